@@ -1,0 +1,469 @@
+/*
+ * hbil: horizon-based indirect lighting from a G-buffer, through OpenCL.
+ *
+ * From depth, normals, albedo and diffuse light, hbil computes per pixel the
+ * light that near surfaces send (E_near), ambient occlusion, the bent cone
+ * through which far light comes in, that far light (E_far), and the lit
+ * picture; its result is fed back, so light bounces once more every frame.
+ * Method: B. Mayaux, "Horizon-Based Indirect Lighting", 2018, with the
+ * corrections that HACKING.md derives.
+ *
+ * HOW A PROGRAM USES IT
+ *   1. hbil_context_create() on an OpenCL context and device that you own.
+ *   2. Fill an hbil_config (hbil_config_init() sets good defaults): size,
+ *      formats of inputs and outputs, settings.  hbil_plan_memory() says how
+ *      much device memory it needs; hbil_plan_create() builds the kernels and
+ *      allocates the buffers, once.
+ *   3. Every frame: fill an hbil_frame (camera, images) and call
+ *      hbil_enqueue_frame(), or the passes one by one.
+ *
+ * CONVENTIONS
+ *   View space: right-handed, x right, y down, z forward.  Pixel (i,j) has its
+ *   centre at (i+0.5, j+0.5), origin at the top left, and looks along
+ *   r = ((i+0.5-cx)/fx, (j+0.5-cy)/fy, 1).  Matrices: row-major 4x4 for column
+ *   vectors.  Light: linear, any RGB primaries (they are never mixed).
+ *   Radiance L in W/(m2 sr), irradiance E in W/m2; a diffuse surface sends
+ *   L = (1-F0) albedo/pi E, plus its emission.
+ *
+ * THREADS
+ *   A context and its plans may be used by one thread at a time.  Different
+ *   contexts are independent, even on the same cl_context.
+ *
+ * BLOCKING
+ *   The hbil_enqueue_* functions never wait for the device and allocate
+ *   nothing themselves.  hbil_context_create(), hbil_plan_create() (compiles
+ *   kernels) and hbil_plan_timings() may take long and may wait.
+ *
+ * ERRORS
+ *   Every function that can fail returns an hbil_status; HBIL_SUCCESS is 0.
+ *   hbil_context_message() gives one sentence on the context's last failure.
+ *   Arguments are checked before anything is enqueued.  The library never
+ *   prints, exits or aborts.
+ */
+#ifndef HBIL_HBIL_H
+#define HBIL_HBIL_H
+
+#include <stddef.h>
+
+#ifndef CL_TARGET_OPENCL_VERSION
+#define CL_TARGET_OPENCL_VERSION 120
+#endif
+#include <CL/cl.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define HBIL_VERSION_MAJOR 0
+#define HBIL_VERSION_MINOR 1
+#define HBIL_VERSION_PATCH 0
+
+#if defined(_WIN32)
+#define HBIL_API
+#else
+#define HBIL_API __attribute__((visibility("default")))
+#endif
+
+/* ------------------------------------------------------------------------ */
+/* Status                                                                    */
+
+typedef enum hbil_status {
+  HBIL_SUCCESS = 0,
+  HBIL_INVALID_ARGUMENT = 1,     /* a null or malformed argument */
+  HBIL_INVALID_CONFIG = 2,       /* a field of hbil_config is out of range */
+  HBIL_INVALID_FRAME = 3,        /* a field of hbil_frame is missing or wrong */
+  HBIL_OUT_OF_HOST_MEMORY = 4,
+  HBIL_OUT_OF_DEVICE_MEMORY = 5, /* the device could not hold the buffers */
+  HBIL_UNSUPPORTED_DEVICE = 6,   /* below OpenCL 1.2 or without a compiler */
+  HBIL_BUILD_FAILED = 7,         /* a kernel did not compile; see the message */
+  HBIL_OPENCL_ERROR = 8          /* any other OpenCL failure; see the message */
+} hbil_status;
+
+/* A short English sentence for a status; never NULL; static storage. */
+HBIL_API const char *hbil_status_string(hbil_status status);
+
+/* "major.minor.patch" of the library that is running; static storage. */
+HBIL_API const char *hbil_version(void);
+
+/* ------------------------------------------------------------------------ */
+/* Context                                                                   */
+
+typedef struct hbil_context hbil_context;
+
+/*
+ * A context binds the library to a cl_context and one of its devices.  Both
+ * are retained until hbil_context_destroy().  Needs OpenCL 1.2 and an online
+ * compiler; images, sub-groups and 64-bit atomics are not used.
+ * Environment: HBIL_KERNEL_DIR names a folder from which the .cl files are
+ * read in place of the embedded ones (for work on the kernels).
+ */
+HBIL_API hbil_status hbil_context_create(cl_context context,
+                                         cl_device_id device,
+                                         hbil_context **out);
+
+/* Destroys a context whose plans are all destroyed.  NULL is allowed. */
+HBIL_API void hbil_context_destroy(hbil_context *context);
+
+/*
+ * One sentence on the last failure in this context or one of its plans, with
+ * the OpenCL error's name, and the build log where a kernel did not compile.
+ * Empty if nothing has failed.  Valid until the next call on the context.
+ */
+HBIL_API const char *hbil_context_message(const hbil_context *context);
+
+/* ------------------------------------------------------------------------ */
+/* Images: a caller's buffer seen as pixels                                  */
+
+typedef enum hbil_component {
+  HBIL_NONE = 0,    /* no such image */
+  HBIL_FLOAT32 = 1, /* 4 bytes */
+  HBIL_FLOAT16 = 2, /* 2 bytes, IEEE half */
+  HBIL_UNORM8 = 3   /* 1 byte, 0..255 for 0..1; inputs only */
+} hbil_component;
+
+/*
+ * How pixels lie in a buffer; fixed per plan, since kernels are built for it.
+ * stride: components from a pixel to its right-hand neighbour.  1 is planar
+ * (each channel is a plane of its own, hbil_image.plane_pitch apart), 3 or 4
+ * is RGB or RGBA interleaved (channels are adjacent, extra ones untouched).
+ * Single-channel images have stride 1, or more to pick one of a wider pixel.
+ * 0 stands for the number of channels the image has.
+ */
+typedef struct hbil_format {
+  hbil_component component;
+  cl_uint stride;
+} hbil_format;
+
+/*
+ * A caller's buffer holding one image.  The caller keeps ownership; the
+ * commands that hbil enqueues use it until their event completes.
+ * offset, row_pitch and plane_pitch are bytes and multiples of the component
+ * size.  row_pitch 0: width * stride components.  plane_pitch (planar images
+ * with more than one channel) 0: row_pitch * height.
+ * The library checks that the last pixel lies inside the buffer.
+ */
+typedef struct hbil_image {
+  cl_mem buffer;
+  size_t offset;
+  size_t row_pitch;
+  size_t plane_pitch;
+} hbil_image;
+
+/* ------------------------------------------------------------------------ */
+/* Configuration: everything that decides about kernels and memory           */
+
+typedef enum hbil_depth_kind {
+  HBIL_DEPTH_PLANAR = 0, /* z, along the camera's axis */
+  HBIL_DEPTH_RAY = 1     /* distance from the eye */
+} hbil_depth_kind;
+
+typedef enum hbil_space {
+  HBIL_SPACE_VIEW = 0, /* x right, y down, z forward */
+  HBIL_SPACE_WORLD = 1
+} hbil_space;
+
+typedef enum hbil_reprojection {
+  HBIL_REPROJECTION_NONE = 0,    /* no history: a single bounce */
+  HBIL_REPROJECTION_SCATTER = 1, /* from camera movement; the nearest wins */
+  HBIL_REPROJECTION_MOTION = 2   /* from motion vectors */
+} hbil_reprojection;
+
+/* What is carried to the next frame. */
+typedef enum hbil_feedback {
+  /* The indirect irradiance; the new frame's own albedo, direct light and
+   * emission make radiance of it.  Direct light and texture have no lag. */
+  HBIL_FEEDBACK_IRRADIANCE = 0,
+  /* The diffuse radiance, direct light included, as in the paper (3.2). The
+   * new frame's direct light serves only where nothing was carried over. */
+  HBIL_FEEDBACK_RADIANCE = 1
+} hbil_feedback;
+
+typedef enum hbil_far_field {
+  HBIL_FAR_NONE = 0,     /* E_far = 0 */
+  HBIL_FAR_CONSTANT = 1, /* the same radiance from everywhere */
+  HBIL_FAR_SH = 2        /* order-2 spherical harmonics, 9 coefficients */
+} hbil_far_field;
+
+/* Light of an interval that is blocked by a sample facing away. */
+typedef enum hbil_refused {
+  /* The last accepted radiance along the half-slice (paper, 3.4); at first
+   * the pixel's own. */
+  HBIL_REFUSED_LAST = 0,
+  HBIL_REFUSED_BLACK = 1
+} hbil_refused;
+
+/* Where the samples of a slice may lie. */
+typedef enum hbil_lattice {
+  HBIL_LATTICE_LAYER = 0, /* every fourth pixel, in the pixel's own layer */
+  HBIL_LATTICE_FULL = 1   /* any pixel */
+} hbil_lattice;
+
+typedef struct hbil_config {
+  size_t struct_size; /* set by hbil_config_init() */
+
+  cl_uint width, height; /* pixels, 1..16384 */
+
+  /* Formats of the inputs.  depth and normal are needed, the others optional
+   * (HBIL_NONE): albedo then is 1, all others 0. */
+  hbil_format depth;    /* 1 channel; see depth_kind, background */
+  hbil_format normal;   /* 3 channels, any length; see normal_space */
+  hbil_format albedo;   /* 3 channels, diffuse reflectance, 0..1 */
+  hbil_format f0;       /* 3 channels, reflectance at normal incidence, 0..1 */
+  hbil_format direct;   /* 3 channels, irradiance of direct light; see
+                           direct_scale */
+  hbil_format emission; /* 3 channels, radiance */
+  hbil_format motion;   /* 2 channels, pixels; see motion_scale */
+
+  /* Formats of the outputs (FLOAT32 or FLOAT16); those left HBIL_NONE are not
+   * computed where nothing else needs them. */
+  hbil_format near_light; /* 3: E_near, irradiance */
+  hbil_format far_light;  /* 3: E_far, irradiance */
+  hbil_format ao;         /* 1: ambient visibility, 1 open .. 0 closed */
+  hbil_format bent;       /* 3: unit bent normal (see bent_space), 0 for sky */
+  hbil_format cone;       /* 1: cosine of the bent cone's half-angle */
+  hbil_format indirect;   /* 3: (1-F0) (E_near + E_far) / pi */
+  hbil_format radiance;   /* 3: albedo ((1-F0) E_direct/pi + indirect)
+                                + emission; at the sky: emission if given,
+                                else the far field */
+
+  /* How inputs are read. */
+  hbil_depth_kind depth_kind;
+  float background; /* depths >= this are sky, like those that are not a
+                       positive finite number; default infinity */
+  hbil_space normal_space; /* default view */
+  hbil_space bent_space;   /* default view */
+  float direct_scale; /* factor that makes E_direct of `direct`; default 1 */
+  float motion_scale[2]; /* factors that make (previous - current) position,
+                            in pixels, x right, y down, of `motion` */
+
+  /* The method. */
+  float radius;         /* world units; occluders farther from the point are
+                           ignored; infinity (default): unlimited */
+  cl_uint slices;       /* per pixel, 1..32; default 2 */
+  cl_uint samples;      /* per side of a slice, 1..256; default 8 */
+  float step_growth;    /* spacing of samples, 0..64: 0 equal steps; g: the
+                           last step is (1+g)^2 times the first; default 3 */
+  hbil_lattice lattice; /* default FULL */
+  float facing[2];      /* radiance of a sample fades in as the cosine between
+                           its normal and the direction back to the point goes
+                           from facing[0] to facing[1]; -1..1, ascending;
+                           default -0.1, 0 */
+  hbil_refused refused; /* default LAST */
+  cl_bool gather_emission; /* emission lights neighbours too (CL_TRUE), or is
+                              in `direct` already (CL_FALSE); default CL_TRUE */
+  hbil_reprojection reprojection; /* default SCATTER */
+  hbil_feedback feedback;         /* default IRRADIANCE */
+  float disocclusion;   /* carried-over light is dropped where its depth is off
+                           the new depth by more than this share; > 0;
+                           infinity: never; default 0.05 */
+  hbil_far_field far_field;       /* default NONE */
+  cl_bool raw_interleave; /* CL_TRUE: recompose only undoes the 4x4 split and
+                             filters nothing; default CL_FALSE */
+
+  /* How it runs. */
+  cl_uint vector_width; /* 1, 4, 8, 16; 0 (default): chosen for the device */
+  cl_bool profiling; /* keep events for hbil_plan_timings(); needs queues made
+                        with CL_QUEUE_PROFILING_ENABLE; default CL_FALSE */
+} hbil_config;
+
+/* Defaults; width, height and the formats are left at 0 for the caller. */
+HBIL_API void hbil_config_init_sized(hbil_config *config, size_t struct_size);
+#define hbil_config_init(config)                                               \
+  hbil_config_init_sized((config), sizeof(hbil_config))
+
+/* ------------------------------------------------------------------------ */
+/* Camera and frame                                                          */
+
+/* A perspective camera.  world_from_view must be rigid (rotation and
+ * translation); it is checked to 1e-3. */
+typedef struct hbil_camera {
+  double fx, fy; /* focal lengths, pixels, > 0 */
+  double cx, cy; /* principal point, pixels from the top left corner */
+  double world_from_view[16];
+} hbil_camera;
+
+/*
+ * Makes a camera from the convention of OpenGL and Blender: camera_to_world
+ * with x right, y up, looking down -z.
+ */
+HBIL_API void hbil_camera_from_opengl(hbil_camera *camera,
+                                      const double camera_to_world[16],
+                                      double fx, double fy, double cx,
+                                      double cy);
+
+typedef struct hbil_frame {
+  size_t struct_size; /* set by hbil_frame_init() */
+  hbil_camera camera;
+  /* Inputs and outputs: exactly those whose format the plan has. */
+  hbil_image depth, normal, albedo, f0, direct, emission, motion;
+  hbil_image near_light, far_light, ao, bent, cone, indirect, radiance;
+  /* Far field: radiance in environment[0] for HBIL_FAR_CONSTANT; for
+   * HBIL_FAR_SH the coefficients of the real orthonormal basis in world space,
+   * order (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2). */
+  float environment[9][3];
+  cl_uint index; /* turns the sampling pattern; constant for a still pattern */
+} hbil_frame;
+
+/* Everything zero: no images, no far light, an invalid camera. */
+HBIL_API void hbil_frame_init_sized(hbil_frame *frame, size_t struct_size);
+#define hbil_frame_init(frame)                                                 \
+  hbil_frame_init_sized((frame), sizeof(hbil_frame))
+
+/*
+ * Projects a latitude-longitude map onto order-2 SH, on the host.
+ * rgb: height rows of width pixels of 3 floats, row_pitch bytes apart (0:
+ * packed), top row = the +z pole of the map.  A direction d has column
+ * width * (0.5 - atan2(d.y, d.x) / (2 pi)) and row height * acos(d.z) / pi, as
+ * in Blender.  world_from_map: row-major 3x3 rotation, NULL for identity.
+ */
+HBIL_API hbil_status hbil_environment_from_latlong(
+    const float *rgb, size_t width, size_t height, size_t row_pitch,
+    const float world_from_map[9], float environment[9][3]);
+
+/* ------------------------------------------------------------------------ */
+/* Plan                                                                      */
+
+typedef struct hbil_plan hbil_plan;
+
+/* Bytes of device memory that hbil_plan_create() will allocate for config:
+ * the exact sum of its buffer sizes.  Checks config. */
+HBIL_API hbil_status hbil_plan_memory(hbil_context *context,
+                                      const hbil_config *config,
+                                      size_t *bytes);
+
+/* Builds kernels and allocates buffers.  config is copied.  On failure *out is
+ * NULL and nothing is left behind. */
+HBIL_API hbil_status hbil_plan_create(hbil_context *context,
+                                      const hbil_config *config,
+                                      hbil_plan **out);
+
+/* Releases a plan.  Commands already enqueued still complete (OpenCL keeps
+ * what they use).  NULL is allowed. */
+HBIL_API void hbil_plan_destroy(hbil_plan *plan);
+
+/* Forgets the history: the next frame is treated as a first frame. */
+HBIL_API void hbil_plan_reset(hbil_plan *plan);
+
+/*
+ * All enqueue functions: queue belongs to the plan's context and device, in
+ * order or out of order; wait_list as in clEnqueueNDRangeKernel; event, if not
+ * NULL, receives an event that completes when the pass (frame) is done, and
+ * must be released by the caller.  frame is read during the call only.
+ *
+ * hbil_enqueue_frame() runs, in this order:
+ *   reproject   history -> carried light of this frame, with holes
+ *   push_pull   fills the holes from coarser levels
+ *   split       G-buffer -> 4x4 interleaved layers
+ *   gather      horizon search -> AO, E_near, bent normal, per layer
+ *   recompose   layers -> full-resolution planes, filtered
+ *   composite   far light, outputs, history for the next frame
+ * A caller who replaces passes enqueues the others alone, in that order and on
+ * one queue or chained by events, and reaches what they exchange through
+ * hbil_plan_buffer().  reproject and push_pull enqueue nothing when there is
+ * no history; the event then follows the wait list.
+ * hbil_enqueue_composite() makes the frame the plan's history.
+ */
+HBIL_API hbil_status hbil_enqueue_frame(hbil_plan *plan, cl_command_queue queue,
+                                        const hbil_frame *frame,
+                                        cl_uint wait_count,
+                                        const cl_event *wait_list,
+                                        cl_event *event);
+HBIL_API hbil_status hbil_enqueue_reproject(hbil_plan *plan,
+                                            cl_command_queue queue,
+                                            const hbil_frame *frame,
+                                            cl_uint wait_count,
+                                            const cl_event *wait_list,
+                                            cl_event *event);
+HBIL_API hbil_status hbil_enqueue_push_pull(hbil_plan *plan,
+                                            cl_command_queue queue,
+                                            const hbil_frame *frame,
+                                            cl_uint wait_count,
+                                            const cl_event *wait_list,
+                                            cl_event *event);
+HBIL_API hbil_status hbil_enqueue_split(hbil_plan *plan, cl_command_queue queue,
+                                        const hbil_frame *frame,
+                                        cl_uint wait_count,
+                                        const cl_event *wait_list,
+                                        cl_event *event);
+HBIL_API hbil_status hbil_enqueue_gather(hbil_plan *plan,
+                                         cl_command_queue queue,
+                                         const hbil_frame *frame,
+                                         cl_uint wait_count,
+                                         const cl_event *wait_list,
+                                         cl_event *event);
+HBIL_API hbil_status hbil_enqueue_recompose(hbil_plan *plan,
+                                            cl_command_queue queue,
+                                            const hbil_frame *frame,
+                                            cl_uint wait_count,
+                                            const cl_event *wait_list,
+                                            cl_event *event);
+HBIL_API hbil_status hbil_enqueue_composite(hbil_plan *plan,
+                                            cl_command_queue queue,
+                                            const hbil_frame *frame,
+                                            cl_uint wait_count,
+                                            const cl_event *wait_list,
+                                            cl_event *event);
+
+/* ------------------------------------------------------------------------ */
+/* Between the passes                                                        */
+
+/*
+ * What the passes exchange: planes of 32-bit floats.  Values per pixel:
+ *   HISTORY    4: inverse depth 1/z of the last frame (<= 0: sky), carried RGB
+ *   CARRIED    4: RGB of the last frame seen from this one, weight (0: a hole)
+ *   SPLIT      6: inverse depth w (<= 0: nothing there), its gradient in x and
+ *                 y (per unit of ray slope), radiance RGB
+ *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length)
+ *   RESOLVED   7: the same, full resolution
+ * A plan keeps only what its outputs need: hbil_buffer.values says how many of
+ * these, from the first on, it has (SPLIT 3 without radiance; GATHERED and
+ * RESOLVED 4 without bent normals, 1 with AO alone).
+ * Full-resolution planes: value p of pixel (x,y) is at float index
+ *   p * plane_pitch + y * row_pitch + x + origin.
+ * Layered ones (SPLIT, GATHERED): pixel (x,y) lies in layer 4 (y mod 4) +
+ * (x mod 4), at
+ *   p * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin;
+ * outside every layer there is padding that holds "nothing there".
+ */
+typedef enum hbil_stage {
+  HBIL_STAGE_HISTORY = 0,
+  HBIL_STAGE_CARRIED = 1,
+  HBIL_STAGE_SPLIT = 2,
+  HBIL_STAGE_GATHERED = 3,
+  HBIL_STAGE_RESOLVED = 4
+} hbil_stage;
+
+typedef struct hbil_buffer {
+  cl_mem buffer; /* owned by the plan */
+  cl_uint values;
+  size_t plane_pitch, layer_pitch, row_pitch, origin; /* in floats */
+} hbil_buffer;
+
+HBIL_API hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
+                                      hbil_buffer *out);
+
+/* Device time of the last frame, pass by pass. */
+typedef enum hbil_pass {
+  HBIL_PASS_REPROJECT = 0,
+  HBIL_PASS_PUSH_PULL = 1,
+  HBIL_PASS_SPLIT = 2,
+  HBIL_PASS_GATHER = 3,
+  HBIL_PASS_RECOMPOSE = 4,
+  HBIL_PASS_COMPOSITE = 5,
+  HBIL_PASS_COUNT = 6
+} hbil_pass;
+
+/* "reproject", "push_pull", ...; NULL for a number that is no pass. */
+HBIL_API const char *hbil_pass_name(hbil_pass pass);
+
+/* Milliseconds the device spent in each pass since the last hbil_enqueue_frame
+ * began (0 for a pass that did not run).  Waits for those commands.  Needs
+ * config.profiling and a queue with profiling. */
+HBIL_API hbil_status hbil_plan_timings(hbil_plan *plan,
+                                       double milliseconds[HBIL_PASS_COUNT]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,214 @@
+/*
+ * composite: far light through the bent cone, the outputs, and the light that
+ * the next frame starts from.
+ *
+ * Cone (HACKING.md): AO is cosine weighted, so a cone of half-angle alpha has AO
+ * = sin^2(alpha) and t = cos(alpha) = sqrt(1 - AO).  Order-2 SH through it:
+ *   E = sum sqrt(4 pi / (2l+1)) c_l(t) L_lm Y_lm(bent)
+ *   c0 = sqrt(pi)/2 (1-t^2), c1 = sqrt(3 pi)/3 (1-t^3),
+ *   c2 = sqrt(5 pi)/8 (3 (1-t^4) - 2 (1-t^2))
+ * With the constants pulled into the coefficients (host, farfield.c) this is
+ *   E = (1-t^2) s0 + (1-t^3) s1 . Y1 + (3 (1-t^4) - 2 (1-t^2)) s2 . Y2
+ * with Y1 = (y, z, x), Y2 = (xy, yz, 3z^2-1, zx, x^2-y^2).
+ * Fresnel: the diffuse part of the light is (1 - F0) of it (paper 2.3.3).
+ *
+ * Builds: FAR (0 none, 1 constant, 2 SH), inputs' and outputs' formats, HAS_*,
+ * OUT_*, BENT_IS_WORLD, FEEDBACK_RADIANCE, GATHER_EMISSION, GATHER_RADIANCE,
+ * GATHER_BENT, HISTORY.
+ * Launch: x = vectors of HBIL_WIDTH pixels, y = rows.
+ */
+
+LOADER(depth, DEPTH_TYPE, DEPTH_STRIDE)
+#if HAS_ALBEDO
+LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
+#endif
+#if HAS_F0
+LOADER(f0, F0_TYPE, F0_STRIDE)
+#endif
+#if HAS_DIRECT
+LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
+#endif
+#if HAS_EMISSION
+LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
+#endif
+#if OUT_NEAR
+STORER(near, NEAR_TYPE, NEAR_STRIDE)
+#endif
+#if OUT_FAR
+STORER(far, FAR_TYPE, FAR_STRIDE)
+#endif
+#if OUT_AO
+STORER(ao, AO_TYPE, AO_STRIDE)
+#endif
+#if OUT_BENT
+STORER(bent, BENT_TYPE, BENT_STRIDE)
+#endif
+#if OUT_CONE
+STORER(cone, CONE_TYPE, CONE_STRIDE)
+#endif
+#if OUT_INDIRECT
+STORER(indirect, INDIRECT_TYPE, INDIRECT_STRIDE)
+#endif
+#if OUT_RADIANCE
+STORER(radiance, RADIANCE_TYPE, RADIANCE_STRIDE)
+#endif
+
+#define INV_PI 0.318309886f
+#define PI 3.14159265f
+
+/* Vector to world space. */
+static inline void to_world(const hbil_transform_args t, const realv *v,
+                            realv *out) {
+  for (int c = 0; c < 3; ++c)
+    out[c] = fma((realv)t.m[4 * c], v[0],
+                 fma((realv)t.m[4 * c + 1], v[1], t.m[4 * c + 2] * v[2]));
+}
+
+#if FAR == 2
+/* Irradiance through a cone (world axis d); k: the three aperture factors. */
+static inline realv sh_light(const hbil_environment_args e, int c,
+                             const realv *d, const realv *k) {
+  const realv first = fma(d[1], (realv)e.sh[1][c],
+                          fma(d[2], (realv)e.sh[2][c], d[0] * e.sh[3][c]));
+  const realv second =
+      fma(d[0] * d[1], (realv)e.sh[4][c],
+          fma(d[1] * d[2], (realv)e.sh[5][c],
+              fma(fma(3.0f * d[2], d[2], (realv)-1.0f), (realv)e.sh[6][c],
+                  fma(d[2] * d[0], (realv)e.sh[7][c],
+                      fma(d[0], d[0], -d[1] * d[1]) * e.sh[8][c]))));
+  return max(fma(k[0], (realv)e.sh[0][c], fma(k[1], first, k[2] * second)),
+             (realv)0.0f);
+}
+#endif
+
+/* What turns the coefficients' irradiance scale of order l back into radiance:
+ * the inverse of pi, 2 pi / 3, pi / 4 (Ramamoorthi and Hanrahan 2001). */
+#define SH_RADIANCE_0 0.318309886f /* 1 / pi */
+#define SH_RADIANCE_1 0.477464829f /* 3 / (2 pi) */
+#define SH_RADIANCE_2 1.273239545f /* 4 / pi */
+
+kernel void composite(
+    const hbil_view_args view, const hbil_transform_args world,
+    global const float *resolved, global float *history,
+    const hbil_plane_args planes, const hbil_environment_args environment,
+    const float background, const float direct_scale,
+    global const void *depth_buffer, const hbil_image_args depth_image,
+    global const void *albedo_buffer, const hbil_image_args albedo_image,
+    global const void *f0_buffer, const hbil_image_args f0_image,
+    global const void *direct_buffer, const hbil_image_args direct_image,
+    global const void *emission_buffer, const hbil_image_args emission_image,
+    global void *near_buffer, const hbil_image_args near_image,
+    global void *far_buffer, const hbil_image_args far_image,
+    global void *ao_buffer, const hbil_image_args ao_image,
+    global void *bent_buffer, const hbil_image_args bent_image,
+    global void *cone_buffer, const hbil_image_args cone_image,
+    global void *indirect_buffer, const hbil_image_args indirect_image,
+    global void *radiance_buffer, const hbil_image_args radiance_image) {
+  const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
+  if (x >= view.width || y >= view.height)
+    return;
+  const int count = view.width - x;
+  const uint pixel = (uint)y * planes.row + (uint)x;
+  resolved += pixel;
+  const realv rx = ray_x(view, x, 1);
+  const float ry = ray_y(view, y);
+  const realv z = planar_depth(
+      load_depth(depth_buffer, depth_image, x, y, 0, count), rx, ry, background);
+  const intv solid = z > 0.0f;
+  const realv ao = LOADV(resolved);
+  const realv t2 = 1.0f - ao;
+  const realv t = select((realv)0.0f, sqrt(t2), solid);
+#if OUT_AO
+  store_ao(ao, ao_buffer, ao_image, x, y, 0, count);
+#endif
+#if OUT_CONE
+  store_cone(t, cone_buffer, cone_image, x, y, 0, count);
+#endif
+#if GATHER_BENT
+  realv bent[3], axis[3];
+  for (int c = 0; c < 3; ++c)
+    bent[c] = LOADV(resolved + (HBIL_LIGHT_BENT + c) * planes.plane);
+  to_world(world, bent, axis);
+#if OUT_BENT
+  for (int c = 0; c < 3; ++c)
+    store_bent(BENT_IS_WORLD ? axis[c] : bent[c], bent_buffer, bent_image, x, y,
+               c, count);
+#endif
+#endif
+#if FAR == 2
+  const realv aperture[3] = {ao, fma(-t2, t, (realv)1.0f),
+                             3.0f * fma(-t2, t2, (realv)1.0f) - 2.0f * ao};
+  const realv ray[3] = {rx, ry, 1.0f};
+  realv sky[3];
+  to_world(world, ray, sky);
+  const realv inv_r = 1.0f / sqrt(fma(rx, rx, (realv)fma(ry, ry, 1.0f)));
+  for (int c = 0; c < 3; ++c)
+    sky[c] *= inv_r;
+  const realv unscaled[3] = {SH_RADIANCE_0, SH_RADIANCE_1, SH_RADIANCE_2};
+#endif
+#if HISTORY
+  STOREV(select((realv)0.0f, 1.0f / z, solid), history + pixel);
+#endif
+  for (int c = 0; c < 3; ++c) {
+    realv near_light = 0.0f, far_light = 0.0f, behind = 0.0f;
+#if GATHER_RADIANCE
+    near_light = LOADV(resolved + (HBIL_LIGHT_RED + c) * planes.plane);
+#endif
+#if FAR == 1
+    behind = environment.sh[0][c];
+    far_light = PI * ao * behind;
+#elif FAR == 2
+    behind = sh_light(environment, c, sky, unscaled);
+    far_light = sh_light(environment, c, axis, aperture);
+#endif
+    far_light = select((realv)0.0f, far_light, solid);
+    realv reflectance = 1.0f, diffuse = 1.0f, irradiance = 0.0f;
+    realv emitted = 0.0f;
+#if HAS_ALBEDO
+    reflectance = min(
+        repaired(load_albedo(albedo_buffer, albedo_image, x, y, c, count)),
+        1.0f);
+#endif
+#if HAS_F0
+    diffuse -=
+        min(repaired(load_f0(f0_buffer, f0_image, x, y, c, count)), 1.0f);
+#endif
+#if HAS_DIRECT
+    irradiance =
+        direct_scale *
+        repaired(load_direct(direct_buffer, direct_image, x, y, c, count));
+#endif
+#if HAS_EMISSION
+    emitted = repaired(
+        load_emission(emission_buffer, emission_image, x, y, c, count));
+    behind = emitted;
+#endif
+    const realv light = near_light + far_light;
+    const realv indirect = diffuse * INV_PI * light;
+    const realv reflected =
+        reflectance * fma(diffuse * INV_PI, irradiance, indirect);
+#if OUT_NEAR
+    store_near(near_light, near_buffer, near_image, x, y, c, count);
+#endif
+#if OUT_FAR
+    store_far(far_light, far_buffer, far_image, x, y, c, count);
+#endif
+#if OUT_INDIRECT
+    store_indirect(select((realv)0.0f, indirect, solid), indirect_buffer,
+                   indirect_image, x, y, c, count);
+#endif
+#if OUT_RADIANCE
+    store_radiance(select(behind, reflected + emitted, solid), radiance_buffer,
+                   radiance_image, x, y, c, count);
+#endif
+#if HISTORY
+#if FEEDBACK_RADIANCE
+    const realv carried = GATHER_EMISSION ? reflected + emitted : reflected;
+#else
+    const realv carried = light;
+#endif
+    STOREV(select((realv)0.0f, carried, solid),
+           history + (HBIL_HISTORY_RED + c) * planes.plane + pixel);
+#endif
+  }
+}

@@ -1,0 +1,296 @@
+/*
+ * gather: the horizon search.  AO, E_near and the bent normal of every pixel,
+ * layer by layer.
+ *
+ * All pixels of a layer share the sample offsets, so a vector of neighbouring
+ * pixels loads vectors of neighbouring samples.  Along a half-slice the highest
+ * horizon is the largest excess of inverse depth over the pixel's tangent
+ * plane, per unit of ray slope:
+ *   excess = (w1 - w0 - grad.e) / |e| ,  cot(theta) = cot(theta_t) + a z0 excess
+ * (HACKING.md derives it); only where that maximum grows is there anything to
+ * compute.  Integrals of a half-slice, theta from the view direction:
+ *   A = nx/2 (theta - sin cos) + ny/2 sin^2        cosine-weighted
+ *   b = D/2 (theta - sin cos) + wo/2 sin^2         direction
+ * Each slice weighs J = |wo_z| / (1 - (u.wo)^2), since slices equally spaced on
+ * the screen are not equally spaced about wo; sums are divided by the sum of
+ * J A(theta_t), which makes the white furnace exact for any number of slices.
+ *
+ * Builds: SLICES, SAMPLES, LIMITED (a radius), LEVELS, GATHER_RADIANCE,
+ * GATHER_BENT, REFUSED_BLACK.
+ * Launch: x = vectors of HBIL_WIDTH pixels of a layer row, y = layer rows, z =
+ * layers.  In: split planes, steps.  Out: light planes, same layout.
+ */
+
+#define PI 3.14159265f
+#define HALF_PI 1.57079633f
+
+/* theta - sin(theta) cos(theta) and sin^2(theta) of h = cot(theta).
+ * atan is an odd polynomial on [0,1], relative error 1.1e-7 (fitted). */
+static inline void horizon_terms(realv h, realv *g, realv *sin2) {
+  const realv a = fabs(h);
+  const realv r = 1.0f / fma(a, a, (realv)1.0f);
+  const intv steep = a > 1.0f;
+  const realv t = select(a, 1.0f / a, steep);
+  const realv q = t * t;
+  realv p = fma(q, (realv)-0.0048224362f, (realv)0.02473375f);
+  p = fma(q, p, (realv)-0.060202744f);
+  p = fma(q, p, (realv)0.0996845f);
+  p = fma(q, p, (realv)-0.14041321f);
+  p = fma(q, p, (realv)0.19974214f);
+  p = fma(q, p, (realv)-0.33332393f);
+  p = fma(t * q, p, t);
+  const realv up = select(HALF_PI - p, p, steep) - a * r;
+  *g = select(up, PI - up, h < 0.0f);
+  *sin2 = r;
+}
+
+#if LIMITED
+/* Largest inverse depth of the tile that holds layer pixel x. */
+static inline float tile_nearest(global const float *row, int x) {
+  float lane[HBIL_TILE], nearest;
+  row += x / HBIL_TILE * HBIL_TILE;
+  for (int i = 0; i < HBIL_TILE; i += HBIL_WIDTH)
+    STOREV(LOADV(row + i), lane + i);
+  nearest = lane[0];
+  for (int i = 1; i < HBIL_TILE; ++i)
+    nearest = max(nearest, lane[i]);
+  return nearest;
+}
+#endif
+
+/* What a pixel brings to all its slices. */
+typedef struct center {
+  realv w, gx, gy; /* inverse depth, its gradient */
+  realv rx;        /* ray */
+  float ry;
+  realv z, r, inv_r;   /* depth, length of the ray, its inverse */
+  realv inv_n;         /* 1 / |(gx, gy, w - g.r)|: scale of the normal */
+  realv red, green, blue; /* own radiance */
+} center;
+
+/* State of a half-slice. */
+typedef struct march {
+  realv excess;           /* the highest so far */
+  realv a, g, sin2;       /* integrals at the present horizon */
+  realv red, green, blue; /* sum of L dA */
+  realv last_red, last_green, last_blue;
+} march;
+
+/* The samples that raise the horizon: lanes `rises`, sample of inverse depth
+ * w1 at `step`, found at `sample` in the planes. */
+static inline void raise(const center *c, march *m, intv rises, realv excess,
+                         realv w1, const hbil_step step,
+                         global const float *sample, uint plane,
+                         const hbil_gather_args args, realv cot_tangent,
+                         realv slope, realv nx, realv ny) {
+#if LIMITED || GATHER_RADIANCE
+  /* sample point - point, from P = r z */
+  const realv z1 = 1.0f / w1;
+  const realv dz = (c->w - w1) * c->z * z1;
+  const realv dx = fma(c->rx, dz, step.ex * z1);
+  const realv dy = fma((realv)c->ry, dz, step.ey * z1);
+  const realv distance2 = fma(dx, dx, fma(dy, dy, dz * dz));
+#endif
+#if LIMITED
+  rises &= distance2 <= args.radius * args.radius;
+  if (!ANY(rises))
+    return;
+#endif
+  realv g, sin2;
+  horizon_terms(fma(slope, excess, cot_tangent), &g, &sin2);
+  const realv a = 0.5f * fma(nx, g, ny * sin2);
+#if GATHER_RADIANCE
+  const realv share = select((realv)0.0f, m->a - a, rises);
+  const realv gx = LOADV(sample + HBIL_SPLIT_GX * plane);
+  const realv gy = LOADV(sample + HBIL_SPLIT_GY * plane);
+  /* The sample's plane seen at the centre, and the cosine of its facing. */
+  const realv behind = w1 - fma(gx, (realv)step.ex, gy * step.ey);
+  const realv gz = w1 - fma(gx, c->rx + step.ex, gy * (c->ry + step.ey));
+  const realv n2 = fma(gx, gx, fma(gy, gy, gz * gz));
+  const realv cosine = (c->w - behind) * c->z / sqrt(n2 * distance2);
+  const realv accept =
+      FACING_STEP
+          ? select((realv)0.0f, (realv)1.0f, cosine >= args.facing[0])
+          : smoothstep((realv)args.facing[0], (realv)args.facing[1], cosine);
+  realv red = LOADV(sample + HBIL_SPLIT_RED * plane);
+  realv green = LOADV(sample + (HBIL_SPLIT_RED + 1) * plane);
+  realv blue = LOADV(sample + (HBIL_SPLIT_RED + 2) * plane);
+#if REFUSED_BLACK
+  red *= accept;
+  green *= accept;
+  blue *= accept;
+#else
+  red = fma(accept, red - m->last_red, m->last_red);
+  green = fma(accept, green - m->last_green, m->last_green);
+  blue = fma(accept, blue - m->last_blue, m->last_blue);
+  m->last_red = select(m->last_red, red, rises);
+  m->last_green = select(m->last_green, green, rises);
+  m->last_blue = select(m->last_blue, blue, rises);
+#endif
+  m->red = select(m->red, fma(share, red, m->red), rises);
+  m->green = select(m->green, fma(share, green, m->green), rises);
+  m->blue = select(m->blue, fma(share, blue, m->blue), rises);
+#endif
+  m->a = select(m->a, a, rises);
+  m->g = select(m->g, g, rises);
+  m->sin2 = select(m->sin2, sin2, rises);
+  m->excess = select(m->excess, excess, rises);
+}
+
+kernel void gather(const hbil_gather_args args, global const float *split,
+                   global const hbil_step *steps, global float *light) {
+  const hbil_layer_args in = args.split;
+  const int x = (int)get_global_id(0) * HBIL_WIDTH;
+  const int y = (int)get_global_id(1), layer = (int)get_global_id(2);
+  if (x >= in.width || y >= in.height)
+    return;
+  const uint at = (uint)layer * in.layer + in.origin + (uint)y * in.row;
+  global const float *here = split + at + (uint)x;
+  light += (uint)layer * args.light.layer + args.light.origin +
+           (uint)y * args.light.row + (uint)x;
+
+  center c;
+  c.w = LOADV(here);
+  const intv solid = c.w > 0.0f;
+  realv ao = 1.0f, red = 0.0f, green = 0.0f, blue = 0.0f;
+  realv bent_x = 0.0f, bent_y = 0.0f, bent_z = 0.0f;
+  if (ANY(solid)) {
+#if LIMITED
+    steps += (uint)(hbil_level(args.reach,
+                               args.radius * tile_nearest(split + at, x),
+                               LEVELS) *
+                    HBIL_LAYERS) *
+             (2u * SLICES * SAMPLES);
+#endif
+    steps += (uint)layer * (2u * SLICES * SAMPLES);
+    c.gx = LOADV(here + HBIL_SPLIT_GX * in.plane);
+    c.gy = LOADV(here + HBIL_SPLIT_GY * in.plane);
+#if GATHER_RADIANCE && !REFUSED_BLACK
+    c.red = LOADV(here + HBIL_SPLIT_RED * in.plane);
+    c.green = LOADV(here + (HBIL_SPLIT_RED + 1) * in.plane);
+    c.blue = LOADV(here + (HBIL_SPLIT_RED + 2) * in.plane);
+#endif
+    c.rx = ray_x(args.view, 4 * x + (layer & 3), 4);
+    c.ry = ray_y(args.view, 4 * y + (layer >> 2));
+    c.z = 1.0f / c.w;
+    c.r = sqrt(fma(c.rx, c.rx, (realv)fma(c.ry, c.ry, 1.0f)));
+    c.inv_r = 1.0f / c.r;
+    const realv gz = c.w - fma(c.gx, c.rx, c.gy * c.ry);
+    c.inv_n = 1.0f / sqrt(fma(c.gx, c.gx, fma(c.gy, c.gy, gz * gz)));
+    const realv ny = c.w * c.inv_n * c.inv_r;
+
+    /* Sums over half-slices: J A at the horizon and at the tangent plane, the
+     * same of b, b in the slice's u and along wo. */
+    realv open = 0.0f, whole = 0.0f;
+    realv open_x = 0.0f, open_y = 0.0f, open_wo = 0.0f;
+    realv whole_x = 0.0f, whole_y = 0.0f, whole_wo = 0.0f;
+
+    for (int slice = 0; slice < SLICES; ++slice) {
+      float ux, uy;
+      hbil_pattern_args pattern;
+      pattern.slices = SLICES;
+      pattern.turn = args.turn;
+      hbil_slice_direction(layer, slice, pattern, &ux, &uy);
+      const realv u_wo = -(ux * c.rx + uy * c.ry) * c.inv_r;
+      const realv ud2 = fma(-u_wo, u_wo, (realv)1.0f);
+      const realv inv_ud = 1.0f / sqrt(ud2);
+      const realv jacobian = c.inv_r * inv_ud * inv_ud;
+      const realv slope = c.r * c.z * inv_ud;
+      const realv g_u = fma(c.gx, (realv)ux, c.gy * uy);
+      const realv side_nx =
+          -fma(u_wo, c.w * c.inv_r, g_u) * c.inv_n * inv_ud;
+      const realv side_cot = fma(g_u * c.r, c.z, u_wo) * inv_ud;
+      realv slice_red = 0.0f, slice_green = 0.0f, slice_blue = 0.0f;
+
+      for (int side = 0; side < 2; ++side) {
+        const float sign = side ? -1.0f : 1.0f;
+        const realv nx = sign * side_nx, cot_tangent = sign * side_cot;
+        march m;
+        horizon_terms(cot_tangent, &m.g, &m.sin2);
+        m.a = 0.5f * fma(nx, m.g, ny * m.sin2);
+        m.excess = 0.0f;
+#if GATHER_RADIANCE
+        m.red = m.green = m.blue = 0.0f;
+#if !REFUSED_BLACK
+        m.last_red = c.red;
+        m.last_green = c.green;
+        m.last_blue = c.blue;
+#endif
+#endif
+        whole = fma(jacobian, m.a, whole);
+#if GATHER_BENT
+        const realv tangent_d = 0.5f * sign * m.g * inv_ud;
+        whole_x = fma(jacobian * tangent_d, (realv)ux, whole_x);
+        whole_y = fma(jacobian * tangent_d, (realv)uy, whole_y);
+        whole_wo = fma(jacobian, fma(-tangent_d, u_wo, 0.5f * m.sin2), whole_wo);
+#endif
+
+        for (int k = 0; k < SAMPLES; ++k) {
+          const hbil_step step = steps[k];
+          const int sx =
+              clamp(x + step.dx, -HBIL_TILE, (int)in.row - 2 * HBIL_TILE);
+          const int sy = clamp(y + step.dy, -1, in.height);
+          global const float *sample = split + step.base + sy * (int)in.row + sx;
+          const realv w1 = LOADV(sample);
+          const realv excess =
+              fma(fma(w1, (realv)args.keep, -c.w), (realv)step.inv_e,
+                  -fma(c.gx, (realv)step.ux, c.gy * step.uy));
+          const intv rises = excess > m.excess;
+          if (ANY(rises))
+            raise(&c, &m, rises, excess, w1, step, sample, in.plane, args,
+                  cot_tangent, slope, nx, ny);
+        }
+        steps += SAMPLES;
+
+        open = fma(jacobian, m.a, open);
+#if GATHER_BENT
+        const realv open_d = 0.5f * sign * m.g * inv_ud;
+        open_x = fma(jacobian * open_d, (realv)ux, open_x);
+        open_y = fma(jacobian * open_d, (realv)uy, open_y);
+        open_wo = fma(jacobian, fma(-open_d, u_wo, 0.5f * m.sin2), open_wo);
+#endif
+#if GATHER_RADIANCE
+        slice_red += m.red;
+        slice_green += m.green;
+        slice_blue += m.blue;
+#endif
+      }
+      red = fma(jacobian, slice_red, red);
+      green = fma(jacobian, slice_green, green);
+      blue = fma(jacobian, slice_blue, blue);
+    }
+
+    /* whole is S at least in the mean; it falls to the size of a half-slice's
+     * own rounding only where nothing can be seen (1e-6 of a slice). */
+    const realv inv_whole = 1.0f / max(whole, 1e-6f);
+    ao = select((realv)1.0f, clamp(open * inv_whole, 0.0f, 1.0f), solid);
+    red = select((realv)0.0f, PI * red * inv_whole, solid);
+    green = select((realv)0.0f, PI * green * inv_whole, solid);
+    blue = select((realv)0.0f, PI * blue * inv_whole, solid);
+#if GATHER_BENT
+    /* Few slices miss the full hemisphere's S n by whole_*; adding what is
+     * missing in the measure of what is open makes a bare plane's bent normal
+     * exactly n and leaves a closed point alone. */
+    const realv n_scale = -(float)SLICES * c.inv_n;
+    const realv wo_sum = fma(-ao, whole_wo, open_wo) * c.inv_r;
+    bent_x = open_x + ao * fma(n_scale, c.gx, -whole_x) - wo_sum * c.rx;
+    bent_y = open_y + ao * fma(n_scale, c.gy, -whole_y) - wo_sum * c.ry;
+    bent_z = ao * n_scale * gz - wo_sum;
+    const float scale = 1.0f / SLICES;
+    bent_x = select((realv)0.0f, bent_x * scale, solid);
+    bent_y = select((realv)0.0f, bent_y * scale, solid);
+    bent_z = select((realv)0.0f, bent_z * scale, solid);
+#endif
+  }
+  STOREV(ao, light);
+#if GATHER_RADIANCE
+  STOREV(red, light + HBIL_LIGHT_RED * args.light.plane);
+  STOREV(green, light + (HBIL_LIGHT_RED + 1) * args.light.plane);
+  STOREV(blue, light + (HBIL_LIGHT_RED + 2) * args.light.plane);
+#endif
+#if GATHER_BENT
+  STOREV(bent_x, light + HBIL_LIGHT_BENT * args.light.plane);
+  STOREV(bent_y, light + (HBIL_LIGHT_BENT + 1) * args.light.plane);
+  STOREV(bent_z, light + (HBIL_LIGHT_BENT + 2) * args.light.plane);
+#endif
+}

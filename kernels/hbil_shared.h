@@ -1,0 +1,258 @@
+/*
+ * What host C and OpenCL C both read: structs that kernels take by value, the
+ * order of planes, and the sampling pattern.
+ *
+ * The pattern is computed by the same expressions on both sides, with every
+ * rounding spelled out (HBIL_FMA, no contraction elsewhere), so a reference on
+ * the host visits exactly the pixels that the kernels visit.
+ */
+#ifndef HBIL_SHARED_H
+#define HBIL_SHARED_H
+
+#ifdef __OPENCL_VERSION__
+typedef int hbil_int;
+typedef uint hbil_uint;
+typedef float hbil_float;
+#define HBIL_FMA(a, b, c) fma((a), (b), (c))
+#define HBIL_RINT(a) rint(a)
+#define HBIL_SQRT(a) sqrt(a)
+#define HBIL_FABS(a) fabs(a)
+#define HBIL_GLOBAL global
+#else
+#include <CL/cl.h>
+#include <math.h>
+typedef cl_int hbil_int;
+typedef cl_uint hbil_uint;
+typedef cl_float hbil_float;
+#define HBIL_FMA(a, b, c) fmaf((a), (b), (c))
+#define HBIL_RINT(a) rintf(a)
+#define HBIL_SQRT(a) sqrtf(a)
+#define HBIL_FABS(a) fabsf(a)
+#define HBIL_GLOBAL
+#endif
+
+/* The image is split into 4x4 interleaved layers (paper, 3.3). */
+#define HBIL_SIDE 4
+#define HBIL_LAYERS 16
+
+/* Pixels of a layer row that share one reach, and the padding left and right
+ * of each layer row: the widest vector, so that a load which begins anywhere
+ * in [-16, width rounded up to 16] stays inside the row. */
+#define HBIL_TILE 16
+
+/* Inverse depth of "nothing there": below every tangent plane, whatever the
+ * scale of the scene, and far enough from FLT_MAX to take part in sums. */
+#define HBIL_NOTHING (-1e30f)
+
+/* Normals that look away from the eye are bent back until their cosine with the
+ * view direction is this: small enough to leave 89.99 degree planes alone, large
+ * enough that the fp32 rounding of a normal (6e-8) is below 1e-3 of it. */
+#define HBIL_MIN_COSINE 1e-4f
+
+/* Recompose: a neighbour off the pixel's tangent plane by this share of its
+ * inverse depth gets no weight. */
+#define HBIL_PLANE_TOLERANCE 0.02f
+
+/* Planes of the stages (see hbil_plan_buffer() in hbil.h). */
+enum {
+  HBIL_SPLIT_W = 0,
+  HBIL_SPLIT_GX = 1,
+  HBIL_SPLIT_GY = 2,
+  HBIL_SPLIT_RED = 3, /* 4: green, 5: blue */
+  HBIL_SPLIT_PLANES = 6
+};
+enum {
+  HBIL_LIGHT_AO = 0,
+  HBIL_LIGHT_RED = 1, /* 2: green, 3: blue: E_near */
+  HBIL_LIGHT_BENT = 4, /* x, 5: y, 6: z */
+  HBIL_LIGHT_PLANES = 7
+};
+enum {
+  HBIL_HISTORY_W = 0,
+  HBIL_HISTORY_RED = 1,
+  HBIL_HISTORY_PLANES = 4
+};
+enum {
+  HBIL_CARRIED_RED = 0,
+  HBIL_CARRIED_WEIGHT = 3,
+  HBIL_CARRIED_PLANES = 4
+};
+
+/* A caller's image, in components. */
+typedef struct hbil_image_args {
+  hbil_uint offset, row, plane, unused;
+} hbil_image_args;
+
+/* Camera and size. */
+typedef struct hbil_view_args {
+  hbil_int width, height;
+  hbil_float fx, fy, cx, cy;
+  hbil_float inv_fx, inv_fy;
+} hbil_view_args;
+
+/* The upper three rows of a rigid transform between two views. */
+typedef struct hbil_transform_args {
+  hbil_float m[12];
+} hbil_transform_args;
+
+/* A full-resolution set of planes, in floats. */
+typedef struct hbil_plane_args {
+  hbil_uint plane, row;
+} hbil_plane_args;
+
+/* One level of the push/pull chain: where its planes lie, and its size. */
+typedef struct hbil_chain_args {
+  hbil_uint offset, plane, row;
+  hbil_int width, height;
+} hbil_chain_args;
+
+/* A layered set of planes, in floats.  width, height: of a layer. */
+typedef struct hbil_layer_args {
+  hbil_uint plane, layer, row, origin;
+  hbil_int width, height;
+} hbil_layer_args;
+
+/* One sample of a half-slice, common to all pixels of a layer at one level. */
+typedef struct hbil_step {
+  hbil_int base;       /* floats from a plane's start to the sampled layer's
+                          pixel (0,0) */
+  hbil_int dx, dy;     /* offset within the layer, in layer pixels */
+  hbil_float ex, ey;   /* the same from pixel to pixel, in units of ray slope */
+  hbil_float inv_e;    /* 1 / |e| */
+  hbil_float ux, uy;   /* e / |e| */
+} hbil_step;
+
+/* Numbers of one frame that the gather needs. */
+typedef struct hbil_gather_args {
+  hbil_view_args view;
+  hbil_layer_args split, light;
+  hbil_float radius;    /* world units; unused where unlimited */
+  hbil_float reach;     /* hbil_pattern_args.reach */
+  hbil_float turn;      /* hbil_pattern_args.turn */
+  hbil_float keep;      /* 1 - tolerance on a sampled inverse depth */
+  hbil_float facing[2]; /* hbil_config.facing */
+} hbil_gather_args;
+
+/* Far field: SH coefficients already multiplied by the basis functions'
+ * constants and by sqrt(4 pi / (2l+1)), see composite.cl; a constant radiance
+ * in the first. */
+typedef struct hbil_environment_args {
+  hbil_float sh[9][3];
+} hbil_environment_args;
+
+/* What the pattern depends on. */
+typedef struct hbil_pattern_args {
+  hbil_int slices, samples, levels, lattice; /* lattice: 4 within a layer, 1 */
+  hbil_float reach;  /* ray slope from image edge to edge, see hbil_level() */
+  hbil_float growth; /* hbil_config.step_growth */
+  hbil_float turn;   /* rotation of the directions, in slices, [0,1) */
+  hbil_float shift;  /* shift of the samples, in steps, [0,1) */
+} hbil_pattern_args;
+
+/* Each further level reaches half as far. */
+#define HBIL_MAX_LEVELS 12
+
+/*
+ * The level whose reach is the smallest that still covers `need` (a length in
+ * ray slope: radius times the tile's largest inverse depth).
+ */
+static inline hbil_int hbil_level(hbil_float reach, hbil_float need,
+                                  hbil_int levels) {
+  hbil_int level = 0;
+  while (level + 1 < levels && 0.5f * reach >= need) {
+    reach *= 0.5f;
+    ++level;
+  }
+  return level;
+}
+
+/*
+ * Order in which the 16 pixels of a block take the 16 directions (4x4 Bayer
+ * matrix: neighbours get directions far apart), and in which they take the 16
+ * shifts along the slice (the same matrix, mirrored and turned, so that
+ * direction and shift are not tied to each other).
+ */
+static inline hbil_int hbil_direction_slot(hbil_int layer) {
+  /* Bayer: interleave the bits of (x xor y) and y, most significant last. */
+  hbil_int x = layer & 3, y = layer >> 2, v = x ^ y;
+  return ((v & 1) << 3) | ((y & 1) << 2) | (v & 2) | ((y & 2) >> 1);
+}
+static inline hbil_int hbil_shift_slot(hbil_int layer) {
+  hbil_int x = layer & 3, y = layer >> 2;
+  return (hbil_direction_slot((x << 2) | (3 - y)) * 5 + 3) & 15;
+}
+
+/*
+ * cos and sin of pi v for v in [0,1), by polynomials on |angle| <= pi/4 (error
+ * below 1e-7), so that host and device agree to the last bit.
+ */
+static inline void hbil_cos_sin_pi(hbil_float v, hbil_float *c, hbil_float *s) {
+  hbil_int quarter = (hbil_int)HBIL_RINT(v * 2.0f); /* 0, 1, 2 */
+  hbil_float a = HBIL_FMA((hbil_float)quarter, -0.5f, v) * 3.14159274f;
+  hbil_float q = a * a;
+  hbil_float p, r;
+  p = HBIL_FMA(q, 2.75573192e-6f, -1.98412698e-4f); /* Taylor, 1/9!, 1/7! */
+  p = HBIL_FMA(q, p, 8.33333333e-3f);
+  p = HBIL_FMA(q, p, -1.66666667e-1f);
+  p = HBIL_FMA(a * q, p, a);
+  r = HBIL_FMA(q, 2.48015873e-5f, -1.38888889e-3f); /* 1/8!, 1/6! */
+  r = HBIL_FMA(q, r, 4.16666667e-2f);
+  r = HBIL_FMA(q, r, -0.5f);
+  r = HBIL_FMA(q, r, 1.0f);
+  *c = quarter == 0 ? r : quarter == 1 ? -p : -r;
+  *s = quarter == 0 ? p : quarter == 1 ? r : -p;
+}
+
+/*
+ * Direction u (unit, ray-slope space) of a slice in a layer.  The half-slices
+ * go along u and -u.  Over the 16 layers the directions are equally spaced.
+ */
+static inline void hbil_slice_direction(hbil_int layer, hbil_int slice,
+                                        const hbil_pattern_args p,
+                                        hbil_float *ux, hbil_float *uy) {
+  hbil_float t = ((hbil_float)hbil_direction_slot(layer) + 0.5f) * 0.0625f +
+                 p.turn;
+  t = t >= 1.0f ? t - 1.0f : t;
+  hbil_cos_sin_pi(((hbil_float)slice + t) / (hbil_float)p.slices, ux, uy);
+}
+
+/*
+ * Pixel offset of sample k (0..samples-1) along (ux, uy) (already negated for
+ * the second half-slice).
+ *
+ * With t = (k + shift)/samples in (0,1), the distance is reach * t /
+ * (1 + growth (1-t)): equal steps for growth 0, steps growing from
+ * 1/(1+growth) to (1+growth) times the mean otherwise.  No two samples of a
+ * half-slice share a pixel: sample k is at least k+1 lattice steps away.
+ */
+static inline void hbil_sample_offset(hbil_int layer, hbil_int k,
+                                      hbil_int level, hbil_float ux,
+                                      hbil_float uy, const hbil_view_args v,
+                                      const hbil_pattern_args p, hbil_int *x,
+                                      hbil_int *y) {
+  hbil_float lattice = (hbil_float)p.lattice;
+  /* pixels per unit of slope along u, and the larger of its components */
+  hbil_float px = ux * v.fx, py = uy * v.fy;
+  hbil_float ax = HBIL_FABS(px), ay = HBIL_FABS(py);
+  hbil_float major = ax > ay ? ax : ay;
+  /* no pixel of the image is farther along u than this */
+  hbil_float to_x = (hbil_float)v.width / (ax > 1e-6f * major ? ax : 1e-6f * major);
+  hbil_float to_y = (hbil_float)v.height / (ay > 1e-6f * major ? ay : 1e-6f * major);
+  hbil_float edge = to_x < to_y ? to_x : to_y;
+  hbil_float reach = p.reach;
+  hbil_float t, least, d;
+  hbil_int i;
+  for (i = 0; i < level; ++i)
+    reach *= 0.5f;
+  reach = reach < edge ? reach : edge;
+  t = ((hbil_float)hbil_shift_slot(layer) + 0.5f) * 0.0625f + p.shift;
+  t = t >= 1.0f ? t - 1.0f : t;
+  t = ((hbil_float)k + t) / (hbil_float)p.samples;
+  d = reach * t / HBIL_FMA(p.growth, 1.0f - t, 1.0f);
+  least = (hbil_float)(k + 1) * lattice / major;
+  d = d > least ? d : least;
+  *x = (hbil_int)HBIL_RINT(d * px / lattice) * p.lattice;
+  *y = (hbil_int)HBIL_RINT(d * py / lattice) * p.lattice;
+}
+
+#endif

@@ -1,0 +1,43 @@
+/*
+ * pattern: the table of steps that the gather walks, one entry per level,
+ * layer, half-slice and sample, made anew each frame (it turns with
+ * hbil_frame.index and depends on the camera).  A few thousand entries.
+ *
+ * Order: ((level * 16 + layer) * 2 slices + half) * samples + k, half = 2 slice
+ * + (0: along u, 1: along -u).
+ * Launch: x = level * 16 + layer, y = half-slice.
+ */
+kernel void make_pattern(const hbil_view_args view,
+                         const hbil_pattern_args pattern,
+                         const hbil_layer_args layout,
+                         global hbil_step *steps) {
+  const int level = (int)get_global_id(0) / HBIL_LAYERS;
+  const int layer = (int)get_global_id(0) % HBIL_LAYERS;
+  const int half_slice = (int)get_global_id(1);
+  float ux, uy;
+  hbil_slice_direction(layer, half_slice >> 1, pattern, &ux, &uy);
+  if (half_slice & 1) {
+    ux = -ux;
+    uy = -uy;
+  }
+  steps += (get_global_id(0) * (uint)(2 * pattern.slices) + (uint)half_slice) *
+           (uint)pattern.samples;
+  for (int k = 0; k < pattern.samples; ++k) {
+    int x, y;
+    hbil_sample_offset(layer, k, level, ux, uy, view, pattern, &x, &y);
+    /* pixel offset -> the layer it lands in, and the offset there */
+    const int to_x = (layer & 3) + x, to_y = (layer >> 2) + y;
+    hbil_step step;
+    step.base = (int)(((uint)(to_y & 3) * 4u + (uint)(to_x & 3)) *
+                          layout.layer +
+                      layout.origin);
+    step.dx = to_x >> 2;
+    step.dy = to_y >> 2;
+    step.ex = (float)x * view.inv_fx;
+    step.ey = (float)y * view.inv_fy;
+    step.inv_e = 1.0f / sqrt(fma(step.ex, step.ex, step.ey * step.ey));
+    step.ux = step.ex * step.inv_e;
+    step.uy = step.ey * step.inv_e;
+    steps[k] = step;
+  }
+}

@@ -1,0 +1,223 @@
+/*
+ * reproject: the light of the last frame, seen from this one.
+ *
+ * Scatter (paper 3.2) in three kernels.  Every point of the last frame is
+ * projected into this one; atomic_min on the bits of the (positive) depth finds
+ * the nearest at each pixel, a second atomic_min the smallest source index
+ * among those, and one reader per pixel fetches the colour: the same result on
+ * every run and device, with 32-bit atomics alone.
+ * Motion: every pixel fetches four pixels of the last frame where its motion
+ * vector points, those at the depth it expects.
+ *
+ * Builds: REPROJECT_MOTION, DEPTH_*, MOTION_*, DISOCCLUSION (finite).
+ * Launch: x = vectors of HBIL_WIDTH pixels, y = rows.
+ * In: history planes (hbil_shared.h).  Out: carried planes, weight 1 or 0.
+ * All arithmetic is fp32 with the roundings written here.
+ */
+
+LOADER(depth, DEPTH_TYPE, DEPTH_STRIDE)
+
+static inline realv row_of(const hbil_transform_args t, int row, realv x,
+                           realv y, realv z) {
+  return fma((realv)t.m[4 * row], x,
+             fma((realv)t.m[4 * row + 1], y,
+                 fma((realv)t.m[4 * row + 2], z, (realv)t.m[4 * row + 3])));
+}
+
+#if !REPROJECT_MOTION
+
+#define NO_SOURCE 0xffffffffu
+
+/* Where the points of HBIL_WIDTH source pixels go: index of the target pixel
+ * (-1: nowhere) and depth there. */
+static inline intv target_of(const hbil_view_args from, const hbil_view_args to,
+                             const hbil_transform_args motion,
+                             global const float *history,
+                             const hbil_plane_args planes, int x, int y,
+                             realv *depth) {
+  realv w = LOADV(history + (uint)y * planes.row + (uint)x);
+  realv z = 1.0f / w;
+  realv px = ray_x(from, x, 1) * z, py = ray_y(from, y) * z;
+  realv qz = row_of(motion, 2, px, py, z);
+  realv u = fma((realv)to.fx, row_of(motion, 0, px, py, z) / qz, (realv)to.cx);
+  realv v = fma((realv)to.fy, row_of(motion, 1, px, py, z) / qz, (realv)to.cy);
+  intv inside = (w > 0.0f) & (qz > 0.0f) & (qz < INFINITY) & (u >= 0.0f) &
+                (u < (float)to.width) & (v >= 0.0f) & (v < (float)to.height) &
+                (x + EACH_LANE < from.width);
+  intv none = -1;
+  /* Out-of-range floats must not reach the conversion. */
+  u = select((realv)0.0f, u, inside);
+  v = select((realv)0.0f, v, inside);
+  *depth = qz;
+#if HBIL_WIDTH == 1
+  return select(none, convert_int(v) * to.width + convert_int(u), inside);
+#else
+  return select(none,
+                HBIL_PASTE(convert_int, HBIL_WIDTH)(v) * to.width +
+                    HBIL_PASTE(convert_int, HBIL_WIDTH)(u),
+                inside);
+#endif
+}
+
+#if HBIL_WIDTH == 1
+#define STORE_INTV(v, p) (*(p) = (v))
+#else
+#define STORE_INTV(v, p) HBIL_PASTE(vstore, HBIL_WIDTH)((v), 0, (p))
+#endif
+
+/* nearest: first all depths, then all source indices; filled with NO_SOURCE. */
+kernel void scatter_depth(const hbil_view_args from, const hbil_view_args to,
+                          const hbil_transform_args motion,
+                          global const float *history,
+                          const hbil_plane_args planes,
+                          volatile global uint *nearest) {
+  const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
+  if (x >= from.width || y >= from.height)
+    return;
+  realv depth;
+  int target[HBIL_WIDTH];
+  float z[HBIL_WIDTH];
+  STORE_INTV(target_of(from, to, motion, history, planes, x, y, &depth),
+             target);
+  STOREV(depth, z);
+  for (int i = 0; i < HBIL_WIDTH; ++i)
+    if (target[i] >= 0)
+      atomic_min(nearest + target[i], as_uint(z[i]));
+}
+
+kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
+                          const hbil_transform_args motion,
+                          global const float *history,
+                          const hbil_plane_args planes,
+                          volatile global uint *nearest) {
+  const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
+  if (x >= from.width || y >= from.height)
+    return;
+  const uint pixels = (uint)to.width * (uint)to.height;
+  realv depth;
+  int target[HBIL_WIDTH];
+  float z[HBIL_WIDTH];
+  STORE_INTV(target_of(from, to, motion, history, planes, x, y, &depth),
+             target);
+  STOREV(depth, z);
+  for (int i = 0; i < HBIL_WIDTH; ++i)
+    if (target[i] >= 0 && nearest[target[i]] == as_uint(z[i]))
+      atomic_min(nearest + pixels + target[i],
+                 (uint)(y * from.width + x + i));
+}
+
+kernel void scatter_fetch(const hbil_view_args to, const int from_width,
+                          global const float *history,
+                          global float *carried, const hbil_plane_args planes,
+                          global const uint *nearest,
+                          global const void *depth_buffer,
+                          const hbil_image_args depth_image,
+                          const float background, const float disocclusion) {
+  const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
+  if (x >= to.width || y >= to.height)
+    return;
+  const int count = to.width - x;
+  const uint pixels = (uint)to.width * (uint)to.height;
+  float lane[HBIL_CARRIED_PLANES][HBIL_WIDTH], here[HBIL_WIDTH];
+  STOREV(planar_depth(
+             load_depth(depth_buffer, depth_image, x, y, 0, count),
+             ray_x(to, x, 1), ray_y(to, y), background),
+         here);
+  for (int i = 0; i < HBIL_WIDTH; ++i) {
+    const uint at = (uint)y * (uint)to.width + (uint)(x + i);
+    const uint source = i < count ? nearest[pixels + at] : NO_SOURCE;
+    bool carried_over = source != NO_SOURCE && here[i] > 0.0f;
+#if DISOCCLUSION
+    if (carried_over)
+      carried_over = fabs(as_float(nearest[at]) - here[i]) <=
+                     disocclusion * here[i];
+#endif
+    const uint from = source / (uint)from_width * planes.row +
+                      source % (uint)from_width;
+    for (int c = 0; c < 3; ++c)
+      lane[c][i] =
+          carried_over ? history[(HBIL_HISTORY_RED + c) * planes.plane + from]
+                       : 0.0f;
+    lane[HBIL_CARRIED_WEIGHT][i] = carried_over ? 1.0f : 0.0f;
+  }
+  for (int c = 0; c < HBIL_CARRIED_PLANES; ++c)
+    STOREV(LOADV(lane[c]),
+           carried + c * planes.plane + (uint)y * planes.row + (uint)x);
+}
+
+#else
+
+LOADER(motion, MOTION_TYPE, MOTION_STRIDE)
+
+/* One of the four pixels around the place the motion vector points to. */
+static inline void add_tap(global const float *history,
+                           const hbil_plane_args planes, int width, int height,
+                           int x, int y, float weight, float depth,
+                           float disocclusion, float *sum, float *total) {
+  if (x < 0 || y < 0 || x >= width || y >= height)
+    return;
+  history += (uint)y * planes.row + (uint)x;
+  if (!(history[0] > 0.0f))
+    return;
+#if DISOCCLUSION
+  if (!(fabs(1.0f / history[0] - depth) <= disocclusion * depth))
+    return;
+#endif
+  *total += weight;
+  for (int c = 0; c < 3; ++c)
+    sum[c] = fma(weight, history[(HBIL_HISTORY_RED + c) * planes.plane],
+                 sum[c]);
+}
+
+/* motion: from this view to the last frame's. */
+kernel void follow_motion(const hbil_view_args view,
+                          const hbil_transform_args motion,
+                          global const float *history, global float *carried,
+                          const hbil_plane_args planes,
+                          global const void *depth_buffer,
+                          const hbil_image_args depth_image,
+                          global const void *motion_buffer,
+                          const hbil_image_args motion_image,
+                          const float scale_x, const float scale_y,
+                          const float background, const float disocclusion) {
+  const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
+  if (x >= view.width || y >= view.height)
+    return;
+  const int count = view.width - x;
+  const realv rx = ray_x(view, x, 1);
+  const float ry = ray_y(view, y);
+  realv z = planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count),
+                         rx, ry, background);
+  float here[HBIL_WIDTH], expected[HBIL_WIDTH], mx[HBIL_WIDTH], my[HBIL_WIDTH];
+  float lane[HBIL_CARRIED_PLANES][HBIL_WIDTH];
+  STOREV(z, here);
+  STOREV(row_of(motion, 2, rx * z, ry * z, z), expected);
+  STOREV(load_motion(motion_buffer, motion_image, x, y, 0, count) * scale_x,
+         mx);
+  STOREV(load_motion(motion_buffer, motion_image, x, y, 1, count) * scale_y,
+         my);
+  for (int i = 0; i < HBIL_WIDTH; ++i) {
+    float sum[3] = {0.0f, 0.0f, 0.0f}, total = 0.0f;
+    const float u = ((float)(x + i) + 0.5f) + mx[i] - 0.5f;
+    const float v = ((float)y + 0.5f) + my[i] - 0.5f;
+    if (here[i] > 0.0f && expected[i] > 0.0f && u > -1.0f &&
+        u < (float)view.width && v > -1.0f && v < (float)view.height) {
+      const int left = convert_int_rtn(u), top = convert_int_rtn(v);
+      const float a = u - (float)left, b = v - (float)top;
+      const float weight[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b),
+                               (1.0f - a) * b, a * b};
+      for (int t = 0; t < 4; ++t)
+        add_tap(history, planes, view.width, view.height, left + (t & 1),
+                top + (t >> 1), weight[t], expected[i], disocclusion, sum,
+                &total);
+    }
+    for (int c = 0; c < 3; ++c)
+      lane[c][i] = total > 0.0f ? sum[c] / total : 0.0f;
+    lane[HBIL_CARRIED_WEIGHT][i] = total > 0.0f ? 1.0f : 0.0f;
+  }
+  for (int c = 0; c < HBIL_CARRIED_PLANES; ++c)
+    STOREV(LOADV(lane[c]),
+           carried + c * planes.plane + (uint)y * planes.row + (uint)x);
+}
+
+#endif

@@ -1,0 +1,153 @@
+/*
+ * split: G-buffer -> 4x4 interleaved layers of inverse depth, its gradient on
+ * the pixel's tangent plane, and the radiance the pixel sends.
+ *
+ * Inverse depth w is affine in pixel coordinates on a plane; its gradient, per
+ * unit of ray slope, is (n.x, n.y) / (n.P) with P the pixel's point, which is
+ * all that later passes need to know of the normal.
+ *
+ * Builds: the inputs' formats, HAS_*, NORMAL_IS_WORLD, FEEDBACK_RADIANCE,
+ * GATHER_RADIANCE (0: no radiance planes are written), GATHER_EMISSION.
+ * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows.
+ */
+
+LOADER(depth, DEPTH_TYPE, DEPTH_STRIDE)
+LOADER(normal, NORMAL_TYPE, NORMAL_STRIDE)
+#if HAS_ALBEDO
+LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
+#endif
+#if HAS_F0
+LOADER(f0, F0_TYPE, F0_STRIDE)
+#endif
+#if HAS_DIRECT
+LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
+#endif
+#if HAS_EMISSION
+LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
+#endif
+
+#define INV_PI 0.318309886f
+
+/* Unit normal in view space that faces the eye by at least HBIL_MIN_COSINE;
+ * (rx, ry, 1) is the ray, a normal that cannot be used becomes -ray. */
+static inline void facing_normal(realv n[3], realv rx, float ry) {
+  const realv inv_r = 1.0f / sqrt(fma(rx, rx, (realv)fma(ry, ry, 1.0f)));
+  const realv wo[3] = {-rx * inv_r, -ry * inv_r, -inv_r};
+  const realv length2 = fma(n[0], n[0], fma(n[1], n[1], n[2] * n[2]));
+  const intv usable = (length2 >= 1e-20f) & (length2 < INFINITY);
+  const realv inv_length = 1.0f / sqrt(length2);
+  for (int c = 0; c < 3; ++c)
+    n[c] = select(wo[c], n[c] * inv_length, usable);
+  const realv cosine = fma(n[0], wo[0], fma(n[1], wo[1], n[2] * wo[2]));
+  const intv away = cosine < HBIL_MIN_COSINE;
+  if (ANY(away)) {
+    realv bent[3], bent2 = 0.0f;
+    for (int c = 0; c < 3; ++c) {
+      bent[c] = fma(HBIL_MIN_COSINE - cosine, wo[c], n[c]);
+      bent2 = fma(bent[c], bent[c], bent2);
+    }
+    for (int c = 0; c < 3; ++c)
+      n[c] = select(n[c], bent[c] / sqrt(bent2), away);
+  }
+}
+
+kernel void split(const hbil_view_args view, const hbil_transform_args to_view,
+                  global float *layers, const hbil_layer_args layout,
+                  global const float *carried, const hbil_plane_args planes,
+                  const int has_history, const float background,
+                  const float direct_scale,
+                  global const void *depth_buffer,
+                  const hbil_image_args depth_image,
+                  global const void *normal_buffer,
+                  const hbil_image_args normal_image,
+                  global const void *albedo_buffer,
+                  const hbil_image_args albedo_image,
+                  global const void *f0_buffer,
+                  const hbil_image_args f0_image,
+                  global const void *direct_buffer,
+                  const hbil_image_args direct_image,
+                  global const void *emission_buffer,
+                  const hbil_image_args emission_image) {
+  const int x0 = (int)get_global_id(0) * (4 * HBIL_WIDTH);
+  const int y = (int)get_global_id(1);
+  if (x0 >= view.width || y >= view.height)
+    return;
+  realv value[HBIL_SPLIT_PLANES][4];
+  const float ry = ray_y(view, y);
+  for (int part = 0; part < 4; ++part) {
+    const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
+    const realv rx = ray_x(view, x, 1);
+    const realv z =
+        planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count), rx,
+                     ry, background);
+    const intv solid = z > 0.0f;
+    const realv w = 1.0f / z;
+    realv n[3];
+    for (int c = 0; c < 3; ++c)
+      n[c] = load_normal(normal_buffer, normal_image, x, y, c, count);
+#if NORMAL_IS_WORLD
+    realv v[3];
+    for (int c = 0; c < 3; ++c)
+      v[c] = fma((realv)to_view.m[4 * c], n[0],
+                 fma((realv)to_view.m[4 * c + 1], n[1],
+                     to_view.m[4 * c + 2] * n[2]));
+    for (int c = 0; c < 3; ++c)
+      n[c] = v[c];
+#endif
+    facing_normal(n, rx, ry);
+    const realv scale = w / fma(n[0], rx, fma(n[1], (realv)ry, n[2]));
+    value[HBIL_SPLIT_W][part] = select((realv)HBIL_NOTHING, w, solid);
+    value[HBIL_SPLIT_GX][part] = select((realv)0.0f, n[0] * scale, solid);
+    value[HBIL_SPLIT_GY][part] = select((realv)0.0f, n[1] * scale, solid);
+#if GATHER_RADIANCE
+    const uint pixel = (uint)y * planes.row + (uint)x;
+    for (int c = 0; c < 3; ++c) {
+      realv irradiance = 0.0f, reflectance = INV_PI, emitted = 0.0f;
+#if HAS_DIRECT
+      irradiance = direct_scale *
+                   repaired(load_direct(direct_buffer, direct_image, x, y, c,
+                                        count));
+#endif
+#if HAS_ALBEDO
+      reflectance *= min(repaired(load_albedo(albedo_buffer, albedo_image, x,
+                                              y, c, count)),
+                         1.0f);
+#endif
+#if HAS_F0
+      reflectance *=
+          1.0f -
+          min(repaired(load_f0(f0_buffer, f0_image, x, y, c, count)), 1.0f);
+#endif
+#if HAS_EMISSION && GATHER_EMISSION
+      emitted = repaired(
+          load_emission(emission_buffer, emission_image, x, y, c, count));
+#endif
+      realv light;
+#if FEEDBACK_RADIANCE
+      light = fma(reflectance, irradiance, emitted);
+      if (has_history)
+        light = select(
+            light, LOADV(carried + c * planes.plane + pixel),
+            LOADV(carried + HBIL_CARRIED_WEIGHT * planes.plane + pixel) > 0.0f);
+#else
+      if (has_history)
+        irradiance += LOADV(carried + c * planes.plane + pixel);
+      light = fma(reflectance, irradiance, emitted);
+#endif
+      value[HBIL_SPLIT_RED + c][part] = select((realv)0.0f, light, solid);
+    }
+#endif
+  }
+  /* Lanes right of the image loaded depth 0: they are sky, and so is the
+   * layers' right-hand rest. */
+  global float *out = layers + layout.origin +
+                      (uint)(y & 3) * 4u * layout.layer +
+                      (uint)(y >> 2) * layout.row + (uint)(x0 >> 2);
+  for (int p = 0; p < (GATHER_RADIANCE ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED);
+       ++p) {
+    realv column[4];
+    DEINTERLEAVE(value[p], column);
+    for (int i = 0; i < 4; ++i)
+      STOREV(column[i], out + p * layout.plane + (uint)i * layout.layer);
+  }
+}

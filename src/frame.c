@@ -1,0 +1,592 @@
+/* The order of the passes, their arguments and their events. */
+#include "internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- checks, before anything is enqueued --- */
+
+/* The images each pass reads or writes, as bits. */
+#define BIT(image) (1u << (image))
+enum {
+  USES_REPROJECT = BIT(IMAGE_DEPTH) | BIT(IMAGE_MOTION),
+  USES_SURFACE = BIT(IMAGE_DEPTH) | BIT(IMAGE_ALBEDO) | BIT(IMAGE_F0) |
+                 BIT(IMAGE_DIRECT) | BIT(IMAGE_EMISSION),
+  USES_SPLIT = USES_SURFACE | BIT(IMAGE_NORMAL),
+  USES_OUTPUTS = BIT(IMAGE_NEAR) | BIT(IMAGE_FAR) | BIT(IMAGE_AO) |
+                 BIT(IMAGE_BENT) | BIT(IMAGE_CONE) | BIT(IMAGE_INDIRECT) |
+                 BIT(IMAGE_RADIANCE),
+  USES_COMPOSITE = USES_SURFACE | USES_OUTPUTS,
+  USES_FRAME = USES_REPROJECT | USES_SPLIT | USES_OUTPUTS
+};
+
+static size_t component_size(hbil_component component) {
+  return component == HBIL_FLOAT32 ? 4 : component == HBIL_FLOAT16 ? 2 : 1;
+}
+
+/* Pitches of an image with the defaults filled in, in bytes. */
+static void pitches(const hbil_plan *plan, int image, const hbil_image *given,
+                    size_t *row, size_t *plane) {
+  const size_t size =
+      component_size(config_format(&plan->config, image)->component);
+  const size_t stride = format_stride(&plan->config, image);
+  *row =
+      given->row_pitch ? given->row_pitch : size * stride * plan->config.width;
+  *plane = given->plane_pitch ? given->plane_pitch : *row * plan->config.height;
+}
+
+/* Bytes from the first component to the end of the last one. */
+static size_t extent(const hbil_plan *plan, int image, size_t row,
+                     size_t plane) {
+  const size_t size =
+      component_size(config_format(&plan->config, image)->component);
+  const size_t stride = format_stride(&plan->config, image);
+  const size_t channels = image_kinds[image].channels;
+  const size_t across = (plan->config.width - 1) * stride * size;
+  const size_t deep =
+      stride == 1 ? (channels - 1) * plane : (channels - 1) * size;
+  return (plan->config.height - 1) * row + across + deep + size;
+}
+
+static hbil_status check_image(hbil_plan *plan, const hbil_frame *frame,
+                               int image) {
+  hbil_context *context = plan->context;
+  const char *name = image_kinds[image].name;
+  const hbil_image *given = frame_image(frame, image);
+  const hbil_format *format = config_format(&plan->config, image);
+  if (format->component == HBIL_NONE)
+    return given->buffer
+               ? fail(context, HBIL_INVALID_FRAME,
+                      "%s.buffer: given, but the plan has no format for it",
+                      name)
+               : HBIL_SUCCESS;
+  if (!given->buffer)
+    return fail(context, HBIL_INVALID_FRAME,
+                "%s.buffer: missing, the plan has a format for it", name);
+  const size_t size = component_size(format->component);
+  const size_t stride = format_stride(&plan->config, image);
+  if (given->offset % size || given->row_pitch % size ||
+      given->plane_pitch % size)
+    return fail(context, HBIL_INVALID_FRAME,
+                "%s: offset, row_pitch and plane_pitch must be multiples of "
+                "%zu bytes",
+                name, size);
+  size_t row, plane, bytes = 0;
+  pitches(plan, image, given, &row, &plane);
+  if (row < size * ((plan->config.width - 1) * stride + 1))
+    return fail(context, HBIL_INVALID_FRAME,
+                "%s.row_pitch: %zu bytes are less than a row of %u pixels",
+                name, row, (unsigned)plan->config.width);
+  const cl_int error = clGetMemObjectInfo(given->buffer, CL_MEM_SIZE,
+                                          sizeof bytes, &bytes, NULL);
+  if (error != CL_SUCCESS)
+    return fail(context, HBIL_INVALID_FRAME, "%s.buffer: %s", name,
+                cl_error_name(error));
+  const size_t needed = extent(plan, image, row, plane);
+  if (given->offset > bytes || needed > bytes - given->offset)
+    return fail(context, HBIL_INVALID_FRAME,
+                "%s: offset %zu + %zu bytes do not fit in its buffer of %zu",
+                name, given->offset, needed, bytes);
+  if ((given->offset + needed) / size > UINT32_MAX)
+    return fail(context, HBIL_INVALID_FRAME,
+                "%s: components beyond 2^32 cannot be addressed", name);
+  return HBIL_SUCCESS;
+}
+
+static hbil_status check_environment(hbil_plan *plan, const hbil_frame *frame) {
+  const bool sh = plan->config.far_field == HBIL_FAR_SH;
+  const int count = plan->config.far_field == HBIL_FAR_NONE ? 0 : sh ? 9 : 1;
+  for (int i = 0; i < count; ++i)
+    for (int c = 0; c < 3; ++c) {
+      const float v = frame->environment[i][c];
+      if (!isfinite(v) || (!sh && v < 0.0f))
+        return fail(plan->context, HBIL_INVALID_FRAME,
+                    "environment[%d][%d]: %g; must be %s", i, c, (double)v,
+                    sh ? "finite" : "finite and not negative");
+    }
+  return HBIL_SUCCESS;
+}
+
+static hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
+                               unsigned images) {
+  if (frame->struct_size != sizeof *frame)
+    return fail(plan->context, HBIL_INVALID_FRAME,
+                "struct_size: %zu, this library's is %zu; call "
+                "hbil_frame_init() first",
+                frame->struct_size, sizeof *frame);
+  hbil_status status = camera_check(plan->context, &frame->camera);
+  if (status == HBIL_SUCCESS)
+    status = check_environment(plan, frame);
+  for (int i = 0; i < IMAGE_COUNT && status == HBIL_SUCCESS; ++i)
+    if (images & BIT(i))
+      status = check_image(plan, frame, i);
+  return status;
+}
+
+/* --- the chain of commands of one call --- */
+
+typedef struct commands {
+  hbil_plan *plan;
+  cl_command_queue queue;
+  cl_uint wait_count; /* what the next command waits for */
+  const cl_event *wait_list;
+  bool in_order;
+  bool events; /* every command makes an event */
+  hbil_pass pass;
+  cl_event last; /* of the last command; owned */
+} commands;
+
+static hbil_status check_queue(hbil_plan *plan, cl_command_queue queue,
+                               bool *in_order) {
+  cl_context context = NULL;
+  cl_device_id device = NULL;
+  cl_command_queue_properties properties = 0;
+  cl_int error = clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof context,
+                                       &context, NULL);
+  if (error == CL_SUCCESS)
+    error = clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof device,
+                                  &device, NULL);
+  if (error == CL_SUCCESS)
+    error = clGetCommandQueueInfo(queue, CL_QUEUE_PROPERTIES, sizeof properties,
+                                  &properties, NULL);
+  if (error != CL_SUCCESS)
+    return fail_cl(plan->context, error, "clGetCommandQueueInfo");
+  if (context != plan->context->context || device != plan->context->device)
+    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                "queue: not of the plan's OpenCL context and device");
+  if (plan->config.profiling && !(properties & CL_QUEUE_PROFILING_ENABLE))
+    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                "queue: profiling needs CL_QUEUE_PROFILING_ENABLE");
+  *in_order = !(properties & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
+  return HBIL_SUCCESS;
+}
+
+/* Notes a command that has been enqueued with `event`. */
+static void follow(commands *chain, cl_event event) {
+  hbil_plan *plan = chain->plan;
+  if (chain->last)
+    clReleaseEvent(chain->last);
+  chain->last = event;
+  chain->wait_count = 0;
+  chain->wait_list = NULL;
+  if (!chain->in_order) {
+    chain->wait_count = 1;
+    chain->wait_list = &chain->last;
+  }
+  if (plan->config.profiling && plan->launches < MAX_LAUNCHES &&
+      clRetainEvent(event) == CL_SUCCESS) {
+    plan->events[plan->launches] = event;
+    plan->event_pass[plan->launches++] = chain->pass;
+  }
+}
+
+typedef struct argument {
+  size_t size;
+  const void *value;
+} argument;
+
+#define ARG(x)                                                                 \
+  { sizeof(x), &(x) }
+
+static size_t groups_up(size_t n, size_t group) {
+  return (n + group - 1) / group * group;
+}
+
+/* Work-items in x, y, z; rounded up to whole groups, which kernels ignore. */
+static hbil_status launch(commands *chain, int kernel, const argument *args,
+                          cl_uint count, size_t x, size_t y, size_t z) {
+  hbil_context *context = chain->plan->context;
+  const size_t *group = context->group;
+  const size_t local[3] = {group[0], group[1], 1};
+  const size_t global[3] = {groups_up(x, group[0]), groups_up(y, group[1]), z};
+  cl_event event = NULL;
+  for (cl_uint i = 0; i < count; ++i) {
+    const cl_int error = clSetKernelArg(chain->plan->kernels[kernel], i,
+                                        args[i].size, args[i].value);
+    if (error != CL_SUCCESS)
+      return fail_cl(context, error, "clSetKernelArg");
+  }
+  const cl_int error = clEnqueueNDRangeKernel(
+      chain->queue, chain->plan->kernels[kernel], 3, NULL, global, local,
+      chain->wait_count, chain->wait_list, chain->events ? &event : NULL);
+  if (error != CL_SUCCESS)
+    return fail_cl(context, error, "clEnqueueNDRangeKernel");
+  follow(chain, event);
+  return HBIL_SUCCESS;
+}
+
+#define LAUNCH(chain, kernel, args, x, y, z)                                   \
+  launch((chain), (kernel), (args), (cl_uint)(sizeof(args) / sizeof *(args)),  \
+         (x), (y), (z))
+
+/* Vectors of pixels across the image. */
+static size_t across(const hbil_plan *plan) {
+  const size_t width = plan->config.vector_width;
+  return (plan->config.width + width - 1) / width;
+}
+
+/* --- images as arguments --- */
+
+/* Absent images are a null buffer. */
+typedef struct bound_image {
+  cl_mem buffer;
+  hbil_image_args args;
+} bound_image;
+
+static bound_image bind(const hbil_plan *plan, const hbil_frame *frame,
+                        int image) {
+  bound_image bound;
+  memset(&bound, 0, sizeof bound);
+  const hbil_format *format = config_format(&plan->config, image);
+  const hbil_image *given = frame_image(frame, image);
+  if (format->component == HBIL_NONE)
+    return bound;
+  const size_t size = component_size(format->component);
+  size_t row, plane;
+  pitches(plan, image, given, &row, &plane);
+  bound.buffer = given->buffer;
+  bound.args.offset = (cl_uint)(given->offset / size);
+  bound.args.row = (cl_uint)(row / size);
+  /* interleaved channels are neighbours */
+  bound.args.plane =
+      format_stride(&plan->config, image) == 1 ? (cl_uint)(plane / size) : 1;
+  return bound;
+}
+
+#define IMAGE_ARGS(bound) ARG((bound).buffer), ARG((bound).args)
+
+/* --- the passes --- */
+
+static hbil_status scatter(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const hbil_view_args from = camera_view(&plan->history_camera, &plan->config);
+  const hbil_view_args to = camera_view(&frame->camera, &plan->config);
+  const hbil_transform_args motion =
+      camera_between(&plan->history_camera, &frame->camera);
+  const bound_image depth = bind(plan, frame, IMAGE_DEPTH);
+  const cl_uint none = 0xffffffffu;
+  cl_event event = NULL;
+  const cl_int error = clEnqueueFillBuffer(
+      chain->queue, plan->buffers[BUFFER_NEAREST], &none, sizeof none, 0,
+      plan->layout.bytes[BUFFER_NEAREST], chain->wait_count, chain->wait_list,
+      chain->events ? &event : NULL);
+  if (error != CL_SUCCESS)
+    return fail_cl(plan->context, error, "clEnqueueFillBuffer");
+  follow(chain, event);
+  const argument project[] = {ARG(from),
+                              ARG(to),
+                              ARG(motion),
+                              ARG(plan->buffers[BUFFER_HISTORY]),
+                              ARG(plan->layout.planes),
+                              ARG(plan->buffers[BUFFER_NEAREST])};
+  const argument fetch[] = {ARG(to),
+                            ARG(from.width),
+                            ARG(plan->buffers[BUFFER_HISTORY]),
+                            ARG(plan->buffers[BUFFER_CARRIED]),
+                            ARG(plan->layout.planes),
+                            ARG(plan->buffers[BUFFER_NEAREST]),
+                            IMAGE_ARGS(depth),
+                            ARG(plan->config.background),
+                            ARG(plan->config.disocclusion)};
+  const size_t x = across(plan), y = plan->config.height;
+  hbil_status status = LAUNCH(chain, KERNEL_SCATTER_DEPTH, project, x, y, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_SCATTER_INDEX, project, x, y, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_SCATTER_FETCH, fetch, x, y, 1);
+  return status;
+}
+
+static hbil_status follow_motion(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const hbil_view_args view = camera_view(&frame->camera, &plan->config);
+  const hbil_transform_args back =
+      camera_between(&frame->camera, &plan->history_camera);
+  const bound_image depth = bind(plan, frame, IMAGE_DEPTH);
+  const bound_image motion = bind(plan, frame, IMAGE_MOTION);
+  const argument args[] = {ARG(view),
+                           ARG(back),
+                           ARG(plan->buffers[BUFFER_HISTORY]),
+                           ARG(plan->buffers[BUFFER_CARRIED]),
+                           ARG(plan->layout.planes),
+                           IMAGE_ARGS(depth),
+                           IMAGE_ARGS(motion),
+                           ARG(plan->config.motion_scale[0]),
+                           ARG(plan->config.motion_scale[1]),
+                           ARG(plan->config.background),
+                           ARG(plan->config.disocclusion)};
+  return LAUNCH(chain, KERNEL_FOLLOW_MOTION, args, across(plan),
+                plan->config.height, 1);
+}
+
+/* A frame's first pass: timings start anew. */
+static void forget_timings(hbil_plan *plan) {
+  for (int i = 0; i < plan->launches; ++i)
+    clReleaseEvent(plan->events[i]);
+  plan->launches = 0;
+}
+
+static hbil_status reproject(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  forget_timings(plan);
+  if (!plan->has_history)
+    return HBIL_SUCCESS;
+  return plan->config.reprojection == HBIL_REPROJECTION_MOTION
+             ? follow_motion(chain, frame)
+             : scatter(chain, frame);
+}
+
+static hbil_status push_pull(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const hbil_chain_args *levels = plan->layout.chain;
+  const int last = plan->layout.chain_count - 1;
+  const size_t width = plan->config.vector_width;
+  hbil_status status = HBIL_SUCCESS;
+  (void)frame;
+  if (!plan->has_history)
+    return HBIL_SUCCESS;
+  /* finest to coarsest, and back */
+  for (int step = 0; step < 2 * last && status == HBIL_SUCCESS; ++step) {
+    const bool down = step < last;
+    const int fine = down ? step : 2 * last - 1 - step;
+    const hbil_chain_args *written = &levels[down ? fine + 1 : fine];
+    const argument args[] = {ARG(plan->buffers[BUFFER_CARRIED]),
+                             ARG(levels[fine]), ARG(levels[fine + 1])};
+    status = LAUNCH(chain, down ? KERNEL_PUSH : KERNEL_PULL, args,
+                    ((size_t)written->width + width - 1) / width,
+                    (size_t)written->height, 1);
+  }
+  return status;
+}
+
+static hbil_status split(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const hbil_view_args view = camera_view(&frame->camera, &plan->config);
+  const hbil_transform_args to_view = camera_from_world(&frame->camera);
+  const cl_int has_history = plan->has_history;
+  const bound_image depth = bind(plan, frame, IMAGE_DEPTH);
+  const bound_image normal = bind(plan, frame, IMAGE_NORMAL);
+  const bound_image albedo = bind(plan, frame, IMAGE_ALBEDO);
+  const bound_image f0 = bind(plan, frame, IMAGE_F0);
+  const bound_image direct = bind(plan, frame, IMAGE_DIRECT);
+  const bound_image emission = bind(plan, frame, IMAGE_EMISSION);
+  const argument args[] = {ARG(view),
+                           ARG(to_view),
+                           ARG(plan->buffers[BUFFER_SPLIT]),
+                           ARG(plan->layout.layers),
+                           ARG(plan->buffers[BUFFER_CARRIED]),
+                           ARG(plan->layout.planes),
+                           ARG(has_history),
+                           ARG(plan->config.background),
+                           ARG(plan->config.direct_scale),
+                           IMAGE_ARGS(depth),
+                           IMAGE_ARGS(normal),
+                           IMAGE_ARGS(albedo),
+                           IMAGE_ARGS(f0),
+                           IMAGE_ARGS(direct),
+                           IMAGE_ARGS(emission)};
+  return LAUNCH(chain, KERNEL_SPLIT, args, (across(plan) + 3) / 4,
+                plan->config.height, 1);
+}
+
+/* Fractions of a turn and of a step that frame `index` adds: multiples of the
+ * fraction of sqrt(7) (the paper's demo) and of the inverse plastic number,
+ * neither of which repeats soon. */
+static hbil_pattern_args pattern_of(const hbil_plan *plan,
+                                    const hbil_frame *frame,
+                                    const hbil_view_args *view) {
+  hbil_pattern_args pattern = plan->layout.pattern;
+  const float to_x = (float)view->width / view->fx;
+  const float to_y = (float)view->height / view->fy;
+  pattern.reach = to_x > to_y ? to_x : to_y;
+  pattern.turn = (float)fmod(frame->index * 0.6457513, 1.0);
+  pattern.shift = (float)fmod(frame->index * 0.7548777, 1.0);
+  return pattern;
+}
+
+/* The table of steps, unless it is there already. */
+static hbil_status make_pattern(commands *chain, const hbil_view_args *view,
+                                const hbil_pattern_args *pattern) {
+  hbil_plan *plan = chain->plan;
+  if (plan->has_steps && !memcmp(view, &plan->steps_view, sizeof *view) &&
+      !memcmp(pattern, &plan->steps_pattern, sizeof *pattern))
+    return HBIL_SUCCESS;
+  const argument args[] = {{sizeof *view, view},
+                           {sizeof *pattern, pattern},
+                           ARG(plan->layout.layers),
+                           ARG(plan->buffers[BUFFER_STEPS])};
+  const hbil_status status =
+      LAUNCH(chain, KERNEL_PATTERN, args, (size_t)pattern->levels * HBIL_LAYERS,
+             (size_t)pattern->slices * 2, 1);
+  plan->has_steps = status == HBIL_SUCCESS;
+  plan->steps_view = *view;
+  plan->steps_pattern = *pattern;
+  return status;
+}
+
+static hbil_status gather(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const hbil_view_args view = camera_view(&frame->camera, &plan->config);
+  const hbil_pattern_args pattern = pattern_of(plan, frame, &view);
+  const hbil_status status = make_pattern(chain, &view, &pattern);
+  if (status != HBIL_SUCCESS)
+    return status;
+  hbil_gather_args gather_args;
+  memset(&gather_args, 0, sizeof gather_args);
+  gather_args.view = view;
+  gather_args.split = plan->layout.layers;
+  gather_args.light = plan->layout.layers;
+  gather_args.radius = plan->config.radius;
+  gather_args.reach = pattern.reach;
+  gather_args.turn = pattern.turn;
+  /* Four roundings of the format lie between two depths and their difference:
+   * of z0, z1 and of their inverses. Half: 2^-11 each for the depths. */
+  gather_args.keep =
+      1.0f -
+      (plan->config.depth.component == HBIL_FLOAT16 ? 0x1p-10f : 0x1p-22f);
+  gather_args.facing[0] = plan->config.facing[0];
+  gather_args.facing[1] = plan->config.facing[1];
+  const argument args[] = {ARG(gather_args), ARG(plan->buffers[BUFFER_SPLIT]),
+                           ARG(plan->buffers[BUFFER_STEPS]),
+                           ARG(plan->buffers[BUFFER_LIGHT])};
+  const size_t width = plan->config.vector_width;
+  return LAUNCH(chain, KERNEL_GATHER, args,
+                ((size_t)plan->layout.layers.width + width - 1) / width,
+                (size_t)plan->layout.layers.height, HBIL_LAYERS);
+}
+
+static hbil_status recompose(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const hbil_view_args view = camera_view(&frame->camera, &plan->config);
+  const argument args[] = {ARG(view),
+                           ARG(plan->layout.layers),
+                           ARG(plan->buffers[BUFFER_SPLIT]),
+                           ARG(plan->buffers[BUFFER_LIGHT]),
+                           ARG(plan->buffers[BUFFER_RESOLVED]),
+                           ARG(plan->layout.planes)};
+  return LAUNCH(chain, KERNEL_RECOMPOSE, args, (across(plan) + 3) / 4,
+                plan->config.height, 1);
+}
+
+static hbil_status composite(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const hbil_view_args view = camera_view(&frame->camera, &plan->config);
+  const hbil_transform_args world = camera_to_world(&frame->camera);
+  const hbil_environment_args environment =
+      far_field_args(&plan->config, frame->environment);
+  bound_image image[IMAGE_COUNT];
+  for (int i = 0; i < IMAGE_COUNT; ++i)
+    image[i] = bind(plan, frame, i);
+  const argument args[] = {ARG(view),
+                           ARG(world),
+                           ARG(plan->buffers[BUFFER_RESOLVED]),
+                           ARG(plan->buffers[BUFFER_HISTORY]),
+                           ARG(plan->layout.planes),
+                           ARG(environment),
+                           ARG(plan->config.background),
+                           ARG(plan->config.direct_scale),
+                           IMAGE_ARGS(image[IMAGE_DEPTH]),
+                           IMAGE_ARGS(image[IMAGE_ALBEDO]),
+                           IMAGE_ARGS(image[IMAGE_F0]),
+                           IMAGE_ARGS(image[IMAGE_DIRECT]),
+                           IMAGE_ARGS(image[IMAGE_EMISSION]),
+                           IMAGE_ARGS(image[IMAGE_NEAR]),
+                           IMAGE_ARGS(image[IMAGE_FAR]),
+                           IMAGE_ARGS(image[IMAGE_AO]),
+                           IMAGE_ARGS(image[IMAGE_BENT]),
+                           IMAGE_ARGS(image[IMAGE_CONE]),
+                           IMAGE_ARGS(image[IMAGE_INDIRECT]),
+                           IMAGE_ARGS(image[IMAGE_RADIANCE])};
+  const hbil_status status = LAUNCH(chain, KERNEL_COMPOSITE, args, across(plan),
+                                    plan->config.height, 1);
+  if (status == HBIL_SUCCESS && plan->layout.history) {
+    plan->has_history = true;
+    plan->history_camera = frame->camera;
+  }
+  return status;
+}
+
+typedef hbil_status pass_function(commands *chain, const hbil_frame *frame);
+
+static const struct {
+  pass_function *enqueue;
+  unsigned images;
+} passes[HBIL_PASS_COUNT] = {
+    [HBIL_PASS_REPROJECT] = {reproject, USES_REPROJECT},
+    [HBIL_PASS_PUSH_PULL] = {push_pull, 0},
+    [HBIL_PASS_SPLIT] = {split, USES_SPLIT},
+    [HBIL_PASS_GATHER] = {gather, 0},
+    [HBIL_PASS_RECOMPOSE] = {recompose, 0},
+    [HBIL_PASS_COMPOSITE] = {composite, USES_COMPOSITE},
+};
+
+/* Gives the caller the last command's event, or one that follows the wait list
+ * where nothing had to be enqueued. */
+static hbil_status finish(commands *chain, cl_event *event) {
+  if (event && chain->last) {
+    *event = chain->last;
+    chain->last = NULL;
+  } else if (event) {
+    const cl_int error = clEnqueueMarkerWithWaitList(
+        chain->queue, chain->wait_count, chain->wait_list, event);
+    if (error != CL_SUCCESS)
+      return fail_cl(chain->plan->context, error,
+                     "clEnqueueMarkerWithWaitList");
+  }
+  return HBIL_SUCCESS;
+}
+
+/* Passes first..last as one chain of commands. */
+static hbil_status enqueue(hbil_plan *plan, cl_command_queue queue,
+                           const hbil_frame *frame, cl_uint wait_count,
+                           const cl_event *wait_list, cl_event *event,
+                           hbil_pass first, hbil_pass last) {
+  if (!plan)
+    return HBIL_INVALID_ARGUMENT;
+  if (!queue || !frame || !wait_count != !wait_list)
+    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                "queue and frame must not be null, wait_list must fit "
+                "wait_count");
+  unsigned images = 0;
+  for (int i = (int)first; i <= (int)last; ++i)
+    images |= passes[i].images;
+  commands chain = {.plan = plan,
+                    .queue = queue,
+                    .wait_count = wait_count,
+                    .wait_list = wait_list};
+  hbil_status status = check_queue(plan, queue, &chain.in_order);
+  if (status == HBIL_SUCCESS)
+    status = check_frame(plan, frame, images);
+  chain.events = event || !chain.in_order || plan->config.profiling;
+  for (int i = (int)first; i <= (int)last && status == HBIL_SUCCESS; ++i) {
+    chain.pass = (hbil_pass)i;
+    status = passes[i].enqueue(&chain, frame);
+  }
+  if (status == HBIL_SUCCESS)
+    status = finish(&chain, event);
+  if (chain.last)
+    clReleaseEvent(chain.last);
+  return status;
+}
+
+hbil_status hbil_enqueue_frame(hbil_plan *plan, cl_command_queue queue,
+                               const hbil_frame *frame, cl_uint wait_count,
+                               const cl_event *wait_list, cl_event *event) {
+  return enqueue(plan, queue, frame, wait_count, wait_list, event,
+                 HBIL_PASS_REPROJECT, HBIL_PASS_COMPOSITE);
+}
+
+#define PASS_FUNCTION(name, pass)                                              \
+  hbil_status hbil_enqueue_##name(                                             \
+      hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,        \
+      cl_uint wait_count, const cl_event *wait_list, cl_event *event) {        \
+    return enqueue(plan, queue, frame, wait_count, wait_list, event, pass,     \
+                   pass);                                                      \
+  }
+
+PASS_FUNCTION(reproject, HBIL_PASS_REPROJECT)
+PASS_FUNCTION(push_pull, HBIL_PASS_PUSH_PULL)
+PASS_FUNCTION(split, HBIL_PASS_SPLIT)
+PASS_FUNCTION(gather, HBIL_PASS_GATHER)
+PASS_FUNCTION(recompose, HBIL_PASS_RECOMPOSE)
+PASS_FUNCTION(composite, HBIL_PASS_COMPOSITE)

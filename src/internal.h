@@ -1,0 +1,175 @@
+/* What the library's own files share; nothing here is public. */
+#ifndef HBIL_INTERNAL_H
+#define HBIL_INTERNAL_H
+
+#include <stdbool.h>
+
+#include "hbil/hbil.h"
+#include "hbil_shared.h"
+
+/* Images of a frame, inputs first. */
+enum {
+  IMAGE_DEPTH,
+  IMAGE_NORMAL,
+  IMAGE_ALBEDO,
+  IMAGE_F0,
+  IMAGE_DIRECT,
+  IMAGE_EMISSION,
+  IMAGE_MOTION,
+  IMAGE_NEAR,
+  IMAGE_FAR,
+  IMAGE_AO,
+  IMAGE_BENT,
+  IMAGE_CONE,
+  IMAGE_INDIRECT,
+  IMAGE_RADIANCE,
+  IMAGE_COUNT,
+  IMAGE_FIRST_OUTPUT = IMAGE_NEAR
+};
+
+/* Name, channels and place in the public structs of one image. */
+typedef struct image_kind {
+  const char *name;   /* as in hbil_config and hbil_frame */
+  const char *define; /* prefix of its build defines */
+  cl_uint channels;
+  size_t format_at; /* offset in hbil_config */
+  size_t image_at;  /* offset in hbil_frame */
+} image_kind;
+extern const image_kind image_kinds[IMAGE_COUNT];
+
+const hbil_format *config_format(const hbil_config *config, int image);
+const hbil_image *frame_image(const hbil_frame *frame, int image);
+/* Components from a pixel to the next: stride, or its default. */
+cl_uint format_stride(const hbil_config *config, int image);
+
+/* --- context.c --- */
+
+struct hbil_context {
+  cl_context context;
+  cl_device_id device;
+  char *message; /* NULL: none */
+  cl_uint vector_width;
+  size_t group[2];   /* work-group of every kernel */
+  bool exact_divide; /* CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT */
+};
+
+/* Sets the context's message; returns `status`, so that a failing function
+ * ends with `return fail(...)`. */
+hbil_status fail(hbil_context *context, hbil_status status, const char *format,
+                 ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 3, 4)))
+#endif
+    ;
+/* The same for a failed OpenCL call `call`. */
+hbil_status fail_cl(hbil_context *context, cl_int error, const char *call);
+const char *cl_error_name(cl_int error);
+
+/* --- settings.c --- */
+
+/* Refuses what is out of range, naming the field and its range. */
+hbil_status config_check(hbil_context *context, const hbil_config *config);
+
+/* --- program.c --- */
+
+/* The program of one pass, built with `defines`; fast: relaxed arithmetic. */
+hbil_status program_build(hbil_context *context, const char *pass,
+                          const char *defines, bool fast, cl_program *out);
+
+/* --- kernel_sources.c (generated from kernels/) --- */
+
+typedef struct kernel_source {
+  const char *name; /* file name */
+  const char *text;
+} kernel_source;
+extern const kernel_source kernel_sources[]; /* ends with a NULL name */
+
+/* --- camera.c --- */
+
+hbil_status camera_check(hbil_context *context, const hbil_camera *camera);
+hbil_view_args camera_view(const hbil_camera *camera,
+                           const hbil_config *config);
+/* to_from_from: the view space of `from` to that of `to`. */
+hbil_transform_args camera_between(const hbil_camera *from,
+                                   const hbil_camera *to);
+hbil_transform_args camera_to_world(const hbil_camera *camera);
+hbil_transform_args camera_from_world(const hbil_camera *camera);
+
+/* --- farfield.c --- */
+
+hbil_environment_args far_field_args(const hbil_config *config,
+                                     const float environment[9][3]);
+
+/* --- layout.c --- */
+
+/* The device buffers of a plan. */
+enum {
+  BUFFER_HISTORY,
+  BUFFER_CARRIED, /* level 0 of the push/pull chain and all coarser ones */
+  BUFFER_NEAREST, /* scatter's depths and indices */
+  BUFFER_SPLIT,
+  BUFFER_LIGHT,
+  BUFFER_RESOLVED,
+  BUFFER_STEPS,
+  BUFFER_COUNT
+};
+
+enum {
+  KERNEL_SCATTER_DEPTH,
+  KERNEL_SCATTER_INDEX,
+  KERNEL_SCATTER_FETCH,
+  KERNEL_FOLLOW_MOTION,
+  KERNEL_PUSH,
+  KERNEL_PULL,
+  KERNEL_SPLIT,
+  KERNEL_PATTERN,
+  KERNEL_GATHER,
+  KERNEL_RECOMPOSE,
+  KERNEL_COMPOSITE,
+  KERNEL_COUNT
+};
+
+enum { PROGRAM_COUNT = 7 };
+
+/* log2(16384) + 1: levels of the largest push/pull chain. */
+enum { MAX_CHAIN = 15 };
+
+/* Sizes and layouts; everything a configuration decides before any device
+ * memory is touched. */
+typedef struct layout {
+  size_t bytes[BUFFER_COUNT]; /* 0: not needed */
+  hbil_plane_args planes;     /* full-resolution planes */
+  hbil_layer_args layers;     /* split and light */
+  int chain_count;
+  hbil_chain_args chain[MAX_CHAIN];
+  bool radiance, bent, history; /* what must be computed */
+  hbil_pattern_args pattern;    /* without turn, shift, reach */
+} layout;
+
+void layout_compute(const hbil_config *config, layout *out);
+
+/* --- plan.c --- */
+
+/* Most kernel launches in a frame, for the profiling events. */
+enum { MAX_LAUNCHES = 2 * MAX_CHAIN + 16 };
+
+struct hbil_plan {
+  hbil_context *context;
+  hbil_config config;
+  layout layout;
+  cl_mem buffers[BUFFER_COUNT];
+  cl_program programs[PROGRAM_COUNT];
+  cl_kernel kernels[KERNEL_COUNT];
+  bool has_history;
+  hbil_camera history_camera;
+  /* what the table of steps was last made for */
+  bool has_steps;
+  hbil_view_args steps_view;
+  hbil_pattern_args steps_pattern;
+  /* profiling */
+  int launches;
+  cl_event events[MAX_LAUNCHES];
+  hbil_pass event_pass[MAX_LAUNCHES];
+};
+
+#endif

@@ -1,0 +1,96 @@
+/* Sizes and layouts: what a configuration decides before any memory is
+ * touched. */
+#include "internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static cl_uint rounded_up(cl_uint n, cl_uint to) {
+  return (n + to - 1) / to * to;
+}
+
+static bool has(const hbil_config *config, int image) {
+  return config_format(config, image)->component != HBIL_NONE;
+}
+
+static void decide_work(const hbil_config *config, layout *out) {
+  out->radiance = has(config, IMAGE_NEAR) || has(config, IMAGE_INDIRECT) ||
+                  has(config, IMAGE_RADIANCE);
+  out->bent =
+      has(config, IMAGE_BENT) || (config->far_field == HBIL_FAR_SH &&
+                                  (out->radiance || has(config, IMAGE_FAR)));
+  out->history =
+      out->radiance && config->reprojection != HBIL_REPROJECTION_NONE;
+}
+
+/* Rows of full-resolution planes are padded to whole groups of 4 of the widest
+ * vectors, so that kernels may work past the right edge. */
+static void lay_out_planes(const hbil_config *config, layout *out) {
+  out->planes.row = rounded_up(config->width, 4 * HBIL_TILE);
+  out->planes.plane = out->planes.row * config->height;
+}
+
+/* Layers have a tile of padding left and right, and a row above and below. */
+static void lay_out_layers(const hbil_config *config, layout *out) {
+  hbil_layer_args *l = &out->layers;
+  const cl_uint width = rounded_up(config->width, HBIL_SIDE) / HBIL_SIDE;
+  const cl_uint height = rounded_up(config->height, HBIL_SIDE) / HBIL_SIDE;
+  l->width = (cl_int)width;
+  l->height = (cl_int)height;
+  l->row = rounded_up(width, HBIL_TILE) + 2 * HBIL_TILE;
+  l->layer = l->row * (height + 2);
+  l->plane = l->layer * HBIL_LAYERS;
+  l->origin = l->row + HBIL_TILE;
+}
+
+/* Halved down to one texel; returns the floats of all levels. */
+static size_t lay_out_chain(const hbil_config *config, layout *out) {
+  cl_uint width = config->width, height = config->height;
+  size_t end = 0;
+  for (out->chain_count = 0; out->chain_count < MAX_CHAIN;) {
+    hbil_chain_args *level = &out->chain[out->chain_count++];
+    level->width = (cl_int)width;
+    level->height = (cl_int)height;
+    level->row = rounded_up(width, 4 * HBIL_TILE);
+    level->plane = level->row * height;
+    level->offset = (cl_uint)end;
+    end += (size_t)HBIL_CARRIED_PLANES * level->plane;
+    if (width == 1 && height == 1)
+      break;
+    width = (width + 1) / 2;
+    height = (height + 1) / 2;
+  }
+  return end;
+}
+
+void layout_compute(const hbil_config *config, layout *out) {
+  memset(out, 0, sizeof *out);
+  decide_work(config, out);
+  lay_out_planes(config, out);
+  lay_out_layers(config, out);
+  const size_t chain = lay_out_chain(config, out);
+  const size_t real = sizeof(cl_float);
+  const size_t pixels = (size_t)config->width * config->height;
+  const size_t light_planes = out->bent       ? HBIL_LIGHT_PLANES
+                              : out->radiance ? HBIL_LIGHT_BENT
+                                              : HBIL_LIGHT_RED;
+  if (out->history) {
+    out->bytes[BUFFER_HISTORY] = HBIL_HISTORY_PLANES * real * out->planes.plane;
+    out->bytes[BUFFER_CARRIED] = chain * real;
+    if (config->reprojection == HBIL_REPROJECTION_SCATTER)
+      out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;
+  }
+  out->bytes[BUFFER_SPLIT] =
+      (out->radiance ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED) * real *
+      out->layers.plane;
+  out->bytes[BUFFER_LIGHT] = light_planes * real * out->layers.plane;
+  out->bytes[BUFFER_RESOLVED] = light_planes * real * out->planes.plane;
+  out->pattern.slices = (cl_int)config->slices;
+  out->pattern.samples = (cl_int)config->samples;
+  out->pattern.levels = isinf(config->radius) ? 1 : HBIL_MAX_LEVELS;
+  out->pattern.lattice = config->lattice == HBIL_LATTICE_LAYER ? HBIL_SIDE : 1;
+  out->pattern.growth = config->step_growth;
+  out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * HBIL_LAYERS * 2 *
+                             (size_t)out->pattern.levels * config->slices *
+                             config->samples;
+}

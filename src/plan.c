@@ -1,0 +1,328 @@
+/* A plan: the kernels and buffers of one configuration. */
+#include "internal.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- build defines --- */
+
+typedef struct text {
+  char chars[3072];
+  size_t length;
+} text;
+
+static void add(text *t, const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 2, 3)))
+#endif
+    ;
+static void add(text *t, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  const int n = vsnprintf(t->chars + t->length, sizeof t->chars - t->length,
+                          format, args);
+  va_end(args);
+  if (n > 0)
+    t->length += (size_t)n;
+  if (t->length >= sizeof t->chars)
+    t->length = sizeof t->chars - 1;
+}
+
+/* Everything that changes machine code, as -D options. */
+static void write_defines(const hbil_plan *plan, text *t) {
+  static const char *const types[] = {"none", "f32", "f16", "u8"};
+  const hbil_config *c = &plan->config;
+  add(t, "-DHBIL_WIDTH=%u", (unsigned)c->vector_width);
+  for (int i = 0; i < IMAGE_COUNT; ++i) {
+    const hbil_format *format = config_format(c, i);
+    const char *name = image_kinds[i].define;
+    add(t, " -D%s_%s=%d", i < IMAGE_FIRST_OUTPUT ? "HAS" : "OUT", name,
+        format->component != HBIL_NONE);
+    if (format->component != HBIL_NONE)
+      add(t, " -D%s_TYPE=%s -D%s_STRIDE=%uu", name, types[format->component],
+          name, (unsigned)format_stride(c, i));
+  }
+  add(t, " -DDEPTH_IS_RAY=%d -DNORMAL_IS_WORLD=%d -DBENT_IS_WORLD=%d",
+      c->depth_kind == HBIL_DEPTH_RAY, c->normal_space == HBIL_SPACE_WORLD,
+      c->bent_space == HBIL_SPACE_WORLD);
+  add(t, " -DSLICES=%u -DSAMPLES=%u -DLIMITED=%d -DLEVELS=%d",
+      (unsigned)c->slices, (unsigned)c->samples, !isinf(c->radius),
+      (int)plan->layout.pattern.levels);
+  add(t, " -DFACING_STEP=%d -DREFUSED_BLACK=%d -DRAW=%d",
+      c->facing[0] >= c->facing[1], c->refused == HBIL_REFUSED_BLACK,
+      c->raw_interleave != 0);
+  add(t, " -DGATHER_EMISSION=%d -DFEEDBACK_RADIANCE=%d -DREPROJECT_MOTION=%d",
+      c->gather_emission != 0, c->feedback == HBIL_FEEDBACK_RADIANCE,
+      c->reprojection == HBIL_REPROJECTION_MOTION);
+  add(t, " -DDISOCCLUSION=%d -DFAR=%d", !isinf(c->disocclusion),
+      (int)c->far_field);
+  add(t, " -DGATHER_RADIANCE=%d -DGATHER_BENT=%d -DHISTORY=%d",
+      plan->layout.radiance, plan->layout.bent, plan->layout.history);
+}
+
+/* --- programs and kernels --- */
+
+typedef struct pass_program {
+  const char *name;
+  bool fast; /* relaxed arithmetic: where results may differ in rounding */
+} pass_program;
+
+enum {
+  PROGRAM_REPROJECT,
+  PROGRAM_PUSH_PULL,
+  PROGRAM_SPLIT,
+  PROGRAM_PATTERN,
+  PROGRAM_GATHER,
+  PROGRAM_RECOMPOSE,
+  PROGRAM_COMPOSITE
+};
+
+static const pass_program programs[PROGRAM_COUNT] = {
+    [PROGRAM_REPROJECT] = {"reproject", false},
+    [PROGRAM_PUSH_PULL] = {"push_pull", false},
+    [PROGRAM_SPLIT] = {"split", false},
+    [PROGRAM_PATTERN] = {"pattern", false},
+    [PROGRAM_GATHER] = {"gather", true},
+    [PROGRAM_RECOMPOSE] = {"recompose", true},
+    [PROGRAM_COMPOSITE] = {"composite", false},
+};
+
+static const struct {
+  const char *name;
+  int program;
+} kernels[KERNEL_COUNT] = {
+    [KERNEL_SCATTER_DEPTH] = {"scatter_depth", PROGRAM_REPROJECT},
+    [KERNEL_SCATTER_INDEX] = {"scatter_index", PROGRAM_REPROJECT},
+    [KERNEL_SCATTER_FETCH] = {"scatter_fetch", PROGRAM_REPROJECT},
+    [KERNEL_FOLLOW_MOTION] = {"follow_motion", PROGRAM_REPROJECT},
+    [KERNEL_PUSH] = {"push", PROGRAM_PUSH_PULL},
+    [KERNEL_PULL] = {"pull", PROGRAM_PUSH_PULL},
+    [KERNEL_SPLIT] = {"split", PROGRAM_SPLIT},
+    [KERNEL_PATTERN] = {"make_pattern", PROGRAM_PATTERN},
+    [KERNEL_GATHER] = {"gather", PROGRAM_GATHER},
+    [KERNEL_RECOMPOSE] = {"recompose", PROGRAM_RECOMPOSE},
+    [KERNEL_COMPOSITE] = {"composite", PROGRAM_COMPOSITE},
+};
+
+static bool program_needed(const hbil_plan *plan, int program) {
+  return plan->layout.history ||
+         (program != PROGRAM_REPROJECT && program != PROGRAM_PUSH_PULL);
+}
+
+static bool kernel_needed(const hbil_plan *plan, int kernel) {
+  const bool motion = plan->config.reprojection == HBIL_REPROJECTION_MOTION;
+  if (kernel == KERNEL_FOLLOW_MOTION)
+    return plan->layout.history && motion;
+  if (kernel <= KERNEL_SCATTER_FETCH)
+    return plan->layout.history && !motion;
+  return program_needed(plan, kernels[kernel].program);
+}
+
+static hbil_status build_kernels(hbil_plan *plan) {
+  text defines = {.length = 0};
+  write_defines(plan, &defines);
+  for (int i = 0; i < PROGRAM_COUNT; ++i) {
+    if (!program_needed(plan, i))
+      continue;
+    const hbil_status status =
+        program_build(plan->context, programs[i].name, defines.chars,
+                      programs[i].fast, &plan->programs[i]);
+    if (status != HBIL_SUCCESS)
+      return status;
+  }
+  for (int i = 0; i < KERNEL_COUNT; ++i) {
+    cl_int error = CL_SUCCESS;
+    if (!kernel_needed(plan, i))
+      continue;
+    plan->kernels[i] = clCreateKernel(plan->programs[kernels[i].program],
+                                      kernels[i].name, &error);
+    if (!plan->kernels[i])
+      return fail_cl(plan->context, error, "clCreateKernel");
+  }
+  return HBIL_SUCCESS;
+}
+
+/* --- buffers --- */
+
+static hbil_status allocate(hbil_plan *plan) {
+  cl_ulong most = 0;
+  cl_int error =
+      clGetDeviceInfo(plan->context->device, CL_DEVICE_MAX_MEM_ALLOC_SIZE,
+                      sizeof most, &most, NULL);
+  if (error != CL_SUCCESS)
+    return fail_cl(plan->context, error, "clGetDeviceInfo");
+  for (int i = 0; i < BUFFER_COUNT; ++i) {
+    const size_t bytes = plan->layout.bytes[i];
+    if (bytes > most)
+      return fail(plan->context, HBIL_OUT_OF_DEVICE_MEMORY,
+                  "a buffer of %zu bytes is needed, the device allows %llu",
+                  bytes, (unsigned long long)most);
+    if (!bytes)
+      continue;
+    plan->buffers[i] = clCreateBuffer(plan->context->context, CL_MEM_READ_WRITE,
+                                      bytes, NULL, &error);
+    if (!plan->buffers[i])
+      return fail_cl(plan->context, error, "clCreateBuffer");
+  }
+  return HBIL_SUCCESS;
+}
+
+/* Padding is written once, here: no kernel touches it later.  The waiting is
+ * done by clFinish on a queue of our own. */
+static hbil_status fill_padding(hbil_plan *plan) {
+  const cl_float nothing = HBIL_NOTHING, zero = 0.0f;
+  const size_t plane = plan->layout.layers.plane * sizeof(cl_float);
+  const size_t split = plan->layout.bytes[BUFFER_SPLIT];
+  cl_int error = CL_SUCCESS;
+  cl_command_queue queue = clCreateCommandQueue(
+      plan->context->context, plan->context->device, 0, &error);
+  if (!queue)
+    return fail_cl(plan->context, error, "clCreateCommandQueue");
+  error = clEnqueueFillBuffer(queue, plan->buffers[BUFFER_SPLIT], &nothing,
+                              sizeof nothing, 0, plane, 0, NULL, NULL);
+  if (error == CL_SUCCESS)
+    error =
+        clEnqueueFillBuffer(queue, plan->buffers[BUFFER_SPLIT], &zero,
+                            sizeof zero, plane, split - plane, 0, NULL, NULL);
+  if (error == CL_SUCCESS)
+    error = clEnqueueFillBuffer(
+        queue, plan->buffers[BUFFER_LIGHT], &zero, sizeof zero, 0,
+        plan->layout.bytes[BUFFER_LIGHT], 0, NULL, NULL);
+  const cl_int finished = clFinish(queue);
+  clReleaseCommandQueue(queue);
+  if (error == CL_SUCCESS)
+    error = finished;
+  return error == CL_SUCCESS
+             ? HBIL_SUCCESS
+             : fail_cl(plan->context, error, "clEnqueueFillBuffer");
+}
+
+/* --- public --- */
+
+hbil_status hbil_plan_memory(hbil_context *context, const hbil_config *config,
+                             size_t *bytes) {
+  layout sizes;
+  if (!context || !config || !bytes)
+    return HBIL_INVALID_ARGUMENT;
+  const hbil_status status = config_check(context, config);
+  if (status != HBIL_SUCCESS)
+    return status;
+  layout_compute(config, &sizes);
+  *bytes = 0;
+  for (int i = 0; i < BUFFER_COUNT; ++i)
+    *bytes += sizes.bytes[i];
+  return HBIL_SUCCESS;
+}
+
+hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
+                             hbil_plan **out) {
+  if (out)
+    *out = NULL;
+  if (!context || !config || !out)
+    return HBIL_INVALID_ARGUMENT;
+  hbil_status status = config_check(context, config);
+  if (status != HBIL_SUCCESS)
+    return status;
+  hbil_plan *plan = calloc(1, sizeof *plan);
+  if (!plan)
+    return fail(context, HBIL_OUT_OF_HOST_MEMORY, "no memory for a plan");
+  plan->context = context;
+  plan->config = *config;
+  if (!plan->config.vector_width)
+    plan->config.vector_width = context->vector_width;
+  layout_compute(config, &plan->layout);
+  if ((status = build_kernels(plan)) != HBIL_SUCCESS ||
+      (status = allocate(plan)) != HBIL_SUCCESS ||
+      (status = fill_padding(plan)) != HBIL_SUCCESS) {
+    hbil_plan_destroy(plan);
+    return status;
+  }
+  *out = plan;
+  return HBIL_SUCCESS;
+}
+
+void hbil_plan_destroy(hbil_plan *plan) {
+  if (!plan)
+    return;
+  for (int i = 0; i < plan->launches; ++i)
+    clReleaseEvent(plan->events[i]);
+  for (int i = 0; i < KERNEL_COUNT; ++i)
+    if (plan->kernels[i])
+      clReleaseKernel(plan->kernels[i]);
+  for (int i = 0; i < PROGRAM_COUNT; ++i)
+    if (plan->programs[i])
+      clReleaseProgram(plan->programs[i]);
+  for (int i = 0; i < BUFFER_COUNT; ++i)
+    if (plan->buffers[i])
+      clReleaseMemObject(plan->buffers[i]);
+  free(plan);
+}
+
+void hbil_plan_reset(hbil_plan *plan) {
+  if (plan)
+    plan->has_history = false;
+}
+
+hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
+                             hbil_buffer *out) {
+  static const int of_stage[] = {BUFFER_HISTORY, BUFFER_CARRIED, BUFFER_SPLIT,
+                                 BUFFER_LIGHT, BUFFER_RESOLVED};
+  if (!plan || !out || (unsigned)stage > HBIL_STAGE_RESOLVED)
+    return HBIL_INVALID_ARGUMENT;
+  const layout *l = &plan->layout;
+  const int buffer = of_stage[stage];
+  const bool layered =
+      stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED;
+  memset(out, 0, sizeof *out);
+  if (!plan->buffers[buffer])
+    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                "stage %d: this plan has no such buffer (no history)",
+                (int)stage);
+  out->buffer = plan->buffers[buffer];
+  out->plane_pitch = layered ? l->layers.plane : l->planes.plane;
+  out->row_pitch = layered ? l->layers.row : l->planes.row;
+  out->layer_pitch = layered ? l->layers.layer : 0;
+  out->origin = layered ? l->layers.origin : 0;
+  out->values =
+      buffer == BUFFER_CARRIED
+          ? (cl_uint)HBIL_CARRIED_PLANES
+          : (cl_uint)(l->bytes[buffer] / (out->plane_pitch * sizeof(cl_float)));
+  return HBIL_SUCCESS;
+}
+
+/* Adds one command's time to its pass. */
+static hbil_status add_time(hbil_plan *plan, int launch, double *milliseconds) {
+  cl_ulong start = 0, end = 0;
+  const cl_event event = plan->events[launch];
+  cl_int error = clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START,
+                                         sizeof start, &start, NULL);
+  if (error == CL_SUCCESS)
+    error = clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof end,
+                                    &end, NULL);
+  if (error != CL_SUCCESS)
+    return fail_cl(plan->context, error, "clGetEventProfilingInfo");
+  milliseconds[plan->event_pass[launch]] += (double)(end - start) * 1e-6;
+  return HBIL_SUCCESS;
+}
+
+hbil_status hbil_plan_timings(hbil_plan *plan,
+                              double milliseconds[HBIL_PASS_COUNT]) {
+  if (!plan || !milliseconds)
+    return HBIL_INVALID_ARGUMENT;
+  memset(milliseconds, 0, HBIL_PASS_COUNT * sizeof *milliseconds);
+  if (!plan->config.profiling)
+    return fail(plan->context, HBIL_INVALID_CONFIG,
+                "profiling: CL_FALSE; timings need CL_TRUE");
+  if (!plan->launches)
+    return HBIL_SUCCESS;
+  const cl_int error = clWaitForEvents((cl_uint)plan->launches, plan->events);
+  if (error != CL_SUCCESS)
+    return fail_cl(plan->context, error, "clWaitForEvents");
+  hbil_status status = HBIL_SUCCESS;
+  for (int i = 0; i < plan->launches && status == HBIL_SUCCESS; ++i)
+    status = add_time(plan, i, milliseconds);
+  return status;
+}

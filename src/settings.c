@@ -1,0 +1,197 @@
+/* Defaults, and the refusal of what is out of range. */
+#include "internal.h"
+
+#include <math.h>
+#include <string.h>
+
+#define KIND(name, define, channels)                                           \
+  {                                                                            \
+#name, define, channels, offsetof(hbil_config, name),                      \
+        offsetof(hbil_frame, name)                                             \
+  }
+
+const image_kind image_kinds[IMAGE_COUNT] = {
+    [IMAGE_DEPTH] = KIND(depth, "DEPTH", 1),
+    [IMAGE_NORMAL] = KIND(normal, "NORMAL", 3),
+    [IMAGE_ALBEDO] = KIND(albedo, "ALBEDO", 3),
+    [IMAGE_F0] = KIND(f0, "F0", 3),
+    [IMAGE_DIRECT] = KIND(direct, "DIRECT", 3),
+    [IMAGE_EMISSION] = KIND(emission, "EMISSION", 3),
+    [IMAGE_MOTION] = KIND(motion, "MOTION", 2),
+    [IMAGE_NEAR] = KIND(near_light, "NEAR", 3),
+    [IMAGE_FAR] = KIND(far_light, "FAR", 3),
+    [IMAGE_AO] = KIND(ao, "AO", 1),
+    [IMAGE_BENT] = KIND(bent, "BENT", 3),
+    [IMAGE_CONE] = KIND(cone, "CONE", 1),
+    [IMAGE_INDIRECT] = KIND(indirect, "INDIRECT", 3),
+    [IMAGE_RADIANCE] = KIND(radiance, "RADIANCE", 3),
+};
+
+const hbil_format *config_format(const hbil_config *config, int image) {
+  return (const hbil_format *)(const void *)((const char *)config +
+                                             image_kinds[image].format_at);
+}
+
+const hbil_image *frame_image(const hbil_frame *frame, int image) {
+  return (const hbil_image *)(const void *)((const char *)frame +
+                                            image_kinds[image].image_at);
+}
+
+cl_uint format_stride(const hbil_config *config, int image) {
+  const cl_uint stride = config_format(config, image)->stride;
+  return stride ? stride : image_kinds[image].channels;
+}
+
+void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
+  const hbil_config defaults = {
+      .struct_size = sizeof(hbil_config),
+      .background = INFINITY,
+      .direct_scale = 1.0f,
+      .motion_scale = {1.0f, 1.0f},
+      .radius = INFINITY,
+      .slices = 2,
+      .samples = 8,
+      .step_growth = 3.0f,
+      .lattice = HBIL_LATTICE_FULL,
+      .facing = {-0.1f, 0.0f},
+      .refused = HBIL_REFUSED_LAST,
+      .gather_emission = CL_TRUE,
+      .reprojection = HBIL_REPROJECTION_SCATTER,
+      .feedback = HBIL_FEEDBACK_IRRADIANCE,
+      .disocclusion = 0.05f,
+      .far_field = HBIL_FAR_NONE,
+  };
+  if (config && struct_size == sizeof defaults)
+    *config = defaults;
+}
+
+void hbil_frame_init_sized(hbil_frame *frame, size_t struct_size) {
+  if (!frame || struct_size != sizeof *frame)
+    return;
+  memset(frame, 0, sizeof *frame);
+  frame->struct_size = sizeof *frame;
+}
+
+/* `value` lies in [least, most]; NaN never does. */
+static hbil_status in_range(hbil_context *context, const char *field,
+                            double value, double least, double most) {
+  if (value >= least && value <= most)
+    return HBIL_SUCCESS;
+  return fail(context, HBIL_INVALID_CONFIG, "%s: %g is outside %g .. %g", field,
+              value, least, most);
+}
+
+/* `value` is a positive number or infinity. */
+static hbil_status positive(hbil_context *context, const char *field,
+                            double value) {
+  if (value > 0)
+    return HBIL_SUCCESS;
+  return fail(context, HBIL_INVALID_CONFIG,
+              "%s: %g; must be positive (infinity: no limit)", field, value);
+}
+
+static hbil_status check_format(hbil_context *context,
+                                const hbil_config *config, int image) {
+  const image_kind *kind = &image_kinds[image];
+  const hbil_format *format = config_format(config, image);
+  if (format->component == HBIL_NONE)
+    return HBIL_SUCCESS;
+  const bool output = image >= IMAGE_FIRST_OUTPUT;
+  if ((unsigned)format->component > HBIL_UNORM8 ||
+      (format->component == HBIL_UNORM8 &&
+       (output || image == IMAGE_DEPTH || image == IMAGE_NORMAL ||
+        image == IMAGE_MOTION)))
+    return fail(context, HBIL_INVALID_CONFIG,
+                "%s.component: %d; must be HBIL_FLOAT32 or HBIL_FLOAT16%s",
+                kind->name, (int)format->component,
+                output ? "" : " (HBIL_UNORM8 for colours only)");
+  const cl_uint stride = format_stride(config, image);
+  if (stride > 64 || (stride != 1 && stride < kind->channels))
+    return fail(context, HBIL_INVALID_CONFIG,
+                "%s.stride: %u; must be 1 (planar) or %u .. 64 (interleaved)",
+                kind->name, (unsigned)stride, (unsigned)kind->channels);
+  return HBIL_SUCCESS;
+}
+
+static hbil_status check_formats(hbil_context *context,
+                                 const hbil_config *config) {
+  for (int i = 0; i < IMAGE_COUNT; ++i) {
+    const hbil_status status = check_format(context, config, i);
+    if (status != HBIL_SUCCESS)
+      return status;
+  }
+  if (config->depth.component == HBIL_NONE)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "depth.component: HBIL_NONE; depth is needed");
+  if (config->normal.component == HBIL_NONE)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "normal.component: HBIL_NONE; normals are needed");
+  if (config->reprojection == HBIL_REPROJECTION_MOTION &&
+      config->motion.component == HBIL_NONE)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "motion.component: HBIL_NONE; HBIL_REPROJECTION_MOTION needs "
+                "motion vectors");
+  for (int i = IMAGE_FIRST_OUTPUT; i < IMAGE_COUNT; ++i)
+    if (config_format(config, i)->component != HBIL_NONE)
+      return HBIL_SUCCESS;
+  return fail(context, HBIL_INVALID_CONFIG,
+              "no output has a format: there is nothing to compute");
+}
+
+hbil_status config_check(hbil_context *context, const hbil_config *config) {
+  if (config->struct_size != sizeof *config)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "struct_size: %zu, this library's is %zu; call "
+                "hbil_config_init() first",
+                config->struct_size, sizeof *config);
+  /* Every number with its range. */
+  const struct {
+    const char *field;
+    double value, least, most;
+  } ranges[] = {
+      {"width", config->width, 1, 16384},
+      {"height", config->height, 1, 16384},
+      {"depth_kind", (double)config->depth_kind, 0, HBIL_DEPTH_RAY},
+      {"normal_space", (double)config->normal_space, 0, HBIL_SPACE_WORLD},
+      {"bent_space", (double)config->bent_space, 0, HBIL_SPACE_WORLD},
+      {"direct_scale", (double)config->direct_scale, 0, 1e30},
+      {"motion_scale[0]", (double)config->motion_scale[0], -1e6, 1e6},
+      {"motion_scale[1]", (double)config->motion_scale[1], -1e6, 1e6},
+      {"slices", config->slices, 1, 32},
+      {"samples", config->samples, 1, 256},
+      {"step_growth", (double)config->step_growth, 0, 64},
+      {"lattice", (double)config->lattice, 0, HBIL_LATTICE_FULL},
+      {"facing[0]", (double)config->facing[0], -1, 1},
+      {"facing[1]", (double)config->facing[1], -1, 1},
+      {"refused", (double)config->refused, 0, HBIL_REFUSED_BLACK},
+      {"gather_emission", config->gather_emission, 0, 1},
+      {"reprojection", (double)config->reprojection, 0,
+       HBIL_REPROJECTION_MOTION},
+      {"feedback", (double)config->feedback, 0, HBIL_FEEDBACK_RADIANCE},
+      {"far_field", (double)config->far_field, 0, HBIL_FAR_SH},
+      {"raw_interleave", config->raw_interleave, 0, 1},
+      {"profiling", config->profiling, 0, 1},
+  };
+  hbil_status status = HBIL_SUCCESS;
+  for (size_t i = 0; i < sizeof ranges / sizeof *ranges; ++i)
+    if ((status = in_range(context, ranges[i].field, ranges[i].value,
+                           ranges[i].least, ranges[i].most)) != HBIL_SUCCESS)
+      return status;
+  if (config->facing[0] > config->facing[1])
+    return fail(context, HBIL_INVALID_CONFIG,
+                "facing: %g, %g; the first must not be above the second",
+                (double)config->facing[0], (double)config->facing[1]);
+  const cl_uint width = config->vector_width;
+  if (width != 0 && width != 1 && width != 4 && width != 8 && width != 16)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "vector_width: %u; must be 0 (automatic), 1, 4, 8 or 16",
+                (unsigned)width);
+  if ((status = positive(context, "radius", (double)config->radius)) !=
+          HBIL_SUCCESS ||
+      (status = positive(context, "background", (double)config->background)) !=
+          HBIL_SUCCESS ||
+      (status = positive(context, "disocclusion",
+                         (double)config->disocclusion)) != HBIL_SUCCESS)
+    return status;
+  return check_formats(context, config);
+}
