@@ -115,7 +115,8 @@ kernel void composite(
   const realv z = planar_depth(
       load_depth(depth_buffer, depth_image, x, y, 0, count), rx, ry, background);
   const intv solid = z > 0.0f;
-  const realv ao = LOADV(resolved);
+  /* a mean of values up to 1 may round to just above it */
+  const realv ao = clamp(LOADV(resolved), 0.0f, 1.0f);
   const realv t2 = 1.0f - ao;
   const realv t = select((realv)0.0f, sqrt(t2), solid);
 #if OUT_AO

@@ -1,0 +1,580 @@
+/*
+ * OpenEXR files through OpenEXRCore: planes in, planes out.
+ *
+ * Files are opened here and handed to the library as streams, so that errno is
+ * known when a file cannot be opened and every message ends up in image_error.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include "image/exr_dwa.h"
+#include "image/image.h"
+#include "image/temporary.h"
+
+#include <openexr.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* A header may claim any size; beyond these it is damaged, not an image. */
+#define MAX_PIXELS ((uint64_t)1 << 28)
+#define MAX_ALLOCATION ((size_t)1 << 31)
+#define MAX_SIDE (1 << 24)
+#define MAX_TILE (1 << 16)
+
+typedef struct stream {
+  const char *path;
+  int fd;
+  char message[512]; /* the library's last words */
+} stream;
+
+static void keep_message(exr_const_context_t context, exr_result_t code,
+                         const char *message) {
+  void *user = NULL;
+  (void)code;
+  if (context && exr_get_user_data(context, &user) == EXR_ERR_SUCCESS && user) {
+    stream *s = user;
+    snprintf(s->message, sizeof s->message, "%s", message);
+  }
+}
+
+static int64_t stream_size(exr_const_context_t context, void *user) {
+  struct stat status;
+  (void)context;
+  return fstat(((stream *)user)->fd, &status) == 0 ? (int64_t)status.st_size
+                                                   : -1;
+}
+
+/* Bytes up to the end of the file; fewer than asked for is the caller's to
+ * judge. */
+static int64_t stream_read(exr_const_context_t context, void *user, void *data,
+                           uint64_t size, uint64_t offset,
+                           exr_stream_error_func_ptr_t report) {
+  uint64_t done = 0;
+  while (done < size) {
+    ssize_t n = pread(((stream *)user)->fd, (char *)data + done,
+                      (size_t)(size - done), (off_t)(offset + done));
+    if (n < 0 && errno == EINTR)
+      continue;
+    if (n < 0) {
+      report(context, EXR_ERR_READ_IO, "%s", strerror(errno));
+      return -1;
+    }
+    if (n == 0)
+      break;
+    done += (uint64_t)n;
+  }
+  return (int64_t)done;
+}
+
+static int64_t stream_write(exr_const_context_t context, void *user,
+                            const void *data, uint64_t size, uint64_t offset,
+                            exr_stream_error_func_ptr_t report) {
+  uint64_t done = 0;
+  while (done < size) {
+    ssize_t n = pwrite(((stream *)user)->fd, (const char *)data + done,
+                       (size_t)(size - done), (off_t)(offset + done));
+    if (n < 0 && errno == EINTR)
+      continue;
+    if (n <= 0) {
+      report(context, EXR_ERR_WRITE_IO, "%s", strerror(n ? errno : ENOSPC));
+      return -1;
+    }
+    done += (uint64_t)n;
+  }
+  return (int64_t)done;
+}
+
+/* Damaged headers ask for absurd chunks; those are refused, not tried. */
+static void *bounded_allocation(size_t size) {
+  return size > MAX_ALLOCATION ? NULL : malloc(size);
+}
+
+static exr_context_initializer_t initializer(stream *s) {
+  exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
+  init.error_handler_fn = keep_message;
+  init.alloc_fn = bounded_allocation;
+  init.free_fn = free;
+  init.user_data = s;
+  init.read_fn = stream_read;
+  init.size_fn = stream_size;
+  init.write_fn = stream_write;
+  init.max_image_width = init.max_image_height = MAX_SIDE;
+  init.max_tile_width = init.max_tile_height = MAX_TILE;
+  init.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+  return init;
+}
+
+static const char *last_words(const stream *s, exr_result_t result) {
+  return s->message[0] ? s->message : exr_get_default_error_message(result);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Reading                                                                   */
+
+typedef struct reader {
+  stream stream;
+  exr_context_t context;
+  int parts;
+  exr_attr_box2i_t window; /* of the first flat part */
+  image_error *error;
+} reader;
+
+static void reader_close(reader *r) {
+  if (r->context)
+    exr_finish(&r->context);
+  if (r->stream.fd >= 0)
+    close(r->stream.fd);
+}
+
+static int check_kind(reader *r) {
+  static const unsigned char magic[4] = {0x76, 0x2f, 0x31, 0x01};
+  unsigned char start[4];
+  struct stat status;
+  if (fstat(r->stream.fd, &status) != 0 || !S_ISREG(status.st_mode))
+    return image_fail(r->error,
+                      "%s: not a regular file; an OpenEXR file is "
+                      "needed",
+                      r->stream.path);
+  if (pread(r->stream.fd, start, sizeof start, 0) != (ssize_t)sizeof start ||
+      memcmp(start, magic, sizeof magic) != 0)
+    return image_fail(r->error,
+                      "%s: not an OpenEXR file; a multi-layer .exr "
+                      "is needed",
+                      r->stream.path);
+  return 0;
+}
+
+static int is_flat(reader *r, int part) {
+  exr_storage_t storage;
+  return exr_get_storage(r->context, part, &storage) == EXR_ERR_SUCCESS &&
+         (storage == EXR_STORAGE_SCANLINE || storage == EXR_STORAGE_TILED);
+}
+
+static int64_t extent(int32_t low, int32_t high) {
+  return (int64_t)high - low + 1;
+}
+
+/* Takes the size from the first flat part. */
+static int find_window(reader *r) {
+  int part = 0;
+  while (part < r->parts && !is_flat(r, part))
+    part++;
+  if (part == r->parts)
+    return image_fail(r->error,
+                      "%s: holds deep data only; flat pixels are "
+                      "needed",
+                      r->stream.path);
+  if (exr_get_data_window(r->context, part, &r->window) != EXR_ERR_SUCCESS)
+    return image_fail(r->error, "%s: has no data window; the file is damaged",
+                      r->stream.path);
+  const int64_t width = extent(r->window.min.x, r->window.max.x);
+  const int64_t height = extent(r->window.min.y, r->window.max.y);
+  if (width < 1 || height < 1 ||
+      (uint64_t)width > MAX_PIXELS / (uint64_t)height)
+    return image_fail(r->error,
+                      "%s: claims %lld x %lld pixels; at most %llu pixels are "
+                      "read",
+                      r->stream.path, (long long)width, (long long)height,
+                      (unsigned long long)MAX_PIXELS);
+  return 0;
+}
+
+static int reader_parse(reader *r) {
+  const exr_context_initializer_t init = initializer(&r->stream);
+  exr_result_t result = exr_start_read(&r->context, r->stream.path, &init);
+  if (result == EXR_ERR_SUCCESS)
+    result = exr_get_count(r->context, &r->parts);
+  if (result != EXR_ERR_SUCCESS)
+    return image_fail(r->error,
+                      "%s: damaged OpenEXR header (%s); a complete "
+                      "file is needed",
+                      r->stream.path, last_words(&r->stream, result));
+  return find_window(r);
+}
+
+static int reader_open(reader *r, const char *path, image_error *error) {
+  memset(r, 0, sizeof *r);
+  r->error = error;
+  r->stream.path = path;
+  r->stream.fd = open(path, O_RDONLY);
+  if (r->stream.fd < 0)
+    return image_fail(error,
+                      "%s: cannot be read: %s; an OpenEXR file is "
+                      "needed",
+                      path, strerror(errno));
+  if (check_kind(r) != 0 || reader_parse(r) != 0) {
+    reader_close(r);
+    return -1;
+  }
+  return 0;
+}
+
+/* The channels of a part that can be read together with the first, or NULL. */
+static const exr_attr_chlist_t *part_channels(reader *r, int part) {
+  const exr_attr_chlist_t *channels = NULL;
+  exr_attr_box2i_t window;
+  if (!is_flat(r, part) ||
+      exr_get_data_window(r->context, part, &window) != EXR_ERR_SUCCESS ||
+      memcmp(&window, &r->window, sizeof window) != 0 ||
+      exr_get_channels(r->context, part, &channels) != EXR_ERR_SUCCESS)
+    return NULL;
+  return channels;
+}
+
+/* PART.CHANNEL, the name of a channel whose own name is taken. */
+static void qualified_name(reader *r, int part, const char *channel, char *name,
+                           size_t size) {
+  const char *part_name = NULL;
+  if (exr_get_name(r->context, part, &part_name) != EXR_ERR_SUCCESS ||
+      !part_name)
+    part_name = "";
+  snprintf(name, size, "%s.%s", part_name, channel);
+}
+
+static void set_size(const reader *r, image *out) {
+  memset(out, 0, sizeof *out);
+  out->x = r->window.min.x;
+  out->y = r->window.min.y;
+  out->width = (uint32_t)extent(r->window.min.x, r->window.max.x);
+  out->height = (uint32_t)extent(r->window.min.y, r->window.max.y);
+}
+
+static int list_part(reader *r, int part, image *out) {
+  const exr_attr_chlist_t *channels = part_channels(r, part);
+  for (int i = 0; channels && i < channels->num_channels; i++) {
+    char name[sizeof out->planes->name];
+    snprintf(name, sizeof name, "%s", channels->entries[i].name.str);
+    if (image_find(out, name))
+      qualified_name(r, part, channels->entries[i].name.str, name, sizeof name);
+    if (!image_find(out, name) && !image_declare(out, name))
+      return image_no_memory(r->error, r->stream.path);
+  }
+  return 0;
+}
+
+int exr_read_header(const char *path, image *out, image_error *error) {
+  reader r;
+  int failed = 0;
+  memset(out, 0, sizeof *out);
+  if (reader_open(&r, path, error) != 0)
+    return -1;
+  set_size(&r, out);
+  for (int part = 0; part < r.parts && !failed; part++)
+    failed = list_part(&r, part, out);
+  reader_close(&r);
+  if (failed)
+    image_free(out);
+  return failed;
+}
+
+/* Where a wanted plane is found. */
+typedef struct source {
+  int part;
+  int channel; /* of the part's list, which the decoder follows */
+} source;
+
+static int find_source(reader *r, const char *wanted, source *out) {
+  for (int pass = 0; pass < 2; pass++) /* plain names go first */
+    for (int part = 0; part < r->parts; part++) {
+      const exr_attr_chlist_t *channels = part_channels(r, part);
+      for (int i = 0; channels && i < channels->num_channels; i++) {
+        const exr_attr_chlist_entry_t *entry = &channels->entries[i];
+        char name[sizeof((image_plane *)0)->name];
+        snprintf(name, sizeof name, "%s", entry->name.str);
+        if (pass)
+          qualified_name(r, part, entry->name.str, name, sizeof name);
+        if (strcmp(name, wanted) != 0)
+          continue;
+        if (entry->x_sampling != 1 || entry->y_sampling != 1)
+          return image_fail(r->error,
+                            "%s: channel %s is subsampled; a value "
+                            "for every pixel is needed",
+                            r->stream.path, wanted);
+        *out = (source){part, i};
+        return 0;
+      }
+    }
+  return image_fail(r->error, "%s: has no channel %s (see hbil info)",
+                    r->stream.path, wanted);
+}
+
+/* A decoder of one part, used for chunk after chunk. */
+typedef struct decoder {
+  reader *reader;
+  int part;
+  const image *img;
+  const source *sources; /* one for each plane of img */
+  exr_decode_pipeline_t pipeline;
+  int started;
+} decoder;
+
+/* Points the wanted channels at the pixel (x,y) of their planes. */
+static void aim(decoder *d, size_t x, size_t y) {
+  const size_t first = y * d->img->width + x;
+  for (size_t i = 0; i < d->img->count; i++) {
+    if (d->sources[i].part != d->part)
+      continue;
+    exr_coding_channel_info_t *channel =
+        &d->pipeline.channels[d->sources[i].channel];
+    channel->decode_to_ptr = (uint8_t *)(d->img->planes[i].pixels + first);
+    channel->user_data_type = EXR_PIXEL_FLOAT;
+    channel->user_bytes_per_element = sizeof(float);
+    channel->user_pixel_stride = sizeof(float);
+    channel->user_line_stride = (int32_t)(d->img->width * sizeof(float));
+  }
+}
+
+static exr_result_t decode_chunk(decoder *d, const exr_chunk_info_t *chunk,
+                                 size_t x, size_t y) {
+  exr_context_t context = d->reader->context;
+  exr_result_t result =
+      d->started
+          ? exr_decoding_update(context, d->part, chunk, &d->pipeline)
+          : exr_decoding_initialize(context, d->part, chunk, &d->pipeline);
+  if (result != EXR_ERR_SUCCESS)
+    return result;
+  aim(d, x, y);
+  if (!d->started)
+    result =
+        exr_decoding_choose_default_routines(context, d->part, &d->pipeline);
+  d->started = 1;
+  return result == EXR_ERR_SUCCESS
+             ? exr_decoding_run(context, d->part, &d->pipeline)
+             : result;
+}
+
+static exr_result_t decode_scanlines(decoder *d) {
+  const reader *r = d->reader;
+  int32_t lines = 0;
+  exr_result_t result =
+      exr_get_scanlines_per_chunk(r->context, d->part, &lines);
+  if (result == EXR_ERR_SUCCESS && lines < 1)
+    result = EXR_ERR_INVALID_ATTR;
+  for (int64_t y = r->window.min.y;
+       result == EXR_ERR_SUCCESS && y <= r->window.max.y; y += lines) {
+    exr_chunk_info_t chunk;
+    result = exr_read_scanline_chunk_info(r->context, d->part, (int)y, &chunk);
+    if (result == EXR_ERR_SUCCESS)
+      result = decode_chunk(d, &chunk, 0, (size_t)(y - r->window.min.y));
+  }
+  return result;
+}
+
+static exr_result_t decode_tiles(decoder *d) {
+  const reader *r = d->reader;
+  int32_t width = 0, height = 0;
+  exr_result_t result =
+      exr_get_tile_sizes(r->context, d->part, 0, 0, &width, &height);
+  if (result == EXR_ERR_SUCCESS && (width < 1 || height < 1))
+    result = EXR_ERR_INVALID_ATTR;
+  for (uint32_t y = 0; result == EXR_ERR_SUCCESS && y < d->img->height;
+       y += (uint32_t)height)
+    for (uint32_t x = 0; result == EXR_ERR_SUCCESS && x < d->img->width;
+         x += (uint32_t)width) {
+      exr_chunk_info_t chunk;
+      result = exr_read_tile_chunk_info(
+          r->context, d->part, (int)(x / (uint32_t)width),
+          (int)(y / (uint32_t)height), 0, 0, &chunk);
+      if (result == EXR_ERR_SUCCESS)
+        result = decode_chunk(d, &chunk, x, y);
+    }
+  return result;
+}
+
+static exr_result_t decode_core(reader *r, int part, const image *img,
+                                const source *sources) {
+  decoder d = {.reader = r, .part = part, .img = img, .sources = sources};
+  exr_storage_t storage = EXR_STORAGE_SCANLINE;
+  exr_get_storage(r->context, part, &storage);
+  const exr_result_t result =
+      storage == EXR_STORAGE_TILED ? decode_tiles(&d) : decode_scanlines(&d);
+  if (d.started)
+    exr_decoding_destroy(r->context, &d.pipeline);
+  return result;
+}
+
+static int decode_dwa(reader *r, int part, const image *img,
+                      const source *sources) {
+  const exr_attr_chlist_t *channels = part_channels(r, part);
+  exr_target *targets = calloc(img->count, sizeof *targets);
+  size_t count = 0;
+  if (!targets)
+    return image_no_memory(r->error, r->stream.path);
+  for (size_t i = 0; i < img->count; i++)
+    if (sources[i].part == part)
+      targets[count++] =
+          (exr_target){channels->entries[sources[i].channel].name.str,
+                       img->planes[i].pixels};
+  const int failed = exr_dwa_read(r->stream.path, part, img->width, img->height,
+                                  targets, count, r->error);
+  free(targets);
+  return failed;
+}
+
+static int decode_part(reader *r, int part, const image *img,
+                       const source *sources) {
+  exr_compression_t compression = EXR_COMPRESSION_NONE;
+  exr_get_compression(r->context, part, &compression);
+  if (compression == EXR_COMPRESSION_DWAA ||
+      compression == EXR_COMPRESSION_DWAB)
+    return decode_dwa(r, part, img, sources);
+  const exr_result_t result = decode_core(r, part, img, sources);
+  if (result != EXR_ERR_SUCCESS)
+    return image_fail(r->error,
+                      "%s: truncated or damaged pixel data (%s); a "
+                      "complete file is needed",
+                      r->stream.path, last_words(&r->stream, result));
+  return 0;
+}
+
+static int is_wanted(const image *img, const source *sources, int part) {
+  for (size_t i = 0; i < img->count; i++)
+    if (sources[i].part == part)
+      return 1;
+  return 0;
+}
+
+static int read_planes(reader *r, const char *const *names, size_t count,
+                       image *out, source *sources) {
+  for (size_t i = 0; i < count; i++) {
+    if (image_find(out, names[i]))
+      continue;
+    if (find_source(r, names[i], &sources[out->count]) != 0)
+      return -1;
+    if (!image_add(out, names[i]))
+      return image_no_memory(r->error, r->stream.path);
+  }
+  for (int part = 0; part < r->parts; part++)
+    if (is_wanted(out, sources, part) &&
+        decode_part(r, part, out, sources) != 0)
+      return -1;
+  return 0;
+}
+
+int exr_read(const char *path, const char *const *names, size_t count,
+             image *out, image_error *error) {
+  reader r;
+  memset(out, 0, sizeof *out);
+  if (reader_open(&r, path, error) != 0)
+    return -1;
+  set_size(&r, out);
+  source *sources = calloc(count ? count : 1, sizeof *sources);
+  int failed = sources ? read_planes(&r, names, count, out, sources)
+                       : image_no_memory(error, path);
+  free(sources);
+  reader_close(&r);
+  if (failed)
+    image_free(out);
+  return failed;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Writing                                                                   */
+
+static exr_result_t write_header(exr_context_t context, const image *img,
+                                 const unsigned char *half) {
+  exr_attr_box2i_t window;
+  exr_attr_v2f_t centre;
+  memset(&centre, 0, sizeof centre);
+  window.min.x = img->x;
+  window.min.y = img->y;
+  window.max.x = img->x + (int32_t)img->width - 1;
+  window.max.y = img->y + (int32_t)img->height - 1;
+  int part = 0;
+  exr_result_t result = exr_set_longname_support(context, 1);
+  if (result == EXR_ERR_SUCCESS)
+    result = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
+  if (result == EXR_ERR_SUCCESS)
+    result = exr_initialize_required_attr(
+        context, part, &window, &window, 1.0f, &centre, 1.0f,
+        EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
+  for (size_t i = 0; i < img->count && result == EXR_ERR_SUCCESS; i++)
+    result = exr_add_channel(context, part, img->planes[i].name,
+                             half && half[i] ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
+                             EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+  return result == EXR_ERR_SUCCESS ? exr_write_header(context) : result;
+}
+
+static void aim_encoder(exr_encode_pipeline_t *pipeline, const image *img,
+                        size_t y) {
+  for (int i = 0; i < pipeline->channel_count; i++) {
+    exr_coding_channel_info_t *channel = &pipeline->channels[i];
+    const image_plane *plane = image_find(img, channel->channel_name);
+    channel->encode_from_ptr =
+        (const uint8_t *)(plane->pixels + y * img->width);
+    channel->user_data_type = EXR_PIXEL_FLOAT;
+    channel->user_bytes_per_element = sizeof(float);
+    channel->user_pixel_stride = sizeof(float);
+    channel->user_line_stride = (int32_t)(img->width * sizeof(float));
+  }
+}
+
+static exr_result_t write_pixels(exr_context_t context, const image *img) {
+  exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
+  int32_t lines = 0;
+  int started = 0;
+  exr_result_t result = exr_get_scanlines_per_chunk(context, 0, &lines);
+  for (uint32_t y = 0; result == EXR_ERR_SUCCESS && y < img->height;
+       y += (uint32_t)lines) {
+    exr_chunk_info_t chunk;
+    result = exr_write_scanline_chunk_info(context, 0, img->y + (int)y, &chunk);
+    if (result != EXR_ERR_SUCCESS)
+      break;
+    result = started ? exr_encoding_update(context, 0, &chunk, &pipeline)
+                     : exr_encoding_initialize(context, 0, &chunk, &pipeline);
+    if (result != EXR_ERR_SUCCESS)
+      break;
+    aim_encoder(&pipeline, img, y);
+    if (!started)
+      result = exr_encoding_choose_default_routines(context, 0, &pipeline);
+    started = 1;
+    if (result == EXR_ERR_SUCCESS)
+      result = exr_encoding_run(context, 0, &pipeline);
+  }
+  if (started)
+    exr_encoding_destroy(context, &pipeline);
+  return result;
+}
+
+static exr_result_t write_stream(stream *s, const image *img,
+                                 const unsigned char *half) {
+  const exr_context_initializer_t init = initializer(s);
+  exr_context_t context = NULL;
+  exr_result_t result =
+      exr_start_write(&context, s->path, EXR_WRITE_FILE_DIRECTLY, &init);
+  if (result != EXR_ERR_SUCCESS)
+    return result;
+  result = write_header(context, img, half);
+  if (result == EXR_ERR_SUCCESS)
+    result = write_pixels(context, img);
+  const exr_result_t finished = exr_finish(&context);
+  return result == EXR_ERR_SUCCESS ? finished : result;
+}
+
+int exr_write(const char *path, const image *img, const unsigned char *half,
+              image_error *error) {
+  char *temporary = temporary_name(path, error);
+  if (!temporary)
+    return -1;
+  stream s = {.path = path};
+  s.fd = open(temporary, O_RDWR | O_CREAT | O_TRUNC, 0666);
+  if (s.fd < 0) {
+    image_fail(error, "%s: cannot be written: %s", path, strerror(errno));
+    free(temporary);
+    return -1;
+  }
+  const exr_result_t result = write_stream(&s, img, half);
+  const int closed = close(s.fd);
+  if (result != EXR_ERR_SUCCESS || closed != 0) {
+    image_fail(error, "%s: cannot be written: %s", path,
+               result != EXR_ERR_SUCCESS ? last_words(&s, result)
+                                         : strerror(errno));
+    temporary_discard(temporary);
+    return -1;
+  }
+  return temporary_commit(temporary, path, error);
+}

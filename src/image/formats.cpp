@@ -1,0 +1,204 @@
+// PNG, and every image that OpenImageIO reads, behind the C interface of
+// image.h.  No exception leaves this file.
+#include "image/exr_dwa.h"
+#include "image/image.h"
+#include "image/temporary.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+// Environment maps are large, but not larger than this.
+const uint64_t max_pixels = uint64_t(1) << 28;
+
+int write_png(const char *path, const char *temporary, const unsigned char *rgb,
+              uint32_t width, uint32_t height, image_error *error) {
+  auto out = OIIO::ImageOutput::create("png");
+  if (!out)
+    return image_fail(error, "%s: cannot be written: %s", path,
+                      OIIO::geterror().c_str());
+  OIIO::ImageSpec spec(int(width), int(height), 3, OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  if (!out->open(temporary, spec) ||
+      !out->write_image(OIIO::TypeDesc::UINT8, rgb) || !out->close())
+    return image_fail(error, "%s: cannot be written: %s", path,
+                      out->geterror().c_str());
+  return 0;
+}
+
+bool read_rgb(OIIO::ImageInput &in, float *rgb) {
+  const OIIO::ImageSpec &spec = in.spec();
+  const int channels = spec.nchannels < 3 ? 1 : 3;
+  if (!in.read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, rgb,
+                     3 * sizeof(float)))
+    return false;
+  const size_t pixels = size_t(spec.width) * size_t(spec.height);
+  for (size_t i = 0; channels == 1 && i < pixels; i++)
+    rgb[3 * i + 1] = rgb[3 * i + 2] = rgb[3 * i];
+  return true;
+}
+
+int read_file(const char *path, float **rgb, uint32_t *width, uint32_t *height,
+              image_error *error) {
+  auto in = OIIO::ImageInput::open(path);
+  if (!in)
+    return image_fail(error,
+                      "%s: cannot be read: %s; an image that "
+                      "OpenImageIO reads is needed",
+                      path, OIIO::geterror().c_str());
+  const OIIO::ImageSpec &spec = in->spec();
+  if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.deep ||
+      spec.nchannels < 1 ||
+      uint64_t(spec.width) > max_pixels / uint64_t(spec.height))
+    return image_fail(error,
+                      "%s: %d x %d x %d pixels; a flat image of at most "
+                      "%llu pixels is needed",
+                      path, spec.width, spec.height, spec.depth,
+                      static_cast<unsigned long long>(max_pixels));
+  const size_t pixels = size_t(spec.width) * size_t(spec.height);
+  std::unique_ptr<float, void (*)(void *)> out(
+      static_cast<float *>(std::calloc(3 * pixels, sizeof(float))), std::free);
+  if (!out)
+    return image_no_memory(error, path);
+  if (!read_rgb(*in, out.get()))
+    return image_fail(error,
+                      "%s: truncated or damaged: %s; a complete image "
+                      "is needed",
+                      path, in->geterror().c_str());
+  *width = uint32_t(spec.width);
+  *height = uint32_t(spec.height);
+  *rgb = out.release();
+  return 0;
+}
+
+// Rows of a range of channels, interleaved, and where the wanted ones go.
+class BandReader {
+public:
+  BandReader(OIIO::ImageInput &in, int part, const exr_target *targets,
+             size_t count)
+      : in(in), part(part), spec(in.spec(part, 0)), targets(targets),
+        index(count), first(spec.nchannels), last(0) {
+    for (size_t i = 0; i < count; i++) {
+      index[i] = spec.channelindex(targets[i].channel);
+      first = std::min(first, index[i]);
+      last = std::max(last, index[i] + 1);
+    }
+  }
+
+  bool has(uint32_t width, uint32_t height) const {
+    return first >= 0 && first < last && spec.width == int(width) &&
+           spec.height == int(height) && !spec.deep;
+  }
+
+  bool read() {
+    // A multiple of every DWA chunk's height, and whole tiles.
+    const int band = spec.tile_height ? spec.tile_height : 256;
+    const int end = spec.y + spec.height;
+    for (int y = spec.y; y < end; y += band)
+      if (!read_rows(y, std::min(y + band, end)))
+        return false;
+    return true;
+  }
+
+private:
+  bool read_rows(int begin, int end) {
+    const size_t channels = size_t(last - first);
+    const size_t pixels = size_t(end - begin) * size_t(spec.width);
+    rows.resize(channels * pixels);
+    const bool good =
+        spec.tile_width
+            ? in.read_tiles(part, 0, spec.x, spec.x + spec.width, begin, end, 0,
+                            1, first, last, OIIO::TypeDesc::FLOAT, rows.data())
+            : in.read_scanlines(part, 0, begin, end, 0, first, last,
+                                OIIO::TypeDesc::FLOAT, rows.data());
+    if (!good)
+      return false;
+    const size_t offset = size_t(begin - spec.y) * size_t(spec.width);
+    for (size_t t = 0; t < index.size(); t++) {
+      const float *from = rows.data() + (index[t] - first);
+      for (size_t i = 0; i < pixels; i++)
+        targets[t].pixels[offset + i] = from[i * channels];
+    }
+    return true;
+  }
+
+  OIIO::ImageInput &in;
+  const int part;
+  const OIIO::ImageSpec spec;
+  const exr_target *targets;
+  std::vector<int> index;
+  int first, last;
+  std::vector<float> rows;
+};
+
+int read_part(const char *path, int part, uint32_t width, uint32_t height,
+              const exr_target *targets, size_t count, image_error *error) {
+  OIIO::attribute("openexr:core", 0); // its DWA is what we are avoiding
+  auto in = OIIO::ImageInput::open(path);
+  if (!in)
+    return image_fail(error, "%s: cannot be read: %s", path,
+                      OIIO::geterror().c_str());
+  BandReader reader(*in, part, targets, count);
+  if (!reader.has(width, height))
+    return image_fail(error,
+                      "%s: OpenImageIO sees other channels than "
+                      "OpenEXR; another compression than DWA is needed",
+                      path);
+  if (!reader.read())
+    return image_fail(error,
+                      "%s: truncated or damaged pixel data (%s); a "
+                      "complete file is needed",
+                      path, in->geterror().c_str());
+  return 0;
+}
+
+// Runs a reader; whatever it throws becomes the message.
+template <typename Function>
+int guarded(const char *path, const char *verb, image_error *error,
+            Function function) {
+  try {
+    return function();
+  } catch (const std::exception &e) {
+    return image_fail(error, "%s: cannot be %s: %s", path, verb, e.what());
+  } catch (...) {
+    return image_fail(error, "%s: cannot be %s", path, verb);
+  }
+}
+
+} // namespace
+
+extern "C" int exr_dwa_read(const char *path, int part, uint32_t width,
+                            uint32_t height, const exr_target *targets,
+                            size_t count, image_error *error) {
+  return guarded(path, "read", error, [&] {
+    return read_part(path, part, width, height, targets, count, error);
+  });
+}
+
+extern "C" int png_write(const char *path, const unsigned char *rgb,
+                         uint32_t width, uint32_t height, image_error *error) {
+  char *temporary = temporary_name(path, error);
+  if (!temporary)
+    return -1;
+  const int failed = guarded(path, "written", error, [&] {
+    return write_png(path, temporary, rgb, width, height, error);
+  });
+  if (!failed)
+    return temporary_commit(temporary, path, error);
+  temporary_discard(temporary);
+  return -1;
+}
+
+extern "C" int formats_read_rgb(const char *path, float **rgb, uint32_t *width,
+                                uint32_t *height, image_error *error) {
+  *rgb = nullptr;
+  return guarded(path, "read", error,
+                 [&] { return read_file(path, rgb, width, height, error); });
+}

@@ -1,0 +1,109 @@
+/*
+ * Images on the host: named planes of floats.  Knows files, no light.
+ *
+ * Every function that can fail returns 0 on success and fills `error` with one
+ * sentence otherwise ("PATH: what is wrong; what would be right").  Nothing is
+ * left behind on failure: no memory, no half-written file.
+ */
+#ifndef HBIL_IMAGE_H
+#define HBIL_IMAGE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { IMAGE_ERROR_SIZE = 1024 };
+typedef struct image_error {
+  char text[IMAGE_ERROR_SIZE];
+} image_error;
+
+/* One channel: width*height floats, row-major, top row first. */
+typedef struct image_plane {
+  char name[256]; /* full channel name, e.g. "ViewLayer.Depth.Z" */
+  float *pixels;  /* owned by the image; NULL in a header-only image */
+} image_plane;
+
+typedef struct image {
+  uint32_t width, height; /* of the data window */
+  int32_t x, y;           /* its top left corner */
+  size_t count;
+  image_plane *planes;
+} image;
+
+/* Fills `error` (NULL is allowed) as printf does; returns -1. */
+int image_fail(image_error *error, const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 2, 3)))
+#endif
+    ;
+
+/* The same for memory that ran out while working on `path`. */
+int image_no_memory(image_error *error, const char *path);
+
+void image_free(image *img); /* allowed on a zeroed image and twice */
+
+/* The plane of that name, or NULL. */
+image_plane *image_find(const image *img, const char *name);
+
+/* Adds a zeroed plane; returns it or NULL (out of memory). The pointers of
+ * other image_plane structs may move, their pixels do not. */
+image_plane *image_add(image *img, const char *name);
+
+/* The same without pixels: for header-only images. */
+image_plane *image_declare(image *img, const char *name);
+
+/* --- EXR, through OpenEXRCore (exr.c) --- */
+
+/*
+ * Flat scanline and tiled files, single and multi-part.  The first flat part
+ * gives the size; channels are those of all flat parts of the same data window.
+ * A name that an earlier part has used already is listed as PART.NAME.
+ */
+
+/* Header only: size and channel names. */
+int exr_read_header(const char *path, image *out, image_error *error);
+
+/* The named channels only (all converted to float). Names that the file lacks
+ * are an error. */
+int exr_read(const char *path, const char *const *names, size_t count,
+             image *out, image_error *error);
+
+/* Writes all planes as a scanline ZIP file to a temporary name beside `path`,
+ * then renames.  half: store as half (1) or float (0), per plane. */
+int exr_write(const char *path, const image *img, const unsigned char *half,
+              image_error *error);
+
+/* --- other formats, through OpenImageIO (formats.cpp) --- */
+
+/* 8-bit PNG of rgb (width*height*3 bytes, top row first), via a temporary name.
+ */
+int png_write(const char *path, const unsigned char *rgb, uint32_t width,
+              uint32_t height, image_error *error);
+
+/* Any image OpenImageIO reads, as interleaved RGB floats (malloc'd, grey is
+ * tripled, alpha dropped). */
+int formats_read_rgb(const char *path, float **rgb, uint32_t *width,
+                     uint32_t *height, image_error *error);
+
+/* --- camera side-car (camera_json.c) --- */
+
+/* The JSON beside a dump: camera_to_world (OpenGL convention, row-major), fx,
+ * fy, cx, cy, resolution. */
+typedef struct camera_file {
+  double camera_to_world[16];
+  double fx, fy, cx, cy;
+  uint32_t width, height;
+} camera_file;
+
+int camera_read(const char *path, camera_file *out, image_error *error);
+int camera_write(const char *path, const camera_file *camera,
+                 image_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,338 @@
+/*
+ * hbil demo: a sequence that needs no files and no renderer.  Traces the
+ * G-buffers of a small scene, writes them as any renderer would, and hands
+ * them to the main job.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include "scene/scene.h"
+#include "tool/tool.h"
+
+#include <errno.h>
+#include <getopt.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { GBUFFER_PLANES = 18, SKY_WIDTH = 64, SKY_HEIGHT = 32 };
+
+static const char *const scene_names[] = {"room", "sky", NULL};
+
+typedef struct demo_options {
+  unsigned frames, width, height;
+  int scene;
+  const char *output;
+  const char *device;
+} demo_options;
+
+static void usage(void) {
+  puts(
+      "usage: hbil demo [options]\n"
+      "\n"
+      "Traces a short sequence of G-buffers, runs them through `hbil process`\n"
+      "and says where the pictures are.\n"
+      "\n"
+      "  -o, --output DIR   where everything goes (./demo)\n"
+      "      --frames N     length of the sequence (8)\n"
+      "      --size WxH     pixels (640x360)\n"
+      "      --scene NAME   room: furnished, under a lamp; sky: in the open\n"
+      "                     (room)\n"
+      "      --device NAME  number in `hbil devices`, or part of a name\n"
+      "  -h, --help         this text");
+}
+
+/* ------------------------------------------------------------------------ */
+/* Files                                                                     */
+
+/* FOLDER/NAME, malloc'd; NULL with error filled when out of memory. */
+static char *join(const char *folder, const char *name, image_error *error) {
+  size_t size = strlen(folder) + strlen(name) + 2;
+  char *path = malloc(size);
+  if (path == NULL)
+    image_no_memory(error, folder);
+  else
+    snprintf(path, size, "%s/%s", folder, name);
+  return path;
+}
+
+static int make_folder(const char *path, image_error *error) {
+  struct stat info;
+  if (mkdir(path, 0777) == 0)
+    return 0;
+  int reason = errno;
+  if (reason == EEXIST && stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+    return 0;
+  return image_fail(error,
+                    "%s: cannot be made: %s; a folder that can be written "
+                    "is needed",
+                    path, strerror(reason));
+}
+
+/* ------------------------------------------------------------------------ */
+/* The G-buffer                                                              */
+
+/* Sky pixels show what they send as emission, as in any dump. */
+static void fill_sky(scene_frame *f) {
+  const hbil_camera *c = &f->camera;
+  const double *m = c->world_from_view;
+  for (size_t i = 0; i < (size_t)f->width * f->height; ++i) {
+    if (f->depth[i] > 0.0f)
+      continue;
+    double x = ((double)(i % f->width) + 0.5 - c->cx) / c->fx;
+    double y = ((double)(i / f->width) + 0.5 - c->cy) / c->fy;
+    double direction[3];
+    float rgb[3];
+    for (int k = 0; k < 3; ++k)
+      direction[k] = m[4 * k] * x + m[4 * k + 1] * y + m[4 * k + 2];
+    scene_sky(direction, rgb);
+    for (int k = 0; k < 3; ++k)
+      f->emission[k][i] = rgb[k];
+  }
+}
+
+/* The planes under the names of a dump; the pixels stay the frame's own. */
+static image gbuffer_image(const scene_frame *f,
+                           image_plane planes[GBUFFER_PLANES]) {
+  static const char *const names[GBUFFER_PLANES] = {
+      "depth.Z",    "normal.X",   "normal.Y", "normal.Z",   "position.X",
+      "position.Y", "position.Z", "albedo.R", "albedo.G",   "albedo.B",
+      "direct.R",   "direct.G",   "direct.B", "emission.R", "emission.G",
+      "emission.B", "motion.X",   "motion.Y"};
+  float *const pixels[GBUFFER_PLANES] = {
+      f->depth,       f->normal[0],   f->normal[1],   f->normal[2],
+      f->position[0], f->position[1], f->position[2], f->albedo[0],
+      f->albedo[1],   f->albedo[2],   f->direct[0],   f->direct[1],
+      f->direct[2],   f->emission[0], f->emission[1], f->emission[2],
+      f->motion[0],   f->motion[1]};
+  for (int i = 0; i < GBUFFER_PLANES; ++i) {
+    snprintf(planes[i].name, sizeof planes[i].name, "%s", names[i]);
+    planes[i].pixels = pixels[i];
+  }
+  return (image){.width = f->width,
+                 .height = f->height,
+                 .count = GBUFFER_PLANES,
+                 .planes = planes};
+}
+
+/* Side-cars hold the convention of OpenGL: y up, looking down -z.  Adding 0
+ * turns -0 into 0, for the sake of those who read them. */
+static camera_file camera_of(const scene_frame *f) {
+  static const double sign[4] = {1.0, -1.0, -1.0, 1.0};
+  const hbil_camera *c = &f->camera;
+  camera_file out = {.fx = c->fx,
+                     .fy = c->fy,
+                     .cx = c->cx,
+                     .cy = c->cy,
+                     .width = f->width,
+                     .height = f->height};
+  for (int i = 0; i < 16; ++i)
+    out.camera_to_world[i] = c->world_from_view[i] * sign[i % 4] + 0.0;
+  return out;
+}
+
+/* path ends in .exr; the camera goes beside it. */
+static int write_frame(const scene_frame *f, const char *path,
+                       image_error *error) {
+  image_plane planes[GBUFFER_PLANES];
+  image img = gbuffer_image(f, planes);
+  if (exr_write(path, &img, NULL, error) != 0)
+    return -1;
+  char *json = strdup(path);
+  if (json == NULL)
+    return image_no_memory(error, path);
+  strcpy(json + strlen(json) - strlen(".exr"), ".json");
+  camera_file camera = camera_of(f);
+  int failed = camera_write(json, &camera, error);
+  free(json);
+  return failed;
+}
+
+static int trace_frame(const demo_options *o, unsigned index, const char *path,
+                       image_error *error) {
+  scene_frame f;
+  if (scene_render((scene_kind)o->scene, o->width, o->height, 0.0, index, &f) !=
+      0)
+    return image_no_memory(error, path);
+  fill_sky(&f);
+  int failed = write_frame(&f, path, error);
+  scene_free(&f);
+  return failed;
+}
+
+/* One line that counts up, where somebody watches. */
+static void progress(unsigned done, unsigned frames) {
+  if (isatty(STDERR_FILENO))
+    fprintf(stderr, "\rtracing G-buffers: %u of %u%s", done, frames,
+            done == frames ? "\n" : "");
+}
+
+/* Fills files with the paths (malloc'd) of the frames. */
+static int trace_frames(const demo_options *o, const char *folder, char **files,
+                        image_error *error) {
+  for (unsigned i = 0; i < o->frames; ++i) {
+    char name[32];
+    progress(i, o->frames);
+    snprintf(name, sizeof name, "frame_%04u.exr", i + 1);
+    files[i] = join(folder, name, error);
+    if (files[i] == NULL || trace_frame(o, i, files[i], error) != 0)
+      return -1;
+  }
+  progress(o->frames, o->frames);
+  return 0;
+}
+
+/* The sky as a latitude-longitude map, see hbil_environment_from_latlong(). */
+static int write_sky(const char *path, image_error *error) {
+  const double pi = 3.14159265358979323846;
+  static float pixels[3][SKY_HEIGHT * SKY_WIDTH];
+  image_plane planes[3] = {
+      {"R", pixels[0]}, {"G", pixels[1]}, {"B", pixels[2]}};
+  for (int i = 0; i < SKY_HEIGHT * SKY_WIDTH; ++i) {
+    double polar = (i / SKY_WIDTH + 0.5) * pi / SKY_HEIGHT;
+    double azimuth = 2.0 * pi * (0.5 - (i % SKY_WIDTH + 0.5) / SKY_WIDTH);
+    double direction[3] = {sin(polar) * cos(azimuth), sin(polar) * sin(azimuth),
+                           cos(polar)};
+    float rgb[3];
+    scene_sky(direction, rgb);
+    for (int k = 0; k < 3; ++k)
+      pixels[k][i] = rgb[k];
+  }
+  image img = {
+      .width = SKY_WIDTH, .height = SKY_HEIGHT, .count = 3, .planes = planes};
+  return exr_write(path, &img, NULL, error);
+}
+
+/* ------------------------------------------------------------------------ */
+/* The command                                                               */
+
+static int read_size(const char *text, demo_options *o, image_error *error) {
+  char end;
+  if (sscanf(text, "%5ux%5u%c", &o->width, &o->height, &end) != 2 ||
+      o->width < 1 || o->width > 16384 || o->height < 1 || o->height > 16384)
+    return image_fail(error,
+                      "--size %s: WIDTHxHEIGHT is needed, each from 1 to "
+                      "16384, such as 640x360",
+                      text);
+  return 0;
+}
+
+/* 0: go on; 1: only help was wanted; -1: error is filled. */
+static int read_options(int argc, char **argv, demo_options *o,
+                        image_error *error) {
+  static const struct option options[] = {
+      {"frames", required_argument, NULL, 'n'},
+      {"size", required_argument, NULL, 's'},
+      {"scene", required_argument, NULL, 'c'},
+      {"output", required_argument, NULL, 'o'},
+      {"device", required_argument, NULL, 'd'},
+      {"help", no_argument, NULL, 'h'},
+      {NULL, 0, NULL, 0}};
+  int letter, failed = 0;
+  while (failed == 0 &&
+         (letter = option_next(argc, argv, ":o:h", options, error)) != -1)
+    switch (letter) {
+    case 'n':
+      failed = option_unsigned("--frames", optarg, 1, 9999, &o->frames, error);
+      break;
+    case 's':
+      failed = read_size(optarg, o, error);
+      break;
+    case 'c':
+      failed = option_choice("--scene", optarg, scene_names, &o->scene, error);
+      break;
+    case 'o':
+      o->output = optarg;
+      break;
+    case 'd':
+      o->device = optarg;
+      break;
+    case 'h':
+      usage();
+      return 1;
+    default:
+      return -1;
+    }
+  if (failed == 0 && optind < argc)
+    failed = image_fail(error,
+                        "demo: %s: no files are taken; see hbil demo "
+                        "--help",
+                        argv[optind]);
+  return failed;
+}
+
+static void name_results(const demo_options *o, const char *folder) {
+  unsigned last = o->frames;
+  printf("\nlook at, of the last frame:\n"
+         "  %s/frame_%04u.beauty.png    the lit picture\n"
+         "  %s/frame_%04u.indirect.png  the indirect light alone\n"
+         "  %s/frame_%04u.AO.png        ambient visibility\n"
+         "  %s/frame_%04u.exr           all layers\n"
+         "and at what it was made of: %s/frame_%04u.exr and .json\n",
+         o->output, last, o->output, last, o->output, last, o->output, last,
+         folder, last);
+}
+
+static int process(const demo_options *o, const char *sky, char **files) {
+  process_options p;
+  process_options_init(&p);
+  p.output = o->output;
+  p.device = o->device;
+  /* Around the room: what its unseen walls may send. */
+  p.environment = o->scene == SCENE_SKY ? sky : "0.12,0.11,0.1";
+  /* The lamp's light is in `direct` already. */
+  p.gather_emission = 0;
+  p.preview = p.timings = 1;
+  p.config.reprojection = HBIL_REPROJECTION_MOTION;
+  return process_run(&p, files, (int)o->frames);
+}
+
+/* So that nobody waits for a sequence that no device will light. */
+static int check_device(const demo_options *o, image_error *error) {
+  device d;
+  if (device_open(o->device, 1, &d, error) != 0)
+    return -1;
+  device_close(&d);
+  return 0;
+}
+
+/* Folders, G-buffers, light. */
+static int run(const demo_options *o, const char *folder, const char *sky,
+               char **files) {
+  image_error error;
+  if (check_device(o, &error) != 0 || make_folder(o->output, &error) != 0 ||
+      make_folder(folder, &error) != 0 ||
+      trace_frames(o, folder, files, &error) != 0 ||
+      (o->scene == SCENE_SKY && write_sky(sky, &error) != 0))
+    return tool_report(&error);
+  int status = process(o, sky, files);
+  if (status == TOOL_OK)
+    name_results(o, folder);
+  return status;
+}
+
+int cmd_demo(int argc, char **argv) {
+  demo_options o = {
+      .frames = 8, .width = 640, .height = 360, .output = "./demo"};
+  image_error error;
+  int read = read_options(argc, argv, &o, &error);
+  if (read != 0)
+    return read > 0 ? TOOL_OK : tool_report(&error);
+  char *folder = join(o.output, "gbuffer", &error);
+  char *sky = join(o.output, "sky.exr", &error);
+  char **files = calloc(o.frames, sizeof *files);
+  int status;
+  if (folder == NULL || sky == NULL || files == NULL) {
+    image_no_memory(&error, o.output);
+    status = tool_report(&error);
+  } else {
+    status = run(&o, folder, sky, files);
+  }
+  for (unsigned i = 0; files != NULL && i < o.frames; ++i)
+    free(files[i]);
+  free(files);
+  free(sky);
+  free(folder);
+  return status;
+}

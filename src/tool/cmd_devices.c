@@ -1,0 +1,26 @@
+/* hbil devices: what --device can choose from. */
+#include "tool/tool.h"
+
+#include <getopt.h>
+#include <stdio.h>
+
+static const struct option options[] = {
+    {"help", no_argument, NULL, 'h'},
+    {NULL, 0, NULL, 0},
+};
+
+int cmd_devices(int argc, char **argv) {
+  image_error error;
+  switch (option_next(argc, argv, ":h", options, &error)) {
+  case 'h':
+    puts("usage: hbil devices\n"
+         "\n"
+         "Lists the OpenCL devices: index, name, kind.  --device of the other\n"
+         "commands takes the index or a part of the name.");
+    return TOOL_OK;
+  case '?':
+    return tool_report(&error);
+  default:
+    return device_list(&error) == 0 ? TOOL_OK : tool_report(&error);
+  }
+}

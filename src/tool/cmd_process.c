@@ -1,0 +1,234 @@
+/* hbil process: options of the main job. */
+#include "tool/tool.h"
+
+#include <getopt.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Options without a letter of their own. */
+enum {
+  OPTION_LAYERS = 256,
+  OPTION_RADIUS,
+  OPTION_SLICES,
+  OPTION_SAMPLES,
+  OPTION_STEP_GROWTH,
+  OPTION_LATTICE,
+  OPTION_FACING,
+  OPTION_REFUSED,
+  OPTION_GATHER_EMISSION,
+  OPTION_REPROJECTION,
+  OPTION_FEEDBACK,
+  OPTION_DISOCCLUSION,
+  OPTION_RAW,
+  OPTION_ENVIRONMENT,
+  OPTION_CAMERA,
+  OPTION_DEVICE,
+  OPTION_REPEAT,
+  OPTION_PREVIEW,
+  OPTION_TIMINGS,
+  OPTION_JSON,
+  OPTION_QUIET
+};
+
+static const struct option options[] = {
+    {"output", required_argument, NULL, 'o'},
+    {"layers", required_argument, NULL, OPTION_LAYERS},
+    {"radius", required_argument, NULL, OPTION_RADIUS},
+    {"slices", required_argument, NULL, OPTION_SLICES},
+    {"samples", required_argument, NULL, OPTION_SAMPLES},
+    {"step-growth", required_argument, NULL, OPTION_STEP_GROWTH},
+    {"lattice", required_argument, NULL, OPTION_LATTICE},
+    {"facing", required_argument, NULL, OPTION_FACING},
+    {"refused", required_argument, NULL, OPTION_REFUSED},
+    {"gather-emission", required_argument, NULL, OPTION_GATHER_EMISSION},
+    {"reprojection", required_argument, NULL, OPTION_REPROJECTION},
+    {"feedback", required_argument, NULL, OPTION_FEEDBACK},
+    {"disocclusion", required_argument, NULL, OPTION_DISOCCLUSION},
+    {"raw", no_argument, NULL, OPTION_RAW},
+    {"environment", required_argument, NULL, OPTION_ENVIRONMENT},
+    {"camera", required_argument, NULL, OPTION_CAMERA},
+    {"device", required_argument, NULL, OPTION_DEVICE},
+    {"repeat", required_argument, NULL, OPTION_REPEAT},
+    {"preview", no_argument, NULL, OPTION_PREVIEW},
+    {"timings", no_argument, NULL, OPTION_TIMINGS},
+    {"json", no_argument, NULL, OPTION_JSON},
+    {"quiet", no_argument, NULL, OPTION_QUIET},
+    {"help", no_argument, NULL, 'h'},
+    {NULL, 0, NULL, 0},
+};
+
+static void usage(const hbil_config *defaults) {
+  puts(
+      "usage: hbil process [options] -o DIR FRAME.exr...\n"
+      "\n"
+      "Lights the frames of a sequence in order; light is carried from frame\n"
+      "to frame.  Writes DIR/FRAME.exr.  Reads Blender Cycles' multi-layer\n"
+      "files and those of hbil demo.\n"
+      "\n"
+      "  -o, --output DIR      folder of the results (made if its parent is\n"
+      "                        there)\n"
+      "  --layers LIST         of near, far, indirect, AO, bent, cone, beauty\n"
+      "                        (all)\n"
+      "  --camera FILE         JSON camera of all frames (FRAME.json beside\n"
+      "                        each FRAME.exr)\n"
+      "  --environment R,G,B   far light, the same from everywhere (none)\n"
+      "  --environment FILE    far light, a latitude-longitude map\n"
+      "  --device NAME         index or part of a name, see hbil devices (the\n"
+      "                        first GPU, else the first device)\n"
+      "  --repeat N            run every frame N times: more bounces (1)\n"
+      "  --preview             also write DIR/FRAME.LAYER.png\n"
+      "  --timings             print milliseconds per pass and frame (of the\n"
+      "                        last run of each frame)\n"
+      "  --json                print them as JSON\n"
+      "  --quiet               no line per frame\n"
+      "\n"
+      "The method:");
+  printf("  --radius R            world units, or inf (%g)\n"
+         "  --slices N            per pixel, 1..32 (%u)\n"
+         "  --samples N           per side of a slice, 1..256 (%u)\n"
+         "  --step-growth G       0: equal steps; the last step is (1+G)^2\n"
+         "                        times the first (%g)\n",
+         (double)defaults->radius, defaults->slices, defaults->samples,
+         (double)defaults->step_growth);
+  puts("  --lattice full|layer  where samples may lie: any pixel, or every\n"
+       "                        fourth");
+  printf("  --facing A,B          cosines between which the light of a sample\n"
+         "                        fades in (%g,%g)\n",
+         (double)defaults->facing[0], (double)defaults->facing[1]);
+  puts(
+      "  --refused last|black  light of samples that face away\n"
+      "  --gather-emission yes|no\n"
+      "                        emission lights neighbours, too (no for Cycles\n"
+      "                        passes, whose direct light holds it; else yes)\n"
+      "  --reprojection none|scatter|motion\n"
+      "                        how light is carried over: not at all, by the\n"
+      "                        camera's movement, by motion vectors (scatter)\n"
+      "  --feedback irradiance|radiance\n"
+      "                        what is carried over (irradiance)");
+  printf(
+      "  --disocclusion S      drop carried light where depth is off by more\n"
+      "                        than this share (%g)\n",
+      (double)defaults->disocclusion);
+  puts("  --raw                 undo the 4x4 split only, without the filter\n"
+       "\n"
+       "Layers: near, far: irradiance E; indirect: (1-F0)(E_near+E_far)/pi,\n"
+       "what renderers call diffuse indirect, without albedo; AO.V: 1 open;\n"
+       "bent: unit vector, world space; cone.V: cosine of the bent cone's\n"
+       "half-angle; beauty: the lit picture.");
+}
+
+/* A word that stands for a value of an enum, in the enum's order. */
+static int choice(const char *option, const char *const *words, int *out,
+                  image_error *error) {
+  return option_choice(option, optarg, words, out, error);
+}
+
+static int set_choice(int option, process_options *o, image_error *error) {
+  static const char *const lattices[] = {"layer", "full", NULL};
+  static const char *const refusals[] = {"last", "black", NULL};
+  static const char *const answers[] = {"no", "yes", NULL};
+  static const char *const reprojections[] = {"none", "scatter", "motion",
+                                              NULL};
+  static const char *const feedbacks[] = {"irradiance", "radiance", NULL};
+  int value = 0, failed = 0;
+  switch (option) {
+  case OPTION_LATTICE:
+    failed = choice("--lattice", lattices, &value, error);
+    o->config.lattice = (hbil_lattice)value;
+    break;
+  case OPTION_REFUSED:
+    failed = choice("--refused", refusals, &value, error);
+    o->config.refused = (hbil_refused)value;
+    break;
+  case OPTION_REPROJECTION:
+    failed = choice("--reprojection", reprojections, &value, error);
+    o->config.reprojection = (hbil_reprojection)value;
+    break;
+  case OPTION_FEEDBACK:
+    failed = choice("--feedback", feedbacks, &value, error);
+    o->config.feedback = (hbil_feedback)value;
+    break;
+  default:
+    failed = choice("--gather-emission", answers, &o->gather_emission, error);
+  }
+  return failed;
+}
+
+static int set_number(int option, process_options *o, image_error *error) {
+  hbil_config *c = &o->config;
+  switch (option) {
+  case OPTION_RADIUS:
+    return option_floats("--radius", optarg, &c->radius, 1, error);
+  case OPTION_STEP_GROWTH:
+    return option_floats("--step-growth", optarg, &c->step_growth, 1, error);
+  case OPTION_DISOCCLUSION:
+    return option_floats("--disocclusion", optarg, &c->disocclusion, 1, error);
+  case OPTION_FACING:
+    return option_floats("--facing", optarg, c->facing, 2, error);
+  case OPTION_SLICES:
+    return option_unsigned("--slices", optarg, 1, 32, &c->slices, error);
+  case OPTION_SAMPLES:
+    return option_unsigned("--samples", optarg, 1, 256, &c->samples, error);
+  default:
+    return option_unsigned("--repeat", optarg, 1, 100000, &o->repeat, error);
+  }
+}
+
+static int set_option(int option, process_options *o, image_error *error) {
+  switch (option) {
+  case 'o':
+    o->output = optarg;
+    return 0;
+  case OPTION_LAYERS:
+    return layers_parse(optarg, &o->layers, error);
+  case OPTION_CAMERA:
+    o->camera = optarg;
+    return 0;
+  case OPTION_ENVIRONMENT:
+    o->environment = optarg;
+    return 0;
+  case OPTION_DEVICE:
+    o->device = optarg;
+    return 0;
+  case OPTION_PREVIEW:
+    o->preview = 1;
+    return 0;
+  case OPTION_TIMINGS:
+    o->timings = 1;
+    return 0;
+  case OPTION_JSON:
+    o->timings = o->json = 1;
+    return 0;
+  case OPTION_QUIET:
+    o->quiet = 1;
+    return 0;
+  case OPTION_RAW:
+    o->config.raw_interleave = CL_TRUE;
+    return 0;
+  case OPTION_LATTICE:
+  case OPTION_REFUSED:
+  case OPTION_REPROJECTION:
+  case OPTION_FEEDBACK:
+  case OPTION_GATHER_EMISSION:
+    return set_choice(option, o, error);
+  default:
+    return set_number(option, o, error);
+  }
+}
+
+int cmd_process(int argc, char **argv) {
+  process_options o;
+  image_error error;
+  int option;
+  process_options_init(&o);
+  while ((option = option_next(argc, argv, ":o:h", options, &error)) != -1) {
+    if (option == 'h') {
+      process_options_init(&o);
+      usage(&o.config);
+      return TOOL_OK;
+    }
+    if (option == '?' || set_option(option, &o, &error) != 0)
+      return tool_report(&error);
+  }
+  return process_run(&o, argv + optind, argc - optind);
+}

@@ -1,0 +1,73 @@
+/* The layers that are written, and where the library has them. */
+#include "tool/tool.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define LAYER(name, components, field)                                         \
+  {                                                                            \
+    name, components, offsetof(hbil_config, field),                            \
+        offsetof(hbil_frame, field)                                            \
+  }
+
+const layer_info layer_table[LAYER_COUNT] = {
+    LAYER("near", "RGB", near_light),   LAYER("far", "RGB", far_light),
+    LAYER("indirect", "RGB", indirect), LAYER("AO", "V", ao),
+    LAYER("bent", "XYZ", bent),         LAYER("cone", "V", cone),
+    LAYER("beauty", "RGB", radiance),
+};
+
+static int find_layer(const char *name, size_t length) {
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (strlen(layer_table[l].name) == length &&
+        strncmp(layer_table[l].name, name, length) == 0)
+      return l;
+  return -1;
+}
+
+int layers_parse(const char *text, unsigned *out, image_error *error) {
+  *out = 0;
+  for (const char *at = text;; at++) {
+    const size_t length = strcspn(at, ",");
+    const int found = find_layer(at, length);
+    if (found < 0)
+      return image_fail(error,
+                        "--layers %s: some of near, far, indirect, AO, bent, "
+                        "cone, beauty are needed, with commas",
+                        text);
+    *out |= 1u << found;
+    at += length;
+    if (!*at)
+      return 0;
+  }
+}
+
+static void plane_name(layer l, size_t i, char *name, size_t size) {
+  snprintf(name, size, "%s.%c", layer_table[l].name,
+           layer_table[l].components[i]);
+}
+
+int layers_image(unsigned layers, uint32_t width, uint32_t height, image *out) {
+  memset(out, 0, sizeof *out);
+  out->width = width;
+  out->height = height;
+  for (int l = 0; l < LAYER_COUNT; l++)
+    for (size_t i = 0; layers >> l & 1 && layer_table[l].components[i]; i++) {
+      char name[32];
+      plane_name((layer)l, i, name, sizeof name);
+      if (!image_add(out, name)) {
+        image_free(out);
+        return -1;
+      }
+    }
+  return 0;
+}
+
+float *layers_plane(const image *img, layer l, size_t i) {
+  char name[32];
+  if (i >= strlen(layer_table[l].components))
+    return NULL;
+  plane_name(l, i, name, sizeof name);
+  image_plane *plane = image_find(img, name);
+  return plane ? plane->pixels : NULL;
+}

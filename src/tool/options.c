@@ -1,0 +1,62 @@
+/* Reading options: numbers, words and lists, with messages that say what would
+ * have been right. */
+#include "tool/tool.h"
+
+#include <getopt.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int option_next(int argc, char **argv, const char *letters,
+                const struct option *options, image_error *error) {
+  opterr = 0;
+  const int at = optind;
+  const int found = getopt_long(argc, argv, letters, options, NULL);
+  if (found == ':')
+    image_fail(error, "%s: %s needs a value; see hbil %s --help", argv[0],
+               argv[optind - 1], argv[0]);
+  else if (found == '?')
+    image_fail(error, "%s: %s is not understood; see hbil %s --help", argv[0],
+               argv[optind > at ? optind - 1 : at], argv[0]);
+  return found == ':' ? '?' : found;
+}
+
+int option_floats(const char *option, const char *text, float *out,
+                  size_t count, image_error *error) {
+  const char *at = text;
+  for (size_t i = 0; i < count; i++) {
+    char *end;
+    out[i] = strtof(at, &end);
+    if (end == at || isnan(out[i]) || *end != (i + 1 < count ? ',' : '\0'))
+      return image_fail(error, "%s %s: %zu number%s needed", option, text,
+                        count, count == 1 ? " is" : "s, with commas, are");
+    at = end + 1;
+  }
+  return 0;
+}
+
+int option_unsigned(const char *option, const char *text, unsigned low,
+                    unsigned high, unsigned *out, image_error *error) {
+  char *end;
+  const long long value = strtoll(text, &end, 10);
+  if (end == text || *end || value < (long long)low || value > (long long)high)
+    return image_fail(error, "%s %s: a whole number from %u to %u is needed",
+                      option, text, low, high);
+  *out = (unsigned)value;
+  return 0;
+}
+
+int option_choice(const char *option, const char *text,
+                  const char *const *words, int *out, image_error *error) {
+  char list[256] = "";
+  for (int i = 0; words[i]; i++) {
+    if (strcmp(text, words[i]) == 0) {
+      *out = i;
+      return 0;
+    }
+    const size_t used = strlen(list);
+    snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", words[i]);
+  }
+  return image_fail(error, "%s %s: one of %s is needed", option, text, list);
+}

@@ -1,0 +1,380 @@
+/*
+ * The main job: a sequence of captured frames in, layers of light out.
+ *
+ * Everything that can be known to be wrong is looked for before the first
+ * pixel is read: all headers, all cameras, the output folder, the device.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include "tool/tool.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* One frame of the job. */
+typedef struct job {
+  const char *path;
+  char *stem; /* DIR/NAME, without .exr */
+  channel_map map;
+  camera_file camera;
+} job;
+
+typedef struct process {
+  const process_options *options;
+  hbil_config config;
+  float environment[9][3];
+  job *jobs;
+  timing_row *rows;
+  int count;
+  uint32_t width, height;
+  int folder_created;
+  device device;
+  sequence *sequence;
+  float exposure;
+  image_error error;
+} process;
+
+void process_options_init(process_options *options) {
+  memset(options, 0, sizeof *options);
+  hbil_config_init(&options->config);
+  options->layers = LAYERS_ALL;
+  options->repeat = 1;
+  options->gather_emission = -1;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Names                                                                     */
+
+/* format has two %s: for instance "%s.%s". malloc'd. */
+static char *join(const char *a, const char *between, const char *b) {
+  const size_t size = strlen(a) + strlen(between) + strlen(b) + 1;
+  char *text = malloc(size);
+  if (text)
+    snprintf(text, size, "%s%s%s", a, between, b);
+  return text;
+}
+
+static char *result_stem(const char *folder, const char *frame) {
+  const char *slash = strrchr(frame, '/');
+  char *stem = join(folder, "/", slash ? slash + 1 : frame);
+  if (stem) {
+    char *dot = strrchr(stem, '.');
+    if (dot && dot > strrchr(stem, '/') + 1)
+      *dot = '\0';
+  }
+  return stem;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Before any work                                                           */
+
+/* Every frame must have what the first has: the kernels are built for it. */
+static int check_roles(process *p, const job *j) {
+  for (int r = 0; r < ROLE_COUNT; r++)
+    if (p->jobs[0].map.count[r] && !j->map.count[r] && r != ROLE_POSITION)
+      return image_fail(&p->error,
+                        "%s: has no %s, which %s has; the same channels in "
+                        "every frame are needed",
+                        j->path, role_name((role)r), p->jobs[0].path);
+  if (p->config.reprojection == HBIL_REPROJECTION_MOTION &&
+      !j->map.count[ROLE_MOTION])
+    return image_fail(&p->error,
+                      "%s: has no motion vectors; Vector.{X,Y} (Blender's "
+                      "Vector pass), motion.{X,Y} or another --reprojection "
+                      "is needed",
+                      j->path);
+  return 0;
+}
+
+static int check_size(process *p, const job *j, const image *header) {
+  if (j == p->jobs) {
+    p->width = header->width;
+    p->height = header->height;
+  }
+  if (header->width != p->width || header->height != p->height)
+    return image_fail(&p->error,
+                      "%s: %u x %u pixels, but %s has %u x %u; frames of one "
+                      "size are needed",
+                      j->path, header->width, header->height, p->jobs[0].path,
+                      p->width, p->height);
+  if (j->camera.width &&
+      (j->camera.width != p->width || j->camera.height != p->height))
+    return image_fail(&p->error,
+                      "%s: %u x %u pixels, but its camera is for %u x %u; the "
+                      "camera of this frame is needed",
+                      j->path, p->width, p->height, j->camera.width,
+                      j->camera.height);
+  return 0;
+}
+
+static int check_header(process *p, job *j) {
+  image header;
+  if (exr_read_header(j->path, &header, &p->error) != 0)
+    return -1;
+  channels_map(&header, &j->map);
+  const int failed =
+      channels_check(&j->map, j->path, &p->error) != 0 ||
+      check_roles(p, j) != 0 ||
+      gbuffer_camera(j->path, p->options->camera, &j->camera, &p->error) != 0 ||
+      check_size(p, j, &header) != 0;
+  image_free(&header);
+  return failed ? -1 : 0;
+}
+
+static int same_file(const char *a, const char *b) {
+  struct stat one, other;
+  return stat(a, &one) == 0 && stat(b, &other) == 0 &&
+         one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+}
+
+/* No result may take the place of an input or of another result. */
+static int check_name(process *p, job *j) {
+  j->stem = result_stem(p->options->output, j->path);
+  char *result = j->stem ? join(j->stem, "", ".exr") : NULL;
+  if (!result)
+    return image_no_memory(&p->error, j->path);
+  int failed = 0;
+  for (int i = 0; i < p->count && !failed; i++)
+    if (same_file(p->jobs[i].path, result))
+      failed = image_fail(&p->error,
+                          "%s: its result would overwrite %s; another output "
+                          "folder is needed",
+                          j->path, p->jobs[i].path);
+  for (const job *before = p->jobs; before < j && !failed; before++)
+    if (strcmp(before->stem, j->stem) == 0)
+      failed = image_fail(&p->error,
+                          "%s: its result would overwrite that of %s; "
+                          "different file names are needed",
+                          j->path, before->path);
+  free(result);
+  return failed;
+}
+
+static int check_jobs(process *p, char *const *files) {
+  for (int i = 0; i < p->count; i++)
+    p->jobs[i].path = files[i];
+  for (int i = 0; i < p->count; i++)
+    if (check_header(p, &p->jobs[i]) != 0 || check_name(p, &p->jobs[i]) != 0)
+      return -1;
+  return 0;
+}
+
+/* Writes a file and takes it away again: asking for permissions would miss
+ * read-only and special file systems. */
+static int probe_folder(process *p) {
+  char name[48];
+  snprintf(name, sizeof name, "/.hbil-probe%ld", (long)getpid());
+  char *probe = join(p->options->output, "", name);
+  if (!probe)
+    return image_no_memory(&p->error, p->options->output);
+  const int fd = open(probe, O_WRONLY | O_CREAT | O_EXCL, 0600);
+  const int why = errno;
+  if (fd >= 0) {
+    close(fd);
+    unlink(probe);
+  }
+  free(probe);
+  if (fd >= 0)
+    return 0;
+  return image_fail(&p->error,
+                    "%s: output folder cannot be written: %s; a folder in "
+                    "which you may write is needed",
+                    p->options->output, strerror(why));
+}
+
+static int prepare_folder(process *p) {
+  p->folder_created = mkdir(p->options->output, 0777) == 0;
+  if (!p->folder_created && errno != EEXIST)
+    return image_fail(&p->error,
+                      "%s: output folder cannot be created: %s; a folder that "
+                      "exists, or whose parent does, is needed",
+                      p->options->output, strerror(errno));
+  return probe_folder(p);
+}
+
+static int check_environment(process *p) {
+  const float *values = &p->environment[0][0];
+  for (size_t i = 0; i < sizeof p->environment / sizeof *values; i++)
+    if (!isfinite(values[i]))
+      return image_fail(&p->error,
+                        "--environment %s: not finite; finite radiance is "
+                        "needed",
+                        p->options->environment);
+  return 0;
+}
+
+/* A latitude-longitude map, as spherical harmonics. */
+static int load_map(process *p) {
+  const char *path = p->options->environment;
+  float *rgb = NULL;
+  uint32_t width, height;
+  if (formats_read_rgb(path, &rgb, &width, &height, &p->error) != 0)
+    return -1;
+  const hbil_status status = hbil_environment_from_latlong(
+      rgb, width, height, 0, NULL, p->environment);
+  free(rgb);
+  if (status != HBIL_SUCCESS)
+    return image_fail(&p->error, "%s: %s", path, hbil_status_string(status));
+  p->config.far_field = HBIL_FAR_SH;
+  return 0;
+}
+
+static int load_environment(process *p) {
+  const char *text = p->options->environment;
+  float constant[3];
+  if (!text)
+    return 0;
+  if (option_floats("", text, constant, 3, NULL) == 0) {
+    memcpy(p->environment[0], constant, sizeof constant);
+    p->config.far_field = HBIL_FAR_CONSTANT;
+  } else if (load_map(p) != 0)
+    return -1;
+  return check_environment(p);
+}
+
+static void configure(process *p) {
+  const channel_map *map = &p->jobs[0].map;
+  const int gather = p->options->gather_emission;
+  channels_conventions(map, &p->config);
+  p->config.width = p->width;
+  p->config.height = p->height;
+  p->config.bent_space = HBIL_SPACE_WORLD;
+  p->config.profiling = p->options->timings ? CL_TRUE : CL_FALSE;
+  p->config.gather_emission =
+      (gather < 0 ? channels_gather_emission(map) : gather) ? CL_TRUE
+                                                            : CL_FALSE;
+}
+
+static int prepare(process *p, char *const *files) {
+  if (!p->options->output)
+    return image_fail(&p->error, "no output folder; -o DIR is needed");
+  if (p->count < 1)
+    return image_fail(&p->error, "no frame; one FRAME.exr or more is needed");
+  p->jobs = calloc((size_t)p->count, sizeof *p->jobs);
+  p->rows = calloc((size_t)p->count, sizeof *p->rows);
+  if (!p->jobs || !p->rows)
+    return image_no_memory(&p->error, files[0]);
+  if (check_jobs(p, files) != 0 || load_environment(p) != 0 ||
+      prepare_folder(p) != 0)
+    return -1;
+  configure(p);
+  if (device_open(p->options->device, p->options->timings, &p->device,
+                  &p->error) != 0)
+    return -1;
+  return sequence_open(&p->device, &p->config, &p->jobs[0].map,
+                       p->options->layers, &p->sequence, &p->error);
+}
+
+/* ------------------------------------------------------------------------ */
+/* The frames                                                                */
+
+static int write_preview(process *p, const job *j, const image *result,
+                         layer l) {
+  char *stem = join(j->stem, ".", layer_table[l].name);
+  char *path = stem ? join(stem, "", ".png") : NULL;
+  const int failed =
+      path ? preview_write(path, result, l, p->exposure, &p->error)
+           : image_no_memory(&p->error, j->path);
+  free(path);
+  free(stem);
+  return failed;
+}
+
+static int write_previews(process *p, const job *j, const image *result) {
+  if (j == p->jobs)
+    p->exposure = preview_exposure(result);
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (p->options->layers >> l & 1 &&
+        write_preview(p, j, result, (layer)l) != 0)
+      return -1;
+  return 0;
+}
+
+static int write_result(process *p, const job *j, const image *result) {
+  char *path = join(j->stem, "", ".exr");
+  if (!path)
+    return image_no_memory(&p->error, j->path);
+  const int failed = exr_write(path, result, NULL, &p->error);
+  if (!failed && !p->options->quiet)
+    fprintf(stderr, "[%d/%d] %s\n", (int)(j - p->jobs) + 1, p->count, path);
+  free(path);
+  return failed;
+}
+
+static int light_frame(process *p, const job *j, image *result) {
+  enum {
+    USED = 1 << ROLE_DEPTH | 1 << ROLE_NORMAL | 1 << ROLE_ALBEDO |
+           1 << ROLE_DIRECT | 1 << ROLE_EMISSION | 1 << ROLE_BACKGROUND
+  };
+  const int moved = p->config.reprojection == HBIL_REPROJECTION_MOTION;
+  gbuffer g;
+  if (gbuffer_read(j->path, &j->map, USED | (moved ? 1u << ROLE_MOTION : 0u),
+                   &g, &p->error) != 0)
+    return -1;
+  timing_row *row = &p->rows[j - p->jobs];
+  row->frame = j->path;
+  result->x = g.planes.x;
+  result->y = g.planes.y;
+  const int failed =
+      sequence_run(p->sequence, &g, &j->camera, p->environment,
+                   p->options->repeat, result, row->milliseconds, &p->error);
+  gbuffer_free(&g);
+  return failed;
+}
+
+static int run_frames(process *p) {
+  image result;
+  int failed = 0;
+  if (layers_image(p->options->layers, p->width, p->height, &result) != 0)
+    return image_no_memory(&p->error, p->jobs[0].path);
+  for (int i = 0; i < p->count && !failed; i++) {
+    const job *j = &p->jobs[i];
+    failed = light_frame(p, j, &result) != 0 ||
+             (p->options->preview && write_previews(p, j, &result) != 0) ||
+             write_result(p, j, &result) != 0;
+  }
+  image_free(&result);
+  return failed ? -1 : 0;
+}
+
+static int print_timings(process *p) {
+  const timing_report report = {
+      .device = p->device.name,
+      .width = p->width,
+      .height = p->height,
+      .repeat = p->options->repeat,
+      .memory = sequence_memory(p->sequence),
+      .rows = p->rows,
+      .count = (size_t)p->count,
+  };
+  if (!p->options->timings)
+    return 0;
+  if (p->options->json)
+    return timings_json(&report, &p->error);
+  timings_table(&report);
+  return 0;
+}
+
+static void release(process *p) {
+  sequence_close(p->sequence);
+  device_close(&p->device);
+  for (int i = 0; p->jobs && i < p->count; i++)
+    free(p->jobs[i].stem);
+  free(p->jobs);
+  free(p->rows);
+}
+
+int process_run(const process_options *options, char *const *files, int count) {
+  process p = {.options = options, .config = options->config, .count = count};
+  const int failed =
+      prepare(&p, files) != 0 || run_frames(&p) != 0 || print_timings(&p) != 0;
+  if (failed && p.folder_created)
+    rmdir(options->output); /* succeeds only while nothing is in it */
+  release(&p);
+  return failed ? tool_report(&p.error) : TOOL_OK;
+}

@@ -1,0 +1,227 @@
+/* Frames through the library: planes to cl_mem, passes, cl_mem to planes. */
+#include "tool/tool.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Which role feeds which input. */
+typedef struct input_info {
+  role role;
+  size_t format, image; /* offsets in hbil_config and hbil_frame */
+} input_info;
+
+#define INPUT(role, field)                                                     \
+  { role, offsetof(hbil_config, field), offsetof(hbil_frame, field) }
+
+static const input_info inputs[] = {
+    INPUT(ROLE_DEPTH, depth),       INPUT(ROLE_NORMAL, normal),
+    INPUT(ROLE_ALBEDO, albedo),     INPUT(ROLE_DIRECT, direct),
+    INPUT(ROLE_EMISSION, emission), INPUT(ROLE_MOTION, motion),
+};
+
+enum { INPUTS = sizeof inputs / sizeof *inputs };
+
+struct sequence {
+  const device *device;
+  hbil_context *context;
+  hbil_plan *plan;
+  hbil_config config;
+  size_t memory;
+  size_t plane; /* bytes of one channel */
+  unsigned layers;
+  size_t channels[INPUTS]; /* 0: this input is not used */
+  cl_mem input[INPUTS];
+  cl_mem output[LAYER_COUNT];
+};
+
+/* Every image of the tool: planes of floats. */
+static const hbil_format planes_of_floats = {HBIL_FLOAT32, 1};
+
+static hbil_format *format_at(hbil_config *config, size_t offset) {
+  return (hbil_format *)((char *)config + offset);
+}
+
+static hbil_image *image_at(hbil_frame *frame, size_t offset) {
+  return (hbil_image *)((char *)frame + offset);
+}
+
+static int library_failed(const sequence *s, hbil_status status,
+                          image_error *error) {
+  const char *message = s->context ? hbil_context_message(s->context) : "";
+  return image_fail(error, "device %s: %s", s->device->name,
+                    *message ? message : hbil_status_string(status));
+}
+
+static int opencl_failed(const sequence *s, cl_int status, const char *doing,
+                         image_error *error) {
+  return image_fail(error, "device %s: OpenCL error %d while %s",
+                    s->device->name, (int)status, doing);
+}
+
+static void choose_formats(sequence *s, const channel_map *map) {
+  for (int i = 0; i < INPUTS; i++) {
+    const int unused = inputs[i].role == ROLE_MOTION &&
+                       s->config.reprojection != HBIL_REPROJECTION_MOTION;
+    s->channels[i] = unused ? 0 : map->count[inputs[i].role];
+    if (s->channels[i])
+      *format_at(&s->config, inputs[i].format) = planes_of_floats;
+  }
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (s->layers >> l & 1)
+      *format_at(&s->config, layer_table[l].format) = planes_of_floats;
+}
+
+static int make_buffer(sequence *s, cl_mem_flags flags, size_t channels,
+                       cl_mem *out, image_error *error) {
+  cl_int status;
+  *out = clCreateBuffer(s->device->context, flags, channels * s->plane, NULL,
+                        &status);
+  return status == CL_SUCCESS
+             ? 0
+             : opencl_failed(s, status, "making a buffer", error);
+}
+
+static int make_buffers(sequence *s, image_error *error) {
+  for (int i = 0; i < INPUTS; i++)
+    if (s->channels[i] && make_buffer(s, CL_MEM_READ_ONLY, s->channels[i],
+                                      &s->input[i], error) != 0)
+      return -1;
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (s->layers >> l & 1 &&
+        make_buffer(s, CL_MEM_WRITE_ONLY, strlen(layer_table[l].components),
+                    &s->output[l], error) != 0)
+      return -1;
+  return 0;
+}
+
+static int open_plan(sequence *s, image_error *error) {
+  hbil_status status =
+      hbil_context_create(s->device->context, s->device->id, &s->context);
+  if (status == HBIL_SUCCESS)
+    status = hbil_plan_memory(s->context, &s->config, &s->memory);
+  if (status == HBIL_SUCCESS)
+    status = hbil_plan_create(s->context, &s->config, &s->plan);
+  return status == HBIL_SUCCESS ? 0 : library_failed(s, status, error);
+}
+
+int sequence_open(const device *d, const hbil_config *config,
+                  const channel_map *map, unsigned layers, sequence **out,
+                  image_error *error) {
+  sequence *s = calloc(1, sizeof *s);
+  *out = NULL;
+  if (!s)
+    return image_no_memory(error, "sequence");
+  s->device = d;
+  s->config = *config;
+  s->layers = layers;
+  s->plane = (size_t)config->width * config->height * sizeof(float);
+  choose_formats(s, map);
+  if (open_plan(s, error) != 0 || make_buffers(s, error) != 0) {
+    sequence_close(s);
+    return -1;
+  }
+  *out = s;
+  return 0;
+}
+
+void sequence_close(sequence *s) {
+  if (!s)
+    return;
+  for (int i = 0; i < INPUTS; i++)
+    if (s->input[i])
+      clReleaseMemObject(s->input[i]);
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (s->output[l])
+      clReleaseMemObject(s->output[l]);
+  hbil_plan_destroy(s->plan);
+  hbil_context_destroy(s->context);
+  free(s);
+}
+
+size_t sequence_memory(const sequence *s) {
+  return s->memory;
+}
+
+/* The planes stay valid until the blocking reads at the end of the frame. */
+static int upload(sequence *s, const gbuffer *g, image_error *error) {
+  for (int i = 0; i < INPUTS; i++)
+    for (size_t c = 0; c < s->channels[i]; c++) {
+      const cl_int status = clEnqueueWriteBuffer(
+          s->device->queue, s->input[i], CL_FALSE, c * s->plane, s->plane,
+          gbuffer_plane(g, inputs[i].role, c), 0, NULL, NULL);
+      if (status != CL_SUCCESS)
+        return opencl_failed(s, status, "writing a buffer", error);
+    }
+  return 0;
+}
+
+static void fill_frame(const sequence *s, const camera_file *camera,
+                       float environment[9][3], hbil_frame *frame) {
+  hbil_frame_init(frame);
+  gbuffer_hbil_camera(camera, &frame->camera);
+  memcpy(frame->environment, environment, sizeof frame->environment);
+  for (int i = 0; i < INPUTS; i++)
+    image_at(frame, inputs[i].image)->buffer = s->input[i];
+  for (int l = 0; l < LAYER_COUNT; l++)
+    image_at(frame, layer_table[l].image)->buffer = s->output[l];
+}
+
+/* A frame that is repeated doesn't move against itself. */
+static int stop_motion(sequence *s, image_error *error) {
+  const float zero = 0.0f;
+  for (int i = 0; i < INPUTS; i++) {
+    if (inputs[i].role != ROLE_MOTION || !s->channels[i])
+      continue;
+    const cl_int status =
+        clEnqueueFillBuffer(s->device->queue, s->input[i], &zero, sizeof zero,
+                            0, s->channels[i] * s->plane, 0, NULL, NULL);
+    if (status != CL_SUCCESS)
+      return opencl_failed(s, status, "clearing a buffer", error);
+  }
+  return 0;
+}
+
+static int run_passes(sequence *s, const hbil_frame *frame, unsigned repeat,
+                      image_error *error) {
+  for (unsigned run = 0; run < repeat; run++) {
+    if (run == 1 && stop_motion(s, error) != 0)
+      return -1;
+    const hbil_status status =
+        hbil_enqueue_frame(s->plan, s->device->queue, frame, 0, NULL, NULL);
+    if (status != HBIL_SUCCESS)
+      return library_failed(s, status, error);
+  }
+  return 0;
+}
+
+static int download(sequence *s, image *result, image_error *error) {
+  for (int l = 0; l < LAYER_COUNT; l++)
+    for (size_t c = 0; s->output[l] && layer_table[l].components[c]; c++) {
+      const cl_int status = clEnqueueReadBuffer(
+          s->device->queue, s->output[l], CL_TRUE, c * s->plane, s->plane,
+          layers_plane(result, (layer)l, c), 0, NULL, NULL);
+      if (status != CL_SUCCESS)
+        return opencl_failed(s, status, "reading a buffer", error);
+    }
+  return 0;
+}
+
+int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
+                 float environment[9][3], unsigned repeat, image *result,
+                 double milliseconds[HBIL_PASS_COUNT], image_error *error) {
+  hbil_frame frame;
+  fill_frame(s, camera, environment, &frame);
+  int failed = upload(s, g, error) != 0 ||
+               run_passes(s, &frame, repeat, error) != 0 ||
+               download(s, result, error) != 0;
+  if (failed) {
+    clFinish(s->device->queue); /* the planes may still be read from */
+    return -1;
+  }
+  if (s->config.profiling) {
+    const hbil_status status = hbil_plan_timings(s->plan, milliseconds);
+    if (status != HBIL_SUCCESS)
+      return library_failed(s, status, error);
+  }
+  return 0;
+}

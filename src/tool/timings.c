@@ -1,0 +1,76 @@
+/* Milliseconds per pass and frame: as a table, as JSON. */
+#include "tool/tool.h"
+
+#include <jansson.h>
+
+#include <stdio.h>
+#include <string.h>
+
+static double total(const timing_row *row) {
+  double sum = 0.0;
+  for (int p = 0; p < HBIL_PASS_COUNT; p++)
+    sum += row->milliseconds[p];
+  return sum;
+}
+
+static void print_row(const timing_row *row, int width) {
+  printf("%-*s", width, row->frame);
+  for (int p = 0; p < HBIL_PASS_COUNT; p++)
+    printf(" %10.3f", row->milliseconds[p]);
+  printf(" %10.3f\n", total(row));
+}
+
+static timing_row mean(const timing_report *report) {
+  timing_row row = {.frame = "mean"};
+  for (size_t i = 0; i < report->count; i++)
+    for (int p = 0; p < HBIL_PASS_COUNT; p++)
+      row.milliseconds[p] +=
+          report->rows[i].milliseconds[p] / (double)report->count;
+  return row;
+}
+
+void timings_table(const timing_report *report) {
+  int width = 5;
+  for (size_t i = 0; i < report->count; i++) {
+    const int length = (int)strlen(report->rows[i].frame);
+    width = length > width ? length : width;
+  }
+  printf("device %s, %u x %u pixels, %.1f MiB on the device\n", report->device,
+         report->width, report->height, (double)report->memory / 1048576.0);
+  printf("%-*s", width, "ms");
+  for (int p = 0; p < HBIL_PASS_COUNT; p++)
+    printf(" %10s", hbil_pass_name((hbil_pass)p));
+  printf(" %10s\n", "total");
+  for (size_t i = 0; i < report->count; i++)
+    print_row(&report->rows[i], width);
+  const timing_row average = mean(report);
+  if (report->count > 1)
+    print_row(&average, width);
+}
+
+static json_t *row_json(const timing_row *row) {
+  json_t *passes = json_object();
+  for (int p = 0; p < HBIL_PASS_COUNT; p++)
+    json_object_set_new(passes, hbil_pass_name((hbil_pass)p),
+                        json_real(row->milliseconds[p]));
+  return json_pack("{s:s, s:o, s:f}", "frame", row->frame, "milliseconds",
+                   passes, "total", total(row));
+}
+
+int timings_json(const timing_report *report, image_error *error) {
+  json_t *frames = json_array();
+  for (size_t i = 0; i < report->count; i++)
+    json_array_append_new(frames, row_json(&report->rows[i]));
+  const timing_row average = mean(report);
+  json_t *root = json_pack(
+      "{s:s, s:i, s:i, s:i, s:I, s:o, s:o}", "device", report->device, "width",
+      (int)report->width, "height", (int)report->height, "repeat",
+      (int)report->repeat, "device_bytes", (json_int_t)report->memory, "frames",
+      frames, "mean", row_json(&average));
+  const int failed = !root || json_dumpf(root, stdout, JSON_INDENT(2)) != 0;
+  json_decref(root);
+  if (failed)
+    return image_fail(error, "timings: cannot be written as JSON");
+  puts("");
+  return 0;
+}

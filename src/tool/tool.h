@@ -1,0 +1,219 @@
+/*
+ * The program `hbil`: what its files share.  It uses the library through
+ * hbil.h only, and files through image.h only.
+ *
+ * Functions that can fail return 0, or fill an image_error with one sentence.
+ */
+#ifndef HBIL_TOOL_H
+#define HBIL_TOOL_H
+
+#include "hbil/hbil.h"
+#include "image/image.h"
+
+/* Exit statuses. */
+enum { TOOL_OK = 0, TOOL_DIFFERS = 1, TOOL_BAD_INPUT = 2 };
+
+/* Sub-commands; argv[0] is the command's own name. */
+int cmd_process(int argc, char **argv);
+int cmd_info(int argc, char **argv);
+int cmd_compare(int argc, char **argv);
+int cmd_devices(int argc, char **argv);
+int cmd_demo(int argc, char **argv);
+
+/* "hbil: TEXT" as one line on standard error; returns TOOL_BAD_INPUT. */
+int tool_report(const image_error *error);
+
+/* --- options.c: reading what stands on the command line --- */
+
+struct option;
+
+/*
+ * getopt_long() with the tool's own messages.  Every command has --help, which
+ * the caller gives the value 'h'.  An option that is unknown or lacks its value
+ * fills error and gives '?'; the end gives -1.
+ */
+int option_next(int argc, char **argv, const char *letters,
+                const struct option *options, image_error *error);
+
+/* Exactly count numbers, separated by commas; "inf" is one, "nan" is not. */
+int option_floats(const char *option, const char *text, float *out,
+                  size_t count, image_error *error);
+int option_unsigned(const char *option, const char *text, unsigned low,
+                    unsigned high, unsigned *out, image_error *error);
+/* The place of text in a NULL-terminated list of words. */
+int option_choice(const char *option, const char *text,
+                  const char *const *words, int *out, image_error *error);
+
+/* --- channels.c: which channel is what --- */
+
+typedef enum dump_kind {
+  DUMP_CYCLES = 0, /* Blender's pass names and conventions */
+  DUMP_PLAIN = 1   /* depth.Z normal.X ...: hbil's own conventions */
+} dump_kind;
+
+typedef enum role {
+  ROLE_DEPTH = 0,
+  ROLE_NORMAL,
+  ROLE_ALBEDO,
+  ROLE_DIRECT,
+  ROLE_EMISSION,
+  ROLE_BACKGROUND, /* radiance of the sky, where it is a pass of its own */
+  ROLE_MOTION,
+  ROLE_POSITION,
+  ROLE_COUNT
+} role;
+
+enum { ROLE_CHANNELS = 3 };
+
+typedef struct channel_map {
+  dump_kind kind;
+  size_t count[ROLE_COUNT]; /* channels of each role; 0: not in the file */
+  char names[ROLE_COUNT][ROLE_CHANNELS][256];
+} channel_map;
+
+const char *role_name(role r);
+const char *dump_kind_name(dump_kind kind);
+void channels_map(const image *header, channel_map *out);
+/* What cannot be done without: depth and normals. */
+int channels_check(const channel_map *map, const char *path,
+                   image_error *error);
+/* Sets how inputs of this kind are read (spaces, scales, background). */
+void channels_conventions(const channel_map *map, hbil_config *config);
+/* Whether emission must still be gathered: Cycles' direct light has it. */
+int channels_gather_emission(const channel_map *map);
+
+/* --- gbuffer.c: one captured frame on the host --- */
+
+typedef struct gbuffer {
+  channel_map map;
+  image planes; /* named as in the file */
+} gbuffer;
+
+/* Reads the roles in the bit mask that the map has.  Where there is a
+ * background it is added to the emission. */
+int gbuffer_read(const char *path, const channel_map *map, unsigned roles,
+                 gbuffer *out, image_error *error);
+void gbuffer_free(gbuffer *g);
+/* Channel i of a role, or NULL. */
+const float *gbuffer_plane(const gbuffer *g, role r, size_t i);
+
+/* The camera of a frame: `override`, or the frame's name with .json. */
+int gbuffer_camera(const char *frame, const char *override, camera_file *out,
+                   image_error *error);
+void gbuffer_hbil_camera(const camera_file *file, hbil_camera *out);
+
+/* --- layers.c: what is written --- */
+
+typedef enum layer {
+  LAYER_NEAR = 0,
+  LAYER_FAR,
+  LAYER_INDIRECT,
+  LAYER_AO,
+  LAYER_BENT,
+  LAYER_CONE,
+  LAYER_BEAUTY,
+  LAYER_COUNT
+} layer;
+
+typedef struct layer_info {
+  const char *name;
+  const char *components; /* one letter for each channel */
+  size_t format, image;   /* offsets in hbil_config and hbil_frame */
+} layer_info;
+
+extern const layer_info layer_table[LAYER_COUNT];
+
+enum { LAYERS_ALL = (1 << LAYER_COUNT) - 1 };
+
+/* "AO,indirect" -> bit mask. */
+int layers_parse(const char *text, unsigned *out, image_error *error);
+/* A zeroed image with the planes of these layers, in the table's order. */
+int layers_image(unsigned layers, uint32_t width, uint32_t height, image *out);
+/* The plane of channel i of a layer, or NULL. */
+float *layers_plane(const image *img, layer l, size_t i);
+
+/* --- device.c --- */
+
+typedef struct device {
+  cl_device_id id;
+  cl_context context;
+  cl_command_queue queue;
+  char name[256];
+} device;
+
+/* wanted: an index of `hbil devices`, a part of the name, or NULL (the first
+ * GPU, else the first device). */
+int device_open(const char *wanted, int profiling, device *out,
+                image_error *error);
+void device_close(device *d);
+/* Lists all devices on standard output. */
+int device_list(image_error *error);
+
+/* --- sequence.c: frames through the library --- */
+
+typedef struct sequence sequence;
+
+/* config: settings; formats are filled in from map and layers. */
+int sequence_open(const device *d, const hbil_config *config,
+                  const channel_map *map, unsigned layers, sequence **out,
+                  image_error *error);
+void sequence_close(sequence *s);
+/* Device memory of the plan, bytes. */
+size_t sequence_memory(const sequence *s);
+/* Runs a frame `repeat` times and reads the layers into result's planes.
+ * milliseconds (of the last run) is filled if config.profiling is set. */
+int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
+                 float environment[9][3], unsigned repeat, image *result,
+                 double milliseconds[HBIL_PASS_COUNT], image_error *error);
+
+/* --- preview.c: pictures for the eye --- */
+
+/* One exposure for everything that is light, from one frame's layers. */
+float preview_exposure(const image *result);
+int preview_write(const char *path, const image *result, layer l,
+                  float exposure, image_error *error);
+/* values: one per pixel, 0..limit from black over red to white. */
+int preview_heatmap(const char *path, const float *values, uint32_t width,
+                    uint32_t height, float limit, image_error *error);
+
+/* --- timings.c --- */
+
+typedef struct timing_row {
+  const char *frame;
+  double milliseconds[HBIL_PASS_COUNT];
+} timing_row;
+
+typedef struct timing_report {
+  const char *device;
+  uint32_t width, height;
+  unsigned repeat;
+  size_t memory; /* bytes on the device */
+  const timing_row *rows;
+  size_t count;
+} timing_report;
+
+void timings_table(const timing_report *report);
+int timings_json(const timing_report *report, image_error *error);
+
+/* --- process.c: the main job --- */
+
+typedef struct process_options {
+  const char *output;      /* folder; must be given */
+  const char *camera;      /* NULL: FRAME.json beside FRAME.exr */
+  const char *environment; /* "R,G,B", an image file, or NULL */
+  const char *device;      /* see device_open() */
+  unsigned layers;         /* bit mask */
+  unsigned repeat;         /* runs of every frame, at least 1 */
+  int gather_emission;     /* 1, 0, or -1: as the kind of dump asks for */
+  int preview, timings, json, quiet; /* flags */
+  hbil_config config; /* settings; formats and size are filled in */
+} process_options;
+
+/* All layers, no preview, the library's default settings. */
+void process_options_init(process_options *options);
+
+/* Runs the frames in order and writes the results; reports what goes wrong
+ * itself.  Returns the exit status. */
+int process_run(const process_options *options, char *const *files, int count);
+
+#endif

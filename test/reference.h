@@ -1,0 +1,101 @@
+/*
+ * Every pass of hbil once more, on the CPU, plainly: what the kernels are held
+ * against.  Double precision, except for the two reprojections, which are
+ * specified in float to the last bit (compile with -ffp-contract=off).
+ *
+ * The gather is written with points, directions and angles (METHOD section 2),
+ * not with the slopes that the kernels use.  Planes are full resolution; there
+ * are no layers here beyond the choice of each pixel's sampling pattern.
+ */
+#ifndef HBIL_TEST_REFERENCE_H
+#define HBIL_TEST_REFERENCE_H
+
+#include <stdbool.h>
+
+#include "hbil/hbil.h"
+#include "hbil_shared.h"
+
+/* `count` planes of width x height values, plane after plane. */
+typedef struct ref_planes {
+  int width, height, count;
+  double *values;
+} ref_planes;
+
+/* All zero.  Ends the program when out of memory. */
+ref_planes ref_planes_new(int width, int height, int count);
+void ref_planes_free(ref_planes *planes);
+double *ref_at(const ref_planes *planes, int plane, int x, int y);
+
+/* First planes of the inputs and of the outputs of a frame. */
+enum {
+  REF_DEPTH = 0,
+  REF_NORMAL = 1,
+  REF_ALBEDO = 4,
+  REF_F0 = 7,
+  REF_DIRECT = 10,
+  REF_EMISSION = 13,
+  REF_MOTION = 16,
+  REF_INPUT_PLANES = 18
+};
+enum {
+  REF_NEAR = 0,
+  REF_FAR = 3,
+  REF_AO = 6,
+  REF_BENT = 7,
+  REF_CONE = 10,
+  REF_INDIRECT = 11,
+  REF_RADIANCE = 14,
+  REF_OUTPUT_PLANES = 17
+};
+
+/* All that a pass may look at besides the planes it is handed.  An input that
+ * does not exist is NULL. */
+typedef struct ref_job {
+  const hbil_config *config;
+  hbil_camera camera, previous;
+  const float *input[REF_INPUT_PLANES];
+  float environment[9][3];
+  unsigned index;
+} ref_job;
+
+/* The pattern and view that the specification derives from a job. */
+hbil_pattern_args ref_pattern(const ref_job *job);
+hbil_view_args ref_view(const hbil_config *config, const hbil_camera *camera);
+
+/* HISTORY -> CARRIED, by scatter or motion as configured. */
+void ref_reproject(const ref_job *job, const ref_planes *history,
+                   ref_planes *carried);
+/* Fills the holes of CARRIED. */
+void ref_push_pull(ref_planes *carried);
+/* Inputs and CARRIED (NULL: no history) -> SPLIT. */
+void ref_split(const ref_job *job, const ref_planes *carried,
+               ref_planes *split);
+/* SPLIT -> GATHERED. */
+void ref_gather(const ref_job *job, const ref_planes *split,
+                ref_planes *gathered);
+/* SPLIT, GATHERED -> RESOLVED. */
+void ref_recompose(const ref_job *job, const ref_planes *split,
+                   const ref_planes *gathered, ref_planes *resolved);
+/* RESOLVED -> outputs and the next frame's HISTORY. */
+void ref_composite(const ref_job *job, const ref_planes *resolved,
+                   ref_planes *out, ref_planes *history);
+
+/* A sequence of frames: the planes of the last one, and its camera. */
+typedef struct ref_state {
+  bool has_history;
+  hbil_camera camera;
+  ref_planes history, carried, split, gathered, resolved, out;
+} ref_state;
+
+void ref_state_init(ref_state *state, int width, int height);
+void ref_state_free(ref_state *state);
+/* Runs all passes; job->previous comes from the state. */
+void ref_frame(ref_state *state, ref_job *job);
+
+/* Order-2 real spherical harmonics at a unit direction, hbil's order. */
+void ref_sh_basis(const double d[3], double y[9]);
+
+
+#define PI 3.14159265358979323846
+
+#endif

@@ -1,0 +1,528 @@
+#include "support.h"
+
+#include <stdio.h>
+
+gpu test_gpu;
+
+/* ------------------------------------------------------------------------ */
+/* Device                                                                    */
+
+static void hard_error(const char *what) {
+  fprintf(stderr, "test set-up: %s\n", what);
+  exit(99);
+}
+
+static bool is_pocl(cl_platform_id platform) {
+  char name[256] = "";
+  clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof(name), name, NULL);
+  return strstr(name, "Portable Computing Language") != NULL;
+}
+
+static cl_device_id find_device(void) {
+  cl_platform_id platforms[16];
+  cl_uint count = 0;
+  cl_device_id found = NULL;
+  if (clGetPlatformIDs(16, platforms, &count) != CL_SUCCESS || count == 0)
+    hard_error("no OpenCL platform; install pocl-opencl-icd");
+  for (cl_uint i = 0; i < count && i < 16; ++i) {
+    cl_device_id device;
+    if (clGetDeviceIDs(platforms[i], CL_DEVICE_TYPE_ALL, 1, &device, NULL) !=
+        CL_SUCCESS)
+      continue;
+    if (is_pocl(platforms[i]))
+      return device;
+    found = found ? found : device;
+  }
+  if (!found)
+    hard_error("no OpenCL device; install pocl-opencl-icd");
+  return found;
+}
+
+gpu gpu_open(void) {
+  gpu g;
+  cl_int error;
+  g.device = find_device();
+  g.context = clCreateContext(NULL, 1, &g.device, NULL, NULL, &error);
+  if (error != CL_SUCCESS)
+    hard_error("clCreateContext failed");
+  g.queue = clCreateCommandQueue(g.context, g.device, 0, &error);
+  if (error != CL_SUCCESS)
+    hard_error("clCreateCommandQueue failed");
+  if (hbil_context_create(g.context, g.device, &g.hbil) != HBIL_SUCCESS)
+    hard_error("hbil_context_create failed");
+  return g;
+}
+
+void gpu_close(gpu *g) {
+  hbil_context_destroy(g->hbil);
+  clReleaseCommandQueue(g->queue);
+  clReleaseContext(g->context);
+}
+
+int gpu_finish(int failures) {
+  gpu_close(&test_gpu);
+  return failures;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Images                                                                    */
+
+typedef struct image_info {
+  const char *name;
+  int channels, first;
+  size_t format, image;
+} image_info;
+
+#define IMAGE(field, channels, first)                                          \
+  {#field, channels, first, offsetof(hbil_config, field),                      \
+   offsetof(hbil_frame, field)}
+
+static const image_info images[IMAGE_COUNT] = {
+    IMAGE(depth, 1, REF_DEPTH),       IMAGE(normal, 3, REF_NORMAL),
+    IMAGE(albedo, 3, REF_ALBEDO),     IMAGE(f0, 3, REF_F0),
+    IMAGE(direct, 3, REF_DIRECT),     IMAGE(emission, 3, REF_EMISSION),
+    IMAGE(motion, 2, REF_MOTION),     IMAGE(near_light, 3, REF_NEAR),
+    IMAGE(far_light, 3, REF_FAR),     IMAGE(ao, 1, REF_AO),
+    IMAGE(bent, 3, REF_BENT),         IMAGE(cone, 1, REF_CONE),
+    IMAGE(indirect, 3, REF_INDIRECT), IMAGE(radiance, 3, REF_RADIANCE)};
+
+const char *image_name(image_id id) {
+  return images[id].name;
+}
+
+int image_channels(image_id id) {
+  return images[id].channels;
+}
+
+int image_first(image_id id) {
+  return images[id].first;
+}
+
+hbil_format *image_format(hbil_config *config, image_id id) {
+  return (hbil_format *)((char *)config + images[id].format);
+}
+
+hbil_image *image_slot(hbil_frame *frame, image_id id) {
+  return (hbil_image *)((char *)frame + images[id].image);
+}
+
+float half_to_float(uint16_t half) {
+  int exponent = half >> 10 & 31, mantissa = half & 1023;
+  float sign = half & 0x8000 ? -1.0f : 1.0f;
+  if (exponent == 31)
+    return mantissa ? NAN : sign * INFINITY;
+  if (exponent == 0)
+    return sign * ldexpf((float)mantissa, -24);
+  return sign * ldexpf((float)(mantissa + 1024), exponent - 25);
+}
+
+/* To nearest, ties to even. */
+uint16_t float_to_half(float value) {
+  uint16_t sign = signbit(value) ? 0x8000 : 0;
+  float size = fabsf(value);
+  int exponent;
+  if (isnan(value))
+    return 0x7e00;
+  if (size >= 65520.0f)
+    return sign | 0x7c00;
+  if (size < ldexpf(1.0f, -14))
+    return (uint16_t)(sign | (int)rintf(ldexpf(size, 24)));
+  frexpf(size, &exponent);
+  /* a mantissa that rounds up to 2048 carries into the exponent by itself */
+  return (uint16_t)(sign + ((exponent + 13) << 10) +
+                    (int)rintf(ldexpf(size, 11 - exponent)));
+}
+
+static size_t component_size(hbil_component component) {
+  return component == HBIL_FLOAT32 ? 4 : component == HBIL_FLOAT16 ? 2 : 1;
+}
+
+/* Where an image's components lie, in bytes. */
+typedef struct placement {
+  hbil_component component;
+  size_t size, offset, pixel, row, plane, end;
+} placement;
+
+static placement place(const setup *s, image_id id) {
+  const image_layout *layout = s->layout + id;
+  hbil_config config = s->config;
+  const hbil_format *format = image_format(&config, id);
+  size_t channels = (size_t)images[id].channels;
+  size_t stride = format->stride ? format->stride : channels;
+  placement p;
+  p.component = format->component;
+  p.size = component_size(format->component);
+  p.offset = layout->offset * p.size;
+  p.pixel = stride * p.size;
+  p.row = config.width * p.pixel + layout->row_extra * p.size;
+  p.plane = p.size;
+  if (stride == 1)
+    p.plane = p.row * config.height + layout->plane_extra * p.size;
+  p.end = p.offset + p.row * config.height +
+          (stride == 1 ? p.plane * (channels - 1) : 0);
+  return p;
+}
+
+static size_t position(const placement *p, int channel, size_t x, size_t y) {
+  return p->offset + (size_t)channel * p->plane + y * p->row + x * p->pixel;
+}
+
+static void encode(const placement *p, unsigned char *at, float value) {
+  uint16_t half = float_to_half(value);
+  if (p->component == HBIL_FLOAT32)
+    memcpy(at, &value, 4);
+  else if (p->component == HBIL_FLOAT16)
+    memcpy(at, &half, 2);
+  else
+    *at = (unsigned char)lrintf(fminf(fmaxf(value, 0.0f), 1.0f) * 255.0f);
+}
+
+static float decode(const placement *p, const unsigned char *at) {
+  float value;
+  uint16_t half;
+  if (p->component == HBIL_UNORM8)
+    return (float)*at / 255.0f;
+  if (p->component == HBIL_FLOAT16) {
+    memcpy(&half, at, 2);
+    return half_to_float(half);
+  }
+  memcpy(&value, at, 4);
+  return value;
+}
+
+/* ------------------------------------------------------------------------ */
+/* A plan and all around it                                                  */
+
+static const hbil_format single = {HBIL_FLOAT32, 1};
+static const hbil_format triple = {HBIL_FLOAT32, 3};
+
+static bool has_image(const setup *s, image_id id) {
+  hbil_config config = s->config;
+  return image_format(&config, id)->component != HBIL_NONE;
+}
+
+static size_t pixels_of(const setup *s) {
+  return (size_t)s->config.width * s->config.height;
+}
+
+void setup_init(setup *s, int width, int height) {
+  memset(s, 0, sizeof(*s));
+  s->gpu = &test_gpu;
+  hbil_config_init(&s->config);
+  hbil_frame_init(&s->frame);
+  s->config.width = (cl_uint)width;
+  s->config.height = (cl_uint)height;
+  for (image_id id = 0; id < IMAGE_FIRST_OUTPUT; ++id)
+    *image_format(&s->config, id) = image_channels(id) == 3 ? triple : single;
+  s->config.f0.component = HBIL_NONE;
+  s->config.near_light = s->config.bent = triple;
+  s->config.ao = single;
+  setup_camera(s, 60.0);
+  for (int p = 0; p < REF_INPUT_PLANES; ++p) {
+    s->input[p] = calloc(pixels_of(s), sizeof(float));
+    assert_non_null(s->input[p]);
+  }
+}
+
+void setup_camera(setup *s, double fov_y_degrees) {
+  hbil_camera *camera = &s->frame.camera;
+  memset(camera, 0, sizeof(*camera));
+  camera->cx = 0.5 * s->config.width;
+  camera->cy = 0.5 * s->config.height;
+  camera->fx = camera->cy / tan(fov_y_degrees * PI / 360.0);
+  camera->fy = camera->fx;
+  for (int i = 0; i < 4; ++i)
+    camera->world_from_view[5 * i] = 1.0;
+}
+
+void setup_load_scene(setup *s, scene_kind kind, uint32_t index) {
+  scene_frame f;
+  size_t size = pixels_of(s) * sizeof(float);
+  if (scene_render(kind, s->config.width, s->config.height, 0.0, index, &f))
+    hard_error("scene_render: out of memory");
+  s->frame.camera = f.camera;
+  memcpy(s->input[REF_DEPTH], f.depth, size);
+  for (int c = 0; c < 3; ++c) {
+    memcpy(s->input[REF_NORMAL + c], f.normal[c], size);
+    memcpy(s->input[REF_ALBEDO + c], f.albedo[c], size);
+    memcpy(s->input[REF_DIRECT + c], f.direct[c], size);
+    memcpy(s->input[REF_EMISSION + c], f.emission[c], size);
+  }
+  for (int c = 0; c < 2; ++c)
+    memcpy(s->input[REF_MOTION + c], f.motion[c], size);
+  scene_free(&f);
+}
+
+void setup_scene(setup *s, scene_kind kind, int width, int height,
+                 uint32_t index) {
+  setup_init(s, width, height);
+  s->config.normal_space = HBIL_SPACE_WORLD;
+  setup_load_scene(s, kind, index);
+}
+
+void setup_all_outputs(setup *s) {
+  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id)
+    *image_format(&s->config, id) = image_channels(id) == 3 ? triple : single;
+}
+
+void setup_fill(setup *s, int plane, float value) {
+  for (size_t i = 0; i < pixels_of(s); ++i)
+    s->input[plane][i] = value;
+}
+
+cl_mem buffer_new(gpu *g, size_t size, const void *bytes) {
+  cl_int error;
+  cl_mem buffer =
+      clCreateBuffer(g->context, CL_MEM_READ_WRITE, size, NULL, &error);
+  assert_int_equal(error, CL_SUCCESS);
+  if (bytes)
+    assert_int_equal(clEnqueueWriteBuffer(g->queue, buffer, CL_TRUE, 0, size,
+                                          bytes, 0, NULL, NULL),
+                     CL_SUCCESS);
+  return buffer;
+}
+
+/* Bytes that are no part of an image: not-a-numbers in every format. */
+#define CANARY 0xff
+#define CANARY_BYTES 64
+
+static void make_image(setup *s, image_id id) {
+  const image_layout *layout = s->layout + id;
+  hbil_image *image = image_slot(&s->frame, id);
+  placement p = place(s, id);
+  unsigned char *bytes;
+  s->bytes[id] = p.end + CANARY_BYTES;
+  bytes = malloc(s->bytes[id]);
+  assert_non_null(bytes);
+  memset(bytes, CANARY, s->bytes[id]);
+  image->buffer = buffer_new(s->gpu, s->bytes[id], bytes);
+  image->offset = p.offset;
+  image->row_pitch = layout->row_extra ? p.row : 0;
+  image->plane_pitch = layout->plane_extra ? p.plane : 0;
+  free(bytes);
+}
+
+void assert_success(const setup *s, hbil_status status) {
+  if (status != HBIL_SUCCESS)
+    fail_msg("%s: %s", hbil_status_string(status),
+             hbil_context_message(s->gpu->hbil));
+}
+
+void setup_start(setup *s) {
+  assert_success(s, hbil_plan_create(s->gpu->hbil, &s->config, &s->plan));
+  for (image_id id = 0; id < IMAGE_COUNT; ++id)
+    if (has_image(s, id))
+      make_image(s, id);
+  setup_upload(s);
+}
+
+static void upload_image(setup *s, image_id id) {
+  size_t size, width = s->config.width;
+  cl_mem buffer = image_slot(&s->frame, id)->buffer;
+  unsigned char *bytes = buffer_bytes(s, buffer, &size);
+  placement p = place(s, id);
+  for (int c = 0; c < images[id].channels; ++c)
+    for (size_t i = 0; i < pixels_of(s); ++i) {
+      unsigned char *at = bytes + position(&p, c, i % width, i / width);
+      float *value = s->input[images[id].first + c] + i;
+      encode(&p, at, *value);
+      *value = decode(&p, at);
+    }
+  assert_int_equal(clEnqueueWriteBuffer(s->gpu->queue, buffer, CL_TRUE, 0,
+                                        size, bytes, 0, NULL, NULL),
+                   CL_SUCCESS);
+  free(bytes);
+}
+
+void setup_upload(setup *s) {
+  s->job.config = &s->config;
+  s->job.camera = s->frame.camera;
+  s->job.index = s->frame.index;
+  memcpy(s->job.environment, s->frame.environment, sizeof(s->job.environment));
+  for (image_id id = 0; id < IMAGE_FIRST_OUTPUT; ++id) {
+    bool has = has_image(s, id);
+    if (has)
+      upload_image(s, id);
+    for (int c = 0; c < images[id].channels; ++c)
+      s->job.input[images[id].first + c] =
+          has ? s->input[images[id].first + c] : NULL;
+  }
+}
+
+void setup_free(setup *s) {
+  hbil_plan_destroy(s->plan);
+  for (image_id id = 0; id < IMAGE_COUNT; ++id)
+    if (image_slot(&s->frame, id)->buffer)
+      clReleaseMemObject(image_slot(&s->frame, id)->buffer);
+  for (int p = 0; p < REF_INPUT_PLANES; ++p)
+    free(s->input[p]);
+}
+
+void setup_run(setup *s, enqueue_function *pass) {
+  assert_success(
+      s, pass(s->plan, s->gpu->queue, &s->frame, 0, NULL, NULL));
+  assert_int_equal(clFinish(s->gpu->queue), CL_SUCCESS);
+}
+
+unsigned char *buffer_bytes(setup *s, cl_mem buffer, size_t *size) {
+  unsigned char *bytes;
+  assert_int_equal(clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof(*size), size,
+                                      NULL),
+                   CL_SUCCESS);
+  bytes = malloc(*size);
+  assert_non_null(bytes);
+  assert_int_equal(clEnqueueReadBuffer(s->gpu->queue, buffer, CL_TRUE, 0,
+                                       *size, bytes, 0, NULL, NULL),
+                   CL_SUCCESS);
+  return bytes;
+}
+
+/* Float index of a value in a stage's buffer. */
+static size_t stage_index(const hbil_buffer *b, hbil_stage stage, int plane,
+                          int x, int y) {
+  size_t at = (size_t)plane * b->plane_pitch + b->origin;
+  size_t i = (size_t)x, j = (size_t)y;
+  if (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED)
+    return at + (4 * (j % 4) + i % 4) * b->layer_pitch +
+           j / 4 * b->row_pitch + i / 4;
+  return at + j * b->row_pitch + i;
+}
+
+static hbil_buffer stage_buffer(setup *s, hbil_stage stage) {
+  hbil_buffer buffer;
+  assert_success(s, hbil_plan_buffer(s->plan, stage, &buffer));
+  return buffer;
+}
+
+ref_planes stage_read(setup *s, hbil_stage stage) {
+  hbil_buffer b = stage_buffer(s, stage);
+  size_t size;
+  float *floats = (float *)(void *)buffer_bytes(s, b.buffer, &size);
+  ref_planes out = ref_planes_new((int)s->config.width, (int)s->config.height,
+                                  (int)b.values);
+  for (int p = 0; p < out.count; ++p)
+    for (int y = 0; y < out.height; ++y)
+      for (int x = 0; x < out.width; ++x) {
+        size_t index = stage_index(&b, stage, p, x, y);
+        assert_true(index < size / sizeof(float));
+        *ref_at(&out, p, x, y) = (double)floats[index];
+      }
+  free(floats);
+  return out;
+}
+
+void stage_write(setup *s, hbil_stage stage, const ref_planes *planes) {
+  hbil_buffer b = stage_buffer(s, stage);
+  size_t size;
+  float *floats = (float *)(void *)buffer_bytes(s, b.buffer, &size);
+  for (int p = 0; p < planes->count; ++p)
+    for (int y = 0; y < planes->height; ++y)
+      for (int x = 0; x < planes->width; ++x)
+        floats[stage_index(&b, stage, p, x, y)] =
+            (float)*ref_at(planes, p, x, y);
+  assert_int_equal(clEnqueueWriteBuffer(s->gpu->queue, b.buffer, CL_TRUE, 0,
+                                        size, floats, 0, NULL, NULL),
+                   CL_SUCCESS);
+  free(floats);
+}
+
+/* Takes an output's values and overwrites them with the canary. */
+static void take_output(setup *s, image_id id, unsigned char *bytes,
+                        ref_planes *out) {
+  placement p = place(s, id);
+  for (int c = 0; c < images[id].channels; ++c)
+    for (int y = 0; y < out->height; ++y)
+      for (int x = 0; x < out->width; ++x) {
+        unsigned char *at = bytes + position(&p, c, (size_t)x, (size_t)y);
+        *ref_at(out, images[id].first + c, x, y) = (double)decode(&p, at);
+        memset(at, CANARY, p.size);
+      }
+}
+
+ref_planes outputs_read(setup *s) {
+  ref_planes out = ref_planes_new((int)s->config.width, (int)s->config.height,
+                                  REF_OUTPUT_PLANES);
+  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id) {
+    size_t size;
+    unsigned char *bytes;
+    if (!has_image(s, id))
+      continue;
+    bytes = buffer_bytes(s, image_slot(&s->frame, id)->buffer, &size);
+    take_output(s, id, bytes, &out);
+    for (size_t i = 0; i < size; ++i)
+      if (bytes[i] != CANARY)
+        fail_msg("%s: byte %zu outside the image was written", images[id].name,
+                 i);
+    free(bytes);
+  }
+  return out;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Numbers                                                                   */
+
+/* Values of planes [first, first + count) and where they begin. */
+static size_t range_of(const ref_planes *planes, int first, int count,
+                       size_t *total) {
+  size_t plane = (size_t)planes->width * (size_t)planes->height;
+  *total = plane * (size_t)count;
+  return plane * (size_t)first;
+}
+
+double relative_rmse(const ref_planes *got, const ref_planes *want, int first,
+                     int count) {
+  size_t total, start = range_of(want, first, count, &total);
+  double off = 0.0, size = 0.0;
+  for (size_t i = start; i < start + total; ++i) {
+    double d = got->values[i] - want->values[i];
+    off += d * d;
+    size += want->values[i] * want->values[i];
+  }
+  if (!isfinite(off))
+    return INFINITY;
+  return size > 0.0 ? sqrt(off / size) : sqrt(off);
+}
+
+double largest_error(const ref_planes *got, const ref_planes *want, int first,
+                     int count) {
+  size_t total, start = range_of(want, first, count, &total);
+  double largest = 0.0;
+  for (size_t i = start; i < start + total; ++i) {
+    double d = fabs(got->values[i] - want->values[i]);
+    if (!isfinite(d))
+      return INFINITY;
+    largest = d > largest ? d : largest;
+  }
+  return largest;
+}
+
+double largest_value(const ref_planes *planes, int first, int count) {
+  size_t total, start = range_of(planes, first, count, &total);
+  double largest = 0.0;
+  for (size_t i = start; i < start + total; ++i)
+    largest = fmax(largest, fabs(planes->values[i]));
+  return largest;
+}
+
+size_t count_different(const ref_planes *got, const ref_planes *want) {
+  size_t total, different = 0;
+  range_of(want, 0, want->count, &total);
+  assert_int_equal(got->count, want->count);
+  for (size_t i = 0; i < total; ++i)
+    different += !(got->values[i] == want->values[i]);
+  return different;
+}
+
+void check_at_most(const char *what, double value, double limit) {
+  if (getenv("HBIL_TEST_VERBOSE"))
+    fprintf(stderr, "%s: %.3g (limit %.3g)\n", what, value, limit);
+  if (!(value <= limit))
+    fail_msg("%s: %.9g is above %.9g", what, value, limit);
+}
+
+double random_unit(random_state *r) {
+  uint64_t z = r->state += 0x9e3779b97f4a7c15u;
+  z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+  return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
+}

@@ -1,0 +1,158 @@
+/*
+ * What the test programs share: an OpenCL device, a plan with its images on
+ * both sides, planes in and out of buffers, and measures of difference.
+ *
+ * A missing OpenCL device ends the program with status 99: it is an error of
+ * the set-up, never a reason to skip.
+ */
+#ifndef HBIL_TEST_SUPPORT_H
+#define HBIL_TEST_SUPPORT_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "reference.h"
+#include "scene/scene.h"
+
+/* ------------------------------------------------------------------------ */
+/* Device                                                                    */
+
+typedef struct gpu {
+  cl_device_id device;
+  cl_context context;
+  cl_command_queue queue;
+  hbil_context *hbil;
+} gpu;
+
+/* PoCL's device if there is one, else the first of any platform. */
+gpu gpu_open(void);
+void gpu_close(gpu *g);
+/* Runs a group of tests between the opening and closing of `test_gpu`; the
+ * value for main() to return. */
+#define RUN_WITH_GPU(tests)                                                    \
+  (test_gpu = gpu_open(),                                                      \
+   gpu_finish(cmocka_run_group_tests((tests), NULL, NULL)))
+extern gpu test_gpu;
+int gpu_finish(int failures);
+
+/* ------------------------------------------------------------------------ */
+/* Images                                                                    */
+
+typedef enum image_id {
+  IMAGE_DEPTH,
+  IMAGE_NORMAL,
+  IMAGE_ALBEDO,
+  IMAGE_F0,
+  IMAGE_DIRECT,
+  IMAGE_EMISSION,
+  IMAGE_MOTION,
+  IMAGE_NEAR,
+  IMAGE_FAR,
+  IMAGE_AO,
+  IMAGE_BENT,
+  IMAGE_CONE,
+  IMAGE_INDIRECT,
+  IMAGE_RADIANCE,
+  IMAGE_COUNT
+} image_id;
+
+#define IMAGE_FIRST_OUTPUT IMAGE_NEAR
+
+const char *image_name(image_id id);
+int image_channels(image_id id);
+/* First plane, of inputs (REF_DEPTH...) or outputs (REF_NEAR...). */
+int image_first(image_id id);
+hbil_format *image_format(hbil_config *config, image_id id);
+hbil_image *image_slot(hbil_frame *frame, image_id id);
+
+/* Room left around an image, in components. */
+typedef struct image_layout {
+  size_t offset, row_extra, plane_extra;
+} image_layout;
+
+/* ------------------------------------------------------------------------ */
+/* A plan and all around it                                                  */
+
+typedef struct setup {
+  gpu *gpu;
+  hbil_config config;
+  hbil_frame frame;
+  hbil_plan *plan;
+  image_layout layout[IMAGE_COUNT];
+  size_t bytes[IMAGE_COUNT];
+  float *input[REF_INPUT_PLANES];
+  ref_job job; /* for the reference; kept up to date by setup_upload() */
+} setup;
+
+/* fp32 depth, normal, albedo, direct, emission, motion; planar motion; outputs
+ * near_light, ao and bent; a camera with a vertical field of view of 60
+ * degrees. */
+void setup_init(setup *s, int width, int height);
+/* The same, and the inputs of a scene's frame. */
+void setup_scene(setup *s, scene_kind kind, int width, int height,
+                 uint32_t index);
+/* Replaces camera and inputs by those of another frame of the scene. */
+void setup_load_scene(setup *s, scene_kind kind, uint32_t index);
+/* Camera looking along +z from the origin. */
+void setup_camera(setup *s, double fov_y_degrees);
+/* All outputs, fp32 with the channel count as stride. */
+void setup_all_outputs(setup *s);
+void setup_fill(setup *s, int plane, float value);
+/* Creates plan and buffers (must succeed), then uploads. */
+void setup_start(setup *s);
+/* Brings inputs to the device and replaces them by what the device sees:
+ * the values after rounding to the image's format. */
+void setup_upload(setup *s);
+void setup_free(setup *s);
+
+typedef hbil_status enqueue_function(hbil_plan *, cl_command_queue,
+                                     const hbil_frame *, cl_uint,
+                                     const cl_event *, cl_event *);
+/* Enqueues and waits; must succeed. */
+void setup_run(setup *s, enqueue_function *pass);
+void assert_success(const setup *s, hbil_status status);
+
+/* A stage's planes in full resolution; written planes leave padding alone. */
+ref_planes stage_read(setup *s, hbil_stage stage);
+void stage_write(setup *s, hbil_stage stage, const ref_planes *planes);
+/* All outputs (REF_OUTPUT_PLANES); fails when a byte outside the image was
+ * touched.  Outputs without format stay 0. */
+ref_planes outputs_read(setup *s);
+/* Every byte of a plan's buffer or a caller's image; the caller frees. */
+unsigned char *buffer_bytes(setup *s, cl_mem buffer, size_t *size);
+cl_mem buffer_new(gpu *g, size_t size, const void *bytes);
+
+/* ------------------------------------------------------------------------ */
+/* Numbers                                                                   */
+
+/* Root of the mean squared difference over planes [first, first + count),
+ * relative to the reference's root mean square; infinite when `got` holds a
+ * value that is not finite. */
+double relative_rmse(const ref_planes *got, const ref_planes *want, int first,
+                     int count);
+/* Largest difference. */
+double largest_error(const ref_planes *got, const ref_planes *want, int first,
+                     int count);
+double largest_value(const ref_planes *planes, int first, int count);
+/* Number of values that differ. */
+size_t count_different(const ref_planes *got, const ref_planes *want);
+
+/* Fails above the limit; with HBIL_TEST_VERBOSE set, tells the value. */
+void check_at_most(const char *what, double value, double limit);
+
+/* A seeded generator: uniform in [0,1). */
+typedef struct random_state {
+  uint64_t state;
+} random_state;
+double random_unit(random_state *r);
+
+float half_to_float(uint16_t half);
+uint16_t float_to_half(float value);
+
+#endif

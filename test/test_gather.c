@@ -1,0 +1,238 @@
+/*
+ * The horizon search: held against points, angles and integrals in double.
+ */
+#include "support.h"
+
+/* Relative RMSE; the requirement is 1e-3. */
+#define AO_LIMIT 1e-4
+#define LIGHT_LIMIT 1e-4
+#define BENT_LIMIT 1e-4
+
+static ref_planes gathered(setup *s) {
+  setup_run(s, hbil_enqueue_split);
+  setup_run(s, hbil_enqueue_gather);
+  return stage_read(s, HBIL_STAGE_GATHERED);
+}
+
+static void check_gather(setup *s) {
+  ref_planes got, split, want;
+  setup_start(s);
+  got = gathered(s);
+  split = stage_read(s, HBIL_STAGE_SPLIT);
+  want = ref_planes_new(split.width, split.height, HBIL_LIGHT_PLANES);
+  ref_gather(&s->job, &split, &want);
+  check_at_most("AO", relative_rmse(&got, &want, HBIL_LIGHT_AO, 1), AO_LIMIT);
+  check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3),
+                LIGHT_LIMIT);
+  check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3),
+                BENT_LIMIT);
+  ref_planes_free(&got);
+  ref_planes_free(&split);
+  ref_planes_free(&want);
+  setup_free(s);
+}
+
+static void every_size_matches(void **state) {
+  const int sizes[][2] = {{1, 1}, {3, 5}, {17, 31}, {160, 90}};
+  (void)state;
+  for (int i = 0; i < 8; ++i) {
+    setup s;
+    setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, sizes[i / 2][0],
+                sizes[i / 2][1], 0);
+    check_gather(&s);
+  }
+}
+
+static void a_large_image_matches(void **state) {
+  setup s;
+  (void)state;
+  setup_scene(&s, SCENE_ROOM, 640, 360, 0);
+  check_gather(&s);
+}
+
+typedef struct settings {
+  cl_uint slices, samples;
+  hbil_lattice lattice;
+  float radius, facing[2];
+  hbil_refused refused;
+  cl_uint index;
+} settings;
+
+static const settings table[] = {
+    {1, 1, HBIL_LATTICE_LAYER, INFINITY, {-0.1f, 0.0f}, HBIL_REFUSED_LAST, 0},
+    {1, 8, HBIL_LATTICE_FULL, 1.0f, {-0.1f, 0.0f}, HBIL_REFUSED_BLACK, 1},
+    {2, 16, HBIL_LATTICE_LAYER, 0.5f, {-1.0f, -1.0f}, HBIL_REFUSED_LAST, 2},
+    {2, 16, HBIL_LATTICE_FULL, INFINITY, {0.2f, 0.2f}, HBIL_REFUSED_BLACK, 3},
+    {4, 8, HBIL_LATTICE_LAYER, 2.0f, {-0.5f, 0.5f}, HBIL_REFUSED_BLACK, 0},
+    {4, 16, HBIL_LATTICE_FULL, 0.25f, {-0.1f, 0.0f}, HBIL_REFUSED_LAST, 0},
+    {2, 1, HBIL_LATTICE_FULL, INFINITY, {1.0f, 1.0f}, HBIL_REFUSED_LAST, 7},
+    {4, 1, HBIL_LATTICE_LAYER, 1e-3f, {-0.1f, 0.0f}, HBIL_REFUSED_LAST, 0},
+    {3, 5, HBIL_LATTICE_FULL, 1e4f, {0.0f, 1.0f}, HBIL_REFUSED_LAST, 11}};
+
+static void every_setting_matches(void **state) {
+  (void)state;
+  for (size_t i = 0; i < sizeof(table) / sizeof(*table); ++i) {
+    setup s;
+    const settings *t = table + i;
+    setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, 97, 54, 0);
+    s.config.slices = t->slices;
+    s.config.samples = t->samples;
+    s.config.lattice = t->lattice;
+    s.config.radius = t->radius;
+    memcpy(s.config.facing, t->facing, sizeof(t->facing));
+    s.config.refused = t->refused;
+    s.frame.index = t->index;
+    check_gather(&s);
+  }
+}
+
+static void every_vector_width_matches(void **state) {
+  const cl_uint widths[] = {1, 4, 8, 16};
+  (void)state;
+  for (int i = 0; i < 8; ++i) {
+    setup s;
+    setup_scene(&s, SCENE_ROOM, 77, 45, 0);
+    s.config.vector_width = widths[i / 2];
+    s.config.radius = i & 1 ? 1.0f : INFINITY;
+    check_gather(&s);
+  }
+}
+
+static void half_float_depth_matches(void **state) {
+  setup s;
+  (void)state;
+  setup_scene(&s, SCENE_ROOM, 97, 54, 0);
+  s.config.depth.component = HBIL_FLOAT16;
+  check_gather(&s);
+}
+
+static void equal_and_growing_steps_match(void **state) {
+  const float growth[] = {0.0f, 64.0f};
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    setup s;
+    setup_scene(&s, SCENE_SKY, 64, 37, 0);
+    s.config.step_growth = growth[i];
+    check_gather(&s);
+  }
+}
+
+/* Radiance 1 all over: what is not open sends 1. */
+static void check_furnace(scene_kind kind, cl_uint slices, float radius) {
+  setup s;
+  ref_planes got;
+  double worst = 0.0;
+  setup_scene(&s, kind, 97, 54, 0);
+  s.config.albedo.component = s.config.emission.component = HBIL_NONE;
+  s.config.direct_scale = (float)PI;
+  s.config.slices = slices;
+  s.config.radius = radius;
+  s.config.facing[0] = s.config.facing[1] = -1.0f;
+  for (int c = 0; c < 3; ++c)
+    setup_fill(&s, REF_DIRECT + c, 1.0f);
+  setup_start(&s);
+  got = gathered(&s);
+  for (int y = 0; y < got.height; ++y)
+    for (int x = 0; x < got.width; ++x)
+      for (int c = 0; c < 3; ++c)
+        worst = fmax(worst, fabs(*ref_at(&got, HBIL_LIGHT_AO, x, y) +
+                                 *ref_at(&got, HBIL_LIGHT_RED + c, x, y) / PI -
+                                 1.0));
+  check_at_most("furnace", worst, 2e-3);
+  ref_planes_free(&got);
+  setup_free(&s);
+}
+
+static void the_white_furnace_is_closed(void **state) {
+  (void)state;
+  check_furnace(SCENE_ROOM, 1, INFINITY);
+  check_furnace(SCENE_ROOM, 2, INFINITY);
+  check_furnace(SCENE_SKY, 4, INFINITY);
+  check_furnace(SCENE_ROOM, 2, 0.7f);
+}
+
+/* The light of a plan on the room, with depths, radius and light scaled. */
+static ref_planes scaled_room(float size, float light, float radius) {
+  setup s;
+  ref_planes got;
+  setup_scene(&s, SCENE_ROOM, 97, 54, 0);
+  s.config.radius = radius * size;
+  for (int i = 0; i < 97 * 54; ++i) {
+    s.input[REF_DEPTH][i] *= size;
+    for (int c = 0; c < 3; ++c) {
+      s.input[REF_DIRECT + c][i] *= light;
+      s.input[REF_EMISSION + c][i] *= light;
+    }
+  }
+  setup_start(&s);
+  got = gathered(&s);
+  setup_free(&s);
+  return got;
+}
+
+static void check_scaled(float size, float radius, double limit) {
+  ref_planes want = scaled_room(1.0f, 1.0f, radius);
+  ref_planes got = scaled_room(size, 1.0f, radius);
+  check_at_most("AO", relative_rmse(&got, &want, HBIL_LIGHT_AO, 1), limit);
+  check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3), limit);
+  check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3), limit);
+  ref_planes_free(&got);
+  ref_planes_free(&want);
+}
+
+static void the_unit_of_length_does_not_matter(void **state) {
+  (void)state;
+  /* exact: powers of two change no mantissa */
+  check_scaled(0x1p-10f, 1.0f, 0.0);
+  check_scaled(0x1p+10f, 1.0f, 0.0);
+  check_scaled(0x1p-10f, INFINITY, 0.0);
+  /* rounding of the depths and of the radius */
+  check_scaled(1e-3f, INFINITY, 1e-4);
+  check_scaled(1e3f, INFINITY, 1e-4);
+  check_scaled(1e-3f, 1.0f, 1e-3);
+  check_scaled(1e3f, 1.0f, 1e-3);
+}
+
+static void near_light_is_linear_in_the_radiance(void **state) {
+  ref_planes one = scaled_room(1.0f, 1.0f, INFINITY);
+  ref_planes four = scaled_room(1.0f, 4.0f, INFINITY);
+  ref_planes seven = scaled_room(1.0f, 7.0f, INFINITY);
+  size_t plane = (size_t)(one.width * one.height);
+  (void)state;
+  for (size_t i = plane; i < 4 * plane; ++i) {
+    assert_true(four.values[i] == 4.0 * one.values[i]);
+    one.values[i] *= 7.0;
+  }
+  /* derived: two dozen roundings of 6e-8 */
+  check_at_most("7 times", relative_rmse(&seven, &one, HBIL_LIGHT_RED, 3),
+                1e-6);
+  ref_planes_free(&one);
+  ref_planes_free(&four);
+  ref_planes_free(&seven);
+}
+
+static void every_run_gives_the_same_bits(void **state) {
+  ref_planes first = scaled_room(1.0f, 1.0f, 2.0f);
+  (void)state;
+  for (int run = 0; run < 3; ++run) {
+    ref_planes again = scaled_room(1.0f, 1.0f, 2.0f);
+    assert_int_equal(count_different(&again, &first), 0);
+    ref_planes_free(&again);
+  }
+  ref_planes_free(&first);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_size_matches),
+      cmocka_unit_test(a_large_image_matches),
+      cmocka_unit_test(every_setting_matches),
+      cmocka_unit_test(every_vector_width_matches),
+      cmocka_unit_test(half_float_depth_matches),
+      cmocka_unit_test(equal_and_growing_steps_match),
+      cmocka_unit_test(the_white_furnace_is_closed),
+      cmocka_unit_test(the_unit_of_length_does_not_matter),
+      cmocka_unit_test(near_light_is_linear_in_the_radiance),
+      cmocka_unit_test(every_run_gives_the_same_bits)};
+  return RUN_WITH_GPU(tests);
+}

@@ -1,0 +1,359 @@
+/*
+ * Whatever is wrong is refused, by name, before anything is enqueued.
+ */
+#include "support.h"
+
+#define WIDTH 17
+#define HEIGHT 9
+
+static void start(setup *s) {
+  setup_init(s, WIDTH, HEIGHT);
+  setup_all_outputs(s);
+  setup_start(s);
+}
+
+static void every_status_has_its_own_sentence(void **state) {
+  (void)state;
+  for (int i = HBIL_SUCCESS; i <= HBIL_OPENCL_ERROR; ++i) {
+    assert_non_null(hbil_status_string((hbil_status)i));
+    assert_true(strlen(hbil_status_string((hbil_status)i)) > 3);
+    for (int j = HBIL_SUCCESS; j < i; ++j)
+      assert_string_not_equal(hbil_status_string((hbil_status)i),
+                              hbil_status_string((hbil_status)j));
+  }
+  assert_non_null(hbil_status_string((hbil_status)12345));
+}
+
+static void every_pass_has_a_name(void **state) {
+  (void)state;
+  assert_string_equal(hbil_pass_name(HBIL_PASS_REPROJECT), "reproject");
+  assert_string_equal(hbil_pass_name(HBIL_PASS_PUSH_PULL), "push_pull");
+  assert_string_equal(hbil_pass_name(HBIL_PASS_SPLIT), "split");
+  assert_string_equal(hbil_pass_name(HBIL_PASS_GATHER), "gather");
+  assert_string_equal(hbil_pass_name(HBIL_PASS_RECOMPOSE), "recompose");
+  assert_string_equal(hbil_pass_name(HBIL_PASS_COMPOSITE), "composite");
+  assert_null(hbil_pass_name(HBIL_PASS_COUNT));
+}
+
+static void version_is_the_headers(void **state) {
+  (void)state;
+  assert_string_equal(hbil_version(), "0.1.0");
+}
+
+static void defaults_are_those_of_the_header(void **state) {
+  hbil_config c;
+  (void)state;
+  memset(&c, 0x5a, sizeof(c));
+  hbil_config_init(&c);
+  assert_int_equal(c.struct_size, sizeof(c));
+  assert_true(c.width == 0 && c.height == 0);
+  assert_true(c.depth.component == HBIL_NONE);
+  assert_true(isinf(c.background) && isinf(c.radius));
+  assert_true(c.direct_scale == 1.0f);
+  assert_true(c.slices == 2 && c.samples == 8 && c.step_growth == 3.0f);
+  assert_true(c.lattice == HBIL_LATTICE_FULL);
+  assert_true(c.facing[0] == -0.1f && c.facing[1] == 0.0f);
+  assert_true(c.refused == HBIL_REFUSED_LAST);
+  assert_true(c.gather_emission == CL_TRUE);
+  assert_true(c.reprojection == HBIL_REPROJECTION_SCATTER);
+  assert_true(c.feedback == HBIL_FEEDBACK_IRRADIANCE);
+  assert_true(c.disocclusion == 0.05f);
+  assert_true(c.far_field == HBIL_FAR_NONE);
+  assert_true(!c.raw_interleave && c.vector_width == 0 && !c.profiling);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Configurations                                                            */
+
+typedef struct bad_config {
+  const char *field;
+  void (*spoil)(hbil_config *);
+} bad_config;
+
+#define SPOIL(name, statement)                                                 \
+  static void name(hbil_config *c) {                                           \
+    statement;                                                                 \
+  }
+SPOIL(width_0, c->width = 0)
+SPOIL(width_high, c->width = 16385)
+SPOIL(height_0, c->height = 0)
+SPOIL(slices_0, c->slices = 0)
+SPOIL(slices_33, c->slices = 33)
+SPOIL(samples_0, c->samples = 0)
+SPOIL(samples_257, c->samples = 257)
+SPOIL(radius_nan, c->radius = NAN)
+SPOIL(radius_0, c->radius = 0.0f)
+SPOIL(radius_negative, c->radius = -1.0f)
+SPOIL(facing_descending, (c->facing[0] = 0.5f, c->facing[1] = 0.25f))
+SPOIL(facing_nan, c->facing[1] = NAN)
+SPOIL(facing_wide, c->facing[1] = 2.0f)
+SPOIL(growth_nan, c->step_growth = NAN)
+SPOIL(growth_negative, c->step_growth = -0.5f)
+SPOIL(growth_65, c->step_growth = 65.0f)
+SPOIL(disocclusion_0, c->disocclusion = 0.0f)
+SPOIL(disocclusion_nan, c->disocclusion = NAN)
+SPOIL(depth_missing, c->depth.component = HBIL_NONE)
+SPOIL(normal_missing, c->normal.component = HBIL_NONE)
+SPOIL(albedo_stride, c->albedo.stride = 2)
+SPOIL(direct_component, c->direct.component = (hbil_component)9)
+SPOIL(ao_unorm, c->ao.component = HBIL_UNORM8)
+SPOIL(motion_missing, (c->reprojection = HBIL_REPROJECTION_MOTION,
+                       c->motion.component = HBIL_NONE))
+SPOIL(lattice_unknown, c->lattice = (hbil_lattice)7)
+SPOIL(refused_unknown, c->refused = (hbil_refused)7)
+SPOIL(far_unknown, c->far_field = (hbil_far_field)7)
+SPOIL(feedback_unknown, c->feedback = (hbil_feedback)7)
+SPOIL(vector_3, c->vector_width = 3)
+SPOIL(size_wrong, c->struct_size -= 8)
+
+static const bad_config bad_configs[] = {
+    {"width", width_0},           {"width", width_high},
+    {"height", height_0},         {"slices", slices_0},
+    {"slices", slices_33},        {"samples", samples_0},
+    {"samples", samples_257},     {"radius", radius_nan},
+    {"radius", radius_0},         {"radius", radius_negative},
+    {"facing", facing_descending}, {"facing", facing_nan},
+    {"facing", facing_wide},      {"step_growth", growth_nan},
+    {"step_growth", growth_negative}, {"step_growth", growth_65},
+    {"disocclusion", disocclusion_0}, {"disocclusion", disocclusion_nan},
+    {"depth", depth_missing},     {"normal", normal_missing},
+    {"albedo", albedo_stride},    {"direct", direct_component},
+    {"ao", ao_unorm},             {"motion", motion_missing},
+    {"lattice", lattice_unknown}, {"refused", refused_unknown},
+    {"far_field", far_unknown},   {"feedback", feedback_unknown},
+    {"vector_width", vector_3},   {"struct_size", size_wrong}};
+
+static void assert_refused(hbil_status got, hbil_status want,
+                           const char *field) {
+  const char *message = hbil_context_message(test_gpu.hbil);
+  if (got != want && !(strcmp(field, "struct_size") == 0 && got))
+    fail_msg("%s: status %d, expected %d", field, (int)got, (int)want);
+  if (!strstr(message, field))
+    fail_msg("%s is not named in the message \"%s\"", field, message);
+}
+
+static void bad_configurations_are_refused_by_name(void **state) {
+  setup s;
+  (void)state;
+  setup_init(&s, WIDTH, HEIGHT);
+  setup_all_outputs(&s);
+  for (size_t i = 0; i < sizeof(bad_configs) / sizeof(*bad_configs); ++i) {
+    hbil_config c = s.config;
+    hbil_plan *plan = (hbil_plan *)&c;
+    size_t bytes = 0;
+    bad_configs[i].spoil(&c);
+    assert_refused(hbil_plan_memory(test_gpu.hbil, &c, &bytes),
+                   HBIL_INVALID_CONFIG, bad_configs[i].field);
+    assert_refused(hbil_plan_create(test_gpu.hbil, &c, &plan),
+                   HBIL_INVALID_CONFIG, bad_configs[i].field);
+    assert_null(plan);
+  }
+  setup_free(&s);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Frames                                                                    */
+
+typedef struct bad_frame {
+  const char *field;
+  void (*spoil)(setup *);
+} bad_frame;
+
+#define SPOIL_FRAME(name, statement)                                           \
+  static void name(setup *s) {                                                 \
+    hbil_frame *f = &s->frame;                                                 \
+    statement;                                                                 \
+  }
+SPOIL_FRAME(no_depth, f->depth.buffer = NULL)
+SPOIL_FRAME(no_normal, f->normal.buffer = NULL)
+SPOIL_FRAME(no_radiance, f->radiance.buffer = NULL)
+SPOIL_FRAME(no_bent, f->bent.buffer = NULL)
+SPOIL_FRAME(depth_past_the_end, f->depth.offset = s->bytes[IMAGE_DEPTH] / 4 * 4)
+SPOIL_FRAME(normal_too_small, f->normal.buffer = f->depth.buffer)
+SPOIL_FRAME(albedo_pitch, f->albedo.row_pitch = 1 << 20)
+SPOIL_FRAME(albedo_overlap, f->albedo.row_pitch = 4)
+SPOIL_FRAME(motion_plane, f->motion.plane_pitch = 1 << 20)
+SPOIL_FRAME(offset_huge, f->depth.offset = SIZE_MAX - 3)
+SPOIL_FRAME(depth_misaligned, f->depth.offset = 2)
+SPOIL_FRAME(normal_misaligned, f->normal.row_pitch = WIDTH * 12 + 2)
+SPOIL_FRAME(camera_fx, f->camera.fx = 0.0)
+SPOIL_FRAME(camera_fy, f->camera.fy = -1.0)
+SPOIL_FRAME(camera_nan, f->camera.cx = NAN)
+SPOIL_FRAME(camera_scaled, f->camera.world_from_view[0] = 1.5)
+SPOIL_FRAME(camera_mirrored, f->camera.world_from_view[0] = -1.0)
+SPOIL_FRAME(camera_sheared, f->camera.world_from_view[1] = 0.5)
+SPOIL_FRAME(camera_moved_nan, f->camera.world_from_view[3] = NAN)
+SPOIL_FRAME(camera_zero, memset(&f->camera, 0, sizeof(f->camera)))
+SPOIL_FRAME(frame_size, f->struct_size -= 8)
+
+static const bad_frame bad_frames[] = {
+    {"depth", no_depth},
+    {"normal", no_normal},
+    {"radiance", no_radiance},
+    {"bent", no_bent},
+    {"depth", depth_past_the_end},
+    {"normal", normal_too_small},
+    {"albedo", albedo_pitch},
+    {"albedo", albedo_overlap},
+    {"motion", motion_plane},
+    {"depth", offset_huge},
+    {"depth", depth_misaligned},
+    {"normal", normal_misaligned},
+    {"fx", camera_fx},
+    {"fy", camera_fy},
+    {"cx", camera_nan},
+    {"world_from_view", camera_scaled},
+    {"world_from_view", camera_mirrored},
+    {"world_from_view", camera_sheared},
+    {"world_from_view", camera_moved_nan},
+    {"camera", camera_zero},
+    {"struct_size", frame_size}};
+
+static void bad_frames_are_refused_by_name(void **state) {
+  setup s;
+  (void)state;
+  start(&s);
+  for (size_t i = 0; i < sizeof(bad_frames) / sizeof(*bad_frames); ++i) {
+    hbil_frame good = s.frame;
+    cl_event event = NULL;
+    hbil_status status;
+    bad_frames[i].spoil(&s);
+    status = hbil_enqueue_frame(s.plan, test_gpu.queue, &s.frame, 0, NULL,
+                                &event);
+    assert_refused(status, HBIL_INVALID_FRAME, bad_frames[i].field);
+    assert_null(event);
+    s.frame = good;
+  }
+  setup_free(&s);
+}
+
+static void refused_frames_write_nothing(void **state) {
+  setup s;
+  ref_planes out;
+  (void)state;
+  start(&s);
+  s.frame.camera.fx = -1.0;
+  assert_int_equal(hbil_enqueue_frame(s.plan, test_gpu.queue, &s.frame, 0,
+                                      NULL, NULL),
+                   HBIL_INVALID_FRAME);
+  assert_int_equal(clFinish(test_gpu.queue), CL_SUCCESS);
+  out = outputs_read(&s); /* canaries are not-a-numbers */
+  for (int i = 0; i < out.width * out.height * out.count; ++i)
+    assert_true(isnan(out.values[i]));
+  ref_planes_free(&out);
+  setup_free(&s);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Null and malformed arguments                                              */
+
+static void null_arguments_are_refused(void **state) {
+  setup s;
+  hbil_plan *plan = NULL;
+  hbil_context *context = NULL;
+  hbil_buffer buffer;
+  size_t bytes;
+  double times[HBIL_PASS_COUNT];
+  float sh[9][3];
+  (void)state;
+  start(&s);
+  assert_int_equal(hbil_context_create(NULL, test_gpu.device, &context),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_context_create(test_gpu.context, NULL, &context),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_context_create(test_gpu.context, test_gpu.device, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_memory(test_gpu.hbil, NULL, &bytes),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_memory(test_gpu.hbil, &s.config, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_memory(NULL, &s.config, &bytes),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_create(test_gpu.hbil, NULL, &plan),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_create(test_gpu.hbil, &s.config, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_create(NULL, &s.config, &plan),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_buffer(NULL, HBIL_STAGE_SPLIT, &buffer),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_buffer(s.plan, HBIL_STAGE_SPLIT, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_buffer(s.plan, (hbil_stage)99, &buffer),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_not_equal(hbil_plan_timings(s.plan, NULL), HBIL_SUCCESS);
+  assert_int_not_equal(hbil_plan_timings(s.plan, times), HBIL_SUCCESS);
+  assert_int_equal(hbil_environment_from_latlong(NULL, 4, 2, 0, NULL, sh),
+                   HBIL_INVALID_ARGUMENT);
+  hbil_plan_destroy(NULL);
+  hbil_context_destroy(NULL);
+  setup_free(&s);
+}
+
+static enqueue_function *const passes[] = {
+    hbil_enqueue_frame,  hbil_enqueue_reproject, hbil_enqueue_push_pull,
+    hbil_enqueue_split,  hbil_enqueue_gather,    hbil_enqueue_recompose,
+    hbil_enqueue_composite};
+
+static void every_pass_checks_its_arguments(void **state) {
+  setup s;
+  (void)state;
+  start(&s);
+  for (size_t i = 0; i < sizeof(passes) / sizeof(*passes); ++i) {
+    assert_int_equal(passes[i](NULL, test_gpu.queue, &s.frame, 0, NULL, NULL),
+                     HBIL_INVALID_ARGUMENT);
+    assert_int_equal(passes[i](s.plan, NULL, &s.frame, 0, NULL, NULL),
+                     HBIL_INVALID_ARGUMENT);
+    assert_int_equal(passes[i](s.plan, test_gpu.queue, NULL, 0, NULL, NULL),
+                     HBIL_INVALID_ARGUMENT);
+    assert_int_equal(passes[i](s.plan, test_gpu.queue, &s.frame, 1, NULL, NULL),
+                     HBIL_INVALID_ARGUMENT);
+  }
+  setup_free(&s);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Memory                                                                    */
+
+static void announced_memory_covers_the_buffers(void **state) {
+  setup s;
+  cl_mem seen[5];
+  size_t bytes = 0, sum = 0;
+  int count = 0;
+  (void)state;
+  start(&s);
+  assert_success(&s, hbil_plan_memory(test_gpu.hbil, &s.config, &bytes));
+  for (int stage = HBIL_STAGE_HISTORY; stage <= HBIL_STAGE_RESOLVED; ++stage) {
+    hbil_buffer b;
+    size_t size;
+    bool again = false;
+    assert_success(&s, hbil_plan_buffer(s.plan, (hbil_stage)stage, &b));
+    for (int i = 0; i < count; ++i)
+      again = again || seen[i] == b.buffer;
+    if (again)
+      continue;
+    seen[count++] = b.buffer;
+    assert_int_equal(clGetMemObjectInfo(b.buffer, CL_MEM_SIZE, sizeof(size),
+                                        &size, NULL),
+                     CL_SUCCESS);
+    assert_true(size >= sizeof(float) * b.values * WIDTH * HEIGHT);
+    sum += size;
+  }
+  assert_true(bytes >= sum);
+  setup_free(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_status_has_its_own_sentence),
+      cmocka_unit_test(every_pass_has_a_name),
+      cmocka_unit_test(version_is_the_headers),
+      cmocka_unit_test(defaults_are_those_of_the_header),
+      cmocka_unit_test(bad_configurations_are_refused_by_name),
+      cmocka_unit_test(bad_frames_are_refused_by_name),
+      cmocka_unit_test(refused_frames_write_nothing),
+      cmocka_unit_test(null_arguments_are_refused),
+      cmocka_unit_test(every_pass_checks_its_arguments),
+      cmocka_unit_test(announced_memory_covers_the_buffers)};
+  return RUN_WITH_GPU(tests);
+}

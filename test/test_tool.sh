@@ -1,0 +1,327 @@
+#!/bin/sh
+# The tool from the outside: what it does, what it refuses and how it says so.
+#
+#   HBIL       the program (./hbil)
+#   srcdir     top of the source tree
+#   HBIL_DATA  folder of the real dumps (shared/data beside the tree)
+#
+# Speaks TAP.
+
+HBIL=${HBIL:-./hbil}
+srcdir=${srcdir:-$(dirname "$0")/..}
+work=$(mktemp -d "${TMPDIR:-/tmp}/hbil-tool.XXXXXX") || exit 99
+trap 'rm -rf "$work"' EXIT
+trap 'exit 99' HUP INT TERM
+
+if test -z "$HBIL_DATA"; then
+  for HBIL_DATA in "$srcdir/../shared/data" "$srcdir/../../shared/data"; do
+    test -d "$HBIL_DATA" && break
+  done
+fi
+
+count=0
+
+# ok STATUS NAME: one result; what the command said follows a failure.
+ok() {
+  count=$((count + 1))
+  if test "$1" -eq 0; then
+    echo "ok $count - $2"
+  else
+    echo "not ok $count - $2"
+    sed 's/^/# /' "$work/out" "$work/err"
+  fi
+}
+
+skip() {
+  count=$((count + 1))
+  echo "ok $count - $1 # SKIP $2"
+}
+
+# run COMMAND...: its words land in $work/out and $work/err, its exit status
+# in $status.
+run() {
+  "$@" >"$work/out" 2>"$work/err"
+  status=$?
+}
+
+# works NAME COMMAND...
+works() {
+  name=$1
+  shift
+  run "$@"
+  ok $status "$name"
+}
+
+# says NAME PATTERN COMMAND...: succeeds and prints a line with the pattern.
+says() {
+  name=$1 pattern=$2
+  shift 2
+  run "$@"
+  test $status -eq 0 && grep -q -e "$pattern" "$work/out"
+  ok $? "$name"
+}
+
+# refused NAME PATTERN COMMAND...: exit status 2 and exactly one line on
+# standard error, which starts with "hbil: " and has the pattern.
+refused() {
+  name=$1 pattern=$2
+  shift 2
+  run "$@"
+  test $status -eq 2 &&
+    test "$(wc -l <"$work/err")" -eq 1 &&
+    grep -q '^hbil: ' "$work/err" &&
+    grep -q -e "$pattern" "$work/err"
+  ok $? "$name"
+}
+
+# differs NAME COMMAND...: exit status 1.
+differs() {
+  name=$1
+  shift
+  run "$@"
+  test $status -eq 1
+  ok $? "$name"
+}
+
+# has NAME FILE...: all are there and not empty.
+has() {
+  name=$1 missing=0
+  shift
+  for file; do
+    test -s "$file" || missing=1
+  done
+  ok $missing "$name"
+}
+
+# absent NAME PATH: nothing is there.
+absent() {
+  test ! -e "$2"
+  ok $? "$1"
+}
+
+# --- without input ---
+
+says "the version is told" '^hbil [0-9]' "$HBIL" --version
+says "help lists the commands" '^  process' "$HBIL" --help
+for command in process info compare devices demo; do
+  says "$command has help" "^usage: hbil $command" "$HBIL" $command --help
+done
+says "a device is listed" '^0  ' "$HBIL" devices
+refused "no command" 'hbil --help' "$HBIL"
+refused "an unknown command" 'nonsense' "$HBIL" nonsense
+refused "an unknown option" '--nonsense' "$HBIL" process --nonsense
+refused "an option without its value" 'needs a value' "$HBIL" process --radius
+
+# --- a sequence of our own ---
+
+works "the demo makes and lights a sequence" \
+  "$HBIL" demo --frames 2 --size 64x48 -o "$work/demo"
+works "a second demo, of another size" \
+  "$HBIL" demo --frames 1 --size 33x17 -o "$work/other"
+one=$work/demo/gbuffer/frame_0001.exr
+two=$work/demo/gbuffer/frame_0002.exr
+other=$work/other/gbuffer/frame_0001.exr
+says "position from depth and camera is that of the file" 'they agree' \
+  "$HBIL" info "$one"
+
+process() {
+  "$HBIL" process --quiet "$@"
+}
+compare() {
+  "$HBIL" compare "$@"
+}
+
+works "a sequence is processed" process -o "$work/a" "$one" "$two"
+has "every frame has its result" "$work/a/frame_0001.exr" \
+  "$work/a/frame_0002.exr"
+for l in near far indirect AO bent cone beauty; do
+  works "layer $l is there and finite" \
+    compare --max-rmse 0 "$work/a/frame_0002.exr:$l" "$work/a/frame_0002.exr"
+done
+works "the same again" process -o "$work/b" "$one" "$two"
+works "two runs give the same bits" \
+  compare --max-rmse 0 "$work/a/frame_0002.exr" "$work/b/frame_0002.exr"
+
+works "only some layers" \
+  process --layers AO,near -o "$work/some" --preview "$one"
+works "asked for: AO" \
+  compare --max-rmse 0 "$work/some/frame_0001.exr:AO" "$work/a/frame_0001.exr"
+refused "not asked for: beauty" 'no layer beauty' \
+  compare "$work/some/frame_0001.exr:beauty" "$work/a/frame_0001.exr"
+has "a preview for each layer" "$work/some/frame_0001.AO.png" \
+  "$work/some/frame_0001.near.png"
+absent "no preview of other layers" "$work/some/frame_0001.beauty.png"
+
+says "timings have a column for each pass" \
+  'reproject *push_pull *split *gather *recompose *composite' \
+  process --timings -o "$work/t" "$one"
+run process --timings --json -o "$work/t" "$one" "$two"
+missing=$status
+for pass in reproject push_pull split gather recompose composite; do
+  grep -q "\"$pass\": [0-9]" "$work/out" || missing=1
+done
+ok $missing "timings as JSON have a member for each pass"
+
+works "a frame by itself" \
+  process --reprojection none -o "$work/still" "$one"
+works "the frame repeated, nothing carried" \
+  process --reprojection none --repeat 3 -o "$work/still3" "$one"
+works "repeating without history changes nothing" \
+  compare --max-rmse 0 "$work/still/frame_0001.exr" "$work/still3/frame_0001.exr"
+for way in scatter motion; do
+  works "the frame repeated, by $way" \
+    process --reprojection $way --repeat 3 -o "$work/$way" "$one"
+  differs "repeating adds bounces, by $way" compare --max-rmse 0 \
+    "$work/still/frame_0001.exr:near" "$work/$way/frame_0001.exr"
+done
+works "a still frame by scatter or by motion is the same" \
+  compare --max-rmse 1e-3 "$work/scatter/frame_0001.exr:near" \
+  "$work/motion/frame_0001.exr"
+
+works "every setting is taken" \
+  process -o "$work/settings" --radius 2.5 --slices 1 --samples 4 \
+  --step-growth 1 --lattice layer --facing=-0.2,0.1 --refused black \
+  --feedback radiance --disocclusion 0.1 --gather-emission no --raw \
+  --environment 1,0.5,0.25 --device 0 --camera "${one%.exr}.json" "$one"
+differs "an environment gives far light" compare --max-rmse 0 \
+  "$work/settings/frame_0001.exr:far" "$work/a/frame_0001.exr"
+works "an image as environment" \
+  process -o "$work/map" --environment "$work/some/frame_0001.AO.png" "$one"
+
+# --- compare ---
+
+a=$work/a/frame_0001.exr
+differs "over the limit" compare --max-rmse 1e-6 "$a:near" "$a:indirect"
+says "within the limit" '^RMSE' compare --max-rmse 1e6 "$a:near" "$a:indirect"
+says "as JSON" '"rmse": [0-9]' compare --json "$a:near" "$a:indirect"
+works "with a heat map" \
+  compare --heatmap "$work/heat.png" "$a:near" "$a:indirect"
+has "the heat map is there" "$work/heat.png"
+works "masked by a G-buffer" compare --mask "$one" "$a:near" "$a:indirect"
+refused "images of two sizes" 'one size' compare "$a:AO" \
+  "$work/other/frame_0001.exr"
+refused "layers of other channels" 'same channels' compare "$a:near" "$a:AO"
+refused "a layer that isn't there" 'no layer nothing' compare "$a:nothing" "$a"
+refused "a mask without depth" 'no depth' compare --mask "$a" "$a" "$a"
+refused "one file only" 'two are needed' compare "$a"
+
+# --- bad input ---
+
+out=$work/none
+refused "no output folder" '-o DIR' process "$one"
+refused "no frame" 'FRAME.exr' process -o "$out"
+refused "a bad number" '--radius' process -o "$out" --radius two "$one"
+refused "a bad word" 'none, scatter, motion' \
+  process -o "$out" --reprojection never "$one"
+refused "a bad setting" '.' process -o "$out" --radius=-1 "$one"
+refused "an unknown layer" '--layers' process -o "$out" --layers glow "$one"
+
+refused "a missing file" 'gone.exr' process -o "$out" "$work/gone.exr"
+echo "not a picture" >"$work/text.exr"
+refused "not an EXR" 'text.exr: not an OpenEXR' \
+  process -o "$out" "$work/text.exr"
+refused "a folder in place of a file" "$work: " process -o "$out" "$work"
+size=$(wc -c <"$one")
+dd if="$one" of="$work/cut.exr" bs=1 count=$((size / 2)) 2>/dev/null
+cp "${one%.exr}.json" "$work/cut.json"
+refused "a truncated EXR" 'cut.exr: truncated' \
+  process -o "$out" "$work/cut.exr"
+dd if="$one" of="$work/stub.exr" bs=1 count=100 2>/dev/null
+refused "an EXR cut within its header" 'stub.exr: damaged' \
+  process -o "$out" "$work/stub.exr"
+refused "no depth channel" 'frame_0001.exr: no depth' process -o "$out" "$a"
+refused "info: no depth channel" 'frame_0001.exr: no depth' "$HBIL" info "$a"
+refused "frames of two sizes" '33 x 17.*64 x 48' \
+  process -o "$out" "$one" "$other"
+refused "the same result twice" 'different file names' \
+  process -o "$out" "$one" "$one"
+refused "a result in place of its input" 'overwrite' \
+  process -o "$work/demo/gbuffer" "$one"
+absent "after bad input there is no output folder" "$out"
+
+cp "$one" "$work/frame.exr"
+refused "no camera" 'frame.json: camera cannot be read' \
+  process -o "$out" "$work/frame.exr"
+camera=$work/camera.json
+for field in fx fy cx cy camera_to_world; do
+  sed "s/\"$field\"/\"no_$field\"/" "${one%.exr}.json" >"$camera"
+  refused "a camera without $field" "camera.json: field $field is missing" \
+    process -o "$out" --camera "$camera" "$one"
+done
+sed 's/"fx": [-0-9.e+]*/"fx": "wide"/' "${one%.exr}.json" >"$camera"
+refused "a camera with a word for a number" 'field fx is wrong' \
+  process -o "$out" --camera "$camera" "$one"
+sed 's/"fx": [-0-9.e+]*/"fx": 0/' "${one%.exr}.json" >"$camera"
+refused "a camera without a focal length" 'field fx is wrong' \
+  process -o "$out" --camera "$camera" "$one"
+sed 's/"cx": [-0-9.e+]*/"cx": NaN/' "${one%.exr}.json" >"$camera"
+refused "a camera with NaN" 'camera.json: not JSON' \
+  process -o "$out" --camera "$camera" "$one"
+refused "a camera that is not JSON" 'text.exr: not JSON' \
+  process -o "$out" --camera "$work/text.exr" "$one"
+refused "the camera of another size" 'camera is for 33 x 17' \
+  process -o "$out" --camera "${other%.exr}.json" "$one"
+
+refused "no such device" 'no such device' \
+  process -o "$out" --device nonsense "$one"
+absent "without a device there is no output folder" "$out"
+mkdir "$work/empty"
+OCL_ICD_VENDORS=$work/empty
+export OCL_ICD_VENDORS
+refused "no OpenCL device" 'no OpenCL device' process -o "$out" "$one"
+refused "devices: no OpenCL device" 'no OpenCL device' "$HBIL" devices
+unset OCL_ICD_VENDORS
+
+refused "an output folder without a parent" 'none/deeper: output folder' \
+  process -o "$out/deeper" "$one"
+refused "a file in place of the output folder" 'text.exr: output folder' \
+  process -o "$work/text.exr" "$one"
+if test -d /proc/self; then
+  refused "an output folder that cannot be written" '/proc: output folder' \
+    process -o /proc "$one"
+else
+  skip "an output folder that cannot be written" "no /proc"
+fi
+refused "an environment that is no image" 'text.exr: cannot be read' \
+  process -o "$out" --environment "$work/text.exr" "$one"
+
+# The first frame is whole, the second breaks off: what is written stays, and
+# nothing half-written is beside it.
+run process -o "$work/broken" "$one" "$work/cut.exr"
+test $status -eq 2 && test "$(ls -A "$work/broken")" = frame_0001.exr
+ok $? "a sequence that breaks off leaves whole files only"
+
+# --- real dumps ---
+
+if test -d "$HBIL_DATA"; then
+  for scene in cornell staircase veach_bidir viking_ao; do
+    frame=$HBIL_DATA/$scene/frame_0006.exr
+    truth=$HBIL_DATA/$scene/truth_avg_0006.exr
+    says "$scene: understood" '100.0 % face the eye' "$HBIL" info "$frame"
+    works "$scene: processed" process -o "$work/$scene" "$frame"
+    works "$scene: finite in every layer" compare --max-rmse 0 \
+      "$work/$scene/frame_0006.exr" "$work/$scene/frame_0006.exr"
+    says "$scene: compared with the path tracer" '^RMSE' \
+      compare --mask "$frame" "$work/$scene/frame_0006.exr:indirect" \
+      "$truth:DiffInd"
+  done
+  says "cornell: the noise of its truth" 'RMSE *0.00540342' \
+    compare --mask "$HBIL_DATA/cornell/frame_0006.exr" \
+    "$HBIL_DATA/cornell/frame_0006.exr:DiffInd" \
+    "$HBIL_DATA/cornell/seedB_0006.exr"
+  crashed=0
+  : >"$work/crashes"
+  for file in "$HBIL_DATA"/malformed/* "$HBIL_DATA"/real_exr/*.exr; do
+    run "$HBIL" info "$file"
+    if test $status -ne 2 && test $status -ne 0; then
+      crashed=1
+      echo "$file: exit status $status" >>"$work/crashes"
+    fi
+  done
+  cp "$work/crashes" "$work/out"
+  ok $crashed "damaged and foreign files are refused, not crashed on"
+else
+  skip "real dumps" "no dumps"
+fi
+
+echo "1..$count"
