@@ -179,6 +179,10 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     c.inv_n = 1.0f / sqrt(fma(c.gx, c.gx, fma(c.gy, c.gy, gz * gz)));
     const realv ny = c.w * c.inv_n * c.inv_r;
 
+    /* A normal rounded to `flat` shifts the plane's gradient by this much at
+     * most: below it, samples of the pixel's own plane would rise. */
+    const realv least_excess = args.flat / (c.inv_n * ny);
+
     /* Sums over half-slices: J A at the horizon and at the tangent plane, the
      * same of b, b in the slice's u and along wo. */
     realv open = 0.0f, whole = 0.0f;
@@ -208,7 +212,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         march m;
         horizon_terms(cot_tangent, &m.g, &m.sin2);
         m.a = 0.5f * fma(nx, m.g, ny * m.sin2);
-        m.excess = 0.0f;
+        m.excess = least_excess;
 #if GATHER_RADIANCE
         m.red = m.green = m.blue = 0.0f;
 #if !REFUSED_BLACK

@@ -130,6 +130,7 @@ typedef struct hbil_gather_args {
   hbil_float reach;     /* hbil_pattern_args.reach */
   hbil_float turn;      /* hbil_pattern_args.turn */
   hbil_float keep;      /* 1 - tolerance on a sampled inverse depth */
+  hbil_float flat;      /* tolerance on the gradient, see gather.cl */
   hbil_float facing[2]; /* hbil_config.facing */
 } hbil_gather_args;
 

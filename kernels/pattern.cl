@@ -14,6 +14,8 @@ kernel void make_pattern(const hbil_view_args view,
   const int level = (int)get_global_id(0) / HBIL_LAYERS;
   const int layer = (int)get_global_id(0) % HBIL_LAYERS;
   const int half_slice = (int)get_global_id(1);
+  if (level >= pattern.levels || half_slice >= 2 * pattern.slices)
+    return;
   float ux, uy;
   hbil_slice_direction(layer, half_slice >> 1, pattern, &ux, &uy);
   if (half_slice & 1) {

@@ -30,6 +30,16 @@ static bool positive(double v) {
   return isfinite(v) && v > 0.0;
 }
 
+static double determinant(const double m[16]) {
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) {
+    const int d = (c + 1) % 3, e = (c + 2) % 3;
+    sum +=
+        at(m, 0, c) * (at(m, 1, d) * at(m, 2, e) - at(m, 1, e) * at(m, 2, d));
+  }
+  return sum;
+}
+
 /* Columns of the rotation are unit and at right angles, to 1e-3: beyond any
  * rounding of a float matrix, below any real scale or shear. */
 static bool rigid(const double m[16]) {
@@ -48,7 +58,7 @@ static bool rigid(const double m[16]) {
       if (fabs(dot - (a == b)) > 1e-3)
         return false;
     }
-  return true;
+  return determinant(m) > 0;
 }
 
 hbil_status camera_check(hbil_context *context, const hbil_camera *camera) {
@@ -63,7 +73,7 @@ hbil_status camera_check(hbil_context *context, const hbil_camera *camera) {
   if (!rigid(camera->world_from_view))
     return fail(context, HBIL_INVALID_FRAME,
                 "camera.world_from_view: not a rigid transform (finite, unit "
-                "columns at right angles, last row 0 0 0 1)");
+                "columns at right angles, not mirrored, last row 0 0 0 1)");
   return HBIL_SUCCESS;
 }
 

@@ -440,10 +440,12 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   gather_args.reach = pattern.reach;
   gather_args.turn = pattern.turn;
   /* Four roundings of the format lie between two depths and their difference:
-   * of z0, z1 and of their inverses. Half: 2^-11 each for the depths. */
-  gather_args.keep =
-      1.0f -
-      (plan->config.depth.component == HBIL_FLOAT16 ? 0x1p-10f : 0x1p-22f);
+   * of z0, z1 and of their inverses; half has 2^-11 each for the depths.  The
+   * same for the three components of a normal and what is made of them. */
+  const bool half_depth = plan->config.depth.component == HBIL_FLOAT16;
+  const bool half_normal = plan->config.normal.component == HBIL_FLOAT16;
+  gather_args.keep = 1.0f - (half_depth ? 0x1p-10f : 0x1p-22f);
+  gather_args.flat = half_normal ? 0x1p-10f : 0x1p-21f;
   gather_args.facing[0] = plan->config.facing[0];
   gather_args.facing[1] = plan->config.facing[1];
   const argument args[] = {ARG(gather_args), ARG(plan->buffers[BUFFER_SPLIT]),

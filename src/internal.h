@@ -143,6 +143,7 @@ typedef struct layout {
   int chain_count;
   hbil_chain_args chain[MAX_CHAIN];
   bool radiance, bent, history; /* what must be computed */
+  hbil_far_field far_field;     /* NONE where nothing shows it */
   hbil_pattern_args pattern;    /* without turn, shift, reach */
 } layout;
 

@@ -16,9 +16,9 @@ static bool has(const hbil_config *config, int image) {
 static void decide_work(const hbil_config *config, layout *out) {
   out->radiance = has(config, IMAGE_NEAR) || has(config, IMAGE_INDIRECT) ||
                   has(config, IMAGE_RADIANCE);
-  out->bent =
-      has(config, IMAGE_BENT) || (config->far_field == HBIL_FAR_SH &&
-                                  (out->radiance || has(config, IMAGE_FAR)));
+  out->far_field = out->radiance || has(config, IMAGE_FAR) ? config->far_field
+                                                           : HBIL_FAR_NONE;
+  out->bent = has(config, IMAGE_BENT) || out->far_field == HBIL_FAR_SH;
   out->history =
       out->radiance && config->reprojection != HBIL_REPROJECTION_NONE;
 }

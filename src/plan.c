@@ -58,7 +58,7 @@ static void write_defines(const hbil_plan *plan, text *t) {
       c->gather_emission != 0, c->feedback == HBIL_FEEDBACK_RADIANCE,
       c->reprojection == HBIL_REPROJECTION_MOTION);
   add(t, " -DDISOCCLUSION=%d -DFAR=%d", !isinf(c->disocclusion),
-      (int)c->far_field);
+      (int)plan->layout.far_field);
   add(t, " -DGATHER_RADIANCE=%d -DGATHER_BENT=%d -DHISTORY=%d",
       plan->layout.radiance, plan->layout.bent, plan->layout.history);
 }

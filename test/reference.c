@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-
 /* ------------------------------------------------------------------------ */
 /* Planes and vectors                                                        */
 
@@ -289,9 +288,9 @@ static void motion_taps(const ref_job *job, const ref_planes *history, float fu,
       continue;
     total = total + share[tap];
     for (int i = 0; i < 3; ++i)
-      sum[i] = fmaf(share[tap],
-                    (float)*ref_at(history, HBIL_HISTORY_RED + i, x, y),
-                    sum[i]);
+      sum[i] =
+          fmaf(share[tap], (float)*ref_at(history, HBIL_HISTORY_RED + i, x, y),
+               sum[i]);
   }
   for (int i = 0; i < 3; ++i)
     out[i] = total > 0.0f ? sum[i] / total : 0.0f;
@@ -404,9 +403,9 @@ void ref_push_pull(ref_planes *carried) {
 /* Unit view-space normal that faces the eye. */
 static vec facing_normal(const ref_job *job, int x, int y) {
   vec wo = scaled(-1.0, normalized(ray_of(&job->camera, x, y)));
-  vec n = make(input_at(job, REF_NORMAL, x, y),
-               input_at(job, REF_NORMAL + 1, x, y),
-               input_at(job, REF_NORMAL + 2, x, y));
+  vec n =
+      make(input_at(job, REF_NORMAL, x, y), input_at(job, REF_NORMAL + 1, x, y),
+           input_at(job, REF_NORMAL + 2, x, y));
   if (job->config->normal_space == HBIL_SPACE_WORLD)
     n = to_view(&job->camera, n);
   /* of a length whose square a float can hold */
@@ -422,8 +421,7 @@ static double radiance_of(const ref_job *job, const ref_planes *carried, int c,
                           int x, int y) {
   bool radiance = job->config->feedback == HBIL_FEEDBACK_RADIANCE;
   double value = carried ? *ref_at(carried, HBIL_CARRIED_RED + c, x, y) : 0.0;
-  double diffuse =
-      entering_at(job, c, x, y) * albedo_at(job, c, x, y) / PI;
+  double diffuse = entering_at(job, c, x, y) * albedo_at(job, c, x, y) / PI;
   if (radiance && carried && *ref_at(carried, HBIL_CARRIED_WEIGHT, x, y) > 0.0)
     return value;
   return diffuse * (direct_at(job, c, x, y) + (radiance ? 0.0 : value)) +
@@ -500,8 +498,8 @@ static surface surface_at(const ref_job *job, const ref_planes *split, int x,
   s.ray = ray_of(&job->camera, x, y);
   s.at = scaled(1.0 / s.w, s.ray);
   /* the plane of all P with (gx,gy,c).P = 1, seen from the eye's side */
-  s.normal = normalized(
-      make(-s.gx, -s.gy, -(s.w - s.gx * s.ray.x - s.gy * s.ray.y)));
+  s.normal =
+      normalized(make(-s.gx, -s.gy, -(s.w - s.gx * s.ray.x - s.gy * s.ray.y)));
   return s;
 }
 
@@ -586,8 +584,15 @@ static void accept_light(const gathering *g, const surface *s,
 }
 
 static double tolerance_of(const hbil_config *c) {
-  return c->depth.component == HBIL_FLOAT16 ? ldexp(1.0, -10)
-                                            : ldexp(1.0, -22);
+  return c->depth.component == HBIL_FLOAT16 ? ldexp(1.0, -10) : ldexp(1.0, -22);
+}
+
+/* What the rounding of the normal alone may raise a sample of the pixel's own
+ * plane by: the normal's unit roundoff, eightfold, in the plane's gradient. */
+static double least_excess(const hbil_config *c, const surface *s) {
+  double cosine = -dot(s->normal, s->ray) / length(s->ray);
+  double unit = ldexp(1.0, c->normal.component == HBIL_FLOAT16 ? -10 : -21);
+  return unit * s->w / (cosine * cosine * length(s->ray));
 }
 
 static bool within_radius(const hbil_config *c, const surface *a,
@@ -606,7 +611,8 @@ static void march(const gathering *g, const surface *s, int x, int y, int level,
                   float ux, float uy, sums *sum) {
   int layer = HBIL_SIDE * (y % HBIL_SIDE) + x % HBIL_SIDE;
   half_slice h = make_half(s, (double)ux, (double)uy);
-  double start = atan2(h.ny, -h.nx), theta = start, best = 0.0, last[3];
+  double start = atan2(h.ny, -h.nx), theta = start, last[3];
+  double best = least_excess(g->job->config, s);
   for (int i = 0; i < 3; ++i)
     last[i] = *ref_at(g->split, HBIL_SPLIT_RED + i, x, y);
   for (int k = 0; k < g->pattern.samples; ++k) {
@@ -638,8 +644,8 @@ static void march(const gathering *g, const surface *s, int x, int y, int level,
 
 /* The level that the pixel's tile of its layer's row uses. */
 static int level_at(const gathering *g, int x, int y) {
-  int first = x % HBIL_SIDE + x / (HBIL_SIDE * HBIL_TILE) * HBIL_SIDE *
-                                  HBIL_TILE;
+  int first =
+      x % HBIL_SIDE + x / (HBIL_SIDE * HBIL_TILE) * HBIL_SIDE * HBIL_TILE;
   float nearest = 0.0f;
   if (g->pattern.levels == 1)
     return 0;
@@ -695,9 +701,13 @@ static void *gather_rows(void *argument) {
 
 void ref_gather(const ref_job *job, const ref_planes *split,
                 ref_planes *gathered) {
-  gathering even = {
-      job,  split, gathered, ref_view(job->config, &job->camera),
-      ref_pattern(job), 0, 2};
+  gathering even = {job,
+                    split,
+                    gathered,
+                    ref_view(job->config, &job->camera),
+                    ref_pattern(job),
+                    0,
+                    2};
   gathering odd = even;
   pthread_t thread;
   bool threaded;
@@ -754,8 +764,8 @@ static void recompose_pixel(const ref_job *job, const ref_planes *split,
     double weight = tap_weight(job, &s, split, x, y, dx, dy);
     total += weight;
     for (int p = 0; p < HBIL_LIGHT_PLANES && weight > 0.0; ++p)
-      *ref_at(resolved, p, x, y) += weight * *ref_at(gathered, p, x + dx,
-                                                     y + dy);
+      *ref_at(resolved, p, x, y) +=
+          weight * *ref_at(gathered, p, x + dx, y + dy);
   }
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
     *ref_at(resolved, p, x, y) /= total;
@@ -845,8 +855,8 @@ static void composite_sky(const ref_job *job, int x, int y, ref_planes *out) {
 }
 
 static void composite_channel(const ref_job *job, int c, int x, int y,
-                              double near_light, double far,
-                              ref_planes *out, ref_planes *history) {
+                              double near_light, double far, ref_planes *out,
+                              ref_planes *history) {
   double entering = entering_at(job, c, x, y);
   double indirect = entering * (near_light + far) / PI;
   double diffuse = albedo_at(job, c, x, y) *
@@ -882,8 +892,7 @@ static void composite_pixel(const ref_job *job, const ref_planes *resolved,
                  ? to_world(&job->camera, bent)
                  : bent);
   for (int c = 0; c < 3; ++c)
-    composite_channel(job, c, x, y,
-                      *ref_at(resolved, HBIL_LIGHT_RED + c, x, y),
+    composite_channel(job, c, x, y, *ref_at(resolved, HBIL_LIGHT_RED + c, x, y),
                       far_light(job, c, ao, bent), out, history);
   *ref_at(history, HBIL_HISTORY_W, x, y) = inverse_depth(job, x, y);
 }

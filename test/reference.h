@@ -95,7 +95,6 @@ void ref_frame(ref_state *state, ref_job *job);
 /* Order-2 real spherical harmonics at a unit direction, hbil's order. */
 void ref_sh_basis(const double d[3], double y[9]);
 
-
 #define PI 3.14159265358979323846
 
 #endif

@@ -74,8 +74,10 @@ typedef struct image_info {
 } image_info;
 
 #define IMAGE(field, channels, first)                                          \
-  {#field, channels, first, offsetof(hbil_config, field),                      \
-   offsetof(hbil_frame, field)}
+  {                                                                            \
+#field, channels, first, offsetof(hbil_config, field),                     \
+        offsetof(hbil_frame, field)                                            \
+  }
 
 static const image_info images[IMAGE_COUNT] = {
     IMAGE(depth, 1, REF_DEPTH),       IMAGE(normal, 3, REF_NORMAL),
@@ -328,8 +330,8 @@ static void upload_image(setup *s, image_id id) {
       encode(&p, at, *value);
       *value = decode(&p, at);
     }
-  assert_int_equal(clEnqueueWriteBuffer(s->gpu->queue, buffer, CL_TRUE, 0,
-                                        size, bytes, 0, NULL, NULL),
+  assert_int_equal(clEnqueueWriteBuffer(s->gpu->queue, buffer, CL_TRUE, 0, size,
+                                        bytes, 0, NULL, NULL),
                    CL_SUCCESS);
   free(bytes);
 }
@@ -359,20 +361,19 @@ void setup_free(setup *s) {
 }
 
 void setup_run(setup *s, enqueue_function *pass) {
-  assert_success(
-      s, pass(s->plan, s->gpu->queue, &s->frame, 0, NULL, NULL));
+  assert_success(s, pass(s->plan, s->gpu->queue, &s->frame, 0, NULL, NULL));
   assert_int_equal(clFinish(s->gpu->queue), CL_SUCCESS);
 }
 
 unsigned char *buffer_bytes(setup *s, cl_mem buffer, size_t *size) {
   unsigned char *bytes;
-  assert_int_equal(clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof(*size), size,
-                                      NULL),
-                   CL_SUCCESS);
+  assert_int_equal(
+      clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof(*size), size, NULL),
+      CL_SUCCESS);
   bytes = malloc(*size);
   assert_non_null(bytes);
-  assert_int_equal(clEnqueueReadBuffer(s->gpu->queue, buffer, CL_TRUE, 0,
-                                       *size, bytes, 0, NULL, NULL),
+  assert_int_equal(clEnqueueReadBuffer(s->gpu->queue, buffer, CL_TRUE, 0, *size,
+                                       bytes, 0, NULL, NULL),
                    CL_SUCCESS);
   return bytes;
 }
@@ -383,8 +384,8 @@ static size_t stage_index(const hbil_buffer *b, hbil_stage stage, int plane,
   size_t at = (size_t)plane * b->plane_pitch + b->origin;
   size_t i = (size_t)x, j = (size_t)y;
   if (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED)
-    return at + (4 * (j % 4) + i % 4) * b->layer_pitch +
-           j / 4 * b->row_pitch + i / 4;
+    return at + (4 * (j % 4) + i % 4) * b->layer_pitch + j / 4 * b->row_pitch +
+           i / 4;
   return at + j * b->row_pitch + i;
 }
 

@@ -6,7 +6,8 @@
 #define WIDTH 45
 #define HEIGHT 31
 
-/* Plausible light: AO in [0,1], unit bent normals, nothing at the sky. */
+/* Plausible light: AO in [0,1], here and there a rounding above 1, unit bent
+ * normals, nothing at the sky. */
 static ref_planes plant_resolved(setup *s) {
   random_state r = {23};
   int width = (int)s->config.width, height = (int)s->config.height;
@@ -16,8 +17,10 @@ static ref_planes plant_resolved(setup *s) {
     bool sky = !(s->input[REF_DEPTH][i] > 0.0f);
     double polar = acos(2.0 * random_unit(&r) - 1.0);
     double azimuth = 2.0 * PI * random_unit(&r);
-    *ref_at(&light, HBIL_LIGHT_AO, x, y) =
-        sky ? 1.0 : (double)(float)random_unit(&r);
+    *ref_at(&light, HBIL_LIGHT_AO, x, y) = sky ? 1.0
+                                           : i % 11 == 0
+                                               ? 1.0 + 0x1p-23
+                                               : (double)(float)random_unit(&r);
     for (int c = 0; c < 3 && !sky; ++c)
       *ref_at(&light, HBIL_LIGHT_RED + c, x, y) =
           (double)(float)(3.0 * random_unit(&r));
@@ -130,8 +133,8 @@ static void every_feedback_matches(void **state) {
   for (int i = 0; i < 4; ++i) {
     setup s;
     prepare(&s, SCENE_ROOM, HBIL_FAR_SH);
-    s.config.feedback = i & 1 ? HBIL_FEEDBACK_RADIANCE
-                              : HBIL_FEEDBACK_IRRADIANCE;
+    s.config.feedback =
+        i & 1 ? HBIL_FEEDBACK_RADIANCE : HBIL_FEEDBACK_IRRADIANCE;
     s.config.gather_emission = i & 2 ? CL_TRUE : CL_FALSE;
     s.config.bent_space = HBIL_SPACE_WORLD;
     check_composite(&s);
@@ -183,8 +186,8 @@ static void check_form(hbil_component component, cl_uint stride) {
   check_composite(&s);
 }
 
-static void every_output_form_matches_and_nothing_else_is_written(
-    void **state) {
+static void
+every_output_form_matches_and_nothing_else_is_written(void **state) {
   (void)state;
   check_form(HBIL_FLOAT32, 1);
   check_form(HBIL_FLOAT32, 3);

@@ -25,7 +25,7 @@ static void rotate(const float m[9], double d[3]) {
 }
 
 static const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-static const float turned[9] = {0.36f, 0.48f,  -0.8f, -0.8f, 0.6f,
+static const float turned[9] = {0.36f, 0.48f, -0.8f, -0.8f, 0.6f,
                                 0.0f,  0.48f, 0.64f, 0.6f};
 
 /* A map with `row` floats a row, painted from coefficients in the world. */
@@ -60,9 +60,9 @@ static void check_painted(const float rotation[9], const float *given,
     for (int c = 0; c < 3; ++c) /* positive everywhere, as light is */
       sh[i][c] = (float)(i ? random_unit(&r) - 0.5 : 6.0);
   map = painted((const float(*)[3])sh, rotation, row);
-  assert_int_equal(hbil_environment_from_latlong(map, WIDTH, HEIGHT, pitch,
-                                                 given, got),
-                   HBIL_SUCCESS);
+  assert_int_equal(
+      hbil_environment_from_latlong(map, WIDTH, HEIGHT, pitch, given, got),
+      HBIL_SUCCESS);
   for (int i = 0; i < 9; ++i)
     for (int c = 0; c < 3; ++c)
       worst = fmax(worst, fabs((double)got[i][c] - (double)sh[i][c]));
@@ -79,8 +79,7 @@ static void painted_coefficients_come_back(void **state) {
 
 static void rows_may_be_apart(void **state) {
   (void)state;
-  check_painted(identity, NULL, 3 * WIDTH + 5,
-                (3 * WIDTH + 5) * sizeof(float));
+  check_painted(identity, NULL, 3 * WIDTH + 5, (3 * WIDTH + 5) * sizeof(float));
 }
 
 static void maps_may_be_turned(void **state) {

@@ -3,10 +3,10 @@
  */
 #include "support.h"
 
-/* Relative RMSE; the requirement is 1e-3. */
-#define AO_LIMIT 1e-4
-#define LIGHT_LIMIT 1e-4
-#define BENT_LIMIT 1e-4
+/* Relative RMSE; the requirement is 1e-3.  Measured: 2.1e-7, 8.1e-7, 2.5e-7. */
+#define AO_LIMIT 1e-5
+#define LIGHT_LIMIT 1e-5
+#define BENT_LIMIT 1e-5
 
 static ref_planes gathered(setup *s) {
   setup_run(s, hbil_enqueue_split);
@@ -135,10 +135,11 @@ static void check_furnace(scene_kind kind, cl_uint slices, float radius) {
   for (int y = 0; y < got.height; ++y)
     for (int x = 0; x < got.width; ++x)
       for (int c = 0; c < 3; ++c)
-        worst = fmax(worst, fabs(*ref_at(&got, HBIL_LIGHT_AO, x, y) +
-                                 *ref_at(&got, HBIL_LIGHT_RED + c, x, y) / PI -
-                                 1.0));
-  check_at_most("furnace", worst, 2e-3);
+        worst = fmax(worst,
+                     fabs(*ref_at(&got, HBIL_LIGHT_AO, x, y) +
+                          *ref_at(&got, HBIL_LIGHT_RED + c, x, y) / PI - 1.0));
+  /* measured: 2.8e-7; the requirement is 2e-3 */
+  check_at_most("furnace", worst, 1e-5);
   ref_planes_free(&got);
   setup_free(&s);
 }
@@ -186,11 +187,11 @@ static void the_unit_of_length_does_not_matter(void **state) {
   check_scaled(0x1p-10f, 1.0f, 0.0);
   check_scaled(0x1p+10f, 1.0f, 0.0);
   check_scaled(0x1p-10f, INFINITY, 0.0);
-  /* rounding of the depths and of the radius */
+  /* the depths are rounded once more; measured: 8.1e-7 */
   check_scaled(1e-3f, INFINITY, 1e-4);
   check_scaled(1e3f, INFINITY, 1e-4);
-  check_scaled(1e-3f, 1.0f, 1e-3);
-  check_scaled(1e3f, 1.0f, 1e-3);
+  check_scaled(1e-3f, 1.0f, 1e-4);
+  check_scaled(1e3f, 1.0f, 1e-4);
 }
 
 static void near_light_is_linear_in_the_radiance(void **state) {

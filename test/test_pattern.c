@@ -5,8 +5,8 @@
 
 static hbil_pattern_args make_pattern(int slices, int samples, int lattice,
                                       float growth) {
-  hbil_pattern_args p = {slices, samples, HBIL_MAX_LEVELS, lattice,
-                         1.6f,   growth,  0.0f,            0.0f};
+  hbil_pattern_args p = {
+      slices, samples, HBIL_MAX_LEVELS, lattice, 1.6f, growth, 0.0f, 0.0f};
   return p;
 }
 
@@ -115,8 +115,8 @@ static void samples_are_distinct_and_ever_farther(void **state) {
   const float growths[] = {0.0f, 3.0f, 64.0f};
   (void)state;
   for (int i = 0; i < 54; ++i) {
-    hbil_pattern_args p = make_pattern(2, samples[i / 3 % 3],
-                                       i / 9 % 2 ? 4 : 1, growths[i % 3]);
+    hbil_pattern_args p =
+        make_pattern(2, samples[i / 3 % 3], i / 9 % 2 ? 4 : 1, growths[i % 3]);
     check_samples(sizes[i / 18][0], sizes[i / 18][1], p);
     p.turn = 0.3f;
     p.shift = 0.77f;

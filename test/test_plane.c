@@ -48,6 +48,14 @@ typedef struct deviation {
   double ao, light, bent;
 } deviation;
 
+/*
+ * Measured: AO 2.4e-7, E_near 4.1e-7 of radiance 1, bent 8.2e-5 (where the
+ * plane is seen almost edge on and its fp32 normal has few digits left).
+ * Half-float depth is no worse: its tolerance covers its rounding.
+ * The requirement is 1e-3, 1e-3 and 1e-2.
+ */
+static const deviation limit = {1e-5, 1e-5, 5e-4};
+
 static void compare_pixel(const ref_planes *got, const tilted *t, int x, int y,
                           deviation *worst) {
   double bent[3], size = 0.0, off = 0.0;
@@ -77,7 +85,7 @@ static void add_deviation(setup *s, const tilted *t, deviation *worst) {
 }
 
 /* All tilts in 5 azimuths at one field of view. */
-static void check_view(setup *s, double fov, const deviation *limit) {
+static void check_view(setup *s, double fov) {
   const int tilts[] = {0, 10, 30, 45, 60, 75, 80, 85};
   deviation worst = {0.0, 0.0, 0.0};
   setup_camera(s, fov);
@@ -85,37 +93,33 @@ static void check_view(setup *s, double fov, const deviation *limit) {
     tilted t = tilt_plane(tilts[i % 8] * PI / 180.0, 0.4 + 1.3 * (i / 8));
     add_deviation(s, &t, &worst);
   }
-  check_at_most("AO", worst.ao, limit->ao);
-  check_at_most("E_near", worst.light, limit->light);
-  check_at_most("bent", worst.bent, limit->bent);
+  check_at_most("AO", worst.ao, limit.ao);
+  check_at_most("E_near", worst.light, limit.light);
+  check_at_most("bent", worst.bent, limit.bent);
 }
 
-static void check_planes(float radius, hbil_component depth,
-                         const deviation *limit) {
+static void check_planes(float radius, hbil_component depth) {
   const double fov[] = {30.0, 60.0, 90.0, 120.0};
   setup s;
   start(&s, radius, depth);
   for (int i = 0; i < 4; ++i)
-    check_view(&s, fov[i], limit);
+    check_view(&s, fov[i]);
   setup_free(&s);
 }
 
 static void planes_are_bare_without_a_radius(void **state) {
-  const deviation limit = {1e-3, 1e-3, 1e-2};
   (void)state;
-  check_planes(INFINITY, HBIL_FLOAT32, &limit);
+  check_planes(INFINITY, HBIL_FLOAT32);
 }
 
 static void planes_are_bare_within_a_radius(void **state) {
-  const deviation limit = {1e-3, 1e-3, 1e-2};
   (void)state;
-  check_planes(1.0f, HBIL_FLOAT32, &limit);
+  check_planes(1.0f, HBIL_FLOAT32);
 }
 
 static void planes_are_bare_with_half_float_depth(void **state) {
-  const deviation limit = {1e-3, 1e-3, 1e-2};
   (void)state;
-  check_planes(INFINITY, HBIL_FLOAT16, &limit);
+  check_planes(INFINITY, HBIL_FLOAT16);
 }
 
 int main(void) {

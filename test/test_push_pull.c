@@ -19,8 +19,7 @@ static void start(setup *s, const int size[2]) {
 
 static ref_planes random_light(const setup *s, double valid) {
   random_state r = {3};
-  ref_planes p =
-      ref_planes_new((int)s->config.width, (int)s->config.height, 4);
+  ref_planes p = ref_planes_new((int)s->config.width, (int)s->config.height, 4);
   for (int y = 0; y < p.height; ++y)
     for (int x = 0; x < p.width; ++x) {
       bool is_valid = random_unit(&r) < valid;
@@ -42,8 +41,8 @@ static void assert_valid_unchanged(const ref_planes *got,
                                    const ref_planes *before) {
   for (int y = 0; y < got->height; ++y)
     for (int x = 0; x < got->width; ++x)
-      for (int p = 0;
-           p < 4 && *ref_at(before, HBIL_CARRIED_WEIGHT, x, y) > 0.0; ++p)
+      for (int p = 0; p < 4 && *ref_at(before, HBIL_CARRIED_WEIGHT, x, y) > 0.0;
+           ++p)
         assert_true(*ref_at(got, p, x, y) == *ref_at(before, p, x, y));
 }
 

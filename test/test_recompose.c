@@ -8,8 +8,8 @@
  * the gather leaves it. */
 static ref_planes plant_light(setup *s) {
   random_state r = {17};
-  ref_planes light = ref_planes_new((int)s->config.width,
-                                    (int)s->config.height, HBIL_LIGHT_PLANES);
+  ref_planes light = ref_planes_new((int)s->config.width, (int)s->config.height,
+                                    HBIL_LIGHT_PLANES);
   for (int i = 0; i < light.width * light.height * light.count; ++i) {
     double value = random_unit(&r);
     int pixels = light.width * light.height, plane = i / pixels;
@@ -35,9 +35,10 @@ static void check_recompose(scene_kind kind, int width, int height, bool raw) {
   ref_recompose(&s.job, &split, &light, &want);
   setup_run(&s, hbil_enqueue_recompose);
   got = stage_read(&s, HBIL_STAGE_RESOLVED);
+  /* measured: 1.0e-6 and 1.4e-6 */
   check_at_most("AO, E_near", largest_error(&got, &want, 0, HBIL_LIGHT_BENT),
-                3e-5);
-  check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3), 3e-5);
+                1e-5);
+  check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3), 1e-5);
   ref_planes_free(&split);
   ref_planes_free(&light);
   ref_planes_free(&got);

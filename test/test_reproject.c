@@ -165,9 +165,9 @@ static void wild_motion_is_followed_or_dropped(void **state) {
   advance(&s, SCENE_ROOM, 0);
   for (int i = 0; i < pixels; ++i)
     for (int c = 0; c < 2; ++c)
-      s.input[REF_MOTION + c][i] =
-          i % 13 == 0 ? odd[(i / 13 + c) % 6]
-                      : (float)(80.0 * random_unit(&r) - 40.0);
+      s.input[REF_MOTION + c][i] = i % 13 == 0
+                                       ? odd[(i / 13 + c) % 6]
+                                       : (float)(80.0 * random_unit(&r) - 40.0);
   setup_upload(&s);
   check(&s, 0.05, 1);
 }
@@ -188,9 +188,9 @@ static void check_copy(hbil_reprojection reprojection, scene_kind kind) {
       bool sky = !(*ref_at(&history, HBIL_HISTORY_W, x, y) > 0.0);
       assert_true(*ref_at(&got, HBIL_CARRIED_WEIGHT, x, y) == !sky);
       for (int c = 0; c < 3; ++c)
-        assert_true(*ref_at(&got, c, x, y) ==
-                    (sky ? 0.0
-                         : *ref_at(&history, HBIL_HISTORY_RED + c, x, y)));
+        assert_true(
+            *ref_at(&got, c, x, y) ==
+            (sky ? 0.0 : *ref_at(&history, HBIL_HISTORY_RED + c, x, y)));
     }
   ref_planes_free(&got);
   ref_planes_free(&history);

@@ -43,9 +43,9 @@ static double normals_apart(const setup *s, const ref_planes *got,
 }
 
 static void check_split(setup *s, double gradient_limit) {
-  ref_planes got, want = ref_planes_new((int)s->config.width,
-                                        (int)s->config.height,
-                                        HBIL_SPLIT_PLANES);
+  ref_planes got,
+      want = ref_planes_new((int)s->config.width, (int)s->config.height,
+                            HBIL_SPLIT_PLANES);
   setup_start(s);
   got = split_of(s);
   ref_split(&s->job, NULL, &want);
@@ -56,7 +56,8 @@ static void check_split(setup *s, double gradient_limit) {
       if (!(off <= 5e-7)) /* derived: four roundings */
         fail_msg("w at (%d,%d): off by %g", x, y, off);
     }
-  check_at_most("normal", normals_apart(s, &got, &want), 2e-6);
+  /* measured: 1.5e-6, where a normal is bent back to 1e-4 */
+  check_at_most("normal", normals_apart(s, &got, &want), 1e-5);
   check_at_most("gradient", relative_rmse(&got, &want, HBIL_SPLIT_GX, 2),
                 gradient_limit);
   check_at_most("radiance", largest_error(&got, &want, HBIL_SPLIT_RED, 3),
@@ -66,11 +67,11 @@ static void check_split(setup *s, double gradient_limit) {
   setup_free(s);
 }
 
-/* Measured: MEASURED_G. */
+/* Relative RMSE; measured: 1.4e-7. */
 #define GRADIENT_LIMIT 1e-5
 /* Normals bent back to a cosine of 1e-4 keep 6e-8/1e-4 of their gradient's
  * digits; the rebuilt normals are held to the same limit as ever.
- * Measured: MEASURED_B. */
+ * Measured: 4.5e-4. */
 #define BENT_BACK_LIMIT 2e-3
 
 static void plain_inputs_match_at_every_size(void **state) {
@@ -206,7 +207,7 @@ static void normals_from_behind_and_without_length_match(void **state) {
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
     for (int c = 0; c < 3; ++c)
-      s.input[REF_NORMAL + c][i] *= i % 3 == 0 ? 0.0f
+      s.input[REF_NORMAL + c][i] *= i % 3 == 0   ? 0.0f
                                     : i % 3 == 1 ? -1.0f
                                                  : 1e-3f;
   check_split(&s, BENT_BACK_LIMIT);
@@ -227,7 +228,9 @@ static void carried_light_takes_part(void **state) {
     for (int i = 0; i < WIDTH * HEIGHT; ++i)
       for (int p = 0; p < 4; ++p)
         carried.values[p * WIDTH * HEIGHT + i] =
-            i % 5 == 0 ? 0.0 : p == 3 ? 1.0 : (double)(float)random_unit(&r);
+            i % 5 == 0 ? 0.0
+            : p == 3   ? 1.0
+                       : (double)(float)random_unit(&r);
     stage_write(&s, HBIL_STAGE_CARRIED, &carried);
     got = split_of(&s);
     ref_split(&s.job, &carried, &want);

@@ -106,22 +106,36 @@ SPOIL(feedback_unknown, c->feedback = (hbil_feedback)7)
 SPOIL(vector_3, c->vector_width = 3)
 SPOIL(size_wrong, c->struct_size -= 8)
 
-static const bad_config bad_configs[] = {
-    {"width", width_0},           {"width", width_high},
-    {"height", height_0},         {"slices", slices_0},
-    {"slices", slices_33},        {"samples", samples_0},
-    {"samples", samples_257},     {"radius", radius_nan},
-    {"radius", radius_0},         {"radius", radius_negative},
-    {"facing", facing_descending}, {"facing", facing_nan},
-    {"facing", facing_wide},      {"step_growth", growth_nan},
-    {"step_growth", growth_negative}, {"step_growth", growth_65},
-    {"disocclusion", disocclusion_0}, {"disocclusion", disocclusion_nan},
-    {"depth", depth_missing},     {"normal", normal_missing},
-    {"albedo", albedo_stride},    {"direct", direct_component},
-    {"ao", ao_unorm},             {"motion", motion_missing},
-    {"lattice", lattice_unknown}, {"refused", refused_unknown},
-    {"far_field", far_unknown},   {"feedback", feedback_unknown},
-    {"vector_width", vector_3},   {"struct_size", size_wrong}};
+static const bad_config bad_configs[] = {{"width", width_0},
+                                         {"width", width_high},
+                                         {"height", height_0},
+                                         {"slices", slices_0},
+                                         {"slices", slices_33},
+                                         {"samples", samples_0},
+                                         {"samples", samples_257},
+                                         {"radius", radius_nan},
+                                         {"radius", radius_0},
+                                         {"radius", radius_negative},
+                                         {"facing", facing_descending},
+                                         {"facing", facing_nan},
+                                         {"facing", facing_wide},
+                                         {"step_growth", growth_nan},
+                                         {"step_growth", growth_negative},
+                                         {"step_growth", growth_65},
+                                         {"disocclusion", disocclusion_0},
+                                         {"disocclusion", disocclusion_nan},
+                                         {"depth", depth_missing},
+                                         {"normal", normal_missing},
+                                         {"albedo", albedo_stride},
+                                         {"direct", direct_component},
+                                         {"ao", ao_unorm},
+                                         {"motion", motion_missing},
+                                         {"lattice", lattice_unknown},
+                                         {"refused", refused_unknown},
+                                         {"far_field", far_unknown},
+                                         {"feedback", feedback_unknown},
+                                         {"vector_width", vector_3},
+                                         {"struct_size", size_wrong}};
 
 static void assert_refused(hbil_status got, hbil_status want,
                            const char *field) {
@@ -186,28 +200,27 @@ SPOIL_FRAME(camera_moved_nan, f->camera.world_from_view[3] = NAN)
 SPOIL_FRAME(camera_zero, memset(&f->camera, 0, sizeof(f->camera)))
 SPOIL_FRAME(frame_size, f->struct_size -= 8)
 
-static const bad_frame bad_frames[] = {
-    {"depth", no_depth},
-    {"normal", no_normal},
-    {"radiance", no_radiance},
-    {"bent", no_bent},
-    {"depth", depth_past_the_end},
-    {"normal", normal_too_small},
-    {"albedo", albedo_pitch},
-    {"albedo", albedo_overlap},
-    {"motion", motion_plane},
-    {"depth", offset_huge},
-    {"depth", depth_misaligned},
-    {"normal", normal_misaligned},
-    {"fx", camera_fx},
-    {"fy", camera_fy},
-    {"cx", camera_nan},
-    {"world_from_view", camera_scaled},
-    {"world_from_view", camera_mirrored},
-    {"world_from_view", camera_sheared},
-    {"world_from_view", camera_moved_nan},
-    {"camera", camera_zero},
-    {"struct_size", frame_size}};
+static const bad_frame bad_frames[] = {{"depth", no_depth},
+                                       {"normal", no_normal},
+                                       {"radiance", no_radiance},
+                                       {"bent", no_bent},
+                                       {"depth", depth_past_the_end},
+                                       {"normal", normal_too_small},
+                                       {"albedo", albedo_pitch},
+                                       {"albedo", albedo_overlap},
+                                       {"motion", motion_plane},
+                                       {"depth", offset_huge},
+                                       {"depth", depth_misaligned},
+                                       {"normal", normal_misaligned},
+                                       {"fx", camera_fx},
+                                       {"fy", camera_fy},
+                                       {"cx", camera_nan},
+                                       {"world_from_view", camera_scaled},
+                                       {"world_from_view", camera_mirrored},
+                                       {"world_from_view", camera_sheared},
+                                       {"world_from_view", camera_moved_nan},
+                                       {"camera", camera_zero},
+                                       {"struct_size", frame_size}};
 
 static void bad_frames_are_refused_by_name(void **state) {
   setup s;
@@ -218,8 +231,8 @@ static void bad_frames_are_refused_by_name(void **state) {
     cl_event event = NULL;
     hbil_status status;
     bad_frames[i].spoil(&s);
-    status = hbil_enqueue_frame(s.plan, test_gpu.queue, &s.frame, 0, NULL,
-                                &event);
+    status =
+        hbil_enqueue_frame(s.plan, test_gpu.queue, &s.frame, 0, NULL, &event);
     assert_refused(status, HBIL_INVALID_FRAME, bad_frames[i].field);
     assert_null(event);
     s.frame = good;
@@ -233,9 +246,9 @@ static void refused_frames_write_nothing(void **state) {
   (void)state;
   start(&s);
   s.frame.camera.fx = -1.0;
-  assert_int_equal(hbil_enqueue_frame(s.plan, test_gpu.queue, &s.frame, 0,
-                                      NULL, NULL),
-                   HBIL_INVALID_FRAME);
+  assert_int_equal(
+      hbil_enqueue_frame(s.plan, test_gpu.queue, &s.frame, 0, NULL, NULL),
+      HBIL_INVALID_FRAME);
   assert_int_equal(clFinish(test_gpu.queue), CL_SUCCESS);
   out = outputs_read(&s); /* canaries are not-a-numbers */
   for (int i = 0; i < out.width * out.height * out.count; ++i)
@@ -291,8 +304,8 @@ static void null_arguments_are_refused(void **state) {
 }
 
 static enqueue_function *const passes[] = {
-    hbil_enqueue_frame,  hbil_enqueue_reproject, hbil_enqueue_push_pull,
-    hbil_enqueue_split,  hbil_enqueue_gather,    hbil_enqueue_recompose,
+    hbil_enqueue_frame,    hbil_enqueue_reproject, hbil_enqueue_push_pull,
+    hbil_enqueue_split,    hbil_enqueue_gather,    hbil_enqueue_recompose,
     hbil_enqueue_composite};
 
 static void every_pass_checks_its_arguments(void **state) {
@@ -333,9 +346,9 @@ static void announced_memory_covers_the_buffers(void **state) {
     if (again)
       continue;
     seen[count++] = b.buffer;
-    assert_int_equal(clGetMemObjectInfo(b.buffer, CL_MEM_SIZE, sizeof(size),
-                                        &size, NULL),
-                     CL_SUCCESS);
+    assert_int_equal(
+        clGetMemObjectInfo(b.buffer, CL_MEM_SIZE, sizeof(size), &size, NULL),
+        CL_SUCCESS);
     assert_true(size >= sizeof(float) * b.values * WIDTH * HEIGHT);
     sum += size;
   }

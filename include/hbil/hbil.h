@@ -275,7 +275,8 @@ HBIL_API void hbil_config_init_sized(hbil_config *config, size_t struct_size);
 /* Camera and frame                                                          */
 
 /* A perspective camera.  world_from_view must be rigid (rotation and
- * translation); it is checked to 1e-3. */
+ * translation); it is checked to 1e-3, and a mirroring
+ * (left-handed) one is refused. */
 typedef struct hbil_camera {
   double fx, fy; /* focal lengths, pixels, > 0 */
   double cx, cy; /* principal point, pixels from the top left corner */

@@ -192,14 +192,39 @@ static int check_resolution(const char *path, const image *planes,
                     camera->height);
 }
 
+static int is_used(const channel_map *map, const char *name) {
+  for (int r = 0; r < ROLE_COUNT; r++)
+    for (size_t c = 0; c < map->count[r]; c++)
+      if (strcmp(map->names[r][c], name) == 0)
+        return 1;
+  return 0;
+}
+
+/* The layers none of whose channels mean anything here, each named once. */
+static void print_ignored(const image *header, const channel_map *map) {
+  const char *last = "";
+  size_t last_length = 0;
+  for (size_t i = 0; i < header->count; i++) {
+    const char *name = header->planes[i].name;
+    const char *dot = strrchr(name, '.');
+    const size_t length = dot ? (size_t)(dot - name) : strlen(name);
+    if (is_used(map, name) ||
+        (length == last_length && strncmp(name, last, length) == 0))
+      continue;
+    printf("  %-10s %.*s\n", last_length ? "" : "not used", (int)length, name);
+    last = name;
+    last_length = length;
+  }
+}
+
 static int print_planes(const char *path, const gbuffer *g,
                         const char *camera_path, image_error *error) {
   hbil_config config;
   camera_file camera;
   hbil_config_init(&config);
   channels_conventions(&g->map, &config);
-  printf("%s: %u x %u pixels, %s\n", path, g->planes.width, g->planes.height,
-         dump_kind_name(g->map.kind));
+  printf("%s: %u x %u pixels, read as %s\n", path, g->planes.width,
+         g->planes.height, dump_kind_name(g->map.kind));
   for (int r = 0; r < ROLE_COUNT; r++)
     print_role(g, (role)r);
   if (g->map.count[ROLE_DEPTH])
@@ -220,11 +245,13 @@ static int print_file(const char *path, const char *camera,
   if (exr_read_header(path, &header, error) != 0)
     return -1;
   channels_map(&header, &map);
+  int failed = gbuffer_read(path, &map, ~0u, &g, error);
+  if (!failed) {
+    failed = print_planes(path, &g, camera, error);
+    print_ignored(&header, &map);
+    gbuffer_free(&g);
+  }
   image_free(&header);
-  if (gbuffer_read(path, &map, ~0u, &g, error) != 0)
-    return -1;
-  const int failed = print_planes(path, &g, camera, error);
-  gbuffer_free(&g);
   return failed;
 }
 
