@@ -416,11 +416,15 @@ void stage_write(setup *s, hbil_stage stage, const ref_planes *planes) {
   hbil_buffer b = stage_buffer(s, stage);
   size_t size;
   float *floats = (float *)(void *)buffer_bytes(s, b.buffer, &size);
-  for (int p = 0; p < planes->count; ++p)
+  /* a plan keeps only those planes that its outputs need */
+  int count = planes->count < (int)b.values ? planes->count : (int)b.values;
+  for (int p = 0; p < count; ++p)
     for (int y = 0; y < planes->height; ++y)
-      for (int x = 0; x < planes->width; ++x)
-        floats[stage_index(&b, stage, p, x, y)] =
-            (float)*ref_at(planes, p, x, y);
+      for (int x = 0; x < planes->width; ++x) {
+        size_t index = stage_index(&b, stage, p, x, y);
+        assert_true(index < size / sizeof(float));
+        floats[index] = (float)*ref_at(planes, p, x, y);
+      }
   assert_int_equal(clEnqueueWriteBuffer(s->gpu->queue, b.buffer, CL_TRUE, 0,
                                         size, floats, 0, NULL, NULL),
                    CL_SUCCESS);

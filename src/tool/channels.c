@@ -143,7 +143,3 @@ void channels_conventions(const channel_map *map, hbil_config *config) {
   config->motion_scale[0] = 1.0f;
   config->motion_scale[1] = cycles ? -1.0f : 1.0f;
 }
-
-int channels_gather_emission(const channel_map *map) {
-  return map->kind == DUMP_PLAIN;
-}

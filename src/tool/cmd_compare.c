@@ -234,10 +234,8 @@ static const float *mask_albedo(const mask *m, const char *channel) {
 
 static int counts(const float *depth, const float *albedo, float background,
                   size_t i) {
-  if (depth &&
-      !(isfinite(depth[i]) && depth[i] > 0.0f && depth[i] < background))
-    return 0;
-  return !albedo || albedo[i] > least_albedo;
+  return (!depth || gbuffer_is_surface(depth[i], background)) &&
+         (!albedo || albedo[i] > least_albedo);
 }
 
 /* ------------------------------------------------------------------------ */

@@ -139,10 +139,9 @@ static int write_frame(const scene_frame *f, const char *path,
   image img = gbuffer_image(f, planes);
   if (exr_write(path, &img, NULL, error) != 0)
     return -1;
-  char *json = strdup(path);
+  char *json = gbuffer_camera_name(path);
   if (json == NULL)
     return image_no_memory(error, path);
-  strcpy(json + strlen(json) - strlen(".exr"), ".json");
   camera_file camera = camera_of(f);
   int failed = camera_write(json, &camera, error);
   free(json);
@@ -281,8 +280,6 @@ static int process(const demo_options *o, const char *sky, char **files) {
   p.device = o->device;
   /* Around the room: what its unseen walls may send. */
   p.environment = o->scene == SCENE_SKY ? sky : "0.12,0.11,0.1";
-  /* The lamp's light is in `direct` already. */
-  p.gather_emission = 0;
   p.preview = p.timings = 1;
   p.config.reprojection = HBIL_REPROJECTION_MOTION;
   return process_run(&p, files, (int)o->frames);

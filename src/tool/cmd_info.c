@@ -41,11 +41,6 @@ static range find_range(const float *values, size_t count) {
   return r;
 }
 
-/* The scene's pixels: depth as the library takes it. */
-static int is_surface(float depth, float background) {
-  return isfinite(depth) && depth > 0.0f && depth < background;
-}
-
 static void print_role(const gbuffer *g, role r) {
   const size_t pixels = (size_t)g->planes.width * g->planes.height;
   if (!g->map.count[r])
@@ -67,7 +62,7 @@ static void print_depth(const gbuffer *g, float background) {
   float low = INFINITY, high = 0.0f;
   size_t surface = 0;
   for (size_t i = 0; i < pixels; i++)
-    if (is_surface(depth[i], background)) {
+    if (gbuffer_is_surface(depth[i], background)) {
       low = fminf(low, depth[i]);
       high = fmaxf(high, depth[i]);
       surface++;
@@ -126,7 +121,7 @@ static double largest_error(const check *k, int ray_depth) {
   const size_t pixels = (size_t)k->g->planes.width * k->g->planes.height;
   double worst = 0.0;
   for (size_t i = 0; i < pixels; i++)
-    if (is_surface(depth[i], k->background)) {
+    if (gbuffer_is_surface(depth[i], k->background)) {
       const double e = position_error(k, i, ray_depth);
       worst = e > worst || isnan(e) ? e : worst;
     }
@@ -152,7 +147,7 @@ static void check_normals(const check *k) {
   size_t surface = 0, facing = 0;
   for (size_t i = 0; i < pixels; i++) {
     double ray[3], world[3], cosine = 0.0;
-    if (!is_surface(depth[i], k->background))
+    if (!gbuffer_is_surface(depth[i], k->background))
       continue;
     pixel_ray(k, i, ray);
     to_world(k, ray, world);
@@ -178,18 +173,6 @@ static void self_check(const gbuffer *g, const camera_file *camera,
   if (g->map.count[ROLE_POSITION])
     check_position(&k);
   check_normals(&k);
-}
-
-static int check_resolution(const char *path, const image *planes,
-                            const camera_file *camera, image_error *error) {
-  if (!camera->width ||
-      (camera->width == planes->width && camera->height == planes->height))
-    return 0;
-  return image_fail(error,
-                    "%s: %u x %u pixels, but its camera is for %u x %u; the "
-                    "camera of this frame is needed",
-                    path, planes->width, planes->height, camera->width,
-                    camera->height);
 }
 
 static int is_used(const channel_map *map, const char *name) {
@@ -231,7 +214,7 @@ static int print_planes(const char *path, const gbuffer *g,
     print_depth(g, config.background);
   if (channels_check(&g->map, path, error) != 0 ||
       gbuffer_camera(path, camera_path, &camera, error) != 0 ||
-      check_resolution(path, &g->planes, &camera, error) != 0)
+      gbuffer_check_camera(path, &g->planes, &camera, error) != 0)
     return -1;
   self_check(g, &camera, config.background);
   return 0;

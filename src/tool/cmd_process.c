@@ -98,8 +98,8 @@ static void usage(const hbil_config *defaults) {
   puts(
       "  --refused last|black  light of samples that face away\n"
       "  --gather-emission yes|no\n"
-      "                        emission lights neighbours, too (no for Cycles\n"
-      "                        passes, whose direct light holds it; else yes)\n"
+      "                        emission lights neighbours, too (no, as direct\n"
+      "                        light holds what lamps send)\n"
       "  --reprojection none|scatter|motion\n"
       "                        how light is carried over: not at all, by the\n"
       "                        camera's movement, by motion vectors (scatter)\n"
@@ -149,7 +149,8 @@ static int set_choice(int option, process_options *o, image_error *error) {
     o->config.feedback = (hbil_feedback)value;
     break;
   default:
-    failed = choice("--gather-emission", answers, &o->gather_emission, error);
+    failed = choice("--gather-emission", answers, &value, error);
+    o->config.gather_emission = (cl_bool)value;
   }
   return failed;
 }

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/tool.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,8 +47,7 @@ const float *gbuffer_plane(const gbuffer *g, role r, size_t i) {
   return plane ? plane->pixels : NULL;
 }
 
-/* FRAME.json for FRAME.exr; malloc'd. */
-static char *json_name(const char *frame) {
+char *gbuffer_camera_name(const char *frame) {
   const char *slash = strrchr(frame, '/');
   const char *dot = strrchr(slash ? slash : frame, '.');
   const size_t stem = dot ? (size_t)(dot - frame) : strlen(frame);
@@ -63,12 +63,28 @@ int gbuffer_camera(const char *frame, const char *override, camera_file *out,
                    image_error *error) {
   if (override)
     return camera_read(override, out, error);
-  char *name = json_name(frame);
+  char *name = gbuffer_camera_name(frame);
   if (!name)
     return image_no_memory(error, frame);
   const int failed = camera_read(name, out, error);
   free(name);
   return failed;
+}
+
+int gbuffer_check_camera(const char *frame, const image *img,
+                         const camera_file *camera, image_error *error) {
+  if (!camera->width ||
+      (camera->width == img->width && camera->height == img->height))
+    return 0;
+  return image_fail(error,
+                    "%s: %u x %u pixels, but its camera is for %u x %u; the "
+                    "camera of this frame is needed",
+                    frame, img->width, img->height, camera->width,
+                    camera->height);
+}
+
+int gbuffer_is_surface(float depth, float background) {
+  return isfinite(depth) && depth > 0.0f && depth < background;
 }
 
 void gbuffer_hbil_camera(const camera_file *file, hbil_camera *out) {

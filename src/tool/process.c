@@ -44,13 +44,14 @@ void process_options_init(process_options *options) {
   hbil_config_init(&options->config);
   options->layers = LAYERS_ALL;
   options->repeat = 1;
-  options->gather_emission = -1;
+  /* a renderer's direct light holds what its lamps send */
+  options->config.gather_emission = CL_FALSE;
 }
 
 /* ------------------------------------------------------------------------ */
 /* Names                                                                     */
 
-/* format has two %s: for instance "%s.%s". malloc'd. */
+/* The three, one after the other; malloc'd. */
 static char *join(const char *a, const char *between, const char *b) {
   const size_t size = strlen(a) + strlen(between) + strlen(b) + 1;
   char *text = malloc(size);
@@ -102,14 +103,7 @@ static int check_size(process *p, const job *j, const image *header) {
                       "size are needed",
                       j->path, header->width, header->height, p->jobs[0].path,
                       p->width, p->height);
-  if (j->camera.width &&
-      (j->camera.width != p->width || j->camera.height != p->height))
-    return image_fail(&p->error,
-                      "%s: %u x %u pixels, but its camera is for %u x %u; the "
-                      "camera of this frame is needed",
-                      j->path, p->width, p->height, j->camera.width,
-                      j->camera.height);
-  return 0;
+  return gbuffer_check_camera(j->path, header, &j->camera, &p->error);
 }
 
 static int check_header(process *p, job *j) {
@@ -155,12 +149,24 @@ static int check_name(process *p, job *j) {
   return failed;
 }
 
+/* Not an error: occlusion and bent cones need no light. */
+static void warn_of_darkness(const process *p) {
+  const channel_map *map = &p->jobs[0].map;
+  if (!p->options->quiet && !map->count[ROLE_DIRECT] &&
+      !map->count[ROLE_EMISSION])
+    fprintf(stderr,
+            "hbil: %s: warning: no direct light and no emission; near light "
+            "will be black\n",
+            p->jobs[0].path);
+}
+
 static int check_jobs(process *p, char *const *files) {
   for (int i = 0; i < p->count; i++)
     p->jobs[i].path = files[i];
   for (int i = 0; i < p->count; i++)
     if (check_header(p, &p->jobs[i]) != 0 || check_name(p, &p->jobs[i]) != 0)
       return -1;
+  warn_of_darkness(p);
   return 0;
 }
 
@@ -239,15 +245,11 @@ static int load_environment(process *p) {
 
 static void configure(process *p) {
   const channel_map *map = &p->jobs[0].map;
-  const int gather = p->options->gather_emission;
   channels_conventions(map, &p->config);
   p->config.width = p->width;
   p->config.height = p->height;
   p->config.bent_space = HBIL_SPACE_WORLD;
   p->config.profiling = p->options->timings ? CL_TRUE : CL_FALSE;
-  p->config.gather_emission =
-      (gather < 0 ? channels_gather_emission(map) : gather) ? CL_TRUE
-                                                            : CL_FALSE;
 }
 
 static int prepare(process *p, char *const *files) {

@@ -79,10 +79,11 @@ int channels_check(const channel_map *map, const char *path,
                    image_error *error);
 /* Sets how inputs of this kind are read (spaces, scales, background). */
 void channels_conventions(const channel_map *map, hbil_config *config);
-/* Whether emission must still be gathered: Cycles' direct light has it. */
-int channels_gather_emission(const channel_map *map);
 
 /* --- gbuffer.c: one captured frame on the host --- */
+
+/* FRAME.json for FRAME.exr; malloc'd, NULL when out of memory. */
+char *gbuffer_camera_name(const char *frame);
 
 typedef struct gbuffer {
   channel_map map;
@@ -100,6 +101,11 @@ const float *gbuffer_plane(const gbuffer *g, role r, size_t i);
 /* The camera of a frame: `override`, or the frame's name with .json. */
 int gbuffer_camera(const char *frame, const char *override, camera_file *out,
                    image_error *error);
+/* That the camera, if it names a resolution, is for an image of this size. */
+int gbuffer_check_camera(const char *frame, const image *img,
+                         const camera_file *camera, image_error *error);
+/* Whether a depth is that of a surface, as the library takes it. */
+int gbuffer_is_surface(float depth, float background);
 void gbuffer_hbil_camera(const camera_file *file, hbil_camera *out);
 
 /* --- layers.c: what is written --- */
@@ -204,7 +210,6 @@ typedef struct process_options {
   const char *device;      /* see device_open() */
   unsigned layers;         /* bit mask */
   unsigned repeat;         /* runs of every frame, at least 1 */
-  int gather_emission;     /* 1, 0, or -1: as the kind of dump asks for */
   int preview, timings, json, quiet; /* flags */
   hbil_config config; /* settings; formats and size are filled in */
 } process_options;
