@@ -51,7 +51,7 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .radius = INFINITY,
       .slices = 2,
       .samples = 8,
-      .step_growth = 3.0f,
+      .step_growth = 2.0f,
       .lattice = HBIL_LATTICE_FULL,
       .facing = {-0.1f, 0.0f},
       .refused = HBIL_REFUSED_LAST,

@@ -50,7 +50,7 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(c.depth.component == HBIL_NONE);
   assert_true(isinf(c.background) && isinf(c.radius));
   assert_true(c.direct_scale == 1.0f);
-  assert_true(c.slices == 2 && c.samples == 8 && c.step_growth == 3.0f);
+  assert_true(c.slices == 2 && c.samples == 8 && c.step_growth == 2.0f);
   assert_true(c.lattice == HBIL_LATTICE_FULL);
   assert_true(c.facing[0] == -0.1f && c.facing[1] == 0.0f);
   assert_true(c.refused == HBIL_REFUSED_LAST);

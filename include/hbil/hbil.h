@@ -214,8 +214,8 @@ typedef struct hbil_config {
   hbil_format emission; /* 3 channels, radiance */
   hbil_format motion;   /* 2 channels, pixels; see motion_scale */
 
-  /* Formats of the outputs (FLOAT32 or FLOAT16); those left HBIL_NONE are not
-   * computed where nothing else needs them. */
+  /* Formats of the outputs (FLOAT32 or FLOAT16), at least one; those left
+   * HBIL_NONE are not computed where nothing else needs them. */
   hbil_format near_light; /* 3: E_near, irradiance */
   hbil_format far_light;  /* 3: E_far, irradiance */
   hbil_format ao;         /* 1: ambient visibility, 1 open .. 0 closed */
@@ -242,7 +242,7 @@ typedef struct hbil_config {
   cl_uint slices;       /* per pixel, 1..32; default 2 */
   cl_uint samples;      /* per side of a slice, 1..256; default 8 */
   float step_growth;    /* spacing of samples, 0..64: 0 equal steps; g: the
-                           last step is (1+g)^2 times the first; default 3 */
+                           last step is (1+g)^2 times the first; default 2 */
   hbil_lattice lattice; /* default FULL */
   float facing[2];      /* radiance of a sample fades in as the cosine between
                            its normal and the direction back to the point goes
@@ -418,7 +418,9 @@ HBIL_API hbil_status hbil_enqueue_composite(hbil_plan *plan,
  *   RESOLVED   7: the same, full resolution
  * A plan keeps only what its outputs need: hbil_buffer.values says how many of
  * these, from the first on, it has (SPLIT 3 without radiance; GATHERED and
- * RESOLVED 4 without bent normals, 1 with AO alone).
+ * RESOLVED 4 without bent normals, 1 with AO alone).  HISTORY and CARRIED exist
+ * where light is carried over: with a reprojection, and an output among
+ * near_light, indirect and radiance.
  * Full-resolution planes: value p of pixel (x,y) is at float index
  *   p * plane_pitch + y * row_pitch + x + origin.
  * Layered ones (SPLIT, GATHERED): pixel (x,y) lies in layer 4 (y mod 4) +

@@ -1,0 +1,249 @@
+/*
+ * The real dumps, where they are at hand: two frames of each scene in sequence
+ * through the library and through the double-precision reference.
+ *
+ * Images and conventions are those the tool uses for Cycles passes.  The data
+ * is looked for in $HBIL_DATA, else in $srcdir/../shared/data; a scene that is
+ * not there is skipped.
+ */
+#include "support.h"
+
+#include <stdio.h>
+
+#include "image/image.h"
+
+/* Relative RMSE over the foreground: the requirement. */
+#define LIMIT 1e-3
+
+#define FIRST_FRAME 5
+#define LAST_FRAME 6
+
+/* A scene, and what differs from the default settings. */
+typedef struct dump_case {
+  const char *scene;
+  void (*change)(hbil_config *);
+} dump_case;
+
+/* ------------------------------------------------------------------------ */
+/* Files                                                                     */
+
+static bool data_path(char *out, size_t size, const char *scene, int frame,
+                      const char *extension) {
+  const char *data = getenv("HBIL_DATA"), *root = getenv("srcdir");
+  int length;
+  if (data && *data)
+    length = snprintf(out, size, "%s/%s/frame_%04d.%s", data, scene, frame,
+                      extension);
+  else
+    length = snprintf(out, size, "%s/../shared/data/%s/frame_%04d.%s",
+                      root ? root : ".", scene, frame, extension);
+  return length > 0 && (size_t)length < size;
+}
+
+static void require_path(char *out, size_t size, const char *scene, int frame,
+                         const char *extension) {
+  if (!data_path(out, size, scene, frame, extension))
+    fail_msg("%s: the path of the data is too long", scene);
+}
+
+static bool is_there(const char *scene) {
+  char path[4096];
+  FILE *file;
+  require_path(path, sizeof(path), scene, LAST_FRAME, "exr");
+  file = fopen(path, "rb");
+  if (file)
+    fclose(file);
+  return file != NULL;
+}
+
+/* Which channel goes where. */
+typedef struct channel {
+  const char *name;
+  int plane;
+} channel;
+
+static const channel channels[] = {
+    {"ViewLayer.Depth.Z", REF_DEPTH},
+    {"ViewLayer.Normal.X", REF_NORMAL},
+    {"ViewLayer.Normal.Y", REF_NORMAL + 1},
+    {"ViewLayer.Normal.Z", REF_NORMAL + 2},
+    {"ViewLayer.DiffCol.R", REF_ALBEDO},
+    {"ViewLayer.DiffCol.G", REF_ALBEDO + 1},
+    {"ViewLayer.DiffCol.B", REF_ALBEDO + 2},
+    {"ViewLayer.DiffDir.R", REF_DIRECT},
+    {"ViewLayer.DiffDir.G", REF_DIRECT + 1},
+    {"ViewLayer.DiffDir.B", REF_DIRECT + 2},
+    {"ViewLayer.Emit.R", REF_EMISSION},
+    {"ViewLayer.Emit.G", REF_EMISSION + 1},
+    {"ViewLayer.Emit.B", REF_EMISSION + 2},
+    {"ViewLayer.Vector.X", REF_MOTION},
+    {"ViewLayer.Vector.Y", REF_MOTION + 1},
+};
+
+enum { CHANNELS = sizeof(channels) / sizeof(*channels) };
+
+static void read_dump(const char *scene, int frame, image *out) {
+  const char *names[CHANNELS];
+  char path[4096];
+  image_error error;
+  for (int i = 0; i < CHANNELS; ++i)
+    names[i] = channels[i].name;
+  require_path(path, sizeof(path), scene, frame, "exr");
+  if (exr_read(path, names, CHANNELS, out, &error) != 0)
+    fail_msg("%s", error.text);
+}
+
+static void read_camera(const char *scene, int frame, hbil_camera *out) {
+  char path[4096];
+  image_error error;
+  camera_file camera;
+  require_path(path, sizeof(path), scene, frame, "json");
+  if (camera_read(path, &camera, &error) != 0)
+    fail_msg("%s", error.text);
+  hbil_camera_from_opengl(out, camera.camera_to_world, camera.fx, camera.fy,
+                          camera.cx, camera.cy);
+}
+
+/* Replaces camera and inputs by those of a frame. */
+static void load_frame(setup *s, const char *scene, int frame) {
+  image dump;
+  read_dump(scene, frame, &dump);
+  assert_int_equal(dump.width, s->config.width);
+  assert_int_equal(dump.height, s->config.height);
+  for (int i = 0; i < CHANNELS; ++i)
+    memcpy(s->input[channels[i].plane],
+           image_find(&dump, channels[i].name)->pixels,
+           sizeof(float) * dump.width * dump.height);
+  image_free(&dump);
+  read_camera(scene, frame, &s->frame.camera);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Settings                                                                  */
+
+/* What the tool makes of Cycles passes: src/tool/channels.c, process.c. */
+static void use_cycles_conventions(hbil_config *config) {
+  config->depth_kind = HBIL_DEPTH_PLANAR;
+  config->normal_space = HBIL_SPACE_WORLD;
+  config->background = 1e9f;
+  config->direct_scale = (float)PI;
+  config->motion_scale[0] = 1.0f;
+  config->motion_scale[1] = -1.0f;
+  config->gather_emission = CL_FALSE;
+}
+
+static void use_planar_images(hbil_config *config) {
+  for (image_id id = 0; id < IMAGE_COUNT; ++id)
+    if (image_format(config, id)->component != HBIL_NONE)
+      image_format(config, id)->stride = 1;
+}
+
+static void use_defaults(hbil_config *config) {
+  (void)config;
+}
+
+/* Nothing decides about the light of a sample. */
+static void accept_all_light(hbil_config *config) {
+  config->refused = HBIL_REFUSED_BLACK;
+  config->facing[0] = config->facing[1] = -1.0f;
+}
+
+static void follow_motion(hbil_config *config) {
+  config->reprojection = HBIL_REPROJECTION_MOTION;
+}
+
+static void setup_case(setup *s, const dump_case *c) {
+  image dump;
+  read_dump(c->scene, FIRST_FRAME, &dump);
+  setup_init(s, (int)dump.width, (int)dump.height);
+  image_free(&dump);
+  use_planar_images(&s->config);
+  use_cycles_conventions(&s->config);
+  c->change(&s->config);
+  load_frame(s, c->scene, FIRST_FRAME);
+  setup_start(s);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Comparison                                                                */
+
+static bool is_sky(const setup *s, int x, int y) {
+  size_t at = (size_t)y * s->config.width + (size_t)x;
+  return !(s->input[REF_DEPTH][at] < s->config.background);
+}
+
+/* Leaves the sky out of sums over all pixels. */
+static void clear_sky(const setup *s, ref_planes *planes) {
+  for (int p = 0; p < planes->count; ++p)
+    for (int y = 0; y < planes->height; ++y)
+      for (int x = 0; x < planes->width; ++x)
+        if (is_sky(s, x, y))
+          *ref_at(planes, p, x, y) = 0.0;
+}
+
+static void check_outputs(setup *s, const dump_case *c, int frame,
+                          ref_planes *want) {
+  ref_planes got = outputs_read(s);
+  double near_light, ao;
+  clear_sky(s, &got);
+  clear_sky(s, want);
+  near_light = relative_rmse(&got, want, REF_NEAR, 3);
+  ao = relative_rmse(&got, want, REF_AO, 1);
+  fprintf(stderr, "# %s, frame %d: relative RMSE of near %.3g, of AO %.3g\n",
+          c->scene, frame, near_light, ao);
+  ref_planes_free(&got);
+  check_at_most("near", near_light, LIMIT);
+  check_at_most("AO", ao, LIMIT);
+}
+
+static void frames_match(void **state) {
+  const dump_case *c = *state;
+  setup s;
+  ref_state reference;
+  if (!is_there(c->scene))
+    skip();
+  setup_case(&s, c);
+  ref_state_init(&reference, (int)s.config.width, (int)s.config.height);
+  for (int frame = FIRST_FRAME; frame <= LAST_FRAME; ++frame) {
+    load_frame(&s, c->scene, frame);
+    setup_upload(&s);
+    setup_run(&s, hbil_enqueue_frame);
+    ref_frame(&reference, &s.job);
+    check_outputs(&s, c, frame, &reference.out);
+  }
+  ref_state_free(&reference);
+  setup_free(&s);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Cases                                                                     */
+
+static dump_case cases[] = {
+    {"cornell", use_defaults},         {"staircase", use_defaults},
+    {"veach_bidir", use_defaults},     {"viking_ao", use_defaults},
+    {"cornell", accept_all_light},     {"staircase", accept_all_light},
+    {"veach_bidir", accept_all_light}, {"viking_ao", accept_all_light},
+    {"cornell", follow_motion},        {"staircase", follow_motion},
+    {"veach_bidir", follow_motion},    {"viking_ao", follow_motion},
+};
+
+#define CASE(name, index)                                                      \
+  { name, frames_match, NULL, NULL, cases + (index) }
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      CASE("cornell_matches", 0),
+      CASE("staircase_matches", 1),
+      CASE("veach_bidir_matches", 2),
+      CASE("viking_ao_matches", 3),
+      CASE("cornell_matches_when_all_light_is_accepted", 4),
+      CASE("staircase_matches_when_all_light_is_accepted", 5),
+      CASE("veach_bidir_matches_when_all_light_is_accepted", 6),
+      CASE("viking_ao_matches_when_all_light_is_accepted", 7),
+      CASE("cornell_matches_when_motion_is_followed", 8),
+      CASE("staircase_matches_when_motion_is_followed", 9),
+      CASE("veach_bidir_matches_when_motion_is_followed", 10),
+      CASE("viking_ao_matches_when_motion_is_followed", 11),
+  };
+  return RUN_WITH_GPU(tests);
+}
