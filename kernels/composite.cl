@@ -2,8 +2,8 @@
  * composite: far light through the bent cone, the outputs, and the light that
  * the next frame starts from.
  *
- * Cone (HACKING.md): AO is cosine weighted, so a cone of half-angle alpha has AO
- * = sin^2(alpha) and t = cos(alpha) = sqrt(1 - AO).  Order-2 SH through it:
+ * Cone (HACKING.md): AO is cosine weighted, so a cone of half-angle alpha has
+ * AO = sin^2(alpha) and t = cos(alpha) = sqrt(1 - AO).  Order-2 SH through it:
  *   E = sum sqrt(4 pi / (2l+1)) c_l(t) L_lm Y_lm(bent)
  *   c0 = sqrt(pi)/2 (1-t^2), c1 = sqrt(3 pi)/3 (1-t^3),
  *   c2 = sqrt(5 pi)/8 (3 (1-t^4) - 2 (1-t^2))
@@ -18,19 +18,6 @@
  * Launch: x = vectors of HBIL_WIDTH pixels, y = rows.
  */
 
-LOADER(depth, DEPTH_TYPE, DEPTH_STRIDE)
-#if HAS_ALBEDO
-LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
-#endif
-#if HAS_F0
-LOADER(f0, F0_TYPE, F0_STRIDE)
-#endif
-#if HAS_DIRECT
-LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
-#endif
-#if HAS_EMISSION
-LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
-#endif
 #if OUT_NEAR
 STORER(near, NEAR_TYPE, NEAR_STRIDE)
 #endif
@@ -87,23 +74,24 @@ static inline realv sh_light(const hbil_environment_args e, int c,
 #define SH_RADIANCE_1 0.477464829f /* 3 / (2 pi) */
 #define SH_RADIANCE_2 1.273239545f /* 4 / pi */
 
-kernel void composite(
-    const hbil_view_args view, const hbil_transform_args world,
-    global const float *resolved, global float *history,
-    const hbil_plane_args planes, const hbil_environment_args environment,
-    const float background, const float direct_scale,
-    global const void *depth_buffer, const hbil_image_args depth_image,
-    global const void *albedo_buffer, const hbil_image_args albedo_image,
-    global const void *f0_buffer, const hbil_image_args f0_image,
-    global const void *direct_buffer, const hbil_image_args direct_image,
-    global const void *emission_buffer, const hbil_image_args emission_image,
-    global void *near_buffer, const hbil_image_args near_image,
-    global void *far_buffer, const hbil_image_args far_image,
-    global void *ao_buffer, const hbil_image_args ao_image,
-    global void *bent_buffer, const hbil_image_args bent_image,
-    global void *cone_buffer, const hbil_image_args cone_image,
-    global void *indirect_buffer, const hbil_image_args indirect_image,
-    global void *radiance_buffer, const hbil_image_args radiance_image) {
+kernel void
+composite(const hbil_view_args view, const hbil_transform_args world,
+          global const float *resolved, global float *history,
+          const hbil_plane_args planes, const hbil_environment_args environment,
+          const float background, const float direct_scale,
+          global const void *depth_buffer, const hbil_image_args depth_image,
+          global const void *albedo_buffer, const hbil_image_args albedo_image,
+          global const void *f0_buffer, const hbil_image_args f0_image,
+          global const void *direct_buffer, const hbil_image_args direct_image,
+          global const void *emission_buffer,
+          const hbil_image_args emission_image, global void *near_buffer,
+          const hbil_image_args near_image, global void *far_buffer,
+          const hbil_image_args far_image, global void *ao_buffer,
+          const hbil_image_args ao_image, global void *bent_buffer,
+          const hbil_image_args bent_image, global void *cone_buffer,
+          const hbil_image_args cone_image, global void *indirect_buffer,
+          const hbil_image_args indirect_image, global void *radiance_buffer,
+          const hbil_image_args radiance_image) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= view.width || y >= view.height)
     return;
@@ -112,8 +100,9 @@ kernel void composite(
   resolved += pixel;
   const realv rx = ray_x(view, x, 1);
   const float ry = ray_y(view, y);
-  const realv z = planar_depth(
-      load_depth(depth_buffer, depth_image, x, y, 0, count), rx, ry, background);
+  const realv z =
+      planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count), rx,
+                   ry, background);
   const intv solid = z > 0.0f;
   /* a mean of values up to 1 may round to just above it */
   const realv ao = clamp(LOADV(resolved), 0.0f, 1.0f);
@@ -166,9 +155,9 @@ kernel void composite(
     realv reflectance = 1.0f, diffuse = 1.0f, irradiance = 0.0f;
     realv emitted = 0.0f;
 #if HAS_ALBEDO
-    reflectance = min(
-        repaired(load_albedo(albedo_buffer, albedo_image, x, y, c, count)),
-        1.0f);
+    reflectance =
+        min(repaired(load_albedo(albedo_buffer, albedo_image, x, y, c, count)),
+            1.0f);
 #endif
 #if HAS_F0
     diffuse -=

@@ -6,14 +6,14 @@
  * pixels loads vectors of neighbouring samples.  Along a half-slice the highest
  * horizon is the largest excess of inverse depth over the pixel's tangent
  * plane, per unit of ray slope:
- *   excess = (w1 - w0 - grad.e) / |e| ,  cot(theta) = cot(theta_t) + a z0 excess
- * (HACKING.md derives it); only where that maximum grows is there anything to
- * compute.  Integrals of a half-slice, theta from the view direction:
- *   A = nx/2 (theta - sin cos) + ny/2 sin^2        cosine-weighted
- *   b = D/2 (theta - sin cos) + wo/2 sin^2         direction
- * Each slice weighs J = |wo_z| / (1 - (u.wo)^2), since slices equally spaced on
- * the screen are not equally spaced about wo; sums are divided by the sum of
- * J A(theta_t), which makes the white furnace exact for any number of slices.
+ *   excess = (w1 - w0 - grad.e) / |e| ,  cot(theta) = cot(theta_t) + a z0
+ * excess (HACKING.md derives it); only where that maximum grows is there
+ * anything to compute.  Integrals of a half-slice, theta from the view
+ * direction: A = nx/2 (theta - sin cos) + ny/2 sin^2        cosine-weighted b =
+ * D/2 (theta - sin cos) + wo/2 sin^2         direction Each slice weighs J =
+ * |wo_z| / (1 - (u.wo)^2), since slices equally spaced on the screen are not
+ * equally spaced about wo; sums are divided by the sum of J A(theta_t), which
+ * makes the white furnace exact for any number of slices.
  *
  * Builds: SLICES, SAMPLES, LIMITED (a radius), LEVELS, GATHER_RADIANCE,
  * GATHER_BENT, REFUSED_BLACK.
@@ -63,8 +63,8 @@ typedef struct center {
   realv w, gx, gy; /* inverse depth, its gradient */
   realv rx;        /* ray */
   float ry;
-  realv z, r, inv_r;   /* depth, length of the ray, its inverse */
-  realv inv_n;         /* 1 / |(gx, gy, w - g.r)|: scale of the normal */
+  realv z, r, inv_r;      /* depth, length of the ray, its inverse */
+  realv inv_n;            /* 1 / |(gx, gy, w - g.r)|: scale of the normal */
   realv red, green, blue; /* own radiance */
 } center;
 
@@ -156,11 +156,11 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   realv bent_x = 0.0f, bent_y = 0.0f, bent_z = 0.0f;
   if (ANY(solid)) {
 #if LIMITED
-    steps += (uint)(hbil_level(args.reach,
-                               args.radius * tile_nearest(split + at, x),
-                               LEVELS) *
-                    HBIL_LAYERS) *
-             (2u * SLICES * SAMPLES);
+    steps +=
+        (uint)(hbil_level(args.reach, args.radius * tile_nearest(split + at, x),
+                          LEVELS) *
+               HBIL_LAYERS) *
+        (2u * SLICES * SAMPLES);
 #endif
     steps += (uint)layer * (2u * SLICES * SAMPLES);
     c.gx = LOADV(here + HBIL_SPLIT_GX * in.plane);
@@ -201,8 +201,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       const realv jacobian = c.inv_r * inv_ud * inv_ud;
       const realv slope = c.r * c.z * inv_ud;
       const realv g_u = fma(c.gx, (realv)ux, c.gy * uy);
-      const realv side_nx =
-          -fma(u_wo, c.w * c.inv_r, g_u) * c.inv_n * inv_ud;
+      const realv side_nx = -fma(u_wo, c.w * c.inv_r, g_u) * c.inv_n * inv_ud;
       const realv side_cot = fma(g_u * c.r, c.z, u_wo) * inv_ud;
       realv slice_red = 0.0f, slice_green = 0.0f, slice_blue = 0.0f;
 
@@ -226,7 +225,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         const realv tangent_d = 0.5f * sign * m.g * inv_ud;
         whole_x = fma(jacobian * tangent_d, (realv)ux, whole_x);
         whole_y = fma(jacobian * tangent_d, (realv)uy, whole_y);
-        whole_wo = fma(jacobian, fma(-tangent_d, u_wo, 0.5f * m.sin2), whole_wo);
+        whole_wo =
+            fma(jacobian, fma(-tangent_d, u_wo, 0.5f * m.sin2), whole_wo);
 #endif
 
         for (int k = 0; k < SAMPLES; ++k) {
@@ -234,7 +234,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
           const int sx =
               clamp(x + step.dx, -HBIL_TILE, (int)in.row - 2 * HBIL_TILE);
           const int sy = clamp(y + step.dy, -1, in.height);
-          global const float *sample = split + step.base + sy * (int)in.row + sx;
+          global const float *sample =
+              split + step.base + sy * (int)in.row + sx;
           const realv w1 = LOADV(sample);
           const realv excess =
               fma(fma(w1, (realv)args.keep, -c.w), (realv)step.inv_e,

@@ -45,8 +45,9 @@ typedef cl_float hbil_float;
 #define HBIL_NOTHING (-1e30f)
 
 /* Normals that look away from the eye are bent back until their cosine with the
- * view direction is this: small enough to leave 89.99 degree planes alone, large
- * enough that the fp32 rounding of a normal (6e-8) is below 1e-3 of it. */
+ * view direction is this: small enough to leave 89.99 degree planes alone,
+ * large enough that the fp32 rounding of a normal (6e-8) is below 1e-3 of it.
+ */
 #define HBIL_MIN_COSINE 1e-4f
 
 /* Recompose: a neighbour off the pixel's tangent plane by this share of its
@@ -63,20 +64,12 @@ enum {
 };
 enum {
   HBIL_LIGHT_AO = 0,
-  HBIL_LIGHT_RED = 1, /* 2: green, 3: blue: E_near */
+  HBIL_LIGHT_RED = 1,  /* 2: green, 3: blue: E_near */
   HBIL_LIGHT_BENT = 4, /* x, 5: y, 6: z */
   HBIL_LIGHT_PLANES = 7
 };
-enum {
-  HBIL_HISTORY_W = 0,
-  HBIL_HISTORY_RED = 1,
-  HBIL_HISTORY_PLANES = 4
-};
-enum {
-  HBIL_CARRIED_RED = 0,
-  HBIL_CARRIED_WEIGHT = 3,
-  HBIL_CARRIED_PLANES = 4
-};
+enum { HBIL_HISTORY_W = 0, HBIL_HISTORY_RED = 1, HBIL_HISTORY_PLANES = 4 };
+enum { HBIL_CARRIED_RED = 0, HBIL_CARRIED_WEIGHT = 3, HBIL_CARRIED_PLANES = 4 };
 
 /* A caller's image, in components. */
 typedef struct hbil_image_args {
@@ -114,12 +107,12 @@ typedef struct hbil_layer_args {
 
 /* One sample of a half-slice, common to all pixels of a layer at one level. */
 typedef struct hbil_step {
-  hbil_int base;       /* floats from a plane's start to the sampled layer's
-                          pixel (0,0) */
-  hbil_int dx, dy;     /* offset within the layer, in layer pixels */
-  hbil_float ex, ey;   /* the same from pixel to pixel, in units of ray slope */
-  hbil_float inv_e;    /* 1 / |e| */
-  hbil_float ux, uy;   /* e / |e| */
+  hbil_int base;     /* floats from a plane's start to the sampled layer's
+                        pixel (0,0) */
+  hbil_int dx, dy;   /* offset within the layer, in layer pixels */
+  hbil_float ex, ey; /* the same from pixel to pixel, in units of ray slope */
+  hbil_float inv_e;  /* 1 / |e| */
+  hbil_float ux, uy; /* e / |e| */
 } hbil_step;
 
 /* Numbers of one frame that the gather needs. */
@@ -211,8 +204,8 @@ static inline void hbil_cos_sin_pi(hbil_float v, hbil_float *c, hbil_float *s) {
 static inline void hbil_slice_direction(hbil_int layer, hbil_int slice,
                                         const hbil_pattern_args p,
                                         hbil_float *ux, hbil_float *uy) {
-  hbil_float t = ((hbil_float)hbil_direction_slot(layer) + 0.5f) * 0.0625f +
-                 p.turn;
+  hbil_float t =
+      ((hbil_float)hbil_direction_slot(layer) + 0.5f) * 0.0625f + p.turn;
   t = t >= 1.0f ? t - 1.0f : t;
   hbil_cos_sin_pi(((hbil_float)slice + t) / (hbil_float)p.slices, ux, uy);
 }
@@ -237,8 +230,10 @@ static inline void hbil_sample_offset(hbil_int layer, hbil_int k,
   hbil_float ax = HBIL_FABS(px), ay = HBIL_FABS(py);
   hbil_float major = ax > ay ? ax : ay;
   /* no pixel of the image is farther along u than this */
-  hbil_float to_x = (hbil_float)v.width / (ax > 1e-6f * major ? ax : 1e-6f * major);
-  hbil_float to_y = (hbil_float)v.height / (ay > 1e-6f * major ? ay : 1e-6f * major);
+  hbil_float to_x =
+      (hbil_float)v.width / (ax > 1e-6f * major ? ax : 1e-6f * major);
+  hbil_float to_y =
+      (hbil_float)v.height / (ay > 1e-6f * major ? ay : 1e-6f * major);
   hbil_float edge = to_x < to_y ? to_x : to_y;
   hbil_float reach = p.reach;
   hbil_float t, least, d;

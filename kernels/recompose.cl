@@ -33,8 +33,8 @@ static inline void add_tap(realv *value, realv weight,
 static inline void filter(const hbil_view_args view, const hbil_layer_args in,
                           global const float *split, global const float *light,
                           int i, int j, int x, int y, realv *value) {
-  const uint center = (uint)(4 * j + i) * in.layer + in.origin +
-                      (uint)y * in.row + (uint)x;
+  const uint center =
+      (uint)(4 * j + i) * in.layer + in.origin + (uint)y * in.row + (uint)x;
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
     value[p] = 0.0f;
 #if RAW
@@ -55,9 +55,9 @@ static inline void filter(const hbil_view_args view, const hbil_layer_args in,
     for (int dx = -2; dx <= 2; ++dx) {
       const int tx = i + dx;
       const float ex = (float)dx * view.inv_fx;
-      const int at = (int)(((uint)(ty & 3) * 4u + (uint)(tx & 3)) * in.layer +
-                           in.origin) +
-                     (y + (ty >> 2)) * (int)in.row + x + (tx >> 2);
+      const int at =
+          (int)(((uint)(ty & 3) * 4u + (uint)(tx & 3)) * in.layer + in.origin) +
+          (y + (ty >> 2)) * (int)in.row + x + (tx >> 2);
       const realv w1 = LOADV(split + at);
       const realv gx1 = LOADV(split + at + HBIL_SPLIT_GX * in.plane);
       const realv gy1 = LOADV(split + at + HBIL_SPLIT_GY * in.plane);
@@ -73,11 +73,10 @@ static inline void filter(const hbil_view_args view, const hbil_layer_args in,
       same *= same;
       const float spatial = ((dx == -2 || dx == 2) ? 0.5f : 1.0f) *
                             ((dy == -2 || dy == 2) ? 0.5f : 1.0f);
-      const realv weight =
-          (dx == 0 && dy == 0)
-              ? (realv)1.0f
-              : select((realv)0.0f, spatial * close * same,
-                       (close > 0.0f) & (w1 > 0.0f));
+      const realv weight = (dx == 0 && dy == 0)
+                               ? (realv)1.0f
+                               : select((realv)0.0f, spatial * close * same,
+                                        (close > 0.0f) & (w1 > 0.0f));
       total += weight;
       add_tap(value, weight, light + at, in.plane);
     }

@@ -15,8 +15,6 @@
  * All arithmetic is fp32 with the roundings written here.
  */
 
-LOADER(depth, DEPTH_TYPE, DEPTH_STRIDE)
-
 static inline realv row_of(const hbil_transform_args t, int row, realv x,
                            realv y, realv z) {
   return fma((realv)t.m[4 * row], x,
@@ -102,13 +100,12 @@ kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
   STOREV(depth, z);
   for (int i = 0; i < HBIL_WIDTH; ++i)
     if (target[i] >= 0 && nearest[target[i]] == as_uint(z[i]))
-      atomic_min(nearest + pixels + target[i],
-                 (uint)(y * from.width + x + i));
+      atomic_min(nearest + pixels + target[i], (uint)(y * from.width + x + i));
 }
 
 kernel void scatter_fetch(const hbil_view_args to, const int from_width,
-                          global const float *history,
-                          global float *carried, const hbil_plane_args planes,
+                          global const float *history, global float *carried,
+                          const hbil_plane_args planes,
                           global const uint *nearest,
                           global const void *depth_buffer,
                           const hbil_image_args depth_image,
@@ -119,9 +116,8 @@ kernel void scatter_fetch(const hbil_view_args to, const int from_width,
   const int count = to.width - x;
   const uint pixels = (uint)to.width * (uint)to.height;
   float lane[HBIL_CARRIED_PLANES][HBIL_WIDTH], here[HBIL_WIDTH];
-  STOREV(planar_depth(
-             load_depth(depth_buffer, depth_image, x, y, 0, count),
-             ray_x(to, x, 1), ray_y(to, y), background),
+  STOREV(planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count),
+                      ray_x(to, x, 1), ray_y(to, y), background),
          here);
   for (int i = 0; i < HBIL_WIDTH; ++i) {
     const uint at = (uint)y * (uint)to.width + (uint)(x + i);
@@ -129,14 +125,14 @@ kernel void scatter_fetch(const hbil_view_args to, const int from_width,
     bool carried_over = source != NO_SOURCE && here[i] > 0.0f;
 #if DISOCCLUSION
     if (carried_over)
-      carried_over = fabs(as_float(nearest[at]) - here[i]) <=
-                     disocclusion * here[i];
+      carried_over =
+          fabs(as_float(nearest[at]) - here[i]) <= disocclusion * here[i];
 #endif
-    const uint from = source / (uint)from_width * planes.row +
-                      source % (uint)from_width;
+    const uint from =
+        source / (uint)from_width * planes.row + source % (uint)from_width;
     for (int c = 0; c < 3; ++c)
-      lane[c][i] =
-          carried_over ? history[(HBIL_HISTORY_RED + c) * planes.plane + from]
+      lane[c][i] = carried_over
+                       ? history[(HBIL_HISTORY_RED + c) * planes.plane + from]
                        : 0.0f;
     lane[HBIL_CARRIED_WEIGHT][i] = carried_over ? 1.0f : 0.0f;
   }
@@ -146,8 +142,6 @@ kernel void scatter_fetch(const hbil_view_args to, const int from_width,
 }
 
 #else
-
-LOADER(motion, MOTION_TYPE, MOTION_STRIDE)
 
 /* One of the four pixels around the place the motion vector points to. */
 static inline void add_tap(global const float *history,
@@ -165,21 +159,18 @@ static inline void add_tap(global const float *history,
 #endif
   *total += weight;
   for (int c = 0; c < 3; ++c)
-    sum[c] = fma(weight, history[(HBIL_HISTORY_RED + c) * planes.plane],
-                 sum[c]);
+    sum[c] =
+        fma(weight, history[(HBIL_HISTORY_RED + c) * planes.plane], sum[c]);
 }
 
 /* motion: from this view to the last frame's. */
-kernel void follow_motion(const hbil_view_args view,
-                          const hbil_transform_args motion,
-                          global const float *history, global float *carried,
-                          const hbil_plane_args planes,
-                          global const void *depth_buffer,
-                          const hbil_image_args depth_image,
-                          global const void *motion_buffer,
-                          const hbil_image_args motion_image,
-                          const float scale_x, const float scale_y,
-                          const float background, const float disocclusion) {
+kernel void follow_motion(
+    const hbil_view_args view, const hbil_transform_args motion,
+    global const float *history, global float *carried,
+    const hbil_plane_args planes, global const void *depth_buffer,
+    const hbil_image_args depth_image, global const void *motion_buffer,
+    const hbil_image_args motion_image, const float scale_x,
+    const float scale_y, const float background, const float disocclusion) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= view.width || y >= view.height)
     return;

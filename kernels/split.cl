@@ -11,21 +11,6 @@
  * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows.
  */
 
-LOADER(depth, DEPTH_TYPE, DEPTH_STRIDE)
-LOADER(normal, NORMAL_TYPE, NORMAL_STRIDE)
-#if HAS_ALBEDO
-LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
-#endif
-#if HAS_F0
-LOADER(f0, F0_TYPE, F0_STRIDE)
-#endif
-#if HAS_DIRECT
-LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
-#endif
-#if HAS_EMISSION
-LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
-#endif
-
 #define INV_PI 0.318309886f
 
 /* Unit normal in view space that faces the eye by at least HBIL_MIN_COSINE;
@@ -51,23 +36,18 @@ static inline void facing_normal(realv n[3], realv rx, float ry) {
   }
 }
 
-kernel void split(const hbil_view_args view, const hbil_transform_args to_view,
-                  global float *layers, const hbil_layer_args layout,
-                  global const float *carried, const hbil_plane_args planes,
-                  const int has_history, const float background,
-                  const float direct_scale,
-                  global const void *depth_buffer,
-                  const hbil_image_args depth_image,
-                  global const void *normal_buffer,
-                  const hbil_image_args normal_image,
-                  global const void *albedo_buffer,
-                  const hbil_image_args albedo_image,
-                  global const void *f0_buffer,
-                  const hbil_image_args f0_image,
-                  global const void *direct_buffer,
-                  const hbil_image_args direct_image,
-                  global const void *emission_buffer,
-                  const hbil_image_args emission_image) {
+kernel void
+split(const hbil_view_args view, const hbil_transform_args to_view,
+      global float *layers, const hbil_layer_args layout,
+      global const float *carried, const hbil_plane_args planes,
+      const int has_history, const float background, const float direct_scale,
+      global const void *depth_buffer, const hbil_image_args depth_image,
+      global const void *normal_buffer, const hbil_image_args normal_image,
+      global const void *albedo_buffer, const hbil_image_args albedo_image,
+      global const void *f0_buffer, const hbil_image_args f0_image,
+      global const void *direct_buffer, const hbil_image_args direct_image,
+      global const void *emission_buffer,
+      const hbil_image_args emission_image) {
   const int x0 = (int)get_global_id(0) * (4 * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
@@ -88,9 +68,9 @@ kernel void split(const hbil_view_args view, const hbil_transform_args to_view,
 #if NORMAL_IS_WORLD
     realv v[3];
     for (int c = 0; c < 3; ++c)
-      v[c] = fma((realv)to_view.m[4 * c], n[0],
-                 fma((realv)to_view.m[4 * c + 1], n[1],
-                     to_view.m[4 * c + 2] * n[2]));
+      v[c] = fma(
+          (realv)to_view.m[4 * c], n[0],
+          fma((realv)to_view.m[4 * c + 1], n[1], to_view.m[4 * c + 2] * n[2]));
     for (int c = 0; c < 3; ++c)
       n[c] = v[c];
 #endif
@@ -104,14 +84,14 @@ kernel void split(const hbil_view_args view, const hbil_transform_args to_view,
     for (int c = 0; c < 3; ++c) {
       realv irradiance = 0.0f, reflectance = INV_PI, emitted = 0.0f;
 #if HAS_DIRECT
-      irradiance = direct_scale *
-                   repaired(load_direct(direct_buffer, direct_image, x, y, c,
-                                        count));
+      irradiance =
+          direct_scale *
+          repaired(load_direct(direct_buffer, direct_image, x, y, c, count));
 #endif
 #if HAS_ALBEDO
-      reflectance *= min(repaired(load_albedo(albedo_buffer, albedo_image, x,
-                                              y, c, count)),
-                         1.0f);
+      reflectance *= min(
+          repaired(load_albedo(albedo_buffer, albedo_image, x, y, c, count)),
+          1.0f);
 #endif
 #if HAS_F0
       reflectance *=

@@ -69,9 +69,9 @@ extern "C" {
 
 typedef enum hbil_status {
   HBIL_SUCCESS = 0,
-  HBIL_INVALID_ARGUMENT = 1,     /* a null or malformed argument */
-  HBIL_INVALID_CONFIG = 2,       /* a field of hbil_config is out of range */
-  HBIL_INVALID_FRAME = 3,        /* a field of hbil_frame is missing or wrong */
+  HBIL_INVALID_ARGUMENT = 1, /* a null or malformed argument */
+  HBIL_INVALID_CONFIG = 2,   /* a field of hbil_config is out of range */
+  HBIL_INVALID_FRAME = 3,    /* a field of hbil_frame is missing or wrong */
   HBIL_OUT_OF_HOST_MEMORY = 4,
   HBIL_OUT_OF_DEVICE_MEMORY = 5, /* the device could not hold the buffers */
   HBIL_UNSUPPORTED_DEVICE = 6,   /* below OpenCL 1.2 or without a compiler */
@@ -228,11 +228,11 @@ typedef struct hbil_config {
 
   /* How inputs are read. */
   hbil_depth_kind depth_kind;
-  float background; /* depths >= this are sky, like those that are not a
-                       positive finite number; default infinity */
+  float background;        /* depths >= this are sky, like those that are not a
+                              positive finite number; default infinity */
   hbil_space normal_space; /* default view */
   hbil_space bent_space;   /* default view */
-  float direct_scale; /* factor that makes E_direct of `direct`; default 1 */
+  float direct_scale;    /* factor that makes E_direct of `direct`; default 1 */
   float motion_scale[2]; /* factors that make (previous - current) position,
                             in pixels, x right, y down, of `motion` */
 
@@ -253,12 +253,12 @@ typedef struct hbil_config {
                               in `direct` already (CL_FALSE); default CL_TRUE */
   hbil_reprojection reprojection; /* default SCATTER */
   hbil_feedback feedback;         /* default IRRADIANCE */
-  float disocclusion;   /* carried-over light is dropped where its depth is off
-                           the new depth by more than this share; > 0;
-                           infinity: never; default 0.05 */
-  hbil_far_field far_field;       /* default NONE */
-  cl_bool raw_interleave; /* CL_TRUE: recompose only undoes the 4x4 split and
-                             filters nothing; default CL_FALSE */
+  float disocclusion; /* carried-over light is dropped where its depth is off
+                         the new depth by more than this share; > 0;
+                         infinity: never; default 0.05 */
+  hbil_far_field far_field; /* default NONE */
+  cl_bool raw_interleave;   /* CL_TRUE: recompose only undoes the 4x4 split and
+                               filters nothing; default CL_FALSE */
 
   /* How it runs. */
   cl_uint vector_width; /* 1, 4, 8, 16; 0 (default): chosen for the device */
@@ -329,8 +329,7 @@ typedef struct hbil_plan hbil_plan;
 /* Bytes of device memory that hbil_plan_create() will allocate for config:
  * the exact sum of its buffer sizes.  Checks config. */
 HBIL_API hbil_status hbil_plan_memory(hbil_context *context,
-                                      const hbil_config *config,
-                                      size_t *bytes);
+                                      const hbil_config *config, size_t *bytes);
 
 /* Builds kernels and allocates buffers.  config is copied.  On failure *out is
  * NULL and nothing is left behind. */
@@ -369,41 +368,26 @@ HBIL_API hbil_status hbil_enqueue_frame(hbil_plan *plan, cl_command_queue queue,
                                         cl_uint wait_count,
                                         const cl_event *wait_list,
                                         cl_event *event);
-HBIL_API hbil_status hbil_enqueue_reproject(hbil_plan *plan,
-                                            cl_command_queue queue,
-                                            const hbil_frame *frame,
-                                            cl_uint wait_count,
-                                            const cl_event *wait_list,
-                                            cl_event *event);
-HBIL_API hbil_status hbil_enqueue_push_pull(hbil_plan *plan,
-                                            cl_command_queue queue,
-                                            const hbil_frame *frame,
-                                            cl_uint wait_count,
-                                            const cl_event *wait_list,
-                                            cl_event *event);
+HBIL_API hbil_status hbil_enqueue_reproject(
+    hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
+    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
+HBIL_API hbil_status hbil_enqueue_push_pull(
+    hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
+    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
 HBIL_API hbil_status hbil_enqueue_split(hbil_plan *plan, cl_command_queue queue,
                                         const hbil_frame *frame,
                                         cl_uint wait_count,
                                         const cl_event *wait_list,
                                         cl_event *event);
-HBIL_API hbil_status hbil_enqueue_gather(hbil_plan *plan,
-                                         cl_command_queue queue,
-                                         const hbil_frame *frame,
-                                         cl_uint wait_count,
-                                         const cl_event *wait_list,
-                                         cl_event *event);
-HBIL_API hbil_status hbil_enqueue_recompose(hbil_plan *plan,
-                                            cl_command_queue queue,
-                                            const hbil_frame *frame,
-                                            cl_uint wait_count,
-                                            const cl_event *wait_list,
-                                            cl_event *event);
-HBIL_API hbil_status hbil_enqueue_composite(hbil_plan *plan,
-                                            cl_command_queue queue,
-                                            const hbil_frame *frame,
-                                            cl_uint wait_count,
-                                            const cl_event *wait_list,
-                                            cl_event *event);
+HBIL_API hbil_status hbil_enqueue_gather(
+    hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
+    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
+HBIL_API hbil_status hbil_enqueue_recompose(
+    hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
+    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
+HBIL_API hbil_status hbil_enqueue_composite(
+    hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
+    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
 
 /* ------------------------------------------------------------------------ */
 /* Between the passes                                                        */

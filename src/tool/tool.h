@@ -204,12 +204,12 @@ int timings_json(const timing_report *report, image_error *error);
 /* --- process.c: the main job --- */
 
 typedef struct process_options {
-  const char *output;      /* folder; must be given */
-  const char *camera;      /* NULL: FRAME.json beside FRAME.exr */
-  const char *environment; /* "R,G,B", an image file, or NULL */
-  const char *device;      /* see device_open() */
-  unsigned layers;         /* bit mask */
-  unsigned repeat;         /* runs of every frame, at least 1 */
+  const char *output;                /* folder; must be given */
+  const char *camera;                /* NULL: FRAME.json beside FRAME.exr */
+  const char *environment;           /* "R,G,B", an image file, or NULL */
+  const char *device;                /* see device_open() */
+  unsigned layers;                   /* bit mask */
+  unsigned repeat;                   /* runs of every frame, at least 1 */
   int preview, timings, json, quiet; /* flags */
   hbil_config config; /* settings; formats and size are filled in */
 } process_options;
