@@ -12,10 +12,10 @@
  * with Y1 = (y, z, x), Y2 = (xy, yz, 3z^2-1, zx, x^2-y^2).
  * Fresnel: the diffuse part of the light is (1 - F0) of it (paper 2.3.3).
  *
- * Builds: FAR (0 none, 1 constant, 2 SH), inputs' and outputs' formats, HAS_*,
- * OUT_*, BENT_IS_WORLD, FEEDBACK_RADIANCE, GATHER_EMISSION, GATHER_RADIANCE,
- * GATHER_BENT, HISTORY.
- * Launch: x = vectors of HBIL_WIDTH pixels, y = rows.
+ * Builds: FAR (0 none, 1 constant, 2 SH, 3 the frame's own estimate), inputs'
+ * and outputs' formats, HAS_*, OUT_*, BENT_IS_WORLD, FEEDBACK_RADIANCE,
+ * GATHER_EMISSION, GATHER_RADIANCE, GATHER_BENT, HISTORY. Launch: x = vectors
+ * of HBIL_WIDTH pixels, y = rows.
  */
 
 #if OUT_NEAR
@@ -76,13 +76,14 @@ static inline realv sh_light(const hbil_environment_args e, int c,
 
 kernel void
 composite(const hbil_view_args view, const hbil_transform_args world,
-          global const float *resolved, global float *history,
-          const hbil_plane_args planes, const hbil_environment_args environment,
-          const float background, const float direct_scale,
-          global const void *depth_buffer, const hbil_image_args depth_image,
-          global const void *albedo_buffer, const hbil_image_args albedo_image,
-          global const void *f0_buffer, const hbil_image_args f0_image,
-          global const void *direct_buffer, const hbil_image_args direct_image,
+          global const float *resolved, global const float *estimate,
+          global float *history, const hbil_plane_args planes,
+          const hbil_environment_args environment, const float background,
+          const float direct_scale, global const void *depth_buffer,
+          const hbil_image_args depth_image, global const void *albedo_buffer,
+          const hbil_image_args albedo_image, global const void *f0_buffer,
+          const hbil_image_args f0_image, global const void *direct_buffer,
+          const hbil_image_args direct_image,
           global const void *emission_buffer,
           const hbil_image_args emission_image, global void *near_buffer,
           const hbil_image_args near_image, global void *far_buffer,
@@ -147,6 +148,9 @@ composite(const hbil_view_args view, const hbil_transform_args world,
 #if FAR == 1
     behind = environment.sh[0][c];
     far_light = PI * ao * behind;
+#elif FAR == 3
+    far_light =
+        PI * ao * estimated_light(estimate, c, bent[0], bent[1], bent[2]);
 #elif FAR == 2
     behind = sh_light(environment, c, sky, unscaled);
     far_light = sh_light(environment, c, axis, aperture);

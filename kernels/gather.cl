@@ -16,7 +16,8 @@
  * makes the white furnace exact for any number of slices.
  *
  * Builds: SLICES, SAMPLES, LIMITED (a radius), LEVELS, GATHER_RADIANCE,
- * GATHER_BENT, REFUSED_BLACK.
+ * GATHER_BENT, REFUSED_BLACK (refused light is black here), REFUSED_FRAME (the
+ * same, and the refused share is written for recompose to fill).
  * Launch: x = vectors of HBIL_WIDTH pixels of a layer row, y = layer rows, z =
  * layers.  In: split planes, steps.  Out: light planes, same layout.
  */
@@ -74,6 +75,7 @@ typedef struct march {
   realv a, g, sin2;       /* integrals at the present horizon */
   realv red, green, blue; /* sum of L dA */
   realv last_red, last_green, last_blue;
+  realv unknown; /* sum of dA of refused samples */
 } march;
 
 /* The samples that raise the horizon: lanes `rises`, sample of inverse depth
@@ -115,6 +117,9 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
   realv red = LOADV(sample + HBIL_SPLIT_RED * plane);
   realv green = LOADV(sample + (HBIL_SPLIT_RED + 1) * plane);
   realv blue = LOADV(sample + (HBIL_SPLIT_RED + 2) * plane);
+#if REFUSED_FRAME
+  m->unknown = select(m->unknown, fma(share, 1.0f - accept, m->unknown), rises);
+#endif
 #if REFUSED_BLACK
   red *= accept;
   green *= accept;
@@ -153,6 +158,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   c.w = LOADV(here);
   const intv solid = c.w > 0.0f;
   realv ao = 1.0f, red = 0.0f, green = 0.0f, blue = 0.0f;
+  realv unknown = 0.0f;
   realv bent_x = 0.0f, bent_y = 0.0f, bent_z = 0.0f;
   if (ANY(solid)) {
 #if LIMITED
@@ -204,6 +210,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       const realv side_nx = -fma(u_wo, c.w * c.inv_r, g_u) * c.inv_n * inv_ud;
       const realv side_cot = fma(g_u * c.r, c.z, u_wo) * inv_ud;
       realv slice_red = 0.0f, slice_green = 0.0f, slice_blue = 0.0f;
+      realv slice_unknown = 0.0f;
 
       for (int side = 0; side < 2; ++side) {
         const float sign = side ? -1.0f : 1.0f;
@@ -213,7 +220,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         m.a = 0.5f * fma(nx, m.g, ny * m.sin2);
         m.excess = least_excess;
 #if GATHER_RADIANCE
-        m.red = m.green = m.blue = 0.0f;
+        m.red = m.green = m.blue = m.unknown = 0.0f;
 #if !REFUSED_BLACK
         m.last_red = c.red;
         m.last_green = c.green;
@@ -258,11 +265,13 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         slice_red += m.red;
         slice_green += m.green;
         slice_blue += m.blue;
+        slice_unknown += m.unknown;
 #endif
       }
       red = fma(jacobian, slice_red, red);
       green = fma(jacobian, slice_green, green);
       blue = fma(jacobian, slice_blue, blue);
+      unknown = fma(jacobian, slice_unknown, unknown);
     }
 
     /* whole is S at least in the mean; it falls to the size of a half-slice's
@@ -272,6 +281,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     red = select((realv)0.0f, PI * red * inv_whole, solid);
     green = select((realv)0.0f, PI * green * inv_whole, solid);
     blue = select((realv)0.0f, PI * blue * inv_whole, solid);
+    unknown = select((realv)0.0f, unknown * inv_whole, solid);
 #if GATHER_BENT
     /* Few slices miss the full hemisphere's S n by whole_*; adding what is
      * missing in the measure of what is open makes a bare plane's bent normal
@@ -292,6 +302,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   STOREV(red, light + HBIL_LIGHT_RED * args.light.plane);
   STOREV(green, light + (HBIL_LIGHT_RED + 1) * args.light.plane);
   STOREV(blue, light + (HBIL_LIGHT_RED + 2) * args.light.plane);
+#endif
+#if REFUSED_FRAME
+  STOREV(unknown, light + HBIL_LIGHT_UNKNOWN * args.light.plane);
 #endif
 #if GATHER_BENT
   STOREV(bent_x, light + HBIL_LIGHT_BENT * args.light.plane);

@@ -66,10 +66,16 @@ enum {
   HBIL_LIGHT_AO = 0,
   HBIL_LIGHT_RED = 1,  /* 2: green, 3: blue: E_near */
   HBIL_LIGHT_BENT = 4, /* x, 5: y, 6: z */
-  HBIL_LIGHT_PLANES = 7
+  HBIL_LIGHT_PLANES = 7,
+  /* gathered only: share of the hemisphere whose light is unknown */
+  HBIL_LIGHT_UNKNOWN = 7,
+  HBIL_GATHERED_PLANES = 8
 };
 enum { HBIL_HISTORY_W = 0, HBIL_HISTORY_RED = 1, HBIL_HISTORY_PLANES = 4 };
 enum { HBIL_CARRIED_RED = 0, HBIL_CARRIED_WEIGHT = 3, HBIL_CARRIED_PLANES = 4 };
+
+/* The estimate of unseen light (estimate.cl). */
+enum { HBIL_ESTIMATE_SIZE = 36, HBIL_ESTIMATE_PARTS = 64 };
 
 /* A caller's image, in components. */
 typedef struct hbil_image_args {

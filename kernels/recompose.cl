@@ -15,15 +15,18 @@
  */
 
 #define FIRST_BENT HBIL_LIGHT_BENT
+#define PI 3.14159265f
 
 /* Does anything read this plane? */
 static inline bool wanted(int p) {
-  return p == HBIL_LIGHT_AO || (p < FIRST_BENT ? GATHER_RADIANCE : GATHER_BENT);
+  return p == HBIL_LIGHT_AO || (p < FIRST_BENT           ? GATHER_RADIANCE
+                                : p < HBIL_LIGHT_UNKNOWN ? GATHER_BENT
+                                                         : REFUSED_FRAME);
 }
 
 static inline void add_tap(realv *value, realv weight,
                            global const float *light, uint plane) {
-  for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
+  for (int p = 0; p < HBIL_GATHERED_PLANES; ++p)
     if (wanted(p))
       value[p] = fma(weight, LOADV(light + (uint)p * plane), value[p]);
 }
@@ -32,14 +35,12 @@ static inline void add_tap(realv *value, realv weight,
  * (x, y) on. */
 static inline void filter(const hbil_view_args view, const hbil_layer_args in,
                           global const float *split, global const float *light,
-                          int i, int j, int x, int y, realv *value) {
+                          global const float *estimate, int i, int j, int x,
+                          int y, realv *value) {
   const uint center =
       (uint)(4 * j + i) * in.layer + in.origin + (uint)y * in.row + (uint)x;
-  for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
+  for (int p = 0; p < HBIL_GATHERED_PLANES; ++p)
     value[p] = 0.0f;
-#if RAW
-  add_tap(value, 1.0f, light + center, in.plane);
-#else
   const realv w0 = LOADV(split + center);
   const realv gx0 = LOADV(split + center + HBIL_SPLIT_GX * in.plane);
   const realv gy0 = LOADV(split + center + HBIL_SPLIT_GY * in.plane);
@@ -47,6 +48,9 @@ static inline void filter(const hbil_view_args view, const hbil_layer_args in,
   const float ry = ray_y(view, 4 * y + j);
   const realv gz0 = w0 - fma(gx0, rx, gy0 * ry);
   const realv n0 = fma(gx0, gx0, fma(gy0, gy0, gz0 * gz0));
+#if RAW
+  add_tap(value, 1.0f, light + center, in.plane);
+#else
   const realv falloff = 1.0f / (HBIL_PLANE_TOLERANCE * w0);
   realv total = 0.0f;
   for (int dy = -2; dy <= 2; ++dy) {
@@ -82,14 +86,23 @@ static inline void filter(const hbil_view_args view, const hbil_layer_args in,
     }
   }
   total = 1.0f / total;
-  for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
+  for (int p = 0; p < HBIL_GATHERED_PLANES; ++p)
     value[p] *= total;
+#endif
+#if REFUSED_FRAME
+  /* What faces away is lit by what the frame's surfaces send on average. */
+  const realv inv_n = -1.0f / sqrt(n0);
+  for (int c = 0; c < 3; ++c)
+    value[HBIL_LIGHT_RED + c] =
+        fma(PI * value[HBIL_LIGHT_UNKNOWN],
+            estimated_light(estimate, c, gx0 * inv_n, gy0 * inv_n, gz0 * inv_n),
+            value[HBIL_LIGHT_RED + c]);
+#endif
   /* the sky keeps what the gather gave it: open, dark, no direction */
   const intv sky = w0 <= 0.0f;
   value[HBIL_LIGHT_AO] = select(value[HBIL_LIGHT_AO], (realv)1.0f, sky);
   for (int p = HBIL_LIGHT_RED; p < HBIL_LIGHT_PLANES; ++p)
     value[p] = select(value[p], (realv)0.0f, sky);
-#endif
 #if GATHER_BENT
   realv length2 = 0.0f;
   for (int c = 0; c < 3; ++c)
@@ -104,14 +117,16 @@ static inline void filter(const hbil_view_args view, const hbil_layer_args in,
 
 kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
                       global const float *split, global const float *light,
-                      global float *resolved, const hbil_plane_args out) {
+                      global const float *estimate, global float *resolved,
+                      const hbil_plane_args out) {
   const int x0 = (int)get_global_id(0) * HBIL_WIDTH;
   const int row = (int)get_global_id(1);
   if (4 * x0 >= view.width || row >= view.height)
     return;
-  realv value[4][HBIL_LIGHT_PLANES];
+  realv value[4][HBIL_GATHERED_PLANES];
   for (int i = 0; i < 4; ++i)
-    filter(view, in, split, light, i, row & 3, x0, row >> 2, value[i]);
+    filter(view, in, split, light, estimate, i, row & 3, x0, row >> 2,
+           value[i]);
   resolved += (uint)row * out.row + (uint)(4 * x0);
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p) {
     if (!wanted(p))

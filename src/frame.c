@@ -359,6 +359,22 @@ static hbil_status push_pull(commands *chain, const hbil_frame *frame) {
   return status;
 }
 
+/* What light comes from where the screen doesn't show: from the split planes.
+ * The parts stand behind the sum in one buffer. */
+static hbil_status estimate(commands *chain, const hbil_view_args *view) {
+  hbil_plan *plan = chain->plan;
+  const argument part[] = {{sizeof *view, view},
+                           ARG(plan->layout.layers),
+                           ARG(plan->buffers[BUFFER_SPLIT]),
+                           ARG(plan->buffers[BUFFER_ESTIMATE])};
+  const argument sum[] = {ARG(plan->buffers[BUFFER_ESTIMATE])};
+  const hbil_status status =
+      LAUNCH(chain, KERNEL_ESTIMATE_PART, part, HBIL_ESTIMATE_PARTS, 1, 1);
+  return status == HBIL_SUCCESS
+             ? LAUNCH(chain, KERNEL_ESTIMATE_SUM, sum, HBIL_ESTIMATE_SIZE, 1, 1)
+             : status;
+}
+
 static hbil_status split(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
@@ -385,8 +401,12 @@ static hbil_status split(commands *chain, const hbil_frame *frame) {
                            IMAGE_ARGS(f0),
                            IMAGE_ARGS(direct),
                            IMAGE_ARGS(emission)};
-  return LAUNCH(chain, KERNEL_SPLIT, args, (across(plan) + 3) / 4,
-                plan->config.height, 1);
+  const hbil_status status =
+      LAUNCH(chain, KERNEL_SPLIT, args, (across(plan) + 3) / 4,
+             plan->config.height, 1);
+  return status == HBIL_SUCCESS && plan->layout.estimate
+             ? estimate(chain, &view)
+             : status;
 }
 
 /* Fractions of a turn and of a step that frame `index` adds: multiples of the
@@ -464,6 +484,7 @@ static hbil_status recompose(commands *chain, const hbil_frame *frame) {
                            ARG(plan->layout.layers),
                            ARG(plan->buffers[BUFFER_SPLIT]),
                            ARG(plan->buffers[BUFFER_LIGHT]),
+                           ARG(plan->buffers[BUFFER_ESTIMATE]),
                            ARG(plan->buffers[BUFFER_RESOLVED]),
                            ARG(plan->layout.planes)};
   return LAUNCH(chain, KERNEL_RECOMPOSE, args, (across(plan) + 3) / 4,
@@ -482,6 +503,7 @@ static hbil_status composite(commands *chain, const hbil_frame *frame) {
   const argument args[] = {ARG(view),
                            ARG(world),
                            ARG(plan->buffers[BUFFER_RESOLVED]),
+                           ARG(plan->buffers[BUFFER_ESTIMATE]),
                            ARG(plan->buffers[BUFFER_HISTORY]),
                            ARG(plan->layout.planes),
                            ARG(environment),

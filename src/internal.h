@@ -7,6 +7,25 @@
 #include "hbil/hbil.h"
 #include "hbil_shared.h"
 
+/* In the static library internals would meet the names of programs. */
+#define camera_between hbil_internal_camera_between
+#define camera_check hbil_internal_camera_check
+#define camera_from_world hbil_internal_camera_from_world
+#define camera_to_world hbil_internal_camera_to_world
+#define camera_view hbil_internal_camera_view
+#define cl_error_name hbil_internal_cl_error_name
+#define config_check hbil_internal_config_check
+#define config_format hbil_internal_config_format
+#define fail hbil_internal_fail
+#define fail_cl hbil_internal_fail_cl
+#define far_field_args hbil_internal_far_field_args
+#define format_stride hbil_internal_format_stride
+#define frame_image hbil_internal_frame_image
+#define image_kinds hbil_internal_image_kinds
+#define kernel_sources hbil_internal_kernel_sources
+#define layout_compute hbil_internal_layout_compute
+#define program_build hbil_internal_program_build
+
 /* Images of a frame, inputs first. */
 enum {
   IMAGE_DEPTH,
@@ -111,6 +130,7 @@ enum {
   BUFFER_LIGHT,
   BUFFER_RESOLVED,
   BUFFER_STEPS,
+  BUFFER_ESTIMATE, /* the estimate, then its parts */
   BUFFER_COUNT
 };
 
@@ -122,6 +142,8 @@ enum {
   KERNEL_PUSH,
   KERNEL_PULL,
   KERNEL_SPLIT,
+  KERNEL_ESTIMATE_PART,
+  KERNEL_ESTIMATE_SUM,
   KERNEL_PATTERN,
   KERNEL_GATHER,
   KERNEL_RECOMPOSE,
@@ -129,7 +151,7 @@ enum {
   KERNEL_COUNT
 };
 
-enum { PROGRAM_COUNT = 7 };
+enum { PROGRAM_COUNT = 8 };
 
 /* log2(16384) + 1: levels of the largest push/pull chain. */
 enum { MAX_CHAIN = 15 };
@@ -142,9 +164,10 @@ typedef struct layout {
   hbil_layer_args layers;     /* split and light */
   int chain_count;
   hbil_chain_args chain[MAX_CHAIN];
-  bool radiance, bent, history; /* what must be computed */
-  hbil_far_field far_field;     /* NONE where nothing shows it */
-  hbil_pattern_args pattern;    /* without turn, shift, reach */
+  /* what must be computed; unknown: the share of refused light */
+  bool radiance, bent, history, unknown, estimate;
+  hbil_far_field far_field;  /* NONE where nothing shows it */
+  hbil_pattern_args pattern; /* without turn, shift, reach */
 } layout;
 
 void layout_compute(const hbil_config *config, layout *out);

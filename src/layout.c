@@ -14,11 +14,16 @@ static bool has(const hbil_config *config, int image) {
 }
 
 static void decide_work(const hbil_config *config, layout *out) {
-  out->radiance = has(config, IMAGE_NEAR) || has(config, IMAGE_INDIRECT) ||
-                  has(config, IMAGE_RADIANCE);
+  out->radiance =
+      has(config, IMAGE_NEAR) || has(config, IMAGE_INDIRECT) ||
+      has(config, IMAGE_RADIANCE) ||
+      (has(config, IMAGE_FAR) && config->far_field == HBIL_FAR_FRAME);
   out->far_field = out->radiance || has(config, IMAGE_FAR) ? config->far_field
                                                            : HBIL_FAR_NONE;
-  out->bent = has(config, IMAGE_BENT) || out->far_field == HBIL_FAR_SH;
+  out->bent = has(config, IMAGE_BENT) || out->far_field == HBIL_FAR_SH ||
+              out->far_field == HBIL_FAR_FRAME;
+  out->unknown = out->radiance && config->refused == HBIL_REFUSED_FRAME;
+  out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
   out->history =
       out->radiance && config->reprojection != HBIL_REPROJECTION_NONE;
 }
@@ -83,8 +88,13 @@ void layout_compute(const hbil_config *config, layout *out) {
   out->bytes[BUFFER_SPLIT] =
       (out->radiance ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED) * real *
       out->layers.plane;
-  out->bytes[BUFFER_LIGHT] = light_planes * real * out->layers.plane;
+  out->bytes[BUFFER_LIGHT] =
+      (out->unknown ? HBIL_GATHERED_PLANES : light_planes) * real *
+      out->layers.plane;
   out->bytes[BUFFER_RESOLVED] = light_planes * real * out->planes.plane;
+  if (out->estimate)
+    out->bytes[BUFFER_ESTIMATE] =
+        HBIL_ESTIMATE_SIZE * (1 + HBIL_ESTIMATE_PARTS) * real;
   out->pattern.slices = (cl_int)config->slices;
   out->pattern.samples = (cl_int)config->samples;
   out->pattern.levels = isinf(config->radius) ? 1 : HBIL_MAX_LEVELS;

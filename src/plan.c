@@ -52,13 +52,14 @@ static void write_defines(const hbil_plan *plan, text *t) {
       (unsigned)c->slices, (unsigned)c->samples, !isinf(c->radius),
       (int)plan->layout.pattern.levels);
   add(t, " -DFACING_STEP=%d -DREFUSED_BLACK=%d -DRAW=%d",
-      c->facing[0] >= c->facing[1], c->refused == HBIL_REFUSED_BLACK,
+      c->facing[0] >= c->facing[1], c->refused != HBIL_REFUSED_LAST,
       c->raw_interleave != 0);
   add(t, " -DGATHER_EMISSION=%d -DFEEDBACK_RADIANCE=%d -DREPROJECT_MOTION=%d",
       c->gather_emission != 0, c->feedback == HBIL_FEEDBACK_RADIANCE,
       c->reprojection == HBIL_REPROJECTION_MOTION);
   add(t, " -DDISOCCLUSION=%d -DFAR=%d", !isinf(c->disocclusion),
       (int)plan->layout.far_field);
+  add(t, " -DREFUSED_FRAME=%d", plan->layout.unknown);
   add(t, " -DGATHER_RADIANCE=%d -DGATHER_BENT=%d -DHISTORY=%d",
       plan->layout.radiance, plan->layout.bent, plan->layout.history);
 }
@@ -74,6 +75,7 @@ enum {
   PROGRAM_REPROJECT,
   PROGRAM_PUSH_PULL,
   PROGRAM_SPLIT,
+  PROGRAM_ESTIMATE,
   PROGRAM_PATTERN,
   PROGRAM_GATHER,
   PROGRAM_RECOMPOSE,
@@ -84,6 +86,7 @@ static const pass_program programs[PROGRAM_COUNT] = {
     [PROGRAM_REPROJECT] = {"reproject", false},
     [PROGRAM_PUSH_PULL] = {"push_pull", false},
     [PROGRAM_SPLIT] = {"split", false},
+    [PROGRAM_ESTIMATE] = {"estimate", false},
     [PROGRAM_PATTERN] = {"pattern", false},
     [PROGRAM_GATHER] = {"gather", true},
     [PROGRAM_RECOMPOSE] = {"recompose", true},
@@ -101,6 +104,8 @@ static const struct {
     [KERNEL_PUSH] = {"push", PROGRAM_PUSH_PULL},
     [KERNEL_PULL] = {"pull", PROGRAM_PUSH_PULL},
     [KERNEL_SPLIT] = {"split", PROGRAM_SPLIT},
+    [KERNEL_ESTIMATE_PART] = {"estimate_part", PROGRAM_ESTIMATE},
+    [KERNEL_ESTIMATE_SUM] = {"estimate_sum", PROGRAM_ESTIMATE},
     [KERNEL_PATTERN] = {"make_pattern", PROGRAM_PATTERN},
     [KERNEL_GATHER] = {"gather", PROGRAM_GATHER},
     [KERNEL_RECOMPOSE] = {"recompose", PROGRAM_RECOMPOSE},
@@ -108,6 +113,8 @@ static const struct {
 };
 
 static bool program_needed(const hbil_plan *plan, int program) {
+  if (program == PROGRAM_ESTIMATE)
+    return plan->layout.estimate;
   return plan->layout.history ||
          (program != PROGRAM_REPROJECT && program != PROGRAM_PUSH_PULL);
 }

@@ -4,7 +4,7 @@
  *
  * Images and conventions are those the tool uses for Cycles passes.  The data
  * is looked for in $HBIL_DATA, else in $srcdir/../shared/data; a scene that is
- * not there is skipped.
+ * not there is left out.
  */
 #include "support.h"
 
@@ -12,7 +12,14 @@
 
 #include "image/image.h"
 
-/* Relative RMSE over the foreground: the requirement. */
+/*
+ * Relative RMSE over the foreground: the requirement.  Measured: AO 1.4e-7;
+ * near 1.9e-7 (cornell), 8.5e-5 (staircase), 1.6e-7 (veach_bidir), 8.3e-6
+ * (viking_ao), 2.5e-7 with all light accepted.  What is above 3e-7 comes from a
+ * few dozen pixels: a sample of the pixel's own plane rises over the horizon,
+ * or not, by rounding; it closes nothing, but as the last accepted light
+ * (HBIL_REFUSED_LAST) it stands in for an occluder behind it that faces away.
+ */
 #define LIMIT 1e-3
 
 #define FIRST_FRAME 5
@@ -27,29 +34,26 @@ typedef struct dump_case {
 /* ------------------------------------------------------------------------ */
 /* Files                                                                     */
 
-static bool data_path(char *out, size_t size, const char *scene, int frame,
+enum { PATH_SIZE = 4096 };
+
+static bool data_path(char out[PATH_SIZE], const char *scene, int frame,
                       const char *extension) {
   const char *data = getenv("HBIL_DATA"), *root = getenv("srcdir");
   int length;
   if (data && *data)
-    length = snprintf(out, size, "%s/%s/frame_%04d.%s", data, scene, frame,
+    length = snprintf(out, PATH_SIZE, "%s/%s/frame_%04d.%s", data, scene, frame,
                       extension);
   else
-    length = snprintf(out, size, "%s/../shared/data/%s/frame_%04d.%s",
+    length = snprintf(out, PATH_SIZE, "%s/../shared/data/%s/frame_%04d.%s",
                       root ? root : ".", scene, frame, extension);
-  return length > 0 && (size_t)length < size;
-}
-
-static void require_path(char *out, size_t size, const char *scene, int frame,
-                         const char *extension) {
-  if (!data_path(out, size, scene, frame, extension))
-    fail_msg("%s: the path of the data is too long", scene);
+  return length > 0 && length < PATH_SIZE;
 }
 
 static bool is_there(const char *scene) {
-  char path[4096];
+  char path[PATH_SIZE];
   FILE *file;
-  require_path(path, sizeof(path), scene, LAST_FRAME, "exr");
+  if (!data_path(path, scene, LAST_FRAME, "exr"))
+    return false;
   file = fopen(path, "rb");
   if (file)
     fclose(file);
@@ -84,20 +88,20 @@ enum { CHANNELS = sizeof(channels) / sizeof(*channels) };
 
 static void read_dump(const char *scene, int frame, image *out) {
   const char *names[CHANNELS];
-  char path[4096];
+  char path[PATH_SIZE];
   image_error error;
   for (int i = 0; i < CHANNELS; ++i)
     names[i] = channels[i].name;
-  require_path(path, sizeof(path), scene, frame, "exr");
+  assert_true(data_path(path, scene, frame, "exr"));
   if (exr_read(path, names, CHANNELS, out, &error) != 0)
     fail_msg("%s", error.text);
 }
 
 static void read_camera(const char *scene, int frame, hbil_camera *out) {
-  char path[4096];
+  char path[PATH_SIZE];
   image_error error;
   camera_file camera;
-  require_path(path, sizeof(path), scene, frame, "json");
+  assert_true(data_path(path, scene, frame, "json"));
   if (camera_read(path, &camera, &error) != 0)
     fail_msg("%s", error.text);
   hbil_camera_from_opengl(out, camera.camera_to_world, camera.fx, camera.fy,
@@ -200,8 +204,6 @@ static void frames_match(void **state) {
   const dump_case *c = *state;
   setup s;
   ref_state reference;
-  if (!is_there(c->scene))
-    skip();
   setup_case(&s, c);
   ref_state_init(&reference, (int)s.config.width, (int)s.config.height);
   for (int frame = FIRST_FRAME; frame <= LAST_FRAME; ++frame) {
@@ -218,32 +220,50 @@ static void frames_match(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Cases                                                                     */
 
-static dump_case cases[] = {
-    {"cornell", use_defaults},         {"staircase", use_defaults},
-    {"veach_bidir", use_defaults},     {"viking_ao", use_defaults},
-    {"cornell", accept_all_light},     {"staircase", accept_all_light},
-    {"veach_bidir", accept_all_light}, {"viking_ao", accept_all_light},
-    {"cornell", follow_motion},        {"staircase", follow_motion},
-    {"veach_bidir", follow_motion},    {"viking_ao", follow_motion},
+typedef struct named_case {
+  const char *name;
+  dump_case dump;
+} named_case;
+
+static named_case cases[] = {
+    {"cornell_matches", {"cornell", use_defaults}},
+    {"staircase_matches", {"staircase", use_defaults}},
+    {"veach_bidir_matches", {"veach_bidir", use_defaults}},
+    {"viking_ao_matches", {"viking_ao", use_defaults}},
+    {"cornell_matches_with_all_light", {"cornell", accept_all_light}},
+    {"staircase_matches_with_all_light", {"staircase", accept_all_light}},
+    {"veach_bidir_matches_with_all_light", {"veach_bidir", accept_all_light}},
+    {"viking_ao_matches_with_all_light", {"viking_ao", accept_all_light}},
+    {"cornell_matches_by_motion", {"cornell", follow_motion}},
+    {"staircase_matches_by_motion", {"staircase", follow_motion}},
+    {"veach_bidir_matches_by_motion", {"veach_bidir", follow_motion}},
+    {"viking_ao_matches_by_motion", {"viking_ao", follow_motion}},
 };
 
-#define CASE(name, index)                                                      \
-  { name, frames_match, NULL, NULL, cases + (index) }
+enum { CASES = sizeof(cases) / sizeof(*cases) };
+
+/* The tests of the scenes that are there.  Not by skip(): cmocka 1.1 says "not
+ * ok" with it, which automake's driver takes for a failure. */
+static size_t choose_tests(struct CMUnitTest *tests) {
+  size_t count = 0;
+  for (int i = 0; i < CASES; ++i) {
+    const struct CMUnitTest test = {cases[i].name, frames_match, NULL, NULL,
+                                    &cases[i].dump};
+    if (is_there(cases[i].dump.scene))
+      tests[count++] = test;
+    else
+      fprintf(stderr, "# %s: skipped, no dumps\n", cases[i].name);
+  }
+  return count;
+}
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      CASE("cornell_matches", 0),
-      CASE("staircase_matches", 1),
-      CASE("veach_bidir_matches", 2),
-      CASE("viking_ao_matches", 3),
-      CASE("cornell_matches_when_all_light_is_accepted", 4),
-      CASE("staircase_matches_when_all_light_is_accepted", 5),
-      CASE("veach_bidir_matches_when_all_light_is_accepted", 6),
-      CASE("viking_ao_matches_when_all_light_is_accepted", 7),
-      CASE("cornell_matches_when_motion_is_followed", 8),
-      CASE("staircase_matches_when_motion_is_followed", 9),
-      CASE("veach_bidir_matches_when_motion_is_followed", 10),
-      CASE("viking_ao_matches_when_motion_is_followed", 11),
-  };
-  return RUN_WITH_GPU(tests);
+  struct CMUnitTest tests[CASES];
+  size_t count = choose_tests(tests);
+  if (count == 0) {
+    puts("1..0 # SKIP no dumps");
+    return 0;
+  }
+  test_gpu = gpu_open();
+  return gpu_finish(_cmocka_run_group_tests("dumps", tests, count, NULL, NULL));
 }

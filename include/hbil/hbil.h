@@ -181,7 +181,10 @@ typedef enum hbil_feedback {
 typedef enum hbil_far_field {
   HBIL_FAR_NONE = 0,     /* E_far = 0 */
   HBIL_FAR_CONSTANT = 1, /* the same radiance from everywhere */
-  HBIL_FAR_SH = 2        /* order-2 spherical harmonics, 9 coefficients */
+  HBIL_FAR_SH = 2,       /* order-2 spherical harmonics, 9 coefficients */
+  /* What the frame's own surfaces send on average towards the bent normal: for
+   * rooms that close outside the picture. */
+  HBIL_FAR_FRAME = 3
 } hbil_far_field;
 
 /* Light of an interval that is blocked by a sample facing away. */
@@ -189,7 +192,10 @@ typedef enum hbil_refused {
   /* The last accepted radiance along the half-slice (paper, 3.4); at first
    * the pixel's own. */
   HBIL_REFUSED_LAST = 0,
-  HBIL_REFUSED_BLACK = 1
+  HBIL_REFUSED_BLACK = 1,
+  /* What the frame's own surfaces send on average towards the pixel's normal:
+   * the side that faces the pixel is one that the screen doesn't show. */
+  HBIL_REFUSED_FRAME = 2
 } hbil_refused;
 
 /* Where the samples of a slice may lie. */
@@ -398,8 +404,9 @@ HBIL_API hbil_status hbil_enqueue_composite(
  *   CARRIED    4: RGB of the last frame seen from this one, weight (0: a hole)
  *   SPLIT      6: inverse depth w (<= 0: nothing there), its gradient in x and
  *                 y (per unit of ray slope), radiance RGB
- *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length)
- *   RESOLVED   7: the same, full resolution
+ *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length);
+ *                 8 with HBIL_REFUSED_FRAME: share of light that is unknown
+ *   RESOLVED   7: the same, full resolution, E_near with the unknown filled in
  * A plan keeps only what its outputs need: hbil_buffer.values says how many of
  * these, from the first on, it has (SPLIT 3 without radiance; GATHERED and
  * RESOLVED 4 without bent normals, 1 with AO alone).  HISTORY and CARRIED exist

@@ -96,7 +96,10 @@ static void usage(const hbil_config *defaults) {
          "                        fades in (%g,%g)\n",
          (double)defaults->facing[0], (double)defaults->facing[1]);
   puts(
-      "  --refused last|black  light of samples that face away\n"
+      "  --refused last|black|frame\n"
+      "                        light of samples that face away: the last one\n"
+      "                        accepted, none, what the frame sends on "
+      "average\n"
       "  --gather-emission yes|no\n"
       "                        emission lights neighbours, too (no, as direct\n"
       "                        light holds what lamps send)\n"
@@ -125,7 +128,7 @@ static int choice(const char *option, const char *const *words, int *out,
 
 static int set_choice(int option, process_options *o, image_error *error) {
   static const char *const lattices[] = {"layer", "full", NULL};
-  static const char *const refusals[] = {"last", "black", NULL};
+  static const char *const refusals[] = {"last", "black", "frame", NULL};
   static const char *const answers[] = {"no", "yes", NULL};
   static const char *const reprojections[] = {"none", "scatter", "motion",
                                               NULL};

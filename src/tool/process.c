@@ -232,6 +232,10 @@ static int load_map(process *p) {
 
 static int load_environment(process *p) {
   const char *text = p->options->environment;
+  if (text && !strcmp(text, "frame")) {
+    p->config.far_field = HBIL_FAR_FRAME;
+    return 0;
+  }
   float constant[3];
   if (!text)
     return 0;

@@ -1,0 +1,96 @@
+/*
+ * estimate: what light comes from surfaces that the screen doesn't show?  The
+ * honest guess is what the visible ones send: for a receiver of normal n the
+ * mean radiance of the visible surfels, each weighed by its area and by how
+ * much it faces the receiver.  With c = -n_i.n the weight is the clamped cosine
+ * convolved with itself, to order 2,
+ *   1 + 4/3 c + 5/16 P2(c)
+ * which is nowhere below -0.03, so it never needs more than 4 x 9 numbers:
+ * sums of (L, 1) x area x the order-2 polynomials of -n_i (HACKING.md).
+ *
+ * Every 4th pixel in x and y (layer 0) is enough.  A mean of radiances is no
+ * larger than the largest, so feeding it back loses energy at every bounce.
+ *
+ * In: split planes.  Out: estimate[4][9]: red, green, blue, weight; behind it
+ * HBIL_ESTIMATE_PARTS times the same, the parts it is the sum of.
+ */
+
+/* The polynomials of the real basis in order (0,0) (1,-1..1) (2,-2..2). */
+static inline void polynomials(realv x, realv y, realv z, realv *p) {
+  p[0] = 1.0f;
+  p[1] = y;
+  p[2] = z;
+  p[3] = x;
+  p[4] = x * y;
+  p[5] = y * z;
+  p[6] = 3.0f * z * z - 1.0f;
+  p[7] = z * x;
+  p[8] = x * x - y * y;
+}
+
+static inline float lanes_sum(realv v) {
+  float lane[HBIL_WIDTH], sum = 0.0f;
+  STOREV(v, lane);
+  for (int i = 0; i < HBIL_WIDTH; ++i)
+    sum += lane[i];
+  return sum;
+}
+
+/* Launch: x = HBIL_ESTIMATE_PARTS work-items, each takes every so many rows. */
+kernel void estimate_part(const hbil_view_args view, const hbil_layer_args in,
+                          global const float *split, global float *estimate) {
+  const int part = (int)get_global_id(0);
+  if (part >= HBIL_ESTIMATE_PARTS || get_global_id(1) > 0)
+    return;
+  realv sum[HBIL_ESTIMATE_SIZE];
+  for (int i = 0; i < HBIL_ESTIMATE_SIZE; ++i)
+    sum[i] = 0.0f;
+  for (int y = part; y < in.height; y += HBIL_ESTIMATE_PARTS) {
+    const float ry = ray_y(view, 4 * y);
+    for (int x = 0; x < in.width; x += HBIL_WIDTH) {
+      global const float *here = split + in.origin + (uint)y * in.row + (uint)x;
+      const realv w = LOADV(here);
+      const intv solid = w > 0.0f;
+      if (!ANY(solid))
+        continue;
+      const realv gx = LOADV(here + HBIL_SPLIT_GX * in.plane);
+      const realv gy = LOADV(here + HBIL_SPLIT_GY * in.plane);
+      const realv rx = ray_x(view, 4 * x, 4);
+      const realv gz = w - fma(gx, rx, gy * ry);
+      const realv length = sqrt(fma(gx, gx, fma(gy, gy, gz * gz)));
+      /* A pixel's area on its surface is z^2 / (|r| n.wo), up to a constant.
+       * At grazing views few pixels would decide: n.wo counts as 0.1 at
+       * least. */
+      const realv r2 = fma(rx, rx, (realv)fma(ry, ry, 1.0f));
+      const realv cosine = max(w / (length * sqrt(r2)), (realv)0.1f);
+      const realv area =
+          select((realv)0.0f, 1.0f / (w * w * sqrt(r2) * cosine), solid);
+      const realv inv = 1.0f / length;
+      realv p[9];
+      polynomials(gx * inv, gy * inv, gz * inv, p);
+      for (int c = 0; c < 4; ++c) {
+        const realv light =
+            c < 3 ? area * LOADV(here + (HBIL_SPLIT_RED + c) * in.plane) : area;
+        for (int k = 0; k < 9; ++k)
+          sum[9 * c + k] += select((realv)0.0f, light * p[k], solid);
+      }
+    }
+  }
+  for (int i = 0; i < HBIL_ESTIMATE_SIZE; ++i)
+    estimate[(part + 1) * HBIL_ESTIMATE_SIZE + i] = lanes_sum(sum[i]);
+}
+
+/* Launch: x = HBIL_ESTIMATE_SIZE work-items; always the same order of sums. */
+kernel void estimate_sum(global float *estimate) {
+  const int i = (int)get_global_id(0);
+  if (i >= HBIL_ESTIMATE_SIZE || get_global_id(1) > 0)
+    return;
+  /* products of the basis functions' constants with the weight's orders */
+  const float factor[9] = {1.0f,        1.33333333f, 1.33333333f,
+                           1.33333333f, 0.9375f,     0.9375f,
+                           0.078125f,   0.9375f,     0.234375f};
+  float sum = 0.0f;
+  for (int part = 0; part < HBIL_ESTIMATE_PARTS; ++part)
+    sum += estimate[(part + 1) * HBIL_ESTIMATE_SIZE + i];
+  estimate[i] = factor[i % 9] * sum;
+}
