@@ -149,8 +149,9 @@ composite(const hbil_view_args view, const hbil_transform_args world,
     behind = environment.sh[0][c];
     far_light = PI * ao * behind;
 #elif FAR == 3
-    far_light =
-        PI * ao * estimated_light(estimate, c, bent[0], bent[1], bent[2]);
+    far_light = PI * ao *
+                unseen_light(estimate, c, bent[0], bent[1], bent[2],
+                             near_light * INV_PI, 1.0f - ao);
 #elif FAR == 2
     behind = sh_light(environment, c, sky, unscaled);
     far_light = sh_light(environment, c, axis, aperture);

@@ -1,16 +1,16 @@
 /*
  * estimate: what light comes from surfaces that the screen doesn't show?  The
- * honest guess is what the visible ones send: for a receiver of normal n the
- * mean radiance of the visible surfels, each weighed by its area and by how
- * much it faces the receiver.  With c = -n_i.n the weight is the clamped cosine
- * convolved with itself, to order 2,
- *   1 + 4/3 c + 5/16 P2(c)
- * which is nowhere below -0.03, so it never needs more than 4 x 9 numbers:
- * sums of (L, 1) x area x the order-2 polynomials of -n_i (HACKING.md).
+ * honest guess is what the visible ones send: for a receiver of normal n a mean
+ * over the visible pixels, each weighed by how much it faces the receiver. With
+ * c = -n_i.n the weight is the clamped cosine convolved with itself, to order
+ * 2, 1 + 4/3 c + 5/16 P2(c) which is nowhere below -0.03 and needs no more than
+ * 4 x 9 numbers: sums of (sqrt L, 1) times the order-2 polynomials of -n_i.
  *
- * Every 4th pixel in x and y (layer 0) is enough.  A mean of radiances is no
- * larger than the largest, so feeding it back loses energy at every bounce.
+ * The mean is that of sqrt(L), squared: a few very bright pixels (a lamp's
+ * surroundings) must not light everything that is unseen.  It is never above
+ * the arithmetic mean, so feeding it back loses energy at every bounce.
  *
+ * Every 4th pixel in x and y (layer 0) is enough.
  * In: split planes.  Out: estimate[4][9]: red, green, blue, weight; behind it
  * HBIL_ESTIMATE_PARTS times the same, the parts it is the sum of.
  */
@@ -58,19 +58,12 @@ kernel void estimate_part(const hbil_view_args view, const hbil_layer_args in,
       const realv rx = ray_x(view, 4 * x, 4);
       const realv gz = w - fma(gx, rx, gy * ry);
       const realv length = sqrt(fma(gx, gx, fma(gy, gy, gz * gz)));
-      /* A pixel's area on its surface is z^2 / (|r| n.wo), up to a constant.
-       * At grazing views few pixels would decide: n.wo counts as 0.1 at
-       * least. */
-      const realv r2 = fma(rx, rx, (realv)fma(ry, ry, 1.0f));
-      const realv cosine = max(w / (length * sqrt(r2)), (realv)0.1f);
-      const realv area =
-          select((realv)0.0f, 1.0f / (w * w * sqrt(r2) * cosine), solid);
       const realv inv = 1.0f / length;
       realv p[9];
       polynomials(gx * inv, gy * inv, gz * inv, p);
       for (int c = 0; c < 4; ++c) {
         const realv light =
-            c < 3 ? area * LOADV(here + (HBIL_SPLIT_RED + c) * in.plane) : area;
+            c < 3 ? sqrt(LOADV(here + (HBIL_SPLIT_RED + c) * in.plane)) : 1.0f;
         for (int k = 0; k < 9; ++k)
           sum[9 * c + k] += select((realv)0.0f, light * p[k], solid);
       }

@@ -17,7 +17,8 @@
  *
  * Builds: SLICES, SAMPLES, LIMITED (a radius), LEVELS, GATHER_RADIANCE,
  * GATHER_BENT, REFUSED_BLACK (refused light is black here), REFUSED_FRAME (the
- * same, and the refused share is written for recompose to fill).
+ * same, and the refused share is written for recompose to fill), FINITE
+ * (occluders have a thickness: sectors instead of a horizon).
  * Launch: x = vectors of HBIL_WIDTH pixels of a layer row, y = layer rows, z =
  * layers.  In: split planes, steps.  Out: light planes, same layout.
  */
@@ -71,12 +72,58 @@ typedef struct center {
 
 /* State of a half-slice. */
 typedef struct march {
-  realv excess;           /* the highest so far */
-  realv a, g, sin2;       /* integrals at the present horizon */
+  realv excess;     /* the highest so far; FINITE: the least to count */
+  realv a, g, sin2; /* integrals up to the present horizon; FINITE: over
+                       what is still open */
+#if FINITE
+  uintv covered; /* sectors of equal A that are blocked */
+  realv sectors; /* sectors per A */
+#endif
   realv red, green, blue; /* sum of L dA */
   realv last_red, last_green, last_blue;
   realv unknown; /* sum of dA of refused samples */
 } march;
+
+#if FINITE
+#define SECTORS 32
+
+/* n low bits set, n = 0..32 */
+static inline uintv low_bits(intv n) {
+  const uintv one = 1u;
+  return select((one << AS_UINTV(n)) - one, (uintv)0xffffffffu,
+                MASK_UINTV(n >= SECTORS));
+}
+
+/*
+ * A sample as thick as `back` says covers the angles from its front to its
+ * back, both one line in inverse depth: theta in [theta_1, theta_b].  Sectors
+ * are equal in A; their borders are dithered from layer to layer by `dither`.
+ * Returns the A of newly covered sectors and takes it from what is open.
+ */
+static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
+                          realv nx, realv ny, float dither) {
+  realv g1, g2, sin1, sin2;
+  horizon_terms(cot_front, &g1, &sin1);
+  horizon_terms(cot_back, &g2, &sin2);
+  const realv a1 = 0.5f * fma(nx, g1, ny * sin1);
+  const realv a2 = 0.5f * fma(nx, g2, ny * sin2);
+  const intv first =
+      clamp(TO_INTV(fma(a1, m->sectors, (realv)dither)), 0, SECTORS);
+  const intv last =
+      clamp(TO_INTV(fma(a2, m->sectors, (realv)dither)), 0, SECTORS);
+  uintv fresh = low_bits(last) & ~low_bits(first) & ~m->covered;
+  fresh = select((uintv)0u, fresh, MASK_UINTV(rises));
+  m->covered |= fresh;
+  const realv share = TO_REALV(AS_INTV(popcount(fresh))) / m->sectors;
+  /* The interval's mean direction stands for its fresh part; below 1e-5 of A
+   * the differences have no digits left in fp32. */
+  const realv part = share / max(a2 - a1, (realv)1e-5f);
+  m->a = max(m->a - share, (realv)0.0f);
+  m->g = select(m->g, fma(part, g1 - g2, m->g), rises);
+  m->sin2 = select(m->sin2, fma(part, sin1 - sin2, m->sin2), rises);
+  return share;
+}
+#endif
 
 /* The samples that raise the horizon: lanes `rises`, sample of inverse depth
  * w1 at `step`, found at `sample` in the planes. */
@@ -84,8 +131,8 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
                          realv w1, const hbil_step step,
                          global const float *sample, uint plane,
                          const hbil_gather_args args, realv cot_tangent,
-                         realv slope, realv nx, realv ny) {
-#if LIMITED || GATHER_RADIANCE
+                         realv slope, realv nx, realv ny, float dither) {
+#if LIMITED || GATHER_RADIANCE || FINITE
   /* sample point - point, from P = r z */
   const realv z1 = 1.0f / w1;
   const realv dz = (c->w - w1) * c->z * z1;
@@ -98,11 +145,28 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
   if (!ANY(rises))
     return;
 #endif
+#if FINITE
+  /* the back: so much deeper along the sample's ray */
+  const realv rx = c->rx + step.ex, ry = c->ry + step.ey;
+  const realv ray = sqrt(fma(rx, rx, fma(ry, ry, (realv)1.0f)));
+  const realv back =
+      1.0f / (z1 + min(args.thickness / ray, args.relative_thickness * z1));
+  const realv excess_back =
+      max(fma(back - w1, (realv)step.inv_e, excess), (realv)0.0f);
+  const realv share =
+      cover(m, rises, fma(slope, excess, cot_tangent),
+            fma(slope, excess_back, cot_tangent), nx, ny, dither);
+#else
   realv g, sin2;
   horizon_terms(fma(slope, excess, cot_tangent), &g, &sin2);
   const realv a = 0.5f * fma(nx, g, ny * sin2);
-#if GATHER_RADIANCE
   const realv share = select((realv)0.0f, m->a - a, rises);
+  m->a = select(m->a, a, rises);
+  m->g = select(m->g, g, rises);
+  m->sin2 = select(m->sin2, sin2, rises);
+  m->excess = select(m->excess, excess, rises);
+#endif
+#if GATHER_RADIANCE
   const realv gx = LOADV(sample + HBIL_SPLIT_GX * plane);
   const realv gy = LOADV(sample + HBIL_SPLIT_GY * plane);
   /* The sample's plane seen at the centre, and the cosine of its facing. */
@@ -136,10 +200,6 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
   m->green = select(m->green, fma(share, green, m->green), rises);
   m->blue = select(m->blue, fma(share, blue, m->blue), rises);
 #endif
-  m->a = select(m->a, a, rises);
-  m->g = select(m->g, g, rises);
-  m->sin2 = select(m->sin2, sin2, rises);
-  m->excess = select(m->excess, excess, rises);
 }
 
 kernel void gather(const hbil_gather_args args, global const float *split,
@@ -195,6 +255,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     realv open_x = 0.0f, open_y = 0.0f, open_wo = 0.0f;
     realv whole_x = 0.0f, whole_y = 0.0f, whole_wo = 0.0f;
 
+    const float dither = ((float)hbil_shift_slot(layer) + 0.5f) / 16.0f;
     for (int slice = 0; slice < SLICES; ++slice) {
       float ux, uy;
       hbil_pattern_args pattern;
@@ -219,6 +280,10 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         horizon_terms(cot_tangent, &m.g, &m.sin2);
         m.a = 0.5f * fma(nx, m.g, ny * m.sin2);
         m.excess = least_excess;
+#if FINITE
+        m.covered = 0u;
+        m.sectors = SECTORS / max(m.a, (realv)1e-6f);
+#endif
 #if GATHER_RADIANCE
         m.red = m.green = m.blue = m.unknown = 0.0f;
 #if !REFUSED_BLACK
@@ -247,10 +312,14 @@ kernel void gather(const hbil_gather_args args, global const float *split,
           const realv excess =
               fma(fma(w1, (realv)args.keep, -c.w), (realv)step.inv_e,
                   -fma(c.gx, (realv)step.ux, c.gy * step.uy));
+#if FINITE
+          const intv rises = (excess > m.excess) & AS_INTV(m.covered != ~0u);
+#else
           const intv rises = excess > m.excess;
+#endif
           if (ANY(rises))
             raise(&c, &m, rises, excess, w1, step, sample, in.plane, args,
-                  cot_tangent, slope, nx, ny);
+                  cot_tangent, slope, nx, ny, dither);
         }
         steps += SAMPLES;
 

@@ -74,7 +74,11 @@ enum {
 enum { HBIL_HISTORY_W = 0, HBIL_HISTORY_RED = 1, HBIL_HISTORY_PLANES = 4 };
 enum { HBIL_CARRIED_RED = 0, HBIL_CARRIED_WEIGHT = 3, HBIL_CARRIED_PLANES = 4 };
 
-/* The estimate of unseen light (estimate.cl). */
+/* The estimate of unseen light (estimate.cl), and its weight beside what a
+ * pixel itself sees, in hemispheres: measured on the public dumps (HACKING.md);
+ * local light is the better guess where much is seen, the frame's where little
+ * is. */
+#define HBIL_UNSEEN_PRIOR 0.45f
 enum { HBIL_ESTIMATE_SIZE = 36, HBIL_ESTIMATE_PARTS = 64 };
 
 /* A caller's image, in components. */
@@ -131,6 +135,8 @@ typedef struct hbil_gather_args {
   hbil_float keep;      /* 1 - tolerance on a sampled inverse depth */
   hbil_float flat;      /* tolerance on the gradient, see gather.cl */
   hbil_float facing[2]; /* hbil_config.facing */
+  hbil_float thickness; /* hbil_config.thickness */
+  hbil_float relative_thickness;
 } hbil_gather_args;
 
 /* Far field: SH coefficients already multiplied by the basis functions'

@@ -16,6 +16,7 @@
 
 #define FIRST_BENT HBIL_LIGHT_BENT
 #define PI 3.14159265f
+#define INV_PI 0.318309886f
 
 /* Does anything read this plane? */
 static inline bool wanted(int p) {
@@ -90,13 +91,17 @@ static inline void filter(const hbil_view_args view, const hbil_layer_args in,
     value[p] *= total;
 #endif
 #if REFUSED_FRAME
-  /* What faces away is lit by what the frame's surfaces send on average. */
+  /* What faces away is lit by what the screen's surfaces send on average. */
   const realv inv_n = -1.0f / sqrt(n0);
-  for (int c = 0; c < 3; ++c)
+  const realv share =
+      max(1.0f - value[HBIL_LIGHT_AO] - value[HBIL_LIGHT_UNKNOWN], (realv)0.0f);
+  for (int c = 0; c < 3; ++c) {
+    const realv shown = value[HBIL_LIGHT_RED + c];
+    const realv unseen = unseen_light(estimate, c, gx0 * inv_n, gy0 * inv_n,
+                                      gz0 * inv_n, shown * INV_PI, share);
     value[HBIL_LIGHT_RED + c] =
-        fma(PI * value[HBIL_LIGHT_UNKNOWN],
-            estimated_light(estimate, c, gx0 * inv_n, gy0 * inv_n, gz0 * inv_n),
-            value[HBIL_LIGHT_RED + c]);
+        fma(PI * value[HBIL_LIGHT_UNKNOWN], unseen, shown);
+  }
 #endif
   /* the sky keeps what the gather gave it: open, dark, no direction */
   const intv sky = w0 <= 0.0f;

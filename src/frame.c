@@ -466,6 +466,10 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   const bool half_normal = plan->config.normal.component == HBIL_FLOAT16;
   gather_args.keep = 1.0f - (half_depth ? 0x1p-10f : 0x1p-22f);
   gather_args.flat = half_normal ? 0x1p-10f : 0x1p-21f;
+  /* finite, since the gather is built without infinities */
+  gather_args.thickness = fminf(plan->config.thickness, 1e30f);
+  gather_args.relative_thickness =
+      fminf(plan->config.relative_thickness, 1e30f);
   gather_args.facing[0] = plan->config.facing[0];
   gather_args.facing[1] = plan->config.facing[1];
   const argument args[] = {ARG(gather_args), ARG(plan->buffers[BUFFER_SPLIT]),

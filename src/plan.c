@@ -59,6 +59,7 @@ static void write_defines(const hbil_plan *plan, text *t) {
       c->reprojection == HBIL_REPROJECTION_MOTION);
   add(t, " -DDISOCCLUSION=%d -DFAR=%d", !isinf(c->disocclusion),
       (int)plan->layout.far_field);
+  add(t, " -DFINITE=%d", !isinf(c->thickness) || !isinf(c->relative_thickness));
   add(t, " -DREFUSED_FRAME=%d", plan->layout.unknown);
   add(t, " -DGATHER_RADIANCE=%d -DGATHER_BENT=%d -DHISTORY=%d",
       plan->layout.radiance, plan->layout.bent, plan->layout.history);

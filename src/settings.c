@@ -49,6 +49,8 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .direct_scale = 1.0f,
       .motion_scale = {1.0f, 1.0f},
       .radius = INFINITY,
+      .thickness = INFINITY,
+      .relative_thickness = INFINITY,
       .slices = 2,
       .samples = 8,
       .step_growth = 2.0f,
@@ -188,6 +190,10 @@ hbil_status config_check(hbil_context *context, const hbil_config *config) {
                 (unsigned)width);
   if ((status = positive(context, "radius", (double)config->radius)) !=
           HBIL_SUCCESS ||
+      (status = positive(context, "thickness", (double)config->thickness)) !=
+          HBIL_SUCCESS ||
+      (status = positive(context, "relative_thickness",
+                         (double)config->relative_thickness)) != HBIL_SUCCESS ||
       (status = positive(context, "background", (double)config->background)) !=
           HBIL_SUCCESS ||
       (status = positive(context, "disocclusion",

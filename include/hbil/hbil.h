@@ -245,6 +245,10 @@ typedef struct hbil_config {
   /* The method. */
   float radius;         /* world units; occluders farther from the point are
                            ignored; infinity (default): unlimited */
+  float thickness;      /* of occluders, world units, > 0; infinity (default):
+                           they never end, as in the paper */
+  float relative_thickness; /* the same as a share of the occluder's depth; the
+                               smaller of both counts; default infinity */
   cl_uint slices;       /* per pixel, 1..32; default 2 */
   cl_uint samples;      /* per side of a slice, 1..256; default 8 */
   float step_growth;    /* spacing of samples, 0..64: 0 equal steps; g: the

@@ -19,6 +19,8 @@ enum {
   OPTION_REPROJECTION,
   OPTION_FEEDBACK,
   OPTION_DISOCCLUSION,
+  OPTION_THICKNESS,
+  OPTION_RELATIVE_THICKNESS,
   OPTION_RAW,
   OPTION_ENVIRONMENT,
   OPTION_CAMERA,
@@ -37,6 +39,8 @@ static const struct option options[] = {
     {"slices", required_argument, NULL, OPTION_SLICES},
     {"samples", required_argument, NULL, OPTION_SAMPLES},
     {"step-growth", required_argument, NULL, OPTION_STEP_GROWTH},
+    {"thickness", required_argument, NULL, OPTION_THICKNESS},
+    {"relative-thickness", required_argument, NULL, OPTION_RELATIVE_THICKNESS},
     {"lattice", required_argument, NULL, OPTION_LATTICE},
     {"facing", required_argument, NULL, OPTION_FACING},
     {"refused", required_argument, NULL, OPTION_REFUSED},
@@ -84,6 +88,9 @@ static void usage(const hbil_config *defaults) {
       "\n"
       "The method:");
   printf("  --radius R            world units, or inf (%g)\n"
+         "  --thickness T         of occluders, world units (inf)\n"
+         "  --relative-thickness T\n"
+         "                        the same as a share of their depth (inf)\n"
          "  --slices N            per pixel, 1..32 (%u)\n"
          "  --samples N           per side of a slice, 1..256 (%u)\n"
          "  --step-growth G       0: equal steps; the last step is (1+G)^2\n"
@@ -165,6 +172,11 @@ static int set_number(int option, process_options *o, image_error *error) {
     return option_floats("--radius", optarg, &c->radius, 1, error);
   case OPTION_STEP_GROWTH:
     return option_floats("--step-growth", optarg, &c->step_growth, 1, error);
+  case OPTION_THICKNESS:
+    return option_floats("--thickness", optarg, &c->thickness, 1, error);
+  case OPTION_RELATIVE_THICKNESS:
+    return option_floats("--relative-thickness", optarg, &c->relative_thickness,
+                         1, error);
   case OPTION_DISOCCLUSION:
     return option_floats("--disocclusion", optarg, &c->disocclusion, 1, error);
   case OPTION_FACING:
