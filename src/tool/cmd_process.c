@@ -26,6 +26,7 @@ enum {
   OPTION_CAMERA,
   OPTION_DEVICE,
   OPTION_REPEAT,
+  OPTION_WARM_UP,
   OPTION_PREVIEW,
   OPTION_TIMINGS,
   OPTION_JSON,
@@ -53,6 +54,7 @@ static const struct option options[] = {
     {"camera", required_argument, NULL, OPTION_CAMERA},
     {"device", required_argument, NULL, OPTION_DEVICE},
     {"repeat", required_argument, NULL, OPTION_REPEAT},
+    {"warm-up", required_argument, NULL, OPTION_WARM_UP},
     {"preview", no_argument, NULL, OPTION_PREVIEW},
     {"timings", no_argument, NULL, OPTION_TIMINGS},
     {"json", no_argument, NULL, OPTION_JSON},
@@ -75,11 +77,16 @@ static void usage(const hbil_config *defaults) {
       "                        (all)\n"
       "  --camera FILE         JSON camera of all frames (FRAME.json beside\n"
       "                        each FRAME.exr)\n"
-      "  --environment R,G,B   far light, the same from everywhere (none)\n"
+      "  --environment R,G,B   far light, the same from everywhere\n"
       "  --environment FILE    far light, a latitude-longitude map\n"
+      "  --environment none|frame\n"
+      "                        no far light, or what the frame's own surfaces\n"
+      "                        send (none if the first frame shows a lit sky,\n"
+      "                        else frame)\n"
       "  --device NAME         index or part of a name, see hbil devices (the\n"
       "                        first GPU, else the first device)\n"
       "  --repeat N            run every frame N times: more bounces (1)\n"
+      "  --warm-up N           run the first frame N times more (3)\n"
       "  --preview             also write DIR/FRAME.LAYER.png\n"
       "  --timings             print milliseconds per pass and frame (of the\n"
       "                        last run of each frame)\n"
@@ -183,6 +190,8 @@ static int set_number(int option, process_options *o, image_error *error) {
     return option_floats("--facing", optarg, c->facing, 2, error);
   case OPTION_SLICES:
     return option_unsigned("--slices", optarg, 1, 32, &c->slices, error);
+  case OPTION_WARM_UP:
+    return option_unsigned("--warm-up", optarg, 0, 1000, &o->warm_up, error);
   case OPTION_SAMPLES:
     return option_unsigned("--samples", optarg, 1, 256, &c->samples, error);
   default:

@@ -44,6 +44,8 @@ void process_options_init(process_options *options) {
   hbil_config_init(&options->config);
   options->layers = LAYERS_ALL;
   options->repeat = 1;
+  /* three bounces before the first picture: the fourth adds a few per cent */
+  options->warm_up = 3;
   /* a renderer's direct light holds what its lamps send */
   options->config.gather_emission = CL_FALSE;
 }
@@ -237,7 +239,7 @@ static int load_environment(process *p) {
     return 0;
   }
   float constant[3];
-  if (!text)
+  if (!text || !strcmp(text, "none"))
     return 0;
   if (option_floats("", text, constant, 3, NULL) == 0) {
     memcpy(p->environment[0], constant, sizeof constant);
@@ -256,6 +258,25 @@ static void configure(process *p) {
   p->config.profiling = p->options->timings ? CL_TRUE : CL_FALSE;
 }
 
+/* Without a word from the user the first frame decides about far light. */
+static int choose_far_field(process *p) {
+  const job *first = p->jobs;
+  const char *reason = NULL;
+  gbuffer g;
+  if (p->options->environment)
+    return 0;
+  if (gbuffer_read(first->path, &first->map,
+                   1u << ROLE_DEPTH | 1u << ROLE_EMISSION |
+                       1u << ROLE_BACKGROUND,
+                   &g, &p->error) != 0)
+    return -1;
+  policy_far_field(&g, &p->config, &reason);
+  gbuffer_free(&g);
+  if (!p->options->quiet)
+    fprintf(stderr, "hbil: light of unblocked directions: %s\n", reason);
+  return 0;
+}
+
 static int prepare(process *p, char *const *files) {
   if (!p->options->output)
     return image_fail(&p->error, "no output folder; -o DIR is needed");
@@ -269,6 +290,8 @@ static int prepare(process *p, char *const *files) {
       prepare_folder(p) != 0)
     return -1;
   configure(p);
+  if (choose_far_field(p) != 0)
+    return -1;
   if (device_open(p->options->device, p->options->timings, &p->device,
                   &p->error) != 0)
     return -1;
@@ -326,9 +349,10 @@ static int light_frame(process *p, const job *j, image *result) {
   row->frame = j->path;
   result->x = g.planes.x;
   result->y = g.planes.y;
-  const int failed =
-      sequence_run(p->sequence, &g, &j->camera, p->environment,
-                   p->options->repeat, result, row->milliseconds, &p->error);
+  const int failed = sequence_run(p->sequence, &g, &j->camera, p->environment,
+                                  p->options->repeat +
+                                      (j == p->jobs ? p->options->warm_up : 0),
+                                  result, row->milliseconds, &p->error);
   gbuffer_free(&g);
   return failed;
 }

@@ -19,6 +19,7 @@ int cmd_info(int argc, char **argv);
 int cmd_compare(int argc, char **argv);
 int cmd_devices(int argc, char **argv);
 int cmd_demo(int argc, char **argv);
+int cmd_bench(int argc, char **argv);
 
 /* "hbil: TEXT" as one line on standard error; returns TOOL_BAD_INPUT. */
 int tool_report(const image_error *error);
@@ -107,6 +108,12 @@ int gbuffer_check_camera(const char *frame, const image *img,
 /* Whether a depth is that of a surface, as the library takes it. */
 int gbuffer_is_surface(float depth, float background);
 void gbuffer_hbil_camera(const camera_file *file, hbil_camera *out);
+
+/* --- policy.c: what to take for light that the screen doesn't show --- */
+
+/* Chooses config->far_field by the first frame; *reason says why. */
+void policy_far_field(const gbuffer *first, hbil_config *config,
+                      const char **reason);
 
 /* --- layers.c: what is written --- */
 
@@ -204,12 +211,13 @@ int timings_json(const timing_report *report, image_error *error);
 /* --- process.c: the main job --- */
 
 typedef struct process_options {
-  const char *output;                /* folder; must be given */
-  const char *camera;                /* NULL: FRAME.json beside FRAME.exr */
-  const char *environment;           /* "R,G,B", an image file, or NULL */
-  const char *device;                /* see device_open() */
-  unsigned layers;                   /* bit mask */
-  unsigned repeat;                   /* runs of every frame, at least 1 */
+  const char *output;      /* folder; must be given */
+  const char *camera;      /* NULL: FRAME.json beside FRAME.exr */
+  const char *environment; /* "R,G,B", an image file, or NULL */
+  const char *device;      /* see device_open() */
+  unsigned layers;         /* bit mask */
+  unsigned repeat;         /* runs of every frame, at least 1 */
+  unsigned warm_up;        /* more runs of the first frame, for its bounces */
   int preview, timings, json, quiet; /* flags */
   hbil_config config; /* settings; formats and size are filled in */
 } process_options;

@@ -1,0 +1,222 @@
+/*
+ * The bench: time and error of the library's settings, side by side with a
+ * baseline and a bandwidth yardstick that are measured in the same run.
+ *
+ * Content is the procedural room or a captured frame.  Error is sampling error
+ * (against a dense result of the same model) and, where a path-traced truth is
+ * given, model error.  As everywhere in the tool, functions that can fail
+ * return 0 or fill an image_error.
+ */
+#ifndef HBIL_BENCH_H
+#define HBIL_BENCH_H
+
+#include <stdio.h>
+
+#include "tool/tool.h"
+
+enum {
+  BENCH_WARM_UP = 2,      /* runs that are not counted */
+  BENCH_MAX_RUNS = 1000,  /* --runs */
+  BENCH_FRAMES = 2,       /* the camera moves between them */
+  BENCH_TRUTH_BOUNCES = 4 /* still frames before the truth is looked at */
+};
+
+typedef struct bench_options {
+  uint32_t width, height; /* of the room; 0: the default */
+  const char *dump;       /* FRAME.exr, or NULL for the room */
+  const char *camera;     /* NULL: FRAME.json beside it */
+  const char *truth;      /* path-traced indirect light of the dump, or NULL */
+  const char *device;     /* see device_open() */
+  const char *output;     /* folder */
+  unsigned runs;          /* counted runs of every configuration */
+  int quick;              /* few configurations, small */
+} bench_options;
+
+/* Measures, prints the table, writes the files. */
+int bench_run(const bench_options *options, image_error *error);
+
+/* --- configurations.c: what is measured --- */
+
+typedef struct bench_configuration {
+  cl_uint slices, samples;
+  float growth;
+  hbil_lattice lattice;
+  int raw;   /* without recompose's filter */
+  int quick; /* also part of the short list */
+} bench_configuration;
+
+/* The table; those of the short list only if quick. */
+size_t bench_configurations(int quick, const bench_configuration **out);
+/* The dense result that sampling error is held against. */
+bench_configuration bench_reference(void);
+/* The setting that the others' cost is told in multiples of. */
+int bench_is_start(const bench_configuration *c);
+/* Whether the library does this by itself. */
+int bench_is_default(const bench_configuration *c);
+void bench_configure(const bench_configuration *c, hbil_config *config);
+/* "2x8 full g2". */
+void bench_label(const bench_configuration *c, char *text, size_t size);
+
+/* --- content.c: what it is measured on --- */
+
+/* Planes of a frame on the host. */
+typedef enum bench_input {
+  BENCH_DEPTH = 0,
+  BENCH_NORMAL,
+  BENCH_ALBEDO,
+  BENCH_DIRECT,
+  BENCH_EMISSION,
+  BENCH_INPUTS
+} bench_input;
+
+typedef struct bench_frame {
+  hbil_camera camera;
+  float *plane[BENCH_INPUTS]; /* channels one after the other; NULL: none */
+} bench_frame;
+
+typedef struct bench_content {
+  char name[512];
+  char note[256]; /* what had to be assumed, or empty */
+  uint32_t width, height;
+  unsigned frames;
+  bench_frame frame[BENCH_FRAMES];
+  float environment[9][3];
+  hbil_config config; /* size, conventions, model */
+  float *truth;       /* three planes, or NULL */
+} bench_content;
+
+int bench_content_load(const bench_options *options, bench_content *out,
+                       image_error *error);
+void bench_content_free(bench_content *content);
+size_t bench_input_channels(bench_input input);
+size_t bench_pixels(const bench_content *content);
+/* Whether a pixel of frame 0 shows a surface. */
+int bench_is_surface(const bench_content *content, size_t pixel);
+
+/* --- statistics.c --- */
+
+typedef struct bench_spread {
+  double median, low, high;
+} bench_spread;
+
+/* Sorts values. */
+bench_spread bench_spread_of(double *values, unsigned count);
+
+/* Sampling error of a result of frame 0 over its surfaces; NAN where a value
+ * is not finite. */
+double bench_ao_error(const bench_content *content, const float *ao,
+                      const float *reference);
+/* RMSE over all channels, divided by the reference's mean. */
+double bench_light_error(const bench_content *content, const float *light,
+                         const float *reference);
+/* RMSE against the truth where there is a surface and, channel by channel,
+ * albedo above 0.02 (as hbil compare --mask has it); all of them need a truth.
+ * indirect NULL: of zero. */
+double bench_model_error(const bench_content *content, const float *indirect);
+/* The same of each channel's mean everywhere. */
+double bench_mean_error(const bench_content *content);
+
+/* --- program.c: the bench's own kernels --- */
+
+/* Generated from the .cl files in this folder; ends with a NULL name. */
+typedef struct bench_source {
+  const char *name;
+  const char *text;
+} bench_source;
+extern const bench_source bench_sources[];
+
+/* The kernel that FILE.cl defines under the same name. */
+int bench_kernel(const device *d, const char *name, const char *defines,
+                 cl_kernel *out, image_error *error);
+/* Milliseconds of runs launches after the warm-up, by profiling events. */
+int bench_time_kernel(const device *d, cl_kernel kernel, const size_t global[2],
+                      const size_t local[2], unsigned runs, bench_spread *out,
+                      image_error *error);
+int bench_buffer(const device *d, size_t bytes, const void *content,
+                 cl_mem *out, image_error *error);
+int bench_cl_failed(const device *d, cl_int status, const char *doing,
+                    image_error *error);
+
+/* --- copy.c: the bandwidth yardstick --- */
+
+typedef struct bench_copy {
+  unsigned planes;
+  size_t bytes; /* read and written, together */
+  bench_spread milliseconds;
+} bench_copy;
+
+int bench_measure_copy(const device *d, size_t pixels, unsigned runs,
+                       bench_copy *out, image_error *error);
+/* Milliseconds of a copy that moves as many bytes. */
+double bench_copy_time(const bench_copy *copy, double bytes);
+/* Bytes that a pass has to move in all; 0 where it is not told. */
+double bench_pass_bytes(const bench_content *content, hbil_pass pass);
+
+/* --- literal.c: the baseline --- */
+
+typedef struct bench_literal {
+  bench_spread milliseconds;
+  double ao_error, light_error; /* of unfiltered pixels */
+} bench_literal;
+
+/* ao and light: the reference. */
+int bench_measure_literal(const device *d, const bench_content *content,
+                          unsigned runs, const float *ao, const float *light,
+                          bench_literal *out, image_error *error);
+
+/* --- lab.c: the library on the content --- */
+
+typedef struct bench_row {
+  bench_configuration configuration;
+  char label[64];
+  size_t memory; /* bytes on the device */
+  bench_spread pass[HBIL_PASS_COUNT], total;
+  bench_spread host; /* milliseconds in hbil_enqueue_frame() */
+  double ao_error, light_error;
+  double model_error;        /* NAN without a truth */
+  int ao_front, light_front; /* nothing is both faster and better */
+} bench_row;
+
+typedef struct bench_lab bench_lab;
+
+int bench_lab_open(const device *d, const bench_content *content,
+                   bench_lab **out, image_error *error);
+void bench_lab_close(bench_lab *lab);
+/* Makes the reference. */
+int bench_lab_refer(bench_lab *lab, const bench_configuration *c,
+                    image_error *error);
+const float *bench_lab_ao(const bench_lab *lab);    /* of the reference */
+const float *bench_lab_light(const bench_lab *lab); /* E_near of it */
+int bench_lab_measure(bench_lab *lab, const bench_configuration *c,
+                      unsigned runs, bench_row *out, image_error *error);
+
+/* --- reports --- */
+
+typedef struct bench_machine {
+  char device[256], platform[256], version[256], driver[256];
+  cl_uint units;
+} bench_machine;
+
+typedef struct bench_report {
+  bench_machine machine;
+  const bench_content *content;
+  unsigned runs;
+  char reference[64]; /* label */
+  bench_copy copy;
+  bench_literal literal;
+  const bench_row *rows;
+  size_t count;
+} bench_report;
+
+/* Gather time of the start configuration; NAN if it was not measured. */
+double bench_start_time(const bench_report *report);
+/* What the reference is and what a user should know, in one sentence each. */
+void bench_notes(const bench_report *report, FILE *out, const char *before,
+                 const char *after);
+
+void bench_write_table(const bench_report *report, FILE *out);
+void bench_write_csv(const bench_report *report, FILE *out);
+void bench_write_json(const bench_report *report, FILE *out);
+void bench_write_svg(const bench_report *report, FILE *out);
+
+#endif

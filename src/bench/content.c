@@ -1,0 +1,268 @@
+/* What is measured on: the procedural room, or a captured frame. */
+#include "bench/bench.h"
+#include "scene/scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+  ROOM_WIDTH = 1280,
+  ROOM_HEIGHT = 720,
+  QUICK_WIDTH = 320,
+  QUICK_HEIGHT = 180
+};
+
+static const float pi = 3.14159265f;
+
+size_t bench_input_channels(bench_input input) {
+  return input == BENCH_DEPTH ? 1 : 3;
+}
+
+size_t bench_pixels(const bench_content *content) {
+  return (size_t)content->width * content->height;
+}
+
+int bench_is_surface(const bench_content *content, size_t pixel) {
+  return gbuffer_is_surface(content->frame[0].plane[BENCH_DEPTH][pixel],
+                            content->config.background);
+}
+
+/* An input of a frame, to be filled; NULL when out of memory. */
+static float *add_input(bench_content *content, bench_frame *frame,
+                        bench_input input) {
+  frame->plane[input] = malloc(bench_pixels(content) *
+                               bench_input_channels(input) * sizeof(float));
+  return frame->plane[input];
+}
+
+static int copy_input(bench_content *content, bench_frame *frame,
+                      bench_input input, const float *const *channels) {
+  const size_t pixels = bench_pixels(content);
+  float *plane = add_input(content, frame, input);
+  if (!plane)
+    return -1;
+  for (size_t c = 0; c < bench_input_channels(input); c++)
+    memcpy(plane + c * pixels, channels[c], pixels * sizeof *plane);
+  return 0;
+}
+
+/* --- the room --- */
+
+static int copy_scene(bench_content *content, const scene_frame *scene,
+                      bench_frame *out) {
+  const float *const depth[] = {scene->depth};
+  float *const *const vectors[] = {scene->normal, scene->albedo, scene->direct,
+                                   scene->emission};
+  out->camera = scene->camera;
+  if (copy_input(content, out, BENCH_DEPTH, depth) != 0)
+    return -1;
+  for (int i = 0; i < 4; i++) {
+    const float *const channels[] = {vectors[i][0], vectors[i][1],
+                                     vectors[i][2]};
+    if (copy_input(content, out, (bench_input)(BENCH_NORMAL + i), channels) !=
+        0)
+      return -1;
+  }
+  return 0;
+}
+
+/* As hbil demo lights it. */
+static void configure_room(bench_content *content) {
+  const float around[3] = {0.12f, 0.11f, 0.1f};
+  const channel_map plain = {.kind = DUMP_PLAIN};
+  channels_conventions(&plain, &content->config);
+  content->config.far_field = HBIL_FAR_CONSTANT;
+  memcpy(content->environment[0], around, sizeof around);
+}
+
+static int load_room(const bench_options *options, bench_content *out,
+                     image_error *error) {
+  const uint32_t width = options->quick ? QUICK_WIDTH : ROOM_WIDTH;
+  const uint32_t height = options->quick ? QUICK_HEIGHT : ROOM_HEIGHT;
+  snprintf(out->name, sizeof out->name, "procedural room");
+  out->width = options->width ? options->width : width;
+  out->height = options->height ? options->height : height;
+  out->frames = BENCH_FRAMES;
+  configure_room(out);
+  for (unsigned i = 0; i < out->frames; i++) {
+    scene_frame scene;
+    if (scene_render(SCENE_ROOM, out->width, out->height, 0.0, i, &scene) != 0)
+      return image_no_memory(error, "the room");
+    const int failed = copy_scene(out, &scene, &out->frame[i]);
+    scene_free(&scene);
+    if (failed)
+      return image_no_memory(error, "the room");
+  }
+  return 0;
+}
+
+/* --- a captured frame --- */
+
+static const role roles[BENCH_INPUTS] = {ROLE_DEPTH, ROLE_NORMAL, ROLE_ALBEDO,
+                                         ROLE_DIRECT, ROLE_EMISSION};
+
+/* A G-buffer without light would leave nothing to gather: every surface then
+ * receives as much as under a sky of unit radiance. */
+static int add_light(bench_content *content, image_error *error) {
+  const size_t values = 3 * bench_pixels(content);
+  bench_frame *frame = &content->frame[0];
+  if (frame->plane[BENCH_DIRECT])
+    return 0;
+  float *light = add_input(content, frame, BENCH_DIRECT);
+  if (!light)
+    return image_no_memory(error, content->name);
+  for (size_t i = 0; i < values; i++)
+    light[i] = pi / content->config.direct_scale;
+  snprintf(content->note, sizeof content->note,
+           "The file has no direct light; irradiance pi stands in for it.");
+  return 0;
+}
+
+static int copy_dump(const gbuffer *g, bench_content *out, image_error *error) {
+  for (int i = 0; i < BENCH_INPUTS; i++) {
+    const float *channels[3] = {NULL};
+    for (size_t c = 0; c < bench_input_channels((bench_input)i); c++)
+      channels[c] = gbuffer_plane(g, roles[i], c);
+    if (channels[0] &&
+        copy_input(out, &out->frame[0], (bench_input)i, channels) != 0)
+      return image_no_memory(error, out->name);
+  }
+  return add_light(out, error);
+}
+
+static int read_map(const char *path, channel_map *map, bench_content *out,
+                    const char *camera, image_error *error) {
+  image header;
+  camera_file file;
+  if (exr_read_header(path, &header, error) != 0)
+    return -1;
+  channels_map(&header, map);
+  out->width = header.width;
+  out->height = header.height;
+  const int failed = channels_check(map, path, error) != 0 ||
+                     gbuffer_camera(path, camera, &file, error) != 0 ||
+                     gbuffer_check_camera(path, &header, &file, error) != 0;
+  image_free(&header);
+  if (!failed)
+    gbuffer_hbil_camera(&file, &out->frame[0].camera);
+  return failed ? -1 : 0;
+}
+
+static int load_dump(const bench_options *options, bench_content *out,
+                     image_error *error) {
+  channel_map map;
+  gbuffer g;
+  unsigned wanted = 1u << ROLE_BACKGROUND;
+  snprintf(out->name, sizeof out->name, "%s", options->dump);
+  out->frames = 1;
+  for (int i = 0; i < BENCH_INPUTS; i++)
+    wanted |= 1u << roles[i];
+  if (read_map(options->dump, &map, out, options->camera, error) != 0)
+    return -1;
+  channels_conventions(&map, &out->config);
+  if (gbuffer_read(options->dump, &map, wanted, &g, error) != 0)
+    return -1;
+  const int failed = copy_dump(&g, out, error);
+  gbuffer_free(&g);
+  return failed;
+}
+
+/* --- the truth --- */
+
+/* Blender's name of the pass, behind any view layer. */
+static int is_indirect(const char *channel, char component) {
+  static const char *const passes[] = {"DiffInd", "Diffuse Indirect"};
+  for (int i = 0; i < 2; i++) {
+    char tail[32];
+    const int length =
+        snprintf(tail, sizeof tail, "%s.%c", passes[i], component);
+    const size_t whole = strlen(channel), part = (size_t)length;
+    if (whole >= part && strcmp(channel + whole - part, tail) == 0 &&
+        (whole == part || channel[whole - part - 1] == '.'))
+      return 1;
+  }
+  return 0;
+}
+
+static int find_truth(const char *path, const image *header,
+                      const bench_content *content, const char *names[3],
+                      image_error *error) {
+  for (int c = 0; c < 3; c++) {
+    names[c] = NULL;
+    for (size_t i = 0; i < header->count && !names[c]; i++)
+      if (is_indirect(header->planes[i].name, "RGB"[c]))
+        names[c] = header->planes[i].name;
+    if (!names[c])
+      return image_fail(error,
+                        "%s: no indirect light; DiffInd.{R,G,B} (Blender's "
+                        "diffuse indirect pass) are needed",
+                        path);
+  }
+  if (header->width == content->width && header->height == content->height)
+    return 0;
+  return image_fail(error,
+                    "%s: %u x %u pixels, but the dump has %u x %u; the truth "
+                    "of this frame is needed",
+                    path, header->width, header->height, content->width,
+                    content->height);
+}
+
+static int copy_truth(const image *from, const char *const names[3],
+                      bench_content *out) {
+  const size_t pixels = bench_pixels(out);
+  out->truth = malloc(3 * pixels * sizeof *out->truth);
+  for (int c = 0; c < 3 && out->truth; c++)
+    memcpy(out->truth + (size_t)c * pixels, image_find(from, names[c])->pixels,
+           pixels * sizeof *out->truth);
+  return out->truth ? 0 : -1;
+}
+
+static int load_truth(const char *path, bench_content *out,
+                      image_error *error) {
+  image header, planes = {0};
+  const char *names[3];
+  if (exr_read_header(path, &header, error) != 0)
+    return -1;
+  int failed = find_truth(path, &header, out, names, error) != 0 ||
+               exr_read(path, names, 3, &planes, error) != 0;
+  if (!failed && copy_truth(&planes, names, out) != 0)
+    failed = image_no_memory(error, path) != 0;
+  image_free(&planes);
+  image_free(&header);
+  return failed ? -1 : 0;
+}
+
+/* --- both --- */
+
+/* The model is that of hbil process. */
+static void default_model(bench_content *out) {
+  process_options options;
+  process_options_init(&options);
+  out->config = options.config;
+}
+
+int bench_content_load(const bench_options *options, bench_content *out,
+                       image_error *error) {
+  memset(out, 0, sizeof *out);
+  default_model(out);
+  const int failed =
+      options->dump
+          ? load_dump(options, out, error) != 0 ||
+                (options->truth && load_truth(options->truth, out, error) != 0)
+          : load_room(options, out, error) != 0;
+  out->config.width = out->width;
+  out->config.height = out->height;
+  out->config.profiling = CL_TRUE;
+  if (failed)
+    bench_content_free(out);
+  return failed ? -1 : 0;
+}
+
+void bench_content_free(bench_content *content) {
+  for (int f = 0; f < BENCH_FRAMES; f++)
+    for (int i = 0; i < BENCH_INPUTS; i++)
+      free(content->frame[f].plane[i]);
+  free(content->truth);
+  memset(content, 0, sizeof *content);
+}

@@ -1,0 +1,119 @@
+/* The report as JSON. */
+#include "bench/bench.h"
+
+#include <jansson.h>
+
+#include <math.h>
+
+/* JSON has no NaN and no infinity. */
+static json_t *number(double value) {
+  return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *spread(bench_spread s) {
+  return json_pack("{s:o, s:o, s:o}", "median", number(s.median), "min",
+                   number(s.low), "max", number(s.high));
+}
+
+static json_t *machine(const bench_machine *m) {
+  return json_pack("{s:s, s:i, s:s, s:s, s:s}", "device", m->device,
+                   "compute_units", (int)m->units, "platform", m->platform,
+                   "version", m->version, "driver", m->driver);
+}
+
+static json_t *content(const bench_content *c) {
+  return json_pack("{s:s, s:i, s:i, s:i, s:s}", "name", c->name, "width",
+                   (int)c->width, "height", (int)c->height, "frames",
+                   (int)c->frames, "note", c->note);
+}
+
+static json_t *copy(const bench_copy *c) {
+  return json_pack("{s:i, s:I, s:o, s:o}", "planes", (int)c->planes, "bytes",
+                   (json_int_t)c->bytes, "milliseconds",
+                   spread(c->milliseconds), "gigabytes_per_second",
+                   number((double)c->bytes * 1e-6 / c->milliseconds.median));
+}
+
+static json_t *literal(const bench_literal *l) {
+  return json_pack("{s:i, s:i, s:o, s:o, s:o}", "slices", 2, "samples", 8,
+                   "milliseconds", spread(l->milliseconds), "light_error",
+                   number(l->light_error), "ao_error", number(l->ao_error));
+}
+
+static json_t *truth(const bench_content *c) {
+  if (!c->truth)
+    return json_null();
+  return json_pack("{s:i, s:o, s:o}", "bounces", BENCH_TRUTH_BOUNCES, "zero",
+                   number(bench_model_error(c, NULL)), "constant_mean",
+                   number(bench_mean_error(c)));
+}
+
+static json_t *settings(const bench_configuration *c) {
+  return json_pack(
+      "{s:i, s:i, s:f, s:s, s:b}", "slices", (int)c->slices, "samples",
+      (int)c->samples, "growth", (double)c->growth, "lattice",
+      c->lattice == HBIL_LATTICE_FULL ? "full" : "layer", "raw", c->raw);
+}
+
+/* Copies of their bytes that the memory-bound passes take. */
+static json_t *copies(const bench_report *report, const bench_row *row) {
+  static const hbil_pass passes[] = {HBIL_PASS_SPLIT, HBIL_PASS_PUSH_PULL,
+                                     HBIL_PASS_COMPOSITE};
+  json_t *out = json_object();
+  for (int i = 0; i < 3; i++) {
+    const double bytes = bench_pass_bytes(report->content, passes[i]);
+    json_object_set_new(out, hbil_pass_name(passes[i]),
+                        number(row->pass[passes[i]].median /
+                               bench_copy_time(&report->copy, bytes)));
+  }
+  return out;
+}
+
+static json_t *ratios(const bench_report *report, const bench_row *row) {
+  const double literal_time = report->literal.milliseconds.median;
+  const double gather = row->pass[HBIL_PASS_GATHER].median;
+  return json_pack(
+      "{s:o, s:o, s:o, s:o}", "literal_over_gather",
+      number(literal_time / gather), "literal_over_total",
+      number(literal_time / row->total.median), "gather_over_start",
+      number(gather / bench_start_time(report)), "copies", copies(report, row));
+}
+
+static json_t *errors(const bench_row *row) {
+  return json_pack("{s:o, s:o, s:o, s:b, s:b}", "light",
+                   number(row->light_error), "ao", number(row->ao_error),
+                   "model", number(row->model_error), "light_front",
+                   row->light_front, "ao_front", row->ao_front);
+}
+
+static json_t *row_json(const bench_report *report, const bench_row *row) {
+  json_t *times = json_object();
+  for (int p = 0; p < HBIL_PASS_COUNT; p++)
+    json_object_set_new(times, hbil_pass_name((hbil_pass)p),
+                        spread(row->pass[p]));
+  json_object_set_new(times, "total", spread(row->total));
+  return json_pack("{s:s, s:b, s:o, s:o, s:o, s:I, s:o, s:o}", "label",
+                   row->label, "default", bench_is_default(&row->configuration),
+                   "settings", settings(&row->configuration), "milliseconds",
+                   times, "host_milliseconds", spread(row->host),
+                   "device_bytes", (json_int_t)row->memory, "errors",
+                   errors(row), "ratios", ratios(report, row));
+}
+
+void bench_write_json(const bench_report *report, FILE *out) {
+  json_t *rows = json_array();
+  for (size_t i = 0; i < report->count; i++)
+    json_array_append_new(rows, row_json(report, &report->rows[i]));
+  json_t *root =
+      json_pack("{s:s, s:o, s:o, s:i, s:i, s:s, s:o, s:o, s:o, s:o}", "hbil",
+                hbil_version(), "machine", machine(&report->machine), "content",
+                content(report->content), "runs", (int)report->runs, "warm_up",
+                BENCH_WARM_UP, "reference", report->reference, "truth",
+                truth(report->content), "literal", literal(&report->literal),
+                "copy", copy(&report->copy), "rows", rows);
+  /* without a document nothing is written, which the caller notices */
+  if (root)
+    json_dumpf(root, out, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+  json_decref(root);
+  fputc('\n', out);
+}

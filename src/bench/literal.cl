@@ -1,0 +1,107 @@
+/*
+ * literal: the paper as it reads, for comparison.  One work-item a pixel on the
+ * whole image: view-space positions from depth, horizons as cosines, angles by
+ * acos, the integrals by sin and cos, no interleaving.
+ *
+ * Only the sign of the back angle is put right (HACKING.md); slices are not
+ * weighted, and nothing is divided by what they miss, as in the paper.
+ * Samples are spaced equally as far as the library's reach.
+ *
+ * Builds: SLICES, SAMPLES (per side).
+ * Launch: x, y = pixels, rounded up to whole groups.
+ * In: planar depth (0: sky), unit view-space normals, radiance.  Out: E_near
+ * and, in w, AO.
+ */
+
+#define PI 3.14159265f
+
+typedef struct literal_args {
+  int width, height;
+  float fx, fy, cx, cy;
+  float facing[2];
+} literal_args;
+
+static float3 position(const literal_args args, int x, int y, float z) {
+  return (float3)(((float)x + 0.5f - args.cx) / args.fx,
+                  ((float)y + 0.5f - args.cy) / args.fy, 1.0f) *
+         z;
+}
+
+/* Cosine-weighted share of a half-slice from the view direction to theta. */
+static float open_share(float theta, float nx, float ny) {
+  return 0.5f * (nx * (theta - sin(theta) * cos(theta)) +
+                 ny * sin(theta) * sin(theta));
+}
+
+/* How far samples go along a screen direction, in ray slope. */
+static float reach_along(const literal_args args, float2 u) {
+  const float to_x = (float)args.width / args.fx;
+  const float to_y = (float)args.height / args.fy;
+  const float edge =
+      min(to_x / max(fabs(u.x), 1e-6f), to_y / max(fabs(u.y), 1e-6f));
+  return min(max(to_x, to_y), edge);
+}
+
+/* One of 16 in [0,1), different for the pixels of a 4x4 block. */
+static float dither(int x, int y) {
+  const int v = x ^ y;
+  return ((float)((v & 1) << 3 | (y & 1) << 2 | (v & 2) | (y & 2) >> 1) +
+          0.5f) /
+         16.0f;
+}
+
+kernel void literal(const literal_args args, global const float *depth,
+                    global const float4 *normals,
+                    global const float4 *radiances, global float4 *result) {
+  const int x = (int)get_global_id(0), y = (int)get_global_id(1);
+  if (x >= args.width || y >= args.height)
+    return;
+  const int here = y * args.width + x;
+  if (depth[here] <= 0.0f) {
+    result[here] = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
+    return;
+  }
+  const float3 point = position(args, x, y, depth[here]);
+  const float3 wo = -normalize(point), n = normals[here].xyz;
+  const float turn = dither(x, y), shift = dither(3 - y, x);
+  const float ny = max(dot(n, wo), 1e-4f);
+  float3 light = 0.0f;
+  float open = 0.0f;
+  for (int slice = 0; slice < SLICES; ++slice) {
+    const float phi = ((float)slice + turn) * PI / SLICES;
+    for (int side = -1; side <= 1; side += 2) {
+      const float2 u = (float2)(cos(phi), sin(phi)) * (float)side;
+      const float3 ray = (float3)(u, 0.0f);
+      const float3 d = normalize(ray - dot(ray, wo) * wo);
+      const float nx = dot(n, d), reach = reach_along(args, u);
+      const float tangent = -nx / ny;
+      float horizon = tangent / sqrt(1.0f + tangent * tangent);
+      float share = open_share(acos(horizon), nx, ny);
+      float3 last = radiances[here].xyz;
+      for (int k = 0; k < SAMPLES; ++k) {
+        const float distance = reach * ((float)k + shift) / SAMPLES;
+        const int sx = x + (int)rint(u.x * distance * args.fx);
+        const int sy = y + (int)rint(u.y * distance * args.fy);
+        if (sx < 0 || sy < 0 || sx >= args.width || sy >= args.height)
+          break;
+        const int there = sy * args.width + sx;
+        if (there == here || depth[there] <= 0.0f)
+          continue;
+        const float3 wi =
+            normalize(position(args, sx, sy, depth[there]) - point);
+        const float cosine = dot(wi, wo);
+        if (cosine <= horizon)
+          continue;
+        const float accept = smoothstep(args.facing[0], args.facing[1],
+                                        -dot(normals[there].xyz, wi));
+        last = mix(last, radiances[there].xyz, accept);
+        const float closed = open_share(acos(min(cosine, 1.0f)), nx, ny);
+        light += last * (share - closed);
+        share = closed;
+        horizon = cosine;
+      }
+      open += share;
+    }
+  }
+  result[here] = (float4)(light * PI / SLICES, open / SLICES);
+}

@@ -1,0 +1,305 @@
+/* The report as a picture: error against milliseconds, log-log, in SVG. */
+#include "bench/bench.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+  WIDTH = 960,
+  HEAD = 64, /* title and machine */
+  PANEL = 480,
+  LEFT = 80,
+  RIGHT = 930,
+  TOP = 36, /* of the axes, within a panel */
+  BOTTOM = 430,
+  CHARACTER = 6, /* width of a letter of a label */
+  LINE = 10      /* height of a label */
+};
+
+typedef struct dot {
+  double x, y; /* milliseconds, error */
+  const char *label;
+  int front, standard, literal;
+} dot;
+
+/* A logarithmic axis: decades low..high on pixels from..to. */
+typedef struct axis {
+  double low, high, from, to;
+} axis;
+
+typedef struct box {
+  double x, y, width, height;
+} box;
+
+typedef struct panel {
+  FILE *out;
+  const char *title;
+  axis x, y;
+  dot *dots;
+  size_t count;
+  box *taken; /* by dots and labels */
+  size_t taken_count;
+} panel;
+
+static double place(const axis *a, double value) {
+  return a->from +
+         (log10(value) - a->low) / (a->high - a->low) * (a->to - a->from);
+}
+
+static void write_text(FILE *out, const char *text) {
+  for (; *text; text++)
+    if (*text == '<')
+      fputs("&lt;", out);
+    else if (*text == '>')
+      fputs("&gt;", out);
+    else if (*text == '&')
+      fputs("&amp;", out);
+    else
+      fputc((unsigned char)*text < ' ' ? ' ' : *text, out);
+}
+
+/* --- dots --- */
+
+static int can_be_drawn(const dot *d) {
+  return isfinite(d->x) && isfinite(d->y) && d->x > 0.0 && d->y > 0.0;
+}
+
+static size_t collect(const bench_report *report, int ao, dot *out) {
+  size_t count = 0;
+  for (size_t i = 0; i < report->count; i++) {
+    const bench_row *r = &report->rows[i];
+    out[count] = (dot){.x = r->total.median,
+                       .y = ao ? r->ao_error : r->light_error,
+                       .label = r->label,
+                       .front = ao ? r->ao_front : r->light_front,
+                       .standard = bench_is_default(&r->configuration)};
+    count += (size_t)can_be_drawn(&out[count]);
+  }
+  const bench_literal *l = &report->literal;
+  out[count] = (dot){.x = l->milliseconds.median,
+                     .y = ao ? l->ao_error : l->light_error,
+                     .label = "literal, unfiltered",
+                     .literal = 1};
+  return count + (size_t)can_be_drawn(&out[count]);
+}
+
+static int by_time(const void *a, const void *b) {
+  const double x = ((const dot *)a)->x, y = ((const dot *)b)->x;
+  return (x > y) - (x < y);
+}
+
+/* --- axes --- */
+
+static void fit(const dot *dots, size_t count, axis *x, axis *y) {
+  x->low = y->low = INFINITY;
+  x->high = y->high = -INFINITY;
+  for (size_t i = 0; i < count; i++) {
+    x->low = fmin(x->low, log10(dots[i].x));
+    x->high = fmax(x->high, log10(dots[i].x));
+    y->low = fmin(y->low, log10(dots[i].y));
+    y->high = fmax(y->high, log10(dots[i].y));
+  }
+  const double margin = 0.08;
+  x->low -= margin;
+  x->high += margin;
+  y->low -= margin;
+  y->high += margin;
+}
+
+static void write_tick(const panel *p, int horizontal, double value) {
+  const double at = place(horizontal ? &p->x : &p->y, value);
+  if (horizontal)
+    fprintf(p->out,
+            "<line x1=\"%.1f\" y1=\"%d\" x2=\"%.1f\" y2=\"%d\" "
+            "class=\"grid\"/><text x=\"%.1f\" y=\"%d\" "
+            "text-anchor=\"middle\">%g</text>\n",
+            at, TOP, at, BOTTOM, at, BOTTOM + 16, value);
+  else
+    fprintf(p->out,
+            "<line x1=\"%d\" y1=\"%.1f\" x2=\"%d\" y2=\"%.1f\" "
+            "class=\"grid\"/><text x=\"%d\" y=\"%.1f\" "
+            "text-anchor=\"end\">%g</text>\n",
+            LEFT, at, RIGHT, at, LEFT - 6, at + 4.0, value);
+}
+
+/* 1, 2 and 5 of each decade. */
+static void write_ticks(const panel *p, int horizontal) {
+  const axis *a = horizontal ? &p->x : &p->y;
+  static const double steps[] = {1.0, 2.0, 5.0};
+  for (int decade = (int)floor(a->low); decade <= (int)floor(a->high); decade++)
+    for (int i = 0; i < 3; i++) {
+      const double value = steps[i] * pow(10.0, decade);
+      const double at = log10(value);
+      if (at >= a->low && at <= a->high)
+        write_tick(p, horizontal, value);
+    }
+}
+
+static void write_axes(const panel *p) {
+  write_ticks(p, 1);
+  write_ticks(p, 0);
+  fprintf(p->out,
+          "<rect x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" class=\"axes\"/>"
+          "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">milliseconds of the "
+          "whole frame</text>\n"
+          "<text x=\"%d\" y=\"%d\" class=\"title\">%s</text>\n",
+          LEFT, TOP, RIGHT - LEFT, BOTTOM - TOP, (LEFT + RIGHT) / 2,
+          BOTTOM + 34, LEFT, TOP - 10, p->title);
+}
+
+/* --- dots and labels --- */
+
+static void write_front(const panel *p) {
+  fputs("<polyline class=\"front\" points=\"", p->out);
+  for (size_t i = 0; i < p->count; i++)
+    if (p->dots[i].front)
+      fprintf(p->out, "%.1f,%.1f ", place(&p->x, p->dots[i].x),
+              place(&p->y, p->dots[i].y));
+  fputs("\"/>\n", p->out);
+}
+
+static void write_dot(panel *p, const dot *d) {
+  const double x = place(&p->x, d->x), y = place(&p->y, d->y);
+  const char *kind = d->literal ? "literal" : d->front ? "best" : "other";
+  fprintf(p->out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" class=\"%s\"/>\n", x,
+          y, kind);
+  if (d->standard)
+    fprintf(p->out,
+            "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"8\" class=\"standard\"/>\n", x,
+            y);
+  p->taken[p->taken_count++] = (box){x - 4.0, y - 4.0, 8.0, 8.0};
+}
+
+static int overlap(const box *a, const box *b) {
+  return a->x < b->x + b->width && b->x < a->x + a->width &&
+         a->y < b->y + b->height && b->y < a->y + a->height;
+}
+
+static int is_free(const panel *p, const box *b) {
+  if (b->x < LEFT || b->x + b->width > RIGHT || b->y < TOP ||
+      b->y + b->height > BOTTOM)
+    return 0;
+  for (size_t i = 0; i < p->taken_count; i++)
+    if (overlap(&p->taken[i], b))
+      return 0;
+  return 1;
+}
+
+/* Beside the dot, else above or below it, farther and farther. */
+static box place_label(const panel *p, double x, double y, double width) {
+  const box right = {x + 9.0, y - 5.0, width, LINE};
+  for (int ring = 0; ring < 6; ring++)
+    for (int way = 0; way < 6; way++) {
+      const double shift = (way % 3 == 0   ? 0.0
+                            : way % 3 == 1 ? -1.0
+                                           : 1.0) *
+                           (double)(LINE * (ring + 1));
+      const box b = {way < 3 ? x + 9.0 : x - 9.0 - width, y - 5.0 + shift,
+                     width, LINE};
+      if (is_free(p, &b))
+        return b;
+    }
+  return right;
+}
+
+static void write_label(panel *p, const dot *d) {
+  const double x = place(&p->x, d->x), y = place(&p->y, d->y);
+  char text[80];
+  snprintf(text, sizeof text, "%s%s", d->label,
+           d->standard ? " (default)" : "");
+  const box b = place_label(p, x, y, (double)(CHARACTER * strlen(text)));
+  p->taken[p->taken_count++] = b;
+  if (fabs(b.y + 5.0 - y) > LINE + 1.0) /* too far to be seen as its own */
+    fprintf(p->out,
+            "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" "
+            "class=\"leader\"/>\n",
+            x, y, b.x > x ? b.x : b.x + b.width, b.y + 5.0);
+  fprintf(p->out, "<text x=\"%.1f\" y=\"%.1f\" class=\"%s\">", b.x,
+          b.y + LINE - 2.0, d->front || d->literal ? "label" : "label dim");
+  write_text(p->out, text);
+  fputs("</text>\n", p->out);
+}
+
+static void write_dots(panel *p) {
+  for (size_t i = 0; i < p->count; i++)
+    write_dot(p, &p->dots[i]);
+  /* those on the front have the first choice of places */
+  for (int front = 1; front >= 0; front--)
+    for (size_t i = 0; i < p->count; i++)
+      if ((p->dots[i].front || p->dots[i].literal) == front)
+        write_label(p, &p->dots[i]);
+}
+
+static void write_panel(const bench_report *report, FILE *out, int ao,
+                        dot *dots, box *taken) {
+  panel p = {.out = out,
+             .title = ao ? "AO: sampling error (RMSE)"
+                         : "E_near: sampling error (RMSE / mean)",
+             .dots = dots,
+             .taken = taken};
+  p.count = collect(report, ao, dots);
+  qsort(dots, p.count, sizeof *dots, by_time);
+  fit(dots, p.count, &p.x, &p.y);
+  p.x.from = LEFT;
+  p.x.to = RIGHT;
+  p.y.from = BOTTOM;
+  p.y.to = TOP;
+  fprintf(out, "<g transform=\"translate(0,%d)\">\n", HEAD + ao * PANEL);
+  if (p.count > 0) {
+    write_axes(&p);
+    write_front(&p);
+    write_dots(&p);
+  }
+  fputs("</g>\n", out);
+}
+
+/* --- the whole --- */
+
+static void write_head(const bench_report *report, FILE *out) {
+  const bench_machine *m = &report->machine;
+  char text[1200];
+  fprintf(out,
+          "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" "
+          "height=\"%d\" font-family=\"sans-serif\" font-size=\"11\">\n"
+          "<style>.grid{stroke:#ddd}.axes{fill:none;stroke:#444}"
+          ".title{font-size:14px;font-weight:bold}.label{font-size:10px}"
+          ".dim{fill:#777}.front{fill:none;stroke:#c33;stroke-width:1.5}"
+          ".best{fill:#c33}.other{fill:#68a}.literal{fill:#000}"
+          ".standard{fill:none;stroke:#000}.leader{stroke:#bbb}</style>\n"
+          "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
+          WIDTH, HEAD + 2 * PANEL);
+  snprintf(text, sizeof text,
+           "hbil %s: error against time, %s, %u x %u; slices x samples a side; "
+           "line: Pareto front",
+           hbil_version(), report->content->name, report->content->width,
+           report->content->height);
+  fprintf(out, "<text x=\"%d\" y=\"22\" class=\"title\">", LEFT);
+  write_text(out, text);
+  snprintf(text, sizeof text, "%s, %u compute units, %s, %s", m->device,
+           (unsigned)m->units, m->version, m->driver);
+  fprintf(out, "</text>\n<text x=\"%d\" y=\"40\">", LEFT);
+  write_text(out, text);
+  snprintf(text, sizeof text,
+           "medians of %u runs; errors after recompose against %s of the same "
+           "library, in place of the exact integral",
+           report->runs, report->reference);
+  fprintf(out, "</text>\n<text x=\"%d\" y=\"56\">", LEFT);
+  write_text(out, text);
+  fputs("</text>\n", out);
+}
+
+/* Without memory the file ends early, which the caller notices. */
+void bench_write_svg(const bench_report *report, FILE *out) {
+  const size_t most = report->count + 1;
+  dot *dots = calloc(most, sizeof *dots);
+  box *taken = calloc(2 * most, sizeof *taken);
+  if (dots && taken) {
+    write_head(report, out);
+    for (int ao = 0; ao < 2; ao++)
+      write_panel(report, out, ao, dots, taken);
+    fputs("</svg>\n", out);
+  }
+  free(dots);
+  free(taken);
+}

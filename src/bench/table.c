@@ -1,0 +1,230 @@
+/* The report as text and as comma-separated values. */
+#include "bench/bench.h"
+
+#include <math.h>
+
+double bench_start_time(const bench_report *report) {
+  for (size_t i = 0; i < report->count; i++)
+    if (bench_is_start(&report->rows[i].configuration))
+      return report->rows[i].pass[HBIL_PASS_GATHER].median;
+  return NAN;
+}
+
+void bench_notes(const bench_report *report, FILE *out, const char *before,
+                 const char *after) {
+  fprintf(out,
+          "%sSampling error is measured, after recompose and for one bounce, "
+          "against the library itself with %s: a dense result of the same "
+          "model that stands in for the exact integral.%s",
+          before, report->reference, after);
+  fprintf(out,
+          "%sE_near: RMSE over its mean; AO: RMSE.  Times: medians of %u runs "
+          "after %d of warm-up, on the device.%s",
+          before, report->runs, BENCH_WARM_UP, after);
+  if (report->content->truth)
+    fprintf(out,
+            "%sModel error: RMSE of indirect light against the path tracer "
+            "after %d bounces; zero has %.4g, the constant mean %.4g.%s",
+            before, BENCH_TRUTH_BOUNCES,
+            bench_model_error(report->content, NULL),
+            bench_mean_error(report->content), after);
+  if (report->content->note[0])
+    fprintf(out, "%s%s%s", before, report->content->note, after);
+}
+
+/* --- text --- */
+
+static void print_head(const bench_report *report, FILE *out) {
+  const bench_machine *m = &report->machine;
+  fprintf(out, "device   %s, %u compute units\ndriver   %s, %s, %s\n",
+          m->device, (unsigned)m->units, m->platform, m->version, m->driver);
+  fprintf(out, "content  %s, %u x %u pixels, %u frame%s\n",
+          report->content->name, report->content->width,
+          report->content->height, report->content->frames,
+          report->content->frames == 1 ? "" : "s");
+}
+
+static void print_yardsticks(const bench_report *report, FILE *out) {
+  const bench_literal *l = &report->literal;
+  const bench_copy *c = &report->copy;
+  fprintf(out,
+          "literal  %.2f ms (%.2f .. %.2f): the paper as it reads, one "
+          "work-item a pixel, 2x8, unfiltered: E_near %.3g, AO %.3g\n",
+          l->milliseconds.median, l->milliseconds.low, l->milliseconds.high,
+          l->light_error, l->ao_error);
+  fprintf(out, "copy     %.3f ms (%.3f .. %.3f) for %u planes: %.1f GB/s\n\n",
+          c->milliseconds.median, c->milliseconds.low, c->milliseconds.high,
+          c->planes, (double)c->bytes * 1e-6 / c->milliseconds.median);
+}
+
+/* Two lines, so that columns stay narrow. */
+static void print_names(const bench_report *report, FILE *out) {
+  const char *model = report->content->truth ? "    model" : "";
+  fprintf(out, "%-17s", "");
+  for (int p = 0; p < HBIL_PASS_COUNT; p++)
+    fprintf(out, " %9s", hbil_pass_name((hbil_pass)p));
+  fprintf(out, " %9s %17s %6s %9s %9s %6s %8s %8s%s\n", "total", "of total",
+          "host", "literal", "literal", "gather", "E_near", "AO", model);
+  fprintf(out, "%-17s", "slices x samples");
+  for (int p = 0; p < HBIL_PASS_COUNT + 1; p++)
+    fprintf(out, " %9s", "ms");
+  model = report->content->truth ? "    error" : "";
+  fprintf(out, " %17s %6s %9s %9s %6s %8s %8s%s\n", "min .. max", "ms",
+          "/gather", "/total", "/start", "error", "error", model);
+}
+
+static void print_row(const bench_report *report, const bench_row *row,
+                      FILE *out) {
+  const double literal = report->literal.milliseconds.median;
+  const double gather = row->pass[HBIL_PASS_GATHER].median;
+  fprintf(out, "%-16s%c", row->label,
+          bench_is_default(&row->configuration) ? '*' : ' ');
+  for (int p = 0; p < HBIL_PASS_COUNT; p++)
+    fprintf(out, " %9.3f", row->pass[p].median);
+  fprintf(out, " %9.3f %7.2f .. %6.2f %6.3f %9.1f %9.1f %6.2f %7.4f%c %7.4f%c",
+          row->total.median, row->total.low, row->total.high, row->host.median,
+          literal / gather, literal / row->total.median,
+          gather / bench_start_time(report), row->light_error,
+          row->light_front ? '+' : ' ', row->ao_error,
+          row->ao_front ? '+' : ' ');
+  if (report->content->truth)
+    fprintf(out, " %8.4f", row->model_error);
+  fputc('\n', out);
+}
+
+/* One pass of the default (or first) configuration. */
+static void print_ratio(const bench_report *report, const bench_row *row,
+                        hbil_pass pass, FILE *out) {
+  const double bytes = bench_pass_bytes(report->content, pass);
+  const double copy = bench_copy_time(&report->copy, bytes);
+  fprintf(out, "  %-9s %6.2f (%.3f ms, %.1f MiB)\n", hbil_pass_name(pass),
+          row->pass[pass].median / copy, row->pass[pass].median,
+          bytes / 1048576.0);
+}
+
+static void print_ratios(const bench_report *report, FILE *out) {
+  const bench_row *row = &report->rows[0];
+  for (size_t i = 0; i < report->count; i++)
+    if (bench_is_default(&report->rows[i].configuration))
+      row = &report->rows[i];
+  fprintf(out, "\ntimes of a copy of its bytes, %s:\n", row->label);
+  print_ratio(report, row, HBIL_PASS_SPLIT, out);
+  print_ratio(report, row, HBIL_PASS_PUSH_PULL, out);
+  print_ratio(report, row, HBIL_PASS_COMPOSITE, out);
+  fprintf(out, "device memory, %s: %.1f MiB\n", row->label,
+          (double)row->memory / 1048576.0);
+}
+
+void bench_write_table(const bench_report *report, FILE *out) {
+  print_head(report, out);
+  print_yardsticks(report, out);
+  print_names(report, out);
+  for (size_t i = 0; i < report->count; i++)
+    print_row(report, &report->rows[i], out);
+  fprintf(out,
+          "* the default   + on the Pareto front of error against total\n");
+  print_ratios(report, out);
+  fputc('\n', out);
+  bench_notes(report, out, "", "\n");
+}
+
+/* --- comma-separated values --- */
+
+/* In quotes, which are doubled inside. */
+static void write_quoted(FILE *out, const char *text) {
+  fputc('"', out);
+  for (; *text; text++) {
+    if (*text == '"')
+      fputc('"', out);
+    fputc((unsigned char)*text < ' ' ? ' ' : *text, out);
+  }
+  fputc('"', out);
+}
+
+static void write_where(const bench_report *report, FILE *out) {
+  const bench_machine *m = &report->machine;
+  fputc(',', out);
+  write_quoted(out, m->device);
+  fprintf(out, ",%u,", (unsigned)m->units);
+  write_quoted(out, m->driver);
+  fputc(',', out);
+  write_quoted(out, m->version);
+  fputc(',', out);
+  write_quoted(out, report->content->name);
+  fprintf(out, ",%u,%u,%u,", report->content->width, report->content->height,
+          report->runs);
+  write_quoted(out, report->reference);
+  fputc('\n', out);
+}
+
+static void write_names(FILE *out) {
+  fputs("label,slices,samples,growth,lattice,raw,default", out);
+  for (int p = 0; p < HBIL_PASS_COUNT; p++) {
+    const char *name = hbil_pass_name((hbil_pass)p);
+    fprintf(out, ",%s_ms,%s_min_ms,%s_max_ms", name, name, name);
+  }
+  fputs(",total_ms,total_min_ms,total_max_ms,host_ms,device_bytes,"
+        "literal_over_gather,literal_over_total,gather_over_start,"
+        "light_error,ao_error,model_error,light_front,ao_front,"
+        "device,compute_units,driver,version,content,width,height,runs,"
+        "reference\n",
+        out);
+}
+
+/* Empty where there is none. */
+static void write_number(FILE *out, double value) {
+  if (isfinite(value))
+    fprintf(out, ",%.6g", value);
+  else
+    fputc(',', out);
+}
+
+static void write_spread(FILE *out, bench_spread s) {
+  write_number(out, s.median);
+  write_number(out, s.low);
+  write_number(out, s.high);
+}
+
+static void write_row(const bench_report *report, const bench_row *row,
+                      FILE *out) {
+  const bench_configuration *c = &row->configuration;
+  const double literal = report->literal.milliseconds.median;
+  const double gather = row->pass[HBIL_PASS_GATHER].median;
+  fprintf(out, "%s,%u,%u,%g,%s,%d,%d", row->label, (unsigned)c->slices,
+          (unsigned)c->samples, (double)c->growth,
+          c->lattice == HBIL_LATTICE_FULL ? "full" : "layer", c->raw,
+          bench_is_default(c));
+  for (int p = 0; p < HBIL_PASS_COUNT; p++)
+    write_spread(out, row->pass[p]);
+  write_spread(out, row->total);
+  write_number(out, row->host.median);
+  fprintf(out, ",%zu", row->memory);
+  write_number(out, literal / gather);
+  write_number(out, literal / row->total.median);
+  write_number(out, gather / bench_start_time(report));
+  write_number(out, row->light_error);
+  write_number(out, row->ao_error);
+  write_number(out, row->model_error);
+  fprintf(out, ",%d,%d", row->light_front, row->ao_front);
+  write_where(report, out);
+}
+
+/* The baseline has a kernel, but no settings and no passes. */
+static void write_literal(const bench_report *report, FILE *out) {
+  fputs("literal,2,8,0,full,1,0", out);
+  for (int p = 0; p < HBIL_PASS_COUNT; p++)
+    fputs(",,,", out);
+  write_spread(out, report->literal.milliseconds);
+  fputs(",,,,,", out);
+  write_number(out, report->literal.light_error);
+  write_number(out, report->literal.ao_error);
+  fputs(",,0,0", out);
+  write_where(report, out);
+}
+
+void bench_write_csv(const bench_report *report, FILE *out) {
+  write_names(out);
+  for (size_t i = 0; i < report->count; i++)
+    write_row(report, &report->rows[i], out);
+  write_literal(report, out);
+}

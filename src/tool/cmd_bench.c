@@ -1,0 +1,118 @@
+/* hbil bench: time and error of the settings on this machine. */
+#include "bench/bench.h"
+
+#include <getopt.h>
+#include <string.h>
+
+enum {
+  OPTION_SIZE = 256,
+  OPTION_DUMP,
+  OPTION_CAMERA,
+  OPTION_TRUTH,
+  OPTION_DEVICE,
+  OPTION_RUNS,
+  OPTION_QUICK
+};
+
+static const struct option options[] = {
+    {"size", required_argument, NULL, OPTION_SIZE},
+    {"dump", required_argument, NULL, OPTION_DUMP},
+    {"camera", required_argument, NULL, OPTION_CAMERA},
+    {"truth", required_argument, NULL, OPTION_TRUTH},
+    {"device", required_argument, NULL, OPTION_DEVICE},
+    {"runs", required_argument, NULL, OPTION_RUNS},
+    {"quick", no_argument, NULL, OPTION_QUICK},
+    {"output", required_argument, NULL, 'o'},
+    {"help", no_argument, NULL, 'h'},
+    {NULL, 0, NULL, 0},
+};
+
+static void usage(void) {
+  puts(
+      "usage: hbil bench [options]\n"
+      "\n"
+      "Measures the time of every pass and the error of the result for a list\n"
+      "of settings, beside the paper's method as one plain kernel and a plain\n"
+      "copy.  Prints a table; writes DIR/bench.csv, bench.json, bench.svg.\n"
+      "\n"
+      "  -o, --output DIR   folder of the files (./bench)\n"
+      "  --size WxH         of the procedural room (1280x720)\n"
+      "  --dump FRAME.exr   a captured frame in its place\n"
+      "  --camera FILE      JSON camera of the frame (FRAME.json beside it)\n"
+      "  --truth FILE.exr   the frame, path traced: DiffInd.{R,G,B}; also\n"
+      "                     measures the model's error\n"
+      "  --device NAME      index or part of a name, see hbil devices (the\n"
+      "                     first GPU, else the first device)\n"
+      "  --runs N           runs that are counted, 1..1000 (9)\n"
+      "  --quick            a short list and a small room (320x180)");
+}
+
+static int read_size(const char *text, bench_options *o, image_error *error) {
+  char end;
+  if (sscanf(text, "%5ux%5u%c", &o->width, &o->height, &end) != 2 ||
+      o->width < 1 || o->width > 16384 || o->height < 1 || o->height > 16384)
+    return image_fail(error,
+                      "--size %s: WIDTHxHEIGHT is needed, each from 1 to "
+                      "16384, such as 1280x720",
+                      text);
+  return 0;
+}
+
+static int set_option(int option, bench_options *o, image_error *error) {
+  switch (option) {
+  case OPTION_SIZE:
+    return read_size(optarg, o, error);
+  case OPTION_RUNS:
+    return option_unsigned("--runs", optarg, 1, BENCH_MAX_RUNS, &o->runs,
+                           error);
+  case OPTION_DUMP:
+    o->dump = optarg;
+    break;
+  case OPTION_CAMERA:
+    o->camera = optarg;
+    break;
+  case OPTION_TRUTH:
+    o->truth = optarg;
+    break;
+  case OPTION_DEVICE:
+    o->device = optarg;
+    break;
+  case OPTION_QUICK:
+    o->quick = 1;
+    break;
+  default:
+    o->output = optarg;
+  }
+  return 0;
+}
+
+static int check(const bench_options *o, int argc, char **argv,
+                 image_error *error) {
+  if (optind < argc)
+    return image_fail(error, "bench: %s: --dump is needed in front of a file",
+                      argv[optind]);
+  if (o->dump && o->width)
+    return image_fail(error, "--size: a dump has its own size; it is needed "
+                             "without --dump only");
+  if (!o->dump && (o->truth || o->camera))
+    return image_fail(error, "%s: --dump FRAME.exr is needed with it",
+                      o->truth ? "--truth" : "--camera");
+  return 0;
+}
+
+int cmd_bench(int argc, char **argv) {
+  bench_options o = {.output = "./bench", .runs = 9};
+  image_error error;
+  int option;
+  while ((option = option_next(argc, argv, ":o:h", options, &error)) != -1) {
+    if (option == 'h') {
+      usage();
+      return TOOL_OK;
+    }
+    if (option == '?' || set_option(option, &o, &error) != 0)
+      return tool_report(&error);
+  }
+  if (check(&o, argc, argv, &error) != 0 || bench_run(&o, &error) != 0)
+    return tool_report(&error);
+  return TOOL_OK;
+}
