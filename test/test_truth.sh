@@ -3,8 +3,8 @@
 # everywhere, and the last frame's indirect light is reported against the path
 # tracer next to the trivial answers.
 #
-# Limits: a third above the RMSE measured when this was written (README.md's
-# table); they catch a break, they don't claim quality.
+# Limits: 8 % above the RMSE measured when this was written (README.md's table);
+# all are below the trivial answer "constant mean" (.0283 .166 .374 .170).
 data=${HBIL_DATA:-$srcdir/../shared/data}
 out=test/scratch/truth
 scenes='cornell staircase veach_bidir viking_ao'
@@ -12,10 +12,10 @@ n=0
 
 limit() {
   case $1 in
-  cornell) echo 0.048 ;;
-  staircase) echo 0.32 ;;
-  veach_bidir) echo 0.30 ;;
-  viking_ao) echo 0.28 ;;
+  cornell) echo 0.0265 ;;
+  staircase) echo 0.149 ;;
+  veach_bidir) echo 0.117 ;;
+  viking_ao) echo 0.126 ;;
   esac
 }
 

@@ -97,13 +97,13 @@ static void usage(const hbil_config *defaults) {
   printf("  --radius R            world units, or inf (%g)\n"
          "  --thickness T         of occluders, world units (inf)\n"
          "  --relative-thickness T\n"
-         "                        the same as a share of their depth (inf)\n"
+         "                        the same as a share of their depth (%g)\n"
          "  --slices N            per pixel, 1..32 (%u)\n"
          "  --samples N           per side of a slice, 1..256 (%u)\n"
          "  --step-growth G       0: equal steps; the last step is (1+G)^2\n"
          "                        times the first (%g)\n",
-         (double)defaults->radius, defaults->slices, defaults->samples,
-         (double)defaults->step_growth);
+         (double)defaults->radius, (double)defaults->relative_thickness,
+         defaults->slices, defaults->samples, (double)defaults->step_growth);
   puts("  --lattice full|layer  where samples may lie: any pixel, or every\n"
        "                        fourth");
   printf("  --facing A,B          cosines between which the light of a sample\n"
