@@ -485,12 +485,17 @@ typedef struct surface {
   vec ray, at, normal;
 } surface;
 
+/* Not positive: nothing there. */
+static double inverse_depth_at(const ref_planes *split, int x, int y) {
+  if (x < 0 || y < 0 || x >= split->width || y >= split->height)
+    return 0.0;
+  return *ref_at(split, HBIL_SPLIT_W, x, y);
+}
+
 static surface surface_at(const ref_job *job, const ref_planes *split, int x,
                           int y) {
   surface s = {0.0, 0.0, 0.0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-  if (x < 0 || y < 0 || x >= split->width || y >= split->height)
-    return s;
-  s.w = *ref_at(split, HBIL_SPLIT_W, x, y);
+  s.w = inverse_depth_at(split, x, y);
   if (!(s.w > 0.0))
     return s;
   s.gx = *ref_at(split, HBIL_SPLIT_GX, x, y);
@@ -509,12 +514,14 @@ typedef struct gathering {
   ref_planes *gathered;
   hbil_view_args view;
   hbil_pattern_args pattern;
-  int first, step; /* rows of this thread */
+  bool dense;         /* every pixel, pattern.slices equal slices */
+  bool equal_weights; /* no Jacobian */
+  int first, step;    /* rows of this thread */
 } gathering;
 
 /* What the half-slices of a pixel add up to, each weighted with J. */
 typedef struct sums {
-  double whole, open, light[3];
+  double whole, open, unknown, light[3];
   vec bent, bent_whole;
 } sums;
 
@@ -570,9 +577,10 @@ static double fade(const hbil_config *c, double cosine) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-/* The light that is taken to come from a newly found occluder. */
-static void accept_light(const gathering *g, const surface *s,
-                         const surface *other, int x, int y, double last[3]) {
+/* The light that is taken to come from a newly found occluder; returns the
+ * share of it that is accepted. */
+static double accept_light(const gathering *g, const surface *s,
+                           const surface *other, int x, int y, double last[3]) {
   const hbil_config *c = g->job->config;
   vec to = add(other->at, -1.0, s->at);
   double t = fade(c, -dot(other->normal, to) / length(to));
@@ -581,6 +589,7 @@ static void accept_light(const gathering *g, const surface *s,
     last[i] = c->refused == HBIL_REFUSED_LAST ? last[i] + t * (own - last[i])
                                               : t * own;
   }
+  return t;
 }
 
 static double tolerance_of(const hbil_config *c) {
@@ -601,44 +610,152 @@ static bool within_radius(const hbil_config *c, const surface *a,
          length(add(a->at, -1.0, b->at)) <= (double)c->radius;
 }
 
-static double excess_of(const gathering *g, const surface *s,
-                        const surface *other, vec e) {
-  double raised = other->w * (1.0 - tolerance_of(g->job->config));
+/* Of an inverse depth w at offset e. */
+static double excess_of(const gathering *g, const surface *s, double w, vec e) {
+  double raised = w * (1.0 - tolerance_of(g->job->config));
   return (raised - s->w - s->gx * e.x - s->gy * e.y) / length(e);
 }
 
-static void march(const gathering *g, const surface *s, int x, int y, int level,
-                  float ux, float uy, sums *sum) {
-  int layer = HBIL_SIDE * (y % HBIL_SIDE) + x % HBIL_SIDE;
-  half_slice h = make_half(s, (double)ux, (double)uy);
+/* The pixel in the k-th column (or row) that the line from a pixel's centre
+ * crosses. */
+static void crossed_pixel(const gathering *g, int k, double ux, double uy,
+                          int *dx, int *dy) {
+  double px = ux * g->job->camera.fx, py = uy * g->job->camera.fy;
+  double steps = (k + 1) / fmax(fabs(px), fabs(py));
+  *dx = (int)rint(steps * px);
+  *dy = (int)rint(steps * py);
+}
+
+/* One pixel's half-slices, and what they add up to. */
+typedef struct walker {
+  const gathering *g;
+  surface s;
+  int x, y, layer, level;
+  sums sum;
+} walker;
+
+/* Pixel of the k-th sample; false past the last one that the image can have. */
+static bool sample_pixel(const walker *w, int k, double ux, double uy, int *x,
+                         int *y) {
+  const gathering *g = w->g;
+  int dx, dy;
+  if (g->dense)
+    crossed_pixel(g, k, ux, uy, &dx, &dy);
+  else
+    hbil_sample_offset(w->layer, k, w->level, (float)ux, (float)uy, g->view,
+                       g->pattern, &dx, &dy);
+  *x = w->x + dx;
+  *y = w->y + dy;
+  return !g->dense ||
+         (*x >= 0 && *y >= 0 && *x < g->split->width && *y < g->split->height);
+}
+
+/* What of a half-slice is still open where occluders have a thickness. */
+typedef struct openings {
+  bool finite;
+  unsigned covered; /* sectors of equal A, from wo outwards */
+  double start, dither, open;
+  vec bent;
+} openings;
+
+enum { SECTORS = 32 };
+
+static bool is_finite(const hbil_config *c) {
+  return !isinf(c->thickness) || !isinf(c->relative_thickness);
+}
+
+static openings all_open(const walker *w, const half_slice *h, double start) {
+  int layer = HBIL_SIDE * (w->y % HBIL_SIDE) + w->x % HBIL_SIDE;
+  openings o = {.finite = is_finite(w->g->job->config), .start = start};
+  o.dither = (hbil_shift_slot(layer) + 0.5) / 16.0;
+  o.open = measure(h, start);
+  o.bent = bent_to(h, start);
+  return o;
+}
+
+/* Where the back of a sample lies, in excess. */
+static double excess_of_back(const hbil_config *c, const surface *other,
+                             double distance, double excess) {
+  double z = 1.0 / other->w;
+  double deep = fmin((double)c->thickness / length(other->ray),
+                     (double)c->relative_thickness * z);
+  return fmax(excess + (1.0 / (z + deep) - other->w) / distance, 0.0);
+}
+
+static unsigned sectors_below(const half_slice *h, const openings *o,
+                              double theta) {
+  double part = measure(h, theta) / measure(h, o->start) * SECTORS + o->dither;
+  int n = part < 0.0 ? 0 : part > SECTORS ? SECTORS : (int)part;
+  return n == SECTORS ? ~0u : (1u << n) - 1u;
+}
+
+/* Takes the sectors between front and back from what is open; returns the part
+ * of A that was not covered before. */
+static double cover(const half_slice *h, openings *o, double front,
+                    double back) {
+  unsigned fresh =
+      sectors_below(h, o, back) & ~sectors_below(h, o, front) & ~o->covered;
+  int count = 0;
+  double share, part;
+  o->covered |= fresh;
+  for (; fresh; fresh &= fresh - 1)
+    ++count;
+  share = measure(h, o->start) * count / SECTORS;
+  part = share / fmax(measure(h, back) - measure(h, front), 1e-5);
+  o->open = fmax(o->open - share, 0.0);
+  o->bent = add(o->bent, part, bent_to(h, front));
+  o->bent = add(o->bent, -part, bent_to(h, back));
+  return share;
+}
+
+static void march(walker *w, double ux, double uy) {
+  const gathering *g = w->g;
+  const surface *s = &w->s;
+  sums *sum = &w->sum;
+  half_slice h = make_half(s, ux, uy);
   double start = atan2(h.ny, -h.nx), theta = start, last[3];
   double best = least_excess(g->job->config, s);
+  openings o = all_open(w, &h, start);
+  int x, y;
+  if (g->equal_weights)
+    h.weight = 1.0;
   for (int i = 0; i < 3; ++i)
-    last[i] = *ref_at(g->split, HBIL_SPLIT_RED + i, x, y);
-  for (int k = 0; k < g->pattern.samples; ++k) {
-    int dx, dy;
+    last[i] = *ref_at(g->split, HBIL_SPLIT_RED + i, w->x, w->y);
+  for (int k = 0; (g->dense || k < g->pattern.samples) &&
+                  sample_pixel(w, k, ux, uy, &x, &y);
+       ++k) {
+    double w1 = inverse_depth_at(g->split, x, y);
+    double excess, next, taken, accepted;
     surface other;
-    double excess, next, taken;
-    vec e;
-    hbil_sample_offset(layer, k, level, ux, uy, g->view, g->pattern, &dx, &dy);
-    other = surface_at(g->job, g->split, x + dx, y + dy);
-    e = make(dx / g->job->camera.fx, dy / g->job->camera.fy, 0.0);
-    if (!(other.w > 0.0))
+    vec e = make((x - w->x) / g->job->camera.fx, (y - w->y) / g->job->camera.fy,
+                 0.0);
+    if (!(w1 > 0.0))
       continue;
-    excess = excess_of(g, s, &other, e);
-    if (!(excess > best) || !within_radius(g->job->config, s, &other))
+    excess = excess_of(g, s, w1, e);
+    if (!(excess > best))
+      continue;
+    other = surface_at(g->job, g->split, x, y);
+    if (!within_radius(g->job->config, s, &other))
       continue;
     next = horizon(s, &h, length(e), excess);
-    taken = measure(&h, theta) - measure(&h, next);
-    accept_light(g, s, &other, x + dx, y + dy, last);
+    taken = o.finite ? cover(&h, &o, next,
+                             horizon(s, &h, length(e),
+                                     excess_of_back(g->job->config, &other,
+                                                    length(e), excess)))
+                     : measure(&h, theta) - measure(&h, next);
+    taken *= h.weight;
+    accepted = accept_light(g, s, &other, x, y, last);
     for (int i = 0; i < 3; ++i)
-      sum->light[i] += h.weight * last[i] * taken;
+      sum->light[i] += last[i] * taken;
+    sum->unknown += (1.0 - accepted) * taken;
+    if (o.finite)
+      continue;
     theta = next;
     best = excess;
   }
   sum->whole += h.weight * measure(&h, start);
-  sum->open += h.weight * measure(&h, theta);
-  sum->bent = add(sum->bent, h.weight, bent_to(&h, theta));
+  sum->open += h.weight * (o.finite ? o.open : measure(&h, theta));
+  sum->bent = add(sum->bent, h.weight, o.finite ? o.bent : bent_to(&h, theta));
   sum->bent_whole = add(sum->bent_whole, h.weight, bent_to(&h, start));
 }
 
@@ -658,37 +775,60 @@ static int level_at(const gathering *g, int x, int y) {
                     g->pattern.levels);
 }
 
-static void store_gathered(const gathering *g, const surface *s, int x, int y,
-                           const sums *sum) {
-  double slices = g->pattern.slices, ao = sum->open / sum->whole;
+static void store_gathered(const walker *w) {
+  const ref_planes *gathered = w->g->gathered;
+  const sums *sum = &w->sum;
+  double slices = w->g->pattern.slices, ao = sum->open / sum->whole;
   /* what few slices miss of the whole plane's bent normal */
-  vec rest = add(scaled(slices, s->normal), -1.0, sum->bent_whole);
+  vec rest = add(scaled(slices, w->s.normal), -1.0, sum->bent_whole);
   vec bent = scaled(1.0 / slices, add(sum->bent, ao, rest));
-  *ref_at(g->gathered, HBIL_LIGHT_AO, x, y) = ao;
+  *ref_at(gathered, HBIL_LIGHT_AO, w->x, w->y) = ao;
   for (int i = 0; i < 3; ++i)
-    *ref_at(g->gathered, HBIL_LIGHT_RED + i, x, y) =
+    *ref_at(gathered, HBIL_LIGHT_RED + i, w->x, w->y) =
         PI * sum->light[i] / sum->whole;
-  *ref_at(g->gathered, HBIL_LIGHT_BENT, x, y) = bent.x;
-  *ref_at(g->gathered, HBIL_LIGHT_BENT + 1, x, y) = bent.y;
-  *ref_at(g->gathered, HBIL_LIGHT_BENT + 2, x, y) = bent.z;
+  *ref_at(gathered, HBIL_LIGHT_BENT, w->x, w->y) = bent.x;
+  *ref_at(gathered, HBIL_LIGHT_BENT + 1, w->x, w->y) = bent.y;
+  *ref_at(gathered, HBIL_LIGHT_BENT + 2, w->x, w->y) = bent.z;
+  if (gathered->count > HBIL_LIGHT_UNKNOWN)
+    *ref_at(gathered, HBIL_LIGHT_UNKNOWN, w->x, w->y) =
+        sum->unknown / sum->whole;
+}
+
+/* Unit direction of a slice in the screen. */
+static void slice_direction(const walker *w, int slice, double *ux,
+                            double *uy) {
+  const gathering *g = w->g;
+  float x, y;
+  if (g->dense) {
+    *ux = cos((slice + 0.5) / g->pattern.slices * PI);
+    *uy = sin((slice + 0.5) / g->pattern.slices * PI);
+    return;
+  }
+  hbil_slice_direction(w->layer, slice, g->pattern, &x, &y);
+  *ux = (double)x;
+  *uy = (double)y;
 }
 
 static void gather_pixel(const gathering *g, int x, int y) {
-  surface s = surface_at(g->job, g->split, x, y);
-  int layer = HBIL_SIDE * (y % HBIL_SIDE) + x % HBIL_SIDE;
-  sums sum = {0.0, 0.0, {0.0, 0.0, 0.0}, {0, 0, 0}, {0, 0, 0}};
+  walker w;
+  memset(&w, 0, sizeof(w));
+  w.g = g;
+  w.s = surface_at(g->job, g->split, x, y);
+  w.x = x;
+  w.y = y;
+  w.layer = HBIL_SIDE * (y % HBIL_SIDE) + x % HBIL_SIDE;
+  w.level = level_at(g, x, y);
   clear(g->gathered, x, y);
   *ref_at(g->gathered, HBIL_LIGHT_AO, x, y) = 1.0;
-  if (!(s.w > 0.0))
+  if (!(w.s.w > 0.0))
     return;
   for (int slice = 0; slice < g->pattern.slices; ++slice) {
-    float ux, uy;
-    int level = level_at(g, x, y);
-    hbil_slice_direction(layer, slice, g->pattern, &ux, &uy);
-    march(g, &s, x, y, level, ux, uy, &sum);
-    march(g, &s, x, y, level, -ux, -uy, &sum);
+    double ux, uy;
+    slice_direction(&w, slice, &ux, &uy);
+    march(&w, ux, uy);
+    march(&w, -ux, -uy);
   }
-  store_gathered(g, &s, x, y, &sum);
+  store_gathered(&w);
 }
 
 static void *gather_rows(void *argument) {
@@ -699,18 +839,12 @@ static void *gather_rows(void *argument) {
   return NULL;
 }
 
-void ref_gather(const ref_job *job, const ref_planes *split,
-                ref_planes *gathered) {
-  gathering even = {job,
-                    split,
-                    gathered,
-                    ref_view(job->config, &job->camera),
-                    ref_pattern(job),
-                    0,
-                    2};
-  gathering odd = even;
+/* Two threads, every other row each. */
+static void gather_all(const gathering *all) {
+  gathering even = *all, odd = *all;
   pthread_t thread;
   bool threaded;
+  even.step = odd.step = 2;
   odd.first = 1;
   threaded = pthread_create(&thread, NULL, gather_rows, &odd) == 0;
   gather_rows(&even);
@@ -718,6 +852,124 @@ void ref_gather(const ref_job *job, const ref_planes *split,
     pthread_join(thread, NULL);
   else
     gather_rows(&odd);
+}
+
+static gathering gathering_of(const ref_job *job, const ref_planes *split,
+                              ref_planes *gathered) {
+  gathering g;
+  memset(&g, 0, sizeof(g));
+  g.job = job;
+  g.split = split;
+  g.gathered = gathered;
+  g.view = ref_view(job->config, &job->camera);
+  g.pattern = ref_pattern(job);
+  return g;
+}
+
+void ref_gather(const ref_job *job, const ref_planes *split,
+                ref_planes *gathered) {
+  gathering g = gathering_of(job, split, gathered);
+  gather_all(&g);
+}
+
+void ref_gather_dense(const ref_job *job, const ref_planes *split, int slices,
+                      bool jacobian, ref_planes *gathered) {
+  gathering g = gathering_of(job, split, gathered);
+  g.dense = true;
+  g.equal_weights = !jacobian;
+  g.pattern.slices = slices;
+  gather_all(&g);
+}
+
+/* ------------------------------------------------------------------------ */
+/* estimate                                                                  */
+
+/* How much a visible surfel counts, and which power of its radiance is
+ * averaged: every pixel alike, and the root, so that a few very bright ones do
+ * not decide. */
+static double surfel_weight(const surface *s) {
+  (void)s;
+  return 1.0;
+}
+
+static double surfel_value(double radiance) {
+  return sqrt(radiance);
+}
+
+static double radiance_of_mean(double value) {
+  return value * value;
+}
+
+static void polynomials(vec d, double p[9]) {
+  const double values[9] = {1.0,
+                            d.y,
+                            d.z,
+                            d.x,
+                            d.x * d.y,
+                            d.y * d.z,
+                            3.0 * d.z * d.z - 1.0,
+                            d.z * d.x,
+                            d.x * d.x - d.y * d.y};
+  memcpy(p, values, sizeof(values));
+}
+
+static void add_surfel(ref_estimate *e, const ref_planes *split,
+                       const surface *s, int x, int y) {
+  double p[9], weight = surfel_weight(s);
+  polynomials(scaled(-1.0, s->normal), p);
+  for (int c = 0; c < 4; ++c) {
+    double light =
+        c < 3 ? surfel_value(*ref_at(split, HBIL_SPLIT_RED + c, x, y)) : 1.0;
+    for (int i = 0; i < 9; ++i)
+      e->sum[c][i] += weight * light * p[i];
+  }
+}
+
+void ref_estimate_frame(ref_job *job, const ref_planes *split) {
+  memset(&job->estimate, 0, sizeof(job->estimate));
+  for (int y = 0; y < split->height; y += HBIL_SIDE)
+    for (int x = 0; x < split->width; x += HBIL_SIDE) {
+      surface s = surface_at(job, split, x, y);
+      if (s.w > 0.0)
+        add_surfel(&job->estimate, split, &s, x, y);
+    }
+}
+
+/*
+ * Sum of weight(c) = 1.05 + 4/3 P1(c) + 5/16 P2(c), c the cosine between the
+ * receiver's normal and the surfel's turned one.  5/16 P2, multiplied out in
+ * the polynomials, has the factors 15/16, 5/64 (of 3zz-1) and 15/64 (of xx-yy).
+ */
+static double weighted_sum(const double sum[9], vec n) {
+  const double factor[9] = {1.05,       4.0 / 3.0,   4.0 / 3.0,
+                            4.0 / 3.0,  15.0 / 16,   15.0 / 16,
+                            5.0 / 64.0, 15.0 / 16.0, 15.0 / 64.0};
+  double p[9], total = 0.0;
+  polynomials(n, p);
+  for (int i = 0; i < 9; ++i)
+    total += factor[i] * sum[i] * p[i];
+  return total;
+}
+
+/* The frame's mean radiance towards a receiver of that normal. */
+static double frame_light(const ref_job *job, int channel, vec n) {
+  double light = weighted_sum(job->estimate.sum[channel], n);
+  double weight = weighted_sum(job->estimate.sum[3], n);
+  return weight > 0.0 ? radiance_of_mean(light / weight) : 0.0;
+}
+
+double ref_frame_light(const ref_job *job, int channel,
+                       const double normal[3]) {
+  return frame_light(job, channel, make(normal[0], normal[1], normal[2]));
+}
+
+/* Radiance of what a pixel doesn't see: the mean of what it does see (`shown`
+ * from `share` of the hemisphere) and of the frame's, which counts as
+ * HBIL_UNSEEN_PRIOR of a hemisphere. */
+static double unseen_light(const ref_job *job, int channel, vec n, double shown,
+                           double share) {
+  double prior = (double)HBIL_UNSEEN_PRIOR;
+  return (shown + prior * frame_light(job, channel, n)) / (share + prior);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -750,11 +1002,24 @@ static void normalize_bent(ref_planes *resolved, int x, int y) {
     *p[i] = size > 0.0 ? *p[i] / sqrt(size) : 0.0;
 }
 
+/* Light of the filtered pixel's refused share. */
+static void fill_unknown(const ref_job *job, const surface *s, double unknown,
+                         int x, int y, ref_planes *resolved) {
+  double ao = *ref_at(resolved, HBIL_LIGHT_AO, x, y);
+  for (int c = 0; c < 3; ++c) {
+    double *light = ref_at(resolved, HBIL_LIGHT_RED + c, x, y);
+    *light += PI * unknown *
+              unseen_light(job, c, s->normal, *light / PI,
+                           fmax(0.0, 1.0 - ao - unknown));
+  }
+}
+
 static void recompose_pixel(const ref_job *job, const ref_planes *split,
                             const ref_planes *gathered, int x, int y,
                             ref_planes *resolved) {
+  bool fills = job->config->refused == HBIL_REFUSED_FRAME;
   surface s = surface_at(job, split, x, y);
-  double total = 0.0;
+  double total = 0.0, unknown = 0.0;
   clear(resolved, x, y);
   *ref_at(resolved, HBIL_LIGHT_AO, x, y) = s.w > 0.0 ? 0.0 : 1.0;
   if (!(s.w > 0.0))
@@ -766,9 +1031,13 @@ static void recompose_pixel(const ref_job *job, const ref_planes *split,
     for (int p = 0; p < HBIL_LIGHT_PLANES && weight > 0.0; ++p)
       *ref_at(resolved, p, x, y) +=
           weight * *ref_at(gathered, p, x + dx, y + dy);
+    if (fills && weight > 0.0)
+      unknown += weight * *ref_at(gathered, HBIL_LIGHT_UNKNOWN, x + dx, y + dy);
   }
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
     *ref_at(resolved, p, x, y) /= total;
+  if (fills)
+    fill_unknown(job, &s, unknown / total, x, y, resolved);
   normalize_bent(resolved, x, y);
 }
 
@@ -814,14 +1083,18 @@ static int band_of(int index) {
   return index == 0 ? 0 : index < 4 ? 1 : 2;
 }
 
-/* Far irradiance through a cone about a view-space direction. */
-static double far_light(const ref_job *job, int channel, double ao, vec bent) {
+/* Far irradiance through a cone about a view-space direction (0: none). */
+static double far_light(const ref_job *job, int channel, double ao, vec bent,
+                        double near_light) {
   vec world = to_world(&job->camera, bent);
   double d[3] = {world.x, world.y, world.z}, y[9], sum = 0.0;
   if (job->config->far_field == HBIL_FAR_NONE)
     return 0.0;
   if (job->config->far_field == HBIL_FAR_CONSTANT)
     return PI * ao * (double)job->environment[0][channel];
+  if (job->config->far_field == HBIL_FAR_FRAME)
+    return PI * ao *
+           unseen_light(job, channel, bent, near_light / PI, 1.0 - ao);
   ref_sh_basis(d, y);
   for (int i = 0; i < 9; ++i) {
     int l = band_of(i);
@@ -837,7 +1110,8 @@ static double sky_radiance(const ref_job *job, int channel, int x, int y) {
   double d[3] = {world.x, world.y, world.z}, basis[9], sum = 0.0;
   if (job->input[REF_EMISSION])
     return light_at(job, REF_EMISSION + channel, x, y);
-  if (job->config->far_field == HBIL_FAR_NONE)
+  if (job->config->far_field == HBIL_FAR_NONE ||
+      job->config->far_field == HBIL_FAR_FRAME)
     return 0.0;
   if (job->config->far_field == HBIL_FAR_CONSTANT)
     return (double)job->environment[0][channel];
@@ -891,9 +1165,11 @@ static void composite_pixel(const ref_job *job, const ref_planes *resolved,
              job->config->bent_space == HBIL_SPACE_WORLD
                  ? to_world(&job->camera, bent)
                  : bent);
-  for (int c = 0; c < 3; ++c)
-    composite_channel(job, c, x, y, *ref_at(resolved, HBIL_LIGHT_RED + c, x, y),
-                      far_light(job, c, ao, bent), out, history);
+  for (int c = 0; c < 3; ++c) {
+    double near_light = *ref_at(resolved, HBIL_LIGHT_RED + c, x, y);
+    composite_channel(job, c, x, y, near_light,
+                      far_light(job, c, ao, bent, near_light), out, history);
+  }
   *ref_at(history, HBIL_HISTORY_W, x, y) = inverse_depth(job, x, y);
 }
 
@@ -917,7 +1193,7 @@ void ref_state_init(ref_state *state, int width, int height) {
   state->history = ref_planes_new(width, height, HBIL_HISTORY_PLANES);
   state->carried = ref_planes_new(width, height, HBIL_CARRIED_PLANES);
   state->split = ref_planes_new(width, height, HBIL_SPLIT_PLANES);
-  state->gathered = ref_planes_new(width, height, HBIL_LIGHT_PLANES);
+  state->gathered = ref_planes_new(width, height, HBIL_GATHERED_PLANES);
   state->resolved = ref_planes_new(width, height, HBIL_LIGHT_PLANES);
   state->out = ref_planes_new(width, height, REF_OUTPUT_PLANES);
 }
@@ -940,6 +1216,7 @@ void ref_frame(ref_state *state, ref_job *job) {
     ref_push_pull(&state->carried);
   }
   ref_split(job, carries ? &state->carried : NULL, &state->split);
+  ref_estimate_frame(job, &state->split);
   ref_gather(job, &state->split, &state->gathered);
   ref_recompose(job, &state->split, &state->gathered, &state->resolved);
   ref_composite(job, &state->resolved, &state->out, &state->history);

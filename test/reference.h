@@ -48,6 +48,12 @@ enum {
   REF_OUTPUT_PLANES = 17
 };
 
+/* What the frame's surfaces send on average: sums over every 4th pixel in x and
+ * y of (sqrt L, 1) times the order-2 polynomials of the turned normal. */
+typedef struct ref_estimate {
+  double sum[4][9];
+} ref_estimate;
+
 /* All that a pass may look at besides the planes it is handed.  An input that
  * does not exist is NULL. */
 typedef struct ref_job {
@@ -56,6 +62,7 @@ typedef struct ref_job {
   const float *input[REF_INPUT_PLANES];
   float environment[9][3];
   unsigned index;
+  ref_estimate estimate; /* for the FRAME settings: ref_estimate_frame() */
 } ref_job;
 
 /* The pattern and view that the specification derives from a job. */
@@ -70,9 +77,25 @@ void ref_push_pull(ref_planes *carried);
 /* Inputs and CARRIED (NULL: no history) -> SPLIT. */
 void ref_split(const ref_job *job, const ref_planes *carried,
                ref_planes *split);
+/* SPLIT -> the job's estimate, which the passes below look at where refused or
+ * far light comes from the frame. */
+void ref_estimate_frame(ref_job *job, const ref_planes *split);
+/* The frame's mean radiance towards a receiver of that normal. */
+double ref_frame_light(const ref_job *job, int channel, const double normal[3]);
 /* SPLIT -> GATHERED. */
 void ref_gather(const ref_job *job, const ref_planes *split,
                 ref_planes *gathered);
+/*
+ * The same without sampling error: `slices` equally spaced slices a pixel (256
+ * or more), each crossing every pixel of its line: in every column (every row
+ * where the line is steep in pixels) the one pixel whose centre is nearest.
+ * So each pixel of a column owns the directions through its own cell: none is
+ * left out, none is counted twice.  It is looked at in its centre, at its true
+ * offset.
+ * jacobian false: leaves the slices' weight J out, which is wrong.
+ */
+void ref_gather_dense(const ref_job *job, const ref_planes *split, int slices,
+                      bool jacobian, ref_planes *gathered);
 /* SPLIT, GATHERED -> RESOLVED. */
 void ref_recompose(const ref_job *job, const ref_planes *split,
                    const ref_planes *gathered, ref_planes *resolved);

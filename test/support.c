@@ -238,9 +238,15 @@ void setup_camera(setup *s, double fov_y_degrees) {
 }
 
 void setup_load_scene(setup *s, scene_kind kind, uint32_t index) {
+  setup_load_view(s, kind, 0.0, index); /* the scene's own */
+}
+
+void setup_load_view(setup *s, scene_kind kind, double fov_y_degrees,
+                     uint32_t index) {
   scene_frame f;
   size_t size = pixels_of(s) * sizeof(float);
-  if (scene_render(kind, s->config.width, s->config.height, 0.0, index, &f))
+  if (scene_render(kind, s->config.width, s->config.height,
+                   fov_y_degrees * PI / 180.0, index, &f))
     hard_error("scene_render: out of memory");
   s->frame.camera = f.camera;
   memcpy(s->input[REF_DEPTH], f.depth, size);
@@ -429,6 +435,25 @@ void stage_write(setup *s, hbil_stage stage, const ref_planes *planes) {
                                         size, floats, 0, NULL, NULL),
                    CL_SUCCESS);
   free(floats);
+}
+
+ref_planes gathered_over_turns(setup *s, int turns) {
+  ref_planes sum = {0, 0, 0, NULL};
+  setup_run(s, hbil_enqueue_split);
+  for (int turn = 0; turn < turns; ++turn) {
+    ref_planes one;
+    size_t total;
+    s->frame.index = (cl_uint)turn;
+    setup_run(s, hbil_enqueue_gather);
+    one = stage_read(s, HBIL_STAGE_GATHERED);
+    total = (size_t)one.width * (size_t)one.height * (size_t)one.count;
+    if (turn == 0)
+      sum = ref_planes_new(one.width, one.height, one.count);
+    for (size_t i = 0; i < total; ++i)
+      sum.values[i] += one.values[i] / turns;
+    ref_planes_free(&one);
+  }
+  return sum;
 }
 
 /* Takes an output's values and overwrites them with the canary. */

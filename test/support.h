@@ -99,6 +99,9 @@ void setup_scene(setup *s, scene_kind kind, int width, int height,
                  uint32_t index);
 /* Replaces camera and inputs by those of another frame of the scene. */
 void setup_load_scene(setup *s, scene_kind kind, uint32_t index);
+/* The same with another vertical field of view. */
+void setup_load_view(setup *s, scene_kind kind, double fov_y_degrees,
+                     uint32_t index);
 /* Camera looking along +z from the origin. */
 void setup_camera(setup *s, double fov_y_degrees);
 /* All outputs, fp32 with the channel count as stride. */
@@ -121,6 +124,10 @@ void assert_success(const setup *s, hbil_status status);
 /* A stage's planes in full resolution; written planes leave padding alone. */
 ref_planes stage_read(setup *s, hbil_stage stage);
 void stage_write(setup *s, hbil_stage stage, const ref_planes *planes);
+/* GATHERED of the split inputs, its mean over frames of index 0..turns-1, which
+ * turn the pattern: a plan has 32 slices at most, this has `turns` times as
+ * many. */
+ref_planes gathered_over_turns(setup *s, int turns);
 /* All outputs (REF_OUTPUT_PLANES); fails when a byte outside the image was
  * touched.  Outputs without format stay 0. */
 ref_planes outputs_read(setup *s);
