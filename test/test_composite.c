@@ -159,9 +159,9 @@ static void reflectance_takes_its_share(void **state) {
 }
 
 static void every_size_matches(void **state) {
-  const int sizes[][2] = {{1, 1}, {3, 5}, {17, 31}, {160, 90}};
+  const int sizes[][2] = {{1, 1}, {3, 5}, {17, 31}, {160, 90}, {640, 360}};
   (void)state;
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 5; ++i) {
     setup s;
     setup_scene(&s, SCENE_SKY, sizes[i][0], sizes[i][1], 0);
     setup_all_outputs(&s);

@@ -75,9 +75,10 @@ static void check_split(setup *s, double gradient_limit) {
 #define BENT_BACK_LIMIT 2e-3
 
 static void plain_inputs_match_at_every_size(void **state) {
-  const int sizes[][2] = {{1, 1}, {3, 5}, {17, 31}, {WIDTH, HEIGHT}};
+  const int sizes[][2] = {
+      {1, 1}, {3, 5}, {17, 31}, {WIDTH, HEIGHT}, {640, 360}};
   (void)state;
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < 10; ++i) {
     setup s;
     setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, sizes[i / 2][0],
                 sizes[i / 2][1], 1);
