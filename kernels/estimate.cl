@@ -3,8 +3,9 @@
  * honest guess is what the visible ones send: for a receiver of normal n a mean
  * over the visible pixels, each weighed by how much it faces the receiver. With
  * c = -n_i.n the weight is the clamped cosine convolved with itself, to order
- * 2, 1 + 4/3 c + 5/16 P2(c) which is nowhere below -0.03 and needs no more than
- * 4 x 9 numbers: sums of (sqrt L, 1) times the order-2 polynomials of -n_i.
+ * 2, 1 + 4/3 c + 5/16 P2(c); unseen_light() adds a twentieth, which makes it
+ * positive everywhere.  That takes no more than 4 x 9 numbers: sums of
+ * (sqrt L, 1) times the order-2 polynomials of -n_i.
  *
  * The mean is that of sqrt(L), squared: a few very bright pixels (a lamp's
  * surroundings) must not light everything that is unseen.  It is never above
