@@ -304,10 +304,9 @@ static int prepare(process *p, char *const *files) {
       prepare_folder(p) != 0)
     return -1;
   configure(p);
-  if (choose_far_field(p) != 0)
-    return -1;
   if (device_open(p->options->device, p->options->timings, &p->device,
-                  &p->error) != 0)
+                  &p->error) != 0 ||
+      choose_far_field(p) != 0)
     return -1;
   return sequence_open(&p->device, &p->config, &p->jobs[0].map,
                        p->options->layers, &p->sequence, &p->error);
