@@ -226,9 +226,9 @@ dd if="$one" of="$work/cut.exr" bs=1 count=$((size / 2)) 2>/dev/null
 cp "${one%.exr}.json" "$work/cut.json"
 refused "a truncated EXR" 'cut.exr: truncated' \
   process -o "$out" "$work/cut.exr"
-dd if="$one" of="$work/stub.exr" bs=1 count=100 2>/dev/null
-refused "an EXR cut within its header" 'stub.exr: damaged' \
-  process -o "$out" "$work/stub.exr"
+dd if="$one" of="$work/header.exr" bs=1 count=100 2>/dev/null
+refused "an EXR cut within its header" 'header.exr: damaged' \
+  process -o "$out" "$work/header.exr"
 refused "no depth channel" 'frame_0001.exr: no depth' process -o "$out" "$a"
 refused "info: no depth channel" 'frame_0001.exr: no depth' "$HBIL" info "$a"
 refused "frames of two sizes" '33 x 17.*64 x 48' \
