@@ -178,6 +178,31 @@ typedef enum hbil_feedback {
   HBIL_FEEDBACK_RADIANCE = 1
 } hbil_feedback;
 
+/* What is computed, through the same march and the same passes. */
+typedef enum hbil_mode {
+  /* Near light, cosine-weighted AO, bent cone: Mayaux 2018. */
+  HBIL_MODE_HBIL = 0,
+  /* Ground-truth ambient occlusion (Jimenez et al. 2016): cosine-weighted AO
+   * and bent normal; no near light.  The same AO as HBIL's. */
+  HBIL_MODE_GTAO = 1,
+  /* Horizon-based ambient occlusion (Bavoil et al. 2008): AO alone, every
+   * direction of the hemisphere counting alike, and an occluder at distance r
+   * only by its falloff W(r):
+   *   AO = 1 - 1/(2 pi) integral over slices and elevations, from the tangent
+   *        plane to the horizon, of W(r) cos(elevation)
+   * with r the distance of the sample that raised the horizon there
+   * (their "per-sample attenuation").  No near light, no bent cone. */
+  HBIL_MODE_HBAO = 2
+} hbil_mode;
+
+/* Weight W of an occluder at distance r, for HBIL_MODE_HBAO; 1 where the radius
+ * R is unlimited.  Occluders farther than R never count. */
+typedef enum hbil_falloff {
+  HBIL_FALLOFF_LINEAR = 0, /* max(0, 1 - r/R) */
+  HBIL_FALLOFF_SOFT = 1,   /* 1 - r/(3R) */
+  HBIL_FALLOFF_NONE = 2    /* 1 */
+} hbil_falloff;
+
 typedef enum hbil_far_field {
   HBIL_FAR_NONE = 0,     /* E_far = 0 */
   HBIL_FAR_CONSTANT = 1, /* the same radiance from everywhere */
@@ -243,6 +268,10 @@ typedef struct hbil_config {
                             in pixels, x right, y down, of `motion` */
 
   /* The method. */
+  hbil_mode mode;       /* default HBIL.  GTAO cannot have near_light nor
+                           HBIL_FAR_FRAME; HBAO neither, nor bent, cone,
+                           HBIL_FAR_SH.  Their `indirect` is far light alone. */
+  hbil_falloff falloff; /* with HBIL_MODE_HBAO only; default LINEAR */
   float radius;         /* world units; occluders farther from the point are
                            ignored; infinity (default): unlimited */
   float thickness;      /* of occluders, world units, > 0; infinity (default):
@@ -275,6 +304,27 @@ typedef struct hbil_config {
   cl_bool profiling; /* keep events for hbil_plan_timings(); needs queues made
                         with CL_QUEUE_PROFILING_ENABLE; default CL_FALSE */
 } hbil_config;
+
+/*
+ * Presets of the sampling (slices, samples, step_growth, lattice,
+ * raw_interleave); nothing else is touched, so they go with every model.
+ * Chosen from `hbil bench` (README.md has the plot, HACKING.md the figures).
+ */
+typedef enum hbil_quality {
+  HBIL_QUALITY_FAST = 0,
+  HBIL_QUALITY_BALANCED = 1,
+  HBIL_QUALITY_HIGH = 2,
+  /* As dense as the settings go, without the filter: what the others are
+   * compared with where the exact integral is out of reach. */
+  HBIL_QUALITY_REFERENCE = 3
+} hbil_quality;
+
+/* HBIL_INVALID_ARGUMENT for a null config or a number that is no preset. */
+HBIL_API hbil_status hbil_config_set_quality(hbil_config *config,
+                                             hbil_quality quality);
+
+/* "fast", "balanced", "high", "reference"; NULL for any other number. */
+HBIL_API const char *hbil_quality_name(hbil_quality quality);
 
 /* Defaults; width, height and the formats are left at 0 for the caller. */
 HBIL_API void hbil_config_init_sized(hbil_config *config, size_t struct_size);
