@@ -15,7 +15,10 @@
  * equally spaced about wo; sums are divided by the sum of J A(theta_t), which
  * makes the white furnace exact for any number of slices.
  *
- * Builds: SLICES, SAMPLES, LIMITED (a radius), LEVELS, GATHER_RADIANCE,
+ * HBAO counts every direction alike and an occluder by its distance: A is then
+ * 1 - cos(theta) and blocked intervals are weighted by W(r).
+ *
+ * Builds: SLICES, SAMPLES, LIMITED (a radius), HBAO, LEVELS, GATHER_RADIANCE,
  * GATHER_BENT, REFUSED_BLACK (refused light is black here), REFUSED_FRAME (the
  * same, and the refused share is written for recompose to fill), FINITE
  * (occluders have a thickness: sectors instead of a horizon).
@@ -44,6 +47,17 @@ static inline void horizon_terms(realv h, realv *g, realv *sin2) {
   const realv up = select(HALF_PI - p, p, steep) - a * r;
   *g = select(up, PI - up, h < 0.0f);
   *sin2 = r;
+}
+
+/* A: the measure of the directions from wo to the angle of h = cot(theta), of
+ * which the terms above are given. */
+static inline realv measure(realv h, realv g, realv sin2, realv nx, realv ny) {
+#if HBAO
+  /* a square that fp32 can hold; beyond it the cosine is 1 anyway */
+  return 1.0f - clamp(h, -1e18f, 1e18f) * sqrt(sin2);
+#else
+  return 0.5f * fma(nx, g, ny * sin2);
+#endif
 }
 
 #if LIMITED
@@ -75,6 +89,9 @@ typedef struct march {
   realv excess;     /* the highest so far; FINITE: the least to count */
   realv a, g, sin2; /* integrals up to the present horizon; FINITE: over
                        what is still open */
+#if HBAO
+  realv blocked; /* sum of W dA */
+#endif
 #if FINITE
   uintv covered; /* sectors of equal A that are blocked */
   realv sectors; /* sectors per A */
@@ -105,8 +122,8 @@ static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
   realv g1, g2, sin1, sin2;
   horizon_terms(cot_front, &g1, &sin1);
   horizon_terms(cot_back, &g2, &sin2);
-  const realv a1 = 0.5f * fma(nx, g1, ny * sin1);
-  const realv a2 = 0.5f * fma(nx, g2, ny * sin2);
+  const realv a1 = measure(cot_front, g1, sin1, nx, ny);
+  const realv a2 = measure(cot_back, g2, sin2, nx, ny);
   const intv first =
       clamp(TO_INTV(fma(a1, m->sectors, (realv)dither)), 0, SECTORS);
   const intv last =
@@ -158,13 +175,21 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
             fma(slope, excess_back, cot_tangent), nx, ny, dither);
 #else
   realv g, sin2;
-  horizon_terms(fma(slope, excess, cot_tangent), &g, &sin2);
-  const realv a = 0.5f * fma(nx, g, ny * sin2);
+  const realv cot_horizon = fma(slope, excess, cot_tangent);
+  horizon_terms(cot_horizon, &g, &sin2);
+  const realv a = measure(cot_horizon, g, sin2, nx, ny);
   const realv share = select((realv)0.0f, m->a - a, rises);
   m->a = select(m->a, a, rises);
   m->g = select(m->g, g, rises);
   m->sin2 = select(m->sin2, sin2, rises);
   m->excess = select(m->excess, excess, rises);
+#endif
+#if HBAO && LIMITED
+  m->blocked = fma(
+      share, max(fma(sqrt(distance2), (realv)-args.falloff, (realv)1.0f), 0.0f),
+      m->blocked);
+#elif HBAO
+  m->blocked += share;
 #endif
 #if GATHER_RADIANCE
   const realv gx = LOADV(sample + HBIL_SPLIT_GX * plane);
@@ -278,8 +303,12 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         const realv nx = sign * side_nx, cot_tangent = sign * side_cot;
         march m;
         horizon_terms(cot_tangent, &m.g, &m.sin2);
-        m.a = 0.5f * fma(nx, m.g, ny * m.sin2);
+        m.a = measure(cot_tangent, m.g, m.sin2, nx, ny);
         m.excess = least_excess;
+        const realv start = m.a;
+#if HBAO
+        m.blocked = 0.0f;
+#endif
 #if FINITE
         m.covered = 0u;
         m.sectors = SECTORS / max(m.a, (realv)1e-6f);
@@ -292,7 +321,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         m.last_blue = c.blue;
 #endif
 #endif
-        whole = fma(jacobian, m.a, whole);
+        whole = fma(jacobian, start, whole);
 #if GATHER_BENT
         const realv tangent_d = 0.5f * sign * m.g * inv_ud;
         whole_x = fma(jacobian * tangent_d, (realv)ux, whole_x);
@@ -323,6 +352,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         }
         steps += SAMPLES;
 
+#if HBAO
+        m.a = start - m.blocked;
+#endif
         open = fma(jacobian, m.a, open);
 #if GATHER_BENT
         const realv open_d = 0.5f * sign * m.g * inv_ud;

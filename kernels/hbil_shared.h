@@ -137,6 +137,7 @@ typedef struct hbil_gather_args {
   hbil_float facing[2]; /* hbil_config.facing */
   hbil_float thickness; /* hbil_config.thickness */
   hbil_float relative_thickness;
+  hbil_float falloff; /* HBAO: an occluder at distance r weighs 1 - falloff r */
 } hbil_gather_args;
 
 /* Far field: SH coefficients already multiplied by the basis functions'

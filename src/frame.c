@@ -444,6 +444,14 @@ static hbil_status make_pattern(commands *chain, const hbil_view_args *view,
   return status;
 }
 
+/* W of HBAO falls by this much per world unit. */
+static float falloff_slope(const hbil_config *config) {
+  if (isinf(config->radius) || config->falloff == HBIL_FALLOFF_NONE)
+    return 0.0f;
+  return (config->falloff == HBIL_FALLOFF_SOFT ? 1.0f / 3.0f : 1.0f) /
+         config->radius;
+}
+
 static hbil_status gather(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
@@ -470,6 +478,7 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   gather_args.thickness = fminf(plan->config.thickness, 1e30f);
   gather_args.relative_thickness =
       fminf(plan->config.relative_thickness, 1e30f);
+  gather_args.falloff = falloff_slope(&plan->config);
   gather_args.facing[0] = plan->config.facing[0];
   gather_args.facing[1] = plan->config.facing[1];
   const argument args[] = {ARG(gather_args), ARG(plan->buffers[BUFFER_SPLIT]),

@@ -60,7 +60,8 @@ static void write_defines(const hbil_plan *plan, text *t) {
   add(t, " -DDISOCCLUSION=%d -DFAR=%d", !isinf(c->disocclusion),
       (int)plan->layout.far_field);
   add(t, " -DFINITE=%d", !isinf(c->thickness) || !isinf(c->relative_thickness));
-  add(t, " -DREFUSED_FRAME=%d", plan->layout.unknown);
+  add(t, " -DREFUSED_FRAME=%d -DHBAO=%d", plan->layout.unknown,
+      c->mode == HBIL_MODE_HBAO);
   add(t, " -DGATHER_RADIANCE=%d -DGATHER_BENT=%d -DHISTORY=%d",
       plan->layout.radiance, plan->layout.bent, plan->layout.history);
 }

@@ -278,11 +278,11 @@ typedef struct hbil_config {
                            they never end, as in the paper */
   float relative_thickness; /* the same as a share of the occluder's depth; the
                                smaller of both counts; default infinity */
-  cl_uint slices;       /* per pixel, 1..32; default 2 */
-  cl_uint samples;      /* per side of a slice, 1..256; default 8 */
-  float step_growth;    /* spacing of samples, 0..64: 0 equal steps; g: the
-                           last step is (1+g)^2 times the first; default 2 */
-  hbil_lattice lattice; /* default FULL */
+  cl_uint slices;           /* per pixel, 1..32; default 2 */
+  cl_uint samples;          /* per side of a slice, 1..256; default 8 */
+  float step_growth;        /* spacing of samples, 0..64: 0 equal steps; g: the
+                               last step is (1+g)^2 times the first; default 2 */
+  hbil_lattice lattice;     /* default FULL */
   float facing[2];      /* radiance of a sample fades in as the cosine between
                            its normal and the direction back to the point goes
                            from facing[0] to facing[1]; -1..1, ascending;
