@@ -93,8 +93,8 @@ typedef struct march {
   realv blocked; /* sum of W dA */
 #endif
 #if FINITE
-  uintv covered; /* sectors of equal A that are blocked */
-  realv sectors; /* sectors per A */
+  uintv covered;         /* sectors of equal A that are blocked */
+  realv sectors, sector; /* sectors per A, A of a sector */
 #endif
   realv red, green, blue; /* sum of L dA */
   realv last_red, last_green, last_blue;
@@ -102,43 +102,66 @@ typedef struct march {
 } march;
 
 #if FINITE
-#define SECTORS 32
-
-/* n low bits set, n = 0..32 */
-static inline uintv low_bits(intv n) {
-  const uintv one = 1u;
-  return select((one << AS_UINTV(n)) - one, (uintv)0xffffffffu,
-                MASK_UINTV(n >= SECTORS));
+/* The same for sectors, a bit off (hbil_shared.h). */
+static inline void sector_terms(realv h, realv *g, realv *sin2) {
+  const realv s = 1.0f / sqrt(fma(h, h, (realv)1.0f));
+  const realv c = h * s, q = c * c;
+  realv p = fma(q, (realv)HBIL_SECTOR_C4, (realv)HBIL_SECTOR_C3);
+  p = fma(q, p, (realv)HBIL_SECTOR_C2);
+  p = fma(q, p, (realv)HBIL_SECTOR_C1);
+  p = fma(q, p, (realv)HBIL_SECTOR_C0);
+  *g = fma(-c, p, (realv)HALF_PI);
+  *sin2 = s * s;
 }
 
 /*
- * A sample as thick as `back` says covers the angles from its front to its
- * back, both one line in inverse depth: theta in [theta_1, theta_b].  Sectors
- * are equal in A; their borders are dithered from layer to layer by `dither`.
+ * A sample that ends at its back covers the angles from its front to there,
+ * both one line in inverse depth: theta in [theta_1, theta_b].  Sectors are
+ * equal in A; their borders are dithered from layer to layer by `dither`.
  * Returns the A of newly covered sectors and takes it from what is open.
  */
 static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
                           realv nx, realv ny, float dither) {
+  const uintv one = 1u;
+  const realv most = HBIL_SECTORS;
   realv g1, g2, sin1, sin2;
-  horizon_terms(cot_front, &g1, &sin1);
-  horizon_terms(cot_back, &g2, &sin2);
+  sector_terms(cot_front, &g1, &sin1);
+  sector_terms(cot_back, &g2, &sin2);
   const realv a1 = measure(cot_front, g1, sin1, nx, ny);
   const realv a2 = measure(cot_back, g2, sin2, nx, ny);
-  const intv first =
-      clamp(TO_INTV(fma(a1, m->sectors, (realv)dither)), 0, SECTORS);
-  const intv last =
-      clamp(TO_INTV(fma(a2, m->sectors, (realv)dither)), 0, SECTORS);
-  uintv fresh = low_bits(last) & ~low_bits(first) & ~m->covered;
-  fresh = select((uintv)0u, fresh, MASK_UINTV(rises));
+  const uintv first =
+      AS_UINTV(TO_INTV(min(fma(a1, m->sectors, (realv)dither), most)));
+  const uintv last =
+      AS_UINTV(TO_INTV(min(fma(a2, m->sectors, (realv)dither), most)));
+  const uintv fresh = ((one << last) - (one << first)) & ~m->covered &
+                      AS_UINTV(LANE_MASK(rises));
   m->covered |= fresh;
-  const realv share = TO_REALV(AS_INTV(popcount(fresh))) / m->sectors;
+  const realv share = TO_REALV(AS_INTV(popcount(fresh))) * m->sector;
   /* The interval's mean direction stands for its fresh part; below 1e-5 of A
    * the differences have no digits left in fp32. */
   const realv part = share / max(a2 - a1, (realv)1e-5f);
   m->a = max(m->a - share, (realv)0.0f);
-  m->g = select(m->g, fma(part, g1 - g2, m->g), rises);
-  m->sin2 = select(m->sin2, fma(part, sin1 - sin2, m->sin2), rises);
+  m->g = fma(part, g1 - g2, m->g);
+  m->sin2 = fma(part, sin1 - sin2, m->sin2);
   return share;
+}
+#endif
+
+#if FINITE
+/* A sample's back is nearer to infinity by this share of its inverse depth: for
+ * a depth greater by the factor 1 + d it is d / (1 + d).  FINITE: bit 0, d is
+ * the relative thickness; bit 1, it is the thickness along the sample's ray. */
+static inline realv back_share(const center *c, realv w1, const hbil_step step,
+                               const hbil_gather_args args) {
+  realv d = args.relative_thickness;
+#if FINITE & 2
+  const realv rx = c->rx + step.ex, ry = c->ry + step.ey;
+  const realv ray2 = fma(rx, rx, fma(ry, ry, (realv)1.0f));
+  d = min(d, args.thickness * w1 / sqrt(ray2));
+  return d / (1.0f + d);
+#else
+  return d / (1.0f + d);
+#endif
 }
 #endif
 
@@ -149,7 +172,7 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
                          global const float *sample, uint plane,
                          const hbil_gather_args args, realv cot_tangent,
                          realv slope, realv nx, realv ny, float dither) {
-#if LIMITED || GATHER_RADIANCE || FINITE
+#if LIMITED || (GATHER_RADIANCE && !FACING_ALL)
   /* sample point - point, from P = r z */
   const realv z1 = 1.0f / w1;
   const realv dz = (c->w - w1) * c->z * z1;
@@ -163,16 +186,17 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
     return;
 #endif
 #if FINITE
-  /* the back: so much deeper along the sample's ray */
-  const realv rx = c->rx + step.ex, ry = c->ry + step.ey;
-  const realv ray = sqrt(fma(rx, rx, fma(ry, ry, (realv)1.0f)));
-  const realv back =
-      1.0f / (z1 + min(args.thickness / ray, args.relative_thickness * z1));
+  /* other lanes must stay finite, too: they are multiplied by no share */
+  excess = select((realv)0.0f, excess, rises);
+  w1 = select((realv)0.0f, w1, rises);
   const realv excess_back =
-      max(fma(back - w1, (realv)step.inv_e, excess), (realv)0.0f);
+      max(fma(w1 * step.inv_e, -back_share(c, w1, step, args), excess),
+          (realv)0.0f);
   const realv share =
       cover(m, rises, fma(slope, excess, cot_tangent),
             fma(slope, excess_back, cot_tangent), nx, ny, dither);
+  if (!ANY(share > 0.0f))
+    return;
 #else
   realv g, sin2;
   const realv cot_horizon = fma(slope, excess, cot_tangent);
@@ -192,6 +216,7 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
   m->blocked += share;
 #endif
 #if GATHER_RADIANCE
+#if !FACING_ALL
   const realv gx = LOADV(sample + HBIL_SPLIT_GX * plane);
   const realv gy = LOADV(sample + HBIL_SPLIT_GY * plane);
   /* The sample's plane seen at the centre, and the cosine of its facing. */
@@ -199,31 +224,34 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
   const realv gz = w1 - fma(gx, c->rx + step.ex, gy * (c->ry + step.ey));
   const realv n2 = fma(gx, gx, fma(gy, gy, gz * gz));
   const realv cosine = (c->w - behind) * c->z / sqrt(n2 * distance2);
+#if FACING_STEP
   const realv accept =
-      FACING_STEP
-          ? select((realv)0.0f, (realv)1.0f, cosine >= args.facing[0])
-          : smoothstep((realv)args.facing[0], (realv)args.facing[1], cosine);
+      select((realv)0.0f, (realv)1.0f, (cosine >= args.facing[0]) & rises);
+#else
+  const realv t = clamp((cosine - args.facing[0]) * args.facing[1], 0.0f, 1.0f);
+  const realv accept =
+      select((realv)0.0f, t * t * fma((realv)-2.0f, t, (realv)3.0f), rises);
+#endif
+#endif
+  /* Lanes that don't rise have no share, and accept nothing. */
   realv red = LOADV(sample + HBIL_SPLIT_RED * plane);
   realv green = LOADV(sample + (HBIL_SPLIT_RED + 1) * plane);
   realv blue = LOADV(sample + (HBIL_SPLIT_RED + 2) * plane);
 #if REFUSED_FRAME
-  m->unknown = select(m->unknown, fma(share, 1.0f - accept, m->unknown), rises);
+  m->unknown = fma(share, 1.0f - accept, m->unknown);
 #endif
 #if REFUSED_BLACK
   red *= accept;
   green *= accept;
   blue *= accept;
-#else
-  red = fma(accept, red - m->last_red, m->last_red);
-  green = fma(accept, green - m->last_green, m->last_green);
-  blue = fma(accept, blue - m->last_blue, m->last_blue);
-  m->last_red = select(m->last_red, red, rises);
-  m->last_green = select(m->last_green, green, rises);
-  m->last_blue = select(m->last_blue, blue, rises);
+#elif REFUSED_LAST
+  m->last_red = red = fma(accept, red - m->last_red, m->last_red);
+  m->last_green = green = fma(accept, green - m->last_green, m->last_green);
+  m->last_blue = blue = fma(accept, blue - m->last_blue, m->last_blue);
 #endif
-  m->red = select(m->red, fma(share, red, m->red), rises);
-  m->green = select(m->green, fma(share, green, m->green), rises);
-  m->blue = select(m->blue, fma(share, blue, m->blue), rises);
+  m->red = fma(share, red, m->red);
+  m->green = fma(share, green, m->green);
+  m->blue = fma(share, blue, m->blue);
 #endif
 }
 
@@ -256,7 +284,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     steps += (uint)layer * (2u * SLICES * SAMPLES);
     c.gx = LOADV(here + HBIL_SPLIT_GX * in.plane);
     c.gy = LOADV(here + HBIL_SPLIT_GY * in.plane);
-#if GATHER_RADIANCE && !REFUSED_BLACK
+#if GATHER_RADIANCE && REFUSED_LAST
     c.red = LOADV(here + HBIL_SPLIT_RED * in.plane);
     c.green = LOADV(here + (HBIL_SPLIT_RED + 1) * in.plane);
     c.blue = LOADV(here + (HBIL_SPLIT_RED + 2) * in.plane);
@@ -311,11 +339,15 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #endif
 #if FINITE
         m.covered = 0u;
-        m.sectors = SECTORS / max(m.a, (realv)1e-6f);
+        realv g, sin2;
+        sector_terms(cot_tangent, &g, &sin2);
+        m.sectors = HBIL_SECTORS /
+                    max(measure(cot_tangent, g, sin2, nx, ny), (realv)1e-6f);
+        m.sector = m.a * (1.0f / HBIL_SECTORS);
 #endif
 #if GATHER_RADIANCE
         m.red = m.green = m.blue = m.unknown = 0.0f;
-#if !REFUSED_BLACK
+#if REFUSED_LAST
         m.last_red = c.red;
         m.last_green = c.green;
         m.last_blue = c.blue;
@@ -342,7 +374,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
               fma(fma(w1, (realv)args.keep, -c.w), (realv)step.inv_e,
                   -fma(c.gx, (realv)step.ux, c.gy * step.uy));
 #if FINITE
-          const intv rises = (excess > m.excess) & AS_INTV(m.covered != ~0u);
+          const intv rises = (excess > m.excess) &
+                             AS_INTV(m.covered != (1u << HBIL_SECTORS) - 1u);
 #else
           const intv rises = excess > m.excess;
 #endif

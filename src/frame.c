@@ -1,6 +1,7 @@
 /* The order of the passes, their arguments and their events. */
 #include "internal.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -480,7 +481,8 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
       fminf(plan->config.relative_thickness, 1e30f);
   gather_args.falloff = falloff_slope(&plan->config);
   gather_args.facing[0] = plan->config.facing[0];
-  gather_args.facing[1] = plan->config.facing[1];
+  gather_args.facing[1] =
+      1.0f / fmaxf(plan->config.facing[1] - plan->config.facing[0], FLT_MIN);
   const argument args[] = {ARG(gather_args), ARG(plan->buffers[BUFFER_SPLIT]),
                            ARG(plan->buffers[BUFFER_STEPS]),
                            ARG(plan->buffers[BUFFER_LIGHT])};

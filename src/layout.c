@@ -24,7 +24,8 @@ static void decide_work(const hbil_config *config, layout *out) {
                        : HBIL_FAR_NONE;
   out->bent = has(config, IMAGE_BENT) || out->far_field == HBIL_FAR_SH ||
               out->far_field == HBIL_FAR_FRAME;
-  out->unknown = out->radiance && config->refused == HBIL_REFUSED_FRAME;
+  out->unknown = out->radiance && config->refused == HBIL_REFUSED_FRAME &&
+                 config_refuses(config);
   out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
   out->history =
       out->radiance && config->reprojection != HBIL_REPROJECTION_NONE;

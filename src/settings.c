@@ -37,6 +37,10 @@ const hbil_image *frame_image(const hbil_frame *frame, int image) {
                                             image_kinds[image].image_at);
 }
 
+bool config_refuses(const hbil_config *config) {
+  return config->facing[1] > -1.0f;
+}
+
 cl_uint format_stride(const hbil_config *config, int image) {
   const cl_uint stride = config_format(config, image)->stride;
   return stride ? stride : image_kinds[image].channels;

@@ -286,7 +286,7 @@ typedef struct hbil_config {
   float facing[2];      /* radiance of a sample fades in as the cosine between
                            its normal and the direction back to the point goes
                            from facing[0] to facing[1]; -1..1, ascending;
-                           default -0.1, 0 */
+                           -1, -1: none is refused; default -0.1, 0 */
   hbil_refused refused; /* default LAST */
   cl_bool gather_emission; /* emission lights neighbours too (CL_TRUE), or is
                               in `direct` already (CL_FALSE); default CL_TRUE */
@@ -459,7 +459,8 @@ HBIL_API hbil_status hbil_enqueue_composite(
  *   SPLIT      6: inverse depth w (<= 0: nothing there), its gradient in x and
  *                 y (per unit of ray slope), radiance RGB
  *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length);
- *                 8 with HBIL_REFUSED_FRAME: share of light that is unknown
+ *                 8 with HBIL_REFUSED_FRAME, unless facing[1] is -1: share of
+ *                 light that is unknown
  *   RESOLVED   7: the same, full resolution, E_near with the unknown filled in
  * A plan keeps only what its outputs need: hbil_buffer.values says how many of
  * these, from the first on, it has (SPLIT 3 without radiance; GATHERED and
