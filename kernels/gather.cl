@@ -76,11 +76,11 @@ static inline float tile_nearest(global const float *row, int x) {
 
 /* What a pixel brings to all its slices. */
 typedef struct center {
-  realv w, gx, gy; /* inverse depth, its gradient */
-  realv rx;        /* ray */
+  realv w, nx, ny, nz; /* inverse depth, unit normal */
+  realv gx, gy;        /* the tangent plane's gradient of inverse depth */
+  realv rx;            /* ray */
   float ry;
   realv z, r, inv_r;      /* depth, length of the ray, its inverse */
-  realv inv_n;            /* 1 / |(gx, gy, w - g.r)|: scale of the normal */
   realv red, green, blue; /* own radiance */
 } center;
 
@@ -217,13 +217,12 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
 #endif
 #if GATHER_RADIANCE
 #if !FACING_ALL
-  const realv gx = LOADV(sample + HBIL_SPLIT_GX * plane);
-  const realv gy = LOADV(sample + HBIL_SPLIT_GY * plane);
-  /* The sample's plane seen at the centre, and the cosine of its facing. */
-  const realv behind = w1 - fma(gx, (realv)step.ex, gy * step.ey);
-  const realv gz = w1 - fma(gx, c->rx + step.ex, gy * (c->ry + step.ey));
-  const realv n2 = fma(gx, gx, fma(gy, gy, gz * gz));
-  const realv cosine = (c->w - behind) * c->z / sqrt(n2 * distance2);
+  /* Cosine of the sample's normal with the way back to the center. */
+  global const float *normal = sample + HBIL_SPLIT_NORMAL * plane;
+  const realv back =
+      fma(dx, LOADV(normal),
+          fma(dy, LOADV(normal + plane), dz * LOADV(normal + 2u * plane)));
+  const realv cosine = -back / sqrt(distance2);
 #if FACING_STEP
   const realv accept =
       select((realv)0.0f, (realv)1.0f, (cosine >= args.facing[0]) & rises);
@@ -282,8 +281,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         (2u * SLICES * SAMPLES);
 #endif
     steps += (uint)layer * (2u * SLICES * SAMPLES);
-    c.gx = LOADV(here + HBIL_SPLIT_GX * in.plane);
-    c.gy = LOADV(here + HBIL_SPLIT_GY * in.plane);
+    c.nx = LOADV(here + HBIL_SPLIT_NORMAL * in.plane);
+    c.ny = LOADV(here + (HBIL_SPLIT_NORMAL + 1) * in.plane);
+    c.nz = LOADV(here + (HBIL_SPLIT_NORMAL + 2) * in.plane);
 #if GATHER_RADIANCE && REFUSED_LAST
     c.red = LOADV(here + HBIL_SPLIT_RED * in.plane);
     c.green = LOADV(here + (HBIL_SPLIT_RED + 1) * in.plane);
@@ -294,13 +294,18 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     c.z = 1.0f / c.w;
     c.r = sqrt(fma(c.rx, c.rx, (realv)fma(c.ry, c.ry, 1.0f)));
     c.inv_r = 1.0f / c.r;
-    const realv gz = c.w - fma(c.gx, c.rx, c.gy * c.ry);
-    c.inv_n = 1.0f / sqrt(fma(c.gx, c.gx, fma(c.gy, c.gy, gz * gz)));
-    const realv ny = c.w * c.inv_n * c.inv_r;
+    /* Inverse depth on the plane through P is (n.r') / (n.P). */
+    const realv n_r = select(
+        (realv)-1.0f, fma(c.nx, c.rx, fma(c.ny, (realv)c.ry, c.nz)), solid);
+    const realv n_p = c.w / n_r;
+    c.gx = c.nx * n_p;
+    c.gy = c.ny * n_p;
+    const realv ny = -n_r * c.inv_r;
+    const realv inv_ny = 1.0f / ny;
 
     /* A normal rounded to `flat` shifts the plane's gradient by this much at
      * most: below it, samples of the pixel's own plane would rise. */
-    const realv least_excess = args.flat / (c.inv_n * ny);
+    const realv least_excess = args.flat * c.w * c.inv_r * inv_ny * inv_ny;
 
     /* Sums over half-slices: J A at the horizon and at the tangent plane, the
      * same of b, b in the slice's u and along wo. */
@@ -320,9 +325,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       const realv inv_ud = 1.0f / sqrt(ud2);
       const realv jacobian = c.inv_r * inv_ud * inv_ud;
       const realv slope = c.r * c.z * inv_ud;
-      const realv g_u = fma(c.gx, (realv)ux, c.gy * uy);
-      const realv side_nx = -fma(u_wo, c.w * c.inv_r, g_u) * c.inv_n * inv_ud;
-      const realv side_cot = fma(g_u * c.r, c.z, u_wo) * inv_ud;
+      const realv n_u = fma(c.nx, (realv)ux, c.ny * uy);
+      const realv side_nx = fma(-u_wo, ny, n_u) * inv_ud;
+      const realv side_cot = -side_nx * inv_ny;
       realv slice_red = 0.0f, slice_green = 0.0f, slice_blue = 0.0f;
       realv slice_unknown = 0.0f;
 
@@ -420,11 +425,11 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     /* Few slices miss the full hemisphere's S n by whole_*; adding what is
      * missing in the measure of what is open makes a bare plane's bent normal
      * exactly n and leaves a closed point alone. */
-    const realv n_scale = -(float)SLICES * c.inv_n;
+    const float n_scale = SLICES;
     const realv wo_sum = fma(-ao, whole_wo, open_wo) * c.inv_r;
-    bent_x = open_x + ao * fma(n_scale, c.gx, -whole_x) - wo_sum * c.rx;
-    bent_y = open_y + ao * fma(n_scale, c.gy, -whole_y) - wo_sum * c.ry;
-    bent_z = ao * n_scale * gz - wo_sum;
+    bent_x = open_x + ao * fma((realv)n_scale, c.nx, -whole_x) - wo_sum * c.rx;
+    bent_y = open_y + ao * fma((realv)n_scale, c.ny, -whole_y) - wo_sum * c.ry;
+    bent_z = ao * n_scale * c.nz - wo_sum;
     const float scale = 1.0f / SLICES;
     bent_x = select((realv)0.0f, bent_x * scale, solid);
     bent_y = select((realv)0.0f, bent_y * scale, solid);

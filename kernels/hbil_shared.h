@@ -70,10 +70,9 @@ typedef cl_float hbil_float;
 /* Planes of the stages (see hbil_plan_buffer() in hbil.h). */
 enum {
   HBIL_SPLIT_W = 0,
-  HBIL_SPLIT_GX = 1,
-  HBIL_SPLIT_GY = 2,
-  HBIL_SPLIT_RED = 3, /* 4: green, 5: blue */
-  HBIL_SPLIT_PLANES = 6
+  HBIL_SPLIT_NORMAL = 1, /* x, 2: y, 3: z */
+  HBIL_SPLIT_RED = 4,    /* 5: green, 6: blue */
+  HBIL_SPLIT_PLANES = 7
 };
 enum {
   HBIL_LIGHT_AO = 0,

@@ -362,10 +362,9 @@ static hbil_status push_pull(commands *chain, const hbil_frame *frame) {
 
 /* What light comes from where the screen doesn't show: from the split planes.
  * The parts stand behind the sum in one buffer. */
-static hbil_status estimate(commands *chain, const hbil_view_args *view) {
+static hbil_status estimate(commands *chain) {
   hbil_plan *plan = chain->plan;
-  const argument part[] = {{sizeof *view, view},
-                           ARG(plan->layout.layers),
+  const argument part[] = {ARG(plan->layout.layers),
                            ARG(plan->buffers[BUFFER_SPLIT]),
                            ARG(plan->buffers[BUFFER_ESTIMATE])};
   const argument sum[] = {ARG(plan->buffers[BUFFER_ESTIMATE])};
@@ -405,9 +404,8 @@ static hbil_status split(commands *chain, const hbil_frame *frame) {
   const hbil_status status =
       LAUNCH(chain, KERNEL_SPLIT, args, (across(plan) + 3) / 4,
              plan->config.height, 1);
-  return status == HBIL_SUCCESS && plan->layout.estimate
-             ? estimate(chain, &view)
-             : status;
+  return status == HBIL_SUCCESS && plan->layout.estimate ? estimate(chain)
+                                                         : status;
 }
 
 /* Fractions of a turn and of a step that frame `index` adds: multiples of the
