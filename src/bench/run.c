@@ -85,13 +85,6 @@ static void describe(const device *d, bench_machine *out) {
   memcpy(out->device, d->name, sizeof out->device);
 }
 
-/* One line that changes, where somebody watches. */
-static void progress(const char *what, size_t done, size_t count) {
-  if (isatty(STDERR_FILENO))
-    fprintf(stderr, "\r%-24s %zu of %zu%s", what, done, count,
-            done == count ? "\n" : "");
-}
-
 /* Whether no other row is at least as good in both and better in one. */
 static int on_front(const bench_row *rows, size_t count, size_t at, int ao) {
   const double time = rows[at].total.median;
@@ -118,11 +111,11 @@ static int measure_rows(bench_lab *lab, const bench_configuration *list,
   for (size_t i = 0; i < count; i++) {
     char label[64];
     bench_label(&list[i], label, sizeof label);
-    progress(label, i, count);
+    progress_count(label, i, count);
     if (bench_lab_measure(lab, &list[i], runs, &rows[i], error) != 0)
       return -1;
   }
-  progress("measured", count, count);
+  progress_count("measured", count, count);
   mark_fronts(rows, count);
   return 0;
 }
@@ -138,10 +131,10 @@ static int measure(const bench_options *options, const device *d,
   report->count = bench_configurations(options->quick, &list);
   bench_label(&dense, report->reference, sizeof report->reference);
   describe(d, &report->machine);
-  progress("reference", 0, 1);
+  progress_count("reference", 0, 1);
   if (bench_lab_refer(lab, &dense, error) != 0)
     return -1;
-  progress("baseline", 0, 1);
+  progress_count("baseline", 0, 1);
   if (bench_measure_literal(d, content, options->runs, bench_lab_ao(lab),
                             bench_lab_light(lab), &report->literal,
                             error) != 0 ||
