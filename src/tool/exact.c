@@ -105,9 +105,7 @@ static int check_positive(const char *option, float value, image_error *error) {
                     (double)value);
 }
 
-/* What hbil_plan_create() refuses and the command line allows; there is no
- * plan here. */
-static int check_settings(const hbil_config *c, image_error *error) {
+int exact_check(const hbil_config *c, image_error *error) {
   if (check_positive("--radius", c->radius, error) != 0 ||
       check_positive("--thickness", c->thickness, error) != 0 ||
       check_positive("--relative-thickness", c->relative_thickness, error) !=
@@ -128,8 +126,6 @@ int exact_open(const hbil_config *config, const channel_map *map,
                image_error *error) {
   const size_t pixels = (size_t)config->width * config->height;
   *out = NULL;
-  if (check_settings(config, error) != 0)
-    return -1;
   exact *e = calloc(1, sizeof *e);
   float *still = calloc(pixels, sizeof *still);
   if (!e || !still) {

@@ -25,8 +25,11 @@ typedef struct exact_work {
 
 typedef struct exact exact;
 
-/* config: settings, with any number of slices; those of sampling beside it do
- * nothing.  Formats are filled in from map and layers. */
+/* What hbil_plan_create() refuses and the command line allows: there is no plan
+ * here. */
+int exact_check(const hbil_config *config, image_error *error);
+/* config: settings, which are right, with any number of slices; those of
+ * sampling beside it do nothing.  Formats are filled in from map and layers. */
 int exact_open(const hbil_config *config, const channel_map *map,
                unsigned layers, const exact_work *work, exact **out,
                image_error *error);

@@ -351,7 +351,7 @@ static int open_exact(process *p) {
   const exact_work work = {.frames = (unsigned)p->count,
                            .runs = count_runs(p),
                            .quiet = p->options->quiet};
-  if (choose_far_field(p) != 0)
+  if (exact_check(&p->config, &p->error) != 0 || choose_far_field(p) != 0)
     return -1;
   return exact_open(&p->config, &p->jobs[0].map, p->layers, &work, &p->exact,
                     &p->error);
