@@ -24,7 +24,7 @@ static const int layer_planes[LAYER_COUNT] = {
     [LAYER_BEAUTY] = REF_RADIANCE,
 };
 
-struct exact {
+struct exact_sequence {
   hbil_config config;
   unsigned layers;
   size_t channels[INPUTS]; /* 0: this input is not used */
@@ -122,11 +122,11 @@ int exact_check(const hbil_config *c, image_error *error) {
 }
 
 int exact_open(const hbil_config *config, const channel_map *map,
-               unsigned layers, const exact_work *work, exact **out,
+               unsigned layers, const exact_work *work, exact_sequence **out,
                image_error *error) {
   const size_t pixels = (size_t)config->width * config->height;
   *out = NULL;
-  exact *e = calloc(1, sizeof *e);
+  exact_sequence *e = calloc(1, sizeof *e);
   float *still = calloc(pixels, sizeof *still);
   if (!e || !still) {
     free(e);
@@ -145,7 +145,7 @@ int exact_open(const hbil_config *config, const channel_map *map,
   return 0;
 }
 
-void exact_close(exact *e) {
+void exact_close(exact_sequence *e) {
   if (!e)
     return;
   progress_clear(&e->progress);
@@ -157,7 +157,7 @@ void exact_close(exact *e) {
 /* ------------------------------------------------------------------------ */
 /* A frame                                                                   */
 
-static void fill_job(const exact *e, const gbuffer *g,
+static void fill_job(const exact_sequence *e, const gbuffer *g,
                      const camera_file *camera, float environment[9][3],
                      ref_job *job) {
   memset(job, 0, sizeof *job);
@@ -171,13 +171,13 @@ static void fill_job(const exact *e, const gbuffer *g,
 }
 
 /* A frame that is repeated doesn't move against itself. */
-static void stop_motion(const exact *e, ref_job *job) {
+static void stop_motion(const exact_sequence *e, ref_job *job) {
   for (size_t c = 0; c < e->channels[INPUTS - 1]; c++)
     job->input[REF_MOTION + c] = e->still;
 }
 
 /* Before the first frame. */
-static void announce(exact *e, const ref_job *job) {
+static void announce(exact_sequence *e, const ref_job *job) {
   const exact_work *w = &e->work;
   const size_t pixels = (size_t)e->config.width * e->config.height;
   char text[32];
@@ -196,13 +196,13 @@ static void announce(exact *e, const ref_job *job) {
 }
 
 static void show(void *user, int done, int count) {
-  exact *e = user;
+  exact_sequence *e = user;
   if (!e->work.quiet)
     progress_show(&e->progress, ((double)e->done + (double)done / count) /
                                     (double)e->work.runs);
 }
 
-static void take_layers(const exact *e, image *result) {
+static void take_layers(const exact_sequence *e, image *result) {
   const size_t pixels = (size_t)e->config.width * e->config.height;
   for (int l = 0; l < LAYER_COUNT; l++)
     for (size_t c = 0; e->layers >> l & 1 && layer_table[l].components[c];
@@ -215,7 +215,7 @@ static void take_layers(const exact *e, image *result) {
     }
 }
 
-void exact_run(exact *e, const gbuffer *g, const camera_file *camera,
+void exact_run(exact_sequence *e, const gbuffer *g, const camera_file *camera,
                float environment[9][3], unsigned repeat, image *result) {
   const ref_dense how = {.slices = (int)e->config.slices,
                          .threads = exact_threads(),

@@ -23,7 +23,7 @@ typedef struct exact_work {
   int quiet;             /* nothing is told */
 } exact_work;
 
-typedef struct exact exact;
+typedef struct exact_sequence exact_sequence;
 
 /* What hbil_plan_create() refuses and the command line allows: there is no plan
  * here. */
@@ -31,11 +31,11 @@ int exact_check(const hbil_config *config, image_error *error);
 /* config: settings, which are right, with any number of slices; those of
  * sampling beside it do nothing.  Formats are filled in from map and layers. */
 int exact_open(const hbil_config *config, const channel_map *map,
-               unsigned layers, const exact_work *work, exact **out,
+               unsigned layers, const exact_work *work, exact_sequence **out,
                image_error *error);
-void exact_close(exact *e);
+void exact_close(exact_sequence *e);
 /* Runs a frame `repeat` times and takes the layers into result's planes. */
-void exact_run(exact *e, const gbuffer *g, const camera_file *camera,
+void exact_run(exact_sequence *e, const gbuffer *g, const camera_file *camera,
                float environment[9][3], unsigned repeat, image *result);
 
 #endif

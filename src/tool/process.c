@@ -37,7 +37,7 @@ typedef struct process {
   int folder_created;
   device device;
   sequence *sequence; /* one of both */
-  exact *exact;
+  exact_sequence *exact;
   float exposure;
   image_error error;
 } process;
