@@ -103,7 +103,7 @@ absent() {
 
 says "the version is told" '^hbil [0-9]' "$HBIL" --version
 says "help lists the commands" '^  process' "$HBIL" --help
-for command in process info compare devices demo; do
+for command in process info compare devices demo bench; do
   says "$command has help" "^usage: hbil $command" "$HBIL" $command --help
 done
 says "a device is listed" '^0  ' "$HBIL" devices
@@ -319,6 +319,45 @@ refused "layers of other channels" 'same channels' compare "$a:near" "$a:AO"
 refused "a layer that isn't there" 'no layer nothing' compare "$a:nothing" "$a"
 refused "a mask without depth" 'no depth' compare --mask "$a" "$a" "$a"
 refused "one file only" 'two are needed' compare "$a"
+
+# --- the bench ---
+
+# Stands in for librsvg's program: -o PNG SVG.
+mkdir "$work/bin"
+printf '#!/bin/sh\ncp "$3" "$2"\n' >"$work/bin/rsvg-convert"
+chmod +x "$work/bin/rsvg-convert"
+bench() {
+  PATH=$work/bin:$PATH "$HBIL" bench --quick --size 64x48 --runs 1 --pixels 40 \
+    "$@"
+}
+says "the bench writes a picture, too" 'bench.csv, .json, .svg, .png' \
+  bench -o "$work/bench"
+has "the bench's files" "$work/bench/bench.csv" "$work/bench/bench.json" \
+  "$work/bench/bench.svg" "$work/bench/bench.png"
+grep -q '^hbil: exact integral of [0-9]* models.*: about' "$work/err"
+ok $? "the bench tells how long the exact integral takes"
+grep -q '^estimate: .* ms, .* % of the frame' "$work/out" &&
+  grep -q '^  thick .08 2x8 full g2 *[0-9]' "$work/out"
+ok $? "the bench tells what thickness and the estimate cost"
+awk -F , 'NR == 1 { n = NF }
+  NF != n && $0 !~ /"[^"]*,[^"]*"/ { exit 1 }' "$work/bench/bench.csv"
+ok $? "as many fields in every row of the bench"
+for row in 'fast 1x8 full g2,paper,fast,' 'thick .08 2x8 full g2,thick .08,,' \
+  'tool 2x48 full g2,tool,,' 'literal,paper,,'; do
+  grep -q "^$row" "$work/bench/bench.csv"
+  ok $? "the bench has the row $row"
+done
+grep '^hbao ' "$work/bench/bench.csv" | grep -q ',,0\.[0-9]*,,0,1,'
+ok $? "AO alone has no error of light"
+grep -q '"light": null' "$work/bench/bench.json"
+ok $? "nor in JSON"
+grep -q '>fast 1x8 g2<' "$work/bench/bench.svg"
+ok $? "the plot names a preset"
+printf '#!/bin/sh\nexit 1\n' >"$work/bin/rsvg-convert"
+says "without rsvg-convert one line says so" 'no bench.png: rsvg-convert' \
+  bench -o "$work/bench2"
+absent "and there is no picture" "$work/bench2/bench.png"
+refused "a bench of no pixels" '--pixels 0' bench --pixels 0
 
 # --- bad input ---
 

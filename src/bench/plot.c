@@ -265,7 +265,7 @@ static box place_label(const panel *p, double x, double y, double width) {
                             : way % 3 == 1 ? -1.0
                                            : 1.0) *
                            (double)(LINE * (ring + 1));
-      const box b = {way < 3 ? x + 10.0 : x - 10.0 - width, y - 5.0 + shift,
+      const box b = {way < 3 ? x + 12.0 : x - 12.0 - width, y - 5.0 + shift,
                      width, LINE};
       if (is_free(p, &b))
         return b;
