@@ -443,11 +443,11 @@ static double inverse_depth(const ref_job *job, int x, int y) {
 
 static void split_pixel(const ref_job *job, const ref_planes *carried, int x,
                         int y, ref_planes *split) {
-  vec n = facing_normal(job, x, y), r = ray_of(&job->camera, x, y);
-  double w = inverse_depth(job, x, y);
-  *ref_at(split, HBIL_SPLIT_W, x, y) = w;
-  *ref_at(split, HBIL_SPLIT_GX, x, y) = n.x / dot(n, r) * w;
-  *ref_at(split, HBIL_SPLIT_GY, x, y) = n.y / dot(n, r) * w;
+  vec n = facing_normal(job, x, y);
+  *ref_at(split, HBIL_SPLIT_W, x, y) = inverse_depth(job, x, y);
+  *ref_at(split, HBIL_SPLIT_NORMAL, x, y) = n.x;
+  *ref_at(split, HBIL_SPLIT_NORMAL + 1, x, y) = n.y;
+  *ref_at(split, HBIL_SPLIT_NORMAL + 2, x, y) = n.z;
   for (int c = 0; c < 3; ++c)
     *ref_at(split, HBIL_SPLIT_RED + c, x, y) =
         radiance_of(job, carried, c, x, y);
@@ -497,28 +497,22 @@ static double inverse_depth_at(const ref_planes *split, int x, int y) {
   return *ref_at(split, HBIL_SPLIT_W, x, y);
 }
 
-/* Without its normal. */
-static surface seen_at(const ref_job *job, const ref_planes *split, int x,
-                       int y) {
+static surface surface_at(const ref_job *job, const ref_planes *split, int x,
+                          int y) {
   surface s = {0.0, 0.0, 0.0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  double to_plane;
   s.w = inverse_depth_at(split, x, y);
   if (!(s.w > 0.0))
     return s;
-  s.gx = *ref_at(split, HBIL_SPLIT_GX, x, y);
-  s.gy = *ref_at(split, HBIL_SPLIT_GY, x, y);
   s.ray = ray_of(&job->camera, x, y);
   s.at = scaled(1.0 / s.w, s.ray);
-  return s;
-}
-
-static surface surface_at(const ref_job *job, const ref_planes *split, int x,
-                          int y) {
-  surface s = seen_at(job, split, x, y);
-  if (!(s.w > 0.0))
-    return s;
-  /* the plane of all P with (gx,gy,c).P = 1, seen from the eye's side */
-  s.normal =
-      normalized(make(-s.gx, -s.gy, -(s.w - s.gx * s.ray.x - s.gy * s.ray.y)));
+  s.normal = normalized(make(*ref_at(split, HBIL_SPLIT_NORMAL, x, y),
+                             *ref_at(split, HBIL_SPLIT_NORMAL + 1, x, y),
+                             *ref_at(split, HBIL_SPLIT_NORMAL + 2, x, y)));
+  /* n.r' / n.P is the plane's inverse depth along the ray r' */
+  to_plane = dot(s.normal, s.at);
+  s.gx = s.normal.x / to_plane;
+  s.gy = s.normal.y / to_plane;
   return s;
 }
 
@@ -559,12 +553,14 @@ typedef struct half_slice {
 /* An angle from wo, and what is needed of it. */
 typedef struct angle {
   double theta, sine, cosine;
+  double arc; /* theta - sine cosine, or about that */
 } angle;
 
 /* Of the direction with these two components; of any length. */
 static angle angle_of(double along, double wo) {
   double size = sqrt(along * along + wo * wo);
-  angle a = {atan2(along, wo), along / size, wo / size};
+  angle a = {atan2(along, wo), along / size, wo / size, 0.0};
+  a.arc = a.theta - a.sine * a.cosine;
   return a;
 }
 
@@ -573,12 +569,11 @@ static angle angle_of(double along, double wo) {
 static double measure(const half_slice *h, angle a) {
   if (h->uniform)
     return 1.0 - a.cosine;
-  return h->nx / 2.0 * (a.theta - a.sine * a.cosine) +
-         h->ny / 2.0 * a.sine * a.sine;
+  return h->nx / 2.0 * a.arc + h->ny / 2.0 * a.sine * a.sine;
 }
 
 static vec bent_to(const half_slice *h, angle a) {
-  vec along = scaled((a.theta - a.sine * a.cosine) / 2.0, h->along);
+  vec along = scaled(a.arc / 2.0, h->along);
   return add(along, a.sine * a.sine / 2.0, h->wo);
 }
 
@@ -663,11 +658,9 @@ typedef struct walker {
 /* How what is covered is kept. */
 typedef enum cover_kind {
   COVER_HORIZON,  /* endless occluders: everything beyond one angle */
-  COVER_SECTORS,  /* the kernels': 32 equal parts of the measure, dithered */
+  COVER_SECTORS,  /* the kernels' parts of the measure, dithered */
   COVER_STRETCHES /* exactly */
 } cover_kind;
-
-enum { SECTORS = 32 };
 
 /* A half-slice on its way outwards. */
 typedef struct march {
@@ -735,16 +728,28 @@ static double raise_horizon(const walker *w, march *m, const occluder *o) {
   return before - m->below;
 }
 
+/* With the arc that sectors are measured by (hbil_shared.h). */
+static angle rough(angle a) {
+  const double k[5] = {(double)HBIL_SECTOR_C0, (double)HBIL_SECTOR_C1,
+                       (double)HBIL_SECTOR_C2, (double)HBIL_SECTOR_C3,
+                       (double)HBIL_SECTOR_C4};
+  double sum = 0.0;
+  for (int i = 4; i >= 0; --i)
+    sum = sum * a.cosine * a.cosine + k[i];
+  a.arc = PI / 2.0 - a.cosine * sum;
+  return a;
+}
+
 static unsigned sectors_below(const march *m, angle a) {
-  double part = measure(&m->h, a) / m->whole * SECTORS + m->dither;
-  int n = part < 0.0 ? 0 : part > SECTORS ? SECTORS : (int)part;
-  return n == SECTORS ? ~0u : (1u << n) - 1u;
+  double whole = fmax(measure(&m->h, rough(m->start)), 1e-6);
+  double part = measure(&m->h, a) / whole * HBIL_SECTORS + m->dither;
+  return (1u << (int)clamp(part, 0.0, HBIL_SECTORS)) - 1u;
 }
 
 static double cover_sectors(const walker *w, march *m, const occluder *o) {
   double low = excess_of_back(w->g->job->config, o);
-  angle front = horizon(&w->s, &m->h, o->distance, o->excess);
-  angle back = horizon(&w->s, &m->h, o->distance, low);
+  angle front = rough(horizon(&w->s, &m->h, o->distance, o->excess));
+  angle back = rough(horizon(&w->s, &m->h, o->distance, low));
   unsigned fresh =
       sectors_below(m, back) & ~sectors_below(m, front) & ~m->sectors;
   int count = 0;
@@ -752,7 +757,7 @@ static double cover_sectors(const walker *w, march *m, const occluder *o) {
   m->sectors |= fresh;
   for (; fresh; fresh &= fresh - 1)
     ++count;
-  share = m->whole * count / SECTORS;
+  share = m->whole * count / HBIL_SECTORS;
   /* the interval's mean direction stands for its fresh part */
   part = share / fmax(measure(&m->h, back) - measure(&m->h, front), 1e-5);
   m->bent = add(m->bent, part, bent_to(&m->h, front));
@@ -830,7 +835,7 @@ static void meet(const walker *w, march *m, occluder *o) {
   const hbil_config *c = w->g->job->config;
   double taken;
   o->s = gathers_light(c) ? surface_at(w->g->job, w->g->split, o->x, o->y)
-                          : seen_at(w->g->job, w->g->split, o->x, o->y);
+                          : surface_at(w->g->job, w->g->split, o->x, o->y);
   o->to = add(o->s.at, -1.0, w->s.at);
   o->range = length(o->to);
   if (!isinf(c->radius) && !(o->range <= (double)c->radius))
