@@ -497,8 +497,9 @@ static double inverse_depth_at(const ref_planes *split, int x, int y) {
   return *ref_at(split, HBIL_SPLIT_W, x, y);
 }
 
-static surface surface_at(const ref_job *job, const ref_planes *split, int x,
-                          int y) {
+/* Without its normal. */
+static surface seen_at(const ref_job *job, const ref_planes *split, int x,
+                       int y) {
   surface s = {0.0, 0.0, 0.0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
   s.w = inverse_depth_at(split, x, y);
   if (!(s.w > 0.0))
@@ -507,6 +508,14 @@ static surface surface_at(const ref_job *job, const ref_planes *split, int x,
   s.gy = *ref_at(split, HBIL_SPLIT_GY, x, y);
   s.ray = ray_of(&job->camera, x, y);
   s.at = scaled(1.0 / s.w, s.ray);
+  return s;
+}
+
+static surface surface_at(const ref_job *job, const ref_planes *split, int x,
+                          int y) {
+  surface s = seen_at(job, split, x, y);
+  if (!(s.w > 0.0))
+    return s;
   /* the plane of all P with (gx,gy,c).P = 1, seen from the eye's side */
   s.normal =
       normalized(make(-s.gx, -s.gy, -(s.w - s.gx * s.ray.x - s.gy * s.ray.y)));
@@ -517,8 +526,7 @@ typedef struct gathering {
   const ref_job *job;
   const ref_planes *split;
   ref_planes *gathered;
-  const ref_dense
-      *dense; /* every pixel along equal slices; NULL: the pattern */
+  const ref_dense *dense; /* NULL: the kernels' pattern */
   hbil_view_args view;
   hbil_pattern_args pattern; /* dense: its number of slices only */
   int threads;
@@ -548,18 +556,30 @@ typedef struct half_slice {
   bool uniform; /* every direction counts alike (HBAO), not by its cosine */
 } half_slice;
 
-/* Measure of the angles from wo (0) to theta: cosine-weighted, or the solid
- * angle per unit of azimuth. */
-static double measure(const half_slice *h, double theta) {
-  if (h->uniform)
-    return 1.0 - cos(theta);
-  return h->nx / 2.0 * (theta - sin(theta) * cos(theta)) +
-         h->ny / 2.0 * sin(theta) * sin(theta);
+/* An angle from wo, and what is needed of it. */
+typedef struct angle {
+  double theta, sine, cosine;
+} angle;
+
+/* Of the direction with these two components; of any length. */
+static angle angle_of(double along, double wo) {
+  double size = sqrt(along * along + wo * wo);
+  angle a = {atan2(along, wo), along / size, wo / size};
+  return a;
 }
 
-static vec bent_to(const half_slice *h, double theta) {
-  vec along = scaled((theta - sin(theta) * cos(theta)) / 2.0, h->along);
-  return add(along, sin(theta) * sin(theta) / 2.0, h->wo);
+/* Measure of the angles from wo to a: cosine-weighted, or the solid angle per
+ * unit of azimuth. */
+static double measure(const half_slice *h, angle a) {
+  if (h->uniform)
+    return 1.0 - a.cosine;
+  return h->nx / 2.0 * (a.theta - a.sine * a.cosine) +
+         h->ny / 2.0 * a.sine * a.sine;
+}
+
+static vec bent_to(const half_slice *h, angle a) {
+  vec along = scaled((a.theta - a.sine * a.cosine) / 2.0, h->along);
+  return add(along, a.sine * a.sine / 2.0, h->wo);
 }
 
 static half_slice make_half(const gathering *g, const surface *s, double ux,
@@ -584,12 +604,12 @@ static half_slice make_half(const gathering *g, const surface *s, double ux,
  * `excess * distance` above the tangent plane: the direction to it, scaled by
  * both inverse depths so that points at and beyond infinity are no exception.
  */
-static double horizon(const surface *s, const half_slice *h, double distance,
-                      double excess) {
+static angle horizon(const surface *s, const half_slice *h, double distance,
+                     double excess) {
   double rise = (s->gx * h->u.x + s->gy * h->u.y + excess) * distance;
   double w = s->w + rise;
   vec to = add(scaled(s->w, add(s->ray, distance, h->u)), -w, s->ray);
-  return atan2(dot(to, h->along), dot(to, h->wo));
+  return angle_of(dot(to, h->along), dot(to, h->wo));
 }
 
 static double fade(const hbil_config *c, double cosine) {
@@ -624,8 +644,8 @@ static double falloff(const hbil_config *c, double r) {
 /* A stretch of a half-slice's angles that is covered.  Angles fall as excess
  * grows, so either tells the order; excess costs nothing to know. */
 typedef struct stretch {
-  double high, low;   /* excess of the end towards wo, and of the other */
-  double front, back; /* their angles */
+  double high, low;  /* excess of the end towards wo, and of the other */
+  angle front, back; /* their angles */
 } stretch;
 
 /* One pixel, what its half-slices add up to, and the thread's room for a
@@ -634,7 +654,8 @@ typedef struct walker {
   const gathering *g;
   surface s;
   int x, y, layer, level;
-  double keep, least; /* of a sampled inverse depth; excess that counts */
+  double pixel_x, pixel_y; /* size, in units of ray slope */
+  double keep, least;      /* of a sampled inverse depth; excess that counts */
   sums sum;
   stretch *room;
 } walker;
@@ -652,11 +673,13 @@ enum { SECTORS = 32 };
 typedef struct march {
   half_slice h;
   cover_kind kind;
-  double start;   /* angle of the tangent plane */
+  angle start;    /* of the tangent plane */
+  double whole;   /* measure up to it */
   double best;    /* excess that a sample must exceed */
   double blocked; /* measure, weighed by the falloff */
   double unknown, light[3], last[3];
-  double theta;     /* COVER_HORIZON: the angle */
+  angle top;        /* COVER_HORIZON: the horizon */
+  double below;     /* measure up to it */
   unsigned sectors; /* COVER_SECTORS: from wo outwards */
   double dither;
   vec bent;      /* of what is open */
@@ -676,7 +699,8 @@ static march begin(const walker *w, double ux, double uy) {
   memset(&m, 0, sizeof(m));
   m.h = make_half(w->g, &w->s, ux, uy);
   m.kind = cover_kind_of(w->g);
-  m.start = m.theta = atan2(m.h.ny, -m.h.nx);
+  m.start = m.top = angle_of(m.h.ny, -m.h.nx);
+  m.whole = m.below = measure(&m.h, m.start);
   m.best = w->least;
   m.dither = (hbil_shift_slot(w->layer) + 0.5) / 16.0;
   m.bent = bent_to(&m.h, m.start);
@@ -704,24 +728,23 @@ static double excess_of_back(const hbil_config *c, const occluder *o) {
 }
 
 static double raise_horizon(const walker *w, march *m, const occluder *o) {
-  double next = horizon(&w->s, &m->h, o->distance, o->excess);
-  double taken = measure(&m->h, m->theta) - measure(&m->h, next);
-  m->theta = next;
+  double before = m->below;
+  m->top = horizon(&w->s, &m->h, o->distance, o->excess);
+  m->below = measure(&m->h, m->top);
   m->best = o->excess;
-  return taken;
+  return before - m->below;
 }
 
-static unsigned sectors_below(const march *m, double theta) {
-  double whole = measure(&m->h, m->start);
-  double part = measure(&m->h, theta) / whole * SECTORS + m->dither;
+static unsigned sectors_below(const march *m, angle a) {
+  double part = measure(&m->h, a) / m->whole * SECTORS + m->dither;
   int n = part < 0.0 ? 0 : part > SECTORS ? SECTORS : (int)part;
   return n == SECTORS ? ~0u : (1u << n) - 1u;
 }
 
 static double cover_sectors(const walker *w, march *m, const occluder *o) {
   double low = excess_of_back(w->g->job->config, o);
-  double front = horizon(&w->s, &m->h, o->distance, o->excess);
-  double back = horizon(&w->s, &m->h, o->distance, low);
+  angle front = horizon(&w->s, &m->h, o->distance, o->excess);
+  angle back = horizon(&w->s, &m->h, o->distance, low);
   unsigned fresh =
       sectors_below(m, back) & ~sectors_below(m, front) & ~m->sectors;
   int count = 0;
@@ -729,7 +752,7 @@ static double cover_sectors(const walker *w, march *m, const occluder *o) {
   m->sectors |= fresh;
   for (; fresh; fresh &= fresh - 1)
     ++count;
-  share = measure(&m->h, m->start) * count / SECTORS;
+  share = m->whole * count / SECTORS;
   /* the interval's mean direction stands for its fresh part */
   part = share / fmax(measure(&m->h, back) - measure(&m->h, front), 1e-5);
   m->bent = add(m->bent, part, bent_to(&m->h, front));
@@ -740,8 +763,9 @@ static double cover_sectors(const walker *w, march *m, const occluder *o) {
 /* Measure of `s` that a stretch of the list has already. */
 static double overlap(const half_slice *h, const stretch *s,
                       const stretch *covered) {
-  return measure(h, fmin(s->back, covered->back)) -
-         measure(h, fmax(s->front, covered->front));
+  bool in_front = s->high > covered->high, behind = s->low < covered->low;
+  return measure(h, behind ? covered->back : s->back) -
+         measure(h, in_front ? covered->front : s->front);
 }
 
 /* Puts one stretch in the place of those in [first, last), which touch it. */
@@ -761,7 +785,7 @@ static void merge(march *m, stretch s, int first, int last) {
 }
 
 static double cover_stretch(const walker *w, march *m, const occluder *o) {
-  stretch s = {o->excess, excess_of_back(w->g->job->config, o), 0.0, 0.0};
+  stretch s = {.high = o->excess, .low = excess_of_back(w->g->job->config, o)};
   int first = 0, last;
   double taken;
   while (first < m->count && m->list[first].low > s.high)
@@ -805,7 +829,8 @@ static void take_light(const walker *w, march *m, const occluder *o,
 static void meet(const walker *w, march *m, occluder *o) {
   const hbil_config *c = w->g->job->config;
   double taken;
-  o->s = surface_at(w->g->job, w->g->split, o->x, o->y);
+  o->s = gathers_light(c) ? surface_at(w->g->job, w->g->split, o->x, o->y)
+                          : seen_at(w->g->job, w->g->split, o->x, o->y);
   o->to = add(o->s.at, -1.0, w->s.at);
   o->range = length(o->to);
   if (!isinf(c->radius) && !(o->range <= (double)c->radius))
@@ -819,9 +844,8 @@ static void meet(const walker *w, march *m, occluder *o) {
 /* Looks at one pixel inside the image.  Most samples do not rise: for them the
  * excess is compared squared, without a root. */
 static void visit(const walker *w, march *m, int x, int y) {
-  const hbil_camera *camera = &w->g->job->camera;
   double w1 = *ref_at(w->g->split, HBIL_SPLIT_W, x, y);
-  double ex = (x - w->x) / camera->fx, ey = (y - w->y) / camera->fy;
+  double ex = (x - w->x) * w->pixel_x, ey = (y - w->y) * w->pixel_y;
   double above = w1 * w->keep - w->s.w - w->s.gx * ex - w->s.gy * ey;
   double e2 = ex * ex + ey * ey;
   occluder o;
@@ -907,27 +931,23 @@ static march march_along(const walker *w, double ux, double uy) {
 
 /* Integral of bent_to() over what the stretches leave open. */
 static vec bent_between(const march *m) {
-  vec sum = make(0.0, 0.0, 0.0);
-  double from = 0.0;
+  vec sum = bent_to(&m->h, m->start);
   for (int i = 0; i < m->count; ++i) {
     sum = add(sum, 1.0, bent_to(&m->h, m->list[i].front));
-    sum = add(sum, -1.0, bent_to(&m->h, from));
-    from = m->list[i].back;
+    sum = add(sum, -1.0, bent_to(&m->h, m->list[i].back));
   }
-  sum = add(sum, 1.0, bent_to(&m->h, m->start));
-  return add(sum, -1.0, bent_to(&m->h, from));
+  return sum;
 }
 
 static vec open_bent(const march *m) {
   if (m->kind == COVER_HORIZON)
-    return bent_to(&m->h, m->theta);
+    return bent_to(&m->h, m->top);
   return m->kind == COVER_SECTORS ? m->bent : bent_between(m);
 }
 
 static void add_openness(walker *w, const march *m) {
-  double whole = measure(&m->h, m->start);
-  w->sum.whole += m->h.weight * whole;
-  w->sum.open += m->h.weight * (whole - m->blocked);
+  w->sum.whole += m->h.weight * m->whole;
+  w->sum.open += m->h.weight * (m->whole - m->blocked);
 }
 
 /*
@@ -947,8 +967,9 @@ static void add_arcs(walker *w, const march *ahead, const march *behind) {
   double size = sqrt(h->nx * h->nx + h->ny * h->ny);
   double gamma = atan2(h->nx, h->ny);
   w->sum.whole += h->weight * size * (arc(gamma, PI) + arc(gamma, -PI));
-  w->sum.open += h->weight * size *
-                 (arc(gamma, ahead->theta) + arc(gamma, -behind->theta));
+  w->sum.open +=
+      h->weight * size *
+      (arc(gamma, ahead->top.theta) + arc(gamma, -behind->top.theta));
 }
 
 static void add_bent_and_light(walker *w, const march *m) {
@@ -1041,6 +1062,8 @@ static walker walker_at(const gathering *g, int x, int y, stretch *room) {
   w.y = y;
   w.layer = HBIL_SIDE * (y % HBIL_SIDE) + x % HBIL_SIDE;
   w.level = g->dense ? 0 : level_at(g, x, y);
+  w.pixel_x = 1.0 / g->job->camera.fx;
+  w.pixel_y = 1.0 / g->job->camera.fy;
   w.keep = 1.0 - tolerance_of(g->job->config);
   w.room = room;
   return w;
