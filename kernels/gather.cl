@@ -30,23 +30,25 @@
 #define HALF_PI 1.57079633f
 
 /* theta - sin(theta) cos(theta) and sin^2(theta) of h = cot(theta).
- * atan is an odd polynomial on [0,1], relative error 1.1e-7 (fitted). */
+ * The smaller of sine and cosine gives theta by an arc sine: an odd polynomial
+ * on [0, sqrt(1/2)], relative error 1.1e-7 (fitted). */
 static inline void horizon_terms(realv h, realv *g, realv *sin2) {
-  const realv a = fabs(h);
-  const realv r = 1.0f / fma(a, a, (realv)1.0f);
+  /* a square that fp32 can hold; beyond it theta is 0 to the last digit */
+  const realv a = min(fabs(h), (realv)1e18f);
+  const realv s = 1.0f / sqrt(fma(a, a, (realv)1.0f));
+  const realv c = a * s;
   const intv steep = a > 1.0f;
-  const realv t = select(a, 1.0f / a, steep);
+  const realv t = select(c, s, steep);
   const realv q = t * t;
-  realv p = fma(q, (realv)-0.0048224362f, (realv)0.02473375f);
-  p = fma(q, p, (realv)-0.060202744f);
-  p = fma(q, p, (realv)0.0996845f);
-  p = fma(q, p, (realv)-0.14041321f);
-  p = fma(q, p, (realv)0.19974214f);
-  p = fma(q, p, (realv)-0.33332393f);
+  realv p = fma(q, (realv)0.103156536f, (realv)-0.0583750432f);
+  p = fma(q, p, (realv)0.0628147176f);
+  p = fma(q, p, (realv)0.0383250187f);
+  p = fma(q, p, (realv)0.0755701933f);
+  p = fma(q, p, (realv)0.166647642f);
   p = fma(t * q, p, t);
-  const realv up = select(HALF_PI - p, p, steep) - a * r;
+  const realv up = fma(-s, c, select(HALF_PI - p, p, steep));
   *g = select(up, PI - up, h < 0.0f);
-  *sin2 = r;
+  *sin2 = s * s;
 }
 
 /* A: the measure of the directions from wo to the angle of h = cot(theta), of
@@ -102,18 +104,6 @@ typedef struct march {
 } march;
 
 #if FINITE
-/* The same for sectors, a bit off (hbil_shared.h). */
-static inline void sector_terms(realv h, realv *g, realv *sin2) {
-  const realv s = 1.0f / sqrt(fma(h, h, (realv)1.0f));
-  const realv c = h * s, q = c * c;
-  realv p = fma(q, (realv)HBIL_SECTOR_C4, (realv)HBIL_SECTOR_C3);
-  p = fma(q, p, (realv)HBIL_SECTOR_C2);
-  p = fma(q, p, (realv)HBIL_SECTOR_C1);
-  p = fma(q, p, (realv)HBIL_SECTOR_C0);
-  *g = fma(-c, p, (realv)HALF_PI);
-  *sin2 = s * s;
-}
-
 /*
  * A sample that ends at its back covers the angles from its front to there,
  * both one line in inverse depth: theta in [theta_1, theta_b].  Sectors are
@@ -125,8 +115,8 @@ static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
   const uintv one = 1u;
   const realv most = HBIL_SECTORS;
   realv g1, g2, sin1, sin2;
-  sector_terms(cot_front, &g1, &sin1);
-  sector_terms(cot_back, &g2, &sin2);
+  horizon_terms(cot_front, &g1, &sin1);
+  horizon_terms(cot_back, &g2, &sin2);
   const realv a1 = measure(cot_front, g1, sin1, nx, ny);
   const realv a2 = measure(cot_back, g2, sin2, nx, ny);
   const uintv first =
@@ -195,7 +185,9 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
   const realv share =
       cover(m, rises, fma(slope, excess, cot_tangent),
             fma(slope, excess_back, cot_tangent), nx, ny, dither);
-  if (!ANY(share > 0.0f))
+  /* what covers nothing new is not seen */
+  rises = share > 0.0f;
+  if (!ANY(rises))
     return;
 #else
   realv g, sin2;
@@ -344,10 +336,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #endif
 #if FINITE
         m.covered = 0u;
-        realv g, sin2;
-        sector_terms(cot_tangent, &g, &sin2);
-        m.sectors = HBIL_SECTORS /
-                    max(measure(cot_tangent, g, sin2, nx, ny), (realv)1e-6f);
+        m.sectors = HBIL_SECTORS / max(m.a, (realv)1e-6f);
         m.sector = m.a * (1.0f / HBIL_SECTORS);
 #endif
 #if GATHER_RADIANCE

@@ -58,15 +58,6 @@ typedef cl_float hbil_float;
  * that 1 << HBIL_SECTORS is still one. */
 #define HBIL_SECTORS 31
 
-/* Sectors are equal in A as this odd polynomial has it: theta - sin cos is
- * pi/2 - c (C0 + C1 c^2 + ... ) of c = cos(theta), to 7e-4 and without falling
- * anywhere (fitted), for half the price of an arc cosine. */
-#define HBIL_SECTOR_C0 1.9934012f
-#define HBIL_SECTOR_C1 -0.23376783f
-#define HBIL_SECTOR_C2 -0.4574599f
-#define HBIL_SECTOR_C3 0.6070997f
-#define HBIL_SECTOR_C4 -0.3384768f
-
 /* Planes of the stages (see hbil_plan_buffer() in hbil.h). */
 enum {
   HBIL_SPLIT_W = 0,

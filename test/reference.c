@@ -552,8 +552,7 @@ typedef struct half_slice {
 
 /* An angle from wo, and what is needed of it. */
 typedef struct angle {
-  double theta, sine, cosine;
-  double arc; /* theta - sine cosine, or about that */
+  double theta, sine, cosine, arc; /* arc: theta - sine cosine */
 } angle;
 
 /* Of the direction with these two components; of any length. */
@@ -728,28 +727,16 @@ static double raise_horizon(const walker *w, march *m, const occluder *o) {
   return before - m->below;
 }
 
-/* With the arc that sectors are measured by (hbil_shared.h). */
-static angle rough(angle a) {
-  const double k[5] = {(double)HBIL_SECTOR_C0, (double)HBIL_SECTOR_C1,
-                       (double)HBIL_SECTOR_C2, (double)HBIL_SECTOR_C3,
-                       (double)HBIL_SECTOR_C4};
-  double sum = 0.0;
-  for (int i = 4; i >= 0; --i)
-    sum = sum * a.cosine * a.cosine + k[i];
-  a.arc = PI / 2.0 - a.cosine * sum;
-  return a;
-}
-
 static unsigned sectors_below(const march *m, angle a) {
-  double whole = fmax(measure(&m->h, rough(m->start)), 1e-6);
-  double part = measure(&m->h, a) / whole * HBIL_SECTORS + m->dither;
+  double part =
+      measure(&m->h, a) / fmax(m->whole, 1e-6) * HBIL_SECTORS + m->dither;
   return (1u << (int)clamp(part, 0.0, HBIL_SECTORS)) - 1u;
 }
 
 static double cover_sectors(const walker *w, march *m, const occluder *o) {
   double low = excess_of_back(w->g->job->config, o);
-  angle front = rough(horizon(&w->s, &m->h, o->distance, o->excess));
-  angle back = rough(horizon(&w->s, &m->h, o->distance, low));
+  angle front = horizon(&w->s, &m->h, o->distance, o->excess);
+  angle back = horizon(&w->s, &m->h, o->distance, low);
   unsigned fresh =
       sectors_below(m, back) & ~sectors_below(m, front) & ~m->sectors;
   int count = 0;
@@ -834,15 +821,15 @@ static void take_light(const walker *w, march *m, const occluder *o,
 static void meet(const walker *w, march *m, occluder *o) {
   const hbil_config *c = w->g->job->config;
   double taken;
-  o->s = gathers_light(c) ? surface_at(w->g->job, w->g->split, o->x, o->y)
-                          : surface_at(w->g->job, w->g->split, o->x, o->y);
+  o->s = surface_at(w->g->job, w->g->split, o->x, o->y);
   o->to = add(o->s.at, -1.0, w->s.at);
   o->range = length(o->to);
   if (!isinf(c->radius) && !(o->range <= (double)c->radius))
     return;
   taken = cover(w, m, o);
   m->blocked += falloff(c, o->range) * taken;
-  if (gathers_light(c))
+  /* what covers nothing new is not seen */
+  if (gathers_light(c) && taken > 0.0)
     take_light(w, m, o, taken);
 }
 

@@ -144,8 +144,9 @@ works "two runs give the same bits" \
 
 works "only some layers" \
   process --layers AO,near -o "$work/some" --preview "$one"
+# another build of the gather: rounding, and what it moves across a sector
 works "asked for: AO" \
-  compare --max-rmse 0 "$work/some/frame_0001.exr:AO" "$work/a/frame_0001.exr"
+  compare --max-rmse 1e-4 "$work/some/frame_0001.exr:AO" "$work/a/frame_0001.exr"
 refused "not asked for: beauty" 'no layer beauty' \
   compare "$work/some/frame_0001.exr:beauty" "$work/a/frame_0001.exr"
 has "a preview for each layer" "$work/some/frame_0001.AO.png" \
