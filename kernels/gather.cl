@@ -113,16 +113,13 @@ typedef struct march {
 static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
                           realv nx, realv ny, float dither) {
   const uintv one = 1u;
-  const realv most = HBIL_SECTORS;
   realv g1, g2, sin1, sin2;
   horizon_terms(cot_front, &g1, &sin1);
   horizon_terms(cot_back, &g2, &sin2);
   const realv a1 = measure(cot_front, g1, sin1, nx, ny);
   const realv a2 = measure(cot_back, g2, sin2, nx, ny);
-  const uintv first =
-      AS_UINTV(TO_INTV(min(fma(a1, m->sectors, (realv)dither), most)));
-  const uintv last =
-      AS_UINTV(TO_INTV(min(fma(a2, m->sectors, (realv)dither), most)));
+  const uintv first = AS_UINTV(TO_INTV(fma(a1, m->sectors, (realv)dither)));
+  const uintv last = AS_UINTV(TO_INTV(fma(a2, m->sectors, (realv)dither)));
   const uintv fresh = ((one << last) - (one << first)) & ~m->covered &
                       AS_UINTV(LANE_MASK(rises));
   m->covered |= fresh;
@@ -163,22 +160,19 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
                          const hbil_gather_args args, realv cot_tangent,
                          realv slope, realv nx, realv ny, float dither) {
 #if LIMITED || (GATHER_RADIANCE && !FACING_ALL)
-  /* sample point - point, from P = r z */
-  const realv z1 = 1.0f / w1;
-  const realv dz = (c->w - w1) * c->z * z1;
-  const realv dx = fma(c->rx, dz, step.ex * z1);
-  const realv dy = fma((realv)c->ry, dz, step.ey * z1);
-  const realv distance2 = fma(dx, dx, fma(dy, dy, dz * dz));
+  /* (sample point - point) w1, from P = r z */
+  const realv vz = (c->w - w1) * c->z;
+  const realv vx = fma(c->rx, vz, (realv)step.ex);
+  const realv vy = fma((realv)c->ry, vz, (realv)step.ey);
+  const realv v2 = fma(vx, vx, fma(vy, vy, vz * vz));
 #endif
 #if LIMITED
-  rises &= distance2 <= args.radius * args.radius;
+  const realv limit = args.radius * w1;
+  rises &= v2 <= limit * limit;
   if (!ANY(rises))
     return;
 #endif
 #if FINITE
-  /* other lanes must stay finite, too: they are multiplied by no share */
-  excess = select((realv)0.0f, excess, rises);
-  w1 = select((realv)0.0f, w1, rises);
   const realv excess_back =
       max(fma(w1 * step.inv_e, -back_share(c, w1, step, args), excess),
           (realv)0.0f);
@@ -202,7 +196,7 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
 #endif
 #if HBAO && LIMITED
   m->blocked = fma(
-      share, max(fma(sqrt(distance2), (realv)-args.falloff, (realv)1.0f), 0.0f),
+      share, max(fma(sqrt(v2) / w1, (realv)-args.falloff, (realv)1.0f), 0.0f),
       m->blocked);
 #elif HBAO
   m->blocked += share;
@@ -211,10 +205,10 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
 #if !FACING_ALL
   /* Cosine of the sample's normal with the way back to the center. */
   global const float *normal = sample + HBIL_SPLIT_NORMAL * plane;
-  const realv back =
-      fma(dx, LOADV(normal),
-          fma(dy, LOADV(normal + plane), dz * LOADV(normal + 2u * plane)));
-  const realv cosine = -back / sqrt(distance2);
+  const realv away =
+      fma(vx, LOADV(normal),
+          fma(vy, LOADV(normal + plane), vz * LOADV(normal + 2u * plane)));
+  const realv cosine = -away / sqrt(v2);
 #if FACING_STEP
   const realv accept =
       select((realv)0.0f, (realv)1.0f, (cosine >= args.facing[0]) & rises);
@@ -367,12 +361,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
           const realv excess =
               fma(fma(w1, (realv)args.keep, -c.w), (realv)step.inv_e,
                   -fma(c.gx, (realv)step.ux, c.gy * step.uy));
-#if FINITE
-          const intv rises = (excess > m.excess) &
-                             AS_INTV(m.covered != (1u << HBIL_SECTORS) - 1u);
-#else
           const intv rises = excess > m.excess;
-#endif
           if (ANY(rises))
             raise(&c, &m, rises, excess, w1, step, sample, in.plane, args,
                   cot_tangent, slope, nx, ny, dither);
