@@ -284,7 +284,7 @@ static int choose_far_field(process *p) {
                        1u << ROLE_BACKGROUND,
                    &g, &p->error) != 0)
     return -1;
-  policy_far_field(&g, &p->config, &reason);
+  policy_far_field(&g, &p->config, p->environment, &reason);
   gbuffer_free(&g);
   if (!p->options->quiet)
     fprintf(stderr, "hbil: light of unblocked directions: %s\n", reason);

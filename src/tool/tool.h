@@ -113,7 +113,7 @@ void gbuffer_hbil_camera(const camera_file *file, hbil_camera *out);
 
 /* Chooses config->far_field by the first frame; *reason says why. */
 void policy_far_field(const gbuffer *first, hbil_config *config,
-                      const char **reason);
+                      float environment[9][3], const char **reason);
 
 /* --- layers.c: what is written --- */
 
