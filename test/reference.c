@@ -1377,23 +1377,39 @@ static int band_of(int index) {
   return index == 0 ? 0 : index < 4 ? 1 : 2;
 }
 
+/* Of the share `ao` of the hemisphere that the screen leaves open, what ends on
+ * a surface all the same.  Direct light (as radiance) that holds the sky's
+ * shows that no more than direct / sky of the hemisphere sees the sky; of the
+ * open share, dark = 1 - direct / sky / ao is thus without it, and an open
+ * direction is taken for blocked as often. */
+static double unlit_share(const ref_job *job, int x, int y, double ao) {
+  double seen = 0.0, dark;
+  for (int c = 0; c < 3; ++c) {
+    double sky = (double)job->environment[0][c];
+    if (sky > 0.0)
+      seen = fmax(seen, direct_at(job, c, x, y) / PI / sky);
+  }
+  dark = clamp(1.0 - seen / fmax(ao, 1e-6), 0.0, 1.0);
+  return ao * dark * dark;
+}
+
 /* Far irradiance through a cone about a view-space direction (0: none). */
-static double far_light(const ref_job *job, int channel, double ao, vec bent,
-                        double near_light) {
+static double far_light(const ref_job *job, int channel, int x, int y,
+                        double ao, vec bent, double near_light) {
   vec world = to_world(&job->camera, bent);
-  double d[3] = {world.x, world.y, world.z}, y[9], sum = 0.0;
+  double d[3] = {world.x, world.y, world.z}, basis[9], sum = 0.0;
   if (job->config->far_field == HBIL_FAR_NONE)
     return 0.0;
   if (job->config->far_field == HBIL_FAR_CONSTANT)
     return PI * ao * (double)job->environment[0][channel];
   if (job->config->far_field == HBIL_FAR_FRAME)
-    return PI * ao *
+    return PI * unlit_share(job, x, y, ao) *
            unseen_light(job, channel, bent, near_light / PI, 1.0 - ao);
-  ref_sh_basis(d, y);
+  ref_sh_basis(d, basis);
   for (int i = 0; i < 9; ++i) {
     int l = band_of(i);
     sum += sqrt(4.0 * PI / (2 * l + 1)) *
-           cone_band(l, sqrt(fmax(0.0, 1.0 - ao))) * y[i] *
+           cone_band(l, sqrt(fmax(0.0, 1.0 - ao))) * basis[i] *
            (double)job->environment[i][channel];
   }
   return fmax(0.0, sum);
@@ -1463,7 +1479,8 @@ static void composite_pixel(const ref_job *job, const ref_planes *resolved,
   for (int c = 0; c < 3; ++c) {
     double near_light = *ref_at(resolved, HBIL_LIGHT_RED + c, x, y);
     composite_channel(job, c, x, y, near_light,
-                      far_light(job, c, ao, bent, near_light), out, history);
+                      far_light(job, c, x, y, ao, bent, near_light), out,
+                      history);
   }
   *ref_at(history, HBIL_HISTORY_W, x, y) = inverse_depth(job, x, y);
 }

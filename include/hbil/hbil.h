@@ -208,7 +208,9 @@ typedef enum hbil_far_field {
   HBIL_FAR_CONSTANT = 1, /* the same radiance from everywhere */
   HBIL_FAR_SH = 2,       /* order-2 spherical harmonics, 9 coefficients */
   /* What the frame's own surfaces send on average towards the bent normal: for
-   * rooms that close outside the picture. */
+   * rooms that close outside the picture.  With a sky's radiance in
+   * environment[0], the same for the share of unblocked directions that the
+   * direct light, which holds the sky's, leaves dark. */
   HBIL_FAR_FRAME = 3
 } hbil_far_field;
 
@@ -358,7 +360,8 @@ typedef struct hbil_frame {
   /* Inputs and outputs: exactly those whose format the plan has. */
   hbil_image depth, normal, albedo, f0, direct, emission, motion;
   hbil_image near_light, far_light, ao, bent, cone, indirect, radiance;
-  /* Far field: radiance in environment[0] for HBIL_FAR_CONSTANT; for
+  /* Far field: radiance in environment[0] for HBIL_FAR_CONSTANT; radiance of
+   * the sky that is in the direct light already, or 0, for HBIL_FAR_FRAME; for
    * HBIL_FAR_SH the coefficients of the real orthonormal basis in world space,
    * order (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2). */
   float environment[9][3];

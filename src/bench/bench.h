@@ -105,17 +105,20 @@ typedef struct bench_content {
   uint32_t width, height;
   unsigned frames;
   bench_frame frame[BENCH_FRAMES];
-  float environment[9][3];
-  hbil_config config; /* size, conventions, the paper's model */
-  hbil_far_field far; /* of the tool's model */
-  float radius;       /* of HBAO */
-  float *truth;       /* three planes, or NULL */
+  float environment[9][3]; /* of all far fields but `far` */
+  float sky[9][3];         /* of that one */
+  hbil_config config;      /* size, conventions, the paper's model */
+  hbil_far_field far;      /* of the tool's model */
+  float radius;            /* of HBAO */
+  float *truth;            /* three planes, or NULL */
   /* One byte a pixel: whether sampling error is measured there.  As many in
    * each of the 16 layers. */
   unsigned char *compared;
   size_t compared_count;
 } bench_content;
 
+/* What goes with a far field, 9 x 3 numbers. */
+const void *bench_environment(const bench_content *content, hbil_far_field far);
 /* The content's settings with a configuration's model and sampling. */
 void bench_configure(const bench_content *content, const bench_configuration *c,
                      hbil_config *config);

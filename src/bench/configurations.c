@@ -183,6 +183,11 @@ static void set_model(const bench_content *content, bench_model model,
   }
 }
 
+const void *bench_environment(const bench_content *content,
+                              hbil_far_field far) {
+  return far == content->far ? content->sky : content->environment;
+}
+
 void bench_configure(const bench_content *content, const bench_configuration *c,
                      hbil_config *config) {
   *config = content->config;

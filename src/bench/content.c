@@ -150,12 +150,11 @@ static float fitting_radius(const bench_content *content) {
 }
 
 /* As hbil process decides. */
-static hbil_far_field fitting_far_field(const gbuffer *g,
-                                        const bench_content *content) {
+static void fit_far_field(const gbuffer *g, bench_content *content) {
   hbil_config config = content->config;
   const char *reason;
-  policy_far_field(g, &config, &reason);
-  return config.far_field;
+  policy_far_field(g, &config, content->sky, &reason);
+  content->far = config.far_field;
 }
 
 static int read_map(const char *path, channel_map *map, bench_content *out,
@@ -191,7 +190,7 @@ static int load_dump(const bench_options *options, bench_content *out,
   if (gbuffer_read(options->dump, &map, wanted, &g, error) != 0)
     return -1;
   const int failed = copy_dump(&g, out, error);
-  out->far = fitting_far_field(&g, out);
+  fit_far_field(&g, out);
   out->radius = failed ? 1.0f : fitting_radius(out);
   gbuffer_free(&g);
   return failed;

@@ -40,7 +40,8 @@ static void fill_task(const bench_content *content, bench_model model,
   bench_configure(content, &any, &t->config);
   t->job.config = &t->config;
   t->job.camera = content->frame[0].camera;
-  memcpy(t->job.environment, content->environment, sizeof t->job.environment);
+  memcpy(t->job.environment, bench_environment(content, t->config.far_field),
+         sizeof t->job.environment);
   use_input(t, BENCH_DEPTH, REF_DEPTH, &t->config.depth);
   use_input(t, BENCH_NORMAL, REF_NORMAL, &t->config.normal);
   use_input(t, BENCH_ALBEDO, REF_ALBEDO, &t->config.albedo);

@@ -22,6 +22,7 @@ typedef struct trial {
   hbil_plan *plan;
   size_t memory;
   unsigned layers;
+  hbil_far_field far;
 } trial;
 
 typedef struct input_place {
@@ -117,6 +118,7 @@ static int make_plan(bench_lab *lab, const hbil_config *settings, trial *out,
   const hbil_format planes_of_floats = {HBIL_FLOAT32, 1};
   hbil_config config = *settings;
   out->plan = NULL;
+  out->far = config.far_field;
   out->layers = config.mode == HBIL_MODE_HBIL
                     ? layers_of_mode(HBIL_MODE_HBIL)
                     : 1u << LAYER_AO; /* all that those modes are for */
@@ -144,7 +146,8 @@ static int enqueue(bench_lab *lab, const trial *t, unsigned index,
   hbil_frame frame;
   hbil_frame_init(&frame);
   frame.camera = content->frame[index].camera;
-  memcpy(frame.environment, content->environment, sizeof frame.environment);
+  memcpy(frame.environment, bench_environment(content, t->far),
+         sizeof frame.environment);
   for (int i = 0; i < BENCH_INPUTS; i++)
     image_at(&frame, places[i].image)->buffer = lab->input[index][i];
   for (int l = 0; l < LAYER_COUNT; l++)

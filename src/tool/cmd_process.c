@@ -102,8 +102,8 @@ static void usage(const hbil_config *defaults) {
       "  --environment FILE    far light, a latitude-longitude map\n"
       "  --environment none|frame\n"
       "                        no far light, or what the frame's own surfaces\n"
-      "                        send (none if the first frame shows a lit sky,\n"
-      "                        else frame)\n"
+      "                        send; without this option the latter, less\n"
+      "                        what a lit sky in the first frame explains\n"
       "  --device NAME         index or part of a name, see hbil devices (the\n"
       "                        first GPU, else the first device)\n"
       "  --repeat N            run every frame N times: more bounces (1)\n"
@@ -157,8 +157,9 @@ static void usage(const hbil_config *defaults) {
       "                        accepted, none, what the frame sends on "
       "average\n"
       "  --gather-emission yes|no\n"
-      "                        emission lights neighbours, too (no, as direct\n"
-      "                        light holds what lamps send)\n"
+      "                        emission lights neighbours, too (yes if the\n"
+      "                        first frame's direct light can't hold what its\n"
+      "                        lamps send)\n"
       "  --reprojection none|scatter|motion\n"
       "                        how light is carried over: not at all, by the\n"
       "                        camera's movement, by motion vectors (scatter)\n"
@@ -218,6 +219,7 @@ static int set_choice(int option, process_options *o, image_error *error) {
   default:
     failed = choice("--gather-emission", answers, &value, error);
     o->config.gather_emission = (cl_bool)value;
+    o->emission_given = 1;
   }
   return failed;
 }

@@ -64,7 +64,7 @@ void process_options_init(process_options *options) {
   options->repeat = 1;
   /* three bounces before the first picture: the fourth adds a few per cent */
   options->warm_up = 3;
-  /* a renderer's direct light holds what its lamps send */
+  /* unless the first frame shows otherwise (policy.c) */
   options->config.gather_emission = CL_FALSE;
   process_set_model(&options->config);
 }
@@ -317,28 +317,41 @@ static void configure(process *p) {
   p->config.profiling = p->options->timings ? CL_TRUE : CL_FALSE;
 }
 
-static int look_at_first(process *p, const char **reason) {
+/* What the user left open, decided by what the first frame shows. */
+static void decide(process *p, const gbuffer *first, const char **far,
+                   const char **emission) {
+  hbil_camera camera;
+  gbuffer_hbil_camera(&p->jobs[0].camera, &camera);
+  if (!p->options->environment)
+    policy_far_field(first, &p->config, p->environment, far);
+  if (!p->options->emission_given)
+    policy_emission(first, &camera, &p->config, emission);
+}
+
+static int look_at_first(process *p, const char **far, const char **emission) {
   const job *first = p->jobs;
   gbuffer g;
   if (gbuffer_read(first->path, &first->map,
-                   1u << ROLE_DEPTH | 1u << ROLE_EMISSION |
-                       1u << ROLE_BACKGROUND,
+                   1u << ROLE_DEPTH | 1u << ROLE_NORMAL | 1u << ROLE_DIRECT |
+                       1u << ROLE_EMISSION | 1u << ROLE_BACKGROUND,
                    &g, &p->error) != 0)
     return -1;
-  policy_far_field(&g, &p->config, reason);
+  decide(p, &g, far, emission);
   gbuffer_free(&g);
   return 0;
 }
 
-/* Without a word from the user the first frame decides about far light. */
-static int choose_far_field(process *p) {
-  const char *reason = "none: this --mode looks at no light";
-  if (p->options->environment)
-    return 0;
-  if (p->config.mode == HBIL_MODE_HBIL && look_at_first(p, &reason) != 0)
+/* Settings that depend on what the dumps hold, and a line for each. */
+static int choose_model(process *p) {
+  const char *far = "none: this --mode looks at no light", *emission = NULL;
+  if (p->config.mode == HBIL_MODE_HBIL &&
+      !(p->options->environment && p->options->emission_given) &&
+      look_at_first(p, &far, &emission) != 0)
     return -1;
-  if (!p->options->quiet)
-    fprintf(stderr, "hbil: light of unblocked directions: %s\n", reason);
+  if (!p->options->quiet && !p->options->environment)
+    fprintf(stderr, "hbil: light of unblocked directions: %s\n", far);
+  if (!p->options->quiet && emission)
+    fprintf(stderr, "hbil: emission: %s\n", emission);
   return 0;
 }
 
@@ -351,7 +364,7 @@ static int open_exact(process *p) {
   const exact_work work = {.frames = (unsigned)p->count,
                            .runs = count_runs(p),
                            .quiet = p->options->quiet};
-  if (exact_check(&p->config, &p->error) != 0 || choose_far_field(p) != 0)
+  if (exact_check(&p->config, &p->error) != 0 || choose_model(p) != 0)
     return -1;
   return exact_open(&p->config, &p->jobs[0].map, p->layers, &work, &p->exact,
                     &p->error);
@@ -360,7 +373,7 @@ static int open_exact(process *p) {
 static int open_library(process *p) {
   if (device_open(p->options->device, p->options->timings, &p->device,
                   &p->error) != 0 ||
-      choose_far_field(p) != 0)
+      choose_model(p) != 0)
     return -1;
   return sequence_open(&p->device, &p->config, &p->jobs[0].map, p->layers,
                        &p->sequence, &p->error);

@@ -113,7 +113,11 @@ void gbuffer_hbil_camera(const camera_file *file, hbil_camera *out);
 
 /* Chooses config->far_field by the first frame; *reason says why. */
 void policy_far_field(const gbuffer *first, hbil_config *config,
-                      const char **reason);
+                      float environment[9][3], const char **reason);
+/* Chooses config->gather_emission: whether direct light holds already what the
+ * lamps in the first frame send.  *reason is NULL where there are none. */
+void policy_emission(const gbuffer *first, const hbil_camera *camera,
+                     hbil_config *config, const char **reason);
 
 /* --- layers.c: what is written --- */
 
@@ -256,6 +260,7 @@ typedef struct process_options {
   const char *environment; /* "R,G,B", an image file, or NULL */
   const char *device;      /* see device_open() */
   unsigned layers;         /* bit mask; 0: all that the mode has */
+  int emission_given;      /* config.gather_emission is the user's word */
   unsigned repeat;         /* runs of every frame, at least 1 */
   unsigned warm_up;        /* more runs of the first frame, for its bounces */
   int preview, timings, json, quiet; /* flags */
