@@ -77,12 +77,15 @@ static const struct {
   const char *name;
   cl_uint slices, samples;
   float step_growth;
+  hbil_lattice lattice;
   cl_bool raw;
 } qualities[] = {
-    [HBIL_QUALITY_FAST] = {"fast", 1, 8, 2.0f, CL_FALSE},
-    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 16, 2.0f, CL_FALSE},
-    [HBIL_QUALITY_HIGH] = {"high", 2, 64, 2.0f, CL_FALSE},
-    [HBIL_QUALITY_REFERENCE] = {"reference", 32, 256, 0.0f, CL_TRUE},
+    [HBIL_QUALITY_FAST] = {"fast", 1, 16, 2.0f, HBIL_LATTICE_LAYER, CL_FALSE},
+    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 32, 1.0f, HBIL_LATTICE_LAYER,
+                               CL_FALSE},
+    [HBIL_QUALITY_HIGH] = {"high", 2, 64, 2.0f, HBIL_LATTICE_FULL, CL_FALSE},
+    [HBIL_QUALITY_REFERENCE] = {"reference", 32, 256, 0.0f, HBIL_LATTICE_FULL,
+                                CL_TRUE},
 };
 
 hbil_status hbil_config_set_quality(hbil_config *config, hbil_quality quality) {
@@ -91,7 +94,7 @@ hbil_status hbil_config_set_quality(hbil_config *config, hbil_quality quality) {
   config->slices = qualities[quality].slices;
   config->samples = qualities[quality].samples;
   config->step_growth = qualities[quality].step_growth;
-  config->lattice = HBIL_LATTICE_FULL;
+  config->lattice = qualities[quality].lattice;
   config->raw_interleave = qualities[quality].raw;
   return HBIL_SUCCESS;
 }

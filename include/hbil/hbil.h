@@ -459,14 +459,14 @@ HBIL_API hbil_status hbil_enqueue_composite(
  * What the passes exchange: planes of 32-bit floats.  Values per pixel:
  *   HISTORY    4: inverse depth 1/z of the last frame (<= 0: sky), carried RGB
  *   CARRIED    4: RGB of the last frame seen from this one, weight (0: a hole)
- *   SPLIT      6: inverse depth w (<= 0: nothing there), its gradient in x and
- *                 y (per unit of ray slope), radiance RGB
+ *   SPLIT      7: inverse depth w (<= 0: nothing there), view-space unit normal
+ *                 XYZ that faces the eye, radiance RGB
  *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length);
  *                 8 with HBIL_REFUSED_FRAME, unless facing[1] is -1: share of
  *                 light that is unknown
  *   RESOLVED   7: the same, full resolution, E_near with the unknown filled in
  * A plan keeps only what its outputs need: hbil_buffer.values says how many of
- * these, from the first on, it has (SPLIT 3 without radiance; GATHERED and
+ * these, from the first on, it has (SPLIT 4 without radiance; GATHERED and
  * RESOLVED 4 without bent normals, 1 with AO alone).  HISTORY and CARRIED exist
  * where light is carried over: with a reprojection, and an output among
  * near_light, indirect and radiance.

@@ -24,19 +24,28 @@ static const bench_configuration table[] = {
     {2, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
     {2, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
     {2, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {2, 128, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
     /* steps, where there are many */
     {2, 32, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL},
     {2, 32, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL},
     {2, 32, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {2, 32, 0.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {2, 32, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {2, 32, 4.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
     /* slices */
     {1, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
     {1, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL},
     {1, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
     {1, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
     {1, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {1, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {1, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {1, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
     {4, 8, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
     {4, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
     {4, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {4, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {4, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
     {8, 8, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
     {8, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
     /* occluders that end */
@@ -49,6 +58,7 @@ static const bench_configuration table[] = {
     /* the tool's model; the last one is its default */
     {2, 8, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL},
     {2, 32, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL},
+    {2, 48, 2.0f, LAYER, 0, 0, BENCH_TOOL, NULL},
     {2, 48, 2.0f, FULL, 0, 1, BENCH_TOOL, NULL},
     /* AO alone */
     {2, 8, 2.0f, FULL, 0, 1, BENCH_GTAO, NULL},
