@@ -170,6 +170,8 @@ composite(const hbil_view_args view, const hbil_transform_args world,
   STOREV(select((realv)0.0f, 1.0f / z, solid), history + pixel);
 #endif
 #if FAR == 3
+  realv frame[3];
+  frame_light(estimate, bent[0], bent[1], bent[2], frame);
   const realv unlit = unlit_share(environment, ao, direct_scale, direct_buffer,
                                   direct_image, x, y, count);
 #endif
@@ -182,9 +184,8 @@ composite(const hbil_view_args view, const hbil_transform_args world,
     behind = environment.sh[0][c];
     far_light = PI * ao * behind;
 #elif FAR == 3
-    far_light = PI * unlit *
-                unseen_light(estimate, c, bent[0], bent[1], bent[2],
-                             near_light * INV_PI, 1.0f - ao);
+    far_light =
+        PI * unlit * unseen_light(frame[c], near_light * INV_PI, 1.0f - ao);
 #elif FAR == 2
     behind = sh_light(environment, c, sky, unscaled);
     far_light = sh_light(environment, c, axis, aperture);

@@ -3,7 +3,7 @@
  * honest guess is what the visible ones send: for a receiver of normal n a mean
  * over the visible pixels, each weighed by how much it faces the receiver. With
  * c = -n_i.n the weight is the clamped cosine convolved with itself, to order
- * 2, 1 + 4/3 c + 5/16 P2(c); unseen_light() adds a twentieth, which makes it
+ * 2, 1 + 4/3 c + 5/16 P2(c); frame_light() adds a twentieth, which makes it
  * positive everywhere.  That takes no more than 4 x 9 numbers: sums of
  * (sqrt L, 1) times the order-2 polynomials of -n_i.
  *

@@ -112,11 +112,12 @@ static inline void fill_unknown(sums *s, const middle *m,
   const realv unknown = s->plane[HBIL_LIGHT_UNKNOWN];
   const realv share =
       max(1.0f - s->plane[HBIL_LIGHT_AO] - unknown, (realv)0.0f);
+  realv frame[3];
+  frame_light(estimate, m->nx, m->ny, m->nz, frame);
   for (int c = 0; c < 3; ++c) {
     const realv shown = s->plane[HBIL_LIGHT_RED + c];
-    const realv unseen =
-        unseen_light(estimate, c, m->nx, m->ny, m->nz, shown * INV_PI, share);
-    s->plane[HBIL_LIGHT_RED + c] = fma(PI * unknown, unseen, shown);
+    s->plane[HBIL_LIGHT_RED + c] =
+        fma(PI * unknown, unseen_light(frame[c], shown * INV_PI, share), shown);
   }
 }
 #endif
