@@ -68,6 +68,35 @@ static inline realv sh_light(const hbil_environment_args e, int c,
 }
 #endif
 
+#if FAR == 3
+/*
+ * How much of the hemisphere neither the screen blocks nor the sky lights.  In
+ * a frame whose sky sends environment[0] and whose direct light holds that, a
+ * pixel with direct light D (radiance of the same scale) sees at most the share
+ * D / sky of it (the largest over the channels: without albedo renderers give
+ * no light).  So of the share that is open on the screen, AO, at least
+ *   dark = max(0, AO - D / sky)
+ * ends on something unseen, or on a darker part of the sky.  An open direction
+ * is taken for blocked as often as open ones are dark, dark / AO: where the sky
+ * lights nothing all of the dark share is blocked, and a sky that is not the
+ * same everywhere counts in second order only.  AO where no sky is given.
+ */
+static inline realv unlit_share(const hbil_environment_args e, realv ao,
+                                float direct_scale, global const void *buffer,
+                                const hbil_image_args image, int x, int y,
+                                int count) {
+  realv lit = 0.0f;
+#if HAS_DIRECT
+  for (int c = 0; c < 3; ++c)
+    if (e.sh[0][c] > 0.0f)
+      lit = max(lit, INV_PI * direct_scale / e.sh[0][c] *
+                         repaired(load_direct(buffer, image, x, y, c, count)));
+#endif
+  const realv dark = max(1.0f - lit / max(ao, (realv)1e-6f), (realv)0.0f);
+  return ao * dark * dark;
+}
+#endif
+
 /* What turns the coefficients' irradiance scale of order l back into radiance:
  * the inverse of pi, 2 pi / 3, pi / 4 (Ramamoorthi and Hanrahan 2001). */
 #define SH_RADIANCE_0 0.318309886f /* 1 / pi */
@@ -140,6 +169,12 @@ composite(const hbil_view_args view, const hbil_transform_args world,
 #if HISTORY
   STOREV(select((realv)0.0f, 1.0f / z, solid), history + pixel);
 #endif
+#if FAR == 3
+  realv frame[3];
+  frame_light(estimate, bent[0], bent[1], bent[2], frame);
+  const realv unlit = unlit_share(environment, ao, direct_scale, direct_buffer,
+                                  direct_image, x, y, count);
+#endif
   for (int c = 0; c < 3; ++c) {
     realv near_light = 0.0f, far_light = 0.0f, behind = 0.0f;
 #if GATHER_RADIANCE
@@ -149,9 +184,8 @@ composite(const hbil_view_args view, const hbil_transform_args world,
     behind = environment.sh[0][c];
     far_light = PI * ao * behind;
 #elif FAR == 3
-    far_light = PI * ao *
-                unseen_light(estimate, c, bent[0], bent[1], bent[2],
-                             near_light * INV_PI, 1.0f - ao);
+    far_light =
+        PI * unlit * unseen_light(frame[c], near_light * INV_PI, 1.0f - ao);
 #elif FAR == 2
     behind = sh_light(environment, c, sky, unscaled);
     far_light = sh_light(environment, c, axis, aperture);

@@ -3,7 +3,7 @@
  * honest guess is what the visible ones send: for a receiver of normal n a mean
  * over the visible pixels, each weighed by how much it faces the receiver. With
  * c = -n_i.n the weight is the clamped cosine convolved with itself, to order
- * 2, 1 + 4/3 c + 5/16 P2(c); unseen_light() adds a twentieth, which makes it
+ * 2, 1 + 4/3 c + 5/16 P2(c); frame_light() adds a twentieth, which makes it
  * positive everywhere.  That takes no more than 4 x 9 numbers: sums of
  * (sqrt L, 1) times the order-2 polynomials of -n_i.
  *
@@ -38,8 +38,8 @@ static inline float lanes_sum(realv v) {
 }
 
 /* Launch: x = HBIL_ESTIMATE_PARTS work-items, each takes every so many rows. */
-kernel void estimate_part(const hbil_view_args view, const hbil_layer_args in,
-                          global const float *split, global float *estimate) {
+kernel void estimate_part(const hbil_layer_args in, global const float *split,
+                          global float *estimate) {
   const int part = (int)get_global_id(0);
   if (part >= HBIL_ESTIMATE_PARTS || get_global_id(1) > 0)
     return;
@@ -47,21 +47,17 @@ kernel void estimate_part(const hbil_view_args view, const hbil_layer_args in,
   for (int i = 0; i < HBIL_ESTIMATE_SIZE; ++i)
     sum[i] = 0.0f;
   for (int y = part; y < in.height; y += HBIL_ESTIMATE_PARTS) {
-    const float ry = ray_y(view, 4 * y);
     for (int x = 0; x < in.width; x += HBIL_WIDTH) {
       global const float *here = split + in.origin + (uint)y * in.row + (uint)x;
       const realv w = LOADV(here);
       const intv solid = w > 0.0f;
       if (!ANY(solid))
         continue;
-      const realv gx = LOADV(here + HBIL_SPLIT_GX * in.plane);
-      const realv gy = LOADV(here + HBIL_SPLIT_GY * in.plane);
-      const realv rx = ray_x(view, 4 * x, 4);
-      const realv gz = w - fma(gx, rx, gy * ry);
-      const realv length = sqrt(fma(gx, gx, fma(gy, gy, gz * gz)));
-      const realv inv = 1.0f / length;
+      realv n[3];
+      for (int c = 0; c < 3; ++c)
+        n[c] = -LOADV(here + (HBIL_SPLIT_NORMAL + c) * in.plane);
       realv p[9];
-      polynomials(gx * inv, gy * inv, gz * inv, p);
+      polynomials(n[0], n[1], n[2], p);
       for (int c = 0; c < 4; ++c) {
         const realv light =
             c < 3 ? sqrt(LOADV(here + (HBIL_SPLIT_RED + c) * in.plane)) : 1.0f;

@@ -15,7 +15,10 @@
  * equally spaced about wo; sums are divided by the sum of J A(theta_t), which
  * makes the white furnace exact for any number of slices.
  *
- * Builds: SLICES, SAMPLES, LIMITED (a radius), LEVELS, GATHER_RADIANCE,
+ * HBAO counts every direction alike and an occluder by its distance: A is then
+ * 1 - cos(theta) and blocked intervals are weighted by W(r).
+ *
+ * Builds: SLICES, SAMPLES, LIMITED (a radius), HBAO, LEVELS, GATHER_RADIANCE,
  * GATHER_BENT, REFUSED_BLACK (refused light is black here), REFUSED_FRAME (the
  * same, and the refused share is written for recompose to fill), FINITE
  * (occluders have a thickness: sectors instead of a horizon).
@@ -27,23 +30,36 @@
 #define HALF_PI 1.57079633f
 
 /* theta - sin(theta) cos(theta) and sin^2(theta) of h = cot(theta).
- * atan is an odd polynomial on [0,1], relative error 1.1e-7 (fitted). */
+ * The smaller of sine and cosine gives theta by an arc sine: an odd polynomial
+ * on [0, sqrt(1/2)], relative error 1.1e-7 (fitted). */
 static inline void horizon_terms(realv h, realv *g, realv *sin2) {
-  const realv a = fabs(h);
-  const realv r = 1.0f / fma(a, a, (realv)1.0f);
+  /* a square that fp32 can hold; beyond it theta is 0 to the last digit */
+  const realv a = min(fabs(h), (realv)1e18f);
+  const realv s = 1.0f / sqrt(fma(a, a, (realv)1.0f));
+  const realv c = a * s;
   const intv steep = a > 1.0f;
-  const realv t = select(a, 1.0f / a, steep);
+  const realv t = select(c, s, steep);
   const realv q = t * t;
-  realv p = fma(q, (realv)-0.0048224362f, (realv)0.02473375f);
-  p = fma(q, p, (realv)-0.060202744f);
-  p = fma(q, p, (realv)0.0996845f);
-  p = fma(q, p, (realv)-0.14041321f);
-  p = fma(q, p, (realv)0.19974214f);
-  p = fma(q, p, (realv)-0.33332393f);
+  realv p = fma(q, (realv)0.103156536f, (realv)-0.0583750432f);
+  p = fma(q, p, (realv)0.0628147176f);
+  p = fma(q, p, (realv)0.0383250187f);
+  p = fma(q, p, (realv)0.0755701933f);
+  p = fma(q, p, (realv)0.166647642f);
   p = fma(t * q, p, t);
-  const realv up = select(HALF_PI - p, p, steep) - a * r;
+  const realv up = fma(-s, c, select(HALF_PI - p, p, steep));
   *g = select(up, PI - up, h < 0.0f);
-  *sin2 = r;
+  *sin2 = s * s;
+}
+
+/* A: the measure of the directions from wo to the angle of h = cot(theta), of
+ * which the terms above are given. */
+static inline realv measure(realv h, realv g, realv sin2, realv nx, realv ny) {
+#if HBAO
+  /* a square that fp32 can hold; beyond it the cosine is 1 anyway */
+  return 1.0f - clamp(h, -1e18f, 1e18f) * sqrt(sin2);
+#else
+  return 0.5f * fma(nx, g, ny * sin2);
+#endif
 }
 
 #if LIMITED
@@ -62,11 +78,11 @@ static inline float tile_nearest(global const float *row, int x) {
 
 /* What a pixel brings to all its slices. */
 typedef struct center {
-  realv w, gx, gy; /* inverse depth, its gradient */
-  realv rx;        /* ray */
+  realv w, nx, ny, nz; /* inverse depth, unit normal */
+  realv gx, gy;        /* the tangent plane's gradient of inverse depth */
+  realv rx;            /* ray */
   float ry;
   realv z, r, inv_r;      /* depth, length of the ray, its inverse */
-  realv inv_n;            /* 1 / |(gx, gy, w - g.r)|: scale of the normal */
   realv red, green, blue; /* own radiance */
 } center;
 
@@ -75,9 +91,12 @@ typedef struct march {
   realv excess;     /* the highest so far; FINITE: the least to count */
   realv a, g, sin2; /* integrals up to the present horizon; FINITE: over
                        what is still open */
+#if HBAO
+  realv blocked; /* sum of W dA */
+#endif
 #if FINITE
-  uintv covered; /* sectors of equal A that are blocked */
-  realv sectors; /* sectors per A */
+  uintv covered;         /* sectors of equal A that are blocked */
+  realv sectors, sector; /* sectors per A, A of a sector */
 #endif
   realv red, green, blue; /* sum of L dA */
   realv last_red, last_green, last_blue;
@@ -85,43 +104,51 @@ typedef struct march {
 } march;
 
 #if FINITE
-#define SECTORS 32
-
-/* n low bits set, n = 0..32 */
-static inline uintv low_bits(intv n) {
-  const uintv one = 1u;
-  return select((one << AS_UINTV(n)) - one, (uintv)0xffffffffu,
-                MASK_UINTV(n >= SECTORS));
-}
-
 /*
- * A sample as thick as `back` says covers the angles from its front to its
- * back, both one line in inverse depth: theta in [theta_1, theta_b].  Sectors
- * are equal in A; their borders are dithered from layer to layer by `dither`.
+ * A sample that ends at its back covers the angles from its front to there,
+ * both one line in inverse depth: theta in [theta_1, theta_b].  Sectors are
+ * equal in A; their borders are dithered from layer to layer by `dither`.
  * Returns the A of newly covered sectors and takes it from what is open.
  */
 static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
                           realv nx, realv ny, float dither) {
+  const uintv one = 1u;
   realv g1, g2, sin1, sin2;
   horizon_terms(cot_front, &g1, &sin1);
   horizon_terms(cot_back, &g2, &sin2);
-  const realv a1 = 0.5f * fma(nx, g1, ny * sin1);
-  const realv a2 = 0.5f * fma(nx, g2, ny * sin2);
-  const intv first =
-      clamp(TO_INTV(fma(a1, m->sectors, (realv)dither)), 0, SECTORS);
-  const intv last =
-      clamp(TO_INTV(fma(a2, m->sectors, (realv)dither)), 0, SECTORS);
-  uintv fresh = low_bits(last) & ~low_bits(first) & ~m->covered;
-  fresh = select((uintv)0u, fresh, MASK_UINTV(rises));
+  const realv a1 = measure(cot_front, g1, sin1, nx, ny);
+  const realv a2 = measure(cot_back, g2, sin2, nx, ny);
+  const uintv first = AS_UINTV(TO_INTV(fma(a1, m->sectors, (realv)dither)));
+  const uintv last = AS_UINTV(TO_INTV(fma(a2, m->sectors, (realv)dither)));
+  const uintv fresh = ((one << last) - (one << first)) & ~m->covered &
+                      AS_UINTV(LANE_MASK(rises));
   m->covered |= fresh;
-  const realv share = TO_REALV(AS_INTV(popcount(fresh))) / m->sectors;
+  const realv share = TO_REALV(AS_INTV(popcount(fresh))) * m->sector;
   /* The interval's mean direction stands for its fresh part; below 1e-5 of A
    * the differences have no digits left in fp32. */
   const realv part = share / max(a2 - a1, (realv)1e-5f);
   m->a = max(m->a - share, (realv)0.0f);
-  m->g = select(m->g, fma(part, g1 - g2, m->g), rises);
-  m->sin2 = select(m->sin2, fma(part, sin1 - sin2, m->sin2), rises);
+  m->g = fma(part, g1 - g2, m->g);
+  m->sin2 = fma(part, sin1 - sin2, m->sin2);
   return share;
+}
+#endif
+
+#if FINITE
+/* A sample's back is nearer to infinity by this share of its inverse depth: for
+ * a depth greater by the factor 1 + d it is d / (1 + d).  FINITE: bit 0, d is
+ * the relative thickness; bit 1, it is the thickness along the sample's ray. */
+static inline realv back_share(const center *c, realv w1, const hbil_step step,
+                               const hbil_gather_args args) {
+  realv d = args.relative_thickness;
+#if FINITE & 2
+  const realv rx = c->rx + step.ex, ry = c->ry + step.ey;
+  const realv ray2 = fma(rx, rx, fma(ry, ry, (realv)1.0f));
+  d = min(d, args.thickness * w1 / sqrt(ray2));
+  return d / (1.0f + d);
+#else
+  return d / (1.0f + d);
+#endif
 }
 #endif
 
@@ -132,73 +159,84 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
                          global const float *sample, uint plane,
                          const hbil_gather_args args, realv cot_tangent,
                          realv slope, realv nx, realv ny, float dither) {
-#if LIMITED || GATHER_RADIANCE || FINITE
-  /* sample point - point, from P = r z */
-  const realv z1 = 1.0f / w1;
-  const realv dz = (c->w - w1) * c->z * z1;
-  const realv dx = fma(c->rx, dz, step.ex * z1);
-  const realv dy = fma((realv)c->ry, dz, step.ey * z1);
-  const realv distance2 = fma(dx, dx, fma(dy, dy, dz * dz));
+#if LIMITED || (GATHER_RADIANCE && !FACING_ALL)
+  /* (sample point - point) w1, from P = r z */
+  const realv vz = (c->w - w1) * c->z;
+  const realv vx = fma(c->rx, vz, (realv)step.ex);
+  const realv vy = fma((realv)c->ry, vz, (realv)step.ey);
+  const realv v2 = fma(vx, vx, fma(vy, vy, vz * vz));
 #endif
 #if LIMITED
-  rises &= distance2 <= args.radius * args.radius;
+  const realv limit = args.radius * w1;
+  rises &= v2 <= limit * limit;
   if (!ANY(rises))
     return;
 #endif
 #if FINITE
-  /* the back: so much deeper along the sample's ray */
-  const realv rx = c->rx + step.ex, ry = c->ry + step.ey;
-  const realv ray = sqrt(fma(rx, rx, fma(ry, ry, (realv)1.0f)));
-  const realv back =
-      1.0f / (z1 + min(args.thickness / ray, args.relative_thickness * z1));
   const realv excess_back =
-      max(fma(back - w1, (realv)step.inv_e, excess), (realv)0.0f);
+      max(fma(w1 * step.inv_e, -back_share(c, w1, step, args), excess),
+          (realv)0.0f);
   const realv share =
       cover(m, rises, fma(slope, excess, cot_tangent),
             fma(slope, excess_back, cot_tangent), nx, ny, dither);
+  /* what covers nothing new is not seen */
+  rises = share > 0.0f;
+  if (!ANY(rises))
+    return;
 #else
   realv g, sin2;
-  horizon_terms(fma(slope, excess, cot_tangent), &g, &sin2);
-  const realv a = 0.5f * fma(nx, g, ny * sin2);
+  const realv cot_horizon = fma(slope, excess, cot_tangent);
+  horizon_terms(cot_horizon, &g, &sin2);
+  const realv a = measure(cot_horizon, g, sin2, nx, ny);
   const realv share = select((realv)0.0f, m->a - a, rises);
   m->a = select(m->a, a, rises);
   m->g = select(m->g, g, rises);
   m->sin2 = select(m->sin2, sin2, rises);
   m->excess = select(m->excess, excess, rises);
 #endif
+#if HBAO && LIMITED
+  m->blocked = fma(
+      share, max(fma(sqrt(v2) / w1, (realv)-args.falloff, (realv)1.0f), 0.0f),
+      m->blocked);
+#elif HBAO
+  m->blocked += share;
+#endif
 #if GATHER_RADIANCE
-  const realv gx = LOADV(sample + HBIL_SPLIT_GX * plane);
-  const realv gy = LOADV(sample + HBIL_SPLIT_GY * plane);
-  /* The sample's plane seen at the centre, and the cosine of its facing. */
-  const realv behind = w1 - fma(gx, (realv)step.ex, gy * step.ey);
-  const realv gz = w1 - fma(gx, c->rx + step.ex, gy * (c->ry + step.ey));
-  const realv n2 = fma(gx, gx, fma(gy, gy, gz * gz));
-  const realv cosine = (c->w - behind) * c->z / sqrt(n2 * distance2);
+#if !FACING_ALL
+  /* Cosine of the sample's normal with the way back to the center. */
+  global const float *normal = sample + HBIL_SPLIT_NORMAL * plane;
+  const realv away =
+      fma(vx, LOADV(normal),
+          fma(vy, LOADV(normal + plane), vz * LOADV(normal + 2u * plane)));
+  const realv cosine = -away / sqrt(v2);
+#if FACING_STEP
   const realv accept =
-      FACING_STEP
-          ? select((realv)0.0f, (realv)1.0f, cosine >= args.facing[0])
-          : smoothstep((realv)args.facing[0], (realv)args.facing[1], cosine);
+      select((realv)0.0f, (realv)1.0f, (cosine >= args.facing[0]) & rises);
+#else
+  const realv t = clamp((cosine - args.facing[0]) * args.facing[1], 0.0f, 1.0f);
+  const realv accept =
+      select((realv)0.0f, t * t * fma((realv)-2.0f, t, (realv)3.0f), rises);
+#endif
+#endif
+  /* Lanes that don't rise have no share, and accept nothing. */
   realv red = LOADV(sample + HBIL_SPLIT_RED * plane);
   realv green = LOADV(sample + (HBIL_SPLIT_RED + 1) * plane);
   realv blue = LOADV(sample + (HBIL_SPLIT_RED + 2) * plane);
 #if REFUSED_FRAME
-  m->unknown = select(m->unknown, fma(share, 1.0f - accept, m->unknown), rises);
+  m->unknown = fma(share, 1.0f - accept, m->unknown);
 #endif
 #if REFUSED_BLACK
   red *= accept;
   green *= accept;
   blue *= accept;
-#else
-  red = fma(accept, red - m->last_red, m->last_red);
-  green = fma(accept, green - m->last_green, m->last_green);
-  blue = fma(accept, blue - m->last_blue, m->last_blue);
-  m->last_red = select(m->last_red, red, rises);
-  m->last_green = select(m->last_green, green, rises);
-  m->last_blue = select(m->last_blue, blue, rises);
+#elif REFUSED_LAST
+  m->last_red = red = fma(accept, red - m->last_red, m->last_red);
+  m->last_green = green = fma(accept, green - m->last_green, m->last_green);
+  m->last_blue = blue = fma(accept, blue - m->last_blue, m->last_blue);
 #endif
-  m->red = select(m->red, fma(share, red, m->red), rises);
-  m->green = select(m->green, fma(share, green, m->green), rises);
-  m->blue = select(m->blue, fma(share, blue, m->blue), rises);
+  m->red = fma(share, red, m->red);
+  m->green = fma(share, green, m->green);
+  m->blue = fma(share, blue, m->blue);
 #endif
 }
 
@@ -229,9 +267,10 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         (2u * SLICES * SAMPLES);
 #endif
     steps += (uint)layer * (2u * SLICES * SAMPLES);
-    c.gx = LOADV(here + HBIL_SPLIT_GX * in.plane);
-    c.gy = LOADV(here + HBIL_SPLIT_GY * in.plane);
-#if GATHER_RADIANCE && !REFUSED_BLACK
+    c.nx = LOADV(here + HBIL_SPLIT_NORMAL * in.plane);
+    c.ny = LOADV(here + (HBIL_SPLIT_NORMAL + 1) * in.plane);
+    c.nz = LOADV(here + (HBIL_SPLIT_NORMAL + 2) * in.plane);
+#if GATHER_RADIANCE && REFUSED_LAST
     c.red = LOADV(here + HBIL_SPLIT_RED * in.plane);
     c.green = LOADV(here + (HBIL_SPLIT_RED + 1) * in.plane);
     c.blue = LOADV(here + (HBIL_SPLIT_RED + 2) * in.plane);
@@ -241,13 +280,18 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     c.z = 1.0f / c.w;
     c.r = sqrt(fma(c.rx, c.rx, (realv)fma(c.ry, c.ry, 1.0f)));
     c.inv_r = 1.0f / c.r;
-    const realv gz = c.w - fma(c.gx, c.rx, c.gy * c.ry);
-    c.inv_n = 1.0f / sqrt(fma(c.gx, c.gx, fma(c.gy, c.gy, gz * gz)));
-    const realv ny = c.w * c.inv_n * c.inv_r;
+    /* Inverse depth on the plane through P is (n.r') / (n.P). */
+    const realv n_r = select(
+        (realv)-1.0f, fma(c.nx, c.rx, fma(c.ny, (realv)c.ry, c.nz)), solid);
+    const realv n_p = c.w / n_r;
+    c.gx = c.nx * n_p;
+    c.gy = c.ny * n_p;
+    const realv ny = -n_r * c.inv_r;
+    const realv inv_ny = 1.0f / ny;
 
     /* A normal rounded to `flat` shifts the plane's gradient by this much at
      * most: below it, samples of the pixel's own plane would rise. */
-    const realv least_excess = args.flat / (c.inv_n * ny);
+    const realv least_excess = args.flat * c.w * c.inv_r * inv_ny * inv_ny;
 
     /* Sums over half-slices: J A at the horizon and at the tangent plane, the
      * same of b, b in the slice's u and along wo. */
@@ -267,9 +311,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       const realv inv_ud = 1.0f / sqrt(ud2);
       const realv jacobian = c.inv_r * inv_ud * inv_ud;
       const realv slope = c.r * c.z * inv_ud;
-      const realv g_u = fma(c.gx, (realv)ux, c.gy * uy);
-      const realv side_nx = -fma(u_wo, c.w * c.inv_r, g_u) * c.inv_n * inv_ud;
-      const realv side_cot = fma(g_u * c.r, c.z, u_wo) * inv_ud;
+      const realv n_u = fma(c.nx, (realv)ux, c.ny * uy);
+      const realv side_nx = fma(-u_wo, ny, n_u) * inv_ud;
+      const realv side_cot = -side_nx * inv_ny;
       realv slice_red = 0.0f, slice_green = 0.0f, slice_blue = 0.0f;
       realv slice_unknown = 0.0f;
 
@@ -278,21 +322,26 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         const realv nx = sign * side_nx, cot_tangent = sign * side_cot;
         march m;
         horizon_terms(cot_tangent, &m.g, &m.sin2);
-        m.a = 0.5f * fma(nx, m.g, ny * m.sin2);
+        m.a = measure(cot_tangent, m.g, m.sin2, nx, ny);
         m.excess = least_excess;
+        const realv start = m.a;
+#if HBAO
+        m.blocked = 0.0f;
+#endif
 #if FINITE
         m.covered = 0u;
-        m.sectors = SECTORS / max(m.a, (realv)1e-6f);
+        m.sectors = HBIL_SECTORS / max(m.a, (realv)1e-6f);
+        m.sector = m.a * (1.0f / HBIL_SECTORS);
 #endif
 #if GATHER_RADIANCE
         m.red = m.green = m.blue = m.unknown = 0.0f;
-#if !REFUSED_BLACK
+#if REFUSED_LAST
         m.last_red = c.red;
         m.last_green = c.green;
         m.last_blue = c.blue;
 #endif
 #endif
-        whole = fma(jacobian, m.a, whole);
+        whole = fma(jacobian, start, whole);
 #if GATHER_BENT
         const realv tangent_d = 0.5f * sign * m.g * inv_ud;
         whole_x = fma(jacobian * tangent_d, (realv)ux, whole_x);
@@ -312,17 +361,16 @@ kernel void gather(const hbil_gather_args args, global const float *split,
           const realv excess =
               fma(fma(w1, (realv)args.keep, -c.w), (realv)step.inv_e,
                   -fma(c.gx, (realv)step.ux, c.gy * step.uy));
-#if FINITE
-          const intv rises = (excess > m.excess) & AS_INTV(m.covered != ~0u);
-#else
           const intv rises = excess > m.excess;
-#endif
           if (ANY(rises))
             raise(&c, &m, rises, excess, w1, step, sample, in.plane, args,
                   cot_tangent, slope, nx, ny, dither);
         }
         steps += SAMPLES;
 
+#if HBAO
+        m.a = start - m.blocked;
+#endif
         open = fma(jacobian, m.a, open);
 #if GATHER_BENT
         const realv open_d = 0.5f * sign * m.g * inv_ud;
@@ -355,11 +403,11 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     /* Few slices miss the full hemisphere's S n by whole_*; adding what is
      * missing in the measure of what is open makes a bare plane's bent normal
      * exactly n and leaves a closed point alone. */
-    const realv n_scale = -(float)SLICES * c.inv_n;
+    const float n_scale = SLICES;
     const realv wo_sum = fma(-ao, whole_wo, open_wo) * c.inv_r;
-    bent_x = open_x + ao * fma(n_scale, c.gx, -whole_x) - wo_sum * c.rx;
-    bent_y = open_y + ao * fma(n_scale, c.gy, -whole_y) - wo_sum * c.ry;
-    bent_z = ao * n_scale * gz - wo_sum;
+    bent_x = open_x + ao * fma((realv)n_scale, c.nx, -whole_x) - wo_sum * c.rx;
+    bent_y = open_y + ao * fma((realv)n_scale, c.ny, -whole_y) - wo_sum * c.ry;
+    bent_z = ao * n_scale * c.nz - wo_sum;
     const float scale = 1.0f / SLICES;
     bent_x = select((realv)0.0f, bent_x * scale, solid);
     bent_y = select((realv)0.0f, bent_y * scale, solid);

@@ -54,13 +54,16 @@ typedef cl_float hbil_float;
  * inverse depth gets no weight. */
 #define HBIL_PLANE_TOLERANCE 0.02f
 
+/* Finite thickness: sectors of a half-slice.  One less than a word has bits, so
+ * that 1 << HBIL_SECTORS is still one. */
+#define HBIL_SECTORS 31
+
 /* Planes of the stages (see hbil_plan_buffer() in hbil.h). */
 enum {
   HBIL_SPLIT_W = 0,
-  HBIL_SPLIT_GX = 1,
-  HBIL_SPLIT_GY = 2,
-  HBIL_SPLIT_RED = 3, /* 4: green, 5: blue */
-  HBIL_SPLIT_PLANES = 6
+  HBIL_SPLIT_NORMAL = 1, /* x, 2: y, 3: z */
+  HBIL_SPLIT_RED = 4,    /* 5: green, 6: blue */
+  HBIL_SPLIT_PLANES = 7
 };
 enum {
   HBIL_LIGHT_AO = 0,
@@ -134,9 +137,11 @@ typedef struct hbil_gather_args {
   hbil_float turn;      /* hbil_pattern_args.turn */
   hbil_float keep;      /* 1 - tolerance on a sampled inverse depth */
   hbil_float flat;      /* tolerance on the gradient, see gather.cl */
-  hbil_float facing[2]; /* hbil_config.facing */
+  hbil_float facing[2]; /* hbil_config.facing: the first, and the inverse of
+                           how much higher the second is */
   hbil_float thickness; /* hbil_config.thickness */
   hbil_float relative_thickness;
+  hbil_float falloff; /* HBAO: an occluder at distance r weighs 1 - falloff r */
 } hbil_gather_args;
 
 /* Far field: SH coefficients already multiplied by the basis functions'

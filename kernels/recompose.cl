@@ -14,110 +14,179 @@
  * resolution; the bent normal of unit length or 0.
  */
 
-#define FIRST_BENT HBIL_LIGHT_BENT
 #define PI 3.14159265f
 #define INV_PI 0.318309886f
 
-/* Does anything read this plane? */
-static inline bool wanted(int p) {
-  return p == HBIL_LIGHT_AO || (p < FIRST_BENT           ? GATHER_RADIANCE
-                                : p < HBIL_LIGHT_UNKNOWN ? GATHER_BENT
-                                                         : REFUSED_FRAME);
+/* Whether a plane is there: AO-only and dark plans leave some out. */
+#define WANTED(p)                                                              \
+  ((p) == HBIL_LIGHT_AO || ((p) < HBIL_LIGHT_BENT      ? GATHER_RADIANCE       \
+                            : (p) < HBIL_LIGHT_UNKNOWN ? GATHER_BENT           \
+                                                       : REFUSED_FRAME))
+
+/* Weighted sums of a pixel's neighbourhood. */
+typedef struct sums {
+  realv total, plane[HBIL_GATHERED_PLANES];
+} sums;
+
+/* What the pixel in the middle brings to the weights. */
+typedef struct middle {
+  realv inv_off;    /* 1 / (0.02 w0) */
+  realv w, gx, gy;  /* w0 and the plane's gradient times inv_off */
+  realv nx, ny, nz; /* unit normal */
+} middle;
+
+#define ADD_PLANE(p)                                                           \
+  if (WANTED(p))                                                               \
+  s->plane[p] = fma(weight, LOADV(light + (p)*plane), s->plane[p])
+
+static inline void add_planes(sums *s, realv weight, global const float *light,
+                              uint plane) {
+  s->total += weight;
+  ADD_PLANE(0);
+  ADD_PLANE(1);
+  ADD_PLANE(2);
+  ADD_PLANE(3);
+  ADD_PLANE(4);
+  ADD_PLANE(5);
+  ADD_PLANE(6);
+  ADD_PLANE(7);
 }
 
-static inline void add_tap(realv *value, realv weight,
+/* Written out row by row: PoCL's compiler does not unroll it. */
+#define ADD_ROW(dy, spatial)                                                   \
+  {                                                                            \
+    const int row = ((j + (dy)) & 3) * 4 * (int)in.layer + (int)in.origin +    \
+                    (y + ((j + (dy)) >> 2)) * (int)in.row;                     \
+    add_row(&s, &m, dy, spatial, view, column, split + row, light + row,       \
+            in.plane);                                                         \
+  }
+
+#if !RAW
+/* The neighbour at `split` and `light`, ex along its row; expected: w0 + gy ey,
+ * scaled; spatial: its share for its place. */
+static inline void add_tap(sums *s, const middle *m, realv expected, float ex,
+                           float spatial, global const float *split,
                            global const float *light, uint plane) {
-  for (int p = 0; p < HBIL_GATHERED_PLANES; ++p)
-    if (wanted(p))
-      value[p] = fma(weight, LOADV(light + (uint)p * plane), value[p]);
+  const realv off =
+      fma(LOADV(split), m->inv_off, -fma(m->gx, (realv)ex, expected));
+  const realv close = max(1.0f - fabs(off), (realv)0.0f);
+  global const float *normal = split + HBIL_SPLIT_NORMAL * plane;
+  realv same = fma(
+      m->nx, LOADV(normal),
+      fma(m->ny, LOADV(normal + plane), m->nz * LOADV(normal + 2u * plane)));
+  same = max(same, (realv)0.0f);
+  same *= same;
+  same *= same;
+  same *= same;
+  same *= same;
+  add_planes(s, spatial * close * same, light, plane);
 }
 
-/* The filtered planes of HBIL_WIDTH pixels of layer (i, j), from its pixel
- * (x, y) on. */
-static inline void filter(const hbil_view_args view, const hbil_layer_args in,
-                          global const float *split, global const float *light,
-                          global const float *estimate, int i, int j, int x,
-                          int y, realv *value) {
-  const uint center =
-      (uint)(4 * j + i) * in.layer + in.origin + (uint)y * in.row + (uint)x;
-  for (int p = 0; p < HBIL_GATHERED_PLANES; ++p)
-    value[p] = 0.0f;
-  const realv w0 = LOADV(split + center);
-  const realv gx0 = LOADV(split + center + HBIL_SPLIT_GX * in.plane);
-  const realv gy0 = LOADV(split + center + HBIL_SPLIT_GY * in.plane);
-  const realv rx = ray_x(view, 4 * x + i, 4);
-  const float ry = ray_y(view, 4 * y + j);
-  const realv gz0 = w0 - fma(gx0, rx, gy0 * ry);
-  const realv n0 = fma(gx0, gx0, fma(gy0, gy0, gz0 * gz0));
-#if RAW
-  add_tap(value, 1.0f, light + center, in.plane);
-#else
-  const realv falloff = 1.0f / (HBIL_PLANE_TOLERANCE * w0);
-  realv total = 0.0f;
-  for (int dy = -2; dy <= 2; ++dy) {
-    const int ty = j + dy;
-    const float ey = (float)dy * view.inv_fy;
-    for (int dx = -2; dx <= 2; ++dx) {
-      const int tx = i + dx;
-      const float ex = (float)dx * view.inv_fx;
-      const int at =
-          (int)(((uint)(ty & 3) * 4u + (uint)(tx & 3)) * in.layer + in.origin) +
-          (y + (ty >> 2)) * (int)in.row + x + (tx >> 2);
-      const realv w1 = LOADV(split + at);
-      const realv gx1 = LOADV(split + at + HBIL_SPLIT_GX * in.plane);
-      const realv gy1 = LOADV(split + at + HBIL_SPLIT_GY * in.plane);
-      const realv gz1 = w1 - fma(gx1, rx + ex, gy1 * (ry + ey));
-      const realv off = w1 - w0 - fma(gx0, (realv)ex, gy0 * ey);
-      const realv close = fma(-fabs(off), falloff, (realv)1.0f);
-      const realv n1 = fma(gx1, gx1, fma(gy1, gy1, gz1 * gz1));
-      const realv dot01 =
-          max(fma(gx0, gx1, fma(gy0, gy1, gz0 * gz1)), (realv)0.0f);
-      realv same = dot01 * dot01 / (n0 * n1);
-      same *= same;
-      same *= same;
-      same *= same;
-      const float spatial = ((dx == -2 || dx == 2) ? 0.5f : 1.0f) *
-                            ((dy == -2 || dy == 2) ? 0.5f : 1.0f);
-      const realv weight = (dx == 0 && dy == 0)
-                               ? (realv)1.0f
-                               : select((realv)0.0f, spatial * close * same,
-                                        (close > 0.0f) & (w1 > 0.0f));
-      total += weight;
-      add_tap(value, weight, light + at, in.plane);
-    }
-  }
-  total = 1.0f / total;
-  for (int p = 0; p < HBIL_GATHERED_PLANES; ++p)
-    value[p] *= total;
+/* Five neighbours of a row; column: where those of each column begin. */
+static inline void add_row(sums *s, const middle *m, int dy, float spatial,
+                           const hbil_view_args view, const int *column,
+                           global const float *split, global const float *light,
+                           uint plane) {
+  const realv expected = fma(m->gy, (realv)((float)dy * view.inv_fy), m->w);
+  const float e = view.inv_fx;
+  add_tap(s, m, expected, -2.0f * e, 0.5f * spatial, split + column[0],
+          light + column[0], plane);
+  add_tap(s, m, expected, -e, spatial, split + column[1], light + column[1],
+          plane);
+  if (dy == 0)
+    add_planes(s, 1.0f, light + column[2], plane);
+  else
+    add_tap(s, m, expected, 0.0f, spatial, split + column[2], light + column[2],
+            plane);
+  add_tap(s, m, expected, e, spatial, split + column[3], light + column[3],
+          plane);
+  add_tap(s, m, expected, 2.0f * e, 0.5f * spatial, split + column[4],
+          light + column[4], plane);
+}
 #endif
+
 #if REFUSED_FRAME
-  /* What faces away is lit by what the screen's surfaces send on average. */
-  const realv inv_n = -1.0f / sqrt(n0);
+/* What faces away is lit by what the screen's surfaces send on average. */
+static inline void fill_unknown(sums *s, const middle *m,
+                                global const float *estimate) {
+  const realv unknown = s->plane[HBIL_LIGHT_UNKNOWN];
   const realv share =
-      max(1.0f - value[HBIL_LIGHT_AO] - value[HBIL_LIGHT_UNKNOWN], (realv)0.0f);
+      max(1.0f - s->plane[HBIL_LIGHT_AO] - unknown, (realv)0.0f);
+  realv frame[3];
+  frame_light(estimate, m->nx, m->ny, m->nz, frame);
   for (int c = 0; c < 3; ++c) {
-    const realv shown = value[HBIL_LIGHT_RED + c];
-    const realv unseen = unseen_light(estimate, c, gx0 * inv_n, gy0 * inv_n,
-                                      gz0 * inv_n, shown * INV_PI, share);
-    value[HBIL_LIGHT_RED + c] =
-        fma(PI * value[HBIL_LIGHT_UNKNOWN], unseen, shown);
+    const realv shown = s->plane[HBIL_LIGHT_RED + c];
+    s->plane[HBIL_LIGHT_RED + c] =
+        fma(PI * unknown, unseen_light(frame[c], shown * INV_PI, share), shown);
   }
+}
 #endif
-  /* the sky keeps what the gather gave it: open, dark, no direction */
-  const intv sky = w0 <= 0.0f;
-  value[HBIL_LIGHT_AO] = select(value[HBIL_LIGHT_AO], (realv)1.0f, sky);
-  for (int p = HBIL_LIGHT_RED; p < HBIL_LIGHT_PLANES; ++p)
-    value[p] = select(value[p], (realv)0.0f, sky);
+
 #if GATHER_BENT
+static inline void normalize_bent(sums *s) {
   realv length2 = 0.0f;
-  for (int c = 0; c < 3; ++c)
-    length2 = fma(value[FIRST_BENT + c], value[FIRST_BENT + c], length2);
+  for (int p = HBIL_LIGHT_BENT; p < HBIL_LIGHT_PLANES; ++p)
+    length2 = fma(s->plane[p], s->plane[p], length2);
   /* a length is 0..1; below 1e-12 it has no direction left in fp32 */
   const realv scale =
       select((realv)0.0f, 1.0f / sqrt(length2), length2 > 1e-24f);
-  for (int c = 0; c < 3; ++c)
-    value[FIRST_BENT + c] *= scale;
+  for (int p = HBIL_LIGHT_BENT; p < HBIL_LIGHT_PLANES; ++p)
+    s->plane[p] *= scale;
+}
 #endif
+
+/* The filtered planes of HBIL_WIDTH pixels of layer (i, j), from its pixel
+ * (x, y) on. */
+static inline sums filter(const hbil_view_args view, const hbil_layer_args in,
+                          global const float *split, global const float *light,
+                          global const float *estimate, int i, int j, int x,
+                          int y) {
+  const uint at =
+      (uint)(4 * j + i) * in.layer + in.origin + (uint)y * in.row + (uint)x;
+  const realv w0 = LOADV(split + at);
+  global const float *normal = split + at + HBIL_SPLIT_NORMAL * in.plane;
+  middle m;
+  sums s;
+  m.nx = LOADV(normal);
+  m.ny = LOADV(normal + in.plane);
+  m.nz = LOADV(normal + 2u * in.plane);
+  for (int p = 0; p < HBIL_GATHERED_PLANES; ++p)
+    s.plane[p] = 0.0f;
+  s.total = 0.0f;
+#if RAW
+  add_planes(&s, 1.0f, light + at, in.plane);
+#else
+  const realv rx = ray_x(view, 4 * x + i, 4);
+  const realv n_r =
+      fma(m.nx, rx, fma(m.ny, (realv)ray_y(view, 4 * y + j), m.nz));
+  m.inv_off = 1.0f / (HBIL_PLANE_TOLERANCE * w0);
+  m.w = 1.0f / HBIL_PLANE_TOLERANCE;
+  m.gx = m.nx * m.w / n_r;
+  m.gy = m.ny * m.w / n_r;
+  int column[5];
+  for (int k = 0; k < 5; ++k)
+    column[k] = ((i + k - 2) & 3) * (int)in.layer + x + ((i + k - 2) >> 2);
+  ADD_ROW(-2, 0.5f);
+  ADD_ROW(-1, 1.0f);
+  ADD_ROW(0, 1.0f);
+  ADD_ROW(1, 1.0f);
+  ADD_ROW(2, 0.5f);
+  const realv inv_total = 1.0f / s.total;
+  for (int p = 0; p < HBIL_GATHERED_PLANES; ++p)
+    s.plane[p] *= inv_total;
+#endif
+#if REFUSED_FRAME
+  fill_unknown(&s, &m, estimate);
+#endif
+#if GATHER_BENT
+  normalize_bent(&s);
+#endif
+  /* the sky keeps what the gather gave it: open, dark, no direction */
+  const intv sky = w0 <= 0.0f;
+  s.plane[HBIL_LIGHT_AO] = select(s.plane[HBIL_LIGHT_AO], (realv)1.0f, sky);
+  for (int p = HBIL_LIGHT_RED; p < HBIL_LIGHT_PLANES; ++p)
+    s.plane[p] = select(s.plane[p], (realv)0.0f, sky);
+  return s;
 }
 
 kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
@@ -128,16 +197,16 @@ kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
   const int row = (int)get_global_id(1);
   if (4 * x0 >= view.width || row >= view.height)
     return;
-  realv value[4][HBIL_GATHERED_PLANES];
+  sums value[4];
   for (int i = 0; i < 4; ++i)
-    filter(view, in, split, light, estimate, i, row & 3, x0, row >> 2,
-           value[i]);
+    value[i] =
+        filter(view, in, split, light, estimate, i, row & 3, x0, row >> 2);
   resolved += (uint)row * out.row + (uint)(4 * x0);
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p) {
-    if (!wanted(p))
+    if (!WANTED(p))
       continue;
-    const realv column[4] = {value[0][p], value[1][p], value[2][p],
-                             value[3][p]};
+    const realv column[4] = {value[0].plane[p], value[1].plane[p],
+                             value[2].plane[p], value[3].plane[p]};
     realv pixels[4];
     INTERLEAVE(column, pixels);
     for (int i = 0; i < 4; ++i)

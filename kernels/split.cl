@@ -1,10 +1,6 @@
 /*
- * split: G-buffer -> 4x4 interleaved layers of inverse depth, its gradient on
- * the pixel's tangent plane, and the radiance the pixel sends.
- *
- * Inverse depth w is affine in pixel coordinates on a plane; its gradient, per
- * unit of ray slope, is (n.x, n.y) / (n.P) with P the pixel's point, which is
- * all that later passes need to know of the normal.
+ * split: G-buffer -> 4x4 interleaved layers of inverse depth, view-space unit
+ * normal that faces the eye, and the radiance the pixel sends.
  *
  * Builds: the inputs' formats, HAS_*, NORMAL_IS_WORLD, FEEDBACK_RADIANCE,
  * GATHER_RADIANCE (0: no radiance planes are written), GATHER_EMISSION.
@@ -75,10 +71,9 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
       n[c] = v[c];
 #endif
     facing_normal(n, rx, ry);
-    const realv scale = w / fma(n[0], rx, fma(n[1], (realv)ry, n[2]));
     value[HBIL_SPLIT_W][part] = select((realv)HBIL_NOTHING, w, solid);
-    value[HBIL_SPLIT_GX][part] = select((realv)0.0f, n[0] * scale, solid);
-    value[HBIL_SPLIT_GY][part] = select((realv)0.0f, n[1] * scale, solid);
+    for (int c = 0; c < 3; ++c)
+      value[HBIL_SPLIT_NORMAL + c][part] = select((realv)0.0f, n[c], solid);
 #if GATHER_RADIANCE
     const uint pixel = (uint)y * planes.row + (uint)x;
     for (int c = 0; c < 3; ++c) {

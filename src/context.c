@@ -128,11 +128,11 @@ static hbil_status read_limits(hbil_context *context) {
     return HBIL_UNSUPPORTED_DEVICE;
   context->exact_divide = (fp & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
   context->vector_width = best_width(context->device, type);
-  /* CPUs: a few rows a group, so that a group's start is paid rarely; others:
-   * a row of work-items whose loads are contiguous. */
+  /* A row of work-items, whose loads are contiguous.  CPUs: one row a group,
+   * since each of some forty planes has its own pages. */
   const bool cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
-  context->group[0] = cpu ? 4 : 32;
-  context->group[1] = 4;
+  context->group[0] = cpu ? 16 : 32;
+  context->group[1] = cpu ? 1 : 4;
   return HBIL_SUCCESS;
 }
 

@@ -24,7 +24,8 @@ hbil_environment_args far_field_args(const hbil_config *config,
                                      const float environment[9][3]) {
   hbil_environment_args args;
   memset(&args, 0, sizeof args);
-  if (config->far_field == HBIL_FAR_CONSTANT)
+  if (config->far_field == HBIL_FAR_CONSTANT ||
+      config->far_field == HBIL_FAR_FRAME)
     memcpy(args.sh[0], environment[0], sizeof args.sh[0]);
   if (config->far_field == HBIL_FAR_SH)
     for (int i = 0; i < 9; ++i) {

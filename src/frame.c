@@ -1,6 +1,7 @@
 /* The order of the passes, their arguments and their events. */
 #include "internal.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -361,10 +362,9 @@ static hbil_status push_pull(commands *chain, const hbil_frame *frame) {
 
 /* What light comes from where the screen doesn't show: from the split planes.
  * The parts stand behind the sum in one buffer. */
-static hbil_status estimate(commands *chain, const hbil_view_args *view) {
+static hbil_status estimate(commands *chain) {
   hbil_plan *plan = chain->plan;
-  const argument part[] = {{sizeof *view, view},
-                           ARG(plan->layout.layers),
+  const argument part[] = {ARG(plan->layout.layers),
                            ARG(plan->buffers[BUFFER_SPLIT]),
                            ARG(plan->buffers[BUFFER_ESTIMATE])};
   const argument sum[] = {ARG(plan->buffers[BUFFER_ESTIMATE])};
@@ -404,9 +404,8 @@ static hbil_status split(commands *chain, const hbil_frame *frame) {
   const hbil_status status =
       LAUNCH(chain, KERNEL_SPLIT, args, (across(plan) + 3) / 4,
              plan->config.height, 1);
-  return status == HBIL_SUCCESS && plan->layout.estimate
-             ? estimate(chain, &view)
-             : status;
+  return status == HBIL_SUCCESS && plan->layout.estimate ? estimate(chain)
+                                                         : status;
 }
 
 /* Fractions of a turn and of a step that frame `index` adds: multiples of the
@@ -444,6 +443,14 @@ static hbil_status make_pattern(commands *chain, const hbil_view_args *view,
   return status;
 }
 
+/* W of HBAO falls by this much per world unit. */
+static float falloff_slope(const hbil_config *config) {
+  if (isinf(config->radius) || config->falloff == HBIL_FALLOFF_NONE)
+    return 0.0f;
+  return (config->falloff == HBIL_FALLOFF_SOFT ? 1.0f / 3.0f : 1.0f) /
+         config->radius;
+}
+
 static hbil_status gather(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
@@ -470,8 +477,10 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   gather_args.thickness = fminf(plan->config.thickness, 1e30f);
   gather_args.relative_thickness =
       fminf(plan->config.relative_thickness, 1e30f);
+  gather_args.falloff = falloff_slope(&plan->config);
   gather_args.facing[0] = plan->config.facing[0];
-  gather_args.facing[1] = plan->config.facing[1];
+  gather_args.facing[1] =
+      1.0f / fmaxf(plan->config.facing[1] - plan->config.facing[0], FLT_MIN);
   const argument args[] = {ARG(gather_args), ARG(plan->buffers[BUFFER_SPLIT]),
                            ARG(plan->buffers[BUFFER_STEPS]),
                            ARG(plan->buffers[BUFFER_LIGHT])};

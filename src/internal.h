@@ -15,6 +15,7 @@
 #define camera_view hbil_internal_camera_view
 #define cl_error_name hbil_internal_cl_error_name
 #define config_check hbil_internal_config_check
+#define config_refuses hbil_internal_config_refuses
 #define config_format hbil_internal_config_format
 #define fail hbil_internal_fail
 #define fail_cl hbil_internal_fail_cl
@@ -59,6 +60,8 @@ extern const image_kind image_kinds[IMAGE_COUNT];
 const hbil_format *config_format(const hbil_config *config, int image);
 const hbil_image *frame_image(const hbil_frame *frame, int image);
 /* Components from a pixel to the next: stride, or its default. */
+/* Whether the light of any sample may be refused. */
+bool config_refuses(const hbil_config *config);
 cl_uint format_stride(const hbil_config *config, int image);
 
 /* --- context.c --- */

@@ -14,15 +14,18 @@ static bool has(const hbil_config *config, int image) {
 }
 
 static void decide_work(const hbil_config *config, layout *out) {
+  const bool sums = has(config, IMAGE_INDIRECT) || has(config, IMAGE_RADIANCE);
   out->radiance =
-      has(config, IMAGE_NEAR) || has(config, IMAGE_INDIRECT) ||
-      has(config, IMAGE_RADIANCE) ||
-      (has(config, IMAGE_FAR) && config->far_field == HBIL_FAR_FRAME);
-  out->far_field = out->radiance || has(config, IMAGE_FAR) ? config->far_field
-                                                           : HBIL_FAR_NONE;
+      config->mode == HBIL_MODE_HBIL &&
+      (sums || has(config, IMAGE_NEAR) ||
+       (has(config, IMAGE_FAR) && config->far_field == HBIL_FAR_FRAME));
+  out->far_field = sums || out->radiance || has(config, IMAGE_FAR)
+                       ? config->far_field
+                       : HBIL_FAR_NONE;
   out->bent = has(config, IMAGE_BENT) || out->far_field == HBIL_FAR_SH ||
               out->far_field == HBIL_FAR_FRAME;
-  out->unknown = out->radiance && config->refused == HBIL_REFUSED_FRAME;
+  out->unknown = out->radiance && config->refused == HBIL_REFUSED_FRAME &&
+                 config_refuses(config);
   out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
   out->history =
       out->radiance && config->reprojection != HBIL_REPROJECTION_NONE;

@@ -35,6 +35,7 @@ static void add(text *t, const char *format, ...) {
 static void write_defines(const hbil_plan *plan, text *t) {
   static const char *const types[] = {"none", "f32", "f16", "u8"};
   const hbil_config *c = &plan->config;
+  const bool refuses = config_refuses(c);
   add(t, "-DHBIL_WIDTH=%u", (unsigned)c->vector_width);
   for (int i = 0; i < IMAGE_COUNT; ++i) {
     const hbil_format *format = config_format(c, i);
@@ -51,16 +52,20 @@ static void write_defines(const hbil_plan *plan, text *t) {
   add(t, " -DSLICES=%u -DSAMPLES=%u -DLIMITED=%d -DLEVELS=%d",
       (unsigned)c->slices, (unsigned)c->samples, !isinf(c->radius),
       (int)plan->layout.pattern.levels);
-  add(t, " -DFACING_STEP=%d -DREFUSED_BLACK=%d -DRAW=%d",
-      c->facing[0] >= c->facing[1], c->refused != HBIL_REFUSED_LAST,
-      c->raw_interleave != 0);
+  add(t, " -DFACING_STEP=%d -DFACING_ALL=%d -DREFUSED_BLACK=%d",
+      c->facing[0] >= c->facing[1], !refuses,
+      refuses && c->refused != HBIL_REFUSED_LAST);
+  add(t, " -DREFUSED_LAST=%d -DRAW=%d",
+      refuses && c->refused == HBIL_REFUSED_LAST, c->raw_interleave != 0);
   add(t, " -DGATHER_EMISSION=%d -DFEEDBACK_RADIANCE=%d -DREPROJECT_MOTION=%d",
       c->gather_emission != 0, c->feedback == HBIL_FEEDBACK_RADIANCE,
       c->reprojection == HBIL_REPROJECTION_MOTION);
   add(t, " -DDISOCCLUSION=%d -DFAR=%d", !isinf(c->disocclusion),
       (int)plan->layout.far_field);
-  add(t, " -DFINITE=%d", !isinf(c->thickness) || !isinf(c->relative_thickness));
-  add(t, " -DREFUSED_FRAME=%d", plan->layout.unknown);
+  add(t, " -DFINITE=%d",
+      (isinf(c->relative_thickness) ? 0 : 1) | (isinf(c->thickness) ? 0 : 2));
+  add(t, " -DREFUSED_FRAME=%d -DHBAO=%d", plan->layout.unknown,
+      c->mode == HBIL_MODE_HBAO);
   add(t, " -DGATHER_RADIANCE=%d -DGATHER_BENT=%d -DHISTORY=%d",
       plan->layout.radiance, plan->layout.bent, plan->layout.history);
 }

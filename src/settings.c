@@ -37,6 +37,10 @@ const hbil_image *frame_image(const hbil_frame *frame, int image) {
                                             image_kinds[image].image_at);
 }
 
+bool config_refuses(const hbil_config *config) {
+  return config->facing[1] > -1.0f;
+}
+
 cl_uint format_stride(const hbil_config *config, int image) {
   const cl_uint stride = config_format(config, image)->stride;
   return stride ? stride : image_kinds[image].channels;
@@ -65,6 +69,39 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
   };
   if (config && struct_size == sizeof defaults)
     *config = defaults;
+}
+
+/* The points of the plot of error against time that were worth a name
+ * (HACKING.md). */
+static const struct {
+  const char *name;
+  cl_uint slices, samples;
+  float step_growth;
+  hbil_lattice lattice;
+  cl_bool raw;
+} qualities[] = {
+    [HBIL_QUALITY_FAST] = {"fast", 1, 16, 2.0f, HBIL_LATTICE_LAYER, CL_FALSE},
+    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 32, 1.0f, HBIL_LATTICE_LAYER,
+                               CL_FALSE},
+    [HBIL_QUALITY_HIGH] = {"high", 2, 64, 2.0f, HBIL_LATTICE_FULL, CL_FALSE},
+    [HBIL_QUALITY_REFERENCE] = {"reference", 32, 256, 0.0f, HBIL_LATTICE_FULL,
+                                CL_TRUE},
+};
+
+hbil_status hbil_config_set_quality(hbil_config *config, hbil_quality quality) {
+  if (!config || (unsigned)quality > HBIL_QUALITY_REFERENCE)
+    return HBIL_INVALID_ARGUMENT;
+  config->slices = qualities[quality].slices;
+  config->samples = qualities[quality].samples;
+  config->step_growth = qualities[quality].step_growth;
+  config->lattice = qualities[quality].lattice;
+  config->raw_interleave = qualities[quality].raw;
+  return HBIL_SUCCESS;
+}
+
+const char *hbil_quality_name(hbil_quality quality) {
+  return (unsigned)quality > HBIL_QUALITY_REFERENCE ? NULL
+                                                    : qualities[quality].name;
 }
 
 void hbil_frame_init_sized(hbil_frame *frame, size_t struct_size) {
@@ -140,6 +177,34 @@ static hbil_status check_formats(hbil_context *context,
               "no output has a format: there is nothing to compute");
 }
 
+/* What HBAO and GTAO have no use for must not be asked of them. */
+static hbil_status check_mode(hbil_context *context,
+                              const hbil_config *config) {
+  static const struct {
+    int image;
+    hbil_mode most; /* the last mode that has it */
+  } only[] = {{IMAGE_NEAR, HBIL_MODE_HBIL},
+              {IMAGE_BENT, HBIL_MODE_GTAO},
+              {IMAGE_CONE, HBIL_MODE_GTAO}};
+  const char *mode = config->mode == HBIL_MODE_GTAO ? "GTAO" : "HBAO";
+  for (size_t i = 0; i < sizeof only / sizeof *only; ++i)
+    if (config->mode > only[i].most &&
+        config_format(config, only[i].image)->component != HBIL_NONE)
+      return fail(context, HBIL_INVALID_CONFIG,
+                  "%s.component: must be HBIL_NONE, HBIL_MODE_%s has no such "
+                  "output",
+                  image_kinds[only[i].image].name, mode);
+  if (config->mode != HBIL_MODE_HBIL && config->far_field == HBIL_FAR_FRAME)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "far_field: HBIL_FAR_FRAME; HBIL_MODE_%s reads no radiance",
+                mode);
+  if (config->mode == HBIL_MODE_HBAO && config->far_field == HBIL_FAR_SH)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "far_field: HBIL_FAR_SH; HBIL_MODE_HBAO has no bent cone, "
+                "HBIL_FAR_CONSTANT is possible");
+  return HBIL_SUCCESS;
+}
+
 hbil_status config_check(hbil_context *context, const hbil_config *config) {
   if (config->struct_size != sizeof *config)
     return fail(context, HBIL_INVALID_CONFIG,
@@ -159,6 +224,8 @@ hbil_status config_check(hbil_context *context, const hbil_config *config) {
       {"direct_scale", (double)config->direct_scale, 0, 1e30},
       {"motion_scale[0]", (double)config->motion_scale[0], -1e6, 1e6},
       {"motion_scale[1]", (double)config->motion_scale[1], -1e6, 1e6},
+      {"mode", (double)config->mode, 0, HBIL_MODE_HBAO},
+      {"falloff", (double)config->falloff, 0, HBIL_FALLOFF_NONE},
       {"slices", config->slices, 1, 32},
       {"samples", config->samples, 1, 256},
       {"step_growth", (double)config->step_growth, 0, 64},
@@ -199,5 +266,6 @@ hbil_status config_check(hbil_context *context, const hbil_config *config) {
       (status = positive(context, "disocclusion",
                          (double)config->disocclusion)) != HBIL_SUCCESS)
     return status;
-  return check_formats(context, config);
+  status = check_formats(context, config);
+  return status == HBIL_SUCCESS ? check_mode(context, config) : status;
 }

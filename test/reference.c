@@ -1,6 +1,7 @@
 #include "reference.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,13 +9,19 @@
 /* ------------------------------------------------------------------------ */
 /* Planes and vectors                                                        */
 
-ref_planes ref_planes_new(int width, int height, int count) {
-  size_t total = (size_t)width * (size_t)height * (size_t)count;
-  ref_planes planes = {width, height, count, calloc(total, sizeof(double))};
-  if (!planes.values) {
-    fputs("reference: out of memory\n", stderr);
+/* All zero.  Ends the program when there is no memory. */
+static void *allocate(size_t count, size_t size) {
+  void *memory = calloc(count, size);
+  if (!memory) {
+    fprintf(stderr, "reference: no memory for %zu x %zu bytes\n", count, size);
     exit(99);
   }
+  return memory;
+}
+
+ref_planes ref_planes_new(int width, int height, int count) {
+  size_t total = (size_t)width * (size_t)height * (size_t)count;
+  ref_planes planes = {width, height, count, allocate(total, sizeof(double))};
   return planes;
 }
 
@@ -245,10 +252,8 @@ static void take_source(const ref_job *job, const ref_planes *history,
 static void scatter(const ref_job *job, const ref_planes *history,
                     ref_planes *carried) {
   int width = history->width, height = history->height;
-  winner *winners = malloc((size_t)width * (size_t)height * sizeof(*winners));
+  winner *winners = allocate((size_t)width * (size_t)height, sizeof(*winners));
   float m[12];
-  if (!winners)
-    exit(99);
   for (int i = 0; i < width * height; ++i)
     winners[i].source = -1;
   view_from_view(&job->camera, &job->previous, m);
@@ -438,11 +443,11 @@ static double inverse_depth(const ref_job *job, int x, int y) {
 
 static void split_pixel(const ref_job *job, const ref_planes *carried, int x,
                         int y, ref_planes *split) {
-  vec n = facing_normal(job, x, y), r = ray_of(&job->camera, x, y);
-  double w = inverse_depth(job, x, y);
-  *ref_at(split, HBIL_SPLIT_W, x, y) = w;
-  *ref_at(split, HBIL_SPLIT_GX, x, y) = n.x / dot(n, r) * w;
-  *ref_at(split, HBIL_SPLIT_GY, x, y) = n.y / dot(n, r) * w;
+  vec n = facing_normal(job, x, y);
+  *ref_at(split, HBIL_SPLIT_W, x, y) = inverse_depth(job, x, y);
+  *ref_at(split, HBIL_SPLIT_NORMAL, x, y) = n.x;
+  *ref_at(split, HBIL_SPLIT_NORMAL + 1, x, y) = n.y;
+  *ref_at(split, HBIL_SPLIT_NORMAL + 2, x, y) = n.z;
   for (int c = 0; c < 3; ++c)
     *ref_at(split, HBIL_SPLIT_RED + c, x, y) =
         radiance_of(job, carried, c, x, y);
@@ -495,16 +500,19 @@ static double inverse_depth_at(const ref_planes *split, int x, int y) {
 static surface surface_at(const ref_job *job, const ref_planes *split, int x,
                           int y) {
   surface s = {0.0, 0.0, 0.0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  double to_plane;
   s.w = inverse_depth_at(split, x, y);
   if (!(s.w > 0.0))
     return s;
-  s.gx = *ref_at(split, HBIL_SPLIT_GX, x, y);
-  s.gy = *ref_at(split, HBIL_SPLIT_GY, x, y);
   s.ray = ray_of(&job->camera, x, y);
   s.at = scaled(1.0 / s.w, s.ray);
-  /* the plane of all P with (gx,gy,c).P = 1, seen from the eye's side */
-  s.normal =
-      normalized(make(-s.gx, -s.gy, -(s.w - s.gx * s.ray.x - s.gy * s.ray.y)));
+  s.normal = normalized(make(*ref_at(split, HBIL_SPLIT_NORMAL, x, y),
+                             *ref_at(split, HBIL_SPLIT_NORMAL + 1, x, y),
+                             *ref_at(split, HBIL_SPLIT_NORMAL + 2, x, y)));
+  /* n.r' / n.P is the plane's inverse depth along the ray r' */
+  to_plane = dot(s.normal, s.at);
+  s.gx = s.normal.x / to_plane;
+  s.gy = s.normal.y / to_plane;
   return s;
 }
 
@@ -512,12 +520,21 @@ typedef struct gathering {
   const ref_job *job;
   const ref_planes *split;
   ref_planes *gathered;
+  const ref_dense *dense; /* NULL: the kernels' pattern */
   hbil_view_args view;
-  hbil_pattern_args pattern;
-  bool dense;         /* every pixel, pattern.slices equal slices */
-  bool equal_weights; /* no Jacobian */
-  int first, step;    /* rows of this thread */
+  hbil_pattern_args pattern; /* dense: its number of slices only */
+  int threads;
+  atomic_int *rows_done;
 } gathering;
+
+/* What a mode computes. */
+static bool gathers_light(const hbil_config *c) {
+  return c->mode == HBIL_MODE_HBIL;
+}
+
+static bool has_bent(const hbil_config *c) {
+  return c->mode != HBIL_MODE_HBAO;
+}
 
 /* What the half-slices of a pixel add up to, each weighted with J. */
 typedef struct sums {
@@ -530,20 +547,37 @@ typedef struct half_slice {
   vec wo, along; /* D of METHOD */
   vec u;
   double nx, ny, weight;
+  bool uniform; /* every direction counts alike (HBAO), not by its cosine */
 } half_slice;
 
-/* Cosine-weighted measure of the angles from wo (0) to theta. */
-static double measure(const half_slice *h, double theta) {
-  return h->nx / 2.0 * (theta - sin(theta) * cos(theta)) +
-         h->ny / 2.0 * sin(theta) * sin(theta);
+/* An angle from wo, and what is needed of it. */
+typedef struct angle {
+  double theta, sine, cosine, arc; /* arc: theta - sine cosine */
+} angle;
+
+/* Of the direction with these two components; of any length. */
+static angle angle_of(double along, double wo) {
+  double size = sqrt(along * along + wo * wo);
+  angle a = {atan2(along, wo), along / size, wo / size, 0.0};
+  a.arc = a.theta - a.sine * a.cosine;
+  return a;
 }
 
-static vec bent_to(const half_slice *h, double theta) {
-  vec along = scaled((theta - sin(theta) * cos(theta)) / 2.0, h->along);
-  return add(along, sin(theta) * sin(theta) / 2.0, h->wo);
+/* Measure of the angles from wo to a: cosine-weighted, or the solid angle per
+ * unit of azimuth. */
+static double measure(const half_slice *h, angle a) {
+  if (h->uniform)
+    return 1.0 - a.cosine;
+  return h->nx / 2.0 * a.arc + h->ny / 2.0 * a.sine * a.sine;
 }
 
-static half_slice make_half(const surface *s, double ux, double uy) {
+static vec bent_to(const half_slice *h, angle a) {
+  vec along = scaled(a.arc / 2.0, h->along);
+  return add(along, a.sine * a.sine / 2.0, h->wo);
+}
+
+static half_slice make_half(const gathering *g, const surface *s, double ux,
+                            double uy) {
   half_slice h;
   double across;
   h.u = make(ux, uy, 0.0);
@@ -552,7 +586,10 @@ static half_slice make_half(const surface *s, double ux, double uy) {
   h.nx = dot(s->normal, h.along);
   h.ny = dot(s->normal, h.wo);
   across = dot(h.u, h.wo); /* u has no z: only the xy parts count */
-  h.weight = fabs(h.wo.z) / (1.0 - across * across);
+  h.weight = g->dense && g->dense->equal_weights
+                 ? 1.0
+                 : fabs(h.wo.z) / (1.0 - across * across);
+  h.uniform = g->job->config->mode == HBIL_MODE_HBAO;
   return h;
 }
 
@@ -561,12 +598,12 @@ static half_slice make_half(const surface *s, double ux, double uy) {
  * `excess * distance` above the tangent plane: the direction to it, scaled by
  * both inverse depths so that points at and beyond infinity are no exception.
  */
-static double horizon(const surface *s, const half_slice *h, double distance,
-                      double excess) {
+static angle horizon(const surface *s, const half_slice *h, double distance,
+                     double excess) {
   double rise = (s->gx * h->u.x + s->gy * h->u.y + excess) * distance;
   double w = s->w + rise;
   vec to = add(scaled(s->w, add(s->ray, distance, h->u)), -w, s->ray);
-  return atan2(dot(to, h->along), dot(to, h->wo));
+  return angle_of(dot(to, h->along), dot(to, h->wo));
 }
 
 static double fade(const hbil_config *c, double cosine) {
@@ -575,21 +612,6 @@ static double fade(const hbil_config *c, double cosine) {
     return cosine >= low ? 1.0 : 0.0;
   t = clamp((cosine - low) / (high - low), 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
-}
-
-/* The light that is taken to come from a newly found occluder; returns the
- * share of it that is accepted. */
-static double accept_light(const gathering *g, const surface *s,
-                           const surface *other, int x, int y, double last[3]) {
-  const hbil_config *c = g->job->config;
-  vec to = add(other->at, -1.0, s->at);
-  double t = fade(c, -dot(other->normal, to) / length(to));
-  for (int i = 0; i < 3; ++i) {
-    double own = *ref_at(g->split, HBIL_SPLIT_RED + i, x, y);
-    last[i] = c->refused == HBIL_REFUSED_LAST ? last[i] + t * (own - last[i])
-                                              : t * own;
-  }
-  return t;
 }
 
 static double tolerance_of(const hbil_config *c) {
@@ -604,159 +626,366 @@ static double least_excess(const hbil_config *c, const surface *s) {
   return unit * s->w / (cosine * cosine * length(s->ray));
 }
 
-static bool within_radius(const hbil_config *c, const surface *a,
-                          const surface *b) {
-  return isinf(c->radius) ||
-         length(add(a->at, -1.0, b->at)) <= (double)c->radius;
+/* Weight of an occluder at distance r (hbil_falloff). */
+static double falloff(const hbil_config *c, double r) {
+  double share = r / (double)c->radius; /* 0 where unlimited */
+  if (c->mode != HBIL_MODE_HBAO || c->falloff == HBIL_FALLOFF_NONE)
+    return 1.0;
+  return c->falloff == HBIL_FALLOFF_LINEAR ? fmax(0.0, 1.0 - share)
+                                           : 1.0 - share / 3.0;
 }
 
-/* Of an inverse depth w at offset e. */
-static double excess_of(const gathering *g, const surface *s, double w, vec e) {
-  double raised = w * (1.0 - tolerance_of(g->job->config));
-  return (raised - s->w - s->gx * e.x - s->gy * e.y) / length(e);
-}
+/* A stretch of a half-slice's angles that is covered.  Angles fall as excess
+ * grows, so either tells the order; excess costs nothing to know. */
+typedef struct stretch {
+  double high, low;  /* excess of the end towards wo, and of the other */
+  angle front, back; /* their angles */
+} stretch;
 
-/* The pixel in the k-th column (or row) that the line from a pixel's centre
- * crosses. */
-static void crossed_pixel(const gathering *g, int k, double ux, double uy,
-                          int *dx, int *dy) {
-  double px = ux * g->job->camera.fx, py = uy * g->job->camera.fy;
-  double steps = (k + 1) / fmax(fabs(px), fabs(py));
-  *dx = (int)rint(steps * px);
-  *dy = (int)rint(steps * py);
-}
-
-/* One pixel's half-slices, and what they add up to. */
+/* One pixel, what its half-slices add up to, and the thread's room for a
+ * half-slice's stretches. */
 typedef struct walker {
   const gathering *g;
   surface s;
   int x, y, layer, level;
+  double pixel_x, pixel_y; /* size, in units of ray slope */
+  double keep, least;      /* of a sampled inverse depth; excess that counts */
   sums sum;
+  stretch *room;
 } walker;
 
-/* Pixel of the k-th sample; false past the last one that the image can have. */
-static bool sample_pixel(const walker *w, int k, double ux, double uy, int *x,
-                         int *y) {
-  const gathering *g = w->g;
-  int dx, dy;
-  if (g->dense)
-    crossed_pixel(g, k, ux, uy, &dx, &dy);
-  else
-    hbil_sample_offset(w->layer, k, w->level, (float)ux, (float)uy, g->view,
-                       g->pattern, &dx, &dy);
-  *x = w->x + dx;
-  *y = w->y + dy;
-  return !g->dense ||
-         (*x >= 0 && *y >= 0 && *x < g->split->width && *y < g->split->height);
+/* How what is covered is kept. */
+typedef enum cover_kind {
+  COVER_HORIZON,  /* endless occluders: everything beyond one angle */
+  COVER_SECTORS,  /* the kernels' parts of the measure, dithered */
+  COVER_STRETCHES /* exactly */
+} cover_kind;
+
+/* A half-slice on its way outwards. */
+typedef struct march {
+  half_slice h;
+  cover_kind kind;
+  angle start;    /* of the tangent plane */
+  double whole;   /* measure up to it */
+  double best;    /* excess that a sample must exceed */
+  double blocked; /* measure, weighed by the falloff */
+  double unknown, light[3], last[3];
+  angle top;        /* COVER_HORIZON: the horizon */
+  double below;     /* measure up to it */
+  unsigned sectors; /* COVER_SECTORS: from wo outwards */
+  double dither;
+  vec bent;      /* of what is open */
+  stretch *list; /* COVER_STRETCHES: disjoint, from wo outwards */
+  int count;
+} march;
+
+static cover_kind cover_kind_of(const gathering *g) {
+  const hbil_config *c = g->job->config;
+  if (isinf(c->thickness) && isinf(c->relative_thickness))
+    return COVER_HORIZON;
+  return g->dense ? COVER_STRETCHES : COVER_SECTORS;
 }
 
-/* What of a half-slice is still open where occluders have a thickness. */
-typedef struct openings {
-  bool finite;
-  unsigned covered; /* sectors of equal A, from wo outwards */
-  double start, dither, open;
-  vec bent;
-} openings;
-
-enum { SECTORS = 32 };
-
-static bool is_finite(const hbil_config *c) {
-  return !isinf(c->thickness) || !isinf(c->relative_thickness);
+static march begin(const walker *w, double ux, double uy) {
+  march m;
+  memset(&m, 0, sizeof(m));
+  m.h = make_half(w->g, &w->s, ux, uy);
+  m.kind = cover_kind_of(w->g);
+  m.start = m.top = angle_of(m.h.ny, -m.h.nx);
+  m.whole = m.below = measure(&m.h, m.start);
+  m.best = w->least;
+  m.dither = (hbil_shift_slot(w->layer) + 0.5) / 16.0;
+  m.bent = bent_to(&m.h, m.start);
+  m.list = w->room;
+  for (int i = 0; i < 3 && gathers_light(w->g->job->config); ++i)
+    m.last[i] = *ref_at(w->g->split, HBIL_SPLIT_RED + i, w->x, w->y);
+  return m;
 }
 
-static openings all_open(const walker *w, const half_slice *h, double start) {
-  int layer = HBIL_SIDE * (w->y % HBIL_SIDE) + w->x % HBIL_SIDE;
-  openings o = {.finite = is_finite(w->g->job->config), .start = start};
-  o.dither = (hbil_shift_slot(layer) + 0.5) / 16.0;
-  o.open = measure(h, start);
-  o.bent = bent_to(h, start);
-  return o;
-}
+/* A sample that lies above the tangent plane. */
+typedef struct occluder {
+  surface s;
+  int x, y;
+  vec to;                 /* from the point */
+  double distance, range; /* along the slice in units of ray slope; |to| */
+  double excess;
+} occluder;
 
 /* Where the back of a sample lies, in excess. */
-static double excess_of_back(const hbil_config *c, const surface *other,
-                             double distance, double excess) {
-  double z = 1.0 / other->w;
-  double deep = fmin((double)c->thickness / length(other->ray),
+static double excess_of_back(const hbil_config *c, const occluder *o) {
+  double z = 1.0 / o->s.w;
+  double deep = fmin((double)c->thickness / length(o->s.ray),
                      (double)c->relative_thickness * z);
-  return fmax(excess + (1.0 / (z + deep) - other->w) / distance, 0.0);
+  return fmax(o->excess + (1.0 / (z + deep) - o->s.w) / o->distance, 0.0);
 }
 
-static unsigned sectors_below(const half_slice *h, const openings *o,
-                              double theta) {
-  double part = measure(h, theta) / measure(h, o->start) * SECTORS + o->dither;
-  int n = part < 0.0 ? 0 : part > SECTORS ? SECTORS : (int)part;
-  return n == SECTORS ? ~0u : (1u << n) - 1u;
+static double raise_horizon(const walker *w, march *m, const occluder *o) {
+  double before = m->below;
+  m->top = horizon(&w->s, &m->h, o->distance, o->excess);
+  m->below = measure(&m->h, m->top);
+  m->best = o->excess;
+  return before - m->below;
 }
 
-/* Takes the sectors between front and back from what is open; returns the part
- * of A that was not covered before. */
-static double cover(const half_slice *h, openings *o, double front,
-                    double back) {
+static unsigned sectors_below(const march *m, angle a) {
+  double part =
+      measure(&m->h, a) / fmax(m->whole, 1e-6) * HBIL_SECTORS + m->dither;
+  return (1u << (int)clamp(part, 0.0, HBIL_SECTORS)) - 1u;
+}
+
+static double cover_sectors(const walker *w, march *m, const occluder *o) {
+  double low = excess_of_back(w->g->job->config, o);
+  angle front = horizon(&w->s, &m->h, o->distance, o->excess);
+  angle back = horizon(&w->s, &m->h, o->distance, low);
   unsigned fresh =
-      sectors_below(h, o, back) & ~sectors_below(h, o, front) & ~o->covered;
+      sectors_below(m, back) & ~sectors_below(m, front) & ~m->sectors;
   int count = 0;
   double share, part;
-  o->covered |= fresh;
+  m->sectors |= fresh;
   for (; fresh; fresh &= fresh - 1)
     ++count;
-  share = measure(h, o->start) * count / SECTORS;
-  part = share / fmax(measure(h, back) - measure(h, front), 1e-5);
-  o->open = fmax(o->open - share, 0.0);
-  o->bent = add(o->bent, part, bent_to(h, front));
-  o->bent = add(o->bent, -part, bent_to(h, back));
+  share = m->whole * count / HBIL_SECTORS;
+  /* the interval's mean direction stands for its fresh part */
+  part = share / fmax(measure(&m->h, back) - measure(&m->h, front), 1e-5);
+  m->bent = add(m->bent, part, bent_to(&m->h, front));
+  m->bent = add(m->bent, -part, bent_to(&m->h, back));
   return share;
 }
 
-static void march(walker *w, double ux, double uy) {
-  const gathering *g = w->g;
-  const surface *s = &w->s;
-  sums *sum = &w->sum;
-  half_slice h = make_half(s, ux, uy);
-  double start = atan2(h.ny, -h.nx), theta = start, last[3];
-  double best = least_excess(g->job->config, s);
-  openings o = all_open(w, &h, start);
-  int x, y;
-  if (g->equal_weights)
-    h.weight = 1.0;
-  for (int i = 0; i < 3; ++i)
-    last[i] = *ref_at(g->split, HBIL_SPLIT_RED + i, w->x, w->y);
-  for (int k = 0; (g->dense || k < g->pattern.samples) &&
-                  sample_pixel(w, k, ux, uy, &x, &y);
-       ++k) {
-    double w1 = inverse_depth_at(g->split, x, y);
-    double excess, next, taken, accepted;
-    surface other;
-    vec e = make((x - w->x) / g->job->camera.fx, (y - w->y) / g->job->camera.fy,
-                 0.0);
-    if (!(w1 > 0.0))
-      continue;
-    excess = excess_of(g, s, w1, e);
-    if (!(excess > best))
-      continue;
-    other = surface_at(g->job, g->split, x, y);
-    if (!within_radius(g->job->config, s, &other))
-      continue;
-    next = horizon(s, &h, length(e), excess);
-    taken = o.finite ? cover(&h, &o, next,
-                             horizon(s, &h, length(e),
-                                     excess_of_back(g->job->config, &other,
-                                                    length(e), excess)))
-                     : measure(&h, theta) - measure(&h, next);
-    taken *= h.weight;
-    accepted = accept_light(g, s, &other, x, y, last);
-    for (int i = 0; i < 3; ++i)
-      sum->light[i] += last[i] * taken;
-    sum->unknown += (1.0 - accepted) * taken;
-    if (o.finite)
-      continue;
-    theta = next;
-    best = excess;
+/* Measure of `s` that a stretch of the list has already. */
+static double overlap(const half_slice *h, const stretch *s,
+                      const stretch *covered) {
+  bool in_front = s->high > covered->high, behind = s->low < covered->low;
+  return measure(h, behind ? covered->back : s->back) -
+         measure(h, in_front ? covered->front : s->front);
+}
+
+/* Puts one stretch in the place of those in [first, last), which touch it. */
+static void merge(march *m, stretch s, int first, int last) {
+  if (last > first && m->list[first].high > s.high) {
+    s.high = m->list[first].high;
+    s.front = m->list[first].front;
   }
-  sum->whole += h.weight * measure(&h, start);
-  sum->open += h.weight * (o.finite ? o.open : measure(&h, theta));
-  sum->bent = add(sum->bent, h.weight, o.finite ? o.bent : bent_to(&h, theta));
-  sum->bent_whole = add(sum->bent_whole, h.weight, bent_to(&h, start));
+  if (last > first && m->list[last - 1].low < s.low) {
+    s.low = m->list[last - 1].low;
+    s.back = m->list[last - 1].back;
+  }
+  memmove(m->list + first + 1, m->list + last,
+          (size_t)(m->count - last) * sizeof(s));
+  m->list[first] = s;
+  m->count += 1 - (last - first);
+}
+
+static double cover_stretch(const walker *w, march *m, const occluder *o) {
+  stretch s = {.high = o->excess, .low = excess_of_back(w->g->job->config, o)};
+  int first = 0, last;
+  double taken;
+  while (first < m->count && m->list[first].low > s.high)
+    ++first;
+  if (first < m->count && m->list[first].high >= s.high &&
+      m->list[first].low <= s.low)
+    return 0.0; /* within a stretch: nothing new, and no angles needed */
+  s.front = horizon(&w->s, &m->h, o->distance, s.high);
+  s.back = horizon(&w->s, &m->h, o->distance, s.low);
+  taken = measure(&m->h, s.back) - measure(&m->h, s.front);
+  for (last = first; last < m->count && m->list[last].high >= s.low; ++last)
+    taken -= overlap(&m->h, &s, m->list + last);
+  merge(m, s, first, last);
+  return fmax(taken, 0.0);
+}
+
+/* Covers what a sample hides; returns the measure that was open before. */
+static double cover(const walker *w, march *m, const occluder *o) {
+  if (m->kind == COVER_HORIZON)
+    return raise_horizon(w, m, o);
+  return m->kind == COVER_SECTORS ? cover_sectors(w, m, o)
+                                  : cover_stretch(w, m, o);
+}
+
+/* The light that is taken to come from a newly found occluder, for all of the
+ * measure that it newly covers. */
+static void take_light(const walker *w, march *m, const occluder *o,
+                       double taken) {
+  const hbil_config *c = w->g->job->config;
+  double t = fade(c, -dot(o->s.normal, o->to) / o->range);
+  for (int i = 0; i < 3; ++i) {
+    double own = *ref_at(w->g->split, HBIL_SPLIT_RED + i, o->x, o->y);
+    m->last[i] = c->refused == HBIL_REFUSED_LAST
+                     ? m->last[i] + t * (own - m->last[i])
+                     : t * own;
+    m->light[i] += m->last[i] * taken;
+  }
+  m->unknown += (1.0 - t) * taken;
+}
+
+static void meet(const walker *w, march *m, occluder *o) {
+  const hbil_config *c = w->g->job->config;
+  double taken;
+  o->s = surface_at(w->g->job, w->g->split, o->x, o->y);
+  o->to = add(o->s.at, -1.0, w->s.at);
+  o->range = length(o->to);
+  if (!isinf(c->radius) && !(o->range <= (double)c->radius))
+    return;
+  taken = cover(w, m, o);
+  m->blocked += falloff(c, o->range) * taken;
+  /* what covers nothing new is not seen */
+  if (gathers_light(c) && taken > 0.0)
+    take_light(w, m, o, taken);
+}
+
+/* Looks at one pixel inside the image.  Most samples do not rise: for them the
+ * excess is compared squared, without a root. */
+static void visit(const walker *w, march *m, int x, int y) {
+  double w1 = *ref_at(w->g->split, HBIL_SPLIT_W, x, y);
+  double ex = (x - w->x) * w->pixel_x, ey = (y - w->y) * w->pixel_y;
+  double above = w1 * w->keep - w->s.w - w->s.gx * ex - w->s.gy * ey;
+  double e2 = ex * ex + ey * ey;
+  occluder o;
+  if (!(w1 > 0.0 && above > 0.0 && above * above > m->best * m->best * e2))
+    return;
+  o.x = x;
+  o.y = y;
+  o.distance = sqrt(e2);
+  o.excess = above / o.distance;
+  meet(w, m, &o);
+}
+
+static bool inside(const ref_planes *p, int x, int y) {
+  return x >= 0 && y >= 0 && x < p->width && y < p->height;
+}
+
+/* The pixels that the kernels look at. */
+static void follow_pattern(const walker *w, march *m) {
+  const gathering *g = w->g;
+  for (int k = 0; k < g->pattern.samples; ++k) {
+    int dx, dy;
+    hbil_sample_offset(w->layer, k, w->level, (float)m->h.u.x, (float)m->h.u.y,
+                       g->view, g->pattern, &dx, &dy);
+    if (inside(g->split, w->x + dx, w->y + dy))
+      visit(w, m, w->x + dx, w->y + dy);
+  }
+}
+
+/* Least distance from the pixel's point to anything that a pixel can show:
+ * rises along a half-slice. */
+static double nearest_on(const walker *w, double x, double y) {
+  const hbil_camera *camera = &w->g->job->camera;
+  vec to = normalized(make((x + 0.5 - camera->cx) / camera->fx,
+                           (y + 0.5 - camera->cy) / camera->fy, 1.0));
+  double along = fmax(0.0, dot(w->s.at, to));
+  return length(add(w->s.at, -along, to));
+}
+
+/* Number of steps (sx, sy) beyond which nothing can be within the radius. */
+static int steps_within(const walker *w, double sx, double sy) {
+  const gathering *g = w->g;
+  double radius = (double)g->job->config->radius;
+  int near = 0, far = g->split->width + g->split->height;
+  if (isinf(radius))
+    return far;
+  while (near < far) {
+    int middle = (near + far + 1) / 2;
+    if (nearest_on(w, w->x + middle * sx, w->y + middle * sy) <= radius)
+      near = middle;
+    else
+      far = middle - 1;
+  }
+  return near + 2; /* pixels lie up to half a pixel off the line */
+}
+
+/* The pixel in every column (or row) that the line from a pixel's centre
+ * crosses. */
+static void follow_line(const walker *w, march *m) {
+  const ref_planes *split = w->g->split;
+  double px = m->h.u.x * w->g->job->camera.fx;
+  double py = m->h.u.y * w->g->job->camera.fy;
+  double major = fmax(fabs(px), fabs(py));
+  double slope_x = fabs(px) / major, slope_y = fabs(py) / major;
+  int sign_x = px < 0.0 ? -1 : 1, sign_y = py < 0.0 ? -1 : 1;
+  int steps = steps_within(w, px / major, py / major);
+  for (int k = 1; k <= steps; ++k) {
+    int x = w->x + sign_x * (int)(k * slope_x + 0.5);
+    int y = w->y + sign_y * (int)(k * slope_y + 0.5);
+    if (!inside(split, x, y))
+      return;
+    visit(w, m, x, y);
+  }
+}
+
+static march march_along(const walker *w, double ux, double uy) {
+  march m = begin(w, ux, uy);
+  if (w->g->dense)
+    follow_line(w, &m);
+  else
+    follow_pattern(w, &m);
+  return m;
+}
+
+/* Integral of bent_to() over what the stretches leave open. */
+static vec bent_between(const march *m) {
+  vec sum = bent_to(&m->h, m->start);
+  for (int i = 0; i < m->count; ++i) {
+    sum = add(sum, 1.0, bent_to(&m->h, m->list[i].front));
+    sum = add(sum, -1.0, bent_to(&m->h, m->list[i].back));
+  }
+  return sum;
+}
+
+static vec open_bent(const march *m) {
+  if (m->kind == COVER_HORIZON)
+    return bent_to(&m->h, m->top);
+  return m->kind == COVER_SECTORS ? m->bent : bent_between(m);
+}
+
+static void add_openness(walker *w, const march *m) {
+  w->sum.whole += m->h.weight * m->whole;
+  w->sum.open += m->h.weight * (m->whole - m->blocked);
+}
+
+/*
+ * The same as Jimenez et al. 2016 write it, in terms of the slice's plane: the
+ * normal projected onto it has a length and a signed angle gamma from wo, and
+ * between the horizons h1 < 0 < h2, no farther than pi/2 from gamma, lies
+ *   length/4 (-cos(2 h1 - gamma) + cos gamma + 2 h1 sin gamma
+ *             -cos(2 h2 - gamma) + cos gamma + 2 h2 sin gamma).
+ */
+static double arc(double gamma, double h) {
+  h = clamp(h, gamma - PI / 2.0, gamma + PI / 2.0);
+  return (-cos(2.0 * h - gamma) + cos(gamma) + 2.0 * h * sin(gamma)) / 4.0;
+}
+
+static void add_arcs(walker *w, const march *ahead, const march *behind) {
+  const half_slice *h = &ahead->h;
+  double size = sqrt(h->nx * h->nx + h->ny * h->ny);
+  double gamma = atan2(h->nx, h->ny);
+  w->sum.whole += h->weight * size * (arc(gamma, PI) + arc(gamma, -PI));
+  w->sum.open +=
+      h->weight * size *
+      (arc(gamma, ahead->top.theta) + arc(gamma, -behind->top.theta));
+}
+
+static void add_bent_and_light(walker *w, const march *m) {
+  sums *sum = &w->sum;
+  sum->bent = add(sum->bent, m->h.weight, open_bent(m));
+  sum->bent_whole = add(sum->bent_whole, m->h.weight, bent_to(&m->h, m->start));
+  sum->unknown += m->h.weight * m->unknown;
+  for (int i = 0; i < 3; ++i)
+    sum->light[i] += m->h.weight * m->light[i];
+}
+
+static void gather_slice(walker *w, double ux, double uy) {
+  march ahead = march_along(w, ux, uy), behind;
+  bool arcs =
+      w->g->job->config->mode == HBIL_MODE_GTAO && ahead.kind == COVER_HORIZON;
+  if (!arcs)
+    add_openness(w, &ahead);
+  add_bent_and_light(w, &ahead);
+  behind = march_along(w, -ux, -uy); /* in the same room for stretches */
+  if (!arcs)
+    add_openness(w, &behind);
+  else
+    add_arcs(w, &ahead, &behind);
+  add_bent_and_light(w, &behind);
 }
 
 /* The level that the pixel's tile of its layer's row uses. */
@@ -775,20 +1004,27 @@ static int level_at(const gathering *g, int x, int y) {
                     g->pattern.levels);
 }
 
-static void store_gathered(const walker *w) {
-  const ref_planes *gathered = w->g->gathered;
+static void store_bent_sum(const walker *w, double ao) {
   const sums *sum = &w->sum;
-  double slices = w->g->pattern.slices, ao = sum->open / sum->whole;
+  double slices = w->g->pattern.slices;
   /* what few slices miss of the whole plane's bent normal */
   vec rest = add(scaled(slices, w->s.normal), -1.0, sum->bent_whole);
   vec bent = scaled(1.0 / slices, add(sum->bent, ao, rest));
+  *ref_at(w->g->gathered, HBIL_LIGHT_BENT, w->x, w->y) = bent.x;
+  *ref_at(w->g->gathered, HBIL_LIGHT_BENT + 1, w->x, w->y) = bent.y;
+  *ref_at(w->g->gathered, HBIL_LIGHT_BENT + 2, w->x, w->y) = bent.z;
+}
+
+static void store_gathered(const walker *w) {
+  const ref_planes *gathered = w->g->gathered;
+  const sums *sum = &w->sum;
+  double ao = sum->open / sum->whole;
   *ref_at(gathered, HBIL_LIGHT_AO, w->x, w->y) = ao;
   for (int i = 0; i < 3; ++i)
     *ref_at(gathered, HBIL_LIGHT_RED + i, w->x, w->y) =
         PI * sum->light[i] / sum->whole;
-  *ref_at(gathered, HBIL_LIGHT_BENT, w->x, w->y) = bent.x;
-  *ref_at(gathered, HBIL_LIGHT_BENT + 1, w->x, w->y) = bent.y;
-  *ref_at(gathered, HBIL_LIGHT_BENT + 2, w->x, w->y) = bent.z;
+  if (has_bent(w->g->job->config))
+    store_bent_sum(w, ao);
   if (gathered->count > HBIL_LIGHT_UNKNOWN)
     *ref_at(gathered, HBIL_LIGHT_UNKNOWN, w->x, w->y) =
         sum->unknown / sum->whole;
@@ -809,7 +1045,7 @@ static void slice_direction(const walker *w, int slice, double *ux,
   *uy = (double)y;
 }
 
-static void gather_pixel(const gathering *g, int x, int y) {
+static walker walker_at(const gathering *g, int x, int y, stretch *room) {
   walker w;
   memset(&w, 0, sizeof(w));
   w.g = g;
@@ -817,41 +1053,93 @@ static void gather_pixel(const gathering *g, int x, int y) {
   w.x = x;
   w.y = y;
   w.layer = HBIL_SIDE * (y % HBIL_SIDE) + x % HBIL_SIDE;
-  w.level = level_at(g, x, y);
+  w.level = g->dense ? 0 : level_at(g, x, y);
+  w.pixel_x = 1.0 / g->job->camera.fx;
+  w.pixel_y = 1.0 / g->job->camera.fy;
+  w.keep = 1.0 - tolerance_of(g->job->config);
+  w.room = room;
+  return w;
+}
+
+static void gather_pixel(const gathering *g, int x, int y, stretch *room) {
+  walker w = walker_at(g, x, y, room);
   clear(g->gathered, x, y);
   *ref_at(g->gathered, HBIL_LIGHT_AO, x, y) = 1.0;
   if (!(w.s.w > 0.0))
     return;
+  w.least = least_excess(g->job->config, &w.s);
   for (int slice = 0; slice < g->pattern.slices; ++slice) {
     double ux, uy;
     slice_direction(&w, slice, &ux, &uy);
-    march(&w, ux, uy);
-    march(&w, -ux, -uy);
+    gather_slice(&w, ux, uy);
   }
   store_gathered(&w);
 }
 
-static void *gather_rows(void *argument) {
-  const gathering *g = argument;
-  for (int y = g->first; y < g->split->height; y += g->step)
-    for (int x = 0; x < g->split->width; ++x)
-      gather_pixel(g, x, y);
+static bool is_wanted(const gathering *g, int x, int y) {
+  return !g->dense || !g->dense->wanted ||
+         g->dense->wanted[(size_t)y * (size_t)g->split->width + (size_t)x];
+}
+
+static void gather_row(const gathering *g, int y, stretch *room) {
+  for (int x = 0; x < g->split->width; ++x)
+    if (is_wanted(g, x, y))
+      gather_pixel(g, x, y, room);
+  atomic_fetch_add(g->rows_done, 1);
+}
+
+/* One thread's share: every `threads`-th row. */
+typedef struct worker {
+  const gathering *g;
+  int index;
+  pthread_t thread;
+  bool running;
+} worker;
+
+static void report(const gathering *g) {
+  if (g->dense && g->dense->progress)
+    g->dense->progress(g->dense->user, atomic_load(g->rows_done),
+                       g->split->height);
+}
+
+static void gather_share(const worker *w, bool reports) {
+  const gathering *g = w->g;
+  /* no line crosses more pixels, and a pixel adds one stretch at most */
+  size_t longest = (size_t)(g->split->width + g->split->height);
+  stretch *room = allocate(longest, sizeof(*room));
+  for (int y = w->index; y < g->split->height; y += g->threads) {
+    gather_row(g, y, room);
+    if (reports)
+      report(g);
+  }
+  free(room);
+}
+
+static void *gather_share_aside(void *argument) {
+  gather_share(argument, false);
   return NULL;
 }
 
-/* Two threads, every other row each. */
-static void gather_all(const gathering *all) {
-  gathering even = *all, odd = *all;
-  pthread_t thread;
-  bool threaded;
-  even.step = odd.step = 2;
-  odd.first = 1;
-  threaded = pthread_create(&thread, NULL, gather_rows, &odd) == 0;
-  gather_rows(&even);
-  if (threaded)
-    pthread_join(thread, NULL);
-  else
-    gather_rows(&odd);
+/* The calling thread takes its share, and that of threads that can't start. */
+static void gather_all(gathering *g) {
+  atomic_int done = 0;
+  worker *workers = allocate((size_t)g->threads, sizeof(*workers));
+  g->rows_done = &done;
+  for (int i = g->threads - 1; i >= 0; --i) {
+    workers[i].g = g;
+    workers[i].index = i;
+    workers[i].running =
+        i > 0 && pthread_create(&workers[i].thread, NULL, gather_share_aside,
+                                workers + i) == 0;
+  }
+  for (int i = 0; i < g->threads; ++i)
+    if (!workers[i].running)
+      gather_share(workers + i, true);
+  for (int i = 0; i < g->threads; ++i)
+    if (workers[i].running)
+      pthread_join(workers[i].thread, NULL);
+  report(g);
+  free(workers);
 }
 
 static gathering gathering_of(const ref_job *job, const ref_planes *split,
@@ -863,6 +1151,7 @@ static gathering gathering_of(const ref_job *job, const ref_planes *split,
   g.gathered = gathered;
   g.view = ref_view(job->config, &job->camera);
   g.pattern = ref_pattern(job);
+  g.threads = 2;
   return g;
 }
 
@@ -872,12 +1161,13 @@ void ref_gather(const ref_job *job, const ref_planes *split,
   gather_all(&g);
 }
 
-void ref_gather_dense(const ref_job *job, const ref_planes *split, int slices,
-                      bool jacobian, ref_planes *gathered) {
+void ref_gather_dense(const ref_job *job, const ref_planes *split,
+                      const ref_dense *how, ref_planes *gathered) {
   gathering g = gathering_of(job, split, gathered);
-  g.dense = true;
-  g.equal_weights = !jacobian;
-  g.pattern.slices = slices;
+  g.dense = how;
+  g.pattern.slices = how->slices;
+  if (how->threads > 0)
+    g.threads = how->threads;
   gather_all(&g);
 }
 
@@ -982,9 +1272,12 @@ static double spatial(int d) {
 static double tap_weight(const ref_job *job, const surface *s,
                          const ref_planes *split, int x, int y, int dx,
                          int dy) {
-  surface other = surface_at(job, split, x + dx, y + dy);
+  surface other;
   double plane, off, alike;
-  if (!(other.w > 0.0) || (job->config->raw_interleave && (dx || dy)))
+  if (job->config->raw_interleave && (dx || dy))
+    return 0.0;
+  other = surface_at(job, split, x + dx, y + dy);
+  if (!(other.w > 0.0))
     return 0.0;
   plane = s->w + s->gx * dx / job->camera.fx + s->gy * dy / job->camera.fy;
   off = fabs(other.w - plane) / ((double)HBIL_PLANE_TOLERANCE * s->w);
@@ -1017,7 +1310,8 @@ static void fill_unknown(const ref_job *job, const surface *s, double unknown,
 static void recompose_pixel(const ref_job *job, const ref_planes *split,
                             const ref_planes *gathered, int x, int y,
                             ref_planes *resolved) {
-  bool fills = job->config->refused == HBIL_REFUSED_FRAME;
+  bool fills =
+      gathers_light(job->config) && job->config->refused == HBIL_REFUSED_FRAME;
   surface s = surface_at(job, split, x, y);
   double total = 0.0, unknown = 0.0;
   clear(resolved, x, y);
@@ -1083,23 +1377,39 @@ static int band_of(int index) {
   return index == 0 ? 0 : index < 4 ? 1 : 2;
 }
 
+/* Of the share `ao` of the hemisphere that the screen leaves open, what ends on
+ * a surface all the same.  Direct light (as radiance) that holds the sky's
+ * shows that no more than direct / sky of the hemisphere sees the sky; of the
+ * open share, dark = 1 - direct / sky / ao is thus without it, and an open
+ * direction is taken for blocked as often. */
+static double unlit_share(const ref_job *job, int x, int y, double ao) {
+  double seen = 0.0, dark;
+  for (int c = 0; c < 3; ++c) {
+    double sky = (double)job->environment[0][c];
+    if (sky > 0.0)
+      seen = fmax(seen, direct_at(job, c, x, y) / PI / sky);
+  }
+  dark = clamp(1.0 - seen / fmax(ao, 1e-6), 0.0, 1.0);
+  return ao * dark * dark;
+}
+
 /* Far irradiance through a cone about a view-space direction (0: none). */
-static double far_light(const ref_job *job, int channel, double ao, vec bent,
-                        double near_light) {
+static double far_light(const ref_job *job, int channel, int x, int y,
+                        double ao, vec bent, double near_light) {
   vec world = to_world(&job->camera, bent);
-  double d[3] = {world.x, world.y, world.z}, y[9], sum = 0.0;
+  double d[3] = {world.x, world.y, world.z}, basis[9], sum = 0.0;
   if (job->config->far_field == HBIL_FAR_NONE)
     return 0.0;
   if (job->config->far_field == HBIL_FAR_CONSTANT)
     return PI * ao * (double)job->environment[0][channel];
   if (job->config->far_field == HBIL_FAR_FRAME)
-    return PI * ao *
+    return PI * unlit_share(job, x, y, ao) *
            unseen_light(job, channel, bent, near_light / PI, 1.0 - ao);
-  ref_sh_basis(d, y);
+  ref_sh_basis(d, basis);
   for (int i = 0; i < 9; ++i) {
     int l = band_of(i);
     sum += sqrt(4.0 * PI / (2 * l + 1)) *
-           cone_band(l, sqrt(fmax(0.0, 1.0 - ao))) * y[i] *
+           cone_band(l, sqrt(fmax(0.0, 1.0 - ao))) * basis[i] *
            (double)job->environment[i][channel];
   }
   return fmax(0.0, sum);
@@ -1160,7 +1470,8 @@ static void composite_pixel(const ref_job *job, const ref_planes *resolved,
                   *ref_at(resolved, HBIL_LIGHT_BENT + 1, x, y),
                   *ref_at(resolved, HBIL_LIGHT_BENT + 2, x, y));
   *ref_at(out, REF_AO, x, y) = ao;
-  *ref_at(out, REF_CONE, x, y) = sqrt(fmax(0.0, 1.0 - ao));
+  if (has_bent(job->config))
+    *ref_at(out, REF_CONE, x, y) = sqrt(fmax(0.0, 1.0 - ao));
   store_bent(out, x, y,
              job->config->bent_space == HBIL_SPACE_WORLD
                  ? to_world(&job->camera, bent)
@@ -1168,7 +1479,8 @@ static void composite_pixel(const ref_job *job, const ref_planes *resolved,
   for (int c = 0; c < 3; ++c) {
     double near_light = *ref_at(resolved, HBIL_LIGHT_RED + c, x, y);
     composite_channel(job, c, x, y, near_light,
-                      far_light(job, c, ao, bent, near_light), out, history);
+                      far_light(job, c, x, y, ao, bent, near_light), out,
+                      history);
   }
   *ref_at(history, HBIL_HISTORY_W, x, y) = inverse_depth(job, x, y);
 }
@@ -1207,9 +1519,10 @@ void ref_state_free(ref_state *state) {
   ref_planes_free(&state->out);
 }
 
-void ref_frame(ref_state *state, ref_job *job) {
-  bool reprojects = job->config->reprojection != HBIL_REPROJECTION_NONE;
-  bool carries = reprojects && state->has_history;
+/* What comes before the gather: everything up to SPLIT and the estimate. */
+static void prepare(ref_state *state, ref_job *job) {
+  bool carries =
+      job->config->reprojection != HBIL_REPROJECTION_NONE && state->has_history;
   job->previous = state->camera;
   if (carries) {
     ref_reproject(job, &state->history, &state->carried);
@@ -1217,9 +1530,29 @@ void ref_frame(ref_state *state, ref_job *job) {
   }
   ref_split(job, carries ? &state->carried : NULL, &state->split);
   ref_estimate_frame(job, &state->split);
-  ref_gather(job, &state->split, &state->gathered);
+}
+
+/* What comes after it. */
+static void finish(ref_state *state, const ref_job *job) {
   ref_recompose(job, &state->split, &state->gathered, &state->resolved);
   ref_composite(job, &state->resolved, &state->out, &state->history);
   state->camera = job->camera;
-  state->has_history = reprojects;
+  state->has_history = job->config->reprojection != HBIL_REPROJECTION_NONE;
+}
+
+void ref_frame(ref_state *state, ref_job *job) {
+  prepare(state, job);
+  ref_gather(job, &state->split, &state->gathered);
+  finish(state, job);
+}
+
+void ref_frame_dense(ref_state *state, ref_job *job, const ref_dense *how) {
+  hbil_config unfiltered = *job->config;
+  ref_job own;
+  unfiltered.raw_interleave = CL_TRUE;
+  prepare(state, job);
+  own = *job;
+  own.config = &unfiltered;
+  ref_gather_dense(&own, &state->split, how, &state->gathered);
+  finish(state, &own);
 }

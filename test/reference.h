@@ -86,16 +86,28 @@ double ref_frame_light(const ref_job *job, int channel, const double normal[3]);
 void ref_gather(const ref_job *job, const ref_planes *split,
                 ref_planes *gathered);
 /*
- * The same without sampling error: `slices` equally spaced slices a pixel (256
- * or more), each crossing every pixel of its line: in every column (every row
- * where the line is steep in pixels) the one pixel whose centre is nearest.
- * So each pixel of a column owns the directions through its own cell: none is
- * left out, none is counted twice.  It is looked at in its centre, at its true
- * offset.
- * jacobian false: leaves the slices' weight J out, which is wrong.
+ * The same without sampling error: equally spaced slices, each crossing every
+ * pixel of its line: in every column (every row where the line is steep in
+ * pixels) the one pixel whose centre is nearest.  So each pixel of a column
+ * owns the directions through its own cell: none is left out, none is counted
+ * twice.  It is looked at in its centre, at its true offset.  Occluders of
+ * finite thickness cover intervals here, not sectors.
  */
-void ref_gather_dense(const ref_job *job, const ref_planes *split, int slices,
-                      bool jacobian, ref_planes *gathered);
+typedef struct ref_dense {
+  int slices; /* any number from 1; 256 or more for an exact result */
+  bool equal_weights; /* leaves the slices' weight J out, which is wrong */
+  int threads;        /* 0: two */
+  /* One byte per pixel, 0: leave the pixel out (its values stay as they are);
+   * NULL: every pixel. */
+  const unsigned char *wanted;
+  /* Called now and then from the calling thread with the rows that are done;
+   * may be NULL. */
+  void (*progress)(void *user, int done, int count);
+  void *user;
+} ref_dense;
+
+void ref_gather_dense(const ref_job *job, const ref_planes *split,
+                      const ref_dense *how, ref_planes *gathered);
 /* SPLIT, GATHERED -> RESOLVED. */
 void ref_recompose(const ref_job *job, const ref_planes *split,
                    const ref_planes *gathered, ref_planes *resolved);
@@ -114,6 +126,9 @@ void ref_state_init(ref_state *state, int width, int height);
 void ref_state_free(ref_state *state);
 /* Runs all passes; job->previous comes from the state. */
 void ref_frame(ref_state *state, ref_job *job);
+/* The same with the dense gather, and without the 4x4 pattern's filter, which
+ * it doesn't need. */
+void ref_frame_dense(ref_state *state, ref_job *job, const ref_dense *how);
 
 /* Order-2 real spherical harmonics at a unit direction, hbil's order. */
 void ref_sh_basis(const double d[3], double y[9]);

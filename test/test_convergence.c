@@ -95,12 +95,13 @@ static ref_planes kernels(double fov, cl_uint slices, cl_uint samples,
 }
 
 static ref_planes exact(double fov, int slices, bool jacobian) {
+  const ref_dense how = {.slices = slices, .equal_weights = !jacobian};
   setup s;
   ref_planes split, want = ref_planes_new(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
   start(&s, fov, 2, 8);
   split = ref_planes_new(WIDTH, HEIGHT, HBIL_SPLIT_PLANES);
   ref_split(&s.job, NULL, &split);
-  ref_gather_dense(&s.job, &split, slices, jacobian, &want);
+  ref_gather_dense(&s.job, &split, &how, &want);
   ref_planes_free(&split);
   setup_free(&s);
   return want;

@@ -35,7 +35,7 @@ static void compare_outputs(setup *s, const ref_planes *want) {
 }
 
 static void check_sequence(scene_kind kind, int width, int height,
-                           cl_uint vector_width) {
+                           cl_uint vector_width, const float sky[3]) {
   setup s;
   ref_state reference;
   setup_scene(&s, kind, width, height, 0);
@@ -47,6 +47,8 @@ static void check_sequence(scene_kind kind, int width, int height,
   for (uint32_t i = 0; i < 3; ++i) {
     setup_load_scene(&s, kind, i);
     s.frame.index = i;
+    memcpy(s.frame.environment[0], sky, 3 * sizeof *sky);
+    memcpy(s.job.environment[0], sky, 3 * sizeof *sky);
     setup_upload(&s);
     setup_run(&s, hbil_enqueue_frame);
     ref_frame(&reference, &s.job);
@@ -58,10 +60,21 @@ static void check_sequence(scene_kind kind, int width, int height,
 
 static void sequences_match(void **state) {
   const int sizes[][2] = {{1, 1}, {3, 5}, {17, 31}, {160, 90}};
+  const float none[3] = {0.0f, 0.0f, 0.0f};
   (void)state;
   for (int i = 0; i < 8; ++i)
     check_sequence(i & 2 ? SCENE_SKY : SCENE_ROOM, sizes[i / 2][0],
-                   sizes[i / 2][1], i & 1 ? 8 : 1);
+                   sizes[i / 2][1], i & 1 ? 8 : 1, none);
+}
+
+/* Skies that direct light reaches in part, and one without green. */
+static void what_the_sky_does_not_light_is_filled(void **state) {
+  const float skies[][3] = {
+      {0.3f, 0.4f, 0.5f}, {2.0f, 0.0f, 3.0f}, {20.0f, 20.0f, 20.0f}};
+  (void)state;
+  for (int i = 0; i < 6; ++i)
+    check_sequence(i & 1 ? SCENE_SKY : SCENE_ROOM, 97, 54, i & 2 ? 8 : 1,
+                   skies[i / 2]);
 }
 
 #define WIDTH 77
@@ -417,6 +430,7 @@ static void light_does_not_grow_from_bounce_to_bounce(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(sequences_match),
+      cmocka_unit_test(what_the_sky_does_not_light_is_filled),
       cmocka_unit_test(lights_can_be_had_alone),
       cmocka_unit_test(an_even_radiance_is_its_own_estimate),
       cmocka_unit_test(the_references_estimate_is_even),

@@ -84,6 +84,12 @@ SPOIL(samples_257, c->samples = 257)
 SPOIL(radius_nan, c->radius = NAN)
 SPOIL(radius_0, c->radius = 0.0f)
 SPOIL(radius_negative, c->radius = -1.0f)
+SPOIL(thickness_negative, c->thickness = -0.1f)
+SPOIL(thickness_nan, c->thickness = NAN)
+SPOIL(relative_thickness_0, c->relative_thickness = 0.0f)
+SPOIL(relative_thickness_nan, c->relative_thickness = NAN)
+SPOIL(mode_unknown, c->mode = (hbil_mode)3)
+SPOIL(falloff_unknown, c->falloff = (hbil_falloff)3)
 SPOIL(facing_descending, (c->facing[0] = 0.5f, c->facing[1] = 0.25f))
 SPOIL(facing_nan, c->facing[1] = NAN)
 SPOIL(facing_wide, c->facing[1] = 2.0f)
@@ -106,36 +112,43 @@ SPOIL(feedback_unknown, c->feedback = (hbil_feedback)7)
 SPOIL(vector_3, c->vector_width = 3)
 SPOIL(size_wrong, c->struct_size -= 8)
 
-static const bad_config bad_configs[] = {{"width", width_0},
-                                         {"width", width_high},
-                                         {"height", height_0},
-                                         {"slices", slices_0},
-                                         {"slices", slices_33},
-                                         {"samples", samples_0},
-                                         {"samples", samples_257},
-                                         {"radius", radius_nan},
-                                         {"radius", radius_0},
-                                         {"radius", radius_negative},
-                                         {"facing", facing_descending},
-                                         {"facing", facing_nan},
-                                         {"facing", facing_wide},
-                                         {"step_growth", growth_nan},
-                                         {"step_growth", growth_negative},
-                                         {"step_growth", growth_65},
-                                         {"disocclusion", disocclusion_0},
-                                         {"disocclusion", disocclusion_nan},
-                                         {"depth", depth_missing},
-                                         {"normal", normal_missing},
-                                         {"albedo", albedo_stride},
-                                         {"direct", direct_component},
-                                         {"ao", ao_unorm},
-                                         {"motion", motion_missing},
-                                         {"lattice", lattice_unknown},
-                                         {"refused", refused_unknown},
-                                         {"far_field", far_unknown},
-                                         {"feedback", feedback_unknown},
-                                         {"vector_width", vector_3},
-                                         {"struct_size", size_wrong}};
+static const bad_config bad_configs[] = {
+    {"width", width_0},
+    {"width", width_high},
+    {"height", height_0},
+    {"slices", slices_0},
+    {"slices", slices_33},
+    {"samples", samples_0},
+    {"samples", samples_257},
+    {"radius", radius_nan},
+    {"radius", radius_0},
+    {"radius", radius_negative},
+    {"thickness", thickness_negative},
+    {"thickness", thickness_nan},
+    {"relative_thickness", relative_thickness_0},
+    {"relative_thickness", relative_thickness_nan},
+    {"mode", mode_unknown},
+    {"falloff", falloff_unknown},
+    {"facing", facing_descending},
+    {"facing", facing_nan},
+    {"facing", facing_wide},
+    {"step_growth", growth_nan},
+    {"step_growth", growth_negative},
+    {"step_growth", growth_65},
+    {"disocclusion", disocclusion_0},
+    {"disocclusion", disocclusion_nan},
+    {"depth", depth_missing},
+    {"normal", normal_missing},
+    {"albedo", albedo_stride},
+    {"direct", direct_component},
+    {"ao", ao_unorm},
+    {"motion", motion_missing},
+    {"lattice", lattice_unknown},
+    {"refused", refused_unknown},
+    {"far_field", far_unknown},
+    {"feedback", feedback_unknown},
+    {"vector_width", vector_3},
+    {"struct_size", size_wrong}};
 
 static void assert_refused(hbil_status got, hbil_status want,
                            const char *field) {
@@ -163,6 +176,42 @@ static void bad_configurations_are_refused_by_name(void **state) {
     assert_null(plan);
   }
   setup_free(&s);
+}
+
+static void presets_set_the_sampling_alone(void **state) {
+  (void)state;
+  for (int q = 0; q <= HBIL_QUALITY_REFERENCE; ++q) {
+    setup s;
+    hbil_config before;
+    size_t bytes = 0;
+    setup_init(&s, WIDTH, HEIGHT);
+    setup_all_outputs(&s);
+    before = s.config;
+    assert_int_equal(hbil_config_set_quality(&s.config, (hbil_quality)q),
+                     HBIL_SUCCESS);
+    assert_int_equal(hbil_plan_memory(test_gpu.hbil, &s.config, &bytes),
+                     HBIL_SUCCESS);
+    assert_non_null(hbil_quality_name((hbil_quality)q));
+    before.slices = s.config.slices;
+    before.samples = s.config.samples;
+    before.step_growth = s.config.step_growth;
+    before.lattice = s.config.lattice;
+    before.raw_interleave = s.config.raw_interleave;
+    assert_memory_equal(&before, &s.config, sizeof before);
+    setup_free(&s);
+  }
+}
+
+static void a_preset_that_is_none_is_refused(void **state) {
+  hbil_config c;
+  (void)state;
+  hbil_config_init(&c);
+  assert_int_equal(hbil_config_set_quality(&c, (hbil_quality)4),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_config_set_quality(NULL, HBIL_QUALITY_FAST),
+                   HBIL_INVALID_ARGUMENT);
+  assert_null(hbil_quality_name((hbil_quality)4));
+  assert_int_equal(c.slices, 2);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -363,6 +412,8 @@ int main(void) {
       cmocka_unit_test(version_is_the_headers),
       cmocka_unit_test(defaults_are_those_of_the_header),
       cmocka_unit_test(bad_configurations_are_refused_by_name),
+      cmocka_unit_test(presets_set_the_sampling_alone),
+      cmocka_unit_test(a_preset_that_is_none_is_refused),
       cmocka_unit_test(bad_frames_are_refused_by_name),
       cmocka_unit_test(refused_frames_write_nothing),
       cmocka_unit_test(null_arguments_are_refused),

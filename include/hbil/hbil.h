@@ -178,12 +178,39 @@ typedef enum hbil_feedback {
   HBIL_FEEDBACK_RADIANCE = 1
 } hbil_feedback;
 
+/* What is computed, through the same march and the same passes. */
+typedef enum hbil_mode {
+  /* Near light, cosine-weighted AO, bent cone: Mayaux 2018. */
+  HBIL_MODE_HBIL = 0,
+  /* Ground-truth ambient occlusion (Jimenez et al. 2016): cosine-weighted AO
+   * and bent normal; no near light.  The same AO as HBIL's. */
+  HBIL_MODE_GTAO = 1,
+  /* Horizon-based ambient occlusion (Bavoil et al. 2008): AO alone, every
+   * direction of the hemisphere counting alike, and an occluder at distance r
+   * only by its falloff W(r):
+   *   AO = 1 - 1/(2 pi) integral over slices and elevations, from the tangent
+   *        plane to the horizon, of W(r) cos(elevation)
+   * with r the distance of the sample that raised the horizon there
+   * (their "per-sample attenuation").  No near light, no bent cone. */
+  HBIL_MODE_HBAO = 2
+} hbil_mode;
+
+/* Weight W of an occluder at distance r, for HBIL_MODE_HBAO; 1 where the radius
+ * R is unlimited.  Occluders farther than R never count. */
+typedef enum hbil_falloff {
+  HBIL_FALLOFF_LINEAR = 0, /* max(0, 1 - r/R) */
+  HBIL_FALLOFF_SOFT = 1,   /* 1 - r/(3R) */
+  HBIL_FALLOFF_NONE = 2    /* 1 */
+} hbil_falloff;
+
 typedef enum hbil_far_field {
   HBIL_FAR_NONE = 0,     /* E_far = 0 */
   HBIL_FAR_CONSTANT = 1, /* the same radiance from everywhere */
   HBIL_FAR_SH = 2,       /* order-2 spherical harmonics, 9 coefficients */
   /* What the frame's own surfaces send on average towards the bent normal: for
-   * rooms that close outside the picture. */
+   * rooms that close outside the picture.  With a sky's radiance in
+   * environment[0], the same for the share of unblocked directions that the
+   * direct light, which holds the sky's, leaves dark. */
   HBIL_FAR_FRAME = 3
 } hbil_far_field;
 
@@ -243,21 +270,25 @@ typedef struct hbil_config {
                             in pixels, x right, y down, of `motion` */
 
   /* The method. */
+  hbil_mode mode;       /* default HBIL.  GTAO cannot have near_light nor
+                           HBIL_FAR_FRAME; HBAO neither, nor bent, cone,
+                           HBIL_FAR_SH.  Their `indirect` is far light alone. */
+  hbil_falloff falloff; /* with HBIL_MODE_HBAO only; default LINEAR */
   float radius;         /* world units; occluders farther from the point are
                            ignored; infinity (default): unlimited */
   float thickness;      /* of occluders, world units, > 0; infinity (default):
                            they never end, as in the paper */
   float relative_thickness; /* the same as a share of the occluder's depth; the
                                smaller of both counts; default infinity */
-  cl_uint slices;       /* per pixel, 1..32; default 2 */
-  cl_uint samples;      /* per side of a slice, 1..256; default 8 */
-  float step_growth;    /* spacing of samples, 0..64: 0 equal steps; g: the
-                           last step is (1+g)^2 times the first; default 2 */
-  hbil_lattice lattice; /* default FULL */
+  cl_uint slices;           /* per pixel, 1..32; default 2 */
+  cl_uint samples;          /* per side of a slice, 1..256; default 8 */
+  float step_growth;        /* spacing of samples, 0..64: 0 equal steps; g: the
+                               last step is (1+g)^2 times the first; default 2 */
+  hbil_lattice lattice;     /* default FULL */
   float facing[2];      /* radiance of a sample fades in as the cosine between
                            its normal and the direction back to the point goes
                            from facing[0] to facing[1]; -1..1, ascending;
-                           default -0.1, 0 */
+                           -1, -1: none is refused; default -0.1, 0 */
   hbil_refused refused; /* default LAST */
   cl_bool gather_emission; /* emission lights neighbours too (CL_TRUE), or is
                               in `direct` already (CL_FALSE); default CL_TRUE */
@@ -275,6 +306,27 @@ typedef struct hbil_config {
   cl_bool profiling; /* keep events for hbil_plan_timings(); needs queues made
                         with CL_QUEUE_PROFILING_ENABLE; default CL_FALSE */
 } hbil_config;
+
+/*
+ * Presets of the sampling (slices, samples, step_growth, lattice,
+ * raw_interleave); nothing else is touched, so they go with every model.
+ * Chosen from `hbil bench` (README.md has the plot, HACKING.md the figures).
+ */
+typedef enum hbil_quality {
+  HBIL_QUALITY_FAST = 0,
+  HBIL_QUALITY_BALANCED = 1,
+  HBIL_QUALITY_HIGH = 2,
+  /* As dense as the settings go, without the filter: what the others are
+   * compared with where the exact integral is out of reach. */
+  HBIL_QUALITY_REFERENCE = 3
+} hbil_quality;
+
+/* HBIL_INVALID_ARGUMENT for a null config or a number that is no preset. */
+HBIL_API hbil_status hbil_config_set_quality(hbil_config *config,
+                                             hbil_quality quality);
+
+/* "fast", "balanced", "high", "reference"; NULL for any other number. */
+HBIL_API const char *hbil_quality_name(hbil_quality quality);
 
 /* Defaults; width, height and the formats are left at 0 for the caller. */
 HBIL_API void hbil_config_init_sized(hbil_config *config, size_t struct_size);
@@ -308,7 +360,8 @@ typedef struct hbil_frame {
   /* Inputs and outputs: exactly those whose format the plan has. */
   hbil_image depth, normal, albedo, f0, direct, emission, motion;
   hbil_image near_light, far_light, ao, bent, cone, indirect, radiance;
-  /* Far field: radiance in environment[0] for HBIL_FAR_CONSTANT; for
+  /* Far field: radiance in environment[0] for HBIL_FAR_CONSTANT; radiance of
+   * the sky that is in the direct light already, or 0, for HBIL_FAR_FRAME; for
    * HBIL_FAR_SH the coefficients of the real orthonormal basis in world space,
    * order (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2). */
   float environment[9][3];
@@ -406,13 +459,14 @@ HBIL_API hbil_status hbil_enqueue_composite(
  * What the passes exchange: planes of 32-bit floats.  Values per pixel:
  *   HISTORY    4: inverse depth 1/z of the last frame (<= 0: sky), carried RGB
  *   CARRIED    4: RGB of the last frame seen from this one, weight (0: a hole)
- *   SPLIT      6: inverse depth w (<= 0: nothing there), its gradient in x and
- *                 y (per unit of ray slope), radiance RGB
+ *   SPLIT      7: inverse depth w (<= 0: nothing there), view-space unit normal
+ *                 XYZ that faces the eye, radiance RGB
  *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length);
- *                 8 with HBIL_REFUSED_FRAME: share of light that is unknown
+ *                 8 with HBIL_REFUSED_FRAME, unless facing[1] is -1: share of
+ *                 light that is unknown
  *   RESOLVED   7: the same, full resolution, E_near with the unknown filled in
  * A plan keeps only what its outputs need: hbil_buffer.values says how many of
- * these, from the first on, it has (SPLIT 3 without radiance; GATHERED and
+ * these, from the first on, it has (SPLIT 4 without radiance; GATHERED and
  * RESOLVED 4 without bent normals, 1 with AO alone).  HISTORY and CARRIED exist
  * where light is carried over: with a reprojection, and an output among
  * near_light, indirect and radiance.

@@ -3,9 +3,9 @@
  * baseline and a bandwidth yardstick that are measured in the same run.
  *
  * Content is the procedural room or a captured frame.  Error is sampling error
- * (against a dense result of the same model) and, where a path-traced truth is
- * given, model error.  As everywhere in the tool, functions that can fail
- * return 0 or fill an image_error.
+ * (against the exact screen-space integral of the same model) and, where a
+ * path-traced truth is given, model error.  As everywhere in the tool,
+ * functions that can fail return 0 or fill an image_error.
  */
 #ifndef HBIL_BENCH_H
 #define HBIL_BENCH_H
@@ -29,6 +29,7 @@ typedef struct bench_options {
   const char *device;     /* see device_open() */
   const char *output;     /* folder */
   unsigned runs;          /* counted runs of every configuration */
+  unsigned pixels;        /* most that errors are measured at; 0: the default */
   int quick;              /* few configurations, small */
 } bench_options;
 
@@ -37,24 +38,48 @@ int bench_run(const bench_options *options, image_error *error);
 
 /* --- configurations.c: what is measured --- */
 
+/* What a result should be; each has an exact integral of its own. */
+typedef enum bench_model {
+  BENCH_PAPER = 0, /* the library's defaults */
+  BENCH_THICK_02,  /* the same, occluders as thick as 2 % of their depth */
+  BENCH_THICK_08,
+  BENCH_THICK_30,
+  BENCH_TOOL, /* that of hbil process */
+  BENCH_GTAO, /* AO alone */
+  BENCH_HBAO, /* AO alone, within a radius */
+  BENCH_MODELS
+} bench_model;
+
 typedef struct bench_configuration {
   cl_uint slices, samples;
   float growth;
   hbil_lattice lattice;
   int raw;   /* without recompose's filter */
   int quick; /* also part of the short list */
+  bench_model model;
+  const char *preset; /* its name, or NULL */
 } bench_configuration;
 
-/* The table; those of the short list only if quick. */
-size_t bench_configurations(int quick, const bench_configuration **out);
-/* The dense result that sampling error is held against. */
-bench_configuration bench_reference(void);
+/* Longest label, with its end. */
+enum { BENCH_LABEL = 64 };
+enum { BENCH_MAX_CONFIGURATIONS = 64 };
+
+/* The list; those of the short one only if quick. */
+size_t bench_configurations(int quick,
+                            bench_configuration out[BENCH_MAX_CONFIGURATIONS]);
+/* "tool", "thick .08"; empty for the paper. */
+const char *bench_model_name(bench_model model);
+/* Whether all there is is AO. */
+int bench_is_ao_alone(bench_model model);
+/* Whether occluders end and nothing else is different from the paper. */
+int bench_is_thick(bench_model model);
 /* The setting that the others' cost is told in multiples of. */
 int bench_is_start(const bench_configuration *c);
 /* Whether the library does this by itself. */
 int bench_is_default(const bench_configuration *c);
-void bench_configure(const bench_configuration *c, hbil_config *config);
-/* "2x8 full g2". */
+/* Whether hbil process does this by itself. */
+int bench_is_tools_default(const bench_configuration *c);
+/* "tool fast 1x8 full g2". */
 void bench_label(const bench_configuration *c, char *text, size_t size);
 
 /* --- content.c: what it is measured on --- */
@@ -80,10 +105,23 @@ typedef struct bench_content {
   uint32_t width, height;
   unsigned frames;
   bench_frame frame[BENCH_FRAMES];
-  float environment[9][3];
-  hbil_config config; /* size, conventions, model */
-  float *truth;       /* three planes, or NULL */
+  float environment[9][3]; /* of all far fields but `far` */
+  float sky[9][3];         /* of that one */
+  hbil_config config;      /* size, conventions, the paper's model */
+  hbil_far_field far;      /* of the tool's model */
+  float radius;            /* of HBAO */
+  float *truth;            /* three planes, or NULL */
+  /* One byte a pixel: whether sampling error is measured there.  As many in
+   * each of the 16 layers. */
+  unsigned char *compared;
+  size_t compared_count;
 } bench_content;
+
+/* What goes with a far field, 9 x 3 numbers. */
+const void *bench_environment(const bench_content *content, hbil_far_field far);
+/* The content's settings with a configuration's model and sampling. */
+void bench_configure(const bench_content *content, const bench_configuration *c,
+                     hbil_config *config);
 
 int bench_content_load(const bench_options *options, bench_content *out,
                        image_error *error);
@@ -102,8 +140,8 @@ typedef struct bench_spread {
 /* Sorts values. */
 bench_spread bench_spread_of(double *values, unsigned count);
 
-/* Sampling error of a result of frame 0 over its surfaces; NAN where a value
- * is not finite. */
+/* Sampling error of a result of frame 0, over the surfaces that are compared;
+ * NAN where a value is not finite. */
 double bench_ao_error(const bench_content *content, const float *ao,
                       const float *reference);
 /* RMSE over all channels, divided by the reference's mean. */
@@ -164,17 +202,34 @@ int bench_measure_literal(const device *d, const bench_content *content,
                           unsigned runs, const float *ao, const float *light,
                           bench_literal *out, image_error *error);
 
+/* --- exact.c: what sampling errors are measured against --- */
+
+/* The exact integral of frame 0, one bounce, of every model in use. */
+typedef struct bench_exact {
+  int slices;
+  float *ao[BENCH_MODELS];    /* NULL: the model is not in use */
+  float *light[BENCH_MODELS]; /* E_near; NULL where AO is all */
+} bench_exact;
+
+int bench_exact_make(const bench_content *content, int slices,
+                     const bench_configuration *list, size_t count,
+                     bench_exact *out, image_error *error);
+void bench_exact_free(bench_exact *exact);
+
 /* --- lab.c: the library on the content --- */
 
 typedef struct bench_row {
   bench_configuration configuration;
-  char label[64];
+  char label[BENCH_LABEL];
   size_t memory; /* bytes on the device */
   bench_spread pass[HBIL_PASS_COUNT], total;
-  bench_spread host; /* milliseconds in hbil_enqueue_frame() */
-  double ao_error, light_error;
-  double model_error;        /* NAN without a truth */
-  int ao_front, light_front; /* nothing is both faster and better */
+  bench_spread host;            /* milliseconds in hbil_enqueue_frame() */
+  double ao_error, light_error; /* light: NAN where AO is all */
+  double model_error;           /* NAN without a truth */
+  int ao_front, light_front;    /* nothing of its model is faster and better */
+  /* Gather's time over that of the same sampling with endless occluders, both
+   * measured in turns; NAN where occluders don't end. */
+  double over_endless;
 } bench_row;
 
 typedef struct bench_lab bench_lab;
@@ -182,13 +237,16 @@ typedef struct bench_lab bench_lab;
 int bench_lab_open(const device *d, const bench_content *content,
                    bench_lab **out, image_error *error);
 void bench_lab_close(bench_lab *lab);
-/* Makes the reference. */
-int bench_lab_refer(bench_lab *lab, const bench_configuration *c,
-                    image_error *error);
-const float *bench_lab_ao(const bench_lab *lab);    /* of the reference */
-const float *bench_lab_light(const bench_lab *lab); /* E_near of it */
-int bench_lab_measure(bench_lab *lab, const bench_configuration *c,
-                      unsigned runs, bench_row *out, image_error *error);
+int bench_lab_measure(bench_lab *lab, const bench_exact *exact,
+                      const bench_configuration *c, unsigned runs,
+                      bench_row *out, image_error *error);
+/* Fills in over_endless. */
+int bench_lab_thickness(bench_lab *lab, const bench_configuration *c,
+                        unsigned runs, bench_row *row, image_error *error);
+/* What the estimate of unseen light adds to the split of a configuration of the
+ * tool's model: milliseconds. */
+int bench_lab_estimate(bench_lab *lab, const bench_configuration *c,
+                       unsigned runs, double *out, image_error *error);
 
 /* --- reports --- */
 
@@ -201,15 +259,18 @@ typedef struct bench_report {
   bench_machine machine;
   const bench_content *content;
   unsigned runs;
-  char reference[64]; /* label */
+  int exact_slices;
   bench_copy copy;
   bench_literal literal;
   const bench_row *rows;
   size_t count;
+  double estimate; /* milliseconds of the estimate of unseen light */
 } bench_report;
 
 /* Gather time of the start configuration; NAN if it was not measured. */
 double bench_start_time(const bench_report *report);
+/* What errors are measured against: "exact integral, 128 slices". */
+void bench_reference(const bench_report *report, char *text, size_t size);
 /* What the reference is and what a user should know, in one sentence each. */
 void bench_notes(const bench_report *report, FILE *out, const char *before,
                  const char *after);
@@ -218,5 +279,11 @@ void bench_write_table(const bench_report *report, FILE *out);
 void bench_write_csv(const bench_report *report, FILE *out);
 void bench_write_json(const bench_report *report, FILE *out);
 void bench_write_svg(const bench_report *report, FILE *out);
+
+/* --- picture.c --- */
+
+/* FOLDER/bench.png from FOLDER/bench.svg by rsvg-convert.  *made: 0 where the
+ * program is missing or fails, which is no error. */
+int bench_write_png(const char *folder, int *made, image_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* What is measured: one table. */
+/* What is measured: one table, the presets, and the models. */
 #include "bench/bench.h"
 
 #include <string.h>
@@ -6,61 +6,121 @@
 #define FULL HBIL_LATTICE_FULL
 #define LAYER HBIL_LATTICE_LAYER
 
-/* slices, samples a side, growth of the steps, lattice, raw, quick */
+/* slices, samples a side, growth of the steps, lattice, raw, quick, model */
 static const bench_configuration table[] = {
     /* the paper's setting, and what each departure from it does */
-    {2, 8, 0.0f, LAYER, 0, 1},
-    {2, 8, 2.0f, LAYER, 0, 0},
-    {2, 8, 0.0f, FULL, 0, 1},
-    {2, 8, 1.0f, FULL, 0, 0},
-    {2, 8, 2.0f, FULL, 0, 1},
-    {2, 8, 4.0f, FULL, 0, 0},
-    {2, 8, 2.0f, FULL, 1, 1},
+    {2, 8, 0.0f, LAYER, 0, 1, BENCH_PAPER, NULL},
+    {2, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {2, 8, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {2, 8, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL},
+    {2, 8, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {2, 8, 2.0f, FULL, 1, 0, BENCH_PAPER, NULL},
     /* samples */
-    {2, 4, 2.0f, FULL, 0, 1},
-    {2, 16, 2.0f, FULL, 0, 0},
-    {2, 32, 2.0f, FULL, 0, 1},
-    {2, 64, 2.0f, FULL, 0, 0},
-    {2, 16, 2.0f, LAYER, 0, 0},
-    {2, 32, 2.0f, LAYER, 0, 0},
-    {2, 64, 2.0f, LAYER, 0, 0},
+    {2, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {2, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {2, 32, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL},
+    {2, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {2, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {2, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {2, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {2, 128, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
     /* steps, where there are many */
-    {2, 32, 0.0f, FULL, 0, 0},
-    {2, 32, 1.0f, FULL, 0, 0},
-    {2, 32, 4.0f, FULL, 0, 0},
+    {2, 32, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {2, 32, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {2, 32, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {2, 32, 0.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {2, 32, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {2, 32, 4.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
     /* slices */
-    {1, 4, 2.0f, FULL, 0, 0},
-    {1, 8, 2.0f, FULL, 0, 1},
-    {1, 16, 2.0f, FULL, 0, 0},
-    {1, 32, 2.0f, FULL, 0, 0},
-    {1, 64, 2.0f, FULL, 0, 0},
-    {4, 8, 2.0f, FULL, 0, 1},
-    {4, 16, 2.0f, FULL, 0, 0},
-    {4, 32, 2.0f, FULL, 0, 0},
-    {8, 8, 2.0f, FULL, 0, 0},
-    {8, 64, 2.0f, FULL, 0, 0},
+    {1, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {1, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL},
+    {1, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {1, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {1, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {1, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {1, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {1, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {4, 8, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {4, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {4, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {4, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {4, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {8, 8, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {8, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    /* occluders that end */
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_THICK_08, NULL},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_08, NULL},
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL},
+    /* the tool's model; the last one is its default */
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL},
+    {2, 48, 2.0f, LAYER, 0, 0, BENCH_TOOL, NULL},
+    {2, 48, 2.0f, FULL, 0, 1, BENCH_TOOL, NULL},
+    /* AO alone */
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_GTAO, NULL},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_HBAO, NULL},
 };
 
-enum { ALL = sizeof table / sizeof *table };
+enum { TABLE = sizeof table / sizeof *table };
 
-size_t bench_configurations(int quick, const bench_configuration **out) {
-  static bench_configuration chosen[ALL];
-  size_t count = 0;
-  for (size_t i = 0; i < ALL; i++)
-    if (!quick || table[i].quick)
-      chosen[count++] = table[i];
-  *out = chosen;
-  return count;
-}
+/* --- the list --- */
 
-bench_configuration bench_reference(void) {
-  return (bench_configuration){32, 256, 0.0f, FULL, 0, 0};
-}
-
-static int same(const bench_configuration *a, const bench_configuration *b) {
+static int same_sampling(const bench_configuration *a,
+                         const bench_configuration *b) {
   return a->slices == b->slices && a->samples == b->samples &&
          !(a->growth < b->growth) && !(a->growth > b->growth) &&
          a->lattice == b->lattice && a->raw == b->raw;
+}
+
+static int same(const bench_configuration *a, const bench_configuration *b) {
+  return a->model == b->model && same_sampling(a, b);
+}
+
+static bench_configuration sampling_of(const hbil_config *config) {
+  return (bench_configuration){.slices = config->slices,
+                               .samples = config->samples,
+                               .growth = config->step_growth,
+                               .lattice = config->lattice,
+                               .raw = config->raw_interleave != 0,
+                               .model = BENCH_PAPER};
+}
+
+/* Names the row that is there already, or adds one. */
+static size_t add_preset(bench_configuration *list, size_t count,
+                         hbil_quality quality, bench_model model) {
+  hbil_config config;
+  hbil_config_init(&config);
+  hbil_config_set_quality(&config, quality);
+  bench_configuration c = sampling_of(&config);
+  c.preset = hbil_quality_name(quality);
+  c.model = model;
+  c.quick = model == BENCH_PAPER;
+  size_t at = 0;
+  while (at < count && !same(&list[at], &c))
+    at++;
+  list[at] = c;
+  return at < count ? count : count + 1;
+}
+
+_Static_assert(TABLE + 2 * HBIL_QUALITY_REFERENCE <= BENCH_MAX_CONFIGURATIONS,
+               "room for the table and the presets");
+
+size_t bench_configurations(int quick,
+                            bench_configuration out[BENCH_MAX_CONFIGURATIONS]) {
+  size_t count = TABLE, chosen = 0;
+  memcpy(out, table, sizeof table);
+  for (int q = 0; q < HBIL_QUALITY_REFERENCE; q++) {
+    count = add_preset(out, count, (hbil_quality)q, BENCH_PAPER);
+    count = add_preset(out, count, (hbil_quality)q, BENCH_TOOL);
+  }
+  for (size_t i = 0; i < count; i++)
+    if (!quick || out[i].quick)
+      out[chosen++] = out[i];
+  return chosen;
 }
 
 int bench_is_start(const bench_configuration *c) {
@@ -70,25 +130,81 @@ int bench_is_start(const bench_configuration *c) {
 int bench_is_default(const bench_configuration *c) {
   hbil_config config;
   hbil_config_init(&config);
-  const bench_configuration standard = {config.slices,
-                                        config.samples,
-                                        config.step_growth,
-                                        config.lattice,
-                                        config.raw_interleave != 0,
-                                        0};
+  const bench_configuration standard = sampling_of(&config);
   return same(c, &standard);
 }
 
-void bench_configure(const bench_configuration *c, hbil_config *config) {
+int bench_is_tools_default(const bench_configuration *c) {
+  process_options options;
+  process_options_init(&options);
+  bench_configuration standard = sampling_of(&options.config);
+  standard.model = BENCH_TOOL;
+  return same(c, &standard);
+}
+
+void bench_label(const bench_configuration *c, char *text, size_t size) {
+  const char *model = bench_model_name(c->model);
+  snprintf(text, size, "%s%s%s%s%ux%u %s g%g%s", model, *model ? " " : "",
+           c->preset ? c->preset : "", c->preset ? " " : "",
+           (unsigned)c->slices, (unsigned)c->samples,
+           c->lattice == FULL ? "full" : "layer", (double)c->growth,
+           c->raw ? " raw" : "");
+}
+
+/* --- models --- */
+
+const char *bench_model_name(bench_model model) {
+  static const char *const names[BENCH_MODELS] = {
+      [BENCH_PAPER] = "",
+      [BENCH_THICK_02] = "thick .02",
+      [BENCH_THICK_08] = "thick .08",
+      [BENCH_THICK_30] = "thick .3",
+      [BENCH_TOOL] = "tool",
+      [BENCH_GTAO] = "gtao",
+      [BENCH_HBAO] = "hbao"};
+  return names[model];
+}
+
+int bench_is_ao_alone(bench_model model) {
+  return model == BENCH_GTAO || model == BENCH_HBAO;
+}
+
+int bench_is_thick(bench_model model) {
+  return model == BENCH_THICK_02 || model == BENCH_THICK_08 ||
+         model == BENCH_THICK_30;
+}
+
+static void set_model(const bench_content *content, bench_model model,
+                      hbil_config *config) {
+  if (model == BENCH_THICK_02)
+    config->relative_thickness = 0.02f;
+  else if (model == BENCH_THICK_08)
+    config->relative_thickness = 0.08f;
+  else if (model == BENCH_THICK_30)
+    config->relative_thickness = 0.3f;
+  else if (model == BENCH_GTAO)
+    config->mode = HBIL_MODE_GTAO;
+  else if (model == BENCH_HBAO) {
+    config->mode = HBIL_MODE_HBAO;
+    config->radius = content->radius;
+  } else if (model == BENCH_TOOL) {
+    process_set_model(config);
+    config->far_field = content->far;
+  }
+}
+
+const void *bench_environment(const bench_content *content,
+                              hbil_far_field far) {
+  return far == content->far ? content->sky : content->environment;
+}
+
+void bench_configure(const bench_content *content, const bench_configuration *c,
+                     hbil_config *config) {
+  *config = content->config;
+  set_model(content, c->model, config);
   config->slices = c->slices;
   config->samples = c->samples;
   config->step_growth = c->growth;
   config->lattice = c->lattice;
   config->raw_interleave = c->raw ? CL_TRUE : CL_FALSE;
-}
-
-void bench_label(const bench_configuration *c, char *text, size_t size) {
-  snprintf(text, size, "%ux%u %s g%g%s", (unsigned)c->slices,
-           (unsigned)c->samples, c->lattice == FULL ? "full" : "layer",
-           (double)c->growth, c->raw ? " raw" : "");
 }

@@ -10,7 +10,11 @@ enum {
   ROOM_WIDTH = 1280,
   ROOM_HEIGHT = 720,
   QUICK_WIDTH = 320,
-  QUICK_HEIGHT = 180
+  QUICK_HEIGHT = 180,
+  /* pixels that errors are measured at: the exact integral of one takes a core
+   * some ten milliseconds, and 8000 tell an error to a few per cent */
+  COMPARED = 8000,
+  QUICK_COMPARED = 1000
 };
 
 static const float pi = 3.14159265f;
@@ -72,6 +76,8 @@ static void configure_room(bench_content *content) {
   const float around[3] = {0.12f, 0.11f, 0.1f};
   const channel_map plain = {.kind = DUMP_PLAIN};
   channels_conventions(&plain, &content->config);
+  content->far = HBIL_FAR_FRAME;
+  content->radius = 1.0f;
   content->config.far_field = HBIL_FAR_CONSTANT;
   memcpy(content->environment[0], around, sizeof around);
 }
@@ -131,6 +137,26 @@ static int copy_dump(const gbuffer *g, bench_content *out, image_error *error) {
   return add_light(out, error);
 }
 
+/* A quarter of the surfaces' mean depth: a dump's unit may be anything. */
+static float fitting_radius(const bench_content *content) {
+  const float *depth = content->frame[0].plane[BENCH_DEPTH];
+  double sum = 0.0, count = 0.0;
+  for (size_t i = 0; i < bench_pixels(content); i++)
+    if (bench_is_surface(content, i)) {
+      sum += (double)depth[i];
+      count += 1.0;
+    }
+  return count > 0.0 ? (float)(0.25 * sum / count) : 1.0f;
+}
+
+/* As hbil process decides. */
+static void fit_far_field(const gbuffer *g, bench_content *content) {
+  hbil_config config = content->config;
+  const char *reason;
+  policy_far_field(g, &config, content->sky, &reason);
+  content->far = config.far_field;
+}
+
 static int read_map(const char *path, channel_map *map, bench_content *out,
                     const char *camera, image_error *error) {
   image header;
@@ -164,6 +190,8 @@ static int load_dump(const bench_options *options, bench_content *out,
   if (gbuffer_read(options->dump, &map, wanted, &g, error) != 0)
     return -1;
   const int failed = copy_dump(&g, out, error);
+  fit_far_field(&g, out);
+  out->radius = failed ? 1.0f : fitting_radius(out);
   gbuffer_free(&g);
   return failed;
 }
@@ -235,25 +263,58 @@ static int load_truth(const char *path, bench_content *out,
 
 /* --- both --- */
 
-/* The model is that of hbil process. */
+/* The library's defaults; but the direct light of hbil process holds what
+ * lamps send. */
 static void default_model(bench_content *out) {
-  process_options options;
-  process_options_init(&options);
-  out->config = options.config;
+  hbil_config_init(&out->config);
+  out->config.gather_emission = CL_FALSE;
+}
+
+/* Of every so many blocks of 4x4 pixels in both directions one, so that no more
+ * pixels than wanted are left. */
+static uint32_t block_step(const bench_content *content, size_t most) {
+  uint32_t step = 1;
+  while (bench_pixels(content) / 16 / step / step > most)
+    step++;
+  return step;
+}
+
+/* One pixel of a block; its place goes through all sixteen along every row and
+ * every column of blocks. */
+static int choose_compared(const bench_options *options, bench_content *out,
+                           image_error *error) {
+  const size_t standard = options->quick ? QUICK_COMPARED : COMPARED;
+  const uint32_t step =
+      block_step(out, options->pixels ? options->pixels : standard);
+  out->compared = calloc(bench_pixels(out), 1);
+  if (!out->compared)
+    return image_no_memory(error, out->name);
+  for (uint32_t by = 0; 4 * step * by < out->height; by++)
+    for (uint32_t bx = 0; 4 * step * bx < out->width; bx++) {
+      const uint32_t place = (5 * bx + 7 * by) % 16;
+      const uint32_t x = 4 * step * bx + place % 4;
+      const uint32_t y = 4 * step * by + place / 4;
+      if (x >= out->width || y >= out->height)
+        continue;
+      out->compared[(size_t)y * out->width + x] = 1;
+      out->compared_count++;
+    }
+  return 0;
 }
 
 int bench_content_load(const bench_options *options, bench_content *out,
                        image_error *error) {
   memset(out, 0, sizeof *out);
   default_model(out);
-  const int failed =
-      options->dump
-          ? load_dump(options, out, error) != 0 ||
-                (options->truth && load_truth(options->truth, out, error) != 0)
-          : load_room(options, out, error) != 0;
+  int failed = options->dump ? load_dump(options, out, error) != 0 ||
+                                   (options->truth &&
+                                    load_truth(options->truth, out, error) != 0)
+                             : load_room(options, out, error) != 0;
   out->config.width = out->width;
   out->config.height = out->height;
   out->config.profiling = CL_TRUE;
+  if (!failed)
+    failed = choose_compared(options, out, error);
   if (failed)
     bench_content_free(out);
   return failed ? -1 : 0;
@@ -264,5 +325,6 @@ void bench_content_free(bench_content *content) {
     for (int i = 0; i < BENCH_INPUTS; i++)
       free(content->frame[f].plane[i]);
   free(content->truth);
+  free(content->compared);
   memset(content, 0, sizeof *content);
 }

@@ -68,7 +68,7 @@ static double input_planes(const bench_content *content, unsigned inputs) {
 
 /*
  * Planes read and written, each once.  Split: its inputs and carried light
- * (RGB) in, inverse depth, gradient and radiance out.  Push/pull: every level
+ * (RGB) in, inverse depth, normal and radiance out.  Push/pull: every level
  * (4/3 of the finest) of RGB and weight in and out.  Composite: inputs and
  * seven resolved planes in, seventeen outputs and four of history out.
  */
@@ -78,7 +78,7 @@ double bench_pass_bytes(const bench_content *content, hbil_pass pass) {
   const unsigned emission = 1u << BENCH_EMISSION;
   double planes = 0.0;
   if (pass == HBIL_PASS_SPLIT)
-    planes = 3.0 + 6.0 +
+    planes = 3.0 + 7.0 +
              input_planes(content,
                           surface | 1u << BENCH_NORMAL |
                               (content->config.gather_emission ? emission : 0));

@@ -50,8 +50,10 @@ static json_t *truth(const bench_content *c) {
 
 static json_t *settings(const bench_configuration *c) {
   return json_pack(
-      "{s:i, s:i, s:f, s:s, s:b}", "slices", (int)c->slices, "samples",
-      (int)c->samples, "growth", (double)c->growth, "lattice",
+      "{s:s, s:s?, s:i, s:i, s:f, s:s, s:b}", "model",
+      *bench_model_name(c->model) ? bench_model_name(c->model) : "paper",
+      "preset", c->preset, "slices", (int)c->slices, "samples", (int)c->samples,
+      "growth", (double)c->growth, "lattice",
       c->lattice == HBIL_LATTICE_FULL ? "full" : "layer", "raw", c->raw);
 }
 
@@ -73,10 +75,13 @@ static json_t *ratios(const bench_report *report, const bench_row *row) {
   const double literal_time = report->literal.milliseconds.median;
   const double gather = row->pass[HBIL_PASS_GATHER].median;
   return json_pack(
-      "{s:o, s:o, s:o, s:o}", "literal_over_gather",
+      "{s:o, s:o, s:o, s:o, s:o}", "literal_over_gather",
       number(literal_time / gather), "literal_over_total",
       number(literal_time / row->total.median), "gather_over_start",
-      number(gather / bench_start_time(report)), "copies", copies(report, row));
+      number(gather / bench_start_time(report)), "gather_over_endless",
+      number(row->over_endless), "copies",
+      bench_is_ao_alone(row->configuration.model) ? json_null()
+                                                  : copies(report, row));
 }
 
 static json_t *errors(const bench_row *row) {
@@ -102,15 +107,17 @@ static json_t *row_json(const bench_report *report, const bench_row *row) {
 
 void bench_write_json(const bench_report *report, FILE *out) {
   json_t *rows = json_array();
+  char reference[64];
+  bench_reference(report, reference, sizeof reference);
   for (size_t i = 0; i < report->count; i++)
     json_array_append_new(rows, row_json(report, &report->rows[i]));
-  json_t *root =
-      json_pack("{s:s, s:o, s:o, s:i, s:i, s:s, s:o, s:o, s:o, s:o}", "hbil",
-                hbil_version(), "machine", machine(&report->machine), "content",
-                content(report->content), "runs", (int)report->runs, "warm_up",
-                BENCH_WARM_UP, "reference", report->reference, "truth",
-                truth(report->content), "literal", literal(&report->literal),
-                "copy", copy(&report->copy), "rows", rows);
+  json_t *root = json_pack(
+      "{s:s, s:o, s:o, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:o}", "hbil",
+      hbil_version(), "machine", machine(&report->machine), "content",
+      content(report->content), "runs", (int)report->runs, "warm_up",
+      BENCH_WARM_UP, "reference", reference, "truth", truth(report->content),
+      "literal", literal(&report->literal), "copy", copy(&report->copy),
+      "estimate_milliseconds", number(report->estimate), "rows", rows);
   /* without a document nothing is written, which the caller notices */
   if (root)
     json_dumpf(root, out, JSON_INDENT(2) | JSON_REAL_PRECISION(9));

@@ -14,9 +14,16 @@ struct bench_lab {
   hbil_context *context;
   cl_mem input[BENCH_FRAMES][BENCH_INPUTS];
   cl_mem output[LAYER_COUNT];
-  float *ao, *light; /* the reference */
-  float *found;      /* three planes: what is being looked at */
+  float *found; /* three planes: what is being looked at */
 };
+
+/* A plan and what it writes. */
+typedef struct trial {
+  hbil_plan *plan;
+  size_t memory;
+  unsigned layers;
+  hbil_far_field far;
+} trial;
 
 typedef struct input_place {
   size_t format, image; /* offsets in hbil_config and hbil_frame */
@@ -66,13 +73,8 @@ static int upload(bench_lab *lab, image_error *error) {
 }
 
 static int allocate(bench_lab *lab, image_error *error) {
-  const size_t plane = bench_pixels(lab->content) * sizeof(float);
-  lab->ao = malloc(plane);
-  lab->light = malloc(3 * plane);
-  lab->found = malloc(3 * plane);
-  return lab->ao && lab->light && lab->found
-             ? 0
-             : image_no_memory(error, lab->content->name);
+  lab->found = malloc(3 * bench_pixels(lab->content) * sizeof(float));
+  return lab->found ? 0 : image_no_memory(error, lab->content->name);
 }
 
 int bench_lab_open(const device *d, const bench_content *content,
@@ -105,43 +107,54 @@ void bench_lab_close(bench_lab *lab) {
     if (lab->output[l])
       clReleaseMemObject(lab->output[l]);
   hbil_context_destroy(lab->context);
-  free(lab->ao);
-  free(lab->light);
   free(lab->found);
   free(lab);
 }
 
 /* --- plans and frames --- */
 
-static int make_plan(bench_lab *lab, const bench_configuration *c,
-                     size_t *memory, hbil_plan **out, image_error *error) {
+static int make_plan(bench_lab *lab, const hbil_config *settings, trial *out,
+                     image_error *error) {
   const hbil_format planes_of_floats = {HBIL_FLOAT32, 1};
-  hbil_config config = lab->content->config;
-  bench_configure(c, &config);
+  hbil_config config = *settings;
+  out->plan = NULL;
+  out->far = config.far_field;
+  out->layers = config.mode == HBIL_MODE_HBIL
+                    ? layers_of_mode(HBIL_MODE_HBIL)
+                    : 1u << LAYER_AO; /* all that those modes are for */
   for (int i = 0; i < BENCH_INPUTS; i++)
     if (lab->input[0][i])
       *format_at(&config, places[i].format) = planes_of_floats;
   for (int l = 0; l < LAYER_COUNT; l++)
-    *format_at(&config, layer_table[l].format) = planes_of_floats;
-  hbil_status status = hbil_plan_memory(lab->context, &config, memory);
+    if (out->layers >> l & 1)
+      *format_at(&config, layer_table[l].format) = planes_of_floats;
+  hbil_status status = hbil_plan_memory(lab->context, &config, &out->memory);
   if (status == HBIL_SUCCESS)
-    status = hbil_plan_create(lab->context, &config, out);
+    status = hbil_plan_create(lab->context, &config, &out->plan);
   return status == HBIL_SUCCESS ? 0 : library_failed(lab, status, error);
 }
 
-static int enqueue(bench_lab *lab, hbil_plan *plan, unsigned index,
+/* Its commands may still be running. */
+static void free_trial(bench_lab *lab, trial *t) {
+  clFinish(lab->device->queue);
+  hbil_plan_destroy(t->plan);
+}
+
+static int enqueue(bench_lab *lab, const trial *t, unsigned index,
                    image_error *error) {
   const bench_content *content = lab->content;
   hbil_frame frame;
   hbil_frame_init(&frame);
   frame.camera = content->frame[index].camera;
-  memcpy(frame.environment, content->environment, sizeof frame.environment);
+  memcpy(frame.environment, bench_environment(content, t->far),
+         sizeof frame.environment);
   for (int i = 0; i < BENCH_INPUTS; i++)
     image_at(&frame, places[i].image)->buffer = lab->input[index][i];
   for (int l = 0; l < LAYER_COUNT; l++)
-    image_at(&frame, layer_table[l].image)->buffer = lab->output[l];
+    if (t->layers >> l & 1)
+      image_at(&frame, layer_table[l].image)->buffer = lab->output[l];
   const hbil_status status =
-      hbil_enqueue_frame(plan, lab->device->queue, &frame, 0, NULL, NULL);
+      hbil_enqueue_frame(t->plan, lab->device->queue, &frame, 0, NULL, NULL);
   return status == HBIL_SUCCESS ? 0 : library_failed(lab, status, error);
 }
 
@@ -158,49 +171,33 @@ static int read_layer(bench_lab *lab, layer l, float *out, image_error *error) {
 
 /* --- errors --- */
 
-int bench_lab_refer(bench_lab *lab, const bench_configuration *c,
-                    image_error *error) {
-  hbil_plan *plan;
-  size_t memory;
-  if (make_plan(lab, c, &memory, &plan, error) != 0)
-    return -1;
-  const int failed = enqueue(lab, plan, 0, error) != 0 ||
-                     read_layer(lab, LAYER_AO, lab->ao, error) != 0 ||
-                     read_layer(lab, LAYER_NEAR, lab->light, error) != 0;
-  clFinish(lab->device->queue);
-  hbil_plan_destroy(plan);
-  return failed ? -1 : 0;
-}
-
-const float *bench_lab_ao(const bench_lab *lab) {
-  return lab->ao;
-}
-
-const float *bench_lab_light(const bench_lab *lab) {
-  return lab->light;
-}
-
 /* The plan's first frame: a single bounce, like the reference. */
-static int sampling_error(bench_lab *lab, hbil_plan *plan, bench_row *out,
+static int sampling_error(bench_lab *lab, const trial *t,
+                          const bench_exact *exact, bench_row *out,
                           image_error *error) {
-  if (enqueue(lab, plan, 0, error) != 0 ||
+  const bench_model model = out->configuration.model;
+  out->light_error = NAN;
+  if (enqueue(lab, t, 0, error) != 0 ||
       read_layer(lab, LAYER_AO, lab->found, error) != 0)
     return -1;
-  out->ao_error = bench_ao_error(lab->content, lab->found, lab->ao);
+  out->ao_error = bench_ao_error(lab->content, lab->found, exact->ao[model]);
+  if (!exact->light[model])
+    return 0;
   if (read_layer(lab, LAYER_NEAR, lab->found, error) != 0)
     return -1;
-  out->light_error = bench_light_error(lab->content, lab->found, lab->light);
+  out->light_error =
+      bench_light_error(lab->content, lab->found, exact->light[model]);
   return 0;
 }
 
 /* Goes on from there: more bounces of the same frame. */
-static int model_error(bench_lab *lab, hbil_plan *plan, bench_row *out,
+static int model_error(bench_lab *lab, const trial *t, bench_row *out,
                        image_error *error) {
   out->model_error = NAN;
-  if (!lab->content->truth)
+  if (!lab->content->truth || !(t->layers >> LAYER_INDIRECT & 1))
     return 0;
   for (int i = 1; i < BENCH_TRUTH_BOUNCES; i++)
-    if (enqueue(lab, plan, 0, error) != 0)
+    if (enqueue(lab, t, 0, error) != 0)
       return -1;
   if (read_layer(lab, LAYER_INDIRECT, lab->found, error) != 0)
     return -1;
@@ -221,14 +218,14 @@ static double now(void) {
   return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
 }
 
-static int time_frame(bench_lab *lab, hbil_plan *plan, unsigned index,
+static int time_frame(bench_lab *lab, const trial *t, unsigned index,
                       samples *s, unsigned run, image_error *error) {
   double milliseconds[HBIL_PASS_COUNT];
   const double before = now();
-  if (enqueue(lab, plan, index, error) != 0)
+  if (enqueue(lab, t, index, error) != 0)
     return -1;
   s->host[run] = now() - before;
-  const hbil_status status = hbil_plan_timings(plan, milliseconds);
+  const hbil_status status = hbil_plan_timings(t->plan, milliseconds);
   if (status != HBIL_SUCCESS)
     return library_failed(lab, status, error);
   s->total[run] = 0.0;
@@ -239,23 +236,27 @@ static int time_frame(bench_lab *lab, hbil_plan *plan, unsigned index,
   return 0;
 }
 
-/* Back and forth between the frames, so that there is something to carry and
- * there are holes to fill. */
-static int time_frames(bench_lab *lab, hbil_plan *plan, samples *s,
-                       unsigned runs, image_error *error) {
+/*
+ * Back and forth between the frames, so that there is something to carry and
+ * there are holes to fill.  Of several plans, every one in turn: what slows the
+ * machine down then slows them all.
+ */
+static int time_frames(bench_lab *lab, const trial *trials, size_t count,
+                       samples *s, unsigned runs, image_error *error) {
   for (unsigned i = 0; i < BENCH_WARM_UP + runs; i++)
-    if (time_frame(lab, plan, (i + 1) % lab->content->frames, s,
-                   i < BENCH_WARM_UP ? 0 : i - BENCH_WARM_UP, error) != 0)
-      return -1;
+    for (size_t k = 0; k < count; k++)
+      if (time_frame(lab, &trials[k], (i + 1) % lab->content->frames, &s[k],
+                     i < BENCH_WARM_UP ? 0 : i - BENCH_WARM_UP, error) != 0)
+        return -1;
   return 0;
 }
 
-static int times(bench_lab *lab, hbil_plan *plan, unsigned runs, bench_row *out,
+static int times(bench_lab *lab, const trial *t, unsigned runs, bench_row *out,
                  image_error *error) {
   samples *s = calloc(1, sizeof *s);
   if (!s)
     return image_no_memory(error, "times");
-  const int failed = time_frames(lab, plan, s, runs, error);
+  const int failed = time_frames(lab, t, 1, s, runs, error);
   if (!failed) {
     for (int p = 0; p < HBIL_PASS_COUNT; p++)
       out->pass[p] = bench_spread_of(s->pass[p], runs);
@@ -266,18 +267,83 @@ static int times(bench_lab *lab, hbil_plan *plan, unsigned runs, bench_row *out,
   return failed;
 }
 
-int bench_lab_measure(bench_lab *lab, const bench_configuration *c,
-                      unsigned runs, bench_row *out, image_error *error) {
-  hbil_plan *plan;
+int bench_lab_measure(bench_lab *lab, const bench_exact *exact,
+                      const bench_configuration *c, unsigned runs,
+                      bench_row *out, image_error *error) {
+  hbil_config config;
+  trial t = {.plan = NULL};
   memset(out, 0, sizeof *out);
   out->configuration = *c;
+  out->over_endless = NAN;
   bench_label(c, out->label, sizeof out->label);
-  if (make_plan(lab, c, &out->memory, &plan, error) != 0)
-    return -1;
-  const int failed = sampling_error(lab, plan, out, error) != 0 ||
-                     model_error(lab, plan, out, error) != 0 ||
-                     times(lab, plan, runs, out, error) != 0;
-  clFinish(lab->device->queue);
-  hbil_plan_destroy(plan);
+  bench_configure(lab->content, c, &config);
+  const int failed = make_plan(lab, &config, &t, error) != 0 ||
+                     sampling_error(lab, &t, exact, out, error) != 0 ||
+                     model_error(lab, &t, out, error) != 0 ||
+                     times(lab, &t, runs, out, error) != 0;
+  out->memory = t.memory;
+  free_trial(lab, &t);
   return failed ? -1 : 0;
+}
+
+/* --- pairs --- */
+
+/* A pass of two plans in turns. */
+static int time_pair(bench_lab *lab, const hbil_config configs[2],
+                     unsigned runs, samples s[2], image_error *error) {
+  trial trials[2] = {{.plan = NULL}, {.plan = NULL}};
+  const int failed = make_plan(lab, &configs[0], &trials[0], error) != 0 ||
+                     make_plan(lab, &configs[1], &trials[1], error) != 0 ||
+                     time_frames(lab, trials, 2, s, runs, error) != 0;
+  free_trial(lab, &trials[0]);
+  free_trial(lab, &trials[1]);
+  return failed ? -1 : 0;
+}
+
+static double ratio(double a, double b) {
+  return a / b;
+}
+
+static double difference(double a, double b) {
+  return a - b;
+}
+
+/* The median, over the turns, of what two times are to each other. */
+static int compare_pair(bench_lab *lab, const hbil_config configs[2],
+                        hbil_pass pass, double (*how)(double, double),
+                        unsigned runs, double *out, image_error *error) {
+  double values[BENCH_MAX_RUNS];
+  samples *s = calloc(2, sizeof *s);
+  if (!s)
+    return image_no_memory(error, "times");
+  const int failed = time_pair(lab, configs, runs, s, error);
+  if (!failed) {
+    for (unsigned i = 0; i < runs; i++)
+      values[i] = how(s[0].pass[pass][i], s[1].pass[pass][i]);
+    *out = bench_spread_of(values, runs).median;
+  }
+  free(s);
+  return failed;
+}
+
+int bench_lab_thickness(bench_lab *lab, const bench_configuration *c,
+                        unsigned runs, bench_row *row, image_error *error) {
+  bench_configuration endless = *c;
+  hbil_config configs[2];
+  endless.model = BENCH_PAPER;
+  bench_configure(lab->content, c, &configs[0]);
+  bench_configure(lab->content, &endless, &configs[1]);
+  return compare_pair(lab, configs, HBIL_PASS_GATHER, ratio, runs,
+                      &row->over_endless, error);
+}
+
+int bench_lab_estimate(bench_lab *lab, const bench_configuration *c,
+                       unsigned runs, double *out, image_error *error) {
+  hbil_config configs[2];
+  bench_configure(lab->content, c, &configs[0]);
+  configs[1] = configs[0];
+  configs[1].refused = HBIL_REFUSED_BLACK;
+  configs[1].far_field = HBIL_FAR_NONE;
+  return compare_pair(lab, configs, HBIL_PASS_SPLIT, difference, runs, out,
+                      error);
 }

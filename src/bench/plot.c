@@ -6,22 +6,38 @@
 #include <string.h>
 
 enum {
-  WIDTH = 960,
-  HEAD = 64, /* title and machine */
-  PANEL = 480,
+  WIDTH = 1200,
+  HEAD = 96, /* title, machine, legend */
+  PANEL = 640,
   LEFT = 80,
-  RIGHT = 930,
+  RIGHT = 1170,
   TOP = 36, /* of the axes, within a panel */
-  BOTTOM = 430,
+  BOTTOM = 590,
   CHARACTER = 6, /* width of a letter of a label */
-  LINE = 10      /* height of a label */
+  LINE = 11,     /* height of a label */
+  LINES = 2048,  /* boxes that stand for lines, at most */
+  PEARL = 5,     /* between boxes that stand for a line */
+  RINGS = 10     /* how far it may be from its dot, in lines */
 };
 
 typedef struct dot {
   double x, y; /* milliseconds, error */
-  const char *label;
-  int front, standard, literal;
+  char label[BENCH_LABEL];
+  int front, standard, preset;
+  int kind; /* index in kinds[] */
 } dot;
+
+/* What dots are of. */
+static const struct {
+  const char *name, *color;
+} kinds[] = {{"the paper's model (library)", "#c33"},
+             {"its occluders end", "#d98a00"},
+             {"the tool's model", "#1f6fb5"},
+             {"GTAO", "#2c8f3c"},
+             {"HBAO", "#8a4fb0"},
+             {"literal: the paper as one kernel", "#000"}};
+
+enum { PAPER, THICK, TOOL, GTAO, HBAO, LITERAL, KINDS };
 
 /* A logarithmic axis: decades low..high on pixels from..to. */
 typedef struct axis {
@@ -38,8 +54,8 @@ typedef struct panel {
   axis x, y;
   dot *dots;
   size_t count;
-  box *taken; /* by dots and labels */
-  size_t taken_count;
+  box *taken; /* by dots, lines and labels */
+  size_t taken_count, taken_most;
 } panel;
 
 static double place(const axis *a, double value) {
@@ -65,22 +81,53 @@ static int can_be_drawn(const dot *d) {
   return isfinite(d->x) && isfinite(d->y) && d->x > 0.0 && d->y > 0.0;
 }
 
+static int kind_of(bench_model model) {
+  switch (model) {
+  case BENCH_PAPER:
+    return PAPER;
+  case BENCH_TOOL:
+    return TOOL;
+  case BENCH_GTAO:
+    return GTAO;
+  case BENCH_HBAO:
+    return HBAO;
+  default:
+    return THICK;
+  }
+}
+
+/* Without " full", which nearly all have. */
+static void shorten(const char *label, char *out, size_t size) {
+  const char *full = strstr(label, " full");
+  if (full)
+    snprintf(out, size, "%.*s%s", (int)(full - label), label,
+             full + strlen(" full"));
+  else
+    snprintf(out, size, "%s", label);
+}
+
+static dot dot_of(const bench_row *r, int ao) {
+  dot d = {.x = r->total.median,
+           .y = ao ? r->ao_error : r->light_error,
+           .front = ao ? r->ao_front : r->light_front,
+           .standard = bench_is_default(&r->configuration),
+           .preset = r->configuration.preset != NULL,
+           .kind = kind_of(r->configuration.model)};
+  shorten(r->label, d.label, sizeof d.label);
+  return d;
+}
+
 static size_t collect(const bench_report *report, int ao, dot *out) {
   size_t count = 0;
   for (size_t i = 0; i < report->count; i++) {
-    const bench_row *r = &report->rows[i];
-    out[count] = (dot){.x = r->total.median,
-                       .y = ao ? r->ao_error : r->light_error,
-                       .label = r->label,
-                       .front = ao ? r->ao_front : r->light_front,
-                       .standard = bench_is_default(&r->configuration)};
+    out[count] = dot_of(&report->rows[i], ao);
     count += (size_t)can_be_drawn(&out[count]);
   }
   const bench_literal *l = &report->literal;
   out[count] = (dot){.x = l->milliseconds.median,
                      .y = ao ? l->ao_error : l->light_error,
                      .label = "literal, unfiltered",
-                     .literal = 1};
+                     .kind = LITERAL};
   return count + (size_t)can_be_drawn(&out[count]);
 }
 
@@ -150,25 +197,48 @@ static void write_axes(const panel *p) {
 
 /* --- dots and labels --- */
 
-static void write_front(const panel *p) {
-  fputs("<polyline class=\"front\" points=\"", p->out);
-  for (size_t i = 0; i < p->count; i++)
-    if (p->dots[i].front)
-      fprintf(p->out, "%.1f,%.1f ", place(&p->x, p->dots[i].x),
-              place(&p->y, p->dots[i].y));
+/* No label lies on a line: boxes along it are taken. */
+static void take_segment(panel *p, double x0, double y0, double x1, double y1) {
+  const int steps = 1 + (int)(hypot(x1 - x0, y1 - y0) / PEARL);
+  for (int i = 1; i < steps && p->taken_count < p->taken_most; i++) {
+    const double t = (double)i / steps;
+    p->taken[p->taken_count++] =
+        (box){x0 + t * (x1 - x0) - 1.0, y0 + t * (y1 - y0) - 1.0, 2.0, 2.0};
+  }
+}
+
+static void write_front(panel *p, int kind) {
+  double last_x = NAN, last_y = NAN;
+  fprintf(p->out, "<polyline class=\"front\" stroke=\"%s\" points=\"",
+          kinds[kind].color);
+  for (size_t i = 0; i < p->count; i++) {
+    if (!p->dots[i].front || p->dots[i].kind != kind)
+      continue;
+    const double x = place(&p->x, p->dots[i].x), y = place(&p->y, p->dots[i].y);
+    fprintf(p->out, "%.1f,%.1f ", x, y);
+    if (!isnan(last_x))
+      take_segment(p, last_x, last_y, x, y);
+    last_x = x;
+    last_y = y;
+  }
   fputs("\"/>\n", p->out);
 }
 
+/* Presets are larger and have a ring. */
 static void write_dot(panel *p, const dot *d) {
   const double x = place(&p->x, d->x), y = place(&p->y, d->y);
-  const char *kind = d->literal ? "literal" : d->front ? "best" : "other";
-  fprintf(p->out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" class=\"%s\"/>\n", x,
-          y, kind);
-  if (d->standard)
+  const double size = d->preset ? 5.0 : 3.5;
+  fprintf(p->out,
+          "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" fill=\"%s\"%s/>\n", x, y,
+          size, kinds[d->kind].color,
+          d->front || d->preset || d->kind == LITERAL ? "" : " opacity=\".5\"");
+  if (d->preset)
     fprintf(p->out,
-            "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"8\" class=\"standard\"/>\n", x,
-            y);
-  p->taken[p->taken_count++] = (box){x - 4.0, y - 4.0, 8.0, 8.0};
+            "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"8\" class=\"preset\" "
+            "stroke=\"%s\"/>\n",
+            x, y, kinds[d->kind].color);
+  p->taken[p->taken_count++] =
+      (box){x - size - 1.0, y - size - 1.0, 2.0 * size + 2.0, 2.0 * size + 2.0};
 }
 
 static int overlap(const box *a, const box *b) {
@@ -186,37 +256,47 @@ static int is_free(const panel *p, const box *b) {
   return 1;
 }
 
-/* Beside the dot, else above or below it, farther and farther. */
+/* Beside the dot, else above or below it, farther and farther.  Not placed: a
+ * box without a width. */
 static box place_label(const panel *p, double x, double y, double width) {
-  const box right = {x + 9.0, y - 5.0, width, LINE};
-  for (int ring = 0; ring < 6; ring++)
+  for (int ring = 0; ring < RINGS; ring++)
     for (int way = 0; way < 6; way++) {
       const double shift = (way % 3 == 0   ? 0.0
                             : way % 3 == 1 ? -1.0
                                            : 1.0) *
                            (double)(LINE * (ring + 1));
-      const box b = {way < 3 ? x + 9.0 : x - 9.0 - width, y - 5.0 + shift,
+      const box b = {way < 3 ? x + 12.0 : x - 12.0 - width, y - 5.0 + shift,
                      width, LINE};
       if (is_free(p, &b))
         return b;
     }
-  return right;
+  return (box){0.0, 0.0, 0.0, 0.0};
+}
+
+/* 2: presets, defaults and the baseline; 1: what else is worth a look. */
+static int importance(const dot *d) {
+  if (d->preset || d->standard || d->kind == LITERAL)
+    return 2;
+  return d->front || d->kind != PAPER;
 }
 
 static void write_label(panel *p, const dot *d) {
   const double x = place(&p->x, d->x), y = place(&p->y, d->y);
   char text[80];
   snprintf(text, sizeof text, "%s%s", d->label,
-           d->standard ? " (default)" : "");
+           d->standard ? " (library's default)" : "");
   const box b = place_label(p, x, y, (double)(CHARACTER * strlen(text)));
+  if (!(b.width > 0.0))
+    return; /* it has a row in the table */
   p->taken[p->taken_count++] = b;
   if (fabs(b.y + 5.0 - y) > LINE + 1.0) /* too far to be seen as its own */
     fprintf(p->out,
             "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" "
             "class=\"leader\"/>\n",
             x, y, b.x > x ? b.x : b.x + b.width, b.y + 5.0);
+  static const char *const styles[] = {"label dim", "label", "label name"};
   fprintf(p->out, "<text x=\"%.1f\" y=\"%.1f\" class=\"%s\">", b.x,
-          b.y + LINE - 2.0, d->front || d->literal ? "label" : "label dim");
+          b.y + LINE - 2.0, styles[importance(d)]);
   write_text(p->out, text);
   fputs("</text>\n", p->out);
 }
@@ -224,10 +304,10 @@ static void write_label(panel *p, const dot *d) {
 static void write_dots(panel *p) {
   for (size_t i = 0; i < p->count; i++)
     write_dot(p, &p->dots[i]);
-  /* those on the front have the first choice of places */
-  for (int front = 1; front >= 0; front--)
+  /* those that matter have the first choice of places */
+  for (int level = 2; level >= 0; level--)
     for (size_t i = 0; i < p->count; i++)
-      if ((p->dots[i].front || p->dots[i].literal) == front)
+      if (importance(&p->dots[i]) == level)
         write_label(p, &p->dots[i]);
 }
 
@@ -237,7 +317,8 @@ static void write_panel(const bench_report *report, FILE *out, int ao,
              .title = ao ? "AO: sampling error (RMSE)"
                          : "E_near: sampling error (RMSE / mean)",
              .dots = dots,
-             .taken = taken};
+             .taken = taken,
+             .taken_most = LINES};
   p.count = collect(report, ao, dots);
   qsort(dots, p.count, sizeof *dots, by_time);
   fit(dots, p.count, &p.x, &p.y);
@@ -248,7 +329,8 @@ static void write_panel(const bench_report *report, FILE *out, int ao,
   fprintf(out, "<g transform=\"translate(0,%d)\">\n", HEAD + ao * PANEL);
   if (p.count > 0) {
     write_axes(&p);
-    write_front(&p);
+    write_front(&p, PAPER);
+    write_front(&p, TOOL);
     write_dots(&p);
   }
   fputs("</g>\n", out);
@@ -256,44 +338,65 @@ static void write_panel(const bench_report *report, FILE *out, int ao,
 
 /* --- the whole --- */
 
+static void write_line(FILE *out, int y, const char *style, const char *text) {
+  fprintf(out, "<text x=\"%d\" y=\"%d\" class=\"%s\">", LEFT, y, style);
+  write_text(out, text);
+  fputs("</text>\n", out);
+}
+
+static void write_legend(FILE *out) {
+  int x = LEFT + 4;
+  for (int k = 0; k < KINDS; k++) {
+    fprintf(out,
+            "<circle cx=\"%d\" cy=\"76\" r=\"4\" fill=\"%s\"/>"
+            "<text x=\"%d\" y=\"80\">",
+            x, kinds[k].color, x + 9);
+    write_text(out, kinds[k].name);
+    fputs("</text>\n", out);
+    x += 30 + CHARACTER * (int)strlen(kinds[k].name);
+  }
+  fprintf(out,
+          "<circle cx=\"%d\" cy=\"76\" r=\"4\"/><circle cx=\"%d\" cy=\"76\" "
+          "r=\"7\" class=\"preset\" stroke=\"#000\"/>"
+          "<text x=\"%d\" y=\"80\">a preset</text>\n",
+          x, x, x + 12);
+}
+
 static void write_head(const bench_report *report, FILE *out) {
   const bench_machine *m = &report->machine;
-  char text[1200];
+  char text[1200], reference[64];
   fprintf(out,
           "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" "
           "height=\"%d\" font-family=\"sans-serif\" font-size=\"11\">\n"
           "<style>.grid{stroke:#ddd}.axes{fill:none;stroke:#444}"
           ".title{font-size:14px;font-weight:bold}.label{font-size:10px}"
-          ".dim{fill:#777}.front{fill:none;stroke:#c33;stroke-width:1.5}"
-          ".best{fill:#c33}.other{fill:#68a}.literal{fill:#000}"
-          ".standard{fill:none;stroke:#000}.leader{stroke:#bbb}</style>\n"
+          ".dim{fill:#888}.name{font-weight:bold}"
+          ".front{fill:none;stroke-width:1.5}"
+          ".preset{fill:none}.leader{stroke:#bbb}</style>\n"
           "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
           WIDTH, HEAD + 2 * PANEL);
-  snprintf(text, sizeof text,
-           "hbil %s: error against time, %s, %u x %u; slices x samples a side; "
-           "line: Pareto front",
+  snprintf(text, sizeof text, "hbil %s: error against time, %s, %u x %u",
            hbil_version(), report->content->name, report->content->width,
            report->content->height);
-  fprintf(out, "<text x=\"%d\" y=\"22\" class=\"title\">", LEFT);
-  write_text(out, text);
+  write_line(out, 22, "title", text);
   snprintf(text, sizeof text, "%s, %u compute units, %s, %s", m->device,
            (unsigned)m->units, m->version, m->driver);
-  fprintf(out, "</text>\n<text x=\"%d\" y=\"40\">", LEFT);
-  write_text(out, text);
+  write_line(out, 40, "", text);
+  bench_reference(report, reference, sizeof reference);
   snprintf(text, sizeof text,
-           "medians of %u runs; errors after recompose against %s of the same "
-           "library, in place of the exact integral",
-           report->runs, report->reference);
-  fprintf(out, "</text>\n<text x=\"%d\" y=\"56\">", LEFT);
-  write_text(out, text);
-  fputs("</text>\n", out);
+           "medians of %u runs; errors after recompose against each model's "
+           "%s; slices x samples a side, g: growth of steps; lines: Pareto "
+           "fronts",
+           report->runs, reference);
+  write_line(out, 56, "", text);
+  write_legend(out);
 }
 
 /* Without memory the file ends early, which the caller notices. */
 void bench_write_svg(const bench_report *report, FILE *out) {
   const size_t most = report->count + 1;
   dot *dots = calloc(most, sizeof *dots);
-  box *taken = calloc(2 * most, sizeof *taken);
+  box *taken = calloc(LINES + 2 * most, sizeof *taken);
   if (dots && taken) {
     write_head(report, out);
     for (int ao = 0; ao < 2; ao++)

@@ -1,10 +1,11 @@
-/* The order of the bench: content, device, reference, baseline, every
+/* The order of the bench: content, device, exact integral, baseline, every
  * configuration, reports. */
 #define _POSIX_C_SOURCE 200809L
 #include "bench/bench.h"
 #include "image/temporary.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -85,18 +86,16 @@ static void describe(const device *d, bench_machine *out) {
   memcpy(out->device, d->name, sizeof out->device);
 }
 
-/* One line that changes, where somebody watches. */
-static void progress(const char *what, size_t done, size_t count) {
-  if (isatty(STDERR_FILENO))
-    fprintf(stderr, "\r%-24s %zu of %zu%s", what, done, count,
-            done == count ? "\n" : "");
-}
-
-/* Whether no other row is at least as good in both and better in one. */
+/* Whether no other row of its model is at least as good in both and better in
+ * one. */
 static int on_front(const bench_row *rows, size_t count, size_t at, int ao) {
   const double time = rows[at].total.median;
   const double off = ao ? rows[at].ao_error : rows[at].light_error;
+  if (isnan(off))
+    return 0;
   for (size_t i = 0; i < count; i++) {
+    if (rows[i].configuration.model != rows[at].configuration.model)
+      continue;
     const double t = rows[i].total.median;
     const double e = ao ? rows[i].ao_error : rows[i].light_error;
     if (t <= time && e <= off && (t < time || e < off))
@@ -112,65 +111,107 @@ static void mark_fronts(bench_row *rows, size_t count) {
   }
 }
 
-static int measure_rows(bench_lab *lab, const bench_configuration *list,
-                        size_t count, unsigned runs, bench_row *rows,
-                        image_error *error) {
-  for (size_t i = 0; i < count; i++) {
-    char label[64];
-    bench_label(&list[i], label, sizeof label);
-    progress(label, i, count);
-    if (bench_lab_measure(lab, &list[i], runs, &rows[i], error) != 0)
-      return -1;
-  }
-  progress("measured", count, count);
-  mark_fronts(rows, count);
+/* Slices of the exact integral: 64 are .001 of AO off 1024 ones. */
+enum { EXACT_SLICES = 128, QUICK_SLICES = 64 };
+
+/* All that a configuration is measured with. */
+typedef struct bench_bench {
+  const bench_options *options;
+  const device *device;
+  const bench_content *content;
+  bench_configuration list[BENCH_MAX_CONFIGURATIONS];
+  size_t count;
+  bench_exact exact;
+  bench_lab *lab;
+  bench_row *rows;
+  bench_report report;
+} bench_bench;
+
+static int measure_row(bench_bench *b, size_t i, image_error *error) {
+  const bench_configuration *c = &b->list[i];
+  const unsigned runs = b->options->runs;
+  if (bench_lab_measure(b->lab, &b->exact, c, runs, &b->rows[i], error) != 0)
+    return -1;
+  return bench_is_thick(c->model)
+             ? bench_lab_thickness(b->lab, c, runs, &b->rows[i], error)
+             : 0;
+}
+
+static int measure_estimate(bench_bench *b, image_error *error) {
+  b->report.estimate = NAN;
+  for (size_t i = 0; i < b->count; i++)
+    if (bench_is_tools_default(&b->list[i]))
+      return bench_lab_estimate(b->lab, &b->list[i], b->options->runs,
+                                &b->report.estimate, error);
   return 0;
 }
 
-static int measure(const bench_options *options, const device *d,
-                   bench_lab *lab, const bench_content *content,
-                   bench_row *rows, bench_report *report, image_error *error) {
-  const bench_configuration *list;
-  const bench_configuration dense = bench_reference();
-  report->content = content;
-  report->runs = options->runs;
-  report->rows = rows;
-  report->count = bench_configurations(options->quick, &list);
-  bench_label(&dense, report->reference, sizeof report->reference);
-  describe(d, &report->machine);
-  progress("reference", 0, 1);
-  if (bench_lab_refer(lab, &dense, error) != 0)
+static int measure_rows(bench_bench *b, image_error *error) {
+  for (size_t i = 0; i < b->count; i++) {
+    char label[BENCH_LABEL];
+    bench_label(&b->list[i], label, sizeof label);
+    progress_count(label, i, b->count);
+    if (measure_row(b, i, error) != 0)
+      return -1;
+  }
+  progress_count("measured", b->count, b->count);
+  mark_fronts(b->rows, b->count);
+  return measure_estimate(b, error);
+}
+
+static int measure(bench_bench *b, image_error *error) {
+  const unsigned runs = b->options->runs;
+  const int slices = b->options->quick ? QUICK_SLICES : EXACT_SLICES;
+  bench_report *report = &b->report;
+  report->content = b->content;
+  report->runs = runs;
+  report->rows = b->rows;
+  report->count = b->count;
+  report->exact_slices = slices;
+  describe(b->device, &report->machine);
+  if (bench_exact_make(b->content, slices, b->list, b->count, &b->exact,
+                       error) != 0 ||
+      bench_measure_literal(
+          b->device, b->content, runs, b->exact.ao[BENCH_PAPER],
+          b->exact.light[BENCH_PAPER], &report->literal, error) != 0 ||
+      bench_measure_copy(b->device, bench_pixels(b->content), runs,
+                         &report->copy, error) != 0)
     return -1;
-  progress("baseline", 0, 1);
-  if (bench_measure_literal(d, content, options->runs, bench_lab_ao(lab),
-                            bench_lab_light(lab), &report->literal,
-                            error) != 0 ||
-      bench_measure_copy(d, bench_pixels(content), options->runs, &report->copy,
-                         error) != 0)
+  return measure_rows(b, error);
+}
+
+static int write_all(const bench_bench *b, image_error *error) {
+  const char *folder = b->options->output;
+  int made = 0;
+  bench_write_table(&b->report, stdout);
+  if (write_files(folder, &b->report, error) != 0 ||
+      bench_write_png(folder, &made, error) != 0)
     return -1;
-  return measure_rows(lab, list, report->count, options->runs, rows, error);
+  printf("written: %s/bench.csv, .json, .svg%s\n", folder,
+         made ? ", .png" : "");
+  if (!made)
+    puts("no bench.png: rsvg-convert, Debian's librsvg2-bin, is needed for it");
+  return 0;
 }
 
 static int run_on(const bench_options *options, const device *d,
                   const bench_content *content, image_error *error) {
-  const bench_configuration *list;
-  bench_report report = {0};
-  bench_lab *lab = NULL;
-  bench_row *rows =
-      calloc(bench_configurations(options->quick, &list), sizeof *rows);
-  int failed = rows ? bench_lab_open(d, content, &lab, error)
-                    : image_no_memory(error, "the bench");
-  if (!failed)
-    failed = measure(options, d, lab, content, rows, &report, error);
-  if (!failed) {
-    bench_write_table(&report, stdout);
-    failed = write_files(options->output, &report, error);
-  }
-  if (!failed)
-    printf("written: %s/bench.csv, .json, .svg\n", options->output);
-  bench_lab_close(lab);
-  free(rows);
-  return failed;
+  bench_bench *b = calloc(1, sizeof *b);
+  if (!b)
+    return image_no_memory(error, "the bench");
+  b->options = options;
+  b->device = d;
+  b->content = content;
+  b->count = bench_configurations(options->quick, b->list);
+  b->rows = calloc(b->count, sizeof *b->rows);
+  int failed = b->rows ? bench_lab_open(d, content, &b->lab, error)
+                       : image_no_memory(error, "the bench");
+  failed = failed || measure(b, error) != 0 || write_all(b, error) != 0;
+  bench_lab_close(b->lab);
+  bench_exact_free(&b->exact);
+  free(b->rows);
+  free(b);
+  return failed ? -1 : 0;
 }
 
 int bench_run(const bench_options *options, image_error *error) {

@@ -19,14 +19,14 @@ bench_spread bench_spread_of(double *values, unsigned count) {
                         .high = values[count - 1]};
 }
 
-/* Over the surfaces; divides by the mean of b if relative.  A value that is
- * not finite makes the sum so. */
+/* Over the surfaces that are compared; divides by the mean of b if relative.  A
+ * value that is not finite makes the sum so. */
 static double surface_error(const bench_content *content, const float *a,
                             const float *b, int channels, int relative) {
   const size_t pixels = bench_pixels(content);
   double square = 0.0, sum = 0.0, count = 0.0;
   for (size_t i = 0; i < pixels; i++) {
-    if (!bench_is_surface(content, i))
+    if (!content->compared[i] || !bench_is_surface(content, i))
       continue;
     for (int c = 0; c < channels; c++) {
       const size_t at = (size_t)c * pixels + i;

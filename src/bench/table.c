@@ -2,6 +2,7 @@
 #include "bench/bench.h"
 
 #include <math.h>
+#include <string.h>
 
 double bench_start_time(const bench_report *report) {
   for (size_t i = 0; i < report->count; i++)
@@ -10,13 +11,24 @@ double bench_start_time(const bench_report *report) {
   return NAN;
 }
 
+void bench_reference(const bench_report *report, char *text, size_t size) {
+  snprintf(text, size, "exact integral, %d slices", report->exact_slices);
+}
+
 void bench_notes(const bench_report *report, FILE *out, const char *before,
                  const char *after) {
+  char reference[64];
+  bench_reference(report, reference, sizeof reference);
   fprintf(out,
           "%sSampling error is measured, after recompose and for one bounce, "
-          "against the library itself with %s: a dense result of the same "
-          "model that stands in for the exact integral.%s",
-          before, report->reference, after);
+          "against the model's %s in double precision, every pixel that a "
+          "slice crosses, at %zu pixels, as many in each of the 16 layers.%s",
+          before, reference, report->content->compared_count, after);
+  fprintf(out,
+          "%sModels: none named: the library's defaults, the paper's; thick: "
+          "occluders end after that share of their depth; tool: hbil process; "
+          "gtao: AO alone; hbao: AO alone, radius %.3g.%s",
+          before, (double)report->content->radius, after);
   fprintf(out,
           "%sE_near: RMSE over its mean; AO: RMSE.  Times: medians of %u runs "
           "after %d of warm-up, on the device.%s",
@@ -57,38 +69,103 @@ static void print_yardsticks(const bench_report *report, FILE *out) {
           c->planes, (double)c->bytes * 1e-6 / c->milliseconds.median);
 }
 
+static int label_width(const bench_report *report) {
+  int width = 16;
+  for (size_t i = 0; i < report->count; i++) {
+    const int length = (int)strlen(report->rows[i].label);
+    width = length > width ? length : width;
+  }
+  return width;
+}
+
 /* Two lines, so that columns stay narrow. */
 static void print_names(const bench_report *report, FILE *out) {
+  const int width = label_width(report) + 1;
   const char *model = report->content->truth ? "    model" : "";
-  fprintf(out, "%-17s", "");
+  fprintf(out, "%-*s", width, "");
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     fprintf(out, " %9s", hbil_pass_name((hbil_pass)p));
-  fprintf(out, " %9s %17s %6s %9s %9s %6s %8s %8s%s\n", "total", "of total",
+  fprintf(out, " %9s %17s %6s %9s %9s %6s %9s %8s%s\n", "total", "of total",
           "host", "literal", "literal", "gather", "E_near", "AO", model);
-  fprintf(out, "%-17s", "slices x samples");
+  fprintf(out, "%-*s", width, "slices x samples");
   for (int p = 0; p < HBIL_PASS_COUNT + 1; p++)
     fprintf(out, " %9s", "ms");
   model = report->content->truth ? "    error" : "";
-  fprintf(out, " %17s %6s %9s %9s %6s %8s %8s%s\n", "min .. max", "ms",
+  fprintf(out, " %17s %6s %9s %9s %6s %9s %8s%s\n", "min .. max", "ms",
           "/gather", "/total", "/start", "error", "error", model);
+}
+
+/* "-" where there is none. */
+static void print_error(FILE *out, double value, int front) {
+  if (isfinite(value))
+    fprintf(out, " %8.4f%c", value, front ? '+' : ' ');
+  else
+    fprintf(out, " %8s ", "-");
 }
 
 static void print_row(const bench_report *report, const bench_row *row,
                       FILE *out) {
   const double literal = report->literal.milliseconds.median;
   const double gather = row->pass[HBIL_PASS_GATHER].median;
-  fprintf(out, "%-16s%c", row->label,
-          bench_is_default(&row->configuration) ? '*' : ' ');
+  fprintf(out, "%-*s%c", label_width(report), row->label,
+          bench_is_default(&row->configuration)         ? '*'
+          : bench_is_tools_default(&row->configuration) ? 't'
+                                                        : ' ');
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     fprintf(out, " %9.3f", row->pass[p].median);
-  fprintf(out, " %9.3f %7.2f .. %6.2f %6.3f %9.1f %9.1f %6.2f %7.4f%c %7.4f%c",
+  fprintf(out, " %9.3f %7.2f .. %6.2f %6.3f %9.1f %9.1f %6.2f",
           row->total.median, row->total.low, row->total.high, row->host.median,
           literal / gather, literal / row->total.median,
-          gather / bench_start_time(report), row->light_error,
-          row->light_front ? '+' : ' ', row->ao_error,
-          row->ao_front ? '+' : ' ');
+          gather / bench_start_time(report));
+  print_error(out, row->light_error, row->light_front);
+  print_error(out, row->ao_error, row->ao_front);
   if (report->content->truth)
-    fprintf(out, " %8.4f", row->model_error);
+    print_error(out, row->model_error, 0);
+  fputc('\n', out);
+}
+
+/* --- what is compared in turns --- */
+
+static void print_thickness(const bench_report *report, FILE *out) {
+  int any = 0;
+  for (size_t i = 0; i < report->count; i++) {
+    const bench_row *row = &report->rows[i];
+    if (!isfinite(row->over_endless))
+      continue;
+    if (!any++)
+      fputs("\ngather's time over that with endless occluders, in turns:\n",
+            out);
+    fprintf(out, "  %-*s %6.2f\n", label_width(report), row->label,
+            row->over_endless);
+  }
+}
+
+static void print_share(const bench_report *report, const bench_row *row,
+                        FILE *out) {
+  fprintf(out, "%.1f %% of the frame, %s",
+          100.0 * report->estimate / row->total.median, row->label);
+}
+
+/* At the tool's default, and where the frame is the shortest. */
+static void print_estimate(const bench_report *report, FILE *out) {
+  const bench_row *shortest = NULL, *standard = NULL;
+  for (size_t i = 0; i < report->count; i++) {
+    const bench_row *row = &report->rows[i];
+    if (row->configuration.model != BENCH_TOOL)
+      continue;
+    if (bench_is_tools_default(&row->configuration))
+      standard = row;
+    if (!shortest || row->total.median < shortest->total.median)
+      shortest = row;
+  }
+  if (!standard || !isfinite(report->estimate))
+    return;
+  fprintf(out, "\nestimate: %.2f ms, ", report->estimate);
+  print_share(report, standard, out);
+  if (shortest != standard) {
+    fputs("; ", out);
+    print_share(report, shortest, out);
+  }
   fputc('\n', out);
 }
 
@@ -122,7 +199,10 @@ void bench_write_table(const bench_report *report, FILE *out) {
   for (size_t i = 0; i < report->count; i++)
     print_row(report, &report->rows[i], out);
   fprintf(out,
-          "* the default   + on the Pareto front of error against total\n");
+          "* the library's default   t the tool's   + on the Pareto front, "
+          "error against total, of its model\n");
+  print_thickness(report, out);
+  print_estimate(report, out);
   print_ratios(report, out);
   fputc('\n', out);
   bench_notes(report, out, "", "\n");
@@ -143,6 +223,7 @@ static void write_quoted(FILE *out, const char *text) {
 
 static void write_where(const bench_report *report, FILE *out) {
   const bench_machine *m = &report->machine;
+  char reference[64];
   fputc(',', out);
   write_quoted(out, m->device);
   fprintf(out, ",%u,", (unsigned)m->units);
@@ -153,18 +234,20 @@ static void write_where(const bench_report *report, FILE *out) {
   write_quoted(out, report->content->name);
   fprintf(out, ",%u,%u,%u,", report->content->width, report->content->height,
           report->runs);
-  write_quoted(out, report->reference);
+  bench_reference(report, reference, sizeof reference);
+  write_quoted(out, reference);
   fputc('\n', out);
 }
 
 static void write_names(FILE *out) {
-  fputs("label,slices,samples,growth,lattice,raw,default", out);
+  fputs("label,model,preset,slices,samples,growth,lattice,raw,default", out);
   for (int p = 0; p < HBIL_PASS_COUNT; p++) {
     const char *name = hbil_pass_name((hbil_pass)p);
     fprintf(out, ",%s_ms,%s_min_ms,%s_max_ms", name, name, name);
   }
   fputs(",total_ms,total_min_ms,total_max_ms,host_ms,device_bytes,"
         "literal_over_gather,literal_over_total,gather_over_start,"
+        "gather_over_endless,"
         "light_error,ao_error,model_error,light_front,ao_front,"
         "device,compute_units,driver,version,content,width,height,runs,"
         "reference\n",
@@ -190,8 +273,10 @@ static void write_row(const bench_report *report, const bench_row *row,
   const bench_configuration *c = &row->configuration;
   const double literal = report->literal.milliseconds.median;
   const double gather = row->pass[HBIL_PASS_GATHER].median;
-  fprintf(out, "%s,%u,%u,%g,%s,%d,%d", row->label, (unsigned)c->slices,
-          (unsigned)c->samples, (double)c->growth,
+  const char *model = bench_model_name(c->model);
+  fprintf(out, "%s,%s,%s,%u,%u,%g,%s,%d,%d", row->label,
+          *model ? model : "paper", c->preset ? c->preset : "",
+          (unsigned)c->slices, (unsigned)c->samples, (double)c->growth,
           c->lattice == HBIL_LATTICE_FULL ? "full" : "layer", c->raw,
           bench_is_default(c));
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
@@ -202,6 +287,7 @@ static void write_row(const bench_report *report, const bench_row *row,
   write_number(out, literal / gather);
   write_number(out, literal / row->total.median);
   write_number(out, gather / bench_start_time(report));
+  write_number(out, row->over_endless);
   write_number(out, row->light_error);
   write_number(out, row->ao_error);
   write_number(out, row->model_error);
@@ -211,11 +297,11 @@ static void write_row(const bench_report *report, const bench_row *row,
 
 /* The baseline has a kernel, but no settings and no passes. */
 static void write_literal(const bench_report *report, FILE *out) {
-  fputs("literal,2,8,0,full,1,0", out);
+  fputs("literal,paper,,2,8,0,full,1,0", out);
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     fputs(",,,", out);
   write_spread(out, report->literal.milliseconds);
-  fputs(",,,,,", out);
+  fputs(",,,,,,", out);
   write_number(out, report->literal.light_error);
   write_number(out, report->literal.ao_error);
   fputs(",,0,0", out);

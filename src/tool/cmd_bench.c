@@ -11,6 +11,7 @@ enum {
   OPTION_TRUTH,
   OPTION_DEVICE,
   OPTION_RUNS,
+  OPTION_PIXELS,
   OPTION_QUICK
 };
 
@@ -21,6 +22,7 @@ static const struct option options[] = {
     {"truth", required_argument, NULL, OPTION_TRUTH},
     {"device", required_argument, NULL, OPTION_DEVICE},
     {"runs", required_argument, NULL, OPTION_RUNS},
+    {"pixels", required_argument, NULL, OPTION_PIXELS},
     {"quick", no_argument, NULL, OPTION_QUICK},
     {"output", required_argument, NULL, 'o'},
     {"help", no_argument, NULL, 'h'},
@@ -32,8 +34,11 @@ static void usage(void) {
       "usage: hbil bench [options]\n"
       "\n"
       "Measures the time of every pass and the error of the result for a list\n"
-      "of settings, beside the paper's method as one plain kernel and a plain\n"
-      "copy.  Prints a table; writes DIR/bench.csv, bench.json, bench.svg.\n"
+      "of settings and models, beside the paper's method as one plain kernel\n"
+      "and a plain copy.  Errors are taken against the exact integral, which\n"
+      "needs a while on the CPU at first.  Prints a table; writes\n"
+      "DIR/bench.csv, bench.json, bench.svg, and bench.png where rsvg-convert\n"
+      "is installed.\n"
       "\n"
       "  -o, --output DIR   folder of the files (./bench)\n"
       "  --size WxH         of the procedural room (1280x720)\n"
@@ -44,6 +49,10 @@ static void usage(void) {
       "  --device NAME      index or part of a name, see hbil devices (the\n"
       "                     first GPU, else the first device)\n"
       "  --runs N           runs that are counted, 1..1000 (9)\n"
+      "  --pixels N         most pixels that errors are measured at (8000); "
+      "the\n"
+      "                     exact integral's time goes with them, and no more\n"
+      "                     than one in each block of 4x4 is taken\n"
       "  --quick            a short list and a small room (320x180)");
 }
 
@@ -65,6 +74,8 @@ static int set_option(int option, bench_options *o, image_error *error) {
   case OPTION_RUNS:
     return option_unsigned("--runs", optarg, 1, BENCH_MAX_RUNS, &o->runs,
                            error);
+  case OPTION_PIXELS:
+    return option_unsigned("--pixels", optarg, 16, 1u << 28, &o->pixels, error);
   case OPTION_DUMP:
     o->dump = optarg;
     break;

@@ -160,25 +160,19 @@ static int trace_frame(const demo_options *o, unsigned index, const char *path,
   return failed;
 }
 
-/* One line that counts up, where somebody watches. */
-static void progress(unsigned done, unsigned frames) {
-  if (isatty(STDERR_FILENO))
-    fprintf(stderr, "\rtracing G-buffers: %u of %u%s", done, frames,
-            done == frames ? "\n" : "");
-}
-
 /* Fills files with the paths (malloc'd) of the frames. */
 static int trace_frames(const demo_options *o, const char *folder, char **files,
                         image_error *error) {
+  const char *tracing = "tracing G-buffers";
   for (unsigned i = 0; i < o->frames; ++i) {
     char name[32];
-    progress(i, o->frames);
+    progress_count(tracing, i, o->frames);
     snprintf(name, sizeof name, "frame_%04u.exr", i + 1);
     files[i] = join(folder, name, error);
     if (files[i] == NULL || trace_frame(o, i, files[i], error) != 0)
       return -1;
   }
-  progress(o->frames, o->frames);
+  progress_count(tracing, o->frames, o->frames);
   return 0;
 }
 

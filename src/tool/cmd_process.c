@@ -5,9 +5,16 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Slices: what the library takes, the exact integral takes, and that by
+ * itself. */
+enum { MOST = 32, MOST_EXACT = 4096, EXACT = 256 };
+
 /* Options without a letter of their own. */
 enum {
   OPTION_LAYERS = 256,
+  OPTION_MODE,
+  OPTION_FALLOFF,
+  OPTION_QUALITY,
   OPTION_RADIUS,
   OPTION_SLICES,
   OPTION_SAMPLES,
@@ -30,12 +37,26 @@ enum {
   OPTION_PREVIEW,
   OPTION_TIMINGS,
   OPTION_JSON,
-  OPTION_QUIET
+  OPTION_QUIET,
+  OPTION_END
 };
+
+/* What was asked for, where one option decides whether another may be. */
+typedef struct request {
+  process_options *options;
+  char given[OPTION_END - OPTION_LAYERS];
+} request;
+
+static int is_given(const request *r, int option) {
+  return r->given[option - OPTION_LAYERS];
+}
 
 static const struct option options[] = {
     {"output", required_argument, NULL, 'o'},
     {"layers", required_argument, NULL, OPTION_LAYERS},
+    {"mode", required_argument, NULL, OPTION_MODE},
+    {"falloff", required_argument, NULL, OPTION_FALLOFF},
+    {"quality", required_argument, NULL, OPTION_QUALITY},
     {"radius", required_argument, NULL, OPTION_RADIUS},
     {"slices", required_argument, NULL, OPTION_SLICES},
     {"samples", required_argument, NULL, OPTION_SAMPLES},
@@ -74,15 +95,15 @@ static void usage(const hbil_config *defaults) {
       "  -o, --output DIR      folder of the results (made if its parent is\n"
       "                        there)\n"
       "  --layers LIST         of near, far, indirect, AO, bent, cone, beauty\n"
-      "                        (all)\n"
+      "                        (all that the mode has)\n"
       "  --camera FILE         JSON camera of all frames (FRAME.json beside\n"
       "                        each FRAME.exr)\n"
       "  --environment R,G,B   far light, the same from everywhere\n"
       "  --environment FILE    far light, a latitude-longitude map\n"
       "  --environment none|frame\n"
       "                        no far light, or what the frame's own surfaces\n"
-      "                        send (none if the first frame shows a lit sky,\n"
-      "                        else frame)\n"
+      "                        send; without this option the latter, less\n"
+      "                        what a lit sky in the first frame explains\n"
       "  --device NAME         index or part of a name, see hbil devices (the\n"
       "                        first GPU, else the first device)\n"
       "  --repeat N            run every frame N times: more bounces (1)\n"
@@ -91,9 +112,30 @@ static void usage(const hbil_config *defaults) {
       "  --timings             print milliseconds per pass and frame (of the\n"
       "                        last run of each frame)\n"
       "  --json                print them as JSON\n"
-      "  --quiet               no line per frame\n"
+      "  --quiet               no line per frame, no progress\n"
       "\n"
-      "The method:");
+      "How well:\n"
+      "  --quality fast|balanced|high\n"
+      "                        sets slices, samples, step growth and lattice;\n"
+      "                        options after it have the last word\n"
+      "  --quality reference   the exact screen-space integral of the same\n"
+      "                        model, in double precision, on all CPUs and\n"
+      "                        without OpenCL: every pixel that a slice "
+      "crosses,\n"
+      "                        --slices 1..4096 (256).  Takes minutes to "
+      "hours;\n"
+      "                        compare with it to see the sampling error\n"
+      "\n"
+      "The method:\n"
+      "  --mode hbil|gtao|hbao near light and occlusion; cosine-weighted\n"
+      "                        occlusion and bent normal (all layers but "
+      "near);\n"
+      "                        uniform occlusion with falloff (AO, far,\n"
+      "                        indirect, beauty) (hbil)\n"
+      "  --falloff linear|soft|none\n"
+      "                        weight of an occluder at distance r within\n"
+      "                        radius R, for hbao: 1-r/R, 1-r/(3R), 1 "
+      "(linear)");
   printf("  --radius R            world units, or inf (%g)\n"
          "  --thickness T         of occluders, world units (inf)\n"
          "  --relative-thickness T\n"
@@ -115,8 +157,9 @@ static void usage(const hbil_config *defaults) {
       "                        accepted, none, what the frame sends on "
       "average\n"
       "  --gather-emission yes|no\n"
-      "                        emission lights neighbours, too (no, as direct\n"
-      "                        light holds what lamps send)\n"
+      "                        emission lights neighbours, too (yes if the\n"
+      "                        first frame's direct light can't hold what its\n"
+      "                        lamps send)\n"
       "  --reprojection none|scatter|motion\n"
       "                        how light is carried over: not at all, by the\n"
       "                        camera's movement, by motion vectors (scatter)\n"
@@ -149,6 +192,14 @@ static int set_choice(int option, process_options *o, image_error *error) {
   static const char *const feedbacks[] = {"irradiance", "radiance", NULL};
   int value = 0, failed = 0;
   switch (option) {
+  case OPTION_MODE:
+    failed = choice("--mode", process_modes, &value, error);
+    o->config.mode = (hbil_mode)value;
+    break;
+  case OPTION_FALLOFF:
+    failed = choice("--falloff", process_falloffs, &value, error);
+    o->config.falloff = (hbil_falloff)value;
+    break;
   case OPTION_LATTICE:
     failed = choice("--lattice", lattices, &value, error);
     o->config.lattice = (hbil_lattice)value;
@@ -168,8 +219,23 @@ static int set_choice(int option, process_options *o, image_error *error) {
   default:
     failed = choice("--gather-emission", answers, &value, error);
     o->config.gather_emission = (cl_bool)value;
+    o->emission_given = 1;
   }
   return failed;
+}
+
+static int set_quality(process_options *o, image_error *error) {
+  const char *words[HBIL_QUALITY_REFERENCE + 2] = {NULL};
+  int value = 0;
+  for (int q = 0; q <= HBIL_QUALITY_REFERENCE; q++)
+    words[q] = hbil_quality_name((hbil_quality)q);
+  if (choice("--quality", words, &value, error) != 0)
+    return -1;
+  o->exact = value == HBIL_QUALITY_REFERENCE;
+  hbil_config_set_quality(&o->config, (hbil_quality)value);
+  if (o->exact)
+    o->config.slices = EXACT;
+  return 0;
 }
 
 static int set_number(int option, process_options *o, image_error *error) {
@@ -189,7 +255,8 @@ static int set_number(int option, process_options *o, image_error *error) {
   case OPTION_FACING:
     return option_floats("--facing", optarg, c->facing, 2, error);
   case OPTION_SLICES:
-    return option_unsigned("--slices", optarg, 1, 32, &c->slices, error);
+    return option_unsigned("--slices", optarg, 1, MOST_EXACT, &c->slices,
+                           error);
   case OPTION_WARM_UP:
     return option_unsigned("--warm-up", optarg, 0, 1000, &o->warm_up, error);
   case OPTION_SAMPLES:
@@ -230,6 +297,10 @@ static int set_option(int option, process_options *o, image_error *error) {
   case OPTION_RAW:
     o->config.raw_interleave = CL_TRUE;
     return 0;
+  case OPTION_QUALITY:
+    return set_quality(o, error);
+  case OPTION_MODE:
+  case OPTION_FALLOFF:
   case OPTION_LATTICE:
   case OPTION_REFUSED:
   case OPTION_REPROJECTION:
@@ -241,8 +312,47 @@ static int set_option(int option, process_options *o, image_error *error) {
   }
 }
 
+/* Options that the exact integral has no use for. */
+static int check_exact(const request *r, image_error *error) {
+  static const struct {
+    int option;
+    const char *name, *why;
+  } useless[] = {
+      {OPTION_SAMPLES, "--samples", "which looks at every pixel"},
+      {OPTION_STEP_GROWTH, "--step-growth", "which looks at every pixel"},
+      {OPTION_LATTICE, "--lattice", "which looks at every pixel"},
+      {OPTION_RAW, "--raw", "which filters nothing"},
+      {OPTION_DEVICE, "--device", "which runs on the CPUs without OpenCL"},
+      {OPTION_TIMINGS, "--timings", "which has no passes on a device"},
+      {OPTION_JSON, "--json", "which has no timings"},
+  };
+  for (size_t i = 0; i < sizeof useless / sizeof *useless; i++)
+    if (is_given(r, useless[i].option))
+      return image_fail(error,
+                        "%s: not with --quality reference, %s; one or the "
+                        "other is needed",
+                        useless[i].name, useless[i].why);
+  return 0;
+}
+
+/* What only both options together decide. */
+static int check_options(const request *r, image_error *error) {
+  const process_options *o = r->options;
+  if (is_given(r, OPTION_FALLOFF) && o->config.mode != HBIL_MODE_HBAO)
+    return image_fail(error, "--falloff: --mode hbao is needed with it");
+  if (o->exact)
+    return check_exact(r, error);
+  if (o->config.slices > MOST)
+    return image_fail(error,
+                      "--slices %u: a whole number from 1 to %d, or --quality "
+                      "reference, is needed",
+                      (unsigned)o->config.slices, MOST);
+  return 0;
+}
+
 int cmd_process(int argc, char **argv) {
   process_options o;
+  request r = {.options = &o};
   image_error error;
   int option;
   process_options_init(&o);
@@ -254,6 +364,10 @@ int cmd_process(int argc, char **argv) {
     }
     if (option == '?' || set_option(option, &o, &error) != 0)
       return tool_report(&error);
+    if (option >= OPTION_LAYERS)
+      r.given[option - OPTION_LAYERS] = 1;
   }
+  if (check_options(&r, &error) != 0)
+    return tool_report(&error);
   return process_run(&o, argv + optind, argc - optind);
 }

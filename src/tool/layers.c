@@ -17,6 +17,23 @@ const layer_info layer_table[LAYER_COUNT] = {
     LAYER("beauty", "RGB", radiance),
 };
 
+unsigned layers_of_mode(hbil_mode mode) {
+  const unsigned all = (1u << LAYER_COUNT) - 1u;
+  const unsigned cone = 1u << LAYER_BENT | 1u << LAYER_CONE;
+  if (mode == HBIL_MODE_HBIL)
+    return all;
+  return all & ~(1u << LAYER_NEAR | (mode == HBIL_MODE_HBAO ? cone : 0u));
+}
+
+void layers_names(unsigned layers, char *text, size_t size) {
+  size_t used = 0;
+  *text = '\0';
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (layers >> l & 1 && used < size)
+      used += (size_t)snprintf(text + used, size - used, "%s%s",
+                               used ? ", " : "", layer_table[l].name);
+}
+
 static int find_layer(const char *name, size_t length) {
   for (int l = 0; l < LAYER_COUNT; l++)
     if (strlen(layer_table[l].name) == length &&

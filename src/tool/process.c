@@ -5,6 +5,7 @@
  * pixel is read: all headers, all cameras, the output folder, the device.
  */
 #define _POSIX_C_SOURCE 200809L
+#include "tool/exact.h"
 #include "tool/tool.h"
 
 #include <errno.h>
@@ -27,6 +28,7 @@ typedef struct job {
 typedef struct process {
   const process_options *options;
   hbil_config config;
+  unsigned layers;
   float environment[9][3];
   job *jobs;
   timing_row *rows;
@@ -34,10 +36,14 @@ typedef struct process {
   uint32_t width, height;
   int folder_created;
   device device;
-  sequence *sequence;
+  sequence *sequence; /* one of both */
+  exact_sequence *exact;
   float exposure;
   image_error error;
 } process;
+
+const char *const process_modes[] = {"hbil", "gtao", "hbao", NULL};
+const char *const process_falloffs[] = {"linear", "soft", "none", NULL};
 
 /*
  * Where a picture is worth more than a millisecond the tool departs from the
@@ -45,7 +51,7 @@ typedef struct process {
  * behind their front, all light that is seen counts, and what is not seen is
  * estimated.  Chosen on the four public scenes (HACKING.md).
  */
-static void set_model(hbil_config *config) {
+void process_set_model(hbil_config *config) {
   config->relative_thickness = 0.08f;
   config->facing[0] = config->facing[1] = -1.0f;
   config->refused = HBIL_REFUSED_FRAME;
@@ -55,13 +61,12 @@ static void set_model(hbil_config *config) {
 void process_options_init(process_options *options) {
   memset(options, 0, sizeof *options);
   hbil_config_init(&options->config);
-  options->layers = LAYERS_ALL;
   options->repeat = 1;
   /* three bounces before the first picture: the fourth adds a few per cent */
   options->warm_up = 3;
-  /* a renderer's direct light holds what its lamps send */
+  /* unless the first frame shows otherwise (policy.c) */
   options->config.gather_emission = CL_FALSE;
-  set_model(&options->config);
+  process_set_model(&options->config);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -168,8 +173,8 @@ static int check_name(process *p, job *j) {
 /* Not an error: occlusion and bent cones need no light. */
 static void warn_of_darkness(const process *p) {
   const channel_map *map = &p->jobs[0].map;
-  if (!p->options->quiet && !map->count[ROLE_DIRECT] &&
-      !map->count[ROLE_EMISSION])
+  if (!p->options->quiet && p->config.mode == HBIL_MODE_HBIL &&
+      !map->count[ROLE_DIRECT] && !map->count[ROLE_EMISSION])
     fprintf(stderr,
             "hbil: %s: warning: no direct light and no emission; near light "
             "will be black\n",
@@ -246,7 +251,28 @@ static int load_map(process *p) {
   return 0;
 }
 
-static int load_environment(process *p) {
+static const char *mode_name(const process *p) {
+  return process_modes[p->config.mode];
+}
+
+/* Far light that the mode has no means for. */
+static int check_far_field(process *p) {
+  const hbil_mode mode = p->config.mode;
+  const hbil_far_field far = p->config.far_field;
+  if (mode != HBIL_MODE_HBIL && far == HBIL_FAR_FRAME)
+    return image_fail(&p->error,
+                      "--environment frame: not with --mode %s, which looks at "
+                      "no light; none or R,G,B is needed",
+                      mode_name(p));
+  if (mode == HBIL_MODE_HBAO && far == HBIL_FAR_SH)
+    return image_fail(&p->error,
+                      "--environment %s: a map is not possible with --mode "
+                      "hbao, which has no bent cone; none or R,G,B is needed",
+                      p->options->environment);
+  return 0;
+}
+
+static int read_environment(process *p) {
   const char *text = p->options->environment;
   if (text && !strcmp(text, "frame")) {
     p->config.far_field = HBIL_FAR_FRAME;
@@ -263,6 +289,25 @@ static int load_environment(process *p) {
   return check_environment(p);
 }
 
+static int load_environment(process *p) {
+  return read_environment(p) != 0 || check_far_field(p) != 0 ? -1 : 0;
+}
+
+/* All that the mode has, or what was asked for. */
+static int choose_layers(process *p) {
+  const unsigned possible = layers_of_mode(p->config.mode);
+  const unsigned asked = p->options->layers;
+  char cannot[64], can[64];
+  p->layers = asked ? asked : possible;
+  if ((p->layers & ~possible) == 0)
+    return 0;
+  layers_names(p->layers & ~possible, cannot, sizeof cannot);
+  layers_names(possible, can, sizeof can);
+  return image_fail(&p->error,
+                    "--layers %s: not with --mode %s; some of %s are needed",
+                    cannot, mode_name(p), can);
+}
+
 static void configure(process *p) {
   const channel_map *map = &p->jobs[0].map;
   channels_conventions(map, &p->config);
@@ -272,23 +317,66 @@ static void configure(process *p) {
   p->config.profiling = p->options->timings ? CL_TRUE : CL_FALSE;
 }
 
-/* Without a word from the user the first frame decides about far light. */
-static int choose_far_field(process *p) {
+/* What the user left open, decided by what the first frame shows. */
+static void decide(process *p, const gbuffer *first, const char **far,
+                   const char **emission) {
+  hbil_camera camera;
+  gbuffer_hbil_camera(&p->jobs[0].camera, &camera);
+  if (!p->options->environment)
+    policy_far_field(first, &p->config, p->environment, far);
+  if (!p->options->emission_given)
+    policy_emission(first, &camera, &p->config, emission);
+}
+
+static int look_at_first(process *p, const char **far, const char **emission) {
   const job *first = p->jobs;
-  const char *reason = NULL;
   gbuffer g;
-  if (p->options->environment)
-    return 0;
   if (gbuffer_read(first->path, &first->map,
-                   1u << ROLE_DEPTH | 1u << ROLE_EMISSION |
-                       1u << ROLE_BACKGROUND,
+                   1u << ROLE_DEPTH | 1u << ROLE_NORMAL | 1u << ROLE_DIRECT |
+                       1u << ROLE_EMISSION | 1u << ROLE_BACKGROUND,
                    &g, &p->error) != 0)
     return -1;
-  policy_far_field(&g, &p->config, &reason);
+  decide(p, &g, far, emission);
   gbuffer_free(&g);
-  if (!p->options->quiet)
-    fprintf(stderr, "hbil: light of unblocked directions: %s\n", reason);
   return 0;
+}
+
+/* Settings that depend on what the dumps hold, and a line for each. */
+static int choose_model(process *p) {
+  const char *far = "none: this --mode looks at no light", *emission = NULL;
+  if (p->config.mode == HBIL_MODE_HBIL &&
+      !(p->options->environment && p->options->emission_given) &&
+      look_at_first(p, &far, &emission) != 0)
+    return -1;
+  if (!p->options->quiet && !p->options->environment)
+    fprintf(stderr, "hbil: light of unblocked directions: %s\n", far);
+  if (!p->options->quiet && emission)
+    fprintf(stderr, "hbil: emission: %s\n", emission);
+  return 0;
+}
+
+/* Runs of all frames together. */
+static unsigned count_runs(const process *p) {
+  return (unsigned)p->count * p->options->repeat + p->options->warm_up;
+}
+
+static int open_exact(process *p) {
+  const exact_work work = {.frames = (unsigned)p->count,
+                           .runs = count_runs(p),
+                           .quiet = p->options->quiet};
+  if (exact_check(&p->config, &p->error) != 0 || choose_model(p) != 0)
+    return -1;
+  return exact_open(&p->config, &p->jobs[0].map, p->layers, &work, &p->exact,
+                    &p->error);
+}
+
+static int open_library(process *p) {
+  if (device_open(p->options->device, p->options->timings, &p->device,
+                  &p->error) != 0 ||
+      choose_model(p) != 0)
+    return -1;
+  return sequence_open(&p->device, &p->config, &p->jobs[0].map, p->layers,
+                       &p->sequence, &p->error);
 }
 
 static int prepare(process *p, char *const *files) {
@@ -300,16 +388,11 @@ static int prepare(process *p, char *const *files) {
   p->rows = calloc((size_t)p->count, sizeof *p->rows);
   if (!p->jobs || !p->rows)
     return image_no_memory(&p->error, files[0]);
-  if (check_jobs(p, files) != 0 || load_environment(p) != 0 ||
-      prepare_folder(p) != 0)
+  if (choose_layers(p) != 0 || check_jobs(p, files) != 0 ||
+      load_environment(p) != 0 || prepare_folder(p) != 0)
     return -1;
   configure(p);
-  if (device_open(p->options->device, p->options->timings, &p->device,
-                  &p->error) != 0 ||
-      choose_far_field(p) != 0)
-    return -1;
-  return sequence_open(&p->device, &p->config, &p->jobs[0].map,
-                       p->options->layers, &p->sequence, &p->error);
+  return p->options->exact ? open_exact(p) : open_library(p);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -331,8 +414,7 @@ static int write_previews(process *p, const job *j, const image *result) {
   if (j == p->jobs)
     p->exposure = preview_exposure(result);
   for (int l = 0; l < LAYER_COUNT; l++)
-    if (p->options->layers >> l & 1 &&
-        write_preview(p, j, result, (layer)l) != 0)
+    if (p->layers >> l & 1 && write_preview(p, j, result, (layer)l) != 0)
       return -1;
   return 0;
 }
@@ -348,6 +430,20 @@ static int write_result(process *p, const job *j, const image *result) {
   return failed;
 }
 
+/* Through the library or without it. */
+static int light_planes(process *p, const job *j, const gbuffer *g,
+                        image *result) {
+  timing_row *row = &p->rows[j - p->jobs];
+  const unsigned runs =
+      p->options->repeat + (j == p->jobs ? p->options->warm_up : 0);
+  row->frame = j->path;
+  if (!p->exact)
+    return sequence_run(p->sequence, g, &j->camera, p->environment, runs,
+                        result, row->milliseconds, &p->error);
+  exact_run(p->exact, g, &j->camera, p->environment, runs, result);
+  return 0;
+}
+
 static int light_frame(process *p, const job *j, image *result) {
   enum {
     USED = 1 << ROLE_DEPTH | 1 << ROLE_NORMAL | 1 << ROLE_ALBEDO |
@@ -358,14 +454,9 @@ static int light_frame(process *p, const job *j, image *result) {
   if (gbuffer_read(j->path, &j->map, USED | (moved ? 1u << ROLE_MOTION : 0u),
                    &g, &p->error) != 0)
     return -1;
-  timing_row *row = &p->rows[j - p->jobs];
-  row->frame = j->path;
   result->x = g.planes.x;
   result->y = g.planes.y;
-  const int failed = sequence_run(p->sequence, &g, &j->camera, p->environment,
-                                  p->options->repeat +
-                                      (j == p->jobs ? p->options->warm_up : 0),
-                                  result, row->milliseconds, &p->error);
+  const int failed = light_planes(p, j, &g, result);
   gbuffer_free(&g);
   return failed;
 }
@@ -373,7 +464,7 @@ static int light_frame(process *p, const job *j, image *result) {
 static int run_frames(process *p) {
   image result;
   int failed = 0;
-  if (layers_image(p->options->layers, p->width, p->height, &result) != 0)
+  if (layers_image(p->layers, p->width, p->height, &result) != 0)
     return image_no_memory(&p->error, p->jobs[0].path);
   for (int i = 0; i < p->count && !failed; i++) {
     const job *j = &p->jobs[i];
@@ -386,6 +477,8 @@ static int run_frames(process *p) {
 }
 
 static int print_timings(process *p) {
+  if (!p->options->timings)
+    return 0;
   const timing_report report = {
       .device = p->device.name,
       .width = p->width,
@@ -395,8 +488,6 @@ static int print_timings(process *p) {
       .rows = p->rows,
       .count = (size_t)p->count,
   };
-  if (!p->options->timings)
-    return 0;
   if (p->options->json)
     return timings_json(&report, &p->error);
   timings_table(&report);
@@ -405,6 +496,7 @@ static int print_timings(process *p) {
 
 static void release(process *p) {
   sequence_close(p->sequence);
+  exact_close(p->exact);
   device_close(&p->device);
   for (int i = 0; p->jobs && i < p->count; i++)
     free(p->jobs[i].stem);

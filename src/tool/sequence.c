@@ -4,23 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Which role feeds which input. */
-typedef struct input_info {
-  role role;
-  size_t format, image; /* offsets in hbil_config and hbil_frame */
-} input_info;
-
-#define INPUT(role, field)                                                     \
-  { role, offsetof(hbil_config, field), offsetof(hbil_frame, field) }
-
-static const input_info inputs[] = {
-    INPUT(ROLE_DEPTH, depth),       INPUT(ROLE_NORMAL, normal),
-    INPUT(ROLE_ALBEDO, albedo),     INPUT(ROLE_DIRECT, direct),
-    INPUT(ROLE_EMISSION, emission), INPUT(ROLE_MOTION, motion),
-};
-
-enum { INPUTS = sizeof inputs / sizeof *inputs };
-
 struct sequence {
   const device *device;
   hbil_context *context;
@@ -33,13 +16,6 @@ struct sequence {
   cl_mem input[INPUTS];
   cl_mem output[LAYER_COUNT];
 };
-
-/* Every image of the tool: planes of floats. */
-static const hbil_format planes_of_floats = {HBIL_FLOAT32, 1};
-
-static hbil_format *format_at(hbil_config *config, size_t offset) {
-  return (hbil_format *)((char *)config + offset);
-}
 
 static hbil_image *image_at(hbil_frame *frame, size_t offset) {
   return (hbil_image *)((char *)frame + offset);
@@ -56,19 +32,6 @@ static int opencl_failed(const sequence *s, cl_int status, const char *doing,
                          image_error *error) {
   return image_fail(error, "device %s: OpenCL error %d while %s",
                     s->device->name, (int)status, doing);
-}
-
-static void choose_formats(sequence *s, const channel_map *map) {
-  for (int i = 0; i < INPUTS; i++) {
-    const int unused = inputs[i].role == ROLE_MOTION &&
-                       s->config.reprojection != HBIL_REPROJECTION_MOTION;
-    s->channels[i] = unused ? 0 : map->count[inputs[i].role];
-    if (s->channels[i])
-      *format_at(&s->config, inputs[i].format) = planes_of_floats;
-  }
-  for (int l = 0; l < LAYER_COUNT; l++)
-    if (s->layers >> l & 1)
-      *format_at(&s->config, layer_table[l].format) = planes_of_floats;
 }
 
 static int make_buffer(sequence *s, cl_mem_flags flags, size_t channels,
@@ -115,7 +78,9 @@ int sequence_open(const device *d, const hbil_config *config,
   s->config = *config;
   s->layers = layers;
   s->plane = (size_t)config->width * config->height * sizeof(float);
-  choose_formats(s, map);
+  formats_choose(&s->config, map, layers);
+  for (int i = 0; i < INPUTS; i++)
+    s->channels[i] = formats_channels(&s->config, map, i);
   if (open_plan(s, error) != 0 || make_buffers(s, error) != 0) {
     sequence_close(s);
     return -1;
@@ -148,7 +113,7 @@ static int upload(sequence *s, const gbuffer *g, image_error *error) {
     for (size_t c = 0; c < s->channels[i]; c++) {
       const cl_int status = clEnqueueWriteBuffer(
           s->device->queue, s->input[i], CL_FALSE, c * s->plane, s->plane,
-          gbuffer_plane(g, inputs[i].role, c), 0, NULL, NULL);
+          gbuffer_plane(g, input_table[i].role, c), 0, NULL, NULL);
       if (status != CL_SUCCESS)
         return opencl_failed(s, status, "writing a buffer", error);
     }
@@ -161,7 +126,7 @@ static void fill_frame(const sequence *s, const camera_file *camera,
   gbuffer_hbil_camera(camera, &frame->camera);
   memcpy(frame->environment, environment, sizeof frame->environment);
   for (int i = 0; i < INPUTS; i++)
-    image_at(frame, inputs[i].image)->buffer = s->input[i];
+    image_at(frame, input_table[i].image)->buffer = s->input[i];
   for (int l = 0; l < LAYER_COUNT; l++)
     image_at(frame, layer_table[l].image)->buffer = s->output[l];
 }
@@ -170,7 +135,7 @@ static void fill_frame(const sequence *s, const camera_file *camera,
 static int stop_motion(sequence *s, image_error *error) {
   const float zero = 0.0f;
   for (int i = 0; i < INPUTS; i++) {
-    if (inputs[i].role != ROLE_MOTION || !s->channels[i])
+    if (input_table[i].role != ROLE_MOTION || !s->channels[i])
       continue;
     const cl_int status =
         clEnqueueFillBuffer(s->device->queue, s->input[i], &zero, sizeof zero,

@@ -113,7 +113,11 @@ void gbuffer_hbil_camera(const camera_file *file, hbil_camera *out);
 
 /* Chooses config->far_field by the first frame; *reason says why. */
 void policy_far_field(const gbuffer *first, hbil_config *config,
-                      const char **reason);
+                      float environment[9][3], const char **reason);
+/* Chooses config->gather_emission: whether direct light holds already what the
+ * lamps in the first frame send.  *reason is NULL where there are none. */
+void policy_emission(const gbuffer *first, const hbil_camera *camera,
+                     hbil_config *config, const char **reason);
 
 /* --- layers.c: what is written --- */
 
@@ -136,14 +140,54 @@ typedef struct layer_info {
 
 extern const layer_info layer_table[LAYER_COUNT];
 
-enum { LAYERS_ALL = (1 << LAYER_COUNT) - 1 };
-
+/* What a mode can compute. */
+unsigned layers_of_mode(hbil_mode mode);
+/* "AO, indirect" of a bit mask. */
+void layers_names(unsigned layers, char *text, size_t size);
 /* "AO,indirect" -> bit mask. */
 int layers_parse(const char *text, unsigned *out, image_error *error);
 /* A zeroed image with the planes of these layers, in the table's order. */
 int layers_image(unsigned layers, uint32_t width, uint32_t height, image *out);
 /* The plane of channel i of a layer, or NULL. */
 float *layers_plane(const image *img, layer l, size_t i);
+
+/* --- formats.c: what a job reads and writes --- */
+
+typedef struct input_info {
+  role role;
+  size_t format, image; /* offsets in hbil_config and hbil_frame */
+} input_info;
+
+enum { INPUTS = 6 }; /* the last one is motion */
+extern const input_info input_table[INPUTS];
+
+/* Channels of an input that a job with these settings uses; 0: none. */
+size_t formats_channels(const hbil_config *config, const channel_map *map,
+                        int input);
+/* Fills in the formats: everything is planes of floats. */
+void formats_choose(hbil_config *config, const channel_map *map,
+                    unsigned layers);
+
+/* --- progress.c: how far a long job is --- */
+
+typedef struct progress {
+  const char *what;
+  int quiet, terminal, dirty;
+  int tenth;                     /* told last, not on a terminal */
+  double start, expected, shown; /* seconds */
+} progress;
+
+/* Seconds since any time. */
+double progress_clock(void);
+/* "3 min 20 s". */
+void progress_duration(double seconds, char *text, size_t size);
+void progress_start(progress *p, const char *what, double expected, int quiet);
+/* done: 0..1.  A line that is rewritten, or one every 10 %. */
+void progress_show(progress *p, double done);
+/* Takes the line away, so that something else can be told. */
+void progress_clear(progress *p);
+/* "WHAT: 3 of 8" as a line that counts up, on a terminal only. */
+void progress_count(const char *what, size_t done, size_t count);
 
 /* --- device.c --- */
 
@@ -215,15 +259,22 @@ typedef struct process_options {
   const char *camera;      /* NULL: FRAME.json beside FRAME.exr */
   const char *environment; /* "R,G,B", an image file, or NULL */
   const char *device;      /* see device_open() */
-  unsigned layers;         /* bit mask */
+  unsigned layers;         /* bit mask; 0: all that the mode has */
+  int emission_given;      /* config.gather_emission is the user's word */
   unsigned repeat;         /* runs of every frame, at least 1 */
   unsigned warm_up;        /* more runs of the first frame, for its bounces */
   int preview, timings, json, quiet; /* flags */
+  int exact; /* the exact integral on the CPU in place of the library */
   hbil_config config; /* settings; formats and size are filled in */
 } process_options;
 
-/* All layers, no preview, the library's default settings. */
+/* All layers, no preview, the tool's model. */
 void process_options_init(process_options *options);
+/* What the tool takes for occluders and unseen light. */
+void process_set_model(hbil_config *config);
+/* Names on the command line, in the enums' order, ending with NULL. */
+extern const char *const process_modes[];
+extern const char *const process_falloffs[];
 
 /* Runs the frames in order and writes the results; reports what goes wrong
  * itself.  Returns the exit status. */

@@ -1,0 +1,35 @@
+/* What a job reads and writes: which role feeds which input, and the one format
+ * that all images of the tool have. */
+#include "tool/tool.h"
+
+#define INPUT(role, field)                                                     \
+  { role, offsetof(hbil_config, field), offsetof(hbil_frame, field) }
+
+const input_info input_table[INPUTS] = {
+    INPUT(ROLE_DEPTH, depth),       INPUT(ROLE_NORMAL, normal),
+    INPUT(ROLE_ALBEDO, albedo),     INPUT(ROLE_DIRECT, direct),
+    INPUT(ROLE_EMISSION, emission), INPUT(ROLE_MOTION, motion),
+};
+
+static hbil_format *format_at(hbil_config *config, size_t offset) {
+  return (hbil_format *)((char *)config + offset);
+}
+
+size_t formats_channels(const hbil_config *config, const channel_map *map,
+                        int input) {
+  const role r = input_table[input].role;
+  if (r == ROLE_MOTION && config->reprojection != HBIL_REPROJECTION_MOTION)
+    return 0;
+  return map->count[r];
+}
+
+void formats_choose(hbil_config *config, const channel_map *map,
+                    unsigned layers) {
+  const hbil_format planes_of_floats = {HBIL_FLOAT32, 1};
+  for (int i = 0; i < INPUTS; i++)
+    if (formats_channels(config, map, i))
+      *format_at(config, input_table[i].format) = planes_of_floats;
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (layers >> l & 1)
+      *format_at(config, layer_table[l].format) = planes_of_floats;
+}
