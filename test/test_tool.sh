@@ -230,7 +230,8 @@ for quality in fast balanced high; do
     process --quality $quality -o "$work/$quality" "$one"
 done
 works "what follows a preset has the last word" process --quality fast \
-  --slices 2 --samples 48 --step-growth 2 -o "$work/fast48" "$one"
+  --slices 2 --samples 48 --step-growth 2 --lattice full \
+  -o "$work/fast48" "$one"
 works "and is the default, then" compare --max-rmse 0 \
   "$work/fast48/frame_0001.exr" "$work/a/frame_0001.exr"
 refused "an unknown preset" 'fast, balanced, high, reference' \
@@ -348,7 +349,7 @@ ok $? "the bench tells what thickness and the estimate cost"
 awk -F , 'NR == 1 { n = NF }
   NF != n && $0 !~ /"[^"]*,[^"]*"/ { exit 1 }' "$work/bench/bench.csv"
 ok $? "as many fields in every row of the bench"
-for row in 'fast 1x8 full g2,paper,fast,' 'thick .08 2x8 full g2,thick .08,,' \
+for row in 'fast 1x16 layer g2,paper,fast,' 'thick .08 2x8 full g2,thick .08,,' \
   'tool 2x48 full g2,tool,,' 'literal,paper,,'; do
   grep -q "^$row" "$work/bench/bench.csv"
   ok $? "the bench has the row $row"
@@ -357,7 +358,7 @@ grep '^hbao ' "$work/bench/bench.csv" | grep -q ',,0\.[0-9]*,,0,1,'
 ok $? "AO alone has no error of light"
 grep -q '"light": null' "$work/bench/bench.json"
 ok $? "nor in JSON"
-grep -q '>fast 1x8 g2<' "$work/bench/bench.svg"
+grep -q '>fast 1x16 layer g2<' "$work/bench/bench.svg"
 ok $? "the plot names a preset"
 printf '#!/bin/sh\nexit 1\n' >"$work/bin/rsvg-convert"
 says "without rsvg-convert one line says so" 'no bench.png: rsvg-convert' \
