@@ -353,7 +353,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         for (int k = 0; k < SAMPLES; ++k) {
           const hbil_step step = steps[k];
           const int sx =
-              clamp(x + step.dx, -HBIL_TILE, (int)in.row - 2 * HBIL_TILE);
+              clamp(x + step.dx, -HBIL_TILE, (int)in.span - 2 * HBIL_TILE);
           const int sy = clamp(y + step.dy, -1, in.height);
           global const float *sample =
               split + step.base + sy * (int)in.row + sx;

@@ -112,9 +112,12 @@ typedef struct hbil_chain_args {
   hbil_int width, height;
 } hbil_chain_args;
 
-/* A layered set of planes, in floats.  width, height: of a layer. */
+/* A layered set of planes, in floats.  width, height: of a layer.  A row of the
+ * image is contiguous, with its four layers one after the other, and in each
+ * layer its planes: what a filter reads around a pixel lies on few pages. span:
+ * floats of a layer's row in one plane, padding included. */
 typedef struct hbil_layer_args {
-  hbil_uint plane, layer, row, origin;
+  hbil_uint plane, layer, row, origin, span;
   hbil_int width, height;
 } hbil_layer_args;
 

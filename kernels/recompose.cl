@@ -54,26 +54,35 @@ static inline void add_planes(sums *s, realv weight, global const float *light,
 
 /* Written out row by row: PoCL's compiler does not unroll it. */
 #define ADD_ROW(dy, spatial)                                                   \
-  {                                                                            \
-    const int row = ((j + (dy)) & 3) * 4 * (int)in.layer + (int)in.origin +    \
-                    (y + ((j + (dy)) >> 2)) * (int)in.row;                     \
-    add_row(&s, &m, dy, spatial, view, column, split + row, light + row,       \
-            in.plane);                                                         \
-  }
+  add_row(&s, &m, dy, spatial, view, from, to,                                 \
+          split + row_of(in, j + (dy), y), light + row_of(lit, j + (dy), y),   \
+          in.plane, lit.plane)
+
+/* Where the layers of row j (0..3, or a few more or less) of the blocks' row y
+ * begin. */
+static inline uint row_of(const hbil_layer_args l, int j, int y) {
+  return (uint)(j & 3) * 4u * l.layer + l.origin + (uint)(y + (j >> 2)) * l.row;
+}
+
+/* From there, column i of the blocks' column x. */
+static inline int column_of(const hbil_layer_args l, int i, int x) {
+  return (i & 3) * (int)l.layer + x + (i >> 2);
+}
 
 #if !RAW
 /* The neighbour at `split` and `light`, ex along its row; expected: w0 + gy ey,
  * scaled; spatial: its share for its place. */
 static inline void add_tap(sums *s, const middle *m, realv expected, float ex,
                            float spatial, global const float *split,
-                           global const float *light, uint plane) {
+                           global const float *light, uint in_plane,
+                           uint plane) {
   const realv off =
       fma(LOADV(split), m->inv_off, -fma(m->gx, (realv)ex, expected));
   const realv close = max(1.0f - fabs(off), (realv)0.0f);
-  global const float *normal = split + HBIL_SPLIT_NORMAL * plane;
-  realv same = fma(
-      m->nx, LOADV(normal),
-      fma(m->ny, LOADV(normal + plane), m->nz * LOADV(normal + 2u * plane)));
+  global const float *normal = split + HBIL_SPLIT_NORMAL * in_plane;
+  realv same = fma(m->nx, LOADV(normal),
+                   fma(m->ny, LOADV(normal + in_plane),
+                       m->nz * LOADV(normal + 2u * in_plane)));
   same = max(same, (realv)0.0f);
   same *= same;
   same *= same;
@@ -82,26 +91,27 @@ static inline void add_tap(sums *s, const middle *m, realv expected, float ex,
   add_planes(s, spatial * close * same, light, plane);
 }
 
-/* Five neighbours of a row; column: where those of each column begin. */
+/* Five neighbours of a row; from, to: where those of each column begin. */
 static inline void add_row(sums *s, const middle *m, int dy, float spatial,
-                           const hbil_view_args view, const int *column,
-                           global const float *split, global const float *light,
+                           const hbil_view_args view, const int *from,
+                           const int *to, global const float *split,
+                           global const float *light, uint in_plane,
                            uint plane) {
   const realv expected = fma(m->gy, (realv)((float)dy * view.inv_fy), m->w);
   const float e = view.inv_fx;
-  add_tap(s, m, expected, -2.0f * e, 0.5f * spatial, split + column[0],
-          light + column[0], plane);
-  add_tap(s, m, expected, -e, spatial, split + column[1], light + column[1],
+  add_tap(s, m, expected, -2.0f * e, 0.5f * spatial, split + from[0],
+          light + to[0], in_plane, plane);
+  add_tap(s, m, expected, -e, spatial, split + from[1], light + to[1], in_plane,
           plane);
   if (dy == 0)
-    add_planes(s, 1.0f, light + column[2], plane);
+    add_planes(s, 1.0f, light + to[2], plane);
   else
-    add_tap(s, m, expected, 0.0f, spatial, split + column[2], light + column[2],
-            plane);
-  add_tap(s, m, expected, e, spatial, split + column[3], light + column[3],
+    add_tap(s, m, expected, 0.0f, spatial, split + from[2], light + to[2],
+            in_plane, plane);
+  add_tap(s, m, expected, e, spatial, split + from[3], light + to[3], in_plane,
           plane);
-  add_tap(s, m, expected, 2.0f * e, 0.5f * spatial, split + column[4],
-          light + column[4], plane);
+  add_tap(s, m, expected, 2.0f * e, 0.5f * spatial, split + from[4],
+          light + to[4], in_plane, plane);
 }
 #endif
 
@@ -138,7 +148,8 @@ static inline void normalize_bent(sums *s) {
 /* The filtered planes of HBIL_WIDTH pixels of layer (i, j), from its pixel
  * (x, y) on. */
 static inline sums filter(const hbil_view_args view, const hbil_layer_args in,
-                          global const float *split, global const float *light,
+                          const hbil_layer_args lit, global const float *split,
+                          global const float *light,
                           global const float *estimate, int i, int j, int x,
                           int y) {
   const uint at =
@@ -154,7 +165,8 @@ static inline sums filter(const hbil_view_args view, const hbil_layer_args in,
     s.plane[p] = 0.0f;
   s.total = 0.0f;
 #if RAW
-  add_planes(&s, 1.0f, light + at, in.plane);
+  add_planes(&s, 1.0f, light + row_of(lit, j, y) + column_of(lit, i, x),
+             lit.plane);
 #else
   const realv rx = ray_x(view, 4 * x + i, 4);
   const realv n_r =
@@ -163,9 +175,11 @@ static inline sums filter(const hbil_view_args view, const hbil_layer_args in,
   m.w = 1.0f / HBIL_PLANE_TOLERANCE;
   m.gx = m.nx * m.w / n_r;
   m.gy = m.ny * m.w / n_r;
-  int column[5];
-  for (int k = 0; k < 5; ++k)
-    column[k] = ((i + k - 2) & 3) * (int)in.layer + x + ((i + k - 2) >> 2);
+  int from[5], to[5];
+  for (int k = 0; k < 5; ++k) {
+    from[k] = column_of(in, i + k - 2, x);
+    to[k] = column_of(lit, i + k - 2, x);
+  }
   ADD_ROW(-2, 0.5f);
   ADD_ROW(-1, 1.0f);
   ADD_ROW(0, 1.0f);
@@ -190,9 +204,9 @@ static inline sums filter(const hbil_view_args view, const hbil_layer_args in,
 }
 
 kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
-                      global const float *split, global const float *light,
-                      global const float *estimate, global float *resolved,
-                      const hbil_plane_args out) {
+                      const hbil_layer_args lit, global const float *split,
+                      global const float *light, global const float *estimate,
+                      global float *resolved, const hbil_plane_args out) {
   const int x0 = (int)get_global_id(0) * HBIL_WIDTH;
   const int row = (int)get_global_id(1);
   if (4 * x0 >= view.width || row >= view.height)
@@ -200,7 +214,7 @@ kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
   sums value[4];
   for (int i = 0; i < 4; ++i)
     value[i] =
-        filter(view, in, split, light, estimate, i, row & 3, x0, row >> 2);
+        filter(view, in, lit, split, light, estimate, i, row & 3, x0, row >> 2);
   resolved += (uint)row * out.row + (uint)(4 * x0);
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p) {
     if (!WANTED(p))

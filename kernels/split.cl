@@ -32,6 +32,18 @@ static inline void facing_normal(realv n[3], realv rx, float ry) {
   }
 }
 
+/* Nothing anywhere, padding included; once per plan.  Launch: x = rows of
+ * layers, from the one above to the one below. */
+kernel void clear_layers(global float *layers, const hbil_layer_args layout) {
+  const int at = (int)get_global_id(0);
+  if (at >= HBIL_LAYERS * (layout.height + 2) || get_global_id(1) > 0)
+    return;
+  layers += (uint)(at / HBIL_LAYERS) * layout.row +
+            (uint)(at % HBIL_LAYERS) * layout.layer;
+  for (uint x = 0; x < layout.span; ++x)
+    layers[x] = HBIL_NOTHING;
+}
+
 kernel void
 split(const hbil_view_args view, const hbil_transform_args to_view,
       global float *layers, const hbil_layer_args layout,

@@ -364,7 +364,7 @@ static hbil_status push_pull(commands *chain, const hbil_frame *frame) {
  * The parts stand behind the sum in one buffer. */
 static hbil_status estimate(commands *chain) {
   hbil_plan *plan = chain->plan;
-  const argument part[] = {ARG(plan->layout.layers),
+  const argument part[] = {ARG(plan->layout.split),
                            ARG(plan->buffers[BUFFER_SPLIT]),
                            ARG(plan->buffers[BUFFER_ESTIMATE])};
   const argument sum[] = {ARG(plan->buffers[BUFFER_ESTIMATE])};
@@ -389,7 +389,7 @@ static hbil_status split(commands *chain, const hbil_frame *frame) {
   const argument args[] = {ARG(view),
                            ARG(to_view),
                            ARG(plan->buffers[BUFFER_SPLIT]),
-                           ARG(plan->layout.layers),
+                           ARG(plan->layout.split),
                            ARG(plan->buffers[BUFFER_CARRIED]),
                            ARG(plan->layout.planes),
                            ARG(has_history),
@@ -432,7 +432,7 @@ static hbil_status make_pattern(commands *chain, const hbil_view_args *view,
     return HBIL_SUCCESS;
   const argument args[] = {{sizeof *view, view},
                            {sizeof *pattern, pattern},
-                           ARG(plan->layout.layers),
+                           ARG(plan->layout.split),
                            ARG(plan->buffers[BUFFER_STEPS])};
   const hbil_status status =
       LAUNCH(chain, KERNEL_PATTERN, args, (size_t)pattern->levels * HBIL_LAYERS,
@@ -461,8 +461,8 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   hbil_gather_args gather_args;
   memset(&gather_args, 0, sizeof gather_args);
   gather_args.view = view;
-  gather_args.split = plan->layout.layers;
-  gather_args.light = plan->layout.layers;
+  gather_args.split = plan->layout.split;
+  gather_args.light = plan->layout.light;
   gather_args.radius = plan->config.radius;
   gather_args.reach = pattern.reach;
   gather_args.turn = pattern.turn;
@@ -486,15 +486,16 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
                            ARG(plan->buffers[BUFFER_LIGHT])};
   const size_t width = plan->config.vector_width;
   return LAUNCH(chain, KERNEL_GATHER, args,
-                ((size_t)plan->layout.layers.width + width - 1) / width,
-                (size_t)plan->layout.layers.height, HBIL_LAYERS);
+                ((size_t)plan->layout.split.width + width - 1) / width,
+                (size_t)plan->layout.split.height, HBIL_LAYERS);
 }
 
 static hbil_status recompose(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
   const argument args[] = {ARG(view),
-                           ARG(plan->layout.layers),
+                           ARG(plan->layout.split),
+                           ARG(plan->layout.light),
                            ARG(plan->buffers[BUFFER_SPLIT]),
                            ARG(plan->buffers[BUFFER_LIGHT]),
                            ARG(plan->buffers[BUFFER_ESTIMATE]),

@@ -144,6 +144,7 @@ enum {
   KERNEL_FOLLOW_MOTION,
   KERNEL_PUSH,
   KERNEL_PULL,
+  KERNEL_CLEAR_LAYERS,
   KERNEL_SPLIT,
   KERNEL_ESTIMATE_PART,
   KERNEL_ESTIMATE_SUM,
@@ -164,7 +165,7 @@ enum { MAX_CHAIN = 15 };
 typedef struct layout {
   size_t bytes[BUFFER_COUNT]; /* 0: not needed */
   hbil_plane_args planes;     /* full-resolution planes */
-  hbil_layer_args layers;     /* split and light */
+  hbil_layer_args split, light;
   int chain_count;
   hbil_chain_args chain[MAX_CHAIN];
   /* what must be computed; unknown: the share of refused light */

@@ -39,16 +39,21 @@ static void lay_out_planes(const hbil_config *config, layout *out) {
 }
 
 /* Layers have a tile of padding left and right, and a row above and below. */
-static void lay_out_layers(const hbil_config *config, layout *out) {
-  hbil_layer_args *l = &out->layers;
+static void lay_out_layers(const hbil_config *config, cl_uint planes,
+                           hbil_layer_args *l) {
   const cl_uint width = rounded_up(config->width, HBIL_SIDE) / HBIL_SIDE;
   const cl_uint height = rounded_up(config->height, HBIL_SIDE) / HBIL_SIDE;
   l->width = (cl_int)width;
   l->height = (cl_int)height;
-  l->row = rounded_up(width, HBIL_TILE) + 2 * HBIL_TILE;
-  l->layer = l->row * (height + 2);
-  l->plane = l->layer * HBIL_LAYERS;
+  l->span = rounded_up(width, HBIL_TILE) + 2 * HBIL_TILE;
+  l->plane = l->span;
+  l->layer = l->plane * planes;
+  l->row = l->layer * HBIL_LAYERS;
   l->origin = l->row + HBIL_TILE;
+}
+
+static size_t layers_size(const hbil_layer_args *l) {
+  return sizeof(cl_float) * l->row * ((size_t)l->height + 2);
 }
 
 /* Halved down to one texel; returns the floats of all levels. */
@@ -75,25 +80,24 @@ void layout_compute(const hbil_config *config, layout *out) {
   memset(out, 0, sizeof *out);
   decide_work(config, out);
   lay_out_planes(config, out);
-  lay_out_layers(config, out);
   const size_t chain = lay_out_chain(config, out);
   const size_t real = sizeof(cl_float);
   const size_t pixels = (size_t)config->width * config->height;
-  const size_t light_planes = out->bent       ? HBIL_LIGHT_PLANES
-                              : out->radiance ? HBIL_LIGHT_BENT
-                                              : HBIL_LIGHT_RED;
+  const cl_uint light_planes = out->bent       ? HBIL_LIGHT_PLANES
+                               : out->radiance ? HBIL_LIGHT_BENT
+                                               : HBIL_LIGHT_RED;
   if (out->history) {
     out->bytes[BUFFER_HISTORY] = HBIL_HISTORY_PLANES * real * out->planes.plane;
     out->bytes[BUFFER_CARRIED] = chain * real;
     if (config->reprojection == HBIL_REPROJECTION_SCATTER)
       out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;
   }
-  out->bytes[BUFFER_SPLIT] =
-      (out->radiance ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED) * real *
-      out->layers.plane;
-  out->bytes[BUFFER_LIGHT] =
-      (out->unknown ? HBIL_GATHERED_PLANES : light_planes) * real *
-      out->layers.plane;
+  lay_out_layers(config, out->radiance ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED,
+                 &out->split);
+  lay_out_layers(config, out->unknown ? HBIL_GATHERED_PLANES : light_planes,
+                 &out->light);
+  out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
+  out->bytes[BUFFER_LIGHT] = layers_size(&out->light);
   out->bytes[BUFFER_RESOLVED] = light_planes * real * out->planes.plane;
   if (out->estimate)
     out->bytes[BUFFER_ESTIMATE] =

@@ -109,6 +109,7 @@ static const struct {
     [KERNEL_FOLLOW_MOTION] = {"follow_motion", PROGRAM_REPROJECT},
     [KERNEL_PUSH] = {"push", PROGRAM_PUSH_PULL},
     [KERNEL_PULL] = {"pull", PROGRAM_PUSH_PULL},
+    [KERNEL_CLEAR_LAYERS] = {"clear_layers", PROGRAM_SPLIT},
     [KERNEL_SPLIT] = {"split", PROGRAM_SPLIT},
     [KERNEL_ESTIMATE_PART] = {"estimate_part", PROGRAM_ESTIMATE},
     [KERNEL_ESTIMATE_SUM] = {"estimate_sum", PROGRAM_ESTIMATE},
@@ -183,34 +184,47 @@ static hbil_status allocate(hbil_plan *plan) {
   return HBIL_SUCCESS;
 }
 
+/* "Nothing there" in all layers. */
+static cl_int clear_layers(hbil_plan *plan, cl_command_queue queue) {
+  const hbil_layer_args *layers = &plan->layout.split;
+  const cl_kernel kernel = plan->kernels[KERNEL_CLEAR_LAYERS];
+  const size_t *group = plan->context->group;
+  const size_t rows = HBIL_LAYERS * ((size_t)layers->height + 2);
+  const size_t global[2] = {(rows + group[0] - 1) / group[0] * group[0],
+                            group[1]};
+  cl_int error =
+      clSetKernelArg(kernel, 0, sizeof(cl_mem), &plan->buffers[BUFFER_SPLIT]);
+  if (error == CL_SUCCESS)
+    error = clSetKernelArg(kernel, 1, sizeof *layers, layers);
+  if (error == CL_SUCCESS)
+    error = clEnqueueNDRangeKernel(queue, kernel, 2, NULL, global, group, 0,
+                                   NULL, NULL);
+  return error;
+}
+
 /* Padding is written once, here: no kernel touches it later.  The waiting is
  * done by clFinish on a queue of our own. */
 static hbil_status fill_padding(hbil_plan *plan) {
-  const cl_float nothing = HBIL_NOTHING, zero = 0.0f;
-  const size_t plane = plan->layout.layers.plane * sizeof(cl_float);
-  const size_t split = plan->layout.bytes[BUFFER_SPLIT];
+  static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT};
+  const cl_float zero = 0.0f;
   cl_int error = CL_SUCCESS;
   cl_command_queue queue = clCreateCommandQueue(
       plan->context->context, plan->context->device, 0, &error);
   if (!queue)
     return fail_cl(plan->context, error, "clCreateCommandQueue");
-  error = clEnqueueFillBuffer(queue, plan->buffers[BUFFER_SPLIT], &nothing,
-                              sizeof nothing, 0, plane, 0, NULL, NULL);
+  for (int i = 0; i < 2 && error == CL_SUCCESS; ++i)
+    error = clEnqueueFillBuffer(queue, plan->buffers[buffers[i]], &zero,
+                                sizeof zero, 0, plan->layout.bytes[buffers[i]],
+                                0, NULL, NULL);
   if (error == CL_SUCCESS)
-    error =
-        clEnqueueFillBuffer(queue, plan->buffers[BUFFER_SPLIT], &zero,
-                            sizeof zero, plane, split - plane, 0, NULL, NULL);
-  if (error == CL_SUCCESS)
-    error = clEnqueueFillBuffer(
-        queue, plan->buffers[BUFFER_LIGHT], &zero, sizeof zero, 0,
-        plan->layout.bytes[BUFFER_LIGHT], 0, NULL, NULL);
+    error = clear_layers(plan, queue);
   const cl_int finished = clFinish(queue);
   clReleaseCommandQueue(queue);
   if (error == CL_SUCCESS)
     error = finished;
   return error == CL_SUCCESS
              ? HBIL_SUCCESS
-             : fail_cl(plan->context, error, "clEnqueueFillBuffer");
+             : fail_cl(plan->context, error, "filling the layers");
 }
 
 /* --- public --- */
@@ -287,18 +301,24 @@ hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
     return HBIL_INVALID_ARGUMENT;
   const layout *l = &plan->layout;
   const int buffer = of_stage[stage];
-  const bool layered =
-      stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED;
   memset(out, 0, sizeof *out);
   if (!plan->buffers[buffer])
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
                 "stage %d: this plan has no such buffer (no history)",
                 (int)stage);
   out->buffer = plan->buffers[buffer];
-  out->plane_pitch = layered ? l->layers.plane : l->planes.plane;
-  out->row_pitch = layered ? l->layers.row : l->planes.row;
-  out->layer_pitch = layered ? l->layers.layer : 0;
-  out->origin = layered ? l->layers.origin : 0;
+  if (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED) {
+    const hbil_layer_args *layers =
+        stage == HBIL_STAGE_SPLIT ? &l->split : &l->light;
+    out->plane_pitch = layers->plane;
+    out->row_pitch = layers->row;
+    out->layer_pitch = layers->layer;
+    out->origin = layers->origin;
+    out->values = layers->layer / layers->plane;
+    return HBIL_SUCCESS;
+  }
+  out->plane_pitch = l->planes.plane;
+  out->row_pitch = l->planes.row;
   out->values =
       buffer == BUFFER_CARRIED
           ? (cl_uint)HBIL_CARRIED_PLANES
