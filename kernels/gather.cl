@@ -249,6 +249,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     return;
   const uint at = (uint)layer * in.layer + in.origin + (uint)y * in.row;
   global const float *here = split + at + (uint)x;
+  global const float *from = split + (uint)y * in.row + (uint)x;
   light += (uint)layer * args.light.layer + args.light.origin +
            (uint)y * args.light.row + (uint)x;
 
@@ -352,11 +353,12 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 
         for (int k = 0; k < SAMPLES; ++k) {
           const hbil_step step = steps[k];
-          const int sx =
-              clamp(x + step.dx, -HBIL_TILE, (int)in.span - 2 * HBIL_TILE);
-          const int sy = clamp(y + step.dy, -1, in.height);
-          global const float *sample =
-              split + step.base + sy * (int)in.row + sx;
+          const int sx = x + step.dx, sy = y + step.dy;
+          /* Offsets only grow: past the border nothing follows. */
+          if ((uint)sy >= (uint)in.height || sx <= -HBIL_WIDTH ||
+              sx >= in.width)
+            break;
+          global const float *sample = from + step.offset;
           const realv w1 = LOADV(sample);
           const realv excess =
               fma(fma(w1, (realv)args.keep, -c.w), (realv)step.inv_e,

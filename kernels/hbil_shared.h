@@ -123,8 +123,8 @@ typedef struct hbil_layer_args {
 
 /* One sample of a half-slice, common to all pixels of a layer at one level. */
 typedef struct hbil_step {
-  hbil_int base;     /* floats from a plane's start to the sampled layer's
-                        pixel (0,0) */
+  hbil_int offset;   /* floats to the sample of a layer's pixel (x,y), from
+                        where x + y row is in the planes */
   hbil_int dx, dy;   /* offset within the layer, in layer pixels */
   hbil_float ex, ey; /* the same from pixel to pixel, in units of ray slope */
   hbil_float inv_e;  /* 1 / |e| */

@@ -30,11 +30,12 @@ kernel void make_pattern(const hbil_view_args view,
     /* pixel offset -> the layer it lands in, and the offset there */
     const int to_x = (layer & 3) + x, to_y = (layer >> 2) + y;
     hbil_step step;
-    step.base =
-        (int)(((uint)(to_y & 3) * 4u + (uint)(to_x & 3)) * layout.layer +
-              layout.origin);
     step.dx = to_x >> 2;
     step.dy = to_y >> 2;
+    step.offset =
+        (int)(((uint)(to_y & 3) * 4u + (uint)(to_x & 3)) * layout.layer +
+              layout.origin) +
+        step.dy * (int)layout.row + step.dx;
     step.ex = (float)x * view.inv_fx;
     step.ey = (float)y * view.inv_fy;
     step.inv_e = 1.0f / sqrt(fma(step.ex, step.ex, step.ey * step.ey));
