@@ -132,9 +132,7 @@ static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
   m->sin2 = fma(part, sin1 - sin2, m->sin2);
   return share;
 }
-#endif
 
-#if FINITE
 /* A sample's back is nearer to infinity by this share of its inverse depth: for
  * a depth greater by the factor 1 + d it is d / (1 + d).  FINITE: bit 0, d is
  * the relative thickness; bit 1, it is the thickness along the sample's ray. */
@@ -145,10 +143,8 @@ static inline realv back_share(const center *c, realv w1, const hbil_step step,
   const realv rx = c->rx + step.ex, ry = c->ry + step.ey;
   const realv ray2 = fma(rx, rx, fma(ry, ry, (realv)1.0f));
   d = min(d, args.thickness * w1 / sqrt(ray2));
-  return d / (1.0f + d);
-#else
-  return d / (1.0f + d);
 #endif
+  return d / (1.0f + d);
 }
 #endif
 
@@ -195,9 +191,10 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
   m->excess = select(m->excess, excess, rises);
 #endif
 #if HBAO && LIMITED
-  m->blocked = fma(
-      share, max(fma(sqrt(v2) / w1, (realv)-args.falloff, (realv)1.0f), 0.0f),
-      m->blocked);
+  /* lanes of "nothing there" overflow: no share of infinity */
+  const realv weight =
+      max(fma(sqrt(v2) / w1, (realv)-args.falloff, (realv)1.0f), (realv)0.0f);
+  m->blocked = fma(share, select((realv)0.0f, weight, rises), m->blocked);
 #elif HBAO
   m->blocked += share;
 #endif
