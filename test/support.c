@@ -556,3 +556,41 @@ double random_unit(random_state *r) {
   z = (z ^ z >> 27) * 0x94d049bb133111ebu;
   return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
 }
+
+/* ------------------------------------------------------------------------ */
+/* Frames and vectors                                                        */
+
+#define SEQUENCE_LIMIT 1e-4
+#define CONE_LIMIT 1e-3
+
+void check_frame_outputs(setup *s, const ref_planes *want) {
+  ref_planes got = outputs_read(s);
+  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id)
+    if (image_format(&s->config, id)->component != HBIL_NONE)
+      check_at_most(
+          image_name(id),
+          relative_rmse(&got, want, image_first(id), image_channels(id)),
+          id == IMAGE_CONE ? CONE_LIMIT : SEQUENCE_LIMIT);
+  ref_planes_free(&got);
+}
+
+double dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+void cross(const double a[3], const double b[3], double out[3]) {
+  for (int c = 0; c < 3; ++c)
+    out[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
+}
+
+/* a + s b */
+void add(const double a[3], double s, const double b[3], double out[3]) {
+  for (int c = 0; c < 3; ++c)
+    out[c] = a[c] + s * b[c];
+}
+
+void normalize(double v[3]) {
+  double size = sqrt(dot(v, v));
+  for (int c = 0; c < 3; ++c)
+    v[c] /= size;
+}

@@ -50,27 +50,6 @@ static ref_planes gathered_densely(const setup *s, const ref_dense *how) {
   return out;
 }
 
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-  for (int c = 0; c < 3; ++c)
-    out[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
-}
-
-/* a + s b */
-static void add(const double a[3], double s, const double b[3], double out[3]) {
-  for (int c = 0; c < 3; ++c)
-    out[c] = a[c] + s * b[c];
-}
-
-static void normalize(double v[3]) {
-  double size = sqrt(dot(v, v));
-  for (int c = 0; c < 3; ++c)
-    v[c] /= size;
-}
-
 /* Ray of a pixel of a square image `size` wide. */
 static void ray_at(const setup *s, int x, int y, double ray[3]) {
   const hbil_camera *camera = &s->frame.camera;
@@ -195,17 +174,6 @@ static void set_outputs(setup *s, hbil_mode mode) {
 }
 
 /* Limits as in test_frame. */
-static void compare_outputs(setup *s, const ref_planes *want) {
-  ref_planes got = outputs_read(s);
-  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id)
-    if (image_format(&s->config, id)->component != HBIL_NONE)
-      check_at_most(
-          image_name(id),
-          relative_rmse(&got, want, image_first(id), image_channels(id)),
-          id == IMAGE_CONE ? 1e-3 : 1e-4);
-  ref_planes_free(&got);
-}
-
 static void check_frames(hbil_mode mode, hbil_far_field far_field,
                          hbil_feedback feedback) {
   setup s;
@@ -226,7 +194,7 @@ static void check_frames(hbil_mode mode, hbil_far_field far_field,
     setup_upload(&s);
     setup_run(&s, hbil_enqueue_frame);
     ref_frame(&reference, &s.job);
-    compare_outputs(&s, &reference.out);
+    check_frame_outputs(&s, &reference.out);
   }
   ref_state_free(&reference);
   setup_free(&s);
