@@ -53,14 +53,12 @@ kernel void estimate_part(const hbil_layer_args in, global const float *split,
       const intv solid = w > 0.0f;
       if (!ANY(solid))
         continue;
-      realv n[3];
-      for (int c = 0; c < 3; ++c)
-        n[c] = -LOADV(here + (HBIL_SPLIT_NORMAL + c) * in.plane);
-      realv p[9];
-      polynomials(n[0], n[1], n[2], p);
+      realv n[3], radiance[3], p[9];
+      split_normal(here, in.plane, n);
+      split_radiance(here, in.plane, radiance);
+      polynomials(-n[0], -n[1], -n[2], p);
       for (int c = 0; c < 4; ++c) {
-        const realv light =
-            c < 3 ? sqrt(LOADV(here + (HBIL_SPLIT_RED + c) * in.plane)) : 1.0f;
+        const realv light = c < 3 ? sqrt(radiance[c]) : 1.0f;
         for (int k = 0; k < 9; ++k)
           sum[9 * c + k] += select((realv)0.0f, light * p[k], solid);
       }

@@ -26,6 +26,26 @@
  * layers.  In: split planes, steps.  Out: light planes, same layout.
  */
 
+/* Samples of a half-slice that are looked at before those that rise are: their
+ * loads are on the way together, and no branch waits for one of them.  A single
+ * pixel has no use for it. */
+#if HBIL_WIDTH == 1
+#define BLOCK 1
+#else
+#define BLOCK (SAMPLES < 32 ? SAMPLES : 32)
+#endif
+
+/* Vectors side by side that a work-item takes: what they share, the steps, is
+ * read once. */
+#if HBIL_WIDTH == 1
+#define STRIP 1
+#else
+#define STRIP (HBIL_TILE / HBIL_WIDTH)
+#endif
+
+/* Whether what each sample adds must be known, or the highest is enough. */
+#define SHARES (GATHER_RADIANCE || HBAO || FINITE)
+
 #define PI 3.14159265f
 #define HALF_PI 1.57079633f
 
@@ -78,13 +98,29 @@ static inline float tile_nearest(global const float *row, int x) {
 
 /* What a pixel brings to all its slices. */
 typedef struct center {
-  realv w, nx, ny, nz; /* inverse depth, unit normal */
-  realv gx, gy;        /* the tangent plane's gradient of inverse depth */
-  realv rx;            /* ray */
+  realv w, nx, ny, nz;      /* inverse depth, unit normal */
+  realv gx, gy;             /* the tangent plane's gradient of inverse depth */
+  realv cosine, inv_cosine; /* of the normal with wo */
+  realv least_excess;
+  realv rx; /* ray */
   float ry;
   realv z, r, inv_r;      /* depth, length of the ray, its inverse */
   realv red, green, blue; /* own radiance */
 } center;
+
+/* Asks for what a sample that rises will need: normals and light of a strip
+ * straddle three cache lines of 16 words.  OpenCL's own prefetch() does nothing
+ * in PoCL. */
+static inline void fetch_early(global const float *sample, uint plane) {
+#if defined(__AVX__) && GATHER_RADIANCE && PACKED
+  for (int i = 0; i < STRIP * HBIL_WIDTH + 16; i += 16) {
+#if !FACING_ALL
+    FETCH_LINE(sample + HBIL_PACKED_NORMAL * plane + i);
+#endif
+    FETCH_LINE(sample + HBIL_PACKED_RADIANCE * plane + i);
+  }
+#endif
+}
 
 /* State of a half-slice. */
 typedef struct march {
@@ -136,11 +172,12 @@ static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
 /* A sample's back is nearer to infinity by this share of its inverse depth: for
  * a depth greater by the factor 1 + d it is d / (1 + d).  FINITE: bit 0, d is
  * the relative thickness; bit 1, it is the thickness along the sample's ray. */
-static inline realv back_share(const center *c, realv w1, const hbil_step step,
+static inline realv back_share(const center *c, realv w1,
+                               global const hbil_step *step,
                                const hbil_gather_args args) {
   realv d = args.relative_thickness;
 #if FINITE & 2
-  const realv rx = c->rx + step.ex, ry = c->ry + step.ey;
+  const realv rx = c->rx + step->ex, ry = c->ry + step->ey;
   const realv ray2 = fma(rx, rx, fma(ry, ry, (realv)1.0f));
   d = min(d, args.thickness * w1 / sqrt(ray2));
 #endif
@@ -148,29 +185,48 @@ static inline realv back_share(const center *c, realv w1, const hbil_step step,
 }
 #endif
 
-/* The samples that raise the horizon: lanes `rises`, sample of inverse depth
- * w1 at `step`, found at `sample` in the planes. */
-static inline void raise(const center *c, march *m, intv rises, realv excess,
-                         realv w1, const hbil_step step,
+#if LIMITED || (GATHER_RADIANCE && !FACING_ALL)
+/* (sample point - point) w1, from P = r z; returns its length squared. */
+static inline realv way_to(const center *c, realv w1,
+                           global const hbil_step *step, realv v[3]) {
+  v[2] = (c->w - w1) * c->z;
+  v[0] = fma(c->rx, v[2], (realv)step->ex);
+  v[1] = fma((realv)c->ry, v[2], (realv)step->ey);
+  return fma(v[0], v[0], fma(v[1], v[1], v[2] * v[2]));
+}
+#endif
+
+#if LIMITED
+/* The excess of a sample within the radius; beyond it there is nothing. */
+static inline realv within(const center *c, realv w1,
+                           global const hbil_step *step, float radius,
+                           realv excess) {
+  realv v[3];
+  const realv limit = radius * w1;
+  return select((realv)HBIL_NOTHING, excess,
+                way_to(c, w1, step, v) <= limit * limit);
+}
+#endif
+
+#if SHARES
+/* A sample that raises the horizon in some lane: its excess, its place in the
+ * pattern and in the planes. */
+static inline void raise(const center *c, march *m, realv excess,
+                         global const hbil_step *step,
                          global const float *sample, uint plane,
                          const hbil_gather_args args, realv cot_tangent,
                          realv slope, realv nx, realv ny, float dither) {
-#if LIMITED || (GATHER_RADIANCE && !FACING_ALL)
-  /* (sample point - point) w1, from P = r z */
-  const realv vz = (c->w - w1) * c->z;
-  const realv vx = fma(c->rx, vz, (realv)step.ex);
-  const realv vy = fma((realv)c->ry, vz, (realv)step.ey);
-  const realv v2 = fma(vx, vx, fma(vy, vy, vz * vz));
+  intv rises = excess > m->excess;
+#if FINITE || (HBAO && LIMITED) || (GATHER_RADIANCE && !FACING_ALL)
+  const realv w1 = LOADV(sample);
 #endif
-#if LIMITED
-  const realv limit = args.radius * w1;
-  rises &= v2 <= limit * limit;
-  if (!ANY(rises))
-    return;
+#if (HBAO && LIMITED) || (GATHER_RADIANCE && !FACING_ALL)
+  realv v[3];
+  const realv v2 = way_to(c, w1, step, v);
 #endif
 #if FINITE
   const realv excess_back =
-      max(fma(w1 * step.inv_e, -back_share(c, w1, step, args), excess),
+      max(fma(w1 * step->inv_e, -back_share(c, w1, step, args), excess),
           (realv)0.0f);
   const realv share =
       cover(m, rises, fma(slope, excess, cot_tangent),
@@ -180,15 +236,17 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
   if (!ANY(rises))
     return;
 #else
+  m->excess = max(m->excess, excess);
   realv g, sin2;
   const realv cot_horizon = fma(slope, excess, cot_tangent);
   horizon_terms(cot_horizon, &g, &sin2);
   const realv a = measure(cot_horizon, g, sin2, nx, ny);
   const realv share = select((realv)0.0f, m->a - a, rises);
   m->a = select(m->a, a, rises);
+#if GATHER_BENT
   m->g = select(m->g, g, rises);
   m->sin2 = select(m->sin2, sin2, rises);
-  m->excess = select(m->excess, excess, rises);
+#endif
 #endif
 #if HBAO && LIMITED
   /* lanes of "nothing there" overflow: no share of infinity */
@@ -201,11 +259,19 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
 #if GATHER_RADIANCE
 #if !FACING_ALL
   /* Cosine of the sample's normal with the way back to the center. */
-  global const float *normal = sample + HBIL_SPLIT_NORMAL * plane;
+  realv normal[3];
+#if PACKED
+  unpack_direction(LOAD_WORDS(sample + HBIL_PACKED_NORMAL * plane), normal);
+  const realv length2 =
+      v2 * fma(normal[0], normal[0],
+               fma(normal[1], normal[1], normal[2] * normal[2]));
+#else
+  split_normal(sample, plane, normal);
+  const realv length2 = v2;
+#endif
   const realv away =
-      fma(vx, LOADV(normal),
-          fma(vy, LOADV(normal + plane), vz * LOADV(normal + 2u * plane)));
-  const realv cosine = -away / sqrt(v2);
+      fma(v[0], normal[0], fma(v[1], normal[1], v[2] * normal[2]));
+  const realv cosine = -away / sqrt(length2);
 #if FACING_STEP
   const realv accept =
       select((realv)0.0f, (realv)1.0f, (cosine >= args.facing[0]) & rises);
@@ -216,9 +282,9 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
 #endif
 #endif
   /* Lanes that don't rise have no share, and accept nothing. */
-  realv red = LOADV(sample + HBIL_SPLIT_RED * plane);
-  realv green = LOADV(sample + (HBIL_SPLIT_RED + 1) * plane);
-  realv blue = LOADV(sample + (HBIL_SPLIT_RED + 2) * plane);
+  realv light[3];
+  split_radiance(sample, plane, light);
+  realv red = light[0], green = light[1], blue = light[2];
 #if REFUSED_FRAME
   m->unknown = fma(share, 1.0f - accept, m->unknown);
 #endif
@@ -236,11 +302,204 @@ static inline void raise(const center *c, march *m, intv rises, realv excess,
   m->blue = fma(share, blue, m->blue);
 #endif
 }
+#endif
+
+#if SHARES
+/* The samples of a block that rise in some lane, `hits` as bits, in order. */
+static inline void raise_all(const center c, march *state, uint hits,
+                             const realv *excess, global const hbil_step *steps,
+                             global const float *from, uint plane,
+                             const hbil_gather_args args, realv cot_tangent,
+                             realv slope, realv nx, float dither) {
+  march m = *state;
+  for (; hits; hits &= hits - 1) {
+    const int hit = 31 - (int)clz(hits & -hits);
+    global const hbil_step *step = steps + hit;
+    raise(&c, &m, excess[hit * STRIP], step, from + step->offset, plane, args,
+          cot_tangent, slope, nx, c.cosine, dither);
+  }
+  *state = m;
+}
+#endif
+
+/* Sums of a pixel over its half-slices: J A at the horizon and at the tangent
+ * plane, the same of b, b in the slice's u and along wo; J times light. */
+typedef struct total {
+  realv open, whole;
+  realv open_x, open_y, open_wo;
+  realv whole_x, whole_y, whole_wo;
+  realv red, green, blue, unknown;
+} total;
+
+/* A pixel's part in one slice. */
+typedef struct cut {
+  realv u_wo, inv_ud, jacobian, slope, nx, cot;
+  realv g, sin2; /* of the tangent plane on the side of u */
+  realv open, whole, open_g, open_sin2; /* sums over both sides; g is negative
+                                           along -u */
+} cut;
+
+/* One side of it. */
+typedef struct side_of {
+  realv nx, cot_tangent, start;
+} side_of;
+
+static inline center center_of(const hbil_gather_args args,
+                               global const float *here, int x, int y,
+                               int layer) {
+  const hbil_layer_args in = args.split;
+  center c;
+  c.w = LOADV(here);
+  realv n[3];
+  split_normal(here, in.plane, n);
+  c.nx = n[0];
+  c.ny = n[1];
+  c.nz = n[2];
+#if GATHER_RADIANCE && REFUSED_LAST
+  realv own[3];
+  split_radiance(here, in.plane, own);
+  c.red = own[0];
+  c.green = own[1];
+  c.blue = own[2];
+#endif
+  c.rx = ray_x(args.view, 4 * x + (layer & 3), 4);
+  c.ry = ray_y(args.view, 4 * y + (layer >> 2));
+  c.z = 1.0f / c.w;
+  c.r = sqrt(fma(c.rx, c.rx, (realv)fma(c.ry, c.ry, 1.0f)));
+  c.inv_r = 1.0f / c.r;
+  /* Inverse depth on the plane through P is (n.r') / (n.P). */
+  const realv n_r = select(
+      (realv)-1.0f, fma(c.nx, c.rx, fma(c.ny, (realv)c.ry, c.nz)), c.w > 0.0f);
+  const realv n_p = c.w / n_r;
+  c.gx = c.nx * n_p;
+  c.gy = c.ny * n_p;
+  c.cosine = -n_r * c.inv_r;
+  c.inv_cosine = 1.0f / c.cosine;
+  /* A normal rounded to `flat` shifts the plane's gradient by this much at
+   * most: below it, samples of the pixel's own plane would rise. */
+  c.least_excess = args.flat * c.w * c.inv_r * c.inv_cosine * c.inv_cosine;
+  return c;
+}
+
+static inline cut cut_of(const center *c, float ux, float uy) {
+  cut s;
+  s.u_wo = -(ux * c->rx + uy * c->ry) * c->inv_r;
+  s.inv_ud = 1.0f / sqrt(fma(-s.u_wo, s.u_wo, (realv)1.0f));
+  s.jacobian = c->inv_r * s.inv_ud * s.inv_ud;
+  s.slope = c->r * c->z * s.inv_ud;
+  const realv n_u = fma(c->nx, (realv)ux, c->ny * uy);
+  s.nx = fma(-s.u_wo, c->cosine, n_u) * s.inv_ud;
+  s.cot = -s.nx * c->inv_cosine;
+  horizon_terms(s.cot, &s.g, &s.sin2);
+  s.open = s.whole = s.open_g = s.open_sin2 = 0.0f;
+  return s;
+}
+
+/* What the two sides of a slice have come to. */
+static inline void add_slice(total *t, const cut *s, const march *m, float ux,
+                             float uy) {
+  t->open = fma(s->jacobian, s->open, t->open);
+  t->whole = fma(s->jacobian, s->whole, t->whole);
+#if GATHER_BENT
+  const realv scale = 0.5f * s->jacobian;
+  const realv open_u = scale * s->inv_ud * s->open_g;
+  t->open_x = fma(open_u, (realv)ux, t->open_x);
+  t->open_y = fma(open_u, (realv)uy, t->open_y);
+  t->open_wo = fma(scale, s->open_sin2, fma(-open_u, s->u_wo, t->open_wo));
+  const realv whole_u = scale * s->inv_ud * fma((realv)2.0f, s->g, (realv)-PI);
+  t->whole_x = fma(whole_u, (realv)ux, t->whole_x);
+  t->whole_y = fma(whole_u, (realv)uy, t->whole_y);
+  t->whole_wo = fma(s->jacobian, s->sin2, fma(-whole_u, s->u_wo, t->whole_wo));
+#endif
+#if GATHER_RADIANCE
+  t->red = fma(s->jacobian, m->red, t->red);
+  t->green = fma(s->jacobian, m->green, t->green);
+  t->blue = fma(s->jacobian, m->blue, t->blue);
+#if REFUSED_FRAME
+  t->unknown = fma(s->jacobian, m->unknown, t->unknown);
+#endif
+#endif
+}
+
+#if PACKED
+static inline uintv cut_off(realv value, float scale, float dither) {
+  return AS_UINTV(TO_INTV(floor(fma(value, scale, (realv)dither))));
+}
+#endif
+
+static inline void store_gathered(const realv *value, float dither,
+                                  global float *light, uint plane) {
+#if PACKED
+  uintv ao = cut_off(value[HBIL_LIGHT_AO], 65535.0f, 0.5f);
+#if REFUSED_FRAME
+  ao |= cut_off(clamp(value[HBIL_LIGHT_UNKNOWN], (realv)0.0f, (realv)1.0f),
+                65535.0f, 0.5f)
+        << 16;
+#endif
+  STORE_WORDS(ao, light + HBIL_PACKED_AO * plane);
+#if GATHER_RADIANCE
+  STORE_WORDS(pack_light(value[HBIL_LIGHT_RED], value[HBIL_LIGHT_RED + 1],
+                         value[HBIL_LIGHT_RED + 2], (realv)dither),
+              light + HBIL_PACKED_NEAR * plane);
+#endif
+#if GATHER_BENT
+  /* no longer than 1, but for rounding */
+  const uintv x = cut_off(value[HBIL_LIGHT_BENT], 1023.0f, dither);
+  const uintv y = cut_off(value[HBIL_LIGHT_BENT + 1], 1023.0f, dither);
+  const uintv z = cut_off(value[HBIL_LIGHT_BENT + 2], 511.0f, dither);
+  STORE_WORDS((x & 0x7ffu) | ((y & 0x7ffu) << 11) | (z << 22),
+              light + HBIL_PACKED_BENT * plane);
+#endif
+#else
+  for (int p = 0; p < HBIL_GATHERED_PLANES; ++p)
+    if (GATHERED(p))
+      STOREV(value[p], light + (uint)p * plane);
+#endif
+}
+
+static inline void store_light(const center *c, const total *t, int layer,
+                               global float *light, uint plane) {
+  const intv solid = c->w > 0.0f;
+  /* whole is S at least in the mean; it falls to the size of a half-slice's
+   * own rounding only where nothing can be seen (1e-6 of a slice). */
+  const realv inv_whole = 1.0f / max(t->whole, (realv)1e-6f);
+  realv value[HBIL_GATHERED_PLANES];
+  value[HBIL_LIGHT_AO] = select(
+      (realv)1.0f, clamp(t->open * inv_whole, (realv)0.0f, (realv)1.0f), solid);
+#if GATHER_RADIANCE
+  const realv scale = select((realv)0.0f, PI * inv_whole, solid);
+  value[HBIL_LIGHT_RED] = t->red * scale;
+  value[HBIL_LIGHT_RED + 1] = t->green * scale;
+  value[HBIL_LIGHT_RED + 2] = t->blue * scale;
+#endif
+#if REFUSED_FRAME
+  value[HBIL_LIGHT_UNKNOWN] =
+      select((realv)0.0f, t->unknown * inv_whole, solid);
+#endif
+#if GATHER_BENT
+  /* Few slices miss the full hemisphere's S n by whole_*; adding what is
+   * missing in the measure of what is open makes a bare plane's bent normal
+   * exactly n and leaves a closed point alone. */
+  const realv ao = value[HBIL_LIGHT_AO];
+  const float slices = SLICES;
+  const realv wo_sum = fma(-ao, t->whole_wo, t->open_wo) * c->inv_r;
+  const realv x =
+      t->open_x + ao * fma((realv)slices, c->nx, -t->whole_x) - wo_sum * c->rx;
+  const realv y =
+      t->open_y + ao * fma((realv)slices, c->ny, -t->whole_y) - wo_sum * c->ry;
+  const realv z = ao * slices * c->nz - wo_sum;
+  const realv one = select((realv)0.0f, (realv)(1.0f / slices), solid);
+  value[HBIL_LIGHT_BENT] = x * one;
+  value[HBIL_LIGHT_BENT + 1] = y * one;
+  value[HBIL_LIGHT_BENT + 2] = z * one;
+#endif
+  store_gathered(value, layer_dither(layer), light, plane);
+}
 
 kernel void gather(const hbil_gather_args args, global const float *split,
                    global const hbil_step *steps, global float *light) {
   const hbil_layer_args in = args.split;
-  const int x = (int)get_global_id(0) * HBIL_WIDTH;
+  const int x = (int)get_global_id(0) * (STRIP * HBIL_WIDTH);
   const int y = (int)get_global_id(1), layer = (int)get_global_id(2);
   if (x >= in.width || y >= in.height)
     return;
@@ -250,181 +509,134 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   light += (uint)layer * args.light.layer + args.light.origin +
            (uint)y * args.light.row + (uint)x;
 
-  center c;
-  c.w = LOADV(here);
-  const intv solid = c.w > 0.0f;
-  realv ao = 1.0f, red = 0.0f, green = 0.0f, blue = 0.0f;
-  realv unknown = 0.0f;
-  realv bent_x = 0.0f, bent_y = 0.0f, bent_z = 0.0f;
-  if (ANY(solid)) {
 #if LIMITED
-    steps +=
-        (uint)(hbil_level(args.reach, args.radius * tile_nearest(split + at, x),
-                          LEVELS) *
-               HBIL_LAYERS) *
-        (2u * SLICES * SAMPLES);
+  steps +=
+      (uint)(hbil_level(args.reach, args.radius * tile_nearest(split + at, x),
+                        LEVELS) *
+             HBIL_LAYERS) *
+      (2u * SLICES * (SAMPLES + 1));
 #endif
-    steps += (uint)layer * (2u * SLICES * SAMPLES);
-    c.nx = LOADV(here + HBIL_SPLIT_NORMAL * in.plane);
-    c.ny = LOADV(here + (HBIL_SPLIT_NORMAL + 1) * in.plane);
-    c.nz = LOADV(here + (HBIL_SPLIT_NORMAL + 2) * in.plane);
-#if GATHER_RADIANCE && REFUSED_LAST
-    c.red = LOADV(here + HBIL_SPLIT_RED * in.plane);
-    c.green = LOADV(here + (HBIL_SPLIT_RED + 1) * in.plane);
-    c.blue = LOADV(here + (HBIL_SPLIT_RED + 2) * in.plane);
-#endif
-    c.rx = ray_x(args.view, 4 * x + (layer & 3), 4);
-    c.ry = ray_y(args.view, 4 * y + (layer >> 2));
-    c.z = 1.0f / c.w;
-    c.r = sqrt(fma(c.rx, c.rx, (realv)fma(c.ry, c.ry, 1.0f)));
-    c.inv_r = 1.0f / c.r;
-    /* Inverse depth on the plane through P is (n.r') / (n.P). */
-    const realv n_r = select(
-        (realv)-1.0f, fma(c.nx, c.rx, fma(c.ny, (realv)c.ry, c.nz)), solid);
-    const realv n_p = c.w / n_r;
-    c.gx = c.nx * n_p;
-    c.gy = c.ny * n_p;
-    const realv ny = -n_r * c.inv_r;
-    const realv inv_ny = 1.0f / ny;
+  steps += (uint)layer * (2u * SLICES * (SAMPLES + 1));
+  const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
+  const float dither = ((float)hbil_shift_slot(layer) + 0.5f) / 16.0f;
 
-    /* A normal rounded to `flat` shifts the plane's gradient by this much at
-     * most: below it, samples of the pixel's own plane would rise. */
-    const realv least_excess = args.flat * c.w * c.inv_r * inv_ny * inv_ny;
-
-    /* Sums over half-slices: J A at the horizon and at the tangent plane, the
-     * same of b, b in the slice's u and along wo. */
-    realv open = 0.0f, whole = 0.0f;
-    realv open_x = 0.0f, open_y = 0.0f, open_wo = 0.0f;
-    realv whole_x = 0.0f, whole_y = 0.0f, whole_wo = 0.0f;
-
-    const float dither = ((float)hbil_shift_slot(layer) + 0.5f) / 16.0f;
-    for (int slice = 0; slice < SLICES; ++slice) {
-      float ux, uy;
-      hbil_pattern_args pattern;
-      pattern.slices = SLICES;
-      pattern.turn = args.turn;
-      hbil_slice_direction(layer, slice, pattern, &ux, &uy);
-      const realv u_wo = -(ux * c.rx + uy * c.ry) * c.inv_r;
-      const realv ud2 = fma(-u_wo, u_wo, (realv)1.0f);
-      const realv inv_ud = 1.0f / sqrt(ud2);
-      const realv jacobian = c.inv_r * inv_ud * inv_ud;
-      const realv slope = c.r * c.z * inv_ud;
-      const realv n_u = fma(c.nx, (realv)ux, c.ny * uy);
-      const realv side_nx = fma(-u_wo, ny, n_u) * inv_ud;
-      const realv side_cot = -side_nx * inv_ny;
-      realv slice_red = 0.0f, slice_green = 0.0f, slice_blue = 0.0f;
-      realv slice_unknown = 0.0f;
-
-      for (int side = 0; side < 2; ++side) {
-        const float sign = side ? -1.0f : 1.0f;
-        const realv nx = sign * side_nx, cot_tangent = sign * side_cot;
-        march m;
-        horizon_terms(cot_tangent, &m.g, &m.sin2);
-        m.a = measure(cot_tangent, m.g, m.sin2, nx, ny);
-        m.excess = least_excess;
-        const realv start = m.a;
+  center c[STRIP];
+  total t[STRIP];
+  for (int v = 0; v < STRIP; ++v) {
+    const total nothing = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f,
+                           0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+    c[v] = center_of(args, here + v * HBIL_WIDTH, x + v * HBIL_WIDTH, y, layer);
+    t[v] = nothing;
+  }
+  for (int slice = 0; slice < SLICES; ++slice) {
+    const float ux = steps->ux, uy = steps->uy;
+    cut s[STRIP];
+    march m[STRIP];
+    for (int v = 0; v < STRIP; ++v) {
+      s[v] = cut_of(&c[v], ux, uy);
+      m[v].red = m[v].green = m[v].blue = m[v].unknown = 0.0f;
+    }
+    for (int side = 0; side < 2; ++side) {
+      side_of half_slice[STRIP];
+      realv top[STRIP];
+      for (int v = 0; v < STRIP; ++v) {
+        side_of *h = &half_slice[v];
+        h->nx = side ? -s[v].nx : s[v].nx;
+        h->cot_tangent = side ? -s[v].cot : s[v].cot;
+        const realv start_g = side ? PI - s[v].g : s[v].g;
+        h->start =
+            measure(h->cot_tangent, start_g, s[v].sin2, h->nx, c[v].cosine);
+        m[v].a = h->start;
+        m[v].excess = top[v] = c[v].least_excess;
 #if HBAO
-        m.blocked = 0.0f;
+        m[v].blocked = 0.0f;
+#endif
+#if GATHER_BENT
+        m[v].g = start_g;
+        m[v].sin2 = s[v].sin2;
 #endif
 #if FINITE
-        m.covered = 0u;
-        m.sectors = HBIL_SECTORS / max(m.a, (realv)1e-6f);
-        m.sector = m.a * (1.0f / HBIL_SECTORS);
+        m[v].covered = 0u;
+        m[v].sectors = HBIL_SECTORS / max(m[v].a, (realv)1e-6f);
+        m[v].sector = m[v].a * (1.0f / HBIL_SECTORS);
 #endif
-#if GATHER_RADIANCE
-        m.red = m.green = m.blue = m.unknown = 0.0f;
-#if REFUSED_LAST
-        m.last_red = c.red;
-        m.last_green = c.green;
-        m.last_blue = c.blue;
-#endif
-#endif
-        whole = fma(jacobian, start, whole);
-#if GATHER_BENT
-        const realv tangent_d = 0.5f * sign * m.g * inv_ud;
-        whole_x = fma(jacobian * tangent_d, (realv)ux, whole_x);
-        whole_y = fma(jacobian * tangent_d, (realv)uy, whole_y);
-        whole_wo =
-            fma(jacobian, fma(-tangent_d, u_wo, 0.5f * m.sin2), whole_wo);
-#endif
-
-        for (int k = 0; k < SAMPLES; ++k) {
-          const hbil_step step = steps[k];
-          const int sx = x + step.dx, sy = y + step.dy;
-          /* Offsets only grow: past the border nothing follows. */
-          if ((uint)sy >= (uint)in.height || sx <= -HBIL_WIDTH ||
-              sx >= in.width)
-            break;
-          global const float *sample = from + step.offset;
-          const realv w1 = LOADV(sample);
-          const realv excess =
-              fma(fma(w1, (realv)args.keep, -c.w), (realv)step.inv_e,
-                  -fma(c.gx, (realv)step.ux, c.gy * step.uy));
-          const intv rises = excess > m.excess;
-          if (ANY(rises))
-            raise(&c, &m, rises, excess, w1, step, sample, in.plane, args,
-                  cot_tangent, slope, nx, ny, dither);
-        }
-        steps += SAMPLES;
-
-#if HBAO
-        m.a = start - m.blocked;
-#endif
-        open = fma(jacobian, m.a, open);
-#if GATHER_BENT
-        const realv open_d = 0.5f * sign * m.g * inv_ud;
-        open_x = fma(jacobian * open_d, (realv)ux, open_x);
-        open_y = fma(jacobian * open_d, (realv)uy, open_y);
-        open_wo = fma(jacobian, fma(-open_d, u_wo, 0.5f * m.sin2), open_wo);
-#endif
-#if GATHER_RADIANCE
-        slice_red += m.red;
-        slice_green += m.green;
-        slice_blue += m.blue;
-        slice_unknown += m.unknown;
+#if GATHER_RADIANCE && REFUSED_LAST
+        m[v].last_red = c[v].red;
+        m[v].last_green = c[v].green;
+        m[v].last_blue = c[v].blue;
 #endif
       }
-      red = fma(jacobian, slice_red, red);
-      green = fma(jacobian, slice_green, green);
-      blue = fma(jacobian, slice_blue, blue);
-      unknown = fma(jacobian, slice_unknown, unknown);
+      ++steps;
+      for (int first = 0; first < SAMPLES; first += BLOCK) {
+        realv excess[BLOCK][STRIP];
+        uint hits[STRIP];
+        const int count = min(BLOCK, SAMPLES - first);
+        int k = 0;
+        for (int v = 0; v < STRIP; ++v)
+          hits[v] = 0u;
+        for (; k < count; ++k) {
+          global const hbil_step *step = steps + first + k;
+          /* Offsets only grow: past the border nothing follows. */
+          if ((uint)(y + step->dy) >= (uint)in.height ||
+              (uint)(x + step->dx + (STRIP * HBIL_WIDTH - 1)) >= columns)
+            break;
+          global const float *sample = from + step->offset;
+          fetch_early(sample, in.plane);
+          const realv inv_e = step->inv_e, scale = args.keep * step->inv_e;
+          const realv e_x = step->ux, e_y = step->uy;
+#pragma unroll
+          for (int v = 0; v < STRIP; ++v) {
+            const realv w1 = LOADV(sample + v * HBIL_WIDTH);
+            realv e =
+                fma(w1, scale,
+                    -fma(c[v].w, inv_e, fma(c[v].gx, e_x, c[v].gy * e_y)));
+#if LIMITED
+            e = within(&c[v], w1, step, args.radius, e);
+#endif
+#if SHARES
+            excess[k][v] = e;
+            hits[v] |= (uint)ANY(e > top[v]) << k;
+#endif
+#if !FINITE
+            top[v] = max(top[v], e);
+#endif
+          }
+        }
+#if SHARES
+        for (int v = 0; v < STRIP; ++v)
+          raise_all(c[v], &m[v], hits[v], &excess[0][v], steps + first,
+                    from + v * HBIL_WIDTH, in.plane, args,
+                    half_slice[v].cot_tangent, s[v].slope, half_slice[v].nx,
+                    dither);
+#endif
+        if (k < count)
+          break;
+      }
+      steps += SAMPLES;
+      for (int v = 0; v < STRIP; ++v) {
+#if !SHARES
+        /* without a sample above it the tangent plane itself is the horizon */
+        const realv highest =
+            select((realv)0.0f, top[v], top[v] > c[v].least_excess);
+        horizon_terms(fma(s[v].slope, highest, half_slice[v].cot_tangent),
+                      &m[v].g, &m[v].sin2);
+        m[v].a =
+            measure(0.0f, m[v].g, m[v].sin2, half_slice[v].nx, c[v].cosine);
+#endif
+#if HBAO
+        m[v].a = half_slice[v].start - m[v].blocked;
+#endif
+        s[v].open += m[v].a;
+        s[v].whole += half_slice[v].start;
+#if GATHER_BENT
+        s[v].open_g += side ? -m[v].g : m[v].g;
+        s[v].open_sin2 += m[v].sin2;
+#endif
+      }
     }
-
-    /* whole is S at least in the mean; it falls to the size of a half-slice's
-     * own rounding only where nothing can be seen (1e-6 of a slice). */
-    const realv inv_whole = 1.0f / max(whole, 1e-6f);
-    ao = select((realv)1.0f, clamp(open * inv_whole, 0.0f, 1.0f), solid);
-    red = select((realv)0.0f, PI * red * inv_whole, solid);
-    green = select((realv)0.0f, PI * green * inv_whole, solid);
-    blue = select((realv)0.0f, PI * blue * inv_whole, solid);
-    unknown = select((realv)0.0f, unknown * inv_whole, solid);
-#if GATHER_BENT
-    /* Few slices miss the full hemisphere's S n by whole_*; adding what is
-     * missing in the measure of what is open makes a bare plane's bent normal
-     * exactly n and leaves a closed point alone. */
-    const float n_scale = SLICES;
-    const realv wo_sum = fma(-ao, whole_wo, open_wo) * c.inv_r;
-    bent_x = open_x + ao * fma((realv)n_scale, c.nx, -whole_x) - wo_sum * c.rx;
-    bent_y = open_y + ao * fma((realv)n_scale, c.ny, -whole_y) - wo_sum * c.ry;
-    bent_z = ao * n_scale * c.nz - wo_sum;
-    const float scale = 1.0f / SLICES;
-    bent_x = select((realv)0.0f, bent_x * scale, solid);
-    bent_y = select((realv)0.0f, bent_y * scale, solid);
-    bent_z = select((realv)0.0f, bent_z * scale, solid);
-#endif
+    for (int v = 0; v < STRIP; ++v)
+      add_slice(&t[v], &s[v], &m[v], ux, uy);
   }
-  STOREV(ao, light);
-#if GATHER_RADIANCE
-  STOREV(red, light + HBIL_LIGHT_RED * args.light.plane);
-  STOREV(green, light + (HBIL_LIGHT_RED + 1) * args.light.plane);
-  STOREV(blue, light + (HBIL_LIGHT_RED + 2) * args.light.plane);
-#endif
-#if REFUSED_FRAME
-  STOREV(unknown, light + HBIL_LIGHT_UNKNOWN * args.light.plane);
-#endif
-#if GATHER_BENT
-  STOREV(bent_x, light + HBIL_LIGHT_BENT * args.light.plane);
-  STOREV(bent_y, light + (HBIL_LIGHT_BENT + 1) * args.light.plane);
-  STOREV(bent_z, light + (HBIL_LIGHT_BENT + 2) * args.light.plane);
-#endif
+  for (int v = 0; v < STRIP; ++v)
+    store_light(&c[v], &t[v], layer, light + v * HBIL_WIDTH, args.light.plane);
 }

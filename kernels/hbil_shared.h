@@ -35,10 +35,14 @@ typedef cl_float hbil_float;
 #define HBIL_SIDE 4
 #define HBIL_LAYERS 16
 
-/* Pixels of a layer row that share one reach, and the padding left and right
- * of each layer row: the widest vector, so that a load which begins anywhere
- * in [-16, width rounded up to 16] stays inside the row. */
-#define HBIL_TILE 16
+/* Pixels of a layer row that share one reach, which a work-item of the gather
+ * takes together on CPUs, and the padding left and right of each layer row: a
+ * load of that many which begins anywhere in [-32, width rounded up to 32]
+ * stays inside the row. */
+#define HBIL_TILE 32
+
+/* The most pixels that a vector holds. */
+#define HBIL_WIDEST 16
 
 /* Inverse depth of "nothing there": below every tangent plane, whatever the
  * scale of the scene, and far enough from FLT_MAX to take part in sums. */
@@ -74,6 +78,27 @@ enum {
   HBIL_LIGHT_UNKNOWN = 7,
   HBIL_GATHERED_PLANES = 8
 };
+/* The same, packed (HBIL_STORAGE_PACKED), in words of 32 bits:
+ *   normal    octahedral (Cigolle and others 2014), two snorm16, x low
+ *   radiance  three mantissas of 8 bits, red lowest, and in the highest byte the
+ *             exponent of their unit, biased as in a float
+ *   AO        unorm16, the unknown share above it
+ *   E_near    as radiance
+ *   bent      three snorm: 11 bits x, 11 bits y, 10 bits z, x lowest
+ * What loses more than 1e-4 is dithered by the pixel's layer, so that the 16
+ * layers together lose nothing. */
+enum {
+  HBIL_PACKED_NORMAL = 1,
+  HBIL_PACKED_RADIANCE = 2,
+  HBIL_PACKED_SPLIT_PLANES = 3
+};
+enum {
+  HBIL_PACKED_AO = 0,
+  HBIL_PACKED_NEAR = 1,
+  HBIL_PACKED_BENT = 2,
+  HBIL_PACKED_LIGHT_PLANES = 3
+};
+
 enum { HBIL_HISTORY_W = 0, HBIL_HISTORY_RED = 1, HBIL_HISTORY_PLANES = 4 };
 enum { HBIL_CARRIED_RED = 0, HBIL_CARRIED_WEIGHT = 3, HBIL_CARRIED_PLANES = 4 };
 

@@ -3,8 +3,9 @@
  * layer, half-slice and sample, made anew each frame (it turns with
  * hbil_frame.index and depends on the camera).  A few thousand entries.
  *
- * Order: ((level * 16 + layer) * 2 slices + half) * samples + k, half = 2 slice
- * + (0: along u, 1: along -u).
+ * Order: ((level * 16 + layer) * 2 slices + half) * (samples + 1) + k, half =
+ * 2 slice + (0: along u, 1: along -u).  Entry 0 holds the slice's direction
+ * alone, in ux and uy; the samples follow.
  * Launch: x = level * 16 + layer, y = half-slice.
  */
 kernel void make_pattern(const hbil_view_args view,
@@ -23,7 +24,9 @@ kernel void make_pattern(const hbil_view_args view,
     uy = -uy;
   }
   steps += (get_global_id(0) * (uint)(2 * pattern.slices) + (uint)half_slice) *
-           (uint)pattern.samples;
+           (uint)(pattern.samples + 1);
+  const hbil_step direction = {0, 0, 0, 0.0f, 0.0f, 0.0f, ux, uy};
+  *steps++ = direction;
   for (int k = 0; k < pattern.samples; ++k) {
     int x, y;
     hbil_sample_offset(layer, k, level, ux, uy, view, pattern, &x, &y);

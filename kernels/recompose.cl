@@ -17,12 +17,6 @@
 #define PI 3.14159265f
 #define INV_PI 0.318309886f
 
-/* Whether a plane is there: AO-only and dark plans leave some out. */
-#define WANTED(p)                                                              \
-  ((p) == HBIL_LIGHT_AO || ((p) < HBIL_LIGHT_BENT      ? GATHER_RADIANCE       \
-                            : (p) < HBIL_LIGHT_UNKNOWN ? GATHER_BENT           \
-                                                       : REFUSED_FRAME))
-
 /* Weighted sums of a pixel's neighbourhood. */
 typedef struct sums {
   realv total, plane[HBIL_GATHERED_PLANES];
@@ -35,21 +29,14 @@ typedef struct middle {
   realv nx, ny, nz; /* unit normal */
 } middle;
 
-#define ADD_PLANE(p)                                                           \
-  if (WANTED(p))                                                               \
-  s->plane[p] = fma(weight, LOADV(light + (p)*plane), s->plane[p])
-
 static inline void add_planes(sums *s, realv weight, global const float *light,
                               uint plane) {
+  realv value[HBIL_GATHERED_PLANES];
+  gathered_light(light, plane, value);
   s->total += weight;
-  ADD_PLANE(0);
-  ADD_PLANE(1);
-  ADD_PLANE(2);
-  ADD_PLANE(3);
-  ADD_PLANE(4);
-  ADD_PLANE(5);
-  ADD_PLANE(6);
-  ADD_PLANE(7);
+  for (int p = 0; p < HBIL_GATHERED_PLANES; ++p)
+    if (GATHERED(p))
+      s->plane[p] = fma(weight, value[p], s->plane[p]);
 }
 
 /* Written out row by row: PoCL's compiler does not unroll it. */
@@ -79,10 +66,9 @@ static inline void add_tap(sums *s, const middle *m, realv expected, float ex,
   const realv off =
       fma(LOADV(split), m->inv_off, -fma(m->gx, (realv)ex, expected));
   const realv close = max(1.0f - fabs(off), (realv)0.0f);
-  global const float *normal = split + HBIL_SPLIT_NORMAL * in_plane;
-  realv same = fma(m->nx, LOADV(normal),
-                   fma(m->ny, LOADV(normal + in_plane),
-                       m->nz * LOADV(normal + 2u * in_plane)));
+  realv n[3];
+  split_normal(split, in_plane, n);
+  realv same = fma(m->nx, n[0], fma(m->ny, n[1], m->nz * n[2]));
   same = max(same, (realv)0.0f);
   same *= same;
   same *= same;
@@ -155,12 +141,13 @@ static inline sums filter(const hbil_view_args view, const hbil_layer_args in,
   const uint at =
       (uint)(4 * j + i) * in.layer + in.origin + (uint)y * in.row + (uint)x;
   const realv w0 = LOADV(split + at);
-  global const float *normal = split + at + HBIL_SPLIT_NORMAL * in.plane;
   middle m;
   sums s;
-  m.nx = LOADV(normal);
-  m.ny = LOADV(normal + in.plane);
-  m.nz = LOADV(normal + 2u * in.plane);
+  realv n[3];
+  split_normal(split + at, in.plane, n);
+  m.nx = n[0];
+  m.ny = n[1];
+  m.nz = n[2];
   for (int p = 0; p < HBIL_GATHERED_PLANES; ++p)
     s.plane[p] = 0.0f;
   s.total = 0.0f;
@@ -217,7 +204,7 @@ kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
         filter(view, in, lit, split, light, estimate, i, row & 3, x0, row >> 2);
   resolved += (uint)row * out.row + (uint)(4 * x0);
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p) {
-    if (!WANTED(p))
+    if (!GATHERED(p))
       continue;
     const realv column[4] = {value[0].plane[p], value[1].plane[p],
                              value[2].plane[p], value[3].plane[p]};

@@ -40,9 +40,29 @@ kernel void clear_layers(global float *layers, const hbil_layer_args layout) {
     return;
   layers += (uint)(at / HBIL_LAYERS) * layout.row +
             (uint)(at % HBIL_LAYERS) * layout.layer;
-  for (uint x = 0; x < layout.span; ++x)
-    layers[x] = HBIL_NOTHING;
+  for (uint x = 0; x < layout.layer; ++x)
+    layers[x] = x < layout.span ? HBIL_NOTHING : 0.0f;
 }
+
+#if PACKED && GATHER_RADIANCE
+/* The dither of vector `part` of four, side by side, of pixels in row y. */
+static inline realv row_dither(int part, int y) {
+  const int row = 4 * (y & 3);
+#if HBIL_WIDTH == 1
+  return layer_dither(row + part);
+#else
+  const float4 four = (float4)(layer_dither(row), layer_dither(row + 1),
+                               layer_dither(row + 2), layer_dither(row + 3));
+#if HBIL_WIDTH == 4
+  return four;
+#elif HBIL_WIDTH == 8
+  return (realv)(four, four);
+#else
+  return (realv)(four, four, four, four);
+#endif
+#endif
+}
+#endif
 
 kernel void
 split(const hbil_view_args view, const hbil_transform_args to_view,
@@ -130,10 +150,28 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
   global float *out = layers + layout.origin +
                       (uint)(y & 3) * 4u * layout.layer +
                       (uint)(y >> 2) * layout.row + (uint)(x0 >> 2);
-  for (int p = 0; p < (GATHER_RADIANCE ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED);
-       ++p) {
+#if PACKED
+  realv word[HBIL_PACKED_SPLIT_PLANES][4];
+  for (int part = 0; part < 4; ++part) {
+    word[HBIL_SPLIT_W][part] = value[HBIL_SPLIT_W][part];
+    word[HBIL_PACKED_NORMAL][part] = AS_REALV(AS_INTV(pack_normal(
+        value[HBIL_SPLIT_NORMAL][part], value[HBIL_SPLIT_NORMAL + 1][part],
+        value[HBIL_SPLIT_NORMAL + 2][part])));
+#if GATHER_RADIANCE
+    word[HBIL_PACKED_RADIANCE][part] = AS_REALV(AS_INTV(
+        pack_light(value[HBIL_SPLIT_RED][part], value[HBIL_SPLIT_RED + 1][part],
+                   value[HBIL_SPLIT_RED + 2][part], row_dither(part, y))));
+#endif
+  }
+  const int planes_out =
+      GATHER_RADIANCE ? HBIL_PACKED_SPLIT_PLANES : HBIL_PACKED_RADIANCE;
+#else
+  const int planes_out = GATHER_RADIANCE ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED;
+  realv(*word)[4] = value;
+#endif
+  for (int p = 0; p < planes_out; ++p) {
     realv column[4];
-    DEINTERLEAVE(value[p], column);
+    DEINTERLEAVE(word[p], column);
     for (int i = 0; i < 4; ++i)
       STOREV(column[i], out + p * layout.plane + (uint)i * layout.layer);
   }

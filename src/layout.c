@@ -34,7 +34,7 @@ static void decide_work(const hbil_config *config, layout *out) {
 /* Rows of full-resolution planes are padded to whole groups of 4 of the widest
  * vectors, so that kernels may work past the right edge. */
 static void lay_out_planes(const hbil_config *config, layout *out) {
-  out->planes.row = rounded_up(config->width, 4 * HBIL_TILE);
+  out->planes.row = rounded_up(config->width, 4 * HBIL_WIDEST);
   out->planes.plane = out->planes.row * config->height;
 }
 
@@ -64,7 +64,7 @@ static size_t lay_out_chain(const hbil_config *config, layout *out) {
     hbil_chain_args *level = &out->chain[out->chain_count++];
     level->width = (cl_int)width;
     level->height = (cl_int)height;
-    level->row = rounded_up(width, 4 * HBIL_TILE);
+    level->row = rounded_up(width, 4 * HBIL_WIDEST);
     level->plane = level->row * height;
     level->offset = (cl_uint)end;
     end += (size_t)HBIL_CARRIED_PLANES * level->plane;
@@ -76,6 +76,27 @@ static size_t lay_out_chain(const hbil_config *config, layout *out) {
   return end;
 }
 
+static cl_uint light_planes(const layout *l) {
+  return l->bent       ? HBIL_LIGHT_PLANES
+         : l->radiance ? HBIL_LIGHT_BENT
+                       : HBIL_LIGHT_RED;
+}
+
+/* Planes of the layered stages, in words of 32 bits. */
+static cl_uint split_planes(const hbil_config *config, const layout *l) {
+  if (config->storage == HBIL_STORAGE_PACKED)
+    return l->radiance ? HBIL_PACKED_SPLIT_PLANES : HBIL_PACKED_RADIANCE;
+  return l->radiance ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED;
+}
+
+static cl_uint gathered_planes(const hbil_config *config, const layout *l) {
+  if (config->storage == HBIL_STORAGE_PACKED)
+    return l->bent       ? HBIL_PACKED_LIGHT_PLANES
+           : l->radiance ? HBIL_PACKED_BENT
+                         : HBIL_PACKED_NEAR;
+  return l->unknown ? HBIL_GATHERED_PLANES : light_planes(l);
+}
+
 void layout_compute(const hbil_config *config, layout *out) {
   memset(out, 0, sizeof *out);
   decide_work(config, out);
@@ -83,22 +104,17 @@ void layout_compute(const hbil_config *config, layout *out) {
   const size_t chain = lay_out_chain(config, out);
   const size_t real = sizeof(cl_float);
   const size_t pixels = (size_t)config->width * config->height;
-  const cl_uint light_planes = out->bent       ? HBIL_LIGHT_PLANES
-                               : out->radiance ? HBIL_LIGHT_BENT
-                                               : HBIL_LIGHT_RED;
   if (out->history) {
     out->bytes[BUFFER_HISTORY] = HBIL_HISTORY_PLANES * real * out->planes.plane;
     out->bytes[BUFFER_CARRIED] = chain * real;
     if (config->reprojection == HBIL_REPROJECTION_SCATTER)
       out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;
   }
-  lay_out_layers(config, out->radiance ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED,
-                 &out->split);
-  lay_out_layers(config, out->unknown ? HBIL_GATHERED_PLANES : light_planes,
-                 &out->light);
+  lay_out_layers(config, split_planes(config, out), &out->split);
+  lay_out_layers(config, gathered_planes(config, out), &out->light);
   out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
   out->bytes[BUFFER_LIGHT] = layers_size(&out->light);
-  out->bytes[BUFFER_RESOLVED] = light_planes * real * out->planes.plane;
+  out->bytes[BUFFER_RESOLVED] = light_planes(out) * real * out->planes.plane;
   if (out->estimate)
     out->bytes[BUFFER_ESTIMATE] =
         HBIL_ESTIMATE_SIZE * (1 + HBIL_ESTIMATE_PARTS) * real;
@@ -109,5 +125,5 @@ void layout_compute(const hbil_config *config, layout *out) {
   out->pattern.growth = config->step_growth;
   out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * HBIL_LAYERS * 2 *
                              (size_t)out->pattern.levels * config->slices *
-                             config->samples;
+                             (config->samples + 1);
 }

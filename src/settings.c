@@ -96,6 +96,9 @@ hbil_status hbil_config_set_quality(hbil_config *config, hbil_quality quality) {
   config->step_growth = qualities[quality].step_growth;
   config->lattice = qualities[quality].lattice;
   config->raw_interleave = qualities[quality].raw;
+  /* what is dithered over the layers needs the filter */
+  config->storage =
+      qualities[quality].raw ? HBIL_STORAGE_FLOAT32 : HBIL_STORAGE_PACKED;
   return HBIL_SUCCESS;
 }
 
@@ -239,6 +242,7 @@ hbil_status config_check(hbil_context *context, const hbil_config *config) {
       {"feedback", (double)config->feedback, 0, HBIL_FEEDBACK_RADIANCE},
       {"far_field", (double)config->far_field, 0, HBIL_FAR_FRAME},
       {"raw_interleave", config->raw_interleave, 0, 1},
+      {"storage", (double)config->storage, 0, HBIL_STORAGE_FLOAT32},
       {"profiling", config->profiling, 0, 1},
   };
   hbil_status status = HBIL_SUCCESS;

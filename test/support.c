@@ -211,6 +211,8 @@ void setup_init(setup *s, int width, int height) {
   memset(s, 0, sizeof(*s));
   s->gpu = &test_gpu;
   hbil_config_init(&s->config);
+  /* exact planes: the packed ones have tests of their own */
+  s->config.storage = HBIL_STORAGE_FLOAT32;
   hbil_frame_init(&s->frame);
   s->config.width = (cl_uint)width;
   s->config.height = (cl_uint)height;

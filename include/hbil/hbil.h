@@ -231,6 +231,20 @@ typedef enum hbil_lattice {
   HBIL_LATTICE_FULL = 1   /* any pixel */
 } hbil_lattice;
 
+/*
+ * How the layers between split and recompose are kept.  Depth is always fp32.
+ * PACKED needs 6 words a pixel instead of 14 or 15 and is faster wherever
+ * memory is the limit; measured against FLOAT32 (`hbil bench`, HACKING.md) it
+ * changes AO and E_near by less than 1e-3 of their mean.
+ */
+typedef enum hbil_storage {
+  /* normals octahedral in 2 x 16 bits; radiance and E_near with 8 bits a
+   * channel and a common exponent, dithered over the 16 layers; AO and the
+   * unknown share in 16 bits, the bent normal in 11, 11 and 10 */
+  HBIL_STORAGE_PACKED = 0,
+  HBIL_STORAGE_FLOAT32 = 1
+} hbil_storage;
+
 typedef struct hbil_config {
   size_t struct_size; /* set by hbil_config_init() */
 
@@ -302,6 +316,7 @@ typedef struct hbil_config {
                                filters nothing; default CL_FALSE */
 
   /* How it runs. */
+  hbil_storage storage; /* default PACKED */
   cl_uint vector_width; /* 1, 4, 8, 16; 0 (default): chosen for the device */
   cl_bool profiling; /* keep events for hbil_plan_timings(); needs queues made
                         with CL_QUEUE_PROFILING_ENABLE; default CL_FALSE */
@@ -309,7 +324,8 @@ typedef struct hbil_config {
 
 /*
  * Presets of the sampling (slices, samples, step_growth, lattice,
- * raw_interleave); nothing else is touched, so they go with every model.
+ * raw_interleave, storage); nothing else is touched, so they go with every
+ * model.
  * Chosen from `hbil bench` (README.md has the plot, HACKING.md the figures).
  */
 typedef enum hbil_quality {
