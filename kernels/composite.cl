@@ -46,6 +46,7 @@ STORER(radiance, RADIANCE_TYPE, RADIANCE_STRIDE)
 /* Vector to world space. */
 static inline void to_world(const hbil_transform_args t, const realv *v,
                             realv *out) {
+#pragma unroll
   for (int c = 0; c < 3; ++c)
     out[c] = fma((realv)t.m[4 * c], v[0],
                  fma((realv)t.m[4 * c + 1], v[1], t.m[4 * c + 2] * v[2]));
@@ -87,6 +88,7 @@ static inline realv unlit_share(const hbil_environment_args e, realv ao,
                                 int count) {
   realv lit = 0.0f;
 #if HAS_DIRECT
+#pragma unroll
   for (int c = 0; c < 3; ++c)
     if (e.sh[0][c] > 0.0f)
       lit = max(lit, INV_PI * direct_scale / e.sh[0][c] *
@@ -146,10 +148,12 @@ composite(const hbil_view_args view, const hbil_transform_args world,
 #endif
 #if GATHER_BENT
   realv bent[3], axis[3];
+#pragma unroll
   for (int c = 0; c < 3; ++c)
     bent[c] = LOADV(resolved + (HBIL_LIGHT_BENT + c) * planes.plane);
   to_world(world, bent, axis);
 #if OUT_BENT
+#pragma unroll
   for (int c = 0; c < 3; ++c)
     store_bent(BENT_IS_WORLD ? axis[c] : bent[c], bent_buffer, bent_image, x, y,
                c, count);
@@ -162,6 +166,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
   realv sky[3];
   to_world(world, ray, sky);
   const realv inv_r = 1.0f / sqrt(fma(rx, rx, (realv)fma(ry, ry, 1.0f)));
+#pragma unroll
   for (int c = 0; c < 3; ++c)
     sky[c] *= inv_r;
   const realv unscaled[3] = {SH_RADIANCE_0, SH_RADIANCE_1, SH_RADIANCE_2};
@@ -175,6 +180,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
   const realv unlit = unlit_share(environment, ao, direct_scale, direct_buffer,
                                   direct_image, x, y, count);
 #endif
+#pragma unroll
   for (int c = 0; c < 3; ++c) {
     realv near_light = 0.0f, far_light = 0.0f, behind = 0.0f;
 #if GATHER_RADIANCE

@@ -451,9 +451,8 @@ static inline void store_gathered(const realv *value, float dither,
               light + HBIL_PACKED_BENT * plane);
 #endif
 #else
-  for (int p = 0; p < HBIL_GATHERED_PLANES; ++p)
-    if (GATHERED(p))
-      STOREV(value[p], light + (uint)p * plane);
+#define STORE_PLANE(p) STOREV(value[p], light + (p)*plane);
+  EACH_GATHERED(STORE_PLANE)
 #endif
 }
 

@@ -17,16 +17,19 @@ static inline void facing_normal(realv n[3], realv rx, float ry) {
   const realv length2 = fma(n[0], n[0], fma(n[1], n[1], n[2] * n[2]));
   const intv usable = (length2 >= 1e-20f) & (length2 < INFINITY);
   const realv inv_length = 1.0f / sqrt(length2);
+#pragma unroll
   for (int c = 0; c < 3; ++c)
     n[c] = select(wo[c], n[c] * inv_length, usable);
   const realv cosine = fma(n[0], wo[0], fma(n[1], wo[1], n[2] * wo[2]));
   const intv away = cosine < HBIL_MIN_COSINE;
   if (ANY(away)) {
     realv bent[3], bent2 = 0.0f;
+#pragma unroll
     for (int c = 0; c < 3; ++c) {
       bent[c] = fma(HBIL_MIN_COSINE - cosine, wo[c], n[c]);
       bent2 = fma(bent[c], bent[c], bent2);
     }
+#pragma unroll
     for (int c = 0; c < 3; ++c)
       n[c] = select(n[c], bent[c] / sqrt(bent2), away);
   }
@@ -82,6 +85,7 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
     return;
   realv value[HBIL_SPLIT_PLANES][4];
   const float ry = ray_y(view, y);
+#pragma unroll
   for (int part = 0; part < 4; ++part) {
     const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
     const realv rx = ray_x(view, x, 1);
@@ -91,23 +95,28 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
     const intv solid = z > 0.0f;
     const realv w = 1.0f / z;
     realv n[3];
+#pragma unroll
     for (int c = 0; c < 3; ++c)
       n[c] = load_normal(normal_buffer, normal_image, x, y, c, count);
 #if NORMAL_IS_WORLD
     realv v[3];
+#pragma unroll
     for (int c = 0; c < 3; ++c)
       v[c] = fma(
           (realv)to_view.m[4 * c], n[0],
           fma((realv)to_view.m[4 * c + 1], n[1], to_view.m[4 * c + 2] * n[2]));
+#pragma unroll
     for (int c = 0; c < 3; ++c)
       n[c] = v[c];
 #endif
     facing_normal(n, rx, ry);
     value[HBIL_SPLIT_W][part] = select((realv)HBIL_NOTHING, w, solid);
+#pragma unroll
     for (int c = 0; c < 3; ++c)
       value[HBIL_SPLIT_NORMAL + c][part] = select((realv)0.0f, n[c], solid);
 #if GATHER_RADIANCE
     const uint pixel = (uint)y * planes.row + (uint)x;
+#pragma unroll
     for (int c = 0; c < 3; ++c) {
       realv irradiance = 0.0f, reflectance = INV_PI, emitted = 0.0f;
 #if HAS_DIRECT
@@ -152,6 +161,7 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
                       (uint)(y >> 2) * layout.row + (uint)(x0 >> 2);
 #if PACKED
   realv word[HBIL_PACKED_SPLIT_PLANES][4];
+#pragma unroll
   for (int part = 0; part < 4; ++part) {
     word[HBIL_SPLIT_W][part] = value[HBIL_SPLIT_W][part];
     word[HBIL_PACKED_NORMAL][part] = AS_REALV(AS_INTV(pack_normal(
@@ -172,6 +182,7 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
   for (int p = 0; p < planes_out; ++p) {
     realv column[4];
     DEINTERLEAVE(word[p], column);
+#pragma unroll
     for (int i = 0; i < 4; ++i)
       STOREV(column[i], out + p * layout.plane + (uint)i * layout.layer);
   }

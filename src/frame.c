@@ -502,8 +502,9 @@ static hbil_status recompose(commands *chain, const hbil_frame *frame) {
                            ARG(plan->buffers[BUFFER_ESTIMATE]),
                            ARG(plan->buffers[BUFFER_RESOLVED]),
                            ARG(plan->layout.planes)};
+  const size_t rows = plan->config.vector_width == 1 ? 1 : 4;
   return LAUNCH(chain, KERNEL_RECOMPOSE, args, (across(plan) + 3) / 4,
-                plan->config.height, 1);
+                (plan->config.height + rows - 1) / rows, 1);
 }
 
 static hbil_status composite(commands *chain, const hbil_frame *frame) {
