@@ -233,8 +233,6 @@ static inline void raise(const center *c, march *m, realv excess,
             fma(slope, excess_back, cot_tangent), nx, ny, dither);
   /* what covers nothing new is not seen */
   rises = share > 0.0f;
-  if (!ANY(rises))
-    return;
 #else
   m->excess = max(m->excess, excess);
   realv g, sin2;

@@ -63,7 +63,8 @@ static inline intv target_of(const hbil_view_args from, const hbil_view_args to,
 #define STORE_INTV(v, p) HBIL_PASTE(vstore, HBIL_WIDTH)((v), 0, (p))
 #endif
 
-/* nearest: first all depths, then all source indices; filled with NO_SOURCE. */
+/* nearest: first all depths, then all sources, as places in the planes, which
+ * are in the order of the pixels; filled with NO_SOURCE. */
 kernel void scatter_depth(const hbil_view_args from, const hbil_view_args to,
                           const hbil_transform_args motion,
                           global const float *history,
@@ -100,12 +101,12 @@ kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
   STOREV(depth, z);
   for (int i = 0; i < HBIL_WIDTH; ++i)
     if (target[i] >= 0 && nearest[target[i]] == as_uint(z[i]))
-      atomic_min(nearest + pixels + target[i], (uint)(y * from.width + x + i));
+      atomic_min(nearest + pixels + target[i],
+                 (uint)y * planes.row + (uint)(x + i));
 }
 
-kernel void scatter_fetch(const hbil_view_args to, const int from_width,
-                          global const float *history, global float *carried,
-                          const hbil_plane_args planes,
+kernel void scatter_fetch(const hbil_view_args to, global const float *history,
+                          global float *carried, const hbil_plane_args planes,
                           global const uint *nearest,
                           global const void *depth_buffer,
                           const hbil_image_args depth_image,
@@ -128,11 +129,9 @@ kernel void scatter_fetch(const hbil_view_args to, const int from_width,
       carried_over =
           fabs(as_float(nearest[at]) - here[i]) <= disocclusion * here[i];
 #endif
-    const uint from =
-        source / (uint)from_width * planes.row + source % (uint)from_width;
     for (int c = 0; c < 3; ++c)
       lane[c][i] = carried_over
-                       ? history[(HBIL_HISTORY_RED + c) * planes.plane + from]
+                       ? history[(HBIL_HISTORY_RED + c) * planes.plane + source]
                        : 0.0f;
     lane[HBIL_CARRIED_WEIGHT][i] = carried_over ? 1.0f : 0.0f;
   }

@@ -281,7 +281,6 @@ static hbil_status scatter(commands *chain, const hbil_frame *frame) {
                               ARG(plan->layout.planes),
                               ARG(plan->buffers[BUFFER_NEAREST])};
   const argument fetch[] = {ARG(to),
-                            ARG(from.width),
                             ARG(plan->buffers[BUFFER_HISTORY]),
                             ARG(plan->buffers[BUFFER_CARRIED]),
                             ARG(plan->layout.planes),
@@ -484,8 +483,7 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   const argument args[] = {ARG(gather_args), ARG(plan->buffers[BUFFER_SPLIT]),
                            ARG(plan->buffers[BUFFER_STEPS]),
                            ARG(plan->buffers[BUFFER_LIGHT])};
-  const size_t width =
-      plan->config.vector_width == 1 ? 1 : (size_t)HBIL_TILE;
+  const size_t width = plan->config.vector_width == 1 ? 1 : (size_t)HBIL_TILE;
   return LAUNCH(chain, KERNEL_GATHER, args,
                 ((size_t)plan->layout.split.width + width - 1) / width,
                 (size_t)plan->layout.split.height, HBIL_LAYERS);
