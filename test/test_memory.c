@@ -57,7 +57,11 @@ typedef struct variant {
     statement;                                                                 \
   }
 VARIANT(as_it_is, (void)c)
+VARIANT(packed, c->storage = HBIL_STORAGE_PACKED)
 VARIANT(no_history, c->reprojection = HBIL_REPROJECTION_NONE)
+VARIANT(packed_frame,
+        (c->storage = HBIL_STORAGE_PACKED, c->refused = HBIL_REFUSED_FRAME,
+         c->far_field = HBIL_FAR_FRAME))
 VARIANT(motion, c->reprojection = HBIL_REPROJECTION_MOTION)
 VARIANT(radiance_carried, c->feedback = HBIL_FEEDBACK_RADIANCE)
 VARIANT(refused_black, c->refused = HBIL_REFUSED_BLACK)
@@ -79,10 +83,12 @@ VARIANT(thick_in_ones, (c->thickness = 0.2f, c->relative_thickness = 0.08f,
  * which takes its time. */
 static const variant variants[] = {
     {"the defaults", as_it_is},
+    {"packed", packed},
     {"no history", no_history},
     {"refused: frame", refused_frame},
     {"far field: sh", far_sh},
     {"far field: frame", far_frame},
+    {"packed, far field and refused: frame", packed_frame},
     {"motion", motion},
     {"radiance carried", radiance_carried},
     {"refused: black", refused_black},
@@ -94,7 +100,7 @@ static const variant variants[] = {
     {"thick, vectors of one, profiling", thick_in_ones},
 };
 #define VARIANTS (sizeof variants / sizeof *variants)
-#define COMMON_VARIANTS 5
+#define COMMON_VARIANTS 6
 
 static void no_outputs(hbil_config *c) {
   for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id)
@@ -245,8 +251,9 @@ static void the_query_makes_no_buffers(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Little more than the planes                                               */
 
-/* Values of 32 bits a pixel, as the header has them beside hbil_plan_buffer();
- * not asked of the plan, which reads some of them off its buffers. */
+/* Words of 32 bits a pixel, as the header has them beside hbil_plan_buffer()
+ * and HBIL_STORAGE_PACKED; not asked of the plan, which reads some of them off
+ * its buffers. */
 typedef struct plane_counts {
   double history, carried, scatter, split, gathered, resolved;
 } plane_counts;
@@ -285,12 +292,29 @@ static void padding_is_at_most_a_quarter(void **state) {
   setup_free(&s);
 }
 
+static void packed_padding_is_at_most_a_quarter(void **state) {
+  setup s;
+  (void)state;
+  prepare(&s, 1280, 720);
+  s.config.storage = HBIL_STORAGE_PACKED;
+  check_planes(&s.config, (plane_counts){4, 4, 2, 3, 3, 7});
+  s.config.refused = HBIL_REFUSED_FRAME;
+  s.config.far_field = HBIL_FAR_FRAME;
+  s.config.reprojection = HBIL_REPROJECTION_NONE;
+  check_planes(&s.config, (plane_counts){0, 0, 0, 3, 3, 7});
+  ao_alone(&s.config);
+  s.config.far_field = HBIL_FAR_NONE;
+  check_planes(&s.config, (plane_counts){0, 0, 0, 2, 1, 1});
+  setup_free(&s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_setting_takes_what_is_announced),
       cmocka_unit_test(every_size_takes_what_is_announced),
       cmocka_unit_test(frames_make_no_buffers),
       cmocka_unit_test(the_query_makes_no_buffers),
-      cmocka_unit_test(padding_is_at_most_a_quarter)};
+      cmocka_unit_test(padding_is_at_most_a_quarter),
+      cmocka_unit_test(packed_padding_is_at_most_a_quarter)};
   return RUN_WITH_GPU(tests);
 }
