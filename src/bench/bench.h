@@ -273,8 +273,8 @@ enum { BENCH_MAX_TURNS = 8 };
 int bench_lab_turns(const bench_turn *list, size_t count, unsigned runs,
                     bench_timing *out, image_error *error);
 
-/* The third is the first one that has compiled nothing: there is no history to
- * reproject before the second. */
+/* Three, since there is no history to reproject before the second, which loads
+ * those kernels. */
 enum { BENCH_START_FRAMES = 3 };
 
 /* Milliseconds, by the clock on the wall, until a new plan is made and until
@@ -286,7 +286,7 @@ typedef struct bench_start {
 int bench_lab_start(bench_lab *lab, const hbil_config *config, bench_start *out,
                     image_error *error);
 
-/* What passes exchange: values a pixel of 32 bits. */
+/* What passes exchange: words of 32 bits a pixel. */
 enum { BENCH_STAGES = HBIL_STAGE_RESOLVED + 1 };
 typedef struct bench_planes {
   size_t values[BENCH_STAGES]; /* as in hbil_buffer */
@@ -299,7 +299,7 @@ int bench_lab_planes(bench_lab *lab, const hbil_config *config,
 /* Bytes on the device. */
 typedef struct bench_memory {
   size_t plan;   /* hbil_plan_memory() */
-  size_t planes; /* the same values without padding and tables */
+  size_t planes; /* the same words without padding and tables */
   size_t images; /* inputs and outputs of the bench */
 } bench_memory;
 

@@ -48,7 +48,7 @@ static int measure(const bench_options *options, const device *d,
 static int print(const bench_probe *p, image_error *error) {
   const double *frame = p->start.frame;
   json_t *root = json_pack("{s:i, s:f, s:[f, f, f], s:f, s:f}", "compute_units",
-                           (int)p->units, "plan_ms", p->start.plan, "first_ms",
+                           (int)p->units, "plan_ms", p->start.plan, "frames_ms",
                            frame[0], frame[1], frame[2], "frame_ms", p->total,
                            "gather_ms", p->gather);
   const int failed = !root || json_dumpf(root, stdout, JSON_COMPACT) != 0;
@@ -118,7 +118,7 @@ static int parse(FILE *in, bench_probe *out) {
   const int failed =
       !root ||
       json_unpack(root, "{s:i, s:F, s:[F, F, F], s:F, s:F}", "compute_units",
-                  &units, "plan_ms", &out->start.plan, "first_ms", &frame[0],
+                  &units, "plan_ms", &out->start.plan, "frames_ms", &frame[0],
                   &frame[1], &frame[2], "frame_ms", &out->total, "gather_ms",
                   &out->gather) != 0;
   out->units = (unsigned)units;

@@ -104,7 +104,7 @@ static void print_memory(const bench_scaling *s, FILE *out) {
               mebibytes(size->memory.plan), mebibytes(size->memory.planes),
               memory_ratio(&size->memory));
   }
-  fputs("planes: values of 32 bits a pixel, without padding and tables:", out);
+  fputs("planes: words of 32 bits a pixel, without padding and tables:", out);
   for (int i = 0; i < BENCH_STAGES; i++)
     fprintf(out, " %s %zu%s,", stages[i], s->planes.values[i],
             i == HBIL_STAGE_CARRIED ? " in all its halved levels" : "");
