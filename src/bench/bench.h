@@ -31,9 +31,11 @@ typedef struct bench_options {
   unsigned runs;          /* counted runs of every configuration */
   unsigned pixels;        /* most that errors are measured at; 0: the default */
   int quick;              /* few configurations, small */
+  int scaling;            /* that part alone */
+  int probe;              /* see probe.c */
 } bench_options;
 
-/* Measures, prints the table, writes the files. */
+/* Measures, prints the tables, writes the files. */
 int bench_run(const bench_options *options, image_error *error);
 
 /* --- configurations.c: what is measured --- */
@@ -75,7 +77,8 @@ int bench_is_ao_alone(bench_model model);
 int bench_is_thick(bench_model model);
 /* The setting that the others' cost is told in multiples of. */
 int bench_is_start(const bench_configuration *c);
-/* Whether the library does this by itself. */
+/* What the library does by itself. */
+bench_configuration bench_default(void);
 int bench_is_default(const bench_configuration *c);
 /* Whether hbil process does this by itself. */
 int bench_is_tools_default(const bench_configuration *c);
@@ -125,6 +128,8 @@ void bench_configure(const bench_content *content, const bench_configuration *c,
 
 int bench_content_load(const bench_options *options, bench_content *out,
                        image_error *error);
+/* Gives back the planes, once they are on the device; the rest stays. */
+void bench_content_drop_planes(bench_content *content);
 void bench_content_free(bench_content *content);
 size_t bench_input_channels(bench_input input);
 size_t bench_pixels(const bench_content *content);
@@ -183,6 +188,7 @@ typedef struct bench_copy {
   bench_spread milliseconds;
 } bench_copy;
 
+int bench_is_cpu(const device *d);
 int bench_measure_copy(const device *d, size_t pixels, unsigned runs,
                        bench_copy *out, image_error *error);
 /* Milliseconds of a copy that moves as many bytes. */
@@ -248,6 +254,134 @@ int bench_lab_thickness(bench_lab *lab, const bench_configuration *c,
 int bench_lab_estimate(bench_lab *lab, const bench_configuration *c,
                        unsigned runs, double *out, image_error *error);
 
+/* --- lab.c: what scaling needs --- */
+
+/* A plan that is measured in turns with others. */
+typedef struct bench_turn {
+  bench_lab *lab;
+  hbil_config config;
+} bench_turn;
+
+typedef struct bench_timing {
+  bench_spread total, gather, host; /* milliseconds */
+  /* over the first one's, turn by turn: medians */
+  double total_ratio, gather_ratio;
+} bench_timing;
+
+enum { BENCH_MAX_TURNS = 8 };
+
+int bench_lab_turns(const bench_turn *list, size_t count, unsigned runs,
+                    bench_timing *out, image_error *error);
+
+/* Three, since there is no history to reproject before the second, which loads
+ * those kernels. */
+enum { BENCH_START_FRAMES = 3 };
+
+/* Milliseconds, by the clock on the wall, until a new plan is made and until
+ * each of its first frames is done. */
+typedef struct bench_start {
+  double plan, frame[BENCH_START_FRAMES];
+} bench_start;
+
+int bench_lab_start(bench_lab *lab, const hbil_config *config, bench_start *out,
+                    image_error *error);
+
+/* What passes exchange: words of 32 bits a pixel. */
+enum { BENCH_STAGES = HBIL_STAGE_RESOLVED + 1 };
+typedef struct bench_planes {
+  size_t values[BENCH_STAGES]; /* as in hbil_buffer */
+  size_t scatter;              /* depth and index of what lands on a pixel */
+} bench_planes;
+
+int bench_lab_planes(bench_lab *lab, const hbil_config *config,
+                     bench_planes *out, image_error *error);
+
+/* Bytes on the device. */
+typedef struct bench_memory {
+  size_t plan;   /* hbil_plan_memory() */
+  size_t planes; /* the same words without padding and tables */
+  size_t images; /* inputs and outputs of the bench */
+} bench_memory;
+
+/* Of a configuration of any size; nothing is allocated. */
+int bench_lab_memory(bench_lab *lab, const hbil_config *config,
+                     const bench_planes *planes, bench_memory *out,
+                     image_error *error);
+
+/* --- probe.c: a plan in a process of its own --- */
+
+/* What `hbil bench --probe` tells. */
+typedef struct bench_probe {
+  unsigned units; /* the device's compute units in that process */
+  bench_start start;
+  double total, gather; /* milliseconds, medians */
+} bench_probe;
+
+/* Measures in this process and prints JSON. */
+int bench_probe_print(const bench_options *options, image_error *error);
+/* In a process of its own, for what is decided once a process: how many threads
+ * PoCL uses, and which kernels are loaded. */
+int bench_probe_run(const bench_options *options, uint32_t width,
+                    uint32_t height, int single_thread, bench_probe *out,
+                    image_error *error);
+
+/* --- scaling.c: how time and memory grow --- */
+
+enum {
+  BENCH_SIZES = 5,
+  BENCH_SAMPLINGS = 5,
+  BENCH_ROUNDS = 5,                    /* of processes */
+  BENCH_REASON = IMAGE_ERROR_SIZE + 16 /* longest reason, with its end */
+};
+
+typedef struct bench_size {
+  uint32_t width, height;
+  char skipped[BENCH_REASON]; /* why, or empty */
+  bench_timing timing;
+  bench_memory memory;
+} bench_size;
+
+typedef struct bench_sampling {
+  cl_uint samples;
+  bench_timing timing;
+} bench_sampling;
+
+typedef struct bench_threads {
+  char left_out[BENCH_REASON];      /* why, or empty */
+  unsigned count;                   /* as many as there are */
+  bench_spread total[2], gather[2]; /* with one, with all */
+  double total_gain, gather_gain;   /* medians over the rounds */
+} bench_threads;
+
+typedef struct bench_opening {
+  char left_out[BENCH_REASON]; /* why, or empty */
+  bench_spread plan, frame[BENCH_START_FRAMES];
+  bench_spread extra; /* first frame less the second */
+} bench_opening;
+
+typedef struct bench_scaling {
+  char label[BENCH_LABEL]; /* of what is measured */
+  unsigned runs, rounds;   /* rounds: of processes */
+  size_t base;             /* the size that the others are told by */
+  bench_size size[BENCH_SIZES];
+  bench_sampling sampling[BENCH_SAMPLINGS];
+  bench_planes planes;
+  bench_threads threads;
+  bench_opening opening;
+} bench_scaling;
+
+int bench_scaling_measure(const bench_options *options, const device *d,
+                          bench_scaling *out, image_error *error);
+
+/* Nanoseconds a pixel. */
+double bench_size_cost(const bench_size *size, double milliseconds);
+/* Cost a pixel over that of the base. */
+double bench_size_ratio(const bench_scaling *scaling, const bench_size *size,
+                        double ratio);
+/* Cost a sample over that of the fewest. */
+double bench_sampling_ratio(const bench_scaling *scaling,
+                            const bench_sampling *sampling);
+
 /* --- reports --- */
 
 typedef struct bench_machine {
@@ -265,6 +399,7 @@ typedef struct bench_report {
   const bench_row *rows;
   size_t count;
   double estimate; /* milliseconds of the estimate of unseen light */
+  const bench_scaling *scaling;
 } bench_report;
 
 /* Gather time of the start configuration; NAN if it was not measured. */
@@ -275,10 +410,22 @@ void bench_reference(const bench_report *report, char *text, size_t size);
 void bench_notes(const bench_report *report, FILE *out, const char *before,
                  const char *after);
 
+/* What all tables begin with. */
+void bench_print_machine(const bench_machine *m, FILE *out);
+/* In quotes, which are doubled inside. */
+void bench_write_quoted(FILE *out, const char *text);
+/* Behind a comma; empty where there is none. */
+void bench_write_number(FILE *out, double value);
+void bench_write_spread(FILE *out, bench_spread s);
+
 void bench_write_table(const bench_report *report, FILE *out);
 void bench_write_csv(const bench_report *report, FILE *out);
 void bench_write_json(const bench_report *report, FILE *out);
 void bench_write_svg(const bench_report *report, FILE *out);
+/* scaling_report.c: only report->scaling and the machine. */
+void bench_write_scaling_table(const bench_report *report, FILE *out);
+void bench_write_scaling_csv(const bench_report *report, FILE *out);
+void bench_write_scaling_json(const bench_report *report, FILE *out);
 
 /* --- picture.c --- */
 

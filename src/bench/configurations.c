@@ -127,10 +127,14 @@ int bench_is_start(const bench_configuration *c) {
   return same(c, &table[0]);
 }
 
-int bench_is_default(const bench_configuration *c) {
+bench_configuration bench_default(void) {
   hbil_config config;
   hbil_config_init(&config);
-  const bench_configuration standard = sampling_of(&config);
+  return sampling_of(&config);
+}
+
+int bench_is_default(const bench_configuration *c) {
+  const bench_configuration standard = bench_default();
   return same(c, &standard);
 }
 

@@ -320,10 +320,16 @@ int bench_content_load(const bench_options *options, bench_content *out,
   return failed ? -1 : 0;
 }
 
-void bench_content_free(bench_content *content) {
+void bench_content_drop_planes(bench_content *content) {
   for (int f = 0; f < BENCH_FRAMES; f++)
-    for (int i = 0; i < BENCH_INPUTS; i++)
+    for (int i = 0; i < BENCH_INPUTS; i++) {
       free(content->frame[f].plane[i]);
+      content->frame[f].plane[i] = NULL;
+    }
+}
+
+void bench_content_free(bench_content *content) {
+  bench_content_drop_planes(content);
   free(content->truth);
   free(content->compared);
   memset(content, 0, sizeof *content);

@@ -3,7 +3,7 @@
 
 enum { PLANES = 8, GROUP = 64 };
 
-static int is_cpu(const device *d) {
+int bench_is_cpu(const device *d) {
   cl_device_type type = 0;
   clGetDeviceInfo(d->id, CL_DEVICE_TYPE, sizeof type, &type, NULL);
   return (type & CL_DEVICE_TYPE_CPU) != 0;
@@ -25,7 +25,7 @@ static int run_copy(const device *d, cl_kernel kernel, const cl_mem buffers[2],
 
 int bench_measure_copy(const device *d, size_t pixels, unsigned runs,
                        bench_copy *out, image_error *error) {
-  const size_t width = is_cpu(d) ? 16 : 4, step = width * GROUP;
+  const size_t width = bench_is_cpu(d) ? 16 : 4, step = width * GROUP;
   const size_t floats = (PLANES * pixels + step - 1) / step * step;
   const size_t bytes = floats * sizeof(float);
   const float one = 1.0f;

@@ -10,6 +10,14 @@ static json_t *number(double value) {
   return isfinite(value) ? json_real(value) : json_null();
 }
 
+/* Without a document nothing is written, which the caller notices. */
+static void write_document(json_t *root, FILE *out) {
+  if (root)
+    json_dumpf(root, out, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+  json_decref(root);
+  fputc('\n', out);
+}
+
 static json_t *spread(bench_spread s) {
   return json_pack("{s:o, s:o, s:o}", "median", number(s.median), "min",
                    number(s.low), "max", number(s.high));
@@ -105,6 +113,77 @@ static json_t *row_json(const bench_report *report, const bench_row *row) {
                    errors(row), "ratios", ratios(report, row));
 }
 
+/* --- scaling --- */
+
+static json_t *note(const char *text) {
+  return *text ? json_string(text) : json_null();
+}
+
+static json_t *timing(const bench_timing *t) {
+  return json_pack("{s:o, s:o, s:o}", "frame", spread(t->total), "gather",
+                   spread(t->gather), "host", spread(t->host));
+}
+
+static json_t *size_json(const bench_scaling *s, const bench_size *size) {
+  const bench_timing *t = &size->timing;
+  const int there = !size->skipped[0];
+  return json_pack(
+      "{s:i, s:i, s:o, s:o, s:o, s:o, s:I, s:I}", "width", (int)size->width,
+      "height", (int)size->height, "skipped", note(size->skipped),
+      "milliseconds", there ? timing(t) : json_null(), "frame_ratio",
+      number(there ? bench_size_ratio(s, size, t->total_ratio) : NAN),
+      "gather_ratio",
+      number(there ? bench_size_ratio(s, size, t->gather_ratio) : NAN),
+      "plan_bytes", (json_int_t)size->memory.plan, "plane_bytes",
+      (json_int_t)size->memory.planes);
+}
+
+static json_t *sampling_json(const bench_scaling *s,
+                             const bench_sampling *sampling) {
+  return json_pack("{s:i, s:i, s:o, s:o}", "slices", 2, "samples",
+                   (int)sampling->samples, "milliseconds",
+                   timing(&sampling->timing), "gather_ratio",
+                   number(bench_sampling_ratio(s, sampling)));
+}
+
+static json_t *threads(const bench_threads *t) {
+  if (t->left_out[0])
+    return json_pack("{s:s}", "left_out", t->left_out);
+  return json_pack("{s:n, s:i, s:[o, o], s:[o, o], s:f, s:f}", "left_out",
+                   "count", (int)t->count, "frame_milliseconds",
+                   spread(t->total[0]), spread(t->total[1]),
+                   "gather_milliseconds", spread(t->gather[0]),
+                   spread(t->gather[1]), "frame_gain", t->total_gain,
+                   "gather_gain", t->gather_gain);
+}
+
+static json_t *opening(const bench_opening *o) {
+  if (o->left_out[0])
+    return json_pack("{s:s}", "left_out", o->left_out);
+  return json_pack("{s:n, s:o, s:[o, o, o], s:o}", "left_out", "plan",
+                   spread(o->plan), "frames", spread(o->frame[0]),
+                   spread(o->frame[1]), spread(o->frame[2]),
+                   "first_less_second", spread(o->extra));
+}
+
+void bench_write_scaling_json(const bench_report *report, FILE *out) {
+  const bench_scaling *s = report->scaling;
+  json_t *sizes = json_array(), *samplings = json_array();
+  for (size_t i = 0; i < BENCH_SIZES; i++)
+    json_array_append_new(sizes, size_json(s, &s->size[i]));
+  for (size_t i = 0; i < BENCH_SAMPLINGS; i++)
+    json_array_append_new(samplings, sampling_json(s, &s->sampling[i]));
+  json_t *root = json_pack(
+      "{s:s, s:o, s:s, s:i, s:i, s:i, s:o, s:o, s:o, s:o}", "hbil",
+      hbil_version(), "machine", machine(&report->machine), "label", s->label,
+      "runs", (int)s->runs, "warm_up", BENCH_WARM_UP, "processes",
+      (int)s->rounds, "sizes", sizes, "samplings", samplings, "threads",
+      threads(&s->threads), "start_milliseconds", opening(&s->opening));
+  write_document(root, out);
+}
+
+/* --- all else --- */
+
 void bench_write_json(const bench_report *report, FILE *out) {
   json_t *rows = json_array();
   char reference[64];
@@ -118,9 +197,5 @@ void bench_write_json(const bench_report *report, FILE *out) {
       BENCH_WARM_UP, "reference", reference, "truth", truth(report->content),
       "literal", literal(&report->literal), "copy", copy(&report->copy),
       "estimate_milliseconds", number(report->estimate), "rows", rows);
-  /* without a document nothing is written, which the caller notices */
-  if (root)
-    json_dumpf(root, out, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-  json_decref(root);
-  fputc('\n', out);
+  write_document(root, out);
 }

@@ -19,6 +19,7 @@ struct bench_lab {
 
 /* A plan and what it writes. */
 typedef struct trial {
+  bench_lab *lab;
   hbil_plan *plan;
   size_t memory;
   unsigned layers;
@@ -113,21 +114,31 @@ void bench_lab_close(bench_lab *lab) {
 
 /* --- plans and frames --- */
 
-static int make_plan(bench_lab *lab, const hbil_config *settings, trial *out,
-                     image_error *error) {
+static unsigned layers_of(const hbil_config *config) {
+  return config->mode == HBIL_MODE_HBIL
+             ? layers_of_mode(HBIL_MODE_HBIL)
+             : 1u << LAYER_AO; /* all that those modes are for */
+}
+
+static void set_formats(const bench_lab *lab, hbil_config *config) {
   const hbil_format planes_of_floats = {HBIL_FLOAT32, 1};
-  hbil_config config = *settings;
-  out->plan = NULL;
-  out->far = config.far_field;
-  out->layers = config.mode == HBIL_MODE_HBIL
-                    ? layers_of_mode(HBIL_MODE_HBIL)
-                    : 1u << LAYER_AO; /* all that those modes are for */
+  const unsigned layers = layers_of(config);
   for (int i = 0; i < BENCH_INPUTS; i++)
     if (lab->input[0][i])
-      *format_at(&config, places[i].format) = planes_of_floats;
+      *format_at(config, places[i].format) = planes_of_floats;
   for (int l = 0; l < LAYER_COUNT; l++)
-    if (out->layers >> l & 1)
-      *format_at(&config, layer_table[l].format) = planes_of_floats;
+    if (layers >> l & 1)
+      *format_at(config, layer_table[l].format) = planes_of_floats;
+}
+
+static int make_plan(bench_lab *lab, const hbil_config *settings, trial *out,
+                     image_error *error) {
+  hbil_config config = *settings;
+  out->lab = lab;
+  out->plan = NULL;
+  out->far = config.far_field;
+  out->layers = layers_of(&config);
+  set_formats(lab, &config);
   hbil_status status = hbil_plan_memory(lab->context, &config, &out->memory);
   if (status == HBIL_SUCCESS)
     status = hbil_plan_create(lab->context, &config, &out->plan);
@@ -135,13 +146,14 @@ static int make_plan(bench_lab *lab, const hbil_config *settings, trial *out,
 }
 
 /* Its commands may still be running. */
-static void free_trial(bench_lab *lab, trial *t) {
-  clFinish(lab->device->queue);
+static void free_trial(trial *t) {
+  if (t->plan)
+    clFinish(t->lab->device->queue);
   hbil_plan_destroy(t->plan);
 }
 
-static int enqueue(bench_lab *lab, const trial *t, unsigned index,
-                   image_error *error) {
+static int enqueue(const trial *t, unsigned index, image_error *error) {
+  bench_lab *lab = t->lab;
   const bench_content *content = lab->content;
   hbil_frame frame;
   hbil_frame_init(&frame);
@@ -177,7 +189,7 @@ static int sampling_error(bench_lab *lab, const trial *t,
                           image_error *error) {
   const bench_model model = out->configuration.model;
   out->light_error = NAN;
-  if (enqueue(lab, t, 0, error) != 0 ||
+  if (enqueue(t, 0, error) != 0 ||
       read_layer(lab, LAYER_AO, lab->found, error) != 0)
     return -1;
   out->ao_error = bench_ao_error(lab->content, lab->found, exact->ao[model]);
@@ -197,7 +209,7 @@ static int model_error(bench_lab *lab, const trial *t, bench_row *out,
   if (!lab->content->truth || !(t->layers >> LAYER_INDIRECT & 1))
     return 0;
   for (int i = 1; i < BENCH_TRUTH_BOUNCES; i++)
-    if (enqueue(lab, t, 0, error) != 0)
+    if (enqueue(t, 0, error) != 0)
       return -1;
   if (read_layer(lab, LAYER_INDIRECT, lab->found, error) != 0)
     return -1;
@@ -218,16 +230,16 @@ static double now(void) {
   return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
 }
 
-static int time_frame(bench_lab *lab, const trial *t, unsigned index,
-                      samples *s, unsigned run, image_error *error) {
+static int time_frame(const trial *t, unsigned index, samples *s, unsigned run,
+                      image_error *error) {
   double milliseconds[HBIL_PASS_COUNT];
   const double before = now();
-  if (enqueue(lab, t, index, error) != 0)
+  if (enqueue(t, index, error) != 0)
     return -1;
   s->host[run] = now() - before;
   const hbil_status status = hbil_plan_timings(t->plan, milliseconds);
   if (status != HBIL_SUCCESS)
-    return library_failed(lab, status, error);
+    return library_failed(t->lab, status, error);
   s->total[run] = 0.0;
   for (int p = 0; p < HBIL_PASS_COUNT; p++) {
     s->pass[p][run] = milliseconds[p];
@@ -241,22 +253,23 @@ static int time_frame(bench_lab *lab, const trial *t, unsigned index,
  * there are holes to fill.  Of several plans, every one in turn: what slows the
  * machine down then slows them all.
  */
-static int time_frames(bench_lab *lab, const trial *trials, size_t count,
-                       samples *s, unsigned runs, image_error *error) {
+static int time_frames(const trial *trials, size_t count, samples *s,
+                       unsigned runs, image_error *error) {
   for (unsigned i = 0; i < BENCH_WARM_UP + runs; i++)
     for (size_t k = 0; k < count; k++)
-      if (time_frame(lab, &trials[k], (i + 1) % lab->content->frames, &s[k],
-                     i < BENCH_WARM_UP ? 0 : i - BENCH_WARM_UP, error) != 0)
+      if (time_frame(&trials[k], (i + 1) % trials[k].lab->content->frames,
+                     &s[k], i < BENCH_WARM_UP ? 0 : i - BENCH_WARM_UP,
+                     error) != 0)
         return -1;
   return 0;
 }
 
-static int times(bench_lab *lab, const trial *t, unsigned runs, bench_row *out,
+static int times(const trial *t, unsigned runs, bench_row *out,
                  image_error *error) {
   samples *s = calloc(1, sizeof *s);
   if (!s)
     return image_no_memory(error, "times");
-  const int failed = time_frames(lab, t, 1, s, runs, error);
+  const int failed = time_frames(t, 1, s, runs, error);
   if (!failed) {
     for (int p = 0; p < HBIL_PASS_COUNT; p++)
       out->pass[p] = bench_spread_of(s->pass[p], runs);
@@ -280,9 +293,9 @@ int bench_lab_measure(bench_lab *lab, const bench_exact *exact,
   const int failed = make_plan(lab, &config, &t, error) != 0 ||
                      sampling_error(lab, &t, exact, out, error) != 0 ||
                      model_error(lab, &t, out, error) != 0 ||
-                     times(lab, &t, runs, out, error) != 0;
+                     times(&t, runs, out, error) != 0;
   out->memory = t.memory;
-  free_trial(lab, &t);
+  free_trial(&t);
   return failed ? -1 : 0;
 }
 
@@ -294,9 +307,9 @@ static int time_pair(bench_lab *lab, const hbil_config configs[2],
   trial trials[2] = {{.plan = NULL}, {.plan = NULL}};
   const int failed = make_plan(lab, &configs[0], &trials[0], error) != 0 ||
                      make_plan(lab, &configs[1], &trials[1], error) != 0 ||
-                     time_frames(lab, trials, 2, s, runs, error) != 0;
-  free_trial(lab, &trials[0]);
-  free_trial(lab, &trials[1]);
+                     time_frames(trials, 2, s, runs, error) != 0;
+  free_trial(&trials[0]);
+  free_trial(&trials[1]);
   return failed ? -1 : 0;
 }
 
@@ -346,4 +359,137 @@ int bench_lab_estimate(bench_lab *lab, const bench_configuration *c,
   configs[1].far_field = HBIL_FAR_NONE;
   return compare_pair(lab, configs, HBIL_PASS_SPLIT, difference, runs, out,
                       error);
+}
+
+/* --- any number in turns --- */
+
+/* The median, over the turns, of a time over that of the first. */
+static double median_ratio(const double *of, const double *to, unsigned runs) {
+  double values[BENCH_MAX_RUNS];
+  for (unsigned i = 0; i < runs; i++)
+    values[i] = of[i] / to[i];
+  return bench_spread_of(values, runs).median;
+}
+
+static void sum_up(samples *s, size_t count, unsigned runs, bench_timing *out) {
+  for (size_t k = 0; k < count; k++) {
+    const int gather = HBIL_PASS_GATHER;
+    out[k].total_ratio = median_ratio(s[k].total, s[0].total, runs);
+    out[k].gather_ratio =
+        median_ratio(s[k].pass[gather], s[0].pass[gather], runs);
+  }
+  /* only now: this sorts them */
+  for (size_t k = 0; k < count; k++) {
+    out[k].total = bench_spread_of(s[k].total, runs);
+    out[k].gather = bench_spread_of(s[k].pass[HBIL_PASS_GATHER], runs);
+    out[k].host = bench_spread_of(s[k].host, runs);
+  }
+}
+
+int bench_lab_turns(const bench_turn *list, size_t count, unsigned runs,
+                    bench_timing *out, image_error *error) {
+  trial trials[BENCH_MAX_TURNS] = {{.plan = NULL}};
+  samples *s = calloc(count, sizeof *s);
+  int failed = s ? 0 : image_no_memory(error, "times");
+  for (size_t k = 0; k < count && !failed; k++)
+    failed = make_plan(list[k].lab, &list[k].config, &trials[k], error);
+  if (!failed)
+    failed = time_frames(trials, count, s, runs, error);
+  if (!failed)
+    sum_up(s, count, runs, out);
+  for (size_t k = 0; k < count; k++)
+    free_trial(&trials[k]);
+  free(s);
+  return failed ? -1 : 0;
+}
+
+/* --- the first frames of a plan --- */
+
+int bench_lab_start(bench_lab *lab, const hbil_config *config, bench_start *out,
+                    image_error *error) {
+  trial t = {.plan = NULL};
+  double before = now();
+  int failed = make_plan(lab, config, &t, error);
+  out->plan = now() - before;
+  for (unsigned i = 0; i < BENCH_START_FRAMES && !failed; i++) {
+    before = now();
+    failed = enqueue(&t, i % lab->content->frames, error);
+    const cl_int status = clFinish(lab->device->queue);
+    out->frame[i] = now() - before;
+    if (!failed && status != CL_SUCCESS)
+      failed = bench_cl_failed(lab->device, status, "running a frame", error);
+  }
+  free_trial(&t);
+  return failed;
+}
+
+/* --- memory --- */
+
+/* Bytes of a plane of floats. */
+static size_t plane_bytes(uint32_t width, uint32_t height) {
+  return (size_t)width * height * sizeof(float);
+}
+
+/* Four values in every level of the push/pull chain, halved down to a pixel. */
+static size_t chain_bytes(uint32_t width, uint32_t height, size_t values) {
+  size_t bytes = values * plane_bytes(width, height);
+  while (width > 1 || height > 1) {
+    width = (width + 1) / 2;
+    height = (height + 1) / 2;
+    bytes += values * plane_bytes(width, height);
+  }
+  return bytes;
+}
+
+static void count_planes(const hbil_plan *plan, const hbil_config *config,
+                         bench_planes *out) {
+  memset(out, 0, sizeof *out);
+  for (int stage = 0; stage < BENCH_STAGES; stage++) {
+    hbil_buffer buffer;
+    if (hbil_plan_buffer(plan, (hbil_stage)stage, &buffer) == HBIL_SUCCESS)
+      out->values[stage] = buffer.values;
+  }
+  if (out->values[HBIL_STAGE_HISTORY] &&
+      config->reprojection == HBIL_REPROJECTION_SCATTER)
+    out->scatter = 2;
+}
+
+int bench_lab_planes(bench_lab *lab, const hbil_config *config,
+                     bench_planes *out, image_error *error) {
+  trial t = {.plan = NULL};
+  const int failed = make_plan(lab, config, &t, error);
+  if (!failed)
+    count_planes(t.plan, config, out);
+  free_trial(&t);
+  return failed;
+}
+
+static size_t image_planes(const bench_lab *lab, const hbil_config *config) {
+  const unsigned layers = layers_of(config);
+  size_t planes = 0;
+  for (int i = 0; i < BENCH_INPUTS; i++)
+    if (lab->input[0][i])
+      planes += lab->content->frames * bench_input_channels((bench_input)i);
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (layers >> l & 1)
+      planes += strlen(layer_table[l].components);
+  return planes;
+}
+
+int bench_lab_memory(bench_lab *lab, const hbil_config *settings,
+                     const bench_planes *planes, bench_memory *out,
+                     image_error *error) {
+  hbil_config config = *settings;
+  const size_t plane = plane_bytes(config.width, config.height);
+  set_formats(lab, &config);
+  out->images = image_planes(lab, &config) * plane;
+  out->planes = planes->scatter * plane;
+  for (int stage = 0; stage < BENCH_STAGES; stage++)
+    out->planes +=
+        stage == HBIL_STAGE_CARRIED
+            ? chain_bytes(config.width, config.height, planes->values[stage])
+            : planes->values[stage] * plane;
+  const hbil_status status =
+      hbil_plan_memory(lab->context, &config, &out->plan);
+  return status == HBIL_SUCCESS ? 0 : library_failed(lab, status, error);
 }

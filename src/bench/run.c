@@ -49,20 +49,19 @@ static int write_file(const char *path, const bench_report *report,
   return temporary_commit(name, path, error);
 }
 
-static int write_files(const char *folder, const bench_report *report,
-                       image_error *error) {
-  static const struct {
-    const char *name;
-    void (*write)(const bench_report *, FILE *);
-  } files[] = {{"bench.csv", bench_write_csv},
-               {"bench.json", bench_write_json},
-               {"bench.svg", bench_write_svg}};
-  const size_t size = strlen(folder) + sizeof "/bench.json";
+typedef struct output {
+  const char *name;
+  void (*write)(const bench_report *, FILE *);
+} output;
+
+static int write_files(const char *folder, const output *files, size_t count,
+                       const bench_report *report, image_error *error) {
+  const size_t size = strlen(folder) + 64;
   char *path = malloc(size);
   int failed = 0;
   if (!path)
     return image_no_memory(error, folder);
-  for (size_t i = 0; i < sizeof files / sizeof *files && !failed; i++) {
+  for (size_t i = 0; i < count && !failed; i++) {
     snprintf(path, size, "%s/%s", folder, files[i].name);
     failed = write_file(path, report, files[i].write, error);
   }
@@ -181,10 +180,13 @@ static int measure(bench_bench *b, image_error *error) {
 }
 
 static int write_all(const bench_bench *b, image_error *error) {
+  static const output files[] = {{"bench.csv", bench_write_csv},
+                                 {"bench.json", bench_write_json},
+                                 {"bench.svg", bench_write_svg}};
   const char *folder = b->options->output;
   int made = 0;
   bench_write_table(&b->report, stdout);
-  if (write_files(folder, &b->report, error) != 0 ||
+  if (write_files(folder, files, 3, &b->report, error) != 0 ||
       bench_write_png(folder, &made, error) != 0)
     return -1;
   printf("written: %s/bench.csv, .json, .svg%s\n", folder,
@@ -214,19 +216,50 @@ static int run_on(const bench_options *options, const device *d,
   return failed ? -1 : 0;
 }
 
+static int run_on_content(const bench_options *options, const device *d,
+                          image_error *error) {
+  bench_content content;
+  if (bench_content_load(options, &content, error) != 0)
+    return -1;
+  const int failed = run_on(options, d, &content, error);
+  bench_content_free(&content);
+  return failed;
+}
+
+static int run_scaling(const bench_options *options, const device *d,
+                       image_error *error) {
+  static const output files[] = {{"scaling.csv", bench_write_scaling_csv},
+                                 {"scaling.json", bench_write_scaling_json}};
+  bench_scaling scaling;
+  bench_report report = {.scaling = &scaling};
+  describe(d, &report.machine);
+  if (bench_scaling_measure(options, d, &scaling, error) != 0)
+    return -1;
+  bench_write_scaling_table(&report, stdout);
+  if (write_files(options->output, files, 2, &report, error) != 0)
+    return -1;
+  printf("written: %s/scaling.csv, .json\n", options->output);
+  return 0;
+}
+
+/* The sizes of scaling are those of the room. */
+static int measure_all(const bench_options *options, const device *d,
+                       image_error *error) {
+  if (!options->scaling && run_on_content(options, d, error) != 0)
+    return -1;
+  return options->scaling || !(options->quick || options->dump)
+             ? run_scaling(options, d, error)
+             : 0;
+}
+
 int bench_run(const bench_options *options, image_error *error) {
   device d;
-  bench_content content;
   int created = 0;
   if (device_open(options->device, 1, &d, error) != 0)
     return -1;
   int failed = make_folder(options->output, &created, error);
   if (!failed)
-    failed = bench_content_load(options, &content, error);
-  if (!failed) {
-    failed = run_on(options, &d, &content, error);
-    bench_content_free(&content);
-  }
+    failed = measure_all(options, &d, error);
   if (failed && created)
     rmdir(options->output); /* succeeds only while nothing is in it */
   device_close(&d);

@@ -46,10 +46,13 @@ void bench_notes(const bench_report *report, FILE *out, const char *before,
 
 /* --- text --- */
 
-static void print_head(const bench_report *report, FILE *out) {
-  const bench_machine *m = &report->machine;
+void bench_print_machine(const bench_machine *m, FILE *out) {
   fprintf(out, "device   %s, %u compute units\ndriver   %s, %s, %s\n",
           m->device, (unsigned)m->units, m->platform, m->version, m->driver);
+}
+
+static void print_head(const bench_report *report, FILE *out) {
+  bench_print_machine(&report->machine, out);
   fprintf(out, "content  %s, %u x %u pixels, %u frame%s\n",
           report->content->name, report->content->width,
           report->content->height, report->content->frames,
@@ -210,8 +213,7 @@ void bench_write_table(const bench_report *report, FILE *out) {
 
 /* --- comma-separated values --- */
 
-/* In quotes, which are doubled inside. */
-static void write_quoted(FILE *out, const char *text) {
+void bench_write_quoted(FILE *out, const char *text) {
   fputc('"', out);
   for (; *text; text++) {
     if (*text == '"')
@@ -225,17 +227,17 @@ static void write_where(const bench_report *report, FILE *out) {
   const bench_machine *m = &report->machine;
   char reference[64];
   fputc(',', out);
-  write_quoted(out, m->device);
+  bench_write_quoted(out, m->device);
   fprintf(out, ",%u,", (unsigned)m->units);
-  write_quoted(out, m->driver);
+  bench_write_quoted(out, m->driver);
   fputc(',', out);
-  write_quoted(out, m->version);
+  bench_write_quoted(out, m->version);
   fputc(',', out);
-  write_quoted(out, report->content->name);
+  bench_write_quoted(out, report->content->name);
   fprintf(out, ",%u,%u,%u,", report->content->width, report->content->height,
           report->runs);
   bench_reference(report, reference, sizeof reference);
-  write_quoted(out, reference);
+  bench_write_quoted(out, reference);
   fputc('\n', out);
 }
 
@@ -254,18 +256,17 @@ static void write_names(FILE *out) {
         out);
 }
 
-/* Empty where there is none. */
-static void write_number(FILE *out, double value) {
+void bench_write_number(FILE *out, double value) {
   if (isfinite(value))
     fprintf(out, ",%.6g", value);
   else
     fputc(',', out);
 }
 
-static void write_spread(FILE *out, bench_spread s) {
-  write_number(out, s.median);
-  write_number(out, s.low);
-  write_number(out, s.high);
+void bench_write_spread(FILE *out, bench_spread s) {
+  bench_write_number(out, s.median);
+  bench_write_number(out, s.low);
+  bench_write_number(out, s.high);
 }
 
 static void write_row(const bench_report *report, const bench_row *row,
@@ -280,17 +281,17 @@ static void write_row(const bench_report *report, const bench_row *row,
           c->lattice == HBIL_LATTICE_FULL ? "full" : "layer", c->raw,
           bench_is_default(c));
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
-    write_spread(out, row->pass[p]);
-  write_spread(out, row->total);
-  write_number(out, row->host.median);
+    bench_write_spread(out, row->pass[p]);
+  bench_write_spread(out, row->total);
+  bench_write_number(out, row->host.median);
   fprintf(out, ",%zu", row->memory);
-  write_number(out, literal / gather);
-  write_number(out, literal / row->total.median);
-  write_number(out, gather / bench_start_time(report));
-  write_number(out, row->over_endless);
-  write_number(out, row->light_error);
-  write_number(out, row->ao_error);
-  write_number(out, row->model_error);
+  bench_write_number(out, literal / gather);
+  bench_write_number(out, literal / row->total.median);
+  bench_write_number(out, gather / bench_start_time(report));
+  bench_write_number(out, row->over_endless);
+  bench_write_number(out, row->light_error);
+  bench_write_number(out, row->ao_error);
+  bench_write_number(out, row->model_error);
   fprintf(out, ",%d,%d", row->light_front, row->ao_front);
   write_where(report, out);
 }
@@ -300,10 +301,10 @@ static void write_literal(const bench_report *report, FILE *out) {
   fputs("literal,paper,,2,8,0,full,1,0", out);
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     fputs(",,,", out);
-  write_spread(out, report->literal.milliseconds);
+  bench_write_spread(out, report->literal.milliseconds);
   fputs(",,,,,,", out);
-  write_number(out, report->literal.light_error);
-  write_number(out, report->literal.ao_error);
+  bench_write_number(out, report->literal.light_error);
+  bench_write_number(out, report->literal.ao_error);
   fputs(",,0,0", out);
   write_where(report, out);
 }

@@ -12,7 +12,9 @@ enum {
   OPTION_DEVICE,
   OPTION_RUNS,
   OPTION_PIXELS,
-  OPTION_QUICK
+  OPTION_QUICK,
+  OPTION_SCALING,
+  OPTION_PROBE
 };
 
 static const struct option options[] = {
@@ -24,6 +26,8 @@ static const struct option options[] = {
     {"runs", required_argument, NULL, OPTION_RUNS},
     {"pixels", required_argument, NULL, OPTION_PIXELS},
     {"quick", no_argument, NULL, OPTION_QUICK},
+    {"scaling", no_argument, NULL, OPTION_SCALING},
+    {"probe", no_argument, NULL, OPTION_PROBE},
     {"output", required_argument, NULL, 'o'},
     {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
@@ -53,7 +57,18 @@ static void usage(void) {
       "the\n"
       "                     exact integral's time goes with them, and no more\n"
       "                     than one in each block of 4x4 is taken\n"
-      "  --quick            a short list and a small room (320x180)");
+      "  --quick            a short list and a small room (320x180)\n"
+      "  --scaling          nothing but how time and memory grow with pixels,\n"
+      "                     samples and threads, and what a first frame "
+      "costs;\n"
+      "                     writes DIR/scaling.csv and scaling.json (part of "
+      "a\n"
+      "                     run without --quick and --dump; --size is then "
+      "the\n"
+      "                     size that 1/2, 3/2, 3 and 6 times are compared "
+      "to)\n"
+      "  --probe            what --scaling starts as processes of their own:\n"
+      "                     times of a new plan, as JSON");
 }
 
 static int read_size(const char *text, bench_options *o, image_error *error) {
@@ -91,6 +106,12 @@ static int set_option(int option, bench_options *o, image_error *error) {
   case OPTION_QUICK:
     o->quick = 1;
     break;
+  case OPTION_SCALING:
+    o->scaling = 1;
+    break;
+  case OPTION_PROBE:
+    o->probe = 1;
+    break;
   default:
     o->output = optarg;
   }
@@ -105,6 +126,11 @@ static int check(const bench_options *o, int argc, char **argv,
   if (o->dump && o->width)
     return image_fail(error, "--size: a dump has its own size; it is needed "
                              "without --dump only");
+  if (o->dump && (o->scaling || o->probe))
+    return image_fail(error,
+                      "%s: works on the procedural room; no --dump is "
+                      "possible with it",
+                      o->scaling ? "--scaling" : "--probe");
   if (!o->dump && (o->truth || o->camera))
     return image_fail(error, "%s: --dump FRAME.exr is needed with it",
                       o->truth ? "--truth" : "--camera");
@@ -123,7 +149,8 @@ int cmd_bench(int argc, char **argv) {
     if (option == '?' || set_option(option, &o, &error) != 0)
       return tool_report(&error);
   }
-  if (check(&o, argc, argv, &error) != 0 || bench_run(&o, &error) != 0)
+  if (check(&o, argc, argv, &error) != 0 ||
+      (o.probe ? bench_probe_print(&o, &error) : bench_run(&o, &error)) != 0)
     return tool_report(&error);
   return TOOL_OK;
 }
