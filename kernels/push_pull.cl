@@ -5,43 +5,77 @@
  * their share.  pull: texels without weight take the bilinear value of the
  * coarser level, which has been filled before; valid ones are never changed.
  *
+ * Where the finest level has no hole both leave at once: the levels above are
+ * of no use then, and keep what they have.
  * Launch: x = vectors of HBIL_WIDTH texels of the level that is written, y =
  * its rows.  Planes per level: RGB and weight, rows padded to HBIL_WIDTH.
  */
 
-kernel void push(global float *chain, const hbil_chain_args fine,
-                 const hbil_chain_args coarse) {
+#if HBIL_WIDTH == 1
+#define PAIRS(p, left, right)                                                  \
+  left = (p)[0];                                                               \
+  right = (p)[1]
+#else
+/* Of 2 HBIL_WIDTH neighbours those at even and those at odd places. */
+#define PAIRS(p, left, right)                                                  \
+  left = (realv)(LOADV(p).even, LOADV((p) + HBIL_WIDTH).even);                 \
+  right = (realv)(LOADV(p).odd, LOADV((p) + HBIL_WIDTH).odd)
+#endif
+
+/* holes: 1 where a texel of the finest level has no weight, filled with 0. */
+kernel void find_holes(global const float *chain, const hbil_chain_args finest,
+                       global uint *holes) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
-  if (x >= coarse.width || y >= coarse.height)
+  if (x >= finest.width || y >= finest.height)
     return;
-  float lane[HBIL_CARRIED_PLANES][HBIL_WIDTH];
-  for (int i = 0; i < HBIL_WIDTH; ++i) {
-    float sum[3] = {0.0f, 0.0f, 0.0f}, total = 0.0f;
-    for (int t = 0; t < 4; ++t) {
-      const int cx = 2 * (x + i) + (t & 1), cy = 2 * y + (t >> 1);
-      if (cx >= fine.width || cy >= fine.height)
-        continue;
-      global const float *child =
-          chain + fine.offset + (uint)cy * fine.row + (uint)cx;
-      const float weight = child[HBIL_CARRIED_WEIGHT * fine.plane];
-      total += weight;
-      for (int c = 0; c < 3; ++c)
-        sum[c] = fma(weight, child[c * fine.plane], sum[c]);
-    }
-    for (int c = 0; c < 3; ++c)
-      lane[c][i] = total > 0.0f ? sum[c] / total : 0.0f;
-    lane[HBIL_CARRIED_WEIGHT][i] = total * 0.25f;
-  }
+  const realv weight =
+      LOADV(chain + finest.offset + HBIL_CARRIED_WEIGHT * finest.plane +
+            (uint)y * finest.row + (uint)x);
+  if (ANY((weight <= 0.0f) & (x + EACH_LANE < finest.width)))
+    *holes = 1u; /* whoever else writes it writes the same */
+}
+
+/* Children past the right edge or below the last row count for nothing,
+ * whatever the padding holds. */
+kernel void push(global float *chain, const hbil_chain_args fine,
+                 const hbil_chain_args coarse, global const uint *holes) {
+  const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
+  if (x >= coarse.width || y >= coarse.height || !*holes)
+    return;
+  global const float *children =
+      chain + fine.offset + (uint)(2 * y) * fine.row + (uint)(2 * x);
+  global const float *below =
+      2 * y + 1 < fine.height ? children + fine.row : children;
+  const float there = 2 * y + 1 < fine.height ? 1.0f : 0.0f;
+  realv weight[4];
+  PAIRS(children + HBIL_CARRIED_WEIGHT * fine.plane, weight[0], weight[1]);
+  PAIRS(below + HBIL_CARRIED_WEIGHT * fine.plane, weight[2], weight[3]);
+  const intv inside = 2 * (x + EACH_LANE) + 1 < fine.width;
+  weight[1] = select((realv)0.0f, weight[1], inside);
+  weight[2] *= there;
+  weight[3] = select((realv)0.0f, weight[3] * there, inside);
+  const realv total = weight[0] + weight[1] + weight[2] + weight[3];
   chain += coarse.offset + (uint)y * coarse.row + (uint)x;
-  for (int c = 0; c < HBIL_CARRIED_PLANES; ++c)
-    STOREV(LOADV(lane[c]), chain + c * coarse.plane);
+#pragma unroll
+  for (int c = 0; c < 3; ++c) {
+    realv child[4];
+    PAIRS(children + c * fine.plane, child[0], child[1]);
+    PAIRS(below + c * fine.plane, child[2], child[3]);
+    realv sum = weight[0] * child[0];
+    sum = fma(weight[1], select((realv)0.0f, child[1], inside), sum);
+    sum = fma(weight[2], child[2], sum);
+    sum = fma(weight[3], select((realv)0.0f, child[3], inside), sum);
+    STOREV(select((realv)0.0f, sum / total, total > 0.0f),
+           chain + c * coarse.plane);
+  }
+  STOREV(total * 0.25f, chain + HBIL_CARRIED_WEIGHT * coarse.plane);
 }
 
 /* Fills the finer level in place. */
 kernel void pull(global float *chain, const hbil_chain_args fine,
-                 const hbil_chain_args coarse) {
+                 const hbil_chain_args coarse, global const uint *holes) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
-  if (x >= fine.width || y >= fine.height)
+  if (x >= fine.width || y >= fine.height || !*holes)
     return;
   global float *texel = chain + fine.offset + (uint)y * fine.row + (uint)x;
   const realv valid = LOADV(texel + HBIL_CARRIED_WEIGHT * fine.plane);

@@ -258,6 +258,20 @@ static bound_image bind(const hbil_plan *plan, const hbil_frame *frame,
 
 /* --- the passes --- */
 
+/* A whole buffer of one word's copies. */
+static hbil_status fill(commands *chain, int buffer, cl_uint word) {
+  hbil_plan *plan = chain->plan;
+  cl_event event = NULL;
+  const cl_int error = clEnqueueFillBuffer(
+      chain->queue, plan->buffers[buffer], &word, sizeof word, 0,
+      plan->layout.bytes[buffer], chain->wait_count, chain->wait_list,
+      chain->events ? &event : NULL);
+  if (error != CL_SUCCESS)
+    return fail_cl(plan->context, error, "clEnqueueFillBuffer");
+  follow(chain, event);
+  return HBIL_SUCCESS;
+}
+
 static hbil_status scatter(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   const hbil_view_args from = camera_view(&plan->history_camera, &plan->config);
@@ -266,14 +280,6 @@ static hbil_status scatter(commands *chain, const hbil_frame *frame) {
       camera_between(&plan->history_camera, &frame->camera);
   const bound_image depth = bind(plan, frame, IMAGE_DEPTH);
   const cl_uint none = 0xffffffffu;
-  cl_event event = NULL;
-  const cl_int error = clEnqueueFillBuffer(
-      chain->queue, plan->buffers[BUFFER_NEAREST], &none, sizeof none, 0,
-      plan->layout.bytes[BUFFER_NEAREST], chain->wait_count, chain->wait_list,
-      chain->events ? &event : NULL);
-  if (error != CL_SUCCESS)
-    return fail_cl(plan->context, error, "clEnqueueFillBuffer");
-  follow(chain, event);
   const argument project[] = {ARG(from),
                               ARG(to),
                               ARG(motion),
@@ -289,7 +295,9 @@ static hbil_status scatter(commands *chain, const hbil_frame *frame) {
                             ARG(plan->config.background),
                             ARG(plan->config.disocclusion)};
   const size_t x = across(plan), y = plan->config.height;
-  hbil_status status = LAUNCH(chain, KERNEL_SCATTER_DEPTH, project, x, y, 1);
+  hbil_status status = fill(chain, BUFFER_NEAREST, none);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_SCATTER_DEPTH, project, x, y, 1);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_SCATTER_INDEX, project, x, y, 1);
   if (status == HBIL_SUCCESS)
@@ -341,17 +349,23 @@ static hbil_status push_pull(commands *chain, const hbil_frame *frame) {
   const hbil_chain_args *levels = plan->layout.chain;
   const int last = plan->layout.chain_count - 1;
   const size_t width = plan->config.vector_width;
-  hbil_status status = HBIL_SUCCESS;
   (void)frame;
   if (!plan->has_history)
     return HBIL_SUCCESS;
+  const argument find[] = {ARG(plan->buffers[BUFFER_CARRIED]), ARG(levels[0]),
+                           ARG(plan->buffers[BUFFER_HOLES])};
+  hbil_status status = fill(chain, BUFFER_HOLES, 0);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_FIND_HOLES, find, across(plan),
+                    plan->config.height, 1);
   /* finest to coarsest, and back */
   for (int step = 0; step < 2 * last && status == HBIL_SUCCESS; ++step) {
     const bool down = step < last;
     const int fine = down ? step : 2 * last - 1 - step;
     const hbil_chain_args *written = &levels[down ? fine + 1 : fine];
     const argument args[] = {ARG(plan->buffers[BUFFER_CARRIED]),
-                             ARG(levels[fine]), ARG(levels[fine + 1])};
+                             ARG(levels[fine]), ARG(levels[fine + 1]),
+                             ARG(plan->buffers[BUFFER_HOLES])};
     status = LAUNCH(chain, down ? KERNEL_PUSH : KERNEL_PULL, args,
                     ((size_t)written->width + width - 1) / width,
                     (size_t)written->height, 1);

@@ -128,7 +128,8 @@ hbil_environment_args far_field_args(const hbil_config *config,
 enum {
   BUFFER_HISTORY,
   BUFFER_CARRIED, /* level 0 of the push/pull chain and all coarser ones */
-  BUFFER_NEAREST, /* scatter's depths and indices */
+  BUFFER_NEAREST, /* scatter's depths and places */
+  BUFFER_HOLES,   /* one word: whether there is anything to fill */
   BUFFER_SPLIT,
   BUFFER_LIGHT,
   BUFFER_RESOLVED,
@@ -142,6 +143,7 @@ enum {
   KERNEL_SCATTER_INDEX,
   KERNEL_SCATTER_FETCH,
   KERNEL_FOLLOW_MOTION,
+  KERNEL_FIND_HOLES,
   KERNEL_PUSH,
   KERNEL_PULL,
   KERNEL_CLEAR_LAYERS,

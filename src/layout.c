@@ -107,6 +107,7 @@ void layout_compute(const hbil_config *config, layout *out) {
   if (out->history) {
     out->bytes[BUFFER_HISTORY] = HBIL_HISTORY_PLANES * real * out->planes.plane;
     out->bytes[BUFFER_CARRIED] = chain * real;
+    out->bytes[BUFFER_HOLES] = sizeof(cl_uint);
     if (config->reprojection == HBIL_REPROJECTION_SCATTER)
       out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;
   }

@@ -108,6 +108,7 @@ static const struct {
     [KERNEL_SCATTER_INDEX] = {"scatter_index", PROGRAM_REPROJECT},
     [KERNEL_SCATTER_FETCH] = {"scatter_fetch", PROGRAM_REPROJECT},
     [KERNEL_FOLLOW_MOTION] = {"follow_motion", PROGRAM_REPROJECT},
+    [KERNEL_FIND_HOLES] = {"find_holes", PROGRAM_PUSH_PULL},
     [KERNEL_PUSH] = {"push", PROGRAM_PUSH_PULL},
     [KERNEL_PULL] = {"pull", PROGRAM_PUSH_PULL},
     [KERNEL_CLEAR_LAYERS] = {"clear_layers", PROGRAM_SPLIT},
