@@ -59,7 +59,9 @@ static inline intv target_of(const hbil_view_args from, const hbil_view_args to,
 
 #if HBIL_WIDTH == 1
 #define STORE_INTV(v, p) (*(p) = (v))
+#define LOAD_UINTV(p) (*(p))
 #else
+#define LOAD_UINTV(p) HBIL_PASTE(vload, HBIL_WIDTH)(0, (p))
 #define STORE_INTV(v, p) HBIL_PASTE(vstore, HBIL_WIDTH)((v), 0, (p))
 #endif
 
@@ -116,28 +118,53 @@ kernel void scatter_fetch(const hbil_view_args to, global const float *history,
     return;
   const int count = to.width - x;
   const uint pixels = (uint)to.width * (uint)to.height;
-  float lane[HBIL_CARRIED_PLANES][HBIL_WIDTH], here[HBIL_WIDTH];
-  STOREV(planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count),
-                      ray_x(to, x, 1), ray_y(to, y), background),
-         here);
-  for (int i = 0; i < HBIL_WIDTH; ++i) {
-    const uint at = (uint)y * (uint)to.width + (uint)(x + i);
-    const uint source = i < count ? nearest[pixels + at] : NO_SOURCE;
-    bool carried_over = source != NO_SOURCE && here[i] > 0.0f;
-#if DISOCCLUSION
-    if (carried_over)
-      carried_over =
-          fabs(as_float(nearest[at]) - here[i]) <= disocclusion * here[i];
-#endif
-    for (int c = 0; c < 3; ++c)
-      lane[c][i] = carried_over
-                       ? history[(HBIL_HISTORY_RED + c) * planes.plane + source]
-                       : 0.0f;
-    lane[HBIL_CARRIED_WEIGHT][i] = carried_over ? 1.0f : 0.0f;
+  const uint at = (uint)y * (uint)to.width + (uint)x;
+  const realv here =
+      planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count),
+                   ray_x(to, x, 1), ray_y(to, y), background);
+  uintv source = NO_SOURCE;
+  realv depth = 0.0f;
+  if (count >= HBIL_WIDTH) {
+    source = LOAD_UINTV(nearest + pixels + at);
+    depth = AS_REALV(AS_INTV(LOAD_UINTV(nearest + at)));
+  } else {
+    uint place[HBIL_WIDTH];
+    float z[HBIL_WIDTH];
+    for (int i = 0; i < HBIL_WIDTH; ++i) {
+      place[i] = i < count ? nearest[pixels + at + (uint)i] : NO_SOURCE;
+      z[i] = i < count ? as_float(nearest[at + (uint)i]) : 0.0f;
+    }
+    source = LOAD_UINTV(place);
+    depth = LOADV(z);
   }
-  for (int c = 0; c < HBIL_CARRIED_PLANES; ++c)
-    STOREV(LOADV(lane[c]),
-           carried + c * planes.plane + (uint)y * planes.row + (uint)x);
+  intv carried_over = (source != NO_SOURCE) & (here > 0.0f);
+#if DISOCCLUSION
+  carried_over &= fabs(depth - here) <= disocclusion * here;
+#endif
+  history += HBIL_HISTORY_RED * planes.plane;
+  carried += (uint)y * planes.row + (uint)x;
+  uint from[HBIL_WIDTH];
+  STORE_INTV(AS_INTV(source), (int *)from);
+  /* Where the picture only moves, neighbours have come from neighbours. */
+  const bool together = !ANY(source != from[0] + AS_UINTV((intv)EACH_LANE)) &&
+                        from[0] != NO_SOURCE;
+#pragma unroll
+  for (int c = 0; c < 3; ++c) {
+    realv light = 0.0f;
+    if (together) {
+      light = LOADV(history + c * planes.plane + from[0]);
+    } else if (ANY(carried_over)) {
+      float lane[HBIL_WIDTH];
+      for (int i = 0; i < HBIL_WIDTH; ++i)
+        lane[i] =
+            from[i] != NO_SOURCE ? history[c * planes.plane + from[i]] : 0.0f;
+      light = LOADV(lane);
+    }
+    STOREV(select((realv)0.0f, light, carried_over),
+           carried + c * planes.plane);
+  }
+  STOREV(select((realv)0.0f, (realv)1.0f, carried_over),
+         carried + HBIL_CARRIED_WEIGHT * planes.plane);
 }
 
 #else
