@@ -60,6 +60,7 @@ typedef struct bench_configuration {
   int quick; /* also part of the short list */
   bench_model model;
   const char *preset; /* its name, or NULL */
+  hbil_storage storage;
 } bench_configuration;
 
 /* Longest label, with its end. */
@@ -75,6 +76,8 @@ const char *bench_model_name(bench_model model);
 int bench_is_ao_alone(bench_model model);
 /* Whether occluders end and nothing else is different from the paper. */
 int bench_is_thick(bench_model model);
+/* Of the layers: "packed" or "fp32". */
+const char *bench_storage_name(const bench_configuration *c);
 /* The setting that the others' cost is told in multiples of. */
 int bench_is_start(const bench_configuration *c);
 /* What the library does by itself. */

@@ -5,64 +5,74 @@
 
 #define FULL HBIL_LATTICE_FULL
 #define LAYER HBIL_LATTICE_LAYER
+#define PACKED HBIL_STORAGE_PACKED
+#define FLOAT32 HBIL_STORAGE_FLOAT32
 
-/* slices, samples a side, growth of the steps, lattice, raw, quick, model */
+/* slices, samples a side, growth of the steps, lattice, raw, quick, model,
+ * preset, storage */
 static const bench_configuration table[] = {
     /* the paper's setting, and what each departure from it does */
-    {2, 8, 0.0f, LAYER, 0, 1, BENCH_PAPER, NULL},
-    {2, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
-    {2, 8, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {2, 8, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL},
-    {2, 8, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {2, 8, 2.0f, FULL, 1, 0, BENCH_PAPER, NULL},
+    {2, 8, 0.0f, LAYER, 0, 1, BENCH_PAPER, NULL, PACKED},
+    {2, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 8, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 8, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED},
+    {2, 8, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 8, 2.0f, FULL, 1, 0, BENCH_PAPER, NULL, PACKED},
+    /* storage */
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, FLOAT32},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, FLOAT32},
     /* samples */
-    {2, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {2, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {2, 32, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL},
-    {2, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {2, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
-    {2, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
-    {2, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
-    {2, 128, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {2, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 32, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED},
+    {2, 48, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 24, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 48, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {3, 32, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 128, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
     /* steps, where there are many */
-    {2, 32, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {2, 32, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {2, 32, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {2, 32, 0.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
-    {2, 32, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
-    {2, 32, 4.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
+    {2, 32, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 32, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 32, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 32, 0.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 32, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 32, 4.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
     /* slices */
-    {1, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {1, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL},
-    {1, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {1, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {1, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {1, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
-    {1, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
-    {1, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
-    {4, 8, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {4, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {4, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {4, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
-    {4, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL},
-    {8, 8, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
-    {8, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL},
+    {1, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {1, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED},
+    {1, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {1, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {1, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {1, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {1, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {1, 24, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {1, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {1, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {4, 8, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {4, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {4, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {4, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {4, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
     /* occluders that end */
-    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL},
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_THICK_08, NULL},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_08, NULL},
-    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL},
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL, PACKED},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL, PACKED},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_THICK_08, NULL, PACKED},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_08, NULL, PACKED},
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL, PACKED},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL, PACKED},
     /* the tool's model; the last one is its default */
-    {2, 8, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL},
-    {2, 48, 2.0f, LAYER, 0, 0, BENCH_TOOL, NULL},
-    {2, 48, 2.0f, FULL, 0, 1, BENCH_TOOL, NULL},
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL, PACKED},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL, PACKED},
+    {2, 48, 2.0f, LAYER, 0, 0, BENCH_TOOL, NULL, PACKED},
+    {2, 48, 2.0f, FULL, 0, 1, BENCH_TOOL, NULL, PACKED},
     /* AO alone */
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_GTAO, NULL},
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_HBAO, NULL},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_GTAO, NULL, PACKED},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_HBAO, NULL, PACKED},
 };
 
 enum { TABLE = sizeof table / sizeof *table };
@@ -73,7 +83,8 @@ static int same_sampling(const bench_configuration *a,
                          const bench_configuration *b) {
   return a->slices == b->slices && a->samples == b->samples &&
          !(a->growth < b->growth) && !(a->growth > b->growth) &&
-         a->lattice == b->lattice && a->raw == b->raw;
+         a->lattice == b->lattice && a->raw == b->raw &&
+         a->storage == b->storage;
 }
 
 static int same(const bench_configuration *a, const bench_configuration *b) {
@@ -86,7 +97,8 @@ static bench_configuration sampling_of(const hbil_config *config) {
                                .growth = config->step_growth,
                                .lattice = config->lattice,
                                .raw = config->raw_interleave != 0,
-                               .model = BENCH_PAPER};
+                               .model = BENCH_PAPER,
+                               .storage = config->storage};
 }
 
 /* Names the row that is there already, or adds one. */
@@ -123,6 +135,10 @@ size_t bench_configurations(int quick,
   return chosen;
 }
 
+const char *bench_storage_name(const bench_configuration *c) {
+  return c->storage == FLOAT32 ? "fp32" : "packed";
+}
+
 int bench_is_start(const bench_configuration *c) {
   return same(c, &table[0]);
 }
@@ -148,11 +164,11 @@ int bench_is_tools_default(const bench_configuration *c) {
 
 void bench_label(const bench_configuration *c, char *text, size_t size) {
   const char *model = bench_model_name(c->model);
-  snprintf(text, size, "%s%s%s%s%ux%u %s g%g%s", model, *model ? " " : "",
+  snprintf(text, size, "%s%s%s%s%ux%u %s g%g%s%s", model, *model ? " " : "",
            c->preset ? c->preset : "", c->preset ? " " : "",
            (unsigned)c->slices, (unsigned)c->samples,
            c->lattice == FULL ? "full" : "layer", (double)c->growth,
-           c->raw ? " raw" : "");
+           c->raw ? " raw" : "", c->storage == FLOAT32 ? " fp32" : "");
 }
 
 /* --- models --- */
@@ -211,4 +227,5 @@ void bench_configure(const bench_content *content, const bench_configuration *c,
   config->step_growth = c->growth;
   config->lattice = c->lattice;
   config->raw_interleave = c->raw ? CL_TRUE : CL_FALSE;
+  config->storage = c->storage;
 }
