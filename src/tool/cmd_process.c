@@ -20,6 +20,7 @@ enum {
   OPTION_SAMPLES,
   OPTION_STEP_GROWTH,
   OPTION_LATTICE,
+  OPTION_STORAGE,
   OPTION_FACING,
   OPTION_REFUSED,
   OPTION_GATHER_EMISSION,
@@ -64,6 +65,7 @@ static const struct option options[] = {
     {"thickness", required_argument, NULL, OPTION_THICKNESS},
     {"relative-thickness", required_argument, NULL, OPTION_RELATIVE_THICKNESS},
     {"lattice", required_argument, NULL, OPTION_LATTICE},
+    {"storage", required_argument, NULL, OPTION_STORAGE},
     {"facing", required_argument, NULL, OPTION_FACING},
     {"refused", required_argument, NULL, OPTION_REFUSED},
     {"gather-emission", required_argument, NULL, OPTION_GATHER_EMISSION},
@@ -147,7 +149,9 @@ static void usage(const hbil_config *defaults) {
          (double)defaults->radius, (double)defaults->relative_thickness,
          defaults->slices, defaults->samples, (double)defaults->step_growth);
   puts("  --lattice full|layer  where samples may lie: any pixel, or every\n"
-       "                        fourth");
+       "                        fourth\n"
+       "  --storage packed|fp32 how the layers between the passes are kept\n"
+       "                        (packed)");
   printf("  --facing A,B          cosines between which the light of a sample\n"
          "                        fades in (%g,%g)\n",
          (double)defaults->facing[0], (double)defaults->facing[1]);
@@ -185,6 +189,7 @@ static int choice(const char *option, const char *const *words, int *out,
 
 static int set_choice(int option, process_options *o, image_error *error) {
   static const char *const lattices[] = {"layer", "full", NULL};
+  static const char *const storages[] = {"packed", "fp32", NULL};
   static const char *const refusals[] = {"last", "black", "frame", NULL};
   static const char *const answers[] = {"no", "yes", NULL};
   static const char *const reprojections[] = {"none", "scatter", "motion",
@@ -203,6 +208,10 @@ static int set_choice(int option, process_options *o, image_error *error) {
   case OPTION_LATTICE:
     failed = choice("--lattice", lattices, &value, error);
     o->config.lattice = (hbil_lattice)value;
+    break;
+  case OPTION_STORAGE:
+    failed = choice("--storage", storages, &value, error);
+    o->config.storage = (hbil_storage)value;
     break;
   case OPTION_REFUSED:
     failed = choice("--refused", refusals, &value, error);
@@ -302,6 +311,7 @@ static int set_option(int option, process_options *o, image_error *error) {
   case OPTION_MODE:
   case OPTION_FALLOFF:
   case OPTION_LATTICE:
+  case OPTION_STORAGE:
   case OPTION_REFUSED:
   case OPTION_REPROJECTION:
   case OPTION_FEEDBACK:
@@ -321,6 +331,7 @@ static int check_exact(const request *r, image_error *error) {
       {OPTION_SAMPLES, "--samples", "which looks at every pixel"},
       {OPTION_STEP_GROWTH, "--step-growth", "which looks at every pixel"},
       {OPTION_LATTICE, "--lattice", "which looks at every pixel"},
+      {OPTION_STORAGE, "--storage", "which has no layers"},
       {OPTION_RAW, "--raw", "which filters nothing"},
       {OPTION_DEVICE, "--device", "which runs on the CPUs without OpenCL"},
       {OPTION_TIMINGS, "--timings", "which has no passes on a device"},
