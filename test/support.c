@@ -211,7 +211,7 @@ void setup_init(setup *s, int width, int height) {
   memset(s, 0, sizeof(*s));
   s->gpu = &test_gpu;
   hbil_config_init(&s->config);
-  /* exact planes: the packed ones have tests of their own */
+  /* exact planes: the packed ones have tests of their own, test_storage.c */
   s->config.storage = HBIL_STORAGE_FLOAT32;
   hbil_frame_init(&s->frame);
   s->config.width = (cl_uint)width;
@@ -403,40 +403,220 @@ static hbil_buffer stage_buffer(setup *s, hbil_stage stage) {
   return buffer;
 }
 
-ref_planes stage_read(setup *s, hbil_stage stage) {
-  hbil_buffer b = stage_buffer(s, stage);
+/* --- packed planes, from their description in hbil_shared.h --- */
+
+/* Cigolle and others 2014: |x| + |y| + |z| = 1, and what lies behind is folded
+ * outwards over the diagonals. */
+static double folded(double a, double b) {
+  return copysign(1.0 - fabs(b), a);
+}
+
+uint32_t encode_normal(const double n[3]) {
+  double size = fabs(n[0]) + fabs(n[1]) + fabs(n[2]), u = 0.0, v = 0.0;
+  if (size > 0.0) {
+    double x = n[0] / size, y = n[1] / size;
+    u = n[2] > 0.0 ? folded(x, y) : x;
+    v = n[2] > 0.0 ? folded(y, x) : y;
+  }
+  return ((uint32_t)lrint(u * 32767.0) & 0xffff) | (uint32_t)lrint(v * 32767.0)
+                                                       << 16;
+}
+
+/* Two's complement in some of a word's bits. */
+static double signed_bits(uint32_t word, int low, int bits) {
+  int32_t value = (int32_t)(word >> low & ((1u << bits) - 1));
+  return value >> (bits - 1) ? value - (1 << bits) : value;
+}
+
+void decode_normal(uint32_t word, double n[3]) {
+  double u = signed_bits(word, 0, 16) / 32767.0;
+  double v = signed_bits(word, 16, 16) / 32767.0;
+  n[2] = fabs(u) + fabs(v) - 1.0;
+  n[0] = n[2] > 0.0 ? folded(u, v) : u;
+  n[1] = n[2] > 0.0 ? folded(v, u) : v;
+  normalize(n);
+}
+
+double packed_unit(double most) {
+  /* the exponent of a float's smallest normal number is the lowest there is */
+  return most > 0.0 ? ldexp(1.0, (int)fmax(ilogb(most) - 7, -126)) : 0.0;
+}
+
+uint32_t encode_light(const double light[3], double dither) {
+  double most = fmax(light[0], fmax(light[1], light[2]));
+  double unit = packed_unit(most);
+  uint32_t word = 0;
+  if (!(most > 0.0))
+    return 0;
+  for (int c = 0; c < 3; ++c)
+    word |= (uint32_t)fmin(floor(light[c] / unit + dither), 255.0) << (8 * c);
+  return word | (uint32_t)(ilogb(unit) + 127) << 24;
+}
+
+void decode_light(uint32_t word, double light[3]) {
+  for (int c = 0; c < 3; ++c)
+    light[c] = ldexp(word >> (8 * c) & 0xff, (int)(word >> 24) - 127);
+}
+
+static double layer_dither(int x, int y) {
+  return (hbil_direction_slot(4 * (y % 4) + x % 4) + 0.5) / 16.0;
+}
+
+static uint32_t encode_bent(const double b[3], double dither) {
+  uint32_t x = (uint32_t)(int)floor(b[0] * 1023.0 + dither);
+  uint32_t y = (uint32_t)(int)floor(b[1] * 1023.0 + dither);
+  uint32_t z = (uint32_t)(int)floor(b[2] * 511.0 + dither);
+  return (x & 0x7ff) | (y & 0x7ff) << 11 | z << 22;
+}
+
+static void decode_bent(uint32_t word, double b[3]) {
+  b[0] = signed_bits(word, 0, 11) / 1023.0;
+  b[1] = signed_bits(word, 11, 11) / 1023.0;
+  b[2] = signed_bits(word, 22, 10) / 511.0;
+}
+
+/* A pixel's words, and the values that FLOAT32 keeps in their place. */
+typedef struct packed_pixel {
+  uint32_t word[3];
+  double value[HBIL_GATHERED_PLANES];
+} packed_pixel;
+
+static void decode_pixel(hbil_stage stage, packed_pixel *p) {
+  if (stage == HBIL_STAGE_SPLIT) {
+    float w;
+    memcpy(&w, p->word, sizeof(w));
+    p->value[HBIL_SPLIT_W] = (double)w;
+    decode_normal(p->word[HBIL_PACKED_NORMAL], p->value + HBIL_SPLIT_NORMAL);
+    decode_light(p->word[HBIL_PACKED_RADIANCE], p->value + HBIL_SPLIT_RED);
+    return;
+  }
+  p->value[HBIL_LIGHT_AO] = (p->word[HBIL_PACKED_AO] & 0xffff) / 65535.0;
+  p->value[HBIL_LIGHT_UNKNOWN] = (p->word[HBIL_PACKED_AO] >> 16) / 65535.0;
+  decode_light(p->word[HBIL_PACKED_NEAR], p->value + HBIL_LIGHT_RED);
+  decode_bent(p->word[HBIL_PACKED_BENT], p->value + HBIL_LIGHT_BENT);
+}
+
+static void encode_pixel(hbil_stage stage, double dither, packed_pixel *p) {
+  if (stage == HBIL_STAGE_SPLIT) {
+    float w = (float)p->value[HBIL_SPLIT_W];
+    memcpy(p->word, &w, sizeof(w));
+    p->word[HBIL_PACKED_NORMAL] = encode_normal(p->value + HBIL_SPLIT_NORMAL);
+    p->word[HBIL_PACKED_RADIANCE] =
+        encode_light(p->value + HBIL_SPLIT_RED, dither);
+    return;
+  }
+  p->word[HBIL_PACKED_AO] =
+      (uint32_t)lrint(p->value[HBIL_LIGHT_AO] * 65535.0) |
+      (uint32_t)lrint(p->value[HBIL_LIGHT_UNKNOWN] * 65535.0) << 16;
+  p->word[HBIL_PACKED_NEAR] = encode_light(p->value + HBIL_LIGHT_RED, dither);
+  p->word[HBIL_PACKED_BENT] = encode_bent(p->value + HBIL_LIGHT_BENT, dither);
+}
+
+static bool is_packed(const setup *s, hbil_stage stage) {
+  return s->config.storage == HBIL_STORAGE_PACKED &&
+         (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED);
+}
+
+/* Planes that FLOAT32 would have in place of those words. */
+static int plain_planes(const setup *s, hbil_stage stage, int words) {
+  bool unknown =
+      s->config.refused == HBIL_REFUSED_FRAME && s->config.facing[1] > -1.0f;
+  if (stage == HBIL_STAGE_SPLIT)
+    return words == HBIL_PACKED_SPLIT_PLANES ? HBIL_SPLIT_PLANES
+                                             : HBIL_SPLIT_RED;
+  if (words == HBIL_PACKED_NEAR)
+    return HBIL_LIGHT_RED;
+  if (unknown)
+    return HBIL_GATHERED_PLANES;
+  return words == HBIL_PACKED_BENT ? HBIL_LIGHT_BENT : HBIL_LIGHT_PLANES;
+}
+
+/* --- stages --- */
+
+/* A stage's buffer, brought here. */
+typedef struct stage_bytes {
+  hbil_buffer b;
+  hbil_stage stage;
   size_t size;
-  float *floats = (float *)(void *)buffer_bytes(s, b.buffer, &size);
-  ref_planes out = ref_planes_new((int)s->config.width, (int)s->config.height,
-                                  (int)b.values);
-  for (int p = 0; p < out.count; ++p)
-    for (int y = 0; y < out.height; ++y)
-      for (int x = 0; x < out.width; ++x) {
-        size_t index = stage_index(&b, stage, p, x, y);
-        assert_true(index < size / sizeof(float));
-        *ref_at(&out, p, x, y) = (double)floats[index];
-      }
-  free(floats);
+  float *floats;
+} stage_bytes;
+
+static stage_bytes stage_open(setup *s, hbil_stage stage) {
+  stage_bytes t;
+  t.b = stage_buffer(s, stage);
+  t.stage = stage;
+  t.floats = (float *)(void *)buffer_bytes(s, t.b.buffer, &t.size);
+  return t;
+}
+
+static float *stage_at(const stage_bytes *t, int plane, int x, int y) {
+  size_t index = stage_index(&t->b, t->stage, plane, x, y);
+  assert_true(index < t->size / sizeof(float));
+  return t->floats + index;
+}
+
+static packed_pixel packed_at(const stage_bytes *t, int x, int y) {
+  packed_pixel p = {{0, 0, 0}, {0.0}};
+  for (int i = 0; i < (int)t->b.values; ++i)
+    memcpy(p.word + i, stage_at(t, i, x, y), sizeof(*p.word));
+  decode_pixel(t->stage, &p);
+  return p;
+}
+
+static void read_packed(const stage_bytes *t, const ref_planes *out) {
+  for (int y = 0; y < out->height; ++y)
+    for (int x = 0; x < out->width; ++x) {
+      packed_pixel p = packed_at(t, x, y);
+      for (int i = 0; i < out->count; ++i)
+        *ref_at(out, i, x, y) = p.value[i];
+    }
+}
+
+static void write_packed(const stage_bytes *t, const ref_planes *planes) {
+  for (int y = 0; y < planes->height; ++y)
+    for (int x = 0; x < planes->width; ++x) {
+      packed_pixel p = packed_at(t, x, y);
+      for (int i = 0; i < planes->count; ++i)
+        p.value[i] = *ref_at(planes, i, x, y);
+      encode_pixel(t->stage, layer_dither(x, y), &p);
+      for (int i = 0; i < (int)t->b.values; ++i)
+        memcpy(stage_at(t, i, x, y), p.word + i, sizeof(*p.word));
+    }
+}
+
+ref_planes stage_read(setup *s, hbil_stage stage) {
+  stage_bytes t = stage_open(s, stage);
+  int count = (int)t.b.values;
+  ref_planes out;
+  if (is_packed(s, stage))
+    count = plain_planes(s, stage, count);
+  out = ref_planes_new((int)s->config.width, (int)s->config.height, count);
+  if (is_packed(s, stage))
+    read_packed(&t, &out);
+  else
+    for (int p = 0; p < out.count; ++p)
+      for (int y = 0; y < out.height; ++y)
+        for (int x = 0; x < out.width; ++x)
+          *ref_at(&out, p, x, y) = (double)*stage_at(&t, p, x, y);
+  free(t.floats);
   return out;
 }
 
 void stage_write(setup *s, hbil_stage stage, const ref_planes *planes) {
-  hbil_buffer b = stage_buffer(s, stage);
-  size_t size;
-  float *floats = (float *)(void *)buffer_bytes(s, b.buffer, &size);
+  stage_bytes t = stage_open(s, stage);
   /* a plan keeps only those planes that its outputs need */
-  int count = planes->count < (int)b.values ? planes->count : (int)b.values;
-  for (int p = 0; p < count; ++p)
-    for (int y = 0; y < planes->height; ++y)
-      for (int x = 0; x < planes->width; ++x) {
-        size_t index = stage_index(&b, stage, p, x, y);
-        assert_true(index < size / sizeof(float));
-        floats[index] = (float)*ref_at(planes, p, x, y);
-      }
-  assert_int_equal(clEnqueueWriteBuffer(s->gpu->queue, b.buffer, CL_TRUE, 0,
-                                        size, floats, 0, NULL, NULL),
+  int count = planes->count < (int)t.b.values ? planes->count : (int)t.b.values;
+  if (is_packed(s, stage))
+    write_packed(&t, planes);
+  else
+    for (int p = 0; p < count; ++p)
+      for (int y = 0; y < planes->height; ++y)
+        for (int x = 0; x < planes->width; ++x)
+          *stage_at(&t, p, x, y) = (float)*ref_at(planes, p, x, y);
+  assert_int_equal(clEnqueueWriteBuffer(s->gpu->queue, t.b.buffer, CL_TRUE, 0,
+                                        t.size, t.floats, 0, NULL, NULL),
                    CL_SUCCESS);
-  free(floats);
+  free(t.floats);
 }
 
 ref_planes gathered_over_turns(setup *s, int turns) {

@@ -121,9 +121,21 @@ typedef hbil_status enqueue_function(hbil_plan *, cl_command_queue,
 void setup_run(setup *s, enqueue_function *pass);
 void assert_success(const setup *s, hbil_status status);
 
-/* A stage's planes in full resolution; written planes leave padding alone. */
+/* A stage's planes in full resolution; written planes leave padding alone.
+ * Packed ones are decoded and encoded on the way: whatever the storage, the
+ * planes are those of FLOAT32. */
 ref_planes stage_read(setup *s, hbil_stage stage);
 void stage_write(setup *s, hbil_stage stage, const ref_planes *planes);
+
+/* The words of HBIL_STORAGE_PACKED in double, from their description in
+ * hbil_shared.h alone.  dither: of the pixel's layer, in [0,1). */
+uint32_t encode_normal(const double n[3]);
+void decode_normal(uint32_t word, double n[3]); /* unit length */
+uint32_t encode_light(const double light[3], double dither);
+void decode_light(uint32_t word, double light[3]);
+/* What a mantissa counts, where the largest channel is `most`. */
+double packed_unit(double most);
+
 /* GATHERED of the split inputs, its mean over frames of index 0..turns-1, which
  * turn the pattern: a plan has 32 slices at most, this has `turns` times as
  * many. */

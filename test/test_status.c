@@ -60,6 +60,7 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(c.disocclusion == 0.05f);
   assert_true(c.far_field == HBIL_FAR_NONE);
   assert_true(!c.raw_interleave && c.vector_width == 0 && !c.profiling);
+  assert_true(c.storage == HBIL_STORAGE_PACKED);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -109,6 +110,7 @@ SPOIL(lattice_unknown, c->lattice = (hbil_lattice)7)
 SPOIL(refused_unknown, c->refused = (hbil_refused)7)
 SPOIL(far_unknown, c->far_field = (hbil_far_field)7)
 SPOIL(feedback_unknown, c->feedback = (hbil_feedback)7)
+SPOIL(storage_unknown, c->storage = (hbil_storage)2)
 SPOIL(vector_3, c->vector_width = 3)
 SPOIL(size_wrong, c->struct_size -= 8)
 
@@ -147,6 +149,7 @@ static const bad_config bad_configs[] = {
     {"refused", refused_unknown},
     {"far_field", far_unknown},
     {"feedback", feedback_unknown},
+    {"storage", storage_unknown},
     {"vector_width", vector_3},
     {"struct_size", size_wrong}};
 
@@ -197,6 +200,7 @@ static void presets_set_the_sampling_alone(void **state) {
     before.step_growth = s.config.step_growth;
     before.lattice = s.config.lattice;
     before.raw_interleave = s.config.raw_interleave;
+    before.storage = s.config.storage;
     assert_memory_equal(&before, &s.config, sizeof before);
     setup_free(&s);
   }

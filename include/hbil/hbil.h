@@ -481,11 +481,22 @@ HBIL_API hbil_status hbil_enqueue_composite(
  *                 8 with HBIL_REFUSED_FRAME, unless facing[1] is -1: share of
  *                 light that is unknown
  *   RESOLVED   7: the same, full resolution, E_near with the unknown filled in
+ * With HBIL_STORAGE_PACKED, SPLIT and GATHERED hold words of 32 bits instead
+ * (see hbil_storage), in planes that lie the same way:
+ *   SPLIT      3: inverse depth, a float; normal; radiance
+ *   GATHERED   3: AO and, above it, the unknown share or 0; E_near; bent normal
+ *     normal     u low, v high, two's complement over 32767: n is (u, v, z)
+ *                divided by its length, z = |u|+|v|-1; where z > 0, of u and v
+ *                first z is taken off in size, their signs kept
+ *     light      red in the lowest byte, green, blue, times 2^(byte 3 - 127)
+ *     shares     16 bits over 65535
+ *     bent       x: the lowest 11 bits, y: the next 11, both over 1023; z: the
+ *                highest 10 over 511; two's complement
  * A plan keeps only what its outputs need: hbil_buffer.values says how many of
  * these, from the first on, it has (SPLIT 4 without radiance; GATHERED and
- * RESOLVED 4 without bent normals, 1 with AO alone).  HISTORY and CARRIED exist
- * where light is carried over: with a reprojection, and an output among
- * near_light, indirect and radiance.
+ * RESOLVED 4 without bent normals, 1 with AO alone; in words, SPLIT 2, GATHERED
+ * 2 and 1).  HISTORY and CARRIED exist where light is carried over: with a
+ * reprojection, and an output among near_light, indirect and radiance.
  * Full-resolution planes: value p of pixel (x,y) is at float index
  *   p * plane_pitch + y * row_pitch + x + origin.
  * Layered ones (SPLIT, GATHERED): pixel (x,y) lies in layer 4 (y mod 4) +
@@ -504,7 +515,7 @@ typedef enum hbil_stage {
 typedef struct hbil_buffer {
   cl_mem buffer; /* owned by the plan */
   cl_uint values;
-  size_t plane_pitch, layer_pitch, row_pitch, origin; /* in floats */
+  size_t plane_pitch, layer_pitch, row_pitch, origin; /* in floats or words */
 } hbil_buffer;
 
 HBIL_API hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
