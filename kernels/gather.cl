@@ -430,21 +430,28 @@ static inline void store_gathered(const realv *value, float dither,
 #if PACKED
   uintv ao = cut_off(value[HBIL_LIGHT_AO], 65535.0f, 0.5f);
 #if REFUSED_FRAME
-  ao |= cut_off(clamp(value[HBIL_LIGHT_UNKNOWN], (realv)0.0f, (realv)1.0f),
-                65535.0f, 0.5f)
+  ao |= cut_off(clamp(value[HBIL_LIGHT_UNKNOWN], (realv)0.0f, (realv)0.999f),
+                255.0f, dither)
         << 16;
 #endif
-  STORE_WORDS(ao, light + HBIL_PACKED_AO * plane);
 #if GATHER_RADIANCE
-  STORE_WORDS(pack_light(value[HBIL_LIGHT_RED], value[HBIL_LIGHT_RED + 1],
-                         value[HBIL_LIGHT_RED + 2], (realv)dither),
+  const realv near_light[3] = {value[HBIL_LIGHT_RED], value[HBIL_LIGHT_RED + 1],
+                               value[HBIL_LIGHT_RED + 2]};
+  const uintv exponent = light_exponent(near_light, 10u);
+  ao |= exponent << 24;
+  STORE_WORDS(light_mantissas(near_light, exponent, 10u, (realv)0.5f),
               light + HBIL_PACKED_NEAR * plane);
 #endif
+  STORE_WORDS(ao, light + HBIL_PACKED_AO * plane);
 #if GATHER_BENT
-  /* no longer than 1, but for rounding */
-  const uintv x = cut_off(value[HBIL_LIGHT_BENT], 1023.0f, dither);
-  const uintv y = cut_off(value[HBIL_LIGHT_BENT + 1], 1023.0f, dither);
-  const uintv z = cut_off(value[HBIL_LIGHT_BENT + 2], 511.0f, dither);
+  /* few slices make it longer than 1, up to 2.6 times in wide views */
+  const realv most =
+      max(fabs(value[HBIL_LIGHT_BENT]), max(fabs(value[HBIL_LIGHT_BENT + 1]),
+                                            fabs(value[HBIL_LIGHT_BENT + 2])));
+  const realv fit = 1.0f / max(most, (realv)1.0f);
+  const uintv x = cut_off(fit * value[HBIL_LIGHT_BENT], 1023.0f, dither);
+  const uintv y = cut_off(fit * value[HBIL_LIGHT_BENT + 1], 1023.0f, dither);
+  const uintv z = cut_off(fit * value[HBIL_LIGHT_BENT + 2], 511.0f, dither);
   STORE_WORDS((x & 0x7ffu) | ((y & 0x7ffu) << 11) | (z << 22),
               light + HBIL_PACKED_BENT * plane);
 #endif

@@ -79,14 +79,17 @@ enum {
   HBIL_GATHERED_PLANES = 8
 };
 /* The same, packed (HBIL_STORAGE_PACKED), in words of 32 bits:
- *   normal    octahedral (Cigolle and others 2014), two snorm16, x low
+ *   normal    octahedral (Cigolle and others 2014), two snorm16, x low; the
+ *             middle of the map looks along -z
  *   radiance  three mantissas of 8 bits, red lowest, and in the highest byte the
  *             exponent of their unit, biased as in a float
- *   AO        unorm16, the unknown share above it
- *   E_near    as radiance
- *   bent      three snorm: 11 bits x, 11 bits y, 10 bits z, x lowest
- * What loses more than 1e-4 is dithered by the pixel's layer, so that the 16
- * layers together lose nothing. */
+ *   AO        unorm16; above it the unknown share, unorm8; in the highest byte
+ *             the exponent of the unit of E_near
+ *   E_near    three mantissas of 10 bits, red lowest
+ *   bent      three snorm: 11 bits x, 11 bits y, 10 bits z, x lowest; scaled to
+ *             fit where a component is above 1
+ * Radiance, the unknown share and bent normals are dithered by the pixel's layer,
+ * so that the 16 layers together lose nothing. */
 enum {
   HBIL_PACKED_NORMAL = 1,
   HBIL_PACKED_RADIANCE = 2,

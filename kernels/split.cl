@@ -168,9 +168,13 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
         value[HBIL_SPLIT_NORMAL][part], value[HBIL_SPLIT_NORMAL + 1][part],
         value[HBIL_SPLIT_NORMAL + 2][part])));
 #if GATHER_RADIANCE
-    word[HBIL_PACKED_RADIANCE][part] = AS_REALV(AS_INTV(
-        pack_light(value[HBIL_SPLIT_RED][part], value[HBIL_SPLIT_RED + 1][part],
-                   value[HBIL_SPLIT_RED + 2][part], row_dither(part, y))));
+    const realv light[3] = {value[HBIL_SPLIT_RED][part],
+                            value[HBIL_SPLIT_RED + 1][part],
+                            value[HBIL_SPLIT_RED + 2][part]};
+    const uintv exponent = light_exponent(light, 8u);
+    word[HBIL_PACKED_RADIANCE][part] = AS_REALV(
+        AS_INTV(light_mantissas(light, exponent, 8u, row_dither(part, y)) |
+                (exponent << 24)));
 #endif
   }
   const int planes_out =

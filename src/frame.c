@@ -482,13 +482,12 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   /* Four roundings of the format lie between two depths and their difference:
    * of z0, z1 and of their inverses; half has 2^-11 each for the depths.  The
    * same for the three components of a normal and what is made of them; a
-   * packed one is off by half a step of 2^-15 in each of two coordinates, which
-   * the map stretches by up to 2: below 2^-14. */
+   * packed one is off by sqrt(18)/4 steps of 2^-14 at most, 6.5e-5. */
   const bool half_depth = plan->config.depth.component == HBIL_FLOAT16;
   const bool half_normal = plan->config.normal.component == HBIL_FLOAT16;
   const bool packed = plan->config.storage == HBIL_STORAGE_PACKED;
   gather_args.keep = 1.0f - (half_depth ? 0x1p-10f : 0x1p-22f);
-  gather_args.flat = half_normal ? 0x1p-10f : packed ? 0x1p-14f : 0x1p-21f;
+  gather_args.flat = half_normal ? 0x1p-10f : packed ? 0x1p-13f : 0x1p-21f;
   /* finite, since the gather is built without infinities */
   gather_args.thickness = fminf(plan->config.thickness, 1e30f);
   gather_args.relative_thickness =

@@ -437,31 +437,40 @@ void decode_normal(uint32_t word, double n[3]) {
   normalize(n);
 }
 
-double packed_unit(double most) {
+double packed_unit(double most, int bits) {
   /* the exponent of a float's smallest normal number is the lowest there is */
-  return most > 0.0 ? ldexp(1.0, (int)fmax(ilogb(most) - 7, -126)) : 0.0;
+  return most > 0.0 ? ldexp(1.0, (int)fmax(ilogb(most) + 1 - bits, -126)) : 0.0;
 }
 
-uint32_t encode_light(const double light[3], double dither) {
+/* Three mantissas; the exponent of their unit, biased as in a float. */
+static uint32_t encode_light(const double light[3], int bits, double dither,
+                             uint32_t *exponent) {
   double most = fmax(light[0], fmax(light[1], light[2]));
-  double unit = packed_unit(most);
+  double unit = packed_unit(most, bits);
   uint32_t word = 0;
+  *exponent = 0;
   if (!(most > 0.0))
     return 0;
   for (int c = 0; c < 3; ++c)
-    word |= (uint32_t)fmin(floor(light[c] / unit + dither), 255.0) << (8 * c);
-  return word | (uint32_t)(ilogb(unit) + 127) << 24;
+    word |=
+        (uint32_t)fmin(floor(light[c] / unit + dither), ldexp(1.0, bits) - 1.0)
+        << (bits * c);
+  *exponent = (uint32_t)(ilogb(unit) + 127);
+  return word;
 }
 
-void decode_light(uint32_t word, double light[3]) {
+static void decode_light(uint32_t word, int bits, uint32_t exponent,
+                         double light[3]) {
   for (int c = 0; c < 3; ++c)
-    light[c] = ldexp(word >> (8 * c) & 0xff, (int)(word >> 24) - 127);
+    light[c] =
+        ldexp(word >> (bits * c) & ((1u << bits) - 1), (int)exponent - 127);
 }
 
 static double layer_dither(int x, int y) {
-  return (hbil_direction_slot(4 * (y % 4) + x % 4) + 0.5) / 16.0;
+  return ((hbil_direction_slot(4 * (y % 4) + x % 4) ^ 8) + 0.5) / 16.0;
 }
 
+/* `b` is no longer than 1: what a test plants. */
 static uint32_t encode_bent(const double b[3], double dither) {
   uint32_t x = (uint32_t)(int)floor(b[0] * 1023.0 + dither);
   uint32_t y = (uint32_t)(int)floor(b[1] * 1023.0 + dither);
@@ -487,28 +496,37 @@ static void decode_pixel(hbil_stage stage, packed_pixel *p) {
     memcpy(&w, p->word, sizeof(w));
     p->value[HBIL_SPLIT_W] = (double)w;
     decode_normal(p->word[HBIL_PACKED_NORMAL], p->value + HBIL_SPLIT_NORMAL);
-    decode_light(p->word[HBIL_PACKED_RADIANCE], p->value + HBIL_SPLIT_RED);
+    decode_light(p->word[HBIL_PACKED_RADIANCE], 8,
+                 p->word[HBIL_PACKED_RADIANCE] >> 24,
+                 p->value + HBIL_SPLIT_RED);
     return;
   }
   p->value[HBIL_LIGHT_AO] = (p->word[HBIL_PACKED_AO] & 0xffff) / 65535.0;
-  p->value[HBIL_LIGHT_UNKNOWN] = (p->word[HBIL_PACKED_AO] >> 16) / 65535.0;
-  decode_light(p->word[HBIL_PACKED_NEAR], p->value + HBIL_LIGHT_RED);
+  p->value[HBIL_LIGHT_UNKNOWN] = (p->word[HBIL_PACKED_AO] >> 16 & 0xff) / 255.0;
+  decode_light(p->word[HBIL_PACKED_NEAR], 10, p->word[HBIL_PACKED_AO] >> 24,
+               p->value + HBIL_LIGHT_RED);
   decode_bent(p->word[HBIL_PACKED_BENT], p->value + HBIL_LIGHT_BENT);
 }
 
 static void encode_pixel(hbil_stage stage, double dither, packed_pixel *p) {
+  uint32_t exponent;
   if (stage == HBIL_STAGE_SPLIT) {
     float w = (float)p->value[HBIL_SPLIT_W];
     memcpy(p->word, &w, sizeof(w));
     p->word[HBIL_PACKED_NORMAL] = encode_normal(p->value + HBIL_SPLIT_NORMAL);
     p->word[HBIL_PACKED_RADIANCE] =
-        encode_light(p->value + HBIL_SPLIT_RED, dither);
+        encode_light(p->value + HBIL_SPLIT_RED, 8, dither, &exponent);
+    p->word[HBIL_PACKED_RADIANCE] |= exponent << 24;
     return;
   }
+  p->word[HBIL_PACKED_NEAR] =
+      encode_light(p->value + HBIL_LIGHT_RED, 10, 0.5, &exponent);
   p->word[HBIL_PACKED_AO] =
       (uint32_t)lrint(p->value[HBIL_LIGHT_AO] * 65535.0) |
-      (uint32_t)lrint(p->value[HBIL_LIGHT_UNKNOWN] * 65535.0) << 16;
-  p->word[HBIL_PACKED_NEAR] = encode_light(p->value + HBIL_LIGHT_RED, dither);
+      (uint32_t)floor(fmin(p->value[HBIL_LIGHT_UNKNOWN], 0.999) * 255.0 +
+                      dither)
+          << 16 |
+      exponent << 24;
   p->word[HBIL_PACKED_BENT] = encode_bent(p->value + HBIL_LIGHT_BENT, dither);
 }
 

@@ -128,13 +128,12 @@ ref_planes stage_read(setup *s, hbil_stage stage);
 void stage_write(setup *s, hbil_stage stage, const ref_planes *planes);
 
 /* The words of HBIL_STORAGE_PACKED in double, from their description in
- * hbil_shared.h alone.  dither: of the pixel's layer, in [0,1). */
+ * hbil_shared.h alone. */
 uint32_t encode_normal(const double n[3]);
 void decode_normal(uint32_t word, double n[3]); /* unit length */
-uint32_t encode_light(const double light[3], double dither);
-void decode_light(uint32_t word, double light[3]);
-/* What a mantissa counts, where the largest channel is `most`. */
-double packed_unit(double most);
+/* What a mantissa of so many bits counts, where the largest channel is `most`.
+ */
+double packed_unit(double most, int bits);
 
 /* GATHERED of the split inputs, its mean over frames of index 0..turns-1, which
  * turn the pattern: a plan has 32 slices at most, this has `turns` times as

@@ -15,6 +15,8 @@ static const cl_uint widths[] = {1, 4, 8, 16};
 #define NORMAL_LIMIT 6.6e-5
 /* Derived: half a step, and what the fp32 search is off by (test_gather.c). */
 #define SHARE_LIMIT (0.5 / 65535.0 + 1e-5)
+/* Derived: one step of 8 bits, dithered. */
+#define UNKNOWN_LIMIT (1.0 / 255.0 + 1e-5)
 
 static double most_of(const ref_planes *planes, int first, int x, int y) {
   return fmax(
@@ -25,11 +27,11 @@ static double most_of(const ref_planes *planes, int first, int x, int y) {
 /* How far light is off at most, in units of its words, beyond what it may be
  * off by before it becomes a word. */
 static double units_off(const ref_planes *got, const ref_planes *want,
-                        int first, double before) {
+                        int first, int bits, double before) {
   double worst = 0.0;
   for (int y = 0; y < got->height; ++y)
     for (int x = 0; x < got->width; ++x) {
-      double unit = packed_unit(most_of(want, first, x, y));
+      double unit = packed_unit(most_of(want, first, x, y), bits);
       for (int c = first; c < first + 3; ++c) {
         double off = fabs(*ref_at(got, c, x, y) - *ref_at(want, c, x, y));
         if (!(off <= before)) /* a unit of 0: no light out of nothing */
@@ -78,8 +80,8 @@ static void check_split(void (*prepare)(setup *), cl_uint vector_width) {
   ref_planes got = split_in(HBIL_STORAGE_PACKED, prepare, vector_width);
   assert_int_equal(got.count, want.count);
   check_guides(&got, &want);
-  check_at_most("radiance, units", units_off(&got, &want, HBIL_SPLIT_RED, 0.0),
-                1.0);
+  check_at_most("radiance, units",
+                units_off(&got, &want, HBIL_SPLIT_RED, 8, 0.0), 1.0);
   ref_planes_free(&want);
   ref_planes_free(&got);
 }
@@ -219,7 +221,7 @@ static void blocks_lose_nothing(void **state) {
   for (int y = 0; y + 4 <= HEIGHT; y += 4)
     for (int x = 0; x + 4 <= WIDTH; x += 4)
       for (int c = HBIL_SPLIT_RED; c < HBIL_SPLIT_PLANES; ++c) {
-        double unit = packed_unit(most_of(&want, HBIL_SPLIT_RED, x, y));
+        double unit = packed_unit(most_of(&want, HBIL_SPLIT_RED, x, y), 8);
         double value = block_mean(&want, c, x, y) / unit;
         if (value <= LAST_MANTISSA)
           worst = fmax(worst, fabs(block_mean(&got, c, x, y) / unit - value));
@@ -274,9 +276,9 @@ static void check_light(const ref_planes *got, const ref_planes *want) {
   check_at_most("AO", largest_error(got, want, HBIL_LIGHT_AO, 1), SHARE_LIMIT);
   if (got->count > HBIL_LIGHT_UNKNOWN)
     check_at_most("unknown", largest_error(got, want, HBIL_LIGHT_UNKNOWN, 1),
-                  SHARE_LIMIT);
-  check_at_most("E_near, units", units_off(got, want, HBIL_LIGHT_RED, before),
-                1.0);
+                  UNKNOWN_LIMIT);
+  check_at_most("E_near, units",
+                units_off(got, want, HBIL_LIGHT_RED, 10, before), 1.0);
   check_at_most("bent", largest_bent_off(got, want), BENT_LIMIT);
 }
 
@@ -499,11 +501,12 @@ typedef struct promise {
   double limit;
 } promise;
 
-/* hbil_storage promises AO and E_near; the others follow from them, but for the
- * bent normal, which has no direction left in a word where nothing is open. */
+/* What hbil_storage promises; measured on these small frames, worst of all: AO
+ * 2.7e-5, E_near 1.4e-3.  The others follow, but for the bent normal, which has
+ * no direction left in a word where nothing is open. */
 static const promise promises[] = {
-    {IMAGE_AO, 1e-3},   {IMAGE_NEAR, 1e-3},     {IMAGE_FAR, 1e-3},
-    {IMAGE_CONE, 1e-3}, {IMAGE_INDIRECT, 1e-3}, {IMAGE_RADIANCE, 1e-3}};
+    {IMAGE_AO, 1e-4},   {IMAGE_NEAR, 2e-3},     {IMAGE_FAR, 2e-3},
+    {IMAGE_CONE, 1e-4}, {IMAGE_INDIRECT, 2e-3}, {IMAGE_RADIANCE, 2e-3}};
 #define PROMISES (sizeof(promises) / sizeof(*promises))
 
 /* The worst of each promise so far. */

@@ -234,13 +234,16 @@ typedef enum hbil_lattice {
 /*
  * How the layers between split and recompose are kept.  Depth is always fp32.
  * PACKED needs 6 words a pixel instead of 14 or 15 and is faster wherever
- * memory is the limit; measured against FLOAT32 (`hbil bench`, HACKING.md) it
- * changes AO and E_near by less than 1e-3 of their mean.
+ * memory is the limit.  Against FLOAT32 it changes AO by less than 1e-4 and
+ * E_near by less than 2e-3 of the mean (RMSE; 1e-3 with 48 samples a side, as
+ * hbil process has them), while sampling is off by 30 to 500 times that (`hbil
+ * bench` has both).  HBIL_REFUSED_LAST jumps where a rounding makes a sample
+ * rise or not: there single pixels differ by more.
  */
 typedef enum hbil_storage {
-  /* normals octahedral in 2 x 16 bits; radiance and E_near with 8 bits a
-   * channel and a common exponent, dithered over the 16 layers; AO and the
-   * unknown share in 16 bits, the bent normal in 11, 11 and 10 */
+  /* normals octahedral in 2 x 16 bits; radiance with 8 bits a channel and a
+   * common exponent, E_near with 10; AO in 16 bits, the unknown share in 8, the
+   * bent normal in 11, 11 and 10; coarse ones dithered over the 16 layers */
   HBIL_STORAGE_PACKED = 0,
   HBIL_STORAGE_FLOAT32 = 1
 } hbil_storage;
@@ -484,12 +487,14 @@ HBIL_API hbil_status hbil_enqueue_composite(
  * With HBIL_STORAGE_PACKED, SPLIT and GATHERED hold words of 32 bits instead
  * (see hbil_storage), in planes that lie the same way:
  *   SPLIT      3: inverse depth, a float; normal; radiance
- *   GATHERED   3: AO and, above it, the unknown share or 0; E_near; bent normal
+ *   GATHERED   3: AO, above it the unknown share, in byte 3 E_near's exponent;
+ *                 E_near; bent normal
  *     normal     u low, v high, two's complement over 32767: n is (u, v, z)
  *                divided by its length, z = |u|+|v|-1; where z > 0, of u and v
  *                first z is taken off in size, their signs kept
- *     light      red in the lowest byte, green, blue, times 2^(byte 3 - 127)
- *     shares     16 bits over 65535
+ *     radiance   red in the lowest byte, green, blue, times 2^(byte 3 - 127)
+ *     E_near     10 bits red, lowest, green, blue, times 2^(exponent - 127)
+ *     AO         16 bits over 65535; the unknown share 8 bits over 255
  *     bent       x: the lowest 11 bits, y: the next 11, both over 1023; z: the
  *                highest 10 over 511; two's complement
  * A plan keeps only what its outputs need: hbil_buffer.values says how many of
