@@ -244,6 +244,7 @@ int main(void) {
 
   hbil_config config;
   hbil_config_init(&config);
+  config.storage = HBIL_STORAGE_FLOAT32; /* our filter reads plain planes */
   config.width = WIDTH;
   config.height = HEIGHT;
   config.depth = config.normal = config.direct = config.ao = config.near_light =

@@ -21,9 +21,12 @@
  * Builds: SLICES, SAMPLES, LIMITED (a radius), HBAO, LEVELS, GATHER_RADIANCE,
  * GATHER_BENT, REFUSED_BLACK (refused light is black here), REFUSED_FRAME (the
  * same, and the refused share is written for recompose to fill), FINITE
- * (occluders have a thickness: sectors instead of a horizon).
- * Launch: x = vectors of HBIL_WIDTH pixels of a layer row, y = layer rows, z =
- * layers.  In: split planes, steps.  Out: light planes, same layout.
+ * (occluders have a thickness: sectors instead of a horizon), FACING_ALL (no
+ * light is refused), FACING_STEP (the threshold is sharp), REFUSED_LAST
+ * (refused light is the last accepted), PACKED (hbil_shared.h). Launch: x =
+ * strips of HBIL_TILE pixels of a layer row (single pixels where HBIL_WIDTH is
+ * 1), y = layer rows, z = layers.  In: split planes, steps.  Out: light planes,
+ * same layout.
  */
 
 /* Samples of a half-slice that are looked at before those that rise are: their
@@ -122,7 +125,7 @@ static inline void fetch_early(global const float *sample, uint plane) {
 #endif
 }
 
-/* State of a half-slice. */
+/* State of a half-slice; its sums of light go on over both. */
 typedef struct march {
   realv excess;     /* the highest so far; FINITE: the least to count */
   realv a, g, sin2; /* integrals up to the present horizon; FINITE: over
@@ -160,12 +163,14 @@ static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
                       AS_UINTV(LANE_MASK(rises));
   m->covered |= fresh;
   const realv share = TO_REALV(AS_INTV(popcount(fresh))) * m->sector;
+  m->a = max(m->a - share, (realv)0.0f);
+#if GATHER_BENT
   /* The interval's mean direction stands for its fresh part; below 1e-5 of A
    * the differences have no digits left in fp32. */
   const realv part = share / max(a2 - a1, (realv)1e-5f);
-  m->a = max(m->a - share, (realv)0.0f);
   m->g = fma(part, g1 - g2, m->g);
   m->sin2 = fma(part, sin1 - sin2, m->sin2);
+#endif
   return share;
 }
 
@@ -374,8 +379,11 @@ static inline center center_of(const hbil_gather_args args,
   c.cosine = -n_r * c.inv_r;
   c.inv_cosine = 1.0f / c.cosine;
   /* A normal rounded to `flat` shifts the plane's gradient by this much at
-   * most: below it, samples of the pixel's own plane would rise. */
-  c.least_excess = args.flat * c.w * c.inv_r * c.inv_cosine * c.inv_cosine;
+   * most: below it, samples of the pixel's own plane would rise.  Above the
+   * sky nothing does: no excess is as large. */
+  c.least_excess = select(
+      (realv)1e38f, args.flat * c.w * c.inv_r * c.inv_cosine * c.inv_cosine,
+      c.w > 0.0f);
   return c;
 }
 
@@ -526,13 +534,17 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 
   center c[STRIP];
   total t[STRIP];
+  intv solid = 0;
   for (int v = 0; v < STRIP; ++v) {
     const total nothing = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f,
                            0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
     c[v] = center_of(args, here + v * HBIL_WIDTH, x + v * HBIL_WIDTH, y, layer);
     t[v] = nothing;
+    solid |= c[v].w > 0.0f;
   }
-  for (int slice = 0; slice < SLICES; ++slice) {
+  /* sky alone: nothing to search for */
+  const int slices = ANY(solid) ? SLICES : 0;
+  for (int slice = 0; slice < slices; ++slice) {
     const float ux = steps->ux, uy = steps->uy;
     cut s[STRIP];
     march m[STRIP];
@@ -620,9 +632,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       for (int v = 0; v < STRIP; ++v) {
 #if !SHARES
         /* without a sample above it the tangent plane itself is the horizon */
-        const realv highest =
-            select((realv)0.0f, top[v], top[v] > c[v].least_excess);
-        horizon_terms(fma(s[v].slope, highest, half_slice[v].cot_tangent),
+        const realv tangent = half_slice[v].cot_tangent;
+        horizon_terms(select(tangent, fma(s[v].slope, top[v], tangent),
+                             top[v] > c[v].least_excess),
                       &m[v].g, &m[v].sin2);
         m[v].a =
             measure(0.0f, m[v].g, m[v].sin2, half_slice[v].nx, c[v].cosine);

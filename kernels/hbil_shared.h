@@ -89,7 +89,7 @@ enum {
  *   bent      three snorm: 11 bits x, 11 bits y, 10 bits z, x lowest; scaled to
  *             fit where a component is above 1
  * Radiance, the unknown share and bent normals are dithered by the pixel's layer,
- * so that the 16 layers together lose nothing. */
+ * so that the 16 layers together are off by 1/32 of a step at most. */
 enum {
   HBIL_PACKED_NORMAL = 1,
   HBIL_PACKED_RADIANCE = 2,
@@ -165,7 +165,6 @@ typedef struct hbil_gather_args {
   hbil_layer_args split, light;
   hbil_float radius;    /* world units; unused where unlimited */
   hbil_float reach;     /* hbil_pattern_args.reach */
-  hbil_float turn;      /* hbil_pattern_args.turn */
   hbil_float keep;      /* 1 - tolerance on a sampled inverse depth */
   hbil_float flat;      /* tolerance on the gradient, see gather.cl */
   hbil_float facing[2]; /* hbil_config.facing: the first, and the inverse of

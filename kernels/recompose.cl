@@ -8,10 +8,12 @@
  * from its depth, so tilted planes are not cut.  The second is what keeps an
  * edge between two walls.
  *
- * Builds: RAW (only undo the split), GATHER_RADIANCE, GATHER_BENT.
- * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows, on CPUs
- * (vectors) four at a time. In: split planes (guides), light planes.  Out:
- * light planes, full resolution; the bent normal of unit length or 0.
+ * Builds: RAW (only undo the split), GATHER_RADIANCE, GATHER_BENT,
+ * REFUSED_FRAME, PACKED.
+ * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows, four at a time
+ * where HBIL_WIDTH is more than 1.
+ * In: split planes (guides), light planes.  Out: light planes, full
+ * resolution; the bent normal of unit length or 0.
  */
 
 #define PI 3.14159265f
@@ -22,10 +24,10 @@
 #if HBIL_WIDTH == 1
 #define ROWS 1
 #else
-#define ROWS 4
-#endif
-#define TAP_COLUMNS 8
+#define ROWS HBIL_SIDE
+#define TAP_COLUMNS (HBIL_SIDE + 4)
 #define TAP_ROWS (ROWS + 4)
+#endif
 
 /* Weighted sums of a pixel's neighbourhood. */
 typedef struct sums {
@@ -44,8 +46,8 @@ typedef struct middle {
   realv nx, ny, nz; /* unit normal */
 } middle;
 
-/* Where a layered set of planes has pixels (x + i, j) of the blocks' row y; i
- * and j from -2 to 5, x in blocks. */
+/* Where a layered set of planes has the pixels (4 x + i, 4 y + j) and every
+ * fourth to their right; i and j from -2 to 5. */
 static inline uint place(const hbil_layer_args l, int i, int j, int x, int y) {
   const uint layer = (uint)(4 * (j & 3) + (i & 3));
   return layer * l.layer + l.origin + (uint)(y + (j >> 2)) * l.row +
@@ -119,7 +121,7 @@ static inline void normalize_bent(sums *s) {
 #pragma unroll
   for (int p = HBIL_LIGHT_BENT; p < HBIL_LIGHT_PLANES; ++p)
     length2 = fma(s->plane[p], s->plane[p], length2);
-  /* a length is 0..1; below 1e-12 it has no direction left in fp32 */
+  /* a length is 0..3; below 1e-12 it has no direction left in fp32 */
   const realv scale =
       select((realv)0.0f, 1.0f / sqrt(length2), length2 > 1e-24f);
 #pragma unroll
@@ -173,8 +175,9 @@ static inline sums filter(const hbil_view_args view, const hbil_layer_args in,
 #define TAKE_PLANE(p) s.plane[p] = TAP(0, 0)->plane[p];
   EACH_GATHERED(TAKE_PLANE)
 #else
-  s.total = 0.0f;
-#define START_PLANE(p) s.plane[p] = 0.0f;
+  /* the pixel itself counts 1, whatever becomes of the others */
+  s.total = 1.0f;
+#define START_PLANE(p) s.plane[p] = TAP(0, 0)->plane[p];
   EACH_GATHERED(START_PLANE)
   for (int dy = -2; dy <= 2; ++dy) {
     const realv expected = fma(m.gy, (realv)((float)dy * view.inv_fy), m.w);
@@ -182,7 +185,8 @@ static inline sums filter(const hbil_view_args view, const hbil_layer_args in,
     const float e = view.inv_fx;
     add_tap(&s, &m, TAP(-2, dy), expected, -2.0f * e, 0.5f * spatial);
     add_tap(&s, &m, TAP(-1, dy), expected, -e, spatial);
-    add_tap(&s, &m, TAP(0, dy), expected, 0.0f, spatial);
+    if (dy != 0)
+      add_tap(&s, &m, TAP(0, dy), expected, 0.0f, spatial);
     add_tap(&s, &m, TAP(1, dy), expected, e, spatial);
     add_tap(&s, &m, TAP(2, dy), expected, 2.0f * e, 0.5f * spatial);
   }

@@ -129,7 +129,7 @@ static hbil_status read_limits(hbil_context *context) {
   context->exact_divide = (fp & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
   context->vector_width = best_width(context->device, type);
   /* A row of work-items, whose loads are contiguous.  CPUs: one row a group,
-   * since each of some forty planes has its own pages. */
+   * which measured best. */
   const bool cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
   context->group[0] = cpu ? 16 : 32;
   context->group[1] = cpu ? 1 : 4;

@@ -478,7 +478,6 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   gather_args.light = plan->layout.light;
   gather_args.radius = plan->config.radius;
   gather_args.reach = pattern.reach;
-  gather_args.turn = pattern.turn;
   /* Four roundings of the format lie between two depths and their difference:
    * of z0, z1 and of their inverses; half has 2^-11 each for the depths.  The
    * same for the three components of a normal and what is made of them; a

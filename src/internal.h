@@ -59,9 +59,9 @@ extern const image_kind image_kinds[IMAGE_COUNT];
 
 const hbil_format *config_format(const hbil_config *config, int image);
 const hbil_image *frame_image(const hbil_frame *frame, int image);
-/* Components from a pixel to the next: stride, or its default. */
 /* Whether the light of any sample may be refused. */
 bool config_refuses(const hbil_config *config);
+/* Components from a pixel to the next: stride, or its default. */
 cl_uint format_stride(const hbil_config *config, int image);
 
 /* --- context.c --- */

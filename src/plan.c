@@ -204,7 +204,8 @@ static cl_int clear_layers(hbil_plan *plan, cl_command_queue queue) {
   return error;
 }
 
-/* Padding is written once, here: no kernel touches it later.  The waiting is
+/* Padding left of, above and below the layers is written once, here: no kernel
+ * touches it later.  The waiting is
  * done by clFinish on a queue of our own. */
 static hbil_status fill_padding(hbil_plan *plan) {
   static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT};

@@ -234,7 +234,7 @@ typedef enum hbil_lattice {
 /*
  * How the layers between split and recompose are kept.  Depth is always fp32.
  * PACKED needs 6 words a pixel instead of 14 or 15 and is faster wherever
- * memory is the limit.  Against FLOAT32 it changes AO by less than 1e-4 and
+ * memory is the limit.  Against FLOAT32 it changes AO by less than 3e-4 and
  * E_near by less than 2e-3 of the mean (RMSE; 1e-3 with 48 samples a side, as
  * hbil process has them), while sampling is off by 30 to 500 times that (`hbil
  * bench` has both).  HBIL_REFUSED_LAST jumps where a rounding makes a sample
@@ -507,7 +507,7 @@ HBIL_API hbil_status hbil_enqueue_composite(
  * Layered ones (SPLIT, GATHERED): pixel (x,y) lies in layer 4 (y mod 4) +
  * (x mod 4), at
  *   p * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin;
- * outside every layer there is padding that holds "nothing there".
+ * around every layer of SPLIT there is padding that holds "nothing there".
  */
 typedef enum hbil_stage {
   HBIL_STAGE_HISTORY = 0,
