@@ -189,6 +189,35 @@ static inline void add_tap(global const float *history,
         fma(weight, history[(HBIL_HISTORY_RED + c) * planes.plane], sum[c]);
 }
 
+/* The same of a whole vector of pixels whose places are neighbours, from
+ * `history` on, none outside the picture. */
+static inline void add_taps(global const float *history,
+                            const hbil_plane_args planes, realv weight,
+                            realv depth, float disocclusion, realv sum[3],
+                            realv *total) {
+  const realv w = LOADV(history);
+  intv valid = w > 0.0f;
+#if DISOCCLUSION
+  valid &= fabs(1.0f / w - depth) <= disocclusion * depth;
+#endif
+  *total = select(*total, *total + weight, valid);
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    sum[c] = select(sum[c],
+                    fma(weight,
+                        LOADV(history + (HBIL_HISTORY_RED + c) * planes.plane),
+                        sum[c]),
+                    valid);
+}
+
+static inline realv row_start(realv v) {
+#if HBIL_WIDTH == 1
+  return v;
+#else
+  return v.s0;
+#endif
+}
+
 /* motion: from this view to the last frame's. */
 kernel void follow_motion(
     const hbil_view_args view, const hbil_transform_args motion,
@@ -203,38 +232,75 @@ kernel void follow_motion(
   const int count = view.width - x;
   const realv rx = ray_x(view, x, 1);
   const float ry = ray_y(view, y);
-  realv z = planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count),
-                         rx, ry, background);
-  float here[HBIL_WIDTH], expected[HBIL_WIDTH], mx[HBIL_WIDTH], my[HBIL_WIDTH];
-  float lane[HBIL_CARRIED_PLANES][HBIL_WIDTH];
-  STOREV(z, here);
-  STOREV(row_of(motion, 2, rx * z, ry * z, z), expected);
-  STOREV(load_motion(motion_buffer, motion_image, x, y, 0, count) * scale_x,
-         mx);
-  STOREV(load_motion(motion_buffer, motion_image, x, y, 1, count) * scale_y,
-         my);
-  for (int i = 0; i < HBIL_WIDTH; ++i) {
-    float sum[3] = {0.0f, 0.0f, 0.0f}, total = 0.0f;
-    const float u = ((float)(x + i) + 0.5f) + mx[i] - 0.5f;
-    const float v = ((float)y + 0.5f) + my[i] - 0.5f;
-    if (here[i] > 0.0f && expected[i] > 0.0f && u > -1.0f &&
-        u < (float)view.width && v > -1.0f && v < (float)view.height) {
-      const int left = convert_int_rtn(u), top = convert_int_rtn(v);
-      const float a = u - (float)left, b = v - (float)top;
-      const float weight[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b),
-                               (1.0f - a) * b, a * b};
+  const realv z =
+      planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count), rx,
+                   ry, background);
+  const realv depth = row_of(motion, 2, rx * z, ry * z, z);
+  const realv mx =
+      load_motion(motion_buffer, motion_image, x, y, 0, count) * scale_x;
+  const realv my =
+      load_motion(motion_buffer, motion_image, x, y, 1, count) * scale_y;
+  const realv u = (TO_REALV(x + EACH_LANE) + 0.5f) + mx - 0.5f;
+  const realv v = ((float)y + 0.5f) + my - 0.5f;
+  const intv inside = (z > 0.0f) & (depth > 0.0f) & (u > -1.0f) &
+                      (u < (float)view.width) & (v > -1.0f) &
+                      (v < (float)view.height);
+  const realv left = floor(u), top = floor(v);
+  const realv a = u - left, b = v - top;
+  const realv weight[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b),
+                           (1.0f - a) * b, a * b};
+  realv sum[3] = {0.0f, 0.0f, 0.0f}, total = 0.0f;
+  /* Where the picture only moves, and by nearly the same everywhere here, the
+   * places are neighbours too. */
+  const realv first = row_start(left), row = row_start(top);
+  const intv together = inside & (left == first + TO_REALV((intv)EACH_LANE)) &
+                        (top == row) & (first >= 0.0f) & (row >= 0.0f) &
+                        (first + (float)(HBIL_WIDTH + 1) <= (float)view.width) &
+                        (row + 2.0f <= (float)view.height);
+  if (!ANY(!together)) {
+    float lane[HBIL_WIDTH];
+    STOREV(left, lane);
+    const int at_x = convert_int(lane[0]);
+    STOREV(top, lane);
+    history += (uint)convert_int(lane[0]) * planes.row + (uint)at_x;
+#pragma unroll
+    for (int t = 0; t < 4; ++t)
+      add_taps(history + (uint)(t >> 1) * planes.row + (uint)(t & 1), planes,
+               weight[t], depth, disocclusion, sum, &total);
+  } else {
+    float lane_depth[HBIL_WIDTH], lane_sum[3][HBIL_WIDTH], at_x[HBIL_WIDTH];
+    float at_y[HBIL_WIDTH], lane_weight[4][HBIL_WIDTH], lane_total[HBIL_WIDTH];
+    /* Out-of-range floats must not reach the conversion. */
+    STOREV(select((realv)-9.0f, left, inside), at_x);
+    STOREV(select((realv)-9.0f, top, inside), at_y);
+    STOREV(depth, lane_depth);
+#pragma unroll
+    for (int t = 0; t < 4; ++t)
+      STOREV(weight[t], lane_weight[t]);
+    for (int i = 0; i < HBIL_WIDTH; ++i) {
+      float one[3] = {0.0f, 0.0f, 0.0f};
+      lane_total[i] = 0.0f;
       for (int t = 0; t < 4; ++t)
-        add_tap(history, planes, view.width, view.height, left + (t & 1),
-                top + (t >> 1), weight[t], expected[i], disocclusion, sum,
-                &total);
+        add_tap(history, planes, view.width, view.height,
+                convert_int(at_x[i]) + (t & 1), convert_int(at_y[i]) + (t >> 1),
+                lane_weight[t][i], lane_depth[i], disocclusion, one,
+                &lane_total[i]);
+      for (int c = 0; c < 3; ++c)
+        lane_sum[c][i] = one[c];
     }
+#pragma unroll
     for (int c = 0; c < 3; ++c)
-      lane[c][i] = total > 0.0f ? sum[c] / total : 0.0f;
-    lane[HBIL_CARRIED_WEIGHT][i] = total > 0.0f ? 1.0f : 0.0f;
+      sum[c] = LOADV(lane_sum[c]);
+    total = LOADV(lane_total);
   }
-  for (int c = 0; c < HBIL_CARRIED_PLANES; ++c)
-    STOREV(LOADV(lane[c]),
-           carried + c * planes.plane + (uint)y * planes.row + (uint)x);
+  const intv found = total > 0.0f;
+  carried += (uint)y * planes.row + (uint)x;
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    STOREV(select((realv)0.0f, sum[c] / total, found),
+           carried + c * planes.plane);
+  STOREV(select((realv)0.0f, (realv)1.0f, found),
+         carried + HBIL_CARRIED_WEIGHT * planes.plane);
 }
 
 #endif
