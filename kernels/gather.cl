@@ -598,14 +598,15 @@ kernel void gather(const hbil_gather_args args, global const float *split,
             break;
           global const float *sample = from + step->offset;
           fetch_early(sample, in.plane);
-          const realv inv_e = step->inv_e, scale = args.keep * step->inv_e;
+          const realv inv_e = step->inv_e, keep = args.keep;
           const realv e_x = step->ux, e_y = step->uy;
 #pragma unroll
           for (int v = 0; v < STRIP; ++v) {
             const realv w1 = LOADV(sample + v * HBIL_WIDTH);
-            realv e =
-                fma(w1, scale,
-                    -fma(c[v].w, inv_e, fma(c[v].gx, e_x, c[v].gy * e_y)));
+            /* the difference first: it loses no digits (Sterbenz) where w1 is
+             * near w, and products of both would */
+            realv e = fma(fma(w1, keep, -c[v].w), inv_e,
+                          -fma(c[v].gx, e_x, c[v].gy * e_y));
 #if LIMITED
             e = within(&c[v], w1, step, args.radius, e);
 #endif
