@@ -20,13 +20,14 @@
  *
  * Builds: SLICES, SAMPLES, LIMITED (a radius), HBAO, LEVELS, GATHER_RADIANCE,
  * GATHER_BENT, REFUSED_BLACK (refused light is black here), REFUSED_FRAME (the
- * same, and the refused share is written for recompose to fill), FINITE
- * (occluders have a thickness: sectors instead of a horizon), FACING_ALL (no
- * light is refused), FACING_STEP (the threshold is sharp), REFUSED_LAST
- * (refused light is the last accepted), PACKED (hbil_shared.h). Launch: x =
- * strips of HBIL_TILE pixels of a layer row (single pixels where HBIL_WIDTH is
- * 1), y = layer rows, z = layers.  In: split planes, steps.  Out: light planes,
- * same layout.
+ * same, and the refused share is written for recompose to fill), REFUSED_LAST
+ * (refused light is the last accepted), FACING_ALL (no light is refused),
+ * FACING_STEP (the threshold is sharp), FINITE (occluders have a thickness:
+ * sectors instead of a horizon), PACKED (hbil_shared.h).
+ *
+ * Launch: x = strips of HBIL_TILE pixels of a layer row (single pixels where
+ * HBIL_WIDTH is 1), y = layer rows, z = layers.
+ * In: split planes, steps.  Out: light planes, same layout.
  */
 
 /* Samples of a half-slice that are looked at before those that rise are: their

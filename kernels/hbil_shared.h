@@ -50,8 +50,8 @@ typedef cl_float hbil_float;
 
 /* Normals that look away from the eye are bent back until their cosine with the
  * view direction is this: small enough to leave 89.99 degree planes alone,
- * large enough that the fp32 rounding of a normal (6e-8) is below 1e-3 of it.
- */
+ * large enough that the fp32 rounding of a normal (6e-8) is below 1e-3 of it,
+ * and that a packed one (6.5e-5 off) still faces the eye. */
 #define HBIL_MIN_COSINE 1e-4f
 
 /* Recompose: a neighbour off the pixel's tangent plane by this share of its
@@ -79,17 +79,18 @@ enum {
   HBIL_GATHERED_PLANES = 8
 };
 /* The same, packed (HBIL_STORAGE_PACKED), in words of 32 bits:
- *   normal    octahedral (Cigolle and others 2014), two snorm16, x low; the
- *             middle of the map looks along -z
- *   radiance  three mantissas of 8 bits, red lowest, and in the highest byte the
- *             exponent of their unit, biased as in a float
- *   AO        unorm16; above it the unknown share, unorm8; in the highest byte
- *             the exponent of the unit of E_near
+ *   normal    octahedral (Cigolle and others 2014), two snorm16, x low;
+ *             the middle of the map looks along -z
+ *   radiance  three mantissas of 8 bits, red lowest; in the highest byte
+ *             the exponent of their unit, biased as in a float
+ *   AO        unorm16; above it the unknown share, unorm8; in the highest
+ *             byte the exponent of the unit of E_near
  *   E_near    three mantissas of 10 bits, red lowest
- *   bent      three snorm: 11 bits x, 11 bits y, 10 bits z, x lowest; scaled to
- *             fit where a component is above 1
- * Radiance, the unknown share and bent normals are dithered by the pixel's layer,
- * so that the 16 layers together are off by 1/32 of a step at most. */
+ *   bent      three snorm: 11 bits x, lowest, 11 bits y, 10 bits z; scaled
+ *             to fit where a component is above 1
+ *
+ * Radiance, the unknown share and bent normals are dithered by the pixel's
+ * layer, so that the 16 layers together are off by 1/32 of a step at most. */
 enum {
   HBIL_PACKED_NORMAL = 1,
   HBIL_PACKED_RADIANCE = 2,

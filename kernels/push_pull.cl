@@ -7,8 +7,9 @@
  *
  * Where the finest level has no hole both leave at once: the levels above are
  * of no use then, and keep what they have.
- * Launch: x = vectors of HBIL_WIDTH texels of the level that is written, y =
- * its rows.  Planes per level: RGB and weight, rows padded to HBIL_WIDTH.
+ * Launch: x = vectors of HBIL_WIDTH texels of the level that is written (by
+ * find_holes: read), y = its rows.  Planes per level: RGB and weight, rows
+ * padded to 4 HBIL_WIDEST.
  */
 
 #if HBIL_WIDTH == 1

@@ -349,6 +349,12 @@ ok $? "the bench tells what thickness and the estimate cost"
 awk -F , 'NR == 1 { n = NF }
   NF != n && $0 !~ /"[^"]*,[^"]*"/ { exit 1 }' "$work/bench/bench.csv"
 ok $? "as many fields in every row of the bench"
+says "the bench tells how it scales" 'scaling.csv, .json' \
+  bench --scaling -o "$work/scaling"
+awk -F , 'NR == 1 { n = NF }
+  NF != n && $0 !~ /"[^"]*,[^"]*"/ { exit 1 }
+  END { if (NR < 10) exit 1 }' "$work/scaling/scaling.csv"
+ok $? "as many fields in every row of the scaling"
 for row in 'fast 1x16 layer g2,paper,fast,' 'thick .08 2x8 full g2,thick .08,,' \
   'tool 2x48 full g2,tool,,' 'literal,paper,,'; do
   grep -q "^$row" "$work/bench/bench.csv"

@@ -316,7 +316,8 @@ typedef struct hbil_config {
                          infinity: never; default 0.05 */
   hbil_far_field far_field; /* default NONE */
   cl_bool raw_interleave;   /* CL_TRUE: recompose only undoes the 4x4 split and
-                               filters nothing; default CL_FALSE */
+                               filters nothing, the dither of packed storage
+                               included; default CL_FALSE */
 
   /* How it runs. */
   hbil_storage storage; /* default PACKED */

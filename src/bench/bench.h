@@ -417,6 +417,8 @@ void bench_notes(const bench_report *report, FILE *out, const char *before,
 void bench_print_machine(const bench_machine *m, FILE *out);
 /* In quotes, which are doubled inside. */
 void bench_write_quoted(FILE *out, const char *text);
+/* Device, compute units, driver, version; a comma before each. */
+void bench_write_machine(FILE *out, const bench_machine *machine);
 /* Behind a comma; empty where there is none. */
 void bench_write_number(FILE *out, double value);
 void bench_write_spread(FILE *out, bench_spread s);

@@ -157,13 +157,7 @@ static csv_row row_of(const bench_scaling *s, const char *part) {
 }
 
 static void write_where(const bench_report *report, FILE *out) {
-  const bench_machine *m = &report->machine;
-  fputc(',', out);
-  bench_write_quoted(out, m->device);
-  fprintf(out, ",%u,", (unsigned)m->units);
-  bench_write_quoted(out, m->driver);
-  fputc(',', out);
-  bench_write_quoted(out, m->version);
+  bench_write_machine(out, &report->machine);
   fprintf(out, ",%u\n", report->scaling->runs);
 }
 

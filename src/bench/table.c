@@ -223,15 +223,18 @@ void bench_write_quoted(FILE *out, const char *text) {
   fputc('"', out);
 }
 
-static void write_where(const bench_report *report, FILE *out) {
-  const bench_machine *m = &report->machine;
-  char reference[64];
+void bench_write_machine(FILE *out, const bench_machine *m) {
   fputc(',', out);
   bench_write_quoted(out, m->device);
   fprintf(out, ",%u,", (unsigned)m->units);
   bench_write_quoted(out, m->driver);
   fputc(',', out);
   bench_write_quoted(out, m->version);
+}
+
+static void write_where(const bench_report *report, FILE *out) {
+  char reference[64];
+  bench_write_machine(out, &report->machine);
   fputc(',', out);
   bench_write_quoted(out, report->content->name);
   fprintf(out, ",%u,%u,%u,", report->content->width, report->content->height,
