@@ -86,19 +86,8 @@ static inline realv measure(realv h, realv g, realv sin2, realv nx, realv ny) {
 #endif
 }
 
-#if LIMITED
-/* Largest inverse depth of the tile that holds layer pixel x. */
-static inline float tile_nearest(global const float *row, int x) {
-  float lane[HBIL_TILE], nearest;
-  row += x / HBIL_TILE * HBIL_TILE;
-  for (int i = 0; i < HBIL_TILE; i += HBIL_WIDTH)
-    STOREV(LOADV(row + i), lane + i);
-  nearest = lane[0];
-  for (int i = 1; i < HBIL_TILE; ++i)
-    nearest = max(nearest, lane[i]);
-  return nearest;
-}
-#endif
+/* Which light there is in a strip's reach. */
+enum { LIGHT_NONE, LIGHT_SOME, LIGHT_ALL };
 
 /* What a pixel brings to all its slices. */
 typedef struct center {
@@ -214,6 +203,23 @@ static inline realv within(const center *c, realv w1,
 }
 #endif
 
+#if GATHER_RADIANCE
+/* Whether a sample that rises changes the sum of light.  What faces away can
+ * stand for light that is unknown, whatever it sends itself. */
+static inline bool brings_light(const march *m, global const float *sample,
+                                uint plane, intv rises) {
+#if REFUSED_FRAME
+  return true;
+#else
+  intv light = shining(sample, plane);
+#if REFUSED_LAST
+  light |= max(max(m->last_red, m->last_green), m->last_blue) > 0.0f;
+#endif
+  return ANY(light & rises);
+#endif
+}
+#endif
+
 #if SHARES
 /* A sample that raises the horizon in some lane: its excess, its place in the
  * pattern and in the planes. */
@@ -221,7 +227,8 @@ static inline void raise(const center *c, march *m, realv excess,
                          global const hbil_step *step,
                          global const float *sample, uint plane,
                          const hbil_gather_args args, realv cot_tangent,
-                         realv slope, realv nx, realv ny, float dither) {
+                         realv slope, realv nx, realv ny, float dither,
+                         int light_here) {
   intv rises = excess > m->excess;
 #if FINITE || (HBAO && LIMITED) || (GATHER_RADIANCE && !FACING_ALL)
   const realv w1 = LOADV(sample);
@@ -261,6 +268,9 @@ static inline void raise(const center *c, march *m, realv excess,
   m->blocked += share;
 #endif
 #if GATHER_RADIANCE
+  if (light_here == LIGHT_NONE ||
+      (light_here == LIGHT_SOME && !brings_light(m, sample, plane, rises)))
+    return;
 #if !FACING_ALL
   /* Cosine of the sample's normal with the way back to the center. */
   realv normal[3];
@@ -314,13 +324,14 @@ static inline void raise_all(const center c, march *state, uint hits,
                              const realv *excess, global const hbil_step *steps,
                              global const float *from, uint plane,
                              const hbil_gather_args args, realv cot_tangent,
-                             realv slope, realv nx, float dither) {
+                             realv slope, realv nx, float dither,
+                             int light_here) {
   march m = *state;
   for (; hits; hits &= hits - 1) {
     const int hit = 31 - (int)clz(hits & -hits);
     global const hbil_step *step = steps + hit;
     raise(&c, &m, excess[hit * STRIP], step, from + step->offset, plane, args,
-          cot_tangent, slope, nx, c.cosine, dither);
+          cot_tangent, slope, nx, c.cosine, dither, light_here);
   }
   *state = m;
 }
@@ -387,6 +398,193 @@ static inline center center_of(const hbil_gather_args args,
       c.w > 0.0f);
   return c;
 }
+
+/* What a strip of pixels has in common. */
+typedef struct strip {
+  float nearest; /* largest inverse depth */
+  /* the centre, and how far pixels are from it at most, in ray slope */
+  float x, y, half_width;
+  /* how far anything lies that can matter, in ray slope; unlimited: 1e30 */
+  float reach;
+  /* the tangent planes: inverse depth at the centre, at least; gradient; least
+   * excess */
+  float w, gx[2], gy[2], least_excess;
+  /* more than roundings can have added to a plane's inverse depth */
+  float rounding;
+} strip;
+
+#if LIMITED
+/* Of the tile that holds layer pixel x, the largest inverse depth. */
+static inline float nearest_of(const center *c, global const float *row,
+                               int x) {
+  row += x / HBIL_TILE * HBIL_TILE;
+  realv nearest = LOADV(row);
+  for (int i = HBIL_WIDTH; i < HBIL_TILE; i += HBIL_WIDTH)
+    nearest = max(nearest, LOADV(row + i));
+  return lanes_max(nearest);
+}
+#else
+static inline float nearest_of(const center *c, global const float *row,
+                               int x) {
+  realv nearest = c[0].w;
+  for (int v = 1; v < STRIP; ++v)
+    nearest = max(nearest, c[v].w);
+  return lanes_max(nearest);
+}
+#endif
+
+static inline strip strip_of(const hbil_gather_args args, const center *c,
+                             float nearest) {
+  strip s;
+  const float first = lanes_min(c[0].rx), last = lanes_max(c[STRIP - 1].rx);
+  s.nearest = nearest;
+  s.x = 0.5f * (first + last);
+  s.y = c[0].ry;
+  s.half_width = last - s.x;
+#if LIMITED
+  /* A point on the ray r0 + e is at least z0 |r0 x e| / |r0 + e| away, and that
+   * is at least z0 |e| / |longest ray|; a thousandth for roundings. */
+  s.reach = 1.001f * args.radius * nearest * args.longest;
+#else
+  s.reach = 1e30f;
+#endif
+  return s;
+}
+
+#if SKIP_OPEN
+/* A plane is w_p + g.(q - r_p) at the ray q: from the strip's centre on the
+ * lowest of all is bounded by its value there and the ranges of g.  Four
+ * roundings of 2^-24 make the value there, and each product with g has one,
+ * over twice the image's width at most; no gradient, none of them. */
+static inline void bound_planes(const hbil_gather_args args, const center *c,
+                                strip *s) {
+  const float most = HBIL_NOTHING;
+  realv w = -most, least = -most;
+  realv gx[2] = {-most, most}, gy[2] = {-most, most};
+  for (int v = 0; v < STRIP; ++v) {
+    const intv solid = c[v].w > 0.0f;
+    const realv at = fma(c[v].gx, s->x - c[v].rx, c[v].w);
+    w = min(w, select((realv)-most, at, solid));
+    least = min(least, select((realv)-most, c[v].least_excess, solid));
+    gx[0] = min(gx[0], select((realv)-most, c[v].gx, solid));
+    gx[1] = max(gx[1], select((realv)most, c[v].gx, solid));
+    gy[0] = min(gy[0], select((realv)-most, c[v].gy, solid));
+    gy[1] = max(gy[1], select((realv)most, c[v].gy, solid));
+  }
+  s->w = lanes_min(w);
+  s->least_excess = lanes_min(least);
+  s->gx[0] = lanes_min(gx[0]);
+  s->gx[1] = lanes_max(gx[1]);
+  s->gy[0] = lanes_min(gy[0]);
+  s->gy[1] = lanes_max(gy[1]);
+  const float across = max(fabs(s->gx[0]), fabs(s->gx[1]));
+  const float down = max(fabs(s->gy[0]), fabs(s->gy[1]));
+  s->rounding = 0x1p-20f * fma(across, args.longest, down * args.longest);
+  if (across > 0.0f || down > 0.0f)
+    s->rounding = fma(0x1p-21f, s->nearest, s->rounding);
+}
+
+/* Whether something in cell (i, j) of `size` pixels, the nearest of which is
+ * `w`, may stand above a tangent plane of the strip. */
+static inline bool may_rise(const hbil_gather_args args, const strip *s, int i,
+                            int j, int size, float w) {
+  const hbil_view_args v = args.view;
+  const int right = min((i + 1) * size, v.width) - 1;
+  const int bottom = min((j + 1) * size, v.height) - 1;
+  const float x0 = ((float)(i * size) + 0.5f - v.cx) * v.inv_fx - s->x;
+  const float x1 = ((float)right + 0.5f - v.cx) * v.inv_fx - s->x;
+  const float y0 = ray_y(v, j * size) - s->y;
+  const float y1 = ray_y(v, bottom) - s->y;
+  const float far_x = max(max(x0, -x1) - s->half_width, 0.0f);
+  const float far_y = max(max(y0, -y1), 0.0f);
+  const float away = max(far_x, far_y);
+  if (away > s->reach)
+    return false;
+  const float gx =
+      min(min(s->gx[0] * x0, s->gx[0] * x1), min(s->gx[1] * x0, s->gx[1] * x1));
+  const float gy =
+      min(min(s->gy[0] * y0, s->gy[0] * y1), min(s->gy[1] * y0, s->gy[1] * y1));
+  const float plane = fma(s->least_excess, away, s->w + gx + gy);
+  return w * args.keep > plane - s->rounding;
+}
+
+/* Whether anything may stand above a tangent plane of the strip: the whole
+ * picture, then its blocks, then the cells of those that fail. */
+static inline bool any_may_rise(const hbil_gather_args args, const strip *s,
+                                global const uint *bounds) {
+  const hbil_bounds_args b = args.bounds;
+  const int cell = HBIL_CELL * HBIL_SIDE, block = cell * HBIL_BLOCK;
+  const int whole = max(args.view.width, args.view.height);
+  if (!may_rise(args, s, 0, 0, whole, as_float(bounds[b.whole.offset])))
+    return false;
+  for (int at = 0; at < b.block.width * b.block.height; ++at) {
+    const int i = at % b.block.width, j = at / b.block.width;
+    if (!may_rise(args, s, i, j, block,
+                  as_float(bounds[b.block.offset + 2u * (uint)at])))
+      continue;
+    const int right = min((i + 1) * HBIL_BLOCK, b.cell.width);
+    const int bottom = min((j + 1) * HBIL_BLOCK, b.cell.height);
+    for (int y = j * HBIL_BLOCK; y < bottom; ++y)
+      for (int x = i * HBIL_BLOCK; x < right; ++x)
+        if (may_rise(
+                args, s, x, y, cell,
+                as_float(
+                    bounds[b.cell.offset + 2u * (uint)(y * b.cell.width + x)])))
+          return true;
+  }
+  return false;
+}
+#endif
+
+#if SKIP_DARK && GATHER_RADIANCE
+/* The light in the strip's reach; cells, or blocks where those are many. */
+static inline int light_in_reach(const hbil_gather_args args, const strip *s,
+                                 global const uint *bounds) {
+  uint light = bounds[args.bounds.whole.offset + 1u];
+#if LIMITED && !REFUSED_FRAME
+  const hbil_view_args v = args.view;
+  const float wide = (s->reach + s->half_width) * v.fx, high = s->reach * v.fy;
+  const bool cells = max(wide, high) < (float)(HBIL_CELL * HBIL_SIDE * 2);
+  const hbil_grid_args g = cells ? args.bounds.cell : args.bounds.block;
+  const float size = (float)(HBIL_CELL * HBIL_SIDE * (cells ? 1 : HBIL_BLOCK));
+  const float x = fma(s->x, v.fx, v.cx), y = fma(s->y, v.fy, v.cy);
+  /* a pixel more on each side: samples are rounded to pixels */
+  const int x0 = convert_int(max((x - wide - 1.0f) / size, 0.0f));
+  const int y0 = convert_int(max((y - high - 1.0f) / size, 0.0f));
+  const int x1 =
+      convert_int(min((x + wide + 1.0f) / size, (float)(g.width - 1)));
+  const int y1 =
+      convert_int(min((y + high + 1.0f) / size, (float)(g.height - 1)));
+  light = 0u;
+  for (int j = y0; j <= y1; ++j)
+    for (int i = x0; i <= x1; ++i)
+      light |= bounds[g.offset + 2u * (uint)(j * g.width + i) + 1u];
+#endif
+  return !(light & HBIL_SOME_LIT)   ? LIGHT_NONE
+         : (light & HBIL_SOME_DARK) ? LIGHT_SOME
+                                    : LIGHT_ALL;
+}
+#endif
+
+#if SKIP_UNUSED
+/* Whether the picture has a use for light at a pixel of this strip, or at one
+ * whose filter reads it: up to 2 pixels away.  split.cl writes `uses`, a word
+ * for 4 HBIL_WIDTH pixels of a row. */
+static inline bool is_used(const hbil_gather_args args, global const uint *uses,
+                           int x, int y, int layer) {
+  const int group = 4 * HBIL_WIDTH;
+  const int across = (args.view.width + group - 1) / group;
+  const int px = 4 * x + (layer & 3), py = 4 * y + (layer >> 2);
+  const int first = max(px - 2, 0) / group;
+  const int last =
+      min((px + 4 * (STRIP * HBIL_WIDTH - 1) + 2) / group, across - 1);
+  uint used = 0u;
+  for (int j = max(py - 2, 0); j <= min(py + 2, args.view.height - 1); ++j)
+    for (int i = first; i <= last; ++i)
+      used |= uses[j * across + i];
+  return used != 0u;
+}
+#endif
 
 static inline cut cut_of(const center *c, float ux, float uy) {
   cut s;
@@ -470,24 +668,26 @@ static inline void store_gathered(const realv *value, float dither,
 #endif
 }
 
-static inline void store_light(const center *c, const total *t, int layer,
-                               global float *light, uint plane) {
-  const intv solid = c->w > 0.0f;
+/* untouched: nothing stood above the tangent plane.  Then AO is 1, E_near 0 and
+ * the bent normal n, which sums and their quotients are only to a rounding. */
+static inline void store_light(const center *c, const total *t, intv untouched,
+                               int layer, global float *light, uint plane) {
+  const intv solid = c->w > 0.0f, taken = solid & ~untouched;
   /* whole is S at least in the mean; it falls to the size of a half-slice's
    * own rounding only where nothing can be seen (1e-6 of a slice). */
   const realv inv_whole = 1.0f / max(t->whole, (realv)1e-6f);
   realv value[HBIL_GATHERED_PLANES];
   value[HBIL_LIGHT_AO] = select(
-      (realv)1.0f, clamp(t->open * inv_whole, (realv)0.0f, (realv)1.0f), solid);
+      (realv)1.0f, clamp(t->open * inv_whole, (realv)0.0f, (realv)1.0f), taken);
 #if GATHER_RADIANCE
-  const realv scale = select((realv)0.0f, PI * inv_whole, solid);
+  const realv scale = select((realv)0.0f, PI * inv_whole, taken);
   value[HBIL_LIGHT_RED] = t->red * scale;
   value[HBIL_LIGHT_RED + 1] = t->green * scale;
   value[HBIL_LIGHT_RED + 2] = t->blue * scale;
 #endif
 #if REFUSED_FRAME
   value[HBIL_LIGHT_UNKNOWN] =
-      select((realv)0.0f, t->unknown * inv_whole, solid);
+      select((realv)0.0f, t->unknown * inv_whole, taken);
 #endif
 #if GATHER_BENT
   /* Few slices miss the full hemisphere's S n by whole_*; adding what is
@@ -502,19 +702,66 @@ static inline void store_light(const center *c, const total *t, int layer,
       t->open_y + ao * fma((realv)slices, c->ny, -t->whole_y) - wo_sum * c->ry;
   const realv z = ao * slices * c->nz - wo_sum;
   const realv one = select((realv)0.0f, (realv)(1.0f / slices), solid);
-  value[HBIL_LIGHT_BENT] = x * one;
-  value[HBIL_LIGHT_BENT + 1] = y * one;
-  value[HBIL_LIGHT_BENT + 2] = z * one;
+  const realv bare = select((realv)0.0f, (realv)1.0f, solid);
+  value[HBIL_LIGHT_BENT] = select(c->nx * bare, x * one, taken);
+  value[HBIL_LIGHT_BENT + 1] = select(c->ny * bare, y * one, taken);
+  value[HBIL_LIGHT_BENT + 2] = select(c->nz * bare, z * one, taken);
 #endif
   store_gathered(value, layer_dither(layer), light, plane);
 }
 
+/* What the strip has no need of. */
+static inline uint spared_of(const hbil_gather_args args, const center *c,
+                             strip *s, bool solid, global const uint *bounds,
+                             global const uint *uses, int x, int y, int layer,
+                             int *light_here) {
+#if SKIP_SKY
+  if (!solid)
+    return HBIL_STRIP_SKY;
+#endif
+#if SKIP_UNUSED
+  if (!is_used(args, uses, x, y, layer))
+    return HBIL_STRIP_UNUSED;
+#endif
+#if SKIP_OPEN
+  bound_planes(args, c, s);
+  if (!any_may_rise(args, s, bounds))
+    return HBIL_STRIP_OPEN;
+#endif
+#if SKIP_DARK && GATHER_RADIANCE
+  *light_here = light_in_reach(args, s, bounds);
+#endif
+  return *light_here == LIGHT_NONE ? HBIL_STRIP_DARK : 0u;
+}
+
+/* For hbil_plan_skipped(). */
+static inline void note(global uchar *strips, const hbil_gather_args args,
+                        const center *c, uint spared, int x, int y, int layer) {
+  const uint count = (uint)(HBIL_LAYERS * args.split.height) * args.strips;
+  strips += (uint)(layer * args.split.height + y) * args.strips +
+            (uint)(x / (STRIP * HBIL_WIDTH));
+  uint sky = 0u;
+  for (int v = 0; v < STRIP; ++v) {
+    if (!ANY(c[v].w <= 0.0f))
+      continue;
+    float lane[HBIL_WIDTH];
+    STOREV(c[v].w, lane);
+    for (int i = 0; i < HBIL_WIDTH; ++i)
+      sky += lane[i] <= 0.0f;
+  }
+  strips[0] = (uchar)spared;
+  strips[count] = (uchar)sky;
+}
+
 kernel void gather(const hbil_gather_args args, global const float *split,
-                   global const hbil_step *steps, global float *light) {
+                   global const hbil_step *steps, global float *light,
+                   global const uint *bounds, global const uint *uses,
+                   global uchar *strips, global const uint *flags,
+                   const int still) {
   const hbil_layer_args in = args.split;
   const int x = (int)get_global_id(0) * (STRIP * HBIL_WIDTH);
   const int y = (int)get_global_id(1), layer = (int)get_global_id(2);
-  if (x >= in.width || y >= in.height)
+  if (x >= in.width || y >= in.height || (still && !flags[HBIL_FLAG_CHANGED]))
     return;
   const uint at = (uint)layer * in.layer + in.origin + (uint)y * in.row;
   global const float *here = split + at + (uint)x;
@@ -522,29 +769,33 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   light += (uint)layer * args.light.layer + args.light.origin +
            (uint)y * args.light.row + (uint)x;
 
-#if LIMITED
-  steps +=
-      (uint)(hbil_level(args.reach, args.radius * tile_nearest(split + at, x),
-                        LEVELS) *
-             HBIL_LAYERS) *
-      (2u * SLICES * (SAMPLES + 1));
-#endif
   steps += (uint)layer * (2u * SLICES * (SAMPLES + 1));
   const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
   const float dither = ((float)hbil_shift_slot(layer) + 0.5f) / 16.0f;
 
   center c[STRIP];
   total t[STRIP];
-  intv solid = 0;
+  intv solid = 0, untouched[STRIP];
   for (int v = 0; v < STRIP; ++v) {
     const total nothing = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f,
                            0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
     c[v] = center_of(args, here + v * HBIL_WIDTH, x + v * HBIL_WIDTH, y, layer);
     t[v] = nothing;
+    untouched[v] = TRUE_LANES;
     solid |= c[v].w > 0.0f;
   }
-  /* sky alone: nothing to search for */
-  const int slices = ANY(solid) ? SLICES : 0;
+  const float nearest = nearest_of(c, split + at, x);
+  strip whole = strip_of(args, c, nearest);
+#if LIMITED
+  steps += (uint)(hbil_level(args.reach, args.radius * nearest, LEVELS) *
+                  HBIL_LAYERS) *
+           (2u * SLICES * (SAMPLES + 1));
+#endif
+  int light_here = LIGHT_ALL;
+  const uint spared = spared_of(args, c, &whole, ANY(solid), bounds, uses, x, y,
+                                layer, &light_here);
+  note(strips, args, c, spared, x, y, layer);
+  const int slices = spared & ~HBIL_STRIP_DARK ? 0 : SLICES;
   for (int slice = 0; slice < slices; ++slice) {
     const float ux = steps->ux, uy = steps->uy;
     cut s[STRIP];
@@ -593,12 +844,18 @@ kernel void gather(const hbil_gather_args args, global const float *split,
           hits[v] = 0u;
         for (; k < count; ++k) {
           global const hbil_step *step = steps + first + k;
-          /* Offsets only grow: past the border nothing follows. */
+          /* Offsets only grow: past the border nothing follows, nor beyond
+           * what is in reach. */
           if ((uint)(y + step->dy) >= (uint)in.height ||
               (uint)(x + step->dx + (STRIP * HBIL_WIDTH - 1)) >= columns)
             break;
+#if LIMITED && SKIP_RADIUS
+          if (step->inv_e * whole.reach < 1.0f)
+            break;
+#endif
           global const float *sample = from + step->offset;
-          fetch_early(sample, in.plane);
+          if (light_here != LIGHT_NONE)
+            fetch_early(sample, in.plane);
           const realv inv_e = step->inv_e, keep = args.keep;
           const realv e_x = step->ux, e_y = step->uy;
 #pragma unroll
@@ -625,7 +882,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
           raise_all(c[v], &m[v], hits[v], &excess[0][v], steps + first,
                     from + v * HBIL_WIDTH, in.plane, args,
                     half_slice[v].cot_tangent, s[v].slope, half_slice[v].nx,
-                    dither);
+                    dither, light_here);
 #endif
         if (k < count)
           break;
@@ -644,6 +901,11 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #if HBAO
         m[v].a = half_slice[v].start - m[v].blocked;
 #endif
+#if SHARES
+        untouched[v] &= m[v].a == half_slice[v].start;
+#else
+        untouched[v] &= top[v] <= c[v].least_excess;
+#endif
         s[v].open += m[v].a;
         s[v].whole += half_slice[v].start;
 #if GATHER_BENT
@@ -656,5 +918,6 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       add_slice(&t[v], &s[v], &m[v], ux, uy);
   }
   for (int v = 0; v < STRIP; ++v)
-    store_light(&c[v], &t[v], layer, light + v * HBIL_WIDTH, args.light.plane);
+    store_light(&c[v], &t[v], untouched[v], layer, light + v * HBIL_WIDTH,
+                args.light.plane);
 }

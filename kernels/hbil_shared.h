@@ -160,6 +160,43 @@ typedef struct hbil_step {
   hbil_float ux, uy; /* e / |e| */
 } hbil_step;
 
+/* Words of the plan's flags: what kernels of a frame tell later ones. */
+enum {
+  HBIL_FLAG_HOLES = 0,   /* there is a hole to fill (push_pull.cl) */
+  HBIL_FLAG_CHANGED = 1, /* a still frame's light is not the one before */
+  HBIL_FLAGS = 2
+};
+
+/* A cell is 64x64 pixels: so many of a layer.  The load that bound_rows makes
+ * at the right border stays inside the padding. */
+#define HBIL_CELL 16
+/* Cells to a block, each way. */
+#define HBIL_BLOCK 4
+
+/* A grid of bounds: where it lies, in words, and its size.  Two words a cell:
+ * the largest inverse depth, as a float, and of HBIL_SOME_. */
+typedef struct hbil_grid_args {
+  hbil_uint offset;
+  hbil_int width, height;
+} hbil_grid_args;
+#define HBIL_SOME_LIT 1u  /* a pixel sends light */
+#define HBIL_SOME_DARK 2u /* a pixel that is no sky sends none */
+
+/* row: cells of one row of the layers (4 of pixels), which cells are made of;
+ * whole: a single one. */
+typedef struct hbil_bounds_args {
+  hbil_grid_args row, cell, block, whole;
+} hbil_bounds_args;
+
+/* What a strip of the gather had no need of, as bits of a byte, the values of
+ * hbil_skip; so many bytes lie behind them with the number of sky pixels. */
+enum {
+  HBIL_STRIP_SKY = 1,
+  HBIL_STRIP_OPEN = 2,
+  HBIL_STRIP_DARK = 4,
+  HBIL_STRIP_UNUSED = 8
+};
+
 /* Numbers of one frame that the gather needs. */
 typedef struct hbil_gather_args {
   hbil_view_args view;
@@ -173,6 +210,9 @@ typedef struct hbil_gather_args {
   hbil_float thickness; /* hbil_config.thickness */
   hbil_float relative_thickness;
   hbil_float falloff; /* HBAO: an occluder at distance r weighs 1 - falloff r */
+  hbil_float longest; /* length of the longest ray, to a corner */
+  hbil_bounds_args bounds;
+  hbil_uint strips; /* of a layer's row */
 } hbil_gather_args;
 
 /* Far field: SH coefficients already multiplied by the basis functions'

@@ -23,9 +23,10 @@
   right = (realv)(LOADV(p).odd, LOADV((p) + HBIL_WIDTH).odd)
 #endif
 
-/* holes: 1 where a texel of the finest level has no weight, filled with 0. */
+/* Raises HBIL_FLAG_HOLES, filled with 0, where a texel of the finest level has
+ * no weight. */
 kernel void find_holes(global const float *chain, const hbil_chain_args finest,
-                       global uint *holes) {
+                       global uint *flags) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= finest.width || y >= finest.height)
     return;
@@ -33,15 +34,15 @@ kernel void find_holes(global const float *chain, const hbil_chain_args finest,
       LOADV(chain + finest.offset + HBIL_CARRIED_WEIGHT * finest.plane +
             (uint)y * finest.row + (uint)x);
   if (ANY((weight <= 0.0f) & (x + EACH_LANE < finest.width)))
-    *holes = 1u; /* whoever else writes it writes the same */
+    flags[HBIL_FLAG_HOLES] = 1u; /* whoever else writes writes the same */
 }
 
 /* Children past the right edge or below the last row count for nothing,
  * whatever the padding holds. */
 kernel void push(global float *chain, const hbil_chain_args fine,
-                 const hbil_chain_args coarse, global const uint *holes) {
+                 const hbil_chain_args coarse, global const uint *flags) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
-  if (x >= coarse.width || y >= coarse.height || !*holes)
+  if (x >= coarse.width || y >= coarse.height || !flags[HBIL_FLAG_HOLES])
     return;
   global const float *children =
       chain + fine.offset + (uint)(2 * y) * fine.row + (uint)(2 * x);
@@ -74,9 +75,9 @@ kernel void push(global float *chain, const hbil_chain_args fine,
 
 /* Fills the finer level in place. */
 kernel void pull(global float *chain, const hbil_chain_args fine,
-                 const hbil_chain_args coarse, global const uint *holes) {
+                 const hbil_chain_args coarse, global const uint *flags) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
-  if (x >= fine.width || y >= fine.height || !*holes)
+  if (x >= fine.width || y >= fine.height || !flags[HBIL_FLAG_HOLES])
     return;
   global float *texel = chain + fine.offset + (uint)y * fine.row + (uint)x;
   const realv valid = LOADV(texel + HBIL_CARRIED_WEIGHT * fine.plane);

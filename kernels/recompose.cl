@@ -209,10 +209,12 @@ static inline void store_plane(const sums *value, int p, global float *to) {
 kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
                       const hbil_layer_args lit, global const float *split,
                       global const float *light, global const float *estimate,
-                      global float *resolved, const hbil_plane_args out) {
+                      global float *resolved, const hbil_plane_args out,
+                      global const uint *flags, const int still) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH;
   const int top = (int)get_global_id(1) * ROWS, y = top >> 2;
-  if (4 * x >= view.width || top >= view.height)
+  if (4 * x >= view.width || top >= view.height ||
+      (still && !flags[HBIL_FLAG_CHANGED]))
     return;
 #if HBIL_WIDTH == 1
   const tap *taps = 0;

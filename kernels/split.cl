@@ -3,7 +3,8 @@
  * normal that faces the eye, and the radiance the pixel sends.
  *
  * Builds: the inputs' formats, HAS_*, NORMAL_IS_WORLD, FEEDBACK_RADIANCE,
- * GATHER_RADIANCE (0: no radiance planes are written), GATHER_EMISSION.
+ * GATHER_RADIANCE (0: no radiance planes are written), GATHER_EMISSION,
+ * SKIP_UNUSED (notes, a word for each work-item, where light has a use).
  * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows.
  */
 
@@ -67,6 +68,78 @@ static inline realv row_dither(int part, int y) {
 }
 #endif
 
+/* What makes radiance.  light, weight: of the last frame, light from the plane
+ * of red on; null where there is none. */
+typedef struct sources {
+  global const void *albedo, *f0, *direct, *emission;
+  hbil_image_args albedo_image, f0_image, direct_image, emission_image;
+  float direct_scale;
+  global const float *light, *weight;
+  uint plane;
+} sources;
+
+/* Diffuse reflectance of channel c. */
+static inline realv reflectance_of(const sources *s, int c, int x, int y,
+                                   int count) {
+  realv reflectance = INV_PI;
+#if HAS_ALBEDO
+  reflectance *= min(
+      repaired(load_albedo(s->albedo, s->albedo_image, x, y, c, count)), 1.0f);
+#endif
+#if HAS_F0
+  reflectance *=
+      1.0f - min(repaired(load_f0(s->f0, s->f0_image, x, y, c, count)), 1.0f);
+#endif
+  return reflectance;
+}
+
+#if GATHER_RADIANCE
+/* Radiance that pixels from (x, y) on send; `at`: their place in the planes.
+ * Anything where there is no surface. */
+static inline void radiance_of(const sources *s, int x, int y, int count,
+                               uint at, realv light[3]) {
+#pragma unroll
+  for (int c = 0; c < 3; ++c) {
+    realv irradiance = 0.0f, emitted = 0.0f;
+    const realv reflectance = reflectance_of(s, c, x, y, count);
+#if HAS_DIRECT
+    irradiance =
+        s->direct_scale *
+        repaired(load_direct(s->direct, s->direct_image, x, y, c, count));
+#endif
+#if HAS_EMISSION && GATHER_EMISSION
+    emitted =
+        repaired(load_emission(s->emission, s->emission_image, x, y, c, count));
+#endif
+#if FEEDBACK_RADIANCE
+    light[c] = fma(reflectance, irradiance, emitted);
+    if (s->light)
+      light[c] = select(light[c], LOADV(s->light + c * s->plane + at),
+                        LOADV(s->weight + at) > 0.0f);
+#else
+    if (s->light)
+      irradiance += LOADV(s->light + c * s->plane + at);
+    light[c] = fma(reflectance, irradiance, emitted);
+#endif
+  }
+}
+
+#if PACKED
+static inline realv radiance_word(const realv light[3], int part, int y) {
+  const uintv exponent = light_exponent(light, 8u);
+  return AS_REALV(
+      AS_INTV(light_mantissas(light, exponent, 8u, row_dither(part, y)) |
+              (exponent << 24)));
+}
+#endif
+#endif
+
+/* Where row y's layers have pixel x0 and those to its right. */
+static inline uint place(const hbil_layer_args layout, int x0, int y) {
+  return layout.origin + (uint)(y & 3) * 4u * layout.layer +
+         (uint)(y >> 2) * layout.row + (uint)(x0 >> 2);
+}
+
 kernel void
 split(const hbil_view_args view, const hbil_transform_args to_view,
       global float *layers, const hbil_layer_args layout,
@@ -77,12 +150,27 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
       global const void *albedo_buffer, const hbil_image_args albedo_image,
       global const void *f0_buffer, const hbil_image_args f0_image,
       global const void *direct_buffer, const hbil_image_args direct_image,
-      global const void *emission_buffer,
-      const hbil_image_args emission_image) {
+      global const void *emission_buffer, const hbil_image_args emission_image,
+      global uint *uses) {
   const int x0 = (int)get_global_id(0) * (4 * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
     return;
+  const sources from = {albedo_buffer,
+                        f0_buffer,
+                        direct_buffer,
+                        emission_buffer,
+                        albedo_image,
+                        f0_image,
+                        direct_image,
+                        emission_image,
+                        direct_scale,
+                        has_history ? carried : 0,
+                        carried + HBIL_CARRIED_WEIGHT * planes.plane,
+                        planes.plane};
+#if SKIP_UNUSED
+  intv used = 0;
+#endif
   realv value[HBIL_SPLIT_PLANES][4];
   const float ry = ray_y(view, y);
 #pragma unroll
@@ -115,50 +203,25 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
     for (int c = 0; c < 3; ++c)
       value[HBIL_SPLIT_NORMAL + c][part] = select((realv)0.0f, n[c], solid);
 #if GATHER_RADIANCE
-    const uint pixel = (uint)y * planes.row + (uint)x;
+    realv light[3];
+    radiance_of(&from, x, y, count, (uint)y * planes.row + (uint)x, light);
 #pragma unroll
-    for (int c = 0; c < 3; ++c) {
-      realv irradiance = 0.0f, reflectance = INV_PI, emitted = 0.0f;
-#if HAS_DIRECT
-      irradiance =
-          direct_scale *
-          repaired(load_direct(direct_buffer, direct_image, x, y, c, count));
+    for (int c = 0; c < 3; ++c)
+      value[HBIL_SPLIT_RED + c][part] = select((realv)0.0f, light[c], solid);
 #endif
-#if HAS_ALBEDO
-      reflectance *= min(
-          repaired(load_albedo(albedo_buffer, albedo_image, x, y, c, count)),
-          1.0f);
-#endif
-#if HAS_F0
-      reflectance *=
-          1.0f -
-          min(repaired(load_f0(f0_buffer, f0_image, x, y, c, count)), 1.0f);
-#endif
-#if HAS_EMISSION && GATHER_EMISSION
-      emitted = repaired(
-          load_emission(emission_buffer, emission_image, x, y, c, count));
-#endif
-      realv light;
-#if FEEDBACK_RADIANCE
-      light = fma(reflectance, irradiance, emitted);
-      if (has_history)
-        light = select(
-            light, LOADV(carried + c * planes.plane + pixel),
-            LOADV(carried + HBIL_CARRIED_WEIGHT * planes.plane + pixel) > 0.0f);
-#else
-      if (has_history)
-        irradiance += LOADV(carried + c * planes.plane + pixel);
-      light = fma(reflectance, irradiance, emitted);
-#endif
-      value[HBIL_SPLIT_RED + c][part] = select((realv)0.0f, light, solid);
-    }
+#if SKIP_UNUSED
+#pragma unroll
+    for (int c = 0; c < 3; ++c)
+      used |= solid & (reflectance_of(&from, c, x, y, count) > 0.0f);
 #endif
   }
+#if SKIP_UNUSED
+  uses[(uint)y * (uint)((view.width + 4 * HBIL_WIDTH - 1) / (4 * HBIL_WIDTH)) +
+       (uint)get_global_id(0)] = ANY(used);
+#endif
   /* Lanes right of the image loaded depth 0: they are sky, and so is the
    * layers' right-hand rest. */
-  global float *out = layers + layout.origin +
-                      (uint)(y & 3) * 4u * layout.layer +
-                      (uint)(y >> 2) * layout.row + (uint)(x0 >> 2);
+  global float *out = layers + place(layout, x0, y);
 #if PACKED
   realv word[HBIL_PACKED_SPLIT_PLANES][4];
 #pragma unroll
@@ -171,10 +234,7 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
     const realv light[3] = {value[HBIL_SPLIT_RED][part],
                             value[HBIL_SPLIT_RED + 1][part],
                             value[HBIL_SPLIT_RED + 2][part]};
-    const uintv exponent = light_exponent(light, 8u);
-    word[HBIL_PACKED_RADIANCE][part] = AS_REALV(
-        AS_INTV(light_mantissas(light, exponent, 8u, row_dither(part, y)) |
-                (exponent << 24)));
+    word[HBIL_PACKED_RADIANCE][part] = radiance_word(light, part, y);
 #endif
   }
   const int planes_out =
@@ -191,3 +251,77 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
       STOREV(column[i], out + p * layout.plane + (uint)i * layout.layer);
   }
 }
+
+#if GATHER_RADIANCE
+/*
+ * The radiance alone, of a frame that is the one before but for its light:
+ * nothing has moved, so `history` is this view's.  Raises HBIL_FLAG_CHANGED,
+ * filled with 0, where anything differs from what is there already.
+ */
+kernel void
+relight(const hbil_view_args view, global float *layers,
+        const hbil_layer_args layout, global const float *history,
+        const hbil_plane_args planes, const int has_history,
+        const float background, const float direct_scale,
+        global const void *depth_buffer, const hbil_image_args depth_image,
+        global const void *albedo_buffer, const hbil_image_args albedo_image,
+        global const void *f0_buffer, const hbil_image_args f0_image,
+        global const void *direct_buffer, const hbil_image_args direct_image,
+        global const void *emission_buffer,
+        const hbil_image_args emission_image, global uint *flags) {
+  const int x0 = (int)get_global_id(0) * (4 * HBIL_WIDTH);
+  const int y = (int)get_global_id(1);
+  if (x0 >= view.width || y >= view.height)
+    return;
+  /* where there is a surface its inverse depth is above 0, a weight */
+  const sources from = {albedo_buffer,
+                        f0_buffer,
+                        direct_buffer,
+                        emission_buffer,
+                        albedo_image,
+                        f0_image,
+                        direct_image,
+                        emission_image,
+                        direct_scale,
+                        has_history ? history + HBIL_HISTORY_RED * planes.plane
+                                    : 0,
+                        history + HBIL_HISTORY_W * planes.plane,
+                        planes.plane};
+  realv value[3][4];
+#pragma unroll
+  for (int part = 0; part < 4; ++part) {
+    const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
+    const intv solid =
+        planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count),
+                     ray_x(view, x, 1), ray_y(view, y), background) > 0.0f;
+    realv light[3];
+    radiance_of(&from, x, y, count, (uint)y * planes.row + (uint)x, light);
+#pragma unroll
+    for (int c = 0; c < 3; ++c)
+      light[c] = select((realv)0.0f, light[c], solid);
+#if PACKED
+    value[0][part] = radiance_word(light, part, y);
+#else
+#pragma unroll
+    for (int c = 0; c < 3; ++c)
+      value[c][part] = light[c];
+#endif
+  }
+  global float *out =
+      layers + place(layout, x0, y) +
+      (PACKED ? HBIL_PACKED_RADIANCE : HBIL_SPLIT_RED) * layout.plane;
+  for (int p = 0; p < (PACKED ? 1 : 3); ++p) {
+    realv column[4];
+    intv changed = 0;
+    DEINTERLEAVE(value[p], column);
+#pragma unroll
+    for (int i = 0; i < 4; ++i) {
+      global float *to = out + p * layout.plane + (uint)i * layout.layer;
+      changed |= AS_INTV(LOADV(to)) != AS_INTV(column[i]);
+      STOREV(column[i], to);
+    }
+    if (ANY(changed))
+      flags[HBIL_FLAG_CHANGED] = 1u; /* whoever else writes writes the same */
+  }
+}
+#endif

@@ -108,6 +108,21 @@ static hbil_status check_environment(hbil_plan *plan, const hbil_frame *frame) {
   return HBIL_SUCCESS;
 }
 
+/* What can be seen of the caller's promise. */
+static hbil_status check_still(hbil_plan *plan, const hbil_frame *frame) {
+  if (!frame->still || !plan->has_last)
+    return HBIL_SUCCESS;
+  if (memcmp(&frame->camera, &plan->last_camera, sizeof frame->camera))
+    return fail(plan->context, HBIL_INVALID_FRAME,
+                "still: CL_TRUE, but camera is not that of the frame before");
+  if (frame->index != plan->last_index)
+    return fail(plan->context, HBIL_INVALID_FRAME,
+                "still: CL_TRUE, but index is %u, that of the frame before was "
+                "%u; one pattern is needed",
+                (unsigned)frame->index, (unsigned)plan->last_index);
+  return HBIL_SUCCESS;
+}
+
 static hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
                                unsigned images) {
   if (frame->struct_size != sizeof *frame)
@@ -116,6 +131,8 @@ static hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
                 "hbil_frame_init() first",
                 frame->struct_size, sizeof *frame);
   hbil_status status = camera_check(plan->context, &frame->camera);
+  if (status == HBIL_SUCCESS)
+    status = check_still(plan, frame);
   if (status == HBIL_SUCCESS)
     status = check_environment(plan, frame);
   for (int i = 0; i < IMAGE_COUNT && status == HBIL_SUCCESS; ++i)
@@ -258,17 +275,43 @@ static bound_image bind(const hbil_plan *plan, const hbil_frame *frame,
 
 /* --- the passes --- */
 
-/* A whole buffer of one word's copies. */
-static hbil_status fill(commands *chain, int buffer, cl_uint word) {
+/* Fills `bytes` of a buffer from `offset` on with copies of a word. */
+static hbil_status fill_part(commands *chain, int buffer, cl_uint word,
+                             size_t offset, size_t bytes) {
   hbil_plan *plan = chain->plan;
   cl_event event = NULL;
   const cl_int error = clEnqueueFillBuffer(
-      chain->queue, plan->buffers[buffer], &word, sizeof word, 0,
-      plan->layout.bytes[buffer], chain->wait_count, chain->wait_list,
-      chain->events ? &event : NULL);
+      chain->queue, plan->buffers[buffer], &word, sizeof word, offset, bytes,
+      chain->wait_count, chain->wait_list, chain->events ? &event : NULL);
   if (error != CL_SUCCESS)
     return fail_cl(plan->context, error, "clEnqueueFillBuffer");
   follow(chain, event);
+  return HBIL_SUCCESS;
+}
+
+static hbil_status fill(commands *chain, int buffer, cl_uint word) {
+  return fill_part(chain, buffer, word, 0, chain->plan->layout.bytes[buffer]);
+}
+
+static hbil_status set_flag(commands *chain, int flag, cl_uint value) {
+  return fill_part(chain, BUFFER_FLAGS, value, (size_t)flag * sizeof value,
+                   sizeof value);
+}
+
+/* --- still frames --- */
+
+/* Whether this frame is the last one again but for its light. */
+static bool is_still(const hbil_plan *plan, const hbil_frame *frame) {
+  return frame->still && plan->has_last && plan->layout.skip & HBIL_SKIP_STILL;
+}
+
+/* Whether even its light is that of the last one: none is carried over. */
+static bool is_same(const hbil_plan *plan, const hbil_frame *frame) {
+  return is_still(plan, frame) && !plan->layout.history;
+}
+
+static hbil_status leave_out(commands *chain) {
+  chain->plan->left_out[chain->pass] = true;
   return HBIL_SUCCESS;
 }
 
@@ -337,8 +380,8 @@ static void forget_timings(hbil_plan *plan) {
 static hbil_status reproject(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   forget_timings(plan);
-  if (!plan->has_history)
-    return HBIL_SUCCESS;
+  if (!plan->has_history || is_still(plan, frame))
+    return leave_out(chain);
   return plan->config.reprojection == HBIL_REPROJECTION_MOTION
              ? follow_motion(chain, frame)
              : scatter(chain, frame);
@@ -349,13 +392,14 @@ static hbil_status push_pull(commands *chain, const hbil_frame *frame) {
   const hbil_chain_args *levels = plan->layout.chain;
   const int last = plan->layout.chain_count - 1;
   const size_t width = plan->config.vector_width;
-  (void)frame;
-  if (!plan->has_history)
-    return HBIL_SUCCESS;
+  if (!plan->has_history || is_still(plan, frame))
+    return leave_out(chain);
+  const bool look = plan->layout.skip & HBIL_SKIP_HOLES;
   const argument find[] = {ARG(plan->buffers[BUFFER_CARRIED]), ARG(levels[0]),
-                           ARG(plan->buffers[BUFFER_HOLES])};
-  hbil_status status = fill(chain, BUFFER_HOLES, 0);
-  if (status == HBIL_SUCCESS)
+                           ARG(plan->buffers[BUFFER_FLAGS])};
+  hbil_status status = set_flag(chain, HBIL_FLAG_HOLES, !look);
+  plan->may_leave_out[HBIL_PASS_PUSH_PULL] = look;
+  if (status == HBIL_SUCCESS && look)
     status = LAUNCH(chain, KERNEL_FIND_HOLES, find, across(plan),
                     plan->config.height, 1);
   /* finest to coarsest, and back */
@@ -365,7 +409,7 @@ static hbil_status push_pull(commands *chain, const hbil_frame *frame) {
     const hbil_chain_args *written = &levels[down ? fine + 1 : fine];
     const argument args[] = {ARG(plan->buffers[BUFFER_CARRIED]),
                              ARG(levels[fine]), ARG(levels[fine + 1]),
-                             ARG(plan->buffers[BUFFER_HOLES])};
+                             ARG(plan->buffers[BUFFER_FLAGS])};
     status = LAUNCH(chain, down ? KERNEL_PUSH : KERNEL_PULL, args,
                     ((size_t)written->width + width - 1) / width,
                     (size_t)written->height, 1);
@@ -388,8 +432,85 @@ static hbil_status estimate(commands *chain) {
              : status;
 }
 
+/* What the gather may leave out. */
+static hbil_status bound(commands *chain, cl_int still) {
+  hbil_plan *plan = chain->plan;
+  const hbil_bounds_args *b = &plan->layout.bounds;
+  const argument rows[] = {ARG(plan->layout.split),
+                           ARG(plan->buffers[BUFFER_SPLIT]),
+                           ARG(*b),
+                           ARG(plan->buffers[BUFFER_BOUNDS]),
+                           ARG(plan->buffers[BUFFER_FLAGS]),
+                           ARG(still)};
+  const struct {
+    const hbil_grid_args *fine, *coarse;
+    cl_int across, down;
+  } steps[] = {{&b->row, &b->cell, 1, HBIL_CELL},
+               {&b->cell, &b->block, HBIL_BLOCK, HBIL_BLOCK},
+               {&b->block, &b->whole, b->block.width, b->block.height}};
+  hbil_status status = LAUNCH(chain, KERNEL_BOUND_ROWS, rows,
+                              (size_t)b->row.width, (size_t)b->row.height, 1);
+  for (size_t i = 0; i < 3 && status == HBIL_SUCCESS; ++i) {
+    const argument args[] = {ARG(*steps[i].fine),
+                             ARG(*steps[i].coarse),
+                             ARG(steps[i].across),
+                             ARG(steps[i].down),
+                             ARG(plan->buffers[BUFFER_BOUNDS]),
+                             ARG(plan->buffers[BUFFER_FLAGS]),
+                             ARG(still)};
+    status =
+        LAUNCH(chain, KERNEL_BOUND_CELLS, args, (size_t)steps[i].coarse->width,
+               (size_t)steps[i].coarse->height, 1);
+  }
+  return status;
+}
+
+/* What is made of the split planes. */
+static hbil_status sum_up(commands *chain, cl_int still) {
+  const hbil_status status =
+      chain->plan->buffers[BUFFER_BOUNDS] ? bound(chain, still) : HBIL_SUCCESS;
+  return status == HBIL_SUCCESS && chain->plan->layout.estimate
+             ? estimate(chain)
+             : status;
+}
+
+/* Nothing but light is new. */
+static hbil_status relight(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const hbil_view_args view = camera_view(&frame->camera, &plan->config);
+  const cl_int has_history = plan->has_history;
+  const bound_image depth = bind(plan, frame, IMAGE_DEPTH);
+  const bound_image albedo = bind(plan, frame, IMAGE_ALBEDO);
+  const bound_image f0 = bind(plan, frame, IMAGE_F0);
+  const bound_image direct = bind(plan, frame, IMAGE_DIRECT);
+  const bound_image emission = bind(plan, frame, IMAGE_EMISSION);
+  const argument args[] = {ARG(view),
+                           ARG(plan->buffers[BUFFER_SPLIT]),
+                           ARG(plan->layout.split),
+                           ARG(plan->buffers[BUFFER_HISTORY]),
+                           ARG(plan->layout.planes),
+                           ARG(has_history),
+                           ARG(plan->config.background),
+                           ARG(plan->config.direct_scale),
+                           IMAGE_ARGS(depth),
+                           IMAGE_ARGS(albedo),
+                           IMAGE_ARGS(f0),
+                           IMAGE_ARGS(direct),
+                           IMAGE_ARGS(emission),
+                           ARG(plan->buffers[BUFFER_FLAGS])};
+  hbil_status status = set_flag(chain, HBIL_FLAG_CHANGED, 0);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_RELIGHT, args, (across(plan) + 3) / 4,
+                    plan->config.height, 1);
+  return status == HBIL_SUCCESS ? sum_up(chain, CL_TRUE) : status;
+}
+
 static hbil_status split(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
+  if (is_same(plan, frame))
+    return leave_out(chain);
+  if (is_still(plan, frame))
+    return relight(chain, frame);
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
   const hbil_transform_args to_view = camera_from_world(&frame->camera);
   const cl_int has_history = plan->has_history;
@@ -413,12 +534,12 @@ static hbil_status split(commands *chain, const hbil_frame *frame) {
                            IMAGE_ARGS(albedo),
                            IMAGE_ARGS(f0),
                            IMAGE_ARGS(direct),
-                           IMAGE_ARGS(emission)};
+                           IMAGE_ARGS(emission),
+                           ARG(plan->buffers[BUFFER_USES])};
   const hbil_status status =
       LAUNCH(chain, KERNEL_SPLIT, args, (across(plan) + 3) / 4,
              plan->config.height, 1);
-  return status == HBIL_SUCCESS && plan->layout.estimate ? estimate(chain)
-                                                         : status;
+  return status == HBIL_SUCCESS ? sum_up(chain, CL_FALSE) : status;
 }
 
 /* Fractions of a turn and of a step that frame `index` adds: multiples of the
@@ -464,10 +585,22 @@ static float falloff_slope(const hbil_config *config) {
          config->radius;
 }
 
+/* Length of the ray to the corner that is farthest from the axis. */
+static float longest_ray(const hbil_view_args *v) {
+  const double x = fmax(fabs((double)v->cx), fabs(v->width - (double)v->cx));
+  const double y = fmax(fabs((double)v->cy), fabs(v->height - (double)v->cy));
+  const double rx = x / (double)v->fx, ry = y / (double)v->fy;
+  return (float)sqrt(1.0 + rx * rx + ry * ry);
+}
+
 static hbil_status gather(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
   const hbil_pattern_args pattern = pattern_of(plan, frame, &view);
+  const cl_int still = is_still(plan, frame);
+  if (is_same(plan, frame))
+    return leave_out(chain);
+  plan->may_leave_out[HBIL_PASS_GATHER] = still;
   const hbil_status status = make_pattern(chain, &view, &pattern);
   if (status != HBIL_SUCCESS)
     return status;
@@ -492,20 +625,31 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   gather_args.relative_thickness =
       fminf(plan->config.relative_thickness, 1e30f);
   gather_args.falloff = falloff_slope(&plan->config);
+  gather_args.longest = longest_ray(&view);
+  gather_args.bounds = plan->layout.bounds;
+  gather_args.strips = (cl_uint)plan->layout.strips;
   gather_args.facing[0] = plan->config.facing[0];
   gather_args.facing[1] =
       1.0f / fmaxf(plan->config.facing[1] - plan->config.facing[0], FLT_MIN);
-  const argument args[] = {ARG(gather_args), ARG(plan->buffers[BUFFER_SPLIT]),
+  const argument args[] = {ARG(gather_args),
+                           ARG(plan->buffers[BUFFER_SPLIT]),
                            ARG(plan->buffers[BUFFER_STEPS]),
-                           ARG(plan->buffers[BUFFER_LIGHT])};
-  const size_t width = plan->config.vector_width == 1 ? 1 : (size_t)HBIL_TILE;
-  return LAUNCH(chain, KERNEL_GATHER, args,
-                ((size_t)plan->layout.split.width + width - 1) / width,
+                           ARG(plan->buffers[BUFFER_LIGHT]),
+                           ARG(plan->buffers[BUFFER_BOUNDS]),
+                           ARG(plan->buffers[BUFFER_USES]),
+                           ARG(plan->buffers[BUFFER_STRIPS]),
+                           ARG(plan->buffers[BUFFER_FLAGS]),
+                           ARG(still)};
+  return LAUNCH(chain, KERNEL_GATHER, args, plan->layout.strips,
                 (size_t)plan->layout.split.height, HBIL_LAYERS);
 }
 
 static hbil_status recompose(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
+  const cl_int still = is_still(plan, frame);
+  if (is_same(plan, frame))
+    return leave_out(chain);
+  plan->may_leave_out[HBIL_PASS_RECOMPOSE] = still;
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
   const argument args[] = {ARG(view),
                            ARG(plan->layout.split),
@@ -514,7 +658,9 @@ static hbil_status recompose(commands *chain, const hbil_frame *frame) {
                            ARG(plan->buffers[BUFFER_LIGHT]),
                            ARG(plan->buffers[BUFFER_ESTIMATE]),
                            ARG(plan->buffers[BUFFER_RESOLVED]),
-                           ARG(plan->layout.planes)};
+                           ARG(plan->layout.planes),
+                           ARG(plan->buffers[BUFFER_FLAGS]),
+                           ARG(still)};
   const size_t rows = plan->config.vector_width == 1 ? 1 : 4;
   return LAUNCH(chain, KERNEL_RECOMPOSE, args, (across(plan) + 3) / 4,
                 (plan->config.height + rows - 1) / rows, 1);
@@ -552,6 +698,11 @@ static hbil_status composite(commands *chain, const hbil_frame *frame) {
                            IMAGE_ARGS(image[IMAGE_RADIANCE])};
   const hbil_status status = LAUNCH(chain, KERNEL_COMPOSITE, args, across(plan),
                                     plan->config.height, 1);
+  if (status == HBIL_SUCCESS) {
+    plan->has_last = true;
+    plan->last_camera = frame->camera;
+    plan->last_index = frame->index;
+  }
   if (status == HBIL_SUCCESS && plan->layout.history) {
     plan->has_history = true;
     plan->history_camera = frame->camera;
@@ -613,6 +764,7 @@ static hbil_status enqueue(hbil_plan *plan, cl_command_queue queue,
   chain.events = event || !chain.in_order || plan->config.profiling;
   for (int i = (int)first; i <= (int)last && status == HBIL_SUCCESS; ++i) {
     chain.pass = (hbil_pass)i;
+    plan->left_out[i] = plan->may_leave_out[i] = false;
     status = passes[i].enqueue(&chain, frame);
   }
   if (status == HBIL_SUCCESS)

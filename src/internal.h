@@ -129,12 +129,15 @@ enum {
   BUFFER_HISTORY,
   BUFFER_CARRIED, /* level 0 of the push/pull chain and all coarser ones */
   BUFFER_NEAREST, /* scatter's depths and places */
-  BUFFER_HOLES,   /* one word: whether there is anything to fill */
+  BUFFER_FLAGS,   /* HBIL_FLAG_: what kernels tell later ones */
   BUFFER_SPLIT,
   BUFFER_LIGHT,
   BUFFER_RESOLVED,
   BUFFER_STEPS,
   BUFFER_ESTIMATE, /* the estimate, then its parts */
+  BUFFER_BOUNDS,   /* grids of what is nearest and what shines */
+  BUFFER_USES,     /* where light has a use */
+  BUFFER_STRIPS,   /* what the gather had no need of */
   BUFFER_COUNT
 };
 
@@ -148,6 +151,9 @@ enum {
   KERNEL_PULL,
   KERNEL_CLEAR_LAYERS,
   KERNEL_SPLIT,
+  KERNEL_RELIGHT,
+  KERNEL_BOUND_ROWS,
+  KERNEL_BOUND_CELLS,
   KERNEL_ESTIMATE_PART,
   KERNEL_ESTIMATE_SUM,
   KERNEL_PATTERN,
@@ -157,7 +163,7 @@ enum {
   KERNEL_COUNT
 };
 
-enum { PROGRAM_COUNT = 8 };
+enum { PROGRAM_COUNT = 9 };
 
 /* log2(16384) + 1: levels of the largest push/pull chain. */
 enum { MAX_CHAIN = 15 };
@@ -172,16 +178,20 @@ typedef struct layout {
   hbil_chain_args chain[MAX_CHAIN];
   /* what must be computed; unknown: the share of refused light */
   bool radiance, bent, history, unknown, estimate;
+  cl_uint skip; /* of hbil_config.skip what can come to anything here */
+  hbil_bounds_args bounds;
+  size_t strips;             /* of the gather, in a row of a layer */
   hbil_far_field far_field;  /* NONE where nothing shows it */
   hbil_pattern_args pattern; /* without turn, shift, reach */
 } layout;
 
+/* config.vector_width must not be 0. */
 void layout_compute(const hbil_config *config, layout *out);
 
 /* --- plan.c --- */
 
 /* Most kernel launches in a frame, for the profiling events. */
-enum { MAX_LAUNCHES = 2 * MAX_CHAIN + 16 };
+enum { MAX_LAUNCHES = 2 * MAX_CHAIN + 24 };
 
 struct hbil_plan {
   hbil_context *context;
@@ -192,6 +202,13 @@ struct hbil_plan {
   cl_kernel kernels[KERNEL_COUNT];
   bool has_history;
   hbil_camera history_camera;
+  /* the last frame that was composed */
+  bool has_last;
+  hbil_camera last_camera;
+  cl_uint last_index;
+  /* passes of the frame that is being enqueued: whether the host left them out,
+   * and whether the device may have */
+  bool left_out[HBIL_PASS_COUNT], may_leave_out[HBIL_PASS_COUNT];
   /* what the table of steps was last made for */
   bool has_steps;
   hbil_view_args steps_view;

@@ -31,6 +31,55 @@ static void decide_work(const hbil_config *config, layout *out) {
       out->radiance && config->reprojection != HBIL_REPROJECTION_NONE;
 }
 
+/* Whether all that is asked for is 0 times the irradiance where a surface
+ * reflects nothing diffusely: the pictures with light in them, not the light.
+ * Irradiance that is carried over would reach other surfaces. */
+static bool irradiance_is_hidden(const hbil_config *config, const layout *l) {
+  static const int shown[] = {IMAGE_NEAR, IMAGE_FAR, IMAGE_AO, IMAGE_BENT,
+                              IMAGE_CONE};
+  for (size_t i = 0; i < sizeof shown / sizeof *shown; ++i)
+    if (has(config, shown[i]))
+      return false;
+  /* `indirect` knows nothing of albedo */
+  return !has(config, IMAGE_INDIRECT) &&
+         (has(config, IMAGE_ALBEDO) || has(config, IMAGE_F0)) &&
+         (!l->history || config->feedback == HBIL_FEEDBACK_RADIANCE);
+}
+
+static void decide_skips(const hbil_config *config, layout *out) {
+  out->skip = config->skip;
+  if (!out->radiance)
+    out->skip &= ~(cl_uint)HBIL_SKIP_DARK;
+  if (isinf(config->radius))
+    out->skip &= ~(cl_uint)HBIL_SKIP_RADIUS;
+  if (!irradiance_is_hidden(config, out))
+    out->skip &= ~(cl_uint)HBIL_SKIP_UNUSED;
+}
+
+static hbil_grid_args grid(size_t *end, cl_int width, cl_int height) {
+  const hbil_grid_args g = {(cl_uint)*end, width, height};
+  *end += 2 * (size_t)width * (size_t)height;
+  return g;
+}
+
+static cl_int divided_up(cl_int n, cl_int by) {
+  return (n + by - 1) / by;
+}
+
+/* Returns the words of all grids. */
+static size_t lay_out_bounds(const hbil_layer_args *layers,
+                             hbil_bounds_args *out) {
+  size_t end = 0;
+  const cl_int across = divided_up(layers->width, HBIL_CELL);
+  const cl_int down = divided_up(layers->height, HBIL_CELL);
+  out->row = grid(&end, across, layers->height);
+  out->cell = grid(&end, across, down);
+  out->block =
+      grid(&end, divided_up(across, HBIL_BLOCK), divided_up(down, HBIL_BLOCK));
+  out->whole = grid(&end, 1, 1);
+  return end;
+}
+
 /* Rows of full-resolution planes are padded to whole groups of 4 of the widest
  * vectors, so that kernels may work past the right edge. */
 static void lay_out_planes(const hbil_config *config, layout *out) {
@@ -100,6 +149,7 @@ static cl_uint gathered_planes(const hbil_config *config, const layout *l) {
 void layout_compute(const hbil_config *config, layout *out) {
   memset(out, 0, sizeof *out);
   decide_work(config, out);
+  decide_skips(config, out);
   lay_out_planes(config, out);
   const size_t chain = lay_out_chain(config, out);
   const size_t real = sizeof(cl_float);
@@ -107,7 +157,6 @@ void layout_compute(const hbil_config *config, layout *out) {
   if (out->history) {
     out->bytes[BUFFER_HISTORY] = HBIL_HISTORY_PLANES * real * out->planes.plane;
     out->bytes[BUFFER_CARRIED] = chain * real;
-    out->bytes[BUFFER_HOLES] = sizeof(cl_uint);
     if (config->reprojection == HBIL_REPROJECTION_SCATTER)
       out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;
   }
@@ -119,6 +168,18 @@ void layout_compute(const hbil_config *config, layout *out) {
   if (out->estimate)
     out->bytes[BUFFER_ESTIMATE] =
         HBIL_ESTIMATE_SIZE * (1 + HBIL_ESTIMATE_PARTS) * real;
+  out->bytes[BUFFER_FLAGS] = HBIL_FLAGS * sizeof(cl_uint);
+  if (out->skip & (HBIL_SKIP_OPEN | HBIL_SKIP_DARK))
+    out->bytes[BUFFER_BOUNDS] =
+        sizeof(cl_uint) * lay_out_bounds(&out->split, &out->bounds);
+  const size_t width = config->vector_width;
+  if (out->skip & HBIL_SKIP_UNUSED)
+    out->bytes[BUFFER_USES] = sizeof(cl_uint) * config->height *
+                              ((config->width + 4 * width - 1) / (4 * width));
+  const size_t strip = width == 1 ? 1 : HBIL_TILE;
+  out->strips = ((size_t)out->split.width + strip - 1) / strip;
+  out->bytes[BUFFER_STRIPS] =
+      2 * out->strips * (size_t)out->split.height * HBIL_LAYERS;
   out->pattern.slices = (cl_int)config->slices;
   out->pattern.samples = (cl_int)config->samples;
   out->pattern.levels = isinf(config->radius) ? 1 : HBIL_MAX_LEVELS;

@@ -67,6 +67,17 @@ static void write_defines(const hbil_plan *plan, text *t) {
   add(t, " -DPACKED=%d", c->storage == HBIL_STORAGE_PACKED);
   add(t, " -DREFUSED_FRAME=%d -DHBAO=%d", plan->layout.unknown,
       c->mode == HBIL_MODE_HBAO);
+  static const struct {
+    const char *name;
+    cl_uint bit;
+  } skips[] = {{"SKY", HBIL_SKIP_SKY},
+               {"OPEN", HBIL_SKIP_OPEN},
+               {"DARK", HBIL_SKIP_DARK},
+               {"UNUSED", HBIL_SKIP_UNUSED},
+               {"RADIUS", HBIL_SKIP_RADIUS}};
+  for (size_t i = 0; i < sizeof skips / sizeof *skips; ++i)
+    add(t, " -DSKIP_%s=%d", skips[i].name,
+        (plan->layout.skip & skips[i].bit) != 0);
   add(t, " -DGATHER_RADIANCE=%d -DGATHER_BENT=%d -DHISTORY=%d",
       plan->layout.radiance, plan->layout.bent, plan->layout.history);
 }
@@ -82,6 +93,7 @@ enum {
   PROGRAM_REPROJECT,
   PROGRAM_PUSH_PULL,
   PROGRAM_SPLIT,
+  PROGRAM_BOUNDS,
   PROGRAM_ESTIMATE,
   PROGRAM_PATTERN,
   PROGRAM_GATHER,
@@ -93,6 +105,7 @@ static const pass_program programs[PROGRAM_COUNT] = {
     [PROGRAM_REPROJECT] = {"reproject", false},
     [PROGRAM_PUSH_PULL] = {"push_pull", false},
     [PROGRAM_SPLIT] = {"split", false},
+    [PROGRAM_BOUNDS] = {"bounds", false},
     [PROGRAM_ESTIMATE] = {"estimate", false},
     [PROGRAM_PATTERN] = {"pattern", false},
     [PROGRAM_GATHER] = {"gather", true},
@@ -113,6 +126,9 @@ static const struct {
     [KERNEL_PULL] = {"pull", PROGRAM_PUSH_PULL},
     [KERNEL_CLEAR_LAYERS] = {"clear_layers", PROGRAM_SPLIT},
     [KERNEL_SPLIT] = {"split", PROGRAM_SPLIT},
+    [KERNEL_RELIGHT] = {"relight", PROGRAM_SPLIT},
+    [KERNEL_BOUND_ROWS] = {"bound_rows", PROGRAM_BOUNDS},
+    [KERNEL_BOUND_CELLS] = {"bound_cells", PROGRAM_BOUNDS},
     [KERNEL_ESTIMATE_PART] = {"estimate_part", PROGRAM_ESTIMATE},
     [KERNEL_ESTIMATE_SUM] = {"estimate_sum", PROGRAM_ESTIMATE},
     [KERNEL_PATTERN] = {"make_pattern", PROGRAM_PATTERN},
@@ -124,6 +140,8 @@ static const struct {
 static bool program_needed(const hbil_plan *plan, int program) {
   if (program == PROGRAM_ESTIMATE)
     return plan->layout.estimate;
+  if (program == PROGRAM_BOUNDS)
+    return plan->layout.bytes[BUFFER_BOUNDS] > 0;
   return plan->layout.history ||
          (program != PROGRAM_REPROJECT && program != PROGRAM_PUSH_PULL);
 }
@@ -132,6 +150,8 @@ static bool kernel_needed(const hbil_plan *plan, int kernel) {
   const bool motion = plan->config.reprojection == HBIL_REPROJECTION_MOTION;
   if (kernel == KERNEL_FOLLOW_MOTION)
     return plan->layout.history && motion;
+  if (kernel == KERNEL_RELIGHT)
+    return plan->layout.history && plan->layout.skip & HBIL_SKIP_STILL;
   if (kernel <= KERNEL_SCATTER_FETCH)
     return plan->layout.history && !motion;
   return program_needed(plan, kernels[kernel].program);
@@ -232,6 +252,15 @@ static hbil_status fill_padding(hbil_plan *plan) {
 
 /* --- public --- */
 
+/* config with the width that is chosen for the device where it has none. */
+static hbil_config with_width(const hbil_context *context,
+                              const hbil_config *config) {
+  hbil_config resolved = *config;
+  if (!resolved.vector_width)
+    resolved.vector_width = context->vector_width;
+  return resolved;
+}
+
 hbil_status hbil_plan_memory(hbil_context *context, const hbil_config *config,
                              size_t *bytes) {
   layout sizes;
@@ -240,7 +269,8 @@ hbil_status hbil_plan_memory(hbil_context *context, const hbil_config *config,
   const hbil_status status = config_check(context, config);
   if (status != HBIL_SUCCESS)
     return status;
-  layout_compute(config, &sizes);
+  const hbil_config resolved = with_width(context, config);
+  layout_compute(&resolved, &sizes);
   *bytes = 0;
   for (int i = 0; i < BUFFER_COUNT; ++i)
     *bytes += sizes.bytes[i];
@@ -260,10 +290,8 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
   if (!plan)
     return fail(context, HBIL_OUT_OF_HOST_MEMORY, "no memory for a plan");
   plan->context = context;
-  plan->config = *config;
-  if (!plan->config.vector_width)
-    plan->config.vector_width = context->vector_width;
-  layout_compute(config, &plan->layout);
+  plan->config = with_width(context, config);
+  layout_compute(&plan->config, &plan->layout);
   if ((status = build_kernels(plan)) != HBIL_SUCCESS ||
       (status = allocate(plan)) != HBIL_SUCCESS ||
       (status = fill_padding(plan)) != HBIL_SUCCESS) {
@@ -293,7 +321,7 @@ void hbil_plan_destroy(hbil_plan *plan) {
 
 void hbil_plan_reset(hbil_plan *plan) {
   if (plan)
-    plan->has_history = false;
+    plan->has_history = plan->has_last = false;
 }
 
 hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,

@@ -66,6 +66,7 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .feedback = HBIL_FEEDBACK_IRRADIANCE,
       .disocclusion = 0.05f,
       .far_field = HBIL_FAR_NONE,
+      .skip = HBIL_SKIP_ALL,
   };
   if (config && struct_size == sizeof defaults)
     *config = defaults;
@@ -242,6 +243,7 @@ hbil_status config_check(hbil_context *context, const hbil_config *config) {
       {"feedback", (double)config->feedback, 0, HBIL_FEEDBACK_RADIANCE},
       {"far_field", (double)config->far_field, 0, HBIL_FAR_FRAME},
       {"raw_interleave", config->raw_interleave, 0, 1},
+      {"skip", config->skip, 0, HBIL_SKIP_ALL},
       {"storage", (double)config->storage, 0, HBIL_STORAGE_FLOAT32},
       {"profiling", config->profiling, 0, 1},
   };

@@ -248,6 +248,34 @@ typedef enum hbil_storage {
   HBIL_STORAGE_FLOAT32 = 1
 } hbil_storage;
 
+/*
+ * Work that cannot change a result, and is left out; hbil_config.skip is a sum
+ * of these.  Whether there is such work is found out on the device, by the
+ * frame itself: nothing is read back for it.  Results are the same bits with
+ * and without, up to what is said here.
+ */
+typedef enum hbil_skip {
+  /* gather: strips of pixels that are all sky */
+  HBIL_SKIP_SKY = 1,
+  /* gather: strips where nothing in reach stands above any tangent plane, by
+   * bounds over cells of 64x64 pixels */
+  HBIL_SKIP_OPEN = 2,
+  /* gather: the light of samples that have none */
+  HBIL_SKIP_DARK = 4,
+  /* gather: surfaces whose irradiance nothing that is asked for shows, because
+   * they reflect none of it (albedo 0, F0 1).  Only where `radiance` is the one
+   * output, and no irradiance is carried over: with HBIL_REPROJECTION_NONE or
+   * HBIL_FEEDBACK_RADIANCE.  The GATHERED and RESOLVED stages do differ. */
+  HBIL_SKIP_UNUSED = 8,
+  /* gather: samples that must be farther than the radius */
+  HBIL_SKIP_RADIUS = 16,
+  /* push_pull, where nothing is to be filled */
+  HBIL_SKIP_HOLES = 32,
+  /* all passes of frames with hbil_frame.still */
+  HBIL_SKIP_STILL = 64,
+  HBIL_SKIP_ALL = 127
+} hbil_skip;
+
 typedef struct hbil_config {
   size_t struct_size; /* set by hbil_config_init() */
 
@@ -321,6 +349,7 @@ typedef struct hbil_config {
 
   /* How it runs. */
   hbil_storage storage; /* default PACKED */
+  cl_uint skip;         /* of hbil_skip; default ALL */
   cl_uint vector_width; /* 1, 4, 8, 16; 0 (default): chosen for the device */
   cl_bool profiling; /* keep events for hbil_plan_timings(); needs queues made
                         with CL_QUEUE_PROFILING_ENABLE; default CL_FALSE */
@@ -386,6 +415,12 @@ typedef struct hbil_frame {
    * order (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2). */
   float environment[9][3];
   cl_uint index; /* turns the sampling pattern; constant for a still pattern */
+  /* CL_TRUE: the camera, the contents of all inputs, environment and index are
+   * those of the plan's last frame (this is checked of camera and index).  Then
+   * nothing is reprojected or split again but the light, and where that has
+   * settled, bit for bit, nothing is gathered or filtered: outputs are written
+   * from what there is.  Ignored in a plan's first frame. */
+  cl_bool still;
 } hbil_frame;
 
 /* Everything zero: no images, no far light, an invalid camera. */
@@ -546,6 +581,28 @@ HBIL_API const char *hbil_pass_name(hbil_pass pass);
  * config.profiling and a queue with profiling. */
 HBIL_API hbil_status hbil_plan_timings(hbil_plan *plan,
                                        double milliseconds[HBIL_PASS_COUNT]);
+
+/* What the last frame left out (hbil_skip). */
+typedef struct hbil_share {
+  size_t pixels, strips;
+} hbil_share;
+typedef struct hbil_skipped {
+  hbil_share all; /* of the picture; a strip is what a work-item of the gather
+                     takes together: up to 32 pixels of a layer's row */
+  /* What the gather had no need of; pixels and strips outside the picture are
+   * not counted.  All 0 where the gather itself did not run. */
+  hbil_share sky;    /* pixels of sky; strips of nothing else */
+  hbil_share open;   /* nothing there can be blocked */
+  hbil_share dark;   /* no light is in reach: AO and bent normals alone */
+  hbil_share unused; /* no irradiance is asked for */
+  /* passes that had nothing to do, or found on the device that they had not */
+  cl_bool not_run[HBIL_PASS_COUNT];
+} hbil_skipped;
+
+/* Reads them; waits for all that is in `queue`, which must be the one that the
+ * frame was enqueued to. */
+HBIL_API hbil_status hbil_plan_skipped(hbil_plan *plan, cl_command_queue queue,
+                                       hbil_skipped *out);
 
 #ifdef __cplusplus
 }
