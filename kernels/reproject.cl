@@ -1,15 +1,18 @@
 /*
  * reproject: the light of the last frame, seen from this one.
  *
- * Scatter (paper 3.2) in three kernels.  Every point of the last frame is
- * projected into this one; atomic_min on the bits of the (positive) depth finds
- * the nearest at each pixel, a second atomic_min the smallest source index
- * among those, and one reader per pixel fetches the colour: the same result on
- * every run and device, with 32-bit atomics alone.
+ * Scatter (paper 3.2).  Every point of the last frame is projected into this
+ * one; at each pixel the nearest wins, of equally near ones the smallest
+ * source, and one reader per pixel fetches the colour: the same result on every
+ * run and device.  The bits of positive depths are in the order of the depths,
+ * so with 64-bit atomics depth and source are one key, and one kernel finds the
+ * smallest.  Without them there are two: atomic_min on the depths, then on the
+ * sources among those that match.
  * Motion: every pixel fetches four pixels of the last frame where its motion
  * vector points, those at the depth it expects.
  *
- * Builds: REPROJECT_MOTION, DEPTH_*, MOTION_*, DISOCCLUSION (finite).
+ * Builds: REPROJECT_MOTION, SCATTER_KEYS (64-bit atomics), DEPTH_*, MOTION_*,
+ * DISOCCLUSION (finite).
  * Launch: x = vectors of HBIL_WIDTH pixels, y = rows.
  * In: history planes (hbil_shared.h).  Out: carried planes, weight 1 or 0.
  * All arithmetic is fp32 with the roundings written here.
@@ -65,13 +68,65 @@ static inline intv target_of(const hbil_view_args from, const hbil_view_args to,
 #define STORE_INTV(v, p) HBIL_PASTE(vstore, HBIL_WIDTH)((v), 0, (p))
 #endif
 
-/* nearest: first all depths, then all sources, as places in the planes, which
- * are in the order of the pixels; filled with NO_SOURCE. */
+/* nearest: filled with ones.  Sources are places in the planes, which are in
+ * the order of the pixels. */
+
+#if SCATTER_KEYS
+
+#pragma OPENCL EXTENSION cl_khr_int64_extended_atomics : enable
+
+/* Keys: a depth above its source. */
+typedef ulong scatter_word;
+#define NO_KEY 0xffffffffffffffffUL
+
+kernel void scatter_keys(const hbil_view_args from, const hbil_view_args to,
+                         const hbil_transform_args motion,
+                         global const float *history,
+                         const hbil_plane_args planes,
+                         volatile global scatter_word *nearest) {
+  const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
+  if (x >= from.width || y >= from.height)
+    return;
+  const uint source = (uint)y * planes.row + (uint)x;
+  realv depth;
+  int target[HBIL_WIDTH];
+  float z[HBIL_WIDTH];
+  STORE_INTV(target_of(from, to, motion, history, planes, x, y, &depth),
+             target);
+  STOREV(depth, z);
+  for (int i = 0; i < HBIL_WIDTH; ++i)
+    if (target[i] >= 0)
+      atom_min(nearest + target[i], upsample(as_uint(z[i]), source + (uint)i));
+}
+
+/* Who has won at the pixels from `at` on, and how far away; NO_SOURCE: nobody,
+ * and right of the image. */
+static inline uintv winners(global const scatter_word *nearest, uint pixels,
+                            uint at, int count, realv *depth) {
+  HBIL_PASTE(ulong, HBIL_WIDTH) key;
+  (void)pixels;
+  if (count >= HBIL_WIDTH) {
+    key = LOAD_UINTV(nearest + at);
+  } else {
+    scatter_word lane[HBIL_WIDTH];
+    for (int i = 0; i < HBIL_WIDTH; ++i)
+      lane[i] = i < count ? nearest[at + (uint)i] : NO_KEY;
+    key = LOAD_UINTV(lane);
+  }
+  *depth = AS_REALV(AS_INTV(HBIL_PASTE(convert_uint, HBIL_WIDTH)(key >> 32)));
+  return HBIL_PASTE(convert_uint, HBIL_WIDTH)(key & NO_SOURCE);
+}
+
+#else
+
+/* First all depths, then all sources. */
+typedef uint scatter_word;
+
 kernel void scatter_depth(const hbil_view_args from, const hbil_view_args to,
                           const hbil_transform_args motion,
                           global const float *history,
                           const hbil_plane_args planes,
-                          volatile global uint *nearest) {
+                          volatile global scatter_word *nearest) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= from.width || y >= from.height)
     return;
@@ -90,7 +145,7 @@ kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
                           const hbil_transform_args motion,
                           global const float *history,
                           const hbil_plane_args planes,
-                          volatile global uint *nearest) {
+                          volatile global scatter_word *nearest) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= from.width || y >= from.height)
     return;
@@ -107,9 +162,27 @@ kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
                  (uint)y * planes.row + (uint)(x + i));
 }
 
+static inline uintv winners(global const scatter_word *nearest, uint pixels,
+                            uint at, int count, realv *depth) {
+  if (count >= HBIL_WIDTH) {
+    *depth = AS_REALV(AS_INTV(LOAD_UINTV(nearest + at)));
+    return LOAD_UINTV(nearest + pixels + at);
+  }
+  uint place[HBIL_WIDTH];
+  float z[HBIL_WIDTH];
+  for (int i = 0; i < HBIL_WIDTH; ++i) {
+    place[i] = i < count ? nearest[pixels + at + (uint)i] : NO_SOURCE;
+    z[i] = i < count ? as_float(nearest[at + (uint)i]) : 0.0f;
+  }
+  *depth = LOADV(z);
+  return LOAD_UINTV(place);
+}
+
+#endif
+
 kernel void scatter_fetch(const hbil_view_args to, global const float *history,
                           global float *carried, const hbil_plane_args planes,
-                          global const uint *nearest,
+                          global const scatter_word *nearest,
                           global const void *depth_buffer,
                           const hbil_image_args depth_image,
                           const float background, const float disocclusion) {
@@ -117,26 +190,13 @@ kernel void scatter_fetch(const hbil_view_args to, global const float *history,
   if (x >= to.width || y >= to.height)
     return;
   const int count = to.width - x;
-  const uint pixels = (uint)to.width * (uint)to.height;
-  const uint at = (uint)y * (uint)to.width + (uint)x;
   const realv here =
       planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count),
                    ray_x(to, x, 1), ray_y(to, y), background);
-  uintv source = NO_SOURCE;
-  realv depth = 0.0f;
-  if (count >= HBIL_WIDTH) {
-    source = LOAD_UINTV(nearest + pixels + at);
-    depth = AS_REALV(AS_INTV(LOAD_UINTV(nearest + at)));
-  } else {
-    uint place[HBIL_WIDTH];
-    float z[HBIL_WIDTH];
-    for (int i = 0; i < HBIL_WIDTH; ++i) {
-      place[i] = i < count ? nearest[pixels + at + (uint)i] : NO_SOURCE;
-      z[i] = i < count ? as_float(nearest[at + (uint)i]) : 0.0f;
-    }
-    source = LOAD_UINTV(place);
-    depth = LOADV(z);
-  }
+  realv depth;
+  const uintv source =
+      winners(nearest, (uint)to.width * (uint)to.height,
+              (uint)y * (uint)to.width + (uint)x, count, &depth);
   intv carried_over = (source != NO_SOURCE) & (here > 0.0f);
 #if DISOCCLUSION
   carried_over &= fabs(depth - here) <= disocclusion * here;

@@ -60,6 +60,7 @@ static void write_defines(const hbil_plan *plan, text *t) {
   add(t, " -DGATHER_EMISSION=%d -DFEEDBACK_RADIANCE=%d -DREPROJECT_MOTION=%d",
       c->gather_emission != 0, c->feedback == HBIL_FEEDBACK_RADIANCE,
       c->reprojection == HBIL_REPROJECTION_MOTION);
+  add(t, " -DSCATTER_KEYS=%d", plan->scatter_keys);
   add(t, " -DDISOCCLUSION=%d -DFAR=%d", !isinf(c->disocclusion),
       (int)plan->layout.far_field);
   add(t, " -DFINITE=%d",
@@ -104,6 +105,7 @@ static const struct {
   const char *name;
   int program;
 } kernels[KERNEL_COUNT] = {
+    [KERNEL_SCATTER_KEYS] = {"scatter_keys", PROGRAM_REPROJECT},
     [KERNEL_SCATTER_DEPTH] = {"scatter_depth", PROGRAM_REPROJECT},
     [KERNEL_SCATTER_INDEX] = {"scatter_index", PROGRAM_REPROJECT},
     [KERNEL_SCATTER_FETCH] = {"scatter_fetch", PROGRAM_REPROJECT},
@@ -132,9 +134,13 @@ static bool kernel_needed(const hbil_plan *plan, int kernel) {
   const bool motion = plan->config.reprojection == HBIL_REPROJECTION_MOTION;
   if (kernel == KERNEL_FOLLOW_MOTION)
     return plan->layout.history && motion;
-  if (kernel <= KERNEL_SCATTER_FETCH)
-    return plan->layout.history && !motion;
-  return program_needed(plan, kernels[kernel].program);
+  if (kernel > KERNEL_SCATTER_FETCH)
+    return program_needed(plan, kernels[kernel].program);
+  if (!plan->layout.history || motion)
+    return false;
+  if (kernel == KERNEL_SCATTER_FETCH)
+    return true;
+  return plan->scatter_keys == (kernel == KERNEL_SCATTER_KEYS);
 }
 
 static hbil_status build_kernels(hbil_plan *plan) {
@@ -263,6 +269,7 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
   plan->config = *config;
   if (!plan->config.vector_width)
     plan->config.vector_width = context->vector_width;
+  plan->scatter_keys = context->wide_atomics && plan->config.vector_width > 1;
   layout_compute(config, &plan->layout);
   if ((status = build_kernels(plan)) != HBIL_SUCCESS ||
       (status = allocate(plan)) != HBIL_SUCCESS ||
