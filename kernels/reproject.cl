@@ -25,6 +25,22 @@ static inline realv row_of(const hbil_transform_args t, int row, realv x,
                  fma((realv)t.m[4 * row + 2], z, (realv)t.m[4 * row + 3])));
 }
 
+#if HBIL_WIDTH == 1
+#define STORE_INTV(v, p) (*(p) = (v))
+#define LOAD_UINTV(p) (*(p))
+#else
+#define LOAD_UINTV(p) HBIL_PASTE(vload, HBIL_WIDTH)(0, (p))
+#define STORE_INTV(v, p) HBIL_PASTE(vstore, HBIL_WIDTH)((v), 0, (p))
+#endif
+
+/*
+ * Where the picture moves, neighbours have come from neighbours: the sources of
+ * a vector are a few runs.  A run's lanes have the same `begin`, their source
+ * less their number, so that one load from there serves them all.  NO_RUN: no
+ * source.  The history may be read a row and a vector beyond its planes.
+ */
+#define NO_RUN (-0x7fffffff)
+
 #if !REPROJECT_MOTION
 
 #define NO_SOURCE 0xffffffffu
@@ -36,7 +52,8 @@ static inline intv target_of(const hbil_view_args from, const hbil_view_args to,
                              global const float *history,
                              const hbil_plane_args planes, int x, int y,
                              realv *depth) {
-  realv w = LOADV(history + (uint)y * planes.row + (uint)x);
+  realv w = LOADV(history + hbil_history_origin(planes) + (uint)y * planes.row +
+                  (uint)x);
   realv z = 1.0f / w;
   realv px = ray_x(from, x, 1) * z, py = ray_y(from, y) * z;
   realv qz = row_of(motion, 2, px, py, z);
@@ -59,14 +76,6 @@ static inline intv target_of(const hbil_view_args from, const hbil_view_args to,
                 inside);
 #endif
 }
-
-#if HBIL_WIDTH == 1
-#define STORE_INTV(v, p) (*(p) = (v))
-#define LOAD_UINTV(p) (*(p))
-#else
-#define LOAD_UINTV(p) HBIL_PASTE(vload, HBIL_WIDTH)(0, (p))
-#define STORE_INTV(v, p) HBIL_PASTE(vstore, HBIL_WIDTH)((v), 0, (p))
-#endif
 
 /* nearest: filled with ones.  Sources are places in the planes, which are in
  * the order of the pixels. */
@@ -201,81 +210,97 @@ kernel void scatter_fetch(const hbil_view_args to, global const float *history,
 #if DISOCCLUSION
   carried_over &= fabs(depth - here) <= disocclusion * here;
 #endif
-  history += HBIL_HISTORY_RED * planes.plane;
-  carried += (uint)y * planes.row + (uint)x;
-  uint from[HBIL_WIDTH];
-  STORE_INTV(AS_INTV(source), (int *)from);
-  /* Where the picture only moves, neighbours have come from neighbours. */
-  const bool together = !ANY(source != from[0] + AS_UINTV((intv)EACH_LANE)) &&
-                        from[0] != NO_SOURCE;
+  history += hbil_history_origin(planes) + HBIL_HISTORY_RED * planes.plane;
+  const intv begin =
+      select((intv)NO_RUN, AS_INTV(source) - EACH_LANE, carried_over);
+  int start[HBIL_WIDTH];
+  STORE_INTV(begin, start);
+  const int first = start[0] == NO_RUN ? 0 : start[0];
+  realv light[3];
 #pragma unroll
-  for (int c = 0; c < 3; ++c) {
-    realv light = 0.0f;
-    if (together) {
-      light = LOADV(history + c * planes.plane + from[0]);
-    } else if (ANY(carried_over)) {
-      float lane[HBIL_WIDTH];
-      for (int i = 0; i < HBIL_WIDTH; ++i)
-        lane[i] =
-            from[i] != NO_SOURCE ? history[c * planes.plane + from[i]] : 0.0f;
-      light = LOADV(lane);
-    }
-    STOREV(select((realv)0.0f, light, carried_over),
-           carried + c * planes.plane);
+  for (int c = 0; c < 3; ++c)
+    light[c] = LOADV(history + c * (int)planes.plane + first);
+  intv todo = carried_over & (begin != first);
+  for (int i = 1; ANY(todo); ++i) {
+    if (start[i] == NO_RUN || start[i] == start[i - 1])
+      continue;
+    const intv run = begin == start[i];
+    todo &= begin != start[i];
+#pragma unroll
+    for (int c = 0; c < 3; ++c)
+      light[c] = select(light[c],
+                        LOADV(history + c * (int)planes.plane + start[i]), run);
   }
+  carried += (uint)y * planes.row + (uint)x;
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    STOREV(select((realv)0.0f, light[c], carried_over),
+           carried + c * planes.plane);
   STOREV(select((realv)0.0f, (realv)1.0f, carried_over),
          carried + HBIL_CARRIED_WEIGHT * planes.plane);
 }
 
 #else
 
-/* One of the four pixels around the place the motion vector points to. */
-static inline void add_tap(global const float *history,
-                           const hbil_plane_args planes, int width, int height,
-                           int x, int y, float weight, float depth,
-                           float disocclusion, float *sum, float *total) {
-  if (x < 0 || y < 0 || x >= width || y >= height)
-    return;
-  history += (uint)y * planes.row + (uint)x;
-  if (!(history[0] > 0.0f))
-    return;
-#if DISOCCLUSION
-  if (!(fabs(1.0f / history[0] - depth) <= disocclusion * depth))
-    return;
-#endif
-  *total += weight;
-  for (int c = 0; c < 3; ++c)
-    sum[c] =
-        fma(weight, history[(HBIL_HISTORY_RED + c) * planes.plane], sum[c]);
+/* A float's integer, rounded down; PoCL's floor() is many instructions. */
+static inline intv integer_below(realv v) {
+  const intv toward_0 = TO_INTV(v);
+  return toward_0 + LANE_MASK(v < TO_REALV(toward_0));
 }
 
-/* The same of a whole vector of pixels whose places are neighbours, from
- * `history` on, none outside the picture. */
-static inline void add_taps(global const float *history,
-                            const hbil_plane_args planes, realv weight,
-                            realv depth, float disocclusion, realv sum[3],
-                            realv *total) {
-  const realv w = LOADV(history);
-  intv valid = w > 0.0f;
-#if DISOCCLUSION
-  valid &= fabs(1.0f / w - depth) <= disocclusion * depth;
-#endif
-  *total = select(*total, *total + weight, valid);
-#pragma unroll
-  for (int c = 0; c < 3; ++c)
-    sum[c] = select(sum[c],
-                    fma(weight,
-                        LOADV(history + (HBIL_HISTORY_RED + c) * planes.plane),
-                        sum[c]),
-                    valid);
-}
-
-static inline realv row_start(realv v) {
+static inline int first_lane(intv v) {
 #if HBIL_WIDTH == 1
   return v;
 #else
   return v.s0;
 #endif
+}
+
+/* The four pixels around a run's places, of all planes. */
+static inline void load_taps(global const float *history,
+                             const hbil_plane_args planes, int start,
+                             realv tap[4][HBIL_HISTORY_PLANES]) {
+  history += start;
+#pragma unroll
+  for (int t = 0; t < 4; ++t)
+#pragma unroll
+    for (int p = 0; p < HBIL_HISTORY_PLANES; ++p)
+      tap[t][p] = LOADV(history + (uint)(t >> 1) * planes.row + (uint)(t & 1) +
+                        (uint)p * planes.plane);
+}
+
+/* The mean light of those of the four pixels that are allowed and at the depth
+ * that is expected; returns their weight, 0 where there are none.
+ *   |1/w - depth| <= disocclusion depth  without its division */
+static inline realv blend(realv tap[4][HBIL_HISTORY_PLANES],
+                          const realv weight[4], const intv allowed[4],
+                          realv depth, float disocclusion, realv light[3]) {
+  const realv off = disocclusion * depth;
+  realv total = 0.0f;
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    light[c] = 0.0f;
+#pragma unroll
+  for (int t = 0; t < 4; ++t) {
+#if DISOCCLUSION
+    const realv w = tap[t][HBIL_HISTORY_W];
+    const intv counts =
+        allowed[t] & (fabs(fma(w, depth, (realv)-1.0f)) <= w * off);
+#else
+    const intv counts = allowed[t] & (tap[t][HBIL_HISTORY_W] > 0.0f);
+#endif
+    total = select(total, total + weight[t], counts);
+#pragma unroll
+    for (int c = 0; c < 3; ++c)
+      light[c] = select(light[c],
+                        fma(weight[t], tap[t][HBIL_HISTORY_RED + c], light[c]),
+                        counts);
+  }
+  const realv inv_total = 1.0f / total;
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    light[c] *= inv_total;
+  return total;
 }
 
 /* motion: from this view to the last frame's. */
@@ -305,60 +330,59 @@ kernel void follow_motion(
   const intv inside = (z > 0.0f) & (depth > 0.0f) & (u > -1.0f) &
                       (u < (float)view.width) & (v > -1.0f) &
                       (v < (float)view.height);
-  const realv left = floor(u), top = floor(v);
-  const realv a = u - left, b = v - top;
+  /* Out-of-range floats must not reach the conversion. */
+  const intv left = integer_below(select((realv)0.0f, u, inside));
+  const intv top = integer_below(select((realv)0.0f, v, inside));
+  const realv a = u - TO_REALV(left), b = v - TO_REALV(top);
   const realv weight[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b),
                            (1.0f - a) * b, a * b};
-  realv sum[3] = {0.0f, 0.0f, 0.0f}, total = 0.0f;
-  /* Where the picture only moves, and by nearly the same everywhere here, the
-   * places are neighbours too. */
-  const realv first = row_start(left), row = row_start(top);
-  const intv together = inside & (left == first + TO_REALV((intv)EACH_LANE)) &
-                        (top == row) & (first >= 0.0f) & (row >= 0.0f) &
-                        (first + (float)(HBIL_WIDTH + 1) <= (float)view.width) &
-                        (row + 2.0f <= (float)view.height);
-  if (!ANY(!together)) {
-    float lane[HBIL_WIDTH];
-    STOREV(left, lane);
-    const int at_x = convert_int(lane[0]);
-    STOREV(top, lane);
-    history += (uint)convert_int(lane[0]) * planes.row + (uint)at_x;
-#pragma unroll
-    for (int t = 0; t < 4; ++t)
-      add_taps(history + (uint)(t >> 1) * planes.row + (uint)(t & 1), planes,
-               weight[t], depth, disocclusion, sum, &total);
+  history += hbil_history_origin(planes);
+  const intv begin =
+      select((intv)NO_RUN, top * (int)planes.row + left - EACH_LANE, inside);
+  /* Where neighbours have come from neighbours, and not from the border, which
+   * is nearly everywhere. */
+  const int first = first_lane(begin);
+  const bool together = first_lane(left) >= 0 && first_lane(top) >= 0 &&
+                        first_lane(left) + HBIL_WIDTH < view.width &&
+                        first_lane(top) + 1 < view.height &&
+                        !ANY(begin != first) && first != NO_RUN;
+  realv light[3], total;
+  if (together) {
+    realv tap[4][HBIL_HISTORY_PLANES];
+    const intv yes = EACH_LANE >= 0;
+    const intv all[4] = {yes, yes, yes, yes};
+    load_taps(history, planes, first, tap);
+    total = blend(tap, weight, all, depth, disocclusion, light);
   } else {
-    float lane_depth[HBIL_WIDTH], lane_sum[3][HBIL_WIDTH], at_x[HBIL_WIDTH];
-    float at_y[HBIL_WIDTH], lane_weight[4][HBIL_WIDTH], lane_total[HBIL_WIDTH];
-    /* Out-of-range floats must not reach the conversion. */
-    STOREV(select((realv)-9.0f, left, inside), at_x);
-    STOREV(select((realv)-9.0f, top, inside), at_y);
-    STOREV(depth, lane_depth);
+    realv tap[4][HBIL_HISTORY_PLANES];
+    int start[HBIL_WIDTH];
+    STORE_INTV(begin, start);
+    load_taps(history, planes, first == NO_RUN ? 0 : first, tap);
+    intv todo = inside & (begin != first);
+    for (int i = 1; ANY(todo); ++i) {
+      if (start[i] == NO_RUN || start[i] == start[i - 1])
+        continue;
+      const intv run = begin == start[i];
+      todo &= begin != start[i];
+      realv other[4][HBIL_HISTORY_PLANES];
+      load_taps(history, planes, start[i], other);
 #pragma unroll
-    for (int t = 0; t < 4; ++t)
-      STOREV(weight[t], lane_weight[t]);
-    for (int i = 0; i < HBIL_WIDTH; ++i) {
-      float one[3] = {0.0f, 0.0f, 0.0f};
-      lane_total[i] = 0.0f;
       for (int t = 0; t < 4; ++t)
-        add_tap(history, planes, view.width, view.height,
-                convert_int(at_x[i]) + (t & 1), convert_int(at_y[i]) + (t >> 1),
-                lane_weight[t][i], lane_depth[i], disocclusion, one,
-                &lane_total[i]);
-      for (int c = 0; c < 3; ++c)
-        lane_sum[c][i] = one[c];
-    }
 #pragma unroll
-    for (int c = 0; c < 3; ++c)
-      sum[c] = LOADV(lane_sum[c]);
-    total = LOADV(lane_total);
+        for (int p = 0; p < HBIL_HISTORY_PLANES; ++p)
+          tap[t][p] = select(tap[t][p], other[t][p], run);
+    }
+    const intv column[2] = {left >= 0, left + 1 < view.width};
+    const intv row[2] = {inside & (top >= 0), inside & (top + 1 < view.height)};
+    const intv allowed[4] = {row[0] & column[0], row[0] & column[1],
+                             row[1] & column[0], row[1] & column[1]};
+    total = blend(tap, weight, allowed, depth, disocclusion, light);
   }
   const intv found = total > 0.0f;
   carried += (uint)y * planes.row + (uint)x;
 #pragma unroll
   for (int c = 0; c < 3; ++c)
-    STOREV(select((realv)0.0f, sum[c] / total, found),
-           carried + c * planes.plane);
+    STOREV(select((realv)0.0f, light[c], found), carried + c * planes.plane);
   STOREV(select((realv)0.0f, (realv)1.0f, found),
          carried + HBIL_CARRIED_WEIGHT * planes.plane);
 }

@@ -329,10 +329,15 @@ hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
   }
   out->plane_pitch = l->planes.plane;
   out->row_pitch = l->planes.row;
-  out->values =
-      buffer == BUFFER_CARRIED
-          ? (cl_uint)HBIL_CARRIED_PLANES
-          : (cl_uint)(l->bytes[buffer] / (out->plane_pitch * sizeof(cl_float)));
+  if (stage == HBIL_STAGE_RESOLVED) {
+    out->values =
+        (cl_uint)(l->bytes[buffer] / (out->plane_pitch * sizeof(cl_float)));
+    return HBIL_SUCCESS;
+  }
+  out->values = stage == HBIL_STAGE_HISTORY ? (cl_uint)HBIL_HISTORY_PLANES
+                                            : (cl_uint)HBIL_CARRIED_PLANES;
+  if (stage == HBIL_STAGE_HISTORY)
+    out->origin = hbil_history_origin(l->planes);
   return HBIL_SUCCESS;
 }
 
