@@ -172,6 +172,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
   const realv unscaled[3] = {SH_RADIANCE_0, SH_RADIANCE_1, SH_RADIANCE_2};
 #endif
 #if HISTORY
+  history += hbil_history_origin(planes);
   STOREV(select((realv)0.0f, 1.0f / z, solid), history + pixel);
 #endif
 #if FAR == 3

@@ -135,6 +135,13 @@ typedef struct hbil_plane_args {
   hbil_uint plane, row;
 } hbil_plane_args;
 
+/* Where history planes begin in their buffer; as many floats follow them.  What
+ * is loaded for a vector begins and ends there at most, and lanes whose source
+ * is not in the picture are masked. */
+static inline hbil_uint hbil_history_origin(const hbil_plane_args planes) {
+  return planes.row + HBIL_TILE;
+}
+
 /* One level of the push/pull chain: where its planes lie, and its size. */
 typedef struct hbil_chain_args {
   hbil_uint offset, plane, row;

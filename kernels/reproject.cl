@@ -1,15 +1,18 @@
 /*
  * reproject: the light of the last frame, seen from this one.
  *
- * Scatter (paper 3.2) in three kernels.  Every point of the last frame is
- * projected into this one; atomic_min on the bits of the (positive) depth finds
- * the nearest at each pixel, a second atomic_min the smallest source index
- * among those, and one reader per pixel fetches the colour: the same result on
- * every run and device, with 32-bit atomics alone.
+ * Scatter (paper 3.2).  Every point of the last frame is projected into this
+ * one; at each pixel the nearest wins, of equally near ones the smallest
+ * source, and one reader per pixel fetches the colour: the same result on every
+ * run and device.  The bits of positive depths are in the order of the depths,
+ * so with 64-bit atomics depth and source are one key, and one kernel finds the
+ * smallest.  Without them there are two: atomic_min on the depths, then on the
+ * sources among those that match.
  * Motion: every pixel fetches four pixels of the last frame where its motion
  * vector points, those at the depth it expects.
  *
- * Builds: REPROJECT_MOTION, DEPTH_*, MOTION_*, DISOCCLUSION (finite).
+ * Builds: REPROJECT_MOTION, SCATTER_KEYS (64-bit atomics), DEPTH_*, MOTION_*,
+ * DISOCCLUSION (finite).
  * Launch: x = vectors of HBIL_WIDTH pixels, y = rows.
  * In: history planes (hbil_shared.h).  Out: carried planes, weight 1 or 0.
  * All arithmetic is fp32 with the roundings written here.
@@ -22,6 +25,22 @@ static inline realv row_of(const hbil_transform_args t, int row, realv x,
                  fma((realv)t.m[4 * row + 2], z, (realv)t.m[4 * row + 3])));
 }
 
+#if HBIL_WIDTH == 1
+#define STORE_INTV(v, p) (*(p) = (v))
+#define LOAD_UINTV(p) (*(p))
+#else
+#define LOAD_UINTV(p) HBIL_PASTE(vload, HBIL_WIDTH)(0, (p))
+#define STORE_INTV(v, p) HBIL_PASTE(vstore, HBIL_WIDTH)((v), 0, (p))
+#endif
+
+/*
+ * Where the picture moves, neighbours have come from neighbours: the sources of
+ * a vector are a few runs.  A run's lanes have the same `begin`, their source
+ * less their number, so that one load from there serves them all.  NO_RUN: no
+ * source.  The history may be read a row and a vector beyond its planes.
+ */
+#define NO_RUN (-0x7fffffff)
+
 #if !REPROJECT_MOTION
 
 #define NO_SOURCE 0xffffffffu
@@ -33,7 +52,8 @@ static inline intv target_of(const hbil_view_args from, const hbil_view_args to,
                              global const float *history,
                              const hbil_plane_args planes, int x, int y,
                              realv *depth) {
-  realv w = LOADV(history + (uint)y * planes.row + (uint)x);
+  realv w = LOADV(history + hbil_history_origin(planes) + (uint)y * planes.row +
+                  (uint)x);
   realv z = 1.0f / w;
   realv px = ray_x(from, x, 1) * z, py = ray_y(from, y) * z;
   realv qz = row_of(motion, 2, px, py, z);
@@ -57,21 +77,65 @@ static inline intv target_of(const hbil_view_args from, const hbil_view_args to,
 #endif
 }
 
-#if HBIL_WIDTH == 1
-#define STORE_INTV(v, p) (*(p) = (v))
-#define LOAD_UINTV(p) (*(p))
-#else
-#define LOAD_UINTV(p) HBIL_PASTE(vload, HBIL_WIDTH)(0, (p))
-#define STORE_INTV(v, p) HBIL_PASTE(vstore, HBIL_WIDTH)((v), 0, (p))
-#endif
+/* nearest: filled with ones.  Sources are places in the planes, which are in
+ * the order of the pixels. */
 
-/* nearest: first all depths, then all sources, as places in the planes, which
- * are in the order of the pixels; filled with NO_SOURCE. */
+#if SCATTER_KEYS
+
+#pragma OPENCL EXTENSION cl_khr_int64_extended_atomics : enable
+
+/* Keys: a depth above its source. */
+typedef ulong scatter_word;
+#define NO_KEY 0xffffffffffffffffUL
+
+kernel void scatter_keys(const hbil_view_args from, const hbil_view_args to,
+                         const hbil_transform_args motion,
+                         global const float *history,
+                         const hbil_plane_args planes,
+                         volatile global scatter_word *nearest) {
+  const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
+  if (x >= from.width || y >= from.height)
+    return;
+  const uint source = (uint)y * planes.row + (uint)x;
+  realv depth;
+  int target[HBIL_WIDTH];
+  float z[HBIL_WIDTH];
+  STORE_INTV(target_of(from, to, motion, history, planes, x, y, &depth),
+             target);
+  STOREV(depth, z);
+  for (int i = 0; i < HBIL_WIDTH; ++i)
+    if (target[i] >= 0)
+      atom_min(nearest + target[i], upsample(as_uint(z[i]), source + (uint)i));
+}
+
+/* Who has won at the pixels from `at` on, and how far away; NO_SOURCE: nobody,
+ * and right of the image. */
+static inline uintv winners(global const scatter_word *nearest, uint pixels,
+                            uint at, int count, realv *depth) {
+  HBIL_PASTE(ulong, HBIL_WIDTH) key;
+  (void)pixels;
+  if (count >= HBIL_WIDTH) {
+    key = LOAD_UINTV(nearest + at);
+  } else {
+    scatter_word lane[HBIL_WIDTH];
+    for (int i = 0; i < HBIL_WIDTH; ++i)
+      lane[i] = i < count ? nearest[at + (uint)i] : NO_KEY;
+    key = LOAD_UINTV(lane);
+  }
+  *depth = AS_REALV(AS_INTV(HBIL_PASTE(convert_uint, HBIL_WIDTH)(key >> 32)));
+  return HBIL_PASTE(convert_uint, HBIL_WIDTH)(key & NO_SOURCE);
+}
+
+#else
+
+/* First all depths, then all sources. */
+typedef uint scatter_word;
+
 kernel void scatter_depth(const hbil_view_args from, const hbil_view_args to,
                           const hbil_transform_args motion,
                           global const float *history,
                           const hbil_plane_args planes,
-                          volatile global uint *nearest) {
+                          volatile global scatter_word *nearest) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= from.width || y >= from.height)
     return;
@@ -90,7 +154,7 @@ kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
                           const hbil_transform_args motion,
                           global const float *history,
                           const hbil_plane_args planes,
-                          volatile global uint *nearest) {
+                          volatile global scatter_word *nearest) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= from.width || y >= from.height)
     return;
@@ -107,9 +171,27 @@ kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
                  (uint)y * planes.row + (uint)(x + i));
 }
 
+static inline uintv winners(global const scatter_word *nearest, uint pixels,
+                            uint at, int count, realv *depth) {
+  if (count >= HBIL_WIDTH) {
+    *depth = AS_REALV(AS_INTV(LOAD_UINTV(nearest + at)));
+    return LOAD_UINTV(nearest + pixels + at);
+  }
+  uint place[HBIL_WIDTH];
+  float z[HBIL_WIDTH];
+  for (int i = 0; i < HBIL_WIDTH; ++i) {
+    place[i] = i < count ? nearest[pixels + at + (uint)i] : NO_SOURCE;
+    z[i] = i < count ? as_float(nearest[at + (uint)i]) : 0.0f;
+  }
+  *depth = LOADV(z);
+  return LOAD_UINTV(place);
+}
+
+#endif
+
 kernel void scatter_fetch(const hbil_view_args to, global const float *history,
                           global float *carried, const hbil_plane_args planes,
-                          global const uint *nearest,
+                          global const scatter_word *nearest,
                           global const void *depth_buffer,
                           const hbil_image_args depth_image,
                           const float background, const float disocclusion) {
@@ -117,105 +199,108 @@ kernel void scatter_fetch(const hbil_view_args to, global const float *history,
   if (x >= to.width || y >= to.height)
     return;
   const int count = to.width - x;
-  const uint pixels = (uint)to.width * (uint)to.height;
-  const uint at = (uint)y * (uint)to.width + (uint)x;
   const realv here =
       planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count),
                    ray_x(to, x, 1), ray_y(to, y), background);
-  uintv source = NO_SOURCE;
-  realv depth = 0.0f;
-  if (count >= HBIL_WIDTH) {
-    source = LOAD_UINTV(nearest + pixels + at);
-    depth = AS_REALV(AS_INTV(LOAD_UINTV(nearest + at)));
-  } else {
-    uint place[HBIL_WIDTH];
-    float z[HBIL_WIDTH];
-    for (int i = 0; i < HBIL_WIDTH; ++i) {
-      place[i] = i < count ? nearest[pixels + at + (uint)i] : NO_SOURCE;
-      z[i] = i < count ? as_float(nearest[at + (uint)i]) : 0.0f;
-    }
-    source = LOAD_UINTV(place);
-    depth = LOADV(z);
-  }
+  realv depth;
+  const uintv source =
+      winners(nearest, (uint)to.width * (uint)to.height,
+              (uint)y * (uint)to.width + (uint)x, count, &depth);
   intv carried_over = (source != NO_SOURCE) & (here > 0.0f);
 #if DISOCCLUSION
   carried_over &= fabs(depth - here) <= disocclusion * here;
 #endif
-  history += HBIL_HISTORY_RED * planes.plane;
-  carried += (uint)y * planes.row + (uint)x;
-  uint from[HBIL_WIDTH];
-  STORE_INTV(AS_INTV(source), (int *)from);
-  /* Where the picture only moves, neighbours have come from neighbours. */
-  const bool together = !ANY(source != from[0] + AS_UINTV((intv)EACH_LANE)) &&
-                        from[0] != NO_SOURCE;
+  history += hbil_history_origin(planes) + HBIL_HISTORY_RED * planes.plane;
+  const intv begin =
+      select((intv)NO_RUN, AS_INTV(source) - EACH_LANE, carried_over);
+  int start[HBIL_WIDTH];
+  STORE_INTV(begin, start);
+  const int first = start[0] == NO_RUN ? 0 : start[0];
+  realv light[3];
 #pragma unroll
-  for (int c = 0; c < 3; ++c) {
-    realv light = 0.0f;
-    if (together) {
-      light = LOADV(history + c * planes.plane + from[0]);
-    } else if (ANY(carried_over)) {
-      float lane[HBIL_WIDTH];
-      for (int i = 0; i < HBIL_WIDTH; ++i)
-        lane[i] =
-            from[i] != NO_SOURCE ? history[c * planes.plane + from[i]] : 0.0f;
-      light = LOADV(lane);
-    }
-    STOREV(select((realv)0.0f, light, carried_over),
-           carried + c * planes.plane);
+  for (int c = 0; c < 3; ++c)
+    light[c] = LOADV(history + c * (int)planes.plane + first);
+  intv todo = carried_over & (begin != first);
+  for (int i = 1; ANY(todo); ++i) {
+    if (start[i] == NO_RUN || start[i] == start[i - 1])
+      continue;
+    const intv run = begin == start[i];
+    todo &= begin != start[i];
+#pragma unroll
+    for (int c = 0; c < 3; ++c)
+      light[c] = select(light[c],
+                        LOADV(history + c * (int)planes.plane + start[i]), run);
   }
+  carried += (uint)y * planes.row + (uint)x;
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    STOREV(select((realv)0.0f, light[c], carried_over),
+           carried + c * planes.plane);
   STOREV(select((realv)0.0f, (realv)1.0f, carried_over),
          carried + HBIL_CARRIED_WEIGHT * planes.plane);
 }
 
 #else
 
-/* One of the four pixels around the place the motion vector points to. */
-static inline void add_tap(global const float *history,
-                           const hbil_plane_args planes, int width, int height,
-                           int x, int y, float weight, float depth,
-                           float disocclusion, float *sum, float *total) {
-  if (x < 0 || y < 0 || x >= width || y >= height)
-    return;
-  history += (uint)y * planes.row + (uint)x;
-  if (!(history[0] > 0.0f))
-    return;
-#if DISOCCLUSION
-  if (!(fabs(1.0f / history[0] - depth) <= disocclusion * depth))
-    return;
-#endif
-  *total += weight;
-  for (int c = 0; c < 3; ++c)
-    sum[c] =
-        fma(weight, history[(HBIL_HISTORY_RED + c) * planes.plane], sum[c]);
+/* A float's integer, rounded down; PoCL's floor() is many instructions. */
+static inline intv integer_below(realv v) {
+  const intv toward_0 = TO_INTV(v);
+  return toward_0 + LANE_MASK(v < TO_REALV(toward_0));
 }
 
-/* The same of a whole vector of pixels whose places are neighbours, from
- * `history` on, none outside the picture. */
-static inline void add_taps(global const float *history,
-                            const hbil_plane_args planes, realv weight,
-                            realv depth, float disocclusion, realv sum[3],
-                            realv *total) {
-  const realv w = LOADV(history);
-  intv valid = w > 0.0f;
-#if DISOCCLUSION
-  valid &= fabs(1.0f / w - depth) <= disocclusion * depth;
-#endif
-  *total = select(*total, *total + weight, valid);
-#pragma unroll
-  for (int c = 0; c < 3; ++c)
-    sum[c] = select(sum[c],
-                    fma(weight,
-                        LOADV(history + (HBIL_HISTORY_RED + c) * planes.plane),
-                        sum[c]),
-                    valid);
-}
-
-static inline realv row_start(realv v) {
+static inline int first_lane(intv v) {
 #if HBIL_WIDTH == 1
   return v;
 #else
   return v.s0;
 #endif
+}
+
+/* The four pixels around a run's places, of all planes. */
+static inline void load_taps(global const float *history,
+                             const hbil_plane_args planes, int start,
+                             realv tap[4][HBIL_HISTORY_PLANES]) {
+  history += start;
+#pragma unroll
+  for (int t = 0; t < 4; ++t)
+#pragma unroll
+    for (int p = 0; p < HBIL_HISTORY_PLANES; ++p)
+      tap[t][p] = LOADV(history + (uint)(t >> 1) * planes.row + (uint)(t & 1) +
+                        (uint)p * planes.plane);
+}
+
+/* The mean light of those of the four pixels that are allowed and at the depth
+ * that is expected; returns their weight, 0 where there are none.
+ *   |1/w - depth| <= disocclusion depth  without its division */
+static inline realv blend(realv tap[4][HBIL_HISTORY_PLANES],
+                          const realv weight[4], const intv allowed[4],
+                          realv depth, float disocclusion, realv light[3]) {
+  const realv off = disocclusion * depth;
+  realv total = 0.0f;
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    light[c] = 0.0f;
+#pragma unroll
+  for (int t = 0; t < 4; ++t) {
+#if DISOCCLUSION
+    const realv w = tap[t][HBIL_HISTORY_W];
+    const intv counts =
+        allowed[t] & (fabs(fma(w, depth, (realv)-1.0f)) <= w * off);
+#else
+    const intv counts = allowed[t] & (tap[t][HBIL_HISTORY_W] > 0.0f);
+#endif
+    total = select(total, total + weight[t], counts);
+#pragma unroll
+    for (int c = 0; c < 3; ++c)
+      light[c] = select(light[c],
+                        fma(weight[t], tap[t][HBIL_HISTORY_RED + c], light[c]),
+                        counts);
+  }
+  const realv inv_total = 1.0f / total;
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    light[c] *= inv_total;
+  return total;
 }
 
 /* motion: from this view to the last frame's. */
@@ -245,60 +330,59 @@ kernel void follow_motion(
   const intv inside = (z > 0.0f) & (depth > 0.0f) & (u > -1.0f) &
                       (u < (float)view.width) & (v > -1.0f) &
                       (v < (float)view.height);
-  const realv left = floor(u), top = floor(v);
-  const realv a = u - left, b = v - top;
+  /* Out-of-range floats must not reach the conversion. */
+  const intv left = integer_below(select((realv)0.0f, u, inside));
+  const intv top = integer_below(select((realv)0.0f, v, inside));
+  const realv a = u - TO_REALV(left), b = v - TO_REALV(top);
   const realv weight[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b),
                            (1.0f - a) * b, a * b};
-  realv sum[3] = {0.0f, 0.0f, 0.0f}, total = 0.0f;
-  /* Where the picture only moves, and by nearly the same everywhere here, the
-   * places are neighbours too. */
-  const realv first = row_start(left), row = row_start(top);
-  const intv together = inside & (left == first + TO_REALV((intv)EACH_LANE)) &
-                        (top == row) & (first >= 0.0f) & (row >= 0.0f) &
-                        (first + (float)(HBIL_WIDTH + 1) <= (float)view.width) &
-                        (row + 2.0f <= (float)view.height);
-  if (!ANY(!together)) {
-    float lane[HBIL_WIDTH];
-    STOREV(left, lane);
-    const int at_x = convert_int(lane[0]);
-    STOREV(top, lane);
-    history += (uint)convert_int(lane[0]) * planes.row + (uint)at_x;
-#pragma unroll
-    for (int t = 0; t < 4; ++t)
-      add_taps(history + (uint)(t >> 1) * planes.row + (uint)(t & 1), planes,
-               weight[t], depth, disocclusion, sum, &total);
+  history += hbil_history_origin(planes);
+  const intv begin =
+      select((intv)NO_RUN, top * (int)planes.row + left - EACH_LANE, inside);
+  /* Where neighbours have come from neighbours, and not from the border, which
+   * is nearly everywhere. */
+  const int first = first_lane(begin);
+  const bool together = first_lane(left) >= 0 && first_lane(top) >= 0 &&
+                        first_lane(left) + HBIL_WIDTH < view.width &&
+                        first_lane(top) + 1 < view.height &&
+                        !ANY(begin != first) && first != NO_RUN;
+  realv light[3], total;
+  if (together) {
+    realv tap[4][HBIL_HISTORY_PLANES];
+    const intv yes = EACH_LANE >= 0;
+    const intv all[4] = {yes, yes, yes, yes};
+    load_taps(history, planes, first, tap);
+    total = blend(tap, weight, all, depth, disocclusion, light);
   } else {
-    float lane_depth[HBIL_WIDTH], lane_sum[3][HBIL_WIDTH], at_x[HBIL_WIDTH];
-    float at_y[HBIL_WIDTH], lane_weight[4][HBIL_WIDTH], lane_total[HBIL_WIDTH];
-    /* Out-of-range floats must not reach the conversion. */
-    STOREV(select((realv)-9.0f, left, inside), at_x);
-    STOREV(select((realv)-9.0f, top, inside), at_y);
-    STOREV(depth, lane_depth);
+    realv tap[4][HBIL_HISTORY_PLANES];
+    int start[HBIL_WIDTH];
+    STORE_INTV(begin, start);
+    load_taps(history, planes, first == NO_RUN ? 0 : first, tap);
+    intv todo = inside & (begin != first);
+    for (int i = 1; ANY(todo); ++i) {
+      if (start[i] == NO_RUN || start[i] == start[i - 1])
+        continue;
+      const intv run = begin == start[i];
+      todo &= begin != start[i];
+      realv other[4][HBIL_HISTORY_PLANES];
+      load_taps(history, planes, start[i], other);
 #pragma unroll
-    for (int t = 0; t < 4; ++t)
-      STOREV(weight[t], lane_weight[t]);
-    for (int i = 0; i < HBIL_WIDTH; ++i) {
-      float one[3] = {0.0f, 0.0f, 0.0f};
-      lane_total[i] = 0.0f;
       for (int t = 0; t < 4; ++t)
-        add_tap(history, planes, view.width, view.height,
-                convert_int(at_x[i]) + (t & 1), convert_int(at_y[i]) + (t >> 1),
-                lane_weight[t][i], lane_depth[i], disocclusion, one,
-                &lane_total[i]);
-      for (int c = 0; c < 3; ++c)
-        lane_sum[c][i] = one[c];
-    }
 #pragma unroll
-    for (int c = 0; c < 3; ++c)
-      sum[c] = LOADV(lane_sum[c]);
-    total = LOADV(lane_total);
+        for (int p = 0; p < HBIL_HISTORY_PLANES; ++p)
+          tap[t][p] = select(tap[t][p], other[t][p], run);
+    }
+    const intv column[2] = {left >= 0, left + 1 < view.width};
+    const intv row[2] = {inside & (top >= 0), inside & (top + 1 < view.height)};
+    const intv allowed[4] = {row[0] & column[0], row[0] & column[1],
+                             row[1] & column[0], row[1] & column[1]};
+    total = blend(tap, weight, allowed, depth, disocclusion, light);
   }
   const intv found = total > 0.0f;
   carried += (uint)y * planes.row + (uint)x;
 #pragma unroll
   for (int c = 0; c < 3; ++c)
-    STOREV(select((realv)0.0f, sum[c] / total, found),
-           carried + c * planes.plane);
+    STOREV(select((realv)0.0f, light[c], found), carried + c * planes.plane);
   STOREV(select((realv)0.0f, (realv)1.0f, found),
          carried + HBIL_CARRIED_WEIGHT * planes.plane);
 }

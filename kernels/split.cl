@@ -273,6 +273,7 @@ relight(const hbil_view_args view, global float *layers,
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
     return;
+  history += hbil_history_origin(planes);
   /* where there is a surface its inverse depth is above 0, a weight */
   const sources from = {albedo_buffer,
                         f0_buffer,

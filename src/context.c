@@ -110,6 +110,32 @@ static cl_uint best_width(cl_device_id device, cl_device_type type) {
   return native >= 16 ? 16 : native >= 8 ? 8 : native >= 4 ? 4 : 1;
 }
 
+/* Whether a list of words that single spaces separate has this one. */
+static bool has_word(const char *list, const char *word) {
+  const size_t length = strlen(word);
+  for (const char *at = strstr(list, word); at; at = strstr(at + 1, word))
+    if ((at == list || at[-1] == ' ') &&
+        (at[length] == ' ' || at[length] == '\0'))
+      return true;
+  return false;
+}
+
+static hbil_status find_extension(cl_device_id device, const char *name,
+                                  bool *there) {
+  size_t size = 0;
+  if (clGetDeviceInfo(device, CL_DEVICE_EXTENSIONS, 0, NULL, &size) !=
+      CL_SUCCESS)
+    return HBIL_OPENCL_ERROR;
+  char *list = calloc(1, size + 1);
+  if (!list)
+    return HBIL_OUT_OF_HOST_MEMORY;
+  const cl_int error =
+      clGetDeviceInfo(device, CL_DEVICE_EXTENSIONS, size, list, NULL);
+  *there = error == CL_SUCCESS && has_word(list, name);
+  free(list);
+  return error == CL_SUCCESS ? HBIL_SUCCESS : HBIL_OPENCL_ERROR;
+}
+
 static hbil_status read_limits(hbil_context *context) {
   cl_device_type type = 0;
   cl_bool compiler = CL_FALSE;
@@ -133,7 +159,8 @@ static hbil_status read_limits(hbil_context *context) {
   const bool cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
   context->group[0] = cpu ? 16 : 32;
   context->group[1] = cpu ? 1 : 4;
-  return HBIL_SUCCESS;
+  return find_extension(context->device, "cl_khr_int64_extended_atomics",
+                        &context->wide_atomics);
 }
 
 hbil_status hbil_context_create(cl_context context, cl_device_id device,

@@ -340,8 +340,10 @@ static hbil_status scatter(commands *chain, const hbil_frame *frame) {
   const size_t x = across(plan), y = plan->config.height;
   hbil_status status = fill(chain, BUFFER_NEAREST, none);
   if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, KERNEL_SCATTER_DEPTH, project, x, y, 1);
-  if (status == HBIL_SUCCESS)
+    status = LAUNCH(
+        chain, plan->scatter_keys ? KERNEL_SCATTER_KEYS : KERNEL_SCATTER_DEPTH,
+        project, x, y, 1);
+  if (status == HBIL_SUCCESS && !plan->scatter_keys)
     status = LAUNCH(chain, KERNEL_SCATTER_INDEX, project, x, y, 1);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_SCATTER_FETCH, fetch, x, y, 1);

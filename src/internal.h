@@ -73,6 +73,7 @@ struct hbil_context {
   cl_uint vector_width;
   size_t group[2];   /* work-group of every kernel */
   bool exact_divide; /* CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT */
+  bool wide_atomics; /* cl_khr_int64_extended_atomics */
 };
 
 /* Sets the context's message; returns `status`, so that a failing function
@@ -128,7 +129,7 @@ hbil_environment_args far_field_args(const hbil_config *config,
 enum {
   BUFFER_HISTORY,
   BUFFER_CARRIED, /* level 0 of the push/pull chain and all coarser ones */
-  BUFFER_NEAREST, /* scatter's depths and places */
+  BUFFER_NEAREST, /* scatter's depths and sources, or keys of both */
   BUFFER_FLAGS,   /* HBIL_FLAG_: what kernels tell later ones */
   BUFFER_SPLIT,
   BUFFER_LIGHT,
@@ -142,6 +143,7 @@ enum {
 };
 
 enum {
+  KERNEL_SCATTER_KEYS,
   KERNEL_SCATTER_DEPTH,
   KERNEL_SCATTER_INDEX,
   KERNEL_SCATTER_FETCH,
@@ -200,6 +202,7 @@ struct hbil_plan {
   cl_mem buffers[BUFFER_COUNT];
   cl_program programs[PROGRAM_COUNT];
   cl_kernel kernels[KERNEL_COUNT];
+  bool scatter_keys; /* one kernel with 64-bit atomics instead of two */
   bool has_history;
   hbil_camera history_camera;
   /* the last frame that was composed */

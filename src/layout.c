@@ -155,7 +155,9 @@ void layout_compute(const hbil_config *config, layout *out) {
   const size_t real = sizeof(cl_float);
   const size_t pixels = (size_t)config->width * config->height;
   if (out->history) {
-    out->bytes[BUFFER_HISTORY] = HBIL_HISTORY_PLANES * real * out->planes.plane;
+    out->bytes[BUFFER_HISTORY] =
+        real * (HBIL_HISTORY_PLANES * (size_t)out->planes.plane +
+                2 * (size_t)hbil_history_origin(out->planes));
     out->bytes[BUFFER_CARRIED] = chain * real;
     if (config->reprojection == HBIL_REPROJECTION_SCATTER)
       out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;

@@ -60,6 +60,7 @@ static void write_defines(const hbil_plan *plan, text *t) {
   add(t, " -DGATHER_EMISSION=%d -DFEEDBACK_RADIANCE=%d -DREPROJECT_MOTION=%d",
       c->gather_emission != 0, c->feedback == HBIL_FEEDBACK_RADIANCE,
       c->reprojection == HBIL_REPROJECTION_MOTION);
+  add(t, " -DSCATTER_KEYS=%d", plan->scatter_keys);
   add(t, " -DDISOCCLUSION=%d -DFAR=%d", !isinf(c->disocclusion),
       (int)plan->layout.far_field);
   add(t, " -DFINITE=%d",
@@ -117,6 +118,7 @@ static const struct {
   const char *name;
   int program;
 } kernels[KERNEL_COUNT] = {
+    [KERNEL_SCATTER_KEYS] = {"scatter_keys", PROGRAM_REPROJECT},
     [KERNEL_SCATTER_DEPTH] = {"scatter_depth", PROGRAM_REPROJECT},
     [KERNEL_SCATTER_INDEX] = {"scatter_index", PROGRAM_REPROJECT},
     [KERNEL_SCATTER_FETCH] = {"scatter_fetch", PROGRAM_REPROJECT},
@@ -152,9 +154,13 @@ static bool kernel_needed(const hbil_plan *plan, int kernel) {
     return plan->layout.history && motion;
   if (kernel == KERNEL_RELIGHT)
     return plan->layout.history && plan->layout.skip & HBIL_SKIP_STILL;
-  if (kernel <= KERNEL_SCATTER_FETCH)
-    return plan->layout.history && !motion;
-  return program_needed(plan, kernels[kernel].program);
+  if (kernel > KERNEL_SCATTER_FETCH)
+    return program_needed(plan, kernels[kernel].program);
+  if (!plan->layout.history || motion)
+    return false;
+  if (kernel == KERNEL_SCATTER_FETCH)
+    return true;
+  return plan->scatter_keys == (kernel == KERNEL_SCATTER_KEYS);
 }
 
 static hbil_status build_kernels(hbil_plan *plan) {
@@ -291,6 +297,7 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
     return fail(context, HBIL_OUT_OF_HOST_MEMORY, "no memory for a plan");
   plan->context = context;
   plan->config = with_width(context, config);
+  plan->scatter_keys = context->wide_atomics && plan->config.vector_width > 1;
   layout_compute(&plan->config, &plan->layout);
   if ((status = build_kernels(plan)) != HBIL_SUCCESS ||
       (status = allocate(plan)) != HBIL_SUCCESS ||
@@ -350,10 +357,15 @@ hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
   }
   out->plane_pitch = l->planes.plane;
   out->row_pitch = l->planes.row;
-  out->values =
-      buffer == BUFFER_CARRIED
-          ? (cl_uint)HBIL_CARRIED_PLANES
-          : (cl_uint)(l->bytes[buffer] / (out->plane_pitch * sizeof(cl_float)));
+  if (stage == HBIL_STAGE_RESOLVED) {
+    out->values =
+        (cl_uint)(l->bytes[buffer] / (out->plane_pitch * sizeof(cl_float)));
+    return HBIL_SUCCESS;
+  }
+  out->values = stage == HBIL_STAGE_HISTORY ? (cl_uint)HBIL_HISTORY_PLANES
+                                            : (cl_uint)HBIL_CARRIED_PLANES;
+  if (stage == HBIL_STAGE_HISTORY)
+    out->origin = hbil_history_origin(l->planes);
   return HBIL_SUCCESS;
 }
 

@@ -278,7 +278,9 @@ static bool tap_counts(const ref_job *job, const ref_planes *history, int x,
   if (x < 0 || y < 0 || x >= history->width || y >= history->height)
     return false;
   w = (float)*ref_at(history, HBIL_HISTORY_W, x, y);
-  return w > 0.0f && fabsf(1.0f / w - z) <= job->config->disocclusion * z;
+  /* |1/w - z| <= d z, times w */
+  return w > 0.0f &&
+         fabsf(fmaf(w, z, -1.0f)) <= w * (job->config->disocclusion * z);
 }
 
 static void motion_taps(const ref_job *job, const ref_planes *history, float fu,
@@ -298,7 +300,7 @@ static void motion_taps(const ref_job *job, const ref_planes *history, float fu,
                sum[i]);
   }
   for (int i = 0; i < 3; ++i)
-    out[i] = total > 0.0f ? sum[i] / total : 0.0f;
+    out[i] = total > 0.0f ? sum[i] * (1.0f / total) : 0.0f;
   out[3] = total > 0.0f ? 1.0f : 0.0f;
 }
 

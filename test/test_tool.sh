@@ -346,6 +346,9 @@ ok $? "the bench tells how long the exact integral takes"
 grep -q '^estimate: .* ms, .* % of the frame' "$work/out" &&
   grep -q '^  thick .08 2x8 full g2 *[0-9]' "$work/out"
 ok $? "the bench tells what thickness and the estimate cost"
+grep -q '^  reproject (motion) *[0-9.]* (.*, aim: at most 1.5$' "$work/out" &&
+  grep -q '"motion": {' "$work/bench/bench.json"
+ok $? "the bench tells what following motion vectors costs"
 awk -F , 'NR == 1 { n = NF }
   NF != n && $0 !~ /"[^"]*,[^"]*"/ { exit 1 }' "$work/bench/bench.csv"
 ok $? "as many fields in every row of the bench"

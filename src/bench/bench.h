@@ -103,6 +103,7 @@ typedef enum bench_input {
 typedef struct bench_frame {
   hbil_camera camera;
   float *plane[BENCH_INPUTS]; /* channels one after the other; NULL: none */
+  float *motion;              /* since the frame before; two channels or NULL */
 } bench_frame;
 
 typedef struct bench_content {
@@ -198,6 +199,8 @@ int bench_measure_copy(const device *d, size_t pixels, unsigned runs,
 double bench_copy_time(const bench_copy *copy, double bytes);
 /* Bytes that a pass has to move in all; 0 where it is not told. */
 double bench_pass_bytes(const bench_content *content, hbil_pass pass);
+/* The same of a reprojection by motion vectors. */
+double bench_motion_bytes(const bench_content *content);
 
 /* --- literal.c: the baseline --- */
 
@@ -256,6 +259,10 @@ int bench_lab_thickness(bench_lab *lab, const bench_configuration *c,
  * tool's model: milliseconds. */
 int bench_lab_estimate(bench_lab *lab, const bench_configuration *c,
                        unsigned runs, double *out, image_error *error);
+/* Reprojection by the content's motion vectors, in a plan that is the
+ * configuration's otherwise: milliseconds, NAN where there are none. */
+int bench_lab_motion(bench_lab *lab, const bench_configuration *c,
+                     unsigned runs, bench_spread *out, image_error *error);
 
 /* --- lab.c: what scaling needs --- */
 
@@ -401,7 +408,8 @@ typedef struct bench_report {
   bench_literal literal;
   const bench_row *rows;
   size_t count;
-  double estimate; /* milliseconds of the estimate of unseen light */
+  double estimate;     /* milliseconds of the estimate of unseen light */
+  bench_spread motion; /* of reprojection by motion vectors */
   const bench_scaling *scaling;
 } bench_report;
 

@@ -51,6 +51,18 @@ static int copy_input(bench_content *content, bench_frame *frame,
   return 0;
 }
 
+static int copy_motion(bench_content *content, bench_frame *frame,
+                       const float *const channels[2]) {
+  const size_t pixels = bench_pixels(content);
+  frame->motion = malloc(2 * pixels * sizeof *frame->motion);
+  if (!frame->motion)
+    return -1;
+  for (size_t c = 0; c < 2; c++)
+    memcpy(frame->motion + c * pixels, channels[c],
+           pixels * sizeof *frame->motion);
+  return 0;
+}
+
 /* --- the room --- */
 
 static int copy_scene(bench_content *content, const scene_frame *scene,
@@ -58,8 +70,10 @@ static int copy_scene(bench_content *content, const scene_frame *scene,
   const float *const depth[] = {scene->depth};
   float *const *const vectors[] = {scene->normal, scene->albedo, scene->direct,
                                    scene->emission};
+  const float *const motion[] = {scene->motion[0], scene->motion[1]};
   out->camera = scene->camera;
-  if (copy_input(content, out, BENCH_DEPTH, depth) != 0)
+  if (copy_input(content, out, BENCH_DEPTH, depth) != 0 ||
+      copy_motion(content, out, motion) != 0)
     return -1;
   for (int i = 0; i < 4; i++) {
     const float *const channels[] = {vectors[i][0], vectors[i][1],
@@ -134,6 +148,10 @@ static int copy_dump(const gbuffer *g, bench_content *out, image_error *error) {
         copy_input(out, &out->frame[0], (bench_input)i, channels) != 0)
       return image_no_memory(error, out->name);
   }
+  const float *const motion[] = {gbuffer_plane(g, ROLE_MOTION, 0),
+                                 gbuffer_plane(g, ROLE_MOTION, 1)};
+  if (motion[0] && motion[1] && copy_motion(out, &out->frame[0], motion) != 0)
+    return image_no_memory(error, out->name);
   return add_light(out, error);
 }
 
@@ -179,7 +197,7 @@ static int load_dump(const bench_options *options, bench_content *out,
                      image_error *error) {
   channel_map map;
   gbuffer g;
-  unsigned wanted = 1u << ROLE_BACKGROUND;
+  unsigned wanted = 1u << ROLE_BACKGROUND | 1u << ROLE_MOTION;
   snprintf(out->name, sizeof out->name, "%s", options->dump);
   out->frames = 1;
   for (int i = 0; i < BENCH_INPUTS; i++)
@@ -321,11 +339,14 @@ int bench_content_load(const bench_options *options, bench_content *out,
 }
 
 void bench_content_drop_planes(bench_content *content) {
-  for (int f = 0; f < BENCH_FRAMES; f++)
+  for (int f = 0; f < BENCH_FRAMES; f++) {
     for (int i = 0; i < BENCH_INPUTS; i++) {
       free(content->frame[f].plane[i]);
       content->frame[f].plane[i] = NULL;
     }
+    free(content->frame[f].motion);
+    content->frame[f].motion = NULL;
+  }
 }
 
 void bench_content_free(bench_content *content) {

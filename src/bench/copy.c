@@ -88,3 +88,9 @@ double bench_pass_bytes(const bench_content *content, hbil_pass pass) {
     planes = 7.0 + 17.0 + 4.0 + input_planes(content, surface | emission);
   return planes * (double)bench_pixels(content) * sizeof(float);
 }
+
+/* Depth, two of motion and four of history in, four of carried light out. */
+double bench_motion_bytes(const bench_content *content) {
+  return (1.0 + 2.0 + 4.0 + 4.0) * (double)bench_pixels(content) *
+         sizeof(float);
+}

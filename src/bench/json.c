@@ -185,6 +185,14 @@ void bench_write_scaling_json(const bench_report *report, FILE *out) {
 
 /* --- all else --- */
 
+/* Reprojection by motion vectors. */
+static json_t *motion(const bench_report *report) {
+  const double bytes = bench_motion_bytes(report->content);
+  return json_pack(
+      "{s:o, s:o}", "milliseconds", spread(report->motion), "copies",
+      number(report->motion.median / bench_copy_time(&report->copy, bytes)));
+}
+
 void bench_write_json(const bench_report *report, FILE *out) {
   json_t *rows = json_array();
   char reference[64];
@@ -192,11 +200,12 @@ void bench_write_json(const bench_report *report, FILE *out) {
   for (size_t i = 0; i < report->count; i++)
     json_array_append_new(rows, row_json(report, &report->rows[i]));
   json_t *root = json_pack(
-      "{s:s, s:o, s:o, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:o}", "hbil",
+      "{s:s, s:o, s:o, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:o, s:o}", "hbil",
       hbil_version(), "machine", machine(&report->machine), "content",
       content(report->content), "runs", (int)report->runs, "warm_up",
       BENCH_WARM_UP, "reference", reference, "truth", truth(report->content),
       "literal", literal(&report->literal), "copy", copy(&report->copy),
-      "estimate_milliseconds", number(report->estimate), "rows", rows);
+      "estimate_milliseconds", number(report->estimate), "motion",
+      motion(report), "rows", rows);
   write_document(root, out);
 }

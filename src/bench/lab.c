@@ -13,6 +13,7 @@ struct bench_lab {
   const bench_content *content;
   hbil_context *context;
   cl_mem input[BENCH_FRAMES][BENCH_INPUTS];
+  cl_mem motion[BENCH_FRAMES]; /* while it is measured */
   cl_mem output[LAYER_COUNT];
   float *found; /* three planes: what is being looked at */
 };
@@ -24,6 +25,7 @@ typedef struct trial {
   size_t memory;
   unsigned layers;
   hbil_far_field far;
+  int follows; /* motion vectors */
 } trial;
 
 typedef struct input_place {
@@ -123,6 +125,8 @@ static unsigned layers_of(const hbil_config *config) {
 static void set_formats(const bench_lab *lab, hbil_config *config) {
   const hbil_format planes_of_floats = {HBIL_FLOAT32, 1};
   const unsigned layers = layers_of(config);
+  if (config->reprojection == HBIL_REPROJECTION_MOTION)
+    config->motion = planes_of_floats;
   for (int i = 0; i < BENCH_INPUTS; i++)
     if (lab->input[0][i])
       *format_at(config, places[i].format) = planes_of_floats;
@@ -137,6 +141,7 @@ static int make_plan(bench_lab *lab, const hbil_config *settings, trial *out,
   out->lab = lab;
   out->plan = NULL;
   out->far = config.far_field;
+  out->follows = config.reprojection == HBIL_REPROJECTION_MOTION;
   out->layers = layers_of(&config);
   set_formats(lab, &config);
   hbil_status status = hbil_plan_memory(lab->context, &config, &out->memory);
@@ -160,6 +165,8 @@ static int enqueue(const trial *t, unsigned index, image_error *error) {
   frame.camera = content->frame[index].camera;
   memcpy(frame.environment, bench_environment(content, t->far),
          sizeof frame.environment);
+  if (t->follows)
+    frame.motion.buffer = lab->motion[index];
   for (int i = 0; i < BENCH_INPUTS; i++)
     image_at(&frame, places[i].image)->buffer = lab->input[index][i];
   for (int l = 0; l < LAYER_COUNT; l++)
@@ -359,6 +366,64 @@ int bench_lab_estimate(bench_lab *lab, const bench_configuration *c,
   configs[1].far_field = HBIL_FAR_NONE;
   return compare_pair(lab, configs, HBIL_PASS_SPLIT, difference, runs, out,
                       error);
+}
+
+/* --- motion vectors --- */
+
+static int upload_motion(bench_lab *lab, image_error *error) {
+  const bench_content *content = lab->content;
+  const size_t bytes = 2 * bench_pixels(content) * sizeof(float);
+  for (unsigned f = 0; f < content->frames; f++)
+    if (bench_buffer(lab->device, bytes, content->frame[f].motion,
+                     &lab->motion[f], error) != 0)
+      return -1;
+  return 0;
+}
+
+static void drop_motion(bench_lab *lab) {
+  for (int f = 0; f < BENCH_FRAMES; f++) {
+    if (lab->motion[f])
+      clReleaseMemObject(lab->motion[f]);
+    lab->motion[f] = NULL;
+  }
+}
+
+/* From the first frame to the last each time, since that is where the vectors
+ * lead from.  A dump has one frame: what they find there is at most a frame too
+ * new. */
+static int time_motion(const trial *t, samples *s, unsigned runs,
+                       image_error *error) {
+  const unsigned last = t->lab->content->frames - 1;
+  for (unsigned i = 0; i < BENCH_WARM_UP + runs; i++) {
+    hbil_plan_reset(t->plan);
+    if (enqueue(t, 0, error) != 0 ||
+        time_frame(t, last, s, i < BENCH_WARM_UP ? 0 : i - BENCH_WARM_UP,
+                   error) != 0)
+      return -1;
+  }
+  return 0;
+}
+
+int bench_lab_motion(bench_lab *lab, const bench_configuration *c,
+                     unsigned runs, bench_spread *out, image_error *error) {
+  hbil_config config;
+  trial t = {.plan = NULL};
+  *out = (bench_spread){NAN, NAN, NAN};
+  if (!lab->content->frame[0].motion)
+    return 0;
+  bench_configure(lab->content, c, &config);
+  config.reprojection = HBIL_REPROJECTION_MOTION;
+  samples *s = calloc(1, sizeof *s);
+  const int failed = !s ? image_no_memory(error, "times")
+                        : upload_motion(lab, error) != 0 ||
+                              make_plan(lab, &config, &t, error) != 0 ||
+                              time_motion(&t, s, runs, error) != 0;
+  if (!failed)
+    *out = bench_spread_of(s->pass[HBIL_PASS_REPROJECT], runs);
+  free_trial(&t);
+  drop_motion(lab);
+  free(s);
+  return failed ? -1 : 0;
 }
 
 /* --- any number in turns --- */

@@ -145,6 +145,12 @@ static int measure_estimate(bench_bench *b, image_error *error) {
   return 0;
 }
 
+static int measure_motion(bench_bench *b, image_error *error) {
+  const bench_configuration standard = bench_default();
+  return bench_lab_motion(b->lab, &standard, b->options->runs,
+                          &b->report.motion, error);
+}
+
 static int measure_rows(bench_bench *b, image_error *error) {
   for (size_t i = 0; i < b->count; i++) {
     char label[BENCH_LABEL];
@@ -155,7 +161,8 @@ static int measure_rows(bench_bench *b, image_error *error) {
   }
   progress_count("measured", b->count, b->count);
   mark_fronts(b->rows, b->count);
-  return measure_estimate(b, error);
+  return measure_estimate(b, error) != 0 || measure_motion(b, error) != 0 ? -1
+                                                                          : 0;
 }
 
 static int measure(bench_bench *b, image_error *error) {

@@ -172,14 +172,28 @@ static void print_estimate(const bench_report *report, FILE *out) {
   fputc('\n', out);
 }
 
+static void print_copies(const bench_report *report, const char *name,
+                         double milliseconds, double bytes, FILE *out) {
+  fprintf(out, "  %-18s %6.2f (%.3f ms, %.1f MiB)", name,
+          milliseconds / bench_copy_time(&report->copy, bytes), milliseconds,
+          bytes / 1048576.0);
+}
+
 /* One pass of the default (or first) configuration. */
 static void print_ratio(const bench_report *report, const bench_row *row,
                         hbil_pass pass, FILE *out) {
-  const double bytes = bench_pass_bytes(report->content, pass);
-  const double copy = bench_copy_time(&report->copy, bytes);
-  fprintf(out, "  %-9s %6.2f (%.3f ms, %.1f MiB)\n", hbil_pass_name(pass),
-          row->pass[pass].median / copy, row->pass[pass].median,
-          bytes / 1048576.0);
+  print_copies(report, hbil_pass_name(pass), row->pass[pass].median,
+               bench_pass_bytes(report->content, pass), out);
+  fputc('\n', out);
+}
+
+/* In a plan of its own. */
+static void print_motion(const bench_report *report, FILE *out) {
+  if (!isfinite(report->motion.median))
+    return;
+  print_copies(report, "reproject (motion)", report->motion.median,
+               bench_motion_bytes(report->content), out);
+  fputs(", aim: at most 1.5\n", out);
 }
 
 static void print_ratios(const bench_report *report, FILE *out) {
@@ -188,6 +202,7 @@ static void print_ratios(const bench_report *report, FILE *out) {
     if (bench_is_default(&report->rows[i].configuration))
       row = &report->rows[i];
   fprintf(out, "\ntimes of a copy of its bytes, %s:\n", row->label);
+  print_motion(report, out);
   print_ratio(report, row, HBIL_PASS_SPLIT, out);
   print_ratio(report, row, HBIL_PASS_PUSH_PULL, out);
   print_ratio(report, row, HBIL_PASS_COMPOSITE, out);
