@@ -24,16 +24,24 @@
 #endif
 
 /* Raises HBIL_FLAG_HOLES, filled with 0, where a texel of the finest level has
- * no weight. */
-kernel void find_holes(global const float *chain, const hbil_chain_args finest,
-                       global uint *flags) {
+ * no weight but a surface: the sky has no use for light. */
+kernel void find_holes(const hbil_view_args view, global const float *chain,
+                       const hbil_chain_args finest, global uint *flags,
+                       global const void *depth_buffer,
+                       const hbil_image_args depth_image,
+                       const float background) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= finest.width || y >= finest.height)
     return;
   const realv weight =
       LOADV(chain + finest.offset + HBIL_CARRIED_WEIGHT * finest.plane +
             (uint)y * finest.row + (uint)x);
-  if (ANY((weight <= 0.0f) & (x + EACH_LANE < finest.width)))
+  intv hole = (weight <= 0.0f) & (x + EACH_LANE < finest.width);
+  if (ANY(hole))
+    hole &= planar_depth(load_depth(depth_buffer, depth_image, x, y, 0,
+                                    finest.width - x),
+                         ray_x(view, x, 1), ray_y(view, y), background) > 0.0f;
+  if (ANY(hole))
     flags[HBIL_FLAG_HOLES] = 1u; /* whoever else writes writes the same */
 }
 

@@ -397,8 +397,12 @@ static hbil_status push_pull(commands *chain, const hbil_frame *frame) {
   if (!plan->has_history || is_still(plan, frame))
     return leave_out(chain);
   const bool look = plan->layout.skip & HBIL_SKIP_HOLES;
-  const argument find[] = {ARG(plan->buffers[BUFFER_CARRIED]), ARG(levels[0]),
-                           ARG(plan->buffers[BUFFER_FLAGS])};
+  const hbil_view_args view = camera_view(&frame->camera, &plan->config);
+  const bound_image depth = bind(plan, frame, IMAGE_DEPTH);
+  const argument find[] = {
+      ARG(view),         ARG(plan->buffers[BUFFER_CARRIED]),
+      ARG(levels[0]),    ARG(plan->buffers[BUFFER_FLAGS]),
+      IMAGE_ARGS(depth), ARG(plan->config.background)};
   hbil_status status = set_flag(chain, HBIL_FLAG_HOLES, !look);
   plan->may_leave_out[HBIL_PASS_PUSH_PULL] = look;
   if (status == HBIL_SUCCESS && look)
@@ -719,7 +723,7 @@ static const struct {
   unsigned images;
 } passes[HBIL_PASS_COUNT] = {
     [HBIL_PASS_REPROJECT] = {reproject, USES_REPROJECT},
-    [HBIL_PASS_PUSH_PULL] = {push_pull, 0},
+    [HBIL_PASS_PUSH_PULL] = {push_pull, BIT(IMAGE_DEPTH)},
     [HBIL_PASS_SPLIT] = {split, USES_SPLIT},
     [HBIL_PASS_GATHER] = {gather, 0},
     [HBIL_PASS_RECOMPOSE] = {recompose, 0},

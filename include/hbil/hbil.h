@@ -417,7 +417,8 @@ typedef struct hbil_frame {
   float environment[9][3];
   cl_uint index; /* turns the sampling pattern; constant for a still pattern */
   /* CL_TRUE: the camera, the contents of all inputs, environment and index are
-   * those of the plan's last frame (this is checked of camera and index).  Then
+   * those of the plan's last frame (this is checked of camera and index), and
+   * motion, if there is any, is 0: nothing has moved since that frame.  Then
    * nothing is reprojected or split again but the light, and where that has
    * settled, bit for bit, nothing is gathered or filtered: outputs are written
    * from what there is.  Ignored in a plan's first frame. */
@@ -514,7 +515,8 @@ HBIL_API hbil_status hbil_enqueue_composite(
 /*
  * What the passes exchange: planes of 32-bit floats.  Values per pixel:
  *   HISTORY    4: inverse depth 1/z of the last frame (<= 0: sky), carried RGB
- *   CARRIED    4: RGB of the last frame seen from this one, weight (0: a hole)
+ *   CARRIED    4: RGB of the last frame seen from this one, weight (0: a hole;
+ *              those of the sky need not be filled)
  *   SPLIT      7: inverse depth w (<= 0: nothing there), view-space unit normal
  *                 XYZ that faces the eye, radiance RGB
  *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length);

@@ -1,0 +1,513 @@
+/*
+ * Work that is left out: the same bits as with it, wherever the one pixel is
+ * that decides; and where nothing decides against it, it is left out indeed.
+ */
+#include "support.h"
+
+/* Three strips across, the last one not whole; two blocks of cells. */
+#define WIDTH 301
+#define HEIGHT 70
+
+/* Two plans that differ in one skip. */
+typedef struct pair {
+  setup with, without;
+} pair;
+
+typedef void prepare_function(setup *s);
+
+static void start_pair(pair *p, prepare_function *prepare, cl_uint skip) {
+  prepare(&p->with);
+  prepare(&p->without);
+  p->without.config.skip &= ~skip;
+  setup_start(&p->with);
+  setup_start(&p->without);
+}
+
+static void free_pair(pair *p) {
+  setup_free(&p->with);
+  setup_free(&p->without);
+}
+
+static void run(setup *s) {
+  setup_upload(s);
+  setup_run(s, hbil_enqueue_frame);
+}
+
+static hbil_skipped skipped(setup *s) {
+  hbil_skipped out;
+  assert_success(s, hbil_plan_skipped(s->plan, s->gpu->queue, &out));
+  return out;
+}
+
+static void check_same(setup *a, setup *b) {
+  ref_planes one = outputs_read(a), two = outputs_read(b);
+  assert_int_equal(count_different(&one, &two), 0);
+  ref_planes_free(&one);
+  ref_planes_free(&two);
+}
+
+/* Both on the inputs of the first; what that one left out. */
+static hbil_skipped compare(pair *p) {
+  const size_t pixels = (size_t)p->with.config.width * p->with.config.height;
+  for (int i = 0; i < REF_INPUT_PLANES; ++i)
+    memcpy(p->without.input[i], p->with.input[i], pixels * sizeof(float));
+  run(&p->with);
+  run(&p->without);
+  check_same(&p->with, &p->without);
+  return skipped(&p->with);
+}
+
+static size_t at(int x, int y) {
+  return (size_t)y * WIDTH + (size_t)x;
+}
+
+/* A wall seen straight on that sends light everywhere, as the only frame. */
+static void wall(setup *s) {
+  setup_init(s, WIDTH, HEIGHT);
+  s->config.reprojection = HBIL_REPROJECTION_NONE;
+  s->config.storage = HBIL_STORAGE_PACKED;
+  s->config.normal_space = HBIL_SPACE_WORLD; /* as scenes have them */
+  setup_all_outputs(s);
+  setup_camera(s, 40.0);
+}
+
+static void bare(setup *s) {
+  setup_fill(s, REF_DEPTH, 2.0f);
+  setup_fill(s, REF_NORMAL, 0.0f);
+  setup_fill(s, REF_NORMAL + 1, 0.0f);
+  setup_fill(s, REF_NORMAL + 2, -1.0f);
+  for (int c = 0; c < 3; ++c) {
+    setup_fill(s, REF_ALBEDO + c, 0.5f);
+    setup_fill(s, REF_DIRECT + c, 1.0f + (float)c);
+    setup_fill(s, REF_EMISSION + c, 0.0f);
+  }
+}
+
+/* ------------------------------------------------------------------------ */
+/* open                                                                      */
+
+static void endless(setup *s) {
+  wall(s);
+}
+
+static void thick(setup *s) {
+  wall(s);
+  s->config.relative_thickness = 0.1f;
+  s->config.storage = HBIL_STORAGE_FLOAT32;
+}
+
+static void limited(setup *s) {
+  wall(s);
+  s->config.radius = 0.3f; /* of a wall that is 6 wide: a twentieth */
+}
+
+static void limited_pixels(setup *s) {
+  limited(s);
+  s->config.vector_width = 1;
+}
+
+static void ao_alone(setup *s, hbil_mode mode) {
+  wall(s);
+  s->config.mode = mode;
+  for (int i = IMAGE_FIRST_OUTPUT; i < IMAGE_COUNT; ++i)
+    if (i != IMAGE_AO)
+      image_format(&s->config, (image_id)i)->component = HBIL_NONE;
+}
+
+static void gtao(setup *s) {
+  ao_alone(s, HBIL_MODE_GTAO);
+}
+
+static void hbao(setup *s) {
+  ao_alone(s, HBIL_MODE_HBAO);
+  s->config.radius = 0.3f;
+}
+
+static prepare_function *const kinds[] = {endless,        thick, limited,
+                                          limited_pixels, gtao,  hbao};
+#define KINDS (sizeof kinds / sizeof *kinds)
+
+/* One pixel, nearer than the wall by anything from a rounding to nearly all. */
+static void lone_occluder(setup *s, random_state *r) {
+  const int x = (int)(random_unit(r) * WIDTH),
+            y = (int)(random_unit(r) * HEIGHT);
+  const double nearer = pow(10.0, -7.0 * random_unit(r));
+  s->input[REF_DEPTH][at(x, y)] = (float)(2.0 - 1.9 * nearer);
+}
+
+/* The wall turned by anything up to nearly edge on. */
+static void turn(setup *s, random_state *r) {
+  const double most = pow(10.0, 1.0 - 8.0 * random_unit(r));
+  double n[3] = {most * (random_unit(r) - 0.5), most * (random_unit(r) - 0.5),
+                 -1.0};
+  normalize(n);
+  for (int y = 0; y < HEIGHT; ++y)
+    for (int x = 0; x < WIDTH; ++x) {
+      const hbil_camera *c = &s->frame.camera;
+      const double rx = (x + 0.5 - c->cx) / c->fx,
+                   ry = (y + 0.5 - c->cy) / c->fy;
+      const double n_r = n[0] * rx + n[1] * ry + n[2];
+      s->input[REF_DEPTH][at(x, y)] = n_r < -1e-3 ? (float)(-2.0 / n_r) : 0.0f;
+      for (int i = 0; i < 3; ++i)
+        s->input[REF_NORMAL + i][at(x, y)] = (float)n[i];
+    }
+}
+
+static void every_strip_of_a_bare_wall_is_open(void **state) {
+  (void)state;
+  for (size_t k = 0; k < KINDS; ++k) {
+    pair p;
+    start_pair(&p, kinds[k], HBIL_SKIP_OPEN);
+    bare(&p.with);
+    const hbil_skipped found = compare(&p);
+    assert_int_equal(found.all.pixels, WIDTH * HEIGHT);
+    assert_int_equal(found.open.pixels, WIDTH * HEIGHT);
+    assert_int_equal(found.open.strips, found.all.strips);
+    assert_int_equal(skipped(&p.without).open.strips, 0);
+    free_pair(&p);
+  }
+}
+
+static void one_pixel_anywhere_is_not_overlooked(void **state) {
+  (void)state;
+  for (size_t k = 0; k < KINDS; ++k) {
+    random_state r = {.state = 7 + k};
+    size_t blocked = 0;
+    pair p;
+    start_pair(&p, kinds[k], HBIL_SKIP_OPEN);
+    for (int i = 0; i < 40; ++i) {
+      bare(&p.with);
+      if (i % 2)
+        turn(&p.with, &r);
+      lone_occluder(&p.with, &r);
+      const hbil_skipped found = compare(&p);
+      blocked += found.open.strips < found.all.strips;
+    }
+    assert_true(blocked > 20);
+    free_pair(&p);
+  }
+}
+
+/* At the end of the reach, a little nearer and a little farther. */
+static void the_edge_of_the_radius_is_kept(void **state) {
+  size_t open[2] = {0, 0};
+  pair p;
+  (void)state;
+  start_pair(&p, limited, HBIL_SKIP_OPEN | HBIL_SKIP_RADIUS);
+  for (int i = 0; i < 40; ++i) {
+    /* a pillar above the wall; 2 / fy of the wall are a pixel */
+    const double step = 2.0 / p.with.frame.camera.fy;
+    const int x = (int)(0.3 / step) + i - 20;
+    bare(&p.with);
+    for (int y = 0; y < HEIGHT; ++y)
+      p.with.input[REF_DEPTH][at(150 + x, y)] = 1.99f;
+    const hbil_skipped found = compare(&p);
+    open[i >= 20] += found.open.strips;
+  }
+  assert_true(open[0] > 0 && open[1] > 0);
+  free_pair(&p);
+}
+
+static void rooms_are_the_same(void **state) {
+  (void)state;
+  for (size_t k = 0; k < KINDS; ++k) {
+    pair p;
+    start_pair(&p, kinds[k], HBIL_SKIP_ALL);
+    for (uint32_t i = 0; i < 2; ++i) {
+      setup_load_scene(&p.with, i ? SCENE_SKY : SCENE_ROOM, i);
+      p.without.frame.camera = p.with.frame.camera;
+      compare(&p);
+    }
+    free_pair(&p);
+  }
+}
+
+/* ------------------------------------------------------------------------ */
+/* sky                                                                       */
+
+static void a_single_pixel_before_the_sky_is_seen(void **state) {
+  random_state r = {.state = 3};
+  pair p;
+  (void)state;
+  start_pair(&p, endless, HBIL_SKIP_SKY);
+  for (int i = 0; i < 10; ++i) {
+    bare(&p.with);
+    setup_fill(&p.with, REF_DEPTH, 0.0f);
+    if (i)
+      p.with.input[REF_DEPTH][at((int)(random_unit(&r) * WIDTH),
+                                 (int)(random_unit(&r) * HEIGHT))] = 1.0f;
+    const hbil_skipped found = compare(&p);
+    assert_int_equal(found.sky.pixels, WIDTH * HEIGHT - (i > 0));
+    assert_int_equal(found.sky.strips, found.all.strips - (i > 0));
+  }
+  free_pair(&p);
+}
+
+/* ------------------------------------------------------------------------ */
+/* dark                                                                      */
+
+static void lamp_in_a_room(pair *p, random_state *r, int lamp) {
+  setup_load_scene(&p->with, SCENE_ROOM, 0);
+  p->without.frame.camera = p->with.frame.camera;
+  for (int c = 0; c < 3; ++c) {
+    setup_fill(&p->with, REF_DIRECT + c, 0.0f);
+    setup_fill(&p->with, REF_EMISSION + c, 0.0f);
+  }
+  /* a pixel, which few samples meet, or so many squared */
+  const int x0 = (int)(random_unit(r) * WIDTH);
+  const int y0 = (int)(random_unit(r) * HEIGHT);
+  for (int y = y0; y < y0 + lamp && y < HEIGHT; ++y)
+    for (int x = x0; x < x0 + lamp && x < WIDTH; ++x)
+      p->with.input[REF_EMISSION][at(x, y)] = 1e4f;
+}
+
+static void refused_black(setup *s) {
+  wall(s);
+  s->config.refused = HBIL_REFUSED_BLACK;
+  s->config.storage = HBIL_STORAGE_FLOAT32;
+}
+
+static void refused_frame(setup *s) {
+  limited(s);
+  s->config.refused = HBIL_REFUSED_FRAME;
+  s->config.radius = 2.0f;
+}
+
+static void near_room(setup *s) {
+  wall(s);
+  s->config.radius = 0.5f;
+  s->config.facing[0] = s->config.facing[1] = -1.0f;
+}
+
+static void one_lamp_is_not_overlooked(void **state) {
+  static prepare_function *const lights[] = {endless, refused_black,
+                                             refused_frame, near_room};
+  (void)state;
+  for (size_t k = 0; k < sizeof lights / sizeof *lights; ++k) {
+    random_state r = {.state = 11 + k};
+    size_t near_light = 0;
+    pair p;
+    start_pair(&p, lights[k], HBIL_SKIP_DARK);
+    for (int i = 0; i < 12; ++i) {
+      lamp_in_a_room(&p, &r, i % 2 ? 1 : 3 * i);
+      const hbil_skipped found = compare(&p);
+      if (i == 0) /* no light at all: every strip that is not open or sky */
+        assert_int_equal(found.dark.strips + found.open.strips +
+                             found.sky.strips,
+                         found.all.strips);
+      ref_planes out = outputs_read(&p.with);
+      near_light += i > 0 && largest_value(&out, REF_NEAR, 3) > 0.0;
+      ref_planes_free(&out);
+    }
+    if (getenv("HBIL_TEST_VERBOSE"))
+      print_message("%zu lamps of 11 light something\n", near_light);
+    assert_true(near_light > 0);
+    free_pair(&p);
+  }
+}
+
+/* ------------------------------------------------------------------------ */
+/* unused                                                                    */
+
+static void picture_alone(setup *s) {
+  wall(s);
+  for (int i = IMAGE_FIRST_OUTPUT; i < IMAGE_COUNT; ++i)
+    if (i != IMAGE_RADIANCE)
+      image_format(&s->config, (image_id)i)->component = HBIL_NONE;
+  s->config.f0.component = HBIL_FLOAT32;
+}
+
+static void picture_by_pixels(setup *s) {
+  picture_alone(s);
+  s->config.vector_width = 1;
+}
+
+static void metal_shows_no_irradiance(void **state) {
+  static prepare_function *const pictures[] = {picture_alone,
+                                               picture_by_pixels};
+  (void)state;
+  for (size_t k = 0; k < 2; ++k) {
+    random_state r = {.state = 5 + k};
+    pair p;
+    start_pair(&p, pictures[k], HBIL_SKIP_UNUSED);
+    for (int i = 0; i < 12; ++i) {
+      setup_load_scene(&p.with, SCENE_ROOM, 0);
+      p.without.frame.camera = p.with.frame.camera;
+      for (int c = 0; c < 3; ++c) {
+        setup_fill(&p.with, REF_F0 + c, i % 2 ? 1.0f : 0.0f);
+        if (i % 2 == 0)
+          setup_fill(&p.with, REF_ALBEDO + c, 0.0f);
+      }
+      /* but for one pixel */
+      const size_t one =
+          at((int)(random_unit(&r) * WIDTH), (int)(random_unit(&r) * HEIGHT));
+      if (i > 1) {
+        p.with.input[REF_F0][one] = 0.5f;
+        p.with.input[REF_ALBEDO][one] = 0.8f;
+      }
+      const hbil_skipped found = compare(&p);
+      if (i > 1)
+        assert_in_range(found.unused.strips, found.all.strips / 2,
+                        found.all.strips - 1);
+      else
+        assert_int_equal(found.unused.strips + found.sky.strips,
+                         found.all.strips);
+    }
+    free_pair(&p);
+  }
+}
+
+static void who_shows_irradiance_needs_it(void **state) {
+  setup s;
+  (void)state;
+  picture_alone(&s);
+  image_format(&s.config, IMAGE_AO)->component = HBIL_FLOAT32;
+  setup_start(&s);
+  setup_load_scene(&s, SCENE_ROOM, 0);
+  for (int c = 0; c < 3; ++c)
+    setup_fill(&s, REF_ALBEDO + c, 0.0f);
+  run(&s);
+  assert_int_equal(skipped(&s).unused.strips, 0);
+  setup_free(&s);
+}
+
+/* ------------------------------------------------------------------------ */
+/* passes                                                                    */
+
+static void room_with_history(setup *s) {
+  wall(s);
+  s->config.reprojection = HBIL_REPROJECTION_SCATTER;
+  s->config.far_field = HBIL_FAR_FRAME;
+}
+
+static void holes_are_filled_and_nothing_else(void **state) {
+  pair p;
+  (void)state;
+  start_pair(&p, room_with_history, HBIL_SKIP_HOLES);
+  for (uint32_t i = 0; i < 4; ++i) {
+    setup_load_scene(&p.with, SCENE_ROOM, i / 2); /* every frame twice */
+    p.without.frame.camera = p.with.frame.camera;
+    const hbil_skipped found = compare(&p);
+    assert_int_equal(found.not_run[HBIL_PASS_REPROJECT], i == 0);
+    assert_int_equal(found.not_run[HBIL_PASS_PUSH_PULL], i != 2);
+    assert_int_equal(skipped(&p.without).not_run[HBIL_PASS_PUSH_PULL], i == 0);
+    assert_int_equal(found.not_run[HBIL_PASS_GATHER], 0);
+  }
+  free_pair(&p);
+}
+
+/* A moving start, then frames that stand still: every one the same as without
+ * the promise.  Returns in which of these nothing was gathered any more. */
+static int still_frames(prepare_function *prepare, int frames) {
+  int settled = 0;
+  setup promised, plain;
+  prepare(&promised);
+  prepare(&plain);
+  setup_start(&promised);
+  setup_start(&plain);
+  for (int i = 0; i < 2 + frames; ++i) {
+    const uint32_t frame = i < 2 ? (uint32_t)i : 1;
+    setup_load_scene(&promised, SCENE_ROOM, frame);
+    setup_load_scene(&plain, SCENE_ROOM, frame);
+    promised.frame.still = i >= 2;
+    for (int c = 0; c < 2 && i >= 2; ++c) {
+      setup_fill(&promised, REF_MOTION + c, 0.0f);
+      setup_fill(&plain, REF_MOTION + c, 0.0f);
+    }
+    run(&promised);
+    run(&plain);
+    check_same(&promised, &plain);
+    const hbil_skipped found = skipped(&promised);
+    if (i >= 2) {
+      assert_true(found.not_run[HBIL_PASS_REPROJECT]);
+      assert_true(found.not_run[HBIL_PASS_PUSH_PULL]);
+      assert_false(found.not_run[HBIL_PASS_COMPOSITE]);
+      assert_int_equal(found.not_run[HBIL_PASS_GATHER],
+                       found.not_run[HBIL_PASS_RECOMPOSE]);
+    }
+    if (!settled && found.not_run[HBIL_PASS_GATHER])
+      settled = i - 1;
+  }
+  setup_free(&promised);
+  setup_free(&plain);
+  return settled;
+}
+
+static void carried_radiance(setup *s) {
+  wall(s);
+  s->config.reprojection = HBIL_REPROJECTION_MOTION;
+  s->config.feedback = HBIL_FEEDBACK_RADIANCE;
+  s->config.storage = HBIL_STORAGE_FLOAT32;
+}
+
+static void still_frames_are_the_same(void **state) {
+  (void)state;
+  /* light settles to the bit where it is packed */
+  assert_in_range(still_frames(room_with_history, 40), 2, 39);
+  still_frames(carried_radiance, 3);
+  /* and at once where there is none to carry */
+  assert_int_equal(still_frames(endless, 2), 1);
+  assert_int_equal(still_frames(gtao, 2), 1);
+}
+
+static void still_is_checked(void **state) {
+  setup s;
+  (void)state;
+  room_with_history(&s);
+  setup_start(&s);
+  setup_load_scene(&s, SCENE_ROOM, 0);
+  s.frame.still = CL_TRUE; /* of the first frame: nothing to be like */
+  run(&s);
+  assert_false(skipped(&s).not_run[HBIL_PASS_SPLIT]);
+  s.frame.index = 1;
+  assert_int_equal(
+      hbil_enqueue_frame(s.plan, s.gpu->queue, &s.frame, 0, NULL, NULL),
+      HBIL_INVALID_FRAME);
+  assert_non_null(strstr(hbil_context_message(s.gpu->hbil), "index"));
+  s.frame.index = 0;
+  s.frame.camera.fx *= 1.5;
+  assert_int_equal(
+      hbil_enqueue_frame(s.plan, s.gpu->queue, &s.frame, 0, NULL, NULL),
+      HBIL_INVALID_FRAME);
+  assert_non_null(strstr(hbil_context_message(s.gpu->hbil), "camera"));
+  /* nor after a reset */
+  hbil_plan_reset(s.plan);
+  run(&s);
+  assert_false(skipped(&s).not_run[HBIL_PASS_SPLIT]);
+  setup_free(&s);
+}
+
+static void counts_need_a_frame(void **state) {
+  hbil_skipped out;
+  setup s;
+  (void)state;
+  endless(&s);
+  setup_start(&s);
+  assert_int_equal(hbil_plan_skipped(NULL, s.gpu->queue, &out),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_skipped(s.plan, NULL, &out),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_skipped(s.plan, s.gpu->queue, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_skipped(s.plan, s.gpu->queue, &out),
+                   HBIL_INVALID_ARGUMENT);
+  setup_free(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_strip_of_a_bare_wall_is_open),
+      cmocka_unit_test(one_pixel_anywhere_is_not_overlooked),
+      cmocka_unit_test(the_edge_of_the_radius_is_kept),
+      cmocka_unit_test(rooms_are_the_same),
+      cmocka_unit_test(a_single_pixel_before_the_sky_is_seen),
+      cmocka_unit_test(one_lamp_is_not_overlooked),
+      cmocka_unit_test(metal_shows_no_irradiance),
+      cmocka_unit_test(who_shows_irradiance_needs_it),
+      cmocka_unit_test(holes_are_filled_and_nothing_else),
+      cmocka_unit_test(still_frames_are_the_same),
+      cmocka_unit_test(still_is_checked),
+      cmocka_unit_test(counts_need_a_frame),
+  };
+  return RUN_WITH_GPU(tests);
+}
