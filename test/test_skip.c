@@ -315,6 +315,9 @@ static void picture_alone(setup *s) {
     if (i != IMAGE_RADIANCE)
       image_format(&s->config, (image_id)i)->component = HBIL_NONE;
   s->config.f0.component = HBIL_FLOAT32;
+  /* AO must show: metal alone sends no light to others */
+  s->config.far_field = HBIL_FAR_CONSTANT;
+  s->frame.environment[0][0] = 1.0f;
 }
 
 static void picture_by_pixels(setup *s) {
