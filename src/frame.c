@@ -515,8 +515,11 @@ static hbil_status recompose(commands *chain, const hbil_frame *frame) {
                            ARG(plan->buffers[BUFFER_ESTIMATE]),
                            ARG(plan->buffers[BUFFER_RESOLVED]),
                            ARG(plan->layout.planes)};
-  const size_t rows = plan->config.vector_width == 1 ? 1 : 4;
-  return LAUNCH(chain, KERNEL_RECOMPOSE, args, (across(plan) + 3) / 4,
+  const bool scalar = plan->config.vector_width == 1;
+  const size_t width = scalar ? 1 : (size_t)HBIL_TILE;
+  const size_t rows = scalar ? 1 : (size_t)HBIL_RECOMPOSE_ROWS;
+  return LAUNCH(chain, KERNEL_RECOMPOSE, args,
+                ((size_t)plan->layout.split.width + width - 1) / width,
                 (plan->config.height + rows - 1) / rows, 1);
 }
 
