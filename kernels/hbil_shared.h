@@ -41,6 +41,9 @@ typedef cl_float hbil_float;
  * stays inside the row. */
 #define HBIL_TILE 32
 
+/* Rows that a work-item of recompose takes on CPUs; a multiple of 4. */
+#define HBIL_RECOMPOSE_ROWS 16
+
 /* The most pixels that a vector holds. */
 #define HBIL_WIDEST 16
 
@@ -55,8 +58,10 @@ typedef cl_float hbil_float;
 #define HBIL_MIN_COSINE 1e-4f
 
 /* Recompose: a neighbour off the pixel's tangent plane by this share of its
- * inverse depth gets no weight. */
+ * inverse depth gets no weight, nor does one whose normal has a cosine with the
+ * pixel's that is smaller than 1 by the second (33 degrees). */
 #define HBIL_PLANE_TOLERANCE 0.02f
+#define HBIL_TURN_TOLERANCE 0.16f
 
 /* Finite thickness: sectors of a half-slice.  One less than a word has bits, so
  * that 1 << HBIL_SECTORS is still one. */

@@ -1,17 +1,23 @@
 /*
  * recompose: layers -> full resolution.  Each pixel of a 4x4 block has looked
  * along its own directions; a joint bilateral filter over the 5x5 pixels around
- * (outer ones count half, so that each of the 16 layers weighs the same) brings
- * them together, guided by depth and normal:
- *   weight = max(0, 1 - |w1 - (w0 + grad.e)| / (0.02 w0)) * max(0, n0.n1)^16
- * The first factor measures the distance from the pixel's tangent plane, not
- * from its depth, so tilted planes are not cut.  The second is what keeps an
- * edge between two walls.
+ * brings them together, guided by depth and normal:
+ *   weight = max(0, 1 - ((w1 - (w0 + grad.e)) / (0.02 w0))^2
+ *                     - (1 - n0.n1) / 0.16)
+ * The first term measures the distance from the pixel's tangent plane, not from
+ * its depth, so tilted planes are not cut.  The second is what keeps an edge
+ * between two walls.  Both are a fused operation or two, where powers of the
+ * cosine took eight.
+ *
+ * Each of the 16 layers weighs the same: nine of them are around the pixel
+ * once, those of the outer ring are there twice and count half.  The layer at
+ * the corners is there four times; two opposite ones will do, as they leave the
+ * centre where it is.
  *
  * Builds: RAW (only undo the split), GATHER_RADIANCE, GATHER_BENT,
  * REFUSED_FRAME, PACKED.
- * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows, four at a time
- * where HBIL_WIDTH is more than 1.
+ * Launch: x = groups of 4 pixels of a row, y = rows; where HBIL_WIDTH is more
+ * than 1, x = groups of 4*HBIL_TILE pixels, y = HBIL_RECOMPOSE_ROWS rows.
  * In: split planes (guides), light planes.  Out: light planes, full
  * resolution; the bent normal of unit length or 0.
  */
@@ -19,35 +25,51 @@
 #define PI 3.14159265f
 #define INV_PI 0.318309886f
 
-/* A work-item takes four columns of pixels, all layers of a row, and on CPUs
- * four rows: the pixels around them are then unpacked once for all sixteen. */
+/* On CPUs a work-item takes a tile of layer pixels, all layers, and goes down
+ * many rows.  It keeps the five rows around the present one unpacked, so that
+ * hardly a pixel is unpacked twice. */
 #if HBIL_WIDTH == 1
+#define VECTORS 1
 #define ROWS 1
+#define TAP_SPAN 1
 #else
-#define ROWS HBIL_SIDE
-#define TAP_COLUMNS (HBIL_SIDE + 4)
-#define TAP_ROWS (ROWS + 4)
+#define VECTORS (HBIL_TILE / HBIL_WIDTH)
+#define ROWS HBIL_RECOMPOSE_ROWS
+/* a tile and a pixel more on either side, in whole vectors */
+#define TAP_SPAN ((VECTORS + 1) * HBIL_WIDTH)
 #endif
 
-/* Weighted sums of a pixel's neighbourhood. */
+/* Pixels as the filters around them see them: planes, TAP_SPAN apart. */
+enum {
+  TAP_W = 0,
+  TAP_NORMAL = 1, /* x, 2: y, 3: z */
+  TAP_LIGHT = 4,
+#if REFUSED_FRAME
+  TAP_PLANES = TAP_LIGHT + HBIL_GATHERED_PLANES
+#else
+  TAP_PLANES = TAP_LIGHT + HBIL_LIGHT_PLANES
+#endif
+};
+#define TAP(t, p) LOADV((t) + (p)*TAP_SPAN)
+#define TAP_LAYER (TAP_PLANES * TAP_SPAN)
+#define TAP_ROW (HBIL_SIDE * TAP_LAYER)
+
+/* Weighted sums of a pixel's neighbourhood, and what it takes to finish them:
+ * its own inverse depth and normal. */
 typedef struct sums {
   realv total, plane[HBIL_GATHERED_PLANES];
+  realv w, n[3];
 } sums;
-
-/* A pixel as the filters around it see it. */
-typedef struct tap {
-  realv w, n[3], plane[HBIL_GATHERED_PLANES];
-} tap;
 
 /* What the pixel in the middle brings to the weights. */
 typedef struct middle {
-  realv inv_off;    /* 1 / (0.02 w0) */
-  realv w, gx, gy;  /* w0 and the plane's gradient times inv_off */
-  realv nx, ny, nz; /* unit normal */
+  realv inv_off; /* 1 / (0.02 w0) */
+  realv gx, gy;  /* what the plane's w gains a pixel, times -inv_off */
+  realv n[3];    /* normal / 0.16 */
 } middle;
 
 /* Where a layered set of planes has the pixels (4 x + i, 4 y + j) and every
- * fourth to their right; i and j from -2 to 5. */
+ * fourth to their right; i and j may lie outside of 0..3. */
 static inline uint place(const hbil_layer_args l, int i, int j, int x, int y) {
   const uint layer = (uint)(4 * (j & 3) + (i & 3));
   return layer * l.layer + l.origin + (uint)(y + (j >> 2)) * l.row +
@@ -57,55 +79,91 @@ static inline uint place(const hbil_layer_args l, int i, int j, int x, int y) {
 static inline void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
                             global const float *split,
                             global const float *light, int i, int j, int x,
-                            int y, tap *t) {
+                            int y, float *t) {
+  realv normal[3], value[HBIL_GATHERED_PLANES];
   split += place(in, i, j, x, y);
-  t->w = LOADV(split);
-  split_normal(split, in.plane, t->n);
-  gathered_light(light + place(lit, i, j, x, y), lit.plane, t->plane);
+  STOREV(LOADV(split), t + TAP_W * TAP_SPAN);
+  split_normal(split, in.plane, normal);
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    STOREV(normal[c], t + (TAP_NORMAL + c) * TAP_SPAN);
+  gathered_light(light + place(lit, i, j, x, y), lit.plane, value);
+#define KEEP_PLANE(p) STOREV(value[p], t + (TAP_LIGHT + p) * TAP_SPAN);
+  EACH_GATHERED(KEEP_PLANE)
 }
 
-static inline middle middle_of(const hbil_view_args view, const tap *t, int x,
+#if HBIL_WIDTH > 1
+/* Unpacks row 4 y + j of the tile at x. */
+static inline void keep_row(const hbil_layer_args in, const hbil_layer_args lit,
+                            global const float *split,
+                            global const float *light, int j, int x, int y,
+                            float *row) {
+  for (int i = 0; i < HBIL_SIDE; ++i)
+    for (int v = 0; v < TAP_SPAN; v += HBIL_WIDTH)
+      load_tap(in, lit, split, light, i, j, x - 1 + v, y,
+               row + i * TAP_LAYER + v);
+}
+
+/* Asks for the lines of a tile in `planes` planes. */
+static inline void fetch_tile(global const float *at, uint plane, uint planes) {
+  for (uint p = 0; p < planes; ++p)
+    for (uint line = 0; line < TAP_SPAN; line += 16)
+      FETCH_LINE(at + p * plane + line);
+}
+
+/* Asks for what keep_row() will read. */
+static inline void fetch_row(const hbil_layer_args in,
+                             const hbil_layer_args lit,
+                             global const float *split,
+                             global const float *light, int j, int x, int y) {
+  const uint guides = PACKED ? HBIL_PACKED_RADIANCE : HBIL_SPLIT_RED;
+  for (int i = 0; i < HBIL_SIDE; ++i) {
+    fetch_tile(split + place(in, i, j, x, y), in.plane, guides);
+    fetch_tile(light + place(lit, i, j, x, y), lit.plane,
+               lit.layer / lit.plane);
+  }
+}
+#endif
+
+static inline middle middle_of(const hbil_view_args view, const sums *s, int x,
                                int y) {
   middle m;
-  const realv rx = ray_x(view, x, 4);
-  m.nx = t->n[0];
-  m.ny = t->n[1];
-  m.nz = t->n[2];
-  const realv n_r = fma(m.nx, rx, fma(m.ny, (realv)ray_y(view, y), m.nz));
-  m.inv_off = 1.0f / (HBIL_PLANE_TOLERANCE * t->w);
-  m.w = 1.0f / HBIL_PLANE_TOLERANCE;
-  m.gx = m.nx * m.w / n_r;
-  m.gy = m.ny * m.w / n_r;
+  const realv n_r = fma(s->n[0], ray_x(view, x, 4),
+                        fma(s->n[1], (realv)ray_y(view, y), s->n[2]));
+  const realv slope = -1.0f / (HBIL_PLANE_TOLERANCE * n_r);
+  m.inv_off = 1.0f / (HBIL_PLANE_TOLERANCE * s->w);
+  m.gx = s->n[0] * slope * view.inv_fx;
+  m.gy = s->n[1] * slope * view.inv_fy;
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    m.n[c] = s->n[c] * (1.0f / HBIL_TURN_TOLERANCE);
   return m;
 }
 
-/* expected: inverse depth of the plane in the tap's row, ex: the tap's place
- * along it; spatial: its share for its place. */
-static inline void add_tap(sums *s, const middle *m, const tap *t,
-                           realv expected, float ex, float spatial) {
-  const realv off = fma(t->w, m->inv_off, -fma(m->gx, (realv)ex, expected));
-  const realv close = max(spatial - spatial * fabs(off), (realv)0.0f);
-  realv same = fma(m->nx, t->n[0], fma(m->ny, t->n[1], m->nz * t->n[2]));
-  same = max(same, (realv)0.0f);
-  same *= same;
-  same *= same;
-  same *= same;
-  same *= same;
-  const realv weight = close * same;
+/* The pixel i to the right and j below. */
+static inline void add_tap(sums *s, const middle *m, const float *t, float i,
+                           float j, float share) {
+  const realv row = fma(m->gy, (realv)j, (realv)(-1.0f / HBIL_PLANE_TOLERANCE));
+  const realv off = fma(TAP(t, TAP_W), m->inv_off, row) + m->gx * i;
+  realv weight = 1.0f - 1.0f / HBIL_TURN_TOLERANCE;
+  weight = fma(m->n[2], TAP(t, TAP_NORMAL + 2), weight);
+  weight = fma(m->n[1], TAP(t, TAP_NORMAL + 1), weight);
+  weight = fma(m->n[0], TAP(t, TAP_NORMAL), weight);
+  weight = max(fma(-off, off, weight), (realv)0.0f) * share;
   s->total += weight;
-#define ADD_PLANE(p) s->plane[p] = fma(weight, t->plane[p], s->plane[p]);
+#define ADD_PLANE(p)                                                           \
+  s->plane[p] = fma(weight, TAP(t, TAP_LIGHT + p), s->plane[p]);
   EACH_GATHERED(ADD_PLANE)
 }
 
 #if REFUSED_FRAME
 /* What faces away is lit by what the screen's surfaces send on average. */
-static inline void fill_unknown(sums *s, const middle *m,
-                                global const float *estimate) {
+static inline void fill_unknown(sums *s, global const float *estimate) {
   const realv unknown = s->plane[HBIL_LIGHT_UNKNOWN];
   const realv share =
       max(1.0f - s->plane[HBIL_LIGHT_AO] - unknown, (realv)0.0f);
   realv frame[3];
-  frame_light(estimate, m->nx, m->ny, m->nz, frame);
+  frame_light(estimate, s->n[0], s->n[1], s->n[2], frame);
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     const realv shown = s->plane[HBIL_LIGHT_RED + c];
@@ -131,67 +189,70 @@ static inline void normalize_bent(sums *s) {
 #endif
 
 /* What is left to do once the neighbourhood has come together. */
-static inline void finish(sums *s, const middle *m, realv w,
-                          global const float *estimate) {
+static inline void finish(sums *s, global const float *estimate) {
 #if !RAW
   const realv inv_total = 1.0f / s->total;
 #define DIVIDE_PLANE(p) s->plane[p] *= inv_total;
   EACH_GATHERED(DIVIDE_PLANE)
 #endif
 #if REFUSED_FRAME
-  fill_unknown(s, m, estimate);
+  fill_unknown(s, estimate);
 #endif
 #if GATHER_BENT
   normalize_bent(s);
 #endif
   /* the sky keeps what the gather gave it: open, dark, no direction */
-  const intv sky = w <= 0.0f;
+  const intv sky = s->w <= 0.0f;
 #define CLEAR_PLANE(p)                                                         \
   s->plane[p] = select(s->plane[p], (realv)((p) == HBIL_LIGHT_AO), sky);
   EACH_RESOLVED(CLEAR_PLANE)
 }
 
-/* The filtered planes of HBIL_WIDTH pixels of one layer.  TAP(i, j): the pixel
- * i to the right and j below, both from -2 to 2. */
+/* do_this(i, j, share) for the neighbours that are looked at. */
+#define EACH_NEIGHBOUR(do_this)                                                \
+  do_this(-2, -2, 0.5f) do_this(-1, -2, 0.5f) do_this(0, -2, 0.5f)             \
+      do_this(1, -2, 0.5f) do_this(-2, -1, 0.5f) do_this(-1, -1, 1.0f)         \
+          do_this(0, -1, 1.0f) do_this(1, -1, 1.0f) do_this(2, -1, 0.5f)       \
+              do_this(-2, 0, 0.5f) do_this(-1, 0, 1.0f) do_this(1, 0, 1.0f)    \
+                  do_this(2, 0, 0.5f) do_this(-2, 1, 0.5f)                     \
+                      do_this(-1, 1, 1.0f) do_this(0, 1, 1.0f)                 \
+                          do_this(1, 1, 1.0f) do_this(2, 1, 0.5f)              \
+                              do_this(-1, 2, 0.5f) do_this(0, 2, 0.5f)         \
+                                  do_this(1, 2, 0.5f) do_this(2, 2, 0.5f)
+
+/* Sums for the pixels (4 x + column, 4 y + row) and every fourth to their
+ * right.  rows: the five rows around, kept from pixel x - 1 on. */
 #if HBIL_WIDTH == 1
-#define TAP(i, j)                                                              \
-  (load_tap(in, lit, split, light, column + (i), row + (j), x, y, &loaded),    \
-   &loaded)
+#define NEIGHBOUR(i, j)                                                        \
+  (load_tap(in, lit, split, light, column + (i), row + (j), x, y, loaded),     \
+   loaded)
 #else
-#define TAP(i, j) (&taps[(row + (j) + 2) * TAP_COLUMNS + column + (i) + 2])
+#define NEIGHBOUR(i, j)                                                        \
+  (rows[(j) + 2] + ((column + (i)) & 3) * TAP_LAYER + 1 + ((column + (i)) >> 2))
 #endif
 static inline sums filter(const hbil_view_args view, const hbil_layer_args in,
                           const hbil_layer_args lit, global const float *split,
-                          global const float *light,
-                          global const float *estimate, const tap *taps,
+                          global const float *light, const float *const *rows,
                           int column, int row, int x, int y) {
 #if HBIL_WIDTH == 1
-  tap loaded;
+  float loaded[TAP_PLANES];
 #endif
   sums s;
-  const realv w = TAP(0, 0)->w;
-  const middle m = middle_of(view, TAP(0, 0), 4 * x + column, 4 * y + row);
-#if RAW
-#define TAKE_PLANE(p) s.plane[p] = TAP(0, 0)->plane[p];
-  EACH_GATHERED(TAKE_PLANE)
-#else
+  const float *const self = NEIGHBOUR(0, 0);
+  s.w = TAP(self, TAP_W);
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    s.n[c] = TAP(self, TAP_NORMAL + c);
   /* the pixel itself counts 1, whatever becomes of the others */
   s.total = 1.0f;
-#define START_PLANE(p) s.plane[p] = TAP(0, 0)->plane[p];
+#define START_PLANE(p) s.plane[p] = TAP(self, TAP_LIGHT + p);
   EACH_GATHERED(START_PLANE)
-  for (int dy = -2; dy <= 2; ++dy) {
-    const realv expected = fma(m.gy, (realv)((float)dy * view.inv_fy), m.w);
-    const float spatial = dy == -2 || dy == 2 ? 0.5f : 1.0f;
-    const float e = view.inv_fx;
-    add_tap(&s, &m, TAP(-2, dy), expected, -2.0f * e, 0.5f * spatial);
-    add_tap(&s, &m, TAP(-1, dy), expected, -e, spatial);
-    if (dy != 0)
-      add_tap(&s, &m, TAP(0, dy), expected, 0.0f, spatial);
-    add_tap(&s, &m, TAP(1, dy), expected, e, spatial);
-    add_tap(&s, &m, TAP(2, dy), expected, 2.0f * e, 0.5f * spatial);
-  }
+#if !RAW
+  const middle m = middle_of(view, &s, 4 * x + column, 4 * y + row);
+#define ADD_NEIGHBOUR(i, j, share)                                             \
+  add_tap(&s, &m, NEIGHBOUR(i, j), (float)(i), (float)(j), share);
+  EACH_NEIGHBOUR(ADD_NEIGHBOUR)
 #endif
-  finish(&s, &m, w, estimate);
   return s;
 }
 
@@ -203,7 +264,26 @@ static inline void store_plane(const sums *value, int p, global float *to) {
   INTERLEAVE(column, pixels);
 #pragma unroll
   for (int i = 0; i < 4; ++i)
-    STOREV(pixels[i], to + i * HBIL_WIDTH);
+    STREAMV(pixels[i], to + i * HBIL_WIDTH);
+}
+
+/* 4*HBIL_WIDTH pixels of row 4 y + row.  The columns stay a loop: side by side
+ * they want four times the registers. */
+static inline void resolve(const hbil_view_args view, const hbil_layer_args in,
+                           const hbil_layer_args lit, global const float *split,
+                           global const float *light,
+                           global const float *estimate,
+                           const float *const *rows, int row, int x, int y,
+                           global float *resolved, const hbil_plane_args out) {
+  sums value[4];
+  for (int i = 0; i < 4; ++i)
+    value[i] = filter(view, in, lit, split, light, rows, i, row, x, y);
+#pragma unroll
+  for (int i = 0; i < 4; ++i)
+    finish(&value[i], estimate);
+  global float *to = resolved + (uint)(4 * y + row) * out.row + (uint)(4 * x);
+#define STORE_PLANE(p) store_plane(value, p, to + (p)*out.plane);
+  EACH_RESOLVED(STORE_PLANE)
 }
 
 kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
@@ -211,29 +291,40 @@ kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
                       global const float *light, global const float *estimate,
                       global float *resolved, const hbil_plane_args out,
                       global const uint *flags, const int still) {
-  const int x = (int)get_global_id(0) * HBIL_WIDTH;
+  const int x = (int)get_global_id(0) * VECTORS * HBIL_WIDTH;
   const int top = (int)get_global_id(1) * ROWS, y = top >> 2;
   if (4 * x >= view.width || top >= view.height ||
       (still && !flags[HBIL_FLAG_CHANGED]))
     return;
 #if HBIL_WIDTH == 1
-  const tap *taps = 0;
+  resolve(view, in, lit, split, light, estimate, 0, top & 3, x, y, resolved,
+          out);
 #else
-  tap taps[TAP_ROWS * TAP_COLUMNS];
-  for (int j = 0; j < TAP_ROWS; ++j)
-    for (int i = 0; i < TAP_COLUMNS; ++i)
-      load_tap(in, lit, split, light, i - 2, j - 2, x, y,
-               &taps[j * TAP_COLUMNS + i]);
-#endif
-  for (int row = top & 3; row < (top & 3) + ROWS && 4 * y + row < view.height;
-       ++row) {
-    sums value[4];
-#pragma unroll
-    for (int i = 0; i < 4; ++i)
-      value[i] =
-          filter(view, in, lit, split, light, estimate, taps, i, row, x, y);
-    global float *to = resolved + (uint)(4 * y + row) * out.row + (uint)(4 * x);
-#define STORE_PLANE(p) store_plane(value, p, to + (p)*out.plane);
-    EACH_RESOLVED(STORE_PLANE)
+  /* begins a pixel before a vector, so that most loads are aligned */
+  realv memory[5 * TAP_ROW / HBIL_WIDTH + 1];
+  float *rows[5];
+  for (int k = 0; k < 5; ++k) {
+    rows[k] = (float *)memory + HBIL_WIDTH - 1 + k * TAP_ROW;
+    if (k > 0)
+      keep_row(in, lit, split, light, k - 3, x, y, rows[k]);
   }
+  const int last = min(ROWS, view.height - top) - 1;
+  const int right = min(VECTORS * HBIL_WIDTH, (view.width + 3) / 4 - x);
+  for (int row = 0; row <= last; ++row) {
+    float *const oldest = rows[0];
+#pragma unroll
+    for (int k = 0; k < 4; ++k)
+      rows[k] = rows[k + 1];
+    rows[4] = oldest;
+    keep_row(in, lit, split, light, row + 2, x, y, oldest);
+    if (row < last)
+      fetch_row(in, lit, split, light, row + 3, x, y);
+    for (int v = 0; v < right; v += HBIL_WIDTH) {
+      const float *const around[5] = {rows[0] + v, rows[1] + v, rows[2] + v,
+                                      rows[3] + v, rows[4] + v};
+      resolve(view, in, lit, split, light, estimate, around, row & 3, x + v,
+              y + (row >> 2), resolved, out);
+    }
+  }
+#endif
 }

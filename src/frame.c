@@ -667,8 +667,9 @@ static hbil_status recompose(commands *chain, const hbil_frame *frame) {
                            ARG(plan->layout.planes),
                            ARG(plan->buffers[BUFFER_FLAGS]),
                            ARG(still)};
-  const size_t rows = plan->config.vector_width == 1 ? 1 : 4;
-  return LAUNCH(chain, KERNEL_RECOMPOSE, args, (across(plan) + 3) / 4,
+  const size_t rows =
+      plan->config.vector_width == 1 ? 1 : (size_t)HBIL_RECOMPOSE_ROWS;
+  return LAUNCH(chain, KERNEL_RECOMPOSE, args, plan->layout.strips,
                 (plan->config.height + rows - 1) / rows, 1);
 }
 

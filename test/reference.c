@@ -1269,15 +1269,20 @@ static double unseen_light(const ref_job *job, int channel, vec n, double shown,
 /* ------------------------------------------------------------------------ */
 /* recompose                                                                 */
 
-static double spatial(int d) {
-  return d == -2 || d == 2 ? 0.5 : 1.0;
+/* Of layers that are around a pixel twice, both count half; of the one at the
+ * four corners, two opposite ones do. */
+static double spatial(int dx, int dy) {
+  bool outer_x = abs(dx) == 2, outer_y = abs(dy) == 2;
+  if (outer_x && outer_y)
+    return dx == dy ? 0.5 : 0.0;
+  return outer_x || outer_y ? 0.5 : 1.0;
 }
 
 static double tap_weight(const ref_job *job, const surface *s,
                          const ref_planes *split, int x, int y, int dx,
                          int dy) {
   surface other;
-  double plane, off, alike;
+  double plane, off, turned;
   if (job->config->raw_interleave && (dx || dy))
     return 0.0;
   other = surface_at(job, split, x + dx, y + dy);
@@ -1285,8 +1290,8 @@ static double tap_weight(const ref_job *job, const surface *s,
     return 0.0;
   plane = s->w + s->gx * dx / job->camera.fx + s->gy * dy / job->camera.fy;
   off = fabs(other.w - plane) / ((double)HBIL_PLANE_TOLERANCE * s->w);
-  alike = fmax(0.0, dot(s->normal, other.normal));
-  return spatial(dx) * spatial(dy) * fmax(0.0, 1.0 - off) * pow(alike, 16.0);
+  turned = (1.0 - dot(s->normal, other.normal)) / (double)HBIL_TURN_TOLERANCE;
+  return spatial(dx, dy) * fmax(0.0, 1.0 - off * off - turned);
 }
 
 static void normalize_bent(ref_planes *resolved, int x, int y) {
