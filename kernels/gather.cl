@@ -319,13 +319,13 @@ static inline void raise(const center *c, march *m, realv excess,
 #endif
 
 #if SHARES
-/* The samples of a block that rise in some lane, `hits` as bits, in order. */
-static inline void raise_all(const center c, march *state, uint hits,
-                             const realv *excess, global const hbil_step *steps,
-                             global const float *from, uint plane,
-                             const hbil_gather_args args, realv cot_tangent,
-                             realv slope, realv nx, float dither,
-                             int light_here) {
+/* The samples of a block that rise in some lane, `hits` as bits, in order.
+ * Called, not inlined, it takes the gather half as long again. */
+static inline __attribute__((always_inline)) void
+raise_all(const center c, march *state, uint hits, const realv *excess,
+          global const hbil_step *steps, global const float *from, uint plane,
+          const hbil_gather_args args, realv cot_tangent, realv slope, realv nx,
+          float dither, int light_here) {
   march m = *state;
   for (; hits; hits &= hits - 1) {
     const int hit = 31 - (int)clz(hits & -hits);
@@ -508,12 +508,24 @@ static inline bool may_rise(const hbil_gather_args args, const strip *s, int i,
   return w * args.keep > plane - s->rounding;
 }
 
-/* Whether anything may stand above a tangent plane of the strip: the whole
- * picture, then its blocks, then the cells of those that fail. */
+/* Cell (i, j), as the bounds have it. */
+static inline bool cell_may_rise(const hbil_gather_args args, const strip *s,
+                                 int i, int j, global const uint *bounds) {
+  const hbil_grid_args g = args.bounds.cell;
+  const uint at = g.offset + 2u * (uint)(j * g.width + i);
+  return may_rise(args, s, i, j, HBIL_CELL * HBIL_SIDE, as_float(bounds[at]));
+}
+
+/* Whether anything may stand above a tangent plane of the strip: its own cell,
+ * which settles nearly all that is not even; the whole picture; its blocks, and
+ * the cells of those that fail. */
 static inline bool any_may_rise(const hbil_gather_args args, const strip *s,
+                                int own_x, int own_y,
                                 global const uint *bounds) {
   const hbil_bounds_args b = args.bounds;
-  const int cell = HBIL_CELL * HBIL_SIDE, block = cell * HBIL_BLOCK;
+  const int block = HBIL_CELL * HBIL_SIDE * HBIL_BLOCK;
+  if (cell_may_rise(args, s, own_x, own_y, bounds))
+    return true;
   const int whole = max(args.view.width, args.view.height);
   if (!may_rise(args, s, 0, 0, whole, as_float(bounds[b.whole.offset])))
     return false;
@@ -526,10 +538,7 @@ static inline bool any_may_rise(const hbil_gather_args args, const strip *s,
     const int bottom = min((j + 1) * HBIL_BLOCK, b.cell.height);
     for (int y = j * HBIL_BLOCK; y < bottom; ++y)
       for (int x = i * HBIL_BLOCK; x < right; ++x)
-        if (may_rise(
-                args, s, x, y, cell,
-                as_float(
-                    bounds[b.cell.offset + 2u * (uint)(y * b.cell.width + x)])))
+        if (cell_may_rise(args, s, x, y, bounds))
           return true;
   }
   return false;
@@ -725,7 +734,7 @@ static inline uint spared_of(const hbil_gather_args args, const center *c,
 #endif
 #if SKIP_OPEN
   bound_planes(args, c, s);
-  if (!any_may_rise(args, s, bounds))
+  if (!any_may_rise(args, s, x / HBIL_CELL, y / HBIL_CELL, bounds))
     return HBIL_STRIP_OPEN;
 #endif
 #if SKIP_DARK && GATHER_RADIANCE
@@ -734,23 +743,16 @@ static inline uint spared_of(const hbil_gather_args args, const center *c,
   return *light_here == LIGHT_NONE ? HBIL_STRIP_DARK : 0u;
 }
 
-/* For hbil_plan_skipped(). */
-static inline void note(global uchar *strips, const hbil_gather_args args,
-                        const center *c, uint spared, int x, int y, int layer) {
-  const uint count = (uint)(HBIL_LAYERS * args.split.height) * args.strips;
-  strips += (uint)(layer * args.split.height + y) * args.strips +
-            (uint)(x / (STRIP * HBIL_WIDTH));
+/* Pixels of the strip that show no surface. */
+static inline uint count_sky(const center *c) {
   uint sky = 0u;
   for (int v = 0; v < STRIP; ++v) {
-    if (!ANY(c[v].w <= 0.0f))
-      continue;
     float lane[HBIL_WIDTH];
     STOREV(c[v].w, lane);
     for (int i = 0; i < HBIL_WIDTH; ++i)
       sky += lane[i] <= 0.0f;
   }
-  strips[0] = (uchar)spared;
-  strips[count] = (uchar)sky;
+  return sky;
 }
 
 kernel void gather(const hbil_gather_args args, global const float *split,
@@ -775,7 +777,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 
   center c[STRIP];
   total t[STRIP];
-  intv solid = 0, untouched[STRIP];
+  intv solid = 0, sky = 0, untouched[STRIP];
   for (int v = 0; v < STRIP; ++v) {
     const total nothing = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f,
                            0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
@@ -783,6 +785,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     t[v] = nothing;
     untouched[v] = TRUE_LANES;
     solid |= c[v].w > 0.0f;
+    sky |= c[v].w <= 0.0f;
   }
   const float nearest = nearest_of(c, split + at, x);
   strip whole = strip_of(args, c, nearest);
@@ -794,7 +797,12 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   int light_here = LIGHT_ALL;
   const uint spared = spared_of(args, c, &whole, ANY(solid), bounds, uses, x, y,
                                 layer, &light_here);
-  note(strips, args, c, spared, x, y, layer);
+  /* for hbil_plan_skipped() */
+  strips += (uint)(layer * in.height + y) * args.strips +
+            (uint)(x / (STRIP * HBIL_WIDTH));
+  strips[0] = (uchar)spared;
+  strips[(uint)(HBIL_LAYERS * in.height) * args.strips] =
+      (uchar)(ANY(sky) ? count_sky(c) : 0u);
   const int slices = spared & ~HBIL_STRIP_DARK ? 0 : SLICES;
   for (int slice = 0; slice < slices; ++slice) {
     const float ux = steps->ux, uy = steps->uy;

@@ -112,18 +112,29 @@ kernel void scatter_keys(const hbil_view_args from, const hbil_view_args to,
  * and right of the image. */
 static inline uintv winners(global const scatter_word *nearest, uint pixels,
                             uint at, int count, realv *depth) {
-  HBIL_PASTE(ulong, HBIL_WIDTH) key;
+  uintv key[2]; /* word by word: vectors of ulong may be wider than any register
+                 */
   (void)pixels;
   if (count >= HBIL_WIDTH) {
-    key = LOAD_UINTV(nearest + at);
+    global const uint *word = (global const uint *)(nearest + at);
+    key[0] = LOAD_UINTV(word);
+    key[1] = LOAD_UINTV(word + HBIL_WIDTH);
   } else {
     scatter_word lane[HBIL_WIDTH];
     for (int i = 0; i < HBIL_WIDTH; ++i)
       lane[i] = i < count ? nearest[at + (uint)i] : NO_KEY;
-    key = LOAD_UINTV(lane);
+    key[0] = LOAD_UINTV((const uint *)lane);
+    key[1] = LOAD_UINTV((const uint *)lane + HBIL_WIDTH);
   }
-  *depth = AS_REALV(AS_INTV(HBIL_PASTE(convert_uint, HBIL_WIDTH)(key >> 32)));
-  return HBIL_PASTE(convert_uint, HBIL_WIDTH)(key & NO_SOURCE);
+  const uintv even = (uintv)(key[0].even, key[1].even);
+  const uintv odd = (uintv)(key[0].odd, key[1].odd);
+#ifdef __ENDIAN_LITTLE__
+  *depth = AS_REALV(AS_INTV(odd));
+  return even;
+#else
+  *depth = AS_REALV(AS_INTV(even));
+  return odd;
+#endif
 }
 
 #else

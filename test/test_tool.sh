@@ -358,6 +358,32 @@ awk -F , 'NR == 1 { n = NF }
   NF != n && $0 !~ /"[^"]*,[^"]*"/ { exit 1 }
   END { if (NR < 10) exit 1 }' "$work/scaling/scaling.csv"
 ok $? "as many fields in every row of the scaling"
+rm -rf "$work/fresh"
+POCL_CACHE_DIR=$work/fresh process -o "$work/t" "$one" 2>"$work/warnings"
+ok $? "a first run, without any kernel at hand"
+test ! -s "$work/warnings"
+ok $? "no kernel has a compiler's warning"
+cp "$one" "$work/again.exr"
+cp "${one%.exr}.json" "$work/again.json"
+for way in "" --no-skip; do
+  works "a frame again${way:+, $way}" \
+    process --timings $way -o "$work/again$way" "$one" "$work/again.exr"
+  cp "$work/out" "$work/again$way.txt"
+done
+grep -q '/again.exr .*no reproject; no push_pull' "$work/again.txt" &&
+  ! grep -q 'no split\|no gather' "$work/again--no-skip.txt"
+ok $? "a frame again is found out, and not with --no-skip"
+works "and light is the same" compare --max-rmse 0 \
+  "$work/again/again.exr" "$work/again--no-skip/again.exr"
+says "the bench tells what is left out" 'skips.json' \
+  bench --skips -o "$work/skips"
+grep -q '^upper half sky .* sky [0-9.]* % of pixels' "$work/out" &&
+  grep -q '^a wall .* open 100.0 % of pixels, 100.0 % of strips' "$work/out" &&
+  grep -q '^still, light settled .*no reproject; .*no gather; no recompose' \
+    "$work/out" && grep -q '"frame_aim": 0.65' "$work/skips/skips.json"
+ok $? "the bench tells why it is left out"
+refused "the bench has one part at a time" '--skips: is a part of its own' \
+  "$HBIL" bench --skips --scaling -o "$work/skips"
 for row in 'fast 1x16 layer g2,paper,fast,' 'thick .08 2x8 full g2,thick .08,,' \
   'tool 2x48 full g2,tool,,' 'literal,paper,,'; do
   grep -q "^$row" "$work/bench/bench.csv"

@@ -31,7 +31,7 @@ typedef struct bench_options {
   unsigned runs;          /* counted runs of every configuration */
   unsigned pixels;        /* most that errors are measured at; 0: the default */
   int quick;              /* few configurations, small */
-  int scaling;            /* that part alone */
+  int scaling, skips;     /* that part alone */
   int probe;              /* see probe.c */
 } bench_options;
 
@@ -270,12 +270,15 @@ int bench_lab_motion(bench_lab *lab, const bench_configuration *c,
 typedef struct bench_turn {
   bench_lab *lab;
   hbil_config config;
+  int still;        /* frame 0 over and over, and said to be */
+  unsigned settled; /* so many frames before the first that is timed */
 } bench_turn;
 
 typedef struct bench_timing {
   bench_spread total, gather, host; /* milliseconds */
   /* over the first one's, turn by turn: medians */
   double total_ratio, gather_ratio;
+  hbil_skipped skipped; /* by the last frame */
 } bench_timing;
 
 enum { BENCH_MAX_TURNS = 8 };
@@ -392,6 +395,20 @@ double bench_size_ratio(const bench_scaling *scaling, const bench_size *size,
 double bench_sampling_ratio(const bench_scaling *scaling,
                             const bench_sampling *sampling);
 
+/* --- skips.c: work that is left out --- */
+
+enum { BENCH_SKIPS = 7 };
+
+typedef struct bench_skip {
+  const char *name;
+  double frame_aim, gather_aim; /* times the full frame's at most, or NAN */
+  bench_timing full, timing;    /* in turns */
+} bench_skip;
+
+int bench_skips_measure(const bench_options *options, const device *d,
+                        const bench_content *content, bench_skip *out,
+                        image_error *error);
+
 /* --- reports --- */
 
 typedef struct bench_machine {
@@ -411,6 +428,7 @@ typedef struct bench_report {
   double estimate;     /* milliseconds of the estimate of unseen light */
   bench_spread motion; /* of reprojection by motion vectors */
   const bench_scaling *scaling;
+  const bench_skip *skips;
 } bench_report;
 
 /* Gather time of the start configuration; NAN if it was not measured. */
@@ -439,6 +457,10 @@ void bench_write_svg(const bench_report *report, FILE *out);
 void bench_write_scaling_table(const bench_report *report, FILE *out);
 void bench_write_scaling_csv(const bench_report *report, FILE *out);
 void bench_write_scaling_json(const bench_report *report, FILE *out);
+
+/* skips.c, json.c: only report->skips, runs, content and the machine. */
+void bench_write_skips_table(const bench_report *report, FILE *out);
+void bench_write_skips_json(const bench_report *report, FILE *out);
 
 /* --- picture.c --- */
 

@@ -183,6 +183,30 @@ void bench_write_scaling_json(const bench_report *report, FILE *out) {
   write_document(root, out);
 }
 
+/* --- skips --- */
+
+static json_t *skip_json(const bench_skip *s) {
+  return json_pack(
+      "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "name", s->name,
+      "whole_milliseconds", timing(&s->full), "milliseconds",
+      timing(&s->timing), "frame_ratio", number(s->timing.total_ratio),
+      "frame_aim", number(s->frame_aim), "gather_ratio",
+      number(s->timing.gather_ratio), "gather_aim", number(s->gather_aim),
+      "skipped", timings_skipped_json(&s->timing.skipped));
+}
+
+void bench_write_skips_json(const bench_report *report, FILE *out) {
+  json_t *rows = json_array();
+  for (int i = 0; i < BENCH_SKIPS; i++)
+    json_array_append_new(rows, skip_json(&report->skips[i]));
+  write_document(json_pack("{s:s, s:o, s:o, s:i, s:i, s:o}", "hbil",
+                           hbil_version(), "machine", machine(&report->machine),
+                           "content", content(report->content), "runs",
+                           (int)report->runs, "warm_up", BENCH_WARM_UP, "skips",
+                           rows),
+                 out);
+}
+
 /* --- all else --- */
 
 /* Reprojection by motion vectors. */

@@ -22,6 +22,7 @@ struct bench_lab {
 typedef struct trial {
   bench_lab *lab;
   hbil_plan *plan;
+  int still; /* every frame is frame 0 and said to be still */
   size_t memory;
   unsigned layers;
   hbil_far_field far;
@@ -162,6 +163,7 @@ static int enqueue(const trial *t, unsigned index, image_error *error) {
   const bench_content *content = lab->content;
   hbil_frame frame;
   hbil_frame_init(&frame);
+  frame.still = t->still ? CL_TRUE : CL_FALSE;
   frame.camera = content->frame[index].camera;
   memcpy(frame.environment, bench_environment(content, t->far),
          sizeof frame.environment);
@@ -255,6 +257,10 @@ static int time_frame(const trial *t, unsigned index, samples *s, unsigned run,
   return 0;
 }
 
+static unsigned next_frame(const trial *t, unsigned run) {
+  return t->still ? 0 : (run + 1) % t->lab->content->frames;
+}
+
 /*
  * Back and forth between the frames, so that there is something to carry and
  * there are holes to fill.  Of several plans, every one in turn: what slows the
@@ -264,9 +270,8 @@ static int time_frames(const trial *trials, size_t count, samples *s,
                        unsigned runs, image_error *error) {
   for (unsigned i = 0; i < BENCH_WARM_UP + runs; i++)
     for (size_t k = 0; k < count; k++)
-      if (time_frame(&trials[k], (i + 1) % trials[k].lab->content->frames,
-                     &s[k], i < BENCH_WARM_UP ? 0 : i - BENCH_WARM_UP,
-                     error) != 0)
+      if (time_frame(&trials[k], next_frame(&trials[k], i), &s[k],
+                     i < BENCH_WARM_UP ? 0 : i - BENCH_WARM_UP, error) != 0)
         return -1;
   return 0;
 }
@@ -451,17 +456,36 @@ static void sum_up(samples *s, size_t count, unsigned runs, bench_timing *out) {
   }
 }
 
+static int make_turn(const bench_turn *turn, trial *out, image_error *error) {
+  if (make_plan(turn->lab, &turn->config, out, error) != 0)
+    return -1;
+  out->still = turn->still;
+  for (unsigned i = 0; i < turn->settled; i++)
+    if (enqueue(out, 0, error) != 0)
+      return -1;
+  return 0;
+}
+
+static int count_skipped(const trial *t, hbil_skipped *out,
+                         image_error *error) {
+  const hbil_status status =
+      hbil_plan_skipped(t->plan, t->lab->device->queue, out);
+  return status == HBIL_SUCCESS ? 0 : library_failed(t->lab, status, error);
+}
+
 int bench_lab_turns(const bench_turn *list, size_t count, unsigned runs,
                     bench_timing *out, image_error *error) {
   trial trials[BENCH_MAX_TURNS] = {{.plan = NULL}};
   samples *s = calloc(count, sizeof *s);
   int failed = s ? 0 : image_no_memory(error, "times");
   for (size_t k = 0; k < count && !failed; k++)
-    failed = make_plan(list[k].lab, &list[k].config, &trials[k], error);
+    failed = make_turn(&list[k], &trials[k], error);
   if (!failed)
     failed = time_frames(trials, count, s, runs, error);
   if (!failed)
     sum_up(s, count, runs, out);
+  for (size_t k = 0; k < count && !failed; k++)
+    failed = count_skipped(&trials[k], &out[k].skipped, error);
   for (size_t k = 0; k < count; k++)
     free_trial(&trials[k]);
   free(s);

@@ -249,10 +249,34 @@ static int run_scaling(const bench_options *options, const device *d,
   return 0;
 }
 
+static int run_skips(const bench_options *options, const device *d,
+                     image_error *error) {
+  static const output files[] = {{"skips.json", bench_write_skips_json}};
+  bench_content content;
+  bench_skip skips[BENCH_SKIPS];
+  bench_report report = {.skips = skips, .content = &content};
+  report.runs = options->runs;
+  describe(d, &report.machine);
+  if (bench_content_load(options, &content, error) != 0)
+    return -1;
+  int failed = bench_skips_measure(options, d, &content, skips, error);
+  if (!failed) {
+    bench_write_skips_table(&report, stdout);
+    failed = write_files(options->output, files, 1, &report, error);
+  }
+  if (!failed)
+    printf("written: %s/skips.json\n", options->output);
+  bench_content_free(&content);
+  return failed ? -1 : 0;
+}
+
 /* The sizes of scaling are those of the room. */
 static int measure_all(const bench_options *options, const device *d,
                        image_error *error) {
-  if (!options->scaling && run_on_content(options, d, error) != 0)
+  if (options->skips)
+    return run_skips(options, d, error);
+  if (!options->scaling && (run_on_content(options, d, error) != 0 ||
+                            run_skips(options, d, error) != 0))
     return -1;
   return options->scaling || !(options->quick || options->dump)
              ? run_scaling(options, d, error)

@@ -14,6 +14,7 @@ enum {
   OPTION_PIXELS,
   OPTION_QUICK,
   OPTION_SCALING,
+  OPTION_SKIPS,
   OPTION_PROBE
 };
 
@@ -27,6 +28,7 @@ static const struct option options[] = {
     {"pixels", required_argument, NULL, OPTION_PIXELS},
     {"quick", no_argument, NULL, OPTION_QUICK},
     {"scaling", no_argument, NULL, OPTION_SCALING},
+    {"skips", no_argument, NULL, OPTION_SKIPS},
     {"probe", no_argument, NULL, OPTION_PROBE},
     {"output", required_argument, NULL, 'o'},
     {"help", no_argument, NULL, 'h'},
@@ -67,6 +69,9 @@ static void usage(void) {
       "the\n"
       "                     size that 1/2, 3/2, 3 and 6 times are compared "
       "to)\n"
+      "  --skips            nothing but what a frame costs that has less to\n"
+      "                     do, and what is left out of it; writes\n"
+      "                     DIR/skips.json (part of a whole run)\n"
       "  --probe            what --scaling starts as processes of their own:\n"
       "                     times of a new plan, as JSON");
 }
@@ -109,6 +114,9 @@ static int set_option(int option, bench_options *o, image_error *error) {
   case OPTION_SCALING:
     o->scaling = 1;
     break;
+  case OPTION_SKIPS:
+    o->skips = 1;
+    break;
   case OPTION_PROBE:
     o->probe = 1;
     break;
@@ -130,6 +138,11 @@ static int check(const bench_options *o, int argc, char **argv,
     return image_fail(error,
                       "%s: works on the procedural room; no --dump is "
                       "possible with it",
+                      o->scaling ? "--scaling" : "--probe");
+  if (o->skips && (o->scaling || o->probe))
+    return image_fail(error,
+                      "--skips: is a part of its own; it is possible without "
+                      "%s only",
                       o->scaling ? "--scaling" : "--probe");
   if (!o->dump && (o->truth || o->camera))
     return image_fail(error, "%s: --dump FRAME.exr is needed with it",

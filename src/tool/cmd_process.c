@@ -21,6 +21,7 @@ enum {
   OPTION_STEP_GROWTH,
   OPTION_LATTICE,
   OPTION_STORAGE,
+  OPTION_NO_SKIP,
   OPTION_FACING,
   OPTION_REFUSED,
   OPTION_GATHER_EMISSION,
@@ -66,6 +67,7 @@ static const struct option options[] = {
     {"relative-thickness", required_argument, NULL, OPTION_RELATIVE_THICKNESS},
     {"lattice", required_argument, NULL, OPTION_LATTICE},
     {"storage", required_argument, NULL, OPTION_STORAGE},
+    {"no-skip", no_argument, NULL, OPTION_NO_SKIP},
     {"facing", required_argument, NULL, OPTION_FACING},
     {"refused", required_argument, NULL, OPTION_REFUSED},
     {"gather-emission", required_argument, NULL, OPTION_GATHER_EMISSION},
@@ -112,7 +114,7 @@ static void usage(const hbil_config *defaults) {
       "  --warm-up N           run the first frame N times more (3)\n"
       "  --preview             also write DIR/FRAME.LAYER.png\n"
       "  --timings             print milliseconds per pass and frame (of the\n"
-      "                        last run of each frame)\n"
+      "                        last run of each frame), and what was left out\n"
       "  --json                print them as JSON\n"
       "  --quiet               no line per frame, no progress\n"
       "\n"
@@ -151,6 +153,8 @@ static void usage(const hbil_config *defaults) {
          defaults->slices, defaults->samples, (double)defaults->step_growth);
   puts("  --lattice full|layer  where samples may lie: any pixel, or every\n"
        "                        fourth\n"
+       "  --no-skip             do all work, even such as can't change a\n"
+       "                        result (see --timings)\n"
        "  --storage packed|fp32 how the layers between the passes are kept\n"
        "                        (packed)");
   printf("  --facing A,B          cosines between which the light of a sample\n"
@@ -292,6 +296,9 @@ static int set_option(int option, process_options *o, image_error *error) {
   case OPTION_DEVICE:
     o->device = optarg;
     return 0;
+  case OPTION_NO_SKIP:
+    o->config.skip = 0;
+    return 0;
   case OPTION_PREVIEW:
     o->preview = 1;
     return 0;
@@ -333,6 +340,7 @@ static int check_exact(const request *r, image_error *error) {
       {OPTION_STEP_GROWTH, "--step-growth", "which looks at every pixel"},
       {OPTION_LATTICE, "--lattice", "which looks at every pixel"},
       {OPTION_STORAGE, "--storage", "which has no layers"},
+      {OPTION_NO_SKIP, "--no-skip", "which skips nothing"},
       {OPTION_RAW, "--raw", "which filters nothing"},
       {OPTION_DEVICE, "--device", "which runs on the CPUs without OpenCL"},
       {OPTION_TIMINGS, "--timings", "which has no passes on a device"},

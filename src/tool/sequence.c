@@ -15,6 +15,7 @@ struct sequence {
   size_t channels[INPUTS]; /* 0: this input is not used */
   cl_mem input[INPUTS];
   cl_mem output[LAYER_COUNT];
+  uint64_t last; /* of the last frame's inputs and camera; 0: none */
 };
 
 static hbil_image *image_at(hbil_frame *frame, size_t offset) {
@@ -146,11 +147,13 @@ static int stop_motion(sequence *s, image_error *error) {
   return 0;
 }
 
-static int run_passes(sequence *s, const hbil_frame *frame, unsigned repeat,
+static int run_passes(sequence *s, hbil_frame *frame, unsigned repeat,
                       image_error *error) {
   for (unsigned run = 0; run < repeat; run++) {
     if (run == 1 && stop_motion(s, error) != 0)
       return -1;
+    if (run == 1)
+      frame->still = CL_TRUE;
     const hbil_status status =
         hbil_enqueue_frame(s->plan, s->device->queue, frame, 0, NULL, NULL);
     if (status != HBIL_SUCCESS)
@@ -171,11 +174,44 @@ static int download(sequence *s, image *result, image_error *error) {
   return 0;
 }
 
+/* FNV-1a's steps, a word at a time. */
+static uint64_t hashed(uint64_t hash, const void *data, size_t bytes) {
+  const uint64_t prime = 0x100000001b3u;
+  const unsigned char *at = data;
+  for (; bytes >= sizeof hash; bytes -= sizeof hash, at += sizeof hash) {
+    uint64_t word;
+    memcpy(&word, at, sizeof word);
+    hash = (hash ^ word) * prime;
+    hash ^= hash >> 29;
+  }
+  for (; bytes > 0; bytes--)
+    hash = (hash ^ *at++) * prime;
+  return hash;
+}
+
+/* Whether the frame is the last one again: inputs and camera.  Motion vectors
+ * that are followed may be the same in both and still lead elsewhere. */
+static cl_bool is_same(sequence *s, const gbuffer *g, const hbil_frame *frame) {
+  uint64_t hash = 0xcbf29ce484222325u;
+  if (s->config.skip == 0 || s->config.reprojection == HBIL_REPROJECTION_MOTION)
+    return CL_FALSE;
+  hash = hashed(hash, &frame->camera, sizeof frame->camera);
+  hash = hashed(hash, frame->environment, sizeof frame->environment);
+  for (int i = 0; i < INPUTS; i++)
+    for (size_t c = 0; c < s->channels[i]; c++)
+      hash = hashed(hash, gbuffer_plane(g, input_table[i].role, c), s->plane);
+  const cl_bool same = hash == s->last;
+  s->last = hash;
+  return same;
+}
+
 int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
                  float environment[9][3], unsigned repeat, image *result,
-                 double milliseconds[HBIL_PASS_COUNT], image_error *error) {
+                 double milliseconds[HBIL_PASS_COUNT], hbil_skipped *skipped,
+                 image_error *error) {
   hbil_frame frame;
   fill_frame(s, camera, environment, &frame);
+  frame.still = is_same(s, g, &frame);
   int failed = upload(s, g, error) != 0 ||
                run_passes(s, &frame, repeat, error) != 0 ||
                download(s, result, error) != 0;
@@ -184,7 +220,9 @@ int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
     return -1;
   }
   if (s->config.profiling) {
-    const hbil_status status = hbil_plan_timings(s->plan, milliseconds);
+    hbil_status status = hbil_plan_timings(s->plan, milliseconds);
+    if (status == HBIL_SUCCESS)
+      status = hbil_plan_skipped(s->plan, s->device->queue, skipped);
     if (status != HBIL_SUCCESS)
       return library_failed(s, status, error);
   }

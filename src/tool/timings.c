@@ -13,6 +13,54 @@ static double total(const timing_row *row) {
   return sum;
 }
 
+/* --- what was left out --- */
+
+static double percent(size_t part, size_t of) {
+  return of ? 100.0 * (double)part / (double)of : 0.0;
+}
+
+void timings_print_skipped(const hbil_skipped *s, FILE *out) {
+  const struct {
+    const char *name;
+    const hbil_share *share;
+  } shares[] = {{"sky", &s->sky},
+                {"open", &s->open},
+                {"dark", &s->dark},
+                {"unused", &s->unused}};
+  const char *between = "";
+  for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
+    if (!shares[i].share->pixels)
+      continue;
+    fprintf(out, "%s%s %.1f %% of pixels, %.1f %% of strips", between,
+            shares[i].name, percent(shares[i].share->pixels, s->all.pixels),
+            percent(shares[i].share->strips, s->all.strips));
+    between = "; ";
+  }
+  for (int p = 0; p < HBIL_PASS_COUNT; p++)
+    if (s->not_run[p]) {
+      fprintf(out, "%sno %s", between, hbil_pass_name((hbil_pass)p));
+      between = "; ";
+    }
+}
+
+static json_t *share(const hbil_share *s) {
+  return json_pack("{s:I, s:I}", "pixels", (json_int_t)s->pixels, "strips",
+                   (json_int_t)s->strips);
+}
+
+json_t *timings_skipped_json(const hbil_skipped *s) {
+  json_t *passes = json_array();
+  for (int p = 0; p < HBIL_PASS_COUNT; p++)
+    if (s->not_run[p])
+      json_array_append_new(passes, json_string(hbil_pass_name((hbil_pass)p)));
+  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "all", share(&s->all),
+                   "sky", share(&s->sky), "open", share(&s->open), "dark",
+                   share(&s->dark), "unused", share(&s->unused), "not_run",
+                   passes);
+}
+
+/* --- table --- */
+
 static void print_row(const timing_row *row, int width) {
   printf("%-*s", width, row->frame);
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
@@ -46,15 +94,24 @@ void timings_table(const timing_report *report) {
   const timing_row average = mean(report);
   if (report->count > 1)
     print_row(&average, width);
+  puts("left out");
+  for (size_t i = 0; i < report->count; i++) {
+    printf("%-*s  ", width, report->rows[i].frame);
+    timings_print_skipped(&report->rows[i].skipped, stdout);
+    putchar('\n');
+  }
 }
+
+/* --- JSON --- */
 
 static json_t *row_json(const timing_row *row) {
   json_t *passes = json_object();
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     json_object_set_new(passes, hbil_pass_name((hbil_pass)p),
                         json_real(row->milliseconds[p]));
-  return json_pack("{s:s, s:o, s:f}", "frame", row->frame, "milliseconds",
-                   passes, "total", total(row));
+  return json_pack("{s:s, s:o, s:f, s:o}", "frame", row->frame, "milliseconds",
+                   passes, "total", total(row), "skipped",
+                   timings_skipped_json(&row->skipped));
 }
 
 int timings_json(const timing_report *report, image_error *error) {

@@ -7,6 +7,9 @@
 #ifndef HBIL_TOOL_H
 #define HBIL_TOOL_H
 
+#include <jansson.h>
+#include <stdio.h>
+
 #include "hbil/hbil.h"
 #include "image/image.h"
 
@@ -218,10 +221,13 @@ void sequence_close(sequence *s);
 /* Device memory of the plan, bytes. */
 size_t sequence_memory(const sequence *s);
 /* Runs a frame `repeat` times and reads the layers into result's planes.
- * milliseconds (of the last run) is filled if config.profiling is set. */
+ * milliseconds and skipped (of the last run) are filled if config.profiling is
+ * set.  Runs but the first of a frame, and a frame that is the last one again,
+ * are still frames (hbil.h). */
 int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
                  float environment[9][3], unsigned repeat, image *result,
-                 double milliseconds[HBIL_PASS_COUNT], image_error *error);
+                 double milliseconds[HBIL_PASS_COUNT], hbil_skipped *skipped,
+                 image_error *error);
 
 /* --- preview.c: pictures for the eye --- */
 
@@ -238,6 +244,7 @@ int preview_heatmap(const char *path, const float *values, uint32_t width,
 typedef struct timing_row {
   const char *frame;
   double milliseconds[HBIL_PASS_COUNT];
+  hbil_skipped skipped;
 } timing_row;
 
 typedef struct timing_report {
@@ -251,6 +258,9 @@ typedef struct timing_report {
 
 void timings_table(const timing_report *report);
 int timings_json(const timing_report *report, image_error *error);
+/* What a frame left out, in a line without its end; and as an object. */
+void timings_print_skipped(const hbil_skipped *s, FILE *out);
+json_t *timings_skipped_json(const hbil_skipped *s);
 
 /* --- process.c: the main job --- */
 
