@@ -86,7 +86,6 @@ static inline intv target_of(const hbil_view_args from, const hbil_view_args to,
 
 /* Keys: a depth above its source. */
 typedef ulong scatter_word;
-#define NO_KEY 0xffffffffffffffffUL
 
 kernel void scatter_keys(const hbil_view_args from, const hbil_view_args to,
                          const hbil_transform_args motion,
@@ -115,16 +114,16 @@ static inline uintv winners(global const scatter_word *nearest, uint pixels,
   uintv key[2]; /* word by word: vectors of ulong may be wider than any register
                  */
   (void)pixels;
+  global const uint *word = (global const uint *)(nearest + at);
   if (count >= HBIL_WIDTH) {
-    global const uint *word = (global const uint *)(nearest + at);
     key[0] = LOAD_UINTV(word);
     key[1] = LOAD_UINTV(word + HBIL_WIDTH);
   } else {
-    scatter_word lane[HBIL_WIDTH];
-    for (int i = 0; i < HBIL_WIDTH; ++i)
-      lane[i] = i < count ? nearest[at + (uint)i] : NO_KEY;
-    key[0] = LOAD_UINTV((const uint *)lane);
-    key[1] = LOAD_UINTV((const uint *)lane + HBIL_WIDTH);
+    uint lane[2 * HBIL_WIDTH];
+    for (int i = 0; i < 2 * HBIL_WIDTH; ++i)
+      lane[i] = i < 2 * count ? word[i] : NO_SOURCE;
+    key[0] = LOAD_UINTV(lane);
+    key[1] = LOAD_UINTV(lane + HBIL_WIDTH);
   }
   const uintv even = (uintv)(key[0].even, key[1].even);
   const uintv odd = (uintv)(key[0].odd, key[1].odd);
