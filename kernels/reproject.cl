@@ -77,6 +77,17 @@ static inline intv target_of(const hbil_view_args from, const hbil_view_args to,
 #endif
 }
 
+/* The same, pixel by pixel. */
+static inline void
+targets_of(const hbil_view_args from, const hbil_view_args to,
+           const hbil_transform_args motion, global const float *history,
+           const hbil_plane_args planes, int x, int y, int *target, float *z) {
+  realv depth;
+  STORE_INTV(target_of(from, to, motion, history, planes, x, y, &depth),
+             target);
+  STOREV(depth, z);
+}
+
 /* nearest: filled with ones.  Sources are places in the planes, which are in
  * the order of the pixels. */
 
@@ -96,12 +107,9 @@ kernel void scatter_keys(const hbil_view_args from, const hbil_view_args to,
   if (x >= from.width || y >= from.height)
     return;
   const uint source = (uint)y * planes.row + (uint)x;
-  realv depth;
   int target[HBIL_WIDTH];
   float z[HBIL_WIDTH];
-  STORE_INTV(target_of(from, to, motion, history, planes, x, y, &depth),
-             target);
-  STOREV(depth, z);
+  targets_of(from, to, motion, history, planes, x, y, target, z);
   for (int i = 0; i < HBIL_WIDTH; ++i)
     if (target[i] >= 0)
       atom_min(nearest + target[i], upsample(as_uint(z[i]), source + (uint)i));
@@ -111,8 +119,8 @@ kernel void scatter_keys(const hbil_view_args from, const hbil_view_args to,
  * and right of the image. */
 static inline uintv winners(global const scatter_word *nearest, uint pixels,
                             uint at, int count, realv *depth) {
-  uintv key[2]; /* word by word: vectors of ulong may be wider than any register
-                 */
+  /* word by word: vectors of ulong may be wider than any register */
+  uintv key[2];
   (void)pixels;
   global const uint *word = (global const uint *)(nearest + at);
   if (count >= HBIL_WIDTH) {
@@ -149,12 +157,9 @@ kernel void scatter_depth(const hbil_view_args from, const hbil_view_args to,
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= from.width || y >= from.height)
     return;
-  realv depth;
   int target[HBIL_WIDTH];
   float z[HBIL_WIDTH];
-  STORE_INTV(target_of(from, to, motion, history, planes, x, y, &depth),
-             target);
-  STOREV(depth, z);
+  targets_of(from, to, motion, history, planes, x, y, target, z);
   for (int i = 0; i < HBIL_WIDTH; ++i)
     if (target[i] >= 0)
       atomic_min(nearest + target[i], as_uint(z[i]));
@@ -169,12 +174,9 @@ kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
   if (x >= from.width || y >= from.height)
     return;
   const uint pixels = (uint)to.width * (uint)to.height;
-  realv depth;
   int target[HBIL_WIDTH];
   float z[HBIL_WIDTH];
-  STORE_INTV(target_of(from, to, motion, history, planes, x, y, &depth),
-             target);
-  STOREV(depth, z);
+  targets_of(from, to, motion, history, planes, x, y, target, z);
   for (int i = 0; i < HBIL_WIDTH; ++i)
     if (target[i] >= 0 && nearest[target[i]] == as_uint(z[i]))
       atomic_min(nearest + pixels + target[i],
@@ -230,12 +232,12 @@ kernel void scatter_fetch(const hbil_view_args to, global const float *history,
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     light[c] = LOADV(history + c * (int)planes.plane + first);
-  intv todo = carried_over & (begin != first);
-  for (int i = 1; ANY(todo); ++i) {
+  intv others = carried_over & (begin != first);
+  for (int i = 1; ANY(others); ++i) {
     if (start[i] == NO_RUN || start[i] == start[i - 1])
       continue;
     const intv run = begin == start[i];
-    todo &= begin != start[i];
+    others &= begin != start[i];
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       light[c] = select(light[c],
@@ -368,12 +370,12 @@ kernel void follow_motion(
     int start[HBIL_WIDTH];
     STORE_INTV(begin, start);
     load_taps(history, planes, first == NO_RUN ? 0 : first, tap);
-    intv todo = inside & (begin != first);
-    for (int i = 1; ANY(todo); ++i) {
+    intv others = inside & (begin != first);
+    for (int i = 1; ANY(others); ++i) {
       if (start[i] == NO_RUN || start[i] == start[i - 1])
         continue;
       const intv run = begin == start[i];
-      todo &= begin != start[i];
+      others &= begin != start[i];
       realv other[4][HBIL_HISTORY_PLANES];
       load_taps(history, planes, start[i], other);
 #pragma unroll

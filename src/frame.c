@@ -773,6 +773,8 @@ static hbil_status enqueue(hbil_plan *plan, cl_command_queue queue,
     chain.pass = (hbil_pass)i;
     plan->left_out[i] = plan->may_leave_out[i] = false;
     status = passes[i].enqueue(&chain, frame);
+    if (status != HBIL_SUCCESS)
+      plan->has_last = false; /* buffers may hold parts of this frame */
   }
   if (status == HBIL_SUCCESS)
     status = finish(&chain, event);

@@ -421,7 +421,8 @@ typedef struct hbil_frame {
    * motion, if there is any, is 0: nothing has moved since that frame.  Then
    * nothing is reprojected or split again but the light, and where that has
    * settled, bit for bit, nothing is gathered or filtered: outputs are written
-   * from what there is.  Ignored in a plan's first frame. */
+   * from what there is.  Ignored in a plan's first frame.  Not for callers who
+   * write to a plan's buffers between the passes. */
   cl_bool still;
 } hbil_frame;
 
