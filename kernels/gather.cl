@@ -18,7 +18,7 @@
  * HBAO counts every direction alike and an occluder by its distance: A is then
  * 1 - cos(theta) and blocked intervals are weighted by W(r).
  *
- * Builds: SLICES, SAMPLES, LIMITED (a radius), HBAO, LEVELS, GATHER_RADIANCE,
+ * Builds: LIMITED (a radius), HBAO, LEVELS, GATHER_RADIANCE,
  * GATHER_BENT, REFUSED_BLACK (refused light is black here), REFUSED_FRAME (the
  * same, and the refused share is written for recompose to fill), REFUSED_LAST
  * (refused light is the last accepted), FACING_ALL (no light is refused),
@@ -36,7 +36,7 @@
 #if HBIL_WIDTH == 1
 #define BLOCK 1
 #else
-#define BLOCK (SAMPLES < 32 ? SAMPLES : 32)
+#define BLOCK 32
 #endif
 
 /* Vectors side by side that a work-item takes: what they share, the steps, is
@@ -680,7 +680,8 @@ static inline void store_gathered(const realv *value, float dither,
 /* untouched: nothing stood above the tangent plane.  Then AO is 1, E_near 0 and
  * the bent normal n, which sums and their quotients are only to a rounding. */
 static inline void store_light(const center *c, const total *t, intv untouched,
-                               int layer, global float *light, uint plane) {
+                               float slices, int layer, global float *light,
+                               uint plane) {
   const intv solid = c->w > 0.0f, taken = solid & ~untouched;
   /* whole is S at least in the mean; it falls to the size of a half-slice's
    * own rounding only where nothing can be seen (1e-6 of a slice). */
@@ -703,7 +704,6 @@ static inline void store_light(const center *c, const total *t, intv untouched,
    * missing in the measure of what is open makes a bare plane's bent normal
    * exactly n and leaves a closed point alone. */
   const realv ao = value[HBIL_LIGHT_AO];
-  const float slices = SLICES;
   const realv wo_sum = fma(-ao, t->whole_wo, t->open_wo) * c->inv_r;
   const realv x =
       t->open_x + ao * fma((realv)slices, c->nx, -t->whole_x) - wo_sum * c->rx;
@@ -771,7 +771,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   light += (uint)layer * args.light.layer + args.light.origin +
            (uint)y * args.light.row + (uint)x;
 
-  steps += (uint)layer * (2u * SLICES * (SAMPLES + 1));
+  const int samples = args.samples;
+  const uint pattern = 2u * (uint)args.slices * (uint)(samples + 1);
+  steps += (uint)layer * pattern;
   const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
   const float dither = ((float)hbil_shift_slot(layer) + 0.5f) / 16.0f;
 
@@ -792,7 +794,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #if LIMITED
   steps += (uint)(hbil_level(args.reach, args.radius * nearest, LEVELS) *
                   HBIL_LAYERS) *
-           (2u * SLICES * (SAMPLES + 1));
+           pattern;
 #endif
   int light_here = LIGHT_ALL;
   const uint spared = spared_of(args, c, &whole, ANY(solid), bounds, uses, x, y,
@@ -803,7 +805,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   strips[0] = (uchar)spared;
   strips[(uint)(HBIL_LAYERS * in.height) * args.strips] =
       (uchar)(ANY(sky) ? count_sky(c) : 0u);
-  const int slices = spared & ~HBIL_STRIP_DARK ? 0 : SLICES;
+  const int slices = spared & ~HBIL_STRIP_DARK ? 0 : args.slices;
   for (int slice = 0; slice < slices; ++slice) {
     const float ux = steps->ux, uy = steps->uy;
     cut s[STRIP];
@@ -843,10 +845,10 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #endif
       }
       ++steps;
-      for (int first = 0; first < SAMPLES; first += BLOCK) {
+      for (int first = 0; first < samples; first += BLOCK) {
         realv excess[BLOCK][STRIP];
         uint hits[STRIP];
-        const int count = min(BLOCK, SAMPLES - first);
+        const int count = min(BLOCK, samples - first);
         int k = 0;
         for (int v = 0; v < STRIP; ++v)
           hits[v] = 0u;
@@ -895,7 +897,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         if (k < count)
           break;
       }
-      steps += SAMPLES;
+      steps += samples;
       for (int v = 0; v < STRIP; ++v) {
 #if !SHARES
         /* without a sample above it the tangent plane itself is the horizon */
@@ -926,6 +928,6 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       add_slice(&t[v], &s[v], &m[v], ux, uy);
   }
   for (int v = 0; v < STRIP; ++v)
-    store_light(&c[v], &t[v], untouched[v], layer, light + v * HBIL_WIDTH,
-                args.light.plane);
+    store_light(&c[v], &t[v], untouched[v], args.slices, layer,
+                light + v * HBIL_WIDTH, args.light.plane);
 }

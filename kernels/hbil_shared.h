@@ -224,7 +224,8 @@ typedef struct hbil_gather_args {
   hbil_float falloff; /* HBAO: an occluder at distance r weighs 1 - falloff r */
   hbil_float longest; /* length of the longest ray, to a corner */
   hbil_bounds_args bounds;
-  hbil_uint strips; /* of a layer's row */
+  hbil_uint strips;         /* of a layer's row */
+  hbil_int slices, samples; /* hbil_config's */
 } hbil_gather_args;
 
 /* Far field: SH coefficients already multiplied by the basis functions'

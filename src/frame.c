@@ -634,6 +634,8 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   gather_args.longest = longest_ray(&view);
   gather_args.bounds = plan->layout.bounds;
   gather_args.strips = (cl_uint)plan->layout.strips;
+  gather_args.slices = pattern.slices;
+  gather_args.samples = pattern.samples;
   gather_args.facing[0] = plan->config.facing[0];
   gather_args.facing[1] =
       1.0f / fmaxf(plan->config.facing[1] - plan->config.facing[0], FLT_MIN);

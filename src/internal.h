@@ -95,9 +95,19 @@ hbil_status config_check(hbil_context *context, const hbil_config *config);
 
 /* --- program.c --- */
 
-/* The program of one pass, built with `defines`; fast: relaxed arithmetic. */
-hbil_status program_build(hbil_context *context, const char *pass,
-                          const char *defines, bool fast, cl_program *out);
+typedef struct program_kind {
+  const char *name; /* of its file, without .cl */
+  bool fast;   /* relaxed arithmetic: where results may differ in rounding */
+  bool images; /* reads or writes callers' images */
+} program_kind;
+
+/* Most characters that the defines of a plan take. */
+enum { MOST_DEFINES = 3072 };
+
+/* The program of one pass, built with those of `defines`, "-DNAME=VALUE" with
+ * spaces between, that its text names. */
+hbil_status program_build(hbil_context *context, const program_kind *kind,
+                          const char *defines, cl_program *out);
 
 /* --- kernel_sources.c (generated from kernels/) --- */
 

@@ -10,7 +10,7 @@
 /* --- build defines --- */
 
 typedef struct text {
-  char chars[3072];
+  char chars[MOST_DEFINES];
   size_t length;
 } text;
 
@@ -49,8 +49,7 @@ static void write_defines(const hbil_plan *plan, text *t) {
   add(t, " -DDEPTH_IS_RAY=%d -DNORMAL_IS_WORLD=%d -DBENT_IS_WORLD=%d",
       c->depth_kind == HBIL_DEPTH_RAY, c->normal_space == HBIL_SPACE_WORLD,
       c->bent_space == HBIL_SPACE_WORLD);
-  add(t, " -DSLICES=%u -DSAMPLES=%u -DLIMITED=%d -DLEVELS=%d",
-      (unsigned)c->slices, (unsigned)c->samples, !isinf(c->radius),
+  add(t, " -DLIMITED=%d -DLEVELS=%d", !isinf(c->radius),
       (int)plan->layout.pattern.levels);
   add(t, " -DFACING_STEP=%d -DFACING_ALL=%d -DREFUSED_BLACK=%d",
       c->facing[0] >= c->facing[1], !refuses,
@@ -85,11 +84,6 @@ static void write_defines(const hbil_plan *plan, text *t) {
 
 /* --- programs and kernels --- */
 
-typedef struct pass_program {
-  const char *name;
-  bool fast; /* relaxed arithmetic: where results may differ in rounding */
-} pass_program;
-
 enum {
   PROGRAM_REPROJECT,
   PROGRAM_PUSH_PULL,
@@ -102,16 +96,16 @@ enum {
   PROGRAM_COMPOSITE
 };
 
-static const pass_program programs[PROGRAM_COUNT] = {
-    [PROGRAM_REPROJECT] = {"reproject", false},
-    [PROGRAM_PUSH_PULL] = {"push_pull", false},
-    [PROGRAM_SPLIT] = {"split", false},
-    [PROGRAM_BOUNDS] = {"bounds", false},
-    [PROGRAM_ESTIMATE] = {"estimate", false},
-    [PROGRAM_PATTERN] = {"pattern", false},
-    [PROGRAM_GATHER] = {"gather", true},
-    [PROGRAM_RECOMPOSE] = {"recompose", true},
-    [PROGRAM_COMPOSITE] = {"composite", false},
+static const program_kind programs[PROGRAM_COUNT] = {
+    [PROGRAM_REPROJECT] = {"reproject", .images = true},
+    [PROGRAM_PUSH_PULL] = {"push_pull", .images = true},
+    [PROGRAM_SPLIT] = {"split", .images = true},
+    [PROGRAM_BOUNDS] = {"bounds", .images = false},
+    [PROGRAM_ESTIMATE] = {"estimate", .images = false},
+    [PROGRAM_PATTERN] = {"pattern", .images = false},
+    [PROGRAM_GATHER] = {"gather", .fast = true},
+    [PROGRAM_RECOMPOSE] = {"recompose", .fast = true},
+    [PROGRAM_COMPOSITE] = {"composite", .images = true},
 };
 
 static const struct {
@@ -169,9 +163,8 @@ static hbil_status build_kernels(hbil_plan *plan) {
   for (int i = 0; i < PROGRAM_COUNT; ++i) {
     if (!program_needed(plan, i))
       continue;
-    const hbil_status status =
-        program_build(plan->context, programs[i].name, defines.chars,
-                      programs[i].fast, &plan->programs[i]);
+    const hbil_status status = program_build(plan->context, &programs[i],
+                                             defines.chars, &plan->programs[i]);
     if (status != HBIL_SUCCESS)
       return status;
   }

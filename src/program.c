@@ -62,61 +62,131 @@ static hbil_status build_failure(hbil_context *context, cl_program program,
   return HBIL_BUILD_FAILED;
 }
 
+/* --- the texts of a program --- */
+
+/* Each file behind a #line of its own, so that logs name it. */
+enum { MOST_FILES = 4 };
+typedef struct sources {
+  cl_uint count; /* of text: two to a file */
+  const char *text[2 * MOST_FILES];
+  bool owned[2 * MOST_FILES];
+  char line[MOST_FILES][96];
+} sources;
+
+static hbil_status add_file(hbil_context *context, sources *s,
+                            const char *name) {
+  const cl_uint at = s->count;
+  char *line = s->line[at / 2];
+  snprintf(line, sizeof s->line[0], "\n%s#line 1 \"%s\"\n",
+           at ? "" : "#pragma OPENCL FP_CONTRACT OFF\n", name);
+  s->text[at] = line;
+  s->text[at + 1] = source_text(context, name, &s->owned[at + 1]);
+  s->count += 2;
+  if (s->text[at + 1])
+    return HBIL_SUCCESS;
+  return s->owned[at + 1] ? HBIL_BUILD_FAILED
+                          : fail(context, HBIL_BUILD_FAILED,
+                                 "%s is not in the library", name);
+}
+
+static hbil_status add_files(hbil_context *context, const program_kind *kind,
+                             sources *s) {
+  char pass_file[64];
+  snprintf(pass_file, sizeof pass_file, "%s.cl", kind->name);
+  hbil_status status = add_file(context, s, "hbil_shared.h");
+  if (status == HBIL_SUCCESS)
+    status = add_file(context, s, "common.clh");
+  if (status == HBIL_SUCCESS && kind->images)
+    status = add_file(context, s, "images.clh");
+  return status == HBIL_SUCCESS ? add_file(context, s, pass_file) : status;
+}
+
+static void free_files(sources *s) {
+  for (cl_uint i = 0; i < s->count; ++i)
+    if (s->owned[i])
+      free((void *)(size_t)s->text[i]);
+}
+
+static bool in_name(char c) {
+  return c == '_' || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') ||
+         (c >= 'a' && c <= 'z');
+}
+
+/* Whether a text has the word `name` of `length` characters. */
+static bool has_word(const char *text, const char *name, size_t length) {
+  for (const char *at = strchr(text, *name); at; at = strchr(at + 1, *name))
+    if (!strncmp(at, name, length) && !in_name(at[length]) &&
+        (at == text || !in_name(at[-1])))
+      return true;
+  return false;
+}
+
+/* Copies those of `defines`, "-DNAME=VALUE" with spaces between, whose names
+ * the texts have.  What differs in nothing that a program asks for is then the
+ * same program to a driver that keeps what it has compiled. */
+static void add_defines(const sources *s, const char *defines, char *options,
+                        size_t size) {
+  size_t length = strlen(options);
+  while (*defines) {
+    const size_t define = strcspn(defines, " ");
+    const char *name = defines + strlen("-D");
+    const size_t name_length = strcspn(name, "=");
+    bool used = false;
+    for (cl_uint i = 1; i < s->count && !used; i += 2)
+      used = has_word(s->text[i], name, name_length);
+    if (used && length + define + 2 < size) {
+      options[length++] = ' ';
+      memcpy(options + length, defines, define);
+      length += define;
+    }
+    defines += define;
+    defines += *defines == ' ';
+  }
+  options[length] = '\0';
+}
+
+/* --- building --- */
+
 static hbil_status build(hbil_context *context, cl_program program,
-                         const char *pass, const char *defines, bool fast) {
-  char options[4096];
-  const int length = snprintf(options, sizeof options, "-cl-std=CL1.2 %s%s",
-                              fast ? "-cl-fast-relaxed-math "
-                              : context->exact_divide
-                                  ? "-cl-fp32-correctly-rounded-divide-sqrt "
-                                  : "",
-                              defines);
-  if (length < 0 || (size_t)length >= sizeof options)
-    return fail(context, HBIL_BUILD_FAILED, "%s.cl: build options too long",
-                pass);
+                         const program_kind *kind, const char *options) {
   const cl_int error =
       clBuildProgram(program, 1, &context->device, options, NULL, NULL);
   if (error == CL_OUT_OF_HOST_MEMORY || error == CL_OUT_OF_RESOURCES)
     return fail_cl(context, error, "clBuildProgram");
   if (error != CL_SUCCESS)
-    return build_failure(context, program, pass, error);
+    return build_failure(context, program, kind->name, error);
   return HBIL_SUCCESS;
 }
 
-hbil_status program_build(hbil_context *context, const char *pass,
-                          const char *defines, bool fast, cl_program *out) {
-  /* Each file behind a #line of its own, so that logs name it. */
-  enum { FILES = 3 };
-  char pass_file[64], lines[FILES][96];
-  snprintf(pass_file, sizeof pass_file, "%s.cl", pass);
-  const char *names[FILES] = {"hbil_shared.h", "common.clh", pass_file};
-  const char *texts[2 * FILES] = {NULL};
-  bool owned[FILES] = {false};
-  hbil_status status = HBIL_SUCCESS;
+static hbil_status build_files(hbil_context *context, const program_kind *kind,
+                               const sources *s, const char *defines,
+                               cl_program *out) {
+  char options[MOST_DEFINES + 128];
   cl_int error = CL_SUCCESS;
-  *out = NULL;
-  for (int i = 0; i < FILES && status == HBIL_SUCCESS; ++i) {
-    snprintf(lines[i], sizeof lines[i], "\n%s#line 1 \"%s\"\n",
-             i ? "" : "#pragma OPENCL FP_CONTRACT OFF\n", names[i]);
-    texts[2 * i] = lines[i];
-    texts[2 * i + 1] = source_text(context, names[i], &owned[i]);
-    if (!texts[2 * i + 1])
-      status = owned[i] ? HBIL_BUILD_FAILED
-                        : fail(context, HBIL_BUILD_FAILED,
-                               "%s is not in the library", names[i]);
-  }
-  if (status == HBIL_SUCCESS) {
-    *out = clCreateProgramWithSource(context->context, 2 * FILES, texts, NULL,
-                                     &error);
-    status = *out ? build(context, *out, pass, defines, fast)
-                  : fail_cl(context, error, "clCreateProgramWithSource");
-  }
-  for (int i = 0; i < FILES; ++i)
-    if (owned[i])
-      free((void *)(size_t)texts[2 * i + 1]);
-  if (status != HBIL_SUCCESS && *out) {
+  snprintf(options, sizeof options, "-cl-std=CL1.2%s",
+           kind->fast              ? " -cl-fast-relaxed-math"
+           : context->exact_divide ? " -cl-fp32-correctly-rounded-divide-sqrt"
+                                   : "");
+  add_defines(s, defines, options, sizeof options);
+  *out = clCreateProgramWithSource(
+      context->context, s->count, (const char **)(size_t)s->text, NULL, &error);
+  if (!*out)
+    return fail_cl(context, error, "clCreateProgramWithSource");
+  const hbil_status status = build(context, *out, kind, options);
+  if (status != HBIL_SUCCESS) {
     clReleaseProgram(*out);
     *out = NULL;
   }
+  return status;
+}
+
+hbil_status program_build(hbil_context *context, const program_kind *kind,
+                          const char *defines, cl_program *out) {
+  sources s = {.count = 0};
+  *out = NULL;
+  hbil_status status = add_files(context, kind, &s);
+  if (status == HBIL_SUCCESS)
+    status = build_files(context, kind, &s, defines, out);
+  free_files(&s);
   return status;
 }
