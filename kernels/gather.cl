@@ -23,7 +23,7 @@
  * same, and the refused share is written for recompose to fill), REFUSED_LAST
  * (refused light is the last accepted), FACING_ALL (no light is refused),
  * FACING_STEP (the threshold is sharp), FINITE (occluders have a thickness:
- * sectors instead of a horizon), PACKED (hbil_shared.h).
+ * sectors instead of a horizon), EXTRAPOLATE, PACKED (hbil_shared.h).
  *
  * Launch: x = strips of HBIL_TILE pixels of a layer row (single pixels where
  * HBIL_WIDTH is 1), y = layer rows, z = layers.
@@ -115,7 +115,7 @@ static inline void fetch_early(global const float *sample, uint plane) {
 #endif
 }
 
-/* State of a half-slice; its sums of light go on over both. */
+/* State of a half-slice. */
 typedef struct march {
   realv excess;     /* the highest so far; FINITE: the least to count */
   realv a, g, sin2; /* integrals up to the present horizon; FINITE: over
@@ -124,7 +124,10 @@ typedef struct march {
   realv blocked; /* sum of W dA */
 #endif
 #if FINITE
-  uintv covered;         /* sectors of equal A that are blocked */
+  uintv covered; /* sectors of equal A that are blocked */
+#if EXTRAPOLATE
+  uintv even, odd; /* by every other sample alone */
+#endif
   realv sectors, sector; /* sectors per A, A of a sector */
 #endif
   realv red, green, blue; /* sum of L dA */
@@ -140,7 +143,7 @@ typedef struct march {
  * Returns the A of newly covered sectors and takes it from what is open.
  */
 static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
-                          realv nx, realv ny, float dither) {
+                          realv nx, realv ny, float dither, int halves) {
   const uintv one = 1u;
   realv g1, g2, sin1, sin2;
   horizon_terms(cot_front, &g1, &sin1);
@@ -149,8 +152,15 @@ static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
   const realv a2 = measure(cot_back, g2, sin2, nx, ny);
   const uintv first = AS_UINTV(TO_INTV(fma(a1, m->sectors, (realv)dither)));
   const uintv last = AS_UINTV(TO_INTV(fma(a2, m->sectors, (realv)dither)));
-  const uintv fresh = ((one << last) - (one << first)) & ~m->covered &
-                      AS_UINTV(LANE_MASK(rises));
+  const uintv hidden =
+      ((one << last) - (one << first)) & AS_UINTV(LANE_MASK(rises));
+  const uintv fresh = hidden & ~m->covered;
+#if EXTRAPOLATE
+  if (halves & HBIL_HALF_EVEN)
+    m->even |= hidden;
+  if (halves & HBIL_HALF_ODD)
+    m->odd |= hidden;
+#endif
   m->covered |= fresh;
   const realv share = TO_REALV(AS_INTV(popcount(fresh))) * m->sector;
   m->a = max(m->a - share, (realv)0.0f);
@@ -243,7 +253,7 @@ static inline void raise(const center *c, march *m, realv excess,
           (realv)0.0f);
   const realv share =
       cover(m, rises, fma(slope, excess, cot_tangent),
-            fma(slope, excess_back, cot_tangent), nx, ny, dither);
+            fma(slope, excess_back, cot_tangent), nx, ny, dither, step->halves);
   /* what covers nothing new is not seen */
   rises = share > 0.0f;
 #else
@@ -352,6 +362,7 @@ typedef struct cut {
   realv g, sin2; /* of the tangent plane on the side of u */
   realv open, whole, open_g, open_sin2; /* sums over both sides; g is negative
                                            along -u */
+  realv red, green, blue, unknown;
 } cut;
 
 /* One side of it. */
@@ -606,12 +617,76 @@ static inline cut cut_of(const center *c, float ux, float uy) {
   s.cot = -s.nx * c->inv_cosine;
   horizon_terms(s.cot, &s.g, &s.sin2);
   s.open = s.whole = s.open_g = s.open_sin2 = 0.0f;
+  s.red = s.green = s.blue = s.unknown = 0.0f;
   return s;
 }
 
+#if EXTRAPOLATE
+#if FINITE
+static inline realv count_bits(uintv bits) {
+  return TO_REALV(AS_INTV(popcount(bits)));
+}
+#endif
+
+/* The measure that even and odd samples alone leave open, in the mean.  One of
+ * them has the highest sample, the other's highest has excess `second`.
+ * Sectors are counted anew: of m->a roundings would be left where all are
+ * covered. */
+static inline realv half_open(const center *c, const cut *s, const side_of *h,
+                              march *m, realv second) {
+#if FINITE
+  const intv untouched = m->covered == 0u;
+  m->a = select(m->sector * (HBIL_SECTORS - count_bits(m->covered)), h->start,
+                untouched);
+  return select(fma(count_bits(m->even) + count_bits(m->odd), -0.5f * m->sector,
+                    HBIL_SECTORS * m->sector),
+                h->start, untouched);
+#else
+  realv g, sin2;
+  const realv cot = fma(s->slope, second, h->cot_tangent);
+  horizon_terms(cot, &g, &sin2);
+  const realv a = select(h->start, measure(cot, g, sin2, h->nx, c->cosine),
+                         second > c->least_excess);
+  return 0.5f * (a + m->a);
+#endif
+}
+
+/*
+ * Between samples there are occluders that none of them meets.  Half of the
+ * samples would miss about twice as much, so what they miss is an estimate of
+ * what all miss: the jackknife (Quenouille 1956), with a sample in both halves
+ * where no pixel is missed around it (hbil_sample_halves()).  The even samples
+ * and the odd ones leave open a_0 and a_1, all of them a; then
+ *   a + (a - (a_0 + a_1) / 2)
+ * is left open, at least nothing.  Directions and light stay what they are, so
+ * sums over what is open and what is blocked change with their measure.
+ */
+static inline void extrapolate(march *m, realv start, realv half_open) {
+  const realv a = max(m->a + (m->a - half_open), (realv)0.0f);
+  const realv blocked = start - m->a;
+  const realv more = select((realv)1.0f, (start - a) / blocked, blocked > 0.0f);
+#if HBAO
+  m->blocked *= more;
+#endif
+#if GATHER_RADIANCE
+  m->red *= more;
+  m->green *= more;
+  m->blue *= more;
+#if REFUSED_FRAME
+  m->unknown *= more;
+#endif
+#endif
+#if GATHER_BENT
+  const realv less = select((realv)1.0f, a / m->a, m->a > 0.0f);
+  m->g *= less;
+  m->sin2 *= less;
+#endif
+  m->a = a;
+}
+#endif
+
 /* What the two sides of a slice have come to. */
-static inline void add_slice(total *t, const cut *s, const march *m, float ux,
-                             float uy) {
+static inline void add_slice(total *t, const cut *s, float ux, float uy) {
   t->open = fma(s->jacobian, s->open, t->open);
   t->whole = fma(s->jacobian, s->whole, t->whole);
 #if GATHER_BENT
@@ -626,11 +701,11 @@ static inline void add_slice(total *t, const cut *s, const march *m, float ux,
   t->whole_wo = fma(s->jacobian, s->sin2, fma(-whole_u, s->u_wo, t->whole_wo));
 #endif
 #if GATHER_RADIANCE
-  t->red = fma(s->jacobian, m->red, t->red);
-  t->green = fma(s->jacobian, m->green, t->green);
-  t->blue = fma(s->jacobian, m->blue, t->blue);
+  t->red = fma(s->jacobian, s->red, t->red);
+  t->green = fma(s->jacobian, s->green, t->green);
+  t->blue = fma(s->jacobian, s->blue, t->blue);
 #if REFUSED_FRAME
-  t->unknown = fma(s->jacobian, m->unknown, t->unknown);
+  t->unknown = fma(s->jacobian, s->unknown, t->unknown);
 #endif
 #endif
 }
@@ -812,11 +887,13 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     march m[STRIP];
     for (int v = 0; v < STRIP; ++v) {
       s[v] = cut_of(&c[v], ux, uy);
-      m[v].red = m[v].green = m[v].blue = m[v].unknown = 0.0f;
     }
     for (int side = 0; side < 2; ++side) {
       side_of half_slice[STRIP];
       realv top[STRIP];
+#if EXTRAPOLATE
+      realv even[STRIP], odd[STRIP]; /* the highest of every other sample */
+#endif
       for (int v = 0; v < STRIP; ++v) {
         side_of *h = &half_slice[v];
         h->nx = side ? -s[v].nx : s[v].nx;
@@ -826,6 +903,10 @@ kernel void gather(const hbil_gather_args args, global const float *split,
             measure(h->cot_tangent, start_g, s[v].sin2, h->nx, c[v].cosine);
         m[v].a = h->start;
         m[v].excess = top[v] = c[v].least_excess;
+        m[v].red = m[v].green = m[v].blue = m[v].unknown = 0.0f;
+#if EXTRAPOLATE
+        even[v] = odd[v] = c[v].least_excess;
+#endif
 #if HBAO
         m[v].blocked = 0.0f;
 #endif
@@ -835,6 +916,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #endif
 #if FINITE
         m[v].covered = 0u;
+#if EXTRAPOLATE
+        m[v].even = m[v].odd = 0u;
+#endif
         m[v].sectors = HBIL_SECTORS / max(m[v].a, (realv)1e-6f);
         m[v].sector = m[v].a * (1.0f / HBIL_SECTORS);
 #endif
@@ -878,8 +962,10 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #if LIMITED
             e = within(&c[v], w1, step, args.radius, e);
 #endif
-#if SHARES
+#if SHARES || EXTRAPOLATE
             excess[k][v] = e;
+#endif
+#if SHARES
             hits[v] |= (uint)ANY(e > top[v]) << k;
 #endif
 #if !FINITE
@@ -887,6 +973,17 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #endif
           }
         }
+#if EXTRAPOLATE && !FINITE
+        for (int i = 0; i < k; ++i) {
+          const int halves = steps[first + i].halves;
+          for (int v = 0; v < STRIP; ++v) {
+            if (halves & HBIL_HALF_EVEN)
+              even[v] = max(even[v], excess[i][v]);
+            if (halves & HBIL_HALF_ODD)
+              odd[v] = max(odd[v], excess[i][v]);
+          }
+        }
+#endif
 #if SHARES
         for (int v = 0; v < STRIP; ++v)
           raise_all(c[v], &m[v], hits[v], &excess[0][v], steps + first,
@@ -908,6 +1005,11 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         m[v].a =
             measure(0.0f, m[v].g, m[v].sin2, half_slice[v].nx, c[v].cosine);
 #endif
+#if EXTRAPOLATE
+        extrapolate(&m[v], half_slice[v].start,
+                    half_open(&c[v], &s[v], &half_slice[v], &m[v],
+                              min(even[v], odd[v])));
+#endif
 #if HBAO
         m[v].a = half_slice[v].start - m[v].blocked;
 #endif
@@ -922,10 +1024,18 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         s[v].open_g += side ? -m[v].g : m[v].g;
         s[v].open_sin2 += m[v].sin2;
 #endif
+#if GATHER_RADIANCE
+        s[v].red += m[v].red;
+        s[v].green += m[v].green;
+        s[v].blue += m[v].blue;
+#if REFUSED_FRAME
+        s[v].unknown += m[v].unknown;
+#endif
+#endif
       }
     }
     for (int v = 0; v < STRIP; ++v)
-      add_slice(&t[v], &s[v], &m[v], ux, uy);
+      add_slice(&t[v], &s[v], ux, uy);
   }
   for (int v = 0; v < STRIP; ++v)
     store_light(&c[v], &t[v], untouched[v], args.slices, layer,

@@ -162,6 +162,10 @@ typedef struct hbil_layer_args {
   hbil_int width, height;
 } hbil_layer_args;
 
+/* Half of the samples, every other one, stands for how much fewer samples would
+ * find: a sample is in one of the halves, or in both. */
+enum { HBIL_HALF_EVEN = 1, HBIL_HALF_ODD = 2 };
+
 /* One sample of a half-slice, common to all pixels of a layer at one level. */
 typedef struct hbil_step {
   hbil_int offset;   /* floats to the sample of a layer's pixel (x,y), from
@@ -170,6 +174,7 @@ typedef struct hbil_step {
   hbil_float ex, ey; /* the same from pixel to pixel, in units of ray slope */
   hbil_float inv_e;  /* 1 / |e| */
   hbil_float ux, uy; /* e / |e| */
+  hbil_int halves;   /* of HBIL_HALF_ */
 } hbil_step;
 
 /* Words of the plan's flags: what kernels of a frame tell later ones. */
@@ -350,6 +355,40 @@ static inline void hbil_sample_offset(hbil_int layer, hbil_int k,
   d = d > least ? d : least;
   *x = (hbil_int)HBIL_RINT(d * px / lattice) * p.lattice;
   *y = (hbil_int)HBIL_RINT(d * py / lattice) * p.lattice;
+}
+
+/* Pixels from the centre to sample k, along the longer axis; 0 before the
+ * first. */
+static inline hbil_int hbil_sample_pixels(hbil_int layer, hbil_int k,
+                                          hbil_int level, hbil_float ux,
+                                          hbil_float uy, const hbil_view_args v,
+                                          const hbil_pattern_args p) {
+  hbil_int x = 0, y = 0;
+  if (k >= 0)
+    hbil_sample_offset(layer, k, level, ux, uy, v, p, &x, &y);
+  x = x < 0 ? -x : x;
+  y = y < 0 ? -y : y;
+  return x > y ? x : y;
+}
+
+/*
+ * The halves that sample k belongs to.  What its half would miss without it is
+ * extrapolated to the share of the pixels around it that no sample meets:
+ * where every pixel is met there is nothing to extrapolate, and the sample is
+ * in both.  In between, so is that share of the 16 layers.
+ */
+static inline hbil_int hbil_sample_halves(hbil_int layer, hbil_int k,
+                                          hbil_int level, hbil_float ux,
+                                          hbil_float uy, const hbil_view_args v,
+                                          const hbil_pattern_args p) {
+  hbil_int last = k + 1 < p.samples ? k + 1 : k;
+  hbil_int met = last - k + 1;
+  hbil_int pixels = hbil_sample_pixels(layer, last, level, ux, uy, v, p) -
+                    hbil_sample_pixels(layer, k - 1, level, ux, uy, v, p);
+  /* (slot + 1/2) / 16 of the layers' places lie above the share that is met */
+  if ((2 * hbil_shift_slot(layer) + 1) * pixels < 32 * met)
+    return HBIL_HALF_EVEN | HBIL_HALF_ODD;
+  return k & 1 ? HBIL_HALF_ODD : HBIL_HALF_EVEN;
 }
 
 #endif

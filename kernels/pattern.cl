@@ -25,7 +25,7 @@ kernel void make_pattern(const hbil_view_args view,
   }
   steps += (get_global_id(0) * (uint)(2 * pattern.slices) + (uint)half_slice) *
            (uint)(pattern.samples + 1);
-  const hbil_step direction = {0, 0, 0, 0.0f, 0.0f, 0.0f, ux, uy};
+  const hbil_step direction = {0, 0, 0, 0.0f, 0.0f, 0.0f, ux, uy, 0};
   *steps++ = direction;
   for (int k = 0; k < pattern.samples; ++k) {
     int x, y;
@@ -44,6 +44,7 @@ kernel void make_pattern(const hbil_view_args view,
     step.inv_e = 1.0f / sqrt(fma(step.ex, step.ex, step.ey * step.ey));
     step.ux = step.ex * step.inv_e;
     step.uy = step.ey * step.inv_e;
+    step.halves = hbil_sample_halves(layer, k, level, ux, uy, view, pattern);
     steps[k] = step;
   }
 }

@@ -64,6 +64,7 @@ static void write_defines(const hbil_plan *plan, text *t) {
       (int)plan->layout.far_field);
   add(t, " -DFINITE=%d",
       (isinf(c->relative_thickness) ? 0 : 1) | (isinf(c->thickness) ? 0 : 2));
+  add(t, " -DEXTRAPOLATE=%d", c->extrapolate != 0);
   add(t, " -DPACKED=%d", c->storage == HBIL_STORAGE_PACKED);
   add(t, " -DREFUSED_FRAME=%d -DHBAO=%d", plan->layout.unknown,
       c->mode == HBIL_MODE_HBAO);

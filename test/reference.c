@@ -672,7 +672,9 @@ typedef struct march {
   angle start;    /* of the tangent plane */
   double whole;   /* measure up to it */
   double best;    /* excess that a sample must exceed */
-  double blocked; /* measure, weighed by the falloff */
+  double covered; /* measure */
+  double blocked; /* the same, weighed by the falloff */
+  double less;    /* factor of what is open, of extrapolation */
   double unknown, light[3], last[3];
   angle top;        /* COVER_HORIZON: the horizon */
   double below;     /* measure up to it */
@@ -695,6 +697,7 @@ static march begin(const walker *w, double ux, double uy) {
   memset(&m, 0, sizeof(m));
   m.h = make_half(w->g, &w->s, ux, uy);
   m.kind = cover_kind_of(w->g);
+  m.less = 1.0;
   m.start = m.top = angle_of(m.h.ny, -m.h.nx);
   m.whole = m.below = measure(&m.h, m.start);
   m.best = w->least;
@@ -831,6 +834,7 @@ static void meet(const walker *w, march *m, occluder *o) {
   if (!isinf(c->radius) && !(o->range <= (double)c->radius))
     return;
   taken = cover(w, m, o);
+  m->covered += taken;
   m->blocked += falloff(c, o->range) * taken;
   /* what covers nothing new is not seen */
   if (gathers_light(c) && taken > 0.0)
@@ -858,14 +862,16 @@ static bool inside(const ref_planes *p, int x, int y) {
   return x >= 0 && y >= 0 && x < p->width && y < p->height;
 }
 
-/* The pixels that the kernels look at. */
-static void follow_pattern(const walker *w, march *m) {
+/* The pixels that the kernels look at, or one half of them (HBIL_HALF_). */
+static void follow_pattern(const walker *w, march *m, int halves) {
   const gathering *g = w->g;
   for (int k = 0; k < g->pattern.samples; ++k) {
     int dx, dy;
     hbil_sample_offset(w->layer, k, w->level, (float)m->h.u.x, (float)m->h.u.y,
                        g->view, g->pattern, &dx, &dy);
-    if (inside(g->split, w->x + dx, w->y + dy))
+    if (halves & hbil_sample_halves(w->layer, k, w->level, (float)m->h.u.x,
+                                    (float)m->h.u.y, g->view, g->pattern) &&
+        inside(g->split, w->x + dx, w->y + dy))
       visit(w, m, w->x + dx, w->y + dy);
   }
 }
@@ -916,12 +922,35 @@ static void follow_line(const walker *w, march *m) {
   }
 }
 
+static const int both_halves = HBIL_HALF_EVEN | HBIL_HALF_ODD;
+
+/* The jackknife: what all samples cover, and once more what either half of them
+ * covers less on average; no more than there is. */
+static void extrapolate(const walker *w, march *m) {
+  double half = 0.0, open = m->whole - m->covered, left, more;
+  for (int i = HBIL_HALF_EVEN; i <= HBIL_HALF_ODD; ++i) {
+    march part = begin(w, m->h.u.x, m->h.u.y);
+    follow_pattern(w, &part, i);
+    half += 0.5 * (part.whole - part.covered);
+  }
+  left = fmax(2.0 * open - half, 0.0);
+  more = m->covered > 0.0 ? (m->whole - left) / m->covered : 1.0;
+  m->less = open > 0.0 ? left / open : 1.0;
+  m->blocked *= more;
+  m->unknown *= more;
+  for (int i = 0; i < 3; ++i)
+    m->light[i] *= more;
+}
+
 static march march_along(const walker *w, double ux, double uy) {
   march m = begin(w, ux, uy);
-  if (w->g->dense)
+  if (w->g->dense) {
     follow_line(w, &m);
-  else
-    follow_pattern(w, &m);
+    return m;
+  }
+  follow_pattern(w, &m, both_halves);
+  if (w->g->job->config->extrapolate)
+    extrapolate(w, &m);
   return m;
 }
 
@@ -936,9 +965,10 @@ static vec bent_between(const march *m) {
 }
 
 static vec open_bent(const march *m) {
-  if (m->kind == COVER_HORIZON)
-    return bent_to(&m->h, m->top);
-  return m->kind == COVER_SECTORS ? m->bent : bent_between(m);
+  vec open = m->kind == COVER_HORIZON   ? bent_to(&m->h, m->top)
+             : m->kind == COVER_SECTORS ? m->bent
+                                        : bent_between(m);
+  return scaled(m->less, open);
 }
 
 static void add_openness(walker *w, const march *m) {
@@ -963,9 +993,9 @@ static void add_arcs(walker *w, const march *ahead, const march *behind) {
   double size = sqrt(h->nx * h->nx + h->ny * h->ny);
   double gamma = atan2(h->nx, h->ny);
   w->sum.whole += h->weight * size * (arc(gamma, PI) + arc(gamma, -PI));
-  w->sum.open +=
-      h->weight * size *
-      (arc(gamma, ahead->top.theta) + arc(gamma, -behind->top.theta));
+  w->sum.open += h->weight * size *
+                 (ahead->less * arc(gamma, ahead->top.theta) +
+                  behind->less * arc(gamma, -behind->top.theta));
 }
 
 static void add_bent_and_light(walker *w, const march *m) {

@@ -331,6 +331,10 @@ typedef struct hbil_config {
   float step_growth;        /* spacing of samples, 0..64: 0 equal steps; g: the
                                last step is (1+g)^2 times the first; default 2 */
   hbil_lattice lattice;     /* default FULL */
+  /* What lies between the samples is judged by how much half of them miss, and
+   * added to what is blocked, with as much light as was found there on average
+   * (a jackknife; HACKING.md).  Default CL_TRUE. */
+  cl_bool extrapolate;
   float facing[2];      /* radiance of a sample fades in as the cosine between
                            its normal and the direction back to the point goes
                            from facing[0] to facing[1]; -1..1, ascending;

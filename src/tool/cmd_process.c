@@ -19,6 +19,7 @@ enum {
   OPTION_SLICES,
   OPTION_SAMPLES,
   OPTION_STEP_GROWTH,
+  OPTION_EXTRAPOLATE,
   OPTION_LATTICE,
   OPTION_STORAGE,
   OPTION_NO_SKIP,
@@ -63,6 +64,7 @@ static const struct option options[] = {
     {"slices", required_argument, NULL, OPTION_SLICES},
     {"samples", required_argument, NULL, OPTION_SAMPLES},
     {"step-growth", required_argument, NULL, OPTION_STEP_GROWTH},
+    {"extrapolate", required_argument, NULL, OPTION_EXTRAPOLATE},
     {"thickness", required_argument, NULL, OPTION_THICKNESS},
     {"relative-thickness", required_argument, NULL, OPTION_RELATIVE_THICKNESS},
     {"lattice", required_argument, NULL, OPTION_LATTICE},
@@ -153,6 +155,8 @@ static void usage(const hbil_config *defaults) {
          defaults->slices, defaults->samples, (double)defaults->step_growth);
   puts("  --lattice full|layer  where samples may lie: any pixel, or every\n"
        "                        fourth\n"
+       "  --extrapolate yes|no  judge what lies between the samples by what\n"
+       "                        half of them miss (yes)\n"
        "  --no-skip             do all work, even such as can't change a\n"
        "                        result (see --timings)\n"
        "  --storage packed|fp32 how the layers between the passes are kept\n"
@@ -229,6 +233,10 @@ static int set_choice(int option, process_options *o, image_error *error) {
   case OPTION_FEEDBACK:
     failed = choice("--feedback", feedbacks, &value, error);
     o->config.feedback = (hbil_feedback)value;
+    break;
+  case OPTION_EXTRAPOLATE:
+    failed = choice("--extrapolate", answers, &value, error);
+    o->config.extrapolate = (cl_bool)value;
     break;
   default:
     failed = choice("--gather-emission", answers, &value, error);
@@ -319,6 +327,7 @@ static int set_option(int option, process_options *o, image_error *error) {
   case OPTION_MODE:
   case OPTION_FALLOFF:
   case OPTION_LATTICE:
+  case OPTION_EXTRAPOLATE:
   case OPTION_STORAGE:
   case OPTION_REFUSED:
   case OPTION_REPROJECTION:
@@ -338,6 +347,7 @@ static int check_exact(const request *r, image_error *error) {
   } useless[] = {
       {OPTION_SAMPLES, "--samples", "which looks at every pixel"},
       {OPTION_STEP_GROWTH, "--step-growth", "which looks at every pixel"},
+      {OPTION_EXTRAPOLATE, "--extrapolate", "which misses nothing"},
       {OPTION_LATTICE, "--lattice", "which looks at every pixel"},
       {OPTION_STORAGE, "--storage", "which has no layers"},
       {OPTION_NO_SKIP, "--no-skip", "which skips nothing"},
