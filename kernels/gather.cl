@@ -629,11 +629,12 @@ static inline realv count_bits(uintv bits) {
 #endif
 
 /* The measure that even and odd samples alone leave open, in the mean.  One of
- * them has the highest sample, the other's highest has excess `second`.
+ * them has the highest sample, the other's highest has excess `second`; where
+ * that is the same, m->a is what both leave, to the bit.
  * Sectors are counted anew: of m->a roundings would be left where all are
  * covered. */
 static inline realv half_open(const center *c, const cut *s, const side_of *h,
-                              march *m, realv second) {
+                              march *m, realv highest, realv second) {
 #if FINITE
   const intv untouched = m->covered == 0u;
   m->a = select(m->sector * (HBIL_SECTORS - count_bits(m->covered)), h->start,
@@ -647,7 +648,7 @@ static inline realv half_open(const center *c, const cut *s, const side_of *h,
   horizon_terms(cot, &g, &sin2);
   const realv a = select(h->start, measure(cot, g, sin2, h->nx, c->cosine),
                          second > c->least_excess);
-  return 0.5f * (a + m->a);
+  return select(0.5f * (a + m->a), m->a, second >= highest);
 #endif
 }
 
@@ -663,8 +664,9 @@ static inline realv half_open(const center *c, const cut *s, const side_of *h,
  */
 static inline void extrapolate(march *m, realv start, realv half_open) {
   const realv a = max(m->a + (m->a - half_open), (realv)0.0f);
-  const realv blocked = start - m->a;
-  const realv more = select((realv)1.0f, (start - a) / blocked, blocked > 0.0f);
+  /* a quotient of equals need not be 1 in relaxed arithmetic */
+  const intv fewer = a < m->a;
+  const realv more = select((realv)1.0f, (start - a) / (start - m->a), fewer);
 #if HBAO
   m->blocked *= more;
 #endif
@@ -677,7 +679,7 @@ static inline void extrapolate(march *m, realv start, realv half_open) {
 #endif
 #endif
 #if GATHER_BENT
-  const realv less = select((realv)1.0f, a / m->a, m->a > 0.0f);
+  const realv less = select((realv)1.0f, a / m->a, fewer);
   m->g *= less;
   m->sin2 *= less;
 #endif
@@ -1008,7 +1010,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #if EXTRAPOLATE
         extrapolate(&m[v], half_slice[v].start,
                     half_open(&c[v], &s[v], &half_slice[v], &m[v],
-                              min(even[v], odd[v])));
+                              max(even[v], odd[v]), min(even[v], odd[v])));
 #endif
 #if HBAO
         m[v].a = half_slice[v].start - m[v].blocked;

@@ -56,18 +56,81 @@ typedef struct settings {
   float radius, facing[2];
   hbil_refused refused;
   cl_uint index;
+  cl_bool plain; /* not extrapolated */
 } settings;
 
-static const settings table[] = {
-    {1, 1, HBIL_LATTICE_LAYER, INFINITY, {-0.1f, 0.0f}, HBIL_REFUSED_LAST, 0},
-    {1, 8, HBIL_LATTICE_FULL, 1.0f, {-0.1f, 0.0f}, HBIL_REFUSED_BLACK, 1},
-    {2, 16, HBIL_LATTICE_LAYER, 0.5f, {-1.0f, -1.0f}, HBIL_REFUSED_LAST, 2},
-    {2, 16, HBIL_LATTICE_FULL, INFINITY, {0.2f, 0.2f}, HBIL_REFUSED_BLACK, 3},
-    {4, 8, HBIL_LATTICE_LAYER, 2.0f, {-0.5f, 0.5f}, HBIL_REFUSED_BLACK, 0},
-    {4, 16, HBIL_LATTICE_FULL, 0.25f, {-0.1f, 0.0f}, HBIL_REFUSED_LAST, 0},
-    {2, 1, HBIL_LATTICE_FULL, INFINITY, {1.0f, 1.0f}, HBIL_REFUSED_LAST, 7},
-    {4, 1, HBIL_LATTICE_LAYER, 1e-3f, {-0.1f, 0.0f}, HBIL_REFUSED_LAST, 0},
-    {3, 5, HBIL_LATTICE_FULL, 1e4f, {0.0f, 1.0f}, HBIL_REFUSED_LAST, 11}};
+static const settings table[] = {{1,
+                                  1,
+                                  HBIL_LATTICE_LAYER,
+                                  INFINITY,
+                                  {-0.1f, 0.0f},
+                                  HBIL_REFUSED_LAST,
+                                  0,
+                                  CL_FALSE},
+                                 {1,
+                                  8,
+                                  HBIL_LATTICE_FULL,
+                                  1.0f,
+                                  {-0.1f, 0.0f},
+                                  HBIL_REFUSED_BLACK,
+                                  1,
+                                  CL_FALSE},
+                                 {2,
+                                  16,
+                                  HBIL_LATTICE_LAYER,
+                                  0.5f,
+                                  {-1.0f, -1.0f},
+                                  HBIL_REFUSED_LAST,
+                                  2,
+                                  CL_TRUE},
+                                 {2,
+                                  16,
+                                  HBIL_LATTICE_FULL,
+                                  INFINITY,
+                                  {0.2f, 0.2f},
+                                  HBIL_REFUSED_BLACK,
+                                  3,
+                                  CL_FALSE},
+                                 {4,
+                                  8,
+                                  HBIL_LATTICE_LAYER,
+                                  2.0f,
+                                  {-0.5f, 0.5f},
+                                  HBIL_REFUSED_BLACK,
+                                  0,
+                                  CL_FALSE},
+                                 {4,
+                                  16,
+                                  HBIL_LATTICE_FULL,
+                                  0.25f,
+                                  {-0.1f, 0.0f},
+                                  HBIL_REFUSED_LAST,
+                                  0,
+                                  CL_TRUE},
+                                 {2,
+                                  1,
+                                  HBIL_LATTICE_FULL,
+                                  INFINITY,
+                                  {1.0f, 1.0f},
+                                  HBIL_REFUSED_LAST,
+                                  7,
+                                  CL_FALSE},
+                                 {4,
+                                  1,
+                                  HBIL_LATTICE_LAYER,
+                                  1e-3f,
+                                  {-0.1f, 0.0f},
+                                  HBIL_REFUSED_LAST,
+                                  0,
+                                  CL_FALSE},
+                                 {3,
+                                  5,
+                                  HBIL_LATTICE_FULL,
+                                  1e4f,
+                                  {0.0f, 1.0f},
+                                  HBIL_REFUSED_LAST,
+                                  11,
+                                  CL_FALSE}};
 
 static void every_setting_matches(void **state) {
   (void)state;
@@ -81,6 +144,7 @@ static void every_setting_matches(void **state) {
     s.config.radius = t->radius;
     memcpy(s.config.facing, t->facing, sizeof(t->facing));
     s.config.refused = t->refused;
+    s.config.extrapolate = !t->plain;
     s.frame.index = t->index;
     check_gather(&s);
   }
