@@ -174,6 +174,30 @@ static cl_int build(cl_program program, cl_uint count,
 }
 
 /* ------------------------------------------------------------------------ */
+/* Work-groups                                                               */
+
+static const size_t *group_size;
+
+void shim_use_groups(const size_t *group) {
+  group_size = group;
+}
+
+static cl_int run_kernel(cl_command_queue queue, cl_kernel kernel,
+                         cl_uint dimensions, const size_t *offset,
+                         const size_t *global, const size_t *local,
+                         cl_uint wait_count, const cl_event *wait_list,
+                         cl_event *event) {
+  size_t all[3] = {1, 1, 1}, group[3] = {1, 1, 1};
+  for (cl_uint i = 0; i < dimensions && group_size; ++i) {
+    group[i] = i < 2 ? group_size[i] : 1;
+    all[i] = (global[i] + group[i] - 1) / group[i] * group[i];
+  }
+  return NEXT(clEnqueueNDRangeKernel)(
+      queue, kernel, dimensions, offset, group_size ? all : global,
+      group_size ? group : local, wait_count, wait_list, event);
+}
+
+/* ------------------------------------------------------------------------ */
 /* The calls                                                                 */
 
 /* Calls that take and give nothing. */
@@ -273,8 +297,8 @@ ENQUEUE(clEnqueueNDRangeKernel,
         (cl_command_queue queue, cl_kernel kernel, cl_uint dimensions,
          const size_t *offset, const size_t *global, const size_t *local,
          cl_uint wait_count, const cl_event *wait_list, cl_event *event),
-        NEXT(clEnqueueNDRangeKernel)(queue, kernel, dimensions, offset, global,
-                                     local, wait_count, wait_list, event))
+        run_kernel(queue, kernel, dimensions, offset, global, local, wait_count,
+                   wait_list, event))
 ENQUEUE(clEnqueueMarkerWithWaitList,
         (cl_command_queue queue, cl_uint wait_count, const cl_event *wait_list,
          cl_event *event),

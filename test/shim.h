@@ -24,6 +24,11 @@ long shim_held(void);
  * false: lets go of what is kept. */
 void shim_keep_programs(bool keep);
 
+/* From now on kernels run in work-groups of this size, in x and y; NULL: of the
+ * size that is asked for.  There are as many work-items more as whole groups
+ * take, which kernels ignore. */
+void shim_use_groups(const size_t *group);
+
 /* Buffers made since the count began. */
 typedef struct shim_buffers {
   size_t bytes;
