@@ -73,13 +73,13 @@ static void take(const void *object) {
   books[free_entry].references = 1;
 }
 
-static void give_back(const void *object) {
+/* References that are left. */
+static long give_back(const void *object) {
   for (int i = 0; i < MOST_OBJECTS; ++i)
-    if (books[i].references && books[i].object == object) {
-      books[i].references--;
-      return;
-    }
+    if (books[i].references && books[i].object == object)
+      return --books[i].references;
   disaster("an object was released that is not held");
+  return 0;
 }
 
 long shim_held(void) {
@@ -195,6 +195,86 @@ static cl_int run_kernel(cl_command_queue queue, cl_kernel kernel,
   return NEXT(clEnqueueNDRangeKernel)(
       queue, kernel, dimensions, offset, group_size ? all : global,
       group_size ? group : local, wait_count, wait_list, event);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Guards                                                                    */
+
+/* Whole pages, which suits any device's alignment of sub-buffers; a few rows of
+ * the pictures that tests have. */
+#define GUARD_BYTES 4096
+#define GUARD 0xff
+enum { MOST_GUARDED = 64 };
+
+static bool guarding;
+static struct {
+  cl_mem outer, inner; /* with and without the guards */
+  size_t size;
+} guarded[MOST_GUARDED];
+
+void shim_guard_buffers(bool guard) {
+  guarding = guard;
+}
+
+static int place_of_buffer(cl_mem inner) {
+  int i = 0;
+  while (i < MOST_GUARDED && guarded[i].inner != inner)
+    ++i;
+  return i;
+}
+
+static cl_mem make_guarded(cl_context context, cl_mem_flags flags, size_t size,
+                           cl_int *error) {
+  const size_t all = size + 2 * GUARD_BYTES;
+  const cl_buffer_region inside = {GUARD_BYTES, size};
+  const int i = place_of_buffer(NULL);
+  unsigned char *bytes = malloc(all);
+  if (i == MOST_GUARDED || !bytes)
+    disaster("no room for guards");
+  memset(bytes, GUARD, all);
+  const cl_mem outer = NEXT(clCreateBuffer)(
+      context, flags | CL_MEM_COPY_HOST_PTR, all, bytes, error);
+  free(bytes);
+  if (!outer)
+    return NULL;
+  const cl_mem inner = clCreateSubBuffer(
+      outer, flags, CL_BUFFER_CREATE_TYPE_REGION, &inside, error);
+  if (!inner)
+    disaster("no sub-buffer");
+  guarded[i].outer = outer;
+  guarded[i].inner = inner;
+  guarded[i].size = size;
+  return inner;
+}
+
+/* `inner` has been released for good. */
+static void drop_guards(cl_mem inner) {
+  const int i = place_of_buffer(inner);
+  if (i == MOST_GUARDED)
+    return;
+  NEXT(clReleaseMemObject)(guarded[i].outer);
+  guarded[i].inner = NULL;
+}
+
+static size_t trespasses_at(cl_command_queue queue, cl_mem outer, size_t at) {
+  unsigned char bytes[GUARD_BYTES];
+  size_t count = 0;
+  if (NEXT(clEnqueueReadBuffer)(queue, outer, CL_TRUE, at, sizeof bytes, bytes,
+                                0, NULL, NULL) != CL_SUCCESS)
+    disaster("guards cannot be read");
+  for (size_t i = 0; i < sizeof bytes; ++i)
+    count += bytes[i] != GUARD;
+  return count;
+}
+
+size_t shim_trespasses(cl_command_queue queue) {
+  size_t count = 0;
+  for (int i = 0; i < MOST_GUARDED; ++i)
+    if (guarded[i].inner)
+      count +=
+          trespasses_at(queue, guarded[i].outer, 0) +
+          trespasses_at(queue, guarded[i].outer, GUARD_BYTES + guarded[i].size);
+  return count;
 }
 
 /* ------------------------------------------------------------------------ */
@@ -331,7 +411,10 @@ CL_API_ENTRY cl_mem CL_API_CALL clCreateBuffer(cl_context context,
       *error = failure;
     return NULL;
   }
-  const cl_mem buffer = NEXT(clCreateBuffer)(context, flags, size, host, error);
+  const cl_mem buffer =
+      guarding && !host
+          ? make_guarded(context, flags, size, error)
+          : NEXT(clCreateBuffer)(context, flags, size, host, error);
   if (buffer) {
     take(buffer);
     made.bytes += size;
@@ -349,5 +432,13 @@ RELEASE(clReleaseDevice, cl_device_id)
 RELEASE(clReleaseCommandQueue, cl_command_queue)
 RELEASE(clReleaseProgram, cl_program)
 RELEASE(clReleaseKernel, cl_kernel)
-RELEASE(clReleaseMemObject, cl_mem)
 RELEASE(clReleaseEvent, cl_event)
+
+CL_API_ENTRY cl_int CL_API_CALL clReleaseMemObject(cl_mem object) {
+  const cl_int failure = turn("clReleaseMemObject");
+  const bool last = give_back(object) == 0;
+  const cl_int status = NEXT(clReleaseMemObject)(object);
+  if (last)
+    drop_guards(object);
+  return failure != CL_SUCCESS ? failure : status;
+}

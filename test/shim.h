@@ -29,6 +29,13 @@ void shim_keep_programs(bool keep);
  * take, which kernels ignore. */
 void shim_use_groups(const size_t *group);
 
+/* From now on buffers are made with guards before and behind them, and begin
+ * full of not-a-numbers, as the guards are.  A buffer keeps its guards until it
+ * is released. */
+void shim_guard_buffers(bool guard);
+/* Bytes of guards that are no longer what they were. */
+size_t shim_trespasses(cl_command_queue queue);
+
 /* Buffers made since the count began. */
 typedef struct shim_buffers {
   size_t bytes;

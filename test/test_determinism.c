@@ -31,15 +31,7 @@ static const kind kinds[] = {
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
 static void start(setup *s, const kind *k) {
-  setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  setup_all_outputs(s);
-  s->config.storage = HBIL_STORAGE_PACKED;
-  s->config.slices = 1;
-  s->config.samples = 6;
-  s->config.refused = HBIL_REFUSED_FRAME;
-  s->config.far_field = HBIL_FAR_FRAME;
-  s->config.reprojection = k->reprojection;
-  s->config.vector_width = k->vector_width;
+  setup_every_pass(s, k->reprojection, k->vector_width, WIDTH, HEIGHT);
   /* the filter takes longest to compile, and the others have it */
   s->config.raw_interleave = k->reprojection == HBIL_REPROJECTION_MOTION;
   setup_start(s);

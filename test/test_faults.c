@@ -103,19 +103,11 @@ static void contexts_leave_nothing(void **state) {
   }
 }
 
-/* A plan of every pass and every skip: light that is carried over and scattered
- * with holes, the estimate of unseen light, all outputs.  With profiling, every
- * command has an event. */
+/* Width 1 compiles and loads fastest; with profiling, every command has an
+ * event. */
 static void prepare(setup *s) {
-  setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  setup_all_outputs(s);
-  s->config.storage = HBIL_STORAGE_PACKED;
-  s->config.slices = 1;
-  s->config.samples = 4;
-  s->config.refused = HBIL_REFUSED_FRAME;
-  s->config.far_field = HBIL_FAR_FRAME;
+  setup_every_pass(s, HBIL_REPROJECTION_SCATTER, 1, WIDTH, HEIGHT);
   s->config.profiling = CL_TRUE;
-  s->config.vector_width = 1; /* what compiles and loads fastest */
 }
 
 static hbil_status make_plan(const hbil_config *config) {
