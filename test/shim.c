@@ -187,14 +187,22 @@ static cl_int run_kernel(cl_command_queue queue, cl_kernel kernel,
                          const size_t *global, const size_t *local,
                          cl_uint wait_count, const cl_event *wait_list,
                          cl_event *event) {
-  size_t all[3] = {1, 1, 1}, group[3] = {1, 1, 1};
-  for (cl_uint i = 0; i < dimensions && group_size; ++i) {
-    group[i] = i < 2 ? group_size[i] : 1;
-    all[i] = (global[i] + group[i] - 1) / group[i] * group[i];
+  if (!group_size || dimensions < 2)
+    return NEXT(clEnqueueNDRangeKernel)(queue, kernel, dimensions, offset,
+                                        global, local, wait_count, wait_list,
+                                        event);
+  const size_t group[3] = {group_size[0], group_size[1], 1};
+  const size_t rows = (global[1] + group[1] - 1) / group[1];
+  const size_t row[3] = {(global[0] + group[0] - 1) / group[0] * group[0],
+                         group[1], dimensions > 2 ? global[2] : 1};
+  cl_int error = CL_SUCCESS;
+  for (size_t i = rows; i-- > 0 && error == CL_SUCCESS;) {
+    const size_t from[3] = {0, i * group[1], 0};
+    error = NEXT(clEnqueueNDRangeKernel)(queue, kernel, dimensions, from, row,
+                                         group, wait_count, wait_list,
+                                         i ? NULL : event);
   }
-  return NEXT(clEnqueueNDRangeKernel)(
-      queue, kernel, dimensions, offset, group_size ? all : global,
-      group_size ? group : local, wait_count, wait_list, event);
+  return error;
 }
 
 /* ------------------------------------------------------------------------ */

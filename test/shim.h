@@ -24,9 +24,10 @@ long shim_held(void);
  * false: lets go of what is kept. */
 void shim_keep_programs(bool keep);
 
-/* From now on kernels run in work-groups of this size, in x and y; NULL: of the
- * size that is asked for.  There are as many work-items more as whole groups
- * take, which kernels ignore. */
+/* From now on kernels run in work-groups of this size, in x and y, and their
+ * rows of groups from the last to the first: an order that no kernel may ask
+ * for.  There are as many work-items more as whole groups take, which kernels
+ * ignore.  NULL: as the library has it. */
 void shim_use_groups(const size_t *group);
 
 /* From now on buffers are made with guards before and behind them, and begin

@@ -127,9 +127,10 @@ static void one_thread_and_two_give_the_same_bits(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Work-groups                                                               */
 
-/* The library's on a CPU is the first, on others the second.  With kernels of
- * single pixels, as others have them, too: they compile fastest, which PoCL
- * does for each size anew. */
+/* The library's on a CPU is the first, on others the second; rows of groups
+ * from the last to the first, where the library's own come in order.  With
+ * kernels of single pixels, as others have them, too: they compile fastest,
+ * which PoCL does for each size anew. */
 static const size_t groups[][2] = {{16, 1}, {32, 4}, {7, 3}};
 
 static void every_work_group_gives_the_same_bits(void **state) {
