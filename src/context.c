@@ -74,26 +74,35 @@ hbil_status fail(hbil_context *context, hbil_status status, const char *format,
   return status;
 }
 
+hbil_status status_of(cl_int error) {
+  switch (error) {
+  case CL_SUCCESS:
+    return HBIL_SUCCESS;
+  case CL_OUT_OF_HOST_MEMORY:
+    return HBIL_OUT_OF_HOST_MEMORY;
+  case CL_MEM_OBJECT_ALLOCATION_FAILURE:
+  case CL_OUT_OF_RESOURCES:
+  case CL_INVALID_BUFFER_SIZE:
+    return HBIL_OUT_OF_DEVICE_MEMORY;
+  }
+  return HBIL_OPENCL_ERROR;
+}
+
 hbil_status fail_cl(hbil_context *context, cl_int error, const char *call) {
-  hbil_status status = HBIL_OPENCL_ERROR;
-  if (error == CL_OUT_OF_HOST_MEMORY)
-    status = HBIL_OUT_OF_HOST_MEMORY;
-  else if (error == CL_MEM_OBJECT_ALLOCATION_FAILURE ||
-           error == CL_OUT_OF_RESOURCES || error == CL_INVALID_BUFFER_SIZE)
-    status = HBIL_OUT_OF_DEVICE_MEMORY;
-  return fail(context, status, "%s: %s (%d)", call, cl_error_name(error),
-              (int)error);
+  return fail(context, status_of(error), "%s: %s (%d)", call,
+              cl_error_name(error), (int)error);
 }
 
 /* "OpenCL 1.2 ..." -> 102; 0 if it does not read like that. */
-static int device_version(cl_device_id device) {
+static cl_int read_version(cl_device_id device, int *version) {
   char text[256] = "";
   int major = 0, minor = 0;
-  if (clGetDeviceInfo(device, CL_DEVICE_VERSION, sizeof text - 1, text, NULL) !=
-          CL_SUCCESS ||
-      sscanf(text, "OpenCL %d.%d", &major, &minor) != 2)
-    return 0;
-  return major * 100 + minor;
+  const cl_int error =
+      clGetDeviceInfo(device, CL_DEVICE_VERSION, sizeof text - 1, text, NULL);
+  *version = sscanf(text, "OpenCL %d.%d", &major, &minor) == 2
+                 ? major * 100 + minor
+                 : 0;
+  return error;
 }
 
 /*
@@ -101,13 +110,15 @@ static int device_version(cl_device_id device) {
  * registers, in lanes of float; one pixel a work-item elsewhere, where the
  * hardware makes vectors of neighbouring work-items by itself.
  */
-static cl_uint best_width(cl_device_id device, cl_device_type type) {
+static cl_int read_width(cl_device_id device, cl_device_type type,
+                         cl_uint *width) {
   cl_uint native = 1;
-  if (!(type & CL_DEVICE_TYPE_CPU) ||
-      clGetDeviceInfo(device, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT,
-                      sizeof native, &native, NULL) != CL_SUCCESS)
-    return 1;
-  return native >= 16 ? 16 : native >= 8 ? 8 : native >= 4 ? 4 : 1;
+  cl_int error = CL_SUCCESS;
+  if (type & CL_DEVICE_TYPE_CPU)
+    error = clGetDeviceInfo(device, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT,
+                            sizeof native, &native, NULL);
+  *width = native >= 16 ? 16 : native >= 8 ? 8 : native >= 4 ? 4 : 1;
+  return error;
 }
 
 /* Whether a list of words that single spaces separate has this one. */
@@ -120,47 +131,61 @@ static bool has_word(const char *list, const char *word) {
   return false;
 }
 
-static hbil_status find_extension(cl_device_id device, const char *name,
-                                  bool *there) {
+static cl_int find_extension(cl_device_id device, const char *name,
+                             bool *there) {
   size_t size = 0;
-  if (clGetDeviceInfo(device, CL_DEVICE_EXTENSIONS, 0, NULL, &size) !=
-      CL_SUCCESS)
-    return HBIL_OPENCL_ERROR;
+  cl_int error = clGetDeviceInfo(device, CL_DEVICE_EXTENSIONS, 0, NULL, &size);
+  if (error != CL_SUCCESS)
+    return error;
   char *list = calloc(1, size + 1);
   if (!list)
-    return HBIL_OUT_OF_HOST_MEMORY;
-  const cl_int error =
-      clGetDeviceInfo(device, CL_DEVICE_EXTENSIONS, size, list, NULL);
-  *there = error == CL_SUCCESS && has_word(list, name);
+    return CL_OUT_OF_HOST_MEMORY;
+  error = clGetDeviceInfo(device, CL_DEVICE_EXTENSIONS, size, list, NULL);
+  *there = has_word(list, name);
   free(list);
-  return error == CL_SUCCESS ? HBIL_SUCCESS : HBIL_OPENCL_ERROR;
+  return error;
 }
 
 static hbil_status read_limits(hbil_context *context) {
+  const cl_device_id device = context->device;
   cl_device_type type = 0;
   cl_bool compiler = CL_FALSE;
   cl_device_fp_config fp = 0;
-  cl_int error = clGetDeviceInfo(context->device, CL_DEVICE_TYPE, sizeof type,
-                                 &type, NULL);
+  int version = 0;
+  cl_int error =
+      clGetDeviceInfo(device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
   if (error == CL_SUCCESS)
-    error = clGetDeviceInfo(context->device, CL_DEVICE_COMPILER_AVAILABLE,
+    error = clGetDeviceInfo(device, CL_DEVICE_COMPILER_AVAILABLE,
                             sizeof compiler, &compiler, NULL);
   if (error == CL_SUCCESS)
-    error = clGetDeviceInfo(context->device, CL_DEVICE_SINGLE_FP_CONFIG,
-                            sizeof fp, &fp, NULL);
+    error = clGetDeviceInfo(device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof fp, &fp,
+                            NULL);
+  if (error == CL_SUCCESS)
+    error = read_version(device, &version);
+  if (error == CL_SUCCESS)
+    error = read_width(device, type, &context->vector_width);
+  if (error == CL_SUCCESS)
+    error = find_extension(device, "cl_khr_int64_extended_atomics",
+                           &context->wide_atomics);
   if (error != CL_SUCCESS)
-    return HBIL_OPENCL_ERROR;
-  if (!compiler || device_version(context->device) < 102)
-    return HBIL_UNSUPPORTED_DEVICE;
+    return status_of(error);
   context->exact_divide = (fp & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
-  context->vector_width = best_width(context->device, type);
   /* A row of work-items, whose loads are contiguous.  CPUs: one row a group,
    * which measured best. */
   const bool cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
   context->group[0] = cpu ? 16 : 32;
   context->group[1] = cpu ? 1 : 4;
-  return find_extension(context->device, "cl_khr_int64_extended_atomics",
-                        &context->wide_atomics);
+  return compiler && version >= 102 ? HBIL_SUCCESS : HBIL_UNSUPPORTED_DEVICE;
+}
+
+static hbil_status retain(hbil_context *context) {
+  cl_int error = clRetainContext(context->context);
+  if (error != CL_SUCCESS)
+    return status_of(error);
+  error = clRetainDevice(context->device);
+  if (error != CL_SUCCESS)
+    clReleaseContext(context->context);
+  return status_of(error);
 }
 
 hbil_status hbil_context_create(cl_context context, cl_device_id device,
@@ -174,14 +199,14 @@ hbil_status hbil_context_create(cl_context context, cl_device_id device,
     return HBIL_OUT_OF_HOST_MEMORY;
   created->context = context;
   created->device = device;
-  const hbil_status status = read_limits(created);
-  if (status != HBIL_SUCCESS || clRetainContext(context) != CL_SUCCESS) {
+  hbil_status status = read_limits(created);
+  if (status == HBIL_SUCCESS)
+    status = retain(created);
+  if (status == HBIL_SUCCESS)
+    *out = created;
+  else
     free(created);
-    return status != HBIL_SUCCESS ? status : HBIL_OPENCL_ERROR;
-  }
-  clRetainDevice(device);
-  *out = created;
-  return HBIL_SUCCESS;
+  return status;
 }
 
 void hbil_context_destroy(hbil_context *context) {

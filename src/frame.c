@@ -80,9 +80,11 @@ static hbil_status check_image(hbil_plan *plan, const hbil_frame *frame,
                 name, row, (unsigned)plan->config.width);
   const cl_int error = clGetMemObjectInfo(given->buffer, CL_MEM_SIZE,
                                           sizeof bytes, &bytes, NULL);
-  if (error != CL_SUCCESS)
+  if (error == CL_INVALID_MEM_OBJECT)
     return fail(context, HBIL_INVALID_FRAME, "%s.buffer: %s", name,
                 cl_error_name(error));
+  if (error != CL_SUCCESS)
+    return fail_cl(context, error, "clGetMemObjectInfo");
   const size_t needed = extent(plan, image, row, plane);
   if (given->offset > bytes || needed > bytes - given->offset)
     return fail(context, HBIL_INVALID_FRAME,
@@ -191,11 +193,16 @@ static void follow(commands *chain, cl_event event) {
     chain->wait_count = 1;
     chain->wait_list = &chain->last;
   }
-  if (plan->config.profiling && plan->launches < MAX_LAUNCHES &&
-      clRetainEvent(event) == CL_SUCCESS) {
-    plan->events[plan->launches] = event;
-    plan->event_pass[plan->launches++] = chain->pass;
+  if (!plan->config.profiling || plan->launches == MAX_LAUNCHES)
+    return;
+  /* the command runs all the same: timings alone are lost */
+  const cl_int error = clRetainEvent(event);
+  if (error != CL_SUCCESS) {
+    plan->events_error = error;
+    return;
   }
+  plan->events[plan->launches] = event;
+  plan->event_pass[plan->launches++] = chain->pass;
 }
 
 typedef struct argument {
@@ -377,6 +384,7 @@ static void forget_timings(hbil_plan *plan) {
   for (int i = 0; i < plan->launches; ++i)
     clReleaseEvent(plan->events[i]);
   plan->launches = 0;
+  plan->events_error = CL_SUCCESS;
 }
 
 static hbil_status reproject(commands *chain, const hbil_frame *frame) {

@@ -26,6 +26,7 @@
 #define kernel_sources hbil_internal_kernel_sources
 #define layout_compute hbil_internal_layout_compute
 #define program_build hbil_internal_program_build
+#define status_of hbil_internal_status_of
 
 /* Images of a frame, inputs first. */
 enum {
@@ -84,7 +85,9 @@ hbil_status fail(hbil_context *context, hbil_status status, const char *format,
     __attribute__((format(printf, 3, 4)))
 #endif
     ;
-/* The same for a failed OpenCL call `call`. */
+/* What an OpenCL error is to the caller. */
+hbil_status status_of(cl_int error);
+/* The same as fail() for a failed OpenCL call `call`. */
 hbil_status fail_cl(hbil_context *context, cl_int error, const char *call);
 const char *cl_error_name(cl_int error);
 
@@ -229,6 +232,7 @@ struct hbil_plan {
   /* profiling */
   int launches;
   cl_event events[MAX_LAUNCHES];
+  cl_int events_error; /* why some are missing */
   hbil_pass event_pass[MAX_LAUNCHES];
 };
 

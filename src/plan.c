@@ -386,6 +386,8 @@ hbil_status hbil_plan_timings(hbil_plan *plan,
   if (!plan->config.profiling)
     return fail(plan->context, HBIL_INVALID_CONFIG,
                 "profiling: CL_FALSE; timings need CL_TRUE");
+  if (plan->events_error != CL_SUCCESS)
+    return fail_cl(plan->context, plan->events_error, "clRetainEvent");
   if (!plan->launches)
     return HBIL_SUCCESS;
   const cl_int error = clWaitForEvents((cl_uint)plan->launches, plan->events);

@@ -151,11 +151,12 @@ static hbil_status build(hbil_context *context, cl_program program,
                          const program_kind *kind, const char *options) {
   const cl_int error =
       clBuildProgram(program, 1, &context->device, options, NULL, NULL);
-  if (error == CL_OUT_OF_HOST_MEMORY || error == CL_OUT_OF_RESOURCES)
-    return fail_cl(context, error, "clBuildProgram");
-  if (error != CL_SUCCESS)
-    return build_failure(context, program, kind->name, error);
-  return HBIL_SUCCESS;
+  if (error == CL_SUCCESS)
+    return HBIL_SUCCESS;
+  /* whatever is not for want of memory is the kernel's or the compiler's */
+  return status_of(error) == HBIL_OPENCL_ERROR
+             ? build_failure(context, program, kind->name, error)
+             : fail_cl(context, error, "clBuildProgram");
 }
 
 static hbil_status build_files(hbil_context *context, const program_kind *kind,

@@ -275,6 +275,19 @@ void setup_all_outputs(setup *s) {
     *image_format(&s->config, id) = image_channels(id) == 3 ? triple : single;
 }
 
+void setup_every_pass(setup *s, hbil_reprojection reprojection,
+                      cl_uint vector_width, int width, int height) {
+  setup_scene(s, SCENE_ROOM, width, height, 0);
+  setup_all_outputs(s);
+  s->config.storage = HBIL_STORAGE_PACKED;
+  s->config.slices = 1;
+  s->config.samples = 6;
+  s->config.refused = HBIL_REFUSED_FRAME;
+  s->config.far_field = HBIL_FAR_FRAME;
+  s->config.reprojection = reprojection;
+  s->config.vector_width = vector_width;
+}
+
 void setup_fill(setup *s, int plane, float value) {
   for (size_t i = 0; i < pixels_of(s); ++i)
     s->input[plane][i] = value;

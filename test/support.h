@@ -106,6 +106,10 @@ void setup_load_view(setup *s, scene_kind kind, double fov_y_degrees,
 void setup_camera(setup *s, double fov_y_degrees);
 /* All outputs, fp32 with the channel count as stride. */
 void setup_all_outputs(setup *s);
+/* A plan of every pass and every skip that is as cheap as can be: packed, all
+ * outputs, unseen light estimated.  vector_width 0: the device's own. */
+void setup_every_pass(setup *s, hbil_reprojection reprojection,
+                      cl_uint vector_width, int width, int height);
 void setup_fill(setup *s, int plane, float value);
 /* Creates plan and buffers (must succeed), then uploads. */
 void setup_start(setup *s);

@@ -4,6 +4,8 @@
  */
 #include "support.h"
 
+#include <pthread.h>
+
 static void check_sequence(setup *s, scene_kind kind, int frames) {
   ref_state reference;
   ref_state_init(&reference, (int)s->config.width, (int)s->config.height);
@@ -204,6 +206,32 @@ static void two_contexts_do_not_disturb_each_other(void **state) {
   gpu_close(&other);
 }
 
+/* A thread's own context, plan and queue. */
+static void *third_frame_alone(void *out) {
+  gpu own = gpu_open();
+  *(ref_planes *)out = third_frame(&own, frame_at_once);
+  gpu_close(&own);
+  return NULL;
+}
+
+static void two_threads_at_once_do_not_disturb_each_other(void **state) {
+  ref_planes want = third_frame(&test_gpu, frame_at_once);
+  (void)state;
+  for (int round = 0; round < 4; ++round) {
+    pthread_t thread[2];
+    ref_planes got[2];
+    for (int i = 0; i < 2; ++i)
+      assert_int_equal(
+          pthread_create(&thread[i], NULL, third_frame_alone, &got[i]), 0);
+    for (int i = 0; i < 2; ++i) {
+      assert_int_equal(pthread_join(thread[i], NULL), 0);
+      assert_int_equal(count_different(&got[i], &want), 0);
+      ref_planes_free(&got[i]);
+    }
+  }
+  ref_planes_free(&want);
+}
+
 /* ------------------------------------------------------------------------ */
 /* Events                                                                    */
 
@@ -355,6 +383,7 @@ int main(void) {
       cmocka_unit_test(passes_chained_by_events_give_the_same_bits),
       cmocka_unit_test(an_out_of_order_queue_gives_the_same_bits),
       cmocka_unit_test(two_contexts_do_not_disturb_each_other),
+      cmocka_unit_test(two_threads_at_once_do_not_disturb_each_other),
       cmocka_unit_test(wait_lists_are_honoured),
       cmocka_unit_test(a_reset_plan_begins_anew),
       cmocka_unit_test(every_frame_adds_a_bounce),

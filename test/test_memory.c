@@ -1,48 +1,8 @@
 /*
- * hbil_plan_memory() is what a plan takes: clCreateBuffer() of this program
- * stands in front of OpenCL's, and adds up what is asked for.
+ * hbil_plan_memory() is what a plan takes: a shim in front of OpenCL adds up
+ * what is asked for.
  */
-#define _GNU_SOURCE /* RTLD_NEXT */
-#include "support.h"
-
-#include <dlfcn.h>
-
-/* ------------------------------------------------------------------------ */
-/* In front of OpenCL                                                        */
-
-typedef CL_API_ENTRY cl_mem CL_API_CALL create_buffer(cl_context, cl_mem_flags,
-                                                      size_t, void *, cl_int *);
-
-static struct {
-  size_t bytes;
-  int count;
-} made;
-
-static create_buffer *next_create_buffer(void) {
-  /* an object pointer is no function pointer in C, but POSIX says it will do */
-  union {
-    void *object;
-    create_buffer *function;
-  } found = {.object = dlsym(RTLD_NEXT, "clCreateBuffer")};
-  assert_non_null(found.object);
-  return found.function;
-}
-
-CL_API_ENTRY cl_mem CL_API_CALL clCreateBuffer(cl_context context,
-                                               cl_mem_flags flags, size_t size,
-                                               void *host, cl_int *error) {
-  cl_mem buffer = next_create_buffer()(context, flags, size, host, error);
-  if (buffer) {
-    made.bytes += size;
-    made.count++;
-  }
-  return buffer;
-}
-
-static void start_counting(void) {
-  made.bytes = 0;
-  made.count = 0;
-}
+#include "shim.h"
 
 /* ------------------------------------------------------------------------ */
 /* Configurations                                                            */
@@ -165,14 +125,14 @@ static bool check_plan(const hbil_config *config, const char *what,
   if (status == HBIL_INVALID_CONFIG)
     return false; /* a far field that the mode has no use for */
   assert_int_equal(status, HBIL_SUCCESS);
-  start_counting();
+  shim_start_counting();
   assert_int_equal(hbil_plan_create(test_gpu.hbil, config, &plan),
                    HBIL_SUCCESS);
-  if (made.bytes != announced)
+  if (shim_made().bytes != announced)
     fail_msg("%ux%u, %s, %s: %zu bytes in %d buffers, %zu are announced",
              (unsigned)config->width, (unsigned)config->height, what, how,
-             made.bytes, made.count, announced);
-  assert_true(made.count > 0);
+             shim_made().bytes, shim_made().count, announced);
+  assert_true(shim_made().count > 0);
   hbil_plan_destroy(plan);
   return true;
 }
@@ -224,14 +184,14 @@ static void frames_make_no_buffers(void **state) {
   (void)state;
   use_all(&s);
   setup_start(&s);
-  start_counting();
+  shim_start_counting();
   for (cl_uint i = 0; i < 4; ++i) {
     s.frame.index = i;
     setup_run(&s, hbil_enqueue_frame);
   }
   hbil_plan_reset(s.plan);
   setup_run(&s, hbil_enqueue_frame);
-  assert_int_equal(made.count, 0);
+  assert_int_equal(shim_made().count, 0);
   setup_free(&s);
 }
 
@@ -240,11 +200,11 @@ static void the_query_makes_no_buffers(void **state) {
   size_t bytes = 0;
   (void)state;
   use_all(&s);
-  start_counting();
+  shim_start_counting();
   assert_int_equal(hbil_plan_memory(test_gpu.hbil, &s.config, &bytes),
                    HBIL_SUCCESS);
   assert_true(bytes > 0);
-  assert_int_equal(made.count, 0);
+  assert_int_equal(shim_made().count, 0);
   setup_free(&s);
 }
 
@@ -267,12 +227,13 @@ static double sum_of(const plane_counts *p) {
 static void check_planes(const hbil_config *config, plane_counts counts) {
   const double pixels = (double)config->width * config->height;
   hbil_plan *plan;
-  start_counting();
+  shim_start_counting();
   assert_int_equal(hbil_plan_create(test_gpu.hbil, config, &plan),
                    HBIL_SUCCESS);
   hbil_plan_destroy(plan);
   check_at_most("memory over the planes",
-                (double)made.bytes / (4.0 * sum_of(&counts) * pixels), 1.25);
+                (double)shim_made().bytes / (4.0 * sum_of(&counts) * pixels),
+                1.25);
 }
 
 static void padding_is_at_most_a_quarter(void **state) {

@@ -39,6 +39,9 @@
  *   hbil_context_message() gives one sentence on the context's last failure.
  *   Arguments are checked before anything is enqueued.  The library never
  *   prints, exits or aborts.
+ *   A frame that fails half-way is none: the same one again, or another, has
+ *   the history that it would have had.  What was enqueued of it still runs; on
+ *   an out-of-order queue, wait for that first (clFinish).
  */
 #ifndef HBIL_HBIL_H
 #define HBIL_HBIL_H

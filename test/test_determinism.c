@@ -1,0 +1,157 @@
+/*
+ * The same frames give the same bits: on every run, with any number of threads,
+ * with work-groups of any size.
+ */
+#define _POSIX_C_SOURCE 200809L /* popen, setenv */
+#include "shim.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+/* Work-groups enough that two threads meet in every pass; two strips and a bit
+ * across. */
+#define WIDTH 141
+#define HEIGHT 67
+#define FRAMES 3
+
+/* Every pass, and all that is chosen by vector width: scatter has 64-bit
+ * atomics with vectors alone. */
+typedef struct kind {
+  const char *name;
+  hbil_reprojection reprojection;
+  cl_uint vector_width; /* 0: the device's own */
+} kind;
+
+static const kind kinds[] = {
+    {"scatter", HBIL_REPROJECTION_SCATTER, 0},
+    {"scatter, a pixel a work-item", HBIL_REPROJECTION_SCATTER, 1},
+    {"motion", HBIL_REPROJECTION_MOTION, 0},
+    {"motion, a pixel a work-item", HBIL_REPROJECTION_MOTION, 1},
+};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+static void start(setup *s, const kind *k) {
+  setup_every_pass(s, k->reprojection, k->vector_width, WIDTH, HEIGHT);
+  /* the filter takes longest to compile, and the others have it */
+  s->config.raw_interleave = k->reprojection == HBIL_REPROJECTION_MOTION;
+  setup_start(s);
+}
+
+/* FNV-1a of all bytes of all outputs. */
+static uint64_t add_outputs(setup *s, uint64_t hash) {
+  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id) {
+    size_t size;
+    unsigned char *bytes =
+        buffer_bytes(s, image_slot(&s->frame, id)->buffer, &size);
+    for (size_t i = 0; i < size; ++i)
+      hash = (hash ^ bytes[i]) * 0x100000001b3u;
+    free(bytes);
+  }
+  return hash;
+}
+
+/* Of a sequence from its first frame on, whose camera moves. */
+static uint64_t hash_of_sequence(setup *s) {
+  uint64_t hash = 0xcbf29ce484222325u;
+  hbil_plan_reset(s->plan);
+  for (uint32_t i = 0; i < FRAMES; ++i) {
+    setup_load_scene(s, SCENE_ROOM, 2 * i);
+    s->frame.index = i;
+    setup_upload(s);
+    setup_run(s, hbil_enqueue_frame);
+    hash = add_outputs(s, hash);
+  }
+  return hash;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Runs                                                                      */
+
+#define RUNS 8
+
+static void check_hash(uint64_t got, uint64_t want, const char *name,
+                       const char *how) {
+  if (got != want)
+    fail_msg("%s: other bits %s", name, how);
+}
+
+static void every_run_gives_the_same_bits(void **state) {
+  (void)state;
+  for (int k = 0; k < KINDS; ++k) {
+    setup s;
+    start(&s, &kinds[k]);
+    const uint64_t want = hash_of_sequence(&s);
+    for (int run = 1; run < RUNS; ++run)
+      check_hash(hash_of_sequence(&s), want, kinds[k].name, "on another run");
+    setup_free(&s);
+  }
+}
+
+/* ------------------------------------------------------------------------ */
+/* Threads: a process for each number, since PoCL asks but once              */
+
+static const char *program;
+
+/* What the other process does. */
+static int print_hashes(void) {
+  test_gpu = gpu_open();
+  for (int k = 0; k < KINDS; ++k) {
+    setup s;
+    start(&s, &kinds[k]);
+    printf("%" PRIx64 "\n", hash_of_sequence(&s));
+    setup_free(&s);
+  }
+  return gpu_finish(0);
+}
+
+static void hashes_with_threads(const char *threads, uint64_t hash[KINDS]) {
+  char command[512];
+  setenv("POCL_MAX_PTHREAD_COUNT", threads, 1);
+  snprintf(command, sizeof command, "'%s' hashes", program);
+  FILE *other = popen(command, "r");
+  assert_non_null(other);
+  for (int k = 0; k < KINDS; ++k)
+    assert_int_equal(fscanf(other, "%" SCNx64, &hash[k]), 1);
+  assert_int_equal(pclose(other), 0);
+}
+
+static void one_thread_and_two_give_the_same_bits(void **state) {
+  uint64_t one[KINDS], two[KINDS];
+  (void)state;
+  hashes_with_threads("1", one);
+  hashes_with_threads("2", two);
+  for (int k = 0; k < KINDS; ++k)
+    check_hash(two[k], one[k], kinds[k].name, "with two threads");
+}
+
+/* ------------------------------------------------------------------------ */
+/* Work-groups                                                               */
+
+/* The library's on a CPU is the first, on others the second; rows of groups
+ * from the last to the first, where the library's own come in order.  With
+ * kernels of single pixels, as others have them, too: they compile fastest,
+ * which PoCL does for each size anew. */
+static const size_t groups[][2] = {{16, 1}, {32, 4}, {7, 3}};
+
+static void every_work_group_gives_the_same_bits(void **state) {
+  const kind *k = &kinds[1];
+  setup s;
+  (void)state;
+  start(&s, k);
+  const uint64_t want = hash_of_sequence(&s);
+  for (size_t g = 0; g < sizeof groups / sizeof *groups; ++g) {
+    shim_use_groups(groups[g]);
+    check_hash(hash_of_sequence(&s), want, k->name, "with other work-groups");
+    shim_use_groups(NULL);
+  }
+  setup_free(&s);
+}
+
+int main(int argc, char **argv) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_run_gives_the_same_bits),
+      cmocka_unit_test(one_thread_and_two_give_the_same_bits),
+      cmocka_unit_test(every_work_group_gives_the_same_bits)};
+  program = argv[0];
+  return argc > 1 ? print_hashes() : RUN_WITH_GPU(tests);
+}

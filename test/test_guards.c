@@ -1,0 +1,68 @@
+/*
+ * Kernels write nothing beyond their buffers, of the plan and of the caller,
+ * and what a buffer happens to hold at first is of no consequence.
+ */
+#include "shim.h"
+
+#define FRAMES 3
+
+static const int sizes[][2] = {{1, 1}, {3, 5}, {67, 35}};
+#define SIZES (sizeof sizes / sizeof *sizes)
+
+/* The room, another view of it, and that once more as a still frame. */
+static void run_frame(setup *s, int i) {
+  s->frame.still = i == FRAMES - 1;
+  if (!s->frame.still) {
+    setup_load_scene(s, SCENE_ROOM, 3 * (uint32_t)i);
+    setup_upload(s);
+  }
+  setup_run(s, hbil_enqueue_frame);
+}
+
+static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
+                       int width, int height) {
+  setup plain, guarded;
+  setup_every_pass(&plain, reprojection, vector_width, width, height);
+  setup_every_pass(&guarded, reprojection, vector_width, width, height);
+  setup_start(&plain);
+  shim_guard_buffers(true);
+  setup_start(&guarded);
+  shim_guard_buffers(false);
+  for (int i = 0; i < FRAMES; ++i) {
+    run_frame(&plain, i);
+    run_frame(&guarded, i);
+    ref_planes want = outputs_read(&plain), got = outputs_read(&guarded);
+    assert_int_equal(count_different(&got, &want), 0);
+    assert_int_equal(shim_trespasses(guarded.gpu->queue), 0);
+    ref_planes_free(&want);
+    ref_planes_free(&got);
+  }
+  setup_free(&plain);
+  setup_free(&guarded);
+}
+
+static void vectors_stay_inside(void **state) {
+  (void)state;
+  for (size_t i = 0; i < SIZES; ++i)
+    check_size(HBIL_REPROJECTION_SCATTER, 0, sizes[i][0], sizes[i][1]);
+}
+
+static void single_pixels_stay_inside(void **state) {
+  (void)state;
+  for (size_t i = 0; i < SIZES; ++i)
+    check_size(HBIL_REPROJECTION_SCATTER, 1, sizes[i][0], sizes[i][1]);
+}
+
+static void motion_stays_inside(void **state) {
+  (void)state;
+  for (size_t i = 0; i < SIZES; ++i)
+    check_size(HBIL_REPROJECTION_MOTION, 0, sizes[i][0], sizes[i][1]);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(vectors_stay_inside),
+      cmocka_unit_test(single_pixels_stay_inside),
+      cmocka_unit_test(motion_stays_inside)};
+  return RUN_WITH_GPU(tests);
+}
