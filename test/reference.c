@@ -1306,8 +1306,9 @@ static void normalize_bent(ref_planes *resolved, int x, int y) {
     p[i] = ref_at(resolved, HBIL_LIGHT_BENT + i, x, y);
     size += *p[i] * *p[i];
   }
+  /* a length of 1e-12 is what roundings leave of a closed point's */
   for (int i = 0; i < 3; ++i)
-    *p[i] = size > 0.0 ? *p[i] / sqrt(size) : 0.0;
+    *p[i] = size > 1e-24 ? *p[i] / sqrt(size) : 0.0;
 }
 
 /* Light of the filtered pixel's refused share. */

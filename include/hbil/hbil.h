@@ -311,7 +311,8 @@ typedef struct hbil_config {
   hbil_format near_light; /* 3: E_near, irradiance */
   hbil_format far_light;  /* 3: E_far, irradiance */
   hbil_format ao;         /* 1: ambient visibility, 1 open .. 0 closed */
-  hbil_format bent;       /* 3: unit bent normal (see bent_space), 0 for sky */
+  hbil_format bent;       /* 3: unit bent normal (see bent_space), 0 for sky
+                              and where nothing at all is open */
   hbil_format cone;       /* 1: cosine of the bent cone's half-angle */
   hbil_format indirect;   /* 3: (1-F0) (E_near + E_far) / pi */
   hbil_format radiance;   /* 3: albedo ((1-F0) E_direct/pi + indirect)
