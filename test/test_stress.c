@@ -53,7 +53,9 @@ typedef enum plan_kind {
   FILLED,
   PACKED_PAPER,
   PACKED_FILLED,
-  PLANS
+  PLANS,
+  ONE_SAMPLE = PLANS, /* not among those that everything is tried with */
+  ALL_PLANS
 } plan_kind;
 
 static const char *const plan_names[PLANS] = {
@@ -61,16 +63,31 @@ static const char *const plan_names[PLANS] = {
     "the paper's model, packed", "light from the frame, packed"};
 
 static bool is_packed(plan_kind kind) {
-  return kind >= PACKED_PAPER;
+  return kind == PACKED_PAPER || kind == PACKED_FILLED;
+}
+
+/* AO of one sample a side, and a picture whose inputs composite alone reads. */
+static void configure_one_sample(setup *s) {
+  s->config.mode = HBIL_MODE_GTAO;
+  s->config.slices = s->config.samples = 1;
+  s->config.near_light.component = s->config.bent.component = HBIL_NONE;
+  s->config.radiance = s->config.f0 = triple;
+  s->config.skip = 0;
+  s->config.vector_width = 1;
 }
 
 static void configure(setup *s, plan_kind kind) {
+  if (kind == ONE_SAMPLE) {
+    configure_one_sample(s);
+    return;
+  }
   setup_all_outputs(s);
   s->config.f0 = triple;
   if (is_packed(kind))
     s->config.storage = HBIL_STORAGE_PACKED;
   if (kind == PAPER || kind == PACKED_PAPER) {
     s->config.far_field = HBIL_FAR_SH;
+    s->config.vector_width = 1; /* as on GPUs */
     return;
   }
   s->config.refused = HBIL_REFUSED_FRAME;
@@ -78,7 +95,7 @@ static void configure(setup *s, plan_kind kind) {
   s->config.reprojection = HBIL_REPROJECTION_MOTION;
 }
 
-static setup plans[PLANS];
+static setup plans[ALL_PLANS];
 
 /* The short form has one of each in all. */
 static bool is_tried(plan_kind kind) {
@@ -175,11 +192,26 @@ static double slack(const setup *s) {
              : 1e-5;
 }
 
+/* Whether the plan gathers light: planes of E_near mean nothing where not. */
+static bool gathers_light(setup *s) {
+  ref_planes split = stage_read(s, HBIL_STAGE_SPLIT);
+  const bool light = split.count > HBIL_SPLIT_RED;
+  ref_planes_free(&split);
+  return light;
+}
+
 static void check_stage(setup *s, hbil_stage stage, const char *name) {
+  const bool dark =
+      (stage == HBIL_STAGE_GATHERED || stage == HBIL_STAGE_RESOLVED) &&
+      !gathers_light(s);
   hbil_buffer b;
   if (hbil_plan_buffer(s->plan, stage, &b) != HBIL_SUCCESS)
     return;
   ref_planes planes = stage_read(s, stage);
+  const size_t plane = (size_t)planes.width * (size_t)planes.height;
+  for (int p = HBIL_LIGHT_RED; dark && p < planes.count; ++p)
+    if (p < HBIL_LIGHT_BENT)
+      memset(planes.values + plane * (size_t)p, 0, plane * sizeof(double));
   check_finite(name, &planes);
   ref_planes_free(&planes);
 }
@@ -457,6 +489,62 @@ static void what_is_repaired_is_counted_and_never_spread(void **state) {
       ref_planes_free(&want[i]);
     }
   }
+}
+
+/* Of a still frame, whose inputs are those of the frame before, so are the
+ * numbers; but nothing moves, and motion is not looked at. */
+static void still_frames_count_what_the_frame_before_did(void **state) {
+  random_state r = {effort.seed};
+  setup *s = begin(PACKED_FILLED);
+  (void)state;
+  TRY("still frames");
+  spoil(s, &r, 0.1);
+  for (int c = 0; c < 2; ++c)
+    setup_fill(s, REF_MOTION + c, 0.0f);
+  run(s);
+  const hbil_repaired first = counted(s);
+  assert_true(first.depth > 0 && first.emission > 0);
+  s->frame.still = CL_TRUE;
+  for (int i = 0; i < 2; ++i) {
+    run(s);
+    const hbil_repaired again = counted(s);
+    check_counts(&again, &first);
+  }
+  s->frame.still = CL_FALSE;
+}
+
+/* Without near light split reads depth and normals alone. */
+static void who_reads_first_counts(void **state) {
+  random_state r = {effort.seed};
+  setup *s = begin(ONE_SAMPLE);
+  (void)state;
+  TRY("inputs that composite alone reads");
+  for (int i = 0; i < 2; ++i) { /* each frame anew */
+    spoil(s, &r, 0.1);
+    run(s);
+    const hbil_repaired found = counted(s);
+    hbil_repaired made = repair(s);
+    made.motion = 0;
+    assert_true(made.albedo > 0 && made.f0 > 0);
+    assert_true(made.direct > 0 && made.emission > 0);
+    check_counts(&found, &made);
+    check_sane(s);
+  }
+}
+
+static void counts_need_a_frame(void **state) {
+  setup *s = begin(ONE_SAMPLE);
+  hbil_repaired out;
+  (void)state;
+  const cl_command_queue queue = s->gpu->queue;
+  assert_int_equal(hbil_plan_repaired(NULL, queue, &out),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_repaired(s->plan, NULL, &out),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_repaired(s->plan, queue, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_repaired(s->plan, queue, &out),
+                   HBIL_INVALID_ARGUMENT);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -849,10 +937,11 @@ static void half_float_depth_makes_no_acne(void **state) {
   setup s;
   (void)state;
   setup_init(&s, WIDTH, HEIGHT);
+  configure_one_sample(&s);
+  s.config.slices = 2;
+  s.config.samples = 8;
   s.config.storage = HBIL_STORAGE_PACKED;
   s.config.depth.component = HBIL_FLOAT16;
-  s.config.bent.component = HBIL_NONE;
-  s.config.reprojection = HBIL_REPROJECTION_NONE;
   setup_start(&s);
   for (size_t i = 0; i < VIEWS * TILTS; ++i) {
     const camera_view *v = &views[i / TILTS];
@@ -1028,32 +1117,29 @@ static const double nearer[] = {0x1p-24,  0x1p-22,  1e-6,     1e-5, 1e-4, 1e-3,
 #define NEARER (sizeof nearer / sizeof *nearer)
 
 static void horizons_from_the_tangent_plane_to_the_zenith(void **state) {
-  setup s;
+  setup *s = begin(ONE_SAMPLE);
   random_state r = {effort.seed};
   double worst = 0.0, mean = 0.0, count = 0.0;
   (void)state;
-  setup_init(&s, WIDTH, HEIGHT);
-  s.config.near_light.component = HBIL_NONE;
-  s.config.slices = s.config.samples = 1;
-  setup_start(&s);
+  setup_camera(s, 60.0);
   for (size_t i = 0; i < NEARER * 3; ++i) {
     const double tilt = 40.0 * (double)(i / NEARER);
     TRY("one sample nearer by %g on a wall tilted by %g degrees",
         nearer[i % NEARER], tilt);
-    load_plane(&s, tilt, 0.7);
+    load_plane(s, tilt, 0.7);
     for (int p = 0; p < PIXELS; ++p)
       if (random_unit(&r) < 0.25)
-        s.input[REF_DEPTH][p] =
-            (float)(s.input[REF_DEPTH][p] * (1.0 - nearer[i % NEARER]));
-    run(&s);
-    ref_planes split = stage_read(&s, HBIL_STAGE_SPLIT);
-    ref_planes got = stage_read(&s, HBIL_STAGE_GATHERED);
+        s->input[REF_DEPTH][p] =
+            (float)(s->input[REF_DEPTH][p] * (1.0 - nearer[i % NEARER]));
+    run(s);
+    ref_planes split = stage_read(s, HBIL_STAGE_SPLIT);
+    ref_planes got = stage_read(s, HBIL_STAGE_GATHERED);
     for (int y = 0; y < HEIGHT; ++y)
       for (int x = 0; x < WIDTH; ++x) {
         if (!(*ref_at(&split, HBIL_SPLIT_W, x, y) > 0.0))
           continue;
         const double off = fabs(*ref_at(&got, HBIL_LIGHT_AO, x, y) -
-                                one_sample_ao(&s, &split, x, y));
+                                one_sample_ao(s, &split, x, y));
         worst = fmax(worst, isfinite(off) ? off : INFINITY);
         mean += off;
         count += 1.0;
@@ -1067,7 +1153,6 @@ static void horizons_from_the_tangent_plane_to_the_zenith(void **state) {
   if (getenv("HBIL_TEST_VERBOSE"))
     print_message("horizons | gather: AO | %.3g | %.3g\n", worst * 0x1p24,
                   mean / count * 0x1p24);
-  setup_free(&s);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -1231,6 +1316,9 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_unit_of_length_does_not_matter),
       cmocka_unit_test(what_is_repaired_is_counted_and_never_spread),
+      cmocka_unit_test(still_frames_count_what_the_frame_before_did),
+      cmocka_unit_test(who_reads_first_counts),
+      cmocka_unit_test(counts_need_a_frame),
       cmocka_unit_test(kernels_are_near_double),
       cmocka_unit_test(cameras_of_all_kinds_are_near_double),
       cmocka_unit_test(planes_are_bare_at_any_tilt),
