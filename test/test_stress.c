@@ -928,8 +928,9 @@ static void planes_are_bare_at_any_tilt(void **state) {
       run(s);
       check_sane(s);
       const openness found = openness_of(s);
-      check_below("1 - AO", found.closed, 1e-3);
-      check_below("E_near", found.light, 1e-3);
+      /* as in test_plane.c; measured: 3.6e-7, 0 */
+      check_below("1 - AO", found.closed, 1e-5);
+      check_below("E_near", found.light, 1e-5);
     }
 }
 
