@@ -988,13 +988,13 @@ static evenness evenness_of(setup *s) {
 /* A furnace without loss: albedo 1, light 1 in all directions, once.  What the
  * screen doesn't show has the frame's mean, so nothing can come in or go.
  * Packed light is off by a step of its 8 bits, 2^-7, here and there, and in the
- * mean by less; fp32 by two hundred times some roundings. */
+ * mean by less; fp32 by two hundred roundings or so (measured: 2.9e-6). */
 static void light_neither_grows_nor_fades(void **state) {
   (void)state;
   for (plan_kind kind = 0; kind < PLANS; ++kind) {
     if ((kind != FILLED && kind != PACKED_FILLED) || !is_tried(kind))
       continue;
-    const double step = is_packed(kind) ? 0x1p-7 : 2e-4;
+    const double step = is_packed(kind) ? 0x1p-7 : 2e-5;
     setup *s = begin(kind);
     evenness early = {0};
     TRY("200 frames of albedo 1, %s", plan_names[kind]);
