@@ -185,11 +185,10 @@ static double brightest(setup *s) {
 
 /* Half outputs and the 10 bits of packed E_near: half a step of the largest
  * value, 2^-10; otherwise sums of some hundred roundings. */
-static double slack(const setup *s) {
-  return s->config.storage == HBIL_STORAGE_PACKED ||
-                 s->config.near_light.component == HBIL_FLOAT16
-             ? 0x1p-9
-             : 1e-5;
+static double most_light(setup *s, image_id id, double radiance) {
+  const bool coarse = s->config.storage == HBIL_STORAGE_PACKED ||
+                      image_format(&s->config, id)->component == HBIL_FLOAT16;
+  return PI * radiance * (1.0 + (coarse ? 0x1p-9 : 1e-5));
 }
 
 /* Whether the plan gathers light: planes of E_near mean nothing where not. */
@@ -235,12 +234,14 @@ static bool asks_for(setup *s, image_id id) {
 /* All that can be said of any frame at all. */
 static void check_sane(setup *s) {
   const bool sh = s->config.far_field == HBIL_FAR_SH;
-  const double light = brightest(s) * PI * (1.0 + slack(s));
+  const double radiance = brightest(s);
   ref_planes out = outputs_read(s);
   check_finite("outputs", &out);
   check_range("ao", &out, REF_AO, 1, 0.0, 1.0);
-  check_range("near_light", &out, REF_NEAR, 3, 0.0, light);
-  check_range("far_light", &out, REF_FAR, 3, 0.0, sh ? INFINITY : light);
+  check_range("near_light", &out, REF_NEAR, 3, 0.0,
+              most_light(s, IMAGE_NEAR, radiance));
+  check_range("far_light", &out, REF_FAR, 3, 0.0,
+              sh ? INFINITY : most_light(s, IMAGE_FAR, radiance));
   check_range("cone", &out, REF_CONE, 1, 0.0, 1.0);
   check_range("indirect", &out, REF_INDIRECT, 3, 0.0, INFINITY);
   check_range("radiance", &out, REF_RADIANCE, 3, 0.0, INFINITY);
