@@ -12,6 +12,9 @@
  * with Y1 = (y, z, x), Y2 = (xy, yz, 3z^2-1, zx, x^2-y^2).
  * Fresnel: the diffuse part of the light is (1 - F0) of it (paper 2.3.3).
  *
+ * Counts what it could not use as it was (hbil_plan_repaired()), of the inputs
+ * that split had no use for.
+ *
  * Builds: FAR (0 none, 1 constant, 2 SH, 3 the frame's own estimate), inputs'
  * and outputs' formats, HAS_*, OUT_*, BENT_IS_WORLD, FEEDBACK_RADIANCE,
  * GATHER_EMISSION, GATHER_RADIANCE, GATHER_BENT, HISTORY. Launch: x = vectors
@@ -88,11 +91,14 @@ static inline realv unlit_share(const hbil_environment_args e, realv ao,
                                 int count) {
   realv lit = 0.0f;
 #if HAS_DIRECT
+  intv sound = TRUE_LANES;
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     if (e.sh[0][c] > 0.0f)
-      lit = max(lit, INV_PI * direct_scale / e.sh[0][c] *
-                         repaired(load_direct(buffer, image, x, y, c, count)));
+      lit = max(lit, INV_PI / e.sh[0][c] *
+                         sound_light(direct_scale * load_direct(buffer, image,
+                                                                x, y, c, count),
+                                     &sound));
 #endif
   const realv dark = max(1.0f - lit / max(ao, (realv)1e-6f), (realv)0.0f);
   return ao * dark * dark;
@@ -105,25 +111,48 @@ static inline realv unlit_share(const hbil_environment_args e, realv ao,
 #define SH_RADIANCE_1 0.477464829f /* 3 / (2 pi) */
 #define SH_RADIANCE_2 1.273239545f /* 4 / pi */
 
-kernel void
-composite(const hbil_view_args view, const hbil_transform_args world,
-          global const float *resolved, global const float *estimate,
-          global float *history, const hbil_plane_args planes,
-          const hbil_environment_args environment, const float background,
-          const float direct_scale, global const void *depth_buffer,
-          const hbil_image_args depth_image, global const void *albedo_buffer,
-          const hbil_image_args albedo_image, global const void *f0_buffer,
-          const hbil_image_args f0_image, global const void *direct_buffer,
-          const hbil_image_args direct_image,
-          global const void *emission_buffer,
-          const hbil_image_args emission_image, global void *near_buffer,
-          const hbil_image_args near_image, global void *far_buffer,
-          const hbil_image_args far_image, global void *ao_buffer,
-          const hbil_image_args ao_image, global void *bent_buffer,
-          const hbil_image_args bent_image, global void *cone_buffer,
-          const hbil_image_args cone_image, global void *indirect_buffer,
-          const hbil_image_args indirect_image, global void *radiance_buffer,
-          const hbil_image_args radiance_image) {
+/* Which inputs are shown, but have not been read by split. */
+#define COUNT_SURFACE (!GATHER_RADIANCE && OUT_RADIANCE)
+#define COUNT_F0 (!GATHER_RADIANCE && (OUT_RADIANCE || OUT_INDIRECT))
+#define COUNT_EMISSION (!(GATHER_RADIANCE && GATHER_EMISSION) && OUT_RADIANCE)
+
+/* sound: of each input, by pixel. */
+static inline void count_repaired(const intv *sound, intv solid,
+                                  volatile global uint *repaired) {
+#if COUNT_SURFACE
+  add_repaired(repaired + HBIL_SURFACE_ALBEDO,
+               count_lanes(solid & !sound[HBIL_SURFACE_ALBEDO]));
+  add_repaired(repaired + HBIL_SURFACE_DIRECT,
+               count_lanes(solid & !sound[HBIL_SURFACE_DIRECT]));
+#endif
+#if COUNT_F0
+  add_repaired(repaired + HBIL_SURFACE_F0,
+               count_lanes(solid & !sound[HBIL_SURFACE_F0]));
+#endif
+#if COUNT_EMISSION
+  add_repaired(repaired + HBIL_SURFACE_EMISSION,
+               count_lanes(!sound[HBIL_SURFACE_EMISSION]));
+#endif
+}
+
+kernel void composite(
+    const hbil_view_args view, const hbil_transform_args world,
+    global const float *resolved, global const float *estimate,
+    global float *history, const hbil_plane_args planes,
+    const hbil_environment_args environment, const float background,
+    const float direct_scale, global const void *depth_buffer,
+    const hbil_image_args depth_image, global const void *albedo_buffer,
+    const hbil_image_args albedo_image, global const void *f0_buffer,
+    const hbil_image_args f0_image, global const void *direct_buffer,
+    const hbil_image_args direct_image, global const void *emission_buffer,
+    const hbil_image_args emission_image, global void *near_buffer,
+    const hbil_image_args near_image, global void *far_buffer,
+    const hbil_image_args far_image, global void *ao_buffer,
+    const hbil_image_args ao_image, global void *bent_buffer,
+    const hbil_image_args bent_image, global void *cone_buffer,
+    const hbil_image_args cone_image, global void *indirect_buffer,
+    const hbil_image_args indirect_image, global void *radiance_buffer,
+    const hbil_image_args radiance_image, volatile global uint *repaired) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= view.width || y >= view.height)
     return;
@@ -181,11 +210,15 @@ composite(const hbil_view_args view, const hbil_transform_args world,
   const realv unlit = unlit_share(environment, ao, direct_scale, direct_buffer,
                                   direct_image, x, y, count);
 #endif
+  intv sound[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
+                                     TRUE_LANES};
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     realv near_light = 0.0f, far_light = 0.0f, behind = 0.0f;
 #if GATHER_RADIANCE
-    near_light = LOADV(resolved + (HBIL_LIGHT_RED + c) * planes.plane);
+    /* a sum of differences of angles may round to just below it */
+    near_light = max(LOADV(resolved + (HBIL_LIGHT_RED + c) * planes.plane),
+                     (realv)0.0f);
 #endif
 #if FAR == 1
     behind = environment.sh[0][c];
@@ -202,21 +235,22 @@ composite(const hbil_view_args view, const hbil_transform_args world,
     realv emitted = 0.0f;
 #if HAS_ALBEDO
     reflectance =
-        min(repaired(load_albedo(albedo_buffer, albedo_image, x, y, c, count)),
-            1.0f);
+        sound_share(load_albedo(albedo_buffer, albedo_image, x, y, c, count),
+                    sound + HBIL_SURFACE_ALBEDO);
 #endif
 #if HAS_F0
-    diffuse -=
-        min(repaired(load_f0(f0_buffer, f0_image, x, y, c, count)), 1.0f);
+    diffuse -= sound_share(load_f0(f0_buffer, f0_image, x, y, c, count),
+                           sound + HBIL_SURFACE_F0);
 #endif
 #if HAS_DIRECT
-    irradiance =
-        direct_scale *
-        repaired(load_direct(direct_buffer, direct_image, x, y, c, count));
+    irradiance = sound_light(
+        direct_scale * load_direct(direct_buffer, direct_image, x, y, c, count),
+        sound + HBIL_SURFACE_DIRECT);
 #endif
 #if HAS_EMISSION
-    emitted = repaired(
-        load_emission(emission_buffer, emission_image, x, y, c, count));
+    emitted = sound_light(
+        load_emission(emission_buffer, emission_image, x, y, c, count),
+        sound + HBIL_SURFACE_EMISSION);
     behind = emitted;
 #endif
     const realv light = near_light + far_light;
@@ -247,4 +281,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
            history + (HBIL_HISTORY_RED + c) * planes.plane + pixel);
 #endif
   }
+#if COUNT_SURFACE || COUNT_F0 || COUNT_EMISSION
+  count_repaired(sound, solid, repaired + HBIL_REPAIRED_LATE);
+#endif
 }

@@ -51,6 +51,16 @@ typedef cl_float hbil_float;
  * scale of the scene, and far enough from FLT_MAX to take part in sums. */
 #define HBIL_NOTHING (-1e30f)
 
+/* Depths nearer than this are no surface, nor those as far as that: the quotient
+ * of any two, times the longest ray and over the slope of a pixel, is a float
+ * still. */
+#define HBIL_NEAREST_DEPTH 1e-15f
+#define HBIL_FARTHEST_DEPTH 1e15f
+
+/* Light of an input that is brighter counts as none, like light that is
+ * infinite: sums over a hemisphere, and over a picture's roots, are floats. */
+#define HBIL_BRIGHTEST 1e30f
+
 /* Normals that look away from the eye are bent back until their cosine with the
  * view direction is this: small enough to leave 89.99 degree planes alone,
  * large enough that the fp32 rounding of a normal (6e-8) is below 1e-3 of it,
@@ -182,6 +192,25 @@ enum {
   HBIL_FLAG_HOLES = 0,   /* there is a hole to fill (push_pull.cl) */
   HBIL_FLAG_CHANGED = 1, /* a still frame's light is not the one before */
   HBIL_FLAGS = 2
+};
+
+/* Words of the plan's counts: pixels of a frame whose input could not be used as
+ * it was (hbil_plan_repaired()).  The first is written by reproject; then come
+ * those of split; then those of what split has no use for, by composite. */
+enum {
+  HBIL_REPAIRED_MOTION = 0,
+  HBIL_REPAIRED_DEPTH = 1,
+  HBIL_REPAIRED_NORMAL = 2,
+  HBIL_REPAIRED_SURFACE = 3, /* HBIL_SURFACE_ on */
+  HBIL_REPAIRED_LATE = 7,    /* the same */
+  HBIL_REPAIRED_WORDS = 11
+};
+enum {
+  HBIL_SURFACE_ALBEDO = 0,
+  HBIL_SURFACE_F0 = 1,
+  HBIL_SURFACE_DIRECT = 2,
+  HBIL_SURFACE_EMISSION = 3,
+  HBIL_SURFACE_INPUTS = 4
 };
 
 /* A cell is 64x64 pixels: so many of a layer.  The load that bound_rows makes

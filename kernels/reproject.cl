@@ -316,13 +316,15 @@ static inline realv blend(realv tap[4][HBIL_HISTORY_PLANES],
 }
 
 /* motion: from this view to the last frame's. */
-kernel void follow_motion(
-    const hbil_view_args view, const hbil_transform_args motion,
-    global const float *history, global float *carried,
-    const hbil_plane_args planes, global const void *depth_buffer,
-    const hbil_image_args depth_image, global const void *motion_buffer,
-    const hbil_image_args motion_image, const float scale_x,
-    const float scale_y, const float background, const float disocclusion) {
+kernel void
+follow_motion(const hbil_view_args view, const hbil_transform_args motion,
+              global const float *history, global float *carried,
+              const hbil_plane_args planes, global const void *depth_buffer,
+              const hbil_image_args depth_image,
+              global const void *motion_buffer,
+              const hbil_image_args motion_image, const float scale_x,
+              const float scale_y, const float background,
+              const float disocclusion, volatile global uint *repaired) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= view.width || y >= view.height)
     return;
@@ -337,6 +339,11 @@ kernel void follow_motion(
       load_motion(motion_buffer, motion_image, x, y, 0, count) * scale_x;
   const realv my =
       load_motion(motion_buffer, motion_image, x, y, 1, count) * scale_y;
+  /* motion that is no number leads nowhere, like one out of the picture */
+  const intv wanting =
+      (z > 0.0f) & !((fabs(mx) < INFINITY) & (fabs(my) < INFINITY));
+  if (ANY(wanting))
+    add_repaired(repaired + HBIL_REPAIRED_MOTION, count_lanes(wanting));
   const realv u = (TO_REALV(x + EACH_LANE) + 0.5f) + mx - 0.5f;
   const realv v = ((float)y + 0.5f) + my - 0.5f;
   const intv inside = (z > 0.0f) & (depth > 0.0f) & (u > -1.0f) &

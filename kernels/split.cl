@@ -5,18 +5,51 @@
  * Builds: the inputs' formats, HAS_*, NORMAL_IS_WORLD, FEEDBACK_RADIANCE,
  * GATHER_RADIANCE (0: no radiance planes are written), GATHER_EMISSION,
  * SKIP_UNUSED (notes, a word for each work-item, where light has a use).
+ * Counts what it could not use as it was (hbil_plan_repaired()).
  * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows.
  */
 
 #define INV_PI 0.318309886f
 
-/* Unit normal in view space that faces the eye by at least HBIL_MIN_COSINE;
- * (rx, ry, 1) is the ray, a normal that cannot be used becomes -ray. */
-static inline void facing_normal(realv n[3], realv rx, float ry) {
+/* The input's normal in view space. */
+static inline void view_normal(const hbil_transform_args to_view,
+                               global const void *buffer,
+                               const hbil_image_args image, int x, int y,
+                               int count, realv n[3]) {
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    n[c] = load_normal(buffer, image, x, y, c, count);
+#if NORMAL_IS_WORLD
+  realv v[3];
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    v[c] = fma(
+        (realv)to_view.m[4 * c], n[0],
+        fma((realv)to_view.m[4 * c + 1], n[1], to_view.m[4 * c + 2] * n[2]));
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    n[c] = v[c];
+#endif
+}
+
+/* Whether a normal has a direction, by the square of its length. */
+static inline intv sound_normal(realv length2) {
+  return (length2 >= 1e-20f) & (length2 < INFINITY);
+}
+
+static inline realv squared_length(const realv n[3]) {
+  return fma(n[0], n[0], fma(n[1], n[1], n[2] * n[2]));
+}
+
+/* Makes it a unit normal that faces the eye by at least HBIL_MIN_COSINE;
+ * (rx, ry, 1) is the ray, a normal that cannot be used becomes -ray and is
+ * taken from `sound`. */
+static inline void facing_normal(realv n[3], realv rx, float ry, intv *sound) {
   const realv inv_r = 1.0f / sqrt(fma(rx, rx, (realv)fma(ry, ry, 1.0f)));
   const realv wo[3] = {-rx * inv_r, -ry * inv_r, -inv_r};
-  const realv length2 = fma(n[0], n[0], fma(n[1], n[1], n[2] * n[2]));
-  const intv usable = (length2 >= 1e-20f) & (length2 < INFINITY);
+  const realv length2 = squared_length(n);
+  const intv usable = sound_normal(length2);
+  *sound &= usable;
   const realv inv_length = 1.0f / sqrt(length2);
 #pragma unroll
   for (int c = 0; c < 3; ++c)
@@ -78,17 +111,18 @@ typedef struct sources {
   uint plane;
 } sources;
 
-/* Diffuse reflectance of channel c. */
+/* Diffuse reflectance of channel c.  sound: of each input. */
 static inline realv reflectance_of(const sources *s, int c, int x, int y,
-                                   int count) {
+                                   int count, intv *sound) {
   realv reflectance = INV_PI;
 #if HAS_ALBEDO
-  reflectance *= min(
-      repaired(load_albedo(s->albedo, s->albedo_image, x, y, c, count)), 1.0f);
+  reflectance *=
+      sound_share(load_albedo(s->albedo, s->albedo_image, x, y, c, count),
+                  sound + HBIL_SURFACE_ALBEDO);
 #endif
 #if HAS_F0
-  reflectance *=
-      1.0f - min(repaired(load_f0(s->f0, s->f0_image, x, y, c, count)), 1.0f);
+  reflectance *= 1.0f - sound_share(load_f0(s->f0, s->f0_image, x, y, c, count),
+                                    sound + HBIL_SURFACE_F0);
 #endif
   return reflectance;
 }
@@ -97,19 +131,21 @@ static inline realv reflectance_of(const sources *s, int c, int x, int y,
 /* Radiance that pixels from (x, y) on send; `at`: their place in the planes.
  * Anything where there is no surface. */
 static inline void radiance_of(const sources *s, int x, int y, int count,
-                               uint at, realv light[3]) {
+                               uint at, realv light[3], intv *sound) {
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     realv irradiance = 0.0f, emitted = 0.0f;
-    const realv reflectance = reflectance_of(s, c, x, y, count);
+    const realv reflectance = reflectance_of(s, c, x, y, count, sound);
 #if HAS_DIRECT
     irradiance =
-        s->direct_scale *
-        repaired(load_direct(s->direct, s->direct_image, x, y, c, count));
+        sound_light(s->direct_scale *
+                        load_direct(s->direct, s->direct_image, x, y, c, count),
+                    sound + HBIL_SURFACE_DIRECT);
 #endif
 #if HAS_EMISSION && GATHER_EMISSION
-    emitted =
-        repaired(load_emission(s->emission, s->emission_image, x, y, c, count));
+    emitted = sound_light(
+        load_emission(s->emission, s->emission_image, x, y, c, count),
+        sound + HBIL_SURFACE_EMISSION);
 #endif
 #if FEEDBACK_RADIANCE
     light[c] = fma(reflectance, irradiance, emitted);
@@ -134,6 +170,44 @@ static inline realv radiance_word(const realv light[3], int part, int y) {
 #endif
 #endif
 
+/* What is there to be counted of inputs that were found wanting, in the
+ * work-item's 4 HBIL_WIDTH pixels: read once more, since it is hardly ever. */
+static inline void
+count_repaired(const hbil_view_args view, const hbil_transform_args to_view,
+               const sources *from, global const void *depth_buffer,
+               const hbil_image_args depth_image,
+               global const void *normal_buffer,
+               const hbil_image_args normal_image, float background, int x0,
+               int y, volatile global uint *repaired) {
+  uint depths = 0u, normals = 0u, inputs[HBIL_SURFACE_INPUTS] = {0u};
+  for (int x = x0; x < min(x0 + 4 * HBIL_WIDTH, view.width); x += HBIL_WIDTH) {
+    const int count = view.width - x;
+    const realv depth = load_depth(depth_buffer, depth_image, x, y, 0, count);
+    const intv solid = planar_depth(depth, ray_x(view, x, 1), ray_y(view, y),
+                                    background) > 0.0f;
+    realv n[3];
+    view_normal(to_view, normal_buffer, normal_image, x, y, count, n);
+    depths += count_lanes(!sound_depth(depth));
+    normals += count_lanes(solid & !sound_normal(squared_length(n)));
+#if GATHER_RADIANCE
+    realv light[3];
+    intv sound[HBIL_SURFACE_INPUTS];
+    for (int i = 0; i < HBIL_SURFACE_INPUTS; ++i)
+      sound[i] = TRUE_LANES;
+    sources anew = *from;
+    anew.light = 0;
+    radiance_of(&anew, x, y, count, 0u, light, sound);
+    for (int i = 0; i < HBIL_SURFACE_INPUTS; ++i)
+      inputs[i] += count_lanes(
+          (i == HBIL_SURFACE_EMISSION ? TRUE_LANES : solid) & !sound[i]);
+#endif
+  }
+  add_repaired(repaired + HBIL_REPAIRED_DEPTH, depths);
+  add_repaired(repaired + HBIL_REPAIRED_NORMAL, normals);
+  for (int i = 0; i < HBIL_SURFACE_INPUTS; ++i)
+    add_repaired(repaired + HBIL_REPAIRED_SURFACE + i, inputs[i]);
+}
+
 /* Where row y's layers have pixel x0 and those to its right. */
 static inline uint place(const hbil_layer_args layout, int x0, int y) {
   return layout.origin + (uint)(y & 3) * 4u * layout.layer +
@@ -151,7 +225,7 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
       global const void *f0_buffer, const hbil_image_args f0_image,
       global const void *direct_buffer, const hbil_image_args direct_image,
       global const void *emission_buffer, const hbil_image_args emission_image,
-      global uint *uses) {
+      global uint *uses, volatile global uint *repaired) {
   const int x0 = (int)get_global_id(0) * (4 * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
@@ -171,40 +245,31 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
 #if SKIP_UNUSED
   intv used = 0;
 #endif
+  intv wanting = 0;
   realv value[HBIL_SPLIT_PLANES][4];
   const float ry = ray_y(view, y);
 #pragma unroll
   for (int part = 0; part < 4; ++part) {
     const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
     const realv rx = ray_x(view, x, 1);
-    const realv z =
-        planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count), rx,
-                     ry, background);
+    const realv depth = load_depth(depth_buffer, depth_image, x, y, 0, count);
+    const realv z = planar_depth(depth, rx, ry, background);
     const intv solid = z > 0.0f;
     const realv w = 1.0f / z;
+    /* normals share the first; only emission counts in the sky, too */
+    intv sound[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
+                                       TRUE_LANES};
     realv n[3];
-#pragma unroll
-    for (int c = 0; c < 3; ++c)
-      n[c] = load_normal(normal_buffer, normal_image, x, y, c, count);
-#if NORMAL_IS_WORLD
-    realv v[3];
-#pragma unroll
-    for (int c = 0; c < 3; ++c)
-      v[c] = fma(
-          (realv)to_view.m[4 * c], n[0],
-          fma((realv)to_view.m[4 * c + 1], n[1], to_view.m[4 * c + 2] * n[2]));
-#pragma unroll
-    for (int c = 0; c < 3; ++c)
-      n[c] = v[c];
-#endif
-    facing_normal(n, rx, ry);
+    view_normal(to_view, normal_buffer, normal_image, x, y, count, n);
+    facing_normal(n, rx, ry, sound);
     value[HBIL_SPLIT_W][part] = select((realv)HBIL_NOTHING, w, solid);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       value[HBIL_SPLIT_NORMAL + c][part] = select((realv)0.0f, n[c], solid);
 #if GATHER_RADIANCE
     realv light[3];
-    radiance_of(&from, x, y, count, (uint)y * planes.row + (uint)x, light);
+    radiance_of(&from, x, y, count, (uint)y * planes.row + (uint)x, light,
+                sound);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       value[HBIL_SPLIT_RED + c][part] = select((realv)0.0f, light[c], solid);
@@ -212,9 +277,15 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
 #if SKIP_UNUSED
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      used |= solid & (reflectance_of(&from, c, x, y, count) > 0.0f);
+      used |= solid & (reflectance_of(&from, c, x, y, count, sound) > 0.0f);
 #endif
+    wanting |= !sound_depth(depth) | !sound[HBIL_SURFACE_EMISSION] |
+               (solid & !(sound[HBIL_SURFACE_ALBEDO] & sound[HBIL_SURFACE_F0] &
+                          sound[HBIL_SURFACE_DIRECT]));
   }
+  if (ANY(wanting))
+    count_repaired(view, to_view, &from, depth_buffer, depth_image,
+                   normal_buffer, normal_image, background, x0, y, repaired);
 #if SKIP_UNUSED
   uses[(uint)y * (uint)((view.width + 4 * HBIL_WIDTH - 1) / (4 * HBIL_WIDTH)) +
        (uint)get_global_id(0)] = ANY(used);
@@ -295,8 +366,11 @@ relight(const hbil_view_args view, global float *layers,
     const intv solid =
         planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count),
                      ray_x(view, x, 1), ray_y(view, y), background) > 0.0f;
+    /* counted when they were split */
+    intv sound[HBIL_SURFACE_INPUTS] = {0};
     realv light[3];
-    radiance_of(&from, x, y, count, (uint)y * planes.row + (uint)x, light);
+    radiance_of(&from, x, y, count, (uint)y * planes.row + (uint)x, light,
+                sound);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       light[c] = select((realv)0.0f, light[c], solid);

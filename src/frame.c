@@ -305,6 +305,12 @@ static hbil_status set_flag(commands *chain, int flag, cl_uint value) {
                    sizeof value);
 }
 
+/* Counts of what can't be used as it is start anew: `words` from `first` on. */
+static hbil_status clear_counts(commands *chain, int first, int words) {
+  return fill_part(chain, BUFFER_REPAIRED, 0, (size_t)first * sizeof(cl_uint),
+                   (size_t)words * sizeof(cl_uint));
+}
+
 /* --- still frames --- */
 
 /* Whether this frame is the last one again but for its light. */
@@ -374,9 +380,12 @@ static hbil_status follow_motion(commands *chain, const hbil_frame *frame) {
                            ARG(plan->config.motion_scale[0]),
                            ARG(plan->config.motion_scale[1]),
                            ARG(plan->config.background),
-                           ARG(plan->config.disocclusion)};
-  return LAUNCH(chain, KERNEL_FOLLOW_MOTION, args, across(plan),
-                plan->config.height, 1);
+                           ARG(plan->config.disocclusion),
+                           ARG(plan->buffers[BUFFER_REPAIRED])};
+  const hbil_status status = clear_counts(chain, HBIL_REPAIRED_MOTION, 1);
+  return status == HBIL_SUCCESS ? LAUNCH(chain, KERNEL_FOLLOW_MOTION, args,
+                                         across(plan), plan->config.height, 1)
+                                : status;
 }
 
 /* A frame's first pass: timings start anew. */
@@ -549,10 +558,13 @@ static hbil_status split(commands *chain, const hbil_frame *frame) {
                            IMAGE_ARGS(f0),
                            IMAGE_ARGS(direct),
                            IMAGE_ARGS(emission),
-                           ARG(plan->buffers[BUFFER_USES])};
-  const hbil_status status =
-      LAUNCH(chain, KERNEL_SPLIT, args, (across(plan) + 3) / 4,
-             plan->config.height, 1);
+                           ARG(plan->buffers[BUFFER_USES]),
+                           ARG(plan->buffers[BUFFER_REPAIRED])};
+  hbil_status status = clear_counts(chain, HBIL_REPAIRED_DEPTH,
+                                    HBIL_REPAIRED_LATE - HBIL_REPAIRED_DEPTH);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_SPLIT, args, (across(plan) + 3) / 4,
+                    plan->config.height, 1);
   return status == HBIL_SUCCESS ? sum_up(chain, CL_FALSE) : status;
 }
 
@@ -712,9 +724,15 @@ static hbil_status composite(commands *chain, const hbil_frame *frame) {
                            IMAGE_ARGS(image[IMAGE_BENT]),
                            IMAGE_ARGS(image[IMAGE_CONE]),
                            IMAGE_ARGS(image[IMAGE_INDIRECT]),
-                           IMAGE_ARGS(image[IMAGE_RADIANCE])};
-  const hbil_status status = LAUNCH(chain, KERNEL_COMPOSITE, args, across(plan),
-                                    plan->config.height, 1);
+                           IMAGE_ARGS(image[IMAGE_RADIANCE]),
+                           ARG(plan->buffers[BUFFER_REPAIRED])};
+  hbil_status status =
+      plan->layout.counts_late
+          ? clear_counts(chain, HBIL_REPAIRED_LATE, HBIL_SURFACE_INPUTS)
+          : HBIL_SUCCESS;
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_COMPOSITE, args, across(plan),
+                    plan->config.height, 1);
   if (status == HBIL_SUCCESS) {
     plan->has_last = true;
     plan->last_camera = frame->camera;

@@ -152,6 +152,7 @@ enum {
   BUFFER_BOUNDS,   /* grids of what is nearest and what shines */
   BUFFER_USES,     /* where light has a use */
   BUFFER_STRIPS,   /* what the gather had no need of */
+  BUFFER_REPAIRED, /* HBIL_REPAIRED_: what inputs could not be used as is */
   BUFFER_COUNT
 };
 
@@ -193,7 +194,8 @@ typedef struct layout {
   hbil_chain_args chain[MAX_CHAIN];
   /* what must be computed; unknown: the share of refused light */
   bool radiance, bent, history, unknown, estimate;
-  cl_uint skip; /* of hbil_config.skip what can come to anything here */
+  bool counts_late; /* composite shows inputs that split has no use for */
+  cl_uint skip;     /* of hbil_config.skip what can come to anything here */
   hbil_bounds_args bounds;
   size_t strips;             /* of the gather, in a row of a layer */
   hbil_far_field far_field;  /* NONE where nothing shows it */

@@ -29,6 +29,7 @@ static void decide_work(const hbil_config *config, layout *out) {
   out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
   out->history =
       out->radiance && config->reprojection != HBIL_REPROJECTION_NONE;
+  out->counts_late = sums && !(out->radiance && config->gather_emission);
 }
 
 /* Whether all that is asked for is 0 times the irradiance where a surface
@@ -170,6 +171,7 @@ void layout_compute(const hbil_config *config, layout *out) {
   if (out->estimate)
     out->bytes[BUFFER_ESTIMATE] =
         HBIL_ESTIMATE_SIZE * (1 + HBIL_ESTIMATE_PARTS) * real;
+  out->bytes[BUFFER_REPAIRED] = HBIL_REPAIRED_WORDS * sizeof(cl_uint);
   out->bytes[BUFFER_FLAGS] = HBIL_FLAGS * sizeof(cl_uint);
   if (out->skip & (HBIL_SKIP_OPEN | HBIL_SKIP_DARK))
     out->bytes[BUFFER_BOUNDS] =

@@ -225,17 +225,17 @@ static cl_int clear_layers(hbil_plan *plan, cl_command_queue queue) {
 }
 
 /* Padding left of, above and below the layers is written once, here: no kernel
- * touches it later.  The waiting is
- * done by clFinish on a queue of our own. */
+ * touches it later.  Nor are counts of what a plan never looks at.  The waiting
+ * is done by clFinish on a queue of our own. */
 static hbil_status fill_padding(hbil_plan *plan) {
-  static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT};
+  static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT, BUFFER_REPAIRED};
   const cl_float zero = 0.0f;
   cl_int error = CL_SUCCESS;
   cl_command_queue queue = clCreateCommandQueue(
       plan->context->context, plan->context->device, 0, &error);
   if (!queue)
     return fail_cl(plan->context, error, "clCreateCommandQueue");
-  for (int i = 0; i < 2 && error == CL_SUCCESS; ++i)
+  for (int i = 0; i < 3 && error == CL_SUCCESS; ++i)
     error = clEnqueueFillBuffer(queue, plan->buffers[buffers[i]], &zero,
                                 sizeof zero, 0, plan->layout.bytes[buffers[i]],
                                 0, NULL, NULL);
@@ -252,12 +252,14 @@ static hbil_status fill_padding(hbil_plan *plan) {
 
 /* --- public --- */
 
-/* config with the width that is chosen for the device where it has none. */
-static hbil_config with_width(const hbil_context *context,
-                              const hbil_config *config) {
+/* config with the width that is chosen for the device where it has none; the
+ * sky begins where kernels can't compute any more. */
+static hbil_config resolved_config(const hbil_context *context,
+                                   const hbil_config *config) {
   hbil_config resolved = *config;
   if (!resolved.vector_width)
     resolved.vector_width = context->vector_width;
+  resolved.background = fminf(resolved.background, HBIL_FARTHEST_DEPTH);
   return resolved;
 }
 
@@ -269,7 +271,7 @@ hbil_status hbil_plan_memory(hbil_context *context, const hbil_config *config,
   const hbil_status status = config_check(context, config);
   if (status != HBIL_SUCCESS)
     return status;
-  const hbil_config resolved = with_width(context, config);
+  const hbil_config resolved = resolved_config(context, config);
   layout_compute(&resolved, &sizes);
   *bytes = 0;
   for (int i = 0; i < BUFFER_COUNT; ++i)
@@ -290,7 +292,7 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
   if (!plan)
     return fail(context, HBIL_OUT_OF_HOST_MEMORY, "no memory for a plan");
   plan->context = context;
-  plan->config = with_width(context, config);
+  plan->config = resolved_config(context, config);
   plan->scatter_keys = context->wide_atomics && plan->config.vector_width > 1;
   layout_compute(&plan->config, &plan->layout);
   if ((status = build_kernels(plan)) != HBIL_SUCCESS ||

@@ -103,20 +103,26 @@ static float input_at(const ref_job *job, int plane, int x, int y) {
 }
 
 static bool is_sky(const hbil_config *config, float depth) {
-  return !(depth > 0.0f) || isinf(depth) || depth >= config->background;
+  return !(depth >= HBIL_NEAREST_DEPTH) || depth >= HBIL_FARTHEST_DEPTH ||
+         depth >= config->background;
 }
 
 static bool sky_at(const ref_job *job, int x, int y) {
   return is_sky(job->config, input_at(job, REF_DEPTH, x, y));
 }
 
-/* Light: whatever is no positive number counts as 0. */
-static double light_at(const ref_job *job, int plane, int x, int y) {
-  double v;
+/* Light: whatever is no positive number, or too large a one, counts as 0. */
+static double scaled_light_at(const ref_job *job, int plane, int x, int y,
+                              float scale) {
+  float v;
   if (!job->input[plane])
     return 0.0;
-  v = input_at(job, plane, x, y);
-  return isfinite(v) && v > 0.0 ? v : 0.0;
+  v = input_at(job, plane, x, y) * scale;
+  return v > 0.0f && v <= HBIL_BRIGHTEST ? (double)v : 0.0;
+}
+
+static double light_at(const ref_job *job, int plane, int x, int y) {
+  return scaled_light_at(job, plane, x, y, 1.0f);
 }
 
 static double albedo_at(const ref_job *job, int channel, int x, int y) {
@@ -131,8 +137,8 @@ static double entering_at(const ref_job *job, int channel, int x, int y) {
 }
 
 static double direct_at(const ref_job *job, int channel, int x, int y) {
-  return light_at(job, REF_DIRECT + channel, x, y) *
-         (double)job->config->direct_scale;
+  return scaled_light_at(job, REF_DIRECT + channel, x, y,
+                         job->config->direct_scale);
 }
 
 /* Emission as far as it lights neighbours. */
@@ -1330,8 +1336,9 @@ static void normalize_bent(ref_planes *resolved, int x, int y) {
     p[i] = ref_at(resolved, HBIL_LIGHT_BENT + i, x, y);
     size += *p[i] * *p[i];
   }
+  /* a length of 1e-12 is what roundings leave of a closed point's */
   for (int i = 0; i < 3; ++i)
-    *p[i] = size > 0.0 ? *p[i] / sqrt(size) : 0.0;
+    *p[i] = size > 1e-24 ? *p[i] / sqrt(size) : 0.0;
 }
 
 /* Light of the filtered pixel's refused share. */

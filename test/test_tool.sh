@@ -162,6 +162,8 @@ for pass in reproject push_pull split gather recompose composite; do
   grep -q "\"$pass\": [0-9]" "$work/out" || missing=1
 done
 ok $missing "timings as JSON have a member for each pass"
+grep -q '"motion": 0' "$work/out"
+ok $? "and count what was repaired"
 
 works "a frame by itself" \
   process --reprojection none -o "$work/still" "$one"

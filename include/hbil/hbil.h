@@ -286,7 +286,20 @@ typedef struct hbil_config {
   cl_uint width, height; /* pixels, 1..16384 */
 
   /* Formats of the inputs.  depth and normal are needed, the others optional
-   * (HBIL_NONE): albedo then is 1, all others 0. */
+   * (HBIL_NONE): albedo then is 1, all others 0.
+   * Whatever they hold, results are finite.  What cannot be used is repaired,
+   * pixel by pixel, before anything else looks at it; hbil_plan_repaired()
+   * counts it.  The rules:
+   *   depth     NaN, negative, below 1e-15 (but not 0): sky.  That 0, what is
+   *             1e15 or more, infinity and what is behind `background` are sky
+   *             is no repair.
+   *   normal    NaN, infinite, shorter than 1e-10, longer than 1e19: the
+   *             direction to the eye.  (One that faces away is bent towards the
+   *             eye until it is seen edge on; that is not counted.)
+   *   albedo, f0        NaN, infinite, negative: 0; above 1: 1
+   *   direct, emission  NaN, negative, above 1e30: 0.  (Of direct after
+   *             direct_scale.)
+   *   motion    NaN, infinite: nothing is carried over to that pixel. */
   hbil_format depth;    /* 1 channel; see depth_kind, background */
   hbil_format normal;   /* 3 channels, any length; see normal_space */
   hbil_format albedo;   /* 3 channels, diffuse reflectance, 0..1 */
@@ -301,7 +314,8 @@ typedef struct hbil_config {
   hbil_format near_light; /* 3: E_near, irradiance */
   hbil_format far_light;  /* 3: E_far, irradiance */
   hbil_format ao;         /* 1: ambient visibility, 1 open .. 0 closed */
-  hbil_format bent;       /* 3: unit bent normal (see bent_space), 0 for sky */
+  hbil_format bent;       /* 3: unit bent normal (see bent_space), 0 for sky
+                              and where nothing at all is open */
   hbil_format cone;       /* 1: cosine of the bent cone's half-angle */
   hbil_format indirect;   /* 3: (1-F0) (E_near + E_far) / pi */
   hbil_format radiance;   /* 3: albedo ((1-F0) E_direct/pi + indirect)
@@ -310,8 +324,8 @@ typedef struct hbil_config {
 
   /* How inputs are read. */
   hbil_depth_kind depth_kind;
-  float background;        /* depths >= this are sky, like those that are not a
-                              positive finite number; default infinity */
+  float background;        /* depths >= this are sky, like 0 and all from 1e15
+                              on; default infinity */
   hbil_space normal_space; /* default view */
   hbil_space bent_space;   /* default view */
   float direct_scale;    /* factor that makes E_direct of `direct`; default 1 */
@@ -614,6 +628,20 @@ typedef struct hbil_skipped {
  * frame was enqueued to. */
 HBIL_API hbil_status hbil_plan_skipped(hbil_plan *plan, cl_command_queue queue,
                                        hbil_skipped *out);
+
+/* Pixels of the last frame of which an input could not be used as it was, by
+ * the rules beside the inputs' formats (hbil_config).  Normals and what
+ * surfaces send are counted where there is a surface, emission at the sky, too;
+ * an input that the plan doesn't look at is never counted.  Of a still frame
+ * (hbil_frame.still), whose inputs are those of the frame before, it is that
+ * one's numbers; motion is not looked at then, nor in a first frame. */
+typedef struct hbil_repaired {
+  size_t depth, normal, albedo, f0, direct, emission, motion;
+} hbil_repaired;
+
+/* Reads them, as hbil_plan_skipped() does. */
+HBIL_API hbil_status hbil_plan_repaired(hbil_plan *plan, cl_command_queue queue,
+                                        hbil_repaired *out);
 
 #ifdef __cplusplus
 }

@@ -439,7 +439,7 @@ static int light_planes(process *p, const job *j, const gbuffer *g,
   row->frame = j->path;
   if (!p->exact)
     return sequence_run(p->sequence, g, &j->camera, p->environment, runs,
-                        result, row->milliseconds, &row->skipped, &p->error);
+                        result, row, &p->error);
   exact_run(p->exact, g, &j->camera, p->environment, runs, result);
   return 0;
 }

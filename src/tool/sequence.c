@@ -207,8 +207,7 @@ static cl_bool is_same(sequence *s, const gbuffer *g, const hbil_frame *frame) {
 
 int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
                  float environment[9][3], unsigned repeat, image *result,
-                 double milliseconds[HBIL_PASS_COUNT], hbil_skipped *skipped,
-                 image_error *error) {
+                 timing_row *row, image_error *error) {
   hbil_frame frame;
   fill_frame(s, camera, environment, &frame);
   frame.still = is_same(s, g, &frame);
@@ -220,9 +219,12 @@ int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
     return -1;
   }
   if (s->config.profiling) {
-    hbil_status status = hbil_plan_timings(s->plan, milliseconds);
+    const cl_command_queue queue = s->device->queue;
+    hbil_status status = hbil_plan_timings(s->plan, row->milliseconds);
     if (status == HBIL_SUCCESS)
-      status = hbil_plan_skipped(s->plan, s->device->queue, skipped);
+      status = hbil_plan_skipped(s->plan, queue, &row->skipped);
+    if (status == HBIL_SUCCESS)
+      status = hbil_plan_repaired(s->plan, queue, &row->repaired);
     if (status != HBIL_SUCCESS)
       return library_failed(s, status, error);
   }

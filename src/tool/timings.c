@@ -59,6 +59,52 @@ json_t *timings_skipped_json(const hbil_skipped *s) {
                    passes);
 }
 
+/* --- what was repaired --- */
+
+enum { REPAIRED_INPUTS = 7 };
+
+typedef struct repaired_input {
+  const char *name;
+  size_t pixels;
+} repaired_input;
+
+static void list_repaired(const hbil_repaired *r,
+                          repaired_input out[REPAIRED_INPUTS]) {
+  const repaired_input inputs[REPAIRED_INPUTS] = {
+      {"depth", r->depth},  {"normal", r->normal}, {"albedo", r->albedo},
+      {"f0", r->f0},        {"direct", r->direct}, {"emission", r->emission},
+      {"motion", r->motion}};
+  memcpy(out, inputs, sizeof inputs);
+}
+
+/* A line, if there is anything to tell. */
+static void print_repaired(const char *frame, int width,
+                           const hbil_repaired *r) {
+  repaired_input inputs[REPAIRED_INPUTS];
+  const char *before = "";
+  list_repaired(r, inputs);
+  for (int i = 0; i < REPAIRED_INPUTS; i++) {
+    if (!inputs[i].pixels)
+      continue;
+    if (!*before)
+      printf("%-*s  repaired pixels: ", width, frame);
+    printf("%s%s %zu", before, inputs[i].name, inputs[i].pixels);
+    before = ", ";
+  }
+  if (*before)
+    putchar('\n');
+}
+
+static json_t *repaired_json(const hbil_repaired *r) {
+  repaired_input inputs[REPAIRED_INPUTS];
+  json_t *object = json_object();
+  list_repaired(r, inputs);
+  for (int i = 0; i < REPAIRED_INPUTS; i++)
+    json_object_set_new(object, inputs[i].name,
+                        json_integer((json_int_t)inputs[i].pixels));
+  return object;
+}
+
 /* --- table --- */
 
 static void print_row(const timing_row *row, int width) {
@@ -100,6 +146,8 @@ void timings_table(const timing_report *report) {
     timings_print_skipped(&report->rows[i].skipped, stdout);
     putchar('\n');
   }
+  for (size_t i = 0; i < report->count; i++)
+    print_repaired(report->rows[i].frame, width, &report->rows[i].repaired);
 }
 
 /* --- JSON --- */
@@ -109,9 +157,10 @@ static json_t *row_json(const timing_row *row) {
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     json_object_set_new(passes, hbil_pass_name((hbil_pass)p),
                         json_real(row->milliseconds[p]));
-  return json_pack("{s:s, s:o, s:f, s:o}", "frame", row->frame, "milliseconds",
-                   passes, "total", total(row), "skipped",
-                   timings_skipped_json(&row->skipped));
+  return json_pack("{s:s, s:o, s:f, s:o, s:o}", "frame", row->frame,
+                   "milliseconds", passes, "total", total(row), "skipped",
+                   timings_skipped_json(&row->skipped), "repaired",
+                   repaired_json(&row->repaired));
 }
 
 int timings_json(const timing_report *report, image_error *error) {

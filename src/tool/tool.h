@@ -220,14 +220,22 @@ int sequence_open(const device *d, const hbil_config *config,
 void sequence_close(sequence *s);
 /* Device memory of the plan, bytes. */
 size_t sequence_memory(const sequence *s);
+
+/* What is known of a frame that has run. */
+typedef struct timing_row {
+  const char *frame;
+  double milliseconds[HBIL_PASS_COUNT];
+  hbil_skipped skipped;
+  hbil_repaired repaired;
+} timing_row;
+
 /* Runs a frame `repeat` times and reads the layers into result's planes.
- * milliseconds and skipped (of the last run) are filled if config.profiling is
- * set.  Runs but the first of a frame, and a frame that is the last one again,
+ * row, but for its name, is filled (of the last run) if config.profiling is
+ * set. Runs but the first of a frame, and a frame that is the last one again,
  * are still frames (hbil.h). */
 int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
                  float environment[9][3], unsigned repeat, image *result,
-                 double milliseconds[HBIL_PASS_COUNT], hbil_skipped *skipped,
-                 image_error *error);
+                 timing_row *row, image_error *error);
 
 /* --- preview.c: pictures for the eye --- */
 
@@ -240,12 +248,6 @@ int preview_heatmap(const char *path, const float *values, uint32_t width,
                     uint32_t height, float limit, image_error *error);
 
 /* --- timings.c --- */
-
-typedef struct timing_row {
-  const char *frame;
-  double milliseconds[HBIL_PASS_COUNT];
-  hbil_skipped skipped;
-} timing_row;
 
 typedef struct timing_report {
   const char *device;
