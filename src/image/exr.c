@@ -13,6 +13,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,14 +22,16 @@
 
 /* A header may claim any size; beyond these it is damaged, not an image. */
 #define MAX_PIXELS ((uint64_t)1 << 28)
-#define MAX_ALLOCATION ((size_t)1 << 31)
 #define MAX_SIDE (1 << 24)
 #define MAX_TILE (1 << 16)
+#define MAX_CHANNELS 4096
+
+#define DAMAGED_PIXELS "truncated or damaged pixel data"
 
 typedef struct stream {
   const char *path;
   int fd;
-  char message[512]; /* the library's last words */
+  char message[512]; /* the library's first complaint: others follow from it */
 } stream;
 
 static void keep_message(exr_const_context_t context, exr_result_t code,
@@ -37,7 +40,8 @@ static void keep_message(exr_const_context_t context, exr_result_t code,
   (void)code;
   if (context && exr_get_user_data(context, &user) == EXR_ERR_SUCCESS && user) {
     stream *s = user;
-    snprintf(s->message, sizeof s->message, "%s", message);
+    if (!s->message[0])
+      snprintf(s->message, sizeof s->message, "%s", message);
   }
 }
 
@@ -88,16 +92,55 @@ static int64_t stream_write(exr_const_context_t context, void *user,
   return (int64_t)done;
 }
 
-/* Damaged headers ask for absurd chunks; those are refused, not tried. */
-static void *bounded_allocation(size_t size) {
-  return size > MAX_ALLOCATION ? NULL : malloc(size);
+/*
+ * What the library holds for one file.  Damaged headers ask for absurd chunks;
+ * those are refused, not tried.
+ */
+typedef struct budget {
+  size_t held, limit; /* bytes */
+  int exceeded;
+} budget;
+
+/* The library's allocators are told nothing but a size, so the file that a
+ * thread is at work on is noted here.  NULL: no limit. */
+static _Thread_local budget *current;
+
+/* In front of each allocation. */
+typedef union block {
+  size_t size;
+  max_align_t align;
+} block;
+
+static void *budget_take(size_t size) {
+  budget *b = current;
+  if (b && size > b->limit - b->held) {
+    b->exceeded = 1;
+    return NULL;
+  }
+  block *taken =
+      size <= SIZE_MAX - sizeof *taken ? malloc(sizeof *taken + size) : NULL;
+  if (!taken)
+    return NULL;
+  taken->size = size;
+  if (b)
+    b->held += size;
+  return taken + 1;
+}
+
+static void budget_give(void *memory) {
+  block *taken = memory;
+  if (!taken)
+    return;
+  if (current)
+    current->held -= taken[-1].size;
+  free(taken - 1);
 }
 
 static exr_context_initializer_t initializer(stream *s) {
   exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
   init.error_handler_fn = keep_message;
-  init.alloc_fn = bounded_allocation;
-  init.free_fn = free;
+  init.alloc_fn = budget_take;
+  init.free_fn = budget_give;
   init.user_data = s;
   init.read_fn = stream_read;
   init.size_fn = stream_size;
@@ -108,7 +151,7 @@ static exr_context_initializer_t initializer(stream *s) {
   return init;
 }
 
-static const char *last_words(const stream *s, exr_result_t result) {
+static const char *complaint(const stream *s, exr_result_t result) {
   return s->message[0] ? s->message : exr_get_default_error_message(result);
 }
 
@@ -118,16 +161,31 @@ static const char *last_words(const stream *s, exr_result_t result) {
 typedef struct reader {
   stream stream;
   exr_context_t context;
+  budget memory;
   int parts;
   exr_attr_box2i_t window; /* of the first flat part */
+  size_t channels;         /* of all parts with that window */
   image_error *error;
 } reader;
 
 static void reader_close(reader *r) {
   if (r->context)
     exr_finish(&r->context);
+  current = NULL;
   if (r->stream.fd >= 0)
     close(r->stream.fd);
+}
+
+/* Why the library gave up. */
+static int library_failed(const reader *r, const char *what,
+                          exr_result_t result) {
+  if (r->memory.exceeded)
+    return image_fail(r->error,
+                      "%s: %s, or one that needs more memory than 4 times its "
+                      "image and %d MiB; a complete file is needed",
+                      r->stream.path, what, EXR_SPARE_MEMORY >> 20);
+  return image_fail(r->error, "%s: %s (%s); a complete file is needed",
+                    r->stream.path, what, complaint(&r->stream, result));
 }
 
 static int check_kind(reader *r) {
@@ -183,17 +241,49 @@ static int find_window(reader *r) {
   return 0;
 }
 
+/* The channels of a part that can be read together with the first, or NULL. */
+static const exr_attr_chlist_t *part_channels(reader *r, int part) {
+  const exr_attr_chlist_t *channels = NULL;
+  exr_attr_box2i_t window;
+  if (!is_flat(r, part) ||
+      exr_get_data_window(r->context, part, &window) != EXR_ERR_SUCCESS ||
+      memcmp(&window, &r->window, sizeof window) != 0 ||
+      exr_get_channels(r->context, part, &channels) != EXR_ERR_SUCCESS)
+    return NULL;
+  return channels;
+}
+
+static size_t pixels(const reader *r) {
+  return (size_t)extent(r->window.min.x, r->window.max.x) *
+         (size_t)extent(r->window.min.y, r->window.max.y);
+}
+
+/* Now that the image is known, so is what may be held for it: our planes are
+ * one of its four times. */
+static int count_channels(reader *r) {
+  for (int part = 0; part < r->parts; part++) {
+    const exr_attr_chlist_t *channels = part_channels(r, part);
+    r->channels += channels ? (size_t)channels->num_channels : 0;
+  }
+  if (r->channels > MAX_CHANNELS)
+    return image_fail(r->error, "%s: claims %zu channels; at most %d are read",
+                      r->stream.path, r->channels, MAX_CHANNELS);
+  r->memory.limit += 3 * sizeof(float) * r->channels * pixels(r);
+  return 0;
+}
+
 static int reader_parse(reader *r) {
   const exr_context_initializer_t init = initializer(&r->stream);
+  r->memory.limit = EXR_SPARE_MEMORY;
+  current = &r->memory;
   exr_result_t result = exr_start_read(&r->context, r->stream.path, &init);
   if (result == EXR_ERR_SUCCESS)
     result = exr_get_count(r->context, &r->parts);
-  if (result != EXR_ERR_SUCCESS)
-    return image_fail(r->error,
-                      "%s: damaged OpenEXR header (%s); a complete "
-                      "file is needed",
-                      r->stream.path, last_words(&r->stream, result));
-  return find_window(r);
+  /* The library goes on behind what it can't parse, with an image of 64 x 64
+   * pixels in place of what it didn't find. */
+  if (result != EXR_ERR_SUCCESS || r->stream.message[0])
+    return library_failed(r, "damaged OpenEXR header", result);
+  return find_window(r) != 0 || count_channels(r) != 0 ? -1 : 0;
 }
 
 static int reader_open(reader *r, const char *path, image_error *error) {
@@ -211,18 +301,6 @@ static int reader_open(reader *r, const char *path, image_error *error) {
     return -1;
   }
   return 0;
-}
-
-/* The channels of a part that can be read together with the first, or NULL. */
-static const exr_attr_chlist_t *part_channels(reader *r, int part) {
-  const exr_attr_chlist_t *channels = NULL;
-  exr_attr_box2i_t window;
-  if (!is_flat(r, part) ||
-      exr_get_data_window(r->context, part, &window) != EXR_ERR_SUCCESS ||
-      memcmp(&window, &r->window, sizeof window) != 0 ||
-      exr_get_channels(r->context, part, &channels) != EXR_ERR_SUCCESS)
-    return NULL;
-  return channels;
 }
 
 /* PART.CHANNEL, the name of a channel whose own name is taken. */
@@ -397,6 +475,44 @@ static exr_result_t decode_core(reader *r, int part, const image *img,
   return result;
 }
 
+static int32_t at_least(int32_t a, int32_t b) {
+  return a > b ? a : b;
+}
+
+/* Bytes of a chunk of a part, which may be larger than its image. */
+static uint64_t chunk_bytes(reader *r, int part) {
+  const exr_attr_chlist_t *channels = part_channels(r, part);
+  int32_t width = 0, lines = 0;
+  uint64_t pixel = 0;
+  if (exr_get_scanlines_per_chunk(r->context, part, &lines) != EXR_ERR_SUCCESS)
+    exr_get_tile_sizes(r->context, part, 0, 0, &width, &lines);
+  width = at_least(width, (int32_t)extent(r->window.min.x, r->window.max.x));
+  for (int i = 0; i < channels->num_channels; i++)
+    pixel += channels->entries[i].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
+  return pixel * (uint64_t)width * (uint64_t)at_least(lines, 0);
+}
+
+/* Bytes of all parts' tables of chunks, which that library reads unasked. */
+static uint64_t table_bytes(const reader *r) {
+  uint64_t chunks = 0;
+  for (int part = 0; part < r->parts; part++) {
+    int32_t count = 0;
+    exr_get_chunk_count(r->context, part, &count);
+    chunks += (uint64_t)at_least(count, 0);
+  }
+  return 8 * chunks;
+}
+
+/* That library has no allocator of ours.  It holds one chunk, packed and
+ * unpacked, and what is between: 2.7 to 3.1 chunks are measured. */
+static int check_dwa(reader *r, int part) {
+  const uint64_t needed = 4 * chunk_bytes(r, part) + table_bytes(r);
+  if (needed <= r->memory.limit - r->memory.held)
+    return 0;
+  r->memory.exceeded = 1;
+  return library_failed(r, DAMAGED_PIXELS, EXR_ERR_OUT_OF_MEMORY);
+}
+
 static int decode_dwa(reader *r, int part, const image *img,
                       const source *sources) {
   const exr_attr_chlist_t *channels = part_channels(r, part);
@@ -421,14 +537,10 @@ static int decode_part(reader *r, int part, const image *img,
   exr_get_compression(r->context, part, &compression);
   if (compression == EXR_COMPRESSION_DWAA ||
       compression == EXR_COMPRESSION_DWAB)
-    return decode_dwa(r, part, img, sources);
+    return check_dwa(r, part) != 0 ? -1 : decode_dwa(r, part, img, sources);
   const exr_result_t result = decode_core(r, part, img, sources);
-  if (result != EXR_ERR_SUCCESS)
-    return image_fail(r->error,
-                      "%s: truncated or damaged pixel data (%s); a "
-                      "complete file is needed",
-                      r->stream.path, last_words(&r->stream, result));
-  return 0;
+  return result == EXR_ERR_SUCCESS ? 0
+                                   : library_failed(r, DAMAGED_PIXELS, result);
 }
 
 static int is_wanted(const image *img, const source *sources, int part) {
@@ -571,7 +683,7 @@ int exr_write(const char *path, const image *img, const unsigned char *half,
   const int closed = close(s.fd);
   if (result != EXR_ERR_SUCCESS || closed != 0) {
     image_fail(error, "%s: cannot be written: %s", path,
-               result != EXR_ERR_SUCCESS ? last_words(&s, result)
+               result != EXR_ERR_SUCCESS ? complaint(&s, result)
                                          : strerror(errno));
     temporary_discard(temporary);
     return -1;

@@ -1,17 +1,19 @@
-// PNG, and every image that OpenImageIO reads, behind the C interface of
-// image.h.  No exception leaves this file.
+// PNG, every image that OpenImageIO reads, and DWA through OpenEXR's C++
+// library, behind C interfaces.  No exception leaves this file.
 #include "image/exr_dwa.h"
 #include "image/image.h"
 #include "image/temporary.h"
 
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
 #include <OpenImageIO/imageio.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <exception>
 #include <memory>
 #include <string>
-#include <vector>
 
 namespace {
 
@@ -78,84 +80,24 @@ int read_file(const char *path, float **rgb, uint32_t *width, uint32_t *height,
   return 0;
 }
 
-// Rows of a range of channels, interleaved, and where the wanted ones go.
-class BandReader {
-public:
-  BandReader(OIIO::ImageInput &in, int part, const exr_target *targets,
-             size_t count)
-      : in(in), part(part), spec(in.spec(part, 0)), targets(targets),
-        index(count), first(spec.nchannels), last(0) {
-    for (size_t i = 0; i < count; i++) {
-      index[i] = spec.channelindex(targets[i].channel);
-      first = std::min(first, index[i]);
-      last = std::max(last, index[i] + 1);
-    }
-  }
-
-  bool has(uint32_t width, uint32_t height) const {
-    return first >= 0 && first < last && spec.width == int(width) &&
-           spec.height == int(height) && !spec.deep;
-  }
-
-  bool read() {
-    // A multiple of every DWA chunk's height, and whole tiles.
-    const int band = spec.tile_height ? spec.tile_height : 256;
-    const int end = spec.y + spec.height;
-    for (int y = spec.y; y < end; y += band)
-      if (!read_rows(y, std::min(y + band, end)))
-        return false;
-    return true;
-  }
-
-private:
-  bool read_rows(int begin, int end) {
-    const size_t channels = size_t(last - first);
-    const size_t pixels = size_t(end - begin) * size_t(spec.width);
-    rows.resize(channels * pixels);
-    const bool good =
-        spec.tile_width
-            ? in.read_tiles(part, 0, spec.x, spec.x + spec.width, begin, end, 0,
-                            1, first, last, OIIO::TypeDesc::FLOAT, rows.data())
-            : in.read_scanlines(part, 0, begin, end, 0, first, last,
-                                OIIO::TypeDesc::FLOAT, rows.data());
-    if (!good)
-      return false;
-    const size_t offset = size_t(begin - spec.y) * size_t(spec.width);
-    for (size_t t = 0; t < index.size(); t++) {
-      const float *from = rows.data() + (index[t] - first);
-      for (size_t i = 0; i < pixels; i++)
-        targets[t].pixels[offset + i] = from[i * channels];
-    }
-    return true;
-  }
-
-  OIIO::ImageInput &in;
-  const int part;
-  const OIIO::ImageSpec spec;
-  const exr_target *targets;
-  std::vector<int> index;
-  int first, last;
-  std::vector<float> rows;
-};
-
+// Planes of one part, straight from OpenEXR's C++ library.
 int read_part(const char *path, int part, uint32_t width, uint32_t height,
               const exr_target *targets, size_t count, image_error *error) {
-  OIIO::attribute("openexr:core", 0); // its DWA is what we are avoiding
-  auto in = OIIO::ImageInput::open(path);
-  if (!in)
-    return image_fail(error, "%s: cannot be read: %s", path,
-                      OIIO::geterror().c_str());
-  BandReader reader(*in, part, targets, count);
-  if (!reader.has(width, height))
+  Imf::MultiPartInputFile file(path, 0); // threads would hold a chunk each
+  Imf::InputPart in(file, part);
+  const Imath::Box2i window = in.header().dataWindow();
+  Imf::FrameBuffer planes;
+  for (size_t i = 0; i < count; i++)
+    planes.insert(targets[i].channel,
+                  Imf::Slice::Make(Imf::FLOAT, targets[i].pixels, window,
+                                   sizeof(float), sizeof(float) * width));
+  if (window.size() != Imath::V2i(int(width) - 1, int(height) - 1))
     return image_fail(error,
-                      "%s: OpenImageIO sees other channels than "
-                      "OpenEXR; another compression than DWA is needed",
+                      "%s: two readers see two sizes; a complete file "
+                      "is needed",
                       path);
-  if (!reader.read())
-    return image_fail(error,
-                      "%s: truncated or damaged pixel data (%s); a "
-                      "complete file is needed",
-                      path, in->geterror().c_str());
+  in.setFrameBuffer(planes);
+  in.readPixels(window.min.y, window.max.y);
   return 0;
 }
 

@@ -61,7 +61,13 @@ image_plane *image_declare(image *img, const char *name);
  * Flat scanline and tiled files, single and multi-part.  The first flat part
  * gives the size; channels are those of all flat parts of the same data window.
  * A name that an earlier part has used already is listed as PART.NAME.
+ *
+ * Whatever a file claims, memory stays below EXR_SPARE_MEMORY and, once the
+ * header is known, 4 times its image more: pixels x channels x 4 bytes.  The
+ * spare part is for the header, and for small images in DWA, whose chunks have
+ * 256 rows in any case.
  */
+enum { EXR_SPARE_MEMORY = 64 << 20 };
 
 /* Header only: size and channel names. */
 int exr_read_header(const char *path, image *out, image_error *error);
@@ -97,6 +103,9 @@ typedef struct camera_file {
   double fx, fy, cx, cy;
   uint32_t width, height;
 } camera_file;
+
+/* A file that is larger is refused before the rest of it is read. */
+enum { CAMERA_FILE_MOST = 1 << 20 };
 
 int camera_read(const char *path, camera_file *out, image_error *error);
 int camera_write(const char *path, const camera_file *camera,
