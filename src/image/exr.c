@@ -390,9 +390,11 @@ typedef struct decoder {
   int started;
 } decoder;
 
-/* Points the wanted channels at the pixel (x,y) of their planes. */
-static void aim(decoder *d, size_t x, size_t y) {
+/* Points the wanted channels at the pixel (x,y) of their planes; returns how
+ * many they are. */
+static int aim(decoder *d, size_t x, size_t y) {
   const size_t first = y * d->img->width + x;
+  int wanted = 0;
   for (size_t i = 0; i < d->img->count; i++) {
     if (d->sources[i].part != d->part)
       continue;
@@ -403,7 +405,23 @@ static void aim(decoder *d, size_t x, size_t y) {
     channel->user_bytes_per_element = sizeof(float);
     channel->user_pixel_stride = sizeof(float);
     channel->user_line_stride = (int32_t)(d->img->width * sizeof(float));
+    wanted++;
   }
+  return wanted;
+}
+
+/*
+ * Of a part with three or four channels OpenEXRCore's quick routines write all,
+ * as halves, even if only some of them are wanted, to where the others don't
+ * point.  A stride that these routines don't know keeps them away; aim() puts
+ * it right again.
+ */
+static exr_result_t choose_routines(decoder *d, int wanted) {
+  for (int i = 0; i < d->pipeline.channel_count; i++)
+    if (wanted < d->pipeline.channel_count)
+      d->pipeline.channels[i].user_pixel_stride = 2 * sizeof(float);
+  return exr_decoding_choose_default_routines(d->reader->context, d->part,
+                                              &d->pipeline);
 }
 
 static exr_result_t decode_chunk(decoder *d, const exr_chunk_info_t *chunk,
@@ -415,11 +433,12 @@ static exr_result_t decode_chunk(decoder *d, const exr_chunk_info_t *chunk,
           : exr_decoding_initialize(context, d->part, chunk, &d->pipeline);
   if (result != EXR_ERR_SUCCESS)
     return result;
-  aim(d, x, y);
-  if (!d->started)
-    result =
-        exr_decoding_choose_default_routines(context, d->part, &d->pipeline);
-  d->started = 1;
+  const int wanted = aim(d, x, y);
+  if (!d->started) {
+    d->started = 1;
+    result = choose_routines(d, wanted);
+    aim(d, x, y);
+  }
   return result == EXR_ERR_SUCCESS
              ? exr_decoding_run(context, d->part, &d->pipeline)
              : result;
