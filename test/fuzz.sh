@@ -30,8 +30,8 @@ compile() {
 }
 
 mkdir -p "$out/corpus" "$out/seeds" "$out/found"
-for file in src/image/camera_json.c src/image/exr.c src/image/image.c \
-  test/fuzz_reader.c; do
+for file in src/image/camera_json.c src/image/exr.c \
+  src/image/exr_rgb.c src/image/image.c test/fuzz_reader.c; do
   compile "${CLANG:-clang}" c11 "$file"
 done
 compile "${CLANGXX:-clang++}" c++17 src/image/formats.cpp
@@ -46,6 +46,21 @@ printf '{"camera_to_world": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]],
 for folder in malformed real_exr; do
   test ! -d "$data/$folder" || cp -f "$data/$folder"/* "$out/seeds"
 done
+
+# Small whole files in every compression, where Debian's openimageio-tools are.
+if command -v oiiotool >/dev/null; then
+  for compression in none rle zips zip piz pxr24 b44 b44a dwaa dwab; do
+    for type in half float; do
+      for shape in scanline 'tile 16 16'; do
+        # shellcheck disable=SC2086
+        oiiotool --pattern noise:type=uniform 20x40 5 \
+          --chnames R,G,B,depth.Z,normal.Y -d $type --$shape \
+          --compression $compression \
+          -o "$out/seeds/$compression-$type-${shape%% *}.exr"
+      done
+    done
+  done
+fi
 
 # 64 KiB are enough for every feature; larger seeds are cut.  A second is an
 # age for so little.

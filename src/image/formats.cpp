@@ -1,6 +1,7 @@
 // PNG, every image that OpenImageIO reads, and DWA through OpenEXR's C++
 // library, behind C interfaces.  No exception leaves this file.
 #include "image/exr_dwa.h"
+#include "image/exr_rgb.h"
 #include "image/image.h"
 #include "image/temporary.h"
 
@@ -10,6 +11,9 @@
 #include <ImfMultiPartInputFile.h>
 #include <OpenImageIO/imageio.h>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cstdlib>
 #include <exception>
 #include <memory>
@@ -17,8 +21,29 @@
 
 namespace {
 
-// Environment maps are large, but not larger than this.
-const uint64_t max_pixels = uint64_t(1) << 28;
+// libpng, libjpeg and libtiff tell standard error what is wrong, too; the
+// tool's own line is enough.
+class Silence {
+public:
+  Silence() : standard(dup(STDERR_FILENO)) {
+    const int nowhere = open("/dev/null", O_WRONLY);
+    if (standard >= 0 && nowhere >= 0)
+      dup2(nowhere, STDERR_FILENO);
+    if (nowhere >= 0)
+      close(nowhere);
+  }
+  ~Silence() {
+    if (standard >= 0) {
+      dup2(standard, STDERR_FILENO);
+      close(standard);
+    }
+  }
+  Silence(const Silence &) = delete;
+  Silence &operator=(const Silence &) = delete;
+
+private:
+  const int standard;
+};
 
 int write_png(const char *path, const char *temporary, const unsigned char *rgb,
               uint32_t width, uint32_t height, image_error *error) {
@@ -49,6 +74,7 @@ bool read_rgb(OIIO::ImageInput &in, float *rgb) {
 
 int read_file(const char *path, float **rgb, uint32_t *width, uint32_t *height,
               image_error *error) {
+  const Silence silence;
   auto in = OIIO::ImageInput::open(path);
   if (!in)
     return image_fail(error,
@@ -58,12 +84,12 @@ int read_file(const char *path, float **rgb, uint32_t *width, uint32_t *height,
   const OIIO::ImageSpec &spec = in->spec();
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.deep ||
       spec.nchannels < 1 ||
-      uint64_t(spec.width) > max_pixels / uint64_t(spec.height))
+      uint64_t(spec.width) > IMAGE_MAP_PIXELS / uint64_t(spec.height))
     return image_fail(error,
                       "%s: %d x %d x %d pixels; a flat image of at most "
-                      "%llu pixels is needed",
+                      "%d pixels is needed",
                       path, spec.width, spec.height, spec.depth,
-                      static_cast<unsigned long long>(max_pixels));
+                      IMAGE_MAP_PIXELS);
   const size_t pixels = size_t(spec.width) * size_t(spec.height);
   std::unique_ptr<float, void (*)(void *)> out(
       static_cast<float *>(std::calloc(3 * pixels, sizeof(float))), std::free);
@@ -141,6 +167,8 @@ extern "C" int png_write(const char *path, const unsigned char *rgb,
 extern "C" int formats_read_rgb(const char *path, float **rgb, uint32_t *width,
                                 uint32_t *height, image_error *error) {
   *rgb = nullptr;
+  if (exr_recognise(path))
+    return exr_read_rgb(path, rgb, width, height, error);
   return guarded(path, "read", error,
                  [&] { return read_file(path, rgb, width, height, error); });
 }

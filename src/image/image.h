@@ -15,7 +15,8 @@
 extern "C" {
 #endif
 
-enum { IMAGE_ERROR_SIZE = 1024 };
+/* Two paths of the greatest length, and what is wrong with them. */
+enum { IMAGE_ERROR_SIZE = 2 * 4096 + 1024 };
 typedef struct image_error {
   char text[IMAGE_ERROR_SIZE];
 } image_error;
@@ -90,7 +91,8 @@ int png_write(const char *path, const unsigned char *rgb, uint32_t width,
               uint32_t height, image_error *error);
 
 /* Any image OpenImageIO reads, as interleaved RGB floats (malloc'd, grey is
- * tripled, alpha dropped). */
+ * tripled, alpha dropped); 16384 x 8192 pixels at most. */
+enum { IMAGE_MAP_PIXELS = 1 << 27 };
 int formats_read_rgb(const char *path, float **rgb, uint32_t *width,
                      uint32_t *height, image_error *error);
 
