@@ -112,7 +112,7 @@ int device_list(image_error *error) {
 
 static int contains(const char *text, const char *part) {
   const size_t length = strlen(part);
-  for (; *text; text++) {
+  for (; *text && length; text++) {
     size_t i = 0;
     while (i < length && text[i] &&
            tolower((unsigned char)text[i]) == tolower((unsigned char)part[i]))

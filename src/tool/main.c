@@ -21,10 +21,32 @@ static const command commands[] = {
 
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
+/* Bytes from here on that must not reach a terminal: one for C0 and DEL, two
+ * for C1 in UTF-8. */
+static int control(const unsigned char *c) {
+  if (*c < ' ' || *c == 0x7f)
+    return 1;
+  return c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0 ? 2 : 0;
+}
+
+int tool_show(const char *text, FILE *out) {
+  int columns = 0;
+  for (const unsigned char *c = (const unsigned char *)text; *c; c++)
+    if (*c == '\n')
+      columns += fprintf(out, "\\n");
+    else if (control(c) == 1)
+      columns += fprintf(out, "\\x%02x", *c);
+    else if (control(c) == 2) {
+      columns += fprintf(out, "\\x%02x\\x%02x", c[0], c[1]);
+      c++;
+    } else
+      columns += fputc(*c, out) >= 0;
+  return columns;
+}
+
 int tool_report(const image_error *error) {
   fputs("hbil: ", stderr);
-  for (const char *c = error->text; *c; c++)
-    fputc((unsigned char)*c < ' ' ? ' ' : *c, stderr);
+  tool_show(error->text, stderr);
   fputc('\n', stderr);
   return TOOL_BAD_INPUT;
 }

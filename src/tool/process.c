@@ -170,15 +170,19 @@ static int check_name(process *p, job *j) {
   return failed;
 }
 
+static void warn(const char *path, const char *what) {
+  fputs("hbil: ", stderr);
+  tool_show(path, stderr);
+  fprintf(stderr, ": warning: %s\n", what);
+}
+
 /* Not an error: occlusion and bent cones need no light. */
 static void warn_of_darkness(const process *p) {
   const channel_map *map = &p->jobs[0].map;
   if (!p->options->quiet && p->config.mode == HBIL_MODE_HBIL &&
       !map->count[ROLE_DIRECT] && !map->count[ROLE_EMISSION])
-    fprintf(stderr,
-            "hbil: %s: warning: no direct light and no emission; near light "
-            "will be black\n",
-            p->jobs[0].path);
+    warn(p->jobs[0].path, "no direct light and no emission; near light will be "
+                          "black");
 }
 
 static int check_jobs(process *p, char *const *files) {
@@ -419,13 +423,20 @@ static int write_previews(process *p, const job *j, const image *result) {
   return 0;
 }
 
+/* "[3/8] DIR/frame.exr" */
+static void tell(const process *p, const job *j, const char *what) {
+  fprintf(stderr, "[%d/%d] ", (int)(j - p->jobs) + 1, p->count);
+  tool_show(what, stderr);
+  fputc('\n', stderr);
+}
+
 static int write_result(process *p, const job *j, const image *result) {
   char *path = join(j->stem, "", ".exr");
   if (!path)
     return image_no_memory(&p->error, j->path);
   const int failed = exr_write(path, result, NULL, &p->error);
   if (!failed && !p->options->quiet)
-    fprintf(stderr, "[%d/%d] %s\n", (int)(j - p->jobs) + 1, p->count, path);
+    tell(p, j, path);
   free(path);
   return failed;
 }

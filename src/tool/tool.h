@@ -27,6 +27,10 @@ int cmd_bench(int argc, char **argv);
 /* "hbil: TEXT" as one line on standard error; returns TOOL_BAD_INPUT. */
 int tool_report(const image_error *error);
 
+/* Names come from outside: control characters are written as \n and \xNN, so
+ * that a line stays one.  Returns how many columns (of ASCII) it took. */
+int tool_show(const char *text, FILE *out);
+
 /* --- options.c: reading what stands on the command line --- */
 
 struct option;
@@ -39,7 +43,8 @@ struct option;
 int option_next(int argc, char **argv, const char *letters,
                 const struct option *options, image_error *error);
 
-/* Exactly count numbers, separated by commas; "inf" is one, "nan" is not. */
+/* Exactly count numbers, separated by commas; "inf" is one, "nan" and what is
+ * too large for a float are not. */
 int option_floats(const char *option, const char *text, float *out,
                   size_t count, image_error *error);
 int option_unsigned(const char *option, const char *text, unsigned low,
