@@ -26,6 +26,7 @@
 #define MAX_TILE (1 << 16)
 #define MAX_CHANNELS 4096
 
+#define KEY "hbilKey"
 #define DAMAGED_PIXELS "truncated or damaged pixel data"
 
 typedef struct stream {
@@ -313,6 +314,15 @@ static void qualified_name(reader *r, int part, const char *channel, char *name,
   snprintf(name, size, "%s.%s", part_name, channel);
 }
 
+static void read_key(reader *r, image *out) {
+  const char *key = NULL;
+  int32_t length = 0;
+  if (exr_attr_get_string(r->context, 0, KEY, &length, &key) ==
+          EXR_ERR_SUCCESS &&
+      key && length >= 0)
+    snprintf(out->key, sizeof out->key, "%.*s", (int)length, key);
+}
+
 static void set_size(const reader *r, image *out) {
   memset(out, 0, sizeof *out);
   out->x = r->window.min.x;
@@ -341,6 +351,7 @@ int exr_read_header(const char *path, image *out, image_error *error) {
   if (reader_open(&r, path, error) != 0)
     return -1;
   set_size(&r, out);
+  read_key(&r, out);
   for (int part = 0; part < r.parts && !failed; part++)
     failed = list_part(&r, part, out);
   reader_close(&r);
@@ -494,21 +505,22 @@ static exr_result_t decode_core(reader *r, int part, const image *img,
   return result;
 }
 
-static int32_t at_least(int32_t a, int32_t b) {
-  return a > b ? a : b;
-}
-
 /* Bytes of a chunk of a part, which may be larger than its image. */
 static uint64_t chunk_bytes(reader *r, int part) {
   const exr_attr_chlist_t *channels = part_channels(r, part);
-  int32_t width = 0, lines = 0;
+  const uint32_t across = (uint32_t)extent(r->window.min.x, r->window.max.x);
+  exr_tile_level_mode_t levels;
+  exr_tile_round_mode_t rounding;
+  uint32_t width = 0, height = 0;
+  int32_t lines = 0;
   uint64_t pixel = 0;
-  if (exr_get_scanlines_per_chunk(r->context, part, &lines) != EXR_ERR_SUCCESS)
-    exr_get_tile_sizes(r->context, part, 0, 0, &width, &lines);
-  width = at_least(width, (int32_t)extent(r->window.min.x, r->window.max.x));
+  if (exr_get_tile_descriptor(r->context, part, &width, &height, &levels,
+                              &rounding) != EXR_ERR_SUCCESS &&
+      exr_get_scanlines_per_chunk(r->context, part, &lines) == EXR_ERR_SUCCESS)
+    height = (uint32_t)lines;
   for (int i = 0; i < channels->num_channels; i++)
     pixel += channels->entries[i].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
-  return pixel * (uint64_t)width * (uint64_t)at_least(lines, 0);
+  return pixel * height * (width > across ? width : across);
 }
 
 /* Bytes of all parts' tables of chunks, which that library reads unasked. */
@@ -517,7 +529,7 @@ static uint64_t table_bytes(const reader *r) {
   for (int part = 0; part < r->parts; part++) {
     int32_t count = 0;
     exr_get_chunk_count(r->context, part, &count);
-    chunks += (uint64_t)at_least(count, 0);
+    chunks += count > 0 ? (uint64_t)count : 0;
   }
   return 8 * chunks;
 }
@@ -623,6 +635,8 @@ static exr_result_t write_header(exr_context_t context, const image *img,
     result = exr_initialize_required_attr(
         context, part, &window, &window, 1.0f, &centre, 1.0f,
         EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
+  if (result == EXR_ERR_SUCCESS && img->key[0])
+    result = exr_attr_set_string(context, part, KEY, img->key);
   for (size_t i = 0; i < img->count && result == EXR_ERR_SUCCESS; i++)
     result = exr_add_channel(context, part, img->planes[i].name,
                              half && half[i] ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,

@@ -32,6 +32,7 @@ typedef struct image {
   int32_t x, y;           /* its top left corner */
   size_t count;
   image_plane *planes;
+  char key[32]; /* what it was made from, attribute hbilKey; "" where none */
 } image;
 
 /* Fills `error` (NULL is allowed) as printf does; returns -1. */

@@ -203,7 +203,7 @@ typedef struct device {
   cl_device_id id;
   cl_context context;
   cl_command_queue queue;
-  char name[256];
+  char name[256], driver[256];
 } device;
 
 /* wanted: an index of `hbil devices`, a part of the name, or NULL (the first
@@ -233,6 +233,16 @@ int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
                  float environment[9][3], unsigned repeat, image *result,
                  double milliseconds[HBIL_PASS_COUNT], hbil_skipped *skipped,
                  image_error *error);
+
+/* The light that the last frame hands on to the next: its bytes on this device
+ * with these settings, 0 where nothing is carried.  Given back to another
+ * sequence of the same device and settings, with the camera of that frame, the
+ * next frame comes out as it would have here, bit by bit. */
+size_t sequence_light_size(const sequence *s);
+int sequence_take_light(sequence *s, void *bytes, image_error *error);
+int sequence_give_light(sequence *s, const camera_file *camera,
+                        float environment[9][3], const void *bytes,
+                        image_error *error);
 
 /* --- preview.c: pictures for the eye --- */
 
@@ -279,7 +289,8 @@ typedef struct process_options {
   unsigned repeat;         /* runs of every frame, at least 1 */
   unsigned warm_up;        /* more runs of the first frame, for its bounces */
   int preview, timings, json, quiet; /* flags */
-  int exact; /* the exact integral on the CPU in place of the library */
+  int resume; /* results of the same settings and frames are kept */
+  int exact;  /* the exact integral on the CPU in place of the library */
   hbil_config config; /* settings; formats and size are filled in */
 } process_options;
 
