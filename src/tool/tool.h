@@ -27,8 +27,9 @@ int cmd_bench(int argc, char **argv);
 /* "hbil: TEXT" as one line on standard error; returns TOOL_BAD_INPUT. */
 int tool_report(const image_error *error);
 
-/* Names come from outside: control characters are written as \n and \xNN, so
- * that a line stays one.  Returns how many columns (of ASCII) it took. */
+/* Names come from outside: control characters, and what isn't UTF-8, are
+ * written as \n and \xNN, so that a line stays one.  Returns how many columns
+ * it took. */
 int tool_show(const char *text, FILE *out);
 
 /* --- options.c: reading what stands on the command line --- */
