@@ -28,13 +28,14 @@ out=$work/none
 # --- damaged files and those of other programs ---
 
 # info is given all of a folder at once: every file is told once, understood or
-# refused, in any order.  A gigabyte holds the tool, its libraries and the
+# refused.  Two gigabytes of addresses hold the tool, its libraries and the
 # largest image that a header in there claims.
 look_at() { # NAME FILE...
   name=$1
   shift
   (
-    ulimit -v 2000000 -t 60
+    ulimit -v 2000000
+    ulimit -t 60
     "$HBIL" info "$@"
   ) >"$work/out" 2>"$work/err"
   status=$?

@@ -5,10 +5,10 @@
 #include "image/image.h"
 #include "image/temporary.h"
 
-#include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
-#include <ImfInputPart.h>
-#include <ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenImageIO/imageio.h>
 
 #include <fcntl.h>

@@ -24,7 +24,7 @@ typedef struct job {
   char *stem; /* DIR/NAME, without .exr */
   channel_map map;
   camera_file camera;
-  uint64_t key; /* resume.h */
+  uint64_t key; /* resume.h; 0: not known yet */
   int finished; /* its result is there */
 } job;
 
@@ -393,6 +393,8 @@ static int open_library(process *p) {
 /* What is there already                                                     */
 
 static int find_key(process *p, job *j) {
+  if (j->key)
+    return 0;
   j->key = j == p->jobs ? p->settings : j[-1].key;
   return resume_frame(j->path, &j->camera, &j->key, &p->error);
 }
