@@ -29,17 +29,11 @@ static int finite_number(const json_t *value, double *out) {
   return isfinite(*out);
 }
 
-static int read_number(const parser *p, const char *field, double *out) {
-  return finite_number(json_object_get(p->root, field), out)
-             ? 0
-             : lacks(p, field, "a finite number");
-}
-
-static int read_positive(const parser *p, const char *field, double *out) {
-  return finite_number(json_object_get(p->root, field), out) && *out > 0.0
-             ? 0
-             : lacks(p, field, "a number above zero (pixels)");
-}
+/* Pixels and world units beyond these are no camera's, and would not survive
+ * in single precision: squares of positions must be finite. */
+#define MOST_PIXELS 1e9
+#define LEAST_PIXELS 1e-6
+#define MOST_UNITS 1e18
 
 /* Four rows of four numbers. */
 static int read_matrix(const parser *p, const char *field, double out[16]) {
@@ -51,6 +45,54 @@ static int read_matrix(const parser *p, const char *field, double out[16]) {
       return lacks(p, field, "a 4x4 array of finite numbers, row by row,");
   }
   return 0;
+}
+
+static int read_centre(const parser *p, const char *field, double *out) {
+  return finite_number(json_object_get(p->root, field), out) &&
+                 fabs(*out) <= MOST_PIXELS
+             ? 0
+             : lacks(p, field, "a number of pixels, at most 1e9,");
+}
+
+static int read_focal(const parser *p, const char *field, double *out) {
+  return finite_number(json_object_get(p->root, field), out) &&
+                 *out >= LEAST_PIXELS && *out <= MOST_PIXELS
+             ? 0
+             : lacks(p, field, "a number of pixels, 1e-6 to 1e9,");
+}
+
+static double column_product(const double m[16], int a, int b) {
+  return m[a] * m[b] + m[4 + a] * m[4 + b] + m[8 + a] * m[8 + b];
+}
+
+static double determinant(const double m[16]) {
+  return m[0] * (m[5] * m[10] - m[6] * m[9]) +
+         m[1] * (m[6] * m[8] - m[4] * m[10]) +
+         m[2] * (m[4] * m[9] - m[5] * m[8]);
+}
+
+/* As hbil_enqueue_frame() wants it, and to the same 1e-3: beyond any rounding
+ * of a float matrix, below any real scale or shear. */
+static int is_rigid(const double m[16]) {
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++)
+      if (!(fabs(column_product(m, a, b) - (a == b)) <= 1e-3))
+        return 0;
+  for (int c = 0; c < 4; c++)
+    if (fabs(m[12 + c] - (c == 3)) > 1e-3 ||
+        (c < 3 && fabs(m[4 * c + 3]) > MOST_UNITS))
+      return 0;
+  return determinant(m) > 0.0;
+}
+
+static int read_pose(const parser *p, const char *field, double out[16]) {
+  if (read_matrix(p, field, out) != 0)
+    return -1;
+  return is_rigid(out) ? 0
+                       : lacks(p, field,
+                               "a rigid transform (unit columns at right "
+                               "angles, not mirrored, last row 0 0 0 1, not "
+                               "beyond 1e18)");
 }
 
 static int side(const json_t *value, uint32_t *out) {
@@ -77,34 +119,94 @@ static int parse(const parser *p, camera_file *out) {
                       "%s: not a JSON object; an object with "
                       "camera_to_world, fx, fy, cx, cy is needed",
                       p->path);
-  if (read_matrix(p, "camera_to_world", out->camera_to_world) != 0 ||
-      read_positive(p, "fx", &out->fx) != 0 ||
-      read_positive(p, "fy", &out->fy) != 0 ||
-      read_number(p, "cx", &out->cx) != 0 ||
-      read_number(p, "cy", &out->cy) != 0)
+  if (read_pose(p, "camera_to_world", out->camera_to_world) != 0 ||
+      read_focal(p, "fx", &out->fx) != 0 ||
+      read_focal(p, "fy", &out->fy) != 0 ||
+      read_centre(p, "cx", &out->cx) != 0 ||
+      read_centre(p, "cy", &out->cy) != 0)
     return -1;
   return read_resolution(p, out);
 }
 
+/* ------------------------------------------------------------------------ */
+/* The file                                                                  */
+
+static int unreadable(const char *path, image_error *error) {
+  return image_fail(error,
+                    "%s: camera cannot be read: %s; a JSON file with "
+                    "camera_to_world, fx, fy, cx, cy is needed",
+                    path, strerror(errno));
+}
+
+static int fill(FILE *file, const char *path, char *text, size_t *size,
+                image_error *error) {
+  *size = fread(text, 1, CAMERA_FILE_MOST + 1, file);
+  if (ferror(file))
+    return unreadable(path, error);
+  if (*size > CAMERA_FILE_MOST)
+    return image_fail(error,
+                      "%s: larger than %d KiB; a camera file with "
+                      "camera_to_world, fx, fy, cx, cy is needed",
+                      path, CAMERA_FILE_MOST >> 10);
+  return 0;
+}
+
+/* The whole file, malloc'd, or NULL. */
+static char *read_text(const char *path, size_t *size, image_error *error) {
+  FILE *file = fopen(path, "rb");
+  if (!file) {
+    unreadable(path, error);
+    return NULL;
+  }
+  char *text = malloc(CAMERA_FILE_MOST + 1);
+  const int failed =
+      text ? fill(file, path, text, size, error) : image_no_memory(error, path);
+  fclose(file);
+  if (!failed)
+    return text;
+  free(text);
+  return NULL;
+}
+
+/* The name before the last colon in front of a place in the text: the field
+ * in which the parser stopped, or nothing. */
+static int last_field(const char *text, size_t at, const char **name) {
+  while (at > 0 && text[at - 1] != ':')
+    at--;
+  while (at > 0 && text[at - 1] != '"')
+    at--;
+  const size_t end = at > 0 ? at - 1 : 0;
+  size_t begin = end;
+  while (begin > 0 && text[begin - 1] != '"')
+    begin--;
+  *name = text + begin;
+  return end - begin < 64 ? (int)(end - begin) : 0;
+}
+
+static int not_json(const char *path, const char *text, const json_error_t *why,
+                    image_error *error) {
+  const char *field;
+  const int length =
+      last_field(text, why->position > 0 ? (size_t)why->position : 0, &field);
+  return image_fail(error,
+                    "%s: not JSON (line %d%s%.*s: %s); a camera file with "
+                    "camera_to_world, fx, fy, cx, cy is needed",
+                    path, why->line, length ? ", field " : "", length, field,
+                    why->text);
+}
+
 int camera_read(const char *path, camera_file *out, image_error *error) {
   json_error_t why;
+  size_t size;
   memset(out, 0, sizeof *out);
-  FILE *file = fopen(path, "rb");
-  if (!file)
-    return image_fail(error,
-                      "%s: camera cannot be read: %s; a JSON file with "
-                      "camera_to_world, fx, fy, cx, cy is needed",
-                      path, strerror(errno));
-  json_t *root = json_loadf(file, JSON_REJECT_DUPLICATES, &why);
-  fclose(file);
-  if (!root)
-    return image_fail(error,
-                      "%s: not JSON (line %d: %s); a camera file with "
-                      "camera_to_world, fx, fy, cx, cy is needed",
-                      path, why.line, why.text);
+  char *text = read_text(path, &size, error);
+  if (!text)
+    return -1;
+  json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &why);
   const parser p = {path, root, error};
-  const int failed = parse(&p, out);
+  const int failed = root ? parse(&p, out) : not_json(path, text, &why, error);
   json_decref(root);
+  free(text);
   return failed;
 }
 

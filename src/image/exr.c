@@ -13,6 +13,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,14 +22,17 @@
 
 /* A header may claim any size; beyond these it is damaged, not an image. */
 #define MAX_PIXELS ((uint64_t)1 << 28)
-#define MAX_ALLOCATION ((size_t)1 << 31)
 #define MAX_SIDE (1 << 24)
 #define MAX_TILE (1 << 16)
+#define MAX_CHANNELS 4096
+
+#define KEY "hbilKey"
+#define DAMAGED_PIXELS "truncated or damaged pixel data"
 
 typedef struct stream {
   const char *path;
   int fd;
-  char message[512]; /* the library's last words */
+  char message[512]; /* the library's first complaint: others follow from it */
 } stream;
 
 static void keep_message(exr_const_context_t context, exr_result_t code,
@@ -37,7 +41,8 @@ static void keep_message(exr_const_context_t context, exr_result_t code,
   (void)code;
   if (context && exr_get_user_data(context, &user) == EXR_ERR_SUCCESS && user) {
     stream *s = user;
-    snprintf(s->message, sizeof s->message, "%s", message);
+    if (!s->message[0])
+      snprintf(s->message, sizeof s->message, "%s", message);
   }
 }
 
@@ -88,16 +93,55 @@ static int64_t stream_write(exr_const_context_t context, void *user,
   return (int64_t)done;
 }
 
-/* Damaged headers ask for absurd chunks; those are refused, not tried. */
-static void *bounded_allocation(size_t size) {
-  return size > MAX_ALLOCATION ? NULL : malloc(size);
+/*
+ * What the library holds for one file.  Damaged headers ask for absurd chunks;
+ * those are refused, not tried.
+ */
+typedef struct budget {
+  size_t held, limit; /* bytes */
+  int exceeded;
+} budget;
+
+/* The library's allocators are told nothing but a size, so the file that a
+ * thread is at work on is noted here.  NULL: no limit. */
+static _Thread_local budget *current;
+
+/* In front of each allocation. */
+typedef union block {
+  size_t size;
+  max_align_t align;
+} block;
+
+static void *budget_take(size_t size) {
+  budget *b = current;
+  if (b && size > b->limit - b->held) {
+    b->exceeded = 1;
+    return NULL;
+  }
+  block *taken =
+      size <= SIZE_MAX - sizeof *taken ? malloc(sizeof *taken + size) : NULL;
+  if (!taken)
+    return NULL;
+  taken->size = size;
+  if (b)
+    b->held += size;
+  return taken + 1;
+}
+
+static void budget_give(void *memory) {
+  block *taken = memory;
+  if (!taken)
+    return;
+  if (current)
+    current->held -= taken[-1].size;
+  free(taken - 1);
 }
 
 static exr_context_initializer_t initializer(stream *s) {
   exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
   init.error_handler_fn = keep_message;
-  init.alloc_fn = bounded_allocation;
-  init.free_fn = free;
+  init.alloc_fn = budget_take;
+  init.free_fn = budget_give;
   init.user_data = s;
   init.read_fn = stream_read;
   init.size_fn = stream_size;
@@ -108,7 +152,7 @@ static exr_context_initializer_t initializer(stream *s) {
   return init;
 }
 
-static const char *last_words(const stream *s, exr_result_t result) {
+static const char *complaint(const stream *s, exr_result_t result) {
   return s->message[0] ? s->message : exr_get_default_error_message(result);
 }
 
@@ -118,16 +162,31 @@ static const char *last_words(const stream *s, exr_result_t result) {
 typedef struct reader {
   stream stream;
   exr_context_t context;
+  budget memory;
   int parts;
   exr_attr_box2i_t window; /* of the first flat part */
+  size_t channels;         /* of all parts with that window */
   image_error *error;
 } reader;
 
 static void reader_close(reader *r) {
   if (r->context)
     exr_finish(&r->context);
+  current = NULL;
   if (r->stream.fd >= 0)
     close(r->stream.fd);
+}
+
+/* Why the library gave up. */
+static int library_failed(const reader *r, const char *what,
+                          exr_result_t result) {
+  if (r->memory.exceeded)
+    return image_fail(r->error,
+                      "%s: %s, or one that needs more memory than 4 times its "
+                      "image and %d MiB; a complete file is needed",
+                      r->stream.path, what, EXR_SPARE_MEMORY >> 20);
+  return image_fail(r->error, "%s: %s (%s); a complete file is needed",
+                    r->stream.path, what, complaint(&r->stream, result));
 }
 
 static int check_kind(reader *r) {
@@ -183,17 +242,49 @@ static int find_window(reader *r) {
   return 0;
 }
 
+/* The channels of a part that can be read together with the first, or NULL. */
+static const exr_attr_chlist_t *part_channels(reader *r, int part) {
+  const exr_attr_chlist_t *channels = NULL;
+  exr_attr_box2i_t window;
+  if (!is_flat(r, part) ||
+      exr_get_data_window(r->context, part, &window) != EXR_ERR_SUCCESS ||
+      memcmp(&window, &r->window, sizeof window) != 0 ||
+      exr_get_channels(r->context, part, &channels) != EXR_ERR_SUCCESS)
+    return NULL;
+  return channels;
+}
+
+static size_t pixels(const reader *r) {
+  return (size_t)extent(r->window.min.x, r->window.max.x) *
+         (size_t)extent(r->window.min.y, r->window.max.y);
+}
+
+/* Now that the image is known, so is what may be held for it: our planes are
+ * one of its four times. */
+static int count_channels(reader *r) {
+  for (int part = 0; part < r->parts; part++) {
+    const exr_attr_chlist_t *channels = part_channels(r, part);
+    r->channels += channels ? (size_t)channels->num_channels : 0;
+  }
+  if (r->channels > MAX_CHANNELS)
+    return image_fail(r->error, "%s: claims %zu channels; at most %d are read",
+                      r->stream.path, r->channels, MAX_CHANNELS);
+  r->memory.limit += 3 * sizeof(float) * r->channels * pixels(r);
+  return 0;
+}
+
 static int reader_parse(reader *r) {
   const exr_context_initializer_t init = initializer(&r->stream);
+  r->memory.limit = EXR_SPARE_MEMORY;
+  current = &r->memory;
   exr_result_t result = exr_start_read(&r->context, r->stream.path, &init);
   if (result == EXR_ERR_SUCCESS)
     result = exr_get_count(r->context, &r->parts);
-  if (result != EXR_ERR_SUCCESS)
-    return image_fail(r->error,
-                      "%s: damaged OpenEXR header (%s); a complete "
-                      "file is needed",
-                      r->stream.path, last_words(&r->stream, result));
-  return find_window(r);
+  /* The library goes on behind what it can't parse, with an image of 64 x 64
+   * pixels in place of what it didn't find. */
+  if (result != EXR_ERR_SUCCESS || r->stream.message[0])
+    return library_failed(r, "damaged OpenEXR header", result);
+  return find_window(r) != 0 || count_channels(r) != 0 ? -1 : 0;
 }
 
 static int reader_open(reader *r, const char *path, image_error *error) {
@@ -213,18 +304,6 @@ static int reader_open(reader *r, const char *path, image_error *error) {
   return 0;
 }
 
-/* The channels of a part that can be read together with the first, or NULL. */
-static const exr_attr_chlist_t *part_channels(reader *r, int part) {
-  const exr_attr_chlist_t *channels = NULL;
-  exr_attr_box2i_t window;
-  if (!is_flat(r, part) ||
-      exr_get_data_window(r->context, part, &window) != EXR_ERR_SUCCESS ||
-      memcmp(&window, &r->window, sizeof window) != 0 ||
-      exr_get_channels(r->context, part, &channels) != EXR_ERR_SUCCESS)
-    return NULL;
-  return channels;
-}
-
 /* PART.CHANNEL, the name of a channel whose own name is taken. */
 static void qualified_name(reader *r, int part, const char *channel, char *name,
                            size_t size) {
@@ -233,6 +312,15 @@ static void qualified_name(reader *r, int part, const char *channel, char *name,
       !part_name)
     part_name = "";
   snprintf(name, size, "%s.%s", part_name, channel);
+}
+
+static void read_key(reader *r, image *out) {
+  const char *key = NULL;
+  int32_t length = 0;
+  if (exr_attr_get_string(r->context, 0, KEY, &length, &key) ==
+          EXR_ERR_SUCCESS &&
+      key && length >= 0)
+    snprintf(out->key, sizeof out->key, "%.*s", (int)length, key);
 }
 
 static void set_size(const reader *r, image *out) {
@@ -263,6 +351,7 @@ int exr_read_header(const char *path, image *out, image_error *error) {
   if (reader_open(&r, path, error) != 0)
     return -1;
   set_size(&r, out);
+  read_key(&r, out);
   for (int part = 0; part < r.parts && !failed; part++)
     failed = list_part(&r, part, out);
   reader_close(&r);
@@ -312,9 +401,11 @@ typedef struct decoder {
   int started;
 } decoder;
 
-/* Points the wanted channels at the pixel (x,y) of their planes. */
-static void aim(decoder *d, size_t x, size_t y) {
+/* Points the wanted channels at the pixel (x,y) of their planes; returns how
+ * many they are. */
+static int aim(decoder *d, size_t x, size_t y) {
   const size_t first = y * d->img->width + x;
+  int wanted = 0;
   for (size_t i = 0; i < d->img->count; i++) {
     if (d->sources[i].part != d->part)
       continue;
@@ -325,7 +416,23 @@ static void aim(decoder *d, size_t x, size_t y) {
     channel->user_bytes_per_element = sizeof(float);
     channel->user_pixel_stride = sizeof(float);
     channel->user_line_stride = (int32_t)(d->img->width * sizeof(float));
+    wanted++;
   }
+  return wanted;
+}
+
+/*
+ * Of a part with three or four channels OpenEXRCore's quick routines write all,
+ * as halves, even if only some of them are wanted, to where the others don't
+ * point.  A stride that these routines don't know keeps them away; aim() puts
+ * it right again.
+ */
+static exr_result_t choose_routines(decoder *d, int wanted) {
+  for (int i = 0; i < d->pipeline.channel_count; i++)
+    if (wanted < d->pipeline.channel_count)
+      d->pipeline.channels[i].user_pixel_stride = 2 * sizeof(float);
+  return exr_decoding_choose_default_routines(d->reader->context, d->part,
+                                              &d->pipeline);
 }
 
 static exr_result_t decode_chunk(decoder *d, const exr_chunk_info_t *chunk,
@@ -337,11 +444,12 @@ static exr_result_t decode_chunk(decoder *d, const exr_chunk_info_t *chunk,
           : exr_decoding_initialize(context, d->part, chunk, &d->pipeline);
   if (result != EXR_ERR_SUCCESS)
     return result;
-  aim(d, x, y);
-  if (!d->started)
-    result =
-        exr_decoding_choose_default_routines(context, d->part, &d->pipeline);
-  d->started = 1;
+  const int wanted = aim(d, x, y);
+  if (!d->started) {
+    d->started = 1;
+    result = choose_routines(d, wanted);
+    aim(d, x, y);
+  }
   return result == EXR_ERR_SUCCESS
              ? exr_decoding_run(context, d->part, &d->pipeline)
              : result;
@@ -397,6 +505,45 @@ static exr_result_t decode_core(reader *r, int part, const image *img,
   return result;
 }
 
+/* Bytes of a chunk of a part, which may be larger than its image. */
+static uint64_t chunk_bytes(reader *r, int part) {
+  const exr_attr_chlist_t *channels = part_channels(r, part);
+  const uint32_t across = (uint32_t)extent(r->window.min.x, r->window.max.x);
+  exr_tile_level_mode_t levels;
+  exr_tile_round_mode_t rounding;
+  uint32_t width = 0, height = 0;
+  int32_t lines = 0;
+  uint64_t pixel = 0;
+  if (exr_get_tile_descriptor(r->context, part, &width, &height, &levels,
+                              &rounding) != EXR_ERR_SUCCESS &&
+      exr_get_scanlines_per_chunk(r->context, part, &lines) == EXR_ERR_SUCCESS)
+    height = (uint32_t)lines;
+  for (int i = 0; i < channels->num_channels; i++)
+    pixel += channels->entries[i].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
+  return pixel * height * (width > across ? width : across);
+}
+
+/* Bytes of all parts' tables of chunks, which that library reads unasked. */
+static uint64_t table_bytes(const reader *r) {
+  uint64_t chunks = 0;
+  for (int part = 0; part < r->parts; part++) {
+    int32_t count = 0;
+    exr_get_chunk_count(r->context, part, &count);
+    chunks += count > 0 ? (uint64_t)count : 0;
+  }
+  return 8 * chunks;
+}
+
+/* That library has no allocator of ours.  It holds one chunk, packed and
+ * unpacked, and what is between: 2.7 to 3.1 chunks are measured. */
+static int check_dwa(reader *r, int part) {
+  const uint64_t needed = 4 * chunk_bytes(r, part) + table_bytes(r);
+  if (needed <= r->memory.limit - r->memory.held)
+    return 0;
+  r->memory.exceeded = 1;
+  return library_failed(r, DAMAGED_PIXELS, EXR_ERR_OUT_OF_MEMORY);
+}
+
 static int decode_dwa(reader *r, int part, const image *img,
                       const source *sources) {
   const exr_attr_chlist_t *channels = part_channels(r, part);
@@ -421,14 +568,10 @@ static int decode_part(reader *r, int part, const image *img,
   exr_get_compression(r->context, part, &compression);
   if (compression == EXR_COMPRESSION_DWAA ||
       compression == EXR_COMPRESSION_DWAB)
-    return decode_dwa(r, part, img, sources);
+    return check_dwa(r, part) != 0 ? -1 : decode_dwa(r, part, img, sources);
   const exr_result_t result = decode_core(r, part, img, sources);
-  if (result != EXR_ERR_SUCCESS)
-    return image_fail(r->error,
-                      "%s: truncated or damaged pixel data (%s); a "
-                      "complete file is needed",
-                      r->stream.path, last_words(&r->stream, result));
-  return 0;
+  return result == EXR_ERR_SUCCESS ? 0
+                                   : library_failed(r, DAMAGED_PIXELS, result);
 }
 
 static int is_wanted(const image *img, const source *sources, int part) {
@@ -492,6 +635,8 @@ static exr_result_t write_header(exr_context_t context, const image *img,
     result = exr_initialize_required_attr(
         context, part, &window, &window, 1.0f, &centre, 1.0f,
         EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
+  if (result == EXR_ERR_SUCCESS && img->key[0])
+    result = exr_attr_set_string(context, part, KEY, img->key);
   for (size_t i = 0; i < img->count && result == EXR_ERR_SUCCESS; i++)
     result = exr_add_channel(context, part, img->planes[i].name,
                              half && half[i] ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
@@ -571,7 +716,7 @@ int exr_write(const char *path, const image *img, const unsigned char *half,
   const int closed = close(s.fd);
   if (result != EXR_ERR_SUCCESS || closed != 0) {
     image_fail(error, "%s: cannot be written: %s", path,
-               result != EXR_ERR_SUCCESS ? last_words(&s, result)
+               result != EXR_ERR_SUCCESS ? complaint(&s, result)
                                          : strerror(errno));
     temporary_discard(temporary);
     return -1;

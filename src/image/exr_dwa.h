@@ -1,7 +1,7 @@
 /*
  * OpenEXRCore before 3.2 cannot decompress DWAA and DWAB, and some later ones
  * do so wrongly where channels have layer names (openexr issue 1682).  Such
- * parts are therefore read through OpenImageIO (formats.cpp).
+ * parts are therefore read through OpenEXR's C++ library (formats.cpp).
  */
 #ifndef HBIL_EXR_DWA_H
 #define HBIL_EXR_DWA_H

@@ -1,22 +1,49 @@
-// PNG, and every image that OpenImageIO reads, behind the C interface of
-// image.h.  No exception leaves this file.
+// PNG, every image that OpenImageIO reads, and DWA through OpenEXR's C++
+// library, behind C interfaces.  No exception leaves this file.
 #include "image/exr_dwa.h"
+#include "image/exr_rgb.h"
 #include "image/image.h"
 #include "image/temporary.h"
 
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenImageIO/imageio.h>
 
-#include <algorithm>
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cstdlib>
 #include <exception>
 #include <memory>
 #include <string>
-#include <vector>
 
 namespace {
 
-// Environment maps are large, but not larger than this.
-const uint64_t max_pixels = uint64_t(1) << 28;
+// libpng, libjpeg and libtiff tell standard error what is wrong, too; the
+// tool's own line is enough.
+class Silence {
+public:
+  Silence() : standard(dup(STDERR_FILENO)) {
+    const int nowhere = open("/dev/null", O_WRONLY);
+    if (standard >= 0 && nowhere >= 0)
+      dup2(nowhere, STDERR_FILENO);
+    if (nowhere >= 0)
+      close(nowhere);
+  }
+  ~Silence() {
+    if (standard >= 0) {
+      dup2(standard, STDERR_FILENO);
+      close(standard);
+    }
+  }
+  Silence(const Silence &) = delete;
+  Silence &operator=(const Silence &) = delete;
+
+private:
+  const int standard;
+};
 
 int write_png(const char *path, const char *temporary, const unsigned char *rgb,
               uint32_t width, uint32_t height, image_error *error) {
@@ -47,6 +74,7 @@ bool read_rgb(OIIO::ImageInput &in, float *rgb) {
 
 int read_file(const char *path, float **rgb, uint32_t *width, uint32_t *height,
               image_error *error) {
+  const Silence silence;
   auto in = OIIO::ImageInput::open(path);
   if (!in)
     return image_fail(error,
@@ -56,12 +84,12 @@ int read_file(const char *path, float **rgb, uint32_t *width, uint32_t *height,
   const OIIO::ImageSpec &spec = in->spec();
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.deep ||
       spec.nchannels < 1 ||
-      uint64_t(spec.width) > max_pixels / uint64_t(spec.height))
+      uint64_t(spec.width) > IMAGE_MAP_PIXELS / uint64_t(spec.height))
     return image_fail(error,
                       "%s: %d x %d x %d pixels; a flat image of at most "
-                      "%llu pixels is needed",
+                      "%d pixels is needed",
                       path, spec.width, spec.height, spec.depth,
-                      static_cast<unsigned long long>(max_pixels));
+                      IMAGE_MAP_PIXELS);
   const size_t pixels = size_t(spec.width) * size_t(spec.height);
   std::unique_ptr<float, void (*)(void *)> out(
       static_cast<float *>(std::calloc(3 * pixels, sizeof(float))), std::free);
@@ -78,84 +106,24 @@ int read_file(const char *path, float **rgb, uint32_t *width, uint32_t *height,
   return 0;
 }
 
-// Rows of a range of channels, interleaved, and where the wanted ones go.
-class BandReader {
-public:
-  BandReader(OIIO::ImageInput &in, int part, const exr_target *targets,
-             size_t count)
-      : in(in), part(part), spec(in.spec(part, 0)), targets(targets),
-        index(count), first(spec.nchannels), last(0) {
-    for (size_t i = 0; i < count; i++) {
-      index[i] = spec.channelindex(targets[i].channel);
-      first = std::min(first, index[i]);
-      last = std::max(last, index[i] + 1);
-    }
-  }
-
-  bool has(uint32_t width, uint32_t height) const {
-    return first >= 0 && first < last && spec.width == int(width) &&
-           spec.height == int(height) && !spec.deep;
-  }
-
-  bool read() {
-    // A multiple of every DWA chunk's height, and whole tiles.
-    const int band = spec.tile_height ? spec.tile_height : 256;
-    const int end = spec.y + spec.height;
-    for (int y = spec.y; y < end; y += band)
-      if (!read_rows(y, std::min(y + band, end)))
-        return false;
-    return true;
-  }
-
-private:
-  bool read_rows(int begin, int end) {
-    const size_t channels = size_t(last - first);
-    const size_t pixels = size_t(end - begin) * size_t(spec.width);
-    rows.resize(channels * pixels);
-    const bool good =
-        spec.tile_width
-            ? in.read_tiles(part, 0, spec.x, spec.x + spec.width, begin, end, 0,
-                            1, first, last, OIIO::TypeDesc::FLOAT, rows.data())
-            : in.read_scanlines(part, 0, begin, end, 0, first, last,
-                                OIIO::TypeDesc::FLOAT, rows.data());
-    if (!good)
-      return false;
-    const size_t offset = size_t(begin - spec.y) * size_t(spec.width);
-    for (size_t t = 0; t < index.size(); t++) {
-      const float *from = rows.data() + (index[t] - first);
-      for (size_t i = 0; i < pixels; i++)
-        targets[t].pixels[offset + i] = from[i * channels];
-    }
-    return true;
-  }
-
-  OIIO::ImageInput &in;
-  const int part;
-  const OIIO::ImageSpec spec;
-  const exr_target *targets;
-  std::vector<int> index;
-  int first, last;
-  std::vector<float> rows;
-};
-
+// Planes of one part, straight from OpenEXR's C++ library.
 int read_part(const char *path, int part, uint32_t width, uint32_t height,
               const exr_target *targets, size_t count, image_error *error) {
-  OIIO::attribute("openexr:core", 0); // its DWA is what we are avoiding
-  auto in = OIIO::ImageInput::open(path);
-  if (!in)
-    return image_fail(error, "%s: cannot be read: %s", path,
-                      OIIO::geterror().c_str());
-  BandReader reader(*in, part, targets, count);
-  if (!reader.has(width, height))
+  Imf::MultiPartInputFile file(path, 0); // threads would hold a chunk each
+  Imf::InputPart in(file, part);
+  const Imath::Box2i window = in.header().dataWindow();
+  Imf::FrameBuffer planes;
+  for (size_t i = 0; i < count; i++)
+    planes.insert(targets[i].channel,
+                  Imf::Slice::Make(Imf::FLOAT, targets[i].pixels, window,
+                                   sizeof(float), sizeof(float) * width));
+  if (window.size() != Imath::V2i(int(width) - 1, int(height) - 1))
     return image_fail(error,
-                      "%s: OpenImageIO sees other channels than "
-                      "OpenEXR; another compression than DWA is needed",
+                      "%s: two readers see two sizes; a complete file "
+                      "is needed",
                       path);
-  if (!reader.read())
-    return image_fail(error,
-                      "%s: truncated or damaged pixel data (%s); a "
-                      "complete file is needed",
-                      path, in->geterror().c_str());
+  in.setFrameBuffer(planes);
+  in.readPixels(window.min.y, window.max.y);
   return 0;
 }
 
@@ -199,6 +167,8 @@ extern "C" int png_write(const char *path, const unsigned char *rgb,
 extern "C" int formats_read_rgb(const char *path, float **rgb, uint32_t *width,
                                 uint32_t *height, image_error *error) {
   *rgb = nullptr;
+  if (exr_recognise(path))
+    return exr_read_rgb(path, rgb, width, height, error);
   return guarded(path, "read", error,
                  [&] { return read_file(path, rgb, width, height, error); });
 }

@@ -15,7 +15,8 @@
 extern "C" {
 #endif
 
-enum { IMAGE_ERROR_SIZE = 1024 };
+/* Two paths of the greatest length, and what is wrong with them. */
+enum { IMAGE_ERROR_SIZE = 2 * 4096 + 1024 };
 typedef struct image_error {
   char text[IMAGE_ERROR_SIZE];
 } image_error;
@@ -31,6 +32,7 @@ typedef struct image {
   int32_t x, y;           /* its top left corner */
   size_t count;
   image_plane *planes;
+  char key[32]; /* what it was made from, attribute hbilKey; "" where none */
 } image;
 
 /* Fills `error` (NULL is allowed) as printf does; returns -1. */
@@ -61,7 +63,13 @@ image_plane *image_declare(image *img, const char *name);
  * Flat scanline and tiled files, single and multi-part.  The first flat part
  * gives the size; channels are those of all flat parts of the same data window.
  * A name that an earlier part has used already is listed as PART.NAME.
+ *
+ * Whatever a file claims, memory stays below EXR_SPARE_MEMORY and, once the
+ * header is known, 4 times its image more: pixels x channels x 4 bytes.  The
+ * spare part is for the header, and for small images in DWA, whose chunks have
+ * 256 rows in any case.
  */
+enum { EXR_SPARE_MEMORY = 64 << 20 };
 
 /* Header only: size and channel names. */
 int exr_read_header(const char *path, image *out, image_error *error);
@@ -84,7 +92,8 @@ int png_write(const char *path, const unsigned char *rgb, uint32_t width,
               uint32_t height, image_error *error);
 
 /* Any image OpenImageIO reads, as interleaved RGB floats (malloc'd, grey is
- * tripled, alpha dropped). */
+ * tripled, alpha dropped); 16384 x 8192 pixels at most. */
+enum { IMAGE_MAP_PIXELS = 1 << 27 };
 int formats_read_rgb(const char *path, float **rgb, uint32_t *width,
                      uint32_t *height, image_error *error);
 
@@ -97,6 +106,9 @@ typedef struct camera_file {
   double fx, fy, cx, cy;
   uint32_t width, height;
 } camera_file;
+
+/* A file that is larger is refused before the rest of it is read. */
+enum { CAMERA_FILE_MOST = 1 << 20 };
 
 int camera_read(const char *path, camera_file *out, image_error *error);
 int camera_write(const char *path, const camera_file *camera,

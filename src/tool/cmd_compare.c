@@ -350,8 +350,11 @@ static int measure(const compare_options *o, const side *a, const side *b,
   int failed = 0;
   if (heat)
     failed = write_heatmap(o->heatmap, heat, &a->planes, &limit, error);
-  if (heat && !failed && !o->json)
-    printf("heat map       %s, white: %g\n", o->heatmap, (double)limit);
+  if (heat && !failed && !o->json) {
+    fputs("heat map       ", stdout);
+    tool_show(o->heatmap, stdout);
+    printf(", white: %g\n", (double)limit);
+  }
   free(heat);
   return failed;
 }

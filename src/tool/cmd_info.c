@@ -47,7 +47,9 @@ static void print_role(const gbuffer *g, role r) {
     printf("  %-10s not in the file\n", role_name(r));
   for (size_t c = 0; c < g->map.count[r]; c++) {
     const range found = find_range(gbuffer_plane(g, r, c), pixels);
-    printf("  %-10s %-28s", c ? "" : role_name(r), g->map.names[r][c]);
+    printf("  %-10s ", c ? "" : role_name(r));
+    for (int at = tool_show(g->map.names[r][c], stdout); at < 28; at++)
+      putchar(' ');
     if (found.low <= found.high)
       printf(" %g .. %g", (double)found.low, (double)found.high);
     if (found.odd)
@@ -194,7 +196,11 @@ static void print_ignored(const image *header, const channel_map *map) {
     if (is_used(map, name) ||
         (length == last_length && strncmp(name, last, length) == 0))
       continue;
-    printf("  %-10s %.*s\n", last_length ? "" : "not used", (int)length, name);
+    char group[sizeof header->planes->name];
+    snprintf(group, sizeof group, "%.*s", (int)length, name);
+    printf("  %-10s ", last_length ? "" : "not used");
+    tool_show(group, stdout);
+    putchar('\n');
     last = name;
     last_length = length;
   }
@@ -206,8 +212,9 @@ static int print_planes(const char *path, const gbuffer *g,
   camera_file camera;
   hbil_config_init(&config);
   channels_conventions(&g->map, &config);
-  printf("%s: %u x %u pixels, read as %s\n", path, g->planes.width,
-         g->planes.height, dump_kind_name(g->map.kind));
+  tool_show(path, stdout);
+  printf(": %u x %u pixels, read as %s\n", g->planes.width, g->planes.height,
+         dump_kind_name(g->map.kind));
   for (int r = 0; r < ROLE_COUNT; r++)
     print_role(g, (role)r);
   if (g->map.count[ROLE_DEPTH])

@@ -36,6 +36,7 @@ enum {
   OPTION_CAMERA,
   OPTION_DEVICE,
   OPTION_REPEAT,
+  OPTION_RESUME,
   OPTION_WARM_UP,
   OPTION_PREVIEW,
   OPTION_TIMINGS,
@@ -81,6 +82,7 @@ static const struct option options[] = {
     {"camera", required_argument, NULL, OPTION_CAMERA},
     {"device", required_argument, NULL, OPTION_DEVICE},
     {"repeat", required_argument, NULL, OPTION_REPEAT},
+    {"resume", no_argument, NULL, OPTION_RESUME},
     {"warm-up", required_argument, NULL, OPTION_WARM_UP},
     {"preview", no_argument, NULL, OPTION_PREVIEW},
     {"timings", no_argument, NULL, OPTION_TIMINGS},
@@ -112,6 +114,11 @@ static void usage(const hbil_config *defaults) {
       "                        what a lit sky in the first frame explains\n"
       "  --device NAME         index or part of a name, see hbil devices (the\n"
       "                        first GPU, else the first device)\n"
+      "  --resume              go on where such a job was broken off: results "
+      "in\n"
+      "                        DIR of the same frames, settings, device and\n"
+      "                        version are kept; the others come out as they\n"
+      "                        would have, bit by bit\n"
       "  --repeat N            run every frame N times: more bounces (1)\n"
       "  --warm-up N           run the first frame N times more (3)\n"
       "  --preview             also write DIR/FRAME.LAYER.png\n"
@@ -307,6 +314,9 @@ static int set_option(int option, process_options *o, image_error *error) {
   case OPTION_NO_SKIP:
     o->config.skip = 0;
     return 0;
+  case OPTION_RESUME:
+    o->resume = 1;
+    return 0;
   case OPTION_PREVIEW:
     o->preview = 1;
     return 0;
@@ -370,6 +380,10 @@ static int check_options(const request *r, image_error *error) {
   const process_options *o = r->options;
   if (is_given(r, OPTION_FALLOFF) && o->config.mode != HBIL_MODE_HBAO)
     return image_fail(error, "--falloff: --mode hbao is needed with it");
+  if (o->resume && o->timings)
+    return image_fail(error,
+                      "--resume: not with --timings, which wants every frame "
+                      "to run; one or the other is needed");
   if (o->exact)
     return check_exact(r, error);
   if (o->config.slices > MOST)

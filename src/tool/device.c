@@ -112,7 +112,7 @@ int device_list(image_error *error) {
 
 static int contains(const char *text, const char *part) {
   const size_t length = strlen(part);
-  for (; *text; text++) {
+  for (; *text && length; text++) {
     size_t i = 0;
     while (i < length && text[i] &&
            tolower((unsigned char)text[i]) == tolower((unsigned char)part[i]))
@@ -155,6 +155,7 @@ static int open_queue(const device_entry *entry, int profiling, device *out,
   cl_int status;
   out->id = entry->id;
   device_text(entry->id, CL_DEVICE_NAME, out->name, sizeof out->name);
+  device_text(entry->id, CL_DRIVER_VERSION, out->driver, sizeof out->driver);
   out->context =
       clCreateContext(properties, 1, &entry->id, NULL, NULL, &status);
   if (status == CL_SUCCESS)

@@ -154,6 +154,11 @@ void exact_close(exact_sequence *e) {
   free(e);
 }
 
+void exact_expect(exact_sequence *e, unsigned frames, unsigned runs) {
+  e->work.frames = frames;
+  e->work.runs = runs;
+}
+
 /* ------------------------------------------------------------------------ */
 /* A frame                                                                   */
 
@@ -232,4 +237,26 @@ void exact_run(exact_sequence *e, const gbuffer *g, const camera_file *camera,
   }
   progress_clear(&e->progress);
   take_layers(e, result);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Light on its way from one process to another                              */
+
+size_t exact_light_size(const exact_sequence *e) {
+  const ref_planes *history = &e->state.history;
+  return e->config.reprojection == HBIL_REPROJECTION_NONE
+             ? 0
+             : sizeof *history->values * (size_t)history->count *
+                   (size_t)history->width * (size_t)history->height;
+}
+
+void exact_take_light(const exact_sequence *e, void *bytes) {
+  memcpy(bytes, e->state.history.values, exact_light_size(e));
+}
+
+void exact_give_light(exact_sequence *e, const camera_file *camera,
+                      const void *bytes) {
+  memcpy(e->state.history.values, bytes, exact_light_size(e));
+  gbuffer_hbil_camera(camera, &e->state.camera);
+  e->state.has_history = true;
 }

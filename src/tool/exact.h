@@ -34,8 +34,16 @@ int exact_open(const hbil_config *config, const channel_map *map,
                unsigned layers, const exact_work *work, exact_sequence **out,
                image_error *error);
 void exact_close(exact_sequence *e);
+/* So many frames and runs are left in all. */
+void exact_expect(exact_sequence *e, unsigned frames, unsigned runs);
 /* Runs a frame `repeat` times and takes the layers into result's planes. */
 void exact_run(exact_sequence *e, const gbuffer *g, const camera_file *camera,
                float environment[9][3], unsigned repeat, image *result);
+
+/* As sequence_take_light() and its like. */
+size_t exact_light_size(const exact_sequence *e);
+void exact_take_light(const exact_sequence *e, void *bytes);
+void exact_give_light(exact_sequence *e, const camera_file *camera,
+                      const void *bytes);
 
 #endif

@@ -2,6 +2,7 @@
  * have been right. */
 #include "tool/tool.h"
 
+#include <errno.h>
 #include <getopt.h>
 #include <math.h>
 #include <stdio.h>
@@ -27,8 +28,11 @@ int option_floats(const char *option, const char *text, float *out,
   const char *at = text;
   for (size_t i = 0; i < count; i++) {
     char *end;
+    errno = 0;
     out[i] = strtof(at, &end);
-    if (end == at || isnan(out[i]) || *end != (i + 1 < count ? ',' : '\0'))
+    const int overflow = errno == ERANGE && isinf(out[i]);
+    if (end == at || isnan(out[i]) || overflow ||
+        *end != (i + 1 < count ? ',' : '\0'))
       return image_fail(error, "%s %s: %zu number%s needed", option, text,
                         count, count == 1 ? " is" : "s, with commas, are");
     at = end + 1;

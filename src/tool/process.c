@@ -6,6 +6,7 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #include "tool/exact.h"
+#include "tool/resume.h"
 #include "tool/tool.h"
 
 #include <errno.h>
@@ -23,6 +24,8 @@ typedef struct job {
   char *stem; /* DIR/NAME, without .exr */
   channel_map map;
   camera_file camera;
+  uint64_t key; /* resume.h; 0: not known yet */
+  int finished; /* its result is there */
 } job;
 
 typedef struct process {
@@ -39,6 +42,9 @@ typedef struct process {
   sequence *sequence; /* one of both */
   exact_sequence *exact;
   float exposure;
+  uint64_t settings;  /* the key before the first frame */
+  resume_light light; /* what frames hand on */
+  int first, end;     /* of the frames that are lit */
   image_error error;
 } process;
 
@@ -170,15 +176,19 @@ static int check_name(process *p, job *j) {
   return failed;
 }
 
+static void warn(const char *path, const char *what) {
+  fputs("hbil: ", stderr);
+  tool_show(path, stderr);
+  fprintf(stderr, ": warning: %s\n", what);
+}
+
 /* Not an error: occlusion and bent cones need no light. */
 static void warn_of_darkness(const process *p) {
   const channel_map *map = &p->jobs[0].map;
   if (!p->options->quiet && p->config.mode == HBIL_MODE_HBIL &&
       !map->count[ROLE_DIRECT] && !map->count[ROLE_EMISSION])
-    fprintf(stderr,
-            "hbil: %s: warning: no direct light and no emission; near light "
-            "will be black\n",
-            p->jobs[0].path);
+    warn(p->jobs[0].path, "no direct light and no emission; near light will be "
+                          "black");
 }
 
 static int check_jobs(process *p, char *const *files) {
@@ -379,6 +389,115 @@ static int open_library(process *p) {
                        &p->sequence, &p->error);
 }
 
+/* ------------------------------------------------------------------------ */
+/* What is there already                                                     */
+
+static int find_key(process *p, job *j) {
+  if (j->key)
+    return 0;
+  j->key = j == p->jobs ? p->settings : j[-1].key;
+  return resume_frame(j->path, &j->camera, &j->key, &p->error);
+}
+
+static char *preview_path(const job *j, layer l) {
+  char *stem = join(j->stem, ".", layer_table[l].name);
+  char *path = stem ? join(stem, "", ".png") : NULL;
+  free(stem);
+  return path;
+}
+
+static int has_previews(const process *p, const job *j) {
+  int all = 1;
+  for (int l = 0; l < LAYER_COUNT && all; l++) {
+    char *path = p->layers >> l & 1 ? preview_path(j, (layer)l) : NULL;
+    all = !(p->layers >> l & 1) || (path && access(path, F_OK) == 0);
+    free(path);
+  }
+  return all;
+}
+
+static int look_for_result(process *p, job *j) {
+  char *path = join(j->stem, "", ".exr");
+  if (!path)
+    return image_no_memory(&p->error, j->path);
+  const int failed = find_key(p, j);
+  j->finished = !failed && resume_is_finished(path, j->key) &&
+                (!p->options->preview || has_previews(p, j));
+  free(path);
+  return failed;
+}
+
+/* Light that was saved behind a frame up to which nothing is missing. */
+static int give_light(process *p, int missing) {
+  int from = missing - 1;
+  if (!p->light.size || !resume_load(p->options->output, &p->light))
+    return 0;
+  while (from >= 0 && p->jobs[from].key != p->light.key)
+    from--;
+  if (from < 0)
+    return 0;
+  const camera_file *camera = &p->jobs[from].camera;
+  p->first = from + 1;
+  p->exposure = p->light.exposure;
+  if (!p->exact)
+    return sequence_give_light(p->sequence, camera, p->environment,
+                               p->light.bytes, &p->error);
+  exact_give_light(p->exact, camera, p->light.bytes);
+  return 0;
+}
+
+/* Whether a frame must be lit though its result may be there: for those that
+ * come after it, and for the exposure of their previews. */
+static int is_needed(const process *p, const job *j) {
+  const int i = (int)(j - p->jobs);
+  return !j->finished || (i >= p->first && i < p->end &&
+                          (p->light.size || (p->options->preview && i == 0)));
+}
+
+static void expect(process *p) {
+  unsigned frames = 0, runs = 0;
+  for (int i = p->first; i < p->end; i++)
+    if (is_needed(p, &p->jobs[i])) {
+      frames++;
+      runs += p->options->repeat + (i == 0 ? p->options->warm_up : 0);
+    }
+  exact_expect(p->exact, frames, runs);
+}
+
+/* Leaves out what need not be done again. */
+static int resume(process *p) {
+  int missing = p->count;
+  resume_sweep(p->options->output);
+  p->end = 0;
+  for (int i = 0; i < p->count; i++) {
+    if (look_for_result(p, &p->jobs[i]) != 0)
+      return -1;
+    if (p->jobs[i].finished)
+      continue;
+    p->end = i + 1;
+    missing = i < missing ? i : missing;
+  }
+  if (give_light(p, missing) != 0)
+    return -1;
+  if (p->exact)
+    expect(p);
+  return 0;
+}
+
+static int prepare_light(process *p) {
+  char which[sizeof p->device.name + sizeof p->device.driver + 1];
+  snprintf(which, sizeof which, "%s %s", p->device.name, p->device.driver);
+  p->settings =
+      resume_settings(p->options, &p->config, p->layers, p->environment, which);
+  p->end = p->count;
+  p->light.size =
+      p->exact ? exact_light_size(p->exact) : sequence_light_size(p->sequence);
+  p->light.bytes = p->light.size ? malloc(p->light.size) : NULL;
+  if (p->light.size && !p->light.bytes)
+    return image_no_memory(&p->error, p->jobs[0].path);
+  return p->options->resume ? resume(p) : 0;
+}
+
 static int prepare(process *p, char *const *files) {
   if (!p->options->output)
     return image_fail(&p->error, "no output folder; -o DIR is needed");
@@ -392,7 +511,9 @@ static int prepare(process *p, char *const *files) {
       load_environment(p) != 0 || prepare_folder(p) != 0)
     return -1;
   configure(p);
-  return p->options->exact ? open_exact(p) : open_library(p);
+  if ((p->options->exact ? open_exact(p) : open_library(p)) != 0)
+    return -1;
+  return prepare_light(p);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -400,34 +521,54 @@ static int prepare(process *p, char *const *files) {
 
 static int write_preview(process *p, const job *j, const image *result,
                          layer l) {
-  char *stem = join(j->stem, ".", layer_table[l].name);
-  char *path = stem ? join(stem, "", ".png") : NULL;
+  char *path = preview_path(j, l);
   const int failed =
       path ? preview_write(path, result, l, p->exposure, &p->error)
            : image_no_memory(&p->error, j->path);
   free(path);
-  free(stem);
   return failed;
 }
 
 static int write_previews(process *p, const job *j, const image *result) {
-  if (j == p->jobs)
-    p->exposure = preview_exposure(result);
   for (int l = 0; l < LAYER_COUNT; l++)
     if (p->layers >> l & 1 && write_preview(p, j, result, (layer)l) != 0)
       return -1;
   return 0;
 }
 
-static int write_result(process *p, const job *j, const image *result) {
+/* "[3/8] DIR/frame.exr" */
+static void tell(const process *p, const job *j, const char *path) {
+  if (p->options->quiet)
+    return;
+  fprintf(stderr, "[%d/%d] ", (int)(j - p->jobs) + 1, p->count);
+  tool_show(path, stderr);
+  fputs(j->finished ? " is there already\n" : "\n", stderr);
+}
+
+/* Writes it unless it is there. */
+static int write_result(process *p, const job *j, image *result) {
   char *path = join(j->stem, "", ".exr");
   if (!path)
     return image_no_memory(&p->error, j->path);
-  const int failed = exr_write(path, result, NULL, &p->error);
-  if (!failed && !p->options->quiet)
-    fprintf(stderr, "[%d/%d] %s\n", (int)(j - p->jobs) + 1, p->count, path);
+  resume_sign(result, j->key);
+  const int failed = j->finished ? 0 : exr_write(path, result, NULL, &p->error);
+  if (!failed)
+    tell(p, j, path);
   free(path);
   return failed;
+}
+
+/* For the frames that are left, should this process not live to do them. */
+static int save_light(process *p, const job *j) {
+  if (!p->light.size || j + 1 >= p->jobs + p->end)
+    return 0;
+  p->light.key = j->key;
+  p->light.exposure = p->exposure;
+  if (p->exact)
+    exact_take_light(p->exact, p->light.bytes);
+  else if (sequence_take_light(p->sequence, p->light.bytes, &p->error) != 0)
+    return -1;
+  return resume_save(p->options->output, &p->light, &p->error);
 }
 
 /* Through the library or without it. */
@@ -461,19 +602,31 @@ static int light_frame(process *p, const job *j, image *result) {
   return failed;
 }
 
+static int run_frame(process *p, job *j, image *result) {
+  if (find_key(p, j) != 0)
+    return -1;
+  if (!is_needed(p, j))
+    return write_result(p, j, result);
+  if (light_frame(p, j, result) != 0)
+    return -1;
+  if (j == p->jobs && p->options->preview)
+    p->exposure = preview_exposure(result);
+  if (p->options->preview && !j->finished && write_previews(p, j, result) != 0)
+    return -1;
+  return write_result(p, j, result) != 0 ? -1 : save_light(p, j);
+}
+
 static int run_frames(process *p) {
   image result;
   int failed = 0;
   if (layers_image(p->layers, p->width, p->height, &result) != 0)
     return image_no_memory(&p->error, p->jobs[0].path);
-  for (int i = 0; i < p->count && !failed; i++) {
-    const job *j = &p->jobs[i];
-    failed = light_frame(p, j, &result) != 0 ||
-             (p->options->preview && write_previews(p, j, &result) != 0) ||
-             write_result(p, j, &result) != 0;
-  }
+  for (int i = 0; i < p->count && !failed; i++)
+    failed = run_frame(p, &p->jobs[i], &result);
   image_free(&result);
-  return failed ? -1 : 0;
+  if (!failed && p->light.size)
+    resume_done(p->options->output);
+  return failed;
 }
 
 static int print_timings(process *p) {
@@ -502,6 +655,7 @@ static void release(process *p) {
     free(p->jobs[i].stem);
   free(p->jobs);
   free(p->rows);
+  free(p->light.bytes);
 }
 
 int process_run(const process_options *options, char *const *files, int count) {

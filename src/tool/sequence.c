@@ -1,4 +1,5 @@
 /* Frames through the library: planes to cl_mem, passes, cl_mem to planes. */
+#include "tool/resume.h"
 #include "tool/tool.h"
 
 #include <stdlib.h>
@@ -174,32 +175,18 @@ static int download(sequence *s, image *result, image_error *error) {
   return 0;
 }
 
-/* FNV-1a's steps, a word at a time. */
-static uint64_t hashed(uint64_t hash, const void *data, size_t bytes) {
-  const uint64_t prime = 0x100000001b3u;
-  const unsigned char *at = data;
-  for (; bytes >= sizeof hash; bytes -= sizeof hash, at += sizeof hash) {
-    uint64_t word;
-    memcpy(&word, at, sizeof word);
-    hash = (hash ^ word) * prime;
-    hash ^= hash >> 29;
-  }
-  for (; bytes > 0; bytes--)
-    hash = (hash ^ *at++) * prime;
-  return hash;
-}
-
 /* Whether the frame is the last one again: inputs and camera.  Motion vectors
  * that are followed may be the same in both and still lead elsewhere. */
 static cl_bool is_same(sequence *s, const gbuffer *g, const hbil_frame *frame) {
-  uint64_t hash = 0xcbf29ce484222325u;
+  uint64_t hash = RESUME_HASH;
   if (s->config.skip == 0 || s->config.reprojection == HBIL_REPROJECTION_MOTION)
     return CL_FALSE;
-  hash = hashed(hash, &frame->camera, sizeof frame->camera);
-  hash = hashed(hash, frame->environment, sizeof frame->environment);
+  hash = resume_hash(hash, &frame->camera, sizeof frame->camera);
+  hash = resume_hash(hash, frame->environment, sizeof frame->environment);
   for (int i = 0; i < INPUTS; i++)
     for (size_t c = 0; c < s->channels[i]; c++)
-      hash = hashed(hash, gbuffer_plane(g, input_table[i].role, c), s->plane);
+      hash =
+          resume_hash(hash, gbuffer_plane(g, input_table[i].role, c), s->plane);
   const cl_bool same = hash == s->last;
   s->last = hash;
   return same;
@@ -229,4 +216,53 @@ int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
       return library_failed(s, status, error);
   }
   return 0;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Light on its way from one process to another                              */
+
+/* The plan's history, or NULL where nothing is carried. */
+static cl_mem history(const sequence *s, size_t *size) {
+  hbil_buffer buffer;
+  *size = 0;
+  if (hbil_plan_buffer(s->plan, HBIL_STAGE_HISTORY, &buffer) != HBIL_SUCCESS ||
+      clGetMemObjectInfo(buffer.buffer, CL_MEM_SIZE, sizeof *size, size,
+                         NULL) != CL_SUCCESS)
+    return NULL;
+  return buffer.buffer;
+}
+
+size_t sequence_light_size(const sequence *s) {
+  size_t size;
+  return history(s, &size) ? size : 0;
+}
+
+int sequence_take_light(sequence *s, void *bytes, image_error *error) {
+  size_t size;
+  const cl_mem planes = history(s, &size);
+  const cl_int status = clEnqueueReadBuffer(s->device->queue, planes, CL_TRUE,
+                                            0, size, bytes, 0, NULL, NULL);
+  return status == CL_SUCCESS
+             ? 0
+             : opencl_failed(s, status, "reading carried light", error);
+}
+
+/* Composing any light makes the plan take the camera for that of its history,
+ * whose planes are put right afterwards. */
+int sequence_give_light(sequence *s, const camera_file *camera,
+                        float environment[9][3], const void *bytes,
+                        image_error *error) {
+  size_t size;
+  hbil_frame frame;
+  fill_frame(s, camera, environment, &frame);
+  const hbil_status status =
+      hbil_enqueue_composite(s->plan, s->device->queue, &frame, 0, NULL, NULL);
+  if (status != HBIL_SUCCESS)
+    return library_failed(s, status, error);
+  const cl_mem planes = history(s, &size);
+  const cl_int written = clEnqueueWriteBuffer(s->device->queue, planes, CL_TRUE,
+                                              0, size, bytes, 0, NULL, NULL);
+  return written == CL_SUCCESS
+             ? 0
+             : opencl_failed(s, written, "writing carried light", error);
 }

@@ -27,6 +27,11 @@ int cmd_bench(int argc, char **argv);
 /* "hbil: TEXT" as one line on standard error; returns TOOL_BAD_INPUT. */
 int tool_report(const image_error *error);
 
+/* Names come from outside: control characters, and what isn't UTF-8, are
+ * written as \n and \xNN, so that a line stays one.  Returns how many columns
+ * it took. */
+int tool_show(const char *text, FILE *out);
+
 /* --- options.c: reading what stands on the command line --- */
 
 struct option;
@@ -39,7 +44,8 @@ struct option;
 int option_next(int argc, char **argv, const char *letters,
                 const struct option *options, image_error *error);
 
-/* Exactly count numbers, separated by commas; "inf" is one, "nan" is not. */
+/* Exactly count numbers, separated by commas; "inf" is one, "nan" and what is
+ * too large for a float are not. */
 int option_floats(const char *option, const char *text, float *out,
                   size_t count, image_error *error);
 int option_unsigned(const char *option, const char *text, unsigned low,
@@ -198,7 +204,7 @@ typedef struct device {
   cl_device_id id;
   cl_context context;
   cl_command_queue queue;
-  char name[256];
+  char name[256], driver[256];
 } device;
 
 /* wanted: an index of `hbil devices`, a part of the name, or NULL (the first
@@ -236,6 +242,16 @@ typedef struct timing_row {
 int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
                  float environment[9][3], unsigned repeat, image *result,
                  timing_row *row, image_error *error);
+
+/* The light that the last frame hands on to the next: its bytes on this device
+ * with these settings, 0 where nothing is carried.  Given back to another
+ * sequence of the same device and settings, with the camera of that frame, the
+ * next frame comes out as it would have here, bit by bit. */
+size_t sequence_light_size(const sequence *s);
+int sequence_take_light(sequence *s, void *bytes, image_error *error);
+int sequence_give_light(sequence *s, const camera_file *camera,
+                        float environment[9][3], const void *bytes,
+                        image_error *error);
 
 /* --- preview.c: pictures for the eye --- */
 
@@ -276,7 +292,8 @@ typedef struct process_options {
   unsigned repeat;         /* runs of every frame, at least 1 */
   unsigned warm_up;        /* more runs of the first frame, for its bounces */
   int preview, timings, json, quiet; /* flags */
-  int exact; /* the exact integral on the CPU in place of the library */
+  int resume; /* results of the same settings and frames are kept */
+  int exact;  /* the exact integral on the CPU in place of the library */
   hbil_config config; /* settings; formats and size are filled in */
 } process_options;
 

@@ -1,0 +1,93 @@
+/* Environment maps in EXR: read with the care that dumps are read with. */
+#include "image/exr_rgb.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int exr_recognise(const char *path) {
+  static const unsigned char magic[4] = {0x76, 0x2f, 0x31, 0x01};
+  unsigned char start[4];
+  FILE *file = fopen(path, "rb");
+  if (!file)
+    return 0;
+  const size_t read = fread(start, 1, sizeof start, file);
+  fclose(file);
+  return read == sizeof start && memcmp(start, magic, sizeof magic) == 0;
+}
+
+/* PREFIX.R, PREFIX.G and PREFIX.B, where `red` is the first. */
+static int find_colour(const image *header, const char *red,
+                       const char *names[3]) {
+  char name[sizeof header->planes->name];
+  const size_t last = strlen(red) - 1;
+  for (int c = 0; c < 3; c++) {
+    snprintf(name, sizeof name, "%s", red);
+    name[last] = "RGB"[c];
+    const image_plane *plane = image_find(header, name);
+    if (!plane)
+      return 0;
+    names[c] = plane->name;
+  }
+  return 1;
+}
+
+/* The first three that are a colour, else the first that is Y, else the only
+ * channel there is. */
+static int choose(const image *header, const char *names[3]) {
+  const image_plane *grey = image_find(header, "Y");
+  for (size_t i = 0; i < header->count; i++) {
+    const char *name = header->planes[i].name;
+    const size_t length = strlen(name);
+    if (length > 0 && name[length - 1] == 'R' &&
+        (length == 1 || name[length - 2] == '.') &&
+        find_colour(header, name, names))
+      return 1;
+  }
+  if (!grey && header->count == 1)
+    grey = header->planes;
+  for (int c = 0; grey && c < 3; c++)
+    names[c] = grey->name;
+  return grey != NULL;
+}
+
+static int interleave(const char *path, const image *planes,
+                      const char *const names[3], float **rgb,
+                      image_error *error) {
+  const size_t pixels = (size_t)planes->width * planes->height;
+  *rgb = malloc(3 * sizeof **rgb * pixels);
+  if (!*rgb)
+    return image_no_memory(error, path);
+  for (size_t c = 0; c < 3; c++) {
+    const float *from = image_find(planes, names[c])->pixels;
+    for (size_t i = 0; i < pixels; i++)
+      (*rgb)[3 * i + c] = from[i];
+  }
+  return 0;
+}
+
+int exr_read_rgb(const char *path, float **rgb, uint32_t *width,
+                 uint32_t *height, image_error *error) {
+  const char *names[3];
+  image header, planes;
+  if (exr_read_header(path, &header, error) != 0)
+    return -1;
+  memset(&planes, 0, sizeof planes);
+  int failed;
+  if ((uint64_t)header.width * header.height > IMAGE_MAP_PIXELS)
+    failed = image_fail(error, "%s: %u x %u pixels; at most %d are needed",
+                        path, header.width, header.height, IMAGE_MAP_PIXELS);
+  else if (!choose(&header, names))
+    failed = image_fail(error,
+                        "%s: no channels R, G and B, nor Y, of which "
+                        "a map is made",
+                        path);
+  else
+    failed = exr_read(path, names, 3, &planes, error) != 0 ||
+             interleave(path, &planes, names, rgb, error) != 0;
+  *width = header.width;
+  *height = header.height;
+  image_free(&planes);
+  image_free(&header);
+  return failed ? -1 : 0;
+}
