@@ -30,6 +30,15 @@
  * In: split planes, steps.  Out: light planes, same layout.
  */
 
+/* Relaxed arithmetic is for fast roots and quotients.  Sums and products stay
+ * in the order in which they are written: a compiler would choose another one
+ * for each variant of this kernel, and what is left out could not be held
+ * against what is not, bit by bit. */
+#if defined(__clang_major__) && __clang_major__ >= 12
+#pragma clang fp reassociate(off)
+#pragma clang fp contract(off)
+#endif
+
 /* Samples of a half-slice that are looked at before those that rise are: their
  * loads are on the way together, and no branch waits for one of them.  A single
  * pixel has no use for it. */
@@ -622,36 +631,6 @@ static inline cut cut_of(const center *c, float ux, float uy) {
 }
 
 #if EXTRAPOLATE
-#if FINITE
-static inline realv count_bits(uintv bits) {
-  return TO_REALV(AS_INTV(popcount(bits)));
-}
-#endif
-
-/* The measure that even and odd samples alone leave open, in the mean.  One of
- * them has the highest sample, the other's highest has excess `second`; where
- * that is the same, m->a is what both leave, to the bit.
- * Sectors are counted anew: of m->a roundings would be left where all are
- * covered. */
-static inline realv half_open(const center *c, const cut *s, const side_of *h,
-                              march *m, realv highest, realv second) {
-#if FINITE
-  const intv untouched = m->covered == 0u;
-  m->a = select(m->sector * (HBIL_SECTORS - count_bits(m->covered)), h->start,
-                untouched);
-  return select(fma(count_bits(m->even) + count_bits(m->odd), -0.5f * m->sector,
-                    HBIL_SECTORS * m->sector),
-                h->start, untouched);
-#else
-  realv g, sin2;
-  const realv cot = fma(s->slope, second, h->cot_tangent);
-  horizon_terms(cot, &g, &sin2);
-  const realv a = select(h->start, measure(cot, g, sin2, h->nx, c->cosine),
-                         second > c->least_excess);
-  return select(0.5f * (a + m->a), m->a, second >= highest);
-#endif
-}
-
 /*
  * Between samples there are occluders that none of them meets.  Half of the
  * samples would miss about twice as much, so what they miss is an estimate of
@@ -660,32 +639,64 @@ static inline realv half_open(const center *c, const cut *s, const side_of *h,
  * and the odd ones leave open a_0 and a_1, all of them a; then
  *   a + (a - (a_0 + a_1) / 2)
  * is left open, at least nothing.  Directions and light stay what they are, so
- * sums over what is open and what is blocked change with their measure.
+ * sums over what is blocked grow with its measure, by `more`, and those over
+ * what is open become `less`: factors, which are 1 where the halves agree,
+ * since a quotient of equals need not be 1 in relaxed arithmetic.
  */
-static inline void extrapolate(march *m, realv start, realv half_open) {
-  const realv a = max(m->a + (m->a - half_open), (realv)0.0f);
-  /* a quotient of equals need not be 1 in relaxed arithmetic */
-  const intv fewer = a < m->a;
-  const realv more = select((realv)1.0f, (start - a) / (start - m->a), fewer);
-#if HBAO
-  m->blocked *= more;
-#endif
-#if GATHER_RADIANCE
-  m->red *= more;
-  m->green *= more;
-  m->blue *= more;
-#if REFUSED_FRAME
-  m->unknown *= more;
-#endif
-#endif
-#if GATHER_BENT
-  const realv less = select((realv)1.0f, a / m->a, fewer);
-  m->g *= less;
-  m->sin2 *= less;
-#endif
-  m->a = a;
+#if FINITE
+static inline realv count_bits(uintv bits) {
+  return TO_REALV(AS_INTV(popcount(bits)));
+}
+
+/* In halves of sectors: whole numbers, which no order of operations rounds. */
+static inline void extrapolate(const march *m, realv *more, realv *less) {
+  const realv all = 2 * HBIL_SECTORS, blocked = count_bits(m->covered);
+  const realv open = all - 2.0f * blocked;
+  const realv halves = count_bits(m->even) + count_bits(m->odd);
+  const realv left = max(all - 4.0f * blocked + halves, (realv)0.0f);
+  const intv fewer = left < open;
+  *more = select((realv)1.0f, (all - left) / (2.0f * blocked), fewer);
+  *less = select((realv)1.0f, left / open, fewer);
+}
+#else
+/* One half has the highest sample, and leaves open what all do; the highest of
+ * the other has excess `second`. */
+static inline void extrapolate(const center *c, const cut *s, const side_of *h,
+                               const march *m, realv highest, realv second,
+                               realv *more, realv *less) {
+  realv g, sin2;
+  const realv cot = fma(s->slope, second, h->cot_tangent);
+  horizon_terms(cot, &g, &sin2);
+  const realv half_open =
+      select(h->start, measure(cot, g, sin2, h->nx, c->cosine),
+             second > c->least_excess);
+  const realv a = max(fma((realv)-0.5f, half_open - m->a, m->a), (realv)0.0f);
+  const intv fewer = (second < highest) & (a < m->a);
+  *more = select((realv)1.0f, (h->start - a) / (h->start - m->a), fewer);
+  *less = select((realv)1.0f, a / m->a, fewer);
 }
 #endif
+#endif
+
+/* Adds a side; `sign` is that of g.  All operations are fused: what a compiler
+ * may do with others depends on what is around them. */
+static inline void add_side(cut *s, const march *m, realv whole, realv more,
+                            realv less, float sign) {
+  s->whole += whole;
+  s->open = fma(less, m->a, s->open);
+#if GATHER_BENT
+  s->open_g = fma(less * sign, m->g, s->open_g);
+  s->open_sin2 = fma(less, m->sin2, s->open_sin2);
+#endif
+#if GATHER_RADIANCE
+  s->red = fma(more, m->red, s->red);
+  s->green = fma(more, m->green, s->green);
+  s->blue = fma(more, m->blue, s->blue);
+#if REFUSED_FRAME
+  s->unknown = fma(more, m->unknown, s->unknown);
+#endif
+#endif
+}
 
 /* What the two sides of a slice have come to. */
 static inline void add_slice(total *t, const cut *s, float ux, float uy) {
@@ -893,7 +904,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     for (int side = 0; side < 2; ++side) {
       side_of half_slice[STRIP];
       realv top[STRIP];
-#if EXTRAPOLATE
+#if EXTRAPOLATE && !FINITE
       realv even[STRIP], odd[STRIP]; /* the highest of every other sample */
 #endif
       for (int v = 0; v < STRIP; ++v) {
@@ -906,7 +917,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         m[v].a = h->start;
         m[v].excess = top[v] = c[v].least_excess;
         m[v].red = m[v].green = m[v].blue = m[v].unknown = 0.0f;
-#if EXTRAPOLATE
+#if EXTRAPOLATE && !FINITE
         even[v] = odd[v] = c[v].least_excess;
 #endif
 #if HBAO
@@ -1007,33 +1018,24 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         m[v].a =
             measure(0.0f, m[v].g, m[v].sin2, half_slice[v].nx, c[v].cosine);
 #endif
-#if EXTRAPOLATE
-        extrapolate(&m[v], half_slice[v].start,
-                    half_open(&c[v], &s[v], &half_slice[v], &m[v],
-                              max(even[v], odd[v]), min(even[v], odd[v])));
+        realv more = 1.0f, less = 1.0f;
+#if EXTRAPOLATE && FINITE
+        extrapolate(&m[v], &more, &less);
+#elif EXTRAPOLATE
+        extrapolate(&c[v], &s[v], &half_slice[v], &m[v], max(even[v], odd[v]),
+                    min(even[v], odd[v]), &more, &less);
 #endif
 #if HBAO
-        m[v].a = half_slice[v].start - m[v].blocked;
+        m[v].a = fma(-more, m[v].blocked, half_slice[v].start);
+        less = 1.0f;
 #endif
 #if SHARES
         untouched[v] &= m[v].a == half_slice[v].start;
 #else
         untouched[v] &= top[v] <= c[v].least_excess;
 #endif
-        s[v].open += m[v].a;
-        s[v].whole += half_slice[v].start;
-#if GATHER_BENT
-        s[v].open_g += side ? -m[v].g : m[v].g;
-        s[v].open_sin2 += m[v].sin2;
-#endif
-#if GATHER_RADIANCE
-        s[v].red += m[v].red;
-        s[v].green += m[v].green;
-        s[v].blue += m[v].blue;
-#if REFUSED_FRAME
-        s[v].unknown += m[v].unknown;
-#endif
-#endif
+        add_side(&s[v], &m[v], half_slice[v].start, more, less,
+                 side ? -1.0f : 1.0f);
       }
     }
     for (int v = 0; v < STRIP; ++v)

@@ -941,7 +941,8 @@ static void extrapolate(const walker *w, march *m) {
   }
   left = fmax(2.0 * open - half, 0.0);
   more = m->covered > 0.0 ? (m->whole - left) / m->covered : 1.0;
-  m->less = open > 0.0 ? left / open : 1.0;
+  /* the sum of all sectors leaves a rounding of nothing */
+  m->less = open > 1e-12 * m->whole ? left / open : 1.0;
   m->blocked *= more;
   m->unknown *= more;
   for (int i = 0; i < 3; ++i)
