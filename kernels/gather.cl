@@ -667,8 +667,10 @@ static inline void extrapolate(const center *c, const cut *s, const side_of *h,
   realv g, sin2;
   const realv cot = fma(s->slope, second, h->cot_tangent);
   horizon_terms(cot, &g, &sin2);
+  /* a rounding above the start, beside a horizon that is the start to the last
+   * digit, would be infinitely more */
   const realv half_open =
-      select(h->start, measure(cot, g, sin2, h->nx, c->cosine),
+      select(h->start, min(measure(cot, g, sin2, h->nx, c->cosine), h->start),
              second > c->least_excess);
   const realv a = max(fma((realv)-0.5f, half_open - m->a, m->a), (realv)0.0f);
   const intv fewer = (second < highest) & (a < m->a);

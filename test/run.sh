@@ -1,8 +1,22 @@
 #!/bin/sh
-# Runs one test with a PoCL kernel cache of its own: programs that build kernels
-# side by side would fight over a common one.
+# Runs one test with a PoCL kernel cache that no other test uses meanwhile:
+# programs that build kernels side by side would fight over a common one.  The
+# first of a few caches that is free is taken, so that later tests find kernels
+# of earlier ones; without flock (util-linux) each test has its own.
 name=$(for last in "$@"; do :; done; basename "$last" .sh)
-POCL_CACHE_DIR=$PWD/test/pocl-cache/$name
+caches=$PWD/test/pocl-cache
+mkdir -p "$caches"
+POCL_CACHE_DIR=$caches/$name
+if command -v flock >/dev/null; then
+  for slot in 1 2 3 4 5 6 7 8; do
+    # held until the test ends: it has the descriptor
+    exec 9>"$caches/$slot.lock"
+    if flock -n 9; then
+      POCL_CACHE_DIR=$caches/$slot
+      break
+    fi
+  done
+fi
 export POCL_CACHE_DIR
 mkdir -p "$POCL_CACHE_DIR"
 exec "$@"

@@ -61,11 +61,12 @@ typedef struct bench_configuration {
   bench_model model;
   const char *preset; /* its name, or NULL */
   hbil_storage storage;
+  int plain; /* nothing is extrapolated */
 } bench_configuration;
 
 /* Longest label, with its end. */
 enum { BENCH_LABEL = 64 };
-enum { BENCH_MAX_CONFIGURATIONS = 64 };
+enum { BENCH_MAX_CONFIGURATIONS = 80 };
 
 /* The list; those of the short one only if quick. */
 size_t bench_configurations(int quick,

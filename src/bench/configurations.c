@@ -9,70 +9,79 @@
 #define FLOAT32 HBIL_STORAGE_FLOAT32
 
 /* slices, samples a side, growth of the steps, lattice, raw, quick, model,
- * preset, storage */
+ * preset, storage, plain */
 static const bench_configuration table[] = {
     /* the paper's setting, and what each departure from it does */
-    {2, 8, 0.0f, LAYER, 0, 1, BENCH_PAPER, NULL, PACKED},
-    {2, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 8, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 8, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED},
-    {2, 8, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 8, 2.0f, FULL, 1, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 8, 0.0f, LAYER, 0, 1, BENCH_PAPER, NULL, PACKED, 1},
+    {2, 8, 0.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 8, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 8, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 8, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 8, 2.0f, FULL, 1, 0, BENCH_PAPER, NULL, PACKED, 0},
+    /* nothing extrapolated */
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED, 1},
+    {2, 24, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1},
+    {2, 48, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1},
+    {2, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1},
+    {2, 24, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 48, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
     /* storage */
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, FLOAT32},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, FLOAT32},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, FLOAT32, 0},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, FLOAT32, 0},
     /* samples */
-    {2, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 32, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED},
-    {2, 48, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 24, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 48, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {3, 32, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 128, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 32, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 48, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 24, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 48, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {3, 32, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 128, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
     /* steps, where there are many */
-    {2, 32, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 32, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 32, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 32, 0.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 32, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {2, 32, 4.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {2, 32, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 32, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 32, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 32, 0.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 32, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 32, 4.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
     /* slices */
-    {1, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {1, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED},
-    {1, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {1, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {1, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {1, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {1, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {1, 24, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {1, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {1, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {4, 8, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {4, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {4, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {4, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
-    {4, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED},
+    {1, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {1, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED, 0},
+    {1, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {1, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {1, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {1, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {1, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {1, 24, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {1, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {1, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {4, 8, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {4, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {4, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {4, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {4, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
     /* occluders that end */
-    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL, PACKED},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL, PACKED},
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_THICK_08, NULL, PACKED},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_08, NULL, PACKED},
-    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL, PACKED},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL, PACKED},
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL, PACKED, 0},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL, PACKED, 0},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_THICK_08, NULL, PACKED, 0},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_08, NULL, PACKED, 0},
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL, PACKED, 0},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL, PACKED, 0},
     /* the tool's model; the last one is its default */
-    {2, 8, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL, PACKED},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL, PACKED},
-    {2, 48, 2.0f, LAYER, 0, 0, BENCH_TOOL, NULL, PACKED},
-    {2, 48, 2.0f, FULL, 0, 1, BENCH_TOOL, NULL, PACKED},
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL, PACKED, 0},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL, PACKED, 0},
+    {2, 48, 2.0f, LAYER, 0, 0, BENCH_TOOL, NULL, PACKED, 0},
+    {2, 48, 2.0f, FULL, 0, 1, BENCH_TOOL, NULL, PACKED, 0},
     /* AO alone */
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_GTAO, NULL, PACKED},
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_HBAO, NULL, PACKED},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_GTAO, NULL, PACKED, 0},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_HBAO, NULL, PACKED, 0},
 };
 
 enum { TABLE = sizeof table / sizeof *table };
@@ -84,7 +93,7 @@ static int same_sampling(const bench_configuration *a,
   return a->slices == b->slices && a->samples == b->samples &&
          !(a->growth < b->growth) && !(a->growth > b->growth) &&
          a->lattice == b->lattice && a->raw == b->raw &&
-         a->storage == b->storage;
+         a->storage == b->storage && a->plain == b->plain;
 }
 
 static int same(const bench_configuration *a, const bench_configuration *b) {
@@ -98,7 +107,8 @@ static bench_configuration sampling_of(const hbil_config *config) {
                                .lattice = config->lattice,
                                .raw = config->raw_interleave != 0,
                                .model = BENCH_PAPER,
-                               .storage = config->storage};
+                               .storage = config->storage,
+                               .plain = !config->extrapolate};
 }
 
 /* Names the row that is there already, or adds one. */
@@ -164,11 +174,12 @@ int bench_is_tools_default(const bench_configuration *c) {
 
 void bench_label(const bench_configuration *c, char *text, size_t size) {
   const char *model = bench_model_name(c->model);
-  snprintf(text, size, "%s%s%s%s%ux%u %s g%g%s%s", model, *model ? " " : "",
+  snprintf(text, size, "%s%s%s%s%ux%u %s g%g%s%s%s", model, *model ? " " : "",
            c->preset ? c->preset : "", c->preset ? " " : "",
            (unsigned)c->slices, (unsigned)c->samples,
            c->lattice == FULL ? "full" : "layer", (double)c->growth,
-           c->raw ? " raw" : "", c->storage == FLOAT32 ? " fp32" : "");
+           c->raw ? " raw" : "", c->storage == FLOAT32 ? " fp32" : "",
+           c->plain ? " plain" : "");
 }
 
 /* --- models --- */
@@ -228,4 +239,5 @@ void bench_configure(const bench_content *content, const bench_configuration *c,
   config->lattice = c->lattice;
   config->raw_interleave = c->raw ? CL_TRUE : CL_FALSE;
   config->storage = c->storage;
+  config->extrapolate = c->plain ? CL_FALSE : CL_TRUE;
 }

@@ -57,13 +57,13 @@ static json_t *truth(const bench_content *c) {
 }
 
 static json_t *settings(const bench_configuration *c) {
-  return json_pack("{s:s, s:s?, s:i, s:i, s:f, s:s, s:b, s:s}", "model",
-                   *bench_model_name(c->model) ? bench_model_name(c->model)
-                                               : "paper",
-                   "preset", c->preset, "slices", (int)c->slices, "samples",
-                   (int)c->samples, "growth", (double)c->growth, "lattice",
-                   c->lattice == HBIL_LATTICE_FULL ? "full" : "layer", "raw",
-                   c->raw, "storage", bench_storage_name(c));
+  return json_pack(
+      "{s:s, s:s?, s:i, s:i, s:f, s:s, s:b, s:s, s:b}", "model",
+      *bench_model_name(c->model) ? bench_model_name(c->model) : "paper",
+      "preset", c->preset, "slices", (int)c->slices, "samples", (int)c->samples,
+      "growth", (double)c->growth, "lattice",
+      c->lattice == HBIL_LATTICE_FULL ? "full" : "layer", "raw", c->raw,
+      "storage", bench_storage_name(c), "extrapolate", !c->plain);
 }
 
 /* Copies of their bytes that the memory-bound passes take. */

@@ -260,7 +260,8 @@ static void write_where(const bench_report *report, FILE *out) {
 }
 
 static void write_names(FILE *out) {
-  fputs("label,model,preset,slices,samples,growth,lattice,raw,storage,default",
+  fputs("label,model,preset,slices,samples,growth,lattice,raw,storage,"
+        "extrapolate,default",
         out);
   for (int p = 0; p < HBIL_PASS_COUNT; p++) {
     const char *name = hbil_pass_name((hbil_pass)p);
@@ -294,11 +295,11 @@ static void write_row(const bench_report *report, const bench_row *row,
   const double literal = report->literal.milliseconds.median;
   const double gather = row->pass[HBIL_PASS_GATHER].median;
   const char *model = bench_model_name(c->model);
-  fprintf(out, "%s,%s,%s,%u,%u,%g,%s,%d,%s,%d", row->label,
+  fprintf(out, "%s,%s,%s,%u,%u,%g,%s,%d,%s,%d,%d", row->label,
           *model ? model : "paper", c->preset ? c->preset : "",
           (unsigned)c->slices, (unsigned)c->samples, (double)c->growth,
           c->lattice == HBIL_LATTICE_FULL ? "full" : "layer", c->raw,
-          bench_storage_name(c), bench_is_default(c));
+          bench_storage_name(c), !c->plain, bench_is_default(c));
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     bench_write_spread(out, row->pass[p]);
   bench_write_spread(out, row->total);
