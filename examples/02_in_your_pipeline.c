@@ -282,7 +282,7 @@ int main(void) {
     fail("result", "the red wall does not colour the floor");
   if (!(mean[1][0] > 1.05f * mean[0][0]))
     fail("result", "the second frame adds no second bounce");
-  if (!(mean[0][3] > 0.3f && mean[0][3] < 0.99f))
+  if (!(mean[0][3] > 0.1f && mean[0][3] < 0.99f))
     fail("result", "the floor is not partly shaded");
   return 0;
 }

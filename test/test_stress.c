@@ -74,6 +74,7 @@ static void configure_one_sample(setup *s) {
   s->config.radiance = s->config.f0 = triple;
   s->config.skip = 0;
   s->config.vector_width = 1;
+  s->config.extrapolate = CL_FALSE; /* the horizons themselves */
 }
 
 static void configure(setup *s, plan_kind kind) {
