@@ -54,7 +54,7 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(c.lattice == HBIL_LATTICE_FULL);
   assert_true(c.facing[0] == -0.1f && c.facing[1] == 0.0f);
   assert_true(c.refused == HBIL_REFUSED_LAST);
-  assert_true(c.gather_emission == CL_TRUE);
+  assert_true(c.gather_emission == CL_TRUE && c.extrapolate == CL_TRUE);
   assert_true(c.reprojection == HBIL_REPROJECTION_SCATTER);
   assert_true(c.feedback == HBIL_FEEDBACK_IRRADIANCE);
   assert_true(c.disocclusion == 0.05f);
@@ -97,6 +97,7 @@ SPOIL(facing_wide, c->facing[1] = 2.0f)
 SPOIL(growth_nan, c->step_growth = NAN)
 SPOIL(growth_negative, c->step_growth = -0.5f)
 SPOIL(growth_65, c->step_growth = 65.0f)
+SPOIL(extrapolate_2, c->extrapolate = 2)
 SPOIL(disocclusion_0, c->disocclusion = 0.0f)
 SPOIL(disocclusion_nan, c->disocclusion = NAN)
 SPOIL(depth_missing, c->depth.component = HBIL_NONE)
@@ -137,6 +138,7 @@ static const bad_config bad_configs[] = {
     {"step_growth", growth_nan},
     {"step_growth", growth_negative},
     {"step_growth", growth_65},
+    {"extrapolate", extrapolate_2},
     {"disocclusion", disocclusion_0},
     {"disocclusion", disocclusion_nan},
     {"depth", depth_missing},
