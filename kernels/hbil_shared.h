@@ -395,8 +395,10 @@ static inline hbil_int hbil_sample_pixels(hbil_int layer, hbil_int k,
   hbil_int x = 0, y = 0;
   if (k >= 0)
     hbil_sample_offset(layer, k, level, ux, uy, v, p, &x, &y);
-  x = x < 0 ? -x : x;
-  y = y < 0 ? -y : y;
+  /* absolute values of floats: those of ints are an intrinsic that oclgrind
+   * doesn't know */
+  x = (hbil_int)HBIL_FABS((hbil_float)x);
+  y = (hbil_int)HBIL_FABS((hbil_float)y);
   return x > y ? x : y;
 }
 
