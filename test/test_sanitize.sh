@@ -1,0 +1,59 @@
+#!/bin/sh
+# The host code of library and tool under the sanitizers of addresses, leaks and
+# undefined behaviour, built in a folder of its own: a few tests that reach most
+# of it, every OpenCL call that fails among them, and the tool on a sequence.
+. "$srcdir/test/tap.sh"
+
+here=$PWD
+build=$here/test/sanitized
+flags='-g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all'
+tests='test/test_status test/test_faults test/test_policy test/test_guards'
+
+# What PoCL and its compiler keep for the whole process is theirs; other
+# implementations leak while they are loaded, and are not.
+printf 'leak:%s\n' libpocl libLLVM libclang libOpenCL libhwloc >"$work/theirs"
+pocl=/etc/OpenCL/vendors/pocl.icd
+test ! -e $pocl || export OCL_ICD_VENDORS=$pocl
+export ASAN_OPTIONS=halt_on_error=1:exitcode=66
+export LSAN_OPTIONS=suppressions=$work/theirs:print_suppressions=0:exitcode=66
+export UBSAN_OPTIONS=print_stacktrace=1
+
+echo 'int main(void) { return 0; }' >"$work/any.c"
+# shellcheck disable=SC2086
+if ! ${CC:-cc} $flags -o "$work/any" "$work/any.c" 2>/dev/null ||
+  ! "$work/any"; then
+  skip "the sanitizers find nothing" "the compiler has none"
+  echo "1..$count"
+  exit 0
+fi
+
+mkdir -p "$build"
+sanitized() {
+  (cd "$build" && "$@")
+}
+make_all() {
+  test -f "$build/Makefile" ||
+    sanitized "$srcdir/configure" -q CFLAGS="$flags" CXXFLAGS="$flags" || return
+  # shellcheck disable=SC2086
+  sanitized make -s hbil $tests
+}
+works "library and tool build with sanitizers" make_all
+for test in $tests; do
+  works "they find nothing in $test" sanitized "$test"
+done
+HBIL=$build/hbil
+works "nor in a demo" "$HBIL" demo --frames 2 --size 64x48 -o "$work/demo"
+set -- "$work"/demo/gbuffer/frame_*.exr
+works "nor in a job with all there is" "$HBIL" process --quiet --preview \
+  --timings --json --reprojection motion -o "$work/job" "$@"
+works "nor in a job that is done already" \
+  "$HBIL" process --resume --reprojection motion -o "$work/job" "$@"
+works "nor in the exact integral" "$HBIL" process --quiet --quality reference \
+  --slices 4 -o "$work/exact" "$1"
+works "nor in info" "$HBIL" info "$1"
+works "nor in a comparison" "$HBIL" compare "$work/job/frame_0001.exr:AO" \
+  "$work/exact/frame_0001.exr:AO"
+works "nor in a short bench" "$HBIL" bench --quick --size 64x48 --runs 1 \
+  --pixels 20 -o "$work/bench"
+
+echo "1..$count"
