@@ -216,9 +216,10 @@ kernel void composite(
   for (int c = 0; c < 3; ++c) {
     realv near_light = 0.0f, far_light = 0.0f, behind = 0.0f;
 #if GATHER_RADIANCE
-    /* a sum of differences of angles may round to just below it */
-    near_light = max(LOADV(resolved + (HBIL_LIGHT_RED + c) * planes.plane),
-                     (realv)0.0f);
+    /* a sum of differences of angles may round to just below 0; what is no
+     * number stays none, to be seen */
+    near_light = LOADV(resolved + (HBIL_LIGHT_RED + c) * planes.plane);
+    near_light = select(near_light, (realv)0.0f, near_light < 0.0f);
 #endif
 #if FAR == 1
     behind = environment.sh[0][c];
