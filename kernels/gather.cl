@@ -1024,7 +1024,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #if EXTRAPOLATE && FINITE
         extrapolate(&m[v], &more, &less);
 #elif EXTRAPOLATE
-        extrapolate(&c[v], &s[v], &half_slice[v], &m[v], max(even[v], odd[v]),
+        extrapolate(&c[v], &s[v], &half_slice[v], &m[v], top[v],
                     min(even[v], odd[v]), &more, &less);
 #endif
 #if HBAO

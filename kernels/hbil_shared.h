@@ -51,9 +51,9 @@ typedef cl_float hbil_float;
  * scale of the scene, and far enough from FLT_MAX to take part in sums. */
 #define HBIL_NOTHING (-1e30f)
 
-/* Depths nearer than this are no surface, nor those as far as that: the quotient
- * of any two, times the longest ray and over the slope of a pixel, is a float
- * still. */
+/* Depths nearer than this are no surface, nor those as far as that: the
+ * quotient of any two, times the longest ray and over the slope of a pixel, is
+ * a float still. */
 #define HBIL_NEAREST_DEPTH 1e-15f
 #define HBIL_FARTHEST_DEPTH 1e15f
 
@@ -194,9 +194,10 @@ enum {
   HBIL_FLAGS = 2
 };
 
-/* Words of the plan's counts: pixels of a frame whose input could not be used as
- * it was (hbil_plan_repaired()).  The first is written by reproject; then come
- * those of split; then those of what split has no use for, by composite. */
+/* Words of the plan's counts: pixels of a frame whose input could not be used
+ * as it was (hbil_plan_repaired()).  The first is written by reproject; then
+ * come those of split; then those of what split has no use for, by composite.
+ */
 enum {
   HBIL_REPAIRED_MOTION = 0,
   HBIL_REPAIRED_DEPTH = 1,
@@ -386,15 +387,8 @@ static inline void hbil_sample_offset(hbil_int layer, hbil_int k,
   *y = (hbil_int)HBIL_RINT(d * py / lattice) * p.lattice;
 }
 
-/* Pixels from the centre to sample k, along the longer axis; 0 before the
- * first. */
-static inline hbil_int hbil_sample_pixels(hbil_int layer, hbil_int k,
-                                          hbil_int level, hbil_float ux,
-                                          hbil_float uy, const hbil_view_args v,
-                                          const hbil_pattern_args p) {
-  hbil_int x = 0, y = 0;
-  if (k >= 0)
-    hbil_sample_offset(layer, k, level, ux, uy, v, p, &x, &y);
+/* Pixels that an offset spans along its longer axis. */
+static inline hbil_int hbil_span(hbil_int x, hbil_int y) {
   /* absolute values of floats: those of ints are an intrinsic that oclgrind
    * doesn't know */
   x = (hbil_int)HBIL_FABS((hbil_float)x);
@@ -403,21 +397,19 @@ static inline hbil_int hbil_sample_pixels(hbil_int layer, hbil_int k,
 }
 
 /*
- * The halves that sample k belongs to.  What its half would miss without it is
- * extrapolated to the share of the pixels around it that no sample meets:
- * where every pixel is met there is nothing to extrapolate, and the sample is
- * in both.  In between, so is that share of the 16 layers.
+ * The halves that sample k belongs to; before, after: hbil_span() of the
+ * samples on either side of it, 0 before the first, its own after the last.
+ * What its half would miss without it is extrapolated to the share of the
+ * pixels around it that no sample meets: where every pixel is met there is
+ * nothing to extrapolate, and the sample is in both.  In between, so is that
+ * share of the 16 layers.
  */
 static inline hbil_int hbil_sample_halves(hbil_int layer, hbil_int k,
-                                          hbil_int level, hbil_float ux,
-                                          hbil_float uy, const hbil_view_args v,
-                                          const hbil_pattern_args p) {
-  hbil_int last = k + 1 < p.samples ? k + 1 : k;
-  hbil_int met = last - k + 1;
-  hbil_int pixels = hbil_sample_pixels(layer, last, level, ux, uy, v, p) -
-                    hbil_sample_pixels(layer, k - 1, level, ux, uy, v, p);
+                                          hbil_int samples, hbil_int before,
+                                          hbil_int after) {
+  hbil_int met = k + 1 < samples ? 2 : 1;
   /* (slot + 1/2) / 16 of the layers' places lie above the share that is met */
-  if ((2 * hbil_shift_slot(layer) + 1) * pixels < 32 * met)
+  if ((2 * hbil_shift_slot(layer) + 1) * (after - before) < 32 * met)
     return HBIL_HALF_EVEN | HBIL_HALF_ODD;
   return k & 1 ? HBIL_HALF_ODD : HBIL_HALF_EVEN;
 }

@@ -27,9 +27,13 @@ kernel void make_pattern(const hbil_view_args view,
            (uint)(pattern.samples + 1);
   const hbil_step direction = {0, 0, 0, 0.0f, 0.0f, 0.0f, ux, uy, 0};
   *steps++ = direction;
+  int x, y, before = 0;
+  hbil_sample_offset(layer, 0, level, ux, uy, view, pattern, &x, &y);
   for (int k = 0; k < pattern.samples; ++k) {
-    int x, y;
-    hbil_sample_offset(layer, k, level, ux, uy, view, pattern, &x, &y);
+    int next_x = x, next_y = y;
+    if (k + 1 < pattern.samples)
+      hbil_sample_offset(layer, k + 1, level, ux, uy, view, pattern, &next_x,
+                         &next_y);
     /* pixel offset -> the layer it lands in, and the offset there */
     const int to_x = (layer & 3) + x, to_y = (layer >> 2) + y;
     hbil_step step;
@@ -44,7 +48,11 @@ kernel void make_pattern(const hbil_view_args view,
     step.inv_e = 1.0f / sqrt(fma(step.ex, step.ex, step.ey * step.ey));
     step.ux = step.ex * step.inv_e;
     step.uy = step.ey * step.inv_e;
-    step.halves = hbil_sample_halves(layer, k, level, ux, uy, view, pattern);
+    step.halves = hbil_sample_halves(layer, k, pattern.samples, before,
+                                     hbil_span(next_x, next_y));
     steps[k] = step;
+    before = hbil_span(x, y);
+    x = next_x;
+    y = next_y;
   }
 }

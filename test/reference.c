@@ -871,14 +871,23 @@ static bool inside(const ref_planes *p, int x, int y) {
 /* The pixels that the kernels look at, or one half of them (HBIL_HALF_). */
 static void follow_pattern(const walker *w, march *m, int halves) {
   const gathering *g = w->g;
-  for (int k = 0; k < g->pattern.samples; ++k) {
-    int dx, dy;
-    hbil_sample_offset(w->layer, k, w->level, (float)m->h.u.x, (float)m->h.u.y,
-                       g->view, g->pattern, &dx, &dy);
-    if (halves & hbil_sample_halves(w->layer, k, w->level, (float)m->h.u.x,
-                                    (float)m->h.u.y, g->view, g->pattern) &&
-        inside(g->split, w->x + dx, w->y + dy))
-      visit(w, m, w->x + dx, w->y + dy);
+  const float ux = (float)m->h.u.x, uy = (float)m->h.u.y;
+  const int samples = g->pattern.samples;
+  int x, y, before = 0;
+  hbil_sample_offset(w->layer, 0, w->level, ux, uy, g->view, g->pattern, &x,
+                     &y);
+  for (int k = 0; k < samples; ++k) {
+    int next_x = x, next_y = y;
+    if (k + 1 < samples)
+      hbil_sample_offset(w->layer, k + 1, w->level, ux, uy, g->view, g->pattern,
+                         &next_x, &next_y);
+    if (halves & hbil_sample_halves(w->layer, k, samples, before,
+                                    hbil_span(next_x, next_y)) &&
+        inside(g->split, w->x + x, w->y + y))
+      visit(w, m, w->x + x, w->y + y);
+    before = hbil_span(x, y);
+    x = next_x;
+    y = next_y;
   }
 }
 

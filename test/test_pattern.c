@@ -140,13 +140,24 @@ static void the_last_sample_gets_to_the_edge(void **state) {
   }
 }
 
+static int span_of(int layer, int k, const hbil_view_args *v,
+                   hbil_pattern_args p) {
+  int x = 0, y = 0;
+  if (k >= 0)
+    hbil_sample_offset(layer, k < p.samples ? k : k - 1, 0, 1.0f, 0.0f, *v, p,
+                       &x, &y);
+  return hbil_span(x, y);
+}
+
 /* Share of a direction's samples that are in both halves, over the 16 places
  * that they may have along it; checks that no sample is in none. */
 static double shared_samples(const hbil_view_args *v, hbil_pattern_args p) {
   int both = 0;
   for (int layer = 0; layer < HBIL_LAYERS; ++layer)
     for (int k = 0; k < p.samples; ++k) {
-      int halves = hbil_sample_halves(layer, k, 0, 1.0f, 0.0f, *v, p);
+      int halves =
+          hbil_sample_halves(layer, k, p.samples, span_of(layer, k - 1, v, p),
+                             span_of(layer, k + 1, v, p));
       int own = k & 1 ? HBIL_HALF_ODD : HBIL_HALF_EVEN;
       assert_true(halves & own);
       both += halves != own;
