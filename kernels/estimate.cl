@@ -29,14 +29,6 @@ static inline void polynomials(realv x, realv y, realv z, realv *p) {
   p[8] = x * x - y * y;
 }
 
-static inline float lanes_sum(realv v) {
-  float lane[HBIL_WIDTH], sum = 0.0f;
-  STOREV(v, lane);
-  for (int i = 0; i < HBIL_WIDTH; ++i)
-    sum += lane[i];
-  return sum;
-}
-
 /* Launch: x = HBIL_ESTIMATE_PARTS work-items, each takes every so many rows. */
 kernel void estimate_part(const hbil_layer_args in, global const float *split,
                           global float *estimate) {

@@ -23,10 +23,11 @@
  * same, and the refused share is written for recompose to fill), REFUSED_LAST
  * (refused light is the last accepted), FACING_ALL (no light is refused),
  * FACING_STEP (the threshold is sharp), FINITE (occluders have a thickness:
- * sectors instead of a horizon), EXTRAPOLATE, PACKED (hbil_shared.h).
+ * sectors instead of a horizon), EXTRAPOLATE, ADAPTIVE (each tile has its own
+ * number of samples, judge.cl), PACKED (hbil_shared.h).
  *
  * Launch: x = strips of HBIL_TILE pixels of a layer row (single pixels where
- * HBIL_WIDTH is 1), y = layer rows, z = layers.
+ * HBIL_WIDTH is 1), y = layer rows, z = layers, or those that are probed.
  * In: split planes, steps.  Out: light planes, same layout.
  */
 
@@ -849,10 +850,16 @@ kernel void gather(const hbil_gather_args args, global const float *split,
                    global const hbil_step *steps, global float *light,
                    global const uint *bounds, global const uint *uses,
                    global uchar *strips, global const uint *flags,
-                   const int still) {
+                   const int still, global const uint *rungs) {
   const hbil_layer_args in = args.split;
   const int x = (int)get_global_id(0) * (STRIP * HBIL_WIDTH);
-  const int y = (int)get_global_id(1), layer = (int)get_global_id(2);
+  const int y = (int)get_global_id(1);
+#if ADAPTIVE
+  const int layer = args.probe ? hbil_probe_layer((int)get_global_id(2))
+                               : (int)get_global_id(2);
+#else
+  const int layer = (int)get_global_id(2);
+#endif
   if (x >= in.width || y >= in.height || (still && !flags[HBIL_FLAG_CHANGED]))
     return;
   const uint at = (uint)layer * in.layer + in.origin + (uint)y * in.row;
@@ -861,8 +868,17 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   light += (uint)layer * args.light.layer + args.light.origin +
            (uint)y * args.light.row + (uint)x;
 
-  const int samples = args.samples;
-  const uint pattern = 2u * (uint)args.slices * (uint)(samples + 1);
+#if ADAPTIVE
+  const uint tiles = (uint)(in.width + HBIL_TILE - 1) / HBIL_TILE;
+  const hbil_rung rung =
+      args.rung[args.probe ? (uint)HBIL_MOST_RUNGS
+                           : rungs[(uint)y * tiles + (uint)(x / HBIL_TILE)]];
+  const int samples = rung.samples, all_slices = rung.slices;
+  steps += rung.steps;
+#else
+  const int samples = args.samples, all_slices = args.slices;
+#endif
+  const uint pattern = 2u * (uint)all_slices * (uint)(samples + 1);
   steps += (uint)layer * pattern;
   const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
   const float dither = ((float)hbil_shift_slot(layer) + 0.5f) / 16.0f;
@@ -895,7 +911,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   strips[0] = (uchar)spared;
   strips[(uint)(HBIL_LAYERS * in.height) * args.strips] =
       (uchar)(ANY(sky) ? count_sky(c) : 0u);
-  const int slices = spared & ~HBIL_STRIP_DARK ? 0 : args.slices;
+  const int slices = spared & ~HBIL_STRIP_DARK ? 0 : all_slices;
   for (int slice = 0; slice < slices; ++slice) {
     const float ux = steps->ux, uy = steps->uy;
     cut s[STRIP];
@@ -1044,6 +1060,6 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       add_slice(&t[v], &s[v], ux, uy);
   }
   for (int v = 0; v < STRIP; ++v)
-    store_light(&c[v], &t[v], untouched[v], args.slices, layer,
+    store_light(&c[v], &t[v], untouched[v], all_slices, layer,
                 light + v * HBIL_WIDTH, args.light.plane);
 }

@@ -244,6 +244,37 @@ enum {
   HBIL_STRIP_UNUSED = 8
 };
 
+/*
+ * Adaptive sampling (judge.cl): a probe of a few layers tells how much each
+ * tile, HBIL_TILE pixels of a layer row in all layers, will be off; the gather
+ * then takes as many samples for it as that calls for, a rung of a ladder.
+ */
+enum {
+  HBIL_PROBE_SLICES = 1,
+  HBIL_PROBE_SAMPLES = 16,
+  HBIL_PROBE_LAYERS = 4,
+  HBIL_MOST_RUNGS = 11, /* the probe's comes behind them */
+  HBIL_JUDGE_PARTS = 64
+};
+/* Where the steps of a rung begin in the table, and the largest spread of the
+ * probe, of AO and of E_near over its mean in the frame, that it is enough
+ * for. */
+typedef struct hbil_rung {
+  hbil_uint steps;
+  hbil_int slices, samples;
+  hbil_float ao, near_light;
+} hbil_rung;
+
+/* Floats of a tile's judgement: variances of AO and E_near from layer to layer,
+ * sum of E_near over its channels, pixels that show a surface. */
+enum { HBIL_JUDGED = 4 };
+
+/* The layers that are probed, 2x2 neighbours: their directions, 0, 8, 12 and 4
+ * of hbil_direction_slot(), are equally spaced. */
+static inline hbil_int hbil_probe_layer(hbil_int i) {
+  return (i & 1) + HBIL_SIDE * (i >> 1);
+}
+
 /* Numbers of one frame that the gather needs. */
 typedef struct hbil_gather_args {
   hbil_view_args view;
@@ -261,6 +292,9 @@ typedef struct hbil_gather_args {
   hbil_bounds_args bounds;
   hbil_uint strips;         /* of a layer's row */
   hbil_int slices, samples; /* hbil_config's */
+  /* adaptive: rungs in use, whether this launch is the probe */
+  hbil_int rungs, probe;
+  hbil_rung rung[HBIL_MOST_RUNGS + 1];
 } hbil_gather_args;
 
 /* Far field: SH coefficients already multiplied by the basis functions'

@@ -6,12 +6,13 @@
  * Order: ((level * 16 + layer) * 2 slices + half) * (samples + 1) + k, half =
  * 2 slice + (0: along u, 1: along -u).  Entry 0 holds the slice's direction
  * alone, in ux and uy; the samples follow.
+ * The table begins at `first`: each rung of adaptive sampling has its own.
  * Launch: x = level * 16 + layer, y = half-slice.
  */
 kernel void make_pattern(const hbil_view_args view,
                          const hbil_pattern_args pattern,
                          const hbil_layer_args layout,
-                         global hbil_step *steps) {
+                         global hbil_step *steps, const uint first) {
   const int level = (int)get_global_id(0) / HBIL_LAYERS;
   const int layer = (int)get_global_id(0) % HBIL_LAYERS;
   const int half_slice = (int)get_global_id(1);
@@ -23,7 +24,7 @@ kernel void make_pattern(const hbil_view_args view,
     ux = -ux;
     uy = -uy;
   }
-  steps += (get_global_id(0) * (uint)(2 * pattern.slices) + (uint)half_slice) *
+  steps += first + (get_global_id(0) * (uint)(2 * pattern.slices) + (uint)half_slice) *
            (uint)(pattern.samples + 1);
   const hbil_step direction = {0, 0, 0, 0.0f, 0.0f, 0.0f, ux, uy, 0};
   *steps++ = direction;

@@ -583,20 +583,36 @@ static hbil_pattern_args pattern_of(const hbil_plan *plan,
   return pattern;
 }
 
+/* A rung's part of the table of steps. */
+static hbil_status make_steps(commands *chain, const hbil_view_args *view,
+                              const hbil_pattern_args *pattern,
+                              const hbil_rung *rung) {
+  hbil_plan *plan = chain->plan;
+  hbil_pattern_args own = *pattern;
+  own.slices = rung->slices;
+  own.samples = rung->samples;
+  const argument args[] = {{sizeof *view, view},
+                           ARG(own),
+                           ARG(plan->layout.split),
+                           ARG(plan->buffers[BUFFER_STEPS]),
+                           ARG(rung->steps)};
+  return LAUNCH(chain, KERNEL_PATTERN, args, (size_t)own.levels * HBIL_LAYERS,
+                (size_t)own.slices * 2, 1);
+}
+
 /* The table of steps, unless it is there already. */
 static hbil_status make_pattern(commands *chain, const hbil_view_args *view,
                                 const hbil_pattern_args *pattern) {
   hbil_plan *plan = chain->plan;
+  const ladder *l = &plan->layout.ladder;
   if (plan->has_steps && !memcmp(view, &plan->steps_view, sizeof *view) &&
       !memcmp(pattern, &plan->steps_pattern, sizeof *pattern))
     return HBIL_SUCCESS;
-  const argument args[] = {{sizeof *view, view},
-                           {sizeof *pattern, pattern},
-                           ARG(plan->layout.split),
-                           ARG(plan->buffers[BUFFER_STEPS])};
-  const hbil_status status =
-      LAUNCH(chain, KERNEL_PATTERN, args, (size_t)pattern->levels * HBIL_LAYERS,
-             (size_t)pattern->slices * 2, 1);
+  hbil_status status = make_steps(chain, view, pattern, &l->rung[0]);
+  for (int i = 1; i < l->count && status == HBIL_SUCCESS; ++i)
+    status = make_steps(chain, view, pattern, &l->rung[i]);
+  if (l->count && status == HBIL_SUCCESS)
+    status = make_steps(chain, view, pattern, &l->rung[HBIL_MOST_RUNGS]);
   plan->has_steps = status == HBIL_SUCCESS;
   plan->steps_view = *view;
   plan->steps_pattern = *pattern;
@@ -619,6 +635,56 @@ static float longest_ray(const hbil_view_args *v) {
   return (float)sqrt(1.0 + rx * rx + ry * ry);
 }
 
+static hbil_status look_around(commands *chain, const hbil_gather_args *args,
+                               cl_int still, size_t layers) {
+  hbil_plan *plan = chain->plan;
+  const argument all[] = {{sizeof *args, args},
+                          ARG(plan->buffers[BUFFER_SPLIT]),
+                          ARG(plan->buffers[BUFFER_STEPS]),
+                          ARG(plan->buffers[BUFFER_LIGHT]),
+                          ARG(plan->buffers[BUFFER_BOUNDS]),
+                          ARG(plan->buffers[BUFFER_USES]),
+                          ARG(plan->buffers[BUFFER_STRIPS]),
+                          ARG(plan->buffers[BUFFER_FLAGS]),
+                          ARG(still),
+                          ARG(plan->buffers[BUFFER_RUNGS])};
+  return LAUNCH(chain, KERNEL_GATHER, all, plan->layout.strips,
+                (size_t)plan->layout.split.height, layers);
+}
+
+/* Adaptive sampling: a look at a few layers, and what it says of each tile. */
+static hbil_status judge(commands *chain, const hbil_gather_args *args,
+                         cl_int still) {
+  hbil_plan *plan = chain->plan;
+  const layout *l = &plan->layout;
+  const size_t rows = (size_t)l->split.height;
+  hbil_gather_args probe = *args;
+  probe.probe = CL_TRUE;
+  const argument tiles[] = {ARG(l->split),
+                            ARG(plan->buffers[BUFFER_SPLIT]),
+                            ARG(l->light),
+                            ARG(plan->buffers[BUFFER_LIGHT]),
+                            ARG(plan->buffers[BUFFER_TILES]),
+                            ARG(plan->buffers[BUFFER_FLAGS]),
+                            ARG(still)};
+  const argument sum[] = {ARG(l->split), ARG(plan->buffers[BUFFER_TILES]),
+                          ARG(plan->buffers[BUFFER_FLAGS]), ARG(still)};
+  const argument rungs[] = {ARG(l->split),
+                            ARG(plan->buffers[BUFFER_TILES]),
+                            {sizeof *args, args},
+                            ARG(plan->buffers[BUFFER_RUNGS]),
+                            ARG(plan->buffers[BUFFER_FLAGS]),
+                            ARG(still)};
+  hbil_status status = look_around(chain, &probe, still, HBIL_PROBE_LAYERS);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_JUDGE_TILES, tiles, l->tiles, rows, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_JUDGE_SUM, sum, HBIL_JUDGE_PARTS, 1, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_JUDGE_RUNGS, rungs, l->tiles, rows, 1);
+  return status;
+}
+
 static hbil_status gather(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
@@ -627,7 +693,7 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   if (is_same(plan, frame))
     return leave_out(chain);
   plan->may_leave_out[HBIL_PASS_GATHER] = still;
-  const hbil_status status = make_pattern(chain, &view, &pattern);
+  hbil_status status = make_pattern(chain, &view, &pattern);
   if (status != HBIL_SUCCESS)
     return status;
   hbil_gather_args gather_args;
@@ -659,17 +725,13 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   gather_args.facing[0] = plan->config.facing[0];
   gather_args.facing[1] =
       1.0f / fmaxf(plan->config.facing[1] - plan->config.facing[0], FLT_MIN);
-  const argument args[] = {ARG(gather_args),
-                           ARG(plan->buffers[BUFFER_SPLIT]),
-                           ARG(plan->buffers[BUFFER_STEPS]),
-                           ARG(plan->buffers[BUFFER_LIGHT]),
-                           ARG(plan->buffers[BUFFER_BOUNDS]),
-                           ARG(plan->buffers[BUFFER_USES]),
-                           ARG(plan->buffers[BUFFER_STRIPS]),
-                           ARG(plan->buffers[BUFFER_FLAGS]),
-                           ARG(still)};
-  return LAUNCH(chain, KERNEL_GATHER, args, plan->layout.strips,
-                (size_t)plan->layout.split.height, HBIL_LAYERS);
+  gather_args.rungs = plan->layout.ladder.count;
+  memcpy(gather_args.rung, plan->layout.ladder.rung, sizeof gather_args.rung);
+  if (gather_args.rungs)
+    status = judge(chain, &gather_args, still);
+  return status == HBIL_SUCCESS
+             ? look_around(chain, &gather_args, still, HBIL_LAYERS)
+             : status;
 }
 
 static hbil_status recompose(commands *chain, const hbil_frame *frame) {

@@ -24,6 +24,9 @@
 #define frame_image hbil_internal_frame_image
 #define image_kinds hbil_internal_image_kinds
 #define kernel_sources hbil_internal_kernel_sources
+#define ladder_limits hbil_internal_ladder_limits
+#define ladder_of hbil_internal_ladder_of
+#define ladder_on hbil_internal_ladder_on
 #define layout_compute hbil_internal_layout_compute
 #define program_build hbil_internal_program_build
 #define status_of hbil_internal_status_of
@@ -136,6 +139,23 @@ hbil_transform_args camera_from_world(const hbil_camera *camera);
 hbil_environment_args far_field_args(const hbil_config *config,
                                      const float environment[9][3]);
 
+/* --- ladder.c --- */
+
+/* Numbers of samples that adaptive sampling chooses from, and the table of
+ * steps that holds those of all: in entries. */
+typedef struct ladder {
+  int count; /* 0: every tile has the same */
+  hbil_rung rung[HBIL_MOST_RUNGS + 1]; /* the last: the probe */
+  size_t steps;
+} ladder;
+
+/* Whether hbil_config.max_error asks for it. */
+bool ladder_on(const hbil_config *config);
+/* The rungs, without their limits. */
+ladder ladder_of(const hbil_config *config, int levels);
+/* The largest spread each rung is enough for. */
+void ladder_limits(const hbil_config *config, ladder *l);
+
 /* --- layout.c --- */
 
 /* The device buffers of a plan. */
@@ -153,6 +173,8 @@ enum {
   BUFFER_USES,     /* where light has a use */
   BUFFER_STRIPS,   /* what the gather had no need of */
   BUFFER_REPAIRED, /* HBIL_REPAIRED_: what inputs could not be used as is */
+  BUFFER_TILES,    /* adaptive: what the probe says of each, and sums of it */
+  BUFFER_RUNGS,    /* adaptive: what each tile is worth */
   BUFFER_COUNT
 };
 
@@ -174,12 +196,15 @@ enum {
   KERNEL_ESTIMATE_SUM,
   KERNEL_PATTERN,
   KERNEL_GATHER,
+  KERNEL_JUDGE_TILES,
+  KERNEL_JUDGE_SUM,
+  KERNEL_JUDGE_RUNGS,
   KERNEL_RECOMPOSE,
   KERNEL_COMPOSITE,
   KERNEL_COUNT
 };
 
-enum { PROGRAM_COUNT = 9 };
+enum { PROGRAM_COUNT = 10 };
 
 /* log2(16384) + 1: levels of the largest push/pull chain. */
 enum { MAX_CHAIN = 15 };
@@ -200,6 +225,8 @@ typedef struct layout {
   size_t strips;             /* of the gather, in a row of a layer */
   hbil_far_field far_field;  /* NONE where nothing shows it */
   hbil_pattern_args pattern; /* without turn, shift, reach */
+  size_t tiles;              /* adaptive sampling's, in a row */
+  ladder ladder;
 } layout;
 
 /* config.vector_width must not be 0. */
@@ -208,7 +235,7 @@ void layout_compute(const hbil_config *config, layout *out);
 /* --- plan.c --- */
 
 /* Most kernel launches in a frame, for the profiling events. */
-enum { MAX_LAUNCHES = 2 * MAX_CHAIN + 24 };
+enum { MAX_LAUNCHES = 2 * MAX_CHAIN + 24 + HBIL_MOST_RUNGS + 5 };
 
 struct hbil_plan {
   hbil_context *context;

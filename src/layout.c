@@ -189,7 +189,14 @@ void layout_compute(const hbil_config *config, layout *out) {
   out->pattern.levels = isinf(config->radius) ? 1 : HBIL_MAX_LEVELS;
   out->pattern.lattice = config->lattice == HBIL_LATTICE_LAYER ? HBIL_SIDE : 1;
   out->pattern.growth = config->step_growth;
-  out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * HBIL_LAYERS * 2 *
-                             (size_t)out->pattern.levels * config->slices *
-                             (config->samples + 1);
+  out->ladder = ladder_of(config, out->pattern.levels);
+  ladder_limits(config, &out->ladder);
+  out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * out->ladder.steps;
+  if (!out->ladder.count)
+    return;
+  out->tiles = ((size_t)out->split.width + HBIL_TILE - 1) / HBIL_TILE;
+  const size_t tiles = out->tiles * (size_t)out->split.height;
+  out->bytes[BUFFER_TILES] =
+      real * (HBIL_JUDGED * tiles + 2 * (size_t)HBIL_JUDGE_PARTS);
+  out->bytes[BUFFER_RUNGS] = sizeof(cl_uint) * tiles;
 }

@@ -64,7 +64,8 @@ static void write_defines(const hbil_plan *plan, text *t) {
       (int)plan->layout.far_field);
   add(t, " -DFINITE=%d",
       (isinf(c->relative_thickness) ? 0 : 1) | (isinf(c->thickness) ? 0 : 2));
-  add(t, " -DEXTRAPOLATE=%d", c->extrapolate != 0);
+  add(t, " -DEXTRAPOLATE=%d -DADAPTIVE=%d", c->extrapolate != 0,
+      plan->layout.ladder.count > 0);
   add(t, " -DPACKED=%d", c->storage == HBIL_STORAGE_PACKED);
   add(t, " -DREFUSED_FRAME=%d -DHBAO=%d", plan->layout.unknown,
       c->mode == HBIL_MODE_HBAO);
@@ -93,6 +94,7 @@ enum {
   PROGRAM_ESTIMATE,
   PROGRAM_PATTERN,
   PROGRAM_GATHER,
+  PROGRAM_JUDGE,
   PROGRAM_RECOMPOSE,
   PROGRAM_COMPOSITE
 };
@@ -105,6 +107,7 @@ static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_ESTIMATE] = {"estimate", .images = false},
     [PROGRAM_PATTERN] = {"pattern", .images = false},
     [PROGRAM_GATHER] = {"gather", .fast = true},
+    [PROGRAM_JUDGE] = {"judge", .images = false},
     [PROGRAM_RECOMPOSE] = {"recompose", .fast = true},
     [PROGRAM_COMPOSITE] = {"composite", .images = true},
 };
@@ -130,6 +133,9 @@ static const struct {
     [KERNEL_ESTIMATE_SUM] = {"estimate_sum", PROGRAM_ESTIMATE},
     [KERNEL_PATTERN] = {"make_pattern", PROGRAM_PATTERN},
     [KERNEL_GATHER] = {"gather", PROGRAM_GATHER},
+    [KERNEL_JUDGE_TILES] = {"judge_tiles", PROGRAM_JUDGE},
+    [KERNEL_JUDGE_SUM] = {"judge_sum", PROGRAM_JUDGE},
+    [KERNEL_JUDGE_RUNGS] = {"judge_rungs", PROGRAM_JUDGE},
     [KERNEL_RECOMPOSE] = {"recompose", PROGRAM_RECOMPOSE},
     [KERNEL_COMPOSITE] = {"composite", PROGRAM_COMPOSITE},
 };
@@ -139,6 +145,8 @@ static bool program_needed(const hbil_plan *plan, int program) {
     return plan->layout.estimate;
   if (program == PROGRAM_BOUNDS)
     return plan->layout.bytes[BUFFER_BOUNDS] > 0;
+  if (program == PROGRAM_JUDGE)
+    return plan->layout.ladder.count > 0;
   return plan->layout.history ||
          (program != PROGRAM_REPROJECT && program != PROGRAM_PUSH_PULL);
 }

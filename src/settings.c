@@ -60,6 +60,7 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .step_growth = 2.0f,
       .lattice = HBIL_LATTICE_FULL,
       .extrapolate = CL_TRUE,
+      .max_error = {INFINITY, INFINITY},
       .facing = {-0.1f, 0.0f},
       .refused = HBIL_REFUSED_LAST,
       .gather_emission = CL_TRUE,
@@ -210,6 +211,32 @@ static hbil_status check_mode(hbil_context *context,
   return HBIL_SUCCESS;
 }
 
+/* The relation of the probe's spread to the error was measured with these. */
+static hbil_status check_adaptive(hbil_context *context,
+                                  const hbil_config *config) {
+  hbil_status status =
+      positive(context, "max_error[0]", (double)config->max_error[0]);
+  if (status == HBIL_SUCCESS)
+    status = positive(context, "max_error[1]", (double)config->max_error[1]);
+  if (status != HBIL_SUCCESS || !ladder_on(config))
+    return status;
+  if (config->slices < 2)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "max_error: needs slices of 2 or more, not %u",
+                (unsigned)config->slices);
+  if (!config->extrapolate)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "max_error: needs extrapolate, which is CL_FALSE");
+  if (config->raw_interleave)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "max_error: is that of filtered results, raw_interleave must "
+                "be CL_FALSE");
+  if (config->mode == HBIL_MODE_HBAO)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "max_error: not with HBIL_MODE_HBAO, whose errors are others");
+  return HBIL_SUCCESS;
+}
+
 hbil_status config_check(hbil_context *context, const hbil_config *config) {
   if (config->struct_size != sizeof *config)
     return fail(context, HBIL_INVALID_CONFIG,
@@ -273,6 +300,8 @@ hbil_status config_check(hbil_context *context, const hbil_config *config) {
           HBIL_SUCCESS ||
       (status = positive(context, "disocclusion",
                          (double)config->disocclusion)) != HBIL_SUCCESS)
+    return status;
+  if ((status = check_adaptive(context, config)) != HBIL_SUCCESS)
     return status;
   status = check_formats(context, config);
   return status == HBIL_SUCCESS ? check_mode(context, config) : status;

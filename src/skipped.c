@@ -75,6 +75,35 @@ static void count_strips(const hbil_plan *plan, const unsigned char *strips,
   }
 }
 
+/* Of adaptive sampling. */
+static hbil_status read_samples(hbil_plan *plan, cl_command_queue queue,
+                                hbil_skipped *out) {
+  const ladder *l = &plan->layout.ladder;
+  out->samples = (double)plan->config.samples;
+  out->adaptive = l->count > 0;
+  if (!l->count)
+    return HBIL_SUCCESS;
+  cl_uint *rungs = malloc(plan->layout.bytes[BUFFER_RUNGS]);
+  if (!rungs)
+    return fail(plan->context, HBIL_OUT_OF_HOST_MEMORY,
+                "no memory to count in");
+  const hbil_status status = read_buffer(plan, queue, BUFFER_RUNGS, rungs);
+  double sum = 0.0, pixels = 0.0;
+  const size_t width = (size_t)plan->layout.split.width;
+  for (size_t i = 0; status == HBIL_SUCCESS &&
+                     i < plan->layout.bytes[BUFFER_RUNGS] / sizeof *rungs;
+       ++i) {
+    const size_t x = i % plan->layout.tiles * HBIL_TILE;
+    const size_t inside = width - x < HBIL_TILE ? width - x : HBIL_TILE;
+    pixels += (double)inside;
+    sum += (double)inside * l->rung[rungs[i]].samples;
+  }
+  if (pixels > 0.0)
+    out->samples = sum / pixels;
+  free(rungs);
+  return status;
+}
+
 static hbil_status read_strips(hbil_plan *plan, cl_command_queue queue,
                                hbil_skipped *out) {
   unsigned char *strips = malloc(plan->layout.bytes[BUFFER_STRIPS]);
@@ -102,6 +131,8 @@ hbil_status hbil_plan_skipped(hbil_plan *plan, cl_command_queue queue,
   hbil_status status = read_passes(plan, queue, out);
   if (status == HBIL_SUCCESS)
     status = read_strips(plan, queue, out);
+  if (status == HBIL_SUCCESS)
+    status = read_samples(plan, queue, out);
   if (status == HBIL_SUCCESS && out->not_run[HBIL_PASS_GATHER])
     out->sky = out->open = out->dark = out->unused = (hbil_share){0, 0};
   return status;

@@ -355,6 +355,19 @@ typedef struct hbil_config {
    * radiance; where samples are all the pixels nothing changes.  Costs an angle
    * a half-slice: a seventh of the gather at 2 x 8.  Default CL_TRUE. */
   cl_bool extrapolate;
+  /* Adaptive sampling: the error that 95 % of the pixels shall have at most,
+   * max_error[0] of AO, max_error[1] of E_near over its mean in the frame.
+   * Infinity (default): any; where both are, every pixel has `samples`.
+   * Otherwise that is the most: tiles of 128x4 pixels for which fewer will do
+   * have 8, 12, 16, 24, 32, 48, 64, 96, 128 or 192.  A probe of a quarter of
+   * the pixels, at a quarter of the cost of 1 x 16 samples, tells which; how
+   * well, and when it is worth it, is in HACKING.md, "Adaptive sampling".  What
+   * the filter of recompose adds to the error is in it, and where even
+   * `samples` are not enough, the error is what it is.  A tile's pixels are
+   * then, bit for bit, those of a plan with its number of samples throughout.
+   * Needs slices >= 2, extrapolate, and not raw_interleave nor HBIL_MODE_HBAO.
+   */
+  float max_error[2];
   float facing[2];      /* radiance of a sample fades in as the cosine between
                            its normal and the direction back to the point goes
                            from facing[0] to facing[1]; -1..1, ascending;
@@ -623,6 +636,9 @@ typedef struct hbil_skipped {
   hbil_share open;   /* nothing there can be blocked */
   hbil_share dark;   /* no light is in reach: AO and bent normals alone */
   hbil_share unused; /* no irradiance is asked for */
+  cl_bool adaptive; /* by hbil_config.max_error; then the next is less than
+                       hbil_config.samples */
+  double samples; /* a side that pixels were given on average, sky and all */
   /* passes that had nothing to do, or found on the device that they had not */
   cl_bool not_run[HBIL_PASS_COUNT];
 } hbil_skipped;

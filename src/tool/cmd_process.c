@@ -20,6 +20,7 @@ enum {
   OPTION_SAMPLES,
   OPTION_STEP_GROWTH,
   OPTION_EXTRAPOLATE,
+  OPTION_MAX_ERROR,
   OPTION_LATTICE,
   OPTION_STORAGE,
   OPTION_NO_SKIP,
@@ -66,6 +67,7 @@ static const struct option options[] = {
     {"samples", required_argument, NULL, OPTION_SAMPLES},
     {"step-growth", required_argument, NULL, OPTION_STEP_GROWTH},
     {"extrapolate", required_argument, NULL, OPTION_EXTRAPOLATE},
+    {"max-error", required_argument, NULL, OPTION_MAX_ERROR},
     {"thickness", required_argument, NULL, OPTION_THICKNESS},
     {"relative-thickness", required_argument, NULL, OPTION_RELATIVE_THICKNESS},
     {"lattice", required_argument, NULL, OPTION_LATTICE},
@@ -162,6 +164,10 @@ static void usage(const hbil_config *defaults) {
          defaults->slices, defaults->samples, (double)defaults->step_growth);
   puts("  --lattice full|layer  where samples may lie: any pixel, or every\n"
        "                        fourth\n"
+       "  --max-error A,E       95 % of the pixels within A of the exact AO and\n"
+       "                        within E of E_near, over its mean in the frame:\n"
+       "                        fewer samples, from 8 on, where the picture is\n"
+       "                        even (inf,inf)\n"
        "  --extrapolate yes|no  judge what lies between the samples by what\n"
        "                        half of them miss (yes)\n"
        "  --no-skip             do all work, even such as can't change a\n"
@@ -274,6 +280,8 @@ static int set_number(int option, process_options *o, image_error *error) {
     return option_floats("--radius", optarg, &c->radius, 1, error);
   case OPTION_STEP_GROWTH:
     return option_floats("--step-growth", optarg, &c->step_growth, 1, error);
+  case OPTION_MAX_ERROR:
+    return option_floats("--max-error", optarg, c->max_error, 2, error);
   case OPTION_THICKNESS:
     return option_floats("--thickness", optarg, &c->thickness, 1, error);
   case OPTION_RELATIVE_THICKNESS:
@@ -358,6 +366,7 @@ static int check_exact(const request *r, image_error *error) {
       {OPTION_SAMPLES, "--samples", "which looks at every pixel"},
       {OPTION_STEP_GROWTH, "--step-growth", "which looks at every pixel"},
       {OPTION_EXTRAPOLATE, "--extrapolate", "which misses nothing"},
+      {OPTION_MAX_ERROR, "--max-error", "which has none"},
       {OPTION_LATTICE, "--lattice", "which looks at every pixel"},
       {OPTION_STORAGE, "--storage", "which has no layers"},
       {OPTION_NO_SKIP, "--no-skip", "which skips nothing"},

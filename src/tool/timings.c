@@ -36,6 +36,10 @@ void timings_print_skipped(const hbil_skipped *s, FILE *out) {
             percent(shares[i].share->strips, s->all.strips));
     between = "; ";
   }
+  if (s->adaptive) {
+    fprintf(out, "%s%.1f samples a side on average", between, s->samples);
+    between = "; ";
+  }
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     if (s->not_run[p]) {
       fprintf(out, "%sno %s", between, hbil_pass_name((hbil_pass)p));
@@ -53,9 +57,10 @@ json_t *timings_skipped_json(const hbil_skipped *s) {
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     if (s->not_run[p])
       json_array_append_new(passes, json_string(hbil_pass_name((hbil_pass)p)));
-  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "all", share(&s->all),
-                   "sky", share(&s->sky), "open", share(&s->open), "dark",
-                   share(&s->dark), "unused", share(&s->unused), "not_run",
+  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:f, s:o}", "all",
+                   share(&s->all), "sky", share(&s->sky), "open",
+                   share(&s->open), "dark", share(&s->dark), "unused",
+                   share(&s->unused), "samples", s->samples, "not_run",
                    passes);
 }
 
