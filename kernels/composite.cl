@@ -42,6 +42,9 @@ STORER(indirect, INDIRECT_TYPE, INDIRECT_STRIDE)
 #if OUT_RADIANCE
 STORER(radiance, RADIANCE_TYPE, RADIANCE_STRIDE)
 #endif
+#if OUT_ERROR
+STORER(error, ERROR_TYPE, ERROR_STRIDE)
+#endif
 
 #define INV_PI 0.318309886f
 #define PI 3.14159265f
@@ -135,24 +138,26 @@ static inline void count_repaired(const intv *sound, intv solid,
 #endif
 }
 
-kernel void composite(
-    const hbil_view_args view, const hbil_transform_args world,
-    global const float *resolved, global const float *estimate,
-    global float *history, const hbil_plane_args planes,
-    const hbil_environment_args environment, const float background,
-    const float direct_scale, global const void *depth_buffer,
-    const hbil_image_args depth_image, global const void *albedo_buffer,
-    const hbil_image_args albedo_image, global const void *f0_buffer,
-    const hbil_image_args f0_image, global const void *direct_buffer,
-    const hbil_image_args direct_image, global const void *emission_buffer,
-    const hbil_image_args emission_image, global void *near_buffer,
-    const hbil_image_args near_image, global void *far_buffer,
-    const hbil_image_args far_image, global void *ao_buffer,
-    const hbil_image_args ao_image, global void *bent_buffer,
-    const hbil_image_args bent_image, global void *cone_buffer,
-    const hbil_image_args cone_image, global void *indirect_buffer,
-    const hbil_image_args indirect_image, global void *radiance_buffer,
-    const hbil_image_args radiance_image, volatile global uint *repaired) {
+kernel void
+composite(const hbil_view_args view, const hbil_transform_args world,
+          global const float *resolved, global const float *estimate,
+          global float *history, const hbil_plane_args planes,
+          const hbil_environment_args environment, const float background,
+          const float direct_scale, global const void *depth_buffer,
+          const hbil_image_args depth_image, global const void *albedo_buffer,
+          const hbil_image_args albedo_image, global const void *f0_buffer,
+          const hbil_image_args f0_image, global const void *direct_buffer,
+          const hbil_image_args direct_image,
+          global const void *emission_buffer,
+          const hbil_image_args emission_image, global void *near_buffer,
+          const hbil_image_args near_image, global void *far_buffer,
+          const hbil_image_args far_image, global void *ao_buffer,
+          const hbil_image_args ao_image, global void *bent_buffer,
+          const hbil_image_args bent_image, global void *cone_buffer,
+          const hbil_image_args cone_image, global void *indirect_buffer,
+          const hbil_image_args indirect_image, global void *radiance_buffer,
+          const hbil_image_args radiance_image, global void *error_buffer,
+          const hbil_image_args error_image, volatile global uint *repaired) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= view.width || y >= view.height)
     return;
@@ -174,6 +179,16 @@ kernel void composite(
 #endif
 #if OUT_CONE
   store_cone(t, cone_buffer, cone_image, x, y, 0, count);
+#endif
+#if OUT_ERROR
+  store_error(LOADV(resolved + ERROR_PLANE * planes.plane), error_buffer,
+              error_image, x, y, 0, count);
+#if GATHER_RADIANCE
+  store_error(LOADV(resolved + (ERROR_PLANE + 1) * planes.plane), error_buffer,
+              error_image, x, y, 1, count);
+#else
+  store_error((realv)0.0f, error_buffer, error_image, x, y, 1, count);
+#endif
 #endif
 #if GATHER_BENT
   realv bent[3], axis[3];

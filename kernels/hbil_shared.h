@@ -265,6 +265,12 @@ typedef struct hbil_rung {
   hbil_float ao, near_light;
 } hbil_rung;
 
+/* What recompose makes of the spread of a neighbourhood's light: an error that
+ * 95 % of the pixels don't exceed.  Factors of AO and E_near, by rung. */
+typedef struct hbil_error_args {
+  hbil_float ao[HBIL_MOST_RUNGS], near_light[HBIL_MOST_RUNGS];
+} hbil_error_args;
+
 /* Floats of a tile's judgement: variances of AO and E_near from layer to layer,
  * sum of E_near over its channels, pixels that show a surface. */
 enum { HBIL_JUDGED = 4 };

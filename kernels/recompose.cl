@@ -14,8 +14,12 @@
  * the corners is there four times; two opposite ones will do, as they leave the
  * centre where it is.
  *
+ * How much the neighbours' light differs says how far their mean may be off
+ * (hbil_config.error).
+ *
  * Builds: RAW (only undo the split), GATHER_RADIANCE, GATHER_BENT,
- * REFUSED_FRAME, PACKED.
+ * REFUSED_FRAME, PACKED, OUT_ERROR, ERROR_PLANE (where errors follow the
+ * light), ADAPTIVE (each tile has its own factors).
  * Launch: x = groups of 4 pixels of a row, y = rows; where HBIL_WIDTH is more
  * than 1, x = groups of 4*HBIL_TILE pixels, y = HBIL_RECOMPOSE_ROWS rows.
  * In: split planes (guides), light planes.  Out: light planes, full
@@ -59,6 +63,9 @@ enum {
 typedef struct sums {
   realv total, plane[HBIL_GATHERED_PLANES];
   realv w, n[3];
+#if OUT_ERROR
+  realv square_ao, square_near; /* of AO, of the channels of E_near */
+#endif
 } sums;
 
 /* What the pixel in the middle brings to the weights. */
@@ -140,6 +147,41 @@ static inline middle middle_of(const hbil_view_args view, const sums *s, int x,
   return m;
 }
 
+#if OUT_ERROR
+static inline void add_squares(sums *s, const float *t, realv weight) {
+  const realv ao = TAP(t, TAP_LIGHT + HBIL_LIGHT_AO);
+  s->square_ao = fma(weight * ao, ao, s->square_ao);
+#if GATHER_RADIANCE
+#pragma unroll
+  for (int p = HBIL_LIGHT_RED; p < HBIL_LIGHT_BENT; ++p) {
+    const realv light = TAP(t, TAP_LIGHT + p);
+    s->square_near = fma(weight * light, light, s->square_near);
+  }
+#endif
+}
+
+/* Once sums are means.  A difference of squares: what is below 2^-12 of the
+ * mean is rounding. */
+static inline void errors_of(const sums *s, const hbil_error_args factors,
+                             uint rung, realv *ao, realv *near_light) {
+  const realv inv_total = 1.0f / s->total, zero = 0.0f;
+  const realv open = s->plane[HBIL_LIGHT_AO];
+  *ao = factors.ao[rung] *
+        sqrt(max(fma(-open, open, s->square_ao * inv_total), zero));
+  realv square = s->square_near * inv_total;
+#if GATHER_RADIANCE
+#pragma unroll
+  for (int p = HBIL_LIGHT_RED; p < HBIL_LIGHT_BENT; ++p)
+    square = fma(-s->plane[p], s->plane[p], square);
+#endif
+  *near_light =
+      factors.near_light[rung] * sqrt(max(square * (1.0f / 3.0f), zero));
+  const intv sky = s->w <= 0.0f;
+  *ao = select(*ao, zero, sky);
+  *near_light = select(*near_light, zero, sky);
+}
+#endif
+
 /* The pixel i to the right and j below. */
 static inline void add_tap(sums *s, const middle *m, const float *t, float i,
                            float j, float share) {
@@ -154,6 +196,9 @@ static inline void add_tap(sums *s, const middle *m, const float *t, float i,
 #define ADD_PLANE(p)                                                           \
   s->plane[p] = fma(weight, TAP(t, TAP_LIGHT + p), s->plane[p]);
   EACH_GATHERED(ADD_PLANE)
+#if OUT_ERROR
+  add_squares(s, t, weight);
+#endif
 }
 
 #if REFUSED_FRAME
@@ -188,13 +233,17 @@ static inline void normalize_bent(sums *s) {
 }
 #endif
 
-/* What is left to do once the neighbourhood has come together. */
-static inline void finish(sums *s, global const float *estimate) {
+/* What the neighbourhood has come together to. */
+static inline void mean(sums *s) {
 #if !RAW
   const realv inv_total = 1.0f / s->total;
 #define DIVIDE_PLANE(p) s->plane[p] *= inv_total;
   EACH_GATHERED(DIVIDE_PLANE)
 #endif
+}
+
+/* What is left to do then. */
+static inline void finish(sums *s, global const float *estimate) {
 #if REFUSED_FRAME
   fill_unknown(s, estimate);
 #endif
@@ -247,6 +296,10 @@ static inline sums filter(const hbil_view_args view, const hbil_layer_args in,
   s.total = 1.0f;
 #define START_PLANE(p) s.plane[p] = TAP(self, TAP_LIGHT + p);
   EACH_GATHERED(START_PLANE)
+#if OUT_ERROR
+  s.square_ao = s.square_near = 0.0f;
+  add_squares(&s, self, 1.0f);
+#endif
 #if !RAW
   const middle m = middle_of(view, &s, 4 * x + column, 4 * y + row);
 #define ADD_NEIGHBOUR(i, j, share)                                             \
@@ -256,15 +309,19 @@ static inline sums filter(const hbil_view_args view, const hbil_layer_args in,
   return s;
 }
 
-/* One plane of four layers' pixels, as they lie in the image. */
-static inline void store_plane(const sums *value, int p, global float *to) {
-  const realv column[4] = {value[0].plane[p], value[1].plane[p],
-                           value[2].plane[p], value[3].plane[p]};
+/* Four layers' pixels, as they lie in the image. */
+static inline void store_columns(const realv *column, global float *to) {
   realv pixels[4];
   INTERLEAVE(column, pixels);
 #pragma unroll
   for (int i = 0; i < 4; ++i)
     STREAMV(pixels[i], to + i * HBIL_WIDTH);
+}
+
+static inline void store_plane(const sums *value, int p, global float *to) {
+  const realv column[4] = {value[0].plane[p], value[1].plane[p],
+                           value[2].plane[p], value[3].plane[p]};
+  store_columns(column, to);
 }
 
 /* 4*HBIL_WIDTH pixels of row 4 y + row.  The columns stay a loop: side by side
@@ -274,14 +331,35 @@ static inline void resolve(const hbil_view_args view, const hbil_layer_args in,
                            global const float *light,
                            global const float *estimate,
                            const float *const *rows, int row, int x, int y,
-                           global float *resolved, const hbil_plane_args out) {
+                           global float *resolved, const hbil_plane_args out,
+                           const hbil_error_args factors,
+                           global const uint *rungs) {
   sums value[4];
   for (int i = 0; i < 4; ++i)
     value[i] = filter(view, in, lit, split, light, rows, i, row, x, y);
-#pragma unroll
-  for (int i = 0; i < 4; ++i)
+#if OUT_ERROR
+  realv ao[4], near_light[4];
+#if ADAPTIVE
+  const int tiles = (in.width + HBIL_TILE - 1) / HBIL_TILE;
+  const uint rung = rungs[y * tiles + x / HBIL_TILE];
+#else
+  const uint rung = 0u;
+#endif
+#endif
+  for (int i = 0; i < 4; ++i) {
+    mean(&value[i]);
+#if OUT_ERROR
+    errors_of(&value[i], factors, rung, &ao[i], &near_light[i]);
+#endif
     finish(&value[i], estimate);
+  }
   global float *to = resolved + (uint)(4 * y + row) * out.row + (uint)(4 * x);
+#if OUT_ERROR
+  store_columns(ao, to + ERROR_PLANE * out.plane);
+#if GATHER_RADIANCE
+  store_columns(near_light, to + (ERROR_PLANE + 1) * out.plane);
+#endif
+#endif
 #define STORE_PLANE(p) store_plane(value, p, to + (p)*out.plane);
   EACH_RESOLVED(STORE_PLANE)
 }
@@ -290,7 +368,8 @@ kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
                       const hbil_layer_args lit, global const float *split,
                       global const float *light, global const float *estimate,
                       global float *resolved, const hbil_plane_args out,
-                      global const uint *flags, const int still) {
+                      global const uint *flags, const int still,
+                      const hbil_error_args factors, global const uint *rungs) {
   const int x = (int)get_global_id(0) * VECTORS * HBIL_WIDTH;
   const int top = (int)get_global_id(1) * ROWS, y = top >> 2;
   if (4 * x >= view.width || top >= view.height ||
@@ -298,7 +377,7 @@ kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
     return;
 #if HBIL_WIDTH == 1
   resolve(view, in, lit, split, light, estimate, 0, top & 3, x, y, resolved,
-          out);
+          out, factors, rungs);
 #else
   /* begins a pixel before a vector, so that most loads are aligned */
   realv memory[5 * TAP_ROW / HBIL_WIDTH + 1];
@@ -323,7 +402,7 @@ kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
       const float *const around[5] = {rows[0] + v, rows[1] + v, rows[2] + v,
                                       rows[3] + v, rows[4] + v};
       resolve(view, in, lit, split, light, estimate, around, row & 3, x + v,
-              y + (row >> 2), resolved, out);
+              y + (row >> 2), resolved, out, factors, rungs);
     }
   }
 #endif

@@ -16,7 +16,7 @@ enum {
   USES_SPLIT = USES_SURFACE | BIT(IMAGE_NORMAL),
   USES_OUTPUTS = BIT(IMAGE_NEAR) | BIT(IMAGE_FAR) | BIT(IMAGE_AO) |
                  BIT(IMAGE_BENT) | BIT(IMAGE_CONE) | BIT(IMAGE_INDIRECT) |
-                 BIT(IMAGE_RADIANCE),
+                 BIT(IMAGE_RADIANCE) | BIT(IMAGE_ERROR),
   USES_COMPOSITE = USES_SURFACE | USES_OUTPUTS,
   USES_FRAME = USES_REPROJECT | USES_SPLIT | USES_OUTPUTS
 };
@@ -740,6 +740,7 @@ static hbil_status recompose(commands *chain, const hbil_frame *frame) {
   if (is_same(plan, frame))
     return leave_out(chain);
   plan->may_leave_out[HBIL_PASS_RECOMPOSE] = still;
+  const hbil_error_args factors = error_factors(&plan->layout.ladder);
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
   const argument args[] = {ARG(view),
                            ARG(plan->layout.split),
@@ -750,7 +751,9 @@ static hbil_status recompose(commands *chain, const hbil_frame *frame) {
                            ARG(plan->buffers[BUFFER_RESOLVED]),
                            ARG(plan->layout.planes),
                            ARG(plan->buffers[BUFFER_FLAGS]),
-                           ARG(still)};
+                           ARG(still),
+                           ARG(factors),
+                           ARG(plan->buffers[BUFFER_RUNGS])};
   const size_t rows =
       plan->config.vector_width == 1 ? 1 : (size_t)HBIL_RECOMPOSE_ROWS;
   return LAUNCH(chain, KERNEL_RECOMPOSE, args, plan->layout.strips,
@@ -787,6 +790,7 @@ static hbil_status composite(commands *chain, const hbil_frame *frame) {
                            IMAGE_ARGS(image[IMAGE_CONE]),
                            IMAGE_ARGS(image[IMAGE_INDIRECT]),
                            IMAGE_ARGS(image[IMAGE_RADIANCE]),
+                           IMAGE_ARGS(image[IMAGE_ERROR]),
                            ARG(plan->buffers[BUFFER_REPAIRED])};
   hbil_status status =
       plan->layout.counts_late

@@ -19,6 +19,7 @@
 #define config_format hbil_internal_config_format
 #define fail hbil_internal_fail
 #define fail_cl hbil_internal_fail_cl
+#define error_factors hbil_internal_error_factors
 #define far_field_args hbil_internal_far_field_args
 #define format_stride hbil_internal_format_stride
 #define frame_image hbil_internal_frame_image
@@ -47,6 +48,7 @@ enum {
   IMAGE_CONE,
   IMAGE_INDIRECT,
   IMAGE_RADIANCE,
+  IMAGE_ERROR,
   IMAGE_COUNT,
   IMAGE_FIRST_OUTPUT = IMAGE_NEAR
 };
@@ -153,6 +155,8 @@ typedef struct ladder {
 bool ladder_on(const hbil_config *config);
 /* The rungs, without their limits. */
 ladder ladder_of(const hbil_config *config, int levels);
+/* Factors of the spread of a neighbourhood. */
+hbil_error_args error_factors(const ladder *l);
 /* The largest spread each rung is enough for. */
 void ladder_limits(const hbil_config *config, ladder *l);
 
@@ -225,6 +229,7 @@ typedef struct layout {
   size_t strips;             /* of the gather, in a row of a layer */
   hbil_far_field far_field;  /* NONE where nothing shows it */
   hbil_pattern_args pattern; /* without turn, shift, reach */
+  cl_uint error_plane;       /* of RESOLVED, where errors begin */
   size_t tiles;              /* adaptive sampling's, in a row */
   ladder ladder;
 } layout;

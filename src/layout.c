@@ -167,7 +167,10 @@ void layout_compute(const hbil_config *config, layout *out) {
   lay_out_layers(config, gathered_planes(config, out), &out->light);
   out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
   out->bytes[BUFFER_LIGHT] = layers_size(&out->light);
-  out->bytes[BUFFER_RESOLVED] = light_planes(out) * real * out->planes.plane;
+  out->error_plane = light_planes(out);
+  const cl_uint errors = !has(config, IMAGE_ERROR) ? 0 : out->radiance ? 2 : 1;
+  out->bytes[BUFFER_RESOLVED] =
+      (out->error_plane + errors) * real * out->planes.plane;
   if (out->estimate)
     out->bytes[BUFFER_ESTIMATE] =
         HBIL_ESTIMATE_SIZE * (1 + HBIL_ESTIMATE_PARTS) * real;

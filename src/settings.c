@@ -25,6 +25,7 @@ const image_kind image_kinds[IMAGE_COUNT] = {
     [IMAGE_CONE] = KIND(cone, "CONE", 1),
     [IMAGE_INDIRECT] = KIND(indirect, "INDIRECT", 3),
     [IMAGE_RADIANCE] = KIND(radiance, "RADIANCE", 3),
+    [IMAGE_ERROR] = KIND(error, "ERROR", 2),
 };
 
 const hbil_format *config_format(const hbil_config *config, int image) {
@@ -191,6 +192,7 @@ static hbil_status check_mode(hbil_context *context,
     hbil_mode most; /* the last mode that has it */
   } only[] = {{IMAGE_NEAR, HBIL_MODE_HBIL},
               {IMAGE_BENT, HBIL_MODE_GTAO},
+              {IMAGE_ERROR, HBIL_MODE_GTAO},
               {IMAGE_CONE, HBIL_MODE_GTAO}};
   const char *mode = config->mode == HBIL_MODE_GTAO ? "GTAO" : "HBAO";
   for (size_t i = 0; i < sizeof only / sizeof *only; ++i)

@@ -322,6 +322,14 @@ typedef struct hbil_config {
                                 + emission; at the sky: emission if given,
                                 else the far field */
 
+  hbil_format error; /* 2: an estimate of how far AO and E_near (each of
+                        its channels, irradiance) may be off because
+                        samples are few: 95 % of the pixels are off by
+                        less.  From how much the pixels differ that the
+                        filter brings together; 0 for sky.  Of AO alone,
+                        and 0, where there is no light.  HACKING.md,
+                        "Adaptive sampling" */
+
   /* How inputs are read. */
   hbil_depth_kind depth_kind;
   float background;        /* depths >= this are sky, like 0 and all from 1e15
@@ -446,7 +454,7 @@ typedef struct hbil_frame {
   hbil_camera camera;
   /* Inputs and outputs: exactly those whose format the plan has. */
   hbil_image depth, normal, albedo, f0, direct, emission, motion;
-  hbil_image near_light, far_light, ao, bent, cone, indirect, radiance;
+  hbil_image near_light, far_light, ao, bent, cone, indirect, radiance, error;
   /* Far field: radiance in environment[0] for HBIL_FAR_CONSTANT; radiance of
    * the sky that is in the direct light already, or 0, for HBIL_FAR_FRAME; for
    * HBIL_FAR_SH the coefficients of the real orthonormal basis in world space,
@@ -636,9 +644,9 @@ typedef struct hbil_skipped {
   hbil_share open;   /* nothing there can be blocked */
   hbil_share dark;   /* no light is in reach: AO and bent normals alone */
   hbil_share unused; /* no irradiance is asked for */
-  cl_bool adaptive; /* by hbil_config.max_error; then the next is less than
-                       hbil_config.samples */
-  double samples; /* a side that pixels were given on average, sky and all */
+  cl_bool adaptive;  /* by hbil_config.max_error; then the next is less than
+                        hbil_config.samples */
+  double samples;    /* a side that pixels were given on average, sky and all */
   /* passes that had nothing to do, or found on the device that they had not */
   cl_bool not_run[HBIL_PASS_COUNT];
 } hbil_skipped;

@@ -104,8 +104,9 @@ static void usage(const hbil_config *defaults) {
       "\n"
       "  -o, --output DIR      folder of the results (made if its parent is\n"
       "                        there)\n"
-      "  --layers LIST         of near, far, indirect, AO, bent, cone, beauty\n"
-      "                        (all that the mode has)\n"
+      "  --layers LIST         of near, far, indirect, AO, bent, cone, "
+      "beauty,\n"
+      "                        error (all that the mode has, but error)\n"
       "  --camera FILE         JSON camera of all frames (FRAME.json beside\n"
       "                        each FRAME.exr)\n"
       "  --environment R,G,B   far light, the same from everywhere\n"
@@ -162,18 +163,21 @@ static void usage(const hbil_config *defaults) {
          "                        times the first (%g)\n",
          (double)defaults->radius, (double)defaults->relative_thickness,
          defaults->slices, defaults->samples, (double)defaults->step_growth);
-  puts("  --lattice full|layer  where samples may lie: any pixel, or every\n"
-       "                        fourth\n"
-       "  --max-error A,E       95 % of the pixels within A of the exact AO and\n"
-       "                        within E of E_near, over its mean in the frame:\n"
-       "                        fewer samples, from 8 on, where the picture is\n"
-       "                        even (inf,inf)\n"
-       "  --extrapolate yes|no  judge what lies between the samples by what\n"
-       "                        half of them miss (yes)\n"
-       "  --no-skip             do all work, even such as can't change a\n"
-       "                        result (see --timings)\n"
-       "  --storage packed|fp32 how the layers between the passes are kept\n"
-       "                        (packed)");
+  puts(
+      "  --lattice full|layer  where samples may lie: any pixel, or every\n"
+      "                        fourth\n"
+      "  --max-error A,E       95 % of the pixels within A of the exact AO "
+      "and\n"
+      "                        within E of E_near, over its mean in the "
+      "frame:\n"
+      "                        fewer samples, from 8 on, where the picture is\n"
+      "                        even (inf,inf)\n"
+      "  --extrapolate yes|no  judge what lies between the samples by what\n"
+      "                        half of them miss (yes)\n"
+      "  --no-skip             do all work, even such as can't change a\n"
+      "                        result (see --timings)\n"
+      "  --storage packed|fp32 how the layers between the passes are kept\n"
+      "                        (packed)");
   printf("  --facing A,B          cosines between which the light of a sample\n"
          "                        fades in (%g,%g)\n",
          (double)defaults->facing[0], (double)defaults->facing[1]);
@@ -200,7 +204,8 @@ static void usage(const hbil_config *defaults) {
        "Layers: near, far: irradiance E; indirect: (1-F0)(E_near+E_far)/pi,\n"
        "what renderers call diffuse indirect, without albedo; AO.V: 1 open;\n"
        "bent: unit vector, world space; cone.V: cosine of the bent cone's\n"
-       "half-angle; beauty: the lit picture.");
+       "half-angle; beauty: the lit picture; error: what 95 % of the pixels'\n"
+       "AO (X) and E_near (Y) may be off by, because samples are few.");
 }
 
 /* A word that stands for a value of an enum, in the enum's order. */

@@ -14,15 +14,21 @@ const layer_info layer_table[LAYER_COUNT] = {
     LAYER("near", "RGB", near_light),   LAYER("far", "RGB", far_light),
     LAYER("indirect", "RGB", indirect), LAYER("AO", "V", ao),
     LAYER("bent", "XYZ", bent),         LAYER("cone", "V", cone),
-    LAYER("beauty", "RGB", radiance),
+    LAYER("beauty", "RGB", radiance),   LAYER("error", "XY", error),
 };
 
 unsigned layers_of_mode(hbil_mode mode) {
-  const unsigned all = (1u << LAYER_COUNT) - 1u;
+  const unsigned all = (1u << LAYER_ERROR) - 1u;
   const unsigned cone = 1u << LAYER_BENT | 1u << LAYER_CONE;
   if (mode == HBIL_MODE_HBIL)
     return all;
   return all & ~(1u << LAYER_NEAR | (mode == HBIL_MODE_HBAO ? cone : 0u));
+}
+
+unsigned layers_possible(hbil_mode mode, int exact) {
+  const unsigned error =
+      exact || mode == HBIL_MODE_HBAO ? 0u : 1u << LAYER_ERROR;
+  return layers_of_mode(mode) | error;
 }
 
 void layers_names(unsigned layers, char *text, size_t size) {
@@ -50,7 +56,7 @@ int layers_parse(const char *text, unsigned *out, image_error *error) {
     if (found < 0)
       return image_fail(error,
                         "--layers %s: some of near, far, indirect, AO, bent, "
-                        "cone, beauty are needed, with commas",
+                        "cone, beauty, error are needed, with commas",
                         text);
     *out |= 1u << found;
     at += length;

@@ -305,17 +305,20 @@ static int load_environment(process *p) {
 
 /* All that the mode has, or what was asked for. */
 static int choose_layers(process *p) {
-  const unsigned possible = layers_of_mode(p->config.mode);
+  const unsigned possible = layers_possible(p->config.mode, p->options->exact);
   const unsigned asked = p->options->layers;
+  const int exact = p->options->exact &&
+                    (layers_possible(p->config.mode, 0) & asked) == asked;
   char cannot[64], can[64];
-  p->layers = asked ? asked : possible;
+  p->layers = asked ? asked : layers_of_mode(p->config.mode);
   if ((p->layers & ~possible) == 0)
     return 0;
   layers_names(p->layers & ~possible, cannot, sizeof cannot);
   layers_names(possible, can, sizeof can);
   return image_fail(&p->error,
-                    "--layers %s: not with --mode %s; some of %s are needed",
-                    cannot, mode_name(p), can);
+                    "--layers %s: not with %s%s; some of %s are needed", cannot,
+                    exact ? "--quality reference" : "--mode ",
+                    exact ? "" : mode_name(p), can);
 }
 
 static void configure(process *p) {

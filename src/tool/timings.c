@@ -57,11 +57,10 @@ json_t *timings_skipped_json(const hbil_skipped *s) {
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     if (s->not_run[p])
       json_array_append_new(passes, json_string(hbil_pass_name((hbil_pass)p)));
-  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:f, s:o}", "all",
-                   share(&s->all), "sky", share(&s->sky), "open",
-                   share(&s->open), "dark", share(&s->dark), "unused",
-                   share(&s->unused), "samples", s->samples, "not_run",
-                   passes);
+  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:f, s:o}", "all", share(&s->all),
+                   "sky", share(&s->sky), "open", share(&s->open), "dark",
+                   share(&s->dark), "unused", share(&s->unused), "samples",
+                   s->samples, "not_run", passes);
 }
 
 /* --- what was repaired --- */

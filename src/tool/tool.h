@@ -138,6 +138,7 @@ typedef enum layer {
   LAYER_BENT,
   LAYER_CONE,
   LAYER_BEAUTY,
+  LAYER_ERROR, /* only where it is asked for */
   LAYER_COUNT
 } layer;
 
@@ -151,6 +152,9 @@ extern const layer_info layer_table[LAYER_COUNT];
 
 /* What a mode can compute. */
 unsigned layers_of_mode(hbil_mode mode);
+/* The same and those that are written only where they are asked for; exact:
+ * with --quality reference. */
+unsigned layers_possible(hbil_mode mode, int exact);
 /* "AO, indirect" of a bit mask. */
 void layers_names(unsigned layers, char *text, size_t size);
 /* "AO,indirect" -> bit mask. */
