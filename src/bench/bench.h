@@ -62,11 +62,13 @@ typedef struct bench_configuration {
   const char *preset; /* its name, or NULL */
   hbil_storage storage;
   int plain; /* nothing is extrapolated */
+  /* adaptive: what 95 % of the pixels may be off by; 0: any */
+  float most_ao, most_light;
 } bench_configuration;
 
 /* Longest label, with its end. */
 enum { BENCH_LABEL = 64 };
-enum { BENCH_MAX_CONFIGURATIONS = 80 };
+enum { BENCH_MAX_CONFIGURATIONS = 96 };
 
 /* The list; those of the short one only if quick. */
 size_t bench_configurations(int quick,
@@ -77,6 +79,10 @@ const char *bench_model_name(bench_model model);
 int bench_is_ao_alone(bench_model model);
 /* Whether occluders end and nothing else is different from the paper. */
 int bench_is_thick(bench_model model);
+int bench_is_adaptive(const bench_configuration *c);
+/* Whether they differ in how many samples there are, and in nothing else. */
+int bench_is_uniform_of(const bench_configuration *uniform,
+                        const bench_configuration *adaptive);
 /* Of the layers: "packed" or "fp32". */
 const char *bench_storage_name(const bench_configuration *c);
 /* The setting that the others' cost is told in multiples of. */
@@ -157,6 +163,12 @@ double bench_ao_error(const bench_content *content, const float *ao,
 /* RMSE over all channels, divided by the reference's mean. */
 double bench_light_error(const bench_content *content, const float *light,
                          const float *reference);
+/* What 95 % of the same pixels are off by at most: of AO, of the worst channel
+ * over the reference's mean. */
+int bench_ao_95(const bench_content *content, const float *ao,
+                const float *reference, double *out, image_error *error);
+int bench_light_95(const bench_content *content, const float *light,
+                   const float *reference, double *out, image_error *error);
 /* RMSE against the truth where there is a surface and, channel by channel,
  * albedo above 0.02 (as hbil compare --mask has it); all of them need a truth.
  * indirect NULL: of zero. */
@@ -238,6 +250,8 @@ typedef struct bench_row {
   bench_spread pass[HBIL_PASS_COUNT], total;
   bench_spread host;            /* milliseconds in hbil_enqueue_frame() */
   double ao_error, light_error; /* light: NAN where AO is all */
+  double ao_95, light_95;       /* 95 % of the pixels are off by less */
+  double samples;               /* a side, on average */
   double model_error;           /* NAN without a truth */
   int ao_front, light_front;    /* nothing of its model is faster and better */
   /* Gather's time over that of the same sampling with endless occluders, both

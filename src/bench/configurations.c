@@ -1,6 +1,7 @@
 /* What is measured: one table, the presets, and the models. */
 #include "bench/bench.h"
 
+#include <math.h>
 #include <string.h>
 
 #define FULL HBIL_LATTICE_FULL
@@ -9,82 +10,94 @@
 #define FLOAT32 HBIL_STORAGE_FLOAT32
 
 /* slices, samples a side, growth of the steps, lattice, raw, quick, model,
- * preset, storage, plain */
+ * preset, storage, plain, not adaptive */
 static const bench_configuration table[] = {
     /* the paper's setting, and what each departure from it does */
-    {2, 8, 0.0f, LAYER, 0, 1, BENCH_PAPER, NULL, PACKED, 1},
-    {2, 8, 0.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 8, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 8, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 8, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 8, 2.0f, FULL, 1, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 8, 0.0f, LAYER, 0, 1, BENCH_PAPER, NULL, PACKED, 1, 0, 0},
+    {2, 8, 0.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 8, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 8, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 8, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 8, 2.0f, FULL, 1, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     /* nothing extrapolated */
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED, 1},
-    {2, 24, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1},
-    {2, 48, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1},
-    {2, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1},
-    {2, 24, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 48, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED, 1, 0, 0},
+    {2, 24, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1, 0, 0},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1, 0, 0},
+    {2, 48, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1, 0, 0},
+    {2, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1, 0, 0},
+    {2, 24, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 48, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     /* storage */
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, FLOAT32, 0},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, FLOAT32, 0},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, FLOAT32, 0, 0, 0},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, FLOAT32, 0, 0, 0},
     /* samples */
-    {2, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 32, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 48, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 24, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 48, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {3, 32, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 128, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 32, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 48, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 24, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 48, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {3, 32, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 128, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     /* steps, where there are many */
-    {2, 32, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 32, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 32, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 32, 0.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 32, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {2, 32, 4.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {2, 32, 0.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 32, 1.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 32, 4.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 32, 0.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 32, 1.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 32, 4.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     /* slices */
-    {1, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {1, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED, 0},
-    {1, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {1, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {1, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {1, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {1, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {1, 24, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {1, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {1, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {4, 8, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {4, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {4, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {4, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
-    {4, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0},
+    {1, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 24, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {4, 8, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {4, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {4, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {4, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {4, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    /* one more beside those that adaptive sampling chooses from */
+    {2, 12, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     /* occluders that end */
-    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL, PACKED, 0},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL, PACKED, 0},
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_THICK_08, NULL, PACKED, 0},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_08, NULL, PACKED, 0},
-    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL, PACKED, 0},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL, PACKED, 0},
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL, PACKED, 0, 0, 0},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL, PACKED, 0, 0, 0},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_THICK_08, NULL, PACKED, 0, 0, 0},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_08, NULL, PACKED, 0, 0, 0},
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL, PACKED, 0, 0, 0},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_30, NULL, PACKED, 0, 0, 0},
     /* the tool's model; the last one is its default */
-    {2, 8, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL, PACKED, 0},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL, PACKED, 0},
-    {2, 48, 2.0f, LAYER, 0, 0, BENCH_TOOL, NULL, PACKED, 0},
-    {2, 48, 2.0f, FULL, 0, 1, BENCH_TOOL, NULL, PACKED, 0},
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL, PACKED, 0, 0, 0},
+    {2, 32, 2.0f, FULL, 0, 0, BENCH_TOOL, NULL, PACKED, 0, 0, 0},
+    {2, 48, 2.0f, LAYER, 0, 0, BENCH_TOOL, NULL, PACKED, 0, 0, 0},
+    {2, 48, 2.0f, FULL, 0, 1, BENCH_TOOL, NULL, PACKED, 0, 0, 0},
     /* AO alone */
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_GTAO, NULL, PACKED, 0},
-    {2, 8, 2.0f, FULL, 0, 1, BENCH_HBAO, NULL, PACKED, 0},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_GTAO, NULL, PACKED, 0, 0, 0},
+    {2, 8, 2.0f, FULL, 0, 1, BENCH_HBAO, NULL, PACKED, 0, 0, 0},
 };
 
 enum { TABLE = sizeof table / sizeof *table };
+
+/* Adaptive sampling, of 2x64 full g2 at most: what 95 % of the pixels may be
+ * off by, of AO or of E_near. */
+static const struct {
+  float ao, light;
+  int quick;
+} promises[] = {{0.15f, 0, 0}, {0.1f, 0, 0}, {0.07f, 0, 0}, {0.05f, 0, 1},
+                {0, 1.5f, 0},  {0, 1.0f, 0}, {0, 0.7f, 0},  {0, 0.5f, 1}};
+
+enum { PROMISES = sizeof promises / sizeof *promises };
 
 /* --- the list --- */
 
@@ -93,11 +106,25 @@ static int same_sampling(const bench_configuration *a,
   return a->slices == b->slices && a->samples == b->samples &&
          !(a->growth < b->growth) && !(a->growth > b->growth) &&
          a->lattice == b->lattice && a->raw == b->raw &&
-         a->storage == b->storage && a->plain == b->plain;
+         a->storage == b->storage && a->plain == b->plain &&
+         !(a->most_ao < b->most_ao) && !(a->most_ao > b->most_ao) &&
+         !(a->most_light < b->most_light) && !(a->most_light > b->most_light);
 }
 
 static int same(const bench_configuration *a, const bench_configuration *b) {
   return a->model == b->model && same_sampling(a, b);
+}
+
+int bench_is_adaptive(const bench_configuration *c) {
+  return c->most_ao > 0.0f || c->most_light > 0.0f;
+}
+
+int bench_is_uniform_of(const bench_configuration *uniform,
+                        const bench_configuration *adaptive) {
+  bench_configuration c = *adaptive;
+  c.samples = uniform->samples;
+  c.most_ao = c.most_light = 0.0f;
+  return same(&c, uniform);
 }
 
 static bench_configuration sampling_of(const hbil_config *config) {
@@ -128,8 +155,21 @@ static size_t add_preset(bench_configuration *list, size_t count,
   return at < count ? count : count + 1;
 }
 
-_Static_assert(TABLE + 2 * HBIL_QUALITY_REFERENCE <= BENCH_MAX_CONFIGURATIONS,
+_Static_assert(TABLE + PROMISES + 2 * HBIL_QUALITY_REFERENCE <=
+                   BENCH_MAX_CONFIGURATIONS,
                "room for the table and the presets");
+
+static bench_configuration promised(size_t i) {
+  return (bench_configuration){.slices = 2,
+                               .samples = 64,
+                               .growth = 2.0f,
+                               .lattice = FULL,
+                               .quick = promises[i].quick,
+                               .model = BENCH_PAPER,
+                               .storage = PACKED,
+                               .most_ao = promises[i].ao,
+                               .most_light = promises[i].light};
+}
 
 size_t bench_configurations(int quick,
                             bench_configuration out[BENCH_MAX_CONFIGURATIONS]) {
@@ -139,6 +179,8 @@ size_t bench_configurations(int quick,
     count = add_preset(out, count, (hbil_quality)q, BENCH_PAPER);
     count = add_preset(out, count, (hbil_quality)q, BENCH_TOOL);
   }
+  for (size_t i = 0; i < PROMISES; i++)
+    out[count++] = promised(i);
   for (size_t i = 0; i < count; i++)
     if (!quick || out[i].quick)
       out[chosen++] = out[i];
@@ -174,12 +216,17 @@ int bench_is_tools_default(const bench_configuration *c) {
 
 void bench_label(const bench_configuration *c, char *text, size_t size) {
   const char *model = bench_model_name(c->model);
-  snprintf(text, size, "%s%s%s%s%ux%u %s g%g%s%s%s", model, *model ? " " : "",
+  char most[32] = "";
+  if (c->most_ao > 0.0f)
+    snprintf(most, sizeof most, " AO<%g", (double)c->most_ao);
+  else if (c->most_light > 0.0f)
+    snprintf(most, sizeof most, " E<%g", (double)c->most_light);
+  snprintf(text, size, "%s%s%s%s%ux%u %s g%g%s%s%s%s", model, *model ? " " : "",
            c->preset ? c->preset : "", c->preset ? " " : "",
            (unsigned)c->slices, (unsigned)c->samples,
            c->lattice == FULL ? "full" : "layer", (double)c->growth,
            c->raw ? " raw" : "", c->storage == FLOAT32 ? " fp32" : "",
-           c->plain ? " plain" : "");
+           c->plain ? " plain" : "", most);
 }
 
 /* --- models --- */
@@ -240,4 +287,6 @@ void bench_configure(const bench_content *content, const bench_configuration *c,
   config->raw_interleave = c->raw ? CL_TRUE : CL_FALSE;
   config->storage = c->storage;
   config->extrapolate = c->plain ? CL_FALSE : CL_TRUE;
+  config->max_error[0] = c->most_ao > 0.0f ? c->most_ao : INFINITY;
+  config->max_error[1] = c->most_light > 0.0f ? c->most_light : INFINITY;
 }

@@ -56,14 +56,19 @@ static json_t *truth(const bench_content *c) {
                    number(bench_mean_error(c)));
 }
 
+static json_t *most(float error) {
+  return error > 0.0f ? number((double)error) : json_null();
+}
+
 static json_t *settings(const bench_configuration *c) {
   return json_pack(
-      "{s:s, s:s?, s:i, s:i, s:f, s:s, s:b, s:s, s:b}", "model",
+      "{s:s, s:s?, s:i, s:i, s:f, s:s, s:b, s:s, s:b, s:o, s:o}", "model",
       *bench_model_name(c->model) ? bench_model_name(c->model) : "paper",
       "preset", c->preset, "slices", (int)c->slices, "samples", (int)c->samples,
       "growth", (double)c->growth, "lattice",
       c->lattice == HBIL_LATTICE_FULL ? "full" : "layer", "raw", c->raw,
-      "storage", bench_storage_name(c), "extrapolate", !c->plain);
+      "storage", bench_storage_name(c), "extrapolate", !c->plain,
+      "max_ao_error", most(c->most_ao), "max_light_error", most(c->most_light));
 }
 
 /* Copies of their bytes that the memory-bound passes take. */
@@ -94,10 +99,11 @@ static json_t *ratios(const bench_report *report, const bench_row *row) {
 }
 
 static json_t *errors(const bench_row *row) {
-  return json_pack("{s:o, s:o, s:o, s:b, s:b}", "light",
+  return json_pack("{s:o, s:o, s:o, s:b, s:b, s:o, s:o}", "light",
                    number(row->light_error), "ao", number(row->ao_error),
                    "model", number(row->model_error), "light_front",
-                   row->light_front, "ao_front", row->ao_front);
+                   row->light_front, "ao_front", row->ao_front, "light_95",
+                   number(row->light_95), "ao_95", number(row->ao_95));
 }
 
 static json_t *row_json(const bench_report *report, const bench_row *row) {

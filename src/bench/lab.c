@@ -197,18 +197,32 @@ static int sampling_error(bench_lab *lab, const trial *t,
                           const bench_exact *exact, bench_row *out,
                           image_error *error) {
   const bench_model model = out->configuration.model;
-  out->light_error = NAN;
+  out->light_error = out->light_95 = NAN;
   if (enqueue(t, 0, error) != 0 ||
       read_layer(lab, LAYER_AO, lab->found, error) != 0)
     return -1;
   out->ao_error = bench_ao_error(lab->content, lab->found, exact->ao[model]);
+  if (bench_ao_95(lab->content, lab->found, exact->ao[model], &out->ao_95,
+                  error) != 0)
+    return -1;
   if (!exact->light[model])
     return 0;
   if (read_layer(lab, LAYER_NEAR, lab->found, error) != 0)
     return -1;
   out->light_error =
       bench_light_error(lab->content, lab->found, exact->light[model]);
-  return 0;
+  return bench_light_95(lab->content, lab->found, exact->light[model],
+                        &out->light_95, error);
+}
+
+/* Samples of the last frame, which were as many as the plan has or fewer. */
+static int mean_samples(const bench_lab *lab, const trial *t, double *out,
+                        image_error *error) {
+  hbil_skipped skipped;
+  const hbil_status status =
+      hbil_plan_skipped(t->plan, lab->device->queue, &skipped);
+  *out = skipped.samples;
+  return status == HBIL_SUCCESS ? 0 : library_failed(lab, status, error);
 }
 
 /* Goes on from there: more bounces of the same frame. */
@@ -304,6 +318,7 @@ int bench_lab_measure(bench_lab *lab, const bench_exact *exact,
   bench_configure(lab->content, c, &config);
   const int failed = make_plan(lab, &config, &t, error) != 0 ||
                      sampling_error(lab, &t, exact, out, error) != 0 ||
+                     mean_samples(lab, &t, &out->samples, error) != 0 ||
                      model_error(lab, &t, out, error) != 0 ||
                      times(&t, runs, out, error) != 0;
   out->memory = t.memory;

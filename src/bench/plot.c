@@ -35,9 +35,10 @@ static const struct {
              {"the tool's model", "#1f6fb5"},
              {"GTAO", "#2c8f3c"},
              {"HBAO", "#8a4fb0"},
+             {"adaptive", "#0a8f8f"},
              {"literal: the paper as one kernel", "#000"}};
 
-enum { PAPER, THICK, TOOL, GTAO, HBAO, LITERAL, KINDS };
+enum { PAPER, THICK, TOOL, GTAO, HBAO, ADAPTIVE, LITERAL, KINDS };
 
 /* A logarithmic axis: decades low..high on pixels from..to. */
 typedef struct axis {
@@ -81,8 +82,10 @@ static int can_be_drawn(const dot *d) {
   return isfinite(d->x) && isfinite(d->y) && d->x > 0.0 && d->y > 0.0;
 }
 
-static int kind_of(bench_model model) {
-  switch (model) {
+static int kind_of(const bench_configuration *c) {
+  if (bench_is_adaptive(c))
+    return ADAPTIVE;
+  switch (c->model) {
   case BENCH_PAPER:
     return PAPER;
   case BENCH_TOOL:
@@ -112,7 +115,7 @@ static dot dot_of(const bench_row *r, int ao) {
            .front = ao ? r->ao_front : r->light_front,
            .standard = bench_is_default(&r->configuration),
            .preset = r->configuration.preset != NULL,
-           .kind = kind_of(r->configuration.model)};
+           .kind = kind_of(&r->configuration)};
   shorten(r->label, d.label, sizeof d.label);
   return d;
 }
@@ -331,6 +334,7 @@ static void write_panel(const bench_report *report, FILE *out, int ao,
     write_axes(&p);
     write_front(&p, PAPER);
     write_front(&p, TOOL);
+    write_front(&p, ADAPTIVE);
     write_dots(&p);
   }
   fputs("</g>\n", out);

@@ -93,7 +93,9 @@ static int on_front(const bench_row *rows, size_t count, size_t at, int ao) {
   if (isnan(off))
     return 0;
   for (size_t i = 0; i < count; i++) {
-    if (rows[i].configuration.model != rows[at].configuration.model)
+    if (rows[i].configuration.model != rows[at].configuration.model ||
+        bench_is_adaptive(&rows[i].configuration) !=
+            bench_is_adaptive(&rows[at].configuration))
       continue;
     const double t = rows[i].total.median;
     const double e = ao ? rows[i].ao_error : rows[i].light_error;

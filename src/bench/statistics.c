@@ -50,6 +50,56 @@ double bench_light_error(const bench_content *content, const float *light,
   return surface_error(content, light, reference, 3, 1);
 }
 
+/* The largest error of the channels of each surface that is compared; their
+ * mean, and how many pixels. */
+static size_t pixel_errors(const bench_content *content, const float *a,
+                           const float *b, int channels, double *out,
+                           double *mean) {
+  const size_t pixels = bench_pixels(content);
+  size_t count = 0;
+  double sum = 0.0;
+  for (size_t i = 0; i < pixels; i++) {
+    if (!content->compared[i] || !bench_is_surface(content, i))
+      continue;
+    double most = 0.0;
+    for (int c = 0; c < channels; c++) {
+      const size_t at = (size_t)c * pixels + i;
+      most = fmax(most, fabs((double)a[at] - (double)b[at]));
+      sum += (double)b[at];
+    }
+    out[count++] = most;
+  }
+  *mean = sum / (double)(count * (size_t)channels);
+  return count;
+}
+
+static int beyond_95(const bench_content *content, const float *a,
+                     const float *b, int channels, double *out,
+                     image_error *error) {
+  double mean = 0.0;
+  double *errors = malloc((content->compared_count + 1) * sizeof *errors);
+  if (!errors)
+    return image_no_memory(error, "errors");
+  const size_t count = pixel_errors(content, a, b, channels, errors, &mean);
+  *out = NAN;
+  if (count > 0) {
+    qsort(errors, count, sizeof *errors, ascending);
+    *out = errors[(count - 1) * 95 / 100] / (channels > 1 ? mean : 1.0);
+  }
+  free(errors);
+  return 0;
+}
+
+int bench_ao_95(const bench_content *content, const float *ao,
+                const float *reference, double *out, image_error *error) {
+  return beyond_95(content, ao, reference, 1, out, error);
+}
+
+int bench_light_95(const bench_content *content, const float *light,
+                   const float *reference, double *out, image_error *error) {
+  return beyond_95(content, light, reference, 3, out, error);
+}
+
 /* --- against the truth --- */
 
 static int counts(const bench_content *content, size_t pixel, int channel) {

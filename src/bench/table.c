@@ -210,6 +210,64 @@ static void print_ratios(const bench_report *report, FILE *out) {
           (double)row->memory / 1048576.0);
 }
 
+/* --- adaptive sampling beside uniform --- */
+
+static double off_95(const bench_row *row, int ao) {
+  return ao ? row->ao_95 : row->light_95;
+}
+
+/* The fastest uniform row of as good a 95 %, or NULL. */
+static const bench_row *uniform_within(const bench_report *report,
+                                       const bench_row *adaptive, int ao,
+                                       double limit) {
+  const bench_row *best = NULL;
+  for (size_t i = 0; i < report->count; i++) {
+    const bench_row *row = &report->rows[i];
+    if (bench_is_uniform_of(&row->configuration, &adaptive->configuration) &&
+        off_95(row, ao) <= limit &&
+        (!best || row->pass[HBIL_PASS_GATHER].median <
+                      best->pass[HBIL_PASS_GATHER].median))
+      best = row;
+  }
+  return best;
+}
+
+static void print_uniform(const bench_row *row, const bench_row *uniform,
+                          FILE *out) {
+  if (uniform)
+    fprintf(out, "  %3ux%-3u %6.1f ms %5.2f",
+            (unsigned)uniform->configuration.slices,
+            (unsigned)uniform->configuration.samples,
+            uniform->pass[HBIL_PASS_GATHER].median,
+            row->pass[HBIL_PASS_GATHER].median /
+                uniform->pass[HBIL_PASS_GATHER].median);
+  else
+    fprintf(out, "  %-22s", "none");
+}
+
+static void print_adaptive(const bench_report *report, FILE *out) {
+  int named = 0;
+  for (size_t i = 0; i < report->count; i++) {
+    const bench_row *row = &report->rows[i];
+    const bench_configuration *c = &row->configuration;
+    if (!bench_is_adaptive(c))
+      continue;
+    if (!named++)
+      fprintf(out,
+              "\nadaptive sampling, the gather alone, and its time over that "
+              "of the fastest uniform setting\n%-24s %7s %9s  %-22s  %s\n",
+              "", "95 % of", "samples gather", "within the limit",
+              "as good a 95 %");
+    const int ao = c->most_ao > 0.0f;
+    const double limit = (double)(ao ? c->most_ao : c->most_light);
+    fprintf(out, "%-24s %7.3f %7.1f %6.1f", row->label, off_95(row, ao),
+            row->samples, row->pass[HBIL_PASS_GATHER].median);
+    print_uniform(row, uniform_within(report, row, ao, limit), out);
+    print_uniform(row, uniform_within(report, row, ao, off_95(row, ao)), out);
+    fputc('\n', out);
+  }
+}
+
 void bench_write_table(const bench_report *report, FILE *out) {
   print_head(report, out);
   print_yardsticks(report, out);
@@ -221,6 +279,7 @@ void bench_write_table(const bench_report *report, FILE *out) {
           "error against total, of its model\n");
   print_thickness(report, out);
   print_estimate(report, out);
+  print_adaptive(report, out);
   print_ratios(report, out);
   fputc('\n', out);
   bench_notes(report, out, "", "\n");
@@ -261,7 +320,7 @@ static void write_where(const bench_report *report, FILE *out) {
 
 static void write_names(FILE *out) {
   fputs("label,model,preset,slices,samples,growth,lattice,raw,storage,"
-        "extrapolate,default",
+        "extrapolate,max_ao_error,max_light_error,mean_samples,default",
         out);
   for (int p = 0; p < HBIL_PASS_COUNT; p++) {
     const char *name = hbil_pass_name((hbil_pass)p);
@@ -270,7 +329,7 @@ static void write_names(FILE *out) {
   fputs(",total_ms,total_min_ms,total_max_ms,host_ms,device_bytes,"
         "literal_over_gather,literal_over_total,gather_over_start,"
         "gather_over_endless,"
-        "light_error,ao_error,model_error,light_front,ao_front,"
+        "light_error,ao_error,model_error,light_95,ao_95,light_front,ao_front,"
         "device,compute_units,driver,version,content,width,height,runs,"
         "reference\n",
         out);
@@ -295,11 +354,15 @@ static void write_row(const bench_report *report, const bench_row *row,
   const double literal = report->literal.milliseconds.median;
   const double gather = row->pass[HBIL_PASS_GATHER].median;
   const char *model = bench_model_name(c->model);
-  fprintf(out, "%s,%s,%s,%u,%u,%g,%s,%d,%s,%d,%d", row->label,
+  fprintf(out, "%s,%s,%s,%u,%u,%g,%s,%d,%s,%d", row->label,
           *model ? model : "paper", c->preset ? c->preset : "",
           (unsigned)c->slices, (unsigned)c->samples, (double)c->growth,
           c->lattice == HBIL_LATTICE_FULL ? "full" : "layer", c->raw,
-          bench_storage_name(c), !c->plain, bench_is_default(c));
+          bench_storage_name(c), !c->plain);
+  bench_write_number(out, c->most_ao > 0.0f ? (double)c->most_ao : NAN);
+  bench_write_number(out, c->most_light > 0.0f ? (double)c->most_light : NAN);
+  bench_write_number(out, row->samples);
+  fprintf(out, ",%d", bench_is_default(c));
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     bench_write_spread(out, row->pass[p]);
   bench_write_spread(out, row->total);
@@ -312,6 +375,8 @@ static void write_row(const bench_report *report, const bench_row *row,
   bench_write_number(out, row->light_error);
   bench_write_number(out, row->ao_error);
   bench_write_number(out, row->model_error);
+  bench_write_number(out, row->light_95);
+  bench_write_number(out, row->ao_95);
   fprintf(out, ",%d,%d", row->light_front, row->ao_front);
   write_where(report, out);
 }
