@@ -850,7 +850,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
                    global const hbil_step *steps, global float *light,
                    global const uint *bounds, global const uint *uses,
                    global uchar *strips, global const uint *flags,
-                   const int still, global const uint *rungs) {
+                   const int still, global const hbil_rung *ladder,
+                   global const uint *rungs) {
   const hbil_layer_args in = args.split;
   const int x = (int)get_global_id(0) * (STRIP * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
@@ -871,8 +872,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #if ADAPTIVE
   const uint tiles = (uint)(in.width + HBIL_TILE - 1) / HBIL_TILE;
   const hbil_rung rung =
-      args.rung[args.probe ? (uint)HBIL_MOST_RUNGS
-                           : rungs[(uint)y * tiles + (uint)(x / HBIL_TILE)]];
+      ladder[args.probe ? (uint)HBIL_MOST_RUNGS
+                        : rungs[(uint)y * tiles + (uint)(x / HBIL_TILE)]];
   const int samples = rung.samples, all_slices = rung.slices;
   steps += rung.steps;
 #else
@@ -905,6 +906,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   int light_here = LIGHT_ALL;
   const uint spared = spared_of(args, c, &whole, ANY(solid), bounds, uses, x, y,
                                 layer, &light_here);
+  /* without light, what is asked for early is what is there already: a branch
+   * on the way costs more */
+  const uint plane = light_here == LIGHT_NONE ? 0u : in.plane;
   /* for hbil_plan_skipped() */
   strips += (uint)(layer * in.height + y) * args.strips +
             (uint)(x / (STRIP * HBIL_WIDTH));
@@ -979,8 +983,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
             break;
 #endif
           global const float *sample = from + step->offset;
-          if (light_here != LIGHT_NONE)
-            fetch_early(sample, in.plane);
+          fetch_early(sample, plane);
           const realv inv_e = step->inv_e, keep = args.keep;
           const realv e_x = step->ux, e_y = step->uy;
 #pragma unroll
@@ -1018,7 +1021,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #if SHARES
         for (int v = 0; v < STRIP; ++v)
           raise_all(c[v], &m[v], hits[v], &excess[0][v], steps + first,
-                    from + v * HBIL_WIDTH, in.plane, args,
+                    from + v * HBIL_WIDTH, plane, args,
                     half_slice[v].cot_tangent, s[v].slope, half_slice[v].nx,
                     dither, light_here);
 #endif

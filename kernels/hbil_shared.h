@@ -256,20 +256,18 @@ enum {
   HBIL_MOST_RUNGS = 11, /* the probe's comes behind them */
   HBIL_JUDGE_PARTS = 64
 };
-/* Where the steps of a rung begin in the table, and the largest spread of the
- * probe, of AO and of E_near over its mean in the frame, that it is enough
- * for. */
+/* A number of samples.  The ladder is a buffer: Mesa's llvmpipe can't index an
+ * argument. */
 typedef struct hbil_rung {
-  hbil_uint steps;
+  hbil_uint steps; /* where its own begin in the table */
   hbil_int slices, samples;
+  /* the largest spread of the probe that it is enough for: of AO, of E_near
+   * over its mean in the frame */
   hbil_float ao, near_light;
+  /* what makes an error that 95 % of the pixels don't exceed of how much the
+   * pixels differ that recompose brings together */
+  hbil_float error_ao, error_near;
 } hbil_rung;
-
-/* What recompose makes of the spread of a neighbourhood's light: an error that
- * 95 % of the pixels don't exceed.  Factors of AO and E_near, by rung. */
-typedef struct hbil_error_args {
-  hbil_float ao[HBIL_MOST_RUNGS], near_light[HBIL_MOST_RUNGS];
-} hbil_error_args;
 
 /* Floats of a tile's judgement: variances of AO and E_near from layer to layer,
  * sum of E_near over its channels, pixels that show a surface. */
@@ -300,7 +298,6 @@ typedef struct hbil_gather_args {
   hbil_int slices, samples; /* hbil_config's */
   /* adaptive: rungs in use, whether this launch is the probe */
   hbil_int rungs, probe;
-  hbil_rung rung[HBIL_MOST_RUNGS + 1];
 } hbil_gather_args;
 
 /* Far field: SH coefficients already multiplied by the basis functions'

@@ -95,8 +95,9 @@ kernel void judge_sum(const hbil_layer_args in, global float *tiles,
 
 /* Launch: x = tiles across, y = rows of the layers. */
 kernel void judge_rungs(const hbil_layer_args in, global const float *tiles,
-                        const hbil_gather_args args, global uint *rungs,
-                        global const uint *flags, const int still) {
+                        global const hbil_rung *ladder, const int count,
+                        global uint *rungs, global const uint *flags,
+                        const int still) {
   const int tile = (int)get_global_id(0), y = (int)get_global_id(1);
   const int across = (in.width + HBIL_TILE - 1) / HBIL_TILE;
   if (tile >= across || y >= in.height || (still && !flags[HBIL_FLAG_CHANGED]))
@@ -112,8 +113,8 @@ kernel void judge_rungs(const hbil_layer_args in, global const float *tiles,
   tiles += (uint)(y * across + tile) * HBIL_JUDGED;
   const float ao = sqrt(tiles[0]), spread = sqrt(tiles[1]);
   int rung = 0;
-  while (rung + 1 < args.rungs && (ao > args.rung[rung].ao ||
-                                   spread > args.rung[rung].near_light * mean))
+  while (rung + 1 < count &&
+         (ao > ladder[rung].ao || spread > ladder[rung].near_light * mean))
     ++rung;
   rungs[y * across + tile] = (uint)rung;
 }

@@ -162,11 +162,11 @@ static inline void add_squares(sums *s, const float *t, realv weight) {
 
 /* Once sums are means.  A difference of squares: what is below 2^-12 of the
  * mean is rounding. */
-static inline void errors_of(const sums *s, const hbil_error_args factors,
-                             uint rung, realv *ao, realv *near_light) {
+static inline void errors_of(const sums *s, const hbil_rung rung, realv *ao,
+                             realv *near_light) {
   const realv inv_total = 1.0f / s->total, zero = 0.0f;
   const realv open = s->plane[HBIL_LIGHT_AO];
-  *ao = factors.ao[rung] *
+  *ao = rung.error_ao *
         sqrt(max(fma(-open, open, s->square_ao * inv_total), zero));
   realv square = s->square_near * inv_total;
 #if GATHER_RADIANCE
@@ -174,8 +174,7 @@ static inline void errors_of(const sums *s, const hbil_error_args factors,
   for (int p = HBIL_LIGHT_RED; p < HBIL_LIGHT_BENT; ++p)
     square = fma(-s->plane[p], s->plane[p], square);
 #endif
-  *near_light =
-      factors.near_light[rung] * sqrt(max(square * (1.0f / 3.0f), zero));
+  *near_light = rung.error_near * sqrt(max(square * (1.0f / 3.0f), zero));
   const intv sky = s->w <= 0.0f;
   *ao = select(*ao, zero, sky);
   *near_light = select(*near_light, zero, sky);
@@ -332,7 +331,7 @@ static inline void resolve(const hbil_view_args view, const hbil_layer_args in,
                            global const float *estimate,
                            const float *const *rows, int row, int x, int y,
                            global float *resolved, const hbil_plane_args out,
-                           const hbil_error_args factors,
+                           global const hbil_rung *ladder,
                            global const uint *rungs) {
   sums value[4];
   for (int i = 0; i < 4; ++i)
@@ -341,15 +340,15 @@ static inline void resolve(const hbil_view_args view, const hbil_layer_args in,
   realv ao[4], near_light[4];
 #if ADAPTIVE
   const int tiles = (in.width + HBIL_TILE - 1) / HBIL_TILE;
-  const uint rung = rungs[y * tiles + x / HBIL_TILE];
+  const hbil_rung rung = ladder[rungs[y * tiles + x / HBIL_TILE]];
 #else
-  const uint rung = 0u;
+  const hbil_rung rung = ladder[0];
 #endif
 #endif
   for (int i = 0; i < 4; ++i) {
     mean(&value[i]);
 #if OUT_ERROR
-    errors_of(&value[i], factors, rung, &ao[i], &near_light[i]);
+    errors_of(&value[i], rung, &ao[i], &near_light[i]);
 #endif
     finish(&value[i], estimate);
   }
@@ -369,7 +368,8 @@ kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
                       global const float *light, global const float *estimate,
                       global float *resolved, const hbil_plane_args out,
                       global const uint *flags, const int still,
-                      const hbil_error_args factors, global const uint *rungs) {
+                      global const hbil_rung *ladder,
+                      global const uint *rungs) {
   const int x = (int)get_global_id(0) * VECTORS * HBIL_WIDTH;
   const int top = (int)get_global_id(1) * ROWS, y = top >> 2;
   if (4 * x >= view.width || top >= view.height ||
@@ -377,7 +377,7 @@ kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
     return;
 #if HBIL_WIDTH == 1
   resolve(view, in, lit, split, light, estimate, 0, top & 3, x, y, resolved,
-          out, factors, rungs);
+          out, ladder, rungs);
 #else
   /* begins a pixel before a vector, so that most loads are aligned */
   realv memory[5 * TAP_ROW / HBIL_WIDTH + 1];
@@ -402,7 +402,7 @@ kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
       const float *const around[5] = {rows[0] + v, rows[1] + v, rows[2] + v,
                                       rows[3] + v, rows[4] + v};
       resolve(view, in, lit, split, light, estimate, around, row & 3, x + v,
-              y + (row >> 2), resolved, out, factors, rungs);
+              y + (row >> 2), resolved, out, ladder, rungs);
     }
   }
 #endif

@@ -647,6 +647,7 @@ static hbil_status look_around(commands *chain, const hbil_gather_args *args,
                           ARG(plan->buffers[BUFFER_STRIPS]),
                           ARG(plan->buffers[BUFFER_FLAGS]),
                           ARG(still),
+                          ARG(plan->buffers[BUFFER_LADDER]),
                           ARG(plan->buffers[BUFFER_RUNGS])};
   return LAUNCH(chain, KERNEL_GATHER, all, plan->layout.strips,
                 (size_t)plan->layout.split.height, layers);
@@ -671,7 +672,8 @@ static hbil_status judge(commands *chain, const hbil_gather_args *args,
                           ARG(plan->buffers[BUFFER_FLAGS]), ARG(still)};
   const argument rungs[] = {ARG(l->split),
                             ARG(plan->buffers[BUFFER_TILES]),
-                            {sizeof *args, args},
+                            ARG(plan->buffers[BUFFER_LADDER]),
+                            ARG(args->rungs),
                             ARG(plan->buffers[BUFFER_RUNGS]),
                             ARG(plan->buffers[BUFFER_FLAGS]),
                             ARG(still)};
@@ -726,7 +728,6 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   gather_args.facing[1] =
       1.0f / fmaxf(plan->config.facing[1] - plan->config.facing[0], FLT_MIN);
   gather_args.rungs = plan->layout.ladder.count;
-  memcpy(gather_args.rung, plan->layout.ladder.rung, sizeof gather_args.rung);
   if (gather_args.rungs)
     status = judge(chain, &gather_args, still);
   return status == HBIL_SUCCESS
@@ -740,7 +741,6 @@ static hbil_status recompose(commands *chain, const hbil_frame *frame) {
   if (is_same(plan, frame))
     return leave_out(chain);
   plan->may_leave_out[HBIL_PASS_RECOMPOSE] = still;
-  const hbil_error_args factors = error_factors(&plan->layout.ladder);
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
   const argument args[] = {ARG(view),
                            ARG(plan->layout.split),
@@ -752,7 +752,7 @@ static hbil_status recompose(commands *chain, const hbil_frame *frame) {
                            ARG(plan->layout.planes),
                            ARG(plan->buffers[BUFFER_FLAGS]),
                            ARG(still),
-                           ARG(factors),
+                           ARG(plan->buffers[BUFFER_LADDER]),
                            ARG(plan->buffers[BUFFER_RUNGS])};
   const size_t rows =
       plan->config.vector_width == 1 ? 1 : (size_t)HBIL_RECOMPOSE_ROWS;

@@ -19,13 +19,11 @@
 #define config_format hbil_internal_config_format
 #define fail hbil_internal_fail
 #define fail_cl hbil_internal_fail_cl
-#define error_factors hbil_internal_error_factors
 #define far_field_args hbil_internal_far_field_args
 #define format_stride hbil_internal_format_stride
 #define frame_image hbil_internal_frame_image
 #define image_kinds hbil_internal_image_kinds
 #define kernel_sources hbil_internal_kernel_sources
-#define ladder_limits hbil_internal_ladder_limits
 #define ladder_of hbil_internal_ladder_of
 #define ladder_on hbil_internal_ladder_on
 #define layout_compute hbil_internal_layout_compute
@@ -146,19 +144,14 @@ hbil_environment_args far_field_args(const hbil_config *config,
 /* Numbers of samples that adaptive sampling chooses from, and the table of
  * steps that holds those of all: in entries. */
 typedef struct ladder {
-  int count; /* 0: every tile has the same */
+  int count; /* 0: every tile has the first one */
   hbil_rung rung[HBIL_MOST_RUNGS + 1]; /* the last: the probe */
   size_t steps;
 } ladder;
 
 /* Whether hbil_config.max_error asks for it. */
 bool ladder_on(const hbil_config *config);
-/* The rungs, without their limits. */
 ladder ladder_of(const hbil_config *config, int levels);
-/* Factors of the spread of a neighbourhood. */
-hbil_error_args error_factors(const ladder *l);
-/* The largest spread each rung is enough for. */
-void ladder_limits(const hbil_config *config, ladder *l);
 
 /* --- layout.c --- */
 
@@ -179,6 +172,7 @@ enum {
   BUFFER_REPAIRED, /* HBIL_REPAIRED_: what inputs could not be used as is */
   BUFFER_TILES,    /* adaptive: what the probe says of each, and sums of it */
   BUFFER_RUNGS,    /* adaptive: what each tile is worth */
+  BUFFER_LADDER,   /* numbers of samples */
   BUFFER_COUNT
 };
 

@@ -2,7 +2,6 @@
  * spread says of the error with each. */
 #include "internal.h"
 
-#include <float.h>
 #include <math.h>
 
 /*
@@ -39,41 +38,6 @@ bool ladder_on(const hbil_config *config) {
   return !isinf(config->max_error[0]) || !isinf(config->max_error[1]);
 }
 
-static void add_rung(ladder *l, int at, int slices, int samples, int levels) {
-  l->rung[at].steps = (cl_uint)l->steps;
-  l->rung[at].slices = slices;
-  l->rung[at].samples = samples;
-  l->steps +=
-      (size_t)levels * HBIL_LAYERS * 2 * (size_t)slices * (size_t)(samples + 1);
-}
-
-ladder ladder_of(const hbil_config *config, int levels) {
-  ladder l = {.count = 0};
-  const int slices = (int)config->slices, most = (int)config->samples;
-  if (ladder_on(config)) {
-    for (int i = 0; i < MEASURED && measured[i].samples < most; ++i)
-      add_rung(&l, l.count++, slices, measured[i].samples, levels);
-    add_rung(&l, HBIL_MOST_RUNGS, HBIL_PROBE_SLICES, HBIL_PROBE_SAMPLES,
-             levels);
-    add_rung(&l, l.count++, slices, most, levels);
-  } else {
-    add_rung(&l, 0, slices, most, levels);
-  }
-  return l;
-}
-
-void ladder_limits(const hbil_config *config, ladder *l) {
-  for (int i = 0; i < l->count; ++i) {
-    /* more than the last can't be had; finite, since kernels are built so */
-    const bool last = i + 1 == l->count;
-    l->rung[i].ao =
-        last ? FLT_MAX : fminf(config->max_error[0] / measured[i].ao, FLT_MAX);
-    l->rung[i].near_light =
-        last ? FLT_MAX
-             : fminf(config->max_error[1] / measured[i].near_light, 1e18f);
-  }
-}
-
 /* Between the measured numbers of samples the logarithm is a line. */
 static float at_samples(const float *factor, int samples) {
   int i = 0;
@@ -81,19 +45,42 @@ static float at_samples(const float *factor, int samples) {
     ++i;
   const float from = (float)measured[i].samples;
   const float to = (float)measured[i + 1].samples;
-  const float t =
-      fminf(fmaxf(logf((float)samples / from) / logf(to / from), 0.0f), 1.0f);
-  return factor[i] * powf(factor[i + 1] / factor[i], t);
+  const float t = logf((float)samples / from) / logf(to / from);
+  return factor[i] *
+         powf(factor[i + 1] / factor[i], fminf(fmaxf(t, 0.0f), 1.0f));
 }
 
-hbil_error_args error_factors(const ladder *l) {
-  hbil_error_args f = {{0.0f}, {0.0f}};
-  const int count = l->count ? l->count : 1;
-  for (int i = 0; i < count; ++i) {
-    const hbil_rung *r = &l->rung[i];
-    const float more = sqrtf(fmaxf(0.5f * (float)r->slices, 1.0f));
-    f.ao[i] = more * at_samples(error_ao, r->samples);
-    f.near_light[i] = more * at_samples(error_near, r->samples);
+static void add_rung(ladder *l, int at, int slices, int samples, int levels) {
+  hbil_rung *r = &l->rung[at];
+  const float more = sqrtf(fmaxf(0.5f * (float)slices, 1.0f));
+  r->steps = (cl_uint)l->steps;
+  r->slices = slices;
+  r->samples = samples;
+  r->error_ao = more * at_samples(error_ao, samples);
+  r->error_near = more * at_samples(error_near, samples);
+  l->steps +=
+      (size_t)levels * HBIL_LAYERS * 2 * (size_t)slices * (size_t)(samples + 1);
+}
+
+/* A million of spreads is as good as any number, and finite, as kernels are
+ * built to expect. */
+static void limit(hbil_rung *r, const float most[2], int measurement) {
+  r->ao = fminf(most[0] / measured[measurement].ao, 1e6f);
+  r->near_light = fminf(most[1] / measured[measurement].near_light, 1e6f);
+}
+
+ladder ladder_of(const hbil_config *config, int levels) {
+  ladder l = {.count = 0};
+  const int slices = (int)config->slices, most = (int)config->samples;
+  if (!ladder_on(config)) {
+    add_rung(&l, 0, slices, most, levels);
+    return l;
   }
-  return f;
+  for (int i = 0; i < MEASURED && measured[i].samples < most; ++i) {
+    add_rung(&l, l.count, slices, measured[i].samples, levels);
+    limit(&l.rung[l.count++], config->max_error, i);
+  }
+  add_rung(&l, l.count++, slices, most, levels);
+  add_rung(&l, HBIL_MOST_RUNGS, HBIL_PROBE_SLICES, HBIL_PROBE_SAMPLES, levels);
+  return l;
 }

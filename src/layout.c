@@ -193,8 +193,8 @@ void layout_compute(const hbil_config *config, layout *out) {
   out->pattern.lattice = config->lattice == HBIL_LATTICE_LAYER ? HBIL_SIDE : 1;
   out->pattern.growth = config->step_growth;
   out->ladder = ladder_of(config, out->pattern.levels);
-  ladder_limits(config, &out->ladder);
   out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * out->ladder.steps;
+  out->bytes[BUFFER_LADDER] = sizeof out->ladder.rung;
   if (!out->ladder.count)
     return;
   out->tiles = ((size_t)out->split.width + HBIL_TILE - 1) / HBIL_TILE;

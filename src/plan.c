@@ -250,6 +250,10 @@ static hbil_status fill_padding(hbil_plan *plan) {
                                 0, NULL, NULL);
   if (error == CL_SUCCESS)
     error = clear_layers(plan, queue);
+  if (error == CL_SUCCESS)
+    error = clEnqueueWriteBuffer(queue, plan->buffers[BUFFER_LADDER], CL_FALSE,
+                                 0, plan->layout.bytes[BUFFER_LADDER],
+                                 plan->layout.ladder.rung, 0, NULL, NULL);
   const cl_int finished = clFinish(queue);
   clReleaseCommandQueue(queue);
   if (error == CL_SUCCESS)
