@@ -148,7 +148,7 @@ int exact_open(const hbil_config *config, const channel_map *map,
 void exact_close(exact_sequence *e) {
   if (!e)
     return;
-  progress_clear(&e->progress);
+  progress_clear();
   ref_state_free(&e->state);
   free(e->still);
   free(e);
@@ -235,7 +235,7 @@ void exact_run(exact_sequence *e, const gbuffer *g, const camera_file *camera,
       stop_motion(e, &job);
     ref_frame_dense(&e->state, &job, &how);
   }
-  progress_clear(&e->progress);
+  progress_clear();
   take_layers(e, result);
 }
 

@@ -380,7 +380,8 @@ static int prepare(process *p, char *const *files) {
     return image_fail(&p->error, "no frame; one FRAME.exr or more is needed");
   p->jobs = calloc((size_t)p->count, sizeof *p->jobs);
   p->rows = calloc((size_t)p->count, sizeof *p->rows);
-  if (!p->jobs || !p->rows)
+  p->seconds = calloc((size_t)p->count, sizeof *p->seconds);
+  if (!p->jobs || !p->rows || !p->seconds)
     return image_no_memory(&p->error, files[0]);
   if (choose_layers(p) != 0 || check_jobs(p, files) != 0 ||
       load_environment(p) != 0 || prepare_folder(p) != 0)
@@ -392,17 +393,25 @@ static int prepare(process *p, char *const *files) {
 }
 
 static int print_timings(process *p) {
-  if (!p->options->timings)
-    return 0;
   const timing_report report = {
       .device = p->device.name,
       .width = p->width,
       .height = p->height,
       .repeat = p->options->repeat,
-      .memory = sequence_memory(p->sequence),
+      .memory = p->exact ? 0 : sequence_memory(p->sequence),
       .rows = p->rows,
       .count = (size_t)p->count,
+      .stages = p->seconds,
+      .wall = p->wall,
+      .lit = p->lit,
   };
+  if (!p->options->quiet && !p->options->timings && p->lit > 1) {
+    fputs("hbil: ", stderr);
+    timings_summary(&report, stderr);
+    fputc('\n', stderr);
+  }
+  if (!p->options->timings)
+    return 0;
   if (p->options->json)
     return timings_json(&report, &p->error);
   timings_table(&report);
@@ -417,6 +426,7 @@ static void release(process *p) {
     free(p->jobs[i].stem);
   free(p->jobs);
   free(p->rows);
+  free(p->seconds);
   free(p->light.bytes);
 }
 

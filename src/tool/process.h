@@ -7,6 +7,7 @@
 #define HBIL_TOOL_PROCESS_H
 
 #include "tool/exact.h"
+#include "tool/pipeline.h"
 #include "tool/resume.h"
 #include "tool/tool.h"
 
@@ -27,6 +28,9 @@ typedef struct process {
   float environment[9][3];
   job *jobs;
   timing_row *rows;
+  double (*seconds)[PIPELINE_STAGES]; /* of each frame in each stage */
+  double wall;                        /* seconds for all of them */
+  size_t lit;                         /* frames that were lit */
   int count;
   uint32_t width, height;
   int folder_created;
@@ -46,7 +50,7 @@ char *process_join(const char *a, const char *between, const char *b);
 /* --- process_resume.c --- */
 
 /* Fills in the job's key, and those of the jobs before it. */
-int process_find_key(process *p, job *j);
+int process_find_key(const process *p, job *j, image_error *error);
 /* The file of a layer's picture; malloc'd. */
 char *process_preview_path(const job *j, layer l);
 /* Leaves out what need not be done again. */

@@ -1,114 +1,214 @@
-/* The frames of a job, one after the other: read, lit, written. */
+/* The frames of a job: while one is lit, the next is read and the last one
+ * written. */
 #include "tool/process.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-static int write_preview(process *p, const job *j, const image *result,
-                         layer l) {
+/* A frame on its way. */
+typedef struct slot {
+  gbuffer g;
+  uint64_t hash; /* of what the library is given */
+  image result;
+  resume_light light; /* what it hands on */
+} slot;
+
+typedef struct lighting {
+  process *process;
+  slot slots[PIPELINE_SLOTS];
+  progress progress;
+  size_t needed, done; /* frames that are lit */
+} lighting;
+
+static slot *slot_of(lighting *l, size_t item) {
+  return &l->slots[item % PIPELINE_SLOTS];
+}
+
+/* ------------------------------------------------------------------------ */
+/* Decode                                                                    */
+
+static unsigned used_roles(const process *p) {
+  enum {
+    ALWAYS = 1 << ROLE_DEPTH | 1 << ROLE_NORMAL | 1 << ROLE_ALBEDO |
+             1 << ROLE_DIRECT | 1 << ROLE_EMISSION | 1 << ROLE_BACKGROUND
+  };
+  const int moved = p->config.reprojection == HBIL_REPROJECTION_MOTION;
+  return ALWAYS | (moved ? 1u << ROLE_MOTION : 0u);
+}
+
+static int decode(void *user, size_t item, image_error *error) {
+  lighting *l = user;
+  const process *p = l->process;
+  job *j = &p->jobs[item];
+  slot *s = slot_of(l, item);
+  if (process_find_key(p, j, error) != 0)
+    return -1;
+  if (!process_is_needed(p, j))
+    return 0;
+  if (gbuffer_read(j->path, &j->map, used_roles(p), &s->g, error) != 0)
+    return -1;
+  s->hash = p->exact ? 0 : sequence_hash(p->sequence, &s->g);
+  return 0;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Light                                                                     */
+
+/* Through the library or without it. */
+static int light_planes(const process *p, size_t item, slot *s,
+                        image_error *error) {
+  const job *j = &p->jobs[item];
+  float environment[9][3];
+  const unsigned runs = p->options->repeat + (item ? 0 : p->options->warm_up);
+  memcpy(environment, p->environment, sizeof environment);
+  if (!p->exact)
+    return sequence_run(p->sequence, &s->g, s->hash, &j->camera, environment,
+                        runs, &s->result, &p->rows[item], error);
+  exact_run(p->exact, &s->g, &j->camera, environment, runs, &s->result);
+  return 0;
+}
+
+static int hands_on(const process *p, size_t item) {
+  return p->light.size && (int)item + 1 < p->end;
+}
+
+/* For the frames that are left, should this process not live to do them. */
+static int take_light(const process *p, size_t item, slot *s,
+                      image_error *error) {
+  if (!hands_on(p, item))
+    return 0;
+  if (!s->light.bytes && !(s->light.bytes = malloc(p->light.size)))
+    return image_no_memory(error, p->jobs[item].path);
+  s->light.size = p->light.size;
+  s->light.key = p->jobs[item].key;
+  if (!p->exact)
+    return sequence_take_light(p->sequence, s->light.bytes, error);
+  exact_take_light(p->exact, s->light.bytes);
+  return 0;
+}
+
+static int light(void *user, size_t item, image_error *error) {
+  lighting *l = user;
+  const process *p = l->process;
+  const job *j = &p->jobs[item];
+  slot *s = slot_of(l, item);
+  p->rows[item].frame = j->path;
+  if (!process_is_needed(p, j))
+    return 0;
+  if (!s->result.count &&
+      layers_image(p->layers, p->width, p->height, &s->result) != 0)
+    return image_no_memory(error, j->path);
+  s->result.x = s->g.planes.x;
+  s->result.y = s->g.planes.y;
+  const int failed = light_planes(p, item, s, error) != 0 ||
+                     take_light(p, item, s, error) != 0;
+  gbuffer_free(&s->g);
+  return failed ? -1 : 0;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Encode                                                                    */
+
+static int write_preview(const process *p, const job *j, const image *result,
+                         layer l, image_error *error) {
   char *path = process_preview_path(j, l);
-  const int failed =
-      path ? preview_write(path, result, l, p->exposure, &p->error)
-           : image_no_memory(&p->error, j->path);
+  const int failed = path ? preview_write(path, result, l, p->exposure, error)
+                          : image_no_memory(error, j->path);
   free(path);
   return failed;
 }
 
-static int write_previews(process *p, const job *j, const image *result) {
+static int write_previews(const process *p, const job *j, const image *result,
+                          image_error *error) {
   for (int l = 0; l < LAYER_COUNT; l++)
-    if (p->layers >> l & 1 && write_preview(p, j, result, (layer)l) != 0)
+    if (p->layers >> l & 1 && write_preview(p, j, result, (layer)l, error) != 0)
       return -1;
   return 0;
 }
 
-/* "[3/8] DIR/frame.exr" */
-static void tell(const process *p, const job *j, const char *path) {
+/* "[3/8] DIR/frame.exr", or a bar on a terminal. */
+static void tell(lighting *l, const job *j, const char *path) {
+  const process *p = l->process;
   if (p->options->quiet)
     return;
+  if (l->progress.terminal && !p->exact) {
+    progress_frames(&l->progress, l->done, l->needed);
+    return;
+  }
+  progress_line_begin();
   fprintf(stderr, "[%d/%d] ", (int)(j - p->jobs) + 1, p->count);
   tool_show(path, stderr);
   fputs(j->finished ? " is there already\n" : "\n", stderr);
+  progress_line_end();
 }
 
 /* Writes it unless it is there. */
-static int write_result(process *p, const job *j, image *result) {
+static int write_result(lighting *l, const job *j, image *result,
+                        image_error *error) {
   char *path = process_join(j->stem, "", ".exr");
   if (!path)
-    return image_no_memory(&p->error, j->path);
+    return image_no_memory(error, j->path);
   resume_sign(result, j->key);
-  const int failed = j->finished ? 0 : exr_write(path, result, NULL, &p->error);
+  const int failed = j->finished ? 0 : exr_write(path, result, NULL, error);
   if (!failed)
-    tell(p, j, path);
+    tell(l, j, path);
   free(path);
   return failed;
 }
 
-/* For the frames that are left, should this process not live to do them. */
-static int save_light(process *p, const job *j) {
-  if (!p->light.size || j + 1 >= p->jobs + p->end)
+static int save_light(const process *p, size_t item, slot *s,
+                      image_error *error) {
+  if (!hands_on(p, item))
     return 0;
-  p->light.key = j->key;
-  p->light.exposure = p->exposure;
-  if (p->exact)
-    exact_take_light(p->exact, p->light.bytes);
-  else if (sequence_take_light(p->sequence, p->light.bytes, &p->error) != 0)
-    return -1;
-  return resume_save(p->options->output, &p->light, &p->error);
+  s->light.exposure = p->exposure;
+  return resume_save(p->options->output, &s->light, error);
 }
 
-/* Through the library or without it. */
-static int light_planes(process *p, const job *j, const gbuffer *g,
-                        image *result) {
-  timing_row *row = &p->rows[j - p->jobs];
-  const unsigned runs =
-      p->options->repeat + (j == p->jobs ? p->options->warm_up : 0);
-  row->frame = j->path;
-  if (!p->exact)
-    return sequence_run(p->sequence, g, &j->camera, p->environment, runs,
-                        result, row, &p->error);
-  exact_run(p->exact, g, &j->camera, p->environment, runs, result);
-  return 0;
-}
-
-static int light_frame(process *p, const job *j, image *result) {
-  enum {
-    USED = 1 << ROLE_DEPTH | 1 << ROLE_NORMAL | 1 << ROLE_ALBEDO |
-           1 << ROLE_DIRECT | 1 << ROLE_EMISSION | 1 << ROLE_BACKGROUND
-  };
-  const int moved = p->config.reprojection == HBIL_REPROJECTION_MOTION;
-  gbuffer g;
-  if (gbuffer_read(j->path, &j->map, USED | (moved ? 1u << ROLE_MOTION : 0u),
-                   &g, &p->error) != 0)
-    return -1;
-  result->x = g.planes.x;
-  result->y = g.planes.y;
-  const int failed = light_planes(p, j, &g, result);
-  gbuffer_free(&g);
-  return failed;
-}
-
-static int run_frame(process *p, job *j, image *result) {
-  if (process_find_key(p, j) != 0)
-    return -1;
+static int encode(void *user, size_t item, image_error *error) {
+  lighting *l = user;
+  process *p = l->process;
+  const job *j = &p->jobs[item];
+  slot *s = slot_of(l, item);
   if (!process_is_needed(p, j))
-    return write_result(p, j, result);
-  if (light_frame(p, j, result) != 0)
+    return write_result(l, j, &s->result, error);
+  l->done++;
+  if (item == 0 && p->options->preview)
+    p->exposure = preview_exposure(&s->result);
+  if (p->options->preview && !j->finished &&
+      write_previews(p, j, &s->result, error) != 0)
     return -1;
-  if (j == p->jobs && p->options->preview)
-    p->exposure = preview_exposure(result);
-  if (p->options->preview && !j->finished && write_previews(p, j, result) != 0)
-    return -1;
-  return write_result(p, j, result) != 0 ? -1 : save_light(p, j);
+  return write_result(l, j, &s->result, error) != 0
+             ? -1
+             : save_light(p, item, s, error);
+}
+
+/* ------------------------------------------------------------------------ */
+/* All of them                                                               */
+
+static void release(lighting *l) {
+  for (int i = 0; i < PIPELINE_SLOTS; i++) {
+    gbuffer_free(&l->slots[i].g);
+    image_free(&l->slots[i].result);
+    free(l->slots[i].light.bytes);
+  }
 }
 
 int process_frames(process *p) {
-  image result;
-  int failed = 0;
-  if (layers_image(p->layers, p->width, p->height, &result) != 0)
-    return image_no_memory(&p->error, p->jobs[0].path);
-  for (int i = 0; i < p->count && !failed; i++)
-    failed = run_frame(p, &p->jobs[i], &result);
-  image_free(&result);
+  lighting l = {.process = p};
+  const pipeline stages = {.stages = {decode, light, encode},
+                           .user = &l,
+                           .items = (size_t)p->count,
+                           .seconds = p->seconds};
+  for (int i = 0; i < p->count; i++)
+    l.needed += process_is_needed(p, &p->jobs[i]) ? 1u : 0u;
+  progress_start(&l.progress, "frames", 0.0, p->options->quiet);
+  const double start = progress_clock();
+  const int failed = pipeline_run(&stages, &p->error);
+  p->wall = progress_clock() - start;
+  p->lit = l.needed;
+  progress_clear();
+  release(&l);
   if (!failed && p->light.size)
     resume_done(p->options->output);
   return failed;

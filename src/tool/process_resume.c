@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-int process_find_key(process *p, job *j) {
+int process_find_key(const process *p, job *j, image_error *error) {
   if (j->key)
     return 0;
   j->key = j == p->jobs ? p->settings : j[-1].key;
-  return resume_frame(j->path, &j->camera, &j->key, &p->error);
+  return resume_frame(j->path, &j->camera, &j->key, error);
 }
 
 char *process_preview_path(const job *j, layer l) {
@@ -33,7 +33,7 @@ static int look_for_result(process *p, job *j) {
   char *path = process_join(j->stem, "", ".exr");
   if (!path)
     return image_no_memory(&p->error, j->path);
-  const int failed = process_find_key(p, j);
+  const int failed = process_find_key(p, j, &p->error);
   j->finished = !failed && resume_is_finished(path, j->key) &&
                 (!p->options->preview || has_previews(p, j));
   free(path);

@@ -181,7 +181,7 @@ void formats_choose(hbil_config *config, const channel_map *map,
 
 typedef struct progress {
   const char *what;
-  int quiet, terminal, dirty;
+  int quiet, terminal;
   int tenth;                     /* told last, not on a terminal */
   double start, expected, shown; /* seconds */
 } progress;
@@ -193,8 +193,14 @@ void progress_duration(double seconds, char *text, size_t size);
 void progress_start(progress *p, const char *what, double expected, int quiet);
 /* done: 0..1.  A line that is rewritten, or one every 10 %. */
 void progress_show(progress *p, double done);
-/* Takes the line away, so that something else can be told. */
-void progress_clear(progress *p);
+/* Frames: a bar with rate and time left, for a terminal. */
+void progress_frames(progress *p, size_t done, size_t count);
+/* Between these two standard error is the caller's, at the beginning of a line;
+ * any thread may show its progress meanwhile, and waits. */
+void progress_line_begin(void);
+void progress_line_end(void);
+/* Takes a line that is shown away. */
+void progress_clear(void);
 /* "WHAT: 3 of 8" as a line that counts up, on a terminal only. */
 void progress_count(const char *what, size_t done, size_t count);
 
@@ -239,9 +245,14 @@ typedef struct timing_row {
  * row, but for its name, is filled (of the last run) if config.profiling is
  * set. Runs but the first of a frame, and a frame that is the last one again,
  * are still frames (hbil.h). */
-int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
-                 float environment[9][3], unsigned repeat, image *result,
-                 timing_row *row, image_error *error);
+int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
+                 const camera_file *camera, float environment[9][3],
+                 unsigned repeat, image *result, timing_row *row,
+                 image_error *error);
+
+/* The planes that sequence_run() uploads, as one number, by which it knows the
+ * last frame again.  May be called by another thread meanwhile. */
+uint64_t sequence_hash(const sequence *s, const gbuffer *g);
 
 /* The light that the last frame hands on to the next: its bytes on this device
  * with these settings, 0 where nothing is carried.  Given back to another
@@ -272,8 +283,14 @@ typedef struct timing_report {
   size_t memory; /* bytes on the device */
   const timing_row *rows;
   size_t count;
+  const double (*stages)[3]; /* seconds: decode, device, encode */
+  double wall;               /* seconds for all frames */
+  size_t lit;                /* frames that were not there already */
 } timing_report;
 
+/* One line without its end: how fast it was, and which stage kept the others
+ * waiting. */
+void timings_summary(const timing_report *report, FILE *out);
 void timings_table(const timing_report *report);
 int timings_json(const timing_report *report, image_error *error);
 /* What a frame left out, in a line without its end; and as an object. */
