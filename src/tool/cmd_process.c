@@ -37,6 +37,7 @@ enum {
   OPTION_DEVICE,
   OPTION_REPEAT,
   OPTION_RESUME,
+  OPTION_FRAMES,
   OPTION_WARM_UP,
   OPTION_PREVIEW,
   OPTION_TIMINGS,
@@ -48,6 +49,7 @@ enum {
 /* What was asked for, where one option decides whether another may be. */
 typedef struct request {
   process_options *options;
+  const char *frames; /* their numbers, for patterns; or NULL */
   char given[OPTION_END - OPTION_LAYERS];
 } request;
 
@@ -83,6 +85,7 @@ static const struct option options[] = {
     {"device", required_argument, NULL, OPTION_DEVICE},
     {"repeat", required_argument, NULL, OPTION_REPEAT},
     {"resume", no_argument, NULL, OPTION_RESUME},
+    {"frames", required_argument, NULL, OPTION_FRAMES},
     {"warm-up", required_argument, NULL, OPTION_WARM_UP},
     {"preview", no_argument, NULL, OPTION_PREVIEW},
     {"timings", no_argument, NULL, OPTION_TIMINGS},
@@ -98,10 +101,14 @@ static void usage(const hbil_config *defaults) {
       "\n"
       "Lights the frames of a sequence in order; light is carried from frame\n"
       "to frame.  Writes DIR/FRAME.exr.  Reads Blender Cycles' multi-layer\n"
-      "files and those of hbil demo.\n"
+      "files and those of hbil demo.  FRAME.exr may be a pattern such as\n"
+      "shot.%04d.exr or shot.####.exr.\n"
       "\n"
       "  -o, --output DIR      folder of the results (made if its parent is\n"
       "                        there)\n"
+      "  --frames RANGES       numbers for the patterns, such as 1-240x2,300 "
+      "(all\n"
+      "                        that are there)\n"
       "  --layers LIST         of near, far, indirect, AO, bent, cone, beauty\n"
       "                        (all that the mode has)\n"
       "  --camera FILE         JSON camera of all frames (FRAME.json beside\n"
@@ -406,12 +413,18 @@ int cmd_process(int argc, char **argv) {
       usage(&o.config);
       return TOOL_OK;
     }
-    if (option == '?' || set_option(option, &o, &error) != 0)
+    if (option == OPTION_FRAMES)
+      r.frames = optarg;
+    else if (option == '?' || set_option(option, &o, &error) != 0)
       return tool_report(&error);
     if (option >= OPTION_LAYERS)
       r.given[option - OPTION_LAYERS] = 1;
   }
-  if (check_options(&r, &error) != 0)
+  frame_list list;
+  if (check_options(&r, &error) != 0 ||
+      frames_list(argv + optind, argc - optind, r.frames, &list, &error) != 0)
     return tool_report(&error);
-  return process_run(&o, argv + optind, argc - optind);
+  const int status = process_run(&o, list.files, (int)list.count);
+  frames_free(&list);
+  return status;
 }

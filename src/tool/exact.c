@@ -191,12 +191,14 @@ static void announce(exact_sequence *e, const ref_job *job) {
   const double expected =
       w->runs * exact_probe(job, (int)e->config.slices, pixels);
   progress_duration(expected, text, sizeof text);
+  progress_line_begin();
   fprintf(stderr,
           "hbil: exact integral of %u frame%s, %u run%s of %u slices on %d "
           "CPU%s: about %s\n",
           w->frames, w->frames == 1 ? "" : "s", w->runs,
           w->runs == 1 ? "" : "s", (unsigned)e->config.slices, exact_threads(),
           exact_threads() == 1 ? "" : "s", text);
+  progress_line_end();
   progress_start(&e->progress, "exact integral", expected, 0);
 }
 

@@ -89,10 +89,12 @@ static void print_tenth(progress *p, double done, const char *left) {
   if (tenth <= p->tenth)
     return;
   p->tenth = tenth;
+  progress_line_begin();
   if (tenth >= 10)
     fprintf(stderr, "hbil: %s: 100 %%\n", p->what);
   else
     fprintf(stderr, "hbil: %s: %d %%, %s left\n", p->what, 10 * tenth, left);
+  progress_line_end();
 }
 
 void progress_show(progress *p, double done) {

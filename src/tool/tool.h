@@ -54,6 +54,22 @@ int option_unsigned(const char *option, const char *text, unsigned low,
 int option_choice(const char *option, const char *text,
                   const char *const *words, int *out, image_error *error);
 
+/* --- frames.c: which files a sequence has --- */
+
+typedef struct frame_list {
+  char **files;
+  size_t count;
+} frame_list;
+
+/*
+ * Files as they are, and patterns with %d, %04d or #### in their names: those
+ * numbers of `ranges` ("1-240x2,300"), or, where that is NULL, all that are
+ * there.  Missing frames are refused, and named.
+ */
+int frames_list(char *const *arguments, int count, const char *ranges,
+                frame_list *out, image_error *error);
+void frames_free(frame_list *list);
+
 /* --- channels.c: which channel is what --- */
 
 typedef enum dump_kind {
