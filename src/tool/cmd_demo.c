@@ -274,7 +274,7 @@ static int process(const demo_options *o, const char *sky, char **files) {
   p.device = o->device;
   /* Around the room: what its unseen walls may send. */
   p.environment = o->scene == SCENE_SKY ? sky : "0.12,0.11,0.1";
-  p.preview = p.timings = 1;
+  p.preview = p.timings = p.overwrite = 1;
   p.config.reprojection = HBIL_REPROJECTION_MOTION;
   return process_run(&p, files, (int)o->frames);
 }

@@ -37,6 +37,8 @@ enum {
   OPTION_DEVICE,
   OPTION_REPEAT,
   OPTION_RESUME,
+  OPTION_OVERWRITE,
+  OPTION_DRY_RUN,
   OPTION_FRAMES,
   OPTION_WARM_UP,
   OPTION_PREVIEW,
@@ -85,6 +87,8 @@ static const struct option options[] = {
     {"device", required_argument, NULL, OPTION_DEVICE},
     {"repeat", required_argument, NULL, OPTION_REPEAT},
     {"resume", no_argument, NULL, OPTION_RESUME},
+    {"overwrite", no_argument, NULL, OPTION_OVERWRITE},
+    {"dry-run", no_argument, NULL, OPTION_DRY_RUN},
     {"frames", required_argument, NULL, OPTION_FRAMES},
     {"warm-up", required_argument, NULL, OPTION_WARM_UP},
     {"preview", no_argument, NULL, OPTION_PREVIEW},
@@ -121,11 +125,16 @@ static void usage(const hbil_config *defaults) {
       "                        what a lit sky in the first frame explains\n"
       "  --device NAME         index or part of a name, see hbil devices (the\n"
       "                        first GPU, else the first device)\n"
+      "  --overwrite           replace results that are there already, which\n"
+      "                        are refused otherwise\n"
       "  --resume              go on where such a job was broken off: results "
       "in\n"
       "                        DIR of the same frames, settings, device and\n"
       "                        version are kept; the others come out as they\n"
       "                        would have, bit by bit\n"
+      "  --dry-run             check everything, tell what would be written, "
+      "and\n"
+      "                        write nothing\n"
       "  --repeat N            run every frame N times: more bounces (1)\n"
       "  --warm-up N           run the first frame N times more (3)\n"
       "  --preview             also write DIR/FRAME.LAYER.png\n"
@@ -324,6 +333,12 @@ static int set_option(int option, process_options *o, image_error *error) {
   case OPTION_RESUME:
     o->resume = 1;
     return 0;
+  case OPTION_OVERWRITE:
+    o->overwrite = 1;
+    return 0;
+  case OPTION_DRY_RUN:
+    o->dry_run = 1;
+    return 0;
   case OPTION_PREVIEW:
     o->preview = 1;
     return 0;
@@ -391,6 +406,10 @@ static int check_options(const request *r, image_error *error) {
     return image_fail(error,
                       "--resume: not with --timings, which wants every frame "
                       "to run; one or the other is needed");
+  if (o->resume && o->overwrite)
+    return image_fail(error,
+                      "--resume: not with --overwrite, which replaces what the "
+                      "former keeps; one or the other is needed");
   if (o->exact)
     return check_exact(r, error);
   if (o->config.slices > MOST)

@@ -114,25 +114,40 @@ static int check_header(process *p, job *j) {
   return failed ? -1 : 0;
 }
 
-static int same_file(const char *a, const char *b) {
-  struct stat one, other;
-  return stat(a, &one) == 0 && stat(b, &other) == 0 &&
-         one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+static int same_file(const struct stat *one, const char *other) {
+  struct stat status;
+  return stat(other, &status) == 0 && one->st_dev == status.st_dev &&
+         one->st_ino == status.st_ino;
 }
 
-/* No result may take the place of an input or of another result. */
+/* What is there already: an input, which nothing replaces, or a result. */
+static int check_present(process *p, const job *j, const char *result,
+                         const struct stat *status) {
+  for (int i = 0; i < p->count; i++)
+    if (same_file(status, p->jobs[i].path))
+      return image_fail(&p->error,
+                        "%s: its result would overwrite %s; another output "
+                        "folder is needed",
+                        j->path, p->jobs[i].path);
+  if (!p->options->overwrite && !p->options->resume)
+    return image_fail(&p->error,
+                      "%s: is there already; --overwrite to replace it, "
+                      "--resume to keep what is right of the sequence, or "
+                      "another output folder is needed",
+                      result);
+  return 0;
+}
+
+/* No result may take the place of an input, of another result or, unless that
+ * is asked for, of what is there. */
 static int check_name(process *p, job *j) {
+  struct stat status;
   j->stem = result_stem(p->options->output, j->path);
   char *result = j->stem ? process_join(j->stem, "", ".exr") : NULL;
   if (!result)
     return image_no_memory(&p->error, j->path);
-  int failed = 0;
-  for (int i = 0; i < p->count && !failed; i++)
-    if (same_file(p->jobs[i].path, result))
-      failed = image_fail(&p->error,
-                          "%s: its result would overwrite %s; another output "
-                          "folder is needed",
-                          j->path, p->jobs[i].path);
+  int failed =
+      stat(result, &status) == 0 ? check_present(p, j, result, &status) : 0;
   for (const job *before = p->jobs; before < j && !failed; before++)
     if (strcmp(before->stem, j->stem) == 0)
       failed = image_fail(&p->error,
@@ -168,6 +183,33 @@ static int check_jobs(process *p, char *const *files) {
   return 0;
 }
 
+/* The folder that a path is in; malloc'd. */
+static char *parent_of(const char *path) {
+  size_t length = strlen(path);
+  while (length > 1 && path[length - 1] == '/')
+    length--;
+  while (length > 0 && path[length - 1] != '/')
+    length--;
+  return length ? strndup(path, length) : strdup(".");
+}
+
+/* Whether results could be written, without a trace. */
+static int look_at_folder(process *p) {
+  const char *folder = p->options->output;
+  char *parent = parent_of(folder);
+  if (!parent)
+    return image_no_memory(&p->error, folder);
+  const int there = access(folder, F_OK) == 0;
+  const int usable = access(there ? folder : parent, W_OK | X_OK) == 0;
+  free(parent);
+  return usable ? 0
+                : image_fail(&p->error,
+                             "%s: output folder cannot be %s: %s; a folder in "
+                             "which you may write is needed",
+                             folder, there ? "written" : "created",
+                             strerror(errno));
+}
+
 /* Writes a file and takes it away again: asking for permissions would miss
  * read-only and special file systems. */
 static int probe_folder(process *p) {
@@ -192,6 +234,8 @@ static int probe_folder(process *p) {
 }
 
 static int prepare_folder(process *p) {
+  if (p->options->dry_run)
+    return look_at_folder(p);
   p->folder_created = mkdir(p->options->output, 0777) == 0;
   if (!p->folder_created && errno != EEXIST)
     return image_fail(&p->error,
@@ -392,6 +436,26 @@ static int prepare(process *p, char *const *files) {
   return prepare_light(p);
 }
 
+/* What would be done, in place of doing it. */
+static void tell_plan(const process *p) {
+  char layers[64];
+  int written = 0;
+  for (int i = 0; i < p->count; i++) {
+    const job *j = &p->jobs[i];
+    tool_show(j->path, stdout);
+    fputs(" -> ", stdout);
+    tool_show(j->stem, stdout);
+    printf(".exr%s\n", j->finished ? " (is there already)" : "");
+    written += !j->finished;
+  }
+  layers_names(p->layers, layers, sizeof layers);
+  printf("%d of %d frames would be written, %u x %u pixels: %s\n", written,
+         p->count, p->width, p->height, layers);
+  if (!p->exact)
+    printf("device %s, %.1f MiB on it\n", p->device.name,
+           (double)sequence_memory(p->sequence) / 1048576.0);
+}
+
 static int print_timings(process *p) {
   const timing_report report = {
       .device = p->device.name,
@@ -418,6 +482,14 @@ static int print_timings(process *p) {
   return 0;
 }
 
+static int run(process *p) {
+  if (p->options->dry_run) {
+    tell_plan(p);
+    return 0;
+  }
+  return process_frames(p) != 0 || print_timings(p) != 0 ? -1 : 0;
+}
+
 static void release(process *p) {
   sequence_close(p->sequence);
   exact_close(p->exact);
@@ -432,8 +504,7 @@ static void release(process *p) {
 
 int process_run(const process_options *options, char *const *files, int count) {
   process p = {.options = options, .config = options->config, .count = count};
-  const int failed = prepare(&p, files) != 0 || process_frames(&p) != 0 ||
-                     print_timings(&p) != 0;
+  const int failed = prepare(&p, files) != 0 || run(&p) != 0;
   if (failed && p.folder_created)
     rmdir(options->output); /* succeeds only while nothing is in it */
   release(&p);

@@ -77,7 +77,8 @@ static void expect(process *p) {
 
 int process_resume(process *p) {
   int missing = p->count;
-  resume_sweep(p->options->output);
+  if (!p->options->dry_run)
+    resume_sweep(p->options->output);
   p->end = 0;
   for (int i = 0; i < p->count; i++) {
     if (look_for_result(p, &p->jobs[i]) != 0)

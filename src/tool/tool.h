@@ -325,8 +325,10 @@ typedef struct process_options {
   unsigned repeat;         /* runs of every frame, at least 1 */
   unsigned warm_up;        /* more runs of the first frame, for its bounces */
   int preview, timings, json, quiet; /* flags */
-  int resume; /* results of the same settings and frames are kept */
-  int exact;  /* the exact integral on the CPU in place of the library */
+  int resume;    /* results of the same settings and frames are kept */
+  int overwrite; /* results that are there are replaced; else refused */
+  int dry_run;   /* only tell what would be done */
+  int exact;     /* the exact integral on the CPU in place of the library */
   hbil_config config; /* settings; formats and size are filled in */
 } process_options;
 
