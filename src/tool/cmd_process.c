@@ -39,6 +39,9 @@ enum {
   OPTION_RESUME,
   OPTION_OVERWRITE,
   OPTION_DRY_RUN,
+  OPTION_KEEP,
+  OPTION_HALF,
+  OPTION_COMPRESSION,
   OPTION_FRAMES,
   OPTION_WARM_UP,
   OPTION_PREVIEW,
@@ -89,6 +92,9 @@ static const struct option options[] = {
     {"resume", no_argument, NULL, OPTION_RESUME},
     {"overwrite", no_argument, NULL, OPTION_OVERWRITE},
     {"dry-run", no_argument, NULL, OPTION_DRY_RUN},
+    {"keep", no_argument, NULL, OPTION_KEEP},
+    {"half", no_argument, NULL, OPTION_HALF},
+    {"compression", required_argument, NULL, OPTION_COMPRESSION},
     {"frames", required_argument, NULL, OPTION_FRAMES},
     {"warm-up", required_argument, NULL, OPTION_WARM_UP},
     {"preview", no_argument, NULL, OPTION_PREVIEW},
@@ -115,6 +121,12 @@ static void usage(const hbil_config *defaults) {
       "                        that are there)\n"
       "  --layers LIST         of near, far, indirect, AO, bent, cone, beauty\n"
       "                        (all that the mode has)\n"
+      "  --keep                put the frame's own channels into its result, "
+      "too\n"
+      "  --compression NAME    none, rle, zips, zip, piz, pxr24, b44, b44a, "
+      "dwaa,\n"
+      "                        dwab, or input, as the frame has it (zip)\n"
+      "  --half                store the layers as half floats\n"
       "  --camera FILE         JSON camera of all frames (FRAME.json beside\n"
       "                        each FRAME.exr)\n"
       "  --environment R,G,B   far light, the same from everywhere\n"
@@ -336,6 +348,14 @@ static int set_option(int option, process_options *o, image_error *error) {
   case OPTION_OVERWRITE:
     o->overwrite = 1;
     return 0;
+  case OPTION_KEEP:
+    o->keep = 1;
+    return 0;
+  case OPTION_HALF:
+    o->half = 1;
+    return 0;
+  case OPTION_COMPRESSION:
+    return choice("--compression", exr_compressions, &o->compression, error);
   case OPTION_DRY_RUN:
     o->dry_run = 1;
     return 0;

@@ -36,6 +36,7 @@ void process_options_init(process_options *options) {
   memset(options, 0, sizeof *options);
   hbil_config_init(&options->config);
   options->repeat = 1;
+  options->compression = EXR_COMPRESSION_OF_ZIP;
   /* three bounces before the first picture: the fourth adds a few per cent */
   options->warm_up = 3;
   /* unless the first frame shows otherwise (policy.c) */

@@ -10,6 +10,7 @@
 typedef struct slot {
   gbuffer g;
   uint64_t hash; /* of what the library is given */
+  image kept;    /* its own channels that go on into the result */
   image result;
   resume_light light; /* what it hands on */
 } slot;
@@ -37,6 +38,28 @@ static unsigned used_roles(const process *p) {
   return ALWAYS | (moved ? 1u << ROLE_MOTION : 0u);
 }
 
+/* All channels but those that a layer of ours replaces. */
+static int read_kept(const process *p, const job *j, image *out,
+                     image_error *error) {
+  image header, layers = {0};
+  if (exr_read_header(j->path, &header, error) != 0)
+    return -1;
+  const char **names = calloc(header.count + 1, sizeof *names);
+  size_t count = 0;
+  int failed = !names || layers_image(p->layers, 0, 0, &layers) != 0
+                   ? image_no_memory(error, j->path)
+                   : 0;
+  for (size_t i = 0; !failed && i < header.count; i++)
+    if (!image_find(&layers, header.planes[i].name))
+      names[count++] = header.planes[i].name;
+  if (!failed)
+    failed = exr_read_as_is(j->path, names, count, out, error);
+  free(names);
+  image_free(&layers);
+  image_free(&header);
+  return failed;
+}
+
 static int decode(void *user, size_t item, image_error *error) {
   lighting *l = user;
   const process *p = l->process;
@@ -47,6 +70,8 @@ static int decode(void *user, size_t item, image_error *error) {
   if (!process_is_needed(p, j))
     return 0;
   if (gbuffer_read(j->path, &j->map, used_roles(p), &s->g, error) != 0)
+    return -1;
+  if (p->options->keep && !j->finished && read_kept(p, j, &s->kept, error) != 0)
     return -1;
   s->hash = p->exact ? 0 : sequence_hash(p->sequence, &s->g);
   return 0;
@@ -143,14 +168,59 @@ static void tell(lighting *l, const job *j, const char *path) {
   progress_line_end();
 }
 
+/* Copies what of a plane is in another window; the rest stays black. */
+static void place(const image *from, const float *pixels, image *to,
+                  float *out) {
+  const int64_t left = (int64_t)to->x - from->x, top = (int64_t)to->y - from->y;
+  for (uint32_t y = 0; y < to->height; y++)
+    for (uint32_t x = 0; x < to->width; x++)
+      if (top + y >= 0 && top + y < from->height && left + x >= 0 &&
+          left + x < from->width)
+        out[(size_t)y * to->width + x] =
+            pixels[(size_t)(top + y) * from->width + (size_t)(left + x)];
+}
+
+/* The kept channels behind the layers. */
+static int add_kept(image *result, const image *kept) {
+  for (size_t i = 0; i < kept->count; i++) {
+    image_plane *plane = image_add(result, kept->planes[i].name);
+    if (!plane)
+      return -1;
+    plane->type = kept->planes[i].type;
+    place(kept, kept->planes[i].pixels, result, plane->pixels);
+  }
+  return 0;
+}
+
+/* Takes them away again. */
+static void drop_kept(image *result, size_t layers) {
+  while (result->count > layers)
+    free(result->planes[--result->count].pixels);
+}
+
+static int write_planes(const process *p, const job *j, const char *path,
+                        slot *s, image_error *error) {
+  const exr_style style = {p->options->compression, j->path};
+  const size_t layers = s->result.count;
+  resume_sign(&s->result, j->key);
+  for (size_t i = 0; i < layers; i++)
+    s->result.planes[i].type = p->options->half ? IMAGE_HALF : IMAGE_FLOAT;
+  const int failed = add_kept(&s->result, &s->kept) != 0
+                         ? image_no_memory(error, j->path)
+                         : exr_write_as(path, &s->result, NULL, &style, error);
+  drop_kept(&s->result, layers);
+  image_free(&s->kept);
+  return failed;
+}
+
 /* Writes it unless it is there. */
-static int write_result(lighting *l, const job *j, image *result,
+static int write_result(lighting *l, const job *j, slot *s,
                         image_error *error) {
   char *path = process_join(j->stem, "", ".exr");
   if (!path)
     return image_no_memory(error, j->path);
-  resume_sign(result, j->key);
-  const int failed = j->finished ? 0 : exr_write(path, result, NULL, error);
+  const int failed =
+      j->finished ? 0 : write_planes(l->process, j, path, s, error);
   if (!failed)
     tell(l, j, path);
   free(path);
@@ -171,16 +241,14 @@ static int encode(void *user, size_t item, image_error *error) {
   const job *j = &p->jobs[item];
   slot *s = slot_of(l, item);
   if (!process_is_needed(p, j))
-    return write_result(l, j, &s->result, error);
+    return write_result(l, j, s, error);
   l->done++;
   if (item == 0 && p->options->preview)
     p->exposure = preview_exposure(&s->result);
   if (p->options->preview && !j->finished &&
       write_previews(p, j, &s->result, error) != 0)
     return -1;
-  return write_result(l, j, &s->result, error) != 0
-             ? -1
-             : save_light(p, item, s, error);
+  return write_result(l, j, s, error) != 0 ? -1 : save_light(p, item, s, error);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -189,6 +257,7 @@ static int encode(void *user, size_t item, image_error *error) {
 static void release(lighting *l) {
   for (int i = 0; i < PIPELINE_SLOTS; i++) {
     gbuffer_free(&l->slots[i].g);
+    image_free(&l->slots[i].kept);
     image_free(&l->slots[i].result);
     free(l->slots[i].light.bytes);
   }

@@ -325,10 +325,13 @@ typedef struct process_options {
   unsigned repeat;         /* runs of every frame, at least 1 */
   unsigned warm_up;        /* more runs of the first frame, for its bounces */
   int preview, timings, json, quiet; /* flags */
-  int resume;    /* results of the same settings and frames are kept */
-  int overwrite; /* results that are there are replaced; else refused */
-  int dry_run;   /* only tell what would be done */
-  int exact;     /* the exact integral on the CPU in place of the library */
+  int resume;      /* results of the same settings and frames are kept */
+  int overwrite;   /* results that are there are replaced; else refused */
+  int keep;        /* the frames' own channels go into the results, too */
+  int half;        /* layers are stored as half floats */
+  int compression; /* of the results, a place in exr_compressions */
+  int dry_run;     /* only tell what would be done */
+  int exact;       /* the exact integral on the CPU in place of the library */
   hbil_config config; /* settings; formats and size are filled in */
 } process_options;
 
