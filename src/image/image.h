@@ -117,6 +117,36 @@ int exr_write_as(const char *path, const image *img, const unsigned char *half,
 int png_write(const char *path, const unsigned char *rgb, uint32_t width,
               uint32_t height, image_error *error);
 
+/* --- pictures that are put together, through OpenImageIO (picture.cpp) --- */
+
+typedef struct picture {
+  uint32_t width, height;
+  unsigned char *rgb; /* width*height*3 bytes, top row first; malloc'd */
+} picture;
+
+typedef struct picture_window {
+  uint32_t x, y, width, height;
+} picture_window;
+
+typedef enum picture_align {
+  PICTURE_LEFT = 0, /* x is where the text begins, */
+  PICTURE_CENTRE,   /* its middle, */
+  PICTURE_RIGHT     /* where it ends */
+} picture_align;
+
+/* What a new picture is filled with. */
+enum { PICTURE_GREY = 32 };
+
+/* These give 0 or -1: out of memory. */
+int picture_new(uint32_t width, uint32_t height, picture *out);
+void picture_free(picture *p); /* allowed on a zeroed picture and twice */
+/* Puts a tile, made as large as the window, into a picture. */
+int picture_tile(picture *to, const picture_window *at, const picture *tile);
+/* White text, size pixels high, on the base line y; -1 also where there is no
+ * font (Debian: fonts-dejavu-core). */
+int picture_text(picture *to, int x, int y, int size, picture_align align,
+                 const char *text);
+
 /* Any image OpenImageIO reads, as interleaved RGB floats (malloc'd, grey is
  * tripled, alpha dropped); 16384 x 8192 pixels at most. */
 enum { IMAGE_MAP_PIXELS = 1 << 27 };

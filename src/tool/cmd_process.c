@@ -40,6 +40,7 @@ enum {
   OPTION_OVERWRITE,
   OPTION_DRY_RUN,
   OPTION_KEEP,
+  OPTION_CONTACT_SHEET,
   OPTION_HALF,
   OPTION_COMPRESSION,
   OPTION_FRAMES,
@@ -95,6 +96,7 @@ static const struct option options[] = {
     {"keep", no_argument, NULL, OPTION_KEEP},
     {"half", no_argument, NULL, OPTION_HALF},
     {"compression", required_argument, NULL, OPTION_COMPRESSION},
+    {"contact-sheet", required_argument, NULL, OPTION_CONTACT_SHEET},
     {"frames", required_argument, NULL, OPTION_FRAMES},
     {"warm-up", required_argument, NULL, OPTION_WARM_UP},
     {"preview", no_argument, NULL, OPTION_PREVIEW},
@@ -150,6 +152,9 @@ static void usage(const hbil_config *defaults) {
       "  --repeat N            run every frame N times: more bounces (1)\n"
       "  --warm-up N           run the first frame N times more (3)\n"
       "  --preview             also write DIR/FRAME.LAYER.png\n"
+      "  --contact-sheet PNG   layers side by side, at most eight frames of "
+      "the\n"
+      "                        sequence below each other\n"
       "  --timings             print milliseconds per pass and frame (of the\n"
       "                        last run of each frame), and what was left out\n"
       "  --json                print them as JSON\n"
@@ -347,6 +352,9 @@ static int set_option(int option, process_options *o, image_error *error) {
     return 0;
   case OPTION_OVERWRITE:
     o->overwrite = 1;
+    return 0;
+  case OPTION_CONTACT_SHEET:
+    o->contact_sheet = optarg;
     return 0;
   case OPTION_KEEP:
     o->keep = 1;

@@ -246,6 +246,28 @@ static int prepare_folder(process *p) {
   return probe_folder(p);
 }
 
+/* Before hours of work, not behind them. */
+static int check_sheet(process *p) {
+  const char *path = p->options->contact_sheet;
+  if (!path)
+    return 0;
+  if (access(path, F_OK) == 0 && !p->options->overwrite && !p->options->resume)
+    return image_fail(&p->error,
+                      "%s: is there already; --overwrite or another name is "
+                      "needed",
+                      path);
+  char *parent = parent_of(path);
+  if (!parent)
+    return image_no_memory(&p->error, path);
+  const int writable = access(parent, W_OK | X_OK) == 0;
+  free(parent);
+  return writable ? 0
+                  : image_fail(&p->error,
+                               "%s: cannot be written: %s; a folder in which "
+                               "you may write is needed",
+                               path, strerror(errno));
+}
+
 static int check_environment(process *p) {
   const float *values = &p->environment[0][0];
   for (size_t i = 0; i < sizeof p->environment / sizeof *values; i++)
@@ -429,7 +451,7 @@ static int prepare(process *p, char *const *files) {
   if (!p->jobs || !p->rows || !p->seconds)
     return image_no_memory(&p->error, files[0]);
   if (choose_layers(p) != 0 || check_jobs(p, files) != 0 ||
-      load_environment(p) != 0 || prepare_folder(p) != 0)
+      load_environment(p) != 0 || prepare_folder(p) != 0 || check_sheet(p) != 0)
     return -1;
   configure(p);
   if ((p->options->exact ? open_exact(p) : open_library(p)) != 0)

@@ -2,6 +2,8 @@
  * written. */
 #include "tool/process.h"
 
+#include "tool/contact_sheet.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,6 +20,7 @@ typedef struct slot {
 typedef struct lighting {
   process *process;
   slot slots[PIPELINE_SLOTS];
+  contact_sheet sheet;
   progress progress;
   size_t needed, done; /* frames that are lit */
 } lighting;
@@ -152,6 +155,47 @@ static int write_previews(const process *p, const job *j, const image *result,
   return 0;
 }
 
+/* The layers of a result that is there already. */
+static int read_result(const process *p, const char *path, image *out,
+                       image_error *error) {
+  const char *names[LAYER_COUNT * 3];
+  image layers;
+  if (layers_image(p->layers, 0, 0, &layers) != 0)
+    return image_no_memory(error, path);
+  for (size_t i = 0; i < layers.count; i++)
+    names[i] = layers.planes[i].name;
+  const int failed = exr_read(path, names, layers.count, out, error);
+  image_free(&layers);
+  return failed;
+}
+
+/* The first frame is always in it, so that the exposure is known. */
+static int add_row(lighting *l, const job *j, const image *result,
+                   image_error *error) {
+  process *p = l->process;
+  const char *slash = strrchr(j->stem, '/');
+  if (!(p->exposure > 0.0f))
+    p->exposure = preview_exposure(result);
+  return contact_sheet_add(&l->sheet, slash + 1, result, p->exposure) == 0
+             ? 0
+             : image_no_memory(error, p->options->contact_sheet);
+}
+
+static int show_frame(lighting *l, size_t item, const char *path,
+                      const image *result, image_error *error) {
+  const process *p = l->process;
+  const job *j = &p->jobs[item];
+  image there = {0};
+  if (!contact_sheet_shows(&l->sheet, item))
+    return 0;
+  if (process_is_needed(p, j))
+    return add_row(l, j, result, error);
+  const int failed = read_result(p, path, &there, error) != 0 ||
+                     add_row(l, j, &there, error) != 0;
+  image_free(&there);
+  return failed ? -1 : 0;
+}
+
 /* "[3/8] DIR/frame.exr", or a bar on a terminal. */
 static void tell(lighting *l, const job *j, const char *path) {
   const process *p = l->process;
@@ -219,8 +263,10 @@ static int write_result(lighting *l, const job *j, slot *s,
   char *path = process_join(j->stem, "", ".exr");
   if (!path)
     return image_no_memory(error, j->path);
-  const int failed =
-      j->finished ? 0 : write_planes(l->process, j, path, s, error);
+  const size_t item = (size_t)(j - l->process->jobs);
+  int failed = j->finished ? 0 : write_planes(l->process, j, path, s, error);
+  if (!failed)
+    failed = show_frame(l, item, path, &s->result, error);
   if (!failed)
     tell(l, j, path);
   free(path);
@@ -254,7 +300,29 @@ static int encode(void *user, size_t item, image_error *error) {
 /* ------------------------------------------------------------------------ */
 /* All of them                                                               */
 
+static int open_sheet(lighting *l) {
+  process *p = l->process;
+  if (!p->options->contact_sheet)
+    return 0;
+  return contact_sheet_open(&l->sheet, p->layers, (size_t)p->count, p->width,
+                            p->height) == 0
+             ? 0
+             : image_no_memory(&p->error, p->options->contact_sheet);
+}
+
+static int write_sheet(lighting *l) {
+  const picture *sheet = &l->sheet.picture;
+  process *p = l->process;
+  if (!sheet->rgb)
+    return 0;
+  if (l->sheet.unlabelled)
+    preview_no_font();
+  return png_write(p->options->contact_sheet, sheet->rgb, sheet->width,
+                   sheet->height, &p->error);
+}
+
 static void release(lighting *l) {
+  contact_sheet_close(&l->sheet);
   for (int i = 0; i < PIPELINE_SLOTS; i++) {
     gbuffer_free(&l->slots[i].g);
     image_free(&l->slots[i].kept);
@@ -273,10 +341,12 @@ int process_frames(process *p) {
     l.needed += process_is_needed(p, &p->jobs[i]) ? 1u : 0u;
   progress_start(&l.progress, "frames", 0.0, p->options->quiet);
   const double start = progress_clock();
-  const int failed = pipeline_run(&stages, &p->error);
+  int failed = open_sheet(&l) != 0 || pipeline_run(&stages, &p->error) != 0;
   p->wall = progress_clock() - start;
   p->lit = l.needed;
   progress_clear();
+  if (!failed)
+    failed = write_sheet(&l);
   release(&l);
   if (!failed && p->light.size)
     resume_done(p->options->output);

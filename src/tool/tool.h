@@ -284,11 +284,17 @@ int sequence_give_light(sequence *s, const camera_file *camera,
 
 /* One exposure for everything that is light, from one frame's layers. */
 float preview_exposure(const image *result);
+/* A layer as it is shown; 0, or -1 when out of memory. */
+int preview_picture(const image *result, layer l, float exposure, picture *out);
 int preview_write(const char *path, const image *result, layer l,
                   float exposure, image_error *error);
-/* values: one per pixel, 0..limit from black over red to white. */
+/* values: one per pixel, 0..limit from black over red to white, with a legend
+ * below. */
 int preview_heatmap(const char *path, const float *values, uint32_t width,
                     uint32_t height, float limit, image_error *error);
+
+/* Warns that pictures have no labels. */
+void preview_no_font(void);
 
 /* --- timings.c --- */
 
@@ -316,14 +322,15 @@ json_t *timings_skipped_json(const hbil_skipped *s);
 /* --- process.c: the main job --- */
 
 typedef struct process_options {
-  const char *output;      /* folder; must be given */
-  const char *camera;      /* NULL: FRAME.json beside FRAME.exr */
-  const char *environment; /* "R,G,B", an image file, or NULL */
-  const char *device;      /* see device_open() */
-  unsigned layers;         /* bit mask; 0: all that the mode has */
-  int emission_given;      /* config.gather_emission is the user's word */
-  unsigned repeat;         /* runs of every frame, at least 1 */
-  unsigned warm_up;        /* more runs of the first frame, for its bounces */
+  const char *output;        /* folder; must be given */
+  const char *camera;        /* NULL: FRAME.json beside FRAME.exr */
+  const char *environment;   /* "R,G,B", an image file, or NULL */
+  const char *device;        /* see device_open() */
+  const char *contact_sheet; /* a PNG of frames and layers, or NULL */
+  unsigned layers;           /* bit mask; 0: all that the mode has */
+  int emission_given;        /* config.gather_emission is the user's word */
+  unsigned repeat;           /* runs of every frame, at least 1 */
+  unsigned warm_up;          /* more runs of the first frame, for its bounces */
   int preview, timings, json, quiet; /* flags */
   int resume;      /* results of the same settings and frames are kept */
   int overwrite;   /* results that are there are replaced; else refused */
