@@ -115,17 +115,11 @@ static int check_header(process *p, job *j) {
   return failed ? -1 : 0;
 }
 
-static int same_file(const struct stat *one, const char *other) {
-  struct stat status;
-  return stat(other, &status) == 0 && one->st_dev == status.st_dev &&
-         one->st_ino == status.st_ino;
-}
-
 /* What is there already: an input, which nothing replaces, or a result. */
 static int check_present(process *p, const job *j, const char *result,
                          const struct stat *status) {
   for (int i = 0; i < p->count; i++)
-    if (same_file(status, p->jobs[i].path))
+    if (p->jobs[i].disk == status->st_dev && p->jobs[i].inode == status->st_ino)
       return image_fail(&p->error,
                         "%s: its result would overwrite %s; another output "
                         "folder is needed",
@@ -174,9 +168,18 @@ static void warn_of_darkness(const process *p) {
                           "black");
 }
 
+static void name_job(job *j, const char *path) {
+  struct stat status;
+  j->path = path;
+  if (stat(path, &status) == 0) {
+    j->disk = status.st_dev;
+    j->inode = status.st_ino;
+  }
+}
+
 static int check_jobs(process *p, char *const *files) {
   for (int i = 0; i < p->count; i++)
-    p->jobs[i].path = files[i];
+    name_job(&p->jobs[i], files[i]);
   for (int i = 0; i < p->count; i++)
     if (check_header(p, &p->jobs[i]) != 0 || check_name(p, &p->jobs[i]) != 0)
       return -1;

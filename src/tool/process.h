@@ -1,7 +1,7 @@
 /*
  * A job of `hbil process`, as the files that do it share it: process.c checks
- * and opens, process_resume.c finds what is there already, process_frames.c
- * lights.
+ * and opens, process_resume.c finds what is there already, process_frames.c and
+ * process_encode.c take the frames through it.
  */
 #ifndef HBIL_TOOL_PROCESS_H
 #define HBIL_TOOL_PROCESS_H
@@ -11,9 +11,13 @@
 #include "tool/resume.h"
 #include "tool/tool.h"
 
+#include <sys/types.h>
+
 /* One frame of the job. */
 typedef struct job {
   const char *path;
+  dev_t disk; /* where the file is, whatever its name */
+  ino_t inode;
   char *stem; /* DIR/NAME, without .exr */
   channel_map map;
   camera_file camera;
