@@ -214,13 +214,16 @@ for how in none rle zips piz input; do
   works "loses nothing: $how" "$HBIL" compare --max-rmse 0 \
     "$work/$how/frame_0001.exr:AO" "$work/before/frame_0001.exr:AO"
 done
-test "$(wc -c <"$work/none/frame_0001.exr")" -gt \
-  "$(wc -c <"$work/zips/frame_0001.exr")"
+size=$(wc -c <"$work/none/frame_0001.exr")
+test "$size" -gt "$(wc -c <"$work/zips/frame_0001.exr")"
 ok $? "none is larger than zips"
+exact --half --layers AO --compression none -o "$work/half-none" "$one"
+test $((size - $(wc -c <"$work/half-none/frame_0001.exr"))) -eq $((40 * 30 * 2))
+ok $? "floats have four bytes, halves two"
 refused "an unknown compression" 'none, rle, zips, zip, piz' \
   exact --compression lzma -o "$out" "$one"
 run "$HBIL" process --quality reference --slices 1 --warm-up 0 --half --resume \
-  --layers AO -o "$work/zips" "$one"
+  --layers AO --compression zips -o "$work/zips" "$one"
 test $status -eq 0 && ! grep -q 'is there already$' "$work/err"
 ok $? "floats are not the halves that are asked for"
 if command -v oiiotool >/dev/null; then
@@ -287,6 +290,18 @@ works "of a long sequence" exact --layers AO --contact-sheet "$work/long.png" \
   -o "$work/long" "$work/shot/many.##.exr"
 test "$(pixels "$work/long.png")" = "176 1222"
 ok $? "it shows eight frames"
+# looks FRAME: whether another picture there changes the sheet.
+looks() {
+  cp "$frames/frame_0005.exr" "$work/shot/many.$1.exr"
+  exact --overwrite --layers AO --contact-sheet "$work/other.png" \
+    -o "$work/long" "$work/shot/many.##.exr"
+  cp "$one" "$work/shot/many.$1.exr"
+  ! cmp -s "$work/long.png" "$work/other.png"
+}
+looks 01 && looks 11
+ok $? "the first and the last among them"
+! looks 04
+ok $? "and not the fourth"
 works "a heat map" "$HBIL" compare --heatmap "$work/heat.png" \
   "$work/before/frame_0001.exr:near" "$work/before/frame_0002.exr:near"
 test "$(pixels "$work/heat.png")" = "200 70"
