@@ -104,7 +104,8 @@ refused "--overwrite and --resume" 'resume: not with --overwrite' \
   exact --overwrite --resume -o "$work/all" "$frames/frame_0003.exr"
 
 says "--dry-run" '^1 of 1 frames would be written, 40 x 30 pixels: near,' \
-  exact --dry-run -o "$out" "$frames/frame_0001.exr"
+  exact --dry-run --contact-sheet "$out/sheet.png" -o "$out" \
+  "$frames/frame_0001.exr"
 absent "writes nothing" "$out"
 rm -rf "$work/all"
 cp -r "$work/before" "$work/all"

@@ -259,6 +259,9 @@ static int check_sheet(process *p) {
                       "%s: is there already; --overwrite or another name is "
                       "needed",
                       path);
+  /* its folder may be the one that would be made */
+  if (p->options->dry_run && access(p->options->output, F_OK) != 0)
+    return 0;
   char *parent = parent_of(path);
   if (!parent)
     return image_no_memory(&p->error, path);
