@@ -266,7 +266,7 @@ cp "$work/wide.exr" "$map"
 map_refused "an EXR map of 1e9 x 1e9 pixels" 'map: damaged'
 if test -d "$HBIL_DATA/real_exr"; then
   # three halves of four, of which OpenEXR's quick routines wrote the fourth
-  works "a map of some channels" exact -o "$work/map-lit" --environment \
+  works "a map of some channels" exact -o "$work/map-lit" --overwrite --environment \
     "$HBIL_DATA/real_exr/oexr_beachball_multipart.0001.exr" "$one"
 else
   skip "a map of some channels" "no dumps"
@@ -341,7 +341,7 @@ run "$HBIL" process --quality reference --slices 3 --warm-up 0 --preview \
   --reprojection motion --resume -o "$work/resumed" "$frames"/*.exr
 test $status -eq 0 && ! grep -q 'is there already$' "$work/err"
 ok $? "results of other settings are none"
-exact -o "$work/resumed" "$one"
+exact -o "$work/resumed" --overwrite "$one"
 # the same but for one bit of the camera
 mkdir "$work/moved"
 cp "$one" "$work/moved"

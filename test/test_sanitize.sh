@@ -45,14 +45,15 @@ HBIL=$build/hbil
 works "nor in a demo" "$HBIL" demo --frames 2 --size 64x48 -o "$work/demo"
 set -- "$work"/demo/gbuffer/frame_*.exr
 works "nor in a job with all there is" "$HBIL" process --quiet --preview \
-  --timings --json --reprojection motion -o "$work/job" "$@"
+  --timings --json --keep --half --compression dwaa \
+  --contact-sheet "$work/sheet.png" --reprojection motion -o "$work/job" "$@"
 works "nor in a job that is done already" \
   "$HBIL" process --resume --reprojection motion -o "$work/job" "$@"
 works "nor in the exact integral" "$HBIL" process --quiet --quality reference \
   --slices 4 -o "$work/exact" "$1"
 works "nor in info" "$HBIL" info "$1"
-works "nor in a comparison" "$HBIL" compare "$work/job/frame_0001.exr:AO" \
-  "$work/exact/frame_0001.exr:AO"
+works "nor in a comparison" "$HBIL" compare --heatmap "$work/heat.png" \
+  "$work/job/frame_0001.exr:AO" "$work/exact/frame_0001.exr:AO"
 works "nor in a short bench" "$HBIL" bench --quick --size 64x48 --runs 1 \
   --pixels 20 -o "$work/bench"
 

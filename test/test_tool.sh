@@ -31,7 +31,7 @@ says "position from depth and camera is that of the file" 'they agree' \
   "$HBIL" info "$one"
 
 process() {
-  "$HBIL" process --quiet "$@"
+  "$HBIL" process --quiet --overwrite "$@"
 }
 compare() {
   "$HBIL" compare "$@"
@@ -119,7 +119,7 @@ refused "hbao has none" '--layers bent: not with --mode hbao' \
 refused "hbao takes no map" 'a map is not possible' \
   process --mode hbao --environment "$work/some/frame_0001.AO.png" \
   -o "$work/never" "$one"
-run "$HBIL" process --mode gtao -o "$work/gtao" "$one"
+run "$HBIL" process --overwrite --mode gtao -o "$work/gtao" "$one"
 test $status -eq 0 && grep -q 'unblocked directions: none' "$work/err"
 ok $? "gtao says that it takes no far light"
 for falloff in linear soft none; do
@@ -150,8 +150,8 @@ refused "too many slices for a device" 'from 1 to 32, or --quality reference' \
 # --- the exact integral ---
 
 exact() {
-  OCL_ICD_VENDORS=$work/nothing "$HBIL" process --quality reference \
-    --slices 64 --warm-up 0 "$@"
+  OCL_ICD_VENDORS=$work/nothing "$HBIL" process --overwrite \
+    --quality reference --slices 64 --warm-up 0 "$@"
 }
 dense() {
   process --slices 32 --samples 256 --step-growth 0 --raw --warm-up 0 "$@"

@@ -126,7 +126,7 @@ int bench_exact_make(const bench_content *content, int slices,
       failed = make_one(&t, (bench_model)m, &w, out, error);
       w.done++;
     }
-  progress_clear(&w.progress);
+  progress_clear();
   return failed;
 }
 

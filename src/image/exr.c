@@ -1,5 +1,5 @@
 /*
- * OpenEXR files through OpenEXRCore: planes in, planes out.
+ * OpenEXR files read through OpenEXRCore.
  *
  * Files are opened here and handed to the library as streams, so that errno is
  * known when a file cannot be opened and every message ends up in image_error.
@@ -7,7 +7,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "image/exr_dwa.h"
 #include "image/image.h"
-#include "image/temporary.h"
 
 #include <openexr.h>
 
@@ -26,7 +25,6 @@
 #define MAX_TILE (1 << 16)
 #define MAX_CHANNELS 4096
 
-#define KEY "hbilKey"
 #define DAMAGED_PIXELS "truncated or damaged pixel data"
 
 typedef struct stream {
@@ -70,24 +68,6 @@ static int64_t stream_read(exr_const_context_t context, void *user, void *data,
     }
     if (n == 0)
       break;
-    done += (uint64_t)n;
-  }
-  return (int64_t)done;
-}
-
-static int64_t stream_write(exr_const_context_t context, void *user,
-                            const void *data, uint64_t size, uint64_t offset,
-                            exr_stream_error_func_ptr_t report) {
-  uint64_t done = 0;
-  while (done < size) {
-    ssize_t n = pwrite(((stream *)user)->fd, (const char *)data + done,
-                       (size_t)(size - done), (off_t)(offset + done));
-    if (n < 0 && errno == EINTR)
-      continue;
-    if (n <= 0) {
-      report(context, EXR_ERR_WRITE_IO, "%s", strerror(n ? errno : ENOSPC));
-      return -1;
-    }
     done += (uint64_t)n;
   }
   return (int64_t)done;
@@ -145,7 +125,6 @@ static exr_context_initializer_t initializer(stream *s) {
   init.user_data = s;
   init.read_fn = stream_read;
   init.size_fn = stream_size;
-  init.write_fn = stream_write;
   init.max_image_width = init.max_image_height = MAX_SIDE;
   init.max_tile_width = init.max_tile_height = MAX_TILE;
   init.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
@@ -317,7 +296,7 @@ static void qualified_name(reader *r, int part, const char *channel, char *name,
 static void read_key(reader *r, image *out) {
   const char *key = NULL;
   int32_t length = 0;
-  if (exr_attr_get_string(r->context, 0, KEY, &length, &key) ==
+  if (exr_attr_get_string(r->context, 0, EXR_KEY, &length, &key) ==
           EXR_ERR_SUCCESS &&
       key && length >= 0)
     snprintf(out->key, sizeof out->key, "%.*s", (int)length, key);
@@ -364,7 +343,14 @@ int exr_read_header(const char *path, image *out, image_error *error) {
 typedef struct source {
   int part;
   int channel; /* of the part's list, which the decoder follows */
+  image_type type;
 } source;
+
+static image_type type_of(const exr_attr_chlist_entry_t *entry) {
+  return entry->pixel_type == EXR_PIXEL_UINT   ? IMAGE_UINT
+         : entry->pixel_type == EXR_PIXEL_HALF ? IMAGE_HALF
+                                               : IMAGE_FLOAT;
+}
 
 static int find_source(reader *r, const char *wanted, source *out) {
   for (int pass = 0; pass < 2; pass++) /* plain names go first */
@@ -383,7 +369,7 @@ static int find_source(reader *r, const char *wanted, source *out) {
                             "%s: channel %s is subsampled; a value "
                             "for every pixel is needed",
                             r->stream.path, wanted);
-        *out = (source){part, i};
+        *out = (source){part, i, type_of(entry)};
         return 0;
       }
     }
@@ -412,7 +398,8 @@ static int aim(decoder *d, size_t x, size_t y) {
     exr_coding_channel_info_t *channel =
         &d->pipeline.channels[d->sources[i].channel];
     channel->decode_to_ptr = (uint8_t *)(d->img->planes[i].pixels + first);
-    channel->user_data_type = EXR_PIXEL_FLOAT;
+    channel->user_data_type =
+        d->img->planes[i].type == IMAGE_UINT ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT;
     channel->user_bytes_per_element = sizeof(float);
     channel->user_pixel_stride = sizeof(float);
     channel->user_line_stride = (int32_t)(d->img->width * sizeof(float));
@@ -553,9 +540,9 @@ static int decode_dwa(reader *r, int part, const image *img,
     return image_no_memory(r->error, r->stream.path);
   for (size_t i = 0; i < img->count; i++)
     if (sources[i].part == part)
-      targets[count++] =
-          (exr_target){channels->entries[sources[i].channel].name.str,
-                       img->planes[i].pixels};
+      targets[count++] = (exr_target){
+          channels->entries[sources[i].channel].name.str, img->planes[i].pixels,
+          img->planes[i].type == IMAGE_UINT};
   const int failed = exr_dwa_read(r->stream.path, part, img->width, img->height,
                                   targets, count, r->error);
   free(targets);
@@ -582,14 +569,16 @@ static int is_wanted(const image *img, const source *sources, int part) {
 }
 
 static int read_planes(reader *r, const char *const *names, size_t count,
-                       image *out, source *sources) {
+                       int as_is, image *out, source *sources) {
   for (size_t i = 0; i < count; i++) {
     if (image_find(out, names[i]))
       continue;
     if (find_source(r, names[i], &sources[out->count]) != 0)
       return -1;
-    if (!image_add(out, names[i]))
+    image_plane *plane = image_add(out, names[i]);
+    if (!plane)
       return image_no_memory(r->error, r->stream.path);
+    plane->type = as_is ? sources[out->count - 1].type : IMAGE_FLOAT;
   }
   for (int part = 0; part < r->parts; part++)
     if (is_wanted(out, sources, part) &&
@@ -598,15 +587,15 @@ static int read_planes(reader *r, const char *const *names, size_t count,
   return 0;
 }
 
-int exr_read(const char *path, const char *const *names, size_t count,
-             image *out, image_error *error) {
+static int read_file(const char *path, const char *const *names, size_t count,
+                     int as_is, image *out, image_error *error) {
   reader r;
   memset(out, 0, sizeof *out);
   if (reader_open(&r, path, error) != 0)
     return -1;
   set_size(&r, out);
   source *sources = calloc(count ? count : 1, sizeof *sources);
-  int failed = sources ? read_planes(&r, names, count, out, sources)
+  int failed = sources ? read_planes(&r, names, count, as_is, out, sources)
                        : image_no_memory(error, path);
   free(sources);
   reader_close(&r);
@@ -615,111 +604,12 @@ int exr_read(const char *path, const char *const *names, size_t count,
   return failed;
 }
 
-/* ------------------------------------------------------------------------ */
-/* Writing                                                                   */
-
-static exr_result_t write_header(exr_context_t context, const image *img,
-                                 const unsigned char *half) {
-  exr_attr_box2i_t window;
-  exr_attr_v2f_t centre;
-  memset(&centre, 0, sizeof centre);
-  window.min.x = img->x;
-  window.min.y = img->y;
-  window.max.x = img->x + (int32_t)img->width - 1;
-  window.max.y = img->y + (int32_t)img->height - 1;
-  int part = 0;
-  exr_result_t result = exr_set_longname_support(context, 1);
-  if (result == EXR_ERR_SUCCESS)
-    result = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
-  if (result == EXR_ERR_SUCCESS)
-    result = exr_initialize_required_attr(
-        context, part, &window, &window, 1.0f, &centre, 1.0f,
-        EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
-  if (result == EXR_ERR_SUCCESS && img->key[0])
-    result = exr_attr_set_string(context, part, KEY, img->key);
-  for (size_t i = 0; i < img->count && result == EXR_ERR_SUCCESS; i++)
-    result = exr_add_channel(context, part, img->planes[i].name,
-                             half && half[i] ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
-                             EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
-  return result == EXR_ERR_SUCCESS ? exr_write_header(context) : result;
+int exr_read(const char *path, const char *const *names, size_t count,
+             image *out, image_error *error) {
+  return read_file(path, names, count, 0, out, error);
 }
 
-static void aim_encoder(exr_encode_pipeline_t *pipeline, const image *img,
-                        size_t y) {
-  for (int i = 0; i < pipeline->channel_count; i++) {
-    exr_coding_channel_info_t *channel = &pipeline->channels[i];
-    const image_plane *plane = image_find(img, channel->channel_name);
-    channel->encode_from_ptr =
-        (const uint8_t *)(plane->pixels + y * img->width);
-    channel->user_data_type = EXR_PIXEL_FLOAT;
-    channel->user_bytes_per_element = sizeof(float);
-    channel->user_pixel_stride = sizeof(float);
-    channel->user_line_stride = (int32_t)(img->width * sizeof(float));
-  }
-}
-
-static exr_result_t write_pixels(exr_context_t context, const image *img) {
-  exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
-  int32_t lines = 0;
-  int started = 0;
-  exr_result_t result = exr_get_scanlines_per_chunk(context, 0, &lines);
-  for (uint32_t y = 0; result == EXR_ERR_SUCCESS && y < img->height;
-       y += (uint32_t)lines) {
-    exr_chunk_info_t chunk;
-    result = exr_write_scanline_chunk_info(context, 0, img->y + (int)y, &chunk);
-    if (result != EXR_ERR_SUCCESS)
-      break;
-    result = started ? exr_encoding_update(context, 0, &chunk, &pipeline)
-                     : exr_encoding_initialize(context, 0, &chunk, &pipeline);
-    if (result != EXR_ERR_SUCCESS)
-      break;
-    aim_encoder(&pipeline, img, y);
-    if (!started)
-      result = exr_encoding_choose_default_routines(context, 0, &pipeline);
-    started = 1;
-    if (result == EXR_ERR_SUCCESS)
-      result = exr_encoding_run(context, 0, &pipeline);
-  }
-  if (started)
-    exr_encoding_destroy(context, &pipeline);
-  return result;
-}
-
-static exr_result_t write_stream(stream *s, const image *img,
-                                 const unsigned char *half) {
-  const exr_context_initializer_t init = initializer(s);
-  exr_context_t context = NULL;
-  exr_result_t result =
-      exr_start_write(&context, s->path, EXR_WRITE_FILE_DIRECTLY, &init);
-  if (result != EXR_ERR_SUCCESS)
-    return result;
-  result = write_header(context, img, half);
-  if (result == EXR_ERR_SUCCESS)
-    result = write_pixels(context, img);
-  const exr_result_t finished = exr_finish(&context);
-  return result == EXR_ERR_SUCCESS ? finished : result;
-}
-
-int exr_write(const char *path, const image *img, const unsigned char *half,
-              image_error *error) {
-  char *temporary = temporary_name(path, error);
-  if (!temporary)
-    return -1;
-  stream s = {.path = path};
-  s.fd = open(temporary, O_RDWR | O_CREAT | O_TRUNC, 0666);
-  if (s.fd < 0) {
-    image_fail(error, "%s: cannot be written: %s", path, strerror(errno));
-    free(temporary);
-    return -1;
-  }
-  const exr_result_t result = write_stream(&s, img, half);
-  const int closed = close(s.fd);
-  if (result != EXR_ERR_SUCCESS || closed != 0) {
-    image_fail(error, "%s: cannot be written: %s", path,
-               result != EXR_ERR_SUCCESS ? complaint(&s, result)
-                                         : strerror(errno));
-    temporary_discard(temporary);
-    return -1;
-  }
-  return temporary_commit(temporary, path, error);
+int exr_read_as_is(const char *path, const char *const *names, size_t count,
+                   image *out, image_error *error) {
+  return read_file(path, names, count, 1, out, error);
 }

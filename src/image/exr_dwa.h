@@ -15,6 +15,7 @@ extern "C" {
 typedef struct exr_target {
   const char *channel; /* its name in the part */
   float *pixels;       /* width*height floats to fill */
+  int integers;        /* or as many uint32_t */
 } exr_target;
 
 int exr_dwa_read(const char *path, int part, uint32_t width, uint32_t height,

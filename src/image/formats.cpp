@@ -2,6 +2,7 @@
 // library, behind C interfaces.  No exception leaves this file.
 #include "image/exr_dwa.h"
 #include "image/exr_rgb.h"
+#include "image/guarded.h"
 #include "image/image.h"
 #include "image/temporary.h"
 
@@ -15,7 +16,6 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <exception>
 #include <memory>
 #include <string>
 
@@ -115,8 +115,9 @@ int read_part(const char *path, int part, uint32_t width, uint32_t height,
   Imf::FrameBuffer planes;
   for (size_t i = 0; i < count; i++)
     planes.insert(targets[i].channel,
-                  Imf::Slice::Make(Imf::FLOAT, targets[i].pixels, window,
-                                   sizeof(float), sizeof(float) * width));
+                  Imf::Slice::Make(targets[i].integers ? Imf::UINT : Imf::FLOAT,
+                                   targets[i].pixels, window, sizeof(float),
+                                   sizeof(float) * width));
   if (window.size() != Imath::V2i(int(width) - 1, int(height) - 1))
     return image_fail(error,
                       "%s: two readers see two sizes; a complete file "
@@ -125,19 +126,6 @@ int read_part(const char *path, int part, uint32_t width, uint32_t height,
   in.setFrameBuffer(planes);
   in.readPixels(window.min.y, window.max.y);
   return 0;
-}
-
-// Runs a reader; whatever it throws becomes the message.
-template <typename Function>
-int guarded(const char *path, const char *verb, image_error *error,
-            Function function) {
-  try {
-    return function();
-  } catch (const std::exception &e) {
-    return image_fail(error, "%s: cannot be %s: %s", path, verb, e.what());
-  } catch (...) {
-    return image_fail(error, "%s: cannot be %s", path, verb);
-  }
 }
 
 } // namespace

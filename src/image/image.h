@@ -21,10 +21,14 @@ typedef struct image_error {
   char text[IMAGE_ERROR_SIZE];
 } image_error;
 
+/* What a file has for each pixel.  Memory has floats for both of the first. */
+typedef enum image_type { IMAGE_FLOAT = 0, IMAGE_HALF, IMAGE_UINT } image_type;
+
 /* One channel: width*height floats, row-major, top row first. */
 typedef struct image_plane {
-  char name[256]; /* full channel name, e.g. "ViewLayer.Depth.Z" */
-  float *pixels;  /* owned by the image; NULL in a header-only image */
+  char name[256];  /* full channel name, e.g. "ViewLayer.Depth.Z" */
+  float *pixels;   /* owned by the image; NULL in a header-only image */
+  image_type type; /* IMAGE_UINT: the pixels are the bits of integers */
 } image_plane;
 
 typedef struct image {
@@ -57,7 +61,10 @@ image_plane *image_add(image *img, const char *name);
 /* The same without pixels: for header-only images. */
 image_plane *image_declare(image *img, const char *name);
 
-/* --- EXR, through OpenEXRCore (exr.c) --- */
+/* --- EXR, through OpenEXRCore (exr.c) and OpenEXR (exr_write.cpp) --- */
+
+/* Attribute of image.key. */
+#define EXR_KEY "hbilKey"
 
 /*
  * Flat scanline and tiled files, single and multi-part.  The first flat part
@@ -79,10 +86,29 @@ int exr_read_header(const char *path, image *out, image_error *error);
 int exr_read(const char *path, const char *const *names, size_t count,
              image *out, image_error *error);
 
-/* Writes all planes as a scanline ZIP file to a temporary name beside `path`,
- * then renames.  half: store as half (1) or float (0), per plane. */
+/* The same in the files' own types: integers stay what they are. */
+int exr_read_as_is(const char *path, const char *const *names, size_t count,
+                   image *out, image_error *error);
+
+/* none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab; and, where a file is
+ * written like another, that one's ("input").  Ends with NULL. */
+extern const char *const exr_compressions[];
+enum { EXR_COMPRESSION_OF_ZIP = 3, EXR_COMPRESSION_OF_INPUT = 10 };
+
+typedef struct exr_style {
+  int compression;  /* one of the above */
+  const char *like; /* a file of whose first part the attributes are taken
+                     * over, but for those of its own storage; or NULL.  One of
+                     * another format has none. */
+} exr_style;
+
+/* Writes all planes as a scanline file to a temporary name beside `path`, then
+ * renames.  half: store as half (1) or in the plane's type (0), per plane;
+ * finite values stay finite.  style: NULL is ZIP and no further attributes. */
 int exr_write(const char *path, const image *img, const unsigned char *half,
               image_error *error);
+int exr_write_as(const char *path, const image *img, const unsigned char *half,
+                 const exr_style *style, image_error *error);
 
 /* --- other formats, through OpenImageIO (formats.cpp) --- */
 
@@ -90,6 +116,36 @@ int exr_write(const char *path, const image *img, const unsigned char *half,
  */
 int png_write(const char *path, const unsigned char *rgb, uint32_t width,
               uint32_t height, image_error *error);
+
+/* --- pictures that are put together, through OpenImageIO (picture.cpp) --- */
+
+typedef struct picture {
+  uint32_t width, height;
+  unsigned char *rgb; /* width*height*3 bytes, top row first; malloc'd */
+} picture;
+
+typedef struct picture_window {
+  uint32_t x, y, width, height;
+} picture_window;
+
+typedef enum picture_align {
+  PICTURE_LEFT = 0, /* x is where the text begins, */
+  PICTURE_CENTRE,   /* its middle, */
+  PICTURE_RIGHT     /* where it ends */
+} picture_align;
+
+/* What a new picture is filled with. */
+enum { PICTURE_GREY = 32 };
+
+/* These give 0 or -1: out of memory. */
+int picture_new(uint32_t width, uint32_t height, picture *out);
+void picture_free(picture *p); /* allowed on a zeroed picture and twice */
+/* Puts a tile, made as large as the window, into a picture. */
+int picture_tile(picture *to, const picture_window *at, const picture *tile);
+/* White text, size pixels high, on the base line y; -1 also where there is no
+ * font (Debian: fonts-dejavu-core). */
+int picture_text(picture *to, int x, int y, int size, picture_align align,
+                 const char *text);
 
 /* Any image OpenImageIO reads, as interleaved RGB floats (malloc'd, grey is
  * tripled, alpha dropped); 16384 x 8192 pixels at most. */

@@ -135,7 +135,7 @@ static camera_file camera_of(const scene_frame *f) {
 /* path ends in .exr; the camera goes beside it. */
 static int write_frame(const scene_frame *f, const char *path,
                        image_error *error) {
-  image_plane planes[GBUFFER_PLANES];
+  image_plane planes[GBUFFER_PLANES] = {{.pixels = NULL}};
   image img = gbuffer_image(f, planes);
   if (exr_write(path, &img, NULL, error) != 0)
     return -1;
@@ -180,8 +180,9 @@ static int trace_frames(const demo_options *o, const char *folder, char **files,
 static int write_sky(const char *path, image_error *error) {
   const double pi = 3.14159265358979323846;
   static float pixels[3][SKY_HEIGHT * SKY_WIDTH];
-  image_plane planes[3] = {
-      {"R", pixels[0]}, {"G", pixels[1]}, {"B", pixels[2]}};
+  image_plane planes[3] = {{.name = "R", .pixels = pixels[0]},
+                           {.name = "G", .pixels = pixels[1]},
+                           {.name = "B", .pixels = pixels[2]}};
   for (int i = 0; i < SKY_HEIGHT * SKY_WIDTH; ++i) {
     double polar = (i / SKY_WIDTH + 0.5) * pi / SKY_HEIGHT;
     double azimuth = 2.0 * pi * (0.5 - (i % SKY_WIDTH + 0.5) / SKY_WIDTH);
@@ -274,7 +275,7 @@ static int process(const demo_options *o, const char *sky, char **files) {
   p.device = o->device;
   /* Around the room: what its unseen walls may send. */
   p.environment = o->scene == SCENE_SKY ? sky : "0.12,0.11,0.1";
-  p.preview = p.timings = 1;
+  p.preview = p.timings = p.overwrite = 1;
   p.config.reprojection = HBIL_REPROJECTION_MOTION;
   return process_run(&p, files, (int)o->frames);
 }

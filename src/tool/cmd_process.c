@@ -38,6 +38,13 @@ enum {
   OPTION_DEVICE,
   OPTION_REPEAT,
   OPTION_RESUME,
+  OPTION_OVERWRITE,
+  OPTION_DRY_RUN,
+  OPTION_KEEP,
+  OPTION_CONTACT_SHEET,
+  OPTION_HALF,
+  OPTION_COMPRESSION,
+  OPTION_FRAMES,
   OPTION_WARM_UP,
   OPTION_PREVIEW,
   OPTION_TIMINGS,
@@ -49,6 +56,7 @@ enum {
 /* What was asked for, where one option decides whether another may be. */
 typedef struct request {
   process_options *options;
+  const char *frames; /* their numbers, for patterns; or NULL */
   char given[OPTION_END - OPTION_LAYERS];
 } request;
 
@@ -85,6 +93,13 @@ static const struct option options[] = {
     {"device", required_argument, NULL, OPTION_DEVICE},
     {"repeat", required_argument, NULL, OPTION_REPEAT},
     {"resume", no_argument, NULL, OPTION_RESUME},
+    {"overwrite", no_argument, NULL, OPTION_OVERWRITE},
+    {"dry-run", no_argument, NULL, OPTION_DRY_RUN},
+    {"keep", no_argument, NULL, OPTION_KEEP},
+    {"half", no_argument, NULL, OPTION_HALF},
+    {"compression", required_argument, NULL, OPTION_COMPRESSION},
+    {"contact-sheet", required_argument, NULL, OPTION_CONTACT_SHEET},
+    {"frames", required_argument, NULL, OPTION_FRAMES},
     {"warm-up", required_argument, NULL, OPTION_WARM_UP},
     {"preview", no_argument, NULL, OPTION_PREVIEW},
     {"timings", no_argument, NULL, OPTION_TIMINGS},
@@ -100,13 +115,23 @@ static void usage(const hbil_config *defaults) {
       "\n"
       "Lights the frames of a sequence in order; light is carried from frame\n"
       "to frame.  Writes DIR/FRAME.exr.  Reads Blender Cycles' multi-layer\n"
-      "files and those of hbil demo.\n"
+      "files and those of hbil demo.  FRAME.exr may be a pattern such as\n"
+      "shot.%04d.exr or shot.####.exr.\n"
       "\n"
       "  -o, --output DIR      folder of the results (made if its parent is\n"
       "                        there)\n"
+      "  --frames RANGES       numbers for the patterns, such as 1-240x2,300 "
+      "(all\n"
+      "                        that are there)\n"
       "  --layers LIST         of near, far, indirect, AO, bent, cone, "
       "beauty,\n"
       "                        error (all that the mode has, but error)\n"
+      "  --keep                put the frame's own channels into its result, "
+      "too\n"
+      "  --compression NAME    none, rle, zips, zip, piz, pxr24, b44, b44a, "
+      "dwaa,\n"
+      "                        dwab, or input, as the frame has it (zip)\n"
+      "  --half                store the layers as half floats\n"
       "  --camera FILE         JSON camera of all frames (FRAME.json beside\n"
       "                        each FRAME.exr)\n"
       "  --environment R,G,B   far light, the same from everywhere\n"
@@ -117,14 +142,22 @@ static void usage(const hbil_config *defaults) {
       "                        what a lit sky in the first frame explains\n"
       "  --device NAME         index or part of a name, see hbil devices (the\n"
       "                        first GPU, else the first device)\n"
+      "  --overwrite           replace results that are there already, which\n"
+      "                        are refused otherwise\n"
       "  --resume              go on where such a job was broken off: results "
       "in\n"
       "                        DIR of the same frames, settings, device and\n"
       "                        version are kept; the others come out as they\n"
       "                        would have, bit by bit\n"
+      "  --dry-run             check everything, tell what would be written, "
+      "and\n"
+      "                        write nothing\n"
       "  --repeat N            run every frame N times: more bounces (1)\n"
       "  --warm-up N           run the first frame N times more (3)\n"
       "  --preview             also write DIR/FRAME.LAYER.png\n"
+      "  --contact-sheet PNG   layers side by side, at most eight frames of "
+      "the\n"
+      "                        sequence below each other\n"
       "  --timings             print milliseconds per pass and frame (of the\n"
       "                        last run of each frame), and what was left out\n"
       "  --json                print them as JSON\n"
@@ -330,6 +363,23 @@ static int set_option(int option, process_options *o, image_error *error) {
   case OPTION_RESUME:
     o->resume = 1;
     return 0;
+  case OPTION_OVERWRITE:
+    o->overwrite = 1;
+    return 0;
+  case OPTION_CONTACT_SHEET:
+    o->contact_sheet = optarg;
+    return 0;
+  case OPTION_KEEP:
+    o->keep = 1;
+    return 0;
+  case OPTION_HALF:
+    o->half = 1;
+    return 0;
+  case OPTION_COMPRESSION:
+    return choice("--compression", exr_compressions, &o->compression, error);
+  case OPTION_DRY_RUN:
+    o->dry_run = 1;
+    return 0;
   case OPTION_PREVIEW:
     o->preview = 1;
     return 0;
@@ -398,6 +448,10 @@ static int check_options(const request *r, image_error *error) {
     return image_fail(error,
                       "--resume: not with --timings, which wants every frame "
                       "to run; one or the other is needed");
+  if (o->resume && o->overwrite)
+    return image_fail(error,
+                      "--resume: not with --overwrite, which replaces what the "
+                      "former keeps; one or the other is needed");
   if (o->exact)
     return check_exact(r, error);
   if (o->config.slices > MOST)
@@ -420,12 +474,18 @@ int cmd_process(int argc, char **argv) {
       usage(&o.config);
       return TOOL_OK;
     }
-    if (option == '?' || set_option(option, &o, &error) != 0)
+    if (option == OPTION_FRAMES)
+      r.frames = optarg;
+    else if (option == '?' || set_option(option, &o, &error) != 0)
       return tool_report(&error);
     if (option >= OPTION_LAYERS)
       r.given[option - OPTION_LAYERS] = 1;
   }
-  if (check_options(&r, &error) != 0)
+  frame_list list;
+  if (check_options(&r, &error) != 0 ||
+      frames_list(argv + optind, argc - optind, r.frames, &list, &error) != 0)
     return tool_report(&error);
-  return process_run(&o, argv + optind, argc - optind);
+  const int status = process_run(&o, list.files, (int)list.count);
+  frames_free(&list);
+  return status;
 }

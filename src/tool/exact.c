@@ -148,7 +148,7 @@ int exact_open(const hbil_config *config, const channel_map *map,
 void exact_close(exact_sequence *e) {
   if (!e)
     return;
-  progress_clear(&e->progress);
+  progress_clear();
   ref_state_free(&e->state);
   free(e->still);
   free(e);
@@ -191,12 +191,14 @@ static void announce(exact_sequence *e, const ref_job *job) {
   const double expected =
       w->runs * exact_probe(job, (int)e->config.slices, pixels);
   progress_duration(expected, text, sizeof text);
+  progress_line_begin();
   fprintf(stderr,
           "hbil: exact integral of %u frame%s, %u run%s of %u slices on %d "
           "CPU%s: about %s\n",
           w->frames, w->frames == 1 ? "" : "s", w->runs,
           w->runs == 1 ? "" : "s", (unsigned)e->config.slices, exact_threads(),
           exact_threads() == 1 ? "" : "s", text);
+  progress_line_end();
   progress_start(&e->progress, "exact integral", expected, 0);
 }
 
@@ -235,7 +237,7 @@ void exact_run(exact_sequence *e, const gbuffer *g, const camera_file *camera,
       stop_motion(e, &job);
     ref_frame_dense(&e->state, &job, &how);
   }
-  progress_clear(&e->progress);
+  progress_clear();
   take_layers(e, result);
 }
 

@@ -2,6 +2,7 @@
 #include "tool/tool.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -75,20 +76,32 @@ static unsigned char layer_byte(layer l, float value, float exposure) {
   }
 }
 
-int preview_write(const char *path, const image *result, layer l,
-                  float exposure, image_error *error) {
+int preview_picture(const image *result, layer l, float exposure,
+                    picture *out) {
   const size_t pixels = (size_t)result->width * result->height;
   const size_t channels = strlen(layer_table[l].components);
-  unsigned char *rgb = malloc(3 * pixels);
-  if (!rgb)
-    return image_no_memory(error, path);
+  if (picture_new(result->width, result->height, out) != 0)
+    return -1;
   for (size_t c = 0; c < 3; c++) {
     const float *plane = layers_plane(result, l, c < channels ? c : 0);
     for (size_t i = 0; i < pixels; i++)
-      rgb[3 * i + c] = layer_byte(l, plane[i], exposure);
+      out->rgb[3 * i + c] = layer_byte(l, plane[i], exposure);
   }
-  const int failed = png_write(path, rgb, result->width, result->height, error);
-  free(rgb);
+  return 0;
+}
+
+static int write_picture(const char *path, const picture *p,
+                         image_error *error) {
+  return png_write(path, p->rgb, p->width, p->height, error);
+}
+
+int preview_write(const char *path, const image *result, layer l,
+                  float exposure, image_error *error) {
+  picture p;
+  if (preview_picture(result, l, exposure, &p) != 0)
+    return image_no_memory(error, path);
+  const int failed = write_picture(path, &p, error);
+  picture_free(&p);
   return failed;
 }
 
@@ -106,15 +119,66 @@ static void heat_colour(float t, unsigned char out[3]) {
         byte(stops[i][c] + (x - (float)i) * (stops[i + 1][c] - stops[i][c]));
 }
 
+/* --- the legend of a heat map --- */
+
+/* Pixels.  Five numbers need more room than three. */
+enum { BAR = 12, MARGIN = 8, TEXT = 12, LEGEND = 40, LEAST_WIDTH = 200 };
+enum { ROOM_OF_FIVE = 360 };
+
+static void draw_bar(picture *p, uint32_t top) {
+  const uint32_t length = p->width - 2 * MARGIN;
+  for (uint32_t y = top; y < top + BAR; y++)
+    for (uint32_t x = 0; x < length; x++)
+      heat_colour((float)x / (float)(length - 1),
+                  p->rgb + 3 * ((size_t)y * p->width + MARGIN + x));
+}
+
+/* Whether there is a font. */
+static int draw_numbers(picture *p, uint32_t base, float limit) {
+  const int steps = p->width < ROOM_OF_FIVE ? 2 : 4;
+  int failed = 0;
+  for (int i = 0; i <= steps; i++) {
+    const uint32_t length = p->width - 2 * MARGIN - 1;
+    char number[32];
+    snprintf(number, sizeof number, "%.3g",
+             (double)limit * (double)i / (double)steps);
+    failed |= picture_text(p, (int)(MARGIN + length * (uint32_t)i / steps),
+                           (int)base, TEXT,
+                           i == 0       ? PICTURE_LEFT
+                           : i == steps ? PICTURE_RIGHT
+                                        : PICTURE_CENTRE,
+                           number);
+  }
+  return !failed;
+}
+
+static int draw_heatmap(const float *values, uint32_t width, uint32_t height,
+                        float limit, picture *out) {
+  if (picture_new(width > LEAST_WIDTH ? width : LEAST_WIDTH, height + LEGEND,
+                  out) != 0)
+    return -1;
+  for (uint32_t y = 0; y < height; y++)
+    for (uint32_t x = 0; x < width; x++)
+      heat_colour(limit > 0.0f ? values[(size_t)y * width + x] / limit : 0.0f,
+                  out->rgb + 3 * ((size_t)y * out->width + x));
+  draw_bar(out, height + MARGIN);
+  if (!draw_numbers(out, height + LEGEND - MARGIN, limit))
+    preview_no_font();
+  return 0;
+}
+
 int preview_heatmap(const char *path, const float *values, uint32_t width,
                     uint32_t height, float limit, image_error *error) {
-  const size_t pixels = (size_t)width * height;
-  unsigned char *rgb = malloc(3 * pixels);
-  if (!rgb)
+  picture p;
+  if (draw_heatmap(values, width, height, limit, &p) != 0)
     return image_no_memory(error, path);
-  for (size_t i = 0; i < pixels; i++)
-    heat_colour(limit > 0.0f ? values[i] / limit : 0.0f, rgb + 3 * i);
-  const int failed = png_write(path, rgb, width, height, error);
-  free(rgb);
+  const int failed = write_picture(path, &p, error);
+  picture_free(&p);
   return failed;
+}
+
+void preview_no_font(void) {
+  fputs("hbil: warning: no font for the labels of pictures; DejaVu Sans "
+        "(Debian: fonts-dejavu-core) is looked for\n",
+        stderr);
 }

@@ -5,9 +5,7 @@
  * pixel is read: all headers, all cameras, the output folder, the device.
  */
 #define _POSIX_C_SOURCE 200809L
-#include "tool/exact.h"
-#include "tool/resume.h"
-#include "tool/tool.h"
+#include "tool/process.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -17,36 +15,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/* One frame of the job. */
-typedef struct job {
-  const char *path;
-  char *stem; /* DIR/NAME, without .exr */
-  channel_map map;
-  camera_file camera;
-  uint64_t key; /* resume.h; 0: not known yet */
-  int finished; /* its result is there */
-} job;
-
-typedef struct process {
-  const process_options *options;
-  hbil_config config;
-  unsigned layers;
-  float environment[9][3];
-  job *jobs;
-  timing_row *rows;
-  int count;
-  uint32_t width, height;
-  int folder_created;
-  device device;
-  sequence *sequence; /* one of both */
-  exact_sequence *exact;
-  float exposure;
-  uint64_t settings;  /* the key before the first frame */
-  resume_light light; /* what frames hand on */
-  int first, end;     /* of the frames that are lit */
-  image_error error;
-} process;
 
 const char *const process_modes[] = {"hbil", "gtao", "hbao", NULL};
 const char *const process_falloffs[] = {"linear", "soft", "none", NULL};
@@ -68,6 +36,7 @@ void process_options_init(process_options *options) {
   memset(options, 0, sizeof *options);
   hbil_config_init(&options->config);
   options->repeat = 1;
+  options->compression = EXR_COMPRESSION_OF_ZIP;
   /* three bounces before the first picture: the fourth adds a few per cent */
   options->warm_up = 3;
   /* unless the first frame shows otherwise (policy.c) */
@@ -78,8 +47,7 @@ void process_options_init(process_options *options) {
 /* ------------------------------------------------------------------------ */
 /* Names                                                                     */
 
-/* The three, one after the other; malloc'd. */
-static char *join(const char *a, const char *between, const char *b) {
+char *process_join(const char *a, const char *between, const char *b) {
   const size_t size = strlen(a) + strlen(between) + strlen(b) + 1;
   char *text = malloc(size);
   if (text)
@@ -89,7 +57,7 @@ static char *join(const char *a, const char *between, const char *b) {
 
 static char *result_stem(const char *folder, const char *frame) {
   const char *slash = strrchr(frame, '/');
-  char *stem = join(folder, "/", slash ? slash + 1 : frame);
+  char *stem = process_join(folder, "/", slash ? slash + 1 : frame);
   if (stem) {
     char *dot = strrchr(stem, '.');
     if (dot && dot > strrchr(stem, '/') + 1)
@@ -147,25 +115,34 @@ static int check_header(process *p, job *j) {
   return failed ? -1 : 0;
 }
 
-static int same_file(const char *a, const char *b) {
-  struct stat one, other;
-  return stat(a, &one) == 0 && stat(b, &other) == 0 &&
-         one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+/* What is there already: an input, which nothing replaces, or a result. */
+static int check_present(process *p, const job *j, const char *result,
+                         const struct stat *status) {
+  for (int i = 0; i < p->count; i++)
+    if (p->jobs[i].disk == status->st_dev && p->jobs[i].inode == status->st_ino)
+      return image_fail(&p->error,
+                        "%s: its result would overwrite %s; another output "
+                        "folder is needed",
+                        j->path, p->jobs[i].path);
+  if (!p->options->overwrite && !p->options->resume)
+    return image_fail(&p->error,
+                      "%s: is there already; --overwrite to replace it, "
+                      "--resume to keep what is right of the sequence, or "
+                      "another output folder is needed",
+                      result);
+  return 0;
 }
 
-/* No result may take the place of an input or of another result. */
+/* No result may take the place of an input, of another result or, unless that
+ * is asked for, of what is there. */
 static int check_name(process *p, job *j) {
+  struct stat status;
   j->stem = result_stem(p->options->output, j->path);
-  char *result = j->stem ? join(j->stem, "", ".exr") : NULL;
+  char *result = j->stem ? process_join(j->stem, "", ".exr") : NULL;
   if (!result)
     return image_no_memory(&p->error, j->path);
-  int failed = 0;
-  for (int i = 0; i < p->count && !failed; i++)
-    if (same_file(p->jobs[i].path, result))
-      failed = image_fail(&p->error,
-                          "%s: its result would overwrite %s; another output "
-                          "folder is needed",
-                          j->path, p->jobs[i].path);
+  int failed =
+      stat(result, &status) == 0 ? check_present(p, j, result, &status) : 0;
   for (const job *before = p->jobs; before < j && !failed; before++)
     if (strcmp(before->stem, j->stem) == 0)
       failed = image_fail(&p->error,
@@ -191,9 +168,18 @@ static void warn_of_darkness(const process *p) {
                           "black");
 }
 
+static void name_job(job *j, const char *path) {
+  struct stat status;
+  j->path = path;
+  if (stat(path, &status) == 0) {
+    j->disk = status.st_dev;
+    j->inode = status.st_ino;
+  }
+}
+
 static int check_jobs(process *p, char *const *files) {
   for (int i = 0; i < p->count; i++)
-    p->jobs[i].path = files[i];
+    name_job(&p->jobs[i], files[i]);
   for (int i = 0; i < p->count; i++)
     if (check_header(p, &p->jobs[i]) != 0 || check_name(p, &p->jobs[i]) != 0)
       return -1;
@@ -201,12 +187,39 @@ static int check_jobs(process *p, char *const *files) {
   return 0;
 }
 
+/* The folder that a path is in; malloc'd. */
+static char *parent_of(const char *path) {
+  size_t length = strlen(path);
+  while (length > 1 && path[length - 1] == '/')
+    length--;
+  while (length > 0 && path[length - 1] != '/')
+    length--;
+  return length ? strndup(path, length) : strdup(".");
+}
+
+/* Whether results could be written, without a trace. */
+static int look_at_folder(process *p) {
+  const char *folder = p->options->output;
+  char *parent = parent_of(folder);
+  if (!parent)
+    return image_no_memory(&p->error, folder);
+  const int there = access(folder, F_OK) == 0;
+  const int usable = access(there ? folder : parent, W_OK | X_OK) == 0;
+  free(parent);
+  return usable ? 0
+                : image_fail(&p->error,
+                             "%s: output folder cannot be %s: %s; a folder in "
+                             "which you may write is needed",
+                             folder, there ? "written" : "created",
+                             strerror(errno));
+}
+
 /* Writes a file and takes it away again: asking for permissions would miss
  * read-only and special file systems. */
 static int probe_folder(process *p) {
   char name[48];
   snprintf(name, sizeof name, "/.hbil-probe%ld", (long)getpid());
-  char *probe = join(p->options->output, "", name);
+  char *probe = process_join(p->options->output, "", name);
   if (!probe)
     return image_no_memory(&p->error, p->options->output);
   const int fd = open(probe, O_WRONLY | O_CREAT | O_EXCL, 0600);
@@ -225,6 +238,8 @@ static int probe_folder(process *p) {
 }
 
 static int prepare_folder(process *p) {
+  if (p->options->dry_run)
+    return look_at_folder(p);
   p->folder_created = mkdir(p->options->output, 0777) == 0;
   if (!p->folder_created && errno != EEXIST)
     return image_fail(&p->error,
@@ -232,6 +247,31 @@ static int prepare_folder(process *p) {
                       "exists, or whose parent does, is needed",
                       p->options->output, strerror(errno));
   return probe_folder(p);
+}
+
+/* Before hours of work, not behind them. */
+static int check_sheet(process *p) {
+  const char *path = p->options->contact_sheet;
+  if (!path)
+    return 0;
+  if (access(path, F_OK) == 0 && !p->options->overwrite && !p->options->resume)
+    return image_fail(&p->error,
+                      "%s: is there already; --overwrite or another name is "
+                      "needed",
+                      path);
+  /* its folder may be the one that would be made */
+  if (p->options->dry_run && access(p->options->output, F_OK) != 0)
+    return 0;
+  char *parent = parent_of(path);
+  if (!parent)
+    return image_no_memory(&p->error, path);
+  const int writable = access(parent, W_OK | X_OK) == 0;
+  free(parent);
+  return writable ? 0
+                  : image_fail(&p->error,
+                               "%s: cannot be written: %s; a folder in which "
+                               "you may write is needed",
+                               path, strerror(errno));
 }
 
 static int check_environment(process *p) {
@@ -393,99 +433,7 @@ static int open_library(process *p) {
 }
 
 /* ------------------------------------------------------------------------ */
-/* What is there already                                                     */
-
-static int find_key(process *p, job *j) {
-  if (j->key)
-    return 0;
-  j->key = j == p->jobs ? p->settings : j[-1].key;
-  return resume_frame(j->path, &j->camera, &j->key, &p->error);
-}
-
-static char *preview_path(const job *j, layer l) {
-  char *stem = join(j->stem, ".", layer_table[l].name);
-  char *path = stem ? join(stem, "", ".png") : NULL;
-  free(stem);
-  return path;
-}
-
-static int has_previews(const process *p, const job *j) {
-  int all = 1;
-  for (int l = 0; l < LAYER_COUNT && all; l++) {
-    char *path = p->layers >> l & 1 ? preview_path(j, (layer)l) : NULL;
-    all = !(p->layers >> l & 1) || (path && access(path, F_OK) == 0);
-    free(path);
-  }
-  return all;
-}
-
-static int look_for_result(process *p, job *j) {
-  char *path = join(j->stem, "", ".exr");
-  if (!path)
-    return image_no_memory(&p->error, j->path);
-  const int failed = find_key(p, j);
-  j->finished = !failed && resume_is_finished(path, j->key) &&
-                (!p->options->preview || has_previews(p, j));
-  free(path);
-  return failed;
-}
-
-/* Light that was saved behind a frame up to which nothing is missing. */
-static int give_light(process *p, int missing) {
-  int from = missing - 1;
-  if (!p->light.size || !resume_load(p->options->output, &p->light))
-    return 0;
-  while (from >= 0 && p->jobs[from].key != p->light.key)
-    from--;
-  if (from < 0)
-    return 0;
-  const camera_file *camera = &p->jobs[from].camera;
-  p->first = from + 1;
-  p->exposure = p->light.exposure;
-  if (!p->exact)
-    return sequence_give_light(p->sequence, camera, p->environment,
-                               p->light.bytes, &p->error);
-  exact_give_light(p->exact, camera, p->light.bytes);
-  return 0;
-}
-
-/* Whether a frame must be lit though its result may be there: for those that
- * come after it, and for the exposure of their previews. */
-static int is_needed(const process *p, const job *j) {
-  const int i = (int)(j - p->jobs);
-  return !j->finished || (i >= p->first && i < p->end &&
-                          (p->light.size || (p->options->preview && i == 0)));
-}
-
-static void expect(process *p) {
-  unsigned frames = 0, runs = 0;
-  for (int i = p->first; i < p->end; i++)
-    if (is_needed(p, &p->jobs[i])) {
-      frames++;
-      runs += p->options->repeat + (i == 0 ? p->options->warm_up : 0);
-    }
-  exact_expect(p->exact, frames, runs);
-}
-
-/* Leaves out what need not be done again. */
-static int resume(process *p) {
-  int missing = p->count;
-  resume_sweep(p->options->output);
-  p->end = 0;
-  for (int i = 0; i < p->count; i++) {
-    if (look_for_result(p, &p->jobs[i]) != 0)
-      return -1;
-    if (p->jobs[i].finished)
-      continue;
-    p->end = i + 1;
-    missing = i < missing ? i : missing;
-  }
-  if (give_light(p, missing) != 0)
-    return -1;
-  if (p->exact)
-    expect(p);
-  return 0;
-}
+/* The job                                                                   */
 
 static int prepare_light(process *p) {
   char which[sizeof p->device.name + sizeof p->device.driver + 1];
@@ -498,7 +446,7 @@ static int prepare_light(process *p) {
   p->light.bytes = p->light.size ? malloc(p->light.size) : NULL;
   if (p->light.size && !p->light.bytes)
     return image_no_memory(&p->error, p->jobs[0].path);
-  return p->options->resume ? resume(p) : 0;
+  return p->options->resume ? process_resume(p) : 0;
 }
 
 static int prepare(process *p, char *const *files) {
@@ -508,10 +456,11 @@ static int prepare(process *p, char *const *files) {
     return image_fail(&p->error, "no frame; one FRAME.exr or more is needed");
   p->jobs = calloc((size_t)p->count, sizeof *p->jobs);
   p->rows = calloc((size_t)p->count, sizeof *p->rows);
-  if (!p->jobs || !p->rows)
+  p->seconds = calloc((size_t)p->count, sizeof *p->seconds);
+  if (!p->jobs || !p->rows || !p->seconds)
     return image_no_memory(&p->error, files[0]);
   if (choose_layers(p) != 0 || check_jobs(p, files) != 0 ||
-      load_environment(p) != 0 || prepare_folder(p) != 0)
+      load_environment(p) != 0 || prepare_folder(p) != 0 || check_sheet(p) != 0)
     return -1;
   configure(p);
   if ((p->options->exact ? open_exact(p) : open_library(p)) != 0)
@@ -519,135 +468,58 @@ static int prepare(process *p, char *const *files) {
   return prepare_light(p);
 }
 
-/* ------------------------------------------------------------------------ */
-/* The frames                                                                */
-
-static int write_preview(process *p, const job *j, const image *result,
-                         layer l) {
-  char *path = preview_path(j, l);
-  const int failed =
-      path ? preview_write(path, result, l, p->exposure, &p->error)
-           : image_no_memory(&p->error, j->path);
-  free(path);
-  return failed;
-}
-
-static int write_previews(process *p, const job *j, const image *result) {
-  for (int l = 0; l < LAYER_COUNT; l++)
-    if (p->layers >> l & 1 && write_preview(p, j, result, (layer)l) != 0)
-      return -1;
-  return 0;
-}
-
-/* "[3/8] DIR/frame.exr" */
-static void tell(const process *p, const job *j, const char *path) {
-  if (p->options->quiet)
-    return;
-  fprintf(stderr, "[%d/%d] ", (int)(j - p->jobs) + 1, p->count);
-  tool_show(path, stderr);
-  fputs(j->finished ? " is there already\n" : "\n", stderr);
-}
-
-/* Writes it unless it is there. */
-static int write_result(process *p, const job *j, image *result) {
-  char *path = join(j->stem, "", ".exr");
-  if (!path)
-    return image_no_memory(&p->error, j->path);
-  resume_sign(result, j->key);
-  const int failed = j->finished ? 0 : exr_write(path, result, NULL, &p->error);
-  if (!failed)
-    tell(p, j, path);
-  free(path);
-  return failed;
-}
-
-/* For the frames that are left, should this process not live to do them. */
-static int save_light(process *p, const job *j) {
-  if (!p->light.size || j + 1 >= p->jobs + p->end)
-    return 0;
-  p->light.key = j->key;
-  p->light.exposure = p->exposure;
-  if (p->exact)
-    exact_take_light(p->exact, p->light.bytes);
-  else if (sequence_take_light(p->sequence, p->light.bytes, &p->error) != 0)
-    return -1;
-  return resume_save(p->options->output, &p->light, &p->error);
-}
-
-/* Through the library or without it. */
-static int light_planes(process *p, const job *j, const gbuffer *g,
-                        image *result) {
-  timing_row *row = &p->rows[j - p->jobs];
-  const unsigned runs =
-      p->options->repeat + (j == p->jobs ? p->options->warm_up : 0);
-  row->frame = j->path;
+/* What would be done, in place of doing it. */
+static void tell_plan(const process *p) {
+  char layers[64];
+  int written = 0;
+  for (int i = 0; i < p->count; i++) {
+    const job *j = &p->jobs[i];
+    tool_show(j->path, stdout);
+    fputs(" -> ", stdout);
+    tool_show(j->stem, stdout);
+    printf(".exr%s\n", j->finished ? " (is there already)" : "");
+    written += !j->finished;
+  }
+  layers_names(p->layers, layers, sizeof layers);
+  printf("%d of %d frames would be written, %u x %u pixels: %s\n", written,
+         p->count, p->width, p->height, layers);
   if (!p->exact)
-    return sequence_run(p->sequence, g, &j->camera, p->environment, runs,
-                        result, row, &p->error);
-  exact_run(p->exact, g, &j->camera, p->environment, runs, result);
-  return 0;
-}
-
-static int light_frame(process *p, const job *j, image *result) {
-  enum {
-    USED = 1 << ROLE_DEPTH | 1 << ROLE_NORMAL | 1 << ROLE_ALBEDO |
-           1 << ROLE_DIRECT | 1 << ROLE_EMISSION | 1 << ROLE_BACKGROUND
-  };
-  const int moved = p->config.reprojection == HBIL_REPROJECTION_MOTION;
-  gbuffer g;
-  if (gbuffer_read(j->path, &j->map, USED | (moved ? 1u << ROLE_MOTION : 0u),
-                   &g, &p->error) != 0)
-    return -1;
-  result->x = g.planes.x;
-  result->y = g.planes.y;
-  const int failed = light_planes(p, j, &g, result);
-  gbuffer_free(&g);
-  return failed;
-}
-
-static int run_frame(process *p, job *j, image *result) {
-  if (find_key(p, j) != 0)
-    return -1;
-  if (!is_needed(p, j))
-    return write_result(p, j, result);
-  if (light_frame(p, j, result) != 0)
-    return -1;
-  if (j == p->jobs && p->options->preview)
-    p->exposure = preview_exposure(result);
-  if (p->options->preview && !j->finished && write_previews(p, j, result) != 0)
-    return -1;
-  return write_result(p, j, result) != 0 ? -1 : save_light(p, j);
-}
-
-static int run_frames(process *p) {
-  image result;
-  int failed = 0;
-  if (layers_image(p->layers, p->width, p->height, &result) != 0)
-    return image_no_memory(&p->error, p->jobs[0].path);
-  for (int i = 0; i < p->count && !failed; i++)
-    failed = run_frame(p, &p->jobs[i], &result);
-  image_free(&result);
-  if (!failed && p->light.size)
-    resume_done(p->options->output);
-  return failed;
+    printf("device %s, %.1f MiB on it\n", p->device.name,
+           (double)sequence_memory(p->sequence) / 1048576.0);
 }
 
 static int print_timings(process *p) {
-  if (!p->options->timings)
-    return 0;
   const timing_report report = {
       .device = p->device.name,
       .width = p->width,
       .height = p->height,
       .repeat = p->options->repeat,
-      .memory = sequence_memory(p->sequence),
+      .memory = p->exact ? 0 : sequence_memory(p->sequence),
       .rows = p->rows,
       .count = (size_t)p->count,
+      .stages = p->seconds,
+      .wall = p->wall,
+      .lit = p->lit,
   };
+  if (!p->options->quiet && !p->options->timings && p->lit > 1) {
+    fputs("hbil: ", stderr);
+    timings_summary(&report, stderr);
+    fputc('\n', stderr);
+  }
+  if (!p->options->timings)
+    return 0;
   if (p->options->json)
     return timings_json(&report, &p->error);
   timings_table(&report);
   return 0;
+}
+
+static int run(process *p) {
+  if (p->options->dry_run) {
+    tell_plan(p);
+    return 0;
+  }
+  return process_frames(p) != 0 || print_timings(p) != 0 ? -1 : 0;
 }
 
 static void release(process *p) {
@@ -658,13 +530,13 @@ static void release(process *p) {
     free(p->jobs[i].stem);
   free(p->jobs);
   free(p->rows);
+  free(p->seconds);
   free(p->light.bytes);
 }
 
 int process_run(const process_options *options, char *const *files, int count) {
   process p = {.options = options, .config = options->config, .count = count};
-  const int failed =
-      prepare(&p, files) != 0 || run_frames(&p) != 0 || print_timings(&p) != 0;
+  const int failed = prepare(&p, files) != 0 || run(&p) != 0;
   if (failed && p.folder_created)
     rmdir(options->output); /* succeeds only while nothing is in it */
   release(&p);

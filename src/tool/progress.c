@@ -4,12 +4,33 @@
 #include "tool/tool.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <time.h>
 #include <unistd.h>
 
 /* Seconds between two changes of the line. */
 #define PACE 0.2
+
+/* Standard error is shared by threads; one line of it may be a progress. */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static int shown;
+
+void progress_line_begin(void) {
+  pthread_mutex_lock(&lock);
+  if (shown)
+    fputs("\r\033[K", stderr);
+  shown = 0;
+}
+
+void progress_line_end(void) {
+  pthread_mutex_unlock(&lock);
+}
+
+void progress_clear(void) {
+  progress_line_begin();
+  progress_line_end();
+}
 
 double progress_clock(void) {
   struct timespec t;
@@ -45,13 +66,22 @@ static double time_left(const progress *p, double done) {
   return (1.0 - done) * (elapsed + (1.0 - done) * p->expected);
 }
 
-static void rewrite(progress *p, double done, const char *left) {
+/* Whether it is time to show the line again. */
+static int is_due(progress *p) {
   const double elapsed = progress_clock() - p->start;
   if (elapsed < p->shown + PACE)
-    return;
+    return 0;
   p->shown = elapsed;
-  p->dirty = 1;
-  fprintf(stderr, "\r%s: %3.0f %%, %s left\033[K", p->what, 100.0 * done, left);
+  return 1;
+}
+
+static void rewrite(progress *p, double done, const char *left) {
+  if (!is_due(p))
+    return;
+  progress_line_begin();
+  shown = 1;
+  fprintf(stderr, "%s: %3.0f %%, %s left", p->what, 100.0 * done, left);
+  progress_line_end();
 }
 
 static void print_tenth(progress *p, double done, const char *left) {
@@ -59,10 +89,12 @@ static void print_tenth(progress *p, double done, const char *left) {
   if (tenth <= p->tenth)
     return;
   p->tenth = tenth;
+  progress_line_begin();
   if (tenth >= 10)
     fprintf(stderr, "hbil: %s: 100 %%\n", p->what);
   else
     fprintf(stderr, "hbil: %s: %d %%, %s left\n", p->what, 10 * tenth, left);
+  progress_line_end();
 }
 
 void progress_show(progress *p, double done) {
@@ -76,10 +108,23 @@ void progress_show(progress *p, double done) {
     print_tenth(p, done, left);
 }
 
-void progress_clear(progress *p) {
-  if (p->dirty)
-    fputs("\r\033[K", stderr);
-  p->dirty = 0;
+void progress_frames(progress *p, size_t done, size_t count) {
+  enum { WIDTH = 24 };
+  char bar[WIDTH + 1], left[32];
+  const double elapsed = progress_clock() - p->start;
+  if (done == 0 || done > count || !is_due(p))
+    return;
+  const size_t filled = done * WIDTH / count;
+  for (size_t i = 0; i < WIDTH; i++)
+    bar[i] = i < filled ? '#' : '.';
+  bar[WIDTH] = '\0';
+  progress_duration(elapsed * (double)(count - done) / (double)done, left,
+                    sizeof left);
+  progress_line_begin();
+  shown = 1;
+  fprintf(stderr, "[%s] %zu/%zu, %.3g frames/s, %s left", bar, done, count,
+          (double)done / elapsed, left);
+  progress_line_end();
 }
 
 void progress_count(const char *what, size_t done, size_t count) {

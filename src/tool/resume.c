@@ -56,8 +56,14 @@ static uint64_t hash_config(uint64_t hash, const hbil_config *config) {
 uint64_t resume_settings(const process_options *o, const hbil_config *config,
                          unsigned layers, float environment[9][3],
                          const char *which) {
-  const unsigned more[] = {layers, o->repeat, o->warm_up, (unsigned)o->exact,
-                           (unsigned)o->preview};
+  const unsigned more[] = {layers,
+                           o->repeat,
+                           o->warm_up,
+                           (unsigned)o->exact,
+                           (unsigned)o->preview,
+                           (unsigned)o->keep,
+                           (unsigned)o->half,
+                           (unsigned)o->compression};
   uint64_t hash = hash_text(RESUME_HASH, hbil_version());
   hash = hash_text(hash, which);
   hash = hash_config(hash, config);
@@ -98,16 +104,16 @@ void resume_sign(image *result, uint64_t key) {
 
 /* Reads it, since its folder may have been copied only in part. */
 static int is_whole(const char *path, const image *header) {
-  const char *names[LAYER_COUNT * 3];
+  const char **names = calloc(header->count + 1, sizeof *names);
   image planes;
-  if (header->count > sizeof names / sizeof *names)
-    return 0;
-  for (size_t i = 0; i < header->count; i++)
+  for (size_t i = 0; names && i < header->count; i++)
     names[i] = header->planes[i].name;
-  if (exr_read(path, names, header->count, &planes, NULL) != 0)
-    return 0;
-  image_free(&planes);
-  return 1;
+  const int whole =
+      names && exr_read(path, names, header->count, &planes, NULL) == 0;
+  if (whole)
+    image_free(&planes);
+  free(names);
+  return whole;
 }
 
 int resume_is_finished(const char *result, uint64_t key) {

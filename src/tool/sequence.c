@@ -175,29 +175,34 @@ static int download(sequence *s, image *result, image_error *error) {
   return 0;
 }
 
+uint64_t sequence_hash(const sequence *s, const gbuffer *g) {
+  uint64_t hash = RESUME_HASH;
+  for (int i = 0; s->config.skip && i < INPUTS; i++)
+    for (size_t c = 0; c < s->channels[i]; c++)
+      hash =
+          resume_hash(hash, gbuffer_plane(g, input_table[i].role, c), s->plane);
+  return hash;
+}
+
 /* Whether the frame is the last one again: inputs and camera.  Motion vectors
  * that are followed may be the same in both and still lead elsewhere. */
-static cl_bool is_same(sequence *s, const gbuffer *g, const hbil_frame *frame) {
-  uint64_t hash = RESUME_HASH;
+static cl_bool is_same(sequence *s, uint64_t hash, const hbil_frame *frame) {
   if (s->config.skip == 0 || s->config.reprojection == HBIL_REPROJECTION_MOTION)
     return CL_FALSE;
   hash = resume_hash(hash, &frame->camera, sizeof frame->camera);
   hash = resume_hash(hash, frame->environment, sizeof frame->environment);
-  for (int i = 0; i < INPUTS; i++)
-    for (size_t c = 0; c < s->channels[i]; c++)
-      hash =
-          resume_hash(hash, gbuffer_plane(g, input_table[i].role, c), s->plane);
   const cl_bool same = hash == s->last;
   s->last = hash;
   return same;
 }
 
-int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
-                 float environment[9][3], unsigned repeat, image *result,
-                 timing_row *row, image_error *error) {
+int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
+                 const camera_file *camera, float environment[9][3],
+                 unsigned repeat, image *result, timing_row *row,
+                 image_error *error) {
   hbil_frame frame;
   fill_frame(s, camera, environment, &frame);
-  frame.still = is_same(s, g, &frame);
+  frame.still = is_same(s, hash, &frame);
   int failed = upload(s, g, error) != 0 ||
                run_passes(s, &frame, repeat, error) != 0 ||
                download(s, result, error) != 0;

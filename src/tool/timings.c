@@ -1,4 +1,4 @@
-/* Milliseconds per pass and frame: as a table, as JSON. */
+/* Milliseconds per frame, of passes and stages: as a table, as JSON. */
 #include "tool/tool.h"
 
 #include <jansson.h>
@@ -109,6 +109,75 @@ static json_t *repaired_json(const hbil_repaired *r) {
   return object;
 }
 
+/* --- the stages of the tool --- */
+
+enum { STAGES = 3 };
+
+static const char *const stage_names[STAGES] = {"decode", "device", "encode"};
+
+/* Milliseconds a frame: of each stage, and of them all together. */
+typedef struct pace {
+  double stages[STAGES], wall;
+  int slowest;
+} pace;
+
+static pace find_pace(const timing_report *report) {
+  pace p = {.slowest = 0};
+  const double scale = 1e3 / (double)(report->lit ? report->lit : 1);
+  p.wall = scale * report->wall;
+  for (int s = 0; s < STAGES; s++) {
+    for (size_t i = 0; i < report->count; i++)
+      p.stages[s] += scale * report->stages[i][s];
+    if (p.stages[s] > p.stages[p.slowest])
+      p.slowest = s;
+  }
+  return p;
+}
+
+static double over_slowest(const pace *p) {
+  const double slowest = p->stages[p->slowest];
+  return slowest > 0.0 ? p->wall / slowest : 1.0;
+}
+
+void timings_summary(const timing_report *report, FILE *out) {
+  const pace p = find_pace(report);
+  fprintf(out, "%.1f ms a frame, %.3g frames/s; limited by %s (", p.wall,
+          p.wall > 0.0 ? 1e3 / p.wall : 0.0, stage_names[p.slowest]);
+  for (int s = 0; s < STAGES; s++)
+    fprintf(out, "%s %.1f, ", stage_names[s], p.stages[s]);
+  fprintf(out, "wall %.2f x %s)", over_slowest(&p), stage_names[p.slowest]);
+}
+
+static void print_stages(const timing_report *report, int width) {
+  printf("%-*s", width, "stage, ms");
+  for (int s = 0; s < STAGES; s++)
+    printf(" %10s", stage_names[s]);
+  putchar('\n');
+  for (size_t i = 0; i < report->count; i++) {
+    printf("%-*s", width, report->rows[i].frame);
+    for (int s = 0; s < STAGES; s++)
+      printf(" %10.3f", 1e3 * report->stages[i][s]);
+    putchar('\n');
+  }
+  timings_summary(report, stdout);
+  putchar('\n');
+}
+
+static json_t *stages_json(const double seconds[STAGES]) {
+  json_t *object = json_object();
+  for (int s = 0; s < STAGES; s++)
+    json_object_set_new(object, stage_names[s], json_real(1e3 * seconds[s]));
+  return object;
+}
+
+static json_t *pipeline_json(const timing_report *report) {
+  const pace p = find_pace(report);
+  return json_pack("{s:f, s:f, s:f, s:f, s:s, s:f}", "decode", p.stages[0],
+                   "device", p.stages[1], "encode", p.stages[2], "wall", p.wall,
+                   "limit", stage_names[p.slowest], "wall_over_slowest",
+                   over_slowest(&p));
+}
+
 /* --- table --- */
 
 static void print_row(const timing_row *row, int width) {
@@ -128,7 +197,7 @@ static timing_row mean(const timing_report *report) {
 }
 
 void timings_table(const timing_report *report) {
-  int width = 5;
+  int width = 9;
   for (size_t i = 0; i < report->count; i++) {
     const int length = (int)strlen(report->rows[i].frame);
     width = length > width ? length : width;
@@ -144,6 +213,7 @@ void timings_table(const timing_report *report) {
   const timing_row average = mean(report);
   if (report->count > 1)
     print_row(&average, width);
+  print_stages(report, width);
   puts("left out");
   for (size_t i = 0; i < report->count; i++) {
     printf("%-*s  ", width, report->rows[i].frame);
@@ -169,14 +239,17 @@ static json_t *row_json(const timing_row *row) {
 
 int timings_json(const timing_report *report, image_error *error) {
   json_t *frames = json_array();
-  for (size_t i = 0; i < report->count; i++)
-    json_array_append_new(frames, row_json(&report->rows[i]));
+  for (size_t i = 0; i < report->count; i++) {
+    json_t *row = row_json(&report->rows[i]);
+    json_object_set_new(row, "stages", stages_json(report->stages[i]));
+    json_array_append_new(frames, row);
+  }
   const timing_row average = mean(report);
   json_t *root = json_pack(
-      "{s:s, s:i, s:i, s:i, s:I, s:o, s:o}", "device", report->device, "width",
-      (int)report->width, "height", (int)report->height, "repeat",
+      "{s:s, s:i, s:i, s:i, s:I, s:o, s:o, s:o}", "device", report->device,
+      "width", (int)report->width, "height", (int)report->height, "repeat",
       (int)report->repeat, "device_bytes", (json_int_t)report->memory, "frames",
-      frames, "mean", row_json(&average));
+      frames, "mean", row_json(&average), "pipeline", pipeline_json(report));
   const int failed = !root || json_dumpf(root, stdout, JSON_INDENT(2)) != 0;
   json_decref(root);
   if (failed)

@@ -54,6 +54,22 @@ int option_unsigned(const char *option, const char *text, unsigned low,
 int option_choice(const char *option, const char *text,
                   const char *const *words, int *out, image_error *error);
 
+/* --- frames.c: which files a sequence has --- */
+
+typedef struct frame_list {
+  char **files;
+  size_t count;
+} frame_list;
+
+/*
+ * Files as they are, and patterns with %d, %04d or #### in their names: those
+ * numbers of `ranges` ("1-240x2,300"), or, where that is NULL, all that are
+ * there.  Missing frames are refused, and named.
+ */
+int frames_list(char *const *arguments, int count, const char *ranges,
+                frame_list *out, image_error *error);
+void frames_free(frame_list *list);
+
 /* --- channels.c: which channel is what --- */
 
 typedef enum dump_kind {
@@ -185,7 +201,7 @@ void formats_choose(hbil_config *config, const channel_map *map,
 
 typedef struct progress {
   const char *what;
-  int quiet, terminal, dirty;
+  int quiet, terminal;
   int tenth;                     /* told last, not on a terminal */
   double start, expected, shown; /* seconds */
 } progress;
@@ -197,8 +213,14 @@ void progress_duration(double seconds, char *text, size_t size);
 void progress_start(progress *p, const char *what, double expected, int quiet);
 /* done: 0..1.  A line that is rewritten, or one every 10 %. */
 void progress_show(progress *p, double done);
-/* Takes the line away, so that something else can be told. */
-void progress_clear(progress *p);
+/* Frames: a bar with rate and time left, for a terminal. */
+void progress_frames(progress *p, size_t done, size_t count);
+/* Between these two standard error is the caller's, at the beginning of a line;
+ * any thread may show its progress meanwhile, and waits. */
+void progress_line_begin(void);
+void progress_line_end(void);
+/* Takes a line that is shown away. */
+void progress_clear(void);
 /* "WHAT: 3 of 8" as a line that counts up, on a terminal only. */
 void progress_count(const char *what, size_t done, size_t count);
 
@@ -243,9 +265,14 @@ typedef struct timing_row {
  * row, but for its name, is filled (of the last run) if config.profiling is
  * set. Runs but the first of a frame, and a frame that is the last one again,
  * are still frames (hbil.h). */
-int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
-                 float environment[9][3], unsigned repeat, image *result,
-                 timing_row *row, image_error *error);
+int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
+                 const camera_file *camera, float environment[9][3],
+                 unsigned repeat, image *result, timing_row *row,
+                 image_error *error);
+
+/* The planes that sequence_run() uploads, as one number, by which it knows the
+ * last frame again.  May be called by another thread meanwhile. */
+uint64_t sequence_hash(const sequence *s, const gbuffer *g);
 
 /* The light that the last frame hands on to the next: its bytes on this device
  * with these settings, 0 where nothing is carried.  Given back to another
@@ -261,11 +288,17 @@ int sequence_give_light(sequence *s, const camera_file *camera,
 
 /* One exposure for everything that is light, from one frame's layers. */
 float preview_exposure(const image *result);
+/* A layer as it is shown; 0, or -1 when out of memory. */
+int preview_picture(const image *result, layer l, float exposure, picture *out);
 int preview_write(const char *path, const image *result, layer l,
                   float exposure, image_error *error);
-/* values: one per pixel, 0..limit from black over red to white. */
+/* values: one per pixel, 0..limit from black over red to white, with a legend
+ * below. */
 int preview_heatmap(const char *path, const float *values, uint32_t width,
                     uint32_t height, float limit, image_error *error);
+
+/* Warns that pictures have no labels. */
+void preview_no_font(void);
 
 /* --- timings.c --- */
 
@@ -276,8 +309,14 @@ typedef struct timing_report {
   size_t memory; /* bytes on the device */
   const timing_row *rows;
   size_t count;
+  const double (*stages)[3]; /* seconds: decode, device, encode */
+  double wall;               /* seconds for all frames */
+  size_t lit;                /* frames that were not there already */
 } timing_report;
 
+/* One line without its end: how fast it was, and which stage kept the others
+ * waiting. */
+void timings_summary(const timing_report *report, FILE *out);
 void timings_table(const timing_report *report);
 int timings_json(const timing_report *report, image_error *error);
 /* What a frame left out, in a line without its end; and as an object. */
@@ -287,17 +326,23 @@ json_t *timings_skipped_json(const hbil_skipped *s);
 /* --- process.c: the main job --- */
 
 typedef struct process_options {
-  const char *output;      /* folder; must be given */
-  const char *camera;      /* NULL: FRAME.json beside FRAME.exr */
-  const char *environment; /* "R,G,B", an image file, or NULL */
-  const char *device;      /* see device_open() */
-  unsigned layers;         /* bit mask; 0: all that the mode has */
-  int emission_given;      /* config.gather_emission is the user's word */
-  unsigned repeat;         /* runs of every frame, at least 1 */
-  unsigned warm_up;        /* more runs of the first frame, for its bounces */
+  const char *output;        /* folder; must be given */
+  const char *camera;        /* NULL: FRAME.json beside FRAME.exr */
+  const char *environment;   /* "R,G,B", an image file, or NULL */
+  const char *device;        /* see device_open() */
+  const char *contact_sheet; /* a PNG of frames and layers, or NULL */
+  unsigned layers;           /* bit mask; 0: all that the mode has */
+  int emission_given;        /* config.gather_emission is the user's word */
+  unsigned repeat;           /* runs of every frame, at least 1 */
+  unsigned warm_up;          /* more runs of the first frame, for its bounces */
   int preview, timings, json, quiet; /* flags */
-  int resume; /* results of the same settings and frames are kept */
-  int exact;  /* the exact integral on the CPU in place of the library */
+  int resume;      /* results of the same settings and frames are kept */
+  int overwrite;   /* results that are there are replaced; else refused */
+  int keep;        /* the frames' own channels go into the results, too */
+  int half;        /* layers are stored as half floats */
+  int compression; /* of the results, a place in exr_compressions */
+  int dry_run;     /* only tell what would be done */
+  int exact;       /* the exact integral on the CPU in place of the library */
   hbil_config config; /* settings; formats and size are filled in */
 } process_options;
 

@@ -1,0 +1,77 @@
+// Pictures of 8 bits that are put together: tiles and text, by OpenImageIO.
+#include "image/guarded.h"
+#include "image/image.h"
+
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+namespace {
+
+namespace algo = OIIO::ImageBufAlgo;
+
+// The library's search for any font looks for names that Debian doesn't have.
+const char *const fonts[] = {"DejaVuSans", "LiberationSans-Regular", "FreeSans",
+                             "NotoSans-Regular", "Arial"};
+
+OIIO::ImageBuf wrap(unsigned char *rgb, uint32_t width, uint32_t height) {
+  return OIIO::ImageBuf(
+      OIIO::ImageSpec(int(width), int(height), 3, OIIO::TypeDesc::UINT8), rgb);
+}
+
+int draw_text(picture &to, int x, int y, int size, picture_align align,
+              const char *text) {
+  static const algo::TextAlignX sides[] = {algo::TextAlignX::Left,
+                                           algo::TextAlignX::Center,
+                                           algo::TextAlignX::Right};
+  OIIO::ImageBuf buffer = wrap(to.rgb, to.width, to.height);
+  for (const char *font : fonts)
+    if (algo::render_text(buffer, x, y, text, size, font, 1.0f, sides[align],
+                          algo::TextAlignY::Baseline, 0, {}, 1))
+      return 0;
+  return -1;
+}
+
+int draw_tile(picture &to, const picture_window &at, const picture &tile) {
+  OIIO::ImageBuf whole = wrap(to.rgb, to.width, to.height);
+  const OIIO::ImageBuf from = wrap(tile.rgb, tile.width, tile.height);
+  OIIO::ImageBuf sized(
+      OIIO::ImageSpec(int(at.width), int(at.height), 3, OIIO::TypeDesc::UINT8));
+  // the mean of what falls into a pixel; the nearest where pixels grow
+  const float ratio = float(at.width) / float(tile.width);
+  return algo::resize(sized, from, "box", std::max(ratio, 1.0f), {}, 1) &&
+                 algo::paste(whole, int(at.x), int(at.y), 0, 0, sized, {}, 1)
+             ? 0
+             : -1;
+}
+
+} // namespace
+
+extern "C" int picture_new(uint32_t width, uint32_t height, picture *out) {
+  const size_t bytes = size_t(3) * width * height;
+  *out = picture{width, height, nullptr};
+  out->rgb = static_cast<unsigned char *>(std::malloc(bytes ? bytes : 1));
+  if (out->rgb)
+    std::memset(out->rgb, PICTURE_GREY, bytes);
+  return out->rgb ? 0 : -1;
+}
+
+extern "C" void picture_free(picture *p) {
+  std::free(p->rgb);
+  *p = picture{};
+}
+
+extern "C" int picture_text(picture *to, int x, int y, int size,
+                            picture_align align, const char *text) {
+  return guarded("", "drawn", nullptr,
+                 [&] { return draw_text(*to, x, y, size, align, text); });
+}
+
+extern "C" int picture_tile(picture *to, const picture_window *at,
+                            const picture *tile) {
+  return guarded("", "drawn", nullptr,
+                 [&] { return draw_tile(*to, *at, *tile); });
+}

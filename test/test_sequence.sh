@@ -1,0 +1,316 @@
+#!/bin/sh
+# Sequences: which frames there are, what is done and not done with results that
+# are there, what goes over from frames to results, what limits the pace, and
+# the pictures of it.
+#
+# Speaks TAP.
+srcdir=${srcdir:-$(dirname "$0")/..}
+. "$srcdir/test/tap.sh"
+
+# The exact integral of few slices: no device, so no kernels to be compiled.
+exact() {
+  "$HBIL" process --quiet --quality reference --slices 1 --warm-up 0 "$@"
+}
+# One kernel of occlusion alone.
+device() {
+  "$HBIL" process --mode gtao --layers AO --slices 1 --samples 4 "$@"
+}
+# same NAME FOLDER FOLDER: the same files in both, bit by bit.
+same() {
+  run diff -r "$2" "$3"
+  ok $status "$1"
+}
+# holds NAME FOLDER FILES...: these and no others, hidden ones included.
+holds() {
+  name=$1 folder=$2
+  shift 2
+  ls -A "$folder" >"$work/out"
+  test "$(tr '\n' ' ' <"$work/out")" = "$(printf '%s ' "$@")"
+  ok $? "$name"
+}
+
+works "a demo" "$HBIL" demo --frames 5 --size 40x30 -o "$work/demo"
+frames=$work/demo/gbuffer
+out=$work/never
+
+# --- which frames ---
+
+works "a plain list" exact -o "$work/all" "$frames"/*.exr
+for pattern in 'frame_%04d.exr' 'frame_####.exr'; do
+  rm -rf "$work/some"
+  works "$pattern: all that are there" exact -o "$work/some" "$frames/$pattern"
+  same "$pattern: as in a list" "$work/all" "$work/some"
+done
+works "a range with a step, and one frame" \
+  exact --frames 1-3x2,5 -o "$work/odd" "$frames/frame_####.exr"
+holds "are these" "$work/odd" frame_0001.exr frame_0003.exr frame_0005.exr
+(cd "$frames" && exact --frames 2-2 -o "$work/here" frame_%04d.exr) \
+  >"$work/out" 2>"$work/err"
+ok $? "a pattern without a folder"
+mkdir "$work/shot"
+for n in 8 9 10 11 099; do
+  cp "$frames/frame_0001.exr" "$work/shot/a.$n.exr"
+  cp "$frames/frame_0001.json" "$work/shot/a.$n.json"
+done
+run "$HBIL" process --quality reference --slices 1 --warm-up 0 \
+  -o "$work/lit" "$work/shot/a.#.exr"
+grep '^\[' "$work/err" | sed 's|.*/||' | tr '\n' ' ' >"$work/out"
+test "$(cat "$work/out")" = 'a.8.exr a.9.exr a.10.exr a.11.exr '
+ok $? "numbers of any width, in their order, without those padded otherwise"
+cp "$frames/frame_0001.exr" "$work/shot/b.%d.exr"
+cp "$frames/frame_0001.json" "$work/shot/b.%d.json"
+works "a file whose name is like a pattern" \
+  exact -o "$work/lit" "$work/shot/b.%d.exr"
+has "is taken as it is" "$work/lit/b.%d.exr"
+
+refused "missing frames are all named" \
+  ': 5 of 9 frames are missing: 6-9, 20; --frames' \
+  exact --frames 2-9,20 -o "$out" "$frames/frame_%04d.exr"
+refused "those of a list, too" \
+  ': 2 of 3 frames are missing: .*/x.exr, .*/y.exr$' \
+  exact -o "$out" "$work/x.exr" "$frames/frame_0001.exr" "$work/y.exr"
+mkdir "$work/holes"
+cp "$frames"/frame_000[1245].* "$work/holes"
+refused "a hole is an accident" 'frame_####.exr: 1 of 5 frames is missing: 3;' \
+  exact -o "$out" "$work/holes/frame_####.exr"
+works "unless it is asked for" \
+  exact --frames 1-2,4-5 -o "$work/asked" "$work/holes/frame_####.exr"
+rm "$work"/holes/frame_000[24].*
+works "every fourth frame has no hole" \
+  exact -o "$work/fourth" "$work/holes/frame_####.exr"
+refused "no such frame at all" 'g.%d.exr: there is no such frame' \
+  exact -o "$out" "$work/shot/g.%d.exr"
+for range in '' 1- 1-2x 1-2x0 3-1 -1 1,,2 1-2, a 1-2y3 99999999 0-9999999; do
+  refused "--frames '$range'" "^hbil: --frames $range: FIRST-LAST" \
+    exact --frames "$range" -o "$out" "$frames/frame_%04d.exr"
+done
+refused "--frames without a place for them" 'has no place for a number' \
+  exact --frames 1 -o "$out" "$frames/frame_0001.exr"
+absent "what was refused left nothing" "$out"
+
+# --- results that are there ---
+
+cp -r "$work/all" "$work/before"
+refused "a result that is there" \
+  'all/frame_0003.exr: is there already; --overwrite.*--resume' \
+  exact -o "$work/all" "$frames/frame_0003.exr"
+same "is left alone" "$work/before" "$work/all"
+works "--overwrite" exact --overwrite -o "$work/all" "$frames/frame_0003.exr"
+cmp "$work/before/frame_0003.exr" "$work/all/frame_0003.exr" \
+  >"$work/out" 2>"$work/err"
+test $? -eq 1
+ok $? "replaces it"
+refused "--overwrite and --resume" 'resume: not with --overwrite' \
+  exact --overwrite --resume -o "$work/all" "$frames/frame_0003.exr"
+
+says "--dry-run" '^1 of 1 frames would be written, 40 x 30 pixels: near,' \
+  exact --dry-run --contact-sheet "$out/sheet.png" -o "$out" \
+  "$frames/frame_0001.exr"
+absent "writes nothing" "$out"
+rm -rf "$work/all"
+cp -r "$work/before" "$work/all"
+rm "$work/all/frame_0004.exr"
+: >"$work/all/frame_0001.exr.tmp999999999"
+says "--dry-run and --resume" '^1 of 5 frames would be written' \
+  exact --dry-run --resume -o "$work/all" "$frames/frame_####.exr"
+grep -q 'frame_0003.exr (is there already)$' "$work/out" &&
+  grep -q 'frame_0004.exr$' "$work/out"
+ok $? "tell which"
+test -e "$work/all/frame_0001.exr.tmp999999999" &&
+  test ! -e "$work/all/frame_0004.exr"
+ok $? "and write and sweep nothing"
+refused "--dry-run and a folder without a parent" 'cannot be created' \
+  exact --dry-run -o "$out/deeper" "$frames/frame_0001.exr"
+refused "--dry-run finds what is wrong" 'is there already' \
+  exact --dry-run -o "$work/before" "$frames/frame_0001.exr"
+
+# --- side by side ---
+
+works "the same sequence once more" exact -o "$work/again" "$frames"/*.exr
+same "comes out bit by bit" "$work/before" "$work/again"
+# Each stage in turn breaks off at the third frame: those before it are whole.
+broken() { # NAME PATTERN
+  rm -rf "$work/stopped"
+  refused "$1" "$2" exact -o "$work/stopped" "$work/bad/frame_####.exr"
+  holds "$1: two frames and the light behind them" "$work/stopped" \
+    .hbil-light frame_0001.exr frame_0002.exr
+}
+mkdir "$work/bad"
+cp "$frames"/* "$work/bad"
+size=$(wc -c <"$frames/frame_0003.exr")
+head -c $((size - 100)) "$frames/frame_0003.exr" >"$work/bad/frame_0003.exr"
+broken "a frame that can't be read" 'frame_0003.exr: truncated'
+cp "$frames/frame_0003.exr" "$work/bad"
+mkdir "$work/stopped/frame_0003.exr"
+refused "a result that can't be written" \
+  'frame_0003.exr: cannot be written: Is a directory' \
+  exact --overwrite -o "$work/stopped" "$work/bad/frame_####.exr"
+holds "two frames and the light behind them" "$work/stopped" \
+  .hbil-light frame_0001.exr frame_0002.exr frame_0003.exr
+rmdir "$work/stopped/frame_0003.exr"
+works "resumed" exact --resume -o "$work/stopped" "$work/bad/frame_####.exr"
+same "as if nothing had happened" "$work/before" "$work/stopped"
+
+# --- pace ---
+
+run "$HBIL" process --quality reference --slices 1 --warm-up 0 \
+  -o "$work/told" "$frames"/*.exr
+pace='[0-9.]* ms a frame, [0-9.e+]* frames/s; limited by \(decode\|device\|encode\)'
+pace="$pace (decode [0-9.]*, device [0-9.]*, encode [0-9.]*, wall [0-9.]* x"
+test $status -eq 0 && test "$(grep -c '^\[[1-5]/5\] /' "$work/err")" -eq 5 &&
+  tail -n 1 "$work/err" | grep -q "^hbil: $pace"
+ok $? "plain lines, and at the end what limits the pace"
+run exact --overwrite -o "$work/told" "$frames"/*.exr
+test $status -eq 0 && test ! -s "$work/err" && test ! -s "$work/out"
+ok $? "--quiet says nothing"
+says "--timings tell it, too" "^$pace" device --timings -o "$work/device" \
+  "$frames"/*.exr
+grep -q '^stage, ms  *decode  *device  *encode$' "$work/out" &&
+  test "$(grep -c 'frame_0005.exr  *[0-9.]*  *[0-9.]*  *[0-9.]*$' \
+    "$work/out")" -eq 1
+ok $? "for every frame"
+run device --json --overwrite -o "$work/device" "$frames"/*.exr
+missing=$status
+for member in decode device encode wall wall_over_slowest; do
+  sed -n '/"pipeline"/,$p' "$work/out" | grep -q "\"$member\": [0-9]" ||
+    missing=1
+done
+grep -q '"limit": "\(decode\|device\|encode\)"' "$work/out" || missing=1
+test "$(grep -c '"encode": [0-9]' "$work/out")" -eq 6 || missing=1
+ok $missing "and as JSON"
+
+if script -qec true /dev/null >"$work/out" 2>"$work/err"; then
+  run script -qec "'$HBIL' process --mode gtao --layers AO --slices 1 \
+    --samples 4 --overwrite -o '$work/device' '$frames/frame_####.exr'" /dev/null
+  test $status -eq 0 &&
+    grep -q '\[#*\.*\] [1-5]/5, [0-9.e+]* frames/s, .* left' "$work/out" &&
+    ! grep -q '\[[1-5]/5\]' "$work/out"
+  ok $? "on a terminal there is a bar"
+else
+  skip "on a terminal there is a bar" "no script"
+fi
+
+# --- what a result has of its frame ---
+
+one=$frames/frame_0001.exr
+works "--keep" exact --keep --layers AO,near -o "$work/kept" "$one"
+for channels in depth normal position albedo direct emission motion; do
+  works "has the frame's $channels" "$HBIL" compare --max-rmse 0 \
+    "$work/kept/frame_0001.exr:$channels" "$one:$channels"
+done
+works "and the layers are those without it" "$HBIL" compare --max-rmse 0 \
+  "$work/kept/frame_0001.exr:near" "$work/before/frame_0001.exr:near"
+works "a result can be a frame again" \
+  exact --keep -o "$work/twice" --camera "${one%.exr}.json" \
+  "$work/kept/frame_0001.exr"
+works "--keep and --resume" exact --keep --layers AO,near --resume \
+  -o "$work/kept" "$one"
+works "--half" exact --half --layers AO -o "$work/half" "$one"
+# halves have 11 bits: 2^-12 of a value up to 1
+works "loses little" "$HBIL" compare --max-rmse 2.5e-4 \
+  "$work/half/frame_0001.exr:AO" "$work/before/frame_0001.exr:AO"
+for how in none rle zips piz input; do
+  works "--compression $how" exact --layers AO --compression $how \
+    -o "$work/$how" "$one"
+  works "loses nothing: $how" "$HBIL" compare --max-rmse 0 \
+    "$work/$how/frame_0001.exr:AO" "$work/before/frame_0001.exr:AO"
+done
+size=$(wc -c <"$work/none/frame_0001.exr")
+test "$size" -gt "$(wc -c <"$work/zips/frame_0001.exr")"
+ok $? "none is larger than zips"
+exact --half --layers AO --compression none -o "$work/half-none" "$one"
+test $((size - $(wc -c <"$work/half-none/frame_0001.exr"))) -eq $((40 * 30 * 2))
+ok $? "floats have four bytes, halves two"
+refused "an unknown compression" 'none, rle, zips, zip, piz' \
+  exact --compression lzma -o "$out" "$one"
+run "$HBIL" process --quality reference --slices 1 --warm-up 0 --half --resume \
+  --layers AO --compression zips -o "$work/zips" "$one"
+test $status -eq 0 && ! grep -q 'is there already$' "$work/err"
+ok $? "floats are not the halves that are asked for"
+if command -v oiiotool >/dev/null; then
+  oiiotool "$one" --attrib:type='float[8]' chromaticities \
+    0.713,0.293,0.165,0.83,0.128,0.044,0.32168,0.33767 --attrib owner me \
+    --origin +7+5 --fullsize 64x48+0+0 -o "$work/shot/c.exr" >"$work/out" 2>&1
+  cp "${one%.exr}.json" "$work/shot/c.json"
+  works "a frame with attributes and windows" \
+    exact --keep --compression piz -o "$work/attributes" "$work/shot/c.exr"
+  oiiotool --info -v "$work/attributes/c.exr" >"$work/out" 2>"$work/err"
+  missing=0
+  for line in 'chromaticities: 0.713, 0.293, 0.165, 0.83' 'Copyright: "me"' \
+    'compression: "piz"' 'pixel data origin: x=7, y=5' \
+    'full/display size: 64 x 48'; do
+    grep -q "$line" "$work/out" || missing=1
+  done
+  ok $missing "goes over with them"
+  # every channel LAYER.LETTER, as Nuke, Blender and others split names; the
+  # order is oiiotool's
+  grep -q 'channel list: AO.V, .*beauty.R, beauty.G, beauty.B, bent.X' \
+    "$work/out" &&
+    sed -n 's/.*channel list: //p' "$work/out" | tr -d ' ' | tr ',' '\n' |
+    grep -q -v '^[A-Za-z]*\.[RGBXYZV]$'
+  test $? -eq 1
+  ok $? "channels are shown as layers"
+  works "of which one can be taken" oiiotool "$work/attributes/c.exr" \
+    --ch near.R,near.G,near.B -o "$work/near.exr"
+else
+  for name in "a frame with attributes and windows" "goes over with them" \
+    "channels are shown as layers" "of which one can be taken"; do
+    skip "$name" "no oiiotool"
+  done
+fi
+
+# --- pictures ---
+
+# pixels FILE: "WIDTH HEIGHT" of a PNG.
+pixels() {
+  od -A n -t u1 -j 16 -N 8 "$1" | awk '{
+    print 256 * (256 * (256 * $1 + $2) + $3) + $4,
+      256 * (256 * (256 * $5 + $6) + $7) + $8 }'
+}
+works "--contact-sheet" exact --contact-sheet "$work/sheet.png" \
+  -o "$work/sheet" "$frames/frame_####.exr"
+# seven tiles of 160 x 120 with gaps of 8; five rows with a line of 22 above
+test "$(pixels "$work/sheet.png")" = "1184 772"
+ok $? "has layers in columns, frames in rows"
+works "from results that are there" exact --resume \
+  --contact-sheet "$work/sheet2.png" -o "$work/sheet" "$frames/frame_####.exr"
+run cmp "$work/sheet.png" "$work/sheet2.png"
+ok $status "it is the same"
+refused "a sheet that is there" 'sheet.png: is there already; --overwrite' \
+  exact --contact-sheet "$work/sheet.png" -o "$out" "$one"
+refused "a sheet in no folder" 'sheet.png: cannot be written' \
+  exact --contact-sheet "$work/no/sheet.png" -o "$out" "$one"
+i=0
+while test $i -lt 11; do
+  i=$((i + 1))
+  n=$(printf '%02d' $i)
+  cp "$one" "$work/shot/many.$n.exr"
+  cp "${one%.exr}.json" "$work/shot/many.$n.json"
+done
+works "of a long sequence" exact --layers AO --contact-sheet "$work/long.png" \
+  -o "$work/long" "$work/shot/many.##.exr"
+test "$(pixels "$work/long.png")" = "176 1222"
+ok $? "it shows eight frames"
+# looks FRAME: whether another picture there changes the sheet.
+looks() {
+  cp "$frames/frame_0005.exr" "$work/shot/many.$1.exr"
+  exact --overwrite --layers AO --contact-sheet "$work/other.png" \
+    -o "$work/long" "$work/shot/many.##.exr"
+  cp "$one" "$work/shot/many.$1.exr"
+  ! cmp -s "$work/long.png" "$work/other.png"
+}
+looks 01 && looks 11
+ok $? "the first and the last among them"
+! looks 04
+ok $? "and not the fourth"
+works "a heat map" "$HBIL" compare --heatmap "$work/heat.png" \
+  "$work/before/frame_0001.exr:near" "$work/before/frame_0002.exr:near"
+test "$(pixels "$work/heat.png")" = "200 70"
+ok $? "has a legend below"
+works "--preview" exact --preview -o "$work/preview" "$frames"/frame_000[15].exr
+for l in near far indirect AO bent cone beauty; do
+  test "$(pixels "$work/preview/frame_0005.$l.png")" = "40 30"
+  ok $? "--preview: $l"
+done
+
+echo "1..$count"
