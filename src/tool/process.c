@@ -23,9 +23,10 @@ typedef struct job {
   const char *path;
   char *stem; /* DIR/NAME, without .exr */
   channel_map map;
-  camera_file camera;
-  uint64_t key; /* resume.h; 0: not known yet */
-  int finished; /* its result is there */
+  view view;
+  camera_file camera; /* of the pixels that are lit */
+  uint64_t key;       /* resume.h; 0: not known yet */
+  int finished;       /* its result is there */
 } job;
 
 typedef struct process {
@@ -36,7 +37,9 @@ typedef struct process {
   job *jobs;
   timing_row *rows;
   int count;
-  uint32_t width, height;
+  image_window window;    /* pixels that are lit: all that any frame has */
+  image_window shown;     /* pixels that are written */
+  uint32_t width, height; /* of window */
   int folder_created;
   device device;
   sequence *sequence; /* one of both */
@@ -45,6 +48,7 @@ typedef struct process {
   uint64_t settings;  /* the key before the first frame */
   resume_light light; /* what frames hand on */
   int first, end;     /* of the frames that are lit */
+  int warned;         /* of what a frame's pixels show */
   image_error error;
 } process;
 
@@ -67,6 +71,7 @@ void process_set_model(hbil_config *config) {
 void process_options_init(process_options *options) {
   memset(options, 0, sizeof *options);
   hbil_config_init(&options->config);
+  source_options_init(&options->source);
   options->repeat = 1;
   /* three bounces before the first picture: the fourth adds a few per cent */
   options->warm_up = 3;
@@ -119,32 +124,77 @@ static int check_roles(process *p, const job *j) {
   return 0;
 }
 
-static int check_size(process *p, const job *j, const image *header) {
-  if (j == p->jobs) {
-    p->width = header->width;
-    p->height = header->height;
-  }
-  if (header->width != p->width || header->height != p->height)
+/* Frames may have pixels in different places of the same picture. */
+static int check_size(process *p, const job *j) {
+  const image_window *first = &p->jobs[0].map.display, *own = &j->map.display;
+  if (j == p->jobs)
+    p->window = j->map.data;
+  p->window = image_window_union(p->window, j->map.data);
+  if (own->width != first->width || own->height != first->height)
     return image_fail(&p->error,
                       "%s: %u x %u pixels, but %s has %u x %u; frames of one "
                       "size are needed",
-                      j->path, header->width, header->height, p->jobs[0].path,
-                      p->width, p->height);
-  return gbuffer_check_camera(j->path, header, &j->camera, &p->error);
+                      j->path, own->width, own->height, p->jobs[0].path,
+                      first->width, first->height);
+  return 0;
 }
 
 static int check_header(process *p, job *j) {
+  const process_options *o = p->options;
   image header;
-  if (exr_read_header(j->path, &header, &p->error) != 0)
+  if (image_read_header(j->path, &header, &p->error) != 0)
     return -1;
-  channels_map(&header, &j->map);
   const int failed =
+      channels_map(j->path, &header, &o->source, &j->map, &p->error) != 0 ||
       channels_check(&j->map, j->path, &p->error) != 0 ||
       check_roles(p, j) != 0 ||
-      gbuffer_camera(j->path, p->options->camera, &j->camera, &p->error) != 0 ||
-      check_size(p, j, &header) != 0;
+      view_read(j->path, &header, o->camera, &o->source, &j->view, &p->error) !=
+          0 ||
+      check_size(p, j) != 0;
   image_free(&header);
   return failed ? -1 : 0;
+}
+
+/* Once it is known which pixels are lit: pixels beyond the picture's edges
+ * help those inside, and aren't written. */
+static int aim(process *p) {
+  p->width = p->window.width;
+  p->height = p->window.height;
+  p->shown = image_window_common(p->window, p->jobs[0].map.display);
+  if (!p->shown.width)
+    return image_fail(&p->error,
+                      "%s: none of its pixels lie in its display window; a "
+                      "data window that overlaps it is needed",
+                      p->jobs[0].path);
+  for (job *j = p->jobs; j < p->jobs + p->count; j++) {
+    j->map.window = p->window;
+    if (view_aim(j->path, &j->view, &j->map, &j->camera, &p->error) != 0)
+      return -1;
+  }
+  return 0;
+}
+
+static void note(const char *path, const char *kind, const char *what) {
+  fputs("hbil: ", stderr);
+  tool_show(path, stderr);
+  fprintf(stderr, ": %s%s\n", kind, what);
+}
+
+/* What the first frame shows goes for all. */
+static int settle(process *p) {
+  selfcheck found;
+  if (selfcheck_settle(p->jobs[0].path, &p->jobs[0].map, &found, &p->error) !=
+      0)
+    return -1;
+  for (int i = 0; !p->options->quiet && i < found.count; i++)
+    note(p->jobs[0].path, "", found.text[i]);
+  for (job *j = p->jobs + 1; j < p->jobs + p->count; j++) {
+    const double near = j->map.how.near, far = j->map.how.far;
+    j->map.how = p->jobs[0].map.how;
+    j->map.how.near = near;
+    j->map.how.far = far;
+  }
+  return 0;
 }
 
 static int same_file(const char *a, const char *b) {
@@ -177,9 +227,7 @@ static int check_name(process *p, job *j) {
 }
 
 static void warn(const char *path, const char *what) {
-  fputs("hbil: ", stderr);
-  tool_show(path, stderr);
-  fprintf(stderr, ": warning: %s\n", what);
+  note(path, "warning: ", what);
 }
 
 /* Not an error: occlusion and bent cones need no light. */
@@ -198,7 +246,7 @@ static int check_jobs(process *p, char *const *files) {
     if (check_header(p, &p->jobs[i]) != 0 || check_name(p, &p->jobs[i]) != 0)
       return -1;
   warn_of_darkness(p);
-  return 0;
+  return aim(p) != 0 || settle(p) != 0 ? -1 : 0;
 }
 
 /* Writes a file and takes it away again: asking for permissions would miss
@@ -396,7 +444,7 @@ static int find_key(process *p, job *j) {
   if (j->key)
     return 0;
   j->key = j == p->jobs ? p->settings : j[-1].key;
-  return resume_frame(j->path, &j->camera, &j->key, &p->error);
+  return resume_frame(j->path, &j->map, &j->camera, &j->key, &p->error);
 }
 
 static char *preview_path(const job *j, layer l) {
@@ -585,6 +633,39 @@ static int light_planes(process *p, const job *j, const gbuffer *g,
   return 0;
 }
 
+/* The same pixels of a smaller window; its planes are new ones. */
+static int crop(const process *p, const image *whole, image *out) {
+  const image_window *to = &p->shown;
+  *out = (image){.width = to->width, .height = to->height};
+  for (size_t i = 0; i < whole->count; i++) {
+    const image_plane *plane = image_add(out, whole->planes[i].name);
+    if (!plane) {
+      image_free(out);
+      return -1;
+    }
+    image_place(whole->planes[i].pixels, p->window, plane->pixels, *to);
+  }
+  return 0;
+}
+
+/* Bent normals go back into the world that the dump's header has. */
+static void mirror_bent(image *result) {
+  float *z = layers_plane(result, LAYER_BENT, 2);
+  for (size_t i = 0; z && i < (size_t)result->width * result->height; i++)
+    z[i] = -z[i];
+}
+
+/* Told for the first frame that has any; the others are alike. */
+static void look_for_mistakes(process *p, const job *j, const gbuffer *g) {
+  selfcheck found;
+  if (p->options->quiet || p->warned)
+    return;
+  selfcheck_frame(g, &p->config, &j->map.camera, &found);
+  for (int i = 0; i < found.count; i++)
+    warn(j->path, found.text[i]);
+  p->warned = found.count > 0;
+}
+
 static int light_frame(process *p, const job *j, image *result) {
   enum {
     USED = 1 << ROLE_DEPTH | 1 << ROLE_NORMAL | 1 << ROLE_ALBEDO |
@@ -595,11 +676,24 @@ static int light_frame(process *p, const job *j, image *result) {
   if (gbuffer_read(j->path, &j->map, USED | (moved ? 1u << ROLE_MOTION : 0u),
                    &g, &p->error) != 0)
     return -1;
-  result->x = g.planes.x;
-  result->y = g.planes.y;
+  look_for_mistakes(p, j, &g);
   const int failed = light_planes(p, j, &g, result);
   gbuffer_free(&g);
+  if (!failed && j->view.mirrored)
+    mirror_bent(result);
   return failed;
+}
+
+/* What comes of a frame that is lit. */
+static int write_frame(process *p, const job *j, image *result) {
+  result->x = p->shown.x;
+  result->y = p->shown.y;
+  result->display = p->jobs[0].map.display;
+  if (j == p->jobs && p->options->preview)
+    p->exposure = preview_exposure(result);
+  if (p->options->preview && !j->finished && write_previews(p, j, result) != 0)
+    return -1;
+  return write_result(p, j, result);
 }
 
 static int run_frame(process *p, job *j, image *result) {
@@ -609,11 +703,14 @@ static int run_frame(process *p, job *j, image *result) {
     return write_result(p, j, result);
   if (light_frame(p, j, result) != 0)
     return -1;
-  if (j == p->jobs && p->options->preview)
-    p->exposure = preview_exposure(result);
-  if (p->options->preview && !j->finished && write_previews(p, j, result) != 0)
-    return -1;
-  return write_result(p, j, result) != 0 ? -1 : save_light(p, j);
+  image seen = *result;
+  const int whole = p->shown.width == p->width && p->shown.height == p->height;
+  if (!whole && crop(p, result, &seen) != 0)
+    return image_no_memory(&p->error, j->path);
+  const int failed = write_frame(p, j, &seen);
+  if (!whole)
+    image_free(&seen);
+  return failed ? -1 : save_light(p, j);
 }
 
 static int run_frames(process *p) {
@@ -651,8 +748,10 @@ static void release(process *p) {
   sequence_close(p->sequence);
   exact_close(p->exact);
   device_close(&p->device);
-  for (int i = 0; p->jobs && i < p->count; i++)
+  for (int i = 0; p->jobs && i < p->count; i++) {
     free(p->jobs[i].stem);
+    channels_free(&p->jobs[i].map);
+  }
   free(p->jobs);
   free(p->rows);
   free(p->light.bytes);
