@@ -695,6 +695,24 @@ static exr_attr_box2i_t box(image_window window) {
   return out;
 }
 
+static exr_result_t write_matrix(exr_context_t context, int part,
+                                 const char *name, const double m[16]) {
+  exr_attr_m44f_t out;
+  for (int i = 0; i < 16; i++)
+    out.m[i] = (float)m[i];
+  return exr_attr_set_m44f(context, part, name, &out);
+}
+
+static exr_result_t write_matrices(exr_context_t context, int part,
+                                   const image_matrices *m) {
+  exr_result_t result = EXR_ERR_SUCCESS;
+  if (m->has_camera)
+    result = write_matrix(context, part, "worldToCamera", m->world_to_camera);
+  if (m->has_ndc && result == EXR_ERR_SUCCESS)
+    result = write_matrix(context, part, "worldToNDC", m->world_to_ndc);
+  return result;
+}
+
 static exr_result_t write_header(exr_context_t context, const image *img,
                                  const unsigned char *half) {
   const exr_attr_box2i_t window = box(image_data_window(img));
@@ -711,6 +729,8 @@ static exr_result_t write_header(exr_context_t context, const image *img,
         EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
   if (result == EXR_ERR_SUCCESS && img->key[0])
     result = exr_attr_set_string(context, part, KEY, img->key);
+  if (result == EXR_ERR_SUCCESS)
+    result = write_matrices(context, part, &img->matrices);
   for (size_t i = 0; i < img->count && result == EXR_ERR_SUCCESS; i++)
     result = exr_add_channel(context, part, img->planes[i].name,
                              half && half[i] ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,

@@ -44,7 +44,7 @@ typedef struct image {
   image_window display;   /* what is to be seen; width 0: the data window */
   size_t count;
   image_plane *planes;
-  image_matrices matrices; /* read only */
+  image_matrices matrices;
   char origin[128]; /* what the header tells of the program that wrote it */
   int gamma;        /* colours are stored as sRGB, not linear */
   char key[32]; /* what it was made from, attribute hbilKey; "" where none */

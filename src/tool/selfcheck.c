@@ -441,10 +441,16 @@ static double units_of_eye(const fit *f, const offsets *o) {
     spread -= shift[c] * shift[c];
     shift[c] += eye[c];
   }
-  const double length = sqrt(dot(shift, shift));
-  const double units = sqrt(dot(eye, eye)) / length;
-  /* a hundredth: what half floats may be off by, squared */
-  return spread < 1e-4 * length * length && dot(shift, eye) > 0 ? units : 0;
+  const double length2 = dot(shift, shift), along = dot(shift, eye);
+  const double units = sqrt(dot(eye, eye) / length2);
+  /* constant, and in the eye's direction, to a hundredth (squared): half floats
+   * may leave as much of a position.  No two units are closer than a factor of
+   * 2; a camera's movement may look like less. */
+  const int parallel =
+      along > 0 && along * along > (1 - 1e-4) * dot(eye, eye) * length2;
+  return spread < 1e-4 * length2 && parallel && fabs(log(units)) > log(2.0)
+             ? units
+             : 0;
 }
 
 static void check_positions(const fit *f, selfcheck *out) {
@@ -466,7 +472,7 @@ static void check_positions(const fit *f, selfcheck *out) {
          f->g->map.how.depth == DEPTH_RAY
              ? "along the camera's axis: --depth planar"
              : "the distance from the eye: --depth ray");
-  else if (units > 0.0 && fabs(units - 1.0) > 0.01)
+  else if (units > 0.0)
     find(out,
          "positions and depth fit a camera in other units: --unit-scale %.4g "
          "(metres against centimetres?)",
