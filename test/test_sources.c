@@ -812,7 +812,7 @@ static void camera_of_another_frame(void **state) {
     m[j] = c * x - s * y;
     m[4 + j] = s * x + c * y;
   }
-  finds(&d, "turned by 5.0 degrees: the camera of another frame? --camera");
+  finds(&d, "turned by 5.0 degrees: the camera of another frame");
   d = sound(SCENE_ROOM);
   add_vectors(&d, "position", xyz, d.s.position, AXES_WORLD, 1);
   d.s.camera.world_from_view[7] += 0.3;

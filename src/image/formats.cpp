@@ -61,11 +61,19 @@ int write_png(const char *path, const char *temporary, const unsigned char *rgb,
   return 0;
 }
 
+// Channels from begin to end, `stride` floats from pixel to pixel. Of a TIFF
+// that breaks off OpenImageIO says so, and that it was read.
+bool read_channels(OIIO::ImageInput &in, int begin, int end, float *out,
+                   size_t stride) {
+  return in.read_image(0, 0, begin, end, OIIO::TypeDesc::FLOAT, out,
+                       OIIO::stride_t(stride * sizeof(float))) &&
+         !in.has_error();
+}
+
 bool read_rgb(OIIO::ImageInput &in, float *rgb) {
   const OIIO::ImageSpec &spec = in.spec();
   const int channels = spec.nchannels < 3 ? 1 : 3;
-  if (!in.read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, rgb,
-                     3 * sizeof(float)))
+  if (!read_channels(in, 0, channels, rgb, 3))
     return false;
   const size_t pixels = size_t(spec.width) * size_t(spec.height);
   for (size_t i = 0; channels == 1 && i < pixels; i++)
@@ -172,8 +180,7 @@ int take_plane(OIIO::ImageInput &in, const char *path, const char *name,
   const image_plane *plane = image_add(out, name);
   if (!plane)
     return image_no_memory(error, path);
-  if (!in.read_image(0, 0, channel, channel + 1, OIIO::TypeDesc::FLOAT,
-                     plane->pixels))
+  if (!read_channels(in, channel, channel + 1, plane->pixels, 1))
     return image_fail(error,
                       "%s: truncated or damaged: %s; a complete image is "
                       "needed",

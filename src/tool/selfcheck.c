@@ -285,7 +285,7 @@ static int find_turn(const fit *f, const matrix3 *h, selfcheck *out) {
     return 0;
   find(out,
        "normals fit the depth if the camera is turned by %.1f degrees: the "
-       "camera of another frame? --camera",
+       "camera of another frame, or another lens? --camera, --fov",
        turn);
   return 1;
 }
