@@ -70,6 +70,9 @@ refused "an unknown source" 'one of generic, blender' \
   process --source maya -o "$out" "$one"
 refused "a device's depth without its planes" '--clip NEAR,FAR is needed' \
   process --depth device -o "$out" "$one"
+refused "motion in unknown units" '--motion-scale X,Y is needed' \
+  process --source arnold --reprojection motion \
+  --map depth=depth,normal=normal,motion=motion -o "$out" "$one"
 refused "planes in the wrong order" '--clip 2,1: ' \
   process --clip 2,1 -o "$out" "$one"
 refused "an axis that isn't" '--flip xw: some of x, y, z' \

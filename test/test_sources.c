@@ -167,7 +167,7 @@ static void transpose(double m[16]) {
 /* worldToCamera and worldToNDC: the projection's rows x, y are those of a slope
  * to the right and up, k of the distance forwards. */
 static void add_matrices(dump *d, axes world, axes camera, double scale_x,
-                         double scale_y, double middle, int rows) {
+                         double scale_y, const double middle[2], int rows) {
   image_matrices *m = &d->img.matrices;
   const double *from = d->s.camera.world_from_view;
   const double forwards = camera == AXES_FORWARD ? 1 : -1;
@@ -187,8 +187,8 @@ static void add_matrices(dump *d, axes world, axes camera, double scale_x,
   for (int k = 0; k < 4; k++) {
     double *n = m->world_to_ndc;
     const double z = c[8 + k] * forwards;
-    n[k] = scale_x * c[k] + middle * z;
-    n[4 + k] = scale_y * c[4 + k] + middle * z;
+    n[k] = scale_x * c[k] + middle[0] * z;
+    n[4 + k] = scale_y * c[4 + k] + middle[1] * z;
     n[8 + k] = z - (k == 3 ? 0.1 : 0);
     n[12 + k] = z;
   }
@@ -199,6 +199,8 @@ static void add_matrices(dump *d, axes world, axes camera, double scale_x,
   m->has_camera = m->has_ndc = 1;
   d->json = 0;
 }
+
+static const double half[] = {0.5, 0.5}, zero[] = {0, 0};
 
 static void write_dump(dump *d) {
   image_error error;
@@ -395,7 +397,7 @@ static void pbrt(void **state) {
   add_vectors(&d, "N", xyz, d.s.normal, AXES_FORWARD, 0);
   add_colour(&d, "Albedo", rgb, d.s.albedo, NULL, 1);
   add_depth(&d, "", "dzdx", 1, 0);
-  add_matrices(&d, AXES_MIRRORED, AXES_FORWARD, scale, scale, 0.5, 0);
+  add_matrices(&d, AXES_MIRRORED, AXES_FORWARD, scale, scale, half, 0);
   write_dump(&d);
   reading r = read_dump(&d);
   assert_int_equal(r.map.kind, DUMP_PBRT);
@@ -450,7 +452,7 @@ static void arnold(void **state) {
     add_colour(&d, "diffuse_albedo", rgb, d.s.albedo, NULL, 1);
     add_colour(&d, "diffuse_direct", rgb, d.s.direct, d.s.albedo, 1 / pi);
     add_matrices(&d, AXES_WORLD, AXES_OPENGL, 2 * d.s.camera.fx / WIDTH,
-                 2 * d.s.camera.fy / HEIGHT, 0, 1);
+                 2 * d.s.camera.fy / HEIGHT, zero, 1);
     write_dump(&d);
     reading r = read_dump(&d);
     assert_int_equal(r.map.kind, DUMP_ARNOLD);
@@ -490,7 +492,7 @@ static void renderman(void **state) {
   add_colour(&d, "albedo", small_rgb, d.s.albedo, NULL, 1);
   add_colour(&d, "directDiffuse", small_rgb, d.s.direct, d.s.albedo, 1 / pi);
   add_matrices(&d, AXES_MIRRORED, AXES_FORWARD, d.s.camera.fx / WIDTH,
-               -d.s.camera.fy / HEIGHT, 0.5, 1);
+               -d.s.camera.fy / HEIGHT, half, 1);
   write_dump(&d);
   reading r = read_dump(&d);
   assert_int_equal(r.map.kind, DUMP_RENDERMAN);
@@ -692,6 +694,29 @@ static void windows(void **state) {
   done(&r);
   end(&d);
   end(&plain);
+}
+
+/* The axis leaves the picture elsewhere than in its middle. */
+static void off_centre(void **state) {
+  enum { AWAY_X = 20, AWAY_Y = 10 };
+  (void)state;
+  for (int down = 0; down < 2; down++) {
+    dump d = begin(SCENE_ROOM);
+    const hbil_camera *c = &d.s.camera;
+    const double w = WIDTH - AWAY_X, h = HEIGHT - AWAY_Y;
+    const double middle[2] = {c->cx / w, down ? c->cy / h : 1 - c->cy / h};
+    add_depth(&d, "depth", "Z", 1, 0);
+    add_vectors(&d, "normal", xyz, d.s.normal, AXES_WORLD, 0);
+    add_matrices(&d, AXES_WORLD, AXES_OPENGL, c->fx / w,
+                 (down ? -1 : 1) * c->fy / h, middle, 1);
+    d.img.display = (image_window){0, 0, (uint32_t)w, (uint32_t)h};
+    write_dump(&d);
+    reading r = read_dump(&d);
+    same_geometry(&d, &r, matrices);
+    no_findings(&r);
+    done(&r);
+    end(&d);
+  }
 }
 
 /* ------------------------------------------------------------------------ */
@@ -933,7 +958,7 @@ static void refusals(void **state) {
   end(&d);
   /* parallel rays; no camera at all; one that doesn't say where it stands */
   d = sound(SCENE_ROOM);
-  add_matrices(&d, AXES_WORLD, AXES_OPENGL, 1, 1, 0, 0);
+  add_matrices(&d, AXES_WORLD, AXES_OPENGL, 1, 1, zero, 0);
   double *w = d.img.matrices.world_to_ndc + 12;
   w[0] = w[1] = w[2] = 0;
   w[3] = 1;
@@ -964,6 +989,7 @@ int main(void) {
       cmocka_unit_test(options_have_the_last_word),
       cmocka_unit_test(one_file_a_pass),
       cmocka_unit_test(windows),
+      cmocka_unit_test(off_centre),
       cmocka_unit_test(sound_frames_have_none),
       cmocka_unit_test(ray_for_planar),
       cmocka_unit_test(positions_tell_it_as_well),

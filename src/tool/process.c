@@ -121,6 +121,13 @@ static int check_roles(process *p, const job *j) {
                       "Vector pass), motion.{X,Y} or another --reprojection "
                       "is needed",
                       j->path);
+  const float *scale = j->map.how.motion_scale;
+  if (p->config.reprojection == HBIL_REPROJECTION_MOTION && scale[0] == 0.0f &&
+      scale[1] == 0.0f)
+    return image_fail(&p->error,
+                      "%s: how many pixels a unit of its motion is isn't "
+                      "known of %s; --motion-scale X,Y is needed",
+                      j->path, dump_kind_name(j->map.kind));
   return 0;
 }
 
