@@ -852,6 +852,12 @@ static void other_units(void **state) {
     for (size_t i = 0; i < PIXELS && (p == 0 || p > 3); i++)
       d.img.planes[p].pixels[i] *= 100.0f;
   finds(&d, "--unit-scale 0.01 ");
+  d = sound(SCENE_ROOM); /* positions alone */
+  add_vectors(&d, "position", xyz, d.s.position, AXES_WORLD, 1);
+  for (size_t p = 4; p < d.img.count; p++)
+    for (size_t i = 0; i < PIXELS; i++)
+      d.img.planes[p].pixels[i] *= 100.0f;
+  finds(&d, "100 times as far");
 }
 
 static void radius_of_other_units(void **state) {

@@ -478,7 +478,7 @@ static void check_positions(const fit *f, selfcheck *out) {
          "positions and depth fit a camera in other units: --unit-scale %.4g "
          "(metres against centimetres?)",
          units);
-  else if (fabs(scale - 1.0) > 0.01 && o.worst > 0.01)
+  else if (!(fabs(log(scale)) < log(2.0)))
     find(out,
          "positions aren't where depth and camera lead, and are %.4g times as "
          "far: the camera of another frame, or other units? --camera, "
