@@ -279,7 +279,7 @@ static void a_file_of_another_kind_has_no_attributes(void **state) {
     write_result(&kept, EXR_COMPRESSION_OF_INPUT, other);
     exr_context_t result = open_result();
     works(exr_get_display_window(result, 0, &window));
-    assert_memory_equal(&window, &data, sizeof window);
+    assert_memory_equal(&window, &display, sizeof window);
     works(exr_finish(&result));
   }
   unlink(other);

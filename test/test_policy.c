@@ -30,7 +30,7 @@ static gbuffer frame_of(scene_kind kind, hbil_config *config,
   scene_frame s;
   gbuffer g = {.planes = {.width = WIDTH, .height = HEIGHT}};
   assert_int_equal(scene_render(kind, WIDTH, HEIGHT, 0.0, 0, &s), 0);
-  g.map.kind = DUMP_PLAIN;
+  channels_init(&g.map, DUMP_PLAIN);
   add_role(&g, ROLE_DEPTH, (const float *const[]){s.depth}, 1);
   add_role(&g, ROLE_NORMAL,
            (const float *const[]){s.normal[0], s.normal[1], s.normal[2]}, 3);

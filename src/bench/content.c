@@ -88,7 +88,8 @@ static int copy_scene(bench_content *content, const scene_frame *scene,
 /* As hbil demo lights it. */
 static void configure_room(bench_content *content) {
   const float around[3] = {0.12f, 0.11f, 0.1f};
-  const channel_map plain = {.kind = DUMP_PLAIN};
+  channel_map plain;
+  channels_init(&plain, DUMP_PLAIN);
   channels_conventions(&plain, &content->config);
   content->far = HBIL_FAR_FRAME;
   content->radius = 1.0f;
@@ -178,15 +179,18 @@ static void fit_far_field(const gbuffer *g, bench_content *content) {
 static int read_map(const char *path, channel_map *map, bench_content *out,
                     const char *camera, image_error *error) {
   image header;
+  view seen;
   camera_file file;
-  if (exr_read_header(path, &header, error) != 0)
+  source_options guess;
+  source_options_init(&guess);
+  if (image_read_header(path, &header, error) != 0)
     return -1;
-  channels_map(&header, map);
+  int failed = channels_map(path, &header, &guess, map, error);
   out->width = header.width;
   out->height = header.height;
-  const int failed = channels_check(map, path, error) != 0 ||
-                     gbuffer_camera(path, camera, &file, error) != 0 ||
-                     gbuffer_check_camera(path, &header, &file, error) != 0;
+  failed = failed || channels_check(map, path, error) != 0 ||
+           view_read(path, &header, camera, &guess, &seen, error) != 0 ||
+           view_aim(path, &seen, map, &file, error) != 0;
   image_free(&header);
   if (!failed)
     gbuffer_hbil_camera(&file, &out->frame[0].camera);

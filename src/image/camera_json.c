@@ -113,6 +113,27 @@ static int read_resolution(const parser *p, camera_file *out) {
   return 0;
 }
 
+/* Optional, both or none. */
+static int read_clipping(const parser *p, camera_file *out) {
+  const json_t *near = json_object_get(p->root, "near");
+  const json_t *far = json_object_get(p->root, "far");
+  if (!near || !far)
+    return 0;
+  if (!finite_number(near, &out->near) || !finite_number(far, &out->far) ||
+      !(out->near >= 0.0) || !(out->far > out->near))
+    return lacks(p, "near", "a distance below that of far");
+  return 0;
+}
+
+/* What all cameras are unless they say otherwise. */
+static int check_projection(const parser *p) {
+  const char *kind = json_string_value(json_object_get(p->root, "projection"));
+  return !kind || strcmp(kind, "perspective") == 0
+             ? 0
+             : lacks(p, "projection",
+                     "\"perspective\", the only kind that can be lit,");
+}
+
 static int parse(const parser *p, camera_file *out) {
   if (!json_is_object(p->root))
     return image_fail(p->error,
@@ -123,7 +144,8 @@ static int parse(const parser *p, camera_file *out) {
       read_focal(p, "fx", &out->fx) != 0 ||
       read_focal(p, "fy", &out->fy) != 0 ||
       read_centre(p, "cx", &out->cx) != 0 ||
-      read_centre(p, "cy", &out->cy) != 0)
+      read_centre(p, "cy", &out->cy) != 0 || check_projection(p) != 0 ||
+      read_clipping(p, out) != 0)
     return -1;
   return read_resolution(p, out);
 }

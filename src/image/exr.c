@@ -180,8 +180,8 @@ static int check_kind(reader *r) {
   if (pread(r->stream.fd, start, sizeof start, 0) != (ssize_t)sizeof start ||
       memcmp(start, magic, sizeof magic) != 0)
     return image_fail(r->error,
-                      "%s: not an OpenEXR file; a multi-layer .exr "
-                      "is needed",
+                      "%s: not an OpenEXR file; an .exr is needed, or a "
+                      "PNG, TIFF or HDR file where it serves",
                       r->stream.path);
   return 0;
 }
@@ -310,13 +310,80 @@ static void set_size(const reader *r, image *out) {
   out->height = (uint32_t)extent(r->window.min.y, r->window.max.y);
 }
 
+/* One that claims more than can be read is none. */
+static void read_display(reader *r, image *out) {
+  exr_attr_box2i_t box;
+  if (exr_get_display_window(r->context, 0, &box) != EXR_ERR_SUCCESS)
+    return;
+  const int64_t width = extent(box.min.x, box.max.x);
+  const int64_t height = extent(box.min.y, box.max.y);
+  if (width >= 1 && height >= 1 && width <= MAX_SIDE && height <= MAX_SIDE)
+    out->display =
+        (image_window){box.min.x, box.min.y, (uint32_t)width, (uint32_t)height};
+}
+
+static int read_matrix(const reader *r, const char *name, double out[16]) {
+  exr_attr_m44f_t m;
+  if (exr_attr_get_m44f(r->context, 0, name, &m) != EXR_ERR_SUCCESS)
+    return 0;
+  for (int i = 0; i < 16; i++)
+    out[i] = (double)m.m[i];
+  return 1;
+}
+
+/* Appends a word to what is known of the program. */
+static void add_origin(image *out, const char *word, size_t length) {
+  const size_t used = strlen(out->origin);
+  snprintf(out->origin + used, sizeof out->origin - used, "%s%.*s",
+           used ? " " : "", (int)length, word);
+}
+
+/* Programs sign with a text, or put their name in front of a slash. */
+static void read_origin(const reader *r, image *out) {
+  static const char *const signs[] = {"Software", "software", "generatedBy",
+                                      "BlenderMultiChannel"};
+  int32_t count = 0;
+  for (size_t i = 0; i < sizeof signs / sizeof *signs; i++) {
+    const char *text = NULL;
+    int32_t length = 0;
+    if (exr_attr_get_string(r->context, 0, signs[i], &length, &text) ==
+            EXR_ERR_SUCCESS &&
+        text && length >= 0)
+      add_origin(out, text, (size_t)length);
+  }
+  exr_get_attribute_count(r->context, 0, &count);
+  for (int32_t i = 0; i < count; i++) {
+    const exr_attribute_t *attribute = NULL;
+    if (exr_get_attribute_by_index(r->context, 0, EXR_ATTR_LIST_FILE_ORDER, i,
+                                   &attribute) != EXR_ERR_SUCCESS)
+      return;
+    const char *slash = strchr(attribute->name, '/');
+    if (slash) {
+      add_origin(out, attribute->name, (size_t)(slash - attribute->name));
+      return;
+    }
+  }
+}
+
+static void read_attributes(reader *r, image *out) {
+  image_matrices *m = &out->matrices;
+  read_key(r, out);
+  read_display(r, out);
+  m->has_camera = read_matrix(r, "worldToCamera", m->world_to_camera);
+  m->has_ndc = read_matrix(r, "worldToNDC", m->world_to_ndc);
+  read_origin(r, out);
+  /* asking for what isn't there is no complaint about the file */
+  r->stream.message[0] = '\0';
+}
+
 static int list_part(reader *r, int part, image *out) {
   const exr_attr_chlist_t *channels = part_channels(r, part);
   for (int i = 0; channels && i < channels->num_channels; i++) {
     char name[sizeof out->planes->name];
-    snprintf(name, sizeof name, "%s", channels->entries[i].name.str);
-    if (image_find(out, name))
-      qualified_name(r, part, channels->entries[i].name.str, name, sizeof name);
+    const char *plain = channels->entries[i].name.str;
+    snprintf(name, sizeof name, "%s", plain);
+    if (image_find(out, name) || (part > 0 && !strchr(plain, '.')))
+      qualified_name(r, part, plain, name, sizeof name);
     if (!image_find(out, name) && !image_declare(out, name))
       return image_no_memory(r->error, r->stream.path);
   }
@@ -330,7 +397,7 @@ int exr_read_header(const char *path, image *out, image_error *error) {
   if (reader_open(&r, path, error) != 0)
     return -1;
   set_size(&r, out);
-  read_key(&r, out);
+  read_attributes(&r, out);
   for (int part = 0; part < r.parts && !failed; part++)
     failed = list_part(&r, part, out);
   reader_close(&r);
@@ -594,6 +661,7 @@ static int read_file(const char *path, const char *const *names, size_t count,
   if (reader_open(&r, path, error) != 0)
     return -1;
   set_size(&r, out);
+  read_display(&r, out);
   source *sources = calloc(count ? count : 1, sizeof *sources);
   int failed = sources ? read_planes(&r, names, count, as_is, out, sources)
                        : image_no_memory(error, path);

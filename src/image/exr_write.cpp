@@ -8,6 +8,7 @@
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStdIO.h>
 #include <OpenEXR/ImfStringAttribute.h>
@@ -118,9 +119,19 @@ bool read_header(const char *path, Imf::Header &out) {
   return true;
 }
 
+Imath::Box2i box(const image_window &w) {
+  return {{w.x, w.y}, {w.x + int(w.width) - 1, w.y + int(w.height) - 1}};
+}
+
 Imath::Box2i data_window(const image &img) {
-  return {{img.x, img.y},
-          {img.x + int(img.width) - 1, img.y + int(img.height) - 1}};
+  return box(image_data_window(&img));
+}
+
+Imf::M44fAttribute matrix(const double m[16]) {
+  Imath::M44f out;
+  for (int i = 0; i < 16; i++)
+    out[i / 4][i % 4] = float(m[i]);
+  return Imf::M44fAttribute(out);
 }
 
 void take_attributes(const exr_style &style, Imf::Header &header) {
@@ -144,10 +155,16 @@ Imf::Header make_header(const image &img, const unsigned char *half,
                         const exr_style &style) {
   const Imath::Box2i window = data_window(img);
   Imf::Header header(window, window);
+  const image_matrices &m = img.matrices;
   header.compression() = style.compression == EXR_COMPRESSION_OF_INPUT
                              ? Imf::ZIP_COMPRESSION
                              : Imf::Compression(style.compression);
   take_attributes(style, header);
+  header.displayWindow() = box(image_display_window(&img));
+  if (m.has_camera)
+    header.insert("worldToCamera", matrix(m.world_to_camera));
+  if (m.has_ndc)
+    header.insert("worldToNDC", matrix(m.world_to_ndc));
   if (img.key[0])
     header.insert(EXR_KEY, Imf::StringAttribute(img.key));
   for (size_t i = 0; i < img.count; i++)

@@ -15,6 +15,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <string>
@@ -60,11 +61,19 @@ int write_png(const char *path, const char *temporary, const unsigned char *rgb,
   return 0;
 }
 
+// Channels from begin to end, `stride` floats from pixel to pixel. Of a TIFF
+// that breaks off OpenImageIO says so, and that it was read.
+bool read_channels(OIIO::ImageInput &in, int begin, int end, float *out,
+                   size_t stride) {
+  return in.read_image(0, 0, begin, end, OIIO::TypeDesc::FLOAT, out,
+                       OIIO::stride_t(stride * sizeof(float))) &&
+         !in.has_error();
+}
+
 bool read_rgb(OIIO::ImageInput &in, float *rgb) {
   const OIIO::ImageSpec &spec = in.spec();
   const int channels = spec.nchannels < 3 ? 1 : 3;
-  if (!in.read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, rgb,
-                     3 * sizeof(float)))
+  if (!read_channels(in, 0, channels, rgb, 3))
     return false;
   const size_t pixels = size_t(spec.width) * size_t(spec.height);
   for (size_t i = 0; channels == 1 && i < pixels; i++)
@@ -103,6 +112,92 @@ int read_file(const char *path, float **rgb, uint32_t *width, uint32_t *height,
   *width = uint32_t(spec.width);
   *height = uint32_t(spec.height);
   *rgb = out.release();
+  return 0;
+}
+
+// The first image of a file, as it is stored: colours stay encoded, alpha stays
+// what it is.
+std::unique_ptr<OIIO::ImageInput> open_planes(const char *path,
+                                              image_error *error) {
+  OIIO::ImageSpec as_stored;
+  as_stored.attribute("oiio:UnassociatedAlpha", 1);
+  auto in = OIIO::ImageInput::open(path, &as_stored);
+  if (!in) {
+    image_fail(error, "%s: cannot be read: %s; a whole file is needed", path,
+               OIIO::geterror().c_str());
+    return nullptr;
+  }
+  const OIIO::ImageSpec &spec = in->spec();
+  if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.deep ||
+      spec.nchannels < 1 ||
+      uint64_t(spec.width) * uint64_t(spec.height) >
+          IMAGE_MAP_PIXELS / uint64_t(spec.nchannels)) {
+    image_fail(error,
+               "%s: %d x %d pixels, %d channels; a flat image of at most %d "
+               "values is needed",
+               path, spec.width, spec.height, spec.nchannels, IMAGE_MAP_PIXELS);
+    return nullptr;
+  }
+  return in;
+}
+
+void describe(const OIIO::ImageSpec &spec, image *out) {
+  *out = image{};
+  out->x = spec.x;
+  out->y = spec.y;
+  out->width = uint32_t(spec.width);
+  out->height = uint32_t(spec.height);
+  if (spec.full_width > 0 && spec.full_height > 0)
+    out->display = {spec.full_x, spec.full_y, uint32_t(spec.full_width),
+                    uint32_t(spec.full_height)};
+  // Eight bits without a word about them are sRGB, by all habits.
+  const std::string space = spec.get_string_attribute("oiio:ColorSpace");
+  out->gamma = space == "sRGB" ||
+               (space.empty() && spec.format.basetype == OIIO::TypeDesc::UINT8);
+}
+
+int list_planes(const char *path, image *out, image_error *error) {
+  const Silence silence;
+  auto in = open_planes(path, error);
+  if (!in)
+    return -1;
+  describe(in->spec(), out);
+  for (const std::string &name : in->spec().channelnames)
+    if (!image_declare(out, name.c_str()))
+      return image_no_memory(error, path);
+  return 0;
+}
+
+int take_plane(OIIO::ImageInput &in, const char *path, const char *name,
+               image *out, image_error *error) {
+  const OIIO::ImageSpec &spec = in.spec();
+  const int channel = spec.channelindex(name);
+  if (image_find(out, name))
+    return 0;
+  if (channel < 0)
+    return image_fail(error, "%s: has no channel %s (see hbil info)", path,
+                      name);
+  const image_plane *plane = image_add(out, name);
+  if (!plane)
+    return image_no_memory(error, path);
+  if (!read_channels(in, channel, channel + 1, plane->pixels, 1))
+    return image_fail(error,
+                      "%s: truncated or damaged: %s; a complete image is "
+                      "needed",
+                      path, in.geterror().c_str());
+  return 0;
+}
+
+int take_planes(const char *path, const char *const *names, size_t count,
+                image *out, image_error *error) {
+  const Silence silence;
+  auto in = open_planes(path, error);
+  if (!in)
+    return -1;
+  describe(in->spec(), out);
+  for (size_t i = 0; i < count; i++)
+    if (take_plane(*in, path, names[i], out, error) != 0)
+      return -1;
   return 0;
 }
 
@@ -150,6 +245,43 @@ extern "C" int png_write(const char *path, const unsigned char *rgb,
     return temporary_commit(temporary, path, error);
   temporary_discard(temporary);
   return -1;
+}
+
+extern "C" int formats_recognise(const char *path) {
+  static const std::string starts[] = {
+      "\x89PNG", std::string("II*\0", 4), std::string("MM\0*", 4),
+      "#?RADIANCE", "#?RGBE"};
+  char start[10] = "";
+  FILE *file = std::fopen(path, "rb");
+  if (!file)
+    return 0;
+  const size_t read = std::fread(start, 1, sizeof start, file);
+  std::fclose(file);
+  for (const std::string &s : starts)
+    if (read >= s.size() && s.compare(0, s.size(), start, s.size()) == 0)
+      return 1;
+  return 0;
+}
+
+extern "C" int formats_read_header(const char *path, image *out,
+                                   image_error *error) {
+  *out = image{};
+  const int failed = guarded(path, "read", error,
+                             [&] { return list_planes(path, out, error); });
+  if (failed)
+    image_free(out);
+  return failed;
+}
+
+extern "C" int formats_read(const char *path, const char *const *names,
+                            size_t count, image *out, image_error *error) {
+  *out = image{};
+  const int failed = guarded(path, "read", error, [&] {
+    return take_planes(path, names, count, out, error);
+  });
+  if (failed)
+    image_free(out);
+  return failed;
 }
 
 extern "C" int formats_read_rgb(const char *path, float **rgb, uint32_t *width,

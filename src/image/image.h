@@ -31,11 +31,26 @@ typedef struct image_plane {
   image_type type; /* IMAGE_UINT: the pixels are the bits of integers */
 } image_plane;
 
+typedef struct image_window {
+  int32_t x, y; /* of the top left pixel */
+  uint32_t width, height;
+} image_window;
+
+/* What a renderer says of its camera in the header, as the file has it. */
+typedef struct image_matrices {
+  int has_camera, has_ndc;
+  double world_to_camera[16], world_to_ndc[16];
+} image_matrices;
+
 typedef struct image {
   uint32_t width, height; /* of the data window */
   int32_t x, y;           /* its top left corner */
+  image_window display;   /* what is to be seen; width 0: the data window */
   size_t count;
   image_plane *planes;
+  image_matrices matrices;
+  char origin[128]; /* what the header tells of the program that wrote it */
+  int gamma;        /* colours are stored as sRGB, not linear */
   char key[32]; /* what it was made from, attribute hbilKey; "" where none */
 } image;
 
@@ -61,6 +76,24 @@ image_plane *image_add(image *img, const char *name);
 /* The same without pixels: for header-only images. */
 image_plane *image_declare(image *img, const char *name);
 
+/* Where the pixels are, and what of them is to be seen. */
+image_window image_data_window(const image *img);
+image_window image_display_window(const image *img);
+/* The smallest window that holds both, and the largest in both (0 x 0 where
+ * there is none). */
+image_window image_window_union(image_window a, image_window b);
+image_window image_window_common(image_window a, image_window b);
+
+/* A plane of `from` as a plane of `to`, zero where it has no pixels; both
+ * planes are their windows' size. */
+void image_place(const float *pixels, image_window from, float *out,
+                 image_window to);
+
+/* Any file of planes: EXR, and what formats_recognise() knows. */
+int image_read_header(const char *path, image *out, image_error *error);
+int image_read(const char *path, const char *const *names, size_t count,
+               image *out, image_error *error);
+
 /* --- EXR, through OpenEXRCore (exr.c) and OpenEXR (exr_write.cpp) --- */
 
 /* Attribute of image.key. */
@@ -69,7 +102,8 @@ image_plane *image_declare(image *img, const char *name);
 /*
  * Flat scanline and tiled files, single and multi-part.  The first flat part
  * gives the size; channels are those of all flat parts of the same data window.
- * A name that an earlier part has used already is listed as PART.NAME.
+ * A name that an earlier part has used already is listed as PART.NAME; so is
+ * one without a layer in a part behind the first, which is a layer by itself.
  *
  * Whatever a file claims, memory stays below EXR_SPARE_MEMORY and, once the
  * header is known, 4 times its image more: pixels x channels x 4 bytes.  The
@@ -153,14 +187,24 @@ enum { IMAGE_MAP_PIXELS = 1 << 27 };
 int formats_read_rgb(const char *path, float **rgb, uint32_t *width,
                      uint32_t *height, image_error *error);
 
+/* Whether it begins as a PNG, TIFF or Radiance HDR file does. */
+int formats_recognise(const char *path);
+/* Such a file as planes, with the names and to the rules of exr_read_header()
+ * and exr_read(); integers become 0..1.  IMAGE_MAP_PIXELS at most. */
+int formats_read_header(const char *path, image *out, image_error *error);
+int formats_read(const char *path, const char *const *names, size_t count,
+                 image *out, image_error *error);
+
 /* --- camera side-car (camera_json.c) --- */
 
 /* The JSON beside a dump: camera_to_world (OpenGL convention, row-major), fx,
- * fy, cx, cy, resolution. */
+ * fy, cx, cy; resolution, near and far may be there.  Pixels are counted from
+ * the display window's corner. */
 typedef struct camera_file {
   double camera_to_world[16];
   double fx, fy, cx, cy;
   uint32_t width, height;
+  double near, far; /* clipping planes; 0: not told */
 } camera_file;
 
 /* A file that is larger is refused before the rest of it is read. */

@@ -189,19 +189,36 @@ typedef struct mask {
   int albedo;
 } mask;
 
+/* How a G-buffer is read for its depth and albedo; depths that need a camera to
+ * be read need one here, too. */
+static int map_mask(const char *path, channel_map *map, image_error *error) {
+  image header;
+  source_options guess;
+  view seen;
+  camera_file camera;
+  source_options_init(&guess);
+  if (image_read_header(path, &header, error) != 0)
+    return -1;
+  int failed = channels_map(path, &header, &guess, map, error);
+  if (!failed)
+    map->window = image_window_common(map->data, map->display);
+  if (!failed && map->count[ROLE_DEPTH] && !convert_is_straight(&map->how))
+    failed = view_read(path, &header, NULL, &guess, &seen, error) != 0 ||
+             view_aim(path, &seen, map, &camera, error) != 0;
+  image_free(&header);
+  return failed;
+}
+
 static int read_mask(const compare_options *o, const image *like, mask *out,
                      image_error *error) {
   const char *path = o->mask ? o->mask : o->mask_depth;
-  image header;
   channel_map map;
   hbil_config config;
   memset(out, 0, sizeof *out);
   if (!path)
     return 0;
-  if (exr_read_header(path, &header, error) != 0)
+  if (map_mask(path, &map, error) != 0)
     return -1;
-  channels_map(&header, &map);
-  image_free(&header);
   hbil_config_init(&config);
   channels_conventions(&map, &config);
   out->background = config.background;

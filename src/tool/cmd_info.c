@@ -6,22 +6,36 @@
 #include <stdio.h>
 #include <string.h>
 
+typedef struct info_options {
+  const char *camera;
+  source_options source;
+} info_options;
+
 static const struct option options[] = {
     {"camera", required_argument, NULL, 'c'},
+    SOURCE_OPTIONS,
     {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
 };
 
 static void usage(void) {
-  puts("usage: hbil info [options] FRAME.exr...\n"
-       "\n"
-       "Tells which channels were understood as what, and their ranges; then\n"
-       "checks that depth, camera, positions and normals fit together.\n"
-       "\n"
-       "  --camera FILE  JSON camera (FRAME.json beside FRAME.exr)\n"
-       "\n"
+  puts(
+      "usage: hbil info [options] FRAME.exr...\n"
+      "\n"
+      "Tells which channels were understood as what, and their ranges; what "
+      "is\n"
+      "missing; then checks that depth, camera, positions and normals fit\n"
+      "together, and says which option helps where they don't.\n"
+      "\n"
+      "  --camera FILE         JSON camera (FRAME.json beside FRAME.exr, else\n"
+      "                        the header's)");
+  source_usage();
+  puts("\n"
        "Exit status: 0 if hbil process can use the files, else 2.");
 }
+
+/* ------------------------------------------------------------------------ */
+/* What is there                                                             */
 
 typedef struct range {
   float low, high;
@@ -41,140 +55,117 @@ static range find_range(const float *values, size_t count) {
   return r;
 }
 
-static void print_role(const gbuffer *g, role r) {
+/* What it costs that a role is missing. */
+static const char *cost(role r) {
+  static const char *const costs[ROLE_COUNT] = {
+      [ROLE_DEPTH] = "it is needed",
+      [ROLE_NORMAL] = "they are needed",
+      [ROLE_ALBEDO] = "every surface is taken for white, too much light is "
+                      "passed on",
+      [ROLE_DIRECT] = "no light to pass on but emission's, which is gathered; "
+                      "occlusion needs none",
+      [ROLE_EMISSION] = "lamps and sky are black in beauty",
+      [ROLE_BACKGROUND] = "nothing, where emission has the sky",
+      [ROLE_MOTION] = "--reprojection motion isn't possible, scatter is",
+      [ROLE_POSITION] = "depth and camera are checked by the normals alone"};
+  return costs[r];
+}
+
+static void print_range(const gbuffer *g, role r, size_t c) {
   const size_t pixels = (size_t)g->planes.width * g->planes.height;
-  if (!g->map.count[r])
-    printf("  %-10s not in the file\n", role_name(r));
-  for (size_t c = 0; c < g->map.count[r]; c++) {
-    const range found = find_range(gbuffer_plane(g, r, c), pixels);
+  const range found = find_range(gbuffer_plane(g, r, c), pixels);
+  if (found.low <= found.high)
+    printf(" %g .. %g", (double)found.low, (double)found.high);
+  if (found.odd)
+    printf(" (%zu not finite)", found.odd);
+}
+
+/* g: as stored. */
+static void print_role(const channel_map *map, const gbuffer *g, role r) {
+  if (!map->count[r])
+    printf("  %-10s not in the file: %s\n", role_name(r), cost(r));
+  for (size_t c = 0; c < map->count[r]; c++) {
     printf("  %-10s ", c ? "" : role_name(r));
-    for (int at = tool_show(g->map.names[r][c], stdout); at < 28; at++)
+    for (int at = tool_show(map->names[r][c], stdout); at < 28; at++)
       putchar(' ');
-    if (found.low <= found.high)
-      printf(" %g .. %g", (double)found.low, (double)found.high);
-    if (found.odd)
-      printf(" (%zu not finite)", found.odd);
-    putchar('\n');
+    if (g->map.count[r])
+      print_range(g, r, c);
+    if (map->files[r] && c == 0) {
+      fputs(" in ", stdout);
+      tool_show(map->files[r], stdout);
+    }
+    puts(map->gamma[r] && r >= ROLE_ALBEDO && r <= ROLE_BACKGROUND
+             ? ", sRGB, made linear"
+             : "");
   }
 }
 
-static void print_depth(const gbuffer *g, float background) {
-  const float *depth = gbuffer_plane(g, ROLE_DEPTH, 0);
-  const size_t pixels = (size_t)g->planes.width * g->planes.height;
-  float low = INFINITY, high = 0.0f;
-  size_t surface = 0;
-  for (size_t i = 0; i < pixels; i++)
-    if (gbuffer_is_surface(depth[i], background)) {
-      low = fminf(low, depth[i]);
-      high = fmaxf(high, depth[i]);
-      surface++;
-    }
-  printf("  surfaces   %.1f %% of the pixels",
-         100.0 * (double)surface / (double)pixels);
-  if (surface)
-    printf(", depth %g .. %g", (double)low, (double)high);
+static void print_window(const channel_map *map) {
+  const image_window *d = &map->data, *s = &map->display;
+  const image_window both = image_window_common(*d, *s);
+  if (memcmp(d, s, sizeof *d) == 0)
+    return;
+  printf("  window     pixels at %d, %d of a picture of %u x %u at %d, %d%s\n",
+         d->x, d->y, s->width, s->height, s->x, s->y,
+         both.width == d->width && both.height == d->height
+             ? ""
+             : "; those beyond its edges are used and not written");
+}
+
+static void print_conventions(const channel_map *map) {
+  static const char *const depths[] = {
+      "along the camera's axis", "from the eye", "taken from positions",
+      "0..1 between the clipping planes", "1..0 between the clipping planes"};
+  static const char *const lights[] = {"E", "E/pi", "E albedo/pi"};
+  const conventions *how = &map->how;
+  printf("  depth is   %s%s (--depth)", depths[how->depth],
+         how->backwards ? ", backwards" : "");
+  if (how->from_near && how->depth == DEPTH_RAY)
+    printf(", from the near plane at %g (--clip)", how->near);
+  if (isfinite(how->background))
+    printf("; sky from %g on (--background)", (double)how->background);
+  printf("\n  normals    in %s space%s (--normals)",
+         how->normals == SPACE_WORLD ? "world" : "camera",
+         how->encoded ? ", encoded" : "");
+  if (how->flips)
+    printf(", flipped %s%s%s (--flip)", how->flips & 1 ? "x" : "",
+           how->flips & 2 ? "y" : "", how->flips & 4 ? "z" : "");
   putchar('\n');
+  if (map->count[ROLE_DIRECT])
+    printf("  direct is  %s (--direct)\n", lights[how->direct]);
+  if (how->unit != 1.0)
+    printf("  units      depth and positions times %g (--unit-scale)\n",
+           how->unit);
 }
 
 /* ------------------------------------------------------------------------ */
 /* Does it fit together?                                                     */
 
-typedef struct check {
-  const gbuffer *g;
-  hbil_camera camera;
-  float background;
-} check;
-
-static void pixel_ray(const check *k, size_t i, double ray[3]) {
-  const size_t width = k->g->planes.width;
-  ray[0] = ((double)(i % width) + 0.5 - k->camera.cx) / k->camera.fx;
-  ray[1] = ((double)(i / width) + 0.5 - k->camera.cy) / k->camera.fy;
-  ray[2] = 1.0;
+static void print_camera(const view *seen, const hbil_camera *camera) {
+  printf("  camera     %s: focal lengths %g, %g pixels, centre %g, %g, at %g "
+         "%g %g%s\n",
+         seen->from, camera->fx, camera->fy, camera->cx, camera->cy,
+         camera->world_from_view[3], camera->world_from_view[7],
+         camera->world_from_view[11],
+         seen->mirrored ? ", its world mirrored" : "");
 }
 
-/* Rotates a view-space vector into the world. */
-static void to_world(const check *k, const double v[3], double out[3]) {
-  const double *m = k->camera.world_from_view;
-  for (int i = 0; i < 3; i++)
-    out[i] = m[4 * i] * v[0] + m[4 * i + 1] * v[1] + m[4 * i + 2] * v[2];
-}
-
-/* How far the rebuilt position is from the file's, as a share of the distance
- * from the eye.  ray_depth: take depth as that distance, not planar. */
-static double position_error(const check *k, size_t i, int ray_depth) {
-  const double depth = gbuffer_plane(k->g, ROLE_DEPTH, 0)[i];
-  double ray[3], out[3], off = 0.0, far = 0.0;
-  pixel_ray(k, i, ray);
-  const double length = sqrt(ray[0] * ray[0] + ray[1] * ray[1] + 1.0);
-  const double scale = ray_depth ? depth / length : depth;
-  to_world(k, ray, out);
-  for (int c = 0; c < 3; c++) {
-    const double eye = k->camera.world_from_view[4 * c + 3];
-    const double p = gbuffer_plane(k->g, ROLE_POSITION, (size_t)c)[i];
-    const double d = out[c] * scale + eye - p;
-    off += d * d;
-    far += (p - eye) * (p - eye);
-  }
-  return far > 0.0 ? sqrt(off / far) : 0.0;
-}
-
-static double largest_error(const check *k, int ray_depth) {
-  const float *depth = gbuffer_plane(k->g, ROLE_DEPTH, 0);
-  const size_t pixels = (size_t)k->g->planes.width * k->g->planes.height;
-  double worst = 0.0;
-  for (size_t i = 0; i < pixels; i++)
-    if (gbuffer_is_surface(depth[i], k->background)) {
-      const double e = position_error(k, i, ray_depth);
-      worst = e > worst || isnan(e) ? e : worst;
-    }
-  return worst;
-}
-
-static void check_position(const check *k) {
-  const double planar = largest_error(k, 0), ray = largest_error(k, 1);
-  printf("  position   rebuilt from depth and camera: largest relative error "
-         "%.2g%s\n",
-         planar, planar < 1e-3 ? ", they agree" : "");
-  if (!(planar < 1e-3) && ray < 1e-3)
-    puts("             the depth is the distance from the eye, not planar");
-  else if (!(planar < 1e-3))
-    puts("             the camera is not that of this frame, or the depth is "
-         "in other units");
-}
-
-/* Normals must be turned towards the eye. */
-static void check_normals(const check *k) {
-  const float *depth = gbuffer_plane(k->g, ROLE_DEPTH, 0);
-  const size_t pixels = (size_t)k->g->planes.width * k->g->planes.height;
-  size_t surface = 0, facing = 0;
-  for (size_t i = 0; i < pixels; i++) {
-    double ray[3], world[3], cosine = 0.0;
-    if (!gbuffer_is_surface(depth[i], k->background))
-      continue;
-    pixel_ray(k, i, ray);
-    to_world(k, ray, world);
-    for (int c = 0; c < 3; c++)
-      cosine -= world[c] * gbuffer_plane(k->g, ROLE_NORMAL, (size_t)c)[i];
-    surface++;
-    facing += cosine >= -1e-3;
-  }
-  const double share = surface ? (double)facing / (double)surface : 1.0;
-  printf("  normals    %.1f %% face the eye%s\n", 100.0 * share,
-         share < 0.98 ? "; they may not be in world space" : "");
-}
-
-static void self_check(const gbuffer *g, const camera_file *camera,
-                       float background) {
-  check k = {.g = g, .background = background};
-  gbuffer_hbil_camera(camera, &k.camera);
-  printf("  camera     focal lengths %g, %g pixels, centre %g, %g, at %g %g "
-         "%g\n",
-         k.camera.fx, k.camera.fy, k.camera.cx, k.camera.cy,
-         k.camera.world_from_view[3], k.camera.world_from_view[7],
-         k.camera.world_from_view[11]);
+static void print_check(const gbuffer *g, const selfcheck *k) {
+  printf("  surfaces   %.1f %% of the pixels", 100.0 * k->surface);
+  if (k->surface > 0.0)
+    printf(", depth %g .. %g", k->low, k->high);
+  putchar('\n');
   if (g->map.count[ROLE_POSITION])
-    check_position(&k);
-  check_normals(&k);
+    printf("  position   rebuilt from depth and camera: largest relative error "
+           "%.2g%s\n",
+           k->positions, k->positions < 1e-3 ? ", they agree" : "");
+  printf("  normals    %.1f %% face the eye", 100.0 * k->facing);
+  if (!isnan(k->agreement))
+    printf(", %.1f degrees off the depth's own on average",
+           acos(fmin(1.0, k->agreement)) * 57.29577951308232);
+  putchar('\n');
+  for (int i = 0; i < k->count; i++)
+    printf("  warning    %s\n", k->text[i]);
 }
 
 static int is_used(const channel_map *map, const char *name) {
@@ -206,40 +197,76 @@ static void print_ignored(const image *header, const channel_map *map) {
   }
 }
 
-static int print_planes(const char *path, const gbuffer *g,
-                        const char *camera_path, image_error *error) {
-  hbil_config config;
-  camera_file camera;
-  hbil_config_init(&config);
-  channels_conventions(&g->map, &config);
-  tool_show(path, stdout);
-  printf(": %u x %u pixels, read as %s\n", g->planes.width, g->planes.height,
-         dump_kind_name(g->map.kind));
-  for (int r = 0; r < ROLE_COUNT; r++)
-    print_role(g, (role)r);
-  if (g->map.count[ROLE_DEPTH])
-    print_depth(g, config.background);
-  if (channels_check(&g->map, path, error) != 0 ||
-      gbuffer_camera(path, camera_path, &camera, error) != 0 ||
-      gbuffer_check_camera(path, &g->planes, &camera, error) != 0)
+/* The planes as they are stored, for their ranges. */
+static int print_roles(const char *path, const channel_map *map,
+                       image_error *error) {
+  channel_map stored = *map;
+  gbuffer g;
+  const conventions as_it_is = {.unit = 1.0, .background = INFINITY};
+  stored.how = as_it_is;
+  memset(stored.gamma, 0, sizeof stored.gamma);
+  stored.mirrored = 0;
+  if (map->how.depth == DEPTH_POSITION)
+    stored.count[ROLE_DEPTH] = 0;
+  stored.window = map->data;
+  if (gbuffer_read(path, &stored, ~(1u << ROLE_BACKGROUND), &g, error) != 0)
     return -1;
-  self_check(g, &camera, config.background);
+  for (int r = 0; r < ROLE_COUNT; r++)
+    print_role(map, &g, (role)r);
+  gbuffer_free(&g);
   return 0;
 }
 
-static int print_file(const char *path, const char *camera,
+static int check_frame(const char *path, const channel_map *map,
+                       const view *seen, image_error *error) {
+  hbil_config config;
+  selfcheck found;
+  gbuffer g;
+  hbil_config_init(&config);
+  channels_conventions(map, &config);
+  if (gbuffer_read(path, map, ~0u, &g, error) != 0)
+    return -1;
+  print_camera(seen, &map->camera);
+  selfcheck_frame(&g, &config, &map->camera, &found);
+  print_check(&g, &found);
+  gbuffer_free(&g);
+  return 0;
+}
+
+static int print_understood(const char *path, const image *header,
+                            const info_options *o, channel_map *map,
+                            image_error *error) {
+  view seen;
+  camera_file camera;
+  selfcheck guessed;
+  print_window(map);
+  if (print_roles(path, map, error) != 0 ||
+      channels_check(map, path, error) != 0 ||
+      view_read(path, header, o->camera, &o->source, &seen, error) != 0 ||
+      view_aim(path, &seen, map, &camera, error) != 0 ||
+      selfcheck_settle(path, map, &guessed, error) != 0)
+    return -1;
+  for (int i = 0; i < guessed.count; i++)
+    printf("  guessed    %s\n", guessed.text[i]);
+  print_conventions(map);
+  return check_frame(path, map, &seen, error);
+}
+
+static int print_file(const char *path, const info_options *o,
                       image_error *error) {
   image header;
   channel_map map;
-  gbuffer g;
-  if (exr_read_header(path, &header, error) != 0)
+  if (image_read_header(path, &header, error) != 0)
     return -1;
-  channels_map(&header, &map);
-  int failed = gbuffer_read(path, &map, ~0u, &g, error);
+  int failed = channels_map(path, &header, &o->source, &map, error);
   if (!failed) {
-    failed = print_planes(path, &g, camera, error);
+    tool_show(path, stdout);
+    printf(": %u x %u pixels, read as %s (--source %s)\n", header.width,
+           header.height, dump_kind_name(map.kind),
+           source_table[map.kind].word);
+    failed = print_understood(path, &header, o, &map, error);
     print_ignored(&header, &map);
-    gbuffer_free(&g);
+    channels_free(&map);
   }
   image_free(&header);
   return failed;
@@ -247,23 +274,26 @@ static int print_file(const char *path, const char *camera,
 
 int cmd_info(int argc, char **argv) {
   image_error error;
-  const char *camera = NULL;
+  info_options o = {.camera = NULL};
   int option, status = TOOL_OK;
+  source_options_init(&o.source);
   while ((option = option_next(argc, argv, ":h", options, &error)) != -1) {
-    if (option == '?')
-      return tool_report(&error);
     if (option == 'h') {
       usage();
       return TOOL_OK;
     }
-    camera = optarg;
+    if (option == 'c')
+      o.camera = optarg;
+    else if (option == '?' ||
+             source_option(option, optarg, &o.source, &error) != 0)
+      return tool_report(&error);
   }
   if (optind == argc) {
     image_fail(&error, "no file; one FRAME.exr or more is needed");
     return tool_report(&error);
   }
   for (int i = optind; i < argc; i++)
-    if (print_file(argv[i], camera, &error) != 0) {
+    if (print_file(argv[i], &o, &error) != 0) {
       fflush(stdout);
       status = tool_report(&error);
     }

@@ -105,6 +105,7 @@ static const struct option options[] = {
     {"timings", no_argument, NULL, OPTION_TIMINGS},
     {"json", no_argument, NULL, OPTION_JSON},
     {"quiet", no_argument, NULL, OPTION_QUIET},
+    SOURCE_OPTIONS,
     {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
 };
@@ -232,8 +233,9 @@ static void usage(const hbil_config *defaults) {
       "  --disocclusion S      drop carried light where depth is off by more\n"
       "                        than this share (%g)\n",
       (double)defaults->disocclusion);
-  puts("  --raw                 undo the 4x4 split only, without the filter\n"
-       "\n"
+  puts("  --raw                 undo the 4x4 split only, without the filter");
+  source_usage();
+  puts("\n"
        "Layers: near, far: irradiance E; indirect: (1-F0)(E_near+E_far)/pi,\n"
        "what renderers call diffuse indirect, without albedo; AO.V: 1 open;\n"
        "bent: unit vector, world space; cone.V: cosine of the bent cone's\n"
@@ -342,6 +344,8 @@ static int set_number(int option, process_options *o, image_error *error) {
 }
 
 static int set_option(int option, process_options *o, image_error *error) {
+  if (option >= SOURCE_OPTION)
+    return source_option(option, optarg, &o->source, error);
   switch (option) {
   case 'o':
     o->output = optarg;
@@ -478,7 +482,7 @@ int cmd_process(int argc, char **argv) {
       r.frames = optarg;
     else if (option == '?' || set_option(option, &o, &error) != 0)
       return tool_report(&error);
-    if (option >= OPTION_LAYERS)
+    if (option >= OPTION_LAYERS && option < OPTION_END)
       r.given[option - OPTION_LAYERS] = 1;
   }
   frame_list list;

@@ -1,5 +1,4 @@
-/* One captured frame: its planes and its camera. */
-#define _POSIX_C_SOURCE 200809L
+/* One captured frame: its planes. */
 #include "tool/tool.h"
 
 #include <math.h>
@@ -19,19 +18,131 @@ static void add_background(gbuffer *g) {
   }
 }
 
+/* What else conversions read, and what they make up. */
+static unsigned needed(const channel_map *map, unsigned roles) {
+  if (map->how.depth == DEPTH_POSITION && roles >> ROLE_DEPTH & 1)
+    roles = (roles | 1u << ROLE_POSITION) & ~(1u << ROLE_DEPTH);
+  if (map->how.direct == DIRECT_RADIANCE && roles >> ROLE_DIRECT & 1)
+    roles |= 1u << ROLE_ALBEDO;
+  return roles;
+}
+
+static int same_text(const char *a, const char *b) {
+  return a == b || (a && b && strcmp(a, b) == 0);
+}
+
+/* Gives a plane that was read to the frame, without a copy where none is
+ * needed. */
+static int take_plane(gbuffer *g, image *from, image_window at,
+                      const char *name, const char *as) {
+  const image_window to = g->map.window;
+  image_plane *source = image_find(from, name);
+  const int fits = memcmp(&at, &to, sizeof at) == 0;
+  image_plane *plane =
+      fits ? image_declare(&g->planes, as) : image_add(&g->planes, as);
+  if (!plane)
+    return -1;
+  if (!fits)
+    image_place(source->pixels, at, plane->pixels, to);
+  else {
+    plane->pixels = source->pixels;
+    source->pixels = NULL;
+  }
+  return 0;
+}
+
+/* A channel that has two roles was given to the first one. */
+static int copy_plane(gbuffer *g, const char *name, const char *as) {
+  image_plane *plane = image_add(&g->planes, as);
+  if (!plane)
+    return -1;
+  const image_plane *given = image_find(&g->planes, name);
+  memcpy(plane->pixels, given->pixels,
+         sizeof(float) * g->planes.width * g->planes.height);
+  return 0;
+}
+
+/* The planes of the roles that lie in this file. */
+static int take_planes(gbuffer *g, const channel_map *map, unsigned roles,
+                       const char *file, image *from) {
+  const image_window shown = image_display_window(from);
+  image_window at = image_data_window(from);
+  at.x += map->display.x - shown.x;
+  at.y += map->display.y - shown.y;
+  for (int r = 0; r < ROLE_COUNT; r++)
+    for (size_t c = 0; c < map->count[r]; c++) {
+      char *as = g->map.names[r][c];
+      const char *name = map->names[r][c];
+      const char *given = NULL;
+      if (!(roles >> r & 1) || !same_text(map->files[r], file))
+        continue;
+      for (int q = 0; q <= r && !given; q++)
+        for (size_t d = 0; d < (q < r ? map->count[q] : c) && !given; d++)
+          if (roles >> q & 1 && same_text(map->files[q], file) &&
+              strcmp(map->names[q][d], name) == 0)
+            given = g->map.names[q][d];
+      snprintf(as, sizeof g->map.names[r][c], "%s.%zu", role_name((role)r), c);
+      if ((given ? copy_plane(g, given, as)
+                 : take_plane(g, from, at, name, as)) != 0)
+        return -1;
+    }
+  return 0;
+}
+
+static int read_file(const char *frame, const char *file, unsigned roles,
+                     const channel_map *map, gbuffer *out, image_error *error) {
+  const char *names[ROLE_COUNT * ROLE_CHANNELS];
+  const char *path = file ? file : frame;
+  size_t count = 0;
+  image planes;
+  for (int r = 0; r < ROLE_COUNT; r++)
+    for (size_t c = 0; roles >> r & 1 && c < map->count[r]; c++)
+      if (same_text(map->files[r], file))
+        names[count++] = map->names[r][c];
+  if (count == 0)
+    return 0;
+  if (image_read(path, names, count, &planes, error) != 0)
+    return -1;
+  const int failed = take_planes(out, map, roles, file, &planes)
+                         ? image_no_memory(error, path)
+                         : 0;
+  image_free(&planes);
+  return failed;
+}
+
+/* Each file once: that of the frame, then those of single passes. */
+static int read_files(const char *path, unsigned roles, const channel_map *map,
+                      gbuffer *out, image_error *error) {
+  if (read_file(path, NULL, roles, map, out, error) != 0)
+    return -1;
+  for (int r = 0; r < ROLE_COUNT; r++) {
+    int before = !map->files[r];
+    for (int q = 0; q < r && !before; q++)
+      before = same_text(map->files[q], map->files[r]);
+    if (!before && read_file(path, map->files[r], roles, map, out, error) != 0)
+      return -1;
+  }
+  return 0;
+}
+
 int gbuffer_read(const char *path, const channel_map *map, unsigned roles,
                  gbuffer *out, image_error *error) {
-  const char *names[ROLE_COUNT * ROLE_CHANNELS];
-  size_t count = 0;
+  const unsigned read = needed(map, roles);
+  memset(&out->planes, 0, sizeof out->planes);
   out->map = *map;
-  for (int r = 0; r < ROLE_COUNT; r++) {
-    if (!(roles >> r & 1))
+  out->planes.x = map->window.x;
+  out->planes.y = map->window.y;
+  out->planes.width = map->window.width;
+  out->planes.height = map->window.height;
+  memset(out->map.files, 0, sizeof out->map.files);
+  for (int r = 0; r < ROLE_COUNT; r++)
+    if (!(read >> r & 1))
       out->map.count[r] = 0;
-    for (size_t c = 0; c < out->map.count[r]; c++)
-      names[count++] = out->map.names[r][c];
-  }
-  if (exr_read(path, names, count, &out->planes, error) != 0)
+  if (read_files(path, read, map, out, error) != 0 ||
+      convert_planes(path, out, error) != 0) {
+    gbuffer_free(out);
     return -1;
+  }
   add_background(out);
   return 0;
 }
@@ -47,47 +158,6 @@ const float *gbuffer_plane(const gbuffer *g, role r, size_t i) {
   return plane ? plane->pixels : NULL;
 }
 
-char *gbuffer_camera_name(const char *frame) {
-  const char *slash = strrchr(frame, '/');
-  const char *dot = strrchr(slash ? slash : frame, '.');
-  const size_t stem = dot ? (size_t)(dot - frame) : strlen(frame);
-  char *name = malloc(stem + sizeof ".json");
-  if (name) {
-    memcpy(name, frame, stem);
-    strcpy(name + stem, ".json");
-  }
-  return name;
-}
-
-int gbuffer_camera(const char *frame, const char *override, camera_file *out,
-                   image_error *error) {
-  if (override)
-    return camera_read(override, out, error);
-  char *name = gbuffer_camera_name(frame);
-  if (!name)
-    return image_no_memory(error, frame);
-  const int failed = camera_read(name, out, error);
-  free(name);
-  return failed;
-}
-
-int gbuffer_check_camera(const char *frame, const image *img,
-                         const camera_file *camera, image_error *error) {
-  if (!camera->width ||
-      (camera->width == img->width && camera->height == img->height))
-    return 0;
-  return image_fail(error,
-                    "%s: %u x %u pixels, but its camera is for %u x %u; the "
-                    "camera of this frame is needed",
-                    frame, img->width, img->height, camera->width,
-                    camera->height);
-}
-
 int gbuffer_is_surface(float depth, float background) {
   return isfinite(depth) && depth > 0.0f && depth < background;
-}
-
-void gbuffer_hbil_camera(const camera_file *file, hbil_camera *out) {
-  hbil_camera_from_opengl(out, file->camera_to_world, file->fx, file->fy,
-                          file->cx, file->cy);
 }

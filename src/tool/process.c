@@ -35,6 +35,7 @@ void process_set_model(hbil_config *config) {
 void process_options_init(process_options *options) {
   memset(options, 0, sizeof *options);
   hbil_config_init(&options->config);
+  source_options_init(&options->source);
   options->repeat = 1;
   options->compression = EXR_COMPRESSION_OF_ZIP;
   /* three bounces before the first picture: the fourth adds a few per cent */
@@ -84,33 +85,43 @@ static int check_roles(process *p, const job *j) {
                       "Vector pass), motion.{X,Y} or another --reprojection "
                       "is needed",
                       j->path);
+  const float *scale = j->map.how.motion_scale;
+  if (p->config.reprojection == HBIL_REPROJECTION_MOTION && scale[0] == 0.0f &&
+      scale[1] == 0.0f)
+    return image_fail(&p->error,
+                      "%s: how many pixels a unit of its motion is isn't "
+                      "known of %s; --motion-scale X,Y is needed",
+                      j->path, dump_kind_name(j->map.kind));
   return 0;
 }
 
-static int check_size(process *p, const job *j, const image *header) {
-  if (j == p->jobs) {
-    p->width = header->width;
-    p->height = header->height;
-  }
-  if (header->width != p->width || header->height != p->height)
+/* Frames may have pixels in different places of the same picture. */
+static int check_size(process *p, const job *j) {
+  const image_window *first = &p->jobs[0].map.display, *own = &j->map.display;
+  if (j == p->jobs)
+    p->window = j->map.data;
+  p->window = image_window_union(p->window, j->map.data);
+  if (own->width != first->width || own->height != first->height)
     return image_fail(&p->error,
                       "%s: %u x %u pixels, but %s has %u x %u; frames of one "
                       "size are needed",
-                      j->path, header->width, header->height, p->jobs[0].path,
-                      p->width, p->height);
-  return gbuffer_check_camera(j->path, header, &j->camera, &p->error);
+                      j->path, own->width, own->height, p->jobs[0].path,
+                      first->width, first->height);
+  return 0;
 }
 
 static int check_header(process *p, job *j) {
+  const process_options *o = p->options;
   image header;
-  if (exr_read_header(j->path, &header, &p->error) != 0)
+  if (image_read_header(j->path, &header, &p->error) != 0)
     return -1;
-  channels_map(&header, &j->map);
   const int failed =
+      channels_map(j->path, &header, &o->source, &j->map, &p->error) != 0 ||
       channels_check(&j->map, j->path, &p->error) != 0 ||
       check_roles(p, j) != 0 ||
-      gbuffer_camera(j->path, p->options->camera, &j->camera, &p->error) != 0 ||
-      check_size(p, j, &header) != 0;
+      view_read(j->path, &header, o->camera, &o->source, &j->view, &p->error) !=
+          0 ||
+      check_size(p, j) != 0;
   image_free(&header);
   return failed ? -1 : 0;
 }
@@ -130,6 +141,48 @@ static int check_present(process *p, const job *j, const char *result,
                       "--resume to keep what is right of the sequence, or "
                       "another output folder is needed",
                       result);
+  return 0;
+}
+
+/* Once it is known which pixels are lit: pixels beyond the picture's edges
+ * help those inside, and aren't written. */
+static int aim(process *p) {
+  p->width = p->window.width;
+  p->height = p->window.height;
+  p->shown = image_window_common(p->window, p->jobs[0].map.display);
+  if (!p->shown.width)
+    return image_fail(&p->error,
+                      "%s: none of its pixels lie in its display window; a "
+                      "data window that overlaps it is needed",
+                      p->jobs[0].path);
+  for (job *j = p->jobs; j < p->jobs + p->count; j++) {
+    j->map.window = p->window;
+    if (view_aim(j->path, &j->view, &j->map, &j->camera, &p->error) != 0)
+      return -1;
+  }
+  return 0;
+}
+
+static void note(const char *path, const char *kind, const char *what) {
+  fputs("hbil: ", stderr);
+  tool_show(path, stderr);
+  fprintf(stderr, ": %s%s\n", kind, what);
+}
+
+/* What the first frame shows goes for all. */
+static int settle(process *p) {
+  selfcheck found;
+  if (selfcheck_settle(p->jobs[0].path, &p->jobs[0].map, &found, &p->error) !=
+      0)
+    return -1;
+  for (int i = 0; !p->options->quiet && i < found.count; i++)
+    note(p->jobs[0].path, "", found.text[i]);
+  for (job *j = p->jobs + 1; j < p->jobs + p->count; j++) {
+    const double near = j->map.how.near, far = j->map.how.far;
+    j->map.how = p->jobs[0].map.how;
+    j->map.how.near = near;
+    j->map.how.far = far;
+  }
   return 0;
 }
 
@@ -153,10 +206,10 @@ static int check_name(process *p, job *j) {
   return failed;
 }
 
-static void warn(const char *path, const char *what) {
-  fputs("hbil: ", stderr);
-  tool_show(path, stderr);
-  fprintf(stderr, ": warning: %s\n", what);
+void process_warn(const char *path, const char *what) {
+  progress_line_begin();
+  note(path, "warning: ", what);
+  progress_line_end();
 }
 
 /* Not an error: occlusion and bent cones need no light. */
@@ -164,8 +217,9 @@ static void warn_of_darkness(const process *p) {
   const channel_map *map = &p->jobs[0].map;
   if (!p->options->quiet && p->config.mode == HBIL_MODE_HBIL &&
       !map->count[ROLE_DIRECT] && !map->count[ROLE_EMISSION])
-    warn(p->jobs[0].path, "no direct light and no emission; near light will be "
-                          "black");
+    process_warn(p->jobs[0].path,
+                 "no direct light and no emission; near light will be "
+                 "black");
 }
 
 static void name_job(job *j, const char *path) {
@@ -184,7 +238,7 @@ static int check_jobs(process *p, char *const *files) {
     if (check_header(p, &p->jobs[i]) != 0 || check_name(p, &p->jobs[i]) != 0)
       return -1;
   warn_of_darkness(p);
-  return 0;
+  return aim(p) != 0 || settle(p) != 0 ? -1 : 0;
 }
 
 /* The folder that a path is in; malloc'd. */
@@ -526,8 +580,10 @@ static void release(process *p) {
   sequence_close(p->sequence);
   exact_close(p->exact);
   device_close(&p->device);
-  for (int i = 0; p->jobs && i < p->count; i++)
+  for (int i = 0; p->jobs && i < p->count; i++) {
     free(p->jobs[i].stem);
+    channels_free(&p->jobs[i].map);
+  }
   free(p->jobs);
   free(p->rows);
   free(p->seconds);

@@ -20,9 +20,10 @@ typedef struct job {
   ino_t inode;
   char *stem; /* DIR/NAME, without .exr */
   channel_map map;
-  camera_file camera;
-  uint64_t key; /* resume.h; 0: not known yet */
-  int finished; /* its result is there */
+  view view;
+  camera_file camera; /* of the pixels that are lit */
+  uint64_t key;       /* resume.h; 0: not known yet */
+  int finished;       /* its result is there */
 } job;
 
 typedef struct process {
@@ -36,7 +37,9 @@ typedef struct process {
   double wall;                        /* seconds for all of them */
   size_t lit;                         /* frames that were lit */
   int count;
-  uint32_t width, height;
+  image_window window;    /* pixels that are lit: all that any frame has */
+  image_window shown;     /* pixels that are written */
+  uint32_t width, height; /* of window */
   int folder_created;
   device device;
   sequence *sequence; /* one of both */
@@ -45,11 +48,15 @@ typedef struct process {
   uint64_t settings;  /* the key before the first frame */
   resume_light light; /* what frames hand on */
   int first, end;     /* of the frames that are lit */
+  int warned;         /* of what a frame's pixels show */
   image_error error;
 } process;
 
 /* The three, one after the other; malloc'd. */
 char *process_join(const char *a, const char *between, const char *b);
+
+/* "hbil: PATH: warning: WHAT" */
+void process_warn(const char *path, const char *what);
 
 /* --- process_resume.c --- */
 

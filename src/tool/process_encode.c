@@ -79,18 +79,6 @@ static void tell(lighting *l, const job *j, const char *path) {
   progress_line_end();
 }
 
-/* Copies what of a plane is in another window; the rest stays black. */
-static void place(const image *from, const float *pixels, image *to,
-                  float *out) {
-  const int64_t left = (int64_t)to->x - from->x, top = (int64_t)to->y - from->y;
-  for (uint32_t y = 0; y < to->height; y++)
-    for (uint32_t x = 0; x < to->width; x++)
-      if (top + y >= 0 && top + y < from->height && left + x >= 0 &&
-          left + x < from->width)
-        out[(size_t)y * to->width + x] =
-            pixels[(size_t)(top + y) * from->width + (size_t)(left + x)];
-}
-
 /* The kept channels behind the layers. */
 static int add_kept(image *result, const image *kept) {
   for (size_t i = 0; i < kept->count; i++) {
@@ -98,7 +86,8 @@ static int add_kept(image *result, const image *kept) {
     if (!plane)
       return -1;
     plane->type = kept->planes[i].type;
-    place(kept, kept->planes[i].pixels, result, plane->pixels);
+    image_place(kept->planes[i].pixels, image_data_window(kept), plane->pixels,
+                image_data_window(result));
   }
   return 0;
 }
@@ -171,8 +160,8 @@ int process_open_sheet(lighting *l) {
   process *p = l->process;
   if (!p->options->contact_sheet)
     return 0;
-  return contact_sheet_open(&l->sheet, p->layers, (size_t)p->count, p->width,
-                            p->height) == 0
+  return contact_sheet_open(&l->sheet, p->layers, (size_t)p->count,
+                            p->shown.width, p->shown.height) == 0
              ? 0
              : image_no_memory(&p->error, p->options->contact_sheet);
 }

@@ -44,9 +44,21 @@ static int read_kept(const process *p, const job *j, image *out,
   return failed;
 }
 
+/* Told for the first frame that has any; the others are alike.  Frames are read
+ * one after the other. */
+static void look_for_mistakes(process *p, const job *j, const gbuffer *g) {
+  selfcheck found;
+  if (p->options->quiet || p->warned)
+    return;
+  selfcheck_frame(g, &p->config, &j->map.camera, &found);
+  for (int i = 0; i < found.count; i++)
+    process_warn(j->path, found.text[i]);
+  p->warned = found.count > 0;
+}
+
 static int decode(void *user, size_t item, image_error *error) {
   lighting *l = user;
-  const process *p = l->process;
+  process *p = l->process;
   job *j = &p->jobs[item];
   slot *s = process_slot(l, item);
   if (process_find_key(p, j, error) != 0)
@@ -55,6 +67,7 @@ static int decode(void *user, size_t item, image_error *error) {
     return 0;
   if (gbuffer_read(j->path, &j->map, used_roles(p), &s->g, error) != 0)
     return -1;
+  look_for_mistakes(p, j, &s->g);
   if (p->options->keep && !j->finished && read_kept(p, j, &s->kept, error) != 0)
     return -1;
   s->hash = p->exact ? 0 : sequence_hash(p->sequence, &s->g);
@@ -65,7 +78,7 @@ static int decode(void *user, size_t item, image_error *error) {
 /* Light                                                                     */
 
 /* Through the library or without it. */
-static int light_planes(const process *p, size_t item, slot *s,
+static int light_planes(const process *p, size_t item, slot *s, image *result,
                         image_error *error) {
   const job *j = &p->jobs[item];
   float environment[9][3];
@@ -73,8 +86,44 @@ static int light_planes(const process *p, size_t item, slot *s,
   memcpy(environment, p->environment, sizeof environment);
   if (!p->exact)
     return sequence_run(p->sequence, &s->g, s->hash, &j->camera, environment,
-                        runs, &s->result, &p->rows[item], error);
-  exact_run(p->exact, &s->g, &j->camera, environment, runs, &s->result);
+                        runs, result, &p->rows[item], error);
+  exact_run(p->exact, &s->g, &j->camera, environment, runs, result);
+  return 0;
+}
+
+/* Bent normals go back into the world that the dump's header has. */
+static void mirror_bent(image *result) {
+  float *z = layers_plane(result, LAYER_BENT, 2);
+  for (size_t i = 0; z && i < (size_t)result->width * result->height; i++)
+    z[i] = -z[i];
+}
+
+/* Planes, once. */
+static int make_layers(const process *p, uint32_t width, uint32_t height,
+                       image *out) {
+  return out->count ? 0 : layers_image(p->layers, width, height, out);
+}
+
+/* Lights a frame, and leaves of it what is to be written. */
+static int light_window(lighting *l, size_t item, slot *s, image_error *error) {
+  const process *p = l->process;
+  const job *j = &p->jobs[item];
+  const image_window *shown = &p->shown;
+  const int all = shown->width == p->width && shown->height == p->height;
+  image *lit = all ? &s->result : &l->whole;
+  if (make_layers(p, p->width, p->height, lit) != 0 ||
+      make_layers(p, shown->width, shown->height, &s->result) != 0)
+    return image_no_memory(error, j->path);
+  if (light_planes(p, item, s, lit, error) != 0)
+    return -1;
+  if (j->view.mirrored)
+    mirror_bent(lit);
+  for (size_t i = 0; !all && i < lit->count; i++)
+    image_place(lit->planes[i].pixels, p->window, s->result.planes[i].pixels,
+                *shown);
+  s->result.x = shown->x;
+  s->result.y = shown->y;
+  s->result.display = p->jobs[0].map.display;
   return 0;
 }
 
@@ -105,12 +154,7 @@ static int light(void *user, size_t item, image_error *error) {
   p->rows[item].frame = j->path;
   if (!process_is_needed(p, j))
     return 0;
-  if (!s->result.count &&
-      layers_image(p->layers, p->width, p->height, &s->result) != 0)
-    return image_no_memory(error, j->path);
-  s->result.x = s->g.planes.x;
-  s->result.y = s->g.planes.y;
-  const int failed = light_planes(p, item, s, error) != 0 ||
+  const int failed = light_window(l, item, s, error) != 0 ||
                      take_light(p, item, s, error) != 0;
   gbuffer_free(&s->g);
   return failed ? -1 : 0;
@@ -121,6 +165,7 @@ static int light(void *user, size_t item, image_error *error) {
 
 static void release(lighting *l) {
   contact_sheet_close(&l->sheet);
+  image_free(&l->whole);
   for (int i = 0; i < PIPELINE_SLOTS; i++) {
     gbuffer_free(&l->slots[i].g);
     image_free(&l->slots[i].kept);

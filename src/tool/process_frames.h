@@ -23,6 +23,7 @@ typedef struct lighting {
   process *process;
   slot slots[PIPELINE_SLOTS];
   contact_sheet sheet;
+  image whole; /* what is lit, where not all of it is written */
   progress progress;
   size_t needed, done; /* frames that are lit */
 } lighting;

@@ -9,7 +9,7 @@ int process_find_key(const process *p, job *j, image_error *error) {
   if (j->key)
     return 0;
   j->key = j == p->jobs ? p->settings : j[-1].key;
-  return resume_frame(j->path, &j->camera, &j->key, error);
+  return resume_frame(j->path, &j->map, &j->camera, &j->key, error);
 }
 
 char *process_preview_path(const job *j, layer l) {

@@ -71,16 +71,28 @@ uint64_t resume_settings(const process_options *o, const hbil_config *config,
   return resume_hash(hash, environment, 9 * sizeof *environment);
 }
 
-int resume_frame(const char *path, const camera_file *camera, uint64_t *key,
-                 image_error *error) {
+/* How planes are read: the members before `unit` have four bytes each, those
+ * from there on eight. */
+static uint64_t hash_map(uint64_t hash, const channel_map *map) {
+  const conventions *how = &map->how;
+  hash = resume_hash(
+      hash, how, offsetof(conventions, motion_zero) + sizeof how->motion_zero);
+  hash =
+      resume_hash(hash, &how->unit, sizeof *how - offsetof(conventions, unit));
+  for (int r = 0; r < ROLE_COUNT; r++)
+    for (size_t c = 0; c < map->count[r]; c++)
+      hash = hash_text(hash, map->names[r][c]);
+  return resume_hash(hash, map->gamma, sizeof map->gamma);
+}
+
+static int hash_file(const char *path, uint64_t *hash, image_error *error) {
   enum { BLOCK = 1 << 16 }; /* a multiple of the hash's word */
-  uint64_t hash = *key;
   size_t read = BLOCK;
   FILE *file = fopen(path, "rb");
   char *block = file ? malloc(BLOCK) : NULL;
   while (block && read == BLOCK) {
     read = fread(block, 1, BLOCK, file);
-    hash = resume_hash(hash, block, read);
+    *hash = resume_hash(*hash, block, read);
   }
   const int failed = !block || ferror(file);
   if (failed)
@@ -88,11 +100,21 @@ int resume_frame(const char *path, const camera_file *camera, uint64_t *key,
   if (file)
     fclose(file);
   free(block);
+  return failed ? -1 : 0;
+}
+
+int resume_frame(const char *path, const channel_map *map,
+                 const camera_file *camera, uint64_t *key, image_error *error) {
+  uint64_t hash = hash_map(*key, map);
+  int failed = hash_file(path, &hash, error);
+  for (int r = 0; r < ROLE_COUNT && !failed; r++)
+    if (map->files[r])
+      failed = hash_file(map->files[r], &hash, error);
   hash = resume_hash(hash, camera->camera_to_world,
                      sizeof camera->camera_to_world);
   const double lens[] = {camera->fx, camera->fy, camera->cx, camera->cy};
   *key = resume_hash(hash, lens, sizeof lens);
-  return failed ? -1 : 0;
+  return failed;
 }
 
 void resume_sign(image *result, uint64_t key) {

@@ -18,9 +18,10 @@ uint64_t resume_hash(uint64_t hash, const void *data, size_t bytes);
 uint64_t resume_settings(const process_options *o, const hbil_config *config,
                          unsigned layers, float environment[9][3],
                          const char *which);
-/* Takes a frame, its file as it is and its camera, into the key. */
-int resume_frame(const char *path, const camera_file *camera, uint64_t *key,
-                 image_error *error);
+/* Takes a frame into the key: its files as they are, how they are read, its
+ * camera. */
+int resume_frame(const char *path, const channel_map *map,
+                 const camera_file *camera, uint64_t *key, image_error *error);
 
 /* Notes the key in a result that is going to be written. */
 void resume_sign(image *result, uint64_t key);

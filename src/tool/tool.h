@@ -70,11 +70,19 @@ int frames_list(char *const *arguments, int count, const char *ranges,
                 frame_list *out, image_error *error);
 void frames_free(frame_list *list);
 
-/* --- channels.c: which channel is what --- */
+/* --- sources.c: whose dump it is, and what its channels mean --- */
 
+/* In the order of --source's words. */
 typedef enum dump_kind {
-  DUMP_CYCLES = 0, /* Blender's pass names and conventions */
-  DUMP_PLAIN = 1   /* depth.Z normal.X ...: hbil's own conventions */
+  DUMP_PLAIN = 0, /* "generic": names that speak, hbil's own conventions */
+  DUMP_CYCLES,    /* Blender's pass names and conventions */
+  DUMP_PBRT,
+  DUMP_MITSUBA,
+  DUMP_ARNOLD,
+  DUMP_VRAY,
+  DUMP_RENDERMAN,
+  DUMP_UNREAL,
+  DUMP_KINDS
 } dump_kind;
 
 typedef enum role {
@@ -91,19 +99,143 @@ typedef enum role {
 
 enum { ROLE_CHANNELS = 3 };
 
+typedef enum depth_kind {
+  DEPTH_PLANAR = 0, /* along the camera's axis */
+  DEPTH_RAY,        /* distance from the eye */
+  DEPTH_POSITION,   /* taken from positions */
+  DEPTH_DEVICE,     /* 0 at the near plane, 1 at the far one */
+  DEPTH_REVERSED    /* 1 at the near plane, 0 at the far one */
+} depth_kind;
+
+/* Camera space is OpenGL's, y up and z backwards; what runs otherwise is
+ * flipped. */
+typedef enum dump_space { SPACE_WORLD = 0, SPACE_CAMERA } dump_space;
+
+typedef enum direct_kind {
+  DIRECT_IRRADIANCE = 0,
+  DIRECT_LIGHT,   /* irradiance / pi: radiance of a white surface */
+  DIRECT_RADIANCE /* with the albedo in it */
+} direct_kind;
+
+/* What names don't tell for sure, and the pixels of a first frame may. */
+enum {
+  UNSURE_DEPTH = 1,   /* planar or along the ray */
+  UNSURE_NORMALS = 2, /* encoded, or in which space */
+  UNSURE_SKY = 4      /* the depth where there is nothing */
+};
+
+typedef struct conventions {
+  depth_kind depth;
+  dump_space normals, positions;
+  direct_kind direct;
+  int backwards; /* depth counts backwards from 0 */
+  int from_near; /* distances along the ray begin at the near plane */
+  int encoded;   /* normals are stored as (n + 1) / 2 */
+  unsigned
+      flips; /* axes of normals and positions to be turned: 1 x, 2 y, 4 z */
+  unsigned unsure;
+  float background;                   /* depths from here on are sky */
+  float motion_scale[2], motion_zero; /* of (value - zero), to pixels */
+  double unit;      /* of depths and positions, in units of the camera */
+  double near, far; /* clipping planes, for DEPTH_DEVICE; 0: not known */
+} conventions;
+
+typedef struct pass_name {
+  role role;
+  const char *pass; /* "": the file's own channels; "*.T": any pass's T */
+} pass_name;
+
+typedef struct source_info {
+  const char *word, *about;
+  const pass_name *passes;  /* best first */
+  const char *const *marks; /* parts of names that nobody else has */
+  conventions how;
+} source_info;
+
+extern const source_info source_table[DUMP_KINDS];
+
+/* The words of an option's values, as in option_choice(). */
+extern const char *const source_words[], *const depth_words[];
+
+/* What the user says about the source; see source_options_init(). */
+typedef struct source_options {
+  int source, depth, normals, encoded, positions, direct,
+      gamma; /* -1: not said */
+  const char *map;
+  unsigned flips;
+  float fov, background; /* 0, NaN: not said */
+  float unit, clip[2];   /* 0: not said */
+  float motion_scale[2]; /* 0: not said */
+} source_options;
+
+void source_options_init(source_options *options);
+/* Rows of a getopt table, whose values source_option() takes. */
+enum {
+  SOURCE_OPTION = 512,
+  SOURCE_MAP,
+  SOURCE_DEPTH,
+  SOURCE_NORMALS,
+  SOURCE_POSITIONS,
+  SOURCE_DIRECT,
+  SOURCE_COLOURS,
+  SOURCE_FLIP,
+  SOURCE_UNIT,
+  SOURCE_BACKGROUND,
+  SOURCE_CLIP,
+  SOURCE_FOV,
+  SOURCE_MOTION,
+  SOURCE_END
+};
+#define SOURCE_OPTIONS                                                         \
+  {"source", required_argument, NULL, SOURCE_OPTION},                          \
+      {"map", required_argument, NULL, SOURCE_MAP},                            \
+      {"depth", required_argument, NULL, SOURCE_DEPTH},                        \
+      {"normals", required_argument, NULL, SOURCE_NORMALS},                    \
+      {"positions", required_argument, NULL, SOURCE_POSITIONS},                \
+      {"direct", required_argument, NULL, SOURCE_DIRECT},                      \
+      {"colours", required_argument, NULL, SOURCE_COLOURS},                    \
+      {"flip", required_argument, NULL, SOURCE_FLIP},                          \
+      {"unit-scale", required_argument, NULL, SOURCE_UNIT},                    \
+      {"background", required_argument, NULL, SOURCE_BACKGROUND},              \
+      {"clip", required_argument, NULL, SOURCE_CLIP},                          \
+      {"fov", required_argument, NULL, SOURCE_FOV}, {                          \
+    "motion-scale", required_argument, NULL, SOURCE_MOTION                     \
+  }
+int source_option(int option, const char *text, source_options *out,
+                  image_error *error);
+void source_usage(void);
+
+/* --- channels.c: which channel is what --- */
+
+/* How a frame is read: whose it is, where its planes are, what they mean. */
 typedef struct channel_map {
   dump_kind kind;
+  conventions how;
   size_t count[ROLE_COUNT]; /* channels of each role; 0: not in the file */
   char names[ROLE_COUNT][ROLE_CHANNELS][256];
+  char *files[ROLE_COUNT]; /* where it is not the frame's own file; owned */
+  int gamma[ROLE_COUNT];   /* the file's colours are sRGB */
+  int is_beauty;           /* direct light is called as a finished picture is */
+  hbil_camera camera;      /* for conversions; fx 0: not known */
+  int mirrored;            /* z of world space is to be turned, see view */
+  image_window data;       /* where the file has pixels */
+  image_window display;    /* what is to be seen */
+  image_window window;     /* what the planes are to cover; data at first */
 } channel_map;
 
 const char *role_name(role r);
 const char *dump_kind_name(dump_kind kind);
-void channels_map(const image *header, channel_map *out);
+/* As nothing but the kind tells. */
+void channels_init(channel_map *out, dump_kind kind);
+/* Guesses what is not said.  path: of the frame, whose header it is. */
+int channels_map(const char *path, const image *header,
+                 const source_options *options, channel_map *out,
+                 image_error *error);
+void channels_free(channel_map *map);
 /* What cannot be done without: depth and normals. */
 int channels_check(const channel_map *map, const char *path,
                    image_error *error);
-/* Sets how inputs of this kind are read (spaces, scales, background). */
+/* Sets how inputs are read once they are planes of a gbuffer. */
 void channels_conventions(const channel_map *map, hbil_config *config);
 
 /* --- gbuffer.c: one captured frame on the host --- */
@@ -113,26 +245,69 @@ char *gbuffer_camera_name(const char *frame);
 
 typedef struct gbuffer {
   channel_map map;
-  image planes; /* named as in the file */
+  image planes;
 } gbuffer;
 
-/* Reads the roles in the bit mask that the map has.  Where there is a
- * background it is added to the emission. */
+/* Reads the roles in the bit mask that the map has, and makes of them what
+ * channels_conventions() says.  Where there is a background it is added to the
+ * emission. */
 int gbuffer_read(const char *path, const channel_map *map, unsigned roles,
                  gbuffer *out, image_error *error);
 void gbuffer_free(gbuffer *g);
 /* Channel i of a role, or NULL. */
 const float *gbuffer_plane(const gbuffer *g, role r, size_t i);
-
-/* The camera of a frame: `override`, or the frame's name with .json. */
-int gbuffer_camera(const char *frame, const char *override, camera_file *out,
-                   image_error *error);
-/* That the camera, if it names a resolution, is for an image of this size. */
-int gbuffer_check_camera(const char *frame, const image *img,
-                         const camera_file *camera, image_error *error);
 /* Whether a depth is that of a surface, as the library takes it. */
 int gbuffer_is_surface(float depth, float background);
+
+/* --- convert.c: what the library doesn't take as it is --- */
+
+/* Planes as they were read, whose map then has what came of them. */
+int convert_planes(const char *path, gbuffer *g, image_error *error);
+/* What each axis of vectors of that space is multiplied by. */
+void convert_signs(const channel_map *map, dump_space space, float sign[3]);
+/* Whether depth is taken as it is. */
+int convert_is_straight(const conventions *how);
+
+/* --- view.c: the camera of a frame --- */
+
+typedef struct view {
+  camera_file file; /* pixels are counted from the display window's corner */
+  int mirrored;     /* its world's z was turned, to be right-handed */
+  int placed;       /* where it stands is known */
+  const char *from; /* what it was taken from */
+} view;
+
+/* The camera of a frame: `override`, the frame's name with .json, or what its
+ * header tells; and --fov. */
+int view_read(const char *frame, const image *header, const char *override,
+              const source_options *options, view *out, image_error *error);
+/* The camera as it counts pixels of the map's window, also for the map's own
+ * conversions, which must be possible with it. */
+int view_aim(const char *frame, const view *v, channel_map *map,
+             camera_file *out, image_error *error);
 void gbuffer_hbil_camera(const camera_file *file, hbil_camera *out);
+
+/* --- selfcheck.c: does it fit together --- */
+
+enum { SELFCHECK_FINDINGS = 12 };
+
+/* What is likely wrong, and the option that puts it right. */
+typedef struct selfcheck {
+  double agreement; /* mean cosine of normals and the depth's own; NaN */
+  double facing;    /* share of normals that face the eye */
+  double positions; /* largest relative error of rebuilt positions; NaN */
+  double low, high; /* depths along the axis */
+  double surface;   /* share of the pixels */
+  int count;
+  char text[SELFCHECK_FINDINGS][256];
+} selfcheck;
+
+/* Decides by a first frame's pixels what its names left unsure; the decisions
+ * are the findings. */
+int selfcheck_settle(const char *path, channel_map *map, selfcheck *out,
+                     image_error *error);
+void selfcheck_frame(const gbuffer *g, const hbil_config *config,
+                     const hbil_camera *camera, selfcheck *out);
 
 /* --- policy.c: what to take for light that the screen doesn't show --- */
 
@@ -328,6 +503,7 @@ json_t *timings_skipped_json(const hbil_skipped *s);
 typedef struct process_options {
   const char *output;        /* folder; must be given */
   const char *camera;        /* NULL: FRAME.json beside FRAME.exr */
+  source_options source;     /* how frames are read */
   const char *environment;   /* "R,G,B", an image file, or NULL */
   const char *device;        /* see device_open() */
   const char *contact_sheet; /* a PNG of frames and layers, or NULL */

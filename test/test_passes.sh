@@ -1,0 +1,200 @@
+#!/bin/sh
+# Dumps as they come, from the outside: a file for each pass, several parts,
+# windows, and what is said about mistakes.  What single layouts come to is
+# test_sources.c.
+#
+# Speaks TAP.
+srcdir=${srcdir:-$(dirname "$0")/..}
+. "$srcdir/test/tap.sh"
+
+# No device, so no kernels to be compiled.
+process() {
+  "$HBIL" process --quality reference --slices 2 --warm-up 0 "$@"
+}
+same() { # NAME FILE FILE
+  works "$1" "$HBIL" compare --max-rmse 0 "$2" "$3"
+}
+# warns NAME PATTERN COMMAND...: succeeds with a warning that has the pattern.
+warns() {
+  name=$1 pattern=$2
+  shift 2
+  run "$@"
+  test $status -eq 0 && grep 'warning: ' "$work/err" | grep -q -e "$pattern"
+  ok $? "$name"
+}
+
+works "a demo" "$HBIL" demo --frames 2 --size 60x44 -o "$work/demo"
+frames=$work/demo/gbuffer
+one=$frames/frame_0001.exr
+two=$frames/frame_0002.exr
+camera=${one%.exr}.json
+works "the frames as they are" process --layers AO,bent,near -o "$work/a" \
+  "$one" "$two"
+grep -q warning "$work/err"
+test $? -ne 0
+ok $? "and nothing is warned of"
+
+# --- what info says ---
+
+says "the source is told, and its word" '(--source generic)' "$HBIL" info "$one"
+says "and how depth is taken" 'depth is .*axis (--depth)' "$HBIL" info "$one"
+says "and what is missing costs" 'background not in the file: ' \
+  "$HBIL" info "$one"
+says "info finds mistakes, too" 'warning .*--depth planar' \
+  "$HBIL" info --depth ray "$one"
+
+# --- mistakes ---
+
+warns "depth that isn't along the ray" '--depth planar' \
+  process --layers AO --depth ray --overwrite -o "$work/ray" "$one"
+warns "normals that aren't the camera's" '--normals world' \
+  process --layers AO --normals camera --overwrite -o "$work/ray" "$one"
+warns "a radius that is larger than all" 'metres against centimetres' \
+  process --layers AO --radius 5000 --overwrite -o "$work/ray" "$one"
+warns "the camera of another size of lens" '--fov' \
+  process --layers AO --fov 150 --overwrite -o "$work/ray" "$one"
+run process --quiet --layers AO --depth ray --overwrite -o "$work/ray" "$one"
+test $status -eq 0 && test ! -s "$work/err"
+ok $? "nothing is warned of with --quiet"
+
+works "a first result" process --layers AO -o "$work/again" "$one"
+run process --resume --layers AO --unit-scale 2 -o "$work/again" "$one"
+test $status -eq 0 && ! grep -q 'is there already' "$work/err"
+ok $? "a result of another reading is not kept"
+run process --resume --layers AO --unit-scale 2 -o "$work/again" "$one"
+grep -q 'is there already' "$work/err"
+ok $? "but one of the same is"
+
+out=$work/none
+refused "an unknown source" 'one of generic, blender' \
+  process --source maya -o "$out" "$one"
+refused "a device's depth without its planes" '--clip NEAR,FAR is needed' \
+  process --depth device -o "$out" "$one"
+refused "motion in unknown units" '--motion-scale X,Y is needed' \
+  process --source arnold --reprojection motion \
+  --map depth=depth,normal=normal,motion=motion -o "$out" "$one"
+refused "planes in the wrong order" '--clip 2,1: ' \
+  process --clip 2,1 -o "$out" "$one"
+refused "an axis that isn't" '--flip xw: some of x, y, z' \
+  process --flip xw -o "$out" "$one"
+refused "an angle that isn't" '--fov 180: ' process --fov 180 -o "$out" "$one"
+refused "a scale of nothing" '--unit-scale 0: ' \
+  process --unit-scale 0 -o "$out" "$one"
+refused "normals of no kind" '--normals round: one of world' \
+  process --normals round -o "$out" "$one"
+refused "a role that isn't" '--map glow: ROLE=LAYER is needed' \
+  process --map glow=depth -o "$out" "$one"
+refused "a layer that isn't there" 'frame_0001.exr has no such layer' \
+  process --map depth=gone -o "$out" "$one"
+cp "$one" "$work/alone.exr"
+refused "no camera for normals of the world" 'how the camera is turned' \
+  process --fov 60 -o "$out" "$work/alone.exr"
+sed 's/"cx"/"projection": "orthographic", "cx"/' "$camera" >"$work/flat.json"
+refused "a camera of parallel rays" 'field projection is wrong' \
+  process --camera "$work/flat.json" -o "$out" "$one"
+absent "and nothing is written" "$out"
+
+# --- what other programs write ---
+
+if ! command -v oiiotool >/dev/null; then
+  skip "files of other programs" "no oiiotool (Debian: openimageio-tools)"
+  echo "1..$count"
+  exit 0
+fi
+
+# One pass a file, of several formats; the frame itself has its light only.
+passes=$work/passes
+mkdir "$passes"
+for frame in 0001 0002; do
+  from=$frames/frame_$frame.exr
+  oiiotool "$from" --ch depth.Z -d float -o "$passes/z$frame.tif"
+  oiiotool "$from" --ch normal.X,normal.Y,normal.Z --chnames R,G,B \
+    -o "$passes/n.$frame.exr"
+  oiiotool "$from" --ch albedo.R,albedo.G,albedo.B --chnames R,G,B \
+    -d float -o "$passes/albedo_$frame.tif"
+  oiiotool "$from" --ch emission.R,emission.G,emission.B,direct.R,direct.G,direct.B \
+    -o "$passes/frame_$frame.exr"
+  cp "${from%.exr}.json" "$passes"
+done
+map='depth=z#.tif,normal=n.####.exr,albedo=albedo_#.tif'
+works "a file for each pass" process --layers AO,bent,near --map "$map" \
+  -o "$work/b" "$passes/frame_0001.exr" "$passes/frame_0002.exr"
+for frame in 0001 0002; do
+  same "comes to the same, frame $frame" "$work/a/frame_$frame.exr" \
+    "$work/b/frame_$frame.exr"
+done
+says "info tells in which file a pass is" 'in .*z0001.tif' \
+  "$HBIL" info --map "$map" "$passes/frame_0001.exr"
+oiiotool "$one" --ch direct.R,direct.G,direct.B --chnames R,G,B \
+  -o "$passes/light_0001.hdr"
+works "a Radiance picture of light" process --layers near \
+  --map "$map,direct=light_#.hdr" -o "$work/hdr" "$passes/frame_0001.exr"
+# 8 bits of a common exponent: 2^-9 of the largest channel
+works "which is as exact as they are" "$HBIL" compare --max-rmse 4e-3 \
+  "$work/hdr/frame_0001.exr:near" "$work/a/frame_0001.exr"
+for kind in tif exr hdr; do
+  file=$(ls "$passes" | grep "0001.$kind\$" | head -n 1)
+  size=$(wc -c <"$passes/$file")
+  dd if="$passes/$file" of="$work/cut.$kind" bs=1 count=$((size / 3)) \
+    2>/dev/null
+  refused "a pass that is cut off, .$kind" "cut.$kind: " \
+    process --quiet --map "$map,albedo=$work/cut.$kind" -o "$out" \
+    "$passes/frame_0001.exr"
+done
+oiiotool --create 8x8 3 -o "$passes/small.png"
+refused "an environment that is cut off" 'cut.tif: truncated' \
+  process --quiet --environment "$work/cut.tif" -o "$out" "$one"
+refused "a pass of another size" '8 x 8 pixels, but .* has 60 x 44' \
+  process --map "$map,albedo=small.png" -o "$out" "$passes/frame_0001.exr"
+
+# Several parts, each a layer, whose channels are plain.
+oiiotool "$one" --ch direct.R,direct.G,direct.B --chnames R,G,B \
+  --attrib oiio:subimagename direct \
+  "$one" --ch depth.Z --chnames Z --attrib oiio:subimagename depth \
+  --siappend \
+  "$one" --ch normal.X,normal.Y,normal.Z --chnames X,Y,Z \
+  --attrib oiio:subimagename normal --siappend \
+  "$one" --ch albedo.R,albedo.G,albedo.B --chnames R,G,B \
+  --attrib oiio:subimagename albedo --siappend -o "$work/frame_0001.exr"
+cp "$camera" "$work/frame_0001.json"
+works "several parts" process --layers AO,bent \
+  -o "$work/parts" "$work/frame_0001.exr"
+same "come to the same" "$work/parts/frame_0001.exr:AO" \
+  "$work/a/frame_0001.exr:AO"
+
+# Pixels beyond the edges of the picture light it and are not written.
+mkdir "$work/wide"
+for frame in 0001 0002; do
+  oiiotool "$frames/frame_$frame.exr" --fullsize 40x30+10+7 \
+    -o "$work/wide/frame_$frame.exr"
+  cp "$frames/frame_$frame.json" "$work/wide"
+done
+works "overscan" process --layers AO,bent,near -o "$work/c" \
+  "$work/wide/frame_0001.exr" "$work/wide/frame_0002.exr"
+for frame in 0001 0002; do
+  oiiotool "$work/a/frame_$frame.exr" --crop 40x30+10+7 -o "$work/crop.exr"
+  same "is used, then cropped, frame $frame" "$work/crop.exr" \
+    "$work/c/frame_$frame.exr"
+done
+run oiiotool --info -v "$work/c/frame_0002.exr"
+grep -q '40 x   30' "$work/out" && grep -q 'full/display size: 40 x 30' \
+  "$work/out" && grep -q 'pixel data origin: x=10, y=7' "$work/out"
+ok $? "and the windows are those of the picture"
+says "info tells the windows" 'at 0, 0 of a picture of 40 x 30 at 10, 7' \
+  "$HBIL" info "$work/wide/frame_0001.exr"
+
+# What lies beyond a smaller data window is nothing; each frame has its own.
+oiiotool "$two" --crop 30x20+20+10 -o "$work/wide/frame_0002.exr"
+works "windows of several sizes" process --layers AO -o "$work/d" \
+  "$one" "$work/wide/frame_0002.exr"
+same "leave other frames alone" "$work/d/frame_0001.exr:AO" \
+  "$work/a/frame_0001.exr:AO"
+works "and are finite where there is nothing" "$HBIL" compare --max-rmse 0 \
+  "$work/d/frame_0002.exr" "$work/d/frame_0002.exr"
+oiiotool "$one" --origin +500+0 --fullsize 60x44+0+0 -o "$work/alone.exr"
+cp "$camera" "$work/alone.json"
+refused "a picture without pixels" 'none of its pixels lie in its display' \
+  process -o "$out" "$work/alone.exr"
+absent "and after all that nothing is written" "$out"
+
+echo "1..$count"
