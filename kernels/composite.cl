@@ -201,6 +201,11 @@ kernel void composite(
   const realv unlit = unlit_share(environment, ao, direct_scale, direct_buffer,
                                   direct_image, x, y, count);
 #endif
+#if FAR == 1 || FAR == 2
+  /* a loop may not index the argument: see turned() */
+  const hbil_sh_args far[3] = {environment.channel[0], environment.channel[1],
+                               environment.channel[2]};
+#endif
   intv sound[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
                                      TRUE_LANES};
 #pragma unroll
@@ -213,14 +218,14 @@ kernel void composite(
     near_light = select(near_light, (realv)0.0f, near_light < 0.0f);
 #endif
 #if FAR == 1
-    behind = environment.channel[c].sh[0];
+    behind = far[c].sh[0];
     far_light = PI * ao * behind;
 #elif FAR == 3
     far_light =
         PI * unlit * unseen_light(frame[c], near_light * INV_PI, 1.0f - ao);
 #elif FAR == 2
-    behind = sh_light(environment.channel[c], sky, unscaled);
-    far_light = sh_light(environment.channel[c], axis, aperture);
+    behind = sh_light(far[c], sky, unscaled);
+    far_light = sh_light(far[c], axis, aperture);
 #endif
     far_light = select((realv)0.0f, far_light, solid);
     realv reflectance = 1.0f, diffuse = 1.0f, irradiance = 0.0f;

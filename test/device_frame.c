@@ -1,8 +1,9 @@
 /*
- * One fixed pair of frames through every pass, on whatever device there is: for
- * test_devices.sh, which runs it under other implementations of OpenCL.
+ * A fixed pair of frames through every pass, of two plans that have no kernel
+ * in common, on whatever device there is: for test_devices.sh, which runs it
+ * under other implementations of OpenCL.
  *
- *   device_frame OUT          writes the outputs
+ *   device_frame OUT          writes the outputs, OUT.0 and OUT.1
  *   device_frame OUT WITH     and holds them against those of another device
  *
  * The width is 1 everywhere: the form that all devices can run.
@@ -54,28 +55,60 @@ static void name_device(void) {
 
 static const char *const *arguments;
 
-static void frames(void **state) {
+/* Nothing that a rounding may tip over to another step: no dither, no sample
+ * whose light is the last one's.  Width 1: see above. */
+static void configure(setup *s, hbil_reprojection reprojection) {
+  setup_every_pass(s, reprojection, 1, WIDTH, HEIGHT);
+  s->config.storage = HBIL_STORAGE_FLOAT32;
+  if (reprojection != HBIL_REPROJECTION_MOTION)
+    return;
+  s->config.refused = HBIL_REFUSED_BLACK;
+  s->config.far_field = HBIL_FAR_SH;
+  s->config.feedback = HBIL_FEEDBACK_RADIANCE;
+  s->config.radius = 3.0f;
+  s->config.extrapolate = CL_FALSE;
+  s->config.depth_kind = HBIL_DEPTH_RAY;
+  s->config.bent_space = HBIL_SPACE_WORLD;
+  for (int i = 0; i < 9; ++i)
+    for (int c = 0; c < 3; ++c)
+      s->frame.environment[i][c] = i ? 0.1f * (float)(i - c) : 2.0f;
+}
+
+static void check_frames(hbil_reprojection reprojection, int number) {
+  char path[2][512];
   setup s;
   ref_planes out;
-  (void)state;
-  name_device();
-  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 1, WIDTH, HEIGHT);
-  s.config.storage = HBIL_STORAGE_FLOAT32; /* no dither that may round over */
+  for (int i = 0; i < 2 && arguments[1 + i]; ++i)
+    snprintf(path[i], sizeof path[i], "%s.%d", arguments[1 + i], number);
+  configure(&s, reprojection);
   setup_start(&s);
   setup_run(&s, hbil_enqueue_frame);
   setup_load_scene(&s, SCENE_ROOM, 1);
   setup_upload(&s);
   setup_run(&s, hbil_enqueue_frame);
   out = outputs_read(&s);
-  write_planes(arguments[1], &out);
+  write_planes(path[0], &out);
   if (arguments[2])
-    compare(&out, arguments[2]);
+    compare(&out, path[1]);
   ref_planes_free(&out);
   setup_free(&s);
 }
 
+static void frames_from_scattered_light(void **state) {
+  (void)state;
+  name_device();
+  check_frames(HBIL_REPROJECTION_SCATTER, 0);
+}
+
+static void frames_from_light_that_motion_brings(void **state) {
+  (void)state;
+  check_frames(HBIL_REPROJECTION_MOTION, 1);
+}
+
 int main(int argc, char **argv) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(frames)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(frames_from_scattered_light),
+      cmocka_unit_test(frames_from_light_that_motion_brings)};
   if (argc < 2 || argc > 3) {
     fprintf(stderr, "usage: device_frame OUT [WITH]\n");
     return 2;
