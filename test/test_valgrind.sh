@@ -48,7 +48,7 @@ one=$work/demo/gbuffer/frame_0001.exr
 two=$work/demo/gbuffer/frame_0002.exr
 name="a demo: library and tool, from scene to result"
 if grep -q '^flags.* avx512f' /proc/cpuinfo 2>/dev/null; then
-  skip "$name" "valgrind knows no AVX-512, so all kernels would be compiled under it"
+  skip "$name" "valgrind has no AVX-512: kernels would be compiled under it"
 else
   # shellcheck disable=SC2086
   clean "$name" "$HBIL" $demo -o "$work/again"
