@@ -1001,7 +1001,9 @@ static evenness evenness_of(setup *s) {
 /* A furnace without loss: albedo 1, light 1 in all directions, once.  What the
  * screen doesn't show has the frame's mean, so nothing can come in or go.
  * Packed light is off by a step of its 8 bits, 2^-7, here and there, and in the
- * mean by less; fp32 by two hundred roundings or so (measured: 2.9e-6). */
+ * mean by less; fp32 by two hundred roundings or so (measured: 2.9e-6).  The
+ * mean drifts by what its roundings have in common, one of 2^-24 for each of
+ * the 180 frames in between at most (measured: 6.7e-6). */
 static void light_neither_grows_nor_fades(void **state) {
   (void)state;
   for (plan_kind kind = 0; kind < PLANS; ++kind) {
@@ -1024,7 +1026,8 @@ static void light_neither_grows_nor_fades(void **state) {
     const evenness late = evenness_of(s);
     check_below("light that was lost", 1.0 - late.least, 2.0 * step);
     check_below("light that was made", late.most - 1.0, step);
-    check_below("drift of the mean", fabs(late.mean - early.mean), 0.25 * step);
+    check_below("drift of the mean", fabs(late.mean - early.mean),
+                is_packed(kind) ? 0.25 * step : 180 * 0x1p-24);
   }
 }
 
