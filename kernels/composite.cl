@@ -49,28 +49,19 @@ STORER(error, ERROR_TYPE, ERROR_STRIDE)
 #define INV_PI 0.318309886f
 #define PI 3.14159265f
 
-/* Vector to world space. */
-static inline void to_world(const hbil_transform_args t, const realv *v,
-                            realv *out) {
-#pragma unroll
-  for (int c = 0; c < 3; ++c)
-    out[c] = fma((realv)t.m[4 * c], v[0],
-                 fma((realv)t.m[4 * c + 1], v[1], t.m[4 * c + 2] * v[2]));
-}
-
 #if FAR == 2
 /* Irradiance through a cone (world axis d); k: the three aperture factors. */
-static inline realv sh_light(const hbil_environment_args e, int c,
-                             const realv *d, const realv *k) {
-  const realv first = fma(d[1], (realv)e.sh[1][c],
-                          fma(d[2], (realv)e.sh[2][c], d[0] * e.sh[3][c]));
+static inline realv sh_light(const hbil_sh_args e, const realv *d,
+                             const realv *k) {
+  const realv first =
+      fma(d[1], (realv)e.sh[1], fma(d[2], (realv)e.sh[2], d[0] * e.sh[3]));
   const realv second =
-      fma(d[0] * d[1], (realv)e.sh[4][c],
-          fma(d[1] * d[2], (realv)e.sh[5][c],
-              fma(fma(3.0f * d[2], d[2], (realv)-1.0f), (realv)e.sh[6][c],
-                  fma(d[2] * d[0], (realv)e.sh[7][c],
-                      fma(d[0], d[0], -d[1] * d[1]) * e.sh[8][c]))));
-  return max(fma(k[0], (realv)e.sh[0][c], fma(k[1], first, k[2] * second)),
+      fma(d[0] * d[1], (realv)e.sh[4],
+          fma(d[1] * d[2], (realv)e.sh[5],
+              fma(fma(3.0f * d[2], d[2], (realv)-1.0f), (realv)e.sh[6],
+                  fma(d[2] * d[0], (realv)e.sh[7],
+                      fma(d[0], d[0], -d[1] * d[1]) * e.sh[8]))));
+  return max(fma(k[0], (realv)e.sh[0], fma(k[1], first, k[2] * second)),
              (realv)0.0f);
 }
 #endif
@@ -97,8 +88,8 @@ static inline realv unlit_share(const hbil_environment_args e, realv ao,
   intv sound = TRUE_LANES;
 #pragma unroll
   for (int c = 0; c < 3; ++c)
-    if (e.sh[0][c] > 0.0f)
-      lit = max(lit, INV_PI / e.sh[0][c] *
+    if (e.channel[c].sh[0] > 0.0f)
+      lit = max(lit, INV_PI / e.channel[c].sh[0] *
                          sound_light(direct_scale * load_direct(buffer, image,
                                                                 x, y, c, count),
                                      &sound));
@@ -195,7 +186,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     bent[c] = LOADV(resolved + (HBIL_LIGHT_BENT + c) * planes.plane);
-  to_world(world, bent, axis);
+  turned(world, bent, axis);
 #if OUT_BENT
 #pragma unroll
   for (int c = 0; c < 3; ++c)
@@ -208,7 +199,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
                              3.0f * fma(-t2, t2, (realv)1.0f) - 2.0f * ao};
   const realv ray[3] = {rx, ry, 1.0f};
   realv sky[3];
-  to_world(world, ray, sky);
+  turned(world, ray, sky);
   const realv inv_r = 1.0f / sqrt(fma(rx, rx, (realv)fma(ry, ry, 1.0f)));
 #pragma unroll
   for (int c = 0; c < 3; ++c)
@@ -225,6 +216,11 @@ composite(const hbil_view_args view, const hbil_transform_args world,
   const realv unlit = unlit_share(environment, ao, direct_scale, direct_buffer,
                                   direct_image, x, y, count);
 #endif
+#if FAR == 1 || FAR == 2
+  /* a loop may not index the argument: see turned() */
+  const hbil_sh_args far[3] = {environment.channel[0], environment.channel[1],
+                               environment.channel[2]};
+#endif
   intv sound[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
                                      TRUE_LANES};
 #pragma unroll
@@ -237,14 +233,14 @@ composite(const hbil_view_args view, const hbil_transform_args world,
     near_light = select(near_light, (realv)0.0f, near_light < 0.0f);
 #endif
 #if FAR == 1
-    behind = environment.sh[0][c];
+    behind = far[c].sh[0];
     far_light = PI * ao * behind;
 #elif FAR == 3
     far_light =
         PI * unlit * unseen_light(frame[c], near_light * INV_PI, 1.0f - ao);
 #elif FAR == 2
-    behind = sh_light(environment, c, sky, unscaled);
-    far_light = sh_light(environment, c, axis, aperture);
+    behind = sh_light(far[c], sky, unscaled);
+    far_light = sh_light(far[c], axis, aperture);
 #endif
     far_light = select((realv)0.0f, far_light, solid);
     realv reflectance = 1.0f, diffuse = 1.0f, irradiance = 0.0f;

@@ -302,9 +302,13 @@ typedef struct hbil_gather_args {
 
 /* Far field: SH coefficients already multiplied by the basis functions'
  * constants and by sqrt(4 pi / (2l+1)), see composite.cl; a constant radiance
- * in the first. */
+ * in the first.  A struct for each channel, since Mesa takes an array of arrays
+ * in an argument for smaller than it is. */
+typedef struct hbil_sh_args {
+  hbil_float sh[9];
+} hbil_sh_args;
 typedef struct hbil_environment_args {
-  hbil_float sh[9][3];
+  hbil_sh_args channel[3];
 } hbil_environment_args;
 
 /* What the pattern depends on. */

@@ -20,15 +20,8 @@ static inline void view_normal(const hbil_transform_args to_view,
   for (int c = 0; c < 3; ++c)
     n[c] = load_normal(buffer, image, x, y, c, count);
 #if NORMAL_IS_WORLD
-  realv v[3];
-#pragma unroll
-  for (int c = 0; c < 3; ++c)
-    v[c] = fma(
-        (realv)to_view.m[4 * c], n[0],
-        fma((realv)to_view.m[4 * c + 1], n[1], to_view.m[4 * c + 2] * n[2]));
-#pragma unroll
-  for (int c = 0; c < 3; ++c)
-    n[c] = v[c];
+  const realv world[3] = {n[0], n[1], n[2]};
+  turned(to_view, world, n);
 #endif
 }
 

@@ -26,14 +26,15 @@ hbil_environment_args far_field_args(const hbil_config *config,
   memset(&args, 0, sizeof args);
   if (config->far_field == HBIL_FAR_CONSTANT ||
       config->far_field == HBIL_FAR_FRAME)
-    memcpy(args.sh[0], environment[0], sizeof args.sh[0]);
+    for (int c = 0; c < 3; ++c)
+      args.channel[c].sh[0] = environment[0][c];
   if (config->far_field == HBIL_FAR_SH)
     for (int i = 0; i < 9; ++i) {
       /* irradiance of order l over a full hemisphere, per unit of radiance
        * (Ramamoorthi and Hanrahan 2001) */
       const double order = i == 0 ? pi : i < 4 ? 2 * pi / 3 : pi / 4;
       for (int c = 0; c < 3; ++c)
-        args.sh[i][c] = (float)(order * basis[i] * environment[i][c]);
+        args.channel[c].sh[i] = (float)(order * basis[i] * environment[i][c]);
     }
   return args;
 }

@@ -1,17 +1,23 @@
 /*
- * One fixed pair of frames through every pass, on whatever device there is: for
+ * A fixed pair of frames through every pass, on whatever device there is: for
  * test_devices.sh, which runs it under other implementations of OpenCL.
  *
- *   device_frame OUT          writes the outputs
- *   device_frame OUT WITH     and holds them against those of another device
+ *   device_frame PLAN OUT          writes the outputs
+ *   device_frame PLAN OUT WITH     and holds them against another device's
  *
+ * PLAN: scatter or motion, two plans that have hardly a kernel in common.
  * The width is 1 everywhere: the form that all devices can run.
  */
+#define _GNU_SOURCE /* RTLD_NEXT */
 #include "support.h"
 
+#include <dlfcn.h>
 #include <stdio.h>
 
-enum { WIDTH = 29, HEIGHT = 18 };
+/* Motion's ends within a work-item's pixels; scatter's with them, since
+ * oclgrind looks for what nothing has set: beyond the end it is read, and
+ * masked. */
+enum { WIDTH_OF_MOTION = 29, WIDTH_OF_SCATTER = 32, HEIGHT = 18 };
 
 /* RMSE of an output over its mean that another device's roundings may make: the
  * requirement. */
@@ -26,9 +32,9 @@ static void write_planes(const char *path, const ref_planes *planes) {
   assert_int_equal(fclose(file), 0);
 }
 
-static ref_planes read_planes(const char *path) {
-  ref_planes planes = ref_planes_new(WIDTH, HEIGHT, REF_OUTPUT_PLANES);
-  const size_t count = (size_t)REF_OUTPUT_PLANES * WIDTH * HEIGHT;
+static ref_planes read_planes(const char *path, int width) {
+  ref_planes planes = ref_planes_new(width, HEIGHT, REF_OUTPUT_PLANES);
+  const size_t count = (size_t)(REF_OUTPUT_PLANES * width * HEIGHT);
   FILE *file = fopen(path, "rb");
   assert_non_null(file);
   assert_int_equal(fread(planes.values, sizeof(double), count, file), count);
@@ -37,7 +43,7 @@ static ref_planes read_planes(const char *path) {
 }
 
 static void compare(const ref_planes *got, const char *path) {
-  ref_planes want = read_planes(path);
+  ref_planes want = read_planes(path, got->width);
   for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id)
     check_at_most(
         image_name(id),
@@ -45,41 +51,106 @@ static void compare(const ref_planes *got, const char *path) {
   ref_planes_free(&want);
 }
 
+/* ------------------------------------------------------------------------ */
+/* Filling                                                                   */
+
+/* oclgrind 21.10 takes what has been filled for uninitialised, whatever is
+ * stored there later: there, buffers are filled by writing. */
+static bool filling_by_writing;
+
+typedef __typeof__(&clEnqueueFillBuffer) fill_function;
+
+/* libOpenCL's.  An object pointer is no function pointer in C, but POSIX says
+ * it will do. */
+static fill_function next_fill(void) {
+  return ((union {
+           void *object;
+           fill_function function;
+         }){.object = dlsym(RTLD_NEXT, "clEnqueueFillBuffer")})
+      .function;
+}
+
+/* The library's calls come here: a program's own definitions are before those
+ * of libOpenCL. */
+CL_API_ENTRY cl_int CL_API_CALL clEnqueueFillBuffer(
+    cl_command_queue queue, cl_mem buffer, const void *pattern,
+    size_t pattern_size, size_t offset, size_t size, cl_uint wait_count,
+    const cl_event *wait_list, cl_event *event) {
+  if (!filling_by_writing)
+    return next_fill()(queue, buffer, pattern, pattern_size, offset, size,
+                       wait_count, wait_list, event);
+  unsigned char *bytes = malloc(size);
+  assert_non_null(bytes);
+  for (size_t at = 0; at < size; at += pattern_size)
+    memcpy(bytes + at, pattern, pattern_size);
+  const cl_int error =
+      clEnqueueWriteBuffer(queue, buffer, CL_TRUE, offset, size, bytes,
+                           wait_count, wait_list, event);
+  free(bytes);
+  return error;
+}
+
+/* ------------------------------------------------------------------------ */
+
 static void name_device(void) {
   char name[256] = "";
   clGetDeviceInfo(test_gpu.device, CL_DEVICE_NAME, sizeof name - 1, name, NULL);
   printf("%s\n", name);
   fflush(stdout);
+  filling_by_writing = strstr(name, "Oclgrind");
 }
 
-static const char *const *arguments;
+/* Nothing that a rounding may tip over to another step: no dither, no sample
+ * whose light is the last one's. */
+static void configure(setup *s, bool motion) {
+  if (motion)
+    setup_every_pass(s, HBIL_REPROJECTION_MOTION, 1, WIDTH_OF_MOTION, HEIGHT);
+  else
+    setup_every_pass(s, HBIL_REPROJECTION_SCATTER, 1, WIDTH_OF_SCATTER, HEIGHT);
+  s->config.storage = HBIL_STORAGE_FLOAT32;
+  if (!motion)
+    return;
+  s->config.refused = HBIL_REFUSED_BLACK;
+  s->config.far_field = HBIL_FAR_SH;
+  s->config.feedback = HBIL_FEEDBACK_RADIANCE;
+  s->config.radius = 3.0f;
+  s->config.extrapolate = CL_FALSE;
+  s->config.depth_kind = HBIL_DEPTH_RAY;
+  s->config.bent_space = HBIL_SPACE_WORLD;
+  for (int i = 0; i < 9; ++i)
+    for (int c = 0; c < 3; ++c)
+      s->frame.environment[i][c] = i ? 0.1f * (float)(i - c) : 2.0f;
+}
+
+static const char *plan, *out_path, *with_path;
 
 static void frames(void **state) {
   setup s;
   ref_planes out;
   (void)state;
   name_device();
-  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 1, WIDTH, HEIGHT);
-  s.config.storage = HBIL_STORAGE_FLOAT32; /* no dither that may round over */
+  configure(&s, strcmp(plan, "motion") == 0);
   setup_start(&s);
   setup_run(&s, hbil_enqueue_frame);
   setup_load_scene(&s, SCENE_ROOM, 1);
   setup_upload(&s);
   setup_run(&s, hbil_enqueue_frame);
   out = outputs_read(&s);
-  write_planes(arguments[1], &out);
-  if (arguments[2])
-    compare(&out, arguments[2]);
+  write_planes(out_path, &out);
+  if (with_path)
+    compare(&out, with_path);
   ref_planes_free(&out);
   setup_free(&s);
 }
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(frames)};
-  if (argc < 2 || argc > 3) {
-    fprintf(stderr, "usage: device_frame OUT [WITH]\n");
+  if (argc < 3 || argc > 4) {
+    fprintf(stderr, "usage: device_frame scatter|motion OUT [WITH]\n");
     return 2;
   }
-  arguments = (const char *const *)argv;
+  plan = argv[1];
+  out_path = argv[2];
+  with_path = argv[3];
   return RUN_WITH_GPU(tests);
 }

@@ -3,6 +3,8 @@
  */
 #include "support.h"
 
+#include <math.h>
+
 #define WIDTH 45
 #define HEIGHT 31
 
@@ -239,6 +241,48 @@ static void an_even_environment_sends_pi_ao_l(void **state) {
   }
 }
 
+/* Of every third surface, red near light that is no number and green that a
+ * rounding left below 0. */
+static void spoil_near_light(const setup *s, ref_planes *light) {
+  for (int i = 0; i < WIDTH * HEIGHT; i += 3)
+    if (s->input[REF_DEPTH][i] > 0.0f) {
+      *ref_at(light, HBIL_LIGHT_RED, i % WIDTH, i / WIDTH) = NAN;
+      *ref_at(light, HBIL_LIGHT_RED + 1, i % WIDTH, i / WIDTH) = -1e-7;
+    }
+}
+
+/* A fault upstream is there to be seen: in black nobody would. */
+static void near_light_that_is_no_number_stays_none(void **state) {
+  static const int lit[] = {REF_NEAR, REF_INDIRECT, REF_RADIANCE};
+  (void)state;
+  for (int half = 0; half < 2; ++half) {
+    setup s;
+    prepare(&s, SCENE_ROOM, HBIL_FAR_NONE);
+    for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id)
+      image_format(&s.config, id)->component =
+          half ? HBIL_FLOAT16 : HBIL_FLOAT32;
+    setup_start(&s);
+    setup_run(&s, hbil_enqueue_split);
+    ref_planes light = plant_resolved(&s);
+    spoil_near_light(&s, &light);
+    stage_write(&s, HBIL_STAGE_RESOLVED, &light);
+    setup_run(&s, hbil_enqueue_composite);
+    ref_planes out = outputs_read(&s);
+    for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+      const int x = i % WIDTH, y = i / WIDTH;
+      const bool spoiled = i % 3 == 0 && s.input[REF_DEPTH][i] > 0.0f;
+      for (int k = 0; k < 3; ++k)
+        for (int c = 0; c < 3; ++c)
+          assert_int_equal(isnan(*ref_at(&out, lit[k] + c, x, y)) != 0,
+                           spoiled && c == 0);
+      assert_true(!spoiled || *ref_at(&out, REF_NEAR + 1, x, y) == 0.0);
+    }
+    ref_planes_free(&light);
+    ref_planes_free(&out);
+    setup_free(&s);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_far_field_matches),
@@ -248,6 +292,7 @@ int main(void) {
       cmocka_unit_test(every_size_matches),
       cmocka_unit_test(every_output_form_matches_and_nothing_else_is_written),
       cmocka_unit_test(each_output_can_be_had_alone),
-      cmocka_unit_test(an_even_environment_sends_pi_ao_l)};
+      cmocka_unit_test(an_even_environment_sends_pi_ao_l),
+      cmocka_unit_test(near_light_that_is_no_number_stays_none)};
   return RUN_WITH_GPU(tests);
 }

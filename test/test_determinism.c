@@ -27,13 +27,27 @@ static const kind kinds[] = {
     {"scatter, a pixel a work-item", HBIL_REPROJECTION_SCATTER, 1},
     {"motion", HBIL_REPROJECTION_MOTION, 0},
     {"motion, a pixel a work-item", HBIL_REPROJECTION_MOTION, 1},
+    /* for work-groups alone */
+    {"no history, a pixel a work-item", HBIL_REPROJECTION_NONE, 1},
+    {"scatter, 4 pixels a work-item", HBIL_REPROJECTION_SCATTER, 4},
+    {"scatter, 16 pixels a work-item", HBIL_REPROJECTION_SCATTER, 16},
 };
-enum { KINDS = sizeof kinds / sizeof *kinds };
+enum {
+  SCATTER,
+  SCATTER_1,
+  MOTION,
+  MOTION_1,
+  KINDS,
+  NONE_1 = KINDS,
+  SCATTER_4,
+  SCATTER_16
+};
 
 static void start(setup *s, const kind *k) {
   setup_every_pass(s, k->reprojection, k->vector_width, WIDTH, HEIGHT);
-  /* the filter takes longest to compile, and the others have it */
-  s->config.raw_interleave = k->reprojection == HBIL_REPROJECTION_MOTION;
+  /* the filter takes longest to compile, and scatter has it */
+  s->config.raw_interleave =
+      k->reprojection == HBIL_REPROJECTION_MOTION || k->vector_width > 1;
   setup_start(s);
 }
 
@@ -127,24 +141,32 @@ static void one_thread_and_two_give_the_same_bits(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Work-groups                                                               */
 
-/* The library's on a CPU is the first, on others the second; rows of groups
- * from the last to the first, where the library's own come in order.  With
- * kernels of single pixels, as others have them, too: they compile fastest,
- * which PoCL does for each size anew. */
-static const size_t groups[][2] = {{16, 1}, {32, 4}, {7, 3}};
+/* The library's on a CPU is 16 x 1, on others 32 x 4; rows of groups from the
+ * last to the first, where the library's own come in order.  PoCL compiles for
+ * each size anew: kernels of single pixels fastest, so that vectors have their
+ * turn in the long form (`make stress`). */
+static const struct {
+  int kind;
+  size_t group[2];
+} groupings[] = {
+    {SCATTER_1, {16, 1}}, {SCATTER_1, {32, 4}}, {SCATTER_1, {7, 3}},
+    {MOTION_1, {32, 4}},  {NONE_1, {7, 3}},     {SCATTER, {7, 3}},
+    {SCATTER_4, {5, 2}},  {SCATTER_16, {3, 4}}, {MOTION, {7, 3}}};
+enum { SHORT = 5, GROUPINGS = sizeof groupings / sizeof *groupings };
 
 static void every_work_group_gives_the_same_bits(void **state) {
-  const kind *k = &kinds[1];
-  setup s;
+  const int count = getenv("HBIL_STRESS_SECONDS") ? GROUPINGS : SHORT;
   (void)state;
-  start(&s, k);
-  const uint64_t want = hash_of_sequence(&s);
-  for (size_t g = 0; g < sizeof groups / sizeof *groups; ++g) {
-    shim_use_groups(groups[g]);
+  for (int i = 0; i < count; ++i) {
+    const kind *k = &kinds[groupings[i].kind];
+    setup s;
+    start(&s, k);
+    const uint64_t want = hash_of_sequence(&s);
+    shim_use_groups(groupings[i].group);
     check_hash(hash_of_sequence(&s), want, k->name, "with other work-groups");
     shim_use_groups(NULL);
+    setup_free(&s);
   }
-  setup_free(&s);
 }
 
 int main(int argc, char **argv) {

@@ -196,9 +196,12 @@ static void check_same(const outcome *o, step *t) {
 }
 
 /* A frame that fails is none: the same one again has the light and the history
- * of a plan that never failed. */
+ * of a plan that never failed, and as many references are held as without it:
+ * but for an event that could not be kept. */
 static void frames_can_be_repeated(void **state) {
+  const long before = shim_held();
   bool holes = false;
+  long held = 0;
   step t;
   (void)state;
   start_step(&t);
@@ -216,6 +219,8 @@ static void frames_can_be_repeated(void **state) {
       if (o.status != HBIL_SUCCESS)
         setup_run(&t.faulty, hbil_enqueue_frame);
       check_same(&o, &t);
+      held = held ? held : shim_held();
+      check_held(&o, held - (o.failed && !strcmp(o.failed, "clRetainEvent")));
       assert_success(&t.plain, hbil_plan_skipped(t.plain.plan, t.profiled.queue,
                                                  &skipped));
       holes = holes || !skipped.not_run[HBIL_PASS_PUSH_PULL];
@@ -224,6 +229,25 @@ static void frames_can_be_repeated(void **state) {
   }
   assert_true(holes);
   free_step(&t);
+  assert_int_equal(shim_held(), before);
+}
+
+/* Whatever call of a frame has failed, a plan takes all with it. */
+static void plans_end_after_failures(void **state) {
+  const long before = shim_held();
+  outcome o = {0, "", HBIL_SUCCESS};
+  step t;
+  (void)state;
+  shim_keep_programs(true);
+  for (int n = 1; o.failed; n += 29) { /* a prime: all kinds of calls */
+    start_step(&t);
+    load(&t, 0);
+    setup_run(&t.faulty, hbil_enqueue_frame);
+    o = ATTEMPT(n, CL_OUT_OF_RESOURCES, frame(&t.faulty));
+    free_step(&t);
+    check_held(&o, before);
+  }
+  shim_keep_programs(false);
 }
 
 /* Nor can a still frame stand on it: what is still is the frame before. */
@@ -357,6 +381,7 @@ int main(void) {
       cmocka_unit_test(contexts_leave_nothing),
       cmocka_unit_test(plans_leave_nothing),
       cmocka_unit_test(frames_can_be_repeated),
+      cmocka_unit_test(plans_end_after_failures),
       cmocka_unit_test(still_frames_do_not_stand_on_failures),
       cmocka_unit_test(questions_can_be_asked_again),
       cmocka_unit_test(lost_events_are_told),

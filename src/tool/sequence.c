@@ -226,27 +226,35 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
 /* ------------------------------------------------------------------------ */
 /* Light on its way from one process to another                              */
 
-/* The plan's history, or NULL where nothing is carried. */
-static cl_mem history(const sequence *s, size_t *size) {
-  hbil_buffer buffer;
-  *size = 0;
-  if (hbil_plan_buffer(s->plan, HBIL_STAGE_HISTORY, &buffer) != HBIL_SUCCESS ||
-      clGetMemObjectInfo(buffer.buffer, CL_MEM_SIZE, sizeof *size, size,
-                         NULL) != CL_SUCCESS)
-    return NULL;
-  return buffer.buffer;
+/* Where carried light lies, in bytes, without the room around its planes, which
+ * holds whatever was in that memory before.  No buffer: none is carried. */
+typedef struct carried {
+  cl_mem buffer;
+  size_t from[3], size[3], row, plane;
+} carried;
+
+static carried history(const sequence *s) {
+  hbil_buffer b;
+  if (hbil_plan_buffer(s->plan, HBIL_STAGE_HISTORY, &b) != HBIL_SUCCESS)
+    return (carried){.buffer = NULL};
+  return (carried){
+      .buffer = b.buffer,
+      .from = {b.origin * sizeof(float), 0, 0},
+      .size = {s->config.width * sizeof(float), s->config.height, b.values},
+      .row = b.row_pitch * sizeof(float),
+      .plane = b.plane_pitch * sizeof(float)};
 }
 
 size_t sequence_light_size(const sequence *s) {
-  size_t size;
-  return history(s, &size) ? size : 0;
+  const carried light = history(s);
+  return light.size[0] * light.size[1] * light.size[2];
 }
 
 int sequence_take_light(sequence *s, void *bytes, image_error *error) {
-  size_t size;
-  const cl_mem planes = history(s, &size);
-  const cl_int status = clEnqueueReadBuffer(s->device->queue, planes, CL_TRUE,
-                                            0, size, bytes, 0, NULL, NULL);
+  const carried light = history(s);
+  const cl_int status = clEnqueueReadBufferRect(
+      s->device->queue, light.buffer, CL_TRUE, light.from, (size_t[3]){0},
+      light.size, light.row, light.plane, 0, 0, bytes, 0, NULL, NULL);
   return status == CL_SUCCESS
              ? 0
              : opencl_failed(s, status, "reading carried light", error);
@@ -257,16 +265,16 @@ int sequence_take_light(sequence *s, void *bytes, image_error *error) {
 int sequence_give_light(sequence *s, const camera_file *camera,
                         float environment[9][3], const void *bytes,
                         image_error *error) {
-  size_t size;
+  const carried light = history(s);
   hbil_frame frame;
   fill_frame(s, camera, environment, &frame);
   const hbil_status status =
       hbil_enqueue_composite(s->plan, s->device->queue, &frame, 0, NULL, NULL);
   if (status != HBIL_SUCCESS)
     return library_failed(s, status, error);
-  const cl_mem planes = history(s, &size);
-  const cl_int written = clEnqueueWriteBuffer(s->device->queue, planes, CL_TRUE,
-                                              0, size, bytes, 0, NULL, NULL);
+  const cl_int written = clEnqueueWriteBufferRect(
+      s->device->queue, light.buffer, CL_TRUE, light.from, (size_t[3]){0},
+      light.size, light.row, light.plane, 0, 0, bytes, 0, NULL, NULL);
   return written == CL_SUCCESS
              ? 0
              : opencl_failed(s, written, "writing carried light", error);
