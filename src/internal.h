@@ -147,6 +147,8 @@ enum {
   BUFFER_SPLIT,
   BUFFER_LIGHT,
   BUFFER_RESOLVED,
+  BUFFER_KEPT,      /* by the temporal filter, of one frame */
+  BUFFER_KEPT_NEXT, /* of the other */
   BUFFER_STEPS,
   BUFFER_ESTIMATE, /* the estimate, then its parts */
   BUFFER_BOUNDS,   /* grids of what is nearest and what shines */
@@ -175,11 +177,12 @@ enum {
   KERNEL_PATTERN,
   KERNEL_GATHER,
   KERNEL_RECOMPOSE,
+  KERNEL_TEMPORAL,
   KERNEL_COMPOSITE,
   KERNEL_COUNT
 };
 
-enum { PROGRAM_COUNT = 9 };
+enum { PROGRAM_COUNT = 10 };
 
 /* log2(16384) + 1: levels of the largest push/pull chain. */
 enum { MAX_CHAIN = 15 };
@@ -220,6 +223,11 @@ struct hbil_plan {
   bool scatter_keys; /* one kernel with 64-bit atomics instead of two */
   bool has_history;
   hbil_camera history_camera;
+  /* what the temporal filter keeps: which of the two buffers holds it, and
+   * whether the other one has been written since the last composite */
+  bool has_kept, kept_anew;
+  int kept;
+  hbil_camera kept_camera;
   /* the last frame that was composed */
   bool has_last;
   hbil_camera last_camera;

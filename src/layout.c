@@ -168,6 +168,11 @@ void layout_compute(const hbil_config *config, layout *out) {
   out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
   out->bytes[BUFFER_LIGHT] = layers_size(&out->light);
   out->bytes[BUFFER_RESOLVED] = light_planes(out) * real * out->planes.plane;
+  if (config->temporal)
+    out->bytes[BUFFER_KEPT] = out->bytes[BUFFER_KEPT_NEXT] =
+        real *
+        ((HBIL_KEPT_LIGHT + light_planes(out)) * (size_t)out->planes.plane +
+         2 * (size_t)hbil_history_origin(out->planes));
   if (out->estimate)
     out->bytes[BUFFER_ESTIMATE] =
         HBIL_ESTIMATE_SIZE * (1 + HBIL_ESTIMATE_PARTS) * real;
