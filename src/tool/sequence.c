@@ -17,6 +17,7 @@ struct sequence {
   cl_mem input[INPUTS];
   cl_mem output[LAYER_COUNT];
   uint64_t last; /* of the last frame's inputs and camera; 0: none */
+  cl_uint index; /* of the next run, where the pattern turns with it */
 };
 
 static hbil_image *image_at(hbil_frame *frame, size_t offset) {
@@ -155,6 +156,7 @@ static int run_passes(sequence *s, hbil_frame *frame, unsigned repeat,
       return -1;
     if (run == 1)
       frame->still = CL_TRUE;
+    frame->index = s->config.temporal ? s->index++ : 0;
     const hbil_status status =
         hbil_enqueue_frame(s->plan, s->device->queue, frame, 0, NULL, NULL);
     if (status != HBIL_SUCCESS)
@@ -221,48 +223,80 @@ int sequence_run(sequence *s, const gbuffer *g, const camera_file *camera,
 /* ------------------------------------------------------------------------ */
 /* Light on its way from one process to another                              */
 
-/* The plan's history, or NULL where nothing is carried. */
-static cl_mem history(const sequence *s, size_t *size) {
+/* What a plan carries from frame to frame. */
+static const hbil_stage carried[] = {HBIL_STAGE_HISTORY, HBIL_STAGE_KEPT};
+enum { CARRIED = sizeof carried / sizeof *carried };
+
+/* Its buffer, or NULL where there is no such thing. */
+static cl_mem carried_buffer(const sequence *s, hbil_stage stage,
+                             size_t *size) {
   hbil_buffer buffer;
   *size = 0;
-  if (hbil_plan_buffer(s->plan, HBIL_STAGE_HISTORY, &buffer) != HBIL_SUCCESS ||
+  if (hbil_plan_buffer(s->plan, stage, &buffer) != HBIL_SUCCESS ||
       clGetMemObjectInfo(buffer.buffer, CL_MEM_SIZE, sizeof *size, size,
                          NULL) != CL_SUCCESS)
     return NULL;
   return buffer.buffer;
 }
 
+/* The buffers, one after the other, and behind them the next run's index. */
 size_t sequence_light_size(const sequence *s) {
-  size_t size;
-  return history(s, &size) ? size : 0;
+  size_t all = 0, size;
+  for (int i = 0; i < CARRIED; i++)
+    if (carried_buffer(s, carried[i], &size))
+      all += size;
+  return all ? all + sizeof s->index : 0;
 }
 
 int sequence_take_light(sequence *s, void *bytes, image_error *error) {
+  unsigned char *at = bytes;
   size_t size;
-  const cl_mem planes = history(s, &size);
-  const cl_int status = clEnqueueReadBuffer(s->device->queue, planes, CL_TRUE,
-                                            0, size, bytes, 0, NULL, NULL);
-  return status == CL_SUCCESS
-             ? 0
-             : opencl_failed(s, status, "reading carried light", error);
+  for (int i = 0; i < CARRIED; i++) {
+    const cl_mem planes = carried_buffer(s, carried[i], &size);
+    const cl_int status =
+        planes ? clEnqueueReadBuffer(s->device->queue, planes, CL_TRUE, 0, size,
+                                     at, 0, NULL, NULL)
+               : CL_SUCCESS;
+    if (status != CL_SUCCESS)
+      return opencl_failed(s, status, "reading carried light", error);
+    at += size;
+  }
+  memcpy(at, &s->index, sizeof s->index);
+  return 0;
 }
 
 /* Composing any light makes the plan take the camera for that of its history,
- * whose planes are put right afterwards. */
+ * whose planes are put right afterwards; so it does with what the temporal
+ * filter keeps. */
+static int compose_anything(sequence *s, const hbil_frame *frame,
+                            image_error *error) {
+  hbil_status status =
+      hbil_enqueue_temporal(s->plan, s->device->queue, frame, 0, NULL, NULL);
+  if (status == HBIL_SUCCESS)
+    status =
+        hbil_enqueue_composite(s->plan, s->device->queue, frame, 0, NULL, NULL);
+  return status == HBIL_SUCCESS ? 0 : library_failed(s, status, error);
+}
+
 int sequence_give_light(sequence *s, const camera_file *camera,
                         float environment[9][3], const void *bytes,
                         image_error *error) {
+  const unsigned char *at = bytes;
   size_t size;
   hbil_frame frame;
   fill_frame(s, camera, environment, &frame);
-  const hbil_status status =
-      hbil_enqueue_composite(s->plan, s->device->queue, &frame, 0, NULL, NULL);
-  if (status != HBIL_SUCCESS)
-    return library_failed(s, status, error);
-  const cl_mem planes = history(s, &size);
-  const cl_int written = clEnqueueWriteBuffer(s->device->queue, planes, CL_TRUE,
-                                              0, size, bytes, 0, NULL, NULL);
-  return written == CL_SUCCESS
-             ? 0
-             : opencl_failed(s, written, "writing carried light", error);
+  if (compose_anything(s, &frame, error) != 0)
+    return -1;
+  for (int i = 0; i < CARRIED; i++) {
+    const cl_mem planes = carried_buffer(s, carried[i], &size);
+    const cl_int status =
+        planes ? clEnqueueWriteBuffer(s->device->queue, planes, CL_TRUE, 0,
+                                      size, at, 0, NULL, NULL)
+               : CL_SUCCESS;
+    if (status != CL_SUCCESS)
+      return opencl_failed(s, status, "writing carried light", error);
+    at += size;
+  }
+  memcpy(&s->index, at, sizeof s->index);
+  return 0;
 }
