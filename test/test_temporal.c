@@ -7,18 +7,21 @@
 #include <math.h>
 #include <stdio.h>
 
-#define WIDTH 96
+/* Rows without padding: what lies left of one is the end of another. */
+#define WIDTH 128
 #define HEIGHT 54
 #define PIXELS (WIDTH * HEIGHT)
 #define FRAMES 6
 
-/* AO, E_near and bent normals of the room, as cheap as can be.  Light is not
- * carried over, so a frame is what it is without those before it. */
+/* AO, E_near and bent normals of the room, as cheap as can be: recompose's
+ * filter takes longest to compile.  Light is not carried over, so a frame is
+ * what it is without those before it. */
 static void init(setup *s, int width, int height, cl_uint temporal) {
   setup_scene(s, SCENE_ROOM, width, height, 0);
   s->config.reprojection = HBIL_REPROJECTION_NONE;
   s->config.slices = 1;
   s->config.samples = 6;
+  s->config.raw_interleave = CL_TRUE;
   s->config.motion.component = HBIL_NONE;
   s->config.temporal = temporal;
 }
@@ -181,10 +184,7 @@ static void noise_falls_with_the_frames(void **state) {
   setup s;
   (void)state;
   init(&s, WIDTH, HEIGHT, 64);
-  s.config.mode = HBIL_MODE_GTAO;
-  s.config.near_light.component = HBIL_NONE;
   s.config.samples = 32;
-  s.config.raw_interleave = CL_TRUE;
   setup_start(&s);
   ref_state_init(&exact, WIDTH, HEIGHT);
   ref_frame_dense(&exact, &s.job, &how);
@@ -217,7 +217,7 @@ typedef struct kept {
 } kept;
 
 static kept kept_read(setup *s) {
-  kept k;
+  kept k = {.bytes = NULL};
   size_t size;
   assert_success(s, hbil_plan_buffer(s->plan, HBIL_STAGE_KEPT, &k.at));
   k.bytes = buffer_bytes(s, k.at.buffer, &size);
@@ -364,6 +364,22 @@ typedef struct tally {
   int close, fresh, found;
 } tally;
 
+/* What is shown is what is kept, but for the bent normal's length; that is off
+ * by four roundings. */
+static void check_shown(const ref_planes *got, const kept *anew, int x, int y) {
+  double bent[3];
+  for (int p = 0; p < HBIL_LIGHT_BENT; ++p)
+    assert_true(*ref_at(got, p, x, y) ==
+                kept_value(anew, KEPT_LIGHT + p, x, y));
+  for (int c = 0; c < 3; ++c)
+    bent[c] = kept_value(anew, KEPT_LIGHT + HBIL_LIGHT_BENT + c, x, y);
+  if (dot(bent, bent) < 1e-12)
+    return;
+  normalize(bent);
+  for (int c = 0; c < 3; ++c)
+    assert_true(fabs(*ref_at(got, HBIL_LIGHT_BENT + c, x, y) - bent[c]) < 3e-7);
+}
+
 /* fresh: RESOLVED before the filter, got: after it; anew: kept by it. */
 static void check_pixel(const setup *s, const recalled *r,
                         const ref_planes *fresh, const ref_planes *got,
@@ -382,6 +398,7 @@ static void check_pixel(const setup *s, const recalled *r,
     return;
   }
   t->found++;
+  check_shown(got, anew, x, y);
   /* A place may be snapped to the next 1/256 of a pixel, in x and in y; sums of
    * four in fp32. */
   const double places = 2.0 / 256.0;
@@ -403,11 +420,28 @@ static enqueue_function *const until_recompose[] = {
     hbil_enqueue_reproject, hbil_enqueue_push_pull, hbil_enqueue_split,
     hbil_enqueue_gather, hbil_enqueue_recompose};
 
+/* Of some pixels nothing is known, whatever light stands there. */
+static void forget_some(setup *s, kept *k) {
+  const float none = 0.0f, light = 100.0f;
+  size_t size;
+  free(buffer_bytes(s, k->at.buffer, &size));
+  for (int y = 0; y < HEIGHT; ++y)
+    for (int x = y % 7; x < WIDTH; x += 7) {
+      memcpy(k->bytes + kept_place(k, KEPT_FRAMES, x, y), &none, sizeof none);
+      memcpy(k->bytes + kept_place(k, KEPT_LIGHT, x, y), &light, sizeof light);
+    }
+  assert_int_equal(clEnqueueWriteBuffer(s->gpu->queue, k->at.buffer, CL_TRUE, 0,
+                                        size, k->bytes, 0, NULL, NULL),
+                   CL_SUCCESS);
+}
+
 /* A frame, pass by pass.  before: camera of the last one; NULL: the first. */
 static void check_frame(setup *s, const hbil_camera *before, tally *t) {
   kept old = {.bytes = NULL}, anew;
-  if (before)
+  if (before) {
     old = kept_read(s);
+    forget_some(s, &old);
+  }
   for (size_t i = 0; i < sizeof until_recompose / sizeof *until_recompose; ++i)
     setup_run(s, until_recompose[i]);
   ref_planes split = stage_read(s, HBIL_STAGE_SPLIT);
@@ -442,7 +476,6 @@ static void check_moving(hbil_reprojection reprojection, cl_uint width) {
   s.config.motion.component =
       reprojection == HBIL_REPROJECTION_MOTION ? HBIL_FLOAT32 : HBIL_NONE;
   s.config.vector_width = width;
-  s.config.raw_interleave = CL_TRUE;
   setup_start(&s);
   for (int i = 0; i < FRAMES; ++i) {
     load(&s, (uint32_t)i, (cl_uint)i);
@@ -561,6 +594,36 @@ static void what_was_not_there_begins_anew(void **state) {
   setup_free(&s);
 }
 
+/* A wall that fills the picture, seen from half a pixel aside: at one border,
+ * a row or a column, half of what is looked for lies outside. */
+static void borders_are_no_neighbours(void **state) {
+  static const int moves[][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+  setup s;
+  (void)state;
+  init(&s, WIDTH, HEIGHT, 8);
+  s.config.normal_space = HBIL_SPACE_VIEW;
+  setup_start(&s);
+  for (size_t i = 0; i < sizeof moves / sizeof *moves; ++i) {
+    const int dx = moves[i][0], dy = moves[i][1];
+    hbil_plan_reset(s.plan);
+    set_wall(&s, 0, 4.0f, 0.0f);
+    setup_run(&s, hbil_enqueue_frame);
+    s.frame.camera.world_from_view[3] = dx * 0.5 * 4.0 / s.frame.camera.fx;
+    s.frame.camera.world_from_view[7] = dy * 0.5 * 4.0 / s.frame.camera.fy;
+    setup_run(&s, hbil_enqueue_frame);
+    kept k = kept_read(&s);
+    for (int y = 0; y < HEIGHT; ++y)
+      for (int x = 0; x < WIDTH; ++x) {
+        const int to_x = x + dx, to_y = y + dy;
+        const bool inside =
+            to_x >= 0 && to_x < WIDTH && to_y >= 0 && to_y < HEIGHT;
+        assert_true(kept_value(&k, KEPT_FRAMES, x, y) == (inside ? 2.0 : 1.5));
+      }
+    free(k.bytes);
+  }
+  setup_free(&s);
+}
+
 /* ------------------------------------------------------------------------ */
 /* No numbers                                                                */
 
@@ -616,6 +679,9 @@ static void no_number_of_a_frame_is_kept(void **state) {
   ref_planes_free(&fresh);
   setup_run(&s, hbil_enqueue_temporal);
   setup_run(&s, hbil_enqueue_composite);
+  kept k = kept_read(&s);
+  assert_true(kept_value(&k, KEPT_FRAMES, 30, 20) == 0.0);
+  free(k.bytes);
   ref_planes got = outputs_read(&s);
   assert_true(isnan(*ref_at(&got, REF_NEAR, 30, 20)));
   ref_planes_free(&got);
@@ -624,7 +690,7 @@ static void no_number_of_a_frame_is_kept(void **state) {
   for (size_t i = 0; i < size_of(&got); ++i)
     assert_true(isfinite(got.values[i]));
   ref_planes_free(&got);
-  kept k = kept_read(&s);
+  k = kept_read(&s);
   assert_true(kept_value(&k, KEPT_FRAMES, 30, 20) == 1.0);
   assert_true(kept_value(&k, KEPT_FRAMES, 31, 20) == 3.0);
   free(k.bytes);
@@ -733,6 +799,7 @@ int main(void) {
       cmocka_unit_test(pixel_by_pixel_as_well),
       cmocka_unit_test(motion_vectors_are_followed),
       cmocka_unit_test(what_was_not_there_begins_anew),
+      cmocka_unit_test(borders_are_no_neighbours),
       cmocka_unit_test(what_is_no_number_is_dropped),
       cmocka_unit_test(no_number_of_a_frame_is_kept),
       cmocka_unit_test(motion_is_counted_once),

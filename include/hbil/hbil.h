@@ -377,9 +377,10 @@ typedef struct hbil_config {
    * one weighs 1/temporal and older ones fade out.
    * What differs from frame to frame is the sampling: hbil_frame.index must go
    * on by 1 every frame, still ones included; with one index for all the mean
-   * is no better than a frame.  Light that changes, and whatever moves without
-   * the cameras or motion vectors telling, lags by some frames; so does light
-   * that is fed back, which is the mean's. */
+   * is no better than a frame.  2 to 4 where the camera moves, 8 and more where
+   * nothing does.  Light that changes, shadows that move, and whatever moves
+   * without the cameras or motion vectors telling, lags by some frames; so does
+   * light that is fed back, which is the mean's. */
   cl_uint temporal;
   hbil_far_field far_field; /* default NONE */
   cl_bool raw_interleave;   /* CL_TRUE: recompose only undoes the 4x4 split and
