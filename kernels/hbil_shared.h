@@ -121,6 +121,16 @@ enum {
 enum { HBIL_HISTORY_W = 0, HBIL_HISTORY_RED = 1, HBIL_HISTORY_PLANES = 4 };
 enum { HBIL_CARRIED_RED = 0, HBIL_CARRIED_WEIGHT = 3, HBIL_CARRIED_PLANES = 4 };
 
+/* What the temporal filter keeps of a frame: what a pixel shows, the number of
+ * frames it is the mean of (0: none), and from HBIL_KEPT_LIGHT on the light
+ * planes.  The normal is a word of 2 x 16 bits as in packed planes. */
+enum {
+  HBIL_KEPT_W = 0,
+  HBIL_KEPT_NORMAL = 1,
+  HBIL_KEPT_FRAMES = 2,
+  HBIL_KEPT_LIGHT = 3
+};
+
 /* The estimate of unseen light (estimate.cl), and its weight beside what a
  * pixel itself sees, in hemispheres: measured on the public dumps (HACKING.md);
  * local light is the better guess where much is seen, the frame's where little

@@ -117,7 +117,7 @@ static hbil_status check_still(hbil_plan *plan, const hbil_frame *frame) {
   if (memcmp(&frame->camera, &plan->last_camera, sizeof frame->camera))
     return fail(plan->context, HBIL_INVALID_FRAME,
                 "still: CL_TRUE, but camera is not that of the frame before");
-  if (frame->index != plan->last_index)
+  if (frame->index != plan->last_index && !plan->config.temporal)
     return fail(plan->context, HBIL_INVALID_FRAME,
                 "still: CL_TRUE, but index is %u, that of the frame before was "
                 "%u; one pattern is needed",
@@ -321,6 +321,12 @@ static bool is_still(const hbil_plan *plan, const hbil_frame *frame) {
 /* Whether even its light is that of the last one: none is carried over. */
 static bool is_same(const hbil_plan *plan, const hbil_frame *frame) {
   return is_still(plan, frame) && !plan->layout.history;
+}
+
+/* What the gather needs to know of that: with a filter over frames even one
+ * that stands still is gathered anew, by another pattern. */
+static bool may_rest(const hbil_plan *plan, const hbil_frame *frame) {
+  return is_still(plan, frame) && !plan->config.temporal;
 }
 
 static hbil_status leave_out(commands *chain) {
@@ -691,8 +697,8 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
   const hbil_pattern_args pattern = pattern_of(plan, frame, &view);
-  const cl_int still = is_still(plan, frame);
-  if (is_same(plan, frame))
+  const cl_int still = may_rest(plan, frame);
+  if (still && !plan->layout.history)
     return leave_out(chain);
   plan->may_leave_out[HBIL_PASS_GATHER] = still;
   hbil_status status = make_pattern(chain, &view, &pattern);
@@ -737,8 +743,9 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
 
 static hbil_status recompose(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
-  const cl_int still = is_still(plan, frame);
-  if (is_same(plan, frame))
+  const cl_int still = may_rest(plan, frame);
+  plan->kept_anew = false; /* what a frame has kept that was broken off */
+  if (still && !plan->layout.history)
     return leave_out(chain);
   plan->may_leave_out[HBIL_PASS_RECOMPOSE] = still;
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
@@ -758,6 +765,64 @@ static hbil_status recompose(commands *chain, const hbil_frame *frame) {
       plan->config.vector_width == 1 ? 1 : (size_t)HBIL_RECOMPOSE_ROWS;
   return LAUNCH(chain, KERNEL_RECOMPOSE, args, plan->layout.strips,
                 (plan->config.height + rows - 1) / rows, 1);
+}
+
+/* Writes beside what is kept of the frame before; composite makes it what is
+ * kept, so that a frame which fails is none. */
+static hbil_status temporal(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  if (!plan->config.temporal)
+    return HBIL_SUCCESS;
+  const hbil_camera *last =
+      plan->has_kept ? &plan->kept_camera : &frame->camera;
+  const hbil_view_args view = camera_view(&frame->camera, &plan->config);
+  const hbil_view_args before = camera_view(last, &plan->config);
+  const hbil_transform_args back = camera_between(&frame->camera, last);
+  const bound_image motion = bind(plan, frame, IMAGE_MOTION);
+  /* a mean over one frame is that frame */
+  const cl_int has_before = plan->has_kept && plan->config.temporal > 1;
+  const cl_float most = (cl_float)plan->config.temporal;
+  const argument args[] = {ARG(view),
+                           ARG(before),
+                           ARG(back),
+                           ARG(plan->layout.split),
+                           ARG(plan->buffers[BUFFER_SPLIT]),
+                           ARG(plan->buffers[BUFFER_RESOLVED]),
+                           ARG(plan->buffers[BUFFER_KEPT + plan->kept]),
+                           ARG(plan->buffers[BUFFER_KEPT + !plan->kept]),
+                           ARG(plan->layout.planes),
+                           ARG(has_before),
+                           ARG(plan->config.disocclusion),
+                           ARG(most),
+                           IMAGE_ARGS(motion),
+                           ARG(plan->config.motion_scale[0]),
+                           ARG(plan->config.motion_scale[1]),
+                           ARG(plan->buffers[BUFFER_REPAIRED])};
+  hbil_status status = plan->layout.history
+                           ? HBIL_SUCCESS
+                           : clear_counts(chain, HBIL_REPAIRED_MOTION, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_TEMPORAL, args, (across(plan) + 3) / 4,
+                    plan->config.height, 1);
+  plan->kept_anew = status == HBIL_SUCCESS;
+  return status;
+}
+
+/* The frame is the plan's last one. */
+static void remember(hbil_plan *plan, const hbil_frame *frame) {
+  plan->has_last = true;
+  plan->last_camera = frame->camera;
+  plan->last_index = frame->index;
+  if (plan->layout.history) {
+    plan->has_history = true;
+    plan->history_camera = frame->camera;
+  }
+  if (plan->kept_anew) {
+    plan->kept_anew = false;
+    plan->kept = !plan->kept;
+    plan->has_kept = true;
+    plan->kept_camera = frame->camera;
+  }
 }
 
 static hbil_status composite(commands *chain, const hbil_frame *frame) {
@@ -799,15 +864,8 @@ static hbil_status composite(commands *chain, const hbil_frame *frame) {
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_COMPOSITE, args, across(plan),
                     plan->config.height, 1);
-  if (status == HBIL_SUCCESS) {
-    plan->has_last = true;
-    plan->last_camera = frame->camera;
-    plan->last_index = frame->index;
-  }
-  if (status == HBIL_SUCCESS && plan->layout.history) {
-    plan->has_history = true;
-    plan->history_camera = frame->camera;
-  }
+  if (status == HBIL_SUCCESS)
+    remember(plan, frame);
   return status;
 }
 
@@ -822,6 +880,7 @@ static const struct {
     [HBIL_PASS_SPLIT] = {split, USES_SPLIT},
     [HBIL_PASS_GATHER] = {gather, 0},
     [HBIL_PASS_RECOMPOSE] = {recompose, 0},
+    [HBIL_PASS_TEMPORAL] = {temporal, BIT(IMAGE_MOTION)},
     [HBIL_PASS_COMPOSITE] = {composite, USES_COMPOSITE},
 };
 
@@ -897,4 +956,5 @@ PASS_FUNCTION(push_pull, HBIL_PASS_PUSH_PULL)
 PASS_FUNCTION(split, HBIL_PASS_SPLIT)
 PASS_FUNCTION(gather, HBIL_PASS_GATHER)
 PASS_FUNCTION(recompose, HBIL_PASS_RECOMPOSE)
+PASS_FUNCTION(temporal, HBIL_PASS_TEMPORAL)
 PASS_FUNCTION(composite, HBIL_PASS_COMPOSITE)

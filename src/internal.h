@@ -164,6 +164,8 @@ enum {
   BUFFER_SPLIT,
   BUFFER_LIGHT,
   BUFFER_RESOLVED,
+  BUFFER_KEPT,      /* by the temporal filter, of one frame */
+  BUFFER_KEPT_NEXT, /* of the other */
   BUFFER_STEPS,
   BUFFER_ESTIMATE, /* the estimate, then its parts */
   BUFFER_BOUNDS,   /* grids of what is nearest and what shines */
@@ -198,6 +200,7 @@ enum {
   KERNEL_JUDGE_SUM,
   KERNEL_JUDGE_RUNGS,
   KERNEL_RECOMPOSE,
+  KERNEL_TEMPORAL,
   KERNEL_COMPOSITE,
   KERNEL_COUNT
 };
@@ -246,6 +249,11 @@ struct hbil_plan {
   bool scatter_keys; /* one kernel with 64-bit atomics instead of two */
   bool has_history;
   hbil_camera history_camera;
+  /* what the temporal filter keeps: which of the two buffers holds it, and
+   * whether the other one has been written since the last composite */
+  bool has_kept, kept_anew;
+  int kept;
+  hbil_camera kept_camera;
   /* the last frame that was composed */
   bool has_last;
   hbil_camera last_camera;

@@ -171,6 +171,11 @@ void layout_compute(const hbil_config *config, layout *out) {
   const cl_uint errors = !has(config, IMAGE_ERROR) ? 0 : out->radiance ? 2 : 1;
   out->bytes[BUFFER_RESOLVED] =
       (out->error_plane + errors) * real * out->planes.plane;
+  if (config->temporal)
+    out->bytes[BUFFER_KEPT] = out->bytes[BUFFER_KEPT_NEXT] =
+        real *
+        ((HBIL_KEPT_LIGHT + light_planes(out)) * (size_t)out->planes.plane +
+         2 * (size_t)hbil_history_origin(out->planes));
   if (out->estimate)
     out->bytes[BUFFER_ESTIMATE] =
         HBIL_ESTIMATE_SIZE * (1 + HBIL_ESTIMATE_PARTS) * real;

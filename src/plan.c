@@ -97,6 +97,7 @@ enum {
   PROGRAM_GATHER,
   PROGRAM_JUDGE,
   PROGRAM_RECOMPOSE,
+  PROGRAM_TEMPORAL,
   PROGRAM_COMPOSITE
 };
 
@@ -110,6 +111,7 @@ static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_GATHER] = {"gather", .fast = true},
     [PROGRAM_JUDGE] = {"judge", .images = false},
     [PROGRAM_RECOMPOSE] = {"recompose", .fast = true},
+    [PROGRAM_TEMPORAL] = {"temporal", .images = true},
     [PROGRAM_COMPOSITE] = {"composite", .images = true},
 };
 
@@ -138,6 +140,7 @@ static const struct {
     [KERNEL_JUDGE_SUM] = {"judge_sum", PROGRAM_JUDGE},
     [KERNEL_JUDGE_RUNGS] = {"judge_rungs", PROGRAM_JUDGE},
     [KERNEL_RECOMPOSE] = {"recompose", PROGRAM_RECOMPOSE},
+    [KERNEL_TEMPORAL] = {"temporal", PROGRAM_TEMPORAL},
     [KERNEL_COMPOSITE] = {"composite", PROGRAM_COMPOSITE},
 };
 
@@ -148,6 +151,8 @@ static bool program_needed(const hbil_plan *plan, int program) {
     return plan->layout.bytes[BUFFER_BOUNDS] > 0;
   if (program == PROGRAM_JUDGE)
     return plan->layout.ladder.count > 0;
+  if (program == PROGRAM_TEMPORAL)
+    return plan->config.temporal > 0;
   return plan->layout.history ||
          (program != PROGRAM_REPROJECT && program != PROGRAM_PUSH_PULL);
 }
@@ -337,22 +342,23 @@ void hbil_plan_destroy(hbil_plan *plan) {
 
 void hbil_plan_reset(hbil_plan *plan) {
   if (plan)
-    plan->has_history = plan->has_last = false;
+    plan->has_history = plan->has_last = plan->has_kept = false;
 }
 
 hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
                              hbil_buffer *out) {
-  static const int of_stage[] = {BUFFER_HISTORY, BUFFER_CARRIED, BUFFER_SPLIT,
-                                 BUFFER_LIGHT, BUFFER_RESOLVED};
-  if (!plan || !out || (unsigned)stage > HBIL_STAGE_RESOLVED)
+  static const int of_stage[] = {BUFFER_HISTORY, BUFFER_CARRIED,  BUFFER_SPLIT,
+                                 BUFFER_LIGHT,   BUFFER_RESOLVED, BUFFER_KEPT};
+  if (!plan || !out || (unsigned)stage > HBIL_STAGE_KEPT)
     return HBIL_INVALID_ARGUMENT;
   const layout *l = &plan->layout;
-  const int buffer = of_stage[stage];
+  const int buffer =
+      of_stage[stage] + (stage == HBIL_STAGE_KEPT ? plan->kept : 0);
   memset(out, 0, sizeof *out);
   if (!plan->buffers[buffer])
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
-                "stage %d: this plan has no such buffer (no history)",
-                (int)stage);
+                "stage %d: this plan has no such buffer (no %s)", (int)stage,
+                stage == HBIL_STAGE_KEPT ? "temporal filter" : "history");
   out->buffer = plan->buffers[buffer];
   if (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED) {
     const hbil_layer_args *layers =
@@ -371,10 +377,13 @@ hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
         (cl_uint)(l->bytes[buffer] / (out->plane_pitch * sizeof(cl_float)));
     return HBIL_SUCCESS;
   }
-  out->values = stage == HBIL_STAGE_HISTORY ? (cl_uint)HBIL_HISTORY_PLANES
-                                            : (cl_uint)HBIL_CARRIED_PLANES;
-  if (stage == HBIL_STAGE_HISTORY)
+  if (stage != HBIL_STAGE_CARRIED)
     out->origin = hbil_history_origin(l->planes);
+  out->values =
+      (cl_uint)((l->bytes[buffer] / sizeof(cl_float) - 2 * out->origin) /
+                out->plane_pitch);
+  if (stage == HBIL_STAGE_CARRIED) /* coarser levels follow */
+    out->values = HBIL_CARRIED_PLANES;
   return HBIL_SUCCESS;
 }
 

@@ -28,8 +28,10 @@ hbil_status hbil_plan_repaired(hbil_plan *plan, cl_command_queue queue,
   for (int i = 0; i < HBIL_SURFACE_INPUTS; ++i)
     *surface[i] =
         words[HBIL_REPAIRED_SURFACE + i] + words[HBIL_REPAIRED_LATE + i];
-  /* a frame that follows none, or stands still, has looked at no motion */
-  if (!plan->left_out[HBIL_PASS_REPROJECT])
+  /* a frame that follows none, or stands still, has looked at no motion; where
+   * no light is carried over, the temporal filter has */
+  if (!plan->left_out[HBIL_PASS_REPROJECT] ||
+      (plan->config.temporal && !plan->layout.history))
     out->motion = words[HBIL_REPAIRED_MOTION];
   return HBIL_SUCCESS;
 }

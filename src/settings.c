@@ -269,6 +269,7 @@ hbil_status config_check(hbil_context *context, const hbil_config *config) {
       {"facing[1]", (double)config->facing[1], -1, 1},
       {"refused", (double)config->refused, 0, HBIL_REFUSED_FRAME},
       {"gather_emission", config->gather_emission, 0, 1},
+      {"temporal", config->temporal, 0, 1024},
       {"reprojection", (double)config->reprojection, 0,
        HBIL_REPROJECTION_MOTION},
       {"feedback", (double)config->feedback, 0, HBIL_FEEDBACK_RADIANCE},

@@ -322,6 +322,25 @@ for way in scatter motion; do
   works "$way: resumed" again --resume "$frames"/*.exr
   same "$way: as without interruption" "$work/$way" "$work/resumed"
 done
+# What the temporal filter keeps is carried as well, and where its pattern is.
+filtered() {
+  process --temporal 8 "$@"
+}
+for mode in hbil gtao; do
+  rm -rf "$work/resumed"
+  works "$mode: a mean over frames" filtered --mode $mode -o "$work/$mode" \
+    "$frames"/*.exr
+  refused "$mode: broken off" 'frame_0003.exr: truncated' \
+    filtered --mode $mode -o "$work/resumed" "$work/broken"/*.exr
+  works "$mode: resumed" \
+    filtered --mode $mode --resume -o "$work/resumed" "$frames"/*.exr
+  same "$mode: as without interruption" "$work/$mode" "$work/resumed"
+done
+run cmp "$work/hbil/frame_0004.exr" "$work/scatter/frame_0004.exr"
+test $status -ne 0
+ok $? "a mean is not a single frame"
+rm -rf "$work/resumed"
+exact --reprojection motion --preview -o "$work/resumed" "$frames"/*.exr
 run "$HBIL" process --quality reference --slices 2 --warm-up 0 --preview \
   --reprojection motion --resume -o "$work/resumed" "$frames"/*.exr
 test $status -eq 0 && test "$(grep -c 'is there already$' "$work/err")" -eq 4 &&

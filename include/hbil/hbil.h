@@ -388,6 +388,21 @@ typedef struct hbil_config {
   float disocclusion; /* carried-over light is dropped where its depth is off
                          the new depth by more than this share; > 0;
                          infinity: never; default 0.05 */
+  /* Temporal filter: AO, E_near and the bent normal become means over as many
+   * frames, of what each surface was given in them; 0 (default): off, and
+   * nothing of it is there; at most 1024.  A surface is looked up in the frame
+   * before by its motion vector with HBIL_REPROJECTION_MOTION, else by the
+   * cameras, and begins anew where it was not to be seen: where depth is off
+   * its tangent plane by more than `disocclusion`, or normals differ by more
+   * than 33 degrees.  The first `temporal` frames weigh alike, then the newest
+   * one weighs 1/temporal and older ones fade out.
+   * What differs from frame to frame is the sampling: hbil_frame.index must go
+   * on by 1 every frame, still ones included; with one index for all the mean
+   * is no better than a frame.  2 to 4 where the camera moves, 8 and more where
+   * nothing does.  Light that changes, shadows that move, and whatever moves
+   * without the cameras or motion vectors telling, lags by some frames; so does
+   * light that is fed back, which is the mean's. */
+  cl_uint temporal;
   hbil_far_field far_field; /* default NONE */
   cl_bool raw_interleave;   /* CL_TRUE: recompose only undoes the 4x4 split and
                                filters nothing, the dither of packed storage
@@ -460,14 +475,17 @@ typedef struct hbil_frame {
    * HBIL_FAR_SH the coefficients of the real orthonormal basis in world space,
    * order (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2). */
   float environment[9][3];
-  cl_uint index; /* turns the sampling pattern; constant for a still pattern */
+  cl_uint index; /* turns the sampling pattern; constant for a still pattern,
+                    the number of the frame with hbil_config.temporal */
   /* CL_TRUE: the camera, the contents of all inputs, environment and index are
    * those of the plan's last frame (this is checked of camera and index), and
    * motion, if there is any, is 0: nothing has moved since that frame.  Then
    * nothing is reprojected or split again but the light, and where that has
    * settled, bit for bit, nothing is gathered or filtered: outputs are written
-   * from what there is.  Ignored in a plan's first frame.  Not for callers who
-   * write to a plan's buffers between the passes. */
+   * from what there is.  With hbil_config.temporal index may differ, and every
+   * frame is gathered, so that the mean goes on converging.  Ignored in a
+   * plan's first frame.  Not for callers who write to a plan's buffers between
+   * the passes. */
   cl_bool still;
 } hbil_frame;
 
@@ -522,6 +540,8 @@ HBIL_API void hbil_plan_reset(hbil_plan *plan);
  *   split       G-buffer -> 4x4 interleaved layers
  *   gather      horizon search -> AO, E_near, bent normal, per layer
  *   recompose   layers -> full-resolution planes, filtered
+ *   temporal    the same and those of the frames before -> their mean; nothing
+ *               unless hbil_config.temporal asks for it
  *   composite   far light, outputs, history for the next frame
  * A caller who replaces passes enqueues the others alone, in that order and on
  * one queue or chained by events, and reaches what they exchange through
@@ -551,6 +571,9 @@ HBIL_API hbil_status hbil_enqueue_gather(
 HBIL_API hbil_status hbil_enqueue_recompose(
     hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
     cl_uint wait_count, const cl_event *wait_list, cl_event *event);
+HBIL_API hbil_status hbil_enqueue_temporal(
+    hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
+    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
 HBIL_API hbil_status hbil_enqueue_composite(
     hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
     cl_uint wait_count, const cl_event *wait_list, cl_event *event);
@@ -568,7 +591,13 @@ HBIL_API hbil_status hbil_enqueue_composite(
  *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length);
  *                 8 with HBIL_REFUSED_FRAME, unless facing[1] is -1: share of
  *                 light that is unknown
- *   RESOLVED   7: the same, full resolution, E_near with the unknown filled in
+ *   RESOLVED   7: the same, full resolution, E_near with the unknown filled in;
+ *              after the temporal pass, the mean over frames
+ *   KEPT      10: by the temporal filter, of the last frame that was composed:
+ *              inverse depth (<= 0: sky), normal (a word as in packed SPLIT),
+ *              number of frames (0: the pixel counts for nothing), then as
+ *              RESOLVED, the bent normal of any length.  One of two buffers:
+ *              ask anew after every frame
  * With HBIL_STORAGE_PACKED, SPLIT and GATHERED hold words of 32 bits instead
  * (see hbil_storage), in planes that lie the same way:
  *   SPLIT      3: inverse depth, a float; normal; radiance
@@ -585,10 +614,10 @@ HBIL_API hbil_status hbil_enqueue_composite(
  * A plan keeps only what its outputs need: hbil_buffer.values says how many of
  * these, from the first on, it has (SPLIT 4 without radiance; GATHERED and
  * RESOLVED 4 without bent normals, 1 with AO alone; in words, SPLIT 2, GATHERED
- * 2 and 1).  HISTORY and CARRIED exist where light is carried over: with a
- * reprojection, and an output among near_light, indirect and radiance.
- * Full-resolution planes: value p of pixel (x,y) is at float index
- *   p * plane_pitch + y * row_pitch + x + origin.
+ * 2 and 1; KEPT 3 more than RESOLVED, with hbil_config.temporal).  HISTORY and
+ * CARRIED exist where light is carried over: with a reprojection, and an output
+ * among near_light, indirect and radiance. Full-resolution planes: value p of
+ * pixel (x,y) is at float index p * plane_pitch + y * row_pitch + x + origin.
  * Layered ones (SPLIT, GATHERED): pixel (x,y) lies in layer 4 (y mod 4) +
  * (x mod 4), at
  *   p * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin;
@@ -599,7 +628,8 @@ typedef enum hbil_stage {
   HBIL_STAGE_CARRIED = 1,
   HBIL_STAGE_SPLIT = 2,
   HBIL_STAGE_GATHERED = 3,
-  HBIL_STAGE_RESOLVED = 4
+  HBIL_STAGE_RESOLVED = 4,
+  HBIL_STAGE_KEPT = 5
 } hbil_stage;
 
 typedef struct hbil_buffer {
@@ -618,8 +648,9 @@ typedef enum hbil_pass {
   HBIL_PASS_SPLIT = 2,
   HBIL_PASS_GATHER = 3,
   HBIL_PASS_RECOMPOSE = 4,
-  HBIL_PASS_COMPOSITE = 5,
-  HBIL_PASS_COUNT = 6
+  HBIL_PASS_TEMPORAL = 5,
+  HBIL_PASS_COMPOSITE = 6,
+  HBIL_PASS_COUNT = 7
 } hbil_pass;
 
 /* "reproject", "push_pull", ...; NULL for a number that is no pass. */

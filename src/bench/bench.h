@@ -33,6 +33,9 @@ typedef struct bench_options {
   int quick;              /* few configurations, small */
   int scaling, skips;     /* that part alone */
   int probe;              /* see probe.c */
+  int temporal;           /* that part alone, of a sequence: */
+  char *const *frames;
+  unsigned frame_count;
 } bench_options;
 
 /* Measures, prints the tables, writes the files. */
@@ -424,6 +427,33 @@ int bench_skips_measure(const bench_options *options, const device *d,
                         const bench_content *content, bench_skip *out,
                         image_error *error);
 
+/* --- temporal.c: means over frames --- */
+
+enum {
+  BENCH_TEMPORALS = 2, /* settings */
+  BENCH_TEMPORAL_LENGTHS = 5,
+  BENCH_TEMPORAL_MOST = 16
+};
+
+typedef struct bench_deviation {
+  double ao, light;
+} bench_deviation;
+
+typedef struct bench_temporal {
+  char label[BENCH_LABEL];
+  /* by how many frames are averaged; followed: by motion vectors */
+  bench_deviation still[BENCH_TEMPORAL_LENGTHS];
+  bench_deviation moving[BENCH_TEMPORAL_LENGTHS];
+  bench_deviation followed[BENCH_TEMPORAL_LENGTHS];
+  bench_spread pass; /* milliseconds */
+  double share;      /* of the frame's time */
+} bench_temporal;
+
+/* content: the last of options->frames. */
+int bench_temporal_measure(const bench_options *options, const device *d,
+                           const bench_content *content, int slices,
+                           bench_temporal *out, image_error *error);
+
 /* --- reports --- */
 
 typedef struct bench_machine {
@@ -444,6 +474,7 @@ typedef struct bench_report {
   bench_spread motion; /* of reprojection by motion vectors */
   const bench_scaling *scaling;
   const bench_skip *skips;
+  const bench_temporal *temporal;
 } bench_report;
 
 /* Gather time of the start configuration; NAN if it was not measured. */
@@ -476,6 +507,10 @@ void bench_write_scaling_json(const bench_report *report, FILE *out);
 /* skips.c, json.c: only report->skips, runs, content and the machine. */
 void bench_write_skips_table(const bench_report *report, FILE *out);
 void bench_write_skips_json(const bench_report *report, FILE *out);
+
+/* temporal.c: only report->temporal, content and the machine. */
+void bench_write_temporal_table(const bench_report *report, FILE *out);
+void bench_write_temporal_json(const bench_report *report, FILE *out);
 
 /* --- picture.c --- */
 

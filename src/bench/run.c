@@ -272,9 +272,35 @@ static int run_skips(const bench_options *options, const device *d,
   return failed ? -1 : 0;
 }
 
+static int run_temporal(const bench_options *options, const device *d,
+                        image_error *error) {
+  static const output files[] = {{"temporal.json", bench_write_temporal_json}};
+  const int slices = options->quick ? QUICK_SLICES : EXACT_SLICES;
+  bench_options last = *options;
+  bench_content content;
+  bench_temporal temporal[BENCH_TEMPORALS];
+  bench_report report = {.temporal = temporal, .content = &content};
+  describe(d, &report.machine);
+  last.dump = options->frames[options->frame_count - 1];
+  if (bench_content_load(&last, &content, error) != 0)
+    return -1;
+  int failed =
+      bench_temporal_measure(options, d, &content, slices, temporal, error);
+  if (!failed) {
+    bench_write_temporal_table(&report, stdout);
+    failed = write_files(options->output, files, 1, &report, error);
+  }
+  if (!failed)
+    printf("written: %s/temporal.json\n", options->output);
+  bench_content_free(&content);
+  return failed ? -1 : 0;
+}
+
 /* The sizes of scaling are those of the room. */
 static int measure_all(const bench_options *options, const device *d,
                        image_error *error) {
+  if (options->temporal)
+    return run_temporal(options, d, error);
   if (options->skips)
     return run_skips(options, d, error);
   if (!options->scaling && (run_on_content(options, d, error) != 0 ||

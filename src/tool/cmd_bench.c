@@ -15,6 +15,7 @@ enum {
   OPTION_QUICK,
   OPTION_SCALING,
   OPTION_SKIPS,
+  OPTION_TEMPORAL,
   OPTION_PROBE
 };
 
@@ -28,6 +29,7 @@ static const struct option options[] = {
     {"pixels", required_argument, NULL, OPTION_PIXELS},
     {"quick", no_argument, NULL, OPTION_QUICK},
     {"scaling", no_argument, NULL, OPTION_SCALING},
+    {"temporal", no_argument, NULL, OPTION_TEMPORAL},
     {"skips", no_argument, NULL, OPTION_SKIPS},
     {"probe", no_argument, NULL, OPTION_PROBE},
     {"output", required_argument, NULL, 'o'},
@@ -72,6 +74,13 @@ static void usage(void) {
       "  --skips            nothing but what a frame costs that has less to\n"
       "                     do, and what is left out of it; writes\n"
       "                     DIR/skips.json (part of a whole run)\n"
+      "  --temporal FRAME.exr...\n"
+      "                     nothing but what the temporal filter takes off "
+      "the\n"
+      "                     error of the last frame of a sequence, and what "
+      "it\n"
+      "                     costs; writes DIR/temporal.json.  hbil demo makes\n"
+      "                     such frames\n"
       "  --probe            what --scaling starts as processes of their own:\n"
       "                     times of a new plan, as JSON");
 }
@@ -117,6 +126,9 @@ static int set_option(int option, bench_options *o, image_error *error) {
   case OPTION_SKIPS:
     o->skips = 1;
     break;
+  case OPTION_TEMPORAL:
+    o->temporal = 1;
+    break;
   case OPTION_PROBE:
     o->probe = 1;
     break;
@@ -128,7 +140,15 @@ static int set_option(int option, bench_options *o, image_error *error) {
 
 static int check(const bench_options *o, int argc, char **argv,
                  image_error *error) {
-  if (optind < argc)
+  if (o->temporal &&
+      (o->dump || o->width || o->scaling || o->skips || o->probe))
+    return image_fail(error,
+                      "--temporal: works on FRAME.exr... behind it; it is "
+                      "possible without --dump, --size, --scaling, --skips and "
+                      "--probe only");
+  if (o->temporal && optind == argc)
+    return image_fail(error, "--temporal: no frame; FRAME.exr... are needed");
+  if (optind < argc && !o->temporal)
     return image_fail(error, "bench: %s: --dump is needed in front of a file",
                       argv[optind]);
   if (o->dump && o->width)
@@ -144,7 +164,7 @@ static int check(const bench_options *o, int argc, char **argv,
                       "--skips: is a part of its own; it is possible without "
                       "%s only",
                       o->scaling ? "--scaling" : "--probe");
-  if (!o->dump && (o->truth || o->camera))
+  if (!o->dump && (o->truth || (o->camera && !o->temporal)))
     return image_fail(error, "%s: --dump FRAME.exr is needed with it",
                       o->truth ? "--truth" : "--camera");
   return 0;
@@ -162,6 +182,8 @@ int cmd_bench(int argc, char **argv) {
     if (option == '?' || set_option(option, &o, &error) != 0)
       return tool_report(&error);
   }
+  o.frames = argv + optind;
+  o.frame_count = (unsigned)(argc - optind);
   if (check(&o, argc, argv, &error) != 0 ||
       (o.probe ? bench_probe_print(&o, &error) : bench_run(&o, &error)) != 0)
     return tool_report(&error);

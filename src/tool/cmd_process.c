@@ -30,6 +30,7 @@ enum {
   OPTION_REPROJECTION,
   OPTION_FEEDBACK,
   OPTION_DISOCCLUSION,
+  OPTION_TEMPORAL,
   OPTION_THICKNESS,
   OPTION_RELATIVE_THICKNESS,
   OPTION_RAW,
@@ -87,6 +88,7 @@ static const struct option options[] = {
     {"reprojection", required_argument, NULL, OPTION_REPROJECTION},
     {"feedback", required_argument, NULL, OPTION_FEEDBACK},
     {"disocclusion", required_argument, NULL, OPTION_DISOCCLUSION},
+    {"temporal", required_argument, NULL, OPTION_TEMPORAL},
     {"raw", no_argument, NULL, OPTION_RAW},
     {"environment", required_argument, NULL, OPTION_ENVIRONMENT},
     {"camera", required_argument, NULL, OPTION_CAMERA},
@@ -233,7 +235,13 @@ static void usage(const hbil_config *defaults) {
       "  --disocclusion S      drop carried light where depth is off by more\n"
       "                        than this share (%g)\n",
       (double)defaults->disocclusion);
-  puts("  --raw                 undo the 4x4 split only, without the filter");
+  puts(
+      "  --temporal N          mean over N frames, 0..1024, whose sampling\n"
+      "                        pattern turns: surfaces are followed by the\n"
+      "                        cameras, or by motion vectors with\n"
+      "                        --reprojection motion; 2 to 4 where the\n"
+      "                        camera moves, more where nothing does (0: off)\n"
+      "  --raw                 undo the 4x4 split only, without the filter");
   source_usage();
   puts("\n"
        "Layers: near, far: irradiance E; indirect: (1-F0)(E_near+E_far)/pi,\n"
@@ -334,6 +342,8 @@ static int set_number(int option, process_options *o, image_error *error) {
   case OPTION_SLICES:
     return option_unsigned("--slices", optarg, 1, MOST_EXACT, &c->slices,
                            error);
+  case OPTION_TEMPORAL:
+    return option_unsigned("--temporal", optarg, 0, 1024, &c->temporal, error);
   case OPTION_WARM_UP:
     return option_unsigned("--warm-up", optarg, 0, 1000, &o->warm_up, error);
   case OPTION_SAMPLES:
@@ -429,6 +439,7 @@ static int check_exact(const request *r, image_error *error) {
       {OPTION_LATTICE, "--lattice", "which looks at every pixel"},
       {OPTION_STORAGE, "--storage", "which has no layers"},
       {OPTION_NO_SKIP, "--no-skip", "which skips nothing"},
+      {OPTION_TEMPORAL, "--temporal", "which has no noise"},
       {OPTION_RAW, "--raw", "which filters nothing"},
       {OPTION_DEVICE, "--device", "which runs on the CPUs without OpenCL"},
       {OPTION_TIMINGS, "--timings", "which has no passes on a device"},

@@ -17,6 +17,7 @@ struct sequence {
   cl_mem input[INPUTS];
   cl_mem output[LAYER_COUNT];
   uint64_t last; /* of the last frame's inputs and camera; 0: none */
+  cl_uint index; /* of the next run, where the pattern turns with it */
 };
 
 static hbil_image *image_at(hbil_frame *frame, size_t offset) {
@@ -155,6 +156,7 @@ static int run_passes(sequence *s, hbil_frame *frame, unsigned repeat,
       return -1;
     if (run == 1)
       frame->still = CL_TRUE;
+    frame->index = s->config.temporal ? s->index++ : 0;
     const hbil_status status =
         hbil_enqueue_frame(s->plan, s->device->queue, frame, 0, NULL, NULL);
     if (status != HBIL_SUCCESS)
@@ -226,56 +228,90 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
 /* ------------------------------------------------------------------------ */
 /* Light on its way from one process to another                              */
 
-/* Where carried light lies, in bytes, without the room around its planes, which
- * holds whatever was in that memory before.  No buffer: none is carried. */
+/* What a plan carries from frame to frame. */
+static const hbil_stage carried_stages[] = {HBIL_STAGE_HISTORY,
+                                            HBIL_STAGE_KEPT};
+enum { CARRIED = sizeof carried_stages / sizeof *carried_stages };
+
+/* Where it lies, in bytes, without the room around its planes, which holds
+ * whatever was in that memory before.  No buffer: there is no such thing. */
 typedef struct carried {
   cl_mem buffer;
-  size_t from[3], size[3], row, plane;
+  size_t from[3], size[3], row, plane, bytes;
 } carried;
 
-static carried history(const sequence *s) {
+static carried carried_of(const sequence *s, hbil_stage stage) {
   hbil_buffer b;
-  if (hbil_plan_buffer(s->plan, HBIL_STAGE_HISTORY, &b) != HBIL_SUCCESS)
+  if (hbil_plan_buffer(s->plan, stage, &b) != HBIL_SUCCESS)
     return (carried){.buffer = NULL};
-  return (carried){
-      .buffer = b.buffer,
-      .from = {b.origin * sizeof(float), 0, 0},
-      .size = {s->config.width * sizeof(float), s->config.height, b.values},
-      .row = b.row_pitch * sizeof(float),
-      .plane = b.plane_pitch * sizeof(float)};
+  const size_t row = s->config.width * sizeof(float);
+  return (carried){.buffer = b.buffer,
+                   .from = {b.origin * sizeof(float), 0, 0},
+                   .size = {row, s->config.height, b.values},
+                   .row = b.row_pitch * sizeof(float),
+                   .plane = b.plane_pitch * sizeof(float),
+                   .bytes = row * s->config.height * b.values};
 }
 
+/* The buffers, one after the other, and behind them the next run's index. */
 size_t sequence_light_size(const sequence *s) {
-  const carried light = history(s);
-  return light.size[0] * light.size[1] * light.size[2];
+  size_t all = 0;
+  for (int i = 0; i < CARRIED; i++)
+    all += carried_of(s, carried_stages[i]).bytes;
+  return all ? all + sizeof s->index : 0;
 }
 
 int sequence_take_light(sequence *s, void *bytes, image_error *error) {
-  const carried light = history(s);
-  const cl_int status = clEnqueueReadBufferRect(
-      s->device->queue, light.buffer, CL_TRUE, light.from, (size_t[3]){0},
-      light.size, light.row, light.plane, 0, 0, bytes, 0, NULL, NULL);
-  return status == CL_SUCCESS
-             ? 0
-             : opencl_failed(s, status, "reading carried light", error);
+  unsigned char *at = bytes;
+  for (int i = 0; i < CARRIED; i++) {
+    const carried c = carried_of(s, carried_stages[i]);
+    const cl_int status =
+        c.buffer
+            ? clEnqueueReadBufferRect(s->device->queue, c.buffer, CL_TRUE,
+                                      c.from, (size_t[3]){0}, c.size, c.row,
+                                      c.plane, 0, 0, at, 0, NULL, NULL)
+            : CL_SUCCESS;
+    if (status != CL_SUCCESS)
+      return opencl_failed(s, status, "reading carried light", error);
+    at += c.bytes;
+  }
+  memcpy(at, &s->index, sizeof s->index);
+  return 0;
 }
 
 /* Composing any light makes the plan take the camera for that of its history,
- * whose planes are put right afterwards. */
+ * whose planes are put right afterwards; so it does with what the temporal
+ * filter keeps. */
+static int compose_anything(sequence *s, const hbil_frame *frame,
+                            image_error *error) {
+  hbil_status status =
+      hbil_enqueue_temporal(s->plan, s->device->queue, frame, 0, NULL, NULL);
+  if (status == HBIL_SUCCESS)
+    status =
+        hbil_enqueue_composite(s->plan, s->device->queue, frame, 0, NULL, NULL);
+  return status == HBIL_SUCCESS ? 0 : library_failed(s, status, error);
+}
+
 int sequence_give_light(sequence *s, const camera_file *camera,
                         float environment[9][3], const void *bytes,
                         image_error *error) {
-  const carried light = history(s);
+  const unsigned char *at = bytes;
   hbil_frame frame;
   fill_frame(s, camera, environment, &frame);
-  const hbil_status status =
-      hbil_enqueue_composite(s->plan, s->device->queue, &frame, 0, NULL, NULL);
-  if (status != HBIL_SUCCESS)
-    return library_failed(s, status, error);
-  const cl_int written = clEnqueueWriteBufferRect(
-      s->device->queue, light.buffer, CL_TRUE, light.from, (size_t[3]){0},
-      light.size, light.row, light.plane, 0, 0, bytes, 0, NULL, NULL);
-  return written == CL_SUCCESS
-             ? 0
-             : opencl_failed(s, written, "writing carried light", error);
+  if (compose_anything(s, &frame, error) != 0)
+    return -1;
+  for (int i = 0; i < CARRIED; i++) {
+    const carried c = carried_of(s, carried_stages[i]);
+    const cl_int status =
+        c.buffer
+            ? clEnqueueWriteBufferRect(s->device->queue, c.buffer, CL_TRUE,
+                                       c.from, (size_t[3]){0}, c.size, c.row,
+                                       c.plane, 0, 0, at, 0, NULL, NULL)
+            : CL_SUCCESS;
+    if (status != CL_SUCCESS)
+      return opencl_failed(s, status, "writing carried light", error);
+    at += c.bytes;
+  }
+  memcpy(&s->index, at, sizeof s->index);
+  return 0;
 }

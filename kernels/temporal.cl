@@ -1,0 +1,327 @@
+/*
+ * temporal: what recompose has made, averaged over frames.  The pattern turns
+ * with hbil_frame.index, so each frame looks along other directions and at
+ * other samples; their mean converges where a single frame's filter can't.
+ *
+ * For every surface the kernel looks up where it was in the frame before, by
+ * the cameras or by motion vectors, and takes the mean of the four pixels there
+ * that show the same surface:
+ *   depth    off the surface's tangent plane by disocclusion at most, as a
+ * share of the plane's own depth there: tilted surfaces are not cut normal
+ * turned by less than recompose's filter takes for one surface Each pixel knows
+ * how many frames it is the mean of; four pixels' numbers are weighed like
+ * their light, those left out as 0.  Frame n weighs 1/n until n is `most`, then
+ * 1/most.  Where nothing is found, or what is found is no number, the frame
+ * stands alone, bit for bit, and counting starts anew.
+ *
+ * Builds: REPROJECT_MOTION, MOTION_*, DISOCCLUSION (finite), HISTORY,
+ * GATHER_RADIANCE, GATHER_BENT, PACKED.
+ * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows.
+ * In: split planes (guides), resolved, kept planes of the frame before.  Out:
+ * resolved, kept planes of this frame, whose bent normals have any length.
+ */
+
+/* --- what is known of the pixels of this frame --------------------------- */
+
+/* What four layers have of 4*HBIL_WIDTH pixels, as they lie in the image. */
+static inline void as_pixels(const realv *layer, realv *pixels) {
+  INTERLEAVE(layer, pixels);
+}
+
+/* Inverse depths and unit normals of 4*HBIL_WIDTH pixels of row y from x on. */
+static inline void load_guides(const hbil_layer_args in,
+                               global const float *split, int x, int y,
+                               realv w[4], realv n[3][4]) {
+  realv depth[4], normal[3][4];
+  split += (uint)(4 * (y & 3)) * in.layer + in.origin +
+           (uint)(y >> 2) * in.row + (uint)(x >> 2);
+#pragma unroll
+  for (int i = 0; i < 4; ++i) {
+    global const float *at = split + (uint)i * in.layer;
+    realv axis[3];
+    depth[i] = LOADV(at + HBIL_SPLIT_W * in.plane);
+    split_normal(at, in.plane, axis);
+#pragma unroll
+    for (int k = 0; k < 3; ++k)
+      normal[k][i] = axis[k];
+  }
+  as_pixels(depth, w);
+#pragma unroll
+  for (int k = 0; k < 3; ++k)
+    as_pixels(normal[k], n[k]);
+}
+
+/* --- where they were ----------------------------------------------------- */
+
+/* A place in the frame before: pixels, 0 at the first one's centre; depth and
+ * normal that are expected there. */
+typedef struct past {
+  realv u, v, z, n[3];
+} past;
+
+#if REPROJECT_MOTION
+/* Pixels whose motion is no number have u or v that is none either. */
+static inline past past_of(const hbil_view_args before,
+                           const hbil_transform_args back, const realv p[3],
+                           realv mx, realv my, int x, int y) {
+  past then;
+  realv there[3];
+  turned(back, p, there);
+  then.z = there[2] + back.m[11];
+  then.u = TO_REALV(x + EACH_LANE) + mx;
+  then.v = (float)y + my;
+  return then;
+}
+#else
+static inline past past_of(const hbil_view_args before,
+                           const hbil_transform_args back, const realv p[3]) {
+  past then;
+  realv there[3];
+  turned(back, p, there);
+  then.z = there[2] + back.m[11];
+  const realv inv_z = 1.0f / then.z;
+  then.u =
+      fma(before.fx * (there[0] + back.m[3]), inv_z, (realv)before.cx - 0.5f);
+  then.v =
+      fma(before.fy * (there[1] + back.m[7]), inv_z, (realv)before.cy - 0.5f);
+  return then;
+}
+#endif
+
+/* Places are taken to 1/256 of a pixel, as texture units do: a few roundings of
+ * a float, which an image of 8192 pixels spends on a projection, are less than
+ * half of that, so what has not moved is found in one pixel, not in four. */
+static inline realv to_subpixel(realv v) {
+  return rint(v * 256.0f) * (1.0f / 256.0f);
+}
+
+/* A float's integer, rounded down; PoCL's floor() is many instructions. */
+static inline intv integer_below(realv v) {
+  const intv toward_0 = TO_INTV(v);
+  return toward_0 + LANE_MASK(v < TO_REALV(toward_0));
+}
+
+/* --- what is there ------------------------------------------------------- */
+
+#if HBIL_WIDTH == 1
+#define STORE_INTV(v, p) (*(p) = (v))
+#else
+#define STORE_INTV(v, p) HBIL_PASTE(vstore, HBIL_WIDTH)((v), 0, (p))
+#endif
+
+/* Neighbours come from neighbours: a vector's sources are a few runs, each of
+ * which one load serves.  Lanes of a run have the same `begin`, their source
+ * less their number.  Kept planes may be read a row and a vector beyond their
+ * ends (hbil_history_origin()). */
+#define NO_RUN (-0x7fffffff)
+typedef struct runs {
+  intv begin;
+  int count, start[HBIL_WIDTH];
+} runs;
+
+static inline runs runs_of(intv begin) {
+  runs r;
+  int start[HBIL_WIDTH];
+  STORE_INTV(begin, start);
+  r.begin = begin;
+  r.count = 0;
+  intv others = begin != NO_RUN;
+  for (int i = 0; ANY(others); ++i) {
+    if (start[i] == NO_RUN || (i > 0 && start[i] == start[i - 1]))
+      continue;
+    r.start[r.count++] = start[i];
+    others &= begin != start[i];
+  }
+  return r;
+}
+
+/* A plane's values at the sources.  There is a run. */
+static inline realv load_runs(global const float *plane, const runs *r) {
+  realv value = LOADV(plane + r->start[0]);
+  for (int k = 1; k < r->count; ++k)
+    value = select(value, LOADV(plane + r->start[k]), r->begin == r->start[k]);
+  return value;
+}
+
+/* What the frame before knows of a vector of pixels: how many frames that is
+ * the mean of (0: nothing is known), and the mean. */
+typedef struct memory {
+  realv frames, value[HBIL_LIGHT_PLANES];
+} memory;
+
+/* then: expected at the sources.  left, top: the first of four pixels; a, b:
+ * how far beyond it the source lies.  known: whether there is a source. */
+static inline memory recall(const hbil_view_args before, const past *then,
+                            intv left, intv top, realv a, realv b, intv known,
+                            global const float *kept,
+                            const hbil_plane_args planes, float disocclusion) {
+  const realv weight[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b),
+                           (1.0f - a) * b, a * b};
+  const intv column[2] = {left >= 0, left + 1 < before.width};
+  const intv row[2] = {top >= 0, top + 1 < before.height};
+  const runs r = runs_of(
+      select((intv)NO_RUN, top * (int)planes.row + left - EACH_LANE, known));
+  memory m;
+  realv total = 0.0f;
+  m.frames = 0.0f;
+#define FORGET(p) m.value[p] = 0.0f;
+  EACH_RESOLVED(FORGET)
+  if (r.count == 0)
+    return m;
+#if DISOCCLUSION
+  /* The plane n.P = n.(r z) through the expected point has inverse depth
+   * n.r_tap / (z n.r) at another ray. */
+  const realv step_x = then->n[0] * before.inv_fx;
+  const realv step_y = then->n[1] * before.inv_fy;
+  const realv rx = (TO_REALV(left) + 0.5f - before.cx) * before.inv_fx;
+  const realv ry = (TO_REALV(top) + 0.5f - before.cy) * before.inv_fy;
+  const realv first = fma(then->n[0], rx, fma(then->n[1], ry, then->n[2]));
+  const realv scale = then->z * fma(step_x, a, fma(step_y, b, first));
+#endif
+#pragma unroll
+  for (int t = 0; t < 4; ++t) {
+    const int i = t & 1, j = t >> 1;
+    intv same = known & column[i] & row[j] & (weight[t] > 0.0f);
+    if (!ANY(same))
+      continue;
+    global const float *at = kept + j * (int)planes.row + i;
+    const realv w = load_runs(at + HBIL_KEPT_W * planes.plane, &r);
+    same &= w > 0.0f;
+#if DISOCCLUSION
+    const realv plane = fma((realv)i, step_x, fma((realv)j, step_y, first));
+    same &= fabs(fma(w, scale, -plane)) <= disocclusion * fabs(plane);
+#endif
+    realv n[3];
+    unpack_normal(
+        AS_UINTV(AS_INTV(load_runs(at + HBIL_KEPT_NORMAL * planes.plane, &r))),
+        n);
+    same &= fma(n[0], then->n[0], fma(n[1], then->n[1], n[2] * then->n[2])) >
+            1.0f - HBIL_TURN_TOLERANCE;
+    const realv frames = load_runs(at + HBIL_KEPT_FRAMES * planes.plane, &r);
+    same &= frames > 0.0f;
+    total = select(total, total + weight[t], same);
+    m.frames = select(m.frames, fma(weight[t], frames, m.frames), same);
+#define ADD_TAP(p)                                                             \
+  m.value[p] =                                                                 \
+      select(m.value[p],                                                       \
+             fma(weight[t],                                                    \
+                 load_runs(at + (HBIL_KEPT_LIGHT + (p)) * planes.plane, &r),   \
+                 m.value[p]),                                                  \
+             same);
+    EACH_RESOLVED(ADD_TAP)
+  }
+  realv size = 0.0f;
+#define DIVIDE_TAP(p)                                                          \
+  m.value[p] /= total;                                                         \
+  size += fabs(m.value[p]);
+  EACH_RESOLVED(DIVIDE_TAP)
+  /* NaN is not below */
+  m.frames = select((realv)0.0f, m.frames, size < INFINITY);
+  return m;
+}
+
+/* --- both ---------------------------------------------------------------- */
+
+#if GATHER_BENT
+/* A mean of unit vectors, to unit length; 0 where they cancel. */
+static inline void normalize_bent(realv *value) {
+  realv length2 = 0.0f;
+#pragma unroll
+  for (int p = HBIL_LIGHT_BENT; p < HBIL_LIGHT_PLANES; ++p)
+    length2 = fma(value[p], value[p], length2);
+  const realv scale =
+      select((realv)0.0f, 1.0f / sqrt(length2), length2 > 1e-24f);
+#pragma unroll
+  for (int p = HBIL_LIGHT_BENT; p < HBIL_LIGHT_PLANES; ++p)
+    value[p] *= scale;
+}
+#endif
+
+/* A vector of pixels.  w, n: theirs; kept: of this frame, at them; resolved:
+ * the same.  most: frames. */
+static inline void blend(const memory *m, realv w, const realv n[3], intv solid,
+                         float most, global float *kept, global float *resolved,
+                         const hbil_plane_args planes) {
+  const intv found = solid & (m->frames > 0.0f);
+  const realv frames =
+      select((realv)1.0f, min(m->frames + 1.0f, (realv)most), found);
+  const realv share = 1.0f / frames;
+  realv fresh[HBIL_LIGHT_PLANES], mean[HBIL_LIGHT_PLANES], size = 0.0f;
+#define BLEND(p)                                                               \
+  fresh[p] = LOADV(resolved + (p)*planes.plane);                               \
+  mean[p] = select(fresh[p], fma(fresh[p] - m->value[p], share, m->value[p]),  \
+                   found);                                                     \
+  size += fabs(mean[p]);                                                       \
+  STREAMV(mean[p], kept + (HBIL_KEPT_LIGHT + (p)) * planes.plane);
+  EACH_RESOLVED(BLEND)
+  STREAMV(select((realv)0.0f, w, solid), kept + HBIL_KEPT_W * planes.plane);
+  STREAMV(AS_REALV(AS_INTV(pack_normal(n[0], n[1], n[2]))),
+          kept + HBIL_KEPT_NORMAL * planes.plane);
+  STREAMV(select((realv)0.0f, frames, solid & (size < INFINITY)),
+          kept + HBIL_KEPT_FRAMES * planes.plane);
+#if GATHER_BENT
+  normalize_bent(mean);
+#endif
+#define SHOW(p)                                                                \
+  STOREV(select(fresh[p], mean[p], found), resolved + (p)*planes.plane);
+  EACH_RESOLVED(SHOW)
+}
+
+/* back: from this view to the one before.  has_before: 0 in a first frame. */
+kernel void temporal(const hbil_view_args view, const hbil_view_args before,
+                     const hbil_transform_args back, const hbil_layer_args in,
+                     global const float *split, global float *resolved,
+                     global const float *kept_before, global float *kept,
+                     const hbil_plane_args planes, const int has_before,
+                     const float disocclusion, const float most,
+                     global const void *motion_buffer,
+                     const hbil_image_args motion_image, const float scale_x,
+                     const float scale_y, volatile global uint *repaired) {
+  const int x0 = (int)get_global_id(0) * 4 * HBIL_WIDTH;
+  const int y = (int)get_global_id(1);
+  if (x0 >= view.width || y >= view.height)
+    return;
+  realv w[4], normals[3][4];
+  load_guides(in, split, x0, y, w, normals);
+  kept_before += hbil_history_origin(planes);
+  kept += hbil_history_origin(planes);
+  for (int i = 0; i < 4; ++i) {
+    const int x = x0 + i * HBIL_WIDTH;
+    const uint pixel = (uint)y * planes.row + (uint)x;
+    const realv n[3] = {normals[0][i], normals[1][i], normals[2][i]};
+    const intv solid = (w[i] > 0.0f) & (x + EACH_LANE < view.width);
+    const realv z = 1.0f / w[i];
+    const realv p[3] = {ray_x(view, x, 1) * z, ray_y(view, y) * z, z};
+    intv known = has_before ? solid : (intv)0;
+#if REPROJECT_MOTION
+    realv mx = 0.0f, my = 0.0f;
+    if (has_before) {
+      const int count = view.width - x;
+      mx = load_motion(motion_buffer, motion_image, x, y, 0, count) * scale_x;
+      my = load_motion(motion_buffer, motion_image, x, y, 1, count) * scale_y;
+#if !HISTORY
+      /* else reproject has counted them */
+      add_repaired(repaired + HBIL_REPAIRED_MOTION,
+                   count_lanes(solid & !((fabs(mx) < INFINITY) &
+                                         (fabs(my) < INFINITY))));
+#endif
+    }
+    past then = past_of(before, back, p, mx, my, x, y);
+#else
+    past then = past_of(before, back, p);
+#endif
+    turned(back, n, then.n);
+    const realv u = to_subpixel(then.u), v = to_subpixel(then.v);
+    known &= (then.z > 0.0f) & (then.z < INFINITY) & (u > -1.0f) &
+             (u < (float)before.width) & (v > -1.0f) &
+             (v < (float)before.height);
+    /* Out-of-range floats must not reach the conversion. */
+    const realv safe_u = select((realv)0.0f, u, known);
+    const realv safe_v = select((realv)0.0f, v, known);
+    const intv left = integer_below(safe_u), top = integer_below(safe_v);
+    const memory m = recall(before, &then, left, top, safe_u - TO_REALV(left),
+                            safe_v - TO_REALV(top), known, kept_before, planes,
+                            disocclusion);
+    blend(&m, w[i], n, solid, most, kept + pixel, resolved + pixel, planes);
+  }
+}
