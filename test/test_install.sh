@@ -31,13 +31,6 @@ have() {
   done
 }
 
-# same NAME LIST LIST: the lists agree and are not empty.
-same() {
-  name=$1
-  test -s "$2" && diff "$2" "$3" >"$work/out" 2>"$work/err"
-  ok $? "$name"
-}
-
 # files FOLDER: what lies in it, sorted.
 files() {
   (cd "$1" && find . ! -type d | sed 's|^\./||' | sort)

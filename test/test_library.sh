@@ -29,13 +29,6 @@ undefined() {
   nm -D --undefined-only "$library" | awk '{ print $NF }' | sed 's/@.*//'
 }
 
-# same NAME LIST LIST: the lists agree; otherwise what only one has is shown
-same() {
-  name=$1
-  test -s "$2" && diff "$2" "$3" >"$work/out" 2>"$work/err"
-  ok $? "$name"
-}
-
 declared >"$work/declared"
 mapped >"$work/mapped"
 same 'the map names what the header declares' "$work/declared" "$work/mapped"
