@@ -287,7 +287,7 @@ if have "$name" dpkg-buildpackage dpkg-checkbuilddeps dh; then
     ok $? "libhbil-dev has the examples"
     dpkg-deb -f "$work"/hbil-tools_*.deb Depends >"$work/out"
     grep -q 'libhbil1 (>= ' "$work/out"
-    ok $? "hbil-tools needs libhbil1, by its symbols"
+    ok $? "hbil-tools needs libhbil1, of its version at least"
     for deb in "$work"/*.deb; do dpkg-deb -x "$deb" "$work/system"; done
     ! objdump -p "$work/system/usr/bin/hbil" | grep -E 'R(UN)?PATH' >"$work/out"
     ok $? "the packaged program looks for libraries in no place of its own"
