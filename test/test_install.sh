@@ -62,7 +62,7 @@ if git -C "$srcdir" rev-parse --show-toplevel >"$work/top" 2>/dev/null &&
   files "$work/$tree" | grep -v -x -e 'build-aux/.*' -e 'm4/.*' -e 'man/.*' \
     -e 'completion/.*' -e 'Makefile\.in' -e 'aclocal\.m4' -e 'config\.h\.in' \
     -e configure >"$work/packed"
-  same "$name" "$work/tracked" "$work/packed"
+  same_lists "$name" "$work/tracked" "$work/packed"
 else
   skip "$name" "no repository"
 fi
@@ -110,7 +110,7 @@ $(cd "$srcdir" && ls kernels/* | sed 's|^|share/hbil/|')
 share/man/man1/hbil.1
 share/zsh/site-functions/_hbil
 END
-same "make install installs what it should" "$work/expected" "$work/installed"
+same_lists "make install installs what it should" "$work/expected" "$work/installed"
 objdump -p "$lib/libhbil.so" | grep SONAME >"$work/out"
 grep -q ' libhbil\.so\.1$' "$work/out"
 ok $? "the soname is libhbil.so.1"
@@ -174,17 +174,17 @@ complete() {
 have "completion for bash" bash && {
   printf '%s\n' $commands --help --version | sort >"$work/expected"
   complete '' >"$work/offered"
-  same "bash is offered the commands" "$work/expected" "$work/offered"
+  same_lists "bash is offered the commands" "$work/expected" "$work/offered"
   : >"$work/expected"
   : >"$work/offered"
   for command in $commands; do
     options "$command" >>"$work/expected"
     complete "$command" -- | grep . >>"$work/offered"
   done
-  same "bash is offered every option of every command" "$work/expected" "$work/offered"
+  same_lists "bash is offered every option of every command" "$work/expected" "$work/offered"
   printf '%s\n' balanced fast high reference >"$work/expected"
   complete process --quality '' >"$work/offered"
-  same "bash is offered the words of an option" "$work/expected" "$work/offered"
+  same_lists "bash is offered the words of an option" "$work/expected" "$work/offered"
 }
 name="completion for zsh is sound"
 have "$name" zsh && works "$name" zsh -n "$share/zsh/site-functions/_hbil"
@@ -265,7 +265,7 @@ if have "$name" dpkg-buildpackage dpkg-checkbuilddeps dh; then
     ok $status "$name"
     printf '%s\n' /usr/lib/libhbil.so.1 /usr/lib/libhbil.so.1.0.0 >"$work/expected"
     package libhbil1 >"$work/offered"
-    same "libhbil1 has the library" "$work/expected" "$work/offered"
+    same_lists "libhbil1 has the library" "$work/expected" "$work/offered"
     {
       printf '/usr/%s\n' include/hbil/hbil.h lib/libhbil.a lib/libhbil.so \
         lib/pkgconfig/hbil.pc
@@ -276,13 +276,13 @@ if have "$name" dpkg-buildpackage dpkg-checkbuilddeps dh; then
     package libhbil-dev >"$work/all"
     grep -v -x -F -f "$work/expected" "$work/all" | grep -v /man/man3/ >"$work/more"
     { grep -x -F -f "$work/expected" "$work/all"; cat "$work/more"; } | sort >"$work/offered"
-    same "libhbil-dev has header, static library, kernels and manual" \
+    same_lists "libhbil-dev has header, static library, kernels and manual" \
       "$work/expected" "$work/offered"
     printf '%s\n' /usr/bin/hbil /usr/share/bash-completion/completions/hbil \
       /usr/share/man/man1/hbil.1 /usr/share/zsh/vendor-completions/_hbil \
       >"$work/expected"
     package hbil-tools >"$work/offered"
-    same "hbil-tools has program, manual and completion" \
+    same_lists "hbil-tools has program, manual and completion" \
       "$work/expected" "$work/offered"
     dpkg-deb -c "$work"/libhbil-dev_*.deb >"$work/out"
     grep -q 'doc/libhbil-dev/examples/05_python.py' "$work/out"

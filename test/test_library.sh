@@ -31,10 +31,10 @@ undefined() {
 
 declared >"$work/declared"
 mapped >"$work/mapped"
-same 'the map names what the header declares' "$work/declared" "$work/mapped"
+same_lists 'the map names what the header declares' "$work/declared" "$work/mapped"
 if test -f "$library"; then
   exported >"$work/exported"
-  same 'the library exports what the map names' "$work/mapped" "$work/exported"
+  same_lists 'the library exports what the map names' "$work/mapped" "$work/exported"
   undefined | grep -E '^(_exit|exit|abort|quick_exit|__assert_fail)$' >"$work/out"
   test ! -s "$work/out"
   ok $? 'never ends the process'
