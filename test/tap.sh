@@ -97,3 +97,11 @@ absent() {
   test ! -e "$2"
   ok $? "$1"
 }
+
+# same_lists NAME LIST LIST: two files agree line by line, and are not empty; what only
+# one has is shown.
+same_lists() {
+  name=$1
+  test -s "$2" && diff "$2" "$3" >"$work/out" 2>"$work/err"
+  ok $? "$name"
+}

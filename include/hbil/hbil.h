@@ -444,7 +444,7 @@ HBIL_API void hbil_config_init_sized(hbil_config *config, size_t struct_size);
   hbil_config_init_sized((config), sizeof(hbil_config))
 
 /* ------------------------------------------------------------------------ */
-/* Camera and frame                                                          */
+/* Frame: camera and images                                                  */
 
 /* A perspective camera.  world_from_view must be rigid (rotation and
  * translation); it is checked to 1e-3, and a mirroring
@@ -528,6 +528,9 @@ HBIL_API void hbil_plan_destroy(hbil_plan *plan);
 /* Forgets the history: the next frame is treated as a first frame. */
 HBIL_API void hbil_plan_reset(hbil_plan *plan);
 
+/* ------------------------------------------------------------------------ */
+/* Enqueue: one frame, or pass by pass                                       */
+
 /*
  * All enqueue functions: queue belongs to the plan's context and device, in
  * order or out of order; wait_list as in clEnqueueNDRangeKernel; event, if not
@@ -579,7 +582,7 @@ HBIL_API hbil_status hbil_enqueue_composite(
     cl_uint wait_count, const cl_event *wait_list, cl_event *event);
 
 /* ------------------------------------------------------------------------ */
-/* Between the passes                                                        */
+/* Stages: between the passes                                                */
 
 /*
  * What the passes exchange: planes of 32-bit floats.  Values per pixel:
@@ -640,6 +643,9 @@ typedef struct hbil_buffer {
 
 HBIL_API hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
                                       hbil_buffer *out);
+
+/* ------------------------------------------------------------------------ */
+/* Figures: what the last frame took                                         */
 
 /* Device time of the last frame, pass by pass. */
 typedef enum hbil_pass {

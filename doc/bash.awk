@@ -1,0 +1,48 @@
+# Completion for bash from the tool's help texts.
+#
+#   help.sh ./hbil | awk -f help.awk -f words.awk -f bash.awk
+
+# What completes a value: words, and files or folders where readline's own
+# completion, which knows spaces and tildes, is let in again.
+function value_action(name, flag,    action) {
+  action = ""
+  if (words_of[name, flag] != "")
+    action = " _hbil_words '" words_of[name, flag] "' \"$2\";"
+  if (kind_of[name, flag] == "file")
+    action = action " compopt -o default;"
+  if (kind_of[name, flag] == "folder")
+    action = action " compopt -o dirnames;"
+  return action
+}
+
+function write_completion(    i, j, count, flag_count, name, flag) {
+  print "# Completion of hbil for bash; written by the build from its help texts."
+  print "_hbil_words() {"
+  print "  mapfile -t COMPREPLY < <(compgen -W \"$1\" -- \"$2\")\n}"
+  print "_hbil() {"
+  print "  local command=${COMP_WORDS[1]}"
+  print "  COMPREPLY=()"
+  print "  compopt +o default"
+  print "  if ((COMP_CWORD == 1)); then"
+  print "    _hbil_words '" names " " flags_of[""] "' \"$2\""
+  print "    return"
+  print "  fi"
+  print "  case \"$command $3\" in"
+  count = split(names, name, " ")
+  for (i = 1; i <= count; i++) {
+    flag_count = split(flags_of[name[i]], flag, " ")
+    for (j = 1; j <= flag_count; j++)
+      if (kind_of[name[i], flag[j]] != "")
+        print "  '" name[i] " " flag[j] "')" \
+          value_action(name[i], flag[j]) " return ;;"
+  }
+  print "  esac"
+  print "  case $command/$2 in"
+  for (i = 1; i <= count; i++) {
+    print "  " name[i] "/-*) _hbil_words '" flags_of[name[i]] "' \"$2\" ;;"
+    if (operands_of[name[i]])
+      print "  " name[i] "/*) compopt -o default ;;"
+  }
+  print "  esac\n}"
+  print "complete -o default -F _hbil hbil"
+}

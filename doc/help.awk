@@ -1,0 +1,117 @@
+# Reads help texts (help.sh) and hands what they say, in order, to functions of
+# the script that follows it on awk's command line:
+#
+#   at_command(name, about)        the texts of a command begin; the program's
+#                                  own have the name ""
+#   at_usage(text)                 behind "usage: "
+#   at_heading(text)               a line that ends in a colon, followed by options
+#   at_prose(text)                 a line of prose; "" between paragraphs
+#   at_item(name, text)            a command in the program's help
+#   at_option(flags, value, text)  flags with spaces between; value may be ""
+#   at_end()
+#
+# What a help text is written like: "usage: " first; prose and headings from the
+# first column; options and commands indented, what they do from one column on.
+
+function trimmed(text) {
+  gsub(/^ +| +$/, "", text)
+  return text
+}
+
+# The column in which the text beside options begins: that of a line that goes
+# on with it; 0 where there is none.
+function text_column(    i) {
+  for (i = 1; i <= lines; i++)
+    if (match(line[i], /^          +/))
+      return RLENGTH + 1
+  return 0
+}
+
+# Splits an option's line into `head` and `tail`.
+function split_option(text, column) {
+  match(text, /^ +/)
+  if (column && length(text) >= column && substr(text, column - 1, 1) == " " &&
+      substr(text, column, 1) != " ") {
+    head = substr(text, 1, column - 2)
+    tail = substr(text, column)
+  } else if (match(substr(text, RLENGTH + 1), /  +/)) {
+    sub(/^ +/, "", text)
+    head = substr(text, 1, RSTART - 1)
+    tail = substr(text, RSTART + RLENGTH)
+  } else {
+    head = text
+    tail = ""
+  }
+  head = trimmed(head)
+}
+
+function hand_over_option(    flags, value, word, words, count, i) {
+  count = split(head, words, " ")
+  flags = value = ""
+  for (i = 1; i <= count; i++) {
+    word = words[i]
+    sub(/,$/, "", word)
+    if (word ~ /^-/)
+      flags = flags (flags == "" ? "" : " ") word
+    else
+      value = value (value == "" ? "" : " ") word
+  }
+  if (flags == "")
+    at_item(head, tail)
+  else
+    at_option(flags, value, tail)
+}
+
+function hand_over(    i, column, open) {
+  column = text_column()
+  open = 0
+  for (i = 1; i <= lines; i++) {
+    if (open && line[i] ~ /^          +/) {
+      tail = tail (tail == "" ? "" : " ") trimmed(line[i])
+      continue
+    }
+    if (open)
+      hand_over_option()
+    open = 0
+    if (line[i] ~ /^usage: /)
+      at_usage(substr(line[i], 8))
+    else if (line[i] ~ /^ +[^ ]/) {
+      split_option(line[i], column)
+      open = 1
+    } else if (line[i] ~ /^[^ ].*:$/ && line[i - 1] == "" && line[i + 1] ~ /^ /)
+      at_heading(substr(line[i], 1, length(line[i]) - 1))
+    else
+      at_prose(line[i])
+  }
+  if (open)
+    hand_over_option()
+}
+
+function about_command(name,    i) {
+  for (i = 1; i <= items; i++)
+    if (item[i] == name)
+      return item_text[i]
+  return ""
+}
+
+function end_command() {
+  if (!begun)
+    return
+  at_command(name, about_command(name))
+  hand_over()
+  lines = 0
+}
+
+# the program's own help lists the commands: they are looked up later
+name == "" && /^  [a-z]+ / {
+  items++
+  item[items] = $1
+  item_text[items] = $0
+  sub(/^ *[a-z]+ */, "", item_text[items])
+}
+
+/^== / { end_command(); name = substr($0, 4); begun = 1; next }
+
+{ line[++lines] = $0 }
+
+END { end_command(); at_end() }

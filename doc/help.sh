@@ -1,0 +1,13 @@
+#!/bin/sh
+# All that the tool says about itself, for help.awk: the help of the program and
+# of each command that it lists, every one behind a line "== COMMAND".
+#
+#   help.sh ./hbil
+set -eu
+hbil=$1
+help=$("$hbil" --help)
+printf '== \n%s\n' "$help"
+for command in $(printf '%s\n' "$help" | sed -n 's/^  \([a-z]*\) .*/\1/p'); do
+  echo "== $command"
+  "$hbil" "$command" --help
+done

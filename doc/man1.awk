@@ -1,0 +1,63 @@
+# hbil(1) from the tool's help texts.
+#
+#   help.sh ./hbil | awk -v version=V -f roff.awk -f help.awk -f man1.awk
+
+function at_command(name, about) {
+  if (name == "") {
+    print page_head("hbil", 1)
+    print ".SH NAME\nhbil \\- horizon-based indirect lighting of G-buffers"
+  } else {
+    print ".SH HBIL " toupper(name) "\n" \
+      toupper(substr(about, 1, 1)) prose_line(substr(about, 2)) "."
+  }
+  first_command = name == ""
+  paragraph = 0
+}
+
+function at_usage(text) {
+  if (first_command)
+    print ".SH SYNOPSIS"
+  else
+    print ".PP"
+  print ".B " code_line(text)
+  if (first_command)
+    print ".SH DESCRIPTION"
+}
+
+function at_heading(text) {
+  print ".SS " prose_line(text)
+  paragraph = 0
+}
+
+function at_prose(text) {
+  if (text == "") {
+    paragraph = 0
+    return
+  }
+  if (sub(/^Exit status: /, "", text))
+    print first_command ? ".SH EXIT STATUS" : ".SS Exit status"
+  else if (!paragraph)
+    print ".PP"
+  paragraph = 1
+  print prose_line(text)
+}
+
+function at_item(name, text) {
+  print ".TP\n.B " code_line(name) "\n" prose_line(text)
+  paragraph = 0
+}
+
+function at_option(flags, value, text) {
+  gsub(/ /, ", ", flags)
+  print ".TP\n\\fB" code_line(flags) "\\fR" \
+    (value == "" ? "" : " \\fI" code_line(value) "\\fR")
+  print prose_line(text)
+  paragraph = 0
+}
+
+function at_end() {
+  print ".SH ENVIRONMENT\n.TP\n.B HBIL_KERNEL_DIR"
+  print "folder from which the kernels are read in place of those that the"
+  print "library has inside; for work on them."
+  print ".SH SEE ALSO\n.BR hbil (3),\n.BR clinfo (1),\n.BR oiiotool (1)"
+}

@@ -1,0 +1,34 @@
+# Text for man pages, for the scripts that write them.
+
+# A line as it is, in prose.
+function prose_line(text) {
+  gsub(/\\/, "\\e", text)
+  gsub(/--/, "\\-\\-", text)
+  gsub(/ -/, " \\-", text)
+  gsub(/\(-/, "(\\-", text)
+  sub(/^-/, "\\-", text)
+  gsub(/`/, "\\(ga", text)
+  gsub(/\^/, "\\(ha", text)
+  gsub(/~/, "\\(ti", text)
+  if (text ~ /^[.']/)
+    text = "\\&" text
+  return text
+}
+
+# A line that is to be copied from the page.
+function code_line(text) {
+  gsub(/\\/, "\\e", text)
+  gsub(/-/, "\\-", text)
+  gsub(/'/, "\\(aq", text)
+  gsub(/`/, "\\(ga", text)
+  gsub(/\^/, "\\(ha", text)
+  gsub(/~/, "\\(ti", text)
+  if (text ~ /^\./)
+    text = "\\&" text
+  return text
+}
+
+function page_head(name, section) {
+  return ".\\\" Written by the build; change its source instead.\n" \
+    ".TH " name " " section " \"\" \"hbil " version "\" \"hbil\""
+}
