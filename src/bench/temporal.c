@@ -29,6 +29,24 @@ typedef struct captured {
   camera_file camera;
 } captured;
 
+/* What its header tells of a frame. */
+static int read_map(const job *j, const char *path, channel_map *map,
+                    camera_file *camera, image_error *error) {
+  image header;
+  view seen;
+  source_options guess;
+  source_options_init(&guess);
+  if (image_read_header(path, &header, error) != 0)
+    return -1;
+  const int failed =
+      channels_map(path, &header, &guess, map, error) != 0 ||
+      channels_check(map, path, error) != 0 ||
+      view_read(path, &header, j->options->camera, &guess, &seen, error) != 0 ||
+      view_aim(path, &seen, map, camera, error) != 0;
+  image_free(&header);
+  return failed ? -1 : 0;
+}
+
 static int read_frame(const job *j, unsigned at, captured *out,
                       image_error *error) {
   enum {
@@ -37,21 +55,19 @@ static int read_frame(const job *j, unsigned at, captured *out,
            1u << ROLE_MOTION
   };
   const char *path = j->options->frames[at];
-  if (gbuffer_camera(path, j->options->camera, &out->camera, error) != 0 ||
-      gbuffer_read(path, &j->map, USED, &out->g, error) != 0)
-    return -1;
+  channel_map map;
+  int failed = read_map(j, path, &map, &out->camera, error) != 0 ||
+               gbuffer_read(path, &map, USED, &out->g, error) != 0;
   const image *planes = &out->g.planes;
-  if (planes->width == j->content->width &&
-      planes->height == j->content->height &&
-      gbuffer_check_camera(path, planes, &out->camera, error) == 0)
-    return 0;
-  if (planes->width != j->content->width ||
-      planes->height != j->content->height)
-    image_fail(error,
-               "%s: %u x %u pixels, but the last frame has %u x %u; frames of "
-               "one size are needed",
-               path, planes->width, planes->height, j->content->width,
-               j->content->height);
+  channels_free(&map);
+  if (failed || (planes->width == j->content->width &&
+                 planes->height == j->content->height))
+    return failed ? -1 : 0;
+  image_fail(error,
+             "%s: %u x %u pixels, but the last frame has %u x %u; frames of "
+             "one size are needed",
+             path, planes->width, planes->height, j->content->width,
+             j->content->height);
   gbuffer_free(&out->g);
   return -1;
 }
@@ -190,13 +206,12 @@ static void choose(bench_configuration list[BENCH_TEMPORALS]) {
   list[1].samples = tool.config.samples;
 }
 
-static int read_map(job *j, image_error *error) {
+/* The last frame's: all have the same channels. */
+static int read_last(job *j, image_error *error) {
   const char *path = j->options->frames[j->options->frame_count - 1];
-  image header;
-  if (exr_read_header(path, &header, error) != 0)
+  camera_file camera;
+  if (read_map(j, path, &j->map, &camera, error) != 0)
     return -1;
-  channels_map(&header, &j->map);
-  image_free(&header);
   return j->map.count[ROLE_DIRECT]
              ? 0
              : image_fail(error, "%s: has no direct light, which is needed",
@@ -211,7 +226,7 @@ int bench_temporal_measure(const bench_options *options, const device *d,
   job j = {
       .options = options, .device = d, .content = content, .exact = &exact};
   choose(list);
-  if (read_map(&j, error) != 0)
+  if (read_last(&j, error) != 0)
     return -1;
   int failed =
       layers_image(WANTED, content->width, content->height, &j.result) != 0
@@ -222,6 +237,7 @@ int bench_temporal_measure(const bench_options *options, const device *d,
     failed = measure_model(&j, &list[i], &out[i], error);
   bench_exact_free(&exact);
   image_free(&j.result);
+  channels_free(&j.map);
   return failed ? -1 : 0;
 }
 
