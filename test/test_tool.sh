@@ -60,7 +60,7 @@ has "a preview for each layer" "$work/some/frame_0001.AO.png" \
 absent "no preview of other layers" "$work/some/frame_0001.beauty.png"
 
 says "timings have a column for each pass" \
-  'reproject *push_pull *split *gather *recompose *composite' \
+  'reproject *push_pull *split *gather *recompose *temporal *composite' \
   process --timings -o "$work/t" "$one"
 run process --timings --json -o "$work/t" "$one" "$two"
 missing=$status
@@ -297,8 +297,15 @@ for row in 'fast 1x16 layer g2,paper,fast,' 'thick .08 2x8 full g2,thick .08,,' 
   grep -q "^$row" "$work/bench/bench.csv"
   ok $? "the bench has the row $row"
 done
-grep '^hbao ' "$work/bench/bench.csv" | grep -q ',,0\.[0-9]*,,0,1,'
+grep '^hbao ' "$work/bench/bench.csv" | grep -q ',,0\.[0-9]*,,,0\.[0-9]*,0,1,'
 ok $? "AO alone has no error of light"
+sed 's/"[^"]*"/text/g' "$work/bench/bench.csv" | awk -F, '
+  NR == 1 { fields = NF } NF != fields { bad = 1; print } END { exit bad }' \
+  >"$work/out"
+ok $? "every row of the bench has the same columns"
+grep -q '^2x64 full g2 AO<0.05,' "$work/bench/bench.csv" &&
+  grep -q '"max_ao_error": 0.0[45]' "$work/bench/bench.json"
+ok $? "adaptive sampling has rows"
 grep -q '"light": null' "$work/bench/bench.json"
 ok $? "nor in JSON"
 grep -q '>fast 1x16 layer g2<' "$work/bench/bench.svg"

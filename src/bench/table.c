@@ -383,14 +383,14 @@ static void write_row(const bench_report *report, const bench_row *row,
 
 /* The baseline has a kernel, but no settings and no passes. */
 static void write_literal(const bench_report *report, FILE *out) {
-  fputs("literal,paper,,2,8,0,full,1,0", out);
+  fputs("literal,paper,,2,8,0,full,1,fp32,0,,,8,0", out);
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     fputs(",,,", out);
   bench_write_spread(out, report->literal.milliseconds);
   fputs(",,,,,,", out);
   bench_write_number(out, report->literal.light_error);
   bench_write_number(out, report->literal.ao_error);
-  fputs(",,0,0", out);
+  fputs(",,,,0,0", out);
   write_where(report, out);
 }
 
