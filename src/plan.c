@@ -255,8 +255,9 @@ static hbil_status fill_padding(hbil_plan *plan) {
                                 0, NULL, NULL);
   if (error == CL_SUCCESS)
     error = clear_layers(plan, queue);
+  /* at once: should waiting fail below, the plan is gone before its commands */
   if (error == CL_SUCCESS)
-    error = clEnqueueWriteBuffer(queue, plan->buffers[BUFFER_LADDER], CL_FALSE,
+    error = clEnqueueWriteBuffer(queue, plan->buffers[BUFFER_LADDER], CL_TRUE,
                                  0, plan->layout.bytes[BUFFER_LADDER],
                                  plan->layout.ladder.rung, 0, NULL, NULL);
   const cl_int finished = clFinish(queue);
