@@ -261,22 +261,39 @@ size_t sequence_light_size(const sequence *s) {
   return all ? all + sizeof s->index : 0;
 }
 
-int sequence_take_light(sequence *s, void *bytes, image_error *error) {
-  unsigned char *at = bytes;
+/* Between the plan and `bytes`, one way or the other. */
+static cl_int move_planes(sequence *s, const carried *c, void *bytes,
+                          int to_plan) {
+  const size_t packed[3] = {0, 0, 0};
+  const cl_command_queue queue = s->device->queue;
+  if (!c->buffer)
+    return CL_SUCCESS;
+  return to_plan ? clEnqueueWriteBufferRect(queue, c->buffer, CL_TRUE, c->from,
+                                            packed, c->size, c->row, c->plane,
+                                            0, 0, bytes, 0, NULL, NULL)
+                 : clEnqueueReadBufferRect(queue, c->buffer, CL_TRUE, c->from,
+                                           packed, c->size, c->row, c->plane, 0,
+                                           0, bytes, 0, NULL, NULL);
+}
+
+static int move_light(sequence *s, unsigned char *bytes, int to_plan,
+                      image_error *error) {
   for (int i = 0; i < CARRIED; i++) {
     const carried c = carried_of(s, carried_stages[i]);
-    const cl_int status =
-        c.buffer
-            ? clEnqueueReadBufferRect(s->device->queue, c.buffer, CL_TRUE,
-                                      c.from, (size_t[3]){0}, c.size, c.row,
-                                      c.plane, 0, 0, at, 0, NULL, NULL)
-            : CL_SUCCESS;
+    const cl_int status = move_planes(s, &c, bytes, to_plan);
     if (status != CL_SUCCESS)
-      return opencl_failed(s, status, "reading carried light", error);
-    at += c.bytes;
+      return opencl_failed(s, status, "moving carried light", error);
+    bytes += c.bytes;
   }
-  memcpy(at, &s->index, sizeof s->index);
+  if (to_plan)
+    memcpy(&s->index, bytes, sizeof s->index);
+  else
+    memcpy(bytes, &s->index, sizeof s->index);
   return 0;
+}
+
+int sequence_take_light(sequence *s, void *bytes, image_error *error) {
+  return move_light(s, bytes, 0, error);
 }
 
 /* Composing any light makes the plan take the camera for that of its history,
@@ -293,25 +310,11 @@ static int compose_anything(sequence *s, const hbil_frame *frame,
 }
 
 int sequence_give_light(sequence *s, const camera_file *camera,
-                        float environment[9][3], const void *bytes,
+                        float environment[9][3], void *bytes,
                         image_error *error) {
-  const unsigned char *at = bytes;
   hbil_frame frame;
   fill_frame(s, camera, environment, &frame);
-  if (compose_anything(s, &frame, error) != 0)
-    return -1;
-  for (int i = 0; i < CARRIED; i++) {
-    const carried c = carried_of(s, carried_stages[i]);
-    const cl_int status =
-        c.buffer
-            ? clEnqueueWriteBufferRect(s->device->queue, c.buffer, CL_TRUE,
-                                       c.from, (size_t[3]){0}, c.size, c.row,
-                                       c.plane, 0, 0, at, 0, NULL, NULL)
-            : CL_SUCCESS;
-    if (status != CL_SUCCESS)
-      return opencl_failed(s, status, "writing carried light", error);
-    at += c.bytes;
-  }
-  memcpy(&s->index, at, sizeof s->index);
-  return 0;
+  return compose_anything(s, &frame, error) != 0
+             ? -1
+             : move_light(s, bytes, 1, error);
 }

@@ -456,7 +456,7 @@ uint64_t sequence_hash(const sequence *s, const gbuffer *g);
 size_t sequence_light_size(const sequence *s);
 int sequence_take_light(sequence *s, void *bytes, image_error *error);
 int sequence_give_light(sequence *s, const camera_file *camera,
-                        float environment[9][3], const void *bytes,
+                        float environment[9][3], void *bytes,
                         image_error *error);
 
 /* --- preview.c: pictures for the eye --- */
