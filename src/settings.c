@@ -233,6 +233,10 @@ static hbil_status check_adaptive(hbil_context *context,
     return fail(context, HBIL_INVALID_CONFIG,
                 "max_error: is that of filtered results, raw_interleave must "
                 "be CL_FALSE");
+  if (!isinf(config->thickness) || !isinf(config->relative_thickness))
+    return fail(context, HBIL_INVALID_CONFIG,
+                "max_error: needs occluders that don't end, thickness and "
+                "relative_thickness must be infinity");
   if (config->mode == HBIL_MODE_HBAO)
     return fail(context, HBIL_INVALID_CONFIG,
                 "max_error: not with HBIL_MODE_HBAO, whose errors are others");

@@ -103,6 +103,7 @@ SPOIL(max_error_nan, c->max_error[1] = NAN)
 SPOIL(max_error_slices, (c->max_error[0] = 0.1f, c->slices = 1))
 SPOIL(max_error_plain, (c->max_error[0] = 0.1f, c->extrapolate = CL_FALSE))
 SPOIL(max_error_raw, (c->max_error[1] = 0.1f, c->raw_interleave = CL_TRUE))
+SPOIL(max_error_thin, (c->max_error[0] = 0.1f, c->relative_thickness = 0.08f))
 SPOIL(max_error_hbao,
       (c->max_error[0] = 0.1f, c->mode = HBIL_MODE_HBAO,
        c->near_light.component = HBIL_NONE, c->bent.component = HBIL_NONE,
@@ -153,6 +154,7 @@ static const bad_config bad_configs[] = {
     {"max_error", max_error_slices},
     {"max_error", max_error_plain},
     {"max_error", max_error_raw},
+    {"max_error", max_error_thin},
     {"max_error", max_error_hbao},
     {"disocclusion", disocclusion_0},
     {"disocclusion", disocclusion_nan},

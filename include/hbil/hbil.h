@@ -328,7 +328,8 @@ typedef struct hbil_config {
                         less.  From how much the pixels differ that the
                         filter brings together; 0 for sky.  Of AO alone,
                         and 0, where there is no light.  HACKING.md,
-                        "Adaptive sampling" */
+                        "Adaptive sampling".  Measured with occluders
+                        that don't end; with others it is too small */
 
   /* How inputs are read. */
   hbil_depth_kind depth_kind;
@@ -373,7 +374,9 @@ typedef struct hbil_config {
    * the filter of recompose adds to the error is in it, and where even
    * `samples` are not enough, the error is what it is.  A tile's pixels are
    * then, bit for bit, those of a plan with its number of samples throughout.
-   * Needs slices >= 2, extrapolate, and not raw_interleave nor HBIL_MODE_HBAO.
+   * Needs slices >= 2, extrapolate, occluders that don't end (few samples
+   * miss much of what is thin, which no probe tells), and not raw_interleave
+   * nor HBIL_MODE_HBAO.
    */
   float max_error[2];
   float facing[2];      /* radiance of a sample fades in as the cosine between

@@ -210,7 +210,7 @@ static void usage(const hbil_config *defaults) {
       "                        within E of E_near, over its mean in the "
       "frame:\n"
       "                        fewer samples, from 8 on, where the picture is\n"
-      "                        even (inf,inf)\n"
+      "                        even; with --relative-thickness inf (inf,inf)\n"
       "  --extrapolate yes|no  judge what lies between the samples by what\n"
       "                        half of them miss (yes)\n"
       "  --no-skip             do all work, even such as can't change a\n"
