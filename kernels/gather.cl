@@ -5,15 +5,23 @@
  * All pixels of a layer share the sample offsets, so a vector of neighbouring
  * pixels loads vectors of neighbouring samples.  Along a half-slice the highest
  * horizon is the largest excess of inverse depth over the pixel's tangent
- * plane, per unit of ray slope:
- *   excess = (w1 - w0 - grad.e) / |e| ,  cot(theta) = cot(theta_t) + a z0
- * excess (HACKING.md derives it); only where that maximum grows is there
- * anything to compute.  Integrals of a half-slice, theta from the view
- * direction: A = nx/2 (theta - sin cos) + ny/2 sin^2        cosine-weighted b =
- * D/2 (theta - sin cos) + wo/2 sin^2         direction Each slice weighs J =
- * |wo_z| / (1 - (u.wo)^2), since slices equally spaced on the screen are not
- * equally spaced about wo; sums are divided by the sum of J A(theta_t), which
- * makes the white furnace exact for any number of slices.
+ * plane, per unit of ray slope (HACKING.md derives it),
+ *
+ *   excess = (w1 - w0 - grad.e) / |e|
+ *
+ *   cot(theta) = cot(theta_t) + a z0 excess
+ *
+ * and only where that maximum grows is there anything to compute.  Integrals of
+ * a half-slice, theta from the view direction, cosine-weighted and of
+ * direction:
+ *
+ *   A = nx/2 (theta - sin cos) + ny/2 sin^2
+ *
+ *   b = D/2 (theta - sin cos) + wo/2 sin^2
+ *
+ * Each slice weighs J = |wo_z| / (1 - (u.wo)^2), since slices equally spaced on
+ * the screen are not equally spaced about wo; sums are divided by the sum of
+ * J A(theta_t), which makes the white furnace exact for any number of slices.
  *
  * HBAO counts every direction alike and an occluder by its distance: A is then
  * 1 - cos(theta) and blocked intervals are weighted by W(r).

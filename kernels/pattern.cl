@@ -11,8 +11,8 @@
  */
 kernel void make_pattern(const hbil_view_args view,
                          const hbil_pattern_args pattern,
-                         const hbil_layer_args layout,
-                         global hbil_step *steps, const uint first) {
+                         const hbil_layer_args layout, global hbil_step *steps,
+                         const uint first) {
   const int level = (int)get_global_id(0) / HBIL_LAYERS;
   const int layer = (int)get_global_id(0) % HBIL_LAYERS;
   const int half_slice = (int)get_global_id(1);
@@ -24,8 +24,9 @@ kernel void make_pattern(const hbil_view_args view,
     ux = -ux;
     uy = -uy;
   }
-  steps += first + (get_global_id(0) * (uint)(2 * pattern.slices) + (uint)half_slice) *
-           (uint)(pattern.samples + 1);
+  steps += first +
+           (get_global_id(0) * (uint)(2 * pattern.slices) + (uint)half_slice) *
+               (uint)(pattern.samples + 1);
   const hbil_step direction = {0, 0, 0, 0.0f, 0.0f, 0.0f, ux, uy, 0};
   *steps++ = direction;
   int x, y, before = 0;

@@ -5,14 +5,15 @@
  *
  * For every surface the kernel looks up where it was in the frame before, by
  * the cameras or by motion vectors, and takes the mean of the four pixels there
- * that show the same surface:
- *   depth    off the surface's tangent plane by disocclusion at most, as a
- * share of the plane's own depth there: tilted surfaces are not cut normal
- * turned by less than recompose's filter takes for one surface Each pixel knows
- * how many frames it is the mean of; four pixels' numbers are weighed like
- * their light, those left out as 0.  Frame n weighs 1/n until n is `most`, then
- * 1/most.  Where nothing is found, or what is found is no number, the frame
- * stands alone, bit for bit, and counting starts anew.
+ * that show the same surface: whose depth is off the surface's tangent plane by
+ * disocclusion at most, as a share of the plane's own depth there (tilted
+ * surfaces are not cut), and whose normal is turned by less than recompose's
+ * filter takes for one surface.
+ *
+ * Each pixel knows how many frames it is the mean of; four pixels' numbers are
+ * weighed like their light, those left out as 0.  Frame n weighs 1/n until n is
+ * `most`, then 1/most.  Where nothing is found, or what is found is no number,
+ * the frame stands alone, bit for bit, and counting starts anew.
  *
  * Builds: REPROJECT_MOTION, MOTION_*, DISOCCLUSION (finite), HISTORY,
  * GATHER_RADIANCE, GATHER_BENT, PACKED.

@@ -144,7 +144,7 @@ hbil_environment_args far_field_args(const hbil_config *config,
 /* Numbers of samples that adaptive sampling chooses from, and the table of
  * steps that holds those of all: in entries. */
 typedef struct ladder {
-  int count; /* 0: every tile has the first one */
+  int count;                           /* 0: every tile has the first one */
   hbil_rung rung[HBIL_MOST_RUNGS + 1]; /* the last: the probe */
   size_t steps;
 } ladder;
