@@ -90,4 +90,27 @@ works "a C++ program links with the library" ./libtool --silent --tag=CXX \
   libhbil.la
 works "and calls it" "$work/user"
 
+# README's lines in C, in a function that has what they speak of.
+{
+  cat <<'E2'
+#include <hbil/hbil.h>
+void readme(cl_context cl_context, cl_device_id cl_device,
+            cl_command_queue queue, cl_uint waits, const cl_event *wait_list);
+void readme(cl_context cl_context, cl_device_id cl_device,
+            cl_command_queue queue, cl_uint waits, const cl_event *wait_list) {
+  hbil_context *context;
+  hbil_config config;
+  hbil_plan *plan;
+  hbil_frame frame;
+  cl_event event;
+E2
+  sed -n '/^## In C/,/^Compile/s/^    //p' "$srcdir/README.md"
+  echo '}'
+} >"$work/readme.c"
+grep -q hbil_enqueue_frame "$work/readme.c"
+ok $? "README.md has lines in C"
+# shellcheck disable=SC2086
+works "which compile" ${CC:-cc} -std=c11 -Wall -Wextra -Werror $includes \
+  -fsyntax-only "$work/readme.c"
+
 echo "1..$count"
