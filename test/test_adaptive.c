@@ -73,6 +73,107 @@ static bool same_tile(const ref_planes *a, const ref_planes *b, int tile) {
   return true;
 }
 
+static bool has_sky(const float *depth, int tile) {
+  const int across = (WIDTH + TILE_WIDTH - 1) / TILE_WIDTH;
+  const int left = tile % across * TILE_WIDTH, top = tile / across * 4;
+  for (int y = top; y < top + 4; ++y)
+    for (int x = left; x < left + TILE_WIDTH && x < WIDTH; ++x)
+      if (!(depth[y * WIDTH + x] > 0.0f))
+        return true;
+  return false;
+}
+
+/* --- which setting it is --- */
+
+/* Errors in spreads of the probe, as HACKING.md has them. */
+static const double ao_errors[RUNGS] = {0.73, 0.47, 0.32, 0.20, 0.14};
+static const double light_errors[RUNGS] = {1.37, 1.09, 0.82, 0.62, 0.50};
+
+/* The probe: 1 x 16 samples. */
+static ref_planes probe(void) {
+  setup s;
+  setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
+  s.config.gather_emission = CL_FALSE;
+  s.config.reprojection = HBIL_REPROJECTION_NONE;
+  s.config.slices = 1;
+  s.config.samples = 16;
+  setup_start(&s);
+  setup_run(&s, hbil_enqueue_frame);
+  ref_planes planes = stage_read(&s, HBIL_STAGE_GATHERED);
+  setup_free(&s);
+  return planes;
+}
+
+/* Of the four upper left pixels of a block, which are all surfaces. */
+static double block_variance(const ref_planes *p, int plane, int x, int y) {
+  double sum = 0.0, square = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    const double v = *ref_at(p, plane, x + (i & 1), y + (i >> 1));
+    sum += v;
+    square += v * v;
+  }
+  return (square - sum * sum / 4.0) / 3.0;
+}
+
+static double tile_spread(const ref_planes *p, int plane, int tile) {
+  const int across = (WIDTH + TILE_WIDTH - 1) / TILE_WIDTH;
+  const int left = tile % across * TILE_WIDTH, top = tile / across * 4;
+  double sum = 0.0;
+  int count = 0;
+  for (int x = left; x < left + TILE_WIDTH && x < WIDTH; x += 4, ++count)
+    sum += block_variance(p, plane, x, top);
+  return sqrt(sum / count);
+}
+
+/* E_near of the probe, over what of the room is no sky. */
+static double probed_mean(const ref_planes *p, const float *depth) {
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < PIXELS; ++i)
+    if (i % WIDTH % 4 < 2 && i / WIDTH % 4 < 2 && depth[i] > 0.0f) {
+      for (int c = 0; c < 3; ++c)
+        sum += p->values[(HBIL_LIGHT_RED + c) * PIXELS + i];
+      count += 3;
+    }
+  return sum / count;
+}
+
+/* Whether rung r is the first that is good enough, but for a rounding. */
+static bool is_right(double ao, double light, size_t r) {
+  const double slack = 1e-3;
+  const bool enough = r + 1 == RUNGS || (ao * ao_errors[r] < 0.05 + slack &&
+                                         light * light_errors[r] < 0.5 + slack);
+  return enough && (r == 0 || ao * ao_errors[r - 1] > 0.05 - slack ||
+                    light * light_errors[r - 1] > 0.5 - slack);
+}
+
+static void the_probe_chooses(void **state) {
+  setup s;
+  ref_planes found = probe(), got = gathered(MOST, 0.05f, 0.5f, NULL);
+  int tiles = 0;
+  (void)state;
+  setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
+  const double mean = probed_mean(&found, s.input[REF_DEPTH]);
+  for (size_t r = 0; r < RUNGS; ++r) {
+    ref_planes uniform = gathered(ladder[r], INFINITY, INFINITY, NULL);
+    for (int t = 0; t < TILES; ++t) {
+      double light = 0.0;
+      if (!same_tile(&got, &uniform, t) || has_sky(s.input[REF_DEPTH], t))
+        continue;
+      for (int c = 0; c < 3; ++c)
+        light = fmax(light, tile_spread(&found, HBIL_LIGHT_RED + c, t));
+      assert_true(
+          is_right(tile_spread(&found, HBIL_LIGHT_AO, t), light / mean, r));
+      ++tiles;
+    }
+    ref_planes_free(&uniform);
+  }
+  assert_true(tiles > TILES / 2);
+  ref_planes_free(&found);
+  ref_planes_free(&got);
+  setup_free(&s);
+}
+
 /* Bit for bit. */
 static void each_tile_is_that_of_a_uniform_setting(void **state) {
   hbil_skipped skipped;
@@ -286,6 +387,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_ends_are_uniform),
       cmocka_unit_test(each_tile_is_that_of_a_uniform_setting),
+      cmocka_unit_test(the_probe_chooses),
       cmocka_unit_test(promised_errors_are_kept),
       cmocka_unit_test(estimates_hold),
       cmocka_unit_test(still_frames_stay),
