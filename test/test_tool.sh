@@ -224,6 +224,10 @@ a=$work/a/frame_0001.exr
 differs "over the limit" compare --max-rmse 1e-6 "$a:near" "$a:indirect"
 says "within the limit" '^RMSE' compare --max-rmse 1e6 "$a:near" "$a:indirect"
 says "as JSON" '"rmse": [0-9]' compare --json "$a:near" "$a:indirect"
+awk -F'[:,]' '/"(within_95|largest_error|rmse)"/ { gsub(/[ "]/, "", $1); v[$1] = $2 }
+  END { exit !(v["within_95"] > v["rmse"] && v["within_95"] < v["largest_error"]) }' \
+  "$work/out"
+ok $? "95 % are within more than the RMSE and less than the most"
 works "with a heat map" \
   compare --heatmap "$work/heat.png" "$a:near" "$a:indirect"
 has "the heat map is there" "$work/heat.png"

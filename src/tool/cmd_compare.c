@@ -53,7 +53,9 @@ static void usage(void) {
       "  --json             print the numbers as JSON\n"
       "\n"
       "relative MSE: mean of (a-b)^2 / (b^2 + 0.01).  PSNR: against the\n"
-      "largest value of B.  Values that are not finite are counted, and left\n"
+      "largest value of B.  95 % within: of the pixels, by their worst "
+      "channel.\n"
+      "Values that are not finite are counted, and left\n"
       "out of everything else.");
 }
 
@@ -259,13 +261,15 @@ static int counts(const float *depth, const float *albedo, float background,
 /* The measure                                                               */
 
 typedef struct sums {
-  double square, relative, largest, peak;
+  double square, relative, largest, peak, reference;
   size_t values, odd;
 } sums;
 
-/* heat (or NULL) collects squared errors, one per pixel. */
+/* heat (or NULL) collects squared errors, one per pixel; worst the largest of
+ * the channels, and is below 0 where nothing is compared. */
 static void add_channel(const image_plane *a, const image_plane *b,
-                        const mask *m, size_t pixels, sums *s, float *heat) {
+                        const mask *m, size_t pixels, sums *s, float *heat,
+                        float *worst) {
   const float *depth = gbuffer_plane(&m->g, ROLE_DEPTH, 0);
   const float *albedo = mask_albedo(m, a->name);
   for (size_t i = 0; i < pixels; i++) {
@@ -281,14 +285,17 @@ static void add_channel(const image_plane *a, const image_plane *b,
     s->relative += off * off / (reference * reference + relative_epsilon);
     s->largest = fmax(s->largest, fabs(off));
     s->peak = fmax(s->peak, fabs(reference));
+    s->reference += reference;
     s->values++;
+    worst[i] = fmaxf(worst[i], (float)fabs(off));
     if (heat)
       heat[i] += (float)(off * off);
   }
 }
 
 typedef struct result {
-  double rmse, relative, psnr, largest, peak;
+  double rmse, relative, psnr, largest, peak, mean;
+  double within; /* 95 % of the pixels */
   size_t values, odd;
 } result;
 
@@ -298,6 +305,7 @@ static result finish(const sums *s) {
               .relative = s->relative / n,
               .largest = s->largest,
               .peak = s->peak,
+              .mean = s->reference / n,
               .values = s->values,
               .odd = s->odd};
   r.psnr = r.rmse > 0.0 ? 20.0 * log10(s->peak / r.rmse) : INFINITY;
@@ -309,17 +317,20 @@ static void print_text(const result *r) {
          "relative MSE   %.6g\n"
          "PSNR           %.2f dB (peak %g)\n"
          "largest error  %.6g\n"
+         "95 %% within    %.6g (mean of B %.6g)\n"
          "not finite     %zu\n"
          "values         %zu\n",
-         r->rmse, r->relative, r->psnr, r->peak, r->largest, r->odd, r->values);
+         r->rmse, r->relative, r->psnr, r->peak, r->largest, r->within, r->mean,
+         r->odd, r->values);
 }
 
 /* JSON has no infinity: equal images have null. */
 static int print_json(const result *r, image_error *error) {
   json_t *psnr = isfinite(r->psnr) ? json_real(r->psnr) : json_null();
   json_t *root = json_pack(
-      "{s:f, s:f, s:o, s:f, s:f, s:I, s:I}", "rmse", r->rmse, "relative_mse",
-      r->relative, "psnr", psnr, "peak", r->peak, "largest_error", r->largest,
+      "{s:f, s:f, s:o, s:f, s:f, s:f, s:f, s:I, s:I}", "rmse", r->rmse,
+      "relative_mse", r->relative, "psnr", psnr, "peak", r->peak,
+      "largest_error", r->largest, "within_95", r->within, "mean", r->mean,
       "not_finite", (json_int_t)r->odd, "values", (json_int_t)r->values);
   const int failed = !root || json_dumpf(root, stdout, JSON_INDENT(2)) != 0;
   json_decref(root);
@@ -332,6 +343,16 @@ static int print_json(const result *r, image_error *error) {
 static int ascending(const void *a, const void *b) {
   const float x = *(const float *)a, y = *(const float *)b;
   return (x > y) - (x < y);
+}
+
+/* What 95 % of the pixels that are compared don't exceed; sorts. */
+static double within_95(float *worst, size_t pixels) {
+  size_t left_out = 0;
+  qsort(worst, pixels, sizeof *worst, ascending);
+  while (left_out < pixels && worst[left_out] < 0.0f)
+    left_out++;
+  const size_t count = pixels - left_out;
+  return count ? (double)worst[left_out + (count - 1) * 95 / 100] : 0.0;
 }
 
 /* White is the error that one pixel in a hundred exceeds: a single bright
@@ -356,14 +377,22 @@ static int measure(const compare_options *o, const side *a, const side *b,
                    const mask *m, result *out, image_error *error) {
   const size_t pixels = (size_t)a->planes.width * a->planes.height;
   float *heat = o->heatmap ? calloc(pixels, sizeof *heat) : NULL;
+  float *worst = malloc((pixels + 1) * sizeof *worst);
   sums s = {0};
   float limit = 0.0f;
-  if (o->heatmap && !heat)
-    return image_no_memory(error, o->heatmap);
+  if ((o->heatmap && !heat) || !worst) {
+    free(heat);
+    free(worst);
+    return image_no_memory(error, a->path);
+  }
+  for (size_t i = 0; i < pixels; i++)
+    worst[i] = -1.0f;
   for (size_t i = 0; i < a->planes.count; i++)
     add_channel(&a->planes.planes[i], partner(a, b, a->planes.planes[i].name),
-                m, pixels, &s, heat);
+                m, pixels, &s, heat, worst);
   *out = finish(&s);
+  out->within = within_95(worst, pixels);
+  free(worst);
   int failed = 0;
   if (heat)
     failed = write_heatmap(o->heatmap, heat, &a->planes, &limit, error);
