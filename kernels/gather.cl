@@ -878,10 +878,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
            (uint)y * args.light.row + (uint)x;
 
 #if ADAPTIVE
-  const uint tiles = (uint)(in.width + HBIL_TILE - 1) / HBIL_TILE;
   const hbil_rung rung =
       ladder[args.probe ? (uint)HBIL_MOST_RUNGS
-                        : rungs[(uint)y * tiles + (uint)(x / HBIL_TILE)]];
+                        : rungs[y * hbil_tiles(in.width) + x / HBIL_TILE]];
   const int samples = rung.samples, all_slices = rung.slices;
   steps += rung.steps;
 #else

@@ -283,6 +283,11 @@ typedef struct hbil_rung {
  * sum of E_near over its channels, pixels that show a surface. */
 enum { HBIL_JUDGED = 4 };
 
+/* Tiles of a layer row that many pixels wide. */
+static inline hbil_int hbil_tiles(hbil_int width) {
+  return (width + HBIL_TILE - 1) / HBIL_TILE;
+}
+
 /* The layers that are probed, 2x2 neighbours: their directions, 0, 8, 12 and 4
  * of hbil_direction_slot(), are equally spaced. */
 static inline hbil_int hbil_probe_layer(hbil_int i) {
@@ -306,8 +311,7 @@ typedef struct hbil_gather_args {
   hbil_bounds_args bounds;
   hbil_uint strips;         /* of a layer's row */
   hbil_int slices, samples; /* hbil_config's */
-  /* adaptive: rungs in use, whether this launch is the probe */
-  hbil_int rungs, probe;
+  hbil_int probe;           /* adaptive: whether this launch is the probe */
 } hbil_gather_args;
 
 /* Far field: SH coefficients already multiplied by the basis functions'

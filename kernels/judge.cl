@@ -20,7 +20,7 @@ kernel void judge_tiles(const hbil_layer_args in, global const float *split,
                         global float *tiles, global const uint *flags,
                         const int still) {
   const int tile = (int)get_global_id(0), y = (int)get_global_id(1);
-  const int across = (in.width + HBIL_TILE - 1) / HBIL_TILE;
+  const int across = hbil_tiles(in.width);
   if (tile >= across || y >= in.height || (still && !flags[HBIL_FLAG_CHANGED]))
     return;
   const uint at = (uint)y * in.row + in.origin + (uint)(tile * HBIL_TILE);
@@ -78,7 +78,7 @@ kernel void judge_tiles(const hbil_layer_args in, global const float *split,
 kernel void judge_sum(const hbil_layer_args in, global float *tiles,
                       global const uint *flags, const int still) {
   const int part = (int)get_global_id(0);
-  const int across = (in.width + HBIL_TILE - 1) / HBIL_TILE;
+  const int across = hbil_tiles(in.width);
   const int count = across * in.height;
   if (part >= HBIL_JUDGE_PARTS || get_global_id(1) > 0 ||
       (still && !flags[HBIL_FLAG_CHANGED]))
@@ -99,7 +99,7 @@ kernel void judge_rungs(const hbil_layer_args in, global const float *tiles,
                         global uint *rungs, global const uint *flags,
                         const int still) {
   const int tile = (int)get_global_id(0), y = (int)get_global_id(1);
-  const int across = (in.width + HBIL_TILE - 1) / HBIL_TILE;
+  const int across = hbil_tiles(in.width);
   if (tile >= across || y >= in.height || (still && !flags[HBIL_FLAG_CHANGED]))
     return;
   global const float *sums = tiles + across * in.height * HBIL_JUDGED;

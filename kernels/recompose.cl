@@ -339,8 +339,8 @@ static inline void resolve(const hbil_view_args view, const hbil_layer_args in,
 #if OUT_ERROR
   realv ao[4], near_light[4];
 #if ADAPTIVE
-  const int tiles = (in.width + HBIL_TILE - 1) / HBIL_TILE;
-  const hbil_rung rung = ladder[rungs[y * tiles + x / HBIL_TILE]];
+  const hbil_rung rung =
+      ladder[rungs[y * hbil_tiles(in.width) + x / HBIL_TILE]];
 #else
   const hbil_rung rung = ladder[0];
 #endif

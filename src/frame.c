@@ -679,7 +679,7 @@ static hbil_status judge(commands *chain, const hbil_gather_args *args,
   const argument rungs[] = {ARG(l->split),
                             ARG(plan->buffers[BUFFER_TILES]),
                             ARG(plan->buffers[BUFFER_LADDER]),
-                            ARG(args->rungs),
+                            ARG(l->ladder.count),
                             ARG(plan->buffers[BUFFER_RUNGS]),
                             ARG(plan->buffers[BUFFER_FLAGS]),
                             ARG(still)};
@@ -733,8 +733,7 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   gather_args.facing[0] = plan->config.facing[0];
   gather_args.facing[1] =
       1.0f / fmaxf(plan->config.facing[1] - plan->config.facing[0], FLT_MIN);
-  gather_args.rungs = plan->layout.ladder.count;
-  if (gather_args.rungs)
+  if (plan->layout.ladder.count)
     status = judge(chain, &gather_args, still);
   return status == HBIL_SUCCESS
              ? look_around(chain, &gather_args, still, HBIL_LAYERS)

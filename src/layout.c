@@ -202,7 +202,7 @@ void layout_compute(const hbil_config *config, layout *out) {
   out->bytes[BUFFER_LADDER] = sizeof out->ladder.rung;
   if (!out->ladder.count)
     return;
-  out->tiles = ((size_t)out->split.width + HBIL_TILE - 1) / HBIL_TILE;
+  out->tiles = (size_t)hbil_tiles(out->split.width);
   const size_t tiles = out->tiles * (size_t)out->split.height;
   out->bytes[BUFFER_TILES] =
       real * (HBIL_JUDGED * tiles + 2 * (size_t)HBIL_JUDGE_PARTS);

@@ -142,6 +142,10 @@ void bench_configure(const bench_content *content, const bench_configuration *c,
 
 int bench_content_load(const bench_options *options, bench_content *out,
                        image_error *error);
+/* What a frame's header tells; camera: NULL for the frame's own.  The map is to
+ * be freed, also after a failure. */
+int bench_read_map(const char *path, const char *camera, channel_map *map,
+                   camera_file *out, image_error *error);
 /* Gives back the planes, once they are on the device; the rest stays. */
 void bench_content_drop_planes(bench_content *content);
 void bench_content_free(bench_content *content);

@@ -176,24 +176,21 @@ static void fit_far_field(const gbuffer *g, bench_content *content) {
   content->far = config.far_field;
 }
 
-static int read_map(const char *path, channel_map *map, bench_content *out,
-                    const char *camera, image_error *error) {
+int bench_read_map(const char *path, const char *camera, channel_map *map,
+                   camera_file *out, image_error *error) {
   image header;
   view seen;
-  camera_file file;
   source_options guess;
   source_options_init(&guess);
+  channels_init(map, DUMP_PLAIN); /* nothing to be freed, whatever fails */
   if (image_read_header(path, &header, error) != 0)
     return -1;
-  int failed = channels_map(path, &header, &guess, map, error);
-  out->width = header.width;
-  out->height = header.height;
-  failed = failed || channels_check(map, path, error) != 0 ||
-           view_read(path, &header, camera, &guess, &seen, error) != 0 ||
-           view_aim(path, &seen, map, &file, error) != 0;
+  const int failed =
+      channels_map(path, &header, &guess, map, error) != 0 ||
+      channels_check(map, path, error) != 0 ||
+      view_read(path, &header, camera, &guess, &seen, error) != 0 ||
+      view_aim(path, &seen, map, out, error) != 0;
   image_free(&header);
-  if (!failed)
-    gbuffer_hbil_camera(&file, &out->frame[0].camera);
   return failed ? -1 : 0;
 }
 
@@ -206,8 +203,12 @@ static int load_dump(const bench_options *options, bench_content *out,
   out->frames = 1;
   for (int i = 0; i < BENCH_INPUTS; i++)
     wanted |= 1u << roles[i];
-  if (read_map(options->dump, &map, out, options->camera, error) != 0)
+  camera_file camera;
+  if (bench_read_map(options->dump, options->camera, &map, &camera, error) != 0)
     return -1;
+  gbuffer_hbil_camera(&camera, &out->frame[0].camera);
+  out->width = map.window.width;
+  out->height = map.window.height;
   channels_conventions(&map, &out->config);
   if (gbuffer_read(options->dump, &map, wanted, &g, error) != 0)
     return -1;

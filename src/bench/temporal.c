@@ -29,24 +29,6 @@ typedef struct captured {
   camera_file camera;
 } captured;
 
-/* What its header tells of a frame. */
-static int read_map(const job *j, const char *path, channel_map *map,
-                    camera_file *camera, image_error *error) {
-  image header;
-  view seen;
-  source_options guess;
-  source_options_init(&guess);
-  if (image_read_header(path, &header, error) != 0)
-    return -1;
-  const int failed =
-      channels_map(path, &header, &guess, map, error) != 0 ||
-      channels_check(map, path, error) != 0 ||
-      view_read(path, &header, j->options->camera, &guess, &seen, error) != 0 ||
-      view_aim(path, &seen, map, camera, error) != 0;
-  image_free(&header);
-  return failed ? -1 : 0;
-}
-
 static int read_frame(const job *j, unsigned at, captured *out,
                       image_error *error) {
   enum {
@@ -56,8 +38,9 @@ static int read_frame(const job *j, unsigned at, captured *out,
   };
   const char *path = j->options->frames[at];
   channel_map map;
-  int failed = read_map(j, path, &map, &out->camera, error) != 0 ||
-               gbuffer_read(path, &map, USED, &out->g, error) != 0;
+  const int failed = bench_read_map(path, j->options->camera, &map,
+                                    &out->camera, error) != 0 ||
+                     gbuffer_read(path, &map, USED, &out->g, error) != 0;
   const image *planes = &out->g.planes;
   channels_free(&map);
   if (failed || (planes->width == j->content->width &&
@@ -210,7 +193,7 @@ static void choose(bench_configuration list[BENCH_TEMPORALS]) {
 static int read_last(job *j, image_error *error) {
   const char *path = j->options->frames[j->options->frame_count - 1];
   camera_file camera;
-  if (read_map(j, path, &j->map, &camera, error) != 0)
+  if (bench_read_map(path, j->options->camera, &j->map, &camera, error) != 0)
     return -1;
   return j->map.count[ROLE_DIRECT]
              ? 0
