@@ -239,20 +239,23 @@ static cl_int clear_layers(hbil_plan *plan, cl_command_queue queue) {
 }
 
 /* Padding left of, above and below the layers is written once, here: no kernel
- * touches it later.  Nor are counts of what a plan never looks at.  The waiting
- * is done by clFinish on a queue of our own. */
+ * touches it later.  Nor are counts of what a plan never looks at, nor rungs
+ * where the caller has put a pass in the gather's place: they are indices.  The
+ * waiting is done by clFinish on a queue of our own. */
 static hbil_status fill_padding(hbil_plan *plan) {
-  static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT, BUFFER_REPAIRED};
+  static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT, BUFFER_REPAIRED,
+                                BUFFER_RUNGS};
   const cl_float zero = 0.0f;
   cl_int error = CL_SUCCESS;
   cl_command_queue queue = clCreateCommandQueue(
       plan->context->context, plan->context->device, 0, &error);
   if (!queue)
     return fail_cl(plan->context, error, "clCreateCommandQueue");
-  for (int i = 0; i < 3 && error == CL_SUCCESS; ++i)
-    error = clEnqueueFillBuffer(queue, plan->buffers[buffers[i]], &zero,
-                                sizeof zero, 0, plan->layout.bytes[buffers[i]],
-                                0, NULL, NULL);
+  for (size_t i = 0; i < sizeof buffers / sizeof *buffers; ++i)
+    if (plan->buffers[buffers[i]] && error == CL_SUCCESS)
+      error = clEnqueueFillBuffer(
+          queue, plan->buffers[buffers[i]], &zero, sizeof zero, 0,
+          plan->layout.bytes[buffers[i]], 0, NULL, NULL);
   if (error == CL_SUCCESS)
     error = clear_layers(plan, queue);
   /* at once: should waiting fail below, the plan is gone before its commands */

@@ -360,6 +360,21 @@ static void still_frames_stay(void **state) {
   setup_free(&s);
 }
 
+/* A caller may put a pass in the gather's place: then every tile has the first
+ * number there is, not what memory held before. */
+static void without_the_gather_nothing_is_chosen(void **state) {
+  hbil_skipped skipped;
+  setup s;
+  (void)state;
+  start(&s, 24, 0.05f, 0.5f);
+  setup_run(&s, hbil_enqueue_split);
+  setup_run(&s, hbil_enqueue_recompose);
+  setup_run(&s, hbil_enqueue_composite);
+  assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, &skipped));
+  assert_true(skipped.samples == 8.0);
+  setup_free(&s);
+}
+
 /* A difference in the last digit at a limit may give a tile other samples; of
  * the room's none does. */
 static void every_width_chooses_the_same(void **state) {
@@ -391,6 +406,7 @@ int main(void) {
       cmocka_unit_test(promised_errors_are_kept),
       cmocka_unit_test(estimates_hold),
       cmocka_unit_test(still_frames_stay),
+      cmocka_unit_test(without_the_gather_nothing_is_chosen),
       cmocka_unit_test(every_width_chooses_the_same)};
   test_gpu = gpu_open();
   return gpu_finish(cmocka_run_group_tests(tests, make_exact, free_exact));
