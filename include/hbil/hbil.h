@@ -161,6 +161,16 @@ typedef enum hbil_depth_kind {
   HBIL_DEPTH_RAY = 1     /* distance from the eye */
 } hbil_depth_kind;
 
+/* How pixels look at the scene. */
+typedef enum hbil_projection {
+  /* all from one point: pixel (i,j) along ((i+0.5-cx)/fx, (j+0.5-cy)/fy, 1) */
+  HBIL_PROJECTION_PERSPECTIVE = 0,
+  /* all along z, from ((i+0.5-cx)/fx, (j+0.5-cy)/fy, 0): fx and fy are pixels
+   * to a world unit.  Where other settings speak of a share of a depth, it is
+   * one of the picture's width, in world units, since depths have no scale. */
+  HBIL_PROJECTION_ORTHOGRAPHIC = 1
+} hbil_projection;
+
 typedef enum hbil_space {
   HBIL_SPACE_VIEW = 0, /* x right, y down, z forward */
   HBIL_SPACE_WORLD = 1
@@ -332,6 +342,7 @@ typedef struct hbil_config {
                         that don't end; with others it is too small */
 
   /* How inputs are read. */
+  hbil_projection projection; /* of all frames' cameras; default PERSPECTIVE */
   hbil_depth_kind depth_kind;
   float background;        /* depths >= this are sky, like 0 and all from 1e15
                               on; default infinity */
@@ -449,11 +460,11 @@ HBIL_API void hbil_config_init_sized(hbil_config *config, size_t struct_size);
 /* ------------------------------------------------------------------------ */
 /* Frame: camera and images                                                  */
 
-/* A perspective camera.  world_from_view must be rigid (rotation and
- * translation); it is checked to 1e-3, and a mirroring
- * (left-handed) one is refused. */
+/* A camera.  world_from_view must be rigid (rotation and translation); it is
+ * checked to 1e-3, and a mirroring (left-handed) one is refused. */
 typedef struct hbil_camera {
-  double fx, fy; /* focal lengths, pixels, > 0 */
+  double fx, fy; /* focal lengths, pixels, > 0; orthographic: pixels to a world
+                    unit */
   double cx, cy; /* principal point, pixels from the top left corner */
   double world_from_view[16];
 } hbil_camera;
