@@ -156,8 +156,11 @@ static int copy_dump(const gbuffer *g, bench_content *out, image_error *error) {
   return add_light(out, error);
 }
 
-/* A quarter of the surfaces' mean depth: a dump's unit may be anything. */
+/* A quarter of the surfaces' mean depth, or of the picture's width where depth
+ * has no scale: a dump's unit may be anything. */
 static float fitting_radius(const bench_content *content) {
+  if (content->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC)
+    return (float)(0.25 * content->width / content->frame[0].camera.fx);
   const float *depth = content->frame[0].plane[BENCH_DEPTH];
   double sum = 0.0, count = 0.0;
   for (size_t i = 0; i < bench_pixels(content); i++)

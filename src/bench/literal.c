@@ -150,11 +150,13 @@ static int find_errors(const device *d, const bench_content *content,
 int bench_measure_literal(const device *d, const bench_content *content,
                           unsigned runs, const float *ao, const float *light,
                           bench_literal *out, image_error *error) {
+  const char *const builds[] = {"-DSLICES=2 -DSAMPLES=8 -DPARALLEL=0",
+                                "-DSLICES=2 -DSAMPLES=8 -DPARALLEL=1"};
   cl_mem buffers[BUFFERS] = {NULL};
   cl_kernel kernel = NULL;
   const int failed =
-      bench_kernel(d, "literal", "-DSLICES=2 -DSAMPLES=8", &kernel, error) !=
-          0 ||
+      bench_kernel(d, "literal", builds[content->config.projection], &kernel,
+                   error) != 0 ||
       make_buffers(d, content, buffers, error) != 0 ||
       run_kernel(d, content, kernel, buffers, runs, &out->milliseconds,
                  error) != 0 ||

@@ -7,7 +7,7 @@
  * weighted, and nothing is divided by what they miss, as in the paper.
  * Samples are spaced equally as far as the library's reach.
  *
- * Builds: SLICES, SAMPLES (per side).
+ * Builds: SLICES, SAMPLES (per side), PARALLEL (rays: 1, else 0).
  * Launch: x, y = pixels, rounded up to whole groups.
  * In: planar depth (0: sky), unit view-space normals, radiance.  Out: E_near
  * and, in w, AO.
@@ -22,9 +22,9 @@ typedef struct literal_args {
 } literal_args;
 
 static float3 position(const literal_args args, int x, int y, float z) {
-  return (float3)(((float)x + 0.5f - args.cx) / args.fx,
-                  ((float)y + 0.5f - args.cy) / args.fy, 1.0f) *
-         z;
+  const float2 at = (float2)(((float)x + 0.5f - args.cx) / args.fx,
+                             ((float)y + 0.5f - args.cy) / args.fy);
+  return PARALLEL ? (float3)(at, z) : (float3)(at, 1.0f) * z;
 }
 
 /* Cosine-weighted share of a half-slice from the view direction to theta. */
@@ -33,7 +33,8 @@ static float open_share(float theta, float nx, float ny) {
                  ny * sin(theta) * sin(theta));
 }
 
-/* How far samples go along a screen direction, in ray slope. */
+/* How far samples go along a screen direction, in ray slope, or in world units
+ * where rays are parallel. */
 static float reach_along(const literal_args args, float2 u) {
   const float to_x = (float)args.width / args.fx;
   const float to_y = (float)args.height / args.fy;
@@ -62,7 +63,8 @@ kernel void literal(const literal_args args, global const float *depth,
     return;
   }
   const float3 point = position(args, x, y, depth[here]);
-  const float3 wo = -normalize(point), n = normals[here].xyz;
+  const float3 wo = PARALLEL ? (float3)(0.0f, 0.0f, -1.0f) : -normalize(point);
+  const float3 n = normals[here].xyz;
   const float turn = dither(x, y), shift = dither(3 - y, x);
   const float ny = max(dot(n, wo), 1e-4f);
   float3 light = 0.0f;

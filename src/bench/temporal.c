@@ -16,6 +16,7 @@ typedef struct job {
   const device *device;
   const bench_content *content; /* the last frame */
   channel_map map;
+  camera_file camera; /* of the last frame, as the map */
   const bench_exact *exact;
   bench_model model;
   hbil_config config; /* the model's, without the filter */
@@ -29,6 +30,10 @@ typedef struct captured {
   camera_file camera;
 } captured;
 
+static const char *last_path(const bench_options *options) {
+  return options->frames[options->frame_count - 1];
+}
+
 static int read_frame(const job *j, unsigned at, captured *out,
                       image_error *error) {
   enum {
@@ -38,9 +43,12 @@ static int read_frame(const job *j, unsigned at, captured *out,
   };
   const char *path = j->options->frames[at];
   channel_map map;
-  const int failed = bench_read_map(path, j->options->camera, &map,
-                                    &out->camera, error) != 0 ||
-                     gbuffer_read(path, &map, USED, &out->g, error) != 0;
+  const int failed =
+      bench_read_map(path, j->options->camera, &map, &out->camera, error) !=
+          0 ||
+      view_same_projection(path, &out->camera, last_path(j->options),
+                           &j->camera, error) != 0 ||
+      gbuffer_read(path, &map, USED, &out->g, error) != 0;
   const image *planes = &out->g.planes;
   channels_free(&map);
   if (failed || (planes->width == j->content->width &&
@@ -191,9 +199,8 @@ static void choose(bench_configuration list[BENCH_TEMPORALS]) {
 
 /* The last frame's: all have the same channels. */
 static int read_last(job *j, image_error *error) {
-  const char *path = j->options->frames[j->options->frame_count - 1];
-  camera_file camera;
-  if (bench_read_map(path, j->options->camera, &j->map, &camera, error) != 0)
+  const char *path = last_path(j->options);
+  if (bench_read_map(path, j->options->camera, &j->map, &j->camera, error) != 0)
     return -1;
   return j->map.count[ROLE_DIRECT]
              ? 0

@@ -54,9 +54,12 @@ static int read_centre(const parser *p, const char *field, double *out) {
              : lacks(p, field, "a number of pixels, at most 1e9,");
 }
 
+static int is_focal(double pixels) {
+  return pixels >= LEAST_PIXELS && pixels <= MOST_PIXELS;
+}
+
 static int read_focal(const parser *p, const char *field, double *out) {
-  return finite_number(json_object_get(p->root, field), out) &&
-                 *out >= LEAST_PIXELS && *out <= MOST_PIXELS
+  return finite_number(json_object_get(p->root, field), out) && is_focal(*out)
              ? 0
              : lacks(p, field, "a number of pixels, 1e-6 to 1e9,");
 }
@@ -125,13 +128,40 @@ static int read_clipping(const parser *p, camera_file *out) {
   return 0;
 }
 
-/* What all cameras are unless they say otherwise. */
-static int check_projection(const parser *p) {
-  const char *kind = json_string_value(json_object_get(p->root, "projection"));
-  return !kind || strcmp(kind, "perspective") == 0
+/* Perspective, unless it says otherwise. */
+static int read_projection(const parser *p, camera_file *out) {
+  const json_t *field = json_object_get(p->root, "projection");
+  const char *kind = json_string_value(field);
+  out->orthographic = kind && strcmp(kind, "orthographic") == 0;
+  return !field || out->orthographic ||
+                 (kind && strcmp(kind, "perspective") == 0)
              ? 0
-             : lacks(p, "projection",
-                     "\"perspective\", the only kind that can be lit,");
+             : lacks(p, "projection", "\"perspective\" or \"orthographic\"");
+}
+
+/* Blender's size of an orthographic camera, world units across the wider side
+ * of the picture, which must be known then. */
+static int read_scale(const parser *p, const json_t *scale, camera_file *out) {
+  double units;
+  if (json_object_get(p->root, "fx") || json_object_get(p->root, "fy"))
+    return lacks(p, "ortho_scale", "either it, or fx and fy,");
+  if (!out->width)
+    return lacks(p, "resolution", "[width, height] beside ortho_scale");
+  if (!finite_number(scale, &units) || !(units > 0.0))
+    return lacks(p, "ortho_scale", "a positive number of world units");
+  out->fx = out->fy =
+      (out->width > out->height ? out->width : out->height) / units;
+  return is_focal(out->fx)
+             ? 0
+             : lacks(p, "ortho_scale", "1e-6 to 1e9 pixels to a world unit");
+}
+
+static int read_lens(const parser *p, camera_file *out) {
+  const json_t *scale = json_object_get(p->root, "ortho_scale");
+  if (out->orthographic && scale)
+    return read_scale(p, scale, out);
+  return read_focal(p, "fx", &out->fx) != 0 ? -1
+                                            : read_focal(p, "fy", &out->fy);
 }
 
 static int parse(const parser *p, camera_file *out) {
@@ -140,14 +170,14 @@ static int parse(const parser *p, camera_file *out) {
                       "%s: not a JSON object; an object with "
                       "camera_to_world, fx, fy, cx, cy is needed",
                       p->path);
-  if (read_pose(p, "camera_to_world", out->camera_to_world) != 0 ||
-      read_focal(p, "fx", &out->fx) != 0 ||
-      read_focal(p, "fy", &out->fy) != 0 ||
-      read_centre(p, "cx", &out->cx) != 0 ||
-      read_centre(p, "cy", &out->cy) != 0 || check_projection(p) != 0 ||
-      read_clipping(p, out) != 0)
-    return -1;
-  return read_resolution(p, out);
+  return read_pose(p, "camera_to_world", out->camera_to_world) != 0 ||
+                 read_resolution(p, out) != 0 || read_projection(p, out) != 0 ||
+                 read_lens(p, out) != 0 ||
+                 read_centre(p, "cx", &out->cx) != 0 ||
+                 read_centre(p, "cy", &out->cy) != 0 ||
+                 read_clipping(p, out) != 0
+             ? -1
+             : 0;
 }
 
 /* ------------------------------------------------------------------------ */
@@ -250,6 +280,8 @@ int camera_write(const char *path, const camera_file *camera,
                 (int)camera->width, (int)camera->height, "camera_to_world",
                 matrix_json(camera->camera_to_world), "fx", camera->fx, "fy",
                 camera->fy, "cx", camera->cx, "cy", camera->cy);
+  if (root && camera->orthographic)
+    json_object_set_new(root, "projection", json_string("orthographic"));
   if (!root) {
     free(temporary);
     return image_fail(error,

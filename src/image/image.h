@@ -198,11 +198,13 @@ int formats_read(const char *path, const char *const *names, size_t count,
 /* --- camera side-car (camera_json.c) --- */
 
 /* The JSON beside a dump: camera_to_world (OpenGL convention, row-major), fx,
- * fy, cx, cy; resolution, near and far may be there.  Pixels are counted from
- * the display window's corner. */
+ * fy, cx, cy; resolution, projection, near and far may be there.  Pixels are
+ * counted from the display window's corner. */
 typedef struct camera_file {
   double camera_to_world[16];
-  double fx, fy, cx, cy;
+  int orthographic; /* all rays are parallel */
+  double fx, fy;    /* pixels; orthographic: pixels to a world unit */
+  double cx, cy;
   uint32_t width, height;
   double near, far; /* clipping planes; 0: not told */
 } camera_file;

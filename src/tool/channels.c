@@ -496,6 +496,7 @@ int channels_check(const channel_map *map, const char *path,
 
 void channels_conventions(const channel_map *map, hbil_config *config) {
   const conventions *how = &map->how;
+  config->projection = map->projection;
   config->depth_kind = HBIL_DEPTH_PLANAR;
   config->normal_space =
       how->normals == SPACE_WORLD ? HBIL_SPACE_WORLD : HBIL_SPACE_VIEW;

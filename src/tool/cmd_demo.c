@@ -22,7 +22,7 @@ static const char *const scene_names[] = {"room", "sky", NULL};
 
 typedef struct demo_options {
   unsigned frames, width, height;
-  int scene;
+  int scene, orthographic;
   const char *output;
   const char *device;
 } demo_options;
@@ -39,6 +39,7 @@ static void usage(void) {
       "      --size WxH     pixels (640x360)\n"
       "      --scene NAME   room: furnished, under a lamp; sky: in the open\n"
       "                     (room)\n"
+      "      --orthographic seen by parallel rays\n"
       "      --device NAME  number in `hbil devices`, or part of a name\n"
       "  -h, --help         this text");
 }
@@ -75,17 +76,18 @@ static int make_folder(const char *path, image_error *error) {
 
 /* Sky pixels show what they send as emission, as in any dump. */
 static void fill_sky(scene_frame *f) {
-  const hbil_camera *c = &f->camera;
-  const double *m = c->world_from_view;
+  const double *m = f->camera.world_from_view;
   for (size_t i = 0; i < (size_t)f->width * f->height; ++i) {
     if (f->depth[i] > 0.0f)
       continue;
-    double x = ((double)(i % f->width) + 0.5 - c->cx) / c->fx;
-    double y = ((double)(i / f->width) + 0.5 - c->cy) / c->fy;
+    const gbuffer_ray ray =
+        gbuffer_look(f->projection, &f->camera, i % f->width, i / f->width);
+    const double *r = ray.along;
     double direction[3];
     float rgb[3];
     for (int k = 0; k < 3; ++k)
-      direction[k] = m[4 * k] * x + m[4 * k + 1] * y + m[4 * k + 2];
+      direction[k] =
+          m[4 * k] * r[0] + m[4 * k + 1] * r[1] + m[4 * k + 2] * r[2];
     scene_sky(direction, rgb);
     for (int k = 0; k < 3; ++k)
       f->emission[k][i] = rgb[k];
@@ -121,7 +123,9 @@ static image gbuffer_image(const scene_frame *f,
 static camera_file camera_of(const scene_frame *f) {
   static const double sign[4] = {1.0, -1.0, -1.0, 1.0};
   const hbil_camera *c = &f->camera;
-  camera_file out = {.fx = c->fx,
+  camera_file out = {.orthographic =
+                         f->projection == HBIL_PROJECTION_ORTHOGRAPHIC,
+                     .fx = c->fx,
                      .fy = c->fy,
                      .cx = c->cx,
                      .cy = c->cy,
@@ -151,8 +155,10 @@ static int write_frame(const scene_frame *f, const char *path,
 static int trace_frame(const demo_options *o, unsigned index, const char *path,
                        image_error *error) {
   scene_frame f;
-  if (scene_render((scene_kind)o->scene, o->width, o->height, 0.0, index, &f) !=
-      0)
+  int (*const render)(scene_kind, uint32_t, uint32_t, double, uint32_t,
+                      scene_frame *) =
+      o->orthographic ? scene_render_orthographic : scene_render;
+  if (render((scene_kind)o->scene, o->width, o->height, 0.0, index, &f) != 0)
     return image_no_memory(error, path);
   fill_sky(&f);
   int failed = write_frame(&f, path, error);
@@ -219,6 +225,7 @@ static int read_options(int argc, char **argv, demo_options *o,
       {"frames", required_argument, NULL, 'n'},
       {"size", required_argument, NULL, 's'},
       {"scene", required_argument, NULL, 'c'},
+      {"orthographic", no_argument, NULL, 'p'},
       {"output", required_argument, NULL, 'o'},
       {"device", required_argument, NULL, 'd'},
       {"help", no_argument, NULL, 'h'},
@@ -235,6 +242,9 @@ static int read_options(int argc, char **argv, demo_options *o,
       break;
     case 'c':
       failed = option_choice("--scene", optarg, scene_names, &o->scene, error);
+      break;
+    case 'p':
+      o->orthographic = 1;
       break;
     case 'o':
       o->output = optarg;

@@ -141,10 +141,16 @@ static void print_conventions(const channel_map *map) {
 /* ------------------------------------------------------------------------ */
 /* Does it fit together?                                                     */
 
-static void print_camera(const view *seen, const hbil_camera *camera) {
-  printf("  camera     %s: focal lengths %g, %g pixels, centre %g, %g, at %g "
-         "%g %g%s\n",
-         seen->from, camera->fx, camera->fy, camera->cx, camera->cy,
+static void print_camera(const view *seen, const channel_map *map) {
+  const hbil_camera *camera = &map->camera;
+  printf("  camera     %s: ", seen->from);
+  if (map->projection == HBIL_PROJECTION_ORTHOGRAPHIC)
+    printf("orthographic, %g, %g pixels a unit, the picture %g x %g units",
+           camera->fx, camera->fy, map->display.width / camera->fx,
+           map->display.height / camera->fy);
+  else
+    printf("focal lengths %g, %g pixels", camera->fx, camera->fy);
+  printf(", centre %g, %g, at %g %g %g%s\n", camera->cx, camera->cy,
          camera->world_from_view[3], camera->world_from_view[7],
          camera->world_from_view[11],
          seen->mirrored ? ", its world mirrored" : "");
@@ -156,8 +162,10 @@ static void print_check(const gbuffer *g, const selfcheck *k) {
     printf(", depth %g .. %g", k->low, k->high);
   putchar('\n');
   if (g->map.count[ROLE_POSITION])
-    printf("  position   rebuilt from depth and camera: largest relative error "
-           "%.2g%s\n",
+    printf("  position   rebuilt from depth and camera: largest %s %.2g%s\n",
+           g->map.projection == HBIL_PROJECTION_ORTHOGRAPHIC
+               ? "error, a share of the picture's width,"
+               : "relative error",
            k->positions, k->positions < 1e-3 ? ", they agree" : "");
   printf("  normals    %.1f %% face the eye", 100.0 * k->facing);
   if (!isnan(k->agreement))
@@ -226,7 +234,7 @@ static int check_frame(const char *path, const channel_map *map,
   channels_conventions(map, &config);
   if (gbuffer_read(path, map, ~0u, &g, error) != 0)
     return -1;
-  print_camera(seen, &map->camera);
+  print_camera(seen, map);
   selfcheck_frame(&g, &config, &map->camera, &found);
   print_check(&g, &found);
   gbuffer_free(&g);

@@ -152,19 +152,24 @@ static int make_depth(gbuffer *g) {
   return 0;
 }
 
-/* Between the clipping planes: 0 at the near one. */
-static double of_device(double d, double near, double far) {
+/* Between the clipping planes: 0 at the near one.  A perspective stores the
+ * inverse of depth, parallel rays depth itself. */
+static double of_device(const channel_map *map, double d) {
+  const double near = map->how.near, far = map->how.far;
+  if (map->projection == HBIL_PROJECTION_ORTHOGRAPHIC)
+    return near + d * (far - near);
   return isinf(far) ? near / (1 - d) : near * far / (far - d * (far - near));
 }
 
-static double planar(const conventions *how, double depth, double ray_length) {
+static double planar(const channel_map *map, double depth, double ray_length) {
+  const conventions *how = &map->how;
   switch (how->depth) {
   case DEPTH_RAY: /* what lies before the near plane is as long as it is far */
     return depth * how->unit / ray_length + (how->from_near ? how->near : 0);
   case DEPTH_DEVICE:
-    return of_device(depth, how->near, how->far);
+    return of_device(map, depth);
   case DEPTH_REVERSED:
-    return of_device(1 - depth, how->near, how->far);
+    return of_device(map, 1 - depth);
   default:
     return depth * how->unit;
   }
@@ -181,16 +186,16 @@ static int is_nothing(const conventions *how, double depth) {
 
 static void straighten_depth(gbuffer *g) {
   const conventions *how = &g->map.how;
-  const hbil_camera *k = &g->map.camera;
   float *depth = plane(g, ROLE_DEPTH, 0);
   const size_t width = g->planes.width;
   for (size_t i = 0; i < pixel_count(g); i++) {
-    const double x = ((double)(i % width) + 0.5 - k->cx) / k->fx;
-    const double y = ((double)(i / width) + 0.5 - k->cy) / k->fy;
+    const gbuffer_ray ray =
+        gbuffer_look(g->map.projection, &g->map.camera, i % width, i / width);
+    const double *r = ray.along;
+    const double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
     const double stored = (double)depth[i] * (how->backwards ? -1 : 1);
-    depth[i] = is_nothing(how, stored)
-                   ? 0.0f
-                   : (float)planar(how, stored, sqrt(x * x + y * y + 1));
+    depth[i] =
+        is_nothing(how, stored) ? 0.0f : (float)planar(&g->map, stored, length);
   }
 }
 

@@ -161,3 +161,12 @@ const float *gbuffer_plane(const gbuffer *g, role r, size_t i) {
 int gbuffer_is_surface(float depth, float background) {
   return isfinite(depth) && depth > 0.0f && depth < background;
 }
+
+gbuffer_ray gbuffer_look(hbil_projection projection, const hbil_camera *camera,
+                         size_t x, size_t y) {
+  const double right = ((double)x + 0.5 - camera->cx) / camera->fx;
+  const double down = ((double)y + 0.5 - camera->cy) / camera->fy;
+  return projection == HBIL_PROJECTION_ORTHOGRAPHIC
+             ? (gbuffer_ray){.from = {right, down, 0}, .along = {0, 0, 1}}
+             : (gbuffer_ray){.from = {0, 0, 0}, .along = {right, down, 1}};
+}

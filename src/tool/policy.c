@@ -134,10 +134,10 @@ static int read_normal(const gbuffer *g, const hbil_config *config,
 /* 0 where there is no surface. */
 static int read_patch(const gbuffer *g, const hbil_config *config,
                       const hbil_camera *camera, size_t i, patch *out) {
-  const double x = (double)(i % g->planes.width) + 0.5;
-  const double y = (double)(i / g->planes.width) + 0.5;
-  const double ray[3] = {(x - camera->cx) / camera->fx,
-                         (y - camera->cy) / camera->fy, 1};
+  const int parallel = config->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  const gbuffer_ray look = gbuffer_look(
+      config->projection, camera, i % g->planes.width, i / g->planes.width);
+  const double *ray = look.along;
   const float depth = gbuffer_plane(g, ROLE_DEPTH, 0)[i];
   if (is_background(depth, config->background) ||
       !read_normal(g, config, camera, i, ray, out->normal))
@@ -145,13 +145,14 @@ static int read_patch(const gbuffer *g, const hbil_config *config,
   const double z = config->depth_kind == HBIL_DEPTH_RAY
                        ? depth / sqrt(dot(ray, ray))
                        : depth;
-  /* A pixel's solid angle is 1 / (fx fy |r|^3); a grazing one has any area, its
-   * tenth of a radian is enough. */
+  /* A pixel's solid angle is 1 / (fx fy |r|^3), that of parallel rays is as
+   * wide anywhere; a grazing one has any area, its tenth of a radian is enough.
+   */
   const double grazing = 0.1 * sqrt(dot(ray, ray));
-  out->area =
-      z * z / (camera->fx * camera->fy * fmax(-dot(out->normal, ray), grazing));
+  out->area = (parallel ? 1 : z * z) /
+              (camera->fx * camera->fy * fmax(-dot(out->normal, ray), grazing));
   for (size_t c = 0; c < 3; c++)
-    out->at[c] = z * ray[c];
+    out->at[c] = look.from[c] + z * ray[c];
   return 1;
 }
 

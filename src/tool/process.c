@@ -157,7 +157,9 @@ static int aim(process *p) {
                       p->jobs[0].path);
   for (job *j = p->jobs; j < p->jobs + p->count; j++) {
     j->map.window = p->window;
-    if (view_aim(j->path, &j->view, &j->map, &j->camera, &p->error) != 0)
+    if (view_aim(j->path, &j->view, &j->map, &j->camera, &p->error) != 0 ||
+        view_same_projection(j->path, &j->camera, p->jobs[0].path,
+                             &p->jobs[0].camera, &p->error) != 0)
       return -1;
   }
   return 0;

@@ -86,10 +86,8 @@ typedef struct fit {
   double count;
 } fit;
 
-static void pixel_ray(const fit *f, size_t x, size_t y, double ray[3]) {
-  ray[0] = ((double)x + 0.5 - f->camera->cx) / f->camera->fx;
-  ray[1] = ((double)y + 0.5 - f->camera->cy) / f->camera->fy;
-  ray[2] = 1.0;
+static int is_parallel(const fit *f) {
+  return f->g->map.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
 }
 
 static double depth_at(const fit *f, size_t x, size_t y) {
@@ -99,16 +97,16 @@ static double depth_at(const fit *f, size_t x, size_t y) {
 }
 
 /* A pixel's point; other: if depth that was taken for that along the axis is
- * the distance from the eye, or the other way round. */
+ * the distance from the eye, or the other way round; the same where rays are
+ * parallel. */
 static void point(const fit *f, size_t x, size_t y, int other, double out[3]) {
-  double ray[3];
-  pixel_ray(f, x, y, ray);
-  const double length = other ? sqrt(dot(ray, ray)) : 1.0;
+  const gbuffer_ray ray = gbuffer_look(f->g->map.projection, f->camera, x, y);
+  const double length = other ? sqrt(dot(ray.along, ray.along)) : 1.0;
   const double z = f->g->map.how.depth == DEPTH_RAY
                        ? depth_at(f, x, y) * length
                        : depth_at(f, x, y) / length;
   for (int c = 0; c < 3; c++)
-    out[c] = z * ray[c];
+    out[c] = ray.from[c] + z * ray.along[c];
 }
 
 /* The normal of the surface through four neighbours, towards the eye. */
@@ -132,13 +130,19 @@ static int gradient(const fit *f, size_t x, size_t y, size_t step, int other,
   return length > 0.0 && isfinite(length);
 }
 
-/* Whether three depths in a row are those of one smooth surface: inverse depth
- * is straight on a plane, and bends by its own step where there is an edge.
- * 1e-3: what half floats leave of a depth. */
-static int is_smooth(double before, double here, double after) {
+/* What of a depth is straight on a plane. */
+static double straightened(const fit *f, double z) {
+  return is_parallel(f) ? z : 1 / z;
+}
+
+/* Whether three depths in a row are those of one smooth surface: straight, or
+ * bent by their own step where there is an edge.  1e-3: what half floats leave
+ * of a depth. */
+static int is_smooth(const fit *f, double before, double here, double after) {
   if (!(before > 0 && here > 0 && after > 0))
     return 0;
-  const double a = 1 / before, b = 1 / here, c = 1 / after;
+  const double a = straightened(f, before), b = straightened(f, here);
+  const double c = straightened(f, after);
   return fabs(a + c - 2 * b) <= 0.1 * fabs(c - a) + 1e-3 * b;
 }
 
@@ -160,8 +164,8 @@ static void add(matrix3 *sum, const double a[3], const double b[3]) {
 static void look_at(fit *f, size_t x, size_t y, size_t step) {
   double n[3], planar[3], other[3];
   const double z = depth_at(f, x, y);
-  if (!is_smooth(depth_at(f, x - step, y), z, depth_at(f, x + step, y)) ||
-      !is_smooth(depth_at(f, x, y - step), z, depth_at(f, x, y + step)) ||
+  if (!is_smooth(f, depth_at(f, x - step, y), z, depth_at(f, x + step, y)) ||
+      !is_smooth(f, depth_at(f, x, y - step), z, depth_at(f, x, y + step)) ||
       !read_normal(f->g, y * f->g->planes.width + x, n) ||
       !gradient(f, x, y, step, 0, planar) || !gradient(f, x, y, step, 1, other))
     return;
@@ -273,6 +277,10 @@ static int is_other_depth(const fit *f, const matrix3 *h) {
   return off > 1e-3 && 3.0 * other < off;
 }
 
+static const char *lens_option(const fit *f) {
+  return is_parallel(f) ? "--orthographic" : "--fov";
+}
+
 /* A turn between the camera and the one that the normals are of.  Real dumps
  * have up to half a degree, of bumps. */
 static int find_turn(const fit *f, const matrix3 *h, selfcheck *out) {
@@ -286,8 +294,8 @@ static int find_turn(const fit *f, const matrix3 *h, selfcheck *out) {
     return 0;
   find(out,
        "normals fit the depth if the camera is turned by %.1f degrees: the "
-       "camera of another frame, or another lens? --camera, --fov",
-       turn);
+       "camera of another frame, or another lens? --camera, %s",
+       turn, lens_option(f));
   return 1;
 }
 
@@ -298,6 +306,8 @@ static void find_disagreement(const fit *f, selfcheck *out) {
        acos(fmax(-1.0, out->agreement)) * 57.29578,
        out->high <= 1.0 && f->g->map.how.depth == DEPTH_PLANAR
            ? ", which is 0..1: --depth device or reversed, with --clip?"
+       : is_parallel(f)
+           ? ": another --normals, --depth, --orthographic or camera?"
            : ": another --normals, --depth, --fov or camera?");
 }
 
@@ -348,6 +358,8 @@ static int looks_encoded(const double n[3]) {
 static void measure_pixel(const fit *f, const matrix3 *h, const float sign[3],
                           size_t i, extent *e) {
   const size_t width = f->g->planes.width;
+  const gbuffer_ray ray =
+      gbuffer_look(f->g->map.projection, f->camera, i % width, i / width);
   double p[3], n[3], seen[3], stored[3];
   if (!(depth_at(f, i % width, i / width) > 0.0))
     return;
@@ -361,8 +373,7 @@ static void measure_pixel(const fit *f, const matrix3 *h, const float sign[3],
   }
   for (int c = 0; c < 3; c++)
     seen[c] = dot(h->m[c], n);
-  /* per unit of depth, which may be any */
-  e->facing += dot(seen, p) <= 1e-3 * p[2];
+  e->facing += dot(seen, ray.along) <= 1e-3;
   e->encoded += looks_encoded(stored);
 }
 
@@ -383,7 +394,8 @@ static void check_radius(const fit *f, const extent *e, float radius,
   for (int c = 0; c < 3; c++)
     diagonal += (e->high[c] - e->low[c]) * (e->high[c] - e->low[c]);
   diagonal = sqrt(diagonal);
-  const double pixel = e->low[2] / fmax(f->camera->fx, f->camera->fy);
+  const double pixel =
+      (is_parallel(f) ? 1 : e->low[2]) / fmax(f->camera->fx, f->camera->fy);
   if (isfinite(radius) && (double)radius > diagonal)
     find(out,
          "a radius of %g is larger than all that is seen, %.3g: metres "
@@ -396,10 +408,15 @@ static void check_radius(const fit *f, const extent *e, float radius,
          (double)radius, pixel);
 }
 
+/* World units across the picture of parallel rays. */
+static double picture_width(const fit *f) {
+  return f->g->planes.width / f->camera->fx;
+}
+
 /* Sums over the difference of the file's positions and those rebuilt, both from
  * the eye. */
 typedef struct offsets {
-  double worst, other; /* largest relative errors; with the other depth */
+  double worst, other; /* largest errors, see selfcheck; with the other depth */
   double own, cross;   /* to scale one to the other */
   double shift[3], shift2;
   double count;
@@ -424,6 +441,8 @@ static void add_position(const fit *f, size_t x, size_t y, offsets *o) {
     o->shift[c] += p - q;
     o->shift2 += (p - q) * (p - q);
   }
+  if (is_parallel(f)) /* wherever the camera stands */
+    far = picture_width(f) * picture_width(f);
   const double e = far > 0 ? sqrt(off / far) : 0;
   const double e_other = far > 0 ? sqrt(off_other / far) : 0;
   o->worst = e > o->worst || isnan(e) ? e : o->worst;
@@ -454,6 +473,66 @@ static double units_of_eye(const fit *f, const offsets *o) {
              : 0;
 }
 
+/* The file's position, and the one that is rebuilt, along the camera's axes
+ * from its place; a unit of file and depth is so many of the camera's. */
+static void compare_position(const fit *f, size_t i, double unit,
+                             double in_file[3], double rebuilt[3]) {
+  const size_t width = f->g->planes.width;
+  const double *m = f->camera->world_from_view;
+  point(f, i % width, i / width, 0, rebuilt);
+  rebuilt[2] *= unit;
+  for (int k = 0; k < 3; k++)
+    in_file[k] = 0;
+  for (int c = 0; c < 3; c++) {
+    const double p =
+        unit * (double)gbuffer_plane(f->g, ROLE_POSITION, (size_t)c)[i] -
+        m[4 * c + 3];
+    for (int k = 0; k < 3; k++)
+      in_file[k] += m[4 * c + k] * p;
+  }
+}
+
+/* Largest error of a coordinate then, a share of the picture's width. */
+static double error_in_units(const fit *f, double unit) {
+  const size_t width = f->g->planes.width;
+  double worst = 0, in_file[3], rebuilt[3];
+  for (size_t i = 0; i < width * f->g->planes.height; i++) {
+    if (!(depth_at(f, i % width, i / width) > 0.0))
+      continue;
+    compare_position(f, i, unit, in_file, rebuilt);
+    for (int k = 0; k < 3; k++)
+      worst = fmax(worst, fabs(in_file[k] - rebuilt[k]));
+  }
+  return worst / picture_width(f);
+}
+
+/* Parallel rays have pixels of one size, over which the file's positions spread
+ * as far as their unit says; to a hundredth, and factors of 2, as above. */
+static double units_of_pixels(const fit *f) {
+  const size_t width = f->g->planes.width;
+  double n = 0, sum[2] = {0}, sum_file[2] = {0}, square = 0, product = 0;
+  double in_file[3], rebuilt[3];
+  for (size_t i = 0; i < width * f->g->planes.height; i++) {
+    if (!(depth_at(f, i % width, i / width) > 0.0))
+      continue;
+    compare_position(f, i, 1, in_file, rebuilt);
+    n++;
+    for (int k = 0; k < 2; k++) {
+      sum[k] += rebuilt[k];
+      sum_file[k] += in_file[k];
+      square += rebuilt[k] * rebuilt[k];
+      product += rebuilt[k] * in_file[k];
+    }
+  }
+  square -= (sum[0] * sum[0] + sum[1] * sum[1]) / n;
+  product -= (sum[0] * sum_file[0] + sum[1] * sum_file[1]) / n;
+  const double unit = square / product;
+  return unit > 0 && fabs(log(unit)) > log(2.0) &&
+                 error_in_units(f, unit) < 0.01
+             ? unit
+             : 0;
+}
+
 static void check_positions(const fit *f, selfcheck *out) {
   offsets o = {0};
   const size_t width = f->g->planes.width;
@@ -467,7 +546,9 @@ static void check_positions(const fit *f, selfcheck *out) {
   out->positions = o.worst;
   if (o.count < 1.0 || o.worst < 1e-3) /* halves: 2^-11 */
     return;
-  const double units = units_of_eye(f, &o), scale = o.cross / o.own;
+  const double units =
+      is_parallel(f) ? units_of_pixels(f) : units_of_eye(f, &o);
+  const double scale = o.cross / o.own;
   if (o.other < 1e-3)
     find(out, "the positions say that depth is %s",
          f->g->map.how.depth == DEPTH_RAY

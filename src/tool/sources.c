@@ -250,23 +250,39 @@ static int read_clip(const char *text, source_options *out,
                      image_error *error) {
   if (option_floats("--clip", text, out->clip, 2, error) != 0)
     return -1;
-  if (out->clip[0] > 0.0f && out->clip[1] > out->clip[0])
+  if (out->clip[0] >= 0.0f && out->clip[1] > out->clip[0])
     return 0;
   return image_fail(error,
-                    "--clip %s: NEAR,FAR, the first above 0 and below the "
+                    "--clip %s: NEAR,FAR, the first not below 0 and below the "
                     "second, are needed",
                     text);
+}
+
+/* One lens or the other. */
+static int check_lens(const source_options *o, image_error *error) {
+  return o->fov > 0.0f && o->orthographic > 0.0f
+             ? image_fail(error, "--fov and --orthographic: one of both is "
+                                 "needed")
+             : 0;
 }
 
 static int read_fov(const char *text, source_options *out, image_error *error) {
   if (read_above("--fov", text, 0.0f, &out->fov, 1, error) != 0)
     return -1;
   if (out->fov < 180.0f)
-    return 0;
+    return check_lens(out, error);
   return image_fail(error,
                     "--fov %s: the angle across the picture's width, in "
                     "degrees below 180, is needed",
                     text);
+}
+
+static int read_orthographic(const char *text, source_options *out,
+                             image_error *error) {
+  return read_above("--orthographic", text, 0.0f, &out->orthographic, 1,
+                    error) != 0
+             ? -1
+             : check_lens(out, error);
 }
 
 int source_option(int option, const char *text, source_options *out,
@@ -302,6 +318,8 @@ int source_option(int option, const char *text, source_options *out,
     return read_clip(text, out, error);
   case SOURCE_FOV:
     return read_fov(text, out, error);
+  case SOURCE_ORTHOGRAPHIC:
+    return read_orthographic(text, out, error);
   default:
     return option_floats("--motion-scale", text, out->motion_scale, 2, error);
   }
@@ -341,6 +359,9 @@ void source_usage(void) {
        "  --clip NEAR,FAR       clipping planes\n"
        "  --fov DEGREES         across the picture's width; also without a\n"
        "                        camera file, for normals in camera space\n"
+       "  --orthographic WIDTH  the same for parallel rays: camera units "
+       "across\n"
+       "                        the picture's width\n"
        "  --motion-scale X,Y    pixels, right and down, in a unit of motion\n"
        "                        towards the last frame");
 }

@@ -163,9 +163,10 @@ typedef struct source_options {
       gamma; /* -1: not said */
   const char *map;
   unsigned flips;
-  float fov, background; /* 0, NaN: not said */
-  float unit, clip[2];   /* 0: not said */
-  float motion_scale[2]; /* 0: not said */
+  float fov, orthographic; /* 0: not said; the latter: world units */
+  float background;        /* NaN: not said */
+  float unit, clip[2];     /* 0: not said; clip: by the far plane */
+  float motion_scale[2];   /* 0: not said */
 } source_options;
 
 void source_options_init(source_options *options);
@@ -183,6 +184,7 @@ enum {
   SOURCE_BACKGROUND,
   SOURCE_CLIP,
   SOURCE_FOV,
+  SOURCE_ORTHOGRAPHIC,
   SOURCE_MOTION,
   SOURCE_END
 };
@@ -198,7 +200,8 @@ enum {
       {"unit-scale", required_argument, NULL, SOURCE_UNIT},                    \
       {"background", required_argument, NULL, SOURCE_BACKGROUND},              \
       {"clip", required_argument, NULL, SOURCE_CLIP},                          \
-      {"fov", required_argument, NULL, SOURCE_FOV}, {                          \
+      {"fov", required_argument, NULL, SOURCE_FOV},                            \
+      {"orthographic", required_argument, NULL, SOURCE_ORTHOGRAPHIC}, {        \
     "motion-scale", required_argument, NULL, SOURCE_MOTION                     \
   }
 int source_option(int option, const char *text, source_options *out,
@@ -217,10 +220,11 @@ typedef struct channel_map {
   int gamma[ROLE_COUNT];   /* the file's colours are sRGB */
   int is_beauty;           /* direct light is called as a finished picture is */
   hbil_camera camera;      /* for conversions; fx 0: not known */
-  int mirrored;            /* z of world space is to be turned, see view */
-  image_window data;       /* where the file has pixels */
-  image_window display;    /* what is to be seen */
-  image_window window;     /* what the planes are to cover; data at first */
+  hbil_projection projection; /* of the camera */
+  int mirrored;               /* z of world space is to be turned, see view */
+  image_window data;          /* where the file has pixels */
+  image_window display;       /* what is to be seen */
+  image_window window;        /* what the planes are to cover; data at first */
 } channel_map;
 
 const char *role_name(role r);
@@ -259,6 +263,15 @@ const float *gbuffer_plane(const gbuffer *g, role r, size_t i);
 /* Whether a depth is that of a surface, as the library takes it. */
 int gbuffer_is_surface(float depth, float background);
 
+/* Where a pixel looks, in view space: at planar depth z it sees from + z along.
+ */
+typedef struct gbuffer_ray {
+  double from[3], along[3];
+} gbuffer_ray;
+
+gbuffer_ray gbuffer_look(hbil_projection projection, const hbil_camera *camera,
+                         size_t x, size_t y);
+
 /* --- convert.c: what the library doesn't take as it is --- */
 
 /* Planes as they were read, whose map then has what came of them. */
@@ -278,7 +291,7 @@ typedef struct view {
 } view;
 
 /* The camera of a frame: `override`, the frame's name with .json, or what its
- * header tells; and --fov. */
+ * header tells; and --fov or --orthographic. */
 int view_read(const char *frame, const image *header, const char *override,
               const source_options *options, view *out, image_error *error);
 /* The camera as it counts pixels of the map's window, also for the map's own
@@ -286,6 +299,10 @@ int view_read(const char *frame, const image *header, const char *override,
 int view_aim(const char *frame, const view *v, channel_map *map,
              camera_file *out, image_error *error);
 void gbuffer_hbil_camera(const camera_file *file, hbil_camera *out);
+/* A plan has one projection: that of `first`, whose frame is `of`. */
+int view_same_projection(const char *frame, const camera_file *camera,
+                         const char *of, const camera_file *first,
+                         image_error *error);
 
 /* --- selfcheck.c: does it fit together --- */
 
@@ -295,7 +312,8 @@ enum { SELFCHECK_FINDINGS = 12 };
 typedef struct selfcheck {
   double agreement; /* mean cosine of normals and the depth's own; NaN */
   double facing;    /* share of normals that face the eye */
-  double positions; /* largest relative error of rebuilt positions; NaN */
+  double positions; /* largest error of rebuilt positions, a share of their
+                       distance, orthographic: of the picture's width; NaN */
   double low, high; /* depths along the axis */
   double surface;   /* share of the pixels */
   int count;

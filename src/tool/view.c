@@ -4,7 +4,8 @@
  * Renderers agree on what worldToCamera and worldToNDC are, and on little else:
  * matrices for columns or for rows, z forwards or backwards, left- or
  * right-handed worlds, pictures of -1..1 or 0..1, y up or down.  All of that
- * shows in the two together, but that a camera's x runs right and its y up.
+ * shows in the two together, but that a camera's x runs right and its y up, and
+ * that of parallel rays the picture's own z grows with the distance.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "tool/tool.h"
@@ -66,6 +67,13 @@ static int for_columns(const double camera[16], const double ndc[16]) {
   return off_parallel(axis_row, row) < off_parallel(axis_column, column);
 }
 
+/* Whether its last row is one of a matrix for columns that divides by nothing.
+ */
+static int is_affine(const double m[16]) {
+  const double row[3] = {m[12], m[13], m[14]};
+  return largest(row) <= 1e-4 * fabs(m[15]);
+}
+
 static void multiply(const double a[16], const double b[16], double out[16]) {
   for (int i = 0; i < 4; i++)
     for (int j = 0; j < 4; j++) {
@@ -101,16 +109,13 @@ static int invert(const double m[16], double scale, double out[16]) {
   return 0;
 }
 
-/* Focal lengths and centre of a projection from camera space; forwards is the
- * sign of z in front of the camera. */
-static int read_lens(const double p[16], image_window shown, camera_file *out,
-                     double *forwards) {
-  const double k = p[14], w = shown.width, h = shown.height;
-  if (!(fabs(p[15]) <= 1e-4 * fabs(k)) || !(k != 0.0))
-    return -1; /* parallel, or no projection at all */
-  *forwards = k > 0 ? 1 : -1;
+/* Scales and centre of a projection from camera space, which divides by k and
+ * has the picture's middle in column `moved` of its first two rows. */
+static int read_lens(const double p[16], double k, int moved,
+                     image_window shown, camera_file *out) {
+  const double w = shown.width, h = shown.height;
   const double sx = fabs(p[0] / k), sy = fabs(p[5] / k);
-  const double x = p[2] / k, y = p[6] / k;
+  const double x = p[moved] / k, y = p[4 + moved] / k;
   const int unit = fabs(x - 0.5) + fabs(y - 0.5) < fabs(x) + fabs(y);
   const double size = unit ? 1 : 0.5, middle = unit ? 0.5 : 0;
   out->fx = sx * size * w;
@@ -127,28 +132,93 @@ static int read_lens(const double p[16], image_window shown, camera_file *out,
              : -1;
 }
 
+/* forwards is the sign of z in front of the camera. */
+static int read_perspective(const double p[16], image_window shown,
+                            camera_file *out, double *forwards) {
+  const double k = p[14];
+  if (!(fabs(p[15]) <= 1e-4 * fabs(k)) || !(k != 0.0))
+    return -1; /* parallel, or no projection at all */
+  *forwards = k > 0 ? 1 : -1;
+  return read_lens(p, k, 2, shown, out);
+}
+
+/* Parallel rays: each axis of the camera is one of the picture.  Its third
+ * grows with the distance, which alone tells where forwards is. */
+static int read_parallel(const double p[16], image_window shown,
+                         camera_file *out, double *forwards) {
+  const double k = p[15], x = fabs(p[0]), y = fabs(p[5]);
+  const double skew =
+      fmax(fmax(fabs(p[1]), fabs(p[2])), fmax(fabs(p[4]), fabs(p[6])));
+  if (!is_affine(p) || !(k != 0.0) || !(p[10] != 0.0) ||
+      !(skew <= 1e-3 * fmin(x, y)))
+    return -1; /* oblique, or no projection at all */
+  *forwards = p[10] / k > 0 ? 1 : -1;
+  return read_lens(p, k, 3, shown, out);
+}
+
+/* The matrices of a header, both for columns, and what comes of them. */
+typedef struct header_camera {
+  double camera[16], ndc[16];
+  double back[16], scale; /* the camera's inverse but for its scale */
+  double projection[16];  /* from camera space */
+  double forwards;
+} header_camera;
+
+static void turn_layout(header_camera *c) {
+  transpose(c->camera);
+  transpose(c->ndc);
+}
+
+static int project(header_camera *c) {
+  c->scale = cbrt(fabs(determinant(c->camera)));
+  if (!(c->scale > 0) || invert(c->camera, c->scale, c->back) != 0)
+    return -1;
+  multiply(c->ndc, c->back, c->projection);
+  return 0;
+}
+
+static int find_perspective(header_camera *c, image_window shown,
+                            camera_file *out) {
+  if (!for_columns(c->camera, c->ndc))
+    turn_layout(c);
+  return project(c) != 0
+             ? -1
+             : read_perspective(c->projection, shown, out, &c->forwards);
+}
+
+/* Of both layouts the one that makes a camera of them, since nothing is divided
+ * by, which would tell.  Where both do, that for rows, which is OpenEXR's. */
+static int find_parallel(header_camera *c, image_window shown, double unit,
+                         camera_file *out) {
+  turn_layout(c);
+  for (int layout = 0; layout < 2; layout++, turn_layout(c)) {
+    if (!is_affine(c->camera) || project(c) != 0 ||
+        read_parallel(c->projection, shown, out, &c->forwards) != 0)
+      continue;
+    out->orthographic = 1;
+    out->fx *= c->scale / unit; /* of a unit of the camera's */
+    out->fy *= c->scale / unit;
+    return 0;
+  }
+  turn_layout(c);
+  return -1;
+}
+
 static int from_header(const image *header, double unit, view *out) {
-  double camera[16], ndc[16], back[16], projection[16], forwards;
+  const image_window shown = image_display_window(header);
+  header_camera c;
   if (!header->matrices.has_camera || !header->matrices.has_ndc)
     return -1;
-  memcpy(camera, header->matrices.world_to_camera, sizeof camera);
-  memcpy(ndc, header->matrices.world_to_ndc, sizeof ndc);
-  if (!for_columns(camera, ndc)) {
-    transpose(camera);
-    transpose(ndc);
-  }
-  const double scale = cbrt(fabs(determinant(camera)));
-  if (!(scale > 0) || invert(camera, scale, back) != 0)
-    return -1;
-  multiply(ndc, back, projection);
-  if (read_lens(projection, image_display_window(header), &out->file,
-                &forwards) != 0)
+  memcpy(c.camera, header->matrices.world_to_camera, sizeof c.camera);
+  memcpy(c.ndc, header->matrices.world_to_ndc, sizeof c.ndc);
+  if (find_parallel(&c, shown, unit, &out->file) != 0 &&
+      find_perspective(&c, shown, &out->file) != 0)
     return -1;
   double *m = out->file.camera_to_world;
   for (int i = 0; i < 3; i++) {
     for (int j = 0; j < 3; j++)
-      m[4 * i + j] = back[4 * i + j] * scale * (j == 2 ? -forwards : 1);
-    m[4 * i + 3] = back[4 * i + 3] * unit;
+      m[4 * i + j] = c.back[4 * i + j] * c.scale * (j == 2 ? -c.forwards : 1);
+    m[4 * i + 3] = c.back[4 * i + 3] * unit;
   }
   m[15] = 1;
   out->mirrored = determinant(m) < 0;
@@ -169,14 +239,15 @@ static int from_json(const char *path, const char *from, view *out,
   return camera_read(path, &out->file, error);
 }
 
-/* --fov alone: the world is the camera's own space. */
-static void from_nothing(const image *header, view *out) {
+/* A lens alone: the world is the camera's own space. */
+static void from_nothing(const image *header, const source_options *o,
+                         view *out) {
   const image_window shown = image_display_window(header);
   for (int i = 0; i < 16; i += 5)
     out->file.camera_to_world[i] = 1;
   out->file.cx = 0.5 * shown.width;
   out->file.cy = 0.5 * shown.height;
-  out->from = "--fov";
+  out->from = o->fov > 0.0f ? "--fov" : "--orthographic";
 }
 
 static int find(const char *frame, const char *beside, const image *header,
@@ -188,26 +259,38 @@ static int find(const char *frame, const char *beside, const image *header,
     return from_json(beside, "the JSON file beside it", out, error);
   if (from_header(header, o->unit > 0.0f ? (double)o->unit : 1, out) == 0)
     return 0;
-  if (o->fov > 0.0f) {
-    from_nothing(header, out);
+  if (o->fov > 0.0f || o->orthographic > 0.0f) {
+    from_nothing(header, o, out);
     return 0;
   }
   if (header->matrices.has_camera && header->matrices.has_ndc)
     return image_fail(error,
                       "%s: worldToCamera and worldToNDC in its header are no "
-                      "perspective camera's, the only kind that can be lit; "
-                      "--camera or --fov is needed if it is one",
+                      "perspective and no orthographic camera's; --camera, "
+                      "--fov or --orthographic is needed if it is one",
                       frame);
   return image_fail(error,
                     "%s: camera cannot be read: there is no such file; this "
-                    "JSON file, --camera, --fov, or worldToCamera and "
-                    "worldToNDC in the header of %s is needed",
+                    "JSON file, --camera, --fov, --orthographic, or "
+                    "worldToCamera and worldToNDC in the header of %s is "
+                    "needed",
                     beside, frame);
+}
+
+/* What the user says of it goes before what was found. */
+static void choose_lens(const source_options *o, double width,
+                        camera_file *out) {
+  const double half_degree = 3.14159265358979 / 360;
+  if (o->fov > 0.0f)
+    out->fx = out->fy = 0.5 * width / tan(half_degree * (double)o->fov);
+  if (o->orthographic > 0.0f)
+    out->fx = out->fy = width / (double)o->orthographic;
+  if (o->fov > 0.0f || o->orthographic > 0.0f)
+    out->orthographic = o->orthographic > 0.0f;
 }
 
 int view_read(const char *frame, const image *header, const char *override,
               const source_options *options, view *out, image_error *error) {
-  const double half_degree = 3.14159265358979 / 360;
   char *beside = gbuffer_camera_name(frame);
   memset(out, 0, sizeof *out);
   if (!beside)
@@ -216,10 +299,21 @@ int view_read(const char *frame, const image *header, const char *override,
   free(beside);
   if (failed)
     return -1;
-  if (options->fov > 0.0f)
-    out->file.fx = out->file.fy = 0.5 * image_display_window(header).width /
-                                  tan(half_degree * (double)options->fov);
+  choose_lens(options, image_display_window(header).width, &out->file);
   return 0;
+}
+
+int view_same_projection(const char *frame, const camera_file *camera,
+                         const char *of, const camera_file *first,
+                         image_error *error) {
+  static const char *const kinds[] = {"a perspective", "an orthographic"};
+  return camera->orthographic == first->orthographic
+             ? 0
+             : image_fail(error,
+                          "%s: has %s camera, but %s has %s one; frames of one "
+                          "kind are needed",
+                          frame, kinds[camera->orthographic], of,
+                          kinds[first->orthographic]);
 }
 
 /* The window that the camera's pixels are counted in: what is seen, unless its
@@ -242,16 +336,28 @@ static int find_window(const char *frame, const channel_map *map,
                     camera->height);
 }
 
+/* Whether depth between the clipping planes can be told from them. */
+static int has_planes(const channel_map *map) {
+  return map->projection == HBIL_PROJECTION_ORTHOGRAPHIC
+             ? map->how.far > 0.0 && isfinite(map->how.far)
+             : map->how.near > 0.0;
+}
+
 /* What conversions need to know of the camera. */
 static int check_needs(const char *frame, const view *v, const channel_map *map,
                        image_error *error) {
   const conventions *how = &map->how;
   if ((how->depth == DEPTH_DEVICE || how->depth == DEPTH_REVERSED) &&
-      !(how->near > 0.0))
-    return image_fail(error,
-                      "%s: --depth %s: the clipping planes are not known; "
-                      "--clip NEAR,FAR is needed",
-                      frame, depth_words[how->depth]);
+      !has_planes(map))
+    return image_fail(
+        error,
+        "%s: --depth %s: the clipping planes are not known, or "
+        "no %s camera's; --clip NEAR,FAR is needed%s",
+        frame, depth_words[how->depth],
+        map->projection == HBIL_PROJECTION_ORTHOGRAPHIC ? "orthographic"
+                                                        : "perspective",
+        map->projection == HBIL_PROJECTION_ORTHOGRAPHIC ? ", FAR finite"
+                                                        : ", NEAR above 0");
   if (!v->placed && how->normals == SPACE_WORLD)
     return image_fail(error,
                       "%s: its normals are in world space, and nothing tells "
@@ -279,7 +385,9 @@ int view_aim(const char *frame, const view *v, channel_map *map,
   out->width = map->window.width;
   out->height = map->window.height;
   map->mirrored = v->mirrored;
-  if (!(map->how.near > 0.0)) {
+  map->projection = out->orthographic ? HBIL_PROJECTION_ORTHOGRAPHIC
+                                      : HBIL_PROJECTION_PERSPECTIVE;
+  if (!(map->how.far > 0.0)) {
     map->how.near = out->near;
     map->how.far = out->far;
   }
