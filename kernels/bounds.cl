@@ -4,7 +4,7 @@
  * is light.  From it a strip of pixels knows that nothing in its reach stands
  * above its tangent planes, or that nothing there shines (gather.cl).
  *
- * Builds: GATHER_RADIANCE, PACKED.
+ * Builds: ORTHOGRAPHIC, GATHER_RADIANCE, PACKED.
  * In: split planes.  Out: grids of pairs of words (hbil_shared.h).
  * In a still frame whose light has not changed both kernels leave at once.
  */
@@ -28,7 +28,7 @@ kernel void bound_rows(const hbil_layer_args in, global const float *split,
 #if GATHER_RADIANCE
       const intv shines = shining(here, in.plane);
       lit |= shines;
-      dark |= (w > 0.0f) & !shines;
+      dark |= (w > SKY) & !shines;
 #endif
     }
   bounds += grids.row.offset + 2u * (uint)(y * grids.row.width + cell);

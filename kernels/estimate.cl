@@ -42,7 +42,7 @@ kernel void estimate_part(const hbil_layer_args in, global const float *split,
     for (int x = 0; x < in.width; x += HBIL_WIDTH) {
       global const float *here = split + in.origin + (uint)y * in.row + (uint)x;
       const realv w = LOADV(here);
-      const intv solid = w > 0.0f;
+      const intv solid = w > SKY;
       if (!ANY(solid))
         continue;
       realv n[3], radiance[3], p[9];

@@ -26,7 +26,7 @@
  * HBAO counts every direction alike and an occluder by its distance: A is then
  * 1 - cos(theta) and blocked intervals are weighted by W(r).
  *
- * Builds: LIMITED (a radius), HBAO, LEVELS, GATHER_RADIANCE,
+ * Builds: ORTHOGRAPHIC, LIMITED (a radius), HBAO, LEVELS, GATHER_RADIANCE,
  * GATHER_BENT, REFUSED_BLACK (refused light is black here), REFUSED_FRAME (the
  * same, and the refused share is written for recompose to fill), REFUSED_LAST
  * (refused light is the last accepted), FACING_ALL (no light is refused),
@@ -194,10 +194,15 @@ static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
 
 /* A sample's back is nearer to infinity by this share of its inverse depth: for
  * a depth greater by the factor 1 + d it is d / (1 + d).  FINITE: bit 0, d is
- * the relative thickness; bit 1, it is the thickness along the sample's ray. */
+ * the relative thickness; bit 1, it is the thickness along the sample's ray.
+ * Orthographic: by this much, for what a depth is a share of is the same
+ * everywhere. */
 static inline realv back_share(const center *c, realv w1,
                                global const hbil_step *step,
                                const hbil_gather_args args) {
+#if ORTHOGRAPHIC
+  return args.thickness;
+#else
   realv d = args.relative_thickness;
 #if FINITE & 2
   const realv rx = c->rx + step->ex, ry = c->ry + step->ey;
@@ -205,11 +210,18 @@ static inline realv back_share(const center *c, realv w1,
   d = min(d, args.thickness * w1 / sqrt(ray2));
 #endif
   return d / (1.0f + d);
+#endif
 }
 #endif
 
+/* What lengths are multiplied with where depths are inverted. */
+static inline realv unit_of(realv w) {
+  return ORTHOGRAPHIC ? (realv)1.0f : w;
+}
+
 #if LIMITED || (GATHER_RADIANCE && !FACING_ALL)
-/* (sample point - point) w1, from P = r z; returns its length squared. */
+/* (sample point - point) w1, from P = r z; returns its length squared.
+ * Orthographic: without w1. */
 static inline realv way_to(const center *c, realv w1,
                            global const hbil_step *step, realv v[3]) {
   v[2] = (c->w - w1) * c->z;
@@ -225,7 +237,7 @@ static inline realv within(const center *c, realv w1,
                            global const hbil_step *step, float radius,
                            realv excess) {
   realv v[3];
-  const realv limit = radius * w1;
+  const realv limit = radius * unit_of(w1);
   return select((realv)HBIL_NOTHING, excess,
                 way_to(c, w1, step, v) <= limit * limit);
 }
@@ -266,9 +278,9 @@ static inline void raise(const center *c, march *m, realv excess,
   const realv v2 = way_to(c, w1, step, v);
 #endif
 #if FINITE
-  const realv excess_back =
-      max(fma(w1 * step->inv_e, -back_share(c, w1, step, args), excess),
-          (realv)0.0f);
+  const realv excess_back = max(
+      fma(unit_of(w1) * step->inv_e, -back_share(c, w1, step, args), excess),
+      (realv)0.0f);
   const realv share =
       cover(m, rises, fma(slope, excess, cot_tangent),
             fma(slope, excess_back, cot_tangent), nx, ny, dither, step->halves);
@@ -290,7 +302,8 @@ static inline void raise(const center *c, march *m, realv excess,
 #if HBAO && LIMITED
   /* lanes of "nothing there" overflow: no share of infinity */
   const realv weight =
-      max(fma(sqrt(v2) / w1, (realv)-args.falloff, (realv)1.0f), (realv)0.0f);
+      max(fma(sqrt(v2) / unit_of(w1), (realv)-args.falloff, (realv)1.0f),
+          (realv)0.0f);
   m->blocked = fma(share, select((realv)0.0f, weight, rises), m->blocked);
 #elif HBAO
   m->blocked += share;
@@ -408,13 +421,14 @@ static inline center center_of(const hbil_gather_args args,
 #endif
   c.rx = ray_x(args.view, 4 * x + (layer & 3), 4);
   c.ry = ray_y(args.view, 4 * y + (layer >> 2));
-  c.z = 1.0f / c.w;
+  c.z = 1.0f / unit_of(c.w);
   c.r = sqrt(fma(c.rx, c.rx, (realv)fma(c.ry, c.ry, 1.0f)));
   c.inv_r = 1.0f / c.r;
-  /* Inverse depth on the plane through P is (n.r') / (n.P). */
+  /* Inverse depth on the plane through P is (n.r') / (n.P); orthographic,
+   * -z changes by n.e / n_z. */
   const realv n_r = select(
-      (realv)-1.0f, fma(c.nx, c.rx, fma(c.ny, (realv)c.ry, c.nz)), c.w > 0.0f);
-  const realv n_p = c.w / n_r;
+      (realv)-1.0f, fma(c.nx, c.rx, fma(c.ny, (realv)c.ry, c.nz)), c.w > SKY);
+  const realv n_p = unit_of(c.w) / n_r;
   c.gx = c.nx * n_p;
   c.gy = c.ny * n_p;
   c.cosine = -n_r * c.inv_r;
@@ -422,9 +436,10 @@ static inline center center_of(const hbil_gather_args args,
   /* A normal rounded to `flat` shifts the plane's gradient by this much at
    * most: below it, samples of the pixel's own plane would rise.  Above the
    * sky nothing does: no excess is as large. */
-  c.least_excess = select(
-      (realv)1e38f, args.flat * c.w * c.inv_r * c.inv_cosine * c.inv_cosine,
-      c.w > 0.0f);
+  c.least_excess =
+      select((realv)1e38f,
+             args.flat * unit_of(c.w) * c.inv_r * c.inv_cosine * c.inv_cosine,
+             c.w > SKY);
   return c;
 }
 
@@ -462,18 +477,27 @@ static inline float nearest_of(const center *c, global const float *row,
 }
 #endif
 
-static inline strip strip_of(const hbil_gather_args args, const center *c,
-                             float nearest) {
+/* Where vector v of the strip lies in the picture's plane. */
+static inline realv place_of(const hbil_gather_args args, int x, int layer,
+                             int v) {
+  return plane_x(args.view, 4 * (x + v * HBIL_WIDTH) + (layer & 3), 4);
+}
+
+static inline strip strip_of(const hbil_gather_args args, float nearest, int x,
+                             int y, int layer) {
   strip s;
-  const float first = lanes_min(c[0].rx), last = lanes_max(c[STRIP - 1].rx);
+  const float first = lanes_min(place_of(args, x, layer, 0));
+  const float last = lanes_max(place_of(args, x, layer, STRIP - 1));
   s.nearest = nearest;
   s.x = 0.5f * (first + last);
-  s.y = c[0].ry;
+  s.y = plane_y(args.view, 4 * y + (layer >> 2));
   s.half_width = last - s.x;
 #if LIMITED
   /* A point on the ray r0 + e is at least z0 |r0 x e| / |r0 + e| away, and that
-   * is at least z0 |e| / |longest ray|; a thousandth for roundings. */
-  s.reach = 1.001f * args.radius * nearest * args.longest;
+   * is at least z0 |e| / |longest ray|; orthographic, |e|.  A thousandth for
+   * roundings. */
+  s.reach =
+      1.001f * args.radius * (ORTHOGRAPHIC ? 1.0f : nearest * args.longest);
 #else
   s.reach = 1e30f;
 #endif
@@ -486,13 +510,16 @@ static inline strip strip_of(const hbil_gather_args args, const center *c,
  * roundings of 2^-24 make the value there, and each product with g has one,
  * over twice the image's width at most; no gradient, none of them. */
 static inline void bound_planes(const hbil_gather_args args, const center *c,
-                                strip *s) {
+                                strip *s, int x, int layer) {
   const float most = HBIL_NOTHING;
-  realv w = -most, least = -most;
+  realv w = -most, least = -most, size = 0.0f;
   realv gx[2] = {-most, most}, gy[2] = {-most, most};
   for (int v = 0; v < STRIP; ++v) {
-    const intv solid = c[v].w > 0.0f;
-    const realv at = fma(c[v].gx, s->x - c[v].rx, c[v].w);
+    const intv solid = c[v].w > SKY;
+    const realv at = fma(c[v].gx, s->x - place_of(args, x, layer, v), c[v].w);
+#if ORTHOGRAPHIC
+    size = max(size, select((realv)0.0f, fabs(c[v].w), solid));
+#endif
     w = min(w, select((realv)-most, at, solid));
     least = min(least, select((realv)-most, c[v].least_excess, solid));
     gx[0] = min(gx[0], select((realv)-most, c[v].gx, solid));
@@ -510,7 +537,8 @@ static inline void bound_planes(const hbil_gather_args args, const center *c,
   const float down = max(fabs(s->gy[0]), fabs(s->gy[1]));
   s->rounding = 0x1p-20f * fma(across, args.longest, down * args.longest);
   if (across > 0.0f || down > 0.0f)
-    s->rounding = fma(0x1p-21f, s->nearest, s->rounding);
+    s->rounding =
+        fma(0x1p-21f, ORTHOGRAPHIC ? lanes_max(size) : s->nearest, s->rounding);
 }
 
 /* Whether something in cell (i, j) of `size` pixels, the nearest of which is
@@ -522,8 +550,8 @@ static inline bool may_rise(const hbil_gather_args args, const strip *s, int i,
   const int bottom = min((j + 1) * size, v.height) - 1;
   const float x0 = ((float)(i * size) + 0.5f - v.cx) * v.inv_fx - s->x;
   const float x1 = ((float)right + 0.5f - v.cx) * v.inv_fx - s->x;
-  const float y0 = ray_y(v, j * size) - s->y;
-  const float y1 = ray_y(v, bottom) - s->y;
+  const float y0 = plane_y(v, j * size) - s->y;
+  const float y1 = plane_y(v, bottom) - s->y;
   const float far_x = max(max(x0, -x1) - s->half_width, 0.0f);
   const float far_y = max(max(y0, -y1), 0.0f);
   const float away = max(far_x, far_y);
@@ -781,7 +809,7 @@ static inline void store_gathered(const realv *value, float dither,
 static inline void store_light(const center *c, const total *t, intv untouched,
                                float slices, int layer, global float *light,
                                uint plane) {
-  const intv solid = c->w > 0.0f, taken = solid & ~untouched;
+  const intv solid = c->w > SKY, taken = solid & ~untouched;
   /* whole is S at least in the mean; it falls to the size of a half-slice's
    * own rounding only where nothing can be seen (1e-6 of a slice). */
   const realv inv_whole = 1.0f / max(t->whole, (realv)1e-6f);
@@ -832,7 +860,7 @@ static inline uint spared_of(const hbil_gather_args args, const center *c,
     return HBIL_STRIP_UNUSED;
 #endif
 #if SKIP_OPEN
-  bound_planes(args, c, s);
+  bound_planes(args, c, s, x, layer);
   if (!any_may_rise(args, s, x / HBIL_CELL, y / HBIL_CELL, bounds))
     return HBIL_STRIP_OPEN;
 #endif
@@ -849,7 +877,7 @@ static inline uint count_sky(const center *c) {
     float lane[HBIL_WIDTH];
     STOREV(c[v].w, lane);
     for (int i = 0; i < HBIL_WIDTH; ++i)
-      sky += lane[i] <= 0.0f;
+      sky += lane[i] <= SKY;
   }
   return sky;
 }
@@ -900,13 +928,15 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     c[v] = center_of(args, here + v * HBIL_WIDTH, x + v * HBIL_WIDTH, y, layer);
     t[v] = nothing;
     untouched[v] = TRUE_LANES;
-    solid |= c[v].w > 0.0f;
-    sky |= c[v].w <= 0.0f;
+    solid |= c[v].w > SKY;
+    sky |= c[v].w <= SKY;
   }
   const float nearest = nearest_of(c, split + at, x);
-  strip whole = strip_of(args, c, nearest);
+  strip whole = strip_of(args, nearest, x, y, layer);
 #if LIMITED
-  steps += (uint)(hbil_level(args.reach, args.radius * nearest, LEVELS) *
+  steps += (uint)(hbil_level(args.reach,
+                             ORTHOGRAPHIC ? args.radius : args.radius * nearest,
+                             LEVELS) *
                   HBIL_LAYERS) *
            pattern;
 #endif

@@ -143,7 +143,8 @@ typedef struct hbil_image_args {
   hbil_uint offset, row, plane, unused;
 } hbil_image_args;
 
-/* Camera and size. */
+/* Camera and size.  fx, fy: pixels to one unit of the picture's plane, which is
+ * one of ray slope; orthographic, a world unit. */
 typedef struct hbil_view_args {
   hbil_int width, height;
   hbil_float fx, fy, cx, cy;
@@ -304,10 +305,12 @@ typedef struct hbil_gather_args {
   hbil_float flat;      /* tolerance on the gradient, see gather.cl */
   hbil_float facing[2]; /* hbil_config.facing: the first, and the inverse of
                            how much higher the second is */
-  hbil_float thickness; /* hbil_config.thickness */
+  hbil_float thickness; /* hbil_config.thickness; orthographic: the smaller of
+                           both */
   hbil_float relative_thickness;
   hbil_float falloff; /* HBAO: an occluder at distance r weighs 1 - falloff r */
-  hbil_float longest; /* length of the longest ray, to a corner */
+  hbil_float longest; /* length of the longest ray, to a corner; orthographic:
+                         of the way there in the picture's plane */
   hbil_bounds_args bounds;
   hbil_uint strips;         /* of a layer's row */
   hbil_int slices, samples; /* hbil_config's */

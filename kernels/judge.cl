@@ -8,7 +8,7 @@
  * A tile is HBIL_TILE pixels of a layer row in all layers, 128x4 of the
  * picture: the same for every width, so the same samples are taken everywhere.
  *
- * Builds: GATHER_RADIANCE, PACKED.
+ * Builds: ORTHOGRAPHIC, GATHER_RADIANCE, PACKED.
  * In: split planes, light planes of the probe.  Out: tiles[rows][across][4]
  * (HBIL_JUDGED), behind it HBIL_JUDGE_PARTS pairs of sums; rungs[rows][across].
  * In a still frame whose light has not changed all three leave at once.
@@ -36,7 +36,7 @@ kernel void judge_tiles(const hbil_layer_args in, global const float *split,
     for (int i = 0; i < HBIL_PROBE_LAYERS; ++i) {
       const uint layer = (uint)hbil_probe_layer(i);
       const realv w = LOADV(split + layer * in.layer + at + (uint)x);
-      one[i] = select((realv)0.0f, (realv)1.0f, w > 0.0f);
+      one[i] = select((realv)0.0f, (realv)1.0f, w > SKY);
       count += one[i];
       gathered_light(light + layer * lit.layer + from + (uint)x, lit.plane,
                      value[i]);

@@ -17,13 +17,13 @@
  * How much the neighbours' light differs says how far their mean may be off
  * (hbil_config.error).
  *
- * Builds: RAW (only undo the split), GATHER_RADIANCE, GATHER_BENT,
- * REFUSED_FRAME, PACKED, OUT_ERROR, ERROR_PLANE (where errors follow the
- * light), ADAPTIVE (each tile has its own factors).
- * Launch: x = groups of 4 pixels of a row, y = rows; where HBIL_WIDTH is more
- * than 1, x = groups of 4*HBIL_TILE pixels, y = HBIL_RECOMPOSE_ROWS rows.
- * In: split planes (guides), light planes.  Out: light planes, full
- * resolution; the bent normal of unit length or 0.
+ * Builds: ORTHOGRAPHIC, RAW (only undo the split), GATHER_RADIANCE,
+ * GATHER_BENT, REFUSED_FRAME, PACKED, OUT_ERROR, ERROR_PLANE (where errors
+ * follow the light), ADAPTIVE (each tile has its own factors). Launch: x =
+ * groups of 4 pixels of a row, y = rows; where HBIL_WIDTH is more than 1, x =
+ * groups of 4*HBIL_TILE pixels, y = HBIL_RECOMPOSE_ROWS rows. In: split planes
+ * (guides), light planes.  Out: light planes, full resolution; the bent normal
+ * of unit length or 0.
  */
 
 #define PI 3.14159265f
@@ -71,8 +71,11 @@ typedef struct sums {
 /* What the pixel in the middle brings to the weights. */
 typedef struct middle {
   realv inv_off; /* 1 / (0.02 w0) */
-  realv gx, gy;  /* what the plane's w gains a pixel, times -inv_off */
-  realv n[3];    /* normal / 0.16 */
+#if ORTHOGRAPHIC
+  realv at; /* -w0 inv_off */
+#endif
+  realv gx, gy; /* what the plane's w gains a pixel, times -inv_off */
+  realv n[3];   /* normal / 0.16 */
 } middle;
 
 /* Where a layered set of planes has the pixels (4 x + i, 4 y + j) and every
@@ -137,8 +140,14 @@ static inline middle middle_of(const hbil_view_args view, const sums *s, int x,
   middle m;
   const realv n_r = fma(s->n[0], ray_x(view, x, 4),
                         fma(s->n[1], (realv)ray_y(view, y), s->n[2]));
+#if ORTHOGRAPHIC
+  m.inv_off = 1.0f / (HBIL_PLANE_TOLERANCE * depth_unit(view, s->w));
+  m.at = -s->w * m.inv_off;
+  const realv slope = -m.inv_off / n_r;
+#else
   const realv slope = -1.0f / (HBIL_PLANE_TOLERANCE * n_r);
   m.inv_off = 1.0f / (HBIL_PLANE_TOLERANCE * s->w);
+#endif
   m.gx = s->n[0] * slope * view.inv_fx;
   m.gy = s->n[1] * slope * view.inv_fy;
 #pragma unroll
@@ -175,7 +184,7 @@ static inline void errors_of(const sums *s, const hbil_rung rung, realv *ao,
     square = fma(-s->plane[p], s->plane[p], square);
 #endif
   *near_light = rung.error_near * sqrt(max(square * (1.0f / 3.0f), zero));
-  const intv sky = s->w <= 0.0f;
+  const intv sky = s->w <= SKY;
   *ao = select(*ao, zero, sky);
   *near_light = select(*near_light, zero, sky);
 }
@@ -184,7 +193,12 @@ static inline void errors_of(const sums *s, const hbil_rung rung, realv *ao,
 /* The pixel i to the right and j below. */
 static inline void add_tap(sums *s, const middle *m, const float *t, float i,
                            float j, float share) {
-  const realv row = fma(m->gy, (realv)j, (realv)(-1.0f / HBIL_PLANE_TOLERANCE));
+#if ORTHOGRAPHIC
+  const realv own = m->at;
+#else
+  const realv own = -1.0f / HBIL_PLANE_TOLERANCE;
+#endif
+  const realv row = fma(m->gy, (realv)j, own);
   const realv off = fma(TAP(t, TAP_W), m->inv_off, row) + m->gx * i;
   realv weight = 1.0f - 1.0f / HBIL_TURN_TOLERANCE;
   weight = fma(m->n[2], TAP(t, TAP_NORMAL + 2), weight);
@@ -250,7 +264,7 @@ static inline void finish(sums *s, global const float *estimate) {
   normalize_bent(s);
 #endif
   /* the sky keeps what the gather gave it: open, dark, no direction */
-  const intv sky = s->w <= 0.0f;
+  const intv sky = s->w <= SKY;
 #define CLEAR_PLANE(p)                                                         \
   s->plane[p] = select(s->plane[p], (realv)((p) == HBIL_LIGHT_AO), sky);
   EACH_RESOLVED(CLEAR_PLANE)

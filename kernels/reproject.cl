@@ -55,10 +55,13 @@ static inline intv target_of(const hbil_view_args from, const hbil_view_args to,
   realv w = LOADV(history + hbil_history_origin(planes) + (uint)y * planes.row +
                   (uint)x);
   realv z = 1.0f / w;
-  realv px = ray_x(from, x, 1) * z, py = ray_y(from, y) * z;
+  realv px = plane_x(from, x, 1) * spread_at(z);
+  realv py = plane_y(from, y) * spread_at(z);
   realv qz = row_of(motion, 2, px, py, z);
-  realv u = fma((realv)to.fx, row_of(motion, 0, px, py, z) / qz, (realv)to.cx);
-  realv v = fma((realv)to.fy, row_of(motion, 1, px, py, z) / qz, (realv)to.cy);
+  realv u = fma((realv)to.fx, row_of(motion, 0, px, py, z) / spread_at(qz),
+                (realv)to.cx);
+  realv v = fma((realv)to.fy, row_of(motion, 1, px, py, z) / spread_at(qz),
+                (realv)to.cy);
   intv inside = (w > 0.0f) & (qz > 0.0f) & (qz < INFINITY) & (u >= 0.0f) &
                 (u < (float)to.width) & (v >= 0.0f) & (v < (float)to.height) &
                 (x + EACH_LANE < from.width);
@@ -220,7 +223,7 @@ kernel void scatter_fetch(const hbil_view_args to, global const float *history,
               (uint)y * (uint)to.width + (uint)x, count, &depth);
   intv carried_over = (source != NO_SOURCE) & (here > 0.0f);
 #if DISOCCLUSION
-  carried_over &= fabs(depth - here) <= disocclusion * here;
+  carried_over &= fabs(depth - here) <= disocclusion * depth_unit(to, here);
 #endif
   history += hbil_history_origin(planes) + HBIL_HISTORY_RED * planes.plane;
   const intv begin =
@@ -283,11 +286,10 @@ static inline void load_taps(global const float *history,
 
 /* The mean light of those of the four pixels that are allowed and at the depth
  * that is expected; returns their weight, 0 where there are none.
- *   |1/w - depth| <= disocclusion depth  without its division */
+ *   |1/w - depth| <= off  without its division */
 static inline realv blend(realv tap[4][HBIL_HISTORY_PLANES],
                           const realv weight[4], const intv allowed[4],
-                          realv depth, float disocclusion, realv light[3]) {
-  const realv off = disocclusion * depth;
+                          realv depth, realv off, realv light[3]) {
   realv total = 0.0f;
 #pragma unroll
   for (int c = 0; c < 3; ++c)
@@ -334,7 +336,10 @@ follow_motion(const hbil_view_args view, const hbil_transform_args motion,
   const realv z =
       planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count), rx,
                    ry, background);
-  const realv depth = row_of(motion, 2, rx * z, ry * z, z);
+  const realv spread = spread_at(z);
+  const realv depth = row_of(motion, 2, plane_x(view, x, 1) * spread,
+                             plane_y(view, y) * spread, z);
+  const realv off = disocclusion * depth_unit(view, depth);
   const realv mx =
       load_motion(motion_buffer, motion_image, x, y, 0, count) * scale_x;
   const realv my =
@@ -371,7 +376,7 @@ follow_motion(const hbil_view_args view, const hbil_transform_args motion,
     const intv yes = EACH_LANE >= 0;
     const intv all[4] = {yes, yes, yes, yes};
     load_taps(history, planes, first, tap);
-    total = blend(tap, weight, all, depth, disocclusion, light);
+    total = blend(tap, weight, all, depth, off, light);
   } else {
     realv tap[4][HBIL_HISTORY_PLANES];
     int start[HBIL_WIDTH];
@@ -395,7 +400,7 @@ follow_motion(const hbil_view_args view, const hbil_transform_args motion,
     const intv row[2] = {inside & (top >= 0), inside & (top + 1 < view.height)};
     const intv allowed[4] = {row[0] & column[0], row[0] & column[1],
                              row[1] & column[0], row[1] & column[1]};
-    total = blend(tap, weight, allowed, depth, disocclusion, light);
+    total = blend(tap, weight, allowed, depth, off, light);
   }
   const intv found = total > 0.0f;
   carried += (uint)y * planes.row + (uint)x;

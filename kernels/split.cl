@@ -248,7 +248,7 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
     const realv depth = load_depth(depth_buffer, depth_image, x, y, 0, count);
     const realv z = planar_depth(depth, rx, ry, background);
     const intv solid = z > 0.0f;
-    const realv w = 1.0f / z;
+    const realv w = w_at(z);
     /* normals share the first; only emission counts in the sky, too */
     intv sound[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
                                        TRUE_LANES};

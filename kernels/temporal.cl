@@ -80,7 +80,7 @@ static inline past past_of(const hbil_view_args before,
   realv there[3];
   turned(back, p, there);
   then.z = there[2] + back.m[11];
-  const realv inv_z = 1.0f / then.z;
+  const realv inv_z = 1.0f / spread_at(then.z);
   then.u =
       fma(before.fx * (there[0] + back.m[3]), inv_z, (realv)before.cx - 0.5f);
   then.v =
@@ -169,7 +169,14 @@ static inline memory recall(const hbil_view_args before, const past *then,
   EACH_RESOLVED(FORGET)
   if (r.count == 0)
     return m;
-#if DISOCCLUSION
+#if DISOCCLUSION && ORTHOGRAPHIC
+  /* The plane n.P through the expected point: n_z (z_tap - z) is -(n_x, n_y)
+   * times the way there. */
+  const realv step_x = then->n[0] * before.inv_fx;
+  const realv step_y = then->n[1] * before.inv_fy;
+  const realv limit =
+      disocclusion * depth_unit(before, then->z) * fabs(then->n[2]);
+#elif DISOCCLUSION
   /* The plane n.P = n.(r z) through the expected point has inverse depth
    * n.r_tap / (z n.r) at another ray. */
   const realv step_x = then->n[0] * before.inv_fx;
@@ -187,8 +194,11 @@ static inline memory recall(const hbil_view_args before, const past *then,
       continue;
     global const float *at = kept + j * (int)planes.row + i;
     const realv w = load_runs(at + HBIL_KEPT_W * planes.plane, &r);
-    same &= w > 0.0f;
-#if DISOCCLUSION
+    same &= w > SKY;
+#if DISOCCLUSION && ORTHOGRAPHIC
+    const realv away = fma(step_x, (float)i - a, step_y * ((float)j - b));
+    same &= fabs(fma(w + then->z, -then->n[2], away)) <= limit;
+#elif DISOCCLUSION
     const realv plane = fma((realv)i, step_x, fma((realv)j, step_y, first));
     same &= fabs(fma(w, scale, -plane)) <= disocclusion * fabs(plane);
 #endif
@@ -255,7 +265,7 @@ static inline void blend(const memory *m, realv w, const realv n[3], intv solid,
   size += fabs(mean[p]);                                                       \
   STREAMV(mean[p], kept + (HBIL_KEPT_LIGHT + (p)) * planes.plane);
   EACH_RESOLVED(BLEND)
-  STREAMV(select((realv)0.0f, w, solid), kept + HBIL_KEPT_W * planes.plane);
+  STREAMV(w, kept + HBIL_KEPT_W * planes.plane);
   STREAMV(AS_REALV(AS_INTV(pack_normal(n[0], n[1], n[2]))),
           kept + HBIL_KEPT_NORMAL * planes.plane);
   STREAMV(select((realv)0.0f, frames, solid & (size < INFINITY)),
@@ -290,9 +300,10 @@ kernel void temporal(const hbil_view_args view, const hbil_view_args before,
     const int x = x0 + i * HBIL_WIDTH;
     const uint pixel = (uint)y * planes.row + (uint)x;
     const realv n[3] = {normals[0][i], normals[1][i], normals[2][i]};
-    const intv solid = (w[i] > 0.0f) & (x + EACH_LANE < view.width);
-    const realv z = 1.0f / w[i];
-    const realv p[3] = {ray_x(view, x, 1) * z, ray_y(view, y) * z, z};
+    const intv solid = (w[i] > SKY) & (x + EACH_LANE < view.width);
+    const realv z = depth_at(w[i]), spread = spread_at(z);
+    const realv p[3] = {plane_x(view, x, 1) * spread, plane_y(view, y) * spread,
+                        z};
     intv known = has_before ? solid : (intv)0;
 #if REPROJECT_MOTION
     realv mx = 0.0f, my = 0.0f;

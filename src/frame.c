@@ -633,12 +633,13 @@ static float falloff_slope(const hbil_config *config) {
          config->radius;
 }
 
-/* Length of the ray to the corner that is farthest from the axis. */
-static float longest_ray(const hbil_view_args *v) {
+/* Length of the ray to the corner that is farthest from the axis; orthographic,
+ * of the way there in the picture's plane. */
+static float longest_ray(const hbil_view_args *v, bool orthographic) {
   const double x = fmax(fabs((double)v->cx), fabs(v->width - (double)v->cx));
   const double y = fmax(fabs((double)v->cy), fabs(v->height - (double)v->cy));
   const double rx = x / (double)v->fx, ry = y / (double)v->fy;
-  return (float)sqrt(1.0 + rx * rx + ry * ry);
+  return (float)sqrt((orthographic ? 0.0 : 1.0) + rx * rx + ry * ry);
 }
 
 static hbil_status look_around(commands *chain, const hbil_gather_args *args,
@@ -718,14 +719,22 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   const bool half_depth = plan->config.depth.component == HBIL_FLOAT16;
   const bool half_normal = plan->config.normal.component == HBIL_FLOAT16;
   const bool packed = plan->config.storage == HBIL_STORAGE_PACKED;
-  gather_args.keep = 1.0f - (half_depth ? 0x1p-10f : 0x1p-22f);
+  const float roundings = half_depth ? 0x1p-10f : 0x1p-22f;
+  const bool orthographic =
+      plan->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  /* away from the eye; -z is negative */
+  gather_args.keep = orthographic ? 1.0f + roundings : 1.0f - roundings;
   gather_args.flat = half_normal ? 0x1p-10f : packed ? 0x1p-13f : 0x1p-21f;
   /* finite, since the gather is built without infinities */
   gather_args.thickness = fminf(plan->config.thickness, 1e30f);
   gather_args.relative_thickness =
       fminf(plan->config.relative_thickness, 1e30f);
+  if (orthographic)
+    gather_args.thickness =
+        fminf(gather_args.thickness,
+              gather_args.relative_thickness * (float)view.width * view.inv_fx);
   gather_args.falloff = falloff_slope(&plan->config);
-  gather_args.longest = longest_ray(&view);
+  gather_args.longest = longest_ray(&view, orthographic);
   gather_args.bounds = plan->layout.bounds;
   gather_args.strips = (cl_uint)plan->layout.strips;
   gather_args.slices = pattern.slices;

@@ -256,9 +256,8 @@ hbil_status config_check(hbil_context *context, const hbil_config *config) {
   } ranges[] = {
       {"width", config->width, 1, 16384},
       {"height", config->height, 1, 16384},
-      /* orthographic: not yet */
       {"projection", (double)config->projection, 0,
-       HBIL_PROJECTION_PERSPECTIVE},
+       HBIL_PROJECTION_ORTHOGRAPHIC},
       {"depth_kind", (double)config->depth_kind, 0, HBIL_DEPTH_RAY},
       {"normal_space", (double)config->normal_space, 0, HBIL_SPACE_WORLD},
       {"bent_space", (double)config->bent_space, 0, HBIL_SPACE_WORLD},

@@ -89,10 +89,50 @@ static vec to_world(const hbil_camera *camera, vec v) {
               m[8] * v.x + m[9] * v.y + m[10] * v.z);
 }
 
-/* Ray of the pixel, z = 1. */
-static vec ray_of(const hbil_camera *camera, int x, int y) {
+static bool is_orthographic(const hbil_config *config) {
+  return config->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+}
+
+/* The pixel's place in the picture's plane: perspective, at depth 1. */
+static vec place_of(const hbil_camera *camera, double x, double y) {
   return make((x + 0.5 - camera->cx) / camera->fx,
-              (y + 0.5 - camera->cy) / camera->fy, 1.0);
+              (y + 0.5 - camera->cy) / camera->fy, 0.0);
+}
+
+/* Ray of the pixel, z = 1. */
+static vec ray_of(const ref_job *job, double x, double y) {
+  const vec ray = make(0.0, 0.0, 1.0);
+  return is_orthographic(job->config)
+             ? ray
+             : add(ray, 1.0, place_of(&job->camera, x, y));
+}
+
+/* The point that a pixel shows at depth z. */
+static vec seen_at(const ref_job *job, double x, double y, double z) {
+  const vec point = make(0.0, 0.0, z);
+  return add(point, is_orthographic(job->config) ? 1.0 : z,
+             place_of(&job->camera, x, y));
+}
+
+/* What grows towards the eye and is affine on a plane: inverse depth or,
+ * orthographic, -z. */
+static double w_of(const hbil_config *config, double z) {
+  return is_orthographic(config) ? -z : 1.0 / z;
+}
+
+static double z_of(const hbil_config *config, double w) {
+  return is_orthographic(config) ? -w : 1.0 / w;
+}
+
+/* Whether a w is that of a surface. */
+static bool shows(const hbil_config *config, double w) {
+  return is_orthographic(config) ? w > 0.5 * (double)HBIL_NOTHING : w > 0.0;
+}
+
+/* What a share of depth z is a share of. */
+static double depth_unit(const hbil_config *config, const hbil_camera *camera,
+                         double z) {
+  return is_orthographic(config) ? config->width / camera->fx : z;
 }
 
 /* ------------------------------------------------------------------------ */
@@ -195,9 +235,14 @@ static fvec transformed(const float m[12], fvec p) {
   return q;
 }
 
-static fvec point_at(const hbil_view_args *v, int x, int y, float z) {
-  fvec p = {((float)x + 0.5f - v->cx) * v->inv_fx * z,
-            ((float)y + 0.5f - v->cy) * v->inv_fy * z, z};
+static float spread_at(const hbil_config *c, float z) {
+  return is_orthographic(c) ? 1.0f : z;
+}
+
+static fvec point_at(const hbil_config *c, const hbil_view_args *v, int x,
+                     int y, float z) {
+  fvec p = {((float)x + 0.5f - v->cx) * v->inv_fx * spread_at(c, z),
+            ((float)y + 0.5f - v->cy) * v->inv_fy * spread_at(c, z), z};
   return p;
 }
 
@@ -205,19 +250,27 @@ static fvec point_at(const hbil_view_args *v, int x, int y, float z) {
 static float planar_depth(const ref_job *job, const hbil_view_args *v, int x,
                           int y) {
   float d = input_at(job, REF_DEPTH, x, y);
-  fvec r = point_at(v, x, y, 1.0f);
-  if (job->config->depth_kind == HBIL_DEPTH_PLANAR)
+  fvec r = point_at(job->config, v, x, y, 1.0f);
+  if (job->config->depth_kind == HBIL_DEPTH_PLANAR ||
+      is_orthographic(job->config))
     return d;
   return d / sqrtf(fmaf(r.x, r.x, fmaf(r.y, r.y, 1.0f)));
 }
 
+/* The float that the kernels have for depth_unit(). */
+static float depth_unit_of(const hbil_config *c, const hbil_view_args *v,
+                           float z) {
+  return is_orthographic(c) ? (float)v->width * v->inv_fx : z;
+}
+
 /* A source pixel's place in the new image; -1: outside. */
-static int scatter_target(const hbil_view_args *v, fvec q) {
+static int scatter_target(const hbil_config *c, const hbil_view_args *v,
+                          fvec q) {
   float u, w;
   if (!(q.z > 0.0f))
     return -1;
-  u = fmaf(v->fx, q.x / q.z, v->cx);
-  w = fmaf(v->fy, q.y / q.z, v->cy);
+  u = fmaf(v->fx, q.x / spread_at(c, q.z), v->cx);
+  w = fmaf(v->fy, q.y / spread_at(c, q.z), v->cy);
   if (!(u >= 0.0f && u < (float)v->width && w >= 0.0f && w < (float)v->height))
     return -1;
   return (int)w * v->width + (int)u;
@@ -232,8 +285,8 @@ static void scatter_one(const ref_job *job, const float m[12], int x, int y,
                         float w, winner *winners) {
   hbil_view_args old = ref_view(job->config, &job->previous);
   hbil_view_args now = ref_view(job->config, &job->camera);
-  fvec q = transformed(m, point_at(&old, x, y, 1.0f / w));
-  int target = scatter_target(&now, q);
+  fvec q = transformed(m, point_at(job->config, &old, x, y, 1.0f / w));
+  int target = scatter_target(job->config, &now, q);
   winner *best = winners + (target < 0 ? 0 : target);
   /* sources come in ascending order: the first of equals stays */
   if (target >= 0 && (best->source < 0 || q.z < best->z)) {
@@ -247,7 +300,8 @@ static void take_source(const ref_job *job, const ref_planes *history,
   hbil_view_args now = ref_view(job->config, &job->camera);
   int sx = best->source % now.width, sy = best->source / now.width;
   float zc = planar_depth(job, &now, x, y);
-  if (!(fabsf(best->z - zc) <= job->config->disocclusion * zc))
+  if (!(fabsf(best->z - zc) <=
+        job->config->disocclusion * depth_unit_of(job->config, &now, zc)))
     return;
   for (int c = 0; c < 3; ++c)
     *ref_at(carried, HBIL_CARRIED_RED + c, x, y) =
@@ -284,9 +338,11 @@ static bool tap_counts(const ref_job *job, const ref_planes *history, int x,
   if (x < 0 || y < 0 || x >= history->width || y >= history->height)
     return false;
   w = (float)*ref_at(history, HBIL_HISTORY_W, x, y);
-  /* |1/w - z| <= d z, times w */
-  return w > 0.0f &&
-         fabsf(fmaf(w, z, -1.0f)) <= w * (job->config->disocclusion * z);
+  /* |1/w - z| <= off, times w */
+  const hbil_view_args view = ref_view(job->config, &job->camera);
+  const float off =
+      job->config->disocclusion * depth_unit_of(job->config, &view, z);
+  return w > 0.0f && fabsf(fmaf(w, z, -1.0f)) <= w * off;
 }
 
 static void motion_taps(const ref_job *job, const ref_planes *history, float fu,
@@ -314,7 +370,7 @@ static void motion_one(const ref_job *job, const ref_planes *history,
                        const float n[12], int x, int y, ref_planes *carried) {
   hbil_view_args now = ref_view(job->config, &job->camera);
   float z = planar_depth(job, &now, x, y), taken[4];
-  fvec q = transformed(n, point_at(&now, x, y, z));
+  fvec q = transformed(n, point_at(job->config, &now, x, y, z));
   float sx = input_at(job, REF_MOTION, x, y) * job->config->motion_scale[0];
   float sy = input_at(job, REF_MOTION + 1, x, y) * job->config->motion_scale[1];
   float fu = ((float)x + 0.5f) + sx, fv = ((float)y + 0.5f) + sy;
@@ -415,7 +471,7 @@ void ref_push_pull(ref_planes *carried) {
 
 /* Unit view-space normal that faces the eye. */
 static vec facing_normal(const ref_job *job, int x, int y) {
-  vec wo = scaled(-1.0, normalized(ray_of(&job->camera, x, y)));
+  vec wo = scaled(-1.0, normalized(ray_of(job, x, y)));
   vec n =
       make(input_at(job, REF_NORMAL, x, y), input_at(job, REF_NORMAL + 1, x, y),
            input_at(job, REF_NORMAL + 2, x, y));
@@ -441,18 +497,22 @@ static double radiance_of(const ref_job *job, const ref_planes *carried, int c,
          gathered_emission(job, c, x, y);
 }
 
+static double exact_depth(const ref_job *job, int x, int y) {
+  double along = job->config->depth_kind == HBIL_DEPTH_PLANAR
+                     ? 1.0
+                     : length(ray_of(job, x, y));
+  return (double)input_at(job, REF_DEPTH, x, y) / along;
+}
+
 /* Rounded once: the float that the plan stores decides about levels. */
-static double inverse_depth(const ref_job *job, int x, int y) {
-  float d = input_at(job, REF_DEPTH, x, y);
-  if (job->config->depth_kind == HBIL_DEPTH_PLANAR)
-    return 1.0f / d;
-  return (float)(length(ray_of(&job->camera, x, y)) / (double)d);
+static double rounded_w(const ref_job *job, int x, int y) {
+  return (float)w_of(job->config, exact_depth(job, x, y));
 }
 
 static void split_pixel(const ref_job *job, const ref_planes *carried, int x,
                         int y, ref_planes *split) {
   vec n = facing_normal(job, x, y);
-  *ref_at(split, HBIL_SPLIT_W, x, y) = inverse_depth(job, x, y);
+  *ref_at(split, HBIL_SPLIT_W, x, y) = rounded_w(job, x, y);
   *ref_at(split, HBIL_SPLIT_NORMAL, x, y) = n.x;
   *ref_at(split, HBIL_SPLIT_NORMAL + 1, x, y) = n.y;
   *ref_at(split, HBIL_SPLIT_NORMAL + 2, x, y) = n.z;
@@ -493,32 +553,36 @@ hbil_pattern_args ref_pattern(const ref_job *job) {
 
 /* A visible point of the scene. */
 typedef struct surface {
-  double w;      /* 1/z, <= 0: none */
-  double gx, gy; /* of its tangent plane's inverse depth */
+  bool is;
+  double w;      /* inverse depth; orthographic, -z */
+  double unit;   /* of what w is a share of: itself; orthographic, 1 */
+  double gx, gy; /* of its tangent plane's w */
   vec ray, at, normal;
 } surface;
 
-/* Not positive: nothing there. */
-static double inverse_depth_at(const ref_planes *split, int x, int y) {
+static double w_at(const ref_planes *split, int x, int y) {
   if (x < 0 || y < 0 || x >= split->width || y >= split->height)
-    return 0.0;
+    return (double)HBIL_NOTHING;
   return *ref_at(split, HBIL_SPLIT_W, x, y);
 }
 
 static surface surface_at(const ref_job *job, const ref_planes *split, int x,
                           int y) {
-  surface s = {0.0, 0.0, 0.0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  surface s = {false, 0.0, 0.0, 0.0, 0.0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
   double to_plane;
-  s.w = inverse_depth_at(split, x, y);
-  if (!(s.w > 0.0))
+  s.w = w_at(split, x, y);
+  s.is = shows(job->config, s.w);
+  if (!s.is)
     return s;
-  s.ray = ray_of(&job->camera, x, y);
-  s.at = scaled(1.0 / s.w, s.ray);
+  s.unit = is_orthographic(job->config) ? 1.0 : s.w;
+  s.ray = ray_of(job, x, y);
+  s.at = seen_at(job, x, y, z_of(job->config, s.w));
   s.normal = normalized(make(*ref_at(split, HBIL_SPLIT_NORMAL, x, y),
                              *ref_at(split, HBIL_SPLIT_NORMAL + 1, x, y),
                              *ref_at(split, HBIL_SPLIT_NORMAL + 2, x, y)));
-  /* n.r' / n.P is the plane's inverse depth along the ray r' */
-  to_plane = dot(s.normal, s.at);
+  /* n.r' / n.P is the plane's inverse depth along the ray r'; orthographic,
+   * n.e / n_z is what -z gains along e */
+  to_plane = is_orthographic(job->config) ? s.normal.z : dot(s.normal, s.at);
   s.gx = s.normal.x / to_plane;
   s.gy = s.normal.y / to_plane;
   return s;
@@ -604,13 +668,13 @@ static half_slice make_half(const gathering *g, const surface *s, double ux,
 /*
  * Angle from wo of a point `distance` along the slice whose inverse depth is
  * `excess * distance` above the tangent plane: the direction to it, scaled by
- * both inverse depths so that points at and beyond infinity are no exception.
+ * both inverse depths so that points at and beyond infinity are no exception,
+ *   w0 w1 (P1 - P0) = w0 (r0 + e) - w1 r0 = w0 e - (w1 - w0) r0.
  */
 static angle horizon(const surface *s, const half_slice *h, double distance,
                      double excess) {
   double rise = (s->gx * h->u.x + s->gy * h->u.y + excess) * distance;
-  double w = s->w + rise;
-  vec to = add(scaled(s->w, add(s->ray, distance, h->u)), -w, s->ray);
+  vec to = add(scaled(distance * s->unit, h->u), -rise, s->ray);
   return angle_of(dot(to, h->along), dot(to, h->wo));
 }
 
@@ -633,7 +697,7 @@ static double least_excess(const hbil_config *c, const surface *s) {
   double unit = ldexp(1.0, c->normal.component == HBIL_FLOAT16 ? -10
                            : c->storage == HBIL_STORAGE_PACKED ? -13
                                                                : -21);
-  return unit * s->w / (cosine * cosine * length(s->ray));
+  return unit * s->unit / (cosine * cosine * length(s->ray));
 }
 
 /* Weight of an occluder at distance r (hbil_falloff). */
@@ -725,11 +789,13 @@ typedef struct occluder {
 } occluder;
 
 /* Where the back of a sample lies, in excess. */
-static double excess_of_back(const hbil_config *c, const occluder *o) {
-  double z = 1.0 / o->s.w;
-  double deep = fmin((double)c->thickness / length(o->s.ray),
-                     (double)c->relative_thickness * z);
-  return fmax(o->excess + (1.0 / (z + deep) - o->s.w) / o->distance, 0.0);
+static double excess_of_back(const ref_job *job, const occluder *o) {
+  const hbil_config *c = job->config;
+  double z = z_of(c, o->s.w);
+  double deep =
+      fmin((double)c->thickness / length(o->s.ray),
+           (double)c->relative_thickness * depth_unit(c, &job->camera, z));
+  return fmax(o->excess + (w_of(c, z + deep) - o->s.w) / o->distance, 0.0);
 }
 
 static double raise_horizon(const walker *w, march *m, const occluder *o) {
@@ -747,7 +813,7 @@ static unsigned sectors_below(const march *m, angle a) {
 }
 
 static double cover_sectors(const walker *w, march *m, const occluder *o) {
-  double low = excess_of_back(w->g->job->config, o);
+  double low = excess_of_back(w->g->job, o);
   angle front = horizon(&w->s, &m->h, o->distance, o->excess);
   angle back = horizon(&w->s, &m->h, o->distance, low);
   unsigned fresh =
@@ -790,7 +856,7 @@ static void merge(march *m, stretch s, int first, int last) {
 }
 
 static double cover_stretch(const walker *w, march *m, const occluder *o) {
-  stretch s = {.high = o->excess, .low = excess_of_back(w->g->job->config, o)};
+  stretch s = {.high = o->excess, .low = excess_of_back(w->g->job, o)};
   int first = 0, last;
   double taken;
   while (first < m->count && m->list[first].low > s.high)
@@ -855,7 +921,8 @@ static void visit(const walker *w, march *m, int x, int y) {
   double above = w1 * w->keep - w->s.w - w->s.gx * ex - w->s.gy * ey;
   double e2 = ex * ex + ey * ey;
   occluder o;
-  if (!(w1 > 0.0 && above > 0.0 && above * above > m->best * m->best * e2))
+  if (!(shows(w->g->job->config, w1) && above > 0.0 &&
+        above * above > m->best * m->best * e2))
     return;
   o.x = x;
   o.y = y;
@@ -894,11 +961,10 @@ static void follow_pattern(const walker *w, march *m, int halves) {
 /* Least distance from the pixel's point to anything that a pixel can show:
  * rises along a half-slice. */
 static double nearest_on(const walker *w, double x, double y) {
-  const hbil_camera *camera = &w->g->job->camera;
-  vec to = normalized(make((x + 0.5 - camera->cx) / camera->fx,
-                           (y + 0.5 - camera->cy) / camera->fy, 1.0));
-  double along = fmax(0.0, dot(w->s.at, to));
-  return length(add(w->s.at, -along, to));
+  const vec from = seen_at(w->g->job, x, y, 0.0);
+  const vec way = add(w->s.at, -1.0, from);
+  const vec to = normalized(ray_of(w->g->job, x, y));
+  return length(add(way, -fmax(0.0, dot(way, to)), to));
 }
 
 /* Number of steps (sx, sy) beyond which nothing can be within the radius. */
@@ -1050,6 +1116,8 @@ static int level_at(const gathering *g, int x, int y) {
     if (at < g->split->width)
       nearest = fmaxf(nearest, (float)*ref_at(g->split, HBIL_SPLIT_W, at, y));
   }
+  if (is_orthographic(g->job->config))
+    nearest = 1.0f;
   return hbil_level(g->pattern.reach, g->job->config->radius * nearest,
                     g->pattern.levels);
 }
@@ -1106,7 +1174,8 @@ static walker walker_at(const gathering *g, int x, int y, stretch *room) {
   w.level = g->dense ? 0 : level_at(g, x, y);
   w.pixel_x = 1.0 / g->job->camera.fx;
   w.pixel_y = 1.0 / g->job->camera.fy;
-  w.keep = 1.0 - tolerance_of(g->job->config);
+  w.keep = 1.0 - (is_orthographic(g->job->config) ? -1.0 : 1.0) *
+                     tolerance_of(g->job->config);
   w.room = room;
   return w;
 }
@@ -1115,7 +1184,7 @@ static void gather_pixel(const gathering *g, int x, int y, stretch *room) {
   walker w = walker_at(g, x, y, room);
   clear(g->gathered, x, y);
   *ref_at(g->gathered, HBIL_LIGHT_AO, x, y) = 1.0;
-  if (!(w.s.w > 0.0))
+  if (!w.s.is)
     return;
   w.least = least_excess(g->job->config, &w.s);
   for (int slice = 0; slice < g->pattern.slices; ++slice) {
@@ -1270,7 +1339,7 @@ void ref_estimate_frame(ref_job *job, const ref_planes *split) {
   for (int y = 0; y < split->height; y += HBIL_SIDE)
     for (int x = 0; x < split->width; x += HBIL_SIDE) {
       surface s = surface_at(job, split, x, y);
-      if (s.w > 0.0)
+      if (s.is)
         add_surfel(&job->estimate, split, &s, x, y);
     }
 }
@@ -1332,10 +1401,11 @@ static double tap_weight(const ref_job *job, const surface *s,
   if (job->config->raw_interleave && (dx || dy))
     return 0.0;
   other = surface_at(job, split, x + dx, y + dy);
-  if (!(other.w > 0.0))
+  if (!other.is)
     return 0.0;
   plane = s->w + s->gx * dx / job->camera.fx + s->gy * dy / job->camera.fy;
-  off = fabs(other.w - plane) / ((double)HBIL_PLANE_TOLERANCE * s->w);
+  off = fabs(other.w - plane) / ((double)HBIL_PLANE_TOLERANCE *
+                                 depth_unit(job->config, &job->camera, s->w));
   turned = (1.0 - dot(s->normal, other.normal)) / (double)HBIL_TURN_TOLERANCE;
   return spatial(dx, dy) * fmax(0.0, 1.0 - off * off - turned);
 }
@@ -1371,8 +1441,8 @@ static void recompose_pixel(const ref_job *job, const ref_planes *split,
   surface s = surface_at(job, split, x, y);
   double total = 0.0, unknown = 0.0;
   clear(resolved, x, y);
-  *ref_at(resolved, HBIL_LIGHT_AO, x, y) = s.w > 0.0 ? 0.0 : 1.0;
-  if (!(s.w > 0.0))
+  *ref_at(resolved, HBIL_LIGHT_AO, x, y) = s.is ? 0.0 : 1.0;
+  if (!s.is)
     return;
   for (int tap = 0; tap < 25; ++tap) {
     int dx = tap % 5 - 2, dy = tap / 5 - 2;
@@ -1472,7 +1542,7 @@ static double far_light(const ref_job *job, int channel, int x, int y,
 }
 
 static double sky_radiance(const ref_job *job, int channel, int x, int y) {
-  vec world = to_world(&job->camera, normalized(ray_of(&job->camera, x, y)));
+  vec world = to_world(&job->camera, normalized(ray_of(job, x, y)));
   double d[3] = {world.x, world.y, world.z}, basis[9], sum = 0.0;
   if (job->input[REF_EMISSION])
     return light_at(job, REF_EMISSION + channel, x, y);
@@ -1538,7 +1608,8 @@ static void composite_pixel(const ref_job *job, const ref_planes *resolved,
                       far_light(job, c, x, y, ao, bent, near_light), out,
                       history);
   }
-  *ref_at(history, HBIL_HISTORY_W, x, y) = inverse_depth(job, x, y);
+  *ref_at(history, HBIL_HISTORY_W, x, y) =
+      (float)(1.0 / exact_depth(job, x, y));
 }
 
 void ref_composite(const ref_job *job, const ref_planes *resolved,
