@@ -35,11 +35,31 @@ static char folder[] = "/tmp/hbil-sources.XXXXXX";
 
 static const double pi = 3.14159265358979323846;
 
+/* Whether scenes are seen by parallel rays: tests that hold for both have this
+ * set before their second run. */
+static int parallel;
+
+static int see_parallel(void **state) {
+  (void)state;
+  parallel = 1;
+  return 0;
+}
+
+static int see_perspective(void **state) {
+  (void)state;
+  parallel = 0;
+  return 0;
+}
+
+/* lens: the angle of the height; the size of the width if rays are parallel; 0:
+ * the scene's own. */
 static dump begin_sized(scene_kind kind, uint32_t width, uint32_t height,
-                        double fov) {
+                        double lens) {
   dump d;
   memset(&d, 0, sizeof d);
-  assert_int_equal(scene_render(kind, width, height, fov, 3, &d.s), 0);
+  assert_int_equal((parallel ? scene_render_orthographic : scene_render)(
+                       kind, width, height, lens, 3, &d.s),
+                   0);
   d.img.width = width;
   d.img.height = height;
   d.json = 1;
@@ -83,6 +103,8 @@ static int is_sky(const dump *d, size_t i) {
 
 static double ray_length(const dump *d, size_t i) {
   const hbil_camera *c = &d->s.camera;
+  if (parallel)
+    return 1;
   const double x = ((double)(i % d->s.width) + 0.5 - c->cx) / c->fx;
   const double y = ((double)(i / d->s.width) + 0.5 - c->cy) / c->fy;
   return sqrt(x * x + y * y + 1);
@@ -165,7 +187,8 @@ static void transpose(double m[16]) {
 }
 
 /* worldToCamera and worldToNDC: the projection's rows x, y are those of a slope
- * to the right and up, k of the distance forwards. */
+ * to the right and up, k of the distance forwards; of world units, and k is 1,
+ * where rays are parallel. */
 static void add_matrices(dump *d, axes world, axes camera, double scale_x,
                          double scale_y, const double middle[2], int rows) {
   image_matrices *m = &d->img.matrices;
@@ -187,10 +210,11 @@ static void add_matrices(dump *d, axes world, axes camera, double scale_x,
   for (int k = 0; k < 4; k++) {
     double *n = m->world_to_ndc;
     const double z = c[8 + k] * forwards;
-    n[k] = scale_x * c[k] + middle[0] * z;
-    n[4 + k] = scale_y * c[4 + k] + middle[1] * z;
+    const double divisor = parallel ? k == 3 : z;
+    n[k] = scale_x * c[k] + middle[0] * divisor;
+    n[4 + k] = scale_y * c[4 + k] + middle[1] * divisor;
     n[8 + k] = z - (k == 3 ? 0.1 : 0);
-    n[12 + k] = z;
+    n[12 + k] = divisor;
   }
   if (rows) {
     transpose(m->world_to_camera);
@@ -206,7 +230,11 @@ static void write_dump(dump *d) {
   image_error error;
   char json[sizeof d->path];
   const hbil_camera *c = &d->s.camera;
-  camera_file camera = {.fx = c->fx, .fy = c->fy, .cx = c->cx, .cy = c->cy};
+  camera_file camera = {.orthographic = parallel,
+                        .fx = c->fx,
+                        .fy = c->fy,
+                        .cx = c->cx,
+                        .cy = c->cy};
   for (int i = 0; i < 16; i++)
     camera.camera_to_world[i] =
         c->world_from_view[i] * (i % 4 == 1 || i % 4 == 2 ? -1 : 1);
@@ -330,6 +358,7 @@ static double colour_error(const dump *d, const reading *r, role which,
  */
 static void same_geometry(const dump *d, const reading *r, double most) {
   const hbil_camera *is = &r->map.camera, *wanted = &d->s.camera;
+  assert_int_equal(r->config.projection, d->s.projection);
   assert_true(depth_error(d, r) <= most);
   assert_true(normal_error(d, r) <= most);
   assert_true(far_off(is->fx, wanted->fx) <= most);
@@ -405,9 +434,12 @@ static void pbrt(void **state) {
   same_geometry(&d, &r, matrices);
   no_findings(&r);
   done(&r);
-  /* and without matrices, by the angle alone */
+  /* and without matrices, by the angle or the size alone */
   d.img.matrices.has_camera = 0;
-  d.options.fov = (float)(atan(0.5 * WIDTH / d.s.camera.fx) * 360 / pi);
+  if (parallel)
+    d.options.orthographic = (float)(WIDTH / d.s.camera.fx);
+  else
+    d.options.fov = (float)(atan(0.5 * WIDTH / d.s.camera.fx) * 360 / pi);
   write_dump(&d);
   r = read_dump(&d);
   same_geometry(&d, &r, matrices);
@@ -456,7 +488,8 @@ static void arnold(void **state) {
     write_dump(&d);
     reading r = read_dump(&d);
     assert_int_equal(r.map.kind, DUMP_ARNOLD);
-    assert_int_equal(r.map.how.depth, ray ? DEPTH_RAY : DEPTH_PLANAR);
+    assert_int_equal(r.map.how.depth,
+                     ray && !parallel ? DEPTH_RAY : DEPTH_PLANAR);
     same_geometry(&d, &r, matrices);
     same_light(&d, &r);
     no_findings(&r);
@@ -538,16 +571,19 @@ typedef struct depth_case {
 } depth_case;
 
 /* 1/z is stored, so near the far plane a rounding is worth more of z: by its
- * ratio to the near one. */
+ * ratio to the near one; that of parallel rays is one of the far plane, as seen
+ * from the nearest surface at 3. */
 static void device_depths(void **state) {
   const double near = 0.5, far = 200;
+  const double rounding_of_z = 6e-8 * (parallel ? far / 3 : 90 / near);
   (void)state;
   for (int reversed = 0; reversed < 2; reversed++) {
     dump d = begin(SCENE_SKY);
     float *out = add_plane(&d, "depth", "Z");
     for (size_t i = 0; i < PIXELS; i++) {
       const double z = is_sky(&d, i) ? far : (double)d.s.depth[i];
-      const double v = far / (far - near) * (1 - near / z);
+      const double v = parallel ? (z - near) / (far - near)
+                                : far / (far - near) * (1 - near / z);
       out[i] = (float)(reversed ? 1 - v : v);
     }
     add_vectors(&d, "normal", xyz, d.s.normal, AXES_WORLD, 0);
@@ -556,10 +592,11 @@ static void device_depths(void **state) {
     d.options.clip[1] = (float)far;
     write_dump(&d);
     reading r = read_dump(&d);
-    assert_true(depth_error(&d, &r) <= 6e-8 * 90 / near);
+    assert_true(depth_error(&d, &r) <= rounding_of_z);
     no_findings(&r);
     done(&r);
     d.options.clip[0] = 0.0f;
+    d.options.clip[1] = parallel ? INFINITY : 0.0f;
     image_error error;
     assert_int_not_equal(try_reading(&d, &r, &error), 0);
     assert_non_null(strstr(error.text, "--clip NEAR,FAR is needed"));
@@ -651,8 +688,10 @@ static void windows(void **state) {
   enum { MORE = 10 };
   (void)state;
   dump plain = begin(SCENE_ROOM);
-  const double fov = 2 * atan((0.5 * HEIGHT + MORE) / plain.s.camera.fy);
-  dump d = begin_sized(SCENE_ROOM, WIDTH + 2 * MORE, HEIGHT + 2 * MORE, fov);
+  const hbil_camera *same = &plain.s.camera;
+  const double lens = parallel ? (WIDTH + 2 * MORE) / same->fx
+                               : 2 * atan((0.5 * HEIGHT + MORE) / same->fy);
+  dump d = begin_sized(SCENE_ROOM, WIDTH + 2 * MORE, HEIGHT + 2 * MORE, lens);
   add_depth(&d, "depth", "Z", 1, 0);
   add_vectors(&d, "normal", xyz, d.s.normal, AXES_WORLD, 0);
   d.img.x = 7 - MORE;
@@ -722,17 +761,22 @@ static void off_centre(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Mistakes                                                                  */
 
-/* One finding, and it has the text. */
-static void finds(dump *d, const char *text) {
+/* So many findings, the last of which has the text. */
+static void finds_last(dump *d, int count, const char *text) {
   write_dump(d);
   reading r = read_dump(d);
-  for (int i = 0; i < r.check.count; i++)
-    if (!strstr(r.check.text[i], text) || r.check.count != 1)
-      print_error("found: %s\n", r.check.text[i]);
-  assert_int_equal(r.check.count, 1);
-  assert_non_null(strstr(r.check.text[0], text));
+  const selfcheck *check = &r.check;
+  for (int i = 0; i < check->count; i++)
+    if (!strstr(check->text[i], text) || check->count != count)
+      print_error("found: %s\n", check->text[i]);
+  assert_int_equal(check->count, count);
+  assert_non_null(strstr(check->text[count - 1], text));
   done(&r);
   end(d);
+}
+
+static void finds(dump *d, const char *text) {
+  finds_last(d, 1, text);
 }
 
 /* What every one of them begins with: hbil's own channels, by which nothing is
@@ -851,7 +895,8 @@ static void other_units(void **state) {
   for (size_t p = 0; p < d.img.count; p++)
     for (size_t i = 0; i < PIXELS && (p == 0 || p > 3); i++)
       d.img.planes[p].pixels[i] *= 100.0f;
-  finds(&d, "--unit-scale 0.01 ");
+  /* pixels of parallel rays keep their size while depth is stretched */
+  finds_last(&d, parallel ? 2 : 1, "--unit-scale 0.01 ");
   d = sound(SCENE_ROOM); /* positions alone */
   add_vectors(&d, "position", xyz, d.s.position, AXES_WORLD, 1);
   for (size_t p = 4; p < d.img.count; p++)
@@ -931,7 +976,7 @@ static void depth_of_a_device(void **state) {
   dump d = sound(SCENE_ROOM);
   float *z = plane_of(&d, "depth.Z");
   for (size_t i = 0; i < PIXELS; i++)
-    z[i] = is_sky(&d, i) ? 0.0f : 1.0f - 0.1f / z[i];
+    z[i] = is_sky(&d, i) ? 0.0f : parallel ? z[i] / 100 : 1.0f - 0.1f / z[i];
   finds(&d, "--depth device");
   d = sound(SCENE_ROOM);
   memset(plane_of(&d, "depth.Z"), 0, sizeof(float) * PIXELS);
@@ -962,15 +1007,15 @@ static void refusals(void **state) {
       fail_msg("%s: %s", cases[i].map, error.text);
   }
   end(&d);
-  /* parallel rays; no camera at all; one that doesn't say where it stands */
+  /* oblique rays; no camera at all; one that doesn't say where it stands */
   d = sound(SCENE_ROOM);
-  add_matrices(&d, AXES_WORLD, AXES_OPENGL, 1, 1, zero, 0);
+  add_matrices(&d, AXES_WORLD, AXES_OPENGL, 1, 1, half, 0);
   double *w = d.img.matrices.world_to_ndc + 12;
   w[0] = w[1] = w[2] = 0;
   w[3] = 1;
   write_dump(&d);
   assert_int_not_equal(try_reading(&d, &r, &error), 0);
-  assert_non_null(strstr(error.text, "no perspective camera's"));
+  assert_non_null(strstr(error.text, "no perspective and no orthographic"));
   d.img.matrices.has_camera = 0;
   write_dump(&d);
   assert_int_not_equal(try_reading(&d, &r, &error), 0);
@@ -980,6 +1025,219 @@ static void refusals(void **state) {
   assert_non_null(strstr(error.text, "how the camera is turned"));
   end(&d);
 }
+
+/* ------------------------------------------------------------------------ */
+/* Parallel rays                                                             */
+
+/* A header in centimetres, of a camera that counts twice as many. */
+static void units_of_a_header(void **state) {
+  (void)state;
+  dump d = begin(SCENE_ROOM);
+  hbil_camera *c = &d.s.camera;
+  image_matrices *m = &d.img.matrices;
+  add_depth(&d, "depth", "Z", 100, 0);
+  add_vectors(&d, "normal", xyz, d.s.normal, AXES_WORLD, 0);
+  c->fx /= 100;
+  c->fy /= 100;
+  for (int i = 0; i < 3; i++)
+    c->world_from_view[4 * i + 3] *= 100;
+  add_matrices(&d, AXES_WORLD, AXES_OPENGL, 2 * c->fx / WIDTH,
+               2 * c->fy / HEIGHT, zero, 1);
+  for (int i = 0; i < 16; i++)
+    m->world_to_camera[i] *= i == 15 ? 1 : 2;
+  c->fx *= 100;
+  c->fy *= 100;
+  d.options.unit = 0.01f;
+  write_dump(&d);
+  reading r = read_dump(&d);
+  same_geometry(&d, &r, matrices);
+  for (int i = 0; i < 3; i++)
+    assert_true(fabs(r.map.camera.world_from_view[4 * i + 3] -
+                     0.01 * c->world_from_view[4 * i + 3]) < 1e-5);
+  no_findings(&r);
+  done(&r);
+  end(&d);
+}
+
+static void picture_of_another_size(void **state) {
+  (void)state;
+  dump d = sound(SCENE_ROOM);
+  d.options.orthographic = (float)(4 * WIDTH / d.s.camera.fx);
+  finds(&d, "--orthographic");
+}
+
+/* Whatever the file says of the lens, the options say another; and a file that
+ * is taken for one of perspective doesn't fit. */
+static void options_choose_the_lens(void **state) {
+  (void)state;
+  dump d = sound(SCENE_ROOM);
+  const double fx = d.s.camera.fx;
+  write_dump(&d);
+  d.options.fov = 60;
+  reading r = read_dump(&d);
+  assert_int_equal(r.config.projection, HBIL_PROJECTION_PERSPECTIVE);
+  assert_true(fabs(r.map.camera.fx - 0.5 * WIDTH / tan(pi / 6)) < 1e-9);
+  assert_true(r.check.count > 0);
+  done(&r);
+  parallel = 0; /* the file's camera */
+  write_dump(&d);
+  parallel = 1;
+  d.options.fov = 0;
+  d.options.orthographic = (float)(WIDTH / fx);
+  r = read_dump(&d);
+  same_geometry(&d, &r, rounding);
+  no_findings(&r);
+  done(&r);
+  image_error error;
+  assert_int_not_equal(source_option(SOURCE_FOV, "60", &d.options, &error), 0);
+  assert_non_null(strstr(error.text, "--fov and --orthographic: one of both"));
+  end(&d);
+}
+
+static int read_json(const char *path, const char *text, camera_file *out,
+                     image_error *error) {
+  FILE *file = fopen(path, "w");
+  assert_non_null(file);
+  fprintf(file,
+          "{\"camera_to_world\": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], "
+          "\"cx\": 3, \"cy\": 2, %s}",
+          text);
+  fclose(file);
+  return camera_read(path, out, error);
+}
+
+static void json_sizes(void **state) {
+  static const struct {
+    const char *text;
+    double scale;      /* 0: refused, */
+    const char *error; /* with this */
+  } cases[] = {
+      {"\"projection\": \"orthographic\", \"fx\": 50, \"fy\": 50", 50, NULL},
+      {"\"projection\": \"orthographic\", \"ortho_scale\": 4, "
+       "\"resolution\": [200, 100]",
+       50, NULL},
+      {"\"projection\": \"orthographic\", \"ortho_scale\": 4, "
+       "\"resolution\": [100, 200]",
+       50, NULL},
+      /* Blender has one for every camera */
+      {"\"ortho_scale\": 6, \"fx\": 50, \"fy\": 50", 50, NULL},
+      {"\"projection\": \"orthographic\", \"ortho_scale\": 4", 0,
+       "field resolution is missing"},
+      {"\"projection\": \"orthographic\", \"ortho_scale\": 4, \"fx\": 50, "
+       "\"resolution\": [100, 200]",
+       0, "either it, or fx and fy"},
+      {"\"projection\": \"orthographic\", \"ortho_scale\": 0, "
+       "\"resolution\": [100, 200]",
+       0, "field ortho_scale is wrong; a positive number"},
+      {"\"projection\": \"orthographic\", \"ortho_scale\": 1e-9, "
+       "\"resolution\": [100, 200]",
+       0, "1e-6 to 1e9 pixels to a world unit"},
+      {"\"projection\": \"orthographic\", \"resolution\": [100, 200]", 0,
+       "field fx is missing"},
+      {"\"projection\": \"panoramic\", \"fx\": 50, \"fy\": 50", 0,
+       "\"perspective\" or \"orthographic\" is needed"},
+      {"\"projection\": 3, \"fx\": 50, \"fy\": 50", 0,
+       "field projection is wrong"},
+  };
+  char path[128];
+  (void)state;
+  snprintf(path, sizeof path, "%s/camera.json", folder);
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    camera_file camera;
+    image_error error = {""};
+    const int failed = read_json(path, cases[i].text, &camera, &error);
+    if (cases[i].error ? !strstr(error.text, cases[i].error) : failed)
+      fail_msg("%s: %s", cases[i].text, error.text);
+    assert_int_equal(failed != 0, cases[i].error != NULL);
+    if (failed)
+      continue;
+    assert_true(fabs(camera.fx - cases[i].scale) < 1e-9);
+    assert_true(fabs(camera.fy - cases[i].scale) < 1e-9);
+    assert_int_equal(camera.orthographic,
+                     strstr(cases[i].text, "orthographic") != NULL);
+  }
+  unlink(path);
+}
+
+/* What a pixel's ray comes to in the world, z away. */
+static void leads_to(const hbil_camera *c, size_t x, size_t y, double z,
+                     double out[3]) {
+  const double right = ((double)x + 0.5 - c->cx) / c->fx;
+  const double down = ((double)y + 0.5 - c->cy) / c->fy;
+  const double *m = c->world_from_view;
+  for (int k = 0; k < 3; k++)
+    out[k] = m[4 * k] * right + m[4 * k + 1] * down + m[4 * k + 2] * z +
+             m[4 * k + 3];
+}
+
+/* Where a camera sees a point, and how far away. */
+static void seen_at(const hbil_camera *c, const double p[3], double out[3]) {
+  const double *m = c->world_from_view;
+  for (int k = 0; k < 3; k++) {
+    out[k] = 0;
+    for (int i = 0; i < 3; i++)
+      out[k] += m[4 * i + k] * (p[i] - m[4 * i + 3]);
+  }
+  out[0] = c->cx + c->fx * out[0];
+  out[1] = c->cy + c->fy * out[1];
+}
+
+/*
+ * The room's floor is z = 0, its yellow sphere of radius .17 is where world.c
+ * has put it: the one has the depth at which a ray meets that plane, the other
+ * a round outline of .17 fx pixels, and what stands still has moved from where
+ * the last camera sees it.  1e-6: floats of some metres.
+ */
+static void the_scene_itself(void **state) {
+  enum { WIDE = 480, HIGH = 270 };
+  const double centre[3] = {0.8, 1.2, 0.745 + 0.17}, radius = 0.17;
+  (void)state;
+  scene_frame s, before;
+  assert_int_equal(scene_render_orthographic(SCENE_ROOM, WIDE, HIGH, 0, 7, &s),
+                   0);
+  assert_int_equal(
+      scene_render_orthographic(SCENE_ROOM, WIDE, HIGH, 0, 6, &before), 0);
+  assert_int_equal(s.projection, HBIL_PROJECTION_ORTHOGRAPHIC);
+  const double *m = s.camera.world_from_view;
+  double at[3], outline[3];
+  size_t floor = 0, sphere = 0;
+  seen_at(&s.camera, centre, outline);
+  for (size_t i = 0; i < (size_t)WIDE * HIGH; i++) {
+    const size_t x = i % WIDE, y = i / WIDE;
+    const double p[3] = {s.position[0][i], s.position[1][i], s.position[2][i]};
+    assert_true(s.depth[i] > 0);
+    leads_to(&s.camera, x, y, (double)s.depth[i], at);
+    double facing = 0, away = 0;
+    for (int k = 0; k < 3; k++) {
+      assert_true(fabs(at[k] - p[k]) < 1e-6);
+      facing += m[4 * k + 2] * (double)s.normal[k][i];
+      away += (p[k] - centre[k]) * (p[k] - centre[k]);
+    }
+    assert_true(facing <= 0);
+    const double from_middle =
+        hypot((double)x + 0.5 - outline[0], (double)y + 0.5 - outline[1]);
+    const int on_sphere = fabs(sqrt(away) - radius) < 1e-6;
+    if (fabs(from_middle - radius * s.camera.fx) > 1e-3)
+      assert_int_equal(on_sphere, from_middle < radius * s.camera.fx);
+    sphere += (size_t)on_sphere;
+    if (!(fabs(p[2]) < 1e-6))
+      continue;
+    floor++;
+    leads_to(&s.camera, x, y, 0, at);
+    assert_true(fabs((double)s.depth[i] + at[2] / m[10]) < 1e-6);
+    seen_at(&before.camera, p, at);
+    assert_true(fabs(at[0] - (double)x - 0.5 - (double)s.motion[0][i]) < 1e-3);
+    assert_true(fabs(at[1] - (double)y - 0.5 - (double)s.motion[1][i]) < 1e-3);
+  }
+  assert_true(floor > WIDE * HIGH / 10);
+  assert_true(sphere > 500);
+  scene_free(&before);
+  scene_free(&s);
+}
+
+/* The same test, of parallel rays. */
+#define PARALLEL(test)                                                         \
+  { #test " (parallel rays)", test, see_parallel, see_perspective, NULL }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
@@ -1008,6 +1266,29 @@ int main(void) {
       cmocka_unit_test(combined_for_radiance),
       cmocka_unit_test(depth_of_a_device),
       cmocka_unit_test(refusals),
+      PARALLEL(blender),
+      PARALLEL(pbrt),
+      PARALLEL(mitsuba),
+      PARALLEL(arnold),
+      PARALLEL(vray),
+      PARALLEL(renderman),
+      PARALLEL(unreal),
+      PARALLEL(device_depths),
+      PARALLEL(unnamed),
+      PARALLEL(options_have_the_last_word),
+      PARALLEL(windows),
+      PARALLEL(off_centre),
+      PARALLEL(sound_frames_have_none),
+      PARALLEL(wrong_space),
+      PARALLEL(camera_of_another_frame),
+      PARALLEL(other_units),
+      PARALLEL(radius_of_other_units),
+      PARALLEL(depth_of_a_device),
+      PARALLEL(units_of_a_header),
+      PARALLEL(picture_of_another_size),
+      PARALLEL(options_choose_the_lens),
+      PARALLEL(json_sizes),
+      PARALLEL(the_scene_itself),
   };
   if (!mkdtemp(folder))
     return 99;
