@@ -124,6 +124,81 @@ static void without_lamps_there_is_nothing_to_say(void **state) {
 }
 
 /* ------------------------------------------------------------------------ */
+/* Parallel rays                                                             */
+
+/* A valley of two slopes of 45 degrees, seen from above by PIXELS pixels to a
+ * unit: its left side shines, its right side has `share` of the light that it
+ * receives from there in closed form, patch by patch. */
+enum { PIXELS = 10, MIDDLE = 48 };
+
+static void valley_point(int i, double out[3]) {
+  out[0] = (i % WIDTH + 0.5 - (MIDDLE + 0.5)) / PIXELS;
+  out[1] = (i / WIDTH + 0.5) / PIXELS;
+  out[2] = 10.0 - fabs(out[0]);
+}
+
+static double valley_light(int receiver) {
+  double sum = 0.0, p[3], q[3];
+  valley_point(receiver, p);
+  for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+    if (i % WIDTH >= MIDDLE)
+      continue;
+    valley_point(i, q);
+    const double d[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
+    const double r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    /* normals (-1, 0, -1) and (1, 0, -1) over sqrt(2), whose projections'
+     * product is half of this; a pixel's patch is sqrt(2) / PIXELS^2 */
+    const double cosines = 0.5 * (-d[0] - d[2]) * (-d[0] + d[2]) / r2;
+    sum += fmax(cosines, 0.0) * sqrt(2.0) / (PIXELS * PIXELS * r2);
+  }
+  return sum;
+}
+
+static gbuffer valley(double share, hbil_config *config, hbil_camera *camera) {
+  gbuffer g = {.planes = {.width = WIDTH, .height = HEIGHT}};
+  float depth[WIDTH * HEIGHT], left[WIDTH * HEIGHT], up[WIDTH * HEIGHT];
+  float direct[WIDTH * HEIGHT], emission[WIDTH * HEIGHT];
+  float zero[WIDTH * HEIGHT] = {0};
+  for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+    const int side = (i % WIDTH > MIDDLE) - (i % WIDTH < MIDDLE);
+    double p[3];
+    valley_point(i, p);
+    depth[i] = (float)p[2];
+    left[i] = (float)-side;
+    up[i] = -1.0f;
+    emission[i] = side < 0 ? 1.0f : 0.0f;
+    direct[i] = side > 0 ? (float)(share * valley_light(i)) : 0.0f;
+  }
+  channels_init(&g.map, DUMP_PLAIN);
+  g.map.how.normals = SPACE_CAMERA;
+  g.map.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
+  add_role(&g, ROLE_DEPTH, (const float *const[]){depth}, 1);
+  add_role(&g, ROLE_NORMAL, (const float *const[]){left, zero, up}, 3);
+  add_role(&g, ROLE_DIRECT, (const float *const[]){direct}, 1);
+  add_role(&g, ROLE_EMISSION, (const float *const[]){emission}, 1);
+  *camera = (hbil_camera){.fx = PIXELS, .fy = PIXELS, .cx = MIDDLE + 0.5};
+  hbil_config_init(config);
+  channels_conventions(&g.map, config);
+  return g;
+}
+
+/* Half of the light decides; what 512 of the lamp's patches and every third
+ * receiver stand for is right to a tenth. */
+static void parallel_rays_see_patches_of_one_size(void **state) {
+  const double shares[] = {0.45, 0.55};
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    hbil_config config;
+    hbil_camera camera;
+    const char *reason;
+    gbuffer g = valley(shares[i], &config, &camera);
+    assert_int_equal(config.projection, HBIL_PROJECTION_ORTHOGRAPHIC);
+    assert_int_equal(gathers(&g, &config, &camera, &reason), i == 0);
+    gbuffer_free(&g);
+  }
+}
+
+/* ------------------------------------------------------------------------ */
 /* The sky                                                                   */
 
 /* Far field of a frame under an even sky, lit by `direct` (irradiance). */
@@ -171,6 +246,7 @@ int main(void) {
       cmocka_unit_test(lamps_in_direct_light_are_not_gathered),
       cmocka_unit_test(lamps_that_direct_light_lacks_are_gathered),
       cmocka_unit_test(without_lamps_there_is_nothing_to_say),
+      cmocka_unit_test(parallel_rays_see_patches_of_one_size),
       cmocka_unit_test(a_sky_in_direct_light_is_told_to_the_estimate),
       cmocka_unit_test(a_sky_that_direct_light_lacks_is_far_light),
       cmocka_unit_test(an_unlit_sky_says_nothing)};

@@ -1189,7 +1189,7 @@ static void seen_at(const hbil_camera *c, const double p[3], double out[3]) {
  * the last camera sees it.  1e-6: floats of some metres.
  */
 static void the_scene_itself(void **state) {
-  enum { WIDE = 480, HIGH = 270 };
+  enum { WIDE = 320, HIGH = 180 };
   const double centre[3] = {0.8, 1.2, 0.745 + 0.17}, radius = 0.17;
   (void)state;
   scene_frame s, before;
