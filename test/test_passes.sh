@@ -89,10 +89,58 @@ refused "a layer that isn't there" 'frame_0001.exr has no such layer' \
 cp "$one" "$work/alone.exr"
 refused "no camera for normals of the world" 'how the camera is turned' \
   process --fov 60 -o "$out" "$work/alone.exr"
-sed 's/"cx"/"projection": "orthographic", "cx"/' "$camera" >"$work/flat.json"
-refused "a camera of parallel rays" 'field projection is wrong' \
+refused "two lenses" '--fov and --orthographic: one of both' \
+  process --fov 60 --orthographic 3 -o "$out" "$one"
+refused "a picture of no size" '--orthographic 0: ' \
+  process --orthographic 0 -o "$out" "$one"
+sed 's/"cx"/"projection": "fisheye", "cx"/' "$camera" >"$work/flat.json"
+refused "rays of another kind" 'field projection is wrong; "perspective" or' \
   process --camera "$work/flat.json" -o "$out" "$one"
 absent "and nothing is written" "$out"
+
+# --- parallel rays ---
+
+works "a demo of parallel rays" \
+  "$HBIL" demo --orthographic --frames 2 --size 60x44 -o "$work/parallel"
+flat=$work/parallel/gbuffer
+works "its frames" process --layers AO,bent,near -o "$work/flat" \
+  "$flat/frame_0001.exr" "$flat/frame_0002.exr"
+grep -q warning "$work/err"
+test $? -ne 0
+ok $? "nothing is warned of"
+differs "they are no perspective's" "$HBIL" compare --max-rmse 0.1 \
+  "$work/flat/frame_0001.exr:AO" "$work/a/frame_0001.exr"
+says "info tells the size of the picture" \
+  'orthographic, 17.* pixels a unit, the picture 3.4 x 2.49333 units' \
+  "$HBIL" info "$flat/frame_0001.exr"
+says "and that positions fit" "share of the picture's width.*they agree" \
+  "$HBIL" info "$flat/frame_0001.exr"
+
+# The same camera told in other ways: 3.4 units across, of Blender's setting,
+# and where the file says nothing (3.4 is a float there: 1e-7 of it).
+sed '/"f[xy]"/d; s/"cx"/"ortho_scale": 3.4, "cx"/' "$flat/frame_0001.json" \
+  >"$work/scale.json"
+works "Blender's size" process --layers AO,bent,near \
+  --camera "$work/scale.json" -o "$work/scale" "$flat/frame_0001.exr"
+same "is the same" "$work/scale/frame_0001.exr" "$work/flat/frame_0001.exr"
+sed '/"projection"/d; s/"cy": [0-9.]*,/"cy": 22/; s/"fx": [0-9.]*/"fx": 100/' \
+  "$flat/frame_0001.json" >"$work/scale.json"
+works "the size as an option" process --layers AO,bent,near --orthographic 3.4 \
+  --camera "$work/scale.json" -o "$work/option" "$flat/frame_0001.exr"
+works "comes to the same" "$HBIL" compare --max-rmse 1e-6 \
+  "$work/option/frame_0001.exr" "$work/flat/frame_0001.exr"
+warns "a picture of another size" '--orthographic' process --layers AO \
+  --orthographic 20 --overwrite -o "$work/ray" "$flat/frame_0001.exr"
+refused "a sequence of both kinds" \
+  'has an orthographic camera, but .*frame_0001.exr has a perspective one' \
+  process -o "$out" "$one" "$flat/frame_0002.exr"
+sed 's/"cx"/"projection": "orthographic", "cx"/' "$camera" >"$work/flat.json"
+works "a result of a perspective" \
+  process --layers AO -o "$work/kinds" "$one"
+run process --resume --layers AO --camera "$work/flat.json" \
+  -o "$work/kinds" "$one"
+test $status -eq 0 && ! grep -q 'is there already' "$work/err"
+ok $? "isn't kept for parallel rays of the same numbers"
 
 # --- what other programs write ---
 
