@@ -239,6 +239,11 @@ void setup_camera(setup *s, double fov_y_degrees) {
     camera->world_from_view[5 * i] = 1.0;
 }
 
+void setup_flatten(setup *s, double width) {
+  s->config.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
+  s->frame.camera.fx = s->frame.camera.fy = s->config.width / width;
+}
+
 void setup_load_scene(setup *s, scene_kind kind, uint32_t index) {
   setup_load_view(s, kind, 0.0, index); /* the scene's own */
 }

@@ -104,6 +104,9 @@ void setup_load_view(setup *s, scene_kind kind, double fov_y_degrees,
                      uint32_t index);
 /* Camera looking along +z from the origin. */
 void setup_camera(setup *s, double fov_y_degrees);
+/* What the planes hold is seen by an orthographic camera instead, in a picture
+ * that is so many world units wide; until the camera is loaded anew. */
+void setup_flatten(setup *s, double width);
 /* All outputs, fp32 with the channel count as stride. */
 void setup_all_outputs(setup *s);
 /* A plan of every pass and every skip that is as cheap as can be: packed, all

@@ -6,13 +6,20 @@
 
 #include <pthread.h>
 
+/* Of an orthographic picture; 0: perspective. */
+static double flat_width;
+
 static void check_sequence(setup *s, scene_kind kind, int frames) {
   ref_state reference;
   ref_state_init(&reference, (int)s->config.width, (int)s->config.height);
   setup_all_outputs(s);
+  if (flat_width > 0.0)
+    setup_flatten(s, flat_width);
   setup_start(s);
   for (int i = 0; i < frames; ++i) {
     setup_load_scene(s, kind, (uint32_t)i);
+    if (flat_width > 0.0)
+      setup_flatten(s, flat_width);
     s->frame.index = (cl_uint)i;
     setup_upload(s);
     setup_run(s, hbil_enqueue_frame);
@@ -60,6 +67,30 @@ static void sequences_without_history_match(void **state) {
   s.config.radius = 2.0f;
   even_sky(&s);
   check_sequence(&s, SCENE_SKY, 2);
+}
+
+/* Through every pass. */
+static void orthographic_sequences_match(void **state) {
+  (void)state;
+  for (int i = 0; i < 3; ++i) {
+    setup s;
+    setup_scene(&s, i ? SCENE_ROOM : SCENE_SKY, 97, 54, 0);
+    flat_width = 6.0;
+    if (i == 1) {
+      s.config.reprojection = HBIL_REPROJECTION_MOTION;
+      s.config.far_field = HBIL_FAR_FRAME;
+      s.config.refused = HBIL_REFUSED_FRAME;
+    }
+    if (i == 2) {
+      s.config.vector_width = 1;
+      s.config.disocclusion = 0.3f;
+      s.config.far_field = HBIL_FAR_SH;
+      for (int k = 0; k < 9; ++k)
+        s.frame.environment[k][k % 3] = 1.0f / (float)(1 + k);
+    }
+    check_sequence(&s, i ? SCENE_ROOM : SCENE_SKY, 3);
+    flat_width = 0.0;
+  }
 }
 
 static void tiny_images_match(void **state) {
@@ -379,6 +410,7 @@ int main(void) {
       cmocka_unit_test(scattered_sequences_match),
       cmocka_unit_test(sequences_that_follow_motion_match),
       cmocka_unit_test(sequences_without_history_match),
+      cmocka_unit_test(orthographic_sequences_match),
       cmocka_unit_test(tiny_images_match),
       cmocka_unit_test(a_second_run_gives_the_same_bits),
       cmocka_unit_test(passes_one_by_one_give_the_same_bits),
