@@ -16,16 +16,30 @@ enum { LIGHT_POINTS = 89, LIGHT_STEP = 55 };
 
 typedef struct view {
   world now, before; /* this frame and the last one */
+  bool parallel;
   hbil_camera camera;
   vec3 light_points[LIGHT_POINTS];
   double light_radius, light_area; /* m, m2 */
   double bounds[WORLD_SHAPES];
 } view;
 
+/* What is asked for: an angle of the height, or the size of the width. */
+typedef struct lens {
+  hbil_projection projection;
+  double fov, size; /* 0: the scene's own */
+} lens;
+
+static double focal_length(const world *w, const lens *l, uint32_t width,
+                           uint32_t height) {
+  return l->projection == HBIL_PROJECTION_ORTHOGRAPHIC
+             ? width / (l->size > 0.0 ? l->size : w->size)
+             : 0.5 * height / tan(0.5 * (l->fov > 0.0 ? l->fov : w->fov));
+}
+
 static hbil_camera camera_of(const world *w, uint32_t width, uint32_t height,
-                             double fov) {
+                             const lens *l) {
   hbil_camera c = {.cx = 0.5 * width, .cy = 0.5 * height};
-  c.fx = c.fy = 0.5 * height / tan(0.5 * (fov > 0.0 ? fov : w->fov));
+  c.fx = c.fy = focal_length(w, l, width, height);
   const vec3 columns[4] = {w->right, w->down, w->forward, w->eye};
   for (int k = 0; k < 4; ++k) {
     c.world_from_view[k] = columns[k].x;
@@ -37,10 +51,11 @@ static hbil_camera camera_of(const world *w, uint32_t width, uint32_t height,
 }
 
 static void view_init(view *v, scene_kind kind, uint32_t width, uint32_t height,
-                      double fov, uint32_t index) {
-  world_build(kind, index, &v->now);
-  world_build(kind, index > 0 ? index - 1 : 0, &v->before);
-  v->camera = camera_of(&v->now, width, height, fov);
+                      const lens *through, uint32_t index) {
+  world_build(kind, through->projection, index, &v->now);
+  world_build(kind, through->projection, index > 0 ? index - 1 : 0, &v->before);
+  v->camera = camera_of(&v->now, width, height, through);
+  v->parallel = through->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
   const world_light *l = &v->now.light;
   for (int i = 0; i < LIGHT_POINTS; ++i) {
     double a = (2.0 * i + 1.0) / LIGHT_POINTS - 1.0;
@@ -119,6 +134,8 @@ static void motion_of(const view *v, vec3 before, double x, double y,
     motion[0] = motion[1] = -1e6;
     return;
   }
+  if (v->parallel)
+    z = 1.0;
   motion[0] = v->camera.cx + v->camera.fx * vec_dot(w->right, d) / z - x;
   motion[1] = v->camera.cy + v->camera.fy * vec_dot(w->down, d) / z - y;
 }
@@ -149,22 +166,25 @@ static void render_pixel(const view *v, uint32_t column, uint32_t row,
                          scene_frame *out) {
   double x = column + 0.5, y = row + 0.5;
   size_t pixel = (size_t)row * out->width + column;
-  /* Length 1 along the camera's axis: t is planar depth. */
-  vec3 ray = vec_add(
-      v->now.forward,
+  vec3 aside =
       vec_add(vec_scale(v->now.right, (x - v->camera.cx) / v->camera.fx),
-              vec_scale(v->now.down, (y - v->camera.cy) / v->camera.fy)));
+              vec_scale(v->now.down, (y - v->camera.cy) / v->camera.fy));
+  vec3 from = v->now.eye, ray = v->now.forward;
+  if (v->parallel)
+    from = vec_add(from, aside);
+  else /* length 1 along the camera's axis: t is planar depth */
+    ray = vec_add(ray, aside);
   double t = HUGE_VAL;
   int number = -1;
   vec3 normal;
   for (int i = 0; i < v->now.count; ++i)
-    if (shape_hit(&v->now.shapes[i], v->now.eye, ray, &t, &normal))
+    if (shape_hit(&v->now.shapes[i], from, ray, &t, &normal))
       number = i;
   if (number < 0)
     return;
   if (vec_dot(normal, ray) > 0.0)
     normal = vec_scale(normal, -1.0);
-  vec3 point = vec_add(v->now.eye, vec_scale(ray, t));
+  vec3 point = vec_add(from, vec_scale(ray, t));
   out->depth[pixel] = (float)t;
   shade(v, number, point, normal, x, y, pixel, out);
 }
@@ -189,17 +209,30 @@ static int allocate(uint32_t width, uint32_t height, scene_frame *out) {
   return 0;
 }
 
-int scene_render(scene_kind kind, uint32_t width, uint32_t height, double fov,
-                 uint32_t index, scene_frame *out) {
+static int render(scene_kind kind, uint32_t width, uint32_t height,
+                  const lens *l, uint32_t index, scene_frame *out) {
   if (allocate(width, height, out) != 0)
     return -1;
   view v;
-  view_init(&v, kind, width, height, fov, index);
+  view_init(&v, kind, width, height, l, index);
+  out->projection = l->projection;
   out->camera = v.camera;
   for (uint32_t row = 0; row < height; ++row)
     for (uint32_t column = 0; column < width; ++column)
       render_pixel(&v, column, row, out);
   return 0;
+}
+
+int scene_render(scene_kind kind, uint32_t width, uint32_t height, double fov,
+                 uint32_t index, scene_frame *out) {
+  const lens l = {.projection = HBIL_PROJECTION_PERSPECTIVE, .fov = fov};
+  return render(kind, width, height, &l, index, out);
+}
+
+int scene_render_orthographic(scene_kind kind, uint32_t width, uint32_t height,
+                              double size, uint32_t index, scene_frame *out) {
+  const lens l = {.projection = HBIL_PROJECTION_ORTHOGRAPHIC, .size = size};
+  return render(kind, width, height, &l, index, out);
 }
 
 void scene_free(scene_frame *frame) {

@@ -20,6 +20,7 @@ typedef enum scene_kind {
  * depth 0, everything else 0. */
 typedef struct scene_frame {
   uint32_t width, height;
+  hbil_projection projection;
   hbil_camera camera; /* hbil's convention: x right, y down, z forward */
   float *depth;       /* planar z; sky: 0 */
   float *normal[3];   /* unit, world space, facing the eye */
@@ -38,6 +39,13 @@ typedef struct scene_frame {
  */
 int scene_render(scene_kind kind, uint32_t width, uint32_t height, double fov,
                  uint32_t index, scene_frame *out);
+/*
+ * The same through an orthographic camera, which moves likewise but stands
+ * where parallel rays show the scene well. size: world units across the
+ * picture's width (0: the scene's own).
+ */
+int scene_render_orthographic(scene_kind kind, uint32_t width, uint32_t height,
+                              double size, uint32_t index, scene_frame *out);
 void scene_free(scene_frame *frame);
 
 /* Radiance of a clear sky that suits both scenes, in a world direction of any

@@ -109,7 +109,7 @@ static void add_ceiling_lamp(world *w, vec3 centre, double half_x,
 }
 
 /* 4 m wide, 6 m deep, 2.6 m high, open behind the camera. */
-static void build_room(world *w, double time) {
+static void build_room(world *w, hbil_projection projection, double time) {
   const vec3 white = grey(0.75);
   shape *s = add_floor(w, vec(0, 0, 0), 2, 3, grey(0.7));
   set_pattern(s, PATTERN_CHECKER, 0.5, vec(0.35, 0.33, 0.3));
@@ -142,9 +142,14 @@ static void build_room(world *w, double time) {
   turn(s, 2.0 * angle);
   set_pattern(s, PATTERN_STRIPES, pi / 6.0, grey(0.8));
 
-  look(w, vec(0.4 * sin(0.05 * time), -2.55 + 0.3 * sin(0.045 * time), 1.35),
-       0.12 * sin(0.08 * time), -0.1);
+  vec3 eye = vec(0.4 * sin(0.05 * time), -2.55 + 0.3 * sin(0.045 * time), 1.35);
+  double yaw = 0.12 * sin(0.08 * time);
   w->fov = 1.0;
+  w->size = 3.4;
+  if (projection == HBIL_PROJECTION_ORTHOGRAPHIC)
+    look(w, vec_add(eye, vec(-0.15, 0.3, 0.1)), yaw + 0.35, -0.3);
+  else
+    look(w, eye, yaw, -0.1);
 }
 
 /* The sun is a square far enough off to send parallel light. */
@@ -169,7 +174,7 @@ static void add_gate(world *w, vec3 place) {
   add_box(w, vec_add(place, vec(0, 0, 2.15)), vec(1.35, 0.36, 0.15), stone);
 }
 
-static void build_sky(world *w, double time) {
+static void build_sky(world *w, hbil_projection projection, double time) {
   shape *s = add_floor(w, vec(0, 30, 0), 60, 60, vec(0.5, 0.46, 0.38));
   set_pattern(s, PATTERN_CHECKER, 2.0, vec(0.4, 0.38, 0.33));
   set_sun(w, vec(-0.55, -0.5, 0.75), 0.012, vec(4.8, 4.5, 3.9));
@@ -196,15 +201,21 @@ static void build_sky(world *w, double time) {
   turn(s, 2.0 * angle);
   set_pattern(s, PATTERN_STRIPES, pi / 4.0, grey(0.25));
 
-  look(w, vec(0.5 * sin(0.06 * time), -0.6 + 0.5 * sin(0.05 * time), 1.6),
-       0.1 * sin(0.07 * time), -0.12);
+  vec3 eye = vec(0.5 * sin(0.06 * time), -0.6 + 0.5 * sin(0.05 * time), 1.6);
+  double yaw = 0.1 * sin(0.07 * time);
   w->fov = 0.9;
+  w->size = 7.0;
+  if (projection == HBIL_PROJECTION_ORTHOGRAPHIC)
+    look(w, vec_add(eye, vec(0, 0, 0.6)), yaw + 0.1, -0.03);
+  else
+    look(w, eye, yaw, -0.12);
 }
 
-void world_build(scene_kind kind, uint32_t index, world *out) {
+void world_build(scene_kind kind, hbil_projection projection, uint32_t index,
+                 world *out) {
   *out = (world){.count = 0};
   if (kind == SCENE_SKY)
-    build_sky(out, index);
+    build_sky(out, projection, index);
   else
-    build_room(out, index);
+    build_room(out, projection, index);
 }

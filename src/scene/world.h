@@ -27,8 +27,10 @@ typedef struct world {
   vec3 eye;
   vec3 right, down, forward; /* of the camera */
   double fov;                /* vertical, radians */
+  double size;               /* across an orthographic picture */
 } world;
 
-void world_build(scene_kind kind, uint32_t index, world *out);
+void world_build(scene_kind kind, hbil_projection projection, uint32_t index,
+                 world *out);
 
 #endif
