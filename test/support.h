@@ -97,7 +97,8 @@ void setup_init(setup *s, int width, int height);
 /* The same, and the inputs of a scene's frame. */
 void setup_scene(setup *s, scene_kind kind, int width, int height,
                  uint32_t index);
-/* Replaces camera and inputs by those of another frame of the scene. */
+/* Replaces camera and inputs by those of another frame of the scene, in the
+ * config's projection. */
 void setup_load_scene(setup *s, scene_kind kind, uint32_t index);
 /* The same with another vertical field of view. */
 void setup_load_view(setup *s, scene_kind kind, double fov_y_degrees,

@@ -6,20 +6,13 @@
 
 #include <pthread.h>
 
-/* Of an orthographic picture; 0: perspective. */
-static double flat_width;
-
 static void check_sequence(setup *s, scene_kind kind, int frames) {
   ref_state reference;
   ref_state_init(&reference, (int)s->config.width, (int)s->config.height);
   setup_all_outputs(s);
-  if (flat_width > 0.0)
-    setup_flatten(s, flat_width);
   setup_start(s);
   for (int i = 0; i < frames; ++i) {
     setup_load_scene(s, kind, (uint32_t)i);
-    if (flat_width > 0.0)
-      setup_flatten(s, flat_width);
     s->frame.index = (cl_uint)i;
     setup_upload(s);
     setup_run(s, hbil_enqueue_frame);
@@ -75,7 +68,7 @@ static void orthographic_sequences_match(void **state) {
   for (int i = 0; i < 3; ++i) {
     setup s;
     setup_scene(&s, i ? SCENE_ROOM : SCENE_SKY, 97, 54, 0);
-    flat_width = 6.0;
+    s.config.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
     if (i == 1) {
       s.config.reprojection = HBIL_REPROJECTION_MOTION;
       s.config.far_field = HBIL_FAR_FRAME;
@@ -89,7 +82,6 @@ static void orthographic_sequences_match(void **state) {
         s.frame.environment[k][k % 3] = 1.0f / (float)(1 + k);
     }
     check_sequence(&s, i ? SCENE_ROOM : SCENE_SKY, 3);
-    flat_width = 0.0;
   }
 }
 
