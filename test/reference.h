@@ -94,7 +94,7 @@ void ref_gather(const ref_job *job, const ref_planes *split,
  * finite thickness cover intervals here, not sectors.
  */
 typedef struct ref_dense {
-  int slices; /* any number from 1; 256 or more for an exact result */
+  int slices;         /* any number from 1; 256 or more for an exact result */
   bool equal_weights; /* leaves the slices' weight J out, which is wrong */
   int threads;        /* 0: two */
   /* One byte per pixel, 0: leave the pixel out (its values stay as they are);

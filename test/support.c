@@ -239,6 +239,11 @@ void setup_camera(setup *s, double fov_y_degrees) {
     camera->world_from_view[5 * i] = 1.0;
 }
 
+void setup_flatten(setup *s, double width) {
+  s->config.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
+  s->frame.camera.fx = s->frame.camera.fy = s->config.width / width;
+}
+
 void setup_load_scene(setup *s, scene_kind kind, uint32_t index) {
   setup_load_view(s, kind, 0.0, index); /* the scene's own */
 }
@@ -247,8 +252,12 @@ void setup_load_view(setup *s, scene_kind kind, double fov_y_degrees,
                      uint32_t index) {
   scene_frame f;
   size_t size = pixels_of(s) * sizeof(float);
-  if (scene_render(kind, s->config.width, s->config.height,
-                   fov_y_degrees * PI / 180.0, index, &f))
+  const bool orthographic =
+      s->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  if (orthographic ? scene_render_orthographic(kind, s->config.width,
+                                               s->config.height, 0.0, index, &f)
+                   : scene_render(kind, s->config.width, s->config.height,
+                                  fov_y_degrees * PI / 180.0, index, &f))
     hard_error("scene_render: out of memory");
   s->frame.camera = f.camera;
   memcpy(s->input[REF_DEPTH], f.depth, size);

@@ -97,13 +97,17 @@ void setup_init(setup *s, int width, int height);
 /* The same, and the inputs of a scene's frame. */
 void setup_scene(setup *s, scene_kind kind, int width, int height,
                  uint32_t index);
-/* Replaces camera and inputs by those of another frame of the scene. */
+/* Replaces camera and inputs by those of another frame of the scene, in the
+ * config's projection. */
 void setup_load_scene(setup *s, scene_kind kind, uint32_t index);
 /* The same with another vertical field of view. */
 void setup_load_view(setup *s, scene_kind kind, double fov_y_degrees,
                      uint32_t index);
 /* Camera looking along +z from the origin. */
 void setup_camera(setup *s, double fov_y_degrees);
+/* What the planes hold is seen by an orthographic camera instead, in a picture
+ * that is so many world units wide; until the camera is loaded anew. */
+void setup_flatten(setup *s, double width);
 /* All outputs, fp32 with the channel count as stride. */
 void setup_all_outputs(setup *s);
 /* A plan of every pass and every skip that is as cheap as can be: packed, all

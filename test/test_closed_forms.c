@@ -8,6 +8,8 @@
 
 static const hbil_format triple = {HBIL_FLOAT32, 3};
 
+/* Perspective.  Orthographic: the pixel's place, with z = 1 for the formulas'
+ * sake. */
 static void ray_at(const setup *s, double x, double y, double ray[3]) {
   const hbil_camera *camera = &s->frame.camera;
   ray[0] = (x - camera->cx) / camera->fx;
@@ -31,13 +33,14 @@ typedef struct wedge {
   double normal[2][3]; /* into the wedge */
   double distance[2];  /* n.P of its points */
   double along[3];     /* the edge */
+  bool orthographic;   /* how it is seen */
 } wedge;
 
 static const double edge_point[3] = {0.1, -0.05, 3.0};
 
 /* The edge lies askew in the picture and in depth; the eye looks into it. */
-static wedge make_wedge(double angle) {
-  wedge w;
+static wedge make_wedge(double angle, bool orthographic) {
+  wedge w = {.orthographic = orthographic};
   double along[3] = {0.3, 1.0, 0.2}, towards[3] = {0, 0, -1}, across[3];
   normalize(along);
   add(towards, -dot(towards, along), along, towards);
@@ -53,8 +56,12 @@ static wedge make_wedge(double angle) {
   return w;
 }
 
-/* Inverse depth of a half-plane along a ray: affine. */
+/* What is affine in the picture and grows towards the eye: a half-plane's
+ * inverse depth along a ray; orthographic, -z, of n.(q, z) = d. */
 static double plane_w(const wedge *w, int side, const double ray[3]) {
+  const double *n = w->normal[side];
+  if (w->orthographic)
+    return (n[0] * ray[0] + n[1] * ray[1] - w->distance[side]) / n[2];
   return dot(w->normal[side], ray) / w->distance[side];
 }
 
@@ -63,15 +70,24 @@ static int seen_side(const wedge *w, const double ray[3]) {
   return plane_w(w, 1, ray) > plane_w(w, 0, ray);
 }
 
+static void plane_point(const wedge *w, int side, const double ray[3],
+                        double point[3]) {
+  const double z =
+      w->orthographic ? -plane_w(w, side, ray) : 1.0 / plane_w(w, side, ray);
+  for (int c = 0; c < 3; ++c)
+    point[c] = c == 2 ? z : ray[c] * (w->orthographic ? 1.0 : z);
+}
+
 /* Side 1 sends radiance 1, side 0 none. */
 static void set_wedge(setup *s, const wedge *w) {
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
-    double ray[3];
+    double ray[3], point[3];
     int side;
     ray_at(s, i % WIDTH + 0.5, i / WIDTH + 0.5, ray);
     side = seen_side(w, ray);
-    assert_true(plane_w(w, side, ray) > 0.0);
-    s->input[REF_DEPTH][i] = (float)(1.0 / plane_w(w, side, ray));
+    plane_point(w, side, ray, point);
+    assert_true(point[2] > 0.0);
+    s->input[REF_DEPTH][i] = (float)point[2];
     for (int c = 0; c < 3; ++c) {
       s->input[REF_NORMAL + c][i] = (float)w->normal[side][c];
       s->input[REF_DIRECT + c][i] = side ? (float)PI : 0.0f;
@@ -90,9 +106,7 @@ static double in_front(const wedge *w, const double ray[3]) {
 
 /* Where a ray meets side 1. */
 static void add_corner(polygon *p, const wedge *w, const double ray[3]) {
-  for (int c = 0; c < 3; ++c)
-    p->corner[p->count][c] = ray[c] / plane_w(w, 1, ray);
-  ++p->count;
+  plane_point(w, 1, ray, p->corner[p->count++]);
 }
 
 /* The part of side 1 that the screen shows. */
@@ -153,7 +167,7 @@ static wedge_errors wedge_deviation(const setup *s, const wedge *w,
     ray_at(s, x + 0.5, y + 0.5, ray);
     if (seen_side(w, ray))
       continue;
-    add((double[3]){0, 0, 0}, 1.0 / plane_w(w, 0, ray), ray, point);
+    plane_point(w, 0, ray, point);
     factor = view_factor(w, &shown, point);
     ++count;
     e.ao += pow(ao - (1.0 - factor), 2.0);
@@ -186,24 +200,25 @@ static void check_infinite(const wedge *w, double angle) {
                 1e-5);
 }
 
-static void start_wedge(setup *s) {
+static void start_wedge(setup *s, bool orthographic) {
   setup_init(s, WIDTH, HEIGHT);
   s->config.albedo.component = s->config.emission.component = HBIL_NONE;
   s->config.facing[0] = s->config.facing[1] = -1.0f;
   s->config.slices = 32;
   s->config.samples = WIDTH;
   s->config.step_growth = 0.0f;
+  if (orthographic)
+    setup_flatten(s, 1.0);
   setup_start(s);
 }
 
-static void wedges_have_the_view_factor_of_the_other_side(void **state) {
+static void check_wedges(bool orthographic) {
   const int degrees[] = {30, 60, 90, 120};
   setup s;
-  (void)state;
-  start_wedge(&s);
+  start_wedge(&s, orthographic);
   for (int i = 0; i < 4; ++i) {
     double angle = degrees[i] * PI / 180.0;
-    wedge w = make_wedge(angle);
+    wedge w = make_wedge(angle, orthographic);
     wedge_errors e;
     ref_planes got;
     check_infinite(&w, angle);
@@ -218,6 +233,16 @@ static void wedges_have_the_view_factor_of_the_other_side(void **state) {
     ref_planes_free(&got);
   }
   setup_free(&s);
+}
+
+static void wedges_have_the_view_factor_of_the_other_side(void **state) {
+  (void)state;
+  check_wedges(false);
+}
+
+static void orthographic_wedges_have_it(void **state) {
+  (void)state;
+  check_wedges(true);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -532,6 +557,7 @@ static void the_dropped_schlick_term_is_as_small_as_stated(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(wedges_have_the_view_factor_of_the_other_side),
+      cmocka_unit_test(orthographic_wedges_have_it),
       cmocka_unit_test(skies_shine_through_cones),
       cmocka_unit_test(bare_planes_have_the_known_constants),
       cmocka_unit_test(near_and_far_light_add_up_to_pi),

@@ -62,6 +62,29 @@ static void sequences_without_history_match(void **state) {
   check_sequence(&s, SCENE_SKY, 2);
 }
 
+/* Through every pass. */
+static void orthographic_sequences_match(void **state) {
+  (void)state;
+  for (int i = 0; i < 3; ++i) {
+    setup s;
+    setup_scene(&s, i ? SCENE_ROOM : SCENE_SKY, 97, 54, 0);
+    s.config.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
+    if (i == 1) {
+      s.config.reprojection = HBIL_REPROJECTION_MOTION;
+      s.config.far_field = HBIL_FAR_FRAME;
+      s.config.refused = HBIL_REFUSED_FRAME;
+    }
+    if (i == 2) {
+      s.config.vector_width = 1;
+      s.config.disocclusion = 0.3f;
+      s.config.far_field = HBIL_FAR_SH;
+      for (int k = 0; k < 9; ++k)
+        s.frame.environment[k][k % 3] = 1.0f / (float)(1 + k);
+    }
+    check_sequence(&s, i ? SCENE_ROOM : SCENE_SKY, 3);
+  }
+}
+
 static void tiny_images_match(void **state) {
   (void)state;
   for (int i = 0; i < 2; ++i) {
@@ -379,6 +402,7 @@ int main(void) {
       cmocka_unit_test(scattered_sequences_match),
       cmocka_unit_test(sequences_that_follow_motion_match),
       cmocka_unit_test(sequences_without_history_match),
+      cmocka_unit_test(orthographic_sequences_match),
       cmocka_unit_test(tiny_images_match),
       cmocka_unit_test(a_second_run_gives_the_same_bits),
       cmocka_unit_test(passes_one_by_one_give_the_same_bits),

@@ -241,6 +241,81 @@ static void hardly_rough_planes_match(void **state) {
   }
 }
 
+/* As rough as can be: normals are not those of the depths. */
+static void orthographic_views_match(void **state) {
+  (void)state;
+  for (int i = 0; i < 10; ++i) {
+    setup s;
+    const settings *t = table + i % 9;
+    setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, 97, 54, 0);
+    setup_flatten(&s, i & 2 ? 6.0 : 60.0);
+    s.config.slices = t->slices;
+    s.config.samples = t->samples;
+    s.config.lattice = t->lattice;
+    s.config.radius = t->radius;
+    memcpy(s.config.facing, t->facing, sizeof(t->facing));
+    s.config.refused = t->refused;
+    s.config.extrapolate = !t->plain;
+    s.config.vector_width = i % 3 ? 8 : 1;
+    if (i >= 6)
+      set_thickness(&s, i & 1 ? 0.1f : INFINITY, i & 2 ? 0.02f : INFINITY);
+    s.config.depth_kind = i & 4 ? HBIL_DEPTH_RAY : HBIL_DEPTH_PLANAR;
+    check_gather(&s);
+  }
+}
+
+/*
+ * From so far away that perspective is gone, a camera sees the same: the
+ * reference, in double, of planes that are (q, z) = (P.xy, P.z) or, from 3e3
+ * behind, (P.xy / (P.z + 3e3), P.z + 3e3).
+ */
+static void far_views_become_orthographic(void **state) {
+  enum { W = 61, H = 37 };
+  const double away = 3e3, pixel = 0.1;
+  random_state r = {.state = 2};
+  ref_planes got[2], split = ref_planes_new(W, H, HBIL_SPLIT_PLANES);
+  setup s;
+  (void)state;
+  setup_init(&s, W, H);
+  s.config.slices = 4;
+  s.config.samples = 16;
+  for (int y = 0; y < H; ++y)
+    for (int x = 0; x < W; ++x) {
+      double n[3] = {random_unit(&r) - 0.5, random_unit(&r) - 0.5, -1.0};
+      normalize(n);
+      *ref_at(&split, HBIL_SPLIT_W, x, y) =
+          -5.0 + 2.0 * random_unit(&r) * random_unit(&r);
+      for (int c = 0; c < 3; ++c) {
+        *ref_at(&split, HBIL_SPLIT_NORMAL + c, x, y) = n[c];
+        *ref_at(&split, HBIL_SPLIT_RED + c, x, y) = random_unit(&r);
+      }
+    }
+  for (int far = 0; far < 2; ++far) {
+    setup_flatten(&s, pixel * W);
+    s.job.config = &s.config;
+    s.job.camera = s.frame.camera;
+    if (far) {
+      s.config.projection = HBIL_PROJECTION_PERSPECTIVE;
+      s.job.camera.fx *= away;
+      s.job.camera.fy *= away;
+      for (int i = 0; i < W * H; ++i)
+        split.values[i] = 1.0 / (away - split.values[i]);
+    }
+    got[far] = ref_planes_new(W, H, HBIL_LIGHT_PLANES);
+    ref_gather(&s.job, &split, got + far);
+  }
+  /* Derived: directions differ by half a picture over the distance, 1e-3, and
+   * depths by the tolerance, 2^-22 of 3e3 to a pixel of 0.1: 7e-3 for the
+   * nearest samples.  Measured: 1.5e-3, 4.2e-3, 8e-4. */
+  check_at_most("AO", relative_rmse(got, got + 1, HBIL_LIGHT_AO, 1), 8e-3);
+  check_at_most("E_near", relative_rmse(got, got + 1, HBIL_LIGHT_RED, 3), 8e-3);
+  check_at_most("bent", relative_rmse(got, got + 1, HBIL_LIGHT_BENT, 3), 8e-3);
+  ref_planes_free(got);
+  ref_planes_free(got + 1);
+  ref_planes_free(&split);
+  setup_free(&s);
+}
+
 static ref_planes room_as_thick_as(float share) {
   setup s;
   ref_planes out;
@@ -383,6 +458,8 @@ int main(void) {
       cmocka_unit_test(equal_and_growing_steps_match),
       cmocka_unit_test(occluders_as_thick_as_they_are_told_match),
       cmocka_unit_test(hardly_rough_planes_match),
+      cmocka_unit_test(orthographic_views_match),
+      cmocka_unit_test(far_views_become_orthographic),
       cmocka_unit_test(endless_occluders_are_the_horizon_s),
       cmocka_unit_test(the_white_furnace_is_closed),
       cmocka_unit_test(the_unit_of_length_does_not_matter),

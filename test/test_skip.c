@@ -7,6 +7,8 @@
 /* Three strips across, the last one not whole; two blocks of cells. */
 #define WIDTH 301
 #define HEIGHT 70
+/* Of an orthographic picture, world units: a wall at depth 2 looks as wide. */
+#define FLAT 6.0
 
 /* Two plans that differ in one skip. */
 typedef struct pair {
@@ -114,6 +116,16 @@ static void ao_alone(setup *s, hbil_mode mode) {
       image_format(&s->config, (image_id)i)->component = HBIL_NONE;
 }
 
+static void orthographic(setup *s) {
+  wall(s);
+  setup_flatten(s, FLAT);
+}
+
+static void orthographic_limited(setup *s) {
+  limited(s);
+  setup_flatten(s, FLAT);
+}
+
 static void gtao(setup *s) {
   ao_alone(s, HBIL_MODE_GTAO);
 }
@@ -123,8 +135,9 @@ static void hbao(setup *s) {
   s->config.radius = 0.3f;
 }
 
-static prepare_function *const kinds[] = {endless,        thick, limited,
-                                          limited_pixels, gtao,  hbao};
+static prepare_function *const kinds[] = {
+    endless, thick, limited,      limited_pixels,
+    gtao,    hbao,  orthographic, orthographic_limited};
 #define KINDS (sizeof kinds / sizeof *kinds)
 
 /* One pixel, nearer than the wall by anything from a rounding to nearly all. */
@@ -146,8 +159,13 @@ static void turn(setup *s, random_state *r) {
       const hbil_camera *c = &s->frame.camera;
       const double rx = (x + 0.5 - c->cx) / c->fx,
                    ry = (y + 0.5 - c->cy) / c->fy;
-      const double n_r = n[0] * rx + n[1] * ry + n[2];
-      s->input[REF_DEPTH][at(x, y)] = n_r < -1e-3 ? (float)(-2.0 / n_r) : 0.0f;
+      const double across = n[0] * rx + n[1] * ry;
+      double z = -2.0 / (across + n[2]); /* n.(r z) = -2 */
+      if (s->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC)
+        z = (-2.0 - across) / n[2]; /* n.(q, z) = -2 */
+      else if (across + n[2] >= -1e-3)
+        z = 0.0;
+      s->input[REF_DEPTH][at(x, y)] = (float)fmax(z, 0.0);
       for (int i = 0; i < 3; ++i)
         s->input[REF_NORMAL + i][at(x, y)] = (float)n[i];
     }
@@ -215,6 +233,8 @@ static void rooms_are_the_same(void **state) {
     start_pair(&p, kinds[k], HBIL_SKIP_ALL);
     for (uint32_t i = 0; i < 2; ++i) {
       setup_load_scene(&p.with, i ? SCENE_SKY : SCENE_ROOM, i);
+      if (p.with.config.projection == HBIL_PROJECTION_ORTHOGRAPHIC)
+        setup_flatten(&p.with, FLAT);
       p.without.frame.camera = p.with.frame.camera;
       compare(&p);
     }

@@ -1207,6 +1207,8 @@ static void any_formats(hbil_config *c, random_state *r) {
 
 static void any_model(hbil_config *c, random_state *r) {
   const float lengths[] = {1e-6f, 0.3f, 2.0f, 1e4f, 1e12f};
+  c->projection = maybe(r, 0.2) ? HBIL_PROJECTION_ORTHOGRAPHIC
+                                : HBIL_PROJECTION_PERSPECTIVE;
   c->mode = (hbil_mode)(maybe(r, 0.6) ? 0 : below(r, 3));
   c->falloff = (hbil_falloff)below(r, 3);
   c->radius = maybe(r, 0.5) ? INFINITY : ANY_OF(r, lengths);
@@ -1245,13 +1247,14 @@ static void any_sampling(hbil_config *c, random_state *r) {
 
 static void tell_settings(uint64_t seed, const hbil_config *c,
                           const char *inputs, const camera_view *v) {
-  TRY("seed %llu: %s, %u x %u, mode %d falloff %d radius %g thickness %g %g "
+  TRY("seed %llu: %s, %u x %u, projection %d mode %d falloff %d radius %g "
+      "thickness %g %g "
       "facing %g %g refused %d gather_emission %d reprojection %d feedback %d "
       "disocclusion %g far_field %d, %u x %u growth %g lattice %d raw %d "
       "storage %d width %u skip %u, depth %d/%u kind %d, normal %d/%u in %d, "
       "direct_scale %g, field of view %g, off centre %g, %g, pixels 1 : %g",
-      (unsigned long long)seed, inputs, c->width, c->height, (int)c->mode,
-      (int)c->falloff, (double)c->radius, (double)c->thickness,
+      (unsigned long long)seed, inputs, c->width, c->height, (int)c->projection,
+      (int)c->mode, (int)c->falloff, (double)c->radius, (double)c->thickness,
       (double)c->relative_thickness, (double)c->facing[0], (double)c->facing[1],
       (int)c->refused, (int)c->gather_emission, (int)c->reprojection,
       (int)c->feedback, (double)c->disocclusion, (int)c->far_field, c->slices,

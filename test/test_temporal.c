@@ -267,22 +267,36 @@ static void ray_of(const hbil_camera *c, double x, double y, double r[3]) {
   r[2] = 1.0;
 }
 
+static bool is_orthographic(const setup *s) {
+  return s->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+}
+
+/* The point of a pixel with that w: inverse depth; orthographic, -z. */
+static void point_of(const setup *s, const hbil_camera *c, double x, double y,
+                     double w, double p[3]) {
+  const double z = is_orthographic(s) ? -w : 1.0 / w;
+  ray_of(c, x, y, p);
+  p[0] *= is_orthographic(s) ? 1.0 : z;
+  p[1] *= is_orthographic(s) ? 1.0 : z;
+  p[2] = z;
+}
+
 static past find_past(const setup *s, const hbil_camera *before,
                       const ref_planes *split, int x, int y) {
   const hbil_camera *now = &s->frame.camera;
   const double *m = now->world_from_view;
   const double w = *ref_at(split, HBIL_SPLIT_W, x, y);
-  double r[3], world[3], p[3], tip[3];
-  past then = {.known = w > 0.0};
+  double point[3], world[3], p[3], tip[3];
+  past then = {.known = is_orthographic(s) ? w > -1e29 : w > 0.0};
   if (!then.known)
     return then;
-  ray_of(now, x, y, r);
+  point_of(s, now, x, y, w, point);
   for (int i = 0; i < 3; ++i) {
     world[i] = tip[i] = m[4 * i + 3];
     for (int c = 0; c < 3; ++c) {
-      world[i] += m[4 * i + c] * r[c] / w;
+      world[i] += m[4 * i + c] * point[c];
       tip[i] += m[4 * i + c] *
-                (r[c] / w + *ref_at(split, HBIL_SPLIT_NORMAL + c, x, y));
+                (point[c] + *ref_at(split, HBIL_SPLIT_NORMAL + c, x, y));
     }
   }
   to_camera(before->world_from_view, world, p);
@@ -294,8 +308,9 @@ static past find_past(const setup *s, const hbil_camera *before,
     then.u = x + s->input[REF_MOTION][y * WIDTH + x];
     then.v = y + s->input[REF_MOTION + 1][y * WIDTH + x];
   } else {
-    then.u = before->fx * p[0] / p[2] + before->cx - 0.5;
-    then.v = before->fy * p[1] / p[2] + before->cy - 0.5;
+    const double spread = is_orthographic(s) ? 1.0 : p[2];
+    then.u = before->fx * p[0] / spread + before->cx - 0.5;
+    then.v = before->fy * p[1] / spread + before->cy - 0.5;
   }
   then.u = snapped(then.u);
   then.v = snapped(then.v);
@@ -318,19 +333,24 @@ static void add_tap(const setup *s, const hbil_camera *before, const past *then,
   if (x < 0 || y < 0 || x >= WIDTH || y >= HEIGHT || weight == 0.0)
     return;
   const double w = kept_value(k, KEPT_W, x, y);
-  if (!(w > 0.0) || !(kept_value(k, KEPT_FRAMES, x, y) > 0.0))
+  if (!(is_orthographic(s) || w > 0.0) ||
+      !(kept_value(k, KEPT_FRAMES, x, y) > 0.0))
     return;
   ray_of(before, x, y, at);
   ray_of(before, then->u, then->v, here);
   kept_normal(k, x, y, n);
   /* of the plane through the expected point */
-  const double expected = dot(then->n, at) / (dot(then->n, here) * then->z);
-  const double off =
-      fabs(w - expected) - s->config.disocclusion * fabs(expected);
+  double expected = dot(then->n, at) / (dot(then->n, here) * then->z);
+  double unit = expected;
+  if (is_orthographic(s)) {
+    expected = (dot(then->n, at) - dot(then->n, here)) / then->n[2] - then->z;
+    unit = WIDTH / before->fx;
+  }
+  const double off = fabs(w - expected) - s->config.disocclusion * fabs(unit);
   const double turn = 1.0 - dot(n, then->n) - HBIL_TURN_TOLERANCE;
   /* fp32 on planes seen edge on */
-  out->close |= fabs(off) < 1e-3 * fabs(expected) || fabs(turn) < 1e-4;
-  if (expected <= 0.0 || off > 0.0 || turn >= 0.0)
+  out->close |= fabs(off) < 1e-3 * fabs(unit) || fabs(turn) < 1e-4;
+  if (unit <= 0.0 || off > 0.0 || turn >= 0.0)
     return;
   out->frames += weight * kept_value(k, KEPT_FRAMES, x, y);
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p) {
@@ -467,12 +487,14 @@ static void check_frame(setup *s, const hbil_camera *before, tally *t) {
 }
 
 /* The camera moves, and a ball. */
-static void check_moving(hbil_reprojection reprojection, cl_uint width) {
+static void check_moving(hbil_reprojection reprojection,
+                         hbil_projection projection, cl_uint width) {
   hbil_camera before;
   tally t = {0, 0, 0};
   setup s;
   init(&s, WIDTH, HEIGHT, MOST);
   s.config.reprojection = reprojection;
+  s.config.projection = projection;
   s.config.motion.component =
       reprojection == HBIL_REPROJECTION_MOTION ? HBIL_FLOAT32 : HBIL_NONE;
   s.config.vector_width = width;
@@ -491,17 +513,22 @@ static void check_moving(hbil_reprojection reprojection, cl_uint width) {
 
 static void a_moving_camera_is_followed(void **state) {
   (void)state;
-  check_moving(HBIL_REPROJECTION_NONE, 0);
+  check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 0);
 }
 
 static void pixel_by_pixel_as_well(void **state) {
   (void)state;
-  check_moving(HBIL_REPROJECTION_NONE, 1);
+  check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 1);
 }
 
 static void motion_vectors_are_followed(void **state) {
   (void)state;
-  check_moving(HBIL_REPROJECTION_MOTION, 0);
+  check_moving(HBIL_REPROJECTION_MOTION, HBIL_PROJECTION_PERSPECTIVE, 0);
+}
+
+static void an_orthographic_camera_is_followed(void **state) {
+  (void)state;
+  check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_ORTHOGRAPHIC, 0);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -798,6 +825,7 @@ int main(void) {
       cmocka_unit_test(a_moving_camera_is_followed),
       cmocka_unit_test(pixel_by_pixel_as_well),
       cmocka_unit_test(motion_vectors_are_followed),
+      cmocka_unit_test(an_orthographic_camera_is_followed),
       cmocka_unit_test(what_was_not_there_begins_anew),
       cmocka_unit_test(borders_are_no_neighbours),
       cmocka_unit_test(what_is_no_number_is_dropped),

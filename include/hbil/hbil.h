@@ -604,7 +604,9 @@ HBIL_API hbil_status hbil_enqueue_composite(
  *   CARRIED    4: RGB of the last frame seen from this one, weight (0: a hole;
  *              those of the sky need not be filled)
  *   SPLIT      7: inverse depth w (<= 0: nothing there), view-space unit normal
- *                 XYZ that faces the eye, radiance RGB
+ *                 XYZ that faces the eye, radiance RGB.  Orthographic: -z in
+ *                 the place of inverse depth (below -5e29: nothing there), in
+ *                 KEPT as well
  *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length);
  *                 8 with HBIL_REFUSED_FRAME, unless facing[1] is -1: share of
  *                 light that is unknown
