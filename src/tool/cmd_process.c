@@ -195,7 +195,8 @@ static void usage(const hbil_config *defaults) {
   printf("  --radius R            world units, or inf (%g)\n"
          "  --thickness T         of occluders, world units (inf)\n"
          "  --relative-thickness T\n"
-         "                        the same as a share of their depth (%g)\n"
+         "                        the same as a share of their depth, or of\n"
+         "                        an orthographic picture's width (%g)\n"
          "  --slices N            per pixel, 1..32 (%u)\n"
          "  --samples N           per side of a slice, 1..256 (%u)\n"
          "  --step-growth G       0: equal steps; the last step is (1+G)^2\n"
@@ -236,7 +237,8 @@ static void usage(const hbil_config *defaults) {
       "                        what is carried over (irradiance)");
   printf(
       "  --disocclusion S      drop carried light where depth is off by more\n"
-      "                        than this share (%g)\n",
+      "                        than this share of it, or of an orthographic\n"
+      "                        picture's width (%g)\n",
       (double)defaults->disocclusion);
   puts(
       "  --temporal N          mean over N frames, 0..1024, whose sampling\n"
