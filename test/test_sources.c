@@ -808,6 +808,7 @@ static void sound_frames_have_none(void **state) {
       write_dump(&d);
       reading r = read_dump(&d);
       no_findings(&r);
+      assert_true(r.check.facing > 0.999);
       done(&r);
       end(&d);
     }
@@ -1066,6 +1067,60 @@ static void picture_of_another_size(void **state) {
   finds(&d, "--orthographic");
 }
 
+/* Nothing that parallel rays show depends on how far away the camera stands:
+ * not what a pixel is, nor how far off is what is elsewhere in the picture. */
+static void far_away(void **state) {
+  enum { AWAY = 1000 };
+  (void)state;
+  for (int elsewhere = 0; elsewhere < 2; elsewhere++) {
+    dump d = sound(SCENE_ROOM);
+    double *m = d.s.camera.world_from_view;
+    add_vectors(&d, "position", xyz, d.s.position, AXES_WORLD, 1);
+    float *z = plane_of(&d, "depth.Z");
+    for (size_t i = 0; i < PIXELS; i++)
+      z[i] += AWAY;
+    for (int k = 0; k < 3; k++)
+      m[4 * k + 3] -= AWAY * m[4 * k + 2] - (elsewhere ? 0.3 * m[4 * k] : 0);
+    if (elsewhere) {
+      finds(&d, "the camera of another frame");
+      continue;
+    }
+    write_dump(&d);
+    reading r = read_dump(&d);
+    r.config.radius = 0.05f;
+    selfcheck_frame(&r.g, &r.config, &r.map.camera, &r.check);
+    no_findings(&r);
+    done(&r);
+    end(&d);
+  }
+}
+
+/* Slats of eight rows that begin in the camera's plane: straight in depth, bent
+ * in its inverse. */
+static void steep_slats(void **state) {
+  enum { SLAT = 8 };
+  const double slope = 2; /* depth along the picture */
+  const double length = sqrt(slope * slope + 1);
+  (void)state;
+  dump d = begin(SCENE_ROOM);
+  add_plane(&d, "depth", "Z");
+  for (int c = 0; c < 3; c++) {
+    float *n = add_plane(&d, "normal", xyz[c]);
+    for (size_t i = 0; i < PIXELS; i++)
+      n[i] = (float)((c == 0 ? 0 : c == 1 ? -slope : 1) / length);
+  }
+  float *z = plane_of(&d, "depth.Z");
+  for (size_t i = 0; i < PIXELS; i++)
+    z[i] = (float)(slope * ((double)(i / WIDTH % SLAT) + 0.1) / d.s.camera.fy);
+  d.options.normals = SPACE_CAMERA;
+  write_dump(&d);
+  reading r = read_dump(&d);
+  assert_true(r.check.agreement > 0.999);
+  no_findings(&r);
+  done(&r);
+  end(&d);
+}
+
 /* Whatever the file says of the lens, the options say another; and a file that
  * is taken for one of perspective doesn't fit. */
 static void options_choose_the_lens(void **state) {
@@ -1286,6 +1341,8 @@ int main(void) {
       PARALLEL(depth_of_a_device),
       PARALLEL(units_of_a_header),
       PARALLEL(picture_of_another_size),
+      PARALLEL(far_away),
+      PARALLEL(steep_slats),
       PARALLEL(options_choose_the_lens),
       PARALLEL(json_sizes),
       PARALLEL(the_scene_itself),
