@@ -119,7 +119,7 @@ small() {
     -e "s|--frames 1-240x2|--frames 1-3x2 $gbuffer/frame_####.exr|" \
     -e "s|\<frame_000[0-9].exr|$gbuffer/&|g; s|FRAME\.exr|$frame|g" \
     -e "s|\<[AB]\.exr:[a-zA-Z]*|$lit:AO|g; s|--heatmap PNG|--heatmap heat.png|" \
-    -e 's| PNG$| sheet.png|; s| NAME$| zip|; s| N$| 2|; s|[][]||g; s/no|yes/yes/; s|A,E|.05,.5|' \
+    -e 's| PNG$| sheet.png|; s| NAME$| zip|; s| N$| 2|; s|[][]||g; s|A,E|.05,.5|' \
     -e 's|--max-error [^ ]*|& --relative-thickness inf|'
 }
 
@@ -135,7 +135,6 @@ complete() {
   *'compare --mask') echo "$1 $frame $lit $lit" ;;
   *'hbil compare'*) echo "$1 $lit:AO $lit:AO" ;;
   *'hbil info') echo "$1 $frame" ;;
-  *'process --temporal') echo "$1 2 --dry-run -o dry $frame" ;;
   *'process '*' -o '* | *'process -o '*) echo "$1" ;;
   *process*.exr*) echo "$1 --dry-run -o dry" ;;
   *process*) echo "$1 --dry-run -o dry $frame" ;;
@@ -143,13 +142,17 @@ complete() {
   esac
 }
 
-# Options that stand alone, each with its value, become one command, whose last
-# ones fit all others; the words of those with a choice were looked up above.
-options=$(grep -e '^--[a-z-]*[ =][^|]*$' "$work/code" |
+# Options that stand alone, each with its value, or behind hbil process without
+# a frame, become one command, whose last ones fit all others; the words of
+# those with a choice were looked up above.
+process='^hbil process\( .*\)\?$'
+options=$(sed "/exr/!{/$process/s/^hbil process *//}; s/^--temporal\$/& 2/" "$work/code" |
+  grep -e '^--[a-z-]*[ =]' -e '^--timings' | grep -v '|' |
   grep -v -e '^--map\|^--runs\|^--heatmap\|^--quality reference' | small |
   sort -u | tr '\n' ' ')
 {
-  grep -E '^([A-Z_]*=[^ ]* )?(build/)?hbil [a-z]' "$work/code" | small
+  grep -E '^([A-Z_]*=[^ ]* )?(build/)?hbil [a-z]' "$work/code" |
+    sed "/exr/!{/$process/d}" | small
   grep -e '^--quality reference' "$work/code" | sed 's/^/hbil process /'
   grep -e '^--runs' "$work/code" | sed 's/^/hbil bench /'
   grep -e '^--heatmap' "$work/code" | sed 's/^/hbil compare /' | small
@@ -208,7 +211,7 @@ elsewhere() { # COMMAND FILE
 elsewhere './bootstrap demo' .ci/run
 elsewhere './bootstrap check' .ci/run
 for part in distcheck installcheck uninstall 'dpkg-buildpackage -us -uc' \
-  'autoreconf -fi' ; do
+  'autoreconf -fi'; do
   elsewhere "$part" test/test_install.sh
 done
 for part in --scaling --skips; do
