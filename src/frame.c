@@ -127,11 +127,6 @@ static hbil_status check_still(hbil_plan *plan, const hbil_frame *frame) {
 
 static hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
                                unsigned images) {
-  if (frame->struct_size != sizeof *frame)
-    return fail(plan->context, HBIL_INVALID_FRAME,
-                "struct_size: %zu, this library's is %zu; call "
-                "hbil_frame_init() first",
-                frame->struct_size, sizeof *frame);
   hbil_status status = camera_check(plan->context, &frame->camera);
   if (status == HBIL_SUCCESS)
     status = check_still(plan, frame);
@@ -910,12 +905,12 @@ static hbil_status finish(commands *chain, cl_event *event) {
 
 /* Passes first..last as one chain of commands. */
 static hbil_status enqueue(hbil_plan *plan, cl_command_queue queue,
-                           const hbil_frame *frame, cl_uint wait_count,
+                           const hbil_frame *given, cl_uint wait_count,
                            const cl_event *wait_list, cl_event *event,
                            hbil_pass first, hbil_pass last) {
   if (!plan)
     return HBIL_INVALID_ARGUMENT;
-  if (!queue || !frame || !wait_count != !wait_list)
+  if (!queue || !given || !wait_count != !wait_list)
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
                 "queue and frame must not be null, wait_list must fit "
                 "wait_count");
@@ -926,14 +921,17 @@ static hbil_status enqueue(hbil_plan *plan, cl_command_queue queue,
                     .queue = queue,
                     .wait_count = wait_count,
                     .wait_list = wait_list};
+  hbil_frame frame;
   hbil_status status = check_queue(plan, queue, &chain.in_order);
   if (status == HBIL_SUCCESS)
-    status = check_frame(plan, frame, images);
+    status = frame_take(plan->context, given, &frame);
+  if (status == HBIL_SUCCESS)
+    status = check_frame(plan, &frame, images);
   chain.events = event || !chain.in_order || plan->config.profiling;
   for (int i = (int)first; i <= (int)last && status == HBIL_SUCCESS; ++i) {
     chain.pass = (hbil_pass)i;
     plan->left_out[i] = plan->may_leave_out[i] = false;
-    status = passes[i].enqueue(&chain, frame);
+    status = passes[i].enqueue(&chain, &frame);
     if (status != HBIL_SUCCESS)
       plan->has_last = false; /* buffers may hold parts of this frame */
   }

@@ -14,14 +14,15 @@
 #define camera_to_world hbil_internal_camera_to_world
 #define camera_view hbil_internal_camera_view
 #define cl_error_name hbil_internal_cl_error_name
-#define config_check hbil_internal_config_check
 #define config_refuses hbil_internal_config_refuses
 #define config_format hbil_internal_config_format
+#define config_take hbil_internal_config_take
 #define fail hbil_internal_fail
 #define fail_cl hbil_internal_fail_cl
 #define far_field_args hbil_internal_far_field_args
 #define format_stride hbil_internal_format_stride
 #define frame_image hbil_internal_frame_image
+#define frame_take hbil_internal_frame_take
 #define image_kinds hbil_internal_image_kinds
 #define kernel_sources hbil_internal_kernel_sources
 #define ladder_of hbil_internal_ladder_of
@@ -96,8 +97,14 @@ const char *cl_error_name(cl_int error);
 
 /* --- settings.c --- */
 
-/* Refuses what is out of range, naming the field and its range. */
-hbil_status config_check(hbil_context *context, const hbil_config *config);
+/* A caller's struct, which may be an older header's and smaller, as a copy of
+ * this library's size; what it lacks is as the init function has it.  All that
+ * is handed in goes through these.  A size that no header has had is refused;
+ * of a config also what is out of range, naming the field and its range. */
+hbil_status config_take(hbil_context *context, const hbil_config *given,
+                        hbil_config *own);
+hbil_status frame_take(hbil_context *context, const hbil_frame *given,
+                       hbil_frame *own);
 
 /* --- program.c --- */
 

@@ -275,26 +275,27 @@ static hbil_status fill_padding(hbil_plan *plan) {
 
 /* --- public --- */
 
-/* config with the width that is chosen for the device where it has none; the
- * sky begins where kernels can't compute any more. */
-static hbil_config resolved_config(const hbil_context *context,
-                                   const hbil_config *config) {
-  hbil_config resolved = *config;
-  if (!resolved.vector_width)
-    resolved.vector_width = context->vector_width;
-  resolved.background = fminf(resolved.background, HBIL_FARTHEST_DEPTH);
-  return resolved;
+/* The caller's config, checked, with the width that is chosen for the device
+ * where it has none; the sky begins where kernels can't compute any more. */
+static hbil_status resolve_config(hbil_context *context,
+                                  const hbil_config *given,
+                                  hbil_config *resolved) {
+  const hbil_status status = config_take(context, given, resolved);
+  if (!resolved->vector_width)
+    resolved->vector_width = context->vector_width;
+  resolved->background = fminf(resolved->background, HBIL_FARTHEST_DEPTH);
+  return status;
 }
 
 hbil_status hbil_plan_memory(hbil_context *context, const hbil_config *config,
                              size_t *bytes) {
   layout sizes;
+  hbil_config resolved;
   if (!context || !config || !bytes)
     return HBIL_INVALID_ARGUMENT;
-  const hbil_status status = config_check(context, config);
+  const hbil_status status = resolve_config(context, config, &resolved);
   if (status != HBIL_SUCCESS)
     return status;
-  const hbil_config resolved = resolved_config(context, config);
   layout_compute(&resolved, &sizes);
   *bytes = 0;
   for (int i = 0; i < BUFFER_COUNT; ++i)
@@ -306,16 +307,17 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
                              hbil_plan **out) {
   if (out)
     *out = NULL;
+  hbil_config resolved;
   if (!context || !config || !out)
     return HBIL_INVALID_ARGUMENT;
-  hbil_status status = config_check(context, config);
+  hbil_status status = resolve_config(context, config, &resolved);
   if (status != HBIL_SUCCESS)
     return status;
   hbil_plan *plan = calloc(1, sizeof *plan);
   if (!plan)
     return fail(context, HBIL_OUT_OF_HOST_MEMORY, "no memory for a plan");
   plan->context = context;
-  plan->config = resolved_config(context, config);
+  plan->config = resolved;
   plan->scatter_keys = context->wide_atomics && plan->config.vector_width > 1;
   layout_compute(&plan->config, &plan->layout);
   if ((status = build_kernels(plan)) != HBIL_SUCCESS ||

@@ -47,9 +47,58 @@ cl_uint format_stride(const hbil_config *config, int image) {
   return stride ? stride : image_kinds[image].channels;
 }
 
+/* --- structs that grow: a caller's may be an older header's --- */
+
+/* Bytes of a struct whose last field is `last`. */
+#define SIZE_UP_TO(type, last)                                                 \
+  ((offsetof(type, last) + sizeof(((const type *)0)->last) + _Alignof(type) -  \
+    1) /                                                                       \
+   _Alignof(type) * _Alignof(type))
+
+/* Bytes in version 0.1, the least that a caller's may have: a later version's
+ * fields stand behind these for ever (configure.ac has the rules). */
+enum {
+  FIRST_CONFIG_SIZE = SIZE_UP_TO(hbil_config, profiling),
+  FIRST_FRAME_SIZE = SIZE_UP_TO(hbil_frame, still)
+};
+
+/* Fills `size` bytes of a caller's struct, struct_size first, from one of this
+ * library's, of `known` bytes; what this library doesn't know is 0. */
+static void init_sized(void *out, size_t size, const void *defaults,
+                       size_t known) {
+  if (!out || size < sizeof size)
+    return;
+  memset(out, 0, size);
+  memcpy(out, defaults, size < known ? size : known);
+  memcpy(out, &size, sizeof size);
+}
+
+/* Copies what the caller's struct has into `own`, which holds the defaults of
+ * the rest and its own size.  Of the caller's nothing but struct_size bytes is
+ * read. */
+static hbil_status take(hbil_context *context, hbil_status refusal,
+                        const char *name, const void *given, size_t least,
+                        void *own) {
+  size_t size, known;
+  memcpy(&size, given, sizeof size);
+  memcpy(&known, own, sizeof known);
+  if (size < least)
+    return fail(context, refusal,
+                "struct_size: %zu, %s has had at least %zu bytes; call "
+                "%s_init() first",
+                size, name, least, name);
+  if (size > known)
+    return fail(context, refusal,
+                "struct_size: %zu, %s of library %s has %zu bytes; the "
+                "program's hbil.h is newer, or %s_init() was not called",
+                size, name, hbil_version(), known, name);
+  memcpy(own, given, size);
+  memcpy(own, &known, sizeof known);
+  return HBIL_SUCCESS;
+}
+
 void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
   const hbil_config defaults = {
-      .struct_size = sizeof(hbil_config),
       .background = INFINITY,
       .direct_scale = 1.0f,
       .motion_scale = {1.0f, 1.0f},
@@ -71,8 +120,7 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .far_field = HBIL_FAR_NONE,
       .skip = HBIL_SKIP_ALL,
   };
-  if (config && struct_size == sizeof defaults)
-    *config = defaults;
+  init_sized(config, struct_size, &defaults, sizeof defaults);
 }
 
 /* The points of the plot of error against time that were worth a name
@@ -112,10 +160,15 @@ const char *hbil_quality_name(hbil_quality quality) {
 }
 
 void hbil_frame_init_sized(hbil_frame *frame, size_t struct_size) {
-  if (!frame || struct_size != sizeof *frame)
-    return;
-  memset(frame, 0, sizeof *frame);
-  frame->struct_size = sizeof *frame;
+  static const hbil_frame nothing;
+  init_sized(frame, struct_size, &nothing, sizeof nothing);
+}
+
+hbil_status frame_take(hbil_context *context, const hbil_frame *given,
+                       hbil_frame *own) {
+  hbil_frame_init(own);
+  return take(context, HBIL_INVALID_FRAME, "hbil_frame", given,
+              FIRST_FRAME_SIZE, own);
 }
 
 /* `value` lies in [least, most]; NaN never does. */
@@ -243,12 +296,9 @@ static hbil_status check_adaptive(hbil_context *context,
   return HBIL_SUCCESS;
 }
 
-hbil_status config_check(hbil_context *context, const hbil_config *config) {
-  if (config->struct_size != sizeof *config)
-    return fail(context, HBIL_INVALID_CONFIG,
-                "struct_size: %zu, this library's is %zu; call "
-                "hbil_config_init() first",
-                config->struct_size, sizeof *config);
+/* Refuses what is out of range, naming the field and its range. */
+static hbil_status config_check(hbil_context *context,
+                                const hbil_config *config) {
   /* Every number with its range. */
   const struct {
     const char *field;
@@ -314,4 +364,12 @@ hbil_status config_check(hbil_context *context, const hbil_config *config) {
     return status;
   status = check_formats(context, config);
   return status == HBIL_SUCCESS ? check_mode(context, config) : status;
+}
+
+hbil_status config_take(hbil_context *context, const hbil_config *given,
+                        hbil_config *own) {
+  hbil_config_init(own);
+  const hbil_status status = take(context, HBIL_INVALID_CONFIG, "hbil_config",
+                                  given, FIRST_CONFIG_SIZE, own);
+  return status == HBIL_SUCCESS ? config_check(context, own) : status;
 }

@@ -54,7 +54,13 @@ works "nor in the exact integral" "$HBIL" process --quiet --quality reference \
 works "nor in info" "$HBIL" info "$1"
 works "nor in a comparison" "$HBIL" compare --heatmap "$work/heat.png" \
   "$work/job/frame_0001.exr:AO" "$work/exact/frame_0001.exr:AO"
-works "nor in a short bench" "$HBIL" bench --quick --size 64x48 --runs 1 \
+mkdir "$work/bin"
+printf '#!/bin/sh\nexit 1\n' >"$work/bin/rsvg-convert"
+chmod +x "$work/bin/rsvg-convert"
+PATH=$work/bin:$PATH
+says "nor in a short bench, which tells that rsvg-convert has failed" \
+  'no bench.png: rsvg-convert' "$HBIL" bench --quick --size 64x48 --runs 1 \
   --pixels 20 -o "$work/bench"
+absent "and leaves no picture" "$work/bench/bench.png"
 
 echo "1..$count"

@@ -123,7 +123,8 @@ SPOIL(far_unknown, c->far_field = (hbil_far_field)7)
 SPOIL(feedback_unknown, c->feedback = (hbil_feedback)7)
 SPOIL(storage_unknown, c->storage = (hbil_storage)2)
 SPOIL(vector_3, c->vector_width = 3)
-SPOIL(size_wrong, c->struct_size -= 8)
+SPOIL(size_small, c->struct_size -= 8)
+SPOIL(size_large, c->struct_size += 8)
 
 static const bad_config bad_configs[] = {
     {"width", width_0},
@@ -170,12 +171,13 @@ static const bad_config bad_configs[] = {
     {"feedback", feedback_unknown},
     {"storage", storage_unknown},
     {"vector_width", vector_3},
-    {"struct_size", size_wrong}};
+    {"struct_size", size_small},
+    {"struct_size", size_large}};
 
 static void assert_refused(hbil_status got, hbil_status want,
                            const char *field) {
   const char *message = hbil_context_message(test_gpu.hbil);
-  if (got != want && !(strcmp(field, "struct_size") == 0 && got))
+  if (got != want)
     fail_msg("%s: status %d, expected %d", field, (int)got, (int)want);
   if (!strstr(message, field))
     fail_msg("%s is not named in the message \"%s\"", field, message);
@@ -270,7 +272,8 @@ SPOIL_FRAME(camera_mirrored, f->camera.world_from_view[0] = -1.0)
 SPOIL_FRAME(camera_sheared, f->camera.world_from_view[1] = 0.5)
 SPOIL_FRAME(camera_moved_nan, f->camera.world_from_view[3] = NAN)
 SPOIL_FRAME(camera_zero, memset(&f->camera, 0, sizeof(f->camera)))
-SPOIL_FRAME(frame_size, f->struct_size -= 8)
+SPOIL_FRAME(frame_small, f->struct_size -= 8)
+SPOIL_FRAME(frame_large, f->struct_size += 8)
 
 static const bad_frame bad_frames[] = {{"depth", no_depth},
                                        {"normal", no_normal},
@@ -292,7 +295,8 @@ static const bad_frame bad_frames[] = {{"depth", no_depth},
                                        {"world_from_view", camera_sheared},
                                        {"world_from_view", camera_moved_nan},
                                        {"camera", camera_zero},
-                                       {"struct_size", frame_size}};
+                                       {"struct_size", frame_small},
+                                       {"struct_size", frame_large}};
 
 static void bad_frames_are_refused_by_name(void **state) {
   setup s;

@@ -332,10 +332,6 @@ grep -q '"light": null' "$work/bench/bench.json"
 ok $? "nor in JSON"
 grep -q '>fast 1x16 layer g2<' "$work/bench/bench.svg"
 ok $? "the plot names a preset"
-printf '#!/bin/sh\nexit 1\n' >"$work/bin/rsvg-convert"
-says "without rsvg-convert one line says so" 'no bench.png: rsvg-convert' \
-  bench -o "$work/bench2"
-absent "and there is no picture" "$work/bench2/bench.png"
 refused "a bench of no pixels" '--pixels 0' bench --pixels 0
 
 # --- bad input ---

@@ -291,7 +291,11 @@ typedef enum hbil_skip {
 } hbil_skip;
 
 typedef struct hbil_config {
-  size_t struct_size; /* set by hbil_config_init() */
+  /* Set by hbil_config_init().  This struct and hbil_frame may grow in later
+   * versions, at their ends; programs that were compiled with a smaller one
+   * get the defaults of what they don't know.  A larger one than the library
+   * has, of a newer header, is refused. */
+  size_t struct_size;
 
   cl_uint width, height; /* pixels, 1..16384 */
 
@@ -452,7 +456,8 @@ HBIL_API hbil_status hbil_config_set_quality(hbil_config *config,
 /* "fast", "balanced", "high", "reference"; NULL for any other number. */
 HBIL_API const char *hbil_quality_name(hbil_quality quality);
 
-/* Defaults; width, height and the formats are left at 0 for the caller. */
+/* Defaults, in struct_size bytes; width, height and the formats are left at 0
+ * for the caller. */
 HBIL_API void hbil_config_init_sized(hbil_config *config, size_t struct_size);
 #define hbil_config_init(config)                                               \
   hbil_config_init_sized((config), sizeof(hbil_config))
@@ -479,7 +484,7 @@ HBIL_API void hbil_camera_from_opengl(hbil_camera *camera,
                                       double cy);
 
 typedef struct hbil_frame {
-  size_t struct_size; /* set by hbil_frame_init() */
+  size_t struct_size; /* set by hbil_frame_init(); see hbil_config's */
   hbil_camera camera;
   /* Inputs and outputs: exactly those whose format the plan has. */
   hbil_image depth, normal, albedo, f0, direct, emission, motion;
@@ -503,7 +508,8 @@ typedef struct hbil_frame {
   cl_bool still;
 } hbil_frame;
 
-/* Everything zero: no images, no far light, an invalid camera. */
+/* Everything zero, in struct_size bytes: no images, no far light, an invalid
+ * camera. */
 HBIL_API void hbil_frame_init_sized(hbil_frame *frame, size_t struct_size);
 #define hbil_frame_init(frame)                                                 \
   hbil_frame_init_sized((frame), sizeof(hbil_frame))
