@@ -17,8 +17,8 @@
  *
  * Builds: FAR (0 none, 1 constant, 2 SH, 3 the frame's own estimate), inputs'
  * and outputs' formats, HAS_*, OUT_*, BENT_IS_WORLD, FEEDBACK_RADIANCE,
- * GATHER_EMISSION, GATHER_RADIANCE, GATHER_BENT, HISTORY. Launch: x = vectors
- * of HBIL_WIDTH pixels, y = rows.
+ * GATHER_EMISSION, GATHER_RADIANCE, GATHER_BENT, HISTORY. Launch: x = groups of
+ * HBIL_TILE pixels of a row, single ones where HBIL_WIDTH is 1, y = rows.
  */
 
 #if OUT_NEAR
@@ -45,6 +45,30 @@ STORER(radiance, RADIANCE_TYPE, RADIANCE_STRIDE)
 #if OUT_ERROR
 STORER(error, ERROR_TYPE, ERROR_STRIDE)
 #endif
+
+/* Vectors of a row that a work-item takes on CPUs.  It keeps what they come to
+ * and stores plane by plane, two whole cache lines at a time: stores past the
+ * caches of less than a line, to twenty planes in turn, take twice as long as
+ * fetching what they overwrite, whole ones half. */
+#if HBIL_WIDTH == 1
+#define PARTS 1
+#else
+#define PARTS (HBIL_TILE / HBIL_WIDTH)
+#endif
+
+/* What is kept, each PARTS vectors. */
+enum {
+  KEPT_AO = 0,
+  KEPT_CONE = KEPT_AO + OUT_AO,
+  KEPT_ERROR = KEPT_CONE + OUT_CONE,
+  KEPT_BENT = KEPT_ERROR + 2 * OUT_ERROR,
+  KEPT_NEAR = KEPT_BENT + 3 * OUT_BENT,
+  KEPT_FAR = KEPT_NEAR + 3 * OUT_NEAR,
+  KEPT_INDIRECT = KEPT_FAR + 3 * OUT_FAR,
+  KEPT_RADIANCE = KEPT_INDIRECT + 3 * OUT_INDIRECT,
+  KEPT_HISTORY = KEPT_RADIANCE + 3 * OUT_RADIANCE,
+  KEPT_COUNT = KEPT_HISTORY + HISTORY * HBIL_HISTORY_PLANES
+};
 
 #define INV_PI 0.318309886f
 #define PI 3.14159265f
@@ -149,151 +173,189 @@ composite(const hbil_view_args view, const hbil_transform_args world,
           const hbil_image_args indirect_image, global void *radiance_buffer,
           const hbil_image_args radiance_image, global void *error_buffer,
           const hbil_image_args error_image, volatile global uint *repaired) {
-  const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
-  if (x >= view.width || y >= view.height)
+  const int x0 = (int)get_global_id(0) * (PARTS * HBIL_WIDTH);
+  const int y = (int)get_global_id(1);
+  if (x0 >= view.width || y >= view.height)
     return;
-  const int count = view.width - x;
-  const uint pixel = (uint)y * planes.row + (uint)x;
-  resolved += pixel;
-  const realv rx = ray_x(view, x, 1);
-  const float ry = ray_y(view, y);
-  const realv z =
-      planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count), rx,
-                   ry, background);
-  const intv solid = z > 0.0f;
-  /* a mean of values up to 1 may round to just above it */
-  const realv ao = clamp(LOADV(resolved), 0.0f, 1.0f);
-  const realv t2 = 1.0f - ao;
-  const realv t = select((realv)0.0f, sqrt(t2), solid);
+  const int parts = min(PARTS, (view.width - x0 + HBIL_WIDTH - 1) / HBIL_WIDTH);
+  realv kept[KEPT_COUNT][PARTS];
+  for (int part = 0; part < parts; ++part) {
+    const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
+    global const float *at = resolved + (uint)y * planes.row + (uint)x;
+    const realv rx = ray_x(view, x, 1);
+    const float ry = ray_y(view, y);
+    const realv z =
+        planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count), rx,
+                     ry, background);
+    const intv solid = z > 0.0f;
+    /* a mean of values up to 1 may round to just above it */
+    const realv ao = clamp(LOADV(at), 0.0f, 1.0f);
+    const realv t2 = 1.0f - ao;
+    const realv t = select((realv)0.0f, sqrt(t2), solid);
 #if OUT_AO
-  store_ao(ao, ao_buffer, ao_image, x, y, 0, count);
+    kept[KEPT_AO][part] = ao;
 #endif
 #if OUT_CONE
-  store_cone(t, cone_buffer, cone_image, x, y, 0, count);
+    kept[KEPT_CONE][part] = t;
 #endif
 #if OUT_ERROR
-  store_error(LOADV(resolved + ERROR_PLANE * planes.plane), error_buffer,
-              error_image, x, y, 0, count);
+    kept[KEPT_ERROR][part] = LOADV(at + ERROR_PLANE * planes.plane);
 #if GATHER_RADIANCE
-  store_error(LOADV(resolved + (ERROR_PLANE + 1) * planes.plane), error_buffer,
-              error_image, x, y, 1, count);
+    kept[KEPT_ERROR + 1][part] = LOADV(at + (ERROR_PLANE + 1) * planes.plane);
 #else
-  store_error((realv)0.0f, error_buffer, error_image, x, y, 1, count);
+    kept[KEPT_ERROR + 1][part] = 0.0f;
 #endif
 #endif
 #if GATHER_BENT
-  realv bent[3], axis[3];
+    realv bent[3], axis[3];
 #pragma unroll
-  for (int c = 0; c < 3; ++c)
-    bent[c] = LOADV(resolved + (HBIL_LIGHT_BENT + c) * planes.plane);
-  turned(world, bent, axis);
+    for (int c = 0; c < 3; ++c)
+      bent[c] = LOADV(at + (HBIL_LIGHT_BENT + c) * planes.plane);
+    turned(world, bent, axis);
 #if OUT_BENT
 #pragma unroll
-  for (int c = 0; c < 3; ++c)
-    store_bent(BENT_IS_WORLD ? axis[c] : bent[c], bent_buffer, bent_image, x, y,
-               c, count);
+    for (int c = 0; c < 3; ++c)
+      kept[KEPT_BENT + c][part] = BENT_IS_WORLD ? axis[c] : bent[c];
 #endif
 #endif
 #if FAR == 2
-  const realv aperture[3] = {ao, fma(-t2, t, (realv)1.0f),
-                             3.0f * fma(-t2, t2, (realv)1.0f) - 2.0f * ao};
-  const realv ray[3] = {rx, ry, 1.0f};
-  realv sky[3];
-  turned(world, ray, sky);
-  const realv inv_r = 1.0f / sqrt(fma(rx, rx, (realv)fma(ry, ry, 1.0f)));
+    const realv aperture[3] = {ao, fma(-t2, t, (realv)1.0f),
+                               3.0f * fma(-t2, t2, (realv)1.0f) - 2.0f * ao};
+    const realv ray[3] = {rx, ry, 1.0f};
+    realv sky[3];
+    turned(world, ray, sky);
+    const realv inv_r = 1.0f / sqrt(fma(rx, rx, (realv)fma(ry, ry, 1.0f)));
 #pragma unroll
-  for (int c = 0; c < 3; ++c)
-    sky[c] *= inv_r;
-  const realv unscaled[3] = {SH_RADIANCE_0, SH_RADIANCE_1, SH_RADIANCE_2};
+    for (int c = 0; c < 3; ++c)
+      sky[c] *= inv_r;
+    const realv unscaled[3] = {SH_RADIANCE_0, SH_RADIANCE_1, SH_RADIANCE_2};
 #endif
 #if HISTORY
-  history += hbil_history_origin(planes);
-  STOREV(select((realv)0.0f, 1.0f / z, solid), history + pixel);
+    kept[KEPT_HISTORY + HBIL_HISTORY_W][part] =
+        select((realv)0.0f, 1.0f / z, solid);
 #endif
 #if FAR == 3
-  realv frame[3];
-  frame_light(estimate, bent[0], bent[1], bent[2], frame);
-  const realv unlit = unlit_share(environment, ao, direct_scale, direct_buffer,
-                                  direct_image, x, y, count);
+    realv frame[3];
+    frame_light(estimate, bent[0], bent[1], bent[2], frame);
+    const realv unlit = unlit_share(environment, ao, direct_scale,
+                                    direct_buffer, direct_image, x, y, count);
 #endif
 #if FAR == 1 || FAR == 2
-  /* a loop may not index the argument: see turned() */
-  const hbil_sh_args far[3] = {environment.channel[0], environment.channel[1],
-                               environment.channel[2]};
+    /* a loop may not index the argument: see turned() */
+    const hbil_sh_args far[3] = {environment.channel[0], environment.channel[1],
+                                 environment.channel[2]};
 #endif
-  intv sound[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
-                                     TRUE_LANES};
+    intv sound[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
+                                       TRUE_LANES};
 #pragma unroll
-  for (int c = 0; c < 3; ++c) {
-    realv near_light = 0.0f, far_light = 0.0f, behind = 0.0f;
+    for (int c = 0; c < 3; ++c) {
+      realv near_light = 0.0f, far_light = 0.0f, behind = 0.0f;
 #if GATHER_RADIANCE
-    /* a sum of differences of angles may round to just below 0; what is no
-     * number stays none, to be seen */
-    near_light = LOADV(resolved + (HBIL_LIGHT_RED + c) * planes.plane);
-    near_light = select(near_light, (realv)0.0f, near_light < 0.0f);
+      /* a sum of differences of angles may round to just below 0; what is no
+       * number stays none, to be seen */
+      near_light = LOADV(at + (HBIL_LIGHT_RED + c) * planes.plane);
+      near_light = select(near_light, (realv)0.0f, near_light < 0.0f);
 #endif
 #if FAR == 1
-    behind = far[c].sh[0];
-    far_light = PI * ao * behind;
+      behind = far[c].sh[0];
+      far_light = PI * ao * behind;
 #elif FAR == 3
-    far_light =
-        PI * unlit * unseen_light(frame[c], near_light * INV_PI, 1.0f - ao);
+      far_light =
+          PI * unlit * unseen_light(frame[c], near_light * INV_PI, 1.0f - ao);
 #elif FAR == 2
-    behind = sh_light(far[c], sky, unscaled);
-    far_light = sh_light(far[c], axis, aperture);
+      behind = sh_light(far[c], sky, unscaled);
+      far_light = sh_light(far[c], axis, aperture);
 #endif
-    far_light = select((realv)0.0f, far_light, solid);
-    realv reflectance = 1.0f, diffuse = 1.0f, irradiance = 0.0f;
-    realv emitted = 0.0f;
+      far_light = select((realv)0.0f, far_light, solid);
+      realv reflectance = 1.0f, diffuse = 1.0f, irradiance = 0.0f;
+      realv emitted = 0.0f;
 #if HAS_ALBEDO
-    reflectance =
-        sound_share(load_albedo(albedo_buffer, albedo_image, x, y, c, count),
-                    sound + HBIL_SURFACE_ALBEDO);
+      reflectance =
+          sound_share(load_albedo(albedo_buffer, albedo_image, x, y, c, count),
+                      sound + HBIL_SURFACE_ALBEDO);
 #endif
 #if HAS_F0
-    diffuse -= sound_share(load_f0(f0_buffer, f0_image, x, y, c, count),
-                           sound + HBIL_SURFACE_F0);
+      diffuse -= sound_share(load_f0(f0_buffer, f0_image, x, y, c, count),
+                             sound + HBIL_SURFACE_F0);
 #endif
 #if HAS_DIRECT
-    irradiance = sound_light(
-        direct_scale * load_direct(direct_buffer, direct_image, x, y, c, count),
-        sound + HBIL_SURFACE_DIRECT);
+      irradiance =
+          sound_light(direct_scale * load_direct(direct_buffer, direct_image, x,
+                                                 y, c, count),
+                      sound + HBIL_SURFACE_DIRECT);
 #endif
 #if HAS_EMISSION
-    emitted = sound_light(
-        load_emission(emission_buffer, emission_image, x, y, c, count),
-        sound + HBIL_SURFACE_EMISSION);
-    behind = emitted;
+      emitted = sound_light(
+          load_emission(emission_buffer, emission_image, x, y, c, count),
+          sound + HBIL_SURFACE_EMISSION);
+      behind = emitted;
 #endif
-    const realv light = near_light + far_light;
-    const realv indirect = diffuse * INV_PI * light;
-    const realv reflected =
-        reflectance * fma(diffuse * INV_PI, irradiance, indirect);
+      const realv light = near_light + far_light;
+      const realv indirect = diffuse * INV_PI * light;
+      const realv reflected =
+          reflectance * fma(diffuse * INV_PI, irradiance, indirect);
 #if OUT_NEAR
-    store_near(near_light, near_buffer, near_image, x, y, c, count);
+      kept[KEPT_NEAR + c][part] = near_light;
 #endif
 #if OUT_FAR
-    store_far(far_light, far_buffer, far_image, x, y, c, count);
+      kept[KEPT_FAR + c][part] = far_light;
 #endif
 #if OUT_INDIRECT
-    store_indirect(select((realv)0.0f, indirect, solid), indirect_buffer,
-                   indirect_image, x, y, c, count);
+      kept[KEPT_INDIRECT + c][part] = select((realv)0.0f, indirect, solid);
 #endif
 #if OUT_RADIANCE
-    store_radiance(select(behind, reflected + emitted, solid), radiance_buffer,
-                   radiance_image, x, y, c, count);
+      kept[KEPT_RADIANCE + c][part] =
+          select(behind, reflected + emitted, solid);
 #endif
 #if HISTORY
 #if FEEDBACK_RADIANCE
-    const realv carried = GATHER_EMISSION ? reflected + emitted : reflected;
+      const realv carried = GATHER_EMISSION ? reflected + emitted : reflected;
 #else
-    const realv carried = light;
+      const realv carried = light;
 #endif
-    STOREV(select((realv)0.0f, carried, solid),
-           history + (HBIL_HISTORY_RED + c) * planes.plane + pixel);
+      kept[KEPT_HISTORY + HBIL_HISTORY_RED + c][part] =
+          select((realv)0.0f, carried, solid);
+#endif
+    }
+#if COUNT_SURFACE || COUNT_F0 || COUNT_EMISSION
+    count_repaired(sound, solid, repaired + HBIL_REPAIRED_LATE);
 #endif
   }
-#if COUNT_SURFACE || COUNT_F0 || COUNT_EMISSION
-  count_repaired(sound, solid, repaired + HBIL_REPAIRED_LATE);
+#define STORE_CHANNELS(name, channels, first)                                  \
+  for (int c = 0; c < (channels); ++c)                                         \
+    for (int part = 0; part < parts; ++part)                                   \
+      store_##name(kept[(first) + c][part], name##_buffer, name##_image,       \
+                   x0 + part * HBIL_WIDTH, y, c,                               \
+                   view.width - x0 - part * HBIL_WIDTH);
+#if OUT_AO
+  STORE_CHANNELS(ao, 1, KEPT_AO)
+#endif
+#if OUT_CONE
+  STORE_CHANNELS(cone, 1, KEPT_CONE)
+#endif
+#if OUT_ERROR
+  STORE_CHANNELS(error, 2, KEPT_ERROR)
+#endif
+#if OUT_BENT
+  STORE_CHANNELS(bent, 3, KEPT_BENT)
+#endif
+#if OUT_NEAR
+  STORE_CHANNELS(near, 3, KEPT_NEAR)
+#endif
+#if OUT_FAR
+  STORE_CHANNELS(far, 3, KEPT_FAR)
+#endif
+#if OUT_INDIRECT
+  STORE_CHANNELS(indirect, 3, KEPT_INDIRECT)
+#endif
+#if OUT_RADIANCE
+  STORE_CHANNELS(radiance, 3, KEPT_RADIANCE)
+#endif
+#if HISTORY
+  history += hbil_history_origin(planes) + (uint)y * planes.row + (uint)x0;
+  for (int p = 0; p < HBIL_HISTORY_PLANES; ++p)
+    for (int part = 0; part < parts; ++part)
+      STREAMV(kept[KEPT_HISTORY + p][part],
+              history + (uint)p * planes.plane + part * HBIL_WIDTH);
 #endif
 }

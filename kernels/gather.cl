@@ -65,8 +65,11 @@
 #define STRIP (HBIL_TILE / HBIL_WIDTH)
 #endif
 
-/* Whether what each sample adds must be known, or the highest is enough. */
+/* Whether what each sample adds must be known, or the highest is enough; the
+ * latter where light is asked for, but a strip has none in reach. */
 #define SHARES (GATHER_RADIANCE || HBAO || FINITE)
+#define HIGHEST_WILL_DO(light_here)                                            \
+  (!SHARES || (SKIP_DARK && !HBAO && !FINITE && (light_here) == LIGHT_NONE))
 
 #define PI 3.14159265f
 #define HALF_PI 1.57079633f
@@ -378,6 +381,59 @@ raise_all(const center c, march *state, uint hits, const realv *excess,
 }
 #endif
 
+/* Looks at `count` samples, or those before the border and the end of the
+ * reach: their excesses; if they have shares, which of them rise in some lane,
+ * as bits; the highest.  Returns how many there are.  Always inlined, as
+ * raise_all(). */
+static inline __attribute__((always_inline)) int
+look(const hbil_gather_args args, const center *c,
+     global const hbil_step *steps, int count, global const float *from,
+     uint plane, int x, int y, float reach, bool shares, realv (*excess)[STRIP],
+     uint *hits, realv *top) {
+  const hbil_layer_args in = args.split;
+  const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
+  int k = 0;
+  for (int v = 0; v < STRIP; ++v)
+    hits[v] = 0u;
+  for (; k < count; ++k) {
+    global const hbil_step *step = steps + k;
+    /* Offsets only grow: past the border nothing follows, nor beyond what is
+     * in reach. */
+    if ((uint)(y + step->dy) >= (uint)in.height ||
+        (uint)(x + step->dx + (STRIP * HBIL_WIDTH - 1)) >= columns)
+      break;
+#if LIMITED && SKIP_RADIUS
+    if (step->inv_e * reach < 1.0f)
+      break;
+#endif
+    global const float *sample = from + step->offset;
+    if (shares)
+      fetch_early(sample, plane);
+    const realv inv_e = step->inv_e, keep = args.keep;
+    const realv e_x = step->ux, e_y = step->uy;
+#pragma unroll
+    for (int v = 0; v < STRIP; ++v) {
+      const realv w1 = LOADV(sample + v * HBIL_WIDTH);
+      /* the difference first: it loses no digits (Sterbenz) where w1 is near w,
+       * and products of both would */
+      realv e =
+          fma(fma(w1, keep, -c[v].w), inv_e, -fma(c[v].gx, e_x, c[v].gy * e_y));
+#if LIMITED
+      e = within(&c[v], w1, step, args.radius, e);
+#endif
+#if SHARES || EXTRAPOLATE
+      excess[k][v] = e;
+#endif
+      if (shares)
+        hits[v] |= (uint)ANY(e > top[v]) << k;
+#if !FINITE
+      top[v] = max(top[v], e);
+#endif
+    }
+  }
+  return k;
+}
+
 /* Sums of a pixel over its half-slices: J A at the horizon and at the tangent
  * plane, the same of b, b in the slice's u and along wo; J times light. */
 typedef struct total {
@@ -667,6 +723,23 @@ static inline cut cut_of(const center *c, float ux, float uy) {
   return s;
 }
 
+#if !HBAO && !FINITE
+/* The march's end, of its highest sample alone; without one above the tangent
+ * plane this is the horizon itself. */
+static inline void take_highest(const center *c, const cut *s, const side_of *h,
+                                realv highest, march *m) {
+  const intv rises = highest > c->least_excess;
+  const realv cot = fma(s->slope, highest, h->cot_tangent);
+  realv g, sin2;
+  horizon_terms(cot, &g, &sin2);
+  m->a = select(m->a, measure(cot, g, sin2, h->nx, c->cosine), rises);
+#if GATHER_BENT
+  m->g = select(m->g, g, rises);
+  m->sin2 = select(m->sin2, sin2, rises);
+#endif
+}
+#endif
+
 #if EXTRAPOLATE
 /*
  * Between samples there are occluders that none of them meets.  Half of the
@@ -916,7 +989,6 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #endif
   const uint pattern = 2u * (uint)all_slices * (uint)(samples + 1);
   steps += (uint)layer * pattern;
-  const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
   const float dither = ((float)hbil_shift_slot(layer) + 0.5f) / 16.0f;
 
   center c[STRIP];
@@ -1005,45 +1077,12 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         realv excess[BLOCK][STRIP];
         uint hits[STRIP];
         const int count = min(BLOCK, samples - first);
-        int k = 0;
-        for (int v = 0; v < STRIP; ++v)
-          hits[v] = 0u;
-        for (; k < count; ++k) {
-          global const hbil_step *step = steps + first + k;
-          /* Offsets only grow: past the border nothing follows, nor beyond
-           * what is in reach. */
-          if ((uint)(y + step->dy) >= (uint)in.height ||
-              (uint)(x + step->dx + (STRIP * HBIL_WIDTH - 1)) >= columns)
-            break;
-#if LIMITED && SKIP_RADIUS
-          if (step->inv_e * whole.reach < 1.0f)
-            break;
-#endif
-          global const float *sample = from + step->offset;
-          fetch_early(sample, plane);
-          const realv inv_e = step->inv_e, keep = args.keep;
-          const realv e_x = step->ux, e_y = step->uy;
-#pragma unroll
-          for (int v = 0; v < STRIP; ++v) {
-            const realv w1 = LOADV(sample + v * HBIL_WIDTH);
-            /* the difference first: it loses no digits (Sterbenz) where w1 is
-             * near w, and products of both would */
-            realv e = fma(fma(w1, keep, -c[v].w), inv_e,
-                          -fma(c[v].gx, e_x, c[v].gy * e_y));
-#if LIMITED
-            e = within(&c[v], w1, step, args.radius, e);
-#endif
-#if SHARES || EXTRAPOLATE
-            excess[k][v] = e;
-#endif
-#if SHARES
-            hits[v] |= (uint)ANY(e > top[v]) << k;
-#endif
-#if !FINITE
-            top[v] = max(top[v], e);
-#endif
-          }
-        }
+        /* two loops, since what light takes is no less where it is masked */
+        const int k = HIGHEST_WILL_DO(light_here)
+                          ? look(args, c, steps + first, count, from, plane, x,
+                                 y, whole.reach, false, excess, hits, top)
+                          : look(args, c, steps + first, count, from, plane, x,
+                                 y, whole.reach, true, excess, hits, top);
 #if EXTRAPOLATE && !FINITE
         for (int i = 0; i < k; ++i) {
           const int halves = steps[first + i].halves;
@@ -1056,7 +1095,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         }
 #endif
 #if SHARES
-        for (int v = 0; v < STRIP; ++v)
+        for (int v = 0; v < STRIP && !HIGHEST_WILL_DO(light_here); ++v)
           raise_all(c[v], &m[v], hits[v], &excess[0][v], steps + first,
                     from + v * HBIL_WIDTH, plane, args,
                     half_slice[v].cot_tangent, s[v].slope, half_slice[v].nx,
@@ -1067,14 +1106,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       }
       steps += samples;
       for (int v = 0; v < STRIP; ++v) {
-#if !SHARES
-        /* without a sample above it the tangent plane itself is the horizon */
-        const realv tangent = half_slice[v].cot_tangent;
-        horizon_terms(select(tangent, fma(s[v].slope, top[v], tangent),
-                             top[v] > c[v].least_excess),
-                      &m[v].g, &m[v].sin2);
-        m[v].a =
-            measure(0.0f, m[v].g, m[v].sin2, half_slice[v].nx, c[v].cosine);
+#if !HBAO && !FINITE
+        if (HIGHEST_WILL_DO(light_here))
+          take_highest(&c[v], &s[v], &half_slice[v], top[v], &m[v]);
 #endif
         realv more = 1.0f, less = 1.0f;
 #if EXTRAPOLATE && FINITE
