@@ -34,44 +34,49 @@ static inline realv squared_length(const realv n[3]) {
   return fma(n[0], n[0], fma(n[1], n[1], n[2] * n[2]));
 }
 
-/* Makes it a unit normal that faces the eye by at least HBIL_MIN_COSINE;
- * (rx, ry, 1) is the ray, a normal that cannot be used becomes -ray and is
- * taken from `sound`. */
+/* Makes it a normal that faces the eye by at least HBIL_MIN_COSINE, of unit
+ * length unless pack_normal() will see to that; (rx, ry, 1) is the ray, a
+ * normal that cannot be used becomes -ray and is taken from `sound`. */
 static inline void facing_normal(realv n[3], realv rx, float ry, intv *sound) {
-  const realv inv_r = 1.0f / sqrt(fma(rx, rx, (realv)fma(ry, ry, 1.0f)));
-  const realv wo[3] = {-rx * inv_r, -ry * inv_r, -inv_r};
+  const realv ray2 = fma(rx, rx, (realv)fma(ry, ry, 1.0f));
   const realv length2 = squared_length(n);
   const intv usable = sound_normal(length2);
   *sound &= usable;
-  const realv inv_length = 1.0f / sqrt(length2);
+  /* times both lengths: nearly every normal is plain, and the roots and
+   * quotients below are a quarter of this kernel's time.  A hundredth more than
+   * enough, so that no rounding matters. */
+  const realv towards = -fma(n[0], rx, fma(n[1], (realv)ry, n[2]));
+  const float least = 1.01f * HBIL_MIN_COSINE;
+  const intv plain = usable & (towards > 0.0f) &
+                     (towards * towards > least * least * ray2 * length2);
+#if PACKED
+  const realv scale = 1.0f, eye_scale = 1.0f;
+#else
+  const realv scale = 1.0f / sqrt(length2), eye_scale = 1.0f / sqrt(ray2);
+#endif
+  const intv odd = !plain;
+  if (ANY(odd)) {
+    const realv inv_r = 1.0f / sqrt(ray2), inv_length = 1.0f / sqrt(length2);
+    const realv eye[3] = {-rx, (realv)-ry, -1.0f};
+    realv cosine = 0.0f, bent[3], bent2 = 0.0f;
 #pragma unroll
-  for (int c = 0; c < 3; ++c)
-    n[c] = select(wo[c], n[c] * inv_length, usable);
-  const realv cosine = fma(n[0], wo[0], fma(n[1], wo[1], n[2] * wo[2]));
-  const intv away = cosine < HBIL_MIN_COSINE;
-  if (ANY(away)) {
-    realv bent[3], bent2 = 0.0f;
+    for (int c = 0; c < 3; ++c)
+      cosine = fma(n[c] * inv_length, eye[c] * inv_r, cosine);
+    const realv missing = max(HBIL_MIN_COSINE - cosine, (realv)0.0f);
 #pragma unroll
     for (int c = 0; c < 3; ++c) {
-      bent[c] = fma(HBIL_MIN_COSINE - cosine, wo[c], n[c]);
+      bent[c] = fma(missing, eye[c] * inv_r, n[c] * inv_length);
       bent2 = fma(bent[c], bent[c], bent2);
     }
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      n[c] = select(n[c], bent[c] / sqrt(bent2), away);
+      n[c] = select(select(eye[c] * eye_scale, bent[c] / sqrt(bent2), usable),
+                    n[c] * scale, plain);
+  } else {
+#pragma unroll
+    for (int c = 0; c < 3; ++c)
+      n[c] *= scale;
   }
-}
-
-/* Nothing anywhere, padding included; once per plan.  Launch: x = rows of
- * layers, from the one above to the one below. */
-kernel void clear_layers(global float *layers, const hbil_layer_args layout) {
-  const int at = (int)get_global_id(0);
-  if (at >= HBIL_LAYERS * (layout.height + 2) || get_global_id(1) > 0)
-    return;
-  layers += (uint)(at / HBIL_LAYERS) * layout.row +
-            (uint)(at % HBIL_LAYERS) * layout.layer;
-  for (uint x = 0; x < layout.layer; ++x)
-    layers[x] = x < layout.span ? HBIL_NOTHING : 0.0f;
 }
 
 #if PACKED && GATHER_RADIANCE

@@ -212,7 +212,7 @@ enum {
   KERNEL_COUNT
 };
 
-enum { PROGRAM_COUNT = 11 };
+enum { PROGRAM_COUNT = 12 };
 
 /* log2(16384) + 1: levels of the largest push/pull chain. */
 enum { MAX_CHAIN = 15 };

@@ -91,6 +91,7 @@ static void write_defines(const hbil_plan *plan, text *t) {
 enum {
   PROGRAM_REPROJECT,
   PROGRAM_PUSH_PULL,
+  PROGRAM_CLEAR,
   PROGRAM_SPLIT,
   PROGRAM_BOUNDS,
   PROGRAM_ESTIMATE,
@@ -105,6 +106,7 @@ enum {
 static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_REPROJECT] = {"reproject", .images = true},
     [PROGRAM_PUSH_PULL] = {"push_pull", .images = true},
+    [PROGRAM_CLEAR] = {"clear", .images = false},
     [PROGRAM_SPLIT] = {"split", .images = true},
     [PROGRAM_BOUNDS] = {"bounds", .images = false},
     [PROGRAM_ESTIMATE] = {"estimate", .images = false},
@@ -128,7 +130,7 @@ static const struct {
     [KERNEL_FIND_HOLES] = {"find_holes", PROGRAM_PUSH_PULL},
     [KERNEL_PUSH] = {"push", PROGRAM_PUSH_PULL},
     [KERNEL_PULL] = {"pull", PROGRAM_PUSH_PULL},
-    [KERNEL_CLEAR_LAYERS] = {"clear_layers", PROGRAM_SPLIT},
+    [KERNEL_CLEAR_LAYERS] = {"clear_layers", PROGRAM_CLEAR},
     [KERNEL_SPLIT] = {"split", PROGRAM_SPLIT},
     [KERNEL_RELIGHT] = {"relight", PROGRAM_SPLIT},
     [KERNEL_BOUND_ROWS] = {"bound_rows", PROGRAM_BOUNDS},
