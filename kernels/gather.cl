@@ -65,11 +65,10 @@
 #define STRIP (HBIL_TILE / HBIL_WIDTH)
 #endif
 
-/* Whether what each sample adds must be known, or the highest is enough; the
- * latter where light is asked for, but a strip has none in reach. */
+/* Whether what each sample adds must be known, or the highest is enough; and
+ * whether the latter may turn out of samples that have no light. */
 #define SHARES (GATHER_RADIANCE || HBAO || FINITE)
-#define HIGHEST_WILL_DO(light_here)                                            \
-  (!SHARES || (SKIP_DARK && !HBAO && !FINITE && (light_here) == LIGHT_NONE))
+#define MAY_BE_DARK (GATHER_RADIANCE && SKIP_DARK && !FINITE && !HBAO)
 
 #define PI 3.14159265f
 #define HALF_PI 1.57079633f
@@ -362,6 +361,29 @@ static inline void raise(const center *c, march *m, realv excess,
 }
 #endif
 
+#if MAY_BE_DARK
+/* Whether the samples of a block that rise in some lane bring no light. */
+static inline bool is_dark(const march *m, uint hits,
+                           global const hbil_step *steps,
+                           global const float *from, uint plane,
+                           int light_here) {
+  if (light_here == LIGHT_NONE)
+    return true;
+#if REFUSED_FRAME
+  return false;
+#else
+#if REFUSED_LAST
+  if (ANY(max(max(m->last_red, m->last_green), m->last_blue) > 0.0f))
+    return false;
+#endif
+  for (; hits; hits &= hits - 1)
+    if (ANY(shining(from + steps[31 - (int)clz(hits & -hits)].offset, plane)))
+      return false;
+  return true;
+#endif
+}
+#endif
+
 #if SHARES
 /* The samples of a block that rise in some lane, `hits` as bits, in order.
  * Called, not inlined, it takes the gather half as long again. */
@@ -382,14 +404,14 @@ raise_all(const center c, march *state, uint hits, const realv *excess,
 #endif
 
 /* Looks at `count` samples, or those before the border and the end of the
- * reach: their excesses; if they have shares, which of them rise in some lane,
- * as bits; the highest.  Returns how many there are.  Always inlined, as
+ * reach: their excesses; which of them rise in some lane, as bits; the
+ * highest.  Returns how many there are.  Always inlined, as
  * raise_all(). */
 static inline __attribute__((always_inline)) int
 look(const hbil_gather_args args, const center *c,
      global const hbil_step *steps, int count, global const float *from,
-     uint plane, int x, int y, float reach, bool shares, realv (*excess)[STRIP],
-     uint *hits, realv *top) {
+     uint plane, int x, int y, float reach, realv (*excess)[STRIP], uint *hits,
+     realv *top) {
   const hbil_layer_args in = args.split;
   const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
   int k = 0;
@@ -407,8 +429,7 @@ look(const hbil_gather_args args, const center *c,
       break;
 #endif
     global const float *sample = from + step->offset;
-    if (shares)
-      fetch_early(sample, plane);
+    fetch_early(sample, plane);
     const realv inv_e = step->inv_e, keep = args.keep;
     const realv e_x = step->ux, e_y = step->uy;
 #pragma unroll
@@ -424,8 +445,9 @@ look(const hbil_gather_args args, const center *c,
 #if SHARES || EXTRAPOLATE
       excess[k][v] = e;
 #endif
-      if (shares)
-        hits[v] |= (uint)ANY(e > top[v]) << k;
+#if SHARES
+      hits[v] |= (uint)ANY(e > top[v]) << k;
+#endif
 #if !FINITE
       top[v] = max(top[v], e);
 #endif
@@ -724,13 +746,13 @@ static inline cut cut_of(const center *c, float ux, float uy) {
 }
 
 #if !HBAO && !FINITE
-/* The march's end, of its highest sample alone; without one above the tangent
- * plane this is the horizon itself. */
+/* Samples of which the highest alone matters. */
 static inline void take_highest(const center *c, const cut *s, const side_of *h,
                                 realv highest, march *m) {
-  const intv rises = highest > c->least_excess;
+  const intv rises = highest > m->excess;
   const realv cot = fma(s->slope, highest, h->cot_tangent);
   realv g, sin2;
+  m->excess = highest;
   horizon_terms(cot, &g, &sin2);
   m->a = select(m->a, measure(cot, g, sin2, h->nx, c->cosine), rises);
 #if GATHER_BENT
@@ -1077,12 +1099,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         realv excess[BLOCK][STRIP];
         uint hits[STRIP];
         const int count = min(BLOCK, samples - first);
-        /* two loops, since what light takes is no less where it is masked */
-        const int k = HIGHEST_WILL_DO(light_here)
-                          ? look(args, c, steps + first, count, from, plane, x,
-                                 y, whole.reach, false, excess, hits, top)
-                          : look(args, c, steps + first, count, from, plane, x,
-                                 y, whole.reach, true, excess, hits, top);
+        const int k = look(args, c, steps + first, count, from, plane, x, y,
+                           whole.reach, excess, hits, top);
 #if EXTRAPOLATE && !FINITE
         for (int i = 0; i < k; ++i) {
           const int halves = steps[first + i].halves;
@@ -1095,20 +1113,28 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         }
 #endif
 #if SHARES
-        for (int v = 0; v < STRIP && !HIGHEST_WILL_DO(light_here); ++v)
+        for (int v = 0; v < STRIP; ++v) {
+#if MAY_BE_DARK
+          if (light_here != LIGHT_ALL &&
+              is_dark(&m[v], hits[v], steps + first, from + v * HBIL_WIDTH,
+                      plane, light_here)) {
+            take_highest(&c[v], &s[v], &half_slice[v], top[v], &m[v]);
+            continue;
+          }
+#endif
           raise_all(c[v], &m[v], hits[v], &excess[0][v], steps + first,
                     from + v * HBIL_WIDTH, plane, args,
                     half_slice[v].cot_tangent, s[v].slope, half_slice[v].nx,
                     dither, light_here);
+        }
 #endif
         if (k < count)
           break;
       }
       steps += samples;
       for (int v = 0; v < STRIP; ++v) {
-#if !HBAO && !FINITE
-        if (HIGHEST_WILL_DO(light_here))
-          take_highest(&c[v], &s[v], &half_slice[v], top[v], &m[v]);
+#if !SHARES
+        take_highest(&c[v], &s[v], &half_slice[v], top[v], &m[v]);
 #endif
         realv more = 1.0f, less = 1.0f;
 #if EXTRAPOLATE && FINITE
