@@ -652,8 +652,9 @@ static inline bool cell_may_rise(const hbil_gather_args args, const strip *s,
 }
 
 /* Whether anything may stand above a tangent plane of the strip: its own cell,
- * which settles nearly all that is not even; the whole picture; its blocks, and
- * the cells of those that fail. */
+ * which settles nearly all that is not even; the whole picture; its blocks,
+ * from the strip's own on, since what is near stands out most, and the cells of
+ * those that fail. */
 static inline bool any_may_rise(const hbil_gather_args args, const strip *s,
                                 int own_x, int own_y,
                                 global const uint *bounds) {
@@ -664,7 +665,10 @@ static inline bool any_may_rise(const hbil_gather_args args, const strip *s,
   const int whole = max(args.view.width, args.view.height);
   if (!may_rise(args, s, 0, 0, whole, as_float(bounds[b.whole.offset])))
     return false;
-  for (int at = 0; at < b.block.width * b.block.height; ++at) {
+  const int blocks = b.block.width * b.block.height;
+  const int own = own_y / HBIL_BLOCK * b.block.width + own_x / HBIL_BLOCK;
+  for (int k = 0; k < blocks; ++k) {
+    const int at = own + k < blocks ? own + k : own + k - blocks;
     const int i = at % b.block.width, j = at / b.block.width;
     if (!may_rise(args, s, i, j, block,
                   as_float(bounds[b.block.offset + 2u * (uint)at])))
