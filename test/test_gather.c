@@ -138,19 +138,23 @@ static const settings table[] = {{1,
                                   11,
                                   CL_FALSE}};
 
+static void apply(const settings *t, hbil_config *c) {
+  c->slices = t->slices;
+  c->samples = t->samples;
+  c->lattice = t->lattice;
+  c->radius = t->radius;
+  memcpy(c->facing, t->facing, sizeof(t->facing));
+  c->refused = t->refused;
+  c->extrapolate = !t->plain;
+}
+
 static void every_setting_matches(void **state) {
   (void)state;
   for (size_t i = 0; i < sizeof(table) / sizeof(*table); ++i) {
     setup s;
     const settings *t = table + i;
     setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, 97, 54, 0);
-    s.config.slices = t->slices;
-    s.config.samples = t->samples;
-    s.config.lattice = t->lattice;
-    s.config.radius = t->radius;
-    memcpy(s.config.facing, t->facing, sizeof(t->facing));
-    s.config.refused = t->refused;
-    s.config.extrapolate = !t->plain;
+    apply(t, &s.config);
     s.frame.index = t->index;
     check_gather(&s);
   }
@@ -249,13 +253,7 @@ static void orthographic_views_match(void **state) {
     const settings *t = table + i % 9;
     setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, 97, 54, 0);
     setup_flatten(&s, i & 2 ? 6.0 : 60.0);
-    s.config.slices = t->slices;
-    s.config.samples = t->samples;
-    s.config.lattice = t->lattice;
-    s.config.radius = t->radius;
-    memcpy(s.config.facing, t->facing, sizeof(t->facing));
-    s.config.refused = t->refused;
-    s.config.extrapolate = !t->plain;
+    apply(t, &s.config);
     s.config.vector_width = i % 3 ? 8 : 1;
     if (i >= 6)
       set_thickness(&s, i & 1 ? 0.1f : INFINITY, i & 2 ? 0.02f : INFINITY);
