@@ -404,9 +404,8 @@ raise_all(const center c, march *state, uint hits, const realv *excess,
 #endif
 
 /* Looks at `count` samples, or those before the border and the end of the
- * reach: their excesses; which of them rise in some lane, as bits; the
- * highest.  Returns how many there are.  Always inlined, as
- * raise_all(). */
+ * reach: their excesses; which of them rise in some lane, as bits; the highest.
+ * Returns how many there are.  Always inlined, as raise_all(). */
 static inline __attribute__((always_inline)) int
 look(const hbil_gather_args args, const center *c,
      global const hbil_step *steps, int count, global const float *from,
@@ -1119,7 +1118,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #if SHARES
         for (int v = 0; v < STRIP; ++v) {
 #if MAY_BE_DARK
-          if (light_here != LIGHT_ALL &&
+          if (light_here != LIGHT_ALL && hits[v] &&
               is_dark(&m[v], hits[v], steps + first, from + v * HBIL_WIDTH,
                       plane, light_here)) {
             take_highest(&c[v], &s[v], &half_slice[v], top[v], &m[v]);

@@ -43,7 +43,7 @@ static inline void facing_normal(realv n[3], realv rx, float ry, intv *sound) {
   const intv usable = sound_normal(length2);
   *sound &= usable;
   /* times both lengths: nearly every normal is plain, and the roots and
-   * quotients below are a quarter of this kernel's time.  A hundredth more than
+   * quotients below are a tenth of this kernel's time.  A hundredth more than
    * enough, so that no rounding matters. */
   const realv towards = -fma(n[0], rx, fma(n[1], (realv)ry, n[2]));
   const float least = 1.01f * HBIL_MIN_COSINE;

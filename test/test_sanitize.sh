@@ -31,6 +31,19 @@ mkdir -p "$build"
 sanitized() {
   (cd "$build" && "$@")
 }
+# Once more where the leak sanitizer itself has broken down, at the end of a
+# process whose threads are ending: that says nothing of the process.
+judged() {
+  for try in 1 2 3; do
+    sanitized "$@" >"$work/judged" 2>&1
+    judgement=$?
+    test $judgement -ne 0 || break
+    grep -q 'LeakSanitizer has encountered a fatal error' "$work/judged" &&
+      ! grep -q 'ERROR: \|runtime error:\|^not ok\|FAILED' "$work/judged" || break
+  done
+  cat "$work/judged"
+  return $judgement
+}
 make_all() {
   test -f "$build/Makefile" ||
     sanitized "$srcdir/configure" -q CFLAGS="$flags" CXXFLAGS="$flags" || return
@@ -39,7 +52,7 @@ make_all() {
 }
 works "library and tool build with sanitizers" make_all
 for test in $tests; do
-  works "they find nothing in $test" sanitized "$test"
+  works "they find nothing in $test" judged "$test"
 done
 HBIL=$build/hbil
 works "nor in a demo" "$HBIL" demo --frames 2 --size 64x48 -o "$work/demo"
