@@ -56,18 +56,18 @@ STORER(error, ERROR_TYPE, ERROR_STRIDE)
 #define PARTS (HBIL_TILE / HBIL_WIDTH)
 #endif
 
-/* What is kept, each PARTS vectors. */
+/* What is pending, each PARTS vectors. */
 enum {
-  KEPT_AO = 0,
-  KEPT_CONE = KEPT_AO + OUT_AO,
-  KEPT_ERROR = KEPT_CONE + OUT_CONE,
-  KEPT_BENT = KEPT_ERROR + 2 * OUT_ERROR,
-  KEPT_NEAR = KEPT_BENT + 3 * OUT_BENT,
-  KEPT_FAR = KEPT_NEAR + 3 * OUT_NEAR,
-  KEPT_INDIRECT = KEPT_FAR + 3 * OUT_FAR,
-  KEPT_RADIANCE = KEPT_INDIRECT + 3 * OUT_INDIRECT,
-  KEPT_HISTORY = KEPT_RADIANCE + 3 * OUT_RADIANCE,
-  KEPT_COUNT = KEPT_HISTORY + HISTORY * HBIL_HISTORY_PLANES
+  PENDING_AO = 0,
+  PENDING_CONE = PENDING_AO + OUT_AO,
+  PENDING_ERROR = PENDING_CONE + OUT_CONE,
+  PENDING_BENT = PENDING_ERROR + 2 * OUT_ERROR,
+  PENDING_NEAR = PENDING_BENT + 3 * OUT_BENT,
+  PENDING_FAR = PENDING_NEAR + 3 * OUT_NEAR,
+  PENDING_INDIRECT = PENDING_FAR + 3 * OUT_FAR,
+  PENDING_RADIANCE = PENDING_INDIRECT + 3 * OUT_INDIRECT,
+  PENDING_HISTORY = PENDING_RADIANCE + 3 * OUT_RADIANCE,
+  PENDING_COUNT = PENDING_HISTORY + HISTORY * HBIL_HISTORY_PLANES
 };
 
 #define INV_PI 0.318309886f
@@ -178,7 +178,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
   if (x0 >= view.width || y >= view.height)
     return;
   const int parts = min(PARTS, (view.width - x0 + HBIL_WIDTH - 1) / HBIL_WIDTH);
-  realv kept[KEPT_COUNT][PARTS];
+  realv pending[PENDING_COUNT][PARTS];
   for (int part = 0; part < parts; ++part) {
     const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
     global const float *at = resolved + (uint)y * planes.row + (uint)x;
@@ -193,17 +193,18 @@ composite(const hbil_view_args view, const hbil_transform_args world,
     const realv t2 = 1.0f - ao;
     const realv t = select((realv)0.0f, sqrt(t2), solid);
 #if OUT_AO
-    kept[KEPT_AO][part] = ao;
+    pending[PENDING_AO][part] = ao;
 #endif
 #if OUT_CONE
-    kept[KEPT_CONE][part] = t;
+    pending[PENDING_CONE][part] = t;
 #endif
 #if OUT_ERROR
-    kept[KEPT_ERROR][part] = LOADV(at + ERROR_PLANE * planes.plane);
+    pending[PENDING_ERROR][part] = LOADV(at + ERROR_PLANE * planes.plane);
 #if GATHER_RADIANCE
-    kept[KEPT_ERROR + 1][part] = LOADV(at + (ERROR_PLANE + 1) * planes.plane);
+    pending[PENDING_ERROR + 1][part] =
+        LOADV(at + (ERROR_PLANE + 1) * planes.plane);
 #else
-    kept[KEPT_ERROR + 1][part] = 0.0f;
+    pending[PENDING_ERROR + 1][part] = 0.0f;
 #endif
 #endif
 #if GATHER_BENT
@@ -215,7 +216,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
 #if OUT_BENT
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      kept[KEPT_BENT + c][part] = BENT_IS_WORLD ? axis[c] : bent[c];
+      pending[PENDING_BENT + c][part] = BENT_IS_WORLD ? axis[c] : bent[c];
 #endif
 #endif
 #if FAR == 2
@@ -231,7 +232,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
     const realv unscaled[3] = {SH_RADIANCE_0, SH_RADIANCE_1, SH_RADIANCE_2};
 #endif
 #if HISTORY
-    kept[KEPT_HISTORY + HBIL_HISTORY_W][part] =
+    pending[PENDING_HISTORY + HBIL_HISTORY_W][part] =
         select((realv)0.0f, 1.0f / z, solid);
 #endif
 #if FAR == 3
@@ -295,16 +296,17 @@ composite(const hbil_view_args view, const hbil_transform_args world,
       const realv reflected =
           reflectance * fma(diffuse * INV_PI, irradiance, indirect);
 #if OUT_NEAR
-      kept[KEPT_NEAR + c][part] = near_light;
+      pending[PENDING_NEAR + c][part] = near_light;
 #endif
 #if OUT_FAR
-      kept[KEPT_FAR + c][part] = far_light;
+      pending[PENDING_FAR + c][part] = far_light;
 #endif
 #if OUT_INDIRECT
-      kept[KEPT_INDIRECT + c][part] = select((realv)0.0f, indirect, solid);
+      pending[PENDING_INDIRECT + c][part] =
+          select((realv)0.0f, indirect, solid);
 #endif
 #if OUT_RADIANCE
-      kept[KEPT_RADIANCE + c][part] =
+      pending[PENDING_RADIANCE + c][part] =
           select(behind, reflected + emitted, solid);
 #endif
 #if HISTORY
@@ -313,7 +315,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
 #else
       const realv carried = light;
 #endif
-      kept[KEPT_HISTORY + HBIL_HISTORY_RED + c][part] =
+      pending[PENDING_HISTORY + HBIL_HISTORY_RED + c][part] =
           select((realv)0.0f, carried, solid);
 #endif
     }
@@ -324,38 +326,38 @@ composite(const hbil_view_args view, const hbil_transform_args world,
 #define STORE_CHANNELS(name, channels, first)                                  \
   for (int c = 0; c < (channels); ++c)                                         \
     for (int part = 0; part < parts; ++part)                                   \
-      store_##name(kept[(first) + c][part], name##_buffer, name##_image,       \
+      store_##name(pending[(first) + c][part], name##_buffer, name##_image,    \
                    x0 + part * HBIL_WIDTH, y, c,                               \
                    view.width - x0 - part * HBIL_WIDTH);
 #if OUT_AO
-  STORE_CHANNELS(ao, 1, KEPT_AO)
+  STORE_CHANNELS(ao, 1, PENDING_AO)
 #endif
 #if OUT_CONE
-  STORE_CHANNELS(cone, 1, KEPT_CONE)
+  STORE_CHANNELS(cone, 1, PENDING_CONE)
 #endif
 #if OUT_ERROR
-  STORE_CHANNELS(error, 2, KEPT_ERROR)
+  STORE_CHANNELS(error, 2, PENDING_ERROR)
 #endif
 #if OUT_BENT
-  STORE_CHANNELS(bent, 3, KEPT_BENT)
+  STORE_CHANNELS(bent, 3, PENDING_BENT)
 #endif
 #if OUT_NEAR
-  STORE_CHANNELS(near, 3, KEPT_NEAR)
+  STORE_CHANNELS(near, 3, PENDING_NEAR)
 #endif
 #if OUT_FAR
-  STORE_CHANNELS(far, 3, KEPT_FAR)
+  STORE_CHANNELS(far, 3, PENDING_FAR)
 #endif
 #if OUT_INDIRECT
-  STORE_CHANNELS(indirect, 3, KEPT_INDIRECT)
+  STORE_CHANNELS(indirect, 3, PENDING_INDIRECT)
 #endif
 #if OUT_RADIANCE
-  STORE_CHANNELS(radiance, 3, KEPT_RADIANCE)
+  STORE_CHANNELS(radiance, 3, PENDING_RADIANCE)
 #endif
 #if HISTORY
   history += hbil_history_origin(planes) + (uint)y * planes.row + (uint)x0;
   for (int p = 0; p < HBIL_HISTORY_PLANES; ++p)
     for (int part = 0; part < parts; ++part)
-      STREAMV(kept[KEPT_HISTORY + p][part],
+      STREAMV(pending[PENDING_HISTORY + p][part],
               history + (uint)p * planes.plane + part * HBIL_WIDTH);
 #endif
 }
