@@ -65,10 +65,22 @@
 #define STRIP (HBIL_TILE / HBIL_WIDTH)
 #endif
 
+/* Entry i of a list of hits: a sample of the block, a vector of the strip. */
+#define HIT(list, i) (BLOCK * STRIP == 1 ? 0u : (uint)(list)[i])
+
 /* Whether what each sample adds must be known, or the highest is enough; and
  * whether the latter may turn out of samples that have no light. */
 #define SHARES (GATHER_RADIANCE || HBAO || FINITE)
 #define MAY_BE_DARK (GATHER_RADIANCE && SKIP_DARK && !FINITE && !HBAO)
+
+/* 1 / sqrt(x): an estimate and a step of Newton's, whose products and sums are
+ * fused; the same wherever it stands. */
+static inline realv inv_sqrt(realv x) {
+#if defined(__clang_major__) && __clang_major__ >= 12
+#pragma clang fp contract(fast)
+#endif
+  return 1.0f / sqrt(x);
+}
 
 #define PI 3.14159265f
 #define HALF_PI 1.57079633f
@@ -79,7 +91,7 @@
 static inline void horizon_terms(realv h, realv *g, realv *sin2) {
   /* a square that fp32 can hold; beyond it theta is 0 to the last digit */
   const realv a = min(fabs(h), (realv)1e18f);
-  const realv s = 1.0f / sqrt(fma(a, a, (realv)1.0f));
+  const realv s = inv_sqrt(fma(a, a, (realv)1.0f));
   const realv c = a * s;
   const intv steep = a > 1.0f;
   const realv t = select(c, s, steep);
@@ -121,17 +133,23 @@ typedef struct center {
   realv red, green, blue; /* own radiance */
 } center;
 
-/* Asks for what a sample that rises will need: normals and light of a strip
- * straddle three cache lines of 16 words.  OpenCL's own prefetch() does nothing
- * in PoCL. */
+/* Asks for what is needed soon.  Normals and light of a sample that rises: a
+ * strip's straddle three cache lines of 16 words.  And the samples' w of the
+ * strip after the next, since a row's strips follow each other and take the
+ * same steps.  OpenCL's own prefetch() does nothing in PoCL. */
 static inline void fetch_early(global const float *sample, uint plane) {
-#if defined(__AVX__) && GATHER_RADIANCE && PACKED
-  for (int i = 0; i < STRIP * HBIL_WIDTH + 16; i += 16) {
+#if defined(__AVX__)
+  const int strip = STRIP * HBIL_WIDTH;
+  for (int i = 0; i < strip; i += 16)
+    FETCH_LINE(sample + 2 * strip + i);
+#if GATHER_RADIANCE && PACKED
+  for (int i = 0; i < strip + 16; i += 16) {
 #if !FACING_ALL
     FETCH_LINE(sample + HBIL_PACKED_NORMAL * plane + i);
 #endif
     FETCH_LINE(sample + HBIL_PACKED_RADIANCE * plane + i);
   }
+#endif
 #endif
 }
 
@@ -262,61 +280,84 @@ static inline bool brings_light(const march *m, global const float *sample,
 }
 #endif
 
-#if SHARES
-/* A sample that raises the horizon in some lane: its excess, its place in the
- * pattern and in the planes. */
-static inline void raise(const center *c, march *m, realv excess,
-                         global const hbil_step *step,
-                         global const float *sample, uint plane,
-                         const hbil_gather_args args, realv cot_tangent,
-                         realv slope, realv nx, realv ny, float dither,
-                         int light_here) {
-  intv rises = excess > m->excess;
-#if FINITE || (HBAO && LIMITED) || (GATHER_RADIANCE && !FACING_ALL)
+/* A pixel's part in one slice. */
+typedef struct cut {
+  realv u_wo, inv_ud, jacobian, slope, nx, cot;
+  realv g, sin2; /* of the tangent plane on the side of u */
+  realv open, whole, open_g, open_sin2; /* sums over both sides; g is negative
+                                           along -u */
+  realv red, green, blue, unknown;
+} cut;
+
+/* One side of it. */
+typedef struct side_of {
+  realv nx, cot_tangent, start;
+} side_of;
+
+/* A sample that raises the horizon in some lane: how much of A it takes; below
+ * 0 where it isn't seen.  A lane that doesn't rise comes to the same A again,
+ * bit by bit.  One that does may take nothing, to a rounding, and is the last
+ * that was accepted all the same. */
+static inline realv raise(const center *c, const cut *s, const side_of *h,
+                          march *m, realv excess, global const hbil_step *step,
+                          global const float *sample,
+                          const hbil_gather_args args, float dither) {
+#if FINITE || (HBAO && LIMITED)
   const realv w1 = LOADV(sample);
-#endif
-#if (HBAO && LIMITED) || (GATHER_RADIANCE && !FACING_ALL)
-  realv v[3];
-  const realv v2 = way_to(c, w1, step, v);
 #endif
 #if FINITE
   const realv excess_back = max(
       fma(unit_of(w1) * step->inv_e, -back_share(c, w1, step, args), excess),
       (realv)0.0f);
   const realv share =
-      cover(m, rises, fma(slope, excess, cot_tangent),
-            fma(slope, excess_back, cot_tangent), nx, ny, dither, step->halves);
+      cover(m, excess > m->excess, fma(s->slope, excess, h->cot_tangent),
+            fma(s->slope, excess_back, h->cot_tangent), h->nx, c->cosine,
+            dither, step->halves);
   /* what covers nothing new is not seen */
-  rises = share > 0.0f;
+  const intv seen = share > 0.0f;
 #else
-  m->excess = max(m->excess, excess);
+  const intv seen = excess > m->excess;
+  const realv highest = max(m->excess, excess);
+  const realv cot = fma(s->slope, highest, h->cot_tangent);
   realv g, sin2;
-  const realv cot_horizon = fma(slope, excess, cot_tangent);
-  horizon_terms(cot_horizon, &g, &sin2);
-  const realv a = measure(cot_horizon, g, sin2, nx, ny);
-  const realv share = select((realv)0.0f, m->a - a, rises);
-  m->a = select(m->a, a, rises);
+  horizon_terms(cot, &g, &sin2);
+  const realv a = select(m->a, measure(cot, g, sin2, h->nx, c->cosine),
+                         highest > c->least_excess);
+  const realv share = max(m->a - a, (realv)0.0f);
+  m->excess = highest;
+  m->a = a;
 #if GATHER_BENT
-  m->g = select(m->g, g, rises);
-  m->sin2 = select(m->sin2, sin2, rises);
+  m->g = g;
+  m->sin2 = sin2;
 #endif
 #endif
 #if HBAO && LIMITED
   /* lanes of "nothing there" overflow: no share of infinity */
-  const realv weight =
-      max(fma(sqrt(v2) / unit_of(w1), (realv)-args.falloff, (realv)1.0f),
-          (realv)0.0f);
-  m->blocked = fma(share, select((realv)0.0f, weight, rises), m->blocked);
+  realv v[3];
+  const realv weight = max(fma(sqrt(way_to(c, w1, step, v)) / unit_of(w1),
+                               (realv)-args.falloff, (realv)1.0f),
+                           (realv)0.0f);
+  m->blocked =
+      fma(share, select((realv)0.0f, weight, share > 0.0f), m->blocked);
 #elif HBAO
   m->blocked += share;
 #endif
+  return select((realv)-1.0f, share, seen);
+}
+
 #if GATHER_RADIANCE
-  if (light_here == LIGHT_NONE ||
-      (light_here == LIGHT_SOME && !brings_light(m, sample, plane, rises)))
+/* The light of a sample that has taken `share` of A where it is seen. */
+static inline void add_light(const center *c, march *m, realv share,
+                             global const hbil_step *step,
+                             global const float *sample, uint plane,
+                             const hbil_gather_args args, int light_here) {
+  const intv seen = share >= 0.0f;
+  if (light_here == LIGHT_SOME && !brings_light(m, sample, plane, seen))
     return;
 #if !FACING_ALL
   /* Cosine of the sample's normal with the way back to the center. */
-  realv normal[3];
+  realv v[3], normal[3];
+  const realv v2 = way_to(c, LOADV(sample), step, v);
 #if PACKED
   unpack_direction(LOAD_WORDS(sample + HBIL_PACKED_NORMAL * plane), normal);
   const realv length2 =
@@ -328,17 +369,17 @@ static inline void raise(const center *c, march *m, realv excess,
 #endif
   const realv away =
       fma(v[0], normal[0], fma(v[1], normal[1], v[2] * normal[2]));
-  const realv cosine = -away / sqrt(length2);
+  const realv cosine = -away * inv_sqrt(length2);
 #if FACING_STEP
   const realv accept =
-      select((realv)0.0f, (realv)1.0f, (cosine >= args.facing[0]) & rises);
+      select((realv)0.0f, (realv)1.0f, (cosine >= args.facing[0]) & seen);
 #else
   const realv t = clamp((cosine - args.facing[0]) * args.facing[1], 0.0f, 1.0f);
   const realv accept =
-      select((realv)0.0f, t * t * fma((realv)-2.0f, t, (realv)3.0f), rises);
+      select((realv)0.0f, t * t * fma((realv)-2.0f, t, (realv)3.0f), seen);
 #endif
 #endif
-  /* Lanes that don't rise have no share, and accept nothing. */
+  share = max(share, (realv)0.0f);
   realv light[3];
   split_radiance(sample, plane, light);
   realv red = light[0], green = light[1], blue = light[2];
@@ -357,65 +398,60 @@ static inline void raise(const center *c, march *m, realv excess,
   m->red = fma(share, red, m->red);
   m->green = fma(share, green, m->green);
   m->blue = fma(share, blue, m->blue);
-#endif
 }
 #endif
 
 #if MAY_BE_DARK
-/* Whether the samples of a block that rise in some lane bring no light. */
-static inline bool is_dark(const march *m, uint hits,
-                           global const hbil_step *steps,
-                           global const float *from, uint plane,
-                           int light_here) {
-  if (light_here == LIGHT_NONE)
-    return true;
+/* Of a vector whose hits in a block bring no light the highest alone matters:
+ * raises it, and returns how many hits are left. */
+static inline uint leave_dark(const center *c, const cut *s, const side_of *h,
+                              march *m, const realv *top, uchar *hit, uint hits,
+                              global const hbil_step *steps,
+                              global const float *from, uint plane,
+                              const hbil_gather_args args, int light_here) {
 #if REFUSED_FRAME
-  return false;
-#else
+  if (light_here != LIGHT_NONE)
+    return hits;
+#endif
+  uint lit = 0u, dark = 0u, left = 0u;
 #if REFUSED_LAST
-  if (ANY(max(max(m->last_red, m->last_green), m->last_blue) > 0.0f))
-    return false;
+  for (uint v = 0u; light_here != LIGHT_NONE && v < STRIP; ++v)
+    if (ANY(max(max(m[v].last_red, m[v].last_green), m[v].last_blue) > 0.0f))
+      lit |= 1u << v;
 #endif
-  for (; hits; hits &= hits - 1)
-    if (ANY(shining(from + steps[31 - (int)clz(hits & -hits)].offset, plane)))
-      return false;
-  return true;
-#endif
-}
-#endif
-
-#if SHARES
-/* The samples of a block that rise in some lane, `hits` as bits, in order.
- * Called, not inlined, it takes the gather half as long again. */
-static inline __attribute__((always_inline)) void
-raise_all(const center c, march *state, uint hits, const realv *excess,
-          global const hbil_step *steps, global const float *from, uint plane,
-          const hbil_gather_args args, realv cot_tangent, realv slope, realv nx,
-          float dither, int light_here) {
-  march m = *state;
-  for (; hits; hits &= hits - 1) {
-    const int hit = 31 - (int)clz(hits & -hits);
-    global const hbil_step *step = steps + hit;
-    raise(&c, &m, excess[hit * STRIP], step, from + step->offset, plane, args,
-          cot_tangent, slope, nx, c.cosine, dither, light_here);
+  for (uint i = 0u; light_here != LIGHT_NONE && i < hits; ++i) {
+    const uint at = HIT(hit, i), v = at % STRIP;
+    if (!(lit >> v & 1u) &&
+        ANY(shining(from + v * HBIL_WIDTH + steps[at / STRIP].offset, plane)))
+      lit |= 1u << v;
   }
-  *state = m;
+  for (uint i = 0u; i < hits; ++i) {
+    const uint at = HIT(hit, i), v = at % STRIP;
+    if (lit >> v & 1u)
+      hit[left++] = (uchar)at;
+    else
+      dark |= 1u << v;
+  }
+  for (uint v = 0u; v < STRIP; ++v)
+    if (dark >> v & 1u)
+      raise(&c[v], &s[v], &h[v], &m[v], top[v], steps, from, args, 0.0f);
+  return left;
 }
 #endif
 
 /* Looks at `count` samples, or those before the border and the end of the
- * reach: their excesses; which of them rise in some lane, as bits; the highest.
- * Returns how many there are.  Always inlined, as raise_all(). */
+ * reach: their excesses; which of them rise in some lane of a vector, `hits`
+ * places of `hit`; the highest.  Returns how many there are.  Called, not
+ * inlined, it takes the gather half as long again. */
 static inline __attribute__((always_inline)) int
 look(const hbil_gather_args args, const center *c,
      global const hbil_step *steps, int count, global const float *from,
-     uint plane, int x, int y, float reach, realv (*excess)[STRIP], uint *hits,
-     realv *top) {
+     uint plane, int x, int y, float reach, realv (*excess)[STRIP], uchar *hit,
+     uint *hits, realv *top) {
   const hbil_layer_args in = args.split;
   const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
   int k = 0;
-  for (int v = 0; v < STRIP; ++v)
-    hits[v] = 0u;
+  *hits = 0u;
   for (; k < count; ++k) {
     global const hbil_step *step = steps + k;
     /* Offsets only grow: past the border nothing follows, nor beyond what is
@@ -445,7 +481,8 @@ look(const hbil_gather_args args, const center *c,
       excess[k][v] = e;
 #endif
 #if SHARES
-      hits[v] |= (uint)ANY(e > top[v]) << k;
+      hit[*hits] = (uchar)(k * STRIP + v);
+      *hits += ANY(e > top[v]);
 #endif
 #if !FINITE
       top[v] = max(top[v], e);
@@ -463,20 +500,6 @@ typedef struct total {
   realv whole_x, whole_y, whole_wo;
   realv red, green, blue, unknown;
 } total;
-
-/* A pixel's part in one slice. */
-typedef struct cut {
-  realv u_wo, inv_ud, jacobian, slope, nx, cot;
-  realv g, sin2; /* of the tangent plane on the side of u */
-  realv open, whole, open_g, open_sin2; /* sums over both sides; g is negative
-                                           along -u */
-  realv red, green, blue, unknown;
-} cut;
-
-/* One side of it. */
-typedef struct side_of {
-  realv nx, cot_tangent, start;
-} side_of;
 
 static inline center center_of(const hbil_gather_args args,
                                global const float *here, int x, int y,
@@ -747,23 +770,6 @@ static inline cut cut_of(const center *c, float ux, float uy) {
   s.red = s.green = s.blue = s.unknown = 0.0f;
   return s;
 }
-
-#if !HBAO && !FINITE
-/* Samples of which the highest alone matters. */
-static inline void take_highest(const center *c, const cut *s, const side_of *h,
-                                realv highest, march *m) {
-  const intv rises = highest > m->excess;
-  const realv cot = fma(s->slope, highest, h->cot_tangent);
-  realv g, sin2;
-  m->excess = highest;
-  horizon_terms(cot, &g, &sin2);
-  m->a = select(m->a, measure(cot, g, sin2, h->nx, c->cosine), rises);
-#if GATHER_BENT
-  m->g = select(m->g, g, rises);
-  m->sin2 = select(m->sin2, sin2, rises);
-#endif
-}
-#endif
 
 #if EXTRAPOLATE
 /*
@@ -1100,10 +1106,11 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       ++steps;
       for (int first = 0; first < samples; first += BLOCK) {
         realv excess[BLOCK][STRIP];
-        uint hits[STRIP];
+        uchar hit[BLOCK * STRIP];
+        uint hits;
         const int count = min(BLOCK, samples - first);
         const int k = look(args, c, steps + first, count, from, plane, x, y,
-                           whole.reach, excess, hits, top);
+                           whole.reach, excess, hit, &hits, top);
 #if EXTRAPOLATE && !FINITE
         for (int i = 0; i < k; ++i) {
           const int halves = steps[first + i].halves;
@@ -1116,20 +1123,28 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         }
 #endif
 #if SHARES
-        for (int v = 0; v < STRIP; ++v) {
 #if MAY_BE_DARK
-          if (light_here != LIGHT_ALL && hits[v] &&
-              is_dark(&m[v], hits[v], steps + first, from + v * HBIL_WIDTH,
-                      plane, light_here)) {
-            take_highest(&c[v], &s[v], &half_slice[v], top[v], &m[v]);
-            continue;
-          }
+        if (light_here != LIGHT_ALL)
+          hits = leave_dark(c, s, half_slice, m, top, hit, hits, steps + first,
+                            from, plane, args, light_here);
 #endif
-          raise_all(c[v], &m[v], hits[v], &excess[0][v], steps + first,
-                    from + v * HBIL_WIDTH, plane, args,
-                    half_slice[v].cot_tangent, s[v].slope, half_slice[v].nx,
-                    dither, light_here);
+        realv share[BLOCK * STRIP];
+        for (uint i = 0u; i < hits; ++i) {
+          const uint at = HIT(hit, i), v = at % STRIP;
+          global const hbil_step *step = steps + first + at / STRIP;
+          share[i] =
+              raise(&c[v], &s[v], &half_slice[v], &m[v], excess[at / STRIP][v],
+                    step, from + v * HBIL_WIDTH + step->offset, args, dither);
         }
+#if GATHER_RADIANCE
+        for (uint i = 0u; light_here != LIGHT_NONE && i < hits; ++i) {
+          const uint at = HIT(hit, i), v = at % STRIP;
+          global const hbil_step *step = steps + first + at / STRIP;
+          add_light(&c[v], &m[v], share[i], step,
+                    from + v * HBIL_WIDTH + step->offset, plane, args,
+                    light_here);
+        }
+#endif
 #endif
         if (k < count)
           break;
@@ -1137,14 +1152,22 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       steps += samples;
       for (int v = 0; v < STRIP; ++v) {
 #if !SHARES
-        take_highest(&c[v], &s[v], &half_slice[v], top[v], &m[v]);
+        raise(&c[v], &s[v], &half_slice[v], &m[v], top[v], steps, from, args,
+              dither);
+#endif
+#if GATHER_BENT && !FINITE
+        const intv risen = m[v].excess > c[v].least_excess;
+        m[v].g = select(side ? PI - s[v].g : s[v].g, m[v].g, risen);
+        m[v].sin2 = select(s[v].sin2, m[v].sin2, risen);
 #endif
         realv more = 1.0f, less = 1.0f;
 #if EXTRAPOLATE && FINITE
         extrapolate(&m[v], &more, &less);
 #elif EXTRAPOLATE
-        extrapolate(&c[v], &s[v], &half_slice[v], &m[v], top[v],
-                    min(even[v], odd[v]), &more, &less);
+        const realv second = min(even[v], odd[v]);
+        if (ANY(second < top[v]))
+          extrapolate(&c[v], &s[v], &half_slice[v], &m[v], top[v], second,
+                      &more, &less);
 #endif
 #if HBAO
         m[v].a = fma(-more, m[v].blocked, half_slice[v].start);
