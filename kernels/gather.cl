@@ -880,7 +880,7 @@ static inline void store_gathered(const realv *value, float dither,
                                value[HBIL_LIGHT_RED + 2]};
   const uintv exponent = light_exponent(near_light, 10u);
   ao |= exponent << 24;
-  STORE_WORDS(light_mantissas(near_light, exponent, 10u, (realv)0.5f),
+  STORE_WORDS(light_mantissas(near_light, exponent, 10u),
               light + HBIL_PACKED_NEAR * plane);
 #endif
   STORE_WORDS(ao, light + HBIL_PACKED_AO * plane);

@@ -104,8 +104,9 @@ enum {
  *   bent      three snorm: 11 bits x, lowest, 11 bits y, 10 bits z; scaled
  *             to fit where a component is above 1
  *
- * Radiance, the unknown share and bent normals are dithered by the pixel's
- * layer, so that the 16 layers together are off by 1/32 of a step at most. */
+ * Light is rounded to the nearest.  The unknown share and bent normals are
+ * dithered by the pixel's layer, so that the 16 layers together are off by 1/32
+ * of a step at most. */
 enum {
   HBIL_PACKED_NORMAL = 1,
   HBIL_PACKED_RADIANCE = 2,

@@ -79,26 +79,6 @@ static inline void facing_normal(realv n[3], realv rx, float ry, intv *sound) {
   }
 }
 
-#if PACKED && GATHER_RADIANCE
-/* The dither of vector `part` of four, side by side, of pixels in row y. */
-static inline realv row_dither(int part, int y) {
-  const int row = 4 * (y & 3);
-#if HBIL_WIDTH == 1
-  return layer_dither(row + part);
-#else
-  const float4 four = (float4)(layer_dither(row), layer_dither(row + 1),
-                               layer_dither(row + 2), layer_dither(row + 3));
-#if HBIL_WIDTH == 4
-  return four;
-#elif HBIL_WIDTH == 8
-  return (realv)(four, four);
-#else
-  return (realv)(four, four, four, four);
-#endif
-#endif
-}
-#endif
-
 /* What makes radiance.  light, weight: of the last frame, light from the plane
  * of red on; null where there is none. */
 typedef struct sources {
@@ -159,11 +139,10 @@ static inline void radiance_of(const sources *s, int x, int y, int count,
 }
 
 #if PACKED
-static inline realv radiance_word(const realv light[3], int part, int y) {
+static inline realv radiance_word(const realv light[3]) {
   const uintv exponent = light_exponent(light, 8u);
   return AS_REALV(
-      AS_INTV(light_mantissas(light, exponent, 8u, row_dither(part, y)) |
-              (exponent << 24)));
+      AS_INTV(light_mantissas(light, exponent, 8u) | (exponent << 24)));
 }
 #endif
 #endif
@@ -303,7 +282,7 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
     const realv light[3] = {value[HBIL_SPLIT_RED][part],
                             value[HBIL_SPLIT_RED + 1][part],
                             value[HBIL_SPLIT_RED + 2][part]};
-    word[HBIL_PACKED_RADIANCE][part] = radiance_word(light, part, y);
+    word[HBIL_PACKED_RADIANCE][part] = radiance_word(light);
 #endif
   }
   const int planes_out =
@@ -373,7 +352,7 @@ relight(const hbil_view_args view, global float *layers,
     for (int c = 0; c < 3; ++c)
       light[c] = select((realv)0.0f, light[c], solid);
 #if PACKED
-    value[0][part] = radiance_word(light, part, y);
+    value[0][part] = radiance_word(light);
 #else
 #pragma unroll
     for (int c = 0; c < 3; ++c)

@@ -537,7 +537,7 @@ static void encode_pixel(hbil_stage stage, double dither, packed_pixel *p) {
     memcpy(p->word, &w, sizeof(w));
     p->word[HBIL_PACKED_NORMAL] = encode_normal(p->value + HBIL_SPLIT_NORMAL);
     p->word[HBIL_PACKED_RADIANCE] =
-        encode_light(p->value + HBIL_SPLIT_RED, 8, dither, &exponent);
+        encode_light(p->value + HBIL_SPLIT_RED, 8, 0.5, &exponent);
     p->word[HBIL_PACKED_RADIANCE] |= exponent << 24;
     return;
   }

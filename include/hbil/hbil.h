@@ -249,15 +249,15 @@ typedef enum hbil_lattice {
  * How the layers between split and recompose are kept.  Depth is always fp32.
  * PACKED needs 6 words a pixel instead of 14 or 15 and is faster wherever
  * memory is the limit.  Against FLOAT32 it changes AO by less than 3e-4 and
- * E_near by less than 2e-3 of the mean (RMSE; 1e-3 with 48 samples a side, as
- * hbil process has them), while sampling is off by 30 to 500 times that (`hbil
- * bench` has both).  HBIL_REFUSED_LAST jumps where a rounding makes a sample
- * rise or not: there single pixels differ by more.
+ * E_near by less than 1e-3 of the mean (RMSE, path-traced dumps; 2.1e-3 where
+ * all surfaces send one even radiance), while sampling is off by 30 to 500
+ * times that (`hbil bench` has both).  HBIL_REFUSED_LAST jumps where a rounding
+ * makes a sample rise or not: there single pixels differ by more.
  */
 typedef enum hbil_storage {
   /* normals octahedral in 2 x 16 bits; radiance with 8 bits a channel and a
    * common exponent, E_near with 10; AO in 16 bits, the unknown share in 8, the
-   * bent normal in 11, 11 and 10; coarse ones dithered over the 16 layers */
+   * bent normal in 11, 11 and 10; the last two dithered over the 16 layers */
   HBIL_STORAGE_PACKED = 0,
   HBIL_STORAGE_FLOAT32 = 1
 } hbil_storage;
