@@ -4,7 +4,7 @@
  * is light.  From it a strip of pixels knows that nothing in its reach stands
  * above its tangent planes, or that nothing there shines (gather.cl).
  *
- * Builds: ORTHOGRAPHIC, GATHER_RADIANCE, PACKED.
+ * Builds: ORTHOGRAPHIC, GATHER_RADIANCE, STORAGE.
  * In: split planes.  Out: grids of pairs of words (hbil_shared.h).
  * In a still frame whose light has not changed both kernels leave at once.
  */

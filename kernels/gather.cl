@@ -32,7 +32,7 @@
  * (refused light is the last accepted), FACING_ALL (no light is refused),
  * FACING_STEP (the threshold is sharp), FINITE (occluders have a thickness:
  * sectors instead of a horizon), EXTRAPOLATE, ADAPTIVE (each tile has its own
- * number of samples, judge.cl), PACKED (hbil_shared.h).
+ * number of samples, judge.cl), STORAGE (common.clh).
  *
  * Launch: x = strips of HBIL_TILE pixels of a layer row (single pixels where
  * HBIL_WIDTH is 1), y = layer rows, z = layers, or those that are probed.
@@ -143,11 +143,11 @@ static inline void fetch_early(global const float *sample, uint plane) {
   for (int i = 0; i < strip; i += 16)
     FETCH_LINE(sample + 2 * strip + i);
 #if GATHER_RADIANCE && PACKED
+  const uint first = FACING_ALL ? RADIANCE_PLANE : HBIL_PACKED_NORMAL;
   for (int i = 0; i < strip + 16; i += 16) {
-#if !FACING_ALL
-    FETCH_LINE(sample + HBIL_PACKED_NORMAL * plane + i);
-#endif
-    FETCH_LINE(sample + HBIL_PACKED_RADIANCE * plane + i);
+#pragma unroll
+    for (uint p = first; p < SPLIT_PLANES; ++p)
+      FETCH_LINE(sample + p * plane + i);
   }
 #endif
 #endif
@@ -866,48 +866,6 @@ static inline void add_slice(total *t, const cut *s, float ux, float uy) {
 #endif
 }
 
-#if PACKED
-static inline uintv cut_off(realv value, float scale, float dither) {
-  return AS_UINTV(TO_INTV(floor(fma(value, scale, (realv)dither))));
-}
-#endif
-
-static inline void store_gathered(const realv *value, float dither,
-                                  global float *light, uint plane) {
-#if PACKED
-  uintv ao = cut_off(value[HBIL_LIGHT_AO], 65535.0f, 0.5f);
-#if REFUSED_FRAME
-  ao |= cut_off(clamp(value[HBIL_LIGHT_UNKNOWN], (realv)0.0f, (realv)0.999f),
-                255.0f, dither)
-        << 16;
-#endif
-#if GATHER_RADIANCE
-  const realv near_light[3] = {value[HBIL_LIGHT_RED], value[HBIL_LIGHT_RED + 1],
-                               value[HBIL_LIGHT_RED + 2]};
-  const uintv exponent = light_exponent(near_light, 10u);
-  ao |= exponent << 24;
-  STORE_WORDS(light_mantissas(near_light, exponent, 10u, (realv)0.5f),
-              light + HBIL_PACKED_NEAR * plane);
-#endif
-  STORE_WORDS(ao, light + HBIL_PACKED_AO * plane);
-#if GATHER_BENT
-  /* few slices make it longer than 1, up to 2.6 times in wide views */
-  const realv most =
-      max(fabs(value[HBIL_LIGHT_BENT]), max(fabs(value[HBIL_LIGHT_BENT + 1]),
-                                            fabs(value[HBIL_LIGHT_BENT + 2])));
-  const realv fit = 1.0f / max(most, (realv)1.0f);
-  const uintv x = cut_off(fit * value[HBIL_LIGHT_BENT], 1023.0f, dither);
-  const uintv y = cut_off(fit * value[HBIL_LIGHT_BENT + 1], 1023.0f, dither);
-  const uintv z = cut_off(fit * value[HBIL_LIGHT_BENT + 2], 511.0f, dither);
-  STORE_WORDS((x & 0x7ffu) | ((y & 0x7ffu) << 11) | (z << 22),
-              light + HBIL_PACKED_BENT * plane);
-#endif
-#else
-#define STORE_PLANE(p) STOREV(value[p], light + (p)*plane);
-  EACH_GATHERED(STORE_PLANE)
-#endif
-}
-
 /* untouched: nothing stood above the tangent plane.  Then AO is 1, E_near 0 and
  * the bent normal n, which sums and their quotients are only to a rounding. */
 static inline void store_light(const center *c, const total *t, intv untouched,
@@ -947,7 +905,7 @@ static inline void store_light(const center *c, const total *t, intv untouched,
   value[HBIL_LIGHT_BENT + 1] = select(c->ny * bare, y * one, taken);
   value[HBIL_LIGHT_BENT + 2] = select(c->nz * bare, z * one, taken);
 #endif
-  store_gathered(value, layer_dither(layer), light, plane);
+  store_gathered(value, layer, light, plane);
 }
 
 /* What the strip has no need of. */

@@ -93,7 +93,7 @@ enum {
   HBIL_LIGHT_UNKNOWN = 7,
   HBIL_GATHERED_PLANES = 8
 };
-/* The same, packed (HBIL_STORAGE_PACKED), in words of 32 bits:
+/* The same in words of 32 bits.  HBIL_STORAGE_PACKED:
  *   normal    octahedral (Cigolle and others 2014), two snorm16, x low;
  *             the middle of the map looks along -z
  *   radiance  three mantissas of 8 bits, red lowest; in the highest byte
@@ -103,19 +103,39 @@ enum {
  *   E_near    three mantissas of 10 bits, red lowest
  *   bent      three snorm: 11 bits x, lowest, 11 bits y, 10 bits z; scaled
  *             to fit where a component is above 1
+ * Light is rounded to the nearest.  The unknown share and bent normals are
+ * dithered by the pixel's layer, so that the 16 layers together are off by 1/32
+ * of a step at most.
  *
- * Radiance, the unknown share and bent normals are dithered by the pixel's
- * layer, so that the 16 layers together are off by 1/32 of a step at most. */
+ * HBIL_STORAGE_FLOAT11: the same, but
+ *   radiance  three floats without sign, 5 bits of exponent (biased by 15)
+ *             above 6, 6 and 5 of mantissa: red the lowest 11 bits, green 11,
+ *             blue 10
+ *
+ * HBIL_STORAGE_HALF: the normal is the same word, all else IEEE halves, two to
+ * a word, the first one low:
+ *   radiance  red, green; blue, 0
+ *   gathered  AO, unknown share (or 0); red, green of E_near; its blue, bent x;
+ *             bent y, z
+ *
+ * Values above the largest of a format become that one. */
 enum {
   HBIL_PACKED_NORMAL = 1,
   HBIL_PACKED_RADIANCE = 2,
-  HBIL_PACKED_SPLIT_PLANES = 3
+  HBIL_PACKED_SPLIT_PLANES = 3,
+  HBIL_HALF_SPLIT_PLANES = 4
 };
 enum {
   HBIL_PACKED_AO = 0,
   HBIL_PACKED_NEAR = 1,
   HBIL_PACKED_BENT = 2,
   HBIL_PACKED_LIGHT_PLANES = 3
+};
+enum {
+  HBIL_HALF_AO = 0,
+  HBIL_HALF_NEAR = 1, /* two words */
+  HBIL_HALF_BENT = 3,
+  HBIL_HALF_LIGHT_PLANES = 4
 };
 
 enum { HBIL_HISTORY_W = 0, HBIL_HISTORY_RED = 1, HBIL_HISTORY_PLANES = 4 };

@@ -8,7 +8,7 @@
  * A tile is HBIL_TILE pixels of a layer row in all layers, 128x4 of the
  * picture: the same for every width, so the same samples are taken everywhere.
  *
- * Builds: ORTHOGRAPHIC, GATHER_RADIANCE, PACKED.
+ * Builds: ORTHOGRAPHIC, GATHER_RADIANCE, STORAGE.
  * In: split planes, light planes of the probe.  Out: tiles[rows][across][4]
  * (HBIL_JUDGED), behind it HBIL_JUDGE_PARTS pairs of sums; rungs[rows][across].
  * In a still frame whose light has not changed all three leave at once.

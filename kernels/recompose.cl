@@ -18,7 +18,7 @@
  * (hbil_config.error).
  *
  * Builds: ORTHOGRAPHIC, RAW (only undo the split), GATHER_RADIANCE,
- * GATHER_BENT, REFUSED_FRAME, PACKED, OUT_ERROR, ERROR_PLANE (where errors
+ * GATHER_BENT, REFUSED_FRAME, STORAGE, OUT_ERROR, ERROR_PLANE (where errors
  * follow the light), ADAPTIVE (each tile has its own factors). Launch: x =
  * groups of 4 pixels of a row, y = rows; where HBIL_WIDTH is more than 1, x =
  * groups of 4*HBIL_TILE pixels, y = HBIL_RECOMPOSE_ROWS rows. In: split planes
@@ -126,9 +126,8 @@ static inline void fetch_row(const hbil_layer_args in,
                              const hbil_layer_args lit,
                              global const float *split,
                              global const float *light, int j, int x, int y) {
-  const uint guides = PACKED ? HBIL_PACKED_RADIANCE : HBIL_SPLIT_RED;
   for (int i = 0; i < HBIL_SIDE; ++i) {
-    fetch_tile(split + place(in, i, j, x, y), in.plane, guides);
+    fetch_tile(split + place(in, i, j, x, y), in.plane, RADIANCE_PLANE);
     fetch_tile(light + place(lit, i, j, x, y), lit.plane,
                lit.layer / lit.plane);
   }

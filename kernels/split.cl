@@ -79,26 +79,6 @@ static inline void facing_normal(realv n[3], realv rx, float ry, intv *sound) {
   }
 }
 
-#if PACKED && GATHER_RADIANCE
-/* The dither of vector `part` of four, side by side, of pixels in row y. */
-static inline realv row_dither(int part, int y) {
-  const int row = 4 * (y & 3);
-#if HBIL_WIDTH == 1
-  return layer_dither(row + part);
-#else
-  const float4 four = (float4)(layer_dither(row), layer_dither(row + 1),
-                               layer_dither(row + 2), layer_dither(row + 3));
-#if HBIL_WIDTH == 4
-  return four;
-#elif HBIL_WIDTH == 8
-  return (realv)(four, four);
-#else
-  return (realv)(four, four, four, four);
-#endif
-#endif
-}
-#endif
-
 /* What makes radiance.  light, weight: of the last frame, light from the plane
  * of red on; null where there is none. */
 typedef struct sources {
@@ -157,15 +137,6 @@ static inline void radiance_of(const sources *s, int x, int y, int count,
 #endif
   }
 }
-
-#if PACKED
-static inline realv radiance_word(const realv light[3], int part, int y) {
-  const uintv exponent = light_exponent(light, 8u);
-  return AS_REALV(
-      AS_INTV(light_mantissas(light, exponent, 8u, row_dither(part, y)) |
-              (exponent << 24)));
-}
-#endif
 #endif
 
 /* What is there to be counted of inputs that were found wanting, in the
@@ -244,7 +215,7 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
   intv used = 0;
 #endif
   intv wanting = 0;
-  realv value[HBIL_SPLIT_PLANES][4];
+  realv value[SPLIT_PLANES][4];
   const float ry = ray_y(view, y);
 #pragma unroll
   for (int part = 0; part < 4; ++part) {
@@ -263,14 +234,16 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
     value[HBIL_SPLIT_W][part] = select((realv)HBIL_NOTHING, w, solid);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      value[HBIL_SPLIT_NORMAL + c][part] = select((realv)0.0f, n[c], solid);
+      n[c] = select((realv)0.0f, n[c], solid);
+    pack_split_normal(n, value + HBIL_SPLIT_NORMAL, part);
 #if GATHER_RADIANCE
     realv light[3];
     radiance_of(&from, x, y, count, (uint)y * planes.row + (uint)x, light,
                 sound);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      value[HBIL_SPLIT_RED + c][part] = select((realv)0.0f, light[c], solid);
+      light[c] = select((realv)0.0f, light[c], solid);
+    pack_split_radiance(light, value + RADIANCE_PLANE, part);
 #endif
 #if SKIP_UNUSED
 #pragma unroll
@@ -291,30 +264,10 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
   /* Lanes right of the image loaded depth 0: they are sky, and so is the
    * layers' right-hand rest. */
   global float *out = layers + place(layout, x0, y);
-#if PACKED
-  realv word[HBIL_PACKED_SPLIT_PLANES][4];
-#pragma unroll
-  for (int part = 0; part < 4; ++part) {
-    word[HBIL_SPLIT_W][part] = value[HBIL_SPLIT_W][part];
-    word[HBIL_PACKED_NORMAL][part] = AS_REALV(AS_INTV(pack_normal(
-        value[HBIL_SPLIT_NORMAL][part], value[HBIL_SPLIT_NORMAL + 1][part],
-        value[HBIL_SPLIT_NORMAL + 2][part])));
-#if GATHER_RADIANCE
-    const realv light[3] = {value[HBIL_SPLIT_RED][part],
-                            value[HBIL_SPLIT_RED + 1][part],
-                            value[HBIL_SPLIT_RED + 2][part]};
-    word[HBIL_PACKED_RADIANCE][part] = radiance_word(light, part, y);
-#endif
-  }
-  const int planes_out =
-      GATHER_RADIANCE ? HBIL_PACKED_SPLIT_PLANES : HBIL_PACKED_RADIANCE;
-#else
-  const int planes_out = GATHER_RADIANCE ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED;
-  realv(*word)[4] = value;
-#endif
+  const int planes_out = GATHER_RADIANCE ? SPLIT_PLANES : RADIANCE_PLANE;
   for (int p = 0; p < planes_out; ++p) {
     realv column[4];
-    DEINTERLEAVE(word[p], column);
+    DEINTERLEAVE(value[p], column);
 #pragma unroll
     for (int i = 0; i < 4; ++i)
       STOREV(column[i], out + p * layout.plane + (uint)i * layout.layer);
@@ -357,7 +310,7 @@ relight(const hbil_view_args view, global float *layers,
                                     : 0,
                         history + HBIL_HISTORY_W * planes.plane,
                         planes.plane};
-  realv value[3][4];
+  realv value[RADIANCE_PLANES][4];
 #pragma unroll
   for (int part = 0; part < 4; ++part) {
     const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
@@ -372,18 +325,11 @@ relight(const hbil_view_args view, global float *layers,
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       light[c] = select((realv)0.0f, light[c], solid);
-#if PACKED
-    value[0][part] = radiance_word(light, part, y);
-#else
-#pragma unroll
-    for (int c = 0; c < 3; ++c)
-      value[c][part] = light[c];
-#endif
+    pack_split_radiance(light, value, part);
   }
   global float *out =
-      layers + place(layout, x0, y) +
-      (PACKED ? HBIL_PACKED_RADIANCE : HBIL_SPLIT_RED) * layout.plane;
-  for (int p = 0; p < (PACKED ? 1 : 3); ++p) {
+      layers + place(layout, x0, y) + RADIANCE_PLANE * layout.plane;
+  for (int p = 0; p < RADIANCE_PLANES; ++p) {
     realv column[4];
     intv changed = 0;
     DEINTERLEAVE(value[p], column);

@@ -16,7 +16,7 @@
  * the frame stands alone, bit for bit, and counting starts anew.
  *
  * Builds: REPROJECT_MOTION, MOTION_*, DISOCCLUSION (finite), HISTORY,
- * GATHER_RADIANCE, GATHER_BENT, PACKED.
+ * GATHER_RADIANCE, GATHER_BENT, STORAGE.
  * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows.
  * In: split planes (guides), resolved, kept planes of the frame before.  Out:
  * resolved, kept planes of this frame, whose bent normals have any length.

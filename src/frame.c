@@ -720,7 +720,7 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
    * packed one is off by sqrt(18)/4 steps of 2^-14 at most, 6.5e-5. */
   const bool half_depth = plan->config.depth.component == HBIL_FLOAT16;
   const bool half_normal = plan->config.normal.component == HBIL_FLOAT16;
-  const bool packed = plan->config.storage == HBIL_STORAGE_PACKED;
+  const bool packed = plan->config.storage != HBIL_STORAGE_FLOAT32;
   const float roundings = half_depth ? 0x1p-10f : 0x1p-22f;
   const bool orthographic =
       plan->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC;

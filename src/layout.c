@@ -132,19 +132,35 @@ static cl_uint light_planes(const layout *l) {
                        : HBIL_LIGHT_RED;
 }
 
-/* Planes of the layered stages, in words of 32 bits. */
+/* Planes of the layered stages, words of 32 bits: of the split without radiance
+ * and with it; gathered of AO, of E_near with it, of the bent normal with
+ * both. */
+static const struct {
+  cl_uint guides, split, ao, near_light, bent;
+} stored[] = {
+    [HBIL_STORAGE_PACKED] = {HBIL_PACKED_RADIANCE, HBIL_PACKED_SPLIT_PLANES,
+                             HBIL_PACKED_NEAR, HBIL_PACKED_BENT,
+                             HBIL_PACKED_LIGHT_PLANES},
+    [HBIL_STORAGE_FLOAT32] = {HBIL_SPLIT_RED, HBIL_SPLIT_PLANES, HBIL_LIGHT_RED,
+                              HBIL_LIGHT_BENT, HBIL_LIGHT_PLANES},
+    [HBIL_STORAGE_HALF] = {HBIL_PACKED_RADIANCE, HBIL_HALF_SPLIT_PLANES,
+                           HBIL_HALF_NEAR, HBIL_HALF_BENT,
+                           HBIL_HALF_LIGHT_PLANES},
+    [HBIL_STORAGE_FLOAT11] = {HBIL_PACKED_RADIANCE, HBIL_PACKED_SPLIT_PLANES,
+                              HBIL_PACKED_NEAR, HBIL_PACKED_BENT,
+                              HBIL_PACKED_LIGHT_PLANES}};
+
 static cl_uint split_planes(const hbil_config *config, const layout *l) {
-  if (config->storage == HBIL_STORAGE_PACKED)
-    return l->radiance ? HBIL_PACKED_SPLIT_PLANES : HBIL_PACKED_RADIANCE;
-  return l->radiance ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED;
+  return l->radiance ? stored[config->storage].split
+                     : stored[config->storage].guides;
 }
 
 static cl_uint gathered_planes(const hbil_config *config, const layout *l) {
-  if (config->storage == HBIL_STORAGE_PACKED)
-    return l->bent       ? HBIL_PACKED_LIGHT_PLANES
-           : l->radiance ? HBIL_PACKED_BENT
-                         : HBIL_PACKED_NEAR;
-  return l->unknown ? HBIL_GATHERED_PLANES : light_planes(l);
+  if (l->unknown && config->storage == HBIL_STORAGE_FLOAT32)
+    return HBIL_GATHERED_PLANES;
+  return l->bent       ? stored[config->storage].bent
+         : l->radiance ? stored[config->storage].near_light
+                       : stored[config->storage].ao;
 }
 
 void layout_compute(const hbil_config *config, layout *out) {

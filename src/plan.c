@@ -68,7 +68,7 @@ static void write_defines(const hbil_plan *plan, text *t) {
   add(t, " -DEXTRAPOLATE=%d -DADAPTIVE=%d", c->extrapolate != 0,
       plan->layout.ladder.count > 0);
   add(t, " -DERROR_PLANE=%u", (unsigned)plan->layout.error_plane);
-  add(t, " -DPACKED=%d", c->storage == HBIL_STORAGE_PACKED);
+  add(t, " -DSTORAGE=%d", (int)c->storage);
   add(t, " -DREFUSED_FRAME=%d -DHBAO=%d", plan->layout.unknown,
       c->mode == HBIL_MODE_HBAO);
   static const struct {

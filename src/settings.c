@@ -332,7 +332,7 @@ static hbil_status config_check(hbil_context *context,
       {"far_field", (double)config->far_field, 0, HBIL_FAR_FRAME},
       {"raw_interleave", config->raw_interleave, 0, 1},
       {"skip", config->skip, 0, HBIL_SKIP_ALL},
-      {"storage", (double)config->storage, 0, HBIL_STORAGE_FLOAT32},
+      {"storage", (double)config->storage, 0, HBIL_STORAGE_FLOAT11},
       {"profiling", config->profiling, 0, 1},
   };
   hbil_status status = HBIL_SUCCESS;

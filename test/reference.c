@@ -694,9 +694,9 @@ static double tolerance_of(const hbil_config *c) {
  * plane by: the normal's unit roundoff, eightfold, in the plane's gradient. */
 static double least_excess(const hbil_config *c, const surface *s) {
   double cosine = -dot(s->normal, s->ray) / length(s->ray);
-  double unit = ldexp(1.0, c->normal.component == HBIL_FLOAT16 ? -10
-                           : c->storage == HBIL_STORAGE_PACKED ? -13
-                                                               : -21);
+  double unit = ldexp(1.0, c->normal.component == HBIL_FLOAT16  ? -10
+                           : c->storage != HBIL_STORAGE_FLOAT32 ? -13
+                                                                : -21);
   return unit * s->unit / (cosine * cosine * length(s->ray));
 }
 

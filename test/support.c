@@ -506,23 +506,108 @@ static void decode_bent(uint32_t word, double b[3]) {
   b[2] = signed_bits(word, 22, 10) / 511.0;
 }
 
+double decode_small(uint32_t bits, int mantissa) {
+  int exponent = (int)(bits >> mantissa & 31);
+  double fraction = ldexp(bits & ((1u << mantissa) - 1), -mantissa);
+  assert_true(exponent < 31); /* infinity, not-a-numbers */
+  return exponent ? ldexp(1.0 + fraction, exponent - 15) : ldexp(fraction, -14);
+}
+
+uint32_t encode_small(double value, int mantissa) {
+  const double most = ldexp(2.0 - ldexp(1.0, -mantissa), 15);
+  const double v = fmin(fmax(value, 0.0), most);
+  const int exponent = v > 0.0 ? (int)fmax(ilogb(v), -14.0) : -14;
+  /* a unit more than the largest mantissa is the next power of two */
+  return (uint32_t)lrint(ldexp(v, mantissa - exponent)) +
+         ((uint32_t)(exponent + 14) << mantissa);
+}
+
+static double decode_half(uint32_t word, int low) {
+  double size = decode_small(word >> low & 0x7fff, 10);
+  return word >> low & 0x8000 ? -size : size;
+}
+
+static uint32_t encode_half(double value) {
+  return encode_small(fabs(value), 10) | (signbit(value) ? 0x8000 : 0);
+}
+
+static uint32_t encode_halves(double low, double high) {
+  return encode_half(low) | encode_half(high) << 16;
+}
+
 /* A pixel's words, and the values that FLOAT32 keeps in their place. */
 typedef struct packed_pixel {
-  uint32_t word[3];
+  uint32_t word[4];
   double value[HBIL_GATHERED_PLANES];
 } packed_pixel;
 
-static void decode_pixel(hbil_stage stage, packed_pixel *p) {
-  if (stage == HBIL_STAGE_SPLIT) {
-    float w;
-    memcpy(&w, p->word, sizeof(w));
-    p->value[HBIL_SPLIT_W] = (double)w;
-    decode_normal(p->word[HBIL_PACKED_NORMAL], p->value + HBIL_SPLIT_NORMAL);
-    decode_light(p->word[HBIL_PACKED_RADIANCE], 8,
-                 p->word[HBIL_PACKED_RADIANCE] >> 24,
-                 p->value + HBIL_SPLIT_RED);
-    return;
+static void decode_radiance(hbil_storage storage, const uint32_t *word,
+                            double light[3]) {
+  if (storage == HBIL_STORAGE_PACKED) {
+    decode_light(*word, 8, *word >> 24, light);
+  } else if (storage == HBIL_STORAGE_HALF) {
+    light[0] = decode_half(word[0], 0);
+    light[1] = decode_half(word[0], 16);
+    light[2] = decode_half(word[1], 0);
+  } else {
+    light[0] = decode_small(*word & 0x7ff, 6);
+    light[1] = decode_small(*word >> 11 & 0x7ff, 6);
+    light[2] = decode_small(*word >> 22, 5);
   }
+}
+
+static void encode_radiance(hbil_storage storage, const double light[3],
+                            uint32_t *word) {
+  uint32_t exponent;
+  if (storage == HBIL_STORAGE_PACKED) {
+    *word = encode_light(light, 8, 0.5, &exponent);
+    *word |= exponent << 24;
+  } else if (storage == HBIL_STORAGE_HALF) {
+    word[0] = encode_halves(light[0], light[1]);
+    word[1] = encode_halves(light[2], 0.0);
+  } else {
+    *word = encode_small(light[0], 6) | encode_small(light[1], 6) << 11 |
+            encode_small(light[2], 5) << 22;
+  }
+}
+
+static void decode_split(hbil_storage storage, packed_pixel *p) {
+  float w;
+  memcpy(&w, p->word, sizeof(w));
+  p->value[HBIL_SPLIT_W] = (double)w;
+  decode_normal(p->word[HBIL_PACKED_NORMAL], p->value + HBIL_SPLIT_NORMAL);
+  decode_radiance(storage, p->word + HBIL_PACKED_RADIANCE,
+                  p->value + HBIL_SPLIT_RED);
+}
+
+static void encode_split(hbil_storage storage, packed_pixel *p) {
+  float w = (float)p->value[HBIL_SPLIT_W];
+  memcpy(p->word, &w, sizeof(w));
+  p->word[HBIL_PACKED_NORMAL] = encode_normal(p->value + HBIL_SPLIT_NORMAL);
+  encode_radiance(storage, p->value + HBIL_SPLIT_RED,
+                  p->word + HBIL_PACKED_RADIANCE);
+}
+
+static void decode_halves_gathered(packed_pixel *p) {
+  static const int planes[8] = {HBIL_LIGHT_AO,       HBIL_LIGHT_UNKNOWN,
+                                HBIL_LIGHT_RED,      HBIL_LIGHT_RED + 1,
+                                HBIL_LIGHT_RED + 2,  HBIL_LIGHT_BENT,
+                                HBIL_LIGHT_BENT + 1, HBIL_LIGHT_BENT + 2};
+  for (int i = 0; i < 8; ++i)
+    p->value[planes[i]] = decode_half(p->word[i / 2], i % 2 * 16);
+}
+
+static void encode_halves_gathered(packed_pixel *p) {
+  const double *near_light = p->value + HBIL_LIGHT_RED;
+  const double *bent = p->value + HBIL_LIGHT_BENT;
+  p->word[HBIL_HALF_AO] =
+      encode_halves(p->value[HBIL_LIGHT_AO], p->value[HBIL_LIGHT_UNKNOWN]);
+  p->word[HBIL_HALF_NEAR] = encode_halves(near_light[0], near_light[1]);
+  p->word[HBIL_HALF_NEAR + 1] = encode_halves(near_light[2], bent[0]);
+  p->word[HBIL_HALF_BENT] = encode_halves(bent[1], bent[2]);
+}
+
+static void decode_gathered(packed_pixel *p) {
   p->value[HBIL_LIGHT_AO] = (p->word[HBIL_PACKED_AO] & 0xffff) / 65535.0;
   p->value[HBIL_LIGHT_UNKNOWN] = (p->word[HBIL_PACKED_AO] >> 16 & 0xff) / 255.0;
   decode_light(p->word[HBIL_PACKED_NEAR], 10, p->word[HBIL_PACKED_AO] >> 24,
@@ -530,17 +615,8 @@ static void decode_pixel(hbil_stage stage, packed_pixel *p) {
   decode_bent(p->word[HBIL_PACKED_BENT], p->value + HBIL_LIGHT_BENT);
 }
 
-static void encode_pixel(hbil_stage stage, double dither, packed_pixel *p) {
+static void encode_gathered(double dither, packed_pixel *p) {
   uint32_t exponent;
-  if (stage == HBIL_STAGE_SPLIT) {
-    float w = (float)p->value[HBIL_SPLIT_W];
-    memcpy(p->word, &w, sizeof(w));
-    p->word[HBIL_PACKED_NORMAL] = encode_normal(p->value + HBIL_SPLIT_NORMAL);
-    p->word[HBIL_PACKED_RADIANCE] =
-        encode_light(p->value + HBIL_SPLIT_RED, 8, dither, &exponent);
-    p->word[HBIL_PACKED_RADIANCE] |= exponent << 24;
-    return;
-  }
   p->word[HBIL_PACKED_NEAR] =
       encode_light(p->value + HBIL_LIGHT_RED, 10, 0.5, &exponent);
   p->word[HBIL_PACKED_AO] =
@@ -552,23 +628,45 @@ static void encode_pixel(hbil_stage stage, double dither, packed_pixel *p) {
   p->word[HBIL_PACKED_BENT] = encode_bent(p->value + HBIL_LIGHT_BENT, dither);
 }
 
+static void decode_pixel(hbil_storage storage, hbil_stage stage,
+                         packed_pixel *p) {
+  if (stage == HBIL_STAGE_SPLIT)
+    decode_split(storage, p);
+  else if (storage == HBIL_STORAGE_HALF)
+    decode_halves_gathered(p);
+  else
+    decode_gathered(p);
+}
+
+static void encode_pixel(hbil_storage storage, hbil_stage stage, double dither,
+                         packed_pixel *p) {
+  if (stage == HBIL_STAGE_SPLIT)
+    encode_split(storage, p);
+  else if (storage == HBIL_STORAGE_HALF)
+    encode_halves_gathered(p);
+  else
+    encode_gathered(dither, p);
+}
+
 static bool is_packed(const setup *s, hbil_stage stage) {
-  return s->config.storage == HBIL_STORAGE_PACKED &&
+  return s->config.storage != HBIL_STORAGE_FLOAT32 &&
          (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED);
 }
 
 /* Planes that FLOAT32 would have in place of those words. */
 static int plain_planes(const setup *s, hbil_stage stage, int words) {
+  const bool half = s->config.storage == HBIL_STORAGE_HALF;
   bool unknown =
       s->config.refused == HBIL_REFUSED_FRAME && s->config.facing[1] > -1.0f;
   if (stage == HBIL_STAGE_SPLIT)
-    return words == HBIL_PACKED_SPLIT_PLANES ? HBIL_SPLIT_PLANES
-                                             : HBIL_SPLIT_RED;
-  if (words == HBIL_PACKED_NEAR)
+    return words > HBIL_PACKED_RADIANCE ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED;
+  if (words == 1)
     return HBIL_LIGHT_RED;
   if (unknown)
     return HBIL_GATHERED_PLANES;
-  return words == HBIL_PACKED_BENT ? HBIL_LIGHT_BENT : HBIL_LIGHT_PLANES;
+  return words == (half ? HBIL_HALF_BENT : HBIL_PACKED_BENT)
+             ? HBIL_LIGHT_BENT
+             : HBIL_LIGHT_PLANES;
 }
 
 /* --- stages --- */
@@ -577,6 +675,7 @@ static int plain_planes(const setup *s, hbil_stage stage, int words) {
 typedef struct stage_bytes {
   hbil_buffer b;
   hbil_stage stage;
+  hbil_storage storage;
   size_t size;
   float *floats;
 } stage_bytes;
@@ -585,6 +684,7 @@ static stage_bytes stage_open(setup *s, hbil_stage stage) {
   stage_bytes t;
   t.b = stage_buffer(s, stage);
   t.stage = stage;
+  t.storage = s->config.storage;
   t.floats = (float *)(void *)buffer_bytes(s, t.b.buffer, &t.size);
   return t;
 }
@@ -596,10 +696,10 @@ static float *stage_at(const stage_bytes *t, int plane, int x, int y) {
 }
 
 static packed_pixel packed_at(const stage_bytes *t, int x, int y) {
-  packed_pixel p = {{0, 0, 0}, {0.0}};
+  packed_pixel p = {{0, 0, 0, 0}, {0.0}};
   for (int i = 0; i < (int)t->b.values; ++i)
     memcpy(p.word + i, stage_at(t, i, x, y), sizeof(*p.word));
-  decode_pixel(t->stage, &p);
+  decode_pixel(t->storage, t->stage, &p);
   return p;
 }
 
@@ -618,7 +718,7 @@ static void write_packed(const stage_bytes *t, const ref_planes *planes) {
       packed_pixel p = packed_at(t, x, y);
       for (int i = 0; i < planes->count; ++i)
         p.value[i] = *ref_at(planes, i, x, y);
-      encode_pixel(t->stage, layer_dither(x, y), &p);
+      encode_pixel(t->storage, t->stage, layer_dither(x, y), &p);
       for (int i = 0; i < (int)t->b.values; ++i)
         memcpy(stage_at(t, i, x, y), p.word + i, sizeof(*p.word));
     }

@@ -135,13 +135,17 @@ void assert_success(const setup *s, hbil_status status);
 ref_planes stage_read(setup *s, hbil_stage stage);
 void stage_write(setup *s, hbil_stage stage, const ref_planes *planes);
 
-/* The words of HBIL_STORAGE_PACKED in double, from their description in
+/* The words of packed storages in double, from their description in
  * hbil_shared.h alone. */
 uint32_t encode_normal(const double n[3]);
 void decode_normal(uint32_t word, double n[3]); /* unit length */
 /* What a mantissa of so many bits counts, where the largest channel is `most`.
  */
 double packed_unit(double most, int bits);
+/* A float of 5 exponent bits and so many of mantissa, without sign; encoded to
+ * the nearest, which is never infinite. */
+double decode_small(uint32_t bits, int mantissa);
+uint32_t encode_small(double value, int mantissa);
 
 /* GATHERED of the split inputs, its mean over frames of index 0..turns-1, which
  * turn the pattern: a plan has 32 slices at most, this has `turns` times as

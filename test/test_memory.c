@@ -212,7 +212,7 @@ static void the_query_makes_no_buffers(void **state) {
 /* Little more than the planes                                               */
 
 /* Words of 32 bits a pixel, as the header has them beside hbil_plan_buffer()
- * and HBIL_STORAGE_PACKED; not asked of the plan, which reads some of them off
+ * and hbil_storage; not asked of the plan, which reads some of them off
  * its buffers. */
 typedef struct plane_counts {
   double history, carried, scatter, split, gathered, resolved;
@@ -269,6 +269,18 @@ static void packed_padding_is_at_most_a_quarter(void **state) {
   setup_free(&s);
 }
 
+static void half_padding_is_at_most_a_quarter(void **state) {
+  setup s;
+  (void)state;
+  prepare(&s, 1280, 720);
+  s.config.storage = HBIL_STORAGE_HALF;
+  s.config.reprojection = HBIL_REPROJECTION_NONE;
+  check_planes(&s.config, (plane_counts){0, 0, 0, 4, 4, 7});
+  light_alone(&s.config);
+  check_planes(&s.config, (plane_counts){0, 0, 0, 4, 3, 4});
+  setup_free(&s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_setting_takes_what_is_announced),
@@ -276,6 +288,7 @@ int main(void) {
       cmocka_unit_test(frames_make_no_buffers),
       cmocka_unit_test(the_query_makes_no_buffers),
       cmocka_unit_test(padding_is_at_most_a_quarter),
-      cmocka_unit_test(packed_padding_is_at_most_a_quarter)};
+      cmocka_unit_test(packed_padding_is_at_most_a_quarter),
+      cmocka_unit_test(half_padding_is_at_most_a_quarter)};
   return RUN_WITH_GPU(tests);
 }

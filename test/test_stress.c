@@ -184,10 +184,10 @@ static double brightest(setup *s) {
   return most;
 }
 
-/* Half outputs and the 10 bits of packed E_near: half a step of the largest
- * value, 2^-10; otherwise sums of some hundred roundings. */
+/* Half outputs, halves and the 10 bits of packed E_near: half a step of the
+ * largest value, 2^-10; otherwise sums of some hundred roundings. */
 static double most_light(setup *s, image_id id, double radiance) {
-  const bool coarse = s->config.storage == HBIL_STORAGE_PACKED ||
+  const bool coarse = s->config.storage != HBIL_STORAGE_FLOAT32 ||
                       image_format(&s->config, id)->component == HBIL_FLOAT16;
   return PI * radiance * (1.0 + (coarse ? 0x1p-9 : 1e-5));
 }
@@ -1240,7 +1240,7 @@ static void any_sampling(hbil_config *c, random_state *r) {
   c->step_growth = maybe(r, 0.3) ? 0.0f : 4.0f * (float)random_unit(r);
   c->lattice = (hbil_lattice)below(r, 2);
   c->raw_interleave = maybe(r, 0.2);
-  c->storage = (hbil_storage)below(r, 2);
+  c->storage = (hbil_storage)below(r, 4);
   c->vector_width = ANY_OF(r, widths);
   c->skip = maybe(r, 0.5) ? HBIL_SKIP_ALL : below(r, HBIL_SKIP_ALL + 1);
 }
@@ -1275,9 +1275,19 @@ static ref_planes widened(ref_planes planes, int count) {
   return wide;
 }
 
+/* Halves end there. */
+static void end_with_halves(const setup *s, ref_planes *light) {
+  const size_t plane = (size_t)light->width * (size_t)light->height;
+  double *values = light->values + plane * HBIL_LIGHT_RED;
+  for (size_t i = 0; s->config.storage == HBIL_STORAGE_HALF && i < 3 * plane;
+       ++i)
+    values[i] = fmin(values[i], 65504.0);
+}
+
 /* What the gather has made of the split planes, and recompose of that, against
- * double.  10 bits of E_near are off by half of FAR_OFF; packed bent normals,
- * in steps of 1/511 however short they are, are test_storage's.  By more are
+ * double.  10 bits of E_near are off by half of FAR_OFF, halves by a quarter;
+ * packed bent normals, in steps of 1/511 however short they are, are
+ * test_storage's.  By more are
  * only samples that a rounding takes for risen, sectors that it takes for
  * covered, and gradients of surfaces seen edge on, where it is 6e-8 over a
  * cosine of 1e-4: a value in a hundred may be (measured, over 56 comparisons:
@@ -1297,6 +1307,7 @@ static void check_near_double(setup *s) {
       ref_planes_new(split.width, split.height, HBIL_GATHERED_PLANES);
   ref_estimate_frame(&s->job, &split);
   ref_gather(&s->job, &split, &want);
+  end_with_halves(s, &want);
   measure_planes(all, GATHER_AO, &gathered, &want, light, bent);
   ref_recompose(&s->job, &split, &gathered, &want);
   measure_planes(all, RECOMPOSE_AO, &resolved, &want, light, bent);

@@ -247,19 +247,36 @@ typedef enum hbil_lattice {
 
 /*
  * How the layers between split and recompose are kept.  Depth is always fp32.
- * PACKED needs 6 words a pixel instead of 14 or 15 and is faster wherever
- * memory is the limit.  Against FLOAT32 it changes AO by less than 3e-4 and
- * E_near by less than 2e-3 of the mean (RMSE; 1e-3 with 48 samples a side, as
- * hbil process has them), while sampling is off by 30 to 500 times that (`hbil
- * bench` has both).  HBIL_REFUSED_LAST jumps where a rounding makes a sample
- * rise or not: there single pixels differ by more.
+ * Fewer words are faster wherever memory is the limit.  What each changes
+ * against FLOAT32, RMSE over the mean, on path-traced dumps with 2 slices x 8
+ * samples a side, while sampling is off by 30 to 500 times that (`hbil bench`
+ * has both):
+ *              words a pixel   E_near                  AO
+ *   PACKED     3 + 3           4e-4 to 9.4e-4          1.3e-5
+ *   FLOAT32    7 + 7 or 8      0                       0
+ *   HALF       4 + 4           1e-4 to 1.8e-4          5.5e-5
+ *   FLOAT11    3 + 3           1.1e-3 to 2.6e-3        1.3e-5
+ * Where all surfaces send one even radiance, all samples are rounded alike:
+ * then PACKED may be off by 2.1e-3, HALF by 2.4e-4, FLOAT11 by 4.6e-3.
+ * As hbil process has them, 48 samples and occluders that end, E_near is off by
+ * less than 9e-4, 7e-4 and 1.4e-3, and AO by less than 5e-4.
+ * HBIL_REFUSED_LAST jumps where a rounding makes a sample rise or not: there
+ * single pixels differ by more.
  */
 typedef enum hbil_storage {
   /* normals octahedral in 2 x 16 bits; radiance with 8 bits a channel and a
-   * common exponent, E_near with 10; AO in 16 bits, the unknown share in 8, the
-   * bent normal in 11, 11 and 10; coarse ones dithered over the 16 layers */
+   * common exponent, E_near with 10, up to 1e30; AO in 16 bits, the unknown
+   * share in 8, the bent normal in 11, 11 and 10, dithered over the 16 layers
+   */
   HBIL_STORAGE_PACKED = 0,
-  HBIL_STORAGE_FLOAT32 = 1
+  HBIL_STORAGE_FLOAT32 = 1,
+  /* normals as in PACKED, all else in halves: radiance and E_near end at 65504,
+   * and brighter ones become that; below 6e-5 they lose digits, and below 3e-8
+   * all */
+  HBIL_STORAGE_HALF = 2,
+  /* as PACKED, but radiance in 11-11-10 floats (R11G11B10F: 5 bits of exponent,
+   * 6, 6 and 5 of mantissa): it ends at 65024, blue at 64512 */
+  HBIL_STORAGE_FLOAT11 = 3
 } hbil_storage;
 
 /*
@@ -636,17 +653,24 @@ HBIL_API hbil_status hbil_enqueue_composite(
  *     AO         16 bits over 65535; the unknown share 8 bits over 255
  *     bent       x: the lowest 11 bits, y: the next 11, both over 1023; z: the
  *                highest 10 over 511; two's complement
- * A plan keeps only what its outputs need: hbil_buffer.values says how many of
- * these, from the first on, it has (SPLIT 4 without radiance; GATHERED and
- * RESOLVED 4 without bent normals, 1 with AO alone; in words, SPLIT 2, GATHERED
- * 2 and 1; KEPT 3 more than RESOLVED, with hbil_config.temporal).  HISTORY and
- * CARRIED exist where light is carried over: with a reprojection, and an output
- * among near_light, indirect and radiance. Full-resolution planes: value p of
- * pixel (x,y) is at float index p * plane_pitch + y * row_pitch + x + origin.
- * Layered ones (SPLIT, GATHERED): pixel (x,y) lies in layer 4 (y mod 4) +
- * (x mod 4), at
- *   p * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin;
- * around every layer of SPLIT there is padding that holds "nothing there".
+ * With HBIL_STORAGE_FLOAT11 radiance is three floats without sign, of 5 bits of
+ * exponent, biased by 15, above the mantissa: 11 bits red, lowest, with 6 of
+ * mantissa, 11 green, alike, 10 blue, with 5.  The rest is as in PACKED.
+ * With HBIL_STORAGE_HALF depth and normal are as in PACKED, all else IEEE
+ * halves, two to a word, the first one low:
+ *   SPLIT      4: inverse depth; normal; red, green; blue, 0
+ *   GATHERED   4: AO, unknown share or 0; red, green of E_near; blue of it, x
+ * of the bent normal; its y, z A plan keeps only what its outputs need:
+ * hbil_buffer.values says how many of these, from the first on, it has (SPLIT 4
+ * without radiance; GATHERED and RESOLVED 4 without bent normals, 1 with AO
+ * alone; in words, SPLIT 2, GATHERED 2 and 1, of halves 3 and 1; KEPT 3 more
+ * than RESOLVED, with hbil_config.temporal).  HISTORY and CARRIED exist where
+ * light is carried over: with a reprojection, and an output among near_light,
+ * indirect and radiance. Full-resolution planes: value p of pixel (x,y) is at
+ * float index p * plane_pitch + y * row_pitch + x + origin. Layered ones
+ * (SPLIT, GATHERED): pixel (x,y) lies in layer 4 (y mod 4) + (x mod 4), at p *
+ * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin; around
+ * every layer of SPLIT there is padding that holds "nothing there".
  */
 typedef enum hbil_stage {
   HBIL_STAGE_HISTORY = 0,

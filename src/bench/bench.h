@@ -86,8 +86,10 @@ int bench_is_adaptive(const bench_configuration *c);
 /* Whether they differ in how many samples there are, and in nothing else. */
 int bench_is_uniform_of(const bench_configuration *uniform,
                         const bench_configuration *adaptive);
-/* Of the layers: "packed" or "fp32". */
+/* Of the layers: "packed", "fp32", "half" or "float11". */
 const char *bench_storage_name(const bench_configuration *c);
+/* Whether the list has the same with fp32 layers: what others lose is shown. */
+int bench_is_of_storage(const bench_configuration *c);
 /* The setting that the others' cost is told in multiples of. */
 int bench_is_start(const bench_configuration *c);
 /* What the library does by itself. */
@@ -261,6 +263,7 @@ typedef struct bench_row {
   double samples;               /* a side, on average */
   double model_error;           /* NAN without a truth */
   int ao_front, light_front;    /* nothing of its model is faster and better */
+  double ao_loss, light_loss;   /* off fp32 layers; NAN: not compared */
   /* Gather's time over that of the same sampling with endless occluders, both
    * measured in turns; NAN where occluders don't end. */
   double over_endless;
@@ -274,6 +277,9 @@ void bench_lab_close(bench_lab *lab);
 int bench_lab_measure(bench_lab *lab, const bench_exact *exact,
                       const bench_configuration *c, unsigned runs,
                       bench_row *out, image_error *error);
+/* Fills in what the row's storage loses. */
+int bench_lab_loss(bench_lab *lab, const bench_configuration *c, bench_row *row,
+                   image_error *error);
 /* Fills in over_endless. */
 int bench_lab_thickness(bench_lab *lab, const bench_configuration *c,
                         unsigned runs, bench_row *row, image_error *error);

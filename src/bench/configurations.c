@@ -8,6 +8,8 @@
 #define LAYER HBIL_LATTICE_LAYER
 #define PACKED HBIL_STORAGE_PACKED
 #define FLOAT32 HBIL_STORAGE_FLOAT32
+#define HALF HBIL_STORAGE_HALF
+#define FLOAT11 HBIL_STORAGE_FLOAT11
 
 /* slices, samples a side, growth of the steps, lattice, raw, quick, model,
  * preset, storage, plain, not adaptive */
@@ -29,9 +31,13 @@ static const bench_configuration table[] = {
     {2, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1, 0, 0},
     {2, 24, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {2, 48, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
-    /* storage */
+    /* storage: few samples, and the tool's */
     {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, FLOAT32, 0, 0, 0},
-    {2, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, FLOAT32, 0, 0, 0},
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, HALF, 0, 0, 0},
+    {2, 8, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, FLOAT11, 0, 0, 0},
+    {2, 48, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, FLOAT32, 0, 0, 0},
+    {2, 48, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, HALF, 0, 0, 0},
+    {2, 48, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, FLOAT11, 0, 0, 0},
     /* samples */
     {2, 4, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {2, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
@@ -188,7 +194,20 @@ size_t bench_configurations(int quick,
 }
 
 const char *bench_storage_name(const bench_configuration *c) {
-  return c->storage == FLOAT32 ? "fp32" : "packed";
+  static const char *const names[] = {[PACKED] = "packed",
+                                      [FLOAT32] = "fp32",
+                                      [HALF] = "half",
+                                      [FLOAT11] = "float11"};
+  return names[c->storage];
+}
+
+int bench_is_of_storage(const bench_configuration *c) {
+  bench_configuration plain = *c;
+  plain.storage = FLOAT32;
+  for (size_t i = 0; i < TABLE; i++)
+    if (same(&plain, &table[i]))
+      return 1;
+  return 0;
 }
 
 int bench_is_start(const bench_configuration *c) {
@@ -221,11 +240,12 @@ void bench_label(const bench_configuration *c, char *text, size_t size) {
     snprintf(most, sizeof most, " AO<%g", (double)c->most_ao);
   else if (c->most_light > 0.0f)
     snprintf(most, sizeof most, " E<%g", (double)c->most_light);
-  snprintf(text, size, "%s%s%s%s%ux%u %s g%g%s%s%s%s", model, *model ? " " : "",
-           c->preset ? c->preset : "", c->preset ? " " : "",
+  snprintf(text, size, "%s%s%s%s%ux%u %s g%g%s%s%s%s%s", model,
+           *model ? " " : "", c->preset ? c->preset : "", c->preset ? " " : "",
            (unsigned)c->slices, (unsigned)c->samples,
            c->lattice == FULL ? "full" : "layer", (double)c->growth,
-           c->raw ? " raw" : "", c->storage == FLOAT32 ? " fp32" : "",
+           c->raw ? " raw" : "", c->storage == PACKED ? "" : " ",
+           c->storage == PACKED ? "" : bench_storage_name(c),
            c->plain ? " plain" : "", most);
 }
 

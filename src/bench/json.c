@@ -99,11 +99,13 @@ static json_t *ratios(const bench_report *report, const bench_row *row) {
 }
 
 static json_t *errors(const bench_row *row) {
-  return json_pack("{s:o, s:o, s:o, s:b, s:b, s:o, s:o}", "light",
+  return json_pack("{s:o, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o}", "light",
                    number(row->light_error), "ao", number(row->ao_error),
                    "model", number(row->model_error), "light_front",
                    row->light_front, "ao_front", row->ao_front, "light_95",
-                   number(row->light_95), "ao_95", number(row->ao_95));
+                   number(row->light_95), "ao_95", number(row->ao_95),
+                   "light_loss", number(row->light_loss), "ao_loss",
+                   number(row->ao_loss));
 }
 
 static json_t *row_json(const bench_report *report, const bench_row *row) {

@@ -313,7 +313,7 @@ int bench_lab_measure(bench_lab *lab, const bench_exact *exact,
   trial t = {.plan = NULL};
   memset(out, 0, sizeof *out);
   out->configuration = *c;
-  out->over_endless = NAN;
+  out->over_endless = out->ao_loss = out->light_loss = NAN;
   bench_label(c, out->label, sizeof out->label);
   bench_configure(lab->content, c, &config);
   const int failed = make_plan(lab, &config, &t, error) != 0 ||
@@ -324,6 +324,41 @@ int bench_lab_measure(bench_lab *lab, const bench_exact *exact,
   out->memory = t.memory;
   free_trial(&t);
   return failed ? -1 : 0;
+}
+
+/* --- storage --- */
+
+/* AO and then E_near of a plan's first frame. */
+static int first_frame(bench_lab *lab, const hbil_config *config, float *out,
+                       image_error *error) {
+  trial t = {.plan = NULL};
+  const int failed =
+      make_plan(lab, config, &t, error) != 0 || enqueue(&t, 0, error) != 0 ||
+      read_layer(lab, LAYER_AO, out, error) != 0 ||
+      read_layer(lab, LAYER_NEAR, out + bench_pixels(lab->content), error) != 0;
+  free_trial(&t);
+  return failed ? -1 : 0;
+}
+
+int bench_lab_loss(bench_lab *lab, const bench_configuration *c, bench_row *row,
+                   image_error *error) {
+  const size_t pixels = bench_pixels(lab->content);
+  hbil_config config;
+  float *own = malloc(8 * pixels * sizeof *own), *exact = own + 4 * pixels;
+  if (!own)
+    return image_no_memory(error, "layers");
+  bench_configure(lab->content, c, &config);
+  int failed = first_frame(lab, &config, own, error);
+  config.storage = HBIL_STORAGE_FLOAT32;
+  if (!failed)
+    failed = first_frame(lab, &config, exact, error);
+  if (!failed) {
+    row->ao_loss = bench_ao_error(lab->content, own, exact);
+    row->light_loss =
+        bench_light_error(lab->content, own + pixels, exact + pixels);
+  }
+  free(own);
+  return failed;
 }
 
 /* --- pairs --- */

@@ -133,6 +133,9 @@ static int measure_row(bench_bench *b, size_t i, image_error *error) {
   const unsigned runs = b->options->runs;
   if (bench_lab_measure(b->lab, &b->exact, c, runs, &b->rows[i], error) != 0)
     return -1;
+  if (bench_is_of_storage(c) &&
+      bench_lab_loss(b->lab, c, &b->rows[i], error) != 0)
+    return -1;
   return bench_is_thick(c->model)
              ? bench_lab_thickness(b->lab, c, runs, &b->rows[i], error)
              : 0;

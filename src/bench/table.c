@@ -143,6 +143,23 @@ static void print_thickness(const bench_report *report, FILE *out) {
   }
 }
 
+/* What each storage loses against fp32, and what it costs. */
+static void print_storages(const bench_report *report, FILE *out) {
+  fprintf(out,
+          "\nlayers against fp32, E_near over its mean:\n  %-*s %9s %9s "
+          "%9s %9s %9s\n",
+          label_width(report), "", "E_near", "AO", "gather ms", "total ms",
+          "MiB");
+  for (size_t i = 0; i < report->count; i++) {
+    const bench_row *row = &report->rows[i];
+    if (isfinite(row->light_loss))
+      fprintf(out, "  %-*s %9.2g %9.2g %9.3f %9.3f %9.1f\n",
+              label_width(report), row->label, row->light_loss, row->ao_loss,
+              row->pass[HBIL_PASS_GATHER].median, row->total.median,
+              (double)row->memory / 1048576.0);
+  }
+}
+
 static void print_share(const bench_report *report, const bench_row *row,
                         FILE *out) {
   fprintf(out, "%.1f %% of the frame, %s",
@@ -277,6 +294,7 @@ void bench_write_table(const bench_report *report, FILE *out) {
   fprintf(out,
           "* the library's default   t the tool's   + on the Pareto front, "
           "error against total, of its model\n");
+  print_storages(report, out);
   print_thickness(report, out);
   print_estimate(report, out);
   print_adaptive(report, out);
@@ -329,7 +347,8 @@ static void write_names(FILE *out) {
   fputs(",total_ms,total_min_ms,total_max_ms,host_ms,device_bytes,"
         "literal_over_gather,literal_over_total,gather_over_start,"
         "gather_over_endless,"
-        "light_error,ao_error,model_error,light_95,ao_95,light_front,ao_front,"
+        "light_error,ao_error,model_error,light_95,ao_95,light_loss,ao_loss,"
+        "light_front,ao_front,"
         "device,compute_units,driver,version,content,width,height,runs,"
         "reference\n",
         out);
@@ -377,6 +396,8 @@ static void write_row(const bench_report *report, const bench_row *row,
   bench_write_number(out, row->model_error);
   bench_write_number(out, row->light_95);
   bench_write_number(out, row->ao_95);
+  bench_write_number(out, row->light_loss);
+  bench_write_number(out, row->ao_loss);
   fprintf(out, ",%d,%d", row->light_front, row->ao_front);
   write_where(report, out);
 }
@@ -390,7 +411,7 @@ static void write_literal(const bench_report *report, FILE *out) {
   fputs(",,,,,,", out);
   bench_write_number(out, report->literal.light_error);
   bench_write_number(out, report->literal.ao_error);
-  fputs(",,,,0,0", out);
+  fputs(",,,,,,0,0", out);
   write_where(report, out);
 }
 

@@ -216,7 +216,8 @@ static void usage(const hbil_config *defaults) {
       "                        half of them miss (yes)\n"
       "  --no-skip             do all work, even such as can't change a\n"
       "                        result (see --timings)\n"
-      "  --storage packed|fp32 how the layers between the passes are kept\n"
+      "  --storage packed|fp32|half|float11\n"
+      "                        how the layers between the passes are kept\n"
       "                        (packed)");
   printf("  --facing A,B          cosines between which the light of a sample\n"
          "                        fades in (%g,%g)\n",
@@ -264,7 +265,8 @@ static int choice(const char *option, const char *const *words, int *out,
 
 static int set_choice(int option, process_options *o, image_error *error) {
   static const char *const lattices[] = {"layer", "full", NULL};
-  static const char *const storages[] = {"packed", "fp32", NULL};
+  static const char *const storages[] = {"packed", "fp32", "half", "float11",
+                                         NULL};
   static const char *const refusals[] = {"last", "black", "frame", NULL};
   static const char *const answers[] = {"no", "yes", NULL};
   static const char *const reprojections[] = {"none", "scatter", "motion",
