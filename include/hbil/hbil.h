@@ -659,14 +659,15 @@ HBIL_API hbil_status hbil_enqueue_composite(
  * With HBIL_STORAGE_HALF depth and normal are as in PACKED, all else IEEE
  * halves, two to a word, the first one low:
  *   SPLIT      4: inverse depth; normal; red, green; blue, 0
- *   GATHERED   4: AO, unknown share or 0; red, green of E_near; blue of it, x
- * of the bent normal; its y, z A plan keeps only what its outputs need:
- * hbil_buffer.values says how many of these, from the first on, it has (SPLIT 4
- * without radiance; GATHERED and RESOLVED 4 without bent normals, 1 with AO
- * alone; in words, SPLIT 2, GATHERED 2 and 1, of halves 3 and 1; KEPT 3 more
- * than RESOLVED, with hbil_config.temporal).  HISTORY and CARRIED exist where
- * light is carried over: with a reprojection, and an output among near_light,
- * indirect and radiance. Full-resolution planes: value p of pixel (x,y) is at
+ *   GATHERED   4: AO, unknown share or 0; red, green of E_near;
+ *                 blue of it, x of the bent normal; its y, z
+ * A plan keeps only what its outputs need: hbil_buffer.values says how many of
+ * these, from the first on, it has (SPLIT 4 without radiance; GATHERED and
+ * RESOLVED 4 without bent normals, 1 with AO alone; in words, SPLIT 2, GATHERED
+ * 2 and 1, of halves 3 and 1; KEPT 3 more than RESOLVED, with
+ * hbil_config.temporal).  HISTORY and CARRIED exist where light is carried
+ * over: with a reprojection, and an output among near_light, indirect and
+ * radiance.  Full-resolution planes: value p of pixel (x,y) is at
  * float index p * plane_pitch + y * row_pitch + x + origin. Layered ones
  * (SPLIT, GATHERED): pixel (x,y) lies in layer 4 (y mod 4) + (x mod 4), at p *
  * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin; around
