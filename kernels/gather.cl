@@ -134,14 +134,17 @@ typedef struct center {
 } center;
 
 /* Asks for what is needed soon.  Normals and light of a sample that rises: a
- * strip's straddle three cache lines of 16 words.  And the samples' w of the
- * strip after the next, since a row's strips follow each other and take the
- * same steps.  OpenCL's own prefetch() does nothing in PoCL. */
-static inline void fetch_early(global const float *sample, uint plane) {
+ * strip's straddle three cache lines of 16 words.  And the samples' w, of the
+ * strip after the next and of the next row, which take the same steps.
+ * OpenCL's own prefetch() does nothing in PoCL. */
+static inline void fetch_early(global const float *sample, uint plane,
+                               uint row) {
 #if defined(__AVX__)
   const int strip = STRIP * HBIL_WIDTH;
-  for (int i = 0; i < strip; i += 16)
+  for (int i = 0; i < strip; i += 16) {
     FETCH_LINE(sample + 2 * strip + i);
+    FETCH_LINE(sample + row + i);
+  }
 #if GATHER_RADIANCE && PACKED
   const uint first = FACING_ALL ? RADIANCE_PLANE : HBIL_PACKED_NORMAL;
   for (int i = 0; i < strip + 16; i += 16) {
@@ -464,7 +467,7 @@ look(const hbil_gather_args args, const center *c,
       break;
 #endif
     global const float *sample = from + step->offset;
-    fetch_early(sample, plane);
+    fetch_early(sample, plane, in.row);
     const realv inv_e = step->inv_e, keep = args.keep;
     const realv e_x = step->ux, e_y = step->uy;
 #pragma unroll
