@@ -319,7 +319,7 @@ for row in 'fast 1x16 layer g2,paper,fast,' 'thick .08 2x8 full g2,thick .08,,' 
   grep -q "^$row" "$work/bench/bench.csv"
   ok $? "the bench has the row $row"
 done
-grep '^hbao ' "$work/bench/bench.csv" | grep -q ',,0\.[0-9]*,,,0\.[0-9]*,0,1,'
+grep '^hbao ' "$work/bench/bench.csv" | grep -q ',,0\.[0-9]*,,,0\.[0-9]*,,,0,1,'
 ok $? "AO alone has no error of light"
 sed 's/"[^"]*"/text/g' "$work/bench/bench.csv" | awk -F, '
   NR == 1 { fields = NF } NF != fields { bad = 1; print } END { exit bad }' \
