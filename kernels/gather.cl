@@ -32,7 +32,8 @@
  * (refused light is the last accepted), FACING_ALL (no light is refused),
  * FACING_STEP (the threshold is sharp), FINITE (occluders have a thickness:
  * sectors instead of a horizon), EXTRAPOLATE, ADAPTIVE (each tile has its own
- * number of samples, judge.cl), STORAGE (common.clh).
+ * number of samples, judge.cl), STORAGE (common.clh), SKIP_* (spared_of(),
+ * look()).
  *
  * Launch: x = strips of HBIL_TILE pixels of a layer row (single pixels where
  * HBIL_WIDTH is 1), y = layer rows, z = layers, or those that are probed.
@@ -65,11 +66,15 @@
 #define STRIP (HBIL_TILE / HBIL_WIDTH)
 #endif
 
-/* Entry i of a list of hits: a sample of the block, a vector of the strip. */
+/* Entry i of a list of hits, uchars: of a sample of the block and a vector of
+ * the strip, sample * STRIP + vector. */
 #define HIT(list, i) (BLOCK * STRIP == 1 ? 0u : (uint)(list)[i])
+#if BLOCK * STRIP > 256
+#error an entry of a list of hits is a uchar
+#endif
 
 /* Whether what each sample adds must be known, or the highest is enough; and
- * whether the latter may turn out of samples that have no light. */
+ * whether it may be enough after all, where samples send no light. */
 #define SHARES (GATHER_RADIANCE || HBAO || FINITE)
 #define MAY_BE_DARK (GATHER_RADIANCE && SKIP_DARK && !FINITE && !HBAO)
 
@@ -135,11 +140,12 @@ typedef struct center {
 
 /* Asks for what is needed soon.  Normals and light of a sample that rises: a
  * strip's straddle three cache lines of 16 words.  And the samples' w, of the
- * strip after the next and of the next row, which take the same steps.
- * OpenCL's own prefetch() does nothing in PoCL. */
+ * strip after the next and of the next row, which take the same steps; the line
+ * that they straddle is asked for by their neighbours.  OpenCL's own prefetch()
+ * does nothing in PoCL. */
 static inline void fetch_early(global const float *sample, uint plane,
                                uint row) {
-#if defined(__AVX__)
+#if defined(__AVX__) && HBIL_WIDTH > 1
   const int strip = STRIP * HBIL_WIDTH;
   for (int i = 0; i < strip; i += 16) {
     FETCH_LINE(sample + 2 * strip + i);
@@ -294,12 +300,14 @@ typedef struct cut {
 
 /* One side of it. */
 typedef struct side_of {
-  realv nx, cot_tangent, start;
+  realv nx, cot_tangent, start_g, start;
 } side_of;
 
-/* A sample that raises the horizon in some lane: how much of A it takes; below
- * 0 where it isn't seen.  A lane that doesn't rise comes to the same A again,
- * bit by bit.  One that does may take nothing, to a rounding, and is the last
+/* A sample that raises the horizon in some lane, or the highest of several (for
+ * which `step` and `sample` are not read: FINITE and HBAO need all): how much
+ * of A it takes; below 0 where it isn't seen.  A lane that doesn't rise comes
+ * to the same A again, bit by bit; its g and sin2 hold once some sample has
+ * risen in it.  One that does may take nothing, to a rounding, and is the last
  * that was accepted all the same. */
 static inline realv raise(const center *c, const cut *s, const side_of *h,
                           march *m, realv excess, global const hbil_step *step,
@@ -382,6 +390,7 @@ static inline void add_light(const center *c, march *m, realv share,
       select((realv)0.0f, t * t * fma((realv)-2.0f, t, (realv)3.0f), seen);
 #endif
 #endif
+  /* what isn't seen has no share, and is not accepted */
   share = max(share, (realv)0.0f);
   realv light[3];
   split_radiance(sample, plane, light);
@@ -406,7 +415,7 @@ static inline void add_light(const center *c, march *m, realv share,
 
 #if MAY_BE_DARK
 /* Of a vector whose hits in a block bring no light the highest alone matters:
- * raises it, and returns how many hits are left. */
+ * raises it, takes them off the list and returns how many are left on it. */
 static inline uint leave_dark(const center *c, const cut *s, const side_of *h,
                               march *m, const realv *top, uchar *hit, uint hits,
                               global const hbil_step *steps,
@@ -423,15 +432,16 @@ static inline uint leave_dark(const center *c, const cut *s, const side_of *h,
       lit |= 1u << v;
 #endif
   for (uint i = 0u; light_here != LIGHT_NONE && i < hits; ++i) {
-    const uint at = HIT(hit, i), v = at % STRIP;
+    const uint entry = HIT(hit, i), v = entry % STRIP;
     if (!(lit >> v & 1u) &&
-        ANY(shining(from + v * HBIL_WIDTH + steps[at / STRIP].offset, plane)))
+        ANY(shining(from + v * HBIL_WIDTH + steps[entry / STRIP].offset,
+                    plane)))
       lit |= 1u << v;
   }
   for (uint i = 0u; i < hits; ++i) {
-    const uint at = HIT(hit, i), v = at % STRIP;
+    const uint entry = HIT(hit, i), v = entry % STRIP;
     if (lit >> v & 1u)
-      hit[left++] = (uchar)at;
+      hit[left++] = (uchar)entry;
     else
       dark |= 1u << v;
   }
@@ -1034,9 +1044,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         side_of *h = &half_slice[v];
         h->nx = side ? -s[v].nx : s[v].nx;
         h->cot_tangent = side ? -s[v].cot : s[v].cot;
-        const realv start_g = side ? PI - s[v].g : s[v].g;
+        h->start_g = side ? PI - s[v].g : s[v].g;
         h->start =
-            measure(h->cot_tangent, start_g, s[v].sin2, h->nx, c[v].cosine);
+            measure(h->cot_tangent, h->start_g, s[v].sin2, h->nx, c[v].cosine);
         m[v].a = h->start;
         m[v].excess = top[v] = c[v].least_excess;
         m[v].red = m[v].green = m[v].blue = m[v].unknown = 0.0f;
@@ -1047,7 +1057,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         m[v].blocked = 0.0f;
 #endif
 #if GATHER_BENT
-        m[v].g = start_g;
+        m[v].g = h->start_g;
         m[v].sin2 = s[v].sin2;
 #endif
 #if FINITE
@@ -1091,16 +1101,16 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #endif
         realv share[BLOCK * STRIP];
         for (uint i = 0u; i < hits; ++i) {
-          const uint at = HIT(hit, i), v = at % STRIP;
-          global const hbil_step *step = steps + first + at / STRIP;
-          share[i] =
-              raise(&c[v], &s[v], &half_slice[v], &m[v], excess[at / STRIP][v],
-                    step, from + v * HBIL_WIDTH + step->offset, args, dither);
+          const uint entry = HIT(hit, i), v = entry % STRIP;
+          global const hbil_step *step = steps + first + entry / STRIP;
+          share[i] = raise(&c[v], &s[v], &half_slice[v], &m[v],
+                           excess[entry / STRIP][v], step,
+                           from + v * HBIL_WIDTH + step->offset, args, dither);
         }
 #if GATHER_RADIANCE
         for (uint i = 0u; light_here != LIGHT_NONE && i < hits; ++i) {
-          const uint at = HIT(hit, i), v = at % STRIP;
-          global const hbil_step *step = steps + first + at / STRIP;
+          const uint entry = HIT(hit, i), v = entry % STRIP;
+          global const hbil_step *step = steps + first + entry / STRIP;
           add_light(&c[v], &m[v], share[i], step,
                     from + v * HBIL_WIDTH + step->offset, plane, args,
                     light_here);
@@ -1117,8 +1127,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
               dither);
 #endif
 #if GATHER_BENT && !FINITE
-        const intv risen = m[v].excess > c[v].least_excess;
-        m[v].g = select(side ? PI - s[v].g : s[v].g, m[v].g, risen);
+        const intv risen = top[v] > c[v].least_excess;
+        m[v].g = select(half_slice[v].start_g, m[v].g, risen);
         m[v].sin2 = select(s[v].sin2, m[v].sin2, risen);
 #endif
         realv more = 1.0f, less = 1.0f;

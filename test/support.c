@@ -461,11 +461,15 @@ void decode_normal(uint32_t word, double n[3]) {
 
 double packed_unit(double most, int bits) {
   /* the exponent of a float's smallest normal number is the lowest there is */
-  return most > 0.0 ? ldexp(1.0, (int)fmax(ilogb(most) + 1 - bits, -126)) : 0.0;
+  if (!(most > 0.0))
+    return 0.0;
+  const double unit = ldexp(1.0, (int)fmax(ilogb(most) + 1 - bits, -126));
+  /* what rounds up to the next power of two has that one's unit */
+  return most / unit < ldexp(1.0, bits) - 0.5 ? unit : 2.0 * unit;
 }
 
 /* Three mantissas; the exponent of their unit, biased as in a float. */
-static uint32_t encode_light(const double light[3], int bits, double dither,
+static uint32_t encode_light(const double light[3], int bits,
                              uint32_t *exponent) {
   double most = fmax(light[0], fmax(light[1], light[2]));
   double unit = packed_unit(most, bits);
@@ -474,9 +478,7 @@ static uint32_t encode_light(const double light[3], int bits, double dither,
   if (!(most > 0.0))
     return 0;
   for (int c = 0; c < 3; ++c)
-    word |=
-        (uint32_t)fmin(floor(light[c] / unit + dither), ldexp(1.0, bits) - 1.0)
-        << (bits * c);
+    word |= (uint32_t)floor(light[c] / unit + 0.5) << (bits * c);
   *exponent = (uint32_t)(ilogb(unit) + 127);
   return word;
 }
@@ -560,7 +562,7 @@ static void encode_radiance(hbil_storage storage, const double light[3],
                             uint32_t *word) {
   uint32_t exponent;
   if (storage == HBIL_STORAGE_PACKED) {
-    *word = encode_light(light, 8, 0.5, &exponent);
+    *word = encode_light(light, 8, &exponent);
     *word |= exponent << 24;
   } else if (storage == HBIL_STORAGE_HALF) {
     word[0] = encode_halves(light[0], light[1]);
@@ -618,7 +620,7 @@ static void decode_gathered(packed_pixel *p) {
 static void encode_gathered(double dither, packed_pixel *p) {
   uint32_t exponent;
   p->word[HBIL_PACKED_NEAR] =
-      encode_light(p->value + HBIL_LIGHT_RED, 10, 0.5, &exponent);
+      encode_light(p->value + HBIL_LIGHT_RED, 10, &exponent);
   p->word[HBIL_PACKED_AO] =
       (uint32_t)lrint(p->value[HBIL_LIGHT_AO] * 65535.0) |
       (uint32_t)floor(fmin(p->value[HBIL_LIGHT_UNKNOWN], 0.999) * 255.0 +

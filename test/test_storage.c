@@ -51,13 +51,17 @@ static double small_loss(double value, int mantissa) {
 }
 
 /* What rounding to the nearest may lose of channel c, where the largest channel
- * is `most`.  Of mantissas, too, what lies above the largest becomes that. */
+ * is `most`.  That one loses half a unit of its own, also where the others have
+ * twice that unit since it is rounded up to the next power of two. */
 static double loss_of(const light_word *word, double value, double most,
                       int c) {
   if (!word->shared)
     return small_loss(value, word->mantissa[c]);
-  const double unit = packed_unit(most, word->shared);
-  return fmax(0.5 * unit, value - (ldexp(1.0, word->shared) - 1.0) * unit);
+  if (!(most > 0.0))
+    return 0.0;
+  const double own =
+      ldexp(1.0, (int)fmax(ilogb(most) + 1 - word->shared, -126));
+  return 0.5 * (value < most ? packed_unit(most, word->shared) : own);
 }
 
 /* How far light is off at most, in what its words may lose, beyond what it may

@@ -249,23 +249,25 @@ typedef enum hbil_lattice {
  * How the layers between split and recompose are kept.  Depth is always fp32.
  * Fewer words are faster wherever memory is the limit.  What each changes
  * against FLOAT32, RMSE over the mean, on path-traced dumps with 2 slices x 8
- * samples a side, while sampling is off by 30 to 500 times that (`hbil bench`
- * has both):
+ * samples a side, while sampling is off by hundreds of times that and more
+ * (`hbil bench` has both):
  *              words a pixel   E_near                  AO
- *   PACKED     3 + 3           4e-4 to 9.4e-4          1.3e-5
+ *   PACKED     3 + 3           4e-4 to 9.4e-4          1.5e-5
  *   FLOAT32    7 + 7 or 8      0                       0
  *   HALF       4 + 4           1e-4 to 1.8e-4          5.5e-5
- *   FLOAT11    3 + 3           1.1e-3 to 2.6e-3        1.3e-5
- * Where all surfaces send one even radiance, all samples are rounded alike:
- * then PACKED may be off by 2.1e-3, HALF by 2.4e-4, FLOAT11 by 4.6e-3.
+ *   FLOAT11    3 + 3           1.1e-3 to 2.6e-3        1.5e-5
  * As hbil process has them, 48 samples and occluders that end, E_near is off by
- * less than 9e-4, 7e-4 and 1.4e-3, and AO by less than 5e-4.
+ * 9e-4, 7e-4 and 1.4e-3 at most, and AO by 5e-4.  Where all surfaces send one
+ * even radiance, all samples are rounded alike: in the tests' noise-free room
+ * PACKED is off by 2.1e-3, HALF by 2.1e-4, FLOAT11 by 4.6e-3; roundings allow
+ * 5e-3, 1e-3 and 2e-2.  PACKED has one exponent for three channels: what is
+ * less than a 500th of the brightest is lost.
  * HBIL_REFUSED_LAST jumps where a rounding makes a sample rise or not: there
  * single pixels differ by more.
  */
 typedef enum hbil_storage {
-  /* normals octahedral in 2 x 16 bits; radiance with 8 bits a channel and a
-   * common exponent, E_near with 10, up to 1e30; AO in 16 bits, the unknown
+  /* normals octahedral in 2 x 16 bits; radiance, up to 1e30, with 8 bits a
+   * channel and a common exponent, E_near with 10; AO in 16 bits, the unknown
    * share in 8, the bent normal in 11, 11 and 10, dithered over the 16 layers
    */
   HBIL_STORAGE_PACKED = 0,
@@ -275,7 +277,8 @@ typedef enum hbil_storage {
    * all */
   HBIL_STORAGE_HALF = 2,
   /* as PACKED, but radiance in 11-11-10 floats (R11G11B10F: 5 bits of exponent,
-   * 6, 6 and 5 of mantissa): it ends at 65024, blue at 64512 */
+   * 6, 6 and 5 of mantissa): it ends at 65024, blue at 64512; below 6e-5 it
+   * loses digits, and below 5e-7 all, blue below 1e-6 */
   HBIL_STORAGE_FLOAT11 = 3
 } hbil_storage;
 
@@ -667,11 +670,12 @@ HBIL_API hbil_status hbil_enqueue_composite(
  * 2 and 1, of halves 3 and 1; KEPT 3 more than RESOLVED, with
  * hbil_config.temporal).  HISTORY and CARRIED exist where light is carried
  * over: with a reprojection, and an output among near_light, indirect and
- * radiance.  Full-resolution planes: value p of pixel (x,y) is at
- * float index p * plane_pitch + y * row_pitch + x + origin. Layered ones
- * (SPLIT, GATHERED): pixel (x,y) lies in layer 4 (y mod 4) + (x mod 4), at p *
- * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin; around
- * every layer of SPLIT there is padding that holds "nothing there".
+ * radiance.  Full-resolution planes: value p of pixel (x,y) is at float index
+ *   p * plane_pitch + y * row_pitch + x + origin
+ * Layered ones (SPLIT, GATHERED): pixel (x,y) lies in layer
+ * 4 (y mod 4) + (x mod 4), at
+ *   p * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin
+ * Around every layer of SPLIT there is padding that holds "nothing there".
  */
 typedef enum hbil_stage {
   HBIL_STAGE_HISTORY = 0,
