@@ -183,6 +183,18 @@ typedef struct march {
 } march;
 
 #if FINITE
+/* In PoCL popcount() of a vector becomes a loop over lanes. */
+static inline realv count_bits(uintv bits) {
+#if HBIL_WIDTH == 1
+  return TO_REALV(AS_INTV(popcount(bits)));
+#else
+  bits -= (bits >> 1) & 0x55555555u;
+  bits = (bits & 0x33333333u) + ((bits >> 2) & 0x33333333u);
+  bits = (bits + (bits >> 4)) & 0x0f0f0f0fu;
+  return TO_REALV(AS_INTV((bits * 0x01010101u) >> 24));
+#endif
+}
+
 /*
  * A sample that ends at its back covers the angles from its front to there,
  * both one line in inverse depth: theta in [theta_1, theta_b].  Sectors are
@@ -209,7 +221,7 @@ static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
     m->odd |= hidden;
 #endif
   m->covered |= fresh;
-  const realv share = TO_REALV(AS_INTV(popcount(fresh))) * m->sector;
+  const realv share = count_bits(fresh) * m->sector;
   m->a = max(m->a - share, (realv)0.0f);
 #if GATHER_BENT
   /* The interval's mean direction stands for its fresh part; below 1e-5 of A
@@ -798,9 +810,6 @@ static inline cut cut_of(const center *c, float ux, float uy) {
  * since a quotient of equals need not be 1 in relaxed arithmetic.
  */
 #if FINITE
-static inline realv count_bits(uintv bits) {
-  return TO_REALV(AS_INTV(popcount(bits)));
-}
 
 /* In halves of sectors: whole numbers, which no order of operations rounds. */
 static inline void extrapolate(const march *m, realv *more, realv *less) {
