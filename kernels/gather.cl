@@ -810,7 +810,6 @@ static inline cut cut_of(const center *c, float ux, float uy) {
  * since a quotient of equals need not be 1 in relaxed arithmetic.
  */
 #if FINITE
-
 /* In halves of sectors: whole numbers, which no order of operations rounds. */
 static inline void extrapolate(const march *m, realv *more, realv *less) {
   const realv all = 2 * HBIL_SECTORS, blocked = count_bits(m->covered);

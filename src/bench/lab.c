@@ -344,9 +344,10 @@ int bench_lab_loss(bench_lab *lab, const bench_configuration *c, bench_row *row,
                    image_error *error) {
   const size_t pixels = bench_pixels(lab->content);
   hbil_config config;
-  float *own = malloc(8 * pixels * sizeof *own), *exact = own + 4 * pixels;
+  float *own = malloc(8 * pixels * sizeof *own);
   if (!own)
     return image_no_memory(error, "layers");
+  float *exact = own + 4 * pixels;
   bench_configure(lab->content, c, &config);
   int failed = first_frame(lab, &config, own, error);
   config.storage = HBIL_STORAGE_FLOAT32;
