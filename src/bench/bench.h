@@ -33,6 +33,7 @@ typedef struct bench_options {
   int quick;              /* few configurations, small */
   int scaling, skips;     /* that part alone */
   int probe;              /* see probe.c */
+  const char *against;    /* that part alone: folder of other kernels */
   int temporal;           /* that part alone, of a sequence: */
   char *const *frames;
   unsigned frame_count;
@@ -92,6 +93,7 @@ const char *bench_storage_name(const bench_configuration *c);
 int bench_is_of_storage(const bench_configuration *c);
 /* The setting that the others' cost is told in multiples of. */
 int bench_is_start(const bench_configuration *c);
+bench_configuration bench_first(void);
 /* What the library does by itself. */
 bench_configuration bench_default(void);
 int bench_is_default(const bench_configuration *c);
@@ -298,14 +300,16 @@ int bench_lab_motion(bench_lab *lab, const bench_configuration *c,
 typedef struct bench_turn {
   bench_lab *lab;
   hbil_config config;
-  int still;        /* frame 0 over and over, and said to be */
-  unsigned settled; /* so many frames before the first that is timed */
+  int still;           /* frame 0 over and over, and said to be */
+  unsigned settled;    /* so many frames before the first that is timed */
+  const char *kernels; /* folder that they are read from, or NULL; one for all
+                          turns of a lab */
 } bench_turn;
 
 typedef struct bench_timing {
-  bench_spread total, gather, host; /* milliseconds */
+  bench_spread total, pass[HBIL_PASS_COUNT], host; /* milliseconds */
   /* over the first one's, turn by turn: medians */
-  double total_ratio, gather_ratio;
+  double total_ratio, pass_ratio[HBIL_PASS_COUNT];
   hbil_skipped skipped; /* by the last frame */
 } bench_timing;
 
@@ -437,6 +441,19 @@ int bench_skips_measure(const bench_options *options, const device *d,
                         const bench_content *content, bench_skip *out,
                         image_error *error);
 
+/* --- against.c: two sets of kernels --- */
+
+enum { BENCH_AGAINST = 5 };
+
+typedef struct bench_against {
+  bench_configuration configuration;
+  bench_timing theirs, own; /* in turns */
+} bench_against;
+
+int bench_against_measure(const bench_options *options, const device *d,
+                          const bench_content *content, bench_against *out,
+                          image_error *error);
+
 /* --- temporal.c: means over frames --- */
 
 enum {
@@ -484,6 +501,7 @@ typedef struct bench_report {
   bench_spread motion; /* of reprojection by motion vectors */
   const bench_scaling *scaling;
   const bench_skip *skips;
+  const bench_against *against;
   const bench_temporal *temporal;
 } bench_report;
 
@@ -517,6 +535,9 @@ void bench_write_scaling_json(const bench_report *report, FILE *out);
 /* skips.c, json.c: only report->skips, runs, content and the machine. */
 void bench_write_skips_table(const bench_report *report, FILE *out);
 void bench_write_skips_json(const bench_report *report, FILE *out);
+
+/* against.c: only report->against, runs, content and the machine. */
+void bench_write_against_table(const bench_report *report, FILE *out);
 
 /* temporal.c: only report->temporal, content and the machine. */
 void bench_write_temporal_table(const bench_report *report, FILE *out);

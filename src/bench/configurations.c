@@ -214,6 +214,10 @@ int bench_is_start(const bench_configuration *c) {
   return same(c, &table[0]);
 }
 
+bench_configuration bench_first(void) {
+  return table[0];
+}
+
 bench_configuration bench_default(void) {
   hbil_config config;
   hbil_config_init(&config);

@@ -130,7 +130,7 @@ static json_t *note(const char *text) {
 
 static json_t *timing(const bench_timing *t) {
   return json_pack("{s:o, s:o, s:o}", "frame", spread(t->total), "gather",
-                   spread(t->gather), "host", spread(t->host));
+                   spread(t->pass[HBIL_PASS_GATHER]), "host", spread(t->host));
 }
 
 static json_t *size_json(const bench_scaling *s, const bench_size *size) {
@@ -142,7 +142,8 @@ static json_t *size_json(const bench_scaling *s, const bench_size *size) {
       "milliseconds", there ? timing(t) : json_null(), "frame_ratio",
       number(there ? bench_size_ratio(s, size, t->total_ratio) : NAN),
       "gather_ratio",
-      number(there ? bench_size_ratio(s, size, t->gather_ratio) : NAN),
+      number(there ? bench_size_ratio(s, size, t->pass_ratio[HBIL_PASS_GATHER])
+                   : NAN),
       "plan_bytes", (json_int_t)size->memory.plan, "plane_bytes",
       (json_int_t)size->memory.planes);
 }
@@ -194,13 +195,14 @@ void bench_write_scaling_json(const bench_report *report, FILE *out) {
 /* --- skips --- */
 
 static json_t *skip_json(const bench_skip *s) {
-  return json_pack(
-      "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "name", s->name,
-      "whole_milliseconds", timing(&s->full), "milliseconds",
-      timing(&s->timing), "frame_ratio", number(s->timing.total_ratio),
-      "frame_aim", number(s->frame_aim), "gather_ratio",
-      number(s->timing.gather_ratio), "gather_aim", number(s->gather_aim),
-      "skipped", timings_skipped_json(&s->timing.skipped));
+  return json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "name", s->name,
+                   "whole_milliseconds", timing(&s->full), "milliseconds",
+                   timing(&s->timing), "frame_ratio",
+                   number(s->timing.total_ratio), "frame_aim",
+                   number(s->frame_aim), "gather_ratio",
+                   number(s->timing.pass_ratio[HBIL_PASS_GATHER]), "gather_aim",
+                   number(s->gather_aim), "skipped",
+                   timings_skipped_json(&s->timing.skipped));
 }
 
 void bench_write_skips_json(const bench_report *report, FILE *out) {

@@ -494,21 +494,40 @@ static double median_ratio(const double *of, const double *to, unsigned runs) {
 
 static void sum_up(samples *s, size_t count, unsigned runs, bench_timing *out) {
   for (size_t k = 0; k < count; k++) {
-    const int gather = HBIL_PASS_GATHER;
     out[k].total_ratio = median_ratio(s[k].total, s[0].total, runs);
-    out[k].gather_ratio =
-        median_ratio(s[k].pass[gather], s[0].pass[gather], runs);
+    for (int p = 0; p < HBIL_PASS_COUNT; p++)
+      out[k].pass_ratio[p] = median_ratio(s[k].pass[p], s[0].pass[p], runs);
   }
   /* only now: this sorts them */
   for (size_t k = 0; k < count; k++) {
     out[k].total = bench_spread_of(s[k].total, runs);
-    out[k].gather = bench_spread_of(s[k].pass[HBIL_PASS_GATHER], runs);
+    for (int p = 0; p < HBIL_PASS_COUNT; p++)
+      out[k].pass[p] = bench_spread_of(s[k].pass[p], runs);
     out[k].host = bench_spread_of(s[k].host, runs);
   }
 }
 
+/* With kernels of its own, or those that all others have. */
+static int make_turns_plan(const bench_turn *turn, trial *out,
+                           image_error *error) {
+  static const char name[] = "HBIL_KERNEL_DIR";
+  const char *set = turn->kernels ? getenv(name) : NULL;
+  char *before = set ? strdup(set) : NULL;
+  if (set && !before)
+    return image_no_memory(error, name);
+  if (turn->kernels)
+    setenv(name, turn->kernels, 1);
+  const int failed = make_plan(turn->lab, &turn->config, out, error);
+  if (before)
+    setenv(name, before, 1);
+  else if (turn->kernels)
+    unsetenv(name);
+  free(before);
+  return failed;
+}
+
 static int make_turn(const bench_turn *turn, trial *out, image_error *error) {
-  if (make_plan(turn->lab, &turn->config, out, error) != 0)
+  if (make_turns_plan(turn, out, error) != 0)
     return -1;
   out->still = turn->still;
   for (unsigned i = 0; i < turn->settled; i++)

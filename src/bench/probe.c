@@ -38,7 +38,7 @@ static int measure(const bench_options *options, const device *d,
   out->units = units;
   if (!failed) {
     out->total = timing.total.median;
-    out->gather = timing.gather.median;
+    out->gather = timing.pass[HBIL_PASS_GATHER].median;
   }
   bench_lab_close(turn.lab);
   bench_content_free(&content);

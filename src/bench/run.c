@@ -275,6 +275,24 @@ static int run_skips(const bench_options *options, const device *d,
   return failed ? -1 : 0;
 }
 
+/* Nothing but a table: what it compares with is on this machine alone. */
+static int run_against(const bench_options *options, const device *d,
+                       image_error *error) {
+  bench_content content;
+  bench_against against[BENCH_AGAINST];
+  bench_report report = {
+      .against = against, .content = &content, .runs = options->runs};
+  describe(d, &report.machine);
+  if (bench_content_load(options, &content, error) != 0)
+    return -1;
+  const int failed =
+      bench_against_measure(options, d, &content, against, error);
+  if (!failed)
+    bench_write_against_table(&report, stdout);
+  bench_content_free(&content);
+  return failed ? -1 : 0;
+}
+
 static int run_temporal(const bench_options *options, const device *d,
                         image_error *error) {
   static const output files[] = {{"temporal.json", bench_write_temporal_json}};
@@ -304,6 +322,8 @@ static int measure_all(const bench_options *options, const device *d,
                        image_error *error) {
   if (options->temporal)
     return run_temporal(options, d, error);
+  if (options->against)
+    return run_against(options, d, error);
   if (options->skips)
     return run_skips(options, d, error);
   if (!options->scaling && (run_on_content(options, d, error) != 0 ||
@@ -319,7 +339,8 @@ int bench_run(const bench_options *options, image_error *error) {
   int created = 0;
   if (device_open(options->device, 1, &d, error) != 0)
     return -1;
-  int failed = make_folder(options->output, &created, error);
+  int failed =
+      options->against ? 0 : make_folder(options->output, &created, error);
   if (!failed)
     failed = measure_all(options, &d, error);
   if (failed && created)

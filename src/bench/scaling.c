@@ -168,8 +168,8 @@ static int measure_samplings(job *j, image_error *error) {
 
 double bench_sampling_ratio(const bench_scaling *scaling,
                             const bench_sampling *sampling) {
-  return sampling->timing.gather_ratio * scaling->sampling[0].samples /
-         sampling->samples;
+  return sampling->timing.pass_ratio[HBIL_PASS_GATHER] *
+         scaling->sampling[0].samples / sampling->samples;
 }
 
 /* --- processes of their own --- */

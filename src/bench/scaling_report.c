@@ -26,11 +26,11 @@ static void print_time(const bench_scaling *s, const bench_size *size,
                        FILE *out) {
   const bench_timing *t = &size->timing;
   fprintf(out, " %9.3f %9.3f %6.3f %8.2f %8.2f %8.3f %8.3f\n", t->total.median,
-          t->gather.median, t->host.median,
+          t->pass[HBIL_PASS_GATHER].median, t->host.median,
           bench_size_cost(size, t->total.median),
-          bench_size_cost(size, t->gather.median),
+          bench_size_cost(size, t->pass[HBIL_PASS_GATHER].median),
           bench_size_ratio(s, size, t->total_ratio),
-          bench_size_ratio(s, size, t->gather_ratio));
+          bench_size_ratio(s, size, t->pass_ratio[HBIL_PASS_GATHER]));
 }
 
 static void print_sizes(const bench_scaling *s, FILE *out) {
@@ -58,7 +58,7 @@ static void print_samplings(const bench_scaling *s, FILE *out) {
           "samples", "ms", "ms", "to the first");
   for (size_t i = 0; i < BENCH_SAMPLINGS; i++) {
     const bench_sampling *sampling = &s->sampling[i];
-    const double gather = sampling->timing.gather.median;
+    const double gather = sampling->timing.pass[HBIL_PASS_GATHER].median;
     fprintf(out, "%5u x %-5u %9.3f %9.4f %6.3f\n", 2u,
             (unsigned)sampling->samples, gather, gather / sampling->samples,
             bench_sampling_ratio(s, sampling));
@@ -191,12 +191,13 @@ static void write_sizes(const bench_report *report, FILE *out) {
     row.note = size->skipped;
     if (!size->skipped[0]) {
       row.frame = size->timing.total;
-      row.gather = size->timing.gather;
+      row.gather = size->timing.pass[HBIL_PASS_GATHER];
       row.host = size->timing.host.median;
       row.frame_cost = bench_size_cost(size, row.frame.median);
       row.gather_cost = bench_size_cost(size, row.gather.median);
       row.frame_ratio = bench_size_ratio(s, size, size->timing.total_ratio);
-      row.gather_ratio = bench_size_ratio(s, size, size->timing.gather_ratio);
+      row.gather_ratio =
+          bench_size_ratio(s, size, size->timing.pass_ratio[HBIL_PASS_GATHER]);
     }
     write_row(report, &row, out);
   }
@@ -209,7 +210,7 @@ static void write_samplings(const bench_report *report, FILE *out) {
     csv_row row = row_of(s, "samples");
     row.samples = sampling->samples;
     row.frame = sampling->timing.total;
-    row.gather = sampling->timing.gather;
+    row.gather = sampling->timing.pass[HBIL_PASS_GATHER];
     row.host = sampling->timing.host.median;
     row.gather_ratio = bench_sampling_ratio(s, sampling);
     write_row(report, &row, out);

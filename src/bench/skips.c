@@ -215,8 +215,8 @@ void bench_write_skips_table(const bench_report *report, FILE *out) {
     const bench_skip *s = &report->skips[i];
     fprintf(out, "%-24s %9.3f", s->name, s->timing.total.median);
     print_ratio(out, s->timing.total_ratio, s->frame_aim);
-    fprintf(out, " %9.3f", s->timing.gather.median);
-    print_ratio(out, s->timing.gather_ratio, s->gather_aim);
+    fprintf(out, " %9.3f", s->timing.pass[HBIL_PASS_GATHER].median);
+    print_ratio(out, s->timing.pass_ratio[HBIL_PASS_GATHER], s->gather_aim);
     fputs("  ", out);
     timings_print_skipped(&s->timing.skipped, out);
     fputc('\n', out);

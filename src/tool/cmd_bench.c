@@ -15,6 +15,7 @@ enum {
   OPTION_QUICK,
   OPTION_SCALING,
   OPTION_SKIPS,
+  OPTION_AGAINST,
   OPTION_TEMPORAL,
   OPTION_PROBE
 };
@@ -29,6 +30,7 @@ static const struct option options[] = {
     {"pixels", required_argument, NULL, OPTION_PIXELS},
     {"quick", no_argument, NULL, OPTION_QUICK},
     {"scaling", no_argument, NULL, OPTION_SCALING},
+    {"against", required_argument, NULL, OPTION_AGAINST},
     {"temporal", no_argument, NULL, OPTION_TEMPORAL},
     {"skips", no_argument, NULL, OPTION_SKIPS},
     {"probe", no_argument, NULL, OPTION_PROBE},
@@ -74,6 +76,11 @@ static void usage(void) {
       "  --skips            nothing but what a frame costs that has less to\n"
       "                     do, and what is left out of it; writes\n"
       "                     DIR/skips.json (part of a whole run)\n"
+      "  --against DIR      nothing but the time of each pass beside that "
+      "with\n"
+      "                     the kernel files in DIR, in turns: what a change "
+      "of\n"
+      "                     kernels brings; no files are written\n"
       "  --temporal FRAME.exr...\n"
       "                     nothing but what the temporal filter takes off "
       "the\n"
@@ -126,6 +133,9 @@ static int set_option(int option, bench_options *o, image_error *error) {
   case OPTION_SKIPS:
     o->skips = 1;
     break;
+  case OPTION_AGAINST:
+    o->against = optarg;
+    break;
   case OPTION_TEMPORAL:
     o->temporal = 1;
     break;
@@ -141,11 +151,11 @@ static int set_option(int option, bench_options *o, image_error *error) {
 static int check(const bench_options *o, int argc, char **argv,
                  image_error *error) {
   if (o->temporal &&
-      (o->dump || o->width || o->scaling || o->skips || o->probe))
+      (o->dump || o->width || o->scaling || o->skips || o->against || o->probe))
     return image_fail(error,
                       "--temporal: works on FRAME.exr... behind it; it is "
-                      "possible without --dump, --size, --scaling, --skips and "
-                      "--probe only");
+                      "possible without --dump, --size, --scaling, --skips, "
+                      "--against and --probe only");
   if (o->temporal && optind == argc)
     return image_fail(error, "--temporal: no frame; FRAME.exr... are needed");
   if (optind < argc && !o->temporal)
@@ -159,11 +169,15 @@ static int check(const bench_options *o, int argc, char **argv,
                       "%s: works on the procedural room; no --dump is "
                       "possible with it",
                       o->scaling ? "--scaling" : "--probe");
-  if (o->skips && (o->scaling || o->probe))
+  if ((o->skips || o->against) && (o->scaling || o->probe))
     return image_fail(error,
-                      "--skips: is a part of its own; it is possible without "
+                      "--%s: is a part of its own; it is possible without "
                       "%s only",
+                      o->skips ? "skips" : "against",
                       o->scaling ? "--scaling" : "--probe");
+  if (o->skips && o->against)
+    return image_fail(error, "--against: is a part of its own; it is possible "
+                             "without --skips only");
   if (!o->dump && (o->truth || (o->camera && !o->temporal)))
     return image_fail(error, "%s: --dump FRAME.exr is needed with it",
                       o->truth ? "--truth" : "--camera");
