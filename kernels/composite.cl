@@ -75,8 +75,7 @@ enum {
 
 #if FAR == 2
 /* Irradiance through a cone (world axis d); k: the three aperture factors. */
-static inline realv sh_light(const hbil_sh_args e, const realv *d,
-                             const realv *k) {
+INLINE realv sh_light(const hbil_sh_args e, const realv *d, const realv *k) {
   const realv first =
       fma(d[1], (realv)e.sh[1], fma(d[2], (realv)e.sh[2], d[0] * e.sh[3]));
   const realv second =
@@ -103,10 +102,9 @@ static inline realv sh_light(const hbil_sh_args e, const realv *d,
  * lights nothing all of the dark share is blocked, and a sky that is not the
  * same everywhere counts in second order only.  AO where no sky is given.
  */
-static inline realv unlit_share(const hbil_environment_args e, realv ao,
-                                float direct_scale, global const void *buffer,
-                                const hbil_image_args image, int x, int y,
-                                int count) {
+INLINE realv unlit_share(const hbil_environment_args e, realv ao,
+                         float direct_scale, global const void *buffer,
+                         const hbil_image_args image, int x, int y, int count) {
   realv lit = 0.0f;
 #if HAS_DIRECT
   intv sound = TRUE_LANES;
@@ -135,8 +133,8 @@ static inline realv unlit_share(const hbil_environment_args e, realv ao,
 #define COUNT_EMISSION (!(GATHER_RADIANCE && GATHER_EMISSION) && OUT_RADIANCE)
 
 /* sound: of each input, by pixel. */
-static inline void count_repaired(const intv *sound, intv solid,
-                                  volatile global uint *repaired) {
+INLINE void count_repaired(const intv *sound, intv solid,
+                           volatile global uint *repaired) {
 #if COUNT_SURFACE
   add_repaired(repaired + HBIL_SURFACE_ALBEDO,
                count_lanes(solid & !sound[HBIL_SURFACE_ALBEDO]));

@@ -17,7 +17,7 @@
  */
 
 /* The polynomials of the real basis in order (0,0) (1,-1..1) (2,-2..2). */
-static inline void polynomials(realv x, realv y, realv z, realv *p) {
+INLINE void polynomials(realv x, realv y, realv z, realv *p) {
   p[0] = 1.0f;
   p[1] = y;
   p[2] = z;

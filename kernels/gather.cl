@@ -80,7 +80,7 @@
 
 /* 1 / sqrt(x): an estimate and a step of Newton's, whose products and sums are
  * fused; the same wherever it stands. */
-static inline realv inv_sqrt(realv x) {
+INLINE realv inv_sqrt(realv x) {
 #if defined(__clang_major__) && __clang_major__ >= 12
 #pragma clang fp contract(fast)
 #endif
@@ -93,7 +93,7 @@ static inline realv inv_sqrt(realv x) {
 /* theta - sin(theta) cos(theta) and sin^2(theta) of h = cot(theta).
  * The smaller of sine and cosine gives theta by an arc sine: an odd polynomial
  * on [0, sqrt(1/2)], relative error 1.1e-7 (fitted). */
-static inline void horizon_terms(realv h, realv *g, realv *sin2) {
+INLINE void horizon_terms(realv h, realv *g, realv *sin2) {
   /* a square that fp32 can hold; beyond it theta is 0 to the last digit */
   const realv a = min(fabs(h), (realv)1e18f);
   const realv s = inv_sqrt(fma(a, a, (realv)1.0f));
@@ -114,7 +114,7 @@ static inline void horizon_terms(realv h, realv *g, realv *sin2) {
 
 /* A: the measure of the directions from wo to the angle of h = cot(theta), of
  * which the terms above are given. */
-static inline realv measure(realv h, realv g, realv sin2, realv nx, realv ny) {
+INLINE realv measure(realv h, realv g, realv sin2, realv nx, realv ny) {
 #if HBAO
   /* a square that fp32 can hold; beyond it the cosine is 1 anyway */
   return 1.0f - clamp(h, -1e18f, 1e18f) * sqrt(sin2);
@@ -143,8 +143,7 @@ typedef struct center {
  * strip after the next and of the next row, which take the same steps; the line
  * that they straddle is asked for by their neighbours.  OpenCL's own prefetch()
  * does nothing in PoCL. */
-static inline void fetch_early(global const float *sample, uint plane,
-                               uint row) {
+INLINE void fetch_early(global const float *sample, uint plane, uint row) {
 #if defined(__AVX__) && HBIL_WIDTH > 1
   const int strip = STRIP * HBIL_WIDTH;
   for (int i = 0; i < strip; i += 16) {
@@ -184,7 +183,7 @@ typedef struct march {
 
 #if FINITE
 /* In PoCL popcount() of a vector becomes a loop over lanes. */
-static inline realv count_bits(uintv bits) {
+INLINE realv count_bits(uintv bits) {
 #if HBIL_WIDTH == 1
   return TO_REALV(AS_INTV(popcount(bits)));
 #else
@@ -201,8 +200,8 @@ static inline realv count_bits(uintv bits) {
  * equal in A; their borders are dithered from layer to layer by `dither`.
  * Returns the A of newly covered sectors and takes it from what is open.
  */
-static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
-                          realv nx, realv ny, float dither, int halves) {
+INLINE realv cover(march *m, intv rises, realv cot_front, realv cot_back,
+                   realv nx, realv ny, float dither, int halves) {
   const uintv one = 1u;
   realv g1, g2, sin1, sin2;
   horizon_terms(cot_front, &g1, &sin1);
@@ -238,9 +237,8 @@ static inline realv cover(march *m, intv rises, realv cot_front, realv cot_back,
  * the relative thickness; bit 1, it is the thickness along the sample's ray.
  * Orthographic: by this much, for what a depth is a share of is the same
  * everywhere. */
-static inline realv back_share(const center *c, realv w1,
-                               global const hbil_step *step,
-                               const hbil_gather_args args) {
+INLINE realv back_share(const center *c, realv w1, global const hbil_step *step,
+                        const hbil_gather_args args) {
 #if ORTHOGRAPHIC
   return args.thickness;
 #else
@@ -256,15 +254,15 @@ static inline realv back_share(const center *c, realv w1,
 #endif
 
 /* What lengths are multiplied with where depths are inverted. */
-static inline realv unit_of(realv w) {
+INLINE realv unit_of(realv w) {
   return ORTHOGRAPHIC ? (realv)1.0f : w;
 }
 
 #if LIMITED || (GATHER_RADIANCE && !FACING_ALL)
 /* (sample point - point) w1, from P = r z; returns its length squared.
  * Orthographic: without w1. */
-static inline realv way_to(const center *c, realv w1,
-                           global const hbil_step *step, realv v[3]) {
+INLINE realv way_to(const center *c, realv w1, global const hbil_step *step,
+                    realv v[3]) {
   v[2] = (c->w - w1) * c->z;
   v[0] = fma(c->rx, v[2], (realv)step->ex);
   v[1] = fma((realv)c->ry, v[2], (realv)step->ey);
@@ -274,9 +272,8 @@ static inline realv way_to(const center *c, realv w1,
 
 #if LIMITED
 /* The excess of a sample within the radius; beyond it there is nothing. */
-static inline realv within(const center *c, realv w1,
-                           global const hbil_step *step, float radius,
-                           realv excess) {
+INLINE realv within(const center *c, realv w1, global const hbil_step *step,
+                    float radius, realv excess) {
   realv v[3];
   const realv limit = radius * unit_of(w1);
   return select((realv)HBIL_NOTHING, excess,
@@ -287,8 +284,8 @@ static inline realv within(const center *c, realv w1,
 #if GATHER_RADIANCE
 /* Whether a sample that rises changes the sum of light.  What faces away can
  * stand for light that is unknown, whatever it sends itself. */
-static inline bool brings_light(const march *m, global const float *sample,
-                                uint plane, intv rises) {
+INLINE bool brings_light(const march *m, global const float *sample, uint plane,
+                         intv rises) {
 #if REFUSED_FRAME
   return true;
 #else
@@ -321,10 +318,10 @@ typedef struct side_of {
  * to the same A again, bit by bit; its g and sin2 hold once some sample has
  * risen in it.  One that does may take nothing, to a rounding, and is the last
  * that was accepted all the same. */
-static inline realv raise(const center *c, const cut *s, const side_of *h,
-                          march *m, realv excess, global const hbil_step *step,
-                          global const float *sample,
-                          const hbil_gather_args args, float dither) {
+INLINE realv raise(const center *c, const cut *s, const side_of *h, march *m,
+                   realv excess, global const hbil_step *step,
+                   global const float *sample, const hbil_gather_args args,
+                   float dither) {
 #if FINITE || (HBAO && LIMITED)
   const realv w1 = LOADV(sample);
 #endif
@@ -370,10 +367,9 @@ static inline realv raise(const center *c, const cut *s, const side_of *h,
 
 #if GATHER_RADIANCE
 /* The light of a sample that has taken `share` of A where it is seen. */
-static inline void add_light(const center *c, march *m, realv share,
-                             global const hbil_step *step,
-                             global const float *sample, uint plane,
-                             const hbil_gather_args args, int light_here) {
+INLINE void add_light(const center *c, march *m, realv share,
+                      global const hbil_step *step, global const float *sample,
+                      uint plane, const hbil_gather_args args, int light_here) {
   const intv seen = share >= 0.0f;
   if (light_here == LIGHT_SOME && !brings_light(m, sample, plane, seen))
     return;
@@ -428,11 +424,11 @@ static inline void add_light(const center *c, march *m, realv share,
 #if MAY_BE_DARK
 /* Of a vector whose hits in a block bring no light the highest alone matters:
  * raises it, takes them off the list and returns how many are left on it. */
-static inline uint leave_dark(const center *c, const cut *s, const side_of *h,
-                              march *m, const realv *top, uchar *hit, uint hits,
-                              global const hbil_step *steps,
-                              global const float *from, uint plane,
-                              const hbil_gather_args args, int light_here) {
+INLINE uint leave_dark(const center *c, const cut *s, const side_of *h,
+                       march *m, const realv *top, uchar *hit, uint hits,
+                       global const hbil_step *steps, global const float *from,
+                       uint plane, const hbil_gather_args args,
+                       int light_here) {
 #if REFUSED_FRAME
   if (light_here != LIGHT_NONE)
     return hits;
@@ -468,7 +464,7 @@ static inline uint leave_dark(const center *c, const cut *s, const side_of *h,
  * reach: their excesses; which of them rise in some lane of a vector, `hits`
  * places of `hit`; the highest.  Returns how many there are.  Called, not
  * inlined, it takes the gather half as long again. */
-static inline __attribute__((always_inline)) int
+INLINE __attribute__((always_inline)) int
 look(const hbil_gather_args args, const center *c,
      global const hbil_step *steps, int count, global const float *from,
      uint plane, int x, int y, float reach, realv (*excess)[STRIP], uchar *hit,
@@ -526,9 +522,8 @@ typedef struct total {
   realv red, green, blue, unknown;
 } total;
 
-static inline center center_of(const hbil_gather_args args,
-                               global const float *here, int x, int y,
-                               int layer) {
+INLINE center center_of(const hbil_gather_args args, global const float *here,
+                        int x, int y, int layer) {
   const hbil_layer_args in = args.split;
   center c;
   c.w = LOADV(here);
@@ -584,8 +579,7 @@ typedef struct strip {
 
 #if LIMITED
 /* Of the tile that holds layer pixel x, the largest inverse depth. */
-static inline float nearest_of(const center *c, global const float *row,
-                               int x) {
+INLINE float nearest_of(const center *c, global const float *row, int x) {
   row += x / HBIL_TILE * HBIL_TILE;
   realv nearest = LOADV(row);
   for (int i = HBIL_WIDTH; i < HBIL_TILE; i += HBIL_WIDTH)
@@ -593,8 +587,7 @@ static inline float nearest_of(const center *c, global const float *row,
   return lanes_max(nearest);
 }
 #else
-static inline float nearest_of(const center *c, global const float *row,
-                               int x) {
+INLINE float nearest_of(const center *c, global const float *row, int x) {
   realv nearest = c[0].w;
   for (int v = 1; v < STRIP; ++v)
     nearest = max(nearest, c[v].w);
@@ -603,13 +596,12 @@ static inline float nearest_of(const center *c, global const float *row,
 #endif
 
 /* Where vector v of the strip lies in the picture's plane. */
-static inline realv place_of(const hbil_gather_args args, int x, int layer,
-                             int v) {
+INLINE realv place_of(const hbil_gather_args args, int x, int layer, int v) {
   return plane_x(args.view, 4 * (x + v * HBIL_WIDTH) + (layer & 3), 4);
 }
 
-static inline strip strip_of(const hbil_gather_args args, float nearest, int x,
-                             int y, int layer) {
+INLINE strip strip_of(const hbil_gather_args args, float nearest, int x, int y,
+                      int layer) {
   strip s;
   const float first = lanes_min(place_of(args, x, layer, 0));
   const float last = lanes_max(place_of(args, x, layer, STRIP - 1));
@@ -634,8 +626,8 @@ static inline strip strip_of(const hbil_gather_args args, float nearest, int x,
  * lowest of all is bounded by its value there and the ranges of g.  Four
  * roundings of 2^-24 make the value there, and each product with g has one,
  * over twice the image's width at most; no gradient, none of them. */
-static inline void bound_planes(const hbil_gather_args args, const center *c,
-                                strip *s, int x, int layer) {
+INLINE void bound_planes(const hbil_gather_args args, const center *c, strip *s,
+                         int x, int layer) {
   const float most = HBIL_NOTHING;
   realv w = -most, least = -most, size = 0.0f;
   realv gx[2] = {-most, most}, gy[2] = {-most, most};
@@ -668,8 +660,8 @@ static inline void bound_planes(const hbil_gather_args args, const center *c,
 
 /* Whether something in cell (i, j) of `size` pixels, the nearest of which is
  * `w`, may stand above a tangent plane of the strip. */
-static inline bool may_rise(const hbil_gather_args args, const strip *s, int i,
-                            int j, int size, float w) {
+INLINE bool may_rise(const hbil_gather_args args, const strip *s, int i, int j,
+                     int size, float w) {
   const hbil_view_args v = args.view;
   const int right = min((i + 1) * size, v.width) - 1;
   const int bottom = min((j + 1) * size, v.height) - 1;
@@ -691,8 +683,8 @@ static inline bool may_rise(const hbil_gather_args args, const strip *s, int i,
 }
 
 /* Cell (i, j), as the bounds have it. */
-static inline bool cell_may_rise(const hbil_gather_args args, const strip *s,
-                                 int i, int j, global const uint *bounds) {
+INLINE bool cell_may_rise(const hbil_gather_args args, const strip *s, int i,
+                          int j, global const uint *bounds) {
   const hbil_grid_args g = args.bounds.cell;
   const uint at = g.offset + 2u * (uint)(j * g.width + i);
   return may_rise(args, s, i, j, HBIL_CELL * HBIL_SIDE, as_float(bounds[at]));
@@ -702,9 +694,8 @@ static inline bool cell_may_rise(const hbil_gather_args args, const strip *s,
  * which settles nearly all that is not even; the whole picture; its blocks,
  * from the strip's own on, since what is near stands out most, and the cells of
  * those that fail. */
-static inline bool any_may_rise(const hbil_gather_args args, const strip *s,
-                                int own_x, int own_y,
-                                global const uint *bounds) {
+INLINE bool any_may_rise(const hbil_gather_args args, const strip *s, int own_x,
+                         int own_y, global const uint *bounds) {
   const hbil_bounds_args b = args.bounds;
   const int block = HBIL_CELL * HBIL_SIDE * HBIL_BLOCK;
   if (cell_may_rise(args, s, own_x, own_y, bounds))
@@ -733,8 +724,8 @@ static inline bool any_may_rise(const hbil_gather_args args, const strip *s,
 
 #if SKIP_DARK && GATHER_RADIANCE
 /* The light in the strip's reach; cells, or blocks where those are many. */
-static inline int light_in_reach(const hbil_gather_args args, const strip *s,
-                                 global const uint *bounds) {
+INLINE int light_in_reach(const hbil_gather_args args, const strip *s,
+                          global const uint *bounds) {
   uint light = bounds[args.bounds.whole.offset + 1u];
 #if LIMITED && !REFUSED_FRAME
   const hbil_view_args v = args.view;
@@ -765,8 +756,8 @@ static inline int light_in_reach(const hbil_gather_args args, const strip *s,
 /* Whether the picture has a use for light at a pixel of this strip, or at one
  * whose filter reads it: up to 2 pixels away.  split.cl writes `uses`, a word
  * for 4 HBIL_WIDTH pixels of a row. */
-static inline bool is_used(const hbil_gather_args args, global const uint *uses,
-                           int x, int y, int layer) {
+INLINE bool is_used(const hbil_gather_args args, global const uint *uses, int x,
+                    int y, int layer) {
   const int group = 4 * HBIL_WIDTH;
   const int across = (args.view.width + group - 1) / group;
   const int px = 4 * x + (layer & 3), py = 4 * y + (layer >> 2);
@@ -781,7 +772,7 @@ static inline bool is_used(const hbil_gather_args args, global const uint *uses,
 }
 #endif
 
-static inline cut cut_of(const center *c, float ux, float uy) {
+INLINE cut cut_of(const center *c, float ux, float uy) {
   cut s;
   s.u_wo = -(ux * c->rx + uy * c->ry) * c->inv_r;
   s.inv_ud = 1.0f / sqrt(fma(-s.u_wo, s.u_wo, (realv)1.0f));
@@ -811,7 +802,7 @@ static inline cut cut_of(const center *c, float ux, float uy) {
  */
 #if FINITE
 /* In halves of sectors: whole numbers, which no order of operations rounds. */
-static inline void extrapolate(const march *m, realv *more, realv *less) {
+INLINE void extrapolate(const march *m, realv *more, realv *less) {
   const realv all = 2 * HBIL_SECTORS, blocked = count_bits(m->covered);
   const realv open = all - 2.0f * blocked;
   const realv halves = count_bits(m->even) + count_bits(m->odd);
@@ -823,9 +814,9 @@ static inline void extrapolate(const march *m, realv *more, realv *less) {
 #else
 /* One half has the highest sample, and leaves open what all do; the highest of
  * the other has excess `second`. */
-static inline void extrapolate(const center *c, const cut *s, const side_of *h,
-                               const march *m, realv highest, realv second,
-                               realv *more, realv *less) {
+INLINE void extrapolate(const center *c, const cut *s, const side_of *h,
+                        const march *m, realv highest, realv second,
+                        realv *more, realv *less) {
   realv g, sin2;
   const realv cot = fma(s->slope, second, h->cot_tangent);
   horizon_terms(cot, &g, &sin2);
@@ -844,8 +835,8 @@ static inline void extrapolate(const center *c, const cut *s, const side_of *h,
 
 /* Adds a side; `sign` is that of g.  All operations are fused: what a compiler
  * may do with others depends on what is around them. */
-static inline void add_side(cut *s, const march *m, realv whole, realv more,
-                            realv less, float sign) {
+INLINE void add_side(cut *s, const march *m, realv whole, realv more,
+                     realv less, float sign) {
   s->whole += whole;
   s->open = fma(less, m->a, s->open);
 #if GATHER_BENT
@@ -863,7 +854,7 @@ static inline void add_side(cut *s, const march *m, realv whole, realv more,
 }
 
 /* What the two sides of a slice have come to. */
-static inline void add_slice(total *t, const cut *s, float ux, float uy) {
+INLINE void add_slice(total *t, const cut *s, float ux, float uy) {
   t->open = fma(s->jacobian, s->open, t->open);
   t->whole = fma(s->jacobian, s->whole, t->whole);
 #if GATHER_BENT
@@ -889,9 +880,9 @@ static inline void add_slice(total *t, const cut *s, float ux, float uy) {
 
 /* untouched: nothing stood above the tangent plane.  Then AO is 1, E_near 0 and
  * the bent normal n, which sums and their quotients are only to a rounding. */
-static inline void store_light(const center *c, const total *t, intv untouched,
-                               float slices, int layer, global float *light,
-                               uint plane) {
+INLINE void store_light(const center *c, const total *t, intv untouched,
+                        float slices, int layer, global float *light,
+                        uint plane) {
   const intv solid = c->w > SKY, taken = solid & ~untouched;
   /* whole is S at least in the mean; it falls to the size of a half-slice's
    * own rounding only where nothing can be seen (1e-6 of a slice). */
@@ -930,10 +921,10 @@ static inline void store_light(const center *c, const total *t, intv untouched,
 }
 
 /* What the strip has no need of. */
-static inline uint spared_of(const hbil_gather_args args, const center *c,
-                             strip *s, bool solid, global const uint *bounds,
-                             global const uint *uses, int x, int y, int layer,
-                             int *light_here) {
+INLINE uint spared_of(const hbil_gather_args args, const center *c, strip *s,
+                      bool solid, global const uint *bounds,
+                      global const uint *uses, int x, int y, int layer,
+                      int *light_here) {
 #if SKIP_SKY
   if (!solid)
     return HBIL_STRIP_SKY;
@@ -954,7 +945,7 @@ static inline uint spared_of(const hbil_gather_args args, const center *c,
 }
 
 /* Pixels of the strip that show no surface. */
-static inline uint count_sky(const center *c) {
+INLINE uint count_sky(const center *c) {
   uint sky = 0u;
   for (int v = 0; v < STRIP; ++v) {
     float lane[HBIL_WIDTH];

@@ -80,16 +80,15 @@ typedef struct middle {
 
 /* Where a layered set of planes has the pixels (4 x + i, 4 y + j) and every
  * fourth to their right; i and j may lie outside of 0..3. */
-static inline uint place(const hbil_layer_args l, int i, int j, int x, int y) {
+INLINE uint place(const hbil_layer_args l, int i, int j, int x, int y) {
   const uint layer = (uint)(4 * (j & 3) + (i & 3));
   return layer * l.layer + l.origin + (uint)(y + (j >> 2)) * l.row +
          (uint)(x + (i >> 2));
 }
 
-static inline void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
-                            global const float *split,
-                            global const float *light, int i, int j, int x,
-                            int y, float *t) {
+INLINE void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
+                     global const float *split, global const float *light,
+                     int i, int j, int x, int y, float *t) {
   realv normal[3], value[HBIL_GATHERED_PLANES];
   split += place(in, i, j, x, y);
   STOREV(LOADV(split), t + TAP_W * TAP_SPAN);
@@ -104,10 +103,9 @@ static inline void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
 
 #if HBIL_WIDTH > 1
 /* Unpacks row 4 y + j of the tile at x. */
-static inline void keep_row(const hbil_layer_args in, const hbil_layer_args lit,
-                            global const float *split,
-                            global const float *light, int j, int x, int y,
-                            float *row) {
+INLINE void keep_row(const hbil_layer_args in, const hbil_layer_args lit,
+                     global const float *split, global const float *light,
+                     int j, int x, int y, float *row) {
   for (int i = 0; i < HBIL_SIDE; ++i)
     for (int v = 0; v < TAP_SPAN; v += HBIL_WIDTH)
       load_tap(in, lit, split, light, i, j, x - 1 + v, y,
@@ -115,17 +113,16 @@ static inline void keep_row(const hbil_layer_args in, const hbil_layer_args lit,
 }
 
 /* Asks for the lines of a tile in `planes` planes. */
-static inline void fetch_tile(global const float *at, uint plane, uint planes) {
+INLINE void fetch_tile(global const float *at, uint plane, uint planes) {
   for (uint p = 0; p < planes; ++p)
     for (uint line = 0; line < TAP_SPAN; line += 16)
       FETCH_LINE(at + p * plane + line);
 }
 
 /* Asks for what keep_row() will read. */
-static inline void fetch_row(const hbil_layer_args in,
-                             const hbil_layer_args lit,
-                             global const float *split,
-                             global const float *light, int j, int x, int y) {
+INLINE void fetch_row(const hbil_layer_args in, const hbil_layer_args lit,
+                      global const float *split, global const float *light,
+                      int j, int x, int y) {
   for (int i = 0; i < HBIL_SIDE; ++i) {
     fetch_tile(split + place(in, i, j, x, y), in.plane, RADIANCE_PLANE);
     fetch_tile(light + place(lit, i, j, x, y), lit.plane,
@@ -134,8 +131,8 @@ static inline void fetch_row(const hbil_layer_args in,
 }
 #endif
 
-static inline middle middle_of(const hbil_view_args view, const sums *s, int x,
-                               int y) {
+INLINE middle middle_of(const hbil_view_args view, const sums *s, int x,
+                        int y) {
   middle m;
   const realv n_r = fma(s->n[0], ray_x(view, x, 4),
                         fma(s->n[1], (realv)ray_y(view, y), s->n[2]));
@@ -156,7 +153,7 @@ static inline middle middle_of(const hbil_view_args view, const sums *s, int x,
 }
 
 #if OUT_ERROR
-static inline void add_squares(sums *s, const float *t, realv weight) {
+INLINE void add_squares(sums *s, const float *t, realv weight) {
   const realv ao = TAP(t, TAP_LIGHT + HBIL_LIGHT_AO);
   s->square_ao = fma(weight * ao, ao, s->square_ao);
 #if GATHER_RADIANCE
@@ -170,8 +167,8 @@ static inline void add_squares(sums *s, const float *t, realv weight) {
 
 /* Once sums are means.  A difference of squares: what is below 2^-12 of the
  * mean is rounding. */
-static inline void errors_of(const sums *s, const hbil_rung rung, realv *ao,
-                             realv *near_light) {
+INLINE void errors_of(const sums *s, const hbil_rung rung, realv *ao,
+                      realv *near_light) {
   const realv inv_total = 1.0f / s->total, zero = 0.0f;
   const realv open = s->plane[HBIL_LIGHT_AO];
   *ao = rung.error_ao *
@@ -190,8 +187,8 @@ static inline void errors_of(const sums *s, const hbil_rung rung, realv *ao,
 #endif
 
 /* The pixel i to the right and j below. */
-static inline void add_tap(sums *s, const middle *m, const float *t, float i,
-                           float j, float share) {
+INLINE void add_tap(sums *s, const middle *m, const float *t, float i, float j,
+                    float share) {
 #if ORTHOGRAPHIC
   const realv own = m->at;
 #else
@@ -215,7 +212,7 @@ static inline void add_tap(sums *s, const middle *m, const float *t, float i,
 
 #if REFUSED_FRAME
 /* What faces away is lit by what the screen's surfaces send on average. */
-static inline void fill_unknown(sums *s, global const float *estimate) {
+INLINE void fill_unknown(sums *s, global const float *estimate) {
   const realv unknown = s->plane[HBIL_LIGHT_UNKNOWN];
   const realv share =
       max(1.0f - s->plane[HBIL_LIGHT_AO] - unknown, (realv)0.0f);
@@ -231,7 +228,7 @@ static inline void fill_unknown(sums *s, global const float *estimate) {
 #endif
 
 #if GATHER_BENT
-static inline void normalize_bent(sums *s) {
+INLINE void normalize_bent(sums *s) {
   realv length2 = 0.0f;
 #pragma unroll
   for (int p = HBIL_LIGHT_BENT; p < HBIL_LIGHT_PLANES; ++p)
@@ -246,7 +243,7 @@ static inline void normalize_bent(sums *s) {
 #endif
 
 /* What the neighbourhood has come together to. */
-static inline void mean(sums *s) {
+INLINE void mean(sums *s) {
 #if !RAW
   const realv inv_total = 1.0f / s->total;
 #define DIVIDE_PLANE(p) s->plane[p] *= inv_total;
@@ -255,7 +252,7 @@ static inline void mean(sums *s) {
 }
 
 /* What is left to do then. */
-static inline void finish(sums *s, global const float *estimate) {
+INLINE void finish(sums *s, global const float *estimate) {
 #if REFUSED_FRAME
   fill_unknown(s, estimate);
 #endif
@@ -291,10 +288,10 @@ static inline void finish(sums *s, global const float *estimate) {
 #define NEIGHBOUR(i, j)                                                        \
   (rows[(j) + 2] + ((column + (i)) & 3) * TAP_LAYER + 1 + ((column + (i)) >> 2))
 #endif
-static inline sums filter(const hbil_view_args view, const hbil_layer_args in,
-                          const hbil_layer_args lit, global const float *split,
-                          global const float *light, const float *const *rows,
-                          int column, int row, int x, int y) {
+INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
+                   const hbil_layer_args lit, global const float *split,
+                   global const float *light, const float *const *rows,
+                   int column, int row, int x, int y) {
 #if HBIL_WIDTH == 1
   float loaded[TAP_PLANES];
 #endif
@@ -322,7 +319,7 @@ static inline sums filter(const hbil_view_args view, const hbil_layer_args in,
 }
 
 /* Four layers' pixels, as they lie in the image. */
-static inline void store_columns(const realv *column, global float *to) {
+INLINE void store_columns(const realv *column, global float *to) {
   realv pixels[4];
   INTERLEAVE(column, pixels);
 #pragma unroll
@@ -330,7 +327,7 @@ static inline void store_columns(const realv *column, global float *to) {
     STREAMV(pixels[i], to + i * HBIL_WIDTH);
 }
 
-static inline void store_plane(const sums *value, int p, global float *to) {
+INLINE void store_plane(const sums *value, int p, global float *to) {
   const realv column[4] = {value[0].plane[p], value[1].plane[p],
                            value[2].plane[p], value[3].plane[p]};
   store_columns(column, to);
@@ -338,14 +335,12 @@ static inline void store_plane(const sums *value, int p, global float *to) {
 
 /* 4*HBIL_WIDTH pixels of row 4 y + row.  The columns stay a loop: side by side
  * they want four times the registers. */
-static inline void resolve(const hbil_view_args view, const hbil_layer_args in,
-                           const hbil_layer_args lit, global const float *split,
-                           global const float *light,
-                           global const float *estimate,
-                           const float *const *rows, int row, int x, int y,
-                           global float *resolved, const hbil_plane_args out,
-                           global const hbil_rung *ladder,
-                           global const uint *rungs) {
+INLINE void resolve(const hbil_view_args view, const hbil_layer_args in,
+                    const hbil_layer_args lit, global const float *split,
+                    global const float *light, global const float *estimate,
+                    const float *const *rows, int row, int x, int y,
+                    global float *resolved, const hbil_plane_args out,
+                    global const hbil_rung *ladder, global const uint *rungs) {
   sums value[4];
   for (int i = 0; i < 4; ++i)
     value[i] = filter(view, in, lit, split, light, rows, i, row, x, y);

@@ -18,8 +18,8 @@
  * All arithmetic is fp32 with the roundings written here.
  */
 
-static inline realv row_of(const hbil_transform_args t, int row, realv x,
-                           realv y, realv z) {
+INLINE realv row_of(const hbil_transform_args t, int row, realv x, realv y,
+                    realv z) {
   return fma((realv)t.m[4 * row], x,
              fma((realv)t.m[4 * row + 1], y,
                  fma((realv)t.m[4 * row + 2], z, (realv)t.m[4 * row + 3])));
@@ -47,11 +47,10 @@ static inline realv row_of(const hbil_transform_args t, int row, realv x,
 
 /* Where the points of HBIL_WIDTH source pixels go: index of the target pixel
  * (-1: nowhere) and depth there. */
-static inline intv target_of(const hbil_view_args from, const hbil_view_args to,
-                             const hbil_transform_args motion,
-                             global const float *history,
-                             const hbil_plane_args planes, int x, int y,
-                             realv *depth) {
+INLINE intv target_of(const hbil_view_args from, const hbil_view_args to,
+                      const hbil_transform_args motion,
+                      global const float *history, const hbil_plane_args planes,
+                      int x, int y, realv *depth) {
   realv w = LOADV(history + hbil_history_origin(planes) + (uint)y * planes.row +
                   (uint)x);
   realv z = 1.0f / w;
@@ -81,10 +80,11 @@ static inline intv target_of(const hbil_view_args from, const hbil_view_args to,
 }
 
 /* The same, pixel by pixel. */
-static inline void
-targets_of(const hbil_view_args from, const hbil_view_args to,
-           const hbil_transform_args motion, global const float *history,
-           const hbil_plane_args planes, int x, int y, int *target, float *z) {
+INLINE void targets_of(const hbil_view_args from, const hbil_view_args to,
+                       const hbil_transform_args motion,
+                       global const float *history,
+                       const hbil_plane_args planes, int x, int y, int *target,
+                       float *z) {
   realv depth;
   STORE_INTV(target_of(from, to, motion, history, planes, x, y, &depth),
              target);
@@ -120,8 +120,8 @@ kernel void scatter_keys(const hbil_view_args from, const hbil_view_args to,
 
 /* Who has won at the pixels from `at` on, and how far away; NO_SOURCE: nobody,
  * and right of the image. */
-static inline uintv winners(global const scatter_word *nearest, uint pixels,
-                            uint at, int count, realv *depth) {
+INLINE uintv winners(global const scatter_word *nearest, uint pixels, uint at,
+                     int count, realv *depth) {
   /* word by word: vectors of ulong may be wider than any register */
   uintv key[2];
   (void)pixels;
@@ -186,8 +186,8 @@ kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
                  (uint)y * planes.row + (uint)(x + i));
 }
 
-static inline uintv winners(global const scatter_word *nearest, uint pixels,
-                            uint at, int count, realv *depth) {
+INLINE uintv winners(global const scatter_word *nearest, uint pixels, uint at,
+                     int count, realv *depth) {
   if (count >= HBIL_WIDTH) {
     *depth = AS_REALV(AS_INTV(LOAD_UINTV(nearest + at)));
     return LOAD_UINTV(nearest + pixels + at);
@@ -258,12 +258,12 @@ kernel void scatter_fetch(const hbil_view_args to, global const float *history,
 #else
 
 /* A float's integer, rounded down; PoCL's floor() is many instructions. */
-static inline intv integer_below(realv v) {
+INLINE intv integer_below(realv v) {
   const intv toward_0 = TO_INTV(v);
   return toward_0 + LANE_MASK(v < TO_REALV(toward_0));
 }
 
-static inline int first_lane(intv v) {
+INLINE int first_lane(intv v) {
 #if HBIL_WIDTH == 1
   return v;
 #else
@@ -272,9 +272,8 @@ static inline int first_lane(intv v) {
 }
 
 /* The four pixels around a run's places, of all planes. */
-static inline void load_taps(global const float *history,
-                             const hbil_plane_args planes, int start,
-                             realv tap[4][HBIL_HISTORY_PLANES]) {
+INLINE void load_taps(global const float *history, const hbil_plane_args planes,
+                      int start, realv tap[4][HBIL_HISTORY_PLANES]) {
   history += start;
 #pragma unroll
   for (int t = 0; t < 4; ++t)
@@ -287,9 +286,9 @@ static inline void load_taps(global const float *history,
 /* The mean light of those of the four pixels that are allowed and at the depth
  * that is expected; returns their weight, 0 where there are none.
  *   |1/w - depth| <= off  without its division */
-static inline realv blend(realv tap[4][HBIL_HISTORY_PLANES],
-                          const realv weight[4], const intv allowed[4],
-                          realv depth, realv off, realv light[3]) {
+INLINE realv blend(realv tap[4][HBIL_HISTORY_PLANES], const realv weight[4],
+                   const intv allowed[4], realv depth, realv off,
+                   realv light[3]) {
   realv total = 0.0f;
 #pragma unroll
   for (int c = 0; c < 3; ++c)

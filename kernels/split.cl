@@ -12,10 +12,9 @@
 #define INV_PI 0.318309886f
 
 /* The input's normal in view space. */
-static inline void view_normal(const hbil_transform_args to_view,
-                               global const void *buffer,
-                               const hbil_image_args image, int x, int y,
-                               int count, realv n[3]) {
+INLINE void view_normal(const hbil_transform_args to_view,
+                        global const void *buffer, const hbil_image_args image,
+                        int x, int y, int count, realv n[3]) {
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     n[c] = load_normal(buffer, image, x, y, c, count);
@@ -26,18 +25,18 @@ static inline void view_normal(const hbil_transform_args to_view,
 }
 
 /* Whether a normal has a direction, by the square of its length. */
-static inline intv sound_normal(realv length2) {
+INLINE intv sound_normal(realv length2) {
   return (length2 >= 1e-20f) & (length2 < INFINITY);
 }
 
-static inline realv squared_length(const realv n[3]) {
+INLINE realv squared_length(const realv n[3]) {
   return fma(n[0], n[0], fma(n[1], n[1], n[2] * n[2]));
 }
 
 /* Makes it a normal that faces the eye by at least HBIL_MIN_COSINE, of unit
  * length unless pack_normal() will see to that; (rx, ry, 1) is the ray, a
  * normal that cannot be used becomes -ray and is taken from `sound`. */
-static inline void facing_normal(realv n[3], realv rx, float ry, intv *sound) {
+INLINE void facing_normal(realv n[3], realv rx, float ry, intv *sound) {
   const realv ray2 = fma(rx, rx, (realv)fma(ry, ry, 1.0f));
   const realv length2 = squared_length(n);
   const intv usable = sound_normal(length2);
@@ -90,8 +89,8 @@ typedef struct sources {
 } sources;
 
 /* Diffuse reflectance of channel c.  sound: of each input. */
-static inline realv reflectance_of(const sources *s, int c, int x, int y,
-                                   int count, intv *sound) {
+INLINE realv reflectance_of(const sources *s, int c, int x, int y, int count,
+                            intv *sound) {
   realv reflectance = INV_PI;
 #if HAS_ALBEDO
   reflectance *=
@@ -108,8 +107,8 @@ static inline realv reflectance_of(const sources *s, int c, int x, int y,
 #if GATHER_RADIANCE
 /* Radiance that pixels from (x, y) on send; `at`: their place in the planes.
  * Anything where there is no surface. */
-static inline void radiance_of(const sources *s, int x, int y, int count,
-                               uint at, realv light[3], intv *sound) {
+INLINE void radiance_of(const sources *s, int x, int y, int count, uint at,
+                        realv light[3], intv *sound) {
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     realv irradiance = 0.0f, emitted = 0.0f;
@@ -141,13 +140,13 @@ static inline void radiance_of(const sources *s, int x, int y, int count,
 
 /* What is there to be counted of inputs that were found wanting, in the
  * work-item's 4 HBIL_WIDTH pixels: read once more, since it is hardly ever. */
-static inline void
-count_repaired(const hbil_view_args view, const hbil_transform_args to_view,
-               const sources *from, global const void *depth_buffer,
-               const hbil_image_args depth_image,
-               global const void *normal_buffer,
-               const hbil_image_args normal_image, float background, int x0,
-               int y, volatile global uint *repaired) {
+INLINE void count_repaired(const hbil_view_args view,
+                           const hbil_transform_args to_view,
+                           const sources *from, global const void *depth_buffer,
+                           const hbil_image_args depth_image,
+                           global const void *normal_buffer,
+                           const hbil_image_args normal_image, float background,
+                           int x0, int y, volatile global uint *repaired) {
   uint depths = 0u, normals = 0u, inputs[HBIL_SURFACE_INPUTS] = {0u};
   for (int x = x0; x < min(x0 + 4 * HBIL_WIDTH, view.width); x += HBIL_WIDTH) {
     const int count = view.width - x;
@@ -178,7 +177,7 @@ count_repaired(const hbil_view_args view, const hbil_transform_args to_view,
 }
 
 /* Where row y's layers have pixel x0 and those to its right. */
-static inline uint place(const hbil_layer_args layout, int x0, int y) {
+INLINE uint place(const hbil_layer_args layout, int x0, int y) {
   return layout.origin + (uint)(y & 3) * 4u * layout.layer +
          (uint)(y >> 2) * layout.row + (uint)(x0 >> 2);
 }

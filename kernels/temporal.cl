@@ -25,14 +25,13 @@
 /* --- what is known of the pixels of this frame --------------------------- */
 
 /* What four layers have of 4*HBIL_WIDTH pixels, as they lie in the image. */
-static inline void as_pixels(const realv *layer, realv *pixels) {
+INLINE void as_pixels(const realv *layer, realv *pixels) {
   INTERLEAVE(layer, pixels);
 }
 
 /* Inverse depths and unit normals of 4*HBIL_WIDTH pixels of row y from x on. */
-static inline void load_guides(const hbil_layer_args in,
-                               global const float *split, int x, int y,
-                               realv w[4], realv n[3][4]) {
+INLINE void load_guides(const hbil_layer_args in, global const float *split,
+                        int x, int y, realv w[4], realv n[3][4]) {
   realv depth[4], normal[3][4];
   split += (uint)(4 * (y & 3)) * in.layer + in.origin +
            (uint)(y >> 2) * in.row + (uint)(x >> 2);
@@ -62,9 +61,8 @@ typedef struct past {
 
 #if REPROJECT_MOTION
 /* Pixels whose motion is no number have u or v that is none either. */
-static inline past past_of(const hbil_view_args before,
-                           const hbil_transform_args back, const realv p[3],
-                           realv mx, realv my, int x, int y) {
+INLINE past past_of(const hbil_view_args before, const hbil_transform_args back,
+                    const realv p[3], realv mx, realv my, int x, int y) {
   past then;
   realv there[3];
   turned(back, p, there);
@@ -74,8 +72,8 @@ static inline past past_of(const hbil_view_args before,
   return then;
 }
 #else
-static inline past past_of(const hbil_view_args before,
-                           const hbil_transform_args back, const realv p[3]) {
+INLINE past past_of(const hbil_view_args before, const hbil_transform_args back,
+                    const realv p[3]) {
   past then;
   realv there[3];
   turned(back, p, there);
@@ -92,12 +90,12 @@ static inline past past_of(const hbil_view_args before,
 /* Places are taken to 1/256 of a pixel, as texture units do: a few roundings of
  * a float, which an image of 8192 pixels spends on a projection, are less than
  * half of that, so what has not moved is found in one pixel, not in four. */
-static inline realv to_subpixel(realv v) {
+INLINE realv to_subpixel(realv v) {
   return rint(v * 256.0f) * (1.0f / 256.0f);
 }
 
 /* A float's integer, rounded down; PoCL's floor() is many instructions. */
-static inline intv integer_below(realv v) {
+INLINE intv integer_below(realv v) {
   const intv toward_0 = TO_INTV(v);
   return toward_0 + LANE_MASK(v < TO_REALV(toward_0));
 }
@@ -120,7 +118,7 @@ typedef struct runs {
   int count, start[HBIL_WIDTH];
 } runs;
 
-static inline runs runs_of(intv begin) {
+INLINE runs runs_of(intv begin) {
   runs r;
   int start[HBIL_WIDTH];
   STORE_INTV(begin, start);
@@ -137,7 +135,7 @@ static inline runs runs_of(intv begin) {
 }
 
 /* A plane's values at the sources.  There is a run. */
-static inline realv load_runs(global const float *plane, const runs *r) {
+INLINE realv load_runs(global const float *plane, const runs *r) {
   realv value = LOADV(plane + r->start[0]);
   for (int k = 1; k < r->count; ++k)
     value = select(value, LOADV(plane + r->start[k]), r->begin == r->start[k]);
@@ -152,10 +150,10 @@ typedef struct memory {
 
 /* then: expected at the sources.  left, top: the first of four pixels; a, b:
  * how far beyond it the source lies.  known: whether there is a source. */
-static inline memory recall(const hbil_view_args before, const past *then,
-                            intv left, intv top, realv a, realv b, intv known,
-                            global const float *kept,
-                            const hbil_plane_args planes, float disocclusion) {
+INLINE memory recall(const hbil_view_args before, const past *then, intv left,
+                     intv top, realv a, realv b, intv known,
+                     global const float *kept, const hbil_plane_args planes,
+                     float disocclusion) {
   const realv weight[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b),
                            (1.0f - a) * b, a * b};
   const intv column[2] = {left >= 0, left + 1 < before.width};
@@ -235,7 +233,7 @@ static inline memory recall(const hbil_view_args before, const past *then,
 
 #if GATHER_BENT
 /* A mean of unit vectors, to unit length; 0 where they cancel. */
-static inline void normalize_bent(realv *value) {
+INLINE void normalize_bent(realv *value) {
   realv length2 = 0.0f;
 #pragma unroll
   for (int p = HBIL_LIGHT_BENT; p < HBIL_LIGHT_PLANES; ++p)
@@ -250,9 +248,9 @@ static inline void normalize_bent(realv *value) {
 
 /* A vector of pixels.  w, n: theirs; kept: of this frame, at them; resolved:
  * the same.  most: frames. */
-static inline void blend(const memory *m, realv w, const realv n[3], intv solid,
-                         float most, global float *kept, global float *resolved,
-                         const hbil_plane_args planes) {
+INLINE void blend(const memory *m, realv w, const realv n[3], intv solid,
+                  float most, global float *kept, global float *resolved,
+                  const hbil_plane_args planes) {
   const intv found = solid & (m->frames > 0.0f);
   const realv frames =
       select((realv)1.0f, min(m->frames + 1.0f, (realv)most), found);

@@ -9,16 +9,15 @@
 
 /* What is measured: the start, the default, models that have kernels of their
  * own, and many samples. */
-static void choose(bench_configuration out[BENCH_AGAINST]) {
-  bench_configuration *c = out;
-  *c++ = bench_first();
-  *c++ = bench_default();
-  *c = bench_default();
-  (c++)->model = BENCH_THICK_08;
-  *c = bench_default();
-  (c++)->model = BENCH_GTAO;
-  *c = bench_default();
-  (c++)->samples = 32;
+static void choose(const bench_content *content,
+                   bench_against out[BENCH_AGAINST]) {
+  for (size_t i = 0; i < BENCH_AGAINST; i++)
+    out[i] = (bench_against){.configuration = bench_default()};
+  out[0].configuration = bench_first();
+  out[2].configuration.model = BENCH_THICK_08;
+  out[3].configuration.model = BENCH_GTAO;
+  out[4].configuration.samples = 32;
+  out[4].follows = content->frame[0].motion != NULL;
 }
 
 static int is_folder(const char *path) {
@@ -33,6 +32,8 @@ static int compare(const bench_content *content, bench_lab *const labs[2],
                          {.lab = labs[1]}};
   bench_timing timing[2];
   bench_configure(content, &out->configuration, &turns[0].config);
+  if (out->follows)
+    turns[0].config.reprojection = HBIL_REPROJECTION_MOTION;
   turns[1].config = turns[0].config;
   if (bench_lab_turns(turns, 2, runs, timing, error) != 0)
     return -1;
@@ -44,9 +45,8 @@ static int compare(const bench_content *content, bench_lab *const labs[2],
 int bench_against_measure(const bench_options *options, const device *d,
                           const bench_content *content, bench_against *out,
                           image_error *error) {
-  bench_configuration list[BENCH_AGAINST];
   bench_lab *labs[2] = {NULL, NULL};
-  choose(list);
+  choose(content, out);
   int failed = !is_folder(options->against);
   if (failed)
     image_fail(error,
@@ -57,7 +57,6 @@ int bench_against_measure(const bench_options *options, const device *d,
            bench_lab_open(d, content, &labs[1], error) != 0;
   for (size_t i = 0; i < BENCH_AGAINST && !failed; i++) {
     progress_count("against", i, BENCH_AGAINST);
-    out[i].configuration = list[i];
     failed =
         compare(content, labs, options->against, options->runs, &out[i], error);
   }
@@ -83,8 +82,9 @@ void bench_write_against_table(const bench_report *report, FILE *out) {
     const bench_against *a = &report->against[i];
     char label[BENCH_LABEL];
     bench_label(&a->configuration, label, sizeof label);
-    fprintf(out, "\n%s\n  %-10s %9s %9s  %6s\n", label, "ms, least", "theirs",
-            "own", "ratio");
+    fprintf(out, "\n%s%s\n  %-10s %9s %9s  %6s\n", label,
+            a->follows ? ", motion vectors" : "", "ms, least", "theirs", "own",
+            "ratio");
     for (int p = 0; p < HBIL_PASS_COUNT; p++)
       print_pass(out, hbil_pass_name((hbil_pass)p), a->theirs.pass[p].low,
                  a->own.pass[p].low, a->own.pass_ratio[p]);

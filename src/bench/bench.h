@@ -447,6 +447,7 @@ enum { BENCH_AGAINST = 5 };
 
 typedef struct bench_against {
   bench_configuration configuration;
+  int follows;              /* motion vectors */
   bench_timing theirs, own; /* in turns */
 } bench_against;
 
