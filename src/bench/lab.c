@@ -543,11 +543,18 @@ static int count_skipped(const trial *t, hbil_skipped *out,
   return status == HBIL_SUCCESS ? 0 : library_failed(t->lab, status, error);
 }
 
+static int follows(const bench_turn *turn) {
+  return turn->config.reprojection == HBIL_REPROJECTION_MOTION;
+}
+
 int bench_lab_turns(const bench_turn *list, size_t count, unsigned runs,
                     bench_timing *out, image_error *error) {
   trial trials[BENCH_MAX_TURNS] = {{.plan = NULL}};
   samples *s = calloc(count, sizeof *s);
   int failed = s ? 0 : image_no_memory(error, "times");
+  for (size_t k = 0; k < count && !failed; k++)
+    if (follows(&list[k]) && !list[k].lab->motion[0])
+      failed = upload_motion(list[k].lab, error);
   for (size_t k = 0; k < count && !failed; k++)
     failed = make_turn(&list[k], &trials[k], error);
   if (!failed)
@@ -556,8 +563,10 @@ int bench_lab_turns(const bench_turn *list, size_t count, unsigned runs,
     sum_up(s, count, runs, out);
   for (size_t k = 0; k < count && !failed; k++)
     failed = count_skipped(&trials[k], &out[k].skipped, error);
-  for (size_t k = 0; k < count; k++)
+  for (size_t k = 0; k < count; k++) {
     free_trial(&trials[k]);
+    drop_motion(list[k].lab);
+  }
   free(s);
   return failed ? -1 : 0;
 }
