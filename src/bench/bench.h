@@ -92,7 +92,6 @@ const char *bench_storage_name(const bench_configuration *c);
 /* Whether the list has the same with fp32 layers: what others lose is shown. */
 int bench_is_of_storage(const bench_configuration *c);
 /* The setting that the others' cost is told in multiples of. */
-int bench_is_start(const bench_configuration *c);
 bench_configuration bench_first(void);
 /* What the library does by itself. */
 bench_configuration bench_default(void);
@@ -259,7 +258,9 @@ typedef struct bench_row {
   char label[BENCH_LABEL];
   size_t memory; /* bytes on the device */
   bench_spread pass[HBIL_PASS_COUNT], total;
-  bench_spread host;            /* milliseconds in hbil_enqueue_frame() */
+  bench_spread host; /* milliseconds in hbil_enqueue_frame() */
+  /* over those of the first configuration, measured in turns */
+  double gather_over_start, total_over_start;
   double ao_error, light_error; /* light: NAN where AO is all */
   double ao_95, light_95;       /* 95 % of the pixels are off by less */
   double samples;               /* a side, on average */
@@ -276,9 +277,13 @@ typedef struct bench_lab bench_lab;
 int bench_lab_open(const device *d, const bench_content *content,
                    bench_lab **out, image_error *error);
 void bench_lab_close(bench_lab *lab);
-int bench_lab_measure(bench_lab *lab, const bench_exact *exact,
-                      const bench_configuration *c, unsigned runs,
-                      bench_row *out, image_error *error);
+/* Everything but times. */
+int bench_lab_errors(bench_lab *lab, const bench_exact *exact,
+                     const bench_configuration *c, bench_row *out,
+                     image_error *error);
+/* Fills in the times. */
+int bench_lab_times(bench_lab *lab, const bench_configuration *c, unsigned runs,
+                    bench_row *out, image_error *error);
 /* Fills in what the row's storage loses. */
 int bench_lab_loss(bench_lab *lab, const bench_configuration *c, bench_row *row,
                    image_error *error);
@@ -506,8 +511,6 @@ typedef struct bench_report {
   const bench_temporal *temporal;
 } bench_report;
 
-/* Gather time of the start configuration; NAN if it was not measured. */
-double bench_start_time(const bench_report *report);
 /* What errors are measured against: "exact integral, 128 slices". */
 void bench_reference(const bench_report *report, char *text, size_t size);
 /* What the reference is and what a user should know, in one sentence each. */

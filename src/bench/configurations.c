@@ -210,10 +210,6 @@ int bench_is_of_storage(const bench_configuration *c) {
   return 0;
 }
 
-int bench_is_start(const bench_configuration *c) {
-  return same(c, &table[0]);
-}
-
 bench_configuration bench_first(void) {
   return table[0];
 }

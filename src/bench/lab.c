@@ -290,25 +290,9 @@ static int time_frames(const trial *trials, size_t count, samples *s,
   return 0;
 }
 
-static int times(const trial *t, unsigned runs, bench_row *out,
-                 image_error *error) {
-  samples *s = calloc(1, sizeof *s);
-  if (!s)
-    return image_no_memory(error, "times");
-  const int failed = time_frames(t, 1, s, runs, error);
-  if (!failed) {
-    for (int p = 0; p < HBIL_PASS_COUNT; p++)
-      out->pass[p] = bench_spread_of(s->pass[p], runs);
-    out->total = bench_spread_of(s->total, runs);
-    out->host = bench_spread_of(s->host, runs);
-  }
-  free(s);
-  return failed;
-}
-
-int bench_lab_measure(bench_lab *lab, const bench_exact *exact,
-                      const bench_configuration *c, unsigned runs,
-                      bench_row *out, image_error *error) {
+int bench_lab_errors(bench_lab *lab, const bench_exact *exact,
+                     const bench_configuration *c, bench_row *out,
+                     image_error *error) {
   hbil_config config;
   trial t = {.plan = NULL};
   memset(out, 0, sizeof *out);
@@ -319,8 +303,7 @@ int bench_lab_measure(bench_lab *lab, const bench_exact *exact,
   const int failed = make_plan(lab, &config, &t, error) != 0 ||
                      sampling_error(lab, &t, exact, out, error) != 0 ||
                      mean_samples(lab, &t, &out->samples, error) != 0 ||
-                     model_error(lab, &t, out, error) != 0 ||
-                     times(&t, runs, out, error) != 0;
+                     model_error(lab, &t, out, error) != 0;
   out->memory = t.memory;
   free_trial(&t);
   return failed ? -1 : 0;
@@ -569,6 +552,23 @@ int bench_lab_turns(const bench_turn *list, size_t count, unsigned runs,
   }
   free(s);
   return failed ? -1 : 0;
+}
+
+int bench_lab_times(bench_lab *lab, const bench_configuration *c, unsigned runs,
+                    bench_row *out, image_error *error) {
+  const bench_configuration first = bench_first();
+  bench_turn turns[2] = {{.lab = lab}, {.lab = lab}};
+  bench_timing timing[2];
+  bench_configure(lab->content, &first, &turns[0].config);
+  bench_configure(lab->content, c, &turns[1].config);
+  if (bench_lab_turns(turns, 2, runs, timing, error) != 0)
+    return -1;
+  memcpy(out->pass, timing[1].pass, sizeof out->pass);
+  out->total = timing[1].total;
+  out->host = timing[1].host;
+  out->gather_over_start = timing[1].pass_ratio[HBIL_PASS_GATHER];
+  out->total_over_start = timing[1].total_ratio;
+  return 0;
 }
 
 /* --- the first frames of a plan --- */

@@ -131,7 +131,8 @@ typedef struct bench_bench {
 static int measure_row(bench_bench *b, size_t i, image_error *error) {
   const bench_configuration *c = &b->list[i];
   const unsigned runs = b->options->runs;
-  if (bench_lab_measure(b->lab, &b->exact, c, runs, &b->rows[i], error) != 0)
+  if (bench_lab_errors(b->lab, &b->exact, c, &b->rows[i], error) != 0 ||
+      bench_lab_times(b->lab, c, runs, &b->rows[i], error) != 0)
     return -1;
   if (bench_is_of_storage(c) &&
       bench_lab_loss(b->lab, c, &b->rows[i], error) != 0)

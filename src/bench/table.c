@@ -4,13 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-double bench_start_time(const bench_report *report) {
-  for (size_t i = 0; i < report->count; i++)
-    if (bench_is_start(&report->rows[i].configuration))
-      return report->rows[i].pass[HBIL_PASS_GATHER].median;
-  return NAN;
-}
-
 void bench_reference(const bench_report *report, char *text, size_t size) {
   snprintf(text, size, "exact integral, %d slices", report->exact_slices);
 }
@@ -88,14 +81,15 @@ static void print_names(const bench_report *report, FILE *out) {
   fprintf(out, "%-*s", width, "");
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     fprintf(out, " %9s", hbil_pass_name((hbil_pass)p));
-  fprintf(out, " %9s %17s %6s %9s %9s %6s %9s %8s%s\n", "total", "of total",
-          "host", "literal", "literal", "gather", "E_near", "AO", model);
+  fprintf(out, " %9s %17s %6s %9s %9s %6s %6s %9s %8s%s\n", "total", "of total",
+          "host", "literal", "literal", "gather", "total", "E_near", "AO",
+          model);
   fprintf(out, "%-*s", width, "slices x samples");
   for (int p = 0; p < HBIL_PASS_COUNT + 1; p++)
     fprintf(out, " %9s", "ms");
   model = report->content->truth ? "    error" : "";
-  fprintf(out, " %17s %6s %9s %9s %6s %9s %8s%s\n", "min .. max", "ms",
-          "/gather", "/total", "/start", "error", "error", model);
+  fprintf(out, " %17s %6s %9s %9s %6s %6s %9s %8s%s\n", "min .. max", "ms",
+          "/gather", "/total", "/start", "/start", "error", "error", model);
 }
 
 /* "-" where there is none. */
@@ -116,10 +110,10 @@ static void print_row(const bench_report *report, const bench_row *row,
                                                         : ' ');
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     fprintf(out, " %9.3f", row->pass[p].median);
-  fprintf(out, " %9.3f %7.2f .. %6.2f %6.3f %9.1f %9.1f %6.2f",
+  fprintf(out, " %9.3f %7.2f .. %6.2f %6.3f %9.1f %9.1f %6.2f %6.2f",
           row->total.median, row->total.low, row->total.high, row->host.median,
-          literal / gather, literal / row->total.median,
-          gather / bench_start_time(report));
+          literal / gather, literal / row->total.median, row->gather_over_start,
+          row->total_over_start);
   print_error(out, row->light_error, row->light_front);
   print_error(out, row->ao_error, row->ao_front);
   if (report->content->truth)
@@ -346,6 +340,7 @@ static void write_names(FILE *out) {
   }
   fputs(",total_ms,total_min_ms,total_max_ms,host_ms,device_bytes,"
         "literal_over_gather,literal_over_total,gather_over_start,"
+        "total_over_start,"
         "gather_over_endless,"
         "light_error,ao_error,model_error,light_95,ao_95,light_loss,ao_loss,"
         "light_front,ao_front,"
@@ -389,7 +384,8 @@ static void write_row(const bench_report *report, const bench_row *row,
   fprintf(out, ",%zu", row->memory);
   bench_write_number(out, literal / gather);
   bench_write_number(out, literal / row->total.median);
-  bench_write_number(out, gather / bench_start_time(report));
+  bench_write_number(out, row->gather_over_start);
+  bench_write_number(out, row->total_over_start);
   bench_write_number(out, row->over_endless);
   bench_write_number(out, row->light_error);
   bench_write_number(out, row->ao_error);
@@ -408,7 +404,7 @@ static void write_literal(const bench_report *report, FILE *out) {
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     fputs(",,,", out);
   bench_write_spread(out, report->literal.milliseconds);
-  fputs(",,,,,,", out);
+  fputs(",,,,,,,", out);
   bench_write_number(out, report->literal.light_error);
   bench_write_number(out, report->literal.ao_error);
   fputs(",,,,,,0,0", out);
