@@ -92,7 +92,8 @@ INLINE realv inv_sqrt(realv x) {
 
 /* theta - sin(theta) cos(theta) and sin^2(theta) of h = cot(theta).
  * The smaller of sine and cosine gives theta by an arc sine: an odd polynomial
- * on [0, sqrt(1/2)], relative error 1.1e-7 (fitted). */
+ * on [0, sqrt(1/2)], relative error 1.1e-7 (fitted), in pairs of terms: a
+ * sample waits for it (Estrin 1960). */
 INLINE void horizon_terms(realv h, realv *g, realv *sin2) {
   /* a square that fp32 can hold; beyond it theta is 0 to the last digit */
   const realv a = min(fabs(h), (realv)1e18f);
@@ -101,11 +102,10 @@ INLINE void horizon_terms(realv h, realv *g, realv *sin2) {
   const intv steep = a > 1.0f;
   const realv t = select(c, s, steep);
   const realv q = t * t;
+  const realv q2 = q * q;
   realv p = fma(q, (realv)0.103156536f, (realv)-0.0583750432f);
-  p = fma(q, p, (realv)0.0628147176f);
-  p = fma(q, p, (realv)0.0383250187f);
-  p = fma(q, p, (realv)0.0755701933f);
-  p = fma(q, p, (realv)0.166647642f);
+  p = fma(q2, p, fma(q, (realv)0.0628147176f, (realv)0.0383250187f));
+  p = fma(q2, p, fma(q, (realv)0.0755701933f, (realv)0.166647642f));
   p = fma(t * q, p, t);
   const realv up = fma(-s, c, select(HALF_PI - p, p, steep));
   *g = select(up, PI - up, h < 0.0f);
@@ -462,13 +462,11 @@ INLINE uint leave_dark(const center *c, const cut *s, const side_of *h,
 
 /* Looks at `count` samples, or those before the border and the end of the
  * reach: their excesses; which of them rise in some lane of a vector, `hits`
- * places of `hit`; the highest.  Returns how many there are.  Called, not
- * inlined, it takes the gather half as long again. */
-INLINE __attribute__((always_inline)) int
-look(const hbil_gather_args args, const center *c,
-     global const hbil_step *steps, int count, global const float *from,
-     uint plane, int x, int y, float reach, realv (*excess)[STRIP], uchar *hit,
-     uint *hits, realv *top) {
+ * places of `hit`; the highest.  Returns how many there are. */
+INLINE int look(const hbil_gather_args args, const center *c,
+                global const hbil_step *steps, int count,
+                global const float *from, uint plane, int x, int y, float reach,
+                realv (*excess)[STRIP], uchar *hit, uint *hits, realv *top) {
   const hbil_layer_args in = args.split;
   const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
   int k = 0;
