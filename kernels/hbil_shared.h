@@ -251,6 +251,14 @@ enum {
 /* Cells to a block, each way. */
 #define HBIL_BLOCK 4
 
+/* Scatter on CPUs: pixels of a row of the last frame that are a run. */
+#define HBIL_RUN 64
+/* Runs of a row, a multiple of HBIL_WIDEST with empty ones at the end; rows of
+ * this frame that one work-item owns. */
+typedef struct hbil_runs_args {
+  hbil_int row, band;
+} hbil_runs_args;
+
 /* A grid of bounds: where it lies, in words, and its size.  Two words a cell:
  * the largest inverse depth, as a float, and of HBIL_SOME_. */
 typedef struct hbil_grid_args {

@@ -4,16 +4,16 @@
  * Scatter (paper 3.2).  Every point of the last frame is projected into this
  * one; at each pixel the nearest wins, of equally near ones the smallest
  * source, and one reader per pixel fetches the colour: the same result on every
- * run and device.  The bits of positive depths are in the order of the depths,
- * so with 64-bit atomics depth and source are one key, and one kernel finds the
- * smallest.  Without them there are two: atomic_min on the depths, then on the
- * sources among those that match.
+ * run and device.  The bits of positive depths are in the order of the depths.
+ * On CPUs depth and source are one key of 64 bits, and the rows of this frame
+ * have owners, who need no atomics.  On GPUs two kernels find the smallest:
+ * atomic_min on the depths, then on the sources among those that match.
  * Motion: every pixel fetches four pixels of the last frame where its motion
  * vector points, those at the depth it expects.
  *
- * Builds: REPROJECT_MOTION, SCATTER_KEYS (64-bit atomics), DEPTH_*, MOTION_*,
- * DISOCCLUSION (finite).
- * Launch: x = vectors of HBIL_WIDTH pixels, y = rows.
+ * Builds: REPROJECT_MOTION, DEPTH_*, MOTION_*, DISOCCLUSION (finite).
+ * Launch: x = vectors of HBIL_WIDTH pixels, y = rows, where nothing else is
+ * said.
  * In: history planes (hbil_shared.h).  Out: carried planes, weight 1 or 0.
  * All arithmetic is fp32 with the roundings written here.
  */
@@ -30,6 +30,7 @@ INLINE realv row_of(const hbil_transform_args t, int row, realv x, realv y,
 #define LOAD_UINTV(p) (*(p))
 #else
 #define LOAD_UINTV(p) HBIL_PASTE(vload, HBIL_WIDTH)(0, (p))
+#define LOAD_INTV(p) HBIL_PASTE(vload, HBIL_WIDTH)(0, (p))
 #define STORE_INTV(v, p) HBIL_PASTE(vstore, HBIL_WIDTH)((v), 0, (p))
 #endif
 
@@ -45,77 +46,140 @@ INLINE realv row_of(const hbil_transform_args t, int row, realv x, realv y,
 
 #define NO_SOURCE 0xffffffffu
 
-/* Where the points of HBIL_WIDTH source pixels go: index of the target pixel
- * (-1: nowhere) and depth there. */
-INLINE intv target_of(const hbil_view_args from, const hbil_view_args to,
-                      const hbil_transform_args motion,
-                      global const float *history, const hbil_plane_args planes,
-                      int x, int y, realv *depth) {
+/* Where the points of HBIL_WIDTH source pixels land, in pixels from the upper
+ * left corner, and how far away; false: nowhere, and 0, 0. */
+INLINE intv landing_of(const hbil_view_args from, const hbil_view_args to,
+                       const hbil_transform_args motion,
+                       global const float *history,
+                       const hbil_plane_args planes, int x, int y, realv *u,
+                       realv *v, realv *depth) {
   realv w = LOADV(history + hbil_history_origin(planes) + (uint)y * planes.row +
                   (uint)x);
   realv z = 1.0f / w;
   realv px = plane_x(from, x, 1) * spread_at(z);
   realv py = plane_y(from, y) * spread_at(z);
   realv qz = row_of(motion, 2, px, py, z);
-  realv u = fma((realv)to.fx, row_of(motion, 0, px, py, z) / spread_at(qz),
-                (realv)to.cx);
-  realv v = fma((realv)to.fy, row_of(motion, 1, px, py, z) / spread_at(qz),
-                (realv)to.cy);
-  intv inside = (w > 0.0f) & (qz > 0.0f) & (qz < INFINITY) & (u >= 0.0f) &
-                (u < (float)to.width) & (v >= 0.0f) & (v < (float)to.height) &
-                (x + EACH_LANE < from.width);
-  intv none = -1;
-  /* Out-of-range floats must not reach the conversion. */
-  u = select((realv)0.0f, u, inside);
-  v = select((realv)0.0f, v, inside);
+  *u = fma((realv)to.fx, row_of(motion, 0, px, py, z) / spread_at(qz),
+           (realv)to.cx);
+  *v = fma((realv)to.fy, row_of(motion, 1, px, py, z) / spread_at(qz),
+           (realv)to.cy);
+  intv inside = (w > 0.0f) & (qz > 0.0f) & (qz < INFINITY) & (*u >= 0.0f) &
+                (*u < (float)to.width) & (*v >= 0.0f) &
+                (*v < (float)to.height) & (x + EACH_LANE < from.width);
+  /* Out-of-range floats must not reach a conversion. */
+  *u = select((realv)0.0f, *u, inside);
+  *v = select((realv)0.0f, *v, inside);
   *depth = qz;
-#if HBIL_WIDTH == 1
-  return select(none, convert_int(v) * to.width + convert_int(u), inside);
-#else
-  return select(none,
-                HBIL_PASTE(convert_int, HBIL_WIDTH)(v) * to.width +
-                    HBIL_PASTE(convert_int, HBIL_WIDTH)(u),
-                inside);
-#endif
+  return inside;
 }
 
-/* The same, pixel by pixel. */
+/* The same, pixel by pixel: index of the target (-1: nowhere) and depth there.
+ */
 INLINE void targets_of(const hbil_view_args from, const hbil_view_args to,
                        const hbil_transform_args motion,
                        global const float *history,
                        const hbil_plane_args planes, int x, int y, int *target,
                        float *z) {
-  realv depth;
-  STORE_INTV(target_of(from, to, motion, history, planes, x, y, &depth),
+  realv u, v, depth;
+  const intv inside =
+      landing_of(from, to, motion, history, planes, x, y, &u, &v, &depth);
+  STORE_INTV(select((intv)-1, TO_INTV(v) * to.width + TO_INTV(u), inside),
              target);
   STOREV(depth, z);
 }
 
-/* nearest: filled with ones.  Sources are places in the planes, which are in
- * the order of the pixels. */
+/* Sources are places in the planes, which are in the order of the pixels. */
 
-#if SCATTER_KEYS
+#if HBIL_WIDTH > 1
 
-#pragma OPENCL EXTENSION cl_khr_int64_extended_atomics : enable
+/*
+ * Every band of rows of this frame has an owner, a work-item beside which
+ * nobody writes there.  It takes the runs of the last frame of which some point
+ * lands in its rows, as scatter_rows has found, and projects those again:
+ * cheaper than atomics, of which there would be one for each pixel.
+ */
 
-/* Keys: a depth above its source. */
+/* A depth above its source. */
 typedef ulong scatter_word;
 
-kernel void scatter_keys(const hbil_view_args from, const hbil_view_args to,
+/* First and last row at which the points of a run land; none: no row.  x = runs
+ * of a row, y = rows. */
+kernel void scatter_rows(const hbil_view_args from, const hbil_view_args to,
                          const hbil_transform_args motion,
                          global const float *history,
                          const hbil_plane_args planes,
-                         volatile global scatter_word *nearest) {
-  const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
-  if (x >= from.width || y >= from.height)
+                         const hbil_runs_args runs, global int *rows) {
+  const int run = (int)get_global_id(0), y = (int)get_global_id(1);
+  if (run >= runs.row || y >= from.height)
     return;
-  const uint source = (uint)y * planes.row + (uint)x;
-  int target[HBIL_WIDTH];
-  float z[HBIL_WIDTH];
-  targets_of(from, to, motion, history, planes, x, y, target, z);
-  for (int i = 0; i < HBIL_WIDTH; ++i)
-    if (target[i] >= 0)
-      atom_min(nearest + target[i], upsample(as_uint(z[i]), source + (uint)i));
+  realv first = INFINITY, last = -1.0f;
+  for (int i = 0; i < HBIL_RUN; i += HBIL_WIDTH) {
+    realv u, v, depth;
+    const int x = run * HBIL_RUN + i;
+    if (x >= from.width)
+      break;
+    const intv inside =
+        landing_of(from, to, motion, history, planes, x, y, &u, &v, &depth);
+    first = min(first, select((realv)INFINITY, v, inside));
+    last = max(last, select((realv)-1.0f, v, inside));
+  }
+  const float lowest = lanes_min(first);
+  rows += y * runs.row + run;
+  rows[0] = lowest < INFINITY ? (int)lowest : to.height;
+  rows[runs.row * from.height] = (int)lanes_max(last);
+}
+
+/* Brings in the points of a run that land in the band. */
+INLINE void scatter_run(const hbil_view_args from, const hbil_view_args to,
+                        const hbil_transform_args motion,
+                        global const float *history,
+                        const hbil_plane_args planes, int run, int y,
+                        uint begin, uint count, global scatter_word *band) {
+  for (int i = 0; i < HBIL_RUN; i += HBIL_WIDTH) {
+    const int x = run * HBIL_RUN + i;
+    int target[HBIL_WIDTH];
+    float z[HBIL_WIDTH];
+    if (x >= from.width)
+      break;
+    targets_of(from, to, motion, history, planes, x, y, target, z);
+    const uint source = (uint)y * planes.row + (uint)x;
+    for (int l = 0; l < HBIL_WIDTH; ++l) {
+      const uint at = (uint)target[l] - begin; /* nowhere is far outside */
+      const scatter_word key = upsample(as_uint(z[l]), source + (uint)l);
+      if (at < count)
+        band[at] = min(band[at], key);
+    }
+  }
+}
+
+/* x = 1, y = bands. */
+kernel void scatter_bands(const hbil_view_args from, const hbil_view_args to,
+                          const hbil_transform_args motion,
+                          global const float *history,
+                          const hbil_plane_args planes,
+                          const hbil_runs_args runs, global const int *rows,
+                          global scatter_word *nearest) {
+  const int top = (int)get_global_id(1) * runs.band;
+  if (get_global_id(0) > 0 || top >= to.height)
+    return;
+  const int end = min(top + runs.band, to.height);
+  const uint begin = (uint)(top * to.width);
+  const uint count = (uint)((end - top) * to.width);
+  nearest += begin;
+  for (uint i = 0; i < count; ++i)
+    nearest[i] = ~(scatter_word)0;
+  for (int y = 0; y < from.height; ++y) {
+    global const int *first = rows + y * runs.row;
+    global const int *last = first + runs.row * from.height;
+    for (int run = 0; run < runs.row; run += HBIL_WIDTH) {
+      if (!ANY((LOAD_INTV(first + run) < end) & (LOAD_INTV(last + run) >= top)))
+        continue;
+      for (int i = run; i < run + HBIL_WIDTH; ++i)
+        if (first[i] < end && last[i] >= top)
+          scatter_run(from, to, motion, history, planes, i, y, begin, count,
+                      nearest);
+    }
+  }
 }
 
 /* Who has won at the pixels from `at` on, and how far away; NO_SOURCE: nobody,
@@ -149,7 +213,8 @@ INLINE uintv winners(global const scatter_word *nearest, uint pixels, uint at,
 
 #else
 
-/* First all depths, then all sources. */
+/* A depth or a source.  nearest: filled with ones; first come all depths, then
+ * all sources. */
 typedef uint scatter_word;
 
 kernel void scatter_depth(const hbil_view_args from, const hbil_view_args to,
@@ -188,18 +253,9 @@ kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
 
 INLINE uintv winners(global const scatter_word *nearest, uint pixels, uint at,
                      int count, realv *depth) {
-  if (count >= HBIL_WIDTH) {
-    *depth = AS_REALV(AS_INTV(LOAD_UINTV(nearest + at)));
-    return LOAD_UINTV(nearest + pixels + at);
-  }
-  uint place[HBIL_WIDTH];
-  float z[HBIL_WIDTH];
-  for (int i = 0; i < HBIL_WIDTH; ++i) {
-    place[i] = i < count ? nearest[pixels + at + (uint)i] : NO_SOURCE;
-    z[i] = i < count ? as_float(nearest[at + (uint)i]) : 0.0f;
-  }
-  *depth = LOADV(z);
-  return LOAD_UINTV(place);
+  (void)count;
+  *depth = as_float(nearest[at]);
+  return nearest[pixels + at];
 }
 
 #endif

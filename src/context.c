@@ -121,31 +121,6 @@ static cl_int read_width(cl_device_id device, cl_device_type type,
   return error;
 }
 
-/* Whether a list of words that single spaces separate has this one. */
-static bool has_word(const char *list, const char *word) {
-  const size_t length = strlen(word);
-  for (const char *at = strstr(list, word); at; at = strstr(at + 1, word))
-    if ((at == list || at[-1] == ' ') &&
-        (at[length] == ' ' || at[length] == '\0'))
-      return true;
-  return false;
-}
-
-static cl_int find_extension(cl_device_id device, const char *name,
-                             bool *there) {
-  size_t size = 0;
-  cl_int error = clGetDeviceInfo(device, CL_DEVICE_EXTENSIONS, 0, NULL, &size);
-  if (error != CL_SUCCESS)
-    return error;
-  char *list = calloc(1, size + 1);
-  if (!list)
-    return CL_OUT_OF_HOST_MEMORY;
-  error = clGetDeviceInfo(device, CL_DEVICE_EXTENSIONS, size, list, NULL);
-  *there = has_word(list, name);
-  free(list);
-  return error;
-}
-
 static hbil_status read_limits(hbil_context *context) {
   const cl_device_id device = context->device;
   cl_device_type type = 0;
@@ -164,9 +139,6 @@ static hbil_status read_limits(hbil_context *context) {
     error = read_version(device, &version);
   if (error == CL_SUCCESS)
     error = read_width(device, type, &context->vector_width);
-  if (error == CL_SUCCESS)
-    error = find_extension(device, "cl_khr_int64_extended_atomics",
-                           &context->wide_atomics);
   if (error != CL_SUCCESS)
     return status_of(error);
   context->exact_divide = (fp & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;

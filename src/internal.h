@@ -78,7 +78,6 @@ struct hbil_context {
   cl_uint vector_width;
   size_t group[2];   /* work-group of every kernel */
   bool exact_divide; /* CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT */
-  bool wide_atomics; /* cl_khr_int64_extended_atomics */
 };
 
 /* Sets the context's message; returns `status`, so that a failing function
@@ -167,6 +166,7 @@ enum {
   BUFFER_HISTORY,
   BUFFER_CARRIED, /* level 0 of the push/pull chain and all coarser ones */
   BUFFER_NEAREST, /* scatter's depths and sources, or keys of both */
+  BUFFER_LANDING, /* rows at which runs of the last frame land */
   BUFFER_FLAGS,   /* HBIL_FLAG_: what kernels tell later ones */
   BUFFER_SPLIT,
   BUFFER_LIGHT,
@@ -186,7 +186,8 @@ enum {
 };
 
 enum {
-  KERNEL_SCATTER_KEYS,
+  KERNEL_SCATTER_ROWS,
+  KERNEL_SCATTER_BANDS,
   KERNEL_SCATTER_DEPTH,
   KERNEL_SCATTER_INDEX,
   KERNEL_SCATTER_FETCH,
@@ -222,6 +223,7 @@ enum { MAX_CHAIN = 15 };
 typedef struct layout {
   size_t bytes[BUFFER_COUNT]; /* 0: not needed */
   hbil_plane_args planes;     /* full-resolution planes */
+  hbil_runs_args runs;        /* of scatter's bands */
   hbil_layer_args split, light;
   int chain_count;
   hbil_chain_args chain[MAX_CHAIN];
@@ -238,7 +240,9 @@ typedef struct layout {
   ladder ladder;
 } layout;
 
-/* config.vector_width must not be 0. */
+/* Whether scatter needs no atomics: CPUs.  As below, config.vector_width must
+ * not be 0. */
+bool layout_has_bands(const hbil_config *config);
 void layout_compute(const hbil_config *config, layout *out);
 
 /* --- plan.c --- */
@@ -253,7 +257,6 @@ struct hbil_plan {
   cl_mem buffers[BUFFER_COUNT];
   cl_program programs[PROGRAM_COUNT];
   cl_kernel kernels[KERNEL_COUNT];
-  bool scatter_keys; /* one kernel with 64-bit atomics instead of two */
   bool has_history;
   hbil_camera history_camera;
   /* what the temporal filter keeps: which of the two buffers holds it, and

@@ -163,11 +163,26 @@ static cl_uint gathered_planes(const hbil_config *config, const layout *l) {
                        : stored[config->storage].ao;
 }
 
+bool layout_has_bands(const hbil_config *config) {
+  return config->vector_width > 1;
+}
+
+/* Bands enough for any CPU, few enough that looking for what lands in each is
+ * nothing beside the pixels. */
+static void lay_out_runs(const hbil_config *config, layout *out) {
+  const cl_uint bands = 64, least = 16;
+  const cl_uint band = (config->height + bands - 1) / bands;
+  const cl_uint runs = (config->width + HBIL_RUN - 1) / HBIL_RUN;
+  out->runs.row = (cl_int)rounded_up(runs, HBIL_WIDEST);
+  out->runs.band = (cl_int)(band < least ? least : band);
+}
+
 void layout_compute(const hbil_config *config, layout *out) {
   memset(out, 0, sizeof *out);
   decide_work(config, out);
   decide_skips(config, out);
   lay_out_planes(config, out);
+  lay_out_runs(config, out);
   const size_t chain = lay_out_chain(config, out);
   const size_t real = sizeof(cl_float);
   const size_t pixels = (size_t)config->width * config->height;
@@ -178,6 +193,10 @@ void layout_compute(const hbil_config *config, layout *out) {
     out->bytes[BUFFER_CARRIED] = chain * real;
     if (config->reprojection == HBIL_REPROJECTION_SCATTER)
       out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;
+    if (config->reprojection == HBIL_REPROJECTION_SCATTER &&
+        layout_has_bands(config))
+      out->bytes[BUFFER_LANDING] =
+          2 * sizeof(cl_int) * (size_t)out->runs.row * config->height;
   }
   lay_out_layers(config, split_planes(config, out), &out->split);
   lay_out_layers(config, gathered_planes(config, out), &out->light);

@@ -60,7 +60,6 @@ static void write_defines(const hbil_plan *plan, text *t) {
   add(t, " -DGATHER_EMISSION=%d -DFEEDBACK_RADIANCE=%d -DREPROJECT_MOTION=%d",
       c->gather_emission != 0, c->feedback == HBIL_FEEDBACK_RADIANCE,
       c->reprojection == HBIL_REPROJECTION_MOTION);
-  add(t, " -DSCATTER_KEYS=%d", plan->scatter_keys);
   add(t, " -DDISOCCLUSION=%d -DFAR=%d", !isinf(c->disocclusion),
       (int)plan->layout.far_field);
   add(t, " -DFINITE=%d",
@@ -122,7 +121,8 @@ static const struct {
   const char *name;
   int program;
 } kernels[KERNEL_COUNT] = {
-    [KERNEL_SCATTER_KEYS] = {"scatter_keys", PROGRAM_REPROJECT},
+    [KERNEL_SCATTER_ROWS] = {"scatter_rows", PROGRAM_REPROJECT},
+    [KERNEL_SCATTER_BANDS] = {"scatter_bands", PROGRAM_REPROJECT},
     [KERNEL_SCATTER_DEPTH] = {"scatter_depth", PROGRAM_REPROJECT},
     [KERNEL_SCATTER_INDEX] = {"scatter_index", PROGRAM_REPROJECT},
     [KERNEL_SCATTER_FETCH] = {"scatter_fetch", PROGRAM_REPROJECT},
@@ -172,7 +172,8 @@ static bool kernel_needed(const hbil_plan *plan, int kernel) {
     return false;
   if (kernel == KERNEL_SCATTER_FETCH)
     return true;
-  return plan->scatter_keys == (kernel == KERNEL_SCATTER_KEYS);
+  return layout_has_bands(&plan->config) ==
+         (kernel == KERNEL_SCATTER_ROWS || kernel == KERNEL_SCATTER_BANDS);
 }
 
 static hbil_status build_kernels(hbil_plan *plan) {
@@ -320,7 +321,6 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
     return fail(context, HBIL_OUT_OF_HOST_MEMORY, "no memory for a plan");
   plan->context = context;
   plan->config = resolved;
-  plan->scatter_keys = context->wide_atomics && plan->config.vector_width > 1;
   layout_compute(&plan->config, &plan->layout);
   if ((status = build_kernels(plan)) != HBIL_SUCCESS ||
       (status = allocate(plan)) != HBIL_SUCCESS ||

@@ -14,8 +14,8 @@
 #define HEIGHT 67
 #define FRAMES 3
 
-/* Every pass, and all that is chosen by vector width: scatter has 64-bit
- * atomics with vectors alone. */
+/* Every pass, and all that is chosen by vector width: scatter has atomics with
+ * single pixels alone. */
 typedef struct kind {
   const char *name;
   hbil_reprojection reprojection;

@@ -1,83 +1,15 @@
 /*
  * Light of the last frame in this one: the reference's very bits, in every form
- * that the kernels have.  Which one a plan takes depends on the device's
- * extensions, too: clGetDeviceInfo() of this program stands in front of
- * OpenCL's and can hide one.
+ * that the kernels have: vectors of pixels, whose bands have owners, and single
+ * ones, which need atomics.
  */
-#define _GNU_SOURCE /* RTLD_NEXT */
 #include "support.h"
 
-#include <dlfcn.h>
+static cl_uint tested; /* pixels a work-item, by the test that is running */
 
-/* ------------------------------------------------------------------------ */
-/* The forms of the kernels                                                  */
-
-typedef struct form {
-  cl_uint vector_width;
-  bool narrow; /* 64-bit atomics are hidden */
-} form;
-
-static form tested; /* by the test that is running */
-
-#define WIDE_ATOMICS "cl_khr_int64_extended_atomics"
-
-typedef CL_API_ENTRY cl_int CL_API_CALL get_device_info(cl_device_id,
-                                                        cl_device_info, size_t,
-                                                        void *, size_t *);
-typedef CL_API_ENTRY cl_kernel CL_API_CALL create_kernel(cl_program,
-                                                         const char *,
-                                                         cl_int *);
-
-/* An object pointer is no function pointer in C, but POSIX says it will do. */
-typedef union next_function {
-  void *object;
-  get_device_info *device_info;
-  create_kernel *kernel;
-} next_function;
-
-static next_function next(const char *name) {
-  next_function found = {.object = dlsym(RTLD_NEXT, name)};
-  assert_non_null(found.object);
-  return found;
-}
-
-CL_API_ENTRY cl_int CL_API_CALL clGetDeviceInfo(cl_device_id device,
-                                                cl_device_info what,
-                                                size_t size, void *value,
-                                                size_t *needed) {
-  cl_int error =
-      next("clGetDeviceInfo").device_info(device, what, size, value, needed);
-  char *word = what == CL_DEVICE_EXTENSIONS && value && error == CL_SUCCESS
-                   ? strstr(value, WIDE_ATOMICS)
-                   : NULL;
-  if (tested.narrow && word)
-    memset(word, '-', strlen(WIDE_ATOMICS));
-  return error;
-}
-
-static bool index_kernel_made;
-
-CL_API_ENTRY cl_kernel CL_API_CALL clCreateKernel(cl_program program,
-                                                  const char *name,
-                                                  cl_int *error) {
-  index_kernel_made |= !strcmp(name, "scatter_index");
-  return next("clCreateKernel").kernel(program, name, error);
-}
-
-/* Before each test: the device is looked at anew. */
-static int take_form(void **state) {
-  tested = *(const form *)*state;
-  hbil_context_destroy(test_gpu.hbil);
-  return hbil_context_create(test_gpu.context, test_gpu.device,
-                             &test_gpu.hbil) != HBIL_SUCCESS;
-}
-
-static bool has_wide_atomics(void) {
-  char list[4096] = "";
-  cl_int error = clGetDeviceInfo(test_gpu.device, CL_DEVICE_EXTENSIONS,
-                                 sizeof(list) - 1, list, NULL);
-  assert_int_equal(error, CL_SUCCESS);
-  return strstr(list, WIDE_ATOMICS) != NULL;
+static int take_width(void **state) {
+  tested = *(const cl_uint *)*state;
+  return 0;
 }
 
 /* ------------------------------------------------------------------------ */
@@ -90,7 +22,7 @@ static void prepare(setup *s, scene_kind kind, const int size[2],
                     hbil_reprojection reprojection) {
   setup_scene(s, kind, size[0], size[1], 0);
   s->config.reprojection = reprojection;
-  s->config.vector_width = tested.vector_width;
+  s->config.vector_width = tested;
   s->config.slices = 1;
   s->config.samples = 2;
 }
@@ -173,6 +105,34 @@ static void scatter_matches_on_a_large_image(void **state) {
   prepare(&s, SCENE_ROOM, size, HBIL_REPROJECTION_SCATTER);
   advance(&s, SCENE_ROOM, 2);
   check(&s, 0.3, 1);
+}
+
+/* More rows than 16 a band. */
+static void scatter_matches_on_a_tall_image(void **state) {
+  const int size[2] = {160, 1100};
+  setup s;
+  (void)state;
+  prepare(&s, SCENE_ROOM, size, HBIL_REPROJECTION_SCATTER);
+  advance(&s, SCENE_ROOM, 2);
+  check(&s, 0.3, 1);
+}
+
+/* What was a row is a column: each run lands in many bands. */
+static void scatter_matches_where_the_camera_rolls(void **state) {
+  const int size[2] = {200, 200};
+  setup s;
+  (void)state;
+  prepare(&s, SCENE_ROOM, size, HBIL_REPROJECTION_SCATTER);
+  s.config.disocclusion = INFINITY;
+  advance(&s, SCENE_ROOM, 0);
+  double *m = s.frame.camera.world_from_view;
+  for (int row = 0; row < 3; ++row) {
+    const double x = m[4 * row];
+    m[4 * row] = m[4 * row + 1];
+    m[4 * row + 1] = -x;
+  }
+  s.job.camera = s.frame.camera;
+  check(&s, 0.9, 1);
 }
 
 static void scatter_gives_the_same_bits_every_time(void **state) {
@@ -285,38 +245,25 @@ static void a_still_camera_copies(void **state) {
   check_copy(HBIL_REPROJECTION_MOTION, SCENE_ROOM);
 }
 
-static void wide_atomics_need_one_kernel_less(void **state) {
-  setup s;
-  (void)state;
-  prepare(&s, SCENE_ROOM, sizes[1], HBIL_REPROJECTION_SCATTER);
-  index_kernel_made = false;
-  setup_start(&s);
-  assert_true(index_kernel_made ==
-              (tested.vector_width == 1 || !has_wide_atomics()));
-  setup_free(&s);
-}
+static cl_uint vectors_of_8 = 8, vectors_of_16 = 16, single_pixels = 1;
 
-static form wide_vectors = {8, false}, narrow_vectors = {8, true},
-            single_pixels = {1, false};
-
-#define TEST(test, form)                                                       \
-  { #test ": " #form, test, take_form, NULL, &(form) }
-#define SCATTER(test)                                                          \
-  TEST(test, wide_vectors), TEST(test, narrow_vectors),                        \
-      TEST(test, single_pixels)
-#define MOTION(test) TEST(test, wide_vectors), TEST(test, single_pixels)
+#define TEST(test, width)                                                      \
+  { #test ": " #width, test, take_width, NULL, &(width) }
+#define MOTION(test) TEST(test, vectors_of_8), TEST(test, single_pixels)
+#define SCATTER(test) MOTION(test), TEST(test, vectors_of_16)
 
 int main(void) {
   const struct CMUnitTest tests[] = {
       SCATTER(scatter_matches_at_every_size),
       MOTION(motion_matches_at_every_size),
       SCATTER(scatter_matches_on_a_large_image),
+      SCATTER(scatter_matches_on_a_tall_image),
+      SCATTER(scatter_matches_where_the_camera_rolls),
       SCATTER(scatter_gives_the_same_bits_every_time),
       MOTION(motion_gives_the_same_bits_every_time),
       SCATTER(other_settings_match),
       SCATTER(many_sources_on_one_pixel_are_settled_alike),
       MOTION(wild_motion_is_followed_or_dropped),
-      SCATTER(a_still_camera_copies),
-      SCATTER(wide_atomics_need_one_kernel_less)};
+      SCATTER(a_still_camera_copies)};
   return RUN_WITH_GPU(tests);
 }

@@ -96,8 +96,7 @@ typedef struct hbil_context hbil_context;
 /*
  * A context binds the library to a cl_context and one of its devices.  Both
  * are retained until hbil_context_destroy().  Needs OpenCL 1.2 and an online
- * compiler; images and sub-groups are not used, 64-bit atomics only where the
- * device has them.
+ * compiler; images, sub-groups and 64-bit atomics are not used.
  * Environment: HBIL_KERNEL_DIR names a folder from which the .cl files are
  * read in place of the embedded ones (for work on the kernels).
  */
