@@ -421,6 +421,16 @@ follow_motion(const hbil_view_args view, const hbil_transform_args motion,
   /* Where neighbours have come from neighbours, and not from the border, which
    * is nearly everywhere. */
   const int first = first_lane(begin);
+#if HBIL_WIDTH > 1
+  /* a row on, since this row was read for the one before: what work-items soon
+   * want if they have come along */
+  if (first != NO_RUN) {
+#pragma unroll
+    for (uint p = 0; p < HBIL_HISTORY_PLANES; ++p)
+      FETCH_LINE(history + first + (int)(planes.row + p * planes.plane) +
+                 8 * HBIL_WIDEST);
+  }
+#endif
   const bool together = first_lane(left) >= 0 && first_lane(top) >= 0 &&
                         first_lane(left) + HBIL_WIDTH < view.width &&
                         first_lane(top) + 1 < view.height &&
