@@ -32,8 +32,8 @@
  * (refused light is the last accepted), FACING_ALL (no light is refused),
  * FACING_STEP (the threshold is sharp), FINITE (occluders have a thickness:
  * sectors instead of a horizon), EXTRAPOLATE, ADAPTIVE (each tile has its own
- * number of samples, judge.cl), STORAGE (common.clh), SKIP_* (spared_of(),
- * look()).
+ * number of samples, judge.cl), WEIGHT_PLANE (a single slice: what it weighs
+ * is stored, too), STORAGE (common.clh), SKIP_* (spared_of(), look()).
  *
  * Launch: x = strips of HBIL_TILE pixels of a layer row (single pixels where
  * HBIL_WIDTH is 1), y = layer rows, z = layers, or those that are probed.
@@ -884,8 +884,12 @@ INLINE void store_light(const center *c, const total *t, intv untouched,
   const intv solid = c->w > SKY, taken = solid & ~untouched;
   /* whole is S at least in the mean; it falls to the size of a half-slice's
    * own rounding only where nothing can be seen (1e-6 of a slice). */
-  const realv inv_whole = 1.0f / max(t->whole, (realv)1e-6f);
+  const realv least_whole = max(t->whole, (realv)1e-6f);
+  const realv inv_whole = 1.0f / least_whole;
   realv value[HBIL_GATHERED_PLANES];
+#if WEIGHT_PLANE
+  value[HBIL_LIGHT_WEIGHT] = select((realv)1.0f, least_whole / slices, solid);
+#endif
   value[HBIL_LIGHT_AO] = select(
       (realv)1.0f, clamp(t->open * inv_whole, (realv)0.0f, (realv)1.0f), taken);
 #if GATHER_RADIANCE
@@ -1023,7 +1027,14 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   strips[0] = (uchar)spared;
   strips[(uint)(HBIL_LAYERS * in.height) * args.strips] =
       (uchar)(ANY(sky) ? count_sky(c) : 0u);
-  const int slices = spared & ~HBIL_STRIP_DARK ? 0 : all_slices;
+  const int spares_all = spared & ~HBIL_STRIP_DARK;
+#if WEIGHT_PLANE
+  /* the slice is weighed all the same, where there is a surface */
+  const int slices = spares_all & HBIL_STRIP_SKY ? 0 : all_slices;
+  const int looked_at = spares_all ? 0 : samples;
+#else
+  const int slices = spares_all ? 0 : all_slices, looked_at = samples;
+#endif
   for (int slice = 0; slice < slices; ++slice) {
     const float ux = steps->ux, uy = steps->uy;
     cut s[STRIP];
@@ -1072,11 +1083,11 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #endif
       }
       ++steps;
-      for (int first = 0; first < samples; first += BLOCK) {
+      for (int first = 0; first < looked_at; first += BLOCK) {
         realv excess[BLOCK][STRIP];
         uchar hit[BLOCK * STRIP];
         uint hits;
-        const int count = min(BLOCK, samples - first);
+        const int count = min(BLOCK, looked_at - first);
         const int k = look(args, c, steps + first, count, from, plane, x, y,
                            whole.reach, excess, hit, &hits, top);
 #if EXTRAPOLATE && !FINITE

@@ -91,7 +91,10 @@ enum {
   HBIL_LIGHT_PLANES = 7,
   /* gathered only: share of the hemisphere whose light is unknown */
   HBIL_LIGHT_UNKNOWN = 7,
-  HBIL_GATHERED_PLANES = 8
+  /* with a single slice: how much of the hemisphere it stands for, 1 on average
+   * (recompose); behind all others, whichever there are */
+  HBIL_LIGHT_WEIGHT = 8,
+  HBIL_GATHERED_PLANES = 9
 };
 /* The same in words of 32 bits.  HBIL_STORAGE_PACKED:
  *   normal    octahedral (Cigolle and others 2014), two snorm16, x low;

@@ -14,12 +14,18 @@
  * the corners is there four times; two opposite ones will do, as they leave the
  * centre where it is.
  *
+ * With a single slice a pixel, slices weigh J A(theta_t) as within a pixel: AO
+ * and light are quotients of sums over the neighbourhood, not means of
+ * quotients, which favour what a slice of little weight happens to see
+ * (WEIGHT_PLANE).
+ *
  * How much the neighbours' light differs says how far their mean may be off
  * (hbil_config.error).
  *
  * Builds: ORTHOGRAPHIC, RAW (only undo the split), GATHER_RADIANCE,
  * GATHER_BENT, REFUSED_FRAME, STORAGE, OUT_ERROR, ERROR_PLANE (where errors
- * follow the light), ADAPTIVE (each tile has its own factors). Launch: x =
+ * follow the light), WEIGHT_PLANE (where weights of slices are, or 0), ADAPTIVE
+ * (each tile has its own factors). Launch: x =
  * groups of 4 pixels of a row, y = rows; where HBIL_WIDTH is more than 1, x =
  * groups of 4*HBIL_TILE pixels, y = HBIL_RECOMPOSE_ROWS rows. In: split planes
  * (guides), light planes.  Out: light planes, full resolution; the bent normal
@@ -49,9 +55,14 @@ enum {
   TAP_NORMAL = 1, /* x, 2: y, 3: z */
   TAP_LIGHT = 4,
 #if REFUSED_FRAME
-  TAP_PLANES = TAP_LIGHT + HBIL_GATHERED_PLANES
+  TAP_WEIGHT = TAP_LIGHT + HBIL_LIGHT_UNKNOWN + 1,
 #else
-  TAP_PLANES = TAP_LIGHT + HBIL_LIGHT_PLANES
+  TAP_WEIGHT = TAP_LIGHT + HBIL_LIGHT_PLANES,
+#endif
+#if WEIGHT_PLANE
+  TAP_PLANES = TAP_WEIGHT + 1
+#else
+  TAP_PLANES = TAP_WEIGHT
 #endif
 };
 #define TAP(t, p) LOADV((t) + (p)*TAP_SPAN)
@@ -99,6 +110,9 @@ INLINE void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
   gathered_light(light + place(lit, i, j, x, y), lit.plane, value);
 #define KEEP_PLANE(p) STOREV(value[p], t + (TAP_LIGHT + p) * TAP_SPAN);
   EACH_GATHERED(KEEP_PLANE)
+#if WEIGHT_PLANE
+  STOREV(value[HBIL_LIGHT_WEIGHT], t + TAP_WEIGHT * TAP_SPAN);
+#endif
 }
 
 #if HBIL_WIDTH > 1
@@ -186,6 +200,27 @@ INLINE void errors_of(const sums *s, const hbil_rung rung, realv *ao,
 }
 #endif
 
+/* Adds a neighbour's light.  Bent normals are no quotients: what a slice weighs
+ * is in them. */
+INLINE void add_light(sums *s, const float *t, realv weight) {
+#define ADD_PLANE(p)                                                           \
+  s->plane[p] = fma(weight, TAP(t, TAP_LIGHT + p), s->plane[p]);
+#if WEIGHT_PLANE
+  IF_BENT(ADD_PLANE)
+  weight *= TAP(t, TAP_WEIGHT);
+  s->total += weight;
+  ADD_PLANE(HBIL_LIGHT_AO)
+  IF_RADIANCE(ADD_PLANE)
+  IF_UNKNOWN(ADD_PLANE)
+#else
+  s->total += weight;
+  EACH_GATHERED(ADD_PLANE)
+#endif
+#if OUT_ERROR
+  add_squares(s, t, weight);
+#endif
+}
+
 /* The pixel i to the right and j below. */
 INLINE void add_tap(sums *s, const middle *m, const float *t, float i, float j,
                     float share) {
@@ -201,13 +236,7 @@ INLINE void add_tap(sums *s, const middle *m, const float *t, float i, float j,
   weight = fma(m->n[1], TAP(t, TAP_NORMAL + 1), weight);
   weight = fma(m->n[0], TAP(t, TAP_NORMAL), weight);
   weight = max(fma(-off, off, weight), (realv)0.0f) * share;
-  s->total += weight;
-#define ADD_PLANE(p)                                                           \
-  s->plane[p] = fma(weight, TAP(t, TAP_LIGHT + p), s->plane[p]);
-  EACH_GATHERED(ADD_PLANE)
-#if OUT_ERROR
-  add_squares(s, t, weight);
-#endif
+  add_light(s, t, weight);
 }
 
 #if REFUSED_FRAME
@@ -301,14 +330,14 @@ INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     s.n[c] = TAP(self, TAP_NORMAL + c);
-  /* the pixel itself counts 1, whatever becomes of the others */
-  s.total = 1.0f;
-#define START_PLANE(p) s.plane[p] = TAP(self, TAP_LIGHT + p);
+#define START_PLANE(p) s.plane[p] = 0.0f;
   EACH_GATHERED(START_PLANE)
 #if OUT_ERROR
   s.square_ao = s.square_near = 0.0f;
-  add_squares(&s, self, 1.0f);
 #endif
+  s.total = 0.0f;
+  /* the pixel itself counts 1, whatever becomes of the others */
+  add_light(&s, self, (realv)1.0f);
 #if !RAW
   const middle m = middle_of(view, &s, 4 * x + column, 4 * y + row);
 #define ADD_NEIGHBOUR(i, j, share)                                             \

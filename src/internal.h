@@ -236,6 +236,7 @@ typedef struct layout {
   hbil_far_field far_field;  /* NONE where nothing shows it */
   hbil_pattern_args pattern; /* without turn, shift, reach */
   cl_uint error_plane;       /* of RESOLVED, where errors begin */
+  cl_uint weight_plane;      /* of GATHERED, a single slice's weights; 0: none */
   size_t tiles;              /* adaptive sampling's, in a row */
   ladder ladder;
 } layout;

@@ -157,7 +157,7 @@ static cl_uint split_planes(const hbil_config *config, const layout *l) {
 
 static cl_uint gathered_planes(const hbil_config *config, const layout *l) {
   if (l->unknown && config->storage == HBIL_STORAGE_FLOAT32)
-    return HBIL_GATHERED_PLANES;
+    return HBIL_LIGHT_UNKNOWN + 1;
   return l->bent       ? stored[config->storage].bent
          : l->radiance ? stored[config->storage].near_light
                        : stored[config->storage].ao;
@@ -199,7 +199,10 @@ void layout_compute(const hbil_config *config, layout *out) {
           2 * sizeof(cl_int) * (size_t)out->runs.row * config->height;
   }
   lay_out_layers(config, split_planes(config, out), &out->split);
-  lay_out_layers(config, gathered_planes(config, out), &out->light);
+  const cl_uint gathered = gathered_planes(config, out);
+  const bool weighted = config->slices == 1 && !config->raw_interleave;
+  out->weight_plane = weighted ? gathered : 0;
+  lay_out_layers(config, gathered + weighted, &out->light);
   out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
   out->bytes[BUFFER_LIGHT] = layers_size(&out->light);
   out->error_plane = light_planes(out);

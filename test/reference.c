@@ -1122,6 +1122,15 @@ static int level_at(const gathering *g, int x, int y) {
                     g->pattern.levels);
 }
 
+/* Whether refused light is made up for by the frame's. */
+static bool fills_unknown(const hbil_config *config) {
+  return gathers_light(config) && config->refused == HBIL_REFUSED_FRAME;
+}
+
+bool ref_weighs_slices(const hbil_config *config) {
+  return config->slices == 1 && !config->raw_interleave;
+}
+
 static void store_bent_sum(const walker *w, double ao) {
   const sums *sum = &w->sum;
   double slices = w->g->pattern.slices;
@@ -1143,9 +1152,12 @@ static void store_gathered(const walker *w) {
         PI * sum->light[i] / sum->whole;
   if (has_bent(w->g->job->config))
     store_bent_sum(w, ao);
-  if (gathered->count > HBIL_LIGHT_UNKNOWN)
+  if (gathered->count > HBIL_LIGHT_UNKNOWN && fills_unknown(w->g->job->config))
     *ref_at(gathered, HBIL_LIGHT_UNKNOWN, w->x, w->y) =
         sum->unknown / sum->whole;
+  if (gathered->count > HBIL_LIGHT_WEIGHT &&
+      ref_weighs_slices(w->g->job->config))
+    *ref_at(gathered, HBIL_LIGHT_WEIGHT, w->x, w->y) = sum->whole;
 }
 
 /* Unit direction of a slice in the screen. */
@@ -1184,6 +1196,9 @@ static void gather_pixel(const gathering *g, int x, int y, stretch *room) {
   walker w = walker_at(g, x, y, room);
   clear(g->gathered, x, y);
   *ref_at(g->gathered, HBIL_LIGHT_AO, x, y) = 1.0;
+  if (g->gathered->count > HBIL_LIGHT_WEIGHT &&
+      ref_weighs_slices(g->job->config))
+    *ref_at(g->gathered, HBIL_LIGHT_WEIGHT, x, y) = 1.0;
   if (!w.s.is)
     return;
   w.least = least_excess(g->job->config, &w.s);
@@ -1436,8 +1451,7 @@ static void fill_unknown(const ref_job *job, const surface *s, double unknown,
 static void recompose_pixel(const ref_job *job, const ref_planes *split,
                             const ref_planes *gathered, int x, int y,
                             ref_planes *resolved) {
-  bool fills =
-      gathers_light(job->config) && job->config->refused == HBIL_REFUSED_FRAME;
+  bool fills = fills_unknown(job->config);
   surface s = surface_at(job, split, x, y);
   double total = 0.0, unknown = 0.0;
   clear(resolved, x, y);
@@ -1446,13 +1460,19 @@ static void recompose_pixel(const ref_job *job, const ref_planes *split,
     return;
   for (int tap = 0; tap < 25; ++tap) {
     int dx = tap % 5 - 2, dy = tap / 5 - 2;
-    double weight = tap_weight(job, &s, split, x, y, dx, dy);
-    total += weight;
-    for (int p = 0; p < HBIL_LIGHT_PLANES && weight > 0.0; ++p)
-      *ref_at(resolved, p, x, y) +=
-          weight * *ref_at(gathered, p, x + dx, y + dy);
-    if (fills && weight > 0.0)
-      unknown += weight * *ref_at(gathered, HBIL_LIGHT_UNKNOWN, x + dx, y + dy);
+    double weight = tap_weight(job, &s, split, x, y, dx, dy), quotient;
+    if (!(weight > 0.0))
+      continue;
+    quotient = weight;
+    if (ref_weighs_slices(job->config))
+      quotient *= *ref_at(gathered, HBIL_LIGHT_WEIGHT, x + dx, y + dy);
+    total += quotient;
+    for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
+      *ref_at(resolved, p, x, y) += (p < HBIL_LIGHT_BENT ? quotient : weight) *
+                                    *ref_at(gathered, p, x + dx, y + dy);
+    if (fills)
+      unknown +=
+          quotient * *ref_at(gathered, HBIL_LIGHT_UNKNOWN, x + dx, y + dy);
   }
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
     *ref_at(resolved, p, x, y) /= total;

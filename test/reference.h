@@ -108,6 +108,10 @@ typedef struct ref_dense {
 
 void ref_gather_dense(const ref_job *job, const ref_planes *split,
                       const ref_dense *how, ref_planes *gathered);
+/* Whether a pixel's slice is weighed against its neighbours': GATHERED has
+ * HBIL_LIGHT_WEIGHT then, which is 0 otherwise. */
+bool ref_weighs_slices(const hbil_config *config);
+
 /* SPLIT, GATHERED -> RESOLVED. */
 void ref_recompose(const ref_job *job, const ref_planes *split,
                    const ref_planes *gathered, ref_planes *resolved);

@@ -665,7 +665,7 @@ static int plain_planes(const setup *s, hbil_stage stage, int words) {
   if (words == 1)
     return HBIL_LIGHT_RED;
   if (unknown)
-    return HBIL_GATHERED_PLANES;
+    return HBIL_LIGHT_UNKNOWN + 1;
   return words == (half ? HBIL_HALF_BENT : HBIL_PACKED_BENT)
              ? HBIL_LIGHT_BENT
              : HBIL_LIGHT_PLANES;
@@ -680,6 +680,7 @@ typedef struct stage_bytes {
   hbil_storage storage;
   size_t size;
   float *floats;
+  int weight; /* plane of a single slice's weights, behind b.values; 0: none */
 } stage_bytes;
 
 static stage_bytes stage_open(setup *s, hbil_stage stage) {
@@ -687,6 +688,9 @@ static stage_bytes stage_open(setup *s, hbil_stage stage) {
   t.b = stage_buffer(s, stage);
   t.stage = stage;
   t.storage = s->config.storage;
+  t.weight = 0;
+  if (stage == HBIL_STAGE_GATHERED && ref_weighs_slices(&s->config))
+    t.weight = (int)--t.b.values;
   t.floats = (float *)(void *)buffer_bytes(s, t.b.buffer, &t.size);
   return t;
 }
@@ -732,14 +736,20 @@ ref_planes stage_read(setup *s, hbil_stage stage) {
   ref_planes out;
   if (is_packed(s, stage))
     count = plain_planes(s, stage, count);
+  if (t.weight)
+    count = HBIL_GATHERED_PLANES;
   out = ref_planes_new((int)s->config.width, (int)s->config.height, count);
   if (is_packed(s, stage))
     read_packed(&t, &out);
   else
-    for (int p = 0; p < out.count; ++p)
+    for (int p = 0; p < (int)t.b.values; ++p)
       for (int y = 0; y < out.height; ++y)
         for (int x = 0; x < out.width; ++x)
           *ref_at(&out, p, x, y) = (double)*stage_at(&t, p, x, y);
+  for (int y = 0; t.weight && y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x)
+      *ref_at(&out, HBIL_LIGHT_WEIGHT, x, y) =
+          (double)*stage_at(&t, t.weight, x, y);
   free(t.floats);
   return out;
 }
@@ -755,6 +765,10 @@ void stage_write(setup *s, hbil_stage stage, const ref_planes *planes) {
       for (int y = 0; y < planes->height; ++y)
         for (int x = 0; x < planes->width; ++x)
           *stage_at(&t, p, x, y) = (float)*ref_at(planes, p, x, y);
+  for (int y = 0; t.weight && y < planes->height; ++y)
+    for (int x = 0; x < planes->width; ++x)
+      *stage_at(&t, t.weight, x, y) =
+          (float)*ref_at(planes, HBIL_LIGHT_WEIGHT, x, y);
   assert_int_equal(clEnqueueWriteBuffer(s->gpu->queue, t.b.buffer, CL_TRUE, 0,
                                         t.size, t.floats, 0, NULL, NULL),
                    CL_SUCCESS);

@@ -7,6 +7,7 @@
 #define AO_LIMIT 1e-5
 #define LIGHT_LIMIT 1e-5
 #define BENT_LIMIT 1e-5
+#define WEIGHT_LIMIT 1e-5
 
 static ref_planes gathered(setup *s) {
   setup_run(s, hbil_enqueue_split);
@@ -20,7 +21,7 @@ static void gather_both(setup *s, ref_planes *got, ref_planes *want) {
   setup_start(s);
   *got = gathered(s);
   split = stage_read(s, HBIL_STAGE_SPLIT);
-  *want = ref_planes_new(split.width, split.height, HBIL_LIGHT_PLANES);
+  *want = ref_planes_new(split.width, split.height, got->count);
   ref_gather(&s->job, &split, want);
   ref_planes_free(&split);
 }
@@ -33,6 +34,9 @@ static void check_gather(setup *s) {
                 LIGHT_LIMIT);
   check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3),
                 BENT_LIMIT);
+  if (ref_weighs_slices(&s->config))
+    check_at_most("weight", relative_rmse(&got, &want, HBIL_LIGHT_WEIGHT, 1),
+                  WEIGHT_LIMIT);
   ref_planes_free(&got);
   ref_planes_free(&want);
   setup_free(s);

@@ -17,6 +17,7 @@ static const cl_uint widths[] = {1, 4, 8, 16};
  * 16 bits, or of halves next to 1. */
 #define SEARCH_LIMIT 1e-5
 #define SHARE_LIMIT (0.5 / 65535.0 + SEARCH_LIMIT)
+#define WEIGHT_LIMIT SEARCH_LIMIT
 #define HALF_SHARE_LIMIT (0x1p-12 + SEARCH_LIMIT)
 /* Derived: one step of 8 bits, dithered. */
 #define UNKNOWN_LIMIT (1.0 / 255.0 + SEARCH_LIMIT)
@@ -321,6 +322,9 @@ static void check_light(hbil_storage storage, const ref_planes *got,
   if (got->count > HBIL_LIGHT_UNKNOWN)
     check_at_most("unknown", largest_error(got, want, HBIL_LIGHT_UNKNOWN, 1),
                   half ? HALF_SHARE_LIMIT : UNKNOWN_LIMIT);
+  if (got->count > HBIL_LIGHT_WEIGHT) /* a float in all of them */
+    check_at_most("weight", relative_rmse(got, want, HBIL_LIGHT_WEIGHT, 1),
+                  WEIGHT_LIMIT);
   check_at_most(
       "E_near, losses",
       losses(got, want, HBIL_LIGHT_RED, &near_light_of[storage], before),

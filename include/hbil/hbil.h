@@ -634,7 +634,10 @@ HBIL_API hbil_status hbil_enqueue_composite(
  *                 KEPT as well
  *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length);
  *                 8 with HBIL_REFUSED_FRAME, unless facing[1] is -1: share of
- *                 light that is unknown
+ *                 light that is unknown.  With a single slice and without
+ *                 raw_interleave one more, the last, a float in any storage:
+ *                 what the slice weighs when recompose brings several together,
+ *                 1 on average
  *   RESOLVED   7: the same, full resolution, E_near with the unknown filled in;
  *              after the temporal pass, the mean over frames
  *   KEPT      10: by the temporal filter, of the last frame that was composed:
@@ -666,7 +669,7 @@ HBIL_API hbil_status hbil_enqueue_composite(
  * A plan keeps only what its outputs need: hbil_buffer.values says how many of
  * these, from the first on, it has (SPLIT 4 without radiance; GATHERED and
  * RESOLVED 4 without bent normals, 1 with AO alone; in words, SPLIT 2, GATHERED
- * 2 and 1, of halves 3 and 1; KEPT 3 more than RESOLVED, with
+ * 2 and 1, of halves 3 and 1, a single slice's weight apart; KEPT 3 more than RESOLVED, with
  * hbil_config.temporal).  HISTORY and CARRIED exist where light is carried
  * over: with a reprojection, and an output among near_light, indirect and
  * radiance.  Full-resolution planes: value p of pixel (x,y) is at float index
