@@ -116,6 +116,18 @@ static void ao_alone(setup *s, hbil_mode mode) {
       image_format(&s->config, (image_id)i)->component = HBIL_NONE;
 }
 
+/* What a slice weighs is needed where nothing else is. */
+static void single_slice(setup *s) {
+  limited(s);
+  s->config.slices = 1;
+}
+
+static void single_slice_gtao(setup *s) {
+  ao_alone(s, HBIL_MODE_GTAO);
+  s->config.radius = 0.3f;
+  s->config.slices = 1;
+}
+
 static void orthographic(setup *s) {
   wall(s);
   setup_flatten(s, FLAT);
@@ -135,9 +147,11 @@ static void hbao(setup *s) {
   s->config.radius = 0.3f;
 }
 
-static prepare_function *const kinds[] = {
-    endless, thick, limited,      limited_pixels,
-    gtao,    hbao,  orthographic, orthographic_limited};
+static prepare_function *const kinds[] = {endless,      thick,
+                                          limited,      limited_pixels,
+                                          gtao,         hbao,
+                                          orthographic, orthographic_limited,
+                                          single_slice, single_slice_gtao};
 #define KINDS (sizeof kinds / sizeof *kinds)
 
 /* One pixel, nearer than the wall by anything from a rounding to nearly all. */
@@ -351,11 +365,16 @@ static void picture_by_pixels(setup *s) {
   s->config.vector_width = 1;
 }
 
+static void picture_by_a_slice(setup *s) {
+  picture_alone(s);
+  s->config.slices = 1;
+}
+
 static void metal_shows_no_irradiance(void **state) {
-  static prepare_function *const pictures[] = {picture_alone,
-                                               picture_by_pixels};
+  static prepare_function *const pictures[] = {picture_alone, picture_by_pixels,
+                                               picture_by_a_slice};
   (void)state;
-  for (size_t k = 0; k < 2; ++k) {
+  for (size_t k = 0; k < sizeof pictures / sizeof *pictures; ++k) {
     random_state r = {.state = 5 + k};
     pair p;
     start_pair(&p, pictures[k], HBIL_SKIP_UNUSED);
