@@ -314,6 +314,14 @@ grep -q '^upper half sky .* sky [0-9.]* % of pixels' "$work/out" &&
 ok $? "the bench tells why it is left out"
 refused "the bench has one part at a time" '--skips: is a part of its own' \
   "$HBIL" bench --skips --scaling -o "$work/skips"
+says "the bench compares kernels" '^  gather ' \
+  bench --against "$srcdir/kernels" -o "$work/against"
+test ! -e "$work/against" && grep -q ', motion vectors$' "$work/out"
+ok $? "and leaves no folder"
+refused "no kernels to compare with" "--against $work/none: no folder" \
+  "$HBIL" bench --quick --against "$work/none"
+refused "comparing kernels is a part, too" '--against: is a part of its own' \
+  "$HBIL" bench --against "$srcdir/kernels" --scaling
 for row in 'fast 1x16 layer g2,paper,fast,' 'thick .08 2x8 full g2,thick .08,,' \
   'tool 2x48 full g2,tool,,' 'literal,paper,,'; do
   grep -q "^$row" "$work/bench/bench.csv"

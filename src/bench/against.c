@@ -3,10 +3,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench/bench.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <sys/stat.h>
-
 /* What is measured: the start, the default, models that have kernels of their
  * own, and many samples. */
 static void choose(const bench_content *content,
@@ -18,11 +14,6 @@ static void choose(const bench_content *content,
   out[3].configuration.model = BENCH_GTAO;
   out[4].configuration.samples = 32;
   out[4].follows = content->frame[0].motion != NULL;
-}
-
-static int is_folder(const char *path) {
-  struct stat info;
-  return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
 static int compare(const bench_content *content, bench_lab *const labs[2],
@@ -47,14 +38,8 @@ int bench_against_measure(const bench_options *options, const device *d,
                           image_error *error) {
   bench_lab *labs[2] = {NULL, NULL};
   choose(content, out);
-  int failed = !is_folder(options->against);
-  if (failed)
-    image_fail(error,
-               "--against %s: no folder; one with kernel files is "
-               "needed",
-               options->against);
-  failed = failed || bench_lab_open(d, content, &labs[0], error) != 0 ||
-           bench_lab_open(d, content, &labs[1], error) != 0;
+  int failed = bench_lab_open(d, content, &labs[0], error) != 0 ||
+               bench_lab_open(d, content, &labs[1], error) != 0;
   for (size_t i = 0; i < BENCH_AGAINST && !failed; i++) {
     progress_count("against", i, BENCH_AGAINST);
     failed =

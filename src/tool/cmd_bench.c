@@ -3,6 +3,7 @@
 
 #include <getopt.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum {
   OPTION_SIZE = 256,
@@ -148,6 +149,11 @@ static int set_option(int option, bench_options *o, image_error *error) {
   return 0;
 }
 
+static int is_folder(const char *path) {
+  struct stat info;
+  return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
 static int check(const bench_options *o, int argc, char **argv,
                  image_error *error) {
   if (o->temporal &&
@@ -178,6 +184,11 @@ static int check(const bench_options *o, int argc, char **argv,
   if (o->skips && o->against)
     return image_fail(error, "--against: is a part of its own; it is possible "
                              "without --skips only");
+  if (o->against && !is_folder(o->against))
+    return image_fail(error,
+                      "--against %s: no folder; one with kernel files is "
+                      "needed",
+                      o->against);
   if (!o->dump && (o->truth || (o->camera && !o->temporal)))
     return image_fail(error, "%s: --dump FRAME.exr is needed with it",
                       o->truth ? "--truth" : "--camera");
