@@ -30,7 +30,7 @@ static const bench_configuration table[] = {
     {2, 48, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1, 0, 0},
     {2, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 1, 0, 0},
     {2, 24, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
-    {2, 42, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {2, 40, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {2, 48, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     /* storage: few samples, and the tool's */
     {2, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, FLOAT32, 0, 0, 0},
@@ -64,7 +64,7 @@ static const bench_configuration table[] = {
     {1, 8, 2.0f, FULL, 0, 1, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {1, 16, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {1, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
-    {1, 38, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 36, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {1, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {1, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {1, 14, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
