@@ -386,11 +386,14 @@ typedef struct hbil_config {
                            they never end, as in the paper */
   float relative_thickness; /* the same as a share of the occluder's depth; the
                                smaller of both counts; default infinity */
-  cl_uint slices;           /* per pixel, 1..32; default 2 */
-  cl_uint samples;          /* per side of a slice, 1..256; default 8 */
-  float step_growth;        /* spacing of samples, 0..64: 0 equal steps; g: the
-                               last step is (1+g)^2 times the first; default 2 */
-  hbil_lattice lattice;     /* default FULL */
+  /* Per pixel, 1..32; default 2.  A single one gets most out of its time where
+   * it has neighbours on the same surface, and leaves streaks on what is hardly
+   * wider than a pixel. */
+  cl_uint slices;
+  cl_uint samples;      /* per side of a slice, 1..256; default 8 */
+  float step_growth;    /* spacing of samples, 0..64: 0 equal steps; g: the
+                           last step is (1+g)^2 times the first; default 2 */
+  hbil_lattice lattice; /* default FULL */
   /* What lies between the samples is judged by how much half of them miss
    * (jackknife; HACKING.md, "What lies between the samples"): so much is added
    * to what is blocked, with as much light as was found there on average, 3/2
@@ -669,15 +672,14 @@ HBIL_API hbil_status hbil_enqueue_composite(
  * A plan keeps only what its outputs need: hbil_buffer.values says how many of
  * these, from the first on, it has (SPLIT 4 without radiance; GATHERED and
  * RESOLVED 4 without bent normals, 1 with AO alone; in words, SPLIT 2, GATHERED
- * 2 and 1, of halves 3 and 1, a single slice's weight apart; KEPT 3 more than RESOLVED, with
- * hbil_config.temporal).  HISTORY and CARRIED exist where light is carried
- * over: with a reprojection, and an output among near_light, indirect and
- * radiance.  Full-resolution planes: value p of pixel (x,y) is at float index
- *   p * plane_pitch + y * row_pitch + x + origin
- * Layered ones (SPLIT, GATHERED): pixel (x,y) lies in layer
- * 4 (y mod 4) + (x mod 4), at
- *   p * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin
- * Around every layer of SPLIT there is padding that holds "nothing there".
+ * 2 and 1, of halves 3 and 1, a single slice's weight apart; KEPT 3 more than
+ * RESOLVED, with hbil_config.temporal).  HISTORY and CARRIED exist where light
+ * is carried over: with a reprojection, and an output among near_light,
+ * indirect and radiance.  Full-resolution planes: value p of pixel (x,y) is at
+ * float index p * plane_pitch + y * row_pitch + x + origin Layered ones (SPLIT,
+ * GATHERED): pixel (x,y) lies in layer 4 (y mod 4) + (x mod 4), at p *
+ * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin Around
+ * every layer of SPLIT there is padding that holds "nothing there".
  */
 typedef enum hbil_stage {
   HBIL_STAGE_HISTORY = 0,
