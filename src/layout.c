@@ -191,12 +191,12 @@ void layout_compute(const hbil_config *config, layout *out) {
         real * (HBIL_HISTORY_PLANES * (size_t)out->planes.plane +
                 2 * (size_t)hbil_history_origin(out->planes));
     out->bytes[BUFFER_CARRIED] = chain * real;
-    if (config->reprojection == HBIL_REPROJECTION_SCATTER)
+    if (config->reprojection == HBIL_REPROJECTION_SCATTER) {
       out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;
-    if (config->reprojection == HBIL_REPROJECTION_SCATTER &&
-        layout_has_bands(config))
-      out->bytes[BUFFER_LANDING] =
-          2 * sizeof(cl_int) * (size_t)out->runs.row * config->height;
+      if (layout_has_bands(config))
+        out->bytes[BUFFER_LANDING] =
+            2 * sizeof(cl_int) * (size_t)out->runs.row * config->height;
+    }
   }
   lay_out_layers(config, split_planes(config, out), &out->split);
   const cl_uint gathered = gathered_planes(config, out);

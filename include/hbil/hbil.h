@@ -676,10 +676,12 @@ HBIL_API hbil_status hbil_enqueue_composite(
  * RESOLVED, with hbil_config.temporal).  HISTORY and CARRIED exist where light
  * is carried over: with a reprojection, and an output among near_light,
  * indirect and radiance.  Full-resolution planes: value p of pixel (x,y) is at
- * float index p * plane_pitch + y * row_pitch + x + origin Layered ones (SPLIT,
- * GATHERED): pixel (x,y) lies in layer 4 (y mod 4) + (x mod 4), at p *
- * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin Around
- * every layer of SPLIT there is padding that holds "nothing there".
+ * float index
+ *   p * plane_pitch + y * row_pitch + x + origin
+ * Layered ones (SPLIT, GATHERED): pixel (x,y) lies in layer
+ * 4 (y mod 4) + (x mod 4), at
+ *   p * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin
+ * Around every layer of SPLIT there is padding that holds "nothing there".
  */
 typedef enum hbil_stage {
   HBIL_STAGE_HISTORY = 0,
