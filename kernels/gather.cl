@@ -1107,23 +1107,21 @@ kernel void gather(const hbil_gather_args args, global const float *split,
           hits = leave_dark(c, s, half_slice, m, top, hit, hits, steps + first,
                             from, plane, args, light_here);
 #endif
-        realv share[BLOCK * STRIP];
         for (uint i = 0u; i < hits; ++i) {
           const uint entry = HIT(hit, i), v = entry % STRIP;
           global const hbil_step *step = steps + first + entry / STRIP;
-          share[i] = raise(&c[v], &s[v], &half_slice[v], &m[v],
-                           excess[entry / STRIP][v], step,
-                           from + v * HBIL_WIDTH + step->offset, args, dither);
-        }
+          global const float *there = from + v * HBIL_WIDTH + step->offset;
+          const realv share =
+              raise(&c[v], &s[v], &half_slice[v], &m[v],
+                    excess[entry / STRIP][v], step, there, args, dither);
 #if GATHER_RADIANCE
-        for (uint i = 0u; light_here != LIGHT_NONE && i < hits; ++i) {
-          const uint entry = HIT(hit, i), v = entry % STRIP;
-          global const hbil_step *step = steps + first + entry / STRIP;
-          add_light(&c[v], &m[v], share[i], step,
-                    from + v * HBIL_WIDTH + step->offset, plane, args,
-                    light_here);
-        }
+          if (light_here != LIGHT_NONE)
+            add_light(&c[v], &m[v], share, step, there, plane, args,
+                      light_here);
+#else
+          (void)share;
 #endif
+        }
 #endif
         if (k < count)
           break;
