@@ -3,7 +3,8 @@
  *
  * push: a coarser texel is the weighted mean of its valid children, its weight
  * their share.  pull: texels without weight take the bilinear value of the
- * coarser level, which has been filled before; valid ones are never changed.
+ * coarser level, which has been filled before; valid ones are never changed,
+ * nor is the sky, whose weight is below 0: it has no use for light.
  *
  * Where the finest level has no hole both leave at once: the levels above are
  * of no use then, and keep what they have.
@@ -24,24 +25,17 @@
 #endif
 
 /* Raises HBIL_FLAG_HOLES, filled with 0, where a texel of the finest level has
- * no weight but a surface: the sky has no use for light. */
-kernel void find_holes(const hbil_view_args view, global const float *chain,
-                       const hbil_chain_args finest, global uint *flags,
-                       global const void *depth_buffer,
-                       const hbil_image_args depth_image,
-                       const float background) {
+ * no weight.  For carried light that isn't reproject's, which raises it itself.
+ */
+kernel void find_holes(global const float *chain, const hbil_chain_args finest,
+                       global uint *flags) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= finest.width || y >= finest.height)
     return;
   const realv weight =
       LOADV(chain + finest.offset + HBIL_CARRIED_WEIGHT * finest.plane +
             (uint)y * finest.row + (uint)x);
-  intv hole = (weight <= 0.0f) & (x + EACH_LANE < finest.width);
-  if (ANY(hole))
-    hole &= planar_depth(load_depth(depth_buffer, depth_image, x, y, 0,
-                                    finest.width - x),
-                         ray_x(view, x, 1), ray_y(view, y), background) > 0.0f;
-  if (ANY(hole))
+  if (ANY((weight == 0.0f) & (x + EACH_LANE < finest.width)))
     flags[HBIL_FLAG_HOLES] = 1u; /* whoever else writes writes the same */
 }
 
@@ -60,6 +54,9 @@ kernel void push(global float *chain, const hbil_chain_args fine,
   realv weight[4];
   PAIRS(children + HBIL_CARRIED_WEIGHT * fine.plane, weight[0], weight[1]);
   PAIRS(below + HBIL_CARRIED_WEIGHT * fine.plane, weight[2], weight[3]);
+#pragma unroll
+  for (int i = 0; i < 4; ++i)
+    weight[i] = max(weight[i], (realv)0.0f);
   const intv inside = 2 * (x + EACH_LANE) + 1 < fine.width;
   weight[1] = select((realv)0.0f, weight[1], inside);
   weight[2] *= there;
@@ -89,12 +86,12 @@ kernel void pull(global float *chain, const hbil_chain_args fine,
     return;
   global float *texel = chain + fine.offset + (uint)y * fine.row + (uint)x;
   const realv valid = LOADV(texel + HBIL_CARRIED_WEIGHT * fine.plane);
-  if (!ANY((valid <= 0.0f) & (x + EACH_LANE < fine.width)))
+  if (!ANY((valid == 0.0f) & (x + EACH_LANE < fine.width)))
     return;
   const int y1 = y >> 1;
   const int y0 = clamp((y & 1) ? y1 + 1 : y1 - 1, 0, coarse.height - 1);
   for (int i = 0; i < HBIL_WIDTH && x + i < fine.width; ++i) {
-    if (texel[HBIL_CARRIED_WEIGHT * fine.plane + i] > 0.0f)
+    if (texel[HBIL_CARRIED_WEIGHT * fine.plane + i] != 0.0f)
       continue;
     const int x1 = (x + i) >> 1;
     const int x0 = clamp(((x + i) & 1) ? x1 + 1 : x1 - 1, 0, coarse.width - 1);

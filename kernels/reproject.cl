@@ -14,7 +14,8 @@
  * Builds: REPROJECT_MOTION, DEPTH_*, MOTION_*, DISOCCLUSION (finite).
  * Launch: x = vectors of HBIL_WIDTH pixels, y = rows, where nothing else is
  * said.
- * In: history planes (hbil_shared.h).  Out: carried planes, weight 1 or 0.
+ * In: history planes (hbil_shared.h).  Out: carried planes, and whether there
+ * are holes.
  * All arithmetic is fp32 with the roundings written here.
  */
 
@@ -41,6 +42,21 @@ INLINE realv row_of(const hbil_transform_args t, int row, realv x, realv y,
  * source.  The history may be read a row and a vector beyond its planes.
  */
 #define NO_RUN (-0x7fffffff)
+
+/* Light that is carried over, weight 1; a hole, 0, raises HBIL_FLAG_HOLES,
+ * filled with 0; the sky, -1.  Right of the image all is sky. */
+INLINE void store_carried(const realv light[3], intv found, intv solid,
+                          global float *carried, uint plane,
+                          global uint *flags) {
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    STOREV(select((realv)0.0f, light[c], found), carried + c * plane);
+  const realv none = select((realv)-1.0f, (realv)0.0f, solid);
+  STOREV(select(none, (realv)1.0f, found),
+         carried + HBIL_CARRIED_WEIGHT * plane);
+  if (ANY(solid & ~found))
+    flags[HBIL_FLAG_HOLES] = 1u; /* whoever else writes writes the same */
+}
 
 #if !REPROJECT_MOTION
 
@@ -265,7 +281,8 @@ kernel void scatter_fetch(const hbil_view_args to, global const float *history,
                           global const scatter_word *nearest,
                           global const void *depth_buffer,
                           const hbil_image_args depth_image,
-                          const float background, const float disocclusion) {
+                          const float background, const float disocclusion,
+                          global uint *flags) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= to.width || y >= to.height)
     return;
@@ -302,13 +319,8 @@ kernel void scatter_fetch(const hbil_view_args to, global const float *history,
       light[c] = select(light[c],
                         LOADV(history + c * (int)planes.plane + start[i]), run);
   }
-  carried += (uint)y * planes.row + (uint)x;
-#pragma unroll
-  for (int c = 0; c < 3; ++c)
-    STOREV(select((realv)0.0f, light[c], carried_over),
-           carried + c * planes.plane);
-  STOREV(select((realv)0.0f, (realv)1.0f, carried_over),
-         carried + HBIL_CARRIED_WEIGHT * planes.plane);
+  store_carried(light, carried_over, here > 0.0f,
+                carried + (uint)y * planes.row + (uint)x, planes.plane, flags);
 }
 
 #else
@@ -373,15 +385,14 @@ INLINE realv blend(realv tap[4][HBIL_HISTORY_PLANES], const realv weight[4],
 }
 
 /* motion: from this view to the last frame's. */
-kernel void
-follow_motion(const hbil_view_args view, const hbil_transform_args motion,
-              global const float *history, global float *carried,
-              const hbil_plane_args planes, global const void *depth_buffer,
-              const hbil_image_args depth_image,
-              global const void *motion_buffer,
-              const hbil_image_args motion_image, const float scale_x,
-              const float scale_y, const float background,
-              const float disocclusion, volatile global uint *repaired) {
+kernel void follow_motion(
+    const hbil_view_args view, const hbil_transform_args motion,
+    global const float *history, global float *carried,
+    const hbil_plane_args planes, global const void *depth_buffer,
+    const hbil_image_args depth_image, global const void *motion_buffer,
+    const hbil_image_args motion_image, const float scale_x,
+    const float scale_y, const float background, const float disocclusion,
+    global uint *flags, volatile global uint *repaired) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= view.width || y >= view.height)
     return;
@@ -468,12 +479,8 @@ follow_motion(const hbil_view_args view, const hbil_transform_args motion,
     total = blend(tap, weight, allowed, depth, off, light);
   }
   const intv found = total > 0.0f;
-  carried += (uint)y * planes.row + (uint)x;
-#pragma unroll
-  for (int c = 0; c < 3; ++c)
-    STOREV(select((realv)0.0f, light[c], found), carried + c * planes.plane);
-  STOREV(select((realv)0.0f, (realv)1.0f, found),
-         carried + HBIL_CARRIED_WEIGHT * planes.plane);
+  store_carried(light, found, z > 0.0f,
+                carried + (uint)y * planes.row + (uint)x, planes.plane, flags);
 }
 
 #endif

@@ -146,7 +146,8 @@ typedef struct commands {
   cl_uint wait_count; /* what the next command waits for */
   const cl_event *wait_list;
   bool in_order;
-  bool events; /* every command makes an event */
+  bool events;      /* every command makes an event */
+  bool reprojected; /* by this call */
   hbil_pass pass;
   cl_event last; /* of the last command; owned */
 } commands;
@@ -384,7 +385,8 @@ static hbil_status scatter(commands *chain, const hbil_frame *frame) {
                             ARG(plan->buffers[BUFFER_NEAREST]),
                             IMAGE_ARGS(depth),
                             ARG(plan->config.background),
-                            ARG(plan->config.disocclusion)};
+                            ARG(plan->config.disocclusion),
+                            ARG(plan->buffers[BUFFER_FLAGS])};
   const hbil_status status = find_nearest(chain, &from, &to, &motion);
   return status == HBIL_SUCCESS ? LAUNCH(chain, KERNEL_SCATTER_FETCH, fetch,
                                          across(plan), plan->config.height, 1)
@@ -409,6 +411,7 @@ static hbil_status follow_motion(commands *chain, const hbil_frame *frame) {
                            ARG(plan->config.motion_scale[1]),
                            ARG(plan->config.background),
                            ARG(plan->config.disocclusion),
+                           ARG(plan->buffers[BUFFER_FLAGS]),
                            ARG(plan->buffers[BUFFER_REPAIRED])};
   const hbil_status status = clear_counts(chain, HBIL_REPAIRED_MOTION, 1);
   return status == HBIL_SUCCESS ? LAUNCH(chain, KERNEL_FOLLOW_MOTION, args,
@@ -429,9 +432,31 @@ static hbil_status reproject(commands *chain, const hbil_frame *frame) {
   forget_timings(plan);
   if (!plan->has_history || is_still(plan, frame))
     return leave_out(chain);
+  const hbil_status status = set_flag(chain, HBIL_FLAG_HOLES, 0);
+  if (status != HBIL_SUCCESS)
+    return status;
+  chain->reprojected = true;
   return plan->config.reprojection == HBIL_REPROJECTION_MOTION
              ? follow_motion(chain, frame)
              : scatter(chain, frame);
+}
+
+/* Whether there is something to fill: reproject has said so, unless something
+ * else may have been put in its place since. */
+static hbil_status find_holes(commands *chain) {
+  hbil_plan *plan = chain->plan;
+  const argument args[] = {ARG(plan->buffers[BUFFER_CARRIED]),
+                           ARG(plan->layout.chain[0]),
+                           ARG(plan->buffers[BUFFER_FLAGS])};
+  if (!(plan->layout.skip & HBIL_SKIP_HOLES))
+    return set_flag(chain, HBIL_FLAG_HOLES, 1);
+  plan->may_leave_out[HBIL_PASS_PUSH_PULL] = true;
+  if (chain->reprojected)
+    return HBIL_SUCCESS;
+  const hbil_status status = set_flag(chain, HBIL_FLAG_HOLES, 0);
+  return status == HBIL_SUCCESS ? LAUNCH(chain, KERNEL_FIND_HOLES, args,
+                                         across(plan), plan->config.height, 1)
+                                : status;
 }
 
 static hbil_status push_pull(commands *chain, const hbil_frame *frame) {
@@ -441,18 +466,7 @@ static hbil_status push_pull(commands *chain, const hbil_frame *frame) {
   const size_t width = plan->config.vector_width;
   if (!plan->has_history || is_still(plan, frame))
     return leave_out(chain);
-  const bool look = plan->layout.skip & HBIL_SKIP_HOLES;
-  const hbil_view_args view = camera_view(&frame->camera, &plan->config);
-  const bound_image depth = bind(plan, frame, IMAGE_DEPTH);
-  const argument find[] = {
-      ARG(view),         ARG(plan->buffers[BUFFER_CARRIED]),
-      ARG(levels[0]),    ARG(plan->buffers[BUFFER_FLAGS]),
-      IMAGE_ARGS(depth), ARG(plan->config.background)};
-  hbil_status status = set_flag(chain, HBIL_FLAG_HOLES, !look);
-  plan->may_leave_out[HBIL_PASS_PUSH_PULL] = look;
-  if (status == HBIL_SUCCESS && look)
-    status = LAUNCH(chain, KERNEL_FIND_HOLES, find, across(plan),
-                    plan->config.height, 1);
+  hbil_status status = find_holes(chain);
   /* finest to coarsest, and back */
   for (int step = 0; step < 2 * last && status == HBIL_SUCCESS; ++step) {
     const bool down = step < last;
@@ -906,7 +920,7 @@ static const struct {
   unsigned images;
 } passes[HBIL_PASS_COUNT] = {
     [HBIL_PASS_REPROJECT] = {reproject, USES_REPROJECT},
-    [HBIL_PASS_PUSH_PULL] = {push_pull, BIT(IMAGE_DEPTH)},
+    [HBIL_PASS_PUSH_PULL] = {push_pull, 0},
     [HBIL_PASS_SPLIT] = {split, USES_SPLIT},
     [HBIL_PASS_GATHER] = {gather, 0},
     [HBIL_PASS_RECOMPOSE] = {recompose, 0},

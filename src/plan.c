@@ -105,7 +105,7 @@ enum {
 
 static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_REPROJECT] = {"reproject", .images = true},
-    [PROGRAM_PUSH_PULL] = {"push_pull", .images = true},
+    [PROGRAM_PUSH_PULL] = {"push_pull", .images = false},
     [PROGRAM_CLEAR] = {"clear", .images = false},
     [PROGRAM_SPLIT] = {"split", .images = true},
     [PROGRAM_BOUNDS] = {"bounds", .images = false},

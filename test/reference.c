@@ -397,8 +397,11 @@ static void follow_motion(const ref_job *job, const ref_planes *history,
 void ref_reproject(const ref_job *job, const ref_planes *history,
                    ref_planes *carried) {
   for (int y = 0; y < carried->height; ++y)
-    for (int x = 0; x < carried->width; ++x)
+    for (int x = 0; x < carried->width; ++x) {
       clear(carried, x, y);
+      if (sky_at(job, x, y))
+        *ref_at(carried, HBIL_CARRIED_WEIGHT, x, y) = -1.0;
+    }
   if (job->config->reprojection == HBIL_REPROJECTION_SCATTER)
     scatter(job, history, carried);
   else
@@ -416,7 +419,7 @@ static void push_texel(const ref_planes *fine, ref_planes *coarse, int x,
     double w;
     if (cx >= fine->width || cy >= fine->height)
       continue;
-    w = *ref_at(fine, HBIL_CARRIED_WEIGHT, cx, cy);
+    w = fmax(*ref_at(fine, HBIL_CARRIED_WEIGHT, cx, cy), 0.0);
     for (int c = 0; c < 3; ++c)
       sum[c] += w * *ref_at(fine, c, cx, cy);
     sum[3] += w;
@@ -460,7 +463,7 @@ void ref_push_pull(ref_planes *carried) {
   ref_push_pull(&coarse);
   for (int y = 0; y < carried->height; ++y)
     for (int x = 0; x < carried->width; ++x)
-      if (!(*ref_at(carried, HBIL_CARRIED_WEIGHT, x, y) > 0.0))
+      if (*ref_at(carried, HBIL_CARRIED_WEIGHT, x, y) == 0.0)
         for (int p = 0; p < 4; ++p)
           *ref_at(carried, p, x, y) = interpolated(&coarse, p, x, y);
   ref_planes_free(&coarse);

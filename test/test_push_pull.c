@@ -1,5 +1,6 @@
 /*
- * Holes are filled from coarser levels; what is valid stays as it is.
+ * Holes are filled from coarser levels; what is valid stays as it is, and so
+ * does the sky, whose weight is below 0.
  */
 #include "support.h"
 
@@ -17,7 +18,8 @@ static void start(setup *s, const int size[2]) {
   setup_run(s, hbil_enqueue_reproject);
 }
 
-static ref_planes random_light(const setup *s, double valid) {
+/* Shares of the pixels: valid, and of the others those that are sky. */
+static ref_planes random_light(const setup *s, double valid, double sky) {
   random_state r = {3};
   ref_planes p = ref_planes_new((int)s->config.width, (int)s->config.height, 4);
   for (int y = 0; y < p.height; ++y)
@@ -26,7 +28,9 @@ static ref_planes random_light(const setup *s, double valid) {
       for (int c = 0; c < 3; ++c)
         *ref_at(&p, c, x, y) =
             is_valid ? (double)(float)(10.0 * random_unit(&r)) : 0.0;
-      *ref_at(&p, HBIL_CARRIED_WEIGHT, x, y) = is_valid;
+      *ref_at(&p, HBIL_CARRIED_WEIGHT, x, y) = is_valid                ? 1.0
+                                               : random_unit(&r) < sky ? -1.0
+                                                                       : 0.0;
     }
   return p;
 }
@@ -41,8 +45,8 @@ static void assert_valid_unchanged(const ref_planes *got,
                                    const ref_planes *before) {
   for (int y = 0; y < got->height; ++y)
     for (int x = 0; x < got->width; ++x)
-      for (int p = 0; p < 4 && *ref_at(before, HBIL_CARRIED_WEIGHT, x, y) > 0.0;
-           ++p)
+      for (int p = 0;
+           p < 4 && *ref_at(before, HBIL_CARRIED_WEIGHT, x, y) != 0.0; ++p)
         assert_true(*ref_at(got, p, x, y) == *ref_at(before, p, x, y));
 }
 
@@ -62,13 +66,13 @@ static void check_light(setup *s, const ref_planes *carried) {
 }
 
 static void holes_are_filled_as_in_the_reference(void **state) {
-  const double valid[] = {0.5, 0.02, 0.97};
+  const double valid[] = {0.5, 0.02, 0.97}, sky[] = {0.0, 0.5, 0.9};
   (void)state;
   for (size_t i = 0; i < SIZES; ++i) {
     setup s;
     start(&s, sizes[i]);
     for (int j = 0; j < 3; ++j) {
-      ref_planes light = random_light(&s, valid[j]);
+      ref_planes light = random_light(&s, valid[j], sky[j]);
       check_light(&s, &light);
       ref_planes_free(&light);
     }
@@ -83,7 +87,7 @@ static void one_valid_pixel_fills_everything(void **state) {
     ref_planes light, got;
     const double colour[4] = {0.25, 3.0, 7.5, 1.0};
     start(&s, sizes[i]);
-    light = random_light(&s, 0.0);
+    light = random_light(&s, 0.0, 0.0);
     for (int c = 0; c < 4; ++c)
       *ref_at(&light, c, light.width / 3, light.height - 1) = colour[c];
     got = filled(&s, &light);
@@ -105,7 +109,7 @@ static void nothing_valid_leaves_zeros(void **state) {
     setup s;
     ref_planes light, got;
     start(&s, sizes[i]);
-    light = random_light(&s, 0.0);
+    light = random_light(&s, 0.0, 0.0);
     got = filled(&s, &light);
     assert_int_equal(count_different(&got, &light), 0);
     ref_planes_free(&got);
@@ -120,8 +124,23 @@ static void all_valid_is_left_alone(void **state) {
     setup s;
     ref_planes light, got;
     start(&s, sizes[i]);
-    light = random_light(&s, 1.0);
+    light = random_light(&s, 1.0, 0.0);
     got = filled(&s, &light);
+    assert_int_equal(count_different(&got, &light), 0);
+    ref_planes_free(&got);
+    ref_planes_free(&light);
+    setup_free(&s);
+  }
+}
+
+/* Neither filled nor mixed into what is. */
+static void the_sky_is_left_alone(void **state) {
+  (void)state;
+  for (size_t i = 0; i < SIZES; ++i) {
+    setup s;
+    start(&s, sizes[i]);
+    ref_planes light = random_light(&s, 0.3, 1.0);
+    ref_planes got = filled(&s, &light);
     assert_int_equal(count_different(&got, &light), 0);
     ref_planes_free(&got);
     ref_planes_free(&light);
@@ -134,6 +153,7 @@ int main(void) {
       cmocka_unit_test(holes_are_filled_as_in_the_reference),
       cmocka_unit_test(one_valid_pixel_fills_everything),
       cmocka_unit_test(nothing_valid_leaves_zeros),
-      cmocka_unit_test(all_valid_is_left_alone)};
+      cmocka_unit_test(all_valid_is_left_alone),
+      cmocka_unit_test(the_sky_is_left_alone)};
   return RUN_WITH_GPU(tests);
 }

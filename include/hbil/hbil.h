@@ -630,7 +630,7 @@ HBIL_API hbil_status hbil_enqueue_composite(
  * What the passes exchange: planes of 32-bit floats.  Values per pixel:
  *   HISTORY    4: inverse depth 1/z of the last frame (<= 0: sky), carried RGB
  *   CARRIED    4: RGB of the last frame seen from this one, weight (0: a hole;
- *              those of the sky need not be filled)
+ *              below 0: the sky, which stays as it is)
  *   SPLIT      7: inverse depth w (<= 0: nothing there), view-space unit normal
  *                 XYZ that faces the eye, radiance RGB.  Orthographic: -z in
  *                 the place of inverse depth (below -5e29: nothing there), in
