@@ -6,10 +6,10 @@
  * source, and one reader per pixel fetches the colour: the same result on every
  * run and device.  The bits of positive depths are in the order of the depths.
  * On CPUs depth and source are one key of 64 bits, and the rows of this frame
- * have owners, who need no atomics.  On GPUs two kernels find the smallest:
- * atomic_min on the depths, then on the sources among those that match.
- * Motion: every pixel fetches four pixels of the last frame where its motion
- * vector points, those at the depth it expects.
+ * have owners, who need no atomics and fetch the colours, too.  On GPUs two
+ * kernels find the smallest: atomic_min on the depths, then on the sources
+ * among those that match. Motion: every pixel fetches four pixels of the last
+ * frame where its motion vector points, those at the depth it expects.
  *
  * Builds: REPROJECT_MOTION, DEPTH_*, MOTION_*, DISOCCLUSION (finite).
  * Launch: x = vectors of HBIL_WIDTH pixels, y = rows, where nothing else is
@@ -168,36 +168,6 @@ INLINE void scatter_run(const hbil_view_args from, const hbil_view_args to,
   }
 }
 
-/* x = 1, y = bands. */
-kernel void scatter_bands(const hbil_view_args from, const hbil_view_args to,
-                          const hbil_transform_args motion,
-                          global const float *history,
-                          const hbil_plane_args planes,
-                          const hbil_runs_args runs, global const int *rows,
-                          global scatter_word *nearest) {
-  const int top = (int)get_global_id(1) * runs.band;
-  if (get_global_id(0) > 0 || top >= to.height)
-    return;
-  const int end = min(top + runs.band, to.height);
-  const uint begin = (uint)(top * to.width);
-  const uint count = (uint)((end - top) * to.width);
-  nearest += begin;
-  for (uint i = 0; i < count; ++i)
-    nearest[i] = ~(scatter_word)0;
-  for (int y = 0; y < from.height; ++y) {
-    global const int *first = rows + y * runs.row;
-    global const int *last = first + runs.row * from.height;
-    for (int run = 0; run < runs.row; run += HBIL_WIDTH) {
-      if (!ANY((LOAD_INTV(first + run) < end) & (LOAD_INTV(last + run) >= top)))
-        continue;
-      for (int i = run; i < run + HBIL_WIDTH; ++i)
-        if (first[i] < end && last[i] >= top)
-          scatter_run(from, to, motion, history, planes, i, y, begin, count,
-                      nearest);
-    }
-  }
-}
-
 /* Who has won at the pixels from `at` on, and how far away; NO_SOURCE: nobody,
  * and right of the image. */
 INLINE uintv winners(global const scatter_word *nearest, uint pixels, uint at,
@@ -276,16 +246,16 @@ INLINE uintv winners(global const scatter_word *nearest, uint pixels, uint at,
 
 #endif
 
-kernel void scatter_fetch(const hbil_view_args to, global const float *history,
-                          global float *carried, const hbil_plane_args planes,
-                          global const scatter_word *nearest,
-                          global const void *depth_buffer,
-                          const hbil_image_args depth_image,
-                          const float background, const float disocclusion,
-                          global uint *flags) {
-  const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
-  if (x >= to.width || y >= to.height)
-    return;
+/* What a pixel's winner sends, of HBIL_WIDTH pixels. */
+#define FETCH_PARAMETERS                                                       \
+  const hbil_view_args to, global const float *history, global float *carried, \
+      const hbil_plane_args planes, global scatter_word *nearest,              \
+      global const void *depth_buffer, const hbil_image_args depth_image,      \
+      const float background, const float disocclusion, global uint *flags
+#define FETCH_ARGUMENTS                                                        \
+  to, history, carried, planes, nearest, depth_buffer, depth_image,            \
+      background, disocclusion, flags
+INLINE void fetch(FETCH_PARAMETERS, int x, int y) {
   const int count = to.width - x;
   const realv here =
       planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count),
@@ -322,6 +292,49 @@ kernel void scatter_fetch(const hbil_view_args to, global const float *history,
   store_carried(light, carried_over, here > 0.0f,
                 carried + (uint)y * planes.row + (uint)x, planes.plane, flags);
 }
+
+#if HBIL_WIDTH > 1
+
+/* x = 1, y = bands: finds who wins there, and fetches it while it is in the
+ * caches. */
+kernel void scatter_bands(FETCH_PARAMETERS, const hbil_view_args from,
+                          const hbil_transform_args motion,
+                          const hbil_runs_args runs, global const int *rows) {
+  const int top = (int)get_global_id(1) * runs.band;
+  if (get_global_id(0) > 0 || top >= to.height)
+    return;
+  const int end = min(top + runs.band, to.height);
+  const uint begin = (uint)(top * to.width);
+  const uint count = (uint)((end - top) * to.width);
+  global scatter_word *const band = nearest + begin;
+  for (uint i = 0; i < count; ++i)
+    band[i] = ~(scatter_word)0;
+  for (int y = 0; y < from.height; ++y) {
+    global const int *first = rows + y * runs.row;
+    global const int *last = first + runs.row * from.height;
+    for (int run = 0; run < runs.row; run += HBIL_WIDTH) {
+      if (!ANY((LOAD_INTV(first + run) < end) & (LOAD_INTV(last + run) >= top)))
+        continue;
+      for (int i = run; i < run + HBIL_WIDTH; ++i)
+        if (first[i] < end && last[i] >= top)
+          scatter_run(from, to, motion, history, planes, i, y, begin, count,
+                      band);
+    }
+  }
+  for (int y = top; y < end; ++y)
+    for (int x = 0; x < to.width; x += HBIL_WIDTH)
+      fetch(FETCH_ARGUMENTS, x, y);
+}
+
+#else
+
+kernel void scatter_fetch(FETCH_PARAMETERS) {
+  const int x = (int)get_global_id(0), y = (int)get_global_id(1);
+  if (x < to.width && y < to.height)
+    fetch(FETCH_ARGUMENTS, x, y);
+}
+
+#endif
 
 #else
 

@@ -337,60 +337,50 @@ static hbil_status leave_out(commands *chain) {
   return HBIL_SUCCESS;
 }
 
-/* Who wins each pixel of this frame: bands of it by themselves, or all pixels
- * of the last frame at once. */
-static hbil_status find_nearest(commands *chain, const hbil_view_args *from,
-                                const hbil_view_args *to,
-                                const hbil_transform_args *motion) {
+/* On CPUs bands of this frame by themselves; on GPUs who is nearest, of all
+ * pixels of the last frame at once, then what that one sends. */
+static hbil_status scatter(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   const hbil_runs_args *runs = &plan->layout.runs;
   const size_t x = across(plan), y = plan->config.height;
   const size_t bands = (y + (size_t)runs->band - 1) / (size_t)runs->band;
-  hbil_status status = HBIL_SUCCESS;
-#define PROJECT                                                                \
-  ARG(*from), ARG(*to), ARG(*motion), ARG(plan->buffers[BUFFER_HISTORY]),      \
-      ARG(plan->layout.planes)
-  if (layout_has_bands(&plan->config)) {
-    const argument rows[] = {PROJECT, ARG(*runs),
-                             ARG(plan->buffers[BUFFER_LANDING])};
-    const argument band[] = {PROJECT, ARG(*runs),
-                             ARG(plan->buffers[BUFFER_LANDING]),
-                             ARG(plan->buffers[BUFFER_NEAREST])};
-    status = LAUNCH(chain, KERNEL_SCATTER_ROWS, rows, (size_t)runs->row, y, 1);
-    return status == HBIL_SUCCESS
-               ? LAUNCH(chain, KERNEL_SCATTER_BANDS, band, 1, bands, 1)
-               : status;
-  }
-  const argument pixels[] = {PROJECT, ARG(plan->buffers[BUFFER_NEAREST])};
-#undef PROJECT
-  status = fill(chain, BUFFER_NEAREST, 0xffffffffu);
-  if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, KERNEL_SCATTER_DEPTH, pixels, x, y, 1);
-  return status == HBIL_SUCCESS
-             ? LAUNCH(chain, KERNEL_SCATTER_INDEX, pixels, x, y, 1)
-             : status;
-}
-
-static hbil_status scatter(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
   const hbil_view_args from = camera_view(&plan->history_camera, &plan->config);
   const hbil_view_args to = camera_view(&frame->camera, &plan->config);
   const hbil_transform_args motion =
       camera_between(&plan->history_camera, &frame->camera);
   const bound_image depth = bind(plan, frame, IMAGE_DEPTH);
-  const argument fetch[] = {ARG(to),
-                            ARG(plan->buffers[BUFFER_HISTORY]),
-                            ARG(plan->buffers[BUFFER_CARRIED]),
-                            ARG(plan->layout.planes),
-                            ARG(plan->buffers[BUFFER_NEAREST]),
-                            IMAGE_ARGS(depth),
-                            ARG(plan->config.background),
-                            ARG(plan->config.disocclusion),
-                            ARG(plan->buffers[BUFFER_FLAGS])};
-  const hbil_status status = find_nearest(chain, &from, &to, &motion);
-  return status == HBIL_SUCCESS ? LAUNCH(chain, KERNEL_SCATTER_FETCH, fetch,
-                                         across(plan), plan->config.height, 1)
-                                : status;
+#define PROJECT                                                                \
+  ARG(from), ARG(to), ARG(motion), ARG(plan->buffers[BUFFER_HISTORY]),         \
+      ARG(plan->layout.planes)
+#define FETCH                                                                  \
+  ARG(to), ARG(plan->buffers[BUFFER_HISTORY]),                                 \
+      ARG(plan->buffers[BUFFER_CARRIED]), ARG(plan->layout.planes),            \
+      ARG(plan->buffers[BUFFER_NEAREST]), IMAGE_ARGS(depth),                   \
+      ARG(plan->config.background), ARG(plan->config.disocclusion),            \
+      ARG(plan->buffers[BUFFER_FLAGS])
+  const argument rows[] = {PROJECT, ARG(*runs),
+                           ARG(plan->buffers[BUFFER_LANDING])};
+  const argument band[] = {FETCH, ARG(from), ARG(motion), ARG(*runs),
+                           ARG(plan->buffers[BUFFER_LANDING])};
+  const argument pixels[] = {PROJECT, ARG(plan->buffers[BUFFER_NEAREST])};
+  const argument fetch[] = {FETCH};
+#undef PROJECT
+#undef FETCH
+  hbil_status status;
+  if (layout_has_bands(&plan->config)) {
+    status = LAUNCH(chain, KERNEL_SCATTER_ROWS, rows, (size_t)runs->row, y, 1);
+    return status == HBIL_SUCCESS
+               ? LAUNCH(chain, KERNEL_SCATTER_BANDS, band, 1, bands, 1)
+               : status;
+  }
+  status = fill(chain, BUFFER_NEAREST, 0xffffffffu);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_SCATTER_DEPTH, pixels, x, y, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_SCATTER_INDEX, pixels, x, y, 1);
+  return status == HBIL_SUCCESS
+             ? LAUNCH(chain, KERNEL_SCATTER_FETCH, fetch, x, y, 1)
+             : status;
 }
 
 static hbil_status follow_motion(commands *chain, const hbil_frame *frame) {

@@ -171,8 +171,6 @@ static bool kernel_needed(const hbil_plan *plan, int kernel) {
     return program_needed(plan, kernels[kernel].program);
   if (!plan->layout.history || motion)
     return false;
-  if (kernel == KERNEL_SCATTER_FETCH)
-    return true;
   return layout_has_bands(&plan->config) ==
          (kernel == KERNEL_SCATTER_ROWS || kernel == KERNEL_SCATTER_BANDS);
 }
