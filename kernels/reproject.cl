@@ -89,19 +89,15 @@ INLINE intv landing_of(const hbil_view_args from, const hbil_view_args to,
   return inside;
 }
 
-/* The same, pixel by pixel: index of the target (-1: nowhere) and depth there.
- */
-INLINE void targets_of(const hbil_view_args from, const hbil_view_args to,
+/* The same as the index of the target (-1: nowhere) and the depth there. */
+INLINE intv targets_of(const hbil_view_args from, const hbil_view_args to,
                        const hbil_transform_args motion,
                        global const float *history,
-                       const hbil_plane_args planes, int x, int y, int *target,
-                       float *z) {
-  realv u, v, depth;
+                       const hbil_plane_args planes, int x, int y, realv *z) {
+  realv u, v;
   const intv inside =
-      landing_of(from, to, motion, history, planes, x, y, &u, &v, &depth);
-  STORE_INTV(select((intv)-1, TO_INTV(v) * to.width + TO_INTV(u), inside),
-             target);
-  STOREV(depth, z);
+      landing_of(from, to, motion, history, planes, x, y, &u, &v, z);
+  return select((intv)-1, TO_INTV(v) * to.width + TO_INTV(u), inside);
 }
 
 /* Sources are places in the planes, which are in the order of the pixels. */
@@ -117,6 +113,7 @@ INLINE void targets_of(const hbil_view_args from, const hbil_view_args to,
 
 /* A depth above its source. */
 typedef ulong scatter_word;
+typedef HBIL_PASTE(ulong, HBIL_WIDTH) scatter_words;
 
 /* First and last row at which the points of a run land; none: no row.  x = runs
  * of a row, y = rows. */
@@ -153,12 +150,26 @@ INLINE void scatter_run(const hbil_view_args from, const hbil_view_args to,
                         uint begin, uint count, global scatter_word *band) {
   for (int i = 0; i < HBIL_RUN; i += HBIL_WIDTH) {
     const int x = run * HBIL_RUN + i;
-    int target[HBIL_WIDTH];
-    float z[HBIL_WIDTH];
+    realv depth;
     if (x >= from.width)
       break;
-    targets_of(from, to, motion, history, planes, x, y, target, z);
+    const intv to_pixel =
+        targets_of(from, to, motion, history, planes, x, y, &depth);
     const uint source = (uint)y * planes.row + (uint)x;
+    /* neighbours that land as neighbours, as where the picture hardly moves */
+    const uint first = (uint)to_pixel.s0 - begin;
+    if (!ANY(to_pixel - EACH_LANE != to_pixel.s0) &&
+        first + HBIL_WIDTH <= count && first < count) {
+      const scatter_words key = HBIL_PASTE(as_ulong, HBIL_WIDTH)(
+          upsample(AS_INTV(depth), AS_UINTV(EACH_LANE) + source));
+      const scatter_words best = HBIL_PASTE(vload, HBIL_WIDTH)(0, band + first);
+      HBIL_PASTE(vstore, HBIL_WIDTH)(min(best, key), 0, band + first);
+      continue;
+    }
+    int target[HBIL_WIDTH];
+    float z[HBIL_WIDTH];
+    STORE_INTV(to_pixel, target);
+    STOREV(depth, z);
     for (int l = 0; l < HBIL_WIDTH; ++l) {
       const uint at = (uint)target[l] - begin; /* nowhere is far outside */
       const scatter_word key = upsample(as_uint(z[l]), source + (uint)l);
@@ -211,12 +222,10 @@ kernel void scatter_depth(const hbil_view_args from, const hbil_view_args to,
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= from.width || y >= from.height)
     return;
-  int target[HBIL_WIDTH];
-  float z[HBIL_WIDTH];
-  targets_of(from, to, motion, history, planes, x, y, target, z);
-  for (int i = 0; i < HBIL_WIDTH; ++i)
-    if (target[i] >= 0)
-      atomic_min(nearest + target[i], as_uint(z[i]));
+  float z;
+  const int target = targets_of(from, to, motion, history, planes, x, y, &z);
+  if (target >= 0)
+    atomic_min(nearest + target, as_uint(z));
 }
 
 kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
@@ -228,13 +237,10 @@ kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
   if (x >= from.width || y >= from.height)
     return;
   const uint pixels = (uint)to.width * (uint)to.height;
-  int target[HBIL_WIDTH];
-  float z[HBIL_WIDTH];
-  targets_of(from, to, motion, history, planes, x, y, target, z);
-  for (int i = 0; i < HBIL_WIDTH; ++i)
-    if (target[i] >= 0 && nearest[target[i]] == as_uint(z[i]))
-      atomic_min(nearest + pixels + target[i],
-                 (uint)y * planes.row + (uint)(x + i));
+  float z;
+  const int target = targets_of(from, to, motion, history, planes, x, y, &z);
+  if (target >= 0 && nearest[target] == as_uint(z))
+    atomic_min(nearest + pixels + target, (uint)y * planes.row + (uint)x);
 }
 
 INLINE uintv winners(global const scatter_word *nearest, uint pixels, uint at,
