@@ -46,7 +46,9 @@ static void write_defines(const hbil_plan *plan, text *t) {
       add(t, " -D%s_TYPE=%s -D%s_STRIDE=%uu", name, types[format->component],
           name, (unsigned)format_stride(c, i));
   }
-  add(t, " -DORTHOGRAPHIC=%d", c->projection == HBIL_PROJECTION_ORTHOGRAPHIC);
+  add(t, " -DORTHOGRAPHIC=%d -DWHOLE_GROUPS=%d",
+      c->projection == HBIL_PROJECTION_ORTHOGRAPHIC,
+      c->width % (4 * c->vector_width) == 0);
   add(t, " -DDEPTH_IS_RAY=%d -DNORMAL_IS_WORLD=%d -DBENT_IS_WORLD=%d",
       c->depth_kind == HBIL_DEPTH_RAY, c->normal_space == HBIL_SPACE_WORLD,
       c->bent_space == HBIL_SPACE_WORLD);
