@@ -248,8 +248,7 @@ enum {
   HBIL_SURFACE_INPUTS = 4
 };
 
-/* A cell is 64x64 pixels: so many of a layer.  The load that bound_rows makes
- * at the right border stays inside the padding. */
+/* A cell is 64x64 pixels: so many of a layer, a multiple of HBIL_WIDEST. */
 #define HBIL_CELL 16
 /* Cells to a block, each way. */
 #define HBIL_BLOCK 4
@@ -271,10 +270,10 @@ typedef struct hbil_grid_args {
 #define HBIL_SOME_LIT 1u  /* a pixel sends light */
 #define HBIL_SOME_DARK 2u /* a pixel that is no sky sends none */
 
-/* row: cells of one row of the layers (4 of pixels), which cells are made of;
+/* group: 4*HBIL_WIDTH pixels of a row, which cells are made of;
  * whole: a single one. */
 typedef struct hbil_bounds_args {
-  hbil_grid_args row, cell, block, whole;
+  hbil_grid_args group, cell, block, whole;
 } hbil_bounds_args;
 
 /* What a strip of the gather had no need of, as bits of a byte, the values of

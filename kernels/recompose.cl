@@ -65,8 +65,8 @@ enum {
   TAP_PLANES = TAP_WEIGHT
 #endif
 };
-/* PoCL's vstore takes a vector apart that may lie anywhere: three stores for one
- * (4 % of the pass). */
+/* PoCL's vstore takes a vector apart that may lie anywhere: three stores for
+ * one (4 % of the pass). */
 #if HBIL_WIDTH > 1 && defined(__AVX__)
 typedef realv loose_realv __attribute__((aligned(4)));
 #define KEEPV(v, p) (*(loose_realv *)(p) = (v))

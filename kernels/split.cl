@@ -4,7 +4,8 @@
  *
  * Builds: the inputs' formats, HAS_*, NORMAL_IS_WORLD, FEEDBACK_RADIANCE,
  * GATHER_RADIANCE (0: no radiance planes are written), GATHER_EMISSION,
- * SKIP_UNUSED (notes, a word for each work-item, where light has a use).
+ * SKIP_UNUSED (notes, a word for each work-item, where light has a use),
+ * SKIP_OPEN, SKIP_DARK (notes what bounds.cl makes bounds of).
  * Counts what it could not use as it was (hbil_plan_repaired()).
  * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows.
  */
@@ -182,6 +183,26 @@ INLINE uint place(const hbil_layer_args layout, int x0, int y) {
          (uint)(y >> 2) * layout.row + (uint)(x0 >> 2);
 }
 
+#define HAS_BOUNDS (SKIP_OPEN || SKIP_DARK)
+
+#if HAS_BOUNDS && GATHER_RADIANCE
+/* Of 4*HBIL_WIDTH pixels: HBIL_SOME_.  value: planes of radiance. */
+INLINE uint light_of(const realv w[4], realv value[][4]) {
+  intv lit = 0, dark = 0;
+#pragma unroll
+  for (int part = 0; part < 4; ++part) {
+    realv light[RADIANCE_PLANES];
+#pragma unroll
+    for (int p = 0; p < RADIANCE_PLANES; ++p)
+      light[p] = value[p][part];
+    const intv is_lit = shines(light);
+    lit |= is_lit;
+    dark |= (w[part] > SKY) & !is_lit;
+  }
+  return (ANY(lit) ? HBIL_SOME_LIT : 0u) | (ANY(dark) ? HBIL_SOME_DARK : 0u);
+}
+#endif
+
 kernel void
 split(const hbil_view_args view, const hbil_transform_args to_view,
       global float *layers, const hbil_layer_args layout,
@@ -193,7 +214,8 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
       global const void *f0_buffer, const hbil_image_args f0_image,
       global const void *direct_buffer, const hbil_image_args direct_image,
       global const void *emission_buffer, const hbil_image_args emission_image,
-      global uint *uses, volatile global uint *repaired) {
+      global uint *uses, volatile global uint *repaired,
+      const hbil_grid_args groups, global uint *bounds) {
   const int x0 = (int)get_global_id(0) * (4 * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
@@ -260,6 +282,18 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
   uses[(uint)y * (uint)((view.width + 4 * HBIL_WIDTH - 1) / (4 * HBIL_WIDTH)) +
        (uint)get_global_id(0)] = ANY(used);
 #endif
+#if HAS_BOUNDS
+  bounds +=
+      groups.offset + 2u * (uint)(y * groups.width + (int)get_global_id(0));
+  const realv *const nearest = value[HBIL_SPLIT_W];
+  bounds[0] = as_uint(
+      lanes_max(max(max(nearest[0], nearest[1]), max(nearest[2], nearest[3]))));
+#if GATHER_RADIANCE
+  bounds[1] = light_of(value[HBIL_SPLIT_W], value + RADIANCE_PLANE);
+#else
+  bounds[1] = 0u;
+#endif
+#endif
   /* Lanes right of the image loaded depth 0: they are sky, and so is the
    * layers' right-hand rest. */
   global float *out = layers + place(layout, x0, y);
@@ -289,7 +323,8 @@ relight(const hbil_view_args view, global float *layers,
         global const void *f0_buffer, const hbil_image_args f0_image,
         global const void *direct_buffer, const hbil_image_args direct_image,
         global const void *emission_buffer,
-        const hbil_image_args emission_image, global uint *flags) {
+        const hbil_image_args emission_image, global uint *flags,
+        const hbil_grid_args groups, global uint *bounds) {
   const int x0 = (int)get_global_id(0) * (4 * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
@@ -310,6 +345,9 @@ relight(const hbil_view_args view, global float *layers,
                         history + HBIL_HISTORY_W * planes.plane,
                         planes.plane};
   realv value[RADIANCE_PLANES][4];
+#if HAS_BOUNDS
+  realv w[4];
+#endif
 #pragma unroll
   for (int part = 0; part < 4; ++part) {
     const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
@@ -325,7 +363,14 @@ relight(const hbil_view_args view, global float *layers,
     for (int c = 0; c < 3; ++c)
       light[c] = select((realv)0.0f, light[c], solid);
     pack_split_radiance(light, value, part);
+#if HAS_BOUNDS
+    w[part] = select((realv)HBIL_NOTHING, (realv)1.0f, solid);
+#endif
   }
+#if HAS_BOUNDS
+  bounds[groups.offset + 2u * (uint)(y * groups.width + (int)get_global_id(0)) +
+         1u] = light_of(w, value);
+#endif
   global float *out =
       layers + place(layout, x0, y) + RADIANCE_PLANE * layout.plane;
   for (int p = 0; p < RADIANCE_PLANES; ++p) {

@@ -491,20 +491,14 @@ static hbil_status estimate(commands *chain) {
 static hbil_status bound(commands *chain, cl_int still) {
   hbil_plan *plan = chain->plan;
   const hbil_bounds_args *b = &plan->layout.bounds;
-  const argument rows[] = {ARG(plan->layout.split),
-                           ARG(plan->buffers[BUFFER_SPLIT]),
-                           ARG(*b),
-                           ARG(plan->buffers[BUFFER_BOUNDS]),
-                           ARG(plan->buffers[BUFFER_FLAGS]),
-                           ARG(still)};
+  const cl_int width = (cl_int)plan->config.vector_width;
   const struct {
     const hbil_grid_args *fine, *coarse;
     cl_int across, down;
-  } steps[] = {{&b->row, &b->cell, 1, HBIL_CELL},
+  } steps[] = {{&b->group, &b->cell, HBIL_CELL / width, HBIL_CELL * HBIL_SIDE},
                {&b->cell, &b->block, HBIL_BLOCK, HBIL_BLOCK},
                {&b->block, &b->whole, b->block.width, b->block.height}};
-  hbil_status status = LAUNCH(chain, KERNEL_BOUND_ROWS, rows,
-                              (size_t)b->row.width, (size_t)b->row.height, 1);
+  hbil_status status = HBIL_SUCCESS;
   for (size_t i = 0; i < 3 && status == HBIL_SUCCESS; ++i) {
     const argument args[] = {ARG(*steps[i].fine),
                              ARG(*steps[i].coarse),
@@ -552,7 +546,9 @@ static hbil_status relight(commands *chain, const hbil_frame *frame) {
                            IMAGE_ARGS(f0),
                            IMAGE_ARGS(direct),
                            IMAGE_ARGS(emission),
-                           ARG(plan->buffers[BUFFER_FLAGS])};
+                           ARG(plan->buffers[BUFFER_FLAGS]),
+                           ARG(plan->layout.bounds.group),
+                           ARG(plan->buffers[BUFFER_BOUNDS])};
   hbil_status status = set_flag(chain, HBIL_FLAG_CHANGED, 0);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_RELIGHT, args, (across(plan) + 3) / 4,
@@ -591,7 +587,9 @@ static hbil_status split(commands *chain, const hbil_frame *frame) {
                            IMAGE_ARGS(direct),
                            IMAGE_ARGS(emission),
                            ARG(plan->buffers[BUFFER_USES]),
-                           ARG(plan->buffers[BUFFER_REPAIRED])};
+                           ARG(plan->buffers[BUFFER_REPAIRED]),
+                           ARG(plan->layout.bounds.group),
+                           ARG(plan->buffers[BUFFER_BOUNDS])};
   hbil_status status = clear_counts(chain, HBIL_REPAIRED_DEPTH,
                                     HBIL_REPAIRED_LATE - HBIL_REPAIRED_DEPTH);
   if (status == HBIL_SUCCESS)

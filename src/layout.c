@@ -68,12 +68,15 @@ static cl_int divided_up(cl_int n, cl_int by) {
 }
 
 /* Returns the words of all grids. */
-static size_t lay_out_bounds(const hbil_layer_args *layers,
+static size_t lay_out_bounds(const hbil_config *config,
+                             const hbil_layer_args *layers,
                              hbil_bounds_args *out) {
   size_t end = 0;
+  const cl_uint group = HBIL_SIDE * config->vector_width;
   const cl_int across = divided_up(layers->width, HBIL_CELL);
   const cl_int down = divided_up(layers->height, HBIL_CELL);
-  out->row = grid(&end, across, layers->height);
+  out->group = grid(&end, divided_up((cl_int)config->width, (cl_int)group),
+                    (cl_int)config->height);
   out->cell = grid(&end, across, down);
   out->block =
       grid(&end, divided_up(across, HBIL_BLOCK), divided_up(down, HBIL_BLOCK));
@@ -221,7 +224,7 @@ void layout_compute(const hbil_config *config, layout *out) {
   out->bytes[BUFFER_FLAGS] = HBIL_FLAGS * sizeof(cl_uint);
   if (out->skip & (HBIL_SKIP_OPEN | HBIL_SKIP_DARK))
     out->bytes[BUFFER_BOUNDS] =
-        sizeof(cl_uint) * lay_out_bounds(&out->split, &out->bounds);
+        sizeof(cl_uint) * lay_out_bounds(config, &out->split, &out->bounds);
   const size_t width = config->vector_width;
   if (out->skip & HBIL_SKIP_UNUSED)
     out->bytes[BUFFER_USES] = sizeof(cl_uint) * config->height *

@@ -136,7 +136,6 @@ static const struct {
     [KERNEL_CLEAR_LAYERS] = {"clear_layers", PROGRAM_CLEAR},
     [KERNEL_SPLIT] = {"split", PROGRAM_SPLIT},
     [KERNEL_RELIGHT] = {"relight", PROGRAM_SPLIT},
-    [KERNEL_BOUND_ROWS] = {"bound_rows", PROGRAM_BOUNDS},
     [KERNEL_BOUND_CELLS] = {"bound_cells", PROGRAM_BOUNDS},
     [KERNEL_ESTIMATE_PART] = {"estimate_part", PROGRAM_ESTIMATE},
     [KERNEL_ESTIMATE_SUM] = {"estimate_sum", PROGRAM_ESTIMATE},
