@@ -315,6 +315,7 @@ typedef struct bench_timing {
   bench_spread total, pass[HBIL_PASS_COUNT], host; /* milliseconds */
   /* over the first one's, turn by turn: medians */
   double total_ratio, pass_ratio[HBIL_PASS_COUNT];
+  double mean_ratio;    /* all of its frames together over all of the first's */
   hbil_skipped skipped; /* by the last frame */
 } bench_timing;
 
@@ -434,7 +435,7 @@ double bench_sampling_ratio(const bench_scaling *scaling,
 
 /* --- skips.c: work that is left out --- */
 
-enum { BENCH_SKIPS = 7 };
+enum { BENCH_SKIPS = 8 };
 
 typedef struct bench_skip {
   const char *name;

@@ -475,9 +475,17 @@ static double median_ratio(const double *of, const double *to, unsigned runs) {
   return bench_spread_of(values, runs).median;
 }
 
+static double sum_of(const double *values, unsigned count) {
+  double sum = 0.0;
+  for (unsigned i = 0; i < count; i++)
+    sum += values[i];
+  return sum;
+}
+
 static void sum_up(samples *s, size_t count, unsigned runs, bench_timing *out) {
   for (size_t k = 0; k < count; k++) {
     out[k].total_ratio = median_ratio(s[k].total, s[0].total, runs);
+    out[k].mean_ratio = sum_of(s[k].total, runs) / sum_of(s[0].total, runs);
     for (int p = 0; p < HBIL_PASS_COUNT; p++)
       out[k].pass_ratio[p] = median_ratio(s[k].pass[p], s[0].pass[p], runs);
   }
