@@ -279,6 +279,9 @@ ok $? "the bench tells what thickness and the estimate cost"
 grep -q '^  reproject (motion) *[0-9.]* (.*, aim: at most 1.5$' "$work/out" &&
   grep -q '"motion": {' "$work/bench/bench.json"
 ok $? "the bench tells what following motion vectors costs"
+grep -q '^images of half floats .*: frame [0-9.]* ms (.*), [0-9.]* of' \
+  "$work/out" && grep -q '"halves": {' "$work/bench/bench.json"
+ok $? "the bench tells what half floats save"
 awk -F , 'NR == 1 { n = NF }
   NF != n && $0 !~ /"[^"]*,[^"]*"/ { exit 1 }' "$work/bench/bench.csv"
 ok $? "as many fields in every row of the bench"
@@ -310,6 +313,7 @@ says "the bench tells what is left out" 'skips.json' \
 grep -q '^upper half sky .* sky [0-9.]* % of pixels' "$work/out" &&
   grep -q '^a wall .* open 100.0 % of pixels, 100.0 % of strips' "$work/out" &&
   grep -q '^still, light settled .*no reproject; .*no gather; no recompose' \
+    "$work/out" && grep -q '^still for a second *[0-9.]* *[0-9.]* <=0.65 ' \
     "$work/out" && grep -q '"frame_aim": 0.65' "$work/skips/skips.json"
 ok $? "the bench tells why it is left out"
 refused "the bench has one part at a time" '--skips: is a part of its own' \

@@ -319,6 +319,11 @@ typedef struct bench_timing {
   hbil_skipped skipped; /* by the last frame */
 } bench_timing;
 
+/* Frames with images of floats, and those with images of half floats but for
+ * depth. */
+int bench_lab_halves(bench_lab *lab, const bench_configuration *c,
+                     unsigned runs, bench_timing out[2], image_error *error);
+
 enum { BENCH_MAX_TURNS = 8 };
 
 int bench_lab_turns(const bench_turn *list, size_t count, unsigned runs,
@@ -504,8 +509,9 @@ typedef struct bench_report {
   bench_literal literal;
   const bench_row *rows;
   size_t count;
-  double estimate;     /* milliseconds of the estimate of unseen light */
-  bench_spread motion; /* of reprojection by motion vectors */
+  double estimate;        /* milliseconds of the estimate of unseen light */
+  bench_spread motion;    /* of reprojection by motion vectors */
+  bench_timing halves[2]; /* the first configuration, see bench_lab_halves() */
   const bench_scaling *scaling;
   const bench_skip *skips;
   const bench_against *against;

@@ -228,6 +228,14 @@ static json_t *motion(const bench_report *report) {
       number(report->motion.median / bench_copy_time(&report->copy, bytes)));
 }
 
+/* Images of half floats beside such of floats. */
+static json_t *halves(const bench_report *report) {
+  return json_pack("{s:o, s:o, s:o}", "floats_milliseconds",
+                   timing(&report->halves[0]), "milliseconds",
+                   timing(&report->halves[1]), "frame_ratio",
+                   number(report->halves[1].total_ratio));
+}
+
 void bench_write_json(const bench_report *report, FILE *out) {
   json_t *rows = json_array();
   char reference[64];
@@ -235,12 +243,12 @@ void bench_write_json(const bench_report *report, FILE *out) {
   for (size_t i = 0; i < report->count; i++)
     json_array_append_new(rows, row_json(report, &report->rows[i]));
   json_t *root = json_pack(
-      "{s:s, s:o, s:o, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:o, s:o}", "hbil",
-      hbil_version(), "machine", machine(&report->machine), "content",
+      "{s:s, s:o, s:o, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
+      "hbil", hbil_version(), "machine", machine(&report->machine), "content",
       content(report->content), "runs", (int)report->runs, "warm_up",
       BENCH_WARM_UP, "reference", reference, "truth", truth(report->content),
       "literal", literal(&report->literal), "copy", copy(&report->copy),
       "estimate_milliseconds", number(report->estimate), "motion",
-      motion(report), "rows", rows);
+      motion(report), "halves", halves(report), "rows", rows);
   write_document(root, out);
 }

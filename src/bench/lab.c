@@ -12,6 +12,7 @@ struct bench_lab {
   const device *device;
   const bench_content *content;
   hbil_context *context;
+  int halves; /* images other than depth are half floats */
   cl_mem input[BENCH_FRAMES][BENCH_INPUTS];
   cl_mem motion[BENCH_FRAMES]; /* while it is measured */
   cl_mem output[LAYER_COUNT];
@@ -59,15 +60,53 @@ static int library_failed(const bench_lab *lab, hbil_status status,
 
 /* --- opening --- */
 
+/* Puts a buffer of halves in the place of `count` floats. */
+static int make_halves(const device *d, size_t count, cl_mem *buffer,
+                       image_error *error) {
+  cl_kernel kernel = NULL;
+  cl_mem halves = NULL;
+  int failed = bench_buffer(d, count * sizeof(cl_half), NULL, &halves, error);
+  if (!failed)
+    failed = bench_kernel(d, "halves", "", &kernel, error);
+  if (!failed) {
+    const size_t global[2] = {count, 1}, local[2] = {1, 1};
+    bench_spread unused;
+    clSetKernelArg(kernel, 0, sizeof *buffer, buffer);
+    clSetKernelArg(kernel, 1, sizeof halves, &halves);
+    failed = bench_time_kernel(d, kernel, global, local, 1, &unused, error);
+  }
+  if (kernel)
+    clReleaseKernel(kernel);
+  if (!failed) {
+    clReleaseMemObject(*buffer);
+    *buffer = halves;
+  } else if (halves)
+    clReleaseMemObject(halves);
+  return failed ? -1 : 0;
+}
+
+static int upload_input(bench_lab *lab, unsigned f, bench_input input,
+                        image_error *error) {
+  const float *plane = lab->content->frame[f].plane[input];
+  const size_t count = bench_pixels(lab->content) * bench_input_channels(input);
+  cl_mem *buffer = &lab->input[f][input];
+  if (!plane)
+    return 0;
+  if (bench_buffer(lab->device, count * sizeof *plane, plane, buffer, error) !=
+      0)
+    return -1;
+  return lab->halves && input != BENCH_DEPTH
+             ? make_halves(lab->device, count, buffer, error)
+             : 0;
+}
+
 static int upload(bench_lab *lab, image_error *error) {
   const bench_content *content = lab->content;
-  const size_t plane = bench_pixels(content) * sizeof(float);
+  const size_t plane = bench_pixels(content) *
+                       (lab->halves ? sizeof(cl_half) : sizeof(cl_float));
   for (unsigned f = 0; f < content->frames; f++)
     for (int i = 0; i < BENCH_INPUTS; i++)
-      if (content->frame[f].plane[i] &&
-          bench_buffer(
-              lab->device, plane * bench_input_channels((bench_input)i),
-              content->frame[f].plane[i], &lab->input[f][i], error) != 0)
+      if (upload_input(lab, f, (bench_input)i, error) != 0)
         return -1;
   for (int l = 0; l < LAYER_COUNT; l++)
     if (bench_buffer(lab->device, plane * strlen(layer_table[l].components),
@@ -81,14 +120,15 @@ static int allocate(bench_lab *lab, image_error *error) {
   return lab->found ? 0 : image_no_memory(error, lab->content->name);
 }
 
-int bench_lab_open(const device *d, const bench_content *content,
-                   bench_lab **out, image_error *error) {
+static int open_lab(const device *d, const bench_content *content, int halves,
+                    bench_lab **out, image_error *error) {
   bench_lab *lab = calloc(1, sizeof *lab);
   *out = lab;
   if (!lab)
     return image_no_memory(error, content->name);
   lab->device = d;
   lab->content = content;
+  lab->halves = halves;
   const hbil_status status =
       hbil_context_create(d->context, d->id, &lab->context);
   int failed = status == HBIL_SUCCESS ? 0 : library_failed(lab, status, error);
@@ -98,6 +138,11 @@ int bench_lab_open(const device *d, const bench_content *content,
     return -1;
   }
   return 0;
+}
+
+int bench_lab_open(const device *d, const bench_content *content,
+                   bench_lab **out, image_error *error) {
+  return open_lab(d, content, 0, out, error);
 }
 
 void bench_lab_close(bench_lab *lab) {
@@ -125,15 +170,17 @@ static unsigned layers_of(const hbil_config *config) {
 
 static void set_formats(const bench_lab *lab, hbil_config *config) {
   const hbil_format planes_of_floats = {HBIL_FLOAT32, 1};
+  const hbil_format planes = {lab->halves ? HBIL_FLOAT16 : HBIL_FLOAT32, 1};
   const unsigned layers = layers_of(config);
   if (config->reprojection == HBIL_REPROJECTION_MOTION)
     config->motion = planes_of_floats;
   for (int i = 0; i < BENCH_INPUTS; i++)
     if (lab->input[0][i])
-      *format_at(config, places[i].format) = planes_of_floats;
+      *format_at(config, places[i].format) =
+          i == BENCH_DEPTH ? planes_of_floats : planes;
   for (int l = 0; l < LAYER_COUNT; l++)
     if (layers >> l & 1)
-      *format_at(config, layer_table[l].format) = planes_of_floats;
+      *format_at(config, layer_table[l].format) = planes;
 }
 
 static int make_plan(bench_lab *lab, const hbil_config *settings, trial *out,
@@ -577,6 +624,21 @@ int bench_lab_times(bench_lab *lab, const bench_configuration *c, unsigned runs,
   out->gather_over_start = timing[1].pass_ratio[HBIL_PASS_GATHER];
   out->total_over_start = timing[1].total_ratio;
   return 0;
+}
+
+/* --- images of half floats --- */
+
+int bench_lab_halves(bench_lab *lab, const bench_configuration *c,
+                     unsigned runs, bench_timing out[2], image_error *error) {
+  bench_lab *halves = NULL;
+  if (open_lab(lab->device, lab->content, 1, &halves, error) != 0)
+    return -1;
+  bench_turn turns[2] = {{.lab = lab}, {.lab = halves}};
+  bench_configure(lab->content, c, &turns[0].config);
+  turns[1].config = turns[0].config;
+  const int failed = bench_lab_turns(turns, 2, runs, out, error);
+  bench_lab_close(halves);
+  return failed;
 }
 
 /* --- the first frames of a plan --- */

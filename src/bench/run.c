@@ -157,6 +157,12 @@ static int measure_motion(bench_bench *b, image_error *error) {
                           &b->report.motion, error);
 }
 
+static int measure_halves(bench_bench *b, image_error *error) {
+  const bench_configuration first = bench_first();
+  return bench_lab_halves(b->lab, &first, b->options->runs, b->report.halves,
+                          error);
+}
+
 static int measure_rows(bench_bench *b, image_error *error) {
   for (size_t i = 0; i < b->count; i++) {
     char label[BENCH_LABEL];
@@ -167,8 +173,10 @@ static int measure_rows(bench_bench *b, image_error *error) {
   }
   progress_count("measured", b->count, b->count);
   mark_fronts(b->rows, b->count);
-  return measure_estimate(b, error) != 0 || measure_motion(b, error) != 0 ? -1
-                                                                          : 0;
+  return measure_estimate(b, error) != 0 || measure_motion(b, error) != 0 ||
+                 measure_halves(b, error) != 0
+             ? -1
+             : 0;
 }
 
 static int measure(bench_bench *b, image_error *error) {

@@ -207,6 +207,21 @@ static void print_motion(const bench_report *report, FILE *out) {
   fputs(", aim: at most 1.5\n", out);
 }
 
+/* Images of half floats beside such of floats, in turns. */
+static void print_halves(const bench_report *report, FILE *out) {
+  const bench_timing *halves = &report->halves[1];
+  const bench_configuration first = bench_first();
+  char label[BENCH_LABEL];
+  bench_label(&first, label, sizeof label);
+  fprintf(out,
+          "images of half floats but for depth, %s: frame %.3f ms "
+          "(%.3f .. %.3f), %.3f of that with floats; split %.3f, composite "
+          "%.3f\n",
+          label, halves->total.median, halves->total.low, halves->total.high,
+          halves->total_ratio, halves->pass_ratio[HBIL_PASS_SPLIT],
+          halves->pass_ratio[HBIL_PASS_COMPOSITE]);
+}
+
 static void print_ratios(const bench_report *report, FILE *out) {
   const bench_row *row = &report->rows[0];
   for (size_t i = 0; i < report->count; i++)
@@ -219,6 +234,7 @@ static void print_ratios(const bench_report *report, FILE *out) {
   print_ratio(report, row, HBIL_PASS_COMPOSITE, out);
   fprintf(out, "device memory, %s: %.1f MiB\n", row->label,
           (double)row->memory / 1048576.0);
+  print_halves(report, out);
 }
 
 /* --- adaptive sampling beside uniform --- */
