@@ -67,6 +67,7 @@ static const bench_configuration table[] = {
     {1, 36, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {1, 64, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {1, 8, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 13, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {1, 14, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {1, 16, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {1, 24, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
