@@ -8,8 +8,10 @@
  * On CPUs depth and source are one key of 64 bits, and the rows of this frame
  * have owners, who need no atomics and fetch the colours, too.  On GPUs two
  * kernels find the smallest: atomic_min on the depths, then on the sources
- * among those that match. Motion: every pixel fetches four pixels of the last
- * frame where its motion vector points, those at the depth it expects.
+ * among those that match.
+ *
+ * Motion: every pixel fetches four pixels of the last frame where its motion
+ * vector points, those at the depth it expects.
  *
  * Builds: REPROJECT_MOTION, DEPTH_*, MOTION_*, DISOCCLUSION (finite).
  * Launch: x = vectors of HBIL_WIDTH pixels, y = rows, where nothing else is
@@ -89,7 +91,8 @@ INLINE intv landing_of(const hbil_view_args from, const hbil_view_args to,
   return inside;
 }
 
-/* The same as the index of the target (-1: nowhere) and the depth there. */
+/* The same: places of the targets in the image (-1: nowhere), and the depths
+ * there. */
 INLINE intv targets_of(const hbil_view_args from, const hbil_view_args to,
                        const hbil_transform_args motion,
                        global const float *history,
