@@ -315,7 +315,7 @@ typedef struct bench_timing {
   bench_spread total, pass[HBIL_PASS_COUNT], host; /* milliseconds */
   /* over the first one's, turn by turn: medians */
   double total_ratio, pass_ratio[HBIL_PASS_COUNT];
-  double mean_ratio;    /* all of its frames together over all of the first's */
+  double mean;          /* of total */
   hbil_skipped skipped; /* by the last frame */
 } bench_timing;
 

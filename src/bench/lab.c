@@ -60,43 +60,42 @@ static int library_failed(const bench_lab *lab, hbil_status status,
 
 /* --- opening --- */
 
-/* Puts a buffer of halves in the place of `count` floats. */
-static int make_halves(const device *d, size_t count, cl_mem *buffer,
-                       image_error *error) {
-  cl_kernel kernel = NULL;
+/* Puts a buffer of halves in the place of one of `rows` rows of floats. */
+static int make_halves(bench_lab *lab, cl_kernel kernel, size_t rows,
+                       cl_mem *buffer, image_error *error) {
+  const device *d = lab->device;
+  const cl_uint count = lab->content->width;
+  const size_t global[2] = {rows, 1}, local[2] = {1, 1};
+  bench_spread unused;
   cl_mem halves = NULL;
-  int failed = bench_buffer(d, count * sizeof(cl_half), NULL, &halves, error);
-  if (!failed)
-    failed = bench_kernel(d, "halves", "", &kernel, error);
-  if (!failed) {
-    const size_t global[2] = {count, 1}, local[2] = {1, 1};
-    bench_spread unused;
-    clSetKernelArg(kernel, 0, sizeof *buffer, buffer);
-    clSetKernelArg(kernel, 1, sizeof halves, &halves);
-    failed = bench_time_kernel(d, kernel, global, local, 1, &unused, error);
-  }
-  if (kernel)
-    clReleaseKernel(kernel);
-  if (!failed) {
-    clReleaseMemObject(*buffer);
-    *buffer = halves;
-  } else if (halves)
-    clReleaseMemObject(halves);
-  return failed ? -1 : 0;
+  if (bench_buffer(d, rows * count * sizeof(cl_half), NULL, &halves, error) !=
+      0)
+    return -1;
+  clSetKernelArg(kernel, 0, sizeof *buffer, buffer);
+  clSetKernelArg(kernel, 1, sizeof halves, &halves);
+  clSetKernelArg(kernel, 2, sizeof count, &count);
+  const int failed =
+      bench_time_kernel(d, kernel, global, local, 1, &unused, error);
+  clReleaseMemObject(*buffer);
+  *buffer = halves;
+  return failed;
 }
 
+/* to_halves: NULL where they stay floats. */
 static int upload_input(bench_lab *lab, unsigned f, bench_input input,
-                        image_error *error) {
+                        cl_kernel to_halves, image_error *error) {
   const float *plane = lab->content->frame[f].plane[input];
-  const size_t count = bench_pixels(lab->content) * bench_input_channels(input);
+  const size_t channels = bench_input_channels(input);
   cl_mem *buffer = &lab->input[f][input];
   if (!plane)
     return 0;
-  if (bench_buffer(lab->device, count * sizeof *plane, plane, buffer, error) !=
-      0)
+  if (bench_buffer(lab->device,
+                   bench_pixels(lab->content) * channels * sizeof *plane, plane,
+                   buffer, error) != 0)
     return -1;
-  return lab->halves && input != BENCH_DEPTH
-             ? make_halves(lab->device, count, buffer, error)
+  return to_halves && input != BENCH_DEPTH
+             ? make_halves(lab, to_halves, lab->content->height * channels,
+                           buffer, error)
              : 0;
 }
 
@@ -104,15 +103,20 @@ static int upload(bench_lab *lab, image_error *error) {
   const bench_content *content = lab->content;
   const size_t plane = bench_pixels(content) *
                        (lab->halves ? sizeof(cl_half) : sizeof(cl_float));
+  cl_kernel to_halves = NULL;
+  int failed = lab->halves
+                   ? bench_kernel(lab->device, "halves", "", &to_halves, error)
+                   : 0;
   for (unsigned f = 0; f < content->frames; f++)
-    for (int i = 0; i < BENCH_INPUTS; i++)
-      if (upload_input(lab, f, (bench_input)i, error) != 0)
-        return -1;
-  for (int l = 0; l < LAYER_COUNT; l++)
-    if (bench_buffer(lab->device, plane * strlen(layer_table[l].components),
-                     NULL, &lab->output[l], error) != 0)
-      return -1;
-  return 0;
+    for (int i = 0; i < BENCH_INPUTS && !failed; i++)
+      failed = upload_input(lab, f, (bench_input)i, to_halves, error);
+  for (int l = 0; l < LAYER_COUNT && !failed; l++)
+    failed =
+        bench_buffer(lab->device, plane * strlen(layer_table[l].components),
+                     NULL, &lab->output[l], error);
+  if (to_halves)
+    clReleaseKernel(to_halves);
+  return failed;
 }
 
 static int allocate(bench_lab *lab, image_error *error) {
@@ -522,17 +526,17 @@ static double median_ratio(const double *of, const double *to, unsigned runs) {
   return bench_spread_of(values, runs).median;
 }
 
-static double sum_of(const double *values, unsigned count) {
+static double mean_of(const double *values, unsigned count) {
   double sum = 0.0;
   for (unsigned i = 0; i < count; i++)
     sum += values[i];
-  return sum;
+  return sum / count;
 }
 
 static void sum_up(samples *s, size_t count, unsigned runs, bench_timing *out) {
   for (size_t k = 0; k < count; k++) {
     out[k].total_ratio = median_ratio(s[k].total, s[0].total, runs);
-    out[k].mean_ratio = sum_of(s[k].total, runs) / sum_of(s[0].total, runs);
+    out[k].mean = mean_of(s[k].total, runs);
     for (int p = 0; p < HBIL_PASS_COUNT; p++)
       out[k].pass_ratio[p] = median_ratio(s[k].pass[p], s[0].pass[p], runs);
   }
