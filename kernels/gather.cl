@@ -31,12 +31,13 @@
  * same, and the refused share is written for recompose to fill), REFUSED_LAST
  * (refused light is the last accepted), FACING_ALL (no light is refused),
  * FACING_STEP (the threshold is sharp), FINITE (occluders have a thickness:
- * sectors instead of a horizon), EXTRAPOLATE, ADAPTIVE (each tile has its own
- * number of samples, judge.cl), WEIGHT_PLANE (a single slice: what it weighs
- * is stored, too), STORAGE (common.clh), SKIP_* (spared_of(), look()).
+ * sectors instead of a horizon), EXTRAPOLATE, ADAPTIVE (the number of samples
+ * is chosen, judge.cl), WEIGHT_PLANE (there may be a single slice: what slices
+ * weigh is stored, too), STORAGE (common.clh), SKIP_* (spared_of(), look()).
  *
  * Launch: x = strips of HBIL_TILE pixels of a layer row (single pixels where
- * HBIL_WIDTH is 1), y = layer rows, z = layers, or those that are probed.
+ * HBIL_WIDTH is 1), y = layer rows, z = layers; to measure with a rung, x =
+ * strips of the tiles that are measured, y = 1.
  * In: split planes, steps.  Out: light planes, same layout.
  */
 
@@ -888,7 +889,8 @@ INLINE void store_light(const center *c, const total *t, intv untouched,
   const realv inv_whole = 1.0f / least_whole;
   realv value[HBIL_GATHERED_PLANES];
 #if WEIGHT_PLANE
-  value[HBIL_LIGHT_WEIGHT] = select((realv)1.0f, least_whole / slices, solid);
+  value[HBIL_LIGHT_WEIGHT] =
+      slices > 1.0f ? (realv)1.0f : select((realv)1.0f, least_whole, solid);
 #endif
   value[HBIL_LIGHT_AO] = select(
       (realv)1.0f, clamp(t->open * inv_whole, (realv)0.0f, (realv)1.0f), taken);
@@ -958,20 +960,39 @@ INLINE uint count_sky(const center *c) {
   return sky;
 }
 
+#if ADAPTIVE
+/* Where the launch's strip lies whose place in the row of those that are
+ * measured is x; false where there is none, or nothing to measure any more. */
+INLINE bool measured_strip(const hbil_gather_args args,
+                           global const uint *tried, int *x, int *y) {
+  const int tile = *x / HBIL_TILE, within = *x % HBIL_TILE;
+  const int measures = args.measures;
+  if (tile >= args.tiles || *y > 0 ||
+      (measures < HBIL_MOST_RUNGS && good_rung(tried, measures) < measures))
+    return false;
+  hbil_measured_tile(tile, args.tiles, hbil_tiles(args.split.width),
+                     args.split.height, x, y);
+  *x = *x * HBIL_TILE + within;
+  return true;
+}
+#endif
+
 kernel void gather(const hbil_gather_args args, global const float *split,
                    global const hbil_step *steps, global float *light,
                    global const uint *bounds, global const uint *uses,
                    global uchar *strips, global const uint *flags,
                    const int still, global const hbil_rung *ladder,
-                   global const uint *rungs) {
+                   global const uint *tried) {
   const hbil_layer_args in = args.split;
-  const int x = (int)get_global_id(0) * (STRIP * HBIL_WIDTH);
-  const int y = (int)get_global_id(1);
-#if ADAPTIVE
-  const int layer = args.probe ? hbil_probe_layer((int)get_global_id(2))
-                               : (int)get_global_id(2);
-#else
+  int x = (int)get_global_id(0) * (STRIP * HBIL_WIDTH);
+  int y = (int)get_global_id(1);
   const int layer = (int)get_global_id(2);
+#if ADAPTIVE
+  int chosen = args.measures;
+  if (chosen < 0)
+    chosen = good_rung(tried, args.rungs - 1);
+  else if (!measured_strip(args, tried, &x, &y))
+    return;
 #endif
   if (x >= in.width || y >= in.height || (still && !flags[HBIL_FLAG_CHANGED]))
     return;
@@ -982,9 +1003,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
            (uint)y * args.light.row + (uint)x;
 
 #if ADAPTIVE
-  const hbil_rung rung =
-      ladder[args.probe ? (uint)HBIL_MOST_RUNGS
-                        : rungs[y * hbil_tiles(in.width) + x / HBIL_TILE]];
+  const hbil_rung rung = ladder[chosen];
   const int samples = rung.samples, all_slices = rung.slices;
   steps += rung.steps;
 #else

@@ -92,7 +92,8 @@ enum {
   /* gathered only: share of the hemisphere whose light is unknown */
   HBIL_LIGHT_UNKNOWN = 7,
   /* with a single slice: how much of the hemisphere it stands for, 1 on average
-   * (recompose); behind all others, whichever there are */
+   * (recompose), and 1 with more where a single one could have been chosen;
+   * behind all others, whichever there are */
   HBIL_LIGHT_WEIGHT = 8,
   HBIL_GATHERED_PLANES = 9
 };
@@ -286,43 +287,69 @@ enum {
 };
 
 /*
- * Adaptive sampling (judge.cl): a probe of a few layers tells how much each
- * tile, HBIL_TILE pixels of a layer row in all layers, will be off; the gather
- * then takes as many samples for it as that calls for, a rung of a ladder.
+ * Adaptive sampling (judge.cl): of a few tiles, HBIL_TILE pixels of a layer row
+ * in all layers each, it is measured how far fewer samples are off from many.
+ * The first number that is good enough, a rung of a ladder, is the frame's.
  */
 enum {
-  HBIL_PROBE_SLICES = 1,
-  HBIL_PROBE_SAMPLES = 16,
-  HBIL_PROBE_LAYERS = 4,
-  HBIL_MOST_RUNGS = 11, /* the probe's comes behind them */
-  HBIL_JUDGE_PARTS = 64
+  HBIL_MOST_RUNGS = 16, /* the ruler's comes behind them: what they are held
+                           against */
+  HBIL_MEASURED_TILES = 20
 };
-/* A number of samples.  The ladder is a buffer: Mesa's llvmpipe can't index an
- * argument. */
+/* A number of slices and of samples.  The ladder is a buffer: Mesa's llvmpipe
+ * can't index an argument. */
 typedef struct hbil_rung {
   hbil_uint steps; /* where its own begin in the table */
   hbil_int slices, samples;
-  /* the largest spread of the probe that it is enough for: of AO, of E_near
-   * over its mean in the frame */
-  hbil_float ao, near_light;
   /* what makes an error that 95 % of the pixels don't exceed of how much the
    * pixels differ that recompose brings together */
   hbil_float error_ao, error_near;
 } hbil_rung;
 
-/* Floats of a tile's judgement: variances of AO and E_near from layer to layer,
- * sum of E_near over its channels, pixels that show a surface. */
-enum { HBIL_JUDGED = 4 };
+/* What a rung came to: pixels that were measured, and those of them that are
+ * off by more than the limits.  Where there is nothing but sky the first one
+ * will do. */
+enum { HBIL_TRIED_BEYOND = 0, HBIL_TRIED_PIXELS = 1, HBIL_TRIED = 2 };
+static inline hbil_int hbil_good_enough(hbil_uint beyond, hbil_uint pixels) {
+  return 20u * beyond <= pixels;
+}
+
+/* The limits, of blocks of 4x4 pixels: of AO, of E_near over its mean. */
+typedef struct hbil_limit_args {
+  hbil_float ao, near_light;
+} hbil_limit_args;
+
+/* What judging a rung takes; the ruler has no limit. */
+typedef struct hbil_judge_args {
+  hbil_layer_args in, lit; /* split, light */
+  hbil_int tiles, rung;
+  hbil_limit_args limit;
+} hbil_judge_args;
+
+/* Of each tile that is measured, what the ruler says: planes of HBIL_TILE
+ * blocks: AO, E_near, pixels that show a surface; behind all of them of each
+ * tile the sum of E_near and the number of its values. */
+enum {
+  HBIL_RULER_AO = 0,
+  HBIL_RULER_RED = 1, /* 2: green, 3: blue */
+  HBIL_RULER_COUNT = 4,
+  HBIL_RULER_PLANES = 5
+};
 
 /* Tiles of a layer row that many pixels wide. */
 static inline hbil_int hbil_tiles(hbil_int width) {
   return (width + HBIL_TILE - 1) / HBIL_TILE;
 }
 
-/* The layers that are probed, 2x2 neighbours: their directions, 0, 8, 12 and 4
- * of hbil_direction_slot(), are equally spaced. */
-static inline hbil_int hbil_probe_layer(hbil_int i) {
-  return (i & 1) + HBIL_SIDE * (i >> 1);
+/* Column and row of tile i of so many that are measured: evenly down the
+ * picture, and across it by the golden ratio, which leaves no gaps and meets no
+ * period (Kronecker's sequence). */
+static inline void hbil_measured_tile(hbil_int i, hbil_int count,
+                                      hbil_int across, hbil_int rows,
+                                      hbil_int *x, hbil_int *y) {
+  const hbil_float turn = 0.618033989f * (hbil_float)(i + 1);
+  *x = (hbil_int)((turn - (hbil_float)(hbil_int)turn) * (hbil_float)across);
+  *y = (2 * i + 1) * rows / (2 * count);
 }
 
 /* Numbers of one frame that the gather needs. */
@@ -344,7 +371,10 @@ typedef struct hbil_gather_args {
   hbil_bounds_args bounds;
   hbil_uint strips;         /* of a layer's row */
   hbil_int slices, samples; /* hbil_config's */
-  hbil_int probe;           /* adaptive: whether this launch is the probe */
+  /* adaptive: rungs to choose from, tiles that are measured, and the rung that
+   * this launch measures them with; below 0: it takes the rung that is good
+   * enough for all */
+  hbil_int rungs, tiles, measures;
 } hbil_gather_args;
 
 /* Far field: SH coefficients already multiplied by the basis functions'

@@ -1,120 +1,125 @@
 /*
- * judge: how many samples is each tile worth?  The gather has looked at a few
- * layers of it, each along a single slice of its own direction.  How far these
- * differ from one another tells how much a tile's light depends on where one
- * looks, and that is what samples miss; hbil_config.max_error has the measured
- * relation (HACKING.md, "Adaptive sampling").
+ * judge: how many samples does the picture need?  The gather has looked at a
+ * few tiles with many samples, the ruler, and then does so with one rung after
+ * another, fewest samples first.  A pixel is off by what its block of 4x4,
+ * which looks along all directions, is off from the ruler; the first rung with
+ * which no more than 5 % of the pixels are off by more than the limits is the
+ * frame's (HACKING.md, "Adaptive sampling").
  *
- * A tile is HBIL_TILE pixels of a layer row in all layers, 128x4 of the
- * picture: the same for every width, so the same samples are taken everywhere.
+ * A block's AO and light are means over its pixels, weighed as in recompose:
+ * without the filter's guides, which are the same for all rungs.
  *
- * Builds: ORTHOGRAPHIC, GATHER_RADIANCE, STORAGE.
- * In: split planes, light planes of the probe.  Out: tiles[rows][across][4]
- * (HBIL_JUDGED), behind it HBIL_JUDGE_PARTS pairs of sums; rungs[rows][across].
- * In a still frame whose light has not changed all three leave at once.
+ * Builds: GATHER_RADIANCE, STORAGE, WEIGHT_PLANE.
+ * Launch: x = tiles that are measured.
+ * In: split planes, light planes.  Out: ruler (HBIL_RULER_); tried[][2]
+ * (HBIL_TRIED_).  In a still frame whose light has not changed both leave at
+ * once, and so does judge_rung once a rung before was good enough.
  */
 
-/* Launch: x = tiles across, y = rows of the layers. */
-kernel void judge_tiles(const hbil_layer_args in, global const float *split,
-                        const hbil_layer_args lit, global const float *light,
-                        global float *tiles, global const uint *flags,
-                        const int still) {
-  const int tile = (int)get_global_id(0), y = (int)get_global_id(1);
-  const int across = hbil_tiles(in.width);
-  if (tile >= across || y >= in.height || (still && !flags[HBIL_FLAG_CHANGED]))
-    return;
-  const uint at = (uint)y * in.row + in.origin + (uint)(tile * HBIL_TILE);
-  const uint from = (uint)y * lit.row + lit.origin + (uint)(tile * HBIL_TILE);
-  /* variances of AO and of E_near's channels, their count, E_near, its count */
-  realv variance[4], counted = 0.0f, near_light = 0.0f, shown = 0.0f;
-#pragma unroll
-  for (int p = 0; p < 4; ++p)
-    variance[p] = 0.0f;
-  for (int x = 0; x < HBIL_TILE; x += HBIL_WIDTH) {
-    realv value[HBIL_PROBE_LAYERS][HBIL_GATHERED_PLANES];
-    realv one[HBIL_PROBE_LAYERS], count = 0.0f;
-    for (int i = 0; i < HBIL_PROBE_LAYERS; ++i) {
-      const uint layer = (uint)hbil_probe_layer(i);
-      const realv w = LOADV(split + layer * in.layer + at + (uint)x);
-      one[i] = select((realv)0.0f, (realv)1.0f, w > SKY);
-      count += one[i];
-      gathered_light(light + layer * lit.layer + from + (uint)x, lit.plane,
-                     value[i]);
-    }
-    const intv several = count > 1.5f;
-    const realv inv_count = 1.0f / max(count, (realv)1.0f);
-    const realv inv_free = 1.0f / max(count - 1.0f, (realv)1.0f);
-#define ADD_VARIANCE(p)                                                        \
-  {                                                                            \
-    realv mean = 0.0f, square = 0.0f;                                          \
-    for (int i = 0; i < HBIL_PROBE_LAYERS; ++i)                                \
-      mean = fma(one[i], value[i][p], mean);                                   \
-    if (p > 0)                                                                 \
-      near_light += mean;                                                      \
-    mean *= inv_count;                                                         \
-    for (int i = 0; i < HBIL_PROBE_LAYERS; ++i) {                              \
-      const realv off = one[i] * (value[i][p] - mean);                         \
-      square = fma(off, off, square);                                          \
-    }                                                                          \
-    variance[p] += select((realv)0.0f, square * inv_free, several);            \
+/* Planes of the ruler that are in use. */
+#if GATHER_RADIANCE
+#define JUDGED HBIL_RULER_COUNT
+#else
+#define JUDGED HBIL_RULER_RED
+#endif
+
+/* What a vector of blocks has come to, and how many of the pixels of each show
+ * a surface. */
+INLINE void block_means(const hbil_judge_args args, global const float *split,
+                        global const float *light, int x, int y, realv *mean,
+                        realv *count) {
+  const hbil_layer_args in = args.in, lit = args.lit;
+  realv total = 0.0f;
+  *count = 0.0f;
+  for (int p = 0; p < JUDGED; ++p)
+    mean[p] = 0.0f;
+  for (int layer = 0; layer < HBIL_LAYERS; ++layer) {
+    const realv w = LOADV(split + (uint)layer * in.layer + in.origin +
+                          (uint)y * in.row + (uint)x);
+    realv value[HBIL_GATHERED_PLANES];
+    gathered_light(light + (uint)layer * lit.layer + lit.origin +
+                       (uint)y * lit.row + (uint)x,
+                   lit.plane, value);
+    const intv solid = w > SKY;
+    const realv weight = select((realv)0.0f, value[HBIL_LIGHT_WEIGHT], solid);
+    *count += select((realv)0.0f, (realv)1.0f, solid);
+    total += weight;
+    for (int p = 0; p < JUDGED; ++p)
+      mean[p] = fma(weight, value[p], mean[p]);
   }
-    ADD_VARIANCE(0)
-    IF_RADIANCE(ADD_VARIANCE)
-    counted += select((realv)0.0f, (realv)1.0f, several);
-    shown += count;
-  }
-  const float inv = 1.0f / max(lanes_sum(counted), 1.0f);
-  tiles += (uint)(y * across + tile) * HBIL_JUDGED;
-  tiles[0] = lanes_sum(variance[0]) * inv;
-  /* of the channel that differs most */
-  tiles[1] = max(max(lanes_sum(variance[1]), lanes_sum(variance[2])),
-                 lanes_sum(variance[3])) *
-             inv;
-  tiles[2] = lanes_sum(near_light);
-  tiles[3] = lanes_sum(shown);
+  /* a slice weighs 1e-6 at least, see gather.cl */
+  const realv inv_total = 1.0f / max(total, (realv)1e-6f);
+  for (int p = 0; p < JUDGED; ++p)
+    mean[p] *= inv_total;
 }
 
-/* Launch: x = HBIL_JUDGE_PARTS work-items, each takes every so many tiles. */
-kernel void judge_sum(const hbil_layer_args in, global float *tiles,
-                      global const uint *flags, const int still) {
-  const int part = (int)get_global_id(0);
-  const int across = hbil_tiles(in.width);
-  const int count = across * in.height;
-  if (part >= HBIL_JUDGE_PARTS || get_global_id(1) > 0 ||
+/* What the ruler says; and no rung has been tried yet. */
+kernel void judge_ruler(const hbil_judge_args args, global const float *split,
+                        global const float *light, global float *ruler,
+                        global uint *tried, global const uint *flags,
+                        const int still) {
+  const int tile = (int)get_global_id(0), tiles = args.tiles;
+  if (tile >= tiles || get_global_id(1) > 0 ||
       (still && !flags[HBIL_FLAG_CHANGED]))
     return;
-  float near_light = 0.0f, shown = 0.0f;
-  for (int i = part; i < count; i += HBIL_JUDGE_PARTS) {
-    near_light += tiles[i * HBIL_JUDGED + 2];
-    shown += tiles[i * HBIL_JUDGED + 3];
+  if (tile == 0)
+    for (int i = 0; i < HBIL_MOST_RUNGS * HBIL_TRIED; ++i)
+      tried[i] = 0u;
+  int column, y;
+  hbil_measured_tile(tile, tiles, hbil_tiles(args.in.width), args.in.height,
+                     &column, &y);
+  global float *own = ruler + (uint)(tile * HBIL_RULER_PLANES * HBIL_TILE);
+  realv near_light = 0.0f, shown = 0.0f;
+  for (int x = 0; x < HBIL_TILE; x += HBIL_WIDTH) {
+    realv mean[HBIL_RULER_COUNT], count;
+    block_means(args, split, light, column * HBIL_TILE + x, y, mean, &count);
+    for (int p = 0; p < JUDGED; ++p)
+      STOREV(mean[p], own + p * HBIL_TILE + x);
+    STOREV(count, own + HBIL_RULER_COUNT * HBIL_TILE + x);
+    for (int p = HBIL_RULER_RED; p < JUDGED; ++p)
+      near_light = fma(count, mean[p], near_light);
+    shown += count;
   }
-  tiles += count * HBIL_JUDGED + 2 * part;
-  tiles[0] = near_light;
-  tiles[1] = shown;
+  ruler += (uint)(tiles * HBIL_RULER_PLANES * HBIL_TILE + 2 * tile);
+  ruler[0] = lanes_sum(near_light);
+  ruler[1] = 3.0f * lanes_sum(shown);
 }
 
-/* Launch: x = tiles across, y = rows of the layers. */
-kernel void judge_rungs(const hbil_layer_args in, global const float *tiles,
-                        global const hbil_rung *ladder, const int count,
-                        global uint *rungs, global const uint *flags,
-                        const int still) {
-  const int tile = (int)get_global_id(0), y = (int)get_global_id(1);
-  const int across = hbil_tiles(in.width);
-  if (tile >= across || y >= in.height || (still && !flags[HBIL_FLAG_CHANGED]))
+/* How many pixels the rung leaves beyond the limits. */
+kernel void judge_rung(const hbil_judge_args args, global const float *split,
+                       global const float *light, global const float *ruler,
+                       global uint *tried, global const uint *flags,
+                       const int still) {
+  const int tile = (int)get_global_id(0), tiles = args.tiles;
+  if (tile >= tiles || get_global_id(1) > 0 ||
+      (still && !flags[HBIL_FLAG_CHANGED]) ||
+      good_rung(tried, args.rung) < args.rung)
     return;
-  global const float *sums = tiles + across * in.height * HBIL_JUDGED;
-  float near_light = 0.0f, shown = 0.0f;
-  for (int part = 0; part < HBIL_JUDGE_PARTS; ++part) {
-    near_light += sums[2 * part];
-    shown += sums[2 * part + 1];
+  global const float *sums =
+      ruler + (uint)(tiles * HBIL_RULER_PLANES * HBIL_TILE);
+  float near_light = 0.0f, values = 0.0f;
+  for (int i = 0; i < tiles; ++i) {
+    near_light += sums[2 * i];
+    values += sums[2 * i + 1];
   }
-  /* three channels a pixel */
-  const float mean = near_light / max(3.0f * shown, 1.0f);
-  tiles += (uint)(y * across + tile) * HBIL_JUDGED;
-  const float ao = sqrt(tiles[0]), spread = sqrt(tiles[1]);
-  int rung = 0;
-  while (rung + 1 < count &&
-         (ao > ladder[rung].ao || spread > ladder[rung].near_light * mean))
-    ++rung;
-  rungs[y * across + tile] = (uint)rung;
+  /* 1: where there is no light, nothing is off */
+  const float most = args.limit.near_light * near_light / max(values, 1.0f);
+  int column, y;
+  hbil_measured_tile(tile, tiles, hbil_tiles(args.in.width), args.in.height,
+                     &column, &y);
+  global const float *own =
+      ruler + (uint)(tile * HBIL_RULER_PLANES * HBIL_TILE);
+  realv beyond = 0.0f, pixels = 0.0f;
+  for (int x = 0; x < HBIL_TILE; x += HBIL_WIDTH) {
+    realv mean[HBIL_RULER_COUNT], count;
+    block_means(args, split, light, column * HBIL_TILE + x, y, mean, &count);
+    intv off = fabs(mean[HBIL_RULER_AO] - LOADV(own + x)) > args.limit.ao;
+    for (int p = HBIL_RULER_RED; p < JUDGED; ++p)
+      off |= fabs(mean[p] - LOADV(own + p * HBIL_TILE + x)) > most;
+    beyond += select((realv)0.0f, count, off);
+    pixels += count;
+  }
+  tried += args.rung * HBIL_TRIED;
+  atomic_add(tried + HBIL_TRIED_BEYOND, (uint)lanes_sum(beyond));
+  atomic_add(tried + HBIL_TRIED_PIXELS, (uint)lanes_sum(pixels));
 }

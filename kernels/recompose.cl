@@ -14,10 +14,10 @@
  * the corners is there four times; two opposite ones will do, as they leave the
  * centre where it is.
  *
- * With a single slice a pixel, slices weigh J A(theta_t) as within a pixel: AO
- * and light are quotients of sums over the neighbourhood, not means of
- * quotients, which favour what a slice of little weight happens to see
- * (WEIGHT_PLANE).
+ * Where there may be a single slice a pixel, slices weigh J A(theta_t) as
+ * within a pixel: AO and light are quotients of sums over the neighbourhood,
+ * not means of quotients, which favour what a slice of little weight happens to
+ * see (WEIGHT_PLANE).
  *
  * How much the neighbours' light differs says how far their mean may be off
  * (hbil_config.error).
@@ -25,7 +25,7 @@
  * Builds: ORTHOGRAPHIC, RAW (only undo the split), GATHER_RADIANCE,
  * GATHER_BENT, REFUSED_FRAME, STORAGE, OUT_ERROR, ERROR_PLANE (where errors
  * follow the light), WEIGHT_PLANE (where weights of slices are, or 0), ADAPTIVE
- * (each tile has its own factors). Launch: x =
+ * (the rung is chosen that errors are of). Launch: x =
  * groups of 4 pixels of a row, y = rows; where HBIL_WIDTH is more than 1, x =
  * groups of 4*HBIL_TILE pixels, y = HBIL_RECOMPOSE_ROWS rows. In: split planes
  * (guides), light planes.  Out: light planes, full resolution; the bent normal
@@ -377,18 +377,12 @@ INLINE void resolve(const hbil_view_args view, const hbil_layer_args in,
                     global const float *light, global const float *estimate,
                     const float *const *rows, int row, int x, int y,
                     global float *resolved, const hbil_plane_args out,
-                    global const hbil_rung *ladder, global const uint *rungs) {
+                    const hbil_rung rung) {
   sums value[4];
   for (int i = 0; i < 4; ++i)
     value[i] = filter(view, in, lit, split, light, rows, i, row, x, y);
 #if OUT_ERROR
   realv ao[4], near_light[4];
-#if ADAPTIVE
-  const hbil_rung rung =
-      ladder[rungs[y * hbil_tiles(in.width) + x / HBIL_TILE]];
-#else
-  const hbil_rung rung = ladder[0];
-#endif
 #endif
   for (int i = 0; i < 4; ++i) {
     mean(&value[i]);
@@ -413,16 +407,21 @@ kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
                       global const float *light, global const float *estimate,
                       global float *resolved, const hbil_plane_args out,
                       global const uint *flags, const int still,
-                      global const hbil_rung *ladder,
-                      global const uint *rungs) {
+                      global const hbil_rung *ladder, const int rungs,
+                      global const uint *tried) {
   const int x = (int)get_global_id(0) * VECTORS * HBIL_WIDTH;
   const int top = (int)get_global_id(1) * ROWS, y = top >> 2;
   if (4 * x >= view.width || top >= view.height ||
       (still && !flags[HBIL_FLAG_CHANGED]))
     return;
+#if ADAPTIVE
+  const hbil_rung rung = ladder[good_rung(tried, rungs - 1)];
+#else
+  const hbil_rung rung = ladder[0];
+#endif
 #if HBIL_WIDTH == 1
   resolve(view, in, lit, split, light, estimate, 0, top & 3, x, y, resolved,
-          out, ladder, rungs);
+          out, rung);
 #else
   /* begins a pixel before a vector, so that most loads are aligned */
   realv memory[5 * TAP_ROW / HBIL_WIDTH + 1];
@@ -447,7 +446,7 @@ kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
       const float *const around[5] = {rows[0] + v, rows[1] + v, rows[2] + v,
                                       rows[3] + v, rows[4] + v};
       resolve(view, in, lit, split, light, estimate, around, row & 3, x + v,
-              y + (row >> 2), resolved, out, ladder, rungs);
+              y + (row >> 2), resolved, out, rung);
     }
   }
 #endif

@@ -642,7 +642,7 @@ static hbil_status make_pattern(commands *chain, const hbil_view_args *view,
   for (int i = 1; i < l->count && status == HBIL_SUCCESS; ++i)
     status = make_steps(chain, view, pattern, &l->rung[i]);
   if (l->count && status == HBIL_SUCCESS)
-    status = make_steps(chain, view, pattern, &l->rung[HBIL_MOST_RUNGS]);
+    status = make_steps(chain, view, pattern, &l->rung[LADDER_RULER]);
   plan->has_steps = status == HBIL_SUCCESS;
   plan->steps_view = *view;
   plan->steps_pattern = *pattern;
@@ -667,7 +667,7 @@ static float longest_ray(const hbil_view_args *v, bool orthographic) {
 }
 
 static hbil_status look_around(commands *chain, const hbil_gather_args *args,
-                               cl_int still, size_t layers) {
+                               cl_int still, size_t strips, size_t rows) {
   hbil_plan *plan = chain->plan;
   const argument all[] = {{sizeof *args, args},
                           ARG(plan->buffers[BUFFER_SPLIT]),
@@ -679,42 +679,44 @@ static hbil_status look_around(commands *chain, const hbil_gather_args *args,
                           ARG(plan->buffers[BUFFER_FLAGS]),
                           ARG(still),
                           ARG(plan->buffers[BUFFER_LADDER]),
-                          ARG(plan->buffers[BUFFER_RUNGS])};
-  return LAUNCH(chain, KERNEL_GATHER, all, plan->layout.strips,
-                (size_t)plan->layout.split.height, layers);
+                          ARG(plan->buffers[BUFFER_TRIED])};
+  return LAUNCH(chain, KERNEL_GATHER, all, strips, rows, HBIL_LAYERS);
 }
 
-/* Adaptive sampling: a look at a few layers, and what it says of each tile. */
-static hbil_status judge(commands *chain, const hbil_gather_args *args,
-                         cl_int still) {
+/* Looks around from the tiles that are measured, with a rung, and says how far
+ * it is off from the ruler, or what the ruler is. */
+static hbil_status measure(commands *chain, const hbil_gather_args *args,
+                           cl_int still, int rung) {
   hbil_plan *plan = chain->plan;
   const layout *l = &plan->layout;
-  const size_t rows = (size_t)l->split.height;
-  hbil_gather_args probe = *args;
-  probe.probe = CL_TRUE;
-  const argument tiles[] = {ARG(l->split),
+  const size_t strip = plan->config.vector_width == 1 ? 1 : HBIL_TILE;
+  const hbil_judge_args judge_args = {l->split, l->light, l->tiles, rung,
+                                      l->ladder.limit[rung]};
+  const argument judge[] = {ARG(judge_args),
                             ARG(plan->buffers[BUFFER_SPLIT]),
-                            ARG(l->light),
                             ARG(plan->buffers[BUFFER_LIGHT]),
-                            ARG(plan->buffers[BUFFER_TILES]),
+                            ARG(plan->buffers[BUFFER_RULER]),
+                            ARG(plan->buffers[BUFFER_TRIED]),
                             ARG(plan->buffers[BUFFER_FLAGS]),
                             ARG(still)};
-  const argument sum[] = {ARG(l->split), ARG(plan->buffers[BUFFER_TILES]),
-                          ARG(plan->buffers[BUFFER_FLAGS]), ARG(still)};
-  const argument rungs[] = {ARG(l->split),
-                            ARG(plan->buffers[BUFFER_TILES]),
-                            ARG(plan->buffers[BUFFER_LADDER]),
-                            ARG(l->ladder.count),
-                            ARG(plan->buffers[BUFFER_RUNGS]),
-                            ARG(plan->buffers[BUFFER_FLAGS]),
-                            ARG(still)};
-  hbil_status status = look_around(chain, &probe, still, HBIL_PROBE_LAYERS);
-  if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, KERNEL_JUDGE_TILES, tiles, l->tiles, rows, 1);
-  if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, KERNEL_JUDGE_SUM, sum, HBIL_JUDGE_PARTS, 1, 1);
-  if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, KERNEL_JUDGE_RUNGS, rungs, l->tiles, rows, 1);
+  hbil_gather_args measuring = *args;
+  measuring.measures = rung;
+  const hbil_status status = look_around(
+      chain, &measuring, still, (size_t)l->tiles * HBIL_TILE / strip, 1);
+  if (status != HBIL_SUCCESS)
+    return status;
+  return rung == LADDER_RULER
+             ? LAUNCH(chain, KERNEL_JUDGE_RULER, judge, (size_t)l->tiles, 1, 1)
+             : LAUNCH(chain, KERNEL_JUDGE_RUNG, judge, (size_t)l->tiles, 1, 1);
+}
+
+/* Adaptive sampling: the last rung is what is left where no other will do. */
+static hbil_status choose_rung(commands *chain, const hbil_gather_args *args,
+                               cl_int still) {
+  hbil_status status = measure(chain, args, still, LADDER_RULER);
+  for (int i = 0;
+       i + 1 < chain->plan->layout.ladder.count && status == HBIL_SUCCESS; ++i)
+    status = measure(chain, args, still, i);
   return status;
 }
 
@@ -766,10 +768,14 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   gather_args.facing[0] = plan->config.facing[0];
   gather_args.facing[1] =
       1.0f / fmaxf(plan->config.facing[1] - plan->config.facing[0], FLT_MIN);
+  gather_args.rungs = plan->layout.ladder.count;
+  gather_args.tiles = plan->layout.tiles;
+  gather_args.measures = -1;
   if (plan->layout.ladder.count)
-    status = judge(chain, &gather_args, still);
+    status = choose_rung(chain, &gather_args, still);
   return status == HBIL_SUCCESS
-             ? look_around(chain, &gather_args, still, HBIL_LAYERS)
+             ? look_around(chain, &gather_args, still, plan->layout.strips,
+                           (size_t)plan->layout.split.height)
              : status;
 }
 
@@ -792,7 +798,8 @@ static hbil_status recompose(commands *chain, const hbil_frame *frame) {
                            ARG(plan->buffers[BUFFER_FLAGS]),
                            ARG(still),
                            ARG(plan->buffers[BUFFER_LADDER]),
-                           ARG(plan->buffers[BUFFER_RUNGS])};
+                           ARG(plan->layout.ladder.count),
+                           ARG(plan->buffers[BUFFER_TRIED])};
   const size_t rows =
       plan->config.vector_width == 1 ? 1 : (size_t)HBIL_RECOMPOSE_ROWS;
   return LAUNCH(chain, KERNEL_RECOMPOSE, args, plan->layout.strips,

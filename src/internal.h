@@ -149,9 +149,11 @@ hbil_environment_args far_field_args(const hbil_config *config,
 
 /* Numbers of samples that adaptive sampling chooses from, and the table of
  * steps that holds those of all: in entries. */
+enum { LADDER_RULER = HBIL_MOST_RUNGS }; /* what they are held against */
 typedef struct ladder {
-  int count;                           /* 0: every tile has the first one */
-  hbil_rung rung[HBIL_MOST_RUNGS + 1]; /* the last: the probe */
+  int count; /* 0: the first one's are taken */
+  hbil_rung rung[LADDER_RULER + 1];
+  hbil_limit_args limit[LADDER_RULER + 1]; /* of blocks */
   size_t steps;
 } ladder;
 
@@ -179,8 +181,8 @@ enum {
   BUFFER_USES,     /* where light has a use */
   BUFFER_STRIPS,   /* what the gather had no need of */
   BUFFER_REPAIRED, /* HBIL_REPAIRED_: what inputs could not be used as is */
-  BUFFER_TILES,    /* adaptive: what the probe says of each, and sums of it */
-  BUFFER_RUNGS,    /* adaptive: what each tile is worth */
+  BUFFER_RULER,    /* adaptive: what many samples see, HBIL_RULER_ */
+  BUFFER_TRIED,    /* adaptive: how far rungs are off, HBIL_TRIED_ */
   BUFFER_LADDER,   /* numbers of samples */
   BUFFER_COUNT
 };
@@ -203,9 +205,8 @@ enum {
   KERNEL_ESTIMATE_SUM,
   KERNEL_PATTERN,
   KERNEL_GATHER,
-  KERNEL_JUDGE_TILES,
-  KERNEL_JUDGE_SUM,
-  KERNEL_JUDGE_RUNGS,
+  KERNEL_JUDGE_RULER,
+  KERNEL_JUDGE_RUNG,
   KERNEL_RECOMPOSE,
   KERNEL_TEMPORAL,
   KERNEL_COMPOSITE,
@@ -235,8 +236,8 @@ typedef struct layout {
   hbil_far_field far_field;  /* NONE where nothing shows it */
   hbil_pattern_args pattern; /* without turn, shift, reach */
   cl_uint error_plane;       /* of RESOLVED, where errors begin */
-  cl_uint weight_plane;      /* of GATHERED, a single slice's weights; 0: none */
-  size_t tiles;              /* adaptive sampling's, in a row */
+  cl_uint weight_plane;      /* of GATHERED, what slices weigh; 0: none */
+  cl_int tiles;              /* that adaptive sampling measures */
   ladder ladder;
 } layout;
 
@@ -248,7 +249,7 @@ void layout_compute(const hbil_config *config, layout *out);
 /* --- plan.c --- */
 
 /* Most kernel launches in a frame, for the profiling events. */
-enum { MAX_LAUNCHES = 2 * MAX_CHAIN + 24 + HBIL_MOST_RUNGS + 5 };
+enum { MAX_LAUNCHES = 2 * MAX_CHAIN + 24 + 3 * (HBIL_MOST_RUNGS + 1) };
 
 struct hbil_plan {
   hbil_context *context;

@@ -1,72 +1,110 @@
-/* Adaptive sampling: the numbers of samples to choose from, and what a probe's
- * spread says of the error with each. */
+/* Adaptive sampling: the numbers of samples to choose from, and what they are
+ * held against. */
 #include "internal.h"
 
 #include <math.h>
 
 /*
- * With so many samples a side and two slices, 95 % of the pixels are off by at
- * most so many times the spread that the probe finds in their tile: of AO, and
- * of E_near relative to its mean.  Measured against the exact integral on the
- * procedural room and four public dumps, the worst of which these hold for
+ * From the fewest to the most, in the order of the time they take: one slice as
+ * long as more samples help more than another one would (HACKING.md, "Adaptive
+ * sampling").
+ */
+static const struct {
+  int slices, samples;
+} choices[] = {{1, 4},  {1, 6},  {1, 8},  {1, 12}, {1, 16}, {1, 24},  {1, 32},
+               {1, 48}, {2, 32}, {2, 48}, {2, 64}, {2, 96}, {2, 128}, {2, 192}};
+enum { CHOICES = sizeof choices / sizeof *choices };
+_Static_assert(CHOICES + 1 <= HBIL_MOST_RUNGS, "a rung each, and the most");
+
+/* The ruler.  Of AO, where occluders don't end, fewer samples will do: blocks
+ * are within half of these limits of the exact integral then. */
+enum { RULER_SLICES = 2, RULER_SAMPLES = 96 };
+static const struct {
+  float ao;
+  int samples;
+} lax[] = {{0.1f, 32}, {0.06f, 64}};
+
+/*
+ * What a pixel is off by after the filter, of what its block is off from the
+ * ruler: that times a factor, and besides, of AO, noise that blocks don't have,
+ * most of it with a single slice, and of E_near what the ruler itself is off
+ * by.  Measured: the least with which all of five scenes keep all limits
  * (HACKING.md, "Adaptive sampling").
+ */
+static const struct {
+  float ao, near_light;
+} factor[] = {{1.2f, 1.25f}, {1.3f, 1.4f}}; /* occluders without end, with */
+static const float noise_ao[] = {0.045f, 0.03f}; /* one slice, more */
+static const float ruler_near = 0.12f;           /* over the mean */
+
+/*
+ * How much the pixels differ that the filter brings together, times this, is an
+ * error that 95 % of the pixels don't exceed (hbil_config.error): with so many
+ * samples, of the worst scene each.  More slices differ less, by their root,
+ * from what they are all off by.
  */
 static const struct {
   int samples;
   float ao, near_light;
-} measured[] = {{8, 0.73f, 1.37f},  {12, 0.47f, 1.09f}, {16, 0.32f, 0.82f},
-                {24, 0.20f, 0.62f}, {32, 0.14f, 0.50f}, {48, 0.10f, 0.37f},
-                {64, 0.09f, 0.29f}, {96, 0.08f, 0.25f}, {128, 0.07f, 0.22f},
-                {192, 0.07f, 0.21f}};
+} measured[] = {{8, 1.40f, 3.20f},  {12, 1.05f, 2.20f}, {16, 0.85f, 1.90f},
+                {24, 0.62f, 1.50f}, {32, 0.60f, 1.45f}, {48, 0.60f, 1.25f},
+                {64, 0.60f, 1.20f}, {96, 0.60f, 1.05f}, {128, 0.60f, 1.00f},
+                {192, 0.60f, 0.90f}};
 enum { MEASURED = sizeof measured / sizeof *measured };
-_Static_assert(MEASURED + 1 == HBIL_MOST_RUNGS, "a rung each, and the most");
-
-/*
- * The same for how much the pixels differ that the filter brings together
- * (hbil_config.error), of the worst scene each.  More slices differ less, by
- * their root, from what they are all off by.
- */
-static const float error_ao[] = {1.40f, 1.05f, 0.85f, 0.62f, 0.60f,
-                                 0.60f, 0.60f, 0.60f, 0.60f, 0.60f};
-static const float error_near[] = {3.20f, 2.20f, 1.90f, 1.50f, 1.45f,
-                                   1.25f, 1.20f, 1.05f, 1.00f, 0.90f};
-_Static_assert(sizeof error_ao == MEASURED * sizeof *error_ao &&
-                   sizeof error_near == sizeof error_ao,
-               "one for each number of samples");
 
 bool ladder_on(const hbil_config *config) {
   return !isinf(config->max_error[0]) || !isinf(config->max_error[1]);
 }
 
-/* Between the measured numbers of samples the logarithm is a line. */
-static float at_samples(const float *factor, int samples) {
+/* Between the measured numbers of samples, and before the first, the logarithm
+ * is a line. */
+static float between(float a, float b, float t) {
+  return a * powf(b / a, fminf(t, 1.0f));
+}
+
+static void add_rung(ladder *l, int at, int slices, int samples, int levels) {
+  hbil_rung *r = &l->rung[at];
   int i = 0;
   while (i + 2 < MEASURED && measured[i + 1].samples < samples)
     ++i;
   const float from = (float)measured[i].samples;
   const float to = (float)measured[i + 1].samples;
   const float t = logf((float)samples / from) / logf(to / from);
-  return factor[i] *
-         powf(factor[i + 1] / factor[i], fminf(fmaxf(t, 0.0f), 1.0f));
-}
-
-static void add_rung(ladder *l, int at, int slices, int samples, int levels) {
-  hbil_rung *r = &l->rung[at];
   const float more = sqrtf(fmaxf(0.5f * (float)slices, 1.0f));
   r->steps = (cl_uint)l->steps;
   r->slices = slices;
   r->samples = samples;
-  r->error_ao = more * at_samples(error_ao, samples);
-  r->error_near = more * at_samples(error_near, samples);
+  r->error_ao = more * between(measured[i].ao, measured[i + 1].ao, t);
+  r->error_near =
+      more * between(measured[i].near_light, measured[i + 1].near_light, t);
   l->steps +=
       (size_t)levels * HBIL_LAYERS * 2 * (size_t)slices * (size_t)(samples + 1);
 }
 
-/* A million of spreads is as good as any number, and finite, as kernels are
- * built to expect. */
-static void limit(hbil_rung *r, const float most[2], int measurement) {
-  r->ao = fminf(most[0] / measured[measurement].ao, 1e6f);
-  r->near_light = fminf(most[1] / measured[measurement].near_light, 1e6f);
+static int ends(const hbil_config *config) {
+  return !isinf(config->thickness) || !isinf(config->relative_thickness);
+}
+
+/* A million is as good as any number, and finite, as kernels are built to
+ * expect. */
+static hbil_limit_args limit(const hbil_config *config, int slices) {
+  const float *const most = config->max_error;
+  const float noise = noise_ao[slices > 1];
+  const float ao = sqrtf(fmaxf(most[0] * most[0] - noise * noise, 0.0f));
+  const int end = ends(config);
+  const float light = fmaxf(most[1] - ruler_near, 0.0f);
+  const hbil_limit_args l = {fminf(ao / factor[end].ao, 1e6f),
+                             fminf(light / factor[end].near_light, 1e6f)};
+  return l;
+}
+
+static int ruler_samples(const hbil_config *config) {
+  if (isinf(config->max_error[1]) && !ends(config))
+    for (size_t i = 0; i < sizeof lax / sizeof *lax; ++i)
+      if (config->max_error[0] >= lax[i].ao)
+        return lax[i].samples;
+  return (int)config->samples > RULER_SAMPLES ? (int)config->samples
+                                              : RULER_SAMPLES;
 }
 
 ladder ladder_of(const hbil_config *config, int levels) {
@@ -76,11 +114,19 @@ ladder ladder_of(const hbil_config *config, int levels) {
     add_rung(&l, 0, slices, most, levels);
     return l;
   }
-  for (int i = 0; i < MEASURED && measured[i].samples < most; ++i) {
-    add_rung(&l, l.count, slices, measured[i].samples, levels);
-    limit(&l.rung[l.count++], config->max_error, i);
+  int before = 0;
+  for (int i = 0; i < CHOICES; ++i) {
+    const int own = choices[i].slices < slices ? choices[i].slices : slices;
+    const int all = own * choices[i].samples;
+    if (choices[i].samples > most || all <= before || all >= slices * most)
+      continue;
+    add_rung(&l, l.count++, own, choices[i].samples, levels);
+    before = all;
   }
   add_rung(&l, l.count++, slices, most, levels);
-  add_rung(&l, HBIL_MOST_RUNGS, HBIL_PROBE_SLICES, HBIL_PROBE_SAMPLES, levels);
+  for (int i = 0; i < l.count; ++i)
+    l.limit[i] = limit(config, l.rung[i].slices);
+  add_rung(&l, LADDER_RULER, slices > RULER_SLICES ? slices : RULER_SLICES,
+           ruler_samples(config), levels);
   return l;
 }

@@ -203,7 +203,8 @@ void layout_compute(const hbil_config *config, layout *out) {
   }
   lay_out_layers(config, split_planes(config, out), &out->split);
   const cl_uint gathered = gathered_planes(config, out);
-  const bool weighted = config->slices == 1 && !config->raw_interleave;
+  const bool weighted =
+      (config->slices == 1 || ladder_on(config)) && !config->raw_interleave;
   out->weight_plane = weighted ? gathered : 0;
   lay_out_layers(config, gathered + weighted, &out->light);
   out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
@@ -243,9 +244,10 @@ void layout_compute(const hbil_config *config, layout *out) {
   out->bytes[BUFFER_LADDER] = sizeof out->ladder.rung;
   if (!out->ladder.count)
     return;
-  out->tiles = (size_t)hbil_tiles(out->split.width);
-  const size_t tiles = out->tiles * (size_t)out->split.height;
-  out->bytes[BUFFER_TILES] =
-      real * (HBIL_JUDGED * tiles + 2 * (size_t)HBIL_JUDGE_PARTS);
-  out->bytes[BUFFER_RUNGS] = sizeof(cl_uint) * tiles;
+  const cl_int tiles = hbil_tiles(out->split.width) * out->split.height;
+  out->tiles = tiles < HBIL_MEASURED_TILES ? tiles : HBIL_MEASURED_TILES;
+  out->bytes[BUFFER_RULER] =
+      real * (size_t)out->tiles * (HBIL_RULER_PLANES * HBIL_TILE + 2);
+  out->bytes[BUFFER_TRIED] =
+      sizeof(cl_uint) * HBIL_MOST_RUNGS * (size_t)HBIL_TRIED;
 }

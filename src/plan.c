@@ -141,9 +141,8 @@ static const struct {
     [KERNEL_ESTIMATE_SUM] = {"estimate_sum", PROGRAM_ESTIMATE},
     [KERNEL_PATTERN] = {"make_pattern", PROGRAM_PATTERN},
     [KERNEL_GATHER] = {"gather", PROGRAM_GATHER},
-    [KERNEL_JUDGE_TILES] = {"judge_tiles", PROGRAM_JUDGE},
-    [KERNEL_JUDGE_SUM] = {"judge_sum", PROGRAM_JUDGE},
-    [KERNEL_JUDGE_RUNGS] = {"judge_rungs", PROGRAM_JUDGE},
+    [KERNEL_JUDGE_RULER] = {"judge_ruler", PROGRAM_JUDGE},
+    [KERNEL_JUDGE_RUNG] = {"judge_rung", PROGRAM_JUDGE},
     [KERNEL_RECOMPOSE] = {"recompose", PROGRAM_RECOMPOSE},
     [KERNEL_TEMPORAL] = {"temporal", PROGRAM_TEMPORAL},
     [KERNEL_COMPOSITE] = {"composite", PROGRAM_COMPOSITE},
@@ -243,12 +242,12 @@ static cl_int clear_layers(hbil_plan *plan, cl_command_queue queue) {
 }
 
 /* Padding left of, above and below the layers is written once, here: no kernel
- * touches it later.  Nor are counts of what a plan never looks at, nor rungs
- * where the caller has put a pass in the gather's place: they are indices.  The
+ * touches it later.  Nor are counts of what a plan never looks at, nor what rungs
+ * come to where the caller has put a pass in the gather's place.  The
  * waiting is done by clFinish on a queue of our own. */
 static hbil_status fill_padding(hbil_plan *plan) {
   static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT, BUFFER_REPAIRED,
-                                BUFFER_RUNGS};
+                                BUFFER_TRIED};
   const cl_float zero = 0.0f;
   cl_int error = CL_SUCCESS;
   cl_command_queue queue = clCreateCommandQueue(

@@ -266,7 +266,6 @@ static hbil_status check_mode(hbil_context *context,
   return HBIL_SUCCESS;
 }
 
-/* The relation of the probe's spread to the error was measured with these. */
 static hbil_status check_adaptive(hbil_context *context,
                                   const hbil_config *config) {
   hbil_status status =
@@ -275,24 +274,10 @@ static hbil_status check_adaptive(hbil_context *context,
     status = positive(context, "max_error[1]", (double)config->max_error[1]);
   if (status != HBIL_SUCCESS || !ladder_on(config))
     return status;
-  if (config->slices < 2)
-    return fail(context, HBIL_INVALID_CONFIG,
-                "max_error: needs slices of 2 or more, not %u",
-                (unsigned)config->slices);
-  if (!config->extrapolate)
-    return fail(context, HBIL_INVALID_CONFIG,
-                "max_error: needs extrapolate, which is CL_FALSE");
   if (config->raw_interleave)
     return fail(context, HBIL_INVALID_CONFIG,
                 "max_error: is that of filtered results, raw_interleave must "
                 "be CL_FALSE");
-  if (!isinf(config->thickness) || !isinf(config->relative_thickness))
-    return fail(context, HBIL_INVALID_CONFIG,
-                "max_error: needs occluders that don't end, thickness and "
-                "relative_thickness must be infinity");
-  if (config->mode == HBIL_MODE_HBAO)
-    return fail(context, HBIL_INVALID_CONFIG,
-                "max_error: not with HBIL_MODE_HBAO, whose errors are others");
   return HBIL_SUCCESS;
 }
 

@@ -79,28 +79,20 @@ static void count_strips(const hbil_plan *plan, const unsigned char *strips,
 static hbil_status read_samples(hbil_plan *plan, cl_command_queue queue,
                                 hbil_skipped *out) {
   const ladder *l = &plan->layout.ladder;
-  out->samples = (double)plan->config.samples;
+  cl_uint tried[HBIL_MOST_RUNGS][HBIL_TRIED];
+  out->slices = plan->config.slices;
+  out->samples = plan->config.samples;
   out->adaptive = l->count > 0;
   if (!l->count)
     return HBIL_SUCCESS;
-  cl_uint *rungs = malloc(plan->layout.bytes[BUFFER_RUNGS]);
-  if (!rungs)
-    return fail(plan->context, HBIL_OUT_OF_HOST_MEMORY,
-                "no memory to count in");
-  const hbil_status status = read_buffer(plan, queue, BUFFER_RUNGS, rungs);
-  double sum = 0.0, pixels = 0.0;
-  const size_t width = (size_t)plan->layout.split.width;
-  for (size_t i = 0; status == HBIL_SUCCESS &&
-                     i < plan->layout.bytes[BUFFER_RUNGS] / sizeof *rungs;
-       ++i) {
-    const size_t x = i % plan->layout.tiles * HBIL_TILE;
-    const size_t inside = width - x < HBIL_TILE ? width - x : HBIL_TILE;
-    pixels += (double)inside;
-    sum += (double)inside * l->rung[rungs[i]].samples;
-  }
-  if (pixels > 0.0)
-    out->samples = sum / pixels;
-  free(rungs);
+  const hbil_status status = read_buffer(plan, queue, BUFFER_TRIED, tried);
+  int good = 0;
+  while (good + 1 < l->count &&
+         !hbil_good_enough(tried[good][HBIL_TRIED_BEYOND],
+                           tried[good][HBIL_TRIED_PIXELS]))
+    ++good;
+  out->slices = (cl_uint)l->rung[good].slices;
+  out->samples = (cl_uint)l->rung[good].samples;
   return status;
 }
 

@@ -1,37 +1,41 @@
 /*
- * Adaptive sampling: each tile has the pixels of some uniform setting, the
- * promised error is kept, and the estimate of it is one.
+ * Adaptive sampling: a frame is that of some uniform setting, the one that
+ * measured tiles call for; the promised error is kept, and the estimate of it
+ * is one.
  */
 #include "support.h"
-
-#include <stdio.h>
 
 /* Three tiles across, the last one not full. */
 #define WIDTH 320
 #define HEIGHT 96
 #define PIXELS (WIDTH * HEIGHT)
-#define TILE_WIDTH (4 * HBIL_TILE)
-#define TILES ((WIDTH + TILE_WIDTH - 1) / TILE_WIDTH * (HEIGHT / 4))
+#define BLOCKS_ACROSS (WIDTH / 4)
 
-/* The most samples that tiles may have, and what else there is. */
-static const cl_uint ladder[] = {8, 12, 16, 24, 32, 48};
+/* What there is to choose from where 2 x 48 is the most, and what it is held
+ * against. */
+typedef struct sampling {
+  cl_uint slices, samples;
+} sampling;
+static const sampling ladder[] = {{1, 4},  {1, 6},  {1, 8},  {1, 12}, {1, 16},
+                                  {1, 24}, {1, 32}, {1, 48}, {2, 32}, {2, 48}};
 #define RUNGS (sizeof ladder / sizeof *ladder)
-#define MOST 48
+static const sampling all = {2, 48}, ruler = {2, 96};
 
-static void start(setup *s, cl_uint samples, float ao, float near_light) {
+static void start(setup *s, sampling how, float ao, float near_light) {
   setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   s->config.gather_emission = CL_FALSE;
   s->config.reprojection = HBIL_REPROJECTION_NONE;
-  s->config.samples = samples;
+  s->config.slices = how.slices;
+  s->config.samples = how.samples;
   s->config.max_error[0] = ao;
   s->config.max_error[1] = near_light;
   setup_start(s);
 }
 
-static ref_planes gathered(cl_uint samples, float ao, float near_light,
+static ref_planes gathered(sampling how, float ao, float near_light,
                            hbil_skipped *skipped) {
   setup s;
-  start(&s, samples, ao, near_light);
+  start(&s, how, ao, near_light);
   setup_run(&s, hbil_enqueue_frame);
   ref_planes planes = stage_read(&s, HBIL_STAGE_GATHERED);
   if (skipped)
@@ -40,167 +44,148 @@ static ref_planes gathered(cl_uint samples, float ao, float near_light,
   return planes;
 }
 
-/* What no spread is small enough for has all samples, what any is for has the
- * fewest. */
-static void the_ends_are_uniform(void **state) {
+/* Where nothing is good enough there are the most samples, where all is, the
+ * fewest; what comes between is one of those, too.  What is gathered is the
+ * same bit for bit; weights are there only where there may be a single slice.
+ */
+static void frames_are_those_of_a_uniform_setting(void **state) {
   const struct {
-    float error;
-    cl_uint samples;
-  } ends[] = {{1e-12f, MOST}, {1e12f, 8}};
+    float ao, near_light;
+    const sampling *expected;
+  } limits[] = {{1e-12f, 1e-12f, &all},
+                {1e12f, 1e12f, &ladder[0]},
+                {0.1f, INFINITY, NULL},
+                {INFINITY, 1.0f, NULL}};
   (void)state;
-  for (int i = 0; i < 2; ++i) {
+  for (size_t i = 0; i < sizeof limits / sizeof *limits; ++i) {
     hbil_skipped skipped;
-    ref_planes got = gathered(MOST, ends[i].error, ends[i].error, &skipped);
-    ref_planes want = gathered(ends[i].samples, INFINITY, INFINITY, NULL);
-    assert_int_equal(count_different(&got, &want), 0);
-    assert_true(skipped.adaptive && skipped.samples == ends[i].samples);
+    ref_planes got =
+        gathered(all, limits[i].ao, limits[i].near_light, &skipped);
+    const sampling chosen = {skipped.slices, skipped.samples};
+    ref_planes want = gathered(chosen, INFINITY, INFINITY, NULL);
+    assert_memory_equal(got.values, want.values,
+                        sizeof *got.values * HBIL_LIGHT_PLANES * PIXELS);
+    assert_true(skipped.adaptive);
+    if (limits[i].expected)
+      assert_true(chosen.slices == limits[i].expected->slices &&
+                  chosen.samples == limits[i].expected->samples);
+    else
+      assert_true(chosen.samples > ladder[0].samples &&
+                  chosen.slices * chosen.samples < all.slices * all.samples);
     ref_planes_free(&got);
     ref_planes_free(&want);
   }
 }
 
-static bool same_tile(const ref_planes *a, const ref_planes *b, int tile) {
-  const int across = (WIDTH + TILE_WIDTH - 1) / TILE_WIDTH;
-  const int left = tile % across * TILE_WIDTH, top = tile / across * 4;
-  const int right = left + TILE_WIDTH < WIDTH ? left + TILE_WIDTH : WIDTH;
-  for (int p = 0; p < a->count; ++p)
-    for (int y = top; y < top + 4; ++y)
-      for (int x = left; x < right; ++x) {
-        const int i = (p * HEIGHT + y) * WIDTH + x;
-        if (a->values[i] != b->values[i])
-          return false;
-      }
-  return true;
-}
-
-static bool has_sky(const float *depth, int tile) {
-  const int across = (WIDTH + TILE_WIDTH - 1) / TILE_WIDTH;
-  const int left = tile % across * TILE_WIDTH, top = tile / across * 4;
-  for (int y = top; y < top + 4; ++y)
-    for (int x = left; x < left + TILE_WIDTH && x < WIDTH; ++x)
-      if (!(depth[y * WIDTH + x] > 0.0f))
-        return true;
-  return false;
-}
-
 /* --- which setting it is --- */
 
-/* Errors in spreads of the probe, as HACKING.md has them. */
-static const double ao_errors[RUNGS] = {0.73, 0.47, 0.32, 0.20, 0.14};
-static const double light_errors[RUNGS] = {1.37, 1.09, 0.82, 0.62, 0.50};
-
-/* The probe: 1 x 16 samples. */
-static ref_planes probe(void) {
-  setup s;
-  setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  s.config.gather_emission = CL_FALSE;
-  s.config.reprojection = HBIL_REPROJECTION_NONE;
-  s.config.slices = 1;
-  s.config.samples = 16;
-  setup_start(&s);
-  setup_run(&s, hbil_enqueue_frame);
-  ref_planes planes = stage_read(&s, HBIL_STAGE_GATHERED);
-  setup_free(&s);
-  return planes;
-}
-
-/* Of the four upper left pixels of a block, which are all surfaces. */
-static double block_variance(const ref_planes *p, int plane, int x, int y) {
-  double sum = 0.0, square = 0.0;
-  for (int i = 0; i < 4; ++i) {
-    const double v = *ref_at(p, plane, x + (i & 1), y + (i >> 1));
-    sum += v;
-    square += v * v;
+/* AO and the channels of E_near of a block of 4x4 pixels: means, of single
+ * slices weighed by what they stand for. */
+static int block_mean(const ref_planes *p, const float *depth, bool single,
+                      int block, double mean[4]) {
+  const int left = 4 * (block % BLOCKS_ACROSS),
+            top = 4 * (block / BLOCKS_ACROSS);
+  double total = 0.0;
+  int count = 0;
+  memset(mean, 0, 4 * sizeof *mean);
+  for (int i = 0; i < 16; ++i) {
+    const int x = left + i % 4, y = top + i / 4;
+    if (!(depth[y * WIDTH + x] > 0.0f))
+      continue;
+    const double weight = single ? *ref_at(p, HBIL_LIGHT_WEIGHT, x, y) : 1.0;
+    for (int c = 0; c < 4; ++c)
+      mean[c] += weight * *ref_at(p, HBIL_LIGHT_AO + c, x, y);
+    total += weight;
+    ++count;
   }
-  return (square - sum * sum / 4.0) / 3.0;
+  for (int c = 0; c < 4 && count; ++c)
+    mean[c] /= total;
+  return count;
 }
 
-static double tile_spread(const ref_planes *p, int plane, int tile) {
-  const int across = (WIDTH + TILE_WIDTH - 1) / TILE_WIDTH;
-  const int left = tile % across * TILE_WIDTH, top = tile / across * 4;
-  double sum = 0.0;
-  int count = 0;
-  for (int x = left; x < left + TILE_WIDTH && x < WIDTH; x += 4, ++count)
-    sum += block_variance(p, plane, x, top);
-  return sqrt(sum / count);
-}
-
-/* E_near of the probe, over what of the room is no sky. */
-static double probed_mean(const ref_planes *p, const float *depth) {
-  double sum = 0.0;
-  int count = 0;
-  for (int i = 0; i < PIXELS; ++i)
-    if (i % WIDTH % 4 < 2 && i / WIDTH % 4 < 2 && depth[i] > 0.0f) {
-      for (int c = 0; c < 3; ++c)
-        sum += p->values[(HBIL_LIGHT_RED + c) * PIXELS + i];
-      count += 3;
+/* The measured tiles' blocks, HBIL_TILE to a row; -1 outside the picture. */
+enum { TILES = HBIL_MEASURED_TILES, MEASURED = TILES * HBIL_TILE };
+static void measured_blocks(int block[MEASURED]) {
+  for (int i = 0; i < TILES; ++i) {
+    int x, y;
+    hbil_measured_tile(i, TILES, hbil_tiles(BLOCKS_ACROSS), HEIGHT / 4, &x, &y);
+    for (int j = 0; j < HBIL_TILE; ++j) {
+      const int column = x * HBIL_TILE + j;
+      block[i * HBIL_TILE + j] =
+          column < BLOCKS_ACROSS ? y * BLOCKS_ACROSS + column : -1;
     }
-  return sum / count;
+  }
 }
 
-/* Whether rung r is the first that is good enough, but for a rounding. */
-static bool is_right(double ao, double light, size_t r) {
-  const double slack = 1e-3;
-  const bool enough = r + 1 == RUNGS || (ao * ao_errors[r] < 0.05 + slack &&
-                                         light * light_errors[r] < 0.5 + slack);
-  return enough && (r == 0 || ao * ao_errors[r - 1] > 0.05 - slack ||
-                    light * light_errors[r - 1] > 0.5 - slack);
+/* The share of the measured pixels whose block is off by more, of AO and of
+ * E_near over its mean. */
+static double measured_beyond(const ref_planes *rung, bool single,
+                              const ref_planes *want, const float *depth,
+                              double ao, double light) {
+  int block[MEASURED], beyond = 0, count = 0;
+  double sum = 0.0;
+  measured_blocks(block);
+  for (int i = 0; i < MEASURED; ++i) {
+    double mean[4];
+    if (block[i] < 0)
+      continue;
+    const int pixels = block_mean(want, depth, false, block[i], mean);
+    sum += pixels * (mean[1] + mean[2] + mean[3]) / 3.0;
+    count += pixels;
+  }
+  for (int i = 0; i < MEASURED; ++i) {
+    double mean[4], right[4], off = 0.0;
+    if (block[i] < 0)
+      continue;
+    const int pixels = block_mean(rung, depth, single, block[i], mean);
+    block_mean(want, depth, false, block[i], right);
+    for (int c = 1; c < 4; ++c)
+      off = fmax(off, fabs(mean[c] - right[c]));
+    if (fabs(mean[0] - right[0]) > ao || off > light * sum / count)
+      beyond += pixels;
+  }
+  return (double)beyond / count;
 }
 
-static void the_probe_chooses(void **state) {
+/* Limits of a block, as HACKING.md has them. */
+static double block_limit(double ao, cl_uint slices) {
+  const double noise = slices > 1 ? 0.03 : 0.045;
+  return sqrt(fmax(ao * ao - noise * noise, 0.0)) / 1.2;
+}
+
+/* The first rung with which no more than 5 % of what is measured is beyond the
+ * limits, but for a rounding of either. */
+static void the_first_that_is_good_enough_is_chosen(void **state) {
+  const double limits[][2] = {{0.06, 0.5}, {0.1, 1.0}, {0.2, 0.7}, {0.07, 2.0}};
   setup s;
-  ref_planes found = probe(), got = gathered(MOST, 0.05f, 0.5f, NULL);
-  int tiles = 0;
+  ref_planes rung[RUNGS], want = gathered(ruler, INFINITY, INFINITY, NULL);
   (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  const double mean = probed_mean(&found, s.input[REF_DEPTH]);
-  for (size_t r = 0; r < RUNGS; ++r) {
-    ref_planes uniform = gathered(ladder[r], INFINITY, INFINITY, NULL);
-    for (int t = 0; t < TILES; ++t) {
-      double light = 0.0;
-      if (!same_tile(&got, &uniform, t) || has_sky(s.input[REF_DEPTH], t))
-        continue;
-      for (int c = 0; c < 3; ++c)
-        light = fmax(light, tile_spread(&found, HBIL_LIGHT_RED + c, t));
-      assert_true(
-          is_right(tile_spread(&found, HBIL_LIGHT_AO, t), light / mean, r));
-      ++tiles;
-    }
-    ref_planes_free(&uniform);
-  }
-  assert_true(tiles > TILES / 2);
-  ref_planes_free(&found);
-  ref_planes_free(&got);
-  setup_free(&s);
-}
-
-/* Bit for bit. */
-static void each_tile_is_that_of_a_uniform_setting(void **state) {
-  hbil_skipped skipped;
-  ref_planes uniform[RUNGS];
-  ref_planes got = gathered(MOST, 0.05f, 0.5f, &skipped);
-  int used[RUNGS] = {0}, distinct = 0;
-  double samples = 0.0;
-  (void)state;
   for (size_t r = 0; r < RUNGS; ++r)
-    uniform[r] = gathered(ladder[r], INFINITY, INFINITY, NULL);
-  for (int t = 0; t < TILES; ++t) {
-    size_t rung = 0;
-    while (rung < RUNGS && !same_tile(&got, &uniform[rung], t))
-      ++rung;
-    assert_true(rung < RUNGS);
-    used[rung]++;
-    /* the last tile of a row has 16 layer pixels of 32, as 320 is 2.5 tiles */
-    samples += ladder[rung] * (t % 3 == 2 ? 0.5 : 1.0) / (TILES / 3 * 2.5);
+    rung[r] = gathered(ladder[r], INFINITY, INFINITY, NULL);
+  for (size_t i = 0; i < sizeof limits / sizeof *limits; ++i) {
+    hbil_skipped skipped;
+    ref_planes got =
+        gathered(all, (float)limits[i][0], (float)limits[i][1], &skipped);
+    ref_planes_free(&got);
+    for (size_t r = 0; r < RUNGS; ++r) {
+      const double share = measured_beyond(
+          &rung[r], ladder[r].slices == 1, &want, s.input[REF_DEPTH],
+          block_limit(limits[i][0], ladder[r].slices),
+          (limits[i][1] - 0.12) / 1.25);
+      const bool chosen = ladder[r].slices == skipped.slices &&
+                          ladder[r].samples == skipped.samples;
+      if (chosen) {
+        assert_true(share < 0.051 || r + 1 == RUNGS);
+        break;
+      }
+      assert_true(share > 0.049 && r + 1 < RUNGS);
+    }
   }
-  for (size_t r = 0; r < RUNGS; ++r) {
-    distinct += used[r] > 0;
-    ref_planes_free(&uniform[r]);
-  }
-  /* measured: 4 */
-  assert_true(distinct >= 3);
-  check_at_most("samples", fabs(skipped.samples - samples), 1e-9);
-  ref_planes_free(&got);
+  for (size_t r = 0; r < RUNGS; ++r)
+    ref_planes_free(&rung[r]);
+  ref_planes_free(&want);
+  setup_free(&s);
 }
 
 /* --- against the exact integral --- */
@@ -210,7 +195,7 @@ static ref_planes exact(void) {
   const ref_dense how = {.slices = 32};
   setup s;
   ref_state reference;
-  start(&s, 8, INFINITY, INFINITY);
+  start(&s, ladder[0], INFINITY, INFINITY);
   ref_state_init(&reference, WIDTH, HEIGHT);
   ref_frame_dense(&reference, &s.job, &how);
   ref_planes want = ref_planes_new(WIDTH, HEIGHT, REF_OUTPUT_PLANES);
@@ -273,7 +258,7 @@ static void promised_errors_are_kept(void **state) {
   for (size_t i = 0; i < sizeof promises / sizeof *promises; ++i) {
     hbil_skipped skipped;
     setup s;
-    start(&s, 64, promises[i].ao, promises[i].light);
+    start(&s, (sampling){2, 64}, promises[i].ao, promises[i].light);
     setup_run(&s, hbil_enqueue_frame);
     ref_planes got = outputs_read(&s);
     assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, &skipped));
@@ -282,7 +267,8 @@ static void promised_errors_are_kept(void **state) {
                                (double)promises[i].ao,
                                (double)promises[i].light),
                   0.05);
-    check_at_most("samples", skipped.samples, 0.9 * 64.0);
+    check_at_most("samples", (double)(skipped.slices * skipped.samples),
+                  0.9 * 128.0);
     ref_planes_free(&got);
     setup_free(&s);
   }
@@ -291,11 +277,13 @@ static void promised_errors_are_kept(void **state) {
 /* 95 % of the pixels are off by less than the estimate says. */
 static void estimates_hold(void **state) {
   const ref_planes *want = *state;
-  for (cl_uint samples = 8; samples <= 32; samples *= 2) {
+  for (int how = 0; how < 8; ++how) {
+    const cl_uint samples = 4u << (how & 3);
     setup s;
     setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
     s.config.gather_emission = CL_FALSE;
     s.config.reprojection = HBIL_REPROJECTION_NONE;
+    s.config.slices = how < 4 ? 1 : 2;
     s.config.samples = samples;
     s.config.error.component = HBIL_FLOAT32;
     s.config.error.stride = 1;
@@ -343,12 +331,12 @@ static int free_exact(void **state) {
   return 0;
 }
 
-/* Where nothing has moved and the light has settled the tiles are left alone,
- * too. */
+/* Where nothing has moved and the light has settled nothing is measured,
+ * either. */
 static void still_frames_stay(void **state) {
   setup s;
   (void)state;
-  start(&s, 24, 0.05f, 0.5f);
+  start(&s, (sampling){2, 24}, 0.05f, 0.5f);
   setup_run(&s, hbil_enqueue_frame);
   ref_planes before = outputs_read(&s);
   s.frame.still = CL_TRUE;
@@ -360,25 +348,45 @@ static void still_frames_stay(void **state) {
   setup_free(&s);
 }
 
-/* A caller may put a pass in the gather's place: then every tile has the first
- * number there is, not what memory held before. */
+/* A caller may put a pass in the gather's place: then it is the first number
+ * there is, not what memory held before. */
 static void without_the_gather_nothing_is_chosen(void **state) {
   hbil_skipped skipped;
   setup s;
   (void)state;
-  start(&s, 24, 0.05f, 0.5f);
+  start(&s, (sampling){2, 24}, 0.05f, 0.5f);
   setup_run(&s, hbil_enqueue_split);
   setup_run(&s, hbil_enqueue_recompose);
   setup_run(&s, hbil_enqueue_composite);
   assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, &skipped));
-  assert_true(skipped.samples == 8.0);
+  assert_true(skipped.slices == 1 && skipped.samples == 4);
   setup_free(&s);
 }
 
-/* A difference in the last digit at a limit may give a tile other samples; of
- * the room's none does. */
+/* What the frame before came to counts no more: here nothing but sky is left. */
+static void each_frame_is_chosen_for_anew(void **state) {
+  const float sky = 0.0f;
+  hbil_skipped skipped;
+  setup s;
+  (void)state;
+  start(&s, all, 0.05f, INFINITY);
+  setup_run(&s, hbil_enqueue_frame);
+  assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, &skipped));
+  assert_true(skipped.samples > ladder[0].samples);
+  assert_int_equal(clEnqueueFillBuffer(s.gpu->queue, s.frame.depth.buffer, &sky,
+                                       sizeof sky, 0, PIXELS * sizeof sky, 0,
+                                       NULL, NULL),
+                   CL_SUCCESS);
+  setup_run(&s, hbil_enqueue_frame);
+  assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, &skipped));
+  assert_true(skipped.slices == 1 && skipped.samples == ladder[0].samples);
+  setup_free(&s);
+}
+
+/* A difference in the last digit at a limit may make another choice; of the
+ * room it does not. */
 static void every_width_chooses_the_same(void **state) {
-  hbil_skipped first = {.samples = 0.0};
+  hbil_skipped first = {.samples = 0};
   (void)state;
   for (cl_uint width = 1; width <= 8; width += width == 1 ? 3 : 4) {
     hbil_skipped skipped;
@@ -387,27 +395,61 @@ static void every_width_chooses_the_same(void **state) {
     s.config.vector_width = width;
     s.config.reprojection = HBIL_REPROJECTION_NONE;
     s.config.samples = 24;
-    s.config.max_error[0] = 0.05f;
+    s.config.max_error[0] = 0.1f;
     setup_start(&s);
     setup_run(&s, hbil_enqueue_frame);
     assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, &skipped));
     if (width == 1)
       first = skipped;
-    assert_true(skipped.samples == first.samples && skipped.samples < 24.0);
+    assert_true(skipped.samples == first.samples &&
+                skipped.slices == first.slices && skipped.slices == 1);
+    setup_free(&s);
+  }
+}
+
+/* Without light, without bent normals, where occluders end, without the
+ * hemisphere's cosine, of a single slice at most, without extrapolation. */
+static void every_mode_chooses(void **state) {
+  (void)state;
+  for (int i = 0; i < 5; ++i) {
+    hbil_skipped skipped;
+    setup s;
+    setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
+    s.config.reprojection = HBIL_REPROJECTION_NONE;
+    s.config.samples = 96;
+    s.config.max_error[0] = 0.09f;
+    if (i < 2) {
+      s.config.mode = i ? HBIL_MODE_HBAO : HBIL_MODE_GTAO;
+      s.config.near_light.component = HBIL_NONE;
+    }
+    if (i == 1)
+      s.config.bent.component = s.config.cone.component = HBIL_NONE;
+    if (i == 2)
+      s.config.relative_thickness = 0.08f;
+    if (i == 3)
+      s.config.slices = 1;
+    if (i == 4)
+      s.config.extrapolate = CL_FALSE;
+    setup_start(&s);
+    setup_run(&s, hbil_enqueue_frame);
+    assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, &skipped));
+    assert_true(skipped.samples > 4 &&
+                skipped.slices * skipped.samples < s.config.slices * 96);
     setup_free(&s);
   }
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(the_ends_are_uniform),
-      cmocka_unit_test(each_tile_is_that_of_a_uniform_setting),
-      cmocka_unit_test(the_probe_chooses),
+      cmocka_unit_test(frames_are_those_of_a_uniform_setting),
+      cmocka_unit_test(the_first_that_is_good_enough_is_chosen),
       cmocka_unit_test(promised_errors_are_kept),
       cmocka_unit_test(estimates_hold),
       cmocka_unit_test(still_frames_stay),
       cmocka_unit_test(without_the_gather_nothing_is_chosen),
-      cmocka_unit_test(every_width_chooses_the_same)};
+      cmocka_unit_test(each_frame_is_chosen_for_anew),
+      cmocka_unit_test(every_width_chooses_the_same),
+      cmocka_unit_test(every_mode_chooses)};
   test_gpu = gpu_open();
   return gpu_finish(cmocka_run_group_tests(tests, make_exact, free_exact));
 }

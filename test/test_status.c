@@ -100,14 +100,7 @@ SPOIL(growth_65, c->step_growth = 65.0f)
 SPOIL(extrapolate_2, c->extrapolate = 2)
 SPOIL(max_error_0, c->max_error[0] = 0.0f)
 SPOIL(max_error_nan, c->max_error[1] = NAN)
-SPOIL(max_error_slices, (c->max_error[0] = 0.1f, c->slices = 1))
-SPOIL(max_error_plain, (c->max_error[0] = 0.1f, c->extrapolate = CL_FALSE))
 SPOIL(max_error_raw, (c->max_error[1] = 0.1f, c->raw_interleave = CL_TRUE))
-SPOIL(max_error_thin, (c->max_error[0] = 0.1f, c->relative_thickness = 0.08f))
-SPOIL(max_error_hbao,
-      (c->max_error[0] = 0.1f, c->mode = HBIL_MODE_HBAO,
-       c->near_light.component = HBIL_NONE, c->bent.component = HBIL_NONE,
-       c->cone.component = HBIL_NONE))
 SPOIL(disocclusion_0, c->disocclusion = 0.0f)
 SPOIL(disocclusion_nan, c->disocclusion = NAN)
 SPOIL(depth_missing, c->depth.component = HBIL_NONE)
@@ -152,11 +145,7 @@ static const bad_config bad_configs[] = {
     {"extrapolate", extrapolate_2},
     {"max_error[0]", max_error_0},
     {"max_error[1]", max_error_nan},
-    {"max_error", max_error_slices},
-    {"max_error", max_error_plain},
     {"max_error", max_error_raw},
-    {"max_error", max_error_thin},
-    {"max_error", max_error_hbao},
     {"disocclusion", disocclusion_0},
     {"disocclusion", disocclusion_nan},
     {"depth", depth_missing},

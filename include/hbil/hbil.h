@@ -403,17 +403,16 @@ typedef struct hbil_config {
   cl_bool extrapolate;
   /* Adaptive sampling: the error that 95 % of the pixels shall have at most,
    * max_error[0] of AO, max_error[1] of E_near over its mean in the frame.
-   * Infinity (default): any; where both are, every pixel has `samples`.
-   * Otherwise that is the most: tiles of 128x4 pixels for which fewer will do
-   * have 8, 12, 16, 24, 32, 48, 64, 96, 128 or 192.  A probe of a quarter of
-   * the pixels, at a quarter of the cost of 1 x 16 samples, tells which; how
-   * well, and when it is worth it, is in HACKING.md, "Adaptive sampling".  What
-   * the filter of recompose adds to the error is in it, and where even
-   * `samples` are not enough, the error is what it is.  A tile's pixels are
-   * then, bit for bit, those of a plan with its number of samples throughout.
-   * Needs slices >= 2, extrapolate, occluders that don't end (few samples
-   * miss much of what is thin, which no probe tells), and not raw_interleave
-   * nor HBIL_MODE_HBAO.
+   * Infinity (default): any; where both are, every frame has `slices` and
+   * `samples`.  Otherwise those are the most: a frame for which fewer will do
+   * has 1 x 4, 6, 8, 12, 16, 24, 32, 48, 2 x 32, 48, 64, 96, 128 or 192.  A few
+   * tiles of 128x4 pixels tell which, 20 of them, that look around with one
+   * number after another and with 2 x 96: of 1280x720 pixels one in 90
+   * (HACKING.md, "Adaptive sampling").  What the filter of
+   * recompose adds to the error is in it, and where even the most samples are
+   * not enough, the error is what it is.  Frames are chosen for one by one:
+   * pictures of a sequence may have different numbers.  Not with
+   * raw_interleave.
    */
   float max_error[2];
   float facing[2];      /* radiance of a sample fades in as the cosine between
@@ -637,10 +636,11 @@ HBIL_API hbil_status hbil_enqueue_composite(
  *                 KEPT as well
  *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length);
  *                 8 with HBIL_REFUSED_FRAME, unless facing[1] is -1: share of
- *                 light that is unknown.  With a single slice and without
- *                 raw_interleave one more, the last, a float in any storage:
- *                 what the slice weighs when recompose brings several together,
- *                 1 on average
+ *                 light that is unknown.  With a single slice, or max_error,
+ *                 which may choose one, and without raw_interleave one more,
+ *                 the last, a float in any storage: what the slice weighs when
+ *                 recompose brings several together, 1 on average; 1 with more
+ *                 slices
  *   RESOLVED   7: the same, full resolution, E_near with the unknown filled in;
  *              after the temporal pass, the mean over frames
  *   KEPT      10: by the temporal filter, of the last frame that was composed:
@@ -738,9 +738,8 @@ typedef struct hbil_skipped {
   hbil_share open;   /* nothing there can be blocked */
   hbil_share dark;   /* no light is in reach: AO and bent normals alone */
   hbil_share unused; /* no irradiance is asked for */
-  cl_bool adaptive;  /* by hbil_config.max_error; then the next is less than
-                        hbil_config.samples */
-  double samples;    /* a side that pixels were given on average, sky and all */
+  cl_bool adaptive;  /* by hbil_config.max_error; then these are chosen: */
+  cl_uint slices, samples; /* of the frame */
   /* passes that had nothing to do, or found on the device that they had not */
   cl_bool not_run[HBIL_PASS_COUNT];
 } hbil_skipped;

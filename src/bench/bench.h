@@ -263,7 +263,7 @@ typedef struct bench_row {
   double gather_over_start, total_over_start;
   double ao_error, light_error; /* light: NAN where AO is all */
   double ao_95, light_95;       /* 95 % of the pixels are off by less */
-  double samples;               /* a side, on average */
+  cl_uint slices, samples;      /* taken: fewer where adaptive */
   double model_error;           /* NAN without a truth */
   int ao_front, light_front;    /* nothing of its model is faster and better */
   double ao_loss, light_loss;   /* off fp32 layers; NAN: not compared */
@@ -281,7 +281,7 @@ void bench_lab_close(bench_lab *lab);
 int bench_lab_errors(bench_lab *lab, const bench_exact *exact,
                      const bench_configuration *c, bench_row *out,
                      image_error *error);
-/* Fills in the times. */
+/* Fills in the times, once errors are there. */
 int bench_lab_times(bench_lab *lab, const bench_configuration *c, unsigned runs,
                     bench_row *out, image_error *error);
 /* Fills in what the row's storage loses. */
@@ -306,6 +306,7 @@ typedef struct bench_turn {
   bench_lab *lab;
   hbil_config config;
   int still;           /* frame 0 over and over, and said to be */
+  int first_only;      /* frame 0 over and over */
   unsigned settled;    /* so many frames before the first that is timed */
   const char *kernels; /* folder that they are read from, or NULL; one for all
                           turns of a lab */

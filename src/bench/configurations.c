@@ -78,8 +78,11 @@ static const bench_configuration table[] = {
     {4, 32, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {4, 32, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     {4, 64, 2.0f, LAYER, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
-    /* one more beside those that adaptive sampling chooses from */
-    {2, 12, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    /* what else adaptive sampling chooses from */
+    {1, 6, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 12, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 24, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
+    {1, 48, 2.0f, FULL, 0, 0, BENCH_PAPER, NULL, PACKED, 0, 0, 0},
     /* occluders that end */
     {2, 8, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL, PACKED, 0, 0, 0},
     {2, 32, 2.0f, FULL, 0, 0, BENCH_THICK_02, NULL, PACKED, 0, 0, 0},
@@ -132,6 +135,7 @@ int bench_is_adaptive(const bench_configuration *c) {
 int bench_is_uniform_of(const bench_configuration *uniform,
                         const bench_configuration *adaptive) {
   bench_configuration c = *adaptive;
+  c.slices = uniform->slices;
   c.samples = uniform->samples;
   c.most_ao = c.most_light = 0.0f;
   return same(&c, uniform);

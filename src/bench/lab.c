@@ -23,7 +23,8 @@ struct bench_lab {
 typedef struct trial {
   bench_lab *lab;
   hbil_plan *plan;
-  int still; /* every frame is frame 0 and said to be still */
+  int still;      /* every frame is frame 0 and said to be still */
+  int first_only; /* every frame is frame 0 */
   size_t memory;
   unsigned layers;
   hbil_far_field far;
@@ -266,13 +267,14 @@ static int sampling_error(bench_lab *lab, const trial *t,
                         &out->light_95, error);
 }
 
-/* Samples of the last frame, which were as many as the plan has or fewer. */
-static int mean_samples(const bench_lab *lab, const trial *t, double *out,
-                        image_error *error) {
+/* What the last frame was given: as much as the plan has, or less. */
+static int samples_taken(const bench_lab *lab, const trial *t, bench_row *out,
+                         image_error *error) {
   hbil_skipped skipped;
   const hbil_status status =
       hbil_plan_skipped(t->plan, lab->device->queue, &skipped);
-  *out = skipped.samples;
+  out->slices = skipped.slices;
+  out->samples = skipped.samples;
   return status == HBIL_SUCCESS ? 0 : library_failed(lab, status, error);
 }
 
@@ -323,7 +325,7 @@ static int time_frame(const trial *t, unsigned index, samples *s, unsigned run,
 }
 
 static unsigned next_frame(const trial *t, unsigned run) {
-  return t->still ? 0 : (run + 1) % t->lab->content->frames;
+  return t->still || t->first_only ? 0 : (run + 1) % t->lab->content->frames;
 }
 
 /*
@@ -353,7 +355,7 @@ int bench_lab_errors(bench_lab *lab, const bench_exact *exact,
   bench_configure(lab->content, c, &config);
   const int failed = make_plan(lab, &config, &t, error) != 0 ||
                      sampling_error(lab, &t, exact, out, error) != 0 ||
-                     mean_samples(lab, &t, &out->samples, error) != 0 ||
+                     samples_taken(lab, &t, out, error) != 0 ||
                      model_error(lab, &t, out, error) != 0;
   out->memory = t.memory;
   free_trial(&t);
@@ -572,6 +574,7 @@ static int make_turn(const bench_turn *turn, trial *out, image_error *error) {
   if (make_turns_plan(turn, out, error) != 0)
     return -1;
   out->still = turn->still;
+  out->first_only = turn->first_only;
   for (unsigned i = 0; i < turn->settled; i++)
     if (enqueue(out, 0, error) != 0)
       return -1;
@@ -613,13 +616,49 @@ int bench_lab_turns(const bench_turn *list, size_t count, unsigned runs,
   return failed ? -1 : 0;
 }
 
+static bench_spread later(bench_spread s, double more) {
+  return (bench_spread){s.median + more, s.low + more, s.high + more};
+}
+
+/* Adaptive sampling chooses for the light of each frame, and that whose error
+ * is known is the first.  So it is what was chosen there that is timed, and to
+ * that is added what choosing takes: the gather of that frame, over and over,
+ * with choosing and without. */
+static int add_choosing(bench_lab *lab, const bench_configuration *c,
+                        const bench_configuration *chosen, unsigned runs,
+                        bench_row *out, image_error *error) {
+  bench_turn turns[2] = {{.lab = lab, .first_only = 1},
+                         {.lab = lab, .first_only = 1}};
+  bench_timing timing[2];
+  bench_configure(lab->content, c, &turns[0].config);
+  bench_configure(lab->content, chosen, &turns[1].config);
+  for (int i = 0; i < 2; i++)
+    turns[i].config.reprojection = HBIL_REPROJECTION_NONE;
+  if (bench_lab_turns(turns, 2, runs, timing, error) != 0)
+    return -1;
+  bench_spread *const gather = &out->pass[HBIL_PASS_GATHER];
+  const double start = gather->median / out->gather_over_start;
+  const double whole = out->total.median / out->total_over_start;
+  const double more =
+      gather->median * (1.0 / timing[1].pass_ratio[HBIL_PASS_GATHER] - 1.0);
+  *gather = later(*gather, more);
+  out->total = later(out->total, more);
+  out->gather_over_start += more / start;
+  out->total_over_start += more / whole;
+  return 0;
+}
+
 int bench_lab_times(bench_lab *lab, const bench_configuration *c, unsigned runs,
                     bench_row *out, image_error *error) {
   const bench_configuration first = bench_first();
+  bench_configuration taken = *c;
   bench_turn turns[2] = {{.lab = lab}, {.lab = lab}};
   bench_timing timing[2];
   bench_configure(lab->content, &first, &turns[0].config);
-  bench_configure(lab->content, c, &turns[1].config);
+  taken.most_ao = taken.most_light = 0.0f;
+  taken.slices = out->slices;
+  taken.samples = out->samples;
+  bench_configure(lab->content, &taken, &turns[1].config);
   if (bench_lab_turns(turns, 2, runs, timing, error) != 0)
     return -1;
   memcpy(out->pass, timing[1].pass, sizeof out->pass);
@@ -627,7 +666,8 @@ int bench_lab_times(bench_lab *lab, const bench_configuration *c, unsigned runs,
   out->host = timing[1].host;
   out->gather_over_start = timing[1].pass_ratio[HBIL_PASS_GATHER];
   out->total_over_start = timing[1].total_ratio;
-  return 0;
+  return bench_is_adaptive(c) ? add_choosing(lab, c, &taken, runs, out, error)
+                              : 0;
 }
 
 /* --- images of half floats --- */

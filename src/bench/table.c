@@ -287,8 +287,9 @@ static void print_adaptive(const bench_report *report, FILE *out) {
               "as good a 95 %");
     const int ao = c->most_ao > 0.0f;
     const double limit = (double)(ao ? c->most_ao : c->most_light);
-    fprintf(out, "%-24s %7.3f %7.1f %6.1f", row->label, off_95(row, ao),
-            row->samples, row->pass[HBIL_PASS_GATHER].median);
+    fprintf(out, "%-24s %7.3f %4ux%-3u %6.1f", row->label, off_95(row, ao),
+            (unsigned)row->slices, (unsigned)row->samples,
+            row->pass[HBIL_PASS_GATHER].median);
     print_uniform(row, uniform_within(report, row, ao, limit), out);
     print_uniform(row, uniform_within(report, row, ao, off_95(row, ao)), out);
     fputc('\n', out);
@@ -348,7 +349,8 @@ static void write_where(const bench_report *report, FILE *out) {
 
 static void write_names(FILE *out) {
   fputs("label,model,preset,slices,samples,growth,lattice,raw,storage,"
-        "extrapolate,max_ao_error,max_light_error,mean_samples,default",
+        "extrapolate,max_ao_error,max_light_error,slices_taken,samples_taken,"
+        "default",
         out);
   for (int p = 0; p < HBIL_PASS_COUNT; p++) {
     const char *name = hbil_pass_name((hbil_pass)p);
@@ -391,7 +393,7 @@ static void write_row(const bench_report *report, const bench_row *row,
           bench_storage_name(c), !c->plain);
   bench_write_number(out, c->most_ao > 0.0f ? (double)c->most_ao : NAN);
   bench_write_number(out, c->most_light > 0.0f ? (double)c->most_light : NAN);
-  bench_write_number(out, row->samples);
+  fprintf(out, ",%u,%u", (unsigned)row->slices, (unsigned)row->samples);
   fprintf(out, ",%d", bench_is_default(c));
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     bench_write_spread(out, row->pass[p]);
@@ -416,7 +418,7 @@ static void write_row(const bench_report *report, const bench_row *row,
 
 /* The baseline has a kernel, but no settings and no passes. */
 static void write_literal(const bench_report *report, FILE *out) {
-  fputs("literal,paper,,2,8,0,full,1,fp32,0,,,8,0", out);
+  fputs("literal,paper,,2,8,0,full,1,fp32,0,,,2,8,0", out);
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     fputs(",,,", out);
   bench_write_spread(out, report->literal.milliseconds);
