@@ -532,11 +532,7 @@ INLINE center center_of(const hbil_gather_args args, global const float *here,
   c.ny = n[1];
   c.nz = n[2];
 #if GATHER_RADIANCE && REFUSED_LAST
-  realv own[3];
-  split_radiance(here, in.plane, own);
-  c.red = own[0];
-  c.green = own[1];
-  c.blue = own[2];
+  c.red = c.green = c.blue = 0.0f; /* see own_radiance() */
 #endif
   c.rx = ray_x(args.view, 4 * x + (layer & 3), 4);
   c.ry = ray_y(args.view, 4 * y + (layer >> 2));
@@ -924,6 +920,18 @@ INLINE void store_light(const center *c, const total *t, intv untouched,
   store_gathered(value, layer, light, plane);
 }
 
+#if GATHER_RADIANCE && REFUSED_LAST
+/* What the first sample that is refused has instead of its own: a plane less to
+ * read for strips that look at none. */
+INLINE void own_radiance(center *c, global const float *here, uint plane) {
+  realv own[3];
+  split_radiance(here, plane, own);
+  c->red = own[0];
+  c->green = own[1];
+  c->blue = own[2];
+}
+#endif
+
 /* What the strip has no need of. */
 INLINE uint spared_of(const hbil_gather_args args, const center *c, strip *s,
                       bool solid, global const uint *bounds,
@@ -1047,6 +1055,11 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   strips[(uint)(HBIL_LAYERS * in.height) * args.strips] =
       (uchar)(ANY(sky) ? count_sky(c) : 0u);
   const int spares_all = spared & ~HBIL_STRIP_DARK;
+#if GATHER_RADIANCE && REFUSED_LAST
+  if (!spares_all)
+    for (int v = 0; v < STRIP; ++v)
+      own_radiance(&c[v], here + v * HBIL_WIDTH, in.plane);
+#endif
 #if WEIGHT_PLANE
   /* the slice is weighed all the same, where there is a surface */
   const int slices = spares_all & HBIL_STRIP_SKY ? 0 : all_slices;
