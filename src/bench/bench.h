@@ -264,6 +264,7 @@ typedef struct bench_row {
   double ao_error, light_error; /* light: NAN where AO is all */
   double ao_95, light_95;       /* 95 % of the pixels are off by less */
   cl_uint slices, samples;      /* taken: fewer where adaptive */
+  double choosing;              /* milliseconds of the gather; adaptive */
   double model_error;           /* NAN without a truth */
   int ao_front, light_front;    /* nothing of its model is faster and better */
   double ao_loss, light_loss;   /* off fp32 layers; NAN: not compared */

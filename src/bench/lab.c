@@ -641,6 +641,7 @@ static int add_choosing(bench_lab *lab, const bench_configuration *c,
   const double whole = out->total.median / out->total_over_start;
   const double more =
       gather->median * (1.0 / timing[1].pass_ratio[HBIL_PASS_GATHER] - 1.0);
+  out->choosing = more;
   *gather = later(*gather, more);
   out->total = later(out->total, more);
   out->gather_over_start += more / start;

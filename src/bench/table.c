@@ -282,14 +282,14 @@ static void print_adaptive(const bench_report *report, FILE *out) {
     if (!named++)
       fprintf(out,
               "\nadaptive sampling, the gather alone, and its time over that "
-              "of the fastest uniform setting\n%-24s %7s %9s  %-22s  %s\n",
-              "", "95 % of", "samples gather", "within the limit",
+              "of the fastest uniform setting\n%-24s %7s %-24s  %-22s  %s\n",
+              "", "95 % of", " samples gather choosing", "within the limit",
               "as good a 95 %");
     const int ao = c->most_ao > 0.0f;
     const double limit = (double)(ao ? c->most_ao : c->most_light);
-    fprintf(out, "%-24s %7.3f %4ux%-3u %6.1f", row->label, off_95(row, ao),
-            (unsigned)row->slices, (unsigned)row->samples,
-            row->pass[HBIL_PASS_GATHER].median);
+    fprintf(out, "%-24s %7.3f %4ux%-3u %6.1f %8.1f", row->label,
+            off_95(row, ao), (unsigned)row->slices, (unsigned)row->samples,
+            row->pass[HBIL_PASS_GATHER].median, row->choosing);
     print_uniform(row, uniform_within(report, row, ao, limit), out);
     print_uniform(row, uniform_within(report, row, ao, off_95(row, ao)), out);
     fputc('\n', out);
