@@ -705,9 +705,9 @@ static hbil_status measure(commands *chain, const hbil_gather_args *args,
       chain, &measuring, still, (size_t)l->tiles * HBIL_TILE / strip, 1);
   if (status != HBIL_SUCCESS)
     return status;
-  return rung == LADDER_RULER
-             ? LAUNCH(chain, KERNEL_JUDGE_RULER, judge, (size_t)l->tiles, 1, 1)
-             : LAUNCH(chain, KERNEL_JUDGE_RUNG, judge, (size_t)l->tiles, 1, 1);
+  const int kernel =
+      rung == LADDER_RULER ? KERNEL_JUDGE_RULER : KERNEL_JUDGE_RUNG;
+  return LAUNCH(chain, kernel, judge, (size_t)l->tiles, 1, 1);
 }
 
 /* Adaptive sampling: the last rung is what is left where no other will do. */

@@ -242,8 +242,8 @@ static cl_int clear_layers(hbil_plan *plan, cl_command_queue queue) {
 }
 
 /* Padding left of, above and below the layers is written once, here: no kernel
- * touches it later.  Nor are counts of what a plan never looks at, nor what rungs
- * come to where the caller has put a pass in the gather's place.  The
+ * touches it later.  Nor are counts of what a plan never looks at, nor what
+ * rungs come to where the caller has put a pass in the gather's place.  The
  * waiting is done by clFinish on a queue of our own. */
 static hbil_status fill_padding(hbil_plan *plan) {
   static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT, BUFFER_REPAIRED,

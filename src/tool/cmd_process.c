@@ -203,22 +203,21 @@ static void usage(const hbil_config *defaults) {
          "                        times the first (%g)\n",
          (double)defaults->radius, (double)defaults->relative_thickness,
          defaults->slices, defaults->samples, (double)defaults->step_growth);
-  puts(
-      "  --lattice full|layer  where samples may lie: any pixel, or every\n"
-      "                        fourth\n"
-      "  --max-error A,E       95 % of the pixels within A of the exact AO "
-      "and\n"
-      "                        within E of E_near, over its mean in the "
-      "frame:\n"
-      "                        fewer slices and samples, from 1x4 on, for\n"
-      "                        frames that need no more (inf,inf)\n"
-      "  --extrapolate yes|no  judge what lies between the samples by what\n"
-      "                        half of them miss (yes)\n"
-      "  --no-skip             do all work, even such as can't change a\n"
-      "                        result (see --timings)\n"
-      "  --storage packed|fp32|half|float11\n"
-      "                        how the layers between the passes are kept\n"
-      "                        (packed)");
+  puts("  --lattice full|layer  where samples may lie: any pixel, or every\n"
+       "                        fourth\n"
+       "  --max-error A,E       95 % of the pixels within A of the exact AO "
+       "and\n"
+       "                        within E of E_near, over its mean in the "
+       "frame:\n"
+       "                        fewer slices and samples, from 1x4 on, for\n"
+       "                        frames that need no more (inf,inf)\n"
+       "  --extrapolate yes|no  judge what lies between the samples by what\n"
+       "                        half of them miss (yes)\n"
+       "  --no-skip             do all work, even such as can't change a\n"
+       "                        result (see --timings)\n"
+       "  --storage packed|fp32|half|float11\n"
+       "                        how the layers between the passes are kept\n"
+       "                        (packed)");
   printf("  --facing A,B          cosines between which the light of a sample\n"
          "                        fades in (%g,%g)\n",
          (double)defaults->facing[0], (double)defaults->facing[1]);
