@@ -18,7 +18,7 @@
  * Builds: FAR (0 none, 1 constant, 2 SH, 3 the frame's own estimate), inputs'
  * and outputs' formats, HAS_*, OUT_*, BENT_IS_WORLD, FEEDBACK_RADIANCE,
  * GATHER_EMISSION, GATHER_RADIANCE, GATHER_BENT, HISTORY. Launch: x = groups of
- * HBIL_TILE pixels of a row, single ones where HBIL_WIDTH is 1, y = rows.
+ * HBIL_WIDEST pixels of a row, single ones where HBIL_WIDTH is 1, y = rows.
  */
 
 #if OUT_NEAR
@@ -46,14 +46,14 @@ STORER(radiance, RADIANCE_TYPE, RADIANCE_STRIDE)
 STORER(error, ERROR_TYPE, ERROR_STRIDE)
 #endif
 
-/* Vectors of a row that a work-item takes on CPUs.  It keeps what they come to
- * and stores plane by plane, two whole cache lines at a time: stores past the
- * caches of less than a line, to twenty planes in turn, take twice as long as
- * fetching what they overwrite, whole ones half. */
+/* Vectors of a row that a work-item takes on CPUs, a cache line.  It keeps what
+ * they come to and stores plane by plane: stores past the caches of less than a
+ * line, to twenty planes in turn, take twice as long as fetching what they
+ * overwrite, whole ones half. */
 #if HBIL_WIDTH == 1
 #define PARTS 1
 #else
-#define PARTS (HBIL_TILE / HBIL_WIDTH)
+#define PARTS (HBIL_WIDEST / HBIL_WIDTH)
 #endif
 
 /* What is pending, each PARTS vectors. */
@@ -72,6 +72,9 @@ enum {
 
 #define INV_PI 0.318309886f
 #define PI 3.14159265f
+
+/* What is reflected is asked for, and so are the inputs that make it. */
+#define REFLECTED (OUT_RADIANCE || (HISTORY && FEEDBACK_RADIANCE))
 
 #if FAR == 2
 /* Irradiance through a cone (world axis d); k: the three aperture factors. */
@@ -187,7 +190,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
                      ry, background);
     const intv solid = z > 0.0f;
     /* a mean of values up to 1 may round to just above it */
-    const realv ao = clamp(LOADV(at), 0.0f, 1.0f);
+    const realv ao = clamp(READV(at), 0.0f, 1.0f);
     const realv t2 = 1.0f - ao;
     const realv t = select((realv)0.0f, sqrt(t2), solid);
 #if OUT_AO
@@ -197,10 +200,10 @@ composite(const hbil_view_args view, const hbil_transform_args world,
     pending[PENDING_CONE][part] = t;
 #endif
 #if OUT_ERROR
-    pending[PENDING_ERROR][part] = LOADV(at + ERROR_PLANE * planes.plane);
+    pending[PENDING_ERROR][part] = READV(at + ERROR_PLANE * planes.plane);
 #if GATHER_RADIANCE
     pending[PENDING_ERROR + 1][part] =
-        LOADV(at + (ERROR_PLANE + 1) * planes.plane);
+        READV(at + (ERROR_PLANE + 1) * planes.plane);
 #else
     pending[PENDING_ERROR + 1][part] = 0.0f;
 #endif
@@ -209,7 +212,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
     realv bent[3], axis[3];
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      bent[c] = LOADV(at + (HBIL_LIGHT_BENT + c) * planes.plane);
+      bent[c] = READV(at + (HBIL_LIGHT_BENT + c) * planes.plane);
     turned(world, bent, axis);
 #if OUT_BENT
 #pragma unroll
@@ -252,7 +255,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
 #if GATHER_RADIANCE
       /* a sum of differences of angles may round to just below 0; what is no
        * number stays none, to be seen */
-      near_light = LOADV(at + (HBIL_LIGHT_RED + c) * planes.plane);
+      near_light = READV(at + (HBIL_LIGHT_RED + c) * planes.plane);
       near_light = select(near_light, (realv)0.0f, near_light < 0.0f);
 #endif
 #if FAR == 1
@@ -268,22 +271,22 @@ composite(const hbil_view_args view, const hbil_transform_args world,
       far_light = select((realv)0.0f, far_light, solid);
       realv reflectance = 1.0f, diffuse = 1.0f, irradiance = 0.0f;
       realv emitted = 0.0f;
-#if HAS_ALBEDO
+#if HAS_ALBEDO && REFLECTED
       reflectance =
           sound_share(load_albedo(albedo_buffer, albedo_image, x, y, c, count),
                       sound + HBIL_SURFACE_ALBEDO);
 #endif
-#if HAS_F0
+#if HAS_F0 && (REFLECTED || OUT_INDIRECT)
       diffuse -= sound_share(load_f0(f0_buffer, f0_image, x, y, c, count),
                              sound + HBIL_SURFACE_F0);
 #endif
-#if HAS_DIRECT
+#if HAS_DIRECT && REFLECTED
       irradiance =
           sound_light(direct_scale * load_direct(direct_buffer, direct_image, x,
                                                  y, c, count),
                       sound + HBIL_SURFACE_DIRECT);
 #endif
-#if HAS_EMISSION
+#if HAS_EMISSION && REFLECTED
       emitted = sound_light(
           load_emission(emission_buffer, emission_image, x, y, c, count),
           sound + HBIL_SURFACE_EMISSION);

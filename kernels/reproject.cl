@@ -286,7 +286,7 @@ INLINE void fetch(FETCH_PARAMETERS, int x, int y) {
   realv light[3];
 #pragma unroll
   for (int c = 0; c < 3; ++c)
-    light[c] = LOADV(history + c * (int)planes.plane + first);
+    light[c] = READV(history + c * (int)planes.plane + first);
   intv others = carried_over & (begin != first);
   for (int i = 1; ANY(others); ++i) {
     if (start[i] == NO_RUN || start[i] == start[i - 1])

@@ -128,11 +128,11 @@ INLINE void radiance_of(const sources *s, int x, int y, int count, uint at,
 #if FEEDBACK_RADIANCE
     light[c] = fma(reflectance, irradiance, emitted);
     if (s->light)
-      light[c] = select(light[c], LOADV(s->light + c * s->plane + at),
-                        LOADV(s->weight + at) > 0.0f);
+      light[c] = select(light[c], READV(s->light + c * s->plane + at),
+                        READV(s->weight + at) > 0.0f);
 #else
     if (s->light)
-      irradiance += LOADV(s->light + c * s->plane + at);
+      irradiance += READV(s->light + c * s->plane + at);
     light[c] = fma(reflectance, irradiance, emitted);
 #endif
   }
@@ -303,7 +303,7 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
     DEINTERLEAVE(value[p], column);
 #pragma unroll
     for (int i = 0; i < 4; ++i)
-      STOREV(column[i], out + p * layout.plane + (uint)i * layout.layer);
+      STREAMV(column[i], out + p * layout.plane + (uint)i * layout.layer);
   }
 }
 

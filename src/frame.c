@@ -246,11 +246,11 @@ static size_t across(const hbil_plan *plan) {
   return (plan->config.width + width - 1) / width;
 }
 
-/* The same of tiles, where a work-item takes several vectors. */
-static size_t tiles_across(const hbil_plan *plan) {
+/* The same of cache lines, where a work-item takes one. */
+static size_t lines_across(const hbil_plan *plan) {
   return plan->config.vector_width == 1
              ? across(plan)
-             : (size_t)hbil_tiles((cl_int)plan->config.width);
+             : (plan->config.width + HBIL_WIDEST - 1) / HBIL_WIDEST;
 }
 
 /* --- images as arguments --- */
@@ -901,7 +901,7 @@ static hbil_status composite(commands *chain, const hbil_frame *frame) {
           ? clear_counts(chain, HBIL_REPAIRED_LATE, HBIL_SURFACE_INPUTS)
           : HBIL_SUCCESS;
   if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, KERNEL_COMPOSITE, args, tiles_across(plan),
+    status = LAUNCH(chain, KERNEL_COMPOSITE, args, lines_across(plan),
                     plan->config.height, 1);
   if (status == HBIL_SUCCESS)
     remember(plan, frame);
