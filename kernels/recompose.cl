@@ -93,8 +93,9 @@ typedef struct middle {
 #if ORTHOGRAPHIC
   realv at; /* -w0 inv_off */
 #endif
-  realv gx, gy; /* what the plane's w gains a pixel, times -inv_off */
-  realv n[3];   /* normal / 0.16 */
+  /* what the plane's w gains in one pixel and in two, times -inv_off */
+  realv gx[2], gy[2];
+  realv n[3]; /* normal / 0.16 */
 } middle;
 
 /* Where a layered set of planes has the pixels (4 x + i, 4 y + j) and every
@@ -166,8 +167,10 @@ INLINE middle middle_of(const hbil_view_args view, const sums *s, int x,
   const realv slope = -1.0f / (HBIL_PLANE_TOLERANCE * n_r);
   m.inv_off = 1.0f / (HBIL_PLANE_TOLERANCE * s->w);
 #endif
-  m.gx = s->n[0] * slope * view.inv_fx;
-  m.gy = s->n[1] * slope * view.inv_fy;
+  m.gx[0] = s->n[0] * slope * view.inv_fx;
+  m.gy[0] = s->n[1] * slope * view.inv_fy;
+  m.gx[1] = m.gx[0] + m.gx[0];
+  m.gy[1] = m.gy[0] + m.gy[0];
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     m.n[c] = s->n[c] * (1.0f / HBIL_TURN_TOLERANCE);
@@ -229,16 +232,22 @@ INLINE void add_light(sums *s, const float *t, realv weight) {
 #endif
 }
 
+/* `gain` of i pixels, -2..2: a sum, since products are what there is most of.
+ */
+INLINE realv gained(realv sum, const realv gain[2], int i) {
+  return i > 0 ? sum + gain[i - 1] : i < 0 ? sum - gain[-i - 1] : sum;
+}
+
 /* The pixel i to the right and j below. */
-INLINE void add_tap(sums *s, const middle *m, const float *t, float i, float j,
+INLINE void add_tap(sums *s, const middle *m, const float *t, int i, int j,
                     float share) {
 #if ORTHOGRAPHIC
   const realv own = m->at;
 #else
   const realv own = -1.0f / HBIL_PLANE_TOLERANCE;
 #endif
-  const realv row = fma(m->gy, (realv)j, own);
-  const realv off = fma(TAP(t, TAP_W), m->inv_off, row) + m->gx * i;
+  const realv off =
+      fma(TAP(t, TAP_W), m->inv_off, gained(gained(own, m->gy, j), m->gx, i));
   realv weight = 1.0f - 1.0f / HBIL_TURN_TOLERANCE;
   weight = fma(m->n[2], TAP(t, TAP_NORMAL + 2), weight);
   weight = fma(m->n[1], TAP(t, TAP_NORMAL + 1), weight);
@@ -349,7 +358,7 @@ INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
 #if !RAW
   const middle m = middle_of(view, &s, 4 * x + column, 4 * y + row);
 #define ADD_NEIGHBOUR(i, j, share)                                             \
-  add_tap(&s, &m, NEIGHBOUR(i, j), (float)(i), (float)(j), share);
+  add_tap(&s, &m, NEIGHBOUR(i, j), i, j, share);
   EACH_NEIGHBOUR(ADD_NEIGHBOUR)
 #endif
   return s;
