@@ -140,9 +140,9 @@ typedef struct center {
 } center;
 
 /* Asks for what is needed soon.  Normals and light of a sample that rises, here
- * and in the next strip: a strip's straddle three cache lines of 16 words.  And
- * the samples' w, of the strip after the next and of the next row, which take
- * the same steps; the line that they straddle is asked for by their neighbours.
+ * and in the next strip, and the samples' w, of the strip after the next and of
+ * the next row, which take the same steps; the line more that each of them
+ * straddles is asked for by its neighbours.
  * OpenCL's own prefetch() does nothing in PoCL. */
 INLINE void fetch_early(global const float *sample, uint plane, uint row) {
 #if defined(__AVX__) && HBIL_WIDTH > 1
@@ -153,7 +153,7 @@ INLINE void fetch_early(global const float *sample, uint plane, uint row) {
   }
 #if GATHER_RADIANCE && PACKED
   const uint first = FACING_ALL ? RADIANCE_PLANE : HBIL_PACKED_NORMAL;
-  for (int i = 0; i < 2 * strip + 16; i += 16) {
+  for (int i = 0; i < 2 * strip; i += 16) {
 #pragma unroll
     for (uint p = first; p < SPLIT_PLANES; ++p)
       FETCH_LINE(sample + p * plane + i);
