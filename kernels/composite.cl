@@ -17,8 +17,8 @@
  *
  * Builds: FAR (0 none, 1 constant, 2 SH, 3 the frame's own estimate), inputs'
  * and outputs' formats, HAS_*, OUT_*, BENT_IS_WORLD, FEEDBACK_RADIANCE,
- * GATHER_EMISSION, GATHER_RADIANCE, GATHER_BENT, HISTORY. Launch: x = groups of
- * HBIL_WIDEST pixels of a row, single ones where HBIL_WIDTH is 1, y = rows.
+ * GATHER_EMISSION, GATHER_RADIANCE, GATHER_BENT, HISTORY, LINE (pixels that a
+ * work-item takes). Launch: x = groups of LINE pixels of a row, y = rows.
  */
 
 #if OUT_NEAR
@@ -46,15 +46,11 @@ STORER(radiance, RADIANCE_TYPE, RADIANCE_STRIDE)
 STORER(error, ERROR_TYPE, ERROR_STRIDE)
 #endif
 
-/* Vectors of a row that a work-item takes on CPUs, a cache line.  It keeps what
- * they come to and stores plane by plane: stores past the caches of less than a
- * line, to twenty planes in turn, take twice as long as fetching what they
- * overwrite, whole ones half. */
-#if HBIL_WIDTH == 1
-#define PARTS 1
-#else
-#define PARTS (HBIL_WIDEST / HBIL_WIDTH)
-#endif
+/* Vectors of a row that a work-item takes: on CPUs a cache line of the outputs.
+ * It keeps what they come to and stores plane by plane: stores past the caches
+ * of less than a line, to twenty planes in turn, take twice as long as fetching
+ * what they overwrite, whole ones half. */
+#define PARTS (LINE / HBIL_WIDTH)
 
 /* What is pending, each PARTS vectors. */
 enum {

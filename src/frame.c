@@ -246,13 +246,6 @@ static size_t across(const hbil_plan *plan) {
   return (plan->config.width + width - 1) / width;
 }
 
-/* The same of cache lines, where a work-item takes one. */
-static size_t lines_across(const hbil_plan *plan) {
-  return plan->config.vector_width == 1
-             ? across(plan)
-             : (plan->config.width + HBIL_WIDEST - 1) / HBIL_WIDEST;
-}
-
 /* --- images as arguments --- */
 
 /* Absent images are a null buffer. */
@@ -896,13 +889,15 @@ static hbil_status composite(commands *chain, const hbil_frame *frame) {
                            IMAGE_ARGS(image[IMAGE_RADIANCE]),
                            IMAGE_ARGS(image[IMAGE_ERROR]),
                            ARG(plan->buffers[BUFFER_REPAIRED])};
+  const cl_uint line = plan->layout.line;
   hbil_status status =
       plan->layout.counts_late
           ? clear_counts(chain, HBIL_REPAIRED_LATE, HBIL_SURFACE_INPUTS)
           : HBIL_SUCCESS;
   if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, KERNEL_COMPOSITE, args, lines_across(plan),
-                    plan->config.height, 1);
+    status =
+        LAUNCH(chain, KERNEL_COMPOSITE, args,
+               (plan->config.width + line - 1) / line, plan->config.height, 1);
   if (status == HBIL_SUCCESS)
     remember(plan, frame);
   return status;

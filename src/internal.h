@@ -235,6 +235,7 @@ typedef struct layout {
   size_t strips;             /* of the gather, in a row of a layer */
   hbil_far_field far_field;  /* NONE where nothing shows it */
   hbil_pattern_args pattern; /* without turn, shift, reach */
+  cl_uint line;              /* pixels that one of composite's items takes */
   cl_uint error_plane;       /* of RESOLVED, where errors begin */
   cl_uint weight_plane;      /* of GATHERED, what slices weigh; 0: none */
   cl_int tiles;              /* that adaptive sampling measures */

@@ -180,12 +180,25 @@ static void lay_out_runs(const hbil_config *config, layout *out) {
   out->runs.band = (cl_int)(band < least ? least : band);
 }
 
+/* A cache line of the outputs, of those of half floats where there are any: a
+ * store past the caches of less is slow. */
+static cl_uint composed_line(const hbil_config *config) {
+  cl_uint line = HBIL_WIDEST;
+  if (config->vector_width == 1)
+    return 1;
+  for (int i = IMAGE_FIRST_OUTPUT; i < IMAGE_COUNT; ++i)
+    if (config_format(config, i)->component == HBIL_FLOAT16)
+      line = 2 * HBIL_WIDEST;
+  return line;
+}
+
 void layout_compute(const hbil_config *config, layout *out) {
   memset(out, 0, sizeof *out);
   decide_work(config, out);
   decide_skips(config, out);
   lay_out_planes(config, out);
   lay_out_runs(config, out);
+  out->line = composed_line(config);
   const size_t chain = lay_out_chain(config, out);
   const size_t real = sizeof(cl_float);
   const size_t pixels = (size_t)config->width * config->height;

@@ -68,8 +68,9 @@ static void write_defines(const hbil_plan *plan, text *t) {
       (isinf(c->relative_thickness) ? 0 : 1) | (isinf(c->thickness) ? 0 : 2));
   add(t, " -DEXTRAPOLATE=%d -DADAPTIVE=%d", c->extrapolate != 0,
       plan->layout.ladder.count > 0);
-  add(t, " -DERROR_PLANE=%u -DWEIGHT_PLANE=%u",
-      (unsigned)plan->layout.error_plane, (unsigned)plan->layout.weight_plane);
+  add(t, " -DERROR_PLANE=%u -DWEIGHT_PLANE=%u -DLINE=%u",
+      (unsigned)plan->layout.error_plane, (unsigned)plan->layout.weight_plane,
+      (unsigned)plan->layout.line);
   add(t, " -DSTORAGE=%d", (int)c->storage);
   add(t, " -DREFUSED_FRAME=%d -DHBAO=%d", plan->layout.unknown,
       c->mode == HBIL_MODE_HBAO);
