@@ -16,13 +16,18 @@ static const struct {
 enum { CHOICES = sizeof choices / sizeof *choices };
 _Static_assert(CHOICES + 1 <= HBIL_MOST_RUNGS, "a rung each, and the most");
 
-/* The ruler.  Of AO, where occluders don't end, fewer samples will do: blocks
- * are within half of these limits of the exact integral then. */
+/* The ruler.  For such limits fewer samples will do where occluders don't end
+ * and no light is refused for black, which leaves E_near darker and its errors
+ * a larger share: blocks are within half of those of AO of the exact integral
+ * then, and within a sixth of those of E_near. */
 enum { RULER_SLICES = 2, RULER_SAMPLES = 96 };
 static const struct {
-  float ao;
+  float ao, near_light;
   int samples;
-} lax[] = {{0.1f, 32}, {0.06f, 64}};
+} lax[] = {{0.15f, INFINITY, 16},
+           {0.12f, INFINITY, 24},
+           {0.1f, INFINITY, 32},
+           {0.06f, 1.0f, 64}};
 
 /*
  * What a pixel is off by after the filter, of what its block is off from the
@@ -98,10 +103,17 @@ static hbil_limit_args limit(const hbil_config *config, int slices) {
   return l;
 }
 
+static bool may_be_lax(const hbil_config *config) {
+  const bool limits_light = !isinf(config->max_error[1]);
+  return !ends(config) && !(limits_light && config_refuses(config) &&
+                            config->refused == HBIL_REFUSED_BLACK);
+}
+
 static int ruler_samples(const hbil_config *config) {
-  if (isinf(config->max_error[1]) && !ends(config))
+  if (may_be_lax(config))
     for (size_t i = 0; i < sizeof lax / sizeof *lax; ++i)
-      if (config->max_error[0] >= lax[i].ao)
+      if (config->max_error[0] >= lax[i].ao &&
+          config->max_error[1] >= lax[i].near_light)
         return lax[i].samples;
   return (int)config->samples > RULER_SAMPLES ? (int)config->samples
                                               : RULER_SAMPLES;

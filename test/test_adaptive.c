@@ -19,7 +19,7 @@ typedef struct sampling {
 static const sampling ladder[] = {{1, 4},  {1, 6},  {1, 8},  {1, 12}, {1, 16},
                                   {1, 24}, {1, 32}, {1, 48}, {2, 32}, {2, 48}};
 #define RUNGS (sizeof ladder / sizeof *ladder)
-static const sampling all = {2, 48}, ruler = {2, 96};
+static const sampling all = {2, 48};
 
 static void start(setup *s, sampling how, float ao, float near_light) {
   setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
@@ -156,23 +156,30 @@ static double block_limit(double ao, cl_uint slices) {
 /* The first rung with which no more than 5 % of what is measured is beyond the
  * limits, but for a rounding of either. */
 static void the_first_that_is_good_enough_is_chosen(void **state) {
-  const double limits[][2] = {{0.06, 0.5}, {0.1, 1.0}, {0.2, 0.7}, {0.07, 2.0}};
+  const struct {
+    double ao, light;
+    sampling ruler;
+  } limits[] = {{0.06, 0.5, {2, 96}},      {0.2, 0.7, {2, 96}},
+                {0.1, 1.0, {2, 64}},       {0.07, 2.0, {2, 64}},
+                {0.07, INFINITY, {2, 64}}, {0.1, INFINITY, {2, 32}},
+                {0.12, INFINITY, {2, 24}}, {0.15, INFINITY, {2, 16}}};
   setup s;
-  ref_planes rung[RUNGS], want = gathered(ruler, INFINITY, INFINITY, NULL);
+  ref_planes rung[RUNGS];
   (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   for (size_t r = 0; r < RUNGS; ++r)
     rung[r] = gathered(ladder[r], INFINITY, INFINITY, NULL);
   for (size_t i = 0; i < sizeof limits / sizeof *limits; ++i) {
     hbil_skipped skipped;
+    ref_planes want = gathered(limits[i].ruler, INFINITY, INFINITY, NULL);
     ref_planes got =
-        gathered(all, (float)limits[i][0], (float)limits[i][1], &skipped);
+        gathered(all, (float)limits[i].ao, (float)limits[i].light, &skipped);
     ref_planes_free(&got);
     for (size_t r = 0; r < RUNGS; ++r) {
       const double share = measured_beyond(
           &rung[r], ladder[r].slices == 1, &want, s.input[REF_DEPTH],
-          block_limit(limits[i][0], ladder[r].slices),
-          (limits[i][1] - 0.12) / 1.25);
+          block_limit(limits[i].ao, ladder[r].slices),
+          (limits[i].light - 0.12) / 1.25);
       const bool chosen = ladder[r].slices == skipped.slices &&
                           ladder[r].samples == skipped.samples;
       if (chosen) {
@@ -181,10 +188,10 @@ static void the_first_that_is_good_enough_is_chosen(void **state) {
       }
       assert_true(share > 0.049 && r + 1 < RUNGS);
     }
+    ref_planes_free(&want);
   }
   for (size_t r = 0; r < RUNGS; ++r)
     ref_planes_free(&rung[r]);
-  ref_planes_free(&want);
   setup_free(&s);
 }
 
@@ -363,7 +370,8 @@ static void without_the_gather_nothing_is_chosen(void **state) {
   setup_free(&s);
 }
 
-/* What the frame before came to counts no more: here nothing but sky is left. */
+/* What the frame before came to counts no more: here nothing but sky is left.
+ */
 static void each_frame_is_chosen_for_anew(void **state) {
   const float sky = 0.0f;
   hbil_skipped skipped;
