@@ -232,8 +232,7 @@ INLINE void add_light(sums *s, const float *t, realv weight) {
 #endif
 }
 
-/* `gain` of i pixels, -2..2: a sum, since products are what there is most of.
- */
+/* With the gain of i pixels, -2..2: a sum, as products are there in plenty. */
 INLINE realv gained(realv sum, const realv gain[2], int i) {
   return i > 0 ? sum + gain[i - 1] : i < 0 ? sum - gain[-i - 1] : sum;
 }

@@ -370,8 +370,7 @@ static void without_the_gather_nothing_is_chosen(void **state) {
   setup_free(&s);
 }
 
-/* What the frame before came to counts no more: here nothing but sky is left.
- */
+/* What the frame before came to counts no more: nothing but sky is left. */
 static void each_frame_is_chosen_for_anew(void **state) {
   const float sky = 0.0f;
   hbil_skipped skipped;
