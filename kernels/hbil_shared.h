@@ -269,7 +269,7 @@ typedef struct hbil_grid_args {
   hbil_int width, height;
 } hbil_grid_args;
 #define HBIL_SOME_LIT 1u  /* a pixel sends light */
-#define HBIL_SOME_DARK 2u /* a pixel that is no sky sends none */
+#define HBIL_SOME_DARK 2u /* pixels that are no sky send none */
 
 /* group: 4*HBIL_WIDTH pixels of a row, which cells are made of;
  * whole: a single one. */
