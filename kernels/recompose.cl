@@ -65,14 +65,6 @@ enum {
   TAP_PLANES = TAP_WEIGHT
 #endif
 };
-/* PoCL's vstore takes a vector apart that may lie anywhere: three stores for
- * one (4 % of the pass). */
-#if HBIL_WIDTH > 1 && defined(__AVX__)
-typedef realv loose_realv __attribute__((aligned(4)));
-#define KEEPV(v, p) (*(loose_realv *)(p) = (v))
-#else
-#define KEEPV(v, p) STOREV(v, p)
-#endif
 #define TAP(t, p) LOADV((t) + (p)*TAP_SPAN)
 #define TAP_LAYER (TAP_PLANES * TAP_SPAN)
 #define TAP_ROW (HBIL_SIDE * TAP_LAYER)
@@ -111,16 +103,16 @@ INLINE void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
                      int i, int j, int x, int y, float *t) {
   realv normal[3], value[HBIL_GATHERED_PLANES];
   split += place(in, i, j, x, y);
-  KEEPV(LOADV(split), t + TAP_W * TAP_SPAN);
+  STOREV(LOADV(split), t + TAP_W * TAP_SPAN);
   split_normal(split, in.plane, normal);
 #pragma unroll
   for (int c = 0; c < 3; ++c)
-    KEEPV(normal[c], t + (TAP_NORMAL + c) * TAP_SPAN);
+    STOREV(normal[c], t + (TAP_NORMAL + c) * TAP_SPAN);
   gathered_light(light + place(lit, i, j, x, y), lit.plane, value);
-#define KEEP_PLANE(p) KEEPV(value[p], t + (TAP_LIGHT + p) * TAP_SPAN);
+#define KEEP_PLANE(p) STOREV(value[p], t + (TAP_LIGHT + p) * TAP_SPAN);
   EACH_GATHERED(KEEP_PLANE)
 #if WEIGHT_PLANE
-  KEEPV(value[HBIL_LIGHT_WEIGHT], t + TAP_WEIGHT * TAP_SPAN);
+  STOREV(value[HBIL_LIGHT_WEIGHT], t + TAP_WEIGHT * TAP_SPAN);
 #endif
 }
 
