@@ -186,10 +186,11 @@ typedef struct hbil_plane_args {
 } hbil_plane_args;
 
 /* Where history planes begin in their buffer; as many floats follow them.  What
- * is loaded for a vector begins and ends there at most, and lanes whose source
- * is not in the picture are masked. */
+ * is loaded for a vector begins and ends there at most: a row and a pixel before
+ * the first, two rows and two vectors behind the last.  Lanes whose source is
+ * not in the picture are masked. */
 static inline hbil_uint hbil_history_origin(const hbil_plane_args planes) {
-  return planes.row + HBIL_TILE;
+  return 2u * planes.row + 2u * HBIL_WIDEST;
 }
 
 /* One level of the push/pull chain: where its planes lie, and its size. */

@@ -29,21 +29,11 @@ INLINE realv row_of(const hbil_transform_args t, int row, realv x, realv y,
 }
 
 #if HBIL_WIDTH == 1
-#define STORE_INTV(v, p) (*(p) = (v))
 #define LOAD_UINTV(p) (*(p))
 #else
 #define LOAD_UINTV(p) HBIL_PASTE(vload, HBIL_WIDTH)(0, (p))
 #define LOAD_INTV(p) HBIL_PASTE(vload, HBIL_WIDTH)(0, (p))
-#define STORE_INTV(v, p) HBIL_PASTE(vstore, HBIL_WIDTH)((v), 0, (p))
 #endif
-
-/*
- * Where the picture moves, neighbours have come from neighbours: the sources of
- * a vector are a few runs.  A run's lanes have the same `begin`, their source
- * less their number, so that one load from there serves them all.  NO_RUN: no
- * source.  The history may be read a row and a vector beyond its planes.
- */
-#define NO_RUN (-0x7fffffff)
 
 /* Light that is carried over, weight 1; a hole, 0, raises HBIL_FLAG_HOLES,
  * filled with 0; the sky, -1.  Right of the image all is sky. */
@@ -278,25 +268,20 @@ INLINE void fetch(FETCH_PARAMETERS, int x, int y) {
   carried_over &= fabs(depth - here) <= disocclusion * depth_unit(to, here);
 #endif
   history += hbil_history_origin(planes) + HBIL_HISTORY_RED * planes.plane;
-  const intv begin =
-      select((intv)NO_RUN, AS_INTV(source) - EACH_LANE, carried_over);
-  int start[HBIL_WIDTH];
-  STORE_INTV(begin, start);
-  const int first = start[0] == NO_RUN ? 0 : start[0];
   realv light[3];
+  window from;
+  if (find_window(AS_INTV(source), carried_over, planes.row, &from)) {
 #pragma unroll
-  for (int c = 0; c < 3; ++c)
-    light[c] = READV(history + c * (int)planes.plane + first);
-  intv others = carried_over & (begin != first);
-  for (int i = 1; ANY(others); ++i) {
-    if (start[i] == NO_RUN || start[i] == start[i - 1])
-      continue;
-    const intv run = begin == start[i];
-    others &= begin != start[i];
+    for (int c = 0; c < 3; ++c) {
+      global const float *plane = history + c * (int)planes.plane;
+      FETCH_WINDOW(plane, &from, 0, 6 * HBIL_WIDEST);
+      light[c] = load_window(plane, &from);
+    }
+  } else {
+    const runs from_runs = find_runs(AS_INTV(source), carried_over);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      light[c] = select(light[c],
-                        LOADV(history + c * (int)planes.plane + start[i]), run);
+      light[c] = load_runs(history + c * (int)planes.plane, &from_runs);
   }
   store_carried(light, carried_over, here > 0.0f,
                 carried + (uint)y * planes.row + (uint)x, planes.plane, flags);
@@ -347,36 +332,10 @@ kernel void scatter_fetch(FETCH_PARAMETERS) {
 
 #else
 
-/* A float's integer, rounded down; PoCL's floor() is many instructions. */
-INLINE intv integer_below(realv v) {
-  const intv toward_0 = TO_INTV(v);
-  return toward_0 + LANE_MASK(v < TO_REALV(toward_0));
-}
-
-INLINE int first_lane(intv v) {
-#if HBIL_WIDTH == 1
-  return v;
-#else
-  return v.s0;
-#endif
-}
-
-/* The four pixels around a run's places, of all planes. */
-INLINE void load_taps(global const float *history, const hbil_plane_args planes,
-                      int start, realv tap[4][HBIL_HISTORY_PLANES]) {
-  history += start;
-#pragma unroll
-  for (int t = 0; t < 4; ++t)
-#pragma unroll
-    for (int p = 0; p < HBIL_HISTORY_PLANES; ++p)
-      tap[t][p] = LOADV(history + (uint)(t >> 1) * planes.row + (uint)(t & 1) +
-                        (uint)p * planes.plane);
-}
-
 /* The mean light of those of the four pixels that are allowed and at the depth
  * that is expected; returns their weight, 0 where there are none.
  *   |1/w - depth| <= off  without its division */
-INLINE realv blend(realv tap[4][HBIL_HISTORY_PLANES], const realv weight[4],
+INLINE realv blend(realv tap[HBIL_HISTORY_PLANES][4], const realv weight[4],
                    const intv allowed[4], realv depth, realv off,
                    realv light[3]) {
   realv total = 0.0f;
@@ -385,18 +344,18 @@ INLINE realv blend(realv tap[4][HBIL_HISTORY_PLANES], const realv weight[4],
     light[c] = 0.0f;
 #pragma unroll
   for (int t = 0; t < 4; ++t) {
+    const realv w = tap[HBIL_HISTORY_W][t];
 #if DISOCCLUSION
-    const realv w = tap[t][HBIL_HISTORY_W];
     const intv counts =
         allowed[t] & (fabs(fma(w, depth, (realv)-1.0f)) <= w * off);
 #else
-    const intv counts = allowed[t] & (tap[t][HBIL_HISTORY_W] > 0.0f);
+    const intv counts = allowed[t] & (w > 0.0f);
 #endif
     total = select(total, total + weight[t], counts);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       light[c] = select(light[c],
-                        fma(weight[t], tap[t][HBIL_HISTORY_RED + c], light[c]),
+                        fma(weight[t], tap[HBIL_HISTORY_RED + c][t], light[c]),
                         counts);
   }
   const realv inv_total = 1.0f / total;
@@ -433,71 +392,50 @@ kernel void follow_motion(
   const realv my =
       load_motion(motion_buffer, motion_image, x, y, 1, count) * scale_y;
   /* motion that is no number leads nowhere, like one out of the picture */
-  const intv wanting =
-      (z > 0.0f) & !((fabs(mx) < INFINITY) & (fabs(my) < INFINITY));
+  const intv sound = (fabs(mx) < INFINITY) & (fabs(my) < INFINITY);
+  const intv wanting = (z > 0.0f) & !sound;
   if (ANY(wanting))
     add_repaired(repaired + HBIL_REPAIRED_MOTION, count_lanes(wanting));
-  const realv u = (TO_REALV(x + EACH_LANE) + 0.5f) + mx - 0.5f;
-  const realv v = ((float)y + 0.5f) + my - 0.5f;
-  const intv inside = (z > 0.0f) & (depth > 0.0f) & (u > -1.0f) &
-                      (u < (float)view.width) & (v > -1.0f) &
-                      (v < (float)view.height);
-  /* Out-of-range floats must not reach the conversion. */
-  const intv left = integer_below(select((realv)0.0f, u, inside));
-  const intv top = integer_below(select((realv)0.0f, v, inside));
-  const realv a = u - TO_REALV(left), b = v - TO_REALV(top);
+  /* Out-of-range floats must not reach the conversion; what is outside stays
+   * there. */
+  const realv outside = -2.0f;
+  const realv u = clamp(
+      select(outside, (TO_REALV(x + EACH_LANE) + 0.5f) + mx - 0.5f, sound),
+      outside, (realv)(float)view.width);
+  const realv v = clamp(select(outside, ((float)y + 0.5f) + my - 0.5f, sound),
+                        outside, (realv)(float)view.height);
+  const realv whole_u = rounded_down(u), whole_v = rounded_down(v);
+  const intv left = TO_INTV(whole_u), top = TO_INTV(whole_v);
+  const intv inside = ((z > 0.0f) & (depth > 0.0f)) &
+                      ((AS_UINTV(left + 1) <= (uint)view.width) &
+                       (AS_UINTV(top + 1) <= (uint)view.height));
+  const realv a = u - whole_u, b = v - whole_v;
   const realv weight[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b),
                            (1.0f - a) * b, a * b};
+  const intv column[2] = {left >= 0, left + 1 < view.width};
+  const intv row[2] = {inside & (top >= 0), inside & (top + 1 < view.height)};
+  const intv allowed[4] = {row[0] & column[0], row[0] & column[1],
+                           row[1] & column[0], row[1] & column[1]};
   history += hbil_history_origin(planes);
-  const intv begin =
-      select((intv)NO_RUN, top * (int)planes.row + left - EACH_LANE, inside);
-  /* Where neighbours have come from neighbours, and not from the border, which
-   * is nearly everywhere. */
-  const int first = first_lane(begin);
-#if HBIL_WIDTH > 1
-  /* a row on, since this row was read for the one before: what work-items soon
-   * want if they have come along */
-  if (first != NO_RUN) {
+  const intv place = top * (int)planes.row + left;
+  realv tap[HBIL_HISTORY_PLANES][4], light[3], total;
+  window from;
+  /* each way with taps of its own: what either may have changed goes through
+   * memory */
+  if (find_window(place, inside, planes.row, &from)) {
+#pragma unroll
+    for (uint p = 0; p < HBIL_HISTORY_PLANES; ++p) {
+      global const float *plane = history + p * planes.plane;
+      FETCH_WINDOW(plane, &from, 1, 8 * HBIL_WIDEST);
+      load_four_window(plane, &from, tap[p]);
+    }
+    total = blend(tap, weight, allowed, depth, off, light);
+  } else {
+    const runs from_runs = find_runs(place, inside);
 #pragma unroll
     for (uint p = 0; p < HBIL_HISTORY_PLANES; ++p)
-      FETCH_LINE(history + first + (int)(planes.row + p * planes.plane) +
-                 8 * HBIL_WIDEST);
-  }
-#endif
-  const bool together = first_lane(left) >= 0 && first_lane(top) >= 0 &&
-                        first_lane(left) + HBIL_WIDTH < view.width &&
-                        first_lane(top) + 1 < view.height &&
-                        !ANY(begin != first) && first != NO_RUN;
-  realv light[3], total;
-  if (together) {
-    realv tap[4][HBIL_HISTORY_PLANES];
-    const intv yes = EACH_LANE >= 0;
-    const intv all[4] = {yes, yes, yes, yes};
-    load_taps(history, planes, first, tap);
-    total = blend(tap, weight, all, depth, off, light);
-  } else {
-    realv tap[4][HBIL_HISTORY_PLANES];
-    int start[HBIL_WIDTH];
-    STORE_INTV(begin, start);
-    load_taps(history, planes, first == NO_RUN ? 0 : first, tap);
-    intv others = inside & (begin != first);
-    for (int i = 1; ANY(others); ++i) {
-      if (start[i] == NO_RUN || start[i] == start[i - 1])
-        continue;
-      const intv run = begin == start[i];
-      others &= begin != start[i];
-      realv other[4][HBIL_HISTORY_PLANES];
-      load_taps(history, planes, start[i], other);
-#pragma unroll
-      for (int t = 0; t < 4; ++t)
-#pragma unroll
-        for (int p = 0; p < HBIL_HISTORY_PLANES; ++p)
-          tap[t][p] = select(tap[t][p], other[t][p], run);
-    }
-    const intv column[2] = {left >= 0, left + 1 < view.width};
-    const intv row[2] = {inside & (top >= 0), inside & (top + 1 < view.height)};
-    const intv allowed[4] = {row[0] & column[0], row[0] & column[1],
-                             row[1] & column[0], row[1] & column[1]};
+      load_four_runs(history + p * planes.plane, &from_runs, planes.row,
+                     tap[p]);
     total = blend(tap, weight, allowed, depth, off, light);
   }
   const intv found = total > 0.0f;

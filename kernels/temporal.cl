@@ -94,53 +94,7 @@ INLINE realv to_subpixel(realv v) {
   return rint(v * 256.0f) * (1.0f / 256.0f);
 }
 
-/* A float's integer, rounded down; PoCL's floor() is many instructions. */
-INLINE intv integer_below(realv v) {
-  const intv toward_0 = TO_INTV(v);
-  return toward_0 + LANE_MASK(v < TO_REALV(toward_0));
-}
-
 /* --- what is there ------------------------------------------------------- */
-
-#if HBIL_WIDTH == 1
-#define STORE_INTV(v, p) (*(p) = (v))
-#else
-#define STORE_INTV(v, p) HBIL_PASTE(vstore, HBIL_WIDTH)((v), 0, (p))
-#endif
-
-/* Neighbours come from neighbours: a vector's sources are a few runs, each of
- * which one load serves.  Lanes of a run have the same `begin`, their source
- * less their number.  Kept planes may be read a row and a vector beyond their
- * ends (hbil_history_origin()). */
-#define NO_RUN (-0x7fffffff)
-typedef struct runs {
-  intv begin;
-  int count, start[HBIL_WIDTH];
-} runs;
-
-INLINE runs runs_of(intv begin) {
-  runs r;
-  int start[HBIL_WIDTH];
-  STORE_INTV(begin, start);
-  r.begin = begin;
-  r.count = 0;
-  intv others = begin != NO_RUN;
-  for (int i = 0; ANY(others); ++i) {
-    if (start[i] == NO_RUN || (i > 0 && start[i] == start[i - 1]))
-      continue;
-    r.start[r.count++] = start[i];
-    others &= begin != start[i];
-  }
-  return r;
-}
-
-/* A plane's values at the sources.  There is a run. */
-INLINE realv load_runs(global const float *plane, const runs *r) {
-  realv value = LOADV(plane + r->start[0]);
-  for (int k = 1; k < r->count; ++k)
-    value = select(value, LOADV(plane + r->start[k]), r->begin == r->start[k]);
-  return value;
-}
 
 /* What the frame before knows of a vector of pixels: how many frames that is
  * the mean of (0: nothing is known), and the mean. */
@@ -148,25 +102,46 @@ typedef struct memory {
   realv frames, value[HBIL_LIGHT_PLANES];
 } memory;
 
+/* How the places of a vector are read: the four pixels about each out of a
+ * window, or one, where nothing has moved; or run by run. */
+enum { READ_FOUR, READ_ONE, READ_RUNS };
+typedef struct places {
+  window fit;
+  runs run;
+} places;
+
+/* A plane's values at the four pixels; READ_ONE: at the first. */
+INLINE void load_taps(global const float *plane, const places *from, int how,
+                      uint row, realv tap[4]) {
+  if (how == READ_FOUR) {
+    FETCH_WINDOW(plane, &from->fit, 1, 6 * HBIL_WIDEST);
+    load_four_window(plane, &from->fit, tap);
+    return;
+  }
+  if (how == READ_ONE) {
+    FETCH_WINDOW(plane, &from->fit, 0, 6 * HBIL_WIDEST);
+    tap[0] = load_window(plane, &from->fit);
+    tap[1] = tap[2] = tap[3] = 0.0f;
+    return;
+  }
+  load_four_runs(plane, &from->run, row, tap);
+}
+
 /* then: expected at the sources.  left, top: the first of four pixels; a, b:
  * how far beyond it the source lies.  known: whether there is a source. */
-INLINE memory recall(const hbil_view_args before, const past *then, intv left,
-                     intv top, realv a, realv b, intv known,
-                     global const float *kept, const hbil_plane_args planes,
-                     float disocclusion) {
+INLINE memory recall_from(const hbil_view_args before, const past *then,
+                          intv left, intv top, realv a, realv b, intv known,
+                          global const float *kept,
+                          const hbil_plane_args planes, float disocclusion,
+                          const places *from, int how) {
   const realv weight[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b),
                            (1.0f - a) * b, a * b};
   const intv column[2] = {left >= 0, left + 1 < before.width};
   const intv row[2] = {top >= 0, top + 1 < before.height};
-  const runs r = runs_of(
-      select((intv)NO_RUN, top * (int)planes.row + left - EACH_LANE, known));
+  const int taps = how == READ_ONE ? 1 : 4;
   memory m;
-  realv total = 0.0f;
-  m.frames = 0.0f;
-#define FORGET(p) m.value[p] = 0.0f;
-  EACH_RESOLVED(FORGET)
-  if (r.count == 0)
-    return m;
+  realv total = 0.0f, tap[4];
+  intv same[4];
 #if DISOCCLUSION && ORTHOGRAPHIC
   /* The plane n.P through the expected point: n_z (z_tap - z) is -(n_x, n_y)
    * times the way there. */
@@ -184,49 +159,75 @@ INLINE memory recall(const hbil_view_args before, const past *then, intv left,
   const realv first = fma(then->n[0], rx, fma(then->n[1], ry, then->n[2]));
   const realv scale = then->z * fma(step_x, a, fma(step_y, b, first));
 #endif
+#define LOAD_TAPS(p)                                                           \
+  load_taps(kept + (p)*planes.plane, from, how, planes.row, tap);
+  LOAD_TAPS(HBIL_KEPT_W)
 #pragma unroll
-  for (int t = 0; t < 4; ++t) {
+  for (int t = 0; t < taps; ++t) {
     const int i = t & 1, j = t >> 1;
-    intv same = known & column[i] & row[j] & (weight[t] > 0.0f);
-    if (!ANY(same))
-      continue;
-    global const float *at = kept + j * (int)planes.row + i;
-    const realv w = load_runs(at + HBIL_KEPT_W * planes.plane, &r);
-    same &= w > SKY;
+    same[t] = known & column[i] & row[j] & (weight[t] > 0.0f) & (tap[t] > SKY);
 #if DISOCCLUSION && ORTHOGRAPHIC
     const realv away = fma(step_x, (float)i - a, step_y * ((float)j - b));
-    same &= fabs(fma(w + then->z, -then->n[2], away)) <= limit;
+    same[t] &= fabs(fma(tap[t] + then->z, -then->n[2], away)) <= limit;
 #elif DISOCCLUSION
     const realv plane = fma((realv)i, step_x, fma((realv)j, step_y, first));
-    same &= fabs(fma(w, scale, -plane)) <= disocclusion * fabs(plane);
+    same[t] &= fabs(fma(tap[t], scale, -plane)) <= disocclusion * fabs(plane);
 #endif
+  }
+  LOAD_TAPS(HBIL_KEPT_NORMAL)
+#pragma unroll
+  for (int t = 0; t < taps; ++t) {
     realv n[3];
-    unpack_normal(
-        AS_UINTV(AS_INTV(load_runs(at + HBIL_KEPT_NORMAL * planes.plane, &r))),
-        n);
-    same &= fma(n[0], then->n[0], fma(n[1], then->n[1], n[2] * then->n[2])) >
-            1.0f - HBIL_TURN_TOLERANCE;
-    const realv frames = load_runs(at + HBIL_KEPT_FRAMES * planes.plane, &r);
-    same &= frames > 0.0f;
-    total = select(total, total + weight[t], same);
-    m.frames = select(m.frames, fma(weight[t], frames, m.frames), same);
-#define ADD_TAP(p)                                                             \
-  m.value[p] =                                                                 \
-      select(m.value[p],                                                       \
-             fma(weight[t],                                                    \
-                 load_runs(at + (HBIL_KEPT_LIGHT + (p)) * planes.plane, &r),   \
-                 m.value[p]),                                                  \
-             same);
-    EACH_RESOLVED(ADD_TAP)
+    unpack_normal(REALV_AS_WORDS(tap[t]), n);
+    same[t] &= fma(n[0], then->n[0], fma(n[1], then->n[1], n[2] * then->n[2])) >
+               1.0f - HBIL_TURN_TOLERANCE;
+  }
+  LOAD_TAPS(HBIL_KEPT_FRAMES)
+  m.frames = 0.0f;
+#pragma unroll
+  for (int t = 0; t < taps; ++t) {
+    same[t] &= tap[t] > 0.0f;
+    total = select(total, total + weight[t], same[t]);
+    m.frames = select(m.frames, fma(weight[t], tap[t], m.frames), same[t]);
   }
   realv size = 0.0f;
-#define DIVIDE_TAP(p)                                                          \
+#define RECALL(p)                                                              \
+  LOAD_TAPS(HBIL_KEPT_LIGHT + (p))                                             \
+  m.value[p] = 0.0f;                                                           \
+  _Pragma("unroll") for (int t = 0; t < taps; ++t) m.value[p] =                \
+      select(m.value[p], fma(weight[t], tap[t], m.value[p]), same[t]);         \
   m.value[p] /= total;                                                         \
   size += fabs(m.value[p]);
-  EACH_RESOLVED(DIVIDE_TAP)
+  EACH_RESOLVED(RECALL)
   /* NaN is not below */
   m.frames = select((realv)0.0f, m.frames, size < INFINITY);
   return m;
+}
+
+/* The same.  Each way of reading has a body of its own, without a branch. */
+INLINE memory recall(const hbil_view_args before, const past *then, intv left,
+                     intv top, realv a, realv b, intv known,
+                     global const float *kept, const hbil_plane_args planes,
+                     float disocclusion) {
+  const intv place = top * (int)planes.row + left;
+  places from;
+  if (!ANY(known)) {
+    memory nothing;
+    nothing.frames = 0.0f;
+#define FORGET(p) nothing.value[p] = 0.0f;
+    EACH_RESOLVED(FORGET)
+    return nothing;
+  }
+  if (find_window(place, known, planes.row, &from.fit)) {
+    if (!ANY(known & ((a > 0.0f) | (b > 0.0f))))
+      return recall_from(before, then, left, top, a, b, known, kept, planes,
+                         disocclusion, &from, READ_ONE);
+    return recall_from(before, then, left, top, a, b, known, kept, planes,
+                       disocclusion, &from, READ_FOUR);
+  }
+  from.run = find_runs(place, known);
+  return recall_from(before, then, left, top, a, b, known, kept, planes,
+                     disocclusion, &from, READ_RUNS);
 }
 
 /* --- both ---------------------------------------------------------------- */
@@ -257,7 +258,7 @@ INLINE void blend(const memory *m, realv w, const realv n[3], intv solid,
   const realv share = 1.0f / frames;
   realv fresh[HBIL_LIGHT_PLANES], mean[HBIL_LIGHT_PLANES], size = 0.0f;
 #define BLEND(p)                                                               \
-  fresh[p] = LOADV(resolved + (p)*planes.plane);                               \
+  fresh[p] = READV(resolved + (p)*planes.plane);                               \
   mean[p] = select(fresh[p], fma(fresh[p] - m->value[p], share, m->value[p]),  \
                    found);                                                     \
   size += fabs(mean[p]);                                                       \
@@ -328,10 +329,10 @@ kernel void temporal(const hbil_view_args view, const hbil_view_args before,
     /* Out-of-range floats must not reach the conversion. */
     const realv safe_u = select((realv)0.0f, u, known);
     const realv safe_v = select((realv)0.0f, v, known);
-    const intv left = integer_below(safe_u), top = integer_below(safe_v);
-    const memory m = recall(before, &then, left, top, safe_u - TO_REALV(left),
-                            safe_v - TO_REALV(top), known, kept_before, planes,
-                            disocclusion);
+    const realv whole_u = rounded_down(safe_u), whole_v = rounded_down(safe_v);
+    const memory m = recall(before, &then, TO_INTV(whole_u), TO_INTV(whole_v),
+                            safe_u - whole_u, safe_v - whole_v, known,
+                            kept_before, planes, disocclusion);
     blend(&m, w[i], n, solid, most, kept + pixel, resolved + pixel, planes);
   }
 }

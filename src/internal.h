@@ -111,6 +111,7 @@ typedef struct program_kind {
   const char *name; /* of its file, without .cl */
   bool fast;   /* relaxed arithmetic: where results may differ in rounding */
   bool images; /* reads or writes callers' images */
+  bool places; /* reads what another frame has left */
 } program_kind;
 
 /* Most characters that the defines of a plan take. */

@@ -107,7 +107,7 @@ enum {
 };
 
 static const program_kind programs[PROGRAM_COUNT] = {
-    [PROGRAM_REPROJECT] = {"reproject", .images = true},
+    [PROGRAM_REPROJECT] = {"reproject", .images = true, .places = true},
     [PROGRAM_PUSH_PULL] = {"push_pull", .images = false},
     [PROGRAM_CLEAR] = {"clear", .images = false},
     [PROGRAM_SPLIT] = {"split", .images = true},
@@ -117,7 +117,7 @@ static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_GATHER] = {"gather", .fast = true},
     [PROGRAM_JUDGE] = {"judge", .images = false},
     [PROGRAM_RECOMPOSE] = {"recompose", .fast = true},
-    [PROGRAM_TEMPORAL] = {"temporal", .images = true},
+    [PROGRAM_TEMPORAL] = {"temporal", .images = true, .places = true},
     [PROGRAM_COMPOSITE] = {"composite", .images = true},
 };
 

@@ -65,7 +65,7 @@ static hbil_status build_failure(hbil_context *context, cl_program program,
 /* --- the texts of a program --- */
 
 /* Each file behind a #line of its own, so that logs name it. */
-enum { MOST_FILES = 4 };
+enum { MOST_FILES = 5 };
 typedef struct sources {
   cl_uint count; /* of text: two to a file */
   const char *text[2 * MOST_FILES];
@@ -98,6 +98,8 @@ static hbil_status add_files(hbil_context *context, const program_kind *kind,
     status = add_file(context, s, "common.clh");
   if (status == HBIL_SUCCESS && kind->images)
     status = add_file(context, s, "images.clh");
+  if (status == HBIL_SUCCESS && kind->places)
+    status = add_file(context, s, "places.clh");
   return status == HBIL_SUCCESS ? add_file(context, s, pass_file) : status;
 }
 

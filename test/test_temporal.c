@@ -67,7 +67,8 @@ static void of_one_frame_is_off(void **state) {
 }
 
 /* Two buffers, each with a place, a normal, a number and the seven planes of
- * light, a row and a tile (32) before and behind; rows are padded to 64. */
+ * light, two rows and two vectors (32) before and behind; rows are padded
+ * to 64. */
 static void memory_is_two_frames_more(void **state) {
   setup s;
   size_t off, on, made;
@@ -86,7 +87,7 @@ static void memory_is_two_frames_more(void **state) {
   assert_success(&s, hbil_plan_memory(s.gpu->hbil, &s.config, &on));
   assert_success(&s, hbil_plan_create(s.gpu->hbil, &s.config, &s.plan));
   made = shim_made().bytes;
-  assert_int_equal(on - off, 2 * 4 * (10 * 128 * HEIGHT + 2 * (128 + 32)));
+  assert_int_equal(on - off, 2 * 4 * (10 * 128 * HEIGHT + 2 * (2 * 128 + 32)));
   assert_int_equal(on, made);
   assert_success(&s, hbil_plan_buffer(s.plan, HBIL_STAGE_KEPT, &buffer));
   assert_int_equal(buffer.values, 10);
