@@ -396,14 +396,9 @@ kernel void follow_motion(
   const intv wanting = (z > 0.0f) & !sound;
   if (ANY(wanting))
     add_repaired(repaired + HBIL_REPAIRED_MOTION, count_lanes(wanting));
-  /* Out-of-range floats must not reach the conversion; what is outside stays
-   * there. */
-  const realv outside = -2.0f;
-  const realv u = clamp(
-      select(outside, (TO_REALV(x + EACH_LANE) + 0.5f) + mx - 0.5f, sound),
-      outside, (realv)(float)view.width);
-  const realv v = clamp(select(outside, ((float)y + 0.5f) + my - 0.5f, sound),
-                        outside, (realv)(float)view.height);
+  const realv u =
+      near_by((TO_REALV(x + EACH_LANE) + 0.5f) + mx - 0.5f, (float)view.width);
+  const realv v = near_by(((float)y + 0.5f) + my - 0.5f, (float)view.height);
   const realv whole_u = rounded_down(u), whole_v = rounded_down(v);
   const intv left = TO_INTV(whole_u), top = TO_INTV(whole_v);
   const intv inside = ((z > 0.0f) & (depth > 0.0f)) &

@@ -322,17 +322,15 @@ kernel void temporal(const hbil_view_args view, const hbil_view_args before,
     past then = past_of(before, back, p);
 #endif
     turned(back, n, then.n);
-    const realv u = to_subpixel(then.u), v = to_subpixel(then.v);
-    known &= (then.z > 0.0f) & (then.z < INFINITY) & (u > -1.0f) &
-             (u < (float)before.width) & (v > -1.0f) &
-             (v < (float)before.height);
-    /* Out-of-range floats must not reach the conversion. */
-    const realv safe_u = select((realv)0.0f, u, known);
-    const realv safe_v = select((realv)0.0f, v, known);
-    const realv whole_u = rounded_down(safe_u), whole_v = rounded_down(safe_v);
-    const memory m = recall(before, &then, TO_INTV(whole_u), TO_INTV(whole_v),
-                            safe_u - whole_u, safe_v - whole_v, known,
-                            kept_before, planes, disocclusion);
+    const realv u = near_by(to_subpixel(then.u), (float)before.width);
+    const realv v = near_by(to_subpixel(then.v), (float)before.height);
+    const realv whole_u = rounded_down(u), whole_v = rounded_down(v);
+    const intv left = TO_INTV(whole_u), top = TO_INTV(whole_v);
+    known &= ((then.z > 0.0f) & (then.z < INFINITY)) &
+             ((AS_UINTV(left + 1) <= (uint)before.width) &
+              (AS_UINTV(top + 1) <= (uint)before.height));
+    const memory m = recall(before, &then, left, top, u - whole_u, v - whole_v,
+                            known, kept_before, planes, disocclusion);
     blend(&m, w[i], n, solid, most, kept + pixel, resolved + pixel, planes);
   }
 }
