@@ -186,9 +186,11 @@ INLINE uint place(const hbil_layer_args layout, int x0, int y) {
 #define HAS_BOUNDS (SKIP_OPEN || SKIP_DARK)
 
 #if HAS_BOUNDS && GATHER_RADIANCE
-/* Of 4*HBIL_WIDTH pixels: HBIL_SOME_.  value: planes of radiance. */
+/* Of 4*HBIL_WIDTH pixels: HBIL_SOME_.  value: planes of radiance.  Dark is what
+ * has no light in some lane of all four vectors: a few pixels are not worth
+ * asking every sample. */
 INLINE uint light_of(const realv w[4], realv value[][4]) {
-  intv lit = 0, dark = 0;
+  intv lit = 0, dark = TRUE_LANES, solid = 0;
 #pragma unroll
   for (int part = 0; part < 4; ++part) {
     realv light[RADIANCE_PLANES];
@@ -197,9 +199,11 @@ INLINE uint light_of(const realv w[4], realv value[][4]) {
       light[p] = value[p][part];
     const intv is_lit = shines(light);
     lit |= is_lit;
-    dark |= (w[part] > SKY) & !is_lit;
+    dark &= !is_lit;
+    solid |= w[part] > SKY;
   }
-  return (ANY(lit) ? HBIL_SOME_LIT : 0u) | (ANY(dark) ? HBIL_SOME_DARK : 0u);
+  return (ANY(lit) ? HBIL_SOME_LIT : 0u) |
+         (ANY(dark & solid) ? HBIL_SOME_DARK : 0u);
 }
 #endif
 
