@@ -186,9 +186,9 @@ typedef struct hbil_plane_args {
 } hbil_plane_args;
 
 /* Where history planes begin in their buffer; as many floats follow them.  What
- * is loaded for a vector begins and ends there at most: a row and a pixel before
- * the first, two rows and two vectors behind the last.  Lanes whose source is
- * not in the picture are masked. */
+ * is loaded for a vector begins and ends there at most: a window of three rows
+ * and two vectors (places.clh) that holds a place in the picture, or a row and
+ * a pixel before it.  Lanes whose source is not in the picture are masked. */
 static inline hbil_uint hbil_history_origin(const hbil_plane_args planes) {
   return 2u * planes.row + 2u * HBIL_WIDEST;
 }
