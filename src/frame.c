@@ -764,7 +764,8 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   gather_args.rungs = plan->layout.ladder.count;
   gather_args.tiles = plan->layout.tiles;
   gather_args.measures = -1;
-  if (plan->layout.ladder.count)
+  plan->kept_choice = frame->keep_choice && plan->has_last;
+  if (plan->layout.ladder.count && !plan->kept_choice)
     status = choose_rung(chain, &gather_args, still);
   return status == HBIL_SUCCESS
              ? look_around(chain, &gather_args, still, plan->layout.strips,

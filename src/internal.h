@@ -274,6 +274,8 @@ struct hbil_plan {
   /* passes of the frame that is being enqueued: whether the host left them out,
    * and whether the device may have */
   bool left_out[HBIL_PASS_COUNT], may_leave_out[HBIL_PASS_COUNT];
+  /* adaptive: the frame that is being enqueued measures nothing */
+  bool kept_choice;
   /* what the table of steps was last made for */
   bool has_steps;
   hbil_view_args steps_view;

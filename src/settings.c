@@ -59,7 +59,7 @@ cl_uint format_stride(const hbil_config *config, int image) {
  * fields stand behind these for ever (configure.ac has the rules). */
 enum {
   FIRST_CONFIG_SIZE = SIZE_UP_TO(hbil_config, profiling),
-  FIRST_FRAME_SIZE = SIZE_UP_TO(hbil_frame, still)
+  FIRST_FRAME_SIZE = SIZE_UP_TO(hbil_frame, keep_choice)
 };
 
 /* Fills `size` bytes of a caller's struct, struct_size first, from one of this

@@ -93,6 +93,7 @@ static hbil_status read_samples(hbil_plan *plan, cl_command_queue queue,
     ++good;
   out->slices = (cl_uint)l->rung[good].slices;
   out->samples = (cl_uint)l->rung[good].samples;
+  out->kept_choice = plan->kept_choice;
   return status;
 }
 

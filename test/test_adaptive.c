@@ -390,6 +390,60 @@ static void each_frame_is_chosen_for_anew(void **state) {
   setup_free(&s);
 }
 
+static void run_and_tell(setup *s, cl_bool keep, hbil_skipped *skipped) {
+  s->frame.keep_choice = keep;
+  setup_run(s, hbil_enqueue_frame);
+  assert_success(s, hbil_plan_skipped(s->plan, s->gpu->queue, skipped));
+}
+
+/* A frame that keeps the choice has as many samples as the one before, whatever
+ * it shows; a plan's first frame, and one behind a cut, has nothing to keep.
+ * Who has the choice of another plan goes on with it. */
+static void a_choice_is_kept_where_that_is_asked_for(void **state) {
+  const float sky = 0.0f;
+  hbil_skipped first, kept, anew, given;
+  cl_uint words[HBIL_MOST_RUNGS * HBIL_TRIED];
+  hbil_buffer choice;
+  setup s, other;
+  (void)state;
+  start(&s, all, 0.05f, INFINITY);
+  run_and_tell(&s, CL_TRUE, &first);
+  assert_false(first.kept_choice);
+  assert_true(first.samples > ladder[0].samples);
+  assert_success(&s, hbil_plan_buffer(s.plan, HBIL_STAGE_CHOICE, &choice));
+  assert_int_equal(choice.values, HBIL_MOST_RUNGS * HBIL_TRIED);
+  assert_int_equal(clEnqueueReadBuffer(s.gpu->queue, choice.buffer, CL_TRUE, 0,
+                                       sizeof words, words, 0, NULL, NULL),
+                   CL_SUCCESS);
+  assert_int_equal(clEnqueueFillBuffer(s.gpu->queue, s.frame.depth.buffer, &sky,
+                                       sizeof sky, 0, PIXELS * sizeof sky, 0,
+                                       NULL, NULL),
+                   CL_SUCCESS);
+  run_and_tell(&s, CL_TRUE, &kept);
+  assert_true(kept.kept_choice);
+  assert_int_equal(kept.slices, first.slices);
+  assert_int_equal(kept.samples, first.samples);
+  run_and_tell(&s, CL_FALSE, &anew);
+  assert_int_equal(anew.samples, ladder[0].samples);
+  hbil_plan_reset(s.plan);
+  run_and_tell(&s, CL_TRUE, &anew);
+  assert_int_equal(anew.samples, ladder[0].samples);
+  setup_free(&s);
+
+  start(&other, all, 0.05f, INFINITY);
+  setup_run(&other, hbil_enqueue_composite); /* the plan has a frame */
+  assert_success(&other,
+                 hbil_plan_buffer(other.plan, HBIL_STAGE_CHOICE, &choice));
+  assert_int_equal(clEnqueueWriteBuffer(other.gpu->queue, choice.buffer,
+                                        CL_TRUE, 0, sizeof words, words, 0,
+                                        NULL, NULL),
+                   CL_SUCCESS);
+  run_and_tell(&other, CL_TRUE, &given);
+  assert_int_equal(given.slices, first.slices);
+  assert_int_equal(given.samples, first.samples);
+  setup_free(&other);
+}
+
 /* A difference in the last digit at a limit may make another choice; of the
  * room it does not. */
 static void every_width_chooses_the_same(void **state) {
@@ -455,6 +509,7 @@ int main(void) {
       cmocka_unit_test(still_frames_stay),
       cmocka_unit_test(without_the_gather_nothing_is_chosen),
       cmocka_unit_test(each_frame_is_chosen_for_anew),
+      cmocka_unit_test(a_choice_is_kept_where_that_is_asked_for),
       cmocka_unit_test(every_width_chooses_the_same),
       cmocka_unit_test(every_mode_chooses)};
   test_gpu = gpu_open();

@@ -223,10 +223,12 @@ for value in slices=99999999999999999999 slices=18446744073709551617 slices=-1 \
   slices=1e3 slices=nan slices= samples=0x10 repeat=1.5 \
   warm-up=99999999999999999999 radius=nan radius=1e400 radius=-1e400 radius= \
   radius=x thickness=1,2 relative-thickness=nan step-growth=1e39 \
-  disocclusion=nan facing= facing=nan,nan facing=1e400,0 facing=0.1 \
+  choose-every=0 disocclusion=nan facing= facing=nan,nan facing=1e400,0 facing=0.1 \
   facing=0,0,0; do
   refused "--$value" "^hbil: --${value%%=*} " process -o "$out" "--$value" "$one"
 done
+refused "nothing to choose" 'choose-every: --max-error is needed' \
+  process -o "$out" --choose-every 2 "$one"
 refused "an empty word" '^hbil: --mode ' process -o "$out" --mode '' "$one"
 refused "an empty list" '^hbil: --layers ' process -o "$out" --layers '' "$one"
 refused "an empty output folder" 'output folder' process -o '' "$one"
@@ -339,6 +341,31 @@ done
 run cmp "$work/hbil/frame_0004.exr" "$work/scatter/frame_0004.exr"
 test $status -ne 0
 ok $? "a mean is not a single frame"
+# So is the number of samples that was chosen, where not every frame chooses.
+for light in carried none; do
+  rm -rf "$work/resumed"
+  adaptive() {
+    process --max-error .1,inf "$@"
+  }
+  test $light = carried ||
+    adaptive() {
+      process --max-error .1,inf --reprojection none --layers AO "$@"
+    }
+  works "adaptive, light $light: four frames, one choice each four" \
+    adaptive -o "$work/adaptive_$light" "$frames"/*.exr
+  refused "adaptive, light $light: broken off" 'frame_0003.exr: truncated' \
+    adaptive -o "$work/resumed" "$work/broken"/*.exr
+  works "adaptive, light $light: resumed" \
+    adaptive --resume -o "$work/resumed" "$frames"/*.exr
+  same "adaptive, light $light: as without interruption" \
+    "$work/adaptive_$light" "$work/resumed"
+done
+works "choosing in each frame" adaptive --choose-every 1 -o "$work/each" \
+  "$frames"/*.exr
+refused "choosing in each frame: broken off" 'frame_0003.exr: truncated' \
+  adaptive --choose-every 1 -o "$work/each_broken" "$work/broken"/*.exr
+test ! -e "$work/each_broken/.hbil-light"
+ok $? "nothing is kept where nothing is carried"
 rm -rf "$work/resumed"
 exact --reprojection motion --preview -o "$work/resumed" "$frames"/*.exr
 run "$HBIL" process --quality reference --slices 2 --warm-up 0 --preview \

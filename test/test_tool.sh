@@ -70,6 +70,15 @@ done
 ok $missing "timings as JSON have a member for each pass"
 grep -q '"motion": 0' "$work/out"
 ok $? "and count what was repaired"
+# The first frame's fourth run is what is told of it.
+run process --max-error .1,inf --timings --json -o "$work/t" "$one" "$two"
+kept=$(grep -o '"kept_choice": [a-z]*' "$work/out" | cut -d ' ' -f 2 | tr '\n' ' ')
+test "$kept" = "true false false " # the last one is the mean's
+ok $? "how many samples are needed is measured every fourth run"
+run process --max-error .1,inf --choose-every 3 --timings -o "$work/t" \
+  "$one" "$two"
+test "$(grep -c 'samples a side, as before' "$work/out")" = 1
+ok $? "and every third, where that is asked for"
 
 works "a frame by itself" \
   process --reprojection none -o "$work/still" "$one"

@@ -412,8 +412,9 @@ typedef struct hbil_config {
    * which limits that is worth it, and where it was not kept).  With slices 1
    * it is 1 x 64, 96, 128, 192 above 1 x 48.  What the filter of recompose adds
    * to the error is in it, and where even the most samples are not enough, the
-   * error is what it is.  Frames are chosen for one by one: pictures of a
-   * sequence may have different numbers.  Not with raw_interleave.
+   * error is what it is.  Frames are chosen for one by one, but for those that
+   * keep the choice (hbil_frame.keep_choice): pictures of a sequence may have
+   * different numbers.  Not with raw_interleave.
    */
   float max_error[2];
   float facing[2];      /* radiance of a sample fades in as the cosine between
@@ -528,6 +529,13 @@ typedef struct hbil_frame {
    * plan's first frame.  Not for callers who write to a plan's buffers between
    * the passes. */
   cl_bool still;
+  /* CL_TRUE, with hbil_config.max_error: takes as many samples as the plan's
+   * last frame did, and measures nothing.  How many a picture needs hardly
+   * changes from one frame to the next, so that a sequence which chooses in
+   * every fourth frame pays a quarter of what choosing takes; the promised
+   * error is that of the frame that was chosen for.  Ignored in a plan's first
+   * frame: hbil_plan_reset() at a cut. */
+  cl_bool keep_choice;
 } hbil_frame;
 
 /* Everything zero, in struct_size bytes: no images, no far light, an invalid
@@ -649,6 +657,10 @@ HBIL_API hbil_status hbil_enqueue_composite(
  *              number of frames (0: the pixel counts for nothing), then as
  *              RESOLVED, the bent normal of any length.  One of two buffers:
  *              ask anew after every frame
+ * and, no plane, with hbil_config.max_error, for whoever hands a sequence on:
+ *   CHOICE    32: by which hbil_frame.keep_choice goes: words, value p of all
+ *              pixels at p; of each number of samples that was tried the
+ *              pixels that were off by more, and all
  * With HBIL_STORAGE_PACKED, SPLIT and GATHERED hold words of 32 bits instead
  * (see hbil_storage), in planes that lie the same way:
  *   SPLIT      3: inverse depth, a float; normal; radiance
@@ -690,7 +702,8 @@ typedef enum hbil_stage {
   HBIL_STAGE_SPLIT = 2,
   HBIL_STAGE_GATHERED = 3,
   HBIL_STAGE_RESOLVED = 4,
-  HBIL_STAGE_KEPT = 5
+  HBIL_STAGE_KEPT = 5,
+  HBIL_STAGE_CHOICE = 6
 } hbil_stage;
 
 typedef struct hbil_buffer {
@@ -741,6 +754,7 @@ typedef struct hbil_skipped {
   hbil_share unused; /* no irradiance is asked for */
   cl_bool adaptive;  /* by hbil_config.max_error; then these are chosen: */
   cl_uint slices, samples; /* of the frame */
+  cl_bool kept_choice; /* hbil_frame.keep_choice: those of the frame before */
   /* passes that had nothing to do, or found on the device that they had not */
   cl_bool not_run[HBIL_PASS_COUNT];
 } hbil_skipped;

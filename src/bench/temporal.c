@@ -69,7 +69,7 @@ static int open_sequence(const job *j, unsigned length,
   hbil_config config = j->config;
   config.temporal = length;
   config.reprojection = reprojection;
-  return sequence_open(j->device, &config, &j->map, WANTED, out, error);
+  return sequence_open(j->device, &config, 1, &j->map, WANTED, out, error);
 }
 
 static int run(job *j, sequence *s, const captured *frame, timing_row *row,

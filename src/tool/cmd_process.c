@@ -2,6 +2,7 @@
 #include "tool/tool.h"
 
 #include <getopt.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -47,6 +48,7 @@ enum {
   OPTION_COMPRESSION,
   OPTION_FRAMES,
   OPTION_WARM_UP,
+  OPTION_CHOOSE_EVERY,
   OPTION_PREVIEW,
   OPTION_TIMINGS,
   OPTION_JSON,
@@ -77,6 +79,7 @@ static const struct option options[] = {
     {"step-growth", required_argument, NULL, OPTION_STEP_GROWTH},
     {"extrapolate", required_argument, NULL, OPTION_EXTRAPOLATE},
     {"max-error", required_argument, NULL, OPTION_MAX_ERROR},
+    {"choose-every", required_argument, NULL, OPTION_CHOOSE_EVERY},
     {"thickness", required_argument, NULL, OPTION_THICKNESS},
     {"relative-thickness", required_argument, NULL, OPTION_RELATIVE_THICKNESS},
     {"lattice", required_argument, NULL, OPTION_LATTICE},
@@ -211,6 +214,7 @@ static void usage(const hbil_config *defaults) {
        "frame:\n"
        "                        fewer slices and samples, from 1x4 on, for\n"
        "                        frames that need no more (inf,inf)\n"
+       "  --choose-every N      with --max-error: anew every Nth run (4)\n"
        "  --extrapolate yes|no  judge what lies between the samples by what\n"
        "                        half of them miss (yes)\n"
        "  --no-skip             do all work, even such as can't change a\n"
@@ -352,6 +356,9 @@ static int set_number(int option, process_options *o, image_error *error) {
     return option_unsigned("--temporal", optarg, 0, 1024, &c->temporal, error);
   case OPTION_WARM_UP:
     return option_unsigned("--warm-up", optarg, 0, 1000, &o->warm_up, error);
+  case OPTION_CHOOSE_EVERY:
+    return option_unsigned("--choose-every", optarg, 1, 1000, &o->choose_every,
+                           error);
   case OPTION_SAMPLES:
     return option_unsigned("--samples", optarg, 1, 256, &c->samples, error);
   default:
@@ -465,6 +472,9 @@ static int check_options(const request *r, image_error *error) {
   const process_options *o = r->options;
   if (is_given(r, OPTION_FALLOFF) && o->config.mode != HBIL_MODE_HBAO)
     return image_fail(error, "--falloff: --mode hbao is needed with it");
+  if (is_given(r, OPTION_CHOOSE_EVERY) && isinf(o->config.max_error[0]) &&
+      isinf(o->config.max_error[1]))
+    return image_fail(error, "--choose-every: --max-error is needed with it");
   if (o->resume && o->timings)
     return image_fail(error,
                       "--resume: not with --timings, which wants every frame "

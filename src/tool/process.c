@@ -40,6 +40,7 @@ void process_options_init(process_options *options) {
   options->compression = EXR_COMPRESSION_OF_ZIP;
   /* three bounces before the first picture: the fourth adds a few per cent */
   options->warm_up = 3;
+  options->choose_every = 4;
   /* unless the first frame shows otherwise (policy.c) */
   options->config.gather_emission = CL_FALSE;
   process_set_model(&options->config);
@@ -484,8 +485,8 @@ static int open_library(process *p) {
                   &p->error) != 0 ||
       choose_model(p) != 0)
     return -1;
-  return sequence_open(&p->device, &p->config, &p->jobs[0].map, p->layers,
-                       &p->sequence, &p->error);
+  return sequence_open(&p->device, &p->config, p->options->choose_every,
+                       &p->jobs[0].map, p->layers, &p->sequence, &p->error);
 }
 
 /* ------------------------------------------------------------------------ */

@@ -16,8 +16,9 @@ struct sequence {
   size_t channels[INPUTS]; /* 0: this input is not used */
   cl_mem input[INPUTS];
   cl_mem output[LAYER_COUNT];
-  uint64_t last; /* of the last frame's inputs and camera; 0: none */
-  cl_uint index; /* of the next run, where the pattern turns with it */
+  uint64_t last;         /* of the last frame's inputs and camera; 0: none */
+  unsigned choose_every; /* runs, with config.max_error */
+  cl_uint index;         /* of the next run */
 };
 
 static hbil_image *image_at(hbil_frame *frame, size_t offset) {
@@ -71,8 +72,8 @@ static int open_plan(sequence *s, image_error *error) {
 }
 
 int sequence_open(const device *d, const hbil_config *config,
-                  const channel_map *map, unsigned layers, sequence **out,
-                  image_error *error) {
+                  unsigned choose_every, const channel_map *map,
+                  unsigned layers, sequence **out, image_error *error) {
   sequence *s = calloc(1, sizeof *s);
   *out = NULL;
   if (!s)
@@ -80,6 +81,7 @@ int sequence_open(const device *d, const hbil_config *config,
   s->device = d;
   s->config = *config;
   s->layers = layers;
+  s->choose_every = choose_every;
   s->plane = (size_t)config->width * config->height * sizeof(float);
   formats_choose(&s->config, map, layers);
   for (int i = 0; i < INPUTS; i++)
@@ -156,7 +158,9 @@ static int run_passes(sequence *s, hbil_frame *frame, unsigned repeat,
       return -1;
     if (run == 1)
       frame->still = CL_TRUE;
-    frame->index = s->config.temporal ? s->index++ : 0;
+    /* a pattern that turns is for the filter over frames */
+    frame->index = s->config.temporal ? s->index : 0;
+    frame->keep_choice = s->index++ % s->choose_every != 0;
     const hbil_status status =
         hbil_enqueue_frame(s->plan, s->device->queue, frame, 0, NULL, NULL);
     if (status != HBIL_SUCCESS)
@@ -229,8 +233,8 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
 /* Light on its way from one process to another                              */
 
 /* What a plan carries from frame to frame. */
-static const hbil_stage carried_stages[] = {HBIL_STAGE_HISTORY,
-                                            HBIL_STAGE_KEPT};
+static const hbil_stage carried_stages[] = {HBIL_STAGE_HISTORY, HBIL_STAGE_KEPT,
+                                            HBIL_STAGE_CHOICE};
 enum { CARRIED = sizeof carried_stages / sizeof *carried_stages };
 
 /* Where it lies, in bytes, without the room around its planes, which holds
@@ -241,16 +245,19 @@ typedef struct carried {
 } carried;
 
 static carried carried_of(const sequence *s, hbil_stage stage) {
+  const int choice = stage == HBIL_STAGE_CHOICE; /* words, no planes */
   hbil_buffer b;
-  if (hbil_plan_buffer(s->plan, stage, &b) != HBIL_SUCCESS)
+  if ((choice && s->choose_every == 1) ||
+      hbil_plan_buffer(s->plan, stage, &b) != HBIL_SUCCESS)
     return (carried){.buffer = NULL};
-  const size_t row = s->config.width * sizeof(float);
+  const size_t row = (choice ? 1 : s->config.width) * sizeof(float);
+  const size_t rows = choice ? 1 : s->config.height;
   return (carried){.buffer = b.buffer,
                    .from = {b.origin * sizeof(float), 0, 0},
-                   .size = {row, s->config.height, b.values},
+                   .size = {row, rows, b.values},
                    .row = b.row_pitch * sizeof(float),
                    .plane = b.plane_pitch * sizeof(float),
-                   .bytes = row * s->config.height * b.values};
+                   .bytes = row * rows * b.values};
 }
 
 /* The buffers, one after the other, and behind them the next run's index. */

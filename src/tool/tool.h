@@ -438,10 +438,11 @@ int device_list(image_error *error);
 
 typedef struct sequence sequence;
 
-/* config: settings; formats are filled in from map and layers. */
+/* config: settings; formats are filled in from map and layers.  With max_error
+ * every so many runs it is chosen anew how many samples are taken. */
 int sequence_open(const device *d, const hbil_config *config,
-                  const channel_map *map, unsigned layers, sequence **out,
-                  image_error *error);
+                  unsigned choose_every, const channel_map *map,
+                  unsigned layers, sequence **out, image_error *error);
 void sequence_close(sequence *s);
 /* Device memory of the plan, bytes. */
 size_t sequence_memory(const sequence *s);
@@ -467,10 +468,11 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
  * last frame again.  May be called by another thread meanwhile. */
 uint64_t sequence_hash(const sequence *s, const gbuffer *g);
 
-/* The light that the last frame hands on to the next: its bytes on this device
- * with these settings, 0 where nothing is carried.  Given back to another
- * sequence of the same device and settings, with the camera of that frame, the
- * next frame comes out as it would have here, bit by bit. */
+/* The light that the last frame hands on to the next, and the number of samples
+ * that was chosen: bytes on this device with these settings, 0 where nothing is
+ * carried.  Given back to another sequence of the same device and settings,
+ * with the camera of that frame, the next frame comes out as it would have
+ * here, bit by bit. */
 size_t sequence_light_size(const sequence *s);
 int sequence_take_light(sequence *s, void *bytes, image_error *error);
 int sequence_give_light(sequence *s, const camera_file *camera,
@@ -529,6 +531,7 @@ typedef struct process_options {
   int emission_given;        /* config.gather_emission is the user's word */
   unsigned repeat;           /* runs of every frame, at least 1 */
   unsigned warm_up;          /* more runs of the first frame, for its bounces */
+  unsigned choose_every;     /* runs, with config.max_error; at least 1 */
   int preview, timings, json, quiet; /* flags */
   int resume;      /* results of the same settings and frames are kept */
   int overwrite;   /* results that are there are replaced; else refused */
