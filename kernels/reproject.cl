@@ -335,9 +335,8 @@ kernel void scatter_fetch(FETCH_PARAMETERS) {
 /* The mean light of those of the four pixels that are allowed and at the depth
  * that is expected; returns their weight, 0 where there are none.
  *   |1/w - depth| <= off  without its division */
-INLINE realv blend(realv tap[HBIL_HISTORY_PLANES][4], const realv weight[4],
-                   const intv allowed[4], realv depth, realv off,
-                   realv light[3]) {
+INLINE realv blend(realv tap[HBIL_HISTORY_PLANES][4], const corners *four,
+                   realv depth, realv off, realv light[3]) {
   realv total = 0.0f;
 #pragma unroll
   for (int c = 0; c < 3; ++c)
@@ -347,16 +346,16 @@ INLINE realv blend(realv tap[HBIL_HISTORY_PLANES][4], const realv weight[4],
     const realv w = tap[HBIL_HISTORY_W][t];
 #if DISOCCLUSION
     const intv counts =
-        allowed[t] & (fabs(fma(w, depth, (realv)-1.0f)) <= w * off);
+        four->allowed[t] & (fabs(fma(w, depth, (realv)-1.0f)) <= w * off);
 #else
-    const intv counts = allowed[t] & (w > 0.0f);
+    const intv counts = four->allowed[t] & (w > 0.0f);
 #endif
-    total = select(total, total + weight[t], counts);
+    total = select(total, total + four->weight[t], counts);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      light[c] = select(light[c],
-                        fma(weight[t], tap[HBIL_HISTORY_RED + c][t], light[c]),
-                        counts);
+      light[c] = select(
+          light[c],
+          fma(four->weight[t], tap[HBIL_HISTORY_RED + c][t], light[c]), counts);
   }
   const realv inv_total = 1.0f / total;
 #pragma unroll
@@ -396,42 +395,31 @@ kernel void follow_motion(
   const intv wanting = (z > 0.0f) & !sound;
   if (ANY(wanting))
     add_repaired(repaired + HBIL_REPAIRED_MOTION, count_lanes(wanting));
-  const realv u =
-      near_by((TO_REALV(x + EACH_LANE) + 0.5f) + mx - 0.5f, (float)view.width);
-  const realv v = near_by(((float)y + 0.5f) + my - 0.5f, (float)view.height);
-  const realv whole_u = rounded_down(u), whole_v = rounded_down(v);
-  const intv left = TO_INTV(whole_u), top = TO_INTV(whole_v);
-  const intv inside = ((z > 0.0f) & (depth > 0.0f)) &
-                      ((AS_UINTV(left + 1) <= (uint)view.width) &
-                       (AS_UINTV(top + 1) <= (uint)view.height));
-  const realv a = u - whole_u, b = v - whole_v;
-  const realv weight[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b),
-                           (1.0f - a) * b, a * b};
-  const intv column[2] = {left >= 0, left + 1 < view.width};
-  const intv row[2] = {inside & (top >= 0), inside & (top + 1 < view.height)};
-  const intv allowed[4] = {row[0] & column[0], row[0] & column[1],
-                           row[1] & column[0], row[1] & column[1]};
+  const corners four =
+      corners_about((TO_REALV(x + EACH_LANE) + 0.5f) + mx - 0.5f,
+                    ((float)y + 0.5f) + my - 0.5f, (z > 0.0f) & (depth > 0.0f),
+                    view.width, view.height);
   history += hbil_history_origin(planes);
-  const intv place = top * (int)planes.row + left;
+  const intv place = four.top * (int)planes.row + four.left;
   realv tap[HBIL_HISTORY_PLANES][4], light[3], total;
   window from;
   /* each way with taps of its own: what either may have changed goes through
    * memory */
-  if (find_window(place, inside, planes.row, &from)) {
+  if (find_window(place, four.inside, planes.row, &from)) {
 #pragma unroll
     for (uint p = 0; p < HBIL_HISTORY_PLANES; ++p) {
       global const float *plane = history + p * planes.plane;
       FETCH_WINDOW(plane, &from, 1, 8 * HBIL_WIDEST);
       load_four_window(plane, &from, tap[p]);
     }
-    total = blend(tap, weight, allowed, depth, off, light);
+    total = blend(tap, &four, depth, off, light);
   } else {
-    const runs from_runs = find_runs(place, inside);
+    const runs from_runs = find_runs(place, four.inside);
 #pragma unroll
     for (uint p = 0; p < HBIL_HISTORY_PLANES; ++p)
       load_four_runs(history + p * planes.plane, &from_runs, planes.row,
                      tap[p]);
-    total = blend(tap, weight, allowed, depth, off, light);
+    total = blend(tap, &four, depth, off, light);
   }
   const intv found = total > 0.0f;
   store_carried(light, found, z > 0.0f,

@@ -127,17 +127,11 @@ INLINE void load_taps(global const float *plane, const places *from, int how,
   load_four_runs(plane, &from->run, row, tap);
 }
 
-/* then: expected at the sources.  left, top: the first of four pixels; a, b:
- * how far beyond it the source lies.  known: whether there is a source. */
+/* then: expected at the sources, which are about `four`. */
 INLINE memory recall_from(const hbil_view_args before, const past *then,
-                          intv left, intv top, realv a, realv b, intv known,
-                          global const float *kept,
+                          const corners *four, global const float *kept,
                           const hbil_plane_args planes, float disocclusion,
                           const places *from, int how) {
-  const realv weight[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b),
-                           (1.0f - a) * b, a * b};
-  const intv column[2] = {left >= 0, left + 1 < before.width};
-  const intv row[2] = {top >= 0, top + 1 < before.height};
   const int taps = how == READ_ONE ? 1 : 4;
   memory m;
   realv total = 0.0f, tap[4];
@@ -154,10 +148,11 @@ INLINE memory recall_from(const hbil_view_args before, const past *then,
    * n.r_tap / (z n.r) at another ray. */
   const realv step_x = then->n[0] * before.inv_fx;
   const realv step_y = then->n[1] * before.inv_fy;
-  const realv rx = (TO_REALV(left) + 0.5f - before.cx) * before.inv_fx;
-  const realv ry = (TO_REALV(top) + 0.5f - before.cy) * before.inv_fy;
+  const realv rx = (TO_REALV(four->left) + 0.5f - before.cx) * before.inv_fx;
+  const realv ry = (TO_REALV(four->top) + 0.5f - before.cy) * before.inv_fy;
   const realv first = fma(then->n[0], rx, fma(then->n[1], ry, then->n[2]));
-  const realv scale = then->z * fma(step_x, a, fma(step_y, b, first));
+  const realv scale =
+      then->z * fma(step_x, four->a, fma(step_y, four->b, first));
 #endif
 #define LOAD_TAPS(p)                                                           \
   load_taps(kept + (p)*planes.plane, from, how, planes.row, tap);
@@ -165,9 +160,10 @@ INLINE memory recall_from(const hbil_view_args before, const past *then,
 #pragma unroll
   for (int t = 0; t < taps; ++t) {
     const int i = t & 1, j = t >> 1;
-    same[t] = known & column[i] & row[j] & (weight[t] > 0.0f) & (tap[t] > SKY);
+    same[t] = four->allowed[t] & (four->weight[t] > 0.0f) & (tap[t] > SKY);
 #if DISOCCLUSION && ORTHOGRAPHIC
-    const realv away = fma(step_x, (float)i - a, step_y * ((float)j - b));
+    const realv away =
+        fma(step_x, (float)i - four->a, step_y * ((float)j - four->b));
     same[t] &= fabs(fma(tap[t] + then->z, -then->n[2], away)) <= limit;
 #elif DISOCCLUSION
     const realv plane = fma((realv)i, step_x, fma((realv)j, step_y, first));
@@ -187,15 +183,16 @@ INLINE memory recall_from(const hbil_view_args before, const past *then,
 #pragma unroll
   for (int t = 0; t < taps; ++t) {
     same[t] &= tap[t] > 0.0f;
-    total = select(total, total + weight[t], same[t]);
-    m.frames = select(m.frames, fma(weight[t], tap[t], m.frames), same[t]);
+    total = select(total, total + four->weight[t], same[t]);
+    m.frames =
+        select(m.frames, fma(four->weight[t], tap[t], m.frames), same[t]);
   }
   realv size = 0.0f;
 #define RECALL(p)                                                              \
   LOAD_TAPS(HBIL_KEPT_LIGHT + (p))                                             \
   m.value[p] = 0.0f;                                                           \
   _Pragma("unroll") for (int t = 0; t < taps; ++t) m.value[p] =                \
-      select(m.value[p], fma(weight[t], tap[t], m.value[p]), same[t]);         \
+      select(m.value[p], fma(four->weight[t], tap[t], m.value[p]), same[t]);   \
   m.value[p] /= total;                                                         \
   size += fabs(m.value[p]);
   EACH_RESOLVED(RECALL)
@@ -205,29 +202,28 @@ INLINE memory recall_from(const hbil_view_args before, const past *then,
 }
 
 /* The same.  Each way of reading has a body of its own, without a branch. */
-INLINE memory recall(const hbil_view_args before, const past *then, intv left,
-                     intv top, realv a, realv b, intv known,
-                     global const float *kept, const hbil_plane_args planes,
-                     float disocclusion) {
-  const intv place = top * (int)planes.row + left;
+INLINE memory recall(const hbil_view_args before, const past *then,
+                     const corners *four, global const float *kept,
+                     const hbil_plane_args planes, float disocclusion) {
+  const intv place = four->top * (int)planes.row + four->left;
   places from;
-  if (!ANY(known)) {
+  if (!ANY(four->inside)) {
     memory nothing;
     nothing.frames = 0.0f;
 #define FORGET(p) nothing.value[p] = 0.0f;
     EACH_RESOLVED(FORGET)
     return nothing;
   }
-  if (find_window(place, known, planes.row, &from.fit)) {
-    if (!ANY(known & ((a > 0.0f) | (b > 0.0f))))
-      return recall_from(before, then, left, top, a, b, known, kept, planes,
-                         disocclusion, &from, READ_ONE);
-    return recall_from(before, then, left, top, a, b, known, kept, planes,
-                       disocclusion, &from, READ_FOUR);
+  if (find_window(place, four->inside, planes.row, &from.fit)) {
+    if (!ANY(four->inside & ((four->a > 0.0f) | (four->b > 0.0f))))
+      return recall_from(before, then, four, kept, planes, disocclusion, &from,
+                         READ_ONE);
+    return recall_from(before, then, four, kept, planes, disocclusion, &from,
+                       READ_FOUR);
   }
-  from.run = find_runs(place, known);
-  return recall_from(before, then, left, top, a, b, known, kept, planes,
-                     disocclusion, &from, READ_RUNS);
+  from.run = find_runs(place, four->inside);
+  return recall_from(before, then, four, kept, planes, disocclusion, &from,
+                     READ_RUNS);
 }
 
 /* --- both ---------------------------------------------------------------- */
@@ -303,7 +299,7 @@ kernel void temporal(const hbil_view_args view, const hbil_view_args before,
     const realv z = depth_at(w[i]), spread = spread_at(z);
     const realv p[3] = {plane_x(view, x, 1) * spread, plane_y(view, y) * spread,
                         z};
-    intv known = has_before ? solid : (intv)0;
+    const intv known = has_before ? solid : (intv)0;
 #if REPROJECT_MOTION
     realv mx = 0.0f, my = 0.0f;
     if (has_before) {
@@ -322,15 +318,12 @@ kernel void temporal(const hbil_view_args view, const hbil_view_args before,
     past then = past_of(before, back, p);
 #endif
     turned(back, n, then.n);
-    const realv u = near_by(to_subpixel(then.u), (float)before.width);
-    const realv v = near_by(to_subpixel(then.v), (float)before.height);
-    const realv whole_u = rounded_down(u), whole_v = rounded_down(v);
-    const intv left = TO_INTV(whole_u), top = TO_INTV(whole_v);
-    known &= ((then.z > 0.0f) & (then.z < INFINITY)) &
-             ((AS_UINTV(left + 1) <= (uint)before.width) &
-              (AS_UINTV(top + 1) <= (uint)before.height));
-    const memory m = recall(before, &then, left, top, u - whole_u, v - whole_v,
-                            known, kept_before, planes, disocclusion);
+    const corners four =
+        corners_about(to_subpixel(then.u), to_subpixel(then.v),
+                      known & (then.z > 0.0f) & (then.z < INFINITY),
+                      before.width, before.height);
+    const memory m =
+        recall(before, &then, &four, kept_before, planes, disocclusion);
     blend(&m, w[i], n, solid, most, kept + pixel, resolved + pixel, planes);
   }
 }
