@@ -295,7 +295,7 @@ enum {
 enum {
   HBIL_MOST_RUNGS = 16, /* the ruler's comes behind them: what they are held
                            against */
-  HBIL_MEASURED_TILES = 20
+  HBIL_MEASURED_TILES = 40
 };
 /* A number of slices and of samples.  The ladder is a buffer: Mesa's llvmpipe
  * can't index an argument. */

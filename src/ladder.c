@@ -38,7 +38,7 @@ static const struct {
  */
 static const struct {
   float ao, near_light;
-} factor[] = {{1.2f, 1.25f}, {1.3f, 1.4f}}; /* occluders without end, with */
+} factor[] = {{1.3f, 1.25f}, {1.1f, 1.4f}}; /* occluders without end, with */
 static const float noise_ao[] = {0.045f, 0.03f}; /* one slice, more */
 static const float ruler_near = 0.12f;           /* over the mean */
 

@@ -150,7 +150,7 @@ static double measured_beyond(const ref_planes *rung, bool single,
 /* Limits of a block, as HACKING.md has them. */
 static double block_limit(double ao, cl_uint slices) {
   const double noise = slices > 1 ? 0.03 : 0.045;
-  return sqrt(fmax(ao * ao - noise * noise, 0.0)) / 1.2;
+  return sqrt(fmax(ao * ao - noise * noise, 0.0)) / 1.3;
 }
 
 /* The first rung with which no more than 5 % of what is measured is beyond the
