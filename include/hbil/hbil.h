@@ -406,9 +406,9 @@ typedef struct hbil_config {
    * Infinity (default): any; where both are, every frame has `slices` and
    * `samples`.  Otherwise those are the most: a frame for which fewer will do
    * has 1 x 4, 6, 8, 12, 16, 24, 32, 48, 2 x 32, 48, 64, 96, 128 or 192.  A few
-   * tiles of 128x4 pixels tell which, 20 of them, that look around with one
+   * tiles of 128x4 pixels tell which, 40 of them, that look around with one
    * number after another and with 2 x 96, or fewer where the limits are lax:
-   * of 1280x720 pixels one in 90 (HACKING.md, "Adaptive sampling", has for
+   * of 1280x720 pixels one in 45 (HACKING.md, "Adaptive sampling", has for
    * which limits that is worth it, and where it was not kept).  With slices 1
    * it is 1 x 64, 96, 128, 192 above 1 x 48.  What the filter of recompose adds
    * to the error is in it, and where even the most samples are not enough, the
