@@ -951,7 +951,8 @@ INLINE uint spared_of(const hbil_gather_args args, const center *c, strip *s,
     return HBIL_STRIP_OPEN;
 #endif
 #if SKIP_DARK && GATHER_RADIANCE
-  *light_here = light_in_reach(args, s, bounds);
+  *light_here =
+      ADAPTIVE && args.dark ? LIGHT_NONE : light_in_reach(args, s, bounds);
 #endif
   return *light_here == LIGHT_NONE ? HBIL_STRIP_DARK : 0u;
 }

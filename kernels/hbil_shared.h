@@ -376,6 +376,7 @@ typedef struct hbil_gather_args {
    * this launch measures them with; below 0: it takes the rung that is good
    * enough for all */
   hbil_int rungs, tiles, measures;
+  hbil_int dark; /* the same: it measures AO alone, so light is left out */
 } hbil_gather_args;
 
 /* Far field: SH coefficients already multiplied by the basis functions'

@@ -694,6 +694,7 @@ static hbil_status measure(commands *chain, const hbil_gather_args *args,
                             ARG(still)};
   hbil_gather_args measuring = *args;
   measuring.measures = rung;
+  measuring.dark = isinf(plan->config.max_error[1]);
   const hbil_status status = look_around(
       chain, &measuring, still, (size_t)l->tiles * HBIL_TILE / strip, 1);
   if (status != HBIL_SUCCESS)
