@@ -27,6 +27,7 @@ static const struct {
 } lax[] = {{0.15f, INFINITY, 16},
            {0.12f, INFINITY, 24},
            {0.1f, INFINITY, 32},
+           {INFINITY, 1.5f, 48},
            {0.06f, 1.0f, 64}};
 
 /*

@@ -162,7 +162,8 @@ static void the_first_that_is_good_enough_is_chosen(void **state) {
   } limits[] = {{0.06, 0.5, {2, 96}},      {0.2, 0.7, {2, 96}},
                 {0.1, 1.0, {2, 64}},       {0.07, 2.0, {2, 64}},
                 {0.07, INFINITY, {2, 64}}, {0.1, INFINITY, {2, 32}},
-                {0.12, INFINITY, {2, 24}}, {0.15, INFINITY, {2, 16}}};
+                {0.12, INFINITY, {2, 24}}, {0.15, INFINITY, {2, 16}},
+                {INFINITY, 1.5, {2, 48}},  {INFINITY, 1.4, {2, 64}}};
   setup s;
   ref_planes rung[RUNGS];
   (void)state;
