@@ -75,6 +75,10 @@ run process --max-error .1,inf --timings --json -o "$work/t" "$one" "$two"
 kept=$(grep -o '"kept_choice": [a-z]*' "$work/out" | cut -d ' ' -f 2 | tr '\n' ' ')
 test "$kept" = "true false false " # the last one is the mean's
 ok $? "how many samples are needed is measured every fourth run"
+run process --max-error .1,inf --reprojection none --timings -o "$work/t" "$one" \
+  "$two"
+test $status -eq 0 && ! grep -q ', as before' "$work/out"
+ok $? "and in each where frames don't hand on light"
 run process --max-error .1,inf --choose-every 3 --timings -o "$work/t" \
   "$one" "$two"
 test "$(grep -c 'samples a side, as before' "$work/out")" = 1

@@ -40,7 +40,6 @@ void process_options_init(process_options *options) {
   options->compression = EXR_COMPRESSION_OF_ZIP;
   /* three bounces before the first picture: the fourth adds a few per cent */
   options->warm_up = 3;
-  options->choose_every = 4;
   /* unless the first frame shows otherwise (policy.c) */
   options->config.gather_emission = CL_FALSE;
   process_set_model(&options->config);
@@ -480,13 +479,21 @@ static int open_exact(process *p) {
                     &p->error);
 }
 
+/* Frames that hand light on to each other are a sequence, which changes little
+ * from one to the next; others may have nothing to do with each other. */
+static unsigned choose_every(const process *p) {
+  if (p->options->choose_every)
+    return p->options->choose_every;
+  return p->config.reprojection == HBIL_REPROJECTION_NONE ? 1 : 4;
+}
+
 static int open_library(process *p) {
   if (device_open(p->options->device, p->options->timings, &p->device,
                   &p->error) != 0 ||
       choose_model(p) != 0)
     return -1;
-  return sequence_open(&p->device, &p->config, p->options->choose_every,
-                       &p->jobs[0].map, p->layers, &p->sequence, &p->error);
+  return sequence_open(&p->device, &p->config, choose_every(p), &p->jobs[0].map,
+                       p->layers, &p->sequence, &p->error);
 }
 
 /* ------------------------------------------------------------------------ */

@@ -531,7 +531,7 @@ typedef struct process_options {
   int emission_given;        /* config.gather_emission is the user's word */
   unsigned repeat;           /* runs of every frame, at least 1 */
   unsigned warm_up;          /* more runs of the first frame, for its bounces */
-  unsigned choose_every;     /* runs, with config.max_error; at least 1 */
+  unsigned choose_every;     /* runs, with config.max_error; 0: as it fits */
   int preview, timings, json, quiet; /* flags */
   int resume;      /* results of the same settings and frames are kept */
   int overwrite;   /* results that are there are replaced; else refused */
