@@ -356,23 +356,21 @@ void hbil_plan_reset(hbil_plan *plan) {
 
 hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
                              hbil_buffer *out) {
-  static const struct {
-    int buffer;
-    const char *needs;
-  } of_stage[] = {{BUFFER_HISTORY, "history"}, {BUFFER_CARRIED, "history"},
-                  {BUFFER_SPLIT, "split"},     {BUFFER_LIGHT, "gather"},
-                  {BUFFER_RESOLVED, "filter"}, {BUFFER_KEPT, "temporal filter"},
-                  {BUFFER_TRIED, "max_error"}};
+  static const int of_stage[] = {BUFFER_HISTORY, BUFFER_CARRIED,  BUFFER_SPLIT,
+                                 BUFFER_LIGHT,   BUFFER_RESOLVED, BUFFER_KEPT,
+                                 BUFFER_TRIED};
   if (!plan || !out || (unsigned)stage > HBIL_STAGE_CHOICE)
     return HBIL_INVALID_ARGUMENT;
   const layout *l = &plan->layout;
   const int buffer =
-      of_stage[stage].buffer + (stage == HBIL_STAGE_KEPT ? plan->kept : 0);
+      of_stage[stage] + (stage == HBIL_STAGE_KEPT ? plan->kept : 0);
   memset(out, 0, sizeof *out);
   if (!plan->buffers[buffer])
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
                 "stage %d: this plan has no such buffer (no %s)", (int)stage,
-                of_stage[stage].needs);
+                stage == HBIL_STAGE_CHOICE ? "max_error"
+                : stage == HBIL_STAGE_KEPT ? "temporal filter"
+                                           : "history");
   out->buffer = plan->buffers[buffer];
   if (stage == HBIL_STAGE_CHOICE) {
     out->plane_pitch = out->row_pitch = 1;

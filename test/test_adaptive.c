@@ -443,6 +443,13 @@ static void a_choice_is_kept_where_that_is_asked_for(void **state) {
   assert_int_equal(given.slices, first.slices);
   assert_int_equal(given.samples, first.samples);
   setup_free(&other);
+
+  start(&other, all, INFINITY, INFINITY); /* nothing is chosen */
+  assert_int_equal(hbil_plan_buffer(other.plan, HBIL_STAGE_CHOICE, &choice),
+                   HBIL_INVALID_ARGUMENT);
+  assert_non_null(
+      strstr(hbil_context_message(other.gpu->hbil), "no max_error"));
+  setup_free(&other);
 }
 
 /* A difference in the last digit at a limit may make another choice; of the

@@ -658,9 +658,9 @@ HBIL_API hbil_status hbil_enqueue_composite(
  *              RESOLVED, the bent normal of any length.  One of two buffers:
  *              ask anew after every frame
  * and, no plane, with hbil_config.max_error, for whoever hands a sequence on:
- *   CHOICE    32: by which hbil_frame.keep_choice goes: words, value p of all
- *              pixels at p; of each number of samples that was tried the
- *              pixels that were off by more, and all
+ *   CHOICE    32 words, which hbil_frame.keep_choice goes by: of each number of
+ *              samples that was tried, how many of the measured pixels were off
+ *              by more than the limits, and how many there were
  * With HBIL_STORAGE_PACKED, SPLIT and GATHERED hold words of 32 bits instead
  * (see hbil_storage), in planes that lie the same way:
  *   SPLIT      3: inverse depth, a float; normal; radiance
