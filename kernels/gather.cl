@@ -32,8 +32,10 @@
  * (refused light is the last accepted), FACING_ALL (no light is refused),
  * FACING_STEP (the threshold is sharp), FINITE (occluders have a thickness:
  * sectors instead of a horizon), EXTRAPOLATE, ADAPTIVE (the number of samples
- * is chosen, judge.cl), WEIGHT_PLANE (there may be a single slice: what slices
- * weigh is stored, too), STORAGE (common.clh), SKIP_* (spared_of(), look()).
+ * is chosen, judge.cl), KEEP_FACTORS (what samples' light counts for is kept,
+ * factors.clh: of the rows that there is memory for), WEIGHT_PLANE (there may
+ * be a single slice: what slices weigh is stored, too), STORAGE (common.clh),
+ * SKIP_* (spared_of(), look()).
  *
  * Launch: x = strips of HBIL_TILE pixels of a layer row (single pixels where
  * HBIL_WIDTH is 1), y = layer rows, z = layers; to measure with a rung, x =
@@ -59,14 +61,6 @@
 #define BLOCK 32
 #endif
 
-/* Vectors side by side that a work-item takes: what they share, the steps, is
- * read once. */
-#if HBIL_WIDTH == 1
-#define STRIP 1
-#else
-#define STRIP (HBIL_TILE / HBIL_WIDTH)
-#endif
-
 /* Entry i of a list of hits, uchars: of a sample of the block and a vector of
  * the strip, sample * STRIP + vector. */
 #define HIT(list, i) (BLOCK * STRIP == 1 ? 0u : (uint)(list)[i])
@@ -87,6 +81,12 @@ INLINE realv inv_sqrt(realv x) {
 #endif
   return 1.0f / sqrt(x);
 }
+
+#if KEEP_FACTORS
+/* what is dark now may be lit when they are used */
+#undef SKIP_DARK
+#define SKIP_DARK 0
+#endif
 
 #define PI 3.14159265f
 #define HALF_PI 1.57079633f
@@ -135,8 +135,8 @@ typedef struct center {
   realv least_excess;
   realv rx; /* ray */
   float ry;
-  realv z, r, inv_r;      /* depth, length of the ray, its inverse */
-  realv red, green, blue; /* own radiance */
+  realv z, r, inv_r; /* depth, length of the ray, its inverse */
+  realv own[3];      /* radiance */
 } center;
 
 /* Asks for what is needed soon.  Normals and light of a sample that rises, here
@@ -177,8 +177,9 @@ typedef struct march {
 #endif
   realv sectors, sector; /* sectors per A, A of a sector */
 #endif
-  realv red, green, blue; /* sum of L dA */
-  realv last_red, last_green, last_blue;
+#if GATHER_RADIANCE
+  shine light; /* sum of L dA */
+#endif
   realv unknown; /* sum of dA of refused samples */
 } march;
 
@@ -292,7 +293,7 @@ INLINE bool brings_light(const march *m, global const float *sample, uint plane,
 #else
   intv light = shining(sample, plane);
 #if REFUSED_LAST
-  light |= max(max(m->last_red, m->last_green), m->last_blue) > 0.0f;
+  light |= shone(&m->light);
 #endif
   return ANY(light & rises);
 #endif
@@ -367,14 +368,14 @@ INLINE realv raise(const center *c, const cut *s, const side_of *h, march *m,
 }
 
 #if GATHER_RADIANCE
-/* The light of a sample that has taken `share` of A where it is seen. */
-INLINE void add_light(const center *c, march *m, realv share,
+/* How much of its light a sample sends where it has taken `share` of A. */
+INLINE realv accepted(const center *c, realv share,
                       global const hbil_step *step, global const float *sample,
-                      uint plane, const hbil_gather_args args, int light_here) {
+                      uint plane, const hbil_gather_args args) {
+#if FACING_ALL
+  return (realv)1.0f;
+#else
   const intv seen = share >= 0.0f;
-  if (light_here == LIGHT_SOME && !brings_light(m, sample, plane, seen))
-    return;
-#if !FACING_ALL
   /* Cosine of the sample's normal with the way back to the center. */
   realv v[3], normal[3];
   const realv v2 = way_to(c, LOADV(sample), step, v);
@@ -391,34 +392,39 @@ INLINE void add_light(const center *c, march *m, realv share,
       fma(v[0], normal[0], fma(v[1], normal[1], v[2] * normal[2]));
   const realv cosine = -away * inv_sqrt(length2);
 #if FACING_STEP
-  const realv accept =
-      select((realv)0.0f, (realv)1.0f, (cosine >= args.facing[0]) & seen);
+  return select((realv)0.0f, (realv)1.0f, (cosine >= args.facing[0]) & seen);
 #else
   const realv t = clamp((cosine - args.facing[0]) * args.facing[1], 0.0f, 1.0f);
-  const realv accept =
-      select((realv)0.0f, t * t * fma((realv)-2.0f, t, (realv)3.0f), seen);
+  return select((realv)0.0f, t * t * fma((realv)-2.0f, t, (realv)3.0f), seen);
 #endif
+#endif
+}
+
+/* The light of a sample that has taken `share` of A where it is seen. */
+INLINE void add_light(const center *c, march *m, realv share,
+                      global const hbil_step *step, global const float *sample,
+                      uint plane, const hbil_gather_args args, int light_here,
+                      factors *kept) {
+  if (light_here == LIGHT_SOME &&
+      !brings_light(m, sample, plane, share >= 0.0f))
+    return;
+  const realv accept = accepted(c, share, step, sample, plane, args);
+#if KEEP_FACTORS
+  const bool counts = ANY(REFUSED_LAST ? share >= 0.0f : share * accept > 0.0f);
 #endif
   /* what isn't seen has no share, and is not accepted */
   share = max(share, (realv)0.0f);
-  realv light[3];
-  split_radiance(sample, plane, light);
-  realv red = light[0], green = light[1], blue = light[2];
 #if REFUSED_FRAME
   m->unknown = fma(share, 1.0f - accept, m->unknown);
 #endif
-#if REFUSED_BLACK
-  red *= accept;
-  green *= accept;
-  blue *= accept;
-#elif REFUSED_LAST
-  m->last_red = red = fma(accept, red - m->last_red, m->last_red);
-  m->last_green = green = fma(accept, green - m->last_green, m->last_green);
-  m->last_blue = blue = fma(accept, blue - m->last_blue, m->last_blue);
+#if !REFUSED_LAST
+  share *= accept;
 #endif
-  m->red = fma(share, red, m->red);
-  m->green = fma(share, green, m->green);
-  m->blue = fma(share, blue, m->blue);
+  add_radiance(&m->light, share, accept, sample, plane);
+#if KEEP_FACTORS
+  if (counts)
+    keep_sample(kept, step->offset, share, accept);
+#endif
 }
 #endif
 
@@ -437,7 +443,7 @@ INLINE uint leave_dark(const center *c, const cut *s, const side_of *h,
   uint lit = 0u, dark = 0u, left = 0u;
 #if REFUSED_LAST
   for (uint v = 0u; light_here != LIGHT_NONE && v < STRIP; ++v)
-    if (ANY(max(max(m[v].last_red, m[v].last_green), m[v].last_blue) > 0.0f))
+    if (ANY(shone(&m[v].light)))
       lit |= 1u << v;
 #endif
   for (uint i = 0u; light_here != LIGHT_NONE && i < hits; ++i) {
@@ -531,9 +537,7 @@ INLINE center center_of(const hbil_gather_args args, global const float *here,
   c.nx = n[0];
   c.ny = n[1];
   c.nz = n[2];
-#if GATHER_RADIANCE && REFUSED_LAST
-  c.red = c.green = c.blue = 0.0f; /* see own_radiance() */
-#endif
+  c.own[0] = c.own[1] = c.own[2] = 0.0f; /* of strips that look for none */
   c.rx = ray_x(args.view, 4 * x + (layer & 3), 4);
   c.ry = ray_y(args.view, 4 * y + (layer >> 2));
   c.z = 1.0f / unit_of(c.w);
@@ -839,9 +843,9 @@ INLINE void add_side(cut *s, const march *m, realv whole, realv more,
   s->open_sin2 = fma(less, m->sin2, s->open_sin2);
 #endif
 #if GATHER_RADIANCE
-  s->red = fma(more, m->red, s->red);
-  s->green = fma(more, m->green, s->green);
-  s->blue = fma(more, m->blue, s->blue);
+  s->red = fma(more, m->light.red, s->red);
+  s->green = fma(more, m->light.green, s->green);
+  s->blue = fma(more, m->light.blue, s->blue);
 #if REFUSED_FRAME
   s->unknown = fma(more, m->unknown, s->unknown);
 #endif
@@ -877,7 +881,7 @@ INLINE void add_slice(total *t, const cut *s, float ux, float uy) {
  * the bent normal n, which sums and their quotients are only to a rounding. */
 INLINE void store_light(const center *c, const total *t, intv untouched,
                         float slices, int layer, global float *light,
-                        uint plane) {
+                        uint plane, factors *kept) {
   const intv solid = c->w > SKY, taken = solid & ~untouched;
   /* whole is S at least in the mean; it falls to the size of a half-slice's
    * own rounding only where nothing can be seen (1e-6 of a slice). */
@@ -892,6 +896,9 @@ INLINE void store_light(const center *c, const total *t, intv untouched,
       (realv)1.0f, clamp(t->open * inv_whole, (realv)0.0f, (realv)1.0f), taken);
 #if GATHER_RADIANCE
   const realv scale = select((realv)0.0f, PI * inv_whole, taken);
+#if KEEP_FACTORS
+  keep_factor(kept, scale);
+#endif
   value[HBIL_LIGHT_RED] = t->red * scale;
   value[HBIL_LIGHT_RED + 1] = t->green * scale;
   value[HBIL_LIGHT_RED + 2] = t->blue * scale;
@@ -919,18 +926,6 @@ INLINE void store_light(const center *c, const total *t, intv untouched,
 #endif
   store_gathered(value, layer, light, plane);
 }
-
-#if GATHER_RADIANCE && REFUSED_LAST
-/* What the first sample that is refused has instead of its own: a plane less to
- * read for strips that look at none. */
-INLINE void own_radiance(center *c, global const float *here, uint plane) {
-  realv own[3];
-  split_radiance(here, plane, own);
-  c->red = own[0];
-  c->green = own[1];
-  c->blue = own[2];
-}
-#endif
 
 /* What the strip has no need of. */
 INLINE uint spared_of(const hbil_gather_args args, const center *c, strip *s,
@@ -991,7 +986,12 @@ kernel void gather(const hbil_gather_args args, global const float *split,
                    global const uint *bounds, global const uint *uses,
                    global uchar *strips, global const uint *flags,
                    const int still, global const hbil_rung *ladder,
-                   global const uint *tried) {
+                   global const uint *tried
+#if KEEP_FACTORS
+                   ,
+                   const hbil_factor_args factor_args, global float *all_kept
+#endif
+) {
   const hbil_layer_args in = args.split;
   int x = (int)get_global_id(0) * (STRIP * HBIL_WIDTH);
   int y = (int)get_global_id(1);
@@ -1005,6 +1005,10 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #endif
   if (x >= in.width || y >= in.height || (still && !flags[HBIL_FLAG_CHANGED]))
     return;
+#if KEEP_FACTORS
+  if ((uint)y >= factor_args.rows)
+    return;
+#endif
   const uint at = (uint)layer * in.layer + in.origin + (uint)y * in.row;
   global const float *here = split + at + (uint)x;
   global const float *from = split + (uint)y * in.row + (uint)x;
@@ -1050,8 +1054,16 @@ kernel void gather(const hbil_gather_args args, global const float *split,
    * on the way costs more */
   const uint plane = light_here == LIGHT_NONE ? 0u : in.plane;
   /* for hbil_plan_skipped() */
-  strips += (uint)(layer * in.height + y) * args.strips +
-            (uint)(x / (STRIP * HBIL_WIDTH));
+  const uint strip_x = (uint)(x / (STRIP * HBIL_WIDTH));
+  const uint place = (uint)(layer * in.height + y) * args.strips + strip_x;
+  factors kept[STRIP];
+#if KEEP_FACTORS
+  const uint own =
+      ((uint)layer * factor_args.rows + (uint)y) * args.strips + strip_x;
+  for (int v = 0; v < STRIP; ++v)
+    kept[v] = factors_of(factor_args, all_kept, own * STRIP + (uint)v);
+#endif
+  strips += place;
   strips[0] = (uchar)spared;
   strips[(uint)(HBIL_LAYERS * in.height) * args.strips] =
       (uchar)(ANY(sky) ? count_sky(c) : 0u);
@@ -1059,7 +1071,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #if GATHER_RADIANCE && REFUSED_LAST
   if (!spares_all)
     for (int v = 0; v < STRIP; ++v)
-      own_radiance(&c[v], here + v * HBIL_WIDTH, in.plane);
+      split_radiance(here + v * HBIL_WIDTH, in.plane, c[v].own);
 #endif
 #if WEIGHT_PLANE
   /* the slice is weighed all the same, where there is a surface */
@@ -1090,7 +1102,10 @@ kernel void gather(const hbil_gather_args args, global const float *split,
             measure(h->cot_tangent, h->start_g, s[v].sin2, h->nx, c[v].cosine);
         m[v].a = h->start;
         m[v].excess = top[v] = c[v].least_excess;
-        m[v].red = m[v].green = m[v].blue = m[v].unknown = 0.0f;
+#if GATHER_RADIANCE
+        m[v].light = no_light(c[v].own);
+#endif
+        m[v].unknown = 0.0f;
 #if EXTRAPOLATE && !FINITE
         even[v] = odd[v] = c[v].least_excess;
 #endif
@@ -1109,13 +1124,12 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         m[v].sectors = HBIL_SECTORS / max(m[v].a, (realv)1e-6f);
         m[v].sector = m[v].a * (1.0f / HBIL_SECTORS);
 #endif
-#if GATHER_RADIANCE && REFUSED_LAST
-        m[v].last_red = c[v].red;
-        m[v].last_green = c[v].green;
-        m[v].last_blue = c[v].blue;
-#endif
       }
       ++steps;
+#if KEEP_FACTORS
+      for (int v = 0; v < STRIP; ++v)
+        begin_list(&kept[v]);
+#endif
       for (int first = 0; first < looked_at; first += BLOCK) {
         realv excess[BLOCK][STRIP];
         uchar hit[BLOCK * STRIP];
@@ -1149,8 +1163,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
                     excess[entry / STRIP][v], step, there, args, dither);
 #if GATHER_RADIANCE
           if (light_here != LIGHT_NONE)
-            add_light(&c[v], &m[v], share, step, there, plane, args,
-                      light_here);
+            add_light(&c[v], &m[v], share, step, there, plane, args, light_here,
+                      &kept[v]);
 #else
           (void)share;
 #endif
@@ -1179,6 +1193,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
           extrapolate(&c[v], &s[v], &half_slice[v], &m[v], top[v], second,
                       &more, &less);
 #endif
+#if KEEP_FACTORS && EXTRAPOLATE
+        keep_factor(&kept[v], more);
+#endif
 #if HBAO
         m[v].a = fma(-more, m[v].blocked, half_slice[v].start);
         less = 1.0f;
@@ -1192,10 +1209,14 @@ kernel void gather(const hbil_gather_args args, global const float *split,
                  side ? -1.0f : 1.0f);
       }
     }
-    for (int v = 0; v < STRIP; ++v)
+    for (int v = 0; v < STRIP; ++v) {
       add_slice(&t[v], &s[v], ux, uy);
+#if KEEP_FACTORS
+      keep_factor(&kept[v], s[v].jacobian);
+#endif
+    }
   }
   for (int v = 0; v < STRIP; ++v)
     store_light(&c[v], &t[v], untouched[v], all_slices, layer,
-                light + v * HBIL_WIDTH, args.light.plane);
+                light + v * HBIL_WIDTH, args.light.plane, &kept[v]);
 }

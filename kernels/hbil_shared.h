@@ -379,6 +379,13 @@ typedef struct hbil_gather_args {
   hbil_int dark; /* the same: it measures AO alone, so light is left out */
 } hbil_gather_args;
 
+/* Form factors (factors.clh): rows of a layer, from the first on, that they are
+ * kept of; vectors of pixels in those of all layers; of each pixel, factors at
+ * most; of each vector, entries at most. */
+typedef struct hbil_factor_args {
+  hbil_uint rows, vectors, factors, entries;
+} hbil_factor_args;
+
 /* Far field: SH coefficients already multiplied by the basis functions'
  * constants and by sqrt(4 pi / (2l+1)), see composite.cl; a constant radiance
  * in the first.  A struct for each channel, since Mesa takes an array of arrays

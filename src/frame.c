@@ -213,13 +213,16 @@ static size_t groups_up(size_t n, size_t group) {
   return (n + group - 1) / group * group;
 }
 
-/* Work-items in x, y, z; rounded up to whole groups, which kernels ignore. */
-static hbil_status launch(commands *chain, int kernel, const argument *args,
-                          cl_uint count, size_t x, size_t y, size_t z) {
+/* Work-items in x, y from `top` on, z; rounded up to whole groups, which
+ * kernels ignore. */
+static hbil_status launch_from(commands *chain, int kernel,
+                               const argument *args, cl_uint count, size_t top,
+                               size_t x, size_t y, size_t z) {
   hbil_context *context = chain->plan->context;
   const size_t *group = context->group;
   const size_t local[3] = {group[0], group[1], 1};
   const size_t global[3] = {groups_up(x, group[0]), groups_up(y, group[1]), z};
+  const size_t offset[3] = {0, top, 0};
   cl_event event = NULL;
   for (cl_uint i = 0; i < count; ++i) {
     const cl_int error = clSetKernelArg(chain->plan->kernels[kernel], i,
@@ -228,7 +231,7 @@ static hbil_status launch(commands *chain, int kernel, const argument *args,
       return fail_cl(context, error, "clSetKernelArg");
   }
   const cl_int error = clEnqueueNDRangeKernel(
-      chain->queue, chain->plan->kernels[kernel], 3, NULL, global, local,
+      chain->queue, chain->plan->kernels[kernel], 3, offset, global, local,
       chain->wait_count, chain->wait_list, chain->events ? &event : NULL);
   if (error != CL_SUCCESS)
     return fail_cl(context, error, "clEnqueueNDRangeKernel");
@@ -236,9 +239,9 @@ static hbil_status launch(commands *chain, int kernel, const argument *args,
   return HBIL_SUCCESS;
 }
 
+#define COUNT(args) ((cl_uint)(sizeof(args) / sizeof *(args)))
 #define LAUNCH(chain, kernel, args, x, y, z)                                   \
-  launch((chain), (kernel), (args), (cl_uint)(sizeof(args) / sizeof *(args)),  \
-         (x), (y), (z))
+  launch_from((chain), (kernel), (args), COUNT(args), 0, (x), (y), (z))
 
 /* Vectors of pixels across the image. */
 static size_t across(const hbil_plan *plan) {
@@ -659,8 +662,11 @@ static float longest_ray(const hbil_view_args *v, bool orthographic) {
   return (float)sqrt((orthographic ? 0.0 : 1.0) + rx * rx + ry * ry);
 }
 
+/* Looks around from so many strips of a row, from the rows of a layer between
+ * `top` and `bottom`; keeps what it finds as form factors, or not. */
 static hbil_status look_around(commands *chain, const hbil_gather_args *args,
-                               cl_int still, size_t strips, size_t rows) {
+                               cl_int still, size_t strips, size_t top,
+                               size_t bottom, bool keep) {
   hbil_plan *plan = chain->plan;
   const argument all[] = {{sizeof *args, args},
                           ARG(plan->buffers[BUFFER_SPLIT]),
@@ -672,8 +678,49 @@ static hbil_status look_around(commands *chain, const hbil_gather_args *args,
                           ARG(plan->buffers[BUFFER_FLAGS]),
                           ARG(still),
                           ARG(plan->buffers[BUFFER_LADDER]),
-                          ARG(plan->buffers[BUFFER_TRIED])};
-  return LAUNCH(chain, KERNEL_GATHER, all, strips, rows, HBIL_LAYERS);
+                          ARG(plan->buffers[BUFFER_TRIED]),
+                          ARG(plan->layout.factors),
+                          ARG(plan->buffers[BUFFER_FACTORS])};
+  const cl_uint of_factors = 2;
+  if (top == bottom)
+    return HBIL_SUCCESS;
+  return launch_from(chain, keep ? KERNEL_GATHER_FACTORS : KERNEL_GATHER, all,
+                     COUNT(all) - (keep ? 0 : of_factors), top, strips,
+                     bottom - top, HBIL_LAYERS);
+}
+
+/* Gathers light by the form factors that are there. */
+static hbil_status regather(commands *chain, const hbil_gather_args *args) {
+  hbil_plan *plan = chain->plan;
+  const argument all[] = {{sizeof *args, args},
+                          ARG(plan->buffers[BUFFER_SPLIT]),
+                          ARG(plan->buffers[BUFFER_LIGHT]),
+                          ARG(plan->buffers[BUFFER_STRIPS]),
+                          ARG(plan->buffers[BUFFER_FLAGS]),
+                          ARG(plan->layout.factors),
+                          ARG(plan->buffers[BUFFER_FACTORS])};
+  return LAUNCH(chain, KERNEL_REGATHER, all, plan->layout.strips,
+                plan->layout.factors.rows, HBIL_LAYERS);
+}
+
+/* All pixels.  The first still frame keeps form factors, of as many rows as
+ * there is memory for: it is the first that knows what comes after it may be
+ * still, too.  Later ones use them. */
+static hbil_status gather_all(commands *chain, const hbil_gather_args *args,
+                              cl_int still) {
+  hbil_plan *plan = chain->plan;
+  const layout *l = &plan->layout;
+  const size_t kept = still ? l->factors.rows : 0;
+  const bool has_factors = kept && plan->has_factors;
+  hbil_status status =
+      has_factors ? regather(chain, args)
+                  : look_around(chain, args, still, l->strips, 0, kept, true);
+  if (status == HBIL_SUCCESS)
+    status = look_around(chain, args, still, l->strips, kept,
+                         (size_t)l->split.height, false);
+  plan->by_factors = has_factors;
+  plan->has_factors = kept && status == HBIL_SUCCESS;
+  return status;
 }
 
 /* Looks around from the tiles that are measured, with a rung, and says how far
@@ -695,8 +742,9 @@ static hbil_status measure(commands *chain, const hbil_gather_args *args,
   hbil_gather_args measuring = *args;
   measuring.measures = rung;
   measuring.dark = isinf(plan->config.max_error[1]);
-  const hbil_status status = look_around(
-      chain, &measuring, still, (size_t)l->tiles * HBIL_TILE / strip, 1);
+  const hbil_status status =
+      look_around(chain, &measuring, still,
+                  (size_t)l->tiles * HBIL_TILE / strip, 0, 1, false);
   if (status != HBIL_SUCCESS)
     return status;
   const int kernel =
@@ -768,10 +816,8 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   plan->kept_choice = frame->keep_choice && plan->has_last;
   if (plan->layout.ladder.count && !plan->kept_choice)
     status = choose_rung(chain, &gather_args, still);
-  return status == HBIL_SUCCESS
-             ? look_around(chain, &gather_args, still, plan->layout.strips,
-                           (size_t)plan->layout.split.height)
-             : status;
+  return status == HBIL_SUCCESS ? gather_all(chain, &gather_args, still)
+                                : status;
 }
 
 static hbil_status recompose(commands *chain, const hbil_frame *frame) {

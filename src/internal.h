@@ -109,9 +109,11 @@ hbil_status frame_take(hbil_context *context, const hbil_frame *given,
 
 typedef struct program_kind {
   const char *name; /* of its file, without .cl */
-  bool fast;   /* relaxed arithmetic: where results may differ in rounding */
-  bool images; /* reads or writes callers' images */
-  bool places; /* reads what another frame has left */
+  bool fast;    /* relaxed arithmetic: where results may differ in rounding */
+  bool images;  /* reads or writes callers' images */
+  bool places;  /* reads what another frame has left */
+  bool factors; /* gathers light by form factors */
+  const char *defines; /* of its own; NULL: none */
 } program_kind;
 
 /* Most characters that the defines of a plan take. */
@@ -184,6 +186,7 @@ enum {
   BUFFER_REPAIRED, /* HBIL_REPAIRED_: what inputs could not be used as is */
   BUFFER_RULER,    /* adaptive: what many samples see, HBIL_RULER_ */
   BUFFER_TRIED,    /* adaptive: how far rungs are off, HBIL_TRIED_ */
+  BUFFER_FACTORS,  /* form factors of a still frame (factors.clh) */
   BUFFER_LADDER,   /* numbers of samples */
   BUFFER_COUNT
 };
@@ -206,6 +209,8 @@ enum {
   KERNEL_ESTIMATE_SUM,
   KERNEL_PATTERN,
   KERNEL_GATHER,
+  KERNEL_GATHER_FACTORS,
+  KERNEL_REGATHER,
   KERNEL_JUDGE_RULER,
   KERNEL_JUDGE_RUNG,
   KERNEL_RECOMPOSE,
@@ -214,7 +219,7 @@ enum {
   KERNEL_COUNT
 };
 
-enum { PROGRAM_COUNT = 12 };
+enum { PROGRAM_COUNT = 14 };
 
 /* log2(16384) + 1: levels of the largest push/pull chain. */
 enum { MAX_CHAIN = 15 };
@@ -233,6 +238,7 @@ typedef struct layout {
   bool counts_late; /* composite shows inputs that split has no use for */
   cl_uint skip;     /* of hbil_config.skip what can come to anything here */
   hbil_bounds_args bounds;
+  hbil_factor_args factors;
   size_t strips;             /* of the gather, in a row of a layer */
   hbil_far_field far_field;  /* NONE where nothing shows it */
   hbil_pattern_args pattern; /* without turn, shift, reach */
@@ -276,6 +282,9 @@ struct hbil_plan {
   bool left_out[HBIL_PASS_COUNT], may_leave_out[HBIL_PASS_COUNT];
   /* adaptive: the frame that is being enqueued measures nothing */
   bool kept_choice;
+  /* form factors: whether the last gather has left some, and whether that of
+   * the frame that is being enqueued uses them */
+  bool has_factors, by_factors;
   /* what the table of steps was last made for */
   bool has_steps;
   hbil_view_args steps_view;

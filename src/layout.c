@@ -166,6 +166,28 @@ static cl_uint gathered_planes(const hbil_config *config, const layout *l) {
                        : stored[config->storage].ao;
 }
 
+/* As many rows as fit into what may be taken; returns their bytes. */
+static size_t lay_out_factors(const hbil_config *config, layout *out) {
+  const size_t width = config->vector_width;
+  const size_t vectors = width == 1 ? 1 : HBIL_TILE / width;
+  const size_t across = out->strips * vectors * HBIL_LAYERS;
+  const cl_uint sides = 2 * config->slices;
+  const bool last =
+      config_refuses(config) && config->refused == HBIL_REFUSED_LAST;
+  const cl_uint of_sample = last ? 2 : 1;
+  const cl_uint of_side = config->samples * of_sample + config->extrapolate;
+  hbil_factor_args *f = &out->factors;
+  f->factors = sides * of_side + config->slices + 1;
+  f->entries = sides * (config->samples + 1);
+  const size_t row =
+      sizeof(cl_float) * across * ((size_t)f->factors * width + f->entries);
+  const size_t rows = config->form_factors / row;
+  f->rows = rows < (size_t)out->split.height ? (cl_uint)rows
+                                             : (cl_uint)out->split.height;
+  f->vectors = (cl_uint)(across * f->rows);
+  return row * f->rows;
+}
+
 bool layout_has_bands(const hbil_config *config) {
   return config->vector_width > 1;
 }
@@ -255,6 +277,9 @@ void layout_compute(const hbil_config *config, layout *out) {
   out->ladder = ladder_of(config, out->pattern.levels);
   out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * out->ladder.steps;
   out->bytes[BUFFER_LADDER] = sizeof out->ladder.rung;
+  if (out->history && out->skip & HBIL_SKIP_STILL && !config->temporal &&
+      !out->ladder.count)
+    out->bytes[BUFFER_FACTORS] = lay_out_factors(config, out);
   if (!out->ladder.count)
     return;
   const cl_int tiles = hbil_tiles(out->split.width) * out->split.height;

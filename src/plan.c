@@ -100,6 +100,8 @@ enum {
   PROGRAM_ESTIMATE,
   PROGRAM_PATTERN,
   PROGRAM_GATHER,
+  PROGRAM_GATHER_FACTORS,
+  PROGRAM_REGATHER,
   PROGRAM_JUDGE,
   PROGRAM_RECOMPOSE,
   PROGRAM_TEMPORAL,
@@ -114,7 +116,10 @@ static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_BOUNDS] = {"bounds", .images = false},
     [PROGRAM_ESTIMATE] = {"estimate", .images = false},
     [PROGRAM_PATTERN] = {"pattern", .images = false},
-    [PROGRAM_GATHER] = {"gather", .fast = true},
+    [PROGRAM_GATHER] = {"gather", .fast = true, .factors = true},
+    [PROGRAM_GATHER_FACTORS] = {"gather", .fast = true, .factors = true,
+                                .defines = " -DKEEP_FACTORS=1"},
+    [PROGRAM_REGATHER] = {"regather", .fast = true, .factors = true},
     [PROGRAM_JUDGE] = {"judge", .images = false},
     [PROGRAM_RECOMPOSE] = {"recompose", .fast = true},
     [PROGRAM_TEMPORAL] = {"temporal", .images = true, .places = true},
@@ -142,6 +147,8 @@ static const struct {
     [KERNEL_ESTIMATE_SUM] = {"estimate_sum", PROGRAM_ESTIMATE},
     [KERNEL_PATTERN] = {"make_pattern", PROGRAM_PATTERN},
     [KERNEL_GATHER] = {"gather", PROGRAM_GATHER},
+    [KERNEL_GATHER_FACTORS] = {"gather", PROGRAM_GATHER_FACTORS},
+    [KERNEL_REGATHER] = {"regather", PROGRAM_REGATHER},
     [KERNEL_JUDGE_RULER] = {"judge_ruler", PROGRAM_JUDGE},
     [KERNEL_JUDGE_RUNG] = {"judge_rung", PROGRAM_JUDGE},
     [KERNEL_RECOMPOSE] = {"recompose", PROGRAM_RECOMPOSE},
@@ -156,6 +163,8 @@ static bool program_needed(const hbil_plan *plan, int program) {
     return plan->layout.bytes[BUFFER_BOUNDS] > 0;
   if (program == PROGRAM_JUDGE)
     return plan->layout.ladder.count > 0;
+  if (program == PROGRAM_GATHER_FACTORS || program == PROGRAM_REGATHER)
+    return plan->layout.bytes[BUFFER_FACTORS] > 0;
   if (program == PROGRAM_TEMPORAL)
     return plan->config.temporal > 0;
   return plan->layout.history ||
@@ -201,13 +210,21 @@ static hbil_status build_kernels(hbil_plan *plan) {
 
 /* --- buffers --- */
 
+/* The most bytes that the device has in one buffer. */
+static hbil_status largest_buffer(hbil_context *context, cl_ulong *bytes) {
+  const cl_int error =
+      clGetDeviceInfo(context->device, CL_DEVICE_MAX_MEM_ALLOC_SIZE,
+                      sizeof *bytes, bytes, NULL);
+  return error == CL_SUCCESS ? HBIL_SUCCESS
+                             : fail_cl(context, error, "clGetDeviceInfo");
+}
+
 static hbil_status allocate(hbil_plan *plan) {
   cl_ulong most = 0;
-  cl_int error =
-      clGetDeviceInfo(plan->context->device, CL_DEVICE_MAX_MEM_ALLOC_SIZE,
-                      sizeof most, &most, NULL);
-  if (error != CL_SUCCESS)
-    return fail_cl(plan->context, error, "clGetDeviceInfo");
+  cl_int error = CL_SUCCESS;
+  const hbil_status status = largest_buffer(plan->context, &most);
+  if (status != HBIL_SUCCESS)
+    return status;
   for (int i = 0; i < BUFFER_COUNT; ++i) {
     const size_t bytes = plan->layout.bytes[i];
     if (bytes > most)
@@ -279,13 +296,19 @@ static hbil_status fill_padding(hbil_plan *plan) {
 /* --- public --- */
 
 /* The caller's config, checked, with the width that is chosen for the device
- * where it has none; the sky begins where kernels can't compute any more. */
+ * where it has none; the sky begins where kernels can't compute any more; form
+ * factors are one buffer. */
 static hbil_status resolve_config(hbil_context *context,
                                   const hbil_config *given,
                                   hbil_config *resolved) {
-  const hbil_status status = config_take(context, given, resolved);
+  cl_ulong most = 0;
+  hbil_status status = config_take(context, given, resolved);
+  if (status == HBIL_SUCCESS)
+    status = largest_buffer(context, &most);
   if (!resolved->vector_width)
     resolved->vector_width = context->vector_width;
+  if (resolved->form_factors > most)
+    resolved->form_factors = (size_t)most;
   resolved->background = fminf(resolved->background, HBIL_FARTHEST_DEPTH);
   return status;
 }

@@ -100,6 +100,8 @@ static hbil_status add_files(hbil_context *context, const program_kind *kind,
     status = add_file(context, s, "images.clh");
   if (status == HBIL_SUCCESS && kind->places)
     status = add_file(context, s, "places.clh");
+  if (status == HBIL_SUCCESS && kind->factors)
+    status = add_file(context, s, "factors.clh");
   return status == HBIL_SUCCESS ? add_file(context, s, pass_file) : status;
 }
 
@@ -166,7 +168,8 @@ static hbil_status build_files(hbil_context *context, const program_kind *kind,
                                cl_program *out) {
   char options[MOST_DEFINES + 128];
   cl_int error = CL_SUCCESS;
-  snprintf(options, sizeof options, "-cl-std=CL1.2%s",
+  snprintf(options, sizeof options, "-cl-std=CL1.2%s%s",
+           kind->defines ? kind->defines : "",
            kind->fast              ? " -cl-fast-relaxed-math"
            : context->exact_divide ? " -cl-fp32-correctly-rounded-divide-sqrt"
                                    : "");

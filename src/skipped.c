@@ -126,6 +126,7 @@ hbil_status hbil_plan_skipped(hbil_plan *plan, cl_command_queue queue,
     status = read_strips(plan, queue, out);
   if (status == HBIL_SUCCESS)
     status = read_samples(plan, queue, out);
+  out->by_factors = plan->by_factors && !out->not_run[HBIL_PASS_GATHER];
   if (status == HBIL_SUCCESS && out->not_run[HBIL_PASS_GATHER])
     out->sky = out->open = out->dark = out->unused = (hbil_share){0, 0};
   return status;

@@ -473,6 +473,9 @@ static int still_frames(prepare_function *prepare, int frames) {
       assert_int_equal(found.not_run[HBIL_PASS_GATHER],
                        found.not_run[HBIL_PASS_RECOMPOSE]);
     }
+    /* the first still frame keeps form factors */
+    assert_int_equal(found.by_factors, promised.config.form_factors && i >= 3 &&
+                                           !found.not_run[HBIL_PASS_GATHER]);
     if (!settled && found.not_run[HBIL_PASS_GATHER])
       settled = i - 1;
   }
@@ -496,6 +499,122 @@ static void still_frames_are_the_same(void **state) {
   /* and at once where there is none to carry */
   assert_int_equal(still_frames(endless, 2), 1);
   assert_int_equal(still_frames(gtao, 2), 1);
+}
+
+static void factors(setup *s) {
+  room_with_history(s);
+  s->config.form_factors = SIZE_MAX;
+}
+
+static void factors_by_pixels(setup *s) {
+  factors(s);
+  s->config.vector_width = 1;
+}
+
+static void factors_of_all_light(setup *s) {
+  factors(s);
+  s->config.facing[0] = s->config.facing[1] = -1.0f;
+  s->config.extrapolate = CL_FALSE;
+  s->config.storage = HBIL_STORAGE_FLOAT32;
+}
+
+static void factors_of_black(setup *s) {
+  factors(s);
+  s->config.refused = HBIL_REFUSED_BLACK;
+  s->config.relative_thickness = 0.1f;
+  s->config.storage = HBIL_STORAGE_HALF;
+}
+
+static void factors_of_frame(setup *s) {
+  factors(s);
+  s->config.refused = HBIL_REFUSED_FRAME;
+  s->config.radius = 2.0f;
+  s->config.storage = HBIL_STORAGE_FLOAT11;
+}
+
+static void factors_of_a_slice(setup *s) {
+  factors(s);
+  s->config.slices = 1;
+  s->config.samples = 80; /* more than are looked at in one go */
+  s->config.radius = 0.5f;
+}
+
+static void factors_of_radiance(setup *s) {
+  carried_radiance(s);
+  s->config.form_factors = SIZE_MAX;
+}
+
+/* Two thirds of the picture: 12 of the 18 rows of a layer. */
+static void factors_of_some_rows(setup *s) {
+  size_t all, none;
+  factors(s);
+  s->config.samples = 3;
+  assert_success(s, hbil_plan_memory(s->gpu->hbil, &s->config, &all));
+  s->config.form_factors = 0;
+  assert_success(s, hbil_plan_memory(s->gpu->hbil, &s->config, &none));
+  s->config.form_factors = (all - none) / 18 * 13 - 1;
+  assert_success(s, hbil_plan_memory(s->gpu->hbil, &s->config, &all));
+  assert_int_equal(all - none, (s->config.form_factors + 1) / 13 * 12);
+}
+
+/* Light goes on spreading through what the gather has kept. */
+static void form_factors_bring_the_same_light(void **state) {
+  static prepare_function *const kept[] = {factors,
+                                           factors_by_pixels,
+                                           factors_of_all_light,
+                                           factors_of_black,
+                                           factors_of_frame,
+                                           factors_of_a_slice,
+                                           factors_of_radiance,
+                                           factors_of_some_rows};
+  (void)state;
+  for (size_t k = 0; k < sizeof kept / sizeof *kept; ++k)
+    assert_int_equal(still_frames(kept[k], 6), 0);
+  assert_in_range(still_frames(factors, 40), 2, 39);
+}
+
+static void near_factors(setup *s) {
+  factors(s);
+  s->config.far_field = HBIL_FAR_NONE;
+  s->config.radius = 0.25f;
+}
+
+/* A stripe of light, which gets as far as the radius in a frame. */
+static void light_in_a_stripe(setup *s) {
+  setup_load_scene(s, SCENE_ROOM, 0);
+  for (int c = 0; c < 3; ++c) {
+    setup_fill(s, REF_EMISSION + c, 0.0f);
+    for (int i = 0; i < WIDTH * HEIGHT; ++i)
+      s->input[REF_DIRECT + c][i] =
+          i % WIDTH >= 175 && i % WIDTH < 190 ? 9.0f : 0.0f;
+  }
+}
+
+/* Pixels that no light comes to. */
+static size_t count_unlit(setup *s) {
+  size_t unlit = 0;
+  ref_planes out = outputs_read(s);
+  for (size_t i = 0; i < WIDTH * HEIGHT; ++i)
+    unlit += out.values[(size_t)REF_NEAR * WIDTH * HEIGHT + i] == 0.0;
+  ref_planes_free(&out);
+  return unlit;
+}
+
+static void what_is_dark_has_form_factors(void **state) {
+  size_t unlit = 0;
+  pair p;
+  (void)state;
+  start_pair(&p, near_factors, HBIL_SKIP_STILL);
+  for (int i = 0; i < 8; ++i) {
+    light_in_a_stripe(&p.with);
+    p.without.frame.camera = p.with.frame.camera;
+    p.with.frame.still = i > 0;
+    assert_int_equal(compare(&p).by_factors, i > 1);
+    if (i == 1) /* where they are kept */
+      unlit = count_unlit(&p.with);
+  }
+  assert_in_range(count_unlit(&p.with), 1, unlit - 100);
+  free_pair(&p);
 }
 
 static void still_is_checked(void **state) {
@@ -554,6 +673,8 @@ int main(void) {
       cmocka_unit_test(who_shows_irradiance_needs_it),
       cmocka_unit_test(holes_are_filled_and_nothing_else),
       cmocka_unit_test(still_frames_are_the_same),
+      cmocka_unit_test(form_factors_bring_the_same_light),
+      cmocka_unit_test(what_is_dark_has_form_factors),
       cmocka_unit_test(still_is_checked),
       cmocka_unit_test(counts_need_a_frame),
   };

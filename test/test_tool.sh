@@ -96,6 +96,20 @@ for way in scatter motion; do
   differs "repeating adds bounces, by $way" compare --max-rmse 0 \
     "$work/still/frame_0001.exr:near" "$work/$way/frame_0001.exr"
 done
+# Three runs of a frame by itself are its warm-up.
+says "a frame's later runs use form factors" 'no horizons, by form factors' \
+  process --repeat 5 --timings -o "$work/factors" "$one"
+run process --repeat 4 --timings -o "$work/t" "$one"
+test $status -eq 0 && ! grep -q 'form factors' "$work/out"
+ok $? "but not where they are few"
+run process --repeat 5 --form-factors 0 --timings -o "$work/no_factors" "$one"
+test $status -eq 0 && ! grep -q 'form factors' "$work/out" &&
+  cmp "$work/factors/frame_0001.exr" "$work/no_factors/frame_0001.exr"
+ok $? "nor where they may take no memory, which changes no bit"
+run process --repeat 3 --form-factors 1 --timings --json -o "$work/t" "$one"
+test $status -eq 0 && grep -q '"by_factors": true' "$work/out"
+ok $? "and as far as there is memory"
+
 works "a still frame by scatter or by motion is the same" \
   compare --max-rmse 1e-3 "$work/scatter/frame_0001.exr:near" \
   "$work/motion/frame_0001.exr"

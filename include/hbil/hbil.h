@@ -304,7 +304,7 @@ typedef enum hbil_skip {
   HBIL_SKIP_RADIUS = 16,
   /* push_pull, where nothing is to be filled */
   HBIL_SKIP_HOLES = 32,
-  /* all passes of frames with hbil_frame.still */
+  /* all passes of frames with hbil_frame.still; see form_factors */
   HBIL_SKIP_STILL = 64,
   HBIL_SKIP_ALL = 127
 } hbil_skip;
@@ -455,6 +455,17 @@ typedef struct hbil_config {
   cl_uint vector_width; /* 1, 4, 8, 16; 0 (default): chosen for the device */
   cl_bool profiling; /* keep events for hbil_plan_timings(); needs queues made
                         with CL_QUEUE_PROFILING_ENABLE; default CL_FALSE */
+  /* Form factors: what each sample's light counts for a pixel.  Shapes alone
+   * decide that; so the first of several still frames (hbil_frame.still) keeps
+   * them, and those after it look for no horizons, but add up light: the same
+   * bits in two fifths of the time.  This is the device memory that they may
+   * take, bytes; of a pixel it is, at most,
+   *   8 slices (2 samples + 1) + 4 slices + 4 + 8 slices (samples + 1) / width
+   * bytes, without the factor 2 of samples but with HBIL_REFUSED_LAST.  Where
+   * this is less than all pixels take, or than the device has in one buffer,
+   * rows that don't fit are gathered as ever.  Default 0: none are kept; nor
+   * are they with temporal or max_error, or where no light is carried over. */
+  size_t form_factors;
 } hbil_config;
 
 /*
@@ -755,6 +766,7 @@ typedef struct hbil_skipped {
   cl_bool adaptive;  /* by hbil_config.max_error; then these are chosen: */
   cl_uint slices, samples; /* of the frame */
   cl_bool kept_choice; /* hbil_frame.keep_choice: those of the frame before */
+  cl_bool by_factors;  /* light was gathered by hbil_config.form_factors */
   /* passes that had nothing to do, or found on the device that they had not */
   cl_bool not_run[HBIL_PASS_COUNT];
 } hbil_skipped;

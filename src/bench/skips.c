@@ -176,6 +176,14 @@ static int standing_still(const job *j, unsigned settled, bench_skip *out,
   return compare(j, full_turn(j), still, out, error);
 }
 
+static int with_form_factors(const job *j, bench_skip *out,
+                             image_error *error) {
+  bench_turn still = full_turn(j);
+  still.still = 1;
+  still.config.form_factors = SIZE_MAX;
+  return compare(j, full_turn(j), still, out, error);
+}
+
 static int while_light_spreads(const job *j, bench_skip *out,
                                image_error *error) {
   return standing_still(j, 0, out, error);
@@ -223,6 +231,7 @@ int bench_skips_measure(const bench_options *options, const device *d,
       {"a wall seen straight on", NAN, 0.15, with_one_wall},
       {"lit in a corner", NAN, 0.8, with_a_lit_corner},
       {"still, light spreading", 0.65, NAN, while_light_spreads},
+      {"the same, form factors", 0.65, NAN, with_form_factors},
       {"still, light settled", 0.65, NAN, once_light_has_settled},
       {"still for a second", 0.65, NAN, for_a_second},
       {"AO alone", 0.6, NAN, with_ao_alone},

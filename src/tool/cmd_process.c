@@ -48,6 +48,7 @@ enum {
   OPTION_COMPRESSION,
   OPTION_FRAMES,
   OPTION_WARM_UP,
+  OPTION_FORM_FACTORS,
   OPTION_CHOOSE_EVERY,
   OPTION_PREVIEW,
   OPTION_TIMINGS,
@@ -106,6 +107,7 @@ static const struct option options[] = {
     {"contact-sheet", required_argument, NULL, OPTION_CONTACT_SHEET},
     {"frames", required_argument, NULL, OPTION_FRAMES},
     {"warm-up", required_argument, NULL, OPTION_WARM_UP},
+    {"form-factors", required_argument, NULL, OPTION_FORM_FACTORS},
     {"preview", no_argument, NULL, OPTION_PREVIEW},
     {"timings", no_argument, NULL, OPTION_TIMINGS},
     {"json", no_argument, NULL, OPTION_JSON},
@@ -160,6 +162,10 @@ static void usage(const hbil_config *defaults) {
       "                        write nothing\n"
       "  --repeat N            run every frame N times: more bounces (1)\n"
       "  --warm-up N           run the first frame N times more (3)\n"
+      "  --form-factors MIB    device memory for what a frame's third and\n"
+      "                        later runs need not look for again; results\n"
+      "                        are the same (1024 where frames run eight\n"
+      "                        times and more, else 0)\n"
       "  --preview             also write DIR/FRAME.LAYER.png\n"
       "  --contact-sheet PNG   layers side by side, at most eight frames of "
       "the\n"
@@ -357,6 +363,9 @@ static int set_number(int option, process_options *o, image_error *error) {
     return option_unsigned("--temporal", optarg, 0, 1024, &c->temporal, error);
   case OPTION_WARM_UP:
     return option_unsigned("--warm-up", optarg, 0, 1000, &o->warm_up, error);
+  case OPTION_FORM_FACTORS:
+    return option_unsigned("--form-factors", optarg, 0, MOST_FORM_FACTORS,
+                           &o->form_factors, error);
   case OPTION_CHOOSE_EVERY:
     return option_unsigned("--choose-every", optarg, 1, 1000, &o->choose_every,
                            error);
@@ -451,6 +460,7 @@ static int check_exact(const request *r, image_error *error) {
       {OPTION_EXTRAPOLATE, "--extrapolate", "which misses nothing"},
       {OPTION_MAX_ERROR, "--max-error", "which has none"},
       {OPTION_LATTICE, "--lattice", "which looks at every pixel"},
+      {OPTION_FORM_FACTORS, "--form-factors", "which keeps none"},
       {OPTION_STORAGE, "--storage", "which has no layers"},
       {OPTION_NO_SKIP, "--no-skip", "which skips nothing"},
       {OPTION_TEMPORAL, "--temporal", "which has no noise"},
@@ -476,6 +486,13 @@ static int check_options(const request *r, image_error *error) {
   if (is_given(r, OPTION_CHOOSE_EVERY) && isinf(o->config.max_error[0]) &&
       isinf(o->config.max_error[1]))
     return image_fail(error, "--choose-every: --max-error is needed with it");
+  if (is_given(r, OPTION_FORM_FACTORS) && o->form_factors &&
+      (o->config.temporal || !isinf(o->config.max_error[0]) ||
+       !isinf(o->config.max_error[1])))
+    return image_fail(error,
+                      "--form-factors: not with --temporal or --max-error, "
+                      "where each run of a frame has samples of its own; one "
+                      "or the other is needed");
   if (o->resume && o->timings)
     return image_fail(error,
                       "--resume: not with --timings, which wants every frame "

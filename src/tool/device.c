@@ -85,6 +85,12 @@ static const char *type_name(cl_device_type type) {
   return type & CL_DEVICE_TYPE_ACCELERATOR ? "accelerator" : "other";
 }
 
+unsigned long long device_memory(cl_device_id id) {
+  cl_ulong bytes = 0;
+  clGetDeviceInfo(id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof bytes, &bytes, NULL);
+  return bytes;
+}
+
 int device_list(image_error *error) {
   device_entries entries;
   if (find_devices(&entries, error) != 0)
@@ -92,7 +98,6 @@ int device_list(image_error *error) {
   for (size_t i = 0; i < entries.count; i++) {
     char name[256], platform[256] = "?", version[256];
     cl_uint units = 0;
-    cl_ulong memory = 0;
     const cl_device_id id = entries.list[i].id;
     device_text(id, CL_DEVICE_NAME, name, sizeof name);
     device_text(id, CL_DEVICE_VERSION, version, sizeof version);
@@ -100,11 +105,9 @@ int device_list(image_error *error) {
                       sizeof platform, platform, NULL);
     clGetDeviceInfo(id, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units,
                     NULL);
-    clGetDeviceInfo(id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof memory, &memory,
-                    NULL);
     printf("%zu  %s (%s, %s; %s; %u compute units, %llu MiB)\n", i, name,
            type_name(device_type(id)), platform, version, units,
-           (unsigned long long)(memory >> 20));
+           device_memory(id) >> 20);
   }
   free(entries.list);
   return 0;

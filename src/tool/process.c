@@ -37,6 +37,7 @@ void process_options_init(process_options *options) {
   hbil_config_init(&options->config);
   source_options_init(&options->source);
   options->repeat = 1;
+  options->form_factors = FORM_FACTORS_AS_IT_FITS;
   options->compression = EXR_COMPRESSION_OF_ZIP;
   /* three bounces before the first picture: the fourth adds a few per cent */
   options->warm_up = 3;
@@ -487,11 +488,27 @@ static unsigned choose_every(const process *p) {
   return p->config.reprojection == HBIL_REPROJECTION_NONE ? 1 : 4;
 }
 
+/* Device memory for form factors, bytes.  A frame's first run may have moved,
+ * the second keeps them, and those after it gain; memory that is new to the
+ * process takes as long as three of them gain (HACKING.md). */
+static size_t form_factors(const process *p) {
+  const size_t mebibyte = 1u << 20, enough = 1024;
+  const process_options *o = p->options;
+  const unsigned runs = o->repeat + (p->count == 1 ? o->warm_up : 0);
+  const unsigned long long quarter = device_memory(p->device.id) / 4;
+  if (o->form_factors != FORM_FACTORS_AS_IT_FITS)
+    return o->form_factors * mebibyte;
+  if (runs < 8)
+    return 0;
+  return quarter < enough * mebibyte ? (size_t)quarter : enough * mebibyte;
+}
+
 static int open_library(process *p) {
   if (device_open(p->options->device, p->options->timings, &p->device,
                   &p->error) != 0 ||
       choose_model(p) != 0)
     return -1;
+  p->config.form_factors = form_factors(p);
   return sequence_open(&p->device, &p->config, choose_every(p), &p->jobs[0].map,
                        p->layers, &p->sequence, &p->error);
 }

@@ -431,6 +431,8 @@ typedef struct device {
 int device_open(const char *wanted, int profiling, device *out,
                 image_error *error);
 void device_close(device *d);
+/* Bytes of its global memory; 0 where it doesn't say. */
+unsigned long long device_memory(cl_device_id id);
 /* Lists all devices on standard output. */
 int device_list(image_error *error);
 
@@ -520,6 +522,8 @@ json_t *timings_skipped_json(const hbil_skipped *s);
 
 /* --- process.c: the main job --- */
 
+enum { MOST_FORM_FACTORS = 1 << 20, FORM_FACTORS_AS_IT_FITS };
+
 typedef struct process_options {
   const char *output;        /* folder; must be given */
   const char *camera;        /* NULL: FRAME.json beside FRAME.exr */
@@ -532,6 +536,7 @@ typedef struct process_options {
   unsigned repeat;           /* runs of every frame, at least 1 */
   unsigned warm_up;          /* more runs of the first frame, for its bounces */
   unsigned choose_every;     /* runs, with config.max_error; 0: as it fits */
+  unsigned form_factors;     /* MiB, or FORM_FACTORS_AS_IT_FITS */
   int preview, timings, json, quiet; /* flags */
   int resume;      /* results of the same settings and frames are kept */
   int overwrite;   /* results that are there are replaced; else refused */
