@@ -558,6 +558,7 @@ static hbil_status split(commands *chain, const hbil_frame *frame) {
     return leave_out(chain);
   if (is_still(plan, frame))
     return relight(chain, frame);
+  plan->has_factors = false; /* those are of other shapes */
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
   const hbil_transform_args to_view = camera_from_world(&frame->camera);
   const cl_int has_history = plan->has_history;

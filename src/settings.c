@@ -58,7 +58,7 @@ cl_uint format_stride(const hbil_config *config, int image) {
 /* Bytes in version 0.1, the least that a caller's may have: a later version's
  * fields stand behind these for ever (configure.ac has the rules). */
 enum {
-  FIRST_CONFIG_SIZE = SIZE_UP_TO(hbil_config, profiling),
+  FIRST_CONFIG_SIZE = SIZE_UP_TO(hbil_config, form_factors),
   FIRST_FRAME_SIZE = SIZE_UP_TO(hbil_frame, keep_choice)
 };
 

@@ -108,6 +108,7 @@ static void contexts_leave_nothing(void **state) {
 static void prepare(setup *s) {
   setup_every_pass(s, HBIL_REPROJECTION_SCATTER, 1, WIDTH, HEIGHT);
   s->config.profiling = CL_TRUE;
+  s->config.form_factors = SIZE_MAX;
 }
 
 static hbil_status make_plan(const hbil_config *config) {
@@ -272,6 +273,38 @@ static void still_frames_do_not_stand_on_failures(void **state) {
   free_step(&t);
 }
 
+static void both(step *t, cl_bool still) {
+  t->plain.frame.still = t->faulty.frame.still = still;
+  setup_run(&t->plain, hbil_enqueue_frame);
+  setup_run(&t->faulty, hbil_enqueue_frame);
+}
+
+/* Whether it is the frame that keeps form factors which fails, or one that uses
+ * them. */
+static void form_factors_do_not_stand_on_failures(void **state) {
+  outcome o = {0, "", HBIL_SUCCESS};
+  step t;
+  (void)state;
+  start_step(&t);
+  for (int n = 1; o.failed; ++n)
+    for (int kept = 0; kept < 2; ++kept) {
+      load(&t, n % 2 ? 3 : 0);
+      both(&t, CL_FALSE);
+      if (kept)
+        both(&t, CL_TRUE);
+      t.plain.frame.still = t.faulty.frame.still = CL_TRUE;
+      setup_run(&t.plain, hbil_enqueue_frame);
+      o = ATTEMPT(n, CL_OUT_OF_RESOURCES, frame(&t.faulty));
+      if (o.status != HBIL_SUCCESS)
+        setup_run(&t.faulty, hbil_enqueue_frame);
+      check_same(&o, &t);
+      both(&t, CL_TRUE);
+      check_same(&o, &t);
+    }
+  assert_in_range(o.nth, 100, 5000);
+  free_step(&t);
+}
+
 /* ------------------------------------------------------------------------ */
 /* What is told afterwards                                                   */
 
@@ -360,8 +393,8 @@ static void a_failed_build_is_told(void **state) {
     const char *message = hbil_context_message(test_gpu.hbil);
     assert_null(plan);
     check_held(&o, held);
-    if (n == 1)
-      continue; /* clCreateProgramWithSource */
+    if (n <= 2)
+      continue; /* clGetDeviceInfo, clCreateProgramWithSource */
     assert_int_equal(o.status, HBIL_BUILD_FAILED);
     assert_non_null(strstr(message, "reproject.cl"));
     if (!o.failed) {
@@ -383,6 +416,7 @@ int main(void) {
       cmocka_unit_test(frames_can_be_repeated),
       cmocka_unit_test(plans_end_after_failures),
       cmocka_unit_test(still_frames_do_not_stand_on_failures),
+      cmocka_unit_test(form_factors_do_not_stand_on_failures),
       cmocka_unit_test(questions_can_be_asked_again),
       cmocka_unit_test(lost_events_are_told),
       cmocka_unit_test(a_failed_build_is_told),
