@@ -43,15 +43,6 @@
  * In: split planes, steps.  Out: light planes, same layout.
  */
 
-/* Relaxed arithmetic is for fast roots and quotients.  Sums and products stay
- * in the order in which they are written: a compiler would choose another one
- * for each variant of this kernel, and what is left out could not be held
- * against what is not, bit by bit. */
-#if defined(__clang_major__) && __clang_major__ >= 12
-#pragma clang fp reassociate(off)
-#pragma clang fp contract(off)
-#endif
-
 /* Samples of a half-slice that are looked at before those that rise are: their
  * loads are on the way together, and no branch waits for one of them.  A single
  * pixel has no use for it. */

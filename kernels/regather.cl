@@ -10,12 +10,6 @@
  * in the light planes.
  */
 
-/* As in the gather, in whose order sums and products are. */
-#if defined(__clang_major__) && __clang_major__ >= 12
-#pragma clang fp reassociate(off)
-#pragma clang fp contract(off)
-#endif
-
 /* What a half-slice's samples send. */
 INLINE shine half_slice(factors *kept, const realv own[3],
                         global const float *from, uint plane) {

@@ -706,21 +706,23 @@ static hbil_status regather(commands *chain, const hbil_gather_args *args) {
 
 /* All pixels.  The first still frame keeps form factors, of as many rows as
  * there is memory for: it is the first that knows what comes after it may be
- * still, too.  Later ones use them. */
+ * still, too.  It does so whether or not its light has changed, so that they
+ * are there, whatever becomes of the light.  Later ones use them. */
 static hbil_status gather_all(commands *chain, const hbil_gather_args *args,
                               cl_int still) {
   hbil_plan *plan = chain->plan;
   const layout *l = &plan->layout;
   const size_t kept = still ? l->factors.rows : 0;
   const bool has_factors = kept && plan->has_factors;
-  hbil_status status =
-      has_factors ? regather(chain, args)
-                  : look_around(chain, args, still, l->strips, 0, kept, true);
+  hbil_status status = has_factors ? regather(chain, args)
+                                   : look_around(chain, args, CL_FALSE,
+                                                 l->strips, 0, kept, true);
   if (status == HBIL_SUCCESS)
     status = look_around(chain, args, still, l->strips, kept,
                          (size_t)l->split.height, false);
   plan->by_factors = has_factors;
   plan->has_factors = kept && status == HBIL_SUCCESS;
+  plan->may_leave_out[HBIL_PASS_GATHER] = still && (has_factors || !kept);
   return status;
 }
 

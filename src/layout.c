@@ -179,13 +179,13 @@ static size_t lay_out_factors(const hbil_config *config, layout *out) {
   hbil_factor_args *f = &out->factors;
   f->factors = sides * of_side + config->slices + 1;
   f->entries = sides * (config->samples + 1);
-  const size_t row =
-      sizeof(cl_float) * across * ((size_t)f->factors * width + f->entries);
-  const size_t rows = config->form_factors / row;
-  f->rows = rows < (size_t)out->split.height ? (cl_uint)rows
-                                             : (cl_uint)out->split.height;
+  const cl_ulong row = sizeof(cl_float) * (cl_ulong)across *
+                       ((cl_ulong)f->factors * width + f->entries);
+  const cl_ulong rows = config->form_factors / row;
+  f->rows = rows < (cl_ulong)out->split.height ? (cl_uint)rows
+                                               : (cl_uint)out->split.height;
   f->vectors = (cl_uint)(across * f->rows);
-  return row * f->rows;
+  return (size_t)(row * f->rows);
 }
 
 bool layout_has_bands(const hbil_config *config) {

@@ -62,6 +62,7 @@ static void count_strips(const hbil_plan *plan, const unsigned char *strips,
   const size_t height = (size_t)plan->layout.split.height;
   const size_t count = across * height * HBIL_LAYERS;
   const size_t size = plan->config.vector_width == 1 ? 1 : HBIL_TILE;
+  const size_t by_factors = plan->by_factors ? plan->layout.factors.rows : 0;
   for (size_t i = 0; i < count; ++i) {
     const size_t layer = i / (across * height);
     const size_t y = HBIL_SIDE * (i / across % height) + layer / HBIL_SIDE;
@@ -71,7 +72,10 @@ static void count_strips(const hbil_plan *plan, const unsigned char *strips,
     const size_t right = (plan->config.width - x + HBIL_SIDE - 1) / HBIL_SIDE;
     const size_t inside = right < size ? right : size;
     /* lanes outside the picture are sky, too */
-    count_strip(out, strips[i], inside, strips[count + i] - (size - inside));
+    const size_t sky = strips[count + i] - (size - inside);
+    count_strip(out, strips[i], inside, sky);
+    if (!strips[i] && i / across % height < by_factors)
+      add(&out->by_factors, inside - sky);
   }
 }
 
@@ -126,8 +130,8 @@ hbil_status hbil_plan_skipped(hbil_plan *plan, cl_command_queue queue,
     status = read_strips(plan, queue, out);
   if (status == HBIL_SUCCESS)
     status = read_samples(plan, queue, out);
-  out->by_factors = plan->by_factors && !out->not_run[HBIL_PASS_GATHER];
   if (status == HBIL_SUCCESS && out->not_run[HBIL_PASS_GATHER])
-    out->sky = out->open = out->dark = out->unused = (hbil_share){0, 0};
+    out->sky = out->open = out->dark = out->unused = out->by_factors =
+        (hbil_share){0, 0};
   return status;
 }

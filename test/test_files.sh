@@ -231,6 +231,10 @@ refused "nothing to choose" 'choose-every: --max-error is needed' \
   process -o "$out" --choose-every 2 "$one"
 refused "form factors of frames that differ" 'form-factors: not with --temporal' \
   process -o "$out" --form-factors 9 --temporal 4 "$one"
+for none in '--mode gtao' '--reprojection none' --no-skip; do
+  refused "form factors of no use with $none" "form-factors: not with $none" \
+    process -o "$out" --form-factors 9 $none "$one"
+done
 refused "an empty word" '^hbil: --mode ' process -o "$out" --mode '' "$one"
 refused "an empty list" '^hbil: --layers ' process -o "$out" --layers '' "$one"
 refused "an empty output folder" 'output folder' process -o '' "$one"

@@ -4,14 +4,15 @@
  */
 #include "shim.h"
 
-#define FRAMES 3
+#define FRAMES 5
 
 static const int sizes[][2] = {{1, 1}, {3, 5}, {67, 35}};
 #define SIZES (sizeof sizes / sizeof *sizes)
 
-/* The room, another view of it, and that once more as a still frame. */
+/* The room, another view of it, and that thrice more as still frames: they are
+ * lit by what is found, keep it, and use it. */
 static void run_frame(setup *s, int i) {
-  s->frame.still = i == FRAMES - 1;
+  s->frame.still = i > 1;
   if (!s->frame.still) {
     setup_load_scene(s, SCENE_ROOM, 3 * (uint32_t)i);
     setup_upload(s);
@@ -20,10 +21,11 @@ static void run_frame(setup *s, int i) {
 }
 
 static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
-                       int width, int height) {
+                       int width, int height, size_t form_factors) {
   setup plain, guarded;
   setup_every_pass(&plain, reprojection, vector_width, width, height);
   setup_every_pass(&guarded, reprojection, vector_width, width, height);
+  plain.config.form_factors = guarded.config.form_factors = form_factors;
   setup_start(&plain);
   shim_guard_buffers(true);
   setup_start(&guarded);
@@ -44,25 +46,45 @@ static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
 static void vectors_stay_inside(void **state) {
   (void)state;
   for (size_t i = 0; i < SIZES; ++i)
-    check_size(HBIL_REPROJECTION_SCATTER, 0, sizes[i][0], sizes[i][1]);
+    check_size(HBIL_REPROJECTION_SCATTER, 0, sizes[i][0], sizes[i][1],
+               SIZE_MAX);
 }
 
 static void single_pixels_stay_inside(void **state) {
   (void)state;
   for (size_t i = 0; i < SIZES; ++i)
-    check_size(HBIL_REPROJECTION_SCATTER, 1, sizes[i][0], sizes[i][1]);
+    check_size(HBIL_REPROJECTION_SCATTER, 1, sizes[i][0], sizes[i][1],
+               SIZE_MAX);
 }
 
 static void motion_stays_inside(void **state) {
   (void)state;
   for (size_t i = 0; i < SIZES; ++i)
-    check_size(HBIL_REPROJECTION_MOTION, 0, sizes[i][0], sizes[i][1]);
+    check_size(HBIL_REPROJECTION_MOTION, 0, sizes[i][0], sizes[i][1], SIZE_MAX);
+}
+
+/* Form factors of three rows of a layer of nine. */
+static void kept_rows_stay_inside(void **state) {
+  const cl_uint widths[] = {0, 1};
+  (void)state;
+  for (int w = 0; w < 2; ++w) {
+    size_t with, without;
+    setup s;
+    setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, widths[w], 67, 35);
+    assert_success(&s, hbil_plan_memory(s.gpu->hbil, &s.config, &without));
+    s.config.form_factors = SIZE_MAX;
+    assert_success(&s, hbil_plan_memory(s.gpu->hbil, &s.config, &with));
+    setup_free(&s);
+    check_size(HBIL_REPROJECTION_SCATTER, widths[w], 67, 35,
+               (with - without) / 9 * 3);
+  }
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(vectors_stay_inside),
       cmocka_unit_test(single_pixels_stay_inside),
-      cmocka_unit_test(motion_stays_inside)};
+      cmocka_unit_test(motion_stays_inside),
+      cmocka_unit_test(kept_rows_stay_inside)};
   return RUN_WITH_GPU(tests);
 }

@@ -36,6 +36,8 @@ VARIANT(many_samples, (c->slices = 7, c->samples = 33))
 VARIANT(one_raw_sample,
         (c->slices = c->samples = 1, c->raw_interleave = CL_TRUE,
          c->lattice = HBIL_LATTICE_LAYER))
+VARIANT(form_factors, (c->form_factors = SIZE_MAX, c->samples = 3))
+VARIANT(few_form_factors, (c->form_factors = 1 << 16, c->samples = 1))
 VARIANT(thick_in_ones, (c->thickness = 0.2f, c->relative_thickness = 0.08f,
                         c->vector_width = 1, c->profiling = CL_TRUE))
 
@@ -57,6 +59,8 @@ static const variant variants[] = {
     {"radius", radius},
     {"many samples", many_samples},
     {"one raw sample", one_raw_sample},
+    {"form factors", form_factors},
+    {"form factors of some rows", few_form_factors},
     {"thick, vectors of one, profiling", thick_in_ones},
 };
 #define VARIANTS (sizeof variants / sizeof *variants)

@@ -457,14 +457,18 @@ typedef struct hbil_config {
                         with CL_QUEUE_PROFILING_ENABLE; default CL_FALSE */
   /* Form factors: what each sample's light counts for a pixel.  Shapes alone
    * decide that; so the first of several still frames (hbil_frame.still) keeps
-   * them, and those after it look for no horizons, but add up light: the same
-   * bits in two fifths of the time.  This is the device memory that they may
-   * take, bytes; of a pixel it is, at most,
-   *   8 slices (2 samples + 1) + 4 slices + 4 + 8 slices (samples + 1) / width
-   * bytes, without the factor 2 of samples but with HBIL_REFUSED_LAST.  Where
-   * this is less than all pixels take, or than the device has in one buffer,
-   * rows that don't fit are gathered as ever.  Default 0: none are kept; nor
-   * are they with temporal or max_error, or where no light is carried over. */
+   * them, in the time that a moving one takes, and those after it look for no
+   * horizons, but add up light: the same bits in two fifths of the gather's
+   * time.  This is how many bytes of device memory they may take.  All pixels
+   * take
+   *   P (4 (2 S (F N + X) + S + 1) + 8 S (N + 1) / W)
+   * with S slices, N samples, W = vector_width, X = 1 with extrapolate, else 0,
+   * F = 2 with HBIL_REFUSED_LAST, unless facing refuses none, else 1, and P
+   * pixels: width rounded up to a multiple of 128 (of 4 where W is 1) times
+   * height rounded up to one of 4.  Where this is less, or the device has no
+   * such buffer, as many rows are kept as fit and the others gathered as ever.
+   * None are with temporal or max_error, without HBIL_SKIP_STILL, or where no
+   * light is carried over.  Default 0 */
   size_t form_factors;
 } hbil_config;
 
@@ -763,10 +767,12 @@ typedef struct hbil_skipped {
   hbil_share open;   /* nothing there can be blocked */
   hbil_share dark;   /* no light is in reach: AO and bent normals alone */
   hbil_share unused; /* no irradiance is asked for */
-  cl_bool adaptive;  /* by hbil_config.max_error; then these are chosen: */
+  /* light was gathered by hbil_config.form_factors; where it is, or they are
+   * kept in this frame, nothing is left out as dark */
+  hbil_share by_factors;
+  cl_bool adaptive; /* by hbil_config.max_error; then these are chosen: */
   cl_uint slices, samples; /* of the frame */
   cl_bool kept_choice; /* hbil_frame.keep_choice: those of the frame before */
-  cl_bool by_factors;  /* light was gathered by hbil_config.form_factors */
   /* passes that had nothing to do, or found on the device that they had not */
   cl_bool not_run[HBIL_PASS_COUNT];
 } hbil_skipped;

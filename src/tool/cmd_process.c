@@ -164,8 +164,9 @@ static void usage(const hbil_config *defaults) {
       "  --warm-up N           run the first frame N times more (3)\n"
       "  --form-factors MIB    device memory for what a frame's third and\n"
       "                        later runs need not look for again; results\n"
-      "                        are the same (1024 where frames run eight\n"
-      "                        times and more, else 0)\n"
+      "                        are the same (where frames run eight times\n"
+      "                        and more, a single frame's warm-up included:\n"
+      "                        1024, or a quarter of the device's; else 0)\n"
       "  --preview             also write DIR/FRAME.LAYER.png\n"
       "  --contact-sheet PNG   layers side by side, at most eight frames of "
       "the\n"
@@ -478,6 +479,29 @@ static int check_exact(const request *r, image_error *error) {
   return 0;
 }
 
+/* Where a frame's later runs could not use what is kept. */
+static int check_form_factors(const hbil_config *c, image_error *error) {
+  const char *of_all = c->mode != HBIL_MODE_HBIL ? "--mode gtao or hbao"
+                       : c->reprojection == HBIL_REPROJECTION_NONE
+                           ? "--reprojection none"
+                           : NULL;
+  if (c->temporal || !isinf(c->max_error[0]) || !isinf(c->max_error[1]))
+    return image_fail(error,
+                      "--form-factors: not with --temporal or --max-error, "
+                      "where each run of a frame has samples of its own; one "
+                      "or the other is needed");
+  if (of_all)
+    return image_fail(error,
+                      "--form-factors: not with %s, where later runs of a "
+                      "frame bring no new light; one or the other is needed",
+                      of_all);
+  if (!(c->skip & HBIL_SKIP_STILL))
+    return image_fail(error,
+                      "--form-factors: not with --no-skip, by which later runs "
+                      "of a frame do all work; one or the other is needed");
+  return 0;
+}
+
 /* What only both options together decide. */
 static int check_options(const request *r, image_error *error) {
   const process_options *o = r->options;
@@ -487,12 +511,8 @@ static int check_options(const request *r, image_error *error) {
       isinf(o->config.max_error[1]))
     return image_fail(error, "--choose-every: --max-error is needed with it");
   if (is_given(r, OPTION_FORM_FACTORS) && o->form_factors &&
-      (o->config.temporal || !isinf(o->config.max_error[0]) ||
-       !isinf(o->config.max_error[1])))
-    return image_fail(error,
-                      "--form-factors: not with --temporal or --max-error, "
-                      "where each run of a frame has samples of its own; one "
-                      "or the other is needed");
+      check_form_factors(&o->config, error) != 0)
+    return -1;
   if (o->resume && o->timings)
     return image_fail(error,
                       "--resume: not with --timings, which wants every frame "

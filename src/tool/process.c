@@ -10,6 +10,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -492,15 +493,21 @@ static unsigned choose_every(const process *p) {
  * the second keeps them, and those after it gain; memory that is new to the
  * process takes as long as three of them gain (HACKING.md). */
 static size_t form_factors(const process *p) {
-  const size_t mebibyte = 1u << 20, enough = 1024;
+  const unsigned long long mebibyte = 1u << 20, enough = 1024;
   const process_options *o = p->options;
   const unsigned runs = o->repeat + (p->count == 1 ? o->warm_up : 0);
   const unsigned long long quarter = device_memory(p->device.id) / 4;
+  unsigned long long bytes = 0;
   if (o->form_factors != FORM_FACTORS_AS_IT_FITS)
-    return o->form_factors * mebibyte;
-  if (runs < 8)
-    return 0;
-  return quarter < enough * mebibyte ? (size_t)quarter : enough * mebibyte;
+    bytes = o->form_factors * mebibyte;
+  else if (runs >= 8)
+    bytes = quarter < enough * mebibyte ? quarter : enough * mebibyte;
+  return bytes < SIZE_MAX ? (size_t)bytes : SIZE_MAX;
+}
+
+static int open_sequence(process *p) {
+  return sequence_open(&p->device, &p->config, choose_every(p), &p->jobs[0].map,
+                       p->layers, &p->sequence, &p->error);
 }
 
 static int open_library(process *p) {
@@ -509,8 +516,14 @@ static int open_library(process *p) {
       choose_model(p) != 0)
     return -1;
   p->config.form_factors = form_factors(p);
-  return sequence_open(&p->device, &p->config, choose_every(p), &p->jobs[0].map,
-                       p->layers, &p->sequence, &p->error);
+  if (open_sequence(p) == 0)
+    return 0;
+  /* what nobody has asked for may not be what a job fails for */
+  if (!p->config.form_factors ||
+      p->options->form_factors != FORM_FACTORS_AS_IT_FITS)
+    return -1;
+  p->config.form_factors = 0;
+  return open_sequence(p);
 }
 
 /* ------------------------------------------------------------------------ */

@@ -26,7 +26,8 @@ void timings_print_skipped(const hbil_skipped *s, FILE *out) {
   } shares[] = {{"sky", &s->sky},
                 {"open", &s->open},
                 {"dark", &s->dark},
-                {"unused", &s->unused}};
+                {"unused", &s->unused},
+                {"by form factors", &s->by_factors}};
   const char *between = "";
   for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
     if (!shares[i].share->pixels)
@@ -39,10 +40,6 @@ void timings_print_skipped(const hbil_skipped *s, FILE *out) {
   if (s->adaptive) {
     fprintf(out, "%s%ux%u samples a side%s", between, (unsigned)s->slices,
             (unsigned)s->samples, s->kept_choice ? ", as before" : "");
-    between = "; ";
-  }
-  if (s->by_factors) {
-    fprintf(out, "%sno horizons, by form factors", between);
     between = "; ";
   }
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
@@ -62,12 +59,12 @@ json_t *timings_skipped_json(const hbil_skipped *s) {
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     if (s->not_run[p])
       json_array_append_new(passes, json_string(hbil_pass_name((hbil_pass)p)));
-  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:b, s:b, s:o}", "all",
+  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:b, s:o}", "all",
                    share(&s->all), "sky", share(&s->sky), "open",
                    share(&s->open), "dark", share(&s->dark), "unused",
-                   share(&s->unused), "slices", (int)s->slices, "samples",
-                   (int)s->samples, "kept_choice", (int)s->kept_choice,
-                   "by_factors", (int)s->by_factors, "not_run", passes);
+                   share(&s->unused), "by_factors", share(&s->by_factors),
+                   "slices", (int)s->slices, "samples", (int)s->samples,
+                   "kept_choice", (int)s->kept_choice, "not_run", passes);
 }
 
 /* --- what was repaired --- */
