@@ -148,12 +148,14 @@ complete() {
 process='^hbil process\( .*\)\?$'
 options=$(sed "/exr/!{/$process/s/^hbil process *//}; s/^--temporal\$/& 2/" "$work/code" |
   grep -e '^--[a-z-]*[ =]' -e '^--timings' | grep -v '|' |
-  grep -v -e '^--map\|^--runs\|^--heatmap\|^--quality reference' | small |
+  grep -v -e '^--map\|^--runs\|^--heatmap\|^--quality reference\|^--form-factors' |
+  small |
   sort -u | tr '\n' ' ')
 {
   grep -E '^([A-Z_]*=[^ ]* )?(build/)?hbil [a-z]' "$work/code" |
     sed "/exr/!{/$process/d}" | small
-  grep -e '^--quality reference' "$work/code" | sed 's/^/hbil process /'
+  grep -e '^--quality reference\|^--form-factors' "$work/code" |
+    sed 's/^/hbil process /' | small
   grep -e '^--runs' "$work/code" | sed 's/^/hbil bench /'
   grep -e '^--heatmap' "$work/code" | sed 's/^/hbil compare /' | small
   echo "hbil process $options --relative-thickness inf --extrapolate yes"
