@@ -1,5 +1,5 @@
 #!/bin/sh
-# Pairs of frames, by two plans, on the devices at hand: PoCL; oclgrind, which
+# A few frames, by three plans, on the devices at hand: PoCL; oclgrind, which
 # checks every access, looks for races and for what nothing has set; rusticl's
 # llvmpipe.  What they make of it is held against PoCL's (device_frame.c).
 . "$srcdir/test/tap.sh"
@@ -38,7 +38,7 @@ on_rusticl() {
   fi
 }
 
-for plan in scatter motion; do
+for plan in scatter motion still; do
   rm -f "$work"/*
   on_pocl
   if command -v oclgrind >/dev/null; then
