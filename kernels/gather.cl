@@ -27,15 +27,15 @@
  * 1 - cos(theta) and blocked intervals are weighted by W(r).
  *
  * Builds: ORTHOGRAPHIC, LIMITED (a radius), HBAO, LEVELS, GATHER_RADIANCE,
- * GATHER_BENT, REFUSED_BLACK (refused light is black here), REFUSED_FRAME (the
- * same, and the refused share is written for recompose to fill), REFUSED_LAST
- * (refused light is the last accepted), FACING_ALL (no light is refused),
- * FACING_STEP (the threshold is sharp), FINITE (occluders have a thickness:
- * sectors instead of a horizon), EXTRAPOLATE, ADAPTIVE (the number of samples
- * is chosen, judge.cl), KEEP_FACTORS (what samples' light counts for is kept,
- * factors.clh: of the rows that there is memory for), WEIGHT_PLANE (there may
- * be a single slice: what slices weigh is stored, too), STORAGE (common.clh),
- * SKIP_* (spared_of(), look()).
+ * GATHER_BENT, REFUSED_LAST (refused light is the last accepted; else it is
+ * black here), REFUSED_FRAME (the refused share is written for recompose to
+ * fill), FACING_ALL (no light is refused), FACING_STEP (the threshold is
+ * sharp), FINITE (occluders have a thickness: sectors instead of a horizon),
+ * EXTRAPOLATE, ADAPTIVE (the number of samples is chosen, judge.cl),
+ * KEEP_FACTORS (what samples' light counts for is kept, factors.clh: of the
+ * rows that there is memory for), WEIGHT_PLANE (there may be a single slice:
+ * what slices weigh is stored, too), STORAGE (common.clh), SKIP_* (spared_of(),
+ * look()).
  *
  * Launch: x = strips of HBIL_TILE pixels of a layer row (single pixels where
  * HBIL_WIDTH is 1), y = layer rows, z = layers; to measure with a rung, x =
@@ -1049,10 +1049,10 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   const uint place = (uint)(layer * in.height + y) * args.strips + strip_x;
   factors kept[STRIP];
 #if KEEP_FACTORS
-  const uint own =
-      ((uint)layer * factor_args.rows + (uint)y) * args.strips + strip_x;
-  for (int v = 0; v < STRIP; ++v)
-    kept[v] = factors_of(factor_args, all_kept, own * STRIP + (uint)v);
+  for (uint v = 0u; v < STRIP; ++v)
+    kept[v] = factors_of(
+        factor_args, all_kept,
+        first_vector(factor_args, args.strips, layer, y, strip_x) + v);
 #endif
   strips += place;
   strips[0] = (uchar)spared;

@@ -49,20 +49,18 @@ kernel void regather(const hbil_gather_args args, global const float *split,
   const int x = (int)get_global_id(0) * (STRIP * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   const int layer = (int)get_global_id(2);
-  if (x >= in.width || y >= in.height || !flags[HBIL_FLAG_CHANGED])
+  if (x >= in.width || y >= (int)factor_args.rows || !flags[HBIL_FLAG_CHANGED])
     return;
   const uint strip = (uint)(x / (STRIP * HBIL_WIDTH));
-  if (y >= (int)factor_args.rows ||
-      strips[(uint)(layer * in.height + y) * args.strips + strip])
+  if (strips[(uint)(layer * in.height + y) * args.strips + strip])
     return;
-  const uint place =
-      ((uint)layer * factor_args.rows + (uint)y) * args.strips + strip;
+  const uint first = first_vector(factor_args, args.strips, layer, y, strip);
   split += (uint)y * in.row + (uint)x;
   light += (uint)layer * args.light.layer + args.light.origin +
            (uint)y * args.light.row + (uint)x;
   for (uint v = 0u; v < STRIP; ++v) {
-    factors kept = factors_of(factor_args, all_kept, place * STRIP + v);
-    fetch_factors(factors_of(factor_args, all_kept, place * STRIP + v + 2u),
+    factors kept = factors_of(factor_args, all_kept, first + v);
+    fetch_factors(factors_of(factor_args, all_kept, first + v + 2u),
                   factor_args.factors / 3u, factor_args.entries);
     global const float *from = split + v * HBIL_WIDTH;
     realv own[3] = {0.0f, 0.0f, 0.0f}, sum[3] = {0.0f, 0.0f, 0.0f};

@@ -721,7 +721,8 @@ static hbil_status gather_all(commands *chain, const hbil_gather_args *args,
     status = look_around(chain, args, still, l->strips, kept,
                          (size_t)l->split.height, false);
   plan->by_factors = has_factors;
-  plan->has_factors = kept && status == HBIL_SUCCESS;
+  plan->has_factors =
+      kept > 0; /* a frame that fails has no still ones after it */
   plan->may_leave_out[HBIL_PASS_GATHER] = still && (has_factors || !kept);
   return status;
 }
@@ -772,7 +773,6 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   const cl_int still = may_rest(plan, frame);
   if (still && !plan->layout.history)
     return leave_out(chain);
-  plan->may_leave_out[HBIL_PASS_GATHER] = still;
   hbil_status status = make_pattern(chain, &view, &pattern);
   if (status != HBIL_SUCCESS)
     return status;

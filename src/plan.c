@@ -54,9 +54,8 @@ static void write_defines(const hbil_plan *plan, text *t) {
       c->bent_space == HBIL_SPACE_WORLD);
   add(t, " -DLIMITED=%d -DLEVELS=%d", !isinf(c->radius),
       (int)plan->layout.pattern.levels);
-  add(t, " -DFACING_STEP=%d -DFACING_ALL=%d -DREFUSED_BLACK=%d",
-      c->facing[0] >= c->facing[1], !refuses,
-      refuses && c->refused != HBIL_REFUSED_LAST);
+  add(t, " -DFACING_STEP=%d -DFACING_ALL=%d", c->facing[0] >= c->facing[1],
+      !refuses);
   add(t, " -DREFUSED_LAST=%d -DRAW=%d",
       refuses && c->refused == HBIL_REFUSED_LAST, c->raw_interleave != 0);
   add(t, " -DGATHER_EMISSION=%d -DFEEDBACK_RADIANCE=%d -DREPROJECT_MOTION=%d",

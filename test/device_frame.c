@@ -132,15 +132,6 @@ static void configure(setup *s, bool motion) {
       s->frame.environment[i][c] = i ? 0.1f * (float)(i - c) : 2.0f;
 }
 
-/* Three rows of a layer's five. */
-static void keep_form_factors(setup *s) {
-  size_t with, without;
-  assert_success(s, hbil_plan_memory(s->gpu->hbil, &s->config, &without));
-  s->config.form_factors = SIZE_MAX;
-  assert_success(s, hbil_plan_memory(s->gpu->hbil, &s->config, &with));
-  s->config.form_factors = (with - without) / 5 * 3;
-}
-
 static void stand_still(setup *s) {
   hbil_skipped skipped;
   s->frame.still = CL_TRUE;
@@ -160,7 +151,7 @@ static void frames(void **state) {
   name_device();
   configure(&s, strcmp(plan, "motion") == 0);
   if (strcmp(plan, "still") == 0)
-    keep_form_factors(&s);
+    setup_keep_rows(&s, 3, 5);
   setup_start(&s);
   setup_run(&s, hbil_enqueue_frame);
   setup_load_scene(&s, SCENE_ROOM, 1);

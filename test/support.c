@@ -297,6 +297,16 @@ void setup_every_pass(setup *s, hbil_reprojection reprojection,
   s->config.vector_width = vector_width;
 }
 
+void setup_keep_rows(setup *s, size_t rows, size_t of) {
+  size_t with, without;
+  s->config.form_factors = 0;
+  assert_success(s, hbil_plan_memory(s->gpu->hbil, &s->config, &without));
+  s->config.form_factors = SIZE_MAX;
+  assert_success(s, hbil_plan_memory(s->gpu->hbil, &s->config, &with));
+  /* but for a byte, a row more */
+  s->config.form_factors = (with - without) / of * (rows + 1) - 1;
+}
+
 void setup_fill(setup *s, int plane, float value) {
   for (size_t i = 0; i < pixels_of(s); ++i)
     s->input[plane][i] = value;

@@ -173,6 +173,9 @@ double largest_value(const ref_planes *planes, int first, int count);
 /* Number of values that differ. */
 size_t count_different(const ref_planes *got, const ref_planes *want);
 
+/* Form factors of so many rows of a layer, of all that it has. */
+void setup_keep_rows(setup *s, size_t rows, size_t of);
+
 /* Fails above the limit; with HBIL_TEST_VERBOSE set, tells the value. */
 void check_at_most(const char *what, double value, double limit);
 

@@ -223,8 +223,8 @@ for value in slices=99999999999999999999 slices=18446744073709551617 slices=-1 \
   slices=1e3 slices=nan slices= samples=0x10 repeat=1.5 \
   warm-up=99999999999999999999 radius=nan radius=1e400 radius=-1e400 radius= \
   radius=x thickness=1,2 relative-thickness=nan step-growth=1e39 \
-  choose-every=0 form-factors=-1 form-factors=1e3 disocclusion=nan facing= facing=nan,nan facing=1e400,0 facing=0.1 \
-  facing=0,0,0; do
+  choose-every=0 form-factors=-1 form-factors=1e3 disocclusion=nan facing= \
+  facing=nan,nan facing=1e400,0 facing=0.1 facing=0,0,0; do
   refused "--$value" "^hbil: --${value%%=*} " process -o "$out" "--$value" "$one"
 done
 refused "nothing to choose" 'choose-every: --max-error is needed' \

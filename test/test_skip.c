@@ -565,20 +565,14 @@ static void factors_of_a_picture(setup *s) {
 
 /* Two thirds of the picture: 12 of the 18 rows of a layer. */
 static void factors_of_some_rows(setup *s) {
-  size_t all, none;
   factors(s);
   s->config.samples = 3;
-  assert_success(s, hbil_plan_memory(s->gpu->hbil, &s->config, &all));
-  s->config.form_factors = 0;
-  assert_success(s, hbil_plan_memory(s->gpu->hbil, &s->config, &none));
-  s->config.form_factors = (all - none) / 18 * 13 - 1;
-  assert_success(s, hbil_plan_memory(s->gpu->hbil, &s->config, &all));
-  assert_int_equal(all - none, (s->config.form_factors + 1) / 13 * 12);
+  setup_keep_rows(s, 12, 18);
 }
 
 static void factors_of_some_pixels(setup *s) {
-  factors_of_some_rows(s);
-  s->config.vector_width = 1;
+  factors_by_pixels(s);
+  setup_keep_rows(s, 12, 18);
 }
 
 /* Light goes on spreading through what the gather has kept. */

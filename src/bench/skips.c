@@ -168,30 +168,28 @@ static int with_a_lit_corner(const job *j, bench_skip *out,
   return with_content(j, light_in_a_corner, 0, out, error);
 }
 
-static int standing_still(const job *j, unsigned settled, bench_skip *out,
-                          image_error *error) {
+static int standing_still(const job *j, unsigned settled, size_t form_factors,
+                          bench_skip *out, image_error *error) {
   bench_turn still = full_turn(j);
   still.still = 1;
   still.settled = settled;
-  return compare(j, full_turn(j), still, out, error);
-}
-
-static int with_form_factors(const job *j, bench_skip *out,
-                             image_error *error) {
-  bench_turn still = full_turn(j);
-  still.still = 1;
-  still.config.form_factors = SIZE_MAX;
+  still.config.form_factors = form_factors;
   return compare(j, full_turn(j), still, out, error);
 }
 
 static int while_light_spreads(const job *j, bench_skip *out,
                                image_error *error) {
-  return standing_still(j, 0, out, error);
+  return standing_still(j, 0, 0, out, error);
+}
+
+static int with_form_factors(const job *j, bench_skip *out,
+                             image_error *error) {
+  return standing_still(j, 0, SIZE_MAX, out, error);
 }
 
 static int once_light_has_settled(const job *j, bench_skip *out,
                                   image_error *error) {
-  if (standing_still(j, SETTLED, out, error) != 0)
+  if (standing_still(j, SETTLED, 0, out, error) != 0)
     return -1;
   if (!out->timing.skipped.not_run[HBIL_PASS_GATHER])
     out->name = "still, light unsettled";
