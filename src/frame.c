@@ -721,8 +721,8 @@ static hbil_status gather_all(commands *chain, const hbil_gather_args *args,
     status = look_around(chain, args, still, l->strips, kept,
                          (size_t)l->split.height, false);
   plan->by_factors = has_factors;
-  plan->has_factors =
-      kept > 0; /* a frame that fails has no still ones after it */
+  /* a frame that fails has no still ones after it */
+  plan->has_factors = kept > 0;
   plan->may_leave_out[HBIL_PASS_GATHER] = still && (has_factors || !kept);
   return status;
 }

@@ -102,6 +102,10 @@ says "a frame's later runs use form factors" 'by form factors 9[0-9.]* %' \
 run process --repeat 4 --timings -o "$work/t" "$one"
 test $status -eq 0 && ! grep -q 'form factors' "$work/out"
 ok $? "but not where they are few"
+run sh -c 'ulimit -v 4000000 && exec "$@"' sh "$HBIL" process --repeat 5 --timings \
+  --overwrite -o "$work/t" "$one"
+test $status -eq 0 && ! grep -q 'form factors' "$work/out"
+ok $? "nor unasked where memory is limited"
 run process --repeat 5 --form-factors 0 --timings -o "$work/no_factors" "$one"
 test $status -eq 0 && ! grep -q 'form factors' "$work/out" &&
   cmp "$work/factors/frame_0001.exr" "$work/no_factors/frame_0001.exr"

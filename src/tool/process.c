@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -489,6 +490,13 @@ static unsigned choose_every(const process *p) {
   return p->config.reprojection == HBIL_REPROJECTION_NONE ? 1 : 4;
 }
 
+/* Whether the process may have any memory.  Where it may not, PoCL, which
+ * allocates when a buffer is first used, aborts on one that is too large. */
+static int is_unlimited(void) {
+  struct rlimit limit;
+  return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
+}
+
 /* Device memory for form factors, bytes.  A frame's first run may have moved,
  * the second keeps them, and those after it gain; memory that is new to the
  * process takes as long as three of them gain (HACKING.md). */
@@ -500,7 +508,7 @@ static size_t form_factors(const process *p) {
   unsigned long long bytes = 0;
   if (o->form_factors != FORM_FACTORS_AS_IT_FITS)
     bytes = o->form_factors * mebibyte;
-  else if (runs >= 8)
+  else if (runs >= 8 && is_unlimited())
     bytes = quarter < enough * mebibyte ? quarter : enough * mebibyte;
   return bytes < SIZE_MAX ? (size_t)bytes : SIZE_MAX;
 }
