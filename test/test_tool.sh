@@ -357,6 +357,29 @@ refused "no kernels to compare with" "--against $work/none: no folder" \
   "$HBIL" bench --quick --against "$work/none"
 refused "comparing kernels is a part, too" '--against: is a part of its own' \
   "$HBIL" bench --against "$srcdir/kernels" --scaling
+says "the bench tells what adaptive sampling keeps" 'adaptive.json' \
+  bench --adaptive -o "$work/adaptive"
+grep -q '^E_near 0.5 .* 0 of 1 .* [12]x[0-9]* .*[0-9.]* *[0-9.]*$' "$work/out" &&
+  grep -q '"over_uniform": [0-9]' "$work/adaptive/adaptive.json"
+ok $? "and what it costs beside uniform sampling"
+mkdir "$work/scene"
+cp "$one" "$work/scene/b.exr"
+cp "${one%.exr}.json" "$work/scene/b.json"
+cp "$one" "$work/scene/c.exr"
+cp "${one%.exr}.json" "$work/scene/c.json"
+works "of frames" "$HBIL" bench --adaptive --quick --runs 1 --pixels 16 \
+  --scale 2 -o "$work/adaptive" "$one" "$work/scene/b.exr" "$work/scene/c.exr"
+grep -q 'scenes: 2, frames: 3;' "$work/out" &&
+  grep -q '"frames": 2' "$work/adaptive/adaptive.json"
+ok $? "and frames of a folder are a scene"
+refused "the room isn't scaled" '--scale: --dump FRAME.exr or --adaptive' \
+  "$HBIL" bench --adaptive --scale 2
+says "larger than a frame is" ' 128 x 96 pixels' "$HBIL" bench --scale 2 \
+  --against "$srcdir/kernels" --runs 1 --dump "$one"
+refused "frames have their own size" '--adaptive: frames have their own size' \
+  "$HBIL" bench --adaptive --size 64x48 "$one"
+refused "adaptive sampling is a part, too" '--adaptive: is a part of its own' \
+  "$HBIL" bench --adaptive --skips
 for row in 'fast 1x16 layer g2,paper,fast,' 'thick .08 2x8 full g2,thick .08,,' \
   'tool 2x48 full g2,tool,,' 'literal,paper,,'; do
   grep -q "^$row" "$work/bench/bench.csv"
@@ -368,7 +391,7 @@ sed 's/"[^"]*"/text/g' "$work/bench/bench.csv" | awk -F, '
   NR == 1 { fields = NF } NF != fields { bad = 1; print } END { exit bad }' \
   >"$work/out"
 ok $? "every row of the bench has the same columns"
-grep -q '^2x64 full g2 AO<0.05,' "$work/bench/bench.csv" &&
+grep -q '^2x96 full g2 AO<0.05,' "$work/bench/bench.csv" &&
   grep -q '"max_ao_error": 0.0[45]' "$work/bench/bench.json"
 ok $? "adaptive sampling has rows"
 grep -q '"light": null' "$work/bench/bench.json"

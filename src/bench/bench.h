@@ -24,6 +24,7 @@ enum {
 typedef struct bench_options {
   uint32_t width, height; /* of the room; 0: the default */
   const char *dump;       /* FRAME.exr, or NULL for the room */
+  unsigned scale;         /* pixels in the place of one of a frame, in a row */
   const char *camera;     /* NULL: FRAME.json beside it */
   const char *truth;      /* path-traced indirect light of the dump, or NULL */
   const char *device;     /* see device_open() */
@@ -34,7 +35,8 @@ typedef struct bench_options {
   int scaling, skips;     /* that part alone */
   int probe;              /* see probe.c */
   const char *against;    /* that part alone: folder of other kernels */
-  int temporal;           /* that part alone, of a sequence: */
+  int temporal;           /* that part alone, of a sequence */
+  int adaptive;           /* that part alone, of frames or the room */
   char *const *frames;
   unsigned frame_count;
 } bench_options;
@@ -152,6 +154,9 @@ int bench_read_map(const char *path, const char *camera, channel_map *map,
 /* Gives back the planes, once they are on the device; the rest stays. */
 void bench_content_drop_planes(bench_content *content);
 void bench_content_free(bench_content *content);
+/* enlarge.c: so many pixels for each, in both directions. */
+int bench_content_enlarge(bench_content *content, unsigned times,
+                          image_error *error);
 size_t bench_input_channels(bench_input input);
 size_t bench_pixels(const bench_content *content);
 /* Whether a pixel of frame 0 shows a surface. */
@@ -495,6 +500,67 @@ int bench_temporal_measure(const bench_options *options, const device *d,
                            const bench_content *content, int slices,
                            bench_temporal *out, image_error *error);
 
+/* --- promises.c: adaptive sampling over scenes --- */
+
+enum {
+  BENCH_WAYS = 2, /* each frame chooses; one in CHOOSE_EVERY does */
+  /* Choosing looks at as many pixels whatever the picture's size: what it is a
+   * pixel is told for the frames as they are, and for larger ones. */
+  BENCH_OWN_SIZE = 0,
+  BENCH_ROOM_SIZE, /* 1280x720 */
+  BENCH_CASE_SIZES
+};
+
+typedef struct bench_scene {
+  char *name; /* folder of its frames */
+  unsigned frames;
+} bench_scene;
+
+typedef struct bench_case {
+  const char *path; /* NULL: the room */
+  size_t scene;
+  unsigned index; /* in the scene */
+  double pixels;
+  bench_row *rows;
+} bench_case;
+
+/* What a scene's frames are gathered with. */
+typedef struct bench_taken {
+  unsigned frames, beyond;   /* beyond: off by more than the limit */
+  cl_uint least[2], most[2]; /* slices, samples */
+  double worst;              /* of the frames: what 95 % are within */
+} bench_taken;
+
+typedef struct bench_way {
+  /* nanoseconds a pixel, means over the scenes */
+  double gather, choosing[BENCH_CASE_SIZES];
+  size_t beyond;      /* frames */
+  bench_taken *taken; /* of each scene */
+} bench_way;
+
+typedef struct bench_promise {
+  bench_configuration limit;
+  bench_way way[BENCH_WAYS];
+  bench_configuration uniform; /* fastest within the limit in all frames */
+  double uniform_cost;         /* nanoseconds a pixel; NAN: there is none */
+} bench_promise;
+
+typedef struct bench_promises {
+  bench_scene *scene;
+  bench_case *frame;
+  bench_row *rows;
+  size_t scene_count, frame_count, row_count; /* rows of a frame */
+  size_t count;                               /* of promises */
+  bench_promise promise[BENCH_MAX_CONFIGURATIONS];
+} bench_promises;
+
+/* Of options->frames, or of the room.  To be freed, also after a failure. */
+int bench_promises_measure(const bench_options *options, const device *d,
+                           int slices, bench_promises *out, image_error *error);
+void bench_promises_free(bench_promises *p);
+/* Time with choosing over the uniform setting's. */
+double bench_way_ratio(const bench_promise *p, int way, int size);
+
 /* --- reports --- */
 
 typedef struct bench_machine {
@@ -518,6 +584,7 @@ typedef struct bench_report {
   const bench_skip *skips;
   const bench_against *against;
   const bench_temporal *temporal;
+  const bench_promises *promises;
 } bench_report;
 
 /* What errors are measured against: "exact integral, 128 slices". */
@@ -555,6 +622,11 @@ void bench_write_against_table(const bench_report *report, FILE *out);
 /* temporal.c: only report->temporal, content and the machine. */
 void bench_write_temporal_table(const bench_report *report, FILE *out);
 void bench_write_temporal_json(const bench_report *report, FILE *out);
+
+/* promises.c, json.c: only report->promises, runs, exact_slices and the
+ * machine. */
+void bench_write_promises_table(const bench_report *report, FILE *out);
+void bench_write_promises_json(const bench_report *report, FILE *out);
 
 /* --- picture.c --- */
 

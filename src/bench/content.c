@@ -336,6 +336,8 @@ int bench_content_load(const bench_options *options, bench_content *out,
                                    (options->truth &&
                                     load_truth(options->truth, out, error) != 0)
                              : load_room(options, out, error) != 0;
+  if (!failed && options->dump && options->scale > 1)
+    failed = bench_content_enlarge(out, options->scale, error);
   out->config.width = out->width;
   out->config.height = out->height;
   out->config.profiling = CL_TRUE;

@@ -218,6 +218,87 @@ void bench_write_skips_json(const bench_report *report, FILE *out) {
                  out);
 }
 
+/* --- adaptive sampling over scenes --- */
+
+static json_t *sampling(const cl_uint slices_samples[2]) {
+  return json_pack("[i, i]", (int)slices_samples[0], (int)slices_samples[1]);
+}
+
+static json_t *taken_json(const bench_taken *t) {
+  return json_pack("{s:o, s:o, s:o, s:i}", "least", sampling(t->least), "most",
+                   sampling(t->most), "worst_frame", number(t->worst), "beyond",
+                   (int)t->beyond);
+}
+
+static json_t *way_json(const bench_promises *p, const bench_promise *promise,
+                        int way, unsigned every) {
+  const bench_way *w = &promise->way[way];
+  json_t *scenes = json_array();
+  for (size_t s = 0; s < p->scene_count; s++)
+    json_array_append_new(scenes, taken_json(&w->taken[s]));
+  return json_pack(
+      "{s:i, s:o, s:o, s:o, s:i, s:o, s:o, s:o}", "choose_every", (int)every,
+      "gather", number(w->gather), "choosing",
+      number(w->choosing[BENCH_OWN_SIZE]), "choosing_720p",
+      number(w->choosing[BENCH_ROOM_SIZE]), "beyond", (int)w->beyond,
+      "over_uniform", number(bench_way_ratio(promise, way, BENCH_OWN_SIZE)),
+      "over_uniform_720p",
+      number(bench_way_ratio(promise, way, BENCH_ROOM_SIZE)), "scenes", scenes);
+}
+
+static json_t *promise_json(const bench_promises *p,
+                            const bench_promise *promise) {
+  const bench_configuration *c = &promise->limit;
+  const cl_uint uniform[2] = {promise->uniform.slices,
+                              promise->uniform.samples};
+  return json_pack(
+      "{s:o, s:o, s:[o, o], s:o, s:o}", "max_ao_error",
+      c->most_ao > 0.0f ? number((double)c->most_ao) : json_null(),
+      "max_light_error",
+      c->most_light > 0.0f ? number((double)c->most_light) : json_null(),
+      "ways", way_json(p, promise, 0, 1), way_json(p, promise, 1, CHOOSE_EVERY),
+      "uniform", isnan(promise->uniform_cost) ? json_null() : sampling(uniform),
+      "uniform_gather", number(promise->uniform_cost));
+}
+
+/* What each setting does in a frame. */
+static json_t *case_json(const bench_promises *p, const bench_case *frame) {
+  json_t *rows = json_array();
+  for (size_t i = 0; i < p->row_count; i++) {
+    const bench_row *row = &frame->rows[i];
+    json_array_append_new(
+        rows, json_pack("{s:s, s:i, s:i, s:o, s:o, s:o}", "label", row->label,
+                        "slices", (int)row->slices, "samples",
+                        (int)row->samples, "gather_milliseconds",
+                        spread(row->pass[HBIL_PASS_GATHER]), "ao_95",
+                        number(row->ao_95), "light_95", number(row->light_95)));
+  }
+  return json_pack("{s:s, s:i, s:o}", "frame",
+                   frame->path ? frame->path : p->scene[frame->scene].name,
+                   "scene", (int)frame->scene, "rows", rows);
+}
+
+void bench_write_promises_json(const bench_report *report, FILE *out) {
+  const bench_promises *p = report->promises;
+  json_t *scenes = json_array(), *promises = json_array();
+  json_t *frames = json_array();
+  for (size_t f = 0; f < p->frame_count; f++)
+    json_array_append_new(frames, case_json(p, &p->frame[f]));
+  for (size_t s = 0; s < p->scene_count; s++)
+    json_array_append_new(scenes,
+                          json_pack("{s:s, s:i}", "name", p->scene[s].name,
+                                    "frames", (int)p->scene[s].frames));
+  for (size_t i = 0; i < p->count; i++)
+    json_array_append_new(promises, promise_json(p, &p->promise[i]));
+  write_document(
+      json_pack("{s:s, s:o, s:i, s:i, s:i, s:s, s:o, s:o, s:o}", "hbil",
+                hbil_version(), "machine", machine(&report->machine), "runs",
+                (int)report->runs, "warm_up", BENCH_WARM_UP, "exact_slices",
+                report->exact_slices, "unit", "nanoseconds a pixel", "scenes",
+                scenes, "promises", promises, "frames", frames),
+      out);
+}
+
 /* --- all else --- */
 
 /* Reprojection by motion vectors. */

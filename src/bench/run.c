@@ -335,11 +335,35 @@ static int run_temporal(const bench_options *options, const device *d,
   return failed ? -1 : 0;
 }
 
+static int run_adaptive(const bench_options *options, const device *d,
+                        image_error *error) {
+  static const output files[] = {{"adaptive.json", bench_write_promises_json}};
+  const int slices = options->quick ? QUICK_SLICES : EXACT_SLICES;
+  bench_promises *promises = malloc(sizeof *promises);
+  bench_report report = {
+      .promises = promises, .runs = options->runs, .exact_slices = slices};
+  if (!promises)
+    return image_no_memory(error, "the bench");
+  describe(d, &report.machine);
+  int failed = bench_promises_measure(options, d, slices, promises, error);
+  if (!failed) {
+    bench_write_promises_table(&report, stdout);
+    failed = write_files(options->output, files, 1, &report, error);
+  }
+  if (!failed)
+    printf("written: %s/adaptive.json\n", options->output);
+  bench_promises_free(promises);
+  free(promises);
+  return failed;
+}
+
 /* The sizes of scaling are those of the room. */
 static int measure_all(const bench_options *options, const device *d,
                        image_error *error) {
   if (options->temporal)
     return run_temporal(options, d, error);
+  if (options->adaptive)
+    return run_adaptive(options, d, error);
   if (options->against)
     return run_against(options, d, error);
   if (options->skips)

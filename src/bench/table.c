@@ -259,8 +259,7 @@ static const bench_row *uniform_within(const bench_report *report,
   return best;
 }
 
-/* Where each frame chooses, and where every fourth does, as the tool does it.
- */
+/* Where each frame chooses, and where as many do as in the tool. */
 static void print_uniform(const bench_row *row, const bench_row *uniform,
                           FILE *out) {
   const double each = row->pass[HBIL_PASS_GATHER].median;
@@ -270,7 +269,7 @@ static void print_uniform(const bench_row *row, const bench_row *uniform,
             (unsigned)uniform->configuration.samples,
             uniform->pass[HBIL_PASS_GATHER].median,
             each / uniform->pass[HBIL_PASS_GATHER].median,
-            (each - 0.75 * row->choosing) /
+            (each - (1.0 - 1.0 / CHOOSE_EVERY) * row->choosing) /
                 uniform->pass[HBIL_PASS_GATHER].median);
   else
     fprintf(out, "  %-28s", "none");
@@ -287,9 +286,9 @@ static void print_adaptive(const bench_report *report, FILE *out) {
       fprintf(out,
               "\nadaptive sampling, the gather alone, and its time over that "
               "of the fastest uniform setting: where each frame chooses, and "
-              "where every fourth does\n%-24s %7s %-24s  %-28s  %s\n",
-              "", "95 % of", " samples gather choosing", "within the limit",
-              "as good a 95 %");
+              "where one in %d does\n%-24s %7s %-24s  %-28s  %s\n",
+              CHOOSE_EVERY, "", "95 % of", " samples gather choosing",
+              "within the limit", "as good a 95 %");
     const int ao = c->most_ao > 0.0f;
     const double limit = (double)(ao ? c->most_ao : c->most_light);
     fprintf(out, "%-24s %7.3f %4ux%-3u %6.1f %8.1f", row->label,

@@ -8,6 +8,7 @@
 enum {
   OPTION_SIZE = 256,
   OPTION_DUMP,
+  OPTION_SCALE,
   OPTION_CAMERA,
   OPTION_TRUTH,
   OPTION_DEVICE,
@@ -18,12 +19,14 @@ enum {
   OPTION_SKIPS,
   OPTION_AGAINST,
   OPTION_TEMPORAL,
+  OPTION_ADAPTIVE,
   OPTION_PROBE
 };
 
 static const struct option options[] = {
     {"size", required_argument, NULL, OPTION_SIZE},
     {"dump", required_argument, NULL, OPTION_DUMP},
+    {"scale", required_argument, NULL, OPTION_SCALE},
     {"camera", required_argument, NULL, OPTION_CAMERA},
     {"truth", required_argument, NULL, OPTION_TRUTH},
     {"device", required_argument, NULL, OPTION_DEVICE},
@@ -33,6 +36,7 @@ static const struct option options[] = {
     {"scaling", no_argument, NULL, OPTION_SCALING},
     {"against", required_argument, NULL, OPTION_AGAINST},
     {"temporal", no_argument, NULL, OPTION_TEMPORAL},
+    {"adaptive", no_argument, NULL, OPTION_ADAPTIVE},
     {"skips", no_argument, NULL, OPTION_SKIPS},
     {"probe", no_argument, NULL, OPTION_PROBE},
     {"output", required_argument, NULL, 'o'},
@@ -54,6 +58,7 @@ static void usage(void) {
       "  -o, --output DIR   folder of the files (./bench)\n"
       "  --size WxH         of the procedural room (1280x720)\n"
       "  --dump FRAME.exr   a captured frame in its place\n"
+      "  --scale N          NxN pixels for each of the frame's, 1..16 (1)\n"
       "  --camera FILE      JSON camera of the frame (FRAME.json beside it)\n"
       "  --truth FILE.exr   the frame, path traced: DiffInd.{R,G,B}; also\n"
       "                     measures the model's error\n"
@@ -89,6 +94,15 @@ static void usage(void) {
       "it\n"
       "                     costs; writes DIR/temporal.json.  hbil demo makes\n"
       "                     such frames\n"
+      "  --adaptive [FRAME.exr...]\n"
+      "                     nothing but adaptive sampling (--max-error of "
+      "hbil\n"
+      "                     process) in all of these, or the room: whether "
+      "its\n"
+      "                     limits are kept, and its time beside the fastest\n"
+      "                     uniform setting that keeps them; frames of a "
+      "folder\n"
+      "                     are a sequence; writes DIR/adaptive.json\n"
       "  --probe            what --scaling starts as processes of their own:\n"
       "                     times of a new plan, as JSON");
 }
@@ -116,6 +130,8 @@ static int set_option(int option, bench_options *o, image_error *error) {
   case OPTION_DUMP:
     o->dump = optarg;
     break;
+  case OPTION_SCALE:
+    return option_unsigned("--scale", optarg, 1, 16, &o->scale, error);
   case OPTION_CAMERA:
     o->camera = optarg;
     break;
@@ -140,6 +156,9 @@ static int set_option(int option, bench_options *o, image_error *error) {
   case OPTION_TEMPORAL:
     o->temporal = 1;
     break;
+  case OPTION_ADAPTIVE:
+    o->adaptive = 1;
+    break;
   case OPTION_PROBE:
     o->probe = 1;
     break;
@@ -154,19 +173,49 @@ static int is_folder(const char *path) {
   return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
-static int check(const bench_options *o, int argc, char **argv,
-                 image_error *error) {
-  if (o->temporal &&
-      (o->dump || o->width || o->scaling || o->skips || o->against || o->probe))
-    return image_fail(error,
-                      "--temporal: works on FRAME.exr... behind it; it is "
-                      "possible without --dump, --size, --scaling, --skips, "
-                      "--against and --probe only");
-  if (o->temporal && optind == argc)
-    return image_fail(error, "--temporal: no frame; FRAME.exr... are needed");
-  if (optind < argc && !o->temporal)
+/* Of what can be measured alone, at most one. */
+static int check_part(const bench_options *o, image_error *error) {
+  const struct {
+    const char *name;
+    int given;
+  } parts[] = {{"--temporal", o->temporal}, {"--adaptive", o->adaptive},
+               {"--skips", o->skips},       {"--against", o->against != NULL},
+               {"--scaling", o->scaling},   {"--probe", o->probe}};
+  const char *first = NULL;
+  for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+    if (parts[i].given && first)
+      return image_fail(error,
+                        "%s: is a part of its own; it is possible without %s "
+                        "only",
+                        first, parts[i].name);
+    if (parts[i].given)
+      first = parts[i].name;
+  }
+  return 0;
+}
+
+/* Frames without an option in front of each. */
+static int check_frames(const bench_options *o, image_error *error) {
+  const char *part = o->temporal ? "--temporal" : "--adaptive";
+  if (o->frame_count > 0 && !o->temporal && !o->adaptive)
     return image_fail(error, "bench: %s: --dump is needed in front of a file",
-                      argv[optind]);
+                      o->frames[0]);
+  if (o->temporal && o->frame_count == 0)
+    return image_fail(error, "--temporal: no frame; FRAME.exr... are needed");
+  if ((o->temporal || o->adaptive) && o->dump)
+    return image_fail(error,
+                      "%s: works on FRAME.exr... behind it; it is possible "
+                      "without --dump only",
+                      part);
+  if (o->frame_count > 0 && o->width)
+    return image_fail(error,
+                      "%s: frames have their own size; --size is "
+                      "possible without any only",
+                      part);
+  return 0;
+}
+
+static int check_dump(const bench_options *o, image_error *error) {
   if (o->dump && o->width)
     return image_fail(error, "--size: a dump has its own size; it is needed "
                              "without --dump only");
@@ -175,28 +224,29 @@ static int check(const bench_options *o, int argc, char **argv,
                       "%s: works on the procedural room; no --dump is "
                       "possible with it",
                       o->scaling ? "--scaling" : "--probe");
-  if ((o->skips || o->against) && (o->scaling || o->probe))
-    return image_fail(error,
-                      "--%s: is a part of its own; it is possible without "
-                      "%s only",
-                      o->skips ? "skips" : "against",
-                      o->scaling ? "--scaling" : "--probe");
-  if (o->skips && o->against)
-    return image_fail(error, "--against: is a part of its own; it is possible "
-                             "without --skips only");
-  if (o->against && !is_folder(o->against))
-    return image_fail(error,
-                      "--against %s: no folder; one with kernel files is "
-                      "needed",
-                      o->against);
-  if (!o->dump && (o->truth || (o->camera && !o->temporal)))
+  if (o->scale > 1 && !o->dump && !(o->adaptive && o->frame_count > 0))
+    return image_fail(error, "--scale: --dump FRAME.exr or --adaptive "
+                             "FRAME.exr... is needed with it");
+  if (!o->dump && (o->truth || (o->camera && o->frame_count == 0)))
     return image_fail(error, "%s: --dump FRAME.exr is needed with it",
                       o->truth ? "--truth" : "--camera");
   return 0;
 }
 
+static int check(const bench_options *o, image_error *error) {
+  if (check_part(o, error) != 0 || check_frames(o, error) != 0 ||
+      check_dump(o, error) != 0)
+    return -1;
+  return !o->against || is_folder(o->against)
+             ? 0
+             : image_fail(error,
+                          "--against %s: no folder; one with kernel files is "
+                          "needed",
+                          o->against);
+}
+
 int cmd_bench(int argc, char **argv) {
-  bench_options o = {.output = "./bench", .runs = 9};
+  bench_options o = {.output = "./bench", .runs = 9, .scale = 1};
   image_error error;
   int option;
   while ((option = option_next(argc, argv, ":o:h", options, &error)) != -1) {
@@ -209,7 +259,7 @@ int cmd_bench(int argc, char **argv) {
   }
   o.frames = argv + optind;
   o.frame_count = (unsigned)(argc - optind);
-  if (check(&o, argc, argv, &error) != 0 ||
+  if (check(&o, &error) != 0 ||
       (o.probe ? bench_probe_print(&o, &error) : bench_run(&o, &error)) != 0)
     return tool_report(&error);
   return TOOL_OK;

@@ -487,7 +487,7 @@ static int open_exact(process *p) {
 static unsigned choose_every(const process *p) {
   if (p->options->choose_every)
     return p->options->choose_every;
-  return p->config.reprojection == HBIL_REPROJECTION_NONE ? 1 : 4;
+  return p->config.reprojection == HBIL_REPROJECTION_NONE ? 1 : CHOOSE_EVERY;
 }
 
 /* Whether the process may have any memory.  Where it may not, PoCL, which

@@ -524,6 +524,10 @@ json_t *timings_skipped_json(const hbil_skipped *s);
 
 enum { MOST_FORM_FACTORS = 1 << 20, FORM_FACTORS_AS_IT_FITS };
 
+/* Runs of a sequence, of which one chooses how many samples the next ones, too,
+ * are gathered with. */
+enum { CHOOSE_EVERY = 4 };
+
 typedef struct process_options {
   const char *output;        /* folder; must be given */
   const char *camera;        /* NULL: FRAME.json beside FRAME.exr */
