@@ -315,7 +315,7 @@ static inline hbil_int hbil_good_enough(hbil_uint beyond, hbil_uint pixels) {
   return 20u * beyond <= pixels;
 }
 
-/* The limits, of blocks of 4x4 pixels: of AO, of E_near over its mean. */
+/* The limits: of AO, of E_near over its mean. */
 typedef struct hbil_limit_args {
   hbil_float ao, near_light;
 } hbil_limit_args;
@@ -327,14 +327,17 @@ typedef struct hbil_judge_args {
   hbil_limit_args limit;
 } hbil_judge_args;
 
-/* Of each tile that is measured, what the ruler says: planes of HBIL_TILE
- * blocks: AO, E_near, pixels that show a surface; behind all of them of each
- * tile the sum of E_near and the number of its values. */
+/* Of each block of 4x4 pixels in them the two that are judged: (1, 1) and
+ * (2, 2), whose neighbours in the block are the most of those around. */
+enum { HBIL_JUDGED = 2 };
+
+/* Of each tile, what the ruler says of those: planes of HBIL_TILE blocks each;
+ * behind all of them of each tile the sum of E_near and the number of its
+ * values. */
 enum {
   HBIL_RULER_AO = 0,
   HBIL_RULER_RED = 1, /* 2: green, 3: blue */
-  HBIL_RULER_COUNT = 4,
-  HBIL_RULER_PLANES = 5
+  HBIL_RULER_PLANES = 4
 };
 
 /* Tiles of a layer row that many pixels wide. */

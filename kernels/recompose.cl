@@ -1,13 +1,7 @@
 /*
  * recompose: layers -> full resolution.  Each pixel of a 4x4 block has looked
  * along its own directions; a joint bilateral filter over the 5x5 pixels around
- * brings them together, guided by depth and normal:
- *   weight = max(0, 1 - ((w1 - (w0 + grad.e)) / (0.02 w0))^2
- *                     - (1 - n0.n1) / 0.16)
- * The first term measures the distance from the pixel's tangent plane, not from
- * its depth, so tilted planes are not cut.  The second is what keeps an edge
- * between two walls.  Both are a fused operation or two, where powers of the
- * cosine took eight.
+ * brings them together, guided by depth and normal (guide.clh).
  *
  * Each of the 16 layers weighs the same: nine of them are around the pixel
  * once, those of the outer ring are there twice and count half.  The layer at
@@ -79,17 +73,6 @@ typedef struct sums {
 #endif
 } sums;
 
-/* What the pixel in the middle brings to the weights. */
-typedef struct middle {
-  realv inv_off; /* 1 / (0.02 w0) */
-#if ORTHOGRAPHIC
-  realv at; /* -w0 inv_off */
-#endif
-  /* what the plane's w gains in one pixel and in two, times -inv_off */
-  realv gx[2], gy[2];
-  realv n[3]; /* normal / 0.16 */
-} middle;
-
 /* Where a layered set of planes has the pixels (4 x + i, 4 y + j) and every
  * fourth to their right; i and j may lie outside of 0..3. */
 INLINE uint place(const hbil_layer_args l, int i, int j, int x, int y) {
@@ -146,29 +129,6 @@ INLINE void fetch_row(const hbil_layer_args in, const hbil_layer_args lit,
 }
 #endif
 
-INLINE middle middle_of(const hbil_view_args view, const sums *s, int x,
-                        int y) {
-  middle m;
-  const realv n_r = fma(s->n[0], ray_x(view, x, 4),
-                        fma(s->n[1], (realv)ray_y(view, y), s->n[2]));
-#if ORTHOGRAPHIC
-  m.inv_off = 1.0f / (HBIL_PLANE_TOLERANCE * depth_unit(view, s->w));
-  m.at = -s->w * m.inv_off;
-  const realv slope = -m.inv_off / n_r;
-#else
-  const realv slope = -1.0f / (HBIL_PLANE_TOLERANCE * n_r);
-  m.inv_off = 1.0f / (HBIL_PLANE_TOLERANCE * s->w);
-#endif
-  m.gx[0] = s->n[0] * slope * view.inv_fx;
-  m.gy[0] = s->n[1] * slope * view.inv_fy;
-  m.gx[1] = m.gx[0] + m.gx[0];
-  m.gy[1] = m.gy[0] + m.gy[0];
-#pragma unroll
-  for (int c = 0; c < 3; ++c)
-    m.n[c] = s->n[c] * (1.0f / HBIL_TURN_TOLERANCE);
-  return m;
-}
-
 #if OUT_ERROR
 INLINE void add_squares(sums *s, const float *t, realv weight) {
   const realv ao = TAP(t, TAP_LIGHT + HBIL_LIGHT_AO);
@@ -224,27 +184,12 @@ INLINE void add_light(sums *s, const float *t, realv weight) {
 #endif
 }
 
-/* With the gain of i pixels, -2..2: a sum, as products are there in plenty. */
-INLINE realv gained(realv sum, const realv gain[2], int i) {
-  return i > 0 ? sum + gain[i - 1] : i < 0 ? sum - gain[-i - 1] : sum;
-}
-
 /* The pixel i to the right and j below. */
 INLINE void add_tap(sums *s, const middle *m, const float *t, int i, int j,
                     float share) {
-#if ORTHOGRAPHIC
-  const realv own = m->at;
-#else
-  const realv own = -1.0f / HBIL_PLANE_TOLERANCE;
-#endif
-  const realv off =
-      fma(TAP(t, TAP_W), m->inv_off, gained(gained(own, m->gy, j), m->gx, i));
-  realv weight = 1.0f - 1.0f / HBIL_TURN_TOLERANCE;
-  weight = fma(m->n[2], TAP(t, TAP_NORMAL + 2), weight);
-  weight = fma(m->n[1], TAP(t, TAP_NORMAL + 1), weight);
-  weight = fma(m->n[0], TAP(t, TAP_NORMAL), weight);
-  weight = max(fma(-off, off, weight), (realv)0.0f) * share;
-  add_light(s, t, weight);
+  const realv n[3] = {TAP(t, TAP_NORMAL), TAP(t, TAP_NORMAL + 1),
+                      TAP(t, TAP_NORMAL + 2)};
+  add_light(s, t, guide_weight(m, TAP(t, TAP_W), n, i, j) * share);
 }
 
 #if REFUSED_FRAME
@@ -347,7 +292,7 @@ INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
   /* the pixel itself counts 1, whatever becomes of the others */
   add_light(&s, self, (realv)1.0f);
 #if !RAW
-  const middle m = middle_of(view, &s, 4 * x + column, 4 * y + row);
+  const middle m = middle_of(view, s.w, s.n, 4 * x + column, 4 * y + row);
 #define ADD_NEIGHBOUR(i, j, share)                                             \
   add_tap(&s, &m, NEIGHBOUR(i, j), i, j, share);
   EACH_NEIGHBOUR(ADD_NEIGHBOUR)

@@ -737,6 +737,7 @@ static hbil_status measure(commands *chain, const hbil_gather_args *args,
   const hbil_judge_args judge_args = {l->split, l->light, l->tiles, rung,
                                       l->ladder.limit[rung]};
   const argument judge[] = {ARG(judge_args),
+                            ARG(args->view),
                             ARG(plan->buffers[BUFFER_SPLIT]),
                             ARG(plan->buffers[BUFFER_LIGHT]),
                             ARG(plan->buffers[BUFFER_RULER]),

@@ -113,6 +113,7 @@ typedef struct program_kind {
   bool images;  /* reads or writes callers' images */
   bool places;  /* reads what another frame has left */
   bool factors; /* gathers light by form factors */
+  bool guide;   /* filters pixels, or judges what that leaves */
   const char *defines; /* of its own; NULL: none */
 } program_kind;
 

@@ -24,24 +24,19 @@ enum { RULER_SLICES = 2, RULER_SAMPLES = 96 };
 static const struct {
   float ao, near_light;
   int samples;
-} lax[] = {{0.15f, INFINITY, 16},
-           {0.12f, INFINITY, 24},
-           {0.1f, INFINITY, 32},
-           {INFINITY, 1.5f, 48},
-           {0.06f, 1.0f, 64}};
+} lax[] = {{0.12f, INFINITY, 24}, {0.1f, INFINITY, 32}, {0.06f, 1.5f, 64}};
 
 /*
- * What a pixel is off by after the filter, of what its block is off from the
- * ruler: that times a factor, and besides, of AO, noise that blocks don't have,
- * most of it with a single slice, and of E_near what the ruler itself is off
- * by.  Measured: the least with which all of five scenes keep all limits
- * (HACKING.md, "Adaptive sampling").
+ * What a pixel is off by, of what the filtered pixels that are judged are off
+ * from the ruler: that times a factor.  Rungs of more than one slice look along
+ * the ruler's own directions and share its error: that comes on top.  Measured:
+ * the least with which all of five scenes keep all limits (HACKING.md,
+ * "Adaptive sampling").
  */
 static const struct {
   float ao, near_light;
-} factor[] = {{1.3f, 1.25f}, {1.1f, 1.4f}}; /* occluders without end, with */
-static const float noise_ao[] = {0.045f, 0.03f}; /* one slice, more */
-static const float ruler_near = 0.12f;           /* over the mean */
+} factor[] = {{1.15f, 1.2f}, {1.1f, 1.35f}}; /* occluders without end, with */
+static const float shared_ao = 0.04f, shared_near = 0.12f; /* over the mean */
 
 /*
  * How much the pixels differ that the filter brings together, times this, is an
@@ -95,12 +90,13 @@ static int ends(const hbil_config *config) {
  * expect. */
 static hbil_limit_args limit(const hbil_config *config, int slices) {
   const float *const most = config->max_error;
-  const float noise = noise_ao[slices > 1];
-  const float ao = sqrtf(fmaxf(most[0] * most[0] - noise * noise, 0.0f));
+  const float ao = slices > 1 ? shared_ao : 0.0f;
+  const float light = slices > 1 ? shared_near : 0.0f;
   const int end = ends(config);
-  const float light = fmaxf(most[1] - ruler_near, 0.0f);
-  const hbil_limit_args l = {fminf(ao / factor[end].ao, 1e6f),
-                             fminf(light / factor[end].near_light, 1e6f)};
+  const hbil_limit_args l = {
+      fminf(sqrtf(fmaxf(most[0] * most[0] - ao * ao, 0.0f)) / factor[end].ao,
+            1e6f),
+      fminf(fmaxf(most[1] - light, 0.0f) / factor[end].near_light, 1e6f)};
   return l;
 }
 

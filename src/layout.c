@@ -284,8 +284,8 @@ void layout_compute(const hbil_config *config, layout *out) {
     return;
   const cl_int tiles = hbil_tiles(out->split.width) * out->split.height;
   out->tiles = tiles < HBIL_MEASURED_TILES ? tiles : HBIL_MEASURED_TILES;
-  out->bytes[BUFFER_RULER] =
-      real * (size_t)out->tiles * (HBIL_RULER_PLANES * HBIL_TILE + 2);
+  out->bytes[BUFFER_RULER] = real * (size_t)out->tiles *
+                             (HBIL_JUDGED * HBIL_RULER_PLANES * HBIL_TILE + 2);
   out->bytes[BUFFER_TRIED] =
       sizeof(cl_uint) * HBIL_MOST_RUNGS * (size_t)HBIL_TRIED;
 }

@@ -119,8 +119,8 @@ static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_GATHER_FACTORS] = {"gather", .fast = true, .factors = true,
                                 .defines = " -DKEEP_FACTORS=1"},
     [PROGRAM_REGATHER] = {"regather", .fast = true, .factors = true},
-    [PROGRAM_JUDGE] = {"judge", .images = false},
-    [PROGRAM_RECOMPOSE] = {"recompose", .fast = true},
+    [PROGRAM_JUDGE] = {"judge", .guide = true},
+    [PROGRAM_RECOMPOSE] = {"recompose", .fast = true, .guide = true},
     [PROGRAM_TEMPORAL] = {"temporal", .images = true, .places = true},
     [PROGRAM_COMPOSITE] = {"composite", .images = true},
 };

@@ -100,6 +100,8 @@ static hbil_status add_files(hbil_context *context, const program_kind *kind,
     status = add_file(context, s, "images.clh");
   if (status == HBIL_SUCCESS && kind->places)
     status = add_file(context, s, "places.clh");
+  if (status == HBIL_SUCCESS && kind->guide)
+    status = add_file(context, s, "guide.clh");
   if (status == HBIL_SUCCESS && kind->factors)
     status = add_file(context, s, "factors.clh");
   return status == HBIL_SUCCESS ? add_file(context, s, pass_file) : status;

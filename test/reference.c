@@ -1411,13 +1411,10 @@ static double spatial(int dx, int dy) {
   return outer_x || outer_y ? 0.5 : 1.0;
 }
 
-static double tap_weight(const ref_job *job, const surface *s,
-                         const ref_planes *split, int x, int y, int dx,
-                         int dy) {
+static double guide(const ref_job *job, const surface *s,
+                    const ref_planes *split, int x, int y, int dx, int dy) {
   surface other;
   double plane, off, turned;
-  if (job->config->raw_interleave && (dx || dy))
-    return 0.0;
   other = surface_at(job, split, x + dx, y + dy);
   if (!other.is)
     return 0.0;
@@ -1425,7 +1422,21 @@ static double tap_weight(const ref_job *job, const surface *s,
   off = fabs(other.w - plane) / ((double)HBIL_PLANE_TOLERANCE *
                                  depth_unit(job->config, &job->camera, s->w));
   turned = (1.0 - dot(s->normal, other.normal)) / (double)HBIL_TURN_TOLERANCE;
-  return spatial(dx, dy) * fmax(0.0, 1.0 - off * off - turned);
+  return fmax(0.0, 1.0 - off * off - turned);
+}
+
+double ref_guide(const ref_job *job, const ref_planes *split, int x, int y,
+                 int dx, int dy) {
+  surface s = surface_at(job, split, x, y);
+  return s.is ? guide(job, &s, split, x, y, dx, dy) : 0.0;
+}
+
+static double tap_weight(const ref_job *job, const surface *s,
+                         const ref_planes *split, int x, int y, int dx,
+                         int dy) {
+  if (job->config->raw_interleave && (dx || dy))
+    return 0.0;
+  return spatial(dx, dy) * guide(job, s, split, x, y, dx, dy);
 }
 
 static void normalize_bent(ref_planes *resolved, int x, int y) {

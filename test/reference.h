@@ -112,6 +112,10 @@ void ref_gather_dense(const ref_job *job, const ref_planes *split,
  * HBIL_LIGHT_WEIGHT then, which is 0 otherwise. */
 bool ref_weighs_slices(const hbil_config *config);
 
+/* What a pixel counts beside another in recompose's filter, by depth and
+ * normal; 0 where either shows no surface. */
+double ref_guide(const ref_job *job, const ref_planes *split, int x, int y,
+                 int dx, int dy);
 /* SPLIT, GATHERED -> RESOLVED. */
 void ref_recompose(const ref_job *job, const ref_planes *split,
                    const ref_planes *gathered, ref_planes *resolved);
