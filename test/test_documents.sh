@@ -148,7 +148,7 @@ complete() {
 process='^hbil process\( .*\)\?$'
 options=$(sed "/exr/!{/$process/s/^hbil process *//}; s/^--temporal\$/& 2/" "$work/code" |
   grep -e '^--[a-z-]*[ =]' -e '^--timings' | grep -v '|' |
-  grep -v -e '^--map\|^--runs\|^--heatmap\|^--quality reference\|^--form-factors' |
+  grep -v -e '^--map\|^--runs\|^--scale\|^--heatmap\|^--quality reference\|^--form-factors' |
   small |
   sort -u | tr '\n' ' ')
 {
@@ -156,7 +156,7 @@ options=$(sed "/exr/!{/$process/s/^hbil process *//}; s/^--temporal\$/& 2/" "$wo
     sed "/exr/!{/$process/d}" | small
   grep -e '^--quality reference\|^--form-factors' "$work/code" |
     sed 's/^/hbil process /' | small
-  grep -e '^--runs' "$work/code" | sed 's/^/hbil bench /'
+  grep -e '^--runs\|^--scale' "$work/code" | sed 's/^/hbil bench /'
   grep -e '^--heatmap' "$work/code" | sed 's/^/hbil compare /' | small
   echo "hbil process $options --relative-thickness inf --extrapolate yes"
 } | sort -u >"$work/commands"
