@@ -157,7 +157,7 @@ enum { LADDER_RULER = HBIL_MOST_RUNGS }; /* what they are held against */
 typedef struct ladder {
   int count; /* 0: the first one's are taken */
   hbil_rung rung[LADDER_RULER + 1];
-  hbil_limit_args limit[LADDER_RULER + 1]; /* of blocks */
+  hbil_limit_args limit[LADDER_RULER + 1]; /* of those that are judged */
   size_t steps;
 } ladder;
 

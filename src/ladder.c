@@ -18,8 +18,7 @@ _Static_assert(CHOICES + 1 <= HBIL_MOST_RUNGS, "a rung each, and the most");
 
 /* The ruler.  For such limits fewer samples will do where occluders don't end
  * and no light is refused for black, which leaves E_near darker and its errors
- * a larger share: blocks are within half of those of AO of the exact integral
- * then, and within a sixth of those of E_near. */
+ * a larger share (HACKING.md, "Adaptive sampling", has what fewer leave). */
 enum { RULER_SLICES = 2, RULER_SAMPLES = 96 };
 static const struct {
   float ao, near_light;
