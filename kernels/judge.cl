@@ -27,18 +27,13 @@
 /* Values of a tile in the ruler. */
 #define RULER_TILE (HBIL_JUDGED * HBIL_RULER_PLANES * HBIL_TILE)
 
-/* Where a layered set of planes has a vector of blocks. */
-INLINE uint layer_place(const hbil_layer_args l, int layer, int x, int y) {
-  return (uint)layer * l.layer + l.origin + (uint)y * l.row + (uint)x;
-}
-
 /* The pixels (at, at) of a vector of blocks, filtered with their blocks;
  * returns 1 where they show a surface. */
 INLINE realv filtered(const hbil_judge_args args, const hbil_view_args view,
                       global const float *split, global const float *light,
                       int at, int x, int y, realv *mean) {
   const hbil_layer_args in = args.in, lit = args.lit;
-  global const float *self = split + layer_place(in, HBIL_SIDE * at + at, x, y);
+  global const float *self = split + place(in, at, at, x, y);
   realv total = 0.0f, normal[3];
   const realv w = LOADV(self);
   const intv solid = w > SKY;
@@ -49,12 +44,11 @@ INLINE realv filtered(const hbil_judge_args args, const hbil_view_args view,
     mean[p] = 0.0f;
   for (int j = 0; j < HBIL_SIDE; ++j)
     for (int i = 0; i < HBIL_SIDE; ++i) {
-      const int layer = HBIL_SIDE * j + i;
-      global const float *there = split + layer_place(in, layer, x, y);
+      global const float *there = split + place(in, i, j, x, y);
       realv other[3], value[HBIL_GATHERED_PLANES];
       const realv other_w = LOADV(there);
       split_normal(there, in.plane, other);
-      gathered_light(light + layer_place(lit, layer, x, y), lit.plane, value);
+      gathered_light(light + place(lit, i, j, x, y), lit.plane, value);
       const realv weight =
           select((realv)0.0f,
                  guide_weight(&m, other_w, other, i - at, j - at) *

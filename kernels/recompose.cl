@@ -73,14 +73,6 @@ typedef struct sums {
 #endif
 } sums;
 
-/* Where a layered set of planes has the pixels (4 x + i, 4 y + j) and every
- * fourth to their right; i and j may lie outside of 0..3. */
-INLINE uint place(const hbil_layer_args l, int i, int j, int x, int y) {
-  const uint layer = (uint)(4 * (j & 3) + (i & 3));
-  return layer * l.layer + l.origin + (uint)(y + (j >> 2)) * l.row +
-         (uint)(x + (i >> 2));
-}
-
 INLINE void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
                      global const float *split, global const float *light,
                      int i, int j, int x, int y, float *t) {
