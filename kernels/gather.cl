@@ -115,8 +115,13 @@ INLINE realv measure(realv h, realv g, realv sin2, realv nx, realv ny) {
 #endif
 }
 
-/* Which light there is in a strip's reach. */
+/* How much light there is in a strip's reach. */
 enum { LIGHT_NONE, LIGHT_SOME, LIGHT_ALL };
+/* And in which quadrants of it, see hbil_quadrants(). */
+typedef struct lights {
+  int how_much;
+  uint quadrants;
+} lights;
 
 /* What a pixel brings to all its slices. */
 typedef struct center {
@@ -419,25 +424,20 @@ INLINE void add_light(const center *c, march *m, realv share,
 }
 #endif
 
-#if MAY_BE_DARK
+#if MAY_BE_DARK && !REFUSED_FRAME
 /* Of a vector whose hits in a block bring no light the highest alone matters:
  * raises it, takes them off the list and returns how many are left on it. */
 INLINE uint leave_dark(const center *c, const cut *s, const side_of *h,
                        march *m, const realv *top, uchar *hit, uint hits,
                        global const hbil_step *steps, global const float *from,
-                       uint plane, const hbil_gather_args args,
-                       int light_here) {
-#if REFUSED_FRAME
-  if (light_here != LIGHT_NONE)
-    return hits;
-#endif
+                       uint plane, const hbil_gather_args args) {
   uint lit = 0u, dark = 0u, left = 0u;
 #if REFUSED_LAST
-  for (uint v = 0u; light_here != LIGHT_NONE && v < STRIP; ++v)
+  for (uint v = 0u; v < STRIP; ++v)
     if (ANY(shone(&m[v].light)))
       lit |= 1u << v;
 #endif
-  for (uint i = 0u; light_here != LIGHT_NONE && i < hits; ++i) {
+  for (uint i = 0u; i < hits; ++i) {
     const uint entry = HIT(hit, i), v = entry % STRIP;
     if (!(lit >> v & 1u) &&
         ANY(shining(from + v * HBIL_WIDTH + steps[entry / STRIP].offset,
@@ -460,11 +460,13 @@ INLINE uint leave_dark(const center *c, const cut *s, const side_of *h,
 
 /* Looks at `count` samples, or those before the border and the end of the
  * reach: their excesses; which of them rise in some lane of a vector, `hits`
- * places of `hit`; the highest.  Returns how many there are. */
+ * places of `hit`, where that is to be `listed`; the highest.  Returns how many
+ * there are. */
 INLINE int look(const hbil_gather_args args, const center *c,
                 global const hbil_step *steps, int count,
                 global const float *from, uint plane, int x, int y, float reach,
-                realv (*excess)[STRIP], uchar *hit, uint *hits, realv *top) {
+                bool listed, realv (*excess)[STRIP], uchar *hit, uint *hits,
+                realv *top) {
   const hbil_layer_args in = args.split;
   const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
   int k = 0;
@@ -498,8 +500,10 @@ INLINE int look(const hbil_gather_args args, const center *c,
       excess[k][v] = e;
 #endif
 #if SHARES
-      hit[*hits] = (uchar)(k * STRIP + v);
-      *hits += ANY(e > top[v]);
+      if (listed) {
+        hit[*hits] = (uchar)(k * STRIP + v);
+        *hits += ANY(e > top[v]);
+      }
 #endif
 #if !FINITE
       top[v] = max(top[v], e);
@@ -713,32 +717,48 @@ INLINE bool any_may_rise(const hbil_gather_args args, const strip *s, int own_x,
 #endif
 
 #if SKIP_DARK && GATHER_RADIANCE
-/* The light in the strip's reach; cells, or blocks where those are many. */
-INLINE int light_in_reach(const hbil_gather_args args, const strip *s,
-                          global const uint *bounds) {
+/* The light in the reach of the strip at (x, y), which is in two cells and in
+ * one block; cells, or blocks where those are many. */
+INLINE lights light_in_reach(const hbil_gather_args args, const strip *s, int x,
+                             int y, global const uint *bounds) {
   uint light = bounds[args.bounds.whole.offset + 1u];
+  uint quadrants = HBIL_ALL_QUADRANTS;
 #if LIMITED && !REFUSED_FRAME
   const hbil_view_args v = args.view;
   const float wide = (s->reach + s->half_width) * v.fx, high = s->reach * v.fy;
   const bool cells = max(wide, high) < (float)(HBIL_CELL * HBIL_SIDE * 2);
   const hbil_grid_args g = cells ? args.bounds.cell : args.bounds.block;
   const float size = (float)(HBIL_CELL * HBIL_SIDE * (cells ? 1 : HBIL_BLOCK));
-  const float x = fma(s->x, v.fx, v.cx), y = fma(s->y, v.fy, v.cy);
+  const float cx = fma(s->x, v.fx, v.cx), cy = fma(s->y, v.fy, v.cy);
   /* a pixel more on each side: samples are rounded to pixels */
-  const int x0 = convert_int(max((x - wide - 1.0f) / size, 0.0f));
-  const int y0 = convert_int(max((y - high - 1.0f) / size, 0.0f));
+  const int x0 = convert_int(max((cx - wide - 1.0f) / size, 0.0f));
+  const int y0 = convert_int(max((cy - high - 1.0f) / size, 0.0f));
   const int x1 =
-      convert_int(min((x + wide + 1.0f) / size, (float)(g.width - 1)));
+      convert_int(min((cx + wide + 1.0f) / size, (float)(g.width - 1)));
   const int y1 =
-      convert_int(min((y + high + 1.0f) / size, (float)(g.height - 1)));
-  light = 0u;
+      convert_int(min((cy + high + 1.0f) / size, (float)(g.height - 1)));
+  const int own = HBIL_CELL * (cells ? 1 : HBIL_BLOCK);
+  const int left = x / own, right = (x + STRIP * HBIL_WIDTH - 1) / own;
+  light = quadrants = 0u;
   for (int j = y0; j <= y1; ++j)
-    for (int i = x0; i <= x1; ++i)
-      light |= bounds[g.offset + 2u * (uint)(j * g.width + i) + 1u];
+    for (int i = x0; i <= x1; ++i) {
+      const uint here = bounds[g.offset + 2u * (uint)(j * g.width + i) + 1u];
+      light |= here;
+      if (here & HBIL_SOME_LIT)
+        quadrants |= hbil_quadrants(left, y / own, i, j) |
+                     hbil_quadrants(right, y / own, i, j);
+    }
+#elif !REFUSED_FRAME
+  const int own = HBIL_CELL * HBIL_BLOCK;
+  if (light & HBIL_SOME_DARK)
+    quadrants = bounds[args.bounds.quadrants +
+                       (uint)(y / own * args.bounds.block.width + x / own)];
 #endif
-  return !(light & HBIL_SOME_LIT)   ? LIGHT_NONE
-         : (light & HBIL_SOME_DARK) ? LIGHT_SOME
-                                    : LIGHT_ALL;
+  const lights found = {!(light & HBIL_SOME_LIT)   ? LIGHT_NONE
+                        : (light & HBIL_SOME_DARK) ? LIGHT_SOME
+                                                   : LIGHT_ALL,
+                        quadrants};
+  return found;
 }
 #endif
 
@@ -922,7 +942,7 @@ INLINE void store_light(const center *c, const total *t, intv untouched,
 INLINE uint spared_of(const hbil_gather_args args, const center *c, strip *s,
                       bool solid, global const uint *bounds,
                       global const uint *uses, int x, int y, int layer,
-                      int *light_here) {
+                      lights *found) {
 #if SKIP_SKY
   if (!solid)
     return HBIL_STRIP_SKY;
@@ -937,10 +957,12 @@ INLINE uint spared_of(const hbil_gather_args args, const center *c, strip *s,
     return HBIL_STRIP_OPEN;
 #endif
 #if SKIP_DARK && GATHER_RADIANCE
-  *light_here =
-      ADAPTIVE && args.dark ? LIGHT_NONE : light_in_reach(args, s, bounds);
+  if (ADAPTIVE && args.dark)
+    found->how_much = LIGHT_NONE;
+  else
+    *found = light_in_reach(args, s, x, y, bounds);
 #endif
-  return *light_here == LIGHT_NONE ? HBIL_STRIP_DARK : 0u;
+  return found->how_much == LIGHT_NONE ? HBIL_STRIP_DARK : 0u;
 }
 
 /* Pixels of the strip that show no surface. */
@@ -1038,12 +1060,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
                   HBIL_LAYERS) *
            pattern;
 #endif
-  int light_here = LIGHT_ALL;
+  lights light_found = {LIGHT_ALL, HBIL_ALL_QUADRANTS};
   const uint spared = spared_of(args, c, &whole, ANY(solid), bounds, uses, x, y,
-                                layer, &light_here);
-  /* without light, what is asked for early is what is there already: a branch
-   * on the way costs more */
-  const uint plane = light_here == LIGHT_NONE ? 0u : in.plane;
+                                layer, &light_found);
   /* for hbil_plan_skipped() */
   const uint strip_x = (uint)(x / (STRIP * HBIL_WIDTH));
   const uint place = (uint)(layer * in.height + y) * args.strips + strip_x;
@@ -1079,6 +1098,15 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       s[v] = cut_of(&c[v], ux, uy);
     }
     for (int side = 0; side < 2; ++side) {
+      const uint quadrant =
+          1u << hbil_quadrant((ux > 0.0f) != side, (uy > 0.0f) != side);
+      const int light_here =
+          light_found.quadrants & quadrant ? light_found.how_much : LIGHT_NONE;
+      /* without light, what is asked for early is what is there already: a
+       * branch on the way costs more */
+      const uint plane = light_here == LIGHT_NONE ? 0u : in.plane;
+      /* of those that bring no light the highest alone matters */
+      const bool listed = !MAY_BE_DARK || light_here != LIGHT_NONE;
       side_of half_slice[STRIP];
       realv top[STRIP];
 #if EXTRAPOLATE && !FINITE
@@ -1126,8 +1154,11 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         uchar hit[BLOCK * STRIP];
         uint hits;
         const int count = min(BLOCK, looked_at - first);
-        const int k = look(args, c, steps + first, count, from, plane, x, y,
-                           whole.reach, excess, hit, &hits, top);
+        const int k =
+            listed ? look(args, c, steps + first, count, from, plane, x, y,
+                          whole.reach, true, excess, hit, &hits, top)
+                   : look(args, c, steps + first, count, from, plane, x, y,
+                          whole.reach, false, excess, hit, &hits, top);
 #if EXTRAPOLATE && !FINITE
         for (int i = 0; i < k; ++i) {
           const int halves = steps[first + i].halves;
@@ -1140,10 +1171,10 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         }
 #endif
 #if SHARES
-#if MAY_BE_DARK
-        if (light_here != LIGHT_ALL)
+#if MAY_BE_DARK && !REFUSED_FRAME
+        if (light_here == LIGHT_SOME)
           hits = leave_dark(c, s, half_slice, m, top, hit, hits, steps + first,
-                            from, plane, args, light_here);
+                            from, plane, args);
 #endif
         for (uint i = 0u; i < hits; ++i) {
           const uint entry = HIT(hit, i), v = entry % STRIP;
@@ -1166,10 +1197,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       }
       steps += samples;
       for (int v = 0; v < STRIP; ++v) {
-#if !SHARES
-        raise(&c[v], &s[v], &half_slice[v], &m[v], top[v], steps, from, args,
-              dither);
-#endif
+        if (!SHARES || (!listed && ANY(top[v] > m[v].excess)))
+          raise(&c[v], &s[v], &half_slice[v], &m[v], top[v], steps, from, args,
+                dither);
 #if GATHER_BENT && !FINITE
         const intv risen = top[v] > c[v].least_excess;
         m[v].g = select(half_slice[v].start_g, m[v].g, risen);

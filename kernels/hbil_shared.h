@@ -273,10 +273,27 @@ typedef struct hbil_grid_args {
 #define HBIL_SOME_DARK 2u /* pixels that are no sky send none */
 
 /* group: 4*HBIL_WIDTH pixels of a row, which cells are made of;
- * whole: a single one. */
+ * whole: a single one; quadrants: where each block has a word of
+ * hbil_quadrants(). */
 typedef struct hbil_bounds_args {
   hbil_grid_args group, cell, block, whole;
+  hbil_uint quadrants;
 } hbil_bounds_args;
+
+/* A half-slice stays in a quadrant about where it begins, which has that one's
+ * row and column.  Its number. */
+static inline hbil_uint hbil_quadrant(hbil_int right, hbil_int down) {
+  return (hbil_uint)(2 * down + right);
+}
+/* In which of the four about column x, row y of a grid (i, j) is: a bit each,
+ * the first for quadrant 0. */
+static inline hbil_uint hbil_quadrants(hbil_int x, hbil_int y, hbil_int i,
+                                       hbil_int j) {
+  const hbil_uint across = (i <= x ? 5u : 0u) | (i >= x ? 10u : 0u);
+  const hbil_uint down = (j <= y ? 3u : 0u) | (j >= y ? 12u : 0u);
+  return across & down;
+}
+#define HBIL_ALL_QUADRANTS 15u
 
 /* What a strip of the gather had no need of, as bits of a byte, the values of
  * hbil_skip; so many bytes lie behind them with the number of sky pixels. */

@@ -507,7 +507,12 @@ static hbil_status bound(commands *chain, cl_int still) {
         LAUNCH(chain, KERNEL_BOUND_CELLS, args, (size_t)steps[i].coarse->width,
                (size_t)steps[i].coarse->height, 1);
   }
-  return status;
+  if (status != HBIL_SUCCESS || !(plan->layout.skip & HBIL_SKIP_DARK))
+    return status;
+  const argument args[] = {ARG(*b), ARG(plan->buffers[BUFFER_BOUNDS]),
+                           ARG(plan->buffers[BUFFER_FLAGS]), ARG(still)};
+  return LAUNCH(chain, KERNEL_BOUND_QUADRANTS, args, (size_t)b->block.width,
+                (size_t)b->block.height, 1);
 }
 
 /* What is made of the split planes. */

@@ -81,7 +81,8 @@ static size_t lay_out_bounds(const hbil_config *config,
   out->block =
       grid(&end, divided_up(across, HBIL_BLOCK), divided_up(down, HBIL_BLOCK));
   out->whole = grid(&end, 1, 1);
-  return end;
+  out->quadrants = (cl_uint)end;
+  return end + (size_t)out->block.width * (size_t)out->block.height;
 }
 
 /* Rows of full-resolution planes are padded to whole groups of 4 of the widest

@@ -142,6 +142,7 @@ static const struct {
     [KERNEL_SPLIT] = {"split", PROGRAM_SPLIT},
     [KERNEL_RELIGHT] = {"relight", PROGRAM_SPLIT},
     [KERNEL_BOUND_CELLS] = {"bound_cells", PROGRAM_BOUNDS},
+    [KERNEL_BOUND_QUADRANTS] = {"bound_quadrants", PROGRAM_BOUNDS},
     [KERNEL_ESTIMATE_PART] = {"estimate_part", PROGRAM_ESTIMATE},
     [KERNEL_ESTIMATE_SUM] = {"estimate_sum", PROGRAM_ESTIMATE},
     [KERNEL_PATTERN] = {"make_pattern", PROGRAM_PATTERN},

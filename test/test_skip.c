@@ -64,13 +64,17 @@ static size_t at(int x, int y) {
 }
 
 /* A wall seen straight on that sends light everywhere, as the only frame. */
-static void wall(setup *s) {
-  setup_init(s, WIDTH, HEIGHT);
+static void sized_wall(setup *s, uint32_t width, uint32_t height) {
+  setup_init(s, width, height);
   s->config.reprojection = HBIL_REPROJECTION_NONE;
   s->config.storage = HBIL_STORAGE_PACKED;
   s->config.normal_space = HBIL_SPACE_WORLD; /* as scenes have them */
   setup_all_outputs(s);
   setup_camera(s, 40.0);
+}
+
+static void wall(setup *s) {
+  sized_wall(s, WIDTH, HEIGHT);
 }
 
 static void bare(setup *s) {
@@ -280,19 +284,27 @@ static void a_single_pixel_before_the_sky_is_seen(void **state) {
 /* ------------------------------------------------------------------------ */
 /* dark                                                                      */
 
-static void lamp_in_a_room(pair *p, random_state *r, int lamp) {
+static void dark_room(pair *p) {
   setup_load_scene(&p->with, SCENE_ROOM, 0);
   p->without.frame.camera = p->with.frame.camera;
-  for (int c = 0; c < 3; ++c) {
+  for (int c = 0; c < 3; ++c)
     setup_fill(&p->with, REF_DIRECT + c, 0.0f);
+}
+
+/* The i-th: a pixel, which few samples meet; a square, which grows; a column or
+ * a row of pixels, which are seen from both sides.  The first is none. */
+static void only_lamp(pair *p, random_state *r, int i) {
+  const int square = 3 * i;
+  const int width = (int)p->with.config.width;
+  const int height = (int)p->with.config.height;
+  for (int c = 0; c < 3; ++c)
     setup_fill(&p->with, REF_EMISSION + c, 0.0f);
-  }
-  /* a pixel, which few samples meet, or so many squared */
-  const int x0 = (int)(random_unit(r) * WIDTH);
-  const int y0 = (int)(random_unit(r) * HEIGHT);
-  for (int y = y0; y < y0 + lamp && y < HEIGHT; ++y)
-    for (int x = x0; x < x0 + lamp && x < WIDTH; ++x)
-      p->with.input[REF_EMISSION][at(x, y)] = 1e4f;
+  const int x0 = i % 4 == 3 ? 0 : (int)(random_unit(r) * width);
+  const int y0 = i % 4 == 2 ? 0 : (int)(random_unit(r) * height);
+  const int across[] = {square, 1, 1, width}, down[] = {square, 1, height, 1};
+  for (int y = y0; y < y0 + down[i % 4] && y < height; ++y)
+    for (int x = x0; x < x0 + across[i % 4] && x < width; ++x)
+      p->with.input[REF_EMISSION][y * width + x] = 1e4f;
 }
 
 static void refused_black(setup *s) {
@@ -313,6 +325,25 @@ static void many_samples(setup *s) {
   s->config.samples = 80;
 }
 
+/* Three blocks of cells each way, that light can lie in beside each other,
+ * above and below; whoever is in the middle sees those around it. */
+static void large(setup *s) {
+  sized_wall(s, 2 * 256 + 45, 2 * 256 + 27);
+}
+
+static void large_limited(setup *s) {
+  large(s);
+  s->config.radius = 1.0f;
+  s->config.facing[0] = s->config.facing[1] = -1.0f;
+}
+
+static void large_by_pixels(setup *s) {
+  large(s);
+  s->config.refused = HBIL_REFUSED_BLACK;
+  s->config.relative_thickness = 0.1f;
+  s->config.vector_width = 1;
+}
+
 static void near_room(setup *s) {
   wall(s);
   s->config.radius = 0.5f;
@@ -321,15 +352,17 @@ static void near_room(setup *s) {
 
 static void one_lamp_is_not_overlooked(void **state) {
   static prepare_function *const lights[] = {
-      endless, refused_black, refused_frame, near_room, many_samples};
+      endless,      refused_black, refused_frame, near_room,
+      many_samples, large,         large_limited, large_by_pixels};
   (void)state;
   for (size_t k = 0; k < sizeof lights / sizeof *lights; ++k) {
     random_state r = {.state = 11 + k};
     size_t near_light = 0;
     pair p;
     start_pair(&p, lights[k], HBIL_SKIP_DARK);
+    dark_room(&p);
     for (int i = 0; i < 12; ++i) {
-      lamp_in_a_room(&p, &r, i % 2 ? 1 : 3 * i);
+      only_lamp(&p, &r, i);
       const hbil_skipped found = compare(&p);
       if (i == 0) /* no light at all: every strip that is not open or sky */
         assert_int_equal(found.dark.strips + found.open.strips +
@@ -342,6 +375,41 @@ static void one_lamp_is_not_overlooked(void **state) {
     if (getenv("HBIL_TEST_VERBOSE"))
       print_message("%zu lamps of 11 light something\n", near_light);
     assert_true(near_light > 0);
+    free_pair(&p);
+  }
+}
+
+/* A column or a row of pixels; seen from both sides where every pixel has
+ * neighbours that stand out. */
+static void set_line(setup *s, int column, int row, float light) {
+  for (int y = 0; y < HEIGHT; ++y)
+    for (int x = 0; x < WIDTH; ++x)
+      if (x == column || y == row)
+        s->input[REF_EMISSION][at(x, y)] = light;
+}
+
+static void a_line_on_a_rough_wall_is_not_overlooked(void **state) {
+  static prepare_function *const walls[] = {endless, limited, thick,
+                                            limited_pixels};
+  (void)state;
+  for (size_t k = 0; k < sizeof walls / sizeof *walls; ++k) {
+    random_state r = {.state = 23 + k};
+    pair p;
+    start_pair(&p, walls[k], HBIL_SKIP_DARK);
+    bare(&p.with);
+    for (size_t i = 0; i < WIDTH * HEIGHT; ++i)
+      p.with.input[REF_DEPTH][i] *= 1.0f + 0.1f * (float)random_unit(&r);
+    for (int c = 0; c < 3; ++c)
+      setup_fill(&p.with, REF_DIRECT + c, 0.0f);
+    for (int i = 5; i < WIDTH + HEIGHT; i += 13) { /* in all parts of a cell */
+      const int column = i < WIDTH ? i : -1, row = i - WIDTH;
+      set_line(&p.with, column, row, 1e4f);
+      compare(&p);
+      set_line(&p.with, column, row, 0.0f);
+      ref_planes out = outputs_read(&p.with);
+      assert_true(largest_value(&out, REF_NEAR, 3) > 0.0);
+      ref_planes_free(&out);
+    }
     free_pair(&p);
   }
 }
@@ -710,6 +778,7 @@ int main(void) {
       cmocka_unit_test(rooms_are_the_same),
       cmocka_unit_test(a_single_pixel_before_the_sky_is_seen),
       cmocka_unit_test(one_lamp_is_not_overlooked),
+      cmocka_unit_test(a_line_on_a_rough_wall_is_not_overlooked),
       cmocka_unit_test(metal_shows_no_irradiance),
       cmocka_unit_test(who_shows_irradiance_needs_it),
       cmocka_unit_test(holes_are_filled_and_nothing_else),
