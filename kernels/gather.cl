@@ -458,52 +458,57 @@ INLINE uint leave_dark(const center *c, const cut *s, const side_of *h,
 }
 #endif
 
+/* Whether nothing can be met from this sample on: offsets only grow, past the
+ * border and beyond what is in reach. */
+INLINE bool is_beyond(const hbil_gather_args args, global const hbil_step *step,
+                      int x, int y, float reach) {
+  const hbil_layer_args in = args.split;
+  const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
+  return (uint)(y + step->dy) >= (uint)in.height ||
+         (uint)(x + step->dx + (STRIP * HBIL_WIDTH - 1)) >= columns ||
+         (LIMITED && SKIP_RADIUS && step->inv_e * reach < 1.0f);
+}
+
+/* How far a sample stands above the tangent plane. */
+INLINE realv excess_of(const hbil_gather_args args, const center *c,
+                       global const hbil_step *step,
+                       global const float *sample) {
+  const realv w1 = LOADV(sample);
+  const realv inv_e = step->inv_e, keep = args.keep;
+  const realv e_x = step->ux, e_y = step->uy;
+  /* the difference first: it loses no digits (Sterbenz) where w1 is near w,
+   * and products of both would */
+  const realv e =
+      fma(fma(w1, keep, -c->w), inv_e, -fma(c->gx, e_x, c->gy * e_y));
+#if LIMITED
+  return within(c, w1, step, args.radius, e);
+#else
+  return e;
+#endif
+}
+
 /* Looks at `count` samples, or those before the border and the end of the
  * reach: their excesses; which of them rise in some lane of a vector, `hits`
- * places of `hit`, where that is to be `listed`; the highest.  Returns how many
- * there are. */
+ * places of `hit`; the highest.  Returns how many there are. */
 INLINE int look(const hbil_gather_args args, const center *c,
                 global const hbil_step *steps, int count,
                 global const float *from, uint plane, int x, int y, float reach,
-                bool listed, realv (*excess)[STRIP], uchar *hit, uint *hits,
-                realv *top) {
-  const hbil_layer_args in = args.split;
-  const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
+                realv (*excess)[STRIP], uchar *hit, uint *hits, realv *top) {
   int k = 0;
   *hits = 0u;
-  for (; k < count; ++k) {
+  for (; k < count && !is_beyond(args, steps + k, x, y, reach); ++k) {
     global const hbil_step *step = steps + k;
-    /* Offsets only grow: past the border nothing follows, nor beyond what is
-     * in reach. */
-    if ((uint)(y + step->dy) >= (uint)in.height ||
-        (uint)(x + step->dx + (STRIP * HBIL_WIDTH - 1)) >= columns)
-      break;
-#if LIMITED && SKIP_RADIUS
-    if (step->inv_e * reach < 1.0f)
-      break;
-#endif
     global const float *sample = from + step->offset;
-    fetch_early(sample, plane, in.row);
-    const realv inv_e = step->inv_e, keep = args.keep;
-    const realv e_x = step->ux, e_y = step->uy;
+    fetch_early(sample, plane, args.split.row);
 #pragma unroll
     for (int v = 0; v < STRIP; ++v) {
-      const realv w1 = LOADV(sample + v * HBIL_WIDTH);
-      /* the difference first: it loses no digits (Sterbenz) where w1 is near w,
-       * and products of both would */
-      realv e =
-          fma(fma(w1, keep, -c[v].w), inv_e, -fma(c[v].gx, e_x, c[v].gy * e_y));
-#if LIMITED
-      e = within(&c[v], w1, step, args.radius, e);
-#endif
+      const realv e = excess_of(args, &c[v], step, sample + v * HBIL_WIDTH);
 #if SHARES || EXTRAPOLATE
       excess[k][v] = e;
 #endif
 #if SHARES
-      if (listed) {
-        hit[*hits] = (uchar)(k * STRIP + v);
-        *hits += ANY(e > top[v]);
-      }
+      hit[*hits] = (uchar)(k * STRIP + v);
+      *hits += ANY(e > top[v]);
 #endif
 #if !FINITE
       top[v] = max(top[v], e);
@@ -512,6 +517,36 @@ INLINE int look(const hbil_gather_args args, const center *c,
   }
   return k;
 }
+
+#if MAY_BE_DARK
+/* Of a half-slice that brings no light the highest sample alone matters: raises
+ * all vectors to it.  even, odd: the highest of every other sample. */
+INLINE void raise_to_highest(const hbil_gather_args args, const center *c,
+                             const cut *s, const side_of *h, march *m,
+                             global const hbil_step *steps, int count,
+                             global const float *from, int x, int y,
+                             float reach, realv *top, realv *even, realv *odd) {
+  for (int k = 0; k < count && !is_beyond(args, steps + k, x, y, reach); ++k) {
+    global const hbil_step *step = steps + k;
+    global const float *sample = from + step->offset;
+    fetch_early(sample, 0u, args.split.row); /* without light or normals */
+#pragma unroll
+    for (int v = 0; v < STRIP; ++v) {
+      const realv e = excess_of(args, &c[v], step, sample + v * HBIL_WIDTH);
+#if EXTRAPOLATE
+      if (step->halves & HBIL_HALF_EVEN)
+        even[v] = max(even[v], e);
+      if (step->halves & HBIL_HALF_ODD)
+        odd[v] = max(odd[v], e);
+#endif
+      top[v] = max(top[v], e);
+    }
+  }
+  for (int v = 0; v < STRIP; ++v)
+    if (ANY(top[v] > m[v].excess))
+      raise(&c[v], &s[v], &h[v], &m[v], top[v], steps, from, args, 0.0f);
+}
+#endif
 
 /* Sums of a pixel over its half-slices: J A at the horizon and at the tangent
  * plane, the same of b, b in the slice's u and along wo; J times light. */
@@ -1063,6 +1098,13 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   lights light_found = {LIGHT_ALL, HBIL_ALL_QUADRANTS};
   const uint spared = spared_of(args, c, &whole, ANY(solid), bounds, uses, x, y,
                                 layer, &light_found);
+  const int light_here = light_found.how_much;
+  /* without light, what is asked for early is what is there already: a branch
+   * on the way costs more */
+  const uint plane = light_here == LIGHT_NONE ? 0u : in.plane;
+#if MAY_BE_DARK
+  const uint lit = light_here == LIGHT_NONE ? 0u : light_found.quadrants;
+#endif
   /* for hbil_plan_skipped() */
   const uint strip_x = (uint)(x / (STRIP * HBIL_WIDTH));
   const uint place = (uint)(layer * in.height + y) * args.strips + strip_x;
@@ -1098,20 +1140,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       s[v] = cut_of(&c[v], ux, uy);
     }
     for (int side = 0; side < 2; ++side) {
-      const uint quadrant =
-          1u << hbil_quadrant((ux > 0.0f) != side, (uy > 0.0f) != side);
-      const int light_here =
-          light_found.quadrants & quadrant ? light_found.how_much : LIGHT_NONE;
-      /* without light, what is asked for early is what is there already: a
-       * branch on the way costs more */
-      const uint plane = light_here == LIGHT_NONE ? 0u : in.plane;
-      /* of those that bring no light the highest alone matters */
-      const bool listed = !MAY_BE_DARK || light_here != LIGHT_NONE;
       side_of half_slice[STRIP];
       realv top[STRIP];
-#if EXTRAPOLATE && !FINITE
       realv even[STRIP], odd[STRIP]; /* the highest of every other sample */
-#endif
       for (int v = 0; v < STRIP; ++v) {
         side_of *h = &half_slice[v];
         h->nx = side ? -s[v].nx : s[v].nx;
@@ -1149,16 +1180,23 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       for (int v = 0; v < STRIP; ++v)
         begin_list(&kept[v]);
 #endif
-      for (int first = 0; first < looked_at; first += BLOCK) {
+      int first = 0;
+#if MAY_BE_DARK
+      const uint quadrant =
+          hbil_quadrant((ux > 0.0f) != side, (uy > 0.0f) != side);
+      if (!(lit >> quadrant & 1u)) {
+        raise_to_highest(args, c, s, half_slice, m, steps, looked_at, from, x,
+                         y, whole.reach, top, even, odd);
+        first = looked_at;
+      }
+#endif
+      for (; first < looked_at; first += BLOCK) {
         realv excess[BLOCK][STRIP];
         uchar hit[BLOCK * STRIP];
         uint hits;
         const int count = min(BLOCK, looked_at - first);
-        const int k =
-            listed ? look(args, c, steps + first, count, from, plane, x, y,
-                          whole.reach, true, excess, hit, &hits, top)
-                   : look(args, c, steps + first, count, from, plane, x, y,
-                          whole.reach, false, excess, hit, &hits, top);
+        const int k = look(args, c, steps + first, count, from, plane, x, y,
+                           whole.reach, excess, hit, &hits, top);
 #if EXTRAPOLATE && !FINITE
         for (int i = 0; i < k; ++i) {
           const int halves = steps[first + i].halves;
@@ -1184,7 +1222,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
               raise(&c[v], &s[v], &half_slice[v], &m[v],
                     excess[entry / STRIP][v], step, there, args, dither);
 #if GATHER_RADIANCE
-          if (light_here != LIGHT_NONE)
+          if (MAY_BE_DARK || light_here != LIGHT_NONE)
             add_light(&c[v], &m[v], share, step, there, plane, args, light_here,
                       &kept[v]);
 #else
@@ -1197,9 +1235,10 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       }
       steps += samples;
       for (int v = 0; v < STRIP; ++v) {
-        if (!SHARES || (!listed && ANY(top[v] > m[v].excess)))
-          raise(&c[v], &s[v], &half_slice[v], &m[v], top[v], steps, from, args,
-                dither);
+#if !SHARES
+        raise(&c[v], &s[v], &half_slice[v], &m[v], top[v], steps, from, args,
+              dither);
+#endif
 #if GATHER_BENT && !FINITE
         const intv risen = top[v] > c[v].least_excess;
         m[v].g = select(half_slice[v].start_g, m[v].g, risen);
