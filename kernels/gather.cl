@@ -464,9 +464,12 @@ INLINE bool is_beyond(const hbil_gather_args args, global const hbil_step *step,
                       int x, int y, float reach) {
   const hbil_layer_args in = args.split;
   const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
+#if LIMITED && SKIP_RADIUS
+  if (step->inv_e * reach < 1.0f)
+    return true;
+#endif
   return (uint)(y + step->dy) >= (uint)in.height ||
-         (uint)(x + step->dx + (STRIP * HBIL_WIDTH - 1)) >= columns ||
-         (LIMITED && SKIP_RADIUS && step->inv_e * reach < 1.0f);
+         (uint)(x + step->dx + (STRIP * HBIL_WIDTH - 1)) >= columns;
 }
 
 /* How far a sample stands above the tangent plane. */
