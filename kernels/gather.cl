@@ -1225,6 +1225,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
               raise(&c[v], &s[v], &half_slice[v], &m[v],
                     excess[entry / STRIP][v], step, there, args, dither);
 #if GATHER_RADIANCE
+          /* what may be dark and is was looked at without a list */
           if (MAY_BE_DARK || light_here != LIGHT_NONE)
             add_light(&c[v], &m[v], share, step, there, plane, args, light_here,
                       &kept[v]);

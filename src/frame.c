@@ -507,7 +507,7 @@ static hbil_status bound(commands *chain, cl_int still) {
         LAUNCH(chain, KERNEL_BOUND_CELLS, args, (size_t)steps[i].coarse->width,
                (size_t)steps[i].coarse->height, 1);
   }
-  if (status != HBIL_SUCCESS || !(plan->layout.skip & HBIL_SKIP_DARK))
+  if (status != HBIL_SUCCESS || !plan->layout.quadrants)
     return status;
   const argument args[] = {ARG(*b), ARG(plan->buffers[BUFFER_BOUNDS]),
                            ARG(plan->buffers[BUFFER_FLAGS]), ARG(still)};

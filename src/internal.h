@@ -14,6 +14,7 @@
 #define camera_to_world hbil_internal_camera_to_world
 #define camera_view hbil_internal_camera_view
 #define cl_error_name hbil_internal_cl_error_name
+#define config_ends hbil_internal_config_ends
 #define config_refuses hbil_internal_config_refuses
 #define config_format hbil_internal_config_format
 #define config_take hbil_internal_config_take
@@ -66,6 +67,8 @@ const hbil_format *config_format(const hbil_config *config, int image);
 const hbil_image *frame_image(const hbil_frame *frame, int image);
 /* Whether the light of any sample may be refused. */
 bool config_refuses(const hbil_config *config);
+/* Whether occluders have a thickness. */
+bool config_ends(const hbil_config *config);
 /* Components from a pixel to the next: stride, or its default. */
 cl_uint format_stride(const hbil_config *config, int image);
 
@@ -240,6 +243,7 @@ typedef struct layout {
   bool counts_late; /* composite shows inputs that split has no use for */
   cl_uint skip;     /* of hbil_config.skip what can come to anything here */
   hbil_bounds_args bounds;
+  bool quadrants; /* whether the gather asks for those of the bounds */
   hbil_factor_args factors;
   size_t strips;             /* of the gather, in a row of a layer */
   hbil_far_field far_field;  /* NONE where nothing shows it */

@@ -81,17 +81,13 @@ static void add_rung(ladder *l, int at, int slices, int samples, int levels) {
       (size_t)levels * HBIL_LAYERS * 2 * (size_t)slices * (size_t)(samples + 1);
 }
 
-static int ends(const hbil_config *config) {
-  return !isinf(config->thickness) || !isinf(config->relative_thickness);
-}
-
 /* A million is as good as any number, and finite, as kernels are built to
  * expect. */
 static hbil_limit_args limit(const hbil_config *config, int slices) {
   const float *const most = config->max_error;
   const float ao = slices > 1 ? shared_ao : 0.0f;
   const float light = slices > 1 ? shared_near : 0.0f;
-  const int end = ends(config);
+  const bool end = config_ends(config);
   const hbil_limit_args l = {
       fminf(sqrtf(fmaxf(most[0] * most[0] - ao * ao, 0.0f)) / factor[end].ao,
             1e6f),
@@ -101,8 +97,8 @@ static hbil_limit_args limit(const hbil_config *config, int slices) {
 
 static bool may_be_lax(const hbil_config *config) {
   const bool limits_light = !isinf(config->max_error[1]);
-  return !ends(config) && !(limits_light && config_refuses(config) &&
-                            config->refused == HBIL_REFUSED_BLACK);
+  return !config_ends(config) && !(limits_light && config_refuses(config) &&
+                                   config->refused == HBIL_REFUSED_BLACK);
 }
 
 static int ruler_samples(const hbil_config *config) {

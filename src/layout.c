@@ -55,6 +55,9 @@ static void decide_skips(const hbil_config *config, layout *out) {
     out->skip &= ~(cl_uint)HBIL_SKIP_RADIUS;
   if (!irradiance_is_hidden(config, out))
     out->skip &= ~(cl_uint)HBIL_SKIP_UNUSED;
+  /* with a radius strips look for themselves (gather.cl, light_in_reach) */
+  out->quadrants = out->skip & HBIL_SKIP_DARK && isinf(config->radius) &&
+                   !config_ends(config) && !out->unknown;
 }
 
 static hbil_grid_args grid(size_t *end, cl_int width, cl_int height) {

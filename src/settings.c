@@ -42,6 +42,10 @@ bool config_refuses(const hbil_config *config) {
   return config->facing[1] > -1.0f;
 }
 
+bool config_ends(const hbil_config *config) {
+  return !isinf(config->thickness) || !isinf(config->relative_thickness);
+}
+
 cl_uint format_stride(const hbil_config *config, int image) {
   const cl_uint stride = config_format(config, image)->stride;
   return stride ? stride : image_kinds[image].channels;
