@@ -5,10 +5,10 @@
  * one; at each pixel the nearest wins, of equally near ones the smallest
  * source, and one reader per pixel fetches the colour: the same result on every
  * run and device.  The bits of positive depths are in the order of the depths.
- * On CPUs depth and source are one key of 64 bits, and the rows of this frame
- * have owners, who need no atomics and fetch the colours, too.  On GPUs two
- * kernels find the smallest: atomic_min on the depths, then on the sources
- * among those that match.
+ * On CPUs the rows of this frame have owners, who meet the sources in order,
+ * need no atomics and fetch the colours, too.  On GPUs two kernels find the
+ * smallest: atomic_min on the depths, then on the sources among those that
+ * match.
  *
  * Motion: every pixel fetches four pixels of the last frame where its motion
  * vector points, those at the depth it expects.
@@ -33,6 +33,7 @@ INLINE realv row_of(const hbil_transform_args t, int row, realv x, realv y,
 #else
 #define LOAD_UINTV(p) HBIL_PASTE(vload, HBIL_WIDTH)(0, (p))
 #define LOAD_INTV(p) HBIL_PASTE(vload, HBIL_WIDTH)(0, (p))
+#define STORE_UINTV(v, p) STOREV(WORDS_AS_REALV(v), (global float *)(p))
 #endif
 
 /* Light that is carried over, weight 1; a hole, 0, raises HBIL_FLAG_HOLES,
@@ -93,7 +94,9 @@ INLINE intv targets_of(const hbil_view_args from, const hbil_view_args to,
   return select((intv)-1, TO_INTV(v) * to.width + TO_INTV(u), inside);
 }
 
-/* Sources are places in the planes, which are in the order of the pixels. */
+/* Sources are places in the planes, which are in the order of the pixels.
+ * nearest: the least depth that has come to each pixel of this frame, then the
+ * sources of all. */
 
 #if HBIL_WIDTH > 1
 
@@ -103,10 +106,6 @@ INLINE intv targets_of(const hbil_view_args from, const hbil_view_args to,
  * lands in its rows, as scatter_rows has found, and projects those again:
  * cheaper than atomics, of which there would be one for each pixel.
  */
-
-/* A depth above its source. */
-typedef ulong scatter_word;
-typedef HBIL_PASTE(ulong, HBIL_WIDTH) scatter_words;
 
 /* First and last row at which the points of a run land; none: no row.  x = runs
  * of a row, y = rows. */
@@ -135,12 +134,14 @@ kernel void scatter_rows(const hbil_view_args from, const hbil_view_args to,
   rows[runs.row * from.height] = (int)lanes_max(last);
 }
 
-/* Brings in the points of a run that land in the band. */
+/* Brings in the points of a run that land in the band: those that are nearer,
+ * since of equally near ones the first is here. */
 INLINE void scatter_run(const hbil_view_args from, const hbil_view_args to,
                         const hbil_transform_args motion,
                         global const float *history,
                         const hbil_plane_args planes, int run, int y,
-                        uint begin, uint count, global scatter_word *band) {
+                        uint begin, uint count, global float *depths,
+                        global uint *sources) {
   for (int i = 0; i < HBIL_RUN; i += HBIL_WIDTH) {
     const int x = run * HBIL_RUN + i;
     realv depth;
@@ -153,10 +154,12 @@ INLINE void scatter_run(const hbil_view_args from, const hbil_view_args to,
     const uint first = (uint)to_pixel.s0 - begin;
     if (!ANY(to_pixel - EACH_LANE != to_pixel.s0) &&
         first + HBIL_WIDTH <= count && first < count) {
-      const scatter_words key = HBIL_PASTE(as_ulong, HBIL_WIDTH)(
-          upsample(AS_INTV(depth), AS_UINTV(EACH_LANE) + source));
-      const scatter_words best = HBIL_PASTE(vload, HBIL_WIDTH)(0, band + first);
-      HBIL_PASTE(vstore, HBIL_WIDTH)(min(best, key), 0, band + first);
+      const realv least = LOADV(depths + first);
+      const intv nearer = depth < least;
+      STOREV(select(least, depth, nearer), depths + first);
+      STORE_UINTV(select(LOAD_UINTV(sources + first),
+                         AS_UINTV(EACH_LANE) + source, nearer),
+                  sources + first);
       continue;
     }
     int target[HBIL_WIDTH];
@@ -165,53 +168,22 @@ INLINE void scatter_run(const hbil_view_args from, const hbil_view_args to,
     STOREV(depth, z);
     for (int l = 0; l < HBIL_WIDTH; ++l) {
       const uint at = (uint)target[l] - begin; /* nowhere is far outside */
-      const scatter_word key = upsample(as_uint(z[l]), source + (uint)l);
-      if (at < count)
-        band[at] = min(band[at], key);
+      if (at < count && z[l] < depths[at]) {
+        depths[at] = z[l];
+        sources[at] = source + (uint)l;
+      }
     }
   }
 }
 
-/* Who has won at the pixels from `at` on, and how far away; NO_SOURCE: nobody,
- * and right of the image. */
-INLINE uintv winners(global const scatter_word *nearest, uint pixels, uint at,
-                     int count, realv *depth) {
-  /* word by word: vectors of ulong may be wider than any register */
-  uintv key[2];
-  (void)pixels;
-  global const uint *word = (global const uint *)(nearest + at);
-  if (count >= HBIL_WIDTH) {
-    key[0] = LOAD_UINTV(word);
-    key[1] = LOAD_UINTV(word + HBIL_WIDTH);
-  } else {
-    uint lane[2 * HBIL_WIDTH];
-    for (int i = 0; i < 2 * HBIL_WIDTH; ++i)
-      lane[i] = i < 2 * count ? word[i] : NO_SOURCE;
-    key[0] = LOAD_UINTV(lane);
-    key[1] = LOAD_UINTV(lane + HBIL_WIDTH);
-  }
-  const uintv even = (uintv)(key[0].even, key[1].even);
-  const uintv odd = (uintv)(key[0].odd, key[1].odd);
-#ifdef __ENDIAN_LITTLE__
-  *depth = AS_REALV(AS_INTV(odd));
-  return even;
-#else
-  *depth = AS_REALV(AS_INTV(even));
-  return odd;
-#endif
-}
-
 #else
 
-/* A depth or a source.  nearest: filled with ones; first come all depths, then
- * all sources. */
-typedef uint scatter_word;
-
+/* nearest: filled with ones. */
 kernel void scatter_depth(const hbil_view_args from, const hbil_view_args to,
                           const hbil_transform_args motion,
                           global const float *history,
                           const hbil_plane_args planes,
-                          volatile global scatter_word *nearest) {
+                          volatile global uint *nearest) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= from.width || y >= from.height)
     return;
@@ -225,7 +197,7 @@ kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
                           const hbil_transform_args motion,
                           global const float *history,
                           const hbil_plane_args planes,
-                          volatile global scatter_word *nearest) {
+                          volatile global uint *nearest) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= from.width || y >= from.height)
     return;
@@ -236,19 +208,34 @@ kernel void scatter_index(const hbil_view_args from, const hbil_view_args to,
     atomic_min(nearest + pixels + target, (uint)y * planes.row + (uint)x);
 }
 
-INLINE uintv winners(global const scatter_word *nearest, uint pixels, uint at,
-                     int count, realv *depth) {
-  (void)count;
-  *depth = as_float(nearest[at]);
-  return nearest[pixels + at];
-}
-
 #endif
+
+/* Who has won at the pixels from `at` on, and how far away; NO_SOURCE: nobody,
+ * and right of the image, where another band begins. */
+INLINE uintv winners(global const uint *nearest, uint pixels, uint at,
+                     int count, realv *depth) {
+  global const float *depths = (global const float *)nearest + at;
+  global const uint *sources = nearest + pixels + at;
+#if HBIL_WIDTH > 1
+  if (count < HBIL_WIDTH) {
+    float far[HBIL_WIDTH];
+    uint source[HBIL_WIDTH];
+    for (int i = 0; i < HBIL_WIDTH; ++i) {
+      far[i] = i < count ? depths[i] : INFINITY;
+      source[i] = i < count ? sources[i] : NO_SOURCE;
+    }
+    *depth = LOADV(far);
+    return LOAD_UINTV(source);
+  }
+#endif
+  *depth = LOADV(depths);
+  return LOAD_UINTV(sources);
+}
 
 /* What a pixel's winner sends, of HBIL_WIDTH pixels. */
 #define FETCH_PARAMETERS                                                       \
   const hbil_view_args to, global const float *history, global float *carried, \
-      const hbil_plane_args planes, global scatter_word *nearest,              \
+      const hbil_plane_args planes, global uint *nearest,                      \
       global const void *depth_buffer, const hbil_image_args depth_image,      \
       const float background, const float disocclusion, global uint *flags
 #define FETCH_ARGUMENTS                                                        \
@@ -300,9 +287,12 @@ kernel void scatter_bands(FETCH_PARAMETERS, const hbil_view_args from,
   const int end = min(top + runs.band, to.height);
   const uint begin = (uint)(top * to.width);
   const uint count = (uint)((end - top) * to.width);
-  global scatter_word *const band = nearest + begin;
-  for (uint i = 0; i < count; ++i)
-    band[i] = ~(scatter_word)0;
+  global float *const depths = (global float *)nearest + begin;
+  global uint *const sources = nearest + to.width * to.height + begin;
+  for (uint i = 0; i < count; ++i) {
+    depths[i] = INFINITY;
+    sources[i] = NO_SOURCE;
+  }
   for (int y = 0; y < from.height; ++y) {
     global const int *first = rows + y * runs.row;
     global const int *last = first + runs.row * from.height;
@@ -312,7 +302,7 @@ kernel void scatter_bands(FETCH_PARAMETERS, const hbil_view_args from,
       for (int i = run; i < run + HBIL_WIDTH; ++i)
         if (first[i] < end && last[i] >= top)
           scatter_run(from, to, motion, history, planes, i, y, begin, count,
-                      band);
+                      depths, sources);
     }
   }
   for (int y = top; y < end; ++y)

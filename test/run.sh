@@ -4,7 +4,8 @@
 # first of a few caches that is free is taken, so that later tests find kernels
 # of earlier ones; what was built in other caches comes in before, and goes out
 # after the test, by way of one that no test uses.  Without flock (util-linux)
-# each test has its own.
+# each test has its own.  A test whose kernels don't compile without a remark
+# fails.
 name=$(for last in "$@"; do :; done; basename "$last" .sh)
 caches=$PWD/test/pocl-cache
 mkdir -p "$caches/shared"
@@ -30,7 +31,15 @@ share() {
     flock "$caches/shared.lock" cp -rln "$1/." "$2" 2>/dev/null || :
 }
 share "$caches/shared" "$POCL_CACHE_DIR"
-"$@"
+said=$caches/$name.stderr
+"$@" 2>"$said"
 status=$?
+cat "$said" >&2
+# PoCL says so on the terminal of whoever launches such a kernel first
+if grep -q 'warnings\{0,1\} generated' "$said"; then
+  echo "$name: the compiler has remarks on a kernel" >&2
+  status=1
+fi
+rm -f "$said"
 share "$POCL_CACHE_DIR" "$caches/shared"
 exit $status
