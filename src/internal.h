@@ -174,7 +174,7 @@ ladder ladder_of(const hbil_config *config, int levels);
 enum {
   BUFFER_HISTORY,
   BUFFER_CARRIED, /* level 0 of the push/pull chain and all coarser ones */
-  BUFFER_NEAREST, /* scatter's depths and sources, or keys of both */
+  BUFFER_NEAREST, /* scatter's depths and sources */
   BUFFER_LANDING, /* rows at which runs of the last frame land */
   BUFFER_FLAGS,   /* HBIL_FLAG_: what kernels tell later ones */
   BUFFER_SPLIT,
@@ -226,8 +226,9 @@ enum {
 
 enum { PROGRAM_COUNT = 14 };
 
-/* log2(16384) + 1: levels of the largest push/pull chain. */
+/* log2(HBIL_MAX_SIZE) + 1: levels of the largest push/pull chain. */
 enum { MAX_CHAIN = 15 };
+_Static_assert(1 << (MAX_CHAIN - 1) == HBIL_MAX_SIZE, "MAX_CHAIN");
 
 /* Sizes and layouts; everything a configuration decides before any device
  * memory is touched. */

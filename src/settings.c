@@ -293,8 +293,8 @@ static hbil_status config_check(hbil_context *context,
     const char *field;
     double value, least, most;
   } ranges[] = {
-      {"width", config->width, 1, 16384},
-      {"height", config->height, 1, 16384},
+      {"width", config->width, 1, HBIL_MAX_SIZE},
+      {"height", config->height, 1, HBIL_MAX_SIZE},
       {"projection", (double)config->projection, 0,
        HBIL_PROJECTION_ORTHOGRAPHIC},
       {"depth_kind", (double)config->depth_kind, 0, HBIL_DEPTH_RAY},

@@ -126,7 +126,8 @@ static void what_gets_too_large_is_left_alone(void **state) {
   (void)state;
   bench_content c = small_frame(HBIL_PROJECTION_PERSPECTIVE);
   image_error error;
-  assert_int_not_equal(bench_content_enlarge(&c, 16384 / WIDTH + 1, &error), 0);
+  assert_int_not_equal(
+      bench_content_enlarge(&c, HBIL_MAX_SIZE / WIDTH + 1, &error), 0);
   assert_non_null(strstr(error.text, "no more than 16384"));
   assert_true(c.width == WIDTH && c.height == HEIGHT);
   bench_content_free(&c);

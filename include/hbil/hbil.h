@@ -61,6 +61,9 @@ extern "C" {
 #define HBIL_VERSION_MINOR 1
 #define HBIL_VERSION_PATCH 0
 
+/* Pixels across a frame, and from top to bottom, at most. */
+#define HBIL_MAX_SIZE 16384
+
 #if defined(_WIN32)
 #define HBIL_API
 #else
@@ -316,7 +319,7 @@ typedef struct hbil_config {
    * has, of a newer header, is refused. */
   size_t struct_size;
 
-  cl_uint width, height; /* pixels, 1..16384 */
+  cl_uint width, height; /* pixels, 1..HBIL_MAX_SIZE */
 
   /* Formats of the inputs.  depth and normal are needed, the others optional
    * (HBIL_NONE): albedo then is 1, all others 0.

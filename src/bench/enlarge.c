@@ -10,8 +10,6 @@
 /* Neighbours whose depths differ by more are two surfaces. */
 static const float one_surface = 1.1f;
 
-enum { most_size = 16384 }; /* as --size has it */
-
 typedef struct grid {
   size_t width, height, times; /* before; enlarged by */
 } grid;
@@ -96,12 +94,12 @@ static int enlarge_frame(const grid *g, const bench_content *content,
 int bench_content_enlarge(bench_content *content, unsigned times,
                           image_error *error) {
   const grid g = {content->width, content->height, times};
-  if (g.width * times > most_size || g.height * times > most_size)
+  if (g.width * times > HBIL_MAX_SIZE || g.height * times > HBIL_MAX_SIZE)
     return image_fail(error,
                       "--scale %u: of %u x %u pixels; no more than %u in a row "
                       "or column are possible",
                       times, content->width, content->height,
-                      (unsigned)most_size);
+                      (unsigned)HBIL_MAX_SIZE);
   for (unsigned f = 0; f < content->frames; f++)
     if (enlarge_frame(&g, content, &content->frame[f], error) != 0)
       return -1;

@@ -248,9 +248,9 @@ extern "C" int png_write(const char *path, const unsigned char *rgb,
 }
 
 extern "C" int formats_recognise(const char *path) {
-  static const std::string starts[] = {
-      "\x89PNG", std::string("II*\0", 4), std::string("MM\0*", 4),
-      "#?RADIANCE", "#?RGBE"};
+  static const std::string starts[] = {"\x89PNG", std::string("II*\0", 4),
+                                       std::string("MM\0*", 4), "#?RADIANCE",
+                                       "#?RGBE"};
   char start[10] = "";
   FILE *file = std::fopen(path, "rb");
   if (!file)

@@ -107,21 +107,10 @@ static void usage(void) {
       "                     times of a new plan, as JSON");
 }
 
-static int read_size(const char *text, bench_options *o, image_error *error) {
-  char end;
-  if (sscanf(text, "%5ux%5u%c", &o->width, &o->height, &end) != 2 ||
-      o->width < 1 || o->width > 16384 || o->height < 1 || o->height > 16384)
-    return image_fail(error,
-                      "--size %s: WIDTHxHEIGHT is needed, each from 1 to "
-                      "16384, such as 1280x720",
-                      text);
-  return 0;
-}
-
 static int set_option(int option, bench_options *o, image_error *error) {
   switch (option) {
   case OPTION_SIZE:
-    return read_size(optarg, o, error);
+    return option_size("--size", optarg, &o->width, &o->height, error);
   case OPTION_RUNS:
     return option_unsigned("--runs", optarg, 1, BENCH_MAX_RUNS, &o->runs,
                            error);

@@ -207,17 +207,6 @@ static int write_sky(const char *path, image_error *error) {
 /* ------------------------------------------------------------------------ */
 /* The command                                                               */
 
-static int read_size(const char *text, demo_options *o, image_error *error) {
-  char end;
-  if (sscanf(text, "%5ux%5u%c", &o->width, &o->height, &end) != 2 ||
-      o->width < 1 || o->width > 16384 || o->height < 1 || o->height > 16384)
-    return image_fail(error,
-                      "--size %s: WIDTHxHEIGHT is needed, each from 1 to "
-                      "16384, such as 640x360",
-                      text);
-  return 0;
-}
-
 /* 0: go on; 1: only help was wanted; -1: error is filled. */
 static int read_options(int argc, char **argv, demo_options *o,
                         image_error *error) {
@@ -238,7 +227,7 @@ static int read_options(int argc, char **argv, demo_options *o,
       failed = option_unsigned("--frames", optarg, 1, 9999, &o->frames, error);
       break;
     case 's':
-      failed = read_size(optarg, o, error);
+      failed = option_size("--size", optarg, &o->width, &o->height, error);
       break;
     case 'c':
       failed = option_choice("--scene", optarg, scene_names, &o->scene, error);

@@ -51,6 +51,18 @@ int option_unsigned(const char *option, const char *text, unsigned low,
   return 0;
 }
 
+int option_size(const char *option, const char *text, unsigned *width,
+                unsigned *height, image_error *error) {
+  char end;
+  if (sscanf(text, "%5ux%5u%c", width, height, &end) != 2 || *width < 1 ||
+      *width > HBIL_MAX_SIZE || *height < 1 || *height > HBIL_MAX_SIZE)
+    return image_fail(error,
+                      "%s %s: WIDTHxHEIGHT is needed, each from 1 to %d, such "
+                      "as 1280x720",
+                      option, text, HBIL_MAX_SIZE);
+  return 0;
+}
+
 int option_choice(const char *option, const char *text,
                   const char *const *words, int *out, image_error *error) {
   char list[256] = "";

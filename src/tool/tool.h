@@ -50,6 +50,9 @@ int option_floats(const char *option, const char *text, float *out,
                   size_t count, image_error *error);
 int option_unsigned(const char *option, const char *text, unsigned low,
                     unsigned high, unsigned *out, image_error *error);
+/* WIDTHxHEIGHT, as large as a frame may be. */
+int option_size(const char *option, const char *text, unsigned *width,
+                unsigned *height, image_error *error);
 /* The place of text in a NULL-terminated list of words. */
 int option_choice(const char *option, const char *text,
                   const char *const *words, int *out, image_error *error);
