@@ -5,7 +5,7 @@
 # of earlier ones; what was built in other caches comes in before, and goes out
 # after the test, by way of one that no test uses.  Without flock (util-linux)
 # each test has its own.  A test whose kernels don't compile without a remark
-# fails.
+# fails.  The last line of each log says how long the test took.
 name=$(for last in "$@"; do :; done; basename "$last" .sh)
 caches=$PWD/test/pocl-cache
 mkdir -p "$caches/shared"
@@ -32,9 +32,11 @@ share() {
 }
 share "$caches/shared" "$POCL_CACHE_DIR"
 said=$caches/$name.stderr
+begun=$(date +%s)
 "$@" 2>"$said"
 status=$?
 cat "$said" >&2
+echo "$name: $(($(date +%s) - begun)) s" >&2
 # PoCL says so on the terminal of whoever launches such a kernel first
 if grep -q 'warnings\{0,1\} generated' "$said"; then
   echo "$name: the compiler has remarks on a kernel" >&2
