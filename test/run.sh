@@ -5,7 +5,7 @@
 # of earlier ones; what was built in other caches comes in before, and goes out
 # after the test, by way of one that no test uses.  Without flock (util-linux)
 # each test has its own.  A test whose kernels don't compile without a remark
-# fails.  The last line of each log says how long the test took.
+# fails.  Each log has how long the test took.
 name=$(for last in "$@"; do :; done; basename "$last" .sh)
 caches=$PWD/test/pocl-cache
 mkdir -p "$caches/shared"
