@@ -34,19 +34,6 @@ grep -q warning "$work/err"
 test $? -ne 0
 ok $? "and nothing is warned of"
 
-# --- kernels ---
-
-# With nothing in its cache PoCL's compiler says how many warnings it has.
-for options in '' '--radius 1 --relative-thickness inf --max-error 0.1,0.5'; do
-  mkdir "$work/cache"
-  # shellcheck disable=SC2086
-  run env POCL_CACHE_DIR="$work/cache" "$HBIL" process --quiet $options \
-    -o "$work/anew" "$one" "$two"
-  test $status -eq 0 && ! test -s "$work/err"
-  ok $? "compilers have nothing to remark${options:+ ($options)}"
-  rm -rf "$work/cache" "$work/anew"
-done
-
 # --- what info says ---
 
 says "the source is told, and its word" '(--source generic)' "$HBIL" info "$one"
