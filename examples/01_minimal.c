@@ -69,9 +69,9 @@ int main(void) {
   hbil_config_init(&config);
   config.width = WIDTH;
   config.height = HEIGHT;
-  config.depth = (hbil_format){HBIL_FLOAT32, 1};
-  config.normal = (hbil_format){HBIL_FLOAT32, 1};
-  config.ao = (hbil_format){HBIL_FLOAT32, 1};
+  config.depth = (hbil_plane_format){HBIL_FLOAT32, 1};
+  config.normal = (hbil_plane_format){HBIL_FLOAT32, 1};
+  config.ao = (hbil_plane_format){HBIL_FLOAT32, 1};
   hbil_context *hbil = NULL;
   hbil_plan *plan = NULL;
   hbil_status status = hbil_context_create(context, device, &hbil);

@@ -174,13 +174,13 @@ static hbil_plan *plan_create(hbil_context *hbil) {
   hbil_config_init(&config);
   config.width = WIDTH;
   config.height = HEIGHT;
-  config.depth = (hbil_format){HBIL_FLOAT32, 4};
-  config.normal = (hbil_format){HBIL_FLOAT32, 4};
-  config.albedo = (hbil_format){HBIL_UNORM8, 4};
-  config.direct = (hbil_format){HBIL_FLOAT16, 4};
+  config.depth = (hbil_plane_format){HBIL_FLOAT32, 4};
+  config.normal = (hbil_plane_format){HBIL_FLOAT32, 4};
+  config.albedo = (hbil_plane_format){HBIL_UNORM8, 4};
+  config.direct = (hbil_plane_format){HBIL_FLOAT16, 4};
   config.direct_scale = 3.14159265f; /* `direct` holds irradiance / pi */
-  config.near_light = (hbil_format){HBIL_FLOAT16, 4};
-  config.ao = (hbil_format){HBIL_FLOAT16, 4};
+  config.near_irradiance = (hbil_plane_format){HBIL_FLOAT16, 4};
+  config.ao = (hbil_plane_format){HBIL_FLOAT16, 4};
   size_t bytes = 0;
   check(hbil_plan_memory(hbil, &config, &bytes), hbil);
   printf("hbil takes %.1f MiB of device memory\n", (double)bytes / 1048576.0);
@@ -193,15 +193,15 @@ static hbil_frame frame_of(const renderer *r, cl_uint index) {
   hbil_frame f;
   hbil_frame_init(&f);
   f.camera = camera();
-  f.index = index;
+  f.frame_index = index;
   /* Depth is the fourth component of the pixels that hold the normal. */
-  f.normal = (hbil_image){r->geometry, HEADER, GEOMETRY_ROW, 0};
-  f.depth = (hbil_image){r->geometry, HEADER + 12, GEOMETRY_ROW, 0};
-  f.albedo = (hbil_image){r->albedo, HEADER, ALBEDO_ROW, 0};
-  f.direct = (hbil_image){r->direct, HEADER, LIGHT_ROW, 0};
+  f.normal = (hbil_plane){r->geometry, HEADER, GEOMETRY_ROW, 0};
+  f.depth = (hbil_plane){r->geometry, HEADER + 12, GEOMETRY_ROW, 0};
+  f.albedo = (hbil_plane){r->albedo, HEADER, ALBEDO_ROW, 0};
+  f.direct = (hbil_plane){r->direct, HEADER, LIGHT_ROW, 0};
   /* RGBA fp16: near light, and visibility as alpha. */
-  f.near_light = (hbil_image){r->result, HEADER, LIGHT_ROW, 0};
-  f.ao = (hbil_image){r->result, HEADER + 6, LIGHT_ROW, 0};
+  f.near_irradiance = (hbil_plane){r->result, HEADER, LIGHT_ROW, 0};
+  f.ao = (hbil_plane){r->result, HEADER + 6, LIGHT_ROW, 0};
   return f;
 }
 

@@ -172,8 +172,8 @@ static void enqueue_passes(hbil_plan *plan, const hbil_context *hbil,
 
 static void read_back(cl_command_queue queue, const hbil_frame *frame,
                       int result) {
-  const cl_mem from[3] = {frame->ao.buffer, frame->near_light.buffer,
-                          frame->bent.buffer};
+  const cl_mem from[3] = {frame->ao.buffer, frame->near_irradiance.buffer,
+                          frame->bent_normal.buffer};
   void *const to[3] = {ao[result], light[result], bent[result]};
   const size_t size[3] = {sizeof ao[0], sizeof light[0], sizeof bent[0]};
   for (int i = 0; i < 3; ++i)
@@ -239,16 +239,17 @@ int main(void) {
   frame.normal.buffer = buffer(context, sizeof normal, normal);
   frame.direct.buffer = buffer(context, sizeof direct, direct);
   frame.ao.buffer = buffer(context, sizeof ao[0], NULL);
-  frame.near_light.buffer = buffer(context, sizeof light[0], NULL);
-  frame.bent.buffer = buffer(context, sizeof bent[0], NULL);
+  frame.near_irradiance.buffer = buffer(context, sizeof light[0], NULL);
+  frame.bent_normal.buffer = buffer(context, sizeof bent[0], NULL);
 
   hbil_config config;
   hbil_config_init(&config);
   config.storage = HBIL_STORAGE_FLOAT32; /* our filter reads plain planes */
   config.width = WIDTH;
   config.height = HEIGHT;
-  config.depth = config.normal = config.direct = config.ao = config.near_light =
-      config.bent = (hbil_format){HBIL_FLOAT32, 1};
+  config.depth = config.normal = config.direct = config.ao =
+      config.near_irradiance = config.bent_normal =
+          (hbil_plane_format){HBIL_FLOAT32, 1};
   hbil_context *hbil = NULL;
   hbil_plan *plan = NULL;
   check(hbil_context_create(context, device, &hbil), hbil);
@@ -264,9 +265,9 @@ int main(void) {
   clReleaseKernel(filter);
   hbil_plan_destroy(plan);
   hbil_context_destroy(hbil);
-  cl_mem buffers[] = {frame.depth.buffer,      frame.normal.buffer,
-                      frame.direct.buffer,     frame.ao.buffer,
-                      frame.near_light.buffer, frame.bent.buffer};
+  cl_mem buffers[] = {frame.depth.buffer,           frame.normal.buffer,
+                      frame.direct.buffer,          frame.ao.buffer,
+                      frame.near_irradiance.buffer, frame.bent_normal.buffer};
   for (size_t i = 0; i < sizeof buffers / sizeof *buffers; ++i)
     clReleaseMemObject(buffers[i]);
   clReleaseCommandQueue(queue);

@@ -121,7 +121,8 @@ static bool open_worker(worker *w, cl_device_id device) {
   config.width = WIDTH;
   config.height = HEIGHT;
   config.mode = HBIL_MODE_GTAO;
-  config.depth = config.normal = config.ao = (hbil_format){HBIL_FLOAT32, 1};
+  config.depth = config.normal = config.ao =
+      (hbil_plane_format){HBIL_FLOAT32, 1};
   if (w->queue == NULL ||
       hbil_context_create(w->context, device, &w->hbil) != HBIL_SUCCESS)
     return false;

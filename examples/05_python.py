@@ -20,7 +20,7 @@ def load_hbil():
     """The library, and what its header declares."""
     include = subprocess.run(
         ["pkg-config", "--variable=includedir", "hbil"],
-        check=True, capture_output=True, text=True).stdout.strip()
+        check=True, capture_output=True, text=True).stdout.span()
     with open(include + "/hbil/hbil.h", encoding="utf-8") as header:
         text = header.read()
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
@@ -117,25 +117,25 @@ def main():
               "world_from_view": np.eye(4).ravel().tolist()}
     depth, normal = draw_corner(camera)
     direct = np.ones((3, HEIGHT, WIDTH), np.float32)
-    near_light, ao = np.empty_like(direct), np.empty_like(depth)
+    near_irradiance, ao = np.empty_like(direct), np.empty_like(depth)
 
     planes = (lib.HBIL_FLOAT32, 1)
     plan = hbil.plan(width=WIDTH, height=HEIGHT, depth=planes, normal=planes,
-                     direct=planes, near_light=planes, ao=planes)
+                     direct=planes, near_irradiance=planes, ao=planes)
     flags = cl.mem_flags.READ_WRITE
     images = {name: cl.Buffer(context, flags, array.nbytes) for name, array in
               [("depth", depth), ("normal", normal), ("direct", direct),
-               ("near_light", near_light), ("ao", ao)]}
+               ("near_irradiance", near_irradiance), ("ao", ao)]}
     uploads = [cl.enqueue_copy(queue, images[name], array, is_blocking=False)
                for name, array in [("depth", depth), ("normal", normal),
                                    ("direct", direct)]]
     lit = hbil.enqueue(plan, queue, camera, images, wait_for=uploads)
-    for name, array in [("near_light", near_light), ("ao", ao)]:
+    for name, array in [("near_irradiance", near_irradiance), ("ao", ao)]:
         cl.enqueue_copy(queue, array, images[name], wait_for=[lit])
 
-    print(f"mean visibility {ao.mean():.4f}, near light {near_light.mean():.4f}")
+    print(f"mean visibility {ao.mean():.4f}, near light {near_irradiance.mean():.4f}")
     # neither open nor closed, and lit by what blocks; false for NaN, too
-    return 0 if 0.5 < ao.mean() < 0.99 and near_light.mean() > 0.1 else 1
+    return 0 if 0.5 < ao.mean() < 0.99 and near_irradiance.mean() > 0.1 else 1
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 /*
  * bounds: what the gather may leave out.  For cells of 64x64 pixels, blocks of
  * 256x256 and the whole picture: the largest inverse depth, and whether there
- * is light.  From it a strip of pixels knows that nothing in its reach stands
+ * is light.  From it a span of pixels knows that nothing in its reach stands
  * above its tangent planes, or that nothing there shines (gather.cl).  Dark is
  * what has a quarter of dark parts at least: to ask every sample whether it
  * shines takes as long as it spares where one in four does not.  From each

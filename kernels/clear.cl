@@ -12,5 +12,5 @@ kernel void clear_layers(global float *layers, const hbil_layer_args layout) {
   layers += (uint)(at / HBIL_LAYERS) * layout.row +
             (uint)(at % HBIL_LAYERS) * layout.layer;
   for (uint x = 0; x < layout.layer; ++x)
-    layers[x] = x < layout.span ? HBIL_NOTHING : 0.0f;
+    layers[x] = x < layout.row_extent ? HBIL_NOTHING : 0.0f;
 }

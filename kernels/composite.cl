@@ -12,7 +12,7 @@
  * with Y1 = (y, z, x), Y2 = (xy, yz, 3z^2-1, zx, x^2-y^2).
  * Fresnel: the diffuse part of the light is (1 - F0) of it (paper 2.3.3).
  *
- * Counts what it could not use as it was (hbil_plan_repaired()), of the inputs
+ * Counts what it could not use as it was (hbil_plan_sanitized()), of the inputs
  * that split had no use for.
  *
  * Builds: FAR (0 none, 1 constant, 2 SH, 3 the frame's own estimate), inputs'
@@ -39,8 +39,8 @@ STORER(cone, CONE_TYPE, CONE_STRIDE)
 #if OUT_INDIRECT
 STORER(indirect, INDIRECT_TYPE, INDIRECT_STRIDE)
 #endif
-#if OUT_RADIANCE
-STORER(radiance, RADIANCE_TYPE, RADIANCE_STRIDE)
+#if OUT_BEAUTY
+STORER(radiance, BEAUTY_TYPE, BEAUTY_STRIDE)
 #endif
 #if OUT_ERROR
 STORER(error, ERROR_TYPE, ERROR_STRIDE)
@@ -62,7 +62,7 @@ enum {
   PENDING_FAR = PENDING_NEAR + 3 * OUT_NEAR,
   PENDING_INDIRECT = PENDING_FAR + 3 * OUT_FAR,
   PENDING_RADIANCE = PENDING_INDIRECT + 3 * OUT_INDIRECT,
-  PENDING_HISTORY = PENDING_RADIANCE + 3 * OUT_RADIANCE,
+  PENDING_HISTORY = PENDING_RADIANCE + 3 * OUT_BEAUTY,
   PENDING_COUNT = PENDING_HISTORY + HISTORY * HBIL_HISTORY_PLANES
 };
 
@@ -70,7 +70,7 @@ enum {
 #define PI 3.14159265f
 
 /* What is reflected is asked for, and so are the inputs that make it. */
-#define REFLECTED (OUT_RADIANCE || (HISTORY && FEEDBACK_RADIANCE))
+#define REFLECTED (OUT_BEAUTY || (HISTORY && FEEDBACK_RADIANCE))
 
 #if FAR == 2
 /* Irradiance through a cone (world axis d); k: the three aperture factors. */
@@ -103,7 +103,8 @@ INLINE realv sh_light(const hbil_sh_args e, const realv *d, const realv *k) {
  */
 INLINE realv unlit_share(const hbil_environment_args e, realv ao,
                          float direct_scale, global const void *buffer,
-                         const hbil_image_args image, int x, int y, int count) {
+                         const hbil_external_plane_args image, int x, int y,
+                         int count) {
   realv lit = 0.0f;
 #if HAS_DIRECT
   intv sound = TRUE_LANES;
@@ -127,9 +128,9 @@ INLINE realv unlit_share(const hbil_environment_args e, realv ao,
 #define SH_RADIANCE_2 1.273239545f /* 4 / pi */
 
 /* Which inputs are shown, but have not been read by split. */
-#define COUNT_SURFACE (!GATHER_RADIANCE && OUT_RADIANCE)
-#define COUNT_F0 (!GATHER_RADIANCE && (OUT_RADIANCE || OUT_INDIRECT))
-#define COUNT_EMISSION (!(GATHER_RADIANCE && GATHER_EMISSION) && OUT_RADIANCE)
+#define COUNT_SURFACE (!GATHER_RADIANCE && OUT_BEAUTY)
+#define COUNT_F0 (!GATHER_RADIANCE && (OUT_BEAUTY || OUT_INDIRECT))
+#define COUNT_EMISSION (!(GATHER_RADIANCE && GATHER_EMISSION) && OUT_BEAUTY)
 
 /* sound: of each input, by pixel. */
 INLINE void count_repaired(const intv *sound, intv solid,
@@ -150,26 +151,28 @@ INLINE void count_repaired(const intv *sound, intv solid,
 #endif
 }
 
-kernel void
-composite(const hbil_view_args view, const hbil_transform_args world,
-          global const float *resolved, global const float *estimate,
-          global float *history, const hbil_plane_args planes,
-          const hbil_environment_args environment, const float background,
-          const float direct_scale, global const void *depth_buffer,
-          const hbil_image_args depth_image, global const void *albedo_buffer,
-          const hbil_image_args albedo_image, global const void *f0_buffer,
-          const hbil_image_args f0_image, global const void *direct_buffer,
-          const hbil_image_args direct_image,
-          global const void *emission_buffer,
-          const hbil_image_args emission_image, global void *near_buffer,
-          const hbil_image_args near_image, global void *far_buffer,
-          const hbil_image_args far_image, global void *ao_buffer,
-          const hbil_image_args ao_image, global void *bent_buffer,
-          const hbil_image_args bent_image, global void *cone_buffer,
-          const hbil_image_args cone_image, global void *indirect_buffer,
-          const hbil_image_args indirect_image, global void *radiance_buffer,
-          const hbil_image_args radiance_image, global void *error_buffer,
-          const hbil_image_args error_image, volatile global uint *repaired) {
+kernel void composite(
+    const hbil_view_args view, const hbil_transform_args world,
+    global const float *resolved, global const float *estimate,
+    global float *history, const hbil_plane_args planes,
+    const hbil_environment_args environment, const float background,
+    const float direct_scale, global const void *depth_buffer,
+    const hbil_external_plane_args depth_image,
+    global const void *albedo_buffer,
+    const hbil_external_plane_args albedo_image, global const void *f0_buffer,
+    const hbil_external_plane_args f0_image, global const void *direct_buffer,
+    const hbil_external_plane_args direct_image,
+    global const void *emission_buffer,
+    const hbil_external_plane_args emission_image, global void *near_buffer,
+    const hbil_external_plane_args near_image, global void *far_buffer,
+    const hbil_external_plane_args far_image, global void *ao_buffer,
+    const hbil_external_plane_args ao_image, global void *bent_buffer,
+    const hbil_external_plane_args bent_image, global void *cone_buffer,
+    const hbil_external_plane_args cone_image, global void *indirect_buffer,
+    const hbil_external_plane_args indirect_image, global void *radiance_buffer,
+    const hbil_external_plane_args radiance_image, global void *error_buffer,
+    const hbil_external_plane_args error_image,
+    volatile global uint *repaired) {
   const int x0 = (int)get_global_id(0) * (PARTS * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
@@ -247,24 +250,26 @@ composite(const hbil_view_args view, const hbil_transform_args world,
                                        TRUE_LANES};
 #pragma unroll
     for (int c = 0; c < 3; ++c) {
-      realv near_light = 0.0f, far_light = 0.0f, behind = 0.0f;
+      realv near_irradiance = 0.0f, far_irradiance = 0.0f, behind = 0.0f;
 #if GATHER_RADIANCE
       /* a sum of differences of angles may round to just below 0; what is no
        * number stays none, to be seen */
-      near_light = READV(at + (HBIL_LIGHT_RED + c) * planes.plane);
-      near_light = select(near_light, (realv)0.0f, near_light < 0.0f);
+      near_irradiance = READV(at + (HBIL_LIGHT_RED + c) * planes.plane);
+      near_irradiance =
+          select(near_irradiance, (realv)0.0f, near_irradiance < 0.0f);
 #endif
 #if FAR == 1
       behind = far[c].sh[0];
-      far_light = PI * ao * behind;
+      far_irradiance = PI * ao * behind;
 #elif FAR == 3
-      far_light =
-          PI * unlit * unseen_light(frame[c], near_light * INV_PI, 1.0f - ao);
+      far_irradiance =
+          PI * unlit *
+          unseen_light(frame[c], near_irradiance * INV_PI, 1.0f - ao);
 #elif FAR == 2
       behind = sh_light(far[c], sky, unscaled);
-      far_light = sh_light(far[c], axis, aperture);
+      far_irradiance = sh_light(far[c], axis, aperture);
 #endif
-      far_light = select((realv)0.0f, far_light, solid);
+      far_irradiance = select((realv)0.0f, far_irradiance, solid);
       realv reflectance = 1.0f, diffuse = 1.0f, irradiance = 0.0f;
       realv emitted = 0.0f;
 #if HAS_ALBEDO && REFLECTED
@@ -288,21 +293,21 @@ composite(const hbil_view_args view, const hbil_transform_args world,
           sound + HBIL_SURFACE_EMISSION);
       behind = emitted;
 #endif
-      const realv light = near_light + far_light;
+      const realv light = near_irradiance + far_irradiance;
       const realv indirect = diffuse * INV_PI * light;
       const realv reflected =
           reflectance * fma(diffuse * INV_PI, irradiance, indirect);
 #if OUT_NEAR
-      pending[PENDING_NEAR + c][part] = near_light;
+      pending[PENDING_NEAR + c][part] = near_irradiance;
 #endif
 #if OUT_FAR
-      pending[PENDING_FAR + c][part] = far_light;
+      pending[PENDING_FAR + c][part] = far_irradiance;
 #endif
 #if OUT_INDIRECT
       pending[PENDING_INDIRECT + c][part] =
           select((realv)0.0f, indirect, solid);
 #endif
-#if OUT_RADIANCE
+#if OUT_BEAUTY
       pending[PENDING_RADIANCE + c][part] =
           select(behind, reflected + emitted, solid);
 #endif
@@ -317,7 +322,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
 #endif
     }
 #if COUNT_SURFACE || COUNT_F0 || COUNT_EMISSION
-    count_repaired(sound, solid, repaired + HBIL_REPAIRED_LATE);
+    count_repaired(sound, solid, repaired + HBIL_SANITIZED_LATE);
 #endif
   }
 #define STORE_CHANNELS(name, channels, first)                                  \
@@ -347,7 +352,7 @@ composite(const hbil_view_args view, const hbil_transform_args world,
 #if OUT_INDIRECT
   STORE_CHANNELS(indirect, 3, PENDING_INDIRECT)
 #endif
-#if OUT_RADIANCE
+#if OUT_BEAUTY
   STORE_CHANNELS(radiance, 3, PENDING_RADIANCE)
 #endif
 #if HISTORY

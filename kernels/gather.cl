@@ -27,19 +27,19 @@
  * 1 - cos(theta) and blocked intervals are weighted by W(r).
  *
  * Builds: ORTHOGRAPHIC, LIMITED (a radius), HBAO, LEVELS, GATHER_RADIANCE,
- * GATHER_BENT, REFUSED_LAST (refused light is the last accepted; else it is
- * black here), REFUSED_FRAME (the refused share is written for recompose to
- * fill), FACING_ALL (no light is refused), FACING_STEP (the threshold is
- * sharp), FINITE (occluders have a thickness: sectors instead of a horizon),
- * EXTRAPOLATE, ADAPTIVE (the number of samples is chosen, judge.cl),
- * KEEP_FACTORS (what samples' light counts for is kept, factors.clh: of the
- * rows that there is memory for), WEIGHT_PLANE (there may be a single slice:
- * what slices weigh is stored, too), STORAGE (common.clh), SKIP_* (spared_of(),
- * look()).
+ * GATHER_BENT, FALLBACK_LAST_ACCEPTED (refused light is the last accepted; else
+ * it is black here), FALLBACK_FRAME_MEAN (the refused share is written for
+ * recompose to fill), FACING_ALL (no light is refused), FACING_STEP (the
+ * threshold is sharp), FINITE (occluders have a thickness: sectors instead of a
+ * horizon), EXTRAPOLATE, ADAPTIVE (the number of samples is chosen, judge.cl),
+ * KEEP_FACTORS (what samples' light counts for is kept, horizon_cache.clh: of
+ * the rows that there is memory for), WEIGHT_PLANE (there may be a single
+ * slice: what slices weigh is stored, too), STORAGE (common.clh), SKIP_*
+ * (spared_of(), look()).
  *
- * Launch: x = strips of HBIL_TILE pixels of a layer row (single pixels where
+ * Launch: x = spans of HBIL_SPAN pixels of a layer row (single pixels where
  * HBIL_WIDTH is 1), y = layer rows, z = layers; to measure with a rung, x =
- * strips of the tiles that are measured, y = 1.
+ * spans of the tiles that are measured, y = 1.
  * In: split planes, steps.  Out: light planes, same layout.
  */
 
@@ -53,9 +53,9 @@
 #endif
 
 /* Entry i of a list of hits, uchars: of a sample of the block and a vector of
- * the strip, sample * STRIP + vector. */
-#define HIT(list, i) (BLOCK * STRIP == 1 ? 0u : (uint)(list)[i])
-#if BLOCK * STRIP > 256
+ * the span, sample * SPAN_VECTORS + vector. */
+#define HIT(list, i) (BLOCK * SPAN_VECTORS == 1 ? 0u : (uint)(list)[i])
+#if BLOCK * SPAN_VECTORS > 256
 #error an entry of a list of hits is a uchar
 #endif
 
@@ -115,7 +115,7 @@ INLINE realv measure(realv h, realv g, realv sin2, realv nx, realv ny) {
 #endif
 }
 
-/* How much light there is in a strip's reach. */
+/* How much light there is in a span's reach. */
 enum { LIGHT_NONE, LIGHT_SOME, LIGHT_ALL };
 /* And in which quadrants of it, see hbil_quadrants(). */
 typedef struct lights {
@@ -136,20 +136,20 @@ typedef struct center {
 } center;
 
 /* Asks for what is needed soon.  Normals and light of a sample that rises, here
- * and in the next strip, and the samples' w, of the strip after the next and of
+ * and in the next span, and the samples' w, of the span after the next and of
  * the next row, which take the same steps; the line more that each of them
  * straddles is asked for by its neighbours.
  * OpenCL's own prefetch() does nothing in PoCL. */
 INLINE void fetch_early(global const float *sample, uint plane, uint row) {
 #if defined(__AVX__) && HBIL_WIDTH > 1
-  const int strip = STRIP * HBIL_WIDTH;
-  for (int i = 0; i < strip; i += 16) {
-    FETCH_LINE(sample + 2 * strip + i);
+  const int span = SPAN_VECTORS * HBIL_WIDTH;
+  for (int i = 0; i < span; i += 16) {
+    FETCH_LINE(sample + 2 * span + i);
     FETCH_LINE(sample + row + i);
   }
 #if GATHER_RADIANCE && PACKED
   const uint first = FACING_ALL ? RADIANCE_PLANE : HBIL_PACKED_NORMAL;
-  for (int i = 0; i < 2 * strip; i += 16) {
+  for (int i = 0; i < 2 * span; i += 16) {
 #pragma unroll
     for (uint p = first; p < SPLIT_PLANES; ++p)
       FETCH_LINE(sample + p * plane + i);
@@ -284,11 +284,11 @@ INLINE realv within(const center *c, realv w1, global const hbil_step *step,
  * stand for light that is unknown, whatever it sends itself. */
 INLINE bool brings_light(const march *m, global const float *sample, uint plane,
                          intv rises) {
-#if REFUSED_FRAME
+#if FALLBACK_FRAME_MEAN
   return true;
 #else
   intv light = shining(sample, plane);
-#if REFUSED_LAST
+#if FALLBACK_LAST_ACCEPTED
   light |= shone(&m->light);
 #endif
   return ANY(light & rises);
@@ -406,14 +406,15 @@ INLINE void add_light(const center *c, march *m, realv share,
     return;
   const realv accept = accepted(c, share, step, sample, plane, args);
 #if KEEP_FACTORS
-  const bool counts = ANY(REFUSED_LAST ? share >= 0.0f : share * accept > 0.0f);
+  const bool counts =
+      ANY(FALLBACK_LAST_ACCEPTED ? share >= 0.0f : share * accept > 0.0f);
 #endif
   /* what isn't seen has no share, and is not accepted */
   share = max(share, (realv)0.0f);
-#if REFUSED_FRAME
+#if FALLBACK_FRAME_MEAN
   m->unknown = fma(share, 1.0f - accept, m->unknown);
 #endif
-#if !REFUSED_LAST
+#if !FALLBACK_LAST_ACCEPTED
   share *= accept;
 #endif
   add_radiance(&m->light, share, accept, sample, plane);
@@ -424,7 +425,7 @@ INLINE void add_light(const center *c, march *m, realv share,
 }
 #endif
 
-#if MAY_BE_DARK && !REFUSED_FRAME
+#if MAY_BE_DARK && !FALLBACK_FRAME_MEAN
 /* Of a vector whose hits in a block bring no light the highest alone matters:
  * raises it, takes them off the list and returns how many are left on it. */
 INLINE uint leave_dark(const center *c, const cut *s, const side_of *h,
@@ -432,26 +433,26 @@ INLINE uint leave_dark(const center *c, const cut *s, const side_of *h,
                        global const hbil_step *steps, global const float *from,
                        uint plane, const hbil_gather_args args) {
   uint lit = 0u, dark = 0u, left = 0u;
-#if REFUSED_LAST
-  for (uint v = 0u; v < STRIP; ++v)
+#if FALLBACK_LAST_ACCEPTED
+  for (uint v = 0u; v < SPAN_VECTORS; ++v)
     if (ANY(shone(&m[v].light)))
       lit |= 1u << v;
 #endif
   for (uint i = 0u; i < hits; ++i) {
-    const uint entry = HIT(hit, i), v = entry % STRIP;
+    const uint entry = HIT(hit, i), v = entry % SPAN_VECTORS;
     if (!(lit >> v & 1u) &&
-        ANY(shining(from + v * HBIL_WIDTH + steps[entry / STRIP].offset,
+        ANY(shining(from + v * HBIL_WIDTH + steps[entry / SPAN_VECTORS].offset,
                     plane)))
       lit |= 1u << v;
   }
   for (uint i = 0u; i < hits; ++i) {
-    const uint entry = HIT(hit, i), v = entry % STRIP;
+    const uint entry = HIT(hit, i), v = entry % SPAN_VECTORS;
     if (lit >> v & 1u)
       hit[left++] = (uchar)entry;
     else
       dark |= 1u << v;
   }
-  for (uint v = 0u; v < STRIP; ++v)
+  for (uint v = 0u; v < SPAN_VECTORS; ++v)
     if (dark >> v & 1u)
       raise(&c[v], &s[v], &h[v], &m[v], top[v], steps, from, args, 0.0f);
   return left;
@@ -463,13 +464,13 @@ INLINE uint leave_dark(const center *c, const cut *s, const side_of *h,
 INLINE bool is_beyond(const hbil_gather_args args, global const hbil_step *step,
                       int x, int y, float reach) {
   const hbil_layer_args in = args.split;
-  const uint columns = (uint)in.width + (STRIP * HBIL_WIDTH - 1);
+  const uint columns = (uint)in.width + (SPAN_VECTORS * HBIL_WIDTH - 1);
 #if LIMITED && SKIP_RADIUS
   if (step->inv_e * reach < 1.0f)
     return true;
 #endif
   return (uint)(y + step->dy) >= (uint)in.height ||
-         (uint)(x + step->dx + (STRIP * HBIL_WIDTH - 1)) >= columns;
+         (uint)(x + step->dx + (SPAN_VECTORS * HBIL_WIDTH - 1)) >= columns;
 }
 
 /* How far a sample stands above the tangent plane. */
@@ -496,7 +497,8 @@ INLINE realv excess_of(const hbil_gather_args args, const center *c,
 INLINE int look(const hbil_gather_args args, const center *c,
                 global const hbil_step *steps, int count,
                 global const float *from, uint plane, int x, int y, float reach,
-                realv (*excess)[STRIP], uchar *hit, uint *hits, realv *top) {
+                realv (*excess)[SPAN_VECTORS], uchar *hit, uint *hits,
+                realv *top) {
   int k = 0;
   *hits = 0u;
   for (; k < count && !is_beyond(args, steps + k, x, y, reach); ++k) {
@@ -504,13 +506,13 @@ INLINE int look(const hbil_gather_args args, const center *c,
     global const float *sample = from + step->offset;
     fetch_early(sample, plane, args.split.row);
 #pragma unroll
-    for (int v = 0; v < STRIP; ++v) {
+    for (int v = 0; v < SPAN_VECTORS; ++v) {
       const realv e = excess_of(args, &c[v], step, sample + v * HBIL_WIDTH);
 #if SHARES || EXTRAPOLATE
       excess[k][v] = e;
 #endif
 #if SHARES
-      hit[*hits] = (uchar)(k * STRIP + v);
+      hit[*hits] = (uchar)(k * SPAN_VECTORS + v);
       *hits += ANY(e > top[v]);
 #endif
 #if !FINITE
@@ -534,7 +536,7 @@ INLINE void raise_to_highest(const hbil_gather_args args, const center *c,
     global const float *sample = from + step->offset;
     fetch_early(sample, 0u, args.split.row); /* without light or normals */
 #pragma unroll
-    for (int v = 0; v < STRIP; ++v) {
+    for (int v = 0; v < SPAN_VECTORS; ++v) {
       const realv e = excess_of(args, &c[v], step, sample + v * HBIL_WIDTH);
 #if EXTRAPOLATE
       if (step->halves & HBIL_HALF_EVEN)
@@ -545,7 +547,7 @@ INLINE void raise_to_highest(const hbil_gather_args args, const center *c,
       top[v] = max(top[v], e);
     }
   }
-  for (int v = 0; v < STRIP; ++v)
+  for (int v = 0; v < SPAN_VECTORS; ++v)
     if (ANY(top[v] > m[v].excess))
       raise(&c[v], &s[v], &h[v], &m[v], top[v], steps, from, args, 0.0f);
 }
@@ -570,7 +572,7 @@ INLINE center center_of(const hbil_gather_args args, global const float *here,
   c.nx = n[0];
   c.ny = n[1];
   c.nz = n[2];
-  c.own[0] = c.own[1] = c.own[2] = 0.0f; /* of strips that look for none */
+  c.own[0] = c.own[1] = c.own[2] = 0.0f; /* of spans that look for none */
   c.rx = ray_x(args.view, 4 * x + (layer & 3), 4);
   c.ry = ray_y(args.view, 4 * y + (layer >> 2));
   c.z = 1.0f / unit_of(c.w);
@@ -595,8 +597,8 @@ INLINE center center_of(const hbil_gather_args args, global const float *here,
   return c;
 }
 
-/* What a strip of pixels has in common. */
-typedef struct strip {
+/* What a span of pixels has in common. */
+typedef struct span {
   float nearest; /* largest inverse depth */
   /* the centre, and how far pixels are from it at most, in ray slope */
   float x, y, half_width;
@@ -607,36 +609,36 @@ typedef struct strip {
   float w, gx[2], gy[2], least_excess;
   /* more than roundings can have added to a plane's inverse depth */
   float rounding;
-} strip;
+} span;
 
 #if LIMITED
 /* Of the tile that holds layer pixel x, the largest inverse depth. */
 INLINE float nearest_of(const center *c, global const float *row, int x) {
-  row += x / HBIL_TILE * HBIL_TILE;
+  row += x / HBIL_SPAN * HBIL_SPAN;
   realv nearest = LOADV(row);
-  for (int i = HBIL_WIDTH; i < HBIL_TILE; i += HBIL_WIDTH)
+  for (int i = HBIL_WIDTH; i < HBIL_SPAN; i += HBIL_WIDTH)
     nearest = max(nearest, LOADV(row + i));
   return lanes_max(nearest);
 }
 #else
 INLINE float nearest_of(const center *c, global const float *row, int x) {
   realv nearest = c[0].w;
-  for (int v = 1; v < STRIP; ++v)
+  for (int v = 1; v < SPAN_VECTORS; ++v)
     nearest = max(nearest, c[v].w);
   return lanes_max(nearest);
 }
 #endif
 
-/* Where vector v of the strip lies in the picture's plane. */
+/* Where vector v of the span lies in the picture's plane. */
 INLINE realv place_of(const hbil_gather_args args, int x, int layer, int v) {
   return plane_x(args.view, 4 * (x + v * HBIL_WIDTH) + (layer & 3), 4);
 }
 
-INLINE strip strip_of(const hbil_gather_args args, float nearest, int x, int y,
-                      int layer) {
-  strip s;
+INLINE span span_of(const hbil_gather_args args, float nearest, int x, int y,
+                    int layer) {
+  span s;
   const float first = lanes_min(place_of(args, x, layer, 0));
-  const float last = lanes_max(place_of(args, x, layer, STRIP - 1));
+  const float last = lanes_max(place_of(args, x, layer, SPAN_VECTORS - 1));
   s.nearest = nearest;
   s.x = 0.5f * (first + last);
   s.y = plane_y(args.view, 4 * y + (layer >> 2));
@@ -654,16 +656,16 @@ INLINE strip strip_of(const hbil_gather_args args, float nearest, int x, int y,
 }
 
 #if SKIP_OPEN
-/* A plane is w_p + g.(q - r_p) at the ray q: from the strip's centre on the
+/* A plane is w_p + g.(q - r_p) at the ray q: from the span's centre on the
  * lowest of all is bounded by its value there and the ranges of g.  Four
  * roundings of 2^-24 make the value there, and each product with g has one,
  * over twice the image's width at most; no gradient, none of them. */
-INLINE void bound_planes(const hbil_gather_args args, const center *c, strip *s,
+INLINE void bound_planes(const hbil_gather_args args, const center *c, span *s,
                          int x, int layer) {
   const float most = HBIL_NOTHING;
   realv w = -most, least = -most, size = 0.0f;
   realv gx[2] = {-most, most}, gy[2] = {-most, most};
-  for (int v = 0; v < STRIP; ++v) {
+  for (int v = 0; v < SPAN_VECTORS; ++v) {
     const intv solid = c[v].w > SKY;
     const realv at = fma(c[v].gx, s->x - place_of(args, x, layer, v), c[v].w);
 #if ORTHOGRAPHIC
@@ -691,8 +693,8 @@ INLINE void bound_planes(const hbil_gather_args args, const center *c, strip *s,
 }
 
 /* Whether something in cell (i, j) of `size` pixels, the nearest of which is
- * `w`, may stand above a tangent plane of the strip. */
-INLINE bool may_rise(const hbil_gather_args args, const strip *s, int i, int j,
+ * `w`, may stand above a tangent plane of the span. */
+INLINE bool may_rise(const hbil_gather_args args, const span *s, int i, int j,
                      int size, float w) {
   const hbil_view_args v = args.view;
   const int right = min((i + 1) * size, v.width) - 1;
@@ -715,18 +717,18 @@ INLINE bool may_rise(const hbil_gather_args args, const strip *s, int i, int j,
 }
 
 /* Cell (i, j), as the bounds have it. */
-INLINE bool cell_may_rise(const hbil_gather_args args, const strip *s, int i,
+INLINE bool cell_may_rise(const hbil_gather_args args, const span *s, int i,
                           int j, global const uint *bounds) {
   const hbil_grid_args g = args.bounds.cell;
   const uint at = g.offset + 2u * (uint)(j * g.width + i);
   return may_rise(args, s, i, j, HBIL_CELL * HBIL_SIDE, as_float(bounds[at]));
 }
 
-/* Whether anything may stand above a tangent plane of the strip: its own cell,
+/* Whether anything may stand above a tangent plane of the span: its own cell,
  * which settles nearly all that is not even; the whole picture; its blocks,
- * from the strip's own on, since what is near stands out most, and the cells of
+ * from the span's own on, since what is near stands out most, and the cells of
  * those that fail. */
-INLINE bool any_may_rise(const hbil_gather_args args, const strip *s, int own_x,
+INLINE bool any_may_rise(const hbil_gather_args args, const span *s, int own_x,
                          int own_y, global const uint *bounds) {
   const hbil_bounds_args b = args.bounds;
   const int block = HBIL_CELL * HBIL_SIDE * HBIL_BLOCK;
@@ -755,13 +757,13 @@ INLINE bool any_may_rise(const hbil_gather_args args, const strip *s, int own_x,
 #endif
 
 #if SKIP_DARK && GATHER_RADIANCE
-/* The light in the reach of the strip at (x, y), which is in two cells and in
+/* The light in the reach of the span at (x, y), which is in two cells and in
  * one block; cells, or blocks where those are many. */
-INLINE lights light_in_reach(const hbil_gather_args args, const strip *s, int x,
+INLINE lights light_in_reach(const hbil_gather_args args, const span *s, int x,
                              int y, global const uint *bounds) {
   uint light = bounds[args.bounds.whole.offset + 1u];
   uint quadrants = HBIL_ALL_QUADRANTS;
-#if LIMITED && !REFUSED_FRAME
+#if LIMITED && !FALLBACK_FRAME_MEAN
   const hbil_view_args v = args.view;
   const float wide = (s->reach + s->half_width) * v.fx, high = s->reach * v.fy;
   const bool cells = max(wide, high) < (float)(HBIL_CELL * HBIL_SIDE * 2);
@@ -776,7 +778,7 @@ INLINE lights light_in_reach(const hbil_gather_args args, const strip *s, int x,
   const int y1 =
       convert_int(min((cy + high + 1.0f) / size, (float)(g.height - 1)));
   const int own = HBIL_CELL * (cells ? 1 : HBIL_BLOCK);
-  const int left = x / own, right = (x + STRIP * HBIL_WIDTH - 1) / own;
+  const int left = x / own, right = (x + SPAN_VECTORS * HBIL_WIDTH - 1) / own;
   light = quadrants = 0u;
   for (int j = y0; j <= y1; ++j)
     for (int i = x0; i <= x1; ++i) {
@@ -786,7 +788,7 @@ INLINE lights light_in_reach(const hbil_gather_args args, const strip *s, int x,
         quadrants |= hbil_quadrants(left, y / own, i, j) |
                      hbil_quadrants(right, y / own, i, j);
     }
-#elif !REFUSED_FRAME
+#elif !FALLBACK_FRAME_MEAN
   const int own = HBIL_CELL * HBIL_BLOCK;
   if (light & HBIL_SOME_DARK)
     quadrants = bounds[args.bounds.quadrants +
@@ -801,7 +803,7 @@ INLINE lights light_in_reach(const hbil_gather_args args, const strip *s, int x,
 #endif
 
 #if SKIP_UNUSED
-/* Whether the picture has a use for light at a pixel of this strip, or at one
+/* Whether the picture has a use for light at a pixel of this span, or at one
  * whose filter reads it: up to 2 pixels away.  split.cl writes `uses`, a word
  * for 4 HBIL_WIDTH pixels of a row. */
 INLINE bool is_used(const hbil_gather_args args, global const uint *uses, int x,
@@ -811,7 +813,7 @@ INLINE bool is_used(const hbil_gather_args args, global const uint *uses, int x,
   const int px = 4 * x + (layer & 3), py = 4 * y + (layer >> 2);
   const int first = max(px - 2, 0) / group;
   const int last =
-      min((px + 4 * (STRIP * HBIL_WIDTH - 1) + 2) / group, across - 1);
+      min((px + 4 * (SPAN_VECTORS * HBIL_WIDTH - 1) + 2) / group, across - 1);
   uint used = 0u;
   for (int j = max(py - 2, 0); j <= min(py + 2, args.view.height - 1); ++j)
     for (int i = first; i <= last; ++i)
@@ -895,7 +897,7 @@ INLINE void add_side(cut *s, const march *m, realv whole, realv more,
   s->red = fma(more, m->light.red, s->red);
   s->green = fma(more, m->light.green, s->green);
   s->blue = fma(more, m->light.blue, s->blue);
-#if REFUSED_FRAME
+#if FALLBACK_FRAME_MEAN
   s->unknown = fma(more, m->unknown, s->unknown);
 #endif
 #endif
@@ -920,7 +922,7 @@ INLINE void add_slice(total *t, const cut *s, float ux, float uy) {
   t->red = fma(s->jacobian, s->red, t->red);
   t->green = fma(s->jacobian, s->green, t->green);
   t->blue = fma(s->jacobian, s->blue, t->blue);
-#if REFUSED_FRAME
+#if FALLBACK_FRAME_MEAN
   t->unknown = fma(s->jacobian, s->unknown, t->unknown);
 #endif
 #endif
@@ -952,7 +954,7 @@ INLINE void store_light(const center *c, const total *t, intv untouched,
   value[HBIL_LIGHT_RED + 1] = t->green * scale;
   value[HBIL_LIGHT_RED + 2] = t->blue * scale;
 #endif
-#if REFUSED_FRAME
+#if FALLBACK_FRAME_MEAN
   value[HBIL_LIGHT_UNKNOWN] =
       select((realv)0.0f, t->unknown * inv_whole, taken);
 #endif
@@ -976,23 +978,23 @@ INLINE void store_light(const center *c, const total *t, intv untouched,
   store_gathered(value, layer, light, plane);
 }
 
-/* What the strip has no need of. */
-INLINE uint spared_of(const hbil_gather_args args, const center *c, strip *s,
+/* What the span has no need of. */
+INLINE uint spared_of(const hbil_gather_args args, const center *c, span *s,
                       bool solid, global const uint *bounds,
                       global const uint *uses, int x, int y, int layer,
                       lights *found) {
 #if SKIP_SKY
   if (!solid)
-    return HBIL_STRIP_SKY;
+    return HBIL_SPAN_SKY;
 #endif
 #if SKIP_UNUSED
   if (!is_used(args, uses, x, y, layer))
-    return HBIL_STRIP_UNUSED;
+    return HBIL_SPAN_UNUSED;
 #endif
 #if SKIP_OPEN
   bound_planes(args, c, s, x, layer);
   if (!any_may_rise(args, s, x / HBIL_CELL, y / HBIL_CELL, bounds))
-    return HBIL_STRIP_OPEN;
+    return HBIL_SPAN_OPEN;
 #endif
 #if SKIP_DARK && GATHER_RADIANCE
   if (ADAPTIVE && args.dark)
@@ -1000,13 +1002,13 @@ INLINE uint spared_of(const hbil_gather_args args, const center *c, strip *s,
   else
     *found = light_in_reach(args, s, x, y, bounds);
 #endif
-  return found->how_much == LIGHT_NONE ? HBIL_STRIP_DARK : 0u;
+  return found->how_much == LIGHT_NONE ? HBIL_SPAN_DARK : 0u;
 }
 
-/* Pixels of the strip that show no surface. */
+/* Pixels of the span that show no surface. */
 INLINE uint count_sky(const center *c) {
   uint sky = 0u;
-  for (int v = 0; v < STRIP; ++v) {
+  for (int v = 0; v < SPAN_VECTORS; ++v) {
     float lane[HBIL_WIDTH];
     STOREV(c[v].w, lane);
     for (int i = 0; i < HBIL_WIDTH; ++i)
@@ -1016,18 +1018,18 @@ INLINE uint count_sky(const center *c) {
 }
 
 #if ADAPTIVE
-/* Where the launch's strip lies whose place in the row of those that are
+/* Where the launch's span lies whose place in the row of those that are
  * measured is x; false where there is none, or nothing to measure any more. */
-INLINE bool measured_strip(const hbil_gather_args args,
-                           global const uint *tried, int *x, int *y) {
-  const int tile = *x / HBIL_TILE, within = *x % HBIL_TILE;
+INLINE bool measured_span(const hbil_gather_args args, global const uint *tried,
+                          int *x, int *y) {
+  const int tile = *x / HBIL_SPAN, within = *x % HBIL_SPAN;
   const int measures = args.measures;
   if (tile >= args.tiles || *y > 0 ||
       (measures < HBIL_MOST_RUNGS && good_rung(tried, measures) < measures))
     return false;
-  hbil_measured_tile(tile, args.tiles, hbil_tiles(args.split.width),
+  hbil_measured_tile(tile, args.tiles, hbil_spans(args.split.width),
                      args.split.height, x, y);
-  *x = *x * HBIL_TILE + within;
+  *x = *x * HBIL_SPAN + within;
   return true;
 }
 #endif
@@ -1035,7 +1037,7 @@ INLINE bool measured_strip(const hbil_gather_args args,
 kernel void gather(const hbil_gather_args args, global const float *split,
                    global const hbil_step *steps, global float *light,
                    global const uint *bounds, global const uint *uses,
-                   global uchar *strips, global const uint *flags,
+                   global uchar *spans, global const uint *flags,
                    const int still, global const hbil_rung *ladder,
                    global const uint *tried
 #if KEEP_FACTORS
@@ -1044,14 +1046,14 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #endif
 ) {
   const hbil_layer_args in = args.split;
-  int x = (int)get_global_id(0) * (STRIP * HBIL_WIDTH);
+  int x = (int)get_global_id(0) * (SPAN_VECTORS * HBIL_WIDTH);
   int y = (int)get_global_id(1);
   const int layer = (int)get_global_id(2);
 #if ADAPTIVE
   int chosen = args.measures;
   if (chosen < 0)
     chosen = good_rung(tried, args.rungs - 1);
-  else if (!measured_strip(args, tried, &x, &y))
+  else if (!measured_span(args, tried, &x, &y))
     return;
 #endif
   if (x >= in.width || y >= in.height || (still && !flags[HBIL_FLAG_CHANGED]))
@@ -1077,10 +1079,10 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   steps += (uint)layer * pattern;
   const float dither = ((float)hbil_shift_slot(layer) + 0.5f) / 16.0f;
 
-  center c[STRIP];
-  total t[STRIP];
-  intv solid = 0, sky = 0, untouched[STRIP];
-  for (int v = 0; v < STRIP; ++v) {
+  center c[SPAN_VECTORS];
+  total t[SPAN_VECTORS];
+  intv solid = 0, sky = 0, untouched[SPAN_VECTORS];
+  for (int v = 0; v < SPAN_VECTORS; ++v) {
     const total nothing = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f,
                            0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
     c[v] = center_of(args, here + v * HBIL_WIDTH, x + v * HBIL_WIDTH, y, layer);
@@ -1090,7 +1092,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     sky |= c[v].w <= SKY;
   }
   const float nearest = nearest_of(c, split + at, x);
-  strip whole = strip_of(args, nearest, x, y, layer);
+  span whole = span_of(args, nearest, x, y, layer);
 #if LIMITED
   steps += (uint)(hbil_level(args.reach,
                              ORTHOGRAPHIC ? args.radius : args.radius * nearest,
@@ -1108,45 +1110,46 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #if MAY_BE_DARK
   const uint lit = light_here == LIGHT_NONE ? 0u : light_found.quadrants;
 #endif
-  /* for hbil_plan_skipped() */
-  const uint strip_x = (uint)(x / (STRIP * HBIL_WIDTH));
-  const uint place = (uint)(layer * in.height + y) * args.strips + strip_x;
-  factors kept[STRIP];
+  /* for hbil_plan_statistics() */
+  const uint span_x = (uint)(x / (SPAN_VECTORS * HBIL_WIDTH));
+  const uint place = (uint)(layer * in.height + y) * args.spans + span_x;
+  factors kept[SPAN_VECTORS];
 #if KEEP_FACTORS
-  for (uint v = 0u; v < STRIP; ++v)
-    kept[v] = factors_of(
-        factor_args, all_kept,
-        first_vector(factor_args, args.strips, layer, y, strip_x) + v);
+  for (uint v = 0u; v < SPAN_VECTORS; ++v)
+    kept[v] =
+        factors_of(factor_args, all_kept,
+                   first_vector(factor_args, args.spans, layer, y, span_x) + v);
 #endif
-  strips += place;
-  strips[0] = (uchar)spared;
-  strips[(uint)(HBIL_LAYERS * in.height) * args.strips] =
+  spans += place;
+  spans[0] = (uchar)spared;
+  spans[(uint)(HBIL_LAYERS * in.height) * args.spans] =
       (uchar)(ANY(sky) ? count_sky(c) : 0u);
-  const int spares_all = spared & ~HBIL_STRIP_DARK;
-#if GATHER_RADIANCE && REFUSED_LAST
+  const int spares_all = spared & ~HBIL_SPAN_DARK;
+#if GATHER_RADIANCE && FALLBACK_LAST_ACCEPTED
   if (!spares_all)
-    for (int v = 0; v < STRIP; ++v)
+    for (int v = 0; v < SPAN_VECTORS; ++v)
       split_radiance(here + v * HBIL_WIDTH, in.plane, c[v].own);
 #endif
 #if WEIGHT_PLANE
   /* the slice is weighed all the same, where there is a surface */
-  const int slices = spares_all & HBIL_STRIP_SKY ? 0 : all_slices;
+  const int slices = spares_all & HBIL_SPAN_SKY ? 0 : all_slices;
   const int looked_at = spares_all ? 0 : samples;
 #else
   const int slices = spares_all ? 0 : all_slices, looked_at = samples;
 #endif
   for (int slice = 0; slice < slices; ++slice) {
     const float ux = steps->ux, uy = steps->uy;
-    cut s[STRIP];
-    march m[STRIP];
-    for (int v = 0; v < STRIP; ++v) {
+    cut s[SPAN_VECTORS];
+    march m[SPAN_VECTORS];
+    for (int v = 0; v < SPAN_VECTORS; ++v) {
       s[v] = cut_of(&c[v], ux, uy);
     }
     for (int side = 0; side < 2; ++side) {
-      side_of half_slice[STRIP];
-      realv top[STRIP];
-      realv even[STRIP], odd[STRIP]; /* the highest of every other sample */
-      for (int v = 0; v < STRIP; ++v) {
+      side_of half_slice[SPAN_VECTORS];
+      realv top[SPAN_VECTORS];
+      realv even[SPAN_VECTORS],
+          odd[SPAN_VECTORS]; /* the highest of every other sample */
+      for (int v = 0; v < SPAN_VECTORS; ++v) {
         side_of *h = &half_slice[v];
         h->nx = side ? -s[v].nx : s[v].nx;
         h->cot_tangent = side ? -s[v].cot : s[v].cot;
@@ -1180,7 +1183,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       }
       ++steps;
 #if KEEP_FACTORS
-      for (int v = 0; v < STRIP; ++v)
+      for (int v = 0; v < SPAN_VECTORS; ++v)
         begin_list(&kept[v]);
 #endif
       int first = 0;
@@ -1194,8 +1197,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
       }
 #endif
       for (; first < looked_at; first += BLOCK) {
-        realv excess[BLOCK][STRIP];
-        uchar hit[BLOCK * STRIP];
+        realv excess[BLOCK][SPAN_VECTORS];
+        uchar hit[BLOCK * SPAN_VECTORS];
         uint hits;
         const int count = min(BLOCK, looked_at - first);
         const int k = look(args, c, steps + first, count, from, plane, x, y,
@@ -1203,7 +1206,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #if EXTRAPOLATE && !FINITE
         for (int i = 0; i < k; ++i) {
           const int halves = steps[first + i].halves;
-          for (int v = 0; v < STRIP; ++v) {
+          for (int v = 0; v < SPAN_VECTORS; ++v) {
             if (halves & HBIL_HALF_EVEN)
               even[v] = max(even[v], excess[i][v]);
             if (halves & HBIL_HALF_ODD)
@@ -1212,18 +1215,18 @@ kernel void gather(const hbil_gather_args args, global const float *split,
         }
 #endif
 #if SHARES
-#if MAY_BE_DARK && !REFUSED_FRAME
+#if MAY_BE_DARK && !FALLBACK_FRAME_MEAN
         if (light_here == LIGHT_SOME)
           hits = leave_dark(c, s, half_slice, m, top, hit, hits, steps + first,
                             from, plane, args);
 #endif
         for (uint i = 0u; i < hits; ++i) {
-          const uint entry = HIT(hit, i), v = entry % STRIP;
-          global const hbil_step *step = steps + first + entry / STRIP;
+          const uint entry = HIT(hit, i), v = entry % SPAN_VECTORS;
+          global const hbil_step *step = steps + first + entry / SPAN_VECTORS;
           global const float *there = from + v * HBIL_WIDTH + step->offset;
           const realv share =
               raise(&c[v], &s[v], &half_slice[v], &m[v],
-                    excess[entry / STRIP][v], step, there, args, dither);
+                    excess[entry / SPAN_VECTORS][v], step, there, args, dither);
 #if GATHER_RADIANCE
           /* what may be dark and is was looked at without a list */
           if (MAY_BE_DARK || light_here != LIGHT_NONE)
@@ -1238,7 +1241,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
           break;
       }
       steps += samples;
-      for (int v = 0; v < STRIP; ++v) {
+      for (int v = 0; v < SPAN_VECTORS; ++v) {
 #if !SHARES
         raise(&c[v], &s[v], &half_slice[v], &m[v], top[v], steps, from, args,
               dither);
@@ -1273,14 +1276,14 @@ kernel void gather(const hbil_gather_args args, global const float *split,
                  side ? -1.0f : 1.0f);
       }
     }
-    for (int v = 0; v < STRIP; ++v) {
+    for (int v = 0; v < SPAN_VECTORS; ++v) {
       add_slice(&t[v], &s[v], ux, uy);
 #if KEEP_FACTORS
       keep_factor(&kept[v], s[v].jacobian);
 #endif
     }
   }
-  for (int v = 0; v < STRIP; ++v)
+  for (int v = 0; v < SPAN_VECTORS; ++v)
     store_light(&c[v], &t[v], untouched[v], all_slices, layer,
                 light + v * HBIL_WIDTH, args.light.plane, &kept[v]);
 }

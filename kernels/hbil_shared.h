@@ -39,7 +39,7 @@ typedef cl_float hbil_float;
  * takes together on CPUs, and the padding left and right of each layer row: a
  * load of that many which begins anywhere in [-32, width rounded up to 32]
  * stays inside the row. */
-#define HBIL_TILE 32
+#define HBIL_SPAN 32
 
 /* Rows that a work-item of recompose takes on CPUs; a multiple of 4. */
 #define HBIL_RECOMPOSE_ROWS 16
@@ -146,13 +146,13 @@ enum { HBIL_HISTORY_W = 0, HBIL_HISTORY_RED = 1, HBIL_HISTORY_PLANES = 4 };
 enum { HBIL_CARRIED_RED = 0, HBIL_CARRIED_WEIGHT = 3, HBIL_CARRIED_PLANES = 4 };
 
 /* What the temporal filter keeps of a frame: what a pixel shows, the number of
- * frames it is the mean of (0: none), and from HBIL_KEPT_LIGHT on the light
+ * frames it is the mean of (0: none), and from HBIL_TEMPORAL_LIGHT on the light
  * planes.  The normal is a word of 2 x 16 bits as in packed planes. */
 enum {
-  HBIL_KEPT_W = 0,
-  HBIL_KEPT_NORMAL = 1,
-  HBIL_KEPT_FRAMES = 2,
-  HBIL_KEPT_LIGHT = 3
+  HBIL_TEMPORAL_W = 0,
+  HBIL_TEMPORAL_NORMAL = 1,
+  HBIL_TEMPORAL_FRAMES = 2,
+  HBIL_TEMPORAL_LIGHT = 3
 };
 
 /* The estimate of unseen light (estimate.cl), and its weight beside what a
@@ -163,9 +163,9 @@ enum {
 enum { HBIL_ESTIMATE_SIZE = 36, HBIL_ESTIMATE_PARTS = 64 };
 
 /* A caller's image, in components. */
-typedef struct hbil_image_args {
+typedef struct hbil_external_plane_args {
   hbil_uint offset, row, plane, unused;
-} hbil_image_args;
+} hbil_external_plane_args;
 
 /* Camera and size.  fx, fy: pixels to one unit of the picture's plane, which is
  * one of ray slope; orthographic, a world unit. */
@@ -201,10 +201,10 @@ typedef struct hbil_chain_args {
 
 /* A layered set of planes, in floats.  width, height: of a layer.  A row of the
  * image is contiguous, with its four layers one after the other, and in each
- * layer its planes: what a filter reads around a pixel lies on few pages. span:
- * floats of a layer's row in one plane, padding included. */
+ * layer its planes: what a filter reads around a pixel lies on few pages.
+ * row_extent: floats of a layer's row in one plane, padding included. */
 typedef struct hbil_layer_args {
-  hbil_uint plane, layer, row, origin, span;
+  hbil_uint plane, layer, row, origin, row_extent;
   hbil_int width, height;
 } hbil_layer_args;
 
@@ -231,16 +231,16 @@ enum {
 };
 
 /* Words of the plan's counts: pixels of a frame whose input could not be used
- * as it was (hbil_plan_repaired()).  The first is written by reproject; then
+ * as it was (hbil_plan_sanitized()).  The first is written by reproject; then
  * come those of split; then those of what split has no use for, by composite.
  */
 enum {
-  HBIL_REPAIRED_MOTION = 0,
-  HBIL_REPAIRED_DEPTH = 1,
-  HBIL_REPAIRED_NORMAL = 2,
-  HBIL_REPAIRED_SURFACE = 3, /* HBIL_SURFACE_ on */
-  HBIL_REPAIRED_LATE = 7,    /* the same */
-  HBIL_REPAIRED_WORDS = 11
+  HBIL_SANITIZED_MOTION = 0,
+  HBIL_SANITIZED_DEPTH = 1,
+  HBIL_SANITIZED_NORMAL = 2,
+  HBIL_SANITIZED_SURFACE = 3, /* HBIL_SURFACE_ on */
+  HBIL_SANITIZED_LATE = 7,    /* the same */
+  HBIL_SANITIZED_WORDS = 11
 };
 enum {
   HBIL_SURFACE_ALBEDO = 0,
@@ -295,17 +295,17 @@ static inline hbil_uint hbil_quadrants(hbil_int x, hbil_int y, hbil_int i,
 }
 #define HBIL_ALL_QUADRANTS 15u
 
-/* What a strip of the gather had no need of, as bits of a byte, the values of
+/* What a span of the gather had no need of, as bits of a byte, the values of
  * hbil_skip; so many bytes lie behind them with the number of sky pixels. */
 enum {
-  HBIL_STRIP_SKY = 1,
-  HBIL_STRIP_OPEN = 2,
-  HBIL_STRIP_DARK = 4,
-  HBIL_STRIP_UNUSED = 8
+  HBIL_SPAN_SKY = 1,
+  HBIL_SPAN_OPEN = 2,
+  HBIL_SPAN_DARK = 4,
+  HBIL_SPAN_UNUSED = 8
 };
 
 /*
- * Adaptive sampling (judge.cl): of a few tiles, HBIL_TILE pixels of a layer row
+ * Adaptive sampling (judge.cl): of a few tiles, HBIL_SPAN pixels of a layer row
  * in all layers each, it is measured how far fewer samples are off from many.
  * The first number that is good enough, a rung of a ladder, is the frame's.
  */
@@ -334,7 +334,7 @@ static inline hbil_int hbil_good_enough(hbil_uint beyond, hbil_uint pixels) {
 
 /* The limits: of AO, of E_near over its mean. */
 typedef struct hbil_limit_args {
-  hbil_float ao, near_light;
+  hbil_float ao, near_irradiance;
 } hbil_limit_args;
 
 /* What judging a rung takes; the ruler has no limit. */
@@ -348,7 +348,7 @@ typedef struct hbil_judge_args {
  * (2, 2), whose neighbours in the block are the most of those around. */
 enum { HBIL_JUDGED = 2 };
 
-/* Of each tile, what the ruler says of those: planes of HBIL_TILE blocks each;
+/* Of each tile, what the ruler says of those: planes of HBIL_SPAN blocks each;
  * behind all of them of each tile the sum of E_near and the number of its
  * values. */
 enum {
@@ -358,8 +358,8 @@ enum {
 };
 
 /* Tiles of a layer row that many pixels wide. */
-static inline hbil_int hbil_tiles(hbil_int width) {
-  return (width + HBIL_TILE - 1) / HBIL_TILE;
+static inline hbil_int hbil_spans(hbil_int width) {
+  return (width + HBIL_SPAN - 1) / HBIL_SPAN;
 }
 
 /* Column and row of tile i of so many that are measured: evenly down the
@@ -390,7 +390,7 @@ typedef struct hbil_gather_args {
   hbil_float longest; /* length of the longest ray, to a corner; orthographic:
                          of the way there in the picture's plane */
   hbil_bounds_args bounds;
-  hbil_uint strips;         /* of a layer's row */
+  hbil_uint spans;          /* of a layer's row */
   hbil_int slices, samples; /* hbil_config's */
   /* adaptive: rungs to choose from, tiles that are measured, and the rung that
    * this launch measures them with; below 0: it takes the rung that is good
@@ -399,9 +399,9 @@ typedef struct hbil_gather_args {
   hbil_int dark; /* the same: it measures AO alone, so light is left out */
 } hbil_gather_args;
 
-/* Form factors (factors.clh): rows of a layer, from the first on, that they are
- * kept of; vectors of pixels in those of all layers; of each pixel, factors at
- * most; of each vector, entries at most. */
+/* Form factors (horizon_cache.clh): rows of a layer, from the first on, that
+ * they are kept of; vectors of pixels in those of all layers; of each pixel,
+ * factors at most; of each vector, entries at most. */
 typedef struct hbil_factor_args {
   hbil_uint rows, vectors, factors, entries;
 } hbil_factor_args;
@@ -535,7 +535,7 @@ static inline void hbil_sample_offset(hbil_int layer, hbil_int k,
 }
 
 /* Pixels that an offset spans along its longer axis. */
-static inline hbil_int hbil_span(hbil_int x, hbil_int y) {
+static inline hbil_int hbil_offset_length(hbil_int x, hbil_int y) {
   /* absolute values of floats: those of ints are an intrinsic that oclgrind
    * doesn't know */
   x = (hbil_int)HBIL_FABS((hbil_float)x);
@@ -544,8 +544,8 @@ static inline hbil_int hbil_span(hbil_int x, hbil_int y) {
 }
 
 /*
- * The halves that sample k belongs to; before, after: hbil_span() of the
- * samples on either side of it, 0 before the first, its own after the last.
+ * The halves that sample k belongs to; before, after: hbil_offset_length() of
+ * the samples on either side of it, 0 before the first, its own after the last.
  * What its half would miss without it is extrapolated to the share of the
  * pixels around it that no sample meets: where every pixel is met there is
  * nothing to extrapolate, and the sample is in both.  In between, so is that

@@ -25,7 +25,7 @@
 #endif
 
 /* Values of a tile in the ruler. */
-#define RULER_TILE (HBIL_JUDGED * HBIL_RULER_PLANES * HBIL_TILE)
+#define RULER_TILE (HBIL_JUDGED * HBIL_RULER_PLANES * HBIL_SPAN)
 
 /* The pixels (at, at) of a vector of blocks, filtered with their blocks;
  * returns 1 where they show a surface. */
@@ -78,23 +78,23 @@ kernel void judge_ruler(const hbil_judge_args args, const hbil_view_args view,
     for (int i = 0; i < HBIL_MOST_RUNGS * HBIL_TRIED; ++i)
       tried[i] = 0u;
   int column, y;
-  hbil_measured_tile(tile, tiles, hbil_tiles(args.in.width), args.in.height,
+  hbil_measured_tile(tile, tiles, hbil_spans(args.in.width), args.in.height,
                      &column, &y);
   global float *own = ruler + (uint)(tile * RULER_TILE);
-  realv near_light = 0.0f, shown = 0.0f;
+  realv near_irradiance = 0.0f, shown = 0.0f;
   for (int k = 0; k < HBIL_JUDGED; ++k)
-    for (int x = 0; x < HBIL_TILE; x += HBIL_WIDTH) {
+    for (int x = 0; x < HBIL_SPAN; x += HBIL_WIDTH) {
       realv mean[HBIL_RULER_PLANES];
       const realv count = filtered(args, view, split, light, 1 + k,
-                                   column * HBIL_TILE + x, y, mean);
+                                   column * HBIL_SPAN + x, y, mean);
       for (int p = 0; p < JUDGED_PLANES; ++p)
-        STOREV(mean[p], own + (k * HBIL_RULER_PLANES + p) * HBIL_TILE + x);
+        STOREV(mean[p], own + (k * HBIL_RULER_PLANES + p) * HBIL_SPAN + x);
       for (int p = HBIL_RULER_RED; p < JUDGED_PLANES; ++p)
-        near_light = fma(count, mean[p], near_light);
+        near_irradiance = fma(count, mean[p], near_irradiance);
       shown += count;
     }
   ruler += (uint)(tiles * RULER_TILE + 2 * tile);
-  ruler[0] = lanes_sum(near_light);
+  ruler[0] = lanes_sum(near_irradiance);
   ruler[1] = 3.0f * lanes_sum(shown);
 }
 
@@ -109,27 +109,28 @@ kernel void judge_rung(const hbil_judge_args args, const hbil_view_args view,
       good_rung(tried, args.rung) < args.rung)
     return;
   global const float *sums = ruler + (uint)(tiles * RULER_TILE);
-  float near_light = 0.0f, values = 0.0f;
+  float near_irradiance = 0.0f, values = 0.0f;
   for (int i = 0; i < tiles; ++i) {
-    near_light += sums[2 * i];
+    near_irradiance += sums[2 * i];
     values += sums[2 * i + 1];
   }
   /* 1: where there is no light, nothing is off */
-  const float most = args.limit.near_light * near_light / max(values, 1.0f);
+  const float most =
+      args.limit.near_irradiance * near_irradiance / max(values, 1.0f);
   int column, y;
-  hbil_measured_tile(tile, tiles, hbil_tiles(args.in.width), args.in.height,
+  hbil_measured_tile(tile, tiles, hbil_spans(args.in.width), args.in.height,
                      &column, &y);
   global const float *own = ruler + (uint)(tile * RULER_TILE);
   realv beyond = 0.0f, pixels = 0.0f;
   for (int k = 0; k < HBIL_JUDGED; ++k)
-    for (int x = 0; x < HBIL_TILE; x += HBIL_WIDTH) {
+    for (int x = 0; x < HBIL_SPAN; x += HBIL_WIDTH) {
       realv mean[HBIL_RULER_PLANES];
       const realv count = filtered(args, view, split, light, 1 + k,
-                                   column * HBIL_TILE + x, y, mean);
-      global const float *right = own + k * HBIL_RULER_PLANES * HBIL_TILE + x;
+                                   column * HBIL_SPAN + x, y, mean);
+      global const float *right = own + k * HBIL_RULER_PLANES * HBIL_SPAN + x;
       intv off = fabs(mean[HBIL_RULER_AO] - LOADV(right)) > args.limit.ao;
       for (int p = HBIL_RULER_RED; p < JUDGED_PLANES; ++p)
-        off |= fabs(mean[p] - LOADV(right + p * HBIL_TILE)) > most;
+        off |= fabs(mean[p] - LOADV(right + p * HBIL_SPAN)) > most;
       beyond += select((realv)0.0f, count, off);
       pixels += count;
     }

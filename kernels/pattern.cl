@@ -51,9 +51,9 @@ kernel void make_pattern(const hbil_view_args view,
     step.ux = step.ex * step.inv_e;
     step.uy = step.ey * step.inv_e;
     step.halves = hbil_sample_halves(layer, k, pattern.samples, before,
-                                     hbil_span(next_x, next_y));
+                                     hbil_offset_length(next_x, next_y));
     steps[k] = step;
-    before = hbil_span(x, y);
+    before = hbil_offset_length(x, y);
     x = next_x;
     y = next_y;
   }

@@ -17,13 +17,13 @@
  * (hbil_config.error).
  *
  * Builds: ORTHOGRAPHIC, RAW (only undo the split), GATHER_RADIANCE,
- * GATHER_BENT, REFUSED_FRAME, STORAGE, OUT_ERROR, ERROR_PLANE (where errors
- * follow the light), WEIGHT_PLANE (where weights of slices are, or 0), ADAPTIVE
- * (the rung is chosen that errors are of). Launch: x =
- * groups of 4 pixels of a row, y = rows; where HBIL_WIDTH is more than 1, x =
- * groups of 4*HBIL_TILE pixels, y = HBIL_RECOMPOSE_ROWS rows. In: split planes
- * (guides), light planes.  Out: light planes, full resolution; the bent normal
- * of unit length or 0.
+ * GATHER_BENT, FALLBACK_FRAME_MEAN, STORAGE, OUT_ERROR, ERROR_PLANE (where
+ * errors follow the light), WEIGHT_PLANE (where weights of slices are, or 0),
+ * ADAPTIVE (the rung is chosen that errors are of). Launch: x = groups of 4
+ * pixels of a row, y = rows; where HBIL_WIDTH is more than 1, x = groups of
+ * 4*HBIL_SPAN pixels, y = HBIL_RECOMPOSE_ROWS rows. In: split planes (guides),
+ * light planes.  Out: light planes, full resolution; the bent normal of unit
+ * length or 0.
  */
 
 #define PI 3.14159265f
@@ -37,7 +37,7 @@
 #define ROWS 1
 #define TAP_SPAN 1
 #else
-#define VECTORS (HBIL_TILE / HBIL_WIDTH)
+#define VECTORS (HBIL_SPAN / HBIL_WIDTH)
 #define ROWS HBIL_RECOMPOSE_ROWS
 /* a tile and a pixel more on either side, in whole vectors */
 #define TAP_SPAN ((VECTORS + 1) * HBIL_WIDTH)
@@ -48,7 +48,7 @@ enum {
   TAP_W = 0,
   TAP_NORMAL = 1, /* x, 2: y, 3: z */
   TAP_LIGHT = 4,
-#if REFUSED_FRAME
+#if FALLBACK_FRAME_MEAN
   TAP_WEIGHT = TAP_LIGHT + HBIL_LIGHT_UNKNOWN + 1,
 #else
   TAP_WEIGHT = TAP_LIGHT + HBIL_LIGHT_PLANES,
@@ -137,7 +137,7 @@ INLINE void add_squares(sums *s, const float *t, realv weight) {
 /* Once sums are means.  A difference of squares: what is below 2^-12 of the
  * mean is rounding. */
 INLINE void errors_of(const sums *s, const hbil_rung rung, realv *ao,
-                      realv *near_light) {
+                      realv *near_irradiance) {
   const realv inv_total = 1.0f / s->total, zero = 0.0f;
   const realv open = s->plane[HBIL_LIGHT_AO];
   *ao = rung.error_ao *
@@ -148,10 +148,10 @@ INLINE void errors_of(const sums *s, const hbil_rung rung, realv *ao,
   for (int p = HBIL_LIGHT_RED; p < HBIL_LIGHT_BENT; ++p)
     square = fma(-s->plane[p], s->plane[p], square);
 #endif
-  *near_light = rung.error_near * sqrt(max(square * (1.0f / 3.0f), zero));
+  *near_irradiance = rung.error_near * sqrt(max(square * (1.0f / 3.0f), zero));
   const intv sky = s->w <= SKY;
   *ao = select(*ao, zero, sky);
-  *near_light = select(*near_light, zero, sky);
+  *near_irradiance = select(*near_irradiance, zero, sky);
 }
 #endif
 
@@ -184,7 +184,7 @@ INLINE void add_tap(sums *s, const middle *m, const float *t, int i, int j,
   add_light(s, t, guide_weight(m, TAP(t, TAP_W), n, i, j) * share);
 }
 
-#if REFUSED_FRAME
+#if FALLBACK_FRAME_MEAN
 /* What faces away is lit by what the screen's surfaces send on average. */
 INLINE void fill_unknown(sums *s, global const float *estimate) {
   const realv unknown = s->plane[HBIL_LIGHT_UNKNOWN];
@@ -227,7 +227,7 @@ INLINE void mean(sums *s) {
 
 /* What is left to do then. */
 INLINE void finish(sums *s, global const float *estimate) {
-#if REFUSED_FRAME
+#if FALLBACK_FRAME_MEAN
   fill_unknown(s, estimate);
 #endif
 #if GATHER_BENT
@@ -319,12 +319,12 @@ INLINE void resolve(const hbil_view_args view, const hbil_layer_args in,
   for (int i = 0; i < 4; ++i)
     value[i] = filter(view, in, lit, split, light, rows, i, row, x, y);
 #if OUT_ERROR
-  realv ao[4], near_light[4];
+  realv ao[4], near_irradiance[4];
 #endif
   for (int i = 0; i < 4; ++i) {
     mean(&value[i]);
 #if OUT_ERROR
-    errors_of(&value[i], rung, &ao[i], &near_light[i]);
+    errors_of(&value[i], rung, &ao[i], &near_irradiance[i]);
 #endif
     finish(&value[i], estimate);
   }
@@ -332,7 +332,7 @@ INLINE void resolve(const hbil_view_args view, const hbil_layer_args in,
 #if OUT_ERROR
   store_columns(ao, to + ERROR_PLANE * out.plane);
 #if GATHER_RADIANCE
-  store_columns(near_light, to + (ERROR_PLANE + 1) * out.plane);
+  store_columns(near_irradiance, to + (ERROR_PLANE + 1) * out.plane);
 #endif
 #endif
 #define STORE_PLANE(p) store_plane(value, p, to + (p)*out.plane);

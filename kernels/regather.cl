@@ -1,12 +1,12 @@
 /*
  * regather: E_near of a frame in which nothing but light is new, of the form
- * factors that the gather has kept of the frame before (factors.clh).  AO, bent
- * normals and all else it has left stay.
+ * factors that the gather has kept of the frame before (horizon_cache.clh). AO,
+ * bent normals and all else it has left stay.
  *
- * Builds: GATHER_RADIANCE, REFUSED_LAST, EXTRAPOLATE, STORAGE.
+ * Builds: GATHER_RADIANCE, FALLBACK_LAST_ACCEPTED, EXTRAPOLATE, STORAGE.
  *
  * Launch: as the gather's, of the rows that form factors are kept of.
- * In: split planes, form factors, what strips were spared.  Out: E_near
+ * In: split planes, form factors, what spans were spared.  Out: E_near
  * in the light planes.
  */
 
@@ -21,7 +21,7 @@ INLINE shine half_slice(factors *kept, const realv own[3],
     NEXT_ENTRY(kept);
     const realv share = kept_factor(kept);
     realv accept = 1.0f;
-#if REFUSED_LAST
+#if FALLBACK_LAST_ACCEPTED
     accept = kept_factor(kept);
 #endif
     add_radiance(&s, share, accept, sample, plane);
@@ -41,30 +41,30 @@ INLINE void fetch_factors(factors kept, uint vectors, uint entries) {
 }
 
 kernel void regather(const hbil_gather_args args, global const float *split,
-                     global float *light, global const uchar *strips,
+                     global float *light, global const uchar *spans,
                      global const uint *flags,
                      const hbil_factor_args factor_args,
                      global float *all_kept) {
   const hbil_layer_args in = args.split;
-  const int x = (int)get_global_id(0) * (STRIP * HBIL_WIDTH);
+  const int x = (int)get_global_id(0) * (SPAN_VECTORS * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   const int layer = (int)get_global_id(2);
   if (x >= in.width || y >= (int)factor_args.rows || !flags[HBIL_FLAG_CHANGED])
     return;
-  const uint strip = (uint)(x / (STRIP * HBIL_WIDTH));
-  if (strips[(uint)(layer * in.height + y) * args.strips + strip])
+  const uint span = (uint)(x / (SPAN_VECTORS * HBIL_WIDTH));
+  if (spans[(uint)(layer * in.height + y) * args.spans + span])
     return;
-  const uint first = first_vector(factor_args, args.strips, layer, y, strip);
+  const uint first = first_vector(factor_args, args.spans, layer, y, span);
   split += (uint)y * in.row + (uint)x;
   light += (uint)layer * args.light.layer + args.light.origin +
            (uint)y * args.light.row + (uint)x;
-  for (uint v = 0u; v < STRIP; ++v) {
+  for (uint v = 0u; v < SPAN_VECTORS; ++v) {
     factors kept = factors_of(factor_args, all_kept, first + v);
     fetch_factors(factors_of(factor_args, all_kept, first + v + 2u),
                   factor_args.factors / 3u, factor_args.entries);
     global const float *from = split + v * HBIL_WIDTH;
     realv own[3] = {0.0f, 0.0f, 0.0f}, sum[3] = {0.0f, 0.0f, 0.0f};
-#if REFUSED_LAST
+#if FALLBACK_LAST_ACCEPTED
     split_radiance(from + (uint)layer * in.layer + in.origin, in.plane, own);
 #endif
     for (int slice = 0; slice < args.slices; ++slice) {

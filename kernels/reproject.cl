@@ -236,8 +236,9 @@ INLINE uintv winners(global const uint *nearest, uint pixels, uint at,
 #define FETCH_PARAMETERS                                                       \
   const hbil_view_args to, global const float *history, global float *carried, \
       const hbil_plane_args planes, global uint *nearest,                      \
-      global const void *depth_buffer, const hbil_image_args depth_image,      \
-      const float background, const float disocclusion, global uint *flags
+      global const void *depth_buffer,                                         \
+      const hbil_external_plane_args depth_image, const float background,      \
+      const float disocclusion, global uint *flags
 #define FETCH_ARGUMENTS                                                        \
   to, history, carried, planes, nearest, depth_buffer, depth_image,            \
       background, disocclusion, flags
@@ -355,14 +356,17 @@ INLINE realv blend(realv tap[HBIL_HISTORY_PLANES][4], const corners *four,
 }
 
 /* motion: from this view to the last frame's. */
-kernel void follow_motion(
-    const hbil_view_args view, const hbil_transform_args motion,
-    global const float *history, global float *carried,
-    const hbil_plane_args planes, global const void *depth_buffer,
-    const hbil_image_args depth_image, global const void *motion_buffer,
-    const hbil_image_args motion_image, const float scale_x,
-    const float scale_y, const float background, const float disocclusion,
-    global uint *flags, volatile global uint *repaired) {
+kernel void follow_motion(const hbil_view_args view,
+                          const hbil_transform_args motion,
+                          global const float *history, global float *carried,
+                          const hbil_plane_args planes,
+                          global const void *depth_buffer,
+                          const hbil_external_plane_args depth_image,
+                          global const void *motion_buffer,
+                          const hbil_external_plane_args motion_image,
+                          const float scale_x, const float scale_y,
+                          const float background, const float disocclusion,
+                          global uint *flags, volatile global uint *repaired) {
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= view.width || y >= view.height)
     return;
@@ -384,7 +388,7 @@ kernel void follow_motion(
   const intv sound = (fabs(mx) < INFINITY) & (fabs(my) < INFINITY);
   const intv wanting = (z > 0.0f) & !sound;
   if (ANY(wanting))
-    add_repaired(repaired + HBIL_REPAIRED_MOTION, count_lanes(wanting));
+    add_repaired(repaired + HBIL_SANITIZED_MOTION, count_lanes(wanting));
   const corners four =
       corners_about((TO_REALV(x + EACH_LANE) + 0.5f) + mx - 0.5f,
                     ((float)y + 0.5f) + my - 0.5f, (z > 0.0f) & (depth > 0.0f),

@@ -6,7 +6,7 @@
  * GATHER_RADIANCE (0: no radiance planes are written), GATHER_EMISSION,
  * SKIP_UNUSED (notes, a word for each work-item, where light has a use),
  * SKIP_OPEN, SKIP_DARK (notes what bounds.cl makes bounds of).
- * Counts what it could not use as it was (hbil_plan_repaired()).
+ * Counts what it could not use as it was (hbil_plan_sanitized()).
  * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows.
  */
 
@@ -14,8 +14,9 @@
 
 /* The input's normal in view space. */
 INLINE void view_normal(const hbil_transform_args to_view,
-                        global const void *buffer, const hbil_image_args image,
-                        int x, int y, int count, realv n[3]) {
+                        global const void *buffer,
+                        const hbil_external_plane_args image, int x, int y,
+                        int count, realv n[3]) {
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     n[c] = load_normal(buffer, image, x, y, c, count);
@@ -83,7 +84,7 @@ INLINE void facing_normal(realv n[3], realv rx, float ry, intv *sound) {
  * of red on; null where there is none. */
 typedef struct sources {
   global const void *albedo, *f0, *direct, *emission;
-  hbil_image_args albedo_image, f0_image, direct_image, emission_image;
+  hbil_external_plane_args albedo_image, f0_image, direct_image, emission_image;
   float direct_scale;
   global const float *light, *weight;
   uint plane;
@@ -144,10 +145,11 @@ INLINE void radiance_of(const sources *s, int x, int y, int count, uint at,
 INLINE void count_repaired(const hbil_view_args view,
                            const hbil_transform_args to_view,
                            const sources *from, global const void *depth_buffer,
-                           const hbil_image_args depth_image,
+                           const hbil_external_plane_args depth_image,
                            global const void *normal_buffer,
-                           const hbil_image_args normal_image, float background,
-                           int x0, int y, volatile global uint *repaired) {
+                           const hbil_external_plane_args normal_image,
+                           float background, int x0, int y,
+                           volatile global uint *repaired) {
   uint depths = 0u, normals = 0u, inputs[HBIL_SURFACE_INPUTS] = {0u};
   for (int x = x0; x < min(x0 + 4 * HBIL_WIDTH, view.width); x += HBIL_WIDTH) {
     const int count = view.width - x;
@@ -171,10 +173,10 @@ INLINE void count_repaired(const hbil_view_args view,
           (i == HBIL_SURFACE_EMISSION ? TRUE_LANES : solid) & !sound[i]);
 #endif
   }
-  add_repaired(repaired + HBIL_REPAIRED_DEPTH, depths);
-  add_repaired(repaired + HBIL_REPAIRED_NORMAL, normals);
+  add_repaired(repaired + HBIL_SANITIZED_DEPTH, depths);
+  add_repaired(repaired + HBIL_SANITIZED_NORMAL, normals);
   for (int i = 0; i < HBIL_SURFACE_INPUTS; ++i)
-    add_repaired(repaired + HBIL_REPAIRED_SURFACE + i, inputs[i]);
+    add_repaired(repaired + HBIL_SANITIZED_SURFACE + i, inputs[i]);
 }
 
 /* Where row y's layers have pixel x0 and those to its right. */
@@ -207,19 +209,24 @@ INLINE uint light_of(const realv w[4], realv value[][4]) {
 }
 #endif
 
-kernel void
-split(const hbil_view_args view, const hbil_transform_args to_view,
-      global float *layers, const hbil_layer_args layout,
-      global const float *carried, const hbil_plane_args planes,
-      const int has_history, const float background, const float direct_scale,
-      global const void *depth_buffer, const hbil_image_args depth_image,
-      global const void *normal_buffer, const hbil_image_args normal_image,
-      global const void *albedo_buffer, const hbil_image_args albedo_image,
-      global const void *f0_buffer, const hbil_image_args f0_image,
-      global const void *direct_buffer, const hbil_image_args direct_image,
-      global const void *emission_buffer, const hbil_image_args emission_image,
-      global uint *uses, volatile global uint *repaired,
-      const hbil_grid_args groups, global uint *bounds) {
+kernel void split(const hbil_view_args view, const hbil_transform_args to_view,
+                  global float *layers, const hbil_layer_args layout,
+                  global const float *carried, const hbil_plane_args planes,
+                  const int has_history, const float background,
+                  const float direct_scale, global const void *depth_buffer,
+                  const hbil_external_plane_args depth_image,
+                  global const void *normal_buffer,
+                  const hbil_external_plane_args normal_image,
+                  global const void *albedo_buffer,
+                  const hbil_external_plane_args albedo_image,
+                  global const void *f0_buffer,
+                  const hbil_external_plane_args f0_image,
+                  global const void *direct_buffer,
+                  const hbil_external_plane_args direct_image,
+                  global const void *emission_buffer,
+                  const hbil_external_plane_args emission_image,
+                  global uint *uses, volatile global uint *repaired,
+                  const hbil_grid_args groups, global uint *bounds) {
   const int x0 = (int)get_global_id(0) * (4 * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
@@ -317,18 +324,19 @@ split(const hbil_view_args view, const hbil_transform_args to_view,
  * nothing has moved, so `history` is this view's.  Raises HBIL_FLAG_CHANGED,
  * filled with 0, where anything differs from what is there already.
  */
-kernel void
-relight(const hbil_view_args view, global float *layers,
-        const hbil_layer_args layout, global const float *history,
-        const hbil_plane_args planes, const int has_history,
-        const float background, const float direct_scale,
-        global const void *depth_buffer, const hbil_image_args depth_image,
-        global const void *albedo_buffer, const hbil_image_args albedo_image,
-        global const void *f0_buffer, const hbil_image_args f0_image,
-        global const void *direct_buffer, const hbil_image_args direct_image,
-        global const void *emission_buffer,
-        const hbil_image_args emission_image, global uint *flags,
-        const hbil_grid_args groups, global uint *bounds) {
+kernel void relight(
+    const hbil_view_args view, global float *layers,
+    const hbil_layer_args layout, global const float *history,
+    const hbil_plane_args planes, const int has_history, const float background,
+    const float direct_scale, global const void *depth_buffer,
+    const hbil_external_plane_args depth_image,
+    global const void *albedo_buffer,
+    const hbil_external_plane_args albedo_image, global const void *f0_buffer,
+    const hbil_external_plane_args f0_image, global const void *direct_buffer,
+    const hbil_external_plane_args direct_image,
+    global const void *emission_buffer,
+    const hbil_external_plane_args emission_image, global uint *flags,
+    const hbil_grid_args groups, global uint *bounds) {
   const int x0 = (int)get_global_id(0) * (4 * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)

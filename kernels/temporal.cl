@@ -156,7 +156,7 @@ INLINE memory recall_from(const hbil_view_args before, const past *then,
 #endif
 #define LOAD_TAPS(p)                                                           \
   load_taps(kept + (p)*planes.plane, from, how, planes.row, tap);
-  LOAD_TAPS(HBIL_KEPT_W)
+  LOAD_TAPS(HBIL_TEMPORAL_W)
 #pragma unroll
   for (int t = 0; t < taps; ++t) {
     const int i = t & 1, j = t >> 1;
@@ -170,7 +170,7 @@ INLINE memory recall_from(const hbil_view_args before, const past *then,
     same[t] &= fabs(fma(tap[t], scale, -plane)) <= disocclusion * fabs(plane);
 #endif
   }
-  LOAD_TAPS(HBIL_KEPT_NORMAL)
+  LOAD_TAPS(HBIL_TEMPORAL_NORMAL)
 #pragma unroll
   for (int t = 0; t < taps; ++t) {
     realv n[3];
@@ -178,7 +178,7 @@ INLINE memory recall_from(const hbil_view_args before, const past *then,
     same[t] &= fma(n[0], then->n[0], fma(n[1], then->n[1], n[2] * then->n[2])) >
                1.0f - HBIL_TURN_TOLERANCE;
   }
-  LOAD_TAPS(HBIL_KEPT_FRAMES)
+  LOAD_TAPS(HBIL_TEMPORAL_FRAMES)
   m.frames = 0.0f;
 #pragma unroll
   for (int t = 0; t < taps; ++t) {
@@ -189,7 +189,7 @@ INLINE memory recall_from(const hbil_view_args before, const past *then,
   }
   realv size = 0.0f;
 #define RECALL(p)                                                              \
-  LOAD_TAPS(HBIL_KEPT_LIGHT + (p))                                             \
+  LOAD_TAPS(HBIL_TEMPORAL_LIGHT + (p))                                         \
   m.value[p] = 0.0f;                                                           \
   _Pragma("unroll") for (int t = 0; t < taps; ++t) m.value[p] =                \
       select(m.value[p], fma(four->weight[t], tap[t], m.value[p]), same[t]);   \
@@ -258,13 +258,13 @@ INLINE void blend(const memory *m, realv w, const realv n[3], intv solid,
   mean[p] = select(fresh[p], fma(fresh[p] - m->value[p], share, m->value[p]),  \
                    found);                                                     \
   size += fabs(mean[p]);                                                       \
-  STREAMV(mean[p], kept + (HBIL_KEPT_LIGHT + (p)) * planes.plane);
+  STREAMV(mean[p], kept + (HBIL_TEMPORAL_LIGHT + (p)) * planes.plane);
   EACH_RESOLVED(BLEND)
-  STREAMV(w, kept + HBIL_KEPT_W * planes.plane);
+  STREAMV(w, kept + HBIL_TEMPORAL_W * planes.plane);
   STREAMV(AS_REALV(AS_INTV(pack_normal(n[0], n[1], n[2]))),
-          kept + HBIL_KEPT_NORMAL * planes.plane);
+          kept + HBIL_TEMPORAL_NORMAL * planes.plane);
   STREAMV(select((realv)0.0f, frames, solid & (size < INFINITY)),
-          kept + HBIL_KEPT_FRAMES * planes.plane);
+          kept + HBIL_TEMPORAL_FRAMES * planes.plane);
 #if GATHER_BENT
   normalize_bent(mean);
 #endif
@@ -281,8 +281,9 @@ kernel void temporal(const hbil_view_args view, const hbil_view_args before,
                      const hbil_plane_args planes, const int has_before,
                      const float disocclusion, const float most,
                      global const void *motion_buffer,
-                     const hbil_image_args motion_image, const float scale_x,
-                     const float scale_y, volatile global uint *repaired) {
+                     const hbil_external_plane_args motion_image,
+                     const float scale_x, const float scale_y,
+                     volatile global uint *repaired) {
   const int x0 = (int)get_global_id(0) * 4 * HBIL_WIDTH;
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
@@ -308,7 +309,7 @@ kernel void temporal(const hbil_view_args view, const hbil_view_args before,
       my = load_motion(motion_buffer, motion_image, x, y, 1, count) * scale_y;
 #if !HISTORY
       /* else reproject has counted them */
-      add_repaired(repaired + HBIL_REPAIRED_MOTION,
+      add_repaired(repaired + HBIL_SANITIZED_MOTION,
                    count_lanes(solid & !((fabs(mx) < INFINITY) &
                                          (fabs(my) < INFINITY))));
 #endif

@@ -10,13 +10,13 @@
 /* The images each pass reads or writes, as bits. */
 #define BIT(image) (1u << (image))
 enum {
-  USES_REPROJECT = BIT(IMAGE_DEPTH) | BIT(IMAGE_MOTION),
-  USES_SURFACE = BIT(IMAGE_DEPTH) | BIT(IMAGE_ALBEDO) | BIT(IMAGE_F0) |
-                 BIT(IMAGE_DIRECT) | BIT(IMAGE_EMISSION),
-  USES_SPLIT = USES_SURFACE | BIT(IMAGE_NORMAL),
-  USES_OUTPUTS = BIT(IMAGE_NEAR) | BIT(IMAGE_FAR) | BIT(IMAGE_AO) |
-                 BIT(IMAGE_BENT) | BIT(IMAGE_CONE) | BIT(IMAGE_INDIRECT) |
-                 BIT(IMAGE_RADIANCE) | BIT(IMAGE_ERROR),
+  USES_REPROJECT = BIT(PLANE_DEPTH) | BIT(PLANE_MOTION),
+  USES_SURFACE = BIT(PLANE_DEPTH) | BIT(PLANE_ALBEDO) | BIT(PLANE_F0) |
+                 BIT(PLANE_DIRECT) | BIT(PLANE_EMISSION),
+  USES_SPLIT = USES_SURFACE | BIT(PLANE_NORMAL),
+  USES_OUTPUTS = BIT(PLANE_NEAR) | BIT(PLANE_FAR) | BIT(PLANE_AO) |
+                 BIT(PLANE_BENT) | BIT(PLANE_CONE) | BIT(PLANE_INDIRECT) |
+                 BIT(PLANE_BEAUTY) | BIT(PLANE_ERROR),
   USES_COMPOSITE = USES_SURFACE | USES_OUTPUTS,
   USES_FRAME = USES_REPROJECT | USES_SPLIT | USES_OUTPUTS
 };
@@ -26,7 +26,7 @@ static size_t component_size(hbil_component component) {
 }
 
 /* Pitches of an image with the defaults filled in, in bytes. */
-static void pitches(const hbil_plan *plan, int image, const hbil_image *given,
+static void pitches(const hbil_plan *plan, int image, const hbil_plane *given,
                     size_t *row, size_t *plane) {
   const size_t size =
       component_size(config_format(&plan->config, image)->component);
@@ -42,7 +42,7 @@ static size_t extent(const hbil_plan *plan, int image, size_t row,
   const size_t size =
       component_size(config_format(&plan->config, image)->component);
   const size_t stride = format_stride(&plan->config, image);
-  const size_t channels = image_kinds[image].channels;
+  const size_t channels = plane_kinds[image].channels;
   const size_t across = (plan->config.width - 1) * stride * size;
   const size_t deep =
       stride == 1 ? (channels - 1) * plane : (channels - 1) * size;
@@ -52,9 +52,9 @@ static size_t extent(const hbil_plan *plan, int image, size_t row,
 static hbil_status check_image(hbil_plan *plan, const hbil_frame *frame,
                                int image) {
   hbil_context *context = plan->context;
-  const char *name = image_kinds[image].name;
-  const hbil_image *given = frame_image(frame, image);
-  const hbil_format *format = config_format(&plan->config, image);
+  const char *name = plane_kinds[image].name;
+  const hbil_plane *given = frame_plane(frame, image);
+  const hbil_plane_format *format = config_format(&plan->config, image);
   if (format->component == HBIL_NONE)
     return given->buffer
                ? fail(context, HBIL_INVALID_FRAME,
@@ -112,16 +112,19 @@ static hbil_status check_environment(hbil_plan *plan, const hbil_frame *frame) {
 
 /* What can be seen of the caller's promise. */
 static hbil_status check_still(hbil_plan *plan, const hbil_frame *frame) {
-  if (!frame->still || !plan->has_last)
+  if (!frame->static_frame || !plan->has_last)
     return HBIL_SUCCESS;
   if (memcmp(&frame->camera, &plan->last_camera, sizeof frame->camera))
+    return fail(
+        plan->context, HBIL_INVALID_FRAME,
+        "static_frame: CL_TRUE, but camera is not that of the frame before");
+  if (frame->frame_index != plan->last_index &&
+      !plan->config.max_history_frames)
     return fail(plan->context, HBIL_INVALID_FRAME,
-                "still: CL_TRUE, but camera is not that of the frame before");
-  if (frame->index != plan->last_index && !plan->config.temporal)
-    return fail(plan->context, HBIL_INVALID_FRAME,
-                "still: CL_TRUE, but index is %u, that of the frame before was "
+                "static_frame: CL_TRUE, but frame_index is %u, that of the "
+                "frame before was "
                 "%u; one pattern is needed",
-                (unsigned)frame->index, (unsigned)plan->last_index);
+                (unsigned)frame->frame_index, (unsigned)plan->last_index);
   return HBIL_SUCCESS;
 }
 
@@ -132,7 +135,7 @@ static hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
     status = check_still(plan, frame);
   if (status == HBIL_SUCCESS)
     status = check_environment(plan, frame);
-  for (int i = 0; i < IMAGE_COUNT && status == HBIL_SUCCESS; ++i)
+  for (int i = 0; i < PLANE_COUNT && status == HBIL_SUCCESS; ++i)
     if (images & BIT(i))
       status = check_image(plan, frame, i);
   return status;
@@ -252,17 +255,17 @@ static size_t across(const hbil_plan *plan) {
 /* --- images as arguments --- */
 
 /* Absent images are a null buffer. */
-typedef struct bound_image {
+typedef struct bound_plane {
   cl_mem buffer;
-  hbil_image_args args;
-} bound_image;
+  hbil_external_plane_args args;
+} bound_plane;
 
-static bound_image bind(const hbil_plan *plan, const hbil_frame *frame,
+static bound_plane bind(const hbil_plan *plan, const hbil_frame *frame,
                         int image) {
-  bound_image bound;
+  bound_plane bound;
   memset(&bound, 0, sizeof bound);
-  const hbil_format *format = config_format(&plan->config, image);
-  const hbil_image *given = frame_image(frame, image);
+  const hbil_plane_format *format = config_format(&plan->config, image);
+  const hbil_plane *given = frame_plane(frame, image);
   if (format->component == HBIL_NONE)
     return bound;
   const size_t size = component_size(format->component);
@@ -277,7 +280,7 @@ static bound_image bind(const hbil_plan *plan, const hbil_frame *frame,
   return bound;
 }
 
-#define IMAGE_ARGS(bound) ARG((bound).buffer), ARG((bound).args)
+#define PLANE_ARGS(bound) ARG((bound).buffer), ARG((bound).args)
 
 /* --- the passes --- */
 
@@ -306,7 +309,7 @@ static hbil_status set_flag(commands *chain, int flag, cl_uint value) {
 
 /* Counts of what can't be used as it is start anew: `words` from `first` on. */
 static hbil_status clear_counts(commands *chain, int first, int words) {
-  return fill_part(chain, BUFFER_REPAIRED, 0, (size_t)first * sizeof(cl_uint),
+  return fill_part(chain, BUFFER_SANITIZED, 0, (size_t)first * sizeof(cl_uint),
                    (size_t)words * sizeof(cl_uint));
 }
 
@@ -314,7 +317,8 @@ static hbil_status clear_counts(commands *chain, int first, int words) {
 
 /* Whether this frame is the last one again but for its light. */
 static bool is_still(const hbil_plan *plan, const hbil_frame *frame) {
-  return frame->still && plan->has_last && plan->layout.skip & HBIL_SKIP_STILL;
+  return frame->static_frame && plan->has_last &&
+         plan->layout.skip & HBIL_SKIP_STILL;
 }
 
 /* Whether even its light is that of the last one: none is carried over. */
@@ -325,7 +329,7 @@ static bool is_same(const hbil_plan *plan, const hbil_frame *frame) {
 /* What the gather needs to know of that: with a filter over frames even one
  * that stands still is gathered anew, by another pattern. */
 static bool may_rest(const hbil_plan *plan, const hbil_frame *frame) {
-  return is_still(plan, frame) && !plan->config.temporal;
+  return is_still(plan, frame) && !plan->config.max_history_frames;
 }
 
 static hbil_status leave_out(commands *chain) {
@@ -344,15 +348,15 @@ static hbil_status scatter(commands *chain, const hbil_frame *frame) {
   const hbil_view_args to = camera_view(&frame->camera, &plan->config);
   const hbil_transform_args motion =
       camera_between(&plan->history_camera, &frame->camera);
-  const bound_image depth = bind(plan, frame, IMAGE_DEPTH);
+  const bound_plane depth = bind(plan, frame, PLANE_DEPTH);
 #define PROJECT                                                                \
   ARG(from), ARG(to), ARG(motion), ARG(plan->buffers[BUFFER_HISTORY]),         \
       ARG(plan->layout.planes)
 #define FETCH                                                                  \
   ARG(to), ARG(plan->buffers[BUFFER_HISTORY]),                                 \
       ARG(plan->buffers[BUFFER_CARRIED]), ARG(plan->layout.planes),            \
-      ARG(plan->buffers[BUFFER_NEAREST]), IMAGE_ARGS(depth),                   \
-      ARG(plan->config.background), ARG(plan->config.disocclusion),            \
+      ARG(plan->buffers[BUFFER_NEAREST]), PLANE_ARGS(depth),                   \
+      ARG(plan->config.sky_depth), ARG(plan->config.disocclusion_threshold),   \
       ARG(plan->buffers[BUFFER_FLAGS])
   const argument rows[] = {PROJECT, ARG(*runs),
                            ARG(plan->buffers[BUFFER_LANDING])};
@@ -384,22 +388,22 @@ static hbil_status follow_motion(commands *chain, const hbil_frame *frame) {
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
   const hbil_transform_args back =
       camera_between(&frame->camera, &plan->history_camera);
-  const bound_image depth = bind(plan, frame, IMAGE_DEPTH);
-  const bound_image motion = bind(plan, frame, IMAGE_MOTION);
+  const bound_plane depth = bind(plan, frame, PLANE_DEPTH);
+  const bound_plane motion = bind(plan, frame, PLANE_MOTION);
   const argument args[] = {ARG(view),
                            ARG(back),
                            ARG(plan->buffers[BUFFER_HISTORY]),
                            ARG(plan->buffers[BUFFER_CARRIED]),
                            ARG(plan->layout.planes),
-                           IMAGE_ARGS(depth),
-                           IMAGE_ARGS(motion),
+                           PLANE_ARGS(depth),
+                           PLANE_ARGS(motion),
                            ARG(plan->config.motion_scale[0]),
                            ARG(plan->config.motion_scale[1]),
-                           ARG(plan->config.background),
-                           ARG(plan->config.disocclusion),
+                           ARG(plan->config.sky_depth),
+                           ARG(plan->config.disocclusion_threshold),
                            ARG(plan->buffers[BUFFER_FLAGS]),
-                           ARG(plan->buffers[BUFFER_REPAIRED])};
-  const hbil_status status = clear_counts(chain, HBIL_REPAIRED_MOTION, 1);
+                           ARG(plan->buffers[BUFFER_SANITIZED])};
+  const hbil_status status = clear_counts(chain, HBIL_SANITIZED_MOTION, 1);
   return status == HBIL_SUCCESS ? LAUNCH(chain, KERNEL_FOLLOW_MOTION, args,
                                          across(plan), plan->config.height, 1)
                                 : status;
@@ -529,24 +533,24 @@ static hbil_status relight(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
   const cl_int has_history = plan->has_history;
-  const bound_image depth = bind(plan, frame, IMAGE_DEPTH);
-  const bound_image albedo = bind(plan, frame, IMAGE_ALBEDO);
-  const bound_image f0 = bind(plan, frame, IMAGE_F0);
-  const bound_image direct = bind(plan, frame, IMAGE_DIRECT);
-  const bound_image emission = bind(plan, frame, IMAGE_EMISSION);
+  const bound_plane depth = bind(plan, frame, PLANE_DEPTH);
+  const bound_plane albedo = bind(plan, frame, PLANE_ALBEDO);
+  const bound_plane f0 = bind(plan, frame, PLANE_F0);
+  const bound_plane direct = bind(plan, frame, PLANE_DIRECT);
+  const bound_plane emission = bind(plan, frame, PLANE_EMISSION);
   const argument args[] = {ARG(view),
                            ARG(plan->buffers[BUFFER_SPLIT]),
                            ARG(plan->layout.split),
                            ARG(plan->buffers[BUFFER_HISTORY]),
                            ARG(plan->layout.planes),
                            ARG(has_history),
-                           ARG(plan->config.background),
+                           ARG(plan->config.sky_depth),
                            ARG(plan->config.direct_scale),
-                           IMAGE_ARGS(depth),
-                           IMAGE_ARGS(albedo),
-                           IMAGE_ARGS(f0),
-                           IMAGE_ARGS(direct),
-                           IMAGE_ARGS(emission),
+                           PLANE_ARGS(depth),
+                           PLANE_ARGS(albedo),
+                           PLANE_ARGS(f0),
+                           PLANE_ARGS(direct),
+                           PLANE_ARGS(emission),
                            ARG(plan->buffers[BUFFER_FLAGS]),
                            ARG(plan->layout.bounds.group),
                            ARG(plan->buffers[BUFFER_BOUNDS])};
@@ -567,12 +571,12 @@ static hbil_status split(commands *chain, const hbil_frame *frame) {
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
   const hbil_transform_args to_view = camera_from_world(&frame->camera);
   const cl_int has_history = plan->has_history;
-  const bound_image depth = bind(plan, frame, IMAGE_DEPTH);
-  const bound_image normal = bind(plan, frame, IMAGE_NORMAL);
-  const bound_image albedo = bind(plan, frame, IMAGE_ALBEDO);
-  const bound_image f0 = bind(plan, frame, IMAGE_F0);
-  const bound_image direct = bind(plan, frame, IMAGE_DIRECT);
-  const bound_image emission = bind(plan, frame, IMAGE_EMISSION);
+  const bound_plane depth = bind(plan, frame, PLANE_DEPTH);
+  const bound_plane normal = bind(plan, frame, PLANE_NORMAL);
+  const bound_plane albedo = bind(plan, frame, PLANE_ALBEDO);
+  const bound_plane f0 = bind(plan, frame, PLANE_F0);
+  const bound_plane direct = bind(plan, frame, PLANE_DIRECT);
+  const bound_plane emission = bind(plan, frame, PLANE_EMISSION);
   const argument args[] = {ARG(view),
                            ARG(to_view),
                            ARG(plan->buffers[BUFFER_SPLIT]),
@@ -580,20 +584,20 @@ static hbil_status split(commands *chain, const hbil_frame *frame) {
                            ARG(plan->buffers[BUFFER_CARRIED]),
                            ARG(plan->layout.planes),
                            ARG(has_history),
-                           ARG(plan->config.background),
+                           ARG(plan->config.sky_depth),
                            ARG(plan->config.direct_scale),
-                           IMAGE_ARGS(depth),
-                           IMAGE_ARGS(normal),
-                           IMAGE_ARGS(albedo),
-                           IMAGE_ARGS(f0),
-                           IMAGE_ARGS(direct),
-                           IMAGE_ARGS(emission),
+                           PLANE_ARGS(depth),
+                           PLANE_ARGS(normal),
+                           PLANE_ARGS(albedo),
+                           PLANE_ARGS(f0),
+                           PLANE_ARGS(direct),
+                           PLANE_ARGS(emission),
                            ARG(plan->buffers[BUFFER_USES]),
-                           ARG(plan->buffers[BUFFER_REPAIRED]),
+                           ARG(plan->buffers[BUFFER_SANITIZED]),
                            ARG(plan->layout.bounds.group),
                            ARG(plan->buffers[BUFFER_BOUNDS])};
-  hbil_status status = clear_counts(chain, HBIL_REPAIRED_DEPTH,
-                                    HBIL_REPAIRED_LATE - HBIL_REPAIRED_DEPTH);
+  hbil_status status = clear_counts(chain, HBIL_SANITIZED_DEPTH,
+                                    HBIL_SANITIZED_LATE - HBIL_SANITIZED_DEPTH);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_SPLIT, args, (across(plan) + 3) / 4,
                     plan->config.height, 1);
@@ -610,8 +614,8 @@ static hbil_pattern_args pattern_of(const hbil_plan *plan,
   const float to_x = (float)view->width / view->fx;
   const float to_y = (float)view->height / view->fy;
   pattern.reach = to_x > to_y ? to_x : to_y;
-  pattern.turn = (float)fmod(frame->index * 0.6457513, 1.0);
-  pattern.shift = (float)fmod(frame->index * 0.7548777, 1.0);
+  pattern.turn = (float)fmod(frame->frame_index * 0.6457513, 1.0);
+  pattern.shift = (float)fmod(frame->frame_index * 0.7548777, 1.0);
   return pattern;
 }
 
@@ -668,10 +672,10 @@ static float longest_ray(const hbil_view_args *v, bool orthographic) {
   return (float)sqrt((orthographic ? 0.0 : 1.0) + rx * rx + ry * ry);
 }
 
-/* Looks around from so many strips of a row, from the rows of a layer between
+/* Looks around from so many spans of a row, from the rows of a layer between
  * `top` and `bottom`; keeps what it finds as form factors, or not. */
 static hbil_status look_around(commands *chain, const hbil_gather_args *args,
-                               cl_int still, size_t strips, size_t top,
+                               cl_int still, size_t spans, size_t top,
                                size_t bottom, bool keep) {
   hbil_plan *plan = chain->plan;
   const argument all[] = {{sizeof *args, args},
@@ -680,7 +684,7 @@ static hbil_status look_around(commands *chain, const hbil_gather_args *args,
                           ARG(plan->buffers[BUFFER_LIGHT]),
                           ARG(plan->buffers[BUFFER_BOUNDS]),
                           ARG(plan->buffers[BUFFER_USES]),
-                          ARG(plan->buffers[BUFFER_STRIPS]),
+                          ARG(plan->buffers[BUFFER_SPAN_STATES]),
                           ARG(plan->buffers[BUFFER_FLAGS]),
                           ARG(still),
                           ARG(plan->buffers[BUFFER_LADDER]),
@@ -691,7 +695,7 @@ static hbil_status look_around(commands *chain, const hbil_gather_args *args,
   if (top == bottom)
     return HBIL_SUCCESS;
   return launch_from(chain, keep ? KERNEL_GATHER_FACTORS : KERNEL_GATHER, all,
-                     COUNT(all) - (keep ? 0 : of_factors), top, strips,
+                     COUNT(all) - (keep ? 0 : of_factors), top, spans,
                      bottom - top, HBIL_LAYERS);
 }
 
@@ -701,11 +705,11 @@ static hbil_status regather(commands *chain, const hbil_gather_args *args) {
   const argument all[] = {{sizeof *args, args},
                           ARG(plan->buffers[BUFFER_SPLIT]),
                           ARG(plan->buffers[BUFFER_LIGHT]),
-                          ARG(plan->buffers[BUFFER_STRIPS]),
+                          ARG(plan->buffers[BUFFER_SPAN_STATES]),
                           ARG(plan->buffers[BUFFER_FLAGS]),
                           ARG(plan->layout.factors),
                           ARG(plan->buffers[BUFFER_FACTORS])};
-  return LAUNCH(chain, KERNEL_REGATHER, all, plan->layout.strips,
+  return LAUNCH(chain, KERNEL_REGATHER, all, plan->layout.spans,
                 plan->layout.factors.rows, HBIL_LAYERS);
 }
 
@@ -719,11 +723,11 @@ static hbil_status gather_all(commands *chain, const hbil_gather_args *args,
   const layout *l = &plan->layout;
   const size_t kept = still ? l->factors.rows : 0;
   const bool has_factors = kept && plan->has_factors;
-  hbil_status status = has_factors ? regather(chain, args)
-                                   : look_around(chain, args, CL_FALSE,
-                                                 l->strips, 0, kept, true);
+  hbil_status status =
+      has_factors ? regather(chain, args)
+                  : look_around(chain, args, CL_FALSE, l->spans, 0, kept, true);
   if (status == HBIL_SUCCESS)
-    status = look_around(chain, args, still, l->strips, kept,
+    status = look_around(chain, args, still, l->spans, kept,
                          (size_t)l->split.height, false);
   plan->by_factors = has_factors;
   /* a frame that fails has no still ones after it */
@@ -738,7 +742,7 @@ static hbil_status measure(commands *chain, const hbil_gather_args *args,
                            cl_int still, int rung) {
   hbil_plan *plan = chain->plan;
   const layout *l = &plan->layout;
-  const size_t strip = plan->config.vector_width == 1 ? 1 : HBIL_TILE;
+  const size_t span = plan->config.vector_width == 1 ? 1 : HBIL_SPAN;
   const hbil_judge_args judge_args = {l->split, l->light, l->tiles, rung,
                                       l->ladder.limit[rung]};
   const argument judge[] = {ARG(judge_args),
@@ -753,8 +757,8 @@ static hbil_status measure(commands *chain, const hbil_gather_args *args,
   measuring.measures = rung;
   measuring.dark = isinf(plan->config.max_error[1]);
   const hbil_status status =
-      look_around(chain, &measuring, still,
-                  (size_t)l->tiles * HBIL_TILE / strip, 0, 1, false);
+      look_around(chain, &measuring, still, (size_t)l->tiles * HBIL_SPAN / span,
+                  0, 1, false);
   if (status != HBIL_SUCCESS)
     return status;
   const int kernel =
@@ -813,12 +817,13 @@ static hbil_status gather(commands *chain, const hbil_frame *frame) {
   gather_args.falloff = falloff_slope(&plan->config);
   gather_args.longest = longest_ray(&view, orthographic);
   gather_args.bounds = plan->layout.bounds;
-  gather_args.strips = (cl_uint)plan->layout.strips;
+  gather_args.spans = (cl_uint)plan->layout.spans;
   gather_args.slices = pattern.slices;
   gather_args.samples = pattern.samples;
-  gather_args.facing[0] = plan->config.facing[0];
+  gather_args.facing[0] = plan->config.facing_fade[0];
   gather_args.facing[1] =
-      1.0f / fmaxf(plan->config.facing[1] - plan->config.facing[0], FLT_MIN);
+      1.0f /
+      fmaxf(plan->config.facing_fade[1] - plan->config.facing_fade[0], FLT_MIN);
   gather_args.rungs = plan->layout.ladder.count;
   gather_args.tiles = plan->layout.tiles;
   gather_args.measures = -1;
@@ -852,7 +857,7 @@ static hbil_status recompose(commands *chain, const hbil_frame *frame) {
                            ARG(plan->buffers[BUFFER_TRIED])};
   const size_t rows =
       plan->config.vector_width == 1 ? 1 : (size_t)HBIL_RECOMPOSE_ROWS;
-  return LAUNCH(chain, KERNEL_RECOMPOSE, args, plan->layout.strips,
+  return LAUNCH(chain, KERNEL_RECOMPOSE, args, plan->layout.spans,
                 (plan->config.height + rows - 1) / rows, 1);
 }
 
@@ -860,36 +865,37 @@ static hbil_status recompose(commands *chain, const hbil_frame *frame) {
  * kept, so that a frame which fails is none. */
 static hbil_status temporal(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
-  if (!plan->config.temporal)
+  if (!plan->config.max_history_frames)
     return HBIL_SUCCESS;
   const hbil_camera *last =
       plan->has_kept ? &plan->kept_camera : &frame->camera;
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
   const hbil_view_args before = camera_view(last, &plan->config);
   const hbil_transform_args back = camera_between(&frame->camera, last);
-  const bound_image motion = bind(plan, frame, IMAGE_MOTION);
+  const bound_plane motion = bind(plan, frame, PLANE_MOTION);
   /* a mean over one frame is that frame */
-  const cl_int has_before = plan->has_kept && plan->config.temporal > 1;
-  const cl_float most = (cl_float)plan->config.temporal;
+  const cl_int has_before =
+      plan->has_kept && plan->config.max_history_frames > 1;
+  const cl_float most = (cl_float)plan->config.max_history_frames;
   const argument args[] = {ARG(view),
                            ARG(before),
                            ARG(back),
                            ARG(plan->layout.split),
                            ARG(plan->buffers[BUFFER_SPLIT]),
                            ARG(plan->buffers[BUFFER_RESOLVED]),
-                           ARG(plan->buffers[BUFFER_KEPT + plan->kept]),
-                           ARG(plan->buffers[BUFFER_KEPT + !plan->kept]),
+                           ARG(plan->buffers[BUFFER_TEMPORAL + plan->kept]),
+                           ARG(plan->buffers[BUFFER_TEMPORAL + !plan->kept]),
                            ARG(plan->layout.planes),
                            ARG(has_before),
-                           ARG(plan->config.disocclusion),
+                           ARG(plan->config.disocclusion_threshold),
                            ARG(most),
-                           IMAGE_ARGS(motion),
+                           PLANE_ARGS(motion),
                            ARG(plan->config.motion_scale[0]),
                            ARG(plan->config.motion_scale[1]),
-                           ARG(plan->buffers[BUFFER_REPAIRED])};
+                           ARG(plan->buffers[BUFFER_SANITIZED])};
   hbil_status status = plan->layout.history
                            ? HBIL_SUCCESS
-                           : clear_counts(chain, HBIL_REPAIRED_MOTION, 1);
+                           : clear_counts(chain, HBIL_SANITIZED_MOTION, 1);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_TEMPORAL, args, (across(plan) + 3) / 4,
                     plan->config.height, 1);
@@ -901,7 +907,7 @@ static hbil_status temporal(commands *chain, const hbil_frame *frame) {
 static void remember(hbil_plan *plan, const hbil_frame *frame) {
   plan->has_last = true;
   plan->last_camera = frame->camera;
-  plan->last_index = frame->index;
+  plan->last_index = frame->frame_index;
   if (plan->layout.history) {
     plan->has_history = true;
     plan->history_camera = frame->camera;
@@ -920,8 +926,8 @@ static hbil_status composite(commands *chain, const hbil_frame *frame) {
   const hbil_transform_args world = camera_to_world(&frame->camera);
   const hbil_environment_args environment =
       far_field_args(&plan->config, frame->environment);
-  bound_image image[IMAGE_COUNT];
-  for (int i = 0; i < IMAGE_COUNT; ++i)
+  bound_plane image[PLANE_COUNT];
+  for (int i = 0; i < PLANE_COUNT; ++i)
     image[i] = bind(plan, frame, i);
   const argument args[] = {ARG(view),
                            ARG(world),
@@ -930,26 +936,26 @@ static hbil_status composite(commands *chain, const hbil_frame *frame) {
                            ARG(plan->buffers[BUFFER_HISTORY]),
                            ARG(plan->layout.planes),
                            ARG(environment),
-                           ARG(plan->config.background),
+                           ARG(plan->config.sky_depth),
                            ARG(plan->config.direct_scale),
-                           IMAGE_ARGS(image[IMAGE_DEPTH]),
-                           IMAGE_ARGS(image[IMAGE_ALBEDO]),
-                           IMAGE_ARGS(image[IMAGE_F0]),
-                           IMAGE_ARGS(image[IMAGE_DIRECT]),
-                           IMAGE_ARGS(image[IMAGE_EMISSION]),
-                           IMAGE_ARGS(image[IMAGE_NEAR]),
-                           IMAGE_ARGS(image[IMAGE_FAR]),
-                           IMAGE_ARGS(image[IMAGE_AO]),
-                           IMAGE_ARGS(image[IMAGE_BENT]),
-                           IMAGE_ARGS(image[IMAGE_CONE]),
-                           IMAGE_ARGS(image[IMAGE_INDIRECT]),
-                           IMAGE_ARGS(image[IMAGE_RADIANCE]),
-                           IMAGE_ARGS(image[IMAGE_ERROR]),
-                           ARG(plan->buffers[BUFFER_REPAIRED])};
+                           PLANE_ARGS(image[PLANE_DEPTH]),
+                           PLANE_ARGS(image[PLANE_ALBEDO]),
+                           PLANE_ARGS(image[PLANE_F0]),
+                           PLANE_ARGS(image[PLANE_DIRECT]),
+                           PLANE_ARGS(image[PLANE_EMISSION]),
+                           PLANE_ARGS(image[PLANE_NEAR]),
+                           PLANE_ARGS(image[PLANE_FAR]),
+                           PLANE_ARGS(image[PLANE_AO]),
+                           PLANE_ARGS(image[PLANE_BENT]),
+                           PLANE_ARGS(image[PLANE_CONE]),
+                           PLANE_ARGS(image[PLANE_INDIRECT]),
+                           PLANE_ARGS(image[PLANE_BEAUTY]),
+                           PLANE_ARGS(image[PLANE_ERROR]),
+                           ARG(plan->buffers[BUFFER_SANITIZED])};
   const cl_uint line = plan->layout.line;
   hbil_status status =
       plan->layout.counts_late
-          ? clear_counts(chain, HBIL_REPAIRED_LATE, HBIL_SURFACE_INPUTS)
+          ? clear_counts(chain, HBIL_SANITIZED_LATE, HBIL_SURFACE_INPUTS)
           : HBIL_SUCCESS;
   if (status == HBIL_SUCCESS)
     status =
@@ -971,7 +977,7 @@ static const struct {
     [HBIL_PASS_SPLIT] = {split, USES_SPLIT},
     [HBIL_PASS_GATHER] = {gather, 0},
     [HBIL_PASS_RECOMPOSE] = {recompose, 0},
-    [HBIL_PASS_TEMPORAL] = {temporal, BIT(IMAGE_MOTION)},
+    [HBIL_PASS_TEMPORAL] = {temporal, BIT(PLANE_MOTION)},
     [HBIL_PASS_COMPOSITE] = {composite, USES_COMPOSITE},
 };
 

@@ -22,9 +22,9 @@
 #define fail_cl hbil_internal_fail_cl
 #define far_field_args hbil_internal_far_field_args
 #define format_stride hbil_internal_format_stride
-#define frame_image hbil_internal_frame_image
+#define frame_plane hbil_internal_frame_image
 #define frame_take hbil_internal_frame_take
-#define image_kinds hbil_internal_image_kinds
+#define plane_kinds hbil_internal_image_kinds
 #define kernel_sources hbil_internal_kernel_sources
 #define ladder_of hbil_internal_ladder_of
 #define ladder_on hbil_internal_ladder_on
@@ -34,37 +34,37 @@
 
 /* Images of a frame, inputs first. */
 enum {
-  IMAGE_DEPTH,
-  IMAGE_NORMAL,
-  IMAGE_ALBEDO,
-  IMAGE_F0,
-  IMAGE_DIRECT,
-  IMAGE_EMISSION,
-  IMAGE_MOTION,
-  IMAGE_NEAR,
-  IMAGE_FAR,
-  IMAGE_AO,
-  IMAGE_BENT,
-  IMAGE_CONE,
-  IMAGE_INDIRECT,
-  IMAGE_RADIANCE,
-  IMAGE_ERROR,
-  IMAGE_COUNT,
-  IMAGE_FIRST_OUTPUT = IMAGE_NEAR
+  PLANE_DEPTH,
+  PLANE_NORMAL,
+  PLANE_ALBEDO,
+  PLANE_F0,
+  PLANE_DIRECT,
+  PLANE_EMISSION,
+  PLANE_MOTION,
+  PLANE_NEAR,
+  PLANE_FAR,
+  PLANE_AO,
+  PLANE_BENT,
+  PLANE_CONE,
+  PLANE_INDIRECT,
+  PLANE_BEAUTY,
+  PLANE_ERROR,
+  PLANE_COUNT,
+  PLANE_FIRST_OUTPUT = PLANE_NEAR
 };
 
 /* Name, channels and place in the public structs of one image. */
-typedef struct image_kind {
+typedef struct plane_kind {
   const char *name;   /* as in hbil_config and hbil_frame */
   const char *define; /* prefix of its build defines */
   cl_uint channels;
   size_t format_at; /* offset in hbil_config */
   size_t image_at;  /* offset in hbil_frame */
-} image_kind;
-extern const image_kind image_kinds[IMAGE_COUNT];
+} plane_kind;
+extern const plane_kind plane_kinds[PLANE_COUNT];
 
-const hbil_format *config_format(const hbil_config *config, int image);
-const hbil_image *frame_image(const hbil_frame *frame, int image);
+const hbil_plane_format *config_format(const hbil_config *config, int image);
+const hbil_plane *frame_plane(const hbil_frame *frame, int image);
 /* Whether the light of any sample may be refused. */
 bool config_refuses(const hbil_config *config);
 /* Whether occluders have a thickness. */
@@ -180,18 +180,18 @@ enum {
   BUFFER_SPLIT,
   BUFFER_LIGHT,
   BUFFER_RESOLVED,
-  BUFFER_KEPT,      /* by the temporal filter, of one frame */
-  BUFFER_KEPT_NEXT, /* of the other */
+  BUFFER_TEMPORAL,      /* by the temporal filter, of one frame */
+  BUFFER_TEMPORAL_NEXT, /* of the other */
   BUFFER_STEPS,
-  BUFFER_ESTIMATE, /* the estimate, then its parts */
-  BUFFER_BOUNDS,   /* grids of what is nearest and what shines */
-  BUFFER_USES,     /* where light has a use */
-  BUFFER_STRIPS,   /* what the gather had no need of */
-  BUFFER_REPAIRED, /* HBIL_REPAIRED_: what inputs could not be used as is */
-  BUFFER_RULER,    /* adaptive: what many samples see, HBIL_RULER_ */
-  BUFFER_TRIED,    /* adaptive: how far rungs are off, HBIL_TRIED_ */
-  BUFFER_FACTORS,  /* form factors of a still frame (factors.clh) */
-  BUFFER_LADDER,   /* numbers of samples */
+  BUFFER_ESTIMATE,    /* the estimate, then its parts */
+  BUFFER_BOUNDS,      /* grids of what is nearest and what shines */
+  BUFFER_USES,        /* where light has a use */
+  BUFFER_SPAN_STATES, /* what the gather had no need of */
+  BUFFER_SANITIZED,   /* HBIL_SANITIZED_: what inputs could not be used as is */
+  BUFFER_RULER,       /* adaptive: what many samples see, HBIL_RULER_ */
+  BUFFER_TRIED,       /* adaptive: how far rungs are off, HBIL_TRIED_ */
+  BUFFER_FACTORS,     /* form factors of a still frame (horizon_cache.clh) */
+  BUFFER_LADDER,      /* numbers of samples */
   BUFFER_COUNT
 };
 
@@ -246,7 +246,7 @@ typedef struct layout {
   hbil_bounds_args bounds;
   bool quadrants; /* whether the gather asks for those of the bounds */
   hbil_factor_args factors;
-  size_t strips;             /* of the gather, in a row of a layer */
+  size_t spans;              /* of the gather, in a row of a layer */
   hbil_far_field far_field;  /* NONE where nothing shows it */
   hbil_pattern_args pattern; /* without turn, shift, reach */
   cl_uint line;              /* pixels that one of composite's items takes */

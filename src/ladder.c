@@ -21,7 +21,7 @@ _Static_assert(CHOICES + 1 <= HBIL_MOST_RUNGS, "a rung each, and the most");
  * a larger share (HACKING.md, "Adaptive sampling", has what fewer leave). */
 enum { RULER_SLICES = 2, RULER_SAMPLES = 96 };
 static const struct {
-  float ao, near_light;
+  float ao, near_irradiance;
   int samples;
 } lax[] = {{0.12f, INFINITY, 24}, {0.1f, INFINITY, 32}, {0.06f, 1.5f, 64}};
 
@@ -33,7 +33,7 @@ static const struct {
  * "Adaptive sampling").
  */
 static const struct {
-  float ao, near_light;
+  float ao, near_irradiance;
 } factor[] = {{1.15f, 1.2f}, {1.1f, 1.35f}}; /* occluders without end, with */
 static const float shared_ao = 0.04f, shared_near = 0.12f; /* over the mean */
 
@@ -45,7 +45,7 @@ static const float shared_ao = 0.04f, shared_near = 0.12f; /* over the mean */
  */
 static const struct {
   int samples;
-  float ao, near_light;
+  float ao, near_irradiance;
 } measured[] = {{8, 1.40f, 3.20f},  {12, 1.05f, 2.20f}, {16, 0.85f, 1.90f},
                 {24, 0.62f, 1.50f}, {32, 0.60f, 1.45f}, {48, 0.60f, 1.25f},
                 {64, 0.60f, 1.20f}, {96, 0.60f, 1.05f}, {128, 0.60f, 1.00f},
@@ -75,8 +75,8 @@ static void add_rung(ladder *l, int at, int slices, int samples, int levels) {
   r->slices = slices;
   r->samples = samples;
   r->error_ao = more * between(measured[i].ao, measured[i + 1].ao, t);
-  r->error_near =
-      more * between(measured[i].near_light, measured[i + 1].near_light, t);
+  r->error_near = more * between(measured[i].near_irradiance,
+                                 measured[i + 1].near_irradiance, t);
   l->steps +=
       (size_t)levels * HBIL_LAYERS * 2 * (size_t)slices * (size_t)(samples + 1);
 }
@@ -91,29 +91,31 @@ static hbil_limit_args limit(const hbil_config *config, int slices) {
   const hbil_limit_args l = {
       fminf(sqrtf(fmaxf(most[0] * most[0] - ao * ao, 0.0f)) / factor[end].ao,
             1e6f),
-      fminf(fmaxf(most[1] - light, 0.0f) / factor[end].near_light, 1e6f)};
+      fminf(fmaxf(most[1] - light, 0.0f) / factor[end].near_irradiance, 1e6f)};
   return l;
 }
 
 static bool may_be_lax(const hbil_config *config) {
   const bool limits_light = !isinf(config->max_error[1]);
-  return !config_ends(config) && !(limits_light && config_refuses(config) &&
-                                   config->refused == HBIL_REFUSED_BLACK);
+  return !config_ends(config) &&
+         !(limits_light && config_refuses(config) &&
+           config->back_facing_fallback == HBIL_FALLBACK_BLACK);
 }
 
 static int ruler_samples(const hbil_config *config) {
   if (may_be_lax(config))
     for (size_t i = 0; i < sizeof lax / sizeof *lax; ++i)
       if (config->max_error[0] >= lax[i].ao &&
-          config->max_error[1] >= lax[i].near_light)
+          config->max_error[1] >= lax[i].near_irradiance)
         return lax[i].samples;
-  return (int)config->samples > RULER_SAMPLES ? (int)config->samples
-                                              : RULER_SAMPLES;
+  return (int)config->steps_per_side > RULER_SAMPLES
+             ? (int)config->steps_per_side
+             : RULER_SAMPLES;
 }
 
 ladder ladder_of(const hbil_config *config, int levels) {
   ladder l = {.count = 0};
-  const int slices = (int)config->slices, most = (int)config->samples;
+  const int slices = (int)config->slices, most = (int)config->steps_per_side;
   if (!ladder_on(config)) {
     add_rung(&l, 0, slices, most, levels);
     return l;

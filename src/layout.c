@@ -14,17 +14,18 @@ static bool has(const hbil_config *config, int image) {
 }
 
 static void decide_work(const hbil_config *config, layout *out) {
-  const bool sums = has(config, IMAGE_INDIRECT) || has(config, IMAGE_RADIANCE);
+  const bool sums = has(config, PLANE_INDIRECT) || has(config, PLANE_BEAUTY);
   out->radiance =
       config->mode == HBIL_MODE_HBIL &&
-      (sums || has(config, IMAGE_NEAR) ||
-       (has(config, IMAGE_FAR) && config->far_field == HBIL_FAR_FRAME));
-  out->far_field = sums || out->radiance || has(config, IMAGE_FAR)
+      (sums || has(config, PLANE_NEAR) ||
+       (has(config, PLANE_FAR) && config->far_field == HBIL_FAR_FRAME));
+  out->far_field = sums || out->radiance || has(config, PLANE_FAR)
                        ? config->far_field
                        : HBIL_FAR_NONE;
-  out->bent = has(config, IMAGE_BENT) || out->far_field == HBIL_FAR_SH ||
+  out->bent = has(config, PLANE_BENT) || out->far_field == HBIL_FAR_SH ||
               out->far_field == HBIL_FAR_FRAME;
-  out->unknown = out->radiance && config->refused == HBIL_REFUSED_FRAME &&
+  out->unknown = out->radiance &&
+                 config->back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
                  config_refuses(config);
   out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
   out->history =
@@ -36,14 +37,14 @@ static void decide_work(const hbil_config *config, layout *out) {
  * reflects nothing diffusely: the pictures with light in them, not the light.
  * Irradiance that is carried over would reach other surfaces. */
 static bool irradiance_is_hidden(const hbil_config *config, const layout *l) {
-  static const int shown[] = {IMAGE_NEAR, IMAGE_FAR, IMAGE_AO, IMAGE_BENT,
-                              IMAGE_CONE};
+  static const int shown[] = {PLANE_NEAR, PLANE_FAR, PLANE_AO, PLANE_BENT,
+                              PLANE_CONE};
   for (size_t i = 0; i < sizeof shown / sizeof *shown; ++i)
     if (has(config, shown[i]))
       return false;
   /* `indirect` knows nothing of albedo */
-  return !has(config, IMAGE_INDIRECT) &&
-         (has(config, IMAGE_ALBEDO) || has(config, IMAGE_F0)) &&
+  return !has(config, PLANE_INDIRECT) &&
+         (has(config, PLANE_ALBEDO) || has(config, PLANE_F0)) &&
          (!l->history || config->feedback == HBIL_FEEDBACK_RADIANCE);
 }
 
@@ -55,7 +56,7 @@ static void decide_skips(const hbil_config *config, layout *out) {
     out->skip &= ~(cl_uint)HBIL_SKIP_RADIUS;
   if (!irradiance_is_hidden(config, out))
     out->skip &= ~(cl_uint)HBIL_SKIP_UNUSED;
-  /* with a radius strips look for themselves (gather.cl, light_in_reach) */
+  /* with a radius spans look for themselves (gather.cl, light_in_reach) */
   out->quadrants = out->skip & HBIL_SKIP_DARK && isinf(config->radius) &&
                    !config_ends(config) && !out->unknown;
 }
@@ -102,11 +103,11 @@ static void lay_out_layers(const hbil_config *config, cl_uint planes,
   const cl_uint height = rounded_up(config->height, HBIL_SIDE) / HBIL_SIDE;
   l->width = (cl_int)width;
   l->height = (cl_int)height;
-  l->span = rounded_up(width, HBIL_TILE) + 2 * HBIL_TILE;
-  l->plane = l->span;
+  l->row_extent = rounded_up(width, HBIL_SPAN) + 2 * HBIL_SPAN;
+  l->plane = l->row_extent;
   l->layer = l->plane * planes;
   l->row = l->layer * HBIL_LAYERS;
-  l->origin = l->row + HBIL_TILE;
+  l->origin = l->row + HBIL_SPAN;
 }
 
 static size_t layers_size(const hbil_layer_args *l) {
@@ -143,7 +144,7 @@ static cl_uint light_planes(const layout *l) {
  * and with it; gathered of AO, of E_near with it, of the bent normal with
  * both. */
 static const struct {
-  cl_uint guides, split, ao, near_light, bent;
+  cl_uint guides, split, ao, near_irradiance, bent;
 } stored[] = {
     [HBIL_STORAGE_PACKED] = {HBIL_PACKED_RADIANCE, HBIL_PACKED_SPLIT_PLANES,
                              HBIL_PACKED_NEAR, HBIL_PACKED_BENT,
@@ -166,26 +167,27 @@ static cl_uint gathered_planes(const hbil_config *config, const layout *l) {
   if (l->unknown && config->storage == HBIL_STORAGE_FLOAT32)
     return HBIL_LIGHT_UNKNOWN + 1;
   return l->bent       ? stored[config->storage].bent
-         : l->radiance ? stored[config->storage].near_light
+         : l->radiance ? stored[config->storage].near_irradiance
                        : stored[config->storage].ao;
 }
 
 /* As many rows as fit into what may be taken; returns their bytes. */
 static size_t lay_out_factors(const hbil_config *config, layout *out) {
   const size_t width = config->vector_width;
-  const size_t vectors = width == 1 ? 1 : HBIL_TILE / width;
-  const size_t across = out->strips * vectors * HBIL_LAYERS;
+  const size_t vectors = width == 1 ? 1 : HBIL_SPAN / width;
+  const size_t across = out->spans * vectors * HBIL_LAYERS;
   const cl_uint sides = 2 * config->slices;
-  const bool last =
-      config_refuses(config) && config->refused == HBIL_REFUSED_LAST;
+  const bool last = config_refuses(config) &&
+                    config->back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED;
   const cl_uint of_sample = last ? 2 : 1;
-  const cl_uint of_side = config->samples * of_sample + config->extrapolate;
+  const cl_uint of_side =
+      config->steps_per_side * of_sample + config->extrapolate;
   hbil_factor_args *f = &out->factors;
   f->factors = sides * of_side + config->slices + 1;
-  f->entries = sides * (config->samples + 1);
+  f->entries = sides * (config->steps_per_side + 1);
   const cl_ulong row = sizeof(cl_float) * (cl_ulong)across *
                        ((cl_ulong)f->factors * width + f->entries);
-  const cl_ulong rows = config->form_factors / row;
+  const cl_ulong rows = config->horizon_cache_bytes / row;
   f->rows = rows < (cl_ulong)out->split.height ? (cl_uint)rows
                                                : (cl_uint)out->split.height;
   f->vectors = (cl_uint)(across * f->rows);
@@ -212,7 +214,7 @@ static cl_uint composed_line(const hbil_config *config) {
   cl_uint line = HBIL_WIDEST;
   if (config->vector_width == 1)
     return 1;
-  for (int i = IMAGE_FIRST_OUTPUT; i < IMAGE_COUNT; ++i)
+  for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
     if (config_format(config, i)->component == HBIL_FLOAT16)
       line = 2 * HBIL_WIDEST;
   return line;
@@ -243,24 +245,24 @@ void layout_compute(const hbil_config *config, layout *out) {
   lay_out_layers(config, split_planes(config, out), &out->split);
   const cl_uint gathered = gathered_planes(config, out);
   const bool weighted =
-      (config->slices == 1 || ladder_on(config)) && !config->raw_interleave;
+      (config->slices == 1 || ladder_on(config)) && !config->unfiltered;
   out->weight_plane = weighted ? gathered : 0;
   lay_out_layers(config, gathered + weighted, &out->light);
   out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
   out->bytes[BUFFER_LIGHT] = layers_size(&out->light);
   out->error_plane = light_planes(out);
-  const cl_uint errors = !has(config, IMAGE_ERROR) ? 0 : out->radiance ? 2 : 1;
+  const cl_uint errors = !has(config, PLANE_ERROR) ? 0 : out->radiance ? 2 : 1;
   out->bytes[BUFFER_RESOLVED] =
       (out->error_plane + errors) * real * out->planes.plane;
-  if (config->temporal)
-    out->bytes[BUFFER_KEPT] = out->bytes[BUFFER_KEPT_NEXT] =
+  if (config->max_history_frames)
+    out->bytes[BUFFER_TEMPORAL] = out->bytes[BUFFER_TEMPORAL_NEXT] =
         real *
-        ((HBIL_KEPT_LIGHT + light_planes(out)) * (size_t)out->planes.plane +
+        ((HBIL_TEMPORAL_LIGHT + light_planes(out)) * (size_t)out->planes.plane +
          2 * (size_t)hbil_history_origin(out->planes));
   if (out->estimate)
     out->bytes[BUFFER_ESTIMATE] =
         HBIL_ESTIMATE_SIZE * (1 + HBIL_ESTIMATE_PARTS) * real;
-  out->bytes[BUFFER_REPAIRED] = HBIL_REPAIRED_WORDS * sizeof(cl_uint);
+  out->bytes[BUFFER_SANITIZED] = HBIL_SANITIZED_WORDS * sizeof(cl_uint);
   out->bytes[BUFFER_FLAGS] = HBIL_FLAGS * sizeof(cl_uint);
   if (out->skip & (HBIL_SKIP_OPEN | HBIL_SKIP_DARK))
     out->bytes[BUFFER_BOUNDS] =
@@ -269,27 +271,28 @@ void layout_compute(const hbil_config *config, layout *out) {
   if (out->skip & HBIL_SKIP_UNUSED)
     out->bytes[BUFFER_USES] = sizeof(cl_uint) * config->height *
                               ((config->width + 4 * width - 1) / (4 * width));
-  const size_t strip = width == 1 ? 1 : HBIL_TILE;
-  out->strips = ((size_t)out->split.width + strip - 1) / strip;
-  out->bytes[BUFFER_STRIPS] =
-      2 * out->strips * (size_t)out->split.height * HBIL_LAYERS;
+  const size_t span = width == 1 ? 1 : HBIL_SPAN;
+  out->spans = ((size_t)out->split.width + span - 1) / span;
+  out->bytes[BUFFER_SPAN_STATES] =
+      2 * out->spans * (size_t)out->split.height * HBIL_LAYERS;
   out->pattern.slices = (cl_int)config->slices;
-  out->pattern.samples = (cl_int)config->samples;
+  out->pattern.samples = (cl_int)config->steps_per_side;
   out->pattern.levels = isinf(config->radius) ? 1 : HBIL_MAX_LEVELS;
-  out->pattern.lattice = config->lattice == HBIL_LATTICE_LAYER ? HBIL_SIDE : 1;
+  out->pattern.lattice =
+      config->sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
   out->pattern.growth = config->step_growth;
   out->ladder = ladder_of(config, out->pattern.levels);
   out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * out->ladder.steps;
   out->bytes[BUFFER_LADDER] = sizeof out->ladder.rung;
-  if (out->history && out->skip & HBIL_SKIP_STILL && !config->temporal &&
-      !out->ladder.count)
+  if (out->history && out->skip & HBIL_SKIP_STILL &&
+      !config->max_history_frames && !out->ladder.count)
     out->bytes[BUFFER_FACTORS] = lay_out_factors(config, out);
   if (!out->ladder.count)
     return;
-  const cl_int tiles = hbil_tiles(out->split.width) * out->split.height;
+  const cl_int tiles = hbil_spans(out->split.width) * out->split.height;
   out->tiles = tiles < HBIL_MEASURED_TILES ? tiles : HBIL_MEASURED_TILES;
   out->bytes[BUFFER_RULER] = real * (size_t)out->tiles *
-                             (HBIL_JUDGED * HBIL_RULER_PLANES * HBIL_TILE + 2);
+                             (HBIL_JUDGED * HBIL_RULER_PLANES * HBIL_SPAN + 2);
   out->bytes[BUFFER_TRIED] =
       sizeof(cl_uint) * HBIL_MOST_RUNGS * (size_t)HBIL_TRIED;
 }

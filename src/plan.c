@@ -37,10 +37,10 @@ static void write_defines(const hbil_plan *plan, text *t) {
   const hbil_config *c = &plan->config;
   const bool refuses = config_refuses(c);
   add(t, "-DHBIL_WIDTH=%u", (unsigned)c->vector_width);
-  for (int i = 0; i < IMAGE_COUNT; ++i) {
-    const hbil_format *format = config_format(c, i);
-    const char *name = image_kinds[i].define;
-    add(t, " -D%s_%s=%d", i < IMAGE_FIRST_OUTPUT ? "HAS" : "OUT", name,
+  for (int i = 0; i < PLANE_COUNT; ++i) {
+    const hbil_plane_format *format = config_format(c, i);
+    const char *name = plane_kinds[i].define;
+    add(t, " -D%s_%s=%d", i < PLANE_FIRST_OUTPUT ? "HAS" : "OUT", name,
         format->component != HBIL_NONE);
     if (format->component != HBIL_NONE)
       add(t, " -D%s_TYPE=%s -D%s_STRIDE=%uu", name, types[format->component],
@@ -51,17 +51,18 @@ static void write_defines(const hbil_plan *plan, text *t) {
       c->width % (4 * c->vector_width) == 0);
   add(t, " -DDEPTH_IS_RAY=%d -DNORMAL_IS_WORLD=%d -DBENT_IS_WORLD=%d",
       c->depth_kind == HBIL_DEPTH_RAY, c->normal_space == HBIL_SPACE_WORLD,
-      c->bent_space == HBIL_SPACE_WORLD);
+      c->bent_normal_space == HBIL_SPACE_WORLD);
   add(t, " -DLIMITED=%d -DLEVELS=%d", !isinf(c->radius),
       (int)plan->layout.pattern.levels);
-  add(t, " -DFACING_STEP=%d -DFACING_ALL=%d", c->facing[0] >= c->facing[1],
-      !refuses);
-  add(t, " -DREFUSED_LAST=%d -DRAW=%d",
-      refuses && c->refused == HBIL_REFUSED_LAST, c->raw_interleave != 0);
+  add(t, " -DFACING_STEP=%d -DFACING_ALL=%d",
+      c->facing_fade[0] >= c->facing_fade[1], !refuses);
+  add(t, " -DFALLBACK_LAST_ACCEPTED=%d -DRAW=%d",
+      refuses && c->back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED,
+      c->unfiltered != 0);
   add(t, " -DGATHER_EMISSION=%d -DFEEDBACK_RADIANCE=%d -DREPROJECT_MOTION=%d",
       c->gather_emission != 0, c->feedback == HBIL_FEEDBACK_RADIANCE,
       c->reprojection == HBIL_REPROJECTION_MOTION);
-  add(t, " -DDISOCCLUSION=%d -DFAR=%d", !isinf(c->disocclusion),
+  add(t, " -DDISOCCLUSION=%d -DFAR=%d", !isinf(c->disocclusion_threshold),
       (int)plan->layout.far_field);
   add(t, " -DFINITE=%d",
       (isinf(c->relative_thickness) ? 0 : 1) | (isinf(c->thickness) ? 0 : 2));
@@ -71,7 +72,7 @@ static void write_defines(const hbil_plan *plan, text *t) {
       (unsigned)plan->layout.error_plane, (unsigned)plan->layout.weight_plane,
       (unsigned)plan->layout.line);
   add(t, " -DSTORAGE=%d", (int)c->storage);
-  add(t, " -DREFUSED_FRAME=%d -DHBAO=%d", plan->layout.unknown,
+  add(t, " -DFALLBACK_FRAME_MEAN=%d -DHBAO=%d", plan->layout.unknown,
       c->mode == HBIL_MODE_HBAO);
   static const struct {
     const char *name;
@@ -166,7 +167,7 @@ static bool program_needed(const hbil_plan *plan, int program) {
   if (program == PROGRAM_GATHER_FACTORS || program == PROGRAM_REGATHER)
     return plan->layout.bytes[BUFFER_FACTORS] > 0;
   if (program == PROGRAM_TEMPORAL)
-    return plan->config.temporal > 0;
+    return plan->config.max_history_frames > 0;
   return plan->layout.history ||
          (program != PROGRAM_REPROJECT && program != PROGRAM_PUSH_PULL);
 }
@@ -264,7 +265,7 @@ static cl_int clear_layers(hbil_plan *plan, cl_command_queue queue) {
  * rungs come to where the caller has put a pass in the gather's place.  The
  * waiting is done by clFinish on a queue of our own. */
 static hbil_status fill_padding(hbil_plan *plan) {
-  static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT, BUFFER_REPAIRED,
+  static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT, BUFFER_SANITIZED,
                                 BUFFER_TRIED};
   const cl_float zero = 0.0f;
   cl_int error = CL_SUCCESS;
@@ -307,9 +308,9 @@ static hbil_status resolve_config(hbil_context *context,
     status = largest_buffer(context, &most);
   if (!resolved->vector_width)
     resolved->vector_width = context->vector_width;
-  if (resolved->form_factors > most)
-    resolved->form_factors = (size_t)most;
-  resolved->background = fminf(resolved->background, HBIL_FARTHEST_DEPTH);
+  if (resolved->horizon_cache_bytes > most)
+    resolved->horizon_cache_bytes = (size_t)most;
+  resolved->sky_depth = fminf(resolved->sky_depth, HBIL_FARTHEST_DEPTH);
   return status;
 }
 
@@ -379,21 +380,21 @@ void hbil_plan_reset(hbil_plan *plan) {
 
 hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
                              hbil_buffer *out) {
-  static const int of_stage[] = {BUFFER_HISTORY, BUFFER_CARRIED,  BUFFER_SPLIT,
-                                 BUFFER_LIGHT,   BUFFER_RESOLVED, BUFFER_KEPT,
-                                 BUFFER_TRIED};
+  static const int of_stage[] = {
+      BUFFER_HISTORY,  BUFFER_CARRIED,  BUFFER_SPLIT, BUFFER_LIGHT,
+      BUFFER_RESOLVED, BUFFER_TEMPORAL, BUFFER_TRIED};
   if (!plan || !out || (unsigned)stage > HBIL_STAGE_CHOICE)
     return HBIL_INVALID_ARGUMENT;
   const layout *l = &plan->layout;
   const int buffer =
-      of_stage[stage] + (stage == HBIL_STAGE_KEPT ? plan->kept : 0);
+      of_stage[stage] + (stage == HBIL_STAGE_TEMPORAL_HISTORY ? plan->kept : 0);
   memset(out, 0, sizeof *out);
   if (!plan->buffers[buffer])
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
                 "stage %d: this plan has no such buffer (no %s)", (int)stage,
-                stage == HBIL_STAGE_CHOICE ? "max_error"
-                : stage == HBIL_STAGE_KEPT ? "temporal filter"
-                                           : "history");
+                stage == HBIL_STAGE_CHOICE             ? "max_error"
+                : stage == HBIL_STAGE_TEMPORAL_HISTORY ? "temporal filter"
+                                                       : "history");
   out->buffer = plan->buffers[buffer];
   if (stage == HBIL_STAGE_CHOICE) {
     out->plane_pitch = out->row_pitch = 1;

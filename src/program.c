@@ -103,7 +103,7 @@ static hbil_status add_files(hbil_context *context, const program_kind *kind,
   if (status == HBIL_SUCCESS && kind->guide)
     status = add_file(context, s, "guide.clh");
   if (status == HBIL_SUCCESS && kind->factors)
-    status = add_file(context, s, "factors.clh");
+    status = add_file(context, s, "horizon_cache.clh");
   return status == HBIL_SUCCESS ? add_file(context, s, pass_file) : status;
 }
 

@@ -10,36 +10,37 @@
         offsetof(hbil_frame, name)                                             \
   }
 
-const image_kind image_kinds[IMAGE_COUNT] = {
-    [IMAGE_DEPTH] = KIND(depth, "DEPTH", 1),
-    [IMAGE_NORMAL] = KIND(normal, "NORMAL", 3),
-    [IMAGE_ALBEDO] = KIND(albedo, "ALBEDO", 3),
-    [IMAGE_F0] = KIND(f0, "F0", 3),
-    [IMAGE_DIRECT] = KIND(direct, "DIRECT", 3),
-    [IMAGE_EMISSION] = KIND(emission, "EMISSION", 3),
-    [IMAGE_MOTION] = KIND(motion, "MOTION", 2),
-    [IMAGE_NEAR] = KIND(near_light, "NEAR", 3),
-    [IMAGE_FAR] = KIND(far_light, "FAR", 3),
-    [IMAGE_AO] = KIND(ao, "AO", 1),
-    [IMAGE_BENT] = KIND(bent, "BENT", 3),
-    [IMAGE_CONE] = KIND(cone, "CONE", 1),
-    [IMAGE_INDIRECT] = KIND(indirect, "INDIRECT", 3),
-    [IMAGE_RADIANCE] = KIND(radiance, "RADIANCE", 3),
-    [IMAGE_ERROR] = KIND(error, "ERROR", 2),
+const plane_kind plane_kinds[PLANE_COUNT] = {
+    [PLANE_DEPTH] = KIND(depth, "DEPTH", 1),
+    [PLANE_NORMAL] = KIND(normal, "NORMAL", 3),
+    [PLANE_ALBEDO] = KIND(albedo, "ALBEDO", 3),
+    [PLANE_F0] = KIND(f0, "F0", 3),
+    [PLANE_DIRECT] = KIND(direct, "DIRECT", 3),
+    [PLANE_EMISSION] = KIND(emission, "EMISSION", 3),
+    [PLANE_MOTION] = KIND(motion, "MOTION", 2),
+    [PLANE_NEAR] = KIND(near_irradiance, "NEAR", 3),
+    [PLANE_FAR] = KIND(far_irradiance, "FAR", 3),
+    [PLANE_AO] = KIND(ao, "AO", 1),
+    [PLANE_BENT] = KIND(bent_normal, "BENT", 3),
+    [PLANE_CONE] = KIND(cone_cosine, "CONE", 1),
+    [PLANE_INDIRECT] = KIND(indirect, "INDIRECT", 3),
+    [PLANE_BEAUTY] = KIND(beauty, "BEAUTY", 3),
+    [PLANE_ERROR] = KIND(error_estimate, "ERROR", 2),
 };
 
-const hbil_format *config_format(const hbil_config *config, int image) {
-  return (const hbil_format *)(const void *)((const char *)config +
-                                             image_kinds[image].format_at);
+const hbil_plane_format *config_format(const hbil_config *config, int image) {
+  return (
+      const hbil_plane_format *)(const void *)((const char *)config +
+                                               plane_kinds[image].format_at);
 }
 
-const hbil_image *frame_image(const hbil_frame *frame, int image) {
-  return (const hbil_image *)(const void *)((const char *)frame +
-                                            image_kinds[image].image_at);
+const hbil_plane *frame_plane(const hbil_frame *frame, int image) {
+  return (const hbil_plane *)(const void *)((const char *)frame +
+                                            plane_kinds[image].image_at);
 }
 
 bool config_refuses(const hbil_config *config) {
-  return config->facing[1] > -1.0f;
+  return config->facing_fade[1] > -1.0f;
 }
 
 bool config_ends(const hbil_config *config) {
@@ -48,7 +49,7 @@ bool config_ends(const hbil_config *config) {
 
 cl_uint format_stride(const hbil_config *config, int image) {
   const cl_uint stride = config_format(config, image)->stride;
-  return stride ? stride : image_kinds[image].channels;
+  return stride ? stride : plane_kinds[image].channels;
 }
 
 /* --- structs that grow: a caller's may be an older header's --- */
@@ -62,7 +63,7 @@ cl_uint format_stride(const hbil_config *config, int image) {
 /* Bytes in version 0.1, the least that a caller's may have: a later version's
  * fields stand behind these for ever (configure.ac has the rules). */
 enum {
-  FIRST_CONFIG_SIZE = SIZE_UP_TO(hbil_config, form_factors),
+  FIRST_CONFIG_SIZE = SIZE_UP_TO(hbil_config, horizon_cache_bytes),
   FIRST_FRAME_SIZE = SIZE_UP_TO(hbil_frame, keep_choice)
 };
 
@@ -103,24 +104,24 @@ static hbil_status take(hbil_context *context, hbil_status refusal,
 
 void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
   const hbil_config defaults = {
-      .background = INFINITY,
+      .sky_depth = INFINITY,
       .direct_scale = 1.0f,
       .motion_scale = {1.0f, 1.0f},
       .radius = INFINITY,
       .thickness = INFINITY,
       .relative_thickness = INFINITY,
       .slices = 2,
-      .samples = 8,
+      .steps_per_side = 8,
       .step_growth = 2.0f,
-      .lattice = HBIL_LATTICE_FULL,
+      .sample_grid = HBIL_GRID_FULL_RESOLUTION,
       .extrapolate = CL_TRUE,
       .max_error = {INFINITY, INFINITY},
-      .facing = {-0.1f, 0.0f},
-      .refused = HBIL_REFUSED_LAST,
+      .facing_fade = {-0.1f, 0.0f},
+      .back_facing_fallback = HBIL_FALLBACK_LAST_ACCEPTED,
       .gather_emission = CL_TRUE,
       .reprojection = HBIL_REPROJECTION_SCATTER,
       .feedback = HBIL_FEEDBACK_IRRADIANCE,
-      .disocclusion = 0.05f,
+      .disocclusion_threshold = 0.05f,
       .far_field = HBIL_FAR_NONE,
       .skip = HBIL_SKIP_ALL,
   };
@@ -133,25 +134,26 @@ static const struct {
   const char *name;
   cl_uint slices, samples;
   float step_growth;
-  hbil_lattice lattice;
+  hbil_sample_grid lattice;
   cl_bool raw;
 } qualities[] = {
-    [HBIL_QUALITY_FAST] = {"fast", 1, 16, 2.0f, HBIL_LATTICE_LAYER, CL_FALSE},
-    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 32, 1.0f, HBIL_LATTICE_LAYER,
+    [HBIL_QUALITY_FAST] = {"fast", 1, 16, 2.0f, HBIL_GRID_SAME_LAYER, CL_FALSE},
+    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 32, 1.0f, HBIL_GRID_SAME_LAYER,
                                CL_FALSE},
-    [HBIL_QUALITY_HIGH] = {"high", 2, 64, 2.0f, HBIL_LATTICE_FULL, CL_FALSE},
-    [HBIL_QUALITY_REFERENCE] = {"reference", 32, 256, 0.0f, HBIL_LATTICE_FULL,
-                                CL_TRUE},
+    [HBIL_QUALITY_HIGH] = {"high", 2, 64, 2.0f, HBIL_GRID_FULL_RESOLUTION,
+                           CL_FALSE},
+    [HBIL_QUALITY_REFERENCE] = {"reference", 32, 256, 0.0f,
+                                HBIL_GRID_FULL_RESOLUTION, CL_TRUE},
 };
 
 hbil_status hbil_config_set_quality(hbil_config *config, hbil_quality quality) {
   if (!config || (unsigned)quality > HBIL_QUALITY_REFERENCE)
     return HBIL_INVALID_ARGUMENT;
   config->slices = qualities[quality].slices;
-  config->samples = qualities[quality].samples;
+  config->steps_per_side = qualities[quality].samples;
   config->step_growth = qualities[quality].step_growth;
-  config->lattice = qualities[quality].lattice;
-  config->raw_interleave = qualities[quality].raw;
+  config->sample_grid = qualities[quality].lattice;
+  config->unfiltered = qualities[quality].raw;
   /* what is dithered over the layers needs the filter */
   config->storage =
       qualities[quality].raw ? HBIL_STORAGE_FLOAT32 : HBIL_STORAGE_PACKED;
@@ -195,15 +197,15 @@ static hbil_status positive(hbil_context *context, const char *field,
 
 static hbil_status check_format(hbil_context *context,
                                 const hbil_config *config, int image) {
-  const image_kind *kind = &image_kinds[image];
-  const hbil_format *format = config_format(config, image);
+  const plane_kind *kind = &plane_kinds[image];
+  const hbil_plane_format *format = config_format(config, image);
   if (format->component == HBIL_NONE)
     return HBIL_SUCCESS;
-  const bool output = image >= IMAGE_FIRST_OUTPUT;
+  const bool output = image >= PLANE_FIRST_OUTPUT;
   if ((unsigned)format->component > HBIL_UNORM8 ||
       (format->component == HBIL_UNORM8 &&
-       (output || image == IMAGE_DEPTH || image == IMAGE_NORMAL ||
-        image == IMAGE_MOTION)))
+       (output || image == PLANE_DEPTH || image == PLANE_NORMAL ||
+        image == PLANE_MOTION)))
     return fail(context, HBIL_INVALID_CONFIG,
                 "%s.component: %d; must be HBIL_FLOAT32 or HBIL_FLOAT16%s",
                 kind->name, (int)format->component,
@@ -218,7 +220,7 @@ static hbil_status check_format(hbil_context *context,
 
 static hbil_status check_formats(hbil_context *context,
                                  const hbil_config *config) {
-  for (int i = 0; i < IMAGE_COUNT; ++i) {
+  for (int i = 0; i < PLANE_COUNT; ++i) {
     const hbil_status status = check_format(context, config, i);
     if (status != HBIL_SUCCESS)
       return status;
@@ -234,7 +236,7 @@ static hbil_status check_formats(hbil_context *context,
     return fail(context, HBIL_INVALID_CONFIG,
                 "motion.component: HBIL_NONE; HBIL_REPROJECTION_MOTION needs "
                 "motion vectors");
-  for (int i = IMAGE_FIRST_OUTPUT; i < IMAGE_COUNT; ++i)
+  for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
     if (config_format(config, i)->component != HBIL_NONE)
       return HBIL_SUCCESS;
   return fail(context, HBIL_INVALID_CONFIG,
@@ -247,10 +249,10 @@ static hbil_status check_mode(hbil_context *context,
   static const struct {
     int image;
     hbil_mode most; /* the last mode that has it */
-  } only[] = {{IMAGE_NEAR, HBIL_MODE_HBIL},
-              {IMAGE_BENT, HBIL_MODE_GTAO},
-              {IMAGE_ERROR, HBIL_MODE_GTAO},
-              {IMAGE_CONE, HBIL_MODE_GTAO}};
+  } only[] = {{PLANE_NEAR, HBIL_MODE_HBIL},
+              {PLANE_BENT, HBIL_MODE_GTAO},
+              {PLANE_ERROR, HBIL_MODE_GTAO},
+              {PLANE_CONE, HBIL_MODE_GTAO}};
   const char *mode = config->mode == HBIL_MODE_GTAO ? "GTAO" : "HBAO";
   for (size_t i = 0; i < sizeof only / sizeof *only; ++i)
     if (config->mode > only[i].most &&
@@ -258,7 +260,7 @@ static hbil_status check_mode(hbil_context *context,
       return fail(context, HBIL_INVALID_CONFIG,
                   "%s.component: must be HBIL_NONE, HBIL_MODE_%s has no such "
                   "output",
-                  image_kinds[only[i].image].name, mode);
+                  plane_kinds[only[i].image].name, mode);
   if (config->mode != HBIL_MODE_HBIL && config->far_field == HBIL_FAR_FRAME)
     return fail(context, HBIL_INVALID_CONFIG,
                 "far_field: HBIL_FAR_FRAME; HBIL_MODE_%s reads no radiance",
@@ -278,9 +280,9 @@ static hbil_status check_adaptive(hbil_context *context,
     status = positive(context, "max_error[1]", (double)config->max_error[1]);
   if (status != HBIL_SUCCESS || !ladder_on(config))
     return status;
-  if (config->raw_interleave)
+  if (config->unfiltered)
     return fail(context, HBIL_INVALID_CONFIG,
-                "max_error: is that of filtered results, raw_interleave must "
+                "max_error: is that of filtered results, unfiltered must "
                 "be CL_FALSE");
   return HBIL_SUCCESS;
 }
@@ -299,27 +301,29 @@ static hbil_status config_check(hbil_context *context,
        HBIL_PROJECTION_ORTHOGRAPHIC},
       {"depth_kind", (double)config->depth_kind, 0, HBIL_DEPTH_RAY},
       {"normal_space", (double)config->normal_space, 0, HBIL_SPACE_WORLD},
-      {"bent_space", (double)config->bent_space, 0, HBIL_SPACE_WORLD},
+      {"bent_space", (double)config->bent_normal_space, 0, HBIL_SPACE_WORLD},
       {"direct_scale", (double)config->direct_scale, 0, 1e30},
       {"motion_scale[0]", (double)config->motion_scale[0], -1e6, 1e6},
       {"motion_scale[1]", (double)config->motion_scale[1], -1e6, 1e6},
       {"mode", (double)config->mode, 0, HBIL_MODE_HBAO},
       {"falloff", (double)config->falloff, 0, HBIL_FALLOFF_NONE},
       {"slices", config->slices, 1, 32},
-      {"samples", config->samples, 1, 256},
+      {"steps_per_side", config->steps_per_side, 1, 256},
       {"step_growth", (double)config->step_growth, 0, 64},
-      {"lattice", (double)config->lattice, 0, HBIL_LATTICE_FULL},
+      {"sample_grid", (double)config->sample_grid, 0,
+       HBIL_GRID_FULL_RESOLUTION},
       {"extrapolate", config->extrapolate, 0, 1},
-      {"facing[0]", (double)config->facing[0], -1, 1},
-      {"facing[1]", (double)config->facing[1], -1, 1},
-      {"refused", (double)config->refused, 0, HBIL_REFUSED_FRAME},
+      {"facing_fade[0]", (double)config->facing_fade[0], -1, 1},
+      {"facing_fade[1]", (double)config->facing_fade[1], -1, 1},
+      {"back_facing_fallback", (double)config->back_facing_fallback, 0,
+       HBIL_FALLBACK_FRAME_MEAN},
       {"gather_emission", config->gather_emission, 0, 1},
-      {"temporal", config->temporal, 0, 1024},
+      {"max_history_frames", config->max_history_frames, 0, 1024},
       {"reprojection", (double)config->reprojection, 0,
        HBIL_REPROJECTION_MOTION},
       {"feedback", (double)config->feedback, 0, HBIL_FEEDBACK_RADIANCE},
       {"far_field", (double)config->far_field, 0, HBIL_FAR_FRAME},
-      {"raw_interleave", config->raw_interleave, 0, 1},
+      {"unfiltered", config->unfiltered, 0, 1},
       {"skip", config->skip, 0, HBIL_SKIP_ALL},
       {"storage", (double)config->storage, 0, HBIL_STORAGE_FLOAT11},
       {"profiling", config->profiling, 0, 1},
@@ -329,10 +333,10 @@ static hbil_status config_check(hbil_context *context,
     if ((status = in_range(context, ranges[i].field, ranges[i].value,
                            ranges[i].least, ranges[i].most)) != HBIL_SUCCESS)
       return status;
-  if (config->facing[0] > config->facing[1])
+  if (config->facing_fade[0] > config->facing_fade[1])
     return fail(context, HBIL_INVALID_CONFIG,
-                "facing: %g, %g; the first must not be above the second",
-                (double)config->facing[0], (double)config->facing[1]);
+                "facing_fade: %g, %g; the first must not be above the second",
+                (double)config->facing_fade[0], (double)config->facing_fade[1]);
   const cl_uint width = config->vector_width;
   if (width != 0 && width != 1 && width != 4 && width != 8 && width != 16)
     return fail(context, HBIL_INVALID_CONFIG,
@@ -344,10 +348,11 @@ static hbil_status config_check(hbil_context *context,
           HBIL_SUCCESS ||
       (status = positive(context, "relative_thickness",
                          (double)config->relative_thickness)) != HBIL_SUCCESS ||
-      (status = positive(context, "background", (double)config->background)) !=
+      (status = positive(context, "sky_depth", (double)config->sky_depth)) !=
           HBIL_SUCCESS ||
-      (status = positive(context, "disocclusion",
-                         (double)config->disocclusion)) != HBIL_SUCCESS)
+      (status = positive(context, "disocclusion_threshold",
+                         (double)config->disocclusion_threshold)) !=
+          HBIL_SUCCESS)
     return status;
   if ((status = check_adaptive(context, config)) != HBIL_SUCCESS)
     return status;

@@ -5,11 +5,11 @@
 #include <string.h>
 
 /* Kernels don't see hbil.h. */
-_Static_assert((int)HBIL_STRIP_SKY == (int)HBIL_SKIP_SKY &&
-                   (int)HBIL_STRIP_OPEN == (int)HBIL_SKIP_OPEN &&
-                   (int)HBIL_STRIP_DARK == (int)HBIL_SKIP_DARK &&
-                   (int)HBIL_STRIP_UNUSED == (int)HBIL_SKIP_UNUSED,
-               "one strip's bits are hbil_skip's");
+_Static_assert((int)HBIL_SPAN_SKY == (int)HBIL_SKIP_SKY &&
+                   (int)HBIL_SPAN_OPEN == (int)HBIL_SKIP_OPEN &&
+                   (int)HBIL_SPAN_DARK == (int)HBIL_SKIP_DARK &&
+                   (int)HBIL_SPAN_UNUSED == (int)HBIL_SKIP_UNUSED,
+               "one span's bits are hbil_skip's");
 
 static hbil_status read_buffer(hbil_plan *plan, cl_command_queue queue,
                                int buffer, void *out) {
@@ -22,7 +22,7 @@ static hbil_status read_buffer(hbil_plan *plan, cl_command_queue queue,
 }
 
 static hbil_status read_passes(hbil_plan *plan, cl_command_queue queue,
-                               hbil_skipped *out) {
+                               hbil_statistics *out) {
   cl_uint flags[HBIL_FLAGS];
   const hbil_status status = read_buffer(plan, queue, BUFFER_FLAGS, flags);
   if (status != HBIL_SUCCESS)
@@ -36,18 +36,18 @@ static hbil_status read_passes(hbil_plan *plan, cl_command_queue queue,
   return HBIL_SUCCESS;
 }
 
-static void add(hbil_share *to, size_t pixels) {
+static void add(hbil_count *to, size_t pixels) {
   to->pixels += pixels;
-  to->strips++;
+  to->spans++;
 }
 
-/* A strip of `inside` pixels of the picture. */
-static void count_strip(hbil_skipped *out, unsigned spared, size_t inside,
-                        size_t sky) {
+/* A span of `inside` pixels of the picture. */
+static void count_span(hbil_statistics *out, unsigned spared, size_t inside,
+                       size_t sky) {
   add(&out->all, inside);
   out->sky.pixels += sky;
   if (spared & HBIL_SKIP_SKY)
-    out->sky.strips++;
+    out->sky.spans++;
   if (spared & HBIL_SKIP_OPEN)
     add(&out->open, inside - sky);
   if (spared & HBIL_SKIP_DARK)
@@ -56,12 +56,12 @@ static void count_strip(hbil_skipped *out, unsigned spared, size_t inside,
     add(&out->unused, inside - sky);
 }
 
-static void count_strips(const hbil_plan *plan, const unsigned char *strips,
-                         hbil_skipped *out) {
-  const size_t across = plan->layout.strips;
+static void count_strips(const hbil_plan *plan, const unsigned char *spans,
+                         hbil_statistics *out) {
+  const size_t across = plan->layout.spans;
   const size_t height = (size_t)plan->layout.split.height;
   const size_t count = across * height * HBIL_LAYERS;
-  const size_t size = plan->config.vector_width == 1 ? 1 : HBIL_TILE;
+  const size_t size = plan->config.vector_width == 1 ? 1 : HBIL_SPAN;
   const size_t by_factors = plan->by_factors ? plan->layout.factors.rows : 0;
   for (size_t i = 0; i < count; ++i) {
     const size_t layer = i / (across * height);
@@ -72,20 +72,20 @@ static void count_strips(const hbil_plan *plan, const unsigned char *strips,
     const size_t right = (plan->config.width - x + HBIL_SIDE - 1) / HBIL_SIDE;
     const size_t inside = right < size ? right : size;
     /* lanes outside the picture are sky, too */
-    const size_t sky = strips[count + i] - (size - inside);
-    count_strip(out, strips[i], inside, sky);
-    if (!strips[i] && i / across % height < by_factors)
+    const size_t sky = spans[count + i] - (size - inside);
+    count_span(out, spans[i], inside, sky);
+    if (!spans[i] && i / across % height < by_factors)
       add(&out->by_factors, inside - sky);
   }
 }
 
 /* Of adaptive sampling. */
 static hbil_status read_samples(hbil_plan *plan, cl_command_queue queue,
-                                hbil_skipped *out) {
+                                hbil_statistics *out) {
   const ladder *l = &plan->layout.ladder;
   cl_uint tried[HBIL_MOST_RUNGS][HBIL_TRIED];
   out->slices = plan->config.slices;
-  out->samples = plan->config.samples;
+  out->steps_per_side = plan->config.steps_per_side;
   out->adaptive = l->count > 0;
   if (!l->count)
     return HBIL_SUCCESS;
@@ -96,32 +96,33 @@ static hbil_status read_samples(hbil_plan *plan, cl_command_queue queue,
                            tried[good][HBIL_TRIED_PIXELS]))
     ++good;
   out->slices = (cl_uint)l->rung[good].slices;
-  out->samples = (cl_uint)l->rung[good].samples;
+  out->steps_per_side = (cl_uint)l->rung[good].samples;
   out->kept_choice = plan->kept_choice;
   return status;
 }
 
 static hbil_status read_strips(hbil_plan *plan, cl_command_queue queue,
-                               hbil_skipped *out) {
-  unsigned char *strips = malloc(plan->layout.bytes[BUFFER_STRIPS]);
-  if (!strips)
+                               hbil_statistics *out) {
+  unsigned char *spans = malloc(plan->layout.bytes[BUFFER_SPAN_STATES]);
+  if (!spans)
     return fail(plan->context, HBIL_OUT_OF_HOST_MEMORY,
                 "no memory to count in");
-  const hbil_status status = read_buffer(plan, queue, BUFFER_STRIPS, strips);
+  const hbil_status status =
+      read_buffer(plan, queue, BUFFER_SPAN_STATES, spans);
   if (status == HBIL_SUCCESS)
-    count_strips(plan, strips, out);
-  free(strips);
+    count_strips(plan, spans, out);
+  free(spans);
   return status;
 }
 
-hbil_status hbil_plan_skipped(hbil_plan *plan, cl_command_queue queue,
-                              hbil_skipped *out) {
+hbil_status hbil_plan_statistics(hbil_plan *plan, cl_command_queue queue,
+                                 hbil_statistics *out) {
   if (!plan || !queue || !out)
     return HBIL_INVALID_ARGUMENT;
   memset(out, 0, sizeof *out);
   if (!plan->has_last)
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
-                "hbil_plan_skipped: the plan has no frame yet");
+                "hbil_plan_statistics: the plan has no frame yet");
   const cl_int error = clFinish(queue);
   if (error != CL_SUCCESS)
     return fail_cl(plan->context, error, "clFinish");
@@ -132,6 +133,6 @@ hbil_status hbil_plan_skipped(hbil_plan *plan, cl_command_queue queue,
     status = read_samples(plan, queue, out);
   if (status == HBIL_SUCCESS && out->not_run[HBIL_PASS_GATHER])
     out->sky = out->open = out->dark = out->unused = out->by_factors =
-        (hbil_share){0, 0};
+        (hbil_count){0, 0};
   return status;
 }

@@ -46,7 +46,7 @@ static ref_planes read_planes(const char *path, int width) {
 
 static void compare(const ref_planes *got, const char *path) {
   ref_planes want = read_planes(path, got->width);
-  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id)
+  for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     check_at_most(
         image_name(id),
         relative_rmse(got, &want, image_first(id), image_channels(id)), LIMIT);
@@ -120,24 +120,24 @@ static void configure(setup *s, bool motion) {
   if (!motion)
     return;
   s->config.max_error[0] = 0.3f;
-  s->config.refused = HBIL_REFUSED_BLACK;
+  s->config.back_facing_fallback = HBIL_FALLBACK_BLACK;
   s->config.far_field = HBIL_FAR_SH;
   s->config.feedback = HBIL_FEEDBACK_RADIANCE;
   s->config.radius = 3.0f;
   s->config.extrapolate = CL_FALSE;
   s->config.depth_kind = HBIL_DEPTH_RAY;
-  s->config.bent_space = HBIL_SPACE_WORLD;
+  s->config.bent_normal_space = HBIL_SPACE_WORLD;
   for (int i = 0; i < 9; ++i)
     for (int c = 0; c < 3; ++c)
       s->frame.environment[i][c] = i ? 0.1f * (float)(i - c) : 2.0f;
 }
 
 static void stand_still(setup *s) {
-  hbil_skipped skipped;
-  s->frame.still = CL_TRUE;
+  hbil_statistics skipped;
+  s->frame.static_frame = CL_TRUE;
   for (int i = 0; i < 2; ++i)
     setup_run(s, hbil_enqueue_frame);
-  assert_success(s, hbil_plan_skipped(s->plan, s->gpu->queue, &skipped));
+  assert_success(s, hbil_plan_statistics(s->plan, s->gpu->queue, &skipped));
   assert_in_range(skipped.by_factors.pixels, 1,
                   skipped.all.pixels - skipped.sky.pixels - 1);
 }

@@ -144,7 +144,7 @@ static float input_at(const ref_job *job, int plane, int x, int y) {
 
 static bool is_sky(const hbil_config *config, float depth) {
   return !(depth >= HBIL_NEAREST_DEPTH) || depth >= HBIL_FARTHEST_DEPTH ||
-         depth >= config->background;
+         depth >= config->sky_depth;
 }
 
 static bool sky_at(const ref_job *job, int x, int y) {
@@ -300,8 +300,8 @@ static void take_source(const ref_job *job, const ref_planes *history,
   hbil_view_args now = ref_view(job->config, &job->camera);
   int sx = best->source % now.width, sy = best->source / now.width;
   float zc = planar_depth(job, &now, x, y);
-  if (!(fabsf(best->z - zc) <=
-        job->config->disocclusion * depth_unit_of(job->config, &now, zc)))
+  if (!(fabsf(best->z - zc) <= job->config->disocclusion_threshold *
+                                   depth_unit_of(job->config, &now, zc)))
     return;
   for (int c = 0; c < 3; ++c)
     *ref_at(carried, HBIL_CARRIED_RED + c, x, y) =
@@ -340,8 +340,8 @@ static bool tap_counts(const ref_job *job, const ref_planes *history, int x,
   w = (float)*ref_at(history, HBIL_HISTORY_W, x, y);
   /* |1/w - z| <= off, times w */
   const hbil_view_args view = ref_view(job->config, &job->camera);
-  const float off =
-      job->config->disocclusion * depth_unit_of(job->config, &view, z);
+  const float off = job->config->disocclusion_threshold *
+                    depth_unit_of(job->config, &view, z);
   return w > 0.0f && fabsf(fmaf(w, z, -1.0f)) <= w * off;
 }
 
@@ -544,9 +544,9 @@ hbil_pattern_args ref_pattern(const ref_job *job) {
   hbil_view_args v = ref_view(c, &job->camera);
   hbil_pattern_args p;
   p.slices = (int)c->slices;
-  p.samples = (int)c->samples;
+  p.samples = (int)c->steps_per_side;
   p.levels = isinf(c->radius) ? 1 : HBIL_MAX_LEVELS;
-  p.lattice = c->lattice == HBIL_LATTICE_LAYER ? HBIL_SIDE : 1;
+  p.lattice = c->sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
   p.reach = fmaxf((float)v.width / v.fx, (float)v.height / v.fy);
   p.growth = c->step_growth;
   p.turn = (float)fmod(job->index * 0.6457513, 1.0);
@@ -682,7 +682,7 @@ static angle horizon(const surface *s, const half_slice *h, double distance,
 }
 
 static double fade(const hbil_config *c, double cosine) {
-  double low = (double)c->facing[0], high = (double)c->facing[1], t;
+  double low = (double)c->facing_fade[0], high = (double)c->facing_fade[1], t;
   if (low == high)
     return cosine >= low ? 1.0 : 0.0;
   t = clamp((cosine - low) / (high - low), 0.0, 1.0);
@@ -892,7 +892,7 @@ static void take_light(const walker *w, march *m, const occluder *o,
   double t = fade(c, -dot(o->s.normal, o->to) / o->range);
   for (int i = 0; i < 3; ++i) {
     double own = *ref_at(w->g->split, HBIL_SPLIT_RED + i, o->x, o->y);
-    m->last[i] = c->refused == HBIL_REFUSED_LAST
+    m->last[i] = c->back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED
                      ? m->last[i] + t * (own - m->last[i])
                      : t * own;
     m->light[i] += m->last[i] * taken;
@@ -952,10 +952,10 @@ static void follow_pattern(const walker *w, march *m, int halves) {
       hbil_sample_offset(w->layer, k + 1, w->level, ux, uy, g->view, g->pattern,
                          &next_x, &next_y);
     if (halves & hbil_sample_halves(w->layer, k, samples, before,
-                                    hbil_span(next_x, next_y)) &&
+                                    hbil_offset_length(next_x, next_y)) &&
         inside(g->split, w->x + x, w->y + y))
       visit(w, m, w->x + x, w->y + y);
-    before = hbil_span(x, y);
+    before = hbil_offset_length(x, y);
     x = next_x;
     y = next_y;
   }
@@ -1110,11 +1110,11 @@ static void gather_slice(walker *w, double ux, double uy) {
 /* The level that the pixel's tile of its layer's row uses. */
 static int level_at(const gathering *g, int x, int y) {
   int first =
-      x % HBIL_SIDE + x / (HBIL_SIDE * HBIL_TILE) * HBIL_SIDE * HBIL_TILE;
+      x % HBIL_SIDE + x / (HBIL_SIDE * HBIL_SPAN) * HBIL_SIDE * HBIL_SPAN;
   float nearest = 0.0f;
   if (g->pattern.levels == 1)
     return 0;
-  for (int i = 0; i < HBIL_TILE; ++i) {
+  for (int i = 0; i < HBIL_SPAN; ++i) {
     int at = first + i * HBIL_SIDE;
     if (at < g->split->width)
       nearest = fmaxf(nearest, (float)*ref_at(g->split, HBIL_SPLIT_W, at, y));
@@ -1127,11 +1127,12 @@ static int level_at(const gathering *g, int x, int y) {
 
 /* Whether refused light is made up for by the frame's. */
 static bool fills_unknown(const hbil_config *config) {
-  return gathers_light(config) && config->refused == HBIL_REFUSED_FRAME;
+  return gathers_light(config) &&
+         config->back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN;
 }
 
 bool ref_weighs_slices(const hbil_config *config) {
-  return config->slices == 1 && !config->raw_interleave;
+  return config->slices == 1 && !config->unfiltered;
 }
 
 static void store_bent_sum(const walker *w, double ao) {
@@ -1434,7 +1435,7 @@ double ref_guide(const ref_job *job, const ref_planes *split, int x, int y,
 static double tap_weight(const ref_job *job, const surface *s,
                          const ref_planes *split, int x, int y, int dx,
                          int dy) {
-  if (job->config->raw_interleave && (dx || dy))
+  if (job->config->unfiltered && (dx || dy))
     return 0.0;
   return spatial(dx, dy) * guide(job, s, split, x, y, dx, dy);
 }
@@ -1554,8 +1555,8 @@ static double unlit_share(const ref_job *job, int x, int y, double ao) {
 }
 
 /* Far irradiance through a cone about a view-space direction (0: none). */
-static double far_light(const ref_job *job, int channel, int x, int y,
-                        double ao, vec bent, double near_light) {
+static double far_irradiance(const ref_job *job, int channel, int x, int y,
+                             double ao, vec bent, double near_irradiance) {
   vec world = to_world(&job->camera, bent);
   double d[3] = {world.x, world.y, world.z}, basis[9], sum = 0.0;
   if (job->config->far_field == HBIL_FAR_NONE)
@@ -1564,7 +1565,7 @@ static double far_light(const ref_job *job, int channel, int x, int y,
     return PI * ao * (double)job->environment[0][channel];
   if (job->config->far_field == HBIL_FAR_FRAME)
     return PI * unlit_share(job, x, y, ao) *
-           unseen_light(job, channel, bent, near_light / PI, 1.0 - ao);
+           unseen_light(job, channel, bent, near_irradiance / PI, 1.0 - ao);
   ref_sh_basis(d, basis);
   for (int i = 0; i < 9; ++i) {
     int l = band_of(i);
@@ -1599,20 +1600,20 @@ static void composite_sky(const ref_job *job, int x, int y, ref_planes *out) {
 }
 
 static void composite_channel(const ref_job *job, int c, int x, int y,
-                              double near_light, double far, ref_planes *out,
-                              ref_planes *history) {
+                              double near_irradiance, double far,
+                              ref_planes *out, ref_planes *history) {
   double entering = entering_at(job, c, x, y);
-  double indirect = entering * (near_light + far) / PI;
+  double indirect = entering * (near_irradiance + far) / PI;
   double diffuse = albedo_at(job, c, x, y) *
                    (entering * direct_at(job, c, x, y) / PI + indirect);
-  *ref_at(out, REF_NEAR + c, x, y) = near_light;
+  *ref_at(out, REF_NEAR + c, x, y) = near_irradiance;
   *ref_at(out, REF_FAR + c, x, y) = far;
   *ref_at(out, REF_INDIRECT + c, x, y) = indirect;
   *ref_at(out, REF_RADIANCE + c, x, y) =
       diffuse + light_at(job, REF_EMISSION + c, x, y);
   *ref_at(history, HBIL_HISTORY_RED + c, x, y) =
       job->config->feedback == HBIL_FEEDBACK_IRRADIANCE
-          ? near_light + far
+          ? near_irradiance + far
           : diffuse + gathered_emission(job, c, x, y);
 }
 
@@ -1633,14 +1634,14 @@ static void composite_pixel(const ref_job *job, const ref_planes *resolved,
   if (has_bent(job->config))
     *ref_at(out, REF_CONE, x, y) = sqrt(fmax(0.0, 1.0 - ao));
   store_bent(out, x, y,
-             job->config->bent_space == HBIL_SPACE_WORLD
+             job->config->bent_normal_space == HBIL_SPACE_WORLD
                  ? to_world(&job->camera, bent)
                  : bent);
   for (int c = 0; c < 3; ++c) {
-    double near_light = *ref_at(resolved, HBIL_LIGHT_RED + c, x, y);
-    composite_channel(job, c, x, y, near_light,
-                      far_light(job, c, x, y, ao, bent, near_light), out,
-                      history);
+    double near_irradiance = *ref_at(resolved, HBIL_LIGHT_RED + c, x, y);
+    composite_channel(job, c, x, y, near_irradiance,
+                      far_irradiance(job, c, x, y, ao, bent, near_irradiance),
+                      out, history);
   }
   *ref_at(history, HBIL_HISTORY_W, x, y) =
       (float)(1.0 / exact_depth(job, x, y));
@@ -1710,7 +1711,7 @@ void ref_frame(ref_state *state, ref_job *job) {
 void ref_frame_dense(ref_state *state, ref_job *job, const ref_dense *how) {
   hbil_config unfiltered = *job->config;
   ref_job own;
-  unfiltered.raw_interleave = CL_TRUE;
+  unfiltered.unfiltered = CL_TRUE;
   prepare(state, job);
   own = *job;
   own.config = &unfiltered;

@@ -79,14 +79,14 @@ typedef struct image_info {
         offsetof(hbil_frame, field)                                            \
   }
 
-static const image_info images[IMAGE_COUNT] = {
-    IMAGE(depth, 1, REF_DEPTH),       IMAGE(normal, 3, REF_NORMAL),
-    IMAGE(albedo, 3, REF_ALBEDO),     IMAGE(f0, 3, REF_F0),
-    IMAGE(direct, 3, REF_DIRECT),     IMAGE(emission, 3, REF_EMISSION),
-    IMAGE(motion, 2, REF_MOTION),     IMAGE(near_light, 3, REF_NEAR),
-    IMAGE(far_light, 3, REF_FAR),     IMAGE(ao, 1, REF_AO),
-    IMAGE(bent, 3, REF_BENT),         IMAGE(cone, 1, REF_CONE),
-    IMAGE(indirect, 3, REF_INDIRECT), IMAGE(radiance, 3, REF_RADIANCE)};
+static const image_info images[PLANE_COUNT] = {
+    IMAGE(depth, 1, REF_DEPTH),        IMAGE(normal, 3, REF_NORMAL),
+    IMAGE(albedo, 3, REF_ALBEDO),      IMAGE(f0, 3, REF_F0),
+    IMAGE(direct, 3, REF_DIRECT),      IMAGE(emission, 3, REF_EMISSION),
+    IMAGE(motion, 2, REF_MOTION),      IMAGE(near_irradiance, 3, REF_NEAR),
+    IMAGE(far_irradiance, 3, REF_FAR), IMAGE(ao, 1, REF_AO),
+    IMAGE(bent_normal, 3, REF_BENT),   IMAGE(cone_cosine, 1, REF_CONE),
+    IMAGE(indirect, 3, REF_INDIRECT),  IMAGE(beauty, 3, REF_RADIANCE)};
 
 const char *image_name(image_id id) {
   return images[id].name;
@@ -100,12 +100,12 @@ int image_first(image_id id) {
   return images[id].first;
 }
 
-hbil_format *image_format(hbil_config *config, image_id id) {
-  return (hbil_format *)((char *)config + images[id].format);
+hbil_plane_format *image_format(hbil_config *config, image_id id) {
+  return (hbil_plane_format *)((char *)config + images[id].format);
 }
 
-hbil_image *image_slot(hbil_frame *frame, image_id id) {
-  return (hbil_image *)((char *)frame + images[id].image);
+hbil_plane *image_slot(hbil_frame *frame, image_id id) {
+  return (hbil_plane *)((char *)frame + images[id].image);
 }
 
 float half_to_float(uint16_t half) {
@@ -148,7 +148,7 @@ typedef struct placement {
 static placement place(const setup *s, image_id id) {
   const image_layout *layout = s->layout + id;
   hbil_config config = s->config;
-  const hbil_format *format = image_format(&config, id);
+  const hbil_plane_format *format = image_format(&config, id);
   size_t channels = (size_t)images[id].channels;
   size_t stride = format->stride ? format->stride : channels;
   placement p;
@@ -195,8 +195,8 @@ static float decode(const placement *p, const unsigned char *at) {
 /* ------------------------------------------------------------------------ */
 /* A plan and all around it                                                  */
 
-static const hbil_format single = {HBIL_FLOAT32, 1};
-static const hbil_format triple = {HBIL_FLOAT32, 3};
+static const hbil_plane_format single = {HBIL_FLOAT32, 1};
+static const hbil_plane_format triple = {HBIL_FLOAT32, 3};
 
 static bool has_image(const setup *s, image_id id) {
   hbil_config config = s->config;
@@ -216,10 +216,10 @@ void setup_init(setup *s, int width, int height) {
   hbil_frame_init(&s->frame);
   s->config.width = (cl_uint)width;
   s->config.height = (cl_uint)height;
-  for (image_id id = 0; id < IMAGE_FIRST_OUTPUT; ++id)
+  for (image_id id = 0; id < PLANE_FIRST_OUTPUT; ++id)
     *image_format(&s->config, id) = image_channels(id) == 3 ? triple : single;
   s->config.f0.component = HBIL_NONE;
-  s->config.near_light = s->config.bent = triple;
+  s->config.near_irradiance = s->config.bent_normal = triple;
   s->config.ao = single;
   setup_camera(s, 60.0);
   for (int p = 0; p < REF_INPUT_PLANES; ++p) {
@@ -280,7 +280,7 @@ void setup_scene(setup *s, scene_kind kind, int width, int height,
 }
 
 void setup_all_outputs(setup *s) {
-  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id)
+  for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     *image_format(&s->config, id) = image_channels(id) == 3 ? triple : single;
 }
 
@@ -290,8 +290,8 @@ void setup_every_pass(setup *s, hbil_reprojection reprojection,
   setup_all_outputs(s);
   s->config.storage = HBIL_STORAGE_PACKED;
   s->config.slices = 1;
-  s->config.samples = 6;
-  s->config.refused = HBIL_REFUSED_FRAME;
+  s->config.steps_per_side = 6;
+  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s->config.far_field = HBIL_FAR_FRAME;
   s->config.reprojection = reprojection;
   s->config.vector_width = vector_width;
@@ -299,12 +299,12 @@ void setup_every_pass(setup *s, hbil_reprojection reprojection,
 
 void setup_keep_rows(setup *s, size_t rows, size_t of) {
   size_t with, without;
-  s->config.form_factors = 0;
+  s->config.horizon_cache_bytes = 0;
   assert_success(s, hbil_plan_memory(s->gpu->hbil, &s->config, &without));
-  s->config.form_factors = SIZE_MAX;
+  s->config.horizon_cache_bytes = SIZE_MAX;
   assert_success(s, hbil_plan_memory(s->gpu->hbil, &s->config, &with));
   /* but for a byte, a row more */
-  s->config.form_factors = (with - without) / of * (rows + 1) - 1;
+  s->config.horizon_cache_bytes = (with - without) / of * (rows + 1) - 1;
 }
 
 void setup_fill(setup *s, int plane, float value) {
@@ -330,7 +330,7 @@ cl_mem buffer_new(gpu *g, size_t size, const void *bytes) {
 
 static void make_image(setup *s, image_id id) {
   const image_layout *layout = s->layout + id;
-  hbil_image *image = image_slot(&s->frame, id);
+  hbil_plane *image = image_slot(&s->frame, id);
   placement p = place(s, id);
   unsigned char *bytes;
   s->bytes[id] = p.end + CANARY_BYTES;
@@ -352,7 +352,7 @@ void assert_success(const setup *s, hbil_status status) {
 
 void setup_start(setup *s) {
   assert_success(s, hbil_plan_create(s->gpu->hbil, &s->config, &s->plan));
-  for (image_id id = 0; id < IMAGE_COUNT; ++id)
+  for (image_id id = 0; id < PLANE_COUNT; ++id)
     if (has_image(s, id))
       make_image(s, id);
   setup_upload(s);
@@ -379,9 +379,9 @@ static void upload_image(setup *s, image_id id) {
 void setup_upload(setup *s) {
   s->job.config = &s->config;
   s->job.camera = s->frame.camera;
-  s->job.index = s->frame.index;
+  s->job.index = s->frame.frame_index;
   memcpy(s->job.environment, s->frame.environment, sizeof(s->job.environment));
-  for (image_id id = 0; id < IMAGE_FIRST_OUTPUT; ++id) {
+  for (image_id id = 0; id < PLANE_FIRST_OUTPUT; ++id) {
     bool has = has_image(s, id);
     if (has)
       upload_image(s, id);
@@ -393,7 +393,7 @@ void setup_upload(setup *s) {
 
 void setup_free(setup *s) {
   hbil_plan_destroy(s->plan);
-  for (image_id id = 0; id < IMAGE_COUNT; ++id)
+  for (image_id id = 0; id < PLANE_COUNT; ++id)
     if (image_slot(&s->frame, id)->buffer)
       clReleaseMemObject(image_slot(&s->frame, id)->buffer);
   for (int p = 0; p < REF_INPUT_PLANES; ++p)
@@ -610,12 +610,13 @@ static void decode_halves_gathered(packed_pixel *p) {
 }
 
 static void encode_halves_gathered(packed_pixel *p) {
-  const double *near_light = p->value + HBIL_LIGHT_RED;
+  const double *near_irradiance = p->value + HBIL_LIGHT_RED;
   const double *bent = p->value + HBIL_LIGHT_BENT;
   p->word[HBIL_HALF_AO] =
       encode_halves(p->value[HBIL_LIGHT_AO], p->value[HBIL_LIGHT_UNKNOWN]);
-  p->word[HBIL_HALF_NEAR] = encode_halves(near_light[0], near_light[1]);
-  p->word[HBIL_HALF_NEAR + 1] = encode_halves(near_light[2], bent[0]);
+  p->word[HBIL_HALF_NEAR] =
+      encode_halves(near_irradiance[0], near_irradiance[1]);
+  p->word[HBIL_HALF_NEAR + 1] = encode_halves(near_irradiance[2], bent[0]);
   p->word[HBIL_HALF_BENT] = encode_halves(bent[1], bent[2]);
 }
 
@@ -668,8 +669,8 @@ static bool is_packed(const setup *s, hbil_stage stage) {
 /* Planes that FLOAT32 would have in place of those words. */
 static int plain_planes(const setup *s, hbil_stage stage, int words) {
   const bool half = s->config.storage == HBIL_STORAGE_HALF;
-  bool unknown =
-      s->config.refused == HBIL_REFUSED_FRAME && s->config.facing[1] > -1.0f;
+  bool unknown = s->config.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
+                 s->config.facing_fade[1] > -1.0f;
   if (stage == HBIL_STAGE_SPLIT)
     return words > HBIL_PACKED_RADIANCE ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED;
   if (words == 1)
@@ -791,7 +792,7 @@ ref_planes gathered_over_turns(setup *s, int turns) {
   for (int turn = 0; turn < turns; ++turn) {
     ref_planes one;
     size_t total;
-    s->frame.index = (cl_uint)turn;
+    s->frame.frame_index = (cl_uint)turn;
     setup_run(s, hbil_enqueue_gather);
     one = stage_read(s, HBIL_STAGE_GATHERED);
     total = (size_t)one.width * (size_t)one.height * (size_t)one.count;
@@ -820,7 +821,7 @@ static void take_output(setup *s, image_id id, unsigned char *bytes,
 ref_planes outputs_read(setup *s) {
   ref_planes out = ref_planes_new((int)s->config.width, (int)s->config.height,
                                   REF_OUTPUT_PLANES);
-  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id) {
+  for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id) {
     size_t size;
     unsigned char *bytes;
     if (!has_image(s, id))
@@ -913,12 +914,12 @@ double random_unit(random_state *r) {
 
 void check_frame_outputs(setup *s, const ref_planes *want) {
   ref_planes got = outputs_read(s);
-  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id)
+  for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     if (image_format(&s->config, id)->component != HBIL_NONE)
       check_at_most(
           image_name(id),
           relative_rmse(&got, want, image_first(id), image_channels(id)),
-          id == IMAGE_CONE ? CONE_LIMIT : SEQUENCE_LIMIT);
+          id == PLANE_CONE ? CONE_LIMIT : SEQUENCE_LIMIT);
   ref_planes_free(&got);
 }
 

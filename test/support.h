@@ -45,31 +45,31 @@ int gpu_finish(int failures);
 /* Images                                                                    */
 
 typedef enum image_id {
-  IMAGE_DEPTH,
-  IMAGE_NORMAL,
-  IMAGE_ALBEDO,
-  IMAGE_F0,
-  IMAGE_DIRECT,
-  IMAGE_EMISSION,
-  IMAGE_MOTION,
-  IMAGE_NEAR,
-  IMAGE_FAR,
-  IMAGE_AO,
-  IMAGE_BENT,
-  IMAGE_CONE,
-  IMAGE_INDIRECT,
-  IMAGE_RADIANCE,
-  IMAGE_COUNT
+  PLANE_DEPTH,
+  PLANE_NORMAL,
+  PLANE_ALBEDO,
+  PLANE_F0,
+  PLANE_DIRECT,
+  PLANE_EMISSION,
+  PLANE_MOTION,
+  PLANE_NEAR,
+  PLANE_FAR,
+  PLANE_AO,
+  PLANE_BENT,
+  PLANE_CONE,
+  PLANE_INDIRECT,
+  PLANE_BEAUTY,
+  PLANE_COUNT
 } image_id;
 
-#define IMAGE_FIRST_OUTPUT IMAGE_NEAR
+#define PLANE_FIRST_OUTPUT PLANE_NEAR
 
 const char *image_name(image_id id);
 int image_channels(image_id id);
 /* First plane, of inputs (REF_DEPTH...) or outputs (REF_NEAR...). */
 int image_first(image_id id);
-hbil_format *image_format(hbil_config *config, image_id id);
-hbil_image *image_slot(hbil_frame *frame, image_id id);
+hbil_plane_format *image_format(hbil_config *config, image_id id);
+hbil_plane *image_slot(hbil_frame *frame, image_id id);
 
 /* Room left around an image, in components. */
 typedef struct image_layout {
@@ -84,14 +84,14 @@ typedef struct setup {
   hbil_config config;
   hbil_frame frame;
   hbil_plan *plan;
-  image_layout layout[IMAGE_COUNT];
-  size_t bytes[IMAGE_COUNT];
+  image_layout layout[PLANE_COUNT];
+  size_t bytes[PLANE_COUNT];
   float *input[REF_INPUT_PLANES];
   ref_job job; /* for the reference; kept up to date by setup_upload() */
 } setup;
 
 /* fp32 depth, normal, albedo, direct, emission, motion; planar motion; outputs
- * near_light, ao and bent; a camera with a vertical field of view of 60
+ * near_irradiance, ao and bent; a camera with a vertical field of view of 60
  * degrees. */
 void setup_init(setup *s, int width, int height);
 /* The same, and the inputs of a scene's frame. */

@@ -21,25 +21,25 @@ static const sampling ladder[] = {{1, 4},  {1, 6},  {1, 8},  {1, 12}, {1, 16},
 #define RUNGS (sizeof ladder / sizeof *ladder)
 static const sampling all = {2, 48};
 
-static void start(setup *s, sampling how, float ao, float near_light) {
+static void start(setup *s, sampling how, float ao, float near_irradiance) {
   setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   s->config.gather_emission = CL_FALSE;
   s->config.reprojection = HBIL_REPROJECTION_NONE;
   s->config.slices = how.slices;
-  s->config.samples = how.samples;
+  s->config.steps_per_side = how.samples;
   s->config.max_error[0] = ao;
-  s->config.max_error[1] = near_light;
+  s->config.max_error[1] = near_irradiance;
   setup_start(s);
 }
 
-static ref_planes gathered(sampling how, float ao, float near_light,
-                           hbil_skipped *skipped) {
+static ref_planes gathered(sampling how, float ao, float near_irradiance,
+                           hbil_statistics *skipped) {
   setup s;
-  start(&s, how, ao, near_light);
+  start(&s, how, ao, near_irradiance);
   setup_run(&s, hbil_enqueue_frame);
   ref_planes planes = stage_read(&s, HBIL_STAGE_GATHERED);
   if (skipped)
-    assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, skipped));
+    assert_success(&s, hbil_plan_statistics(s.plan, s.gpu->queue, skipped));
   setup_free(&s);
   return planes;
 }
@@ -50,7 +50,7 @@ static ref_planes gathered(sampling how, float ao, float near_light,
  */
 static void frames_are_those_of_a_uniform_setting(void **state) {
   const struct {
-    float ao, near_light;
+    float ao, near_irradiance;
     const sampling *expected;
   } limits[] = {{1e-12f, 1e-12f, &all},
                 {1e12f, 1e12f, &ladder[0]},
@@ -58,10 +58,10 @@ static void frames_are_those_of_a_uniform_setting(void **state) {
                 {INFINITY, 1.0f, NULL}};
   (void)state;
   for (size_t i = 0; i < sizeof limits / sizeof *limits; ++i) {
-    hbil_skipped skipped;
+    hbil_statistics skipped;
     ref_planes got =
-        gathered(all, limits[i].ao, limits[i].near_light, &skipped);
-    const sampling chosen = {skipped.slices, skipped.samples};
+        gathered(all, limits[i].ao, limits[i].near_irradiance, &skipped);
+    const sampling chosen = {skipped.slices, skipped.steps_per_side};
     ref_planes want = gathered(chosen, INFINITY, INFINITY, NULL);
     assert_memory_equal(got.values, want.values,
                         sizeof *got.values * HBIL_LIGHT_PLANES * PIXELS);
@@ -108,15 +108,15 @@ static bool filtered(const scene *s, const ref_planes *p, bool single,
   return total > 0.0;
 }
 
-/* The measured tiles' blocks, HBIL_TILE to a row; -1 outside the picture. */
-enum { TILES = HBIL_MEASURED_TILES, MEASURED = TILES * HBIL_TILE };
+/* The measured tiles' blocks, HBIL_SPAN to a row; -1 outside the picture. */
+enum { TILES = HBIL_MEASURED_TILES, MEASURED = TILES * HBIL_SPAN };
 static void measured_blocks(int block[MEASURED]) {
   for (int i = 0; i < TILES; ++i) {
     int x, y;
-    hbil_measured_tile(i, TILES, hbil_tiles(BLOCKS_ACROSS), HEIGHT / 4, &x, &y);
-    for (int j = 0; j < HBIL_TILE; ++j) {
-      const int column = x * HBIL_TILE + j;
-      block[i * HBIL_TILE + j] =
+    hbil_measured_tile(i, TILES, hbil_spans(BLOCKS_ACROSS), HEIGHT / 4, &x, &y);
+    for (int j = 0; j < HBIL_SPAN; ++j) {
+      const int column = x * HBIL_SPAN + j;
+      block[i * HBIL_SPAN + j] =
           column < BLOCKS_ACROSS ? y * BLOCKS_ACROSS + column : -1;
     }
   }
@@ -183,7 +183,7 @@ static void the_first_that_is_good_enough_is_chosen(void **state) {
   for (size_t r = 0; r < RUNGS; ++r)
     rung[r] = gathered(ladder[r], INFINITY, INFINITY, NULL);
   for (size_t i = 0; i < sizeof limits / sizeof *limits; ++i) {
-    hbil_skipped skipped;
+    hbil_statistics skipped;
     ref_planes want = gathered(limits[i].ruler, INFINITY, INFINITY, NULL);
     ref_planes got =
         gathered(all, (float)limits[i].ao, (float)limits[i].light, &skipped);
@@ -194,7 +194,7 @@ static void the_first_that_is_good_enough_is_chosen(void **state) {
                           ao_limit(limits[i].ao, ladder[r].slices),
                           light_limit(limits[i].light, ladder[r].slices));
       const bool chosen = ladder[r].slices == skipped.slices &&
-                          ladder[r].samples == skipped.samples;
+                          ladder[r].samples == skipped.steps_per_side;
       if (chosen) {
         assert_true(share < 0.051 || r + 1 == RUNGS);
         break;
@@ -277,18 +277,18 @@ static void promised_errors_are_kept(void **state) {
                   {INFINITY, 0.5f},
                   {0.07f, 0.7f}};
   for (size_t i = 0; i < sizeof promises / sizeof *promises; ++i) {
-    hbil_skipped skipped;
+    hbil_statistics skipped;
     setup s;
     start(&s, (sampling){2, 64}, promises[i].ao, promises[i].light);
     setup_run(&s, hbil_enqueue_frame);
     ref_planes got = outputs_read(&s);
-    assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, &skipped));
+    assert_success(&s, hbil_plan_statistics(s.plan, s.gpu->queue, &skipped));
     check_at_most("share beyond",
                   share_beyond(&got, want, s.input[REF_DEPTH],
                                (double)promises[i].ao,
                                (double)promises[i].light),
                   0.05);
-    check_at_most("samples", (double)(skipped.slices * skipped.samples),
+    check_at_most("samples", (double)(skipped.slices * skipped.steps_per_side),
                   0.9 * 128.0);
     ref_planes_free(&got);
     setup_free(&s);
@@ -305,17 +305,18 @@ static void estimates_hold(void **state) {
     s.config.gather_emission = CL_FALSE;
     s.config.reprojection = HBIL_REPROJECTION_NONE;
     s.config.slices = how < 4 ? 1 : 2;
-    s.config.samples = samples;
-    s.config.error.component = HBIL_FLOAT32;
-    s.config.error.stride = 1;
+    s.config.steps_per_side = samples;
+    s.config.error_estimate.component = HBIL_FLOAT32;
+    s.config.error_estimate.stride = 1;
     float *error = calloc(2 * PIXELS, sizeof *error);
     assert_non_null(error);
     setup_start(&s);
-    s.frame.error.buffer = buffer_new(s.gpu, 2 * PIXELS * sizeof *error, error);
+    s.frame.error_estimate.buffer =
+        buffer_new(s.gpu, 2 * PIXELS * sizeof *error, error);
     setup_run(&s, hbil_enqueue_frame);
-    assert_int_equal(clEnqueueReadBuffer(s.gpu->queue, s.frame.error.buffer,
-                                         CL_TRUE, 0, 2 * PIXELS * sizeof *error,
-                                         error, 0, NULL, NULL),
+    assert_int_equal(clEnqueueReadBuffer(
+                         s.gpu->queue, s.frame.error_estimate.buffer, CL_TRUE,
+                         0, 2 * PIXELS * sizeof *error, error, 0, NULL, NULL),
                      CL_SUCCESS);
     ref_planes got = outputs_read(&s);
     const double mean = mean_light(want, s.input[REF_DEPTH]);
@@ -333,7 +334,7 @@ static void estimates_hold(void **state) {
     }
     check_at_most("AO beyond its estimate", (double)ao / count, 0.05);
     check_at_most("E_near beyond its estimate", (double)light / count, 0.05);
-    clReleaseMemObject(s.frame.error.buffer);
+    clReleaseMemObject(s.frame.error_estimate.buffer);
     ref_planes_free(&got);
     setup_free(&s);
     free(error);
@@ -360,7 +361,7 @@ static void still_frames_stay(void **state) {
   start(&s, (sampling){2, 24}, 0.05f, 0.5f);
   setup_run(&s, hbil_enqueue_frame);
   ref_planes before = outputs_read(&s);
-  s.frame.still = CL_TRUE;
+  s.frame.static_frame = CL_TRUE;
   setup_run(&s, hbil_enqueue_frame);
   ref_planes after = outputs_read(&s);
   assert_int_equal(count_different(&before, &after), 0);
@@ -372,42 +373,43 @@ static void still_frames_stay(void **state) {
 /* A caller may put a pass in the gather's place: then it is the first number
  * there is, not what memory held before. */
 static void without_the_gather_nothing_is_chosen(void **state) {
-  hbil_skipped skipped;
+  hbil_statistics skipped;
   setup s;
   (void)state;
   start(&s, (sampling){2, 24}, 0.05f, 0.5f);
   setup_run(&s, hbil_enqueue_split);
   setup_run(&s, hbil_enqueue_recompose);
   setup_run(&s, hbil_enqueue_composite);
-  assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, &skipped));
-  assert_true(skipped.slices == 1 && skipped.samples == 4);
+  assert_success(&s, hbil_plan_statistics(s.plan, s.gpu->queue, &skipped));
+  assert_true(skipped.slices == 1 && skipped.steps_per_side == 4);
   setup_free(&s);
 }
 
 /* What the frame before came to counts no more: nothing but sky is left. */
 static void each_frame_is_chosen_for_anew(void **state) {
   const float sky = 0.0f;
-  hbil_skipped skipped;
+  hbil_statistics skipped;
   setup s;
   (void)state;
   start(&s, all, 0.05f, INFINITY);
   setup_run(&s, hbil_enqueue_frame);
-  assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, &skipped));
-  assert_true(skipped.samples > ladder[0].samples);
+  assert_success(&s, hbil_plan_statistics(s.plan, s.gpu->queue, &skipped));
+  assert_true(skipped.steps_per_side > ladder[0].samples);
   assert_int_equal(clEnqueueFillBuffer(s.gpu->queue, s.frame.depth.buffer, &sky,
                                        sizeof sky, 0, PIXELS * sizeof sky, 0,
                                        NULL, NULL),
                    CL_SUCCESS);
   setup_run(&s, hbil_enqueue_frame);
-  assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, &skipped));
-  assert_true(skipped.slices == 1 && skipped.samples == ladder[0].samples);
+  assert_success(&s, hbil_plan_statistics(s.plan, s.gpu->queue, &skipped));
+  assert_true(skipped.slices == 1 &&
+              skipped.steps_per_side == ladder[0].samples);
   setup_free(&s);
 }
 
-static void run_and_tell(setup *s, cl_bool keep, hbil_skipped *skipped) {
+static void run_and_tell(setup *s, cl_bool keep, hbil_statistics *skipped) {
   s->frame.keep_choice = keep;
   setup_run(s, hbil_enqueue_frame);
-  assert_success(s, hbil_plan_skipped(s->plan, s->gpu->queue, skipped));
+  assert_success(s, hbil_plan_statistics(s->plan, s->gpu->queue, skipped));
 }
 
 /* A frame that keeps the choice has as many samples as the one before, whatever
@@ -415,7 +417,7 @@ static void run_and_tell(setup *s, cl_bool keep, hbil_skipped *skipped) {
  * Who has the choice of another plan goes on with it. */
 static void a_choice_is_kept_where_that_is_asked_for(void **state) {
   const float sky = 0.0f;
-  hbil_skipped first, kept, anew, given;
+  hbil_statistics first, kept, anew, given;
   cl_uint words[HBIL_MOST_RUNGS * HBIL_TRIED];
   hbil_buffer choice;
   setup s, other;
@@ -423,7 +425,7 @@ static void a_choice_is_kept_where_that_is_asked_for(void **state) {
   start(&s, all, 0.05f, INFINITY);
   run_and_tell(&s, CL_TRUE, &first);
   assert_false(first.kept_choice);
-  assert_true(first.samples > ladder[0].samples);
+  assert_true(first.steps_per_side > ladder[0].samples);
   assert_success(&s, hbil_plan_buffer(s.plan, HBIL_STAGE_CHOICE, &choice));
   assert_int_equal(choice.values, HBIL_MOST_RUNGS * HBIL_TRIED);
   assert_int_equal(clEnqueueReadBuffer(s.gpu->queue, choice.buffer, CL_TRUE, 0,
@@ -436,12 +438,12 @@ static void a_choice_is_kept_where_that_is_asked_for(void **state) {
   run_and_tell(&s, CL_TRUE, &kept);
   assert_true(kept.kept_choice);
   assert_int_equal(kept.slices, first.slices);
-  assert_int_equal(kept.samples, first.samples);
+  assert_int_equal(kept.steps_per_side, first.steps_per_side);
   run_and_tell(&s, CL_FALSE, &anew);
-  assert_int_equal(anew.samples, ladder[0].samples);
+  assert_int_equal(anew.steps_per_side, ladder[0].samples);
   hbil_plan_reset(s.plan);
   run_and_tell(&s, CL_TRUE, &anew);
-  assert_int_equal(anew.samples, ladder[0].samples);
+  assert_int_equal(anew.steps_per_side, ladder[0].samples);
   setup_free(&s);
 
   start(&other, all, 0.05f, INFINITY);
@@ -454,7 +456,7 @@ static void a_choice_is_kept_where_that_is_asked_for(void **state) {
                    CL_SUCCESS);
   run_and_tell(&other, CL_TRUE, &given);
   assert_int_equal(given.slices, first.slices);
-  assert_int_equal(given.samples, first.samples);
+  assert_int_equal(given.steps_per_side, first.steps_per_side);
   setup_free(&other);
 
   start(&other, all, INFINITY, INFINITY); /* nothing is chosen */
@@ -468,22 +470,22 @@ static void a_choice_is_kept_where_that_is_asked_for(void **state) {
 /* A difference in the last digit at a limit may make another choice; of the
  * room it does not. */
 static void every_width_chooses_the_same(void **state) {
-  hbil_skipped first = {.samples = 0};
+  hbil_statistics first = {.steps_per_side = 0};
   (void)state;
   for (cl_uint width = 1; width <= 8; width += width == 1 ? 3 : 4) {
-    hbil_skipped skipped;
+    hbil_statistics skipped;
     setup s;
     setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
     s.config.vector_width = width;
     s.config.reprojection = HBIL_REPROJECTION_NONE;
-    s.config.samples = 24;
+    s.config.steps_per_side = 24;
     s.config.max_error[0] = 0.1f;
     setup_start(&s);
     setup_run(&s, hbil_enqueue_frame);
-    assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, &skipped));
+    assert_success(&s, hbil_plan_statistics(s.plan, s.gpu->queue, &skipped));
     if (width == 1)
       first = skipped;
-    assert_true(skipped.samples == first.samples &&
+    assert_true(skipped.steps_per_side == first.steps_per_side &&
                 skipped.slices == first.slices && skipped.slices == 1);
     setup_free(&s);
   }
@@ -494,18 +496,19 @@ static void every_width_chooses_the_same(void **state) {
 static void every_mode_chooses(void **state) {
   (void)state;
   for (int i = 0; i < 5; ++i) {
-    hbil_skipped skipped;
+    hbil_statistics skipped;
     setup s;
     setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
     s.config.reprojection = HBIL_REPROJECTION_NONE;
-    s.config.samples = 96;
+    s.config.steps_per_side = 96;
     s.config.max_error[0] = 0.09f;
     if (i < 2) {
       s.config.mode = i ? HBIL_MODE_HBAO : HBIL_MODE_GTAO;
-      s.config.near_light.component = HBIL_NONE;
+      s.config.near_irradiance.component = HBIL_NONE;
     }
     if (i == 1)
-      s.config.bent.component = s.config.cone.component = HBIL_NONE;
+      s.config.bent_normal.component = s.config.cone_cosine.component =
+          HBIL_NONE;
     if (i == 2)
       s.config.relative_thickness = 0.08f;
     if (i == 3)
@@ -514,9 +517,9 @@ static void every_mode_chooses(void **state) {
       s.config.extrapolate = CL_FALSE;
     setup_start(&s);
     setup_run(&s, hbil_enqueue_frame);
-    assert_success(&s, hbil_plan_skipped(s.plan, s.gpu->queue, &skipped));
-    assert_true(skipped.samples > 4 &&
-                skipped.slices * skipped.samples < s.config.slices * 96);
+    assert_success(&s, hbil_plan_statistics(s.plan, s.gpu->queue, &skipped));
+    assert_true(skipped.steps_per_side > 4 &&
+                skipped.slices * skipped.steps_per_side < s.config.slices * 96);
     setup_free(&s);
   }
 }

@@ -6,7 +6,7 @@
 
 #include <stdio.h>
 
-static const hbil_format triple = {HBIL_FLOAT32, 3};
+static const hbil_plane_format triple = {HBIL_FLOAT32, 3};
 
 /* Perspective.  Orthographic: the pixel's place, with z = 1 for the formulas'
  * sake. */
@@ -203,9 +203,9 @@ static void check_infinite(const wedge *w, double angle) {
 static void start_wedge(setup *s, bool orthographic) {
   setup_init(s, WIDTH, HEIGHT);
   s->config.albedo.component = s->config.emission.component = HBIL_NONE;
-  s->config.facing[0] = s->config.facing[1] = -1.0f;
+  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
   s->config.slices = 32;
-  s->config.samples = WIDTH;
+  s->config.steps_per_side = WIDTH;
   s->config.step_growth = 0.0f;
   if (orthographic)
     setup_flatten(s, 1.0);
@@ -395,10 +395,10 @@ static void start_pit(setup *s) {
   s->config.albedo.component = s->config.emission.component = HBIL_NONE;
   s->config.direct.component = HBIL_NONE;
   s->config.reprojection = HBIL_REPROJECTION_NONE;
-  s->config.raw_interleave = CL_TRUE;
+  s->config.unfiltered = CL_TRUE;
   s->config.far_field = HBIL_FAR_SH;
   s->config.slices = 32;
-  s->config.samples = SIDE;
+  s->config.steps_per_side = SIDE;
   setup_start(s);
 }
 
@@ -448,7 +448,7 @@ static void bare_planes_have_the_known_constants(void **state) {
 /* ------------------------------------------------------------------------ */
 /* The white furnace, far light included                                     */
 
-static void check_furnace(scene_kind kind, hbil_refused refused) {
+static void check_furnace(scene_kind kind, hbil_back_facing_fallback refused) {
   const int pixels = 97 * 54;
   setup s;
   ref_planes out;
@@ -457,9 +457,9 @@ static void check_furnace(scene_kind kind, hbil_refused refused) {
   s.config.albedo.component = s.config.emission.component = HBIL_NONE;
   s.config.direct_scale = (float)PI;
   s.config.reprojection = HBIL_REPROJECTION_NONE;
-  s.config.refused = refused;
+  s.config.back_facing_fallback = refused;
   s.config.far_field = HBIL_FAR_CONSTANT;
-  s.config.far_light = triple;
+  s.config.far_irradiance = triple;
   for (int c = 0; c < 3; ++c) {
     s.frame.environment[0][c] = 1.0f;
     setup_fill(&s, REF_DIRECT + c, 1.0f);
@@ -482,9 +482,9 @@ static void check_furnace(scene_kind kind, hbil_refused refused) {
 
 static void near_and_far_light_add_up_to_pi(void **state) {
   (void)state;
-  check_furnace(SCENE_ROOM, HBIL_REFUSED_LAST);
-  check_furnace(SCENE_SKY, HBIL_REFUSED_LAST);
-  check_furnace(SCENE_ROOM, HBIL_REFUSED_FRAME);
+  check_furnace(SCENE_ROOM, HBIL_FALLBACK_LAST_ACCEPTED);
+  check_furnace(SCENE_SKY, HBIL_FALLBACK_LAST_ACCEPTED);
+  check_furnace(SCENE_ROOM, HBIL_FALLBACK_FRAME_MEAN);
 }
 
 /* ------------------------------------------------------------------------ */

@@ -61,8 +61,8 @@ static void run_both(setup *s, ref_planes *got, ref_planes *want,
 
 static void check_outputs(setup *s, const ref_planes *got,
                           const ref_planes *want) {
-  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id) {
-    const hbil_format *format = image_format(&s->config, id);
+  for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id) {
+    const hbil_plane_format *format = image_format(&s->config, id);
     int first = image_first(id), count = image_channels(id);
     /* derived: half floats round by 2^-11; else a dozen fp32 roundings */
     double limit = format->component == HBIL_FLOAT16 ? 5e-4 : 3e-6;
@@ -88,8 +88,8 @@ static void check_history(setup *s, const ref_planes *want) {
 
 /* Only plans with an output that near light takes part in have a history. */
 static bool gathers_light(const hbil_config *c) {
-  return c->near_light.component || c->indirect.component ||
-         c->radiance.component;
+  return c->near_irradiance.component || c->indirect.component ||
+         c->beauty.component;
 }
 
 static void check_composite(setup *s) {
@@ -138,7 +138,7 @@ static void every_feedback_matches(void **state) {
     s.config.feedback =
         i & 1 ? HBIL_FEEDBACK_RADIANCE : HBIL_FEEDBACK_IRRADIANCE;
     s.config.gather_emission = i & 2 ? CL_TRUE : CL_FALSE;
-    s.config.bent_space = HBIL_SPACE_WORLD;
+    s.config.bent_normal_space = HBIL_SPACE_WORLD;
     check_composite(&s);
   }
 }
@@ -146,7 +146,7 @@ static void every_feedback_matches(void **state) {
 static void reflectance_takes_its_share(void **state) {
   setup s;
   random_state r = {2};
-  const hbil_format rgba = {HBIL_FLOAT32, 4};
+  const hbil_plane_format rgba = {HBIL_FLOAT32, 4};
   (void)state;
   prepare(&s, SCENE_ROOM, HBIL_FAR_CONSTANT);
   s.config.f0 = rgba;
@@ -177,9 +177,9 @@ static void every_size_matches(void **state) {
 static void check_form(hbil_component component, cl_uint stride) {
   setup s;
   prepare(&s, SCENE_SKY, HBIL_FAR_SH);
-  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id) {
+  for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id) {
     image_layout layout = {8 + (size_t)id, 1 + (size_t)id, 0};
-    hbil_format format = {component, stride};
+    hbil_plane_format format = {component, stride};
     if (image_channels(id) == 3 && stride == 1)
       layout.plane_extra = 11;
     s.layout[id] = layout;
@@ -202,12 +202,12 @@ every_output_form_matches_and_nothing_else_is_written(void **state) {
 
 static void each_output_can_be_had_alone(void **state) {
   (void)state;
-  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id) {
+  for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id) {
     setup s;
-    hbil_format format;
+    hbil_plane_format format;
     prepare(&s, SCENE_SKY, HBIL_FAR_SH);
     format = *image_format(&s.config, id);
-    for (image_id other = IMAGE_FIRST_OUTPUT; other < IMAGE_COUNT; ++other)
+    for (image_id other = PLANE_FIRST_OUTPUT; other < PLANE_COUNT; ++other)
       image_format(&s.config, other)->component = HBIL_NONE;
     *image_format(&s.config, id) = format;
     check_composite(&s);
@@ -229,9 +229,10 @@ static void an_even_environment_sends_pi_ao_l(void **state) {
     for (int i = 0; i < WIDTH * HEIGHT; ++i)
       for (int c = 0; c < 3 && s.input[REF_DEPTH][i] > 0.0f; ++c) {
         double ao = *ref_at(&got, REF_AO, i % WIDTH, i / WIDTH);
-        double far_light = *ref_at(&got, REF_FAR + c, i % WIDTH, i / WIDTH);
+        double far_irradiance =
+            *ref_at(&got, REF_FAR + c, i % WIDTH, i / WIDTH);
         /* derived: a dozen roundings; 1 - t^2 has to give AO back */
-        assert_true(fabs(far_light - PI * ao * (double)colour[c]) <=
+        assert_true(fabs(far_irradiance - PI * ao * (double)colour[c]) <=
                     1e-6 * PI * (double)colour[c]);
       }
     ref_planes_free(&got);
@@ -258,7 +259,7 @@ static void near_light_that_is_no_number_stays_none(void **state) {
   for (int half = 0; half < 2; ++half) {
     setup s;
     prepare(&s, SCENE_ROOM, HBIL_FAR_NONE);
-    for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id)
+    for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
       image_format(&s.config, id)->component =
           half ? HBIL_FLOAT16 : HBIL_FLOAT32;
     setup_start(&s);

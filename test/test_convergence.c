@@ -78,10 +78,10 @@ static void start(setup *s, double fov, cl_uint slices, cl_uint samples,
   setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   setup_load_view(s, SCENE_ROOM, fov, 0);
   s->config.gather_emission = CL_FALSE;
-  s->config.facing[0] = s->config.facing[1] = -1.0f;
+  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
   s->config.step_growth = 0.0f;
   s->config.slices = slices;
-  s->config.samples = samples;
+  s->config.steps_per_side = samples;
   s->config.extrapolate = extrapolate;
   setup_start(s);
 }

@@ -8,7 +8,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-/* Work-groups enough that two threads meet in every pass; two strips and a bit
+/* Work-groups enough that two threads meet in every pass; two spans and a bit
  * across. */
 #define WIDTH 141
 #define HEIGHT 67
@@ -46,14 +46,14 @@ enum {
 static void start(setup *s, const kind *k) {
   setup_every_pass(s, k->reprojection, k->vector_width, WIDTH, HEIGHT);
   /* the filter takes longest to compile, and scatter has it */
-  s->config.raw_interleave =
+  s->config.unfiltered =
       k->reprojection == HBIL_REPROJECTION_MOTION || k->vector_width > 1;
   setup_start(s);
 }
 
 /* FNV-1a of all bytes of all outputs. */
 static uint64_t add_outputs(setup *s, uint64_t hash) {
-  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id) {
+  for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id) {
     size_t size;
     unsigned char *bytes =
         buffer_bytes(s, image_slot(&s->frame, id)->buffer, &size);
@@ -70,7 +70,7 @@ static uint64_t hash_of_sequence(setup *s) {
   hbil_plan_reset(s->plan);
   for (uint32_t i = 0; i < FRAMES; ++i) {
     setup_load_scene(s, SCENE_ROOM, 2 * i);
-    s->frame.index = i;
+    s->frame.frame_index = i;
     setup_upload(s);
     setup_run(s, hbil_enqueue_frame);
     hash = add_outputs(s, hash);

@@ -148,13 +148,13 @@ complete() {
 process='^hbil process\( .*\)\?$'
 options=$(sed "/exr/!{/$process/s/^hbil process *//}; s/^--temporal\$/& 2/" "$work/code" |
   grep -e '^--[a-z-]*[ =]' -e '^--timings' | grep -v '|' |
-  grep -v -e '^--map\|^--runs\|^--scale\|^--heatmap\|^--quality reference\|^--form-factors' |
+  grep -v -e '^--map\|^--runs\|^--scale\|^--heatmap\|^--quality reference\|^--horizon-cache' |
   small |
   sort -u | tr '\n' ' ')
 {
   grep -E '^([A-Z_]*=[^ ]* )?(build/)?hbil [a-z]' "$work/code" |
     sed "/exr/!{/$process/d}" | small
-  grep -e '^--quality reference\|^--form-factors' "$work/code" |
+  grep -e '^--quality reference\|^--horizon-cache' "$work/code" |
     sed 's/^/hbil process /' | small
   grep -e '^--runs\|^--scale' "$work/code" | sed 's/^/hbil bench /'
   grep -e '^--heatmap' "$work/code" | sed 's/^/hbil compare /' | small

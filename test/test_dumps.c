@@ -18,7 +18,8 @@
  * (viking_ao), 2.5e-7 with all light accepted.  What is above 3e-7 comes from a
  * few dozen pixels: a sample of the pixel's own plane rises over the horizon,
  * or not, by rounding; it closes nothing, but as the last accepted light
- * (HBIL_REFUSED_LAST) it stands in for an occluder behind it that faces away.
+ * (HBIL_FALLBACK_LAST_ACCEPTED) it stands in for an occluder behind it that
+ * faces away.
  */
 #define LIMIT 1e-3
 
@@ -129,7 +130,7 @@ static void load_frame(setup *s, const char *scene, int frame) {
 static void use_cycles_conventions(hbil_config *config) {
   config->depth_kind = HBIL_DEPTH_PLANAR;
   config->normal_space = HBIL_SPACE_WORLD;
-  config->background = 1e9f;
+  config->sky_depth = 1e9f;
   config->direct_scale = (float)PI;
   config->motion_scale[0] = 1.0f;
   config->motion_scale[1] = -1.0f;
@@ -137,7 +138,7 @@ static void use_cycles_conventions(hbil_config *config) {
 }
 
 static void use_planar_images(hbil_config *config) {
-  for (image_id id = 0; id < IMAGE_COUNT; ++id)
+  for (image_id id = 0; id < PLANE_COUNT; ++id)
     if (image_format(config, id)->component != HBIL_NONE)
       image_format(config, id)->stride = 1;
 }
@@ -148,8 +149,8 @@ static void use_defaults(hbil_config *config) {
 
 /* Nothing decides about the light of a sample. */
 static void accept_all_light(hbil_config *config) {
-  config->refused = HBIL_REFUSED_BLACK;
-  config->facing[0] = config->facing[1] = -1.0f;
+  config->back_facing_fallback = HBIL_FALLBACK_BLACK;
+  config->facing_fade[0] = config->facing_fade[1] = -1.0f;
 }
 
 static void follow_motion(hbil_config *config) {
@@ -173,7 +174,7 @@ static void setup_case(setup *s, const dump_case *c) {
 
 static bool is_sky(const setup *s, int x, int y) {
   size_t at = (size_t)y * s->config.width + (size_t)x;
-  return !(s->input[REF_DEPTH][at] < s->config.background);
+  return !(s->input[REF_DEPTH][at] < s->config.sky_depth);
 }
 
 /* Leaves the sky out of sums over all pixels. */
@@ -188,15 +189,15 @@ static void clear_sky(const setup *s, ref_planes *planes) {
 static void check_outputs(setup *s, const dump_case *c, int frame,
                           ref_planes *want) {
   ref_planes got = outputs_read(s);
-  double near_light, ao;
+  double near_irradiance, ao;
   clear_sky(s, &got);
   clear_sky(s, want);
-  near_light = relative_rmse(&got, want, REF_NEAR, 3);
+  near_irradiance = relative_rmse(&got, want, REF_NEAR, 3);
   ao = relative_rmse(&got, want, REF_AO, 1);
   fprintf(stderr, "# %s, frame %d: relative RMSE of near %.3g, of AO %.3g\n",
-          c->scene, frame, near_light, ao);
+          c->scene, frame, near_irradiance, ao);
   ref_planes_free(&got);
-  check_at_most("near", near_light, LIMIT);
+  check_at_most("near", near_irradiance, LIMIT);
   check_at_most("AO", ao, LIMIT);
 }
 

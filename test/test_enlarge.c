@@ -34,7 +34,7 @@ static bench_content small_frame(hbil_projection projection) {
       .name = "plane", .width = WIDTH, .height = HEIGHT, .frames = 1};
   bench_frame *f = &c.frame[0];
   c.config.projection = projection;
-  c.config.background = 1e4f;
+  c.config.sky_depth = 1e4f;
   c.config.motion_scale[0] = 1.0f;
   c.config.motion_scale[1] = -1.0f;
   f->camera.fx = 20.0f;

@@ -7,7 +7,7 @@
 #include <stdio.h>
 
 static void from_the_frame(setup *s) {
-  s->config.refused = HBIL_REFUSED_FRAME;
+  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s->config.far_field = HBIL_FAR_FRAME;
 }
 
@@ -31,7 +31,7 @@ static void check_sequence(scene_kind kind, int width, int height,
   ref_state_init(&reference, width, height);
   for (uint32_t i = 0; i < 3; ++i) {
     setup_load_scene(&s, kind, i);
-    s.frame.index = i;
+    s.frame.frame_index = i;
     memcpy(s.frame.environment[0], sky, 3 * sizeof *sky);
     memcpy(s.job.environment[0], sky, 3 * sizeof *sky);
     setup_upload(&s);
@@ -65,13 +65,13 @@ static void what_the_sky_does_not_light_is_filled(void **state) {
 #define WIDTH 77
 #define HEIGHT 45
 
-static const hbil_format triple = {HBIL_FLOAT32, 3};
+static const hbil_plane_format triple = {HBIL_FLOAT32, 3};
 
 static void start_room(setup *s) {
   setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   from_the_frame(s);
   s->config.reprojection = HBIL_REPROJECTION_NONE;
-  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id)
+  for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     image_format(&s->config, id)->component = HBIL_NONE;
 }
 
@@ -88,8 +88,8 @@ static ref_planes output_alone(image_id id) {
 }
 
 static void lights_can_be_had_alone(void **state) {
-  ref_planes all, near_light = output_alone(IMAGE_NEAR);
-  ref_planes far_light = output_alone(IMAGE_FAR);
+  ref_planes all, near_irradiance = output_alone(PLANE_NEAR);
+  ref_planes far_irradiance = output_alone(PLANE_FAR);
   setup s;
   (void)state;
   start_room(&s);
@@ -98,11 +98,11 @@ static void lights_can_be_had_alone(void **state) {
   all = one_frame(&s);
   assert_true(largest_value(&all, REF_NEAR, 3) > 0.0);
   assert_true(largest_value(&all, REF_FAR, 3) > 0.0);
-  assert_true(largest_error(&near_light, &all, REF_NEAR, 3) == 0.0);
-  assert_true(largest_error(&far_light, &all, REF_FAR, 3) == 0.0);
+  assert_true(largest_error(&near_irradiance, &all, REF_NEAR, 3) == 0.0);
+  assert_true(largest_error(&far_irradiance, &all, REF_FAR, 3) == 0.0);
   ref_planes_free(&all);
-  ref_planes_free(&near_light);
-  ref_planes_free(&far_light);
+  ref_planes_free(&near_irradiance);
+  ref_planes_free(&far_irradiance);
   setup_free(&s);
 }
 
@@ -117,7 +117,7 @@ static void start_random(setup *s) {
   s->config.reprojection = HBIL_REPROJECTION_NONE;
   s->config.emission.component = s->config.albedo.component = HBIL_NONE;
   s->config.direct_scale = (float)PI; /* of albedo 1: radiance */
-  s->config.far_light = triple;
+  s->config.far_irradiance = triple;
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
     bool sky = random_unit(&r) < 0.1;
     s->input[REF_DEPTH][i] = sky ? 0.0f : (float)exp2(2.0 * random_unit(&r));
@@ -149,7 +149,7 @@ static void estimate_range(const ref_planes *out, double range[2]) {
 }
 
 static void keep_cone(setup *s) {
-  s->config.cone = (hbil_format){HBIL_FLOAT32, 1};
+  s->config.cone_cosine = (hbil_plane_format){HBIL_FLOAT32, 1};
 }
 
 static void an_even_radiance_is_its_own_estimate(void **state) {
@@ -336,7 +336,7 @@ static void start_box(setup *s, hbil_feedback feedback, float facing) {
   from_the_frame(s);
   setup_camera(s, 100.0);
   s->config.feedback = feedback;
-  s->config.facing[1] = facing;
+  s->config.facing_fade[1] = facing;
   s->config.emission.component = HBIL_NONE;
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
     const hbil_camera *camera = &s->frame.camera;

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-/* Small, since it is the number of calls that counts; two rows of strips. */
+/* Small, since it is the number of calls that counts; two rows of spans. */
 #define WIDTH 40
 #define HEIGHT 24
 
@@ -108,7 +108,7 @@ static void contexts_leave_nothing(void **state) {
 static void prepare(setup *s) {
   setup_every_pass(s, HBIL_REPROJECTION_SCATTER, 1, WIDTH, HEIGHT);
   s->config.profiling = CL_TRUE;
-  s->config.form_factors = SIZE_MAX;
+  s->config.horizon_cache_bytes = SIZE_MAX;
 }
 
 static hbil_status make_plan(const hbil_config *config) {
@@ -212,7 +212,7 @@ static void frames_can_be_repeated(void **state) {
   for (int e = 0; e < FRAME_ERRORS; ++e) {
     outcome o = {0, "", HBIL_SUCCESS};
     for (int n = 1; o.failed; ++n) {
-      hbil_skipped skipped;
+      hbil_statistics skipped;
       load(&t, n % 2 ? 3 : 0);
       setup_run(&t.plain, hbil_enqueue_frame);
       o = ATTEMPT(n, errors[e], frame(&t.faulty));
@@ -222,8 +222,8 @@ static void frames_can_be_repeated(void **state) {
       check_same(&o, &t);
       held = held ? held : shim_held();
       check_held(&o, held - (o.failed && !strcmp(o.failed, "clRetainEvent")));
-      assert_success(&t.plain, hbil_plan_skipped(t.plain.plan, t.profiled.queue,
-                                                 &skipped));
+      assert_success(&t.plain, hbil_plan_statistics(
+                                   t.plain.plan, t.profiled.queue, &skipped));
       holes = holes || !skipped.not_run[HBIL_PASS_PUSH_PULL];
     }
     assert_in_range(o.nth, 200, 5000);
@@ -259,12 +259,13 @@ static void still_frames_do_not_stand_on_failures(void **state) {
   start_step(&t);
   for (int n = 1; o.failed; ++n) {
     load(&t, 0);
-    t.plain.frame.still = t.faulty.frame.still = o.status != HBIL_SUCCESS;
+    t.plain.frame.static_frame = t.faulty.frame.static_frame =
+        o.status != HBIL_SUCCESS;
     setup_run(&t.plain, hbil_enqueue_frame);
     setup_run(&t.faulty, hbil_enqueue_frame);
     check_same(&o, &t);
     load(&t, 3);
-    t.plain.frame.still = t.faulty.frame.still = CL_FALSE;
+    t.plain.frame.static_frame = t.faulty.frame.static_frame = CL_FALSE;
     o = ATTEMPT(n, CL_OUT_OF_RESOURCES, frame(&t.faulty));
     if (o.status == HBIL_SUCCESS)
       setup_run(&t.plain, hbil_enqueue_frame);
@@ -274,7 +275,7 @@ static void still_frames_do_not_stand_on_failures(void **state) {
 }
 
 static void both(step *t, cl_bool still) {
-  t->plain.frame.still = t->faulty.frame.still = still;
+  t->plain.frame.static_frame = t->faulty.frame.static_frame = still;
   setup_run(&t->plain, hbil_enqueue_frame);
   setup_run(&t->faulty, hbil_enqueue_frame);
 }
@@ -283,13 +284,13 @@ static void both(step *t, cl_bool still) {
  * After it there are some again. */
 static void fail_with_form_factors(step *t, bool kept) {
   outcome o = {0, "", HBIL_SUCCESS};
-  hbil_skipped skipped;
+  hbil_statistics skipped;
   for (int n = 1; o.failed; ++n) {
     load(t, n % 2 ? 3 : 0);
     both(t, CL_FALSE);
     if (kept)
       both(t, CL_TRUE);
-    t->plain.frame.still = t->faulty.frame.still = CL_TRUE;
+    t->plain.frame.static_frame = t->faulty.frame.static_frame = CL_TRUE;
     setup_run(&t->plain, hbil_enqueue_frame);
     o = ATTEMPT(n, CL_OUT_OF_RESOURCES, frame(&t->faulty));
     if (o.status != HBIL_SUCCESS)
@@ -299,9 +300,10 @@ static void fail_with_form_factors(step *t, bool kept) {
       both(t, CL_TRUE);
       check_same(&o, t);
     }
-    assert_success(&t->faulty, hbil_plan_skipped(t->faulty.plan,
-                                                 t->profiled.queue, &skipped));
-    assert_true(skipped.by_factors.strips > 0);
+    assert_success(
+        &t->faulty,
+        hbil_plan_statistics(t->faulty.plan, t->profiled.queue, &skipped));
+    assert_true(skipped.by_factors.spans > 0);
   }
   assert_in_range(o.nth, 100, 5000);
 }
@@ -326,8 +328,8 @@ static hbil_status ask_timings(step *t) {
 }
 
 static hbil_status ask_skipped(step *t) {
-  hbil_skipped skipped;
-  return hbil_plan_skipped(t->faulty.plan, t->profiled.queue, &skipped);
+  hbil_statistics skipped;
+  return hbil_plan_statistics(t->faulty.plan, t->profiled.queue, &skipped);
 }
 
 static void questions_can_be_asked_again(void **state) {

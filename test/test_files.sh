@@ -223,17 +223,17 @@ for value in slices=99999999999999999999 slices=18446744073709551617 slices=-1 \
   slices=1e3 slices=nan slices= samples=0x10 repeat=1.5 \
   warm-up=99999999999999999999 radius=nan radius=1e400 radius=-1e400 radius= \
   radius=x thickness=1,2 relative-thickness=nan step-growth=1e39 \
-  choose-every=0 form-factors=-1 form-factors=1e3 disocclusion=nan facing= \
+  choose-every=0 horizon-cache=-1 horizon-cache=1e3 disocclusion=nan facing= \
   facing=nan,nan facing=1e400,0 facing=0.1 facing=0,0,0; do
   refused "--$value" "^hbil: --${value%%=*} " process -o "$out" "--$value" "$one"
 done
 refused "nothing to choose" 'choose-every: --max-error is needed' \
   process -o "$out" --choose-every 2 "$one"
-refused "form factors of frames that differ" 'form-factors: not with --temporal' \
-  process -o "$out" --form-factors 9 --temporal 4 "$one"
+refused "form factors of frames that differ" 'horizon-cache: not with --temporal' \
+  process -o "$out" --horizon-cache 9 --temporal 4 "$one"
 for none in '--mode gtao' '--reprojection none' --no-skip; do
-  refused "form factors of no use with $none" "form-factors: not with $none" \
-    process -o "$out" --form-factors 9 $none "$one"
+  refused "form factors of no use with $none" "horizon-cache: not with $none" \
+    process -o "$out" --horizon-cache 9 $none "$one"
 done
 refused "an empty word" '^hbil: --mode ' process -o "$out" --mode '' "$one"
 refused "an empty list" '^hbil: --layers ' process -o "$out" --layers '' "$one"

@@ -13,7 +13,7 @@ static void check_sequence(setup *s, scene_kind kind, int frames) {
   setup_start(s);
   for (int i = 0; i < frames; ++i) {
     setup_load_scene(s, kind, (uint32_t)i);
-    s->frame.index = (cl_uint)i;
+    s->frame.frame_index = (cl_uint)i;
     setup_upload(s);
     setup_run(s, hbil_enqueue_frame);
     ref_frame(&reference, &s->job);
@@ -72,11 +72,11 @@ static void orthographic_sequences_match(void **state) {
     if (i == 1) {
       s.config.reprojection = HBIL_REPROJECTION_MOTION;
       s.config.far_field = HBIL_FAR_FRAME;
-      s.config.refused = HBIL_REFUSED_FRAME;
+      s.config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
     }
     if (i == 2) {
       s.config.vector_width = 1;
-      s.config.disocclusion = 0.3f;
+      s.config.disocclusion_threshold = 0.3f;
       s.config.far_field = HBIL_FAR_SH;
       for (int k = 0; k < 9; ++k)
         s.frame.environment[k][k % 3] = 1.0f / (float)(1 + k);

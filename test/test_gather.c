@@ -62,93 +62,93 @@ static void a_large_image_matches(void **state) {
 
 typedef struct settings {
   cl_uint slices, samples;
-  hbil_lattice lattice;
+  hbil_sample_grid lattice;
   float radius, facing[2];
-  hbil_refused refused;
+  hbil_back_facing_fallback refused;
   cl_uint index;
   cl_bool plain; /* not extrapolated */
 } settings;
 
 static const settings table[] = {{1,
                                   1,
-                                  HBIL_LATTICE_LAYER,
+                                  HBIL_GRID_SAME_LAYER,
                                   INFINITY,
                                   {-0.1f, 0.0f},
-                                  HBIL_REFUSED_LAST,
+                                  HBIL_FALLBACK_LAST_ACCEPTED,
                                   0,
                                   CL_FALSE},
                                  {1,
                                   8,
-                                  HBIL_LATTICE_FULL,
+                                  HBIL_GRID_FULL_RESOLUTION,
                                   1.0f,
                                   {-0.1f, 0.0f},
-                                  HBIL_REFUSED_BLACK,
+                                  HBIL_FALLBACK_BLACK,
                                   1,
                                   CL_FALSE},
                                  {2,
                                   16,
-                                  HBIL_LATTICE_LAYER,
+                                  HBIL_GRID_SAME_LAYER,
                                   0.5f,
                                   {-1.0f, -1.0f},
-                                  HBIL_REFUSED_LAST,
+                                  HBIL_FALLBACK_LAST_ACCEPTED,
                                   2,
                                   CL_TRUE},
                                  {2,
                                   16,
-                                  HBIL_LATTICE_FULL,
+                                  HBIL_GRID_FULL_RESOLUTION,
                                   INFINITY,
                                   {0.2f, 0.2f},
-                                  HBIL_REFUSED_BLACK,
+                                  HBIL_FALLBACK_BLACK,
                                   3,
                                   CL_FALSE},
                                  {4,
                                   8,
-                                  HBIL_LATTICE_LAYER,
+                                  HBIL_GRID_SAME_LAYER,
                                   2.0f,
                                   {-0.5f, 0.5f},
-                                  HBIL_REFUSED_BLACK,
+                                  HBIL_FALLBACK_BLACK,
                                   0,
                                   CL_FALSE},
                                  {4,
                                   16,
-                                  HBIL_LATTICE_FULL,
+                                  HBIL_GRID_FULL_RESOLUTION,
                                   0.25f,
                                   {-0.1f, 0.0f},
-                                  HBIL_REFUSED_LAST,
+                                  HBIL_FALLBACK_LAST_ACCEPTED,
                                   0,
                                   CL_TRUE},
                                  {2,
                                   1,
-                                  HBIL_LATTICE_FULL,
+                                  HBIL_GRID_FULL_RESOLUTION,
                                   INFINITY,
                                   {1.0f, 1.0f},
-                                  HBIL_REFUSED_LAST,
+                                  HBIL_FALLBACK_LAST_ACCEPTED,
                                   7,
                                   CL_FALSE},
                                  {4,
                                   1,
-                                  HBIL_LATTICE_LAYER,
+                                  HBIL_GRID_SAME_LAYER,
                                   1e-3f,
                                   {-0.1f, 0.0f},
-                                  HBIL_REFUSED_LAST,
+                                  HBIL_FALLBACK_LAST_ACCEPTED,
                                   0,
                                   CL_FALSE},
                                  {3,
                                   5,
-                                  HBIL_LATTICE_FULL,
+                                  HBIL_GRID_FULL_RESOLUTION,
                                   1e4f,
                                   {0.0f, 1.0f},
-                                  HBIL_REFUSED_LAST,
+                                  HBIL_FALLBACK_LAST_ACCEPTED,
                                   11,
                                   CL_FALSE}};
 
 static void apply(const settings *t, hbil_config *c) {
   c->slices = t->slices;
-  c->samples = t->samples;
-  c->lattice = t->lattice;
+  c->steps_per_side = t->samples;
+  c->sample_grid = t->lattice;
   c->radius = t->radius;
-  memcpy(c->facing, t->facing, sizeof(t->facing));
-  c->refused = t->refused;
+  memcpy(c->facing_fade, t->facing, sizeof(t->facing));
+  c->back_facing_fallback = t->refused;
   c->extrapolate = !t->plain;
 }
 
@@ -159,7 +159,7 @@ static void every_setting_matches(void **state) {
     const settings *t = table + i;
     setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, 97, 54, 0);
     apply(t, &s.config);
-    s.frame.index = t->index;
+    s.frame.frame_index = t->index;
     check_gather(&s);
   }
 }
@@ -211,7 +211,8 @@ static void occluders_as_thick_as_they_are_told_match(void **state) {
     s.config.vector_width = i & 2 ? 1 : 8;
     s.config.slices = 1 + (cl_uint)i % 3;
     s.config.radius = i == 5 ? 1.0f : INFINITY;
-    s.config.refused = i & 4 ? HBIL_REFUSED_BLACK : HBIL_REFUSED_LAST;
+    s.config.back_facing_fallback =
+        i & 4 ? HBIL_FALLBACK_BLACK : HBIL_FALLBACK_LAST_ACCEPTED;
     check_gather(&s);
   }
 }
@@ -280,7 +281,7 @@ static void far_views_become_orthographic(void **state) {
   (void)state;
   setup_init(&s, W, H);
   s.config.slices = 4;
-  s.config.samples = 16;
+  s.config.steps_per_side = 16;
   for (int y = 0; y < H; ++y)
     for (int x = 0; x < W; ++x) {
       double n[3] = {random_unit(&r) - 0.5, random_unit(&r) - 0.5, -1.0};
@@ -352,7 +353,7 @@ static void check_furnace(scene_kind kind, cl_uint slices, float radius,
   s.config.direct_scale = (float)PI;
   s.config.slices = slices;
   s.config.radius = radius;
-  s.config.facing[0] = s.config.facing[1] = -1.0f;
+  s.config.facing_fade[0] = s.config.facing_fade[1] = -1.0f;
   set_thickness(&s, thickness, INFINITY);
   for (int c = 0; c < 3; ++c)
     setup_fill(&s, REF_DIRECT + c, 1.0f);

@@ -12,8 +12,8 @@ static const int sizes[][2] = {{1, 1}, {3, 5}, {67, 35}};
 /* The room, another view of it, and that thrice more as still frames: they are
  * lit by what is found, keep it, and use it. */
 static void run_frame(setup *s, int i) {
-  s->frame.still = i > 1;
-  if (!s->frame.still) {
+  s->frame.static_frame = i > 1;
+  if (!s->frame.static_frame) {
     setup_load_scene(s, SCENE_ROOM, 3 * (uint32_t)i);
     setup_upload(s);
   }
@@ -21,11 +21,12 @@ static void run_frame(setup *s, int i) {
 }
 
 static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
-                       int width, int height, size_t form_factors) {
+                       int width, int height, size_t horizon_cache_bytes) {
   setup plain, guarded;
   setup_every_pass(&plain, reprojection, vector_width, width, height);
   setup_every_pass(&guarded, reprojection, vector_width, width, height);
-  plain.config.form_factors = guarded.config.form_factors = form_factors;
+  plain.config.horizon_cache_bytes = guarded.config.horizon_cache_bytes =
+      horizon_cache_bytes;
   setup_start(&plain);
   shim_guard_buffers(true);
   setup_start(&guarded);
@@ -72,7 +73,7 @@ static void kept_rows_stay_inside(void **state) {
     setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, widths[w], 67, 35);
     setup_keep_rows(&s, 3, 9);
     check_size(HBIL_REPROJECTION_SCATTER, widths[w], 67, 35,
-               s.config.form_factors);
+               s.config.horizon_cache_bytes);
     setup_free(&s);
   }
 }

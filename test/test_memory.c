@@ -19,25 +19,27 @@ typedef struct variant {
 VARIANT(as_it_is, (void)c)
 VARIANT(packed, c->storage = HBIL_STORAGE_PACKED)
 VARIANT(no_history, c->reprojection = HBIL_REPROJECTION_NONE)
-VARIANT(packed_frame,
-        (c->storage = HBIL_STORAGE_PACKED, c->refused = HBIL_REFUSED_FRAME,
-         c->far_field = HBIL_FAR_FRAME))
+VARIANT(packed_frame, (c->storage = HBIL_STORAGE_PACKED,
+                       c->back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN,
+                       c->far_field = HBIL_FAR_FRAME))
 VARIANT(motion, c->reprojection = HBIL_REPROJECTION_MOTION)
 VARIANT(radiance_carried, c->feedback = HBIL_FEEDBACK_RADIANCE)
-VARIANT(refused_black, c->refused = HBIL_REFUSED_BLACK)
-VARIANT(refused_frame, c->refused = HBIL_REFUSED_FRAME)
-VARIANT(none_refused,
-        (c->refused = HBIL_REFUSED_FRAME, c->facing[0] = c->facing[1] = -1.0f))
+VARIANT(refused_black, c->back_facing_fallback = HBIL_FALLBACK_BLACK)
+VARIANT(refused_frame, c->back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN)
+VARIANT(none_refused, (c->back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN,
+                       c->facing_fade[0] = c->facing_fade[1] = -1.0f))
 VARIANT(far_constant, c->far_field = HBIL_FAR_CONSTANT)
 VARIANT(far_sh, c->far_field = HBIL_FAR_SH)
 VARIANT(far_frame, c->far_field = HBIL_FAR_FRAME)
 VARIANT(radius, c->radius = 1.5f)
-VARIANT(many_samples, (c->slices = 7, c->samples = 33))
+VARIANT(many_samples, (c->slices = 7, c->steps_per_side = 33))
 VARIANT(one_raw_sample,
-        (c->slices = c->samples = 1, c->raw_interleave = CL_TRUE,
-         c->lattice = HBIL_LATTICE_LAYER))
-VARIANT(form_factors, (c->form_factors = SIZE_MAX, c->samples = 3))
-VARIANT(few_form_factors, (c->form_factors = 1 << 16, c->samples = 1))
+        (c->slices = c->steps_per_side = 1, c->unfiltered = CL_TRUE,
+         c->sample_grid = HBIL_GRID_SAME_LAYER))
+VARIANT(horizon_cache_bytes,
+        (c->horizon_cache_bytes = SIZE_MAX, c->steps_per_side = 3))
+VARIANT(few_form_factors,
+        (c->horizon_cache_bytes = 1 << 16, c->steps_per_side = 1))
 VARIANT(thick_in_ones, (c->thickness = 0.2f, c->relative_thickness = 0.08f,
                         c->vector_width = 1, c->profiling = CL_TRUE))
 
@@ -59,7 +61,7 @@ static const variant variants[] = {
     {"radius", radius},
     {"many samples", many_samples},
     {"one raw sample", one_raw_sample},
-    {"form factors", form_factors},
+    {"form factors", horizon_cache_bytes},
     {"form factors of some rows", few_form_factors},
     {"thick, vectors of one, profiling", thick_in_ones},
 };
@@ -67,28 +69,28 @@ static const variant variants[] = {
 #define COMMON_VARIANTS 6
 
 static void no_outputs(hbil_config *c) {
-  for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id)
+  for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     image_format(c, id)->component = HBIL_NONE;
 }
 
 static void ao_alone(hbil_config *c) {
   no_outputs(c);
-  c->ao = (hbil_format){HBIL_FLOAT32, 1};
+  c->ao = (hbil_plane_format){HBIL_FLOAT32, 1};
 }
 
 static void ao_and_bent(hbil_config *c) {
   ao_alone(c);
-  c->bent = (hbil_format){HBIL_FLOAT16, 3};
+  c->bent_normal = (hbil_plane_format){HBIL_FLOAT16, 3};
 }
 
 static void light_alone(hbil_config *c) {
   no_outputs(c);
-  c->near_light = (hbil_format){HBIL_FLOAT16, 4};
+  c->near_irradiance = (hbil_plane_format){HBIL_FLOAT16, 4};
 }
 
 static void far_alone(hbil_config *c) {
   no_outputs(c);
-  c->far_light = (hbil_format){HBIL_FLOAT32, 1};
+  c->far_irradiance = (hbil_plane_format){HBIL_FLOAT32, 1};
 }
 
 static void gtao(hbil_config *c) {
@@ -179,7 +181,7 @@ static void every_size_takes_what_is_announced(void **state) {
 static void use_all(setup *s) {
   prepare(s, 64, 36);
   s->config.relative_thickness = 0.08f;
-  s->config.refused = HBIL_REFUSED_FRAME;
+  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s->config.far_field = HBIL_FAR_FRAME;
 }
 
@@ -190,7 +192,7 @@ static void frames_make_no_buffers(void **state) {
   setup_start(&s);
   shim_start_counting();
   for (cl_uint i = 0; i < 4; ++i) {
-    s.frame.index = i;
+    s.frame.frame_index = i;
     setup_run(&s, hbil_enqueue_frame);
   }
   hbil_plan_reset(s.plan);
@@ -245,9 +247,9 @@ static void padding_is_at_most_a_quarter(void **state) {
   (void)state;
   prepare(&s, 1280, 720);
   check_planes(&s.config, (plane_counts){4, 4, 2, 7, 7, 7});
-  s.config.refused = HBIL_REFUSED_FRAME;
+  s.config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s.config.far_field = HBIL_FAR_FRAME;
-  s.config.samples = 48;
+  s.config.steps_per_side = 48;
   check_planes(&s.config, (plane_counts){4, 4, 2, 7, 8, 7});
   s.config.reprojection = HBIL_REPROJECTION_NONE;
   check_planes(&s.config, (plane_counts){0, 0, 0, 7, 8, 7});
@@ -263,7 +265,7 @@ static void packed_padding_is_at_most_a_quarter(void **state) {
   prepare(&s, 1280, 720);
   s.config.storage = HBIL_STORAGE_PACKED;
   check_planes(&s.config, (plane_counts){4, 4, 2, 3, 3, 7});
-  s.config.refused = HBIL_REFUSED_FRAME;
+  s.config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s.config.far_field = HBIL_FAR_FRAME;
   s.config.reprojection = HBIL_REPROJECTION_NONE;
   check_planes(&s.config, (plane_counts){0, 0, 0, 3, 3, 7});

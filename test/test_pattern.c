@@ -146,7 +146,7 @@ static int span_of(int layer, int k, const hbil_view_args *v,
   if (k >= 0)
     hbil_sample_offset(layer, k < p.samples ? k : k - 1, 0, 1.0f, 0.0f, *v, p,
                        &x, &y);
-  return hbil_span(x, y);
+  return hbil_offset_length(x, y);
 }
 
 /* Share of a direction's samples that are in both halves, over the 16 places

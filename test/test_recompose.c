@@ -29,7 +29,7 @@ static void check_recompose(scene_kind kind, int width, int height, bool raw,
   setup s;
   ref_planes split, light, got, want;
   setup_scene(&s, kind, width, height, 0);
-  s.config.raw_interleave = raw;
+  s.config.unfiltered = raw;
   s.config.slices = slices;
   setup_start(&s);
   setup_run(&s, hbil_enqueue_split);

@@ -7,16 +7,17 @@
 
 #include <stdio.h>
 
-static const hbil_format single = {HBIL_FLOAT32, 1};
-static const hbil_format triple = {HBIL_FLOAT32, 3};
+static const hbil_plane_format single = {HBIL_FLOAT32, 1};
+static const hbil_plane_format triple = {HBIL_FLOAT32, 3};
 
 /* A mode and the outputs it can have. */
 static void set_mode(setup *s, hbil_mode mode) {
   s->config.mode = mode;
   if (mode != HBIL_MODE_HBIL)
-    s->config.near_light.component = HBIL_NONE;
+    s->config.near_irradiance.component = HBIL_NONE;
   if (mode == HBIL_MODE_HBAO)
-    s->config.bent.component = s->config.cone.component = HBIL_NONE;
+    s->config.bent_normal.component = s->config.cone_cosine.component =
+        HBIL_NONE;
 }
 
 static ref_planes gathered(setup *s) {
@@ -117,9 +118,10 @@ static void check_view(hbil_mode mode, hbil_falloff falloff, int i) {
   s.config.radius = radii[i % 3];
   s.config.vector_width = widths[i / 3 % 4];
   s.config.slices = 1 + (cl_uint)i % 3;
-  s.config.samples = i & 2 ? 8 : 21;
-  s.config.lattice = i & 4 ? HBIL_LATTICE_LAYER : HBIL_LATTICE_FULL;
-  s.frame.index = (cl_uint)i;
+  s.config.steps_per_side = i & 2 ? 8 : 21;
+  s.config.sample_grid =
+      i & 4 ? HBIL_GRID_SAME_LAYER : HBIL_GRID_FULL_RESOLUTION;
+  s.frame.frame_index = (cl_uint)i;
   check_kernel(&s);
 }
 
@@ -167,9 +169,9 @@ static void half_float_depth_matches(void **state) {
 
 /* Everything a mode can put out. */
 static void set_outputs(setup *s, hbil_mode mode) {
-  s->config.far_light = s->config.indirect = s->config.radiance = triple;
-  s->config.ao = s->config.cone = single;
-  s->config.bent = triple;
+  s->config.far_irradiance = s->config.indirect = s->config.beauty = triple;
+  s->config.ao = s->config.cone_cosine = single;
+  s->config.bent_normal = triple;
   set_mode(s, mode);
 }
 
@@ -183,14 +185,15 @@ static void check_frames(hbil_mode mode, hbil_far_field far_field,
   set_outputs(&s, mode);
   s.config.far_field = far_field;
   s.config.feedback = feedback;
-  s.config.refused = HBIL_REFUSED_FRAME; /* of no consequence without light */
+  s.config.back_facing_fallback =
+      HBIL_FALLBACK_FRAME_MEAN; /* of no consequence without light */
   for (int i = 0; i < (far_field == HBIL_FAR_SH ? 9 : 1); ++i)
     for (int c = 0; c < 3; ++c)
       s.frame.environment[i][c] = i ? 0.1f * (float)(i % 3) : 1.0f + (float)c;
   setup_start(&s);
   for (int i = 0; i < 3; ++i) {
     setup_load_scene(&s, SCENE_SKY, (uint32_t)i);
-    s.frame.index = (cl_uint)i;
+    s.frame.frame_index = (cl_uint)i;
     setup_upload(&s);
     setup_run(&s, hbil_enqueue_frame);
     ref_frame(&reference, &s.job);
@@ -310,9 +313,9 @@ static void unwanted_pixels_are_left_alone(void **state) {
 /* A frame's outputs by the plan's densest settings, without a filter. */
 static ref_planes densest_frame(setup *s) {
   s->config.slices = 32;
-  s->config.samples = 64;
+  s->config.steps_per_side = 64;
   s->config.step_growth = 0.0f;
-  s->config.raw_interleave = CL_TRUE;
+  s->config.unfiltered = CL_TRUE;
   setup_start(s);
   setup_run(s, hbil_enqueue_frame);
   return outputs_read(s);
@@ -329,10 +332,10 @@ static void dense_frames_are_what_plans_approach(void **state) {
   (void)state;
   setup_scene(&s, SCENE_ROOM, 64, 36, 0);
   setup_all_outputs(&s);
-  s.config.refused = HBIL_REFUSED_FRAME;
+  s.config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s.config.gather_emission = CL_FALSE;
   got = densest_frame(&s);
-  s.config.raw_interleave = CL_FALSE; /* the dense frame must not care */
+  s.config.unfiltered = CL_FALSE; /* the dense frame must not care */
   ref_state_init(&reference, 64, 36);
   ref_frame_dense(&reference, &s.job, &how);
   check_at_most("AO", relative_rmse(&got, &reference.out, REF_AO, 1), 0.01);
@@ -520,7 +523,7 @@ static void start_wall(setup *s, hbil_mode mode, float thickness) {
   set_mode(s, mode);
   s->config.thickness = thickness;
   s->config.slices = 32;
-  s->config.samples = SIDE;
+  s->config.steps_per_side = SIDE;
   s->config.step_growth = 0.0f;
   set_wall(s);
   setup_start(s);
@@ -700,7 +703,7 @@ static void start_corner(setup *s, const corner *k, hbil_mode mode,
   s->config.falloff = falloff;
   s->config.radius = 1.0f;
   s->config.slices = 32;
-  s->config.samples = 192;
+  s->config.steps_per_side = 192;
   s->config.step_growth = 0.0f;
   set_corner(s, k);
   assert_in_view(s, k);
@@ -799,7 +802,7 @@ static void start_ring(setup *s, hbil_mode mode) {
   set_mode(s, mode);
   s->config.albedo.component = s->config.emission.component = HBIL_NONE;
   s->config.relative_thickness = 0.25f;
-  s->config.facing[0] = s->config.facing[1] = -1.0f;
+  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
   set_ring(s);
   setup_start(s);
 }
@@ -876,8 +879,8 @@ static void modes_refuse_what_they_cannot_have(void **state) {
   (void)state;
   for (hbil_mode mode = HBIL_MODE_GTAO; mode <= HBIL_MODE_HBAO; ++mode) {
     hbil_config c = ao_alone(mode);
-    c.near_light = triple;
-    assert_refused(&c, "near_light");
+    c.near_irradiance = triple;
+    assert_refused(&c, "near_irradiance");
     c = ao_alone(mode);
     c.far_field = HBIL_FAR_FRAME;
     assert_refused(&c, "far_field");
@@ -887,14 +890,14 @@ static void modes_refuse_what_they_cannot_have(void **state) {
 static void hbao_refuses_what_needs_a_bent_cone(void **state) {
   hbil_config c = ao_alone(HBIL_MODE_HBAO);
   (void)state;
-  c.bent = triple;
-  assert_refused(&c, "bent");
+  c.bent_normal = triple;
+  assert_refused(&c, "bent_normal");
   c = ao_alone(HBIL_MODE_HBAO);
-  c.cone = single;
-  assert_refused(&c, "cone");
+  c.cone_cosine = single;
+  assert_refused(&c, "cone_cosine");
   c = ao_alone(HBIL_MODE_HBAO);
   c.far_field = HBIL_FAR_SH;
-  c.far_light = triple;
+  c.far_irradiance = triple;
   assert_refused(&c, "far_field");
 }
 

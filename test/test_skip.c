@@ -4,7 +4,7 @@
  */
 #include "support.h"
 
-/* Three strips across, the last one not whole; two blocks of cells. */
+/* Three spans across, the last one not whole; two blocks of cells. */
 #define WIDTH 301
 #define HEIGHT 70
 /* Of an orthographic picture, world units: a wall at depth 2 looks as wide. */
@@ -35,9 +35,9 @@ static void run(setup *s) {
   setup_run(s, hbil_enqueue_frame);
 }
 
-static hbil_skipped skipped(setup *s) {
-  hbil_skipped out;
-  assert_success(s, hbil_plan_skipped(s->plan, s->gpu->queue, &out));
+static hbil_statistics skipped(setup *s) {
+  hbil_statistics out;
+  assert_success(s, hbil_plan_statistics(s->plan, s->gpu->queue, &out));
   return out;
 }
 
@@ -49,7 +49,7 @@ static void check_same(setup *a, setup *b) {
 }
 
 /* Both on the inputs of the first; what that one left out. */
-static hbil_skipped compare(pair *p) {
+static hbil_statistics compare(pair *p) {
   const size_t pixels = (size_t)p->with.config.width * p->with.config.height;
   for (int i = 0; i < REF_INPUT_PLANES; ++i)
     memcpy(p->without.input[i], p->with.input[i], pixels * sizeof(float));
@@ -115,8 +115,8 @@ static void limited_pixels(setup *s) {
 static void ao_alone(setup *s, hbil_mode mode) {
   wall(s);
   s->config.mode = mode;
-  for (int i = IMAGE_FIRST_OUTPUT; i < IMAGE_COUNT; ++i)
-    if (i != IMAGE_AO)
+  for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
+    if (i != PLANE_AO)
       image_format(&s->config, (image_id)i)->component = HBIL_NONE;
 }
 
@@ -195,11 +195,11 @@ static void every_strip_of_a_bare_wall_is_open(void **state) {
     pair p;
     start_pair(&p, kinds[k], HBIL_SKIP_OPEN);
     bare(&p.with);
-    const hbil_skipped found = compare(&p);
+    const hbil_statistics found = compare(&p);
     assert_int_equal(found.all.pixels, WIDTH * HEIGHT);
     assert_int_equal(found.open.pixels, WIDTH * HEIGHT);
-    assert_int_equal(found.open.strips, found.all.strips);
-    assert_int_equal(skipped(&p.without).open.strips, 0);
+    assert_int_equal(found.open.spans, found.all.spans);
+    assert_int_equal(skipped(&p.without).open.spans, 0);
     free_pair(&p);
   }
 }
@@ -216,8 +216,8 @@ static void one_pixel_anywhere_is_not_overlooked(void **state) {
       if (i % 2)
         turn(&p.with, &r);
       lone_occluder(&p.with, &r);
-      const hbil_skipped found = compare(&p);
-      blocked += found.open.strips < found.all.strips;
+      const hbil_statistics found = compare(&p);
+      blocked += found.open.spans < found.all.spans;
     }
     assert_true(blocked > 20);
     free_pair(&p);
@@ -237,8 +237,8 @@ static void the_edge_of_the_radius_is_kept(void **state) {
     bare(&p.with);
     for (int y = 0; y < HEIGHT; ++y)
       p.with.input[REF_DEPTH][at(150 + x, y)] = 1.99f;
-    const hbil_skipped found = compare(&p);
-    open[i >= 20] += found.open.strips;
+    const hbil_statistics found = compare(&p);
+    open[i >= 20] += found.open.spans;
   }
   assert_true(open[0] > 0 && open[1] > 0);
   free_pair(&p);
@@ -274,9 +274,9 @@ static void a_single_pixel_before_the_sky_is_seen(void **state) {
     if (i)
       p.with.input[REF_DEPTH][at((int)(random_unit(&r) * WIDTH),
                                  (int)(random_unit(&r) * HEIGHT))] = 1.0f;
-    const hbil_skipped found = compare(&p);
+    const hbil_statistics found = compare(&p);
     assert_int_equal(found.sky.pixels, WIDTH * HEIGHT - (i > 0));
-    assert_int_equal(found.sky.strips, found.all.strips - (i > 0));
+    assert_int_equal(found.sky.spans, found.all.spans - (i > 0));
   }
   free_pair(&p);
 }
@@ -309,20 +309,20 @@ static void only_lamp(pair *p, random_state *r, int i) {
 
 static void refused_black(setup *s) {
   wall(s);
-  s->config.refused = HBIL_REFUSED_BLACK;
+  s->config.back_facing_fallback = HBIL_FALLBACK_BLACK;
   s->config.storage = HBIL_STORAGE_FLOAT32;
 }
 
 static void refused_frame(setup *s) {
   limited(s);
-  s->config.refused = HBIL_REFUSED_FRAME;
+  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s->config.radius = 2.0f;
 }
 
 /* More than are looked at in one go: light may come after a dark part. */
 static void many_samples(setup *s) {
   wall(s);
-  s->config.samples = 80;
+  s->config.steps_per_side = 80;
 }
 
 /* Three blocks of cells each way, that light can lie in beside each other,
@@ -334,12 +334,12 @@ static void large(setup *s) {
 static void large_limited(setup *s) {
   large(s);
   s->config.radius = 1.0f;
-  s->config.facing[0] = s->config.facing[1] = -1.0f;
+  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
 }
 
 static void large_by_pixels(setup *s) {
   large(s);
-  s->config.refused = HBIL_REFUSED_BLACK;
+  s->config.back_facing_fallback = HBIL_FALLBACK_BLACK;
   s->config.relative_thickness = 0.1f;
   s->config.vector_width = 1;
 }
@@ -347,7 +347,7 @@ static void large_by_pixels(setup *s) {
 static void near_room(setup *s) {
   wall(s);
   s->config.radius = 0.5f;
-  s->config.facing[0] = s->config.facing[1] = -1.0f;
+  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
 }
 
 static void one_lamp_is_not_overlooked(void **state) {
@@ -357,24 +357,23 @@ static void one_lamp_is_not_overlooked(void **state) {
   (void)state;
   for (size_t k = 0; k < sizeof lights / sizeof *lights; ++k) {
     random_state r = {.state = 11 + k};
-    size_t near_light = 0;
+    size_t near_irradiance = 0;
     pair p;
     start_pair(&p, lights[k], HBIL_SKIP_DARK);
     dark_room(&p);
     for (int i = 0; i < 12; ++i) {
       only_lamp(&p, &r, i);
-      const hbil_skipped found = compare(&p);
-      if (i == 0) /* no light at all: every strip that is not open or sky */
-        assert_int_equal(found.dark.strips + found.open.strips +
-                             found.sky.strips,
-                         found.all.strips);
+      const hbil_statistics found = compare(&p);
+      if (i == 0) /* no light at all: every span that is not open or sky */
+        assert_int_equal(found.dark.spans + found.open.spans + found.sky.spans,
+                         found.all.spans);
       ref_planes out = outputs_read(&p.with);
-      near_light += i > 0 && largest_value(&out, REF_NEAR, 3) > 0.0;
+      near_irradiance += i > 0 && largest_value(&out, REF_NEAR, 3) > 0.0;
       ref_planes_free(&out);
     }
     if (getenv("HBIL_TEST_VERBOSE"))
-      print_message("%zu lamps of 11 light something\n", near_light);
-    assert_true(near_light > 0);
+      print_message("%zu lamps of 11 light something\n", near_irradiance);
+    assert_true(near_irradiance > 0);
     free_pair(&p);
   }
 }
@@ -419,8 +418,8 @@ static void a_line_on_a_rough_wall_is_not_overlooked(void **state) {
 
 static void picture_alone(setup *s) {
   wall(s);
-  for (int i = IMAGE_FIRST_OUTPUT; i < IMAGE_COUNT; ++i)
-    if (i != IMAGE_RADIANCE)
+  for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
+    if (i != PLANE_BEAUTY)
       image_format(&s->config, (image_id)i)->component = HBIL_NONE;
   s->config.f0.component = HBIL_FLOAT32;
   /* AO must show: metal alone sends no light to others */
@@ -461,13 +460,12 @@ static void metal_shows_no_irradiance(void **state) {
         p.with.input[REF_F0][one] = 0.5f;
         p.with.input[REF_ALBEDO][one] = 0.8f;
       }
-      const hbil_skipped found = compare(&p);
+      const hbil_statistics found = compare(&p);
       if (i > 1)
-        assert_in_range(found.unused.strips, found.all.strips / 2,
-                        found.all.strips - 1);
+        assert_in_range(found.unused.spans, found.all.spans / 2,
+                        found.all.spans - 1);
       else
-        assert_int_equal(found.unused.strips + found.sky.strips,
-                         found.all.strips);
+        assert_int_equal(found.unused.spans + found.sky.spans, found.all.spans);
     }
     free_pair(&p);
   }
@@ -477,13 +475,13 @@ static void who_shows_irradiance_needs_it(void **state) {
   setup s;
   (void)state;
   picture_alone(&s);
-  image_format(&s.config, IMAGE_AO)->component = HBIL_FLOAT32;
+  image_format(&s.config, PLANE_AO)->component = HBIL_FLOAT32;
   setup_start(&s);
   setup_load_scene(&s, SCENE_ROOM, 0);
   for (int c = 0; c < 3; ++c)
     setup_fill(&s, REF_ALBEDO + c, 0.0f);
   run(&s);
-  assert_int_equal(skipped(&s).unused.strips, 0);
+  assert_int_equal(skipped(&s).unused.spans, 0);
   setup_free(&s);
 }
 
@@ -503,7 +501,7 @@ static void holes_are_filled_and_nothing_else(void **state) {
   for (uint32_t i = 0; i < 4; ++i) {
     setup_load_scene(&p.with, SCENE_ROOM, i / 2); /* every frame twice */
     p.without.frame.camera = p.with.frame.camera;
-    const hbil_skipped found = compare(&p);
+    const hbil_statistics found = compare(&p);
     assert_int_equal(found.not_run[HBIL_PASS_REPROJECT], i == 0);
     assert_int_equal(found.not_run[HBIL_PASS_PUSH_PULL], i != 2);
     assert_int_equal(skipped(&p.without).not_run[HBIL_PASS_PUSH_PULL], i == 0);
@@ -525,7 +523,7 @@ static int still_frames(prepare_function *prepare, int frames) {
     const uint32_t frame = i < 2 ? (uint32_t)i : 1;
     setup_load_scene(&promised, SCENE_ROOM, frame);
     setup_load_scene(&plain, SCENE_ROOM, frame);
-    promised.frame.still = i >= 2;
+    promised.frame.static_frame = i >= 2;
     for (int c = 0; c < 2 && i >= 2; ++c) {
       setup_fill(&promised, REF_MOTION + c, 0.0f);
       setup_fill(&plain, REF_MOTION + c, 0.0f);
@@ -533,7 +531,7 @@ static int still_frames(prepare_function *prepare, int frames) {
     run(&promised);
     run(&plain);
     check_same(&promised, &plain);
-    const hbil_skipped found = skipped(&promised);
+    const hbil_statistics found = skipped(&promised);
     if (i >= 2) {
       assert_true(found.not_run[HBIL_PASS_REPROJECT]);
       assert_true(found.not_run[HBIL_PASS_PUSH_PULL]);
@@ -542,8 +540,8 @@ static int still_frames(prepare_function *prepare, int frames) {
                        found.not_run[HBIL_PASS_RECOMPOSE]);
     }
     /* the first still frame keeps form factors */
-    assert_int_equal(found.by_factors.strips > 0,
-                     promised.config.form_factors && i >= 3 &&
+    assert_int_equal(found.by_factors.spans > 0,
+                     promised.config.horizon_cache_bytes && i >= 3 &&
                          !found.not_run[HBIL_PASS_GATHER]);
     if (!settled && found.not_run[HBIL_PASS_GATHER])
       settled = i - 1;
@@ -572,7 +570,7 @@ static void still_frames_are_the_same(void **state) {
 
 static void factors(setup *s) {
   room_with_history(s);
-  s->config.form_factors = SIZE_MAX;
+  s->config.horizon_cache_bytes = SIZE_MAX;
 }
 
 static void factors_by_pixels(setup *s) {
@@ -582,21 +580,21 @@ static void factors_by_pixels(setup *s) {
 
 static void factors_of_all_light(setup *s) {
   factors(s);
-  s->config.facing[0] = s->config.facing[1] = -1.0f;
+  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
   s->config.extrapolate = CL_FALSE;
   s->config.storage = HBIL_STORAGE_FLOAT32;
 }
 
 static void factors_of_black(setup *s) {
   factors(s);
-  s->config.refused = HBIL_REFUSED_BLACK;
+  s->config.back_facing_fallback = HBIL_FALLBACK_BLACK;
   s->config.relative_thickness = 0.1f;
   s->config.storage = HBIL_STORAGE_HALF;
 }
 
 static void factors_of_frame(setup *s) {
   factors(s);
-  s->config.refused = HBIL_REFUSED_FRAME;
+  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s->config.radius = 2.0f;
   s->config.storage = HBIL_STORAGE_FLOAT11;
 }
@@ -604,18 +602,18 @@ static void factors_of_frame(setup *s) {
 static void factors_of_a_slice(setup *s) {
   factors(s);
   s->config.slices = 1;
-  s->config.samples = 80; /* more than are looked at in one go */
+  s->config.steps_per_side = 80; /* more than are looked at in one go */
   s->config.radius = 0.5f;
 }
 
 static void factors_of_radiance(setup *s) {
   carried_radiance(s);
-  s->config.form_factors = SIZE_MAX;
+  s->config.horizon_cache_bytes = SIZE_MAX;
 }
 
 static void factors_of_a_step(setup *s) {
   factors(s);
-  s->config.facing[0] = s->config.facing[1] = 0.0f;
+  s->config.facing_fade[0] = s->config.facing_fade[1] = 0.0f;
 }
 
 static void factors_of_parallel_rays(setup *s) {
@@ -628,13 +626,13 @@ static void factors_of_a_picture(setup *s) {
   picture_alone(s);
   s->config.reprojection = HBIL_REPROJECTION_SCATTER;
   s->config.feedback = HBIL_FEEDBACK_RADIANCE;
-  s->config.form_factors = SIZE_MAX;
+  s->config.horizon_cache_bytes = SIZE_MAX;
 }
 
 /* Two thirds of the picture: 12 of the 18 rows of a layer. */
 static void factors_of_some_rows(setup *s) {
   factors(s);
-  s->config.samples = 3;
+  s->config.steps_per_side = 3;
   setup_keep_rows(s, 12, 18);
 }
 
@@ -698,8 +696,8 @@ static void what_is_dark_has_form_factors(void **state) {
   for (int i = 0; i < 8; ++i) {
     light_in_a_stripe(&p.with);
     p.without.frame.camera = p.with.frame.camera;
-    p.with.frame.still = i > 0;
-    assert_int_equal(compare(&p).by_factors.strips > 0, i > 1);
+    p.with.frame.static_frame = i > 0;
+    assert_int_equal(compare(&p).by_factors.spans > 0, i > 1);
     if (i == 1) /* where they are kept */
       unlit = count_unlit(&p.with);
   }
@@ -718,9 +716,9 @@ static void light_may_come_late(void **state) {
     p.without.frame.camera = p.with.frame.camera;
     for (int c = 0; i < 2 && c < 3; ++c)
       setup_fill(&p.with, REF_DIRECT + c, 0.0f);
-    p.with.frame.still = i > 0;
-    const hbil_skipped found = compare(&p);
-    assert_int_equal(found.by_factors.strips > 0, i > 1);
+    p.with.frame.static_frame = i > 0;
+    const hbil_statistics found = compare(&p);
+    assert_int_equal(found.by_factors.spans > 0, i > 1);
     assert_int_equal(found.not_run[HBIL_PASS_GATHER], CL_FALSE);
   }
   free_pair(&p);
@@ -732,15 +730,15 @@ static void still_is_checked(void **state) {
   room_with_history(&s);
   setup_start(&s);
   setup_load_scene(&s, SCENE_ROOM, 0);
-  s.frame.still = CL_TRUE; /* of the first frame: nothing to be like */
+  s.frame.static_frame = CL_TRUE; /* of the first frame: nothing to be like */
   run(&s);
   assert_false(skipped(&s).not_run[HBIL_PASS_SPLIT]);
-  s.frame.index = 1;
+  s.frame.frame_index = 1;
   assert_int_equal(
       hbil_enqueue_frame(s.plan, s.gpu->queue, &s.frame, 0, NULL, NULL),
       HBIL_INVALID_FRAME);
-  assert_non_null(strstr(hbil_context_message(s.gpu->hbil), "index"));
-  s.frame.index = 0;
+  assert_non_null(strstr(hbil_context_message(s.gpu->hbil), "frame_index"));
+  s.frame.frame_index = 0;
   s.frame.camera.fx *= 1.5;
   assert_int_equal(
       hbil_enqueue_frame(s.plan, s.gpu->queue, &s.frame, 0, NULL, NULL),
@@ -754,18 +752,18 @@ static void still_is_checked(void **state) {
 }
 
 static void counts_need_a_frame(void **state) {
-  hbil_skipped out;
+  hbil_statistics out;
   setup s;
   (void)state;
   endless(&s);
   setup_start(&s);
-  assert_int_equal(hbil_plan_skipped(NULL, s.gpu->queue, &out),
+  assert_int_equal(hbil_plan_statistics(NULL, s.gpu->queue, &out),
                    HBIL_INVALID_ARGUMENT);
-  assert_int_equal(hbil_plan_skipped(s.plan, NULL, &out),
+  assert_int_equal(hbil_plan_statistics(s.plan, NULL, &out),
                    HBIL_INVALID_ARGUMENT);
-  assert_int_equal(hbil_plan_skipped(s.plan, s.gpu->queue, NULL),
+  assert_int_equal(hbil_plan_statistics(s.plan, s.gpu->queue, NULL),
                    HBIL_INVALID_ARGUMENT);
-  assert_int_equal(hbil_plan_skipped(s.plan, s.gpu->queue, &out),
+  assert_int_equal(hbil_plan_statistics(s.plan, s.gpu->queue, &out),
                    HBIL_INVALID_ARGUMENT);
   setup_free(&s);
 }

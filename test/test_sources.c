@@ -311,7 +311,7 @@ static double depth_error(const dump *d, const reading *r) {
   const float *depth = gbuffer_plane(&r->g, ROLE_DEPTH, 0);
   double worst = 0;
   for (size_t i = 0; i < pixels_of(d); i++) {
-    const int surface = gbuffer_is_surface(depth[i], r->config.background);
+    const int surface = gbuffer_is_surface(depth[i], r->config.sky_depth);
     if (surface == is_sky(d, i))
       return INFINITY;
     if (surface)

@@ -6,8 +6,8 @@
 #define WIDTH 45
 #define HEIGHT 31
 
-static const hbil_format rgba32 = {HBIL_FLOAT32, 4};
-static const hbil_format planar16 = {HBIL_FLOAT16, 1};
+static const hbil_plane_format rgba32 = {HBIL_FLOAT32, 4};
+static const hbil_plane_format planar16 = {HBIL_FLOAT16, 1};
 
 static ref_planes split_of(setup *s) {
   setup_run(s, hbil_enqueue_split);
@@ -59,7 +59,7 @@ static void half_float_inputs_match(void **state) {
   setup s;
   (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  for (image_id id = 0; id < IMAGE_FIRST_OUTPUT; ++id)
+  for (image_id id = 0; id < PLANE_FIRST_OUTPUT; ++id)
     image_format(&s.config, id)->component = HBIL_FLOAT16;
   s.config.f0.component = HBIL_NONE;
   check_split(&s, NORMAL_LIMIT);
@@ -80,7 +80,7 @@ static void planar_inputs_with_pitches_and_offsets_match(void **state) {
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   s.config.normal.stride = s.config.emission.stride = 1;
   s.config.albedo = s.config.direct = planar16;
-  for (image_id id = 0; id < IMAGE_FIRST_OUTPUT; ++id) {
+  for (image_id id = 0; id < PLANE_FIRST_OUTPUT; ++id) {
     image_layout layout = {5 + (size_t)id, 3 + (size_t)id, 7};
     if (image_channels(id) == 1 || image_format(&s.config, id)->stride != 1)
       layout.plane_extra = 0;
@@ -93,7 +93,7 @@ static void stride_0_stands_for_the_channels(void **state) {
   setup s;
   (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  for (image_id id = 0; id < IMAGE_FIRST_OUTPUT; ++id)
+  for (image_id id = 0; id < PLANE_FIRST_OUTPUT; ++id)
     image_format(&s.config, id)->stride = 0;
   check_split(&s, NORMAL_LIMIT);
 }
@@ -101,7 +101,7 @@ static void stride_0_stands_for_the_channels(void **state) {
 static void unorm8_albedo_and_f0_match(void **state) {
   setup s;
   random_state r = {2};
-  hbil_format unorm = {HBIL_UNORM8, 4};
+  hbil_plane_format unorm = {HBIL_UNORM8, 4};
   (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   s.config.albedo = s.config.f0 = unorm;
@@ -116,7 +116,7 @@ static void ray_distances_match(void **state) {
   (void)state;
   setup_scene(&s, SCENE_SKY, WIDTH, HEIGHT, 0);
   s.config.depth_kind = HBIL_DEPTH_RAY;
-  s.config.background = 20.0f;
+  s.config.sky_depth = 20.0f;
   check_split(&s, NORMAL_LIMIT);
 }
 

@@ -48,18 +48,18 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_int_equal(c.struct_size, sizeof(c));
   assert_true(c.width == 0 && c.height == 0);
   assert_true(c.depth.component == HBIL_NONE);
-  assert_true(isinf(c.background) && isinf(c.radius));
+  assert_true(isinf(c.sky_depth) && isinf(c.radius));
   assert_true(c.direct_scale == 1.0f);
-  assert_true(c.slices == 2 && c.samples == 8 && c.step_growth == 2.0f);
-  assert_true(c.lattice == HBIL_LATTICE_FULL);
-  assert_true(c.facing[0] == -0.1f && c.facing[1] == 0.0f);
-  assert_true(c.refused == HBIL_REFUSED_LAST);
+  assert_true(c.slices == 2 && c.steps_per_side == 8 && c.step_growth == 2.0f);
+  assert_true(c.sample_grid == HBIL_GRID_FULL_RESOLUTION);
+  assert_true(c.facing_fade[0] == -0.1f && c.facing_fade[1] == 0.0f);
+  assert_true(c.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED);
   assert_true(c.gather_emission == CL_TRUE && c.extrapolate == CL_TRUE);
   assert_true(c.reprojection == HBIL_REPROJECTION_SCATTER);
   assert_true(c.feedback == HBIL_FEEDBACK_IRRADIANCE);
-  assert_true(c.disocclusion == 0.05f);
+  assert_true(c.disocclusion_threshold == 0.05f);
   assert_true(c.far_field == HBIL_FAR_NONE);
-  assert_true(!c.raw_interleave && c.vector_width == 0 && !c.profiling);
+  assert_true(!c.unfiltered && c.vector_width == 0 && !c.profiling);
   assert_true(c.storage == HBIL_STORAGE_PACKED);
 }
 
@@ -80,8 +80,8 @@ SPOIL(width_high, c->width = 16385)
 SPOIL(height_0, c->height = 0)
 SPOIL(slices_0, c->slices = 0)
 SPOIL(slices_33, c->slices = 33)
-SPOIL(samples_0, c->samples = 0)
-SPOIL(samples_257, c->samples = 257)
+SPOIL(samples_0, c->steps_per_side = 0)
+SPOIL(samples_257, c->steps_per_side = 257)
 SPOIL(radius_nan, c->radius = NAN)
 SPOIL(radius_0, c->radius = 0.0f)
 SPOIL(radius_negative, c->radius = -1.0f)
@@ -91,18 +91,18 @@ SPOIL(relative_thickness_0, c->relative_thickness = 0.0f)
 SPOIL(relative_thickness_nan, c->relative_thickness = NAN)
 SPOIL(mode_unknown, c->mode = (hbil_mode)3)
 SPOIL(falloff_unknown, c->falloff = (hbil_falloff)3)
-SPOIL(facing_descending, (c->facing[0] = 0.5f, c->facing[1] = 0.25f))
-SPOIL(facing_nan, c->facing[1] = NAN)
-SPOIL(facing_wide, c->facing[1] = 2.0f)
+SPOIL(facing_descending, (c->facing_fade[0] = 0.5f, c->facing_fade[1] = 0.25f))
+SPOIL(facing_nan, c->facing_fade[1] = NAN)
+SPOIL(facing_wide, c->facing_fade[1] = 2.0f)
 SPOIL(growth_nan, c->step_growth = NAN)
 SPOIL(growth_negative, c->step_growth = -0.5f)
 SPOIL(growth_65, c->step_growth = 65.0f)
 SPOIL(extrapolate_2, c->extrapolate = 2)
 SPOIL(max_error_0, c->max_error[0] = 0.0f)
 SPOIL(max_error_nan, c->max_error[1] = NAN)
-SPOIL(max_error_raw, (c->max_error[1] = 0.1f, c->raw_interleave = CL_TRUE))
-SPOIL(disocclusion_0, c->disocclusion = 0.0f)
-SPOIL(disocclusion_nan, c->disocclusion = NAN)
+SPOIL(max_error_raw, (c->max_error[1] = 0.1f, c->unfiltered = CL_TRUE))
+SPOIL(disocclusion_0, c->disocclusion_threshold = 0.0f)
+SPOIL(disocclusion_nan, c->disocclusion_threshold = NAN)
 SPOIL(depth_missing, c->depth.component = HBIL_NONE)
 SPOIL(normal_missing, c->normal.component = HBIL_NONE)
 SPOIL(albedo_stride, c->albedo.stride = 2)
@@ -110,8 +110,8 @@ SPOIL(direct_component, c->direct.component = (hbil_component)9)
 SPOIL(ao_unorm, c->ao.component = HBIL_UNORM8)
 SPOIL(motion_missing, (c->reprojection = HBIL_REPROJECTION_MOTION,
                        c->motion.component = HBIL_NONE))
-SPOIL(lattice_unknown, c->lattice = (hbil_lattice)7)
-SPOIL(refused_unknown, c->refused = (hbil_refused)7)
+SPOIL(lattice_unknown, c->sample_grid = (hbil_sample_grid)7)
+SPOIL(refused_unknown, c->back_facing_fallback = (hbil_back_facing_fallback)7)
 SPOIL(far_unknown, c->far_field = (hbil_far_field)7)
 SPOIL(feedback_unknown, c->feedback = (hbil_feedback)7)
 SPOIL(storage_unknown, c->storage = (hbil_storage)4)
@@ -125,8 +125,8 @@ static const bad_config bad_configs[] = {
     {"height", height_0},
     {"slices", slices_0},
     {"slices", slices_33},
-    {"samples", samples_0},
-    {"samples", samples_257},
+    {"steps_per_side", samples_0},
+    {"steps_per_side", samples_257},
     {"radius", radius_nan},
     {"radius", radius_0},
     {"radius", radius_negative},
@@ -136,9 +136,9 @@ static const bad_config bad_configs[] = {
     {"relative_thickness", relative_thickness_nan},
     {"mode", mode_unknown},
     {"falloff", falloff_unknown},
-    {"facing", facing_descending},
-    {"facing", facing_nan},
-    {"facing", facing_wide},
+    {"facing_fade", facing_descending},
+    {"facing_fade", facing_nan},
+    {"facing_fade", facing_wide},
     {"step_growth", growth_nan},
     {"step_growth", growth_negative},
     {"step_growth", growth_65},
@@ -146,16 +146,16 @@ static const bad_config bad_configs[] = {
     {"max_error[0]", max_error_0},
     {"max_error[1]", max_error_nan},
     {"max_error", max_error_raw},
-    {"disocclusion", disocclusion_0},
-    {"disocclusion", disocclusion_nan},
+    {"disocclusion_threshold", disocclusion_0},
+    {"disocclusion_threshold", disocclusion_nan},
     {"depth", depth_missing},
     {"normal", normal_missing},
     {"albedo", albedo_stride},
     {"direct", direct_component},
     {"ao", ao_unorm},
     {"motion", motion_missing},
-    {"lattice", lattice_unknown},
-    {"refused", refused_unknown},
+    {"sample_grid", lattice_unknown},
+    {"back_facing_fallback", refused_unknown},
     {"far_field", far_unknown},
     {"feedback", feedback_unknown},
     {"storage", storage_unknown},
@@ -206,10 +206,10 @@ static void presets_set_the_sampling_alone(void **state) {
                      HBIL_SUCCESS);
     assert_non_null(hbil_quality_name((hbil_quality)q));
     before.slices = s.config.slices;
-    before.samples = s.config.samples;
+    before.steps_per_side = s.config.steps_per_side;
     before.step_growth = s.config.step_growth;
-    before.lattice = s.config.lattice;
-    before.raw_interleave = s.config.raw_interleave;
+    before.sample_grid = s.config.sample_grid;
+    before.unfiltered = s.config.unfiltered;
     before.storage = s.config.storage;
     assert_memory_equal(&before, &s.config, sizeof before);
     setup_free(&s);
@@ -243,9 +243,9 @@ typedef struct bad_frame {
   }
 SPOIL_FRAME(no_depth, f->depth.buffer = NULL)
 SPOIL_FRAME(no_normal, f->normal.buffer = NULL)
-SPOIL_FRAME(no_radiance, f->radiance.buffer = NULL)
-SPOIL_FRAME(no_bent, f->bent.buffer = NULL)
-SPOIL_FRAME(depth_past_the_end, f->depth.offset = s->bytes[IMAGE_DEPTH] / 4 * 4)
+SPOIL_FRAME(no_radiance, f->beauty.buffer = NULL)
+SPOIL_FRAME(no_bent, f->bent_normal.buffer = NULL)
+SPOIL_FRAME(depth_past_the_end, f->depth.offset = s->bytes[PLANE_DEPTH] / 4 * 4)
 SPOIL_FRAME(normal_too_small, f->normal.buffer = f->depth.buffer)
 SPOIL_FRAME(albedo_pitch, f->albedo.row_pitch = 1 << 20)
 SPOIL_FRAME(albedo_overlap, f->albedo.row_pitch = 4)
@@ -266,8 +266,8 @@ SPOIL_FRAME(frame_large, f->struct_size += 8)
 
 static const bad_frame bad_frames[] = {{"depth", no_depth},
                                        {"normal", no_normal},
-                                       {"radiance", no_radiance},
-                                       {"bent", no_bent},
+                                       {"beauty", no_radiance},
+                                       {"bent_normal", no_bent},
                                        {"depth", depth_past_the_end},
                                        {"normal", normal_too_small},
                                        {"albedo", albedo_pitch},

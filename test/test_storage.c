@@ -353,55 +353,66 @@ static void check_gather(setup *s, hbil_storage storage) {
 
 typedef struct settings {
   cl_uint slices, samples;
-  hbil_lattice lattice;
+  hbil_sample_grid lattice;
   float radius, relative_thickness, facing[2];
-  hbil_refused refused;
+  hbil_back_facing_fallback refused;
 } settings;
 
-static const settings table[] = {
-    {2,
-     8,
-     HBIL_LATTICE_FULL,
-     INFINITY,
-     INFINITY,
-     {-0.1f, 0.0f},
-     HBIL_REFUSED_LAST},
-    {1,
-     8,
-     HBIL_LATTICE_LAYER,
-     1.0f,
-     INFINITY,
-     {-0.1f, 0.0f},
-     HBIL_REFUSED_BLACK},
-    {2, 16, HBIL_LATTICE_FULL, 0.5f, 0.1f, {-0.5f, 0.5f}, HBIL_REFUSED_FRAME},
-    {3, 5, HBIL_LATTICE_LAYER, INFINITY, 0.3f, {0.2f, 0.2f}, HBIL_REFUSED_LAST},
-    {4,
-     4,
-     HBIL_LATTICE_FULL,
-     INFINITY,
-     INFINITY,
-     {-1.0f, -1.0f},
-     HBIL_REFUSED_BLACK},
-    {1,
-     16,
-     HBIL_LATTICE_FULL,
-     2.0f,
-     INFINITY,
-     {0.0f, 1.0f},
-     HBIL_REFUSED_FRAME}};
+static const settings table[] = {{2,
+                                  8,
+                                  HBIL_GRID_FULL_RESOLUTION,
+                                  INFINITY,
+                                  INFINITY,
+                                  {-0.1f, 0.0f},
+                                  HBIL_FALLBACK_LAST_ACCEPTED},
+                                 {1,
+                                  8,
+                                  HBIL_GRID_SAME_LAYER,
+                                  1.0f,
+                                  INFINITY,
+                                  {-0.1f, 0.0f},
+                                  HBIL_FALLBACK_BLACK},
+                                 {2,
+                                  16,
+                                  HBIL_GRID_FULL_RESOLUTION,
+                                  0.5f,
+                                  0.1f,
+                                  {-0.5f, 0.5f},
+                                  HBIL_FALLBACK_FRAME_MEAN},
+                                 {3,
+                                  5,
+                                  HBIL_GRID_SAME_LAYER,
+                                  INFINITY,
+                                  0.3f,
+                                  {0.2f, 0.2f},
+                                  HBIL_FALLBACK_LAST_ACCEPTED},
+                                 {4,
+                                  4,
+                                  HBIL_GRID_FULL_RESOLUTION,
+                                  INFINITY,
+                                  INFINITY,
+                                  {-1.0f, -1.0f},
+                                  HBIL_FALLBACK_BLACK},
+                                 {1,
+                                  16,
+                                  HBIL_GRID_FULL_RESOLUTION,
+                                  2.0f,
+                                  INFINITY,
+                                  {0.0f, 1.0f},
+                                  HBIL_FALLBACK_FRAME_MEAN}};
 
 static void check_setting(size_t i, hbil_storage storage) {
   setup s;
   const settings *t = table + i;
   setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, 64, 37, 0);
   s.config.slices = t->slices;
-  s.config.samples = t->samples;
-  s.config.lattice = t->lattice;
+  s.config.steps_per_side = t->samples;
+  s.config.sample_grid = t->lattice;
   s.config.radius = t->radius;
   s.config.relative_thickness = t->relative_thickness;
-  memcpy(s.config.facing, t->facing, sizeof(t->facing));
-  s.config.refused = t->refused;
-  s.frame.index = (cl_uint)i;
+  memcpy(s.config.facing_fade, t->facing, sizeof(t->facing));
+  s.config.back_facing_fallback = t->refused;
+  s.frame.frame_index = (cl_uint)i;
   check_gather(&s, storage);
 }
 
@@ -464,7 +475,8 @@ static void every_vector_width_matches(void **state) {
     setup s;
     setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
     s.config.vector_width = widths[i / 2];
-    s.config.refused = i & 1 ? HBIL_REFUSED_FRAME : HBIL_REFUSED_LAST;
+    s.config.back_facing_fallback =
+        i & 1 ? HBIL_FALLBACK_FRAME_MEAN : HBIL_FALLBACK_LAST_ACCEPTED;
     check_gather(&s, HBIL_STORAGE_PACKED);
   }
 }
@@ -509,25 +521,26 @@ static void every_run_gives_the_same_bits(void **state) {
 /* Words of SPLIT without radiance and with it; of GATHERED for AO, for E_near,
  * for bent normals. */
 typedef struct word_counts {
-  cl_uint guides, split, ao, near_light, bent;
+  cl_uint guides, split, ao, near_irradiance, bent;
 } word_counts;
 
 static void check_words(hbil_storage storage, int outputs, word_counts want) {
   setup s;
   hbil_buffer split, light;
-  bool near_light = outputs & 1, bent = outputs & 2;
+  bool near_irradiance = outputs & 1, bent = outputs & 2;
   room(&s);
   s.config.storage = storage;
-  s.config.near_light.component = near_light ? HBIL_FLOAT32 : HBIL_NONE;
-  s.config.bent.component = bent ? HBIL_FLOAT32 : HBIL_NONE;
+  s.config.near_irradiance.component =
+      near_irradiance ? HBIL_FLOAT32 : HBIL_NONE;
+  s.config.bent_normal.component = bent ? HBIL_FLOAT32 : HBIL_NONE;
   s.config.ao.component = outputs & 4 ? HBIL_FLOAT32 : HBIL_NONE;
   setup_start(&s);
   assert_success(&s, hbil_plan_buffer(s.plan, HBIL_STAGE_SPLIT, &split));
   assert_success(&s, hbil_plan_buffer(s.plan, HBIL_STAGE_GATHERED, &light));
-  assert_int_equal(split.values, near_light ? want.split : want.guides);
-  assert_int_equal(light.values, bent         ? want.bent
-                                 : near_light ? want.near_light
-                                              : want.ao);
+  assert_int_equal(split.values, near_irradiance ? want.split : want.guides);
+  assert_int_equal(light.values, bent              ? want.bent
+                                 : near_irradiance ? want.near_irradiance
+                                                   : want.ao);
   setup_free(&s);
 }
 
@@ -561,14 +574,15 @@ static void plant_light(setup *s) {
 }
 
 static void check_recompose(hbil_storage storage, scene_kind kind, bool raw,
-                            hbil_refused refused, cl_uint vector_width) {
+                            hbil_back_facing_fallback refused,
+                            cl_uint vector_width) {
   setup s;
   ref_planes split, light, got,
       want = ref_planes_new(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
   setup_scene(&s, kind, WIDTH, HEIGHT, 0);
   s.config.storage = storage;
-  s.config.raw_interleave = raw;
-  s.config.refused = refused;
+  s.config.unfiltered = raw;
+  s.config.back_facing_fallback = refused;
   s.config.vector_width = vector_width;
   setup_start(&s);
   light = gathered(&s); /* and what the frame sends on average */
@@ -593,12 +607,13 @@ static void check_recompose(hbil_storage storage, scene_kind kind, bool raw,
 static void the_filter_matches(void **state) {
   (void)state;
   for (int i = 0; i < 4; ++i) {
-    check_recompose(HBIL_STORAGE_PACKED, SCENE_ROOM, false, HBIL_REFUSED_LAST,
-                    widths[i]);
-    check_recompose(HBIL_STORAGE_PACKED, SCENE_SKY, i & 1, HBIL_REFUSED_FRAME,
-                    widths[i]);
+    check_recompose(HBIL_STORAGE_PACKED, SCENE_ROOM, false,
+                    HBIL_FALLBACK_LAST_ACCEPTED, widths[i]);
+    check_recompose(HBIL_STORAGE_PACKED, SCENE_SKY, i & 1,
+                    HBIL_FALLBACK_FRAME_MEAN, widths[i]);
   }
-  check_recompose(HBIL_STORAGE_HALF, SCENE_SKY, false, HBIL_REFUSED_FRAME, 8);
+  check_recompose(HBIL_STORAGE_HALF, SCENE_SKY, false, HBIL_FALLBACK_FRAME_MEAN,
+                  8);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -630,12 +645,12 @@ typedef struct promise {
  * without noise, worst of all: AO 2.7e-5, halves 5.9e-5; E_near 2.1e-3, halves
  * 2.1e-4, float11 4.6e-3.  The others follow, but for the bent normal, which
  * has no direction left in a word where nothing is open. */
-static const promise promises[] = {{IMAGE_AO, {1e-4, 0.0, 1e-4, 1e-4}},
-                                   {IMAGE_NEAR, {2.2e-3, 0.0, 3e-4, 5e-3}},
-                                   {IMAGE_FAR, {2.2e-3, 0.0, 3e-4, 5e-3}},
-                                   {IMAGE_CONE, {1e-4, 0.0, 1e-4, 1e-4}},
-                                   {IMAGE_INDIRECT, {2.2e-3, 0.0, 3e-4, 5e-3}},
-                                   {IMAGE_RADIANCE, {2.2e-3, 0.0, 3e-4, 5e-3}}};
+static const promise promises[] = {{PLANE_AO, {1e-4, 0.0, 1e-4, 1e-4}},
+                                   {PLANE_NEAR, {2.2e-3, 0.0, 3e-4, 5e-3}},
+                                   {PLANE_FAR, {2.2e-3, 0.0, 3e-4, 5e-3}},
+                                   {PLANE_CONE, {1e-4, 0.0, 1e-4, 1e-4}},
+                                   {PLANE_INDIRECT, {2.2e-3, 0.0, 3e-4, 5e-3}},
+                                   {PLANE_BEAUTY, {2.2e-3, 0.0, 3e-4, 5e-3}}};
 #define PROMISES (sizeof(promises) / sizeof(*promises))
 
 /* The worst of each promise so far. */
@@ -654,7 +669,7 @@ static void start_frames(setup *s, scene_kind kind, bool from_the_frame,
   for (int c = 0; c < 3 && !from_the_frame; ++c)
     s->frame.environment[0][c] = 0.5f + (float)c;
   if (from_the_frame) {
-    s->config.refused = HBIL_REFUSED_FRAME;
+    s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
     s->config.far_field = HBIL_FAR_FRAME;
   }
   setup_start(s);
@@ -662,7 +677,7 @@ static void start_frames(setup *s, scene_kind kind, bool from_the_frame,
 
 static ref_planes frame(setup *s, scene_kind kind, uint32_t index) {
   setup_load_scene(s, kind, index);
-  s->frame.index = index;
+  s->frame.frame_index = index;
   setup_upload(s);
   setup_run(s, hbil_enqueue_frame);
   return outputs_read(s);

@@ -26,7 +26,7 @@ static struct {
   double seconds; /* 0: the short form */
 } effort = {1, 0.0};
 
-static const hbil_format triple = {HBIL_FLOAT32, 3};
+static const hbil_plane_format triple = {HBIL_FLOAT32, 3};
 
 /* What is being tried, for the message of whatever fails. */
 static char trying[1024];
@@ -69,9 +69,10 @@ static bool is_packed(plan_kind kind) {
 /* AO of one sample a side, and a picture whose inputs composite alone reads. */
 static void configure_one_sample(setup *s) {
   s->config.mode = HBIL_MODE_GTAO;
-  s->config.slices = s->config.samples = 1;
-  s->config.near_light.component = s->config.bent.component = HBIL_NONE;
-  s->config.radiance = s->config.f0 = triple;
+  s->config.slices = s->config.steps_per_side = 1;
+  s->config.near_irradiance.component = s->config.bent_normal.component =
+      HBIL_NONE;
+  s->config.beauty = s->config.f0 = triple;
   s->config.skip = 0;
   s->config.vector_width = 1;
   s->config.extrapolate = CL_FALSE; /* the horizons themselves */
@@ -91,7 +92,7 @@ static void configure(setup *s, plan_kind kind) {
     s->config.vector_width = 1; /* as on GPUs */
     return;
   }
-  s->config.refused = HBIL_REFUSED_FRAME;
+  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s->config.far_field = HBIL_FAR_FRAME;
   s->config.reprojection = HBIL_REPROJECTION_MOTION;
 }
@@ -123,7 +124,7 @@ static void load_room(setup *s, uint32_t index) {
   turn_normals(s);
   for (int c = 0; c < 3; ++c)
     setup_fill(s, REF_F0 + c, 0.04f);
-  s->frame.index = index;
+  s->frame.frame_index = index;
 }
 
 /* A plan in its first frame. */
@@ -239,22 +240,23 @@ static void check_sane(setup *s) {
   ref_planes out = outputs_read(s);
   check_finite("outputs", &out);
   check_range("ao", &out, REF_AO, 1, 0.0, 1.0);
-  check_range("near_light", &out, REF_NEAR, 3, 0.0,
-              most_light(s, IMAGE_NEAR, radiance));
-  check_range("far_light", &out, REF_FAR, 3, 0.0,
-              sh ? INFINITY : most_light(s, IMAGE_FAR, radiance));
+  check_range("near_irradiance", &out, REF_NEAR, 3, 0.0,
+              most_light(s, PLANE_NEAR, radiance));
+  check_range("far_irradiance", &out, REF_FAR, 3, 0.0,
+              sh ? INFINITY : most_light(s, PLANE_FAR, radiance));
   check_range("cone", &out, REF_CONE, 1, 0.0, 1.0);
   check_range("indirect", &out, REF_INDIRECT, 3, 0.0, INFINITY);
   check_range("radiance", &out, REF_RADIANCE, 3, 0.0, INFINITY);
-  if (asks_for(s, IMAGE_BENT)) /* roundings; of three halves 2^-11 each */
-    check_bent(&out, s->config.bent.component == HBIL_FLOAT16 ? 1e-3 : 1e-6);
+  if (asks_for(s, PLANE_BENT)) /* roundings; of three halves 2^-11 each */
+    check_bent(&out,
+               s->config.bent_normal.component == HBIL_FLOAT16 ? 1e-3 : 1e-6);
   ref_planes_free(&out);
   check_stage(s, HBIL_STAGE_SPLIT, "split");
   check_stage(s, HBIL_STAGE_GATHERED, "gathered");
   check_stage(s, HBIL_STAGE_RESOLVED, "resolved");
   check_stage(s, HBIL_STAGE_HISTORY, "history");
-  hbil_skipped left_out;
-  assert_success(s, hbil_plan_skipped(s->plan, s->gpu->queue, &left_out));
+  hbil_statistics left_out;
+  assert_success(s, hbil_plan_statistics(s->plan, s->gpu->queue, &left_out));
   if (!left_out.not_run[HBIL_PASS_REPROJECT]) /* in a first frame it is */
     check_stage(s, HBIL_STAGE_CARRIED, "carried");
 }
@@ -289,11 +291,11 @@ static void the_unit_of_length_does_not_matter(void **state) {
     for (size_t i = 0; i < sizeof scales / sizeof *scales; ++i) {
       TRY("scale %g, %s", scales[i], plan_names[kind]);
       ref_planes got = room_scaled(kind, scales[i]);
-      for (image_id id = IMAGE_FIRST_OUTPUT; id < IMAGE_COUNT; ++id)
+      for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
         check_below(
             image_name(id),
             relative_rmse(&got, &want, image_first(id), image_channels(id)),
-            id == IMAGE_CONE ? 1e-3 : 1e-4);
+            id == PLANE_CONE ? 1e-3 : 1e-4);
       ref_planes_free(&got);
     }
     ref_planes_free(&want);
@@ -402,9 +404,9 @@ static size_t repair_planes(setup *s, int first, int count, size_t i,
 }
 
 /* Puts the documented values in, and counts. */
-static hbil_repaired repair(setup *s) {
+static hbil_sanitized repair(setup *s) {
   const size_t pixels = (size_t)s->config.width * s->config.height;
-  hbil_repaired n = {0};
+  hbil_sanitized n = {0};
   for (size_t i = 0; i < pixels; ++i) {
     n.depth += repair_planes(s, REF_DEPTH, 1, i, repair_depth);
     const float depth = s->input[REF_DEPTH][i];
@@ -419,13 +421,14 @@ static hbil_repaired repair(setup *s) {
   return n;
 }
 
-static hbil_repaired counted(setup *s) {
-  hbil_repaired n;
-  assert_success(s, hbil_plan_repaired(s->plan, s->gpu->queue, &n));
+static hbil_sanitized counted(setup *s) {
+  hbil_sanitized n;
+  assert_success(s, hbil_plan_sanitized(s->plan, s->gpu->queue, &n));
   return n;
 }
 
-static void check_counts(const hbil_repaired *got, const hbil_repaired *want) {
+static void check_counts(const hbil_sanitized *got,
+                         const hbil_sanitized *want) {
   const struct {
     const char *name;
     size_t got, want;
@@ -447,19 +450,19 @@ static void check_counts(const hbil_repaired *got, const hbil_repaired *want) {
 /* What a frame of spoiled inputs comes to; or of the repaired ones. */
 static void spoiled_frames(plan_kind kind, uint64_t seed, bool repaired_before,
                            ref_planes out[FRAMES],
-                           hbil_repaired repairs[FRAMES]) {
+                           hbil_sanitized repairs[FRAMES]) {
   random_state r = {seed};
   setup *s = begin(kind);
   for (uint32_t i = 0; i < FRAMES; ++i) {
-    hbil_repaired own = {0};
+    hbil_sanitized own = {0};
     load_room(s, i);
     spoil(s, &r, i == FRAMES - 1 ? 0.01 : 0.1);
     if (repaired_before)
       own = repair(s);
     run(s);
-    const hbil_repaired found = counted(s);
+    const hbil_sanitized found = counted(s);
     if (repaired_before) {
-      const hbil_repaired none = {0};
+      const hbil_sanitized none = {0};
       check_counts(&found, &none);
       repairs[i] = own;
       if (i == 0 || s->config.reprojection != HBIL_REPROJECTION_MOTION)
@@ -476,7 +479,7 @@ static void what_is_repaired_is_counted_and_never_spread(void **state) {
   (void)state;
   for (plan_kind kind = 0; kind < PLANS; ++kind) {
     ref_planes got[FRAMES], want[FRAMES];
-    hbil_repaired found[FRAMES], made[FRAMES];
+    hbil_sanitized found[FRAMES], made[FRAMES];
     if (!is_tried(kind))
       continue;
     TRY("spoiled inputs, seed %llu, %s", (unsigned long long)effort.seed,
@@ -504,15 +507,15 @@ static void still_frames_count_what_the_frame_before_did(void **state) {
   for (int c = 0; c < 2; ++c)
     setup_fill(s, REF_MOTION + c, 0.0f);
   run(s);
-  const hbil_repaired first = counted(s);
+  const hbil_sanitized first = counted(s);
   assert_true(first.depth > 0 && first.emission > 0);
-  s->frame.still = CL_TRUE;
+  s->frame.static_frame = CL_TRUE;
   for (int i = 0; i < 2; ++i) {
     run(s);
-    const hbil_repaired again = counted(s);
+    const hbil_sanitized again = counted(s);
     check_counts(&again, &first);
   }
-  s->frame.still = CL_FALSE;
+  s->frame.static_frame = CL_FALSE;
 }
 
 /* Without near light split reads depth and normals alone. */
@@ -524,8 +527,8 @@ static void who_reads_first_counts(void **state) {
   for (int i = 0; i < 2; ++i) { /* each frame anew */
     spoil(s, &r, 0.1);
     run(s);
-    const hbil_repaired found = counted(s);
-    hbil_repaired made = repair(s);
+    const hbil_sanitized found = counted(s);
+    hbil_sanitized made = repair(s);
     made.motion = 0;
     assert_true(made.albedo > 0 && made.f0 > 0);
     assert_true(made.direct > 0 && made.emission > 0);
@@ -536,16 +539,16 @@ static void who_reads_first_counts(void **state) {
 
 static void counts_need_a_frame(void **state) {
   setup *s = begin(ONE_SAMPLE);
-  hbil_repaired out;
+  hbil_sanitized out;
   (void)state;
   const cl_command_queue queue = s->gpu->queue;
-  assert_int_equal(hbil_plan_repaired(NULL, queue, &out),
+  assert_int_equal(hbil_plan_sanitized(NULL, queue, &out),
                    HBIL_INVALID_ARGUMENT);
-  assert_int_equal(hbil_plan_repaired(s->plan, NULL, &out),
+  assert_int_equal(hbil_plan_sanitized(s->plan, NULL, &out),
                    HBIL_INVALID_ARGUMENT);
-  assert_int_equal(hbil_plan_repaired(s->plan, queue, NULL),
+  assert_int_equal(hbil_plan_sanitized(s->plan, queue, NULL),
                    HBIL_INVALID_ARGUMENT);
-  assert_int_equal(hbil_plan_repaired(s->plan, queue, &out),
+  assert_int_equal(hbil_plan_sanitized(s->plan, queue, &out),
                    HBIL_INVALID_ARGUMENT);
 }
 
@@ -598,7 +601,7 @@ static void load_content(setup *s, content kind, uint32_t index,
                          random_state *r) {
   const size_t width = s->config.width, pixels = width * s->config.height;
   const bool flat = kind == CHECKER || kind == SPIKES;
-  s->frame.index = index;
+  s->frame.frame_index = index;
   for (size_t i = 0; i < pixels; ++i) {
     s->input[REF_DEPTH][i] =
         (float)depth_of(kind, (int)(i % width), (int)(i / width), r);
@@ -953,7 +956,7 @@ static void half_float_depth_makes_no_acne(void **state) {
   setup_init(&s, WIDTH, HEIGHT);
   configure_one_sample(&s);
   s.config.slices = 2;
-  s.config.samples = 8;
+  s.config.steps_per_side = 8;
   s.config.storage = HBIL_STORAGE_PACKED;
   s.config.depth.component = HBIL_FLOAT16;
   setup_start(&s);
@@ -1018,7 +1021,7 @@ static void light_neither_grows_nor_fades(void **state) {
     for (int i = 0; i < 200; ++i) {
       for (int c = 0; c < 3; ++c)
         setup_fill(s, REF_DIRECT + c, i ? 0.0f : (float)PI);
-      s->frame.index = (cl_uint)i;
+      s->frame.frame_index = (cl_uint)i;
       run(s);
       if (i == 20)
         early = evenness_of(s);
@@ -1040,7 +1043,7 @@ static void moving_on_takes_no_memory(void **state) {
   for (int i = 0; i < frames; ++i) {
     if (i == 100)
       before = mallinfo2().uordblks;
-    s->frame.index = (cl_uint)i;
+    s->frame.frame_index = (cl_uint)i;
     for (int c = 0; c < 3; ++c)
       s->frame.camera.world_from_view[4 * c + 3] += 0.01 * sin(0.1 * i + c);
     setup_run(s, hbil_enqueue_frame);
@@ -1183,26 +1186,27 @@ static bool maybe(random_state *r, double probability) {
   return random_unit(r) < probability;
 }
 
-static hbil_format any_format(random_state *r, int channels, bool unorm) {
+static hbil_plane_format any_format(random_state *r, int channels, bool unorm) {
   const hbil_component kinds[] = {HBIL_FLOAT32, HBIL_FLOAT16, HBIL_UNORM8};
   const cl_uint strides[] = {1, (cl_uint)channels, 4};
-  return (hbil_format){kinds[below(r, unorm ? 3 : 2)], strides[below(r, 3)]};
+  return (hbil_plane_format){kinds[below(r, unorm ? 3 : 2)],
+                             strides[below(r, 3)]};
 }
 
 static void any_formats(hbil_config *c, random_state *r) {
-  for (image_id id = 0; id < IMAGE_COUNT; ++id) {
-    const bool colour = id >= IMAGE_ALBEDO && id <= IMAGE_EMISSION;
-    hbil_format *format = image_format(c, id);
+  for (image_id id = 0; id < PLANE_COUNT; ++id) {
+    const bool colour = id >= PLANE_ALBEDO && id <= PLANE_EMISSION;
+    hbil_plane_format *format = image_format(c, id);
     *format = any_format(r, image_channels(id), colour);
-    if ((colour || id >= IMAGE_FIRST_OUTPUT) && maybe(r, 0.2))
+    if ((colour || id >= PLANE_FIRST_OUTPUT) && maybe(r, 0.2))
       format->component = HBIL_NONE;
   }
-  c->ao = (hbil_format){HBIL_FLOAT32, 1}; /* so that there is an output */
+  c->ao = (hbil_plane_format){HBIL_FLOAT32, 1}; /* so that there is an output */
   c->depth_kind = (hbil_depth_kind)below(r, 2);
   c->normal_space = (hbil_space)below(r, 2);
-  c->bent_space = (hbil_space)below(r, 2);
+  c->bent_normal_space = (hbil_space)below(r, 2);
   c->direct_scale = maybe(r, 0.2) ? 1e10f : 1.0f;
-  c->background = maybe(r, 0.2) ? 1e6f : INFINITY;
+  c->sky_depth = maybe(r, 0.2) ? 1e6f : INFINITY;
 }
 
 static void any_model(hbil_config *c, random_state *r) {
@@ -1216,30 +1220,31 @@ static void any_model(hbil_config *c, random_state *r) {
   c->relative_thickness = maybe(r, 0.6)   ? INFINITY
                           : maybe(r, 0.5) ? 0.08f
                                           : 1e-6f;
-  c->facing[0] = maybe(r, 0.3) ? -1.0f : (float)random_unit(r) - 0.6f;
-  c->facing[1] = c->facing[0] == -1.0f || maybe(r, 0.3) ? c->facing[0]
-                                                        : c->facing[0] + 0.3f;
-  c->refused = (hbil_refused)below(r, 3);
+  c->facing_fade[0] = maybe(r, 0.3) ? -1.0f : (float)random_unit(r) - 0.6f;
+  c->facing_fade[1] = c->facing_fade[0] == -1.0f || maybe(r, 0.3)
+                          ? c->facing_fade[0]
+                          : c->facing_fade[0] + 0.3f;
+  c->back_facing_fallback = (hbil_back_facing_fallback)below(r, 3);
   c->gather_emission = (cl_bool)below(r, 2);
   c->reprojection = (hbil_reprojection)below(r, 3);
   c->feedback = (hbil_feedback)below(r, 2);
-  c->disocclusion = maybe(r, 0.2) ? INFINITY : 0.05f;
+  c->disocclusion_threshold = maybe(r, 0.2) ? INFINITY : 0.05f;
   c->far_field = (hbil_far_field)below(r, 4);
   if (c->mode != HBIL_MODE_HBIL) {
-    c->near_light.component = HBIL_NONE;
+    c->near_irradiance.component = HBIL_NONE;
     c->far_field = (hbil_far_field)below(r, 2);
   }
   if (c->mode == HBIL_MODE_HBAO)
-    c->bent.component = c->cone.component = HBIL_NONE;
+    c->bent_normal.component = c->cone_cosine.component = HBIL_NONE;
 }
 
 static void any_sampling(hbil_config *c, random_state *r) {
   const cl_uint samples[] = {1, 3, 8, 33}, widths[] = {1, 4, 8, 16, 8, 8};
   c->slices = 1 + below(r, 4);
-  c->samples = ANY_OF(r, samples);
+  c->steps_per_side = ANY_OF(r, samples);
   c->step_growth = maybe(r, 0.3) ? 0.0f : 4.0f * (float)random_unit(r);
-  c->lattice = (hbil_lattice)below(r, 2);
-  c->raw_interleave = maybe(r, 0.2);
+  c->sample_grid = (hbil_sample_grid)below(r, 2);
+  c->unfiltered = maybe(r, 0.2);
   c->storage = (hbil_storage)below(r, 4);
   c->vector_width = ANY_OF(r, widths);
   c->skip = maybe(r, 0.5) ? HBIL_SKIP_ALL : below(r, HBIL_SKIP_ALL + 1);
@@ -1255,11 +1260,12 @@ static void tell_settings(uint64_t seed, const hbil_config *c,
       "direct_scale %g, field of view %g, off centre %g, %g, pixels 1 : %g",
       (unsigned long long)seed, inputs, c->width, c->height, (int)c->projection,
       (int)c->mode, (int)c->falloff, (double)c->radius, (double)c->thickness,
-      (double)c->relative_thickness, (double)c->facing[0], (double)c->facing[1],
-      (int)c->refused, (int)c->gather_emission, (int)c->reprojection,
-      (int)c->feedback, (double)c->disocclusion, (int)c->far_field, c->slices,
-      c->samples, (double)c->step_growth, (int)c->lattice,
-      (int)c->raw_interleave, (int)c->storage, c->vector_width, c->skip,
+      (double)c->relative_thickness, (double)c->facing_fade[0],
+      (double)c->facing_fade[1], (int)c->back_facing_fallback,
+      (int)c->gather_emission, (int)c->reprojection, (int)c->feedback,
+      (double)c->disocclusion_threshold, (int)c->far_field, c->slices,
+      c->steps_per_side, (double)c->step_growth, (int)c->sample_grid,
+      (int)c->unfiltered, (int)c->storage, c->vector_width, c->skip,
       (int)c->depth.component, c->depth.stride, (int)c->depth_kind,
       (int)c->normal.component, c->normal.stride, (int)c->normal_space,
       (double)c->direct_scale, v->fov, v->off_x, v->off_y, v->pixel);

@@ -20,15 +20,15 @@ static void init(setup *s, int width, int height, cl_uint temporal) {
   setup_scene(s, SCENE_ROOM, width, height, 0);
   s->config.reprojection = HBIL_REPROJECTION_NONE;
   s->config.slices = 1;
-  s->config.samples = 6;
-  s->config.raw_interleave = CL_TRUE;
+  s->config.steps_per_side = 6;
+  s->config.unfiltered = CL_TRUE;
   s->config.motion.component = HBIL_NONE;
-  s->config.temporal = temporal;
+  s->config.max_history_frames = temporal;
 }
 
 static void load(setup *s, uint32_t scene, cl_uint index) {
   setup_load_scene(s, SCENE_ROOM, scene);
-  s->frame.index = index;
+  s->frame.frame_index = index;
   setup_upload(s);
 }
 
@@ -77,8 +77,9 @@ static void memory_is_two_frames_more(void **state) {
   init(&s, WIDTH, HEIGHT, 0);
   assert_success(&s, hbil_plan_memory(s.gpu->hbil, &s.config, &off));
   setup_start(&s);
-  assert_int_equal(hbil_plan_buffer(s.plan, HBIL_STAGE_KEPT, &buffer),
-                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(
+      hbil_plan_buffer(s.plan, HBIL_STAGE_TEMPORAL_HISTORY, &buffer),
+      HBIL_INVALID_ARGUMENT);
   assert_non_null(strstr(hbil_context_message(s.gpu->hbil), "temporal"));
   setup_run(&s, hbil_enqueue_temporal); /* nothing to do, and no error */
   setup_free(&s);
@@ -89,7 +90,8 @@ static void memory_is_two_frames_more(void **state) {
   made = shim_made().bytes;
   assert_int_equal(on - off, 2 * 4 * (10 * 128 * HEIGHT + 2 * (2 * 128 + 32)));
   assert_int_equal(on, made);
-  assert_success(&s, hbil_plan_buffer(s.plan, HBIL_STAGE_KEPT, &buffer));
+  assert_success(
+      &s, hbil_plan_buffer(s.plan, HBIL_STAGE_TEMPORAL_HISTORY, &buffer));
   assert_int_equal(buffer.values, 10);
   hbil_plan_destroy(s.plan);
   s.plan = NULL;
@@ -117,7 +119,7 @@ static void singles(ref_planes *out, int count) {
   init(&s, WIDTH, HEIGHT, 0);
   setup_start(&s);
   for (int i = 0; i < count; ++i) {
-    s.frame.index = (cl_uint)i;
+    s.frame.frame_index = (cl_uint)i;
     setup_run(&s, hbil_enqueue_frame);
     out[i] = outputs_read(&s);
   }
@@ -149,8 +151,8 @@ static void still_frames_are_averaged(void **state) {
   setup_start(&said);
   setup_start(&unsaid);
   for (int i = 0; i < FRAMES; ++i) {
-    said.frame.index = unsaid.frame.index = (cl_uint)i;
-    said.frame.still = CL_TRUE; /* of no account in the first */
+    said.frame.frame_index = unsaid.frame.frame_index = (cl_uint)i;
+    said.frame.static_frame = CL_TRUE; /* of no account in the first */
     setup_run(&said, hbil_enqueue_frame);
     setup_run(&unsaid, hbil_enqueue_frame);
     ref_planes got = outputs_read(&said), other = outputs_read(&unsaid);
@@ -185,12 +187,12 @@ static void noise_falls_with_the_frames(void **state) {
   setup s;
   (void)state;
   init(&s, WIDTH, HEIGHT, 64);
-  s.config.samples = 32;
+  s.config.steps_per_side = 32;
   setup_start(&s);
   ref_state_init(&exact, WIDTH, HEIGHT);
   ref_frame_dense(&exact, &s.job, &how);
   for (int n = 1; n <= 64; ++n) {
-    s.frame.index = (cl_uint)n;
+    s.frame.frame_index = (cl_uint)n;
     setup_run(&s, hbil_enqueue_frame);
     ref_planes got = outputs_read(&s);
     error[n] = squared_error(&got, &exact.out);
@@ -220,7 +222,8 @@ typedef struct kept {
 static kept kept_read(setup *s) {
   kept k = {.bytes = NULL};
   size_t size;
-  assert_success(s, hbil_plan_buffer(s->plan, HBIL_STAGE_KEPT, &k.at));
+  assert_success(s,
+                 hbil_plan_buffer(s->plan, HBIL_STAGE_TEMPORAL_HISTORY, &k.at));
   k.bytes = buffer_bytes(s, k.at.buffer, &size);
   return k;
 }
@@ -347,7 +350,8 @@ static void add_tap(const setup *s, const hbil_camera *before, const past *then,
     expected = (dot(then->n, at) - dot(then->n, here)) / then->n[2] - then->z;
     unit = WIDTH / before->fx;
   }
-  const double off = fabs(w - expected) - s->config.disocclusion * fabs(unit);
+  const double off =
+      fabs(w - expected) - s->config.disocclusion_threshold * fabs(unit);
   const double turn = 1.0 - dot(n, then->n) - HBIL_TURN_TOLERANCE;
   /* fp32 on planes seen edge on */
   out->close |= fabs(off) < 1e-3 * fabs(unit) || fabs(turn) < 1e-4;
@@ -405,7 +409,7 @@ static void check_shown(const ref_planes *got, const kept *anew, int x, int y) {
 static void check_pixel(const setup *s, const recalled *r,
                         const ref_planes *fresh, const ref_planes *got,
                         const kept *anew, int x, int y, tally *t) {
-  const double most = s->config.temporal;
+  const double most = s->config.max_history_frames;
   const double n = fmin(r->frames + 1.0, most);
   if (r->close) {
     t->close++;
@@ -561,7 +565,7 @@ static bool in_patch(int left, int x, int y) {
 /* Runs the frame that is set, and one that was not preceded by another; where
  * `changed` they have the same bits, elsewhere two frames are counted. */
 static void check_anew(setup *s, setup *alone, bool (*changed)(int x, int y)) {
-  s->frame.index = alone->frame.index = 1;
+  s->frame.frame_index = alone->frame.frame_index = 1;
   hbil_plan_reset(alone->plan);
   setup_run(s, hbil_enqueue_frame);
   setup_run(alone, hbil_enqueue_frame);
@@ -611,7 +615,7 @@ static void what_was_not_there_begins_anew(void **state) {
   };
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
     hbil_plan_reset(s.plan);
-    s.frame.index = 0;
+    s.frame.frame_index = 0;
     set_wall(&s, cases[i].left[0], cases[i].depth[0], cases[i].tilt[0]);
     setup_run(&s, hbil_enqueue_frame);
     set_wall(&s, cases[i].left[1], cases[i].depth[1], cases[i].tilt[1]);
@@ -727,21 +731,21 @@ static void no_number_of_a_frame_is_kept(void **state) {
 
 /* Where no light is carried over nobody else looks at motion vectors. */
 static void motion_is_counted_once(void **state) {
-  hbil_repaired repaired;
+  hbil_sanitized repaired;
   setup s;
   (void)state;
   init(&s, WIDTH, HEIGHT, 8);
   s.config.mode = HBIL_MODE_GTAO;
-  s.config.near_light.component = HBIL_NONE;
+  s.config.near_irradiance.component = HBIL_NONE;
   s.config.reprojection = HBIL_REPROJECTION_MOTION;
-  s.config.motion = (hbil_format){HBIL_FLOAT32, 1};
+  s.config.motion = (hbil_plane_format){HBIL_FLOAT32, 1};
   setup_start(&s);
   s.input[REF_MOTION][20 * WIDTH + 30] = NAN;
   s.input[REF_MOTION + 1][20 * WIDTH + 40] = INFINITY;
   setup_upload(&s);
   for (int i = 0; i < 3; ++i) {
     setup_run(&s, hbil_enqueue_frame);
-    assert_success(&s, hbil_plan_repaired(s.plan, s.gpu->queue, &repaired));
+    assert_success(&s, hbil_plan_sanitized(s.plan, s.gpu->queue, &repaired));
     assert_int_equal(repaired.motion, i ? 2 : 0);
   }
   setup_free(&s);

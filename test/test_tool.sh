@@ -106,11 +106,11 @@ run sh -c 'ulimit -v 4000000 && exec "$@"' sh "$HBIL" process --repeat 5 --timin
   --overwrite -o "$work/t" "$one"
 test $status -eq 0 && ! grep -q 'form factors' "$work/out"
 ok $? "nor unasked where memory is limited"
-run process --repeat 5 --form-factors 0 --timings -o "$work/no_factors" "$one"
+run process --repeat 5 --horizon-cache 0 --timings -o "$work/no_factors" "$one"
 test $status -eq 0 && ! grep -q 'form factors' "$work/out" &&
   cmp "$work/factors/frame_0001.exr" "$work/no_factors/frame_0001.exr"
 ok $? "nor where they may take no memory, which changes no bit"
-run process --repeat 3 --form-factors 1 --timings --json -o "$work/t" "$one"
+run process --repeat 3 --horizon-cache 1 --timings --json -o "$work/t" "$one"
 test $status -eq 0 && grep -A 1 '"by_factors"' "$work/out" | grep -q '"pixels": [1-9]'
 ok $? "and as far as there is memory"
 
@@ -342,7 +342,7 @@ works "and light is the same" compare --max-rmse 0 \
 says "the bench tells what is left out" 'skips.json' \
   bench --skips -o "$work/skips"
 grep -q '^upper half sky .* sky [0-9.]* % of pixels' "$work/out" &&
-  grep -q '^a wall .* open 100.0 % of pixels, 100.0 % of strips' "$work/out" &&
+  grep -q '^a wall .* open 100.0 % of pixels, 100.0 % of spans' "$work/out" &&
   grep -q '^still, light settled .*no reproject; .*no gather; no recompose' \
     "$work/out" && grep -q '^still for a second *[0-9.]* *[0-9.]* <=0.65 ' \
     "$work/out" && grep -q '"frame_aim": 0.65' "$work/skips/skips.json"

@@ -130,15 +130,15 @@ typedef enum hbil_component {
 /*
  * How pixels lie in a buffer; fixed per plan, since kernels are built for it.
  * stride: components from a pixel to its right-hand neighbour.  1 is planar
- * (each channel is a plane of its own, hbil_image.plane_pitch apart), 3 or 4
+ * (each channel is a plane of its own, hbil_plane.plane_pitch apart), 3 or 4
  * is RGB or RGBA interleaved (channels are adjacent, extra ones untouched).
  * Single-channel images have stride 1, or more to pick one of a wider pixel.
  * 0 stands for the number of channels the image has.
  */
-typedef struct hbil_format {
+typedef struct hbil_plane_format {
   hbil_component component;
   cl_uint stride;
-} hbil_format;
+} hbil_plane_format;
 
 /*
  * A caller's buffer holding one image.  The caller keeps ownership; the
@@ -148,12 +148,12 @@ typedef struct hbil_format {
  * with more than one channel) 0: row_pitch * height.
  * The library checks that the last pixel lies inside the buffer.
  */
-typedef struct hbil_image {
+typedef struct hbil_plane {
   cl_mem buffer;
   size_t offset;
   size_t row_pitch;
   size_t plane_pitch;
-} hbil_image;
+} hbil_plane;
 
 /* ------------------------------------------------------------------------ */
 /* Configuration: everything that decides about kernels and memory           */
@@ -231,21 +231,21 @@ typedef enum hbil_far_field {
 } hbil_far_field;
 
 /* Light of an interval that is blocked by a sample facing away. */
-typedef enum hbil_refused {
+typedef enum hbil_back_facing_fallback {
   /* The last accepted radiance along the half-slice (paper, 3.4); at first
    * the pixel's own. */
-  HBIL_REFUSED_LAST = 0,
-  HBIL_REFUSED_BLACK = 1,
+  HBIL_FALLBACK_LAST_ACCEPTED = 0,
+  HBIL_FALLBACK_BLACK = 1,
   /* What the frame's own surfaces send on average towards the pixel's normal:
    * the side that faces the pixel is one that the screen doesn't show. */
-  HBIL_REFUSED_FRAME = 2
-} hbil_refused;
+  HBIL_FALLBACK_FRAME_MEAN = 2
+} hbil_back_facing_fallback;
 
 /* Where the samples of a slice may lie. */
-typedef enum hbil_lattice {
-  HBIL_LATTICE_LAYER = 0, /* every fourth pixel, in the pixel's own layer */
-  HBIL_LATTICE_FULL = 1   /* any pixel */
-} hbil_lattice;
+typedef enum hbil_sample_grid {
+  HBIL_GRID_SAME_LAYER = 0, /* every fourth pixel, in the pixel's own layer */
+  HBIL_GRID_FULL_RESOLUTION = 1 /* any pixel */
+} hbil_sample_grid;
 
 /*
  * How the layers between split and recompose are kept.  Depth is always fp32.
@@ -264,8 +264,8 @@ typedef enum hbil_lattice {
  * PACKED is off by 2.1e-3, HALF by 2.1e-4, FLOAT11 by 4.6e-3; roundings allow
  * 5e-3, 1e-3 and 2e-2.  PACKED has one exponent for three channels: what is
  * less than a 500th of the brightest is lost.
- * HBIL_REFUSED_LAST jumps where a rounding makes a sample rise or not: there
- * single pixels differ by more.
+ * HBIL_FALLBACK_LAST_ACCEPTED jumps where a rounding makes a sample rise or
+ * not: there single pixels differ by more.
  */
 typedef enum hbil_storage {
   /* normals octahedral in 2 x 16 bits; radiance, up to 1e30, with 8 bits a
@@ -291,9 +291,9 @@ typedef enum hbil_storage {
  * and without, up to what is said here.
  */
 typedef enum hbil_skip {
-  /* gather: strips of pixels that are all sky */
+  /* gather: spans of pixels that are all sky */
   HBIL_SKIP_SKY = 1,
-  /* gather: strips where nothing in reach stands above any tangent plane, by
+  /* gather: spans where nothing in reach stands above any tangent plane, by
    * bounds over cells of 64x64 pixels */
   HBIL_SKIP_OPEN = 2,
   /* gather: the light of samples that have none */
@@ -307,7 +307,7 @@ typedef enum hbil_skip {
   HBIL_SKIP_RADIUS = 16,
   /* push_pull, where nothing is to be filled */
   HBIL_SKIP_HOLES = 32,
-  /* all passes of frames with hbil_frame.still; see form_factors */
+  /* all passes of frames with hbil_frame.still; see horizon_cache_bytes */
   HBIL_SKIP_STILL = 64,
   HBIL_SKIP_ALL = 127
 } hbil_skip;
@@ -324,7 +324,7 @@ typedef struct hbil_config {
   /* Formats of the inputs.  depth and normal are needed, the others optional
    * (HBIL_NONE): albedo then is 1, all others 0.
    * Whatever they hold, results are finite.  What cannot be used is repaired,
-   * pixel by pixel, before anything else looks at it; hbil_plan_repaired()
+   * pixel by pixel, before anything else looks at it; hbil_plan_sanitized()
    * counts it.  The rules:
    *   depth     NaN, negative, below 1e-15 (but not 0): sky.  That 0, what is
    *             1e15 or more, infinity and what is behind `background` are sky
@@ -336,30 +336,30 @@ typedef struct hbil_config {
    *   direct, emission  NaN, negative, above 1e30: 0.  (Of direct after
    *             direct_scale.)
    *   motion    NaN, infinite: nothing is carried over to that pixel. */
-  hbil_format depth;    /* 1 channel; see depth_kind, background */
-  hbil_format normal;   /* 3 channels, any length; see normal_space */
-  hbil_format albedo;   /* 3 channels, diffuse reflectance, 0..1 */
-  hbil_format f0;       /* 3 channels, reflectance at normal incidence, 0..1 */
-  hbil_format direct;   /* 3 channels, irradiance of direct light; see
+  hbil_plane_format depth;  /* 1 channel; see depth_kind, background */
+  hbil_plane_format normal; /* 3 channels, any length; see normal_space */
+  hbil_plane_format albedo; /* 3 channels, diffuse reflectance, 0..1 */
+  hbil_plane_format f0; /* 3 channels, reflectance at normal incidence, 0..1 */
+  hbil_plane_format direct;   /* 3 channels, irradiance of direct light; see
                            direct_scale */
-  hbil_format emission; /* 3 channels, radiance */
-  hbil_format motion;   /* 2 channels, pixels; see motion_scale */
+  hbil_plane_format emission; /* 3 channels, radiance */
+  hbil_plane_format motion;   /* 2 channels, pixels; see motion_scale */
 
   /* Formats of the outputs (FLOAT32 or FLOAT16), at least one; those left
    * HBIL_NONE are not computed where nothing else needs them. */
-  hbil_format near_light; /* 3: E_near, irradiance */
-  hbil_format far_light;  /* 3: E_far, irradiance */
-  hbil_format ao;         /* 1: ambient visibility, 1 open .. 0 closed */
-  hbil_format bent;       /* 3: unit bent normal (see bent_space), 0 for sky
-                              and where nothing at all is open */
-  hbil_format cone;       /* 1: cosine of the bent cone's half-angle */
-  hbil_format indirect;   /* 3: (1-F0) (E_near + E_far) / pi */
-  hbil_format radiance;   /* 3: albedo ((1-F0) E_direct/pi + indirect)
-                                + emission; at the sky: emission if given,
-                                else the far field */
+  hbil_plane_format near_irradiance; /* 3: E_near, irradiance */
+  hbil_plane_format far_irradiance;  /* 3: E_far, irradiance */
+  hbil_plane_format ao;          /* 1: ambient visibility, 1 open .. 0 closed */
+  hbil_plane_format bent_normal; /* 3: unit bent normal (see bent_space), 0 for
+                        sky and where nothing at all is open */
+  hbil_plane_format cone_cosine; /* 1: cosine of the bent cone's half-angle */
+  hbil_plane_format indirect;    /* 3: (1-F0) (E_near + E_far) / pi */
+  hbil_plane_format beauty;      /* 3: albedo ((1-F0) E_direct/pi + indirect)
+                                   + emission; at the sky: emission if given,
+                                   else the far field */
 
-  hbil_format error; /* 2: an estimate of how far AO and E_near (each of
-                        its channels, irradiance) may be off because
+  hbil_plane_format error_estimate; /* 2: an estimate of how far AO and E_near
+                        (each of its channels, irradiance) may be off because
                         samples are few: 95 % of the pixels are off by
                         less.  From how much the pixels differ that the
                         filter brings together; 0 for sky.  Of AO alone,
@@ -370,16 +370,16 @@ typedef struct hbil_config {
   /* How inputs are read. */
   hbil_projection projection; /* of all frames' cameras; default PERSPECTIVE */
   hbil_depth_kind depth_kind;
-  float background;        /* depths >= this are sky, like 0 and all from 1e15
-                              on; default infinity */
+  float sky_depth;         /* depths >= this are sky, like 0 and all from 1e15
+                               on; default infinity */
   hbil_space normal_space; /* default view */
-  hbil_space bent_space;   /* default view */
+  hbil_space bent_normal_space; /* default view */
   float direct_scale;    /* factor that makes E_direct of `direct`; default 1 */
   float motion_scale[2]; /* factors that make (previous - current) position,
                             in pixels, x right, y down, of `motion` */
 
   /* The method. */
-  hbil_mode mode;       /* default HBIL.  GTAO cannot have near_light nor
+  hbil_mode mode;       /* default HBIL.  GTAO cannot have near_irradiance nor
                            HBIL_FAR_FRAME; HBAO neither, nor bent, cone,
                            HBIL_FAR_SH.  Their `indirect` is far light alone. */
   hbil_falloff falloff; /* with HBIL_MODE_HBAO only; default LINEAR */
@@ -393,10 +393,10 @@ typedef struct hbil_config {
    * it has neighbours on the same surface, and leaves streaks on what is hardly
    * wider than a pixel. */
   cl_uint slices;
-  cl_uint samples;      /* per side of a slice, 1..256; default 8 */
-  float step_growth;    /* spacing of samples, 0..64: 0 equal steps; g: the
-                           last step is (1+g)^2 times the first; default 2 */
-  hbil_lattice lattice; /* default FULL */
+  cl_uint steps_per_side; /* per side of a slice, 1..256; default 8 */
+  float step_growth;      /* spacing of samples, 0..64: 0 equal steps; g: the
+                             last step is (1+g)^2 times the first; default 2 */
+  hbil_sample_grid sample_grid; /* default FULL */
   /* What lies between the samples is judged by how much half of them miss
    * (jackknife; HACKING.md, "What lies between the samples"): so much is added
    * to what is blocked, with as much light as was found there on average, 3/2
@@ -417,20 +417,20 @@ typedef struct hbil_config {
    * to the error is in it, and where even the most samples are not enough, the
    * error is what it is.  Frames are chosen for one by one, but for those that
    * keep the choice (hbil_frame.keep_choice): pictures of a sequence may have
-   * different numbers.  Not with raw_interleave.
+   * different numbers.  Not with unfiltered.
    */
   float max_error[2];
-  float facing[2];      /* radiance of a sample fades in as the cosine between
-                           its normal and the direction back to the point goes
-                           from facing[0] to facing[1]; -1..1, ascending;
-                           -1, -1: none is refused; default -0.1, 0 */
-  hbil_refused refused; /* default LAST */
+  float facing_fade[2]; /* radiance of a sample fades in as the cosine between
+                      its normal and the direction back to the point goes
+                      from facing[0] to facing[1]; -1..1, ascending;
+                      -1, -1: none is refused; default -0.1, 0 */
+  hbil_back_facing_fallback back_facing_fallback; /* default LAST */
   cl_bool gather_emission; /* emission lights neighbours too (CL_TRUE), or is
                               in `direct` already (CL_FALSE); default CL_TRUE */
   hbil_reprojection reprojection; /* default SCATTER */
   hbil_feedback feedback;         /* default IRRADIANCE */
-  float disocclusion; /* carried-over light is dropped where its depth is off
-                         the new depth by more than this share; > 0;
+  float disocclusion_threshold; /* carried-over light is dropped where its depth
+                         is off the new depth by more than this share; > 0;
                          infinity: never; default 0.05 */
   /* Temporal filter: AO, E_near and the bent normal become means over as many
    * frames, of what each surface was given in them; 0 (default): off, and
@@ -446,11 +446,11 @@ typedef struct hbil_config {
    * nothing does.  Light that changes, shadows that move, and whatever moves
    * without the cameras or motion vectors telling, lags by some frames; so does
    * light that is fed back, which is the mean's. */
-  cl_uint temporal;
+  cl_uint max_history_frames;
   hbil_far_field far_field; /* default NONE */
-  cl_bool raw_interleave;   /* CL_TRUE: recompose only undoes the 4x4 split and
-                               filters nothing, the dither of packed storage
-                               included; default CL_FALSE */
+  cl_bool unfiltered;       /* CL_TRUE: recompose only undoes the 4x4 split and
+                                   filters nothing, the dither of packed storage
+                                   included; default CL_FALSE */
 
   /* How it runs. */
   hbil_storage storage; /* default PACKED */
@@ -466,18 +466,18 @@ typedef struct hbil_config {
    * take
    *   P (4 (2 S (F N + X) + S + 1) + 8 S (N + 1) / W)
    * with S slices, N samples, W = vector_width, X = 1 with extrapolate, else 0,
-   * F = 2 with HBIL_REFUSED_LAST, unless facing refuses none, else 1, and P
-   * pixels: width rounded up to a multiple of 128 (of 4 where W is 1) times
-   * height rounded up to one of 4.  Where this is less, or the device has no
-   * such buffer, as many rows are kept as fit and the others gathered as ever.
-   * None are with temporal or max_error, without HBIL_SKIP_STILL, or where no
-   * light is carried over.  Default 0 */
-  size_t form_factors;
+   * F = 2 with HBIL_FALLBACK_LAST_ACCEPTED, unless facing refuses none, else 1,
+   * and P pixels: width rounded up to a multiple of 128 (of 4 where W is 1)
+   * times height rounded up to one of 4.  Where this is less, or the device has
+   * no such buffer, as many rows are kept as fit and the others gathered as
+   * ever. None are with temporal or max_error, without HBIL_SKIP_STILL, or
+   * where no light is carried over.  Default 0 */
+  size_t horizon_cache_bytes;
 } hbil_config;
 
 /*
  * Presets of the sampling (slices, samples, step_growth, lattice,
- * raw_interleave, storage); nothing else is touched, so they go with every
+ * unfiltered, storage); nothing else is touched, so they go with every
  * model.
  * Chosen from `hbil bench` (README.md has the plot, HACKING.md the figures).
  */
@@ -528,15 +528,17 @@ typedef struct hbil_frame {
   size_t struct_size; /* set by hbil_frame_init(); see hbil_config's */
   hbil_camera camera;
   /* Inputs and outputs: exactly those whose format the plan has. */
-  hbil_image depth, normal, albedo, f0, direct, emission, motion;
-  hbil_image near_light, far_light, ao, bent, cone, indirect, radiance, error;
+  hbil_plane depth, normal, albedo, f0, direct, emission, motion;
+  hbil_plane near_irradiance, far_irradiance, ao, bent_normal, cone_cosine,
+      indirect, beauty, error_estimate;
   /* Far field: radiance in environment[0] for HBIL_FAR_CONSTANT; radiance of
    * the sky that is in the direct light already, or 0, for HBIL_FAR_FRAME; for
    * HBIL_FAR_SH the coefficients of the real orthonormal basis in world space,
    * order (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2). */
   float environment[9][3];
-  cl_uint index; /* turns the sampling pattern; constant for a still pattern,
-                    the number of the frame with hbil_config.temporal */
+  cl_uint
+      frame_index; /* turns the sampling pattern; constant for a still pattern,
+                the number of the frame with hbil_config.temporal */
   /* CL_TRUE: the camera, the contents of all inputs, environment and index are
    * those of the plan's last frame (this is checked of camera and index), and
    * motion, if there is any, is 0: nothing has moved since that frame.  Then
@@ -546,7 +548,7 @@ typedef struct hbil_frame {
    * frame is gathered, so that the mean goes on converging.  Ignored in a
    * plan's first frame.  Not for callers who write to a plan's buffers between
    * the passes. */
-  cl_bool still;
+  cl_bool static_frame;
   /* CL_TRUE, with hbil_config.max_error: takes as many samples as the plan's
    * last frame did, and measures nothing.  How many a picture needs hardly
    * changes from one frame to the next, so that a sequence which chooses in
@@ -662,14 +664,12 @@ HBIL_API hbil_status hbil_enqueue_composite(
  *                 the place of inverse depth (below -5e29: nothing there), in
  *                 KEPT as well
  *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length);
- *                 8 with HBIL_REFUSED_FRAME, unless facing[1] is -1: share of
- *                 light that is unknown.  With a single slice, or max_error,
- *                 which may choose one, and without raw_interleave one more,
- *                 the last, a float in any storage: what the slice weighs when
- *                 recompose brings several together, 1 on average; 1 with more
- *                 slices
- *   RESOLVED   7: the same, full resolution, E_near with the unknown filled in;
- *              after the temporal pass, the mean over frames
+ *                 8 with HBIL_FALLBACK_FRAME_MEAN, unless facing[1] is -1:
+ * share of light that is unknown.  With a single slice, or max_error, which may
+ * choose one, and without unfiltered one more, the last, a float in any
+ * storage: what the slice weighs when recompose brings several together, 1 on
+ * average; 1 with more slices RESOLVED   7: the same, full resolution, E_near
+ * with the unknown filled in; after the temporal pass, the mean over frames
  *   KEPT      10: by the temporal filter, of the last frame that was composed:
  *              inverse depth (<= 0: sky), normal (a word as in packed SPLIT),
  *              number of frames (0: the pixel counts for nothing), then as
@@ -705,7 +705,7 @@ HBIL_API hbil_status hbil_enqueue_composite(
  * RESOLVED 4 without bent normals, 1 with AO alone; in words, SPLIT 2, GATHERED
  * 2 and 1, of halves 3 and 1, a single slice's weight apart; KEPT 3 more than
  * RESOLVED, with hbil_config.temporal).  HISTORY and CARRIED exist where light
- * is carried over: with a reprojection, and an output among near_light,
+ * is carried over: with a reprojection, and an output among near_irradiance,
  * indirect and radiance.  Full-resolution planes: value p of pixel (x,y) is at
  * float index
  *   p * plane_pitch + y * row_pitch + x + origin
@@ -720,7 +720,7 @@ typedef enum hbil_stage {
   HBIL_STAGE_SPLIT = 2,
   HBIL_STAGE_GATHERED = 3,
   HBIL_STAGE_RESOLVED = 4,
-  HBIL_STAGE_KEPT = 5,
+  HBIL_STAGE_TEMPORAL_HISTORY = 5,
   HBIL_STAGE_CHOICE = 6
 } hbil_stage;
 
@@ -758,32 +758,33 @@ HBIL_API hbil_status hbil_plan_timings(hbil_plan *plan,
                                        double milliseconds[HBIL_PASS_COUNT]);
 
 /* What the last frame left out (hbil_skip). */
-typedef struct hbil_share {
-  size_t pixels, strips;
-} hbil_share;
-typedef struct hbil_skipped {
-  hbil_share all; /* of the picture; a strip is what a work-item of the gather
+typedef struct hbil_count {
+  size_t pixels, spans;
+} hbil_count;
+typedef struct hbil_statistics {
+  hbil_count all; /* of the picture; a span is what a work-item of the gather
                      takes together: up to 32 pixels of a layer's row */
-  /* What the gather had no need of; pixels and strips outside the picture are
+  /* What the gather had no need of; pixels and spans outside the picture are
    * not counted.  All 0 where the gather itself did not run. */
-  hbil_share sky;    /* pixels of sky; strips of nothing else */
-  hbil_share open;   /* nothing there can be blocked */
-  hbil_share dark;   /* no light is in reach: AO and bent normals alone */
-  hbil_share unused; /* no irradiance is asked for */
-  /* light was gathered by hbil_config.form_factors; where it is, or they are
-   * kept in this frame, nothing is left out as dark */
-  hbil_share by_factors;
+  hbil_count sky;    /* pixels of sky; spans of nothing else */
+  hbil_count open;   /* nothing there can be blocked */
+  hbil_count dark;   /* no light is in reach: AO and bent normals alone */
+  hbil_count unused; /* no irradiance is asked for */
+  /* light was gathered by hbil_config.horizon_cache_bytes; where it is, or they
+   * are kept in this frame, nothing is left out as dark */
+  hbil_count by_factors;
   cl_bool adaptive; /* by hbil_config.max_error; then these are chosen: */
-  cl_uint slices, samples; /* of the frame */
+  cl_uint slices, steps_per_side; /* of the frame */
   cl_bool kept_choice; /* hbil_frame.keep_choice: those of the frame before */
   /* passes that had nothing to do, or found on the device that they had not */
   cl_bool not_run[HBIL_PASS_COUNT];
-} hbil_skipped;
+} hbil_statistics;
 
 /* Reads them; waits for all that is in `queue`, which must be the one that the
  * frame was enqueued to. */
-HBIL_API hbil_status hbil_plan_skipped(hbil_plan *plan, cl_command_queue queue,
-                                       hbil_skipped *out);
+HBIL_API hbil_status hbil_plan_statistics(hbil_plan *plan,
+                                          cl_command_queue queue,
+                                          hbil_statistics *out);
 
 /* Pixels of the last frame of which an input could not be used as it was, by
  * the rules beside the inputs' formats (hbil_config).  Normals and what
@@ -791,13 +792,14 @@ HBIL_API hbil_status hbil_plan_skipped(hbil_plan *plan, cl_command_queue queue,
  * an input that the plan doesn't look at is never counted.  Of a still frame
  * (hbil_frame.still), whose inputs are those of the frame before, it is that
  * one's numbers; motion is not looked at then, nor in a first frame. */
-typedef struct hbil_repaired {
+typedef struct hbil_sanitized {
   size_t depth, normal, albedo, f0, direct, emission, motion;
-} hbil_repaired;
+} hbil_sanitized;
 
-/* Reads them, as hbil_plan_skipped() does. */
-HBIL_API hbil_status hbil_plan_repaired(hbil_plan *plan, cl_command_queue queue,
-                                        hbil_repaired *out);
+/* Reads them, as hbil_plan_statistics() does. */
+HBIL_API hbil_status hbil_plan_sanitized(hbil_plan *plan,
+                                         cl_command_queue queue,
+                                         hbil_sanitized *out);
 
 #ifdef __cplusplus
 }

@@ -61,7 +61,7 @@ typedef enum bench_model {
 typedef struct bench_configuration {
   cl_uint slices, samples;
   float growth;
-  hbil_lattice lattice;
+  hbil_sample_grid lattice;
   int raw;   /* without recompose's filter */
   int quick; /* also part of the short list */
   bench_model model;
@@ -322,8 +322,8 @@ typedef struct bench_timing {
   bench_spread total, pass[HBIL_PASS_COUNT], host; /* milliseconds */
   /* over the first one's, turn by turn: medians */
   double total_ratio, pass_ratio[HBIL_PASS_COUNT];
-  double mean;          /* of total */
-  hbil_skipped skipped; /* by the last frame */
+  double mean;             /* of total */
+  hbil_statistics skipped; /* by the last frame */
 } bench_timing;
 
 /* Frames with images of floats, and those with images of half floats but for

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#define FULL HBIL_LATTICE_FULL
-#define LAYER HBIL_LATTICE_LAYER
+#define FULL HBIL_GRID_FULL_RESOLUTION
+#define LAYER HBIL_GRID_SAME_LAYER
 #define PACKED HBIL_STORAGE_PACKED
 #define FLOAT32 HBIL_STORAGE_FLOAT32
 #define HALF HBIL_STORAGE_HALF
@@ -145,10 +145,10 @@ int bench_is_uniform_of(const bench_configuration *uniform,
 
 static bench_configuration sampling_of(const hbil_config *config) {
   return (bench_configuration){.slices = config->slices,
-                               .samples = config->samples,
+                               .samples = config->steps_per_side,
                                .growth = config->step_growth,
-                               .lattice = config->lattice,
-                               .raw = config->raw_interleave != 0,
+                               .lattice = config->sample_grid,
+                               .raw = config->unfiltered != 0,
                                .model = BENCH_PAPER,
                                .storage = config->storage,
                                .plain = !config->extrapolate};
@@ -311,10 +311,10 @@ void bench_configure(const bench_content *content, const bench_configuration *c,
   *config = content->config;
   set_model(content, c->model, config);
   config->slices = c->slices;
-  config->samples = c->samples;
+  config->steps_per_side = c->samples;
   config->step_growth = c->growth;
-  config->lattice = c->lattice;
-  config->raw_interleave = c->raw ? CL_TRUE : CL_FALSE;
+  config->sample_grid = c->lattice;
+  config->unfiltered = c->raw ? CL_TRUE : CL_FALSE;
   config->storage = c->storage;
   config->extrapolate = c->plain ? CL_FALSE : CL_TRUE;
   config->max_error[0] = c->most_ao > 0.0f ? c->most_ao : INFINITY;

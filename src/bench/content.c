@@ -29,7 +29,7 @@ size_t bench_pixels(const bench_content *content) {
 
 int bench_is_surface(const bench_content *content, size_t pixel) {
   return gbuffer_is_surface(content->frame[0].plane[BENCH_DEPTH][pixel],
-                            content->config.background);
+                            content->config.sky_depth);
 }
 
 /* An input of a frame, to be filled; NULL when out of memory. */

@@ -42,7 +42,7 @@ static float depth_of(const grid *g, const bench_content *content,
       content->config.projection != HBIL_PROJECTION_ORTHOGRAPHIC;
   for (int i = 0; i < 4; i++) {
     z[i] = plane[(i & 2 ? bottom : top) * g->width + (i & 1 ? right : left)];
-    if (!gbuffer_is_surface(z[i], content->config.background))
+    if (!gbuffer_is_surface(z[i], content->config.sky_depth))
       return nearest_of(g, plane, x, y);
     least = fminf(least, z[i]);
     most = fmaxf(most, z[i]);

@@ -22,11 +22,11 @@ typedef struct watch {
 } watch;
 
 static void use_input(task *t, bench_input input, int first,
-                      hbil_format *format) {
+                      hbil_plane_format *format) {
   const float *plane = t->content->frame[0].plane[input];
   if (!plane)
     return;
-  *format = (hbil_format){HBIL_FLOAT32, 1};
+  *format = (hbil_plane_format){HBIL_FLOAT32, 1};
   for (size_t c = 0; c < bench_input_channels(input); c++)
     t->job.input[(size_t)first + c] = plane + c * bench_pixels(t->content);
 }
@@ -47,9 +47,9 @@ static void fill_task(const bench_content *content, bench_model model,
   use_input(t, BENCH_ALBEDO, REF_ALBEDO, &t->config.albedo);
   use_input(t, BENCH_DIRECT, REF_DIRECT, &t->config.direct);
   use_input(t, BENCH_EMISSION, REF_EMISSION, &t->config.emission);
-  t->config.ao = (hbil_format){HBIL_FLOAT32, 1};
+  t->config.ao = (hbil_plane_format){HBIL_FLOAT32, 1};
   if (!bench_is_ao_alone(model))
-    t->config.near_light = (hbil_format){HBIL_FLOAT32, 1};
+    t->config.near_irradiance = (hbil_plane_format){HBIL_FLOAT32, 1};
 }
 
 static void show(void *user, int done, int count) {

@@ -66,7 +66,7 @@ static json_t *settings(const bench_configuration *c) {
       *bench_model_name(c->model) ? bench_model_name(c->model) : "paper",
       "preset", c->preset, "slices", (int)c->slices, "samples", (int)c->samples,
       "growth", (double)c->growth, "lattice",
-      c->lattice == HBIL_LATTICE_FULL ? "full" : "layer", "raw", c->raw,
+      c->lattice == HBIL_GRID_FULL_RESOLUTION ? "full" : "layer", "raw", c->raw,
       "storage", bench_storage_name(c), "extrapolate", !c->plain,
       "max_ao_error", most(c->most_ao), "max_light_error", most(c->most_light));
 }

@@ -44,12 +44,12 @@ static const input_place places[BENCH_INPUTS] = {
     [BENCH_EMISSION] = PLACE(emission),
 };
 
-static hbil_format *format_at(hbil_config *config, size_t offset) {
-  return (hbil_format *)((char *)config + offset);
+static hbil_plane_format *format_at(hbil_config *config, size_t offset) {
+  return (hbil_plane_format *)((char *)config + offset);
 }
 
-static hbil_image *image_at(hbil_frame *frame, size_t offset) {
-  return (hbil_image *)((char *)frame + offset);
+static hbil_plane *image_at(hbil_frame *frame, size_t offset) {
+  return (hbil_plane *)((char *)frame + offset);
 }
 
 static int library_failed(const bench_lab *lab, hbil_status status,
@@ -174,8 +174,9 @@ static unsigned layers_of(const hbil_config *config) {
 }
 
 static void set_formats(const bench_lab *lab, hbil_config *config) {
-  const hbil_format planes_of_floats = {HBIL_FLOAT32, 1};
-  const hbil_format planes = {lab->halves ? HBIL_FLOAT16 : HBIL_FLOAT32, 1};
+  const hbil_plane_format planes_of_floats = {HBIL_FLOAT32, 1};
+  const hbil_plane_format planes = {lab->halves ? HBIL_FLOAT16 : HBIL_FLOAT32,
+                                    1};
   const unsigned layers = layers_of(config);
   if (config->reprojection == HBIL_REPROJECTION_MOTION)
     config->motion = planes_of_floats;
@@ -215,7 +216,7 @@ static int enqueue(const trial *t, unsigned index, image_error *error) {
   const bench_content *content = lab->content;
   hbil_frame frame;
   hbil_frame_init(&frame);
-  frame.still = t->still ? CL_TRUE : CL_FALSE;
+  frame.static_frame = t->still ? CL_TRUE : CL_FALSE;
   frame.camera = content->frame[index].camera;
   memcpy(frame.environment, bench_environment(content, t->far),
          sizeof frame.environment);
@@ -270,11 +271,11 @@ static int sampling_error(bench_lab *lab, const trial *t,
 /* What the last frame was given: as much as the plan has, or less. */
 static int samples_taken(const bench_lab *lab, const trial *t, bench_row *out,
                          image_error *error) {
-  hbil_skipped skipped;
+  hbil_statistics skipped;
   const hbil_status status =
-      hbil_plan_skipped(t->plan, lab->device->queue, &skipped);
+      hbil_plan_statistics(t->plan, lab->device->queue, &skipped);
   out->slices = skipped.slices;
-  out->samples = skipped.samples;
+  out->samples = skipped.steps_per_side;
   return status == HBIL_SUCCESS ? 0 : library_failed(lab, status, error);
 }
 
@@ -454,7 +455,7 @@ int bench_lab_estimate(bench_lab *lab, const bench_configuration *c,
   hbil_config configs[2];
   bench_configure(lab->content, c, &configs[0]);
   configs[1] = configs[0];
-  configs[1].refused = HBIL_REFUSED_BLACK;
+  configs[1].back_facing_fallback = HBIL_FALLBACK_BLACK;
   configs[1].far_field = HBIL_FAR_NONE;
   return compare_pair(lab, configs, HBIL_PASS_SPLIT, difference, runs, out,
                       error);
@@ -581,10 +582,10 @@ static int make_turn(const bench_turn *turn, trial *out, image_error *error) {
   return 0;
 }
 
-static int count_skipped(const trial *t, hbil_skipped *out,
+static int count_skipped(const trial *t, hbil_statistics *out,
                          image_error *error) {
   const hbil_status status =
-      hbil_plan_skipped(t->plan, t->lab->device->queue, out);
+      hbil_plan_statistics(t->plan, t->lab->device->queue, out);
   return status == HBIL_SUCCESS ? 0 : library_failed(t->lab, status, error);
 }
 

@@ -22,7 +22,7 @@ typedef struct planes {
 
 static literal_args arguments(const bench_content *content) {
   const hbil_camera *camera = &content->frame[0].camera;
-  const float *facing = content->config.facing;
+  const float *facing = content->config.facing_fade;
   /* smoothstep wants its edges apart */
   const float end =
       facing[1] > facing[0] + 1e-3f ? facing[1] : facing[0] + 1e-3f;

@@ -156,7 +156,7 @@ static int measure_samplings(job *j, image_error *error) {
   bench_timing timing[BENCH_SAMPLINGS];
   for (int i = 0; i < BENCH_SAMPLINGS; i++) {
     turns[i] = turn_of(j, &j->base);
-    turns[i].config.samples = sample_counts[i];
+    turns[i].config.steps_per_side = sample_counts[i];
   }
   if (bench_lab_turns(turns, BENCH_SAMPLINGS, j->options->runs, timing,
                       error) != 0)

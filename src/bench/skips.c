@@ -168,12 +168,13 @@ static int with_a_lit_corner(const job *j, bench_skip *out,
   return with_content(j, light_in_a_corner, 0, out, error);
 }
 
-static int standing_still(const job *j, unsigned settled, size_t form_factors,
-                          bench_skip *out, image_error *error) {
+static int standing_still(const job *j, unsigned settled,
+                          size_t horizon_cache_bytes, bench_skip *out,
+                          image_error *error) {
   bench_turn still = full_turn(j);
   still.still = 1;
   still.settled = settled;
-  still.config.form_factors = form_factors;
+  still.config.horizon_cache_bytes = horizon_cache_bytes;
   return compare(j, full_turn(j), still, out, error);
 }
 

@@ -393,7 +393,7 @@ static void write_row(const bench_report *report, const bench_row *row,
   fprintf(out, "%s,%s,%s,%u,%u,%g,%s,%d,%s,%d", row->label,
           *model ? model : "paper", c->preset ? c->preset : "",
           (unsigned)c->slices, (unsigned)c->samples, (double)c->growth,
-          c->lattice == HBIL_LATTICE_FULL ? "full" : "layer", c->raw,
+          c->lattice == HBIL_GRID_FULL_RESOLUTION ? "full" : "layer", c->raw,
           bench_storage_name(c), !c->plain);
   bench_write_number(out, c->most_ao > 0.0f ? (double)c->most_ao : NAN);
   bench_write_number(out, c->most_light > 0.0f ? (double)c->most_light : NAN);

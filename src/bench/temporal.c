@@ -67,7 +67,7 @@ static int open_sequence(const job *j, unsigned length,
                          hbil_reprojection reprojection, sequence **out,
                          image_error *error) {
   hbil_config config = j->config;
-  config.temporal = length;
+  config.max_history_frames = length;
   config.reprojection = reprojection;
   return sequence_open(j->device, &config, 1, &j->map, WANTED, out, error);
 }
@@ -194,7 +194,7 @@ static void choose(bench_configuration list[BENCH_TEMPORALS]) {
   process_options_init(&tool);
   list[0] = list[1] = bench_default();
   list[1].model = BENCH_TOOL;
-  list[1].samples = tool.config.samples;
+  list[1].samples = tool.config.steps_per_side;
 }
 
 /* The last frame's: all have the same channels. */

@@ -501,7 +501,7 @@ void channels_conventions(const channel_map *map, hbil_config *config) {
   config->normal_space =
       how->normals == SPACE_WORLD ? HBIL_SPACE_WORLD : HBIL_SPACE_VIEW;
   if (convert_is_straight(how) && isfinite(how->background))
-    config->background = how->background;
+    config->sky_depth = how->background;
   config->direct_scale =
       how->direct == DIRECT_IRRADIANCE ? 1.0f : 3.14159265358979f;
   memcpy(config->motion_scale, how->motion_scale, sizeof how->motion_scale);

@@ -223,7 +223,7 @@ static int read_mask(const compare_options *o, const image *like, mask *out,
     return -1;
   hbil_config_init(&config);
   channels_conventions(&map, &config);
-  out->background = config.background;
+  out->background = config.sky_depth;
   out->albedo = o->mask != NULL;
   if (!map.count[ROLE_DEPTH] || (out->albedo && !map.count[ROLE_ALBEDO]))
     return image_fail(

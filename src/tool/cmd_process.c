@@ -107,7 +107,7 @@ static const struct option options[] = {
     {"contact-sheet", required_argument, NULL, OPTION_CONTACT_SHEET},
     {"frames", required_argument, NULL, OPTION_FRAMES},
     {"warm-up", required_argument, NULL, OPTION_WARM_UP},
-    {"form-factors", required_argument, NULL, OPTION_FORM_FACTORS},
+    {"horizon-cache", required_argument, NULL, OPTION_FORM_FACTORS},
     {"preview", no_argument, NULL, OPTION_PREVIEW},
     {"timings", no_argument, NULL, OPTION_TIMINGS},
     {"json", no_argument, NULL, OPTION_JSON},
@@ -162,7 +162,7 @@ static void usage(const hbil_config *defaults) {
       "                        write nothing\n"
       "  --repeat N            run every frame N times: more bounces (1)\n"
       "  --warm-up N           run the first frame N times more (3)\n"
-      "  --form-factors MIB    device memory for what a frame's third and\n"
+      "  --horizon-cache MIB    device memory for what a frame's third and\n"
       "                        later runs need not look for again; results\n"
       "                        are the same (where frames run eight times\n"
       "                        and more, a single frame's warm-up included:\n"
@@ -213,7 +213,8 @@ static void usage(const hbil_config *defaults) {
          "  --step-growth G       0: equal steps; the last step is (1+G)^2\n"
          "                        times the first (%g)\n",
          (double)defaults->radius, (double)defaults->relative_thickness,
-         defaults->slices, defaults->samples, (double)defaults->step_growth);
+         defaults->slices, defaults->steps_per_side,
+         (double)defaults->step_growth);
   puts("  --lattice full|layer  where samples may lie: any pixel, or every\n"
        "                        fourth\n"
        "  --max-error A,E       95 % of the pixels within A of the exact AO "
@@ -233,7 +234,7 @@ static void usage(const hbil_config *defaults) {
        "                        (packed)");
   printf("  --facing A,B          cosines between which the light of a sample\n"
          "                        fades in (%g,%g)\n",
-         (double)defaults->facing[0], (double)defaults->facing[1]);
+         (double)defaults->facing_fade[0], (double)defaults->facing_fade[1]);
   puts(
       "  --refused last|black|frame\n"
       "                        light of samples that face away: the last one\n"
@@ -252,7 +253,7 @@ static void usage(const hbil_config *defaults) {
       "  --disocclusion S      drop carried light where depth is off by more\n"
       "                        than this share of it, or of an orthographic\n"
       "                        picture's width (%g)\n",
-      (double)defaults->disocclusion);
+      (double)defaults->disocclusion_threshold);
   puts(
       "  --temporal N          mean over N frames, 0..1024, whose sampling\n"
       "                        pattern turns: surfaces are followed by the\n"
@@ -296,7 +297,7 @@ static int set_choice(int option, process_options *o, image_error *error) {
     break;
   case OPTION_LATTICE:
     failed = choice("--lattice", lattices, &value, error);
-    o->config.lattice = (hbil_lattice)value;
+    o->config.sample_grid = (hbil_sample_grid)value;
     break;
   case OPTION_STORAGE:
     failed = choice("--storage", storages, &value, error);
@@ -304,7 +305,7 @@ static int set_choice(int option, process_options *o, image_error *error) {
     break;
   case OPTION_REFUSED:
     failed = choice("--refused", refusals, &value, error);
-    o->config.refused = (hbil_refused)value;
+    o->config.back_facing_fallback = (hbil_back_facing_fallback)value;
     break;
   case OPTION_REPROJECTION:
     failed = choice("--reprojection", reprojections, &value, error);
@@ -355,24 +356,27 @@ static int set_number(int option, process_options *o, image_error *error) {
     return option_floats("--relative-thickness", optarg, &c->relative_thickness,
                          1, error);
   case OPTION_DISOCCLUSION:
-    return option_floats("--disocclusion", optarg, &c->disocclusion, 1, error);
+    return option_floats("--disocclusion", optarg, &c->disocclusion_threshold,
+                         1, error);
   case OPTION_FACING:
-    return option_floats("--facing", optarg, c->facing, 2, error);
+    return option_floats("--facing", optarg, c->facing_fade, 2, error);
   case OPTION_SLICES:
     return option_unsigned("--slices", optarg, 1, MOST_EXACT, &c->slices,
                            error);
   case OPTION_TEMPORAL:
-    return option_unsigned("--temporal", optarg, 0, 1024, &c->temporal, error);
+    return option_unsigned("--temporal", optarg, 0, 1024,
+                           &c->max_history_frames, error);
   case OPTION_WARM_UP:
     return option_unsigned("--warm-up", optarg, 0, 1000, &o->warm_up, error);
   case OPTION_FORM_FACTORS:
-    return option_unsigned("--form-factors", optarg, 0, MOST_FORM_FACTORS,
-                           &o->form_factors, error);
+    return option_unsigned("--horizon-cache", optarg, 0, MOST_FORM_FACTORS,
+                           &o->horizon_cache_bytes, error);
   case OPTION_CHOOSE_EVERY:
     return option_unsigned("--choose-every", optarg, 1, 1000, &o->choose_every,
                            error);
   case OPTION_SAMPLES:
-    return option_unsigned("--samples", optarg, 1, 256, &c->samples, error);
+    return option_unsigned("--samples", optarg, 1, 256, &c->steps_per_side,
+                           error);
   default:
     return option_unsigned("--repeat", optarg, 1, 100000, &o->repeat, error);
   }
@@ -432,7 +436,7 @@ static int set_option(int option, process_options *o, image_error *error) {
     o->quiet = 1;
     return 0;
   case OPTION_RAW:
-    o->config.raw_interleave = CL_TRUE;
+    o->config.unfiltered = CL_TRUE;
     return 0;
   case OPTION_QUALITY:
     return set_quality(o, error);
@@ -462,7 +466,7 @@ static int check_exact(const request *r, image_error *error) {
       {OPTION_EXTRAPOLATE, "--extrapolate", "which misses nothing"},
       {OPTION_MAX_ERROR, "--max-error", "which has none"},
       {OPTION_LATTICE, "--lattice", "which looks at every pixel"},
-      {OPTION_FORM_FACTORS, "--form-factors", "which keeps none"},
+      {OPTION_FORM_FACTORS, "--horizon-cache", "which keeps none"},
       {OPTION_STORAGE, "--storage", "which has no layers"},
       {OPTION_NO_SKIP, "--no-skip", "which skips nothing"},
       {OPTION_TEMPORAL, "--temporal", "which has no noise"},
@@ -486,20 +490,21 @@ static int check_form_factors(const hbil_config *c, image_error *error) {
                        : c->reprojection == HBIL_REPROJECTION_NONE
                            ? "--reprojection none"
                            : NULL;
-  if (c->temporal || !isinf(c->max_error[0]) || !isinf(c->max_error[1]))
+  if (c->max_history_frames || !isinf(c->max_error[0]) ||
+      !isinf(c->max_error[1]))
     return image_fail(error,
-                      "--form-factors: not with --temporal or --max-error, "
+                      "--horizon-cache: not with --temporal or --max-error, "
                       "where each run of a frame has samples of its own; one "
                       "or the other is needed");
   if (of_all)
     return image_fail(error,
-                      "--form-factors: not with %s, where later runs of a "
+                      "--horizon-cache: not with %s, where later runs of a "
                       "frame bring no new light; one or the other is needed",
                       of_all);
   if (!(c->skip & HBIL_SKIP_STILL))
-    return image_fail(error,
-                      "--form-factors: not with --no-skip, by which later runs "
-                      "of a frame do all work; one or the other is needed");
+    return image_fail(
+        error, "--horizon-cache: not with --no-skip, by which later runs "
+               "of a frame do all work; one or the other is needed");
   return 0;
 }
 
@@ -511,7 +516,7 @@ static int check_options(const request *r, image_error *error) {
   if (is_given(r, OPTION_CHOOSE_EVERY) && isinf(o->config.max_error[0]) &&
       isinf(o->config.max_error[1]))
     return image_fail(error, "--choose-every: --max-error is needed with it");
-  if (is_given(r, OPTION_FORM_FACTORS) && o->form_factors &&
+  if (is_given(r, OPTION_FORM_FACTORS) && o->horizon_cache_bytes &&
       check_form_factors(&o->config, error) != 0)
     return -1;
   if (o->resume && o->timings)

@@ -110,15 +110,15 @@ int exact_check(const hbil_config *c, image_error *error) {
       check_positive("--thickness", c->thickness, error) != 0 ||
       check_positive("--relative-thickness", c->relative_thickness, error) !=
           0 ||
-      check_positive("--disocclusion", c->disocclusion, error) != 0)
+      check_positive("--disocclusion", c->disocclusion_threshold, error) != 0)
     return -1;
-  if (c->facing[0] >= -1.0f && c->facing[0] <= c->facing[1] &&
-      c->facing[1] <= 1.0f)
+  if (c->facing_fade[0] >= -1.0f && c->facing_fade[0] <= c->facing_fade[1] &&
+      c->facing_fade[1] <= 1.0f)
     return 0;
   return image_fail(error,
                     "--facing %g,%g: two cosines, the smaller one first, are "
                     "needed",
-                    (double)c->facing[0], (double)c->facing[1]);
+                    (double)c->facing_fade[0], (double)c->facing_fade[1]);
 }
 
 int exact_open(const hbil_config *config, const channel_map *map,

@@ -11,8 +11,8 @@ const input_info input_table[INPUTS] = {
     INPUT(ROLE_EMISSION, emission), INPUT(ROLE_MOTION, motion),
 };
 
-static hbil_format *format_at(hbil_config *config, size_t offset) {
-  return (hbil_format *)((char *)config + offset);
+static hbil_plane_format *format_at(hbil_config *config, size_t offset) {
+  return (hbil_plane_format *)((char *)config + offset);
 }
 
 size_t formats_channels(const hbil_config *config, const channel_map *map,
@@ -25,7 +25,7 @@ size_t formats_channels(const hbil_config *config, const channel_map *map,
 
 void formats_choose(hbil_config *config, const channel_map *map,
                     unsigned layers) {
-  const hbil_format planes_of_floats = {HBIL_FLOAT32, 1};
+  const hbil_plane_format planes_of_floats = {HBIL_FLOAT32, 1};
   for (int i = 0; i < INPUTS; i++)
     if (formats_channels(config, map, i))
       *format_at(config, input_table[i].format) = planes_of_floats;

@@ -11,10 +11,10 @@
   }
 
 const layer_info layer_table[LAYER_COUNT] = {
-    LAYER("near", "RGB", near_light),   LAYER("far", "RGB", far_light),
-    LAYER("indirect", "RGB", indirect), LAYER("AO", "V", ao),
-    LAYER("bent", "XYZ", bent),         LAYER("cone", "V", cone),
-    LAYER("beauty", "RGB", radiance),   LAYER("error", "XY", error),
+    LAYER("near", "RGB", near_irradiance), LAYER("far", "RGB", far_irradiance),
+    LAYER("indirect", "RGB", indirect),    LAYER("AO", "V", ao),
+    LAYER("bent", "XYZ", bent_normal),     LAYER("cone", "V", cone_cosine),
+    LAYER("beauty", "RGB", beauty),        LAYER("error", "XY", error_estimate),
 };
 
 unsigned layers_of_mode(hbil_mode mode) {

@@ -87,7 +87,7 @@ static int holds_sky(const gbuffer *g, const hbil_config *config,
 void policy_far_field(const gbuffer *first, hbil_config *config,
                       float environment[9][3], const char **reason) {
   float *sky = environment[0];
-  sky_radiance(first, config->background, sky);
+  sky_radiance(first, config->sky_depth, sky);
   config->far_field = HBIL_FAR_FRAME;
   if (!(sky[0] + sky[1] + sky[2] > 0))
     *reason = "what the frame's surfaces send: no lit sky is seen";
@@ -139,7 +139,7 @@ static int read_patch(const gbuffer *g, const hbil_config *config,
       config->projection, camera, i % g->planes.width, i / g->planes.width);
   const double *ray = look.along;
   const float depth = gbuffer_plane(g, ROLE_DEPTH, 0)[i];
-  if (is_background(depth, config->background) ||
+  if (is_background(depth, config->sky_depth) ||
       !read_normal(g, config, camera, i, ray, out->normal))
     return 0;
   const double z = config->depth_kind == HBIL_DEPTH_RAY
@@ -159,7 +159,7 @@ static int read_patch(const gbuffer *g, const hbil_config *config,
 /* Sum of the channels at a surface; 0 elsewhere. */
 static double emitted(const gbuffer *g, const hbil_config *config, size_t i) {
   double sum = 0;
-  if (is_background(gbuffer_plane(g, ROLE_DEPTH, 0)[i], config->background))
+  if (is_background(gbuffer_plane(g, ROLE_DEPTH, 0)[i], config->sky_depth))
     return 0;
   for (size_t c = 0; c < g->map.count[ROLE_EMISSION]; c++)
     sum += gbuffer_plane(g, ROLE_EMISSION, c)[i];

@@ -29,9 +29,9 @@ const char *const process_falloffs[] = {"linear", "soft", "none", NULL};
  */
 void process_set_model(hbil_config *config) {
   config->relative_thickness = 0.08f;
-  config->facing[0] = config->facing[1] = -1.0f;
-  config->refused = HBIL_REFUSED_FRAME;
-  config->samples = 48;
+  config->facing_fade[0] = config->facing_fade[1] = -1.0f;
+  config->back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  config->steps_per_side = 48;
 }
 
 void process_options_init(process_options *options) {
@@ -39,7 +39,7 @@ void process_options_init(process_options *options) {
   hbil_config_init(&options->config);
   source_options_init(&options->source);
   options->repeat = 1;
-  options->form_factors = FORM_FACTORS_AS_IT_FITS;
+  options->horizon_cache_bytes = FORM_FACTORS_AS_IT_FITS;
   options->compression = EXR_COMPRESSION_OF_ZIP;
   /* three bounces before the first picture: the fourth adds a few per cent */
   options->warm_up = 3;
@@ -425,7 +425,7 @@ static void configure(process *p) {
   channels_conventions(map, &p->config);
   p->config.width = p->width;
   p->config.height = p->height;
-  p->config.bent_space = HBIL_SPACE_WORLD;
+  p->config.bent_normal_space = HBIL_SPACE_WORLD;
   p->config.profiling = p->options->timings ? CL_TRUE : CL_FALSE;
 }
 
@@ -500,14 +500,14 @@ static int is_unlimited(void) {
 /* Device memory for form factors, bytes.  A frame's first run may have moved,
  * the second keeps them, and those after it gain; memory that is new to the
  * process takes as long as three of them gain (HACKING.md). */
-static size_t form_factors(const process *p) {
+static size_t horizon_cache_bytes(const process *p) {
   const unsigned long long mebibyte = 1u << 20, enough = 1024;
   const process_options *o = p->options;
   const unsigned runs = o->repeat + (p->count == 1 ? o->warm_up : 0);
   const unsigned long long quarter = device_memory(p->device.id) / 4;
   unsigned long long bytes = 0;
-  if (o->form_factors != FORM_FACTORS_AS_IT_FITS)
-    bytes = o->form_factors * mebibyte;
+  if (o->horizon_cache_bytes != FORM_FACTORS_AS_IT_FITS)
+    bytes = o->horizon_cache_bytes * mebibyte;
   else if (runs >= 8 && is_unlimited())
     bytes = quarter < enough * mebibyte ? quarter : enough * mebibyte;
   return bytes < SIZE_MAX ? (size_t)bytes : SIZE_MAX;
@@ -523,14 +523,14 @@ static int open_library(process *p) {
                   &p->error) != 0 ||
       choose_model(p) != 0)
     return -1;
-  p->config.form_factors = form_factors(p);
+  p->config.horizon_cache_bytes = horizon_cache_bytes(p);
   if (open_sequence(p) == 0)
     return 0;
   /* what nobody has asked for may not be what a job fails for */
-  if (!p->config.form_factors ||
-      p->options->form_factors != FORM_FACTORS_AS_IT_FITS)
+  if (!p->config.horizon_cache_bytes ||
+      p->options->horizon_cache_bytes != FORM_FACTORS_AS_IT_FITS)
     return -1;
-  p->config.form_factors = 0;
+  p->config.horizon_cache_bytes = 0;
   return open_sequence(p);
 }
 

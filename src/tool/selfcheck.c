@@ -638,7 +638,7 @@ static void check_colours(const fit *f, selfcheck *out) {
 
 void selfcheck_frame(const gbuffer *g, const hbil_config *config,
                      const hbil_camera *camera, selfcheck *out) {
-  fit f = {.g = g, .camera = camera, .background = config->background};
+  fit f = {.g = g, .camera = camera, .background = config->sky_depth};
   memset(out, 0, sizeof *out);
   out->agreement = out->positions = NAN;
   const extent e = measure(&f);
@@ -727,7 +727,7 @@ static int settle_fit(const char *path, channel_map *map, selfcheck *out,
   if (gbuffer_read(path, map, 1u << ROLE_DEPTH | 1u << ROLE_NORMAL, &g,
                    error) != 0)
     return -1;
-  fit f = {.g = &g, .camera = &map->camera, .background = config.background};
+  fit f = {.g = &g, .camera = &map->camera, .background = config.sky_depth};
   look_around(&f);
   const matrix3 world = view_from(&f, SPACE_WORLD);
   const matrix3 camera = view_if(&f, SPACE_CAMERA, 0);

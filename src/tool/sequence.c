@@ -21,8 +21,8 @@ struct sequence {
   cl_uint index;         /* of the next run */
 };
 
-static hbil_image *image_at(hbil_frame *frame, size_t offset) {
-  return (hbil_image *)((char *)frame + offset);
+static hbil_plane *image_at(hbil_frame *frame, size_t offset) {
+  return (hbil_plane *)((char *)frame + offset);
 }
 
 static int library_failed(const sequence *s, hbil_status status,
@@ -157,9 +157,9 @@ static int run_passes(sequence *s, hbil_frame *frame, unsigned repeat,
     if (run == 1 && stop_motion(s, error) != 0)
       return -1;
     if (run == 1)
-      frame->still = CL_TRUE;
+      frame->static_frame = CL_TRUE;
     /* a pattern that turns is for the filter over frames */
-    frame->index = s->config.temporal ? s->index : 0;
+    frame->frame_index = s->config.max_history_frames ? s->index : 0;
     frame->keep_choice = s->index++ % s->choose_every != 0;
     const hbil_status status =
         hbil_enqueue_frame(s->plan, s->device->queue, frame, 0, NULL, NULL);
@@ -208,7 +208,7 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
                  image_error *error) {
   hbil_frame frame;
   fill_frame(s, camera, environment, &frame);
-  frame.still = is_same(s, hash, &frame);
+  frame.static_frame = is_same(s, hash, &frame);
   int failed = upload(s, g, error) != 0 ||
                run_passes(s, &frame, repeat, error) != 0 ||
                download(s, result, error) != 0;
@@ -220,9 +220,9 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
     const cl_command_queue queue = s->device->queue;
     hbil_status status = hbil_plan_timings(s->plan, row->milliseconds);
     if (status == HBIL_SUCCESS)
-      status = hbil_plan_skipped(s->plan, queue, &row->skipped);
+      status = hbil_plan_statistics(s->plan, queue, &row->skipped);
     if (status == HBIL_SUCCESS)
-      status = hbil_plan_repaired(s->plan, queue, &row->repaired);
+      status = hbil_plan_sanitized(s->plan, queue, &row->repaired);
     if (status != HBIL_SUCCESS)
       return library_failed(s, status, error);
   }
@@ -233,8 +233,8 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
 /* Light on its way from one process to another                              */
 
 /* What a plan carries from frame to frame. */
-static const hbil_stage carried_stages[] = {HBIL_STAGE_HISTORY, HBIL_STAGE_KEPT,
-                                            HBIL_STAGE_CHOICE};
+static const hbil_stage carried_stages[] = {
+    HBIL_STAGE_HISTORY, HBIL_STAGE_TEMPORAL_HISTORY, HBIL_STAGE_CHOICE};
 enum { CARRIED = sizeof carried_stages / sizeof *carried_stages };
 
 /* Where it lies, in bytes, without the room around its planes, which holds

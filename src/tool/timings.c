@@ -19,10 +19,10 @@ static double percent(size_t part, size_t of) {
   return of ? 100.0 * (double)part / (double)of : 0.0;
 }
 
-void timings_print_skipped(const hbil_skipped *s, FILE *out) {
+void timings_print_skipped(const hbil_statistics *s, FILE *out) {
   const struct {
     const char *name;
-    const hbil_share *share;
+    const hbil_count *share;
   } shares[] = {{"sky", &s->sky},
                 {"open", &s->open},
                 {"dark", &s->dark},
@@ -32,14 +32,14 @@ void timings_print_skipped(const hbil_skipped *s, FILE *out) {
   for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
     if (!shares[i].share->pixels)
       continue;
-    fprintf(out, "%s%s %.1f %% of pixels, %.1f %% of strips", between,
+    fprintf(out, "%s%s %.1f %% of pixels, %.1f %% of spans", between,
             shares[i].name, percent(shares[i].share->pixels, s->all.pixels),
-            percent(shares[i].share->strips, s->all.strips));
+            percent(shares[i].share->spans, s->all.spans));
     between = "; ";
   }
   if (s->adaptive) {
     fprintf(out, "%s%ux%u samples a side%s", between, (unsigned)s->slices,
-            (unsigned)s->samples, s->kept_choice ? ", as before" : "");
+            (unsigned)s->steps_per_side, s->kept_choice ? ", as before" : "");
     between = "; ";
   }
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
@@ -49,12 +49,12 @@ void timings_print_skipped(const hbil_skipped *s, FILE *out) {
     }
 }
 
-static json_t *share(const hbil_share *s) {
-  return json_pack("{s:I, s:I}", "pixels", (json_int_t)s->pixels, "strips",
-                   (json_int_t)s->strips);
+static json_t *share(const hbil_count *s) {
+  return json_pack("{s:I, s:I}", "pixels", (json_int_t)s->pixels, "spans",
+                   (json_int_t)s->spans);
 }
 
-json_t *timings_skipped_json(const hbil_skipped *s) {
+json_t *timings_skipped_json(const hbil_statistics *s) {
   json_t *passes = json_array();
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     if (s->not_run[p])
@@ -63,7 +63,7 @@ json_t *timings_skipped_json(const hbil_skipped *s) {
                    share(&s->all), "sky", share(&s->sky), "open",
                    share(&s->open), "dark", share(&s->dark), "unused",
                    share(&s->unused), "by_factors", share(&s->by_factors),
-                   "slices", (int)s->slices, "samples", (int)s->samples,
+                   "slices", (int)s->slices, "samples", (int)s->steps_per_side,
                    "kept_choice", (int)s->kept_choice, "not_run", passes);
 }
 
@@ -76,7 +76,7 @@ typedef struct repaired_input {
   size_t pixels;
 } repaired_input;
 
-static void list_repaired(const hbil_repaired *r,
+static void list_repaired(const hbil_sanitized *r,
                           repaired_input out[REPAIRED_INPUTS]) {
   const repaired_input inputs[REPAIRED_INPUTS] = {
       {"depth", r->depth},  {"normal", r->normal}, {"albedo", r->albedo},
@@ -87,7 +87,7 @@ static void list_repaired(const hbil_repaired *r,
 
 /* A line, if there is anything to tell. */
 static void print_repaired(const char *frame, int width,
-                           const hbil_repaired *r) {
+                           const hbil_sanitized *r) {
   repaired_input inputs[REPAIRED_INPUTS];
   const char *before = "";
   list_repaired(r, inputs);
@@ -103,7 +103,7 @@ static void print_repaired(const char *frame, int width,
     putchar('\n');
 }
 
-static json_t *repaired_json(const hbil_repaired *r) {
+static json_t *repaired_json(const hbil_sanitized *r) {
   repaired_input inputs[REPAIRED_INPUTS];
   json_t *object = json_object();
   list_repaired(r, inputs);

@@ -456,8 +456,8 @@ size_t sequence_memory(const sequence *s);
 typedef struct timing_row {
   const char *frame;
   double milliseconds[HBIL_PASS_COUNT];
-  hbil_skipped skipped;
-  hbil_repaired repaired;
+  hbil_statistics skipped;
+  hbil_sanitized repaired;
 } timing_row;
 
 /* Runs a frame `repeat` times and reads the layers into result's planes.
@@ -520,8 +520,8 @@ void timings_summary(const timing_report *report, FILE *out);
 void timings_table(const timing_report *report);
 int timings_json(const timing_report *report, image_error *error);
 /* What a frame left out, in a line without its end; and as an object. */
-void timings_print_skipped(const hbil_skipped *s, FILE *out);
-json_t *timings_skipped_json(const hbil_skipped *s);
+void timings_print_skipped(const hbil_statistics *s, FILE *out);
+json_t *timings_skipped_json(const hbil_statistics *s);
 
 /* --- process.c: the main job --- */
 
@@ -543,7 +543,7 @@ typedef struct process_options {
   unsigned repeat;           /* runs of every frame, at least 1 */
   unsigned warm_up;          /* more runs of the first frame, for its bounces */
   unsigned choose_every;     /* runs, with config.max_error; 0: as it fits */
-  unsigned form_factors;     /* MiB, or FORM_FACTORS_AS_IT_FITS */
+  unsigned horizon_cache_bytes;      /* MiB, or FORM_FACTORS_AS_IT_FITS */
   int preview, timings, json, quiet; /* flags */
   int resume;      /* results of the same settings and frames are kept */
   int overwrite;   /* results that are there are replaced; else refused */
