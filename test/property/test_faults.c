@@ -1,0 +1,440 @@
+/*
+ * Odd drivers: every OpenCL call that the library makes fails in turn.  What is
+ * said of it is right, nothing is left behind, and what was there before can be
+ * used as if nothing had happened.
+ */
+#define _POSIX_C_SOURCE 200809L /* mkdtemp, setenv */
+#include "test/support/fixture.h"
+#include "test/support/shim.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+/* Small, since it is the number of calls that counts; two rows of spans. */
+#define WIDTH 40
+#define HEIGHT 24
+
+static const cl_int errors[] = {CL_OUT_OF_RESOURCES,
+                                CL_MEM_OBJECT_ALLOCATION_FAILURE,
+                                CL_OUT_OF_HOST_MEMORY, CL_INVALID_OPERATION};
+static const hbil_status statuses[] = {
+    HBIL_OUT_OF_DEVICE_MEMORY, HBIL_OUT_OF_DEVICE_MEMORY,
+    HBIL_OUT_OF_HOST_MEMORY, HBIL_OPENCL_ERROR};
+static const char *const names[] = {
+    "CL_OUT_OF_RESOURCES", "CL_MEM_OBJECT_ALLOCATION_FAILURE",
+    "CL_OUT_OF_HOST_MEMORY", "CL_INVALID_OPERATION"};
+/* Of these, frames see the first two: their calls are many. */
+enum { ERRORS = sizeof errors / sizeof *errors, FRAME_ERRORS = 2 };
+
+/* What one attempt came to, in which call `nth` was to fail. */
+typedef struct outcome {
+  int nth;
+  const char *failed; /* NULL: it made fewer calls */
+  hbil_status status;
+} outcome;
+
+/* What the library does, and says, when this call fails: nobody can make up for
+ * a release; a missing event takes nothing but timings; and whatever isn't for
+ * want of memory is the compiler's own failure. */
+static hbil_status follows(const char *call, hbil_status error) {
+  if (!call || strncmp(call, "clRelease", 9) == 0 ||
+      strcmp(call, "clRetainEvent") == 0)
+    return HBIL_SUCCESS;
+  return error == HBIL_OPENCL_ERROR && strcmp(call, "clBuildProgram") == 0
+             ? HBIL_BUILD_FAILED
+             : error;
+}
+
+static void check_status(const outcome *o, int e) {
+  const hbil_status want = follows(o->failed, statuses[e]);
+  if (o->status != want)
+    fail_msg("call %d, %s: \"%s\", expected \"%s\"", o->nth,
+             o->failed ? o->failed : "none", hbil_status_string(o->status),
+             hbil_status_string(want));
+}
+
+/* Status and message of an attempt in which errors[e] may have come back. */
+static void check_outcome(const outcome *o, int e) {
+  const char *message = hbil_context_message(shared_device.hbil);
+  check_status(o, e);
+  if (o->status != HBIL_SUCCESS && !strstr(message, names[e]))
+    fail_msg("call %d, %s: %s is not named in the message \"%s\"", o->nth,
+             o->failed, names[e], message);
+}
+
+static void check_held(const outcome *o, long want) {
+  if (shim_references() != want)
+    fail_msg("call %d, %s: %ld references are held, expected %ld", o->nth,
+             o->failed ? o->failed : "none", shim_references(), want);
+}
+
+/* `statement` with a fault in it. */
+#define ATTEMPT(n, error, statement)                                           \
+  (shim_fail((n), (error)), attempted((n), (statement)))
+
+static outcome attempted(int nth, hbil_status status) {
+  const outcome o = {nth, shim_failed(), status};
+  shim_fail(0, CL_SUCCESS);
+  return o;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Creating and destroying                                                   */
+
+static hbil_status make_context(void) {
+  hbil_context *context = NULL;
+  const hbil_status status =
+      hbil_context_create(shared_device.context, shared_device.id, &context);
+  assert_int_equal(context != NULL, status == HBIL_SUCCESS);
+  hbil_context_destroy(context);
+  return status;
+}
+
+static void contexts_leave_nothing(void **state) {
+  (void)state;
+  for (int e = 0; e < ERRORS; ++e) {
+    const long held = shim_references();
+    outcome o = {0, "", HBIL_SUCCESS};
+    for (int n = 1; o.failed; ++n) {
+      o = ATTEMPT(n, errors[e], make_context());
+      check_status(&o, e);
+      check_held(&o, held);
+    }
+    assert_in_range(o.nth, 5, 100);
+  }
+}
+
+/* Width 1 compiles and loads fastest; with profiling, every command has an
+ * event. */
+static void prepare(setup *s) {
+  setup_every_pass(s, HBIL_REPROJECTION_SCATTER, 1, WIDTH, HEIGHT);
+  s->config.profiling = CL_TRUE;
+  s->config.horizon_cache_bytes = SIZE_MAX;
+}
+
+static hbil_status make_plan(const hbil_config *config) {
+  hbil_plan *plan = NULL;
+  const hbil_status status =
+      hbil_plan_create(shared_device.hbil, config, &plan);
+  assert_int_equal(plan != NULL, status == HBIL_SUCCESS);
+  hbil_plan_destroy(plan);
+  return status;
+}
+
+static void plans_leave_nothing(void **state) {
+  setup s;
+  (void)state;
+  prepare(&s);
+  shim_reuse_programs(true);
+  for (int e = 0; e < ERRORS; ++e) {
+    const long held = shim_references();
+    outcome o = {0, "", HBIL_SUCCESS};
+    for (int n = 1; o.failed; ++n) {
+      o = ATTEMPT(n, errors[e], make_plan(&s.config));
+      check_outcome(&o, e);
+      check_held(&o, held);
+    }
+    assert_in_range(o.nth, 40, 1000);
+  }
+  shim_reuse_programs(false);
+  setup_free(&s);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Frames                                                                    */
+
+/* Two plans in step: one that never fails, and one that is made to. */
+typedef struct step {
+  device_fixture profiled;
+  setup plain, faulty;
+} step;
+
+static void start_step(step *t) {
+  cl_int error;
+  t->profiled = shared_device;
+  t->profiled.queue =
+      clCreateCommandQueue(shared_device.context, shared_device.id,
+                           CL_QUEUE_PROFILING_ENABLE, &error);
+  assert_int_equal(error, CL_SUCCESS);
+  prepare(&t->plain);
+  prepare(&t->faulty);
+  t->plain.device = t->faulty.device = &t->profiled;
+  setup_start(&t->plain);
+  setup_start(&t->faulty);
+}
+
+static void free_step(step *t) {
+  setup_free(&t->plain);
+  setup_free(&t->faulty);
+  clReleaseCommandQueue(t->profiled.queue);
+}
+
+/* The inputs of a frame, to both. */
+static void load(step *t, int index) {
+  setup *from = &t->plain, *to = &t->faulty;
+  setup_load_scene(from, SCENE_ROOM, (uint32_t)index);
+  to->frame.camera = from->frame.camera;
+  for (int i = 0; i < REF_INPUT_PLANES; ++i)
+    memcpy(to->input[i], from->input[i], WIDTH * HEIGHT * sizeof(float));
+  setup_upload(from);
+  setup_upload(to);
+}
+
+static hbil_status frame(setup *s) {
+  cl_event event = NULL;
+  const hbil_status status =
+      hbil_enqueue_frame(s->plan, s->device->queue, &s->frame, 0, NULL, &event);
+  assert_int_equal(event != NULL, status == HBIL_SUCCESS);
+  if (event)
+    clReleaseEvent(event);
+  return status;
+}
+
+static void check_same(const outcome *o, step *t) {
+  ref_planes want = outputs_read(&t->plain), got = outputs_read(&t->faulty);
+  if (count_different(&got, &want))
+    fail_msg("call %d, %s: other bits than without the failure", o->nth,
+             o->failed ? o->failed : "none");
+  ref_planes_free(&want);
+  ref_planes_free(&got);
+}
+
+/* A frame that fails is none: the same one again has the light and the history
+ * of a plan that never failed, and as many references are held as without it:
+ * but for an event that could not be kept. */
+static void frames_can_be_repeated(void **state) {
+  const long before = shim_references();
+  bool holes = false;
+  long held = 0;
+  step t;
+  (void)state;
+  start_step(&t);
+  load(&t, 0);
+  setup_run(&t.plain, hbil_enqueue_frame);
+  setup_run(&t.faulty, hbil_enqueue_frame);
+  for (int e = 0; e < FRAME_ERRORS; ++e) {
+    outcome o = {0, "", HBIL_SUCCESS};
+    for (int n = 1; o.failed; ++n) {
+      hbil_statistics skipped;
+      load(&t, n % 2 ? 3 : 0);
+      setup_run(&t.plain, hbil_enqueue_frame);
+      o = ATTEMPT(n, errors[e], frame(&t.faulty));
+      check_outcome(&o, e);
+      if (o.status != HBIL_SUCCESS)
+        setup_run(&t.faulty, hbil_enqueue_frame);
+      check_same(&o, &t);
+      held = held ? held : shim_references();
+      check_held(&o, held - (o.failed && !strcmp(o.failed, "clRetainEvent")));
+      assert_success(&t.plain, hbil_plan_statistics(
+                                   t.plain.plan, t.profiled.queue, &skipped));
+      holes = holes || !skipped.not_run[HBIL_PASS_PUSH_PULL];
+    }
+    assert_in_range(o.nth, 200, 5000);
+  }
+  assert_true(holes);
+  free_step(&t);
+  assert_int_equal(shim_references(), before);
+}
+
+/* Whatever call of a frame has failed, a plan takes all with it. */
+static void plans_end_after_failures(void **state) {
+  const long before = shim_references();
+  outcome o = {0, "", HBIL_SUCCESS};
+  step t;
+  (void)state;
+  shim_reuse_programs(true);
+  for (int n = 1; o.failed; n += 29) { /* a prime: all kinds of calls */
+    start_step(&t);
+    load(&t, 0);
+    setup_run(&t.faulty, hbil_enqueue_frame);
+    o = ATTEMPT(n, CL_OUT_OF_RESOURCES, frame(&t.faulty));
+    free_step(&t);
+    check_held(&o, before);
+  }
+  shim_reuse_programs(false);
+}
+
+/* Nor can a still frame stand on it: what is still is the frame before. */
+static void still_frames_do_not_stand_on_failures(void **state) {
+  outcome o = {0, "", HBIL_SUCCESS};
+  step t;
+  (void)state;
+  start_step(&t);
+  for (int n = 1; o.failed; ++n) {
+    load(&t, 0);
+    t.plain.frame.static_frame = t.faulty.frame.static_frame =
+        o.status != HBIL_SUCCESS;
+    setup_run(&t.plain, hbil_enqueue_frame);
+    setup_run(&t.faulty, hbil_enqueue_frame);
+    check_same(&o, &t);
+    load(&t, 3);
+    t.plain.frame.static_frame = t.faulty.frame.static_frame = CL_FALSE;
+    o = ATTEMPT(n, CL_OUT_OF_RESOURCES, frame(&t.faulty));
+    if (o.status == HBIL_SUCCESS)
+      setup_run(&t.plain, hbil_enqueue_frame);
+  }
+  assert_in_range(o.nth, 200, 5000);
+  free_step(&t);
+}
+
+static void both(step *t, cl_bool still) {
+  t->plain.frame.static_frame = t->faulty.frame.static_frame = still;
+  setup_run(&t->plain, hbil_enqueue_frame);
+  setup_run(&t->faulty, hbil_enqueue_frame);
+}
+
+/* A frame fails that keeps form factors or, once they are `kept`, uses them.
+ * After it there are some again. */
+static void fail_with_form_factors(step *t, bool kept) {
+  outcome o = {0, "", HBIL_SUCCESS};
+  hbil_statistics skipped;
+  for (int n = 1; o.failed; ++n) {
+    load(t, n % 2 ? 3 : 0);
+    both(t, CL_FALSE);
+    if (kept)
+      both(t, CL_TRUE);
+    t->plain.frame.static_frame = t->faulty.frame.static_frame = CL_TRUE;
+    setup_run(&t->plain, hbil_enqueue_frame);
+    o = ATTEMPT(n, CL_OUT_OF_RESOURCES, frame(&t->faulty));
+    if (o.status != HBIL_SUCCESS)
+      setup_run(&t->faulty, hbil_enqueue_frame);
+    check_same(&o, t);
+    for (int i = 0; i < 2; ++i) {
+      both(t, CL_TRUE);
+      check_same(&o, t);
+    }
+    assert_success(
+        &t->faulty,
+        hbil_plan_statistics(t->faulty.plan, t->profiled.queue, &skipped));
+    assert_true(skipped.by_factors.spans > 0);
+  }
+  assert_in_range(o.nth, 100, 5000);
+}
+
+static void form_factors_do_not_stand_on_failures(void **state) {
+  step t;
+  (void)state;
+  start_step(&t);
+  fail_with_form_factors(&t, false);
+  fail_with_form_factors(&t, true);
+  free_step(&t);
+}
+
+/* ------------------------------------------------------------------------ */
+/* What is told afterwards                                                   */
+
+typedef hbil_status question(step *t);
+
+static hbil_status ask_timings(step *t) {
+  double ms[HBIL_PASS_COUNT];
+  return hbil_plan_timings(t->faulty.plan, ms);
+}
+
+static hbil_status ask_skipped(step *t) {
+  hbil_statistics skipped;
+  return hbil_plan_statistics(t->faulty.plan, t->profiled.queue, &skipped);
+}
+
+static void questions_can_be_asked_again(void **state) {
+  static question *const questions[] = {ask_timings, ask_skipped};
+  step t;
+  (void)state;
+  start_step(&t);
+  setup_run(&t.faulty, hbil_enqueue_frame);
+  for (size_t q = 0; q < sizeof questions / sizeof *questions; ++q)
+    for (int e = 0; e < ERRORS; ++e) {
+      const long held = shim_references();
+      outcome o = {0, "", HBIL_SUCCESS};
+      for (int n = 1; o.failed; ++n) {
+        o = ATTEMPT(n, errors[e], questions[q](&t));
+        check_outcome(&o, e);
+        check_held(&o, held);
+      }
+      assert_in_range(o.nth, 3, 500);
+    }
+  free_step(&t);
+}
+
+static void lost_events_are_told(void **state) {
+  outcome o = {0, "", HBIL_SUCCESS};
+  step t;
+  (void)state;
+  start_step(&t);
+  for (int n = 1; !o.failed || strcmp(o.failed, "clRetainEvent"); ++n)
+    o = ATTEMPT(n, CL_OUT_OF_RESOURCES, frame(&t.faulty));
+  assert_int_equal(o.status, HBIL_SUCCESS);
+  assert_int_equal(ask_timings(&t), HBIL_OUT_OF_DEVICE_MEMORY);
+  assert_success(&t.faulty, frame(&t.faulty));
+  assert_success(&t.faulty, ask_timings(&t));
+  free_step(&t);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Kernels that don't compile                                                */
+
+static void write_text(const char *folder, const char *name, const char *text) {
+  char path[256];
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  FILE *file = fopen(path, "w");
+  assert_non_null(file);
+  assert_true(fputs(text, file) >= 0);
+  assert_int_equal(fclose(file), 0);
+}
+
+static void remove_text(const char *folder, const char *name) {
+  char path[256];
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  assert_int_equal(remove(path), 0);
+}
+
+/* With the compiler's own words, but for when it won't say them. */
+static void a_failed_build_is_told(void **state) {
+  static const char *const files[] = {"hbil_shared.h", "common.clh",
+                                      "reproject.cl"};
+  char folder[] = "hbil-faults.XXXXXX";
+  outcome o = {0, "", HBIL_SUCCESS};
+  setup s;
+  (void)state;
+  prepare(&s);
+  assert_non_null(mkdtemp(folder));
+  for (int i = 0; i < 3; ++i)
+    write_text(folder, files[i], i < 2 ? "\n" : "\n#error light is off\n");
+  setenv("HBIL_KERNEL_DIR", folder, 1);
+  const long held = shim_references();
+  for (int n = 1; o.failed; ++n) {
+    hbil_plan *plan = NULL;
+    o = ATTEMPT(n, CL_INVALID_OPERATION,
+                hbil_plan_create(shared_device.hbil, &s.config, &plan));
+    const char *message = hbil_context_message(shared_device.hbil);
+    assert_null(plan);
+    check_held(&o, held);
+    if (n <= 2)
+      continue; /* clGetDeviceInfo, clCreateProgramWithSource */
+    assert_int_equal(o.status, HBIL_BUILD_FAILED);
+    assert_non_null(strstr(message, "reproject.cl"));
+    if (!o.failed) {
+      assert_non_null(strstr(message, "CL_BUILD_PROGRAM_FAILURE"));
+      assert_non_null(strstr(message, "light is off"));
+    }
+  }
+  unsetenv("HBIL_KERNEL_DIR");
+  for (int i = 0; i < 3; ++i)
+    remove_text(folder, files[i]);
+  assert_int_equal(rmdir(folder), 0);
+  setup_free(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(contexts_leave_nothing),
+      cmocka_unit_test(plans_leave_nothing),
+      cmocka_unit_test(frames_can_be_repeated),
+      cmocka_unit_test(plans_end_after_failures),
+      cmocka_unit_test(still_frames_do_not_stand_on_failures),
+      cmocka_unit_test(form_factors_do_not_stand_on_failures),
+      cmocka_unit_test(questions_can_be_asked_again),
+      cmocka_unit_test(lost_events_are_told),
+      cmocka_unit_test(a_failed_build_is_told),
+  };
+  return RUN_WITH_DEVICE(tests);
+}

@@ -1,0 +1,89 @@
+/*
+ * Kernels write nothing beyond their buffers, of the plan and of the caller,
+ * and what a buffer happens to hold at first is of no consequence.
+ */
+#include "test/support/fixture.h"
+#include "test/support/shim.h"
+
+#define FRAMES 5
+
+static const int sizes[][2] = {{1, 1}, {3, 5}, {67, 35}};
+#define SIZES (sizeof sizes / sizeof *sizes)
+
+/* The room, another view of it, and that thrice more as still frames: they are
+ * lit by what is found, keep it, and use it. */
+static void run_frame(setup *s, int i) {
+  s->frame.static_frame = i > 1;
+  if (!s->frame.static_frame) {
+    setup_load_scene(s, SCENE_ROOM, 3 * (uint32_t)i);
+    setup_upload(s);
+  }
+  setup_run(s, hbil_enqueue_frame);
+}
+
+static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
+                       int width, int height, size_t horizon_cache_bytes) {
+  setup plain, guarded;
+  setup_every_pass(&plain, reprojection, vector_width, width, height);
+  setup_every_pass(&guarded, reprojection, vector_width, width, height);
+  plain.config.horizon_cache_bytes = guarded.config.horizon_cache_bytes =
+      horizon_cache_bytes;
+  setup_start(&plain);
+  shim_guard_buffers(true);
+  setup_start(&guarded);
+  shim_guard_buffers(false);
+  for (int i = 0; i < FRAMES; ++i) {
+    run_frame(&plain, i);
+    run_frame(&guarded, i);
+    ref_planes want = outputs_read(&plain), got = outputs_read(&guarded);
+    assert_int_equal(count_different(&got, &want), 0);
+    assert_int_equal(shim_overwritten(guarded.device->queue), 0);
+    ref_planes_free(&want);
+    ref_planes_free(&got);
+  }
+  setup_free(&plain);
+  setup_free(&guarded);
+}
+
+static void vectors_stay_inside(void **state) {
+  (void)state;
+  for (size_t i = 0; i < SIZES; ++i)
+    check_size(HBIL_REPROJECTION_SCATTER, 0, sizes[i][0], sizes[i][1],
+               SIZE_MAX);
+}
+
+static void single_pixels_stay_inside(void **state) {
+  (void)state;
+  for (size_t i = 0; i < SIZES; ++i)
+    check_size(HBIL_REPROJECTION_SCATTER, 1, sizes[i][0], sizes[i][1],
+               SIZE_MAX);
+}
+
+static void motion_stays_inside(void **state) {
+  (void)state;
+  for (size_t i = 0; i < SIZES; ++i)
+    check_size(HBIL_REPROJECTION_MOTION, 0, sizes[i][0], sizes[i][1], SIZE_MAX);
+}
+
+/* Form factors of three rows of a layer of nine. */
+static void kept_rows_stay_inside(void **state) {
+  const cl_uint widths[] = {0, 1};
+  (void)state;
+  for (int w = 0; w < 2; ++w) {
+    setup s;
+    setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, widths[w], 67, 35);
+    setup_cache_rows(&s, 3, 9);
+    check_size(HBIL_REPROJECTION_SCATTER, widths[w], 67, 35,
+               s.config.horizon_cache_bytes);
+    setup_free(&s);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(vectors_stay_inside),
+      cmocka_unit_test(single_pixels_stay_inside),
+      cmocka_unit_test(motion_stays_inside),
+      cmocka_unit_test(kept_rows_stay_inside)};
+  return RUN_WITH_DEVICE(tests);
+}

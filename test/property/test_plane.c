@@ -1,0 +1,136 @@
+/*
+ * A bare plane hides nothing from itself, at every tilt and field of view and
+ * in every mode: AO is 1, no light arrives, and the bent normal is its normal.
+ */
+#include "test/support/stages.h"
+#include "test/support/vectors.h"
+
+#define WIDTH 80
+#define HEIGHT 45
+
+/* Largest deviations from a bare plane. */
+typedef struct deviation {
+  double ao, light, bent;
+} deviation;
+
+/*
+ * Measured: AO 2.4e-7, E_near 2.8e-11 of radiance 1, bent 8.2e-5, where the
+ * plane is seen almost edge on and its fp32 normal has few digits left.  With
+ * half-float depth they are the same, since its tolerance covers its rounding.
+ * The requirement is 1e-3, 1e-3 and 1e-2.
+ */
+static const deviation limit = {1e-5, 1e-5, 5e-4};
+/* Derived: half a step of AO's 16 bits, and the error of the fp32 search; one
+ * step of the bent normal's word, 1/1023 in x and in y and 1/511 in z, and half
+ * a step of the octahedral normal (unit/test_storage.c). */
+static const deviation packed_limit = {0.5 / 65535.0 + 1e-5, 1e-5,
+                                       2.41e-3 + 6.6e-5};
+
+static void compare_pixel(const ref_planes *got, const setup *s,
+                          const double normal[3], int x, int y,
+                          deviation *worst) {
+  double bent[3], off[3];
+  worst->ao = fmax(worst->ao, fabs(*ref_at(got, HBIL_LIGHT_AO, x, y) - 1.0));
+  for (int c = 0; c < 3 && s->config.mode == HBIL_MODE_HBIL; ++c)
+    worst->light =
+        fmax(worst->light, fabs(*ref_at(got, HBIL_LIGHT_RED + c, x, y)));
+  if (s->config.mode == HBIL_MODE_HBAO)
+    return;
+  for (int c = 0; c < 3; ++c)
+    bent[c] = *ref_at(got, HBIL_LIGHT_BENT + c, x, y);
+  normalize(bent);
+  add(bent, -1.0, normal, off);
+  const double size = sqrt(dot(off, off));
+  worst->bent = fmax(worst->bent, isfinite(size) ? size : INFINITY);
+}
+
+/* All tilts in 5 azimuths at one field of view. */
+static void compare_view(setup *s, double fov, deviation *worst) {
+  const int tilts[] = {0, 10, 30, 45, 60, 75, 80, 85};
+  setup_camera(s, fov);
+  for (int i = 0; i < 40; ++i) {
+    double normal[3];
+    tilted_normal(tilts[i % 8] * PI / 180.0, 0.4 + 1.3 * (i / 8), normal);
+    setup_plane(s, normal);
+    setup_upload(s);
+    ref_planes got = stage_gathered(s);
+    for (int p = 0; p < WIDTH * HEIGHT; ++p)
+      if (s->input[REF_DEPTH][p] > 0.0f)
+        compare_pixel(&got, s, normal, p % WIDTH, p / WIDTH, worst);
+    ref_planes_free(&got);
+  }
+}
+
+/* Starts and frees the setup. */
+static void check_planes(setup *s, const deviation *most) {
+  const double fov[] = {30.0, 60.0, 90.0, 120.0};
+  deviation worst = {0.0, 0.0, 0.0};
+  s->config.albedo.component = s->config.emission.component = HBIL_NONE;
+  for (int c = 0; c < 3; ++c)
+    setup_fill(s, REF_DIRECT + c, (float)PI); /* radiance 1 */
+  setup_start(s);
+  for (int i = 0; i < 4; ++i)
+    compare_view(s, fov[i], &worst);
+  setup_free(s);
+  check_at_most("AO", worst.ao, most->ao);
+  check_at_most("E_near", worst.light, most->light);
+  check_at_most("bent", worst.bent, most->bent);
+}
+
+static void check_mode(hbil_mode mode, float radius, float thickness) {
+  setup s;
+  setup_init(&s, WIDTH, HEIGHT);
+  setup_mode(&s, mode);
+  s.config.radius = radius;
+  s.config.thickness = thickness;
+  check_planes(&s, &limit);
+}
+
+static void hbil_planes_hide_nothing(void **state) {
+  (void)state;
+  check_mode(HBIL_MODE_HBIL, INFINITY, INFINITY);
+  check_mode(HBIL_MODE_HBIL, 1.0f, INFINITY);
+}
+
+static void gtao_planes_hide_nothing(void **state) {
+  (void)state;
+  check_mode(HBIL_MODE_GTAO, INFINITY, INFINITY);
+  check_mode(HBIL_MODE_GTAO, 1.0f, INFINITY);
+}
+
+static void hbao_planes_hide_nothing(void **state) {
+  (void)state;
+  check_mode(HBIL_MODE_HBAO, INFINITY, INFINITY);
+  check_mode(HBIL_MODE_HBAO, 1.0f, INFINITY);
+  check_mode(HBIL_MODE_HBAO, 1.0f, 0.1f);
+}
+
+static void planes_with_half_float_depth_hide_nothing(void **state) {
+  setup s;
+  (void)state;
+  setup_init(&s, WIDTH, HEIGHT);
+  s.config.depth.component = HBIL_FLOAT16;
+  check_planes(&s, &limit);
+}
+
+static void packed_planes_hide_nothing(void **state) {
+  const hbil_component depth[] = {HBIL_FLOAT32, HBIL_FLOAT16};
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    setup s;
+    setup_init(&s, WIDTH, HEIGHT);
+    s.config.storage = HBIL_STORAGE_PACKED;
+    s.config.depth.component = depth[i];
+    check_planes(&s, &packed_limit);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(hbil_planes_hide_nothing),
+      cmocka_unit_test(gtao_planes_hide_nothing),
+      cmocka_unit_test(hbao_planes_hide_nothing),
+      cmocka_unit_test(planes_with_half_float_depth_hide_nothing),
+      cmocka_unit_test(packed_planes_hide_nothing)};
+  return RUN_WITH_DEVICE(tests);
+}

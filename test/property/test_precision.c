@@ -1,0 +1,284 @@
+/*
+ * The kernels' fp32 is near double precision, pass by pass, for contents and
+ * cameras from extremes, and horizons are right from the tangent plane to the
+ * zenith.
+ */
+#include "test/support/contents.h"
+#include "test/support/deviation.h"
+#include "test/support/stress.h"
+
+#include <stdio.h>
+
+/* A pass, and the stage it writes. */
+static ref_planes passed(setup *s, enqueue_function *pass, hbil_stage stage) {
+  setup_run(s, pass);
+  return stage_read(s, stage);
+}
+
+/* Nobody needs light that is carried to the sky. */
+static void clear_sky(const setup *s, ref_planes *carried) {
+  for (int p = 0; p < carried->count; ++p)
+    for (int i = 0; i < PIXELS; ++i)
+      if (!(s->input[REF_DEPTH][i] > 0.0f && s->input[REF_DEPTH][i] < 1e15f))
+        carried->values[p * PIXELS + i] = 0.0;
+}
+
+static void measure_history(setup *s, const ref_planes *history,
+                            deviation *all) {
+  ref_planes got = passed(s, hbil_enqueue_reproject, HBIL_STAGE_CARRIED);
+  ref_planes want = ref_planes_new(WIDTH, HEIGHT, HBIL_CARRIED_PLANES);
+  ref_reproject(&s->job, history, &want);
+  add_deviation(all, REPROJECT, &got, 0, &want, 0, HBIL_CARRIED_PLANES);
+  ref_push_pull(&want);
+  ref_planes_free(&got);
+  got = passed(s, hbil_enqueue_push_pull, HBIL_STAGE_CARRIED);
+  clear_sky(s, &got);
+  clear_sky(s, &want);
+  add_deviation(all, PUSH_PULL, &got, 0, &want, 0, 3);
+  ref_planes_free(&got);
+  ref_planes_free(&want);
+}
+
+static void measure_split(setup *s, const ref_planes *carried,
+                          const ref_planes *got, deviation *all) {
+  ref_planes want = ref_planes_new(WIDTH, HEIGHT, HBIL_SPLIT_PLANES);
+  ref_split(&s->job, carried, &want);
+  for (int y = 0; y < HEIGHT; ++y)
+    for (int x = 0; x < WIDTH; ++x) { /* each w in units of itself */
+      const double w = fabs(*ref_at(&want, HBIL_SPLIT_W, x, y));
+      const double off = fabs(*ref_at(got, HBIL_SPLIT_W, x, y) /
+                                  *ref_at(&want, HBIL_SPLIT_W, x, y) -
+                              1.0);
+      deviation *f = all + SPLIT_W;
+      f->largest = fmax(f->largest, off);
+      f->sum += off;
+      f->squares += off * off;
+      f->count += w > 0.0;
+    }
+  add_deviation(all, SPLIT_NORMAL, got, HBIL_SPLIT_NORMAL, &want,
+                HBIL_SPLIT_NORMAL, 3);
+  add_deviation(all, SPLIT_LIGHT, got, HBIL_SPLIT_RED, &want, HBIL_SPLIT_RED,
+                3);
+  ref_planes_free(&want);
+}
+
+static void measure_composite(setup *s, const ref_planes *resolved,
+                              deviation *all) {
+  ref_planes want = ref_planes_new(WIDTH, HEIGHT, REF_OUTPUT_PLANES);
+  ref_planes history = ref_planes_new(WIDTH, HEIGHT, HBIL_HISTORY_PLANES);
+  setup_run(s, hbil_enqueue_composite);
+  ref_planes got = outputs_read(s);
+  ref_composite(&s->job, resolved, &want, &history);
+  add_deviation(all, COMPOSITE_FAR, &got, REF_FAR, &want, REF_FAR, 3);
+  add_deviation(all, COMPOSITE_CONE, &got, REF_CONE, &want, REF_CONE, 1);
+  add_deviation(all, COMPOSITE_INDIRECT, &got, REF_INDIRECT, &want,
+                REF_INDIRECT, 3);
+  add_deviation(all, COMPOSITE_BEAUTY, &got, REF_RADIANCE, &want, REF_RADIANCE,
+                3);
+  ref_planes_free(&got);
+  ref_planes_free(&want);
+  ref_planes_free(&history);
+}
+
+/* A frame, pass by pass: each on what the device has made of the passes before,
+ * and the same in double. */
+static void measure_frame(setup *s, bool has_history, deviation *all) {
+  ref_planes carried = {0}, split, gathered, resolved;
+  setup_upload(s);
+  if (has_history) {
+    ref_planes history = stage_read(s, HBIL_STAGE_HISTORY);
+    measure_history(s, &history, all);
+    ref_planes_free(&history);
+    carried = stage_read(s, HBIL_STAGE_CARRIED);
+  }
+  split = passed(s, hbil_enqueue_split, HBIL_STAGE_SPLIT);
+  measure_split(s, has_history ? &carried : NULL, &split, all);
+  ref_estimate_frame(&s->job, &split);
+  gathered = passed(s, hbil_enqueue_gather, HBIL_STAGE_GATHERED);
+  ref_planes want = ref_planes_new(WIDTH, HEIGHT, HBIL_GATHERED_PLANES);
+  ref_gather(&s->job, &split, &want);
+  add_light_deviation(all, GATHER_AO, &gathered, &want, true, true);
+  ref_planes_free(&want);
+  resolved = passed(s, hbil_enqueue_recompose, HBIL_STAGE_RESOLVED);
+  want = ref_planes_new(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
+  ref_recompose(&s->job, &split, &gathered, &want);
+  add_light_deviation(all, RECOMPOSE_AO, &resolved, &want, true, true);
+  measure_composite(s, &resolved, all);
+  ref_planes_free(&want);
+  ref_planes_free(&resolved);
+  ref_planes_free(&gathered);
+  ref_planes_free(&split);
+  ref_planes_free(&carried);
+  s->job.previous = s->frame.camera;
+}
+
+static void check_content(plan_kind kind, content what, const camera_view *v) {
+  deviation all[DEVIATIONS] = {{0}};
+  random_state r = {stress_effort.seed};
+  setup *s = stress_begin(kind);
+  STRESS_CASE(
+      "%s, %s, seed %llu, field of view %g, off centre %g, %g, pixels 1 : %g",
+      stress_plan_names[kind], content_names[what],
+      (unsigned long long)stress_effort.seed, v ? v->fov : 0.0,
+      v ? v->off_x : 0.0, v ? v->off_y : 0.0, v ? v->pixel : 1.0);
+  for (uint32_t i = 0; i < 2; ++i) {
+    if (what == ROOM) {
+      stress_load_room(s, i);
+    } else {
+      if (v)
+        set_view(s, v);
+      load_content(s, what, i, &r);
+    }
+    s->frame.environment[0][0] = s->frame.environment[2][1] = 1.0f;
+    measure_frame(s, i > 0, all);
+    check_sane(s);
+  }
+  /* roundings of a normal and its ray over HBIL_MIN_COSINE: 1e-3 of a gradient
+   * where fewer digits are lost it is 1e-5 (measured: 3e-5 over all pixels) */
+  check_deviations(all, what == AWAY ? 10.0 : 1.0);
+}
+
+static void kernels_are_near_double(void **state) {
+  (void)state;
+  for (plan_kind kind = 0; kind < PACKED_SH; ++kind)
+    for (content what = 0; what < CONTENTS && stress_tries(kind); ++what)
+      check_content(kind, what, NULL);
+}
+
+static void cameras_of_all_kinds_are_near_double(void **state) {
+  (void)state;
+  for (plan_kind kind = 0; kind < PACKED_SH; ++kind)
+    for (size_t i = 0; i < VIEWS && stress_tries(kind); ++i)
+      check_content(kind, NOISE, &views[i]);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Horizons at the zenith and at the tangent plane, in long double           */
+
+typedef long double real;
+
+/* What is between the direction to the eye and the angle theta, whose tangent
+ * is along / up: HACKING's A, for a normal of these components. */
+static real measure(real nx, real ny, real along, real up) {
+  const real size = sqrtl(along * along + up * up);
+  const real sine = along / size, theta = atan2l(along, up);
+  return nx / 2 * (theta - sine * up / size) + ny / 2 * sine * sine;
+}
+
+/* A pixel as its one slice sees it. */
+typedef struct cut {
+  real wo[3], r, w;
+  real ud, nx, ny; /* u.D; the normal along D and wo */
+  real gx, gy;     /* the plane's gradient of inverse depth */
+  real b;          /* cot(theta) of no slope at all */
+} cut;
+
+static cut cut_of(const setup *s, const ref_planes *split, int x, int y,
+                  float ux, float uy) {
+  const hbil_camera *camera = &s->frame.camera;
+  const real ray[3] = {(x + (real)0.5 - camera->cx) / camera->fx,
+                       (y + (real)0.5 - camera->cy) / camera->fy, 1};
+  cut c = {.w = *ref_at(split, HBIL_SPLIT_W, x, y)};
+  real n[3], n_r = 0, u_wo, n_u;
+  c.r = sqrtl(ray[0] * ray[0] + ray[1] * ray[1] + 1);
+  for (int i = 0; i < 3; ++i) {
+    n[i] = *ref_at(split, HBIL_SPLIT_NORMAL + i, x, y);
+    c.wo[i] = -ray[i] / c.r;
+    n_r += n[i] * ray[i];
+  }
+  u_wo = ux * c.wo[0] + uy * c.wo[1];
+  n_u = n[0] * ux + n[1] * uy;
+  c.ud = sqrtl((real)ux * ux + (real)uy * uy - u_wo * u_wo);
+  c.ny = -n_r / c.r;
+  c.nx = (n_u - u_wo * c.ny) / c.ud;
+  c.gx = n[0] * c.w / n_r;
+  c.gy = n[1] * c.w / n_r;
+  c.b = u_wo / c.ud;
+  return c;
+}
+
+/* AO of a pixel with one slice of one sample on each side. */
+static double one_sample_ao(const setup *s, const ref_planes *split, int x,
+                            int y) {
+  const hbil_pattern_args pattern = ref_pattern(&s->job);
+  const hbil_view_args view = ref_view(&s->config, &s->frame.camera);
+  const int layer = 4 * (y % 4) + x % 4;
+  float ux, uy;
+  real open = 0, whole = 0;
+  hbil_slice_direction(layer, 0, pattern, &ux, &uy);
+  for (int side = 0; side < 2; ++side, ux = -ux, uy = -uy) {
+    const cut c = cut_of(s, split, x, y, ux, uy);
+    const real start = measure(c.nx, c.ny, c.ny, -c.nx);
+    int dx, dy;
+    hbil_sample_offset(layer, 0, 0, ux, uy, view, pattern, &dx, &dy);
+    whole += start;
+    if (x + dx < 0 || x + dx >= WIDTH || y + dy < 0 || y + dy >= HEIGHT) {
+      open += start;
+      continue;
+    }
+    const real ex = dx / (real)view.fx, ey = dy / (real)view.fy;
+    const real e = sqrtl(ex * ex + ey * ey);
+    const real w1 = *ref_at(split, HBIL_SPLIT_W, x + dx, y + dy);
+    const real excess = (w1 - c.w - c.gx * ex - c.gy * ey) / e;
+    /* cot(theta) is the tangent plane's, or what the sample adds to it */
+    const real cot = -c.nx / c.ny + fmaxl(excess, 0) * c.r / (c.ud * c.w);
+    open += measure(c.nx, c.ny, 1, cot);
+  }
+  return (double)(open / whole);
+}
+
+/* Walls with every fourth pixel, at random, nearer by this factor: from the
+ * tangent plane, less than a rounding above it, up to the zenith. */
+static const double nearer[] = {0x1p-24,  0x1p-22,  1e-6,     1e-5, 1e-4, 1e-3,
+                                1e-2,     0.1,      0.5,      0.9,  0.99, 0.999,
+                                1 - 1e-5, 1 - 1e-7, 1 - 1e-10};
+#define NEARER (sizeof nearer / sizeof *nearer)
+
+static void horizons_from_the_tangent_plane_to_the_zenith(void **state) {
+  setup *s = stress_begin(ONE_SAMPLE);
+  random_state r = {stress_effort.seed};
+  double worst = 0.0, mean = 0.0, count = 0.0;
+  (void)state;
+  setup_camera(s, 60.0);
+  for (size_t i = 0; i < NEARER * 3; ++i) {
+    const double tilt = 40.0 * (double)(i / NEARER);
+    STRESS_CASE("one sample nearer by %g on a wall tilted by %g degrees",
+                nearer[i % NEARER], tilt);
+    load_plane(s, tilt, 0.7);
+    for (int p = 0; p < PIXELS; ++p)
+      if (random_unit(&r) < 0.25)
+        s->input[REF_DEPTH][p] =
+            (float)(s->input[REF_DEPTH][p] * (1.0 - nearer[i % NEARER]));
+    stress_run(s);
+    ref_planes split = stage_read(s, HBIL_STAGE_SPLIT);
+    ref_planes got = stage_read(s, HBIL_STAGE_GATHERED);
+    for (int y = 0; y < HEIGHT; ++y)
+      for (int x = 0; x < WIDTH; ++x) {
+        if (!(*ref_at(&split, HBIL_SPLIT_W, x, y) > 0.0))
+          continue;
+        const double off = fabs(*ref_at(&got, HBIL_LIGHT_AO, x, y) -
+                                one_sample_ao(s, &split, x, y));
+        worst = fmax(worst, isfinite(off) ? off : INFINITY);
+        mean += off;
+        count += 1.0;
+      }
+    ref_planes_free(&split);
+    ref_planes_free(&got);
+    /* the kernel lowers the sample by 2^-22 of its inverse depth: over a pixel,
+     * 1/42 of a slope here, 1e-5 of the cotangent (measured: 7.8e-6) */
+    check_case("AO against long double", worst, 1e-5);
+  }
+  if (getenv("HBIL_TEST_VERBOSE"))
+    print_message("horizons | gather: AO | %.3g | %.3g\n", worst * 0x1p24,
+                  mean / count * 0x1p24);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(kernels_are_near_double),
+      cmocka_unit_test(cameras_of_all_kinds_are_near_double),
+      cmocka_unit_test(horizons_from_the_tangent_plane_to_the_zenith),
+  };
+  stress_read_effort();
+  return RUN_WITH_DEVICE(tests);
+}

@@ -1,0 +1,42 @@
+/*
+ * cmocka, and measures of how far planes of numbers are apart.
+ */
+#ifndef HBIL_TEST_COMPARE_H
+#define HBIL_TEST_COMPARE_H
+
+/* cmocka.h needs the first four. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "test/reference.h"
+
+/* Fails when `value` is above the limit or not a number; with HBIL_TEST_VERBOSE
+ * in the environment, prints it. */
+void check_at_most(const char *what, double value, double limit);
+
+/* The measures below look at planes [first, first + count). */
+
+/* Root of the mean squared difference, relative to the root mean square of
+ * `want`; infinite when `got` holds a value that is not finite. */
+double relative_rmse(const ref_planes *got, const ref_planes *want, int first,
+                     int count);
+/* Largest difference; infinite when one is not finite. */
+double largest_error(const ref_planes *got, const ref_planes *want, int first,
+                     int count);
+/* Largest absolute value. */
+double largest_value(const ref_planes *planes, int first, int count);
+/* Number of values in all planes that differ. */
+size_t count_different(const ref_planes *got, const ref_planes *want);
+/* Number of values in all planes together. */
+size_t count_values(const ref_planes *planes);
+
+#endif

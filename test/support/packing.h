@@ -1,0 +1,32 @@
+/*
+ * The words of HBIL_STORAGE_PACKED in double precision, written from their
+ * description in hbil_shared.h alone.
+ */
+#ifndef HBIL_TEST_PACKING_H
+#define HBIL_TEST_PACKING_H
+
+#include <stdint.h>
+
+#include "test/reference.h"
+
+/* A unit vector as an octahedral word, and back. */
+uint32_t encode_normal(const double n[3]);
+void decode_normal(uint32_t word, double n[3]);
+/* The value of one step of a mantissa of `bits` bits where `most` is the
+ * largest channel. */
+double packed_unit(double most, int bits);
+
+/* A pixel's words, and the values that HBIL_STORAGE_FLOAT32 has in their
+ * place. */
+typedef struct packed_pixel {
+  uint32_t word[4];
+  double value[HBIL_GATHERED_PLANES];
+} packed_pixel;
+
+void decode_split(packed_pixel *p);
+void encode_split(packed_pixel *p);
+void decode_gathered(packed_pixel *p);
+/* The pixel's place decides its dither. */
+void encode_gathered(packed_pixel *p, int x, int y);
+
+#endif

@@ -1,0 +1,185 @@
+#include "test/support/stages.h"
+
+#include "test/support/packing.h"
+
+/* A stage's buffer, copied to the host. */
+typedef struct stage_bytes {
+  hbil_buffer b;
+  hbil_stage stage;
+  size_t size;
+  float *floats;
+  int weight; /* index of the plane of single slices' weights; 0: none */
+} stage_bytes;
+
+static stage_bytes stage_open(setup *s, hbil_stage stage) {
+  stage_bytes t;
+  assert_success(s, hbil_plan_buffer(s->plan, stage, &t.b));
+  t.stage = stage;
+  t.weight = 0;
+  if (stage == HBIL_STAGE_GATHERED && ref_weighs_slices(&s->config))
+    t.weight = (int)--t.b.values;
+  t.floats = (float *)(void *)buffer_bytes(s->device, t.b.buffer, &t.size);
+  return t;
+}
+
+static float *stage_at(const stage_bytes *t, int plane, int x, int y) {
+  const hbil_buffer *b = &t->b;
+  const size_t i = (size_t)x, j = (size_t)y;
+  size_t at = (size_t)plane * b->plane_pitch + b->origin;
+  if (t->stage == HBIL_STAGE_SPLIT || t->stage == HBIL_STAGE_GATHERED)
+    at += (4 * (j % 4) + i % 4) * b->layer_pitch + j / 4 * b->row_pitch + i / 4;
+  else
+    at += j * b->row_pitch + i;
+  assert_true(at < t->size / sizeof(float));
+  return t->floats + at;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Packed stages                                                             */
+
+static bool is_packed(const setup *s, hbil_stage stage) {
+  return s->config.storage != HBIL_STORAGE_FLOAT32 &&
+         (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED);
+}
+
+/* The number of planes that FLOAT32 would have in place of so many words. */
+static int plain_planes(const setup *s, hbil_stage stage, int words) {
+  bool unknown = s->config.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
+                 s->config.facing_fade[1] > -1.0f;
+  if (stage == HBIL_STAGE_SPLIT)
+    return words > HBIL_PACKED_RADIANCE ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED;
+  if (words == 1)
+    return HBIL_LIGHT_RED;
+  if (unknown)
+    return HBIL_LIGHT_UNKNOWN + 1;
+  return words == HBIL_PACKED_BENT ? HBIL_LIGHT_BENT : HBIL_LIGHT_PLANES;
+}
+
+static packed_pixel packed_at(const stage_bytes *t, int x, int y) {
+  packed_pixel p = {{0, 0, 0, 0}, {0.0}};
+  for (int i = 0; i < (int)t->b.values; ++i)
+    memcpy(p.word + i, stage_at(t, i, x, y), sizeof(*p.word));
+  if (t->stage == HBIL_STAGE_SPLIT)
+    decode_split(&p);
+  else
+    decode_gathered(&p);
+  return p;
+}
+
+static void read_packed(const stage_bytes *t, const ref_planes *out) {
+  for (int y = 0; y < out->height; ++y)
+    for (int x = 0; x < out->width; ++x) {
+      packed_pixel p = packed_at(t, x, y);
+      for (int i = 0; i < out->count; ++i)
+        *ref_at(out, i, x, y) = p.value[i];
+    }
+}
+
+static void write_packed(const stage_bytes *t, const ref_planes *planes) {
+  for (int y = 0; y < planes->height; ++y)
+    for (int x = 0; x < planes->width; ++x) {
+      packed_pixel p = packed_at(t, x, y);
+      for (int i = 0; i < planes->count; ++i)
+        p.value[i] = *ref_at(planes, i, x, y);
+      if (t->stage == HBIL_STAGE_SPLIT)
+        encode_split(&p);
+      else
+        encode_gathered(&p, x, y);
+      for (int i = 0; i < (int)t->b.values; ++i)
+        memcpy(stage_at(t, i, x, y), p.word + i, sizeof(*p.word));
+    }
+}
+
+/* ------------------------------------------------------------------------ */
+
+ref_planes stage_read(setup *s, hbil_stage stage) {
+  stage_bytes t = stage_open(s, stage);
+  int count = (int)t.b.values;
+  ref_planes out;
+  if (is_packed(s, stage))
+    count = plain_planes(s, stage, count);
+  if (t.weight)
+    count = HBIL_GATHERED_PLANES;
+  out = ref_planes_new((int)s->config.width, (int)s->config.height, count);
+  if (is_packed(s, stage))
+    read_packed(&t, &out);
+  else
+    for (int p = 0; p < (int)t.b.values; ++p)
+      for (int y = 0; y < out.height; ++y)
+        for (int x = 0; x < out.width; ++x)
+          *ref_at(&out, p, x, y) = (double)*stage_at(&t, p, x, y);
+  for (int y = 0; t.weight && y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x)
+      *ref_at(&out, HBIL_LIGHT_WEIGHT, x, y) =
+          (double)*stage_at(&t, t.weight, x, y);
+  free(t.floats);
+  return out;
+}
+
+void stage_write(setup *s, hbil_stage stage, const ref_planes *planes) {
+  stage_bytes t = stage_open(s, stage);
+  int count = planes->count < (int)t.b.values ? planes->count : (int)t.b.values;
+  if (is_packed(s, stage))
+    write_packed(&t, planes);
+  else
+    for (int p = 0; p < count; ++p)
+      for (int y = 0; y < planes->height; ++y)
+        for (int x = 0; x < planes->width; ++x)
+          *stage_at(&t, p, x, y) = (float)*ref_at(planes, p, x, y);
+  for (int y = 0; t.weight && y < planes->height; ++y)
+    for (int x = 0; x < planes->width; ++x)
+      *stage_at(&t, t.weight, x, y) =
+          (float)*ref_at(planes, HBIL_LIGHT_WEIGHT, x, y);
+  buffer_write(s->device, t.b.buffer, 0, t.size, t.floats);
+  free(t.floats);
+}
+
+ref_planes stage_gathered(setup *s) {
+  setup_run(s, hbil_enqueue_split);
+  setup_run(s, hbil_enqueue_gather);
+  return stage_read(s, HBIL_STAGE_GATHERED);
+}
+
+ref_planes stage_gathered_mean(setup *s, int frames) {
+  ref_planes sum = {0, 0, 0, NULL};
+  setup_run(s, hbil_enqueue_split);
+  for (int frame = 0; frame < frames; ++frame) {
+    s->frame.frame_index = (cl_uint)frame;
+    setup_run(s, hbil_enqueue_gather);
+    ref_planes one = stage_read(s, HBIL_STAGE_GATHERED);
+    if (frame == 0)
+      sum = ref_planes_new(one.width, one.height, one.count);
+    for (size_t i = 0; i < count_values(&one); ++i)
+      sum.values[i] += one.values[i] / frames;
+    ref_planes_free(&one);
+  }
+  return sum;
+}
+
+ref_planes expected_split(const setup *s) {
+  ref_planes split = ref_planes_new((int)s->config.width, (int)s->config.height,
+                                    HBIL_SPLIT_PLANES);
+  ref_split(&s->job, NULL, &split);
+  return split;
+}
+
+/* how: NULL for the plan's samples. */
+static ref_planes gather(const setup *s, const ref_dense *how) {
+  ref_planes split = expected_split(s);
+  ref_planes out =
+      ref_planes_new(split.width, split.height, HBIL_GATHERED_PLANES);
+  if (how)
+    ref_gather_dense(&s->job, &split, how, &out);
+  else
+    ref_gather(&s->job, &split, &out);
+  ref_planes_free(&split);
+  return out;
+}
+
+ref_planes expected_gathered(const setup *s) {
+  return gather(s, NULL);
+}
+
+ref_planes expected_gathered_densely(const setup *s, const ref_dense *how) {
+  return gather(s, how);
+}

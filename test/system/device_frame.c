@@ -1,0 +1,181 @@
+/*
+ * A fixed pair of frames through every pass, on whatever device there is: for
+ * test_devices.sh, which runs it under other implementations of OpenCL.
+ *
+ *   device_frame PLAN OUT          writes the outputs
+ *   device_frame PLAN OUT WITH     and holds them against another device's
+ *
+ * PLAN: scatter or motion, two plans that have hardly a kernel in common; or
+ * still, scatter's with two still frames more, of which the first keeps form
+ * factors of some rows, and the second uses them.
+ * The width is 1 everywhere: the form that all devices can run.
+ */
+#define _GNU_SOURCE /* RTLD_NEXT */
+#include "test/support/fixture.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+
+/* Motion's ends within a work-item's pixels; scatter's with them, since
+ * oclgrind looks for what nothing has set: beyond the end it is read, and
+ * masked. */
+enum { WIDTH_OF_MOTION = 29, WIDTH_OF_SCATTER = 32, HEIGHT = 18 };
+
+/* RMSE of an output over its mean that another device's roundings may make: the
+ * requirement. */
+#define LIMIT 1e-4
+
+static void write_planes(const char *path, const ref_planes *planes) {
+  const size_t count =
+      (size_t)planes->count * (size_t)(planes->width * planes->height);
+  FILE *file = fopen(path, "wb");
+  assert_non_null(file);
+  assert_int_equal(fwrite(planes->values, sizeof(double), count, file), count);
+  assert_int_equal(fclose(file), 0);
+}
+
+static ref_planes read_planes(const char *path, int width) {
+  ref_planes planes = ref_planes_new(width, HEIGHT, REF_OUTPUT_PLANES);
+  const size_t count = (size_t)(REF_OUTPUT_PLANES * width * HEIGHT);
+  FILE *file = fopen(path, "rb");
+  assert_non_null(file);
+  assert_int_equal(fread(planes.values, sizeof(double), count, file), count);
+  fclose(file);
+  return planes;
+}
+
+static void compare(const ref_planes *got, const char *path) {
+  ref_planes want = read_planes(path, got->width);
+  for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
+    check_at_most(
+        plane_name(id),
+        relative_rmse(got, &want, plane_first(id), plane_channels(id)), LIMIT);
+  ref_planes_free(&want);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Filling                                                                   */
+
+/* oclgrind 21.10 takes what has been filled for uninitialised, whatever is
+ * stored there later, and so it does with what is written behind the beginning
+ * of a buffer: there, buffers are filled by writing all of them. */
+static bool filling_by_writing;
+
+typedef __typeof__(&clEnqueueFillBuffer) fill_function;
+
+/* libOpenCL's.  An object pointer is no function pointer in C, but POSIX says
+ * it will do. */
+static fill_function next_fill(void) {
+  return ((union {
+           void *object;
+           fill_function function;
+         }){.object = dlsym(RTLD_NEXT, "clEnqueueFillBuffer")})
+      .function;
+}
+
+/* The library's calls come here: a program's own definitions are before those
+ * of libOpenCL. */
+CL_API_ENTRY cl_int CL_API_CALL clEnqueueFillBuffer(
+    cl_command_queue queue, cl_mem buffer, const void *pattern,
+    size_t pattern_size, size_t offset, size_t size, cl_uint wait_count,
+    const cl_event *wait_list, cl_event *event) {
+  if (!filling_by_writing)
+    return next_fill()(queue, buffer, pattern, pattern_size, offset, size,
+                       wait_count, wait_list, event);
+  size_t all = 0;
+  cl_int error =
+      clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof all, &all, NULL);
+  unsigned char *bytes = malloc(all);
+  assert_non_null(bytes);
+  if (error == CL_SUCCESS && size < all)
+    error = clEnqueueReadBuffer(queue, buffer, CL_TRUE, 0, all, bytes,
+                                wait_count, wait_list, NULL);
+  for (size_t at = 0; at < size; at += pattern_size)
+    memcpy(bytes + offset + at, pattern, pattern_size);
+  if (error == CL_SUCCESS)
+    error = clEnqueueWriteBuffer(queue, buffer, CL_TRUE, 0, all, bytes,
+                                 wait_count, wait_list, event);
+  free(bytes);
+  return error;
+}
+
+/* ------------------------------------------------------------------------ */
+
+static void name_device(void) {
+  char name[256] = "";
+  clGetDeviceInfo(shared_device.id, CL_DEVICE_NAME, sizeof name - 1, name,
+                  NULL);
+  printf("%s\n", name);
+  fflush(stdout);
+  filling_by_writing = strstr(name, "Oclgrind");
+}
+
+/* Nothing that a rounding may tip over to another step: no dither, no sample
+ * whose light is the last one's. */
+static void configure(setup *s, bool motion) {
+  if (motion)
+    setup_every_pass(s, HBIL_REPROJECTION_MOTION, 1, WIDTH_OF_MOTION, HEIGHT);
+  else
+    setup_every_pass(s, HBIL_REPROJECTION_SCATTER, 1, WIDTH_OF_SCATTER, HEIGHT);
+  s->config.storage = HBIL_STORAGE_FLOAT32;
+  if (!motion)
+    return;
+  s->config.max_error[0] = 0.3f;
+  s->config.back_facing_fallback = HBIL_FALLBACK_BLACK;
+  s->config.far_field = HBIL_FAR_SH;
+  s->config.feedback = HBIL_FEEDBACK_RADIANCE;
+  s->config.radius = 3.0f;
+  s->config.extrapolate = CL_FALSE;
+  s->config.depth_kind = HBIL_DEPTH_RAY;
+  s->config.bent_normal_space = HBIL_SPACE_WORLD;
+  for (int i = 0; i < 9; ++i)
+    for (int c = 0; c < 3; ++c)
+      s->frame.environment[i][c] = i ? 0.1f * (float)(i - c) : 2.0f;
+}
+
+static void stand_still(setup *s) {
+  hbil_statistics skipped;
+  s->frame.static_frame = CL_TRUE;
+  for (int i = 0; i < 2; ++i)
+    setup_run(s, hbil_enqueue_frame);
+  assert_success(s, hbil_plan_statistics(s->plan, s->device->queue, &skipped));
+  assert_in_range(skipped.by_factors.pixels, 1,
+                  skipped.all.pixels - skipped.sky.pixels - 1);
+}
+
+static const char *plan, *out_path, *with_path;
+
+static void frames(void **state) {
+  setup s;
+  ref_planes out;
+  (void)state;
+  name_device();
+  configure(&s, strcmp(plan, "motion") == 0);
+  if (strcmp(plan, "still") == 0)
+    setup_cache_rows(&s, 3, 5);
+  setup_start(&s);
+  setup_run(&s, hbil_enqueue_frame);
+  setup_load_scene(&s, SCENE_ROOM, 1);
+  setup_upload(&s);
+  setup_run(&s, hbil_enqueue_frame);
+  if (strcmp(plan, "still") == 0)
+    stand_still(&s);
+  out = outputs_read(&s);
+  write_planes(out_path, &out);
+  if (with_path)
+    compare(&out, with_path);
+  ref_planes_free(&out);
+  setup_free(&s);
+}
+
+int main(int argc, char **argv) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(frames)};
+  if (argc < 3 || argc > 4) {
+    fprintf(stderr, "usage: device_frame scatter|motion|still OUT [WITH]\n");
+    return 2;
+  }
+  plan = argv[1];
+  out_path = argv[2];
+  with_path = argv[3];
+  return RUN_WITH_DEVICE(tests);
+}

@@ -1,0 +1,421 @@
+/*
+ * Whole frames: the sequence end to end, and the promises about queues,
+ * events and plans.
+ */
+#include "test/support/fixture.h"
+
+#include <pthread.h>
+
+static void check_sequence(setup *s, scene_kind kind, int frames) {
+  ref_state reference;
+  ref_state_init(&reference, (int)s->config.width, (int)s->config.height);
+  setup_all_outputs(s);
+  setup_start(s);
+  for (int i = 0; i < frames; ++i) {
+    setup_load_scene(s, kind, (uint32_t)i);
+    s->frame.frame_index = (cl_uint)i;
+    setup_upload(s);
+    setup_run(s, hbil_enqueue_frame);
+    ref_frame(&reference, &s->job);
+    check_frame_outputs(s, &reference.out);
+  }
+  ref_state_free(&reference);
+  setup_free(s);
+}
+
+static void even_sky(setup *s) {
+  s->config.far_field = HBIL_FAR_CONSTANT;
+  for (int c = 0; c < 3; ++c)
+    s->frame.environment[0][c] = 0.5f + (float)c;
+}
+
+static void scattered_sequences_match(void **state) {
+  setup s;
+  (void)state;
+  setup_scene(&s, SCENE_ROOM, 160, 90, 0);
+  check_sequence(&s, SCENE_ROOM, 4);
+  setup_scene(&s, SCENE_SKY, 17, 31, 0);
+  even_sky(&s);
+  check_sequence(&s, SCENE_SKY, 4);
+}
+
+static void sequences_that_follow_motion_match(void **state) {
+  setup s;
+  (void)state;
+  setup_scene(&s, SCENE_ROOM, 160, 90, 0);
+  s.config.reprojection = HBIL_REPROJECTION_MOTION;
+  s.config.feedback = HBIL_FEEDBACK_RADIANCE;
+  check_sequence(&s, SCENE_ROOM, 4);
+  setup_scene(&s, SCENE_SKY, 17, 31, 0);
+  s.config.reprojection = HBIL_REPROJECTION_MOTION;
+  even_sky(&s);
+  check_sequence(&s, SCENE_SKY, 4);
+}
+
+static void sequences_without_history_match(void **state) {
+  setup s;
+  (void)state;
+  setup_scene(&s, SCENE_SKY, 160, 90, 0);
+  s.config.reprojection = HBIL_REPROJECTION_NONE;
+  s.config.radius = 2.0f;
+  even_sky(&s);
+  check_sequence(&s, SCENE_SKY, 2);
+}
+
+/* Through every pass. */
+static void orthographic_sequences_match(void **state) {
+  (void)state;
+  for (int i = 0; i < 3; ++i) {
+    setup s;
+    setup_scene(&s, i ? SCENE_ROOM : SCENE_SKY, 97, 54, 0);
+    s.config.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
+    if (i == 1) {
+      s.config.reprojection = HBIL_REPROJECTION_MOTION;
+      s.config.far_field = HBIL_FAR_FRAME;
+      s.config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+    }
+    if (i == 2) {
+      s.config.vector_width = 1;
+      s.config.disocclusion_threshold = 0.3f;
+      s.config.far_field = HBIL_FAR_SH;
+      for (int k = 0; k < 9; ++k)
+        s.frame.environment[k][k % 3] = 1.0f / (float)(1 + k);
+    }
+    check_sequence(&s, i ? SCENE_ROOM : SCENE_SKY, 3);
+  }
+}
+
+static void tiny_images_match(void **state) {
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    setup s;
+    setup_scene(&s, SCENE_ROOM, i ? 3 : 1, i ? 5 : 1, 0);
+    check_sequence(&s, SCENE_ROOM, 3);
+  }
+}
+
+/* ------------------------------------------------------------------------ */
+/* The same bits whichever way it is enqueued                                */
+
+#define WIDTH 64
+#define HEIGHT 37
+
+static void start_small(setup *s, device_fixture *d) {
+  setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
+  s->device = d;
+  setup_all_outputs(s);
+  s->config.far_field = HBIL_FAR_SH;
+  s->frame.environment[0][1] = 1.0f;
+  setup_start(s);
+}
+
+static void frame_at_once(setup *s) {
+  setup_run(s, hbil_enqueue_frame);
+}
+
+static enqueue_function *const passes[] = {
+    hbil_enqueue_reproject, hbil_enqueue_push_pull, hbil_enqueue_split,
+    hbil_enqueue_gather,    hbil_enqueue_recompose, hbil_enqueue_composite};
+#define PASSES (sizeof(passes) / sizeof(*passes))
+
+static void pass_by_pass(setup *s) {
+  for (size_t i = 0; i < PASSES; ++i)
+    setup_run(s, passes[i]);
+}
+
+/* No waiting between the passes but for events. */
+static void chained_out_of_order(setup *s) {
+  cl_int error;
+  cl_event last = NULL;
+  cl_command_queue queue =
+      clCreateCommandQueue(s->device->context, s->device->id,
+                           CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &error);
+  assert_int_equal(error, CL_SUCCESS);
+  for (size_t i = 0; i < PASSES; ++i) {
+    cl_event event = NULL;
+    assert_success(s, passes[i](s->plan, queue, &s->frame, last ? 1 : 0,
+                                last ? &last : NULL, &event));
+    assert_non_null(event);
+    if (last)
+      clReleaseEvent(last);
+    last = event;
+  }
+  assert_int_equal(clWaitForEvents(1, &last), CL_SUCCESS);
+  clReleaseEvent(last);
+  clReleaseCommandQueue(queue);
+}
+
+static void frame_out_of_order(setup *s) {
+  cl_int error;
+  cl_event event = NULL;
+  cl_command_queue queue =
+      clCreateCommandQueue(s->device->context, s->device->id,
+                           CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &error);
+  assert_int_equal(error, CL_SUCCESS);
+  assert_success(
+      s, hbil_enqueue_frame(s->plan, queue, &s->frame, 0, NULL, &event));
+  assert_int_equal(clWaitForEvents(1, &event), CL_SUCCESS);
+  clReleaseEvent(event);
+  clReleaseCommandQueue(queue);
+}
+
+/* Outputs of the third frame. */
+static ref_planes third_frame(device_fixture *d, void (*enqueue)(setup *)) {
+  setup s;
+  ref_planes out;
+  start_small(&s, d);
+  for (uint32_t i = 0; i < 3; ++i) {
+    setup_load_scene(&s, SCENE_ROOM, i);
+    setup_upload(&s);
+    enqueue(&s);
+  }
+  out = outputs_read(&s);
+  setup_free(&s);
+  return out;
+}
+
+static void check_same_bits(void (*enqueue)(setup *)) {
+  ref_planes want = third_frame(&shared_device, frame_at_once);
+  ref_planes got = third_frame(&shared_device, enqueue);
+  assert_int_equal(count_different(&got, &want), 0);
+  ref_planes_free(&want);
+  ref_planes_free(&got);
+}
+
+static void a_second_run_gives_the_same_bits(void **state) {
+  (void)state;
+  check_same_bits(frame_at_once);
+}
+
+static void passes_one_by_one_give_the_same_bits(void **state) {
+  (void)state;
+  check_same_bits(pass_by_pass);
+}
+
+static void passes_chained_by_events_give_the_same_bits(void **state) {
+  (void)state;
+  check_same_bits(chained_out_of_order);
+}
+
+static void an_out_of_order_queue_gives_the_same_bits(void **state) {
+  (void)state;
+  check_same_bits(frame_out_of_order);
+}
+
+static void two_contexts_do_not_disturb_each_other(void **state) {
+  device_fixture other = device_open();
+  setup a, b;
+  ref_planes first, second;
+  (void)state;
+  start_small(&a, &shared_device);
+  start_small(&b, &other);
+  for (uint32_t i = 0; i < 3; ++i) {
+    setup_load_scene(&a, SCENE_ROOM, i);
+    setup_load_scene(&b, SCENE_ROOM, i);
+    setup_upload(&a);
+    setup_upload(&b);
+    assert_success(&a, hbil_enqueue_frame(a.plan, shared_device.queue, &a.frame,
+                                          0, NULL, NULL));
+    setup_run(&b, hbil_enqueue_frame);
+    assert_int_equal(clFinish(shared_device.queue), CL_SUCCESS);
+  }
+  first = outputs_read(&a);
+  second = outputs_read(&b);
+  assert_int_equal(count_different(&first, &second), 0);
+  ref_planes_free(&first);
+  ref_planes_free(&second);
+  setup_free(&a);
+  setup_free(&b);
+  device_close(&other);
+}
+
+/* A thread's own context, plan and queue. */
+static void *third_frame_alone(void *out) {
+  device_fixture own = device_open();
+  *(ref_planes *)out = third_frame(&own, frame_at_once);
+  device_close(&own);
+  return NULL;
+}
+
+static void two_threads_at_once_do_not_disturb_each_other(void **state) {
+  ref_planes want = third_frame(&shared_device, frame_at_once);
+  (void)state;
+  for (int round = 0; round < 4; ++round) {
+    pthread_t thread[2];
+    ref_planes got[2];
+    for (int i = 0; i < 2; ++i)
+      assert_int_equal(
+          pthread_create(&thread[i], NULL, third_frame_alone, &got[i]), 0);
+    for (int i = 0; i < 2; ++i) {
+      assert_int_equal(pthread_join(thread[i], NULL), 0);
+      assert_int_equal(count_different(&got[i], &want), 0);
+      ref_planes_free(&got[i]);
+    }
+  }
+  ref_planes_free(&want);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Events                                                                    */
+
+static cl_int status_of(cl_event event) {
+  cl_int status = CL_COMPLETE;
+  assert_int_equal(clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS,
+                                  sizeof(status), &status, NULL),
+                   CL_SUCCESS);
+  return status;
+}
+
+/* A pass that waits for a user event does not end before it. */
+static void check_waits(setup *s, enqueue_function *pass) {
+  cl_int error;
+  cl_event gate = clCreateUserEvent(s->device->context, &error), done = NULL;
+  assert_int_equal(error, CL_SUCCESS);
+  assert_success(s,
+                 pass(s->plan, s->device->queue, &s->frame, 1, &gate, &done));
+  assert_int_equal(clFlush(s->device->queue), CL_SUCCESS);
+  assert_int_not_equal(status_of(done), CL_COMPLETE);
+  assert_int_equal(clSetUserEventStatus(gate, CL_COMPLETE), CL_SUCCESS);
+  assert_int_equal(clWaitForEvents(1, &done), CL_SUCCESS);
+  assert_int_equal(status_of(done), CL_COMPLETE);
+  clReleaseEvent(gate);
+  clReleaseEvent(done);
+}
+
+static void wait_lists_are_honoured(void **state) {
+  setup s;
+  (void)state;
+  start_small(&s, &shared_device);
+  for (int round = 0; round < 2; ++round) { /* without and with a history */
+    for (size_t i = 0; i < PASSES; ++i)
+      check_waits(&s, passes[i]);
+    check_waits(&s, hbil_enqueue_frame);
+  }
+  setup_free(&s);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Histories                                                                 */
+
+static void a_reset_plan_begins_anew(void **state) {
+  setup s;
+  ref_planes first, again, second;
+  (void)state;
+  start_small(&s, &shared_device);
+  setup_run(&s, hbil_enqueue_frame);
+  first = outputs_read(&s);
+  setup_run(&s, hbil_enqueue_frame);
+  second = outputs_read(&s);
+  hbil_plan_reset(s.plan);
+  setup_run(&s, hbil_enqueue_frame);
+  again = outputs_read(&s);
+  assert_int_equal(count_different(&again, &first), 0);
+  assert_true(count_different(&second, &first) > 0); /* another bounce */
+  ref_planes_free(&first);
+  ref_planes_free(&second);
+  ref_planes_free(&again);
+  setup_free(&s);
+}
+
+static void every_frame_adds_a_bounce(void **state) {
+  setup s;
+  double before = 0.0;
+  (void)state;
+  start_small(&s, &shared_device);
+  for (int i = 0; i < 4; ++i) {
+    ref_planes out;
+    double sum = 0.0;
+    setup_run(&s, hbil_enqueue_frame);
+    out = outputs_read(&s);
+    for (int p = 0; p < 3 * WIDTH * HEIGHT; ++p)
+      sum += out.values[p];
+    assert_true(sum > before);
+    before = sum;
+    ref_planes_free(&out);
+  }
+  setup_free(&s);
+}
+
+static void the_first_frame_is_lit_by_direct_light(void **state) {
+  setup s;
+  ref_planes out;
+  (void)state;
+  start_small(&s, &shared_device);
+  setup_run(&s, hbil_enqueue_frame);
+  out = outputs_read(&s);
+  for (int i = 0; i < WIDTH * HEIGHT * REF_OUTPUT_PLANES; ++i)
+    assert_true(isfinite(out.values[i]));
+  assert_true(largest_value(&out, REF_NEAR, 3) > 0.0);
+  ref_planes_free(&out);
+  setup_free(&s);
+}
+
+/* Without light there is none, and occlusion stays what it was. */
+static void darkness_stays_dark(void **state) {
+  setup s;
+  ref_planes lit, dark;
+  (void)state;
+  start_small(&s, &shared_device);
+  setup_run(&s, hbil_enqueue_frame);
+  lit = outputs_read(&s);
+  for (int p = REF_DIRECT; p < REF_MOTION; ++p)
+    setup_fill(&s, p, 0.0f);
+  setup_upload(&s);
+  hbil_plan_reset(s.plan);
+  setup_run(&s, hbil_enqueue_frame);
+  dark = outputs_read(&s);
+  assert_true(largest_value(&dark, REF_NEAR, 3) == 0.0);
+  assert_true(largest_error(&dark, &lit, REF_AO, 5) == 0.0);
+  ref_planes_free(&lit);
+  ref_planes_free(&dark);
+  setup_free(&s);
+}
+
+static void timings_are_told_pass_by_pass(void **state) {
+  setup s;
+  device_fixture profiled = shared_device;
+  double ms[HBIL_PASS_COUNT];
+  cl_int error;
+  (void)state;
+  profiled.queue = clCreateCommandQueue(shared_device.context, shared_device.id,
+                                        CL_QUEUE_PROFILING_ENABLE, &error);
+  assert_int_equal(error, CL_SUCCESS);
+  setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
+  s.device = &profiled;
+  s.config.profiling = CL_TRUE;
+  setup_all_outputs(&s);
+  setup_start(&s);
+  setup_run(&s, hbil_enqueue_frame);
+  assert_success(&s, hbil_plan_timings(s.plan, ms));
+  assert_true(ms[HBIL_PASS_REPROJECT] == 0.0 && ms[HBIL_PASS_PUSH_PULL] == 0.0);
+  setup_run(&s, hbil_enqueue_frame);
+  assert_success(&s, hbil_plan_timings(s.plan, ms));
+  /* without hbil_config.temporal there is no such pass */
+  for (int i = 0; i < HBIL_PASS_COUNT; ++i)
+    assert_true(i == HBIL_PASS_TEMPORAL ? ms[i] == 0.0
+                                        : ms[i] > 0.0 && ms[i] < 1e5);
+  setup_free(&s);
+  clReleaseCommandQueue(profiled.queue);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(scattered_sequences_match),
+      cmocka_unit_test(sequences_that_follow_motion_match),
+      cmocka_unit_test(sequences_without_history_match),
+      cmocka_unit_test(orthographic_sequences_match),
+      cmocka_unit_test(tiny_images_match),
+      cmocka_unit_test(a_second_run_gives_the_same_bits),
+      cmocka_unit_test(passes_one_by_one_give_the_same_bits),
+      cmocka_unit_test(passes_chained_by_events_give_the_same_bits),
+      cmocka_unit_test(an_out_of_order_queue_gives_the_same_bits),
+      cmocka_unit_test(two_contexts_do_not_disturb_each_other),
+      cmocka_unit_test(two_threads_at_once_do_not_disturb_each_other),
+      cmocka_unit_test(wait_lists_are_honoured),
+      cmocka_unit_test(a_reset_plan_begins_anew),
+      cmocka_unit_test(every_frame_adds_a_bounce),
+      cmocka_unit_test(the_first_frame_is_lit_by_direct_light),
+      cmocka_unit_test(darkness_stays_dark),
+      cmocka_unit_test(timings_are_told_pass_by_pass)};
+  return RUN_WITH_DEVICE(tests);
+}

@@ -1,0 +1,214 @@
+/*
+ * The sampling pattern: directions spread evenly, no pixel looked at twice.
+ */
+#include "test/support/compare.h"
+#include "test/support/random.h"
+
+static hbil_pattern_args make_pattern(int slices, int samples, int lattice,
+                                      float growth) {
+  hbil_pattern_args p = {
+      slices, samples, HBIL_MAX_LEVELS, lattice, 1.6f, growth, 0.0f, 0.0f};
+  return p;
+}
+
+static hbil_view_args make_view(int width, int height) {
+  hbil_view_args v = {width,
+                      height,
+                      (float)width / 1.6f,
+                      (float)width / 1.6f,
+                      0.5f * (float)width,
+                      0.5f * (float)height,
+                      1.6f / (float)width,
+                      1.6f / (float)width};
+  return v;
+}
+
+static void cos_and_sin_are_accurate(void **state) {
+  double worst = 0.0;
+  const int steps = 100000;
+  (void)state;
+  for (int i = 0; i < steps; ++i) {
+    float v = (float)i / (float)steps, c, s;
+    hbil_cos_sin_pi(v, &c, &s);
+    worst = fmax(worst, fabs((double)c - cos(PI * (double)v)));
+    worst = fmax(worst, fabs((double)s - sin(PI * (double)v)));
+  }
+  check_at_most("cos, sin of pi v", worst, 2e-7); /* header: 1e-7 + rounding */
+}
+
+static int ascending(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Largest deviation of the sorted directions from equal steps. */
+static double unevenness(int slices, float turn) {
+  double angle[16 * 32], worst = 0.0;
+  hbil_pattern_args p = make_pattern(slices, 8, 1, 3.0f);
+  int count = 16 * slices;
+  p.turn = turn;
+  for (int i = 0; i < count; ++i) {
+    float x, y;
+    hbil_slice_direction(i % 16, i / 16, p, &x, &y);
+    worst = fmax(worst, fabs(hypot((double)x, (double)y) - 1.0));
+    angle[i] = atan2((double)y, (double)x);
+  }
+  qsort(angle, (size_t)count, sizeof(*angle), ascending);
+  for (int i = 1; i < count; ++i)
+    worst = fmax(worst, fabs(angle[i] - angle[i - 1] - PI / count));
+  return worst;
+}
+
+static void directions_of_a_block_are_equally_spaced(void **state) {
+  const int slices[] = {1, 2, 3, 4, 32};
+  (void)state;
+  for (size_t i = 0; i < sizeof(slices) / sizeof(*slices); ++i) {
+    /* derived: a few roundings of numbers up to pi */
+    check_at_most("spacing", unevenness(slices[i], 0.0f), 1e-6);
+    check_at_most("turned spacing", unevenness(slices[i], 0.6457513f), 1e-6);
+  }
+}
+
+static void slots_are_permutations(void **state) {
+  unsigned directions = 0, shifts = 0;
+  (void)state;
+  for (int layer = 0; layer < HBIL_LAYERS; ++layer) {
+    directions |= 1u << hbil_direction_slot(layer);
+    shifts |= 1u << hbil_shift_slot(layer);
+  }
+  assert_int_equal(directions, 0xffff);
+  assert_int_equal(shifts, 0xffff);
+}
+
+/* Offsets of one half-slice: distinct lattice points, ever farther out. */
+static void check_half_slice(int layer, int level, float ux, float uy,
+                             hbil_view_args v, hbil_pattern_args p) {
+  int before = 0;
+  for (int k = 0; k < p.samples; ++k) {
+    int x, y, major;
+    hbil_sample_offset(layer, k, level, ux, uy, v, p, &x, &y);
+    major = abs(x) > abs(y) ? abs(x) : abs(y);
+    if (major <= before)
+      fail_msg("%dx%d, layer %d, level %d, growth %g: sample %d is %d away, "
+               "the one before %d",
+               v.width, v.height, layer, level, (double)p.growth, k, major,
+               before);
+    assert_true(major >= (k + 1) * p.lattice);
+    assert_true(x % p.lattice == 0 && y % p.lattice == 0);
+    before = major;
+  }
+}
+
+static void check_samples(int width, int height, hbil_pattern_args p) {
+  hbil_view_args v = make_view(width, height);
+  for (int i = 0; i < HBIL_LAYERS * p.slices; ++i)
+    for (int level = 0; level < 6; ++level) {
+      float ux, uy;
+      hbil_slice_direction(i % 16, i / 16, p, &ux, &uy);
+      check_half_slice(i % 16, level, ux, uy, v, p);
+      check_half_slice(i % 16, level, -ux, -uy, v, p);
+    }
+}
+
+static void samples_are_distinct_and_ever_farther(void **state) {
+  const int sizes[][2] = {{1, 1}, {17, 31}, {640, 360}};
+  const int samples[] = {1, 8, 64};
+  const float growths[] = {0.0f, 3.0f, 64.0f};
+  (void)state;
+  for (int i = 0; i < 54; ++i) {
+    hbil_pattern_args p =
+        make_pattern(2, samples[i / 3 % 3], i / 9 % 2 ? 4 : 1, growths[i % 3]);
+    check_samples(sizes[i / 18][0], sizes[i / 18][1], p);
+    p.turn = 0.3f;
+    p.shift = 0.77f;
+    check_samples(sizes[i / 18][0], sizes[i / 18][1], p);
+  }
+}
+
+static void the_last_sample_gets_to_the_edge(void **state) {
+  hbil_view_args v = make_view(640, 360);
+  hbil_pattern_args p = make_pattern(1, 8, 1, 3.0f);
+  (void)state;
+  for (int layer = 0; layer < HBIL_LAYERS; ++layer) {
+    float ux, uy, size;
+    int x, y;
+    hbil_slice_direction(layer, 0, p, &ux, &uy);
+    hbil_sample_offset(layer, 7, 0, ux, uy, v, p, &x, &y);
+    size = fmaxf((float)abs(x) / 640.0f, (float)abs(y) / 360.0f);
+    /* derived: t >= 7/8, growth 3: 0.875 / 1.375 of the way, which ends
+     * 1.6 away from the pixel or, at worst, at 0.826 of that in x */
+    assert_true(size > 0.52f && size <= 1.01f);
+  }
+}
+
+static int span_of(int layer, int k, const hbil_view_args *v,
+                   hbil_pattern_args p) {
+  int x = 0, y = 0;
+  if (k >= 0)
+    hbil_sample_offset(layer, k < p.samples ? k : k - 1, 0, 1.0f, 0.0f, *v, p,
+                       &x, &y);
+  return hbil_offset_length(x, y);
+}
+
+/* Share of a direction's samples that are in both halves, over the 16 places
+ * that they may have along it; checks that no sample is in none. */
+static double shared_samples(const hbil_view_args *v, hbil_pattern_args p) {
+  int both = 0;
+  for (int layer = 0; layer < HBIL_LAYERS; ++layer)
+    for (int k = 0; k < p.samples; ++k) {
+      int halves =
+          hbil_sample_halves(layer, k, p.samples, span_of(layer, k - 1, v, p),
+                             span_of(layer, k + 1, v, p));
+      int own = k & 1 ? HBIL_HALF_ODD : HBIL_HALF_EVEN;
+      assert_true(halves & own);
+      both += halves != own;
+    }
+  return (double)both / (HBIL_LAYERS * p.samples);
+}
+
+/* Equal steps of 640 / samples pixels: of 1, all samples are in both halves;
+ * of more, the share of the pixels that are met. */
+static void as_many_samples_are_in_both_halves_as_pixels_are_met(void **state) {
+  const int samples[] = {640, 320, 128, 16};
+  (void)state;
+  for (int i = 0; i < 4; ++i) {
+    hbil_view_args v = make_view(640, 360);
+    hbil_pattern_args p = make_pattern(1, samples[i], 1, 0.0f);
+    double met = samples[i] / 640.0;
+    double shared = shared_samples(&v, p);
+    if (samples[i] == 640)
+      assert_true(shared == 1.0);
+    /* derived: a step is a pixel off at either end at most, two steps 2 of 2
+     * 640 / samples; a sixteenth for the layers; and the first step, which is
+     * shorter, one sample */
+    check_at_most("share", fabs(shared - met),
+                  met * met + 1.0 / 16.0 + 1.0 / samples[i]);
+  }
+}
+
+static void the_level_is_the_smallest_that_covers(void **state) {
+  random_state r = {7};
+  (void)state;
+  for (int i = 0; i < 10000; ++i) {
+    float reach = (float)(0.1 + 3.0 * random_unit(&r));
+    float need = (float)pow(2.0, 8.0 - 24.0 * random_unit(&r));
+    int level = hbil_level(reach, need, HBIL_MAX_LEVELS);
+    float covered = ldexpf(reach, -level);
+    assert_true(level >= 0 && level < HBIL_MAX_LEVELS);
+    assert_true(level == 0 || covered >= need);
+    assert_true(level == HBIL_MAX_LEVELS - 1 || 0.5f * covered < need);
+    assert_int_equal(hbil_level(reach, need, 1), 0);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(cos_and_sin_are_accurate),
+      cmocka_unit_test(directions_of_a_block_are_equally_spaced),
+      cmocka_unit_test(slots_are_permutations),
+      cmocka_unit_test(samples_are_distinct_and_ever_farther),
+      cmocka_unit_test(the_last_sample_gets_to_the_edge),
+      cmocka_unit_test(as_many_samples_are_in_both_halves_as_pixels_are_met),
+      cmocka_unit_test(the_level_is_the_smallest_that_covers)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

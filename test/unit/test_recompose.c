@@ -1,0 +1,131 @@
+/*
+ * From layers back to the image: the joint bilateral filter and the raw
+ * interleave.
+ */
+#include "test/support/random.h"
+#include "test/support/stages.h"
+
+/* Random light in the layers of a real scene; the sky is open and dark, as
+ * the gather leaves it. */
+static ref_planes plant_light(setup *s) {
+  random_state r = {17};
+  ref_planes light = ref_planes_new((int)s->config.width, (int)s->config.height,
+                                    HBIL_GATHERED_PLANES);
+  for (int i = 0; i < light.width * light.height * light.count; ++i) {
+    double value = random_unit(&r);
+    int pixels = light.width * light.height, plane = i / pixels;
+    light.values[i] =
+        (double)(float)(plane == HBIL_LIGHT_WEIGHT ? 0.05 + 3.0 * value
+                        : plane >= HBIL_LIGHT_BENT ? value - 0.5
+                                                   : value);
+    if (!(s->input[REF_DEPTH][i % pixels] > 0.0f))
+      light.values[i] = plane == HBIL_LIGHT_AO;
+  }
+  stage_write(s, HBIL_STAGE_GATHERED, &light);
+  return light;
+}
+
+static void check_recompose(scene_kind kind, int width, int height, bool raw,
+                            cl_uint slices) {
+  setup s;
+  ref_planes split, light, got, want;
+  setup_scene(&s, kind, width, height, 0);
+  s.config.unfiltered = raw;
+  s.config.slices = slices;
+  setup_start(&s);
+  setup_run(&s, hbil_enqueue_split);
+  light = plant_light(&s);
+  split = stage_read(&s, HBIL_STAGE_SPLIT);
+  want = ref_planes_new(width, height, HBIL_LIGHT_PLANES);
+  ref_recompose(&s.job, &split, &light, &want);
+  setup_run(&s, hbil_enqueue_recompose);
+  got = stage_read(&s, HBIL_STAGE_RESOLVED);
+  /* measured: 2.7e-6 and 1.2e-6 */
+  check_at_most("AO, E_near", largest_error(&got, &want, 0, HBIL_LIGHT_BENT),
+                1e-5);
+  check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3), 1e-5);
+  ref_planes_free(&split);
+  ref_planes_free(&light);
+  ref_planes_free(&got);
+  ref_planes_free(&want);
+  setup_free(&s);
+}
+
+static const int sizes[][2] = {{1, 1}, {3, 5}, {17, 31}, {160, 90}};
+
+static void the_filter_matches(void **state) {
+  (void)state;
+  for (int i = 0; i < 8; ++i)
+    check_recompose(i & 1 ? SCENE_SKY : SCENE_ROOM, sizes[i / 2][0],
+                    sizes[i / 2][1], false, 2);
+}
+
+/* A single slice's AO and light are quotients of sums; bent normals are none.
+ */
+static void slices_are_weighed(void **state) {
+  (void)state;
+  for (int i = 0; i < 8; ++i)
+    check_recompose(i & 1 ? SCENE_SKY : SCENE_ROOM, sizes[i / 2][0],
+                    sizes[i / 2][1], false, 1);
+}
+
+static void the_raw_interleave_matches(void **state) {
+  (void)state;
+  for (int i = 0; i < 4; ++i)
+    check_recompose(SCENE_SKY, sizes[i][0], sizes[i][1], true,
+                    1 + (cl_uint)i % 2);
+}
+
+static void a_large_image_matches(void **state) {
+  (void)state;
+  check_recompose(SCENE_ROOM, 640, 360, false, 2);
+}
+
+/* A mean of equal values is that value, whatever the weights. */
+static void check_even_light(cl_uint slices) {
+  setup s;
+  random_state r = {23};
+  ref_planes light, got;
+  setup_scene(&s, SCENE_ROOM, 64, 37, 0);
+  s.config.slices = slices;
+  setup_start(&s);
+  setup_run(&s, hbil_enqueue_split);
+  light = ref_planes_new(64, 37, HBIL_GATHERED_PLANES);
+  for (int i = 0; i < 64 * 37 * HBIL_LIGHT_BENT; ++i)
+    light.values[i] = 0.625;
+  for (int i = 0; i < 64 * 37; ++i)
+    *ref_at(&light, HBIL_LIGHT_WEIGHT, i % 64, i / 64) =
+        (double)(0.05f + (float)random_unit(&r));
+  stage_write(&s, HBIL_STAGE_GATHERED, &light);
+  setup_run(&s, hbil_enqueue_recompose);
+  got = stage_read(&s, HBIL_STAGE_RESOLVED);
+  for (int y = 0; y < 37; ++y)
+    for (int x = 0; x < 64; ++x)
+      for (int p = 0; p < HBIL_LIGHT_PLANES; ++p) {
+        bool sky = !(s.input[REF_DEPTH][y * 64 + x] > 0.0f);
+        double want = p >= HBIL_LIGHT_BENT ? 0.0 : 0.625;
+        if (sky)
+          want = p == HBIL_LIGHT_AO ? 1.0 : 0.0;
+        /* derived: sums of 25 terms */
+        assert_true(fabs(*ref_at(&got, p, x, y) - want) <= 2e-6);
+      }
+  ref_planes_free(&light);
+  ref_planes_free(&got);
+  setup_free(&s);
+}
+
+static void even_light_stays_even(void **state) {
+  (void)state;
+  check_even_light(2);
+  check_even_light(1);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(the_filter_matches),
+      cmocka_unit_test(slices_are_weighed),
+      cmocka_unit_test(the_raw_interleave_matches),
+      cmocka_unit_test(a_large_image_matches),
+      cmocka_unit_test(even_light_stays_even)};
+  return RUN_WITH_DEVICE(tests);
+}

@@ -1,0 +1,263 @@
+/*
+ * Light of the last frame in this one: the reference's very bits, in every form
+ * that the kernels have: vectors of pixels, whose bands have owners, and single
+ * ones, which need atomics.
+ */
+#include "test/support/random.h"
+#include "test/support/stages.h"
+
+static cl_uint tested; /* pixels a work-item, by the test that is running */
+
+static int take_width(void **state) {
+  tested = *(const cl_uint *)*state;
+  return 0;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Frames                                                                    */
+
+static const int sizes[][2] = {{1, 1}, {3, 5}, {17, 31}, {64, 36}};
+#define SIZES (sizeof(sizes) / sizeof(*sizes))
+
+static void prepare(setup *s, scene_kind kind, const int size[2],
+                    hbil_reprojection reprojection) {
+  setup_scene(s, kind, size[0], size[1], 0);
+  s->config.reprojection = reprojection;
+  s->config.vector_width = tested;
+  s->config.slices = 1;
+  s->config.steps_per_side = 2;
+}
+
+/* Frame 0 done, another one uploaded. */
+static void advance(setup *s, scene_kind kind, uint32_t next) {
+  setup_start(s);
+  setup_run(s, hbil_enqueue_frame);
+  s->job.previous = s->frame.camera;
+  setup_load_scene(s, kind, next);
+  setup_upload(s);
+}
+
+static ref_planes expected(setup *s) {
+  ref_planes history = stage_read(s, HBIL_STAGE_HISTORY);
+  ref_planes want = ref_planes_new(history.width, history.height, 4);
+  ref_reproject(&s->job, &history, &want);
+  ref_planes_free(&history);
+  return want;
+}
+
+static ref_planes reprojected(setup *s) {
+  setup_run(s, hbil_enqueue_reproject);
+  return stage_read(s, HBIL_STAGE_CARRIED);
+}
+
+/* Share of the pixels that carry something. */
+static double carried_share(const ref_planes *carried) {
+  double sum = 0.0;
+  for (int y = 0; y < carried->height; ++y)
+    for (int x = 0; x < carried->width; ++x)
+      sum += fmax(*ref_at(carried, HBIL_CARRIED_WEIGHT, x, y), 0.0);
+  return sum / (carried->width * carried->height);
+}
+
+static void assert_same_bits(const ref_planes *got, const ref_planes *want) {
+  size_t different = count_different(got, want);
+  if (different)
+    fail_msg("%dx%d: %zu values differ", want->width, want->height, different);
+}
+
+/* Compares several runs; on the large sizes at least `share` is carried. */
+static void check(setup *s, double share, int runs) {
+  ref_planes want = expected(s);
+  for (int run = 0; run < runs; ++run) {
+    ref_planes got = reprojected(s);
+    assert_same_bits(&got, &want);
+    ref_planes_free(&got);
+  }
+  if (want.width > 16)
+    assert_true(carried_share(&want) >= share);
+  ref_planes_free(&want);
+  setup_free(s);
+}
+
+static void scatter_matches_at_every_size(void **state) {
+  (void)state;
+  for (size_t i = 0; i < SIZES; ++i) {
+    setup s;
+    prepare(&s, SCENE_ROOM, sizes[i], HBIL_REPROJECTION_SCATTER);
+    advance(&s, SCENE_ROOM, 1);
+    check(&s, 0.3, 1);
+  }
+}
+
+static void motion_matches_at_every_size(void **state) {
+  (void)state;
+  for (size_t i = 0; i < SIZES; ++i) {
+    setup s;
+    prepare(&s, SCENE_ROOM, sizes[i], HBIL_REPROJECTION_MOTION);
+    advance(&s, SCENE_ROOM, 1);
+    check(&s, 0.3, 1);
+  }
+}
+
+/* The second has more rows than 16 a band. */
+static void scatter_matches_on_large_images(void **state) {
+  const int large[][2] = {{640, 360}, {160, 1100}};
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    setup s;
+    prepare(&s, SCENE_ROOM, large[i], HBIL_REPROJECTION_SCATTER);
+    advance(&s, SCENE_ROOM, 2);
+    check(&s, 0.3, 1);
+  }
+}
+
+/* What was a row is a column: each run lands in many bands. */
+static void scatter_matches_where_the_camera_rolls(void **state) {
+  const int size[2] = {200, 200};
+  setup s;
+  (void)state;
+  prepare(&s, SCENE_ROOM, size, HBIL_REPROJECTION_SCATTER);
+  s.config.disocclusion_threshold = INFINITY;
+  advance(&s, SCENE_ROOM, 0);
+  double *m = s.frame.camera.world_from_view;
+  for (int row = 0; row < 3; ++row) {
+    const double x = m[4 * row];
+    m[4 * row] = m[4 * row + 1];
+    m[4 * row + 1] = -x;
+  }
+  s.job.camera = s.frame.camera;
+  check(&s, 0.9, 1);
+}
+
+static void scatter_gives_the_same_bits_every_time(void **state) {
+  setup s;
+  (void)state;
+  prepare(&s, SCENE_SKY, sizes[3], HBIL_REPROJECTION_SCATTER);
+  advance(&s, SCENE_SKY, 3);
+  check(&s, 0.1, 5);
+}
+
+static void motion_gives_the_same_bits_every_time(void **state) {
+  setup s;
+  (void)state;
+  prepare(&s, SCENE_SKY, sizes[3], HBIL_REPROJECTION_MOTION);
+  advance(&s, SCENE_SKY, 3);
+  check(&s, 0.1, 5);
+}
+
+/* Ray distances, no test of depths, motion in other units. */
+static void other_settings_match(void **state) {
+  (void)state;
+  for (int i = 0; i < 4; ++i) {
+    setup s;
+    prepare(&s, SCENE_ROOM, sizes[2],
+            i & 1 ? HBIL_REPROJECTION_MOTION : HBIL_REPROJECTION_SCATTER);
+    s.config.disocclusion_threshold = i & 2 ? INFINITY : 0.01f;
+    s.config.depth_kind = i & 2 ? HBIL_DEPTH_PLANAR : HBIL_DEPTH_RAY;
+    s.config.motion_scale[0] = -0.75f;
+    s.config.sky_depth = 1e3f;
+    advance(&s, SCENE_ROOM, 1);
+    check(&s, 0.0, 1);
+  }
+}
+
+/* Sources that fall on one pixel: ties in depth go to the smallest index. */
+static void many_sources_on_one_pixel_are_settled_alike(void **state) {
+  setup s;
+  random_state r = {11};
+  ref_planes history;
+  (void)state;
+  prepare(&s, SCENE_ROOM, sizes[3], HBIL_REPROJECTION_SCATTER);
+  s.config.disocclusion_threshold = INFINITY;
+  advance(&s, SCENE_ROOM, 1);
+  setup_camera(&s, 150.0); /* the old image shrinks into the middle */
+  s.job.camera = s.frame.camera;
+  memcpy(s.frame.camera.world_from_view, s.job.previous.world_from_view,
+         sizeof(s.job.previous.world_from_view));
+  s.job.camera = s.frame.camera;
+  history = stage_read(&s, HBIL_STAGE_HISTORY);
+  for (int y = 0; y < history.height; ++y)
+    for (int x = 0; x < history.width; ++x) {
+      *ref_at(&history, HBIL_HISTORY_W, x, y) = 0.25;
+      for (int c = 0; c < 3; ++c)
+        *ref_at(&history, HBIL_HISTORY_RED + c, x, y) =
+            (double)(float)random_unit(&r);
+    }
+  stage_write(&s, HBIL_STAGE_HISTORY, &history);
+  ref_planes_free(&history);
+  check(&s, 0.01, 2);
+}
+
+/* Motion vectors that lead anywhere, not-a-numbers and infinities too. */
+static void wild_motion_is_followed_or_dropped(void **state) {
+  setup s;
+  random_state r = {5};
+  const float odd[] = {NAN, INFINITY, -INFINITY, 1e30f, -1e30f, 0.0f};
+  int pixels = sizes[3][0] * sizes[3][1];
+  (void)state;
+  prepare(&s, SCENE_ROOM, sizes[3], HBIL_REPROJECTION_MOTION);
+  s.config.disocclusion_threshold = 0.5f;
+  advance(&s, SCENE_ROOM, 0);
+  for (int i = 0; i < pixels; ++i)
+    for (int c = 0; c < 2; ++c)
+      s.input[REF_MOTION + c][i] = i % 13 == 0
+                                       ? odd[(i / 13 + c) % 6]
+                                       : (float)(80.0 * random_unit(&r) - 40.0);
+  setup_upload(&s);
+  check(&s, 0.05, 1);
+}
+
+/* Nothing has moved: everything that is no sky is carried as it is. */
+static void check_copy(hbil_reprojection reprojection, scene_kind kind) {
+  setup s;
+  ref_planes got, history;
+  prepare(&s, kind, sizes[3], reprojection);
+  advance(&s, kind, 0);
+  for (int c = 0; c < 2; ++c)
+    setup_fill(&s, REF_MOTION + c, 0.0f);
+  setup_upload(&s);
+  history = stage_read(&s, HBIL_STAGE_HISTORY);
+  got = reprojected(&s);
+  for (int y = 0; y < got.height; ++y)
+    for (int x = 0; x < got.width; ++x) {
+      bool sky = !(*ref_at(&history, HBIL_HISTORY_W, x, y) > 0.0);
+      assert_true(*ref_at(&got, HBIL_CARRIED_WEIGHT, x, y) ==
+                  (sky ? -1.0 : 1.0));
+      for (int c = 0; c < 3; ++c)
+        assert_true(
+            *ref_at(&got, c, x, y) ==
+            (sky ? 0.0 : *ref_at(&history, HBIL_HISTORY_RED + c, x, y)));
+    }
+  ref_planes_free(&got);
+  ref_planes_free(&history);
+  setup_free(&s);
+}
+
+static void a_still_camera_copies(void **state) {
+  (void)state;
+  check_copy(HBIL_REPROJECTION_SCATTER, SCENE_ROOM);
+  check_copy(HBIL_REPROJECTION_SCATTER, SCENE_SKY);
+  check_copy(HBIL_REPROJECTION_MOTION, SCENE_ROOM);
+}
+
+static cl_uint vectors_of_8 = 8, vectors_of_16 = 16, single_pixels = 1;
+
+#define TEST(test, width)                                                      \
+  { #test ": " #width, test, take_width, NULL, &(width) }
+#define MOTION(test) TEST(test, vectors_of_8), TEST(test, single_pixels)
+#define SCATTER(test) MOTION(test), TEST(test, vectors_of_16)
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      SCATTER(scatter_matches_at_every_size),
+      MOTION(motion_matches_at_every_size),
+      SCATTER(scatter_matches_on_large_images),
+      SCATTER(scatter_matches_where_the_camera_rolls),
+      SCATTER(scatter_gives_the_same_bits_every_time),
+      MOTION(motion_gives_the_same_bits_every_time),
+      SCATTER(other_settings_match),
+      SCATTER(many_sources_on_one_pixel_are_settled_alike),
+      MOTION(wild_motion_is_followed_or_dropped),
+      SCATTER(a_still_camera_copies)};
+  return RUN_WITH_DEVICE(tests);
+}

@@ -1,0 +1,443 @@
+/*
+ * Whatever is wrong is refused, by name, before anything is enqueued.
+ */
+#include "test/support/fixture.h"
+
+#define WIDTH 17
+#define HEIGHT 9
+
+static void start(setup *s) {
+  setup_init(s, WIDTH, HEIGHT);
+  setup_all_outputs(s);
+  setup_start(s);
+}
+
+static void every_status_has_its_own_sentence(void **state) {
+  (void)state;
+  for (int i = HBIL_SUCCESS; i <= HBIL_OPENCL_ERROR; ++i) {
+    assert_non_null(hbil_status_string((hbil_status)i));
+    assert_true(strlen(hbil_status_string((hbil_status)i)) > 3);
+    for (int j = HBIL_SUCCESS; j < i; ++j)
+      assert_string_not_equal(hbil_status_string((hbil_status)i),
+                              hbil_status_string((hbil_status)j));
+  }
+  assert_non_null(hbil_status_string((hbil_status)12345));
+}
+
+static void every_pass_has_a_name(void **state) {
+  (void)state;
+  assert_string_equal(hbil_pass_name(HBIL_PASS_REPROJECT), "reproject");
+  assert_string_equal(hbil_pass_name(HBIL_PASS_PUSH_PULL), "push_pull");
+  assert_string_equal(hbil_pass_name(HBIL_PASS_SPLIT), "split");
+  assert_string_equal(hbil_pass_name(HBIL_PASS_GATHER), "gather");
+  assert_string_equal(hbil_pass_name(HBIL_PASS_RECOMPOSE), "recompose");
+  assert_string_equal(hbil_pass_name(HBIL_PASS_COMPOSITE), "composite");
+  assert_null(hbil_pass_name(HBIL_PASS_COUNT));
+}
+
+static void version_is_the_headers(void **state) {
+  (void)state;
+  assert_string_equal(hbil_version(), "0.1.0");
+}
+
+static void defaults_are_those_of_the_header(void **state) {
+  hbil_config c;
+  (void)state;
+  memset(&c, 0x5a, sizeof(c));
+  hbil_config_init(&c);
+  assert_int_equal(c.struct_size, sizeof(c));
+  assert_true(c.width == 0 && c.height == 0);
+  assert_true(c.depth.component == HBIL_NONE);
+  assert_true(isinf(c.sky_depth) && isinf(c.radius));
+  assert_true(c.direct_scale == 1.0f);
+  assert_true(c.slices == 2 && c.steps_per_side == 8 && c.step_growth == 2.0f);
+  assert_true(c.sample_grid == HBIL_GRID_FULL_RESOLUTION);
+  assert_true(c.facing_fade[0] == -0.1f && c.facing_fade[1] == 0.0f);
+  assert_true(c.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED);
+  assert_true(c.gather_emission == CL_TRUE && c.extrapolate == CL_TRUE);
+  assert_true(c.reprojection == HBIL_REPROJECTION_SCATTER);
+  assert_true(c.feedback == HBIL_FEEDBACK_IRRADIANCE);
+  assert_true(c.disocclusion_threshold == 0.05f);
+  assert_true(c.far_field == HBIL_FAR_NONE);
+  assert_true(!c.unfiltered && c.vector_width == 0 && !c.profiling);
+  assert_true(c.storage == HBIL_STORAGE_PACKED);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Configurations                                                            */
+
+typedef struct bad_config {
+  const char *field;
+  void (*spoil)(hbil_config *);
+} bad_config;
+
+#define SPOIL(name, statement)                                                 \
+  static void name(hbil_config *c) {                                           \
+    statement;                                                                 \
+  }
+SPOIL(width_0, c->width = 0)
+SPOIL(width_high, c->width = 16385)
+SPOIL(height_0, c->height = 0)
+SPOIL(slices_0, c->slices = 0)
+SPOIL(slices_33, c->slices = 33)
+SPOIL(samples_0, c->steps_per_side = 0)
+SPOIL(samples_257, c->steps_per_side = 257)
+SPOIL(radius_nan, c->radius = NAN)
+SPOIL(radius_0, c->radius = 0.0f)
+SPOIL(radius_negative, c->radius = -1.0f)
+SPOIL(thickness_negative, c->thickness = -0.1f)
+SPOIL(thickness_nan, c->thickness = NAN)
+SPOIL(relative_thickness_0, c->relative_thickness = 0.0f)
+SPOIL(relative_thickness_nan, c->relative_thickness = NAN)
+SPOIL(mode_unknown, c->mode = (hbil_mode)3)
+SPOIL(falloff_unknown, c->falloff = (hbil_falloff)3)
+SPOIL(facing_descending, (c->facing_fade[0] = 0.5f, c->facing_fade[1] = 0.25f))
+SPOIL(facing_nan, c->facing_fade[1] = NAN)
+SPOIL(facing_wide, c->facing_fade[1] = 2.0f)
+SPOIL(growth_nan, c->step_growth = NAN)
+SPOIL(growth_negative, c->step_growth = -0.5f)
+SPOIL(growth_65, c->step_growth = 65.0f)
+SPOIL(extrapolate_2, c->extrapolate = 2)
+SPOIL(max_error_0, c->max_error[0] = 0.0f)
+SPOIL(max_error_nan, c->max_error[1] = NAN)
+SPOIL(max_error_raw, (c->max_error[1] = 0.1f, c->unfiltered = CL_TRUE))
+SPOIL(disocclusion_0, c->disocclusion_threshold = 0.0f)
+SPOIL(disocclusion_nan, c->disocclusion_threshold = NAN)
+SPOIL(depth_missing, c->depth.component = HBIL_NONE)
+SPOIL(normal_missing, c->normal.component = HBIL_NONE)
+SPOIL(albedo_stride, c->albedo.stride = 2)
+SPOIL(direct_component, c->direct.component = (hbil_component)9)
+SPOIL(ao_unorm, c->ao.component = HBIL_UNORM8)
+SPOIL(motion_missing, (c->reprojection = HBIL_REPROJECTION_MOTION,
+                       c->motion.component = HBIL_NONE))
+SPOIL(lattice_unknown, c->sample_grid = (hbil_sample_grid)7)
+SPOIL(refused_unknown, c->back_facing_fallback = (hbil_back_facing_fallback)7)
+SPOIL(far_unknown, c->far_field = (hbil_far_field)7)
+SPOIL(feedback_unknown, c->feedback = (hbil_feedback)7)
+SPOIL(storage_unknown, c->storage = (hbil_storage)4)
+SPOIL(vector_3, c->vector_width = 3)
+SPOIL(size_small, c->struct_size -= 8)
+SPOIL(size_large, c->struct_size += 8)
+
+static const bad_config bad_configs[] = {
+    {"width", width_0},
+    {"width", width_high},
+    {"height", height_0},
+    {"slices", slices_0},
+    {"slices", slices_33},
+    {"steps_per_side", samples_0},
+    {"steps_per_side", samples_257},
+    {"radius", radius_nan},
+    {"radius", radius_0},
+    {"radius", radius_negative},
+    {"thickness", thickness_negative},
+    {"thickness", thickness_nan},
+    {"relative_thickness", relative_thickness_0},
+    {"relative_thickness", relative_thickness_nan},
+    {"mode", mode_unknown},
+    {"falloff", falloff_unknown},
+    {"facing_fade", facing_descending},
+    {"facing_fade", facing_nan},
+    {"facing_fade", facing_wide},
+    {"step_growth", growth_nan},
+    {"step_growth", growth_negative},
+    {"step_growth", growth_65},
+    {"extrapolate", extrapolate_2},
+    {"max_error[0]", max_error_0},
+    {"max_error[1]", max_error_nan},
+    {"max_error", max_error_raw},
+    {"disocclusion_threshold", disocclusion_0},
+    {"disocclusion_threshold", disocclusion_nan},
+    {"depth", depth_missing},
+    {"normal", normal_missing},
+    {"albedo", albedo_stride},
+    {"direct", direct_component},
+    {"ao", ao_unorm},
+    {"motion", motion_missing},
+    {"sample_grid", lattice_unknown},
+    {"back_facing_fallback", refused_unknown},
+    {"far_field", far_unknown},
+    {"feedback", feedback_unknown},
+    {"storage", storage_unknown},
+    {"vector_width", vector_3},
+    {"struct_size", size_small},
+    {"struct_size", size_large}};
+
+static void assert_refused(hbil_status got, hbil_status want,
+                           const char *field) {
+  const char *message = hbil_context_message(shared_device.hbil);
+  if (got != want)
+    fail_msg("%s: status %d, expected %d", field, (int)got, (int)want);
+  if (!strstr(message, field))
+    fail_msg("%s is not named in the message \"%s\"", field, message);
+}
+
+static void bad_configurations_are_refused_by_name(void **state) {
+  setup s;
+  (void)state;
+  setup_init(&s, WIDTH, HEIGHT);
+  setup_all_outputs(&s);
+  for (size_t i = 0; i < sizeof(bad_configs) / sizeof(*bad_configs); ++i) {
+    hbil_config c = s.config;
+    hbil_plan *plan = (hbil_plan *)&c;
+    size_t bytes = 0;
+    bad_configs[i].spoil(&c);
+    assert_refused(hbil_plan_memory(shared_device.hbil, &c, &bytes),
+                   HBIL_INVALID_CONFIG, bad_configs[i].field);
+    assert_refused(hbil_plan_create(shared_device.hbil, &c, &plan),
+                   HBIL_INVALID_CONFIG, bad_configs[i].field);
+    assert_null(plan);
+  }
+  setup_free(&s);
+}
+
+static void presets_set_the_sampling_alone(void **state) {
+  (void)state;
+  for (int q = 0; q <= HBIL_QUALITY_REFERENCE; ++q) {
+    setup s;
+    hbil_config before;
+    size_t bytes = 0;
+    setup_init(&s, WIDTH, HEIGHT);
+    setup_all_outputs(&s);
+    before = s.config;
+    assert_int_equal(hbil_config_set_quality(&s.config, (hbil_quality)q),
+                     HBIL_SUCCESS);
+    assert_int_equal(hbil_plan_memory(shared_device.hbil, &s.config, &bytes),
+                     HBIL_SUCCESS);
+    assert_non_null(hbil_quality_name((hbil_quality)q));
+    before.slices = s.config.slices;
+    before.steps_per_side = s.config.steps_per_side;
+    before.step_growth = s.config.step_growth;
+    before.sample_grid = s.config.sample_grid;
+    before.unfiltered = s.config.unfiltered;
+    before.storage = s.config.storage;
+    assert_memory_equal(&before, &s.config, sizeof before);
+    setup_free(&s);
+  }
+}
+
+static void a_preset_that_is_none_is_refused(void **state) {
+  hbil_config c;
+  (void)state;
+  hbil_config_init(&c);
+  assert_int_equal(hbil_config_set_quality(&c, (hbil_quality)4),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_config_set_quality(NULL, HBIL_QUALITY_FAST),
+                   HBIL_INVALID_ARGUMENT);
+  assert_null(hbil_quality_name((hbil_quality)4));
+  assert_int_equal(c.slices, 2);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Frames                                                                    */
+
+typedef struct bad_frame {
+  const char *field;
+  void (*spoil)(setup *);
+} bad_frame;
+
+#define SPOIL_FRAME(name, statement)                                           \
+  static void name(setup *s) {                                                 \
+    hbil_frame *f = &s->frame;                                                 \
+    statement;                                                                 \
+  }
+SPOIL_FRAME(no_depth, f->depth.buffer = NULL)
+SPOIL_FRAME(no_normal, f->normal.buffer = NULL)
+SPOIL_FRAME(no_radiance, f->beauty.buffer = NULL)
+SPOIL_FRAME(no_bent, f->bent_normal.buffer = NULL)
+SPOIL_FRAME(depth_past_the_end, f->depth.offset = s->bytes[PLANE_DEPTH] / 4 * 4)
+SPOIL_FRAME(normal_too_small, f->normal.buffer = f->depth.buffer)
+SPOIL_FRAME(albedo_pitch, f->albedo.row_pitch = 1 << 20)
+SPOIL_FRAME(albedo_overlap, f->albedo.row_pitch = 4)
+SPOIL_FRAME(motion_plane, f->motion.plane_pitch = 1 << 20)
+SPOIL_FRAME(offset_huge, f->depth.offset = SIZE_MAX - 3)
+SPOIL_FRAME(depth_misaligned, f->depth.offset = 2)
+SPOIL_FRAME(normal_misaligned, f->normal.row_pitch = WIDTH * 12 + 2)
+SPOIL_FRAME(camera_fx, f->camera.fx = 0.0)
+SPOIL_FRAME(camera_fy, f->camera.fy = -1.0)
+SPOIL_FRAME(camera_nan, f->camera.cx = NAN)
+SPOIL_FRAME(camera_scaled, f->camera.world_from_view[0] = 1.5)
+SPOIL_FRAME(camera_mirrored, f->camera.world_from_view[0] = -1.0)
+SPOIL_FRAME(camera_sheared, f->camera.world_from_view[1] = 0.5)
+SPOIL_FRAME(camera_moved_nan, f->camera.world_from_view[3] = NAN)
+SPOIL_FRAME(camera_zero, memset(&f->camera, 0, sizeof(f->camera)))
+SPOIL_FRAME(frame_small, f->struct_size -= 8)
+SPOIL_FRAME(frame_large, f->struct_size += 8)
+
+static const bad_frame bad_frames[] = {{"depth", no_depth},
+                                       {"normal", no_normal},
+                                       {"beauty", no_radiance},
+                                       {"bent_normal", no_bent},
+                                       {"depth", depth_past_the_end},
+                                       {"normal", normal_too_small},
+                                       {"albedo", albedo_pitch},
+                                       {"albedo", albedo_overlap},
+                                       {"motion", motion_plane},
+                                       {"depth", offset_huge},
+                                       {"depth", depth_misaligned},
+                                       {"normal", normal_misaligned},
+                                       {"fx", camera_fx},
+                                       {"fy", camera_fy},
+                                       {"cx", camera_nan},
+                                       {"world_from_view", camera_scaled},
+                                       {"world_from_view", camera_mirrored},
+                                       {"world_from_view", camera_sheared},
+                                       {"world_from_view", camera_moved_nan},
+                                       {"camera", camera_zero},
+                                       {"struct_size", frame_small},
+                                       {"struct_size", frame_large}};
+
+static void bad_frames_are_refused_by_name(void **state) {
+  setup s;
+  (void)state;
+  start(&s);
+  for (size_t i = 0; i < sizeof(bad_frames) / sizeof(*bad_frames); ++i) {
+    hbil_frame good = s.frame;
+    cl_event event = NULL;
+    hbil_status status;
+    bad_frames[i].spoil(&s);
+    status = hbil_enqueue_frame(s.plan, shared_device.queue, &s.frame, 0, NULL,
+                                &event);
+    assert_refused(status, HBIL_INVALID_FRAME, bad_frames[i].field);
+    assert_null(event);
+    s.frame = good;
+  }
+  setup_free(&s);
+}
+
+static void refused_frames_write_nothing(void **state) {
+  setup s;
+  ref_planes out;
+  (void)state;
+  start(&s);
+  s.frame.camera.fx = -1.0;
+  assert_int_equal(
+      hbil_enqueue_frame(s.plan, shared_device.queue, &s.frame, 0, NULL, NULL),
+      HBIL_INVALID_FRAME);
+  assert_int_equal(clFinish(shared_device.queue), CL_SUCCESS);
+  out = outputs_read(&s); /* canaries are not-a-numbers */
+  for (int i = 0; i < out.width * out.height * out.count; ++i)
+    assert_true(isnan(out.values[i]));
+  ref_planes_free(&out);
+  setup_free(&s);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Null and malformed arguments                                              */
+
+static void null_arguments_are_refused(void **state) {
+  setup s;
+  hbil_plan *plan = NULL;
+  hbil_context *context = NULL;
+  hbil_buffer buffer;
+  size_t bytes;
+  double times[HBIL_PASS_COUNT];
+  float sh[9][3];
+  (void)state;
+  start(&s);
+  assert_int_equal(hbil_context_create(NULL, shared_device.id, &context),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_context_create(shared_device.context, NULL, &context),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(
+      hbil_context_create(shared_device.context, shared_device.id, NULL),
+      HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_memory(shared_device.hbil, NULL, &bytes),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_memory(shared_device.hbil, &s.config, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_memory(NULL, &s.config, &bytes),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_create(shared_device.hbil, NULL, &plan),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_create(shared_device.hbil, &s.config, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_create(NULL, &s.config, &plan),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_buffer(NULL, HBIL_STAGE_SPLIT, &buffer),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_buffer(s.plan, HBIL_STAGE_SPLIT, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_buffer(s.plan, (hbil_stage)99, &buffer),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_not_equal(hbil_plan_timings(s.plan, NULL), HBIL_SUCCESS);
+  assert_int_not_equal(hbil_plan_timings(s.plan, times), HBIL_SUCCESS);
+  assert_int_equal(hbil_environment_from_latlong(NULL, 4, 2, 0, NULL, sh),
+                   HBIL_INVALID_ARGUMENT);
+  hbil_plan_destroy(NULL);
+  hbil_context_destroy(NULL);
+  setup_free(&s);
+}
+
+static enqueue_function *const passes[] = {
+    hbil_enqueue_frame,    hbil_enqueue_reproject, hbil_enqueue_push_pull,
+    hbil_enqueue_split,    hbil_enqueue_gather,    hbil_enqueue_recompose,
+    hbil_enqueue_composite};
+
+static void every_pass_checks_its_arguments(void **state) {
+  setup s;
+  (void)state;
+  start(&s);
+  for (size_t i = 0; i < sizeof(passes) / sizeof(*passes); ++i) {
+    assert_int_equal(
+        passes[i](NULL, shared_device.queue, &s.frame, 0, NULL, NULL),
+        HBIL_INVALID_ARGUMENT);
+    assert_int_equal(passes[i](s.plan, NULL, &s.frame, 0, NULL, NULL),
+                     HBIL_INVALID_ARGUMENT);
+    assert_int_equal(
+        passes[i](s.plan, shared_device.queue, NULL, 0, NULL, NULL),
+        HBIL_INVALID_ARGUMENT);
+    assert_int_equal(
+        passes[i](s.plan, shared_device.queue, &s.frame, 1, NULL, NULL),
+        HBIL_INVALID_ARGUMENT);
+  }
+  setup_free(&s);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Memory                                                                    */
+
+static void announced_memory_covers_the_buffers(void **state) {
+  setup s;
+  cl_mem seen[5];
+  size_t bytes = 0, sum = 0;
+  int count = 0;
+  (void)state;
+  start(&s);
+  assert_success(&s, hbil_plan_memory(shared_device.hbil, &s.config, &bytes));
+  for (int stage = HBIL_STAGE_HISTORY; stage <= HBIL_STAGE_RESOLVED; ++stage) {
+    hbil_buffer b;
+    size_t size;
+    bool again = false;
+    assert_success(&s, hbil_plan_buffer(s.plan, (hbil_stage)stage, &b));
+    for (int i = 0; i < count; ++i)
+      again = again || seen[i] == b.buffer;
+    if (again)
+      continue;
+    seen[count++] = b.buffer;
+    assert_int_equal(
+        clGetMemObjectInfo(b.buffer, CL_MEM_SIZE, sizeof(size), &size, NULL),
+        CL_SUCCESS);
+    assert_true(size >= sizeof(float) * b.values * WIDTH * HEIGHT);
+    sum += size;
+  }
+  assert_true(bytes >= sum);
+  setup_free(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_status_has_its_own_sentence),
+      cmocka_unit_test(every_pass_has_a_name),
+      cmocka_unit_test(version_is_the_headers),
+      cmocka_unit_test(defaults_are_those_of_the_header),
+      cmocka_unit_test(bad_configurations_are_refused_by_name),
+      cmocka_unit_test(presets_set_the_sampling_alone),
+      cmocka_unit_test(a_preset_that_is_none_is_refused),
+      cmocka_unit_test(bad_frames_are_refused_by_name),
+      cmocka_unit_test(refused_frames_write_nothing),
+      cmocka_unit_test(null_arguments_are_refused),
+      cmocka_unit_test(every_pass_checks_its_arguments),
+      cmocka_unit_test(announced_memory_covers_the_buffers)};
+  return RUN_WITH_DEVICE(tests);
+}
