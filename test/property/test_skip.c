@@ -1,111 +1,27 @@
 /*
- * Work that is left out: the same bits as with it, wherever the one pixel is
- * that decides; and where nothing decides against it, it is left out indeed.
+ * Work that is skipped changes no bit: frames are the same with and without
+ * each skip, wherever the single pixel is that decides, and where nothing
+ * decides against it the work is skipped indeed.
  */
-#include "test/support/fixture.h"
+#include "test/support/pair.h"
 #include "test/support/random.h"
 #include "test/support/vectors.h"
-
-/* Three spans across, the last one not whole; two blocks of cells. */
-#define WIDTH 301
-#define HEIGHT 70
-/* Of an orthographic picture, world units: a wall at depth 2 looks as wide. */
-#define FLAT 6.0
-
-/* Two plans that differ in one skip. */
-typedef struct pair {
-  setup with, without;
-} pair;
-
-typedef void prepare_function(setup *s);
-
-static void start_pair(pair *p, prepare_function *prepare, cl_uint skip) {
-  prepare(&p->with);
-  prepare(&p->without);
-  p->without.config.skip &= ~skip;
-  setup_start(&p->with);
-  setup_start(&p->without);
-}
-
-static void free_pair(pair *p) {
-  setup_free(&p->with);
-  setup_free(&p->without);
-}
-
-static void run(setup *s) {
-  setup_upload(s);
-  setup_run(s, hbil_enqueue_frame);
-}
-
-static hbil_statistics skipped(setup *s) {
-  hbil_statistics out;
-  assert_success(s, hbil_plan_statistics(s->plan, s->device->queue, &out));
-  return out;
-}
-
-static void check_same(setup *a, setup *b) {
-  ref_planes one = outputs_read(a), two = outputs_read(b);
-  assert_int_equal(count_different(&one, &two), 0);
-  ref_planes_free(&one);
-  ref_planes_free(&two);
-}
-
-/* Both on the inputs of the first; what that one left out. */
-static hbil_statistics compare(pair *p) {
-  const size_t pixels = (size_t)p->with.config.width * p->with.config.height;
-  for (int i = 0; i < REF_INPUT_PLANES; ++i)
-    memcpy(p->without.input[i], p->with.input[i], pixels * sizeof(float));
-  run(&p->with);
-  run(&p->without);
-  check_same(&p->with, &p->without);
-  return skipped(&p->with);
-}
-
-static size_t at(int x, int y) {
-  return (size_t)y * WIDTH + (size_t)x;
-}
-
-/* A wall seen straight on that sends light everywhere, as the only frame. */
-static void sized_wall(setup *s, uint32_t width, uint32_t height) {
-  setup_init(s, width, height);
-  s->config.reprojection = HBIL_REPROJECTION_NONE;
-  s->config.storage = HBIL_STORAGE_PACKED;
-  s->config.normal_space = HBIL_SPACE_WORLD; /* as scenes have them */
-  setup_all_outputs(s);
-  setup_camera(s, 40.0);
-}
-
-static void wall(setup *s) {
-  sized_wall(s, WIDTH, HEIGHT);
-}
-
-static void bare(setup *s) {
-  setup_fill(s, REF_DEPTH, 2.0f);
-  setup_fill(s, REF_NORMAL, 0.0f);
-  setup_fill(s, REF_NORMAL + 1, 0.0f);
-  setup_fill(s, REF_NORMAL + 2, -1.0f);
-  for (int c = 0; c < 3; ++c) {
-    setup_fill(s, REF_ALBEDO + c, 0.5f);
-    setup_fill(s, REF_DIRECT + c, 1.0f + (float)c);
-    setup_fill(s, REF_EMISSION + c, 0.0f);
-  }
-}
 
 /* ------------------------------------------------------------------------ */
 /* open                                                                      */
 
 static void endless(setup *s) {
-  wall(s);
+  pair_wall(s);
 }
 
 static void thick(setup *s) {
-  wall(s);
+  pair_wall(s);
   s->config.relative_thickness = 0.1f;
   s->config.storage = HBIL_STORAGE_FLOAT32;
 }
 
 static void limited(setup *s) {
-  wall(s);
+  pair_wall(s);
   s->config.radius = 0.3f; /* of a wall that is 6 wide: a twentieth */
 }
 
@@ -115,7 +31,7 @@ static void limited_pixels(setup *s) {
 }
 
 static void ao_alone(setup *s, hbil_mode mode) {
-  wall(s);
+  pair_wall(s);
   s->config.mode = mode;
   for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
     if (i != PLANE_AO)
@@ -135,13 +51,13 @@ static void single_slice_gtao(setup *s) {
 }
 
 static void orthographic(setup *s) {
-  wall(s);
-  setup_flatten(s, FLAT);
+  pair_wall(s);
+  setup_flatten(s, FLAT_WIDTH);
 }
 
 static void orthographic_limited(setup *s) {
   limited(s);
-  setup_flatten(s, FLAT);
+  setup_flatten(s, FLAT_WIDTH);
 }
 
 static void gtao(setup *s) {
@@ -165,7 +81,7 @@ static void lone_occluder(setup *s, random_state *r) {
   const int x = (int)(random_unit(r) * WIDTH),
             y = (int)(random_unit(r) * HEIGHT);
   const double nearer = pow(10.0, -7.0 * random_unit(r));
-  s->input[REF_DEPTH][at(x, y)] = (float)(2.0 - 1.9 * nearer);
+  s->input[REF_DEPTH][pixel_at(x, y)] = (float)(2.0 - 1.9 * nearer);
 }
 
 /* The wall turned by anything up to nearly edge on. */
@@ -185,24 +101,24 @@ static void turn(setup *s, random_state *r) {
         z = (-2.0 - across) / n[2]; /* n.(q, z) = -2 */
       else if (across + n[2] >= -1e-3)
         z = 0.0;
-      s->input[REF_DEPTH][at(x, y)] = (float)fmax(z, 0.0);
+      s->input[REF_DEPTH][pixel_at(x, y)] = (float)fmax(z, 0.0);
       for (int i = 0; i < 3; ++i)
-        s->input[REF_NORMAL + i][at(x, y)] = (float)n[i];
+        s->input[REF_NORMAL + i][pixel_at(x, y)] = (float)n[i];
     }
 }
 
-static void every_strip_of_a_bare_wall_is_open(void **state) {
+static void every_span_of_a_bare_wall_is_open(void **state) {
   (void)state;
   for (size_t k = 0; k < KINDS; ++k) {
     pair p;
-    start_pair(&p, kinds[k], HBIL_SKIP_OPEN);
-    bare(&p.with);
-    const hbil_statistics found = compare(&p);
+    pair_start(&p, kinds[k], HBIL_SKIP_OPEN);
+    pair_fill_wall(&p.with);
+    const hbil_statistics found = pair_compare(&p);
     assert_int_equal(found.all.pixels, WIDTH * HEIGHT);
     assert_int_equal(found.open.pixels, WIDTH * HEIGHT);
     assert_int_equal(found.open.spans, found.all.spans);
-    assert_int_equal(skipped(&p.without).open.spans, 0);
-    free_pair(&p);
+    assert_int_equal(statistics_of(&p.without).open.spans, 0);
+    pair_free(&p);
   }
 }
 
@@ -212,53 +128,53 @@ static void one_pixel_anywhere_is_not_overlooked(void **state) {
     random_state r = {.state = 7 + k};
     size_t blocked = 0;
     pair p;
-    start_pair(&p, kinds[k], HBIL_SKIP_OPEN);
+    pair_start(&p, kinds[k], HBIL_SKIP_OPEN);
     for (int i = 0; i < 40; ++i) {
-      bare(&p.with);
+      pair_fill_wall(&p.with);
       if (i % 2)
         turn(&p.with, &r);
       lone_occluder(&p.with, &r);
-      const hbil_statistics found = compare(&p);
+      const hbil_statistics found = pair_compare(&p);
       blocked += found.open.spans < found.all.spans;
     }
     assert_true(blocked > 20);
-    free_pair(&p);
+    pair_free(&p);
   }
 }
 
 /* At the end of the reach, a little nearer and a little farther. */
-static void the_edge_of_the_radius_is_kept(void **state) {
+static void the_edge_of_the_radius_is_exact(void **state) {
   size_t open[2] = {0, 0};
   pair p;
   (void)state;
-  start_pair(&p, limited, HBIL_SKIP_OPEN | HBIL_SKIP_RADIUS);
+  pair_start(&p, limited, HBIL_SKIP_OPEN | HBIL_SKIP_RADIUS);
   for (int i = 0; i < 40; ++i) {
     /* a pillar above the wall; 2 / fy of the wall are a pixel */
     const double step = 2.0 / p.with.frame.camera.fy;
     const int x = (int)(0.3 / step) + i - 20;
-    bare(&p.with);
+    pair_fill_wall(&p.with);
     for (int y = 0; y < HEIGHT; ++y)
-      p.with.input[REF_DEPTH][at(150 + x, y)] = 1.99f;
-    const hbil_statistics found = compare(&p);
+      p.with.input[REF_DEPTH][pixel_at(150 + x, y)] = 1.99f;
+    const hbil_statistics found = pair_compare(&p);
     open[i >= 20] += found.open.spans;
   }
   assert_true(open[0] > 0 && open[1] > 0);
-  free_pair(&p);
+  pair_free(&p);
 }
 
 static void rooms_are_the_same(void **state) {
   (void)state;
   for (size_t k = 0; k < KINDS; ++k) {
     pair p;
-    start_pair(&p, kinds[k], HBIL_SKIP_ALL);
+    pair_start(&p, kinds[k], HBIL_SKIP_ALL);
     for (uint32_t i = 0; i < 2; ++i) {
       setup_load_scene(&p.with, i ? SCENE_SKY : SCENE_ROOM, i);
       if (p.with.config.projection == HBIL_PROJECTION_ORTHOGRAPHIC)
-        setup_flatten(&p.with, FLAT);
+        setup_flatten(&p.with, FLAT_WIDTH);
       p.without.frame.camera = p.with.frame.camera;
-      compare(&p);
+      pair_compare(&p);
     }
-    free_pair(&p);
+    pair_free(&p);
   }
 }
 
@@ -269,24 +185,24 @@ static void a_single_pixel_before_the_sky_is_seen(void **state) {
   random_state r = {.state = 3};
   pair p;
   (void)state;
-  start_pair(&p, endless, HBIL_SKIP_SKY);
+  pair_start(&p, endless, HBIL_SKIP_SKY);
   for (int i = 0; i < 10; ++i) {
-    bare(&p.with);
+    pair_fill_wall(&p.with);
     setup_fill(&p.with, REF_DEPTH, 0.0f);
     if (i)
-      p.with.input[REF_DEPTH][at((int)(random_unit(&r) * WIDTH),
-                                 (int)(random_unit(&r) * HEIGHT))] = 1.0f;
-    const hbil_statistics found = compare(&p);
+      p.with.input[REF_DEPTH][pixel_at((int)(random_unit(&r) * WIDTH),
+                                       (int)(random_unit(&r) * HEIGHT))] = 1.0f;
+    const hbil_statistics found = pair_compare(&p);
     assert_int_equal(found.sky.pixels, WIDTH * HEIGHT - (i > 0));
     assert_int_equal(found.sky.spans, found.all.spans - (i > 0));
   }
-  free_pair(&p);
+  pair_free(&p);
 }
 
 /* ------------------------------------------------------------------------ */
 /* dark                                                                      */
 
-static void dark_room(pair *p) {
+static void unlit_room(pair *p) {
   setup_load_scene(&p->with, SCENE_ROOM, 0);
   p->without.frame.camera = p->with.frame.camera;
   for (int c = 0; c < 3; ++c)
@@ -309,13 +225,13 @@ static void only_lamp(pair *p, random_state *r, int i) {
       p->with.input[REF_EMISSION][y * width + x] = 1e4f;
 }
 
-static void refused_black(setup *s) {
-  wall(s);
+static void fallback_black(setup *s) {
+  pair_wall(s);
   s->config.back_facing_fallback = HBIL_FALLBACK_BLACK;
   s->config.storage = HBIL_STORAGE_FLOAT32;
 }
 
-static void refused_frame(setup *s) {
+static void fallback_frame_mean(setup *s) {
   limited(s);
   s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s->config.radius = 2.0f;
@@ -323,14 +239,14 @@ static void refused_frame(setup *s) {
 
 /* More than are looked at in one go: light may come after a dark part. */
 static void many_samples(setup *s) {
-  wall(s);
+  pair_wall(s);
   s->config.steps_per_side = 80;
 }
 
 /* Three blocks of cells each way, that light can lie in beside each other,
  * above and below; whoever is in the middle sees those around it. */
 static void large(setup *s) {
-  sized_wall(s, 2 * 256 + 45, 2 * 256 + 27);
+  pair_sized_wall(s, 2 * 256 + 45, 2 * 256 + 27);
 }
 
 static void large_limited(setup *s) {
@@ -347,25 +263,25 @@ static void large_by_pixels(setup *s) {
 }
 
 static void near_room(setup *s) {
-  wall(s);
+  pair_wall(s);
   s->config.radius = 0.5f;
   s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
 }
 
 static void one_lamp_is_not_overlooked(void **state) {
   static prepare_function *const lights[] = {
-      endless,      refused_black, refused_frame, near_room,
-      many_samples, large,         large_limited, large_by_pixels};
+      endless,      fallback_black, fallback_frame_mean, near_room,
+      many_samples, large,          large_limited,       large_by_pixels};
   (void)state;
   for (size_t k = 0; k < sizeof lights / sizeof *lights; ++k) {
     random_state r = {.state = 11 + k};
     size_t near_irradiance = 0;
     pair p;
-    start_pair(&p, lights[k], HBIL_SKIP_DARK);
-    dark_room(&p);
+    pair_start(&p, lights[k], HBIL_SKIP_DARK);
+    unlit_room(&p);
     for (int i = 0; i < 12; ++i) {
       only_lamp(&p, &r, i);
-      const hbil_statistics found = compare(&p);
+      const hbil_statistics found = pair_compare(&p);
       if (i == 0) /* no light at all: every span that is not open or sky */
         assert_int_equal(found.dark.spans + found.open.spans + found.sky.spans,
                          found.all.spans);
@@ -376,7 +292,7 @@ static void one_lamp_is_not_overlooked(void **state) {
     if (getenv("HBIL_TEST_VERBOSE"))
       print_message("%zu lamps of 11 light something\n", near_irradiance);
     assert_true(near_irradiance > 0);
-    free_pair(&p);
+    pair_free(&p);
   }
 }
 
@@ -386,7 +302,7 @@ static void set_line(setup *s, int column, int row, float light) {
   for (int y = 0; y < HEIGHT; ++y)
     for (int x = 0; x < WIDTH; ++x)
       if (x == column || y == row)
-        s->input[REF_EMISSION][at(x, y)] = light;
+        s->input[REF_EMISSION][pixel_at(x, y)] = light;
 }
 
 static void a_line_on_a_rough_wall_is_not_overlooked(void **state) {
@@ -396,8 +312,8 @@ static void a_line_on_a_rough_wall_is_not_overlooked(void **state) {
   for (size_t k = 0; k < sizeof walls / sizeof *walls; ++k) {
     random_state r = {.state = 23 + k};
     pair p;
-    start_pair(&p, walls[k], HBIL_SKIP_DARK);
-    bare(&p.with);
+    pair_start(&p, walls[k], HBIL_SKIP_DARK);
+    pair_fill_wall(&p.with);
     for (size_t i = 0; i < WIDTH * HEIGHT; ++i)
       p.with.input[REF_DEPTH][i] *= 1.0f + 0.1f * (float)random_unit(&r);
     for (int c = 0; c < 3; ++c)
@@ -405,13 +321,13 @@ static void a_line_on_a_rough_wall_is_not_overlooked(void **state) {
     for (int i = 5; i < WIDTH + HEIGHT; i += 13) { /* in all parts of a cell */
       const int column = i < WIDTH ? i : -1, row = i - WIDTH;
       set_line(&p.with, column, row, 1e4f);
-      compare(&p);
+      pair_compare(&p);
       set_line(&p.with, column, row, 0.0f);
       ref_planes out = outputs_read(&p.with);
       assert_true(largest_value(&out, REF_NEAR, 3) > 0.0);
       ref_planes_free(&out);
     }
-    free_pair(&p);
+    pair_free(&p);
   }
 }
 
@@ -419,7 +335,7 @@ static void a_line_on_a_rough_wall_is_not_overlooked(void **state) {
 /* unused                                                                    */
 
 static void picture_alone(setup *s) {
-  wall(s);
+  pair_wall(s);
   for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
     if (i != PLANE_BEAUTY)
       plane_format(&s->config, (plane_id)i)->component = HBIL_NONE;
@@ -446,7 +362,7 @@ static void metal_shows_no_irradiance(void **state) {
   for (size_t k = 0; k < sizeof pictures / sizeof *pictures; ++k) {
     random_state r = {.state = 5 + k};
     pair p;
-    start_pair(&p, pictures[k], HBIL_SKIP_UNUSED);
+    pair_start(&p, pictures[k], HBIL_SKIP_UNUSED);
     for (int i = 0; i < 12; ++i) {
       setup_load_scene(&p.with, SCENE_ROOM, 0);
       p.without.frame.camera = p.with.frame.camera;
@@ -456,24 +372,24 @@ static void metal_shows_no_irradiance(void **state) {
           setup_fill(&p.with, REF_ALBEDO + c, 0.0f);
       }
       /* but for one pixel */
-      const size_t one =
-          at((int)(random_unit(&r) * WIDTH), (int)(random_unit(&r) * HEIGHT));
+      const size_t one = pixel_at((int)(random_unit(&r) * WIDTH),
+                                  (int)(random_unit(&r) * HEIGHT));
       if (i > 1) {
         p.with.input[REF_F0][one] = 0.5f;
         p.with.input[REF_ALBEDO][one] = 0.8f;
       }
-      const hbil_statistics found = compare(&p);
+      const hbil_statistics found = pair_compare(&p);
       if (i > 1)
         assert_in_range(found.unused.spans, found.all.spans / 2,
                         found.all.spans - 1);
       else
         assert_int_equal(found.unused.spans + found.sky.spans, found.all.spans);
     }
-    free_pair(&p);
+    pair_free(&p);
   }
 }
 
-static void who_shows_irradiance_needs_it(void **state) {
+static void irradiance_outputs_need_it(void **state) {
   setup s;
   (void)state;
   picture_alone(&s);
@@ -482,8 +398,8 @@ static void who_shows_irradiance_needs_it(void **state) {
   setup_load_scene(&s, SCENE_ROOM, 0);
   for (int c = 0; c < 3; ++c)
     setup_fill(&s, REF_ALBEDO + c, 0.0f);
-  run(&s);
-  assert_int_equal(skipped(&s).unused.spans, 0);
+  run_frame(&s);
+  assert_int_equal(statistics_of(&s).unused.spans, 0);
   setup_free(&s);
 }
 
@@ -491,7 +407,7 @@ static void who_shows_irradiance_needs_it(void **state) {
 /* passes                                                                    */
 
 static void room_with_history(setup *s) {
-  wall(s);
+  pair_wall(s);
   s->config.reprojection = HBIL_REPROJECTION_SCATTER;
   s->config.far_field = HBIL_FAR_FRAME;
 }
@@ -499,261 +415,21 @@ static void room_with_history(setup *s) {
 static void holes_are_filled_and_nothing_else(void **state) {
   pair p;
   (void)state;
-  start_pair(&p, room_with_history, HBIL_SKIP_HOLES);
+  pair_start(&p, room_with_history, HBIL_SKIP_HOLES);
   for (uint32_t i = 0; i < 4; ++i) {
     setup_load_scene(&p.with, SCENE_ROOM, i / 2); /* every frame twice */
     p.without.frame.camera = p.with.frame.camera;
-    const hbil_statistics found = compare(&p);
+    const hbil_statistics found = pair_compare(&p);
     assert_int_equal(found.not_run[HBIL_PASS_REPROJECT], i == 0);
     assert_int_equal(found.not_run[HBIL_PASS_PUSH_PULL], i != 2);
-    assert_int_equal(skipped(&p.without).not_run[HBIL_PASS_PUSH_PULL], i == 0);
+    assert_int_equal(statistics_of(&p.without).not_run[HBIL_PASS_PUSH_PULL],
+                     i == 0);
     assert_int_equal(found.not_run[HBIL_PASS_GATHER], 0);
   }
-  free_pair(&p);
+  pair_free(&p);
 }
 
-/* A moving start, then frames that stand still: every one the same as without
- * the promise.  Returns in which of these nothing was gathered any more. */
-static int still_frames(prepare_function *prepare, int frames) {
-  int settled = 0;
-  setup promised, plain;
-  prepare(&promised);
-  prepare(&plain);
-  setup_start(&promised);
-  setup_start(&plain);
-  for (int i = 0; i < 2 + frames; ++i) {
-    const uint32_t frame = i < 2 ? (uint32_t)i : 1;
-    setup_load_scene(&promised, SCENE_ROOM, frame);
-    setup_load_scene(&plain, SCENE_ROOM, frame);
-    promised.frame.static_frame = i >= 2;
-    for (int c = 0; c < 2 && i >= 2; ++c) {
-      setup_fill(&promised, REF_MOTION + c, 0.0f);
-      setup_fill(&plain, REF_MOTION + c, 0.0f);
-    }
-    run(&promised);
-    run(&plain);
-    check_same(&promised, &plain);
-    const hbil_statistics found = skipped(&promised);
-    if (i >= 2) {
-      assert_true(found.not_run[HBIL_PASS_REPROJECT]);
-      assert_true(found.not_run[HBIL_PASS_PUSH_PULL]);
-      assert_false(found.not_run[HBIL_PASS_COMPOSITE]);
-      assert_int_equal(found.not_run[HBIL_PASS_GATHER],
-                       found.not_run[HBIL_PASS_RECOMPOSE]);
-    }
-    /* the first still frame keeps form factors */
-    assert_int_equal(found.by_factors.spans > 0,
-                     promised.config.horizon_cache_bytes && i >= 3 &&
-                         !found.not_run[HBIL_PASS_GATHER]);
-    if (!settled && found.not_run[HBIL_PASS_GATHER])
-      settled = i - 1;
-  }
-  setup_free(&promised);
-  setup_free(&plain);
-  return settled;
-}
-
-static void carried_radiance(setup *s) {
-  wall(s);
-  s->config.reprojection = HBIL_REPROJECTION_MOTION;
-  s->config.feedback = HBIL_FEEDBACK_RADIANCE;
-  s->config.storage = HBIL_STORAGE_FLOAT32;
-}
-
-static void still_frames_are_the_same(void **state) {
-  (void)state;
-  /* light settles to the bit where it is packed */
-  assert_in_range(still_frames(room_with_history, 40), 2, 39);
-  still_frames(carried_radiance, 3);
-  /* and at once where there is none to carry */
-  assert_int_equal(still_frames(endless, 2), 1);
-  assert_int_equal(still_frames(gtao, 2), 1);
-}
-
-static void factors(setup *s) {
-  room_with_history(s);
-  s->config.horizon_cache_bytes = SIZE_MAX;
-}
-
-static void factors_by_pixels(setup *s) {
-  factors(s);
-  s->config.vector_width = 1;
-}
-
-static void factors_of_all_light(setup *s) {
-  factors(s);
-  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
-  s->config.extrapolate = CL_FALSE;
-  s->config.storage = HBIL_STORAGE_FLOAT32;
-}
-
-static void factors_of_black(setup *s) {
-  factors(s);
-  s->config.back_facing_fallback = HBIL_FALLBACK_BLACK;
-  s->config.relative_thickness = 0.1f;
-  s->config.storage = HBIL_STORAGE_HALF;
-}
-
-static void factors_of_frame(setup *s) {
-  factors(s);
-  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-  s->config.radius = 2.0f;
-  s->config.storage = HBIL_STORAGE_FLOAT11;
-}
-
-static void factors_of_a_slice(setup *s) {
-  factors(s);
-  s->config.slices = 1;
-  s->config.steps_per_side = 80; /* more than are looked at in one go */
-  s->config.radius = 0.5f;
-}
-
-static void factors_of_radiance(setup *s) {
-  carried_radiance(s);
-  s->config.horizon_cache_bytes = SIZE_MAX;
-}
-
-static void factors_of_a_step(setup *s) {
-  factors(s);
-  s->config.facing_fade[0] = s->config.facing_fade[1] = 0.0f;
-}
-
-static void factors_of_parallel_rays(setup *s) {
-  factors(s);
-  setup_flatten(s, FLAT);
-}
-
-/* Surfaces that show none have none. */
-static void factors_of_a_picture(setup *s) {
-  picture_alone(s);
-  s->config.reprojection = HBIL_REPROJECTION_SCATTER;
-  s->config.feedback = HBIL_FEEDBACK_RADIANCE;
-  s->config.horizon_cache_bytes = SIZE_MAX;
-}
-
-/* Two thirds of the picture: 12 of the 18 rows of a layer. */
-static void factors_of_some_rows(setup *s) {
-  factors(s);
-  s->config.steps_per_side = 3;
-  setup_cache_rows(s, 12, 18);
-}
-
-static void factors_of_some_pixels(setup *s) {
-  factors_by_pixels(s);
-  setup_cache_rows(s, 12, 18);
-}
-
-/* Light goes on spreading through what the gather has kept. */
-static void form_factors_bring_the_same_light(void **state) {
-  static prepare_function *const kept[] = {factors,
-                                           factors_by_pixels,
-                                           factors_of_all_light,
-                                           factors_of_black,
-                                           factors_of_frame,
-                                           factors_of_a_slice,
-                                           factors_of_a_step,
-                                           factors_of_parallel_rays,
-                                           factors_of_radiance,
-                                           factors_of_a_picture,
-                                           factors_of_some_rows,
-                                           factors_of_some_pixels};
-  (void)state;
-  for (size_t k = 0; k < sizeof kept / sizeof *kept; ++k)
-    assert_int_equal(still_frames(kept[k], 6), 0);
-  assert_in_range(still_frames(factors, 40), 2, 39);
-}
-
-static void near_factors(setup *s) {
-  factors(s);
-  s->config.far_field = HBIL_FAR_NONE;
-  s->config.radius = 0.25f;
-}
-
-/* A stripe of light, which gets as far as the radius in a frame. */
-static void light_in_a_stripe(setup *s) {
-  setup_load_scene(s, SCENE_ROOM, 0);
-  for (int c = 0; c < 3; ++c) {
-    setup_fill(s, REF_EMISSION + c, 0.0f);
-    for (int i = 0; i < WIDTH * HEIGHT; ++i)
-      s->input[REF_DIRECT + c][i] =
-          i % WIDTH >= 175 && i % WIDTH < 190 ? 9.0f : 0.0f;
-  }
-}
-
-/* Pixels that no light comes to. */
-static size_t count_unlit(setup *s) {
-  size_t unlit = 0;
-  ref_planes out = outputs_read(s);
-  for (size_t i = 0; i < WIDTH * HEIGHT; ++i)
-    unlit += out.values[(size_t)REF_NEAR * WIDTH * HEIGHT + i] == 0.0;
-  ref_planes_free(&out);
-  return unlit;
-}
-
-static void what_is_dark_has_form_factors(void **state) {
-  size_t unlit = 0;
-  pair p;
-  (void)state;
-  start_pair(&p, near_factors, HBIL_SKIP_STILL);
-  for (int i = 0; i < 8; ++i) {
-    light_in_a_stripe(&p.with);
-    p.without.frame.camera = p.with.frame.camera;
-    p.with.frame.static_frame = i > 0;
-    assert_int_equal(compare(&p).by_factors.spans > 0, i > 1);
-    if (i == 1) /* where they are kept */
-      unlit = count_unlit(&p.with);
-  }
-  assert_in_range(count_unlit(&p.with), 1, unlit - 100);
-  free_pair(&p);
-}
-
-/* A lamp that is switched on where nothing was to change: no promise kept, but
- * form factors are there, and light is right. */
-static void light_may_come_late(void **state) {
-  pair p;
-  (void)state;
-  start_pair(&p, factors, HBIL_SKIP_STILL);
-  for (int i = 0; i < 4; ++i) {
-    light_in_a_stripe(&p.with);
-    p.without.frame.camera = p.with.frame.camera;
-    for (int c = 0; i < 2 && c < 3; ++c)
-      setup_fill(&p.with, REF_DIRECT + c, 0.0f);
-    p.with.frame.static_frame = i > 0;
-    const hbil_statistics found = compare(&p);
-    assert_int_equal(found.by_factors.spans > 0, i > 1);
-    assert_int_equal(found.not_run[HBIL_PASS_GATHER], CL_FALSE);
-  }
-  free_pair(&p);
-}
-
-static void still_is_checked(void **state) {
-  setup s;
-  (void)state;
-  room_with_history(&s);
-  setup_start(&s);
-  setup_load_scene(&s, SCENE_ROOM, 0);
-  s.frame.static_frame = CL_TRUE; /* of the first frame: nothing to be like */
-  run(&s);
-  assert_false(skipped(&s).not_run[HBIL_PASS_SPLIT]);
-  s.frame.frame_index = 1;
-  assert_int_equal(
-      hbil_enqueue_frame(s.plan, s.device->queue, &s.frame, 0, NULL, NULL),
-      HBIL_INVALID_FRAME);
-  assert_non_null(strstr(hbil_context_message(s.device->hbil), "frame_index"));
-  s.frame.frame_index = 0;
-  s.frame.camera.fx *= 1.5;
-  assert_int_equal(
-      hbil_enqueue_frame(s.plan, s.device->queue, &s.frame, 0, NULL, NULL),
-      HBIL_INVALID_FRAME);
-  assert_non_null(strstr(hbil_context_message(s.device->hbil), "camera"));
-  /* nor after a reset */
-  hbil_plan_reset(s.plan);
-  run(&s);
-  assert_false(skipped(&s).not_run[HBIL_PASS_SPLIT]);
-  setup_free(&s);
-}
-
-static void counts_need_a_frame(void **state) {
+static void statistics_need_a_frame(void **state) {
   hbil_statistics out;
   setup s;
   (void)state;
@@ -772,22 +448,17 @@ static void counts_need_a_frame(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_strip_of_a_bare_wall_is_open),
+      cmocka_unit_test(every_span_of_a_bare_wall_is_open),
       cmocka_unit_test(one_pixel_anywhere_is_not_overlooked),
-      cmocka_unit_test(the_edge_of_the_radius_is_kept),
+      cmocka_unit_test(the_edge_of_the_radius_is_exact),
       cmocka_unit_test(rooms_are_the_same),
       cmocka_unit_test(a_single_pixel_before_the_sky_is_seen),
       cmocka_unit_test(one_lamp_is_not_overlooked),
       cmocka_unit_test(a_line_on_a_rough_wall_is_not_overlooked),
       cmocka_unit_test(metal_shows_no_irradiance),
-      cmocka_unit_test(who_shows_irradiance_needs_it),
+      cmocka_unit_test(irradiance_outputs_need_it),
       cmocka_unit_test(holes_are_filled_and_nothing_else),
-      cmocka_unit_test(still_frames_are_the_same),
-      cmocka_unit_test(form_factors_bring_the_same_light),
-      cmocka_unit_test(what_is_dark_has_form_factors),
-      cmocka_unit_test(light_may_come_late),
-      cmocka_unit_test(still_is_checked),
-      cmocka_unit_test(counts_need_a_frame),
+      cmocka_unit_test(statistics_need_a_frame),
   };
   return RUN_WITH_DEVICE(tests);
 }

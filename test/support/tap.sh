@@ -60,9 +60,9 @@ says() {
   ok $? "$name"
 }
 
-# refused NAME PATTERN COMMAND...: exit status 2 and exactly one line on
+# rejected NAME PATTERN COMMAND...: exit status 2 and exactly one line on
 # standard error, which starts with "hbil: " and has the pattern.
-refused() {
+rejected() {
   name=$1 pattern=$2
   shift 2
   run "$@"

@@ -8,7 +8,7 @@
 #
 # What it finds stays in test/scratch/fuzz/found, the corpus beside it.
 set -eu
-srcdir=${srcdir:-$(dirname "$0")/..}
+srcdir=${srcdir:-$(dirname "$0")/../..}
 data=${HBIL_DATA:-$srcdir/../shared/data}
 seconds=${HBIL_FUZZ_SECONDS:-1800}
 out=test/scratch/fuzz
@@ -31,7 +31,7 @@ compile() {
 
 mkdir -p "$out/corpus" "$out/seeds" "$out/found"
 for file in src/image/camera_json.c src/image/exr.c \
-  src/image/exr_rgb.c src/image/image.c test/fuzz_reader.c; do
+  src/image/exr_rgb.c src/image/image.c test/system/fuzz_reader.c; do
   compile "${CLANG:-clang}" c11 "$file"
 done
 compile "${CLANGXX:-clang++}" c++17 src/image/formats.cpp

@@ -2,7 +2,7 @@
 # A program that was compiled with this version's header, by a library whose
 # structs have grown since: one is made of the sources, with fields behind the
 # last ones that must have their defaults.  And the sizes that no header had.
-. "$srcdir/test/tap.sh"
+. "$srcdir/test/support/tap.sh"
 
 if ! test -f .libs/libhbil.so; then
   skip "a program goes on with a library whose structs have grown" \
@@ -48,7 +48,7 @@ test $status -eq 0 && test "$(grep -c 'later\[1\]' "$later/settings.c")" = 1 &&
 ok $? "a library is made whose structs have grown by 16 bytes"
 # shellcheck disable=SC2086
 works "and a program with the header as it is" ${CC:-cc} -std=c11 \
-  -o "$work/caller" "-I$srcdir/include" "$srcdir/test/abi_caller.c" \
+  -o "$work/caller" "-I$srcdir/include" "$srcdir/test/system/abi_caller.c" \
   .libs/libhbil.so $opencl
 
 # by LIBRARY CONFIG_BYTES FRAME_BYTES: the program with those, run with a library.

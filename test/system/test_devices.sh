@@ -2,9 +2,9 @@
 # A few frames, by three plans, on the devices at hand: PoCL; oclgrind, which
 # checks every access, looks for races and for what nothing has set; rusticl's
 # llvmpipe.  What they make of it is held against PoCL's (device_frame.c).
-. "$srcdir/test/tap.sh"
+. "$srcdir/test/support/tap.sh"
 
-frame=test/device_frame
+frame=test/system/device_frame
 icd=/etc/OpenCL/vendors/rusticl.icd
 
 on_pocl() {

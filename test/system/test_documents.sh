@@ -3,7 +3,7 @@
 # every command in them is run, in its own words but with small sizes, or is
 # found where another test runs it; every option, file, test, target of make,
 # function and variable that they name is there.
-. "$srcdir/test/tap.sh"
+. "$srcdir/test/support/tap.sh"
 
 here=$PWD
 documents="README.md HACKING.md NEWS examples/README.md"
@@ -118,7 +118,7 @@ small() {
     -e 's|demo720|demo|g; s| \.\.\.$||; s|\.exr\.\.\.|.exr|' \
     -e "s|--frames 1-240x2|--frames 1-3x2 $gbuffer/frame_####.exr|" \
     -e "s|\<frame_000[0-9].exr|$gbuffer/&|g; s|FRAME\.exr|$frame|g" \
-    -e "s|\<[AB]\.exr:[a-zA-Z]*|$lit:AO|g; s|--heatmap PNG|--heatmap heat.png|" \
+    -e "s|\<[AB]\.exr:[a-zA-Z]*|$lit:ao|g; s|--heatmap PNG|--heatmap heat.png|" \
     -e 's| PNG$| sheet.png|; s| NAME$| zip|; s| N$| 2|; s| MIB$| 64|; s| WIDTH$| 6|; s|[][]||g; s|A,E|.05,.5|' \
     -e 's|--max-error [^ ]*|& --relative-thickness inf|'
 }
@@ -128,12 +128,12 @@ small() {
 # kernels are compiled anew there are few.
 complete() {
   case $1 in
-  POCL_CACHE_DIR=*) echo "$1 --layers AO --reprojection none" ;;
+  POCL_CACHE_DIR=*) echo "$1 --layers ao --reprojection none" ;;
   *'hbil demo'*) echo "$1 $demo -o demo" ;;
   *'hbil bench'*) echo "$1 --help" ;;
   *'hbil compare'*.exr*.exr*) echo "$1" ;;
   *'compare --mask') echo "$1 $frame $lit $lit" ;;
-  *'hbil compare'*) echo "$1 $lit:AO $lit:AO" ;;
+  *'hbil compare'*) echo "$1 $lit:ao $lit:ao" ;;
   *'hbil info') echo "$1 $frame" ;;
   *'process '*' -o '* | *'process -o '*) echo "$1" ;;
   *process*.exr*) echo "$1 --dry-run -o dry" ;;
@@ -146,7 +146,7 @@ complete() {
 # a frame, become one command, whose last ones fit all others; the words of
 # those with a choice were looked up above.
 process='^hbil process\( .*\)\?$'
-options=$(sed "/exr/!{/$process/s/^hbil process *//}; s/^--temporal\$/& 2/" "$work/code" |
+options=$(sed "/exr/!{/$process/s/^hbil process *//}; s/^--max-history-frames\$/& 2/" "$work/code" |
   grep -e '^--[a-z-]*[ =]' -e '^--timings' | grep -v '|' |
   grep -v -e '^--map\|^--runs\|^--scale\|^--heatmap\|^--quality reference\|^--horizon-cache' |
   small |
@@ -191,12 +191,12 @@ run make -n stress STRESS_SECONDS=1
 test $status -eq 0 && grep -q 'STRESS_SECONDS=1' "$work/out"
 ok $? "make stress starts the tests"
 run make -n fuzz
-test $status -eq 0 && sh -n "$srcdir/test/fuzz.sh"
+test $status -eq 0 && sh -n "$srcdir/test/system/fuzz.sh"
 ok $? "make fuzz starts its script"
 name="which has something to compile"
 if command -v "${CLANG:-clang}" >/dev/null; then
   works "$name" "${CLANG:-clang}" -std=c11 -fsyntax-only -Wall -Wextra -Werror \
-    "-I$srcdir/src" "-I$srcdir" "$srcdir/test/fuzz_reader.c"
+    "-I$srcdir/src" "-I$srcdir" "$srcdir/test/system/fuzz_reader.c"
 else
   skip "$name" "no clang"
 fi

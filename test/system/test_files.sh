@@ -3,8 +3,8 @@
 # nothing half-written, and a job that was broken off goes on with --resume.
 #
 # Speaks TAP.
-srcdir=${srcdir:-$(dirname "$0")/..}
-. "$srcdir/test/tap.sh"
+srcdir=${srcdir:-$(dirname "$0")/../..}
+. "$srcdir/test/support/tap.sh"
 
 process() {
   "$HBIL" process --quiet "$@"
@@ -112,21 +112,21 @@ patched() {
 # xmin ymin xmax ymax follow the attribute's name, type and size
 begin=21
 patched wide.exr dataWindow $((begin + 8)) '\377\311\232\073\377\311\232\073'
-refused "1e9 x 1e9 pixels" 'wide.exr: damaged.*1000000000) too large' \
+rejected "1e9 x 1e9 pixels" 'wide.exr: damaged.*1000000000) too large' \
   "$HBIL" info "$work/wide.exr"
 patched large.exr dataWindow $((begin + 8)) '\377\377\000\000\377\377\000\000'
-refused "65536 x 65536 pixels" 'large.exr: claims 65536 x 65536' \
+rejected "65536 x 65536 pixels" 'large.exr: claims 65536 x 65536' \
   "$HBIL" info "$work/large.exr"
 patched around.exr dataWindow $begin \
   '\000\000\000\200\000\000\000\200\377\377\377\177\377\377\377\177'
-refused "a window of 2^32 pixels a side" 'around.exr: damaged' \
+rejected "a window of 2^32 pixels a side" 'around.exr: damaged' \
   "$HBIL" info "$work/around.exr"
 patched backwards.exr dataWindow $begin '\377\377\377\177'
-refused "a window that ends before it begins" 'backwards.exr: damaged' \
+rejected "a window that ends before it begins" 'backwards.exr: damaged' \
   "$HBIL" info "$work/backwards.exr"
 # the window that would follow would be of 64 x 64 pixels, out of thin air
 patched nowindow.exr box2i 0 'box9x'
-refused "a window of another type" 'nowindow.exr: damaged' \
+rejected "a window of another type" 'nowindow.exr: damaged' \
   "$HBIL" info "$work/nowindow.exr"
 
 # --- names ---
@@ -148,13 +148,13 @@ ok $? "spaces, newlines, quotes and other scripts in paths"
 has "and the result has that name" "$work/$odd/lit
 here/-frame
 one.exr"
-refused "a newline in the name of what is missing" 'gone\\nagain.exr: cannot' \
+rejected "a newline in the name of what is missing" 'gone\\nagain.exr: cannot' \
   "$HBIL" info "$work/$odd/gone
 again.exr"
-refused "a name that turns the terminal" 'x1b\[2J.xc2.x9b.x7f:' \
+rejected "a name that turns the terminal" 'x1b\[2J.xc2.x9b.x7f:' \
   "$HBIL" info "$(printf '\033[2J\302\233\177')"
 long=$work/$(printf '%02000d' 1)
-refused "a name that is too long" 'File name too long' "$HBIL" info "$long"
+rejected "a name that is too long" 'File name too long' "$HBIL" info "$long"
 
 LC_ALL=C sed -e 's/albedo/a\n\x1b\xff.d/g' -e 's/motion/%s%n\\t/g' "$one" \
   >"$work/channels.exr"
@@ -168,9 +168,9 @@ works "and they are left alone" exact -o "$work/channels" "$work/channels.exr"
 # --- cameras ---
 
 bad=$work/bad.json
-# camera_refused NAME PATTERN
-camera_refused() {
-  refused "$1" "bad.json: $2" exact -o "$out" --camera "$bad" "$one"
+# camera_rejected NAME PATTERN
+camera_rejected() {
+  rejected "$1" "bad.json: $2" exact -o "$out" --camera "$bad" "$one"
 }
 # camera_with NAME PATTERN FIELD VALUE: its number or its arrays replaced.
 camera_with() {
@@ -179,16 +179,16 @@ camera_with() {
   nested='\[\( *\[[^][]*\],*\)* *\]'
   tr -d '\n' <"$camera" |
     sed "s/\"$3\": *\($nested\|$flat\|$number\)/\"$3\": $4/" >"$bad"
-  camera_refused "$1" "$2"
+  camera_rejected "$1" "$2"
 }
 dd if=/dev/zero of="$bad" bs=1 count=0 seek=100000000 2>/dev/null
-camera_refused "a camera of 100 MB" 'larger than 1024 KiB'
+camera_rejected "a camera of 100 MB" 'larger than 1024 KiB'
 head -c 10000 /dev/zero | tr '\0' '[' >"$bad"
-camera_refused "a camera 10,000 deep" 'not JSON.*depth'
+camera_rejected "a camera 10,000 deep" 'not JSON.*depth'
 : >"$bad"
-camera_refused "an empty camera" 'not JSON'
+camera_rejected "an empty camera" 'not JSON'
 printf '{"fx": 1, "fx": 2}' >"$bad"
-camera_refused "a field twice" 'not JSON.*field fx: duplicate'
+camera_rejected "a field twice" 'not JSON.*field fx: duplicate'
 camera_with "fx 1e999" 'not JSON.*field fx:.*overflow' fx 1e999
 camera_with "fx 1e300" 'field fx is wrong' fx 1e300
 camera_with "fx NaN" 'not JSON.*field fx:' fx NaN
@@ -225,53 +225,53 @@ for value in slices=99999999999999999999 slices=18446744073709551617 slices=-1 \
   radius=x thickness=1,2 relative-thickness=nan step-growth=1e39 \
   choose-every=0 horizon-cache=-1 horizon-cache=1e3 disocclusion=nan facing= \
   facing=nan,nan facing=1e400,0 facing=0.1 facing=0,0,0; do
-  refused "--$value" "^hbil: --${value%%=*} " process -o "$out" "--$value" "$one"
+  rejected "--$value" "^hbil: --${value%%=*} " process -o "$out" "--$value" "$one"
 done
-refused "nothing to choose" 'choose-every: --max-error is needed' \
+rejected "nothing to choose" 'choose-every: --max-error is needed' \
   process -o "$out" --choose-every 2 "$one"
-refused "form factors of frames that differ" 'horizon-cache: not with --temporal' \
-  process -o "$out" --horizon-cache 9 --temporal 4 "$one"
+rejected "form factors of frames that differ" 'horizon-cache: not with --max-history-frames' \
+  process -o "$out" --horizon-cache 9 --max-history-frames 4 "$one"
 for none in '--mode gtao' '--reprojection none' --no-skip; do
-  refused "form factors of no use with $none" "horizon-cache: not with $none" \
+  rejected "form factors of no use with $none" "horizon-cache: not with $none" \
     process -o "$out" --horizon-cache 9 $none "$one"
 done
-refused "an empty word" '^hbil: --mode ' process -o "$out" --mode '' "$one"
-refused "an empty list" '^hbil: --layers ' process -o "$out" --layers '' "$one"
-refused "an empty output folder" 'output folder' process -o '' "$one"
-refused "an empty name" '^hbil: : cannot be read' exact -o "$out" ''
-refused "an empty device" 'no such device' \
+rejected "an empty word" '^hbil: --mode ' process -o "$out" --mode '' "$one"
+rejected "an empty list" '^hbil: --layers ' process -o "$out" --layers '' "$one"
+rejected "an empty output folder" 'output folder' process -o '' "$one"
+rejected "an empty name" '^hbil: : cannot be read' exact -o "$out" ''
+rejected "an empty device" 'no such device' \
   process -o "$out" --device '' "$one"
-refused "device 1e20" 'no such device' \
+rejected "device 1e20" 'no such device' \
   process -o "$out" --device 100000000000000000000 "$one"
 
 # --- environments ---
 
 map=$work/map
-# map_refused NAME PATTERN
-map_refused() {
-  refused "$1" "$2" exact -o "$out" --environment "$map" "$one"
+# map_rejected NAME PATTERN
+map_rejected() {
+  rejected "$1" "$2" exact -o "$out" --environment "$map" "$one"
 }
-refused "an environment of NaN" 'cannot be read' \
+rejected "an environment of NaN" 'cannot be read' \
   exact -o "$out" --environment nan,0,0 "$one"
-refused "an infinite environment" 'not finite' \
+rejected "an infinite environment" 'not finite' \
   exact -o "$out" --environment inf,0,0 "$one"
-refused "an empty environment" 'cannot be read' \
+rejected "an empty environment" 'cannot be read' \
   exact -o "$out" --environment '' "$one"
 printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1000000000 +X 1000000000\n' \
   >"$map"
-map_refused "a map of 1e9 x 1e9 pixels" 'map: 1000000000 x 1000000000'
+map_rejected "a map of 1e9 x 1e9 pixels" 'map: 1000000000 x 1000000000'
 printf 'P6 16384 16384 255\n' >"$map"
-map_refused "a map of 2^28 pixels" 'map: 16384 x 16384'
+map_rejected "a map of 2^28 pixels" 'map: 16384 x 16384'
 # libpng would say something of its own
 printf '\211PNG\r\n\032\n\0\0\0\rIHDR\073\232\312\0\073\232\312\0\010\2\0\0\0\300\100\250\1' \
   >"$map"
-map_refused "a PNG of 1e9 x 1e9 pixels" 'map: cannot be read'
+map_rejected "a PNG of 1e9 x 1e9 pixels" 'map: cannot be read'
 printf 'PF\n2 1\n-1.0\n\0\0\300\177\0\0\200\177\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0' \
   >"$map"
 works "a map with NaN has no light there" \
   exact -o "$work/map-lit" --environment "$map" "$one"
 cp "$work/wide.exr" "$map"
-map_refused "an EXR map of 1e9 x 1e9 pixels" 'map: damaged'
+map_rejected "an EXR map of 1e9 x 1e9 pixels" 'map: damaged'
 if test -d "$HBIL_DATA/real_exr"; then
   # three halves of four, of which OpenEXR's quick routines wrote the fourth
   works "a map of some channels" exact -o "$work/map-lit" --overwrite --environment \
@@ -279,7 +279,7 @@ if test -d "$HBIL_DATA/real_exr"; then
 else
   skip "a map of some channels" "no dumps"
 fi
-absent "what was refused left nothing" "$out"
+absent "what was rejected left nothing" "$out"
 
 # --- broken off ---
 
@@ -325,20 +325,20 @@ for way in scatter motion; do
       exact --reprojection motion --preview -o "$work/resumed" "$@"
     fi
   }
-  refused "$way: broken off" 'frame_0003.exr: truncated' again "$work/broken"/*.exr
+  rejected "$way: broken off" 'frame_0003.exr: truncated' again "$work/broken"/*.exr
   has "$way: carried light is kept" "$work/resumed/.hbil-light"
   works "$way: resumed" again --resume "$frames"/*.exr
   same "$way: as without interruption" "$work/$way" "$work/resumed"
 done
 # What the temporal filter keeps is carried as well, and where its pattern is.
 filtered() {
-  process --temporal 8 "$@"
+  process --max-history-frames 8 "$@"
 }
 for mode in hbil gtao; do
   rm -rf "$work/resumed"
   works "$mode: a mean over frames" filtered --mode $mode -o "$work/$mode" \
     "$frames"/*.exr
-  refused "$mode: broken off" 'frame_0003.exr: truncated' \
+  rejected "$mode: broken off" 'frame_0003.exr: truncated' \
     filtered --mode $mode -o "$work/resumed" "$work/broken"/*.exr
   works "$mode: resumed" \
     filtered --mode $mode --resume -o "$work/resumed" "$frames"/*.exr
@@ -356,11 +356,11 @@ for light in carried none; do
   test $light = carried ||
     adaptive() {
       process --max-error .1,inf --choose-every 4 --reprojection none \
-        --layers AO "$@"
+        --layers ao "$@"
     }
   works "adaptive, light $light: four frames, one choice each four" \
     adaptive -o "$work/adaptive_$light" "$frames"/*.exr
-  refused "adaptive, light $light: broken off" 'frame_0003.exr: truncated' \
+  rejected "adaptive, light $light: broken off" 'frame_0003.exr: truncated' \
     adaptive -o "$work/resumed" "$work/broken"/*.exr
   works "adaptive, light $light: resumed" \
     adaptive --resume -o "$work/resumed" "$frames"/*.exr
@@ -369,7 +369,7 @@ for light in carried none; do
 done
 works "choosing in each frame" adaptive --choose-every 1 -o "$work/each" \
   "$frames"/*.exr
-refused "choosing in each frame: broken off" 'frame_0003.exr: truncated' \
+rejected "choosing in each frame: broken off" 'frame_0003.exr: truncated' \
   adaptive --choose-every 1 -o "$work/each_broken" "$work/broken"/*.exr
 test ! -e "$work/each_broken/.hbil-light"
 ok $? "nothing is kept where nothing is carried"
@@ -380,7 +380,7 @@ run "$HBIL" process --quality reference --slices 2 --warm-up 0 --preview \
 test $status -eq 0 && test "$(grep -c 'is there already$' "$work/err")" -eq 4 &&
   ! grep -q 'exact integral' "$work/err"
 ok $? "nothing is lit where nothing is missing"
-rm "$work/resumed/frame_0002.AO.png" "$work/resumed/frame_0003.exr"
+rm "$work/resumed/frame_0002.ao.png" "$work/resumed/frame_0003.exr"
 works "a hole, without carried light" exact --reprojection motion --preview \
   --resume -o "$work/resumed" "$frames"/*.exr
 same "is filled alike" "$work/motion" "$work/resumed"
@@ -405,7 +405,7 @@ run "$HBIL" process --quality reference --slices 2 --warm-up 0 --resume \
 test $status -eq 0 && ! grep -q 'is there already$' "$work/err" &&
   ! cmp -s "$camera" "$work/moved/frame_0001.json"
 ok $? "nor are those of another camera"
-refused "--resume measures nothing" 'resume: not with --timings' \
+rejected "--resume measures nothing" 'resume: not with --timings' \
   process --resume --timings -o "$out" "$one"
 
 # --- no room ---

@@ -2,7 +2,7 @@
 # What others get: the tarball and what it builds, the installed tree with its
 # manual, completion and examples, Debian's packages.  Runs `make distcheck`
 # without the tests, which would be these once more.
-. "$srcdir/test/tap.sh"
+. "$srcdir/test/support/tap.sh"
 
 if test -n "$HBIL_PACKAGING"; then
   skip "tarball, installed tree, packages" "this is such a build"

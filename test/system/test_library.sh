@@ -2,7 +2,7 @@
 # The library as it is linked: exports what its map and the header name and
 # nothing else, and never prints or ends the process; the header, as others
 # include it.
-. "$srcdir/test/tap.sh"
+. "$srcdir/test/support/tap.sh"
 header=$srcdir/include/hbil/hbil.h
 library=.libs/libhbil.so
 

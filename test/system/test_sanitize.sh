@@ -2,12 +2,12 @@
 # The host code of library and tool under the sanitizers of addresses, leaks and
 # undefined behaviour, built in a folder of its own: a few tests that reach most
 # of it, every OpenCL call that fails among them, and the tool on a sequence.
-. "$srcdir/test/tap.sh"
+. "$srcdir/test/support/tap.sh"
 
 here=$PWD
 build=$here/test/sanitized
 flags='-g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all'
-tests='test/test_status test/test_faults test/test_policy test/test_guards'
+tests='test/unit/test_status test/property/test_faults test/unit/test_policy test/property/test_guards'
 
 # What PoCL and its compiler keep for the whole process is theirs; other
 # implementations leak while they are loaded, and are not.
@@ -58,7 +58,7 @@ HBIL=$build/hbil
 works "nor in a demo" "$HBIL" demo --frames 2 --size 64x48 -o "$work/demo"
 set -- "$work"/demo/gbuffer/frame_*.exr
 works "nor in a job with all there is" "$HBIL" process --quiet --preview \
-  --timings --json --keep --half --compression dwaa \
+  --timings --json --copy-channels --half --compression dwaa \
   --contact-sheet "$work/sheet.png" --reprojection motion -o "$work/job" "$@"
 works "nor in a job that is done already" \
   "$HBIL" process --resume --reprojection motion -o "$work/job" "$@"
@@ -66,7 +66,7 @@ works "nor in the exact integral" "$HBIL" process --quiet --quality reference \
   --slices 4 -o "$work/exact" "$1"
 works "nor in info" "$HBIL" info "$1"
 works "nor in a comparison" "$HBIL" compare --heatmap "$work/heat.png" \
-  "$work/job/frame_0001.exr:AO" "$work/exact/frame_0001.exr:AO"
+  "$work/job/frame_0001.exr:ao" "$work/exact/frame_0001.exr:ao"
 mkdir "$work/bin"
 printf '#!/bin/sh\nexit 1\n' >"$work/bin/rsvg-convert"
 chmod +x "$work/bin/rsvg-convert"

@@ -4,8 +4,8 @@
 # the pictures of it.
 #
 # Speaks TAP.
-srcdir=${srcdir:-$(dirname "$0")/..}
-. "$srcdir/test/tap.sh"
+srcdir=${srcdir:-$(dirname "$0")/../..}
+. "$srcdir/test/support/tap.sh"
 
 # The exact integral of few slices: no device, so no kernels to be compiled.
 exact() {
@@ -13,7 +13,7 @@ exact() {
 }
 # One kernel of occlusion alone.
 device() {
-  "$HBIL" process --mode gtao --layers AO --slices 1 --samples 4 "$@"
+  "$HBIL" process --mode gtao --layers ao --slices 1 --steps-per-side 4 "$@"
 }
 # same NAME FOLDER FOLDER: the same files in both, bit by bit.
 same() {
@@ -63,35 +63,35 @@ works "a file whose name is like a pattern" \
   exact -o "$work/lit" "$work/shot/b.%d.exr"
 has "is taken as it is" "$work/lit/b.%d.exr"
 
-refused "missing frames are all named" \
+rejected "missing frames are all named" \
   ': 5 of 9 frames are missing: 6-9, 20; --frames' \
   exact --frames 2-9,20 -o "$out" "$frames/frame_%04d.exr"
-refused "those of a list, too" \
+rejected "those of a list, too" \
   ': 2 of 3 frames are missing: .*/x.exr, .*/y.exr$' \
   exact -o "$out" "$work/x.exr" "$frames/frame_0001.exr" "$work/y.exr"
 mkdir "$work/holes"
 cp "$frames"/frame_000[1245].* "$work/holes"
-refused "a hole is an accident" 'frame_####.exr: 1 of 5 frames is missing: 3;' \
+rejected "a hole is an accident" 'frame_####.exr: 1 of 5 frames is missing: 3;' \
   exact -o "$out" "$work/holes/frame_####.exr"
 works "unless it is asked for" \
   exact --frames 1-2,4-5 -o "$work/asked" "$work/holes/frame_####.exr"
 rm "$work"/holes/frame_000[24].*
 works "every fourth frame has no hole" \
   exact -o "$work/fourth" "$work/holes/frame_####.exr"
-refused "no such frame at all" 'g.%d.exr: there is no such frame' \
+rejected "no such frame at all" 'g.%d.exr: there is no such frame' \
   exact -o "$out" "$work/shot/g.%d.exr"
 for range in '' 1- 1-2x 1-2x0 3-1 -1 1,,2 1-2, a 1-2y3 99999999 0-9999999; do
-  refused "--frames '$range'" "^hbil: --frames $range: FIRST-LAST" \
+  rejected "--frames '$range'" "^hbil: --frames $range: FIRST-LAST" \
     exact --frames "$range" -o "$out" "$frames/frame_%04d.exr"
 done
-refused "--frames without a place for them" 'has no place for a number' \
+rejected "--frames without a place for them" 'has no place for a number' \
   exact --frames 1 -o "$out" "$frames/frame_0001.exr"
-absent "what was refused left nothing" "$out"
+absent "what was rejected left nothing" "$out"
 
 # --- results that are there ---
 
 cp -r "$work/all" "$work/before"
-refused "a result that is there" \
+rejected "a result that is there" \
   'all/frame_0003.exr: is there already; --overwrite.*--resume' \
   exact -o "$work/all" "$frames/frame_0003.exr"
 same "is left alone" "$work/before" "$work/all"
@@ -100,7 +100,7 @@ cmp "$work/before/frame_0003.exr" "$work/all/frame_0003.exr" \
   >"$work/out" 2>"$work/err"
 test $? -eq 1
 ok $? "replaces it"
-refused "--overwrite and --resume" 'resume: not with --overwrite' \
+rejected "--overwrite and --resume" 'resume: not with --overwrite' \
   exact --overwrite --resume -o "$work/all" "$frames/frame_0003.exr"
 
 says "--dry-run" '^1 of 1 frames would be written, 40 x 30 pixels: near,' \
@@ -119,9 +119,9 @@ ok $? "tell which"
 test -e "$work/all/frame_0001.exr.tmp999999999" &&
   test ! -e "$work/all/frame_0004.exr"
 ok $? "and write and sweep nothing"
-refused "--dry-run and a folder without a parent" 'cannot be created' \
+rejected "--dry-run and a folder without a parent" 'cannot be created' \
   exact --dry-run -o "$out/deeper" "$frames/frame_0001.exr"
-refused "--dry-run finds what is wrong" 'is there already' \
+rejected "--dry-run finds what is wrong" 'is there already' \
   exact --dry-run -o "$work/before" "$frames/frame_0001.exr"
 
 # --- side by side ---
@@ -131,7 +131,7 @@ same "comes out bit by bit" "$work/before" "$work/again"
 # Each stage in turn breaks off at the third frame: those before it are whole.
 broken() { # NAME PATTERN
   rm -rf "$work/stopped"
-  refused "$1" "$2" exact -o "$work/stopped" "$work/bad/frame_####.exr"
+  rejected "$1" "$2" exact -o "$work/stopped" "$work/bad/frame_####.exr"
   holds "$1: two frames and the light behind them" "$work/stopped" \
     .hbil-light frame_0001.exr frame_0002.exr
 }
@@ -142,7 +142,7 @@ head -c $((size - 100)) "$frames/frame_0003.exr" >"$work/bad/frame_0003.exr"
 broken "a frame that can't be read" 'frame_0003.exr: truncated'
 cp "$frames/frame_0003.exr" "$work/bad"
 mkdir "$work/stopped/frame_0003.exr"
-refused "a result that can't be written" \
+rejected "a result that can't be written" \
   'frame_0003.exr: cannot be written: Is a directory' \
   exact --overwrite -o "$work/stopped" "$work/bad/frame_####.exr"
 holds "two frames and the light behind them" "$work/stopped" \
@@ -180,8 +180,8 @@ test "$(grep -c '"encode": [0-9]' "$work/out")" -eq 6 || missing=1
 ok $missing "and as JSON"
 
 if script -qec true /dev/null >"$work/out" 2>"$work/err"; then
-  run script -qec "'$HBIL' process --mode gtao --layers AO --slices 1 \
-    --samples 4 --overwrite -o '$work/device' '$frames/frame_####.exr'" /dev/null
+  run script -qec "'$HBIL' process --mode gtao --layers ao --slices 1 \
+    --steps-per-side 4 --overwrite -o '$work/device' '$frames/frame_####.exr'" /dev/null
   test $status -eq 0 &&
     grep -q '\[#*\.*\] [1-5]/5, [0-9.e+]* frames/s, .* left' "$work/out" &&
     ! grep -q '\[[1-5]/5\]' "$work/out"
@@ -193,38 +193,38 @@ fi
 # --- what a result has of its frame ---
 
 one=$frames/frame_0001.exr
-works "--keep" exact --keep --layers AO,near -o "$work/kept" "$one"
+works "--copy-channels" exact --copy-channels --layers ao,near_irradiance -o "$work/kept" "$one"
 for channels in depth normal position albedo direct emission motion; do
   works "has the frame's $channels" "$HBIL" compare --max-rmse 0 \
     "$work/kept/frame_0001.exr:$channels" "$one:$channels"
 done
 works "and the layers are those without it" "$HBIL" compare --max-rmse 0 \
-  "$work/kept/frame_0001.exr:near" "$work/before/frame_0001.exr:near"
+  "$work/kept/frame_0001.exr:near_irradiance" "$work/before/frame_0001.exr:near_irradiance"
 works "a result can be a frame again" \
-  exact --keep -o "$work/twice" --camera "${one%.exr}.json" \
+  exact --copy-channels -o "$work/twice" --camera "${one%.exr}.json" \
   "$work/kept/frame_0001.exr"
-works "--keep and --resume" exact --keep --layers AO,near --resume \
+works "--copy-channels and --resume" exact --copy-channels --layers ao,near_irradiance --resume \
   -o "$work/kept" "$one"
-works "--half" exact --half --layers AO -o "$work/half" "$one"
+works "--half" exact --half --layers ao -o "$work/half" "$one"
 # halves have 11 bits: 2^-12 of a value up to 1
 works "loses little" "$HBIL" compare --max-rmse 2.5e-4 \
-  "$work/half/frame_0001.exr:AO" "$work/before/frame_0001.exr:AO"
+  "$work/half/frame_0001.exr:ao" "$work/before/frame_0001.exr:ao"
 for how in none rle zips piz input; do
-  works "--compression $how" exact --layers AO --compression $how \
+  works "--compression $how" exact --layers ao --compression $how \
     -o "$work/$how" "$one"
   works "loses nothing: $how" "$HBIL" compare --max-rmse 0 \
-    "$work/$how/frame_0001.exr:AO" "$work/before/frame_0001.exr:AO"
+    "$work/$how/frame_0001.exr:ao" "$work/before/frame_0001.exr:ao"
 done
 size=$(wc -c <"$work/none/frame_0001.exr")
 test "$size" -gt "$(wc -c <"$work/zips/frame_0001.exr")"
 ok $? "none is larger than zips"
-exact --half --layers AO --compression none -o "$work/half-none" "$one"
+exact --half --layers ao --compression none -o "$work/half-none" "$one"
 test $((size - $(wc -c <"$work/half-none/frame_0001.exr"))) -eq $((40 * 30 * 2))
 ok $? "floats have four bytes, halves two"
-refused "an unknown compression" 'none, rle, zips, zip, piz' \
+rejected "an unknown compression" 'none, rle, zips, zip, piz' \
   exact --compression lzma -o "$out" "$one"
 run "$HBIL" process --quality reference --slices 1 --warm-up 0 --half --resume \
-  --layers AO --compression zips -o "$work/zips" "$one"
+  --layers ao --compression zips -o "$work/zips" "$one"
 test $status -eq 0 && ! grep -q 'is there already$' "$work/err"
 ok $? "floats are not the halves that are asked for"
 if command -v oiiotool >/dev/null; then
@@ -233,7 +233,7 @@ if command -v oiiotool >/dev/null; then
     --origin +7+5 --fullsize 64x48+0+0 -o "$work/shot/c.exr" >"$work/out" 2>&1
   cp "${one%.exr}.json" "$work/shot/c.json"
   works "a frame with attributes and windows" \
-    exact --keep --compression piz -o "$work/attributes" "$work/shot/c.exr"
+    exact --copy-channels --compression piz -o "$work/attributes" "$work/shot/c.exr"
   oiiotool --info -v "$work/attributes/c.exr" >"$work/out" 2>"$work/err"
   missing=0
   for line in 'chromaticities: 0.713, 0.293, 0.165, 0.83' 'Copyright: "me"' \
@@ -276,9 +276,9 @@ works "from results that are there" exact --resume \
   --contact-sheet "$work/sheet2.png" -o "$work/sheet" "$frames/frame_####.exr"
 run cmp "$work/sheet.png" "$work/sheet2.png"
 ok $status "it is the same"
-refused "a sheet that is there" 'sheet.png: is there already; --overwrite' \
+rejected "a sheet that is there" 'sheet.png: is there already; --overwrite' \
   exact --contact-sheet "$work/sheet.png" -o "$out" "$one"
-refused "a sheet in no folder" 'sheet.png: cannot be written' \
+rejected "a sheet in no folder" 'sheet.png: cannot be written' \
   exact --contact-sheet "$work/no/sheet.png" -o "$out" "$one"
 i=0
 while test $i -lt 11; do
@@ -287,14 +287,14 @@ while test $i -lt 11; do
   cp "$one" "$work/shot/many.$n.exr"
   cp "${one%.exr}.json" "$work/shot/many.$n.json"
 done
-works "of a long sequence" exact --layers AO --contact-sheet "$work/long.png" \
+works "of a long sequence" exact --layers ao --contact-sheet "$work/long.png" \
   -o "$work/long" "$work/shot/many.##.exr"
 test "$(pixels "$work/long.png")" = "176 1222"
 ok $? "it shows eight frames"
 # looks FRAME: whether another picture there changes the sheet.
 looks() {
   cp "$frames/frame_0005.exr" "$work/shot/many.$1.exr"
-  exact --overwrite --layers AO --contact-sheet "$work/other.png" \
+  exact --overwrite --layers ao --contact-sheet "$work/other.png" \
     -o "$work/long" "$work/shot/many.##.exr"
   cp "$one" "$work/shot/many.$1.exr"
   ! cmp -s "$work/long.png" "$work/other.png"
@@ -304,11 +304,11 @@ ok $? "the first and the last among them"
 ! looks 04
 ok $? "and not the fourth"
 works "a heat map" "$HBIL" compare --heatmap "$work/heat.png" \
-  "$work/before/frame_0001.exr:near" "$work/before/frame_0002.exr:near"
+  "$work/before/frame_0001.exr:near_irradiance" "$work/before/frame_0002.exr:near_irradiance"
 test "$(pixels "$work/heat.png")" = "200 70"
 ok $? "has a legend below"
 works "--preview" exact --preview -o "$work/preview" "$frames"/frame_000[15].exr
-for l in near far indirect AO bent cone beauty; do
+for l in near_irradiance far_irradiance indirect ao bent_normal cone_cosine beauty; do
   test "$(pixels "$work/preview/frame_0005.$l.png")" = "40 30"
   ok $? "--preview: $l"
 done

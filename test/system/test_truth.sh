@@ -26,7 +26,7 @@ result() { # status, name
 
 # Every layer against itself: compare fails where a value is not finite.
 finite() {
-  for layer in near far indirect AO bent cone beauty; do
+  for layer in near_irradiance far_irradiance indirect ao bent_normal cone_cosine beauty; do
     for frame in "$out/$1"/frame_*.exr; do
       "$HBIL" compare --max-rmse 0 "$frame:$layer" "$frame:$layer" >/dev/null ||
         return 1

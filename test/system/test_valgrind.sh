@@ -2,7 +2,7 @@
 # The host code of tool and library under valgrind's memcheck: nothing is read
 # or written where nothing is, nothing unset is used or written to a file,
 # nothing leaks.  test/valgrind.supp has what isn't ours.
-. "$srcdir/test/tap.sh"
+. "$srcdir/test/support/tap.sh"
 
 if ! command -v valgrind >/dev/null; then
   skip "memcheck has nothing to report" "no valgrind"
@@ -18,7 +18,7 @@ test ! -e $pocl || export OCL_ICD_VENDORS=$pocl
 memcheck() {
   ./libtool --mode=execute valgrind -q --error-exitcode=66 --num-callers=40 \
     --leak-check=full --errors-for-leak-kinds=definite,possible \
-    --suppressions="$srcdir/test/valgrind.supp" "$@"
+    --suppressions="$srcdir/test/system/valgrind.supp" "$@"
 }
 clean() { # NAME COMMAND...
   name=$1
@@ -37,8 +37,8 @@ seen() {
 seen "a leak would be seen" 'p = NULL; return 0;'
 seen "so would a write behind the end" 'p[8] = 0; free(p); return 0;'
 
-clean "channels and cameras of dumps" test/test_policy
-clean "maps of light" test/test_environment
+clean "channels and cameras of dumps" test/unit/test_policy
+clean "maps of light" test/unit/test_environment
 
 # The first one, without valgrind, has the kernels compiled.
 demo="demo --frames 2 --size 40x30"

@@ -1,0 +1,283 @@
+/*
+ * Static frames: a caller's statement that nothing has moved saves passes, and
+ * lets the gather reuse horizons from its cache, without changing a bit.
+ */
+#include "test/support/pair.h"
+
+static void endless(setup *s) {
+  pair_wall(s);
+}
+
+static void ao_alone(setup *s, hbil_mode mode) {
+  pair_wall(s);
+  s->config.mode = mode;
+  for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
+    if (i != PLANE_AO)
+      plane_format(&s->config, (plane_id)i)->component = HBIL_NONE;
+}
+
+static void gtao(setup *s) {
+  ao_alone(s, HBIL_MODE_GTAO);
+}
+
+static void picture_alone(setup *s) {
+  pair_wall(s);
+  for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
+    if (i != PLANE_BEAUTY)
+      plane_format(&s->config, (plane_id)i)->component = HBIL_NONE;
+  s->config.f0.component = HBIL_FLOAT32;
+  /* AO must show: metal alone sends no light to others */
+  s->config.far_field = HBIL_FAR_CONSTANT;
+  s->frame.environment[0][0] = 1.0f;
+}
+
+static void room_with_history(setup *s) {
+  pair_wall(s);
+  s->config.reprojection = HBIL_REPROJECTION_SCATTER;
+  s->config.far_field = HBIL_FAR_FRAME;
+}
+
+/* Two frames of a moving camera, then static ones.  Each is the same as in a
+ * plan that isn't told that they are static.  Returns the first static frame in
+ * which nothing was gathered, 0 if there is none. */
+static int static_frames(prepare_function *prepare, int frames) {
+  int settled = 0;
+  setup told, plain;
+  prepare(&told);
+  prepare(&plain);
+  setup_start(&told);
+  setup_start(&plain);
+  for (int i = 0; i < 2 + frames; ++i) {
+    const uint32_t frame = i < 2 ? (uint32_t)i : 1;
+    setup_load_scene(&told, SCENE_ROOM, frame);
+    setup_load_scene(&plain, SCENE_ROOM, frame);
+    told.frame.static_frame = i >= 2;
+    for (int c = 0; c < 2 && i >= 2; ++c) {
+      setup_fill(&told, REF_MOTION + c, 0.0f);
+      setup_fill(&plain, REF_MOTION + c, 0.0f);
+    }
+    run_frame(&told);
+    run_frame(&plain);
+    assert_same_outputs(&told, &plain);
+    const hbil_statistics found = statistics_of(&told);
+    if (i >= 2) {
+      assert_true(found.not_run[HBIL_PASS_REPROJECT]);
+      assert_true(found.not_run[HBIL_PASS_PUSH_PULL]);
+      assert_false(found.not_run[HBIL_PASS_COMPOSITE]);
+      assert_int_equal(found.not_run[HBIL_PASS_GATHER],
+                       found.not_run[HBIL_PASS_RECOMPOSE]);
+    }
+    /* the first static frame fills the cache */
+    assert_int_equal(found.by_factors.spans > 0,
+                     told.config.horizon_cache_bytes && i >= 3 &&
+                         !found.not_run[HBIL_PASS_GATHER]);
+    if (!settled && found.not_run[HBIL_PASS_GATHER])
+      settled = i - 1;
+  }
+  setup_free(&told);
+  setup_free(&plain);
+  return settled;
+}
+
+static void carried_radiance(setup *s) {
+  pair_wall(s);
+  s->config.reprojection = HBIL_REPROJECTION_MOTION;
+  s->config.feedback = HBIL_FEEDBACK_RADIANCE;
+  s->config.storage = HBIL_STORAGE_FLOAT32;
+}
+
+static void static_frames_are_the_same(void **state) {
+  (void)state;
+  /* packed light settles to the last bit */
+  assert_in_range(static_frames(room_with_history, 40), 2, 39);
+  static_frames(carried_radiance, 3);
+  /* at once where no light is carried over */
+  assert_int_equal(static_frames(endless, 2), 1);
+  assert_int_equal(static_frames(gtao, 2), 1);
+}
+
+static void cache_all(setup *s) {
+  room_with_history(s);
+  s->config.horizon_cache_bytes = SIZE_MAX;
+}
+
+static void cache_by_pixels(setup *s) {
+  cache_all(s);
+  s->config.vector_width = 1;
+}
+
+static void cache_of_all_light(setup *s) {
+  cache_all(s);
+  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
+  s->config.extrapolate = CL_FALSE;
+  s->config.storage = HBIL_STORAGE_FLOAT32;
+}
+
+static void cache_of_black(setup *s) {
+  cache_all(s);
+  s->config.back_facing_fallback = HBIL_FALLBACK_BLACK;
+  s->config.relative_thickness = 0.1f;
+  s->config.storage = HBIL_STORAGE_FLOAT32;
+}
+
+static void cache_of_frame(setup *s) {
+  cache_all(s);
+  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  s->config.radius = 2.0f;
+}
+
+static void cache_of_a_slice(setup *s) {
+  cache_all(s);
+  s->config.slices = 1;
+  s->config.steps_per_side = 80; /* more than one block of samples */
+  s->config.radius = 0.5f;
+}
+
+static void cache_of_radiance(setup *s) {
+  carried_radiance(s);
+  s->config.horizon_cache_bytes = SIZE_MAX;
+}
+
+static void cache_of_a_step(setup *s) {
+  cache_all(s);
+  s->config.facing_fade[0] = s->config.facing_fade[1] = 0.0f;
+}
+
+static void cache_of_parallel_rays(setup *s) {
+  cache_all(s);
+  setup_flatten(s, FLAT_WIDTH);
+}
+
+/* Surfaces that show no irradiance have no horizons in the cache. */
+static void cache_of_a_picture(setup *s) {
+  picture_alone(s);
+  s->config.reprojection = HBIL_REPROJECTION_SCATTER;
+  s->config.feedback = HBIL_FEEDBACK_RADIANCE;
+  s->config.horizon_cache_bytes = SIZE_MAX;
+}
+
+/* Two thirds of the picture: 12 of the 18 rows of a layer. */
+static void cache_of_some_rows(setup *s) {
+  cache_all(s);
+  s->config.steps_per_side = 3;
+  setup_cache_rows(s, 12, 18);
+}
+
+static void cache_of_some_pixels(setup *s) {
+  cache_by_pixels(s);
+  setup_cache_rows(s, 12, 18);
+}
+
+/* Light goes on spreading through cached horizons. */
+static void cached_horizons_give_the_same_light(void **state) {
+  static prepare_function *const caches[] = {
+      cache_all,          cache_by_pixels,        cache_of_all_light,
+      cache_of_black,     cache_of_frame,         cache_of_a_slice,
+      cache_of_a_step,    cache_of_parallel_rays, cache_of_radiance,
+      cache_of_a_picture, cache_of_some_rows,     cache_of_some_pixels};
+  (void)state;
+  for (size_t k = 0; k < sizeof caches / sizeof *caches; ++k)
+    assert_int_equal(static_frames(caches[k], 6), 0);
+  assert_in_range(static_frames(cache_all, 40), 2, 39);
+}
+
+static void cache_near(setup *s) {
+  cache_all(s);
+  s->config.far_field = HBIL_FAR_NONE;
+  s->config.radius = 0.25f;
+}
+
+/* A stripe of light, which spreads by the radius in each frame. */
+static void light_in_a_stripe(setup *s) {
+  setup_load_scene(s, SCENE_ROOM, 0);
+  for (int c = 0; c < 3; ++c) {
+    setup_fill(s, REF_EMISSION + c, 0.0f);
+    for (int i = 0; i < WIDTH * HEIGHT; ++i)
+      s->input[REF_DIRECT + c][i] =
+          i % WIDTH >= 175 && i % WIDTH < 190 ? 9.0f : 0.0f;
+  }
+}
+
+/* Number of pixels that receive no light. */
+static size_t count_unlit(setup *s) {
+  size_t unlit = 0;
+  ref_planes out = outputs_read(s);
+  for (size_t i = 0; i < WIDTH * HEIGHT; ++i)
+    unlit += out.values[(size_t)REF_NEAR * WIDTH * HEIGHT + i] == 0.0;
+  ref_planes_free(&out);
+  return unlit;
+}
+
+static void unlit_spans_are_cached(void **state) {
+  size_t unlit = 0;
+  pair p;
+  (void)state;
+  pair_start(&p, cache_near, HBIL_SKIP_STILL);
+  for (int i = 0; i < 8; ++i) {
+    light_in_a_stripe(&p.with);
+    p.without.frame.camera = p.with.frame.camera;
+    p.with.frame.static_frame = i > 0;
+    assert_int_equal(pair_compare(&p).by_factors.spans > 0, i > 1);
+    if (i == 1) /* the frame that fills the cache */
+      unlit = count_unlit(&p.with);
+  }
+  assert_in_range(count_unlit(&p.with), 1, unlit - 100);
+  pair_free(&p);
+}
+
+/* A lamp is switched on although the caller says that nothing changes.  The
+ * cache is used, and the light is right nevertheless. */
+static void light_may_arrive_late(void **state) {
+  pair p;
+  (void)state;
+  pair_start(&p, cache_all, HBIL_SKIP_STILL);
+  for (int i = 0; i < 4; ++i) {
+    light_in_a_stripe(&p.with);
+    p.without.frame.camera = p.with.frame.camera;
+    for (int c = 0; i < 2 && c < 3; ++c)
+      setup_fill(&p.with, REF_DIRECT + c, 0.0f);
+    p.with.frame.static_frame = i > 0;
+    const hbil_statistics found = pair_compare(&p);
+    assert_int_equal(found.by_factors.spans > 0, i > 1);
+    assert_int_equal(found.not_run[HBIL_PASS_GATHER], CL_FALSE);
+  }
+  pair_free(&p);
+}
+
+static void static_frames_are_checked(void **state) {
+  setup s;
+  (void)state;
+  room_with_history(&s);
+  setup_start(&s);
+  setup_load_scene(&s, SCENE_ROOM, 0);
+  s.frame.static_frame = CL_TRUE; /* the first frame has none before it */
+  run_frame(&s);
+  assert_false(statistics_of(&s).not_run[HBIL_PASS_SPLIT]);
+  s.frame.frame_index = 1;
+  assert_int_equal(
+      hbil_enqueue_frame(s.plan, s.device->queue, &s.frame, 0, NULL, NULL),
+      HBIL_INVALID_FRAME);
+  assert_non_null(strstr(hbil_context_message(s.device->hbil), "frame_index"));
+  s.frame.frame_index = 0;
+  s.frame.camera.fx *= 1.5;
+  assert_int_equal(
+      hbil_enqueue_frame(s.plan, s.device->queue, &s.frame, 0, NULL, NULL),
+      HBIL_INVALID_FRAME);
+  assert_non_null(strstr(hbil_context_message(s.device->hbil), "camera"));
+  /* after a reset there is no frame before it, either */
+  hbil_plan_reset(s.plan);
+  run_frame(&s);
+  assert_false(statistics_of(&s).not_run[HBIL_PASS_SPLIT]);
+  setup_free(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(static_frames_are_the_same),
+      cmocka_unit_test(cached_horizons_give_the_same_light),
+      cmocka_unit_test(unlit_spans_are_cached),
+      cmocka_unit_test(light_may_arrive_late),
+      cmocka_unit_test(static_frames_are_checked),
+  };
+  return RUN_WITH_DEVICE(tests);
+}

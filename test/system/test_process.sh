@@ -1,0 +1,211 @@
+#!/bin/sh
+# `hbil process` on a device, from the outside: layers, timings, histories, the
+# horizon cache, modes, presets and the paper's model do what the help says.
+. "$srcdir/test/support/tap.sh"
+
+process() {
+  "$HBIL" process --quiet --overwrite "$@"
+}
+compare() {
+  "$HBIL" compare "$@"
+}
+# Most settings are tried with one frame and this much sampling, so that the
+# kernels of one run serve the others.
+fast='--slices 1 --steps-per-side 6'
+
+works "a demo" "$HBIL" demo --frames 2 --size 64x48 -o "$work/demo"
+one=$work/demo/gbuffer/frame_0001.exr
+two=$work/demo/gbuffer/frame_0002.exr
+
+# --- layers ---
+
+works "a sequence is processed" process -o "$work/a" "$one" "$two"
+has "every frame has its result" "$work/a/frame_0001.exr" \
+  "$work/a/frame_0002.exr"
+for layer in near_irradiance far_irradiance ao bent_normal cone_cosine indirect \
+  beauty; do
+  works "layer $layer is there and finite" compare --max-rmse 0 \
+    "$work/a/frame_0002.exr:$layer" "$work/a/frame_0002.exr"
+done
+works "the same sequence once more" process -o "$work/b" "$one" "$two"
+works "two runs give the same bits" \
+  compare --max-rmse 0 "$work/a/frame_0002.exr" "$work/b/frame_0002.exr"
+
+works "only some layers" \
+  process --layers ao,near_irradiance -o "$work/some" --preview "$one"
+# Another variant of the gather: roundings, and sectors that they move.
+works "the layer that was asked for is the same" compare --max-rmse 1e-4 \
+  "$work/some/frame_0001.exr:ao" "$work/a/frame_0001.exr"
+rejected "there is no other layer" 'no layer beauty' \
+  compare "$work/some/frame_0001.exr:beauty" "$work/a/frame_0001.exr"
+has "each layer has a preview" "$work/some/frame_0001.ao.png" \
+  "$work/some/frame_0001.near_irradiance.png"
+absent "other layers have none" "$work/some/frame_0001.beauty.png"
+
+# --- timings ---
+
+says "timings have a column for each pass" \
+  'reproject *push_pull *split *gather *recompose *temporal *composite' \
+  process --timings -o "$work/t" "$one"
+run process --timings --json -o "$work/t" "$one" "$two"
+missing=$status
+for pass in reproject push_pull split gather recompose composite; do
+  grep -q "\"$pass\": [0-9]" "$work/out" || missing=1
+done
+ok $missing "timings as JSON have a member for each pass"
+grep -q '"motion": 0' "$work/out"
+ok $? "and the number of values that were sanitized"
+
+# --- histories ---
+
+# shellcheck disable=SC2086
+works "one run of a frame without history" \
+  process $fast --reprojection none -o "$work/single" "$one"
+# shellcheck disable=SC2086
+works "three runs of it" \
+  process $fast --reprojection none --repeat 3 -o "$work/repeated" "$one"
+works "are the same" compare --max-rmse 0 "$work/single/frame_0001.exr" \
+  "$work/repeated/frame_0001.exr"
+for way in scatter motion; do
+  # shellcheck disable=SC2086
+  works "three runs by $way" \
+    process $fast --reprojection $way --repeat 3 -o "$work/$way" "$one"
+  differs "add bounces" compare --max-rmse 0 \
+    "$work/single/frame_0001.exr:near_irradiance" "$work/$way/frame_0001.exr"
+done
+works "a static frame is the same by scatter and by motion" \
+  compare --max-rmse 1e-3 "$work/scatter/frame_0001.exr:near_irradiance" \
+  "$work/motion/frame_0001.exr"
+
+# --- the horizon cache ---
+
+# A frame's warm-up is three more runs.
+cached='horizon cache\|form factors'
+# shellcheck disable=SC2086
+says "eight runs of a frame use the horizon cache" "\($cached\) 9[0-9.]* %" \
+  process $fast --repeat 5 --timings -o "$work/cached" "$one"
+# shellcheck disable=SC2086
+run process $fast --repeat 4 --timings -o "$work/t" "$one"
+test $status -eq 0 && ! grep -q "$cached" "$work/out"
+ok $? "fewer runs don't"
+# shellcheck disable=SC2086
+run sh -c 'ulimit -v 4000000 && exec "$@"' sh "$HBIL" process $fast --repeat 5 \
+  --timings --overwrite -o "$work/t" "$one"
+test $status -eq 0 && ! grep -q "$cached" "$work/out"
+ok $? "nor do runs whose memory is limited"
+# shellcheck disable=SC2086
+run process $fast --repeat 5 --horizon-cache 0 --timings -o "$work/uncached" "$one"
+test $status -eq 0 && ! grep -q "$cached" "$work/out" &&
+  cmp "$work/cached/frame_0001.exr" "$work/uncached/frame_0001.exr"
+ok $? "without memory there is no cache, which changes no bit"
+
+# --- frames that don't change ---
+
+cp "$one" "$work/again.exr"
+cp "${one%.exr}.json" "$work/again.json"
+for way in "" --no-skip; do
+  # shellcheck disable=SC2086
+  works "a frame twice${way:+, $way}" process $fast --timings $way \
+    -o "$work/again$way" "$one" "$work/again.exr"
+  cp "$work/out" "$work/again$way.txt"
+done
+grep -q '/again.exr .*no reproject; no push_pull' "$work/again.txt" &&
+  ! grep -q 'no split\|no gather' "$work/again--no-skip.txt"
+ok $? "is recognized, unless with --no-skip"
+works "and has the same light" compare --max-rmse 0 \
+  "$work/again/again.exr" "$work/again--no-skip/again.exr"
+
+# --- settings ---
+
+works "every setting is accepted" \
+  process -o "$work/settings" --radius 2.5 --slices 1 --steps-per-side 6 \
+  --step-growth 1 --sample-grid same-layer --facing-fade=-0.2,0.1 \
+  --back-facing-fallback black --disocclusion-threshold 0.1 \
+  --gather-emission no --unfiltered --environment 1,0.5,0.25 --device 0 \
+  --camera "${one%.exr}.json" "$one"
+differs "an environment changes the far field" compare --max-rmse 0 \
+  "$work/settings/frame_0001.exr:far_irradiance" "$work/a/frame_0001.exr"
+# shellcheck disable=SC2086
+works "an image as environment" process $fast -o "$work/map" \
+  --environment "$work/some/frame_0001.ao.png" "$one"
+
+# --- kernels ---
+
+POCL_CACHE_DIR=$work/fresh process --layers ao --reprojection none \
+  -o "$work/t" "$one" 2>"$work/warnings"
+ok $? "a first run, without compiled kernels"
+test ! -s "$work/warnings"
+ok $? "no kernel has a compiler's warning"
+
+# --- modes ---
+
+for mode in gtao hbao; do
+  works "$mode writes every layer that it has" \
+    process --mode $mode -o "$work/$mode" "$one"
+  rejected "$mode has no near light" \
+    "--layers near_irradiance: not with --mode $mode" \
+    process --mode $mode --layers ao,near_irradiance -o "$work/never" "$one"
+  rejected "$mode takes no light from the frame" \
+    "--environment frame: not with --mode" \
+    process --mode $mode --environment frame -o "$work/never" "$one"
+  rejected "$mode writes no layer of near light" 'no layer near_irradiance' \
+    compare "$work/$mode/frame_0001.exr:near_irradiance" "$work/a/frame_0001.exr"
+done
+works "gtao has the occlusion of hbil" \
+  compare --max-rmse 1e-6 "$work/gtao/frame_0001.exr:ao" "$work/a/frame_0001.exr"
+works "and its bent normals" compare --max-rmse 1e-6 \
+  "$work/gtao/frame_0001.exr:bent_normal" "$work/a/frame_0001.exr"
+rejected "hbao has none" '--layers bent_normal: not with --mode hbao' \
+  process --mode hbao --layers bent_normal -o "$work/never" "$one"
+rejected "hbao takes no map" 'a map is not possible' \
+  process --mode hbao --environment "$work/some/frame_0001.ao.png" \
+  -o "$work/never" "$one"
+run "$HBIL" process --overwrite --mode gtao -o "$work/gtao" "$one"
+test $status -eq 0 && grep -q 'unblocked directions: none' "$work/err"
+ok $? "gtao says that it has no far light"
+for falloff in linear soft none; do
+  works "hbao, falloff $falloff" process --mode hbao --falloff $falloff \
+    --radius 1 -o "$work/falloff-$falloff" "$one"
+done
+differs "falloffs differ" compare --max-rmse 1e-3 \
+  "$work/falloff-linear/frame_0001.exr:ao" "$work/falloff-none/frame_0001.exr"
+rejected "a falloff needs hbao" '--mode hbao is needed' \
+  process --falloff soft -o "$work/never" "$one"
+rejected "an unknown mode" 'one of hbil, gtao, hbao' \
+  process --mode ssao -o "$work/never" "$one"
+
+# --- models and presets ---
+
+# The paper's model, and the same in single settings.
+works "the paper's model" process --model paper -o "$work/paper" "$one"
+differs "is not the default" compare --max-rmse 1e-3 \
+  "$work/paper/frame_0001.exr:near_irradiance" "$work/a/frame_0001.exr"
+works "has no far field" process --model paper --layers ao,far_irradiance \
+  -o "$work/paper-far" "$one"
+works "and 8 steps a side" process --model paper --steps-per-side 8 --warm-up 0 \
+  --relative-thickness inf -o "$work/paper8" "$one"
+works "which are its defaults" compare --max-rmse 0 "$work/paper/frame_0001.exr" \
+  "$work/paper8/frame_0001.exr"
+rejected "an unknown model" 'default, paper' \
+  process --model other -o "$work/never" "$one"
+
+for quality in fast balanced high; do
+  works "quality $quality" \
+    process --quality $quality --layers ao -o "$work/$quality" "$one"
+done
+sampling='--slices 1 --steps-per-side 6 --step-growth 2
+  --sample-grid full-resolution'
+# shellcheck disable=SC2086
+works "options after a preset" \
+  process --quality high $sampling -o "$work/changed" "$one"
+# shellcheck disable=SC2086
+works "options alone" process $sampling -o "$work/alone" "$one"
+works "give the same" compare --max-rmse 0 "$work/changed/frame_0001.exr" \
+  "$work/alone/frame_0001.exr"
+rejected "an unknown preset" 'fast, balanced, high, reference' \
+  process --quality best -o "$work/never" "$one"
+rejected "too many slices for a device" 'from 1 to 32, or --quality reference' \
+  process --slices 64 -o "$work/never" "$one"
+absent "what was rejected left nothing" "$work/never"
+
+echo "1..$count"
