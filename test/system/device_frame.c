@@ -120,7 +120,6 @@ static void configure(setup *s, bool motion) {
   s->config.storage = HBIL_STORAGE_FLOAT32;
   if (!motion)
     return;
-  s->config.max_error[0] = 0.3f;
   s->config.back_facing_fallback = HBIL_FALLBACK_BLACK;
   s->config.far_field = HBIL_FAR_SH;
   s->config.feedback = HBIL_FEEDBACK_RADIANCE;

@@ -98,9 +98,6 @@ SPOIL(growth_nan, c->step_growth = NAN)
 SPOIL(growth_negative, c->step_growth = -0.5f)
 SPOIL(growth_65, c->step_growth = 65.0f)
 SPOIL(extrapolate_2, c->extrapolate = 2)
-SPOIL(max_error_0, c->max_error[0] = 0.0f)
-SPOIL(max_error_nan, c->max_error[1] = NAN)
-SPOIL(max_error_raw, (c->max_error[1] = 0.1f, c->unfiltered = CL_TRUE))
 SPOIL(disocclusion_0, c->disocclusion_threshold = 0.0f)
 SPOIL(disocclusion_nan, c->disocclusion_threshold = NAN)
 SPOIL(depth_missing, c->depth.component = HBIL_NONE)
@@ -110,8 +107,8 @@ SPOIL(direct_component, c->direct.component = (hbil_component)9)
 SPOIL(ao_unorm, c->ao.component = HBIL_UNORM8)
 SPOIL(motion_missing, (c->reprojection = HBIL_REPROJECTION_MOTION,
                        c->motion.component = HBIL_NONE))
-SPOIL(lattice_unknown, c->sample_grid = (hbil_sample_grid)7)
-SPOIL(refused_unknown, c->back_facing_fallback = (hbil_back_facing_fallback)7)
+SPOIL(grid_unknown, c->sample_grid = (hbil_sample_grid)7)
+SPOIL(fallback_unknown, c->back_facing_fallback = (hbil_back_facing_fallback)7)
 SPOIL(far_unknown, c->far_field = (hbil_far_field)7)
 SPOIL(feedback_unknown, c->feedback = (hbil_feedback)7)
 SPOIL(storage_unknown, c->storage = (hbil_storage)4)
@@ -143,9 +140,6 @@ static const bad_config bad_configs[] = {
     {"step_growth", growth_negative},
     {"step_growth", growth_65},
     {"extrapolate", extrapolate_2},
-    {"max_error[0]", max_error_0},
-    {"max_error[1]", max_error_nan},
-    {"max_error", max_error_raw},
     {"disocclusion_threshold", disocclusion_0},
     {"disocclusion_threshold", disocclusion_nan},
     {"depth", depth_missing},
@@ -154,8 +148,8 @@ static const bad_config bad_configs[] = {
     {"direct", direct_component},
     {"ao", ao_unorm},
     {"motion", motion_missing},
-    {"sample_grid", lattice_unknown},
-    {"back_facing_fallback", refused_unknown},
+    {"sample_grid", grid_unknown},
+    {"back_facing_fallback", fallback_unknown},
     {"far_field", far_unknown},
     {"feedback", feedback_unknown},
     {"storage", storage_unknown},
@@ -163,8 +157,8 @@ static const bad_config bad_configs[] = {
     {"struct_size", size_small},
     {"struct_size", size_large}};
 
-static void assert_refused(hbil_status got, hbil_status want,
-                           const char *field) {
+static void assert_rejected(hbil_status got, hbil_status want,
+                            const char *field) {
   const char *message = hbil_context_message(shared_device.hbil);
   if (got != want)
     fail_msg("%s: status %d, expected %d", field, (int)got, (int)want);
@@ -172,7 +166,7 @@ static void assert_refused(hbil_status got, hbil_status want,
     fail_msg("%s is not named in the message \"%s\"", field, message);
 }
 
-static void bad_configurations_are_refused_by_name(void **state) {
+static void bad_configurations_are_rejected_by_name(void **state) {
   setup s;
   (void)state;
   setup_init(&s, WIDTH, HEIGHT);
@@ -182,10 +176,10 @@ static void bad_configurations_are_refused_by_name(void **state) {
     hbil_plan *plan = (hbil_plan *)&c;
     size_t bytes = 0;
     bad_configs[i].spoil(&c);
-    assert_refused(hbil_plan_memory(shared_device.hbil, &c, &bytes),
-                   HBIL_INVALID_CONFIG, bad_configs[i].field);
-    assert_refused(hbil_plan_create(shared_device.hbil, &c, &plan),
-                   HBIL_INVALID_CONFIG, bad_configs[i].field);
+    assert_rejected(hbil_plan_memory(shared_device.hbil, &c, &bytes),
+                    HBIL_INVALID_CONFIG, bad_configs[i].field);
+    assert_rejected(hbil_plan_create(shared_device.hbil, &c, &plan),
+                    HBIL_INVALID_CONFIG, bad_configs[i].field);
     assert_null(plan);
   }
   setup_free(&s);
@@ -216,7 +210,7 @@ static void presets_set_the_sampling_alone(void **state) {
   }
 }
 
-static void a_preset_that_is_none_is_refused(void **state) {
+static void unknown_presets_are_rejected(void **state) {
   hbil_config c;
   (void)state;
   hbil_config_init(&c);
@@ -287,7 +281,7 @@ static const bad_frame bad_frames[] = {{"depth", no_depth},
                                        {"struct_size", frame_small},
                                        {"struct_size", frame_large}};
 
-static void bad_frames_are_refused_by_name(void **state) {
+static void bad_frames_are_rejected_by_name(void **state) {
   setup s;
   (void)state;
   start(&s);
@@ -298,14 +292,14 @@ static void bad_frames_are_refused_by_name(void **state) {
     bad_frames[i].spoil(&s);
     status = hbil_enqueue_frame(s.plan, shared_device.queue, &s.frame, 0, NULL,
                                 &event);
-    assert_refused(status, HBIL_INVALID_FRAME, bad_frames[i].field);
+    assert_rejected(status, HBIL_INVALID_FRAME, bad_frames[i].field);
     assert_null(event);
     s.frame = good;
   }
   setup_free(&s);
 }
 
-static void refused_frames_write_nothing(void **state) {
+static void rejected_frames_write_nothing(void **state) {
   setup s;
   ref_planes out;
   (void)state;
@@ -325,7 +319,7 @@ static void refused_frames_write_nothing(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Null and malformed arguments                                              */
 
-static void null_arguments_are_refused(void **state) {
+static void null_arguments_are_rejected(void **state) {
   setup s;
   hbil_plan *plan = NULL;
   hbil_context *context = NULL;
@@ -431,12 +425,12 @@ int main(void) {
       cmocka_unit_test(every_pass_has_a_name),
       cmocka_unit_test(version_is_the_headers),
       cmocka_unit_test(defaults_are_those_of_the_header),
-      cmocka_unit_test(bad_configurations_are_refused_by_name),
+      cmocka_unit_test(bad_configurations_are_rejected_by_name),
       cmocka_unit_test(presets_set_the_sampling_alone),
-      cmocka_unit_test(a_preset_that_is_none_is_refused),
-      cmocka_unit_test(bad_frames_are_refused_by_name),
-      cmocka_unit_test(refused_frames_write_nothing),
-      cmocka_unit_test(null_arguments_are_refused),
+      cmocka_unit_test(unknown_presets_are_rejected),
+      cmocka_unit_test(bad_frames_are_rejected_by_name),
+      cmocka_unit_test(rejected_frames_write_nothing),
+      cmocka_unit_test(null_arguments_are_rejected),
       cmocka_unit_test(every_pass_checks_its_arguments),
       cmocka_unit_test(announced_memory_covers_the_buffers)};
   return RUN_WITH_DEVICE(tests);

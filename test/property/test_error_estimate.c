@@ -1,0 +1,115 @@
+/*
+ * The output error_estimate bounds the error of AO and of E_near at 95 % of the
+ * pixels, whatever the sampling; the exact integral is the truth.
+ */
+#include "test/support/stages.h"
+
+#define WIDTH 160
+#define HEIGHT 96
+#define PIXELS (WIDTH * HEIGHT)
+
+/* Only surfaces send light: with the lamp, 32 slices would not be exact. */
+static void prepare(setup *s) {
+  setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
+  s->config.gather_emission = CL_FALSE;
+  s->config.reprojection = HBIL_REPROJECTION_NONE;
+}
+
+/* 32 slices are within .001 of AO and .01 of E_near of 256. */
+static int make_exact(void **state) {
+  static ref_state expected;
+  const ref_dense how = {.slices = 32};
+  setup s;
+  prepare(&s);
+  setup_start(&s);
+  ref_state_init(&expected, WIDTH, HEIGHT);
+  ref_frame_dense(&expected, &s.job, &how);
+  setup_free(&s);
+  *state = &expected;
+  return 0;
+}
+
+static int free_exact(void **state) {
+  ref_state_free(*state);
+  return 0;
+}
+
+static double mean_light(const ref_planes *p, const float *depth) {
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < PIXELS; ++i)
+    for (int c = 0; c < 3 && depth[i] > 0.0f; ++c, ++count)
+      sum += p->values[(REF_NEAR + c) * PIXELS + i];
+  return sum / count;
+}
+
+/* Largest error of a pixel's `count` planes from `first` on. */
+static double error_of(const ref_planes *a, const ref_planes *b, int first,
+                       int count, int i) {
+  double most = 0.0;
+  for (int c = first; c < first + count; ++c)
+    most =
+        fmax(most, fabs(a->values[c * PIXELS + i] - b->values[c * PIXELS + i]));
+  return most;
+}
+
+/* Shares of the surfaces' pixels whose errors are above their estimates; what
+ * the filter can't tell from rounding, 1e-3, is allowed. */
+static void check_estimates(setup *s, const float *estimate,
+                            const ref_planes *want) {
+  ref_planes got = outputs_read(s);
+  const double mean = mean_light(want, s->input[REF_DEPTH]);
+  int count = 0, ao = 0, light = 0;
+  for (int i = 0; i < PIXELS; ++i) {
+    if (!(s->input[REF_DEPTH][i] > 0.0f)) {
+      assert_true(estimate[i] == 0.0f && estimate[PIXELS + i] == 0.0f);
+      continue;
+    }
+    ++count;
+    ao += error_of(&got, want, REF_AO, 1, i) > (double)estimate[i] + 1e-3;
+    light += error_of(&got, want, REF_NEAR, 3, i) >
+             (double)estimate[PIXELS + i] + 1e-3 * mean;
+  }
+  check_at_most("AO beyond its estimate", (double)ao / count, 0.05);
+  check_at_most("E_near beyond its estimate", (double)light / count, 0.05);
+  ref_planes_free(&got);
+}
+
+static void check_sampling(cl_uint slices, cl_uint steps,
+                           const ref_planes *want) {
+  const size_t size = 2 * PIXELS * sizeof(float);
+  setup s;
+  prepare(&s);
+  s.config.slices = slices;
+  s.config.steps_per_side = steps;
+  s.config.error_estimate = one_float;
+  setup_start(&s);
+  s.frame.error_estimate.buffer = buffer_new(s.device, size, NULL);
+  setup_run(&s, hbil_enqueue_frame);
+  float *estimate = (float *)(void *)buffer_bytes(
+      s.device, s.frame.error_estimate.buffer, NULL);
+  check_estimates(&s, estimate, want);
+  free(estimate);
+  clReleaseMemObject(s.frame.error_estimate.buffer);
+  setup_free(&s);
+}
+
+static void single_slices_are_within_their_estimates(void **state) {
+  const ref_state *expected = *state;
+  for (cl_uint steps = 4; steps <= 32; steps *= 2)
+    check_sampling(1, steps, &expected->out);
+}
+
+static void two_slices_are_within_their_estimates(void **state) {
+  const ref_state *expected = *state;
+  for (cl_uint steps = 4; steps <= 32; steps *= 2)
+    check_sampling(2, steps, &expected->out);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(single_slices_are_within_their_estimates),
+      cmocka_unit_test(two_slices_are_within_their_estimates)};
+  shared_device = device_open();
+  return device_finish(cmocka_run_group_tests(tests, make_exact, free_exact));
+}
