@@ -28,6 +28,10 @@ long shim_references(void);
  * configuration many times.  false: releases those programs. */
 void shim_reuse_programs(bool reuse);
 
+/* true: from now on no source is built, and every kernel is one that does
+ * nothing.  Plans can be created within milliseconds, but not run. */
+void shim_skip_builds(bool skip);
+
 /* From now on kernels run in work-groups of this size, in x and y, and rows of
  * work-groups run from the last to the first.  Rounding up to whole groups adds
  * work-items, which kernels must ignore.  NULL: the library's own groups. */
