@@ -125,7 +125,6 @@ static void plans_leave_nothing(void **state) {
   setup s;
   (void)state;
   prepare(&s);
-  shim_reuse_programs(true);
   for (int e = 0; e < ERRORS; ++e) {
     const long held = shim_references();
     outcome o = {0, "", HBIL_SUCCESS};
@@ -136,7 +135,6 @@ static void plans_leave_nothing(void **state) {
     }
     assert_in_range(o.nth, 40, 1000);
   }
-  shim_reuse_programs(false);
   setup_free(&s);
 }
 
@@ -242,7 +240,6 @@ static void plans_end_after_failures(void **state) {
   outcome o = {0, "", HBIL_SUCCESS};
   step t;
   (void)state;
-  shim_reuse_programs(true);
   for (int n = 1; o.failed; n += 29) { /* a prime: all kinds of calls */
     start_step(&t);
     load(&t, 0);
@@ -251,7 +248,6 @@ static void plans_end_after_failures(void **state) {
     free_step(&t);
     check_held(&o, before);
   }
-  shim_reuse_programs(false);
 }
 
 /* Nor can a still frame stand on it: what is still is the frame before. */

@@ -3,20 +3,14 @@
 #define _GNU_SOURCE /* RTLD_NEXT */
 #include "test/support/shim.h"
 
+#include "test/support/shim_programs.h"
+
 #include <dlfcn.h>
+#include <pthread.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* libOpenCL's function of that name.  C doesn't let an object pointer become a
- * function pointer; POSIX does. */
-#define NEXT(name)                                                             \
-  (((union {                                                                   \
-     void *object;                                                             \
-     __typeof__(&name) function;                                               \
-   }){.object = dlsym(RTLD_NEXT, #name)})                                      \
-       .function)
 
 /* ------------------------------------------------------------------------ */
 /* Failing                                                                   */
@@ -55,35 +49,41 @@ static struct {
   const void *object;
   long references;
 } objects[MOST_OBJECTS];
+static pthread_mutex_t objects_lock = PTHREAD_MUTEX_INITIALIZER;
 
-static void give_up(const char *why) {
+void shim_give_up(const char *why) {
   fprintf(stderr, "shim: %s\n", why);
   abort();
 }
 
 static void add_reference(const void *object) {
-  int free_entry = -1;
-  for (int i = 0; i < MOST_OBJECTS; ++i) {
-    if (objects[i].references && objects[i].object == object) {
-      objects[i].references++;
-      return;
-    }
+  int free_entry = -1, entry = -1;
+  pthread_mutex_lock(&objects_lock);
+  for (int i = 0; i < MOST_OBJECTS && entry < 0; ++i) {
+    if (objects[i].references && objects[i].object == object)
+      entry = i;
     if (!objects[i].references && free_entry < 0)
       free_entry = i;
   }
-  if (free_entry < 0)
-    give_up("more objects than the shim has room for");
-  objects[free_entry].object = object;
-  objects[free_entry].references = 1;
+  if (entry < 0 && free_entry < 0)
+    shim_give_up("more objects than the shim has room for");
+  entry = entry < 0 ? free_entry : entry;
+  objects[entry].object = object;
+  objects[entry].references++;
+  pthread_mutex_unlock(&objects_lock);
 }
 
 /* Returns the number of references that are left. */
 static long drop_reference(const void *object) {
-  for (int i = 0; i < MOST_OBJECTS; ++i)
+  long left = -1;
+  pthread_mutex_lock(&objects_lock);
+  for (int i = 0; i < MOST_OBJECTS && left < 0; ++i)
     if (objects[i].references && objects[i].object == object)
-      return --objects[i].references;
-  give_up("an object was released that is not held");
-  return 0;
+      left = --objects[i].references;
+  pthread_mutex_unlock(&objects_lock);
+  if (left < 0)
+    shim_give_up("an object was released that is not held");
+  return left;
 }
 
 long shim_references(void) {
@@ -101,114 +101,6 @@ void shim_start_counting(void) {
 
 shim_buffers shim_created(void) {
   return created_buffers;
-}
-
-/* ------------------------------------------------------------------------ */
-/* Programs that are reused                                                  */
-
-enum { MOST_PROGRAMS = 16 };
-
-static bool reusing, skipping;
-static struct {
-  uint64_t source; /* a hash */
-  cl_program program;
-  bool built;
-} programs[MOST_PROGRAMS];
-
-void shim_reuse_programs(bool reuse) {
-  reusing = reuse;
-  for (int i = 0; i < MOST_PROGRAMS && !reuse; ++i)
-    if (programs[i].program) {
-      NEXT(clReleaseProgram)(programs[i].program);
-      programs[i].program = NULL;
-    }
-}
-
-/* FNV-1a */
-static uint64_t hash_of(cl_uint count, const char **strings) {
-  uint64_t hash = 0xcbf29ce484222325u;
-  for (cl_uint i = 0; i < count; ++i)
-    for (const char *c = strings[i]; *c; ++c)
-      hash = (hash ^ (unsigned char)*c) * 0x100000001b3u;
-  return hash;
-}
-
-/* The entry of a source, or else a free one. */
-static int entry_of_source(uint64_t source) {
-  int i = 0;
-  while (i < MOST_PROGRAMS && programs[i].program &&
-         programs[i].source != source)
-    ++i;
-  if (i == MOST_PROGRAMS)
-    give_up("more programs than the shim has room for");
-  return i;
-}
-
-/* `lengths` are NULL: the strings end with a zero. */
-static cl_program make_program(cl_context context, cl_uint count,
-                               const char **strings, const size_t *lengths,
-                               cl_int *error) {
-  const int i = reusing ? entry_of_source(hash_of(count, strings)) : 0;
-  if (reusing && programs[i].program) {
-    *error = NEXT(clRetainProgram)(programs[i].program);
-    return programs[i].program;
-  }
-  const cl_program program =
-      NEXT(clCreateProgramWithSource)(context, count, strings, lengths, error);
-  if (reusing && program && NEXT(clRetainProgram)(program) == CL_SUCCESS) {
-    programs[i].source = hash_of(count, strings);
-    programs[i].program = program;
-    programs[i].built = false;
-  }
-  return program;
-}
-
-static cl_int build(cl_program program, cl_uint count,
-                    const cl_device_id *devices, const char *options,
-                    void(CL_CALLBACK *notify)(cl_program, void *), void *data) {
-  int i = 0;
-  if (skipping)
-    return CL_SUCCESS;
-  while (i < MOST_PROGRAMS && !(reusing && programs[i].program == program))
-    ++i;
-  if (i < MOST_PROGRAMS && programs[i].built)
-    return CL_SUCCESS;
-  const cl_int error =
-      NEXT(clBuildProgram)(program, count, devices, options, notify, data);
-  if (i < MOST_PROGRAMS)
-    programs[i].built = error == CL_SUCCESS;
-  return error;
-}
-
-/* ------------------------------------------------------------------------ */
-/* Builds that are skipped                                                   */
-
-static cl_program idle_program; /* built, with the kernel "idle" */
-
-void shim_skip_builds(bool skip) {
-  skipping = skip;
-  if (!skip && idle_program) {
-    NEXT(clReleaseProgram)(idle_program);
-    idle_program = NULL;
-  }
-}
-
-static cl_kernel make_kernel(cl_program program, const char *name,
-                             cl_int *error) {
-  const char *source = "__kernel void idle(void) {}";
-  if (!skipping)
-    return NEXT(clCreateKernel)(program, name, error);
-  if (!idle_program) {
-    cl_context context = NULL;
-    clGetProgramInfo(program, CL_PROGRAM_CONTEXT, sizeof context, &context,
-                     NULL);
-    idle_program =
-        NEXT(clCreateProgramWithSource)(context, 1, &source, NULL, error);
-    if (!idle_program ||
-        NEXT(clBuildProgram)(idle_program, 0, NULL, "", NULL, NULL))
-      give_up("the idle kernel cannot be built");
-  }
-  return NEXT(clCreateKernel)(idle_program, "idle", error);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -276,7 +168,7 @@ static cl_mem make_guarded(cl_context context, cl_mem_flags flags, size_t size,
   const int i = entry_of_buffer(NULL);
   unsigned char *bytes = malloc(all);
   if (i == MOST_GUARDED || !bytes)
-    give_up("no room for guards");
+    shim_give_up("no room for guards");
   memset(bytes, GUARD, all);
   const cl_mem outer = NEXT(clCreateBuffer)(
       context, flags | CL_MEM_COPY_HOST_PTR, all, bytes, error);
@@ -286,7 +178,7 @@ static cl_mem make_guarded(cl_context context, cl_mem_flags flags, size_t size,
   const cl_mem inner = clCreateSubBuffer(
       outer, flags, CL_BUFFER_CREATE_TYPE_REGION, &inside, error);
   if (!inner)
-    give_up("no sub-buffer");
+    shim_give_up("no sub-buffer");
   guarded[i].outer = outer;
   guarded[i].inner = inner;
   guarded[i].size = size;
@@ -307,7 +199,7 @@ static size_t overwritten_at(cl_command_queue queue, cl_mem outer, size_t at) {
   size_t count = 0;
   if (NEXT(clEnqueueReadBuffer)(queue, outer, CL_TRUE, at, sizeof bytes, bytes,
                                 0, NULL, NULL) != CL_SUCCESS)
-    give_up("guards cannot be read");
+    shim_give_up("guards cannot be read");
   for (size_t i = 0; i < sizeof bytes; ++i)
     count += bytes[i] != GUARD;
   return count;
@@ -321,6 +213,41 @@ size_t shim_overwritten(cl_command_queue queue) {
                overwritten_at(queue, guarded[i].outer,
                               GUARD_BYTES + guarded[i].size);
   return count;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Filling                                                                   */
+
+static bool filling_by_writing;
+
+void shim_fill_by_writing(bool write) {
+  filling_by_writing = write;
+}
+
+static cl_int fill_buffer(cl_command_queue queue, cl_mem buffer,
+                          const void *pattern, size_t pattern_size,
+                          size_t offset, size_t size, cl_uint wait_count,
+                          const cl_event *wait_list, cl_event *event) {
+  if (!filling_by_writing)
+    return NEXT(clEnqueueFillBuffer)(queue, buffer, pattern, pattern_size,
+                                     offset, size, wait_count, wait_list,
+                                     event);
+  size_t all = 0;
+  cl_int error =
+      NEXT(clGetMemObjectInfo)(buffer, CL_MEM_SIZE, sizeof all, &all, NULL);
+  unsigned char *bytes = malloc(all);
+  if (!bytes)
+    shim_give_up("no memory to fill a buffer");
+  if (error == CL_SUCCESS && size < all)
+    error = NEXT(clEnqueueReadBuffer)(queue, buffer, CL_TRUE, 0, all, bytes,
+                                      wait_count, wait_list, NULL);
+  for (size_t at = 0; at < size; at += pattern_size)
+    memcpy(bytes + offset + at, pattern, pattern_size);
+  if (error == CL_SUCCESS)
+    error = NEXT(clEnqueueWriteBuffer)(queue, buffer, CL_TRUE, 0, all, bytes,
+                                       wait_count, wait_list, event);
+  free(bytes);
+  return error;
 }
 
 /* ------------------------------------------------------------------------ */
@@ -368,13 +295,16 @@ size_t shim_overwritten(cl_command_queue queue) {
     return status;                                                             \
   }
 
-#define RELEASE(name, type)                                                    \
+/* forget: called with the object before its last reference goes. */
+#define RELEASE(name, type, forget)                                            \
   CL_API_ENTRY cl_int CL_API_CALL name(type object) {                          \
     const cl_int failure = planned_failure(#name);                             \
-    drop_reference(object);                                                    \
+    if (drop_reference(object) == 0)                                           \
+      forget(object);                                                          \
     const cl_int status = NEXT(name)(object);                                  \
     return failure != CL_SUCCESS ? failure : status;                           \
   }
+#define NOTHING(object) ((void)(object))
 
 PLAIN(clGetDeviceInfo,
       (cl_device_id device, cl_device_info what, size_t room, void *value,
@@ -399,10 +329,10 @@ PLAIN(clBuildProgram,
       (cl_program program, cl_uint count, const cl_device_id *devices,
        const char *options, void(CL_CALLBACK *notify)(cl_program, void *),
        void *data),
-      build(program, count, devices, options, notify, data))
+      programs_build(program, count, devices, options, notify, data))
 PLAIN(clSetKernelArg,
       (cl_kernel kernel, cl_uint index, size_t size, const void *value),
-      skipping ? CL_SUCCESS : NEXT(clSetKernelArg)(kernel, index, size, value))
+      programs_set_argument(kernel, index, size, value))
 PLAIN(clFinish, (cl_command_queue queue), NEXT(clFinish)(queue))
 PLAIN(clWaitForEvents, (cl_uint count, const cl_event *events),
       NEXT(clWaitForEvents)(count, events))
@@ -411,8 +341,8 @@ ENQUEUE(clEnqueueFillBuffer,
         (cl_command_queue queue, cl_mem buffer, const void *pattern,
          size_t pattern_size, size_t offset, size_t size, cl_uint wait_count,
          const cl_event *wait_list, cl_event *event),
-        NEXT(clEnqueueFillBuffer)(queue, buffer, pattern, pattern_size, offset,
-                                  size, wait_count, wait_list, event))
+        fill_buffer(queue, buffer, pattern, pattern_size, offset, size,
+                    wait_count, wait_list, event))
 ENQUEUE(clEnqueueReadBuffer,
         (cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset,
          size_t size, void *to, cl_uint wait_count, const cl_event *wait_list,
@@ -443,10 +373,10 @@ CREATE(cl_command_queue, clCreateCommandQueue,
 CREATE(cl_program, clCreateProgramWithSource,
        (cl_context context, cl_uint count, const char **strings,
         const size_t *lengths, cl_int *error),
-       make_program(context, count, strings, lengths, error))
+       programs_create(context, count, strings, lengths, error))
 CREATE(cl_kernel, clCreateKernel,
        (cl_program program, const char *name, cl_int *error),
-       make_kernel(program, name, error))
+       programs_kernel(program, name, error))
 
 CL_API_ENTRY cl_mem CL_API_CALL clCreateBuffer(cl_context context,
                                                cl_mem_flags flags, size_t size,
@@ -473,12 +403,12 @@ RETAIN(clRetainContext, cl_context)
 RETAIN(clRetainDevice, cl_device_id)
 RETAIN(clRetainEvent, cl_event)
 
-RELEASE(clReleaseContext, cl_context)
-RELEASE(clReleaseDevice, cl_device_id)
-RELEASE(clReleaseCommandQueue, cl_command_queue)
-RELEASE(clReleaseProgram, cl_program)
-RELEASE(clReleaseKernel, cl_kernel)
-RELEASE(clReleaseEvent, cl_event)
+RELEASE(clReleaseContext, cl_context, programs_forget_context)
+RELEASE(clReleaseDevice, cl_device_id, NOTHING)
+RELEASE(clReleaseCommandQueue, cl_command_queue, NOTHING)
+RELEASE(clReleaseProgram, cl_program, programs_forget)
+RELEASE(clReleaseKernel, cl_kernel, NOTHING)
+RELEASE(clReleaseEvent, cl_event, NOTHING)
 
 CL_API_ENTRY cl_int CL_API_CALL clReleaseMemObject(cl_mem object) {
   const cl_int failure = planned_failure("clReleaseMemObject");

@@ -1,8 +1,8 @@
 /*
- * A layer between a test program and OpenCL.  In a program that is linked with
- * it, all OpenCL calls of the library and of the test pass through here: they
- * are counted, one can be made to fail, references to objects are counted, and
- * buffers can be surrounded with guard bytes.
+ * A layer between the test programs and OpenCL, which all OpenCL calls of the
+ * library and of the test pass through.  One call can be made to fail,
+ * references to objects are counted, buffers can be surrounded with guard
+ * bytes, and no program is built twice in a process.
  */
 #ifndef HBIL_TEST_SHIM_H
 #define HBIL_TEST_SHIM_H
@@ -23,11 +23,6 @@ const char *shim_failed(void);
  * Releasing more than was taken aborts the program. */
 long shim_references(void);
 
-/* true: from now on each source is built once, and its program is handed out
- * again whenever the same source comes.  For tests that create plans of one
- * configuration many times.  false: releases those programs. */
-void shim_reuse_programs(bool reuse);
-
 /* true: from now on no source is built, and every kernel is one that does
  * nothing.  Plans can be created within milliseconds, but not run. */
 void shim_skip_builds(bool skip);
@@ -43,6 +38,11 @@ void shim_use_groups(const size_t *group);
 void shim_guard_buffers(bool guard);
 /* Number of guard bytes that have changed. */
 size_t shim_overwritten(cl_command_queue queue);
+
+/* true: buffers are filled by writing all of them.  oclgrind 21.10 takes a
+ * filled part of a buffer for uninitialized, whatever is stored there later,
+ * and a part that is written behind the buffer's beginning as well. */
+void shim_fill_by_writing(bool write);
 
 /* Buffers that were created since shim_start_counting(). */
 typedef struct shim_buffers {

@@ -10,10 +10,9 @@
  * factors of some rows, and the second uses them.
  * The width is 1 everywhere: the form that all devices can run.
  */
-#define _GNU_SOURCE /* RTLD_NEXT */
 #include "test/support/fixture.h"
+#include "test/support/shim.h"
 
-#include <dlfcn.h>
 #include <stdio.h>
 
 /* Motion's ends within a work-item's pixels; scatter's with them, since
@@ -53,61 +52,13 @@ static void compare(const ref_planes *got, const char *path) {
   ref_planes_free(&want);
 }
 
-/* ------------------------------------------------------------------------ */
-/* Filling                                                                   */
-
-/* oclgrind 21.10 takes what has been filled for uninitialised, whatever is
- * stored there later, and so it does with what is written behind the beginning
- * of a buffer: there, buffers are filled by writing all of them. */
-static bool filling_by_writing;
-
-typedef __typeof__(&clEnqueueFillBuffer) fill_function;
-
-/* libOpenCL's.  An object pointer is no function pointer in C, but POSIX says
- * it will do. */
-static fill_function next_fill(void) {
-  return ((union {
-           void *object;
-           fill_function function;
-         }){.object = dlsym(RTLD_NEXT, "clEnqueueFillBuffer")})
-      .function;
-}
-
-/* The library's calls come here: a program's own definitions are before those
- * of libOpenCL. */
-CL_API_ENTRY cl_int CL_API_CALL clEnqueueFillBuffer(
-    cl_command_queue queue, cl_mem buffer, const void *pattern,
-    size_t pattern_size, size_t offset, size_t size, cl_uint wait_count,
-    const cl_event *wait_list, cl_event *event) {
-  if (!filling_by_writing)
-    return next_fill()(queue, buffer, pattern, pattern_size, offset, size,
-                       wait_count, wait_list, event);
-  size_t all = 0;
-  cl_int error =
-      clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof all, &all, NULL);
-  unsigned char *bytes = malloc(all);
-  assert_non_null(bytes);
-  if (error == CL_SUCCESS && size < all)
-    error = clEnqueueReadBuffer(queue, buffer, CL_TRUE, 0, all, bytes,
-                                wait_count, wait_list, NULL);
-  for (size_t at = 0; at < size; at += pattern_size)
-    memcpy(bytes + offset + at, pattern, pattern_size);
-  if (error == CL_SUCCESS)
-    error = clEnqueueWriteBuffer(queue, buffer, CL_TRUE, 0, all, bytes,
-                                 wait_count, wait_list, event);
-  free(bytes);
-  return error;
-}
-
-/* ------------------------------------------------------------------------ */
-
 static void name_device(void) {
   char name[256] = "";
   clGetDeviceInfo(shared_device.id, CL_DEVICE_NAME, sizeof name - 1, name,
                   NULL);
   printf("%s\n", name);
   fflush(stdout);
-  filling_by_writing = strstr(name, "Oclgrind");
+  shim_fill_by_writing(strstr(name, "Oclgrind") != NULL);
 }
 
 /* Nothing that a rounding may tip over to another step: no dither, no sample
