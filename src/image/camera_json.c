@@ -266,12 +266,18 @@ int camera_read(const char *path, camera_file *out, image_error *error) {
   return failed;
 }
 
-static json_t *matrix_json(const double m[16]) {
-  json_t *rows = json_array();
-  for (int i = 0; i < 4; i++)
-    json_array_append_new(rows, json_pack("[f,f,f,f]", m[4 * i], m[4 * i + 1],
-                                          m[4 * i + 2], m[4 * i + 3]));
-  return rows;
+/* Returns NULL if a number is not finite, which JSON can't express. */
+static json_t *camera_object(const camera_file *camera) {
+  const double *m = camera->camera_to_world;
+  json_t *matrix = json_pack("[[f,f,f,f],[f,f,f,f],[f,f,f,f],[f,f,f,f]]", m[0],
+                             m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8],
+                             m[9], m[10], m[11], m[12], m[13], m[14], m[15]);
+  /* s* leaves out a NULL string, o fails for a NULL object. */
+  return json_pack("{s:[i,i], s:o, s:f, s:f, s:f, s:f, s:s*}", "resolution",
+                   (int)camera->width, (int)camera->height, "camera_to_world",
+                   matrix, "fx", camera->fx, "fy", camera->fy, "cx", camera->cx,
+                   "cy", camera->cy, "projection",
+                   camera->orthographic ? "orthographic" : NULL);
 }
 
 int camera_write(const char *path, const camera_file *camera,
@@ -279,13 +285,7 @@ int camera_write(const char *path, const camera_file *camera,
   char *temporary = temporary_name(path, error);
   if (!temporary)
     return -1;
-  json_t *root =
-      json_pack("{s:[i,i], s:o, s:f, s:f, s:f, s:f}", "resolution",
-                (int)camera->width, (int)camera->height, "camera_to_world",
-                matrix_json(camera->camera_to_world), "fx", camera->fx, "fy",
-                camera->fy, "cx", camera->cx, "cy", camera->cy);
-  if (root && camera->orthographic)
-    json_object_set_new(root, "projection", json_string("orthographic"));
+  json_t *root = camera_object(camera);
   if (!root) {
     free(temporary);
     return image_fail(error,

@@ -32,7 +32,7 @@ enum { CAMERA_FILE_MOST = 1 << 20 };
 int camera_read(const char *path, camera_file *out, image_error *error);
 
 /* Writes everything but the clipping planes; the resolution must be known.
- * The file appears complete or not at all. */
+ * Fails if a number is not finite.  The file appears complete or not at all. */
 int camera_write(const char *path, const camera_file *camera,
                  image_error *error);
 
