@@ -3,7 +3,12 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-SilencedStderr::SilencedStderr() : saved(dup(STDERR_FILENO)) {
+namespace {
+std::mutex standard_error;
+}
+
+SilencedStderr::SilencedStderr()
+    : lock(standard_error), saved(dup(STDERR_FILENO)) {
   const int null = open("/dev/null", O_WRONLY);
   if (saved >= 0 && null >= 0)
     dup2(null, STDERR_FILENO);

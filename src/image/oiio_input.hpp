@@ -5,10 +5,12 @@
 #include <OpenImageIO/imageio.h>
 
 #include <cstddef>
+#include <mutex>
 
 // While an object of this class exists, nothing reaches standard error.
 // libpng, libjpeg and libtiff report a damaged file there, and the caller's own
-// message reports it again.
+// message reports it again.  Standard error belongs to the whole process, so
+// only one object can exist at a time; the constructor waits for that.
 class SilencedStderr {
 public:
   SilencedStderr();
@@ -17,6 +19,7 @@ public:
   SilencedStderr &operator=(const SilencedStderr &) = delete;
 
 private:
+  const std::lock_guard<std::mutex> lock;
   const int saved; // a duplicate of the descriptor of standard error
 };
 
