@@ -10,6 +10,8 @@
 
 #include <stdio.h>
 
+#include "image/camera_json.h"
+#include "image/exr_read.h"
 #include "image/image.h"
 
 /*

@@ -5,7 +5,9 @@
 #ifndef HBIL_TOOL_PIPELINE_H
 #define HBIL_TOOL_PIPELINE_H
 
-#include "image/image.h"
+#include "image/error.h"
+
+#include <stddef.h>
 
 /* Items under way at once: one a stage, and one that waits, so that a stage
  * whose time varies keeps the next one busy.  What an item needs meanwhile

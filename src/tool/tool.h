@@ -1,6 +1,6 @@
 /*
  * The program `hbil`: what its files share.  It uses the library through
- * hbil.h only, and files through image.h only.
+ * hbil.h only, and files through src/image only.
  *
  * Functions that can fail return 0, or fill an image_error with one sentence.
  */
@@ -11,7 +11,15 @@
 #include <stdio.h>
 
 #include "hbil/hbil.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/exr_read.h"
+#include "image/exr_write.h"
+#include "image/formats_rgb.h"
 #include "image/image.h"
+#include "image/image_read.h"
+#include "image/picture.h"
+#include "image/png_write.h"
 
 /* Exit statuses. */
 enum { TOOL_OK = 0, TOOL_DIFFERS = 1, TOOL_BAD_INPUT = 2 };
