@@ -80,13 +80,20 @@ typedef struct image_info {
   }
 
 static const image_info images[PLANE_COUNT] = {
-    IMAGE(depth, 1, REF_DEPTH),        IMAGE(normal, 3, REF_NORMAL),
-    IMAGE(albedo, 3, REF_ALBEDO),      IMAGE(f0, 3, REF_F0),
-    IMAGE(direct, 3, REF_DIRECT),      IMAGE(emission, 3, REF_EMISSION),
-    IMAGE(motion, 2, REF_MOTION),      IMAGE(near_irradiance, 3, REF_NEAR),
-    IMAGE(far_irradiance, 3, REF_FAR), IMAGE(ao, 1, REF_AO),
-    IMAGE(bent_normal, 3, REF_BENT),   IMAGE(cone_cosine, 1, REF_CONE),
-    IMAGE(indirect, 3, REF_INDIRECT),  IMAGE(beauty, 3, REF_RADIANCE)};
+    IMAGE(depth, 1, EXACT_DEPTH),
+    IMAGE(normal, 3, EXACT_NORMAL),
+    IMAGE(albedo, 3, EXACT_ALBEDO),
+    IMAGE(f0, 3, EXACT_F0),
+    IMAGE(direct, 3, EXACT_DIRECT),
+    IMAGE(emission, 3, EXACT_EMISSION),
+    IMAGE(motion, 2, EXACT_MOTION),
+    IMAGE(near_irradiance, 3, EXACT_NEAR_IRRADIANCE),
+    IMAGE(far_irradiance, 3, EXACT_FAR_IRRADIANCE),
+    IMAGE(ao, 1, EXACT_AO),
+    IMAGE(bent_normal, 3, EXACT_BENT_NORMAL),
+    IMAGE(cone_cosine, 1, EXACT_CONE_COSINE),
+    IMAGE(indirect, 3, EXACT_INDIRECT),
+    IMAGE(beauty, 3, EXACT_BEAUTY)};
 
 const char *image_name(image_id id) {
   return images[id].name;
@@ -222,7 +229,7 @@ void setup_init(setup *s, int width, int height) {
   s->config.near_irradiance = s->config.bent_normal = triple;
   s->config.ao = single;
   setup_camera(s, 60.0);
-  for (int p = 0; p < REF_INPUT_PLANES; ++p) {
+  for (int p = 0; p < EXACT_INPUT_PLANES; ++p) {
     s->input[p] = calloc(pixels_of(s), sizeof(float));
     assert_non_null(s->input[p]);
   }
@@ -260,15 +267,15 @@ void setup_load_view(setup *s, scene_kind kind, double fov_y_degrees,
                                   fov_y_degrees * PI / 180.0, index, &f))
     hard_error("scene_render: out of memory");
   s->frame.camera = f.camera;
-  memcpy(s->input[REF_DEPTH], f.depth, size);
+  memcpy(s->input[EXACT_DEPTH], f.depth, size);
   for (int c = 0; c < 3; ++c) {
-    memcpy(s->input[REF_NORMAL + c], f.normal[c], size);
-    memcpy(s->input[REF_ALBEDO + c], f.albedo[c], size);
-    memcpy(s->input[REF_DIRECT + c], f.direct[c], size);
-    memcpy(s->input[REF_EMISSION + c], f.emission[c], size);
+    memcpy(s->input[EXACT_NORMAL + c], f.normal[c], size);
+    memcpy(s->input[EXACT_ALBEDO + c], f.albedo[c], size);
+    memcpy(s->input[EXACT_DIRECT + c], f.direct[c], size);
+    memcpy(s->input[EXACT_EMISSION + c], f.emission[c], size);
   }
   for (int c = 0; c < 2; ++c)
-    memcpy(s->input[REF_MOTION + c], f.motion[c], size);
+    memcpy(s->input[EXACT_MOTION + c], f.motion[c], size);
   scene_free(&f);
 }
 
@@ -379,7 +386,7 @@ static void upload_image(setup *s, image_id id) {
 void setup_upload(setup *s) {
   s->job.config = &s->config;
   s->job.camera = s->frame.camera;
-  s->job.index = s->frame.frame_index;
+  s->job.frame_index = s->frame.frame_index;
   memcpy(s->job.environment, s->frame.environment, sizeof(s->job.environment));
   for (image_id id = 0; id < PLANE_FIRST_OUTPUT; ++id) {
     bool has = has_image(s, id);
@@ -396,7 +403,7 @@ void setup_free(setup *s) {
   for (image_id id = 0; id < PLANE_COUNT; ++id)
     if (image_slot(&s->frame, id)->buffer)
       clReleaseMemObject(image_slot(&s->frame, id)->buffer);
-  for (int p = 0; p < REF_INPUT_PLANES; ++p)
+  for (int p = 0; p < EXACT_INPUT_PLANES; ++p)
     free(s->input[p]);
 }
 
@@ -435,7 +442,7 @@ static hbil_buffer stage_buffer(setup *s, hbil_stage stage) {
   return buffer;
 }
 
-/* --- packed planes, from their description in hbil_shared.h --- */
+/* --- packed planes, from their description in shared.h --- */
 
 /* Cigolle and others 2014: |x| + |y| + |z| = 1, and what lies behind is folded
  * outwards over the diagonals. */
@@ -700,7 +707,7 @@ static stage_bytes stage_open(setup *s, hbil_stage stage) {
   t.stage = stage;
   t.storage = s->config.storage;
   t.weight = 0;
-  if (stage == HBIL_STAGE_GATHERED && ref_weighs_slices(&s->config))
+  if (stage == HBIL_STAGE_GATHERED && exact_weighs_slices(&s->config))
     t.weight = (int)--t.b.values;
   t.floats = (float *)(void *)buffer_bytes(s, t.b.buffer, &t.size);
   return t;
@@ -720,52 +727,52 @@ static packed_pixel packed_at(const stage_bytes *t, int x, int y) {
   return p;
 }
 
-static void read_packed(const stage_bytes *t, const ref_planes *out) {
+static void read_packed(const stage_bytes *t, const exact_planes *out) {
   for (int y = 0; y < out->height; ++y)
     for (int x = 0; x < out->width; ++x) {
       packed_pixel p = packed_at(t, x, y);
       for (int i = 0; i < out->count; ++i)
-        *ref_at(out, i, x, y) = p.value[i];
+        *exact_at(out, i, x, y) = p.value[i];
     }
 }
 
-static void write_packed(const stage_bytes *t, const ref_planes *planes) {
+static void write_packed(const stage_bytes *t, const exact_planes *planes) {
   for (int y = 0; y < planes->height; ++y)
     for (int x = 0; x < planes->width; ++x) {
       packed_pixel p = packed_at(t, x, y);
       for (int i = 0; i < planes->count; ++i)
-        p.value[i] = *ref_at(planes, i, x, y);
+        p.value[i] = *exact_at(planes, i, x, y);
       encode_pixel(t->storage, t->stage, layer_dither(x, y), &p);
       for (int i = 0; i < (int)t->b.values; ++i)
         memcpy(stage_at(t, i, x, y), p.word + i, sizeof(*p.word));
     }
 }
 
-ref_planes stage_read(setup *s, hbil_stage stage) {
+exact_planes stage_read(setup *s, hbil_stage stage) {
   stage_bytes t = stage_open(s, stage);
   int count = (int)t.b.values;
-  ref_planes out;
+  exact_planes out;
   if (is_packed(s, stage))
     count = plain_planes(s, stage, count);
   if (t.weight)
     count = HBIL_GATHERED_PLANES;
-  out = ref_planes_new((int)s->config.width, (int)s->config.height, count);
+  out = checked_planes((int)s->config.width, (int)s->config.height, count);
   if (is_packed(s, stage))
     read_packed(&t, &out);
   else
     for (int p = 0; p < (int)t.b.values; ++p)
       for (int y = 0; y < out.height; ++y)
         for (int x = 0; x < out.width; ++x)
-          *ref_at(&out, p, x, y) = (double)*stage_at(&t, p, x, y);
+          *exact_at(&out, p, x, y) = (double)*stage_at(&t, p, x, y);
   for (int y = 0; t.weight && y < out.height; ++y)
     for (int x = 0; x < out.width; ++x)
-      *ref_at(&out, HBIL_LIGHT_WEIGHT, x, y) =
+      *exact_at(&out, HBIL_LIGHT_WEIGHT, x, y) =
           (double)*stage_at(&t, t.weight, x, y);
   free(t.floats);
   return out;
 }
 
-void stage_write(setup *s, hbil_stage stage, const ref_planes *planes) {
+void stage_write(setup *s, hbil_stage stage, const exact_planes *planes) {
   stage_bytes t = stage_open(s, stage);
   /* a plan keeps only those planes that its outputs need */
   int count = planes->count < (int)t.b.values ? planes->count : (int)t.b.values;
@@ -775,52 +782,52 @@ void stage_write(setup *s, hbil_stage stage, const ref_planes *planes) {
     for (int p = 0; p < count; ++p)
       for (int y = 0; y < planes->height; ++y)
         for (int x = 0; x < planes->width; ++x)
-          *stage_at(&t, p, x, y) = (float)*ref_at(planes, p, x, y);
+          *stage_at(&t, p, x, y) = (float)*exact_at(planes, p, x, y);
   for (int y = 0; t.weight && y < planes->height; ++y)
     for (int x = 0; x < planes->width; ++x)
       *stage_at(&t, t.weight, x, y) =
-          (float)*ref_at(planes, HBIL_LIGHT_WEIGHT, x, y);
+          (float)*exact_at(planes, HBIL_LIGHT_WEIGHT, x, y);
   assert_int_equal(clEnqueueWriteBuffer(s->gpu->queue, t.b.buffer, CL_TRUE, 0,
                                         t.size, t.floats, 0, NULL, NULL),
                    CL_SUCCESS);
   free(t.floats);
 }
 
-ref_planes gathered_over_turns(setup *s, int turns) {
-  ref_planes sum = {0, 0, 0, NULL};
+exact_planes gathered_over_turns(setup *s, int turns) {
+  exact_planes sum = {0, 0, 0, NULL};
   setup_run(s, hbil_enqueue_split);
   for (int turn = 0; turn < turns; ++turn) {
-    ref_planes one;
+    exact_planes one;
     size_t total;
     s->frame.frame_index = (cl_uint)turn;
     setup_run(s, hbil_enqueue_gather);
     one = stage_read(s, HBIL_STAGE_GATHERED);
     total = (size_t)one.width * (size_t)one.height * (size_t)one.count;
     if (turn == 0)
-      sum = ref_planes_new(one.width, one.height, one.count);
+      sum = checked_planes(one.width, one.height, one.count);
     for (size_t i = 0; i < total; ++i)
       sum.values[i] += one.values[i] / turns;
-    ref_planes_free(&one);
+    exact_planes_free(&one);
   }
   return sum;
 }
 
 /* Takes an output's values and overwrites them with the canary. */
 static void take_output(setup *s, image_id id, unsigned char *bytes,
-                        ref_planes *out) {
+                        exact_planes *out) {
   placement p = place(s, id);
   for (int c = 0; c < images[id].channels; ++c)
     for (int y = 0; y < out->height; ++y)
       for (int x = 0; x < out->width; ++x) {
         unsigned char *at = bytes + position(&p, c, (size_t)x, (size_t)y);
-        *ref_at(out, images[id].first + c, x, y) = (double)decode(&p, at);
+        *exact_at(out, images[id].first + c, x, y) = (double)decode(&p, at);
         memset(at, CANARY, p.size);
       }
 }
 
-ref_planes outputs_read(setup *s) {
-  ref_planes out = ref_planes_new((int)s->config.width, (int)s->config.height,
-                                  REF_OUTPUT_PLANES);
+exact_planes outputs_read(setup *s) {
+  exact_planes out = checked_planes((int)s->config.width, (int)s->config.height,
+                                    EXACT_OUTPUT_PLANES);
   for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id) {
     size_t size;
     unsigned char *bytes;
@@ -841,15 +848,15 @@ ref_planes outputs_read(setup *s) {
 /* Numbers                                                                   */
 
 /* Values of planes [first, first + count) and where they begin. */
-static size_t range_of(const ref_planes *planes, int first, int count,
+static size_t range_of(const exact_planes *planes, int first, int count,
                        size_t *total) {
   size_t plane = (size_t)planes->width * (size_t)planes->height;
   *total = plane * (size_t)count;
   return plane * (size_t)first;
 }
 
-double relative_rmse(const ref_planes *got, const ref_planes *want, int first,
-                     int count) {
+double relative_rmse(const exact_planes *got, const exact_planes *want,
+                     int first, int count) {
   size_t total, start = range_of(want, first, count, &total);
   double off = 0.0, size = 0.0;
   for (size_t i = start; i < start + total; ++i) {
@@ -862,8 +869,8 @@ double relative_rmse(const ref_planes *got, const ref_planes *want, int first,
   return size > 0.0 ? sqrt(off / size) : sqrt(off);
 }
 
-double largest_error(const ref_planes *got, const ref_planes *want, int first,
-                     int count) {
+double largest_error(const exact_planes *got, const exact_planes *want,
+                     int first, int count) {
   size_t total, start = range_of(want, first, count, &total);
   double largest = 0.0;
   for (size_t i = start; i < start + total; ++i) {
@@ -875,7 +882,7 @@ double largest_error(const ref_planes *got, const ref_planes *want, int first,
   return largest;
 }
 
-double largest_value(const ref_planes *planes, int first, int count) {
+double largest_value(const exact_planes *planes, int first, int count) {
   size_t total, start = range_of(planes, first, count, &total);
   double largest = 0.0;
   for (size_t i = start; i < start + total; ++i)
@@ -883,7 +890,7 @@ double largest_value(const ref_planes *planes, int first, int count) {
   return largest;
 }
 
-size_t count_different(const ref_planes *got, const ref_planes *want) {
+size_t count_different(const exact_planes *got, const exact_planes *want) {
   size_t total, different = 0;
   range_of(want, 0, want->count, &total);
   assert_int_equal(got->count, want->count);
@@ -912,15 +919,15 @@ double random_unit(random_state *r) {
 #define SEQUENCE_LIMIT 1e-4
 #define CONE_LIMIT 1e-3
 
-void check_frame_outputs(setup *s, const ref_planes *want) {
-  ref_planes got = outputs_read(s);
+void check_frame_outputs(setup *s, const exact_planes *want) {
+  exact_planes got = outputs_read(s);
   for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     if (image_format(&s->config, id)->component != HBIL_NONE)
       check_at_most(
           image_name(id),
           relative_rmse(&got, want, image_first(id), image_channels(id)),
           id == PLANE_CONE ? CONE_LIMIT : SEQUENCE_LIMIT);
-  ref_planes_free(&got);
+  exact_planes_free(&got);
 }
 
 double dot(const double a[3], const double b[3]) {

@@ -17,7 +17,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-#include "reference.h"
+#include "checked_exact.h"
 #include "scene/scene.h"
 
 /* ------------------------------------------------------------------------ */
@@ -66,7 +66,8 @@ typedef enum image_id {
 
 const char *image_name(image_id id);
 int image_channels(image_id id);
-/* First plane, of inputs (REF_DEPTH...) or outputs (REF_NEAR...). */
+/* First plane, of inputs (EXACT_DEPTH...) or outputs
+ * (EXACT_NEAR_IRRADIANCE...). */
 int image_first(image_id id);
 hbil_plane_format *image_format(hbil_config *config, image_id id);
 hbil_plane *image_slot(hbil_frame *frame, image_id id);
@@ -86,8 +87,8 @@ typedef struct setup {
   hbil_plan *plan;
   image_layout layout[PLANE_COUNT];
   size_t bytes[PLANE_COUNT];
-  float *input[REF_INPUT_PLANES];
-  ref_job job; /* for the reference; kept up to date by setup_upload() */
+  float *input[EXACT_INPUT_PLANES];
+  exact_frame job; /* for the reference; kept up to date by setup_upload() */
 } setup;
 
 /* fp32 depth, normal, albedo, direct, emission, motion; planar motion; outputs
@@ -132,11 +133,11 @@ void assert_success(const setup *s, hbil_status status);
 /* A stage's planes in full resolution; written planes leave padding alone.
  * Packed ones are decoded and encoded on the way: whatever the storage, the
  * planes are those of FLOAT32. */
-ref_planes stage_read(setup *s, hbil_stage stage);
-void stage_write(setup *s, hbil_stage stage, const ref_planes *planes);
+exact_planes stage_read(setup *s, hbil_stage stage);
+void stage_write(setup *s, hbil_stage stage, const exact_planes *planes);
 
 /* The words of packed storages in double, from their description in
- * hbil_shared.h alone. */
+ * shared.h alone. */
 uint32_t encode_normal(const double n[3]);
 void decode_normal(uint32_t word, double n[3]); /* unit length */
 /* What a mantissa of so many bits counts, where the largest channel is `most`.
@@ -150,10 +151,10 @@ uint32_t encode_small(double value, int mantissa);
 /* GATHERED of the split inputs, its mean over frames of index 0..turns-1, which
  * turn the pattern: a plan has 32 slices at most, this has `turns` times as
  * many. */
-ref_planes gathered_over_turns(setup *s, int turns);
-/* All outputs (REF_OUTPUT_PLANES); fails when a byte outside the image was
+exact_planes gathered_over_turns(setup *s, int turns);
+/* All outputs (EXACT_OUTPUT_PLANES); fails when a byte outside the image was
  * touched.  Outputs without format stay 0. */
-ref_planes outputs_read(setup *s);
+exact_planes outputs_read(setup *s);
 /* Every byte of a plan's buffer or a caller's image; the caller frees. */
 unsigned char *buffer_bytes(setup *s, cl_mem buffer, size_t *size);
 cl_mem buffer_new(gpu *g, size_t size, const void *bytes);
@@ -164,14 +165,14 @@ cl_mem buffer_new(gpu *g, size_t size, const void *bytes);
 /* Root of the mean squared difference over planes [first, first + count),
  * relative to the reference's root mean square; infinite when `got` holds a
  * value that is not finite. */
-double relative_rmse(const ref_planes *got, const ref_planes *want, int first,
-                     int count);
+double relative_rmse(const exact_planes *got, const exact_planes *want,
+                     int first, int count);
 /* Largest difference. */
-double largest_error(const ref_planes *got, const ref_planes *want, int first,
-                     int count);
-double largest_value(const ref_planes *planes, int first, int count);
+double largest_error(const exact_planes *got, const exact_planes *want,
+                     int first, int count);
+double largest_value(const exact_planes *planes, int first, int count);
 /* Number of values that differ. */
-size_t count_different(const ref_planes *got, const ref_planes *want);
+size_t count_different(const exact_planes *got, const exact_planes *want);
 
 /* Form factors of so many rows of a layer, of all that it has. */
 void setup_keep_rows(setup *s, size_t rows, size_t of);
@@ -192,7 +193,7 @@ uint16_t float_to_half(float value);
  * most 1e-4 (the requirement is 1e-3; measured: 9.1e-6 at 3x5 pixels), of the
  * cone, whose sqrt(1 - AO) keeps half of the digits where AO is 1, 1e-3
  * (3.5e-4). */
-void check_frame_outputs(setup *s, const ref_planes *want);
+void check_frame_outputs(setup *s, const exact_planes *want);
 
 /* ------------------------------------------------------------------------ */
 /* Vectors                                                                   */

@@ -171,7 +171,7 @@ static void load(step *t, int index) {
   setup *from = &t->plain, *to = &t->faulty;
   setup_load_scene(from, SCENE_ROOM, (uint32_t)index);
   to->frame.camera = from->frame.camera;
-  for (int i = 0; i < REF_INPUT_PLANES; ++i)
+  for (int i = 0; i < EXACT_INPUT_PLANES; ++i)
     memcpy(to->input[i], from->input[i], WIDTH * HEIGHT * sizeof(float));
   setup_upload(from);
   setup_upload(to);
@@ -188,12 +188,12 @@ static hbil_status frame(setup *s) {
 }
 
 static void check_same(const outcome *o, step *t) {
-  ref_planes want = outputs_read(&t->plain), got = outputs_read(&t->faulty);
+  exact_planes want = outputs_read(&t->plain), got = outputs_read(&t->faulty);
   if (count_different(&got, &want))
     fail_msg("call %d, %s: other bits than without the failure", o->nth,
              o->failed ? o->failed : "none");
-  ref_planes_free(&want);
-  ref_planes_free(&got);
+  exact_planes_free(&want);
+  exact_planes_free(&got);
 }
 
 /* A frame that fails is none: the same one again has the light and the history

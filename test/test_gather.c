@@ -9,36 +9,36 @@
 #define BENT_LIMIT 1e-5
 #define WEIGHT_LIMIT 1e-5
 
-static ref_planes gathered(setup *s) {
+static exact_planes gathered(setup *s) {
   setup_run(s, hbil_enqueue_split);
   setup_run(s, hbil_enqueue_gather);
   return stage_read(s, HBIL_STAGE_GATHERED);
 }
 
 /* What the kernels gather, and what the reference does of the same layers. */
-static void gather_both(setup *s, ref_planes *got, ref_planes *want) {
-  ref_planes split;
+static void gather_both(setup *s, exact_planes *got, exact_planes *want) {
+  exact_planes split;
   setup_start(s);
   *got = gathered(s);
   split = stage_read(s, HBIL_STAGE_SPLIT);
-  *want = ref_planes_new(split.width, split.height, got->count);
-  ref_gather(&s->job, &split, want);
-  ref_planes_free(&split);
+  *want = checked_planes(split.width, split.height, got->count);
+  checked_gather(&s->job, &split, want);
+  exact_planes_free(&split);
 }
 
 static void check_gather(setup *s) {
-  ref_planes got, want;
+  exact_planes got, want;
   gather_both(s, &got, &want);
   check_at_most("AO", relative_rmse(&got, &want, HBIL_LIGHT_AO, 1), AO_LIMIT);
   check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3),
                 LIGHT_LIMIT);
   check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3),
                 BENT_LIMIT);
-  if (ref_weighs_slices(&s->config))
+  if (exact_weighs_slices(&s->config))
     check_at_most("weight", relative_rmse(&got, &want, HBIL_LIGHT_WEIGHT, 1),
                   WEIGHT_LIMIT);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
   setup_free(s);
 }
 
@@ -225,18 +225,18 @@ static void hardly_rough_planes_match(void **state) {
   for (int i = 0; i < 4; ++i) {
     setup s;
     random_state r = {.state = 5 + (uint64_t)i};
-    ref_planes got, want;
+    exact_planes got, want;
     const double rough = pow(10.0, -4.0 - i);
     setup_scene(&s, SCENE_ROOM, 320, 180, 0);
     for (int c = 0; c < 3; ++c) {
-      setup_fill(&s, REF_ALBEDO + c, 1.0f);
-      setup_fill(&s, REF_DIRECT + c, (float)PI);
-      setup_fill(&s, REF_EMISSION + c, 0.0f);
+      setup_fill(&s, EXACT_ALBEDO + c, 1.0f);
+      setup_fill(&s, EXACT_DIRECT + c, (float)PI);
+      setup_fill(&s, EXACT_EMISSION + c, 0.0f);
     }
     for (int p = 0; p < 320 * 180; ++p) {
-      s.input[REF_DEPTH][p] = (float)(2.0 + rough * random_unit(&r));
+      s.input[EXACT_DEPTH][p] = (float)(2.0 + rough * random_unit(&r));
       for (int c = 0; c < 3; ++c)
-        s.input[REF_NORMAL + c][p] =
+        s.input[EXACT_NORMAL + c][p] =
             (float)-s.frame.camera.world_from_view[4 * c + 2];
     }
     gather_both(&s, &got, &want);
@@ -244,8 +244,8 @@ static void hardly_rough_planes_match(void **state) {
     check_at_most("AO", largest_error(&got, &want, HBIL_LIGHT_AO, 1), 2e-6);
     check_at_most("E_near", largest_error(&got, &want, HBIL_LIGHT_RED, 3),
                   2e-6 * PI);
-    ref_planes_free(&got);
-    ref_planes_free(&want);
+    exact_planes_free(&got);
+    exact_planes_free(&want);
     setup_free(&s);
   }
 }
@@ -276,7 +276,7 @@ static void far_views_become_orthographic(void **state) {
   enum { W = 61, H = 37 };
   const double away = 3e3, pixel = 0.1;
   random_state r = {.state = 2};
-  ref_planes got[2], split = ref_planes_new(W, H, HBIL_SPLIT_PLANES);
+  exact_planes got[2], split = checked_planes(W, H, HBIL_SPLIT_PLANES);
   setup s;
   (void)state;
   setup_init(&s, W, H);
@@ -286,11 +286,11 @@ static void far_views_become_orthographic(void **state) {
     for (int x = 0; x < W; ++x) {
       double n[3] = {random_unit(&r) - 0.5, random_unit(&r) - 0.5, -1.0};
       normalize(n);
-      *ref_at(&split, HBIL_SPLIT_W, x, y) =
+      *exact_at(&split, HBIL_SPLIT_W, x, y) =
           -5.0 + 2.0 * random_unit(&r) * random_unit(&r);
       for (int c = 0; c < 3; ++c) {
-        *ref_at(&split, HBIL_SPLIT_NORMAL + c, x, y) = n[c];
-        *ref_at(&split, HBIL_SPLIT_RED + c, x, y) = random_unit(&r);
+        *exact_at(&split, HBIL_SPLIT_NORMAL + c, x, y) = n[c];
+        *exact_at(&split, HBIL_SPLIT_RED + c, x, y) = random_unit(&r);
       }
     }
   for (int far = 0; far < 2; ++far) {
@@ -304,8 +304,8 @@ static void far_views_become_orthographic(void **state) {
       for (int i = 0; i < W * H; ++i)
         split.values[i] = 1.0 / (away - split.values[i]);
     }
-    got[far] = ref_planes_new(W, H, HBIL_LIGHT_PLANES);
-    ref_gather(&s.job, &split, got + far);
+    got[far] = checked_planes(W, H, HBIL_LIGHT_PLANES);
+    checked_gather(&s.job, &split, got + far);
   }
   /* Derived: directions differ by half a picture over the distance, 1e-3, and
    * depths by the tolerance, 2^-22 of 3e3 to a pixel of 0.1: 7e-3 for the
@@ -313,15 +313,15 @@ static void far_views_become_orthographic(void **state) {
   check_at_most("AO", relative_rmse(got, got + 1, HBIL_LIGHT_AO, 1), 8e-3);
   check_at_most("E_near", relative_rmse(got, got + 1, HBIL_LIGHT_RED, 3), 8e-3);
   check_at_most("bent", relative_rmse(got, got + 1, HBIL_LIGHT_BENT, 3), 8e-3);
-  ref_planes_free(got);
-  ref_planes_free(got + 1);
-  ref_planes_free(&split);
+  exact_planes_free(got);
+  exact_planes_free(got + 1);
+  exact_planes_free(&split);
   setup_free(&s);
 }
 
-static ref_planes room_as_thick_as(float share) {
+static exact_planes room_as_thick_as(float share) {
   setup s;
-  ref_planes out;
+  exact_planes out;
   setup_scene(&s, SCENE_ROOM, 97, 54, 0);
   set_thickness(&s, INFINITY, share);
   setup_start(&s);
@@ -333,20 +333,20 @@ static ref_planes room_as_thick_as(float share) {
 /* Without end they are the horizon's, but for sectors of 1/32: measured .020
  * in AO, derived below 1/32 a half-slice. */
 static void endless_occluders_are_the_horizon_s(void **state) {
-  ref_planes sectors = room_as_thick_as(1e4f);
-  ref_planes horizon = room_as_thick_as(INFINITY);
+  exact_planes sectors = room_as_thick_as(1e4f);
+  exact_planes horizon = room_as_thick_as(INFINITY);
   (void)state;
   check_at_most("AO", relative_rmse(&sectors, &horizon, HBIL_LIGHT_AO, 1),
                 0.03);
-  ref_planes_free(&sectors);
-  ref_planes_free(&horizon);
+  exact_planes_free(&sectors);
+  exact_planes_free(&horizon);
 }
 
 /* Radiance 1 all over: what is not open sends 1. */
 static void check_furnace(scene_kind kind, cl_uint slices, float radius,
                           float thickness) {
   setup s;
-  ref_planes got;
+  exact_planes got;
   double worst = 0.0;
   setup_scene(&s, kind, 97, 54, 0);
   s.config.albedo.component = s.config.emission.component = HBIL_NONE;
@@ -356,18 +356,18 @@ static void check_furnace(scene_kind kind, cl_uint slices, float radius,
   s.config.facing_fade[0] = s.config.facing_fade[1] = -1.0f;
   set_thickness(&s, thickness, INFINITY);
   for (int c = 0; c < 3; ++c)
-    setup_fill(&s, REF_DIRECT + c, 1.0f);
+    setup_fill(&s, EXACT_DIRECT + c, 1.0f);
   setup_start(&s);
   got = gathered(&s);
   for (int y = 0; y < got.height; ++y)
     for (int x = 0; x < got.width; ++x)
       for (int c = 0; c < 3; ++c)
-        worst = fmax(worst,
-                     fabs(*ref_at(&got, HBIL_LIGHT_AO, x, y) +
-                          *ref_at(&got, HBIL_LIGHT_RED + c, x, y) / PI - 1.0));
+        worst = fmax(
+            worst, fabs(*exact_at(&got, HBIL_LIGHT_AO, x, y) +
+                        *exact_at(&got, HBIL_LIGHT_RED + c, x, y) / PI - 1.0));
   /* measured: 2.8e-7; the requirement is 2e-3 */
   check_at_most("furnace", worst, 1e-5);
-  ref_planes_free(&got);
+  exact_planes_free(&got);
   setup_free(&s);
 }
 
@@ -381,16 +381,16 @@ static void the_white_furnace_is_closed(void **state) {
 }
 
 /* The light of a plan on the room, with depths, radius and light scaled. */
-static ref_planes scaled_room(float size, float light, float radius) {
+static exact_planes scaled_room(float size, float light, float radius) {
   setup s;
-  ref_planes got;
+  exact_planes got;
   setup_scene(&s, SCENE_ROOM, 97, 54, 0);
   s.config.radius = radius * size;
   for (int i = 0; i < 97 * 54; ++i) {
-    s.input[REF_DEPTH][i] *= size;
+    s.input[EXACT_DEPTH][i] *= size;
     for (int c = 0; c < 3; ++c) {
-      s.input[REF_DIRECT + c][i] *= light;
-      s.input[REF_EMISSION + c][i] *= light;
+      s.input[EXACT_DIRECT + c][i] *= light;
+      s.input[EXACT_EMISSION + c][i] *= light;
     }
   }
   setup_start(&s);
@@ -400,13 +400,13 @@ static ref_planes scaled_room(float size, float light, float radius) {
 }
 
 static void check_scaled(float size, float radius, double limit) {
-  ref_planes want = scaled_room(1.0f, 1.0f, radius);
-  ref_planes got = scaled_room(size, 1.0f, radius);
+  exact_planes want = scaled_room(1.0f, 1.0f, radius);
+  exact_planes got = scaled_room(size, 1.0f, radius);
   check_at_most("AO", relative_rmse(&got, &want, HBIL_LIGHT_AO, 1), limit);
   check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3), limit);
   check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3), limit);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
 }
 
 static void the_unit_of_length_does_not_matter(void **state) {
@@ -423,9 +423,9 @@ static void the_unit_of_length_does_not_matter(void **state) {
 }
 
 static void near_light_is_linear_in_the_radiance(void **state) {
-  ref_planes one = scaled_room(1.0f, 1.0f, INFINITY);
-  ref_planes four = scaled_room(1.0f, 4.0f, INFINITY);
-  ref_planes seven = scaled_room(1.0f, 7.0f, INFINITY);
+  exact_planes one = scaled_room(1.0f, 1.0f, INFINITY);
+  exact_planes four = scaled_room(1.0f, 4.0f, INFINITY);
+  exact_planes seven = scaled_room(1.0f, 7.0f, INFINITY);
   size_t plane = (size_t)(one.width * one.height);
   (void)state;
   for (size_t i = plane; i < 4 * plane; ++i) {
@@ -435,20 +435,20 @@ static void near_light_is_linear_in_the_radiance(void **state) {
   /* derived: two dozen roundings of 6e-8 */
   check_at_most("7 times", relative_rmse(&seven, &one, HBIL_LIGHT_RED, 3),
                 1e-6);
-  ref_planes_free(&one);
-  ref_planes_free(&four);
-  ref_planes_free(&seven);
+  exact_planes_free(&one);
+  exact_planes_free(&four);
+  exact_planes_free(&seven);
 }
 
 static void every_run_gives_the_same_bits(void **state) {
-  ref_planes first = scaled_room(1.0f, 1.0f, 2.0f);
+  exact_planes first = scaled_room(1.0f, 1.0f, 2.0f);
   (void)state;
   for (int run = 0; run < 3; ++run) {
-    ref_planes again = scaled_room(1.0f, 1.0f, 2.0f);
+    exact_planes again = scaled_room(1.0f, 1.0f, 2.0f);
     assert_int_equal(count_different(&again, &first), 0);
-    ref_planes_free(&again);
+    exact_planes_free(&again);
   }
-  ref_planes_free(&first);
+  exact_planes_free(&first);
 }
 
 int main(void) {

@@ -27,9 +27,9 @@ static void set_plane(setup *s, const tilted *t) {
     double slope = t->normal[0] * x + t->normal[1] * y + t->normal[2];
     double z = slope < 0.0 ? t->normal[2] * t->distance / slope : 0.0;
     /* half floats end at 65504 */
-    s->input[REF_DEPTH][i] = z < 6e4 ? (float)z : 0.0f;
+    s->input[EXACT_DEPTH][i] = z < 6e4 ? (float)z : 0.0f;
     for (int c = 0; c < 3; ++c)
-      s->input[REF_NORMAL + c][i] = (float)t->normal[c];
+      s->input[EXACT_NORMAL + c][i] = (float)t->normal[c];
   }
 }
 
@@ -39,7 +39,7 @@ static void start(setup *s, float radius, hbil_component depth) {
   s->config.depth.component = depth;
   s->config.albedo.component = s->config.emission.component = HBIL_NONE;
   for (int c = 0; c < 3; ++c)
-    setup_fill(s, REF_DIRECT + c, (float)PI); /* radiance 1 */
+    setup_fill(s, EXACT_DIRECT + c, (float)PI); /* radiance 1 */
   setup_start(s);
 }
 
@@ -56,32 +56,32 @@ typedef struct deviation {
  */
 static const deviation limit = {1e-5, 1e-5, 5e-4};
 
-static void compare_pixel(const ref_planes *got, const tilted *t, int x, int y,
-                          deviation *worst) {
+static void compare_pixel(const exact_planes *got, const tilted *t, int x,
+                          int y, deviation *worst) {
   double bent[3], size = 0.0, off = 0.0;
   for (int c = 0; c < 3; ++c) {
-    bent[c] = *ref_at(got, HBIL_LIGHT_BENT + c, x, y);
+    bent[c] = *exact_at(got, HBIL_LIGHT_BENT + c, x, y);
     size += bent[c] * bent[c];
     worst->light =
-        fmax(worst->light, fabs(*ref_at(got, HBIL_LIGHT_RED + c, x, y)));
+        fmax(worst->light, fabs(*exact_at(got, HBIL_LIGHT_RED + c, x, y)));
   }
   for (int c = 0; c < 3; ++c)
     off += pow(bent[c] / sqrt(size) - t->normal[c], 2.0);
-  worst->ao = fmax(worst->ao, fabs(*ref_at(got, HBIL_LIGHT_AO, x, y) - 1.0));
+  worst->ao = fmax(worst->ao, fabs(*exact_at(got, HBIL_LIGHT_AO, x, y) - 1.0));
   worst->bent = fmax(worst->bent, isfinite(off) ? sqrt(off) : INFINITY);
 }
 
 static void add_deviation(setup *s, const tilted *t, deviation *worst) {
-  ref_planes got;
+  exact_planes got;
   set_plane(s, t);
   setup_upload(s);
   setup_run(s, hbil_enqueue_split);
   setup_run(s, hbil_enqueue_gather);
   got = stage_read(s, HBIL_STAGE_GATHERED);
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
-    if (s->input[REF_DEPTH][i] > 0.0f)
+    if (s->input[EXACT_DEPTH][i] > 0.0f)
       compare_pixel(&got, t, i % WIDTH, i / WIDTH, worst);
-  ref_planes_free(&got);
+  exact_planes_free(&got);
 }
 
 /* All tilts in 5 azimuths at one field of view. */

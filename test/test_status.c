@@ -307,7 +307,7 @@ static void bad_frames_are_refused_by_name(void **state) {
 
 static void refused_frames_write_nothing(void **state) {
   setup s;
-  ref_planes out;
+  exact_planes out;
   (void)state;
   start(&s);
   s.frame.camera.fx = -1.0;
@@ -318,7 +318,7 @@ static void refused_frames_write_nothing(void **state) {
   out = outputs_read(&s); /* canaries are not-a-numbers */
   for (int i = 0; i < out.width * out.height * out.count; ++i)
     assert_true(isnan(out.values[i]));
-  ref_planes_free(&out);
+  exact_planes_free(&out);
   setup_free(&s);
 }
 

@@ -22,10 +22,10 @@ static const cl_uint widths[] = {1, 4, 8, 16};
 /* Derived: one step of 8 bits, dithered. */
 #define UNKNOWN_LIMIT (1.0 / 255.0 + SEARCH_LIMIT)
 
-static double most_of(const ref_planes *planes, int first, int x, int y) {
-  return fmax(
-      *ref_at(planes, first, x, y),
-      fmax(*ref_at(planes, first + 1, x, y), *ref_at(planes, first + 2, x, y)));
+static double most_of(const exact_planes *planes, int first, int x, int y) {
+  return fmax(*exact_at(planes, first, x, y),
+              fmax(*exact_at(planes, first + 1, x, y),
+                   *exact_at(planes, first + 2, x, y)));
 }
 
 /* How light is kept: as mantissas of so many bits with one exponent for all, or
@@ -67,15 +67,15 @@ static double loss_of(const light_word *word, double value, double most,
 
 /* How far light is off at most, in what its words may lose, beyond what it may
  * be off by before it becomes a word. */
-static double losses(const ref_planes *got, const ref_planes *want, int first,
-                     const light_word *word, double before) {
+static double losses(const exact_planes *got, const exact_planes *want,
+                     int first, const light_word *word, double before) {
   double worst = 0.0;
   for (int y = 0; y < got->height; ++y)
     for (int x = 0; x < got->width; ++x) {
       double most = most_of(want, first, x, y);
       for (int c = 0; c < 3; ++c) {
-        double value = *ref_at(want, first + c, x, y);
-        double off = fabs(*ref_at(got, first + c, x, y) - value);
+        double value = *exact_at(want, first + c, x, y);
+        double off = fabs(*exact_at(got, first + c, x, y) - value);
         if (!(off <= before)) /* no light out of nothing */
           worst = fmax(worst, isfinite(off) ? (off - before) /
                                                   loss_of(word, value, most, c)
@@ -92,10 +92,10 @@ static double losses(const ref_planes *got, const ref_planes *want, int first,
 /* ------------------------------------------------------------------------ */
 /* split                                                                     */
 
-static ref_planes split_in(hbil_storage storage, void (*prepare)(setup *),
-                           cl_uint vector_width) {
+static exact_planes split_in(hbil_storage storage, void (*prepare)(setup *),
+                             cl_uint vector_width) {
   setup s;
-  ref_planes out;
+  exact_planes out;
   prepare(&s);
   s.config.storage = storage;
   s.config.vector_width = vector_width;
@@ -107,14 +107,14 @@ static ref_planes split_in(hbil_storage storage, void (*prepare)(setup *),
 }
 
 /* Depth to the last bit; normals where there are surfaces, finite elsewhere. */
-static void check_guides(const ref_planes *got, const ref_planes *want) {
+static void check_guides(const exact_planes *got, const exact_planes *want) {
   double worst = 0.0;
   for (int y = 0; y < got->height; ++y)
     for (int x = 0; x < got->width; ++x) {
-      double w = *ref_at(want, HBIL_SPLIT_W, x, y), off = 0.0;
-      assert_true(*ref_at(got, HBIL_SPLIT_W, x, y) == w);
+      double w = *exact_at(want, HBIL_SPLIT_W, x, y), off = 0.0;
+      assert_true(*exact_at(got, HBIL_SPLIT_W, x, y) == w);
       for (int c = HBIL_SPLIT_NORMAL; c < HBIL_SPLIT_RED; ++c) {
-        double d = *ref_at(got, c, x, y) - *ref_at(want, c, x, y);
+        double d = *exact_at(got, c, x, y) - *exact_at(want, c, x, y);
         assert_true(isfinite(d));
         off += w > 0.0 ? d * d : 0.0;
       }
@@ -125,15 +125,15 @@ static void check_guides(const ref_planes *got, const ref_planes *want) {
 
 static void check_split(void (*prepare)(setup *), hbil_storage storage,
                         cl_uint vector_width) {
-  ref_planes want = split_in(HBIL_STORAGE_FLOAT32, prepare, vector_width);
-  ref_planes got = split_in(storage, prepare, vector_width);
+  exact_planes want = split_in(HBIL_STORAGE_FLOAT32, prepare, vector_width);
+  exact_planes got = split_in(storage, prepare, vector_width);
   assert_int_equal(got.count, want.count);
   check_guides(&got, &want);
   check_at_most("radiance, losses",
                 losses(&got, &want, HBIL_SPLIT_RED, &radiance_of[storage], 0.0),
                 LOSS_LIMIT);
-  ref_planes_free(&want);
-  ref_planes_free(&got);
+  exact_planes_free(&want);
+  exact_planes_free(&got);
 }
 
 /* A wall seen straight on; emission alone is its radiance.  (World space, so
@@ -141,8 +141,8 @@ static void check_split(void (*prepare)(setup *), hbil_storage storage,
 static void start_wall(setup *s) {
   setup_init(s, WIDTH, HEIGHT);
   s->config.normal_space = HBIL_SPACE_WORLD;
-  setup_fill(s, REF_DEPTH, 1.0f);
-  setup_fill(s, REF_NORMAL + 2, -1.0f);
+  setup_fill(s, EXACT_DEPTH, 1.0f);
+  setup_fill(s, EXACT_NORMAL + 2, -1.0f);
 }
 
 static void room(setup *s) {
@@ -170,21 +170,22 @@ static void all_directions(setup *s) {
   setup_camera(s, 150.0);
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
     for (int c = 0; c < 3; ++c)
-      s->input[REF_NORMAL + c][i] =
+      s->input[EXACT_NORMAL + c][i] =
           i % 4 == 0 ? (float)((int)(3.0 * random_unit(&r)) - 1)
                      : (float)(random_unit(&r) - 0.5);
 }
 
 static void every_direction_is_kept(void **state) {
-  ref_planes split = split_in(HBIL_STORAGE_FLOAT32, all_directions, 8);
+  exact_planes split = split_in(HBIL_STORAGE_FLOAT32, all_directions, 8);
   int behind = 0;
   (void)state;
   for (int i = 0; i < 4; ++i)
     check_split(all_directions, HBIL_STORAGE_PACKED, widths[i]);
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
-    behind += *ref_at(&split, HBIL_SPLIT_NORMAL + 2, i % WIDTH, i / WIDTH) > 0;
+    behind +=
+        *exact_at(&split, HBIL_SPLIT_NORMAL + 2, i % WIDTH, i / WIDTH) > 0;
   assert_true(behind > WIDTH * HEIGHT / 8);
-  ref_planes_free(&split);
+  exact_planes_free(&split);
 }
 
 /* The mapping itself has no more to lose: the same as the kernel's limit. */
@@ -218,9 +219,9 @@ static void any_light(setup *s) {
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
     double scale = ldexp(1.0, (int)(236.0 * random_unit(&r)) - 117);
     for (int c = 0; c < 3; ++c)
-      s->input[REF_EMISSION + c][i] = random_unit(&r) < 0.2
-                                          ? odd[(int)(count * random_unit(&r))]
-                                          : (float)(scale * random_unit(&r));
+      s->input[EXACT_EMISSION + c][i] =
+          random_unit(&r) < 0.2 ? odd[(int)(count * random_unit(&r))]
+                                : (float)(scale * random_unit(&r));
   }
 }
 
@@ -261,20 +262,20 @@ static void hardly_any_light(setup *s) {
   start_wall(s);
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
     for (int c = 0; c < 3; ++c)
-      s->input[REF_EMISSION + c][i] = ldexpf((float)(i % 8), -140 - i % 9);
+      s->input[EXACT_EMISSION + c][i] = ldexpf((float)(i % 8), -140 - i % 9);
 }
 
 static void hardly_any_light_is_none(void **state) {
-  ref_planes got = split_in(HBIL_STORAGE_PACKED, hardly_any_light, 8);
+  exact_planes got = split_in(HBIL_STORAGE_PACKED, hardly_any_light, 8);
   (void)state;
   check_at_most("denormals", largest_value(&got, HBIL_SPLIT_RED, 3), 0x1p-126);
-  ref_planes_free(&got);
+  exact_planes_free(&got);
 }
 
 /* ------------------------------------------------------------------------ */
 /* gather                                                                    */
 
-static ref_planes gathered(setup *s) {
+static exact_planes gathered(setup *s) {
   setup_run(s, hbil_enqueue_split);
   setup_run(s, hbil_enqueue_gather);
   return stage_read(s, HBIL_STAGE_GATHERED);
@@ -282,12 +283,12 @@ static ref_planes gathered(setup *s) {
 
 /* Few slices make bent normals longer than 1, of which a word of 11, 11 and 10
  * bits keeps no more than the direction, and halves as many digits. */
-static double bent_off(hbil_storage storage, const ref_planes *got,
-                       const ref_planes *want, int x, int y) {
+static double bent_off(hbil_storage storage, const exact_planes *got,
+                       const exact_planes *want, int x, int y) {
   double g[3], w[3], most = 0.0, off = 0.0;
   for (int c = 0; c < 3; ++c) {
-    g[c] = *ref_at(got, HBIL_LIGHT_BENT + c, x, y);
-    w[c] = *ref_at(want, HBIL_LIGHT_BENT + c, x, y);
+    g[c] = *exact_at(got, HBIL_LIGHT_BENT + c, x, y);
+    w[c] = *exact_at(want, HBIL_LIGHT_BENT + c, x, y);
     most = fmax(most, fabs(w[c]));
   }
   if (most > 1.0 && storage != HBIL_STORAGE_HALF) {
@@ -299,8 +300,8 @@ static double bent_off(hbil_storage storage, const ref_planes *got,
   return sqrt(off) / (storage == HBIL_STORAGE_HALF ? fmax(most, 1.0) : 1.0);
 }
 
-static double largest_bent_off(hbil_storage storage, const ref_planes *got,
-                               const ref_planes *want) {
+static double largest_bent_off(hbil_storage storage, const exact_planes *got,
+                               const exact_planes *want) {
   double worst = 0.0;
   for (int y = 0; y < got->height; ++y)
     for (int x = 0; x < got->width; ++x)
@@ -313,8 +314,8 @@ static double largest_bent_off(hbil_storage storage, const ref_planes *got,
 /* Derived: half a step in x, y and z, each at most 2^-11 of the largest. */
 #define HALF_BENT_LIMIT (1.7321 * 0x1p-11 + SEARCH_LIMIT)
 
-static void check_light(hbil_storage storage, const ref_planes *got,
-                        const ref_planes *want) {
+static void check_light(hbil_storage storage, const exact_planes *got,
+                        const exact_planes *want) {
   const bool half = storage == HBIL_STORAGE_HALF;
   double before = SEARCH_LIMIT * largest_value(want, HBIL_LIGHT_RED, 3);
   check_at_most("AO", largest_error(got, want, HBIL_LIGHT_AO, 1),
@@ -335,13 +336,13 @@ static void check_light(hbil_storage storage, const ref_planes *got,
 
 /* What the search makes of the very words that it reads. */
 static void compare_gather(setup *s) {
-  ref_planes got = gathered(s), split = stage_read(s, HBIL_STAGE_SPLIT);
-  ref_planes want = ref_planes_new(split.width, split.height, got.count);
-  ref_gather(&s->job, &split, &want);
+  exact_planes got = gathered(s), split = stage_read(s, HBIL_STAGE_SPLIT);
+  exact_planes want = checked_planes(split.width, split.height, got.count);
+  checked_gather(&s->job, &split, &want);
   check_light(s->config.storage, &got, &want);
-  ref_planes_free(&got);
-  ref_planes_free(&split);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&split);
+  exact_planes_free(&want);
 }
 
 static void check_gather(setup *s, hbil_storage storage) {
@@ -433,28 +434,28 @@ static void small_floats_match(void **state) {
  * fast arithmetic, must not take them for 0. */
 static void hardly_any_light_is_gathered(void **state) {
   setup s;
-  ref_planes split;
+  exact_planes split;
   double most;
   (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   s.config.storage = HBIL_STORAGE_HALF;
   s.config.direct_scale *= 3e-5f;
   for (int c = 0; c < 3; ++c)
-    setup_fill(&s, REF_EMISSION + c, 0.0f);
+    setup_fill(&s, EXACT_EMISSION + c, 0.0f);
   setup_start(&s);
   compare_gather(&s);
   split = stage_read(&s, HBIL_STAGE_SPLIT);
   most = largest_value(&split, HBIL_SPLIT_RED, 3);
   if (!(most > 0x1p-20 && most < 0x1p-14))
     fail_msg("radiance of %g at most", most);
-  ref_planes_free(&split);
+  exact_planes_free(&split);
   setup_free(&s);
 }
 
 /* Light that no small float holds: the largest there is, and no infinity. */
 static void too_much_light_is_the_most_there_is(void **state) {
   setup s;
-  ref_planes split, light;
+  exact_planes split, light;
   (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   s.config.storage = HBIL_STORAGE_HALF;
@@ -464,8 +465,8 @@ static void too_much_light_is_the_most_there_is(void **state) {
   split = stage_read(&s, HBIL_STAGE_SPLIT);
   assert_true(largest_value(&split, HBIL_SPLIT_RED, 3) == 65504.0);
   assert_true(largest_value(&light, HBIL_LIGHT_RED, 3) == 65504.0);
-  ref_planes_free(&split);
-  ref_planes_free(&light);
+  exact_planes_free(&split);
+  exact_planes_free(&light);
   setup_free(&s);
 }
 
@@ -499,9 +500,9 @@ static void long_bent_normals_keep_their_direction(void **state) {
   }
 }
 
-static ref_planes packed_room(void) {
+static exact_planes packed_room(void) {
   setup s;
-  ref_planes out;
+  exact_planes out;
   room(&s);
   s.config.storage = HBIL_STORAGE_PACKED;
   setup_start(&s);
@@ -511,11 +512,11 @@ static ref_planes packed_room(void) {
 }
 
 static void every_run_gives_the_same_bits(void **state) {
-  ref_planes first = packed_room(), again = packed_room();
+  exact_planes first = packed_room(), again = packed_room();
   (void)state;
   assert_int_equal(count_different(&again, &first), 0);
-  ref_planes_free(&first);
-  ref_planes_free(&again);
+  exact_planes_free(&first);
+  exact_planes_free(&again);
 }
 
 /* Words of SPLIT without radiance and with it; of GATHERED for AO, for E_near,
@@ -559,26 +560,26 @@ static void only_needed_words_are_kept(void **state) {
 static void plant_light(setup *s) {
   random_state r = {17};
   int pixels = WIDTH * HEIGHT;
-  ref_planes light = ref_planes_new(WIDTH, HEIGHT, HBIL_GATHERED_PLANES);
+  exact_planes light = checked_planes(WIDTH, HEIGHT, HBIL_GATHERED_PLANES);
   for (int i = 0; i < pixels * light.count; ++i) {
     int plane = i / pixels;
     bool bent = plane >= HBIL_LIGHT_BENT && plane < HBIL_LIGHT_UNKNOWN;
     light.values[i] = random_unit(&r) - (bent ? 0.5 : 0.0);
     if (plane == HBIL_LIGHT_UNKNOWN) /* of what is not open */
       light.values[i] *= 1.0 - light.values[i % pixels];
-    if (!(s->input[REF_DEPTH][i % pixels] > 0.0f))
+    if (!(s->input[EXACT_DEPTH][i % pixels] > 0.0f))
       light.values[i] = plane == HBIL_LIGHT_AO;
   }
   stage_write(s, HBIL_STAGE_GATHERED, &light);
-  ref_planes_free(&light);
+  exact_planes_free(&light);
 }
 
 static void check_recompose(hbil_storage storage, scene_kind kind, bool raw,
                             hbil_back_facing_fallback refused,
                             cl_uint vector_width) {
   setup s;
-  ref_planes split, light, got,
-      want = ref_planes_new(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
+  exact_planes split, light, got,
+      want = checked_planes(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
   setup_scene(&s, kind, WIDTH, HEIGHT, 0);
   s.config.storage = storage;
   s.config.unfiltered = raw;
@@ -586,21 +587,21 @@ static void check_recompose(hbil_storage storage, scene_kind kind, bool raw,
   s.config.vector_width = vector_width;
   setup_start(&s);
   light = gathered(&s); /* and what the frame sends on average */
-  ref_planes_free(&light);
+  exact_planes_free(&light);
   plant_light(&s);
   light = stage_read(&s, HBIL_STAGE_GATHERED);
   split = stage_read(&s, HBIL_STAGE_SPLIT);
-  ref_estimate_frame(&s.job, &split);
-  ref_recompose(&s.job, &split, &light, &want);
+  exact_estimate_frame(&s.job, &split);
+  exact_recompose(&s.job, &split, &light, &want);
   setup_run(&s, hbil_enqueue_recompose);
   got = stage_read(&s, HBIL_STAGE_RESOLVED);
   check_at_most("AO", largest_error(&got, &want, 0, 1), 1e-5);
   check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3), 1e-5);
   check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3), 1e-5);
-  ref_planes_free(&split);
-  ref_planes_free(&light);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&split);
+  exact_planes_free(&light);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
   setup_free(&s);
 }
 
@@ -620,7 +621,7 @@ static void the_filter_matches(void **state) {
 /* Whole frames                                                              */
 
 /* Root of the mean squared difference over the mean. */
-static double rmse_over_mean(const ref_planes *got, const ref_planes *want,
+static double rmse_over_mean(const exact_planes *got, const exact_planes *want,
                              image_id id) {
   size_t plane = (size_t)want->width * (size_t)want->height;
   size_t total = plane * (size_t)image_channels(id);
@@ -654,7 +655,7 @@ static const promise promises[] = {{PLANE_AO, {1e-4, 0.0, 1e-4, 1e-4}},
 #define PROMISES (sizeof(promises) / sizeof(*promises))
 
 /* The worst of each promise so far. */
-static void compare_frames(const ref_planes *got, const ref_planes *want,
+static void compare_frames(const exact_planes *got, const exact_planes *want,
                            double worst[PROMISES]) {
   for (size_t i = 0; i < PROMISES; ++i)
     worst[i] = fmax(worst[i], rmse_over_mean(got, want, promises[i].id));
@@ -675,7 +676,7 @@ static void start_frames(setup *s, scene_kind kind, bool from_the_frame,
   setup_start(s);
 }
 
-static ref_planes frame(setup *s, scene_kind kind, uint32_t index) {
+static exact_planes frame(setup *s, scene_kind kind, uint32_t index) {
   setup_load_scene(s, kind, index);
   s->frame.frame_index = index;
   setup_upload(s);
@@ -687,20 +688,20 @@ static ref_planes frame(setup *s, scene_kind kind, uint32_t index) {
 static void check_frames(scene_kind kind, bool from_the_frame,
                          hbil_storage storage) {
   setup plain, packed;
-  ref_state reference;
+  exact_state reference;
   double worst[PROMISES] = {0.0};
   start_frames(&plain, kind, from_the_frame, HBIL_STORAGE_FLOAT32);
   start_frames(&packed, kind, from_the_frame, storage);
-  ref_state_init(&reference, 160, 90);
+  checked_state(&reference, 160, 90);
   for (uint32_t i = 0; i < 3; ++i) {
-    ref_planes want = frame(&plain, kind, i), got = frame(&packed, kind, i);
-    ref_frame(&reference, &plain.job);
+    exact_planes want = frame(&plain, kind, i), got = frame(&packed, kind, i);
+    checked_run_frame(&reference, &plain.job);
     compare_frames(&got, &want, worst);
     compare_frames(&got, &reference.out, worst);
-    ref_planes_free(&want);
-    ref_planes_free(&got);
+    exact_planes_free(&want);
+    exact_planes_free(&got);
   }
-  ref_state_free(&reference);
+  exact_state_free(&reference);
   setup_free(&plain);
   setup_free(&packed);
   for (size_t i = 0; i < PROMISES; ++i)
@@ -739,9 +740,9 @@ static void set_plane(setup *s, const double n[3]) {
                      (i / WIDTH + 0.5 - camera->cy) / camera->fy, 1.0};
     double z = 3.0 * n[2] / dot(n, ray);
     /* half floats end at 65504 */
-    s->input[REF_DEPTH][i] = dot(n, ray) < 0.0 && z < 6e4 ? (float)z : 0.0f;
+    s->input[EXACT_DEPTH][i] = dot(n, ray) < 0.0 && z < 6e4 ? (float)z : 0.0f;
     for (int c = 0; c < 3; ++c)
-      s->input[REF_NORMAL + c][i] = (float)n[c];
+      s->input[EXACT_NORMAL + c][i] = (float)n[c];
   }
 }
 
@@ -750,12 +751,12 @@ typedef struct deviation {
   double ao, light, bent;
 } deviation;
 
-static void compare_pixel(const ref_planes *got, const double n[3], int x,
+static void compare_pixel(const exact_planes *got, const double n[3], int x,
                           int y, deviation *worst) {
   double off = 0.0;
   for (int c = 0; c < 3; ++c)
-    off += pow(*ref_at(got, HBIL_LIGHT_BENT + c, x, y) - n[c], 2.0);
-  worst->ao = fmax(worst->ao, 1.0 - *ref_at(got, HBIL_LIGHT_AO, x, y));
+    off += pow(*exact_at(got, HBIL_LIGHT_BENT + c, x, y) - n[c], 2.0);
+  worst->ao = fmax(worst->ao, 1.0 - *exact_at(got, HBIL_LIGHT_AO, x, y));
   worst->light = fmax(worst->light, most_of(got, HBIL_LIGHT_RED, x, y));
   worst->bent = fmax(worst->bent, sqrt(off));
 }
@@ -763,14 +764,14 @@ static void compare_pixel(const ref_planes *got, const double n[3], int x,
 static void add_plane(setup *s, double tilt, double azimuth, deviation *worst) {
   const double n[3] = {sin(tilt) * cos(azimuth), sin(tilt) * sin(azimuth),
                        -cos(tilt)};
-  ref_planes got;
+  exact_planes got;
   set_plane(s, n);
   setup_upload(s);
   got = gathered(s);
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
-    if (s->input[REF_DEPTH][i] > 0.0f)
+    if (s->input[EXACT_DEPTH][i] > 0.0f)
       compare_pixel(&got, n, i % WIDTH, i / WIDTH, worst);
-  ref_planes_free(&got);
+  exact_planes_free(&got);
 }
 
 static void start_plane(setup *s, double fov, hbil_component depth) {
@@ -780,7 +781,7 @@ static void start_plane(setup *s, double fov, hbil_component depth) {
   s->config.storage = HBIL_STORAGE_PACKED;
   s->config.depth.component = depth;
   for (int c = 0; c < 3; ++c)
-    setup_fill(s, REF_EMISSION + c, 1.0f);
+    setup_fill(s, EXACT_EMISSION + c, 1.0f);
   setup_start(s);
 }
 

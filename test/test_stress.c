@@ -111,11 +111,11 @@ static void turn_normals(setup *s) {
   for (size_t i = 0; i < pixels; ++i) {
     double n[3];
     for (int c = 0; c < 3; ++c)
-      n[c] = m[c] * (double)s->input[REF_NORMAL][i] +
-             m[4 + c] * (double)s->input[REF_NORMAL + 1][i] +
-             m[8 + c] * (double)s->input[REF_NORMAL + 2][i];
+      n[c] = m[c] * (double)s->input[EXACT_NORMAL][i] +
+             m[4 + c] * (double)s->input[EXACT_NORMAL + 1][i] +
+             m[8 + c] * (double)s->input[EXACT_NORMAL + 2][i];
     for (int c = 0; c < 3; ++c)
-      s->input[REF_NORMAL + c][i] = (float)n[c];
+      s->input[EXACT_NORMAL + c][i] = (float)n[c];
   }
 }
 
@@ -123,7 +123,7 @@ static void load_room(setup *s, uint32_t index) {
   setup_load_scene(s, SCENE_ROOM, index);
   turn_normals(s);
   for (int c = 0; c < 3; ++c)
-    setup_fill(s, REF_F0 + c, 0.04f);
+    setup_fill(s, EXACT_F0 + c, 0.04f);
   s->frame.frame_index = index;
 }
 
@@ -149,7 +149,7 @@ static void run(setup *s) {
 /* ------------------------------------------------------------------------ */
 /* Finite, and in range                                                      */
 
-static void check_finite(const char *what, const ref_planes *planes) {
+static void check_finite(const char *what, const exact_planes *planes) {
   const size_t total =
       (size_t)planes->width * (size_t)planes->height * (size_t)planes->count;
   for (size_t i = 0; i < total; ++i)
@@ -159,7 +159,7 @@ static void check_finite(const char *what, const ref_planes *planes) {
                i / (total / (size_t)planes->count), planes->values[i], trying);
 }
 
-static void check_range(const char *what, const ref_planes *planes, int first,
+static void check_range(const char *what, const exact_planes *planes, int first,
                         int count, double least, double most) {
   const size_t plane = (size_t)planes->width * (size_t)planes->height;
   for (size_t i = plane * (size_t)first; i < plane * (size_t)(first + count);
@@ -174,10 +174,10 @@ static void check_range(const char *what, const ref_planes *planes, int first,
 static double brightest(setup *s) {
   double most = 0.0;
   if (s->config.mode == HBIL_MODE_HBIL) {
-    ref_planes split = stage_read(s, HBIL_STAGE_SPLIT);
+    exact_planes split = stage_read(s, HBIL_STAGE_SPLIT);
     if (split.count > HBIL_SPLIT_RED)
       most = largest_value(&split, HBIL_SPLIT_RED, 3);
-    ref_planes_free(&split);
+    exact_planes_free(&split);
   }
   if (s->config.far_field == HBIL_FAR_CONSTANT)
     for (int c = 0; c < 3; ++c)
@@ -195,9 +195,9 @@ static double most_light(setup *s, image_id id, double radiance) {
 
 /* Whether the plan gathers light: planes of E_near mean nothing where not. */
 static bool gathers_light(setup *s) {
-  ref_planes split = stage_read(s, HBIL_STAGE_SPLIT);
+  exact_planes split = stage_read(s, HBIL_STAGE_SPLIT);
   const bool light = split.count > HBIL_SPLIT_RED;
-  ref_planes_free(&split);
+  exact_planes_free(&split);
   return light;
 }
 
@@ -208,21 +208,21 @@ static void check_stage(setup *s, hbil_stage stage, const char *name) {
   hbil_buffer b;
   if (hbil_plan_buffer(s->plan, stage, &b) != HBIL_SUCCESS)
     return;
-  ref_planes planes = stage_read(s, stage);
+  exact_planes planes = stage_read(s, stage);
   const size_t plane = (size_t)planes.width * (size_t)planes.height;
   for (int p = HBIL_LIGHT_RED; dark && p < planes.count; ++p)
     if (p < HBIL_LIGHT_BENT)
       memset(planes.values + plane * (size_t)p, 0, plane * sizeof(double));
   check_finite(name, &planes);
-  ref_planes_free(&planes);
+  exact_planes_free(&planes);
 }
 
-static void check_bent(const ref_planes *out, double tolerance) {
+static void check_bent(const exact_planes *out, double tolerance) {
   for (int y = 0; y < out->height; ++y)
     for (int x = 0; x < out->width; ++x) {
       double size = 0.0;
       for (int c = 0; c < 3; ++c)
-        size += pow(*ref_at(out, REF_BENT + c, x, y), 2.0);
+        size += pow(*exact_at(out, EXACT_BENT_NORMAL + c, x, y), 2.0);
       if (size != 0.0 && !(fabs(sqrt(size) - 1.0) <= tolerance))
         fail_msg("bent at (%d, %d): length %.9g\ntrying %s", x, y, sqrt(size),
                  trying);
@@ -237,20 +237,20 @@ static bool asks_for(setup *s, image_id id) {
 static void check_sane(setup *s) {
   const bool sh = s->config.far_field == HBIL_FAR_SH;
   const double radiance = brightest(s);
-  ref_planes out = outputs_read(s);
+  exact_planes out = outputs_read(s);
   check_finite("outputs", &out);
-  check_range("ao", &out, REF_AO, 1, 0.0, 1.0);
-  check_range("near_irradiance", &out, REF_NEAR, 3, 0.0,
+  check_range("ao", &out, EXACT_AO, 1, 0.0, 1.0);
+  check_range("near_irradiance", &out, EXACT_NEAR_IRRADIANCE, 3, 0.0,
               most_light(s, PLANE_NEAR, radiance));
-  check_range("far_irradiance", &out, REF_FAR, 3, 0.0,
+  check_range("far_irradiance", &out, EXACT_FAR_IRRADIANCE, 3, 0.0,
               sh ? INFINITY : most_light(s, PLANE_FAR, radiance));
-  check_range("cone", &out, REF_CONE, 1, 0.0, 1.0);
-  check_range("indirect", &out, REF_INDIRECT, 3, 0.0, INFINITY);
-  check_range("radiance", &out, REF_RADIANCE, 3, 0.0, INFINITY);
+  check_range("cone", &out, EXACT_CONE_COSINE, 1, 0.0, 1.0);
+  check_range("indirect", &out, EXACT_INDIRECT, 3, 0.0, INFINITY);
+  check_range("radiance", &out, EXACT_BEAUTY, 3, 0.0, INFINITY);
   if (asks_for(s, PLANE_BENT)) /* roundings; of three halves 2^-11 each */
     check_bent(&out,
                s->config.bent_normal.component == HBIL_FLOAT16 ? 1e-3 : 1e-6);
-  ref_planes_free(&out);
+  exact_planes_free(&out);
   check_stage(s, HBIL_STAGE_SPLIT, "split");
   check_stage(s, HBIL_STAGE_GATHERED, "gathered");
   check_stage(s, HBIL_STAGE_RESOLVED, "resolved");
@@ -265,14 +265,14 @@ static void check_sane(setup *s) {
 /* Scale                                                                     */
 
 /* Two frames of the room, in units of 1/scale. */
-static ref_planes room_scaled(plan_kind kind, double scale) {
+static exact_planes room_scaled(plan_kind kind, double scale) {
   setup *s = begin(kind);
   for (uint32_t i = 0; i < 2; ++i) {
     load_room(s, i);
     for (int c = 0; c < 3; ++c)
       s->frame.camera.world_from_view[4 * c + 3] *= scale;
     for (int p = 0; p < PIXELS; ++p)
-      s->input[REF_DEPTH][p] = (float)(s->input[REF_DEPTH][p] * scale);
+      s->input[EXACT_DEPTH][p] = (float)(s->input[EXACT_DEPTH][p] * scale);
     s->frame.environment[0][0] = 1.0f;
     run(s);
   }
@@ -287,18 +287,18 @@ static void the_unit_of_length_does_not_matter(void **state) {
   for (plan_kind kind = 0; kind < PLANS; ++kind) {
     if (!is_tried(kind))
       continue;
-    ref_planes want = room_scaled(kind, 1.0);
+    exact_planes want = room_scaled(kind, 1.0);
     for (size_t i = 0; i < sizeof scales / sizeof *scales; ++i) {
       TRY("scale %g, %s", scales[i], plan_names[kind]);
-      ref_planes got = room_scaled(kind, scales[i]);
+      exact_planes got = room_scaled(kind, scales[i]);
       for (image_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
         check_below(
             image_name(id),
             relative_rmse(&got, &want, image_first(id), image_channels(id)),
             id == PLANE_CONE ? 1e-3 : 1e-4);
-      ref_planes_free(&got);
+      exact_planes_free(&got);
     }
-    ref_planes_free(&want);
+    exact_planes_free(&want);
   }
 }
 
@@ -331,20 +331,20 @@ static const float odd_normals[][3] = {
 static void spoil(setup *s, random_state *r, double share) {
   const size_t pixels = (size_t)s->config.width * s->config.height;
   for (size_t i = 0; i < pixels; ++i) {
-    SPOIL(r, share, s->input[REF_DEPTH][i], odd_depths);
+    SPOIL(r, share, s->input[EXACT_DEPTH][i], odd_depths);
     if (random_unit(r) < share) {
       const float *n = ANY_OF(r, odd_normals);
       for (int c = 0; c < 3; ++c)
-        s->input[REF_NORMAL + c][i] = n[c];
+        s->input[EXACT_NORMAL + c][i] = n[c];
     }
     for (int c = 0; c < 3; ++c) {
-      SPOIL(r, share, s->input[REF_ALBEDO + c][i], odd_shares);
-      SPOIL(r, share, s->input[REF_F0 + c][i], odd_shares);
-      SPOIL(r, share, s->input[REF_DIRECT + c][i], odd_light);
-      SPOIL(r, share, s->input[REF_EMISSION + c][i], odd_light);
+      SPOIL(r, share, s->input[EXACT_ALBEDO + c][i], odd_shares);
+      SPOIL(r, share, s->input[EXACT_F0 + c][i], odd_shares);
+      SPOIL(r, share, s->input[EXACT_DIRECT + c][i], odd_light);
+      SPOIL(r, share, s->input[EXACT_EMISSION + c][i], odd_light);
     }
     for (int c = 0; c < 2; ++c)
-      SPOIL(r, share, s->input[REF_MOTION + c][i], odd_motion);
+      SPOIL(r, share, s->input[EXACT_MOTION + c][i], odd_motion);
   }
 }
 
@@ -383,11 +383,11 @@ static bool repair_motion(float *v) {
 static bool repair_normal(const setup *s, size_t i) {
   float *n[3];
   for (int c = 0; c < 3; ++c)
-    n[c] = s->input[REF_NORMAL + c] + i;
+    n[c] = s->input[EXACT_NORMAL + c] + i;
   const float size = fmaf(*n[0], *n[0], fmaf(*n[1], *n[1], *n[2] * *n[2]));
   if (size >= 1e-20f && size < INFINITY)
     return false;
-  const hbil_view_args v = ref_view(&s->config, &s->frame.camera);
+  const hbil_view_args v = exact_view(&s->config, &s->frame.camera);
   const size_t x = i % s->config.width, y = i / s->config.width;
   *n[0] = -((float)x + 0.5f - v.cx) * v.inv_fx;
   *n[1] = -((float)y + 0.5f - v.cy) * v.inv_fy;
@@ -408,15 +408,15 @@ static hbil_sanitized repair(setup *s) {
   const size_t pixels = (size_t)s->config.width * s->config.height;
   hbil_sanitized n = {0};
   for (size_t i = 0; i < pixels; ++i) {
-    n.depth += repair_planes(s, REF_DEPTH, 1, i, repair_depth);
-    const float depth = s->input[REF_DEPTH][i];
+    n.depth += repair_planes(s, EXACT_DEPTH, 1, i, repair_depth);
+    const float depth = s->input[EXACT_DEPTH][i];
     const size_t solid = depth > 0.0f && depth < 1e15f;
     n.normal += solid * repair_normal(s, i);
-    n.albedo += solid * repair_planes(s, REF_ALBEDO, 3, i, repair_share);
-    n.f0 += solid * repair_planes(s, REF_F0, 3, i, repair_share);
-    n.direct += solid * repair_planes(s, REF_DIRECT, 3, i, repair_light);
-    n.motion += solid * repair_planes(s, REF_MOTION, 2, i, repair_motion);
-    n.emission += repair_planes(s, REF_EMISSION, 3, i, repair_light);
+    n.albedo += solid * repair_planes(s, EXACT_ALBEDO, 3, i, repair_share);
+    n.f0 += solid * repair_planes(s, EXACT_F0, 3, i, repair_share);
+    n.direct += solid * repair_planes(s, EXACT_DIRECT, 3, i, repair_light);
+    n.motion += solid * repair_planes(s, EXACT_MOTION, 2, i, repair_motion);
+    n.emission += repair_planes(s, EXACT_EMISSION, 3, i, repair_light);
   }
   return n;
 }
@@ -449,7 +449,7 @@ static void check_counts(const hbil_sanitized *got,
 
 /* What a frame of spoiled inputs comes to; or of the repaired ones. */
 static void spoiled_frames(plan_kind kind, uint64_t seed, bool repaired_before,
-                           ref_planes out[FRAMES],
+                           exact_planes out[FRAMES],
                            hbil_sanitized repairs[FRAMES]) {
   random_state r = {seed};
   setup *s = begin(kind);
@@ -478,7 +478,7 @@ static void spoiled_frames(plan_kind kind, uint64_t seed, bool repaired_before,
 static void what_is_repaired_is_counted_and_never_spread(void **state) {
   (void)state;
   for (plan_kind kind = 0; kind < PLANS; ++kind) {
-    ref_planes got[FRAMES], want[FRAMES];
+    exact_planes got[FRAMES], want[FRAMES];
     hbil_sanitized found[FRAMES], made[FRAMES];
     if (!is_tried(kind))
       continue;
@@ -490,8 +490,8 @@ static void what_is_repaired_is_counted_and_never_spread(void **state) {
       check_counts(&found[i], &made[i]);
       check_below("values that a repair has changed",
                   (double)count_different(&got[i], &want[i]), 0.0);
-      ref_planes_free(&got[i]);
-      ref_planes_free(&want[i]);
+      exact_planes_free(&got[i]);
+      exact_planes_free(&want[i]);
     }
   }
 }
@@ -505,7 +505,7 @@ static void still_frames_count_what_the_frame_before_did(void **state) {
   TRY("still frames");
   spoil(s, &r, 0.1);
   for (int c = 0; c < 2; ++c)
-    setup_fill(s, REF_MOTION + c, 0.0f);
+    setup_fill(s, EXACT_MOTION + c, 0.0f);
   run(s);
   const hbil_sanitized first = counted(s);
   assert_true(first.depth > 0 && first.emission > 0);
@@ -593,7 +593,7 @@ static void random_normal(setup *s, size_t i, bool faces, random_state *r) {
   ray[1] = ((double)(i / s->config.width) + 0.5 - camera->cy) / camera->fy;
   const double sign = faces && dot(n, ray) > 0.0 ? -1.0 : 1.0;
   for (int c = 0; c < 3; ++c)
-    s->input[REF_NORMAL + c][i] = (float)(sign * n[c]);
+    s->input[EXACT_NORMAL + c][i] = (float)(sign * n[c]);
 }
 
 /* The camera must be set. */
@@ -603,19 +603,19 @@ static void load_content(setup *s, content kind, uint32_t index,
   const bool flat = kind == CHECKER || kind == SPIKES;
   s->frame.frame_index = index;
   for (size_t i = 0; i < pixels; ++i) {
-    s->input[REF_DEPTH][i] =
+    s->input[EXACT_DEPTH][i] =
         (float)depth_of(kind, (int)(i % width), (int)(i / width), r);
     random_normal(s, i, kind != AWAY, r);
     for (int c = 0; c < 3; ++c) {
       if (flat)
-        s->input[REF_NORMAL + c][i] = c == 2 ? -1.0f : 0.0f;
-      s->input[REF_ALBEDO + c][i] = (float)random_unit(r);
-      s->input[REF_F0 + c][i] = 0.04f;
-      s->input[REF_DIRECT + c][i] = (float)(10.0 * random_unit(r));
-      s->input[REF_EMISSION + c][i] = random_unit(r) < 0.01 ? 5.0f : 0.0f;
+        s->input[EXACT_NORMAL + c][i] = c == 2 ? -1.0f : 0.0f;
+      s->input[EXACT_ALBEDO + c][i] = (float)random_unit(r);
+      s->input[EXACT_F0 + c][i] = 0.04f;
+      s->input[EXACT_DIRECT + c][i] = (float)(10.0 * random_unit(r));
+      s->input[EXACT_EMISSION + c][i] = random_unit(r) < 0.01 ? 5.0f : 0.0f;
     }
     for (int c = 0; c < 2; ++c)
-      s->input[REF_MOTION + c][i] = (float)(4.0 * random_unit(r) - 2.0);
+      s->input[EXACT_MOTION + c][i] = (float)(4.0 * random_unit(r) - 2.0);
   }
 }
 
@@ -694,8 +694,8 @@ typedef struct figure {
 } figure;
 #define FAR_OFF 1e-3
 
-static void add_figure(figure *all, figure_id id, const ref_planes *got,
-                       int got_first, const ref_planes *want, int want_first,
+static void add_figure(figure *all, figure_id id, const exact_planes *got,
+                       int got_first, const exact_planes *want, int want_first,
                        int count) {
   const size_t plane = (size_t)want->width * (size_t)want->height;
   const double *a = got->values + plane * (size_t)got_first;
@@ -713,43 +713,45 @@ static void add_figure(figure *all, figure_id id, const ref_planes *got,
 }
 
 /* A pass, and the stage it writes. */
-static ref_planes passed(setup *s, enqueue_function *pass, hbil_stage stage) {
+static exact_planes passed(setup *s, enqueue_function *pass, hbil_stage stage) {
   setup_run(s, pass);
   return stage_read(s, stage);
 }
 
 /* Nobody needs light that is carried to the sky. */
-static void clear_sky(const setup *s, ref_planes *carried) {
+static void clear_sky(const setup *s, exact_planes *carried) {
   for (int p = 0; p < carried->count; ++p)
     for (int i = 0; i < PIXELS; ++i)
-      if (!(s->input[REF_DEPTH][i] > 0.0f && s->input[REF_DEPTH][i] < 1e15f))
+      if (!(s->input[EXACT_DEPTH][i] > 0.0f &&
+            s->input[EXACT_DEPTH][i] < 1e15f))
         carried->values[p * PIXELS + i] = 0.0;
 }
 
-static void measure_history(setup *s, const ref_planes *history, figure *all) {
-  ref_planes got = passed(s, hbil_enqueue_reproject, HBIL_STAGE_CARRIED);
-  ref_planes want = ref_planes_new(WIDTH, HEIGHT, HBIL_CARRIED_PLANES);
-  ref_reproject(&s->job, history, &want);
+static void measure_history(setup *s, const exact_planes *history,
+                            figure *all) {
+  exact_planes got = passed(s, hbil_enqueue_reproject, HBIL_STAGE_CARRIED);
+  exact_planes want = checked_planes(WIDTH, HEIGHT, HBIL_CARRIED_PLANES);
+  checked_reproject(&s->job, history, &want);
   add_figure(all, REPROJECT, &got, 0, &want, 0, HBIL_CARRIED_PLANES);
-  ref_push_pull(&want);
-  ref_planes_free(&got);
+  checked_push_pull(&want);
+  exact_planes_free(&got);
   got = passed(s, hbil_enqueue_push_pull, HBIL_STAGE_CARRIED);
   clear_sky(s, &got);
   clear_sky(s, &want);
   add_figure(all, PUSH_PULL, &got, 0, &want, 0, 3);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
 }
 
-static void measure_split(setup *s, const ref_planes *carried,
-                          const ref_planes *got, figure *all) {
-  ref_planes want = ref_planes_new(WIDTH, HEIGHT, HBIL_SPLIT_PLANES);
-  ref_split(&s->job, carried, &want);
+static void measure_split(setup *s, const exact_planes *carried,
+                          const exact_planes *got, figure *all) {
+  exact_planes want = checked_planes(WIDTH, HEIGHT, HBIL_SPLIT_PLANES);
+  exact_split(&s->job, carried, &want);
   for (int y = 0; y < HEIGHT; ++y)
     for (int x = 0; x < WIDTH; ++x) { /* each w in units of itself */
-      const double w = fabs(*ref_at(&want, HBIL_SPLIT_W, x, y));
-      const double off = fabs(*ref_at(got, HBIL_SPLIT_W, x, y) /
-                                  *ref_at(&want, HBIL_SPLIT_W, x, y) -
+      const double w = fabs(*exact_at(&want, HBIL_SPLIT_W, x, y));
+      const double off = fabs(*exact_at(got, HBIL_SPLIT_W, x, y) /
+                                  *exact_at(&want, HBIL_SPLIT_W, x, y) -
                               1.0);
       figure *f = all + SPLIT_W;
       f->largest = fmax(f->largest, off);
@@ -760,12 +762,13 @@ static void measure_split(setup *s, const ref_planes *carried,
   add_figure(all, SPLIT_NORMAL, got, HBIL_SPLIT_NORMAL, &want,
              HBIL_SPLIT_NORMAL, 3);
   add_figure(all, SPLIT_LIGHT, got, HBIL_SPLIT_RED, &want, HBIL_SPLIT_RED, 3);
-  ref_planes_free(&want);
+  exact_planes_free(&want);
 }
 
 /* light, bent: whether the plan has them. */
-static void measure_planes(figure *all, figure_id first, const ref_planes *got,
-                           const ref_planes *want, bool light, bool bent) {
+static void measure_planes(figure *all, figure_id first,
+                           const exact_planes *got, const exact_planes *want,
+                           bool light, bool bent) {
   add_figure(all, first, got, HBIL_LIGHT_AO, want, HBIL_LIGHT_AO, 1);
   if (light)
     add_figure(all, first + 1, got, HBIL_LIGHT_RED, want, HBIL_LIGHT_RED, 3);
@@ -773,58 +776,60 @@ static void measure_planes(figure *all, figure_id first, const ref_planes *got,
     add_figure(all, first + 2, got, HBIL_LIGHT_BENT, want, HBIL_LIGHT_BENT, 3);
 }
 
-static void measure_light(figure *all, figure_id first, const ref_planes *got,
-                          const ref_planes *want) {
+static void measure_light(figure *all, figure_id first, const exact_planes *got,
+                          const exact_planes *want) {
   measure_planes(all, first, got, want, true, true);
 }
 
-static void measure_composite(setup *s, const ref_planes *resolved,
+static void measure_composite(setup *s, const exact_planes *resolved,
                               figure *all) {
-  ref_planes want = ref_planes_new(WIDTH, HEIGHT, REF_OUTPUT_PLANES);
-  ref_planes history = ref_planes_new(WIDTH, HEIGHT, HBIL_HISTORY_PLANES);
+  exact_planes want = checked_planes(WIDTH, HEIGHT, EXACT_OUTPUT_PLANES);
+  exact_planes history = checked_planes(WIDTH, HEIGHT, HBIL_HISTORY_PLANES);
   setup_run(s, hbil_enqueue_composite);
-  ref_planes got = outputs_read(s);
-  ref_composite(&s->job, resolved, &want, &history);
-  add_figure(all, COMPOSITE_FAR, &got, REF_FAR, &want, REF_FAR, 3);
-  add_figure(all, COMPOSITE_CONE, &got, REF_CONE, &want, REF_CONE, 1);
-  add_figure(all, COMPOSITE_INDIRECT, &got, REF_INDIRECT, &want, REF_INDIRECT,
+  exact_planes got = outputs_read(s);
+  exact_composite(&s->job, resolved, &want, &history);
+  add_figure(all, COMPOSITE_FAR, &got, EXACT_FAR_IRRADIANCE, &want,
+             EXACT_FAR_IRRADIANCE, 3);
+  add_figure(all, COMPOSITE_CONE, &got, EXACT_CONE_COSINE, &want,
+             EXACT_CONE_COSINE, 1);
+  add_figure(all, COMPOSITE_INDIRECT, &got, EXACT_INDIRECT, &want,
+             EXACT_INDIRECT, 3);
+  add_figure(all, COMPOSITE_RADIANCE, &got, EXACT_BEAUTY, &want, EXACT_BEAUTY,
              3);
-  add_figure(all, COMPOSITE_RADIANCE, &got, REF_RADIANCE, &want, REF_RADIANCE,
-             3);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
-  ref_planes_free(&history);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
+  exact_planes_free(&history);
 }
 
 /* A frame, pass by pass: each on what the device has made of the passes before,
  * and the same in double. */
 static void measure_frame(setup *s, bool has_history, figure *all) {
-  ref_planes carried = {0}, split, gathered, resolved;
+  exact_planes carried = {0}, split, gathered, resolved;
   setup_upload(s);
   if (has_history) {
-    ref_planes history = stage_read(s, HBIL_STAGE_HISTORY);
+    exact_planes history = stage_read(s, HBIL_STAGE_HISTORY);
     measure_history(s, &history, all);
-    ref_planes_free(&history);
+    exact_planes_free(&history);
     carried = stage_read(s, HBIL_STAGE_CARRIED);
   }
   split = passed(s, hbil_enqueue_split, HBIL_STAGE_SPLIT);
   measure_split(s, has_history ? &carried : NULL, &split, all);
-  ref_estimate_frame(&s->job, &split);
+  exact_estimate_frame(&s->job, &split);
   gathered = passed(s, hbil_enqueue_gather, HBIL_STAGE_GATHERED);
-  ref_planes want = ref_planes_new(WIDTH, HEIGHT, HBIL_GATHERED_PLANES);
-  ref_gather(&s->job, &split, &want);
+  exact_planes want = checked_planes(WIDTH, HEIGHT, HBIL_GATHERED_PLANES);
+  checked_gather(&s->job, &split, &want);
   measure_light(all, GATHER_AO, &gathered, &want);
-  ref_planes_free(&want);
+  exact_planes_free(&want);
   resolved = passed(s, hbil_enqueue_recompose, HBIL_STAGE_RESOLVED);
-  want = ref_planes_new(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
-  ref_recompose(&s->job, &split, &gathered, &want);
+  want = checked_planes(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
+  exact_recompose(&s->job, &split, &gathered, &want);
   measure_light(all, RECOMPOSE_AO, &resolved, &want);
   measure_composite(s, &resolved, all);
-  ref_planes_free(&want);
-  ref_planes_free(&resolved);
-  ref_planes_free(&gathered);
-  ref_planes_free(&split);
-  ref_planes_free(&carried);
+  exact_planes_free(&want);
+  exact_planes_free(&resolved);
+  exact_planes_free(&gathered);
+  exact_planes_free(&split);
+  exact_planes_free(&carried);
   s->job.previous = s->frame.camera;
 }
 
@@ -900,12 +905,12 @@ static void load_plane(setup *s, double tilt, double azimuth) {
     /* surfaces seen from below 0.06 degrees are bent towards the eye */
     const bool seen = slope < -1e-3 * sqrt(x * x + y * y + 1.0);
     const double z = seen ? 3.0 * n[2] / slope : 0.0;
-    s->input[REF_DEPTH][i] = z < 6e4 ? (float)z : 0.0f; /* halves end there */
+    s->input[EXACT_DEPTH][i] = z < 6e4 ? (float)z : 0.0f; /* halves end there */
     for (int c = 0; c < 3; ++c) {
-      s->input[REF_NORMAL + c][i] = (float)n[c];
-      s->input[REF_ALBEDO + c][i] = 1.0f;
-      s->input[REF_F0 + c][i] = s->input[REF_EMISSION + c][i] = 0.0f;
-      s->input[REF_DIRECT + c][i] = (float)PI;
+      s->input[EXACT_NORMAL + c][i] = (float)n[c];
+      s->input[EXACT_ALBEDO + c][i] = 1.0f;
+      s->input[EXACT_F0 + c][i] = s->input[EXACT_EMISSION + c][i] = 0.0f;
+      s->input[EXACT_DIRECT + c][i] = (float)PI;
     }
   }
 }
@@ -919,14 +924,15 @@ typedef struct openness {
 } openness;
 
 static openness openness_of(setup *s) {
-  ref_planes out = outputs_read(s);
+  exact_planes out = outputs_read(s);
   openness worst = {0.0, 0.0};
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
-      worst.closed = fmax(worst.closed, 1.0 - *ref_at(&out, REF_AO, x, y));
-      worst.light = fmax(worst.light, *ref_at(&out, REF_NEAR, x, y));
+      worst.closed = fmax(worst.closed, 1.0 - *exact_at(&out, EXACT_AO, x, y));
+      worst.light =
+          fmax(worst.light, *exact_at(&out, EXACT_NEAR_IRRADIANCE, x, y));
     }
-  ref_planes_free(&out);
+  exact_planes_free(&out);
   return worst;
 }
 
@@ -983,13 +989,13 @@ typedef struct evenness {
 } evenness;
 
 static evenness evenness_of(setup *s) {
-  ref_planes out = outputs_read(s);
+  exact_planes out = outputs_read(s);
   evenness e = {0.0, INFINITY, 0.0};
   double count = 0.0;
   for (int i = 0; i < 3 * PIXELS; ++i)
-    if (s->input[REF_DEPTH][i % PIXELS] > 0.0f) {
-      const double light = (out.values[REF_NEAR * PIXELS + i] +
-                            out.values[REF_FAR * PIXELS + i]) /
+    if (s->input[EXACT_DEPTH][i % PIXELS] > 0.0f) {
+      const double light = (out.values[EXACT_NEAR_IRRADIANCE * PIXELS + i] +
+                            out.values[EXACT_FAR_IRRADIANCE * PIXELS + i]) /
                            PI;
       e.mean += light;
       e.least = fmin(e.least, light);
@@ -997,7 +1003,7 @@ static evenness evenness_of(setup *s) {
       count += 1.0;
     }
   e.mean /= count;
-  ref_planes_free(&out);
+  exact_planes_free(&out);
   return e;
 }
 
@@ -1016,11 +1022,11 @@ static void light_neither_grows_nor_fades(void **state) {
     setup *s = begin(kind);
     evenness early = {0};
     TRY("200 frames of albedo 1, %s", plan_names[kind]);
-    for (int p = REF_ALBEDO; p < REF_MOTION + 2; ++p)
-      setup_fill(s, p, p < REF_F0 ? 1.0f : 0.0f);
+    for (int p = EXACT_ALBEDO; p < EXACT_MOTION + 2; ++p)
+      setup_fill(s, p, p < EXACT_F0 ? 1.0f : 0.0f);
     for (int i = 0; i < 200; ++i) {
       for (int c = 0; c < 3; ++c)
-        setup_fill(s, REF_DIRECT + c, i ? 0.0f : (float)PI);
+        setup_fill(s, EXACT_DIRECT + c, i ? 0.0f : (float)PI);
       s->frame.frame_index = (cl_uint)i;
       run(s);
       if (i == 20)
@@ -1075,16 +1081,16 @@ typedef struct cut {
   real b;          /* cot(theta) of no slope at all */
 } cut;
 
-static cut cut_of(const setup *s, const ref_planes *split, int x, int y,
+static cut cut_of(const setup *s, const exact_planes *split, int x, int y,
                   float ux, float uy) {
   const hbil_camera *camera = &s->frame.camera;
   const real ray[3] = {(x + (real)0.5 - camera->cx) / camera->fx,
                        (y + (real)0.5 - camera->cy) / camera->fy, 1};
-  cut c = {.w = *ref_at(split, HBIL_SPLIT_W, x, y)};
+  cut c = {.w = *exact_at(split, HBIL_SPLIT_W, x, y)};
   real n[3], n_r = 0, u_wo, n_u;
   c.r = sqrtl(ray[0] * ray[0] + ray[1] * ray[1] + 1);
   for (int i = 0; i < 3; ++i) {
-    n[i] = *ref_at(split, HBIL_SPLIT_NORMAL + i, x, y);
+    n[i] = *exact_at(split, HBIL_SPLIT_NORMAL + i, x, y);
     c.wo[i] = -ray[i] / c.r;
     n_r += n[i] * ray[i];
   }
@@ -1100,10 +1106,10 @@ static cut cut_of(const setup *s, const ref_planes *split, int x, int y,
 }
 
 /* AO of a pixel with one slice of one sample on each side. */
-static double one_sample_ao(const setup *s, const ref_planes *split, int x,
+static double one_sample_ao(const setup *s, const exact_planes *split, int x,
                             int y) {
-  const hbil_pattern_args pattern = ref_pattern(&s->job);
-  const hbil_view_args view = ref_view(&s->config, &s->frame.camera);
+  const hbil_pattern_args pattern = exact_pattern(&s->job);
+  const hbil_view_args view = exact_view(&s->config, &s->frame.camera);
   const int layer = 4 * (y % 4) + x % 4;
   float ux, uy;
   real open = 0, whole = 0;
@@ -1120,7 +1126,7 @@ static double one_sample_ao(const setup *s, const ref_planes *split, int x,
     }
     const real ex = dx / (real)view.fx, ey = dy / (real)view.fy;
     const real e = sqrtl(ex * ex + ey * ey);
-    const real w1 = *ref_at(split, HBIL_SPLIT_W, x + dx, y + dy);
+    const real w1 = *exact_at(split, HBIL_SPLIT_W, x + dx, y + dy);
     const real excess = (w1 - c.w - c.gx * ex - c.gy * ey) / e;
     /* cot(theta) is the tangent plane's, or what the sample adds to it */
     const real cot = -c.nx / c.ny + fmaxl(excess, 0) * c.r / (c.ud * c.w);
@@ -1149,23 +1155,23 @@ static void horizons_from_the_tangent_plane_to_the_zenith(void **state) {
     load_plane(s, tilt, 0.7);
     for (int p = 0; p < PIXELS; ++p)
       if (random_unit(&r) < 0.25)
-        s->input[REF_DEPTH][p] =
-            (float)(s->input[REF_DEPTH][p] * (1.0 - nearer[i % NEARER]));
+        s->input[EXACT_DEPTH][p] =
+            (float)(s->input[EXACT_DEPTH][p] * (1.0 - nearer[i % NEARER]));
     run(s);
-    ref_planes split = stage_read(s, HBIL_STAGE_SPLIT);
-    ref_planes got = stage_read(s, HBIL_STAGE_GATHERED);
+    exact_planes split = stage_read(s, HBIL_STAGE_SPLIT);
+    exact_planes got = stage_read(s, HBIL_STAGE_GATHERED);
     for (int y = 0; y < HEIGHT; ++y)
       for (int x = 0; x < WIDTH; ++x) {
-        if (!(*ref_at(&split, HBIL_SPLIT_W, x, y) > 0.0))
+        if (!(*exact_at(&split, HBIL_SPLIT_W, x, y) > 0.0))
           continue;
-        const double off = fabs(*ref_at(&got, HBIL_LIGHT_AO, x, y) -
+        const double off = fabs(*exact_at(&got, HBIL_LIGHT_AO, x, y) -
                                 one_sample_ao(s, &split, x, y));
         worst = fmax(worst, isfinite(off) ? off : INFINITY);
         mean += off;
         count += 1.0;
       }
-    ref_planes_free(&split);
-    ref_planes_free(&got);
+    exact_planes_free(&split);
+    exact_planes_free(&got);
     /* the kernel lowers the sample by 2^-22 of its inverse depth: over a pixel,
      * 1/42 of a slope here, 1e-5 of the cotangent (measured: 7.8e-6) */
     check_below("AO against long double", worst, 1e-5);
@@ -1272,17 +1278,17 @@ static void tell_settings(uint64_t seed, const hbil_config *c,
 }
 
 /* As many planes as the reference wants; those that a plan hasn't are 0. */
-static ref_planes widened(ref_planes planes, int count) {
-  ref_planes wide = ref_planes_new(planes.width, planes.height, count);
+static exact_planes widened(exact_planes planes, int count) {
+  exact_planes wide = checked_planes(planes.width, planes.height, count);
   memcpy(wide.values, planes.values,
          sizeof(double) * (size_t)(planes.width * planes.height) *
              (size_t)(planes.count < count ? planes.count : count));
-  ref_planes_free(&planes);
+  exact_planes_free(&planes);
   return wide;
 }
 
 /* Halves end there. */
-static void end_with_halves(const setup *s, ref_planes *light) {
+static void end_with_halves(const setup *s, exact_planes *light) {
   const size_t plane = (size_t)light->width * (size_t)light->height;
   double *values = light->values + plane * HBIL_LIGHT_RED;
   for (size_t i = 0; s->config.storage == HBIL_STORAGE_HALF && i < 3 * plane;
@@ -1301,26 +1307,26 @@ static void end_with_halves(const setup *s, ref_planes *light) {
 static void check_near_double(setup *s) {
   figure all[FIGURES] = {{0}};
   const bool light = gathers_light(s);
-  ref_planes got = stage_read(s, HBIL_STAGE_RESOLVED);
+  exact_planes got = stage_read(s, HBIL_STAGE_RESOLVED);
   const bool bent =
       got.count > HBIL_LIGHT_BENT && s->config.storage == HBIL_STORAGE_FLOAT32;
-  ref_planes resolved = widened(got, HBIL_LIGHT_PLANES);
-  ref_planes split =
+  exact_planes resolved = widened(got, HBIL_LIGHT_PLANES);
+  exact_planes split =
       widened(stage_read(s, HBIL_STAGE_SPLIT), HBIL_SPLIT_PLANES);
-  ref_planes gathered =
+  exact_planes gathered =
       widened(stage_read(s, HBIL_STAGE_GATHERED), HBIL_GATHERED_PLANES);
-  ref_planes want =
-      ref_planes_new(split.width, split.height, HBIL_GATHERED_PLANES);
-  ref_estimate_frame(&s->job, &split);
-  ref_gather(&s->job, &split, &want);
+  exact_planes want =
+      checked_planes(split.width, split.height, HBIL_GATHERED_PLANES);
+  exact_estimate_frame(&s->job, &split);
+  checked_gather(&s->job, &split, &want);
   end_with_halves(s, &want);
   measure_planes(all, GATHER_AO, &gathered, &want, light, bent);
-  ref_recompose(&s->job, &split, &gathered, &want);
+  exact_recompose(&s->job, &split, &gathered, &want);
   measure_planes(all, RECOMPOSE_AO, &resolved, &want, light, bent);
-  ref_planes_free(&split);
-  ref_planes_free(&gathered);
-  ref_planes_free(&resolved);
-  ref_planes_free(&want);
+  exact_planes_free(&split);
+  exact_planes_free(&gathered);
+  exact_planes_free(&resolved);
+  exact_planes_free(&want);
   for (int i = 0; i < FIGURES; ++i) {
     if (!all[i].count)
       continue;
@@ -1337,7 +1343,7 @@ static void check_near_double(setup *s) {
 static void scale_depths(setup *s, double scale) {
   const size_t pixels = (size_t)s->config.width * s->config.height;
   for (size_t i = 0; i < pixels; ++i)
-    s->input[REF_DEPTH][i] = (float)(s->input[REF_DEPTH][i] * scale);
+    s->input[EXACT_DEPTH][i] = (float)(s->input[EXACT_DEPTH][i] * scale);
 }
 
 static void check_settings(uint64_t seed) {

@@ -32,11 +32,11 @@ static void load(setup *s, uint32_t scene, cl_uint index) {
   setup_upload(s);
 }
 
-static void same_bits(const ref_planes *got, const ref_planes *want) {
+static void same_bits(const exact_planes *got, const exact_planes *want) {
   assert_int_equal(count_different(got, want), 0);
 }
 
-static size_t size_of(const ref_planes *p) {
+static size_t size_of(const exact_planes *p) {
   return (size_t)p->width * (size_t)p->height * (size_t)p->count;
 }
 
@@ -57,10 +57,10 @@ static void of_one_frame_is_off(void **state) {
     load(&one, (uint32_t)i, (cl_uint)i);
     setup_run(&off, hbil_enqueue_frame);
     setup_run(&one, hbil_enqueue_frame);
-    ref_planes want = outputs_read(&off), got = outputs_read(&one);
+    exact_planes want = outputs_read(&off), got = outputs_read(&one);
     same_bits(&got, &want);
-    ref_planes_free(&want);
-    ref_planes_free(&got);
+    exact_planes_free(&want);
+    exact_planes_free(&got);
   }
   setup_free(&one);
   setup_free(&off);
@@ -114,7 +114,7 @@ static void a_range_is_refused(void **state) {
 /* A camera that stands still                                                */
 
 /* What single frames give, whose patterns are turned by their index. */
-static void singles(ref_planes *out, int count) {
+static void singles(exact_planes *out, int count) {
   setup s;
   init(&s, WIDTH, HEIGHT, 0);
   setup_start(&s);
@@ -127,22 +127,23 @@ static void singles(ref_planes *out, int count) {
 }
 
 /* Each frame has a share: 1/n, and 1/most from frame `most` on. */
-static void add_frame(ref_planes *mean, const ref_planes *frame, int n) {
+static void add_frame(exact_planes *mean, const exact_planes *frame, int n) {
   for (size_t i = 0; i < size_of(mean); ++i)
     mean->values[i] += (frame->values[i] - mean->values[i]) / n;
 }
 
 /* Of AO and E_near; a mean of bent normals is not of unit length.  Limit: three
  * roundings of fp32 a frame. */
-static void check_mean(const ref_planes *got, const ref_planes *want) {
-  check_at_most("E_near", relative_rmse(got, want, REF_NEAR, 3), 1e-6);
-  check_at_most("AO", relative_rmse(got, want, REF_AO, 1), 1e-6);
+static void check_mean(const exact_planes *got, const exact_planes *want) {
+  check_at_most("E_near", relative_rmse(got, want, EXACT_NEAR_IRRADIANCE, 3),
+                1e-6);
+  check_at_most("AO", relative_rmse(got, want, EXACT_AO, 1), 1e-6);
 }
 
 #define MOST 4
 
 static void still_frames_are_averaged(void **state) {
-  ref_planes single[FRAMES], mean = ref_planes_new(WIDTH, HEIGHT, 17);
+  exact_planes single[FRAMES], mean = checked_planes(WIDTH, HEIGHT, 17);
   setup said, unsaid;
   (void)state;
   singles(single, FRAMES);
@@ -155,21 +156,21 @@ static void still_frames_are_averaged(void **state) {
     said.frame.static_frame = CL_TRUE; /* of no account in the first */
     setup_run(&said, hbil_enqueue_frame);
     setup_run(&unsaid, hbil_enqueue_frame);
-    ref_planes got = outputs_read(&said), other = outputs_read(&unsaid);
+    exact_planes got = outputs_read(&said), other = outputs_read(&unsaid);
     add_frame(&mean, &single[i], i < MOST ? i + 1 : MOST);
     check_mean(&got, &mean);
     same_bits(&other, &got);
-    ref_planes_free(&got);
-    ref_planes_free(&other);
-    ref_planes_free(&single[i]);
+    exact_planes_free(&got);
+    exact_planes_free(&other);
+    exact_planes_free(&single[i]);
   }
-  ref_planes_free(&mean);
+  exact_planes_free(&mean);
   setup_free(&unsaid);
   setup_free(&said);
 }
 
-static double squared_error(const ref_planes *got, const ref_planes *want) {
-  const double e = relative_rmse(got, want, REF_AO, 1);
+static double squared_error(const exact_planes *got, const exact_planes *want) {
+  const double e = relative_rmse(got, want, EXACT_AO, 1);
   return e * e;
 }
 
@@ -181,22 +182,22 @@ static double squared_error(const ref_planes *got, const ref_planes *want) {
  * worse than that.  Measured: 0.23, 0.085, 0.015 and 0.004 for 2, 4, 8 and 16.
  */
 static void noise_falls_with_the_frames(void **state) {
-  const ref_dense how = {.slices = 256};
-  ref_state exact;
+  const exact_dense how = {.slices = 256};
+  exact_state exact;
   double error[65], noise;
   setup s;
   (void)state;
   init(&s, WIDTH, HEIGHT, 64);
   s.config.steps_per_side = 32;
   setup_start(&s);
-  ref_state_init(&exact, WIDTH, HEIGHT);
-  ref_frame_dense(&exact, &s.job, &how);
+  checked_state(&exact, WIDTH, HEIGHT);
+  checked_run_frame_dense(&exact, &s.job, &how);
   for (int n = 1; n <= 64; ++n) {
     s.frame.frame_index = (cl_uint)n;
     setup_run(&s, hbil_enqueue_frame);
-    ref_planes got = outputs_read(&s);
+    exact_planes got = outputs_read(&s);
     error[n] = squared_error(&got, &exact.out);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
   }
   noise = error[1] - error[64];
   for (int n = 2; n <= 16; n *= 2) {
@@ -204,7 +205,7 @@ static void noise_falls_with_the_frames(void **state) {
     snprintf(what, sizeof what, "noise of %d frames", n);
     check_at_most(what, (error[n] - error[64]) / noise, 1.0 / n);
   }
-  ref_state_free(&exact);
+  exact_state_free(&exact);
   setup_free(&s);
 }
 
@@ -286,10 +287,10 @@ static void point_of(const setup *s, const hbil_camera *c, double x, double y,
 }
 
 static past find_past(const setup *s, const hbil_camera *before,
-                      const ref_planes *split, int x, int y) {
+                      const exact_planes *split, int x, int y) {
   const hbil_camera *now = &s->frame.camera;
   const double *m = now->world_from_view;
-  const double w = *ref_at(split, HBIL_SPLIT_W, x, y);
+  const double w = *exact_at(split, HBIL_SPLIT_W, x, y);
   double point[3], world[3], p[3], tip[3];
   past then = {.known = is_orthographic(s) ? w > -1e29 : w > 0.0};
   if (!then.known)
@@ -300,7 +301,7 @@ static past find_past(const setup *s, const hbil_camera *before,
     for (int c = 0; c < 3; ++c) {
       world[i] += m[4 * i + c] * point[c];
       tip[i] += m[4 * i + c] *
-                (point[c] + *ref_at(split, HBIL_SPLIT_NORMAL + c, x, y));
+                (point[c] + *exact_at(split, HBIL_SPLIT_NORMAL + c, x, y));
     }
   }
   to_camera(before->world_from_view, world, p);
@@ -309,8 +310,8 @@ static past find_past(const setup *s, const hbil_camera *before,
     then.n[c] -= p[c];
   then.z = p[2];
   if (s->config.reprojection == HBIL_REPROJECTION_MOTION) {
-    then.u = x + s->input[REF_MOTION][y * WIDTH + x];
-    then.v = y + s->input[REF_MOTION + 1][y * WIDTH + x];
+    then.u = x + s->input[EXACT_MOTION][y * WIDTH + x];
+    then.v = y + s->input[EXACT_MOTION + 1][y * WIDTH + x];
   } else {
     const double spread = is_orthographic(s) ? 1.0 : p[2];
     then.u = before->fx * p[0] / spread + before->cx - 0.5;
@@ -391,10 +392,11 @@ typedef struct tally {
 
 /* What is shown is what is kept, but for the bent normal's length; that is off
  * by four roundings. */
-static void check_shown(const ref_planes *got, const kept *anew, int x, int y) {
+static void check_shown(const exact_planes *got, const kept *anew, int x,
+                        int y) {
   double bent[3];
   for (int p = 0; p < HBIL_LIGHT_BENT; ++p)
-    assert_true(*ref_at(got, p, x, y) ==
+    assert_true(*exact_at(got, p, x, y) ==
                 kept_value(anew, KEPT_LIGHT + p, x, y));
   for (int c = 0; c < 3; ++c)
     bent[c] = kept_value(anew, KEPT_LIGHT + HBIL_LIGHT_BENT + c, x, y);
@@ -402,12 +404,13 @@ static void check_shown(const ref_planes *got, const kept *anew, int x, int y) {
     return;
   normalize(bent);
   for (int c = 0; c < 3; ++c)
-    assert_true(fabs(*ref_at(got, HBIL_LIGHT_BENT + c, x, y) - bent[c]) < 3e-7);
+    assert_true(fabs(*exact_at(got, HBIL_LIGHT_BENT + c, x, y) - bent[c]) <
+                3e-7);
 }
 
 /* fresh: RESOLVED before the filter, got: after it; anew: kept by it. */
 static void check_pixel(const setup *s, const recalled *r,
-                        const ref_planes *fresh, const ref_planes *got,
+                        const exact_planes *fresh, const exact_planes *got,
                         const kept *anew, int x, int y, tally *t) {
   const double most = s->config.max_history_frames;
   const double n = fmin(r->frames + 1.0, most);
@@ -417,7 +420,7 @@ static void check_pixel(const setup *s, const recalled *r,
   }
   if (r->total == 0.0) {
     for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
-      if (*ref_at(got, p, x, y) != *ref_at(fresh, p, x, y))
+      if (*exact_at(got, p, x, y) != *exact_at(fresh, p, x, y))
         fail_msg("(%d, %d): a new surface has plane %d of another", x, y, p);
     t->fresh++;
     return;
@@ -431,7 +434,7 @@ static void check_pixel(const setup *s, const recalled *r,
   if (fabs(frames - n) > places * most + 1e-5 * n)
     fail_msg("(%d, %d): %g frames instead of %g", x, y, frames, n);
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p) {
-    const double f = *ref_at(fresh, p, x, y);
+    const double f = *exact_at(fresh, p, x, y);
     const double want = r->light[p] + (f - r->light[p]) / n;
     const double off = fabs(kept_value(anew, KEPT_LIGHT + p, x, y) - want);
     const double range = r->most[p] - r->least[p] + fabs(f - r->light[p]) / n;
@@ -469,10 +472,10 @@ static void check_frame(setup *s, const hbil_camera *before, tally *t) {
   }
   for (size_t i = 0; i < sizeof until_recompose / sizeof *until_recompose; ++i)
     setup_run(s, until_recompose[i]);
-  ref_planes split = stage_read(s, HBIL_STAGE_SPLIT);
-  ref_planes fresh = stage_read(s, HBIL_STAGE_RESOLVED);
+  exact_planes split = stage_read(s, HBIL_STAGE_SPLIT);
+  exact_planes fresh = stage_read(s, HBIL_STAGE_RESOLVED);
   setup_run(s, hbil_enqueue_temporal);
-  ref_planes got = stage_read(s, HBIL_STAGE_RESOLVED);
+  exact_planes got = stage_read(s, HBIL_STAGE_RESOLVED);
   setup_run(s, hbil_enqueue_composite);
   anew = kept_read(s);
   for (int y = 0; y < HEIGHT; ++y)
@@ -486,9 +489,9 @@ static void check_frame(setup *s, const hbil_camera *before, tally *t) {
     }
   free(old.bytes);
   free(anew.bytes);
-  ref_planes_free(&split);
-  ref_planes_free(&fresh);
-  ref_planes_free(&got);
+  exact_planes_free(&split);
+  exact_planes_free(&fresh);
+  exact_planes_free(&got);
 }
 
 /* The camera moves, and a ball. */
@@ -547,12 +550,12 @@ static void set_wall(setup *s, int left, float depth, float tilt) {
     for (int x = 0; x < WIDTH; ++x) {
       const int i = y * WIDTH + x;
       const bool patch = x >= left && x < left + 20 && y >= 10 && y < 40;
-      s->input[REF_DEPTH][i] = patch ? depth : 4.0f;
-      s->input[REF_NORMAL][i] = patch ? tilt : 0.0f;
-      s->input[REF_NORMAL + 1][i] = 0.0f;
-      s->input[REF_NORMAL + 2][i] = -1.0f;
+      s->input[EXACT_DEPTH][i] = patch ? depth : 4.0f;
+      s->input[EXACT_NORMAL][i] = patch ? tilt : 0.0f;
+      s->input[EXACT_NORMAL + 1][i] = 0.0f;
+      s->input[EXACT_NORMAL + 2][i] = -1.0f;
       for (int c = 0; c < 3; ++c)
-        s->input[REF_DIRECT + c][i] = (float)(1 + c + x % 7);
+        s->input[EXACT_DIRECT + c][i] = (float)(1 + c + x % 7);
     }
   setup_upload(s);
 }
@@ -569,18 +572,18 @@ static void check_anew(setup *s, setup *alone, bool (*changed)(int x, int y)) {
   hbil_plan_reset(alone->plan);
   setup_run(s, hbil_enqueue_frame);
   setup_run(alone, hbil_enqueue_frame);
-  ref_planes got = outputs_read(s), want = outputs_read(alone);
+  exact_planes got = outputs_read(s), want = outputs_read(alone);
   kept k = kept_read(s);
   for (int y = 0; y < HEIGHT; ++y)
     for (int x = 0; x < WIDTH; ++x) {
       const bool anew = changed(x, y);
       assert_true(kept_value(&k, KEPT_FRAMES, x, y) == (anew ? 1.0 : 2.0));
-      for (int p = 0; p < REF_OUTPUT_PLANES && anew; ++p)
-        assert_true(*ref_at(&got, p, x, y) == *ref_at(&want, p, x, y));
+      for (int p = 0; p < EXACT_OUTPUT_PLANES && anew; ++p)
+        assert_true(*exact_at(&got, p, x, y) == *exact_at(&want, p, x, y));
     }
   free(k.bytes);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
 }
 
 static bool moved_patch(int x, int y) {
@@ -685,7 +688,7 @@ static void what_is_no_number_is_dropped(void **state) {
       k = kept_read(&s);
       for (int y = 0; y < HEIGHT; ++y)
         for (int x = 0; x < WIDTH; ++x) {
-          const bool solid = s.input[REF_DEPTH][y * WIDTH + x] > 0.0f;
+          const bool solid = s.input[EXACT_DEPTH][y * WIDTH + x] > 0.0f;
           const double n = kept_value(&k, KEPT_FRAMES, x, y);
           assert_true(n == (!solid ? 0.0 : x == 30 && y == 20 ? 1.0 : 2.0));
           for (int q = KEPT_LIGHT; q < 10; ++q)
@@ -705,23 +708,23 @@ static void no_number_of_a_frame_is_kept(void **state) {
   setup_run(&s, hbil_enqueue_frame);
   for (size_t i = 0; i < sizeof until_recompose / sizeof *until_recompose; ++i)
     setup_run(&s, until_recompose[i]);
-  ref_planes fresh = stage_read(&s, HBIL_STAGE_RESOLVED);
-  *ref_at(&fresh, HBIL_LIGHT_RED, 30, 20) = NAN;
+  exact_planes fresh = stage_read(&s, HBIL_STAGE_RESOLVED);
+  *exact_at(&fresh, HBIL_LIGHT_RED, 30, 20) = NAN;
   stage_write(&s, HBIL_STAGE_RESOLVED, &fresh);
-  ref_planes_free(&fresh);
+  exact_planes_free(&fresh);
   setup_run(&s, hbil_enqueue_temporal);
   setup_run(&s, hbil_enqueue_composite);
   kept k = kept_read(&s);
   assert_true(kept_value(&k, KEPT_FRAMES, 30, 20) == 0.0);
   free(k.bytes);
-  ref_planes got = outputs_read(&s);
-  assert_true(isnan(*ref_at(&got, REF_NEAR, 30, 20)));
-  ref_planes_free(&got);
+  exact_planes got = outputs_read(&s);
+  assert_true(isnan(*exact_at(&got, EXACT_NEAR_IRRADIANCE, 30, 20)));
+  exact_planes_free(&got);
   setup_run(&s, hbil_enqueue_frame);
   got = outputs_read(&s);
   for (size_t i = 0; i < size_of(&got); ++i)
     assert_true(isfinite(got.values[i]));
-  ref_planes_free(&got);
+  exact_planes_free(&got);
   k = kept_read(&s);
   assert_true(kept_value(&k, KEPT_FRAMES, 30, 20) == 1.0);
   assert_true(kept_value(&k, KEPT_FRAMES, 31, 20) == 3.0);
@@ -740,8 +743,8 @@ static void motion_is_counted_once(void **state) {
   s.config.reprojection = HBIL_REPROJECTION_MOTION;
   s.config.motion = (hbil_plane_format){HBIL_FLOAT32, 1};
   setup_start(&s);
-  s.input[REF_MOTION][20 * WIDTH + 30] = NAN;
-  s.input[REF_MOTION + 1][20 * WIDTH + 40] = INFINITY;
+  s.input[EXACT_MOTION][20 * WIDTH + 30] = NAN;
+  s.input[EXACT_MOTION + 1][20 * WIDTH + 40] = INFINITY;
   setup_upload(&s);
   for (int i = 0; i < 3; ++i) {
     setup_run(&s, hbil_enqueue_frame);
@@ -770,7 +773,7 @@ static void runs_have_the_same_bits(void **state) {
   init(&s, WIDTH, HEIGHT, MOST);
   setup_start(&s);
   run_moving(&s, 0, 4);
-  ref_planes want = outputs_read(&s), got;
+  exact_planes want = outputs_read(&s), got;
   for (int way = 0; way < 3; ++way) {
     hbil_plan_reset(s.plan);
     shim_use_groups(way == 1 ? groups : NULL);
@@ -784,7 +787,7 @@ static void runs_have_the_same_bits(void **state) {
     run_moving(&s, 3, 4);
     got = outputs_read(&s);
     same_bits(&got, &want);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
   }
   shim_use_groups(NULL);
   init(&guarded, WIDTH, HEIGHT, MOST);
@@ -795,8 +798,8 @@ static void runs_have_the_same_bits(void **state) {
   got = outputs_read(&guarded);
   same_bits(&got, &want);
   assert_int_equal(shim_trespasses(guarded.gpu->queue), 0);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
   setup_free(&guarded);
   setup_free(&s);
 }
@@ -811,11 +814,11 @@ static void small_images_stay_inside(void **state) {
     setup_start(&s);
     shim_guard_buffers(false);
     run_moving(&s, 0, 3);
-    ref_planes got = outputs_read(&s);
+    exact_planes got = outputs_read(&s);
     for (size_t v = 0; v < size_of(&got); ++v)
       assert_true(isfinite(got.values[v]));
     assert_int_equal(shim_trespasses(s.gpu->queue), 0);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
     setup_free(&s);
   }
 }

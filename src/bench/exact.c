@@ -1,21 +1,20 @@
-/* What sampling errors are measured against: the exact screen-space integral of
- * frame 0, model by model, where pixels are compared. */
-/* first: bench.h has a type that is a parameter in the headers of this one */
-#include "tool/exact.h"
+/* The exact screen-space integral of frame 0, model by model, at the pixels
+ * where sampling errors are measured. */
+#include "exact/exact.h"
 #include "bench/bench.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* One model's. */
+/* The integral of one model. */
 typedef struct task {
   const bench_content *content;
   hbil_config config;
-  ref_job job;
+  exact_frame frame;
   int slices;
 } task;
 
-/* All of them, for whoever watches. */
+/* Progress over all of them. */
 typedef struct watch {
   progress progress;
   int done, count; /* models */
@@ -28,7 +27,7 @@ static void use_input(task *t, bench_input input, int first,
     return;
   *format = (hbil_plane_format){HBIL_FLOAT32, 1};
   for (size_t c = 0; c < bench_input_channels(input); c++)
-    t->job.input[(size_t)first + c] = plane + c * bench_pixels(t->content);
+    t->frame.input[(size_t)first + c] = plane + c * bench_pixels(t->content);
 }
 
 static void fill_task(const bench_content *content, bench_model model,
@@ -38,15 +37,15 @@ static void fill_task(const bench_content *content, bench_model model,
   t->content = content;
   t->slices = slices;
   bench_configure(content, &any, &t->config);
-  t->job.config = &t->config;
-  t->job.camera = content->frame[0].camera;
-  memcpy(t->job.environment, bench_environment(content, t->config.far_field),
-         sizeof t->job.environment);
-  use_input(t, BENCH_DEPTH, REF_DEPTH, &t->config.depth);
-  use_input(t, BENCH_NORMAL, REF_NORMAL, &t->config.normal);
-  use_input(t, BENCH_ALBEDO, REF_ALBEDO, &t->config.albedo);
-  use_input(t, BENCH_DIRECT, REF_DIRECT, &t->config.direct);
-  use_input(t, BENCH_EMISSION, REF_EMISSION, &t->config.emission);
+  t->frame.config = &t->config;
+  t->frame.camera = content->frame[0].camera;
+  memcpy(t->frame.environment, bench_environment(content, t->config.far_field),
+         sizeof t->frame.environment);
+  use_input(t, BENCH_DEPTH, EXACT_DEPTH, &t->config.depth);
+  use_input(t, BENCH_NORMAL, EXACT_NORMAL, &t->config.normal);
+  use_input(t, BENCH_ALBEDO, EXACT_ALBEDO, &t->config.albedo);
+  use_input(t, BENCH_DIRECT, EXACT_DIRECT, &t->config.direct);
+  use_input(t, BENCH_EMISSION, EXACT_EMISSION, &t->config.emission);
   t->config.ao = (hbil_plane_format){HBIL_FLOAT32, 1};
   if (!bench_is_ao_alone(model))
     t->config.near_irradiance = (hbil_plane_format){HBIL_FLOAT32, 1};
@@ -57,54 +56,64 @@ static void show(void *user, int done, int count) {
   progress_show(&w->progress, (w->done + (double)done / count) / w->count);
 }
 
-static float *copy_planes(const ref_planes *from, int first, int count) {
+static int fail(exact_status status, image_error *error) {
+  return image_fail(error, "the exact integral: %s", exact_status_text(status));
+}
+
+/* NULL: out of memory. */
+static float *copy_planes(const exact_planes *from, int first, int count) {
   const size_t plane = (size_t)from->width * (size_t)from->height;
   const size_t values = plane * (size_t)count;
-  const double *source = ref_at(from, first, 0, 0);
+  const double *source = exact_at(from, first, 0, 0);
   float *to = malloc(values * sizeof *to);
   for (size_t i = 0; to && i < values; i++)
     to[i] = (float)source[i];
   return to;
 }
 
+/* What has been allocated in `out` stays there for bench_exact_free(). */
 static int make_one(task *t, bench_model model, watch *w, bench_exact *out,
                     image_error *error) {
-  const ref_dense how = {.slices = t->slices,
-                         .threads = exact_threads(),
-                         .wanted = t->content->compared,
-                         .progress = show,
-                         .user = w};
-  ref_state state;
-  ref_state_init(&state, (int)t->content->width, (int)t->content->height);
-  ref_frame_dense(&state, &t->job, &how);
-  out->ao[model] = copy_planes(&state.out, REF_AO, 1);
-  int failed = !out->ao[model];
-  if (!failed && !bench_is_ao_alone(model)) {
-    out->light[model] = copy_planes(&state.out, REF_NEAR, 3);
-    failed = !out->light[model];
+  const exact_dense how = {.slices = t->slices,
+                           .mask = t->content->compared,
+                           .progress = show,
+                           .user = w};
+  exact_state state;
+  exact_status status = exact_state_create(&state, (int)t->content->width,
+                                           (int)t->content->height);
+  if (status == EXACT_SUCCESS)
+    status = exact_run_frame_dense(&state, &t->frame, &how);
+  if (status == EXACT_SUCCESS) {
+    out->ao[model] = copy_planes(&state.out, EXACT_AO, 1);
+    if (!bench_is_ao_alone(model))
+      out->light[model] = copy_planes(&state.out, EXACT_NEAR_IRRADIANCE, 3);
+    if (!out->ao[model] || (!bench_is_ao_alone(model) && !out->light[model]))
+      status = EXACT_OUT_OF_MEMORY;
   }
-  ref_state_free(&state);
-  return failed ? image_no_memory(error, "the exact integral") : 0;
+  exact_state_free(&state);
+  return status == EXACT_SUCCESS ? 0 : fail(status, error);
 }
 
-/* Says how long it will take. */
+/* Prints how long it will take. */
 static void announce(const bench_content *content, int slices,
                      const int used[BENCH_MODELS], watch *w) {
+  const int cpus = exact_cpu_count();
   double expected = 0.0;
   char text[32];
   task t;
   for (int m = 0; m < BENCH_MODELS; m++)
     if (used[m]) {
       fill_task(content, (bench_model)m, slices, &t);
-      expected += exact_probe(&t.job, slices, content->compared_count);
+      expected +=
+          exact_predict_seconds(&t.frame, slices, content->compared_count);
       w->count++;
     }
   progress_duration(expected, text, sizeof text);
   fprintf(stderr,
           "hbil: exact integral of %d models, %d slices in %zu pixels, on %d "
-          "CPU%s: about %s\n",
-          w->count, slices, content->compared_count, exact_threads(),
-          exact_threads() == 1 ? "" : "s", text);
+          "CPU%s: expected to take %s\n",
+          w->count, slices, content->compared_count, cpus, cpus == 1 ? "" : "s",
+          text);
   progress_start(&w->progress, "exact integral", expected, 0);
 }
 

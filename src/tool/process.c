@@ -476,10 +476,10 @@ static int open_exact(process *p) {
   const exact_work work = {.frames = (unsigned)p->count,
                            .runs = count_runs(p),
                            .quiet = p->options->quiet};
-  if (exact_check(&p->config, &p->error) != 0 || choose_model(p) != 0)
+  if (exact_sequence_check(&p->config, &p->error) != 0 || choose_model(p) != 0)
     return -1;
-  return exact_open(&p->config, &p->jobs[0].map, p->layers, &work, &p->exact,
-                    &p->error);
+  return exact_sequence_open(&p->config, &p->jobs[0].map, p->layers, &work,
+                             &p->exact, &p->error);
 }
 
 /* Frames that hand light on to each other are a sequence, which changes little
@@ -543,8 +543,8 @@ static int prepare_light(process *p) {
   p->settings =
       resume_settings(p->options, &p->config, p->layers, p->environment, which);
   p->end = p->count;
-  p->light.size =
-      p->exact ? exact_light_size(p->exact) : sequence_light_size(p->sequence);
+  p->light.size = p->exact ? exact_sequence_light_size(p->exact)
+                           : sequence_light_size(p->sequence);
   p->light.bytes = p->light.size ? malloc(p->light.size) : NULL;
   if (p->light.size && !p->light.bytes)
     return image_no_memory(&p->error, p->jobs[0].path);
@@ -626,7 +626,7 @@ static int run(process *p) {
 
 static void release(process *p) {
   sequence_close(p->sequence);
-  exact_close(p->exact);
+  exact_sequence_close(p->exact);
   device_close(&p->device);
   for (int i = 0; p->jobs && i < p->count; i++) {
     free(p->jobs[i].stem);

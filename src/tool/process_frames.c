@@ -87,8 +87,8 @@ static int light_planes(const process *p, size_t item, slot *s, image *result,
   if (!p->exact)
     return sequence_run(p->sequence, &s->g, s->hash, &j->camera, environment,
                         runs, result, &p->rows[item], error);
-  exact_run(p->exact, &s->g, &j->camera, environment, runs, result);
-  return 0;
+  return exact_sequence_run(p->exact, &s->g, &j->camera, environment, runs,
+                            result, error);
 }
 
 /* Bent normals go back into the world that the dump's header has. */
@@ -142,7 +142,7 @@ static int take_light(const process *p, size_t item, slot *s,
   s->light.key = p->jobs[item].key;
   if (!p->exact)
     return sequence_take_light(p->sequence, s->light.bytes, error);
-  exact_take_light(p->exact, s->light.bytes);
+  exact_sequence_take_light(p->exact, s->light.bytes);
   return 0;
 }
 

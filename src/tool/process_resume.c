@@ -55,7 +55,7 @@ static int give_light(process *p, int missing) {
   if (!p->exact)
     return sequence_give_light(p->sequence, camera, p->environment,
                                p->light.bytes, &p->error);
-  exact_give_light(p->exact, camera, p->light.bytes);
+  exact_sequence_give_light(p->exact, camera, p->light.bytes);
   return 0;
 }
 
@@ -72,7 +72,7 @@ static void expect(process *p) {
       frames++;
       runs += p->options->repeat + (i == 0 ? p->options->warm_up : 0);
     }
-  exact_expect(p->exact, frames, runs);
+  exact_sequence_expect(p->exact, frames, runs);
 }
 
 int process_resume(process *p) {
