@@ -19,9 +19,9 @@ hbil_pattern_args exact_pattern(const exact_frame *frame) {
   const hbil_view_args v = exact_view(c, &frame->camera);
   hbil_pattern_args p;
   p.slices = (int)c->slices;
-  p.samples = (int)c->steps_per_side;
+  p.steps = (int)c->steps_per_side;
   p.levels = isinf(c->radius) ? 1 : HBIL_MAX_LEVELS;
-  p.lattice = c->sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
+  p.grid = c->sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
   p.reach = fmaxf((float)v.width / v.fx, (float)v.height / v.fy);
   p.growth = c->step_growth;
   /* Both run through (0,1) evenly for any number of frames. */
@@ -68,7 +68,7 @@ void exact_slice_direction(const sampling *how, int slice, double *ux,
 void exact_visit_samples(const receiver *r, const sampling *how, int halves,
                          march *m) {
   const float ux = (float)m->h.u.x, uy = (float)m->h.u.y;
-  const int samples = how->pattern.samples;
+  const int samples = how->pattern.steps;
   int x, y, before = 0;
   hbil_sample_offset(how->layer, 0, how->level, ux, uy, how->view, how->pattern,
                      &x, &y);
