@@ -22,7 +22,7 @@
 #include "exact/camera.h"
 #include "exact/planes.h"
 #include "exact/settings.h"
-#include "shared.h"
+#include "lib/sampling_pattern.h"
 
 /* ------------------------------------------------------------------------ */
 /* The receiver                                                              */

@@ -9,6 +9,7 @@
  * because the kernels take those together.
  */
 #include "exact/samples.h"
+#include "lib/sampling_pattern.h"
 
 #include "exact/passes.h"
 #include "exact/planes.h"
