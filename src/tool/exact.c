@@ -6,6 +6,11 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/exact.h"
 
+#include "dump/frame_camera.h"
+#include "program/formats.h"
+#include "program/layers.h"
+#include "program/progress.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,9 +23,9 @@ enum { PROBED = 400 };
 static const int input_planes[INPUTS] = {REF_DEPTH,  REF_NORMAL,   REF_ALBEDO,
                                          REF_DIRECT, REF_EMISSION, REF_MOTION};
 static const int layer_planes[LAYER_COUNT] = {
-    [LAYER_NEAR] = REF_NEAR,         [LAYER_FAR] = REF_FAR,
-    [LAYER_INDIRECT] = REF_INDIRECT, [LAYER_AO] = REF_AO,
-    [LAYER_BENT] = REF_BENT,         [LAYER_CONE] = REF_CONE,
+    [LAYER_NEAR_IRRADIANCE] = REF_NEAR, [LAYER_FAR_IRRADIANCE] = REF_FAR,
+    [LAYER_INDIRECT] = REF_INDIRECT,    [LAYER_AO] = REF_AO,
+    [LAYER_BENT_NORMAL] = REF_BENT,     [LAYER_CONE_COSINE] = REF_CONE,
     [LAYER_BEAUTY] = REF_RADIANCE,
 };
 
@@ -110,15 +115,17 @@ int exact_check(const hbil_config *c, image_error *error) {
       check_positive("--thickness", c->thickness, error) != 0 ||
       check_positive("--relative-thickness", c->relative_thickness, error) !=
           0 ||
-      check_positive("--disocclusion", c->disocclusion_threshold, error) != 0)
+      check_positive("--disocclusion-threshold", c->disocclusion_threshold,
+                     error) != 0)
     return -1;
   if (c->facing_fade[0] >= -1.0f && c->facing_fade[0] <= c->facing_fade[1] &&
       c->facing_fade[1] <= 1.0f)
     return 0;
-  return image_fail(error,
-                    "--facing %g,%g: two cosines, the smaller one first, are "
-                    "needed",
-                    (double)c->facing_fade[0], (double)c->facing_fade[1]);
+  return image_fail(
+      error,
+      "--facing-fade %g,%g: two cosines, the smaller one first, are "
+      "needed",
+      (double)c->facing_fade[0], (double)c->facing_fade[1]);
 }
 
 int exact_open(const hbil_config *config, const channel_map *map,
@@ -167,7 +174,7 @@ static void fill_job(const exact_sequence *e, const gbuffer *g,
                      ref_job *job) {
   memset(job, 0, sizeof *job);
   job->config = &e->config;
-  gbuffer_hbil_camera(camera, &job->camera);
+  camera_file_to_hbil(camera, &job->camera);
   memcpy(job->environment, environment, sizeof job->environment);
   for (int i = 0; i < INPUTS; i++)
     for (size_t c = 0; c < e->channels[i]; c++)
@@ -259,6 +266,6 @@ void exact_take_light(const exact_sequence *e, void *bytes) {
 void exact_give_light(exact_sequence *e, const camera_file *camera,
                       const void *bytes) {
   memcpy(e->state.history.values, bytes, exact_light_size(e));
-  gbuffer_hbil_camera(camera, &e->state.camera);
+  camera_file_to_hbil(camera, &e->state.camera);
   e->state.has_history = true;
 }

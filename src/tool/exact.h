@@ -5,8 +5,8 @@
 #ifndef HBIL_TOOL_EXACT_H
 #define HBIL_TOOL_EXACT_H
 
+#include "dump/gbuffer.h"
 #include "test/reference.h"
-#include "tool/tool.h"
 
 /* CPUs of this machine; all of them are used. */
 int exact_threads(void);

@@ -1,0 +1,202 @@
+/* Lists the machine's OpenCL devices and opens one of them. */
+#include "program/device.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct device_entry {
+  cl_platform_id platform;
+  cl_device_id id;
+} device_entry;
+
+typedef struct device_entries {
+  size_t count;
+  device_entry *list;
+} device_entries;
+
+static int add_platform(device_entries *entries, cl_platform_id platform) {
+  cl_uint count = 0;
+  if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, NULL, &count) !=
+          CL_SUCCESS ||
+      count == 0)
+    return 0;
+  cl_device_id *ids = calloc(count, sizeof *ids);
+  device_entry *list =
+      realloc(entries->list, (entries->count + count) * sizeof *list);
+  if (list)
+    entries->list = list;
+  if (!ids || !list) {
+    free(ids);
+    return -1;
+  }
+  if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, ids, NULL) ==
+      CL_SUCCESS)
+    for (cl_uint i = 0; i < count; i++)
+      list[entries->count++] = (device_entry){platform, ids[i]};
+  free(ids);
+  return 0;
+}
+
+/* All devices, platform by platform, in OpenCL's order. */
+static int find_devices(device_entries *out, image_error *error) {
+  cl_uint count = 0;
+  int failed = 0;
+  memset(out, 0, sizeof *out);
+  if (clGetPlatformIDs(0, NULL, &count) != CL_SUCCESS)
+    count = 0;
+  cl_platform_id *platforms = calloc(count + 1, sizeof *platforms);
+  if (!platforms)
+    return image_no_memory(error, "devices");
+  if (count > 0 && clGetPlatformIDs(count, platforms, NULL) == CL_SUCCESS)
+    for (cl_uint i = 0; i < count && !failed; i++)
+      failed = add_platform(out, platforms[i]);
+  free(platforms);
+  if (failed)
+    image_no_memory(error, "devices");
+  else if (out->count == 0)
+    failed = image_fail(error, "no OpenCL device; a driver is needed, for "
+                               "example Debian's pocl-opencl-icd");
+  if (failed)
+    free(out->list);
+  return failed;
+}
+
+static void device_text(cl_device_id id, cl_device_info what, char *text,
+                        size_t size) {
+  text[0] = '\0';
+  if (clGetDeviceInfo(id, what, size, text, NULL) != CL_SUCCESS)
+    snprintf(text, size, "?");
+  text[size - 1] = '\0';
+}
+
+static cl_device_type device_type(cl_device_id id) {
+  cl_device_type type = 0;
+  clGetDeviceInfo(id, CL_DEVICE_TYPE, sizeof type, &type, NULL);
+  return type;
+}
+
+static const char *type_name(cl_device_type type) {
+  if (type & CL_DEVICE_TYPE_GPU)
+    return "GPU";
+  if (type & CL_DEVICE_TYPE_CPU)
+    return "CPU";
+  return type & CL_DEVICE_TYPE_ACCELERATOR ? "accelerator" : "other";
+}
+
+unsigned long long device_memory(cl_device_id id) {
+  cl_ulong bytes = 0;
+  clGetDeviceInfo(id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof bytes, &bytes, NULL);
+  return bytes;
+}
+
+int device_list(image_error *error) {
+  device_entries entries;
+  if (find_devices(&entries, error) != 0)
+    return -1;
+  for (size_t i = 0; i < entries.count; i++) {
+    char name[256], platform[256] = "?", version[256];
+    cl_uint units = 0;
+    const cl_device_id id = entries.list[i].id;
+    device_text(id, CL_DEVICE_NAME, name, sizeof name);
+    device_text(id, CL_DEVICE_VERSION, version, sizeof version);
+    clGetPlatformInfo(entries.list[i].platform, CL_PLATFORM_NAME,
+                      sizeof platform, platform, NULL);
+    clGetDeviceInfo(id, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units,
+                    NULL);
+    printf("%zu  %s (%s, %s; %s; %u compute units, %llu MiB)\n", i, name,
+           type_name(device_type(id)), platform, version, units,
+           device_memory(id) >> 20);
+  }
+  free(entries.list);
+  return 0;
+}
+
+static int contains(const char *text, const char *part) {
+  const size_t length = strlen(part);
+  for (; *text && length; text++) {
+    size_t i = 0;
+    while (i < length && text[i] &&
+           tolower((unsigned char)text[i]) == tolower((unsigned char)part[i]))
+      i++;
+    if (i == length)
+      return 1;
+  }
+  return 0;
+}
+
+static size_t default_device(const device_entries *entries) {
+  for (size_t i = 0; i < entries->count; i++)
+    if (device_type(entries->list[i].id) & CL_DEVICE_TYPE_GPU)
+      return i;
+  return 0;
+}
+
+/* The index of the wanted device; the number of devices if there is none. */
+static size_t choose(const device_entries *entries, const char *wanted) {
+  char *end;
+  if (!wanted)
+    return default_device(entries);
+  const unsigned long index = strtoul(wanted, &end, 10);
+  if (isdigit((unsigned char)wanted[0]) && !*end)
+    return index < entries->count ? index : entries->count;
+  size_t i = 0;
+  for (; i < entries->count; i++) {
+    char name[256];
+    device_text(entries->list[i].id, CL_DEVICE_NAME, name, sizeof name);
+    if (contains(name, wanted))
+      break;
+  }
+  return i;
+}
+
+static int open_queue(const device_entry *entry, int profiling, device *out,
+                      image_error *error) {
+  const cl_context_properties properties[] = {
+      CL_CONTEXT_PLATFORM, (cl_context_properties)entry->platform, 0};
+  cl_int status;
+  out->id = entry->id;
+  device_text(entry->id, CL_DEVICE_NAME, out->name, sizeof out->name);
+  device_text(entry->id, CL_DRIVER_VERSION, out->driver, sizeof out->driver);
+  out->context =
+      clCreateContext(properties, 1, &entry->id, NULL, NULL, &status);
+  if (status == CL_SUCCESS)
+    out->queue = clCreateCommandQueue(out->context, entry->id,
+                                      profiling ? CL_QUEUE_PROFILING_ENABLE : 0,
+                                      &status);
+  if (status == CL_SUCCESS)
+    return 0;
+  image_fail(error,
+             "device %s: cannot be used (OpenCL error %d); another one "
+             "of hbil devices is needed",
+             out->name, (int)status);
+  device_close(out);
+  return -1;
+}
+
+int device_open(const char *wanted, int profiling, device *out,
+                image_error *error) {
+  device_entries entries;
+  memset(out, 0, sizeof *out);
+  if (find_devices(&entries, error) != 0)
+    return -1;
+  const size_t chosen = choose(&entries, wanted);
+  const int failed =
+      chosen < entries.count
+          ? open_queue(&entries.list[chosen], profiling, out, error)
+          : image_fail(error,
+                       "--device %s: no such device; an index or a part of a "
+                       "name that hbil devices lists is needed",
+                       wanted);
+  free(entries.list);
+  return failed;
+}
+
+void device_close(device *d) {
+  if (d->queue)
+    clReleaseCommandQueue(d->queue);
+  if (d->context)
+    clReleaseContext(d->context);
+  memset(d, 0, sizeof *d);
+}

@@ -1,0 +1,99 @@
+/* Layers: the results that the program writes, and their channels. */
+#include "program/layers.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define LAYER(field, components)                                               \
+  {                                                                            \
+#field, components, offsetof(hbil_config, field),                          \
+        offsetof(hbil_frame, field)                                            \
+  }
+
+const layer_info layer_table[LAYER_COUNT] = {
+    LAYER(near_irradiance, "RGB"), LAYER(far_irradiance, "RGB"),
+    LAYER(indirect, "RGB"),        LAYER(ao, "V"),
+    LAYER(bent_normal, "XYZ"),     LAYER(cone_cosine, "V"),
+    LAYER(beauty, "RGB"),          LAYER(error_estimate, "XY"),
+};
+
+unsigned layers_of_mode(hbil_mode mode) {
+  const unsigned all = (1u << LAYER_ERROR_ESTIMATE) - 1u;
+  const unsigned cone = 1u << LAYER_BENT_NORMAL | 1u << LAYER_CONE_COSINE;
+  if (mode == HBIL_MODE_HBIL)
+    return all;
+  return all &
+         ~(1u << LAYER_NEAR_IRRADIANCE | (mode == HBIL_MODE_HBAO ? cone : 0u));
+}
+
+unsigned layers_possible(hbil_mode mode, int exact) {
+  const unsigned error =
+      exact || mode == HBIL_MODE_HBAO ? 0u : 1u << LAYER_ERROR_ESTIMATE;
+  return layers_of_mode(mode) | error;
+}
+
+void layers_names(unsigned layers, char *text, size_t size) {
+  size_t used = 0;
+  *text = '\0';
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (layers >> l & 1 && used < size)
+      used += (size_t)snprintf(text + used, size - used, "%s%s",
+                               used ? ", " : "", layer_table[l].name);
+}
+
+static int find_layer(const char *name, size_t length) {
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (strlen(layer_table[l].name) == length &&
+        strncmp(layer_table[l].name, name, length) == 0)
+      return l;
+  return -1;
+}
+
+int layers_parse(const char *text, unsigned *out, image_error *error) {
+  char names[160];
+  *out = 0;
+  for (const char *at = text;; at++) {
+    const size_t length = strcspn(at, ",");
+    const int found = find_layer(at, length);
+    if (found < 0) {
+      layers_names((1u << LAYER_COUNT) - 1u, names, sizeof names);
+      return image_fail(error,
+                        "--layers %s: some of %s are needed, with commas", text,
+                        names);
+    }
+    *out |= 1u << found;
+    at += length;
+    if (!*at)
+      return 0;
+  }
+}
+
+static void plane_name(layer l, size_t i, char *name, size_t size) {
+  snprintf(name, size, "%s.%c", layer_table[l].name,
+           layer_table[l].components[i]);
+}
+
+int layers_image(unsigned layers, uint32_t width, uint32_t height, image *out) {
+  memset(out, 0, sizeof *out);
+  out->width = width;
+  out->height = height;
+  for (int l = 0; l < LAYER_COUNT; l++)
+    for (size_t i = 0; layers >> l & 1 && layer_table[l].components[i]; i++) {
+      char name[32];
+      plane_name((layer)l, i, name, sizeof name);
+      if (!image_add(out, name)) {
+        image_free(out);
+        return -1;
+      }
+    }
+  return 0;
+}
+
+float *layers_plane(const image *img, layer l, size_t i) {
+  char name[32];
+  if (i >= strlen(layer_table[l].components))
+    return NULL;
+  plane_name(l, i, name, sizeof name);
+  image_plane *plane = image_find(img, name);
+  return plane ? plane->pixels : NULL;
+}

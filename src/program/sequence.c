@@ -1,0 +1,325 @@
+/* Runs the frames of a sequence through the library. */
+#include "program/sequence.h"
+
+#include "dump/frame_camera.h"
+#include "program/formats.h"
+#include "program/layers.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+struct sequence {
+  const device *device;
+  hbil_context *context;
+  hbil_plan *plan;
+  hbil_config config;
+  size_t memory; /* bytes of the plan */
+  size_t plane;  /* bytes of one channel */
+  unsigned layers;
+  size_t channels[INPUTS]; /* 0: this input is not used */
+  cl_mem input[INPUTS];
+  cl_mem output[LAYER_COUNT];
+  uint64_t last; /* hash of the previous frame's inputs and camera; 0: none */
+  cl_uint index; /* of the next run */
+};
+
+static hbil_plane *plane_at(hbil_frame *frame, size_t offset) {
+  return (hbil_plane *)((char *)frame + offset);
+}
+
+static int library_failed(const sequence *s, hbil_status status,
+                          image_error *error) {
+  const char *message = s->context ? hbil_context_message(s->context) : "";
+  return image_fail(error, "device %s: %s", s->device->name,
+                    *message ? message : hbil_status_string(status));
+}
+
+static int opencl_failed(const sequence *s, cl_int status, const char *doing,
+                         image_error *error) {
+  return image_fail(error, "device %s: OpenCL error %d while %s",
+                    s->device->name, (int)status, doing);
+}
+
+static int make_buffer(sequence *s, cl_mem_flags flags, size_t channels,
+                       cl_mem *out, image_error *error) {
+  cl_int status;
+  *out = clCreateBuffer(s->device->context, flags, channels * s->plane, NULL,
+                        &status);
+  return status == CL_SUCCESS
+             ? 0
+             : opencl_failed(s, status, "making a buffer", error);
+}
+
+static int make_buffers(sequence *s, image_error *error) {
+  for (int i = 0; i < INPUTS; i++)
+    if (s->channels[i] && make_buffer(s, CL_MEM_READ_ONLY, s->channels[i],
+                                      &s->input[i], error) != 0)
+      return -1;
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (s->layers >> l & 1 &&
+        make_buffer(s, CL_MEM_WRITE_ONLY, strlen(layer_table[l].components),
+                    &s->output[l], error) != 0)
+      return -1;
+  return 0;
+}
+
+static int open_plan(sequence *s, image_error *error) {
+  hbil_status status =
+      hbil_context_create(s->device->context, s->device->id, &s->context);
+  if (status == HBIL_SUCCESS)
+    status = hbil_plan_memory(s->context, &s->config, &s->memory);
+  if (status == HBIL_SUCCESS)
+    status = hbil_plan_create(s->context, &s->config, &s->plan);
+  return status == HBIL_SUCCESS ? 0 : library_failed(s, status, error);
+}
+
+int sequence_open(const device *d, const hbil_config *config,
+                  const channel_map *map, unsigned layers, sequence **out,
+                  image_error *error) {
+  sequence *s = calloc(1, sizeof *s);
+  *out = NULL;
+  if (!s)
+    return image_no_memory(error, "sequence");
+  s->device = d;
+  s->config = *config;
+  s->layers = layers;
+  s->plane = (size_t)config->width * config->height * sizeof(float);
+  formats_choose(&s->config, map, layers);
+  for (int i = 0; i < INPUTS; i++)
+    s->channels[i] = formats_channels(&s->config, map, i);
+  if (open_plan(s, error) != 0 || make_buffers(s, error) != 0) {
+    sequence_close(s);
+    return -1;
+  }
+  *out = s;
+  return 0;
+}
+
+void sequence_close(sequence *s) {
+  if (!s)
+    return;
+  for (int i = 0; i < INPUTS; i++)
+    if (s->input[i])
+      clReleaseMemObject(s->input[i]);
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (s->output[l])
+      clReleaseMemObject(s->output[l]);
+  hbil_plan_destroy(s->plan);
+  hbil_context_destroy(s->context);
+  free(s);
+}
+
+size_t sequence_memory(const sequence *s) {
+  return s->memory;
+}
+
+/* The writes don't block.  The planes stay valid until the reads at the end of
+ * the frame, which do. */
+static int upload(sequence *s, const gbuffer *g, image_error *error) {
+  for (int i = 0; i < INPUTS; i++)
+    for (size_t c = 0; c < s->channels[i]; c++) {
+      const cl_int status = clEnqueueWriteBuffer(
+          s->device->queue, s->input[i], CL_FALSE, c * s->plane, s->plane,
+          gbuffer_plane(g, input_table[i].role, c), 0, NULL, NULL);
+      if (status != CL_SUCCESS)
+        return opencl_failed(s, status, "writing a buffer", error);
+    }
+  return 0;
+}
+
+static void fill_frame(const sequence *s, const camera_file *camera,
+                       float environment[9][3], hbil_frame *frame) {
+  hbil_frame_init(frame);
+  camera_file_to_hbil(camera, &frame->camera);
+  memcpy(frame->environment, environment, sizeof frame->environment);
+  for (int i = 0; i < INPUTS; i++)
+    plane_at(frame, input_table[i].image)->buffer = s->input[i];
+  for (int l = 0; l < LAYER_COUNT; l++)
+    plane_at(frame, layer_table[l].image)->buffer = s->output[l];
+}
+
+/* When a frame is repeated, nothing has moved since the previous run. */
+static int clear_motion(sequence *s, image_error *error) {
+  const float zero = 0.0f;
+  for (int i = 0; i < INPUTS; i++) {
+    if (input_table[i].role != ROLE_MOTION || !s->channels[i])
+      continue;
+    const cl_int status =
+        clEnqueueFillBuffer(s->device->queue, s->input[i], &zero, sizeof zero,
+                            0, s->channels[i] * s->plane, 0, NULL, NULL);
+    if (status != CL_SUCCESS)
+      return opencl_failed(s, status, "clearing a buffer", error);
+  }
+  return 0;
+}
+
+static int run_passes(sequence *s, hbil_frame *frame, unsigned repeat,
+                      image_error *error) {
+  for (unsigned run = 0; run < repeat; run++) {
+    if (run == 1 && clear_motion(s, error) != 0)
+      return -1;
+    if (run == 1)
+      frame->static_frame = CL_TRUE;
+    /* only the temporal filter averages a rotating pattern */
+    frame->frame_index = s->config.max_history_frames ? s->index : 0;
+    s->index++;
+    const hbil_status status =
+        hbil_enqueue_frame(s->plan, s->device->queue, frame, 0, NULL, NULL);
+    if (status != HBIL_SUCCESS)
+      return library_failed(s, status, error);
+  }
+  return 0;
+}
+
+static int download(sequence *s, image *result, image_error *error) {
+  for (int l = 0; l < LAYER_COUNT; l++)
+    for (size_t c = 0; s->output[l] && layer_table[l].components[c]; c++) {
+      const cl_int status = clEnqueueReadBuffer(
+          s->device->queue, s->output[l], CL_TRUE, c * s->plane, s->plane,
+          layers_plane(result, (layer)l, c), 0, NULL, NULL);
+      if (status != CL_SUCCESS)
+        return opencl_failed(s, status, "reading a buffer", error);
+    }
+  return 0;
+}
+
+uint64_t sequence_hash(const sequence *s, const gbuffer *g) {
+  uint64_t hash = 0;
+  for (int i = 0; s->config.skip && i < INPUTS; i++)
+    for (size_t c = 0; c < s->channels[i]; c++)
+      hash = XXH3_64bits_withSeed(gbuffer_plane(g, input_table[i].role, c),
+                                  s->plane, hash);
+  return hash;
+}
+
+/* Whether inputs and camera are those of the previous frame.  Motion vectors
+ * may be the same in both frames and still lead elsewhere. */
+static cl_bool is_same(sequence *s, uint64_t hash, const hbil_frame *frame) {
+  if (s->config.skip == 0 || s->config.reprojection == HBIL_REPROJECTION_MOTION)
+    return CL_FALSE;
+  hash = XXH3_64bits_withSeed(&frame->camera, sizeof frame->camera, hash);
+  hash =
+      XXH3_64bits_withSeed(frame->environment, sizeof frame->environment, hash);
+  const cl_bool same = hash == s->last;
+  s->last = hash;
+  return same;
+}
+
+int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
+                 const camera_file *camera, float environment[9][3],
+                 unsigned repeat, image *result, timing_row *row,
+                 image_error *error) {
+  hbil_frame frame;
+  fill_frame(s, camera, environment, &frame);
+  frame.static_frame = is_same(s, hash, &frame);
+  int failed = upload(s, g, error) != 0 ||
+               run_passes(s, &frame, repeat, error) != 0 ||
+               download(s, result, error) != 0;
+  if (failed) {
+    clFinish(s->device->queue); /* it may still read the planes */
+    return -1;
+  }
+  if (s->config.profiling) {
+    const cl_command_queue queue = s->device->queue;
+    hbil_status status = hbil_plan_timings(s->plan, row->milliseconds);
+    if (status == HBIL_SUCCESS)
+      status = hbil_plan_statistics(s->plan, queue, &row->statistics);
+    if (status == HBIL_SUCCESS)
+      status = hbil_plan_sanitized(s->plan, queue, &row->sanitized);
+    if (status != HBIL_SUCCESS)
+      return library_failed(s, status, error);
+  }
+  return 0;
+}
+
+/* ------------------------------------------------------------------------ */
+/* History                                                                   */
+
+static const hbil_stage history_stages[] = {HBIL_STAGE_HISTORY,
+                                            HBIL_STAGE_TEMPORAL_HISTORY};
+enum { HISTORIES = sizeof history_stages / sizeof *history_stages };
+
+/* Where a history lies in its buffer, in bytes, without the padding around its
+ * planes, which was never written.  No buffer: the plan has no such history. */
+typedef struct history {
+  cl_mem buffer;
+  size_t from[3], size[3], row, plane, bytes;
+} history;
+
+static history history_of(const sequence *s, hbil_stage stage) {
+  hbil_buffer b;
+  if (hbil_plan_buffer(s->plan, stage, &b) != HBIL_SUCCESS)
+    return (history){.buffer = NULL};
+  const size_t row = s->config.width * sizeof(float);
+  const size_t rows = s->config.height;
+  return (history){.buffer = b.buffer,
+                   .from = {b.origin * sizeof(float), 0, 0},
+                   .size = {row, rows, b.values},
+                   .row = b.row_pitch * sizeof(float),
+                   .plane = b.plane_pitch * sizeof(float),
+                   .bytes = row * rows * b.values};
+}
+
+/* The histories, one after the other, then the index of the next run. */
+size_t sequence_history_size(const sequence *s) {
+  size_t all = 0;
+  for (int i = 0; i < HISTORIES; i++)
+    all += history_of(s, history_stages[i]).bytes;
+  return all ? all + sizeof s->index : 0;
+}
+
+static cl_int copy_planes(sequence *s, const history *c, void *bytes,
+                          int to_plan) {
+  const size_t packed[3] = {0, 0, 0};
+  const cl_command_queue queue = s->device->queue;
+  if (!c->buffer)
+    return CL_SUCCESS;
+  return to_plan ? clEnqueueWriteBufferRect(queue, c->buffer, CL_TRUE, c->from,
+                                            packed, c->size, c->row, c->plane,
+                                            0, 0, bytes, 0, NULL, NULL)
+                 : clEnqueueReadBufferRect(queue, c->buffer, CL_TRUE, c->from,
+                                           packed, c->size, c->row, c->plane, 0,
+                                           0, bytes, 0, NULL, NULL);
+}
+
+static int copy_history(sequence *s, unsigned char *bytes, int to_plan,
+                        image_error *error) {
+  for (int i = 0; i < HISTORIES; i++) {
+    const history h = history_of(s, history_stages[i]);
+    const cl_int status = copy_planes(s, &h, bytes, to_plan);
+    if (status != CL_SUCCESS)
+      return opencl_failed(s, status, "copying the history", error);
+    bytes += h.bytes;
+  }
+  if (to_plan)
+    memcpy(&s->index, bytes, sizeof s->index);
+  else
+    memcpy(bytes, &s->index, sizeof s->index);
+  return 0;
+}
+
+int sequence_history_save(sequence *s, void *bytes, image_error *error) {
+  return copy_history(s, bytes, 0, error);
+}
+
+/* Composites whatever the plan holds.  The plan then takes the frame's camera
+ * for that of its history; the history's planes are overwritten afterwards. */
+static int adopt_camera(sequence *s, const hbil_frame *frame,
+                        image_error *error) {
+  hbil_status status =
+      hbil_enqueue_temporal(s->plan, s->device->queue, frame, 0, NULL, NULL);
+  if (status == HBIL_SUCCESS)
+    status =
+        hbil_enqueue_composite(s->plan, s->device->queue, frame, 0, NULL, NULL);
+  return status == HBIL_SUCCESS ? 0 : library_failed(s, status, error);
+}
+
+int sequence_history_restore(sequence *s, const camera_file *camera,
+                             float environment[9][3], void *bytes,
+                             image_error *error) {
+  hbil_frame frame;
+  fill_frame(s, camera, environment, &frame);
+  return adopt_camera(s, &frame, error) != 0 ? -1
+                                             : copy_history(s, bytes, 1, error);
+}
