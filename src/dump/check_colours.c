@@ -55,8 +55,8 @@ void check_colours(const surface_points *s, findings *out) {
     if (!map->gamma[roles[k]] && is_eight_bit(s->g, roles[k]))
       findings_add(
           out,
-          "the values of %s are multiples of 1/255, as in gamma-encoded "
-          "pictures: --colours srgb",
+          "%s has whole parts of 255, as pictures with eight bits a channel "
+          "have, which are gamma-encoded: --colours srgb",
           role_name(roles[k]));
   if (map->is_beauty || lights_sky(s))
     findings_add(

@@ -68,7 +68,7 @@ static int find(const char *frame, const char *beside, const image *header,
   if (header_camera_exists(header))
     return image_fail(error,
                       "%s: worldToCamera and worldToNDC in its header describe "
-                      "neither a perspective nor an orthographic camera; "
+                      "no perspective and no orthographic camera; "
                       "--camera, --fov or --orthographic is needed",
                       frame);
   return image_fail(error,
@@ -164,8 +164,8 @@ static int check_needs(const char *frame, const frame_camera *v,
                                                         : ", NEAR above 0");
   if (!v->placed && how->normals == SPACE_WORLD)
     return image_fail(error,
-                      "%s: its normals are in world space, and the camera's "
-                      "direction is unknown; a camera file, or --normals "
+                      "%s: its normals are in world space, and nothing tells "
+                      "how the camera is turned; a camera file, or --normals "
                       "camera if they are in camera space, is needed",
                       frame);
   if (!v->placed && how->depth == DEPTH_POSITION &&

@@ -1,6 +1,6 @@
 /* hbil compare: how much two images differ. */
-#include "program/options.h"
-#include "program/report.h"
+#include "tool/options.h"
+#include "tool/report.h"
 #include "tool/commands.h"
 #include "tool/compare_measure.h"
 #include "tool/heatmap.h"

@@ -1,7 +1,7 @@
 /* hbil devices: what --device can choose from. */
-#include "program/device.h"
-#include "program/options.h"
-#include "program/report.h"
+#include "tool/device.h"
+#include "tool/options.h"
+#include "tool/report.h"
 #include "tool/commands.h"
 
 #include <getopt.h>

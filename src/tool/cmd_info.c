@@ -4,8 +4,8 @@
 #include "dump/read_channel_map.h"
 #include "dump/read_gbuffer.h"
 #include "dump/settle.h"
-#include "program/options.h"
-#include "program/report.h"
+#include "tool/options.h"
+#include "tool/report.h"
 #include "tool/commands.h"
 #include "tool/source_arguments.h"
 

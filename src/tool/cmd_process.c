@@ -1,5 +1,5 @@
 /* hbil process: computes the light of a sequence. */
-#include "program/report.h"
+#include "tool/report.h"
 #include "tool/commands.h"
 #include "tool/frame_list.h"
 #include "tool/process.h"

@@ -3,7 +3,7 @@
 #ifndef HBIL_TOOL_CONTACT_SHEET_H
 #define HBIL_TOOL_CONTACT_SHEET_H
 
-#include "program/layers.h"
+#include "tool/layers.h"
 
 typedef struct contact_sheet {
   unsigned layers; /* a set (layers.h) */

@@ -1,7 +1,7 @@
 /* Writes what a job makes of a frame. */
 #include "tool/encode.h"
 
-#include "program/report.h"
+#include "tool/report.h"
 #include "tool/heatmap.h"
 #include "tool/job_key.h"
 #include "tool/preview.h"

@@ -3,7 +3,7 @@
 #ifndef HBIL_TOOL_ENCODE_H
 #define HBIL_TOOL_ENCODE_H
 
-#include "program/progress.h"
+#include "tool/progress.h"
 #include "tool/contact_sheet.h"
 #include "tool/resume.h"
 

@@ -7,9 +7,9 @@
 #include "tool/exact.h"
 
 #include "dump/frame_camera.h"
-#include "program/formats.h"
-#include "program/layers.h"
-#include "program/progress.h"
+#include "tool/formats.h"
+#include "tool/layers.h"
+#include "tool/progress.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,8 +3,8 @@
 
 #include "dump/frame_check.h"
 #include "dump/read_gbuffer.h"
-#include "program/progress.h"
-#include "program/report.h"
+#include "tool/progress.h"
+#include "tool/report.h"
 
 #include <stdlib.h>
 

@@ -6,7 +6,7 @@
 #define HBIL_TOOL_JOB_H
 
 #include "dump/frame_camera.h"
-#include "program/layers.h"
+#include "tool/layers.h"
 #include "tool/settings.h"
 
 #include <sys/types.h>

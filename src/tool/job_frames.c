@@ -4,7 +4,7 @@
 
 #include "dump/read_channel_map.h"
 #include "dump/settle.h"
-#include "program/report.h"
+#include "tool/report.h"
 #include "tool/paths.h"
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 
 #include "dump/light_sources.h"
 #include "dump/read_gbuffer.h"
-#include "program/options.h"
+#include "tool/options.h"
 
 #include <math.h>
 #include <stdio.h>

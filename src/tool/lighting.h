@@ -3,7 +3,7 @@
 #ifndef HBIL_TOOL_LIGHTING_H
 #define HBIL_TOOL_LIGHTING_H
 
-#include "program/sequence.h"
+#include "tool/sequence.h"
 #include "tool/job.h"
 
 struct exact_sequence;

@@ -1,7 +1,7 @@
 /* hbil: one program with a few commands. */
 #define _POSIX_C_SOURCE 200809L
 #include "hbil/hbil.h"
-#include "program/report.h"
+#include "tool/report.h"
 #include "tool/commands.h"
 
 #include <errno.h>

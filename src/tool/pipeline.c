@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/pipeline.h"
 
-#include "program/progress.h"
+#include "tool/progress.h"
 
 #include <pthread.h>
 #include <string.h>

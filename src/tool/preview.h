@@ -2,7 +2,7 @@
 #ifndef HBIL_TOOL_PREVIEW_H
 #define HBIL_TOOL_PREVIEW_H
 
-#include "program/layers.h"
+#include "tool/layers.h"
 
 /* One exposure for all layers of light, from the layers of one frame. */
 float preview_exposure(const image *result);

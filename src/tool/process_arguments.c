@@ -1,9 +1,9 @@
 /* The command line of `hbil process`: a table with a row for each option. */
 #include "tool/process_arguments.h"
 
-#include "program/layers.h"
-#include "program/model.h"
-#include "program/options.h"
+#include "tool/layers.h"
+#include "tool/model.h"
+#include "tool/options.h"
 #include "tool/source_arguments.h"
 
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* Takes the frames of a job through reading, computing and writing. */
 #include "tool/run_frames.h"
 
-#include "program/progress.h"
+#include "tool/progress.h"
 #include "tool/encode.h"
 #include "tool/frame_source.h"
 

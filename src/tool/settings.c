@@ -2,7 +2,7 @@
 #include "tool/settings.h"
 
 #include "image/image.h"
-#include "program/model.h"
+#include "tool/model.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* The options that say how dumps are to be read. */
 #include "tool/source_arguments.h"
 
-#include "program/options.h"
+#include "tool/options.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -87,9 +87,10 @@ static int read_clip(const char *text, source_options *out,
 
 static int check_lens(const source_options *o, image_error *error) {
   return o->fov > 0.0f && o->orthographic > 0.0f
-             ? image_fail(error, "--fov and --orthographic exclude each other; "
-                                 "one of them is "
-                                 "needed")
+             ? image_fail(
+                   error,
+                   "--fov and --orthographic: one of both is needed; they "
+                   "exclude each other")
              : 0;
 }
 

@@ -1,7 +1,7 @@
 /* Prints how long a job took. */
 #include "tool/timings.h"
 
-#include "program/statistics.h"
+#include "tool/statistics.h"
 
 #include <jansson.h>
 #include <string.h>

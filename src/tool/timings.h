@@ -2,7 +2,7 @@
 #ifndef HBIL_TOOL_TIMINGS_H
 #define HBIL_TOOL_TIMINGS_H
 
-#include "program/sequence.h"
+#include "tool/sequence.h"
 #include "tool/pipeline.h"
 
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* Runs the frames of a sequence through the library. */
-#include "program/sequence.h"
+#include "tool/sequence.h"
 
 #include "dump/frame_camera.h"
-#include "program/formats.h"
-#include "program/layers.h"
+#include "tool/formats.h"
+#include "tool/layers.h"
 
 #include <stdlib.h>
 #include <string.h>

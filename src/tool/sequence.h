@@ -1,10 +1,10 @@
 /* Runs the frames of a sequence through the library: planes to cl_mem, all
  * passes, cl_mem to planes. */
-#ifndef HBIL_PROGRAM_SEQUENCE_H
-#define HBIL_PROGRAM_SEQUENCE_H
+#ifndef HBIL_TOOL_SEQUENCE_H
+#define HBIL_TOOL_SEQUENCE_H
 
 #include "dump/gbuffer.h"
-#include "program/device.h"
+#include "tool/device.h"
 
 typedef struct sequence sequence;
 

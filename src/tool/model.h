@@ -1,6 +1,6 @@
 /* Models: named sets of what is computed, as opposed to how well. */
-#ifndef HBIL_PROGRAM_MODEL_H
-#define HBIL_PROGRAM_MODEL_H
+#ifndef HBIL_TOOL_MODEL_H
+#define HBIL_TOOL_MODEL_H
 
 #include "hbil/hbil.h"
 

@@ -1,5 +1,5 @@
 /* Layers: the results that the program writes, and their channels. */
-#include "program/layers.h"
+#include "tool/layers.h"
 
 #include <stdio.h>
 #include <string.h>

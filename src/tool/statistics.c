@@ -1,5 +1,5 @@
 /* The library's statistics of a frame, as text and as JSON. */
-#include "program/statistics.h"
+#include "tool/statistics.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* Reads command lines. */
-#include "program/options.h"
+#include "tool/options.h"
 
 #include "hbil/hbil.h"
 

@@ -1,6 +1,6 @@
 /* Messages of the programs hbil and hbil-bench on standard error. */
-#ifndef HBIL_PROGRAM_REPORT_H
-#define HBIL_PROGRAM_REPORT_H
+#ifndef HBIL_TOOL_REPORT_H
+#define HBIL_TOOL_REPORT_H
 
 #include "image/image.h"
 

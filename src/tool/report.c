@@ -1,5 +1,5 @@
 /* Messages of the programs on standard error. */
-#include "program/report.h"
+#include "tool/report.h"
 
 /* The number of bytes of the character here, if it is UTF-8 and no control
  * character (C0, C1); otherwise 0. */

@@ -1,6 +1,6 @@
 /* The library's statistics of a frame, as text and as JSON. */
-#ifndef HBIL_PROGRAM_STATISTICS_H
-#define HBIL_PROGRAM_STATISTICS_H
+#ifndef HBIL_TOOL_STATISTICS_H
+#define HBIL_TOOL_STATISTICS_H
 
 #include "hbil/hbil.h"
 

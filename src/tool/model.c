@@ -1,5 +1,5 @@
 /* Models: named sets of what is computed. */
-#include "program/model.h"
+#include "tool/model.h"
 
 #include <math.h>
 

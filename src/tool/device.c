@@ -1,5 +1,5 @@
 /* Lists the machine's OpenCL devices and opens one of them. */
-#include "program/device.h"
+#include "tool/device.h"
 
 #include <ctype.h>
 #include <stdio.h>

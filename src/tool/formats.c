@@ -1,7 +1,7 @@
 /* Which role feeds which input of the library, and in which format. */
-#include "program/formats.h"
+#include "tool/formats.h"
 
-#include "program/layers.h"
+#include "tool/layers.h"
 
 #define INPUT(role, field)                                                     \
   { role, offsetof(hbil_config, field), offsetof(hbil_frame, field) }

@@ -1,7 +1,7 @@
 /* Shows how far a long job is: one line that is rewritten on a terminal, plain
  * lines elsewhere.  Everything goes to standard error. */
-#ifndef HBIL_PROGRAM_PROGRESS_H
-#define HBIL_PROGRAM_PROGRESS_H
+#ifndef HBIL_TOOL_PROGRESS_H
+#define HBIL_TOOL_PROGRESS_H
 
 #include <stddef.h>
 

@@ -1,7 +1,7 @@
 /* Reads command lines: options, and values that are numbers or words.  Messages
  * say what was given and what would be right. */
-#ifndef HBIL_PROGRAM_OPTIONS_H
-#define HBIL_PROGRAM_OPTIONS_H
+#ifndef HBIL_TOOL_OPTIONS_H
+#define HBIL_TOOL_OPTIONS_H
 
 #include "image/image.h"
 

@@ -1,7 +1,7 @@
 /* Which role feeds which input of the library, and the one pixel format that
  * the programs use: planes of floats. */
-#ifndef HBIL_PROGRAM_FORMATS_H
-#define HBIL_PROGRAM_FORMATS_H
+#ifndef HBIL_TOOL_FORMATS_H
+#define HBIL_TOOL_FORMATS_H
 
 #include "dump/channel_map.h"
 

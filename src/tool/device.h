@@ -1,6 +1,6 @@
 /* Lists the machine's OpenCL devices and opens one of them. */
-#ifndef HBIL_PROGRAM_DEVICE_H
-#define HBIL_PROGRAM_DEVICE_H
+#ifndef HBIL_TOOL_DEVICE_H
+#define HBIL_TOOL_DEVICE_H
 
 #include "hbil/hbil.h"
 #include "image/image.h"

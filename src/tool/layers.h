@@ -1,6 +1,6 @@
 /* Layers: the results that the program writes, and their channels. */
-#ifndef HBIL_PROGRAM_LAYERS_H
-#define HBIL_PROGRAM_LAYERS_H
+#ifndef HBIL_TOOL_LAYERS_H
+#define HBIL_TOOL_LAYERS_H
 
 #include "hbil/hbil.h"
 #include "image/image.h"

@@ -1,6 +1,6 @@
 /* Shows how far a long job is. */
 #define _POSIX_C_SOURCE 200809L
-#include "program/progress.h"
+#include "tool/progress.h"
 
 #include <math.h>
 #include <pthread.h>
