@@ -10,7 +10,12 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "tool/tool.h"
+#include "dump/frame_camera.h"
+#include "dump/frame_check.h"
+#include "dump/read_channel_map.h"
+#include "dump/read_gbuffer.h"
+#include "dump/settle.h"
+#include "tool/source_arguments.h"
 
 enum { WIDTH = 120, HEIGHT = 68, PIXELS = WIDTH * HEIGHT };
 
@@ -253,11 +258,12 @@ static void write_dump(dump *d) {
 
 typedef struct reading {
   channel_map map;
-  view seen;
+  frame_camera seen;
   camera_file camera;
   hbil_config config;
   gbuffer g;
-  selfcheck guessed, check;
+  findings guessed;
+  frame_check check;
 } reading;
 
 static int try_reading(const dump *d, reading *r, image_error *error) {
@@ -267,19 +273,19 @@ static int try_reading(const dump *d, reading *r, image_error *error) {
   if (image_read_header(d->path, &header, error) != 0)
     return -1;
   int failed =
-      channels_map(d->path, &header, &d->options, &r->map, error) != 0 ||
-      channels_check(&r->map, d->path, error) != 0 ||
-      view_read(d->path, &header, NULL, &d->options, &r->seen, error) != 0 ||
-      view_aim(d->path, &r->seen, &r->map, &r->camera, error) != 0 ||
-      selfcheck_settle(d->path, &r->map, &r->guessed, error) != 0 ||
+      channel_map_read(d->path, &header, &d->options, &r->map, error) != 0 ||
+      channel_map_check(&r->map, d->path, error) != 0 ||
+      frame_camera_read(d->path, &header, NULL, &d->options, &r->seen, error) != 0 ||
+      frame_camera_aim(d->path, &r->seen, &r->map, &r->camera, error) != 0 ||
+      conventions_settle(d->path, &r->map, &r->guessed, error) != 0 ||
       gbuffer_read(d->path, &r->map, ~0u, &r->g, error) != 0;
   image_free(&header);
   hbil_config_init(&r->config);
-  channels_conventions(&r->map, &r->config);
+  channel_map_configure(&r->map, &r->config);
   if (failed)
-    channels_free(&r->map);
+    channel_map_free(&r->map);
   else
-    selfcheck_frame(&r->g, &r->config, &r->map.camera, &r->check);
+    frame_check_run(&r->g, &r->config, &r->map.camera, &r->check);
   return failed;
 }
 
@@ -293,13 +299,13 @@ static reading read_dump(const dump *d) {
 
 static void done(reading *r) {
   gbuffer_free(&r->g);
-  channels_free(&r->map);
+  channel_map_free(&r->map);
 }
 
 static void no_findings(const reading *r) {
-  for (int i = 0; i < r->check.count; i++)
-    print_error("found: %s\n", r->check.text[i]);
-  assert_int_equal(r->check.count, 0);
+  for (int i = 0; i < r->check.found.count; i++)
+    print_error("found: %s\n", r->check.found.text[i]);
+  assert_int_equal(r->check.found.count, 0);
 }
 
 /* Largest difference, relative to what is larger than 1. */
@@ -637,7 +643,7 @@ static void options_have_the_last_word(void **state) {
   d.options.encoded = 0;
   d.options.flips = 2;
   d.options.direct = DIRECT_LIGHT;
-  d.options.background = 999.0f;
+  d.options.sky_depth = 999.0f;
   write_dump(&d);
   reading r = read_dump(&d);
   same_geometry(&d, &r, rounding);
@@ -765,7 +771,7 @@ static void off_centre(void **state) {
 static void finds_last(dump *d, int count, const char *text) {
   write_dump(d);
   reading r = read_dump(d);
-  const selfcheck *check = &r.check;
+  const findings *check = &r.check.found;
   for (int i = 0; i < check->count; i++)
     if (!strstr(check->text[i], text) || check->count != count)
       print_error("found: %s\n", check->text[i]);
@@ -836,8 +842,8 @@ static void positions_tell_it_as_well(void **state) {
     z[i] *= (float)ray_length(&d, i);
   write_dump(&d);
   reading r = read_dump(&d);
-  assert_int_equal(r.check.count, 2);
-  assert_non_null(strstr(r.check.text[1], "--depth ray"));
+  assert_int_equal(r.check.found.count, 2);
+  assert_non_null(strstr(r.check.found.text[1], "--depth ray"));
   done(&r);
   end(&d);
 }
@@ -921,10 +927,10 @@ static void radius_of_other_units(void **state) {
                {0.001f, "less than a pixel"}};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
     r.config.radius = cases[i].radius;
-    selfcheck_frame(&r.g, &r.config, &r.map.camera, &r.check);
-    assert_int_equal(r.check.count, cases[i].text != NULL);
+    frame_check_run(&r.g, &r.config, &r.map.camera, &r.check);
+    assert_int_equal(r.check.found.count, cases[i].text != NULL);
     if (cases[i].text)
-      assert_non_null(strstr(r.check.text[0], cases[i].text));
+      assert_non_null(strstr(r.check.found.text[0], cases[i].text));
   }
   done(&r);
   end(&d);
@@ -1088,7 +1094,7 @@ static void far_away(void **state) {
     write_dump(&d);
     reading r = read_dump(&d);
     r.config.radius = 0.05f;
-    selfcheck_frame(&r.g, &r.config, &r.map.camera, &r.check);
+    frame_check_run(&r.g, &r.config, &r.map.camera, &r.check);
     no_findings(&r);
     done(&r);
     end(&d);
@@ -1132,7 +1138,7 @@ static void options_choose_the_lens(void **state) {
   reading r = read_dump(&d);
   assert_int_equal(r.config.projection, HBIL_PROJECTION_PERSPECTIVE);
   assert_true(fabs(r.map.camera.fx - 0.5 * WIDTH / tan(pi / 6)) < 1e-9);
-  assert_true(r.check.count > 0);
+  assert_true(r.check.found.count > 0);
   done(&r);
   parallel = 0; /* the file's camera */
   write_dump(&d);

@@ -1,6 +1,11 @@
 /* Sequences of frames through the exact integral. */
 #include "tool/exact.h"
 
+#include "dump/frame_camera.h"
+#include "tool/formats.h"
+#include "tool/layers.h"
+#include "tool/progress.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,9 +15,9 @@ static const int input_planes[INPUTS] = {EXACT_DEPTH,    EXACT_NORMAL,
                                          EXACT_ALBEDO,   EXACT_DIRECT,
                                          EXACT_EMISSION, EXACT_MOTION};
 static const int layer_planes[LAYER_COUNT] = {
-    [LAYER_NEAR] = EXACT_NEAR_IRRADIANCE, [LAYER_FAR] = EXACT_FAR_IRRADIANCE,
+    [LAYER_NEAR_IRRADIANCE] = EXACT_NEAR_IRRADIANCE, [LAYER_FAR_IRRADIANCE] = EXACT_FAR_IRRADIANCE,
     [LAYER_INDIRECT] = EXACT_INDIRECT,    [LAYER_AO] = EXACT_AO,
-    [LAYER_BENT] = EXACT_BENT_NORMAL,     [LAYER_CONE] = EXACT_CONE_COSINE,
+    [LAYER_BENT_NORMAL] = EXACT_BENT_NORMAL,     [LAYER_CONE_COSINE] = EXACT_CONE_COSINE,
     [LAYER_BEAUTY] = EXACT_BEAUTY,
 };
 
@@ -107,7 +112,7 @@ static void fill_frame(const exact_sequence *e, const gbuffer *g,
                        exact_frame *frame) {
   memset(frame, 0, sizeof *frame);
   frame->config = &e->config;
-  gbuffer_hbil_camera(camera, &frame->camera);
+  camera_file_to_hbil(camera, &frame->camera);
   memcpy(frame->environment, environment, sizeof frame->environment);
   for (int i = 0; i < INPUTS; i++)
     for (size_t c = 0; c < e->channels[i]; c++)
@@ -203,6 +208,6 @@ void exact_sequence_take_light(const exact_sequence *e, void *bytes) {
 void exact_sequence_give_light(exact_sequence *e, const camera_file *camera,
                                const void *bytes) {
   memcpy(e->state.history.values, bytes, exact_sequence_light_size(e));
-  gbuffer_hbil_camera(camera, &e->state.camera);
+  camera_file_to_hbil(camera, &e->state.camera);
   e->state.has_history = true;
 }

@@ -6,8 +6,8 @@
 #ifndef HBIL_TOOL_EXACT_H
 #define HBIL_TOOL_EXACT_H
 
+#include "dump/gbuffer.h"
 #include "exact/exact.h"
-#include "tool/tool.h"
 
 /* The amount of work, from which the time is predicted. */
 typedef struct exact_work {
