@@ -176,7 +176,7 @@ static void usage(const hbil_config *defaults) {
       "                        last run of each frame), and what was left "
       "out;\n"
       "                        a CPU device shares its cores with reading and\n"
-      "                        writing (hbil bench measures passes alone)\n"
+      "                        writing (hbil-bench measures passes alone)\n"
       "  --json                print them as JSON\n"
       "  --quiet               no line per frame, no progress\n"
       "\n"

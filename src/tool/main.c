@@ -19,7 +19,6 @@ static const command commands[] = {
     {"compare", cmd_compare, "measure the difference of two images"},
     {"devices", cmd_devices, "list the OpenCL devices"},
     {"demo", cmd_demo, "make a small sequence and light it"},
-    {"bench", cmd_bench, "measure time and error on this machine"},
 };
 
 enum { COMMANDS = sizeof commands / sizeof *commands };

@@ -22,7 +22,6 @@ int cmd_info(int argc, char **argv);
 int cmd_compare(int argc, char **argv);
 int cmd_devices(int argc, char **argv);
 int cmd_demo(int argc, char **argv);
-int cmd_bench(int argc, char **argv);
 
 /* "hbil: TEXT" as one line on standard error; returns TOOL_BAD_INPUT. */
 int tool_report(const image_error *error);
