@@ -38,9 +38,10 @@ static const bench_column columns[] = {
     {"moving_ao", "moving: AO", 4},        {"moving_light", "E_near", 4},
     {"motion_ao", "motion vectors: AO", 4}};
 
-static const bench_column cost_columns[] = {{"label", "setting", BENCH_TEXT},
-                                            {"pass_ms", "filter, ms", 3},
-                                            {"share", "of the frame, %", 1}};
+static const bench_column cost_columns[] = {
+    {"label", "setting", BENCH_TEXT},
+    {"pass_ms", "filter, ms", 3},
+    {"total_ratio", "frame, of one without it", 3}};
 
 /* Of the last frame that ran, in the measured view. */
 static int deviation_of(const job *j, const bench_trial *t, bench_model model,
@@ -67,35 +68,18 @@ static int open_trial(const job *j, const bench_setting *s, unsigned length,
 
 /* --- the measured frame, again and again --- */
 
-static void report_cost(const job *j, const bench_setting *s, double *pass,
-                        double *total, unsigned count) {
-  char label[BENCH_LABEL];
-  bench_setting_label(s, label);
-  const double share = bench_median_ratio(pass, total, count);
-  bench_report_row(j->report);
-  bench_report_text(j->report, label);
-  bench_report_number(j->report, bench_spread_of(pass, count).median);
-  bench_report_number(j->report, 100.0 * share);
-}
-
-/* A mean over many frames passes through all shorter ones.  The first frame has
- * no history and no filter to time. */
+/* A mean over many frames passes through all shorter ones. */
 static int static_frames(const job *j, const bench_setting *s,
-                         deviation out[LENGTHS], double pass[LONGEST],
-                         double total[LONGEST], image_error *error) {
-  double times[HBIL_PASS_COUNT];
+                         deviation out[LENGTHS], image_error *error) {
   bench_trial t;
   int failed = open_trial(j, s, LONGEST, HBIL_REPROJECTION_NONE, &t, error);
   for (unsigned n = 1, at = 0; n <= LONGEST && !failed; n++) {
-    failed =
-        bench_trial_run(&t, j->content.measured, n - 1, n > 1, error) != 0 ||
-        bench_trial_passes(&t, times, &total[n - 1], error) != 0;
-    pass[n - 1] = times[HBIL_PASS_TEMPORAL];
+    failed = bench_trial_run(&t, j->content.measured, n - 1, n > 1, error);
     if (!failed && n == lengths[at])
       failed = deviation_of(j, &t, s->model, &out[at++], error);
   }
   bench_trial_close(&t);
-  return failed ? -1 : 0;
+  return failed;
 }
 
 /* --- the whole sequence --- */
@@ -135,16 +119,36 @@ static int measure_length(const job *j, const bench_setting *s, unsigned length,
   return 0;
 }
 
+/* --- what it costs --- */
+
+/* The frames of the sequence, in turns with a plan that has no filter. */
+static int measure_cost(const job *j, const bench_setting *s,
+                        image_error *error) {
+  bench_turn turns[2] = {{.fixture = j->fixture}, {.fixture = j->fixture}};
+  bench_timing t[2];
+  char label[BENCH_LABEL];
+  bench_setting_label(s, label);
+  bench_setting_apply(s, &j->content, &turns[0].config);
+  turns[1].config = turns[0].config;
+  turns[1].config.max_history_frames = LONGEST;
+  if (bench_time_turns(turns, 2, j->options->runs, t, error) != 0)
+    return -1;
+  bench_report_row(j->report);
+  bench_report_text(j->report, label);
+  bench_report_number(j->report, t[1].pass[HBIL_PASS_TEMPORAL].median);
+  bench_report_number(j->report, t[1].total_ratio);
+  return 0;
+}
+
 /* --- all --- */
 
 static int measure(job *j, image_error *error) {
-  double pass[SETTINGS][LONGEST], total[SETTINGS][LONGEST];
   const size_t longest = j->options->quick ? 3 : LENGTHS;
   bench_report_table(j->report, "errors", "Means over frames", columns,
                      sizeof columns / sizeof *columns);
   for (int i = 0; i < SETTINGS; i++) {
     deviation still[LENGTHS];
-    if (static_frames(j, &j->list[i], still, pass[i], total[i], error) != 0)
+    if (static_frames(j, &j->list[i], still, error) != 0)
       return -1;
     for (size_t n = 0; n < longest; n++)
       if (measure_length(j, &j->list[i], lengths[n], still[n], error) != 0)
@@ -153,7 +157,8 @@ static int measure(job *j, image_error *error) {
   bench_report_table(j->report, "cost", "What the filter costs", cost_columns,
                      sizeof cost_columns / sizeof *cost_columns);
   for (int i = 0; i < SETTINGS; i++)
-    report_cost(j, &j->list[i], pass[i] + 1, total[i] + 1, LONGEST - 1);
+    if (measure_cost(j, &j->list[i], error) != 0)
+      return -1;
   return 0;
 }
 
@@ -178,7 +183,7 @@ static int run(const bench_options *options, const bench_device *device,
                          1, &j.content, error) != 0)
     return -1;
   bench_report_subject(report, j.content.name, j.content.width,
-                       j.content.height, LONGEST - 1);
+                       j.content.height, options->runs);
   j.planes = malloc(3 * bench_pixels(&j.content) * sizeof *j.planes);
   int failed = j.planes ? 0 : image_no_memory(error, j.content.name);
   failed = failed ||
@@ -204,5 +209,5 @@ const bench_command bench_temporal = {
         "FRAME.exr... are a sequence whose last frame is measured; without\n"
         "any, the camera moves through the room.\n",
     .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_FRAMES | BENCH_TAKES_ERRORS,
-    .runs = LONGEST - 1,
+    .runs = 9,
     .run = run};
