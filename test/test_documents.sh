@@ -123,14 +123,12 @@ small() {
     -e 's|--max-error [^ ]*|& --relative-thickness inf|'
 }
 
-# complete WORDS: with what the command can't be run without.  A demo is small; a
-# bench is too long, but says what it doesn't understand before it helps; where
-# kernels are compiled anew there are few.
+# complete WORDS: with what the command can't be run without.  A demo is small;
+# where kernels are compiled anew there are few.
 complete() {
   case $1 in
   POCL_CACHE_DIR=*) echo "$1 --layers AO --reprojection none" ;;
   *'hbil demo'*) echo "$1 $demo -o demo" ;;
-  *'hbil bench'*) echo "$1 --help" ;;
   *'hbil compare'*.exr*.exr*) echo "$1" ;;
   *'compare --mask') echo "$1 $frame $lit $lit" ;;
   *'hbil compare'*) echo "$1 $lit:AO $lit:AO" ;;
@@ -156,7 +154,6 @@ options=$(sed "/exr/!{/$process/s/^hbil process *//}; s/^--temporal\$/& 2/" "$wo
     sed "/exr/!{/$process/d}" | small
   grep -e '^--quality reference\|^--horizon-cache' "$work/code" |
     sed 's/^/hbil process /' | small
-  grep -e '^--runs\|^--scale' "$work/code" | sed 's/^/hbil bench /'
   grep -e '^--heatmap' "$work/code" | sed 's/^/hbil compare /' | small
   echo "hbil process $options --relative-thickness inf --extrapolate yes"
 } | sort -u >"$work/commands"
@@ -216,8 +213,8 @@ for part in distcheck installcheck uninstall 'dpkg-buildpackage -us -uc' \
   'autoreconf -fi'; do
   elsewhere "$part" test/test_install.sh
 done
-for part in --scaling --skips; do
-  elsewhere "bench $part" test/test_tool.sh
+for part in error skips scaling temporal passes; do
+  elsewhere "tiny $part" test/test_bench.sh
 done
 compile=$(grep '^cc -std' "$work/code" | sed 's/ [0-9a-z_]*\.c / program.c /' | sort -u)
 test "$(echo "$compile" | wc -l)" -eq 1

@@ -9,7 +9,7 @@ srcdir=${srcdir:-$(dirname "$0")/..}
 
 says "the version is told" '^hbil [0-9]' "$HBIL" --version
 says "help lists the commands" '^  process' "$HBIL" --help
-for command in process info compare devices demo bench; do
+for command in process info compare devices demo; do
   says "$command has help" "^usage: hbil $command" "$HBIL" $command --help
 done
 says "a device is listed" '^0  ' "$HBIL" devices
@@ -288,40 +288,8 @@ refused "a layer that isn't there" 'no layer nothing' compare "$a:nothing" "$a"
 refused "a mask without depth" 'no depth' compare --mask "$a" "$a" "$a"
 refused "one file only" 'two are needed' compare "$a"
 
-# --- the bench ---
+# --- kernels, and frames that come again ---
 
-# Stands in for librsvg's program: -o PNG SVG.
-mkdir "$work/bin"
-printf '#!/bin/sh\ncp "$3" "$2"\n' >"$work/bin/rsvg-convert"
-chmod +x "$work/bin/rsvg-convert"
-bench() {
-  PATH=$work/bin:$PATH "$HBIL" bench --quick --size 64x48 --runs 1 --pixels 40 \
-    "$@"
-}
-says "the bench writes a picture, too" 'bench.csv, .json, .svg, .png' \
-  bench -o "$work/bench"
-has "the bench's files" "$work/bench/bench.csv" "$work/bench/bench.json" \
-  "$work/bench/bench.svg" "$work/bench/bench.png"
-grep -q '^hbil: exact integral of [0-9]* models.*: about' "$work/err"
-ok $? "the bench tells how long the exact integral takes"
-grep -q '^estimate: .* ms, .* % of the frame' "$work/out" &&
-  grep -q '^  thick .08 2x8 full g2 *[0-9]' "$work/out"
-ok $? "the bench tells what thickness and the estimate cost"
-grep -q '^  reproject (motion) *[0-9.]* (.*, aim: at most 1.5$' "$work/out" &&
-  grep -q '"motion": {' "$work/bench/bench.json"
-ok $? "the bench tells what following motion vectors costs"
-grep -q '^images of half floats .*: frame [0-9.]* ms (.*), [0-9.]* of' \
-  "$work/out" && grep -q '"halves": {' "$work/bench/bench.json"
-ok $? "the bench tells what half floats save"
-awk -F , 'NR == 1 { n = NF }
-  NF != n && $0 !~ /"[^"]*,[^"]*"/ { exit 1 }' "$work/bench/bench.csv"
-ok $? "as many fields in every row of the bench"
-says "the bench tells how it scales" 'scaling.csv, .json' \
-  bench --scaling -o "$work/scaling"
-awk -F , 'NR == 1 { n = NF }
-  NF != n && $0 !~ /"[^"]*,[^"]*"/ { exit 1 }
-  END { if (NR < 10) exit 1 }' "$work/scaling/scaling.csv"
-ok $? "as many fields in every row of the scaling"
 rm -rf "$work/fresh"
 POCL_CACHE_DIR=$work/fresh process -o "$work/t" "$one" 2>"$work/warnings"
 ok $? "a first run, without any kernel at hand"
@@ -339,66 +307,6 @@ grep -q '/again.exr .*no reproject; no push_pull' "$work/again.txt" &&
 ok $? "a frame again is found out, and not with --no-skip"
 works "and light is the same" compare --max-rmse 0 \
   "$work/again/again.exr" "$work/again--no-skip/again.exr"
-says "the bench tells what is left out" 'skips.json' \
-  bench --skips -o "$work/skips"
-grep -q '^upper half sky .* sky [0-9.]* % of pixels' "$work/out" &&
-  grep -q '^a wall .* open 100.0 % of pixels, 100.0 % of spans' "$work/out" &&
-  grep -q '^still, light settled .*no reproject; .*no gather; no recompose' \
-    "$work/out" && grep -q '^still for a second *[0-9.]* *[0-9.]* <=0.65 ' \
-    "$work/out" && grep -q '"frame_aim": 0.65' "$work/skips/skips.json"
-ok $? "the bench tells why it is left out"
-refused "the bench has one part at a time" '--skips: is a part of its own' \
-  "$HBIL" bench --skips --scaling -o "$work/skips"
-says "the bench compares kernels" '^  gather ' \
-  bench --against "$srcdir/kernels" -o "$work/against"
-test ! -e "$work/against" && grep -q ', motion vectors$' "$work/out"
-ok $? "and leaves no folder"
-refused "no kernels to compare with" "--against $work/none: no folder" \
-  "$HBIL" bench --quick --against "$work/none"
-refused "comparing kernels is a part, too" '--against: is a part of its own' \
-  "$HBIL" bench --against "$srcdir/kernels" --scaling
-says "the bench tells what adaptive sampling keeps" 'adaptive.json' \
-  bench --adaptive -o "$work/adaptive"
-grep -q '^E_near 0.5 .* 0 of 1 .* [12]x[0-9]* .*[0-9.]* *[0-9.]*$' "$work/out" &&
-  grep -q '"over_uniform": [0-9]' "$work/adaptive/adaptive.json"
-ok $? "and what it costs beside uniform sampling"
-mkdir "$work/scene"
-cp "$one" "$work/scene/b.exr"
-cp "${one%.exr}.json" "$work/scene/b.json"
-cp "$one" "$work/scene/c.exr"
-cp "${one%.exr}.json" "$work/scene/c.json"
-works "of frames" "$HBIL" bench --adaptive --quick --runs 1 --pixels 16 \
-  --scale 2 -o "$work/adaptive" "$one" "$work/scene/b.exr" "$work/scene/c.exr"
-grep -q 'scenes: 2, frames: 3;' "$work/out" &&
-  grep -q '"frames": 2' "$work/adaptive/adaptive.json"
-ok $? "and frames of a folder are a scene"
-refused "the room isn't scaled" '--scale: --dump FRAME.exr or --adaptive' \
-  "$HBIL" bench --adaptive --scale 2
-says "larger than a frame is" ' 128 x 96 pixels' "$HBIL" bench --scale 2 \
-  --against "$srcdir/kernels" --runs 1 --dump "$one"
-refused "frames have their own size" '--adaptive: frames have their own size' \
-  "$HBIL" bench --adaptive --size 64x48 "$one"
-refused "adaptive sampling is a part, too" '--adaptive: is a part of its own' \
-  "$HBIL" bench --adaptive --skips
-for row in 'fast 1x16 layer g2,paper,fast,' 'thick .08 2x8 full g2,thick .08,,' \
-  'tool 2x48 full g2,tool,,' 'literal,paper,,'; do
-  grep -q "^$row" "$work/bench/bench.csv"
-  ok $? "the bench has the row $row"
-done
-grep '^hbao ' "$work/bench/bench.csv" | grep -q ',,0\.[0-9]*,,,0\.[0-9]*,,,0,1,'
-ok $? "AO alone has no error of light"
-sed 's/"[^"]*"/text/g' "$work/bench/bench.csv" | awk -F, '
-  NR == 1 { fields = NF } NF != fields { bad = 1; print } END { exit bad }' \
-  >"$work/out"
-ok $? "every row of the bench has the same columns"
-grep -q '^2x96 full g2 AO<0.05,' "$work/bench/bench.csv" &&
-  grep -q '"max_ao_error": 0.0[45]' "$work/bench/bench.json"
-ok $? "adaptive sampling has rows"
-grep -q '"light": null' "$work/bench/bench.json"
-ok $? "nor in JSON"
-grep -q '>fast 1x16 layer g2<' "$work/bench/bench.svg"
-ok $? "the plot names a preset"
-refused "a bench of no pixels" '--pixels 0' bench --pixels 0
 
 # --- bad input ---
 

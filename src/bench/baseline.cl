@@ -1,27 +1,28 @@
 /*
- * literal: the paper as it reads, for comparison.  One work-item a pixel on the
- * whole image: view-space positions from depth, horizons as cosines, angles by
- * acos, the integrals by sin and cos, no interleaving.
+ * baseline: the formulas of the paper as they stand there, in one kernel.  Each
+ * work-item takes one pixel of the whole image: view-space positions from
+ * depth, horizons as cosines, angles by acos, integrals by sin and cos, and no
+ * interleaving.
  *
- * Only the sign of the back angle is put right (HACKING.md); slices are not
- * weighted, and nothing is divided by what they miss, as in the paper.
- * Samples are spaced equally as far as the library's reach.
+ * Only the sign of the back angle is corrected (doc/method.md).  As in the
+ * paper, slices have equal weights, and nothing makes up for what lies between
+ * the samples, which are spaced equally as far as the library's reach.
  *
- * Builds: SLICES, SAMPLES (per side), PARALLEL (rays: 1, else 0).
+ * Builds: SLICES, SAMPLES (per side), PARALLEL (1: orthographic rays; else 0).
  * Launch: x, y = pixels, rounded up to whole groups.
- * In: planar depth (0: sky), unit view-space normals, radiance.  Out: E_near
- * and, in w, AO.
+ * In: planar depth (0: sky), unit view-space normals, radiance.
+ * Out: E_near in xyz and AO in w.
  */
 
 #define PI 3.14159265f
 
-typedef struct literal_args {
+typedef struct baseline_args {
   int width, height;
   float fx, fy, cx, cy;
-  float facing[2];
-} literal_args;
+  float facing_fade[2];
+} baseline_args;
 
-static float3 position(const literal_args args, int x, int y, float z) {
+static float3 position(const baseline_args args, int x, int y, float z) {
   const float2 at = (float2)(((float)x + 0.5f - args.cx) / args.fx,
                              ((float)y + 0.5f - args.cy) / args.fy);
   return PARALLEL ? (float3)(at, z) : (float3)(at, 1.0f) * z;
@@ -33,9 +34,9 @@ static float open_share(float theta, float nx, float ny) {
                  ny * sin(theta) * sin(theta));
 }
 
-/* How far samples go along a screen direction, in ray slope, or in world units
- * where rays are parallel. */
-static float reach_along(const literal_args args, float2 u) {
+/* How far samples go along a screen direction: as a slope of view rays, or in
+ * world units where rays are parallel. */
+static float reach_along(const baseline_args args, float2 u) {
   const float to_x = (float)args.width / args.fx;
   const float to_y = (float)args.height / args.fy;
   const float edge =
@@ -43,7 +44,7 @@ static float reach_along(const literal_args args, float2 u) {
   return min(max(to_x, to_y), edge);
 }
 
-/* One of 16 in [0,1), different for the pixels of a 4x4 block. */
+/* One of 16 values in [0,1), a different one for each pixel of a 4x4 block. */
 static float dither(int x, int y) {
   const int v = x ^ y;
   return ((float)((v & 1) << 3 | (y & 1) << 2 | (v & 2) | (y & 2) >> 1) +
@@ -51,9 +52,9 @@ static float dither(int x, int y) {
          16.0f;
 }
 
-kernel void literal(const literal_args args, global const float *depth,
-                    global const float4 *normals,
-                    global const float4 *radiances, global float4 *result) {
+kernel void baseline(const baseline_args args, global const float *depth,
+                     global const float4 *normals,
+                     global const float4 *radiances, global float4 *result) {
   const int x = (int)get_global_id(0), y = (int)get_global_id(1);
   if (x >= args.width || y >= args.height)
     return;
@@ -94,7 +95,8 @@ kernel void literal(const literal_args args, global const float *depth,
         const float cosine = dot(wi, wo);
         if (cosine <= horizon)
           continue;
-        const float accept = smoothstep(args.facing[0], args.facing[1],
+        const float accept = smoothstep(args.facing_fade[0],
+                                        args.facing_fade[1],
                                         -dot(normals[there].xyz, wi));
         last = mix(last, radiances[there].xyz, accept);
         const float closed = open_share(acos(min(cosine, 1.0f)), nx, ny);
