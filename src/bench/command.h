@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "image/image.h"
+#include "image/error.h"
 
 struct bench_device;
 struct bench_report;

@@ -6,7 +6,13 @@
 #include <string.h>
 
 #include "bench/content.h"
-#include "tool/tool.h"
+#include "dump/frame_camera.h"
+#include "dump/light_sources.h"
+#include "dump/read_channel_map.h"
+#include "dump/read_gbuffer.h"
+#include "image/exr_read.h"
+#include "image/image.h"
+#include "image/image_read.h"
 
 static const role roles[BENCH_INPUTS] = {ROLE_DEPTH,    ROLE_NORMAL,
                                          ROLE_ALBEDO,   ROLE_DIRECT,
@@ -18,17 +24,17 @@ static const role roles[BENCH_INPUTS] = {ROLE_DEPTH,    ROLE_NORMAL,
 static int read_map(const char *path, const char *camera, channel_map *map,
                     camera_file *out, image_error *error) {
   image header;
-  view seen;
+  frame_camera seen;
   source_options guess;
   source_options_init(&guess);
-  channels_init(map, DUMP_PLAIN);
+  channel_map_init(map, DUMP_PLAIN);
   if (image_read_header(path, &header, error) != 0)
     return -1;
   const int failed =
-      channels_map(path, &header, &guess, map, error) != 0 ||
-      channels_check(map, path, error) != 0 ||
-      view_read(path, &header, camera, &guess, &seen, error) != 0 ||
-      view_aim(path, &seen, map, out, error) != 0;
+      channel_map_read(path, &header, &guess, map, error) != 0 ||
+      channel_map_check(map, path, error) != 0 ||
+      frame_camera_read(path, &header, camera, &guess, &seen, error) != 0 ||
+      frame_camera_aim(path, &seen, map, out, error) != 0;
   image_free(&header);
   return failed ? -1 : 0;
 }
@@ -72,11 +78,11 @@ static int adopt(const gbuffer *g, unsigned index, bench_content *out,
                  image_error *error) {
   hbil_config config = out->config;
   const char *reason;
-  channels_conventions(&g->map, &config);
+  channel_map_configure(&g->map, &config);
   if (index == 0) {
     out->width = g->planes.width;
     out->height = g->planes.height;
-    policy_far_field(g, &config, out->environment, &reason);
+    far_field_choose(g, &config, out->environment, &reason);
     out->config = config;
     return 0;
   }
@@ -107,12 +113,12 @@ static int load_frame(const bench_options *options, unsigned index,
   int failed = read_map(path, options->camera, &map, &camera, error) != 0 ||
                gbuffer_read(path, &map, wanted, &g, error) != 0;
   if (!failed) {
-    gbuffer_hbil_camera(&camera, &out->frame[index].camera);
+    camera_file_to_hbil(&camera, &out->frame[index].camera);
     failed = adopt(&g, index, out, error) != 0 ||
              copy_planes(&g, out, &out->frame[index], error) != 0;
     gbuffer_free(&g);
   }
-  channels_free(&map);
+  channel_map_free(&map);
   return failed ? -1 : 0;
 }
 

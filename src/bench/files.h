@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-#include "image/image.h"
+#include "image/error.h"
 
 /* Prints a file's content; what goes wrong is left in `out`'s error flag. */
 typedef void bench_writer(const void *context, FILE *out);

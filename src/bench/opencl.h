@@ -4,7 +4,7 @@
 
 #include "bench/statistics.h"
 #include "hbil/hbil.h"
-#include "image/image.h"
+#include "image/error.h"
 
 typedef struct bench_device {
   cl_device_id id;
