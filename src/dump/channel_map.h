@@ -7,7 +7,8 @@
 
 #include "dump/source.h"
 #include "hbil/hbil.h"
-#include "image/image.h"
+#include "image/error.h"
+#include "image/window.h"
 
 typedef struct channel_map {
   dump_kind kind;

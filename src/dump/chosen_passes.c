@@ -4,6 +4,10 @@
 #include "dump/chosen_passes.h"
 
 #include "dump/layer_channels.h"
+#include "image/error.h"
+#include "image/image.h"
+#include "image/image_read.h"
+#include "image/window.h"
 
 #include <ctype.h>
 #include <stdlib.h>

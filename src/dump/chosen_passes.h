@@ -3,6 +3,8 @@
 #define HBIL_DUMP_CHOSEN_PASSES_H
 
 #include "dump/channel_map.h"
+#include "image/error.h"
+#include "image/image.h"
 
 /*
  * Puts the passes that the text names into the map of a frame.  header: that of

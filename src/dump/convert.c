@@ -2,6 +2,8 @@
 #include "dump/convert.h"
 
 #include "dump/pixel_ray.h"
+#include "image/error.h"
+#include "image/image.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -8,6 +8,7 @@
 #define HBIL_DUMP_CONVERT_H
 
 #include "dump/gbuffer.h"
+#include "image/error.h"
 
 /* g: planes as they were read; its map describes them and has the camera that
  * the conversion needs.  If depth is computed from positions, a depth plane is

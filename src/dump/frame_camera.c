@@ -3,6 +3,10 @@
 #include "dump/frame_camera.h"
 
 #include "dump/header_camera.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/image.h"
+#include "image/window.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,6 +6,9 @@
 #define HBIL_DUMP_FRAME_CAMERA_H
 
 #include "dump/channel_map.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/image.h"
 
 typedef struct frame_camera {
   camera_file file; /* pixels are counted from the display window's corner */

@@ -3,6 +3,7 @@
 #define HBIL_DUMP_GBUFFER_H
 
 #include "dump/channel_map.h"
+#include "image/image.h"
 
 typedef struct gbuffer {
   channel_map map; /* describes `planes`; owns no file names */

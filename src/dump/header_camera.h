@@ -12,6 +12,7 @@
 #ifndef HBIL_DUMP_HEADER_CAMERA_H
 #define HBIL_DUMP_HEADER_CAMERA_H
 
+#include "image/camera_json.h"
 #include "image/image.h"
 
 /* Whether the header has both matrices. */

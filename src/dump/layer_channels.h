@@ -3,6 +3,7 @@
 #define HBIL_DUMP_LAYER_CHANNELS_H
 
 #include "dump/channel_map.h"
+#include "image/image.h"
 
 /* Each returns 1 if the header has such channels and the map now names them for
  * the role, otherwise 0 and the map is unchanged. */

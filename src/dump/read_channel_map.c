@@ -5,6 +5,8 @@
 #include "dump/chosen_passes.h"
 #include "dump/layer_channels.h"
 #include "dump/recognise.h"
+#include "image/error.h"
+#include "image/image.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,6 +3,8 @@
 #define HBIL_DUMP_READ_CHANNEL_MAP_H
 
 #include "dump/channel_map.h"
+#include "image/error.h"
+#include "image/image.h"
 
 /*
  * Guesses what the options leave open.  header: that of the frame `path`.  The

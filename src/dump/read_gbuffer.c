@@ -2,6 +2,10 @@
 #include "dump/read_gbuffer.h"
 
 #include "dump/convert.h"
+#include "image/error.h"
+#include "image/image.h"
+#include "image/image_read.h"
+#include "image/window.h"
 
 #include <stdio.h>
 #include <stdlib.h>

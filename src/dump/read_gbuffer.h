@@ -3,6 +3,7 @@
 #define HBIL_DUMP_READ_GBUFFER_H
 
 #include "dump/gbuffer.h"
+#include "image/error.h"
 
 /*
  * Reads the roles of the bit mask (1 << role) that the map has, places them in

@@ -3,6 +3,7 @@
 
 #include "dump/normal_fit.h"
 #include "dump/read_gbuffer.h"
+#include "image/error.h"
 
 #include <math.h>
 #include <string.h>

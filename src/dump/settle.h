@@ -4,6 +4,7 @@
 
 #include "dump/channel_map.h"
 #include "dump/findings.h"
+#include "image/error.h"
 
 /* Changes map->how where map->how.unsure allows it; the map's camera must be
  * known.  Adds each decision to the findings, which begin empty.  Returns 0, or

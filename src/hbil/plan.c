@@ -7,6 +7,7 @@
 
 #include "config.h"
 #include "defines.h"
+#include "hbil/hbil_stages.h"
 #include "program.h"
 
 /* --- programs and kernels --- */

@@ -4,6 +4,8 @@
 #include "tool/commands.h"
 #include "tool/compare_measure.h"
 #include "tool/heatmap.h"
+#include "image/error.h"
+#include "image/image.h"
 
 #include <getopt.h>
 #include <jansson.h>

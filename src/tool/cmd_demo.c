@@ -14,6 +14,10 @@
 #include "tool/commands.h"
 #include "tool/paths.h"
 #include "tool/process.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/exr_write.h"
+#include "image/image.h"
 
 #include <errno.h>
 #include <getopt.h>

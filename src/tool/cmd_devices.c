@@ -3,6 +3,7 @@
 #include "tool/options.h"
 #include "tool/report.h"
 #include "tool/commands.h"
+#include "image/error.h"
 
 #include <getopt.h>
 #include <stdio.h>

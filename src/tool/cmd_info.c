@@ -8,6 +8,11 @@
 #include "tool/report.h"
 #include "tool/commands.h"
 #include "tool/source_arguments.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/image.h"
+#include "image/image_read.h"
+#include "image/window.h"
 
 #include <getopt.h>
 #include <math.h>

@@ -5,6 +5,7 @@
 #include "tool/process.h"
 #include "tool/process_arguments.h"
 #include "tool/process_help.h"
+#include "image/error.h"
 
 int cmd_process(int argc, char **argv) {
   process_arguments a;

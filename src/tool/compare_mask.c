@@ -4,6 +4,11 @@
 #include "dump/frame_camera.h"
 #include "dump/read_channel_map.h"
 #include "dump/read_gbuffer.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/image.h"
+#include "image/image_read.h"
+#include "image/window.h"
 
 #include <string.h>
 

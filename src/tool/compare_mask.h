@@ -3,6 +3,8 @@
 #define HBIL_TOOL_COMPARE_MASK_H
 
 #include "dump/gbuffer.h"
+#include "image/error.h"
+#include "image/image.h"
 
 typedef struct compare_mask {
   gbuffer g; /* without planes, all pixels are compared */

@@ -1,5 +1,7 @@
 /* Measures of the difference of two images. */
 #include "tool/compare_measure.h"
+#include "image/error.h"
+#include "image/image.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,6 +4,7 @@
 
 #include "tool/compare_mask.h"
 #include "tool/compare_sides.h"
+#include "image/error.h"
 
 typedef struct compare_result {
   double rmse, relative; /* relative: mean of (a-b)^2 / (b^2 + 0.01) */

@@ -3,6 +3,7 @@
 #ifndef HBIL_TOOL_COMPARE_SIDES_H
 #define HBIL_TOOL_COMPARE_SIDES_H
 
+#include "image/error.h"
 #include "image/image.h"
 
 typedef struct compare_side {

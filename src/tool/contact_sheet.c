@@ -2,6 +2,8 @@
 #include "tool/contact_sheet.h"
 
 #include "tool/preview.h"
+#include "image/image.h"
+#include "image/picture.h"
 
 /* Pixels. */
 enum { LEAST_TILE = 160, MOST_TILE = 320, GAP = 8, LINE = 22, TEXT = 15 };

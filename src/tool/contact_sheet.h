@@ -4,6 +4,8 @@
 #define HBIL_TOOL_CONTACT_SHEET_H
 
 #include "tool/layers.h"
+#include "image/image.h"
+#include "image/picture.h"
 
 typedef struct contact_sheet {
   unsigned layers; /* a set (layers.h) */

@@ -3,7 +3,7 @@
 #define HBIL_TOOL_DEVICE_H
 
 #include "hbil/hbil.h"
-#include "image/image.h"
+#include "image/error.h"
 
 typedef struct device {
   cl_device_id id;

@@ -5,6 +5,14 @@
 #include "tool/heatmap.h"
 #include "tool/job_key.h"
 #include "tool/preview.h"
+#include "image/error.h"
+#include "image/exr_read.h"
+#include "image/exr_style.h"
+#include "image/exr_write.h"
+#include "image/image.h"
+#include "image/picture.h"
+#include "image/png_write.h"
+#include "image/window.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,6 +6,8 @@
 #include "tool/progress.h"
 #include "tool/contact_sheet.h"
 #include "tool/resume.h"
+#include "image/error.h"
+#include "image/image.h"
 
 typedef struct encoder {
   const job *job;

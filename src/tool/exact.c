@@ -5,6 +5,9 @@
 #include "tool/formats.h"
 #include "tool/layers.h"
 #include "tool/progress.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/image.h"
 
 #include <stdio.h>
 #include <stdlib.h>

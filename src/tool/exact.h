@@ -8,6 +8,9 @@
 
 #include "dump/gbuffer.h"
 #include "exact/exact.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/image.h"
 
 /* The amount of work, from which the time is predicted. */
 typedef struct exact_work {

@@ -2,6 +2,7 @@
 #include "tool/formats.h"
 
 #include "tool/layers.h"
+#include "image/error.h"
 
 #define INPUT(role, field)                                                     \
   { role, offsetof(hbil_config, field), offsetof(hbil_frame, field) }

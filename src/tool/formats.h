@@ -4,6 +4,8 @@
 #define HBIL_TOOL_FORMATS_H
 
 #include "dump/channel_map.h"
+#include "image/error.h"
+#include "image/image.h"
 
 typedef struct input_info {
   role role;

@@ -3,6 +3,7 @@
 #include "tool/frame_list.h"
 
 #include "tool/frame_numbers.h"
+#include "image/error.h"
 
 #include <dirent.h>
 #include <errno.h>

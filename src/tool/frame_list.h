@@ -2,7 +2,7 @@
 #ifndef HBIL_TOOL_FRAME_LIST_H
 #define HBIL_TOOL_FRAME_LIST_H
 
-#include "image/image.h"
+#include "image/error.h"
 
 #include <stddef.h>
 

@@ -2,7 +2,7 @@
 #ifndef HBIL_TOOL_FRAME_NUMBERS_H
 #define HBIL_TOOL_FRAME_NUMBERS_H
 
-#include "image/image.h"
+#include "image/error.h"
 
 #include <stddef.h>
 

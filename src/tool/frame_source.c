@@ -5,6 +5,9 @@
 #include "dump/read_gbuffer.h"
 #include "tool/progress.h"
 #include "tool/report.h"
+#include "image/error.h"
+#include "image/exr_read.h"
+#include "image/image.h"
 
 #include <stdlib.h>
 

@@ -4,6 +4,8 @@
 
 #include "dump/gbuffer.h"
 #include "tool/job.h"
+#include "image/error.h"
+#include "image/image.h"
 
 typedef struct frame_source {
   const job *job;

@@ -1,5 +1,8 @@
 /* Heat maps. */
 #include "tool/heatmap.h"
+#include "image/error.h"
+#include "image/picture.h"
+#include "image/png_write.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,9 @@
 #ifndef HBIL_TOOL_HEATMAP_H
 #define HBIL_TOOL_HEATMAP_H
 
-#include "image/image.h"
+#include "image/error.h"
+
+#include <stdint.h>
 
 /* values: one for each pixel, shown from black (0) over red to white (limit).
  * Writes a PNG.  0, or -1 with `error` filled. */

@@ -8,6 +8,8 @@
 #include "dump/frame_camera.h"
 #include "tool/layers.h"
 #include "tool/settings.h"
+#include "image/camera_json.h"
+#include "image/window.h"
 
 #include <sys/types.h>
 

@@ -6,6 +6,10 @@
 #include "dump/settle.h"
 #include "tool/report.h"
 #include "tool/paths.h"
+#include "image/error.h"
+#include "image/image.h"
+#include "image/image_read.h"
+#include "image/window.h"
 
 #include <stdlib.h>
 #include <string.h>

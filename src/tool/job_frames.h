@@ -3,6 +3,7 @@
 #define HBIL_TOOL_JOB_FRAMES_H
 
 #include "tool/job.h"
+#include "image/error.h"
 
 /* Fills in j->frames, which is zeroed, and the windows.  Every frame must have
  * the channels and the size of the first one, a camera, and a name for its

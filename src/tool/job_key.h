@@ -7,6 +7,8 @@
 #define HBIL_TOOL_JOB_KEY_H
 
 #include "tool/job.h"
+#include "image/error.h"
+#include "image/image.h"
 
 /* The key before the first frame: a hash of the tool's version, the device (its
  * name and driver; "" for none) and all that changes a bit of a result. */

@@ -4,6 +4,8 @@
 #include "dump/light_sources.h"
 #include "dump/read_gbuffer.h"
 #include "tool/options.h"
+#include "image/error.h"
+#include "image/formats_rgb.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,6 +4,7 @@
 #define HBIL_TOOL_JOB_LIGHT_H
 
 #include "tool/job.h"
+#include "image/error.h"
 
 /* Reads --environment into j->environment and j->config.far_field.  0, or -1
  * with `error` filled. */

@@ -3,6 +3,7 @@
 #include "tool/job_output.h"
 
 #include "tool/paths.h"
+#include "image/error.h"
 
 #include <errno.h>
 #include <fcntl.h>

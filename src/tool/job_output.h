@@ -3,6 +3,7 @@
 #define HBIL_TOOL_JOB_OUTPUT_H
 
 #include "tool/job.h"
+#include "image/error.h"
 
 /* Makes the output folder if it is missing, and checks that results and the
  * contact sheet can be written.  A dry run only looks.  Returns 0, or -1 with

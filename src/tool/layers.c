@@ -1,5 +1,7 @@
 /* Layers: the results that the program writes, and their channels. */
 #include "tool/layers.h"
+#include "image/error.h"
+#include "image/image.h"
 
 #include <stdio.h>
 #include <string.h>

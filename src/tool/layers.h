@@ -3,6 +3,7 @@
 #define HBIL_TOOL_LAYERS_H
 
 #include "hbil/hbil.h"
+#include "image/error.h"
 #include "image/image.h"
 
 typedef enum layer {

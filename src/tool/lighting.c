@@ -4,6 +4,9 @@
 #include "tool/exact.h"
 
 #include "tool/lighting.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/image.h"
 
 #include <stdint.h>
 #include <string.h>
@@ -91,8 +94,8 @@ int lighting_run(lighting *l, const job *j, size_t item, const gbuffer *g,
   if (!l->exact)
     return sequence_run(l->sequence, g, hash, &f->camera, environment, runs,
                         result, row, error);
-  exact_sequence_run(l->exact, g, &f->camera, environment, runs, result);
-  return 0;
+  return exact_sequence_run(l->exact, g, &f->camera, environment, runs, result,
+                            error);
 }
 
 size_t lighting_history_size(const lighting *l) {

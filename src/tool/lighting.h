@@ -5,6 +5,8 @@
 
 #include "tool/sequence.h"
 #include "tool/job.h"
+#include "image/error.h"
+#include "image/image.h"
 
 struct exact_sequence;
 

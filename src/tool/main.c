@@ -3,6 +3,7 @@
 #include "hbil/hbil.h"
 #include "tool/report.h"
 #include "tool/commands.h"
+#include "image/error.h"
 
 #include <errno.h>
 #include <signal.h>

@@ -2,6 +2,7 @@
 #include "tool/options.h"
 
 #include "hbil/hbil.h"
+#include "image/error.h"
 
 #include <errno.h>
 #include <getopt.h>

@@ -3,7 +3,7 @@
 #ifndef HBIL_TOOL_OPTIONS_H
 #define HBIL_TOOL_OPTIONS_H
 
-#include "image/image.h"
+#include "image/error.h"
 
 #include <stddef.h>
 

@@ -3,6 +3,7 @@
 #include "tool/pipeline.h"
 
 #include "tool/progress.h"
+#include "image/error.h"
 
 #include <pthread.h>
 #include <string.h>

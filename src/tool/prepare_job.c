@@ -4,6 +4,7 @@
 #include "tool/job_frames.h"
 #include "tool/job_light.h"
 #include "tool/job_output.h"
+#include "image/error.h"
 
 #include <stdlib.h>
 #include <string.h>

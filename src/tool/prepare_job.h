@@ -3,6 +3,7 @@
 #define HBIL_TOOL_PREPARE_JOB_H
 
 #include "tool/job.h"
+#include "image/error.h"
 
 /*
  * Everything that can be known to be wrong is looked for here, before the first

@@ -1,5 +1,9 @@
 /* Pictures of layers. */
 #include "tool/preview.h"
+#include "image/error.h"
+#include "image/image.h"
+#include "image/picture.h"
+#include "image/png_write.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,6 +3,9 @@
 #define HBIL_TOOL_PREVIEW_H
 
 #include "tool/layers.h"
+#include "image/error.h"
+#include "image/image.h"
+#include "image/picture.h"
 
 /* One exposure for all layers of light, from the layers of one frame. */
 float preview_exposure(const image *result);

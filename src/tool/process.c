@@ -7,6 +7,7 @@
 #include "tool/prepare_job.h"
 #include "tool/run_frames.h"
 #include "tool/timings.h"
+#include "image/error.h"
 
 #include <unistd.h>
 

@@ -5,6 +5,8 @@
 #include "tool/model.h"
 #include "tool/options.h"
 #include "tool/source_arguments.h"
+#include "image/error.h"
+#include "image/exr_style.h"
 
 #include <stddef.h>
 #include <stdio.h>
@@ -229,7 +231,7 @@ static int check_horizon_cache(const hbil_config *c, image_error *error) {
                       "--horizon-cache: not with %s, where later runs of a "
                       "frame bring no new light; one or the other is needed",
                       single);
-  if (!(c->skip & HBIL_SKIP_STILL))
+  if (!(c->skip & HBIL_SKIP_STATIC))
     return image_fail(error,
                       "--horizon-cache: not with --no-skip, which makes later "
                       "runs of a frame do all work; one or the other is "

@@ -2,7 +2,7 @@
 #ifndef HBIL_TOOL_PROCESS_ARGUMENTS_H
 #define HBIL_TOOL_PROCESS_ARGUMENTS_H
 
-#include "image/image.h"
+#include "image/error.h"
 #include "tool/settings.h"
 
 typedef struct process_arguments {

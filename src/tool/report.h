@@ -2,7 +2,7 @@
 #ifndef HBIL_TOOL_REPORT_H
 #define HBIL_TOOL_REPORT_H
 
-#include "image/image.h"
+#include "image/error.h"
 
 #include <stdio.h>
 

@@ -3,6 +3,7 @@
 #include "tool/resume.h"
 
 #include "tool/job_key.h"
+#include "image/error.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,6 +6,7 @@
 #include "tool/job.h"
 #include "tool/lighting.h"
 #include "tool/saved_history.h"
+#include "image/error.h"
 
 typedef struct resume {
   const job *job;

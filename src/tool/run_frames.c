@@ -4,6 +4,9 @@
 #include "tool/progress.h"
 #include "tool/encode.h"
 #include "tool/frame_source.h"
+#include "image/error.h"
+#include "image/image.h"
+#include "image/window.h"
 
 #include <stdlib.h>
 #include <string.h>

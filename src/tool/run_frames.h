@@ -6,6 +6,7 @@
 #include "tool/lighting.h"
 #include "tool/pipeline.h"
 #include "tool/resume.h"
+#include "image/error.h"
 
 /* What was measured. */
 typedef struct frame_times {

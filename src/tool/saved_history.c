@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/saved_history.h"
 
+#include "image/error.h"
 #include "image/temporary.h"
 
 #include <ctype.h>

@@ -5,7 +5,10 @@
 #ifndef HBIL_TOOL_SAVED_HISTORY_H
 #define HBIL_TOOL_SAVED_HISTORY_H
 
-#include "image/image.h"
+#include <stddef.h>
+#include <stdint.h>
+
+#include "image/error.h"
 
 typedef struct saved_history {
   uint64_t key;   /* of the frame whose history it is (job_key.h) */

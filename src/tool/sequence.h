@@ -5,6 +5,9 @@
 
 #include "dump/gbuffer.h"
 #include "tool/device.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/image.h"
 
 typedef struct sequence sequence;
 

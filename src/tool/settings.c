@@ -1,7 +1,7 @@
 /* The settings of a job. */
 #include "tool/settings.h"
 
-#include "image/image.h"
+#include "image/exr_style.h"
 #include "tool/model.h"
 
 #include <string.h>

@@ -2,6 +2,7 @@
 #include "tool/source_arguments.h"
 
 #include "tool/options.h"
+#include "image/error.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #define HBIL_TOOL_SOURCE_ARGUMENTS_H
 
 #include "dump/source.h"
-#include "image/image.h"
+#include "image/error.h"
 
 #include <getopt.h>
 

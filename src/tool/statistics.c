@@ -15,7 +15,7 @@ void statistics_print(const hbil_statistics *s, FILE *out) {
                 {"open", &s->open},
                 {"dark", &s->dark},
                 {"unused", &s->unused},
-                {"from the horizon cache", &s->by_factors}};
+                {"from the horizon cache", &s->from_cache}};
   const char *between = "";
   for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
     if (!shares[i].share->pixels)
@@ -45,7 +45,7 @@ json_t *statistics_json(const hbil_statistics *s) {
   return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "all",
                    count_json(&s->all), "sky", count_json(&s->sky), "open",
                    count_json(&s->open), "dark", count_json(&s->dark), "unused",
-                   count_json(&s->unused), "cached", count_json(&s->by_factors),
+                   count_json(&s->unused), "cached", count_json(&s->from_cache),
                    "not_run", passes);
 }
 

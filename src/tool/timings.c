@@ -2,6 +2,7 @@
 #include "tool/timings.h"
 
 #include "tool/statistics.h"
+#include "image/error.h"
 
 #include <jansson.h>
 #include <string.h>

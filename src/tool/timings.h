@@ -4,6 +4,7 @@
 
 #include "tool/sequence.h"
 #include "tool/pipeline.h"
+#include "image/error.h"
 
 #include <stdio.h>
 
