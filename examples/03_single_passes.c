@@ -5,7 +5,7 @@
  * The frame is then computed once more with hbil's own filter; the two must
  * agree on average.
  */
-#include <hbil/hbil.h>
+#include <hbil/hbil_stages.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -1,26 +1,29 @@
 /*
- * bounds: what the gather may leave out.  For cells of 64x64 pixels, blocks of
- * 256x256 and the whole picture: the largest inverse depth, and whether there
- * is light.  From it a span of pixels knows that nothing in its reach stands
- * above its tangent planes, or that nothing there shines (gather.cl).  Dark is
- * what has a quarter of dark parts at least: to ask every sample whether it
- * shines takes as long as it spares where one in four does not.  From each
- * block, in which quadrants of the picture there is light: half-slices that
- * lie in others have none.
+ * bounds: what the gather can skip.
  *
- * In: what split says of groups of pixels.  Out: grids of pairs of words
- * (hbil_shared.h); quadrants.
- * In a still frame whose light has not changed the kernel leaves at once.
+ * For cells of 64x64 pixels, blocks of 256x256 and the whole picture: the
+ * largest inverse depth, and whether there is light.  From these a span of the
+ * gather knows that nothing in its reach stands above its tangent planes, or
+ * that nothing there sends light (gather/skip.clh).  A cell counts as dark
+ * where a quarter of its groups are: asking every sample whether it sends light
+ * costs what it saves where fewer are dark.  For each block: the quadrants
+ * about it in which there is light; half-slices that lie in the others gather
+ * none.
+ *
+ * In: what split notes about groups of pixels.  Out: grids of pairs of words
+ * (shared.h); quadrants.  In a static frame whose light has not changed the
+ * kernels leave at once.
  */
+#include "shared.h"
 
-/* Launch: x, y = cells of the coarser grid, each of across x down finer ones.
- */
-kernel void bound_cells(const hbil_grid_args fine, const hbil_grid_args coarse,
-                        const int across, const int down, global uint *bounds,
-                        global const uint *flags, const int still) {
+/* Launch: x, y = cells of the coarse grid. */
+kernel void bound_cells(const hbil_bound_cells_args args, global uint *bounds,
+                        global const uint *flags) {
+  const hbil_grid_args fine = args.fine, coarse = args.coarse;
+  const int across = args.across, down = args.down;
   const int x = (int)get_global_id(0), y = (int)get_global_id(1);
   if (x >= coarse.width || y >= coarse.height ||
-      (still && !flags[HBIL_FLAG_CHANGED]))
+      (args.is_static && !flags[HBIL_FLAG_CHANGED]))
     return;
   float nearest = HBIL_NOTHING;
   uint lit = 0u, dark = 0u, all = 0u;
@@ -39,12 +42,12 @@ kernel void bound_cells(const hbil_grid_args fine, const hbil_grid_args coarse,
 }
 
 /* Launch: x, y = blocks. */
-kernel void bound_quadrants(const hbil_bounds_args b, global uint *bounds,
-                            global const uint *flags, const int still) {
+kernel void bound_quadrants(const hbil_bound_quadrants_args args,
+                            global uint *bounds, global const uint *flags) {
   const int x = (int)get_global_id(0), y = (int)get_global_id(1);
-  const hbil_grid_args blocks = b.block;
+  const hbil_grid_args blocks = args.bounds.block;
   if (x >= blocks.width || y >= blocks.height ||
-      (still && !flags[HBIL_FLAG_CHANGED]))
+      (args.is_static && !flags[HBIL_FLAG_CHANGED]))
     return;
   uint quadrants = 0u;
   for (int j = 0; j < blocks.height; ++j)
@@ -52,5 +55,5 @@ kernel void bound_quadrants(const hbil_bounds_args b, global uint *bounds,
       if (bounds[blocks.offset + 2u * (uint)(j * blocks.width + i) + 1u] &
           HBIL_SOME_LIT)
         quadrants |= hbil_quadrants(x, y, i, j);
-  bounds[b.quadrants + (uint)(y * blocks.width + x)] = quadrants;
+  bounds[args.bounds.quadrants + (uint)(y * blocks.width + x)] = quadrants;
 }

@@ -2,57 +2,90 @@
  * composite: far light through the bent cone, the outputs, and the light that
  * the next frame starts from.
  *
- * Cone (HACKING.md): AO is cosine weighted, so a cone of half-angle alpha has
- * AO = sin^2(alpha) and t = cos(alpha) = sqrt(1 - AO).  Order-2 SH through it:
- *   E = sum sqrt(4 pi / (2l+1)) c_l(t) L_lm Y_lm(bent)
- *   c0 = sqrt(pi)/2 (1-t^2), c1 = sqrt(3 pi)/3 (1-t^3),
- *   c2 = sqrt(5 pi)/8 (3 (1-t^4) - 2 (1-t^2))
- * With the constants pulled into the coefficients (host, farfield.c) this is
+ * Cone (doc/method.md): AO is cosine weighted, so a cone of half-angle alpha
+ * has AO = sin^2(alpha) and t = cos(alpha) = sqrt(1 - AO).  Order-2 SH through
+ * it: E = sum sqrt(4 pi / (2l+1)) c_l(t) L_lm Y_lm(bent) c0 = sqrt(pi)/2
+ * (1-t^2), c1 = sqrt(3 pi)/3 (1-t^3), c2 = sqrt(5 pi)/8 (3 (1-t^4) - 2 (1-t^2))
+ * With the constants multiplied into the coefficients on the host this is
  *   E = (1-t^2) s0 + (1-t^3) s1 . Y1 + (3 (1-t^4) - 2 (1-t^2)) s2 . Y2
  * with Y1 = (y, z, x), Y2 = (xy, yz, 3z^2-1, zx, x^2-y^2).
- * Fresnel: the diffuse part of the light is (1 - F0) of it (paper 2.3.3).
+ * Fresnel: (1 - F0) of the light is reflected diffusely (Mayaux 2018, 2.3.3).
  *
- * Counts what it could not use as it was (hbil_plan_sanitized()), of the inputs
- * that split had no use for.
- *
- * Builds: FAR (0 none, 1 constant, 2 SH, 3 the frame's own estimate), inputs'
- * and outputs' formats, HAS_*, OUT_*, BENT_IS_WORLD, FEEDBACK_RADIANCE,
- * GATHER_EMISSION, GATHER_RADIANCE, GATHER_BENT, HISTORY, LINE (pixels that a
- * work-item takes). Launch: x = groups of LINE pixels of a row, y = rows.
+ * Launch: x = groups of LINE pixels of a row, y = rows.
+ * In: resolved light, the estimate of unseen light, the caller's inputs.  Out:
+ * the caller's outputs, history planes, counts of the sanitized inputs that
+ * split does not read.
  */
+#include "lib/external_planes.clh"
+#include "lib/sanitize.clh"
+#include "lib/unseen_light.clh"
 
-#if OUT_NEAR
-STORER(near, NEAR_TYPE, NEAR_STRIDE)
+#if !defined(FAR) || FAR < 0 || FAR > 3
+#error FAR must be 0 (none), 1 (constant), 2 (SH) or 3 (the frame's estimate)
 #endif
-#if OUT_FAR
-STORER(far, FAR_TYPE, FAR_STRIDE)
+#if !defined(LINE) || LINE < HBIL_WIDTH || LINE % HBIL_WIDTH
+#error LINE must be a multiple of HBIL_WIDTH
 #endif
-#if OUT_AO
+#if OUT_ERROR && (!defined(ERROR_PLANE) || ERROR_PLANE < 1)
+#error ERROR_PLANE must be the first plane behind the light
+#endif
+#if !defined(GATHER_RADIANCE) || GATHER_RADIANCE < 0 || GATHER_RADIANCE > 1
+#error GATHER_RADIANCE must be 0..1
+#endif
+#if !defined(GATHER_BENT) || GATHER_BENT < 0 || GATHER_BENT > 1
+#error GATHER_BENT must be 0..1
+#endif
+#if !defined(GATHER_EMISSION) || GATHER_EMISSION < 0 || GATHER_EMISSION > 1
+#error GATHER_EMISSION must be 0..1
+#endif
+#if !defined(HISTORY) || HISTORY < 0 || HISTORY > 1
+#error HISTORY must be 0..1
+#endif
+#if !defined(FEEDBACK_RADIANCE) || FEEDBACK_RADIANCE < 0 ||                    \
+    FEEDBACK_RADIANCE > 1
+#error FEEDBACK_RADIANCE must be 0..1
+#endif
+#if !defined(BENT_IS_WORLD) || BENT_IS_WORLD < 0 || BENT_IS_WORLD > 1
+#error BENT_IS_WORLD must be 0..1
+#endif
+#if !defined(HAS_ALBEDO) || HAS_ALBEDO < 0 || HAS_ALBEDO > 1
+#error HAS_ALBEDO must be 0..1
+#endif
+#if !defined(HAS_F0) || HAS_F0 < 0 || HAS_F0 > 1
+#error HAS_F0 must be 0..1
+#endif
+#if !defined(HAS_DIRECT) || HAS_DIRECT < 0 || HAS_DIRECT > 1
+#error HAS_DIRECT must be 0..1
+#endif
+#if !defined(HAS_EMISSION) || HAS_EMISSION < 0 || HAS_EMISSION > 1
+#error HAS_EMISSION must be 0..1
+#endif
+
+LOADER(depth, DEPTH_TYPE, DEPTH_STRIDE)
+LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
+LOADER(f0, F0_TYPE, F0_STRIDE)
+LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
+LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
+STORER(near_irradiance, NEAR_TYPE, NEAR_STRIDE)
+STORER(far_irradiance, FAR_TYPE, FAR_STRIDE)
 STORER(ao, AO_TYPE, AO_STRIDE)
-#endif
-#if OUT_BENT
-STORER(bent, BENT_TYPE, BENT_STRIDE)
-#endif
-#if OUT_CONE
-STORER(cone, CONE_TYPE, CONE_STRIDE)
-#endif
-#if OUT_INDIRECT
+STORER(bent_normal, BENT_TYPE, BENT_STRIDE)
+STORER(cone_cosine, CONE_TYPE, CONE_STRIDE)
 STORER(indirect, INDIRECT_TYPE, INDIRECT_STRIDE)
-#endif
-#if OUT_BEAUTY
-STORER(radiance, BEAUTY_TYPE, BEAUTY_STRIDE)
-#endif
-#if OUT_ERROR
-STORER(error, ERROR_TYPE, ERROR_STRIDE)
-#endif
+STORER(beauty, BEAUTY_TYPE, BEAUTY_STRIDE)
+STORER(error_estimate, ERROR_TYPE, ERROR_STRIDE)
 
-/* Vectors of a row that a work-item takes: on CPUs a cache line of the outputs.
- * It keeps what they come to and stores plane by plane: stores past the caches
- * of less than a line, to twenty planes in turn, take twice as long as fetching
- * what they overwrite, whole ones half. */
+#define INV_PI 0.318309886f
+#define PI 3.14159265f
+
+/* Vectors of a row that a work-item takes; on CPUs they make a cache line of
+ * the outputs.  The work-item collects its results and stores them plane by
+ * plane: stores past the caches of less than a line, to twenty planes in turn,
+ * take twice as long as fetching what they overwrite; whole lines take half. */
 #define PARTS (LINE / HBIL_WIDTH)
 
-/* What is pending, each PARTS vectors. */
+/* Where the collected planes begin; those that are not asked for take no room.
+ */
 enum {
   PENDING_AO = 0,
   PENDING_CONE = PENDING_AO + OUT_AO,
@@ -61,19 +94,31 @@ enum {
   PENDING_NEAR = PENDING_BENT + 3 * OUT_BENT,
   PENDING_FAR = PENDING_NEAR + 3 * OUT_NEAR,
   PENDING_INDIRECT = PENDING_FAR + 3 * OUT_FAR,
-  PENDING_RADIANCE = PENDING_INDIRECT + 3 * OUT_INDIRECT,
-  PENDING_HISTORY = PENDING_RADIANCE + 3 * OUT_BEAUTY,
+  PENDING_BEAUTY = PENDING_INDIRECT + 3 * OUT_INDIRECT,
+  PENDING_HISTORY = PENDING_BEAUTY + 3 * OUT_BEAUTY,
   PENDING_COUNT = PENDING_HISTORY + HISTORY * HBIL_HISTORY_PLANES
 };
 
-#define INV_PI 0.318309886f
-#define PI 3.14159265f
-
-/* What is reflected is asked for, and so are the inputs that make it. */
+/* Reflected light is needed, and with it the inputs that make it. */
 #define REFLECTED (OUT_BEAUTY || (HISTORY && FEEDBACK_RADIANCE))
 
-#if FAR == 2
-/* Irradiance through a cone (world axis d); k: the three aperture factors. */
+/* The caller's inputs. */
+typedef struct inputs {
+  global const void *albedo, *f0, *direct, *emission;
+} inputs;
+
+/* --- far light
+ * -------------------------------------------------------------------- */
+
+/* What turns the irradiance scale of the coefficients of order l back into
+ * radiance: the inverse of pi, 2 pi / 3, pi / 4 (Ramamoorthi and Hanrahan
+ * 2001). */
+#define SH_RADIANCE_0 0.318309886f /* 1 / pi */
+#define SH_RADIANCE_1 0.477464829f /* 3 / (2 pi) */
+#define SH_RADIANCE_2 1.273239545f /* 4 / pi */
+
+/* Irradiance through a cone about the world-space axis d; k: the three aperture
+ * factors. */
 INLINE realv sh_light(const hbil_sh_args e, const realv *d, const realv *k) {
   const realv first =
       fma(d[1], (realv)e.sh[1], fma(d[2], (realv)e.sh[2], d[0] * e.sh[3]));
@@ -86,280 +131,276 @@ INLINE realv sh_light(const hbil_sh_args e, const realv *d, const realv *k) {
   return max(fma(k[0], (realv)e.sh[0], fma(k[1], first, k[2] * second)),
              (realv)0.0f);
 }
-#endif
 
-#if FAR == 3
 /*
- * How much of the hemisphere neither the screen blocks nor the sky lights.  In
- * a frame whose sky sends environment[0] and whose direct light holds that, a
- * pixel with direct light D (radiance of the same scale) sees at most the share
- * D / sky of it (the largest over the channels: without albedo renderers give
- * no light).  So of the share that is open on the screen, AO, at least
- *   dark = max(0, AO - D / sky)
- * ends on something unseen, or on a darker part of the sky.  An open direction
- * is taken for blocked as often as open ones are dark, dark / AO: where the sky
- * lights nothing all of the dark share is blocked, and a sky that is not the
- * same everywhere counts in second order only.  AO where no sky is given.
+ * The share of the hemisphere that neither the screen blocks nor the sky
+ * lights, for frames whose direct light holds the light of a sky of radiance
+ * environment[0].  A pixel with direct light D (a radiance of the same scale)
+ * sees at most the share D / sky of that sky (the largest over the channels:
+ * without albedo renderers write no light).  So of the share that is open on
+ * the screen, AO, at least dark = max(0, AO - D / sky) ends on something
+ * unseen, or on a darker part of the sky.  An open direction is taken as
+ * blocked as often as open ones are dark, dark / AO.  Where the sky lights
+ * nothing, all of the dark share is blocked; a sky that varies counts in second
+ * order only.  The share is AO where no sky is given.
  */
-INLINE realv unlit_share(const hbil_environment_args e, realv ao,
-                         float direct_scale, global const void *buffer,
-                         const hbil_external_plane_args image, int x, int y,
-                         int count) {
+INLINE realv unlit_share(const hbil_composite_args args, realv ao,
+                         global const void *buffer, int x, int y, int count) {
   realv lit = 0.0f;
 #if HAS_DIRECT
-  intv sound = TRUE_LANES;
+  const hbil_environment_args e = args.environment;
+  intv usable = TRUE_LANES;
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     if (e.channel[c].sh[0] > 0.0f)
       lit = max(lit, INV_PI / e.channel[c].sh[0] *
-                         sound_light(direct_scale * load_direct(buffer, image,
-                                                                x, y, c, count),
-                                     &sound));
+                         usable_light(args.direct_scale *
+                                          load_direct(buffer, args.direct, x, y,
+                                                      c, count),
+                                      &usable));
 #endif
   const realv dark = max(1.0f - lit / max(ao, (realv)1e-6f), (realv)0.0f);
   return ao * dark * dark;
 }
+
+/* Far irradiance of the three channels, and the radiance that shows where there
+ * is no surface.  near_light: E_near.  axis, bent: the bent normal in world and
+ * view space; (rx, ry, 1): the ray. */
+INLINE void far_light(const hbil_composite_args args,
+                      global const float *estimate, const inputs *in, realv ao,
+                      realv t, realv t2, const realv near_light[3],
+                      const realv bent[3], const realv axis[3], realv rx,
+                      float ry, int x, int y, int count, realv light[3],
+                      realv behind[3]) {
+#if FAR == 1 || FAR == 2
+  /* not indexed as an argument: see rotate_direction() */
+  const hbil_sh_args far[3] = {args.environment.channel[0],
+                               args.environment.channel[1],
+                               args.environment.channel[2]};
 #endif
+#if FAR == 2
+  const realv aperture[3] = {ao, fma(-t2, t, (realv)1.0f),
+                             3.0f * fma(-t2, t2, (realv)1.0f) - 2.0f * ao};
+  const realv unscaled[3] = {SH_RADIANCE_0, SH_RADIANCE_1, SH_RADIANCE_2};
+  const realv ray[3] = {rx, ry, 1.0f};
+  realv sky[3];
+  rotate_direction(args.to_world, ray, sky);
+  const realv inv_r = 1.0f / sqrt(fma(rx, rx, (realv)fma(ry, ry, 1.0f)));
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    sky[c] *= inv_r;
+#elif FAR == 3
+  realv frame[3];
+  frame_light(estimate, bent[0], bent[1], bent[2], frame);
+  const realv unlit = unlit_share(args, ao, in->direct, x, y, count);
+#endif
+#pragma unroll
+  for (int c = 0; c < 3; ++c) {
+    light[c] = behind[c] = 0.0f;
+#if FAR == 1
+    behind[c] = far[c].sh[0];
+    light[c] = PI * ao * behind[c];
+#elif FAR == 2
+    behind[c] = sh_light(far[c], sky, unscaled);
+    light[c] = sh_light(far[c], axis, aperture);
+#elif FAR == 3
+    light[c] =
+        PI * unlit * unseen_light(frame[c], near_light[c] * INV_PI, 1.0f - ao);
+#endif
+  }
+}
 
-/* What turns the coefficients' irradiance scale of order l back into radiance:
- * the inverse of pi, 2 pi / 3, pi / 4 (Ramamoorthi and Hanrahan 2001). */
-#define SH_RADIANCE_0 0.318309886f /* 1 / pi */
-#define SH_RADIANCE_1 0.477464829f /* 3 / (2 pi) */
-#define SH_RADIANCE_2 1.273239545f /* 4 / pi */
+/* --- counts of sanitized pixels
+ * ---------------------------------------------------- */
 
-/* Which inputs are shown, but have not been read by split. */
+/* Inputs that are shown, but that split has not read. */
 #define COUNT_SURFACE (!GATHER_RADIANCE && OUT_BEAUTY)
 #define COUNT_F0 (!GATHER_RADIANCE && (OUT_BEAUTY || OUT_INDIRECT))
 #define COUNT_EMISSION (!(GATHER_RADIANCE && GATHER_EMISSION) && OUT_BEAUTY)
 
-/* sound: of each input, by pixel. */
-INLINE void count_repaired(const intv *sound, intv solid,
-                           volatile global uint *repaired) {
-#if COUNT_SURFACE
-  add_repaired(repaired + HBIL_SURFACE_ALBEDO,
-               count_lanes(solid & !sound[HBIL_SURFACE_ALBEDO]));
-  add_repaired(repaired + HBIL_SURFACE_DIRECT,
-               count_lanes(solid & !sound[HBIL_SURFACE_DIRECT]));
-#endif
-#if COUNT_F0
-  add_repaired(repaired + HBIL_SURFACE_F0,
-               count_lanes(solid & !sound[HBIL_SURFACE_F0]));
-#endif
-#if COUNT_EMISSION
-  add_repaired(repaired + HBIL_SURFACE_EMISSION,
-               count_lanes(!sound[HBIL_SURFACE_EMISSION]));
-#endif
+/* usable: of each input, by pixel. */
+INLINE void count_sanitized(const intv *usable, intv solid,
+                            volatile global uint *sanitized) {
+  if (COUNT_SURFACE) {
+    add_sanitized(sanitized + HBIL_SURFACE_ALBEDO,
+                  count_lanes(solid & !usable[HBIL_SURFACE_ALBEDO]));
+    add_sanitized(sanitized + HBIL_SURFACE_DIRECT,
+                  count_lanes(solid & !usable[HBIL_SURFACE_DIRECT]));
+  }
+  if (COUNT_F0)
+    add_sanitized(sanitized + HBIL_SURFACE_F0,
+                  count_lanes(solid & !usable[HBIL_SURFACE_F0]));
+  if (COUNT_EMISSION)
+    add_sanitized(sanitized + HBIL_SURFACE_EMISSION,
+                  count_lanes(!usable[HBIL_SURFACE_EMISSION]));
 }
 
-kernel void composite(
-    const hbil_view_args view, const hbil_transform_args world,
-    global const float *resolved, global const float *estimate,
-    global float *history, const hbil_plane_args planes,
-    const hbil_environment_args environment, const float background,
-    const float direct_scale, global const void *depth_buffer,
-    const hbil_external_plane_args depth_image,
-    global const void *albedo_buffer,
-    const hbil_external_plane_args albedo_image, global const void *f0_buffer,
-    const hbil_external_plane_args f0_image, global const void *direct_buffer,
-    const hbil_external_plane_args direct_image,
-    global const void *emission_buffer,
-    const hbil_external_plane_args emission_image, global void *near_buffer,
-    const hbil_external_plane_args near_image, global void *far_buffer,
-    const hbil_external_plane_args far_image, global void *ao_buffer,
-    const hbil_external_plane_args ao_image, global void *bent_buffer,
-    const hbil_external_plane_args bent_image, global void *cone_buffer,
-    const hbil_external_plane_args cone_image, global void *indirect_buffer,
-    const hbil_external_plane_args indirect_image, global void *radiance_buffer,
-    const hbil_external_plane_args radiance_image, global void *error_buffer,
-    const hbil_external_plane_args error_image,
-    volatile global uint *repaired) {
-  const int x0 = (int)get_global_id(0) * (PARTS * HBIL_WIDTH);
-  const int y = (int)get_global_id(1);
-  if (x0 >= view.width || y >= view.height)
-    return;
-  const int parts = min(PARTS, (view.width - x0 + HBIL_WIDTH - 1) / HBIL_WIDTH);
-  realv pending[PENDING_COUNT][PARTS];
-  for (int part = 0; part < parts; ++part) {
-    const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
-    global const float *at = resolved + (uint)y * planes.row + (uint)x;
-    const realv rx = ray_x(view, x, 1);
-    const float ry = ray_y(view, y);
-    const realv z =
-        planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count), rx,
-                     ry, background);
-    const intv solid = z > 0.0f;
-    /* a mean of values up to 1 may round to just above it */
-    const realv ao = clamp(READV(at), 0.0f, 1.0f);
-    const realv t2 = 1.0f - ao;
-    const realv t = select((realv)0.0f, sqrt(t2), solid);
-#if OUT_AO
+/* --- a vector of pixels
+ * ------------------------------------------------------------- */
+
+/* What light and surface come to, into part `part` of the collected planes.
+ * near_light: E_near, far: E_far, both of a channel; behind: what shows in the
+ * sky. */
+INLINE void compose_channel(const hbil_composite_args args, const inputs *in,
+                            realv near_light, realv far, realv behind,
+                            intv solid, int c, int x, int y, int count,
+                            intv *usable, realv pending[][PARTS], int part) {
+  realv albedo = 1.0f, diffuse = 1.0f, irradiance = 0.0f, emitted = 0.0f;
+#if HAS_ALBEDO && REFLECTED
+  albedo =
+      usable_reflectance(load_albedo(in->albedo, args.albedo, x, y, c, count),
+                         usable + HBIL_SURFACE_ALBEDO);
+#endif
+#if HAS_F0 && (REFLECTED || OUT_INDIRECT)
+  diffuse -= usable_reflectance(load_f0(in->f0, args.f0, x, y, c, count),
+                                usable + HBIL_SURFACE_F0);
+#endif
+#if HAS_DIRECT && REFLECTED
+  irradiance = usable_light(
+      args.direct_scale * load_direct(in->direct, args.direct, x, y, c, count),
+      usable + HBIL_SURFACE_DIRECT);
+#endif
+#if HAS_EMISSION && REFLECTED
+  emitted =
+      usable_light(load_emission(in->emission, args.emission, x, y, c, count),
+                   usable + HBIL_SURFACE_EMISSION);
+  behind = emitted;
+#endif
+  const realv light = near_light + far;
+  const realv indirect = diffuse * INV_PI * light;
+  const realv reflected = albedo * fma(diffuse * INV_PI, irradiance, indirect);
+  if (OUT_NEAR)
+    pending[PENDING_NEAR + c][part] = near_light;
+  if (OUT_FAR)
+    pending[PENDING_FAR + c][part] = far;
+  if (OUT_INDIRECT)
+    pending[PENDING_INDIRECT + c][part] = select((realv)0.0f, indirect, solid);
+  if (OUT_BEAUTY)
+    pending[PENDING_BEAUTY + c][part] =
+        select(behind, reflected + emitted, solid);
+  if (HISTORY) {
+    const realv carried = !FEEDBACK_RADIANCE ? light
+                          : GATHER_EMISSION  ? reflected + emitted
+                                             : reflected;
+    pending[PENDING_HISTORY + HBIL_HISTORY_RED + c][part] =
+        select((realv)0.0f, carried, solid);
+  }
+}
+
+/* Collects all planes of the pixels from (x, y) on. */
+INLINE void compose(const hbil_composite_args args,
+                    global const float *resolved, global const float *estimate,
+                    global const void *depth_buffer, const inputs *in, int x,
+                    int y, realv pending[][PARTS], int part,
+                    volatile global uint *sanitized) {
+  const hbil_view_args view = args.view;
+  const uint plane = args.planes.plane;
+  const int count = view.width - x;
+  global const float *at = resolved + (uint)y * args.planes.row + (uint)x;
+  const realv rx = ray_x(view, x, 1);
+  const float ry = ray_y(view, y);
+  const realv z =
+      planar_depth(load_depth(depth_buffer, args.depth, x, y, 0, count), rx, ry,
+                   args.sky_depth);
+  const intv solid = z > 0.0f;
+  /* a mean of values up to 1 may round to just above it */
+  const realv ao = clamp(READV(at), 0.0f, 1.0f);
+  const realv t2 = 1.0f - ao;
+  const realv t = select((realv)0.0f, sqrt(t2), solid);
+  if (OUT_AO)
     pending[PENDING_AO][part] = ao;
-#endif
-#if OUT_CONE
+  if (OUT_CONE)
     pending[PENDING_CONE][part] = t;
-#endif
 #if OUT_ERROR
-    pending[PENDING_ERROR][part] = READV(at + ERROR_PLANE * planes.plane);
-#if GATHER_RADIANCE
-    pending[PENDING_ERROR + 1][part] =
-        READV(at + (ERROR_PLANE + 1) * planes.plane);
-#else
-    pending[PENDING_ERROR + 1][part] = 0.0f;
+  pending[PENDING_ERROR][part] = READV(at + ERROR_PLANE * plane);
+  pending[PENDING_ERROR + 1][part] =
+      GATHER_RADIANCE ? READV(at + (ERROR_PLANE + 1) * plane) : (realv)0.0f;
 #endif
-#endif
-#if GATHER_BENT
-    realv bent[3], axis[3];
+  if (HISTORY)
+    pending[PENDING_HISTORY + HBIL_HISTORY_W][part] =
+        select((realv)0.0f, 1.0f / z, solid);
+  realv bent[3] = {0.0f, 0.0f, 0.0f}, axis[3] = {0.0f, 0.0f, 0.0f};
+  if (GATHER_BENT) {
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      bent[c] = READV(at + (HBIL_LIGHT_BENT + c) * planes.plane);
-    turned(world, bent, axis);
-#if OUT_BENT
+      bent[c] = READV(at + (HBIL_LIGHT_BENT + c) * plane);
+    rotate_direction(args.to_world, bent, axis);
+  }
+  if (OUT_BENT) {
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       pending[PENDING_BENT + c][part] = BENT_IS_WORLD ? axis[c] : bent[c];
-#endif
-#endif
-#if FAR == 2
-    const realv aperture[3] = {ao, fma(-t2, t, (realv)1.0f),
-                               3.0f * fma(-t2, t2, (realv)1.0f) - 2.0f * ao};
-    const realv ray[3] = {rx, ry, 1.0f};
-    realv sky[3];
-    turned(world, ray, sky);
-    const realv inv_r = 1.0f / sqrt(fma(rx, rx, (realv)fma(ry, ry, 1.0f)));
-#pragma unroll
-    for (int c = 0; c < 3; ++c)
-      sky[c] *= inv_r;
-    const realv unscaled[3] = {SH_RADIANCE_0, SH_RADIANCE_1, SH_RADIANCE_2};
-#endif
-#if HISTORY
-    pending[PENDING_HISTORY + HBIL_HISTORY_W][part] =
-        select((realv)0.0f, 1.0f / z, solid);
-#endif
-#if FAR == 3
-    realv frame[3];
-    frame_light(estimate, bent[0], bent[1], bent[2], frame);
-    const realv unlit = unlit_share(environment, ao, direct_scale,
-                                    direct_buffer, direct_image, x, y, count);
-#endif
-#if FAR == 1 || FAR == 2
-    /* a loop may not index the argument: see turned() */
-    const hbil_sh_args far[3] = {environment.channel[0], environment.channel[1],
-                                 environment.channel[2]};
-#endif
-    intv sound[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
-                                       TRUE_LANES};
+  }
+  realv near_light[3] = {0.0f, 0.0f, 0.0f}, far[3], behind[3];
+  if (GATHER_RADIANCE) {
 #pragma unroll
     for (int c = 0; c < 3; ++c) {
-      realv near_irradiance = 0.0f, far_irradiance = 0.0f, behind = 0.0f;
-#if GATHER_RADIANCE
-      /* a sum of differences of angles may round to just below 0; what is no
-       * number stays none, to be seen */
-      near_irradiance = READV(at + (HBIL_LIGHT_RED + c) * planes.plane);
-      near_irradiance =
-          select(near_irradiance, (realv)0.0f, near_irradiance < 0.0f);
-#endif
-#if FAR == 1
-      behind = far[c].sh[0];
-      far_irradiance = PI * ao * behind;
-#elif FAR == 3
-      far_irradiance =
-          PI * unlit *
-          unseen_light(frame[c], near_irradiance * INV_PI, 1.0f - ao);
-#elif FAR == 2
-      behind = sh_light(far[c], sky, unscaled);
-      far_irradiance = sh_light(far[c], axis, aperture);
-#endif
-      far_irradiance = select((realv)0.0f, far_irradiance, solid);
-      realv reflectance = 1.0f, diffuse = 1.0f, irradiance = 0.0f;
-      realv emitted = 0.0f;
-#if HAS_ALBEDO && REFLECTED
-      reflectance =
-          sound_share(load_albedo(albedo_buffer, albedo_image, x, y, c, count),
-                      sound + HBIL_SURFACE_ALBEDO);
-#endif
-#if HAS_F0 && (REFLECTED || OUT_INDIRECT)
-      diffuse -= sound_share(load_f0(f0_buffer, f0_image, x, y, c, count),
-                             sound + HBIL_SURFACE_F0);
-#endif
-#if HAS_DIRECT && REFLECTED
-      irradiance =
-          sound_light(direct_scale * load_direct(direct_buffer, direct_image, x,
-                                                 y, c, count),
-                      sound + HBIL_SURFACE_DIRECT);
-#endif
-#if HAS_EMISSION && REFLECTED
-      emitted = sound_light(
-          load_emission(emission_buffer, emission_image, x, y, c, count),
-          sound + HBIL_SURFACE_EMISSION);
-      behind = emitted;
-#endif
-      const realv light = near_irradiance + far_irradiance;
-      const realv indirect = diffuse * INV_PI * light;
-      const realv reflected =
-          reflectance * fma(diffuse * INV_PI, irradiance, indirect);
-#if OUT_NEAR
-      pending[PENDING_NEAR + c][part] = near_irradiance;
-#endif
-#if OUT_FAR
-      pending[PENDING_FAR + c][part] = far_irradiance;
-#endif
-#if OUT_INDIRECT
-      pending[PENDING_INDIRECT + c][part] =
-          select((realv)0.0f, indirect, solid);
-#endif
-#if OUT_BEAUTY
-      pending[PENDING_RADIANCE + c][part] =
-          select(behind, reflected + emitted, solid);
-#endif
-#if HISTORY
-#if FEEDBACK_RADIANCE
-      const realv carried = GATHER_EMISSION ? reflected + emitted : reflected;
-#else
-      const realv carried = light;
-#endif
-      pending[PENDING_HISTORY + HBIL_HISTORY_RED + c][part] =
-          select((realv)0.0f, carried, solid);
-#endif
+      /* A sum of differences of angles may round to just below 0.  NaN stays
+       * NaN, to be seen. */
+      near_light[c] = READV(at + (HBIL_LIGHT_RED + c) * plane);
+      near_light[c] = select(near_light[c], (realv)0.0f, near_light[c] < 0.0f);
     }
-#if COUNT_SURFACE || COUNT_F0 || COUNT_EMISSION
-    count_repaired(sound, solid, repaired + HBIL_SANITIZED_LATE);
-#endif
   }
+  far_light(args, estimate, in, ao, t, t2, near_light, bent, axis, rx, ry, x, y,
+            count, far, behind);
+  intv usable[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
+                                      TRUE_LANES};
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    compose_channel(args, in, near_light[c], select((realv)0.0f, far[c], solid),
+                    behind[c], solid, c, x, y, count, usable, pending, part);
+  if (COUNT_SURFACE || COUNT_F0 || COUNT_EMISSION)
+    count_sanitized(usable, solid, sanitized + HBIL_SANITIZED_LATE);
+}
+
+/* --- the kernel
+ * --------------------------------------------------------------------- */
+
 #define STORE_CHANNELS(name, channels, first)                                  \
   for (int c = 0; c < (channels); ++c)                                         \
     for (int part = 0; part < parts; ++part)                                   \
-      store_##name(pending[(first) + c][part], name##_buffer, name##_image,    \
+      store_##name(pending[(first) + c][part], name, args.name,                \
                    x0 + part * HBIL_WIDTH, y, c,                               \
-                   view.width - x0 - part * HBIL_WIDTH);
-#if OUT_AO
-  STORE_CHANNELS(ao, 1, PENDING_AO)
-#endif
-#if OUT_CONE
-  STORE_CHANNELS(cone, 1, PENDING_CONE)
-#endif
-#if OUT_ERROR
-  STORE_CHANNELS(error, 2, PENDING_ERROR)
-#endif
-#if OUT_BENT
-  STORE_CHANNELS(bent, 3, PENDING_BENT)
-#endif
-#if OUT_NEAR
-  STORE_CHANNELS(near, 3, PENDING_NEAR)
-#endif
-#if OUT_FAR
-  STORE_CHANNELS(far, 3, PENDING_FAR)
-#endif
-#if OUT_INDIRECT
-  STORE_CHANNELS(indirect, 3, PENDING_INDIRECT)
-#endif
-#if OUT_BEAUTY
-  STORE_CHANNELS(radiance, 3, PENDING_RADIANCE)
-#endif
+                   args.view.width - x0 - part * HBIL_WIDTH);
+
+/* The planes are the caller's and each may be a buffer of its own, so there are
+ * more arguments than in other passes. */
+kernel void composite(const hbil_composite_args args,
+                      global const float *resolved,
+                      global const float *estimate, global float *history,
+                      global const void *depth, global const void *albedo,
+                      global const void *f0, global const void *direct,
+                      global const void *emission, global void *near_irradiance,
+                      global void *far_irradiance, global void *ao,
+                      global void *bent_normal, global void *cone_cosine,
+                      global void *indirect, global void *beauty,
+                      global void *error_estimate,
+                      volatile global uint *sanitized) {
+  const int x0 = (int)get_global_id(0) * (PARTS * HBIL_WIDTH);
+  const int y = (int)get_global_id(1);
+  if (x0 >= args.view.width || y >= args.view.height)
+    return;
+  const inputs in = {albedo, f0, direct, emission};
+  const int parts =
+      min(PARTS, (args.view.width - x0 + HBIL_WIDTH - 1) / HBIL_WIDTH);
+  realv pending[PENDING_COUNT][PARTS];
+  for (int part = 0; part < parts; ++part)
+    compose(args, resolved, estimate, depth, &in, x0 + part * HBIL_WIDTH, y,
+            pending, part, sanitized);
+  STORE_CHANNELS(ao, OUT_AO, PENDING_AO)
+  STORE_CHANNELS(cone_cosine, OUT_CONE, PENDING_CONE)
+  STORE_CHANNELS(error_estimate, 2 * OUT_ERROR, PENDING_ERROR)
+  STORE_CHANNELS(bent_normal, 3 * OUT_BENT, PENDING_BENT)
+  STORE_CHANNELS(near_irradiance, 3 * OUT_NEAR, PENDING_NEAR)
+  STORE_CHANNELS(far_irradiance, 3 * OUT_FAR, PENDING_FAR)
+  STORE_CHANNELS(indirect, 3 * OUT_INDIRECT, PENDING_INDIRECT)
+  STORE_CHANNELS(beauty, 3 * OUT_BEAUTY, PENDING_BEAUTY)
 #if HISTORY
-  history += hbil_history_origin(planes) + (uint)y * planes.row + (uint)x0;
+  history +=
+      hbil_history_origin(args.planes) + (uint)y * args.planes.row + (uint)x0;
   for (int p = 0; p < HBIL_HISTORY_PLANES; ++p)
     for (int part = 0; part < parts; ++part)
       STREAMV(pending[PENDING_HISTORY + p][part],
-              history + (uint)p * planes.plane + part * HBIL_WIDTH);
+              history + (uint)p * args.planes.plane + part * HBIL_WIDTH);
 #endif
 }

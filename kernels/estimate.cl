@@ -1,20 +1,23 @@
 /*
- * estimate: what light comes from surfaces that the screen doesn't show?  The
- * honest guess is what the visible ones send: for a receiver of normal n a mean
- * over the visible pixels, each weighed by how much it faces the receiver. With
- * c = -n_i.n the weight is the clamped cosine convolved with itself, to order
- * 2, 1 + 4/3 c + 5/16 P2(c); frame_light() adds a twentieth, which makes it
- * positive everywhere.  That takes no more than 4 x 9 numbers: sums of
- * (sqrt L, 1) times the order-2 polynomials of -n_i.
+ * estimate: the light of surfaces that the screen doesn't show.
  *
- * The mean is that of sqrt(L), squared: a few very bright pixels (a lamp's
- * surroundings) must not light everything that is unseen.  It is never above
- * the arithmetic mean, so feeding it back loses energy at every bounce.
+ * The guess is what the visible surfaces send on average: for a receiver of
+ * normal n, a mean over the visible pixels, each weighted by how much it faces
+ * the receiver.  With c = -n_i.n the weight is the clamped cosine convolved
+ * with itself, to order 2: 1 + 4/3 c + 5/16 P2(c).  frame_light() adds a
+ * twentieth, which makes it positive everywhere.  So 4 x 9 numbers are enough:
+ * sums of (sqrt L, 1) times the order-2 polynomials of -n_i.
  *
- * Every 4th pixel in x and y (layer 0) is enough.
+ * The mean is that of sqrt(L), squared, so that a few very bright pixels (those
+ * near a lamp) don't light everything that is unseen.  It is never above the
+ * arithmetic mean, so feeding it back loses energy at every bounce.
+ *
+ * Every fourth pixel in x and y (layer 0) is enough.
  * In: split planes.  Out: estimate[4][9]: red, green, blue, weight; behind it
- * HBIL_ESTIMATE_PARTS times the same, the parts it is the sum of.
+ * the HBIL_ESTIMATE_PARTS partial sums that it is the sum of.
  */
+#include "lib/camera.clh"
+#include "lib/split_planes.clh"
 
 /* The polynomials of the real basis in order (0,0) (1,-1..1) (2,-2..2). */
 INLINE void polynomials(realv x, realv y, realv z, realv *p) {
@@ -29,9 +32,11 @@ INLINE void polynomials(realv x, realv y, realv z, realv *p) {
   p[8] = x * x - y * y;
 }
 
-/* Launch: x = HBIL_ESTIMATE_PARTS work-items, each takes every so many rows. */
-kernel void estimate_part(const hbil_layer_args in, global const float *split,
-                          global float *estimate) {
+/* Launch: x = HBIL_ESTIMATE_PARTS work-items; each takes every
+ * HBIL_ESTIMATE_PARTS-th row. */
+kernel void estimate_part(const hbil_estimate_args args,
+                          global const float *split, global float *estimate) {
+  const hbil_layer_args in = args.split;
   const int part = (int)get_global_id(0);
   if (part >= HBIL_ESTIMATE_PARTS || get_global_id(1) > 0)
     return;
@@ -60,12 +65,12 @@ kernel void estimate_part(const hbil_layer_args in, global const float *split,
     estimate[(part + 1) * HBIL_ESTIMATE_SIZE + i] = lanes_sum(sum[i]);
 }
 
-/* Launch: x = HBIL_ESTIMATE_SIZE work-items; always the same order of sums. */
+/* Launch: x = HBIL_ESTIMATE_SIZE work-items.  The order of the sum is fixed. */
 kernel void estimate_sum(global float *estimate) {
   const int i = (int)get_global_id(0);
   if (i >= HBIL_ESTIMATE_SIZE || get_global_id(1) > 0)
     return;
-  /* products of the basis functions' constants with the weight's orders */
+  /* the constants of the basis functions times the weight's coefficients */
   const float factor[9] = {1.0f,        1.33333333f, 1.33333333f,
                            1.33333333f, 0.9375f,     0.9375f,
                            0.078125f,   0.9375f,     0.234375f};

@@ -1,18 +1,20 @@
 /*
  * pattern: the table of steps that the gather walks, one entry per level,
- * layer, half-slice and sample, made anew each frame (it turns with
- * hbil_frame.index and depends on the camera).  A few thousand entries.
+ * layer, half-slice and sample: a few thousand entries.  It is made anew when
+ * the camera or hbil_frame.frame_index changes.
  *
- * Order: ((level * 16 + layer) * 2 slices + half) * (samples + 1) + k, half =
- * 2 slice + (0: along u, 1: along -u).  Entry 0 holds the slice's direction
- * alone, in ux and uy; the samples follow.
- * The table begins at `first`: each rung of adaptive sampling has its own.
- * Launch: x = level * 16 + layer, y = half-slice.
+ * Order: ((level * 16 + layer) * 2 slices + half) * (steps + 1) + k, half =
+ * 2 slice + (0: along u, 1: along -u).  Entry 0 of a half-slice holds its
+ * direction alone, in ux and uy; its samples follow. Launch: x = level * 16 +
+ * layer, y = half-slice.
  */
-kernel void make_pattern(const hbil_view_args view,
-                         const hbil_pattern_args pattern,
-                         const hbil_layer_args layout, global hbil_step *steps,
-                         const uint first) {
+#include "lib/sampling_pattern.h"
+
+kernel void make_pattern(const hbil_make_pattern_args args,
+                         global hbil_step *steps) {
+  const hbil_view_args view = args.view;
+  const hbil_pattern_args pattern = args.pattern;
+  const hbil_layer_args layout = args.split;
   const int level = (int)get_global_id(0) / HBIL_LAYERS;
   const int layer = (int)get_global_id(0) % HBIL_LAYERS;
   const int half_slice = (int)get_global_id(1);
@@ -24,16 +26,15 @@ kernel void make_pattern(const hbil_view_args view,
     ux = -ux;
     uy = -uy;
   }
-  steps += first +
-           (get_global_id(0) * (uint)(2 * pattern.slices) + (uint)half_slice) *
-               (uint)(pattern.samples + 1);
+  steps += (get_global_id(0) * (uint)(2 * pattern.slices) + (uint)half_slice) *
+           (uint)(pattern.steps + 1);
   const hbil_step direction = {0, 0, 0, 0.0f, 0.0f, 0.0f, ux, uy, 0};
   *steps++ = direction;
   int x, y, before = 0;
   hbil_sample_offset(layer, 0, level, ux, uy, view, pattern, &x, &y);
-  for (int k = 0; k < pattern.samples; ++k) {
+  for (int k = 0; k < pattern.steps; ++k) {
     int next_x = x, next_y = y;
-    if (k + 1 < pattern.samples)
+    if (k + 1 < pattern.steps)
       hbil_sample_offset(layer, k + 1, level, ux, uy, view, pattern, &next_x,
                          &next_y);
     /* pixel offset -> the layer it lands in, and the offset there */
@@ -50,7 +51,7 @@ kernel void make_pattern(const hbil_view_args view,
     step.inv_e = 1.0f / sqrt(fma(step.ex, step.ex, step.ey * step.ey));
     step.ux = step.ex * step.inv_e;
     step.uy = step.ey * step.inv_e;
-    step.halves = hbil_sample_halves(layer, k, pattern.samples, before,
+    step.halves = hbil_sample_halves(layer, k, pattern.steps, before,
                                      hbil_offset_length(next_x, next_y));
     steps[k] = step;
     before = hbil_offset_length(x, y);

@@ -1,17 +1,18 @@
 /*
- * push_pull: fills the holes that reprojection leaves (paper 3.2; Kraus 2009).
+ * push_pull: fills the holes that reprojection leaves (Mayaux 2018, 3.2; Kraus
+ * 2009).
  *
- * push: a coarser texel is the weighted mean of its valid children, its weight
- * their share.  pull: texels without weight take the bilinear value of the
- * coarser level, which has been filled before; valid ones are never changed,
- * nor is the sky, whose weight is below 0: it has no use for light.
+ * push: a coarser texel is the weighted mean of its valid children; its weight
+ * is their share.  pull: texels without weight take the bilinear value of the
+ * coarser level, which has been filled before.  Valid texels are never changed,
+ * nor is the sky, whose weight is below 0: it needs no light.
  *
- * Where the finest level has no hole both leave at once: the levels above are
- * of no use then, and keep what they have.
- * Launch: x = vectors of HBIL_WIDTH texels of the level that is written (by
- * find_holes: read), y = its rows.  Planes per level: RGB and weight, rows
- * padded to 4 HBIL_WIDEST.
+ * Where the finest level has no hole both leave at once; the coarser levels are
+ * not read then. Launch: x = vectors of HBIL_WIDTH texels of the level that is
+ * written (find_holes: read), y = its rows.  Planes per level: RGB and weight,
+ * rows padded to 4 HBIL_WIDEST.
  */
+#include "lib/vectors.clh"
 
 #if HBIL_WIDTH == 1
 #define PAIRS(p, left, right)                                                  \
@@ -24,11 +25,12 @@
   right = (realv)(LOADV(p).odd, LOADV((p) + HBIL_WIDTH).odd)
 #endif
 
-/* Raises HBIL_FLAG_HOLES, filled with 0, where a texel of the finest level has
- * no weight.  For carried light that isn't reproject's, which raises it itself.
- */
-kernel void find_holes(global const float *chain, const hbil_chain_args finest,
-                       global uint *flags) {
+/* Raises HBIL_FLAG_HOLES, which the host has cleared, where a texel of the
+ * finest level has no weight.  It is for carried light that a caller's own pass
+ * wrote; the reprojections raise the flag themselves. */
+kernel void find_holes(const hbil_push_pull_args args,
+                       global const float *chain, global uint *flags) {
+  const hbil_chain_args finest = args.fine;
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= finest.width || y >= finest.height)
     return;
@@ -36,13 +38,14 @@ kernel void find_holes(global const float *chain, const hbil_chain_args finest,
       LOADV(chain + finest.offset + HBIL_CARRIED_WEIGHT * finest.plane +
             (uint)y * finest.row + (uint)x);
   if (ANY((weight == 0.0f) & (x + EACH_LANE < finest.width)))
-    flags[HBIL_FLAG_HOLES] = 1u; /* whoever else writes writes the same */
+    flags[HBIL_FLAG_HOLES] = 1u; /* all who write write the same */
 }
 
 /* Children past the right edge or below the last row count for nothing,
  * whatever the padding holds. */
-kernel void push(global float *chain, const hbil_chain_args fine,
-                 const hbil_chain_args coarse, global const uint *flags) {
+kernel void push(const hbil_push_pull_args args, global float *chain,
+                 global const uint *flags) {
+  const hbil_chain_args fine = args.fine, coarse = args.coarse;
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= coarse.width || y >= coarse.height || !flags[HBIL_FLAG_HOLES])
     return;
@@ -79,8 +82,9 @@ kernel void push(global float *chain, const hbil_chain_args fine,
 }
 
 /* Fills the finer level in place. */
-kernel void pull(global float *chain, const hbil_chain_args fine,
-                 const hbil_chain_args coarse, global const uint *flags) {
+kernel void pull(const hbil_push_pull_args args, global float *chain,
+                 global const uint *flags) {
+  const hbil_chain_args fine = args.fine, coarse = args.coarse;
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= fine.width || y >= fine.height || !flags[HBIL_FLAG_HOLES])
     return;

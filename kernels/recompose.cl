@@ -1,36 +1,51 @@
 /*
- * recompose: layers -> full resolution.  Each pixel of a 4x4 block has looked
- * along its own directions; a joint bilateral filter over the 5x5 pixels around
- * brings them together, guided by depth and normal (guide.clh).
+ * recompose: layers -> full resolution.
  *
- * Each of the 16 layers weighs the same: nine of them are around the pixel
- * once, those of the outer ring are there twice and count half.  The layer at
- * the corners is there four times; two opposite ones will do, as they leave the
- * centre where it is.
+ * Each pixel of a 4x4 block has gathered along its own directions.  A joint
+ * bilateral filter over the 5x5 pixels around it brings them together, guided
+ * by depth and normal (lib/filter_weight.clh).
  *
- * Where there may be a single slice a pixel, slices weigh J A(theta_t) as
- * within a pixel: AO and light are quotients of sums over the neighbourhood,
- * not means of quotients, which favour what a slice of little weight happens to
- * see (WEIGHT_PLANE).
+ * All 16 layers have the same weight: nine of them are around the pixel once;
+ * those of the outer ring are there twice and count half; the layer of the
+ * corners is there four times, and two opposite corners are enough, as they
+ * leave the centre of mass where it is.
  *
- * How much the neighbours' light differs says how far their mean may be off
- * (hbil_config.error).
+ * With a single slice per pixel, slices weigh J A(theta_t), as they do within a
+ * pixel: AO and light are quotients of sums over the neighbourhood.  Means of
+ * quotients would favour what a slice of little weight happens to meet
+ * (WEIGHT_PLANE: the plane of the weights, or 0).
  *
- * Builds: ORTHOGRAPHIC, RAW (only undo the split), GATHER_RADIANCE,
- * GATHER_BENT, FALLBACK_FRAME_MEAN, STORAGE, OUT_ERROR, ERROR_PLANE (where
- * errors follow the light), WEIGHT_PLANE (where weights of slices are, or 0),
- * ADAPTIVE (the rung is chosen that errors are of). Launch: x = groups of 4
- * pixels of a row, y = rows; where HBIL_WIDTH is more than 1, x = groups of
- * 4*HBIL_SPAN pixels, y = HBIL_RECOMPOSE_ROWS rows. In: split planes (guides),
- * light planes.  Out: light planes, full resolution; the bent normal of unit
- * length or 0.
+ * The spread of the neighbours' light tells how far their mean may be off
+ * (hbil_config.error_estimate; ERROR_PLANE: where errors follow the light).
+ *
+ * Launch: x = groups of 4 pixels of a row, y = rows; where HBIL_WIDTH is more
+ * than 1, x = groups of 4*HBIL_SPAN pixels, y = HBIL_RECOMPOSE_ROWS rows. In:
+ * split planes, gathered light planes.  Out: light planes, full resolution; the
+ * bent normal is of unit length or 0.
  */
+
+#include "lib/filter_weight.clh"
+#include "lib/gathered_planes.clh"
+#include "lib/interleave.clh"
+#include "lib/layers.clh"
+#include "lib/split_planes.clh"
+#include "lib/unseen_light.clh"
+
+#if !defined(UNFILTERED) || UNFILTERED < 0 || UNFILTERED > 1
+#error UNFILTERED must be 0..1
+#endif
+#if !defined(OUT_ERROR) || OUT_ERROR < 0 || OUT_ERROR > 1
+#error OUT_ERROR must be 0..1
+#endif
+#if OUT_ERROR && (!defined(ERROR_PLANE) || ERROR_PLANE < 1)
+#error ERROR_PLANE must be the first plane behind the light
+#endif
 
 #define PI 3.14159265f
 #define INV_PI 0.318309886f
 
-/* On CPUs a work-item takes a tile of layer pixels, all layers, and goes down
- * many rows.  It keeps the five rows around the present one unpacked, so that
+/* On CPUs a work-item takes a span of layer pixels in all layers, and goes down
+ * many rows.  It holds the five rows around the present one unpacked, so that
  * hardly a pixel is unpacked twice. */
 #if HBIL_WIDTH == 1
 #define VECTORS 1
@@ -39,7 +54,7 @@
 #else
 #define VECTORS (HBIL_SPAN / HBIL_WIDTH)
 #define ROWS HBIL_RECOMPOSE_ROWS
-/* a tile and a pixel more on either side, in whole vectors */
+/* a span and a pixel more on either side, in whole vectors */
 #define TAP_SPAN ((VECTORS + 1) * HBIL_WIDTH)
 #endif
 
@@ -77,45 +92,45 @@ INLINE void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
                      global const float *split, global const float *light,
                      int i, int j, int x, int y, float *t) {
   realv normal[3], value[HBIL_GATHERED_PLANES];
-  split += place(in, i, j, x, y);
+  split += layer_address(in, i, j, x, y);
   STOREV(LOADV(split), t + TAP_W * TAP_SPAN);
   split_normal(split, in.plane, normal);
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     STOREV(normal[c], t + (TAP_NORMAL + c) * TAP_SPAN);
-  gathered_light(light + place(lit, i, j, x, y), lit.plane, value);
-#define KEEP_PLANE(p) STOREV(value[p], t + (TAP_LIGHT + p) * TAP_SPAN);
-  EACH_GATHERED(KEEP_PLANE)
+  gathered_light(light + layer_address(lit, i, j, x, y), lit.plane, value);
+#define STORE_TAP(p) STOREV(value[p], t + (TAP_LIGHT + p) * TAP_SPAN);
+  EACH_GATHERED(STORE_TAP)
 #if WEIGHT_PLANE
   STOREV(value[HBIL_LIGHT_WEIGHT], t + TAP_WEIGHT * TAP_SPAN);
 #endif
 }
 
 #if HBIL_WIDTH > 1
-/* Unpacks row 4 y + j of the tile at x. */
-INLINE void keep_row(const hbil_layer_args in, const hbil_layer_args lit,
-                     global const float *split, global const float *light,
-                     int j, int x, int y, float *row) {
+/* Unpacks row 4 y + j of the span at x. */
+INLINE void unpack_row(const hbil_layer_args in, const hbil_layer_args lit,
+                       global const float *split, global const float *light,
+                       int j, int x, int y, float *row) {
   for (int i = 0; i < HBIL_SIDE; ++i)
     for (int v = 0; v < TAP_SPAN; v += HBIL_WIDTH)
       load_tap(in, lit, split, light, i, j, x - 1 + v, y,
                row + i * TAP_LAYER + v);
 }
 
-/* Asks for the lines of a tile in `planes` planes. */
-INLINE void fetch_tile(global const float *at, uint plane, uint planes) {
+/* Prefetches the lines of a span in `planes` planes. */
+INLINE void fetch_span(global const float *at, uint plane, uint planes) {
   for (uint p = 0; p < planes; ++p)
     for (uint line = 0; line < TAP_SPAN; line += 16)
       FETCH_LINE(at + p * plane + line);
 }
 
-/* Asks for what keep_row() will read. */
+/* Prefetches what unpack_row() will read. */
 INLINE void fetch_row(const hbil_layer_args in, const hbil_layer_args lit,
                       global const float *split, global const float *light,
                       int j, int x, int y) {
   for (int i = 0; i < HBIL_SIDE; ++i) {
-    fetch_tile(split + place(in, i, j, x, y), in.plane, RADIANCE_PLANE);
-    fetch_tile(light + place(lit, i, j, x, y), lit.plane,
+    fetch_span(split + layer_address(in, i, j, x, y), in.plane, RADIANCE_PLANE);
+    fetch_span(light + layer_address(lit, i, j, x, y), lit.plane,
                lit.layer / lit.plane);
   }
 }
@@ -134,29 +149,29 @@ INLINE void add_squares(sums *s, const float *t, realv weight) {
 #endif
 }
 
-/* Once sums are means.  A difference of squares: what is below 2^-12 of the
- * mean is rounding. */
-INLINE void errors_of(const sums *s, const hbil_rung rung, realv *ao,
+/* Call it when the sums have become means.  The variance is a difference of
+ * squares: what is below 2^-12 of the mean is rounding. */
+INLINE void errors_of(const sums *s, const hbil_error_args errors, realv *ao,
                       realv *near_irradiance) {
   const realv inv_total = 1.0f / s->total, zero = 0.0f;
   const realv open = s->plane[HBIL_LIGHT_AO];
-  *ao = rung.error_ao *
-        sqrt(max(fma(-open, open, s->square_ao * inv_total), zero));
+  *ao = errors.ao * sqrt(max(fma(-open, open, s->square_ao * inv_total), zero));
   realv square = s->square_near * inv_total;
 #if GATHER_RADIANCE
 #pragma unroll
   for (int p = HBIL_LIGHT_RED; p < HBIL_LIGHT_BENT; ++p)
     square = fma(-s->plane[p], s->plane[p], square);
 #endif
-  *near_irradiance = rung.error_near * sqrt(max(square * (1.0f / 3.0f), zero));
+  *near_irradiance =
+      errors.near_irradiance * sqrt(max(square * (1.0f / 3.0f), zero));
   const intv sky = s->w <= SKY;
   *ao = select(*ao, zero, sky);
   *near_irradiance = select(*near_irradiance, zero, sky);
 }
 #endif
 
-/* Adds a neighbour's light.  Bent normals are no quotients: what a slice weighs
- * is in them. */
+/* Adds a neighbour's light.  Bent normals are not divided by the slice's
+ * weight, so they contain it already. */
 INLINE void add_light(sums *s, const float *t, realv weight) {
 #define ADD_PLANE(p)                                                           \
   s->plane[p] = fma(weight, TAP(t, TAP_LIGHT + p), s->plane[p]);
@@ -176,16 +191,17 @@ INLINE void add_light(sums *s, const float *t, realv weight) {
 #endif
 }
 
-/* The pixel i to the right and j below. */
+/* Adds the pixel i to the right and j below. */
 INLINE void add_tap(sums *s, const middle *m, const float *t, int i, int j,
                     float share) {
   const realv n[3] = {TAP(t, TAP_NORMAL), TAP(t, TAP_NORMAL + 1),
                       TAP(t, TAP_NORMAL + 2)};
-  add_light(s, t, guide_weight(m, TAP(t, TAP_W), n, i, j) * share);
+  add_light(s, t, filter_weight(m, TAP(t, TAP_W), n, i, j) * share);
 }
 
 #if FALLBACK_FRAME_MEAN
-/* What faces away is lit by what the screen's surfaces send on average. */
+/* Light for the share that back-facing samples block: an estimate of what the
+ * visible surfaces send. */
 INLINE void fill_unknown(sums *s, global const float *estimate) {
   const realv unknown = s->plane[HBIL_LIGHT_UNKNOWN];
   const realv share =
@@ -207,7 +223,7 @@ INLINE void normalize_bent(sums *s) {
 #pragma unroll
   for (int p = HBIL_LIGHT_BENT; p < HBIL_LIGHT_PLANES; ++p)
     length2 = fma(s->plane[p], s->plane[p], length2);
-  /* a length is 0..3; below 1e-12 it has no direction left in fp32 */
+  /* the length is 0..3; below 1e-12 fp32 has no direction left */
   const realv scale =
       select((realv)0.0f, 1.0f / sqrt(length2), length2 > 1e-24f);
 #pragma unroll
@@ -216,16 +232,16 @@ INLINE void normalize_bent(sums *s) {
 }
 #endif
 
-/* What the neighbourhood has come together to. */
+/* Sums to means. */
 INLINE void mean(sums *s) {
-#if !RAW
+#if !UNFILTERED
   const realv inv_total = 1.0f / s->total;
 #define DIVIDE_PLANE(p) s->plane[p] *= inv_total;
   EACH_GATHERED(DIVIDE_PLANE)
 #endif
 }
 
-/* What is left to do then. */
+/* Fills in unknown light, normalizes the bent normal, and clears the sky. */
 INLINE void finish(sums *s, global const float *estimate) {
 #if FALLBACK_FRAME_MEAN
   fill_unknown(s, estimate);
@@ -233,14 +249,14 @@ INLINE void finish(sums *s, global const float *estimate) {
 #if GATHER_BENT
   normalize_bent(s);
 #endif
-  /* the sky keeps what the gather gave it: open, dark, no direction */
+  /* the sky is open, sends no light and has no direction */
   const intv sky = s->w <= SKY;
 #define CLEAR_PLANE(p)                                                         \
   s->plane[p] = select(s->plane[p], (realv)((p) == HBIL_LIGHT_AO), sky);
   EACH_RESOLVED(CLEAR_PLANE)
 }
 
-/* do_this(i, j, share) for the neighbours that are looked at. */
+/* do_this(i, j, share) for the neighbours that the filter reads. */
 #define EACH_NEIGHBOUR(do_this)                                                \
   do_this(-2, -2, 0.5f) do_this(-1, -2, 0.5f) do_this(0, -2, 0.5f)             \
       do_this(1, -2, 0.5f) do_this(-2, -1, 0.5f) do_this(-1, -1, 1.0f)         \
@@ -253,7 +269,7 @@ INLINE void finish(sums *s, global const float *estimate) {
                                   do_this(1, 2, 0.5f) do_this(2, 2, 0.5f)
 
 /* Sums for the pixels (4 x + column, 4 y + row) and every fourth to their
- * right.  rows: the five rows around, kept from pixel x - 1 on. */
+ * right. rows: the five unpacked rows around them, from pixel x - 1 on. */
 #if HBIL_WIDTH == 1
 #define NEIGHBOUR(i, j)                                                        \
   (load_tap(in, lit, split, light, column + (i), row + (j), x, y, loaded),     \
@@ -281,9 +297,9 @@ INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
   s.square_ao = s.square_near = 0.0f;
 #endif
   s.total = 0.0f;
-  /* the pixel itself counts 1, whatever becomes of the others */
+  /* the pixel itself always has weight 1 */
   add_light(&s, self, (realv)1.0f);
-#if !RAW
+#if !UNFILTERED
   const middle m = middle_of(view, s.w, s.n, 4 * x + column, 4 * y + row);
 #define ADD_NEIGHBOUR(i, j, share)                                             \
   add_tap(&s, &m, NEIGHBOUR(i, j), i, j, share);
@@ -292,7 +308,7 @@ INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
   return s;
 }
 
-/* Four layers' pixels, as they lie in the image. */
+/* Pixels of four layers, in the order of the image. */
 INLINE void store_columns(const realv *column, global float *to) {
   realv pixels[4];
   INTERLEAVE(column, pixels);
@@ -307,14 +323,14 @@ INLINE void store_plane(const sums *value, int p, global float *to) {
   store_columns(column, to);
 }
 
-/* 4*HBIL_WIDTH pixels of row 4 y + row.  The columns stay a loop: side by side
- * they want four times the registers. */
+/* 4*HBIL_WIDTH pixels of row 4 y + row.  The columns stay a loop: unrolled they
+ * would need four times the registers. */
 INLINE void resolve(const hbil_view_args view, const hbil_layer_args in,
                     const hbil_layer_args lit, global const float *split,
                     global const float *light, global const float *estimate,
                     const float *const *rows, int row, int x, int y,
                     global float *resolved, const hbil_plane_args out,
-                    const hbil_rung rung) {
+                    const hbil_error_args errors) {
   sums value[4];
   for (int i = 0; i < 4; ++i)
     value[i] = filter(view, in, lit, split, light, rows, i, row, x, y);
@@ -324,7 +340,7 @@ INLINE void resolve(const hbil_view_args view, const hbil_layer_args in,
   for (int i = 0; i < 4; ++i) {
     mean(&value[i]);
 #if OUT_ERROR
-    errors_of(&value[i], rung, &ao[i], &near_irradiance[i]);
+    errors_of(&value[i], errors, &ao[i], &near_irradiance[i]);
 #endif
     finish(&value[i], estimate);
   }
@@ -339,34 +355,29 @@ INLINE void resolve(const hbil_view_args view, const hbil_layer_args in,
   EACH_RESOLVED(STORE_PLANE)
 }
 
-kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
-                      const hbil_layer_args lit, global const float *split,
+kernel void recompose(const hbil_recompose_args args, global const float *split,
                       global const float *light, global const float *estimate,
-                      global float *resolved, const hbil_plane_args out,
-                      global const uint *flags, const int still,
-                      global const hbil_rung *ladder, const int rungs,
-                      global const uint *tried) {
+                      global float *resolved, global const uint *flags) {
+  const hbil_view_args view = args.view;
+  const hbil_layer_args in = args.split, lit = args.light;
+  const hbil_plane_args out = args.planes;
+  const hbil_error_args errors = args.errors;
   const int x = (int)get_global_id(0) * VECTORS * HBIL_WIDTH;
   const int top = (int)get_global_id(1) * ROWS, y = top >> 2;
   if (4 * x >= view.width || top >= view.height ||
-      (still && !flags[HBIL_FLAG_CHANGED]))
+      (args.is_static && !flags[HBIL_FLAG_CHANGED]))
     return;
-#if ADAPTIVE
-  const hbil_rung rung = ladder[good_rung(tried, rungs - 1)];
-#else
-  const hbil_rung rung = ladder[0];
-#endif
 #if HBIL_WIDTH == 1
   resolve(view, in, lit, split, light, estimate, 0, top & 3, x, y, resolved,
-          out, rung);
+          out, errors);
 #else
-  /* begins a pixel before a vector, so that most loads are aligned */
+  /* the rows begin a pixel before a vector, so that most loads are aligned */
   realv memory[5 * TAP_ROW / HBIL_WIDTH + 1];
   float *rows[5];
   for (int k = 0; k < 5; ++k) {
     rows[k] = (float *)memory + HBIL_WIDTH - 1 + k * TAP_ROW;
     if (k > 0)
-      keep_row(in, lit, split, light, k - 3, x, y, rows[k]);
+      unpack_row(in, lit, split, light, k - 3, x, y, rows[k]);
   }
   const int last = min(ROWS, view.height - top) - 1;
   const int right = min(VECTORS * HBIL_WIDTH, (view.width + 3) / 4 - x);
@@ -376,14 +387,14 @@ kernel void recompose(const hbil_view_args view, const hbil_layer_args in,
     for (int k = 0; k < 4; ++k)
       rows[k] = rows[k + 1];
     rows[4] = oldest;
-    keep_row(in, lit, split, light, row + 2, x, y, oldest);
+    unpack_row(in, lit, split, light, row + 2, x, y, oldest);
     if (row < last)
       fetch_row(in, lit, split, light, row + 3, x, y);
     for (int v = 0; v < right; v += HBIL_WIDTH) {
       const float *const around[5] = {rows[0] + v, rows[1] + v, rows[2] + v,
                                       rows[3] + v, rows[4] + v};
       resolve(view, in, lit, split, light, estimate, around, row & 3, x + v,
-              y + (row >> 2), resolved, out, rung);
+              y + (row >> 2), resolved, out, errors);
     }
   }
 #endif

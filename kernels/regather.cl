@@ -1,67 +1,70 @@
 /*
- * regather: E_near of a frame in which nothing but light is new, of the form
- * factors that the gather has kept of the frame before (horizon_cache.clh). AO,
- * bent normals and all else it has left stay.
+ * regather: E_near of a frame in which nothing but light is new, by the horizon
+ * cache that the gather has filled in the last frame (lib/horizon_cache.clh).
+ * AO, bent normals and all else stay as the gather left them.
  *
- * Builds: GATHER_RADIANCE, FALLBACK_LAST_ACCEPTED, EXTRAPOLATE, STORAGE.
- *
- * Launch: as the gather's, of the rows that form factors are kept of.
- * In: split planes, form factors, what spans were spared.  Out: E_near
+ * Launch: as the gather's, of the rows that the cache holds.
+ * In: split planes, horizon cache, what was skipped for each span.  Out: E_near
  * in the light planes.
  */
+#include "lib/gathered_planes.clh"
+#include "lib/horizon_cache.clh"
+#include "lib/light_sum.clh"
+
+#if !defined(EXTRAPOLATE) || EXTRAPOLATE < 0 || EXTRAPOLATE > 1
+#error EXTRAPOLATE must be 0..1
+#endif
 
 /* What a half-slice's samples send. */
-INLINE shine half_slice(factors *kept, const realv own[3],
-                        global const float *from, uint plane) {
-  shine s = no_light(own);
-  const int hits = *kept->entry;
-  NEXT_ENTRY(kept);
+INLINE light_sum half_slice_light(cache_cursor *cache, const realv own[3],
+                                  global const float *from, uint plane) {
+  light_sum s = no_light(own);
+  const int hits = *cache->entry;
+  SKIP_ENTRY(cache);
   for (int i = 0; i < hits; ++i) {
-    global const float *sample = from + *kept->entry;
-    NEXT_ENTRY(kept);
-    const realv share = kept_factor(kept);
+    global const float *sample = from + *cache->entry;
+    SKIP_ENTRY(cache);
+    const realv share = cached_float(cache);
     realv accept = 1.0f;
 #if FALLBACK_LAST_ACCEPTED
-    accept = kept_factor(kept);
+    accept = cached_float(cache);
 #endif
     add_radiance(&s, share, accept, sample, plane);
   }
   return s;
 }
 
-/* Asks for a vector's form factors, for which nothing else tells where they
- * begin: as many as there are where a third of the samples rise. */
-INLINE void fetch_factors(factors kept, uint vectors, uint entries) {
+/* Prefetches the cache of a vector, since nothing else tells where it begins:
+ * as much as there is where a third of the samples rise. */
+INLINE void fetch_cache(cache_cursor cache, uint vectors, uint entries) {
 #if HBIL_WIDTH > 1
   for (uint i = 0u; i < vectors; ++i)
-    FETCH_LINE(kept.vector + i * HBIL_WIDTH);
+    FETCH_LINE(cache.next_floats + i * HBIL_WIDTH);
   for (uint i = 0u; i < entries; i += 16u)
-    FETCH_LINE(kept.entry + i);
+    FETCH_LINE(cache.entry + i);
 #endif
 }
 
 kernel void regather(const hbil_gather_args args, global const float *split,
                      global float *light, global const uchar *spans,
-                     global const uint *flags,
-                     const hbil_factor_args factor_args,
-                     global float *all_kept) {
+                     global const uint *flags, global float *whole_cache) {
   const hbil_layer_args in = args.split;
   const int x = (int)get_global_id(0) * (SPAN_VECTORS * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   const int layer = (int)get_global_id(2);
-  if (x >= in.width || y >= (int)factor_args.rows || !flags[HBIL_FLAG_CHANGED])
+  if (x >= in.width || y >= (int)args.cache.rows || !flags[HBIL_FLAG_CHANGED])
     return;
   const uint span = (uint)(x / (SPAN_VECTORS * HBIL_WIDTH));
   if (spans[(uint)(layer * in.height + y) * args.spans + span])
     return;
-  const uint first = first_vector(factor_args, args.spans, layer, y, span);
+  const uint first = first_vector(args.cache, args.spans, layer, y, span);
   split += (uint)y * in.row + (uint)x;
   light += (uint)layer * args.light.layer + args.light.origin +
            (uint)y * args.light.row + (uint)x;
   for (uint v = 0u; v < SPAN_VECTORS; ++v) {
-    factors kept = factors_of(factor_args, all_kept, first + v);
-    fetch_factors(factors_of(factor_args, all_kept, first + v + 2u),
-                  factor_args.factors / 3u, factor_args.entries);
+    cache_cursor cache = cache_at(args.cache, whole_cache, first + v);
+    fetch_cache(cache_at(args.cache, whole_cache, first + v + 2u),
+                args.cache.floats / 3u, args.cache.entries);
     global const float *from = split + v * HBIL_WIDTH;
     realv own[3] = {0.0f, 0.0f, 0.0f}, sum[3] = {0.0f, 0.0f, 0.0f};
 #if FALLBACK_LAST_ACCEPTED
@@ -70,21 +73,21 @@ kernel void regather(const hbil_gather_args args, global const float *split,
     for (int slice = 0; slice < args.slices; ++slice) {
       realv both[3] = {0.0f, 0.0f, 0.0f};
       for (int side = 0; side < 2; ++side) {
-        const shine s = half_slice(&kept, own, from, in.plane);
+        const light_sum s = half_slice_light(&cache, own, from, in.plane);
         realv more = 1.0f;
 #if EXTRAPOLATE
-        more = kept_factor(&kept);
+        more = cached_float(&cache);
 #endif
         both[0] = fma(more, s.red, both[0]);
         both[1] = fma(more, s.green, both[1]);
         both[2] = fma(more, s.blue, both[2]);
       }
-      const realv jacobian = kept_factor(&kept);
+      const realv jacobian = cached_float(&cache);
 #pragma unroll
       for (int c = 0; c < 3; ++c)
         sum[c] = fma(jacobian, both[c], sum[c]);
     }
-    const realv scale = kept_factor(&kept);
+    const realv scale = cached_float(&cache);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       sum[c] *= scale;

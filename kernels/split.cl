@@ -1,78 +1,106 @@
 /*
  * split: G-buffer -> 4x4 interleaved layers of inverse depth, view-space unit
- * normal that faces the eye, and the radiance the pixel sends.
+ * normal that faces the eye, and the radiance that the pixel sends.
  *
- * Builds: the inputs' formats, HAS_*, NORMAL_IS_WORLD, FEEDBACK_RADIANCE,
- * GATHER_RADIANCE (0: no radiance planes are written), GATHER_EMISSION,
- * SKIP_UNUSED (notes, a word for each work-item, where light has a use),
- * SKIP_OPEN, SKIP_DARK (notes what bounds.cl makes bounds of).
- * Counts what it could not use as it was (hbil_plan_sanitized()).
+ * relight: the radiance alone, for static frames.
+ *
  * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows.
  */
+#include "lib/bounds.clh"
+#include "lib/external_planes.clh"
+#include "lib/interleave.clh"
+#include "lib/layers.clh"
+#include "lib/sanitize.clh"
+#include "lib/split_planes.clh"
+
+#if !defined(FEEDBACK_RADIANCE) || FEEDBACK_RADIANCE < 0 ||                    \
+    FEEDBACK_RADIANCE > 1
+#error FEEDBACK_RADIANCE must be 0..1
+#endif
+#if !defined(GATHER_EMISSION) || GATHER_EMISSION < 0 || GATHER_EMISSION > 1
+#error GATHER_EMISSION must be 0..1
+#endif
+
+#if !defined(NORMAL_IS_WORLD) || NORMAL_IS_WORLD < 0 || NORMAL_IS_WORLD > 1
+#error NORMAL_IS_WORLD must be 0..1
+#endif
+#if !defined(SKIP_UNUSED) || SKIP_UNUSED < 0 || SKIP_UNUSED > 1
+#error SKIP_UNUSED must be 0..1
+#endif
+
+LOADER(depth, DEPTH_TYPE, DEPTH_STRIDE)
+LOADER(normal, NORMAL_TYPE, NORMAL_STRIDE)
+LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
+LOADER(f0, F0_TYPE, F0_STRIDE)
+LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
+LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
 
 #define INV_PI 0.318309886f
 
+/* --- normals ----------------------------------------------------------------
+ */
+
 /* The input's normal in view space. */
-INLINE void view_normal(const hbil_transform_args to_view,
-                        global const void *buffer,
-                        const hbil_external_plane_args image, int x, int y,
-                        int count, realv n[3]) {
+INLINE void view_normal(const hbil_split_args args, global const void *buffer,
+                        int x, int y, int count, realv n[3]) {
 #pragma unroll
   for (int c = 0; c < 3; ++c)
-    n[c] = load_normal(buffer, image, x, y, c, count);
+    n[c] = load_normal(buffer, args.normal, x, y, c, count);
 #if NORMAL_IS_WORLD
   const realv world[3] = {n[0], n[1], n[2]};
-  turned(to_view, world, n);
+  rotate_direction(args.to_view, world, n);
 #endif
-}
-
-/* Whether a normal has a direction, by the square of its length. */
-INLINE intv sound_normal(realv length2) {
-  return (length2 >= 1e-20f) & (length2 < INFINITY);
 }
 
 INLINE realv squared_length(const realv n[3]) {
   return fma(n[0], n[0], fma(n[1], n[1], n[2] * n[2]));
 }
 
-/* Makes it a normal that faces the eye by at least HBIL_MIN_COSINE, of unit
- * length unless pack_normal() will see to that; (rx, ry, 1) is the ray, a
- * normal that cannot be used becomes -ray and is taken from `sound`. */
-INLINE void facing_normal(realv n[3], realv rx, float ry, intv *sound) {
+/* Whether a normal of this squared length has a direction. */
+INLINE intv is_usable_normal(realv length2) {
+  return (length2 >= 1e-20f) & (length2 < INFINITY);
+}
+
+/* Turns n towards the eye until it faces it by at least HBIL_MIN_COSINE, and
+ * makes its length 1, unless pack_normal() will do that.  (rx, ry, 1) is the
+ * ray.  A normal that cannot be used becomes -ray; its lane is cleared in
+ * `usable`. */
+INLINE void face_the_eye(realv n[3], realv rx, float ry, intv *usable) {
   const realv ray2 = fma(rx, rx, (realv)fma(ry, ry, 1.0f));
   const realv length2 = squared_length(n);
-  const intv usable = sound_normal(length2);
-  *sound &= usable;
-  /* times both lengths: nearly every normal is plain, and the roots and
-   * quotients below are a tenth of this kernel's time.  A hundredth more than
-   * enough, so that no rounding matters. */
+  const intv has_direction = is_usable_normal(length2);
+  *usable &= has_direction;
+  /* The cosine times both lengths.  Nearly every normal faces the eye, and the
+   * roots and quotients below are a tenth of this kernel's time.  The limit is
+   * a hundredth above HBIL_MIN_COSINE, so that roundings don't matter. */
   const realv towards = -fma(n[0], rx, fma(n[1], (realv)ry, n[2]));
   const float least = 1.01f * HBIL_MIN_COSINE;
-  const intv plain = usable & (towards > 0.0f) &
+  const intv faces = has_direction & (towards > 0.0f) &
                      (towards * towards > least * least * ray2 * length2);
 #if PACKED
   const realv scale = 1.0f, eye_scale = 1.0f;
 #else
   const realv scale = 1.0f / sqrt(length2), eye_scale = 1.0f / sqrt(ray2);
 #endif
-  const intv odd = !plain;
-  if (ANY(odd)) {
+  const intv others = !faces;
+  if (ANY(others)) {
     const realv inv_r = 1.0f / sqrt(ray2), inv_length = 1.0f / sqrt(length2);
     const realv eye[3] = {-rx, (realv)-ry, -1.0f};
-    realv cosine = 0.0f, bent[3], bent2 = 0.0f;
+    realv cosine = 0.0f, turned[3], turned2 = 0.0f;
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       cosine = fma(n[c] * inv_length, eye[c] * inv_r, cosine);
     const realv missing = max(HBIL_MIN_COSINE - cosine, (realv)0.0f);
 #pragma unroll
     for (int c = 0; c < 3; ++c) {
-      bent[c] = fma(missing, eye[c] * inv_r, n[c] * inv_length);
-      bent2 = fma(bent[c], bent[c], bent2);
+      turned[c] = fma(missing, eye[c] * inv_r, n[c] * inv_length);
+      turned2 = fma(turned[c], turned[c], turned2);
     }
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      n[c] = select(select(eye[c] * eye_scale, bent[c] / sqrt(bent2), usable),
-                    n[c] * scale, plain);
+      n[c] = select(
+          select(eye[c] * eye_scale, turned[c] / sqrt(turned2), has_direction),
+          n[c] * scale, faces);
   } else {
 #pragma unroll
     for (int c = 0; c < 3; ++c)
@@ -80,189 +108,148 @@ INLINE void facing_normal(realv n[3], realv rx, float ry, intv *sound) {
   }
 }
 
-/* What makes radiance.  light, weight: of the last frame, light from the plane
- * of red on; null where there is none. */
-typedef struct sources {
-  global const void *albedo, *f0, *direct, *emission;
-  hbil_external_plane_args albedo_image, f0_image, direct_image, emission_image;
-  float direct_scale;
-  global const float *light, *weight;
-  uint plane;
-} sources;
+/* --- the radiance that a pixel sends
+ * ------------------------------------------- */
 
-/* Diffuse reflectance of channel c.  sound: of each input. */
-INLINE realv reflectance_of(const sources *s, int c, int x, int y, int count,
-                            intv *sound) {
+/* The caller's planes, and what was carried over from the last frame: its red
+ * plane, or null where there is none, and its weights. */
+typedef struct surface_inputs {
+  global const void *albedo, *f0, *direct, *emission;
+  global const float *history, *weight;
+} surface_inputs;
+
+/* Diffuse reflectance over pi of channel c, (1-F0) albedo/pi.  usable: of each
+ * input. */
+INLINE realv reflectance_of(const hbil_split_args args, const surface_inputs *s,
+                            int c, int x, int y, int count, intv *usable) {
   realv reflectance = INV_PI;
 #if HAS_ALBEDO
   reflectance *=
-      sound_share(load_albedo(s->albedo, s->albedo_image, x, y, c, count),
-                  sound + HBIL_SURFACE_ALBEDO);
+      usable_reflectance(load_albedo(s->albedo, args.albedo, x, y, c, count),
+                         usable + HBIL_SURFACE_ALBEDO);
 #endif
 #if HAS_F0
-  reflectance *= 1.0f - sound_share(load_f0(s->f0, s->f0_image, x, y, c, count),
-                                    sound + HBIL_SURFACE_F0);
+  reflectance *=
+      1.0f - usable_reflectance(load_f0(s->f0, args.f0, x, y, c, count),
+                                usable + HBIL_SURFACE_F0);
 #endif
   return reflectance;
 }
 
 #if GATHER_RADIANCE
-/* Radiance that pixels from (x, y) on send; `at`: their place in the planes.
- * Anything where there is no surface. */
-INLINE void radiance_of(const sources *s, int x, int y, int count, uint at,
-                        realv light[3], intv *sound) {
+/* Radiance that pixels from (x, y) on send.  `at` is their place in the carried
+ * planes.  Pixels of the sky get any value. */
+INLINE void radiance_of(const hbil_split_args args, const surface_inputs *s,
+                        int x, int y, int count, uint at, realv light[3],
+                        intv *usable) {
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     realv irradiance = 0.0f, emitted = 0.0f;
-    const realv reflectance = reflectance_of(s, c, x, y, count, sound);
+    const realv reflectance = reflectance_of(args, s, c, x, y, count, usable);
 #if HAS_DIRECT
-    irradiance =
-        sound_light(s->direct_scale *
-                        load_direct(s->direct, s->direct_image, x, y, c, count),
-                    sound + HBIL_SURFACE_DIRECT);
+    irradiance = usable_light(
+        args.direct_scale * load_direct(s->direct, args.direct, x, y, c, count),
+        usable + HBIL_SURFACE_DIRECT);
 #endif
 #if HAS_EMISSION && GATHER_EMISSION
-    emitted = sound_light(
-        load_emission(s->emission, s->emission_image, x, y, c, count),
-        sound + HBIL_SURFACE_EMISSION);
+    emitted =
+        usable_light(load_emission(s->emission, args.emission, x, y, c, count),
+                     usable + HBIL_SURFACE_EMISSION);
 #endif
 #if FEEDBACK_RADIANCE
     light[c] = fma(reflectance, irradiance, emitted);
-    if (s->light)
-      light[c] = select(light[c], READV(s->light + c * s->plane + at),
-                        READV(s->weight + at) > 0.0f);
+    if (s->history)
+      light[c] =
+          select(light[c], READV(s->history + c * args.planes.plane + at),
+                 READV(s->weight + at) > 0.0f);
 #else
-    if (s->light)
-      irradiance += READV(s->light + c * s->plane + at);
+    if (s->history)
+      irradiance += READV(s->history + c * args.planes.plane + at);
     light[c] = fma(reflectance, irradiance, emitted);
 #endif
   }
 }
 #endif
 
-/* What is there to be counted of inputs that were found wanting, in the
- * work-item's 4 HBIL_WIDTH pixels: read once more, since it is hardly ever. */
-INLINE void count_repaired(const hbil_view_args view,
-                           const hbil_transform_args to_view,
-                           const sources *from, global const void *depth_buffer,
-                           const hbil_external_plane_args depth_image,
-                           global const void *normal_buffer,
-                           const hbil_external_plane_args normal_image,
-                           float background, int x0, int y,
-                           volatile global uint *repaired) {
-  uint depths = 0u, normals = 0u, inputs[HBIL_SURFACE_INPUTS] = {0u};
+/* --- counts of sanitized pixels ----------------------------------------------
+ */
+
+/* Counts the inputs that could not be used, in the work-item's 4 HBIL_WIDTH
+ * pixels.  Reads them once more, since that is hardly ever needed. */
+INLINE void count_sanitized(const hbil_split_args args,
+                            const surface_inputs *inputs,
+                            global const void *depth_buffer,
+                            global const void *normal_buffer, int x0, int y,
+                            volatile global uint *sanitized) {
+  const hbil_view_args view = args.view;
+  uint depths = 0u, normals = 0u, surface[HBIL_SURFACE_INPUTS] = {0u};
   for (int x = x0; x < min(x0 + 4 * HBIL_WIDTH, view.width); x += HBIL_WIDTH) {
     const int count = view.width - x;
-    const realv depth = load_depth(depth_buffer, depth_image, x, y, 0, count);
+    const realv depth = load_depth(depth_buffer, args.depth, x, y, 0, count);
     const intv solid = planar_depth(depth, ray_x(view, x, 1), ray_y(view, y),
-                                    background) > 0.0f;
+                                    args.sky_depth) > 0.0f;
     realv n[3];
-    view_normal(to_view, normal_buffer, normal_image, x, y, count, n);
-    depths += count_lanes(!sound_depth(depth));
-    normals += count_lanes(solid & !sound_normal(squared_length(n)));
+    view_normal(args, normal_buffer, x, y, count, n);
+    depths += count_lanes(!is_usable_depth(depth));
+    normals += count_lanes(solid & !is_usable_normal(squared_length(n)));
 #if GATHER_RADIANCE
     realv light[3];
-    intv sound[HBIL_SURFACE_INPUTS];
+    intv usable[HBIL_SURFACE_INPUTS];
     for (int i = 0; i < HBIL_SURFACE_INPUTS; ++i)
-      sound[i] = TRUE_LANES;
-    sources anew = *from;
-    anew.light = 0;
-    radiance_of(&anew, x, y, count, 0u, light, sound);
+      usable[i] = TRUE_LANES;
+    surface_inputs without_history = *inputs;
+    without_history.history = 0;
+    radiance_of(args, &without_history, x, y, count, 0u, light, usable);
     for (int i = 0; i < HBIL_SURFACE_INPUTS; ++i)
-      inputs[i] += count_lanes(
-          (i == HBIL_SURFACE_EMISSION ? TRUE_LANES : solid) & !sound[i]);
+      surface[i] += count_lanes(
+          (i == HBIL_SURFACE_EMISSION ? TRUE_LANES : solid) & !usable[i]);
 #endif
   }
-  add_repaired(repaired + HBIL_SANITIZED_DEPTH, depths);
-  add_repaired(repaired + HBIL_SANITIZED_NORMAL, normals);
+  add_sanitized(sanitized + HBIL_SANITIZED_DEPTH, depths);
+  add_sanitized(sanitized + HBIL_SANITIZED_NORMAL, normals);
   for (int i = 0; i < HBIL_SURFACE_INPUTS; ++i)
-    add_repaired(repaired + HBIL_SANITIZED_SURFACE + i, inputs[i]);
+    add_sanitized(sanitized + HBIL_SANITIZED_SURFACE + i, surface[i]);
 }
 
-/* Where row y's layers have pixel x0 and those to its right. */
-INLINE uint place(const hbil_layer_args layout, int x0, int y) {
-  return layout.origin + (uint)(y & 3) * 4u * layout.layer +
-         (uint)(y >> 2) * layout.row + (uint)(x0 >> 2);
-}
+/* --- the kernels
+ * --------------------------------------------------------------- */
 
-#define HAS_BOUNDS (SKIP_OPEN || SKIP_DARK)
-
-#if HAS_BOUNDS && GATHER_RADIANCE
-/* Of 4*HBIL_WIDTH pixels: HBIL_SOME_.  value: planes of radiance.  Dark is what
- * has no light in some lane of all four vectors: a few pixels are not worth
- * asking every sample. */
-INLINE uint light_of(const realv w[4], realv value[][4]) {
-  intv lit = 0, dark = TRUE_LANES, solid = 0;
-#pragma unroll
-  for (int part = 0; part < 4; ++part) {
-    realv light[RADIANCE_PLANES];
-#pragma unroll
-    for (int p = 0; p < RADIANCE_PLANES; ++p)
-      light[p] = value[p][part];
-    const intv is_lit = shines(light);
-    lit |= is_lit;
-    dark &= !is_lit;
-    solid |= w[part] > SKY;
-  }
-  return (ANY(lit) ? HBIL_SOME_LIT : 0u) |
-         (ANY(dark & solid) ? HBIL_SOME_DARK : 0u);
-}
-#endif
-
-kernel void split(const hbil_view_args view, const hbil_transform_args to_view,
-                  global float *layers, const hbil_layer_args layout,
-                  global const float *carried, const hbil_plane_args planes,
-                  const int has_history, const float background,
-                  const float direct_scale, global const void *depth_buffer,
-                  const hbil_external_plane_args depth_image,
-                  global const void *normal_buffer,
-                  const hbil_external_plane_args normal_image,
-                  global const void *albedo_buffer,
-                  const hbil_external_plane_args albedo_image,
-                  global const void *f0_buffer,
-                  const hbil_external_plane_args f0_image,
-                  global const void *direct_buffer,
-                  const hbil_external_plane_args direct_image,
-                  global const void *emission_buffer,
-                  const hbil_external_plane_args emission_image,
-                  global uint *uses, volatile global uint *repaired,
-                  const hbil_grid_args groups, global uint *bounds) {
+kernel void split(const hbil_split_args args, global float *layers,
+                  global const float *carried, global const void *depth_buffer,
+                  global const void *normal_buffer, global const void *albedo,
+                  global const void *f0, global const void *direct,
+                  global const void *emission, global uint *uses,
+                  volatile global uint *sanitized, global uint *bounds) {
+  const hbil_view_args view = args.view;
   const int x0 = (int)get_global_id(0) * (4 * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
     return;
-  const sources from = {albedo_buffer,
-                        f0_buffer,
-                        direct_buffer,
-                        emission_buffer,
-                        albedo_image,
-                        f0_image,
-                        direct_image,
-                        emission_image,
-                        direct_scale,
-                        has_history ? carried : 0,
-                        carried + HBIL_CARRIED_WEIGHT * planes.plane,
-                        planes.plane};
-#if SKIP_UNUSED
-  intv used = 0;
-#endif
-  intv wanting = 0;
+  const surface_inputs inputs = {
+      albedo,
+      f0,
+      direct,
+      emission,
+      args.has_history ? carried + HBIL_CARRIED_RED * args.planes.plane : 0,
+      carried + HBIL_CARRIED_WEIGHT * args.planes.plane};
+  intv used = 0, unusable = 0;
   realv value[SPLIT_PLANES][4];
   const float ry = ray_y(view, y);
 #pragma unroll
   for (int part = 0; part < 4; ++part) {
     const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
     const realv rx = ray_x(view, x, 1);
-    const realv depth = load_depth(depth_buffer, depth_image, x, y, 0, count);
-    const realv z = planar_depth(depth, rx, ry, background);
+    const realv depth = load_depth(depth_buffer, args.depth, x, y, 0, count);
+    const realv z = planar_depth(depth, rx, ry, args.sky_depth);
     const intv solid = z > 0.0f;
     const realv w = w_at(z);
-    /* normals share the first; only emission counts in the sky, too */
-    intv sound[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
-                                       TRUE_LANES};
+    /* Normals share the first mask.  Emission counts in the sky, too; the
+     * others only on surfaces. */
+    intv usable[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
+                                        TRUE_LANES};
     realv n[3];
-    view_normal(to_view, normal_buffer, normal_image, x, y, count, n);
-    facing_normal(n, rx, ry, sound);
+    view_normal(args, normal_buffer, x, y, count, n);
+    face_the_eye(n, rx, ry, usable);
     value[HBIL_SPLIT_W][part] = select((realv)HBIL_NOTHING, w, solid);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
@@ -270,8 +257,8 @@ kernel void split(const hbil_view_args view, const hbil_transform_args to_view,
     pack_split_normal(n, value + HBIL_SPLIT_NORMAL, part);
 #if GATHER_RADIANCE
     realv light[3];
-    radiance_of(&from, x, y, count, (uint)y * planes.row + (uint)x, light,
-                sound);
+    radiance_of(args, &inputs, x, y, count, (uint)y * args.planes.row + (uint)x,
+                light, usable);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       light[c] = select((realv)0.0f, light[c], solid);
@@ -280,123 +267,108 @@ kernel void split(const hbil_view_args view, const hbil_transform_args to_view,
 #if SKIP_UNUSED
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      used |= solid & (reflectance_of(&from, c, x, y, count, sound) > 0.0f);
+      used |= solid &
+              (reflectance_of(args, &inputs, c, x, y, count, usable) > 0.0f);
 #endif
-    wanting |= !sound_depth(depth) | !sound[HBIL_SURFACE_EMISSION] |
-               (solid & !(sound[HBIL_SURFACE_ALBEDO] & sound[HBIL_SURFACE_F0] &
-                          sound[HBIL_SURFACE_DIRECT]));
+    unusable |=
+        !is_usable_depth(depth) | !usable[HBIL_SURFACE_EMISSION] |
+        (solid & !(usable[HBIL_SURFACE_ALBEDO] & usable[HBIL_SURFACE_F0] &
+                   usable[HBIL_SURFACE_DIRECT]));
   }
-  if (ANY(wanting))
-    count_repaired(view, to_view, &from, depth_buffer, depth_image,
-                   normal_buffer, normal_image, background, x0, y, repaired);
+  if (ANY(unusable))
+    count_sanitized(args, &inputs, depth_buffer, normal_buffer, x0, y,
+                    sanitized);
 #if SKIP_UNUSED
   uses[(uint)y * (uint)((view.width + 4 * HBIL_WIDTH - 1) / (4 * HBIL_WIDTH)) +
        (uint)get_global_id(0)] = ANY(used);
 #endif
 #if HAS_BOUNDS
-  bounds +=
-      groups.offset + 2u * (uint)(y * groups.width + (int)get_global_id(0));
-  const realv *const nearest = value[HBIL_SPLIT_W];
-  bounds[0] = as_uint(
-      lanes_max(max(max(nearest[0], nearest[1]), max(nearest[2], nearest[3]))));
+  bounds = group_bounds(args.groups, bounds, y);
+  bounds[0] = nearest_of_group(value[HBIL_SPLIT_W]);
 #if GATHER_RADIANCE
-  bounds[1] = light_of(value[HBIL_SPLIT_W], value + RADIANCE_PLANE);
+  bounds[1] = light_of_group(value[HBIL_SPLIT_W], value + RADIANCE_PLANE);
 #else
   bounds[1] = 0u;
 #endif
 #endif
-  /* Lanes right of the image loaded depth 0: they are sky, and so is the
-   * layers' right-hand rest. */
-  global float *out = layers + place(layout, x0, y);
+  /* Lanes right of the picture loaded depth 0: they are sky, and so are the
+   * right-hand ends of the layers' rows. */
+  global float *out =
+      layers + layer_address(args.layers, 0, y & 3, x0 >> 2, y >> 2);
   const int planes_out = GATHER_RADIANCE ? SPLIT_PLANES : RADIANCE_PLANE;
   for (int p = 0; p < planes_out; ++p) {
     realv column[4];
     DEINTERLEAVE(value[p], column);
 #pragma unroll
     for (int i = 0; i < 4; ++i)
-      STREAMV(column[i], out + p * layout.plane + (uint)i * layout.layer);
+      STREAMV(column[i],
+              out + p * args.layers.plane + (uint)i * args.layers.layer);
   }
 }
 
 #if GATHER_RADIANCE
 /*
- * The radiance alone, of a frame that is the one before but for its light:
- * nothing has moved, so `history` is this view's.  Raises HBIL_FLAG_CHANGED,
- * filled with 0, where anything differs from what is there already.
+ * The radiance alone, of a frame in which nothing but light differs from the
+ * last one: `history` is this view's.  Raises HBIL_FLAG_CHANGED, which the host
+ * has cleared, where anything differs from what the layers hold.
  */
-kernel void relight(
-    const hbil_view_args view, global float *layers,
-    const hbil_layer_args layout, global const float *history,
-    const hbil_plane_args planes, const int has_history, const float background,
-    const float direct_scale, global const void *depth_buffer,
-    const hbil_external_plane_args depth_image,
-    global const void *albedo_buffer,
-    const hbil_external_plane_args albedo_image, global const void *f0_buffer,
-    const hbil_external_plane_args f0_image, global const void *direct_buffer,
-    const hbil_external_plane_args direct_image,
-    global const void *emission_buffer,
-    const hbil_external_plane_args emission_image, global uint *flags,
-    const hbil_grid_args groups, global uint *bounds) {
+kernel void relight(const hbil_split_args args, global float *layers,
+                    global const float *history,
+                    global const void *depth_buffer, global const void *albedo,
+                    global const void *f0, global const void *direct,
+                    global const void *emission, global uint *flags,
+                    global uint *bounds) {
+  const hbil_view_args view = args.view;
   const int x0 = (int)get_global_id(0) * (4 * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
     return;
-  history += hbil_history_origin(planes);
-  /* where there is a surface its inverse depth is above 0, a weight */
-  const sources from = {albedo_buffer,
-                        f0_buffer,
-                        direct_buffer,
-                        emission_buffer,
-                        albedo_image,
-                        f0_image,
-                        direct_image,
-                        emission_image,
-                        direct_scale,
-                        has_history ? history + HBIL_HISTORY_RED * planes.plane
-                                    : 0,
-                        history + HBIL_HISTORY_W * planes.plane,
-                        planes.plane};
-  realv value[RADIANCE_PLANES][4];
-#if HAS_BOUNDS
-  realv w[4];
-#endif
+  history += hbil_history_origin(args.planes);
+  /* A surface's inverse depth is above 0, as a weight must be. */
+  const surface_inputs inputs = {
+      albedo,
+      f0,
+      direct,
+      emission,
+      args.has_history ? history + HBIL_HISTORY_RED * args.planes.plane : 0,
+      history + HBIL_HISTORY_W * args.planes.plane};
+  realv value[RADIANCE_PLANES][4], w[4];
 #pragma unroll
   for (int part = 0; part < 4; ++part) {
     const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
     const intv solid =
-        planar_depth(load_depth(depth_buffer, depth_image, x, y, 0, count),
-                     ray_x(view, x, 1), ray_y(view, y), background) > 0.0f;
-    /* counted when they were split */
-    intv sound[HBIL_SURFACE_INPUTS] = {0};
+        planar_depth(load_depth(depth_buffer, args.depth, x, y, 0, count),
+                     ray_x(view, x, 1), ray_y(view, y), args.sky_depth) > 0.0f;
+    /* split has counted what isn't usable */
+    intv usable[HBIL_SURFACE_INPUTS] = {0};
     realv light[3];
-    radiance_of(&from, x, y, count, (uint)y * planes.row + (uint)x, light,
-                sound);
+    radiance_of(args, &inputs, x, y, count, (uint)y * args.planes.row + (uint)x,
+                light, usable);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       light[c] = select((realv)0.0f, light[c], solid);
     pack_split_radiance(light, value, part);
-#if HAS_BOUNDS
     w[part] = select((realv)HBIL_NOTHING, (realv)1.0f, solid);
-#endif
   }
 #if HAS_BOUNDS
-  bounds[groups.offset + 2u * (uint)(y * groups.width + (int)get_global_id(0)) +
-         1u] = light_of(w, value);
+  group_bounds(args.groups, bounds, y)[1] = light_of_group(w, value);
 #endif
-  global float *out =
-      layers + place(layout, x0, y) + RADIANCE_PLANE * layout.plane;
+  global float *out = layers +
+                      layer_address(args.layers, 0, y & 3, x0 >> 2, y >> 2) +
+                      RADIANCE_PLANE * args.layers.plane;
   for (int p = 0; p < RADIANCE_PLANES; ++p) {
     realv column[4];
     intv changed = 0;
     DEINTERLEAVE(value[p], column);
 #pragma unroll
     for (int i = 0; i < 4; ++i) {
-      global float *to = out + p * layout.plane + (uint)i * layout.layer;
+      global float *to =
+          out + p * args.layers.plane + (uint)i * args.layers.layer;
       changed |= AS_INTV(LOADV(to)) != AS_INTV(column[i]);
       STOREV(column[i], to);
     }
     if (ANY(changed))
-      flags[HBIL_FLAG_CHANGED] = 1u; /* whoever else writes writes the same */
+      flags[HBIL_FLAG_CHANGED] = 1u; /* all who write write the same */
   }
 }
 #endif

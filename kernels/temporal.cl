@@ -1,26 +1,48 @@
 /*
- * temporal: what recompose has made, averaged over frames.  The pattern turns
- * with hbil_frame.index, so each frame looks along other directions and at
- * other samples; their mean converges where a single frame's filter can't.
+ * temporal: the resolved light, averaged over frames.
  *
- * For every surface the kernel looks up where it was in the frame before, by
- * the cameras or by motion vectors, and takes the mean of the four pixels there
- * that show the same surface: whose depth is off the surface's tangent plane by
- * disocclusion at most, as a share of the plane's own depth there (tilted
- * surfaces are not cut), and whose normal is turned by less than recompose's
- * filter takes for one surface.
+ * The pattern turns with hbil_frame.frame_index, so that each frame samples
+ * other directions and other addresses; the mean converges where a single
+ * frame's filter can't.
  *
- * Each pixel knows how many frames it is the mean of; four pixels' numbers are
- * weighed like their light, those left out as 0.  Frame n weighs 1/n until n is
- * `most`, then 1/most.  Where nothing is found, or what is found is no number,
- * the frame stands alone, bit for bit, and counting starts anew.
+ * For every surface the kernel finds where it was in the last frame, by the
+ * cameras or by motion vectors, and takes the mean of those of the four pixels
+ * there that show the same surface: their depth is off the surface's tangent
+ * plane by at most disocclusion_threshold, as a share of the plane's own depth
+ * there (so tilted surfaces are not cut), and their normal is turned by less
+ * than recompose's filter takes for one surface.
  *
- * Builds: REPROJECT_MOTION, MOTION_*, DISOCCLUSION (finite), HISTORY,
- * GATHER_RADIANCE, GATHER_BENT, STORAGE.
+ * Each pixel stores how many frames it is the mean of; the four numbers are
+ * weighted like their light, and those left out count as 0.  Frame n has weight
+ * 1/n until n is most_frames, then 1/most_frames.  Where nothing is found, or
+ * something that is not finite, the frame stands alone, bit for bit, and
+ * counting starts again.
+ *
  * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows.
- * In: split planes (guides), resolved, kept planes of the frame before.  Out:
- * resolved, kept planes of this frame, whose bent normals have any length.
+ * In: split planes (guides), resolved light, the history of the last frame.
+ * Out: resolved light, the history of this frame, whose bent normals have any
+ * length.
  */
+#include "lib/external_planes.clh"
+#include "lib/interleave.clh"
+#include "lib/layers.clh"
+#include "lib/plane_addressing.clh"
+#include "lib/sanitize.clh"
+#include "lib/split_planes.clh"
+
+#if !defined(REPROJECT_MOTION) || REPROJECT_MOTION < 0 || REPROJECT_MOTION > 1
+#error REPROJECT_MOTION must be 0..1
+#endif
+#if !defined(DISOCCLUSION) || DISOCCLUSION < 0 || DISOCCLUSION > 1
+#error DISOCCLUSION must be 0..1
+#endif
+#if !defined(HISTORY) || HISTORY < 0 || HISTORY > 1
+#error HISTORY must be 0..1
+#endif
+
+#if REPROJECT_MOTION
+LOADER(motion, MOTION_TYPE, MOTION_STRIDE)
+#endif
 
 /* --- what is known of the pixels of this frame --------------------------- */
 
@@ -33,8 +55,7 @@ INLINE void as_pixels(const realv *layer, realv *pixels) {
 INLINE void load_guides(const hbil_layer_args in, global const float *split,
                         int x, int y, realv w[4], realv n[3][4]) {
   realv depth[4], normal[3][4];
-  split += (uint)(4 * (y & 3)) * in.layer + in.origin +
-           (uint)(y >> 2) * in.row + (uint)(x >> 2);
+  split += layer_address(in, 0, y & 3, x >> 2, y >> 2);
 #pragma unroll
   for (int i = 0; i < 4; ++i) {
     global const float *at = split + (uint)i * in.layer;
@@ -53,19 +74,19 @@ INLINE void load_guides(const hbil_layer_args in, global const float *split,
 
 /* --- where they were ----------------------------------------------------- */
 
-/* A place in the frame before: pixels, 0 at the first one's centre; depth and
- * normal that are expected there. */
+/* A position in the last frame, in pixels, 0 at the centre of the first one;
+ * the depth and the normal that are expected there. */
 typedef struct past {
   realv u, v, z, n[3];
 } past;
 
 #if REPROJECT_MOTION
-/* Pixels whose motion is no number have u or v that is none either. */
+/* Where motion is not finite, u or v isn't either. */
 INLINE past past_of(const hbil_view_args before, const hbil_transform_args back,
                     const realv p[3], realv mx, realv my, int x, int y) {
   past then;
   realv there[3];
-  turned(back, p, there);
+  rotate_direction(back, p, there);
   then.z = there[2] + back.m[11];
   then.u = TO_REALV(x + EACH_LANE) + mx;
   then.v = (float)y + my;
@@ -76,7 +97,7 @@ INLINE past past_of(const hbil_view_args before, const hbil_transform_args back,
                     const realv p[3]) {
   past then;
   realv there[3];
-  turned(back, p, there);
+  rotate_direction(back, p, there);
   then.z = there[2] + back.m[11];
   const realv inv_z = 1.0f / spread_at(then.z);
   then.u =
@@ -87,31 +108,31 @@ INLINE past past_of(const hbil_view_args before, const hbil_transform_args back,
 }
 #endif
 
-/* Places are taken to 1/256 of a pixel, as texture units do: a few roundings of
- * a float, which an image of 8192 pixels spends on a projection, are less than
- * half of that, so what has not moved is found in one pixel, not in four. */
+/* Rounds to 1/256 of a pixel, as texture units do.  The roundings of a
+ * projection into an image of 8192 pixels are less than half of that, so what
+ * has not moved is found in one pixel, not in four. */
 INLINE realv to_subpixel(realv v) {
   return rint(v * 256.0f) * (1.0f / 256.0f);
 }
 
 /* --- what is there ------------------------------------------------------- */
 
-/* What the frame before knows of a vector of pixels: how many frames that is
- * the mean of (0: nothing is known), and the mean. */
-typedef struct memory {
+/* The history of a vector of pixels: the number of frames (0: there is none)
+ * and the mean over them. */
+typedef struct past_light {
   realv frames, value[HBIL_LIGHT_PLANES];
-} memory;
+} past_light;
 
-/* How the places of a vector are read: the four pixels about each out of a
- * window, or one, where nothing has moved; or run by run. */
+/* How the positions of a vector are read: the four pixels about each out of a
+ * window; one pixel each, where nothing has moved; or run by run. */
 enum { READ_FOUR, READ_ONE, READ_RUNS };
-typedef struct places {
+typedef struct addresses {
   window fit;
   runs run;
-} places;
+} addresses;
 
 /* A plane's values at the four pixels; READ_ONE: at the first. */
-INLINE void load_taps(global const float *plane, const places *from, int how,
+INLINE void load_taps(global const float *plane, const addresses *from, int how,
                       uint row, realv tap[4]) {
   if (how == READ_FOUR) {
     FETCH_WINDOW(plane, &from->fit, 1, 6 * HBIL_WIDEST);
@@ -127,13 +148,13 @@ INLINE void load_taps(global const float *plane, const places *from, int how,
   load_four_runs(plane, &from->run, row, tap);
 }
 
-/* then: expected at the sources, which are about `four`. */
-INLINE memory recall_from(const hbil_view_args before, const past *then,
-                          const corners *four, global const float *kept,
-                          const hbil_plane_args planes, float disocclusion,
-                          const places *from, int how) {
+/* The past light at `four`, as far as what is there is what `then` expects. */
+INLINE past_light recall_from(const hbil_view_args before, const past *then,
+                              const corners *four, global const float *history,
+                              const hbil_plane_args planes, float disocclusion,
+                              const addresses *from, int how) {
   const int taps = how == READ_ONE ? 1 : 4;
-  memory m;
+  past_light m;
   realv total = 0.0f, tap[4];
   intv same[4];
 #if DISOCCLUSION && ORTHOGRAPHIC
@@ -155,7 +176,7 @@ INLINE memory recall_from(const hbil_view_args before, const past *then,
       then->z * fma(step_x, four->a, fma(step_y, four->b, first));
 #endif
 #define LOAD_TAPS(p)                                                           \
-  load_taps(kept + (p)*planes.plane, from, how, planes.row, tap);
+  load_taps(history + (p)*planes.plane, from, how, planes.row, tap);
   LOAD_TAPS(HBIL_TEMPORAL_W)
 #pragma unroll
   for (int t = 0; t < taps; ++t) {
@@ -201,32 +222,33 @@ INLINE memory recall_from(const hbil_view_args before, const past *then,
   return m;
 }
 
-/* The same.  Each way of reading has a body of its own, without a branch. */
-INLINE memory recall(const hbil_view_args before, const past *then,
-                     const corners *four, global const float *kept,
-                     const hbil_plane_args planes, float disocclusion) {
-  const intv place = four->top * (int)planes.row + four->left;
-  places from;
+/* Chooses how to read.  Each way has a body of its own, without branches. */
+INLINE past_light recall(const hbil_view_args before, const past *then,
+                         const corners *four, global const float *history,
+                         const hbil_plane_args planes, float disocclusion) {
+  const intv position = four->top * (int)planes.row + four->left;
+  addresses from;
   if (!ANY(four->inside)) {
-    memory nothing;
+    past_light nothing;
     nothing.frames = 0.0f;
 #define FORGET(p) nothing.value[p] = 0.0f;
     EACH_RESOLVED(FORGET)
     return nothing;
   }
-  if (find_window(place, four->inside, planes.row, &from.fit)) {
+  if (find_window(position, four->inside, planes.row, &from.fit)) {
     if (!ANY(four->inside & ((four->a > 0.0f) | (four->b > 0.0f))))
-      return recall_from(before, then, four, kept, planes, disocclusion, &from,
-                         READ_ONE);
-    return recall_from(before, then, four, kept, planes, disocclusion, &from,
+      return recall_from(before, then, four, history, planes, disocclusion,
+                         &from, READ_ONE);
+    return recall_from(before, then, four, history, planes, disocclusion, &from,
                        READ_FOUR);
   }
-  from.run = find_runs(place, four->inside);
-  return recall_from(before, then, four, kept, planes, disocclusion, &from,
+  from.run = find_runs(position, four->inside);
+  return recall_from(before, then, four, history, planes, disocclusion, &from,
                      READ_RUNS);
 }
 
-/* --- both ---------------------------------------------------------------- */
+/* --- the mean ----------------------------------------------------------------
+ */
 
 #if GATHER_BENT
 /* A mean of unit vectors, to unit length; 0 where they cancel. */
@@ -243,10 +265,10 @@ INLINE void normalize_bent(realv *value) {
 }
 #endif
 
-/* A vector of pixels.  w, n: theirs; kept: of this frame, at them; resolved:
- * the same.  most: frames. */
-INLINE void blend(const memory *m, realv w, const realv n[3], intv solid,
-                  float most, global float *kept, global float *resolved,
+/* Blends a vector of pixels into the mean.  w, n: their inverse depth and
+ * normal; history, resolved: this frame's planes, at these pixels. */
+INLINE void blend(const past_light *m, realv w, const realv n[3], intv solid,
+                  float most, global float *history, global float *resolved,
                   const hbil_plane_args planes) {
   const intv found = solid & (m->frames > 0.0f);
   const realv frames =
@@ -258,13 +280,13 @@ INLINE void blend(const memory *m, realv w, const realv n[3], intv solid,
   mean[p] = select(fresh[p], fma(fresh[p] - m->value[p], share, m->value[p]),  \
                    found);                                                     \
   size += fabs(mean[p]);                                                       \
-  STREAMV(mean[p], kept + (HBIL_TEMPORAL_LIGHT + (p)) * planes.plane);
+  STREAMV(mean[p], history + (HBIL_TEMPORAL_LIGHT + (p)) * planes.plane);
   EACH_RESOLVED(BLEND)
-  STREAMV(w, kept + HBIL_TEMPORAL_W * planes.plane);
+  STREAMV(w, history + HBIL_TEMPORAL_W * planes.plane);
   STREAMV(AS_REALV(AS_INTV(pack_normal(n[0], n[1], n[2]))),
-          kept + HBIL_TEMPORAL_NORMAL * planes.plane);
+          history + HBIL_TEMPORAL_NORMAL * planes.plane);
   STREAMV(select((realv)0.0f, frames, solid & (size < INFINITY)),
-          kept + HBIL_TEMPORAL_FRAMES * planes.plane);
+          history + HBIL_TEMPORAL_FRAMES * planes.plane);
 #if GATHER_BENT
   normalize_bent(mean);
 #endif
@@ -273,25 +295,21 @@ INLINE void blend(const memory *m, realv w, const realv n[3], intv solid,
   EACH_RESOLVED(SHOW)
 }
 
-/* back: from this view to the one before.  has_before: 0 in a first frame. */
-kernel void temporal(const hbil_view_args view, const hbil_view_args before,
-                     const hbil_transform_args back, const hbil_layer_args in,
-                     global const float *split, global float *resolved,
-                     global const float *kept_before, global float *kept,
-                     const hbil_plane_args planes, const int has_before,
-                     const float disocclusion, const float most,
-                     global const void *motion_buffer,
-                     const hbil_external_plane_args motion_image,
-                     const float scale_x, const float scale_y,
-                     volatile global uint *repaired) {
+kernel void temporal(const hbil_temporal_args args, global const float *split,
+                     global float *resolved, global const float *history_before,
+                     global float *history, global const void *motion_buffer,
+                     volatile global uint *sanitized) {
+  const hbil_view_args view = args.view, before = args.before;
+  const hbil_transform_args back = args.back;
+  const hbil_plane_args planes = args.planes;
   const int x0 = (int)get_global_id(0) * 4 * HBIL_WIDTH;
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
     return;
   realv w[4], normals[3][4];
-  load_guides(in, split, x0, y, w, normals);
-  kept_before += hbil_history_origin(planes);
-  kept += hbil_history_origin(planes);
+  load_guides(args.split, split, x0, y, w, normals);
+  history_before += hbil_history_origin(planes);
+  history += hbil_history_origin(planes);
   for (int i = 0; i < 4; ++i) {
     const int x = x0 + i * HBIL_WIDTH;
     const uint pixel = (uint)y * planes.row + (uint)x;
@@ -300,31 +318,34 @@ kernel void temporal(const hbil_view_args view, const hbil_view_args before,
     const realv z = depth_at(w[i]), spread = spread_at(z);
     const realv p[3] = {plane_x(view, x, 1) * spread, plane_y(view, y) * spread,
                         z};
-    const intv known = has_before ? solid : (intv)0;
+    const intv known = args.has_before ? solid : (intv)0;
 #if REPROJECT_MOTION
     realv mx = 0.0f, my = 0.0f;
-    if (has_before) {
+    if (args.has_before) {
       const int count = view.width - x;
-      mx = load_motion(motion_buffer, motion_image, x, y, 0, count) * scale_x;
-      my = load_motion(motion_buffer, motion_image, x, y, 1, count) * scale_y;
+      mx = load_motion(motion_buffer, args.motion, x, y, 0, count) *
+           args.motion_scale[0];
+      my = load_motion(motion_buffer, args.motion, x, y, 1, count) *
+           args.motion_scale[1];
 #if !HISTORY
-      /* else reproject has counted them */
-      add_repaired(repaired + HBIL_SANITIZED_MOTION,
-                   count_lanes(solid & !((fabs(mx) < INFINITY) &
-                                         (fabs(my) < INFINITY))));
+      /* with a history the reprojection has counted them */
+      add_sanitized(sanitized + HBIL_SANITIZED_MOTION,
+                    count_lanes(solid & !((fabs(mx) < INFINITY) &
+                                          (fabs(my) < INFINITY))));
 #endif
     }
     past then = past_of(before, back, p, mx, my, x, y);
 #else
     past then = past_of(before, back, p);
 #endif
-    turned(back, n, then.n);
+    rotate_direction(back, n, then.n);
     const corners four =
         corners_about(to_subpixel(then.u), to_subpixel(then.v),
                       known & (then.z > 0.0f) & (then.z < INFINITY),
                       before.width, before.height);
-    const memory m =
-        recall(before, &then, &four, kept_before, planes, disocclusion);
-    blend(&m, w[i], n, solid, most, kept + pixel, resolved + pixel, planes);
+    const past_light m = recall(before, &then, &four, history_before, planes,
+                                args.disocclusion_threshold);
+    blend(&m, w[i], n, solid, args.most_frames, history + pixel,
+          resolved + pixel, planes);
   }
 }

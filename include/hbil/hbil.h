@@ -248,40 +248,21 @@ typedef enum hbil_sample_grid {
 } hbil_sample_grid;
 
 /*
- * How the layers between split and recompose are kept.  Depth is always fp32.
- * Fewer words are faster wherever memory is the limit.  What each changes
- * against FLOAT32, RMSE over the mean, on path-traced dumps with 2 slices x 8
- * samples a side, while sampling is off by hundreds of times that and more
- * (`hbil bench` has both):
- *              words a pixel   E_near                  AO
- *   PACKED     3 + 3           4e-4 to 9.4e-4          1.5e-5
- *   FLOAT32    7 + 7 or 8      0                       0
- *   HALF       4 + 4           1e-4 to 1.8e-4          5.5e-5
- *   FLOAT11    3 + 3           1.1e-3 to 2.6e-3        1.5e-5
- * As hbil process has them, 48 samples and occluders that end, E_near is off by
- * 9e-4, 7e-4 and 1.4e-3 at most, and AO by 5e-4.  Where all surfaces send one
- * even radiance, all samples are rounded alike: in the tests' noise-free room
- * PACKED is off by 2.1e-3, HALF by 2.1e-4, FLOAT11 by 4.6e-3; roundings allow
- * 5e-3, 1e-3 and 2e-2.  PACKED has one exponent for three channels: what is
- * less than a 500th of the brightest is lost.
- * HBIL_FALLBACK_LAST_ACCEPTED jumps where a rounding makes a sample rise or
- * not: there single pixels differ by more.
+ * How the layers between split and recompose are stored.  Depth is always fp32.
+ * Fewer words are faster wherever memory is the limit.  PACKED differs from
+ * FLOAT32 by at most 1e-3 of E_near's mean and 5e-4 of AO (RMSE, path-traced dumps,
+ * doc/measurements.md), while sampling is off by hundreds of times that.  Where all
+ * surfaces send one even radiance, all samples are rounded alike: there E_near is off
+ * by 2.1e-3; roundings allow 5e-3.  PACKED has one exponent for three channels:
+ * what is less than a 500th of the brightest is lost.
  */
 typedef enum hbil_storage {
-  /* normals octahedral in 2 x 16 bits; radiance, up to 1e30, with 8 bits a
-   * channel and a common exponent, E_near with 10; AO in 16 bits, the unknown
-   * share in 8, the bent normal in 11, 11 and 10, dithered over the 16 layers
-   */
+  /* 3 + 3 words a pixel.  Normals octahedral in 2 x 16 bits; radiance, up to 1e30,
+   * with 8 bits a channel and a common exponent, E_near with 10; AO in 16 bits, the
+   * unknown share in 8, the bent normal in 11, 11 and 10, dithered over the 16
+   * layers. */
   HBIL_STORAGE_PACKED = 0,
-  HBIL_STORAGE_FLOAT32 = 1,
-  /* normals as in PACKED, all else in halves: radiance and E_near end at 65504,
-   * and brighter ones become that; below 6e-5 they lose digits, and below 3e-8
-   * all */
-  HBIL_STORAGE_HALF = 2,
-  /* as PACKED, but radiance in 11-11-10 floats (R11G11B10F: 5 bits of exponent,
-   * 6, 6 and 5 of mantissa): it ends at 65024, blue at 64512; below 6e-5 it
-   * loses digits, and below 5e-7 all, blue below 1e-6 */
-  HBIL_STORAGE_FLOAT11 = 3
+  HBIL_STORAGE_FLOAT32 = 1 /* 7 + 7 or 8 floats a pixel */
 } hbil_storage;
 
 /*
@@ -307,8 +288,8 @@ typedef enum hbil_skip {
   HBIL_SKIP_RADIUS = 16,
   /* push_pull, where nothing is to be filled */
   HBIL_SKIP_HOLES = 32,
-  /* all passes of frames with hbil_frame.still; see horizon_cache_bytes */
-  HBIL_SKIP_STILL = 64,
+  /* all passes of frames with hbil_frame.static_frame; see horizon_cache_bytes */
+  HBIL_SKIP_STATIC = 64,
   HBIL_SKIP_ALL = 127
 } hbil_skip;
 
@@ -404,22 +385,6 @@ typedef struct hbil_config {
    * radiance; where samples are all the pixels nothing changes.  Costs an angle
    * a half-slice: a seventh of the gather at 2 x 8.  Default CL_TRUE. */
   cl_bool extrapolate;
-  /* Adaptive sampling: the error that 95 % of the pixels shall have at most,
-   * max_error[0] of AO, max_error[1] of E_near over its mean in the frame.
-   * Infinity (default): any; where both are, every frame has `slices` and
-   * `samples`.  Otherwise those are the most: a frame for which fewer will do
-   * has 1 x 4, 6, 8, 12, 16, 24, 32, 48, 2 x 32, 48, 64, 96, 128 or 192.  A few
-   * tiles of 128x4 pixels tell which, 40 of them, that look around with one
-   * number after another and with 2 x 96, or fewer where the limits are lax:
-   * of 1280x720 pixels one in 45 (HACKING.md, "Adaptive sampling", has for
-   * which limits that is worth it, and where it was not kept).  With slices 1
-   * it is 1 x 64, 96, 128, 192 above 1 x 48.  What the filter of recompose adds
-   * to the error is in it, and where even the most samples are not enough, the
-   * error is what it is.  Frames are chosen for one by one, but for those that
-   * keep the choice (hbil_frame.keep_choice): pictures of a sequence may have
-   * different numbers.  Not with unfiltered.
-   */
-  float max_error[2];
   float facing_fade[2]; /* radiance of a sample fades in as the cosine between
                       its normal and the direction back to the point goes
                       from facing[0] to facing[1]; -1..1, ascending;
@@ -470,7 +435,7 @@ typedef struct hbil_config {
    * and P pixels: width rounded up to a multiple of 128 (of 4 where W is 1)
    * times height rounded up to one of 4.  Where this is less, or the device has
    * no such buffer, as many rows are kept as fit and the others gathered as
-   * ever. None are with temporal or max_error, without HBIL_SKIP_STILL, or
+   * ever. None are with max_history_frames, without HBIL_SKIP_STATIC, or
    * where no light is carried over.  Default 0 */
   size_t horizon_cache_bytes;
 } hbil_config;
@@ -549,13 +514,6 @@ typedef struct hbil_frame {
    * plan's first frame.  Not for callers who write to a plan's buffers between
    * the passes. */
   cl_bool static_frame;
-  /* CL_TRUE, with hbil_config.max_error: takes as many samples as the plan's
-   * last frame did, and measures nothing.  How many a picture needs hardly
-   * changes from one frame to the next, so that a sequence which chooses in
-   * every fourth frame pays a quarter of what choosing takes; the promised
-   * error is that of the frame that was chosen for.  Ignored in a plan's first
-   * frame: hbil_plan_reset() at a cut. */
-  cl_bool keep_choice;
 } hbil_frame;
 
 /* Everything zero, in struct_size bytes: no images, no far light, an invalid
@@ -652,88 +610,6 @@ HBIL_API hbil_status hbil_enqueue_composite(
     cl_uint wait_count, const cl_event *wait_list, cl_event *event);
 
 /* ------------------------------------------------------------------------ */
-/* Stages: between the passes                                                */
-
-/*
- * What the passes exchange: planes of 32-bit floats.  Values per pixel:
- *   HISTORY    4: inverse depth 1/z of the last frame (<= 0: sky), carried RGB
- *   CARRIED    4: RGB of the last frame seen from this one, weight (0: a hole;
- *              below 0: the sky, which stays as it is)
- *   SPLIT      7: inverse depth w (<= 0: nothing there), view-space unit normal
- *                 XYZ that faces the eye, radiance RGB.  Orthographic: -z in
- *                 the place of inverse depth (below -5e29: nothing there), in
- *                 KEPT as well
- *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length);
- *                 8 with HBIL_FALLBACK_FRAME_MEAN, unless facing[1] is -1:
- * share of light that is unknown.  With a single slice, or max_error, which may
- * choose one, and without unfiltered one more, the last, a float in any
- * storage: what the slice weighs when recompose brings several together, 1 on
- * average; 1 with more slices RESOLVED   7: the same, full resolution, E_near
- * with the unknown filled in; after the temporal pass, the mean over frames
- *   KEPT      10: by the temporal filter, of the last frame that was composed:
- *              inverse depth (<= 0: sky), normal (a word as in packed SPLIT),
- *              number of frames (0: the pixel counts for nothing), then as
- *              RESOLVED, the bent normal of any length.  One of two buffers:
- *              ask anew after every frame
- * and, no plane, with hbil_config.max_error, for whoever hands a sequence on:
- *   CHOICE    32 words, which hbil_frame.keep_choice goes by: of each number of
- *              samples that was tried, how many of the measured pixels were off
- *              by more than the limits, and how many there were
- * With HBIL_STORAGE_PACKED, SPLIT and GATHERED hold words of 32 bits instead
- * (see hbil_storage), in planes that lie the same way:
- *   SPLIT      3: inverse depth, a float; normal; radiance
- *   GATHERED   3: AO, above it the unknown share, in byte 3 E_near's exponent;
- *                 E_near; bent normal
- *     normal     u low, v high, two's complement over 32767: n is (u, v, z)
- *                divided by its length, z = |u|+|v|-1; where z > 0, of u and v
- *                first z is taken off in size, their signs kept
- *     radiance   red in the lowest byte, green, blue, times 2^(byte 3 - 127)
- *     E_near     10 bits red, lowest, green, blue, times 2^(exponent - 127)
- *     AO         16 bits over 65535; the unknown share 8 bits over 255
- *     bent       x: the lowest 11 bits, y: the next 11, both over 1023; z: the
- *                highest 10 over 511; two's complement
- * With HBIL_STORAGE_FLOAT11 radiance is three floats without sign, of 5 bits of
- * exponent, biased by 15, above the mantissa: 11 bits red, lowest, with 6 of
- * mantissa, 11 green, alike, 10 blue, with 5.  The rest is as in PACKED.
- * With HBIL_STORAGE_HALF depth and normal are as in PACKED, all else IEEE
- * halves, two to a word, the first one low:
- *   SPLIT      4: inverse depth; normal; red, green; blue, 0
- *   GATHERED   4: AO, unknown share or 0; red, green of E_near;
- *                 blue of it, x of the bent normal; its y, z
- * A plan keeps only what its outputs need: hbil_buffer.values says how many of
- * these, from the first on, it has (SPLIT 4 without radiance; GATHERED and
- * RESOLVED 4 without bent normals, 1 with AO alone; in words, SPLIT 2, GATHERED
- * 2 and 1, of halves 3 and 1, a single slice's weight apart; KEPT 3 more than
- * RESOLVED, with hbil_config.temporal).  HISTORY and CARRIED exist where light
- * is carried over: with a reprojection, and an output among near_irradiance,
- * indirect and radiance.  Full-resolution planes: value p of pixel (x,y) is at
- * float index
- *   p * plane_pitch + y * row_pitch + x + origin
- * Layered ones (SPLIT, GATHERED): pixel (x,y) lies in layer
- * 4 (y mod 4) + (x mod 4), at
- *   p * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin
- * Around every layer of SPLIT there is padding that holds "nothing there".
- */
-typedef enum hbil_stage {
-  HBIL_STAGE_HISTORY = 0,
-  HBIL_STAGE_CARRIED = 1,
-  HBIL_STAGE_SPLIT = 2,
-  HBIL_STAGE_GATHERED = 3,
-  HBIL_STAGE_RESOLVED = 4,
-  HBIL_STAGE_TEMPORAL_HISTORY = 5,
-  HBIL_STAGE_CHOICE = 6
-} hbil_stage;
-
-typedef struct hbil_buffer {
-  cl_mem buffer; /* owned by the plan */
-  cl_uint values;
-  size_t plane_pitch, layer_pitch, row_pitch, origin; /* in floats or words */
-} hbil_buffer;
-
-HBIL_API hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
-                                      hbil_buffer *out);
-
-/* ------------------------------------------------------------------------ */
 /* Figures: what the last frame took                                         */
 
 /* Device time of the last frame, pass by pass. */
@@ -772,10 +648,7 @@ typedef struct hbil_statistics {
   hbil_count unused; /* no irradiance is asked for */
   /* light was gathered by hbil_config.horizon_cache_bytes; where it is, or they
    * are kept in this frame, nothing is left out as dark */
-  hbil_count by_factors;
-  cl_bool adaptive; /* by hbil_config.max_error; then these are chosen: */
-  cl_uint slices, steps_per_side; /* of the frame */
-  cl_bool kept_choice; /* hbil_frame.keep_choice: those of the frame before */
+  hbil_count from_cache;
   /* passes that had nothing to do, or found on the device that they had not */
   cl_bool not_run[HBIL_PASS_COUNT];
 } hbil_statistics;

@@ -1,6 +1,6 @@
 /*
- * copy: the bandwidth yardstick.  Each work-item moves one vector of WIDTH
- * floats.
+ * copy: the fastest that bytes can be moved.  Each work-item moves one vector
+ * of WIDTH floats.
  *
  * Builds: WIDTH (16 on CPUs, 4 on GPUs).
  * Launch: x = vectors.

@@ -1,302 +1,299 @@
-/* How time and memory grow: with the size of the picture, with the samples, and
- * with the threads; and what a plan's first frame costs. */
-#include "bench/bench.h"
-
+/* hbil-bench scaling: how time and memory grow with pixels, samples and
+ * threads, and what a process's first frame costs. */
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
-/* Twice the factors of the base's edges: of 1280x720 they make 360p, 720p,
- * 1080p, 2160p, 4320p. */
-static const uint32_t twice[BENCH_SIZES] = {1, 2, 3, 6, 12};
-enum { BASE = 1 };
+#include "bench/content.h"
+#include "bench/fixture.h"
+#include "bench/pilot.h"
+#include "bench/report.h"
+#include "bench/settings.h"
 
-static const cl_uint sample_counts[BENCH_SAMPLINGS] = {8, 16, 32, 64, 128};
+/* Twice the factors of the base's edges: of 1280x720 they make 360p, 720p,
+ * 1080p, 2160p and 4320p. */
+static const uint32_t edges[] = {1, 2, 3, 6, 12};
+static const cl_uint step_counts[] = {8, 16, 32, 64, 128};
+enum {
+  SIZES = sizeof edges / sizeof *edges,
+  BASE = 1,
+  SAMPLINGS = sizeof step_counts / sizeof *step_counts,
+  PROCESSES = 5,
+  /* Floats a pixel of all inputs of two frames, and of the outputs. */
+  PLANES = 2 * 15 + 17
+};
 
 /* The room in one size, on the device. */
 typedef struct room {
   bench_content content;
-  bench_lab *lab;
+  bench_turn turn; /* of the default setting */
 } room;
 
 typedef struct job {
   const bench_options *options;
-  const device *device;
-  bench_configuration configuration;
+  const bench_device *device;
+  bench_report *report;
   room base;
-  bench_scaling *out;
 } job;
-
-/* --- rooms --- */
 
 static int open_room(const job *j, uint32_t width, uint32_t height, room *out,
                      image_error *error) {
+  const bench_setting standard = bench_setting_default();
   bench_options options = *j->options;
   options.width = width;
   options.height = height;
-  out->lab = NULL;
-  if (bench_content_load(&options, &out->content, error) != 0)
+  memset(out, 0, sizeof *out);
+  if (bench_content_load(&options, 2, 0, &out->content, error) != 0)
     return -1;
-  if (bench_lab_open(j->device, &out->content, &out->lab, error) != 0) {
-    bench_content_free(&out->content);
-    return -1;
-  }
+  bench_setting_apply(&standard, &out->content, &out->turn.config);
+  const int failed =
+      bench_fixture_open(j->device, &out->content, &out->turn.fixture, error);
   bench_content_drop_planes(&out->content);
-  return 0;
+  return failed;
 }
 
 static void close_room(room *r) {
-  if (!r->lab)
-    return;
-  bench_lab_close(r->lab);
+  bench_fixture_close(r->turn.fixture);
   bench_content_free(&r->content);
 }
 
-static bench_turn turn_of(const job *j, const room *r) {
-  bench_turn turn = {.lab = r->lab};
-  bench_configure(&r->content, &j->configuration, &turn.config);
-  return turn;
+/* --- pixels --- */
+
+static const bench_column size_columns[] = {
+    {"size", "pixels", BENCH_TEXT},
+    {"total_ms", "frame, ms", 3},
+    {"gather_ms", "gather, ms", 3},
+    {"host_ms", "host, ms", 3},
+    {"total_ns_per_pixel", "frame, ns/pixel", 2},
+    {"total_ratio", "frame a pixel, of the base's", 3},
+    {"gather_ratio", "gather a pixel, of the base's", 3},
+    {"memory_mib", "plan, MiB", 1},
+    {"bytes_per_pixel", "bytes/pixel", 1},
+    {"left_out", "left out", BENCH_TEXT}};
+
+static void report_size(const job *j, uint32_t width, uint32_t height,
+                        const bench_timing *t, const char *left_out) {
+  const double pixels = (double)width * height;
+  const double share = (double)bench_pixels(&j->base.content) / pixels;
+  char size[32];
+  snprintf(size, sizeof size, "%u x %u", width, height);
+  bench_report_row(j->report);
+  bench_report_text(j->report, size);
+  bench_report_number(j->report, t ? t->total.median : NAN);
+  bench_report_number(j->report, t ? t->pass[HBIL_PASS_GATHER].median : NAN);
+  bench_report_number(j->report, t ? t->host.median : NAN);
+  bench_report_number(j->report, t ? 1e6 * t->total.median / pixels : NAN);
+  bench_report_number(j->report, t ? t->total_ratio * share : NAN);
+  bench_report_number(j->report,
+                      t ? t->pass_ratio[HBIL_PASS_GATHER] * share : NAN);
+  bench_report_number(j->report, t ? (double)t->memory / 1048576.0 : NAN);
+  bench_report_number(j->report, t ? (double)t->memory / pixels : NAN);
+  bench_report_text(j->report, left_out);
 }
 
-/* --- sizes --- */
-
-static double gibibytes(cl_ulong bytes) {
-  return (double)bytes / 1073741824.0;
-}
-
-static cl_ulong needed(const bench_size *size) {
-  return (cl_ulong)size->memory.plan + size->memory.images;
-}
-
-/* The base stays where it is, to be measured in turns with. */
-static void check_fits(const job *j, bench_size *size) {
-  cl_ulong there = 0;
-  const cl_ulong need = needed(size) + needed(&j->out->size[BASE]);
-  clGetDeviceInfo(j->device->id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof there,
-                  &there, NULL);
-  if (need > there)
-    snprintf(size->skipped, sizeof size->skipped,
-             "skipped: plan, inputs and outputs need %.1f GiB beside those it "
-             "is compared with, the device has %.1f GiB",
-             gibibytes(need), gibibytes(there));
-}
-
-static void skip(bench_size *size, const image_error *error) {
-  snprintf(size->skipped, sizeof size->skipped, "skipped: %s", error->text);
-}
-
-static void set_size(job *j, size_t i) {
-  bench_size *size = &j->out->size[i];
-  hbil_config config;
-  image_error error;
-  bench_configure(&j->base.content, &j->configuration, &config);
-  config.width = size->width = (config.width * twice[i] + 1) / 2;
-  config.height = size->height = (config.height * twice[i] + 1) / 2;
-  if (bench_lab_memory(j->base.lab, &config, &j->out->planes, &size->memory,
-                       &error) != 0)
-    skip(size, &error);
-}
-
-/* In turns with the base; by itself if it is that. */
-static int time_size(job *j, const room *r, bench_size *size,
-                     image_error *error) {
-  const bench_turn turns[2] = {turn_of(j, &j->base), turn_of(j, r)};
-  bench_timing timing[2];
-  const size_t count = r == &j->base ? 1 : 2;
-  if (bench_lab_turns(turns, count, j->options->runs, timing, error) != 0)
-    return -1;
-  size->timing = timing[count - 1];
-  return 0;
-}
-
-static void measure_size(job *j, size_t i) {
-  bench_size *size = &j->out->size[i];
+/* In turns with the base.  A size that fails is left out, with the reason. */
+static void measure_size(const job *j, uint32_t width, uint32_t height) {
+  const double bytes = 4.0 * PLANES * (double)width * height;
+  bench_timing t[2];
   image_error error;
   room r;
-  if (!size->skipped[0])
-    check_fits(j, size);
-  if (size->skipped[0])
+  if (2.0 * bytes > (double)j->device->memory) {
+    report_size(j, width, height, NULL, "inputs and plan need more memory");
     return;
-  if (open_room(j, size->width, size->height, &r, &error) != 0 ||
-      time_size(j, &r, size, &error) != 0)
-    skip(size, &error);
+  }
+  int failed = open_room(j, width, height, &r, &error);
+  if (!failed) {
+    const bench_turn turns[2] = {j->base.turn, r.turn};
+    failed = bench_time_turns(turns, 2, j->options->runs, t, &error);
+  }
+  report_size(j, width, height, failed ? NULL : &t[1],
+              failed ? error.text : "");
   close_room(&r);
 }
 
-static int measure_sizes(job *j, image_error *error) {
-  const bench_turn base = turn_of(j, &j->base);
-  if (bench_lab_planes(base.lab, &base.config, &j->out->planes, error) != 0)
-    return -1;
-  for (size_t i = 0; i < BENCH_SIZES; i++)
-    set_size(j, i);
-  if (time_size(j, &j->base, &j->out->size[BASE], error) != 0)
-    return -1;
-  for (size_t i = 0; i < BENCH_SIZES; i++) {
-    progress_count("sizes", i, BENCH_SIZES);
+static int measure_sizes(const job *j, image_error *error) {
+  const bench_content *base = &j->base.content;
+  bench_timing t;
+  bench_report_table(j->report, "sizes", "Pixels", size_columns,
+                     sizeof size_columns / sizeof *size_columns);
+  for (size_t i = 0; i < SIZES; i++) {
+    const uint32_t width = (base->width * edges[i] + 1) / 2;
+    const uint32_t height = (base->height * edges[i] + 1) / 2;
+    bench_progress("sizes", i, SIZES);
     if (i != BASE)
-      measure_size(j, i);
+      measure_size(j, width, height);
+    else if (bench_time_turns(&j->base.turn, 1, j->options->runs, &t, error) !=
+             0)
+      return -1;
+    else
+      report_size(j, width, height, &t, "");
   }
-  progress_count("sizes", BENCH_SIZES, BENCH_SIZES);
+  bench_progress("sizes", SIZES, SIZES);
   return 0;
-}
-
-double bench_size_cost(const bench_size *size, double milliseconds) {
-  return 1e6 * milliseconds / ((double)size->width * size->height);
-}
-
-double bench_size_ratio(const bench_scaling *scaling, const bench_size *size,
-                        double ratio) {
-  const bench_size *base = &scaling->size[scaling->base];
-  return ratio * ((double)base->width * base->height) /
-         ((double)size->width * size->height);
 }
 
 /* --- samples --- */
 
-static int measure_samplings(job *j, image_error *error) {
-  bench_turn turns[BENCH_SAMPLINGS];
-  bench_timing timing[BENCH_SAMPLINGS];
-  for (int i = 0; i < BENCH_SAMPLINGS; i++) {
-    turns[i] = turn_of(j, &j->base);
-    turns[i].config.steps_per_side = sample_counts[i];
-  }
-  if (bench_lab_turns(turns, BENCH_SAMPLINGS, j->options->runs, timing,
-                      error) != 0)
-    return -1;
-  for (int i = 0; i < BENCH_SAMPLINGS; i++)
-    j->out->sampling[i] = (bench_sampling){sample_counts[i], timing[i]};
-  return 0;
-}
+static const bench_column sampling_columns[] = {
+    {"steps_per_side", "steps per side", 0},
+    {"gather_ms", "gather, ms", 3},
+    {"gather_ms_per_step", "ms a step", 4},
+    {"ratio", "a step, of the first row's", 3}};
 
-double bench_sampling_ratio(const bench_scaling *scaling,
-                            const bench_sampling *sampling) {
-  return sampling->timing.pass_ratio[HBIL_PASS_GATHER] *
-         scaling->sampling[0].samples / sampling->samples;
+static int measure_samplings(const job *j, image_error *error) {
+  bench_turn turns[SAMPLINGS];
+  bench_timing t[SAMPLINGS];
+  for (int i = 0; i < SAMPLINGS; i++) {
+    turns[i] = j->base.turn;
+    turns[i].config.steps_per_side = step_counts[i];
+  }
+  if (bench_time_turns(turns, SAMPLINGS, j->options->runs, t, error) != 0)
+    return -1;
+  bench_report_table(j->report, "samples", "Samples, in the base's size",
+                     sampling_columns,
+                     sizeof sampling_columns / sizeof *sampling_columns);
+  for (int i = 0; i < SAMPLINGS; i++) {
+    const double gather = t[i].pass[HBIL_PASS_GATHER].median;
+    bench_report_row(j->report);
+    bench_report_number(j->report, step_counts[i]);
+    bench_report_number(j->report, gather);
+    bench_report_number(j->report, gather / step_counts[i]);
+    bench_report_number(j->report, t[i].pass_ratio[HBIL_PASS_GATHER] *
+                                       step_counts[0] / step_counts[i]);
+  }
+  return 0;
 }
 
 /* --- processes of their own --- */
 
-/* What every round tells. */
-typedef struct rounds {
-  double plan[BENCH_ROUNDS];
-  double frame[BENCH_START_FRAMES][BENCH_ROUNDS];
-  double extra[BENCH_ROUNDS];
-  double total[2][BENCH_ROUNDS], gather[2][BENCH_ROUNDS];
-  double total_gain[BENCH_ROUNDS], gather_gain[BENCH_ROUNDS];
-} rounds;
+static const bench_column start_columns[] = {
+    {"what", "a new process", BENCH_TEXT},
+    {"median_ms", "ms", 1},
+    {"min_ms", "least", 1},
+    {"max_ms", "most", 1}};
 
-static int probe(const job *j, int single, unsigned runs, bench_probe *out,
-                 image_error *error) {
-  const bench_size *base = &j->out->size[BASE];
-  bench_options options = *j->options;
-  options.runs = runs;
-  return bench_probe_run(&options, base->width, base->height, single, out,
-                         error);
-}
+static const bench_column thread_columns[] = {
+    {"threads", "threads", 0},
+    {"total_ms", "frame, ms", 3},
+    {"gather_ms", "gather, ms", 3},
+    {"total_gain", "frame, times faster", 2},
+    {"gather_gain", "gather, times faster", 2}};
 
-static void keep_start(const bench_start *start, unsigned round, rounds *r) {
-  r->plan[round] = start->plan;
-  for (int i = 0; i < BENCH_START_FRAMES; i++)
-    r->frame[i][round] = start->frame[i];
-  r->extra[round] = start->frame[0] - start->frame[1];
-}
+typedef struct processes {
+  unsigned count;
+  int compared; /* with one thread, too */
+  bench_pilot_times all[PROCESSES], one[PROCESSES];
+} processes;
 
-static void keep_times(const bench_probe both[2], unsigned round, rounds *r) {
-  for (int i = 0; i < 2; i++) {
-    r->total[i][round] = both[i].total;
-    r->gather[i][round] = both[i].gather;
+/* The first process is not counted: it fills the cache of kernels. */
+static int start_processes(const job *j, processes *p, image_error *error) {
+  const bench_options *options = j->options;
+  const bench_content *base = &j->base.content;
+  p->count = options->quick ? 1 : PROCESSES;
+  p->compared = j->device->is_cpu && j->device->units > 1;
+  if (bench_pilot_start(options, base->width, base->height, 1, 0, &p->all[0],
+                        error) != 0)
+    return -1;
+  for (unsigned i = 0; i < p->count; i++) {
+    bench_progress("processes", i, p->count);
+    if (bench_pilot_start(options, base->width, base->height, options->runs, 0,
+                          &p->all[i], error) != 0 ||
+        (p->compared &&
+         bench_pilot_start(options, base->width, base->height, options->runs, 1,
+                           &p->one[i], error) != 0))
+      return -1;
+    p->compared = p->compared && p->one[i].units == 1;
   }
-  r->total_gain[round] = both[0].total / both[1].total;
-  r->gather_gain[round] = both[0].gather / both[1].gather;
-}
-
-/* Why there is nothing to compare, if there is nothing. */
-static void check_threads(const job *j, const bench_probe both[2],
-                          bench_threads *out) {
-  const char *reason = "";
-  if (!bench_is_cpu(j->device))
-    reason = "left out: the device is no CPU";
-  else if (both[0].units != 1)
-    reason = "left out: the threads of this OpenCL can't be limited from "
-             "outside (PoCL's can)";
-  else if (both[1].units == 1)
-    reason = "left out: the device has one compute unit";
-  snprintf(out->left_out, sizeof out->left_out, "%s", reason);
-  out->count = both[1].units;
-}
-
-/* One thread and all of them, one after the other. */
-static int run_round(job *j, unsigned round, rounds *r, image_error *error) {
-  bench_threads *threads = &j->out->threads;
-  bench_probe both[2] = {{.units = 0}, {.units = 0}};
-  if (probe(j, 0, j->options->runs, &both[1], error) != 0)
-    return -1;
-  keep_start(&both[1].start, round, r);
-  if (round > 0 && threads->left_out[0])
-    return 0;
-  if (bench_is_cpu(j->device) &&
-      probe(j, 1, j->options->runs, &both[0], error) != 0)
-    return -1;
-  check_threads(j, both, threads);
-  keep_times(both, round, r);
+  bench_progress("processes", p->count, p->count);
   return 0;
 }
 
-static void sum_up(rounds *r, bench_scaling *out) {
-  bench_threads *threads = &out->threads;
-  out->opening.plan = bench_spread_of(r->plan, out->rounds);
-  for (int i = 0; i < BENCH_START_FRAMES; i++)
-    out->opening.frame[i] = bench_spread_of(r->frame[i], out->rounds);
-  out->opening.extra = bench_spread_of(r->extra, out->rounds);
-  if (threads->left_out[0])
-    return;
-  for (int i = 0; i < 2; i++) {
-    threads->total[i] = bench_spread_of(r->total[i], out->rounds);
-    threads->gather[i] = bench_spread_of(r->gather[i], out->rounds);
+static void report_start(const job *j, const processes *p) {
+  static const char *const names[] = {"plan", "first frame", "second frame",
+                                      "third frame"};
+  bench_report_table(j->report, "start", "First frames, kernels in the cache",
+                     start_columns,
+                     sizeof start_columns / sizeof *start_columns);
+  for (int what = 0; what < 1 + BENCH_PILOT_FRAMES; what++) {
+    double values[PROCESSES];
+    for (unsigned i = 0; i < p->count; i++)
+      values[i] = what ? p->all[i].frame[what - 1] : p->all[i].plan;
+    bench_report_row(j->report);
+    bench_report_text(j->report, names[what]);
+    bench_report_spread(j->report, bench_spread_of(values, p->count));
   }
-  threads->total_gain = bench_spread_of(r->total_gain, out->rounds).median;
-  threads->gather_gain = bench_spread_of(r->gather_gain, out->rounds).median;
 }
 
-/* The first process isn't counted: it sees to a warm cache of kernels. */
-static void measure_processes(job *j) {
-  bench_scaling *out = j->out;
-  rounds r = {.plan = {0.0}};
-  bench_probe unused;
-  image_error error;
-  int failed = probe(j, 0, 1, &unused, &error);
-  for (unsigned round = 0; round < out->rounds && !failed; round++) {
-    progress_count("processes", round, out->rounds);
-    failed = run_round(j, round, &r, &error);
-  }
-  progress_count("processes", out->rounds, out->rounds);
-  if (!failed) {
-    sum_up(&r, out);
+static void report_threads(const job *j, const processes *p) {
+  double total[2][PROCESSES], gather[2][PROCESSES];
+  if (!p->compared) {
+    bench_report_note(j->report,
+                      "Threads are left out: the device is no CPU, has one "
+                      "compute unit, or its OpenCL is not PoCL, which can be "
+                      "limited to one thread.");
     return;
   }
-  snprintf(out->opening.left_out, sizeof out->opening.left_out, "left out: %s",
-           error.text);
-  snprintf(out->threads.left_out, sizeof out->threads.left_out, "left out: %s",
-           error.text);
+  for (unsigned i = 0; i < p->count; i++) {
+    total[0][i] = p->one[i].total;
+    total[1][i] = p->all[i].total;
+    gather[0][i] = p->one[i].gather;
+    gather[1][i] = p->all[i].gather;
+  }
+  const double gains[2][2] = {
+      {1.0, 1.0},
+      {bench_median_ratio(total[0], total[1], p->count),
+       bench_median_ratio(gather[0], gather[1], p->count)}};
+  bench_report_table(j->report, "threads", "Threads", thread_columns,
+                     sizeof thread_columns / sizeof *thread_columns);
+  for (int i = 0; i < 2; i++) {
+    bench_report_row(j->report);
+    bench_report_number(j->report, i ? p->all[0].units : 1);
+    bench_report_number(j->report, bench_spread_of(total[i], p->count).median);
+    bench_report_number(j->report, bench_spread_of(gather[i], p->count).median);
+    bench_report_number(j->report, gains[i][0]);
+    bench_report_number(j->report, gains[i][1]);
+  }
 }
 
 /* --- all --- */
 
-int bench_scaling_measure(const bench_options *options, const device *d,
-                          bench_scaling *out, image_error *error) {
-  job j = {.options = options,
-           .device = d,
-           .configuration = bench_default(),
-           .out = out};
-  memset(out, 0, sizeof *out);
-  out->runs = options->runs;
-  out->rounds = options->quick ? 1 : BENCH_ROUNDS;
-  out->base = BASE;
-  bench_label(&j.configuration, out->label, sizeof out->label);
-  if (open_room(&j, options->width, options->height, &j.base, error) != 0)
+static int measure(const job *j, image_error *error) {
+  const bench_setting standard = bench_setting_default();
+  char label[BENCH_LABEL];
+  processes p;
+  bench_setting_label(&standard, label);
+  bench_report_subject(j->report, j->base.content.name, j->base.content.width,
+                       j->base.content.height, j->options->runs);
+  if (measure_sizes(j, error) != 0 || measure_samplings(j, error) != 0 ||
+      start_processes(j, &p, error) != 0)
     return -1;
-  const int failed =
-      measure_sizes(&j, error) != 0 || measure_samplings(&j, error) != 0;
-  if (!failed)
-    measure_processes(&j);
-  close_room(&j.base);
-  return failed ? -1 : 0;
+  report_start(j, &p);
+  report_threads(j, &p);
+  bench_report_note(j->report,
+                    "The setting is %s.  Sizes and samples are timed in turns "
+                    "with what they are compared to; processes run one after "
+                    "the other, %u of each kind.",
+                    label, p.count);
+  return 0;
 }
+
+static int run(const bench_options *options, const bench_device *device,
+               bench_report *report, image_error *error) {
+  job j = {.options = options, .device = device, .report = report};
+  int failed = open_room(&j, options->width, options->height, &j.base, error);
+  if (!failed)
+    failed = measure(&j, error);
+  close_room(&j.base);
+  return failed;
+}
+
+const bench_command bench_scaling = {
+    .name = "scaling",
+    .about = "pixels, samples, threads, memory, first frame",
+    .details =
+        "How do time and memory grow with pixels, samples and threads, and\n"
+        "what does the first frame of a process cost?  The size of --size is\n"
+        "the base that 1/2, 3/2, 3 and 6 times its edges are compared to.\n",
+    .accepts = BENCH_TAKES_REPORT,
+    .runs = 9,
+    .run = run};

@@ -1,296 +1,251 @@
-/* Work that is left out: what a frame costs where there is less to do, beside
- * the whole one, in turns. */
-#include "bench/bench.h"
-
+/* hbil-bench skips: what a frame costs that has less to do. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Light has settled to the last bit by then (23 frames in the room). */
-enum { SETTLED = 80 };
+#include "bench/content.h"
+#include "bench/fixture.h"
+#include "bench/report.h"
+#include "bench/settings.h"
+
+enum {
+  /* Static frames until light no longer changes by a bit: 23 in the room. */
+  SETTLE = 80,
+  SECOND = 60 /* frames */
+};
 
 typedef struct job {
   const bench_options *options;
-  const device *device;
-  const bench_content *content;
-  bench_lab *lab; /* of the content as it is */
-  bench_skip *out;
+  const bench_device *device;
+  bench_content content;
+  bench_fixture *fixture; /* of the content as it is */
+  bench_report *report;
 } job;
 
-/* --- contents with less in them --- */
+static const bench_column columns[] = {
+    {"name", "frame", BENCH_TEXT},
+    {"total_ms", "frame, ms", 3},
+    {"total_ratio", "of the whole frame", 3},
+    {"gather_ms", "gather, ms", 3},
+    {"gather_ratio", "of the whole gather", 3},
+    {"left_out", "left out", BENCH_TEXT}};
 
-static int copy_planes(const bench_content *from, bench_content *out,
-                       image_error *error) {
-  const size_t plane = bench_pixels(from) * sizeof(float);
-  *out = *from;
-  out->truth = NULL;
-  out->compared = NULL;
-  for (unsigned f = 0; f < BENCH_FRAMES; f++) {
-    out->frame[f].motion = NULL;
-    for (int i = 0; i < BENCH_INPUTS; i++)
-      out->frame[f].plane[i] = NULL;
-  }
-  for (unsigned f = 0; f < from->frames; f++)
-    for (int i = 0; i < BENCH_INPUTS; i++) {
-      const size_t bytes = plane * bench_input_channels((bench_input)i);
-      if (!from->frame[f].plane[i])
-        continue;
-      out->frame[f].plane[i] = malloc(bytes);
-      if (!out->frame[f].plane[i])
-        return image_no_memory(error, from->name);
-      memcpy(out->frame[f].plane[i], from->frame[f].plane[i], bytes);
-    }
-  return 0;
+/* --- the report --- */
+
+/* "sky 50 % of pixels, no reproject", "" where nothing was left out. */
+static void describe(const hbil_statistics *s, char *text, size_t size) {
+  const struct {
+    const char *name;
+    size_t pixels;
+  } shares[] = {{"sky", s->sky.pixels},
+                {"open", s->open.pixels},
+                {"dark", s->dark.pixels},
+                {"unused", s->unused.pixels}};
+  size_t used = 0;
+  *text = '\0';
+  for (size_t i = 0; i < sizeof shares / sizeof *shares; i++)
+    if (shares[i].pixels && used < size)
+      used += (size_t)snprintf(
+          text + used, size - used, "%s%s %.1f %% of pixels", used ? ", " : "",
+          shares[i].name,
+          100.0 * (double)shares[i].pixels / (double)s->all.pixels);
+  for (int p = 0; p < HBIL_PASS_COUNT; p++)
+    if (s->not_run[p] && p != HBIL_PASS_TEMPORAL && used < size)
+      used += (size_t)snprintf(text + used, size - used, "%sno %s",
+                               used ? ", " : "", hbil_pass_name((hbil_pass)p));
 }
 
-static void upper_half_is_sky(bench_content *c) {
-  for (unsigned f = 0; f < c->frames; f++)
-    memset(c->frame[f].plane[BENCH_DEPTH], 0,
-           (size_t)c->height / 2 * c->width * sizeof(float));
+static void report_row(const job *j, const char *name, double milliseconds,
+                       double total_ratio, double gather_ratio,
+                       const bench_timing *t) {
+  char left_out[256];
+  describe(&t->statistics, left_out, sizeof left_out);
+  bench_report_row(j->report);
+  bench_report_text(j->report, name);
+  bench_report_number(j->report, milliseconds);
+  bench_report_number(j->report, total_ratio);
+  bench_report_number(
+      j->report, isnan(gather_ratio) ? NAN : t->pass[HBIL_PASS_GATHER].median);
+  bench_report_number(j->report, gather_ratio);
+  bench_report_text(j->report, left_out);
 }
 
-/* Seen straight on. */
-static void one_wall(bench_content *c) {
-  const size_t pixels = bench_pixels(c);
-  c->config.depth_kind = HBIL_DEPTH_PLANAR;
-  c->config.normal_space = HBIL_SPACE_VIEW;
-  for (unsigned f = 0; f < c->frames; f++)
-    for (size_t i = 0; i < pixels; i++) {
-      float *normal = c->frame[f].plane[BENCH_NORMAL];
-      c->frame[f].plane[BENCH_DEPTH][i] = 2.0f;
-      normal[i] = normal[pixels + i] = 0.0f;
-      normal[2 * pixels + i] = -1.0f;
-    }
-}
+/* --- frames --- */
 
-/* A quarter of the width and of the height. */
-static void light_in_a_corner(bench_content *c) {
-  const size_t pixels = bench_pixels(c);
-  for (unsigned f = 0; f < c->frames; f++)
-    for (int p = BENCH_DIRECT; p <= BENCH_EMISSION; p++)
-      for (size_t i = 0; c->frame[f].plane[p] && i < 3 * pixels; i++)
-        if (i % pixels % c->width >= c->width / 4 ||
-            i % pixels / c->width >= c->height / 4)
-          c->frame[f].plane[p][i] = 0.0f;
-}
-
-/* --- cases --- */
-
-/* The library's default on the content. */
-static bench_turn full_turn(const job *j) {
-  const bench_configuration standard = bench_default();
-  bench_turn turn = {.lab = j->lab};
-  bench_configure(j->content, &standard, &turn.config);
+/* The default setting on the content as it is. */
+static bench_turn whole_frame(const job *j) {
+  const bench_setting standard = bench_setting_default();
+  bench_turn turn = {.fixture = j->fixture};
+  bench_setting_apply(&standard, &j->content, &turn.config);
   return turn;
 }
 
-static int compare_runs(bench_turn full, bench_turn less, unsigned runs,
-                        bench_skip *out, image_error *error) {
-  const bench_turn turns[2] = {full, less};
+static int compare(const job *j, const char *name, bench_turn whole,
+                   bench_turn less, image_error *error) {
+  const bench_turn turns[2] = {whole, less};
   bench_timing timing[2];
-  if (bench_lab_turns(turns, 2, runs, timing, error) != 0)
+  if (bench_time_turns(turns, 2, j->options->runs, timing, error) != 0)
     return -1;
-  out->full = timing[0];
-  out->timing = timing[1];
+  report_row(j, name, timing[1].total.median, timing[1].total_ratio,
+             timing[1].pass_ratio[HBIL_PASS_GATHER], &timing[1]);
   return 0;
 }
 
-static int compare(const job *j, bench_turn full, bench_turn less,
-                   bench_skip *out, image_error *error) {
-  return compare_runs(full, less, j->options->runs, out, error);
+/* What it costs to look for work to skip where there is none.  Positions of
+ * buffers in memory matter as much as that, so two pairs of plans are
+ * averaged. */
+static int nothing_to_skip(const job *j, image_error *error) {
+  const bench_turn whole = whole_frame(j);
+  bench_turn turns[4] = {whole, whole, whole, whole};
+  bench_timing t[4];
+  turns[0].config.skip = turns[2].config.skip = 0;
+  if (bench_time_turns(turns, 4, j->options->runs, t, error) != 0)
+    return -1;
+  const int gather = HBIL_PASS_GATHER;
+  report_row(j, "as it is, beside one without skips", t[1].total.median,
+             0.5 * (t[1].total_ratio + t[3].total_ratio / t[2].total_ratio),
+             0.5 * (t[1].pass_ratio[gather] +
+                    t[3].pass_ratio[gather] / t[2].pass_ratio[gather]),
+             &t[1]);
+  return 0;
 }
 
-/* Where buffers and machine code come to lie is worth as much as what is
- * measured here: of several pairs of plans, either one first, the median. */
-static int with_nothing_to_skip(const job *j, bench_skip *out,
-                                image_error *error) {
-  enum { PAIRS = 8 };
-  double total[PAIRS], gather[PAIRS];
-  bench_turn full = full_turn(j);
-  full.config.skip = 0;
-  for (int i = 0; i < PAIRS; i++) {
-    const int swapped = i % 2;
-    if (compare(j, swapped ? full_turn(j) : full, swapped ? full : full_turn(j),
-                out, error) != 0)
-      return -1;
-    const double *pass = out->timing.pass_ratio;
-    total[i] = out->timing.total_ratio;
-    gather[i] = pass[HBIL_PASS_GATHER];
-    if (swapped) {
-      const bench_timing first = out->full;
-      total[i] = 1.0 / total[i];
-      gather[i] = 1.0 / gather[i];
-      out->full = out->timing;
-      out->timing = first;
-    }
+static int static_frames(const job *j, const char *name, unsigned settle,
+                         size_t horizon_cache_bytes, image_error *error) {
+  bench_turn less = whole_frame(j);
+  less.play = BENCH_PLAY_STATIC;
+  less.settle = settle;
+  less.config.horizon_cache_bytes = horizon_cache_bytes;
+  return compare(j, name, whole_frame(j), less, error);
+}
+
+/* Light spreads at first, then nothing changes: the mean of a second's frames,
+ * which have no common median. */
+static int static_second(const job *j, image_error *error) {
+  bench_turn turns[2] = {whole_frame(j), whole_frame(j)};
+  bench_timing t[2];
+  turns[1].play = BENCH_PLAY_STATIC;
+  if (bench_time_turns(turns, 2, SECOND, t, error) != 0)
+    return -1;
+  report_row(j, "static for a second", t[1].mean, t[1].mean / t[0].mean, NAN,
+             &t[1]);
+  return 0;
+}
+
+static int ao_alone(const job *j, image_error *error) {
+  bench_setting gtao = bench_setting_default();
+  bench_turn less = {.fixture = j->fixture};
+  gtao.model = BENCH_MODEL_GTAO;
+  bench_setting_apply(&gtao, &j->content, &less.config);
+  return compare(j, "AO alone", whole_frame(j), less, error);
+}
+
+/* --- content with less in it --- */
+
+static void upper_half_is_sky(bench_content *c, bench_frame *frame) {
+  memset(frame->plane[BENCH_DEPTH], 0,
+         (size_t)c->height / 2 * c->width * sizeof(float));
+}
+
+/* Seen straight on. */
+static void one_wall(bench_content *c, bench_frame *frame) {
+  const size_t pixels = bench_pixels(c);
+  float *normal = frame->plane[BENCH_NORMAL];
+  c->config.depth_kind = HBIL_DEPTH_PLANAR;
+  c->config.normal_space = HBIL_SPACE_VIEW;
+  for (size_t i = 0; i < pixels; i++) {
+    frame->plane[BENCH_DEPTH][i] = 2.0f;
+    normal[i] = normal[pixels + i] = 0.0f;
+    normal[2 * pixels + i] = -1.0f;
   }
-  out->timing.total_ratio = bench_spread_of(total, PAIRS).median;
-  out->timing.pass_ratio[HBIL_PASS_GATHER] =
-      bench_spread_of(gather, PAIRS).median;
-  return 0;
 }
 
-/* `change`d content beside the content as it is; bounces: whether light is
- * carried over. */
-static int with_content(const job *j, void (*change)(bench_content *),
-                        int bounces, bench_skip *out, image_error *error) {
+/* A quarter of the width and of the height has light. */
+static void light_in_a_corner(bench_content *c, bench_frame *frame) {
+  const size_t pixels = bench_pixels(c);
+  for (int p = BENCH_DIRECT; p <= BENCH_EMISSION; p++)
+    for (size_t i = 0; frame->plane[p] && i < 3 * pixels; i++)
+      if (i % pixels % c->width >= c->width / 4 ||
+          i % pixels / c->width >= c->height / 4)
+        frame->plane[p][i] = 0.0f;
+}
+
+/* one_bounce: without light that is carried over, which would reach all of the
+ * picture. */
+static int changed_content(const job *j, const char *name,
+                           void (*change)(bench_content *, bench_frame *),
+                           int one_bounce, image_error *error) {
   bench_content content;
-  bench_lab *lab = NULL;
-  int failed = copy_planes(j->content, &content, error);
+  bench_turn whole = whole_frame(j), less = whole;
+  less.fixture = NULL;
+  int failed = bench_content_load(j->options, 2, 0, &content, error);
+  for (unsigned f = 0; f < content.frames && !failed; f++)
+    change(&content, &content.frame[f]);
   if (!failed)
-    change(&content);
-  failed = failed || bench_lab_open(j->device, &content, &lab, error) != 0;
-  bench_turn full = full_turn(j), less = full;
-  less.lab = lab;
+    failed = bench_fixture_open(j->device, &content, &less.fixture, error);
   less.config.depth_kind = content.config.depth_kind;
   less.config.normal_space = content.config.normal_space;
-  if (!bounces)
-    full.config.reprojection = less.config.reprojection =
+  if (one_bounce)
+    whole.config.reprojection = less.config.reprojection =
         HBIL_REPROJECTION_NONE;
   if (!failed)
-    failed = compare(j, full, less, out, error);
-  bench_lab_close(lab);
+    failed = compare(j, name, whole, less, error);
+  bench_fixture_close(less.fixture);
   bench_content_free(&content);
-  return failed ? -1 : 0;
+  return failed;
 }
 
-static int with_half_sky(const job *j, bench_skip *out, image_error *error) {
-  return with_content(j, upper_half_is_sky, 1, out, error);
+/* --- all --- */
+
+static int measure(job *j, image_error *error) {
+  return nothing_to_skip(j, error) != 0 ||
+                 changed_content(j, "upper half is sky", upper_half_is_sky, 0,
+                                 error) != 0 ||
+                 changed_content(j, "a wall seen straight on", one_wall, 0,
+                                 error) != 0 ||
+                 changed_content(j, "light in a corner, one bounce",
+                                 light_in_a_corner, 1, error) != 0 ||
+                 static_frames(j, "static, light spreads", 0, 0, error) != 0 ||
+                 static_frames(j, "the same with a horizon cache", 0, SIZE_MAX,
+                               error) != 0 ||
+                 static_frames(j, "static, light has settled", SETTLE, 0,
+                               error) != 0 ||
+                 static_second(j, error) != 0 || ao_alone(j, error) != 0
+             ? -1
+             : 0;
 }
 
-static int with_one_wall(const job *j, bench_skip *out, image_error *error) {
-  return with_content(j, one_wall, 1, out, error);
-}
-
-/* A single bounce: with more of them light is everywhere. */
-static int with_a_lit_corner(const job *j, bench_skip *out,
-                             image_error *error) {
-  return with_content(j, light_in_a_corner, 0, out, error);
-}
-
-static int standing_still(const job *j, unsigned settled,
-                          size_t horizon_cache_bytes, bench_skip *out,
-                          image_error *error) {
-  bench_turn still = full_turn(j);
-  still.still = 1;
-  still.settled = settled;
-  still.config.horizon_cache_bytes = horizon_cache_bytes;
-  return compare(j, full_turn(j), still, out, error);
-}
-
-static int while_light_spreads(const job *j, bench_skip *out,
-                               image_error *error) {
-  return standing_still(j, 0, 0, out, error);
-}
-
-static int with_form_factors(const job *j, bench_skip *out,
-                             image_error *error) {
-  return standing_still(j, 0, SIZE_MAX, out, error);
-}
-
-static int once_light_has_settled(const job *j, bench_skip *out,
-                                  image_error *error) {
-  if (standing_still(j, SETTLED, 0, out, error) != 0)
+static int run(const bench_options *options, const bench_device *device,
+               bench_report *report, image_error *error) {
+  job j = {.options = options, .device = device, .report = report};
+  if (bench_content_load(options, 2, 0, &j.content, error) != 0)
     return -1;
-  if (!out->timing.skipped.not_run[HBIL_PASS_GATHER])
-    out->name = "still, light unsettled";
-  return 0;
+  bench_report_subject(report, j.content.name, j.content.width,
+                       j.content.height, options->runs);
+  bench_report_table(report, "frames", "Frames with less to do", columns,
+                     sizeof columns / sizeof *columns);
+  int failed = bench_fixture_open(device, &j.content, &j.fixture, error);
+  if (!failed)
+    failed = measure(&j, error);
+  bench_report_note(report,
+                    "Each frame is timed in turns with the whole one, in which "
+                    "all the work is done.  The row of a second has means of "
+                    "%d frames.  Light has settled after %d static frames if "
+                    "no gather runs then.",
+                    (int)SECOND, (int)SETTLE);
+  bench_fixture_close(j.fixture);
+  bench_content_free(&j.content);
+  return failed;
 }
 
-/* A second of standing still, at 60 frames a second: light spreads at first,
- * then nothing is new.  All of these frames together. */
-static int for_a_second(const job *j, bench_skip *out, image_error *error) {
-  bench_turn still = full_turn(j);
-  still.still = 1;
-  if (compare_runs(full_turn(j), still, 60, out, error) != 0)
-    return -1;
-  out->timing.total_ratio = out->timing.mean / out->full.mean;
-  out->timing.total.median = out->timing.mean;
-  out->timing.pass_ratio[HBIL_PASS_GATHER] = NAN;
-  return 0;
-}
-
-static int with_ao_alone(const job *j, bench_skip *out, image_error *error) {
-  bench_turn ao = full_turn(j);
-  ao.config.mode = HBIL_MODE_GTAO;
-  ao.config.far_field = HBIL_FAR_NONE;
-  return compare(j, full_turn(j), ao, out, error);
-}
-
-int bench_skips_measure(const bench_options *options, const device *d,
-                        const bench_content *content, bench_skip *out,
-                        image_error *error) {
-  static const struct {
-    const char *name;
-    double frame_aim, gather_aim;
-    int (*measure)(const job *, bench_skip *, image_error *);
-  } cases[BENCH_SKIPS] = {
-      {"as it is", 1.03, NAN, with_nothing_to_skip},
-      {"upper half sky", NAN, 0.55, with_half_sky},
-      {"a wall seen straight on", NAN, 0.15, with_one_wall},
-      {"lit in a corner", NAN, 0.8, with_a_lit_corner},
-      {"still, light spreading", 0.65, NAN, while_light_spreads},
-      {"the same, form factors", 0.65, NAN, with_form_factors},
-      {"still, light settled", 0.65, NAN, once_light_has_settled},
-      {"still for a second", 0.65, NAN, for_a_second},
-      {"AO alone", 0.6, NAN, with_ao_alone},
-  };
-  job j = {.options = options, .device = d, .content = content, .out = out};
-  int failed = bench_lab_open(d, content, &j.lab, error);
-  for (size_t i = 0; i < BENCH_SKIPS && !failed; i++) {
-    progress_count("skips", i, BENCH_SKIPS);
-    out[i] = (bench_skip){.name = cases[i].name,
-                          .frame_aim = cases[i].frame_aim,
-                          .gather_aim = cases[i].gather_aim};
-    failed = cases[i].measure(&j, &out[i], error);
-  }
-  progress_count("skips", BENCH_SKIPS, BENCH_SKIPS);
-  bench_lab_close(j.lab);
-  return failed ? -1 : 0;
-}
-
-/* --- text --- */
-
-/* Frames that differ have no median that says anything. */
-static void print_time(FILE *out, double milliseconds, double ratio) {
-  if (isnan(ratio))
-    fprintf(out, " %9s", "-");
-  else
-    fprintf(out, " %9.3f", milliseconds);
-}
-
-static void print_ratio(FILE *out, double ratio, double aim) {
-  if (isnan(ratio))
-    fprintf(out, " %6s", "-");
-  else
-    fprintf(out, " %6.3f", ratio);
-  if (isnan(aim))
-    fputs("       ", out);
-  else
-    fprintf(out, " <=%-4.3g", aim);
-}
-
-void bench_write_skips_table(const bench_report *report, FILE *out) {
-  bench_print_machine(&report->machine, out);
-  fprintf(out, "content  %s, %u x %u pixels\n\n%-24s %9s %14s %9s %14s  %s\n",
-          report->content->name, report->content->width,
-          report->content->height, "skips, 2x8 full g2", "frame ms", "/whole",
-          "gather ms", "/whole", "left out");
-  for (int i = 0; i < BENCH_SKIPS; i++) {
-    const bench_skip *s = &report->skips[i];
-    fprintf(out, "%-24s %9.3f", s->name, s->timing.total.median);
-    print_ratio(out, s->timing.total_ratio, s->frame_aim);
-    const double gather = s->timing.pass_ratio[HBIL_PASS_GATHER];
-    print_time(out, s->timing.pass[HBIL_PASS_GATHER].median, gather);
-    print_ratio(out, gather, s->gather_aim);
-    fputs("  ", out);
-    timings_print_skipped(&s->timing.skipped, out);
-    fputc('\n', out);
-  }
-  fprintf(
-      out,
-      "whole: the content with everything there is to do; the first row's, "
-      "without looking for what can be left out, of eight pairs of plans; a "
-      "second: means of 60 frames; unsettled: light still spread after %d\n",
-      SETTLED);
-}
+const bench_command bench_skips = {
+    .name = "skips",
+    .about = "what a frame costs that needs less, and what is left out",
+    .details =
+        "What does a frame cost that needs less: sky, open walls, darkness,\n"
+        "nothing that moves, AO alone?  Each is timed in turns with a whole\n"
+        "frame.\n",
+    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_FRAMES,
+    .runs = 9,
+    .run = run};

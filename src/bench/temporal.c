@@ -1,304 +1,213 @@
-/* The temporal filter: what it takes off the sampling error of a sequence's
- * last frame, held still and arrived at in motion, and what it costs. */
-#include "bench/bench.h"
-
+/* hbil-bench temporal: what averaging over frames takes off the sampling error,
+ * and what it costs. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-/* Frames in the mean, one after the other. */
-static const unsigned lengths[BENCH_TEMPORAL_LENGTHS] = {1, 2, 4, 8, 16};
+#include "bench/content.h"
+#include "bench/fixture.h"
+#include "bench/integrals.h"
+#include "bench/report.h"
+#include "bench/settings.h"
 
-enum { WANTED = 1u << LAYER_AO | 1u << LAYER_NEAR };
+static const unsigned lengths[] = {1, 2, 4, 8, 16}; /* frames averaged */
+enum {
+  LENGTHS = sizeof lengths / sizeof *lengths,
+  LONGEST = 16,
+  SETTINGS = 2,
+  ROOM_FRAMES = 16,
+  QUICK_FRAMES = 4
+};
+
+typedef struct deviation {
+  double ao, light; /* NAN: not measured */
+} deviation;
 
 typedef struct job {
   const bench_options *options;
-  const device *device;
-  const bench_content *content; /* the last frame */
-  channel_map map;
-  camera_file camera; /* of the last frame, as the map */
-  const bench_exact *exact;
-  bench_model model;
-  hbil_config config; /* the model's, without the filter */
-  image result;
+  bench_content content;
+  bench_setting list[SETTINGS];
+  bench_integrals integrals;
+  bench_fixture *fixture;
+  bench_report *report;
+  float *planes; /* three */
 } job;
 
-/* --- frames --- */
+static const bench_column columns[] = {
+    {"label", "setting", BENCH_TEXT},      {"frames", "frames averaged", 0},
+    {"static_ao", "static: AO", 4},        {"static_light", "E_near", 4},
+    {"moving_ao", "moving: AO", 4},        {"moving_light", "E_near", 4},
+    {"motion_ao", "motion vectors: AO", 4}};
 
-typedef struct captured {
-  gbuffer g;
-  camera_file camera;
-} captured;
+static const bench_column cost_columns[] = {
+    {"label", "setting", BENCH_TEXT},
+    {"pass_ms", "filter, ms", 3},
+    {"total_ratio", "frame, of one without it", 3}};
 
-static const char *last_path(const bench_options *options) {
-  return options->frames[options->frame_count - 1];
+/* Of the last frame that ran, in the measured view. */
+static int deviation_of(const job *j, const bench_trial *t, bench_model model,
+                        deviation *out, image_error *error) {
+  if (bench_trial_read(t, BENCH_AO, j->planes, error) != 0)
+    return -1;
+  out->ao = bench_ao_error(&j->content, j->planes, j->integrals.ao[model]);
+  if (bench_trial_read(t, BENCH_NEAR, j->planes, error) != 0)
+    return -1;
+  out->light =
+      bench_light_error(&j->content, j->planes, j->integrals.light[model]);
+  return 0;
 }
 
-static int read_frame(const job *j, unsigned at, captured *out,
+static int open_trial(const job *j, const bench_setting *s, unsigned length,
+                      hbil_reprojection reprojection, bench_trial *out,
                       image_error *error) {
-  enum {
-    USED = 1u << ROLE_DEPTH | 1u << ROLE_NORMAL | 1u << ROLE_ALBEDO |
-           1u << ROLE_DIRECT | 1u << ROLE_EMISSION | 1u << ROLE_BACKGROUND |
-           1u << ROLE_MOTION
-  };
-  const char *path = j->options->frames[at];
-  channel_map map;
-  const int failed =
-      bench_read_map(path, j->options->camera, &map, &out->camera, error) !=
-          0 ||
-      view_same_projection(path, &out->camera, last_path(j->options),
-                           &j->camera, error) != 0 ||
-      gbuffer_read(path, &map, USED, &out->g, error) != 0;
-  const image *planes = &out->g.planes;
-  channels_free(&map);
-  if (failed || (planes->width == j->content->width &&
-                 planes->height == j->content->height))
-    return failed ? -1 : 0;
-  image_fail(error,
-             "%s: %u x %u pixels, but the last frame has %u x %u; frames of "
-             "one size are needed",
-             path, planes->width, planes->height, j->content->width,
-             j->content->height);
-  gbuffer_free(&out->g);
-  return -1;
-}
-
-static int open_sequence(const job *j, unsigned length,
-                         hbil_reprojection reprojection, sequence **out,
-                         image_error *error) {
-  hbil_config config = j->config;
+  hbil_config config;
+  bench_setting_apply(s, &j->content, &config);
   config.max_history_frames = length;
   config.reprojection = reprojection;
-  return sequence_open(j->device, &config, 1, &j->map, WANTED, out, error);
+  return bench_trial_open(j->fixture, &config, NULL, out, error);
 }
 
-static int run(job *j, sequence *s, const captured *frame, timing_row *row,
-               image_error *error) {
-  float environment[9][3];
-  memcpy(environment, bench_environment(j->content, j->config.far_field),
-         sizeof environment);
-  return sequence_run(s, &frame->g, sequence_hash(s, &frame->g), &frame->camera,
-                      environment, 1, &j->result, row, error);
-}
+/* --- the measured frame, again and again --- */
 
-/* Of the result; one bounce. */
-static bench_deviation deviation_of(const job *j) {
-  /* the planes of a layer lie one after the other in what is compared */
-  const size_t pixels = bench_pixels(j->content);
-  bench_deviation out = {NAN, NAN};
-  float *light = malloc(3 * pixels * sizeof *light);
-  out.ao = bench_ao_error(j->content, layers_plane(&j->result, LAYER_AO, 0),
-                          j->exact->ao[j->model]);
-  for (size_t c = 0; light && c < 3; c++)
-    memcpy(light + c * pixels, layers_plane(&j->result, LAYER_NEAR, c),
-           pixels * sizeof *light);
-  if (light)
-    out.light = bench_light_error(j->content, light, j->exact->light[j->model]);
-  free(light);
-  return out;
-}
-
-/* --- the last frame, again and again --- */
-
-/* What the filter and the whole frame take, in the frames that look back. */
-static void sum_up(double *pass, double *total, unsigned count,
-                   bench_temporal *out) {
-  double share[BENCH_TEMPORAL_MOST];
-  for (unsigned i = 0; i < count; i++)
-    share[i] = pass[i] / total[i];
-  out->share = bench_spread_of(share, count).median;
-  out->pass = bench_spread_of(pass, count);
-}
-
-static int hold_still(job *j, const captured *last, bench_temporal *out,
-                      image_error *error) {
-  const unsigned most = lengths[BENCH_TEMPORAL_LENGTHS - 1];
-  double pass[BENCH_TEMPORAL_MOST], total[BENCH_TEMPORAL_MOST];
-  sequence *s = NULL;
-  int failed = open_sequence(j, most, HBIL_REPROJECTION_NONE, &s, error);
-  for (unsigned n = 1, at = 0; n <= most && !failed; n++) {
-    timing_row row;
-    failed = run(j, s, last, &row, error);
-    if (failed)
-      break;
-    total[n - 1] = 0.0;
-    for (int p = 0; p < HBIL_PASS_COUNT; p++)
-      total[n - 1] += row.milliseconds[p];
-    pass[n - 1] = row.milliseconds[HBIL_PASS_TEMPORAL];
-    if (n == lengths[at])
-      out->still[at++] = deviation_of(j);
+/* A mean over many frames passes through all shorter ones. */
+static int static_frames(const job *j, const bench_setting *s,
+                         deviation out[LENGTHS], image_error *error) {
+  bench_trial t;
+  int failed = open_trial(j, s, LONGEST, HBIL_REPROJECTION_NONE, &t, error);
+  for (unsigned n = 1, at = 0; n <= LONGEST && !failed; n++) {
+    failed = bench_trial_run(&t, j->content.measured, n - 1, n > 1, error);
+    if (!failed && n == lengths[at])
+      failed = deviation_of(j, &t, s->model, &out[at++], error);
   }
-  if (!failed)
-    sum_up(pass + 1, total + 1, most - 1, out);
-  sequence_close(s);
+  bench_trial_close(&t);
   return failed;
 }
 
 /* --- the whole sequence --- */
 
-static int move(job *j, unsigned length, hbil_reprojection reprojection,
-                bench_deviation *out, image_error *error) {
-  sequence *s = NULL;
-  int failed = open_sequence(j, length, reprojection, &s, error);
-  for (unsigned i = 0; i < j->options->frame_count && !failed; i++) {
-    captured frame;
-    timing_row row;
-    failed = read_frame(j, i, &frame, error);
-    if (failed)
-      break;
-    failed = run(j, s, &frame, &row, error);
-    gbuffer_free(&frame.g);
-  }
+static int sequence(const job *j, const bench_setting *s, unsigned length,
+                    hbil_reprojection reprojection, deviation *out,
+                    image_error *error) {
+  bench_trial t;
+  int failed = open_trial(j, s, length, reprojection, &t, error);
+  for (unsigned f = 0; f < j->content.frames && !failed; f++)
+    failed = bench_trial_run(&t, f, f, 0, error);
   if (!failed)
-    *out = deviation_of(j);
-  sequence_close(s);
+    failed = deviation_of(j, &t, s->model, out, error);
+  bench_trial_close(&t);
   return failed;
 }
 
-/* Light is carried over with motion vectors, more than the one bounce of the
- * reference: of AO alone. */
-static int move_both_ways(job *j, unsigned at, bench_temporal *out,
-                          image_error *error) {
-  out->followed[at].ao = out->followed[at].light = NAN;
-  if (move(j, lengths[at], HBIL_REPROJECTION_NONE, &out->moving[at], error) !=
-      0)
+static int measure_length(const job *j, const bench_setting *s, unsigned length,
+                          deviation still, image_error *error) {
+  const int has_motion =
+      j->content.frame[j->content.measured].plane[BENCH_MOTION] != NULL;
+  deviation moving, followed = {NAN, NAN};
+  char label[BENCH_LABEL];
+  if (sequence(j, s, length, HBIL_REPROJECTION_NONE, &moving, error) != 0 ||
+      (has_motion &&
+       sequence(j, s, length, HBIL_REPROJECTION_MOTION, &followed, error) != 0))
     return -1;
-  if (j->map.count[ROLE_MOTION] < 2)
-    return 0;
-  const int failed =
-      move(j, lengths[at], HBIL_REPROJECTION_MOTION, &out->followed[at], error);
-  out->followed[at].light = NAN;
-  return failed;
+  bench_setting_label(s, label);
+  bench_report_row(j->report);
+  bench_report_text(j->report, label);
+  bench_report_number(j->report, length);
+  bench_report_number(j->report, still.ao);
+  bench_report_number(j->report, still.light);
+  bench_report_number(j->report, moving.ao);
+  bench_report_number(j->report, moving.light);
+  bench_report_number(j->report, followed.ao);
+  return 0;
 }
 
-static int measure_model(job *j, const bench_configuration *c,
-                         bench_temporal *out, image_error *error) {
-  captured last;
-  j->model = c->model;
-  bench_configure(j->content, c, &j->config);
-  bench_label(c, out->label, sizeof out->label);
-  if (read_frame(j, j->options->frame_count - 1, &last, error) != 0)
+/* --- what it costs --- */
+
+/* The frames of the sequence, in turns with a plan that has no filter. */
+static int measure_cost(const job *j, const bench_setting *s,
+                        image_error *error) {
+  bench_turn turns[2] = {{.fixture = j->fixture}, {.fixture = j->fixture}};
+  bench_timing t[2];
+  char label[BENCH_LABEL];
+  bench_setting_label(s, label);
+  bench_setting_apply(s, &j->content, &turns[0].config);
+  turns[1].config = turns[0].config;
+  turns[1].config.max_history_frames = LONGEST;
+  if (bench_time_turns(turns, 2, j->options->runs, t, error) != 0)
     return -1;
-  int failed = hold_still(j, &last, out, error);
-  gbuffer_free(&last.g);
-  for (unsigned at = 0; at < BENCH_TEMPORAL_LENGTHS && !failed; at++)
-    failed = move_both_ways(j, at, out, error);
-  return failed;
+  bench_report_row(j->report);
+  bench_report_text(j->report, label);
+  bench_report_number(j->report, t[1].pass[HBIL_PASS_TEMPORAL].median);
+  bench_report_number(j->report, t[1].total_ratio);
+  return 0;
 }
 
 /* --- all --- */
 
-/* The library's default, and what hbil process does by itself. */
-static void choose(bench_configuration list[BENCH_TEMPORALS]) {
-  process_options tool;
-  process_options_init(&tool);
-  list[0] = list[1] = bench_default();
-  list[1].model = BENCH_TOOL;
-  list[1].samples = tool.config.steps_per_side;
+static int measure(job *j, image_error *error) {
+  const size_t longest = j->options->quick ? 3 : LENGTHS;
+  bench_report_table(j->report, "errors", "Means over frames", columns,
+                     sizeof columns / sizeof *columns);
+  for (int i = 0; i < SETTINGS; i++) {
+    deviation still[LENGTHS];
+    if (static_frames(j, &j->list[i], still, error) != 0)
+      return -1;
+    for (size_t n = 0; n < longest; n++)
+      if (measure_length(j, &j->list[i], lengths[n], still[n], error) != 0)
+        return -1;
+  }
+  bench_report_table(j->report, "cost", "What the filter costs", cost_columns,
+                     sizeof cost_columns / sizeof *cost_columns);
+  for (int i = 0; i < SETTINGS; i++)
+    if (measure_cost(j, &j->list[i], error) != 0)
+      return -1;
+  return 0;
 }
 
-/* The last frame's: all have the same channels. */
-static int read_last(job *j, image_error *error) {
-  const char *path = last_path(j->options);
-  if (bench_read_map(path, j->options->camera, &j->map, &j->camera, error) != 0)
-    return -1;
-  return j->map.count[ROLE_DIRECT]
-             ? 0
-             : image_fail(error, "%s: has no direct light, which is needed",
-                          path);
+static void report_notes(const job *j) {
+  bench_report_note(
+      j->report,
+      "RMSE against the exact integral (%d slices) in the last of %u frames, "
+      "of E_near over its mean.  static: that frame over and over; moving: the "
+      "whole sequence, where surfaces are found again by the cameras; motion "
+      "vectors: by these, with light of further bounces, so that only AO is "
+      "compared.",
+      j->integrals.slices, j->content.frames);
 }
 
-int bench_temporal_measure(const bench_options *options, const device *d,
-                           const bench_content *content, int slices,
-                           bench_temporal *out, image_error *error) {
-  bench_configuration list[BENCH_TEMPORALS];
-  bench_exact exact = {.slices = 0};
-  job j = {
-      .options = options, .device = d, .content = content, .exact = &exact};
-  choose(list);
-  if (read_last(&j, error) != 0)
+static int run(const bench_options *options, const bench_device *device,
+               bench_report *report, image_error *error) {
+  job j = {.options = options,
+           .list = {bench_setting_default(), bench_setting_default()},
+           .report = report};
+  j.list[1].steps = 48;
+  if (bench_content_load(options, options->quick ? QUICK_FRAMES : ROOM_FRAMES,
+                         1, &j.content, error) != 0)
     return -1;
-  int failed =
-      layers_image(WANTED, content->width, content->height, &j.result) != 0
-          ? image_no_memory(error, content->name)
-          : bench_exact_make(content, slices, list, BENCH_TEMPORALS, &exact,
-                             error);
-  for (int i = 0; i < BENCH_TEMPORALS && !failed; i++)
-    failed = measure_model(&j, &list[i], &out[i], error);
-  bench_exact_free(&exact);
-  image_free(&j.result);
-  channels_free(&j.map);
+  bench_report_subject(report, j.content.name, j.content.width,
+                       j.content.height, options->runs);
+  j.planes = malloc(3 * bench_pixels(&j.content) * sizeof *j.planes);
+  int failed = j.planes ? 0 : image_no_memory(error, j.content.name);
+  failed = failed ||
+           bench_integrals_make(options, &j.content, j.list, SETTINGS,
+                                &j.integrals, error) != 0 ||
+           bench_fixture_open(device, &j.content, &j.fixture, error) != 0 ||
+           measure(&j, error) != 0;
+  if (!failed)
+    report_notes(&j);
+  bench_fixture_close(j.fixture);
+  bench_integrals_free(&j.integrals);
+  bench_content_free(&j.content);
+  free(j.planes);
   return failed ? -1 : 0;
 }
 
-/* --- text --- */
-
-static void print_number(FILE *out, double value) {
-  if (isnan(value))
-    fprintf(out, " %8s", "-");
-  else
-    fprintf(out, " %8.4f", value);
-}
-
-void bench_write_temporal_table(const bench_report *report, FILE *out) {
-  bench_print_machine(&report->machine, out);
-  fprintf(out, "content  %s, %u x %u pixels\n", report->content->name,
-          report->content->width, report->content->height);
-  for (int i = 0; i < BENCH_TEMPORALS; i++) {
-    const bench_temporal *t = &report->temporal[i];
-    fprintf(out, "\n%-24s %8s %8s %8s %8s %8s\n", t->label, "still", "",
-            "moving", "", "motion");
-    fprintf(out, "%-24s %8s %8s %8s %8s %8s\n", "frames", "AO", "E_near", "AO",
-            "E_near", "AO");
-    for (int n = 0; n < BENCH_TEMPORAL_LENGTHS; n++) {
-      fprintf(out, "%-24u", lengths[n]);
-      print_number(out, t->still[n].ao);
-      print_number(out, t->still[n].light);
-      print_number(out, t->moving[n].ao);
-      print_number(out, t->moving[n].light);
-      print_number(out, t->followed[n].ao);
-      fputc('\n', out);
-    }
-    fprintf(out, "the filter takes %.3f ms, %.1f %% of a frame\n",
-            t->pass.median, 100.0 * t->share);
-  }
-  fputs("RMSE against the exact integral in the last frame, of E_near over its "
-        "mean; still:\nthat frame over and over; moving: the whole sequence, "
-        "looked up by the cameras;\nmotion: by motion vectors\n",
-        out);
-}
-
-static void write_deviations(FILE *out, const char *name,
-                             const bench_deviation *list) {
-  fprintf(out, "      \"%s\": [", name);
-  for (int n = 0; n < BENCH_TEMPORAL_LENGTHS; n++) {
-    fprintf(out, "%s{\"frames\": %u, \"ao\": %.6g", n ? ", " : "", lengths[n],
-            list[n].ao);
-    if (!isnan(list[n].light))
-      fprintf(out, ", \"light\": %.6g", list[n].light);
-    fputc('}', out);
-  }
-  fputs("],\n", out);
-}
-
-void bench_write_temporal_json(const bench_report *report, FILE *out) {
-  fputs("{\n  \"device\": ", out);
-  bench_write_quoted(out, report->machine.device);
-  fputs(",\n  \"content\": ", out);
-  bench_write_quoted(out, report->content->name);
-  fprintf(out, ",\n  \"width\": %u,\n  \"height\": %u,\n  \"settings\": [",
-          report->content->width, report->content->height);
-  for (int i = 0; i < BENCH_TEMPORALS; i++) {
-    const bench_temporal *t = &report->temporal[i];
-    fprintf(out, "%s\n    {\n      \"label\": ", i ? "," : "");
-    bench_write_quoted(out, t->label);
-    fputs(",\n", out);
-    write_deviations(out, "still", t->still);
-    write_deviations(out, "moving", t->moving);
-    if (!isnan(t->followed[0].ao))
-      write_deviations(out, "motion", t->followed);
-    fprintf(out, "      \"milliseconds\": %.6g,\n      \"share\": %.6g\n    }",
-            t->pass.median, t->share);
-  }
-  fputs("\n  ]\n}\n", out);
-}
+const bench_command bench_temporal = {
+    .name = "temporal",
+    .about = "what the history filter brings, and what it costs",
+    .details =
+        "How much of the sampling error does averaging over frames remove,\n"
+        "with a static camera and with a moving one, and what does it cost?\n"
+        "FRAME.exr... are a sequence whose last frame is measured; without\n"
+        "any, the camera moves through the room.\n",
+    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_FRAMES | BENCH_TAKES_ERRORS,
+    .runs = 9,
+    .run = run};

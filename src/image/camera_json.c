@@ -1,5 +1,4 @@
-/* The camera beside a dump: a JSON file, through jansson. */
-#include "image/image.h"
+#include "image/camera_json.h"
 #include "image/temporary.h"
 
 #include <jansson.h>
@@ -10,13 +9,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Values beyond these belong to no camera, and would overflow in single
+ * precision, which also has to hold squares of positions. */
+#define MOST_PIXELS 1e9
+#define LEAST_PIXELS 1e-6
+#define MOST_UNITS 1e18
+
 typedef struct parser {
   const char *path;
   const json_t *root;
   image_error *error;
 } parser;
 
-static int lacks(const parser *p, const char *field, const char *needed) {
+/* Reports that a field is missing, or wrong if the object has it. */
+static int fail_field(const parser *p, const char *field, const char *needed) {
   return image_fail(
       p->error, "%s: field %s is %s; %s is needed", p->path, field,
       json_object_get(p->root, field) ? "wrong" : "missing", needed);
@@ -29,12 +35,6 @@ static int finite_number(const json_t *value, double *out) {
   return isfinite(*out);
 }
 
-/* Pixels and world units beyond these are no camera's, and would not survive
- * in single precision: squares of positions must be finite. */
-#define MOST_PIXELS 1e9
-#define LEAST_PIXELS 1e-6
-#define MOST_UNITS 1e18
-
 /* Four rows of four numbers. */
 static int read_matrix(const parser *p, const char *field, double out[16]) {
   const json_t *rows = json_object_get(p->root, field);
@@ -42,7 +42,7 @@ static int read_matrix(const parser *p, const char *field, double out[16]) {
     const json_t *row = json_array_get(rows, i / 4);
     if (json_array_size(rows) != 4 || json_array_size(row) != 4 ||
         !finite_number(json_array_get(row, i % 4), &out[i]))
-      return lacks(p, field, "a 4x4 array of finite numbers, row by row,");
+      return fail_field(p, field, "a 4x4 array of finite numbers, row by row,");
   }
   return 0;
 }
@@ -51,7 +51,7 @@ static int read_centre(const parser *p, const char *field, double *out) {
   return finite_number(json_object_get(p->root, field), out) &&
                  fabs(*out) <= MOST_PIXELS
              ? 0
-             : lacks(p, field, "a number of pixels, at most 1e9,");
+             : fail_field(p, field, "a number of pixels, at most 1e9,");
 }
 
 static int is_focal(double pixels) {
@@ -61,7 +61,7 @@ static int is_focal(double pixels) {
 static int read_focal(const parser *p, const char *field, double *out) {
   return finite_number(json_object_get(p->root, field), out) && is_focal(*out)
              ? 0
-             : lacks(p, field, "a number of pixels, 1e-6 to 1e9,");
+             : fail_field(p, field, "a number of pixels, 1e-6 to 1e9,");
 }
 
 static double column_product(const double m[16], int a, int b) {
@@ -74,8 +74,9 @@ static double determinant(const double m[16]) {
          m[2] * (m[4] * m[9] - m[5] * m[8]);
 }
 
-/* As hbil_enqueue_frame() wants it, and to the same 1e-3: beyond any rounding
- * of a float matrix, below any real scale or shear. */
+/* hbil_enqueue_frame() accepts the same matrices.  The tolerance of 1e-3 is
+ * larger than the rounding of a float matrix and smaller than any scale or
+ * shear that is meant. */
 static int is_rigid(const double m[16]) {
   for (int a = 0; a < 3; a++)
     for (int b = 0; b < 3; b++)
@@ -91,32 +92,33 @@ static int is_rigid(const double m[16]) {
 static int read_pose(const parser *p, const char *field, double out[16]) {
   if (read_matrix(p, field, out) != 0)
     return -1;
-  return is_rigid(out) ? 0
-                       : lacks(p, field,
-                               "a rigid transform (unit columns at right "
-                               "angles, not mirrored, last row 0 0 0 1, not "
-                               "beyond 1e18)");
+  return is_rigid(out)
+             ? 0
+             : fail_field(p, field,
+                          "a rigid transform (unit columns at right "
+                          "angles, not mirrored, last row 0 0 0 1, not "
+                          "beyond 1e18)");
 }
 
-static int side(const json_t *value, uint32_t *out) {
+static int read_side(const json_t *value, uint32_t *out) {
   const json_int_t n = json_is_integer(value) ? json_integer_value(value) : 0;
   *out = n >= 1 && n <= INT32_MAX ? (uint32_t)n : 0;
   return *out != 0;
 }
 
-/* Optional: without it, width and height stay 0. */
+/* This field is optional. */
 static int read_resolution(const parser *p, camera_file *out) {
   const json_t *pair = json_object_get(p->root, "resolution");
   if (!pair)
     return 0;
   if (json_array_size(pair) != 2 ||
-      !side(json_array_get(pair, 0), &out->width) ||
-      !side(json_array_get(pair, 1), &out->height))
-    return lacks(p, "resolution", "[width, height]");
+      !read_side(json_array_get(pair, 0), &out->width) ||
+      !read_side(json_array_get(pair, 1), &out->height))
+    return fail_field(p, "resolution", "[width, height]");
   return 0;
 }
 
-/* Optional, both or none. */
+/* These fields are optional; one without the other is ignored. */
 static int read_clipping(const parser *p, camera_file *out) {
   const json_t *near = json_object_get(p->root, "near");
   const json_t *far = json_object_get(p->root, "far");
@@ -124,11 +126,11 @@ static int read_clipping(const parser *p, camera_file *out) {
     return 0;
   if (!finite_number(near, &out->near) || !finite_number(far, &out->far) ||
       !(out->near >= 0.0) || !(out->far > out->near))
-    return lacks(p, "near", "a distance below that of far");
+    return fail_field(p, "near", "a distance below that of far");
   return 0;
 }
 
-/* Perspective, unless it says otherwise. */
+/* This field is optional; the default is perspective. */
 static int read_projection(const parser *p, camera_file *out) {
   const json_t *field = json_object_get(p->root, "projection");
   const char *kind = json_string_value(field);
@@ -136,24 +138,26 @@ static int read_projection(const parser *p, camera_file *out) {
   return !field || out->orthographic ||
                  (kind && strcmp(kind, "perspective") == 0)
              ? 0
-             : lacks(p, "projection", "\"perspective\" or \"orthographic\"");
+             : fail_field(p, "projection",
+                          "\"perspective\" or \"orthographic\"");
 }
 
-/* Blender's size of an orthographic camera, world units across the wider side
- * of the picture, which must be known then. */
+/* Converts Blender's size of an orthographic camera, which is the number of
+ * world units along the longer side of the picture.  It needs the resolution.
+ */
 static int read_scale(const parser *p, const json_t *scale, camera_file *out) {
   double units;
   if (json_object_get(p->root, "fx") || json_object_get(p->root, "fy"))
-    return lacks(p, "ortho_scale", "either it, or fx and fy,");
+    return fail_field(p, "ortho_scale", "either it, or fx and fy,");
   if (!out->width)
-    return lacks(p, "resolution", "[width, height] beside ortho_scale");
+    return fail_field(p, "resolution", "[width, height] beside ortho_scale");
   if (!finite_number(scale, &units) || !(units > 0.0))
-    return lacks(p, "ortho_scale", "a positive number of world units");
+    return fail_field(p, "ortho_scale", "a positive number of world units");
   out->fx = out->fy =
       (out->width > out->height ? out->width : out->height) / units;
-  return is_focal(out->fx)
-             ? 0
-             : lacks(p, "ortho_scale", "1e-6 to 1e9 pixels to a world unit");
+  return is_focal(out->fx) ? 0
+                           : fail_field(p, "ortho_scale",
+                                        "1e-6 to 1e9 pixels to a world unit");
 }
 
 static int read_lens(const parser *p, camera_file *out) {
@@ -180,21 +184,18 @@ static int parse(const parser *p, camera_file *out) {
              : 0;
 }
 
-/* ------------------------------------------------------------------------ */
-/* The file                                                                  */
-
-static int unreadable(const char *path, image_error *error) {
+static int fail_to_read(const char *path, image_error *error) {
   return image_fail(error,
                     "%s: camera cannot be read: %s; a JSON file with "
                     "camera_to_world, fx, fy, cx, cy is needed",
                     path, strerror(errno));
 }
 
-static int fill(FILE *file, const char *path, char *text, size_t *size,
-                image_error *error) {
+static int read_limited(FILE *file, const char *path, char *text, size_t *size,
+                        image_error *error) {
   *size = fread(text, 1, CAMERA_FILE_MOST + 1, file);
   if (ferror(file))
-    return unreadable(path, error);
+    return fail_to_read(path, error);
   if (*size > CAMERA_FILE_MOST)
     return image_fail(error,
                       "%s: larger than %d KiB; a camera file with "
@@ -203,16 +204,18 @@ static int fill(FILE *file, const char *path, char *text, size_t *size,
   return 0;
 }
 
-/* The whole file, malloc'd, or NULL. */
+/* Returns the content of the file, which the caller frees, or NULL.  jansson
+ * reads files itself, but without a limit of size, and its errors give only a
+ * position from which last_field() finds the field. */
 static char *read_text(const char *path, size_t *size, image_error *error) {
   FILE *file = fopen(path, "rb");
   if (!file) {
-    unreadable(path, error);
+    fail_to_read(path, error);
     return NULL;
   }
   char *text = malloc(CAMERA_FILE_MOST + 1);
-  const int failed =
-      text ? fill(file, path, text, size, error) : image_no_memory(error, path);
+  const int failed = text ? read_limited(file, path, text, size, error)
+                          : image_no_memory(error, path);
   fclose(file);
   if (!failed)
     return text;
@@ -220,8 +223,8 @@ static char *read_text(const char *path, size_t *size, image_error *error) {
   return NULL;
 }
 
-/* The name before the last colon in front of a place in the text: the field
- * in which the parser stopped, or nothing. */
+/* Finds the field in which the parser stopped: the name before the last colon
+ * that precedes the position.  Returns its length, 0 if there is none. */
 static int last_field(const char *text, size_t at, const char **name) {
   while (at > 0 && text[at - 1] != ':')
     at--;
@@ -235,8 +238,8 @@ static int last_field(const char *text, size_t at, const char **name) {
   return end - begin < 64 ? (int)(end - begin) : 0;
 }
 
-static int not_json(const char *path, const char *text, const json_error_t *why,
-                    image_error *error) {
+static int fail_syntax(const char *path, const char *text,
+                       const json_error_t *why, image_error *error) {
   const char *field;
   const int length =
       last_field(text, why->position > 0 ? (size_t)why->position : 0, &field);
@@ -256,18 +259,25 @@ int camera_read(const char *path, camera_file *out, image_error *error) {
     return -1;
   json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &why);
   const parser p = {path, root, error};
-  const int failed = root ? parse(&p, out) : not_json(path, text, &why, error);
+  const int failed =
+      root ? parse(&p, out) : fail_syntax(path, text, &why, error);
   json_decref(root);
   free(text);
   return failed;
 }
 
-static json_t *matrix_json(const double m[16]) {
-  json_t *rows = json_array();
-  for (int i = 0; i < 4; i++)
-    json_array_append_new(rows, json_pack("[f,f,f,f]", m[4 * i], m[4 * i + 1],
-                                          m[4 * i + 2], m[4 * i + 3]));
-  return rows;
+/* Returns NULL if a number is not finite, which JSON can't express. */
+static json_t *camera_object(const camera_file *camera) {
+  const double *m = camera->camera_to_world;
+  json_t *matrix = json_pack("[[f,f,f,f],[f,f,f,f],[f,f,f,f],[f,f,f,f]]", m[0],
+                             m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8],
+                             m[9], m[10], m[11], m[12], m[13], m[14], m[15]);
+  /* s* leaves out a NULL string, o fails for a NULL object. */
+  return json_pack("{s:[i,i], s:o, s:f, s:f, s:f, s:f, s:s*}", "resolution",
+                   (int)camera->width, (int)camera->height, "camera_to_world",
+                   matrix, "fx", camera->fx, "fy", camera->fy, "cx", camera->cx,
+                   "cy", camera->cy, "projection",
+                   camera->orthographic ? "orthographic" : NULL);
 }
 
 int camera_write(const char *path, const camera_file *camera,
@@ -275,13 +285,7 @@ int camera_write(const char *path, const camera_file *camera,
   char *temporary = temporary_name(path, error);
   if (!temporary)
     return -1;
-  json_t *root =
-      json_pack("{s:[i,i], s:o, s:f, s:f, s:f, s:f}", "resolution",
-                (int)camera->width, (int)camera->height, "camera_to_world",
-                matrix_json(camera->camera_to_world), "fx", camera->fx, "fy",
-                camera->fy, "cx", camera->cx, "cy", camera->cy);
-  if (root && camera->orthographic)
-    json_object_set_new(root, "projection", json_string("orthographic"));
+  json_t *root = camera_object(camera);
   if (!root) {
     free(temporary);
     return image_fail(error,

@@ -1,25 +1,27 @@
 /*
- * OpenEXRCore before 3.2 cannot decompress DWAA and DWAB, and some later ones
- * do so wrongly where channels have layer names (openexr issue 1682).  Such
- * parts are therefore read through OpenEXR's C++ library (formats.cpp).
+ * Pixels of one part in DWAA or DWAB compression, decoded by OpenEXR's C++
+ * library.
+ *
+ * OpenEXRCore before 3.2 cannot decompress DWA, and some later versions do so
+ * wrongly if channels have layer names (openexr issue 1682).
  */
-#ifndef HBIL_EXR_DWA_H
-#define HBIL_EXR_DWA_H
+#ifndef HBIL_IMAGE_EXR_DWA_H
+#define HBIL_IMAGE_EXR_DWA_H
 
+#include "image/exr_channels.h"
+#include "image/exr_file.h"
 #include "image/image.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-typedef struct exr_target {
-  const char *channel; /* its name in the part */
-  float *pixels;       /* width*height floats to fill */
-  int integers;        /* or as many uint32_t */
-} exr_target;
+/* Whether a part is compressed so. */
+int exr_dwa_compressed(const exr_file *f, int part);
 
-int exr_dwa_read(const char *path, int part, uint32_t width, uint32_t height,
-                 const exr_target *targets, size_t count, image_error *error);
+/* Does what exr_decode() does. */
+int exr_dwa_decode(exr_file *f, int part, const image *img,
+                   const exr_source *sources);
 
 #ifdef __cplusplus
 }

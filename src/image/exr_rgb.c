@@ -1,24 +1,14 @@
-/* Environment maps in EXR: read with the care that dumps are read with. */
 #include "image/exr_rgb.h"
+#include "image/exr_read.h"
+#include "image/image.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-int exr_recognise(const char *path) {
-  static const unsigned char magic[4] = {0x76, 0x2f, 0x31, 0x01};
-  unsigned char start[4];
-  FILE *file = fopen(path, "rb");
-  if (!file)
-    return 0;
-  const size_t read = fread(start, 1, sizeof start, file);
-  fclose(file);
-  return read == sizeof start && memcmp(start, magic, sizeof magic) == 0;
-}
-
-/* PREFIX.R, PREFIX.G and PREFIX.B, where `red` is the first. */
-static int find_colour(const image *header, const char *red,
-                       const char *names[3]) {
+/* Finds PREFIX.R, PREFIX.G and PREFIX.B; `red` is the name of the first. */
+static int find_layer(const image *header, const char *red,
+                      const char *names[3]) {
   char name[sizeof header->planes->name];
   const size_t last = strlen(red) - 1;
   for (int c = 0; c < 3; c++) {
@@ -32,16 +22,14 @@ static int find_colour(const image *header, const char *red,
   return 1;
 }
 
-/* The first three that are a colour, else the first that is Y, else the only
- * channel there is. */
-static int choose(const image *header, const char *names[3]) {
+static int choose_channels(const image *header, const char *names[3]) {
   const image_plane *grey = image_find(header, "Y");
   for (size_t i = 0; i < header->count; i++) {
     const char *name = header->planes[i].name;
     const size_t length = strlen(name);
     if (length > 0 && name[length - 1] == 'R' &&
         (length == 1 || name[length - 2] == '.') &&
-        find_colour(header, name, names))
+        find_layer(header, name, names))
       return 1;
   }
   if (!grey && header->count == 1)
@@ -74,10 +62,10 @@ int exr_read_rgb(const char *path, float **rgb, uint32_t *width,
     return -1;
   memset(&planes, 0, sizeof planes);
   int failed;
-  if ((uint64_t)header.width * header.height > IMAGE_MAP_PIXELS)
+  if ((uint64_t)header.width * header.height > RGB_MAX_PIXELS)
     failed = image_fail(error, "%s: %u x %u pixels; at most %d are needed",
-                        path, header.width, header.height, IMAGE_MAP_PIXELS);
-  else if (!choose(&header, names))
+                        path, header.width, header.height, RGB_MAX_PIXELS);
+  else if (!choose_channels(&header, names))
     failed = image_fail(error,
                         "%s: no channels R, G and B, nor Y, of which "
                         "a map is made",

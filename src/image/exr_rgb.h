@@ -1,20 +1,25 @@
 /*
- * Colour images in EXR.  OpenImageIO, which reads all other formats, lets a
- * header of a few bytes ask for gigabytes and minutes.
+ * Colour images in OpenEXR files, for environment maps.
+ *
+ * OpenImageIO reads these too, but a damaged header of a few bytes makes it
+ * take gigabytes and minutes.
  */
-#ifndef HBIL_EXR_RGB_H
-#define HBIL_EXR_RGB_H
+#ifndef HBIL_IMAGE_EXR_RGB_H
+#define HBIL_IMAGE_EXR_RGB_H
 
-#include "image/image.h"
+#include "image/error.h"
+
+#include <stdint.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* Whether the file begins like one. */
-int exr_recognise(const char *path);
+/* The largest colour image that is read: 16384 x 8192 pixels. */
+enum { RGB_MAX_PIXELS = 1 << 27 };
 
-/* As formats_read_rgb(). */
+/* Reads the first R, G and B of the same layer, else Y, else the only channel,
+ * as width*height interleaved RGB floats, which the caller frees. */
 int exr_read_rgb(const char *path, float **rgb, uint32_t *width,
                  uint32_t *height, image_error *error);
 

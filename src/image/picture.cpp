@@ -1,6 +1,5 @@
-// Pictures of 8 bits that are put together: tiles and text, by OpenImageIO.
-#include "image/guarded.h"
-#include "image/image.h"
+#include "image/picture.h"
+#include "image/catch_exceptions.hpp"
 
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
@@ -13,7 +12,8 @@ namespace {
 
 namespace algo = OIIO::ImageBufAlgo;
 
-// The library's search for any font looks for names that Debian doesn't have.
+// OpenImageIO can choose a font itself, but looks for names that Debian does
+// not have.
 const char *const fonts[] = {"DejaVuSans", "LiberationSans-Regular", "FreeSans",
                              "NotoSans-Regular", "Arial"};
 
@@ -40,7 +40,8 @@ int draw_tile(picture &to, const picture_window &at, const picture &tile) {
   const OIIO::ImageBuf from = wrap(tile.rgb, tile.width, tile.height);
   OIIO::ImageBuf sized(
       OIIO::ImageSpec(int(at.width), int(at.height), 3, OIIO::TypeDesc::UINT8));
-  // the mean of what falls into a pixel; the nearest where pixels grow
+  // A box filter of this width averages when it shrinks the tile, and repeats
+  // pixels when it enlarges it.
   const float ratio = float(at.width) / float(tile.width);
   return algo::resize(sized, from, "box", std::max(ratio, 1.0f), {}, 1) &&
                  algo::paste(whole, int(at.x), int(at.y), 0, 0, sized, {}, 1)
@@ -66,12 +67,13 @@ extern "C" void picture_free(picture *p) {
 
 extern "C" int picture_text(picture *to, int x, int y, int size,
                             picture_align align, const char *text) {
-  return guarded("", "drawn", nullptr,
-                 [&] { return draw_text(*to, x, y, size, align, text); });
+  return catch_exceptions("", "drawn", nullptr, [&] {
+    return draw_text(*to, x, y, size, align, text);
+  });
 }
 
 extern "C" int picture_tile(picture *to, const picture_window *at,
                             const picture *tile) {
-  return guarded("", "drawn", nullptr,
-                 [&] { return draw_tile(*to, *at, *tile); });
+  return catch_exceptions("", "drawn", nullptr,
+                          [&] { return draw_tile(*to, *at, *tile); });
 }

@@ -1,24 +1,28 @@
 /*
- * Files that appear whole or not at all: written under a temporary name in
- * the same folder, then renamed.
+ * Files that appear complete or not at all: they are written under a temporary
+ * name in the same folder and then renamed.
+ *
+ *   char *temporary = temporary_name(path, error);
+ *   ... write the file `temporary`, then
+ *   temporary_commit(temporary, path, error), or temporary_discard(temporary)
  */
-#ifndef HBIL_TEMPORARY_H
-#define HBIL_TEMPORARY_H
+#ifndef HBIL_IMAGE_TEMPORARY_H
+#define HBIL_IMAGE_TEMPORARY_H
 
-#include "image/image.h"
+#include "image/error.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* A name beside `path`, to be given to one of the two below; NULL with
- * `error` filled when out of memory. */
+/* Returns a name beside `path`, or NULL if memory runs out.  The caller passes
+ * it to one of the two functions below, which free it. */
 char *temporary_name(const char *path, image_error *error);
 
-/* Renames to `path`; on failure the temporary file is gone.  Frees name. */
+/* Renames the file to `path`.  Removes it if that fails. */
 int temporary_commit(char *name, const char *path, image_error *error);
 
-/* Removes the file, if any.  Frees name; NULL is allowed. */
+/* Removes the file if it exists.  A NULL name is allowed. */
 void temporary_discard(char *name);
 
 #ifdef __cplusplus

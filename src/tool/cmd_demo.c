@@ -1,11 +1,23 @@
 /*
  * hbil demo: a sequence that needs no files and no renderer.  Traces the
- * G-buffers of a small scene, writes them as any renderer would, and hands
- * them to the main job.
+ * G-buffers of a small scene, writes them as a renderer would, and computes
+ * their light as `hbil process` does.
  */
 #define _POSIX_C_SOURCE 200809L
+#include "dump/frame_camera.h"
+#include "dump/pixel_ray.h"
+#include "tool/device.h"
+#include "tool/options.h"
+#include "tool/progress.h"
+#include "tool/report.h"
 #include "scene/scene.h"
-#include "tool/tool.h"
+#include "tool/commands.h"
+#include "tool/paths.h"
+#include "tool/process.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/exr_write.h"
+#include "image/image.h"
 
 #include <errno.h>
 #include <getopt.h>
@@ -14,7 +26,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 enum { GBUFFER_PLANES = 18, SKY_WIDTH = 64, SKY_HEIGHT = 32 };
 
@@ -47,14 +58,11 @@ static void usage(void) {
 /* ------------------------------------------------------------------------ */
 /* Files                                                                     */
 
-/* FOLDER/NAME, malloc'd; NULL with error filled when out of memory. */
+/* FOLDER/NAME, malloc'd; NULL with `error` filled if memory runs out. */
 static char *join(const char *folder, const char *name, image_error *error) {
-  size_t size = strlen(folder) + strlen(name) + 2;
-  char *path = malloc(size);
+  char *path = path_join(folder, "/", name);
   if (path == NULL)
     image_no_memory(error, folder);
-  else
-    snprintf(path, size, "%s/%s", folder, name);
   return path;
 }
 
@@ -74,14 +82,14 @@ static int make_folder(const char *path, image_error *error) {
 /* ------------------------------------------------------------------------ */
 /* The G-buffer                                                              */
 
-/* Sky pixels show what they send as emission, as in any dump. */
+/* Stores the sky's radiance as emission, as renderers do. */
 static void fill_sky(scene_frame *f) {
   const double *m = f->camera.world_from_view;
   for (size_t i = 0; i < (size_t)f->width * f->height; ++i) {
     if (f->depth[i] > 0.0f)
       continue;
-    const gbuffer_ray ray =
-        gbuffer_look(f->projection, &f->camera, i % f->width, i / f->width);
+    const pixel_ray ray =
+        pixel_ray_at(f->projection, &f->camera, i % f->width, i / f->width);
     const double *r = ray.along;
     double direction[3];
     float rgb[3];
@@ -94,7 +102,8 @@ static void fill_sky(scene_frame *f) {
   }
 }
 
-/* The planes under the names of a dump; the pixels stay the frame's own. */
+/* The planes with the channel names of a dump.  The pixels stay the frame's
+ * own. */
 static image gbuffer_image(const scene_frame *f,
                            image_plane planes[GBUFFER_PLANES]) {
   static const char *const names[GBUFFER_PLANES] = {
@@ -118,8 +127,8 @@ static image gbuffer_image(const scene_frame *f,
                  .planes = planes};
 }
 
-/* Side-cars hold the convention of OpenGL: y up, looking down -z.  Adding 0
- * turns -0 into 0, for the sake of those who read them. */
+/* JSON cameras have OpenGL's convention: y up, looking along -z.  Adding 0
+ * turns -0 into 0, which reads better. */
 static camera_file camera_of(const scene_frame *f) {
   static const double sign[4] = {1.0, -1.0, -1.0, 1.0};
   const hbil_camera *c = &f->camera;
@@ -136,14 +145,14 @@ static camera_file camera_of(const scene_frame *f) {
   return out;
 }
 
-/* path ends in .exr; the camera goes beside it. */
+/* Writes path, which ends in .exr, and the camera beside it. */
 static int write_frame(const scene_frame *f, const char *path,
                        image_error *error) {
   image_plane planes[GBUFFER_PLANES] = {{.pixels = NULL}};
   image img = gbuffer_image(f, planes);
   if (exr_write(path, &img, NULL, error) != 0)
     return -1;
-  char *json = gbuffer_camera_name(path);
+  char *json = camera_file_beside(path);
   if (json == NULL)
     return image_no_memory(error, path);
   camera_file camera = camera_of(f);
@@ -166,7 +175,7 @@ static int trace_frame(const demo_options *o, unsigned index, const char *path,
   return failed;
 }
 
-/* Fills files with the paths (malloc'd) of the frames. */
+/* Fills files with the malloc'd paths of the frames. */
 static int trace_frames(const demo_options *o, const char *folder, char **files,
                         image_error *error) {
   const char *tracing = "tracing G-buffers";
@@ -182,7 +191,8 @@ static int trace_frames(const demo_options *o, const char *folder, char **files,
   return 0;
 }
 
-/* The sky as a latitude-longitude map, see hbil_environment_from_latlong(). */
+/* Writes the sky as a latitude-longitude map; see
+ * hbil_environment_from_latlong(). */
 static int write_sky(const char *path, image_error *error) {
   const double pi = 3.14159265358979323846;
   static float pixels[3][SKY_HEIGHT * SKY_WIDTH];
@@ -207,7 +217,7 @@ static int write_sky(const char *path, image_error *error) {
 /* ------------------------------------------------------------------------ */
 /* The command                                                               */
 
-/* 0: go on; 1: only help was wanted; -1: error is filled. */
+/* Returns 0, 1 if help was wanted, or -1 with `error` filled. */
 static int read_options(int argc, char **argv, demo_options *o,
                         image_error *error) {
   static const struct option options[] = {
@@ -260,7 +270,7 @@ static void name_results(const demo_options *o, const char *folder) {
   printf("\nlook at, of the last frame:\n"
          "  %s/frame_%04u.beauty.png    the lit picture\n"
          "  %s/frame_%04u.indirect.png  the indirect light alone\n"
-         "  %s/frame_%04u.AO.png        ambient visibility\n"
+         "  %s/frame_%04u.ao.png        ambient visibility\n"
          "  %s/frame_%04u.exr           all layers\n"
          "and at what it was made of: %s/frame_%04u.exr and .json\n",
          o->output, last, o->output, last, o->output, last, o->output, last,
@@ -268,18 +278,18 @@ static void name_results(const demo_options *o, const char *folder) {
 }
 
 static int process(const demo_options *o, const char *sky, char **files) {
-  process_options p;
-  process_options_init(&p);
-  p.output = o->output;
-  p.device = o->device;
-  /* Around the room: what its unseen walls may send. */
-  p.environment = o->scene == SCENE_SKY ? sky : "0.12,0.11,0.1";
-  p.preview = p.timings = p.overwrite = 1;
-  p.config.reprojection = HBIL_REPROJECTION_MOTION;
-  return process_run(&p, files, (int)o->frames);
+  process_settings s;
+  process_settings_init(&s);
+  s.output = o->output;
+  s.device = o->device;
+  /* what the walls outside the picture may send into the room */
+  s.environment = o->scene == SCENE_SKY ? sky : "0.12,0.11,0.1";
+  s.preview = s.timings = s.overwrite = 1;
+  s.config.reprojection = HBIL_REPROJECTION_MOTION;
+  return process_run(&s, files, (int)o->frames);
 }
 
-/* So that nobody waits for a sequence that no device will light. */
+/* Before a sequence is traced for which there is no device. */
 static int check_device(const demo_options *o, image_error *error) {
   device d;
   if (device_open(o->device, 1, &d, error) != 0)
@@ -288,7 +298,7 @@ static int check_device(const demo_options *o, image_error *error) {
   return 0;
 }
 
-/* Folders, G-buffers, light. */
+/* Makes the folders and the G-buffers and computes their light. */
 static int run(const demo_options *o, const char *folder, const char *sky,
                char **files) {
   image_error error;
@@ -296,9 +306,9 @@ static int run(const demo_options *o, const char *folder, const char *sky,
       make_folder(folder, &error) != 0 ||
       trace_frames(o, folder, files, &error) != 0 ||
       (o->scene == SCENE_SKY && write_sky(sky, &error) != 0))
-    return tool_report(&error);
+    return report_error(&error);
   int status = process(o, sky, files);
-  if (status == TOOL_OK)
+  if (status == STATUS_OK)
     name_results(o, folder);
   return status;
 }
@@ -309,14 +319,14 @@ int cmd_demo(int argc, char **argv) {
   image_error error;
   int read = read_options(argc, argv, &o, &error);
   if (read != 0)
-    return read > 0 ? TOOL_OK : tool_report(&error);
+    return read > 0 ? STATUS_OK : report_error(&error);
   char *folder = join(o.output, "gbuffer", &error);
   char *sky = join(o.output, "sky.exr", &error);
   char **files = calloc(o.frames, sizeof *files);
   int status;
   if (folder == NULL || sky == NULL || files == NULL) {
     image_no_memory(&error, o.output);
-    status = tool_report(&error);
+    status = report_error(&error);
   } else {
     status = run(&o, folder, sky, files);
   }

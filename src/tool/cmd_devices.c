@@ -1,5 +1,9 @@
 /* hbil devices: what --device can choose from. */
-#include "tool/tool.h"
+#include "tool/device.h"
+#include "tool/options.h"
+#include "tool/report.h"
+#include "tool/commands.h"
+#include "image/error.h"
 
 #include <getopt.h>
 #include <stdio.h>
@@ -17,10 +21,10 @@ int cmd_devices(int argc, char **argv) {
          "\n"
          "Lists the OpenCL devices: index, name, kind.  --device of the other\n"
          "commands takes the index or a part of the name.");
-    return TOOL_OK;
+    return STATUS_OK;
   case '?':
-    return tool_report(&error);
+    return report_error(&error);
   default:
-    return device_list(&error) == 0 ? TOOL_OK : tool_report(&error);
+    return device_list(&error) == 0 ? STATUS_OK : report_error(&error);
   }
 }

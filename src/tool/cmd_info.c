@@ -1,5 +1,18 @@
 /* hbil info: what is understood of a file, and whether it fits together. */
-#include "tool/tool.h"
+#include "dump/frame_camera.h"
+#include "dump/frame_check.h"
+#include "dump/read_channel_map.h"
+#include "dump/read_gbuffer.h"
+#include "dump/settle.h"
+#include "tool/options.h"
+#include "tool/report.h"
+#include "tool/commands.h"
+#include "tool/source_arguments.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/image.h"
+#include "image/image_read.h"
+#include "image/window.h"
 
 #include <getopt.h>
 #include <math.h>
@@ -11,42 +24,33 @@ typedef struct info_options {
   source_options source;
 } info_options;
 
-static const struct option options[] = {
-    {"camera", required_argument, NULL, 'c'},
-    SOURCE_OPTIONS,
-    {"help", no_argument, NULL, 'h'},
-    {NULL, 0, NULL, 0},
-};
-
 static void usage(void) {
-  puts(
-      "usage: hbil info [options] FRAME.exr...\n"
-      "\n"
-      "Tells which channels were understood as what, and their ranges; what "
-      "is\n"
-      "missing; then checks that depth, camera, positions and normals fit\n"
-      "together, and says which option helps where they don't.\n"
-      "\n"
-      "  --camera FILE         JSON camera (FRAME.json beside FRAME.exr, else\n"
-      "                        the header's)");
+  puts("usage: hbil info [options] FRAME.exr...\n"
+       "\n"
+       "Tells which channels were understood as what, and their ranges; what\n"
+       "is missing; then checks that depth, camera, positions and normals fit\n"
+       "together, and names the option that helps where they don't.\n"
+       "\n"
+       "  --camera FILE         JSON camera (FRAME.json beside FRAME.exr, or\n"
+       "                        else the header's)");
   source_usage();
   puts("\n"
        "Exit status: 0 if hbil process can use the files, else 2.");
 }
 
 /* ------------------------------------------------------------------------ */
-/* What is there                                                             */
+/* What the file has                                                         */
 
 typedef struct range {
   float low, high;
-  size_t odd; /* infinite or NaN */
+  size_t not_finite;
 } range;
 
 static range find_range(const float *values, size_t count) {
   range r = {INFINITY, -INFINITY, 0};
   for (size_t i = 0; i < count; i++) {
     if (!isfinite(values[i])) {
-      r.odd++;
+      r.not_finite++;
       continue;
     }
     r.low = fminf(r.low, values[i]);
@@ -55,19 +59,19 @@ static range find_range(const float *values, size_t count) {
   return r;
 }
 
-/* What it costs that a role is missing. */
+/* What is lost if a role is missing. */
 static const char *cost(role r) {
   static const char *const costs[ROLE_COUNT] = {
       [ROLE_DEPTH] = "it is needed",
       [ROLE_NORMAL] = "they are needed",
-      [ROLE_ALBEDO] = "every surface is taken for white, too much light is "
-                      "passed on",
-      [ROLE_DIRECT] = "no light to pass on but emission's, which is gathered; "
+      [ROLE_ALBEDO] = "every surface is taken as white and passes on too much "
+                      "light",
+      [ROLE_DIRECT] = "only emission, which is then gathered, sends light; "
                       "occlusion needs none",
       [ROLE_EMISSION] = "lamps and sky are black in beauty",
-      [ROLE_BACKGROUND] = "nothing, where emission has the sky",
-      [ROLE_MOTION] = "--reprojection motion isn't possible, scatter is",
-      [ROLE_POSITION] = "depth and camera are checked by the normals alone"};
+      [ROLE_BACKGROUND] = "nothing is lost if emission contains the sky",
+      [ROLE_MOTION] = "--reprojection scatter is possible, motion is not",
+      [ROLE_POSITION] = "only the normals check depth and camera"};
   return costs[r];
 }
 
@@ -76,23 +80,23 @@ static void print_range(const gbuffer *g, role r, size_t c) {
   const range found = find_range(gbuffer_plane(g, r, c), pixels);
   if (found.low <= found.high)
     printf(" %g .. %g", (double)found.low, (double)found.high);
-  if (found.odd)
-    printf(" (%zu not finite)", found.odd);
+  if (found.not_finite)
+    printf(" (%zu not finite)", found.not_finite);
 }
 
-/* g: as stored. */
+/* g: the planes as they are stored. */
 static void print_role(const channel_map *map, const gbuffer *g, role r) {
   if (!map->count[r])
     printf("  %-10s not in the file: %s\n", role_name(r), cost(r));
   for (size_t c = 0; c < map->count[r]; c++) {
     printf("  %-10s ", c ? "" : role_name(r));
-    for (int at = tool_show(map->names[r][c], stdout); at < 28; at++)
+    for (int at = report_text(map->names[r][c], stdout); at < 28; at++)
       putchar(' ');
     if (g->map.count[r])
       print_range(g, r, c);
     if (map->files[r] && c == 0) {
       fputs(" in ", stdout);
-      tool_show(map->files[r], stdout);
+      report_text(map->files[r], stdout);
     }
     puts(map->gamma[r] && r >= ROLE_ALBEDO && r <= ROLE_BACKGROUND
              ? ", sRGB, made linear"
@@ -109,7 +113,7 @@ static void print_window(const channel_map *map) {
          d->x, d->y, s->width, s->height, s->x, s->y,
          both.width == d->width && both.height == d->height
              ? ""
-             : "; those beyond its edges are used and not written");
+             : "; those outside are used and not written");
 }
 
 static void print_conventions(const channel_map *map) {
@@ -122,8 +126,8 @@ static void print_conventions(const channel_map *map) {
          how->backwards ? ", backwards" : "");
   if (how->from_near && how->depth == DEPTH_RAY)
     printf(", from the near plane at %g (--clip)", how->near);
-  if (isfinite(how->background))
-    printf("; sky from %g on (--background)", (double)how->background);
+  if (isfinite(how->sky_depth))
+    printf("; sky from %g on (--sky-depth)", (double)how->sky_depth);
   printf("\n  normals    in %s space%s (--normals)",
          how->normals == SPACE_WORLD ? "world" : "camera",
          how->encoded ? ", encoded" : "");
@@ -139,9 +143,9 @@ static void print_conventions(const channel_map *map) {
 }
 
 /* ------------------------------------------------------------------------ */
-/* Does it fit together?                                                     */
+/* Whether it fits together                                                  */
 
-static void print_camera(const view *seen, const channel_map *map) {
+static void print_camera(const frame_camera *seen, const channel_map *map) {
   const hbil_camera *camera = &map->camera;
   printf("  camera     %s: ", seen->from);
   if (map->projection == HBIL_PROJECTION_ORTHOGRAPHIC)
@@ -156,7 +160,7 @@ static void print_camera(const view *seen, const channel_map *map) {
          seen->mirrored ? ", its world mirrored" : "");
 }
 
-static void print_check(const gbuffer *g, const selfcheck *k) {
+static void print_check(const gbuffer *g, const frame_check *k) {
   printf("  surfaces   %.1f %% of the pixels", 100.0 * k->surface);
   if (k->surface > 0.0)
     printf(", depth %g .. %g", k->low, k->high);
@@ -172,8 +176,8 @@ static void print_check(const gbuffer *g, const selfcheck *k) {
     printf(", %.1f degrees off the depth's own on average",
            acos(fmin(1.0, k->agreement)) * 57.29577951308232);
   putchar('\n');
-  for (int i = 0; i < k->count; i++)
-    printf("  warning    %s\n", k->text[i]);
+  for (int i = 0; i < k->found.count; i++)
+    printf("  warning    %s\n", k->found.text[i]);
 }
 
 static int is_used(const channel_map *map, const char *name) {
@@ -184,7 +188,7 @@ static int is_used(const channel_map *map, const char *name) {
   return 0;
 }
 
-/* The layers none of whose channels mean anything here, each named once. */
+/* Prints each layer of which no channel is used, once. */
 static void print_ignored(const image *header, const channel_map *map) {
   const char *last = "";
   size_t last_length = 0;
@@ -198,26 +202,21 @@ static void print_ignored(const image *header, const channel_map *map) {
     char group[sizeof header->planes->name];
     snprintf(group, sizeof group, "%.*s", (int)length, name);
     printf("  %-10s ", last_length ? "" : "not used");
-    tool_show(group, stdout);
+    report_text(group, stdout);
     putchar('\n');
     last = name;
     last_length = length;
   }
 }
 
-/* The planes as they are stored, for their ranges. */
+/* Prints the ranges of the planes as they are stored. */
 static int print_roles(const char *path, const channel_map *map,
                        image_error *error) {
-  channel_map stored = *map;
+  channel_map whole = *map;
   gbuffer g;
-  const conventions as_it_is = {.unit = 1.0, .background = INFINITY};
-  stored.how = as_it_is;
-  memset(stored.gamma, 0, sizeof stored.gamma);
-  stored.mirrored = 0;
-  if (map->how.depth == DEPTH_POSITION)
-    stored.count[ROLE_DEPTH] = 0;
-  stored.window = map->data;
-  if (gbuffer_read(path, &stored, ~(1u << ROLE_BACKGROUND), &g, error) != 0)
+  whole.window = map->data;
+  if (gbuffer_read_as_stored(path, &whole, ~(1u << ROLE_BACKGROUND), &g,
+                             error) != 0)
     return -1;
   for (int r = 0; r < ROLE_COUNT; r++)
     print_role(map, &g, (role)r);
@@ -226,16 +225,16 @@ static int print_roles(const char *path, const channel_map *map,
 }
 
 static int check_frame(const char *path, const channel_map *map,
-                       const view *seen, image_error *error) {
+                       const frame_camera *seen, image_error *error) {
   hbil_config config;
-  selfcheck found;
+  frame_check found;
   gbuffer g;
   hbil_config_init(&config);
-  channels_conventions(map, &config);
+  channel_map_configure(map, &config);
   if (gbuffer_read(path, map, ~0u, &g, error) != 0)
     return -1;
   print_camera(seen, map);
-  selfcheck_frame(&g, &config, &map->camera, &found);
+  frame_check_run(&g, &config, &map->camera, &found);
   print_check(&g, &found);
   gbuffer_free(&g);
   return 0;
@@ -244,15 +243,16 @@ static int check_frame(const char *path, const channel_map *map,
 static int print_understood(const char *path, const image *header,
                             const info_options *o, channel_map *map,
                             image_error *error) {
-  view seen;
+  frame_camera seen;
   camera_file camera;
-  selfcheck guessed;
+  findings guessed;
   print_window(map);
   if (print_roles(path, map, error) != 0 ||
-      channels_check(map, path, error) != 0 ||
-      view_read(path, header, o->camera, &o->source, &seen, error) != 0 ||
-      view_aim(path, &seen, map, &camera, error) != 0 ||
-      selfcheck_settle(path, map, &guessed, error) != 0)
+      channel_map_check(map, path, error) != 0 ||
+      frame_camera_read(path, header, o->camera, &o->source, &seen, error) !=
+          0 ||
+      frame_camera_aim(path, &seen, map, &camera, error) != 0 ||
+      conventions_settle(path, map, &guessed, error) != 0)
     return -1;
   for (int i = 0; i < guessed.count; i++)
     printf("  guessed    %s\n", guessed.text[i]);
@@ -266,44 +266,55 @@ static int print_file(const char *path, const info_options *o,
   channel_map map;
   if (image_read_header(path, &header, error) != 0)
     return -1;
-  int failed = channels_map(path, &header, &o->source, &map, error);
+  int failed = channel_map_read(path, &header, &o->source, &map, error);
   if (!failed) {
-    tool_show(path, stdout);
+    report_text(path, stdout);
     printf(": %u x %u pixels, read as %s (--source %s)\n", header.width,
-           header.height, dump_kind_name(map.kind),
+           header.height, source_table[map.kind].about,
            source_table[map.kind].word);
     failed = print_understood(path, &header, o, &map, error);
     print_ignored(&header, &map);
-    channels_free(&map);
+    channel_map_free(&map);
   }
   image_free(&header);
   return failed;
 }
 
+static int read_options(int argc, char **argv, info_options *o,
+                        image_error *error) {
+  struct option table[SOURCE_OPTION_COUNT + 3] = {
+      {"camera", required_argument, NULL, 'c'},
+      {"help", no_argument, NULL, 'h'}};
+  int option;
+  memcpy(table + 2, source_option_rows, sizeof source_option_rows);
+  while ((option = option_next(argc, argv, ":h", table, error)) != -1) {
+    if (option == 'h') {
+      usage();
+      return 1;
+    }
+    if (option == 'c')
+      o->camera = optarg;
+    else if (option == '?' ||
+             source_option(option, optarg, &o->source, error) != 0)
+      return -1;
+  }
+  return optind < argc
+             ? 0
+             : image_fail(error, "no file; one FRAME.exr or more is needed");
+}
+
 int cmd_info(int argc, char **argv) {
   image_error error;
   info_options o = {.camera = NULL};
-  int option, status = TOOL_OK;
+  int status = STATUS_OK;
   source_options_init(&o.source);
-  while ((option = option_next(argc, argv, ":h", options, &error)) != -1) {
-    if (option == 'h') {
-      usage();
-      return TOOL_OK;
-    }
-    if (option == 'c')
-      o.camera = optarg;
-    else if (option == '?' ||
-             source_option(option, optarg, &o.source, &error) != 0)
-      return tool_report(&error);
-  }
-  if (optind == argc) {
-    image_fail(&error, "no file; one FRAME.exr or more is needed");
-    return tool_report(&error);
-  }
+  const int read = read_options(argc, argv, &o, &error);
+  if (read != 0)
+    return read > 0 ? STATUS_OK : report_error(&error);
   for (int i = optind; i < argc; i++)
     if (print_file(argv[i], &o, &error) != 0) {
       fflush(stdout);
-      status = tool_report(&error);
+      status = report_error(&error);
     }
   return status;
 }

@@ -1,21 +1,21 @@
 /* Frames and their layers side by side in one picture. */
 #include "tool/contact_sheet.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tool/preview.h"
+#include "image/image.h"
+#include "image/picture.h"
 
 /* Pixels. */
 enum { LEAST_TILE = 160, MOST_TILE = 320, GAP = 8, LINE = 22, TEXT = 15 };
 
-/* More frames than these are told by some, equally spaced. */
+/* Longer sequences are shown by equally spaced frames. */
 enum { MOST_ROWS = 8 };
 
 static size_t rows_of(size_t frames) {
   return frames < MOST_ROWS ? frames : MOST_ROWS;
 }
 
-/* The frame that a row shows: the first, the last, and some between. */
+/* The frame that a row shows.  The first and the last one are among them. */
 static size_t frame_of(const contact_sheet *s, size_t row) {
   const size_t rows = rows_of(s->frames);
   return rows < 2 ? 0 : row * (s->frames - 1) / (rows - 1);
@@ -25,7 +25,7 @@ static uint32_t column_x(const contact_sheet *s, uint32_t column) {
   return GAP + column * (s->tile_width + GAP);
 }
 
-/* Of a row's line of text, under which its tiles are. */
+/* The top of a row's label; its tiles lie below that. */
 static uint32_t row_y(const contact_sheet *s, size_t row) {
   return LINE + (uint32_t)row * (LINE + s->tile_height + GAP);
 }

@@ -1,27 +1,33 @@
-/* Frames and their layers side by side in one picture: layers in columns, at
- * most eight frames in rows. */
+/* A contact sheet: frames and their layers side by side in one picture, with
+ * the layers in columns and at most eight frames in rows. */
 #ifndef HBIL_TOOL_CONTACT_SHEET_H
 #define HBIL_TOOL_CONTACT_SHEET_H
 
-#include "tool/tool.h"
+#include "tool/layers.h"
+#include "image/image.h"
+#include "image/picture.h"
 
 typedef struct contact_sheet {
-  unsigned layers; /* bit mask */
+  unsigned layers; /* a set (layers.h) */
   size_t frames;   /* of the whole sequence */
   size_t row;      /* that comes next */
   uint32_t tile_width, tile_height;
   picture picture;
-  int unlabelled; /* there is no font */
+  int unlabelled; /* 1: there is no font */
 } contact_sheet;
 
-/* 0, or -1 when out of memory. */
+/* width, height: pixels of a frame.  0, or -1 if memory runs out. */
 int contact_sheet_open(contact_sheet *s, unsigned layers, size_t frames,
                        uint32_t width, uint32_t height);
+
+/* It may be called on a zeroed sheet. */
 void contact_sheet_close(contact_sheet *s);
-/* Whether this frame has a row, which comes next. */
+
+/* Whether this frame fills the row that comes next. */
 int contact_sheet_shows(const contact_sheet *s, size_t frame);
-/* The layers of that frame, tone-mapped with this exposure.  0, or -1 when out
- * of memory. */
+
+/* Adds a row with the frame's layers, tone-mapped with this exposure.  0, or -1
+ * if memory runs out. */
 int contact_sheet_add(contact_sheet *s, const char *name, const image *result,
                       float exposure);
 

@@ -1,5 +1,6 @@
-/* The OpenCL devices of this machine: listing them and choosing one. */
-#include "tool/tool.h"
+/* Lists the machine's OpenCL devices and opens one of them. */
+#include "tool/device.h"
+#include "image/error.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -39,7 +40,7 @@ static int add_platform(device_entries *entries, cl_platform_id platform) {
   return 0;
 }
 
-/* Platform by platform, as OpenCL gives them. */
+/* All devices, platform by platform, in OpenCL's order. */
 static int find_devices(device_entries *out, image_error *error) {
   cl_uint count = 0;
   int failed = 0;
@@ -133,7 +134,7 @@ static size_t default_device(const device_entries *entries) {
   return 0;
 }
 
-/* The place in the list; its count if there is no such device. */
+/* The index of the wanted device; the number of devices if there is none. */
 static size_t choose(const device_entries *entries, const char *wanted) {
   char *end;
   if (!wanted)

@@ -1,6 +1,8 @@
-/* What a job reads and writes: which role feeds which input, and the one format
- * that all images of the tool have. */
-#include "tool/tool.h"
+/* Which role feeds which input of the library, and in which format. */
+#include "tool/formats.h"
+
+#include "tool/layers.h"
+#include "image/error.h"
 
 #define INPUT(role, field)                                                     \
   { role, offsetof(hbil_config, field), offsetof(hbil_frame, field) }

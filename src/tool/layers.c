@@ -1,33 +1,36 @@
-/* The layers that are written, and where the library has them. */
-#include "tool/tool.h"
+/* Layers: the results that the program writes, and their channels. */
+#include "tool/layers.h"
+#include "image/error.h"
+#include "image/image.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#define LAYER(name, components, field)                                         \
+#define LAYER(field, components)                                               \
   {                                                                            \
-    name, components, offsetof(hbil_config, field),                            \
+#field, components, offsetof(hbil_config, field),                          \
         offsetof(hbil_frame, field)                                            \
   }
 
 const layer_info layer_table[LAYER_COUNT] = {
-    LAYER("near", "RGB", near_irradiance), LAYER("far", "RGB", far_irradiance),
-    LAYER("indirect", "RGB", indirect),    LAYER("AO", "V", ao),
-    LAYER("bent", "XYZ", bent_normal),     LAYER("cone", "V", cone_cosine),
-    LAYER("beauty", "RGB", beauty),        LAYER("error", "XY", error_estimate),
+    LAYER(near_irradiance, "RGB"), LAYER(far_irradiance, "RGB"),
+    LAYER(indirect, "RGB"),        LAYER(ao, "V"),
+    LAYER(bent_normal, "XYZ"),     LAYER(cone_cosine, "V"),
+    LAYER(beauty, "RGB"),          LAYER(error_estimate, "XY"),
 };
 
 unsigned layers_of_mode(hbil_mode mode) {
-  const unsigned all = (1u << LAYER_ERROR) - 1u;
-  const unsigned cone = 1u << LAYER_BENT | 1u << LAYER_CONE;
+  const unsigned all = (1u << LAYER_ERROR_ESTIMATE) - 1u;
+  const unsigned cone = 1u << LAYER_BENT_NORMAL | 1u << LAYER_CONE_COSINE;
   if (mode == HBIL_MODE_HBIL)
     return all;
-  return all & ~(1u << LAYER_NEAR | (mode == HBIL_MODE_HBAO ? cone : 0u));
+  return all &
+         ~(1u << LAYER_NEAR_IRRADIANCE | (mode == HBIL_MODE_HBAO ? cone : 0u));
 }
 
 unsigned layers_possible(hbil_mode mode, int exact) {
   const unsigned error =
-      exact || mode == HBIL_MODE_HBAO ? 0u : 1u << LAYER_ERROR;
+      exact || mode == HBIL_MODE_HBAO ? 0u : 1u << LAYER_ERROR_ESTIMATE;
   return layers_of_mode(mode) | error;
 }
 
@@ -49,15 +52,17 @@ static int find_layer(const char *name, size_t length) {
 }
 
 int layers_parse(const char *text, unsigned *out, image_error *error) {
+  char names[160];
   *out = 0;
   for (const char *at = text;; at++) {
     const size_t length = strcspn(at, ",");
     const int found = find_layer(at, length);
-    if (found < 0)
+    if (found < 0) {
+      layers_names((1u << LAYER_COUNT) - 1u, names, sizeof names);
       return image_fail(error,
-                        "--layers %s: some of near, far, indirect, AO, bent, "
-                        "cone, beauty, error are needed, with commas",
-                        text);
+                        "--layers %s: some of %s are needed, with commas", text,
+                        names);
+    }
     *out |= 1u << found;
     at += length;
     if (!*at)

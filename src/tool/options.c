@@ -1,6 +1,8 @@
-/* Reading options: numbers, words and lists, with messages that say what would
- * have been right. */
-#include "tool/tool.h"
+/* Reads command lines. */
+#include "tool/options.h"
+
+#include "hbil/hbil.h"
+#include "image/error.h"
 
 #include <errno.h>
 #include <getopt.h>
@@ -15,11 +17,11 @@ int option_next(int argc, char **argv, const char *letters,
   const int at = optind;
   const int found = getopt_long(argc, argv, letters, options, NULL);
   if (found == ':')
-    image_fail(error, "%s: %s needs a value; see hbil %s --help", argv[0],
-               argv[optind - 1], argv[0]);
+    image_fail(error, "%s: %s needs a value; --help lists the options", argv[0],
+               argv[optind - 1]);
   else if (found == '?')
-    image_fail(error, "%s: %s is not understood; see hbil %s --help", argv[0],
-               argv[optind > at ? optind - 1 : at], argv[0]);
+    image_fail(error, "%s: %s is not understood; --help lists the options",
+               argv[0], argv[optind > at ? optind - 1 : at]);
   return found == ':' ? '?' : found;
 }
 

@@ -1,18 +1,18 @@
-/* Stages that work side by side: three counters under one lock. */
+/* Three stages that work at the same time: three counters under one lock. */
 #define _POSIX_C_SOURCE 200809L
 #include "tool/pipeline.h"
 
-#include "tool/tool.h"
+#include "tool/progress.h"
+#include "image/error.h"
 
 #include <pthread.h>
-#include <stdint.h>
 #include <string.h>
 
 typedef struct run {
   const pipeline *pipeline;
   pthread_mutex_t lock;
   pthread_cond_t changed;
-  size_t done[PIPELINE_STAGES]; /* items that have left a stage */
+  size_t done[PIPELINE_STAGES]; /* items that have left the stage */
   size_t failed;                /* the first item that failed, or the end */
   image_error *error;           /* of that item */
 } run;
@@ -27,7 +27,7 @@ static int is_ready(const run *r, int stage, size_t item) {
                    : item < r->done[PIPELINE_STAGES - 1] + PIPELINE_SLOTS;
 }
 
-/* Waits for an item; 0 if it needn't be done. */
+/* Waits for an item.  Returns 0 if it is not to be done. */
 static int begin(run *r, int stage, size_t item) {
   pthread_mutex_lock(&r->lock);
   while (item < r->failed && !is_ready(r, stage, item))
@@ -73,7 +73,8 @@ static void *work_beside(void *user) {
   return NULL;
 }
 
-/* Threads for the stages around the calling thread's; returns how many. */
+/* Starts threads for the first and the last stage.  Returns how many started.
+ */
 static int start(worker *workers, pthread_t *threads, int *status) {
   int started = 0;
   while (started < 2 &&
@@ -94,7 +95,7 @@ int pipeline_run(const pipeline *p, image_error *error) {
   const int started = start(workers, threads, &status);
   if (started < 2) {
     image_fail(&why,
-               "no thread to read and write on: %s; fewer processes are "
+               "no thread for reading and writing: %s; fewer processes are "
                "needed",
                strerror(status));
     end(&r, 0, 0, &why);

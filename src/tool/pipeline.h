@@ -1,32 +1,34 @@
-/*
- * Stages that work side by side, each on another item: while one frame is
- * computed, the next is read and the last one written.
- */
+/* Three stages that work at the same time, each on another item: while one
+ * frame is computed, the next one is read and the previous one is written. */
 #ifndef HBIL_TOOL_PIPELINE_H
 #define HBIL_TOOL_PIPELINE_H
 
-#include "image/image.h"
+#include "image/error.h"
 
-/* Items under way at once: one a stage, and one that waits, so that a stage
- * whose time varies keeps the next one busy.  What an item needs meanwhile
- * belongs in slot item % PIPELINE_SLOTS, which only one item uses at a time. */
+#include <stddef.h>
+
+/* How many items are in the pipeline at most: one in each stage and one that
+ * waits, so that a stage whose time varies doesn't stop the next one.  Item i
+ * may use slot i % PIPELINE_SLOTS of a caller's array; no other item uses it
+ * meanwhile. */
 enum { PIPELINE_STAGES = 3, PIPELINE_SLOTS = PIPELINE_STAGES + 1 };
 
-/* Returns 0, or fills error. */
+/* Returns 0, or -1 with `error` filled. */
 typedef int pipeline_stage(void *user, size_t item, image_error *error);
 
 typedef struct pipeline {
   pipeline_stage *stages[PIPELINE_STAGES];
-  void *user; /* what the stages are given */
+  void *user; /* handed to the stages */
   size_t items;
   double (*seconds)[PIPELINE_STAGES]; /* of each item; filled in */
 } pipeline;
 
 /*
- * Every stage takes the items in order, each after the stage before it is done
- * with it; the middle stage runs on the calling thread.  An item that fails
- * goes no further, nor does any behind it, while those before it are finished:
- * what is done, and the error, are the same in every run.
+ * Every stage takes the items in order, each after the previous stage is done
+ * with it.  The middle stage runs on the calling thread.  If an item fails, it
+ * and those behind it go no further, and those in front of it are finished.  So
+ * what is done, and the error, are the same in every run.  Returns 0, or -1
+ * with `error` filled.
  */
 int pipeline_run(const pipeline *p, image_error *error);
 

@@ -1,7 +1,6 @@
-/* How far a long job is: one line that changes on a terminal, plain lines
- * elsewhere. */
+/* Shows how far a long job is. */
 #define _POSIX_C_SOURCE 200809L
-#include "tool/tool.h"
+#include "tool/progress.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -12,7 +11,7 @@
 /* Seconds between two changes of the line. */
 #define PACE 0.2
 
-/* Standard error is shared by threads; one line of it may be a progress. */
+/* The threads share standard error.  `shown`: its last line is progress. */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static int shown;
 
@@ -60,13 +59,14 @@ void progress_start(progress *p, const char *what, double expected, int quiet) {
                   .shown = -PACE};
 }
 
-/* What was expected counts less and less against what was measured. */
+/* The expected time loses weight against the measured time as the job goes on.
+ */
 static double time_left(const progress *p, double done) {
   const double elapsed = progress_clock() - p->start;
   return (1.0 - done) * (elapsed + (1.0 - done) * p->expected);
 }
 
-/* Whether it is time to show the line again. */
+/* Whether it is time to change the line. */
 static int is_due(progress *p) {
   const double elapsed = progress_clock() - p->start;
   if (elapsed < p->shown + PACE)

@@ -1,253 +1,130 @@
-/*
- * Going on where a job was broken off.
- *
- * Every result says, as an attribute of its file, what it was made from: a
- * key of the settings, of its frame and of all frames before it.  So a result
- * that is there is known to be the right one.  The light that the last frame
- * hands on stands in a file of its own beside the results while the job runs.
- */
+/* Bookkeeping of a job. */
 #define _POSIX_C_SOURCE 200809L
 #include "tool/resume.h"
 
-#include "image/temporary.h"
+#include "tool/job_key.h"
+#include "image/error.h"
 
-#include <ctype.h>
-#include <dirent.h>
-#include <errno.h>
-#include <inttypes.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#define LIGHT_NAME ".hbil-light"
-
-/* ------------------------------------------------------------------------ */
-/* Keys                                                                      */
-
-/* FNV-1a's steps, a word at a time. */
-uint64_t resume_hash(uint64_t hash, const void *data, size_t bytes) {
-  const uint64_t prime = 0x100000001b3u;
-  const unsigned char *at = data;
-  for (; bytes >= sizeof hash; bytes -= sizeof hash, at += sizeof hash) {
-    uint64_t word;
-    memcpy(&word, at, sizeof word);
-    hash = (hash ^ word) * prime;
-    hash ^= hash >> 29;
-  }
-  for (; bytes > 0; bytes--)
-    hash = (hash ^ *at++) * prime;
-  return hash;
-}
-
-static uint64_t hash_text(uint64_t hash, const char *text) {
-  return resume_hash(hash, text, strlen(text) + 1);
-}
-
-/* All settings but profiling, which changes nothing; the members in between
- * have four bytes each, so there is no padding to be hashed. */
-static uint64_t hash_config(uint64_t hash, const hbil_config *config) {
-  const size_t from = offsetof(hbil_config, width);
-  const size_t to = offsetof(hbil_config, profiling);
-  return resume_hash(hash, (const char *)config + from, to - from);
-}
-
-uint64_t resume_settings(const process_options *o, const hbil_config *config,
-                         unsigned layers, float environment[9][3],
-                         const char *which) {
-  const unsigned more[] = {layers,
-                           o->repeat,
-                           o->warm_up,
-                           o->choose_every,
-                           (unsigned)o->exact,
-                           (unsigned)o->preview,
-                           (unsigned)o->keep,
-                           (unsigned)o->half,
-                           (unsigned)o->compression};
-  uint64_t hash = hash_text(RESUME_HASH, hbil_version());
-  hash = hash_text(hash, which);
-  hash = hash_config(hash, config);
-  hash = resume_hash(hash, more, sizeof more);
-  return resume_hash(hash, environment, 9 * sizeof *environment);
-}
-
-/* How planes are read: the members before `unit` have four bytes each, those
- * from there on eight. */
-static uint64_t hash_map(uint64_t hash, const channel_map *map) {
-  const conventions *how = &map->how;
-  hash = resume_hash(
-      hash, how, offsetof(conventions, motion_zero) + sizeof how->motion_zero);
-  hash =
-      resume_hash(hash, &how->unit, sizeof *how - offsetof(conventions, unit));
-  for (int r = 0; r < ROLE_COUNT; r++)
-    for (size_t c = 0; c < map->count[r]; c++)
-      hash = hash_text(hash, map->names[r][c]);
-  return resume_hash(hash, map->gamma, sizeof map->gamma);
-}
-
-static int hash_file(const char *path, uint64_t *hash, image_error *error) {
-  enum { BLOCK = 1 << 16 }; /* a multiple of the hash's word */
-  size_t read = BLOCK;
-  FILE *file = fopen(path, "rb");
-  char *block = file ? malloc(BLOCK) : NULL;
-  while (block && read == BLOCK) {
-    read = fread(block, 1, BLOCK, file);
-    *hash = resume_hash(*hash, block, read);
-  }
-  const int failed = !block || ferror(file);
-  if (failed)
-    image_fail(error, "%s: cannot be read: %s", path, strerror(errno));
-  if (file)
-    fclose(file);
-  free(block);
-  return failed ? -1 : 0;
-}
-
-int resume_frame(const char *path, const channel_map *map,
-                 const camera_file *camera, uint64_t *key, image_error *error) {
-  uint64_t hash = hash_map(*key, map);
-  int failed = hash_file(path, &hash, error);
-  for (int r = 0; r < ROLE_COUNT && !failed; r++)
-    if (map->files[r])
-      failed = hash_file(map->files[r], &hash, error);
-  hash = resume_hash(hash, camera->camera_to_world,
-                     sizeof camera->camera_to_world);
-  const double lens[] = {camera->fx, camera->fy, camera->cx, camera->cy};
-  *key = resume_hash(hash, lens, sizeof lens);
-  return failed;
-}
-
-void resume_sign(image *result, uint64_t key) {
-  snprintf(result->key, sizeof result->key, "%016" PRIx64, key);
-}
-
-/* ------------------------------------------------------------------------ */
-/* Results                                                                   */
-
-/* Reads it, since its folder may have been copied only in part. */
-static int is_whole(const char *path, const image *header) {
-  const char **names = calloc(header->count + 1, sizeof *names);
-  image planes;
-  for (size_t i = 0; names && i < header->count; i++)
-    names[i] = header->planes[i].name;
-  const int whole =
-      names && exr_read(path, names, header->count, &planes, NULL) == 0;
-  if (whole)
-    image_free(&planes);
-  free(names);
-  return whole;
-}
-
-int resume_is_finished(const char *result, uint64_t key) {
-  image header, wanted;
-  if (exr_read_header(result, &header, NULL) != 0)
+int resume_find_key(resume *r, size_t item, image_error *error) {
+  if (r->keys[item])
     return 0;
-  resume_sign(&wanted, key);
-  const int finished =
-      strcmp(header.key, wanted.key) == 0 && is_whole(result, &header);
-  image_free(&header);
-  return finished;
+  r->keys[item] = item == 0 ? r->begin : r->keys[item - 1];
+  return job_key_next(&r->job->frames[item], &r->keys[item], error);
 }
 
-/* ------------------------------------------------------------------------ */
-/* Light                                                                     */
-
-/* In front of the light in its file. */
-typedef struct preface {
-  char magic[8];
-  uint64_t key, size;
-  double exposure;
-} preface;
-
-static const char light_magic[8] = {'h', 'b', 'i', 'l', 'l', 'i', 'g', '1'};
-
-static char *light_path(const char *folder) {
-  char *path = malloc(strlen(folder) + sizeof "/" LIGHT_NAME);
-  if (path)
-    strcat(strcpy(path, folder), "/" LIGHT_NAME);
-  return path;
+static int has_previews(const job *j, const job_frame *f) {
+  int all = 1;
+  for (int l = 0; l < LAYER_COUNT && all; l++) {
+    char *path = j->layers >> l & 1 ? job_preview_path(f, (layer)l) : NULL;
+    all = !(j->layers >> l & 1) || (path && access(path, F_OK) == 0);
+    free(path);
+  }
+  return all;
 }
 
-static int write_light(const char *name, const char *path,
-                       const resume_light *light, image_error *error) {
-  preface head = {
-      .key = light->key, .size = light->size, .exposure = light->exposure};
-  memcpy(head.magic, light_magic, sizeof head.magic);
-  FILE *file = fopen(name, "wb");
-  int failed = !file || fwrite(&head, sizeof head, 1, file) != 1 ||
-               fwrite(light->bytes, light->size, 1, file) != 1;
-  if (file && fclose(file) != 0)
-    failed = 1;
-  return failed ? image_fail(error, "%s: cannot be written: %s", path,
-                             strerror(errno))
-                : 0;
-}
-
-int resume_save(const char *folder, const resume_light *light,
-                image_error *error) {
-  char *path = light_path(folder);
-  char *name = path ? temporary_name(path, error) : NULL;
-  int failed = -1;
+static int look_for_result(resume *r, int item, image_error *error) {
+  const job_frame *f = &r->job->frames[item];
+  char *path = job_result_path(f);
   if (!path)
-    image_no_memory(error, folder);
-  else if (name && write_light(name, path, light, error) == 0)
-    failed = temporary_commit(name, path, error);
-  else
-    temporary_discard(name);
+    return image_no_memory(error, f->path);
+  const int failed = resume_find_key(r, (size_t)item, error);
+  r->finished[item] = !failed && job_key_is_finished(path, r->keys[item]) &&
+                      (!r->job->settings->preview || has_previews(r->job, f));
   free(path);
   return failed;
 }
 
-int resume_load(const char *folder, resume_light *light) {
-  preface head;
-  char *path = light_path(folder);
-  FILE *file = path ? fopen(path, "rb") : NULL;
-  const int found = file && fread(&head, sizeof head, 1, file) == 1 &&
-                    !memcmp(head.magic, light_magic, sizeof head.magic) &&
-                    head.size == light->size &&
-                    fread(light->bytes, light->size, 1, file) == 1 &&
-                    fgetc(file) == EOF;
-  if (found) {
-    light->key = head.key;
-    light->exposure = (float)head.exposure;
-  }
-  if (file)
-    fclose(file);
-  free(path);
-  return found;
-}
-
-/* ------------------------------------------------------------------------ */
-/* Leftovers                                                                 */
-
-/* NAME.tmpPID of one of our files, whose process is gone. */
-static int is_leftover(const char *name) {
-  const char *mark = NULL;
-  for (const char *at = name; (at = strstr(at, ".tmp")); at++)
-    mark = at;
-  if (!mark || !isdigit((unsigned char)mark[4]) || mark - name < 4)
+/* Restores the saved history if it is that of a frame before the first missing
+ * one; computation then begins behind that frame. */
+static int restore_history(resume *r, int missing, lighting *l,
+                           saved_history *h, image_error *error) {
+  int from = missing - 1;
+  if (!saved_history_read(r->job->settings->output, h))
     return 0;
-  char *end;
-  const long id = strtol(mark + 4, &end, 10);
-  return !*end && id > 0 &&
-         (!strncmp(mark - 4, ".exr", 4) || !strncmp(mark - 4, ".png", 4) ||
-          !strncmp(name, LIGHT_NAME, sizeof LIGHT_NAME - 1)) &&
-         kill((pid_t)id, 0) != 0 && errno == ESRCH;
+  while (from >= 0 && r->keys[from] != h->key)
+    from--;
+  if (from < 0)
+    return 0;
+  r->first = from + 1;
+  r->exposure = h->exposure;
+  return lighting_history_restore(l, r->job, from, h->bytes, error);
 }
 
-void resume_sweep(const char *folder) {
-  DIR *entries = opendir(folder);
-  for (struct dirent *e; entries && (e = readdir(entries));)
-    if (is_leftover(e->d_name))
-      unlinkat(dirfd(entries), e->d_name, 0);
-  if (entries)
-    closedir(entries);
+static int find_history(resume *r, int missing, lighting *l,
+                        image_error *error) {
+  saved_history h = {.size = r->history_size};
+  if (!h.size)
+    return 0;
+  h.bytes = malloc(h.size);
+  const int failed = h.bytes ? restore_history(r, missing, l, &h, error)
+                             : image_no_memory(error, r->job->settings->output);
+  free(h.bytes);
+  return failed;
 }
 
-void resume_done(const char *folder) {
-  char *path = light_path(folder);
-  if (path)
-    unlink(path);
-  free(path);
+static void tell_what_is_left(const resume *r, lighting *l) {
+  unsigned frames = 0, runs = 0;
+  for (int i = r->first; i < r->end; i++)
+    if (resume_is_needed(r, (size_t)i)) {
+      frames++;
+      runs += job_runs(r->job, i);
+    }
+  lighting_expect(l, frames, runs);
+}
+
+static int look_for_results(resume *r, lighting *l, image_error *error) {
+  const job *j = r->job;
+  int missing = j->count;
+  if (!j->settings->dry_run)
+    saved_history_sweep(j->settings->output);
+  r->end = 0;
+  for (int i = 0; i < j->count; i++) {
+    if (look_for_result(r, i, error) != 0)
+      return -1;
+    if (r->finished[i])
+      continue;
+    r->end = i + 1;
+    missing = i < missing ? i : missing;
+  }
+  if (find_history(r, missing, l, error) != 0)
+    return -1;
+  tell_what_is_left(r, l);
+  return 0;
+}
+
+int resume_open(resume *r, const job *j, lighting *l, image_error *error) {
+  char which[sizeof l->device.name + sizeof l->device.driver + 1];
+  snprintf(which, sizeof which, "%s %s", l->device.name, l->device.driver);
+  memset(r, 0, sizeof *r);
+  r->job = j;
+  r->end = j->count;
+  r->history_size = lighting_history_size(l);
+  r->begin = job_key_begin(j, which);
+  r->keys = calloc((size_t)j->count, sizeof *r->keys);
+  r->finished = calloc((size_t)j->count, sizeof *r->finished);
+  if (!r->keys || !r->finished)
+    return image_no_memory(error, j->frames[0].path);
+  return j->settings->resume ? look_for_results(r, l, error) : 0;
+}
+
+void resume_close(resume *r) {
+  free(r->keys);
+  free(r->finished);
+  memset(r, 0, sizeof *r);
+}
+
+int resume_is_needed(const resume *r, size_t item) {
+  const int i = (int)item;
+  return !r->finished[i] ||
+         (i >= r->first && i < r->end &&
+          (r->history_size || (r->job->settings->preview && i == 0)));
+}
+
+int resume_hands_on(const resume *r, size_t item) {
+  return r->history_size && (int)item + 1 < r->end;
 }

@@ -1,27 +1,34 @@
-/* Frames through the library: planes to cl_mem, passes, cl_mem to planes. */
-#include "tool/resume.h"
-#include "tool/tool.h"
+/* Runs the frames of a sequence through the library. */
+#include "hbil/hbil_stages.h"
+#include "tool/sequence.h"
+
+#include "dump/frame_camera.h"
+#include "tool/formats.h"
+#include "tool/layers.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/image.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 struct sequence {
   const device *device;
   hbil_context *context;
   hbil_plan *plan;
   hbil_config config;
-  size_t memory;
-  size_t plane; /* bytes of one channel */
+  size_t memory; /* bytes of the plan */
+  size_t plane;  /* bytes of one channel */
   unsigned layers;
   size_t channels[INPUTS]; /* 0: this input is not used */
   cl_mem input[INPUTS];
   cl_mem output[LAYER_COUNT];
-  uint64_t last;         /* of the last frame's inputs and camera; 0: none */
-  unsigned choose_every; /* runs, with config.max_error */
-  cl_uint index;         /* of the next run */
+  uint64_t last; /* hash of the previous frame's inputs and camera; 0: none */
+  cl_uint index; /* of the next run */
 };
 
-static hbil_plane *image_at(hbil_frame *frame, size_t offset) {
+static hbil_plane *plane_at(hbil_frame *frame, size_t offset) {
   return (hbil_plane *)((char *)frame + offset);
 }
 
@@ -72,8 +79,8 @@ static int open_plan(sequence *s, image_error *error) {
 }
 
 int sequence_open(const device *d, const hbil_config *config,
-                  unsigned choose_every, const channel_map *map,
-                  unsigned layers, sequence **out, image_error *error) {
+                  const channel_map *map, unsigned layers, sequence **out,
+                  image_error *error) {
   sequence *s = calloc(1, sizeof *s);
   *out = NULL;
   if (!s)
@@ -81,7 +88,6 @@ int sequence_open(const device *d, const hbil_config *config,
   s->device = d;
   s->config = *config;
   s->layers = layers;
-  s->choose_every = choose_every;
   s->plane = (size_t)config->width * config->height * sizeof(float);
   formats_choose(&s->config, map, layers);
   for (int i = 0; i < INPUTS; i++)
@@ -112,7 +118,8 @@ size_t sequence_memory(const sequence *s) {
   return s->memory;
 }
 
-/* The planes stay valid until the blocking reads at the end of the frame. */
+/* The writes don't block.  The planes stay valid until the reads at the end of
+ * the frame, which do. */
 static int upload(sequence *s, const gbuffer *g, image_error *error) {
   for (int i = 0; i < INPUTS; i++)
     for (size_t c = 0; c < s->channels[i]; c++) {
@@ -128,16 +135,16 @@ static int upload(sequence *s, const gbuffer *g, image_error *error) {
 static void fill_frame(const sequence *s, const camera_file *camera,
                        float environment[9][3], hbil_frame *frame) {
   hbil_frame_init(frame);
-  gbuffer_hbil_camera(camera, &frame->camera);
+  camera_file_to_hbil(camera, &frame->camera);
   memcpy(frame->environment, environment, sizeof frame->environment);
   for (int i = 0; i < INPUTS; i++)
-    image_at(frame, input_table[i].image)->buffer = s->input[i];
+    plane_at(frame, input_table[i].image)->buffer = s->input[i];
   for (int l = 0; l < LAYER_COUNT; l++)
-    image_at(frame, layer_table[l].image)->buffer = s->output[l];
+    plane_at(frame, layer_table[l].image)->buffer = s->output[l];
 }
 
-/* A frame that is repeated doesn't move against itself. */
-static int stop_motion(sequence *s, image_error *error) {
+/* When a frame is repeated, nothing has moved since the previous run. */
+static int clear_motion(sequence *s, image_error *error) {
   const float zero = 0.0f;
   for (int i = 0; i < INPUTS; i++) {
     if (input_table[i].role != ROLE_MOTION || !s->channels[i])
@@ -154,13 +161,13 @@ static int stop_motion(sequence *s, image_error *error) {
 static int run_passes(sequence *s, hbil_frame *frame, unsigned repeat,
                       image_error *error) {
   for (unsigned run = 0; run < repeat; run++) {
-    if (run == 1 && stop_motion(s, error) != 0)
+    if (run == 1 && clear_motion(s, error) != 0)
       return -1;
     if (run == 1)
       frame->static_frame = CL_TRUE;
-    /* a pattern that turns is for the filter over frames */
+    /* only the temporal filter averages a rotating pattern */
     frame->frame_index = s->config.max_history_frames ? s->index : 0;
-    frame->keep_choice = s->index++ % s->choose_every != 0;
+    s->index++;
     const hbil_status status =
         hbil_enqueue_frame(s->plan, s->device->queue, frame, 0, NULL, NULL);
     if (status != HBIL_SUCCESS)
@@ -182,21 +189,22 @@ static int download(sequence *s, image *result, image_error *error) {
 }
 
 uint64_t sequence_hash(const sequence *s, const gbuffer *g) {
-  uint64_t hash = RESUME_HASH;
+  uint64_t hash = 0;
   for (int i = 0; s->config.skip && i < INPUTS; i++)
     for (size_t c = 0; c < s->channels[i]; c++)
-      hash =
-          resume_hash(hash, gbuffer_plane(g, input_table[i].role, c), s->plane);
+      hash = XXH3_64bits_withSeed(gbuffer_plane(g, input_table[i].role, c),
+                                  s->plane, hash);
   return hash;
 }
 
-/* Whether the frame is the last one again: inputs and camera.  Motion vectors
- * that are followed may be the same in both and still lead elsewhere. */
+/* Whether inputs and camera are those of the previous frame.  Motion vectors
+ * may be the same in both frames and still lead elsewhere. */
 static cl_bool is_same(sequence *s, uint64_t hash, const hbil_frame *frame) {
   if (s->config.skip == 0 || s->config.reprojection == HBIL_REPROJECTION_MOTION)
     return CL_FALSE;
-  hash = resume_hash(hash, &frame->camera, sizeof frame->camera);
-  hash = resume_hash(hash, frame->environment, sizeof frame->environment);
+  hash = XXH3_64bits_withSeed(&frame->camera, sizeof frame->camera, hash);
+  hash =
+      XXH3_64bits_withSeed(frame->environment, sizeof frame->environment, hash);
   const cl_bool same = hash == s->last;
   s->last = hash;
   return same;
@@ -213,16 +221,16 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
                run_passes(s, &frame, repeat, error) != 0 ||
                download(s, result, error) != 0;
   if (failed) {
-    clFinish(s->device->queue); /* the planes may still be read from */
+    clFinish(s->device->queue); /* it may still read the planes */
     return -1;
   }
   if (s->config.profiling) {
     const cl_command_queue queue = s->device->queue;
     hbil_status status = hbil_plan_timings(s->plan, row->milliseconds);
     if (status == HBIL_SUCCESS)
-      status = hbil_plan_statistics(s->plan, queue, &row->skipped);
+      status = hbil_plan_statistics(s->plan, queue, &row->statistics);
     if (status == HBIL_SUCCESS)
-      status = hbil_plan_sanitized(s->plan, queue, &row->repaired);
+      status = hbil_plan_sanitized(s->plan, queue, &row->sanitized);
     if (status != HBIL_SUCCESS)
       return library_failed(s, status, error);
   }
@@ -230,29 +238,26 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
 }
 
 /* ------------------------------------------------------------------------ */
-/* Light on its way from one process to another                              */
+/* History                                                                   */
 
-/* What a plan carries from frame to frame. */
-static const hbil_stage carried_stages[] = {
-    HBIL_STAGE_HISTORY, HBIL_STAGE_TEMPORAL_HISTORY, HBIL_STAGE_CHOICE};
-enum { CARRIED = sizeof carried_stages / sizeof *carried_stages };
+static const hbil_stage history_stages[] = {HBIL_STAGE_HISTORY,
+                                            HBIL_STAGE_TEMPORAL_HISTORY};
+enum { HISTORIES = sizeof history_stages / sizeof *history_stages };
 
-/* Where it lies, in bytes, without the room around its planes, which holds
- * whatever was in that memory before.  No buffer: there is no such thing. */
-typedef struct carried {
+/* Where a history lies in its buffer, in bytes, without the padding around its
+ * planes, which was never written.  No buffer: the plan has no such history. */
+typedef struct history {
   cl_mem buffer;
   size_t from[3], size[3], row, plane, bytes;
-} carried;
+} history;
 
-static carried carried_of(const sequence *s, hbil_stage stage) {
-  const int choice = stage == HBIL_STAGE_CHOICE; /* words, no planes */
+static history history_of(const sequence *s, hbil_stage stage) {
   hbil_buffer b;
-  if ((choice && s->choose_every == 1) ||
-      hbil_plan_buffer(s->plan, stage, &b) != HBIL_SUCCESS)
-    return (carried){.buffer = NULL};
-  const size_t row = (choice ? 1 : s->config.width) * sizeof(float);
-  const size_t rows = choice ? 1 : s->config.height;
-  return (carried){.buffer = b.buffer,
+  if (hbil_plan_buffer(s->plan, stage, &b) != HBIL_SUCCESS)
+    return (history){.buffer = NULL};
+  const size_t row = s->config.width * sizeof(float);
+  const size_t rows = s->config.height;
+  return (history){.buffer = b.buffer,
                    .from = {b.origin * sizeof(float), 0, 0},
                    .size = {row, rows, b.values},
                    .row = b.row_pitch * sizeof(float),
@@ -260,16 +265,15 @@ static carried carried_of(const sequence *s, hbil_stage stage) {
                    .bytes = row * rows * b.values};
 }
 
-/* The buffers, one after the other, and behind them the next run's index. */
-size_t sequence_light_size(const sequence *s) {
+/* The histories, one after the other, then the index of the next run. */
+size_t sequence_history_size(const sequence *s) {
   size_t all = 0;
-  for (int i = 0; i < CARRIED; i++)
-    all += carried_of(s, carried_stages[i]).bytes;
+  for (int i = 0; i < HISTORIES; i++)
+    all += history_of(s, history_stages[i]).bytes;
   return all ? all + sizeof s->index : 0;
 }
 
-/* Between the plan and `bytes`, one way or the other. */
-static cl_int move_planes(sequence *s, const carried *c, void *bytes,
+static cl_int copy_planes(sequence *s, const history *c, void *bytes,
                           int to_plan) {
   const size_t packed[3] = {0, 0, 0};
   const cl_command_queue queue = s->device->queue;
@@ -283,14 +287,14 @@ static cl_int move_planes(sequence *s, const carried *c, void *bytes,
                                            0, bytes, 0, NULL, NULL);
 }
 
-static int move_light(sequence *s, unsigned char *bytes, int to_plan,
-                      image_error *error) {
-  for (int i = 0; i < CARRIED; i++) {
-    const carried c = carried_of(s, carried_stages[i]);
-    const cl_int status = move_planes(s, &c, bytes, to_plan);
+static int copy_history(sequence *s, unsigned char *bytes, int to_plan,
+                        image_error *error) {
+  for (int i = 0; i < HISTORIES; i++) {
+    const history h = history_of(s, history_stages[i]);
+    const cl_int status = copy_planes(s, &h, bytes, to_plan);
     if (status != CL_SUCCESS)
-      return opencl_failed(s, status, "moving carried light", error);
-    bytes += c.bytes;
+      return opencl_failed(s, status, "copying the history", error);
+    bytes += h.bytes;
   }
   if (to_plan)
     memcpy(&s->index, bytes, sizeof s->index);
@@ -299,15 +303,14 @@ static int move_light(sequence *s, unsigned char *bytes, int to_plan,
   return 0;
 }
 
-int sequence_take_light(sequence *s, void *bytes, image_error *error) {
-  return move_light(s, bytes, 0, error);
+int sequence_history_save(sequence *s, void *bytes, image_error *error) {
+  return copy_history(s, bytes, 0, error);
 }
 
-/* Composing any light makes the plan take the camera for that of its history,
- * whose planes are put right afterwards; so it does with what the temporal
- * filter keeps. */
-static int compose_anything(sequence *s, const hbil_frame *frame,
-                            image_error *error) {
+/* Composites whatever the plan holds.  The plan then takes the frame's camera
+ * for that of its history; the history's planes are overwritten afterwards. */
+static int adopt_camera(sequence *s, const hbil_frame *frame,
+                        image_error *error) {
   hbil_status status =
       hbil_enqueue_temporal(s->plan, s->device->queue, frame, 0, NULL, NULL);
   if (status == HBIL_SUCCESS)
@@ -316,12 +319,11 @@ static int compose_anything(sequence *s, const hbil_frame *frame,
   return status == HBIL_SUCCESS ? 0 : library_failed(s, status, error);
 }
 
-int sequence_give_light(sequence *s, const camera_file *camera,
-                        float environment[9][3], void *bytes,
-                        image_error *error) {
+int sequence_history_restore(sequence *s, const camera_file *camera,
+                             float environment[9][3], void *bytes,
+                             image_error *error) {
   hbil_frame frame;
   fill_frame(s, camera, environment, &frame);
-  return compose_anything(s, &frame, error) != 0
-             ? -1
-             : move_light(s, bytes, 1, error);
+  return adopt_camera(s, &frame, error) != 0 ? -1
+                                             : copy_history(s, bytes, 1, error);
 }

@@ -1,0 +1,149 @@
+/*
+ * The sampling pattern: slice directions, sample offsets, and which samples
+ * stand for half of all.
+ *
+ * Host C and OpenCL C compile the same expressions, with every rounding spelled
+ * out (HBIL_FMA, no contraction elsewhere).  The double-precision passes of
+ * src/exact therefore visit exactly the pixels that the kernels visit.
+ */
+#ifndef HBIL_SAMPLING_PATTERN_H
+#define HBIL_SAMPLING_PATTERN_H
+
+#include "shared.h"
+
+/* Each further level reaches half as far. */
+#define HBIL_MAX_LEVELS 12
+
+/*
+ * The level whose reach is the smallest that still covers `need` (a length in
+ * ray slope: radius times the tile's largest inverse depth).
+ */
+static inline hbil_int hbil_level(hbil_float reach, hbil_float need,
+                                  hbil_int levels) {
+  hbil_int level = 0;
+  while (level + 1 < levels && 0.5f * reach >= need) {
+    reach *= 0.5f;
+    ++level;
+  }
+  return level;
+}
+
+/*
+ * Order in which the 16 pixels of a block take the 16 directions (4x4 Bayer
+ * matrix: neighbours get directions far apart), and in which they take the 16
+ * shifts along the slice (the same matrix, mirrored and turned, so that
+ * direction and shift are not tied to each other).
+ */
+static inline hbil_int hbil_direction_slot(hbil_int layer) {
+  /* Bayer: interleave the bits of (x xor y) and y, most significant last. */
+  hbil_int x = layer & 3, y = layer >> 2, v = x ^ y;
+  return ((v & 1) << 3) | ((y & 1) << 2) | (v & 2) | ((y & 2) >> 1);
+}
+static inline hbil_int hbil_shift_slot(hbil_int layer) {
+  hbil_int x = layer & 3, y = layer >> 2;
+  return (hbil_direction_slot((x << 2) | (3 - y)) * 5 + 3) & 15;
+}
+
+/*
+ * cos and sin of pi v for v in [0,1), by polynomials on |angle| <= pi/4 (error
+ * below 1e-7), so that host and device agree to the last bit.
+ */
+static inline void hbil_cos_sin_pi(hbil_float v, hbil_float *c, hbil_float *s) {
+  hbil_int quarter = (hbil_int)HBIL_RINT(v * 2.0f); /* 0, 1, 2 */
+  hbil_float a = HBIL_FMA((hbil_float)quarter, -0.5f, v) * 3.14159274f;
+  hbil_float q = a * a;
+  hbil_float p, r;
+  p = HBIL_FMA(q, 2.75573192e-6f, -1.98412698e-4f); /* Taylor, 1/9!, 1/7! */
+  p = HBIL_FMA(q, p, 8.33333333e-3f);
+  p = HBIL_FMA(q, p, -1.66666667e-1f);
+  p = HBIL_FMA(a * q, p, a);
+  r = HBIL_FMA(q, 2.48015873e-5f, -1.38888889e-3f); /* 1/8!, 1/6! */
+  r = HBIL_FMA(q, r, 4.16666667e-2f);
+  r = HBIL_FMA(q, r, -0.5f);
+  r = HBIL_FMA(q, r, 1.0f);
+  *c = quarter == 0 ? r : quarter == 1 ? -p : -r;
+  *s = quarter == 0 ? p : quarter == 1 ? r : -p;
+}
+
+/*
+ * Direction u (unit, ray-slope space) of a slice in a layer.  The half-slices
+ * go along u and -u.  Over the 16 layers the directions are equally spaced.
+ */
+static inline void hbil_slice_direction(hbil_int layer, hbil_int slice,
+                                        const hbil_pattern_args p,
+                                        hbil_float *ux, hbil_float *uy) {
+  hbil_float t =
+      ((hbil_float)hbil_direction_slot(layer) + 0.5f) * 0.0625f + p.turn;
+  t = t >= 1.0f ? t - 1.0f : t;
+  hbil_cos_sin_pi(((hbil_float)slice + t) / (hbil_float)p.slices, ux, uy);
+}
+
+/*
+ * Pixel offset of sample k (0..samples-1) along (ux, uy) (already negated for
+ * the second half-slice).
+ *
+ * With t = (k + shift)/samples in (0,1), the distance is reach * t /
+ * (1 + growth (1-t)): equal steps for growth 0, steps growing from
+ * 1/(1+growth) to (1+growth) times the mean otherwise.  No two samples of a
+ * half-slice share a pixel: sample k is at least k+1 grid steps away.
+ */
+static inline void hbil_sample_offset(hbil_int layer, hbil_int k,
+                                      hbil_int level, hbil_float ux,
+                                      hbil_float uy, const hbil_view_args v,
+                                      const hbil_pattern_args p, hbil_int *x,
+                                      hbil_int *y) {
+  hbil_float grid = (hbil_float)p.grid;
+  /* pixels per unit of slope along u, and the larger of its components */
+  hbil_float px = ux * v.fx, py = uy * v.fy;
+  hbil_float ax = HBIL_FABS(px), ay = HBIL_FABS(py);
+  hbil_float major = ax > ay ? ax : ay;
+  /* no pixel of the image is farther along u than this */
+  hbil_float to_x =
+      (hbil_float)v.width / (ax > 1e-6f * major ? ax : 1e-6f * major);
+  hbil_float to_y =
+      (hbil_float)v.height / (ay > 1e-6f * major ? ay : 1e-6f * major);
+  hbil_float edge = to_x < to_y ? to_x : to_y;
+  hbil_float reach = p.reach;
+  hbil_float t, least, d;
+  hbil_int i;
+  for (i = 0; i < level; ++i)
+    reach *= 0.5f;
+  reach = reach < edge ? reach : edge;
+  t = ((hbil_float)hbil_shift_slot(layer) + 0.5f) * 0.0625f + p.shift;
+  t = t >= 1.0f ? t - 1.0f : t;
+  t = ((hbil_float)k + t) / (hbil_float)p.steps;
+  d = reach * t / HBIL_FMA(p.growth, 1.0f - t, 1.0f);
+  least = (hbil_float)(k + 1) * grid / major;
+  d = d > least ? d : least;
+  *x = (hbil_int)HBIL_RINT(d * px / grid) * p.grid;
+  *y = (hbil_int)HBIL_RINT(d * py / grid) * p.grid;
+}
+
+/* Pixels that an offset spans along its longer axis. */
+static inline hbil_int hbil_offset_length(hbil_int x, hbil_int y) {
+  /* absolute values of floats: those of ints are an intrinsic that oclgrind
+   * doesn't know */
+  x = (hbil_int)HBIL_FABS((hbil_float)x);
+  y = (hbil_int)HBIL_FABS((hbil_float)y);
+  return x > y ? x : y;
+}
+
+/*
+ * The halves that sample k belongs to; before, after: hbil_offset_length() of
+ * the samples on either side of it, 0 before the first, its own after the last.
+ * What its half would miss without it is extrapolated to the share of the
+ * pixels around it that no sample meets: where every pixel is met there is
+ * nothing to extrapolate, and the sample is in both.  In between, so is that
+ * share of the 16 layers.
+ */
+static inline hbil_int hbil_sample_halves(hbil_int layer, hbil_int k,
+                                          hbil_int samples, hbil_int before,
+                                          hbil_int after) {
+  hbil_int met = k + 1 < samples ? 2 : 1;
+  /* (slot + 1/2) / 16 of the layers' places lie above the share that is met */
+  if ((2 * hbil_shift_slot(layer) + 1) * (after - before) < 32 * met)
+    return HBIL_HALF_EVEN | HBIL_HALF_ODD;
+  return k & 1 ? HBIL_HALF_ODD : HBIL_HALF_EVEN;
+}
+
+#endif

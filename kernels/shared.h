@@ -1,0 +1,497 @@
+/*
+ * What host C and OpenCL C both read: the constants of the data layouts, the
+ * order of the planes, and one struct of arguments for each pass.
+ *
+ * Every member is a 32-bit word, so that both compilers lay a struct out alike;
+ * HBIL_ASSERT_LAYOUT checks that in both.
+ */
+#ifndef HBIL_SHARED_H
+#define HBIL_SHARED_H
+
+#ifdef __OPENCL_VERSION__
+typedef int hbil_int;
+typedef uint hbil_uint;
+typedef float hbil_float;
+#define HBIL_FMA(a, b, c) fma((a), (b), (c))
+#define HBIL_RINT(a) rint(a)
+#define HBIL_SQRT(a) sqrt(a)
+#define HBIL_FABS(a) fabs(a)
+/* An array of negative size stops the compiler. */
+#define HBIL_ASSERT_LAYOUT(type, last, last_word, words)                       \
+  typedef char                                                                 \
+      type##_has_##words##_words[sizeof(type) == 4 * (words) &&                \
+                                         __builtin_offsetof(type, last) ==     \
+                                             4 * (last_word)                   \
+                                     ? 1                                       \
+                                     : -1];
+#else
+#include <CL/cl.h>
+#include <math.h>
+#include <stddef.h>
+typedef cl_int hbil_int;
+typedef cl_uint hbil_uint;
+typedef cl_float hbil_float;
+#define HBIL_FMA(a, b, c) fmaf((a), (b), (c))
+#define HBIL_RINT(a) rintf(a)
+#define HBIL_SQRT(a) sqrtf(a)
+#define HBIL_FABS(a) fabsf(a)
+#define HBIL_ASSERT_LAYOUT(type, last, last_word, words)                       \
+  _Static_assert(sizeof(type) == 4 * (words) &&                                \
+                     offsetof(type, last) == 4 * (last_word),                  \
+                 #type);
+#endif
+
+/* --- constants of the layouts --------------------------------------------- */
+
+/* The image is split into 4x4 interleaved layers (Mayaux 2018, 3.3). */
+#define HBIL_SIDE 4
+#define HBIL_LAYERS 16
+
+/* A span: neighbouring pixels of a layer's row that share one radius of
+ * influence in pixels.  On CPUs one work-item of the gather takes a span.  The
+ * padding left and right of each layer row is as long, so that a load of a span
+ * that begins anywhere in [-32, width rounded up to 32] stays inside the row.
+ */
+#define HBIL_SPAN 32
+
+/* Rows that one work-item of recompose takes on CPUs; a multiple of 4. */
+#define HBIL_RECOMPOSE_ROWS 16
+
+/* The most pixels that a vector holds. */
+#define HBIL_WIDEST 16
+
+/* The inverse depth that stands for "no surface": below every tangent plane,
+ * whatever the scale of the scene, and far enough from FLT_MAX to take part in
+ * sums. */
+#define HBIL_NOTHING (-1e30f)
+
+/* Depths from the nearest up to the farthest are surfaces.  The quotient of any
+ * two of them, times the longest ray and over the slope of a pixel, is still a
+ * finite float. */
+#define HBIL_NEAREST_DEPTH 1e-15f
+#define HBIL_FARTHEST_DEPTH 1e15f
+
+/* Brighter light of an input counts as none, as infinite light does: sums over
+ * a hemisphere, and over the square roots of a picture, stay finite floats. */
+#define HBIL_BRIGHTEST 1e30f
+
+/* A normal that faces away from the eye is turned back until its cosine with
+ * the view direction is this.  It leaves planes up to 89.99 degrees alone; the
+ * fp32 rounding of a normal (6e-8) is below 1e-3 of it, and a packed normal
+ * (off by up to 6.5e-5) still faces the eye. */
+#define HBIL_MIN_COSINE 1e-4f
+
+/* Recompose gives no weight to a neighbour whose distance from the pixel's
+ * tangent plane is this share of the pixel's inverse depth or more ... */
+#define HBIL_PLANE_TOLERANCE 0.02f
+/* ... nor to one whose normal has a cosine with the pixel's normal of 1 minus
+ * this or less (33 degrees).  Both: measured, doc/measurements.md. */
+#define HBIL_TURN_TOLERANCE 0.16f
+
+/* Sectors of a half-slice where occluders have a thickness.  One less than a
+ * word has bits, so that 1 << HBIL_SECTORS is still a bit. */
+#define HBIL_SECTORS 31
+
+/* --- planes of the stages (hbil_stages.h has the layouts) ------------------
+ */
+
+enum {
+  HBIL_SPLIT_W = 0,      /* inverse depth */
+  HBIL_SPLIT_NORMAL = 1, /* x, 2: y, 3: z; view space, unit length */
+  HBIL_SPLIT_RED = 4,    /* 5: green, 6: blue; radiance */
+  HBIL_SPLIT_PLANES = 7
+};
+enum {
+  HBIL_LIGHT_AO = 0,
+  HBIL_LIGHT_RED = 1,  /* 2: green, 3: blue: E_near */
+  HBIL_LIGHT_BENT = 4, /* x, 5: y, 6: z */
+  HBIL_LIGHT_PLANES = 7,
+  /* gathered only: share of the hemisphere whose light is unknown */
+  HBIL_LIGHT_UNKNOWN = 7,
+  /* gathered with a single slice only, behind all other planes: how much of the
+   * hemisphere the slice stands for, 1 on average */
+  HBIL_LIGHT_WEIGHT = 8,
+  HBIL_GATHERED_PLANES = 9
+};
+
+/* HBIL_STORAGE_PACKED: the same in words of 32 bits.
+ *   normal    octahedral (Cigolle et al. 2014), two snorm16, x low; the middle
+ *             of the map looks along -z
+ *   radiance  three mantissas of 8 bits, red lowest; the highest byte is the
+ *             exponent of their unit, biased as in a float
+ *   AO        unorm16; above it the unknown share, unorm8; the highest byte is
+ *             the exponent of the unit of E_near
+ *   E_near    three mantissas of 10 bits, red lowest
+ *   bent      three snorm: 11 bits x, lowest, 11 bits y, 10 bits z; scaled to
+ *             fit where a component is above 1
+ * Light is rounded to the nearest.  The unknown share and bent normals are
+ * dithered by the pixel's layer, so that the mean of the 16 layers is off by at
+ * most 1/32 of a step.  Values above the largest of a format become the
+ * largest. */
+enum {
+  HBIL_PACKED_NORMAL = 1,
+  HBIL_PACKED_RADIANCE = 2,
+  HBIL_PACKED_SPLIT_PLANES = 3
+};
+enum {
+  HBIL_PACKED_AO = 0,
+  HBIL_PACKED_NEAR = 1,
+  HBIL_PACKED_BENT = 2,
+  HBIL_PACKED_LIGHT_PLANES = 3
+};
+
+enum { HBIL_HISTORY_W = 0, HBIL_HISTORY_RED = 1, HBIL_HISTORY_PLANES = 4 };
+enum { HBIL_CARRIED_RED = 0, HBIL_CARRIED_WEIGHT = 3, HBIL_CARRIED_PLANES = 4 };
+
+/* What the temporal filter stores of a frame: what a pixel shows, the number of
+ * frames that its light is the mean of (0: none), and the light planes.  The
+ * normal is a word of 2 x 16 bits, as in packed planes. */
+enum {
+  HBIL_TEMPORAL_W = 0,
+  HBIL_TEMPORAL_NORMAL = 1,
+  HBIL_TEMPORAL_FRAMES = 2,
+  HBIL_TEMPORAL_LIGHT = 3
+};
+
+/* Weight of the frame's mean radiance, in hemispheres, beside what a pixel sees
+ * itself (lib/unseen_light.clh).  Chosen on the public dumps: local light is
+ * the better guess where a pixel sees much, the frame's where it sees little.
+ */
+#define HBIL_UNSEEN_PRIOR 0.45f
+enum { HBIL_ESTIMATE_SIZE = 36, HBIL_ESTIMATE_PARTS = 64 };
+
+/* --- what several passes take -----------------------------------------------
+ */
+
+/* A plane of the caller, in components: its first one, and the distances from
+ * row to row and from channel to channel. */
+typedef struct hbil_external_plane_args {
+  hbil_uint offset, row, plane, unused;
+} hbil_external_plane_args;
+HBIL_ASSERT_LAYOUT(hbil_external_plane_args, unused, 3, 4)
+
+/* Size and intrinsics.  fx and fy are pixels to a unit of ray slope; in
+ * orthographic views, to a world unit. */
+typedef struct hbil_view_args {
+  hbil_int width, height;
+  hbil_float fx, fy, cx, cy;
+  hbil_float inv_fx, inv_fy;
+} hbil_view_args;
+HBIL_ASSERT_LAYOUT(hbil_view_args, inv_fy, 7, 8)
+
+/* The upper three rows of a rigid transform between two views. */
+typedef struct hbil_transform_args {
+  hbil_float m[12];
+} hbil_transform_args;
+HBIL_ASSERT_LAYOUT(hbil_transform_args, m, 0, 12)
+
+/* Full-resolution planes: distances in floats. */
+typedef struct hbil_plane_args {
+  hbil_uint plane, row;
+} hbil_plane_args;
+HBIL_ASSERT_LAYOUT(hbil_plane_args, row, 1, 2)
+
+/* Where history planes begin in their buffer; as many floats follow them.  What
+ * a vector loads begins and ends there at most: a window of three rows and two
+ * vectors (lib/plane_addressing.clh) that holds a place in the picture, or a
+ * row and a pixel before it.  Lanes whose source is outside of the picture are
+ * masked. */
+static inline hbil_uint hbil_history_origin(const hbil_plane_args planes) {
+  return 2u * planes.row + 2u * HBIL_WIDEST;
+}
+
+/* Layered planes: distances in floats.  width, height: of a layer.  One row of
+ * the image is contiguous: it holds the rows of its four layers one after the
+ * other, and for each layer its planes, so that what a filter reads around a
+ * pixel lies on few pages.  row_extent: floats of a layer's row in one plane,
+ * padding included. */
+typedef struct hbil_layer_args {
+  hbil_uint plane, layer, row, origin, row_extent;
+  hbil_int width, height;
+} hbil_layer_args;
+HBIL_ASSERT_LAYOUT(hbil_layer_args, height, 6, 7)
+
+/* Every other sample of a half-slice belongs to one half or the other; some
+ * belong to both (lib/sampling_pattern.h, gather/between.clh). */
+enum { HBIL_HALF_EVEN = 1, HBIL_HALF_ODD = 2 };
+
+/* One sample of a half-slice, common to all pixels of a layer at one level. */
+typedef struct hbil_step {
+  hbil_int offset;   /* floats from x + y * row to the sample of pixel (x,y) */
+  hbil_int dx, dy;   /* offset within the layer, in layer pixels */
+  hbil_float ex, ey; /* offset from pixel to pixel, in units of ray slope */
+  hbil_float inv_e;  /* 1 / |e| */
+  hbil_float ux, uy; /* e / |e| */
+  hbil_int halves;   /* of HBIL_HALF_ */
+} hbil_step;
+HBIL_ASSERT_LAYOUT(hbil_step, halves, 8, 9)
+
+/* Words of the plan's flags: what kernels of a frame tell later ones. */
+enum {
+  HBIL_FLAG_HOLES = 0,   /* there is a hole to fill (push_pull.cl) */
+  HBIL_FLAG_CHANGED = 1, /* a static frame's light differs from the last one's
+                          */
+  HBIL_FLAGS = 2
+};
+
+/* Words of the plan's counts of sanitized pixels (hbil_plan_sanitized()).  The
+ * first one is written by reproject; then come those of split; then those of
+ * the inputs that split doesn't read, written by composite. */
+enum {
+  HBIL_SANITIZED_MOTION = 0,
+  HBIL_SANITIZED_DEPTH = 1,
+  HBIL_SANITIZED_NORMAL = 2,
+  HBIL_SANITIZED_SURFACE = 3, /* HBIL_SURFACE_ on */
+  HBIL_SANITIZED_LATE = 7,    /* HBIL_SURFACE_ on */
+  HBIL_SANITIZED_WORDS = 11
+};
+enum {
+  HBIL_SURFACE_ALBEDO = 0,
+  HBIL_SURFACE_F0 = 1,
+  HBIL_SURFACE_DIRECT = 2,
+  HBIL_SURFACE_EMISSION = 3,
+  HBIL_SURFACE_INPUTS = 4
+};
+
+/* --- bounds: what the gather can skip ----------------------------------------
+ */
+
+/* A cell is 64x64 pixels: so many of a layer, a multiple of HBIL_WIDEST. */
+#define HBIL_CELL 16
+/* Cells to a block, each way. */
+#define HBIL_BLOCK 4
+
+/* A grid of bounds: where it lies, in words, and its size.  Two words a cell:
+ * the largest inverse depth, as a float, and bits of HBIL_SOME_. */
+typedef struct hbil_grid_args {
+  hbil_uint offset;
+  hbil_int width, height;
+} hbil_grid_args;
+HBIL_ASSERT_LAYOUT(hbil_grid_args, height, 2, 3)
+#define HBIL_SOME_LIT 1u  /* a pixel sends light */
+#define HBIL_SOME_DARK 2u /* surfaces that send no light */
+
+/* group: 4*HBIL_WIDTH pixels of a row, which cells are made of; whole: a single
+ * cell; quadrants: where each block has a word of hbil_quadrants(). */
+typedef struct hbil_bounds_args {
+  hbil_grid_args group, cell, block, whole;
+  hbil_uint quadrants;
+} hbil_bounds_args;
+HBIL_ASSERT_LAYOUT(hbil_bounds_args, quadrants, 12, 13)
+
+/* A half-slice stays in one quadrant about the cell where it begins; that
+ * cell's row and column belong to the quadrant.  Returns the quadrant's number.
+ */
+static inline hbil_uint hbil_quadrant(hbil_int right, hbil_int down) {
+  return (hbil_uint)(2 * down + right);
+}
+/* The quadrants about cell (x, y) that cell (i, j) is in: a bit each, the
+ * lowest for quadrant 0. */
+static inline hbil_uint hbil_quadrants(hbil_int x, hbil_int y, hbil_int i,
+                                       hbil_int j) {
+  const hbil_uint across = (i <= x ? 5u : 0u) | (i >= x ? 10u : 0u);
+  const hbil_uint down = (j <= y ? 3u : 0u) | (j >= y ? 12u : 0u);
+  return across & down;
+}
+#define HBIL_ALL_QUADRANTS 15u
+
+/* What was skipped for a span of the gather, as bits of a byte; the values are
+ * those of hbil_skip.  As many bytes follow with the number of sky pixels. */
+enum {
+  HBIL_SPAN_SKY = 1,
+  HBIL_SPAN_OPEN = 2,
+  HBIL_SPAN_DARK = 4,
+  HBIL_SPAN_UNUSED = 8
+};
+
+/* --- the passes
+ * ---------------------------------------------------------------
+ */
+
+/* Padding of the layers, once per plan (clear.cl). */
+typedef struct hbil_clear_args {
+  hbil_layer_args layers;
+} hbil_clear_args;
+HBIL_ASSERT_LAYOUT(hbil_clear_args, layers, 0, 7)
+
+/* Scatter on CPUs: pixels of a row of the last frame that make a run. */
+#define HBIL_RUN 64
+/* row: runs of a row, a multiple of HBIL_WIDEST with empty ones at the end;
+ * band: rows of this frame that one work-item owns. */
+typedef struct hbil_runs_args {
+  hbil_int row, band;
+} hbil_runs_args;
+HBIL_ASSERT_LAYOUT(hbil_runs_args, band, 1, 2)
+
+/* from, to: the last frame's view and this one's; motion: between them. */
+typedef struct hbil_scatter_args {
+  hbil_view_args from, to;
+  hbil_transform_args motion;
+  hbil_plane_args planes; /* of history and carried light */
+  hbil_runs_args runs;
+  hbil_external_plane_args depth;
+  hbil_float sky_depth, disocclusion_threshold; /* as in hbil_config */
+} hbil_scatter_args;
+HBIL_ASSERT_LAYOUT(hbil_scatter_args, disocclusion_threshold, 37, 38)
+
+/* back: from this view to the last frame's. */
+typedef struct hbil_follow_motion_args {
+  hbil_view_args view;
+  hbil_transform_args back;
+  hbil_plane_args planes; /* of history and carried light */
+  hbil_external_plane_args depth, motion;
+  hbil_float motion_scale[2];
+  hbil_float sky_depth, disocclusion_threshold; /* as in hbil_config */
+} hbil_follow_motion_args;
+HBIL_ASSERT_LAYOUT(hbil_follow_motion_args, disocclusion_threshold, 33, 34)
+
+/* One level of the push/pull chain: where its planes lie, and its size. */
+typedef struct hbil_chain_args {
+  hbil_uint offset, plane, row;
+  hbil_int width, height;
+} hbil_chain_args;
+HBIL_ASSERT_LAYOUT(hbil_chain_args, height, 4, 5)
+
+typedef struct hbil_push_pull_args {
+  hbil_chain_args fine, coarse;
+} hbil_push_pull_args;
+HBIL_ASSERT_LAYOUT(hbil_push_pull_args, coarse, 5, 10)
+
+/* split, and relight for the light alone. */
+typedef struct hbil_split_args {
+  hbil_view_args view;
+  hbil_transform_args to_view; /* from world space, for normals */
+  hbil_layer_args layers;
+  hbil_plane_args planes; /* of carried light; relight: of the history */
+  hbil_grid_args groups;  /* of the bounds */
+  hbil_external_plane_args depth, normal, albedo, f0, direct, emission;
+  hbil_float sky_depth, direct_scale; /* as in hbil_config */
+  hbil_int has_history;
+} hbil_split_args;
+HBIL_ASSERT_LAYOUT(hbil_split_args, has_history, 58, 59)
+
+/* Each cell of the coarse grid covers across x down cells of the fine one. */
+typedef struct hbil_bound_cells_args {
+  hbil_grid_args fine, coarse;
+  hbil_int across, down;
+  hbil_int is_static; /* leave at once unless HBIL_FLAG_CHANGED is set */
+} hbil_bound_cells_args;
+HBIL_ASSERT_LAYOUT(hbil_bound_cells_args, is_static, 8, 9)
+
+typedef struct hbil_bound_quadrants_args {
+  hbil_bounds_args bounds;
+  hbil_int is_static; /* leave at once unless HBIL_FLAG_CHANGED is set */
+} hbil_bound_quadrants_args;
+HBIL_ASSERT_LAYOUT(hbil_bound_quadrants_args, is_static, 13, 14)
+
+typedef struct hbil_estimate_args {
+  hbil_layer_args split;
+} hbil_estimate_args;
+HBIL_ASSERT_LAYOUT(hbil_estimate_args, split, 0, 7)
+
+/* What the sampling pattern depends on. */
+typedef struct hbil_pattern_args {
+  hbil_int slices, steps, levels;
+  hbil_int grid;     /* pixels between places of samples: 4 in a layer, or 1 */
+  hbil_float reach;  /* ray slope from image edge to edge, see hbil_level() */
+  hbil_float growth; /* hbil_config.step_growth */
+  hbil_float turn;   /* rotation of the directions, in slices, [0,1) */
+  hbil_float shift;  /* shift of the samples, in steps, [0,1) */
+} hbil_pattern_args;
+HBIL_ASSERT_LAYOUT(hbil_pattern_args, shift, 7, 8)
+
+/* The table of steps (pattern.cl). */
+typedef struct hbil_make_pattern_args {
+  hbil_view_args view;
+  hbil_pattern_args pattern;
+  hbil_layer_args split;
+} hbil_make_pattern_args;
+HBIL_ASSERT_LAYOUT(hbil_make_pattern_args, split, 16, 23)
+
+/* The horizon cache (lib/horizon_cache.clh): rows of a layer, from the first
+ * on, that it holds; vectors of pixels in those rows of all layers; the most
+ * floats of a pixel; the most entries of a vector. */
+typedef struct hbil_horizon_cache_args {
+  hbil_uint rows, vectors, floats, entries;
+} hbil_horizon_cache_args;
+HBIL_ASSERT_LAYOUT(hbil_horizon_cache_args, entries, 3, 4)
+
+/* gather, and regather from the horizon cache. */
+typedef struct hbil_gather_args {
+  hbil_view_args view;
+  hbil_layer_args split, light;
+  hbil_float radius;    /* world units; unused where unlimited */
+  hbil_float reach;     /* hbil_pattern_args.reach */
+  hbil_float nearness;  /* 1 minus the tolerance on a sample's inverse depth */
+  hbil_float flatness;  /* tolerance on the gradient, see gather/search.clh */
+  hbil_float facing[2]; /* hbil_config.facing_fade[0]; inverse of the fade's
+                           width */
+  hbil_float thickness; /* hbil_config.thickness; orthographic: the smaller of
+                           both thicknesses */
+  hbil_float relative_thickness;
+  hbil_float falloff; /* HBAO: an occluder at distance r weighs 1 - falloff r */
+  hbil_float longest; /* length of the longest ray, to a corner; orthographic:
+                         of the way there in the picture's plane */
+  hbil_bounds_args bounds;
+  hbil_uint spans;        /* of a layer's row */
+  hbil_int slices, steps; /* hbil_config's */
+  hbil_int is_static;     /* leave at once unless HBIL_FLAG_CHANGED is set */
+  hbil_horizon_cache_args cache;
+} hbil_gather_args;
+HBIL_ASSERT_LAYOUT(hbil_gather_args, cache, 49, 53)
+
+/* Factors that turn the standard deviation of the light that recompose brings
+ * together into an error that 95 % of the pixels don't exceed. */
+typedef struct hbil_error_args {
+  hbil_float ao, near_irradiance;
+} hbil_error_args;
+HBIL_ASSERT_LAYOUT(hbil_error_args, near_irradiance, 1, 2)
+
+typedef struct hbil_recompose_args {
+  hbil_view_args view;
+  hbil_layer_args split, light;
+  hbil_plane_args planes; /* of the result */
+  hbil_error_args errors;
+  hbil_int is_static; /* leave at once unless HBIL_FLAG_CHANGED is set */
+} hbil_recompose_args;
+HBIL_ASSERT_LAYOUT(hbil_recompose_args, is_static, 26, 27)
+
+/* before: the last frame's view; back: from this view to it. */
+typedef struct hbil_temporal_args {
+  hbil_view_args view, before;
+  hbil_transform_args back;
+  hbil_layer_args split;
+  hbil_plane_args planes;
+  hbil_external_plane_args motion;
+  hbil_float motion_scale[2];
+  hbil_float disocclusion_threshold; /* hbil_config's */
+  hbil_float most_frames;            /* hbil_config.max_history_frames */
+  hbil_int has_before;               /* 0 in a first frame */
+} hbil_temporal_args;
+HBIL_ASSERT_LAYOUT(hbil_temporal_args, has_before, 45, 46)
+
+/* Far field: SH coefficients, already multiplied by the constants of the basis
+ * functions and by sqrt(4 pi / (2l+1)) (composite.cl); a constant radiance in
+ * the first one.  Each channel is a struct, because Mesa's rusticl computes a
+ * wrong size for an array of arrays in an argument. */
+typedef struct hbil_sh_args {
+  hbil_float sh[9];
+} hbil_sh_args;
+typedef struct hbil_environment_args {
+  hbil_sh_args channel[3];
+} hbil_environment_args;
+HBIL_ASSERT_LAYOUT(hbil_environment_args, channel, 0, 27)
+
+typedef struct hbil_composite_args {
+  hbil_view_args view;
+  hbil_transform_args to_world;
+  hbil_plane_args planes; /* of the resolved light and the history */
+  hbil_environment_args environment;
+  hbil_external_plane_args depth, albedo, f0, direct, emission;
+  hbil_external_plane_args near_irradiance, far_irradiance, ao, bent_normal;
+  hbil_external_plane_args cone_cosine, indirect, beauty, error_estimate;
+  hbil_float sky_depth, direct_scale; /* as in hbil_config */
+} hbil_composite_args;
+HBIL_ASSERT_LAYOUT(hbil_composite_args, direct_scale, 102, 103)
+
+#endif

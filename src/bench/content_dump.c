@@ -1,0 +1,220 @@
+/* Captured frames as content, and their path-traced truth.  This is the one
+ * file of the bench that knows dumps. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bench/content.h"
+#include "dump/frame_camera.h"
+#include "dump/light_sources.h"
+#include "dump/read_channel_map.h"
+#include "dump/read_gbuffer.h"
+#include "image/exr_read.h"
+#include "image/image.h"
+#include "image/image_read.h"
+
+static const role roles[BENCH_INPUTS] = {ROLE_DEPTH,    ROLE_NORMAL,
+                                         ROLE_ALBEDO,   ROLE_DIRECT,
+                                         ROLE_EMISSION, ROLE_MOTION};
+
+/* --- one frame --- */
+
+/* map: to be freed by the caller, also after a failure. */
+static int read_map(const char *path, const char *camera, channel_map *map,
+                    camera_file *out, image_error *error) {
+  image header;
+  frame_camera seen;
+  source_options guess;
+  source_options_init(&guess);
+  channel_map_init(map, DUMP_PLAIN);
+  if (image_read_header(path, &header, error) != 0)
+    return -1;
+  const int failed =
+      channel_map_read(path, &header, &guess, map, error) != 0 ||
+      channel_map_check(map, path, error) != 0 ||
+      frame_camera_read(path, &header, camera, &guess, &seen, error) != 0 ||
+      frame_camera_aim(path, &seen, map, out, error) != 0;
+  image_free(&header);
+  return failed ? -1 : 0;
+}
+
+/* Without any light there would be nothing to gather: every surface gets the
+ * irradiance of a white sky. */
+static int add_light(bench_content *content, bench_frame *frame,
+                     image_error *error) {
+  const size_t values = 3 * bench_pixels(content);
+  if (frame->plane[BENCH_DIRECT])
+    return 0;
+  float *light = malloc(values * sizeof *light);
+  if (!light)
+    return image_no_memory(error, content->name);
+  for (size_t i = 0; i < values; i++)
+    light[i] = 3.14159265f / content->config.direct_scale;
+  frame->plane[BENCH_DIRECT] = light;
+  snprintf(content->note, sizeof content->note,
+           "The file has no direct light; an irradiance of pi stands in for "
+           "it.");
+  return 0;
+}
+
+static int copy_planes(const gbuffer *g, bench_content *out, bench_frame *frame,
+                       image_error *error) {
+  for (int i = 0; i < BENCH_INPUTS; i++) {
+    const float *channels[3] = {NULL, NULL, NULL};
+    const size_t count = bench_input_channels((bench_input)i);
+    for (size_t c = 0; c < count; c++)
+      channels[c] = gbuffer_plane(g, roles[i], c);
+    if (channels[count - 1] &&
+        bench_content_copy(out, frame, (bench_input)i, channels, error) != 0)
+      return -1;
+  }
+  return add_light(out, frame, error);
+}
+
+/* What the first frame decides for all: size, conventions, and the far field,
+ * which is chosen as hbil process does. */
+static int adopt(const gbuffer *g, unsigned index, bench_content *out,
+                 image_error *error) {
+  hbil_config config = out->config;
+  const char *reason;
+  channel_map_configure(&g->map, &config);
+  if (index == 0) {
+    out->width = g->planes.width;
+    out->height = g->planes.height;
+    far_field_choose(g, &config, out->environment, &reason);
+    out->config = config;
+    return 0;
+  }
+  if (g->planes.width != out->width || g->planes.height != out->height)
+    return image_fail(error,
+                      "%s: %u x %u pixels, but the first frame has %u x %u; "
+                      "frames of one size are needed",
+                      out->name, g->planes.width, g->planes.height, out->width,
+                      out->height);
+  if (config.projection != out->config.projection)
+    return image_fail(error,
+                      "%s: its camera's projection is another than the first "
+                      "frame's",
+                      out->name);
+  return 0;
+}
+
+static int load_frame(const bench_options *options, unsigned index,
+                      bench_content *out, image_error *error) {
+  const char *path = options->frames[index];
+  channel_map map;
+  camera_file camera;
+  gbuffer g;
+  unsigned wanted = 1u << ROLE_BACKGROUND;
+  for (int i = 0; i < BENCH_INPUTS; i++)
+    wanted |= 1u << roles[i];
+  snprintf(out->name, sizeof out->name, "%s", path);
+  int failed = read_map(path, options->camera, &map, &camera, error) != 0 ||
+               gbuffer_read(path, &map, wanted, &g, error) != 0;
+  if (!failed) {
+    camera_file_to_hbil(&camera, &out->frame[index].camera);
+    failed = adopt(&g, index, out, error) != 0 ||
+             copy_planes(&g, out, &out->frame[index], error) != 0;
+    gbuffer_free(&g);
+  }
+  channel_map_free(&map);
+  return failed ? -1 : 0;
+}
+
+/* --- the truth --- */
+
+/* Whether a channel is Blender's diffuse indirect pass, in any view layer. */
+static int is_indirect(const char *channel, char component) {
+  static const char *const passes[] = {"DiffInd", "Diffuse Indirect"};
+  for (int i = 0; i < 2; i++) {
+    char tail[32];
+    const size_t part =
+        (size_t)snprintf(tail, sizeof tail, "%s.%c", passes[i], component);
+    const size_t whole = strlen(channel);
+    if (whole >= part && strcmp(channel + whole - part, tail) == 0 &&
+        (whole == part || channel[whole - part - 1] == '.'))
+      return 1;
+  }
+  return 0;
+}
+
+static int find_truth(const char *path, const image *header,
+                      const bench_content *content, const char *names[3],
+                      image_error *error) {
+  for (int c = 0; c < 3; c++) {
+    names[c] = NULL;
+    for (size_t i = 0; i < header->count && !names[c]; i++)
+      if (is_indirect(header->planes[i].name, "RGB"[c]))
+        names[c] = header->planes[i].name;
+    if (!names[c])
+      return image_fail(error,
+                        "%s: no indirect light; the channels DiffInd.{R,G,B} "
+                        "of Blender's diffuse indirect pass are needed",
+                        path);
+  }
+  if (header->width == content->width && header->height == content->height)
+    return 0;
+  return image_fail(error,
+                    "%s: %u x %u pixels, but the dump has %u x %u; the truth "
+                    "of this frame is needed",
+                    path, header->width, header->height, content->width,
+                    content->height);
+}
+
+static int copy_truth(const char *path, const image *from,
+                      const char *const names[3], bench_content *out,
+                      image_error *error) {
+  const size_t pixels = bench_pixels(out);
+  out->truth = malloc(3 * pixels * sizeof *out->truth);
+  if (!out->truth)
+    return image_no_memory(error, path);
+  for (size_t c = 0; c < 3; c++)
+    memcpy(out->truth + c * pixels, image_find(from, names[c])->pixels,
+           pixels * sizeof *out->truth);
+  return 0;
+}
+
+static int load_truth(const char *path, bench_content *out,
+                      image_error *error) {
+  image header, planes = {0};
+  const char *names[3];
+  if (exr_read_header(path, &header, error) != 0)
+    return -1;
+  const int failed = find_truth(path, &header, out, names, error) != 0 ||
+                     exr_read(path, names, 3, &planes, error) != 0 ||
+                     copy_truth(path, &planes, names, out, error) != 0;
+  image_free(&planes);
+  image_free(&header);
+  return failed ? -1 : 0;
+}
+
+/* --- all frames --- */
+
+/* A quarter of the surfaces' mean depth, because a dump's unit of length may be
+ * anything; orthographic: a quarter of the picture's width. */
+static float fitting_radius(const bench_content *content) {
+  const bench_frame *frame = &content->frame[0];
+  double sum = 0.0, count = 0.0;
+  if (content->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC)
+    return (float)(0.25 * content->width / frame->camera.fx);
+  for (size_t i = 0; i < bench_pixels(content); i++)
+    if (bench_is_surface(content, i)) {
+      sum += (double)frame->plane[BENCH_DEPTH][i];
+      count += 1.0;
+    }
+  return count > 0.0 ? (float)(0.25 * sum / count) : 1.0f;
+}
+
+int bench_content_load_dumps(const bench_options *options, bench_content *out,
+                             image_error *error) {
+  out->frame = calloc(options->frame_count, sizeof *out->frame);
+  if (!out->frame)
+    return image_no_memory(error, options->frames[0]);
+  out->frames = options->frame_count;
+  for (unsigned i = 0; i < options->frame_count; i++)
+    if (load_frame(options, i, out, error) != 0)
+      return -1;
+  out->radius = fitting_radius(out);
+  return options->truth ? load_truth(options->truth, out, error) : 0;
+}

@@ -1,0 +1,56 @@
+/* How far results are off: from the exact integral, and from the path-traced
+ * truth. */
+#include <math.h>
+
+#include "bench/content.h"
+
+/* A channel whose albedo is lower shows no diffuse light. */
+static const float least_albedo = 0.02f;
+
+/* RMSE over the compared surfaces; relative: divided by the mean of b.  A value
+ * that is not finite makes the result so. */
+static double surface_error(const bench_content *content, const float *a,
+                            const float *b, size_t channels, int relative) {
+  const size_t pixels = bench_pixels(content);
+  double square = 0.0, sum = 0.0, count = 0.0;
+  for (size_t i = 0; i < pixels; i++) {
+    if (!content->compared[i] || !bench_is_surface(content, i))
+      continue;
+    for (size_t c = 0; c < channels; c++) {
+      const size_t at = c * pixels + i;
+      const double off = (double)a[at] - (double)b[at];
+      square += off * off;
+      sum += (double)b[at];
+      count += 1.0;
+    }
+  }
+  const double rmse = sqrt(square / count);
+  return relative ? rmse / (sum / count) : rmse;
+}
+
+double bench_ao_error(const bench_content *content, const float *ao,
+                      const float *exact) {
+  return surface_error(content, ao, exact, 1, 0);
+}
+
+double bench_light_error(const bench_content *content, const float *light,
+                         const float *exact) {
+  return surface_error(content, light, exact, 3, 1);
+}
+
+double bench_model_error(const bench_content *content, const float *indirect) {
+  const size_t pixels = bench_pixels(content);
+  const float *albedo = content->frame[content->measured].plane[BENCH_ALBEDO];
+  const float *truth = content->truth;
+  double square = 0.0, count = 0.0;
+  for (size_t at = 0; at < 3 * pixels; at++) {
+    if (!bench_is_surface(content, at % pixels) || !isfinite(truth[at]) ||
+        (albedo && !(albedo[at] > least_albedo)))
+      continue;
+    const double off =
+        (indirect ? (double)indirect[at] : 0.0) - (double)truth[at];
+    square += off * off;
+    count += 1.0;
+  }
+  return sqrt(square / count);
+}

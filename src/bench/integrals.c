@@ -1,0 +1,100 @@
+/* The exact integral of the measured frame.  This is the one file of the bench
+ * that uses the double-precision integrals of the CPU. */
+#include "bench/integrals.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "exact/exact.h"
+
+/* 64 slices differ from 1024 by .001 of AO. */
+enum { SLICES = 128, QUICK_SLICES = 64 };
+
+static void use_input(const bench_content *content, bench_input input,
+                      int first, hbil_plane_format *format,
+                      exact_frame *frame) {
+  const float *plane = content->frame[content->measured].plane[input];
+  if (!plane)
+    return;
+  *format = (hbil_plane_format){HBIL_FLOAT32, 1};
+  for (size_t c = 0; c < bench_input_channels(input); c++)
+    frame->input[(size_t)first + c] = plane + c * bench_pixels(content);
+}
+
+static void fill_frame(const bench_content *content, bench_model model,
+                       hbil_config *config, exact_frame *frame) {
+  const bench_setting any = {.model = model, .slices = 1, .steps = 1};
+  memset(frame, 0, sizeof *frame);
+  bench_setting_apply(&any, content, config);
+  frame->config = config;
+  frame->camera = content->frame[content->measured].camera;
+  memcpy(frame->environment, content->environment, sizeof frame->environment);
+  use_input(content, BENCH_DEPTH, EXACT_DEPTH, &config->depth, frame);
+  use_input(content, BENCH_NORMAL, EXACT_NORMAL, &config->normal, frame);
+  use_input(content, BENCH_ALBEDO, EXACT_ALBEDO, &config->albedo, frame);
+  use_input(content, BENCH_DIRECT, EXACT_DIRECT, &config->direct, frame);
+  use_input(content, BENCH_EMISSION, EXACT_EMISSION, &config->emission, frame);
+  config->ao = (hbil_plane_format){HBIL_FLOAT32, 1};
+  if (!bench_model_is_ao(model))
+    config->near_irradiance = config->ao;
+}
+
+/* NULL when out of memory. */
+static float *copy_planes(const exact_planes *from, int first, size_t count) {
+  const size_t values = count * (size_t)from->width * (size_t)from->height;
+  const double *source = exact_at(from, first, 0, 0);
+  float *to = malloc(values * sizeof *to);
+  for (size_t i = 0; to && i < values; i++)
+    to[i] = (float)source[i];
+  return to;
+}
+
+static int make_one(const bench_content *content, bench_model model,
+                    bench_integrals *out, image_error *error) {
+  const exact_dense how = {.slices = out->slices, .mask = content->compared};
+  hbil_config config;
+  exact_frame frame;
+  exact_state state;
+  fill_frame(content, model, &config, &frame);
+  exact_status status =
+      exact_state_create(&state, (int)content->width, (int)content->height);
+  if (status == EXACT_SUCCESS)
+    status = exact_run_frame_dense(&state, &frame, &how);
+  if (status == EXACT_SUCCESS) {
+    out->ao[model] = copy_planes(&state.out, EXACT_AO, 1);
+    if (!bench_model_is_ao(model))
+      out->light[model] = copy_planes(&state.out, EXACT_NEAR_IRRADIANCE, 3);
+    if (!out->ao[model] || (!bench_model_is_ao(model) && !out->light[model]))
+      status = EXACT_OUT_OF_MEMORY;
+  }
+  exact_state_free(&state);
+  return status == EXACT_SUCCESS ? 0
+                                 : image_fail(error, "the exact integral: %s",
+                                              exact_status_text(status));
+}
+
+int bench_integrals_make(const bench_options *options,
+                         const bench_content *content,
+                         const bench_setting *list, size_t count,
+                         bench_integrals *out, image_error *error) {
+  int used[BENCH_MODELS] = {0}, failed = 0;
+  memset(out, 0, sizeof *out);
+  out->slices = options->quick ? QUICK_SLICES : SLICES;
+  for (size_t i = 0; i < count; i++)
+    used[list[i].model] = 1;
+  for (size_t m = 0; m < BENCH_MODELS && !failed; m++) {
+    bench_progress("exact integral of each model", m, BENCH_MODELS);
+    if (used[m])
+      failed = make_one(content, (bench_model)m, out, error);
+  }
+  bench_progress("exact integral of each model", BENCH_MODELS, BENCH_MODELS);
+  return failed;
+}
+
+void bench_integrals_free(bench_integrals *integrals) {
+  for (int m = 0; m < BENCH_MODELS; m++) {
+    free(integrals->ao[m]);
+    free(integrals->light[m]);
+  }
+  memset(integrals, 0, sizeof *integrals);
+}

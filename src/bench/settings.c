@@ -1,0 +1,212 @@
+/* The settings that the bench measures: one table, and the presets. */
+#include "bench/settings.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define DEFAULT BENCH_MODEL_DEFAULT
+#define PAPER BENCH_MODEL_PAPER
+#define THIN BENCH_MODEL_THIN
+#define THICK BENCH_MODEL_THICK
+#define ENDLESS BENCH_MODEL_ENDLESS
+#define GTAO BENCH_MODEL_GTAO
+#define HBAO BENCH_MODEL_HBAO
+#define LAYER BENCH_SAME_LAYER
+#define RAW BENCH_UNFILTERED
+#define PLAIN BENCH_NOT_EXTRAPOLATED
+#define FP32 BENCH_FLOAT32
+#define QUICK BENCH_QUICK
+
+/* The same setting with several numbers of steps, up to the first 0. */
+typedef struct sweep {
+  bench_model model;
+  cl_uint slices;
+  float growth;
+  unsigned flags;
+  cl_uint steps[6];
+} sweep;
+
+static const sweep sweeps[] = {
+    /* the paper's own setting, which comes first */
+    {PAPER, 2, 0, LAYER | QUICK, {8}},
+    {PAPER, 2, 2, 0, {8, 32}},
+    /* steps, with one, two and four slices */
+    {DEFAULT, 1, 2, QUICK, {8}},
+    {DEFAULT, 1, 2, 0, {4, 16, 32, 64}},
+    {DEFAULT, 2, 2, QUICK, {8, 32}},
+    {DEFAULT, 2, 2, 0, {4, 16, 48, 96}},
+    {DEFAULT, 4, 2, 0, {8, 16, 32}},
+    /* samples in the pixel's own layer */
+    {DEFAULT, 1, 2, LAYER, {8, 32, 64}},
+    {DEFAULT, 2, 2, LAYER, {8, 16, 32, 64, 128}},
+    {DEFAULT, 4, 2, LAYER, {32}},
+    /* how the steps grow */
+    {DEFAULT, 2, 0, 0, {8, 32}},
+    {DEFAULT, 2, 1, 0, {32}},
+    {DEFAULT, 2, 4, 0, {32}},
+    {DEFAULT, 2, 0, LAYER, {8, 32}},
+    {DEFAULT, 2, 4, LAYER, {32}},
+    /* without the filter, without extrapolation, with fp32 layers */
+    {DEFAULT, 2, 2, RAW, {8}},
+    {DEFAULT, 2, 2, PLAIN, {8, 32, 64}},
+    {DEFAULT, 2, 2, FP32 | QUICK, {8}},
+    {DEFAULT, 2, 2, FP32, {48}},
+    /* thickness, and AO alone */
+    {THIN, 2, 2, 0, {8, 32}},
+    {THICK, 2, 2, 0, {8, 32}},
+    {ENDLESS, 2, 2, QUICK, {8}},
+    {ENDLESS, 2, 2, 0, {32}},
+    {GTAO, 2, 2, QUICK, {8}},
+    {HBAO, 2, 2, QUICK, {8}},
+};
+
+enum {
+  SWEEPS = sizeof sweeps / sizeof *sweeps,
+  STEPS = sizeof sweeps->steps / sizeof *sweeps->steps
+};
+
+static bench_setting setting_at(const sweep *s, size_t step) {
+  return (bench_setting){.model = s->model,
+                         .slices = s->slices,
+                         .steps = s->steps[step],
+                         .growth = s->growth,
+                         .flags = s->flags};
+}
+
+int bench_setting_same(const bench_setting *a, const bench_setting *b) {
+  const unsigned known = ~(unsigned)QUICK;
+  return a->model == b->model && a->slices == b->slices &&
+         a->steps == b->steps && !(a->growth < b->growth) &&
+         !(a->growth > b->growth) && (a->flags & known) == (b->flags & known);
+}
+
+/* The sampling of a configuration, in the default model. */
+static bench_setting setting_of(const hbil_config *config) {
+  return (bench_setting){
+      .model = DEFAULT,
+      .slices = config->slices,
+      .steps = config->steps_per_side,
+      .growth = config->step_growth,
+      .flags = (config->sample_grid == HBIL_GRID_SAME_LAYER ? LAYER : 0u) |
+               (config->unfiltered ? RAW : 0u) |
+               (config->extrapolate ? 0u : PLAIN) |
+               (config->storage == HBIL_STORAGE_FLOAT32 ? (unsigned)FP32 : 0u)};
+}
+
+bench_setting bench_setting_paper(void) {
+  return setting_at(&sweeps[0], 0);
+}
+
+bench_setting bench_setting_default(void) {
+  hbil_config config;
+  hbil_config_init(&config);
+  return setting_of(&config);
+}
+
+/* Takes the place of a setting that is the same, or becomes a new one. */
+static size_t add(bench_setting *list, size_t count, const bench_setting *s) {
+  size_t at = 0;
+  while (at < count && !bench_setting_same(&list[at], s))
+    at++;
+  if (at < BENCH_MAX_SETTINGS)
+    list[at] = *s;
+  return at < count || count == BENCH_MAX_SETTINGS ? count : count + 1;
+}
+
+size_t bench_settings(int quick, bench_setting out[BENCH_MAX_SETTINGS]) {
+  bench_setting s;
+  size_t count = 0, chosen = 0;
+  for (size_t i = 0; i < SWEEPS; i++)
+    for (size_t k = 0; k < STEPS && sweeps[i].steps[k]; k++) {
+      s = setting_at(&sweeps[i], k);
+      count = add(out, count, &s);
+    }
+  s = bench_setting_default();
+  s.flags |= QUICK;
+  count = add(out, count, &s);
+  for (int q = 0; q < HBIL_QUALITY_REFERENCE; q++) {
+    hbil_config config;
+    hbil_config_init(&config);
+    hbil_config_set_quality(&config, (hbil_quality)q);
+    s = setting_of(&config);
+    s.preset = hbil_quality_name((hbil_quality)q);
+    s.flags |= QUICK;
+    count = add(out, count, &s);
+  }
+  for (size_t i = 0; i < count; i++)
+    if (!quick || out[i].flags & QUICK)
+      out[chosen++] = out[i];
+  return chosen;
+}
+
+/* --- names --- */
+
+const char *bench_model_name(bench_model model) {
+  static const char *const names[BENCH_MODELS] = {
+      [DEFAULT] = "default", [PAPER] = "paper",     [THIN] = "thin",
+      [THICK] = "thick",     [ENDLESS] = "endless", [GTAO] = "gtao",
+      [HBAO] = "hbao"};
+  return names[model];
+}
+
+int bench_model_is_ao(bench_model model) {
+  return model == GTAO || model == HBAO;
+}
+
+void bench_setting_label(const bench_setting *s, char text[BENCH_LABEL]) {
+  snprintf(text, BENCH_LABEL, "%s%s%s%s%ux%u g%g%s%s%s%s",
+           s->model == DEFAULT ? "" : bench_model_name(s->model),
+           s->model == DEFAULT ? "" : " ", s->preset ? s->preset : "",
+           s->preset ? " " : "", (unsigned)s->slices, (unsigned)s->steps,
+           (double)s->growth, s->flags & LAYER ? " same-layer" : "",
+           s->flags & RAW ? " unfiltered" : "",
+           s->flags & PLAIN ? " not extrapolated" : "",
+           s->flags & FP32 ? " fp32" : "");
+}
+
+/* --- configurations --- */
+
+/* Every field is set that a model decides, whatever the library's defaults
+ * are. */
+static void set_model(bench_model model, const bench_content *content,
+                      hbil_config *config) {
+  config->mode = HBIL_MODE_HBIL;
+  config->radius = config->thickness = INFINITY;
+  config->relative_thickness = model == THIN      ? 0.02f
+                               : model == THICK   ? 0.3f
+                               : model == DEFAULT ? 0.08f
+                                                  : INFINITY;
+  config->facing_fade[0] = config->facing_fade[1] = -1.0f;
+  config->back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  if (model == PAPER) {
+    config->facing_fade[0] = -0.1f;
+    config->facing_fade[1] = 0.0f;
+    config->back_facing_fallback = HBIL_FALLBACK_LAST_ACCEPTED;
+    config->feedback = HBIL_FEEDBACK_RADIANCE;
+    config->far_field = HBIL_FAR_NONE;
+  }
+  if (bench_model_is_ao(model)) {
+    config->mode = model == GTAO ? HBIL_MODE_GTAO : HBIL_MODE_HBAO;
+    config->back_facing_fallback = HBIL_FALLBACK_BLACK;
+    config->far_field = HBIL_FAR_NONE;
+  }
+  if (model == HBAO)
+    config->radius = content->radius;
+}
+
+void bench_setting_apply(const bench_setting *s, const bench_content *content,
+                         hbil_config *config) {
+  *config = content->config;
+  set_model(s->model, content, config);
+  config->slices = s->slices;
+  config->steps_per_side = s->steps;
+  config->step_growth = s->growth;
+  config->sample_grid =
+      s->flags & LAYER ? HBIL_GRID_SAME_LAYER : HBIL_GRID_FULL_RESOLUTION;
+  config->unfiltered = s->flags & RAW ? CL_TRUE : CL_FALSE;
+  config->extrapolate =
+      s->flags & PLAIN || s->model == PAPER ? CL_FALSE : CL_TRUE;
+  config->storage =
+      s->flags & FP32 ? HBIL_STORAGE_FLOAT32 : HBIL_STORAGE_PACKED;
+}

@@ -1,0 +1,52 @@
+/*
+ * A channel map: which channels of a frame have which role, in which files they
+ * are, and what their numbers mean.
+ */
+#ifndef HBIL_DUMP_CHANNEL_MAP_H
+#define HBIL_DUMP_CHANNEL_MAP_H
+
+#include "dump/source.h"
+#include "hbil/hbil.h"
+#include "image/error.h"
+#include "image/window.h"
+
+typedef struct channel_map {
+  dump_kind kind;
+  conventions how;
+  size_t count[ROLE_COUNT]; /* channels of each role; 0: the dump has none */
+  char names[ROLE_COUNT][ROLE_CHANNELS][256];
+  char *files[ROLE_COUNT]; /* the role's file, if it is not the frame's own; the
+                              map owns the names */
+  int gamma[ROLE_COUNT];   /* 1: the file's colours are sRGB */
+  int is_beauty;      /* 1: by its name, direct light is a finished image */
+  hbil_camera camera; /* for conversions; fx 0: unknown */
+  hbil_projection projection; /* of the camera */
+  int mirrored;      /* 1: the dump's world is left-handed, and z of world space
+                        changes its sign (see frame_camera.h) */
+  image_window data; /* where the file has pixels */
+  image_window display; /* the part that is shown */
+  image_window window;  /* what the planes shall cover; at first `data` */
+} channel_map;
+
+/* An empty map with the conventions of a source. */
+void channel_map_init(channel_map *out, dump_kind kind);
+
+/* Frees what the map owns.  It may be called twice. */
+void channel_map_free(channel_map *map);
+
+/* Whether the map has what the computation cannot do without: depth and
+ * normals.  0, or -1 with `error` filled. */
+int channel_map_check(const channel_map *map, const char *path,
+                      image_error *error);
+
+/* What each axis of vectors of that space is multiplied by (1 or -1): the flips
+ * of the conventions, then those that lead to view space or to a right-handed
+ * world. */
+void channel_map_signs(const channel_map *map, dump_space space, float sign[3]);
+
+/* Describes to the library how planes are to be read after conversion (see
+ * convert.h): sets projection, depth_kind, normal_space, sky_depth,
+ * direct_scale and motion_scale. */
+void channel_map_configure(const channel_map *map, hbil_config *config);
+
+#endif

@@ -1,0 +1,200 @@
+/* Converts planes from a renderer's conventions to the library's. */
+#include "dump/convert.h"
+
+#include "dump/pixel_ray.h"
+#include "image/error.h"
+#include "image/image.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* ------------------------------------------------------------------------ */
+/* Colours                                                                   */
+
+/* The transfer function of IEC 61966-2-1. */
+static float linear_of_srgb(float v) {
+  return v <= 0.04045f ? v / 12.92f : powf((v + 0.055f) / 1.055f, 2.4f);
+}
+
+static void decode_colours(gbuffer *g) {
+  static const role colours[] = {ROLE_ALBEDO, ROLE_DIRECT, ROLE_EMISSION,
+                                 ROLE_BACKGROUND};
+  for (size_t k = 0; k < sizeof colours / sizeof *colours; k++)
+    for (size_t c = 0; g->map.gamma[colours[k]] && c < g->map.count[colours[k]];
+         c++) {
+      float *v = gbuffer_plane(g, colours[k], c);
+      for (size_t i = 0; i < gbuffer_pixels(g); i++)
+        v[i] = linear_of_srgb(v[i]);
+    }
+}
+
+/* A black surface reflects nothing, so its irradiance is unknown and becomes 0.
+ */
+static void divide_by_albedo(gbuffer *g) {
+  for (size_t c = 0; c < g->map.count[ROLE_DIRECT]; c++) {
+    const float *albedo = gbuffer_plane(g, ROLE_ALBEDO, c);
+    float *direct = gbuffer_plane(g, ROLE_DIRECT, c);
+    for (size_t i = 0; albedo && i < gbuffer_pixels(g); i++)
+      direct[i] = albedo[i] > 0.0f ? direct[i] / albedo[i] : 0.0f;
+  }
+}
+
+static void centre_motion(gbuffer *g) {
+  for (size_t c = 0; c < g->map.count[ROLE_MOTION]; c++) {
+    float *v = gbuffer_plane(g, ROLE_MOTION, c);
+    for (size_t i = 0; i < gbuffer_pixels(g); i++)
+      v[i] -= g->map.how.motion_zero;
+  }
+}
+
+/* ------------------------------------------------------------------------ */
+/* Vectors                                                                   */
+
+static void scale_plane(gbuffer *g, role r, size_t c, float by, float shift) {
+  float *v = gbuffer_plane(g, r, c);
+  for (size_t i = 0;
+       v && (by != 1.0f || shift != 0.0f) && i < gbuffer_pixels(g); i++)
+    v[i] = v[i] * by + shift;
+}
+
+static void convert_normals(gbuffer *g) {
+  const conventions *how = &g->map.how;
+  float sign[3];
+  channel_map_signs(&g->map, how->normals, sign);
+  for (size_t c = 0; c < 3; c++)
+    scale_plane(g, ROLE_NORMAL, c, how->encoded ? 2.0f * sign[c] : sign[c],
+                how->encoded ? -sign[c] : 0.0f);
+}
+
+/* Moves positions from view space to world space. */
+static void place_positions(gbuffer *g) {
+  const double *m = g->map.camera.world_from_view;
+  float *p[3];
+  for (size_t c = 0; c < 3; c++)
+    p[c] = gbuffer_plane(g, ROLE_POSITION, c);
+  for (size_t i = 0; i < gbuffer_pixels(g); i++) {
+    const double v[3] = {p[0][i], p[1][i], p[2][i]};
+    for (int c = 0; c < 3; c++)
+      p[c][i] = (float)(m[4 * c] * v[0] + m[4 * c + 1] * v[1] +
+                        m[4 * c + 2] * v[2] + m[4 * c + 3]);
+  }
+}
+
+static void convert_positions(gbuffer *g) {
+  float sign[3];
+  if (g->map.count[ROLE_POSITION] < 3)
+    return;
+  channel_map_signs(&g->map, g->map.how.positions, sign);
+  for (size_t c = 0; c < 3; c++)
+    scale_plane(g, ROLE_POSITION, c, sign[c] * (float)g->map.how.unit, 0.0f);
+  if (g->map.how.positions == SPACE_CAMERA)
+    place_positions(g);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Depth                                                                     */
+
+/* Depth as a function of a stored position p: row . p + the returned offset. */
+static double depth_row(const channel_map *map, double row[3]) {
+  const double *m = map->camera.world_from_view;
+  double offset = 0;
+  float sign[3];
+  channel_map_signs(map, map->how.positions, sign);
+  for (int c = 0; c < 3; c++) {
+    const int camera = map->how.positions == SPACE_CAMERA;
+    const double axis = camera ? c == 2 : m[4 * c + 2];
+    row[c] = axis * (double)sign[c] * map->how.unit;
+    offset -= camera ? 0 : axis * m[4 * c + 3];
+  }
+  return offset;
+}
+
+/* Adds a depth plane that is computed from the positions.  A position of three
+ * zeros is a pixel without a surface. */
+static int make_depth(gbuffer *g) {
+  char *name = g->map.names[ROLE_DEPTH][0];
+  const float *p[3];
+  double row[3];
+  const double offset = depth_row(&g->map, row);
+  for (size_t c = 0; c < 3; c++)
+    p[c] = gbuffer_plane(g, ROLE_POSITION, c);
+  snprintf(name, sizeof g->map.names[ROLE_DEPTH][0], "%s.0",
+           role_name(ROLE_DEPTH));
+  const image_plane *added = image_add(&g->planes, name);
+  if (!added)
+    return -1;
+  for (size_t i = 0; i < gbuffer_pixels(g); i++) {
+    const double v[3] = {p[0][i], p[1][i], p[2][i]};
+    if (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0)
+      added->pixels[i] =
+          (float)(row[0] * v[0] + row[1] * v[1] + row[2] * v[2] + offset);
+  }
+  g->map.count[ROLE_DEPTH] = 1;
+  return 0;
+}
+
+/* The depth of a value d between 0 at the near plane and 1 at the far plane.  A
+ * perspective stores the inverse of depth, an orthographic camera depth itself.
+ */
+static double device_to_planar(const channel_map *map, double d) {
+  const double near = map->how.near, far = map->how.far;
+  if (map->projection == HBIL_PROJECTION_ORTHOGRAPHIC)
+    return near + d * (far - near);
+  return isinf(far) ? near / (1 - d) : near * far / (far - d * (far - near));
+}
+
+/* Planar depth, camera units, of a stored depth. */
+static double planar(const channel_map *map, double depth, double ray_length) {
+  const conventions *how = &map->how;
+  switch (how->depth) {
+  case DEPTH_RAY: /* the part in front of the near plane is `near` deep */
+    return depth * how->unit / ray_length + (how->from_near ? how->near : 0);
+  case DEPTH_DEVICE:
+    return device_to_planar(map, depth);
+  case DEPTH_REVERSED:
+    return device_to_planar(map, 1 - depth);
+  default:
+    return depth * how->unit;
+  }
+}
+
+/* Whether a stored depth stands for no surface: 0, depths from sky_depth on,
+ * and the far plane.  In reversed depths the far plane is 0. */
+static int is_nothing(const conventions *how, double depth) {
+  if (how->depth == DEPTH_DEVICE && depth >= 1)
+    return 1;
+  const int zero = depth <= 0 && how->depth != DEPTH_DEVICE;
+  return !isfinite(depth) || zero || depth >= (double)how->sky_depth;
+}
+
+static void convert_depth(gbuffer *g) {
+  const conventions *how = &g->map.how;
+  float *depth = gbuffer_plane(g, ROLE_DEPTH, 0);
+  const size_t width = g->planes.width;
+  for (size_t i = 0; i < gbuffer_pixels(g); i++) {
+    const pixel_ray ray =
+        pixel_ray_at(g->map.projection, &g->map.camera, i % width, i / width);
+    const double *r = ray.along;
+    const double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+    const double stored = (double)depth[i] * (how->backwards ? -1 : 1);
+    depth[i] =
+        is_nothing(how, stored) ? 0.0f : (float)planar(&g->map, stored, length);
+  }
+}
+
+int convert_planes(const char *path, gbuffer *g, image_error *error) {
+  const conventions *how = &g->map.how;
+  decode_colours(g);
+  if (how->direct == DIRECT_RADIANCE)
+    divide_by_albedo(g);
+  if (how->motion_zero != 0.0f)
+    centre_motion(g);
+  convert_normals(g);
+  if (how->depth == DEPTH_POSITION) {
+    if (g->map.count[ROLE_POSITION] == 3 && make_depth(g) != 0)
+      return image_no_memory(error, path);
+  } else if (g->map.count[ROLE_DEPTH] && !conventions_depth_is_planar(how))
+    convert_depth(g);
+  convert_positions(g);
+  return 0;
+}

@@ -1,0 +1,203 @@
+/* The camera of a frame. */
+#define _POSIX_C_SOURCE 200809L
+#include "dump/frame_camera.h"
+
+#include "dump/header_camera.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/image.h"
+#include "image/window.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+char *camera_file_beside(const char *frame) {
+  const char *slash = strrchr(frame, '/');
+  const char *dot = strrchr(slash ? slash : frame, '.');
+  const size_t stem = dot ? (size_t)(dot - frame) : strlen(frame);
+  char *name = malloc(stem + sizeof ".json");
+  if (name) {
+    memcpy(name, frame, stem);
+    strcpy(name + stem, ".json");
+  }
+  return name;
+}
+
+void camera_file_to_hbil(const camera_file *file, hbil_camera *out) {
+  hbil_camera_from_opengl(out, file->camera_to_world, file->fx, file->fy,
+                          file->cx, file->cy);
+}
+
+static int from_json(const char *path, const char *from, frame_camera *out,
+                     image_error *error) {
+  out->from = from;
+  out->placed = 1;
+  return camera_read(path, &out->file, error);
+}
+
+/* A camera of which only the lens is known.  The world is its own space. */
+static void from_lens(const image *header, const source_options *o,
+                      frame_camera *out) {
+  const image_window shown = image_display_window(header);
+  for (int i = 0; i < 16; i += 5)
+    out->file.camera_to_world[i] = 1;
+  out->file.cx = 0.5 * shown.width;
+  out->file.cy = 0.5 * shown.height;
+  out->from = o->fov > 0.0f ? "--fov" : "--orthographic";
+}
+
+static int from_header(const image *header, double unit, frame_camera *out) {
+  if (header_camera_read(header, unit, &out->file, &out->mirrored) != 0)
+    return -1;
+  out->placed = 1;
+  out->from = "worldToCamera and worldToNDC in the header";
+  return 0;
+}
+
+static int find(const char *frame, const char *beside, const image *header,
+                const char *override, const source_options *o,
+                frame_camera *out, image_error *error) {
+  if (override)
+    return from_json(override, "--camera", out, error);
+  if (access(beside, F_OK) == 0)
+    return from_json(beside, "the JSON file beside it", out, error);
+  if (from_header(header, o->unit > 0.0f ? (double)o->unit : 1, out) == 0)
+    return 0;
+  if (o->fov > 0.0f || o->orthographic > 0.0f) {
+    from_lens(header, o, out);
+    return 0;
+  }
+  if (header_camera_exists(header))
+    return image_fail(error,
+                      "%s: worldToCamera and worldToNDC in its header describe "
+                      "no perspective and no orthographic camera; "
+                      "--camera, --fov or --orthographic is needed",
+                      frame);
+  return image_fail(error,
+                    "%s: camera cannot be read: there is no such file; this "
+                    "JSON file, --camera, --fov, --orthographic, or "
+                    "worldToCamera and worldToNDC in the header of %s is "
+                    "needed",
+                    beside, frame);
+}
+
+/* The lens that the user gives replaces the one that was found. */
+static void choose_lens(const source_options *o, double width,
+                        camera_file *out) {
+  const double half_degree = 3.14159265358979 / 360;
+  if (o->fov > 0.0f)
+    out->fx = out->fy = 0.5 * width / tan(half_degree * (double)o->fov);
+  if (o->orthographic > 0.0f)
+    out->fx = out->fy = width / (double)o->orthographic;
+  if (o->fov > 0.0f || o->orthographic > 0.0f)
+    out->orthographic = o->orthographic > 0.0f;
+}
+
+int frame_camera_read(const char *frame, const image *header,
+                      const char *override, const source_options *options,
+                      frame_camera *out, image_error *error) {
+  char *beside = camera_file_beside(frame);
+  memset(out, 0, sizeof *out);
+  if (!beside)
+    return image_no_memory(error, frame);
+  const int failed = find(frame, beside, header, override, options, out, error);
+  free(beside);
+  if (failed)
+    return -1;
+  choose_lens(options, image_display_window(header).width, &out->file);
+  return 0;
+}
+
+int frame_camera_same_projection(const char *frame, const camera_file *camera,
+                                 const char *of, const camera_file *first,
+                                 image_error *error) {
+  static const char *const kinds[] = {"a perspective", "an orthographic"};
+  return camera->orthographic == first->orthographic
+             ? 0
+             : image_fail(
+                   error,
+                   "%s: has %s camera, but %s has %s one; frames with one "
+                   "kind of camera are needed",
+                   frame, kinds[camera->orthographic], of,
+                   kinds[first->orthographic]);
+}
+
+/* Finds the window that the camera's pixels are counted in: the display window,
+ * unless the camera's size is that of the data window. */
+static int find_window(const char *frame, const channel_map *map,
+                       const camera_file *camera, image_window *out,
+                       image_error *error) {
+  const image_window shown = map->display, whole = map->data;
+  *out = shown;
+  if (!camera->width ||
+      (camera->width == shown.width && camera->height == shown.height))
+    return 0;
+  *out = whole;
+  if (camera->width == whole.width && camera->height == whole.height)
+    return 0;
+  return image_fail(error,
+                    "%s: %u x %u pixels, but its camera is for %u x %u; the "
+                    "camera of this frame is needed",
+                    frame, shown.width, shown.height, camera->width,
+                    camera->height);
+}
+
+/* Whether the clipping planes suffice to compute depths between them. */
+static int can_use_clipping_planes(const channel_map *map) {
+  return map->projection == HBIL_PROJECTION_ORTHOGRAPHIC
+             ? map->how.far > 0.0 && isfinite(map->how.far)
+             : map->how.near > 0.0;
+}
+
+/* Whether all that conversions need to know about the camera is known. */
+static int check_needs(const char *frame, const frame_camera *v,
+                       const channel_map *map, image_error *error) {
+  const conventions *how = &map->how;
+  if ((how->depth == DEPTH_DEVICE || how->depth == DEPTH_REVERSED) &&
+      !can_use_clipping_planes(map))
+    return image_fail(
+        error,
+        "%s: --depth %s: the clipping planes are unknown or "
+        "impossible for %s camera; --clip NEAR,FAR is needed%s",
+        frame, depth_words[how->depth],
+        map->projection == HBIL_PROJECTION_ORTHOGRAPHIC ? "an orthographic"
+                                                        : "a perspective",
+        map->projection == HBIL_PROJECTION_ORTHOGRAPHIC ? ", FAR finite"
+                                                        : ", NEAR above 0");
+  if (!v->placed && how->normals == SPACE_WORLD)
+    return image_fail(error,
+                      "%s: its normals are in world space, and nothing tells "
+                      "how the camera is turned; a camera file, or --normals "
+                      "camera if they are in camera space, is needed",
+                      frame);
+  if (!v->placed && how->depth == DEPTH_POSITION &&
+      how->positions == SPACE_WORLD)
+    return image_fail(error,
+                      "%s: depth comes from positions in world space, and "
+                      "the camera's place is unknown; a camera file is needed",
+                      frame);
+  return 0;
+}
+
+int frame_camera_aim(const char *frame, const frame_camera *v, channel_map *map,
+                     camera_file *out, image_error *error) {
+  image_window window;
+  *out = v->file;
+  if (find_window(frame, map, out, &window, error) != 0)
+    return -1;
+  out->cx += (double)window.x - (double)map->window.x;
+  out->cy += (double)window.y - (double)map->window.y;
+  out->width = map->window.width;
+  out->height = map->window.height;
+  map->mirrored = v->mirrored;
+  map->projection = out->orthographic ? HBIL_PROJECTION_ORTHOGRAPHIC
+                                      : HBIL_PROJECTION_PERSPECTIVE;
+  if (!(map->how.far > 0.0)) {
+    map->how.near = out->near;
+    map->how.far = out->far;
+  }
+  camera_file_to_hbil(out, &map->camera);
+  return check_needs(frame, v, map, error);
+}

@@ -1,0 +1,97 @@
+/* Checks that a frame fits together. */
+#include "dump/frame_check.h"
+
+#include "dump/check_colours.h"
+#include "dump/check_normals.h"
+#include "dump/check_positions.h"
+#include "dump/normal_fit.h"
+#include "dump/pixel_ray.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Sums over the surfaces. */
+typedef struct extent {
+  double low[3], high[3];          /* of points in view space */
+  size_t surface, facing, encoded; /* pixels */
+} extent;
+
+static void measure_pixel(const surface_points *s, const matrix3 *h,
+                          const float sign[3], size_t i, extent *e) {
+  const size_t width = s->g->planes.width;
+  const pixel_ray ray =
+      pixel_ray_at(s->g->map.projection, s->camera, i % width, i / width);
+  double p[3], n[3], seen[3], stored[3];
+  if (!(surface_depth(s, i % width, i / width) > 0.0))
+    return;
+  surface_point(s, i % width, i / width, 0, p);
+  e->surface++;
+  for (int c = 0; c < 3; c++) {
+    e->low[c] = fmin(e->low[c], p[c]);
+    e->high[c] = fmax(e->high[c], p[c]);
+    n[c] = (double)gbuffer_plane(s->g, ROLE_NORMAL, (size_t)c)[i];
+    stored[c] = n[c] * (double)sign[c];
+  }
+  for (int c = 0; c < 3; c++)
+    seen[c] = matrix3_dot(h->m[c], n);
+  e->facing += matrix3_dot(seen, ray.along) <= 1e-3;
+  e->encoded += normal_looks_encoded(stored);
+}
+
+static extent measure(const surface_points *s) {
+  extent e = {.low = {INFINITY, INFINITY, INFINITY},
+              .high = {-INFINITY, -INFINITY, -INFINITY}};
+  const matrix3 h = surface_view_from(s, s->g->map.how.normals);
+  float sign[3];
+  channel_map_signs(&s->g->map, s->g->map.how.normals, sign);
+  for (size_t i = 0; i < gbuffer_pixels(s->g); i++)
+    measure_pixel(s, &h, sign, i, &e);
+  return e;
+}
+
+static void check_radius(const surface_points *s, const extent *e, float radius,
+                         findings *out) {
+  double diagonal = 0.0;
+  for (int c = 0; c < 3; c++)
+    diagonal += (e->high[c] - e->low[c]) * (e->high[c] - e->low[c]);
+  diagonal = sqrt(diagonal);
+  const double pixel = (surface_rays_are_parallel(s) ? 1 : e->low[2]) /
+                       fmax(s->camera->fx, s->camera->fy);
+  if (isfinite(radius) && (double)radius > diagonal)
+    findings_add(out,
+                 "a radius of %g is larger than all that is seen, %.3g: metres "
+                 "against centimetres? --radius, --unit-scale",
+                 (double)radius, diagonal);
+  if ((double)radius < pixel)
+    findings_add(
+        out,
+        "a radius of %g is less than a pixel, %.3g where it is nearest: "
+        "metres against centimetres? --radius, --unit-scale",
+        (double)radius, pixel);
+}
+
+void frame_check_run(const gbuffer *g, const hbil_config *config,
+                     const hbil_camera *camera, frame_check *out) {
+  const surface_points s = {
+      .g = g, .camera = camera, .sky_depth = config->sky_depth};
+  memset(out, 0, sizeof *out);
+  out->agreement = out->positions = NAN;
+  const extent e = measure(&s);
+  out->surface = (double)e.surface / (double)gbuffer_pixels(g);
+  if (e.surface == 0) {
+    findings_add(&out->found,
+                 "no pixel has a depth: --depth, --sky-depth or --map depth?");
+    return;
+  }
+  out->low = e.low[2];
+  out->high = e.high[2];
+  out->facing = (double)e.facing / (double)e.surface;
+  if (!g->map.how.encoded && e.encoded > e.surface / 10 * 9)
+    findings_add(&out->found,
+                 "normals look like stored as (n+1)/2: --normals encoded");
+  else
+    out->agreement = check_normals(&s, out->high, &out->found);
+  out->positions = check_positions(&s, &out->found);
+  check_radius(&s, &e, config->radius, &out->found);
+  check_colours(&s, &out->found);
+}

@@ -1,0 +1,24 @@
+/* A G-buffer: the planes of one frame in host memory, by role. */
+#ifndef HBIL_DUMP_GBUFFER_H
+#define HBIL_DUMP_GBUFFER_H
+
+#include "dump/channel_map.h"
+#include "image/image.h"
+
+typedef struct gbuffer {
+  channel_map map; /* describes `planes`; owns no file names */
+  image planes;
+} gbuffer;
+
+/* Frees the planes.  It may be called twice and on a zeroed G-buffer. */
+void gbuffer_free(gbuffer *g);
+
+/* Channel i of a role, width*height floats; NULL if there is none. */
+float *gbuffer_plane(const gbuffer *g, role r, size_t i);
+
+size_t gbuffer_pixels(const gbuffer *g);
+
+/* Whether the library takes a depth for that of a surface, not of the sky. */
+int gbuffer_is_surface(float depth, float sky_depth);
+
+#endif

@@ -1,0 +1,90 @@
+/* Finds the channels of a layer in a file's header. */
+#include "dump/layer_channels.h"
+#include "image/image.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* The names of the components in layers of one, two and three channels. */
+static const char *const letters[][ROLE_CHANNELS + 1] = {
+    {"Z"},
+    {"V"},
+    {"R"},
+    {"Y"},
+    {"z"},
+    {"v"},
+    {"r"},
+    {"y"},
+    {"T"},
+    {"X"},
+    {"red"},
+    {"X", "Y"},
+    {"R", "G"},
+    {"x", "y"},
+    {"U", "V"},
+    {"u", "v"},
+    {"r", "g"},
+    {"red", "green"},
+    {"X", "Y", "Z"},
+    {"R", "G", "B"},
+    {"x", "y", "z"},
+    {"r", "g", "b"},
+    {"red", "green", "blue"},
+};
+
+static size_t letter_count(const char *const *set) {
+  size_t count = 0;
+  while (set[count])
+    count++;
+  return count;
+}
+
+/* Fills the role's names if the header has LAYER.LETTER for the whole set. */
+static int take_set(const image *header, const char *group,
+                    const char *const *set, role r, channel_map *out) {
+  const size_t count = letter_count(set);
+  char names[ROLE_CHANNELS][256];
+  for (size_t i = 0; i < count; i++) {
+    const int length = snprintf(names[i], sizeof names[i], "%s%s%s", group,
+                                *group ? "." : "", set[i]);
+    if (length >= (int)sizeof names[i] || !image_find(header, names[i]))
+      return 0;
+  }
+  memcpy(out->names[r], names, count * sizeof *names);
+  out->count[r] = count;
+  return 1;
+}
+
+int layer_channels_take_one(const image *header, const char *name, role r,
+                            channel_map *out) {
+  const size_t count = role_channels(r);
+  if ((count > 1 && !role_is_colour(r)) || !image_find(header, name))
+    return 0;
+  for (size_t i = 0; i < count; i++)
+    snprintf(out->names[r][i], sizeof *out->names[r], "%s", name);
+  out->count[r] = count;
+  return 1;
+}
+
+int layer_channels_take(const image *header, const char *group, role r,
+                        channel_map *out) {
+  if (role_channels(r) == 1 && layer_channels_take_one(header, group, r, out))
+    return 1;
+  for (size_t i = 0; i < sizeof letters / sizeof *letters; i++)
+    if (letter_count(letters[i]) == role_channels(r) &&
+        take_set(header, group, letters[i], r, out))
+      return 1;
+  return 0;
+}
+
+int layer_channels_take_ending(const image *header, const char *ending, role r,
+                               channel_map *out) {
+  const size_t length = strlen(ending);
+  for (size_t i = 0; i < header->count; i++) {
+    const char *name = header->planes[i].name;
+    const size_t whole = strlen(name);
+    if (whole > length && strcmp(name + whole - length, ending) == 0)
+      return layer_channels_take_one(header, name, r, out);
+  }
+  return 0;
+}

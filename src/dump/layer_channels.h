@@ -1,0 +1,26 @@
+/* Finds the channels of a layer in a file's header and gives them a role. */
+#ifndef HBIL_DUMP_LAYER_CHANNELS_H
+#define HBIL_DUMP_LAYER_CHANNELS_H
+
+#include "dump/channel_map.h"
+#include "image/image.h"
+
+/* Each returns 1 if the header has such channels and the map now names them for
+ * the role, otherwise 0 and the map is unchanged. */
+
+/* The channels LAYER.LETTER, with the letters that renderers use for one, two
+ * or three components.  layer "": the channels without a layer.  A role of one
+ * channel may also be named by its whole name. */
+int layer_channels_take(const image *header, const char *layer, role r,
+                        channel_map *out);
+
+/* One channel by its whole name.  For a colour it stands for all three
+ * components. */
+int layer_channels_take_one(const image *header, const char *name, role r,
+                            channel_map *out);
+
+/* The first channel whose name ends in `ending`. */
+int layer_channels_take_ending(const image *header, const char *ending, role r,
+                               channel_map *out);
+
+#endif

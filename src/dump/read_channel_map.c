@@ -1,0 +1,109 @@
+/* Makes the channel map of a frame from its header and the user's options. */
+#define _POSIX_C_SOURCE 200809L
+#include "dump/read_channel_map.h"
+
+#include "dump/chosen_passes.h"
+#include "dump/layer_channels.h"
+#include "dump/recognise.h"
+#include "image/error.h"
+#include "image/image.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+/* Takes the first pass of the list that the file has, for each role. */
+static void take_passes(const image *header, const char *prefix,
+                        const pass_name *passes, channel_map *out) {
+  for (; passes->pass; passes++) {
+    char group[256];
+    const int length =
+        snprintf(group, sizeof group, "%s%s", prefix, passes->pass);
+    if (out->count[passes->role] || length >= (int)sizeof group)
+      continue;
+    if (passes->pass[0] == '*')
+      layer_channels_take_ending(header, passes->pass + 1, passes->role, out);
+    else
+      layer_channels_take(header, group, passes->role, out);
+  }
+}
+
+/* Both are radiance that the eye sees directly, so a background pass can stand
+ * in for a missing emission pass. */
+static void background_as_emission(channel_map *map) {
+  if (map->count[ROLE_EMISSION] || !map->count[ROLE_BACKGROUND])
+    return;
+  memcpy(map->names[ROLE_EMISSION], map->names[ROLE_BACKGROUND],
+         sizeof map->names[ROLE_EMISSION]);
+  map->count[ROLE_EMISSION] = map->count[ROLE_BACKGROUND];
+  map->gamma[ROLE_EMISSION] = map->gamma[ROLE_BACKGROUND];
+  map->files[ROLE_EMISSION] = map->files[ROLE_BACKGROUND];
+  map->files[ROLE_BACKGROUND] = NULL;
+  map->count[ROLE_BACKGROUND] = 0;
+}
+
+/* Whether a text contains one of the usual names of finished images. */
+static int names_beauty(const char *text) {
+  static const char *const words[] = {"combined", "beauty", "finalimage",
+                                      "rgba", NULL};
+  for (; *text; text++)
+    for (const char *const *word = words; *word; word++)
+      if (strncasecmp(text, *word, strlen(*word)) == 0)
+        return 1;
+  return 0;
+}
+
+/* Whether the pass of direct light is a finished image, by its name or because
+ * it is the file's RGB without a layer. */
+static int is_beauty(const channel_map *map) {
+  const char *file = map->files[ROLE_DIRECT];
+  const char *name = map->names[ROLE_DIRECT][0];
+  const char *slash = file ? strrchr(file, '/') : NULL;
+  if (!map->count[ROLE_DIRECT])
+    return 0;
+  if (file && names_beauty(slash ? slash + 1 : file))
+    return 1;
+  return names_beauty(name) || (!file && !strchr(name, '.'));
+}
+
+/* Positions replace a missing depth.  They also replace a depth that begins at
+ * the near plane, because its distance is often unknown. */
+static void choose_depth(const source_options *o, channel_map *map) {
+  if (o->depth < 0 && map->count[ROLE_POSITION] &&
+      (!map->count[ROLE_DEPTH] || map->how.from_near))
+    map->how.depth = DEPTH_POSITION;
+  if (map->how.depth != DEPTH_POSITION || !map->count[ROLE_POSITION])
+    return;
+  map->count[ROLE_DEPTH] = 1;
+  snprintf(map->names[ROLE_DEPTH][0], sizeof *map->names[ROLE_DEPTH], "from %s",
+           role_name(ROLE_POSITION));
+}
+
+int channel_map_read(const char *path, const image *header,
+                     const source_options *options, channel_map *out,
+                     image_error *error) {
+  char prefix[256] = "";
+  channel_map_init(out, options->source >= 0 ? (dump_kind)options->source
+                                             : recognise_source(header));
+  if (out->kind == DUMP_CYCLES)
+    recognise_view_layer(header, prefix, sizeof prefix);
+  for (int r = 0; r < ROLE_COUNT; r++)
+    out->gamma[r] = header->gamma;
+  take_passes(header, prefix, source_table[out->kind].passes, out);
+  out->how = source_conventions(out->kind, options);
+  if (out->kind == DUMP_PLAIN && recognise_own_channels(header))
+    out->how.unsure = 0;
+  if (options->map &&
+      chosen_passes_take(path, header, options->map, out, error) != 0) {
+    channel_map_free(out);
+    return -1;
+  }
+  background_as_emission(out);
+  choose_depth(options, out);
+  out->is_beauty = is_beauty(out);
+  for (int r = 0; r < ROLE_COUNT && options->gamma >= 0; r++)
+    out->gamma[r] = options->gamma;
+  out->data = out->window = image_data_window(header);
+  out->display = image_display_window(header);
+  return 0;
+}

@@ -1,0 +1,18 @@
+/* Names and sizes of the roles. */
+#include "dump/roles.h"
+
+const char *role_name(role r) {
+  static const char *const names[ROLE_COUNT] = {
+      "depth",    "normal",     "albedo", "direct",
+      "emission", "background", "motion", "position"};
+  return names[r];
+}
+
+size_t role_channels(role r) {
+  return r == ROLE_DEPTH ? 1 : r == ROLE_MOTION ? 2 : 3;
+}
+
+int role_is_colour(role r) {
+  return r == ROLE_ALBEDO || r == ROLE_DIRECT || r == ROLE_EMISSION ||
+         r == ROLE_BACKGROUND;
+}

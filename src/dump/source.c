@@ -1,0 +1,230 @@
+/*
+ * The table of sources.
+ *
+ * A row describes a program's default settings.  What users commonly change
+ * there is marked as unsure and decided by the first frame's pixels (settle.c).
+ */
+#include "dump/source.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Blender puts the name of the view layer in front: "ViewLayer.Depth.Z".  Names
+ * up to Blender 4 stand before those of Blender 5. */
+static const pass_name cycles_passes[] = {
+    {ROLE_DEPTH, "Depth"},    {ROLE_NORMAL, "Normal"},
+    {ROLE_ALBEDO, "DiffCol"}, {ROLE_ALBEDO, "Diffuse Color"},
+    {ROLE_DIRECT, "DiffDir"}, {ROLE_DIRECT, "Diffuse Direct"},
+    {ROLE_EMISSION, "Emit"},  {ROLE_EMISSION, "Emission"},
+    {ROLE_BACKGROUND, "Env"}, {ROLE_BACKGROUND, "Environment"},
+    {ROLE_MOTION, "Vector"},  {ROLE_POSITION, "Position"},
+    {ROLE_COUNT, NULL},
+};
+
+/* hbil's own names come first. */
+static const pass_name plain_passes[] = {
+    {ROLE_DEPTH, "depth"},       {ROLE_NORMAL, "normal"},
+    {ROLE_ALBEDO, "albedo"},     {ROLE_DIRECT, "direct"},
+    {ROLE_EMISSION, "emission"}, {ROLE_MOTION, "motion"},
+    {ROLE_POSITION, "position"}, {ROLE_DEPTH, "Depth"},
+    {ROLE_DEPTH, "Z"},           {ROLE_DEPTH, "z"},
+    {ROLE_DEPTH, "zdepth"},      {ROLE_NORMAL, "Normal"},
+    {ROLE_NORMAL, "normals"},    {ROLE_NORMAL, "Normals"},
+    {ROLE_NORMAL, "N"},          {ROLE_NORMAL, "n"},
+    {ROLE_ALBEDO, "Albedo"},     {ROLE_ALBEDO, "diffuse_albedo"},
+    {ROLE_ALBEDO, "basecolor"},  {ROLE_ALBEDO, "BaseColor"},
+    {ROLE_DIRECT, "Direct"},     {ROLE_EMISSION, "Emission"},
+    {ROLE_EMISSION, "emissive"}, {ROLE_BACKGROUND, "background"},
+    {ROLE_MOTION, "Motion"},     {ROLE_MOTION, "velocity"},
+    {ROLE_POSITION, "Position"}, {ROLE_POSITION, "P"},
+    {ROLE_COUNT, NULL},
+};
+
+/* Ns is the shading normal, N the geometric normal. */
+static const pass_name pbrt_passes[] = {
+    {ROLE_POSITION, "P"}, {ROLE_NORMAL, "Ns"},     {ROLE_NORMAL, "N"},
+    {ROLE_DEPTH, "P"},    {ROLE_ALBEDO, "Albedo"}, {ROLE_COUNT, NULL},
+};
+
+/* Users choose the names.  These are the manual's and common ones. */
+static const pass_name mitsuba_passes[] = {
+    {ROLE_DEPTH, "*.T"},         {ROLE_NORMAL, "sh_normal"},
+    {ROLE_NORMAL, "nn"},         {ROLE_NORMAL, "normal"},
+    {ROLE_NORMAL, "normals"},    {ROLE_NORMAL, "n"},
+    {ROLE_NORMAL, "geo_normal"}, {ROLE_POSITION, "position"},
+    {ROLE_POSITION, "pos"},      {ROLE_POSITION, "pp"},
+    {ROLE_POSITION, "p"},        {ROLE_ALBEDO, "albedo"},
+    {ROLE_ALBEDO, "alb"},        {ROLE_COUNT, NULL},
+};
+
+static const pass_name arnold_passes[] = {
+    {ROLE_DEPTH, "Z"},
+    {ROLE_NORMAL, "N"},
+    {ROLE_POSITION, "P"},
+    {ROLE_ALBEDO, "diffuse_albedo"},
+    {ROLE_ALBEDO, "albedo"},
+    {ROLE_DIRECT, "diffuse_direct"},
+    {ROLE_EMISSION, "emission"},
+    {ROLE_BACKGROUND, "background"},
+    {ROLE_MOTION, "motionvector"},
+    {ROLE_COUNT, NULL},
+};
+
+static const pass_name vray_passes[] = {
+    {ROLE_DEPTH, "VRayZDepth"},
+    {ROLE_DEPTH, "zDepth"},
+    {ROLE_DEPTH, "ZDepth"},
+    {ROLE_DEPTH, "Z"},
+    {ROLE_DEPTH, "depth"},
+    {ROLE_NORMAL, "bump_normals"},
+    {ROLE_NORMAL, "VRayBumpNormals"},
+    {ROLE_NORMAL, "normals"},
+    {ROLE_NORMAL, "VRayNormals"},
+    {ROLE_ALBEDO, "diffuse"},
+    {ROLE_ALBEDO, "VRayDiffuseFilter"},
+    {ROLE_ALBEDO, "diffuseFilter"},
+    {ROLE_DIRECT, "lighting"},
+    {ROLE_DIRECT, "VRayLighting"},
+    {ROLE_EMISSION, "selfIllum"},
+    {ROLE_EMISSION, "VRaySelfIllumination"},
+    {ROLE_BACKGROUND, "background"},
+    {ROLE_BACKGROUND, "VRayBackground"},
+    {ROLE_MOTION, "velocity"},
+    {ROLE_MOTION, "VRayVelocity"},
+    {ROLE_COUNT, NULL},
+};
+
+static const pass_name renderman_passes[] = {
+    {ROLE_DEPTH, "z"},           {ROLE_DEPTH, "__depth"},
+    {ROLE_NORMAL, "__Nworld"},   {ROLE_POSITION, "__Pworld"},
+    {ROLE_ALBEDO, "albedo"},     {ROLE_DIRECT, "directDiffuse"},
+    {ROLE_EMISSION, "emissive"}, {ROLE_MOTION, "motionBack"},
+    {ROLE_COUNT, NULL},
+};
+
+static const pass_name unreal_passes[] = {
+    {ROLE_DEPTH, "FinalImageMovieRenderQueue_WorldDepth"},
+    {ROLE_NORMAL, "FinalImageMovieRenderQueue_WorldNormal"},
+    {ROLE_NORMAL, "FinalImageMovieRenderQueue_Normal"},
+    {ROLE_ALBEDO, "FinalImageMovieRenderQueue_BaseColor"},
+    {ROLE_MOTION, "FinalImageMovieRenderQueue_MotionVectors"},
+    {ROLE_COUNT, NULL},
+};
+
+static const char *const blender_marks[] = {"Blender", NULL};
+
+static const char *const pbrt_marks[] = {"dzdx", "Ns.X", NULL};
+
+static const char *const mitsuba_marks[] = {"Mitsuba", "sh_normal", NULL};
+
+static const char *const arnold_marks[] = {"arnold", "Arnold", "motionvector",
+                                           "diffuse_albedo", NULL};
+
+static const char *const vray_marks[] = {"VRay", "V-Ray", "vray",
+                                         "bump_normals", NULL};
+
+static const char *const renderman_marks[] = {
+    "RenderMan", "renderman", "__Nworld", "directDiffuse", NULL};
+
+static const char *const unreal_marks[] = {"MovieRenderQueue", "unreal", NULL};
+
+#define ALWAYS .unit = 1.0, .sky_depth = INFINITY
+#define UNSURE_ALL (UNSURE_DEPTH | UNSURE_NORMALS | UNSURE_SKY)
+
+const source_info source_table[DUMP_KINDS] = {
+    [DUMP_PLAIN] = {"generic",
+                    "hbil's own channels",
+                    plain_passes,
+                    NULL,
+                    {ALWAYS, .motion_scale = {1, 1}, .unsure = UNSURE_ALL}},
+    /* Depth is 1e10 where there is nothing.  DiffDir is irradiance divided by
+     * pi.  The y of Vector points up. */
+    [DUMP_CYCLES] = {"blender",
+                     "Blender Cycles passes",
+                     cycles_passes,
+                     blender_marks,
+                     {.unit = 1.0,
+                      .sky_depth = 1e9f,
+                      .direct = DIRECT_LIGHT,
+                      .motion_scale = {1, -1}}},
+    [DUMP_PBRT] = {"pbrt",
+                   "pbrt's gbuffer film",
+                   pbrt_passes,
+                   pbrt_marks,
+                   {ALWAYS, .depth = DEPTH_POSITION, .normals = SPACE_CAMERA,
+                    .positions = SPACE_CAMERA, .flips = 4}},
+    [DUMP_MITSUBA] = {"mitsuba",
+                      "Mitsuba's aov integrator",
+                      mitsuba_passes,
+                      mitsuba_marks,
+                      {ALWAYS, .depth = DEPTH_RAY, .from_near = 1}},
+    [DUMP_ARNOLD] = {"arnold",
+                     "Arnold's AOVs",
+                     arnold_passes,
+                     arnold_marks,
+                     {ALWAYS, .direct = DIRECT_RADIANCE,
+                      .unsure = UNSURE_DEPTH | UNSURE_SKY}},
+    [DUMP_VRAY] = {"vray",
+                   "V-Ray's render elements",
+                   vray_passes,
+                   vray_marks,
+                   {ALWAYS, .normals = SPACE_CAMERA, .direct = DIRECT_RADIANCE,
+                    .unsure = UNSURE_SKY}},
+    [DUMP_RENDERMAN] = {"renderman",
+                        "RenderMan's AOVs",
+                        renderman_passes,
+                        renderman_marks,
+                        {ALWAYS, .direct = DIRECT_RADIANCE,
+                         .unsure = UNSURE_DEPTH | UNSURE_SKY}},
+    [DUMP_UNREAL] = {"unreal",
+                     "Unreal's Movie Render Queue",
+                     unreal_passes,
+                     unreal_marks,
+                     {ALWAYS, .motion_zero = 0.5f,
+                      .unsure = UNSURE_NORMALS | UNSURE_SKY}},
+};
+
+const char *const source_words[] = {
+    "generic", "blender",   "pbrt",   "mitsuba", "arnold",
+    "vray",    "renderman", "unreal", "auto",    NULL};
+
+void source_options_init(source_options *options) {
+  memset(options, 0, sizeof *options);
+  options->source = options->depth = options->normals = options->encoded =
+      options->positions = options->direct = options->gamma = -1;
+  options->sky_depth = NAN;
+}
+
+conventions source_conventions(dump_kind kind, const source_options *o) {
+  conventions how = source_table[kind].how;
+  if (o->depth >= 0) {
+    how.depth = (depth_kind)o->depth;
+    how.unsure &= ~(unsigned)UNSURE_DEPTH;
+  }
+  if (o->normals >= 0) {
+    /* the flips of the row belong to the row's space */
+    if (how.normals != (dump_space)o->normals)
+      how.flips = 0;
+    how.normals = (dump_space)o->normals;
+  }
+  if (o->positions >= 0)
+    how.positions = (dump_space)o->positions;
+  if (o->encoded >= 0) {
+    how.encoded = o->encoded;
+    how.unsure &= ~(unsigned)UNSURE_NORMALS;
+  }
+  if (o->direct >= 0)
+    how.direct = (direct_kind)o->direct;
+  how.flips ^= o->flips;
+  if (o->unit > 0.0f)
+    how.unit = (double)o->unit;
+  if (!isnan(o->sky_depth)) {
+    how.sky_depth = o->sky_depth != 0.0f ? fabsf(o->sky_depth) : INFINITY;
+    how.unsure &= ~(unsigned)UNSURE_SKY;
+  }
+  how.near = (double)o->clip[0];
+  how.far = (double)o->clip[1];
+  if (o->motion_scale[0] != 0.0f)
+    memcpy(how.motion_scale, o->motion_scale, sizeof how.motion_scale);
+  return how;
+}

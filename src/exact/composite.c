@@ -1,0 +1,87 @@
+/*
+ * Composite: the outputs, and the history of the next frame.
+ *
+ *   indirect = (1 - F0) (E_near + E_far) / pi
+ *   beauty   = albedo ((1 - F0) E_direct / pi + indirect) + emission
+ * History is the irradiance E_near + E_far or, with HBIL_FEEDBACK_RADIANCE, the
+ * radiance that surfaces send: beauty, with emission as far as it lights
+ * others.
+ */
+#include "exact/camera.h"
+#include "exact/far_field.h"
+#include "exact/input.h"
+#include "exact/passes.h"
+#include "exact/planes.h"
+#include "exact/settings.h"
+
+static void composite_sky(const exact_frame *frame, int x, int y,
+                          exact_planes *out) {
+  exact_planes_clear(out, x, y);
+  *exact_at(out, EXACT_AO, x, y) = 1.0;
+  for (int c = 0; c < 3; ++c)
+    *exact_at(out, EXACT_BEAUTY + c, x, y) = exact_sky_radiance(frame, c, x, y);
+}
+
+static void composite_channel(const exact_frame *frame, int c, int x, int y,
+                              double near_irradiance, double far_irradiance,
+                              exact_planes *out, exact_planes *history) {
+  const double transmittance = exact_transmittance(frame, c, x, y);
+  const double indirect =
+      transmittance * (near_irradiance + far_irradiance) / PI;
+  const double diffuse =
+      exact_albedo(frame, c, x, y) *
+      (transmittance * exact_direct(frame, c, x, y) / PI + indirect);
+  *exact_at(out, EXACT_NEAR_IRRADIANCE + c, x, y) = near_irradiance;
+  *exact_at(out, EXACT_FAR_IRRADIANCE + c, x, y) = far_irradiance;
+  *exact_at(out, EXACT_INDIRECT + c, x, y) = indirect;
+  *exact_at(out, EXACT_BEAUTY + c, x, y) =
+      diffuse + exact_light(frame, EXACT_EMISSION + c, x, y);
+  *exact_at(history, HBIL_HISTORY_RED + c, x, y) =
+      frame->config->feedback == HBIL_FEEDBACK_IRRADIANCE
+          ? near_irradiance + far_irradiance
+          : diffuse + exact_gathered_emission(frame, c, x, y);
+}
+
+static void store_bent_normal(const exact_frame *frame, vec3 bent, int x, int y,
+                              exact_planes *out) {
+  if (frame->config->bent_normal_space == HBIL_SPACE_WORLD)
+    bent = exact_to_world(&frame->camera, bent);
+  *exact_at(out, EXACT_BENT_NORMAL, x, y) = bent.x;
+  *exact_at(out, EXACT_BENT_NORMAL + 1, x, y) = bent.y;
+  *exact_at(out, EXACT_BENT_NORMAL + 2, x, y) = bent.z;
+}
+
+static void composite_pixel(const exact_frame *frame,
+                            const exact_planes *resolved, int x, int y,
+                            exact_planes *out, exact_planes *history) {
+  const double ao = *exact_at(resolved, HBIL_LIGHT_AO, x, y);
+  const vec3 bent = vec(*exact_at(resolved, HBIL_LIGHT_BENT, x, y),
+                        *exact_at(resolved, HBIL_LIGHT_BENT + 1, x, y),
+                        *exact_at(resolved, HBIL_LIGHT_BENT + 2, x, y));
+  *exact_at(out, EXACT_AO, x, y) = ao;
+  if (exact_has_bent_normal(frame->config))
+    *exact_at(out, EXACT_CONE_COSINE, x, y) = sqrt(fmax(0.0, 1.0 - ao));
+  store_bent_normal(frame, bent, x, y, out);
+  for (int c = 0; c < 3; ++c) {
+    const double near_irradiance =
+        *exact_at(resolved, HBIL_LIGHT_RED + c, x, y);
+    const double far_irradiance =
+        exact_far_irradiance(frame, c, x, y, ao, bent, near_irradiance);
+    composite_channel(frame, c, x, y, near_irradiance, far_irradiance, out,
+                      history);
+  }
+  *exact_at(history, HBIL_HISTORY_W, x, y) =
+      (float)(1.0 / exact_planar_depth(frame, x, y));
+}
+
+void exact_composite(const exact_frame *frame, const exact_planes *resolved,
+                     exact_planes *out, exact_planes *history) {
+  for (int y = 0; y < out->height; ++y)
+    for (int x = 0; x < out->width; ++x) {
+      exact_planes_clear(history, x, y);
+      if (exact_is_sky(frame, x, y))
+        composite_sky(frame, x, y, out);
+      else
+        composite_pixel(frame, resolved, x, y, out, history);
+    }
+}

@@ -1,0 +1,63 @@
+/*
+ * The part of a half-slice that occluders hide.
+ *
+ * Occluders of infinite thickness hide everything between them and the tangent
+ * plane.  So one angle, the horizon, describes what is hidden, and only a
+ * sample that lies above the highest one so far hides more.  Its threshold
+ * rises with the horizon; for finite thickness, where a lower sample may still
+ * hide an open gap, the threshold stays at the rounding error.
+ */
+#include "exact/coverage.h"
+
+#include <string.h>
+
+coverage_kind exact_coverage_kind(const hbil_config *config,
+                                  coverage_kind finite) {
+  return isinf(config->thickness) && isinf(config->relative_thickness)
+             ? COVERAGE_HORIZON
+             : finite;
+}
+
+coverage exact_coverage(coverage_kind kind, const half_slice *h,
+                        double threshold, int slot, interval *list) {
+  coverage c;
+  memset(&c, 0, sizeof(c));
+  c.kind = kind;
+  c.threshold = threshold;
+  c.horizon.top = h->start;
+  c.horizon.measure = h->whole;
+  c.sectors = exact_sectors(h, slot);
+  c.intervals.list = list;
+  return c;
+}
+
+static double raise_horizon(coverage *c, const half_slice *h, double distance,
+                            double excess) {
+  const double before = c->horizon.measure;
+  c->horizon.top = exact_horizon(h, distance, excess);
+  c->horizon.measure = exact_measure(h, c->horizon.top);
+  c->threshold = excess;
+  return before - c->horizon.measure;
+}
+
+double exact_cover(coverage *c, const half_slice *h, double distance,
+                   double front, double back) {
+  if (c->kind == COVERAGE_HORIZON)
+    return raise_horizon(c, h, distance, front);
+  if (c->kind == COVERAGE_INTERVALS)
+    return exact_intervals_cover(&c->intervals, h, distance, front, back);
+  return exact_sectors_cover(&c->sectors, h, exact_horizon(h, distance, front),
+                             exact_horizon(h, distance, back));
+}
+
+vec3 exact_open_bent(const coverage *c, const half_slice *h) {
+  switch (c->kind) {
+  case COVERAGE_SECTORS:
+    return c->sectors.bent;
+  case COVERAGE_INTERVALS:
+    return exact_intervals_bent(&c->intervals, h);
+  case COVERAGE_HORIZON:
+    break;
+  }
+  return exact_bent_integral(h, c->horizon.top);
+}

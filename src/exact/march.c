@@ -1,0 +1,179 @@
+/*
+ * One half-slice, walked outwards from a pixel.
+ *
+ * A sample at the ray offset e, |e| along the half-slice, with inverse depth
+ * w', is compared with the tangent plane's inverse depth there: excess = (w' -
+ * w0 - grad.e) / |e|. It is 0 on the plane at any tilt, and the larger it is,
+ * the nearer to wo the sample's direction lies.  So most samples are dismissed
+ * without a root or an angle: only an excess above the coverage's threshold can
+ * hide anything.
+ *
+ * What a sample newly hides takes the sample's radiance, as far as the sample
+ * faces the receiver: the facing fade is a smoothstep of the cosine between its
+ * normal and the direction back.  The rest falls to the back-facing fallback.
+ *
+ * The back of a sample lies deeper along its own ray by the thickness, which is
+ * another inverse depth, and so another excess at the same |e|.
+ */
+#include "exact/march.h"
+
+#include <string.h>
+
+#include "exact/camera.h"
+#include "exact/planes.h"
+#include "exact/settings.h"
+#include "lib/sampling_pattern.h"
+
+/* ------------------------------------------------------------------------ */
+/* The receiver                                                              */
+
+/* The relative rounding error of a depth input, with a margin. */
+static double depth_tolerance(const hbil_config *c) {
+  return c->depth.component == HBIL_FLOAT16 ? ldexp(1.0, -10) : ldexp(1.0, -22);
+}
+
+/* What the rounding of the normal alone may raise a sample of the receiver's
+ * own plane by: eight times the normal's unit roundoff, in the plane's
+ * gradient. */
+static double least_excess(const hbil_config *c, const surface *s) {
+  const double cosine = -vec_dot(s->normal, s->ray) / vec_length(s->ray);
+  const double unit = ldexp(1.0, c->normal.component == HBIL_FLOAT16  ? -10
+                                 : c->storage != HBIL_STORAGE_FLOAT32 ? -13
+                                                                      : -21);
+  return unit * s->unit / (cosine * cosine * vec_length(s->ray));
+}
+
+receiver exact_receiver(const exact_frame *frame, const exact_planes *split,
+                        int x, int y, coverage_kind kind, interval *list) {
+  const hbil_config *config = frame->config;
+  receiver r;
+  memset(&r, 0, sizeof(r));
+  r.frame = frame;
+  r.split = split;
+  r.s = exact_surface_at(frame, split, x, y);
+  r.x = x;
+  r.y = y;
+  r.kind = kind;
+  r.pixel_x = 1.0 / frame->camera.fx;
+  r.pixel_y = 1.0 / frame->camera.fy;
+  r.w_scale = 1.0 - (exact_is_orthographic(config) ? -1.0 : 1.0) *
+                        depth_tolerance(config);
+  if (r.s.is)
+    r.least = least_excess(config, &r.s);
+  r.list = list;
+  return r;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Samples                                                                   */
+
+/* A sample that lies above the tangent plane. */
+typedef struct occluder {
+  surface s;
+  int x, y;
+  vec3 to;         /* from the receiver's point */
+  double range;    /* |to| */
+  double distance; /* along the half-slice, in units of the ray's slope */
+  double excess;   /* of its front */
+} occluder;
+
+static double excess_of_back(const exact_frame *frame, const occluder *o) {
+  const hbil_config *c = frame->config;
+  const double z = exact_depth_of_w(c, o->s.w);
+  const double thickness = fmin((double)c->thickness / vec_length(o->s.ray),
+                                (double)c->relative_thickness *
+                                    exact_depth_unit(c, &frame->camera, z));
+  return fmax(o->excess +
+                  (exact_w_of_depth(c, z + thickness) - o->s.w) / o->distance,
+              0.0);
+}
+
+/* Weight of an occluder at distance r (hbil_falloff). */
+static double falloff(const hbil_config *c, double r) {
+  const double share = r / (double)c->radius; /* 0 where unlimited */
+  if (c->mode != HBIL_MODE_HBAO || c->falloff == HBIL_FALLOFF_NONE)
+    return 1.0;
+  return c->falloff == HBIL_FALLOFF_LINEAR ? fmax(0.0, 1.0 - share)
+                                           : 1.0 - share / 3.0;
+}
+
+/* How much of a sample's radiance counts, 0..1, by the cosine between its
+ * normal and the direction back to the receiver. */
+static double facing_fade(const hbil_config *c, double cosine) {
+  const double low = (double)c->facing_fade[0];
+  const double high = (double)c->facing_fade[1];
+  if (low == high)
+    return cosine >= low ? 1.0 : 0.0;
+  const double t = clamp((cosine - low) / (high - low), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+/* Adds the light of all of the measure that an occluder newly covers. */
+static void add_light(const receiver *r, march *m, const occluder *o,
+                      double fresh) {
+  const hbil_config *c = r->frame->config;
+  const double t = facing_fade(c, -vec_dot(o->s.normal, o->to) / o->range);
+  for (int i = 0; i < 3; ++i) {
+    const double own = *exact_at(r->split, HBIL_SPLIT_RED + i, o->x, o->y);
+    m->last[i] = c->back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED
+                     ? m->last[i] + t * (own - m->last[i])
+                     : t * own;
+    m->light[i] += m->last[i] * fresh;
+  }
+  m->unknown += (1.0 - t) * fresh;
+}
+
+static void meet(const receiver *r, march *m, occluder *o) {
+  const hbil_config *c = r->frame->config;
+  o->s = exact_surface_at(r->frame, r->split, o->x, o->y);
+  o->to = vec_add(o->s.at, -1.0, r->s.at);
+  o->range = vec_length(o->to);
+  if (!isinf(c->radius) && !(o->range <= (double)c->radius))
+    return;
+  const double back =
+      r->kind == COVERAGE_HORIZON ? 0.0 : excess_of_back(r->frame, o);
+  const double fresh =
+      exact_cover(&m->covers, &m->h, o->distance, o->excess, back);
+  m->covered += fresh;
+  m->blocked += falloff(c, o->range) * fresh;
+  if (exact_gathers_light(c) && fresh > 0.0)
+    add_light(r, m, o, fresh);
+}
+
+void exact_march_visit(const receiver *r, march *m, int x, int y) {
+  const double w = *exact_at(r->split, HBIL_SPLIT_W, x, y);
+  const double ex = (x - r->x) * r->pixel_x, ey = (y - r->y) * r->pixel_y;
+  const double above = w * r->w_scale - r->s.w - r->s.gx * ex - r->s.gy * ey;
+  const double e2 = ex * ex + ey * ey, threshold = m->covers.threshold;
+  /* above / |e| > threshold, squared */
+  if (!(exact_is_surface(r->frame->config, w) && above > 0.0 &&
+        above * above > threshold * threshold * e2))
+    return;
+  occluder o;
+  o.x = x;
+  o.y = y;
+  o.distance = sqrt(e2);
+  o.excess = above / o.distance;
+  meet(r, m, &o);
+}
+
+/* ------------------------------------------------------------------------ */
+
+march exact_march_begin(const receiver *r, double ux, double uy) {
+  const hbil_config *c = r->frame->config;
+  const int layer = HBIL_SIDE * (r->y % HBIL_SIDE) + r->x % HBIL_SIDE;
+  march m;
+  memset(&m, 0, sizeof(m));
+  m.h = exact_half_slice(&r->s, ux, uy, c->mode == HBIL_MODE_HBAO,
+                         r->equal_weights);
+  m.covers =
+      exact_coverage(r->kind, &m.h, r->least, hbil_shift_slot(layer), r->list);
+  m.open_scale = 1.0;
+  for (int i = 0; i < 3 && exact_gathers_light(c); ++i)
+    m.last[i] = *exact_at(r->split, HBIL_SPLIT_RED + i, r->x, r->y);
+  return m;
+}
+
+void exact_march_end(march *m) {
+  m->open_bent = vec_scale(m->open_scale, exact_open_bent(&m->covers, &m->h));
+}

@@ -1,0 +1,46 @@
+/* A pixel that receives light, and one of its half-slices, walked outwards. */
+#ifndef HBIL_EXACT_MARCH_H
+#define HBIL_EXACT_MARCH_H
+
+#include "exact/coverage.h"
+
+/* A pixel that receives light. */
+typedef struct receiver {
+  const exact_frame *frame;
+  const exact_planes *split;
+  surface s;
+  int x, y;
+  coverage_kind kind;
+  bool equal_weights;      /* as in exact_dense */
+  double pixel_x, pixel_y; /* size of a pixel, in units of the ray's slope */
+  double w_scale;          /* of a sample's w: 1 less its rounding */
+  double least;            /* excess that the normal's rounding may cause */
+  interval *list;          /* memory for a half-slice's intervals, or NULL */
+} receiver;
+
+/* list: see exact_coverage().  Where the pixel is sky only s is of use. */
+receiver exact_receiver(const exact_frame *frame, const exact_planes *split,
+                        int x, int y, coverage_kind kind, interval *list);
+
+/* A half-slice and what was met on it so far.  Measures are those of
+ * exact_measure(), light is radiance times measure. */
+typedef struct march {
+  half_slice h;
+  coverage covers;
+  double covered;    /* measure */
+  double blocked;    /* the same, weighed by the falloff */
+  double unknown;    /* the part of covered whose light is not known */
+  double light[3];   /* of the covered part */
+  double last[3];    /* radiance accepted last */
+  double open_scale; /* factor of the open part, by extrapolation; else 1 */
+  vec3 open_bent;    /* exact_march_end() sets it */
+} march;
+
+/* The receiver is pointed at. */
+march exact_march_begin(const receiver *r, double ux, double uy);
+/* Takes the pixel (x, y), which is in the picture, as a sample. */
+void exact_march_visit(const receiver *r, march *m, int x, int y);
+/* After the last sample.  The receiver's list is free again. */
+void exact_march_end(march *m);
+
+#endif

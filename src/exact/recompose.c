@@ -1,0 +1,118 @@
+/*
+ * Recompose: a 5x5 filter that brings the slice directions of a 4x4 block
+ * together, without blurring across edges.
+ *
+ * A neighbour's weight is spatial times guide.  Spatial: a 5x5 window holds the
+ * layers of its outer rows and columns twice, so they count half there; of the
+ * layer at the four corners two opposite ones count.  Guide:
+ *   max(0, 1 - (d / HBIL_PLANE_TOLERANCE)^2 - (1 - n.n') /
+ * HBIL_TURN_TOLERANCE), where d is how far the neighbour's w is off the pixel's
+ * tangent plane, relative to the pixel's w.
+ *
+ * With a single slice a pixel, the measure of its hemisphere differs from pixel
+ * to pixel, so AO and irradiance are weighed by it: numerators and divisor of
+ * the ratio estimator are then summed over the window.
+ */
+#include <stdlib.h>
+
+#include "exact/camera.h"
+#include "exact/estimate.h"
+#include "exact/passes.h"
+#include "exact/planes.h"
+#include "exact/settings.h"
+#include "exact/surface.h"
+
+static double spatial_weight(int dx, int dy) {
+  const bool outer_x = abs(dx) == 2, outer_y = abs(dy) == 2;
+  if (outer_x && outer_y)
+    return dx == dy ? 0.5 : 0.0;
+  return outer_x || outer_y ? 0.5 : 1.0;
+}
+
+static double guide_weight(const exact_frame *frame, const surface *s,
+                           const exact_planes *split, int x, int y, int dx,
+                           int dy) {
+  const hbil_camera *camera = &frame->camera;
+  const surface other = exact_surface_at(frame, split, x + dx, y + dy);
+  if (!other.is)
+    return 0.0;
+  const double plane = s->w + s->gx * dx / camera->fx + s->gy * dy / camera->fy;
+  const double off =
+      fabs(other.w - plane) / ((double)HBIL_PLANE_TOLERANCE *
+                               exact_depth_unit(frame->config, camera, s->w));
+  const double bend =
+      (1.0 - vec_dot(s->normal, other.normal)) / (double)HBIL_TURN_TOLERANCE;
+  return fmax(0.0, 1.0 - off * off - bend);
+}
+
+static double tap_weight(const exact_frame *frame, const surface *s,
+                         const exact_planes *split, int x, int y, int dx,
+                         int dy) {
+  if (frame->config->unfiltered && (dx || dy))
+    return 0.0;
+  return spatial_weight(dx, dy) * guide_weight(frame, s, split, x, y, dx, dy);
+}
+
+static void normalize_bent(exact_planes *resolved, int x, int y) {
+  double *p[3], size = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    p[i] = exact_at(resolved, HBIL_LIGHT_BENT + i, x, y);
+    size += *p[i] * *p[i];
+  }
+  /* rounding leaves a length of 1e-12 where nothing is open */
+  for (int i = 0; i < 3; ++i)
+    *p[i] = size > 1e-24 ? *p[i] / sqrt(size) : 0.0;
+}
+
+/* Adds the estimated light of the share that is blocked by back-facing samples.
+ * unknown: that share of the hemisphere. */
+static void fill_unknown(const exact_frame *frame, const surface *s,
+                         double unknown, int x, int y, exact_planes *resolved) {
+  const double ao = *exact_at(resolved, HBIL_LIGHT_AO, x, y);
+  for (int c = 0; c < 3; ++c) {
+    double *light = exact_at(resolved, HBIL_LIGHT_RED + c, x, y);
+    *light += PI * unknown *
+              exact_unseen_radiance(frame, c, s->normal, *light / PI,
+                                    fmax(0.0, 1.0 - ao - unknown));
+  }
+}
+
+static void recompose_pixel(const exact_frame *frame, const exact_planes *split,
+                            const exact_planes *gathered, int x, int y,
+                            exact_planes *resolved) {
+  const bool fills = exact_fills_unknown(frame->config);
+  const surface s = exact_surface_at(frame, split, x, y);
+  double total = 0.0, unknown = 0.0;
+  exact_planes_clear(resolved, x, y);
+  *exact_at(resolved, HBIL_LIGHT_AO, x, y) = s.is ? 0.0 : 1.0;
+  if (!s.is)
+    return;
+  for (int tap = 0; tap < 25; ++tap) {
+    const int dx = tap % 5 - 2, dy = tap / 5 - 2;
+    const double weight = tap_weight(frame, &s, split, x, y, dx, dy);
+    if (!(weight > 0.0))
+      continue;
+    double ratio = weight; /* of what is a ratio: AO and irradiance */
+    if (exact_weighs_slices(frame->config))
+      ratio *= *exact_at(gathered, HBIL_LIGHT_WEIGHT, x + dx, y + dy);
+    total += ratio;
+    for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
+      *exact_at(resolved, p, x, y) += (p < HBIL_LIGHT_BENT ? ratio : weight) *
+                                      *exact_at(gathered, p, x + dx, y + dy);
+    if (fills)
+      unknown +=
+          ratio * *exact_at(gathered, HBIL_LIGHT_UNKNOWN, x + dx, y + dy);
+  }
+  for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
+    *exact_at(resolved, p, x, y) /= total;
+  if (fills)
+    fill_unknown(frame, &s, unknown / total, x, y, resolved);
+  normalize_bent(resolved, x, y);
+}
+
+void exact_recompose(const exact_frame *frame, const exact_planes *split,
+                     const exact_planes *gathered, exact_planes *resolved) {
+  for (int y = 0; y < resolved->height; ++y)
+    for (int x = 0; x < resolved->width; ++x)
+      recompose_pixel(frame, split, gathered, x, y, resolved);
+}

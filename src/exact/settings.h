@@ -1,0 +1,19 @@
+/* What follows from the settings, and several passes need to know. */
+#ifndef HBIL_EXACT_SETTINGS_H
+#define HBIL_EXACT_SETTINGS_H
+
+#include <stdbool.h>
+
+#include "hbil/hbil.h"
+
+static inline bool exact_is_orthographic(const hbil_config *config) {
+  return config->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+}
+/* Whether the mode computes near irradiance. */
+bool exact_gathers_light(const hbil_config *config);
+/* Whether the mode computes bent normals. */
+bool exact_has_bent_normal(const hbil_config *config);
+/* Whether light of back-facing samples is replaced by the frame's mean. */
+bool exact_fills_unknown(const hbil_config *config);
+
+#endif

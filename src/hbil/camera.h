@@ -1,0 +1,23 @@
+/* Cameras: what kernels need of them, computed in double and rounded once. */
+#ifndef HBIL_CAMERA_H
+#define HBIL_CAMERA_H
+
+#include "context.h"
+#include "shared.h"
+
+/* Rejects a camera that is not finite, or whose world_from_view is not a rigid,
+ * right-handed transform. */
+hbil_status camera_check(hbil_context *context, const hbil_camera *camera);
+
+hbil_view_args camera_view(const hbil_camera *camera,
+                           const hbil_config *config);
+
+/* From the view space of `from` to that of `to`. */
+hbil_transform_args camera_between(const hbil_camera *from,
+                                   const hbil_camera *to);
+
+/* Between view and world space. */
+hbil_transform_args camera_to_world(const hbil_camera *camera);
+hbil_transform_args camera_from_world(const hbil_camera *camera);
+
+#endif

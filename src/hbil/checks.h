@@ -1,0 +1,18 @@
+/* What a caller hands in with a frame, checked before anything is enqueued. */
+#ifndef HBIL_CHECKS_H
+#define HBIL_CHECKS_H
+
+#include "plan.h"
+
+/* A set of planes has a bit for each. */
+#define PLANE_BIT(plane) (1u << (plane))
+
+/* The frame's camera, environment, static_frame, and those planes. */
+hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
+                        unsigned planes);
+
+/* That the queue fits the plan; *in_order tells its kind. */
+hbil_status check_queue(hbil_plan *plan, cl_command_queue queue,
+                        bool *in_order);
+
+#endif

@@ -1,0 +1,52 @@
+/* The commands of one call: a chain, each waiting for the one before. */
+#ifndef HBIL_COMMANDS_H
+#define HBIL_COMMANDS_H
+
+#include "plan.h"
+
+typedef struct commands {
+  hbil_plan *plan;
+  cl_command_queue queue;
+  cl_uint wait_count; /* what the next command waits for */
+  const cl_event *wait_list;
+  bool in_order;
+  bool events;      /* every command makes an event */
+  bool reprojected; /* by this call */
+  hbil_pass pass;
+  cl_event last; /* of the last command; owned */
+} commands;
+
+/* A kernel's argument. */
+typedef struct argument {
+  size_t size;
+  const void *value;
+} argument;
+
+#define ARG(x)                                                                 \
+  { sizeof(x), &(x) }
+/* A buffer of the plan. */
+#define BUFFER_ARG(plan, i)                                                    \
+  { sizeof(cl_mem), &(plan)->buffers[i] }
+
+/* Enqueues a kernel with x * y * z work-items, rounded up to whole groups,
+ * which kernels ignore; rows of work-items from `top` on. */
+hbil_status launch_rows(commands *chain, int kernel, const argument *args,
+                        cl_uint count, size_t top, size_t x, size_t y,
+                        size_t z);
+
+#define LAUNCH_ROWS(chain, kernel, args, top, x, y, z)                         \
+  launch_rows((chain), (kernel), (args),                                       \
+              (cl_uint)(sizeof(args) / sizeof *(args)), (top), (x), (y), (z))
+#define LAUNCH(chain, kernel, args, x, y, z)                                   \
+  LAUNCH_ROWS(chain, kernel, args, 0, x, y, z)
+
+/* Fills a buffer with copies of a word. */
+hbil_status enqueue_fill(commands *chain, int buffer, cl_uint word);
+
+/* Sets one of HBIL_FLAG_. */
+hbil_status set_flag(commands *chain, int flag, cl_uint value);
+
+/* Clears `words` counts of sanitized pixels from `first` on. */
+hbil_status clear_counts(commands *chain, int first, int words);
+
+#endif

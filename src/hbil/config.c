@@ -1,0 +1,314 @@
+/* Defaults and presets, and the rejection of what is out of range. */
+#include "config.h"
+
+#include "planes.h"
+
+#include <math.h>
+#include <string.h>
+
+bool config_rejects_back_faces(const hbil_config *config) {
+  return config->facing_fade[1] > -1.0f;
+}
+
+bool config_has_thickness(const hbil_config *config) {
+  return !isinf(config->thickness) || !isinf(config->relative_thickness);
+}
+
+/* --- structs that grow: the caller may have compiled with an older header ---
+ */
+
+/* Bytes of a struct whose last field is `last`. */
+#define SIZE_UP_TO(type, last)                                                 \
+  ((offsetof(type, last) + sizeof(((const type *)0)->last) + _Alignof(type) -  \
+    1) /                                                                       \
+   _Alignof(type) * _Alignof(type))
+
+/* Bytes in version 0.1, the least that a caller's struct may have.  Fields of
+ * later versions follow these (configure.ac has the rules). */
+enum {
+  FIRST_CONFIG_SIZE = SIZE_UP_TO(hbil_config, horizon_cache_bytes),
+  FIRST_FRAME_SIZE = SIZE_UP_TO(hbil_frame, static_frame)
+};
+
+/* Fills a caller's struct of `size` bytes, which begins with its struct_size,
+ * with the `known` bytes of this library's defaults, and the rest with 0. */
+static void init_sized(void *out, size_t size, const void *defaults,
+                       size_t known) {
+  if (!out || size < sizeof size)
+    return;
+  memset(out, 0, size);
+  memcpy(out, defaults, size < known ? size : known);
+  memcpy(out, &size, sizeof size);
+}
+
+/* Copies a caller's struct over `own`, which holds the defaults and its own
+ * size. Reads struct_size bytes and no more. */
+static hbil_status take(hbil_context *context, hbil_status rejection,
+                        const char *name, const void *given, size_t least,
+                        void *own) {
+  size_t size, known;
+  memcpy(&size, given, sizeof size);
+  memcpy(&known, own, sizeof known);
+  if (size < least)
+    return fail(context, rejection,
+                "struct_size: %zu, %s has had at least %zu bytes; call "
+                "%s_init() first",
+                size, name, least, name);
+  if (size > known)
+    return fail(context, rejection,
+                "struct_size: %zu, %s of library %s has %zu bytes; the "
+                "program's hbil.h is newer, or %s_init() was not called",
+                size, name, hbil_version(), known, name);
+  memcpy(own, given, size);
+  memcpy(own, &known, sizeof known);
+  return HBIL_SUCCESS;
+}
+
+void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
+  const hbil_config defaults = {
+      .sky_depth = INFINITY,
+      .direct_scale = 1.0f,
+      .motion_scale = {1.0f, 1.0f},
+      .radius = INFINITY,
+      .thickness = INFINITY,
+      .relative_thickness = INFINITY,
+      .slices = 2,
+      .steps_per_side = 8,
+      .step_growth = 2.0f,
+      .sample_grid = HBIL_GRID_FULL_RESOLUTION,
+      .extrapolate = CL_TRUE,
+      .facing_fade = {-0.1f, 0.0f},
+      .back_facing_fallback = HBIL_FALLBACK_LAST_ACCEPTED,
+      .gather_emission = CL_TRUE,
+      .reprojection = HBIL_REPROJECTION_SCATTER,
+      .feedback = HBIL_FEEDBACK_IRRADIANCE,
+      .disocclusion_threshold = 0.05f,
+      .far_field = HBIL_FAR_NONE,
+      .skip = HBIL_SKIP_ALL,
+  };
+  init_sized(config, struct_size, &defaults, sizeof defaults);
+}
+
+/* The points of the plot of error against time that are worth a name
+ * (doc/measurements.md). */
+static const struct {
+  const char *name;
+  cl_uint slices, steps_per_side;
+  float step_growth;
+  hbil_sample_grid sample_grid;
+  cl_bool unfiltered;
+} qualities[] = {
+    [HBIL_QUALITY_FAST] = {"fast", 1, 16, 2.0f, HBIL_GRID_SAME_LAYER, CL_FALSE},
+    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 32, 1.0f, HBIL_GRID_SAME_LAYER,
+                               CL_FALSE},
+    [HBIL_QUALITY_HIGH] = {"high", 2, 64, 2.0f, HBIL_GRID_FULL_RESOLUTION,
+                           CL_FALSE},
+    [HBIL_QUALITY_REFERENCE] = {"reference", 32, 256, 0.0f,
+                                HBIL_GRID_FULL_RESOLUTION, CL_TRUE},
+};
+
+hbil_status hbil_config_set_quality(hbil_config *config, hbil_quality quality) {
+  if (!config || (unsigned)quality > HBIL_QUALITY_REFERENCE)
+    return HBIL_INVALID_ARGUMENT;
+  config->slices = qualities[quality].slices;
+  config->steps_per_side = qualities[quality].steps_per_side;
+  config->step_growth = qualities[quality].step_growth;
+  config->sample_grid = qualities[quality].sample_grid;
+  config->unfiltered = qualities[quality].unfiltered;
+  /* packed storage dithers over the layers, so it needs the filter */
+  config->storage = qualities[quality].unfiltered ? HBIL_STORAGE_FLOAT32
+                                                  : HBIL_STORAGE_PACKED;
+  return HBIL_SUCCESS;
+}
+
+const char *hbil_quality_name(hbil_quality quality) {
+  return (unsigned)quality > HBIL_QUALITY_REFERENCE ? NULL
+                                                    : qualities[quality].name;
+}
+
+void hbil_frame_init_sized(hbil_frame *frame, size_t struct_size) {
+  static const hbil_frame nothing;
+  init_sized(frame, struct_size, &nothing, sizeof nothing);
+}
+
+hbil_status frame_take(hbil_context *context, const hbil_frame *given,
+                       hbil_frame *own) {
+  hbil_frame_init(own);
+  return take(context, HBIL_INVALID_FRAME, "hbil_frame", given,
+              FIRST_FRAME_SIZE, own);
+}
+
+/* Accepts values in [least, most]; NaN never is. */
+static hbil_status in_range(hbil_context *context, const char *field,
+                            double value, double least, double most) {
+  if (value >= least && value <= most)
+    return HBIL_SUCCESS;
+  return fail(context, HBIL_INVALID_CONFIG, "%s: %g is outside %g .. %g", field,
+              value, least, most);
+}
+
+/* Accepts positive numbers and infinity. */
+static hbil_status positive(hbil_context *context, const char *field,
+                            double value) {
+  if (value > 0)
+    return HBIL_SUCCESS;
+  return fail(context, HBIL_INVALID_CONFIG,
+              "%s: %g; must be positive (infinity: no limit)", field, value);
+}
+
+static hbil_status check_format(hbil_context *context,
+                                const hbil_config *config, int plane) {
+  const plane_kind *kind = &plane_kinds[plane];
+  const hbil_plane_format *format = plane_format(config, plane);
+  if (format->component == HBIL_NONE)
+    return HBIL_SUCCESS;
+  const bool output = plane >= PLANE_FIRST_OUTPUT;
+  if ((unsigned)format->component > HBIL_UNORM8 ||
+      (format->component == HBIL_UNORM8 &&
+       (output || plane == PLANE_DEPTH || plane == PLANE_NORMAL ||
+        plane == PLANE_MOTION)))
+    return fail(context, HBIL_INVALID_CONFIG,
+                "%s.component: %d; must be HBIL_FLOAT32 or HBIL_FLOAT16%s",
+                kind->name, (int)format->component,
+                output ? "" : " (HBIL_UNORM8 for colours only)");
+  const cl_uint stride = format_stride(config, plane);
+  if (stride > 64 || (stride != 1 && stride < kind->channels))
+    return fail(context, HBIL_INVALID_CONFIG,
+                "%s.stride: %u; must be 1 (planar) or %u .. 64 (interleaved)",
+                kind->name, (unsigned)stride, (unsigned)kind->channels);
+  return HBIL_SUCCESS;
+}
+
+static hbil_status check_formats(hbil_context *context,
+                                 const hbil_config *config) {
+  for (int i = 0; i < PLANE_COUNT; ++i) {
+    const hbil_status status = check_format(context, config, i);
+    if (status != HBIL_SUCCESS)
+      return status;
+  }
+  if (config->depth.component == HBIL_NONE)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "depth.component: HBIL_NONE; depth is needed");
+  if (config->normal.component == HBIL_NONE)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "normal.component: HBIL_NONE; normals are needed");
+  if (config->reprojection == HBIL_REPROJECTION_MOTION &&
+      config->motion.component == HBIL_NONE)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "motion.component: HBIL_NONE; HBIL_REPROJECTION_MOTION needs "
+                "motion vectors");
+  for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
+    if (plane_format(config, i)->component != HBIL_NONE)
+      return HBIL_SUCCESS;
+  return fail(context, HBIL_INVALID_CONFIG,
+              "no output has a format: there is nothing to compute");
+}
+
+/* Outputs and far fields that a mode doesn't have. */
+static hbil_status check_mode(hbil_context *context,
+                              const hbil_config *config) {
+  static const struct {
+    int plane;
+    hbil_mode most; /* the last mode that has it */
+  } only[] = {{PLANE_NEAR, HBIL_MODE_HBIL},
+              {PLANE_BENT, HBIL_MODE_GTAO},
+              {PLANE_ERROR, HBIL_MODE_GTAO},
+              {PLANE_CONE, HBIL_MODE_GTAO}};
+  const char *mode = config->mode == HBIL_MODE_GTAO ? "GTAO" : "HBAO";
+  for (size_t i = 0; i < sizeof only / sizeof *only; ++i)
+    if (config->mode > only[i].most &&
+        plane_format(config, only[i].plane)->component != HBIL_NONE)
+      return fail(context, HBIL_INVALID_CONFIG,
+                  "%s.component: must be HBIL_NONE, HBIL_MODE_%s has no such "
+                  "output",
+                  plane_kinds[only[i].plane].name, mode);
+  if (config->mode != HBIL_MODE_HBIL && config->far_field == HBIL_FAR_FRAME)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "far_field: HBIL_FAR_FRAME; HBIL_MODE_%s reads no radiance",
+                mode);
+  if (config->mode == HBIL_MODE_HBAO && config->far_field == HBIL_FAR_SH)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "far_field: HBIL_FAR_SH; HBIL_MODE_HBAO has no bent cone, "
+                "HBIL_FAR_CONSTANT is possible");
+  return HBIL_SUCCESS;
+}
+
+/* Names the first field that is out of range. */
+static hbil_status config_check(hbil_context *context,
+                                const hbil_config *config) {
+  /* Every number with its range. */
+  const struct {
+    const char *field;
+    double value, least, most;
+  } ranges[] = {
+      {"width", config->width, 1, HBIL_MAX_SIZE},
+      {"height", config->height, 1, HBIL_MAX_SIZE},
+      {"projection", (double)config->projection, 0,
+       HBIL_PROJECTION_ORTHOGRAPHIC},
+      {"depth_kind", (double)config->depth_kind, 0, HBIL_DEPTH_RAY},
+      {"normal_space", (double)config->normal_space, 0, HBIL_SPACE_WORLD},
+      {"bent_normal_space", (double)config->bent_normal_space, 0,
+       HBIL_SPACE_WORLD},
+      {"direct_scale", (double)config->direct_scale, 0, 1e30},
+      {"motion_scale[0]", (double)config->motion_scale[0], -1e6, 1e6},
+      {"motion_scale[1]", (double)config->motion_scale[1], -1e6, 1e6},
+      {"mode", (double)config->mode, 0, HBIL_MODE_HBAO},
+      {"falloff", (double)config->falloff, 0, HBIL_FALLOFF_NONE},
+      {"slices", config->slices, 1, 32},
+      {"steps_per_side", config->steps_per_side, 1, 256},
+      {"step_growth", (double)config->step_growth, 0, 64},
+      {"sample_grid", (double)config->sample_grid, 0,
+       HBIL_GRID_FULL_RESOLUTION},
+      {"extrapolate", config->extrapolate, 0, 1},
+      {"facing_fade[0]", (double)config->facing_fade[0], -1, 1},
+      {"facing_fade[1]", (double)config->facing_fade[1], -1, 1},
+      {"back_facing_fallback", (double)config->back_facing_fallback, 0,
+       HBIL_FALLBACK_FRAME_MEAN},
+      {"gather_emission", config->gather_emission, 0, 1},
+      {"max_history_frames", config->max_history_frames, 0, 1024},
+      {"reprojection", (double)config->reprojection, 0,
+       HBIL_REPROJECTION_MOTION},
+      {"feedback", (double)config->feedback, 0, HBIL_FEEDBACK_RADIANCE},
+      {"far_field", (double)config->far_field, 0, HBIL_FAR_FRAME},
+      {"unfiltered", config->unfiltered, 0, 1},
+      {"skip", config->skip, 0, HBIL_SKIP_ALL},
+      {"storage", (double)config->storage, 0, HBIL_STORAGE_FLOAT32},
+      {"profiling", config->profiling, 0, 1},
+  };
+  hbil_status status = HBIL_SUCCESS;
+  for (size_t i = 0; i < sizeof ranges / sizeof *ranges; ++i)
+    if ((status = in_range(context, ranges[i].field, ranges[i].value,
+                           ranges[i].least, ranges[i].most)) != HBIL_SUCCESS)
+      return status;
+  if (config->facing_fade[0] > config->facing_fade[1])
+    return fail(context, HBIL_INVALID_CONFIG,
+                "facing_fade: %g, %g; the first must not be above the second",
+                (double)config->facing_fade[0], (double)config->facing_fade[1]);
+  const cl_uint width = config->vector_width;
+  if (width != 0 && width != 1 && width != 4 && width != 8 && width != 16)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "vector_width: %u; must be 0 (automatic), 1, 4, 8 or 16",
+                (unsigned)width);
+  if ((status = positive(context, "radius", (double)config->radius)) !=
+          HBIL_SUCCESS ||
+      (status = positive(context, "thickness", (double)config->thickness)) !=
+          HBIL_SUCCESS ||
+      (status = positive(context, "relative_thickness",
+                         (double)config->relative_thickness)) != HBIL_SUCCESS ||
+      (status = positive(context, "sky_depth", (double)config->sky_depth)) !=
+          HBIL_SUCCESS ||
+      (status = positive(context, "disocclusion_threshold",
+                         (double)config->disocclusion_threshold)) !=
+          HBIL_SUCCESS)
+    return status;
+  status = check_formats(context, config);
+  return status == HBIL_SUCCESS ? check_mode(context, config) : status;
+}
+
+hbil_status config_take(hbil_context *context, const hbil_config *given,
+                        hbil_config *own) {
+  hbil_config_init(own);
+  const hbil_status status = take(context, HBIL_INVALID_CONFIG, "hbil_config",
+                                  given, FIRST_CONFIG_SIZE, own);
+  return status == HBIL_SUCCESS ? config_check(context, own) : status;
+}

@@ -1,0 +1,111 @@
+/* The build defines of a plan's kernels.  The kernels' files check that each
+ * has one of its values. */
+#include "defines.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "config.h"
+#include "planes.h"
+
+typedef struct text {
+  char *chars;
+  size_t length, size; /* a length of size or more: it didn't fit */
+} text;
+
+static void add(text *t, const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 2, 3)))
+#endif
+    ;
+static void add(text *t, const char *format, ...) {
+  if (t->length >= t->size)
+    return;
+  va_list args;
+  va_start(args, format);
+  const int n =
+      vsnprintf(t->chars + t->length, t->size - t->length, format, args);
+  va_end(args);
+  t->length = n < 0 ? t->size : t->length + (size_t)n;
+}
+
+static void define(text *t, const char *name, int value) {
+  add(t, " -D%s=%d", name, value);
+}
+
+static void define_planes(const hbil_config *c, text *t) {
+  static const char *const types[] = {"none", "f32", "f16", "u8"};
+  for (int i = 0; i < PLANE_COUNT; ++i) {
+    const hbil_plane_format *format = plane_format(c, i);
+    const char *name = plane_kinds[i].define;
+    add(t, " -D%s_%s=%d -D%s_TYPE=%s -D%s_STRIDE=%uu",
+        i < PLANE_FIRST_OUTPUT ? "HAS" : "OUT", name,
+        format->component != HBIL_NONE, name, types[format->component], name,
+        (unsigned)format_stride(c, i));
+  }
+}
+
+static void define_inputs(const hbil_config *c, text *t) {
+  define(t, "ORTHOGRAPHIC", c->projection == HBIL_PROJECTION_ORTHOGRAPHIC);
+  define(t, "WHOLE_GROUPS", c->width % (4 * c->vector_width) == 0);
+  define(t, "DEPTH_IS_RAY", c->depth_kind == HBIL_DEPTH_RAY);
+  define(t, "NORMAL_IS_WORLD", c->normal_space == HBIL_SPACE_WORLD);
+  define(t, "BENT_IS_WORLD", c->bent_normal_space == HBIL_SPACE_WORLD);
+}
+
+static void define_model(const hbil_config *c, const layout *l, text *t) {
+  const bool rejects = config_rejects_back_faces(c);
+  const int relative = isinf(c->relative_thickness) ? 0 : 1;
+  const int absolute = isinf(c->thickness) ? 0 : 2;
+  define(t, "HBAO", c->mode == HBIL_MODE_HBAO);
+  define(t, "LIMITED", !isinf(c->radius));
+  define(t, "LEVELS", (int)l->pattern.levels);
+  define(t, "FINITE", relative | absolute);
+  define(t, "FACING_ALL", !rejects);
+  define(t, "FACING_STEP", c->facing_fade[0] >= c->facing_fade[1]);
+  define(t, "FALLBACK_LAST_ACCEPTED",
+         rejects && c->back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED);
+  define(t, "FALLBACK_FRAME_MEAN", l->unknown);
+  define(t, "EXTRAPOLATE", c->extrapolate != 0);
+  define(t, "GATHER_EMISSION", c->gather_emission != 0);
+  define(t, "FEEDBACK_RADIANCE", c->feedback == HBIL_FEEDBACK_RADIANCE);
+  define(t, "REPROJECT_MOTION", c->reprojection == HBIL_REPROJECTION_MOTION);
+  define(t, "DISOCCLUSION", !isinf(c->disocclusion_threshold));
+  define(t, "FAR", (int)l->far_field);
+  define(t, "UNFILTERED", c->unfiltered != 0);
+}
+
+static void define_work(const hbil_config *c, const layout *l, text *t) {
+  static const struct {
+    const char *name;
+    cl_uint bit;
+  } skips[] = {{"SKIP_SKY", HBIL_SKIP_SKY},
+               {"SKIP_OPEN", HBIL_SKIP_OPEN},
+               {"SKIP_DARK", HBIL_SKIP_DARK},
+               {"SKIP_UNUSED", HBIL_SKIP_UNUSED},
+               {"SKIP_RADIUS", HBIL_SKIP_RADIUS}};
+  define(t, "HBIL_WIDTH", (int)c->vector_width);
+  define(t, "STORAGE", (int)c->storage);
+  define(t, "GATHER_RADIANCE", l->radiance);
+  define(t, "GATHER_BENT", l->bent);
+  define(t, "HISTORY", l->history);
+  define(t, "ERROR_PLANE", (int)l->error_plane);
+  define(t, "WEIGHT_PLANE", (int)l->weight_plane);
+  define(t, "LINE", (int)l->line);
+  for (size_t i = 0; i < sizeof skips / sizeof *skips; ++i)
+    define(t, skips[i].name, (l->skip & skips[i].bit) != 0);
+}
+
+hbil_status write_defines(hbil_context *context, const hbil_config *config,
+                          const layout *l, char *chars, size_t size) {
+  text t = {.chars = chars, .size = size};
+  define_planes(config, &t);
+  define_inputs(config, &t);
+  define_model(config, l, &t);
+  define_work(config, l, &t);
+  return t.length < t.size
+             ? HBIL_SUCCESS
+             : fail(context, HBIL_BUILD_FAILED,
+                    "the build defines don't fit into %zu characters", size);
+}

@@ -1,0 +1,13 @@
+/* Far light: spherical harmonics of order 2. */
+#ifndef HBIL_FAR_FIELD_H
+#define HBIL_FAR_FIELD_H
+
+#include "hbil/hbil.h"
+#include "names.h"
+#include "shared.h"
+
+/* A frame's environment as composite takes it. */
+hbil_environment_args far_field_args(const hbil_config *config,
+                                     const float environment[9][3]);
+
+#endif

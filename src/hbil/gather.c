@@ -1,0 +1,169 @@
+/* gather: the table of steps, and the horizon search; or, for static frames,
+ * the light by the horizon cache. */
+#include "passes.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "camera.h"
+
+/* Fractions of a slice and of a step that frame `frame_index` adds: multiples
+ * of the fraction of sqrt(7) (the paper's demo) and of the inverse plastic
+ * number, neither of which repeats soon. */
+static hbil_pattern_args pattern_of(const hbil_plan *plan,
+                                    const hbil_frame *frame,
+                                    const hbil_view_args *view) {
+  hbil_pattern_args pattern = plan->layout.pattern;
+  const float to_x = (float)view->width / view->fx;
+  const float to_y = (float)view->height / view->fy;
+  pattern.reach = to_x > to_y ? to_x : to_y;
+  pattern.turn = (float)fmod(frame->frame_index * 0.6457513, 1.0);
+  pattern.shift = (float)fmod(frame->frame_index * 0.7548777, 1.0);
+  return pattern;
+}
+
+/* The table of steps, unless it is there already. */
+static hbil_status make_pattern(commands *chain, const hbil_view_args *view,
+                                const hbil_pattern_args *pattern) {
+  hbil_plan *plan = chain->plan;
+  if (plan->has_steps && !memcmp(view, &plan->steps_view, sizeof *view) &&
+      !memcmp(pattern, &plan->steps_pattern, sizeof *pattern))
+    return HBIL_SUCCESS;
+  const hbil_make_pattern_args args = {*view, *pattern, plan->layout.split};
+  const argument list[] = {ARG(args), BUFFER_ARG(plan, BUFFER_STEPS)};
+  const hbil_status status =
+      LAUNCH(chain, KERNEL_PATTERN, list, (size_t)pattern->levels * HBIL_LAYERS,
+             (size_t)pattern->slices * 2, 1);
+  plan->has_steps = status == HBIL_SUCCESS;
+  plan->steps_view = *view;
+  plan->steps_pattern = *pattern;
+  return status;
+}
+
+/* W of HBAO falls by this much per world unit. */
+static float falloff_slope(const hbil_config *config) {
+  if (isinf(config->radius) || config->falloff == HBIL_FALLOFF_NONE)
+    return 0.0f;
+  return (config->falloff == HBIL_FALLOFF_SOFT ? 1.0f / 3.0f : 1.0f) /
+         config->radius;
+}
+
+/* Length of the ray to the corner that is farthest from the axis; in
+ * orthographic views, of the way there in the plane of the picture. */
+static float longest_ray(const hbil_view_args *v, bool orthographic) {
+  const double x = fmax(fabs((double)v->cx), fabs(v->width - (double)v->cx));
+  const double y = fmax(fabs((double)v->cy), fabs(v->height - (double)v->cy));
+  const double rx = x / (double)v->fx, ry = y / (double)v->fy;
+  return (float)sqrt((orthographic ? 0.0 : 1.0) + rx * rx + ry * ry);
+}
+
+static hbil_gather_args gather_args(const hbil_plan *plan,
+                                    const hbil_view_args *view,
+                                    const hbil_pattern_args *pattern) {
+  const hbil_config *c = &plan->config;
+  /* Four roundings of the format lie between two depths and their difference:
+   * of z0, z1 and of their inverses; half has 2^-11 each for the depths.  The
+   * same for the three components of a normal and what is made of them; a
+   * packed normal is off by at most sqrt(18)/4 steps of 2^-14, 6.5e-5. */
+  const bool half_depth = c->depth.component == HBIL_FLOAT16;
+  const bool half_normal = c->normal.component == HBIL_FLOAT16;
+  const bool packed = c->storage != HBIL_STORAGE_FLOAT32;
+  const bool orthographic = c->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  const float roundings = half_depth ? 0x1p-10f : 0x1p-22f;
+  hbil_gather_args args = {
+      .view = *view,
+      .split = plan->layout.split,
+      .light = plan->layout.light,
+      .radius = c->radius,
+      .reach = pattern->reach,
+      /* away from the eye; -z is negative */
+      .nearness = orthographic ? 1.0f + roundings : 1.0f - roundings,
+      .flatness = half_normal ? 0x1p-10f
+                  : packed    ? 0x1p-13f
+                              : 0x1p-21f,
+      .facing = {c->facing_fade[0],
+                 1.0f / fmaxf(c->facing_fade[1] - c->facing_fade[0], FLT_MIN)},
+      /* finite, since the gather is built without infinities */
+      .thickness = fminf(c->thickness, 1e30f),
+      .relative_thickness = fminf(c->relative_thickness, 1e30f),
+      .falloff = falloff_slope(c),
+      .longest = longest_ray(view, orthographic),
+      .bounds = plan->layout.bounds,
+      .spans = (cl_uint)plan->layout.spans,
+      .slices = pattern->slices,
+      .steps = pattern->steps,
+      .cache = plan->layout.cache};
+  if (orthographic)
+    args.thickness =
+        fminf(args.thickness,
+              args.relative_thickness * (float)view->width * view->inv_fx);
+  return args;
+}
+
+/* Searches horizons in the rows of a layer from `top` to `bottom`; fills the
+ * horizon cache with what it finds, or doesn't. */
+static hbil_status search(commands *chain, const hbil_gather_args *args,
+                          size_t top, size_t bottom, bool fill_cache) {
+  hbil_plan *plan = chain->plan;
+  const argument list[] = {{sizeof *args, args},
+                           BUFFER_ARG(plan, BUFFER_SPLIT),
+                           BUFFER_ARG(plan, BUFFER_STEPS),
+                           BUFFER_ARG(plan, BUFFER_LIGHT),
+                           BUFFER_ARG(plan, BUFFER_BOUNDS),
+                           BUFFER_ARG(plan, BUFFER_USES),
+                           BUFFER_ARG(plan, BUFFER_SPAN_STATES),
+                           BUFFER_ARG(plan, BUFFER_FLAGS),
+                           BUFFER_ARG(plan, BUFFER_HORIZON_CACHE)};
+  if (top == bottom)
+    return HBIL_SUCCESS;
+  return LAUNCH_ROWS(chain,
+                     fill_cache ? KERNEL_GATHER_AND_CACHE : KERNEL_GATHER, list,
+                     top, plan->layout.spans, bottom - top, HBIL_LAYERS);
+}
+
+/* Light by the horizon cache. */
+static hbil_status regather(commands *chain, const hbil_gather_args *args) {
+  hbil_plan *plan = chain->plan;
+  const argument list[] = {
+      {sizeof *args, args},           BUFFER_ARG(plan, BUFFER_SPLIT),
+      BUFFER_ARG(plan, BUFFER_LIGHT), BUFFER_ARG(plan, BUFFER_SPAN_STATES),
+      BUFFER_ARG(plan, BUFFER_FLAGS), BUFFER_ARG(plan, BUFFER_HORIZON_CACHE)};
+  return LAUNCH(chain, KERNEL_REGATHER, list, plan->layout.spans,
+                plan->layout.cache.rows, HBIL_LAYERS);
+}
+
+/* All pixels.  The first static frame fills the horizon cache, for as many rows
+ * as there is memory for: it is the first that knows that those after it may be
+ * static, too.  It does so whether or not its light has changed.  Later static
+ * frames read the cache. */
+static hbil_status gather_all(commands *chain, hbil_gather_args *args,
+                              bool rest) {
+  hbil_plan *plan = chain->plan;
+  const layout *l = &plan->layout;
+  const size_t cached = rest ? l->cache.rows : 0;
+  const bool filled = cached && plan->cache_filled;
+  args->is_static = CL_FALSE;
+  hbil_status status =
+      filled ? regather(chain, args) : search(chain, args, 0, cached, true);
+  args->is_static = rest;
+  if (status == HBIL_SUCCESS)
+    status = search(chain, args, cached, (size_t)l->split.height, false);
+  plan->cache_used = filled;
+  /* no static frame follows one that fails */
+  plan->cache_filled = cached > 0;
+  plan->may_leave_out[HBIL_PASS_GATHER] = rest && (filled || !cached);
+  return status;
+}
+
+hbil_status enqueue_gather(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const hbil_view_args view = camera_view(&frame->camera, &plan->config);
+  const hbil_pattern_args pattern = pattern_of(plan, frame, &view);
+  const bool rest = may_rest(plan, frame);
+  if (rest && !plan->layout.history)
+    return leave_out(chain);
+  hbil_gather_args args = gather_args(plan, &view, &pattern);
+  const hbil_status status = make_pattern(chain, &view, &pattern);
+  return status == HBIL_SUCCESS ? gather_all(chain, &args, rest) : status;
+}

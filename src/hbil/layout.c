@@ -1,0 +1,289 @@
+/* Sizes and layouts: what a configuration decides before any memory is touched.
+ */
+#include "layout.h"
+
+#include "config.h"
+#include "error_factors.h"
+#include "lib/sampling_pattern.h"
+#include "planes.h"
+
+#include <math.h>
+#include <string.h>
+
+static cl_uint rounded_up(cl_uint n, cl_uint to) {
+  return (n + to - 1) / to * to;
+}
+
+static bool has(const hbil_config *config, int plane) {
+  return plane_format(config, plane)->component != HBIL_NONE;
+}
+
+static void decide_work(const hbil_config *config, layout *out) {
+  const bool sums = has(config, PLANE_INDIRECT) || has(config, PLANE_BEAUTY);
+  out->radiance =
+      config->mode == HBIL_MODE_HBIL &&
+      (sums || has(config, PLANE_NEAR) ||
+       (has(config, PLANE_FAR) && config->far_field == HBIL_FAR_FRAME));
+  out->far_field = sums || out->radiance || has(config, PLANE_FAR)
+                       ? config->far_field
+                       : HBIL_FAR_NONE;
+  out->bent = has(config, PLANE_BENT) || out->far_field == HBIL_FAR_SH ||
+              out->far_field == HBIL_FAR_FRAME;
+  out->unknown = out->radiance &&
+                 config->back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
+                 config_rejects_back_faces(config);
+  out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
+  out->history =
+      out->radiance && config->reprojection != HBIL_REPROJECTION_NONE;
+  out->late_counts = sums && !(out->radiance && config->gather_emission);
+}
+
+/* Whether all that is asked for is 0 times the irradiance where a surface
+ * reflects nothing diffusely: the pictures with light in them, not the light.
+ * Irradiance that is carried over would reach other surfaces. */
+static bool irradiance_is_hidden(const hbil_config *config, const layout *l) {
+  static const int shown[] = {PLANE_NEAR, PLANE_FAR, PLANE_AO, PLANE_BENT,
+                              PLANE_CONE};
+  for (size_t i = 0; i < sizeof shown / sizeof *shown; ++i)
+    if (has(config, shown[i]))
+      return false;
+  /* `indirect` knows nothing of albedo */
+  return !has(config, PLANE_INDIRECT) &&
+         (has(config, PLANE_ALBEDO) || has(config, PLANE_F0)) &&
+         (!l->history || config->feedback == HBIL_FEEDBACK_RADIANCE);
+}
+
+static void decide_skips(const hbil_config *config, layout *out) {
+  out->skip = config->skip;
+  if (!out->radiance)
+    out->skip &= ~(cl_uint)HBIL_SKIP_DARK;
+  if (isinf(config->radius))
+    out->skip &= ~(cl_uint)HBIL_SKIP_RADIUS;
+  if (!irradiance_is_hidden(config, out))
+    out->skip &= ~(cl_uint)HBIL_SKIP_UNUSED;
+  /* with a radius spans look for themselves (gather.cl, light_in_reach) */
+  out->quadrants = out->skip & HBIL_SKIP_DARK && isinf(config->radius) &&
+                   !config_has_thickness(config) && !out->unknown;
+}
+
+static hbil_grid_args grid(size_t *end, cl_int width, cl_int height) {
+  const hbil_grid_args g = {(cl_uint)*end, width, height};
+  *end += 2 * (size_t)width * (size_t)height;
+  return g;
+}
+
+static cl_int divided_up(cl_int n, cl_int by) {
+  return (n + by - 1) / by;
+}
+
+/* Returns the words of all grids. */
+static size_t lay_out_bounds(const hbil_config *config,
+                             const hbil_layer_args *layers,
+                             hbil_bounds_args *out) {
+  size_t end = 0;
+  const cl_uint group = HBIL_SIDE * config->vector_width;
+  const cl_int across = divided_up(layers->width, HBIL_CELL);
+  const cl_int down = divided_up(layers->height, HBIL_CELL);
+  out->group = grid(&end, divided_up((cl_int)config->width, (cl_int)group),
+                    (cl_int)config->height);
+  out->cell = grid(&end, across, down);
+  out->block =
+      grid(&end, divided_up(across, HBIL_BLOCK), divided_up(down, HBIL_BLOCK));
+  out->whole = grid(&end, 1, 1);
+  out->quadrants = (cl_uint)end;
+  return end + (size_t)out->block.width * (size_t)out->block.height;
+}
+
+/* Rows of full-resolution planes are padded to whole groups of 4 of the widest
+ * vectors, so that kernels may work past the right edge. */
+static void lay_out_planes(const hbil_config *config, layout *out) {
+  out->planes.row = rounded_up(config->width, 4 * HBIL_WIDEST);
+  out->planes.plane = out->planes.row * config->height;
+}
+
+/* Layers have a span of padding left and right, and a row above and below. */
+static void lay_out_layers(const hbil_config *config, cl_uint planes,
+                           hbil_layer_args *l) {
+  const cl_uint width = rounded_up(config->width, HBIL_SIDE) / HBIL_SIDE;
+  const cl_uint height = rounded_up(config->height, HBIL_SIDE) / HBIL_SIDE;
+  l->width = (cl_int)width;
+  l->height = (cl_int)height;
+  l->row_extent = rounded_up(width, HBIL_SPAN) + 2 * HBIL_SPAN;
+  l->plane = l->row_extent;
+  l->layer = l->plane * planes;
+  l->row = l->layer * HBIL_LAYERS;
+  l->origin = l->row + HBIL_SPAN;
+}
+
+static size_t layers_size(const hbil_layer_args *l) {
+  return sizeof(cl_float) * l->row * ((size_t)l->height + 2);
+}
+
+/* Halved down to one texel; returns the floats of all levels. */
+static size_t lay_out_chain(const hbil_config *config, layout *out) {
+  cl_uint width = config->width, height = config->height;
+  size_t end = 0;
+  for (out->chain_count = 0; out->chain_count < MAX_CHAIN;) {
+    hbil_chain_args *level = &out->chain[out->chain_count++];
+    level->width = (cl_int)width;
+    level->height = (cl_int)height;
+    level->row = rounded_up(width, 4 * HBIL_WIDEST);
+    level->plane = level->row * height;
+    level->offset = (cl_uint)end;
+    end += (size_t)HBIL_CARRIED_PLANES * level->plane;
+    if (width == 1 && height == 1)
+      break;
+    width = (width + 1) / 2;
+    height = (height + 1) / 2;
+  }
+  return end;
+}
+
+static cl_uint light_planes(const layout *l) {
+  return l->bent       ? HBIL_LIGHT_PLANES
+         : l->radiance ? HBIL_LIGHT_BENT
+                       : HBIL_LIGHT_RED;
+}
+
+/* Planes of the layered stages, words of 32 bits: of the split without radiance
+ * and with it; gathered of AO, of E_near with it, of the bent normal with
+ * both. */
+static const struct {
+  cl_uint guides, split, ao, near_irradiance, bent;
+} stored[] = {
+    [HBIL_STORAGE_PACKED] = {HBIL_PACKED_RADIANCE, HBIL_PACKED_SPLIT_PLANES,
+                             HBIL_PACKED_NEAR, HBIL_PACKED_BENT,
+                             HBIL_PACKED_LIGHT_PLANES},
+    [HBIL_STORAGE_FLOAT32] = {HBIL_SPLIT_RED, HBIL_SPLIT_PLANES, HBIL_LIGHT_RED,
+                              HBIL_LIGHT_BENT, HBIL_LIGHT_PLANES}};
+
+static cl_uint split_planes(const hbil_config *config, const layout *l) {
+  return l->radiance ? stored[config->storage].split
+                     : stored[config->storage].guides;
+}
+
+static cl_uint gathered_planes(const hbil_config *config, const layout *l) {
+  if (l->unknown && config->storage == HBIL_STORAGE_FLOAT32)
+    return HBIL_LIGHT_UNKNOWN + 1;
+  return l->bent       ? stored[config->storage].bent
+         : l->radiance ? stored[config->storage].near_irradiance
+                       : stored[config->storage].ao;
+}
+
+/* As many rows as fit into what may be taken; returns their bytes. */
+static size_t lay_out_horizon_cache(const hbil_config *config, layout *out) {
+  const size_t width = config->vector_width;
+  const size_t vectors = width == 1 ? 1 : HBIL_SPAN / width;
+  const size_t across = out->spans * vectors * HBIL_LAYERS;
+  const cl_uint sides = 2 * config->slices;
+  const bool last = config_rejects_back_faces(config) &&
+                    config->back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED;
+  const cl_uint of_sample = last ? 2 : 1;
+  const cl_uint of_side =
+      config->steps_per_side * of_sample + config->extrapolate;
+  hbil_horizon_cache_args *f = &out->cache;
+  f->floats = sides * of_side + config->slices + 1;
+  f->entries = sides * (config->steps_per_side + 1);
+  const cl_ulong row = sizeof(cl_float) * (cl_ulong)across *
+                       ((cl_ulong)f->floats * width + f->entries);
+  const cl_ulong rows = config->horizon_cache_bytes / row;
+  f->rows = rows < (cl_ulong)out->split.height ? (cl_uint)rows
+                                               : (cl_uint)out->split.height;
+  f->vectors = (cl_uint)(across * f->rows);
+  return (size_t)(row * f->rows);
+}
+
+bool layout_has_bands(const hbil_config *config) {
+  return config->vector_width > 1;
+}
+
+/* Bands enough for any CPU, few enough that looking for what lands in each is
+ * nothing beside the pixels. */
+static void lay_out_runs(const hbil_config *config, layout *out) {
+  const cl_uint bands = 64, least = 16;
+  const cl_uint band = (config->height + bands - 1) / bands;
+  const cl_uint runs = (config->width + HBIL_RUN - 1) / HBIL_RUN;
+  out->runs.row = (cl_int)rounded_up(runs, HBIL_WIDEST);
+  out->runs.band = (cl_int)(band < least ? least : band);
+}
+
+/* A cache line of the outputs, of those of half floats where there are any: a
+ * store past the caches of less is slow. */
+static cl_uint composed_line(const hbil_config *config) {
+  cl_uint line = HBIL_WIDEST;
+  if (config->vector_width == 1)
+    return 1;
+  for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
+    if (plane_format(config, i)->component == HBIL_FLOAT16)
+      line = 2 * HBIL_WIDEST;
+  return line;
+}
+
+void layout_compute(const hbil_config *config, layout *out) {
+  memset(out, 0, sizeof *out);
+  decide_work(config, out);
+  decide_skips(config, out);
+  lay_out_planes(config, out);
+  lay_out_runs(config, out);
+  out->line = composed_line(config);
+  const size_t chain = lay_out_chain(config, out);
+  const size_t real = sizeof(cl_float);
+  const size_t pixels = (size_t)config->width * config->height;
+  if (out->history) {
+    out->bytes[BUFFER_HISTORY] =
+        real * (HBIL_HISTORY_PLANES * (size_t)out->planes.plane +
+                2 * (size_t)hbil_history_origin(out->planes));
+    out->bytes[BUFFER_CARRIED] = chain * real;
+    if (config->reprojection == HBIL_REPROJECTION_SCATTER) {
+      out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;
+      if (layout_has_bands(config))
+        out->bytes[BUFFER_LANDING] =
+            2 * sizeof(cl_int) * (size_t)out->runs.row * config->height;
+    }
+  }
+  lay_out_layers(config, split_planes(config, out), &out->split);
+  const cl_uint gathered = gathered_planes(config, out);
+  const bool weighted = config->slices == 1 && !config->unfiltered;
+  out->weight_plane = weighted ? gathered : 0;
+  lay_out_layers(config, gathered + weighted, &out->light);
+  out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
+  out->bytes[BUFFER_LIGHT] = layers_size(&out->light);
+  out->error_plane = light_planes(out);
+  const cl_uint errors = !has(config, PLANE_ERROR) ? 0 : out->radiance ? 2 : 1;
+  out->bytes[BUFFER_RESOLVED] =
+      (out->error_plane + errors) * real * out->planes.plane;
+  if (config->max_history_frames)
+    out->bytes[BUFFER_TEMPORAL] = out->bytes[BUFFER_TEMPORAL_NEXT] =
+        real *
+        ((HBIL_TEMPORAL_LIGHT + light_planes(out)) * (size_t)out->planes.plane +
+         2 * (size_t)hbil_history_origin(out->planes));
+  if (out->estimate)
+    out->bytes[BUFFER_ESTIMATE] =
+        HBIL_ESTIMATE_SIZE * (1 + HBIL_ESTIMATE_PARTS) * real;
+  out->bytes[BUFFER_SANITIZED] = HBIL_SANITIZED_WORDS * sizeof(cl_uint);
+  out->bytes[BUFFER_FLAGS] = HBIL_FLAGS * sizeof(cl_uint);
+  if (out->skip & (HBIL_SKIP_OPEN | HBIL_SKIP_DARK))
+    out->bytes[BUFFER_BOUNDS] =
+        sizeof(cl_uint) * lay_out_bounds(config, &out->split, &out->bounds);
+  const size_t width = config->vector_width;
+  if (out->skip & HBIL_SKIP_UNUSED)
+    out->bytes[BUFFER_USES] = sizeof(cl_uint) * config->height *
+                              ((config->width + 4 * width - 1) / (4 * width));
+  const size_t span = width == 1 ? 1 : HBIL_SPAN;
+  out->spans = ((size_t)out->split.width + span - 1) / span;
+  out->bytes[BUFFER_SPAN_STATES] =
+      2 * out->spans * (size_t)out->split.height * HBIL_LAYERS;
+  out->pattern.slices = (cl_int)config->slices;
+  out->pattern.steps = (cl_int)config->steps_per_side;
+  out->pattern.levels = isinf(config->radius) ? 1 : HBIL_MAX_LEVELS;
+  out->pattern.grid =
+      config->sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
+  out->pattern.growth = config->step_growth;
+  out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * (size_t)out->pattern.levels *
+                             HBIL_LAYERS * 2 * config->slices *
+                             (config->steps_per_side + 1);
+  out->errors = error_factors(out->pattern.slices, out->pattern.steps);
+  if (out->history && out->skip & HBIL_SKIP_STATIC &&
+      !config->max_history_frames)
+    out->bytes[BUFFER_HORIZON_CACHE] = lay_out_horizon_cache(config, out);
+}

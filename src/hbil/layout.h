@@ -1,0 +1,66 @@
+/* Sizes and layouts: what a configuration decides before any memory is touched.
+ */
+#ifndef HBIL_LAYOUT_H
+#define HBIL_LAYOUT_H
+
+#include <stdbool.h>
+
+#include "hbil/hbil.h"
+#include "names.h"
+#include "shared.h"
+
+/* The device buffers of a plan. */
+enum {
+  BUFFER_HISTORY,
+  BUFFER_CARRIED, /* level 0 of the push/pull chain, then all coarser ones */
+  BUFFER_NEAREST, /* scatter's depths and sources */
+  BUFFER_LANDING, /* rows at which runs of the last frame land */
+  BUFFER_FLAGS,   /* HBIL_FLAG_: what kernels tell later ones */
+  BUFFER_SPLIT,
+  BUFFER_LIGHT,
+  BUFFER_RESOLVED,
+  BUFFER_TEMPORAL,      /* history of the temporal filter, of one frame */
+  BUFFER_TEMPORAL_NEXT, /* the same of the other frame */
+  BUFFER_STEPS,
+  BUFFER_ESTIMATE,      /* the estimate of unseen light, then its parts */
+  BUFFER_BOUNDS,        /* grids of largest inverse depths and of light */
+  BUFFER_USES,          /* where outputs show light */
+  BUFFER_SPAN_STATES,   /* what the gather skipped */
+  BUFFER_SANITIZED,     /* HBIL_SANITIZED_: counts of unusable inputs */
+  BUFFER_HORIZON_CACHE, /* of a static frame (lib/horizon_cache.clh) */
+  BUFFER_COUNT
+};
+
+/* log2(HBIL_MAX_SIZE) + 1: levels of the largest push/pull chain. */
+enum { MAX_CHAIN = 15 };
+_Static_assert(1 << (MAX_CHAIN - 1) == HBIL_MAX_SIZE, "MAX_CHAIN");
+
+typedef struct layout {
+  size_t bytes[BUFFER_COUNT]; /* 0: not needed */
+  hbil_plane_args planes;     /* full-resolution planes */
+  hbil_runs_args runs;        /* of scatter's bands */
+  hbil_layer_args split, light;
+  int chain_count;
+  hbil_chain_args chain[MAX_CHAIN];
+  /* what must be computed; unknown: the share that back-facing samples block */
+  bool radiance, bent, history, unknown, estimate;
+  bool late_counts; /* composite shows inputs that split does not read */
+  cl_uint skip;     /* those of hbil_config.skip that can have an effect */
+  hbil_bounds_args bounds;
+  bool quadrants; /* whether the gather reads those of the bounds */
+  hbil_horizon_cache_args cache;
+  size_t spans;              /* of the gather, in a row of a layer */
+  hbil_far_field far_field;  /* NONE where nothing shows it */
+  hbil_pattern_args pattern; /* without turn, shift, reach */
+  cl_uint line;              /* pixels that one work-item of composite takes */
+  cl_uint error_plane;       /* of RESOLVED: where errors begin */
+  cl_uint weight_plane;      /* of GATHERED: weights of slices; 0: none */
+  hbil_error_args errors;
+} layout;
+
+/* Whether scatter needs no atomics: CPUs.  Here and below, config.vector_width
+ * must not be 0. */
+bool layout_has_bands(const hbil_config *config);
+void layout_compute(const hbil_config *config, layout *out);
+
+#endif

@@ -1,0 +1,50 @@
+/*
+ * Prefixes for what the library's files share.  In the static library such
+ * names would otherwise meet those of the programs that link it.
+ */
+#ifndef HBIL_NAMES_H
+#define HBIL_NAMES_H
+
+#define camera_between hbil_internal_camera_between
+#define camera_check hbil_internal_camera_check
+#define camera_from_world hbil_internal_camera_from_world
+#define camera_to_world hbil_internal_camera_to_world
+#define camera_view hbil_internal_camera_view
+#define component_size hbil_internal_component_size
+#define check_frame hbil_internal_check_frame
+#define check_queue hbil_internal_check_queue
+#define cl_error_name hbil_internal_cl_error_name
+#define clear_counts hbil_internal_clear_counts
+#define config_has_thickness hbil_internal_config_has_thickness
+#define config_rejects_back_faces hbil_internal_config_rejects_back_faces
+#define config_take hbil_internal_config_take
+#define enqueue_composite hbil_internal_enqueue_composite
+#define enqueue_fill hbil_internal_enqueue_fill
+#define enqueue_gather hbil_internal_enqueue_gather
+#define enqueue_push_pull hbil_internal_enqueue_push_pull
+#define enqueue_recompose hbil_internal_enqueue_recompose
+#define enqueue_reproject hbil_internal_enqueue_reproject
+#define enqueue_split hbil_internal_enqueue_split
+#define enqueue_temporal hbil_internal_enqueue_temporal
+#define error_factors hbil_internal_error_factors
+#define fail hbil_internal_fail
+#define fail_cl hbil_internal_fail_cl
+#define far_field_args hbil_internal_far_field_args
+#define format_stride hbil_internal_format_stride
+#define frame_plane hbil_internal_frame_plane
+#define frame_take hbil_internal_frame_take
+#define kernel_sources hbil_internal_kernel_sources
+#define launch hbil_internal_launch
+#define launch_rows hbil_internal_launch_rows
+#define layout_compute hbil_internal_layout_compute
+#define layout_has_bands hbil_internal_layout_has_bands
+#define plane_bind hbil_internal_plane_bind
+#define plane_extent hbil_internal_plane_extent
+#define plane_format hbil_internal_plane_format
+#define plane_kinds hbil_internal_plane_kinds
+#define plane_pitches hbil_internal_plane_pitches
+#define program_build hbil_internal_program_build
+#define set_flag hbil_internal_set_flag
+#define status_of hbil_internal_status_of
+
+#endif

@@ -1,0 +1,41 @@
+/* The passes of a frame, as chains of commands.  Each file of passes writes the
+ * arguments of its kernels and nothing else. */
+#ifndef HBIL_PASSES_H
+#define HBIL_PASSES_H
+
+#include "commands.h"
+
+typedef hbil_status pass_function(commands *chain, const hbil_frame *frame);
+
+pass_function enqueue_reproject, enqueue_push_pull; /* reproject.c */
+pass_function enqueue_split;                        /* split.c */
+pass_function enqueue_gather;                       /* gather.c */
+pass_function enqueue_recompose, enqueue_temporal,
+    enqueue_composite; /* resolve.c */
+
+/* Vectors of pixels across the image. */
+static inline size_t vectors_across(const hbil_plan *plan) {
+  const size_t width = plan->config.vector_width;
+  return (plan->config.width + width - 1) / width;
+}
+
+/* Whether this frame is the last one again, except for its light. */
+static inline bool is_static(const hbil_plan *plan, const hbil_frame *frame) {
+  return frame->static_frame && plan->has_last &&
+         plan->layout.skip & HBIL_SKIP_STATIC;
+}
+
+/* Whether gather and recompose may leave at once where no light has changed.
+ * With a temporal filter even a static frame is gathered anew, by another
+ * pattern. */
+static inline bool may_rest(const hbil_plan *plan, const hbil_frame *frame) {
+  return is_static(plan, frame) && !plan->config.max_history_frames;
+}
+
+/* Notes that the host leaves the present pass out. */
+static inline hbil_status leave_out(commands *chain) {
+  chain->plan->left_out[chain->pass] = true;
+  return HBIL_SUCCESS;
+}
+
+#endif

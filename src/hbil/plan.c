@@ -1,0 +1,321 @@
+/* A plan: the kernels and buffers of one configuration. */
+#include "plan.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "config.h"
+#include "defines.h"
+#include "hbil/hbil_stages.h"
+#include "program.h"
+
+/* --- programs and kernels --- */
+
+static const program_kind programs[PROGRAM_COUNT] = {
+    [PROGRAM_SCATTER] = {"scatter", .defines = ""},
+    [PROGRAM_FOLLOW_MOTION] = {"follow_motion", .defines = ""},
+    [PROGRAM_PUSH_PULL] = {"push_pull", .defines = ""},
+    [PROGRAM_CLEAR] = {"clear", .defines = ""},
+    [PROGRAM_SPLIT] = {"split", .defines = ""},
+    [PROGRAM_BOUNDS] = {"bounds", .defines = ""},
+    [PROGRAM_ESTIMATE] = {"estimate", .defines = ""},
+    [PROGRAM_PATTERN] = {"pattern", .defines = ""},
+    [PROGRAM_GATHER] = {"gather", true, "-DCACHE_HORIZONS=0"},
+    [PROGRAM_GATHER_AND_CACHE] = {"gather", true, "-DCACHE_HORIZONS=1"},
+    [PROGRAM_REGATHER] = {"regather", true, ""},
+    [PROGRAM_RECOMPOSE] = {"recompose", true, ""},
+    [PROGRAM_TEMPORAL] = {"temporal", .defines = ""},
+    [PROGRAM_COMPOSITE] = {"composite", .defines = ""},
+};
+
+static const struct {
+  const char *name;
+  int program;
+} kernels[KERNEL_COUNT] = {
+    [KERNEL_SCATTER_ROWS] = {"scatter_rows", PROGRAM_SCATTER},
+    [KERNEL_SCATTER_BANDS] = {"scatter_bands", PROGRAM_SCATTER},
+    [KERNEL_SCATTER_DEPTH] = {"scatter_depth", PROGRAM_SCATTER},
+    [KERNEL_SCATTER_INDEX] = {"scatter_index", PROGRAM_SCATTER},
+    [KERNEL_SCATTER_FETCH] = {"scatter_fetch", PROGRAM_SCATTER},
+    [KERNEL_FOLLOW_MOTION] = {"follow_motion", PROGRAM_FOLLOW_MOTION},
+    [KERNEL_FIND_HOLES] = {"find_holes", PROGRAM_PUSH_PULL},
+    [KERNEL_PUSH] = {"push", PROGRAM_PUSH_PULL},
+    [KERNEL_PULL] = {"pull", PROGRAM_PUSH_PULL},
+    [KERNEL_CLEAR_LAYERS] = {"clear_layers", PROGRAM_CLEAR},
+    [KERNEL_SPLIT] = {"split", PROGRAM_SPLIT},
+    [KERNEL_RELIGHT] = {"relight", PROGRAM_SPLIT},
+    [KERNEL_BOUND_CELLS] = {"bound_cells", PROGRAM_BOUNDS},
+    [KERNEL_BOUND_QUADRANTS] = {"bound_quadrants", PROGRAM_BOUNDS},
+    [KERNEL_ESTIMATE_PART] = {"estimate_part", PROGRAM_ESTIMATE},
+    [KERNEL_ESTIMATE_SUM] = {"estimate_sum", PROGRAM_ESTIMATE},
+    [KERNEL_PATTERN] = {"make_pattern", PROGRAM_PATTERN},
+    [KERNEL_GATHER] = {"gather", PROGRAM_GATHER},
+    [KERNEL_GATHER_AND_CACHE] = {"gather", PROGRAM_GATHER_AND_CACHE},
+    [KERNEL_REGATHER] = {"regather", PROGRAM_REGATHER},
+    [KERNEL_RECOMPOSE] = {"recompose", PROGRAM_RECOMPOSE},
+    [KERNEL_TEMPORAL] = {"temporal", PROGRAM_TEMPORAL},
+    [KERNEL_COMPOSITE] = {"composite", PROGRAM_COMPOSITE},
+};
+
+static bool program_needed(const hbil_plan *plan, int program) {
+  const layout *l = &plan->layout;
+  const bool motion = plan->config.reprojection == HBIL_REPROJECTION_MOTION;
+  switch (program) {
+  case PROGRAM_SCATTER:
+    return l->history && !motion;
+  case PROGRAM_FOLLOW_MOTION:
+    return l->history && motion;
+  case PROGRAM_PUSH_PULL:
+    return l->history;
+  case PROGRAM_ESTIMATE:
+    return l->estimate;
+  case PROGRAM_BOUNDS:
+    return l->bytes[BUFFER_BOUNDS] > 0;
+  case PROGRAM_GATHER_AND_CACHE:
+  case PROGRAM_REGATHER:
+    return l->bytes[BUFFER_HORIZON_CACHE] > 0;
+  case PROGRAM_TEMPORAL:
+    return plan->config.max_history_frames > 0;
+  }
+  return true;
+}
+
+static bool kernel_needed(const hbil_plan *plan, int kernel) {
+  if (!program_needed(plan, kernels[kernel].program))
+    return false;
+  if (kernel == KERNEL_RELIGHT)
+    return plan->layout.history && plan->layout.skip & HBIL_SKIP_STATIC;
+  const bool bands = layout_has_bands(&plan->config);
+  if (kernel == KERNEL_SCATTER_ROWS || kernel == KERNEL_SCATTER_BANDS)
+    return bands;
+  if (kernels[kernel].program == PROGRAM_SCATTER)
+    return !bands;
+  return true;
+}
+
+static hbil_status build_kernels(hbil_plan *plan) {
+  char defines[MOST_DEFINES];
+  hbil_status status = write_defines(plan->context, &plan->config,
+                                     &plan->layout, defines, sizeof defines);
+  for (int i = 0; i < PROGRAM_COUNT && status == HBIL_SUCCESS; ++i)
+    if (program_needed(plan, i))
+      status = program_build(plan->context, &programs[i], defines,
+                             &plan->programs[i]);
+  for (int i = 0; i < KERNEL_COUNT && status == HBIL_SUCCESS; ++i) {
+    cl_int error = CL_SUCCESS;
+    if (!kernel_needed(plan, i))
+      continue;
+    plan->kernels[i] = clCreateKernel(plan->programs[kernels[i].program],
+                                      kernels[i].name, &error);
+    if (!plan->kernels[i])
+      status = fail_cl(plan->context, error, "clCreateKernel");
+  }
+  return status;
+}
+
+/* --- buffers --- */
+
+/* The most bytes that the device has in one buffer. */
+static hbil_status largest_buffer(hbil_context *context, cl_ulong *bytes) {
+  const cl_int error =
+      clGetDeviceInfo(context->device, CL_DEVICE_MAX_MEM_ALLOC_SIZE,
+                      sizeof *bytes, bytes, NULL);
+  return error == CL_SUCCESS ? HBIL_SUCCESS
+                             : fail_cl(context, error, "clGetDeviceInfo");
+}
+
+static hbil_status allocate(hbil_plan *plan) {
+  cl_ulong most = 0;
+  cl_int error = CL_SUCCESS;
+  const hbil_status status = largest_buffer(plan->context, &most);
+  if (status != HBIL_SUCCESS)
+    return status;
+  for (int i = 0; i < BUFFER_COUNT; ++i) {
+    const size_t bytes = plan->layout.bytes[i];
+    if (bytes > most)
+      return fail(plan->context, HBIL_OUT_OF_DEVICE_MEMORY,
+                  "a buffer of %zu bytes is needed, the device allows %llu",
+                  bytes, (unsigned long long)most);
+    if (!bytes)
+      continue;
+    plan->buffers[i] = clCreateBuffer(plan->context->context, CL_MEM_READ_WRITE,
+                                      bytes, NULL, &error);
+    if (!plan->buffers[i])
+      return fail_cl(plan->context, error, "clCreateBuffer");
+  }
+  return HBIL_SUCCESS;
+}
+
+/* "No surface" in all layers. */
+static cl_int clear_layers(hbil_plan *plan, cl_command_queue queue) {
+  const hbil_clear_args args = {plan->layout.split};
+  const cl_kernel kernel = plan->kernels[KERNEL_CLEAR_LAYERS];
+  const size_t *group = plan->context->group;
+  const size_t rows = HBIL_LAYERS * ((size_t)args.layers.height + 2);
+  const size_t global[2] = {(rows + group[0] - 1) / group[0] * group[0],
+                            group[1]};
+  cl_int error = clSetKernelArg(kernel, 0, sizeof args, &args);
+  if (error == CL_SUCCESS)
+    error =
+        clSetKernelArg(kernel, 1, sizeof(cl_mem), &plan->buffers[BUFFER_SPLIT]);
+  if (error == CL_SUCCESS)
+    error = clEnqueueNDRangeKernel(queue, kernel, 2, NULL, global, group, 0,
+                                   NULL, NULL);
+  return error;
+}
+
+/* Writes what no kernel writes: the padding of the layers, and counts of inputs
+ * that this plan never reads.  Waits, on a queue of its own. */
+static hbil_status fill_padding(hbil_plan *plan) {
+  static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT, BUFFER_SANITIZED};
+  const cl_float zero = 0.0f;
+  cl_int error = CL_SUCCESS;
+  cl_command_queue queue = clCreateCommandQueue(
+      plan->context->context, plan->context->device, 0, &error);
+  if (!queue)
+    return fail_cl(plan->context, error, "clCreateCommandQueue");
+  for (size_t i = 0; i < sizeof buffers / sizeof *buffers; ++i)
+    if (plan->buffers[buffers[i]] && error == CL_SUCCESS)
+      error = clEnqueueFillBuffer(
+          queue, plan->buffers[buffers[i]], &zero, sizeof zero, 0,
+          plan->layout.bytes[buffers[i]], 0, NULL, NULL);
+  if (error == CL_SUCCESS)
+    error = clear_layers(plan, queue);
+  const cl_int finished = clFinish(queue);
+  clReleaseCommandQueue(queue);
+  if (error == CL_SUCCESS)
+    error = finished;
+  return error == CL_SUCCESS
+             ? HBIL_SUCCESS
+             : fail_cl(plan->context, error, "filling the layers");
+}
+
+/* --- public --- */
+
+/* The caller's config, checked, with the vector width that is chosen for the
+ * device where it has none.  Farther than HBIL_FARTHEST_DEPTH is sky; the
+ * horizon cache is one buffer. */
+static hbil_status resolve_config(hbil_context *context,
+                                  const hbil_config *given,
+                                  hbil_config *resolved) {
+  cl_ulong most = 0;
+  hbil_status status = config_take(context, given, resolved);
+  if (status == HBIL_SUCCESS)
+    status = largest_buffer(context, &most);
+  if (!resolved->vector_width)
+    resolved->vector_width = context->vector_width;
+  if (resolved->horizon_cache_bytes > most)
+    resolved->horizon_cache_bytes = (size_t)most;
+  resolved->sky_depth = fminf(resolved->sky_depth, HBIL_FARTHEST_DEPTH);
+  return status;
+}
+
+hbil_status hbil_plan_memory(hbil_context *context, const hbil_config *config,
+                             size_t *bytes) {
+  layout sizes;
+  hbil_config resolved;
+  if (!context || !config || !bytes)
+    return HBIL_INVALID_ARGUMENT;
+  const hbil_status status = resolve_config(context, config, &resolved);
+  if (status != HBIL_SUCCESS)
+    return status;
+  layout_compute(&resolved, &sizes);
+  *bytes = 0;
+  for (int i = 0; i < BUFFER_COUNT; ++i)
+    *bytes += sizes.bytes[i];
+  return HBIL_SUCCESS;
+}
+
+hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
+                             hbil_plan **out) {
+  if (out)
+    *out = NULL;
+  hbil_config resolved;
+  if (!context || !config || !out)
+    return HBIL_INVALID_ARGUMENT;
+  hbil_status status = resolve_config(context, config, &resolved);
+  if (status != HBIL_SUCCESS)
+    return status;
+  hbil_plan *plan = calloc(1, sizeof *plan);
+  if (!plan)
+    return fail(context, HBIL_OUT_OF_HOST_MEMORY, "no memory for a plan");
+  plan->context = context;
+  plan->config = resolved;
+  layout_compute(&plan->config, &plan->layout);
+  if ((status = build_kernels(plan)) != HBIL_SUCCESS ||
+      (status = allocate(plan)) != HBIL_SUCCESS ||
+      (status = fill_padding(plan)) != HBIL_SUCCESS) {
+    hbil_plan_destroy(plan);
+    return status;
+  }
+  *out = plan;
+  return HBIL_SUCCESS;
+}
+
+void hbil_plan_destroy(hbil_plan *plan) {
+  if (!plan)
+    return;
+  for (int i = 0; i < plan->launches; ++i)
+    clReleaseEvent(plan->events[i]);
+  for (int i = 0; i < KERNEL_COUNT; ++i)
+    if (plan->kernels[i])
+      clReleaseKernel(plan->kernels[i]);
+  for (int i = 0; i < PROGRAM_COUNT; ++i)
+    if (plan->programs[i])
+      clReleaseProgram(plan->programs[i]);
+  for (int i = 0; i < BUFFER_COUNT; ++i)
+    if (plan->buffers[i])
+      clReleaseMemObject(plan->buffers[i]);
+  free(plan);
+}
+
+void hbil_plan_reset(hbil_plan *plan) {
+  if (plan)
+    plan->has_history = plan->has_last = plan->has_temporal = false;
+}
+
+hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
+                             hbil_buffer *out) {
+  static const int of_stage[] = {BUFFER_HISTORY,  BUFFER_CARRIED,
+                                 BUFFER_SPLIT,    BUFFER_LIGHT,
+                                 BUFFER_RESOLVED, BUFFER_TEMPORAL};
+  if (!plan || !out || (unsigned)stage > HBIL_STAGE_TEMPORAL_HISTORY)
+    return HBIL_INVALID_ARGUMENT;
+  const layout *l = &plan->layout;
+  const int buffer =
+      of_stage[stage] +
+      (stage == HBIL_STAGE_TEMPORAL_HISTORY ? plan->temporal : 0);
+  memset(out, 0, sizeof *out);
+  if (!plan->buffers[buffer])
+    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                "stage %d: this plan has no such buffer (no %s)", (int)stage,
+                stage == HBIL_STAGE_TEMPORAL_HISTORY ? "temporal filter"
+                                                     : "history");
+  out->buffer = plan->buffers[buffer];
+  if (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED) {
+    const hbil_layer_args *layers =
+        stage == HBIL_STAGE_SPLIT ? &l->split : &l->light;
+    out->plane_pitch = layers->plane;
+    out->row_pitch = layers->row;
+    out->layer_pitch = layers->layer;
+    out->origin = layers->origin;
+    out->values = layers->layer / layers->plane;
+    return HBIL_SUCCESS;
+  }
+  out->plane_pitch = l->planes.plane;
+  out->row_pitch = l->planes.row;
+  if (stage == HBIL_STAGE_RESOLVED) {
+    out->values =
+        (cl_uint)(l->bytes[buffer] / (out->plane_pitch * sizeof(cl_float)));
+    return HBIL_SUCCESS;
+  }
+  if (stage != HBIL_STAGE_CARRIED)
+    out->origin = hbil_history_origin(l->planes);
+  out->values =
+      (cl_uint)((l->bytes[buffer] / sizeof(cl_float) - 2 * out->origin) /
+                out->plane_pitch);
+  if (stage == HBIL_STAGE_CARRIED) /* coarser levels follow */
+    out->values = HBIL_CARRIED_PLANES;
+  return HBIL_SUCCESS;
+}

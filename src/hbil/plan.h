@@ -1,0 +1,94 @@
+/* A plan: the kernels and buffers of one configuration, and the state that its
+ * frames hand on. */
+#ifndef HBIL_PLAN_H
+#define HBIL_PLAN_H
+
+#include "context.h"
+#include "layout.h"
+
+enum {
+  PROGRAM_SCATTER,
+  PROGRAM_FOLLOW_MOTION,
+  PROGRAM_PUSH_PULL,
+  PROGRAM_CLEAR,
+  PROGRAM_SPLIT,
+  PROGRAM_BOUNDS,
+  PROGRAM_ESTIMATE,
+  PROGRAM_PATTERN,
+  PROGRAM_GATHER,
+  PROGRAM_GATHER_AND_CACHE,
+  PROGRAM_REGATHER,
+  PROGRAM_RECOMPOSE,
+  PROGRAM_TEMPORAL,
+  PROGRAM_COMPOSITE,
+  PROGRAM_COUNT
+};
+
+enum {
+  KERNEL_SCATTER_ROWS,
+  KERNEL_SCATTER_BANDS,
+  KERNEL_SCATTER_DEPTH,
+  KERNEL_SCATTER_INDEX,
+  KERNEL_SCATTER_FETCH,
+  KERNEL_FOLLOW_MOTION,
+  KERNEL_FIND_HOLES,
+  KERNEL_PUSH,
+  KERNEL_PULL,
+  KERNEL_CLEAR_LAYERS,
+  KERNEL_SPLIT,
+  KERNEL_RELIGHT,
+  KERNEL_BOUND_CELLS,
+  KERNEL_BOUND_QUADRANTS,
+  KERNEL_ESTIMATE_PART,
+  KERNEL_ESTIMATE_SUM,
+  KERNEL_PATTERN,
+  KERNEL_GATHER,
+  KERNEL_GATHER_AND_CACHE,
+  KERNEL_REGATHER,
+  KERNEL_RECOMPOSE,
+  KERNEL_TEMPORAL,
+  KERNEL_COMPOSITE,
+  KERNEL_COUNT
+};
+
+/* The most commands of a frame, for the profiling events: two for each level of
+ * the push/pull chain, and the others. */
+enum { MAX_LAUNCHES = 2 * MAX_CHAIN + 24 };
+
+struct hbil_plan {
+  hbil_context *context;
+  hbil_config config;
+  layout layout;
+  cl_mem buffers[BUFFER_COUNT];
+  cl_program programs[PROGRAM_COUNT];
+  cl_kernel kernels[KERNEL_COUNT];
+  /* light of the last frame, and where it was seen from */
+  bool has_history;
+  hbil_camera history_camera;
+  /* the temporal filter: which of its two buffers holds the last frame, and
+   * whether the other one has been written since the last composite */
+  bool has_temporal, temporal_written;
+  int temporal;
+  hbil_camera temporal_camera;
+  /* the last frame that was composed */
+  bool has_last;
+  hbil_camera last_camera;
+  cl_uint last_index;
+  /* passes of the frame that is being enqueued: whether the host left them out,
+   * and whether the device may have */
+  bool left_out[HBIL_PASS_COUNT], may_leave_out[HBIL_PASS_COUNT];
+  /* whether the last gather has filled the horizon cache, and whether that of
+   * the frame that is being enqueued reads it */
+  bool cache_filled, cache_used;
+  /* what the table of steps was last made for */
+  bool has_steps;
+  hbil_view_args steps_view;
+  hbil_pattern_args steps_pattern;
+  /* profiling */
+  int launches;
+  cl_event events[MAX_LAUNCHES];
+  cl_int events_error; /* why some are missing */
+  hbil_pass event_pass[MAX_LAUNCHES];
+};
+
+#endif

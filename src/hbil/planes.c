@@ -1,0 +1,85 @@
+/* The caller's planes: their names, formats and places in the public structs.
+ */
+#include "planes.h"
+
+#include <string.h>
+
+#define KIND(field, define, channels)                                          \
+  {                                                                            \
+#field, define, channels, offsetof(hbil_config, field),                    \
+        offsetof(hbil_frame, field)                                            \
+  }
+
+const plane_kind plane_kinds[PLANE_COUNT] = {
+    [PLANE_DEPTH] = KIND(depth, "DEPTH", 1),
+    [PLANE_NORMAL] = KIND(normal, "NORMAL", 3),
+    [PLANE_ALBEDO] = KIND(albedo, "ALBEDO", 3),
+    [PLANE_F0] = KIND(f0, "F0", 3),
+    [PLANE_DIRECT] = KIND(direct, "DIRECT", 3),
+    [PLANE_EMISSION] = KIND(emission, "EMISSION", 3),
+    [PLANE_MOTION] = KIND(motion, "MOTION", 2),
+    [PLANE_NEAR] = KIND(near_irradiance, "NEAR", 3),
+    [PLANE_FAR] = KIND(far_irradiance, "FAR", 3),
+    [PLANE_AO] = KIND(ao, "AO", 1),
+    [PLANE_BENT] = KIND(bent_normal, "BENT", 3),
+    [PLANE_CONE] = KIND(cone_cosine, "CONE", 1),
+    [PLANE_INDIRECT] = KIND(indirect, "INDIRECT", 3),
+    [PLANE_BEAUTY] = KIND(beauty, "BEAUTY", 3),
+    [PLANE_ERROR] = KIND(error_estimate, "ERROR", 2),
+};
+
+const hbil_plane_format *plane_format(const hbil_config *config, int plane) {
+  return (
+      const hbil_plane_format *)(const void *)((const char *)config +
+                                               plane_kinds[plane].format_at);
+}
+
+const hbil_plane *frame_plane(const hbil_frame *frame, int plane) {
+  return (const hbil_plane *)(const void *)((const char *)frame +
+                                            plane_kinds[plane].plane_at);
+}
+
+cl_uint format_stride(const hbil_config *config, int plane) {
+  const cl_uint stride = plane_format(config, plane)->stride;
+  return stride ? stride : plane_kinds[plane].channels;
+}
+
+size_t component_size(hbil_component component) {
+  return component == HBIL_FLOAT32 ? 4 : component == HBIL_FLOAT16 ? 2 : 1;
+}
+
+void plane_pitches(const hbil_config *config, int plane,
+                   const hbil_plane *given, size_t *row, size_t *channel) {
+  const size_t size = component_size(plane_format(config, plane)->component);
+  const size_t stride = format_stride(config, plane);
+  *row = given->row_pitch ? given->row_pitch : size * stride * config->width;
+  *channel = given->plane_pitch ? given->plane_pitch : *row * config->height;
+}
+
+size_t plane_extent(const hbil_config *config, int plane, size_t row,
+                    size_t channel) {
+  const size_t size = component_size(plane_format(config, plane)->component);
+  const size_t stride = format_stride(config, plane);
+  const size_t channels = plane_kinds[plane].channels;
+  const size_t across = (config->width - 1) * stride * size;
+  const size_t deep = (channels - 1) * (stride == 1 ? channel : size);
+  return (config->height - 1) * row + across + deep + size;
+}
+
+cl_mem plane_bind(const hbil_config *config, const hbil_frame *frame, int plane,
+                  hbil_external_plane_args *args) {
+  const hbil_plane_format *format = plane_format(config, plane);
+  const hbil_plane *given = frame_plane(frame, plane);
+  memset(args, 0, sizeof *args);
+  if (format->component == HBIL_NONE)
+    return NULL;
+  const size_t size = component_size(format->component);
+  size_t row, channel;
+  plane_pitches(config, plane, given, &row, &channel);
+  args->offset = (cl_uint)(given->offset / size);
+  args->row = (cl_uint)(row / size);
+  /* interleaved channels are neighbours */
+  args->plane =
+      format_stride(config, plane) == 1 ? (cl_uint)(channel / size) : 1;
+  return given->buffer;
+}

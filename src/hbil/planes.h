@@ -1,0 +1,62 @@
+/* The caller's planes: their names, formats and places in the public structs.
+ */
+#ifndef HBIL_PLANES_H
+#define HBIL_PLANES_H
+
+#include "hbil/hbil.h"
+#include "names.h"
+#include "shared.h"
+
+/* Planes of a frame, inputs first. */
+enum {
+  PLANE_DEPTH,
+  PLANE_NORMAL,
+  PLANE_ALBEDO,
+  PLANE_F0,
+  PLANE_DIRECT,
+  PLANE_EMISSION,
+  PLANE_MOTION,
+  PLANE_NEAR,
+  PLANE_FAR,
+  PLANE_AO,
+  PLANE_BENT,
+  PLANE_CONE,
+  PLANE_INDIRECT,
+  PLANE_BEAUTY,
+  PLANE_ERROR,
+  PLANE_COUNT,
+  PLANE_FIRST_OUTPUT = PLANE_NEAR
+};
+
+typedef struct plane_kind {
+  const char *name;   /* as in hbil_config and hbil_frame */
+  const char *define; /* prefix of its build defines */
+  cl_uint channels;
+  size_t format_at; /* offset in hbil_config */
+  size_t plane_at;  /* offset in hbil_frame */
+} plane_kind;
+extern const plane_kind plane_kinds[PLANE_COUNT];
+
+const hbil_plane_format *plane_format(const hbil_config *config, int plane);
+const hbil_plane *frame_plane(const hbil_frame *frame, int plane);
+
+/* Components from a pixel to the next: the stride, or its default. */
+cl_uint format_stride(const hbil_config *config, int plane);
+
+/* Bytes of a component; 1 for HBIL_NONE. */
+size_t component_size(hbil_component component);
+
+/* Pitches of a plane in bytes, with the defaults filled in. */
+void plane_pitches(const hbil_config *config, int plane,
+                   const hbil_plane *given, size_t *row, size_t *channel);
+
+/* Bytes from the first component to the end of the last one. */
+size_t plane_extent(const hbil_config *config, int plane, size_t row,
+                    size_t channel);
+
+/* A plane as a kernel takes it: its buffer, null where the plan has no format
+ * for it, and its place in components. */
+cl_mem plane_bind(const hbil_config *config, const hbil_frame *frame, int plane,
+                  hbil_external_plane_args *args);
+
+#endif

@@ -1,0 +1,256 @@
+/* OpenCL programs: one per pass, from the embedded sources or, while working on
+ * them, from the folder that HBIL_KERNEL_DIR names. */
+#include "program.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- the text of a file --- */
+
+static const char *embedded(const char *name) {
+  for (const kernel_source *s = kernel_sources; s->name; ++s)
+    if (!strcmp(s->name, name))
+      return s->text;
+  return NULL;
+}
+
+/* The whole of a file as a malloc'd string; NULL if it cannot be read. */
+static char *read_text(const char *path) {
+  FILE *file = fopen(path, "rb");
+  char *text = NULL;
+  long size = -1;
+  if (!file)
+    return NULL;
+  if (!fseek(file, 0, SEEK_END) && (size = ftell(file)) >= 0 &&
+      !fseek(file, 0, SEEK_SET) && (text = malloc((size_t)size + 1))) {
+    text[fread(text, 1, (size_t)size, file)] = '\0';
+  }
+  fclose(file);
+  return text;
+}
+
+/* The text of a kernel file, malloc'd if *owned; NULL after fail(). */
+static const char *source_text(hbil_context *context, const char *name,
+                               bool *owned) {
+  const char *folder = getenv("HBIL_KERNEL_DIR");
+  *owned = folder && *folder;
+  if (!*owned) {
+    const char *text = embedded(name);
+    if (!text)
+      fail(context, HBIL_BUILD_FAILED, "%s is not in the library", name);
+    return text;
+  }
+  const size_t size = strlen(folder) + strlen(name) + 2;
+  char *path = malloc(size), *text = NULL;
+  if (path) {
+    snprintf(path, size, "%s/%s", folder, name);
+    text = read_text(path);
+    if (!text)
+      fail(context, HBIL_BUILD_FAILED, "HBIL_KERNEL_DIR: cannot read %s", path);
+  }
+  free(path);
+  return text;
+}
+
+/* --- expanding #include lines --- */
+
+/* A program's text so far, and the files that are in it. */
+enum { MOST_FILES = 40, MOST_NAME = 64 };
+typedef struct source {
+  char *text;
+  size_t length, room;
+  int files;
+  char file[MOST_FILES][MOST_NAME];
+} source;
+
+static hbil_status append(hbil_context *context, source *s, const char *text,
+                          size_t length) {
+  if (s->length + length + 1 > s->room) {
+    const size_t room = 2 * (s->length + length + 1);
+    char *grown = realloc(s->text, room);
+    if (!grown)
+      return fail(context, HBIL_OUT_OF_HOST_MEMORY, "no memory for a program");
+    s->text = grown;
+    s->room = room;
+  }
+  memcpy(s->text + s->length, text, length);
+  s->length += length;
+  s->text[s->length] = '\0';
+  return HBIL_SUCCESS;
+}
+
+/* Tells the compiler where the next line is from, so that build logs name
+ * files. */
+static hbil_status append_position(hbil_context *context, source *s,
+                                   const char *name, int line) {
+  char text[MOST_NAME + 32];
+  const int length =
+      snprintf(text, sizeof text, "#line %d \"%s\"\n", line, name);
+  return append(context, s, text, (size_t)length);
+}
+
+/* The name in a line `#include "name"`; false for any other line. */
+static bool read_include(const char *line, char name[MOST_NAME]) {
+  static const char keyword[] = "#include \"";
+  const size_t length = sizeof keyword - 1;
+  if (strncmp(line, keyword, length))
+    return false;
+  const size_t named = strcspn(line + length, "\"\n");
+  if (line[length + named] != '"' || named >= MOST_NAME)
+    return false;
+  memcpy(name, line + length, named);
+  name[named] = '\0';
+  return true;
+}
+
+static hbil_status append_file(hbil_context *context, source *s,
+                               const char *name);
+
+static hbil_status append_lines(hbil_context *context, source *s,
+                                const char *name, const char *text) {
+  hbil_status status = append_position(context, s, name, 1);
+  for (int line = 1; *text && status == HBIL_SUCCESS; ++line) {
+    char included[MOST_NAME];
+    const size_t length = strcspn(text, "\n") + 1;
+    if (read_include(text, included)) {
+      status = append_file(context, s, included);
+      if (status == HBIL_SUCCESS)
+        status = append_position(context, s, name, line + 1);
+    } else {
+      status = append(context, s, text, length);
+    }
+    text += length;
+  }
+  return status;
+}
+
+static hbil_status append_file(hbil_context *context, source *s,
+                               const char *name) {
+  for (int i = 0; i < s->files; ++i)
+    if (!strcmp(s->file[i], name))
+      return HBIL_SUCCESS;
+  if (s->files == MOST_FILES)
+    return fail(context, HBIL_BUILD_FAILED, "%s: more than %d kernel files",
+                name, MOST_FILES);
+  snprintf(s->file[s->files++], MOST_NAME, "%s", name);
+  bool owned;
+  const char *text = source_text(context, name, &owned);
+  if (!text)
+    return HBIL_BUILD_FAILED;
+  const hbil_status status = append_lines(context, s, name, text);
+  if (owned)
+    free((void *)(size_t)text);
+  return status;
+}
+
+/* --- defines --- */
+
+static bool in_name(char c) {
+  return c == '_' || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') ||
+         (c >= 'a' && c <= 'z');
+}
+
+/* Whether a text has the word `name` of `length` characters. */
+static bool has_word(const char *text, const char *name, size_t length) {
+  for (const char *at = strchr(text, *name); at; at = strchr(at + 1, *name))
+    if (!strncmp(at, name, length) && !in_name(at[length]) &&
+        (at == text || !in_name(at[-1])))
+      return true;
+  return false;
+}
+
+/* Appends those of `defines` to the options whose names the text has. */
+static hbil_status add_defines(hbil_context *context, const char *text,
+                               const char *defines, char *options,
+                               size_t size) {
+  size_t length = strlen(options);
+  while (*defines) {
+    const size_t define = strcspn(defines, " ");
+    const char *name = defines + strlen("-D");
+    if (define > 0 && has_word(text, name, strcspn(name, "="))) {
+      if (length + define + 2 > size)
+        return fail(context, HBIL_BUILD_FAILED,
+                    "the build options don't fit into %zu characters", size);
+      options[length++] = ' ';
+      memcpy(options + length, defines, define);
+      length += define;
+    }
+    defines += define;
+    defines += *defines == ' ';
+  }
+  options[length] = '\0';
+  return HBIL_SUCCESS;
+}
+
+/* --- building --- */
+
+static hbil_status build_failure(hbil_context *context, cl_program program,
+                                 const char *pass, cl_int error) {
+  size_t size = 0;
+  char *log = NULL;
+  if (clGetProgramBuildInfo(program, context->device, CL_PROGRAM_BUILD_LOG, 0,
+                            NULL, &size) == CL_SUCCESS &&
+      (log = calloc(1, size + 1)))
+    clGetProgramBuildInfo(program, context->device, CL_PROGRAM_BUILD_LOG, size,
+                          log, NULL);
+  fail(context, HBIL_BUILD_FAILED, "clBuildProgram(%s.cl): %s (%d)\n%s", pass,
+       cl_error_name(error), (int)error, log ? log : "");
+  free(log);
+  return HBIL_BUILD_FAILED;
+}
+
+static hbil_status build(hbil_context *context, cl_program program,
+                         const program_kind *kind, const char *options) {
+  const cl_int error =
+      clBuildProgram(program, 1, &context->device, options, NULL, NULL);
+  if (error == CL_SUCCESS)
+    return HBIL_SUCCESS;
+  /* what is not for want of memory is the kernel's fault or the compiler's */
+  return status_of(error) == HBIL_OPENCL_ERROR
+             ? build_failure(context, program, kind->name, error)
+             : fail_cl(context, error, "clBuildProgram");
+}
+
+static hbil_status build_text(hbil_context *context, const program_kind *kind,
+                              const char *text, const char *defines,
+                              cl_program *out) {
+  char options[MOST_DEFINES + 128];
+  cl_int error = CL_SUCCESS;
+  snprintf(options, sizeof options, "-cl-std=CL1.2%s",
+           kind->relaxed           ? " -cl-fast-relaxed-math"
+           : context->exact_divide ? " -cl-fp32-correctly-rounded-divide-sqrt"
+                                   : "");
+  hbil_status status =
+      add_defines(context, text, kind->defines, options, sizeof options);
+  if (status == HBIL_SUCCESS)
+    status = add_defines(context, text, defines, options, sizeof options);
+  if (status != HBIL_SUCCESS)
+    return status;
+  *out = clCreateProgramWithSource(context->context, 1, &text, NULL, &error);
+  if (!*out)
+    return fail_cl(context, error, "clCreateProgramWithSource");
+  status = build(context, *out, kind, options);
+  if (status != HBIL_SUCCESS) {
+    clReleaseProgram(*out);
+    *out = NULL;
+  }
+  return status;
+}
+
+hbil_status program_build(hbil_context *context, const program_kind *kind,
+                          const char *defines, cl_program *out) {
+  /* Kernels spell out their fused operations; no compiler may add others. */
+  static const char first[] = "#pragma OPENCL FP_CONTRACT OFF\n";
+  source s = {.text = NULL};
+  char file[MOST_NAME];
+  *out = NULL;
+  snprintf(file, sizeof file, "%s.cl", kind->name);
+  hbil_status status = append(context, &s, first, sizeof first - 1);
+  if (status == HBIL_SUCCESS)
+    status = append_file(context, &s, file);
+  if (status == HBIL_SUCCESS)
+    status = build_text(context, kind, s.text, defines, out);
+  free(s.text);
+  return status;
+}

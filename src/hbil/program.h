@@ -1,0 +1,34 @@
+/* OpenCL programs, one per pass. */
+#ifndef HBIL_PROGRAM_H
+#define HBIL_PROGRAM_H
+
+#include <stdbool.h>
+
+#include "context.h"
+
+typedef struct program_kind {
+  const char *name;    /* of its file, without .cl */
+  bool relaxed;        /* relaxed arithmetic: results may differ in rounding */
+  const char *defines; /* of its own, beside the plan's; "" if none */
+} program_kind;
+
+/* The most characters that the defines of a plan take. */
+enum { MOST_DEFINES = 4096 };
+
+/* Builds the program of one pass.  Of `defines`, "-DNAME=VALUE" with spaces
+ * between, it gets those that its text names: plans that differ in nothing that
+ * a program reads then share it in the driver's cache.  #include "..." lines of
+ * the kernel files are expanded here, each file once: what is included under a
+ * condition must not be the first to include anything else. */
+hbil_status program_build(hbil_context *context, const program_kind *kind,
+                          const char *defines, cl_program *out);
+
+/* --- kernel_sources.c (generated from kernels/) --- */
+
+typedef struct kernel_source {
+  const char *name; /* path below kernels/ */
+  const char *text;
+} kernel_source;
+extern const kernel_source kernel_sources[]; /* ends with a NULL name */
+
+#endif

@@ -1,0 +1,184 @@
+/* What a frame took, left out and sanitized, read back. */
+#include "plan.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Kernels don't see hbil.h. */
+_Static_assert((int)HBIL_SPAN_SKY == (int)HBIL_SKIP_SKY &&
+                   (int)HBIL_SPAN_OPEN == (int)HBIL_SKIP_OPEN &&
+                   (int)HBIL_SPAN_DARK == (int)HBIL_SKIP_DARK &&
+                   (int)HBIL_SPAN_UNUSED == (int)HBIL_SKIP_UNUSED,
+               "the bits of a span are those of hbil_skip");
+
+static hbil_status read_buffer(hbil_plan *plan, cl_command_queue queue,
+                               int buffer, void *out) {
+  const cl_int error =
+      clEnqueueReadBuffer(queue, plan->buffers[buffer], CL_TRUE, 0,
+                          plan->layout.bytes[buffer], out, 0, NULL, NULL);
+  return error == CL_SUCCESS
+             ? HBIL_SUCCESS
+             : fail_cl(plan->context, error, "clEnqueueReadBuffer");
+}
+
+static hbil_status read_passes(hbil_plan *plan, cl_command_queue queue,
+                               hbil_statistics *out) {
+  cl_uint flags[HBIL_FLAGS];
+  const hbil_status status = read_buffer(plan, queue, BUFFER_FLAGS, flags);
+  if (status != HBIL_SUCCESS)
+    return status;
+  for (int p = 0; p < HBIL_PASS_COUNT; ++p) {
+    const int flag =
+        p == HBIL_PASS_PUSH_PULL ? HBIL_FLAG_HOLES : HBIL_FLAG_CHANGED;
+    out->not_run[p] =
+        plan->left_out[p] || (plan->may_leave_out[p] && !flags[flag]);
+  }
+  return HBIL_SUCCESS;
+}
+
+static void add(hbil_count *to, size_t pixels) {
+  to->pixels += pixels;
+  to->spans++;
+}
+
+/* A span of `inside` pixels of the picture. */
+static void count_span(hbil_statistics *out, unsigned skipped, size_t inside,
+                       size_t sky) {
+  add(&out->all, inside);
+  out->sky.pixels += sky;
+  if (skipped & HBIL_SKIP_SKY)
+    out->sky.spans++;
+  if (skipped & HBIL_SKIP_OPEN)
+    add(&out->open, inside - sky);
+  if (skipped & HBIL_SKIP_DARK)
+    add(&out->dark, inside - sky);
+  if (skipped & HBIL_SKIP_UNUSED)
+    add(&out->unused, inside - sky);
+}
+
+static void count_spans(const hbil_plan *plan, const unsigned char *spans,
+                        hbil_statistics *out) {
+  const size_t across = plan->layout.spans;
+  const size_t height = (size_t)plan->layout.split.height;
+  const size_t count = across * height * HBIL_LAYERS;
+  const size_t size = plan->config.vector_width == 1 ? 1 : HBIL_SPAN;
+  const size_t cached = plan->cache_used ? plan->layout.cache.rows : 0;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t layer = i / (across * height);
+    const size_t y = HBIL_SIDE * (i / across % height) + layer / HBIL_SIDE;
+    const size_t x = HBIL_SIDE * size * (i % across) + layer % HBIL_SIDE;
+    if (x >= plan->config.width || y >= plan->config.height)
+      continue;
+    const size_t right = (plan->config.width - x + HBIL_SIDE - 1) / HBIL_SIDE;
+    const size_t inside = right < size ? right : size;
+    /* lanes outside the picture are sky, too */
+    const size_t sky = spans[count + i] - (size - inside);
+    count_span(out, spans[i], inside, sky);
+    if (!spans[i] && i / across % height < cached)
+      add(&out->from_cache, inside - sky);
+  }
+}
+
+static hbil_status read_spans(hbil_plan *plan, cl_command_queue queue,
+                              hbil_statistics *out) {
+  unsigned char *spans = malloc(plan->layout.bytes[BUFFER_SPAN_STATES]);
+  if (!spans)
+    return fail(plan->context, HBIL_OUT_OF_HOST_MEMORY,
+                "no memory to count in");
+  const hbil_status status =
+      read_buffer(plan, queue, BUFFER_SPAN_STATES, spans);
+  if (status == HBIL_SUCCESS)
+    count_spans(plan, spans, out);
+  free(spans);
+  return status;
+}
+
+hbil_status hbil_plan_statistics(hbil_plan *plan, cl_command_queue queue,
+                                 hbil_statistics *out) {
+  if (!plan || !queue || !out)
+    return HBIL_INVALID_ARGUMENT;
+  memset(out, 0, sizeof *out);
+  if (!plan->has_last)
+    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                "hbil_plan_statistics: the plan has no frame yet");
+  const cl_int error = clFinish(queue);
+  if (error != CL_SUCCESS)
+    return fail_cl(plan->context, error, "clFinish");
+  hbil_status status = read_passes(plan, queue, out);
+  if (status == HBIL_SUCCESS)
+    status = read_spans(plan, queue, out);
+  if (status == HBIL_SUCCESS && out->not_run[HBIL_PASS_GATHER])
+    out->sky = out->open = out->dark = out->unused = out->from_cache =
+        (hbil_count){0, 0};
+  return status;
+}
+
+hbil_status hbil_plan_sanitized(hbil_plan *plan, cl_command_queue queue,
+                                hbil_sanitized *out) {
+  cl_uint words[HBIL_SANITIZED_WORDS];
+  if (!plan || !queue || !out)
+    return HBIL_INVALID_ARGUMENT;
+  memset(out, 0, sizeof *out);
+  if (!plan->has_last)
+    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                "hbil_plan_sanitized: the plan has no frame yet");
+  cl_int error = clFinish(queue);
+  if (error == CL_SUCCESS)
+    error = clEnqueueReadBuffer(queue, plan->buffers[BUFFER_SANITIZED], CL_TRUE,
+                                0, sizeof words, words, 0, NULL, NULL);
+  if (error != CL_SUCCESS)
+    return fail_cl(plan->context, error,
+                   "reading the counts of sanitized pixels");
+  size_t *const surface[HBIL_SURFACE_INPUTS] = {
+      [HBIL_SURFACE_ALBEDO] = &out->albedo,
+      [HBIL_SURFACE_F0] = &out->f0,
+      [HBIL_SURFACE_DIRECT] = &out->direct,
+      [HBIL_SURFACE_EMISSION] = &out->emission};
+  out->depth = words[HBIL_SANITIZED_DEPTH];
+  out->normal = words[HBIL_SANITIZED_NORMAL];
+  for (int i = 0; i < HBIL_SURFACE_INPUTS; ++i)
+    *surface[i] =
+        words[HBIL_SANITIZED_SURFACE + i] + words[HBIL_SANITIZED_LATE + i];
+  /* A first frame and a static one read no motion.  Where no light is carried
+   * over, the temporal filter has read it. */
+  if (!plan->left_out[HBIL_PASS_REPROJECT] ||
+      (plan->config.max_history_frames && !plan->layout.history))
+    out->motion = words[HBIL_SANITIZED_MOTION];
+  return HBIL_SUCCESS;
+}
+
+/* Adds one command's time to its pass. */
+static hbil_status add_time(hbil_plan *plan, int launch, double *milliseconds) {
+  cl_ulong start = 0, end = 0;
+  const cl_event event = plan->events[launch];
+  cl_int error = clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START,
+                                         sizeof start, &start, NULL);
+  if (error == CL_SUCCESS)
+    error = clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof end,
+                                    &end, NULL);
+  if (error != CL_SUCCESS)
+    return fail_cl(plan->context, error, "clGetEventProfilingInfo");
+  milliseconds[plan->event_pass[launch]] += (double)(end - start) * 1e-6;
+  return HBIL_SUCCESS;
+}
+
+hbil_status hbil_plan_timings(hbil_plan *plan,
+                              double milliseconds[HBIL_PASS_COUNT]) {
+  if (!plan || !milliseconds)
+    return HBIL_INVALID_ARGUMENT;
+  memset(milliseconds, 0, HBIL_PASS_COUNT * sizeof *milliseconds);
+  if (!plan->config.profiling)
+    return fail(plan->context, HBIL_INVALID_CONFIG,
+                "profiling: CL_FALSE; timings need CL_TRUE");
+  if (plan->events_error != CL_SUCCESS)
+    return fail_cl(plan->context, plan->events_error, "clRetainEvent");
+  if (!plan->launches)
+    return HBIL_SUCCESS;
+  const cl_int error = clWaitForEvents((cl_uint)plan->launches, plan->events);
+  if (error != CL_SUCCESS)
+    return fail_cl(plan->context, error, "clWaitForEvents");
+  hbil_status status = HBIL_SUCCESS;
+  for (int i = 0; i < plan->launches && status == HBIL_SUCCESS; ++i)
+    status = add_time(plan, i, milliseconds);
+  return status;
+}

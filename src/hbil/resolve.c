@@ -1,0 +1,146 @@
+/* recompose, temporal, composite: from layers to the caller's outputs. */
+#include "passes.h"
+
+#include "camera.h"
+#include "far_field.h"
+#include "planes.h"
+
+hbil_status enqueue_recompose(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const layout *l = &plan->layout;
+  const bool rest = may_rest(plan, frame);
+  plan->temporal_written = false; /* by a frame that was broken off */
+  if (rest && !l->history)
+    return leave_out(chain);
+  plan->may_leave_out[HBIL_PASS_RECOMPOSE] = rest;
+  const hbil_recompose_args args = {camera_view(&frame->camera, &plan->config),
+                                    l->split,
+                                    l->light,
+                                    l->planes,
+                                    l->errors,
+                                    rest};
+  const argument list[] = {ARG(args),
+                           BUFFER_ARG(plan, BUFFER_SPLIT),
+                           BUFFER_ARG(plan, BUFFER_LIGHT),
+                           BUFFER_ARG(plan, BUFFER_ESTIMATE),
+                           BUFFER_ARG(plan, BUFFER_RESOLVED),
+                           BUFFER_ARG(plan, BUFFER_FLAGS)};
+  const size_t rows =
+      plan->config.vector_width == 1 ? 1 : (size_t)HBIL_RECOMPOSE_ROWS;
+  return LAUNCH(chain, KERNEL_RECOMPOSE, list, l->spans,
+                (plan->config.height + rows - 1) / rows, 1);
+}
+
+/* Writes beside the history of the last frame; composite makes it the history,
+ * so that a frame which fails leaves none. */
+hbil_status enqueue_temporal(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const hbil_config *c = &plan->config;
+  if (!c->max_history_frames)
+    return HBIL_SUCCESS;
+  const hbil_camera *last =
+      plan->has_temporal ? &plan->temporal_camera : &frame->camera;
+  hbil_temporal_args args = {
+      .view = camera_view(&frame->camera, c),
+      .before = camera_view(last, c),
+      .back = camera_between(&frame->camera, last),
+      .split = plan->layout.split,
+      .planes = plan->layout.planes,
+      .motion_scale = {c->motion_scale[0], c->motion_scale[1]},
+      .disocclusion_threshold = c->disocclusion_threshold,
+      .most_frames = (cl_float)c->max_history_frames,
+      /* a mean over one frame is that frame */
+      .has_before = plan->has_temporal && c->max_history_frames > 1};
+  const cl_mem motion = plane_bind(c, frame, PLANE_MOTION, &args.motion);
+  const argument list[] = {ARG(args),
+                           BUFFER_ARG(plan, BUFFER_SPLIT),
+                           BUFFER_ARG(plan, BUFFER_RESOLVED),
+                           BUFFER_ARG(plan, BUFFER_TEMPORAL + plan->temporal),
+                           BUFFER_ARG(plan, BUFFER_TEMPORAL + !plan->temporal),
+                           ARG(motion),
+                           BUFFER_ARG(plan, BUFFER_SANITIZED)};
+  hbil_status status = plan->layout.history
+                           ? HBIL_SUCCESS
+                           : clear_counts(chain, HBIL_SANITIZED_MOTION, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_TEMPORAL, list,
+                    (vectors_across(plan) + 3) / 4, c->height, 1);
+  plan->temporal_written = status == HBIL_SUCCESS;
+  return status;
+}
+
+/* Makes the frame the plan's last one. */
+static void remember(hbil_plan *plan, const hbil_frame *frame) {
+  plan->has_last = true;
+  plan->last_camera = frame->camera;
+  plan->last_index = frame->frame_index;
+  if (plan->layout.history) {
+    plan->has_history = true;
+    plan->history_camera = frame->camera;
+  }
+  if (plan->temporal_written) {
+    plan->temporal_written = false;
+    plan->temporal = !plan->temporal;
+    plan->has_temporal = true;
+    plan->temporal_camera = frame->camera;
+  }
+}
+
+hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const hbil_config *c = &plan->config;
+  hbil_composite_args args = {.view = camera_view(&frame->camera, c),
+                              .to_world = camera_to_world(&frame->camera),
+                              .planes = plan->layout.planes,
+                              .environment =
+                                  far_field_args(c, frame->environment),
+                              .sky_depth = c->sky_depth,
+                              .direct_scale = c->direct_scale};
+  hbil_external_plane_args *const plane_args[PLANE_COUNT] = {
+      [PLANE_DEPTH] = &args.depth,
+      [PLANE_ALBEDO] = &args.albedo,
+      [PLANE_F0] = &args.f0,
+      [PLANE_DIRECT] = &args.direct,
+      [PLANE_EMISSION] = &args.emission,
+      [PLANE_NEAR] = &args.near_irradiance,
+      [PLANE_FAR] = &args.far_irradiance,
+      [PLANE_AO] = &args.ao,
+      [PLANE_BENT] = &args.bent_normal,
+      [PLANE_CONE] = &args.cone_cosine,
+      [PLANE_INDIRECT] = &args.indirect,
+      [PLANE_BEAUTY] = &args.beauty,
+      [PLANE_ERROR] = &args.error_estimate};
+  cl_mem plane[PLANE_COUNT] = {NULL};
+  for (int i = 0; i < PLANE_COUNT; ++i)
+    if (plane_args[i])
+      plane[i] = plane_bind(c, frame, i, plane_args[i]);
+  const argument list[] = {ARG(args),
+                           BUFFER_ARG(plan, BUFFER_RESOLVED),
+                           BUFFER_ARG(plan, BUFFER_ESTIMATE),
+                           BUFFER_ARG(plan, BUFFER_HISTORY),
+                           ARG(plane[PLANE_DEPTH]),
+                           ARG(plane[PLANE_ALBEDO]),
+                           ARG(plane[PLANE_F0]),
+                           ARG(plane[PLANE_DIRECT]),
+                           ARG(plane[PLANE_EMISSION]),
+                           ARG(plane[PLANE_NEAR]),
+                           ARG(plane[PLANE_FAR]),
+                           ARG(plane[PLANE_AO]),
+                           ARG(plane[PLANE_BENT]),
+                           ARG(plane[PLANE_CONE]),
+                           ARG(plane[PLANE_INDIRECT]),
+                           ARG(plane[PLANE_BEAUTY]),
+                           ARG(plane[PLANE_ERROR]),
+                           BUFFER_ARG(plan, BUFFER_SANITIZED)};
+  const cl_uint line = plan->layout.line;
+  hbil_status status =
+      plan->layout.late_counts
+          ? clear_counts(chain, HBIL_SANITIZED_LATE, HBIL_SURFACE_INPUTS)
+          : HBIL_SUCCESS;
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_COMPOSITE, list, (c->width + line - 1) / line,
+                    c->height, 1);
+  if (status == HBIL_SUCCESS)
+    remember(plan, frame);
+  return status;
+}

@@ -1,0 +1,138 @@
+/* split: the G-buffer in layers, and what is summed up of them: bounds, and the
+ * estimate of unseen light. */
+#include "passes.h"
+
+#include "camera.h"
+#include "planes.h"
+
+/* --- what is made of the layers --- */
+
+static hbil_status estimate(commands *chain) {
+  hbil_plan *plan = chain->plan;
+  const hbil_estimate_args args = {plan->layout.split};
+  const argument part[] = {ARG(args), BUFFER_ARG(plan, BUFFER_SPLIT),
+                           BUFFER_ARG(plan, BUFFER_ESTIMATE)};
+  const argument sum[] = {BUFFER_ARG(plan, BUFFER_ESTIMATE)};
+  const hbil_status status =
+      LAUNCH(chain, KERNEL_ESTIMATE_PART, part, HBIL_ESTIMATE_PARTS, 1, 1);
+  return status == HBIL_SUCCESS
+             ? LAUNCH(chain, KERNEL_ESTIMATE_SUM, sum, HBIL_ESTIMATE_SIZE, 1, 1)
+             : status;
+}
+
+static hbil_status bound(commands *chain, cl_int unchanged_is_done) {
+  hbil_plan *plan = chain->plan;
+  const hbil_bounds_args *b = &plan->layout.bounds;
+  const cl_int width = (cl_int)plan->config.vector_width;
+  const hbil_bound_cells_args levels[] = {
+      {b->group, b->cell, HBIL_CELL / width, HBIL_CELL * HBIL_SIDE,
+       unchanged_is_done},
+      {b->cell, b->block, HBIL_BLOCK, HBIL_BLOCK, unchanged_is_done},
+      {b->block, b->whole, b->block.width, b->block.height, unchanged_is_done}};
+  hbil_status status = HBIL_SUCCESS;
+  for (size_t i = 0; i < 3 && status == HBIL_SUCCESS; ++i) {
+    const argument list[] = {ARG(levels[i]), BUFFER_ARG(plan, BUFFER_BOUNDS),
+                             BUFFER_ARG(plan, BUFFER_FLAGS)};
+    status =
+        LAUNCH(chain, KERNEL_BOUND_CELLS, list, (size_t)levels[i].coarse.width,
+               (size_t)levels[i].coarse.height, 1);
+  }
+  if (status != HBIL_SUCCESS || !plan->layout.quadrants)
+    return status;
+  const hbil_bound_quadrants_args args = {*b, unchanged_is_done};
+  const argument list[] = {ARG(args), BUFFER_ARG(plan, BUFFER_BOUNDS),
+                           BUFFER_ARG(plan, BUFFER_FLAGS)};
+  return LAUNCH(chain, KERNEL_BOUND_QUADRANTS, list, (size_t)b->block.width,
+                (size_t)b->block.height, 1);
+}
+
+static hbil_status sum_up(commands *chain, cl_int unchanged_is_done) {
+  const hbil_plan *plan = chain->plan;
+  const hbil_status status = plan->buffers[BUFFER_BOUNDS]
+                                 ? bound(chain, unchanged_is_done)
+                                 : HBIL_SUCCESS;
+  return status == HBIL_SUCCESS && plan->layout.estimate ? estimate(chain)
+                                                         : status;
+}
+
+/* --- the layers --- */
+
+/* The inputs, as split and relight take them. */
+typedef struct inputs {
+  cl_mem depth, normal, albedo, f0, direct, emission;
+} inputs;
+
+static inputs bind_inputs(const hbil_plan *plan, const hbil_frame *frame,
+                          hbil_split_args *args) {
+  const hbil_config *c = &plan->config;
+  const inputs in = {plane_bind(c, frame, PLANE_DEPTH, &args->depth),
+                     plane_bind(c, frame, PLANE_NORMAL, &args->normal),
+                     plane_bind(c, frame, PLANE_ALBEDO, &args->albedo),
+                     plane_bind(c, frame, PLANE_F0, &args->f0),
+                     plane_bind(c, frame, PLANE_DIRECT, &args->direct),
+                     plane_bind(c, frame, PLANE_EMISSION, &args->emission)};
+  return in;
+}
+
+static hbil_split_args split_args(const hbil_plan *plan,
+                                  const hbil_frame *frame) {
+  const hbil_split_args args = {.view =
+                                    camera_view(&frame->camera, &plan->config),
+                                .to_view = camera_from_world(&frame->camera),
+                                .layers = plan->layout.split,
+                                .planes = plan->layout.planes,
+                                .groups = plan->layout.bounds.group,
+                                .sky_depth = plan->config.sky_depth,
+                                .direct_scale = plan->config.direct_scale,
+                                .has_history = plan->has_history};
+  return args;
+}
+
+/* Static frames: nothing but light is new. */
+static hbil_status relight(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  hbil_split_args args = split_args(plan, frame);
+  const inputs in = bind_inputs(plan, frame, &args);
+  const argument list[] = {ARG(args),
+                           BUFFER_ARG(plan, BUFFER_SPLIT),
+                           BUFFER_ARG(plan, BUFFER_HISTORY),
+                           ARG(in.depth),
+                           ARG(in.albedo),
+                           ARG(in.f0),
+                           ARG(in.direct),
+                           ARG(in.emission),
+                           BUFFER_ARG(plan, BUFFER_FLAGS),
+                           BUFFER_ARG(plan, BUFFER_BOUNDS)};
+  hbil_status status = set_flag(chain, HBIL_FLAG_CHANGED, 0);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_RELIGHT, list, (vectors_across(plan) + 3) / 4,
+                    plan->config.height, 1);
+  return status == HBIL_SUCCESS ? sum_up(chain, CL_TRUE) : status;
+}
+
+hbil_status enqueue_split(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  if (is_static(plan, frame))
+    return plan->layout.history ? relight(chain, frame) : leave_out(chain);
+  plan->cache_filled = false; /* with other shapes */
+  hbil_split_args args = split_args(plan, frame);
+  const inputs in = bind_inputs(plan, frame, &args);
+  const argument list[] = {ARG(args),
+                           BUFFER_ARG(plan, BUFFER_SPLIT),
+                           BUFFER_ARG(plan, BUFFER_CARRIED),
+                           ARG(in.depth),
+                           ARG(in.normal),
+                           ARG(in.albedo),
+                           ARG(in.f0),
+                           ARG(in.direct),
+                           ARG(in.emission),
+                           BUFFER_ARG(plan, BUFFER_USES),
+                           BUFFER_ARG(plan, BUFFER_SANITIZED),
+                           BUFFER_ARG(plan, BUFFER_BOUNDS)};
+  hbil_status status = clear_counts(chain, HBIL_SANITIZED_DEPTH,
+                                    HBIL_SANITIZED_LATE - HBIL_SANITIZED_DEPTH);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_SPLIT, list, (vectors_across(plan) + 3) / 4,
+                    plan->config.height, 1);
+  return status == HBIL_SUCCESS ? sum_up(chain, CL_FALSE) : status;
+}

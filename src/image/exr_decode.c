@@ -1,0 +1,123 @@
+#include "image/exr_decode.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Decodes one chunk of a part after the other. */
+typedef struct decoder {
+  const exr_file *file;
+  int part;
+  const image *img;
+  const exr_source *sources; /* one for each plane of img */
+  exr_decode_pipeline_t pipeline;
+  int started;
+} decoder;
+
+/* Makes the pipeline write the wanted channels into their planes, beginning at
+ * pixel (x,y).  Returns the number of wanted channels. */
+static int set_destinations(decoder *d, size_t x, size_t y) {
+  const size_t first = y * d->img->width + x;
+  int wanted = 0;
+  for (size_t i = 0; i < d->img->count; i++) {
+    if (d->sources[i].part != d->part)
+      continue;
+    exr_coding_channel_info_t *channel =
+        &d->pipeline.channels[d->sources[i].channel];
+    channel->decode_to_ptr = (uint8_t *)(d->img->planes[i].pixels + first);
+    channel->user_data_type =
+        d->img->planes[i].type == IMAGE_UINT ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT;
+    channel->user_bytes_per_element = sizeof(float);
+    channel->user_pixel_stride = sizeof(float);
+    channel->user_line_stride = (int32_t)(d->img->width * sizeof(float));
+    wanted++;
+  }
+  return wanted;
+}
+
+/*
+ * OpenEXRCore 3.1 has fast unpacking routines for parts with three or four
+ * channels.  They ignore which channels are wanted: they also write halves to
+ * the unset destinations of the others.  The library does not choose these
+ * routines if the pixel stride is one that they can't handle, so such a stride
+ * is set here while it chooses.
+ */
+static exr_result_t choose_routines(decoder *d, int wanted) {
+  for (int i = 0; i < d->pipeline.channel_count; i++)
+    if (wanted < d->pipeline.channel_count)
+      d->pipeline.channels[i].user_pixel_stride = 2 * sizeof(float);
+  return exr_decoding_choose_default_routines(d->file->context, d->part,
+                                              &d->pipeline);
+}
+
+/* Decodes a chunk whose top left pixel is (x,y) in the image. */
+static exr_result_t decode_chunk(decoder *d, const exr_chunk_info_t *chunk,
+                                 size_t x, size_t y) {
+  exr_context_t context = d->file->context;
+  exr_result_t result =
+      d->started
+          ? exr_decoding_update(context, d->part, chunk, &d->pipeline)
+          : exr_decoding_initialize(context, d->part, chunk, &d->pipeline);
+  if (result != EXR_ERR_SUCCESS)
+    return result;
+  const int wanted = set_destinations(d, x, y);
+  if (!d->started) {
+    d->started = 1;
+    result = choose_routines(d, wanted);
+    set_destinations(d, x, y); /* restores the true stride */
+  }
+  return result == EXR_ERR_SUCCESS
+             ? exr_decoding_run(context, d->part, &d->pipeline)
+             : result;
+}
+
+static exr_result_t decode_scanlines(decoder *d) {
+  const exr_file *f = d->file;
+  int32_t lines = 0;
+  exr_result_t result =
+      exr_get_scanlines_per_chunk(f->context, d->part, &lines);
+  if (result == EXR_ERR_SUCCESS && lines < 1)
+    result = EXR_ERR_INVALID_ATTR;
+  for (int64_t y = f->window.min.y;
+       result == EXR_ERR_SUCCESS && y <= f->window.max.y; y += lines) {
+    exr_chunk_info_t chunk;
+    result = exr_read_scanline_chunk_info(f->context, d->part, (int)y, &chunk);
+    if (result == EXR_ERR_SUCCESS)
+      result = decode_chunk(d, &chunk, 0, (size_t)(y - f->window.min.y));
+  }
+  return result;
+}
+
+static exr_result_t decode_tiles(decoder *d) {
+  const exr_file *f = d->file;
+  int32_t width = 0, height = 0;
+  exr_result_t result =
+      exr_get_tile_sizes(f->context, d->part, 0, 0, &width, &height);
+  if (result == EXR_ERR_SUCCESS && (width < 1 || height < 1))
+    result = EXR_ERR_INVALID_ATTR;
+  for (uint32_t y = 0; result == EXR_ERR_SUCCESS && y < d->img->height;
+       y += (uint32_t)height)
+    for (uint32_t x = 0; result == EXR_ERR_SUCCESS && x < d->img->width;
+         x += (uint32_t)width) {
+      exr_chunk_info_t chunk;
+      result = exr_read_tile_chunk_info(
+          f->context, d->part, (int)(x / (uint32_t)width),
+          (int)(y / (uint32_t)height), 0, 0, &chunk);
+      if (result == EXR_ERR_SUCCESS)
+        result = decode_chunk(d, &chunk, x, y);
+    }
+  return result;
+}
+
+int exr_decode(const exr_file *f, int part, const image *img,
+               const exr_source *sources) {
+  decoder d = {.file = f, .part = part, .img = img, .sources = sources};
+  exr_storage_t storage = EXR_STORAGE_SCANLINE;
+  exr_get_storage(f->context, part, &storage);
+  const exr_result_t result =
+      storage == EXR_STORAGE_TILED ? decode_tiles(&d) : decode_scanlines(&d);
+  if (d.started)
+    exr_decoding_destroy(f->context, &d.pipeline);
+  return result == EXR_ERR_SUCCESS
+             ? 0
+             : exr_file_fail(f, EXR_DAMAGED_PIXELS, result);
+}

@@ -1,0 +1,42 @@
+#include "image/exr_output.hpp"
+
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+ExrOutput::ExrOutput(const char *path, int file)
+    : Imf::OStream(path), fd(file) {
+}
+
+void ExrOutput::write(const char bytes[], int count) {
+  for (int done = 0; done < count;) {
+    const ssize_t n = pwrite(fd, bytes + done, size_t(count - done), off_t(at));
+    if (n < 0 && errno == EINTR)
+      continue;
+    if (n <= 0)
+      fail(n < 0 ? errno : ENOSPC);
+    done += int(n);
+    at += uint64_t(n);
+  }
+}
+
+uint64_t ExrOutput::tellp() {
+  return at;
+}
+
+void ExrOutput::seekp(uint64_t position) {
+  at = position;
+}
+
+const std::string &ExrOutput::failure() const {
+  return message;
+}
+
+void ExrOutput::fail(int code) {
+  if (message.empty())
+    message = std::strerror(code);
+  throw std::runtime_error(message);
+}

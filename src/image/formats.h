@@ -1,0 +1,32 @@
+/*
+ * PNG, TIFF and Radiance HDR files as planes, through OpenImageIO.
+ *
+ * Channels have the names that OpenImageIO gives them (R, G, B, A, Y).  Values
+ * are not converted: colours keep their encoding (image.gamma) and alpha is not
+ * multiplied in.  Integers become 0..1.
+ */
+#ifndef HBIL_IMAGE_FORMATS_H
+#define HBIL_IMAGE_FORMATS_H
+
+#include "image/error.h"
+#include "image/image.h"
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The largest image that is read: pixels x channels. */
+enum { FORMATS_MAX_VALUES = 1 << 27 };
+
+/* Do what exr_read_header() and exr_read() do, for these formats. */
+int formats_read_header(const char *path, image *out, image_error *error);
+int formats_read(const char *path, const char *const *names, size_t count,
+                 image *out, image_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,194 @@
+/* Writes what a job makes of a frame. */
+#include "tool/encode.h"
+
+#include "tool/report.h"
+#include "tool/heatmap.h"
+#include "tool/job_key.h"
+#include "tool/preview.h"
+#include "image/error.h"
+#include "image/exr_read.h"
+#include "image/exr_style.h"
+#include "image/exr_write.h"
+#include "image/image.h"
+#include "image/picture.h"
+#include "image/png_write.h"
+#include "image/window.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ------------------------------------------------------------------------ */
+/* Pictures                                                                  */
+
+static int write_preview(const encoder *e, const job_frame *f,
+                         const image *result, layer l, image_error *error) {
+  char *path = job_preview_path(f, l);
+  const int failed =
+      path ? preview_write(path, result, l, e->resume->exposure, error)
+           : image_no_memory(error, f->path);
+  free(path);
+  return failed;
+}
+
+static int write_previews(const encoder *e, const job_frame *f,
+                          const image *result, image_error *error) {
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (e->job->layers >> l & 1 &&
+        write_preview(e, f, result, (layer)l, error) != 0)
+      return -1;
+  return 0;
+}
+
+/* Reads the layers of a result that exists. */
+static int read_result(const job *j, const char *path, image *out,
+                       image_error *error) {
+  const char *names[LAYER_COUNT * 3];
+  image layers;
+  if (layers_image(j->layers, 0, 0, &layers) != 0)
+    return image_no_memory(error, path);
+  for (size_t i = 0; i < layers.count; i++)
+    names[i] = layers.planes[i].name;
+  const int failed = exr_read(path, names, layers.count, out, error);
+  image_free(&layers);
+  return failed;
+}
+
+/* The sheet always shows the first frame, which sets the exposure. */
+static int add_row(encoder *e, const job_frame *f, const image *result,
+                   image_error *error) {
+  const char *slash = strrchr(f->stem, '/');
+  if (!(e->resume->exposure > 0.0f))
+    e->resume->exposure = preview_exposure(result);
+  return contact_sheet_add(&e->sheet, slash + 1, result, e->resume->exposure) ==
+                 0
+             ? 0
+             : image_no_memory(error, e->job->settings->contact_sheet);
+}
+
+static int show_frame(encoder *e, size_t item, const char *path,
+                      const image *result, image_error *error) {
+  const job_frame *f = &e->job->frames[item];
+  image existing = {0};
+  if (!contact_sheet_shows(&e->sheet, item))
+    return 0;
+  if (resume_is_needed(e->resume, item))
+    return add_row(e, f, result, error);
+  const int failed = read_result(e->job, path, &existing, error) != 0 ||
+                     add_row(e, f, &existing, error) != 0;
+  image_free(&existing);
+  return failed ? -1 : 0;
+}
+
+/* ------------------------------------------------------------------------ */
+/* The result                                                                */
+
+/* Prints "[3/8] DIR/frame.exr", or shows a bar on a terminal. */
+static void print_line(encoder *e, size_t item, const char *path) {
+  if (e->job->settings->quiet)
+    return;
+  if (e->progress.terminal && !e->lines) {
+    progress_frames(&e->progress, e->done, e->needed);
+    return;
+  }
+  progress_line_begin();
+  fprintf(stderr, "[%d/%d] ", (int)item + 1, e->job->count);
+  report_text(path, stderr);
+  fputs(e->resume->finished[item] ? " is there already\n" : "\n", stderr);
+  progress_line_end();
+}
+
+/* Adds the copied channels behind the layers. */
+static int add_copied(image *result, const image *copied) {
+  for (size_t i = 0; i < copied->count; i++) {
+    image_plane *plane = image_add(result, copied->planes[i].name);
+    if (!plane)
+      return -1;
+    plane->type = copied->planes[i].type;
+    image_place(copied->planes[i].pixels, image_data_window(copied),
+                plane->pixels, image_data_window(result));
+  }
+  return 0;
+}
+
+static void remove_copied(image *result, size_t layers) {
+  while (result->count > layers)
+    free(result->planes[--result->count].pixels);
+}
+
+static int write_planes(const encoder *e, size_t item, const char *path,
+                        image *result, image *copied, image_error *error) {
+  const job_frame *f = &e->job->frames[item];
+  const exr_style style = {e->job->settings->compression, f->path};
+  const size_t layers = result->count;
+  job_key_sign(result, e->resume->keys[item]);
+  for (size_t i = 0; i < layers; i++)
+    result->planes[i].type = e->job->settings->half ? IMAGE_HALF : IMAGE_FLOAT;
+  const int failed = add_copied(result, copied) != 0
+                         ? image_no_memory(error, f->path)
+                         : exr_write_as(path, result, NULL, &style, error);
+  remove_copied(result, layers);
+  image_free(copied);
+  return failed;
+}
+
+static int write_result(encoder *e, size_t item, image *result, image *copied,
+                        image_error *error) {
+  const job_frame *f = &e->job->frames[item];
+  char *path = job_result_path(f);
+  if (!path)
+    return image_no_memory(error, f->path);
+  int failed = e->resume->finished[item]
+                   ? 0
+                   : write_planes(e, item, path, result, copied, error);
+  if (!failed)
+    failed = show_frame(e, item, path, result, error);
+  if (!failed)
+    print_line(e, item, path);
+  free(path);
+  return failed;
+}
+
+int encode_frame(encoder *e, size_t item, image *result, image *copied,
+                 image_error *error) {
+  const int preview = e->job->settings->preview;
+  if (resume_is_needed(e->resume, item)) {
+    e->done++;
+    if (item == 0 && preview)
+      e->resume->exposure = preview_exposure(result);
+    if (preview && !e->resume->finished[item] &&
+        write_previews(e, &e->job->frames[item], result, error) != 0)
+      return -1;
+  }
+  return write_result(e, item, result, copied, error);
+}
+
+/* ------------------------------------------------------------------------ */
+/* All frames                                                                */
+
+int encoder_open(encoder *e, image_error *error) {
+  const job *j = e->job;
+  for (int i = 0; i < j->count; i++)
+    e->needed += resume_is_needed(e->resume, (size_t)i) ? 1u : 0u;
+  progress_start(&e->progress, "frames", 0.0, j->settings->quiet);
+  if (!j->settings->contact_sheet)
+    return 0;
+  return contact_sheet_open(&e->sheet, j->layers, (size_t)j->count,
+                            j->shown.width, j->shown.height) == 0
+             ? 0
+             : image_no_memory(error, j->settings->contact_sheet);
+}
+
+int encoder_finish(encoder *e, image_error *error) {
+  const picture *sheet = &e->sheet.picture;
+  if (!sheet->rgb)
+    return 0;
+  if (e->sheet.unlabelled)
+    heatmap_warn_without_font();
+  return png_write(e->job->settings->contact_sheet, sheet->rgb, sheet->width,
+                   sheet->height, error);
+}
+
+void encoder_close(encoder *e) {
+  contact_sheet_close(&e->sheet);
+}

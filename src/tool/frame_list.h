@@ -1,0 +1,25 @@
+/* Which files a sequence has. */
+#ifndef HBIL_TOOL_FRAME_LIST_H
+#define HBIL_TOOL_FRAME_LIST_H
+
+#include "image/error.h"
+
+#include <stddef.h>
+
+typedef struct frame_list {
+  char **files; /* owned */
+  size_t count;
+} frame_list;
+
+/*
+ * Makes the list from arguments that are files or patterns, which have %d, %04d
+ * or #### in their names.  ranges: the numbers for the patterns, such as
+ * "1-240x2,300", or NULL for all that exist, which must be equally spaced.
+ * Returns 0, or -1 with `error` filled; missing frames are named.
+ */
+int frame_list_make(char *const *arguments, int count, const char *ranges,
+                    frame_list *out, image_error *error);
+
+void frame_list_free(frame_list *list);
+
+#endif

@@ -1,0 +1,64 @@
+/* Reads the frames of a job. */
+#include "tool/frame_source.h"
+
+#include "dump/frame_check.h"
+#include "dump/read_gbuffer.h"
+#include "tool/progress.h"
+#include "tool/report.h"
+#include "image/error.h"
+#include "image/exr_read.h"
+#include "image/image.h"
+
+#include <stdlib.h>
+
+static unsigned used_roles(const job *j) {
+  const unsigned always = 1u << ROLE_DEPTH | 1u << ROLE_NORMAL |
+                          1u << ROLE_ALBEDO | 1u << ROLE_DIRECT |
+                          1u << ROLE_EMISSION | 1u << ROLE_BACKGROUND;
+  const int moved = j->config.reprojection == HBIL_REPROJECTION_MOTION;
+  return always | (moved ? 1u << ROLE_MOTION : 0u);
+}
+
+static void warn(frame_source *s, const job_frame *f, const gbuffer *g) {
+  frame_check check;
+  if (s->job->settings->quiet || s->warned)
+    return;
+  frame_check_run(g, &s->job->config, &f->map.camera, &check);
+  for (int i = 0; i < check.found.count; i++) {
+    progress_line_begin();
+    report_note(f->path, "warning: ", check.found.text[i]);
+    progress_line_end();
+  }
+  s->warned = check.found.count > 0;
+}
+
+int frame_source_read(frame_source *s, size_t item, gbuffer *out,
+                      image_error *error) {
+  const job_frame *f = &s->job->frames[item];
+  if (gbuffer_read(f->path, &f->map, used_roles(s->job), out, error) != 0)
+    return -1;
+  warn(s, f, out);
+  return 0;
+}
+
+int frame_source_read_copied(const frame_source *s, size_t item, image *out,
+                             image_error *error) {
+  const char *path = s->job->frames[item].path;
+  image header, layers = {0};
+  if (exr_read_header(path, &header, error) != 0)
+    return -1;
+  const char **names = calloc(header.count + 1, sizeof *names);
+  size_t count = 0;
+  int failed = !names || layers_image(s->job->layers, 0, 0, &layers) != 0
+                   ? image_no_memory(error, path)
+                   : 0;
+  for (size_t i = 0; !failed && i < header.count; i++)
+    if (!image_find(&layers, header.planes[i].name))
+      names[count++] = header.planes[i].name;
+  if (!failed)
+    failed = exr_read_as_is(path, names, count, out, error);
+  free(names);
+  image_free(&layers);
+  image_free(&header);
+  return failed;
+}

@@ -1,0 +1,30 @@
+/* What can be told from a job alone. */
+#include "tool/job.h"
+
+#include "tool/paths.h"
+
+#include <stdlib.h>
+
+void job_free(job *j) {
+  for (int i = 0; j->frames && i < j->count; i++) {
+    free(j->frames[i].stem);
+    channel_map_free(&j->frames[i].map);
+  }
+  free(j->frames);
+  j->frames = NULL;
+}
+
+char *job_result_path(const job_frame *f) {
+  return path_join(f->stem, "", ".exr");
+}
+
+char *job_preview_path(const job_frame *f, layer l) {
+  char *stem = path_join(f->stem, ".", layer_table[l].name);
+  char *path = stem ? path_join(stem, "", ".png") : NULL;
+  free(stem);
+  return path;
+}
+
+unsigned job_runs(const job *j, int index) {
+  return j->settings->repeat + (index == 0 ? j->settings->warm_up : 0);
+}

@@ -1,0 +1,49 @@
+/*
+ * A job: all that is known about what is to be done before the first pixel is
+ * computed.  prepare_job.h makes it; afterwards it doesn't change.
+ */
+#ifndef HBIL_TOOL_JOB_H
+#define HBIL_TOOL_JOB_H
+
+#include "dump/frame_camera.h"
+#include "tool/layers.h"
+#include "tool/settings.h"
+#include "image/camera_json.h"
+#include "image/window.h"
+
+#include <sys/types.h>
+
+typedef struct job_frame {
+  const char *path;
+  dev_t disk; /* with inode: which file it is, whatever its name */
+  ino_t inode;
+  char *stem; /* DIR/NAME of its results, without an ending */
+  channel_map map;
+  frame_camera seen;
+  camera_file camera; /* fitted to the pixels that are computed */
+} job_frame;
+
+typedef struct job {
+  const process_settings *settings;
+  hbil_config config; /* those of the settings, with all choices made */
+  unsigned layers;    /* a set (layers.h) */
+  float environment[9][3];
+  job_frame *frames;
+  int count;
+  image_window window;    /* computed pixels: all that any frame has */
+  image_window shown;     /* written pixels */
+  uint32_t width, height; /* of window */
+  int folder_created;     /* 1: the output folder did not exist before */
+} job;
+
+/* Frees what the job owns.  It may be called on a zeroed job. */
+void job_free(job *j);
+
+/* Files of a frame's results; malloc'd, NULL if memory runs out. */
+char *job_result_path(const job_frame *f);
+char *job_preview_path(const job_frame *f, layer l);
+
+/* How often the frame with this index runs. */
+unsigned job_runs(const job *j, int index);
+
+#endif

@@ -1,0 +1,121 @@
+/* Keys: what a result was made from, as one number. */
+#include "tool/job_key.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/exr_read.h"
+#include "image/image.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+/* The hash of the bytes before and of these. */
+static uint64_t hash_bytes(uint64_t hash, const void *data, size_t bytes) {
+  return XXH3_64bits_withSeed(data, bytes, hash);
+}
+
+static uint64_t hash_text(uint64_t hash, const char *text) {
+  return hash_bytes(hash, text, strlen(text) + 1);
+}
+
+/* All settings but profiling, which changes no result.  The members between
+ * have four bytes each, so there is no padding. */
+static uint64_t hash_config(uint64_t hash, const hbil_config *config) {
+  const size_t from = offsetof(hbil_config, width);
+  const size_t to = offsetof(hbil_config, profiling);
+  return hash_bytes(hash, (const char *)config + from, to - from);
+}
+
+uint64_t job_key_begin(const job *j, const char *device) {
+  const process_settings *s = j->settings;
+  const unsigned more[] = {j->layers,
+                           s->repeat,
+                           s->warm_up,
+                           (unsigned)s->exact,
+                           (unsigned)s->preview,
+                           (unsigned)s->copy_channels,
+                           (unsigned)s->half,
+                           (unsigned)s->compression};
+  uint64_t hash = hash_text(0, hbil_version());
+  hash = hash_text(hash, device);
+  hash = hash_config(hash, &j->config);
+  hash = hash_bytes(hash, more, sizeof more);
+  return hash_bytes(hash, j->environment, sizeof j->environment);
+}
+
+/* How planes are read.  The members before `unit` have four bytes each, those
+ * from there on eight, so neither part has padding. */
+static uint64_t hash_map(uint64_t hash, const channel_map *map) {
+  const conventions *how = &map->how;
+  hash = hash_bytes(
+      hash, how, offsetof(conventions, motion_zero) + sizeof how->motion_zero);
+  hash =
+      hash_bytes(hash, &how->unit, sizeof *how - offsetof(conventions, unit));
+  for (int r = 0; r < ROLE_COUNT; r++)
+    for (size_t c = 0; c < map->count[r]; c++)
+      hash = hash_text(hash, map->names[r][c]);
+  return hash_bytes(hash, map->gamma, sizeof map->gamma);
+}
+
+static int hash_file(const char *path, uint64_t *hash, image_error *error) {
+  enum { BLOCK = 1 << 16 };
+  size_t read = BLOCK;
+  FILE *file = fopen(path, "rb");
+  char *block = file ? malloc(BLOCK) : NULL;
+  while (block && read == BLOCK) {
+    read = fread(block, 1, BLOCK, file);
+    *hash = hash_bytes(*hash, block, read);
+  }
+  const int failed = !block || ferror(file);
+  if (failed)
+    image_fail(error, "%s: cannot be read: %s", path, strerror(errno));
+  if (file)
+    fclose(file);
+  free(block);
+  return failed ? -1 : 0;
+}
+
+int job_key_next(const job_frame *f, uint64_t *key, image_error *error) {
+  const camera_file *c = &f->camera;
+  const double lens[] = {c->fx, c->fy, c->cx, c->cy};
+  uint64_t hash = hash_map(*key, &f->map);
+  int failed = hash_file(f->path, &hash, error);
+  for (int r = 0; r < ROLE_COUNT && !failed; r++)
+    if (f->map.files[r])
+      failed = hash_file(f->map.files[r], &hash, error);
+  hash = hash_bytes(hash, c->camera_to_world, sizeof c->camera_to_world);
+  *key = hash_bytes(hash, lens, sizeof lens);
+  return failed;
+}
+
+void job_key_sign(image *result, uint64_t key) {
+  snprintf(result->key, sizeof result->key, "%016" PRIx64, key);
+}
+
+/* Reads the whole file, which may have been copied only in part. */
+static int is_whole(const char *path, const image *header) {
+  const char **names = calloc(header->count + 1, sizeof *names);
+  image planes;
+  for (size_t i = 0; names && i < header->count; i++)
+    names[i] = header->planes[i].name;
+  const int whole =
+      names && exr_read(path, names, header->count, &planes, NULL) == 0;
+  if (whole)
+    image_free(&planes);
+  free(names);
+  return whole;
+}
+
+int job_key_is_finished(const char *result, uint64_t key) {
+  image header, wanted;
+  if (exr_read_header(result, &header, NULL) != 0)
+    return 0;
+  job_key_sign(&wanted, key);
+  const int finished =
+      strcmp(header.key, wanted.key) == 0 && is_whole(result, &header);
+  image_free(&header);
+  return finished;
+}

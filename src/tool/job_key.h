@@ -1,0 +1,27 @@
+/*
+ * Keys: what a result was made from, as one number.  Every result stores its
+ * key as an attribute of its file: a hash of the settings, of its frame and of
+ * all frames before it.  So an existing result is known to be the right one.
+ */
+#ifndef HBIL_TOOL_JOB_KEY_H
+#define HBIL_TOOL_JOB_KEY_H
+
+#include "tool/job.h"
+#include "image/error.h"
+#include "image/image.h"
+
+/* The key before the first frame: a hash of the tool's version, the device (its
+ * name and driver; "" for none) and all that changes a bit of a result. */
+uint64_t job_key_begin(const job *j, const char *device);
+
+/* The key of a frame, from that of the frame before it: takes in the frame's
+ * files, how they are read, and its camera.  0, or -1 with `error` filled. */
+int job_key_next(const job_frame *f, uint64_t *key, image_error *error);
+
+/* Stores the key in a result that is about to be written. */
+void job_key_sign(image *result, uint64_t key);
+
+/* Whether that file exists, is whole, and has this key. */
+int job_key_is_finished(const char *result, uint64_t key);
+
+#endif

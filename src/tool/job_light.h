@@ -1,0 +1,17 @@
+/* The light that a frame's planes don't contain: the far field of a job, and
+ * whether emission is gathered. */
+#ifndef HBIL_TOOL_JOB_LIGHT_H
+#define HBIL_TOOL_JOB_LIGHT_H
+
+#include "tool/job.h"
+#include "image/error.h"
+
+/* Reads --environment into j->environment and j->config.far_field.  0, or -1
+ * with `error` filled. */
+int job_environment_read(job *j, image_error *error);
+
+/* Decides by the first frame what the user left open (light_sources.h), and
+ * prints a line for each decision.  0, or -1 with `error` filled. */
+int job_light_decide(job *j, image_error *error);
+
+#endif

@@ -1,0 +1,95 @@
+/* Checks where a job writes. */
+#define _POSIX_C_SOURCE 200809L
+#include "tool/job_output.h"
+
+#include "tool/paths.h"
+#include "image/error.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Whether the results could be written, without leaving a trace. */
+static int look_at_folder(const char *folder, image_error *error) {
+  char *parent = path_parent(folder);
+  if (!parent)
+    return image_no_memory(error, folder);
+  const int there = access(folder, F_OK) == 0;
+  const int usable = access(there ? folder : parent, W_OK | X_OK) == 0;
+  free(parent);
+  return usable ? 0
+                : image_fail(error,
+                             "%s: output folder cannot be %s: %s; a folder in "
+                             "which you may write is needed",
+                             folder, there ? "written" : "created",
+                             strerror(errno));
+}
+
+/* Writes a file and removes it.  Permissions alone don't show read-only and
+ * special file systems. */
+static int try_to_write(const char *folder, image_error *error) {
+  char name[48];
+  snprintf(name, sizeof name, "/.hbil-test%ld", (long)getpid());
+  char *path = path_join(folder, "", name);
+  if (!path)
+    return image_no_memory(error, folder);
+  const int fd = open(path, O_WRONLY | O_CREAT | O_EXCL, 0600);
+  const int why = errno;
+  if (fd >= 0) {
+    close(fd);
+    unlink(path);
+  }
+  free(path);
+  if (fd >= 0)
+    return 0;
+  return image_fail(error,
+                    "%s: output folder cannot be written: %s; a folder in "
+                    "which you may write is needed",
+                    folder, strerror(why));
+}
+
+static int prepare_folder(job *j, image_error *error) {
+  const char *folder = j->settings->output;
+  if (j->settings->dry_run)
+    return look_at_folder(folder, error);
+  j->folder_created = mkdir(folder, 0777) == 0;
+  if (!j->folder_created && errno != EEXIST)
+    return image_fail(error,
+                      "%s: output folder cannot be created: %s; a folder that "
+                      "exists, or whose parent does, is needed",
+                      folder, strerror(errno));
+  return try_to_write(folder, error);
+}
+
+static int check_sheet(const job *j, image_error *error) {
+  const process_settings *s = j->settings;
+  const char *path = s->contact_sheet;
+  if (!path)
+    return 0;
+  if (access(path, F_OK) == 0 && !s->overwrite && !s->resume)
+    return image_fail(error,
+                      "%s: is there already; --overwrite or another name is "
+                      "needed",
+                      path);
+  /* the sheet's folder may be the one that a dry run doesn't make */
+  if (s->dry_run && access(s->output, F_OK) != 0)
+    return 0;
+  char *parent = path_parent(path);
+  if (!parent)
+    return image_no_memory(error, path);
+  const int writable = access(parent, W_OK | X_OK) == 0;
+  free(parent);
+  return writable ? 0
+                  : image_fail(error,
+                               "%s: cannot be written: %s; a folder in which "
+                               "you may write is needed",
+                               path, strerror(errno));
+}
+
+int job_output_prepare(job *j, image_error *error) {
+  return prepare_folder(j, error) != 0 || check_sheet(j, error) != 0 ? -1 : 0;
+}

@@ -1,0 +1,51 @@
+/* Layers: the results that the program writes, and their channels. */
+#ifndef HBIL_TOOL_LAYERS_H
+#define HBIL_TOOL_LAYERS_H
+
+#include "hbil/hbil.h"
+#include "image/error.h"
+#include "image/image.h"
+
+typedef enum layer {
+  LAYER_NEAR_IRRADIANCE = 0,
+  LAYER_FAR_IRRADIANCE,
+  LAYER_INDIRECT,
+  LAYER_AO,
+  LAYER_BENT_NORMAL,
+  LAYER_CONE_COSINE,
+  LAYER_BEAUTY,
+  LAYER_ERROR_ESTIMATE, /* written only on request */
+  LAYER_COUNT
+} layer;
+
+/* A set of layers is a bit mask of 1 << layer. */
+
+typedef struct layer_info {
+  const char *name;       /* of the field in hbil_config, and in the file */
+  const char *components; /* one letter for each channel: NAME.LETTER */
+  size_t format, image;   /* offsets in hbil_config and hbil_frame */
+} layer_info;
+
+extern const layer_info layer_table[LAYER_COUNT];
+
+/* What a mode writes without a request. */
+unsigned layers_of_mode(hbil_mode mode);
+
+/* What a mode can compute.  exact: by the exact integral, which has no error
+ * estimate. */
+unsigned layers_possible(hbil_mode mode, int exact);
+
+/* "ao, indirect" for a set of layers. */
+void layers_names(unsigned layers, char *text, size_t size);
+
+/* The set for "ao,indirect".  0, or -1 with `error` filled. */
+int layers_parse(const char *text, unsigned *out, image_error *error);
+
+/* A zeroed image with the planes of these layers, in the table's order.  0, or
+ * -1 if memory runs out. */
+int layers_image(unsigned layers, uint32_t width, uint32_t height, image *out);
+
+/* The plane of channel i of a layer, or NULL. */
+float *layers_plane(const image *img, layer l, size_t i);
+
+#endif

@@ -1,0 +1,128 @@
+/* Computes the light of a job's frames. */
+#define _DEFAULT_SOURCE 1 /* RLIMIT_AS */
+/* first, because it declares parameters that have the name of a type */
+#include "tool/exact.h"
+
+#include "tool/lighting.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/image.h"
+
+#include <stdint.h>
+#include <string.h>
+#include <sys/resource.h>
+
+int lighting_prepare(lighting *l, const job *j, image_error *error) {
+  return j->settings->exact
+             ? exact_sequence_check(&j->config, error)
+             : device_open(j->settings->device, j->settings->timings,
+                           &l->device, error);
+}
+
+static int open_exact(lighting *l, const job *j, image_error *error) {
+  exact_work work = {.frames = (unsigned)j->count, .quiet = j->settings->quiet};
+  for (int i = 0; i < j->count; i++)
+    work.runs += job_runs(j, i);
+  return exact_sequence_open(&j->config, &j->frames[0].map, j->layers, &work, &l->exact,
+                    error);
+}
+
+/* Whether the process may use any amount of memory.  PoCL allocates a buffer
+ * when it is first used and aborts if that fails. */
+static int memory_is_unlimited(void) {
+  struct rlimit limit;
+  return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
+}
+
+/* Bytes for the horizon cache.  The first run of a frame may have moved, the
+ * second one fills the cache, and later ones gain time; allocating the memory
+ * takes as long as three of them gain (HACKING.md). */
+static size_t horizon_cache_bytes(const lighting *l, const job *j) {
+  const unsigned long long mebibyte = 1u << 20, enough = 1024;
+  const process_settings *s = j->settings;
+  const unsigned runs = s->repeat + (j->count == 1 ? s->warm_up : 0);
+  const unsigned long long quarter = device_memory(l->device.id) / 4;
+  unsigned long long bytes = 0;
+  if (s->horizon_cache != HORIZON_CACHE_CHOOSE)
+    bytes = s->horizon_cache * mebibyte;
+  else if (runs >= 8 && memory_is_unlimited())
+    bytes = quarter < enough * mebibyte ? quarter : enough * mebibyte;
+  return bytes < SIZE_MAX ? (size_t)bytes : SIZE_MAX;
+}
+
+static int open_sequence(lighting *l, const job *j, image_error *error) {
+  return sequence_open(&l->device, &j->config, &j->frames[0].map, j->layers,
+                       &l->sequence, error);
+}
+
+int lighting_open(lighting *l, job *j, image_error *error) {
+  if (j->settings->exact)
+    return open_exact(l, j, error);
+  j->config.horizon_cache_bytes = horizon_cache_bytes(l, j);
+  if (open_sequence(l, j, error) == 0)
+    return 0;
+  /* a cache that nobody asked for must not make the job fail */
+  if (!j->config.horizon_cache_bytes ||
+      j->settings->horizon_cache != HORIZON_CACHE_CHOOSE)
+    return -1;
+  j->config.horizon_cache_bytes = 0;
+  return open_sequence(l, j, error);
+}
+
+void lighting_close(lighting *l) {
+  sequence_close(l->sequence);
+  exact_sequence_close(l->exact);
+  device_close(&l->device);
+  memset(l, 0, sizeof *l);
+}
+
+size_t lighting_memory(const lighting *l) {
+  return l->exact ? 0 : sequence_memory(l->sequence);
+}
+
+uint64_t lighting_hash(const lighting *l, const gbuffer *g) {
+  return l->exact ? 0 : sequence_hash(l->sequence, g);
+}
+
+int lighting_run(lighting *l, const job *j, size_t item, const gbuffer *g,
+                 uint64_t hash, image *result, timing_row *row,
+                 image_error *error) {
+  const job_frame *f = &j->frames[item];
+  const unsigned runs = job_runs(j, (int)item);
+  float environment[9][3];
+  memcpy(environment, j->environment, sizeof environment);
+  if (!l->exact)
+    return sequence_run(l->sequence, g, hash, &f->camera, environment, runs,
+                        result, row, error);
+  return exact_sequence_run(l->exact, g, &f->camera, environment, runs, result,
+                            error);
+}
+
+size_t lighting_history_size(const lighting *l) {
+  return l->exact ? exact_sequence_light_size(l->exact)
+                  : sequence_history_size(l->sequence);
+}
+
+int lighting_history_save(lighting *l, void *bytes, image_error *error) {
+  if (!l->exact)
+    return sequence_history_save(l->sequence, bytes, error);
+  exact_sequence_take_light(l->exact, bytes);
+  return 0;
+}
+
+int lighting_history_restore(lighting *l, const job *j, int item, void *bytes,
+                             image_error *error) {
+  const camera_file *camera = &j->frames[item].camera;
+  float environment[9][3];
+  memcpy(environment, j->environment, sizeof environment);
+  if (!l->exact)
+    return sequence_history_restore(l->sequence, camera, environment, bytes,
+                                    error);
+  exact_sequence_give_light(l->exact, camera, bytes);
+  return 0;
+}
+
+void lighting_expect(lighting *l, unsigned frames, unsigned runs) {
+  if (l->exact)
+    exact_sequence_expect(l->exact, frames, runs);
+}

@@ -1,0 +1,52 @@
+/* Computes the light of a job's frames: through the library, or by the exact
+ * integral. */
+#ifndef HBIL_TOOL_LIGHTING_H
+#define HBIL_TOOL_LIGHTING_H
+
+#include "tool/sequence.h"
+#include "tool/job.h"
+#include "image/error.h"
+#include "image/image.h"
+
+struct exact_sequence;
+
+typedef struct lighting {
+  device device;                /* of the library */
+  sequence *sequence;           /* either this */
+  struct exact_sequence *exact; /* or that */
+} lighting;
+
+/* Opens the device, or checks the settings of the exact integral.  l is zeroed
+ * before.  0, or -1 with `error` filled. */
+int lighting_prepare(lighting *l, const job *j, image_error *error);
+
+/* Makes kernels and buffers for the job as it is now.  0, or -1 with `error`
+ * filled. */
+int lighting_open(lighting *l, job *j, image_error *error);
+
+/* It may be called on a zeroed lighting and whatever the others returned. */
+void lighting_close(lighting *l);
+
+/* Bytes of device memory; 0 for the exact integral. */
+size_t lighting_memory(const lighting *l);
+
+/* See sequence_hash(); 0 for the exact integral. */
+uint64_t lighting_hash(const lighting *l, const gbuffer *g);
+
+/* Computes a frame's layers into the planes of result, which cover j->window.
+ * Frames come in order.  row: see sequence_run().  0, or -1. */
+int lighting_run(lighting *l, const job *j, size_t item, const gbuffer *g,
+                 uint64_t hash, image *result, timing_row *row,
+                 image_error *error);
+
+/* See sequence_history_size() and those below it.  item: the frame whose
+ * history it is. */
+size_t lighting_history_size(const lighting *l);
+int lighting_history_save(lighting *l, void *bytes, image_error *error);
+int lighting_history_restore(lighting *l, const job *j, int item, void *bytes,
+                             image_error *error);
+
+/* Tells, for the time that is shown, how many frames and runs are left. */
+void lighting_expect(lighting *l, unsigned frames, unsigned runs);
+
+#endif

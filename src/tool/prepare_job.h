@@ -1,0 +1,17 @@
+/* Makes a job from settings and files. */
+#ifndef HBIL_TOOL_PREPARE_JOB_H
+#define HBIL_TOOL_PREPARE_JOB_H
+
+#include "tool/job.h"
+#include "image/error.h"
+
+/*
+ * Everything that can be known to be wrong is looked for here, before the first
+ * pixel is read: all headers, all cameras, the names of the results, the output
+ * folder.  The settings and file names must outlive the job.  Returns 0, or -1
+ * with `error` filled; job_free() frees the job in both cases.
+ */
+int job_prepare(job *j, const process_settings *settings, char *const *files,
+                int count, image_error *error);
+
+#endif

@@ -1,0 +1,20 @@
+/* The command line of `hbil process`. */
+#ifndef HBIL_TOOL_PROCESS_ARGUMENTS_H
+#define HBIL_TOOL_PROCESS_ARGUMENTS_H
+
+#include "image/error.h"
+#include "tool/settings.h"
+
+typedef struct process_arguments {
+  process_settings settings;
+  const char *frames; /* the numbers for patterns (frame_list.h), or NULL */
+  char *const *files; /* the arguments behind the options */
+  int count;
+} process_arguments;
+
+/* Reads the command line and checks that its options fit together.  Returns 0,
+ * 1 if help is wanted, or -1 with `error` filled. */
+int process_arguments_read(int argc, char **argv, process_arguments *out,
+                           image_error *error);
+
+#endif

@@ -1,0 +1,189 @@
+/* The help text of `hbil process`.  Defaults come from the library. */
+#include "tool/process_help.h"
+
+#include "tool/settings.h"
+#include "tool/source_arguments.h"
+
+#include <stdio.h>
+
+static void print_files(void) {
+  puts(
+      "usage: hbil process [options] -o DIR FRAME.exr...\n"
+      "\n"
+      "Computes the indirect light of a sequence's frames, in order; each\n"
+      "frame hands its light on to the next.  Writes DIR/FRAME.exr.  Reads\n"
+      "the multi-layer files of renderers (see --source) and those of hbil\n"
+      "demo.  FRAME.exr may be a pattern such as shot.%04d.exr or\n"
+      "shot.####.exr.\n"
+      "\n"
+      "  -o, --output DIR      folder of the results; it is made if its "
+      "parent\n"
+      "                        exists\n"
+      "  --frames RANGES       numbers for the patterns, such as 1-240x2,300\n"
+      "                        (all that exist)\n"
+      "  --layers LIST         of near_irradiance, far_irradiance, indirect,\n"
+      "                        ao, bent_normal, cone_cosine, beauty,\n"
+      "                        error_estimate (all that the mode has, without\n"
+      "                        error_estimate)\n"
+      "  --copy-channels       also put the frame's own channels into its\n"
+      "                        result\n"
+      "  --compression NAME    none, rle, zips, zip, piz, pxr24, b44, b44a,\n"
+      "                        dwaa, dwab, or input for that of the frame "
+      "(zip)\n"
+      "  --half                store the layers as half floats\n"
+      "  --camera FILE         JSON camera of all frames (FRAME.json beside\n"
+      "                        each FRAME.exr)\n"
+      "  --environment R,G,B   far light, the same from everywhere\n"
+      "  --environment FILE    far light, a latitude-longitude map\n"
+      "  --environment none|frame\n"
+      "                        no far light, or the mean radiance of the\n"
+      "                        frame's own surfaces (chosen by the sky and "
+      "the\n"
+      "                        direct light of the first frame)");
+}
+
+static void print_running(void) {
+  puts(
+      "  --device NAME         index or part of a name, see hbil devices (the\n"
+      "                        first GPU, or else the first device)\n"
+      "  --overwrite           replace results that exist already; without it\n"
+      "                        they are an error\n"
+      "  --resume              continue an interrupted job: results in DIR\n"
+      "                        that were made from the same frames, settings,\n"
+      "                        device and version stay; the others get the "
+      "same\n"
+      "                        bits as without the interruption\n"
+      "  --dry-run             check everything, print what would be written,\n"
+      "                        and write nothing\n"
+      "  --repeat N            run every frame N times, for more bounces (1)\n"
+      "  --warm-up N           run the first frame N more times (3)\n"
+      "  --horizon-cache MIB   memory for caching horizons between runs of "
+      "the\n"
+      "                        same frame.  Makes the third and later runs\n"
+      "                        faster and doesn't change the result (1024, or\n"
+      "                        a quarter of the device's memory, when a frame\n"
+      "                        runs eight times or more; otherwise, and where\n"
+      "                        ulimit limits memory, 0)\n"
+      "  --preview             also write DIR/FRAME.LAYER.png\n"
+      "  --contact-sheet PNG   layers side by side, with at most eight frames\n"
+      "                        of the sequence below each other\n"
+      "  --timings             print milliseconds per pass and frame (of the\n"
+      "                        last run of each frame), and what was skipped.\n"
+      "                        A CPU device shares its cores with reading and\n"
+      "                        writing (hbil-bench measures passes alone)\n"
+      "  --json                print the timings as JSON\n"
+      "  --quiet               print no line per frame and no progress");
+}
+
+static void print_quality(const hbil_config *defaults) {
+  puts(
+      "\n"
+      "How well:\n"
+      "  --quality fast|balanced|high\n"
+      "                        sets slices, steps per side, step growth,\n"
+      "                        sample grid and storage; options behind it\n"
+      "                        overrule it\n"
+      "  --quality reference   the exact screen-space integral of the same\n"
+      "                        model, in double precision, on all CPUs and\n"
+      "                        without OpenCL: looks at every pixel that a\n"
+      "                        slice crosses, with --slices 1..4096 (256).\n"
+      "                        Takes minutes to hours; compare with it to see\n"
+      "                        the sampling error");
+  printf(
+      "  --slices N            slices per pixel, 1..32 (%u)\n"
+      "  --steps-per-side N    samples on each side of a slice, 1..256 (%u)\n"
+      "  --step-growth G       0: equal steps; otherwise the last step is\n"
+      "                        (1+G)^2 times the first (%g)\n",
+      defaults->slices, defaults->steps_per_side,
+      (double)defaults->step_growth);
+  puts(
+      "  --sample-grid full-resolution|same-layer\n"
+      "                        where samples may lie: any pixel, or every\n"
+      "                        fourth (full-resolution)\n"
+      "  --extrapolate yes|no  estimate occlusion between the samples from\n"
+      "                        what half of them miss (yes)\n"
+      "  --no-skip             do all work, even if it cannot change the\n"
+      "                        result (see --timings)\n"
+      "  --storage packed|float32\n"
+      "                        precision of the planes between the passes\n"
+      "                        (packed)\n"
+      "  --unfiltered          only undo the 4x4 interleaving, without the\n"
+      "                        filter\n"
+      "  --max-history-frames N\n"
+      "                        average the last N frames, each sampled with a\n"
+      "                        rotated pattern, which reduces noise.  Use 2 "
+      "to\n"
+      "                        4 for moving cameras and 8 or more for still\n"
+      "                        ones; 0..1024 (0: off)");
+}
+
+static void print_model(const hbil_config *defaults) {
+  puts("\n"
+       "The method:\n"
+       "  --model default|paper everything below that isn't given: the model\n"
+       "                        with the smallest error against path tracing,\n"
+       "                        or that of the paper (Mayaux 2018): infinite\n"
+       "                        thickness, facing fade -0.1,0, the last "
+       "accepted\n"
+       "                        sample's light in place of back-facing ones, "
+       "no\n"
+       "                        far light, radiance as feedback, no\n"
+       "                        extrapolation, 8 steps per side, no warm-up;\n"
+       "                        options behind it overrule it (default)\n"
+       "  --mode hbil|gtao|hbao near light and occlusion; cosine-weighted\n"
+       "                        occlusion and bent normal (all layers but\n"
+       "                        near_irradiance); uniform occlusion with "
+       "falloff\n"
+       "                        (ao, far_irradiance, indirect, beauty) (hbil)\n"
+       "  --falloff linear|soft|none\n"
+       "                        weight of an occluder at distance r within\n"
+       "                        radius R, for hbao: 1-r/R, 1-r/(3R), 1 "
+       "(linear)");
+  printf("  --radius R            world units, or inf (%g)\n"
+         "  --thickness T         of occluders, world units (inf)\n"
+         "  --relative-thickness T\n"
+         "                        the same as a share of their depth, or of\n"
+         "                        an orthographic picture's width (%g)\n"
+         "  --facing-fade A,B     cosines between which the light of a sample\n"
+         "                        fades in (%g,%g)\n",
+         (double)defaults->radius, (double)defaults->relative_thickness,
+         (double)defaults->facing_fade[0], (double)defaults->facing_fade[1]);
+  puts(
+      "  --back-facing-fallback black|frame-mean\n"
+      "                        light of samples that face away: none, or the\n"
+      "                        mean radiance of the frame (frame-mean)\n"
+      "  --gather-emission yes|no\n"
+      "                        emission lights neighbours, too (yes if the\n"
+      "                        first frame's direct light cannot contain what\n"
+      "                        its lamps emit)\n"
+      "  --reprojection none|scatter|motion\n"
+      "                        how light is carried to the next frame: not at\n"
+      "                        all, by the camera's movement, by motion "
+      "vectors\n"
+      "                        (scatter)");
+  printf("  --disocclusion-threshold S\n"
+         "                        drop carried light if its depth differs by\n"
+         "                        more than this share of the depth, or of an\n"
+         "                        orthographic picture's width (%g)\n",
+         (double)defaults->disocclusion_threshold);
+}
+
+void process_help(void) {
+  process_settings defaults;
+  process_settings_init(&defaults);
+  print_files();
+  print_running();
+  print_quality(&defaults.config);
+  print_model(&defaults.config);
+  source_usage();
+  puts(
+      "\n"
+      "Layers: near_irradiance, far_irradiance: E_near, E_far; indirect:\n"
+      "(1-F0)(E_near+E_far)/pi, which renderers call diffuse indirect, "
+      "without\n"
+      "albedo; ao.V: 1 open, 0 closed; bent_normal: unit vector, world space;\n"
+      "cone_cosine.V: cosine of the bent cone's half-angle; beauty: the lit\n"
+      "picture; error_estimate: how far ao (X) and near_irradiance (Y) of 95 "
+      "%\n"
+      "of the pixels may be off because samples are few.");
+}

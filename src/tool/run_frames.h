@@ -1,0 +1,27 @@
+/* Takes the frames of a job through reading, computing and writing. */
+#ifndef HBIL_TOOL_RUN_FRAMES_H
+#define HBIL_TOOL_RUN_FRAMES_H
+
+#include "tool/job.h"
+#include "tool/lighting.h"
+#include "tool/pipeline.h"
+#include "tool/resume.h"
+#include "image/error.h"
+
+/* What was measured. */
+typedef struct frame_times {
+  timing_row *rows;                  /* of each frame; owned */
+  double (*stages)[PIPELINE_STAGES]; /* seconds of each frame; owned */
+  double wall;                       /* seconds for all frames */
+  size_t computed;                   /* frames */
+} frame_times;
+
+/* Computes all frames that are needed and writes what is missing.  Returns 0,
+ * or -1 with `error` filled; frame_times_free() frees the times in both cases.
+ */
+int run_frames(const job *j, lighting *l, resume *r, frame_times *times,
+               image_error *error);
+
+void frame_times_free(frame_times *times);
+
+#endif

@@ -1,0 +1,34 @@
+/*
+ * The history that the last frame hands on, in a file beside the results.  With
+ * it an interrupted job can be continued.  The file exists while the job runs.
+ */
+#ifndef HBIL_TOOL_SAVED_HISTORY_H
+#define HBIL_TOOL_SAVED_HISTORY_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "image/error.h"
+
+typedef struct saved_history {
+  uint64_t key;   /* of the frame whose history it is (job_key.h) */
+  float exposure; /* of all previews */
+  size_t size;    /* of bytes; 0: there is no history */
+  void *bytes;    /* see lighting_history_save(); owned by the caller */
+} saved_history;
+
+/* Writes the file into the folder.  0, or -1 with `error` filled. */
+int saved_history_write(const char *folder, const saved_history *h,
+                        image_error *error);
+
+/* Reads the file if its size is h->size: fills in key, exposure and bytes, and
+ * returns 1.  Returns 0 if there is no such file. */
+int saved_history_read(const char *folder, saved_history *h);
+
+/* Removes the file. */
+void saved_history_remove(const char *folder);
+
+/* Removes the half-written files of processes that no longer run. */
+void saved_history_sweep(const char *folder);
+
+#endif

@@ -1,0 +1,60 @@
+/* Runs the frames of a sequence through the library: planes to cl_mem, all
+ * passes, cl_mem to planes. */
+#ifndef HBIL_TOOL_SEQUENCE_H
+#define HBIL_TOOL_SEQUENCE_H
+
+#include "dump/gbuffer.h"
+#include "tool/device.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/image.h"
+
+typedef struct sequence sequence;
+
+/* config: the settings; formats are filled in from the map and the set of
+ * layers (layers.h).  The device must outlive the sequence.  Returns 0, or -1
+ * with `error` filled and *out NULL. */
+int sequence_open(const device *d, const hbil_config *config,
+                  const channel_map *map, unsigned layers, sequence **out,
+                  image_error *error);
+void sequence_close(sequence *s); /* NULL is allowed */
+
+/* Bytes of device memory of the plan. */
+size_t sequence_memory(const sequence *s);
+
+/* What is measured of a frame. */
+typedef struct timing_row {
+  const char *frame; /* its name, which the caller sets */
+  double milliseconds[HBIL_PASS_COUNT];
+  hbil_statistics statistics;
+  hbil_sanitized sanitized;
+} timing_row;
+
+/*
+ * Runs a frame `repeat` times and copies the layers into the planes of result.
+ * Runs after the first, and a frame that equals the previous one, are static
+ * frames (hbil.h).  hash: that of sequence_hash().  row is filled, for the last
+ * run, if config.profiling is set.  Returns 0, or -1 with `error` filled.
+ */
+int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
+                 const camera_file *camera, float environment[9][3],
+                 unsigned repeat, image *result, timing_row *row,
+                 image_error *error);
+
+/* A hash of the planes that sequence_run() uploads, by which it recognises the
+ * previous frame.  Another thread may call it meanwhile. */
+uint64_t sequence_hash(const sequence *s, const gbuffer *g);
+
+/*
+ * The history: what the last frame hands on to the next one.  If it is restored
+ * into a new sequence with the same device and settings, together with the
+ * camera and environment of that frame, the next frame has the same bits as
+ * without the interruption.  size: bytes; 0 if these settings have no history.
+ */
+size_t sequence_history_size(const sequence *s);
+int sequence_history_save(sequence *s, void *bytes, image_error *error);
+int sequence_history_restore(sequence *s, const camera_file *camera,
+                             float environment[9][3], void *bytes,
+                             image_error *error);
+
+#endif

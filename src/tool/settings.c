@@ -1,0 +1,23 @@
+/* The settings of a job. */
+#include "tool/settings.h"
+
+#include "image/exr_style.h"
+#include "tool/model.h"
+
+#include <string.h>
+
+const char *const mode_words[] = {"hbil", "gtao", "hbao", NULL};
+const char *const falloff_words[] = {"linear", "soft", "none", NULL};
+
+void process_settings_init(process_settings *settings) {
+  memset(settings, 0, sizeof *settings);
+  hbil_config_init(&settings->config);
+  source_options_init(&settings->source);
+  model_set(&settings->config, MODEL_DEFAULT);
+  settings->warm_up = model_warm_up(MODEL_DEFAULT);
+  settings->repeat = 1;
+  settings->horizon_cache = HORIZON_CACHE_CHOOSE;
+  settings->compression = EXR_COMPRESSION_OF_ZIP;
+  /* the first frame decides (light_sources.h) */
+  settings->config.gather_emission = CL_FALSE;
+}

@@ -1,0 +1,44 @@
+/* The settings of a job: what `hbil process` is asked to do. */
+#ifndef HBIL_TOOL_SETTINGS_H
+#define HBIL_TOOL_SETTINGS_H
+
+#include "dump/source.h"
+#include "hbil/hbil.h"
+
+/* MiB that --horizon-cache takes at most, and the value that stands for
+ * "choose". */
+enum { HORIZON_CACHE_MOST = 1 << 20, HORIZON_CACHE_CHOOSE };
+
+typedef struct process_settings {
+  const char *output;      /* folder of the results; must be given */
+  const char *camera;      /* camera of all frames; NULL: each has its own */
+  source_options source;   /* how frames are read */
+  const char *environment; /* "R,G,B", "none", "frame", an image file, or NULL:
+                              chosen by the first frame */
+  const char *device;      /* see device_open() */
+  const char *contact_sheet; /* a PNG of frames and layers, or NULL */
+  unsigned layers;           /* a set (layers.h); 0: all that the mode has */
+  int emission_given;     /* 1: config.gather_emission is the user's choice */
+  unsigned repeat;        /* runs of every frame, at least 1 */
+  unsigned warm_up;       /* additional runs of the first frame */
+  unsigned horizon_cache; /* MiB, or HORIZON_CACHE_CHOOSE */
+  int preview, timings, json, quiet; /* flags */
+  int resume;    /* 1: results of the same settings and frames stay */
+  int overwrite; /* 1: existing results are replaced; 0: they are an error */
+  int copy_channels;  /* 1: results also get the frames' own channels */
+  int half;           /* 1: layers are stored as half floats */
+  int compression;    /* of the results, an index of exr_compressions */
+  int dry_run;        /* 1: only print what would be done */
+  int exact;          /* 1: the exact integral instead of the library */
+  hbil_config config; /* formats and size are filled in later */
+} process_settings;
+
+/* The defaults: all layers, the default model. */
+void process_settings_init(process_settings *settings);
+
+/* The words of --mode and --falloff, in the enums' order; they end with NULL.
+ */
+extern const char *const mode_words[];
+extern const char *const falloff_words[];
+
+#endif

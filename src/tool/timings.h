@@ -1,0 +1,33 @@
+/* Prints how long a job took: as a table, or as JSON. */
+#ifndef HBIL_TOOL_TIMINGS_H
+#define HBIL_TOOL_TIMINGS_H
+
+#include "tool/sequence.h"
+#include "tool/pipeline.h"
+#include "image/error.h"
+
+#include <stdio.h>
+
+typedef struct timing_report {
+  const char *device;
+  uint32_t width, height;
+  unsigned repeat;
+  size_t memory; /* bytes on the device */
+  const timing_row *rows;
+  size_t count;
+  const double (*stages)[PIPELINE_STAGES]; /* seconds: decode, device, encode */
+  double wall;                             /* seconds for all frames */
+  size_t computed; /* frames whose result did not exist */
+} timing_report;
+
+/* One line, without its end: how fast the job was, and which stage limited it.
+ */
+void timings_summary(const timing_report *report, FILE *out);
+
+/* A table on standard output. */
+void timings_table(const timing_report *report);
+
+/* The same as JSON.  0, or -1 with `error` filled. */
+int timings_json(const timing_report *report, image_error *error);
+
+#endif
