@@ -14,7 +14,7 @@
 /* A camera that stands still                                                */
 
 /* What single frames give, whose patterns are turned by their index. */
-static void singles(ref_planes *out, int count) {
+static void singles(exact_planes *out, int count) {
   setup s;
   averaging_init(&s, WIDTH, HEIGHT, 0);
   setup_start(&s);
@@ -27,20 +27,21 @@ static void singles(ref_planes *out, int count) {
 }
 
 /* Each frame has a share: 1/n, and 1/most from frame `most` on. */
-static void add_frame(ref_planes *mean, const ref_planes *frame, int n) {
+static void add_frame(exact_planes *mean, const exact_planes *frame, int n) {
   for (size_t i = 0; i < count_values(mean); ++i)
     mean->values[i] += (frame->values[i] - mean->values[i]) / n;
 }
 
 /* Of AO and E_near; a mean of bent normals is not of unit length.  Limit: three
  * roundings of fp32 a frame. */
-static void check_mean(const ref_planes *got, const ref_planes *want) {
-  check_at_most("E_near", relative_rmse(got, want, REF_NEAR, 3), 1e-6);
-  check_at_most("AO", relative_rmse(got, want, REF_AO, 1), 1e-6);
+static void check_mean(const exact_planes *got, const exact_planes *want) {
+  check_at_most("E_near", relative_rmse(got, want, EXACT_NEAR_IRRADIANCE, 3),
+                1e-6);
+  check_at_most("AO", relative_rmse(got, want, EXACT_AO, 1), 1e-6);
 }
 
 static void static_frames_are_averaged(void **state) {
-  ref_planes single[FRAMES], mean = ref_planes_new(WIDTH, HEIGHT, 17);
+  exact_planes single[FRAMES], mean = checked_planes(WIDTH, HEIGHT, 17);
   setup said, unsaid;
   (void)state;
   singles(single, FRAMES);
@@ -53,21 +54,21 @@ static void static_frames_are_averaged(void **state) {
     said.frame.static_frame = CL_TRUE; /* of no account in the first */
     setup_run(&said, hbil_enqueue_frame);
     setup_run(&unsaid, hbil_enqueue_frame);
-    ref_planes got = outputs_read(&said), other = outputs_read(&unsaid);
+    exact_planes got = outputs_read(&said), other = outputs_read(&unsaid);
     add_frame(&mean, &single[i], i < MOST ? i + 1 : MOST);
     check_mean(&got, &mean);
     same_bits(&other, &got);
-    ref_planes_free(&got);
-    ref_planes_free(&other);
-    ref_planes_free(&single[i]);
+    exact_planes_free(&got);
+    exact_planes_free(&other);
+    exact_planes_free(&single[i]);
   }
-  ref_planes_free(&mean);
+  exact_planes_free(&mean);
   setup_free(&unsaid);
   setup_free(&said);
 }
 
-static double squared_error(const ref_planes *got, const ref_planes *want) {
-  const double e = relative_rmse(got, want, REF_AO, 1);
+static double squared_error(const exact_planes *got, const exact_planes *want) {
+  const double e = relative_rmse(got, want, EXACT_AO, 1);
   return e * e;
 }
 
@@ -79,22 +80,22 @@ static double squared_error(const ref_planes *got, const ref_planes *want) {
  * worse than that.  Measured: 0.23, 0.085, 0.015 and 0.004 for 2, 4, 8 and 16.
  */
 static void noise_falls_with_the_frames(void **state) {
-  const ref_dense how = {.slices = 256};
-  ref_state expected;
+  const exact_dense how = {.slices = 256};
+  exact_state expected;
   double error[65], noise;
   setup s;
   (void)state;
   averaging_init(&s, WIDTH, HEIGHT, 64);
   s.config.steps_per_side = 32;
   setup_start(&s);
-  ref_state_init(&expected, WIDTH, HEIGHT);
-  ref_frame_dense(&expected, &s.job, &how);
+  checked_state(&expected, WIDTH, HEIGHT);
+  checked_run_frame_dense(&expected, &s.job, &how);
   for (int n = 1; n <= 64; ++n) {
     s.frame.frame_index = (cl_uint)n;
     setup_run(&s, hbil_enqueue_frame);
-    ref_planes got = outputs_read(&s);
+    exact_planes got = outputs_read(&s);
     error[n] = squared_error(&got, &expected.out);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
   }
   noise = error[1] - error[64];
   for (int n = 2; n <= 16; n *= 2) {
@@ -102,7 +103,7 @@ static void noise_falls_with_the_frames(void **state) {
     snprintf(what, sizeof what, "noise of %d frames", n);
     check_at_most(what, (error[n] - error[64]) / noise, 1.0 / n);
   }
-  ref_state_free(&expected);
+  exact_state_free(&expected);
   setup_free(&s);
 }
 
@@ -117,12 +118,12 @@ static void set_wall(setup *s, int left, float depth, float tilt) {
     for (int x = 0; x < WIDTH; ++x) {
       const int i = y * WIDTH + x;
       const bool patch = x >= left && x < left + 20 && y >= 10 && y < 40;
-      s->input[REF_DEPTH][i] = patch ? depth : 4.0f;
-      s->input[REF_NORMAL][i] = patch ? tilt : 0.0f;
-      s->input[REF_NORMAL + 1][i] = 0.0f;
-      s->input[REF_NORMAL + 2][i] = -1.0f;
+      s->input[EXACT_DEPTH][i] = patch ? depth : 4.0f;
+      s->input[EXACT_NORMAL][i] = patch ? tilt : 0.0f;
+      s->input[EXACT_NORMAL + 1][i] = 0.0f;
+      s->input[EXACT_NORMAL + 2][i] = -1.0f;
       for (int c = 0; c < 3; ++c)
-        s->input[REF_DIRECT + c][i] = (float)(1 + c + x % 7);
+        s->input[EXACT_DIRECT + c][i] = (float)(1 + c + x % 7);
     }
   setup_upload(s);
 }
@@ -139,19 +140,19 @@ static void check_anew(setup *s, setup *alone, bool (*changed)(int x, int y)) {
   hbil_plan_reset(alone->plan);
   setup_run(s, hbil_enqueue_frame);
   setup_run(alone, hbil_enqueue_frame);
-  ref_planes got = outputs_read(s), want = outputs_read(alone);
+  exact_planes got = outputs_read(s), want = outputs_read(alone);
   history h = history_read(s);
   for (int y = 0; y < HEIGHT; ++y)
     for (int x = 0; x < WIDTH; ++x) {
       const bool anew = changed(x, y);
       assert_true(history_value(&h, HISTORY_FRAMES, x, y) ==
                   (anew ? 1.0 : 2.0));
-      for (int p = 0; p < REF_OUTPUT_PLANES && anew; ++p)
-        assert_true(*ref_at(&got, p, x, y) == *ref_at(&want, p, x, y));
+      for (int p = 0; p < EXACT_OUTPUT_PLANES && anew; ++p)
+        assert_true(*exact_at(&got, p, x, y) == *exact_at(&want, p, x, y));
     }
   free(h.bytes);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
 }
 
 static bool moved_patch(int x, int y) {
@@ -257,7 +258,7 @@ static void invalid_history_is_dropped(void **state) {
       h = history_read(&s);
       for (int y = 0; y < HEIGHT; ++y)
         for (int x = 0; x < WIDTH; ++x) {
-          const bool solid = s.input[REF_DEPTH][y * WIDTH + x] > 0.0f;
+          const bool solid = s.input[EXACT_DEPTH][y * WIDTH + x] > 0.0f;
           const double n = history_value(&h, HISTORY_FRAMES, x, y);
           assert_true(n == (!solid ? 0.0 : x == 30 && y == 20 ? 1.0 : 2.0));
           for (int q = HISTORY_LIGHT; q < 10; ++q)
@@ -277,23 +278,23 @@ static void invalid_light_does_not_enter_the_history(void **state) {
   setup_run(&s, hbil_enqueue_frame);
   for (size_t i = 0; i < PASSES_BEFORE_FILTER; ++i)
     setup_run(&s, passes_before_filter[i]);
-  ref_planes fresh = stage_read(&s, HBIL_STAGE_RESOLVED);
-  *ref_at(&fresh, HBIL_LIGHT_RED, 30, 20) = NAN;
+  exact_planes fresh = stage_read(&s, HBIL_STAGE_RESOLVED);
+  *exact_at(&fresh, HBIL_LIGHT_RED, 30, 20) = NAN;
   stage_write(&s, HBIL_STAGE_RESOLVED, &fresh);
-  ref_planes_free(&fresh);
+  exact_planes_free(&fresh);
   setup_run(&s, hbil_enqueue_temporal);
   setup_run(&s, hbil_enqueue_composite);
   history h = history_read(&s);
   assert_true(history_value(&h, HISTORY_FRAMES, 30, 20) == 0.0);
   free(h.bytes);
-  ref_planes got = outputs_read(&s);
-  assert_true(isnan(*ref_at(&got, REF_NEAR, 30, 20)));
-  ref_planes_free(&got);
+  exact_planes got = outputs_read(&s);
+  assert_true(isnan(*exact_at(&got, EXACT_NEAR_IRRADIANCE, 30, 20)));
+  exact_planes_free(&got);
   setup_run(&s, hbil_enqueue_frame);
   got = outputs_read(&s);
   for (size_t i = 0; i < count_values(&got); ++i)
     assert_true(isfinite(got.values[i]));
-  ref_planes_free(&got);
+  exact_planes_free(&got);
   h = history_read(&s);
   assert_true(history_value(&h, HISTORY_FRAMES, 30, 20) == 1.0);
   assert_true(history_value(&h, HISTORY_FRAMES, 31, 20) == 3.0);
@@ -320,7 +321,7 @@ static void runs_have_the_same_bits(void **state) {
   averaging_init(&s, WIDTH, HEIGHT, MOST);
   setup_start(&s);
   run_moving(&s, 0, 4);
-  ref_planes want = outputs_read(&s), got;
+  exact_planes want = outputs_read(&s), got;
   for (int way = 0; way < 3; ++way) {
     hbil_plan_reset(s.plan);
     shim_use_groups(way == 1 ? groups : NULL);
@@ -334,7 +335,7 @@ static void runs_have_the_same_bits(void **state) {
     run_moving(&s, 3, 4);
     got = outputs_read(&s);
     same_bits(&got, &want);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
   }
   shim_use_groups(NULL);
   averaging_init(&guarded, WIDTH, HEIGHT, MOST);
@@ -345,8 +346,8 @@ static void runs_have_the_same_bits(void **state) {
   got = outputs_read(&guarded);
   same_bits(&got, &want);
   assert_int_equal(shim_overwritten(guarded.device->queue), 0);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
   setup_free(&guarded);
   setup_free(&s);
 }
@@ -361,11 +362,11 @@ static void small_pictures_stay_inside_their_buffers(void **state) {
     setup_start(&s);
     shim_guard_buffers(false);
     run_moving(&s, 0, 3);
-    ref_planes got = outputs_read(&s);
+    exact_planes got = outputs_read(&s);
     for (size_t v = 0; v < count_values(&got); ++v)
       assert_true(isfinite(got.values[v]));
     assert_int_equal(shim_overwritten(s.device->queue), 0);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
     setup_free(&s);
   }
 }

@@ -87,10 +87,10 @@ static void set_wedge(setup *s, const wedge *w) {
     side = seen_side(w, ray);
     plane_point(w, side, ray, point);
     assert_true(point[2] > 0.0);
-    s->input[REF_DEPTH][i] = (float)point[2];
+    s->input[EXACT_DEPTH][i] = (float)point[2];
     for (int c = 0; c < 3; ++c) {
-      s->input[REF_NORMAL + c][i] = (float)w->normal[side][c];
-      s->input[REF_DIRECT + c][i] = side ? (float)PI : 0.0f;
+      s->input[EXACT_NORMAL + c][i] = (float)w->normal[side][c];
+      s->input[EXACT_DIRECT + c][i] = side ? (float)PI : 0.0f;
     }
   }
 }
@@ -157,13 +157,13 @@ typedef struct wedge_errors {
 } wedge_errors;
 
 static wedge_errors wedge_deviation(const setup *s, const wedge *w,
-                                    const ref_planes *got) {
+                                    const exact_planes *got) {
   polygon shown = shown_part(s, w);
   wedge_errors e = {0.0, 0.0};
   int count = 0;
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
     int x = i % WIDTH, y = i / WIDTH;
-    double ray[3], point[3], factor, ao = *ref_at(got, HBIL_LIGHT_AO, x, y);
+    double ray[3], point[3], factor, ao = *exact_at(got, HBIL_LIGHT_AO, x, y);
     ray_at(s, x + 0.5, y + 0.5, ray);
     if (seen_side(w, ray))
       continue;
@@ -171,7 +171,7 @@ static wedge_errors wedge_deviation(const setup *s, const wedge *w,
     factor = view_factor(w, &shown, point);
     ++count;
     e.ao += pow(ao - (1.0 - factor), 2.0);
-    e.light += pow(*ref_at(got, HBIL_LIGHT_RED, x, y) / PI - factor, 2.0);
+    e.light += pow(*exact_at(got, HBIL_LIGHT_RED, x, y) / PI - factor, 2.0);
   }
   assert_true(count > WIDTH * HEIGHT / 4);
   e.ao = sqrt(e.ao / count);
@@ -220,7 +220,7 @@ static void check_wedges(bool orthographic) {
     double angle = degrees[i] * PI / 180.0;
     wedge w = make_wedge(angle, orthographic);
     wedge_errors e;
-    ref_planes got;
+    exact_planes got;
     check_infinite(&w, angle);
     set_wedge(&s, &w);
     setup_upload(&s);
@@ -230,7 +230,7 @@ static void check_wedges(bool orthographic) {
      * centres, off the slice near the edge and short of the screen's end. */
     check_at_most("AO", e.ao, 4e-3);
     check_at_most("E_near/pi", e.light, 4e-3);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
   }
   setup_free(&s);
 }
@@ -290,11 +290,11 @@ static void set_pit(setup *s, const pit *p) {
         abs(i % SIDE - MIDDLE) <= BOTTOM && abs(i / SIDE - MIDDLE) <= BOTTOM;
     double ray[3];
     ray_at(s, i % SIDE + 0.5, i / SIDE + 0.5, ray);
-    s->input[REF_DEPTH][i] =
+    s->input[EXACT_DEPTH][i] =
         (float)(bottom ? dot(apex, p->axis) / dot(ray, p->axis)
                        : pit_depth(p, apex, ray));
     for (int c = 0; c < 3; ++c) /* of the wall it does not matter */
-      s->input[REF_NORMAL + c][i] = (float)p->axis[c];
+      s->input[EXACT_NORMAL + c][i] = (float)p->axis[c];
   }
 }
 
@@ -314,7 +314,7 @@ static void to_world(const hbil_camera *camera, const double v[3],
 
 static double sky_at(const hbil_frame *frame, int channel, const double d[3]) {
   double basis[9], sum = 0.0;
-  ref_sh_basis(d, basis);
+  exact_sh_basis(d, basis);
   for (int i = 0; i < 9; ++i)
     sum += basis[i] * (double)frame->environment[i][channel];
   return sum;
@@ -352,8 +352,8 @@ static void set_sky(hbil_frame *frame) {
     }
 }
 
-static double bottom_value(const ref_planes *out, int plane) {
-  return *ref_at(out, plane, MIDDLE, MIDDLE);
+static double bottom_value(const exact_planes *out, int plane) {
+  return *exact_at(out, plane, MIDDLE, MIDDLE);
 }
 
 /* Limits for AO, bent normal, cone, E_far (relative). Measured: 5.4e-7, 3.4e-9,
@@ -368,23 +368,27 @@ static const pit_limits askew = {3e-3, 1e-3, 2e-3, 1e-2};
 
 static void check_pit(setup *s, const pit *p, const pit_limits *limit) {
   double open = pow(sin(p->half_angle), 2.0), bent = 0.0;
-  ref_planes out;
+  exact_planes out;
   set_pit(s, p);
   setup_upload(s);
   setup_run(s, hbil_enqueue_frame);
   out = outputs_read(s);
   for (int c = 0; c < 3; ++c)
-    bent = fmax(bent, fabs(bottom_value(&out, REF_BENT + c) - p->axis[c]));
-  check_at_most("AO", fabs(bottom_value(&out, REF_AO) - open), limit->ao);
-  check_at_most("cone", fabs(bottom_value(&out, REF_CONE) - cos(p->half_angle)),
-                1e-3);
+    bent = fmax(bent,
+                fabs(bottom_value(&out, EXACT_BENT_NORMAL + c) - p->axis[c]));
+  check_at_most("AO", fabs(bottom_value(&out, EXACT_AO) - open), limit->ao);
+  check_at_most(
+      "cone", fabs(bottom_value(&out, EXACT_CONE_COSINE) - cos(p->half_angle)),
+      1e-3);
   check_at_most("bent", bent, limit->bent);
   for (int c = 0; c < 3; ++c) {
     double want = through_cone(&s->frame, c, p);
-    check_at_most("E_far", fabs(bottom_value(&out, REF_FAR + c) / want - 1.0),
-                  limit->far);
+    check_at_most(
+        "E_far",
+        fabs(bottom_value(&out, EXACT_FAR_IRRADIANCE + c) / want - 1.0),
+        limit->far);
   }
-  ref_planes_free(&out);
+  exact_planes_free(&out);
 }
 
 static void start_pit(setup *s) {
@@ -421,7 +425,7 @@ static void skies_shine_through_cones(void **state) {
 static void bare_planes_have_the_known_constants(void **state) {
   const pit plane = {{0.36, 0.48, -0.8}, PI / 2.0};
   setup s;
-  ref_planes out;
+  exact_planes out;
   double world[3], basis[9];
   (void)state;
   start_pit(&s);
@@ -430,7 +434,7 @@ static void bare_planes_have_the_known_constants(void **state) {
   setup_run(&s, hbil_enqueue_frame);
   out = outputs_read(&s);
   to_world(&s.frame.camera, plane.axis, world);
-  ref_sh_basis(world, basis);
+  exact_sh_basis(world, basis);
   for (int c = 0; c < 3; ++c) {
     double want = 0.0;
     for (int i = 0; i < 9; ++i)
@@ -438,10 +442,11 @@ static void bare_planes_have_the_known_constants(void **state) {
                : i < 4 ? 2.0 * PI / 3.0
                        : PI / 4.0) *
               basis[i] * (double)s.frame.environment[i][c];
-    check_at_most("E_far", fabs(bottom_value(&out, REF_FAR + c) / want - 1.0),
-                  1e-5);
+    check_at_most(
+        "E_far",
+        fabs(bottom_value(&out, EXACT_FAR_IRRADIANCE + c) / want - 1.0), 1e-5);
   }
-  ref_planes_free(&out);
+  exact_planes_free(&out);
   setup_free(&s);
 }
 
@@ -451,7 +456,7 @@ static void bare_planes_have_the_known_constants(void **state) {
 static void check_furnace(scene_kind kind, hbil_back_facing_fallback refused) {
   const int pixels = 97 * 54;
   setup s;
-  ref_planes out;
+  exact_planes out;
   double worst = 0.0;
   setup_scene(&s, kind, 97, 54, 0);
   s.config.albedo.component = s.config.emission.component = HBIL_NONE;
@@ -462,21 +467,21 @@ static void check_furnace(scene_kind kind, hbil_back_facing_fallback refused) {
   s.config.far_irradiance = three_floats;
   for (int c = 0; c < 3; ++c) {
     s.frame.environment[0][c] = 1.0f;
-    setup_fill(&s, REF_DIRECT + c, 1.0f);
+    setup_fill(&s, EXACT_DIRECT + c, 1.0f);
   }
   setup_start(&s);
   setup_run(&s, hbil_enqueue_frame);
   out = outputs_read(&s);
   assert_int_equal(s.config.slices, 2);
   for (int i = 0; i < 3 * pixels; ++i)
-    if (s.input[REF_DEPTH][i % pixels] > 0.0f)
-      worst = fmax(worst, fabs((out.values[REF_NEAR * pixels + i] +
-                                out.values[REF_FAR * pixels + i]) /
+    if (s.input[EXACT_DEPTH][i % pixels] > 0.0f)
+      worst = fmax(worst, fabs((out.values[EXACT_NEAR_IRRADIANCE * pixels + i] +
+                                out.values[EXACT_FAR_IRRADIANCE * pixels + i]) /
                                    PI -
                                1.0));
   /* measured: 7.7e-7; the requirement is 2e-3 */
   check_at_most("furnace", worst, 1e-5);
-  ref_planes_free(&out);
+  exact_planes_free(&out);
   setup_free(&s);
 }
 
@@ -493,7 +498,7 @@ static void near_and_far_light_add_up_to_pi(void **state) {
 static void indirect_light_is_scaled_by_what_enters(void **state) {
   const int pixels = 97 * 54;
   setup s;
-  ref_planes out;
+  exact_planes out;
   double worst = 0.0;
   (void)state;
   setup_scene(&s, SCENE_ROOM, 97, 54, 0);
@@ -503,22 +508,22 @@ static void indirect_light_is_scaled_by_what_enters(void **state) {
   for (int c = 0; c < 3; ++c) {
     s.frame.environment[0][c] = 0.5f;
     for (int i = 0; i < pixels; ++i)
-      s.input[REF_F0 + c][i] = (float)((i + c) % 9) / 8.0f;
+      s.input[EXACT_F0 + c][i] = (float)((i + c) % 9) / 8.0f;
   }
   setup_start(&s);
   setup_run(&s, hbil_enqueue_frame);
   out = outputs_read(&s);
   for (int i = 0; i < 3 * pixels; ++i) {
-    double light =
-        out.values[REF_NEAR * pixels + i] + out.values[REF_FAR * pixels + i];
-    double entering = 1.0 - (double)s.input[REF_F0 + i / pixels][i % pixels];
-    double indirect = out.values[REF_INDIRECT * pixels + i];
+    double light = out.values[EXACT_NEAR_IRRADIANCE * pixels + i] +
+                   out.values[EXACT_FAR_IRRADIANCE * pixels + i];
+    double entering = 1.0 - (double)s.input[EXACT_F0 + i / pixels][i % pixels];
+    double indirect = out.values[EXACT_INDIRECT * pixels + i];
     if (light > 0.0)
       worst = fmax(worst, fabs(indirect * PI / light - entering));
   }
   /* derived: four roundings of 6e-8; measured: 1.4e-7 */
   check_at_most("1 - F0", worst, 2.4e-7);
-  ref_planes_free(&out);
+  exact_planes_free(&out);
   setup_free(&s);
 }
 

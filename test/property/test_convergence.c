@@ -33,14 +33,14 @@ static bool is_inside(region where, int x, int y) {
          (where == CENTRE ? middle_x && middle_y : !middle_x && !middle_y);
 }
 
-static double mean_of(const ref_planes *p, int first, int count) {
+static double mean_of(const exact_planes *p, int first, int count) {
   double sum = 0.0;
   for (int i = first * PIXELS; i < (first + count) * PIXELS; ++i)
     sum += p->values[i];
   return sum / (count * PIXELS);
 }
 
-static double rmse(const ref_planes *got, const ref_planes *want, int first,
+static double rmse(const exact_planes *got, const exact_planes *want, int first,
                    int count, region where) {
   double sum = 0.0;
   int pixels = 0;
@@ -59,7 +59,7 @@ typedef struct deviation {
   double ao, light;
 } deviation;
 
-static deviation deviation_of(const ref_planes *got, const ref_planes *want,
+static deviation deviation_of(const exact_planes *got, const exact_planes *want,
                               region where) {
   deviation d = {rmse(got, want, HBIL_LIGHT_AO, 1, where),
                  rmse(got, want, HBIL_LIGHT_RED, 3, where) /
@@ -86,25 +86,25 @@ static void start(setup *s, double fov, cl_uint slices, cl_uint samples,
   setup_start(s);
 }
 
-static ref_planes kernels(double fov, cl_uint slices, cl_uint samples,
-                          int turns, bool extrapolate) {
+static exact_planes kernels(double fov, cl_uint slices, cl_uint samples,
+                            int turns, bool extrapolate) {
   setup s;
-  ref_planes got;
+  exact_planes got;
   start(&s, fov, slices, samples, extrapolate);
   got = stage_gathered_mean(&s, turns);
   setup_free(&s);
   return got;
 }
 
-static ref_planes exact(double fov, int slices, bool jacobian) {
-  const ref_dense how = {.slices = slices, .equal_weights = !jacobian};
+static exact_planes exact(double fov, int slices, bool jacobian) {
+  const exact_dense how = {.slices = slices, .equal_weights = !jacobian};
   setup s;
-  ref_planes split, want = ref_planes_new(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
+  exact_planes split, want = checked_planes(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
   start(&s, fov, 2, 8, false);
-  split = ref_planes_new(WIDTH, HEIGHT, HBIL_SPLIT_PLANES);
-  ref_split(&s.job, NULL, &split);
-  ref_gather_dense(&s.job, &split, &how, &want);
-  ref_planes_free(&split);
+  split = checked_planes(WIDTH, HEIGHT, HBIL_SPLIT_PLANES);
+  exact_split(&s.job, NULL, &split);
+  checked_gather_dense(&s.job, &split, &how, &want);
+  exact_planes_free(&split);
   setup_free(&s);
   return want;
 }
@@ -125,7 +125,7 @@ static void tell(double fov, const effort *e, deviation d) {
             (unsigned)e->slices, (unsigned)e->samples, e->turns, d.ao, d.light);
 }
 
-static void check_regions(const ref_planes *got, const ref_planes *want) {
+static void check_regions(const exact_planes *got, const exact_planes *want) {
   for (region where = 0; where < REGIONS; ++where) {
     deviation d = deviation_of(got, want, where);
     if (getenv("HBIL_TEST_VERBOSE"))
@@ -136,11 +136,11 @@ static void check_regions(const ref_planes *got, const ref_planes *want) {
 }
 
 static void check_view(double fov) {
-  ref_planes want = exact(fov, SLICES, true);
+  exact_planes want = exact(fov, SLICES, true);
   deviation before = {INFINITY, INFINITY};
   for (size_t i = 0; i < EFFORTS; ++i) {
     const effort *e = efforts + i;
-    ref_planes got = kernels(fov, e->slices, e->samples, e->turns, true);
+    exact_planes got = kernels(fov, e->slices, e->samples, e->turns, true);
     deviation d = deviation_of(&got, &want, WHOLE);
     tell(fov, e, d);
     /* measured: to less than a half each time */
@@ -148,9 +148,9 @@ static void check_view(double fov) {
     before = d;
     if (i == EFFORTS - 1)
       check_regions(&got, &want);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
   }
-  ref_planes_free(&want);
+  exact_planes_free(&want);
 }
 
 static void a_view_of_30_degrees_converges(void **state) {
@@ -181,46 +181,46 @@ static void equal_weights_are_wrong_in_the_corners(void **state) {
   const double fov[] = {90.0, 120.0};
   (void)state;
   for (int i = 0; i < 2; ++i) {
-    ref_planes want = exact(fov[i], 256, true);
-    ref_planes got = exact(fov[i], 256, false);
+    exact_planes want = exact(fov[i], 256, true);
+    exact_planes got = exact(fov[i], 256, false);
     deviation d = deviation_of(&got, &want, CORNERS);
     const effort e = {256, WIDTH, 1};
     tell(fov[i], &e, d);
     /* measured: see HBIL_TEST_VERBOSE; more than ten times what is allowed */
     assert_true(d.ao > 10.0 * AO_LIMIT && d.light > 10.0 * LIGHT_LIMIT);
-    ref_planes_free(&want);
-    ref_planes_free(&got);
+    exact_planes_free(&want);
+    exact_planes_free(&got);
   }
 }
 
 /* The jackknife of few samples is nearer to all of them. */
 static void extrapolation_gets_nearer(void **state) {
-  ref_planes want = exact(60.0, 256, true);
+  exact_planes want = exact(60.0, 256, true);
   (void)state;
   for (cl_uint samples = 4; samples <= 8; samples *= 2) {
     const effort e = {32, samples, 1};
-    ref_planes plain = kernels(60.0, 32, samples, 1, false);
-    ref_planes more = kernels(60.0, 32, samples, 1, true);
+    exact_planes plain = kernels(60.0, 32, samples, 1, false);
+    exact_planes more = kernels(60.0, 32, samples, 1, true);
     deviation before = deviation_of(&plain, &want, WHOLE);
     deviation after = deviation_of(&more, &want, WHOLE);
     tell(60.0, &e, before);
     tell(60.0, &e, after);
     /* measured: .69 and .80, .92 and .96 */
     assert_true(after.ao < 0.85 * before.ao && after.light < before.light);
-    ref_planes_free(&plain);
-    ref_planes_free(&more);
+    exact_planes_free(&plain);
+    exact_planes_free(&more);
   }
-  ref_planes_free(&want);
+  exact_planes_free(&want);
 }
 
 /* Nothing lies between samples that are all the pixels: the same bits. */
 static void all_pixels_leave_nothing_to_extrapolate(void **state) {
-  ref_planes plain = kernels(60.0, 4, WIDTH, 1, false);
-  ref_planes more = kernels(60.0, 4, WIDTH, 1, true);
+  exact_planes plain = kernels(60.0, 4, WIDTH, 1, false);
+  exact_planes more = kernels(60.0, 4, WIDTH, 1, true);
   (void)state;
   assert_int_equal(count_different(&plain, &more), 0);
-  ref_planes_free(&plain);
-  ref_planes_free(&more);
+  exact_planes_free(&plain);
+  exact_planes_free(&more);
 }
 
 int main(void) {

@@ -17,34 +17,34 @@ static void prepare(setup *s) {
 
 /* 32 slices are within .001 of AO and .01 of E_near of 256. */
 static int make_exact(void **state) {
-  static ref_state expected;
-  const ref_dense how = {.slices = 32};
+  static exact_state expected;
+  const exact_dense how = {.slices = 32};
   setup s;
   prepare(&s);
   setup_start(&s);
-  ref_state_init(&expected, WIDTH, HEIGHT);
-  ref_frame_dense(&expected, &s.job, &how);
+  checked_state(&expected, WIDTH, HEIGHT);
+  checked_run_frame_dense(&expected, &s.job, &how);
   setup_free(&s);
   *state = &expected;
   return 0;
 }
 
 static int free_exact(void **state) {
-  ref_state_free(*state);
+  exact_state_free(*state);
   return 0;
 }
 
-static double mean_light(const ref_planes *p, const float *depth) {
+static double mean_light(const exact_planes *p, const float *depth) {
   double sum = 0.0;
   int count = 0;
   for (int i = 0; i < PIXELS; ++i)
     for (int c = 0; c < 3 && depth[i] > 0.0f; ++c, ++count)
-      sum += p->values[(REF_NEAR + c) * PIXELS + i];
+      sum += p->values[(EXACT_NEAR_IRRADIANCE + c) * PIXELS + i];
   return sum / count;
 }
 
 /* Largest error of a pixel's `count` planes from `first` on. */
-static double error_of(const ref_planes *a, const ref_planes *b, int first,
+static double error_of(const exact_planes *a, const exact_planes *b, int first,
                        int count, int i) {
   double most = 0.0;
   for (int c = first; c < first + count; ++c)
@@ -56,27 +56,27 @@ static double error_of(const ref_planes *a, const ref_planes *b, int first,
 /* Shares of the surfaces' pixels whose errors are above their estimates; what
  * the filter can't tell from rounding, 1e-3, is allowed. */
 static void check_estimates(setup *s, const float *estimate,
-                            const ref_planes *want) {
-  ref_planes got = outputs_read(s);
-  const double mean = mean_light(want, s->input[REF_DEPTH]);
+                            const exact_planes *want) {
+  exact_planes got = outputs_read(s);
+  const double mean = mean_light(want, s->input[EXACT_DEPTH]);
   int count = 0, ao = 0, light = 0;
   for (int i = 0; i < PIXELS; ++i) {
-    if (!(s->input[REF_DEPTH][i] > 0.0f)) {
+    if (!(s->input[EXACT_DEPTH][i] > 0.0f)) {
       assert_true(estimate[i] == 0.0f && estimate[PIXELS + i] == 0.0f);
       continue;
     }
     ++count;
-    ao += error_of(&got, want, REF_AO, 1, i) > (double)estimate[i] + 1e-3;
-    light += error_of(&got, want, REF_NEAR, 3, i) >
+    ao += error_of(&got, want, EXACT_AO, 1, i) > (double)estimate[i] + 1e-3;
+    light += error_of(&got, want, EXACT_NEAR_IRRADIANCE, 3, i) >
              (double)estimate[PIXELS + i] + 1e-3 * mean;
   }
   check_at_most("AO beyond its estimate", (double)ao / count, 0.05);
   check_at_most("E_near beyond its estimate", (double)light / count, 0.05);
-  ref_planes_free(&got);
+  exact_planes_free(&got);
 }
 
 static void check_sampling(cl_uint slices, cl_uint steps,
-                           const ref_planes *want) {
+                           const exact_planes *want) {
   const size_t size = 2 * PIXELS * sizeof(float);
   setup s;
   prepare(&s);
@@ -95,13 +95,13 @@ static void check_sampling(cl_uint slices, cl_uint steps,
 }
 
 static void single_slices_are_within_their_estimates(void **state) {
-  const ref_state *expected = *state;
+  const exact_state *expected = *state;
   for (cl_uint steps = 4; steps <= 32; steps *= 2)
     check_sampling(1, steps, &expected->out);
 }
 
 static void two_slices_are_within_their_estimates(void **state) {
-  const ref_state *expected = *state;
+  const exact_state *expected = *state;
   for (cl_uint steps = 4; steps <= 32; steps *= 2)
     check_sampling(2, steps, &expected->out);
 }

@@ -172,7 +172,7 @@ static void load(step *t, int index) {
   setup *from = &t->plain, *to = &t->faulty;
   setup_load_scene(from, SCENE_ROOM, (uint32_t)index);
   to->frame.camera = from->frame.camera;
-  for (int i = 0; i < REF_INPUT_PLANES; ++i)
+  for (int i = 0; i < EXACT_INPUT_PLANES; ++i)
     memcpy(to->input[i], from->input[i], WIDTH * HEIGHT * sizeof(float));
   setup_upload(from);
   setup_upload(to);
@@ -189,12 +189,12 @@ static hbil_status frame(setup *s) {
 }
 
 static void check_same(const outcome *o, step *t) {
-  ref_planes want = outputs_read(&t->plain), got = outputs_read(&t->faulty);
+  exact_planes want = outputs_read(&t->plain), got = outputs_read(&t->faulty);
   if (count_different(&got, &want))
     fail_msg("call %d, %s: other bits than without the failure", o->nth,
              o->failed ? o->failed : "none");
-  ref_planes_free(&want);
-  ref_planes_free(&got);
+  exact_planes_free(&want);
+  exact_planes_free(&got);
 }
 
 /* A frame that fails is none: the same one again has the light and the history
@@ -302,7 +302,7 @@ static void fail_with_form_factors(step *t, bool kept) {
     assert_success(
         &t->faulty,
         hbil_plan_statistics(t->faulty.plan, t->profiled.queue, &skipped));
-    assert_true(skipped.by_factors.spans > 0);
+    assert_true(skipped.from_cache.spans > 0);
   }
   assert_in_range(o.nth, 100, 5000);
 }
@@ -385,8 +385,7 @@ static void remove_text(const char *folder, const char *name) {
 
 /* With the compiler's own words, but for when it won't say them. */
 static void a_failed_build_is_told(void **state) {
-  static const char *const files[] = {"hbil_shared.h", "common.clh",
-                                      "reproject.cl"};
+  static const char *const files[] = {"shared.h", "common.clh", "reproject.cl"};
   char folder[] = "hbil-faults.XXXXXX";
   outcome o = {0, "", HBIL_SUCCESS};
   setup s;

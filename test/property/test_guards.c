@@ -35,11 +35,11 @@ static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
   for (int i = 0; i < FRAMES; ++i) {
     run_frame(&plain, i);
     run_frame(&guarded, i);
-    ref_planes want = outputs_read(&plain), got = outputs_read(&guarded);
+    exact_planes want = outputs_read(&plain), got = outputs_read(&guarded);
     assert_int_equal(count_different(&got, &want), 0);
     assert_int_equal(shim_overwritten(guarded.device->queue), 0);
-    ref_planes_free(&want);
-    ref_planes_free(&got);
+    exact_planes_free(&want);
+    exact_planes_free(&got);
   }
   setup_free(&plain);
   setup_free(&guarded);

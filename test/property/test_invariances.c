@@ -48,19 +48,19 @@ static void start(setup *s, const symmetry *m) {
     for (int c = 0; c < 3; ++c)
       for (int k = 0; k < 3; ++k)
         n[c] += camera.world_from_view[4 * k + c] *
-                (double)s->input[REF_NORMAL + k][i];
+                (double)s->input[EXACT_NORMAL + k][i];
     for (int c = 0; c < 3; ++c)
-      s->input[REF_NORMAL + c][i] = (float)n[c];
+      s->input[EXACT_NORMAL + c][i] = (float)n[c];
   }
   setup_camera(s, 60.0);
-  for (int p = 0; m && p < REF_INPUT_PLANES; ++p) {
+  for (int p = 0; m && p < EXACT_INPUT_PLANES; ++p) {
     float before[PIXELS];
     memcpy(before, s->input[p], sizeof before);
     for (int i = 0; i < PIXELS; ++i)
       s->input[p][i] = before[pixel_before(m, i % SIDE, i / SIDE)];
   }
   for (int i = 0; m && i < PIXELS; ++i) {
-    float *x = s->input[REF_NORMAL] + i, *y = s->input[REF_NORMAL + 1] + i;
+    float *x = s->input[EXACT_NORMAL] + i, *y = s->input[EXACT_NORMAL + 1] + i;
     const float nx = *x, ny = *y;
     *x = (float)m->xx * nx + (float)m->xy * ny;
     *y = (float)m->yx * nx + (float)m->yy * ny;
@@ -69,8 +69,8 @@ static void start(setup *s, const symmetry *m) {
 }
 
 /* Applies the symmetry to GATHERED. */
-static ref_planes transformed(const ref_planes *p, const symmetry *m) {
-  ref_planes out = ref_planes_new(SIDE, SIDE, p->count);
+static exact_planes transformed(const exact_planes *p, const symmetry *m) {
+  exact_planes out = checked_planes(SIDE, SIDE, p->count);
   for (int plane = 0; plane < p->count; ++plane)
     for (int i = 0; i < PIXELS; ++i)
       out.values[plane * PIXELS + i] =
@@ -87,15 +87,15 @@ static ref_planes transformed(const ref_planes *p, const symmetry *m) {
 /* Measured: 1.6e-15 exactly; kernels 1.7e-3, 1.1e-2 and 2.7e-3, the noise of
  * their pattern. */
 static void check_symmetry(const symmetry *m, bool exact, double limit) {
-  const ref_dense how = {.slices = 128};
+  const exact_dense how = {.slices = 128};
   setup plain, changed;
   start(&plain, NULL);
   start(&changed, m);
-  ref_planes before = exact ? expected_gathered_densely(&plain, &how)
-                            : stage_gathered_mean(&plain, 8);
-  ref_planes got = exact ? expected_gathered_densely(&changed, &how)
-                         : stage_gathered_mean(&changed, 8);
-  ref_planes want = transformed(&before, m);
+  exact_planes before = exact ? expected_gathered_densely(&plain, &how)
+                              : stage_gathered_mean(&plain, 8);
+  exact_planes got = exact ? expected_gathered_densely(&changed, &how)
+                           : stage_gathered_mean(&changed, 8);
+  exact_planes want = transformed(&before, m);
   check_at_most("AO", relative_rmse(&got, &want, HBIL_LIGHT_AO, 1), limit);
   check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3),
                 4.0 * limit);
@@ -103,9 +103,9 @@ static void check_symmetry(const symmetry *m, bool exact, double limit) {
                 2.0 * limit);
   /* and the symmetry does change the picture */
   assert_true(relative_rmse(&got, &before, HBIL_LIGHT_AO, 1) > 0.05);
-  ref_planes_free(&before);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&before);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
   setup_free(&plain);
   setup_free(&changed);
 }
@@ -126,7 +126,8 @@ static void turned_pictures_have_turned_light(void **state) {
 /* The camera in the world                                                   */
 
 /* Two frames of the room, whose world has been turned and moved. */
-static ref_planes frames_in_world(const double turn[9], const double move[3]) {
+static exact_planes frames_in_world(const double turn[9],
+                                    const double move[3]) {
   setup s;
   setup_scene(&s, SCENE_ROOM, 61, 37, 0);
   setup_all_outputs(&s);
@@ -146,14 +147,14 @@ static ref_planes frames_in_world(const double turn[9], const double move[3]) {
       double n[3] = {0.0, 0.0, 0.0};
       for (int r = 0; r < 3; ++r)
         for (int k = 0; k < 3; ++k)
-          n[r] += turn[3 * r + k] * (double)s.input[REF_NORMAL + k][i];
+          n[r] += turn[3 * r + k] * (double)s.input[EXACT_NORMAL + k][i];
       for (int r = 0; r < 3; ++r)
-        s.input[REF_NORMAL + r][i] = (float)n[r];
+        s.input[EXACT_NORMAL + r][i] = (float)n[r];
     }
     setup_upload(&s);
     setup_run(&s, hbil_enqueue_frame);
   }
-  ref_planes out = outputs_read(&s);
+  exact_planes out = outputs_read(&s);
   setup_free(&s);
   return out;
 }
@@ -165,13 +166,14 @@ static void the_world_s_axes_do_not_matter(void **state) {
   const double turn[9] = {0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6};
   const double move[3] = {10.0, -3.0, 7.0};
   (void)state;
-  ref_planes want = frames_in_world(none, still);
-  ref_planes got = frames_in_world(turn, move);
-  check_at_most("AO", relative_rmse(&got, &want, REF_AO, 1), 1e-5);
-  check_at_most("E_near", relative_rmse(&got, &want, REF_NEAR, 3), 1e-5);
-  check_at_most("bent", relative_rmse(&got, &want, REF_BENT, 3), 1e-5);
-  ref_planes_free(&want);
-  ref_planes_free(&got);
+  exact_planes want = frames_in_world(none, still);
+  exact_planes got = frames_in_world(turn, move);
+  check_at_most("AO", relative_rmse(&got, &want, EXACT_AO, 1), 1e-5);
+  check_at_most("E_near", relative_rmse(&got, &want, EXACT_NEAR_IRRADIANCE, 3),
+                1e-5);
+  check_at_most("bent", relative_rmse(&got, &want, EXACT_BENT_NORMAL, 3), 1e-5);
+  exact_planes_free(&want);
+  exact_planes_free(&got);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -181,16 +183,16 @@ static void the_world_s_axes_do_not_matter(void **state) {
  * each times `scale`. */
 typedef enum lamps { BOTH, LEFT, RIGHT } lamps;
 
-static ref_planes room_lit_by(lamps which, float scale) {
+static exact_planes room_lit_by(lamps which, float scale) {
   setup s;
   setup_scene(&s, SCENE_ROOM, 61, 37, 0);
-  for (int p = REF_DIRECT; p < REF_EMISSION + 3; ++p)
+  for (int p = EXACT_DIRECT; p < EXACT_EMISSION + 3; ++p)
     for (size_t i = 0; i < setup_pixels(&s); ++i) {
       const lamps half = i % 61 < 30 ? LEFT : RIGHT;
       s.input[p][i] *= which == BOTH || which == half ? scale : 0.0f;
     }
   setup_start(&s);
-  ref_planes out = stage_gathered(&s);
+  exact_planes out = stage_gathered(&s);
   setup_free(&s);
   return out;
 }
@@ -199,8 +201,8 @@ static ref_planes room_lit_by(lamps which, float scale) {
  * roundings of 6e-8. */
 static void light_scales_with_its_sources(void **state) {
   (void)state;
-  ref_planes one = room_lit_by(BOTH, 1.0f);
-  ref_planes four = room_lit_by(BOTH, 4.0f), seven = room_lit_by(BOTH, 7.0f);
+  exact_planes one = room_lit_by(BOTH, 1.0f);
+  exact_planes four = room_lit_by(BOTH, 4.0f), seven = room_lit_by(BOTH, 7.0f);
   const size_t plane = (size_t)(one.width * one.height);
   for (size_t i = HBIL_LIGHT_RED * plane; i < HBIL_LIGHT_BENT * plane; ++i) {
     assert_true(four.values[i] == 4.0 * one.values[i]);
@@ -208,50 +210,50 @@ static void light_scales_with_its_sources(void **state) {
   }
   check_at_most("7 times", relative_rmse(&seven, &one, HBIL_LIGHT_RED, 3),
                 1e-6);
-  ref_planes_free(&one);
-  ref_planes_free(&four);
-  ref_planes_free(&seven);
+  exact_planes_free(&one);
+  exact_planes_free(&four);
+  exact_planes_free(&seven);
 }
 
 /* Occlusion and bent normals don't depend on light at all. */
 static void the_light_of_two_lamps_is_their_sum(void **state) {
   (void)state;
-  ref_planes both = room_lit_by(BOTH, 1.0f);
-  ref_planes left = room_lit_by(LEFT, 1.0f), right = room_lit_by(RIGHT, 1.0f);
+  exact_planes both = room_lit_by(BOTH, 1.0f);
+  exact_planes left = room_lit_by(LEFT, 1.0f), right = room_lit_by(RIGHT, 1.0f);
   const size_t plane = (size_t)(both.width * both.height);
   assert_true(largest_error(&left, &both, HBIL_LIGHT_AO, 1) == 0.0);
   assert_true(largest_error(&left, &both, HBIL_LIGHT_BENT, 3) == 0.0);
   for (size_t i = HBIL_LIGHT_RED * plane; i < HBIL_LIGHT_BENT * plane; ++i)
     left.values[i] += right.values[i];
   check_at_most("sum", relative_rmse(&left, &both, HBIL_LIGHT_RED, 3), 1e-6);
-  ref_planes_free(&both);
-  ref_planes_free(&left);
-  ref_planes_free(&right);
+  exact_planes_free(&both);
+  exact_planes_free(&left);
+  exact_planes_free(&right);
 }
 
 /* ------------------------------------------------------------------------ */
 /* The unit of length                                                        */
 
-static ref_planes room_in_units(float size, float radius) {
+static exact_planes room_in_units(float size, float radius) {
   setup s;
   setup_scene(&s, SCENE_ROOM, 61, 37, 0);
   s.config.radius = radius * size;
   for (size_t i = 0; i < setup_pixels(&s); ++i)
-    s.input[REF_DEPTH][i] *= size;
+    s.input[EXACT_DEPTH][i] *= size;
   setup_start(&s);
-  ref_planes out = stage_gathered(&s);
+  exact_planes out = stage_gathered(&s);
   setup_free(&s);
   return out;
 }
 
 static void check_units(float size, float radius, double limit) {
-  ref_planes want = room_in_units(1.0f, radius);
-  ref_planes got = room_in_units(size, radius);
+  exact_planes want = room_in_units(1.0f, radius);
+  exact_planes got = room_in_units(size, radius);
   check_at_most("AO", relative_rmse(&got, &want, HBIL_LIGHT_AO, 1), limit);
   check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3), limit);
   check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3), limit);
-  ref_planes_free(&want);
-  ref_planes_free(&got);
+  exact_planes_free(&want);
+  exact_planes_free(&got);
 }
 
 static void the_unit_of_length_does_not_matter(void **state) {

@@ -87,9 +87,9 @@ static void set_wall(setup *s) {
     bool wall;
     setup_ray(s, i % SIDE, i / SIDE, ray);
     wall = ray[0] > WALL_AT;
-    s->input[REF_DEPTH][i] = wall ? (float)(WALL_AT / ray[0]) : 1.0f;
-    s->input[REF_NORMAL][i] = wall ? -1.0f : 0.0f;
-    s->input[REF_NORMAL + 2][i] = wall ? 0.0f : -1.0f;
+    s->input[EXACT_DEPTH][i] = wall ? (float)(WALL_AT / ray[0]) : 1.0f;
+    s->input[EXACT_NORMAL][i] = wall ? -1.0f : 0.0f;
+    s->input[EXACT_NORMAL + 2][i] = wall ? 0.0f : -1.0f;
   }
 }
 
@@ -114,7 +114,7 @@ static const unsigned char *some_pixels(void) {
 }
 
 /* Root mean square over the floor. */
-static double wall_error(const setup *s, const ref_planes *got) {
+static double wall_error(const setup *s, const exact_planes *got) {
   double sum = 0.0;
   int count = 0;
   for (int i = 0; i < SIDE * SIDE; i += 7) {
@@ -122,7 +122,7 @@ static double wall_error(const setup *s, const ref_planes *got) {
     setup_ray(s, i % SIDE, i / SIDE, point);
     if (point[0] > WALL_AT)
       continue;
-    off = *ref_at(got, HBIL_LIGHT_AO, i % SIDE, i / SIDE) - 1.0 +
+    off = *exact_at(got, HBIL_LIGHT_AO, i % SIDE, i / SIDE) - 1.0 +
           wall_s_share(s->config.mode, trapezoid, point);
     sum += off * off;
     ++count;
@@ -132,11 +132,11 @@ static double wall_error(const setup *s, const ref_planes *got) {
 }
 
 static void walls_hide_their_visible_part(void **state) {
-  const ref_dense how = {.slices = 256, .wanted = some_pixels()};
+  const exact_dense how = {.slices = 256, .mask = some_pixels()};
   (void)state;
   for (hbil_mode mode = HBIL_MODE_HBIL; mode <= HBIL_MODE_HBAO; ++mode) {
     setup s;
-    ref_planes dense, kernel;
+    exact_planes dense, kernel;
     start_wall(&s, mode, INFINITY);
     dense = expected_gathered_densely(&s, &how);
     kernel = stage_gathered_mean(&s, 4);
@@ -144,8 +144,8 @@ static void walls_hide_their_visible_part(void **state) {
      * degrees.  Slices weighed alike would be off by several times as much. */
     check_at_most("dense", wall_error(&s, &dense), 8e-3);
     check_at_most("kernel", wall_error(&s, &kernel), 8e-3);
-    ref_planes_free(&dense);
-    ref_planes_free(&kernel);
+    exact_planes_free(&dense);
+    exact_planes_free(&kernel);
     setup_free(&s);
   }
 }
@@ -153,19 +153,19 @@ static void walls_hide_their_visible_part(void **state) {
 /* The stretches of occluders that reach far beyond the floor are the horizon:
  * seen from above, nothing passes behind the wall. */
 static void very_thick_occluders_have_no_end(void **state) {
-  const ref_dense how = {.slices = 32, .wanted = some_pixels()};
+  const exact_dense how = {.slices = 32, .mask = some_pixels()};
   (void)state;
   for (hbil_mode mode = HBIL_MODE_HBIL; mode <= HBIL_MODE_HBAO; ++mode) {
     setup endless, thick;
-    ref_planes want, got;
+    exact_planes want, got;
     start_wall(&endless, mode, INFINITY);
     start_wall(&thick, mode, 1e9f);
     want = expected_gathered_densely(&endless, &how);
     got = expected_gathered_densely(&thick, &how);
     check_at_most("AO", largest_error(&got, &want, HBIL_LIGHT_AO, 1), 1e-6);
     check_at_most("bent", largest_error(&got, &want, HBIL_LIGHT_BENT, 3), 1e-6);
-    ref_planes_free(&want);
-    ref_planes_free(&got);
+    exact_planes_free(&want);
+    exact_planes_free(&got);
     setup_free(&endless);
     setup_free(&thick);
   }
@@ -246,11 +246,11 @@ static void set_corner(setup *s, const corner *k) {
     setup_ray(s, i % k->size, i / k->size, ray);
     floor_w = -dot(up, ray) / EYE; /* up.P = -EYE on the floor */
     wall_w = dot(wall, ray) / k->distance;
-    s->input[REF_DEPTH][i] = fmax(floor_w, wall_w) > 1e-6
-                                 ? (float)(1.0 / fmax(floor_w, wall_w))
-                                 : 0.0f;
+    s->input[EXACT_DEPTH][i] = fmax(floor_w, wall_w) > 1e-6
+                                   ? (float)(1.0 / fmax(floor_w, wall_w))
+                                   : 0.0f;
     for (int c = 0; c < 3; ++c)
-      s->input[REF_NORMAL + c][i] =
+      s->input[EXACT_NORMAL + c][i] =
           (float)(wall_w > floor_w ? -wall[c] : up[c]);
   }
 }
@@ -288,14 +288,14 @@ static void start_corner(setup *s, const corner *k, hbil_mode mode,
 
 static double dense_ao(const setup *s, int size, int x, int y) {
   unsigned char *wanted = calloc((size_t)(size * size), 1);
-  const ref_dense how = {.slices = 512, .wanted = wanted};
-  ref_planes got;
+  const exact_dense how = {.slices = 512, .mask = wanted};
+  exact_planes got;
   double ao;
   assert_non_null(wanted);
   wanted[y * size + x] = 1;
   got = expected_gathered_densely(s, &how);
-  ao = *ref_at(&got, HBIL_LIGHT_AO, x, y);
-  ref_planes_free(&got);
+  ao = *exact_at(&got, HBIL_LIGHT_AO, x, y);
+  exact_planes_free(&got);
   free(wanted);
   return ao;
 }
@@ -311,10 +311,11 @@ static void check_corner(const corner *k, hbil_mode mode, hbil_falloff falloff,
                   fabs(corner_by_azimuth(&s.config, k->distance) - want), 1e-6);
   check_at_most("dense", fabs(dense_ao(&s, k->size, k->x, k->y) - want), limit);
   if (k->size < 256) { /* a plan's samples cross all of it */
-    ref_planes got = stage_gathered_mean(&s, 4);
+    exact_planes got = stage_gathered_mean(&s, 4);
     check_at_most("kernel",
-                  fabs(*ref_at(&got, HBIL_LIGHT_AO, k->x, k->y) - want), limit);
-    ref_planes_free(&got);
+                  fabs(*exact_at(&got, HBIL_LIGHT_AO, k->x, k->y) - want),
+                  limit);
+    exact_planes_free(&got);
   }
   setup_free(&s);
 }
@@ -365,10 +366,10 @@ static void set_ring(setup *s) {
     setup_ray(s, i % RING, i / RING, ray);
     slope = sqrt(ray[0] * ray[0] + ray[1] * ray[1]);
     ring = slope > 0.3 && slope < 0.6;
-    s->input[REF_DEPTH][i] = ring ? 1.0f : 2.0f;
-    s->input[REF_NORMAL + 2][i] = -1.0f;
+    s->input[EXACT_DEPTH][i] = ring ? 1.0f : 2.0f;
+    s->input[EXACT_NORMAL + 2][i] = -1.0f;
     for (int c = 0; c < 3; ++c)
-      s->input[REF_DIRECT + c][i] = ring ? (float)PI : 0.0f;
+      s->input[EXACT_DIRECT + c][i] = ring ? (float)PI : 0.0f;
   }
 }
 
@@ -396,8 +397,8 @@ static double ring_share(hbil_mode mode) {
                                 : pow(sin(b), 2.0) - pow(sin(a), 2.0);
 }
 
-static double middle_value(const ref_planes *p, int plane) {
-  return *ref_at(p, plane, RING / 2, RING / 2);
+static double middle_value(const exact_planes *p, int plane) {
+  return *exact_at(p, plane, RING / 2, RING / 2);
 }
 
 /* measured: 1.5e-4 */
@@ -405,13 +406,13 @@ static double middle_value(const ref_planes *p, int plane) {
 
 static void light_passes_behind_rings(void **state) {
   unsigned char *wanted = calloc(RING * RING, 1);
-  const ref_dense how = {.slices = 512, .wanted = wanted};
+  const exact_dense how = {.slices = 512, .mask = wanted};
   (void)state;
   assert_non_null(wanted);
   wanted[RING / 2 * RING + RING / 2] = 1;
   for (hbil_mode mode = HBIL_MODE_HBIL; mode <= HBIL_MODE_HBAO; ++mode) {
     setup s;
-    ref_planes got;
+    exact_planes got;
     double share = ring_share(mode), ao;
     start_ring(&s, mode);
     got = expected_gathered_densely(&s, &how);
@@ -424,7 +425,7 @@ static void light_passes_behind_rings(void **state) {
       check_at_most("E_near/pi",
                     fabs(middle_value(&got, HBIL_LIGHT_RED) / PI - share),
                     RING_LIMIT);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
     setup_free(&s);
   }
   free(wanted);

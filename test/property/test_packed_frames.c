@@ -9,7 +9,7 @@
 #define HEIGHT 90
 
 /* Root of the mean squared difference over the mean. */
-static double rmse_over_mean(const ref_planes *got, const ref_planes *want,
+static double rmse_over_mean(const exact_planes *got, const exact_planes *want,
                              plane_id id) {
   size_t plane = (size_t)want->width * (size_t)want->height;
   size_t total = plane * (size_t)plane_channels(id);
@@ -37,7 +37,7 @@ static const struct {
 #define LIMITS (sizeof(limits) / sizeof(*limits))
 
 /* Updates the largest deviation of each output. */
-static void compare_frames(const ref_planes *got, const ref_planes *want,
+static void compare_frames(const exact_planes *got, const exact_planes *want,
                            double worst[LIMITS]) {
   for (size_t i = 0; i < LIMITS; ++i)
     worst[i] = fmax(worst[i], rmse_over_mean(got, want, limits[i].id));
@@ -58,7 +58,7 @@ static void start_frames(setup *s, scene_kind kind, bool unseen_estimated,
   setup_start(s);
 }
 
-static ref_planes frame(setup *s, scene_kind kind, uint32_t index) {
+static exact_planes frame(setup *s, scene_kind kind, uint32_t index) {
   setup_load_scene(s, kind, index);
   s->frame.frame_index = index;
   setup_upload(s);
@@ -69,20 +69,20 @@ static ref_planes frame(setup *s, scene_kind kind, uint32_t index) {
 /* Three frames, against FLOAT32 and against the exact passes. */
 static void check_frames(scene_kind kind, bool unseen_estimated) {
   setup plain, packed;
-  ref_state expected;
+  exact_state expected;
   double worst[LIMITS] = {0.0};
   start_frames(&plain, kind, unseen_estimated, HBIL_STORAGE_FLOAT32);
   start_frames(&packed, kind, unseen_estimated, HBIL_STORAGE_PACKED);
-  ref_state_init(&expected, WIDTH, HEIGHT);
+  checked_state(&expected, WIDTH, HEIGHT);
   for (uint32_t i = 0; i < 3; ++i) {
-    ref_planes want = frame(&plain, kind, i), got = frame(&packed, kind, i);
-    ref_frame(&expected, &plain.job);
+    exact_planes want = frame(&plain, kind, i), got = frame(&packed, kind, i);
+    checked_run_frame(&expected, &plain.job);
     compare_frames(&got, &want, worst);
     compare_frames(&got, &expected.out, worst);
-    ref_planes_free(&want);
-    ref_planes_free(&got);
+    exact_planes_free(&want);
+    exact_planes_free(&got);
   }
-  ref_state_free(&expected);
+  exact_state_free(&expected);
   setup_free(&plain);
   setup_free(&packed);
   for (size_t i = 0; i < LIMITS; ++i)

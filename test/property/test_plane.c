@@ -26,18 +26,18 @@ static const deviation limit = {1e-5, 1e-5, 5e-4};
 static const deviation packed_limit = {0.5 / 65535.0 + 1e-5, 1e-5,
                                        2.41e-3 + 6.6e-5};
 
-static void compare_pixel(const ref_planes *got, const setup *s,
+static void compare_pixel(const exact_planes *got, const setup *s,
                           const double normal[3], int x, int y,
                           deviation *worst) {
   double bent[3], off[3];
-  worst->ao = fmax(worst->ao, fabs(*ref_at(got, HBIL_LIGHT_AO, x, y) - 1.0));
+  worst->ao = fmax(worst->ao, fabs(*exact_at(got, HBIL_LIGHT_AO, x, y) - 1.0));
   for (int c = 0; c < 3 && s->config.mode == HBIL_MODE_HBIL; ++c)
     worst->light =
-        fmax(worst->light, fabs(*ref_at(got, HBIL_LIGHT_RED + c, x, y)));
+        fmax(worst->light, fabs(*exact_at(got, HBIL_LIGHT_RED + c, x, y)));
   if (s->config.mode == HBIL_MODE_HBAO)
     return;
   for (int c = 0; c < 3; ++c)
-    bent[c] = *ref_at(got, HBIL_LIGHT_BENT + c, x, y);
+    bent[c] = *exact_at(got, HBIL_LIGHT_BENT + c, x, y);
   normalize(bent);
   add(bent, -1.0, normal, off);
   const double size = sqrt(dot(off, off));
@@ -53,11 +53,11 @@ static void compare_view(setup *s, double fov, deviation *worst) {
     tilted_normal(tilts[i % 8] * PI / 180.0, 0.4 + 1.3 * (i / 8), normal);
     setup_plane(s, normal);
     setup_upload(s);
-    ref_planes got = stage_gathered(s);
+    exact_planes got = stage_gathered(s);
     for (int p = 0; p < WIDTH * HEIGHT; ++p)
-      if (s->input[REF_DEPTH][p] > 0.0f)
+      if (s->input[EXACT_DEPTH][p] > 0.0f)
         compare_pixel(&got, s, normal, p % WIDTH, p / WIDTH, worst);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
   }
 }
 
@@ -67,7 +67,7 @@ static void check_planes(setup *s, const deviation *most) {
   deviation worst = {0.0, 0.0, 0.0};
   s->config.albedo.component = s->config.emission.component = HBIL_NONE;
   for (int c = 0; c < 3; ++c)
-    setup_fill(s, REF_DIRECT + c, (float)PI); /* radiance 1 */
+    setup_fill(s, EXACT_DIRECT + c, (float)PI); /* radiance 1 */
   setup_start(s);
   for (int i = 0; i < 4; ++i)
     compare_view(s, fov[i], &worst);

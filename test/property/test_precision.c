@@ -10,44 +10,45 @@
 #include <stdio.h>
 
 /* A pass, and the stage it writes. */
-static ref_planes passed(setup *s, enqueue_function *pass, hbil_stage stage) {
+static exact_planes passed(setup *s, enqueue_function *pass, hbil_stage stage) {
   setup_run(s, pass);
   return stage_read(s, stage);
 }
 
 /* Nobody needs light that is carried to the sky. */
-static void clear_sky(const setup *s, ref_planes *carried) {
+static void clear_sky(const setup *s, exact_planes *carried) {
   for (int p = 0; p < carried->count; ++p)
     for (int i = 0; i < PIXELS; ++i)
-      if (!(s->input[REF_DEPTH][i] > 0.0f && s->input[REF_DEPTH][i] < 1e15f))
+      if (!(s->input[EXACT_DEPTH][i] > 0.0f &&
+            s->input[EXACT_DEPTH][i] < 1e15f))
         carried->values[p * PIXELS + i] = 0.0;
 }
 
-static void measure_history(setup *s, const ref_planes *history,
+static void measure_history(setup *s, const exact_planes *history,
                             deviation *all) {
-  ref_planes got = passed(s, hbil_enqueue_reproject, HBIL_STAGE_CARRIED);
-  ref_planes want = ref_planes_new(WIDTH, HEIGHT, HBIL_CARRIED_PLANES);
-  ref_reproject(&s->job, history, &want);
+  exact_planes got = passed(s, hbil_enqueue_reproject, HBIL_STAGE_CARRIED);
+  exact_planes want = checked_planes(WIDTH, HEIGHT, HBIL_CARRIED_PLANES);
+  checked_reproject(&s->job, history, &want);
   add_deviation(all, REPROJECT, &got, 0, &want, 0, HBIL_CARRIED_PLANES);
-  ref_push_pull(&want);
-  ref_planes_free(&got);
+  checked_push_pull(&want);
+  exact_planes_free(&got);
   got = passed(s, hbil_enqueue_push_pull, HBIL_STAGE_CARRIED);
   clear_sky(s, &got);
   clear_sky(s, &want);
   add_deviation(all, PUSH_PULL, &got, 0, &want, 0, 3);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
 }
 
-static void measure_split(setup *s, const ref_planes *carried,
-                          const ref_planes *got, deviation *all) {
-  ref_planes want = ref_planes_new(WIDTH, HEIGHT, HBIL_SPLIT_PLANES);
-  ref_split(&s->job, carried, &want);
+static void measure_split(setup *s, const exact_planes *carried,
+                          const exact_planes *got, deviation *all) {
+  exact_planes want = checked_planes(WIDTH, HEIGHT, HBIL_SPLIT_PLANES);
+  exact_split(&s->job, carried, &want);
   for (int y = 0; y < HEIGHT; ++y)
     for (int x = 0; x < WIDTH; ++x) { /* each w in units of itself */
-      const double w = fabs(*ref_at(&want, HBIL_SPLIT_W, x, y));
-      const double off = fabs(*ref_at(got, HBIL_SPLIT_W, x, y) /
-                                  *ref_at(&want, HBIL_SPLIT_W, x, y) -
+      const double w = fabs(*exact_at(&want, HBIL_SPLIT_W, x, y));
+      const double off = fabs(*exact_at(got, HBIL_SPLIT_W, x, y) /
+                                  *exact_at(&want, HBIL_SPLIT_W, x, y) -
                               1.0);
       deviation *f = all + SPLIT_W;
       f->largest = fmax(f->largest, off);
@@ -59,56 +60,58 @@ static void measure_split(setup *s, const ref_planes *carried,
                 HBIL_SPLIT_NORMAL, 3);
   add_deviation(all, SPLIT_LIGHT, got, HBIL_SPLIT_RED, &want, HBIL_SPLIT_RED,
                 3);
-  ref_planes_free(&want);
+  exact_planes_free(&want);
 }
 
-static void measure_composite(setup *s, const ref_planes *resolved,
+static void measure_composite(setup *s, const exact_planes *resolved,
                               deviation *all) {
-  ref_planes want = ref_planes_new(WIDTH, HEIGHT, REF_OUTPUT_PLANES);
-  ref_planes history = ref_planes_new(WIDTH, HEIGHT, HBIL_HISTORY_PLANES);
+  exact_planes want = checked_planes(WIDTH, HEIGHT, EXACT_OUTPUT_PLANES);
+  exact_planes history = checked_planes(WIDTH, HEIGHT, HBIL_HISTORY_PLANES);
   setup_run(s, hbil_enqueue_composite);
-  ref_planes got = outputs_read(s);
-  ref_composite(&s->job, resolved, &want, &history);
-  add_deviation(all, COMPOSITE_FAR, &got, REF_FAR, &want, REF_FAR, 3);
-  add_deviation(all, COMPOSITE_CONE, &got, REF_CONE, &want, REF_CONE, 1);
-  add_deviation(all, COMPOSITE_INDIRECT, &got, REF_INDIRECT, &want,
-                REF_INDIRECT, 3);
-  add_deviation(all, COMPOSITE_BEAUTY, &got, REF_RADIANCE, &want, REF_RADIANCE,
+  exact_planes got = outputs_read(s);
+  exact_composite(&s->job, resolved, &want, &history);
+  add_deviation(all, COMPOSITE_FAR, &got, EXACT_FAR_IRRADIANCE, &want,
+                EXACT_FAR_IRRADIANCE, 3);
+  add_deviation(all, COMPOSITE_CONE, &got, EXACT_CONE_COSINE, &want,
+                EXACT_CONE_COSINE, 1);
+  add_deviation(all, COMPOSITE_INDIRECT, &got, EXACT_INDIRECT, &want,
+                EXACT_INDIRECT, 3);
+  add_deviation(all, COMPOSITE_BEAUTY, &got, EXACT_BEAUTY, &want, EXACT_BEAUTY,
                 3);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
-  ref_planes_free(&history);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
+  exact_planes_free(&history);
 }
 
 /* A frame, pass by pass: each on what the device has made of the passes before,
  * and the same in double. */
 static void measure_frame(setup *s, bool has_history, deviation *all) {
-  ref_planes carried = {0}, split, gathered, resolved;
+  exact_planes carried = {0}, split, gathered, resolved;
   setup_upload(s);
   if (has_history) {
-    ref_planes history = stage_read(s, HBIL_STAGE_HISTORY);
+    exact_planes history = stage_read(s, HBIL_STAGE_HISTORY);
     measure_history(s, &history, all);
-    ref_planes_free(&history);
+    exact_planes_free(&history);
     carried = stage_read(s, HBIL_STAGE_CARRIED);
   }
   split = passed(s, hbil_enqueue_split, HBIL_STAGE_SPLIT);
   measure_split(s, has_history ? &carried : NULL, &split, all);
-  ref_estimate_frame(&s->job, &split);
+  exact_estimate_frame(&s->job, &split);
   gathered = passed(s, hbil_enqueue_gather, HBIL_STAGE_GATHERED);
-  ref_planes want = ref_planes_new(WIDTH, HEIGHT, HBIL_GATHERED_PLANES);
-  ref_gather(&s->job, &split, &want);
+  exact_planes want = checked_planes(WIDTH, HEIGHT, HBIL_GATHERED_PLANES);
+  checked_gather(&s->job, &split, &want);
   add_light_deviation(all, GATHER_AO, &gathered, &want, true, true);
-  ref_planes_free(&want);
+  exact_planes_free(&want);
   resolved = passed(s, hbil_enqueue_recompose, HBIL_STAGE_RESOLVED);
-  want = ref_planes_new(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
-  ref_recompose(&s->job, &split, &gathered, &want);
+  want = checked_planes(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
+  exact_recompose(&s->job, &split, &gathered, &want);
   add_light_deviation(all, RECOMPOSE_AO, &resolved, &want, true, true);
   measure_composite(s, &resolved, all);
-  ref_planes_free(&want);
-  ref_planes_free(&resolved);
-  ref_planes_free(&gathered);
-  ref_planes_free(&split);
-  ref_planes_free(&carried);
+  exact_planes_free(&want);
+  exact_planes_free(&resolved);
+  exact_planes_free(&gathered);
+  exact_planes_free(&split);
+  exact_planes_free(&carried);
   s->job.previous = s->frame.camera;
 }
 
@@ -173,16 +176,16 @@ typedef struct cut {
   real b;          /* cot(theta) of no slope at all */
 } cut;
 
-static cut cut_of(const setup *s, const ref_planes *split, int x, int y,
+static cut cut_of(const setup *s, const exact_planes *split, int x, int y,
                   float ux, float uy) {
   const hbil_camera *camera = &s->frame.camera;
   const real ray[3] = {(x + (real)0.5 - camera->cx) / camera->fx,
                        (y + (real)0.5 - camera->cy) / camera->fy, 1};
-  cut c = {.w = *ref_at(split, HBIL_SPLIT_W, x, y)};
+  cut c = {.w = *exact_at(split, HBIL_SPLIT_W, x, y)};
   real n[3], n_r = 0, u_wo, n_u;
   c.r = sqrtl(ray[0] * ray[0] + ray[1] * ray[1] + 1);
   for (int i = 0; i < 3; ++i) {
-    n[i] = *ref_at(split, HBIL_SPLIT_NORMAL + i, x, y);
+    n[i] = *exact_at(split, HBIL_SPLIT_NORMAL + i, x, y);
     c.wo[i] = -ray[i] / c.r;
     n_r += n[i] * ray[i];
   }
@@ -198,10 +201,10 @@ static cut cut_of(const setup *s, const ref_planes *split, int x, int y,
 }
 
 /* AO of a pixel with one slice of one sample on each side. */
-static double one_sample_ao(const setup *s, const ref_planes *split, int x,
+static double one_sample_ao(const setup *s, const exact_planes *split, int x,
                             int y) {
-  const hbil_pattern_args pattern = ref_pattern(&s->job);
-  const hbil_view_args view = ref_view(&s->config, &s->frame.camera);
+  const hbil_pattern_args pattern = exact_pattern(&s->job);
+  const hbil_view_args view = exact_view(&s->config, &s->frame.camera);
   const int layer = 4 * (y % 4) + x % 4;
   float ux, uy;
   real open = 0, whole = 0;
@@ -218,7 +221,7 @@ static double one_sample_ao(const setup *s, const ref_planes *split, int x,
     }
     const real ex = dx / (real)view.fx, ey = dy / (real)view.fy;
     const real e = sqrtl(ex * ex + ey * ey);
-    const real w1 = *ref_at(split, HBIL_SPLIT_W, x + dx, y + dy);
+    const real w1 = *exact_at(split, HBIL_SPLIT_W, x + dx, y + dy);
     const real excess = (w1 - c.w - c.gx * ex - c.gy * ey) / e;
     /* cot(theta) is the tangent plane's, or what the sample adds to it */
     const real cot = -c.nx / c.ny + fmaxl(excess, 0) * c.r / (c.ud * c.w);
@@ -247,23 +250,23 @@ static void horizons_from_the_tangent_plane_to_the_zenith(void **state) {
     load_plane(s, tilt, 0.7);
     for (int p = 0; p < PIXELS; ++p)
       if (random_unit(&r) < 0.25)
-        s->input[REF_DEPTH][p] =
-            (float)(s->input[REF_DEPTH][p] * (1.0 - nearer[i % NEARER]));
+        s->input[EXACT_DEPTH][p] =
+            (float)(s->input[EXACT_DEPTH][p] * (1.0 - nearer[i % NEARER]));
     stress_run(s);
-    ref_planes split = stage_read(s, HBIL_STAGE_SPLIT);
-    ref_planes got = stage_read(s, HBIL_STAGE_GATHERED);
+    exact_planes split = stage_read(s, HBIL_STAGE_SPLIT);
+    exact_planes got = stage_read(s, HBIL_STAGE_GATHERED);
     for (int y = 0; y < HEIGHT; ++y)
       for (int x = 0; x < WIDTH; ++x) {
-        if (!(*ref_at(&split, HBIL_SPLIT_W, x, y) > 0.0))
+        if (!(*exact_at(&split, HBIL_SPLIT_W, x, y) > 0.0))
           continue;
-        const double off = fabs(*ref_at(&got, HBIL_LIGHT_AO, x, y) -
+        const double off = fabs(*exact_at(&got, HBIL_LIGHT_AO, x, y) -
                                 one_sample_ao(s, &split, x, y));
         worst = fmax(worst, isfinite(off) ? off : INFINITY);
         mean += off;
         count += 1.0;
       }
-    ref_planes_free(&split);
-    ref_planes_free(&got);
+    exact_planes_free(&split);
+    exact_planes_free(&got);
     /* the kernel lowers the sample by 2^-22 of its inverse depth: over a pixel,
      * 1/42 of a slope here, 1e-5 of the cotangent (measured: 7.8e-6) */
     check_case("AO against long double", worst, 1e-5);

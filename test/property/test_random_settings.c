@@ -109,12 +109,12 @@ static void tell_settings(uint64_t seed, const hbil_config *c,
 }
 
 /* The same with `count` planes; planes that the plan lacks are 0. */
-static ref_planes widened(ref_planes planes, int count) {
-  ref_planes wide = ref_planes_new(planes.width, planes.height, count);
+static exact_planes widened(exact_planes planes, int count) {
+  exact_planes wide = checked_planes(planes.width, planes.height, count);
   memcpy(wide.values, planes.values,
          sizeof(double) * (size_t)(planes.width * planes.height) *
              (size_t)(planes.count < count ? planes.count : count));
-  ref_planes_free(&planes);
+  exact_planes_free(&planes);
   return wide;
 }
 
@@ -128,25 +128,25 @@ static ref_planes widened(ref_planes planes, int count) {
 static void check_near_double(setup *s) {
   deviation all[DEVIATIONS] = {{0}};
   const bool light = gathers_light(s);
-  ref_planes got = stage_read(s, HBIL_STAGE_RESOLVED);
+  exact_planes got = stage_read(s, HBIL_STAGE_RESOLVED);
   const bool bent =
       got.count > HBIL_LIGHT_BENT && s->config.storage == HBIL_STORAGE_FLOAT32;
-  ref_planes resolved = widened(got, HBIL_LIGHT_PLANES);
-  ref_planes split =
+  exact_planes resolved = widened(got, HBIL_LIGHT_PLANES);
+  exact_planes split =
       widened(stage_read(s, HBIL_STAGE_SPLIT), HBIL_SPLIT_PLANES);
-  ref_planes gathered =
+  exact_planes gathered =
       widened(stage_read(s, HBIL_STAGE_GATHERED), HBIL_GATHERED_PLANES);
-  ref_planes want =
-      ref_planes_new(split.width, split.height, HBIL_GATHERED_PLANES);
-  ref_estimate_frame(&s->job, &split);
-  ref_gather(&s->job, &split, &want);
+  exact_planes want =
+      checked_planes(split.width, split.height, HBIL_GATHERED_PLANES);
+  exact_estimate_frame(&s->job, &split);
+  checked_gather(&s->job, &split, &want);
   add_light_deviation(all, GATHER_AO, &gathered, &want, light, bent);
-  ref_recompose(&s->job, &split, &gathered, &want);
+  exact_recompose(&s->job, &split, &gathered, &want);
   add_light_deviation(all, RECOMPOSE_AO, &resolved, &want, light, bent);
-  ref_planes_free(&split);
-  ref_planes_free(&gathered);
-  ref_planes_free(&resolved);
-  ref_planes_free(&want);
+  exact_planes_free(&split);
+  exact_planes_free(&gathered);
+  exact_planes_free(&resolved);
+  exact_planes_free(&want);
   for (int i = 0; i < DEVIATIONS; ++i) {
     if (!all[i].count)
       continue;
@@ -163,7 +163,7 @@ static void check_near_double(setup *s) {
 static void scale_depths(setup *s, double scale) {
   const size_t pixels = (size_t)s->config.width * s->config.height;
   for (size_t i = 0; i < pixels; ++i)
-    s->input[REF_DEPTH][i] = (float)(s->input[REF_DEPTH][i] * scale);
+    s->input[EXACT_DEPTH][i] = (float)(s->input[EXACT_DEPTH][i] * scale);
 }
 
 static void check_settings(uint64_t seed) {

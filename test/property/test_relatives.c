@@ -18,28 +18,28 @@ static void set_mode(setup *s, hbil_mode mode) {
         HBIL_NONE;
 }
 
-static ref_planes split_of(const setup *s) {
-  ref_planes split = ref_planes_new((int)s->config.width, (int)s->config.height,
-                                    HBIL_SPLIT_PLANES);
-  ref_split(&s->job, NULL, &split);
+static exact_planes split_of(const setup *s) {
+  exact_planes split = checked_planes((int)s->config.width,
+                                      (int)s->config.height, HBIL_SPLIT_PLANES);
+  exact_split(&s->job, NULL, &split);
   return split;
 }
 
-static ref_planes gathered_by_reference(const setup *s) {
-  ref_planes split = split_of(s);
-  ref_planes out =
-      ref_planes_new(split.width, split.height, HBIL_GATHERED_PLANES);
-  ref_gather(&s->job, &split, &out);
-  ref_planes_free(&split);
+static exact_planes gathered_by_reference(const setup *s) {
+  exact_planes split = split_of(s);
+  exact_planes out =
+      checked_planes(split.width, split.height, HBIL_GATHERED_PLANES);
+  checked_gather(&s->job, &split, &out);
+  exact_planes_free(&split);
   return out;
 }
 
-static ref_planes gathered_densely(const setup *s, const ref_dense *how) {
-  ref_planes split = split_of(s);
-  ref_planes out =
-      ref_planes_new(split.width, split.height, HBIL_GATHERED_PLANES);
-  ref_gather_dense(&s->job, &split, how, &out);
-  ref_planes_free(&split);
+static exact_planes gathered_densely(const setup *s, const exact_dense *how) {
+  exact_planes split = split_of(s);
+  exact_planes out =
+      checked_planes(split.width, split.height, HBIL_GATHERED_PLANES);
+  checked_gather_dense(&s->job, &split, how, &out);
+  exact_planes_free(&split);
   return out;
 }
 
@@ -63,16 +63,16 @@ static void ray_at(const setup *s, int x, int y, double ray[3]) {
 /* Where the last bit of fp32 takes an angle across a sector's border, a pixel
  * is off by sectors of its own (of any size: a half-slice seen at a grazing
  * angle has little A): counted, and left out of what is compared. */
-static void forget_moved_sectors(ref_planes *got, const ref_planes *want) {
+static void forget_moved_sectors(exact_planes *got, const exact_planes *want) {
   int count = 0;
   for (int i = 0; i < got->width * got->height; ++i) {
     int x = i % got->width, y = i / got->width;
-    if (fabs(*ref_at(got, HBIL_LIGHT_AO, x, y) -
-             *ref_at(want, HBIL_LIGHT_AO, x, y)) < 1e-5)
+    if (fabs(*exact_at(got, HBIL_LIGHT_AO, x, y) -
+             *exact_at(want, HBIL_LIGHT_AO, x, y)) < 1e-5)
       continue;
     ++count;
     for (int p = 0; p < got->count; ++p)
-      *ref_at(got, p, x, y) = *ref_at(want, p, x, y);
+      *exact_at(got, p, x, y) = *exact_at(want, p, x, y);
   }
   check_at_most("pixels with a sector moved", count,
                 got->width * got->height / 1000.0);
@@ -83,7 +83,7 @@ static bool has_sectors(const hbil_config *c) {
 }
 
 static void check_kernel(setup *s) {
-  ref_planes got, want;
+  exact_planes got, want;
   setup_start(s);
   got = stage_gathered(s);
   want = gathered_by_reference(s);
@@ -93,8 +93,8 @@ static void check_kernel(setup *s) {
   if (s->config.mode != HBIL_MODE_HBAO)
     check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3),
                   has_sectors(&s->config) ? SECTORS_BENT_LIMIT : BENT_LIMIT);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
   setup_free(s);
 }
 
@@ -172,9 +172,9 @@ static void set_outputs(setup *s, hbil_mode mode) {
 static void check_frames(hbil_mode mode, hbil_far_field far_field,
                          hbil_feedback feedback) {
   setup s;
-  ref_state reference;
+  exact_state reference;
   setup_scene(&s, SCENE_SKY, 97, 54, 0);
-  ref_state_init(&reference, 97, 54);
+  checked_state(&reference, 97, 54);
   set_outputs(&s, mode);
   s.config.far_field = far_field;
   s.config.feedback = feedback;
@@ -189,10 +189,10 @@ static void check_frames(hbil_mode mode, hbil_far_field far_field,
     s.frame.frame_index = (cl_uint)i;
     setup_upload(&s);
     setup_run(&s, hbil_enqueue_frame);
-    ref_frame(&reference, &s.job);
+    checked_run_frame(&reference, &s.job);
     check_frame_outputs(&s, &reference.out);
   }
-  ref_state_free(&reference);
+  exact_state_free(&reference);
   setup_free(&s);
 }
 
@@ -218,11 +218,11 @@ static void start_room(setup *s, hbil_mode mode, float thickness) {
 
 /* Derived: two forms of one integral.  Measured: 8.3e-16 and 2.2e-16. */
 static void gtao_s_form_is_hbil_s(void **state) {
-  const ref_dense how = {.slices = 37};
+  const exact_dense how = {.slices = 37};
   (void)state;
   for (int dense = 0; dense < 2; ++dense) {
     setup hbil, gtao;
-    ref_planes want, got;
+    exact_planes want, got;
     start_room(&hbil, HBIL_MODE_HBIL, INFINITY);
     start_room(&gtao, HBIL_MODE_GTAO, INFINITY);
     want = dense ? gathered_densely(&hbil, &how) : gathered_by_reference(&hbil);
@@ -233,8 +233,8 @@ static void gtao_s_form_is_hbil_s(void **state) {
     check_at_most("light", largest_value(&got, HBIL_LIGHT_RED, 3), 0.0);
     check_at_most("unknown", largest_value(&got, HBIL_LIGHT_UNKNOWN, 1), 0.0);
     assert_true(largest_value(&want, HBIL_LIGHT_RED, 3) > 0.1);
-    ref_planes_free(&want);
-    ref_planes_free(&got);
+    exact_planes_free(&want);
+    exact_planes_free(&got);
     setup_free(&hbil);
     setup_free(&gtao);
   }
@@ -255,34 +255,34 @@ static void note_progress(void *user, int done, int count) {
 /* Threads change nothing, and tell of every row. */
 static void any_number_of_threads_gives_the_same(void **state) {
   const int threads[] = {1, 2, 3, 7, 50};
-  const ref_dense two = {.slices = 16};
+  const exact_dense two = {.slices = 16};
   setup s;
-  ref_planes want;
+  exact_planes want;
   (void)state;
   start_room(&s, HBIL_MODE_HBIL, 0.1f);
   want = gathered_densely(&s, &two);
   for (int i = 0; i < 5; ++i) {
     progress seen = {0, 0, 0};
-    const ref_dense how = {.slices = 16,
-                           .threads = threads[i],
-                           .progress = note_progress,
-                           .user = &seen};
-    ref_planes got = gathered_densely(&s, &how);
+    const exact_dense how = {.slices = 16,
+                             .threads = threads[i],
+                             .progress = note_progress,
+                             .user = &seen};
+    exact_planes got = gathered_densely(&s, &how);
     assert_int_equal(count_different(&got, &want), 0);
     assert_true(seen.done == 36 && seen.count == 36);
     assert_true(seen.calls > 36 / threads[i]);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
   }
-  ref_planes_free(&want);
+  exact_planes_free(&want);
   setup_free(&s);
 }
 
 /* Pixels that are not wanted keep their values. */
 static void unwanted_pixels_are_left_alone(void **state) {
   unsigned char wanted[64 * 36] = {0};
-  const ref_dense all = {.slices = 16};
-  const ref_dense some = {.slices = 16, .wanted = wanted};
-  ref_planes split, want, got = ref_planes_new(64, 36, HBIL_LIGHT_PLANES);
+  const exact_dense all = {.slices = 16};
+  const exact_dense some = {.slices = 16, .mask = wanted};
+  exact_planes split, want, got = checked_planes(64, 36, HBIL_LIGHT_PLANES);
   setup s;
   (void)state;
   start_room(&s, HBIL_MODE_HBIL, INFINITY);
@@ -293,18 +293,18 @@ static void unwanted_pixels_are_left_alone(void **state) {
     for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
       got.values[p * 64 * 36 + i] = -7.0;
   }
-  ref_gather_dense(&s.job, &split, &some, &got);
+  checked_gather_dense(&s.job, &split, &some, &got);
   for (int i = 0; i < 64 * 36 * HBIL_LIGHT_PLANES; ++i)
     assert_true(got.values[i] ==
                 (wanted[i % (64 * 36)] ? want.values[i] : -7.0));
-  ref_planes_free(&split);
-  ref_planes_free(&want);
-  ref_planes_free(&got);
+  exact_planes_free(&split);
+  exact_planes_free(&want);
+  exact_planes_free(&got);
   setup_free(&s);
 }
 
 /* A frame's outputs by the plan's densest settings, without a filter. */
-static ref_planes densest_frame(setup *s) {
+static exact_planes densest_frame(setup *s) {
   s->config.slices = 32;
   s->config.steps_per_side = 64;
   s->config.step_growth = 0.0f;
@@ -318,10 +318,10 @@ static ref_planes densest_frame(setup *s) {
  * Measured: AO .0035, E_near and indirect .047: what 32 slices miss.
  */
 static void dense_frames_are_what_plans_approach(void **state) {
-  const ref_dense how = {.slices = 1024};
+  const exact_dense how = {.slices = 1024};
   setup s;
-  ref_state reference;
-  ref_planes got;
+  exact_state reference;
+  exact_planes got;
   (void)state;
   setup_scene(&s, SCENE_ROOM, 64, 36, 0);
   setup_all_outputs(&s);
@@ -329,15 +329,16 @@ static void dense_frames_are_what_plans_approach(void **state) {
   s.config.gather_emission = CL_FALSE;
   got = densest_frame(&s);
   s.config.unfiltered = CL_FALSE; /* the dense frame must not care */
-  ref_state_init(&reference, 64, 36);
-  ref_frame_dense(&reference, &s.job, &how);
-  check_at_most("AO", relative_rmse(&got, &reference.out, REF_AO, 1), 0.01);
-  check_at_most("E_near", relative_rmse(&got, &reference.out, REF_NEAR, 3),
+  checked_state(&reference, 64, 36);
+  checked_run_frame_dense(&reference, &s.job, &how);
+  check_at_most("AO", relative_rmse(&got, &reference.out, EXACT_AO, 1), 0.01);
+  check_at_most("E_near",
+                relative_rmse(&got, &reference.out, EXACT_NEAR_IRRADIANCE, 3),
                 0.08);
   check_at_most("indirect",
-                relative_rmse(&got, &reference.out, REF_INDIRECT, 3), 0.08);
-  ref_state_free(&reference);
-  ref_planes_free(&got);
+                relative_rmse(&got, &reference.out, EXACT_INDIRECT, 3), 0.08);
+  exact_state_free(&reference);
+  exact_planes_free(&got);
   setup_free(&s);
 }
 
@@ -357,38 +358,38 @@ static void set_plane(setup *s, const double normal[3]) {
     double ray[3], slope;
     ray_at(s, i % PLANE_WIDTH, i / PLANE_WIDTH, ray);
     slope = dot(normal, ray);
-    s->input[REF_DEPTH][i] =
+    s->input[EXACT_DEPTH][i] =
         slope < -1e-4 ? (float)(3.0 * normal[2] / slope) : 0.0f;
     for (int c = 0; c < 3; ++c)
-      s->input[REF_NORMAL + c][i] = (float)normal[c];
+      s->input[EXACT_NORMAL + c][i] = (float)normal[c];
   }
 }
 
-static double bent_error(const ref_planes *got, const double normal[3], int x,
+static double bent_error(const exact_planes *got, const double normal[3], int x,
                          int y) {
   double bent[3], off[3];
   for (int c = 0; c < 3; ++c)
-    bent[c] = *ref_at(got, HBIL_LIGHT_BENT + c, x, y);
+    bent[c] = *exact_at(got, HBIL_LIGHT_BENT + c, x, y);
   normalize(bent);
   add(bent, -1.0, normal, off);
   return isfinite(dot(off, off)) ? sqrt(dot(off, off)) : INFINITY;
 }
 
 static void add_plane(setup *s, const double normal[3], deviation *worst) {
-  ref_planes got;
+  exact_planes got;
   set_plane(s, normal);
   setup_upload(s);
   got = stage_gathered(s);
   for (int i = 0; i < PLANE_WIDTH * PLANE_HEIGHT; ++i) {
     int x = i % PLANE_WIDTH, y = i / PLANE_WIDTH;
-    double ao = *ref_at(&got, HBIL_LIGHT_AO, x, y);
-    if (!(s->input[REF_DEPTH][i] > 0.0f))
+    double ao = *exact_at(&got, HBIL_LIGHT_AO, x, y);
+    if (!(s->input[EXACT_DEPTH][i] > 0.0f))
       continue;
     worst->ao = fmax(worst->ao, fabs(ao - 1.0));
     if (s->config.mode == HBIL_MODE_GTAO)
       worst->bent = fmax(worst->bent, bent_error(&got, normal, x, y));
   }
-  ref_planes_free(&got);
+  exact_planes_free(&got);
 }
 
 static void check_planes(hbil_mode mode, float radius, float thickness) {
@@ -504,9 +505,9 @@ static void set_wall(setup *s) {
     bool wall;
     ray_at(s, i % SIDE, i / SIDE, ray);
     wall = ray[0] > WALL_AT;
-    s->input[REF_DEPTH][i] = wall ? (float)(WALL_AT / ray[0]) : 1.0f;
-    s->input[REF_NORMAL][i] = wall ? -1.0f : 0.0f;
-    s->input[REF_NORMAL + 2][i] = wall ? 0.0f : -1.0f;
+    s->input[EXACT_DEPTH][i] = wall ? (float)(WALL_AT / ray[0]) : 1.0f;
+    s->input[EXACT_NORMAL][i] = wall ? -1.0f : 0.0f;
+    s->input[EXACT_NORMAL + 2][i] = wall ? 0.0f : -1.0f;
   }
 }
 
@@ -531,7 +532,7 @@ static const unsigned char *some_pixels(void) {
 }
 
 /* Root mean square over the floor. */
-static double wall_error(const setup *s, const ref_planes *got) {
+static double wall_error(const setup *s, const exact_planes *got) {
   double sum = 0.0;
   int count = 0;
   for (int i = 0; i < SIDE * SIDE; i += 7) {
@@ -539,7 +540,7 @@ static double wall_error(const setup *s, const ref_planes *got) {
     ray_at(s, i % SIDE, i / SIDE, point);
     if (point[0] > WALL_AT)
       continue;
-    off = *ref_at(got, HBIL_LIGHT_AO, i % SIDE, i / SIDE) - 1.0 +
+    off = *exact_at(got, HBIL_LIGHT_AO, i % SIDE, i / SIDE) - 1.0 +
           wall_s_share(s->config.mode, trapezoid, point);
     sum += off * off;
     ++count;
@@ -549,11 +550,11 @@ static double wall_error(const setup *s, const ref_planes *got) {
 }
 
 static void walls_hide_what_the_screen_shows_of_them(void **state) {
-  const ref_dense how = {.slices = 256, .wanted = some_pixels()};
+  const exact_dense how = {.slices = 256, .mask = some_pixels()};
   (void)state;
   for (hbil_mode mode = HBIL_MODE_HBIL; mode <= HBIL_MODE_HBAO; ++mode) {
     setup s;
-    ref_planes dense, kernel;
+    exact_planes dense, kernel;
     start_wall(&s, mode, INFINITY);
     dense = gathered_densely(&s, &how);
     kernel = stage_gathered_mean(&s, 4);
@@ -561,8 +562,8 @@ static void walls_hide_what_the_screen_shows_of_them(void **state) {
      * degrees.  Slices weighed alike would be off by several times as much. */
     check_at_most("dense", wall_error(&s, &dense), 8e-3);
     check_at_most("kernel", wall_error(&s, &kernel), 8e-3);
-    ref_planes_free(&dense);
-    ref_planes_free(&kernel);
+    exact_planes_free(&dense);
+    exact_planes_free(&kernel);
     setup_free(&s);
   }
 }
@@ -570,19 +571,19 @@ static void walls_hide_what_the_screen_shows_of_them(void **state) {
 /* The stretches of occluders that reach far beyond the floor are the horizon:
  * seen from above, nothing passes behind the wall. */
 static void endless_stretches_are_the_horizon(void **state) {
-  const ref_dense how = {.slices = 32, .wanted = some_pixels()};
+  const exact_dense how = {.slices = 32, .mask = some_pixels()};
   (void)state;
   for (hbil_mode mode = HBIL_MODE_HBIL; mode <= HBIL_MODE_HBAO; ++mode) {
     setup endless, thick;
-    ref_planes want, got;
+    exact_planes want, got;
     start_wall(&endless, mode, INFINITY);
     start_wall(&thick, mode, 1e9f);
     want = gathered_densely(&endless, &how);
     got = gathered_densely(&thick, &how);
     check_at_most("AO", largest_error(&got, &want, HBIL_LIGHT_AO, 1), 1e-6);
     check_at_most("bent", largest_error(&got, &want, HBIL_LIGHT_BENT, 3), 1e-6);
-    ref_planes_free(&want);
-    ref_planes_free(&got);
+    exact_planes_free(&want);
+    exact_planes_free(&got);
     setup_free(&endless);
     setup_free(&thick);
   }
@@ -663,11 +664,11 @@ static void set_corner(setup *s, const corner *k) {
     ray_at(s, i % k->size, i / k->size, ray);
     floor_w = -dot(up, ray) / EYE; /* up.P = -EYE on the floor */
     wall_w = dot(wall, ray) / k->distance;
-    s->input[REF_DEPTH][i] = fmax(floor_w, wall_w) > 1e-6
-                                 ? (float)(1.0 / fmax(floor_w, wall_w))
-                                 : 0.0f;
+    s->input[EXACT_DEPTH][i] = fmax(floor_w, wall_w) > 1e-6
+                                   ? (float)(1.0 / fmax(floor_w, wall_w))
+                                   : 0.0f;
     for (int c = 0; c < 3; ++c)
-      s->input[REF_NORMAL + c][i] =
+      s->input[EXACT_NORMAL + c][i] =
           (float)(wall_w > floor_w ? -wall[c] : up[c]);
   }
 }
@@ -705,14 +706,14 @@ static void start_corner(setup *s, const corner *k, hbil_mode mode,
 
 static double dense_ao(const setup *s, int size, int x, int y) {
   unsigned char *wanted = calloc((size_t)(size * size), 1);
-  const ref_dense how = {.slices = 512, .wanted = wanted};
-  ref_planes got;
+  const exact_dense how = {.slices = 512, .mask = wanted};
+  exact_planes got;
   double ao;
   assert_non_null(wanted);
   wanted[y * size + x] = 1;
   got = gathered_densely(s, &how);
-  ao = *ref_at(&got, HBIL_LIGHT_AO, x, y);
-  ref_planes_free(&got);
+  ao = *exact_at(&got, HBIL_LIGHT_AO, x, y);
+  exact_planes_free(&got);
   free(wanted);
   return ao;
 }
@@ -728,10 +729,11 @@ static void check_corner(const corner *k, hbil_mode mode, hbil_falloff falloff,
                   fabs(corner_by_azimuth(&s.config, k->distance) - want), 1e-6);
   check_at_most("dense", fabs(dense_ao(&s, k->size, k->x, k->y) - want), limit);
   if (k->size < 256) { /* a plan's samples cross all of it */
-    ref_planes got = stage_gathered_mean(&s, 4);
+    exact_planes got = stage_gathered_mean(&s, 4);
     check_at_most("kernel",
-                  fabs(*ref_at(&got, HBIL_LIGHT_AO, k->x, k->y) - want), limit);
-    ref_planes_free(&got);
+                  fabs(*exact_at(&got, HBIL_LIGHT_AO, k->x, k->y) - want),
+                  limit);
+    exact_planes_free(&got);
   }
   setup_free(&s);
 }
@@ -782,10 +784,10 @@ static void set_ring(setup *s) {
     ray_at(s, i % RING, i / RING, ray);
     slope = sqrt(ray[0] * ray[0] + ray[1] * ray[1]);
     ring = slope > 0.3 && slope < 0.6;
-    s->input[REF_DEPTH][i] = ring ? 1.0f : 2.0f;
-    s->input[REF_NORMAL + 2][i] = -1.0f;
+    s->input[EXACT_DEPTH][i] = ring ? 1.0f : 2.0f;
+    s->input[EXACT_NORMAL + 2][i] = -1.0f;
     for (int c = 0; c < 3; ++c)
-      s->input[REF_DIRECT + c][i] = ring ? (float)PI : 0.0f;
+      s->input[EXACT_DIRECT + c][i] = ring ? (float)PI : 0.0f;
   }
 }
 
@@ -813,8 +815,8 @@ static double ring_share(hbil_mode mode) {
                                 : pow(sin(b), 2.0) - pow(sin(a), 2.0);
 }
 
-static double middle_value(const ref_planes *p, int plane) {
-  return *ref_at(p, plane, RING / 2, RING / 2);
+static double middle_value(const exact_planes *p, int plane) {
+  return *exact_at(p, plane, RING / 2, RING / 2);
 }
 
 /* measured: 1.5e-4 */
@@ -822,13 +824,13 @@ static double middle_value(const ref_planes *p, int plane) {
 
 static void light_passes_behind_rings(void **state) {
   unsigned char *wanted = calloc(RING * RING, 1);
-  const ref_dense how = {.slices = 512, .wanted = wanted};
+  const exact_dense how = {.slices = 512, .mask = wanted};
   (void)state;
   assert_non_null(wanted);
   wanted[RING / 2 * RING + RING / 2] = 1;
   for (hbil_mode mode = HBIL_MODE_HBIL; mode <= HBIL_MODE_HBAO; ++mode) {
     setup s;
-    ref_planes got;
+    exact_planes got;
     double share = ring_share(mode), ao;
     start_ring(&s, mode);
     got = gathered_densely(&s, &how);
@@ -841,7 +843,7 @@ static void light_passes_behind_rings(void **state) {
       check_at_most("E_near/pi",
                     fabs(middle_value(&got, HBIL_LIGHT_RED) / PI - share),
                     RING_LIMIT);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
     setup_free(&s);
   }
   free(wanted);

@@ -40,11 +40,11 @@ static bool repair_motion(float *v) {
 static bool repair_normal(const setup *s, size_t i) {
   float *n[3];
   for (int c = 0; c < 3; ++c)
-    n[c] = s->input[REF_NORMAL + c] + i;
+    n[c] = s->input[EXACT_NORMAL + c] + i;
   const float size = fmaf(*n[0], *n[0], fmaf(*n[1], *n[1], *n[2] * *n[2]));
   if (size >= 1e-20f && size < INFINITY)
     return false;
-  const hbil_view_args v = ref_view(&s->config, &s->frame.camera);
+  const hbil_view_args v = exact_view(&s->config, &s->frame.camera);
   const size_t x = i % s->config.width, y = i / s->config.width;
   *n[0] = -((float)x + 0.5f - v.cx) * v.inv_fx;
   *n[1] = -((float)y + 0.5f - v.cy) * v.inv_fy;
@@ -65,15 +65,15 @@ static hbil_sanitized repair(setup *s) {
   const size_t pixels = (size_t)s->config.width * s->config.height;
   hbil_sanitized n = {0};
   for (size_t i = 0; i < pixels; ++i) {
-    n.depth += repair_planes(s, REF_DEPTH, 1, i, repair_depth);
-    const float depth = s->input[REF_DEPTH][i];
+    n.depth += repair_planes(s, EXACT_DEPTH, 1, i, repair_depth);
+    const float depth = s->input[EXACT_DEPTH][i];
     const size_t solid = depth > 0.0f && depth < 1e15f;
     n.normal += solid * repair_normal(s, i);
-    n.albedo += solid * repair_planes(s, REF_ALBEDO, 3, i, repair_share);
-    n.f0 += solid * repair_planes(s, REF_F0, 3, i, repair_share);
-    n.direct += solid * repair_planes(s, REF_DIRECT, 3, i, repair_light);
-    n.motion += solid * repair_planes(s, REF_MOTION, 2, i, repair_motion);
-    n.emission += repair_planes(s, REF_EMISSION, 3, i, repair_light);
+    n.albedo += solid * repair_planes(s, EXACT_ALBEDO, 3, i, repair_share);
+    n.f0 += solid * repair_planes(s, EXACT_F0, 3, i, repair_share);
+    n.direct += solid * repair_planes(s, EXACT_DIRECT, 3, i, repair_light);
+    n.motion += solid * repair_planes(s, EXACT_MOTION, 2, i, repair_motion);
+    n.emission += repair_planes(s, EXACT_EMISSION, 3, i, repair_light);
   }
   return n;
 }
@@ -106,7 +106,7 @@ static void check_counts(const hbil_sanitized *got,
 
 /* What a frame of spoiled inputs comes to; or of the repaired ones. */
 static void spoiled_frames(plan_kind kind, uint64_t seed, bool repaired_before,
-                           ref_planes out[FRAMES],
+                           exact_planes out[FRAMES],
                            hbil_sanitized repairs[FRAMES]) {
   random_state r = {seed};
   setup *s = stress_begin(kind);
@@ -135,7 +135,7 @@ static void spoiled_frames(plan_kind kind, uint64_t seed, bool repaired_before,
 static void spoiled_inputs_equal_repaired_ones(void **state) {
   (void)state;
   for (plan_kind kind = 0; kind < PLANS; ++kind) {
-    ref_planes got[FRAMES], want[FRAMES];
+    exact_planes got[FRAMES], want[FRAMES];
     hbil_sanitized found[FRAMES], made[FRAMES];
     if (!stress_tries(kind))
       continue;
@@ -148,8 +148,8 @@ static void spoiled_inputs_equal_repaired_ones(void **state) {
       check_counts(&found[i], &made[i]);
       check_case("values that a repair has changed",
                  (double)count_different(&got[i], &want[i]), 0.0);
-      ref_planes_free(&got[i]);
-      ref_planes_free(&want[i]);
+      exact_planes_free(&got[i]);
+      exact_planes_free(&want[i]);
     }
   }
 }
@@ -163,7 +163,7 @@ static void static_frames_repeat_the_counts(void **state) {
   STRESS_CASE("still frames");
   spoil(s, &r, 0.1);
   for (int c = 0; c < 2; ++c)
-    setup_fill(s, REF_MOTION + c, 0.0f);
+    setup_fill(s, EXACT_MOTION + c, 0.0f);
   stress_run(s);
   const hbil_sanitized first = counted(s);
   assert_true(first.depth > 0 && first.emission > 0);

@@ -81,7 +81,7 @@ static void lone_occluder(setup *s, random_state *r) {
   const int x = (int)(random_unit(r) * WIDTH),
             y = (int)(random_unit(r) * HEIGHT);
   const double nearer = pow(10.0, -7.0 * random_unit(r));
-  s->input[REF_DEPTH][pixel_at(x, y)] = (float)(2.0 - 1.9 * nearer);
+  s->input[EXACT_DEPTH][pixel_at(x, y)] = (float)(2.0 - 1.9 * nearer);
 }
 
 /* The wall turned by anything up to nearly edge on. */
@@ -101,9 +101,9 @@ static void turn(setup *s, random_state *r) {
         z = (-2.0 - across) / n[2]; /* n.(q, z) = -2 */
       else if (across + n[2] >= -1e-3)
         z = 0.0;
-      s->input[REF_DEPTH][pixel_at(x, y)] = (float)fmax(z, 0.0);
+      s->input[EXACT_DEPTH][pixel_at(x, y)] = (float)fmax(z, 0.0);
       for (int i = 0; i < 3; ++i)
-        s->input[REF_NORMAL + i][pixel_at(x, y)] = (float)n[i];
+        s->input[EXACT_NORMAL + i][pixel_at(x, y)] = (float)n[i];
     }
 }
 
@@ -154,7 +154,7 @@ static void the_edge_of_the_radius_is_exact(void **state) {
     const int x = (int)(0.3 / step) + i - 20;
     pair_fill_wall(&p.with);
     for (int y = 0; y < HEIGHT; ++y)
-      p.with.input[REF_DEPTH][pixel_at(150 + x, y)] = 1.99f;
+      p.with.input[EXACT_DEPTH][pixel_at(150 + x, y)] = 1.99f;
     const hbil_statistics found = pair_compare(&p);
     open[i >= 20] += found.open.spans;
   }
@@ -188,10 +188,11 @@ static void a_single_pixel_before_the_sky_is_seen(void **state) {
   pair_start(&p, endless, HBIL_SKIP_SKY);
   for (int i = 0; i < 10; ++i) {
     pair_fill_wall(&p.with);
-    setup_fill(&p.with, REF_DEPTH, 0.0f);
+    setup_fill(&p.with, EXACT_DEPTH, 0.0f);
     if (i)
-      p.with.input[REF_DEPTH][pixel_at((int)(random_unit(&r) * WIDTH),
-                                       (int)(random_unit(&r) * HEIGHT))] = 1.0f;
+      p.with.input[EXACT_DEPTH][pixel_at((int)(random_unit(&r) * WIDTH),
+                                         (int)(random_unit(&r) * HEIGHT))] =
+          1.0f;
     const hbil_statistics found = pair_compare(&p);
     assert_int_equal(found.sky.pixels, WIDTH * HEIGHT - (i > 0));
     assert_int_equal(found.sky.spans, found.all.spans - (i > 0));
@@ -206,7 +207,7 @@ static void unlit_room(pair *p) {
   setup_load_scene(&p->with, SCENE_ROOM, 0);
   p->without.frame.camera = p->with.frame.camera;
   for (int c = 0; c < 3; ++c)
-    setup_fill(&p->with, REF_DIRECT + c, 0.0f);
+    setup_fill(&p->with, EXACT_DIRECT + c, 0.0f);
 }
 
 /* The i-th: a pixel, which few samples meet; a square, which grows; a column or
@@ -216,13 +217,13 @@ static void only_lamp(pair *p, random_state *r, int i) {
   const int width = (int)p->with.config.width;
   const int height = (int)p->with.config.height;
   for (int c = 0; c < 3; ++c)
-    setup_fill(&p->with, REF_EMISSION + c, 0.0f);
+    setup_fill(&p->with, EXACT_EMISSION + c, 0.0f);
   const int x0 = i % 4 == 3 ? 0 : (int)(random_unit(r) * width);
   const int y0 = i % 4 == 2 ? 0 : (int)(random_unit(r) * height);
   const int across[] = {square, 1, 1, width}, down[] = {square, 1, height, 1};
   for (int y = y0; y < y0 + down[i % 4] && y < height; ++y)
     for (int x = x0; x < x0 + across[i % 4] && x < width; ++x)
-      p->with.input[REF_EMISSION][y * width + x] = 1e4f;
+      p->with.input[EXACT_EMISSION][y * width + x] = 1e4f;
 }
 
 static void fallback_black(setup *s) {
@@ -285,9 +286,10 @@ static void one_lamp_is_not_overlooked(void **state) {
       if (i == 0) /* no light at all: every span that is not open or sky */
         assert_int_equal(found.dark.spans + found.open.spans + found.sky.spans,
                          found.all.spans);
-      ref_planes out = outputs_read(&p.with);
-      near_irradiance += i > 0 && largest_value(&out, REF_NEAR, 3) > 0.0;
-      ref_planes_free(&out);
+      exact_planes out = outputs_read(&p.with);
+      near_irradiance +=
+          i > 0 && largest_value(&out, EXACT_NEAR_IRRADIANCE, 3) > 0.0;
+      exact_planes_free(&out);
     }
     if (getenv("HBIL_TEST_VERBOSE"))
       print_message("%zu lamps of 11 light something\n", near_irradiance);
@@ -302,7 +304,7 @@ static void set_line(setup *s, int column, int row, float light) {
   for (int y = 0; y < HEIGHT; ++y)
     for (int x = 0; x < WIDTH; ++x)
       if (x == column || y == row)
-        s->input[REF_EMISSION][pixel_at(x, y)] = light;
+        s->input[EXACT_EMISSION][pixel_at(x, y)] = light;
 }
 
 static void a_line_on_a_rough_wall_is_not_overlooked(void **state) {
@@ -315,17 +317,17 @@ static void a_line_on_a_rough_wall_is_not_overlooked(void **state) {
     pair_start(&p, walls[k], HBIL_SKIP_DARK);
     pair_fill_wall(&p.with);
     for (size_t i = 0; i < WIDTH * HEIGHT; ++i)
-      p.with.input[REF_DEPTH][i] *= 1.0f + 0.1f * (float)random_unit(&r);
+      p.with.input[EXACT_DEPTH][i] *= 1.0f + 0.1f * (float)random_unit(&r);
     for (int c = 0; c < 3; ++c)
-      setup_fill(&p.with, REF_DIRECT + c, 0.0f);
+      setup_fill(&p.with, EXACT_DIRECT + c, 0.0f);
     for (int i = 5; i < WIDTH + HEIGHT; i += 13) { /* in all parts of a cell */
       const int column = i < WIDTH ? i : -1, row = i - WIDTH;
       set_line(&p.with, column, row, 1e4f);
       pair_compare(&p);
       set_line(&p.with, column, row, 0.0f);
-      ref_planes out = outputs_read(&p.with);
-      assert_true(largest_value(&out, REF_NEAR, 3) > 0.0);
-      ref_planes_free(&out);
+      exact_planes out = outputs_read(&p.with);
+      assert_true(largest_value(&out, EXACT_NEAR_IRRADIANCE, 3) > 0.0);
+      exact_planes_free(&out);
     }
     pair_free(&p);
   }
@@ -367,16 +369,16 @@ static void metal_shows_no_irradiance(void **state) {
       setup_load_scene(&p.with, SCENE_ROOM, 0);
       p.without.frame.camera = p.with.frame.camera;
       for (int c = 0; c < 3; ++c) {
-        setup_fill(&p.with, REF_F0 + c, i % 2 ? 1.0f : 0.0f);
+        setup_fill(&p.with, EXACT_F0 + c, i % 2 ? 1.0f : 0.0f);
         if (i % 2 == 0)
-          setup_fill(&p.with, REF_ALBEDO + c, 0.0f);
+          setup_fill(&p.with, EXACT_ALBEDO + c, 0.0f);
       }
       /* but for one pixel */
       const size_t one = pixel_at((int)(random_unit(&r) * WIDTH),
                                   (int)(random_unit(&r) * HEIGHT));
       if (i > 1) {
-        p.with.input[REF_F0][one] = 0.5f;
-        p.with.input[REF_ALBEDO][one] = 0.8f;
+        p.with.input[EXACT_F0][one] = 0.5f;
+        p.with.input[EXACT_ALBEDO][one] = 0.8f;
       }
       const hbil_statistics found = pair_compare(&p);
       if (i > 1)
@@ -397,7 +399,7 @@ static void irradiance_outputs_need_it(void **state) {
   setup_start(&s);
   setup_load_scene(&s, SCENE_ROOM, 0);
   for (int c = 0; c < 3; ++c)
-    setup_fill(&s, REF_ALBEDO + c, 0.0f);
+    setup_fill(&s, EXACT_ALBEDO + c, 0.0f);
   run_frame(&s);
   assert_int_equal(statistics_of(&s).unused.spans, 0);
   setup_free(&s);

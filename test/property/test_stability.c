@@ -13,14 +13,14 @@
 /* Scale                                                                     */
 
 /* Two frames of the room, in units of 1/scale. */
-static ref_planes room_scaled(plan_kind kind, double scale) {
+static exact_planes room_scaled(plan_kind kind, double scale) {
   setup *s = stress_begin(kind);
   for (uint32_t i = 0; i < 2; ++i) {
     stress_load_room(s, i);
     for (int c = 0; c < 3; ++c)
       s->frame.camera.world_from_view[4 * c + 3] *= scale;
     for (int p = 0; p < PIXELS; ++p)
-      s->input[REF_DEPTH][p] = (float)(s->input[REF_DEPTH][p] * scale);
+      s->input[EXACT_DEPTH][p] = (float)(s->input[EXACT_DEPTH][p] * scale);
     s->frame.environment[0][0] = 1.0f;
     stress_run(s);
   }
@@ -35,18 +35,18 @@ static void the_unit_of_length_does_not_matter(void **state) {
   for (plan_kind kind = 0; kind < PLANS; ++kind) {
     if (!stress_tries(kind))
       continue;
-    ref_planes want = room_scaled(kind, 1.0);
+    exact_planes want = room_scaled(kind, 1.0);
     for (size_t i = 0; i < sizeof scales / sizeof *scales; ++i) {
       STRESS_CASE("scale %g, %s", scales[i], stress_plan_names[kind]);
-      ref_planes got = room_scaled(kind, scales[i]);
+      exact_planes got = room_scaled(kind, scales[i]);
       for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
         check_case(
             plane_name(id),
             relative_rmse(&got, &want, plane_first(id), plane_channels(id)),
             id == PLANE_CONE ? 1e-3 : 1e-4);
-      ref_planes_free(&got);
+      exact_planes_free(&got);
     }
-    ref_planes_free(&want);
+    exact_planes_free(&want);
   }
 }
 
@@ -62,14 +62,15 @@ typedef struct openness {
 } openness;
 
 static openness openness_of(setup *s) {
-  ref_planes out = outputs_read(s);
+  exact_planes out = outputs_read(s);
   openness worst = {0.0, 0.0};
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
-      worst.closed = fmax(worst.closed, 1.0 - *ref_at(&out, REF_AO, x, y));
-      worst.light = fmax(worst.light, *ref_at(&out, REF_NEAR, x, y));
+      worst.closed = fmax(worst.closed, 1.0 - *exact_at(&out, EXACT_AO, x, y));
+      worst.light =
+          fmax(worst.light, *exact_at(&out, EXACT_NEAR_IRRADIANCE, x, y));
     }
-  ref_planes_free(&out);
+  exact_planes_free(&out);
   return worst;
 }
 
@@ -128,13 +129,13 @@ typedef struct evenness {
 } evenness;
 
 static evenness evenness_of(setup *s) {
-  ref_planes out = outputs_read(s);
+  exact_planes out = outputs_read(s);
   evenness e = {0.0, INFINITY, 0.0};
   double count = 0.0;
   for (int i = 0; i < 3 * PIXELS; ++i)
-    if (s->input[REF_DEPTH][i % PIXELS] > 0.0f) {
-      const double light = (out.values[REF_NEAR * PIXELS + i] +
-                            out.values[REF_FAR * PIXELS + i]) /
+    if (s->input[EXACT_DEPTH][i % PIXELS] > 0.0f) {
+      const double light = (out.values[EXACT_NEAR_IRRADIANCE * PIXELS + i] +
+                            out.values[EXACT_FAR_IRRADIANCE * PIXELS + i]) /
                            PI;
       e.mean += light;
       e.least = fmin(e.least, light);
@@ -142,7 +143,7 @@ static evenness evenness_of(setup *s) {
       count += 1.0;
     }
   e.mean /= count;
-  ref_planes_free(&out);
+  exact_planes_free(&out);
   return e;
 }
 
@@ -162,11 +163,11 @@ static void light_neither_grows_nor_fades(void **state) {
     setup *s = stress_begin(kind);
     evenness early = {0};
     STRESS_CASE("200 frames of albedo 1, %s", stress_plan_names[kind]);
-    for (int p = REF_ALBEDO; p < REF_MOTION + 2; ++p)
-      setup_fill(s, p, p < REF_F0 ? 1.0f : 0.0f);
+    for (int p = EXACT_ALBEDO; p < EXACT_MOTION + 2; ++p)
+      setup_fill(s, p, p < EXACT_F0 ? 1.0f : 0.0f);
     for (int i = 0; i < 200; ++i) {
       for (int c = 0; c < 3; ++c)
-        setup_fill(s, REF_DIRECT + c, i ? 0.0f : (float)PI);
+        setup_fill(s, EXACT_DIRECT + c, i ? 0.0f : (float)PI);
       s->frame.frame_index = (cl_uint)i;
       stress_run(s);
       if (i == 20)

@@ -53,8 +53,8 @@ static int static_frames(prepare_function *prepare, int frames) {
     setup_load_scene(&plain, SCENE_ROOM, frame);
     told.frame.static_frame = i >= 2;
     for (int c = 0; c < 2 && i >= 2; ++c) {
-      setup_fill(&told, REF_MOTION + c, 0.0f);
-      setup_fill(&plain, REF_MOTION + c, 0.0f);
+      setup_fill(&told, EXACT_MOTION + c, 0.0f);
+      setup_fill(&plain, EXACT_MOTION + c, 0.0f);
     }
     run_frame(&told);
     run_frame(&plain);
@@ -68,7 +68,7 @@ static int static_frames(prepare_function *prepare, int frames) {
                        found.not_run[HBIL_PASS_RECOMPOSE]);
     }
     /* the first static frame fills the cache */
-    assert_int_equal(found.by_factors.spans > 0,
+    assert_int_equal(found.from_cache.spans > 0,
                      told.config.horizon_cache_bytes && i >= 3 &&
                          !found.not_run[HBIL_PASS_GATHER]);
     if (!settled && found.not_run[HBIL_PASS_GATHER])
@@ -191,9 +191,9 @@ static void cache_near(setup *s) {
 static void light_in_a_stripe(setup *s) {
   setup_load_scene(s, SCENE_ROOM, 0);
   for (int c = 0; c < 3; ++c) {
-    setup_fill(s, REF_EMISSION + c, 0.0f);
+    setup_fill(s, EXACT_EMISSION + c, 0.0f);
     for (int i = 0; i < WIDTH * HEIGHT; ++i)
-      s->input[REF_DIRECT + c][i] =
+      s->input[EXACT_DIRECT + c][i] =
           i % WIDTH >= 175 && i % WIDTH < 190 ? 9.0f : 0.0f;
   }
 }
@@ -201,10 +201,11 @@ static void light_in_a_stripe(setup *s) {
 /* Number of pixels that receive no light. */
 static size_t count_unlit(setup *s) {
   size_t unlit = 0;
-  ref_planes out = outputs_read(s);
+  exact_planes out = outputs_read(s);
   for (size_t i = 0; i < WIDTH * HEIGHT; ++i)
-    unlit += out.values[(size_t)REF_NEAR * WIDTH * HEIGHT + i] == 0.0;
-  ref_planes_free(&out);
+    unlit +=
+        out.values[(size_t)EXACT_NEAR_IRRADIANCE * WIDTH * HEIGHT + i] == 0.0;
+  exact_planes_free(&out);
   return unlit;
 }
 
@@ -217,7 +218,7 @@ static void unlit_spans_are_cached(void **state) {
     light_in_a_stripe(&p.with);
     p.without.frame.camera = p.with.frame.camera;
     p.with.frame.static_frame = i > 0;
-    assert_int_equal(pair_compare(&p).by_factors.spans > 0, i > 1);
+    assert_int_equal(pair_compare(&p).from_cache.spans > 0, i > 1);
     if (i == 1) /* the frame that fills the cache */
       unlit = count_unlit(&p.with);
   }
@@ -235,10 +236,10 @@ static void light_may_arrive_late(void **state) {
     light_in_a_stripe(&p.with);
     p.without.frame.camera = p.with.frame.camera;
     for (int c = 0; i < 2 && c < 3; ++c)
-      setup_fill(&p.with, REF_DIRECT + c, 0.0f);
+      setup_fill(&p.with, EXACT_DIRECT + c, 0.0f);
     p.with.frame.static_frame = i > 0;
     const hbil_statistics found = pair_compare(&p);
-    assert_int_equal(found.by_factors.spans > 0, i > 1);
+    assert_int_equal(found.from_cache.spans > 0, i > 1);
     assert_int_equal(found.not_run[HBIL_PASS_GATHER], CL_FALSE);
   }
   pair_free(&p);

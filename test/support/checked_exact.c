@@ -1,5 +1,5 @@
 /* The functions of src/exact that can fail, for tests. */
-#include "checked_exact.h"
+#include "test/support/checked_exact.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -10,15 +10,15 @@ void check_at_most(const char *what, double value, double limit) {
 }
 
 /* Number of values of planes [first, first + count), and where they begin. */
-static size_t range_of(const ref_planes *planes, int first, int count,
+static size_t range_of(const exact_planes *planes, int first, int count,
                        size_t *total) {
   size_t plane = (size_t)planes->width * (size_t)planes->height;
   *total = plane * (size_t)count;
   return plane * (size_t)first;
 }
 
-double relative_rmse(const ref_planes *got, const ref_planes *want, int first,
-                     int count) {
+double relative_rmse(const exact_planes *got, const exact_planes *want,
+                     int first, int count) {
   size_t total, start = range_of(want, first, count, &total);
   double off = 0.0, size = 0.0;
   for (size_t i = start; i < start + total; ++i) {
@@ -31,8 +31,8 @@ double relative_rmse(const ref_planes *got, const ref_planes *want, int first,
   return size > 0.0 ? sqrt(off / size) : sqrt(off);
 }
 
-double largest_error(const ref_planes *got, const ref_planes *want, int first,
-                     int count) {
+double largest_error(const exact_planes *got, const exact_planes *want,
+                     int first, int count) {
   size_t total, start = range_of(want, first, count, &total);
   double largest = 0.0;
   for (size_t i = start; i < start + total; ++i) {
@@ -44,7 +44,7 @@ double largest_error(const ref_planes *got, const ref_planes *want, int first,
   return largest;
 }
 
-double largest_value(const ref_planes *planes, int first, int count) {
+double largest_value(const exact_planes *planes, int first, int count) {
   size_t total, start = range_of(planes, first, count, &total);
   double largest = 0.0;
   for (size_t i = start; i < start + total; ++i)
@@ -52,11 +52,11 @@ double largest_value(const ref_planes *planes, int first, int count) {
   return largest;
 }
 
-size_t count_values(const ref_planes *planes) {
+size_t count_values(const exact_planes *planes) {
   return (size_t)planes->width * (size_t)planes->height * (size_t)planes->count;
 }
 
-size_t count_different(const ref_planes *got, const ref_planes *want) {
+size_t count_different(const exact_planes *got, const exact_planes *want) {
   size_t different = 0;
   assert_int_equal(got->count, want->count);
   for (size_t i = 0; i < count_values(want); ++i)

@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "test/reference.h"
+#include "test/support/checked_exact.h"
 
 /* Fails when `value` is above the limit or not a number; with HBIL_TEST_VERBOSE
  * in the environment, prints it. */
@@ -27,16 +27,16 @@ void check_at_most(const char *what, double value, double limit);
 
 /* Root of the mean squared difference, relative to the root mean square of
  * `want`; infinite when `got` holds a value that is not finite. */
-double relative_rmse(const ref_planes *got, const ref_planes *want, int first,
-                     int count);
+double relative_rmse(const exact_planes *got, const exact_planes *want,
+                     int first, int count);
 /* Largest difference; infinite when one is not finite. */
-double largest_error(const ref_planes *got, const ref_planes *want, int first,
-                     int count);
+double largest_error(const exact_planes *got, const exact_planes *want,
+                     int first, int count);
 /* Largest absolute value. */
-double largest_value(const ref_planes *planes, int first, int count);
+double largest_value(const exact_planes *planes, int first, int count);
 /* Number of values in all planes that differ. */
-size_t count_different(const ref_planes *got, const ref_planes *want);
+size_t count_different(const exact_planes *got, const exact_planes *want);
 /* Number of values in all planes together. */
-size_t count_values(const ref_planes *planes);
+size_t count_values(const exact_planes *planes);
 
 #endif

@@ -30,20 +30,20 @@ static const float odd_normals[][3] = {
 void spoil(setup *s, random_state *r, double share) {
   const size_t pixels = (size_t)s->config.width * s->config.height;
   for (size_t i = 0; i < pixels; ++i) {
-    SPOIL(r, share, s->input[REF_DEPTH][i], odd_depths);
+    SPOIL(r, share, s->input[EXACT_DEPTH][i], odd_depths);
     if (random_unit(r) < share) {
       const float *n = ANY_OF(r, odd_normals);
       for (int c = 0; c < 3; ++c)
-        s->input[REF_NORMAL + c][i] = n[c];
+        s->input[EXACT_NORMAL + c][i] = n[c];
     }
     for (int c = 0; c < 3; ++c) {
-      SPOIL(r, share, s->input[REF_ALBEDO + c][i], odd_shares);
-      SPOIL(r, share, s->input[REF_F0 + c][i], odd_shares);
-      SPOIL(r, share, s->input[REF_DIRECT + c][i], odd_light);
-      SPOIL(r, share, s->input[REF_EMISSION + c][i], odd_light);
+      SPOIL(r, share, s->input[EXACT_ALBEDO + c][i], odd_shares);
+      SPOIL(r, share, s->input[EXACT_F0 + c][i], odd_shares);
+      SPOIL(r, share, s->input[EXACT_DIRECT + c][i], odd_light);
+      SPOIL(r, share, s->input[EXACT_EMISSION + c][i], odd_light);
     }
     for (int c = 0; c < 2; ++c)
-      SPOIL(r, share, s->input[REF_MOTION + c][i], odd_motion);
+      SPOIL(r, share, s->input[EXACT_MOTION + c][i], odd_motion);
   }
 }
 
@@ -74,7 +74,7 @@ static void random_normal(setup *s, size_t i, bool faces, random_state *r) {
   setup_ray(s, (int)i % width, (int)i / width, ray);
   const double sign = faces && dot(n, ray) > 0.0 ? -1.0 : 1.0;
   for (int c = 0; c < 3; ++c)
-    s->input[REF_NORMAL + c][i] = (float)(sign * n[c]);
+    s->input[EXACT_NORMAL + c][i] = (float)(sign * n[c]);
 }
 
 void load_content(setup *s, content kind, uint32_t index, random_state *r) {
@@ -82,19 +82,19 @@ void load_content(setup *s, content kind, uint32_t index, random_state *r) {
   const bool flat = kind == CHECKER || kind == SPIKES;
   s->frame.frame_index = index;
   for (size_t i = 0; i < pixels; ++i) {
-    s->input[REF_DEPTH][i] =
+    s->input[EXACT_DEPTH][i] =
         (float)depth_of(kind, (int)(i % width), (int)(i / width), r);
     random_normal(s, i, kind != AWAY, r);
     for (int c = 0; c < 3; ++c) {
       if (flat)
-        s->input[REF_NORMAL + c][i] = c == 2 ? -1.0f : 0.0f;
-      s->input[REF_ALBEDO + c][i] = (float)random_unit(r);
-      s->input[REF_F0 + c][i] = 0.04f;
-      s->input[REF_DIRECT + c][i] = (float)(10.0 * random_unit(r));
-      s->input[REF_EMISSION + c][i] = random_unit(r) < 0.01 ? 5.0f : 0.0f;
+        s->input[EXACT_NORMAL + c][i] = c == 2 ? -1.0f : 0.0f;
+      s->input[EXACT_ALBEDO + c][i] = (float)random_unit(r);
+      s->input[EXACT_F0 + c][i] = 0.04f;
+      s->input[EXACT_DIRECT + c][i] = (float)(10.0 * random_unit(r));
+      s->input[EXACT_EMISSION + c][i] = random_unit(r) < 0.01 ? 5.0f : 0.0f;
     }
     for (int c = 0; c < 2; ++c)
-      s->input[REF_MOTION + c][i] = (float)(4.0 * random_unit(r) - 2.0);
+      s->input[EXACT_MOTION + c][i] = (float)(4.0 * random_unit(r) - 2.0);
   }
 }
 
@@ -122,11 +122,11 @@ void load_plane(setup *s, double tilt, double azimuth) {
     /* normals of surfaces seen from less than 0.06 degrees are bent to the eye
      */
     if (dot(n, ray) >= -1e-3 * sqrt(dot(ray, ray)))
-      s->input[REF_DEPTH][i] = 0.0f;
+      s->input[EXACT_DEPTH][i] = 0.0f;
     for (int c = 0; c < 3; ++c) {
-      s->input[REF_ALBEDO + c][i] = 1.0f;
-      s->input[REF_F0 + c][i] = s->input[REF_EMISSION + c][i] = 0.0f;
-      s->input[REF_DIRECT + c][i] = (float)PI;
+      s->input[EXACT_ALBEDO + c][i] = 1.0f;
+      s->input[EXACT_F0 + c][i] = s->input[EXACT_EMISSION + c][i] = 0.0f;
+      s->input[EXACT_DIRECT + c][i] = (float)PI;
     }
   }
 }

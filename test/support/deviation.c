@@ -31,8 +31,8 @@ const char *deviation_name(deviation_id id) {
   return kinds[id].name;
 }
 
-void add_deviation(deviation *all, deviation_id id, const ref_planes *got,
-                   int got_first, const ref_planes *want, int want_first,
+void add_deviation(deviation *all, deviation_id id, const exact_planes *got,
+                   int got_first, const exact_planes *want, int want_first,
                    int count) {
   const size_t plane = (size_t)want->width * (size_t)want->height;
   const double *a = got->values + plane * (size_t)got_first;
@@ -50,7 +50,7 @@ void add_deviation(deviation *all, deviation_id id, const ref_planes *got,
 }
 
 void add_light_deviation(deviation *all, deviation_id first,
-                         const ref_planes *got, const ref_planes *want,
+                         const exact_planes *got, const exact_planes *want,
                          bool light, bool bent) {
   add_deviation(all, first, got, HBIL_LIGHT_AO, want, HBIL_LIGHT_AO, 1);
   if (light)

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "test/reference.h"
+#include "test/support/checked_exact.h"
 
 typedef enum deviation_id {
   REPROJECT,
@@ -40,13 +40,13 @@ typedef struct deviation {
 const char *deviation_name(deviation_id id);
 
 /* Adds the differences of `count` planes. */
-void add_deviation(deviation *all, deviation_id id, const ref_planes *got,
-                   int got_first, const ref_planes *want, int want_first,
+void add_deviation(deviation *all, deviation_id id, const exact_planes *got,
+                   int got_first, const exact_planes *want, int want_first,
                    int count);
 /* Adds those of AO and, where the plan has them, of light and bent normals,
  * from deviation `first` on. */
 void add_light_deviation(deviation *all, deviation_id first,
-                         const ref_planes *got, const ref_planes *want,
+                         const exact_planes *got, const exact_planes *want,
                          bool light, bool bent);
 /* Fails where a root mean square is above its limit times `slack`, and prints
  * stress_case; with HBIL_TEST_VERBOSE, prints every largest and mean

@@ -240,19 +240,20 @@ int dump_try_reading(const dump *d, reading *r, image_error *error) {
   if (image_read_header(d->path, &header, error) != 0)
     return -1;
   int failed =
-      channels_map(d->path, &header, &d->options, &r->map, error) != 0 ||
-      channels_check(&r->map, d->path, error) != 0 ||
-      view_read(d->path, &header, NULL, &d->options, &r->seen, error) != 0 ||
-      view_aim(d->path, &r->seen, &r->map, &r->camera, error) != 0 ||
-      selfcheck_settle(d->path, &r->map, &r->guessed, error) != 0 ||
+      channel_map_read(d->path, &header, &d->options, &r->map, error) != 0 ||
+      channel_map_check(&r->map, d->path, error) != 0 ||
+      frame_camera_read(d->path, &header, NULL, &d->options, &r->seen, error) !=
+          0 ||
+      frame_camera_aim(d->path, &r->seen, &r->map, &r->camera, error) != 0 ||
+      conventions_settle(d->path, &r->map, &r->guessed, error) != 0 ||
       gbuffer_read(d->path, &r->map, ~0u, &r->g, error) != 0;
   image_free(&header);
   hbil_config_init(&r->config);
-  channels_conventions(&r->map, &r->config);
+  channel_map_configure(&r->map, &r->config);
   if (failed)
-    channels_free(&r->map);
+    channel_map_free(&r->map);
   else
-    selfcheck_frame(&r->g, &r->config, &r->map.camera, &r->check);
+    frame_check_run(&r->g, &r->config, &r->map.camera, &r->check);
   return failed;
 }
 
@@ -266,13 +267,13 @@ reading dump_read(const dump *d) {
 
 void reading_free(reading *r) {
   gbuffer_free(&r->g);
-  channels_free(&r->map);
+  channel_map_free(&r->map);
 }
 
 void assert_no_findings(const reading *r) {
-  for (int i = 0; i < r->check.count; i++)
-    print_error("found: %s\n", r->check.text[i]);
-  assert_int_equal(r->check.count, 0);
+  for (int i = 0; i < r->check.found.count; i++)
+    print_error("found: %s\n", r->check.found.text[i]);
+  assert_int_equal(r->check.found.count, 0);
 }
 
 double relative_difference(double a, double b) {

@@ -11,7 +11,12 @@
 #include "test/support/compare.h"
 
 #include "scene/scene.h"
-#include "tool/tool.h"
+#include "dump/frame_camera.h"
+#include "dump/frame_check.h"
+#include "dump/read_channel_map.h"
+#include "dump/read_gbuffer.h"
+#include "dump/settle.h"
+#include "tool/source_arguments.h"
 
 /* Size of the dumps of dump_begin(). */
 enum { WIDTH = 120, HEIGHT = 68, PIXELS = WIDTH * HEIGHT };
@@ -106,11 +111,12 @@ void dump_write(dump *d);
 
 typedef struct reading {
   channel_map map;
-  view seen;
+  frame_camera seen;
   camera_file camera;
   hbil_config config;
   gbuffer g;
-  selfcheck guessed, check;
+  findings guessed;
+  frame_check check;
 } reading;
 
 /* 0, or nonzero and an error. */

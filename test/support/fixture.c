@@ -59,7 +59,7 @@ void setup_init(setup *s, int width, int height) {
   s->config.near_irradiance = s->config.bent_normal = three_floats;
   s->config.ao = one_float;
   setup_camera(s, 60.0);
-  for (int p = 0; p < REF_INPUT_PLANES; ++p) {
+  for (int p = 0; p < EXACT_INPUT_PLANES; ++p) {
     s->input[p] = calloc(setup_pixels(s), sizeof(float));
     assert_non_null(s->input[p]);
   }
@@ -156,15 +156,15 @@ void setup_load_view(setup *s, scene_kind kind, double fov_y_degrees,
                                   fov_y_degrees * PI / 180.0, index, &f))
     hard_error("scene_render: out of memory");
   s->frame.camera = f.camera;
-  memcpy(s->input[REF_DEPTH], f.depth, size);
+  memcpy(s->input[EXACT_DEPTH], f.depth, size);
   for (int c = 0; c < 3; ++c) {
-    memcpy(s->input[REF_NORMAL + c], f.normal[c], size);
-    memcpy(s->input[REF_ALBEDO + c], f.albedo[c], size);
-    memcpy(s->input[REF_DIRECT + c], f.direct[c], size);
-    memcpy(s->input[REF_EMISSION + c], f.emission[c], size);
+    memcpy(s->input[EXACT_NORMAL + c], f.normal[c], size);
+    memcpy(s->input[EXACT_ALBEDO + c], f.albedo[c], size);
+    memcpy(s->input[EXACT_DIRECT + c], f.direct[c], size);
+    memcpy(s->input[EXACT_EMISSION + c], f.emission[c], size);
   }
   for (int c = 0; c < 2; ++c)
-    memcpy(s->input[REF_MOTION + c], f.motion[c], size);
+    memcpy(s->input[EXACT_MOTION + c], f.motion[c], size);
   scene_free(&f);
 }
 
@@ -187,9 +187,9 @@ void setup_plane(setup *s, const double normal[3]) {
     for (int c = 0; c < 3; ++c)
       slope += normal[c] * ray[c];
     const double z = slope < 0.0 ? 3.0 * normal[2] / slope : 0.0;
-    s->input[REF_DEPTH][i] = z < 6e4 ? (float)z : 0.0f;
+    s->input[EXACT_DEPTH][i] = z < 6e4 ? (float)z : 0.0f;
     for (int c = 0; c < 3; ++c)
-      s->input[REF_NORMAL + c][i] = (float)normal[c];
+      s->input[EXACT_NORMAL + c][i] = (float)normal[c];
   }
 }
 
@@ -245,7 +245,7 @@ static void upload_plane(setup *s, plane_id id) {
 void setup_upload(setup *s) {
   s->job.config = &s->config;
   s->job.camera = s->frame.camera;
-  s->job.index = s->frame.frame_index;
+  s->job.frame_index = s->frame.frame_index;
   memcpy(s->job.environment, s->frame.environment, sizeof(s->job.environment));
   for (plane_id id = 0; id < PLANE_FIRST_OUTPUT; ++id) {
     bool has = has_plane(s, id);
@@ -262,7 +262,7 @@ void setup_free(setup *s) {
   for (plane_id id = 0; id < PLANE_COUNT; ++id)
     if (plane_slot(&s->frame, id)->buffer)
       clReleaseMemObject(plane_slot(&s->frame, id)->buffer);
-  for (int p = 0; p < REF_INPUT_PLANES; ++p)
+  for (int p = 0; p < EXACT_INPUT_PLANES; ++p)
     free(s->input[p]);
 }
 
@@ -276,21 +276,21 @@ void setup_run(setup *s, enqueue_function *pass) {
 
 /* Takes an output's values and overwrites them with the canary. */
 static void take_output(setup *s, plane_id id, unsigned char *bytes,
-                        ref_planes *out) {
+                        exact_planes *out) {
   placement p = place_plane(&s->config, id, s->layout + id);
   for (int c = 0; c < plane_channels(id); ++c)
     for (int y = 0; y < out->height; ++y)
       for (int x = 0; x < out->width; ++x) {
         unsigned char *at = bytes + placement_of(&p, c, (size_t)x, (size_t)y);
-        *ref_at(out, plane_first(id) + c, x, y) =
+        *exact_at(out, plane_first(id) + c, x, y) =
             (double)decode_component(&p, at);
         memset(at, CANARY, p.size);
       }
 }
 
-ref_planes outputs_read(setup *s) {
-  ref_planes out = ref_planes_new((int)s->config.width, (int)s->config.height,
-                                  REF_OUTPUT_PLANES);
+exact_planes outputs_read(setup *s) {
+  exact_planes out = checked_planes((int)s->config.width, (int)s->config.height,
+                                    EXACT_OUTPUT_PLANES);
   for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id) {
     size_t size;
     unsigned char *bytes;
@@ -310,13 +310,13 @@ ref_planes outputs_read(setup *s) {
 #define OUTPUT_LIMIT 1e-4
 #define CONE_LIMIT 1e-3
 
-void check_frame_outputs(setup *s, const ref_planes *want) {
-  ref_planes got = outputs_read(s);
+void check_frame_outputs(setup *s, const exact_planes *want) {
+  exact_planes got = outputs_read(s);
   for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     if (has_plane(s, id))
       check_at_most(
           plane_name(id),
           relative_rmse(&got, want, plane_first(id), plane_channels(id)),
           id == PLANE_CONE ? CONE_LIMIT : OUTPUT_LIMIT);
-  ref_planes_free(&got);
+  exact_planes_free(&got);
 }

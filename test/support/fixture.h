@@ -24,8 +24,8 @@ typedef struct setup {
   hbil_plan *plan;
   plane_layout layout[PLANE_COUNT];
   size_t bytes[PLANE_COUNT];
-  float *input[REF_INPUT_PLANES];
-  ref_job job; /* for the exact integral; setup_upload() updates it */
+  float *input[EXACT_INPUT_PLANES];
+  exact_frame job; /* for the exact integral; setup_upload() updates it */
 } setup;
 
 /* --- preparing --- */
@@ -66,7 +66,7 @@ void setup_camera(setup *s, double fov_y_degrees);
 void setup_flatten(setup *s, double width);
 /* The ray through a pixel's centre: z is 1, for either projection. */
 void setup_ray(const setup *s, int x, int y, double ray[3]);
-/* Fills an input plane (REF_DEPTH...). */
+/* Fills an input plane (EXACT_DEPTH...). */
 void setup_fill(setup *s, int plane, float value);
 /* The plane through (0, 0, 3) with that normal, as depth and normals; sky where
  * it lies behind the eye or beyond the largest half float. */
@@ -92,12 +92,12 @@ void setup_run(setup *s, enqueue_function *pass);
 /* Fails with the context's message unless `status` is HBIL_SUCCESS. */
 void assert_success(const setup *s, hbil_status status);
 
-/* All outputs (REF_OUTPUT_PLANES planes); 0 where the plan has no such output.
- * Fails when a byte outside a plane was written. */
-ref_planes outputs_read(setup *s);
+/* All outputs (EXACT_OUTPUT_PLANES planes); 0 where the plan has no such
+ * output. Fails when a byte outside a plane was written. */
+exact_planes outputs_read(setup *s);
 /* Compares every output of the plan with `want`: relative RMSE of at most 1e-4
  * (measured: 9.1e-6 at 3 x 5 pixels); 1e-3 for the cone's cosine (3.5e-4),
  * whose sqrt(1 - AO) has half of the digits left where AO is 1. */
-void check_frame_outputs(setup *s, const ref_planes *want);
+void check_frame_outputs(setup *s, const exact_planes *want);
 
 #endif

@@ -18,7 +18,7 @@ void averaging_load(setup *s, uint32_t scene, cl_uint index) {
   setup_upload(s);
 }
 
-void same_bits(const ref_planes *got, const ref_planes *want) {
+void same_bits(const exact_planes *got, const exact_planes *want) {
   assert_int_equal(count_different(got, want), 0);
 }
 

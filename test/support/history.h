@@ -20,7 +20,7 @@
 void averaging_init(setup *s, int width, int height, cl_uint frames);
 /* Loads and uploads a frame of the scene. */
 void averaging_load(setup *s, uint32_t scene, cl_uint index);
-void same_bits(const ref_planes *got, const ref_planes *want);
+void same_bits(const exact_planes *got, const exact_planes *want);
 
 /* All passes that run before the filter. */
 #define PASSES_BEFORE_FILTER 5

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "test/reference.h"
+#include "test/support/checked_exact.h"
 
 typedef struct plane_info {
   const char *name;
@@ -18,13 +18,20 @@ typedef struct plane_info {
   }
 
 static const plane_info infos[PLANE_COUNT] = {
-    PLANE(depth, 1, REF_DEPTH),        PLANE(normal, 3, REF_NORMAL),
-    PLANE(albedo, 3, REF_ALBEDO),      PLANE(f0, 3, REF_F0),
-    PLANE(direct, 3, REF_DIRECT),      PLANE(emission, 3, REF_EMISSION),
-    PLANE(motion, 2, REF_MOTION),      PLANE(near_irradiance, 3, REF_NEAR),
-    PLANE(far_irradiance, 3, REF_FAR), PLANE(ao, 1, REF_AO),
-    PLANE(bent_normal, 3, REF_BENT),   PLANE(cone_cosine, 1, REF_CONE),
-    PLANE(indirect, 3, REF_INDIRECT),  PLANE(beauty, 3, REF_RADIANCE)};
+    PLANE(depth, 1, EXACT_DEPTH),
+    PLANE(normal, 3, EXACT_NORMAL),
+    PLANE(albedo, 3, EXACT_ALBEDO),
+    PLANE(f0, 3, EXACT_F0),
+    PLANE(direct, 3, EXACT_DIRECT),
+    PLANE(emission, 3, EXACT_EMISSION),
+    PLANE(motion, 2, EXACT_MOTION),
+    PLANE(near_irradiance, 3, EXACT_NEAR_IRRADIANCE),
+    PLANE(far_irradiance, 3, EXACT_FAR_IRRADIANCE),
+    PLANE(ao, 1, EXACT_AO),
+    PLANE(bent_normal, 3, EXACT_BENT_NORMAL),
+    PLANE(cone_cosine, 1, EXACT_CONE_COSINE),
+    PLANE(indirect, 3, EXACT_INDIRECT),
+    PLANE(beauty, 3, EXACT_BEAUTY)};
 
 const char *plane_name(plane_id id) {
   return infos[id].name;

@@ -34,8 +34,8 @@ typedef enum plane_id {
 /* The name of the member of hbil_config. */
 const char *plane_name(plane_id id);
 int plane_channels(plane_id id);
-/* The first of its channels among all inputs (REF_DEPTH...) or all outputs
- * (REF_NEAR...). */
+/* The first of its channels among all inputs (EXACT_DEPTH...) or all outputs
+ * (EXACT_NEAR_IRRADIANCE...). */
 int plane_first(plane_id id);
 hbil_plane_format *plane_format(hbil_config *config, plane_id id);
 hbil_plane *plane_slot(hbil_frame *frame, plane_id id);

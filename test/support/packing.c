@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "lib/sampling_pattern.h"
+
 #include "test/support/vectors.h"
 
 /* Octahedral mapping (Cigolle and others 2014): |x| + |y| + |z| = 1, and the

@@ -1,13 +1,13 @@
 /*
  * The words of HBIL_STORAGE_PACKED in double precision, written from their
- * description in hbil_shared.h alone.
+ * description in shared.h alone.
  */
 #ifndef HBIL_TEST_PACKING_H
 #define HBIL_TEST_PACKING_H
 
 #include <stdint.h>
 
-#include "test/reference.h"
+#include "test/support/checked_exact.h"
 
 /* A unit vector as an octahedral word, and back. */
 uint32_t encode_normal(const double n[3]);

@@ -25,15 +25,15 @@ hbil_statistics statistics_of(setup *s) {
 }
 
 void assert_same_outputs(setup *a, setup *b) {
-  ref_planes one = outputs_read(a), two = outputs_read(b);
+  exact_planes one = outputs_read(a), two = outputs_read(b);
   assert_int_equal(count_different(&one, &two), 0);
-  ref_planes_free(&one);
-  ref_planes_free(&two);
+  exact_planes_free(&one);
+  exact_planes_free(&two);
 }
 
 hbil_statistics pair_compare(pair *p) {
   const size_t pixels = (size_t)p->with.config.width * p->with.config.height;
-  for (int i = 0; i < REF_INPUT_PLANES; ++i)
+  for (int i = 0; i < EXACT_INPUT_PLANES; ++i)
     memcpy(p->without.input[i], p->with.input[i], pixels * sizeof(float));
   run_frame(&p->with);
   run_frame(&p->without);
@@ -59,13 +59,13 @@ void pair_wall(setup *s) {
 }
 
 void pair_fill_wall(setup *s) {
-  setup_fill(s, REF_DEPTH, 2.0f);
-  setup_fill(s, REF_NORMAL, 0.0f);
-  setup_fill(s, REF_NORMAL + 1, 0.0f);
-  setup_fill(s, REF_NORMAL + 2, -1.0f);
+  setup_fill(s, EXACT_DEPTH, 2.0f);
+  setup_fill(s, EXACT_NORMAL, 0.0f);
+  setup_fill(s, EXACT_NORMAL + 1, 0.0f);
+  setup_fill(s, EXACT_NORMAL + 2, -1.0f);
   for (int c = 0; c < 3; ++c) {
-    setup_fill(s, REF_ALBEDO + c, 0.5f);
-    setup_fill(s, REF_DIRECT + c, 1.0f + (float)c);
-    setup_fill(s, REF_EMISSION + c, 0.0f);
+    setup_fill(s, EXACT_ALBEDO + c, 0.5f);
+    setup_fill(s, EXACT_DIRECT + c, 1.0f + (float)c);
+    setup_fill(s, EXACT_EMISSION + c, 0.0f);
   }
 }

@@ -16,7 +16,7 @@ static stage_bytes stage_open(setup *s, hbil_stage stage) {
   assert_success(s, hbil_plan_buffer(s->plan, stage, &t.b));
   t.stage = stage;
   t.weight = 0;
-  if (stage == HBIL_STAGE_GATHERED && ref_weighs_slices(&s->config))
+  if (stage == HBIL_STAGE_GATHERED && exact_weighs_slices(&s->config))
     t.weight = (int)--t.b.values;
   t.floats = (float *)(void *)buffer_bytes(s->device, t.b.buffer, &t.size);
   return t;
@@ -66,21 +66,21 @@ static packed_pixel packed_at(const stage_bytes *t, int x, int y) {
   return p;
 }
 
-static void read_packed(const stage_bytes *t, const ref_planes *out) {
+static void read_packed(const stage_bytes *t, const exact_planes *out) {
   for (int y = 0; y < out->height; ++y)
     for (int x = 0; x < out->width; ++x) {
       packed_pixel p = packed_at(t, x, y);
       for (int i = 0; i < out->count; ++i)
-        *ref_at(out, i, x, y) = p.value[i];
+        *exact_at(out, i, x, y) = p.value[i];
     }
 }
 
-static void write_packed(const stage_bytes *t, const ref_planes *planes) {
+static void write_packed(const stage_bytes *t, const exact_planes *planes) {
   for (int y = 0; y < planes->height; ++y)
     for (int x = 0; x < planes->width; ++x) {
       packed_pixel p = packed_at(t, x, y);
       for (int i = 0; i < planes->count; ++i)
-        p.value[i] = *ref_at(planes, i, x, y);
+        p.value[i] = *exact_at(planes, i, x, y);
       if (t->stage == HBIL_STAGE_SPLIT)
         encode_split(&p);
       else
@@ -92,31 +92,31 @@ static void write_packed(const stage_bytes *t, const ref_planes *planes) {
 
 /* ------------------------------------------------------------------------ */
 
-ref_planes stage_read(setup *s, hbil_stage stage) {
+exact_planes stage_read(setup *s, hbil_stage stage) {
   stage_bytes t = stage_open(s, stage);
   int count = (int)t.b.values;
-  ref_planes out;
+  exact_planes out;
   if (is_packed(s, stage))
     count = plain_planes(s, stage, count);
   if (t.weight)
     count = HBIL_GATHERED_PLANES;
-  out = ref_planes_new((int)s->config.width, (int)s->config.height, count);
+  out = checked_planes((int)s->config.width, (int)s->config.height, count);
   if (is_packed(s, stage))
     read_packed(&t, &out);
   else
     for (int p = 0; p < (int)t.b.values; ++p)
       for (int y = 0; y < out.height; ++y)
         for (int x = 0; x < out.width; ++x)
-          *ref_at(&out, p, x, y) = (double)*stage_at(&t, p, x, y);
+          *exact_at(&out, p, x, y) = (double)*stage_at(&t, p, x, y);
   for (int y = 0; t.weight && y < out.height; ++y)
     for (int x = 0; x < out.width; ++x)
-      *ref_at(&out, HBIL_LIGHT_WEIGHT, x, y) =
+      *exact_at(&out, HBIL_LIGHT_WEIGHT, x, y) =
           (double)*stage_at(&t, t.weight, x, y);
   free(t.floats);
   return out;
 }
 
-void stage_write(setup *s, hbil_stage stage, const ref_planes *planes) {
+void stage_write(setup *s, hbil_stage stage, const exact_planes *planes) {
   stage_bytes t = stage_open(s, stage);
   int count = planes->count < (int)t.b.values ? planes->count : (int)t.b.values;
   if (is_packed(s, stage))
@@ -125,61 +125,61 @@ void stage_write(setup *s, hbil_stage stage, const ref_planes *planes) {
     for (int p = 0; p < count; ++p)
       for (int y = 0; y < planes->height; ++y)
         for (int x = 0; x < planes->width; ++x)
-          *stage_at(&t, p, x, y) = (float)*ref_at(planes, p, x, y);
+          *stage_at(&t, p, x, y) = (float)*exact_at(planes, p, x, y);
   for (int y = 0; t.weight && y < planes->height; ++y)
     for (int x = 0; x < planes->width; ++x)
       *stage_at(&t, t.weight, x, y) =
-          (float)*ref_at(planes, HBIL_LIGHT_WEIGHT, x, y);
+          (float)*exact_at(planes, HBIL_LIGHT_WEIGHT, x, y);
   buffer_write(s->device, t.b.buffer, 0, t.size, t.floats);
   free(t.floats);
 }
 
-ref_planes stage_gathered(setup *s) {
+exact_planes stage_gathered(setup *s) {
   setup_run(s, hbil_enqueue_split);
   setup_run(s, hbil_enqueue_gather);
   return stage_read(s, HBIL_STAGE_GATHERED);
 }
 
-ref_planes stage_gathered_mean(setup *s, int frames) {
-  ref_planes sum = {0, 0, 0, NULL};
+exact_planes stage_gathered_mean(setup *s, int frames) {
+  exact_planes sum = {0, 0, 0, NULL};
   setup_run(s, hbil_enqueue_split);
   for (int frame = 0; frame < frames; ++frame) {
     s->frame.frame_index = (cl_uint)frame;
     setup_run(s, hbil_enqueue_gather);
-    ref_planes one = stage_read(s, HBIL_STAGE_GATHERED);
+    exact_planes one = stage_read(s, HBIL_STAGE_GATHERED);
     if (frame == 0)
-      sum = ref_planes_new(one.width, one.height, one.count);
+      sum = checked_planes(one.width, one.height, one.count);
     for (size_t i = 0; i < count_values(&one); ++i)
       sum.values[i] += one.values[i] / frames;
-    ref_planes_free(&one);
+    exact_planes_free(&one);
   }
   return sum;
 }
 
-ref_planes expected_split(const setup *s) {
-  ref_planes split = ref_planes_new((int)s->config.width, (int)s->config.height,
-                                    HBIL_SPLIT_PLANES);
-  ref_split(&s->job, NULL, &split);
+exact_planes expected_split(const setup *s) {
+  exact_planes split = checked_planes((int)s->config.width,
+                                      (int)s->config.height, HBIL_SPLIT_PLANES);
+  exact_split(&s->job, NULL, &split);
   return split;
 }
 
 /* how: NULL for the plan's samples. */
-static ref_planes gather(const setup *s, const ref_dense *how) {
-  ref_planes split = expected_split(s);
-  ref_planes out =
-      ref_planes_new(split.width, split.height, HBIL_GATHERED_PLANES);
+static exact_planes gather(const setup *s, const exact_dense *how) {
+  exact_planes split = expected_split(s);
+  exact_planes out =
+      checked_planes(split.width, split.height, HBIL_GATHERED_PLANES);
   if (how)
-    ref_gather_dense(&s->job, &split, how, &out);
+    checked_gather_dense(&s->job, &split, how, &out);
   else
-    ref_gather(&s->job, &split, &out);
-  ref_planes_free(&split);
+    checked_gather(&s->job, &split, &out);
+  exact_planes_free(&split);
   return out;
 }
 
-ref_planes expected_gathered(const setup *s) {
+exact_planes expected_gathered(const setup *s) {
   return gather(s, NULL);
 }
 
-ref_planes expected_gathered_densely(const setup *s, const ref_dense *how) {
+exact_planes expected_gathered_densely(const setup *s, const exact_dense *how) {
   return gather(s, how);
 }

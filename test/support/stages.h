@@ -5,26 +5,28 @@
 #ifndef HBIL_TEST_STAGES_H
 #define HBIL_TEST_STAGES_H
 
+#include "hbil/hbil_stages.h"
+
 #include "test/support/fixture.h"
 
 /* Reads a stage.  Packed words are decoded: the planes are those of
  * HBIL_STORAGE_FLOAT32, whatever the plan's storage. */
-ref_planes stage_read(setup *s, hbil_stage stage);
+exact_planes stage_read(setup *s, hbil_stage stage);
 /* Writes a stage and leaves its padding alone; packed storage is encoded.
  * Planes that the plan doesn't have are ignored. */
-void stage_write(setup *s, hbil_stage stage, const ref_planes *planes);
+void stage_write(setup *s, hbil_stage stage, const exact_planes *planes);
 
 /* Runs split and gather, and reads HBIL_STAGE_GATHERED. */
-ref_planes stage_gathered(setup *s);
+exact_planes stage_gathered(setup *s);
 /* The mean of HBIL_STAGE_GATHERED over frames with index 0 to frames - 1.  Each
  * index rotates the pattern: the mean has `frames` times as many slices as the
  * plan, which has 32 at most. */
-ref_planes stage_gathered_mean(setup *s, int frames);
+exact_planes stage_gathered_mean(setup *s, int frames);
 
 /* What the exact passes make of the setup's inputs: SPLIT without history, and
  * GATHERED with the plan's samples or densely. */
-ref_planes expected_split(const setup *s);
-ref_planes expected_gathered(const setup *s);
-ref_planes expected_gathered_densely(const setup *s, const ref_dense *how);
+exact_planes expected_split(const setup *s);
+exact_planes expected_gathered(const setup *s);
+exact_planes expected_gathered_densely(const setup *s, const exact_dense *how);
 
 #endif

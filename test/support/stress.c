@@ -76,11 +76,11 @@ static void normals_to_view(setup *s) {
   for (size_t i = 0; i < pixels; ++i) {
     double n[3];
     for (int c = 0; c < 3; ++c)
-      n[c] = m[c] * (double)s->input[REF_NORMAL][i] +
-             m[4 + c] * (double)s->input[REF_NORMAL + 1][i] +
-             m[8 + c] * (double)s->input[REF_NORMAL + 2][i];
+      n[c] = m[c] * (double)s->input[EXACT_NORMAL][i] +
+             m[4 + c] * (double)s->input[EXACT_NORMAL + 1][i] +
+             m[8 + c] * (double)s->input[EXACT_NORMAL + 2][i];
     for (int c = 0; c < 3; ++c)
-      s->input[REF_NORMAL + c][i] = (float)n[c];
+      s->input[EXACT_NORMAL + c][i] = (float)n[c];
   }
 }
 
@@ -88,7 +88,7 @@ void stress_load_room(setup *s, uint32_t index) {
   setup_load_scene(s, SCENE_ROOM, index);
   normals_to_view(s);
   for (int c = 0; c < 3; ++c)
-    setup_fill(s, REF_F0 + c, 0.04f);
+    setup_fill(s, EXACT_F0 + c, 0.04f);
   s->frame.frame_index = index;
 }
 
@@ -113,7 +113,7 @@ void stress_run(setup *s) {
 /* ------------------------------------------------------------------------ */
 /* Checks                                                                    */
 
-static void check_finite(const char *what, const ref_planes *planes) {
+static void check_finite(const char *what, const exact_planes *planes) {
   const size_t total = count_values(planes);
   for (size_t i = 0; i < total; ++i)
     if (!isfinite(planes->values[i]))
@@ -123,7 +123,7 @@ static void check_finite(const char *what, const ref_planes *planes) {
                stress_case);
 }
 
-static void check_range(const char *what, const ref_planes *planes, int first,
+static void check_range(const char *what, const exact_planes *planes, int first,
                         int count, double least, double most) {
   const size_t plane = (size_t)planes->width * (size_t)planes->height;
   for (size_t i = plane * (size_t)first; i < plane * (size_t)(first + count);
@@ -137,10 +137,10 @@ static void check_range(const char *what, const ref_planes *planes, int first,
 static double brightest(setup *s) {
   double most = 0.0;
   if (s->config.mode == HBIL_MODE_HBIL) {
-    ref_planes split = stage_read(s, HBIL_STAGE_SPLIT);
+    exact_planes split = stage_read(s, HBIL_STAGE_SPLIT);
     if (split.count > HBIL_SPLIT_RED)
       most = largest_value(&split, HBIL_SPLIT_RED, 3);
-    ref_planes_free(&split);
+    exact_planes_free(&split);
   }
   if (s->config.far_field == HBIL_FAR_CONSTANT)
     for (int c = 0; c < 3; ++c)
@@ -158,9 +158,9 @@ static double most_light(setup *s, plane_id id, double radiance) {
 }
 
 bool gathers_light(setup *s) {
-  ref_planes split = stage_read(s, HBIL_STAGE_SPLIT);
+  exact_planes split = stage_read(s, HBIL_STAGE_SPLIT);
   const bool light = split.count > HBIL_SPLIT_RED;
-  ref_planes_free(&split);
+  exact_planes_free(&split);
   return light;
 }
 
@@ -171,21 +171,21 @@ static void check_stage(setup *s, hbil_stage stage, const char *name) {
   hbil_buffer b;
   if (hbil_plan_buffer(s->plan, stage, &b) != HBIL_SUCCESS)
     return;
-  ref_planes planes = stage_read(s, stage);
+  exact_planes planes = stage_read(s, stage);
   const size_t plane = (size_t)planes.width * (size_t)planes.height;
   for (int p = HBIL_LIGHT_RED; undefined_light && p < planes.count; ++p)
     if (p < HBIL_LIGHT_BENT)
       memset(planes.values + plane * (size_t)p, 0, plane * sizeof(double));
   check_finite(name, &planes);
-  ref_planes_free(&planes);
+  exact_planes_free(&planes);
 }
 
-static void check_bent(const ref_planes *out, double tolerance) {
+static void check_bent(const exact_planes *out, double tolerance) {
   for (int y = 0; y < out->height; ++y)
     for (int x = 0; x < out->width; ++x) {
       double size = 0.0;
       for (int c = 0; c < 3; ++c)
-        size += pow(*ref_at(out, REF_BENT + c, x, y), 2.0);
+        size += pow(*exact_at(out, EXACT_BENT_NORMAL + c, x, y), 2.0);
       if (size != 0.0 && !(fabs(sqrt(size) - 1.0) <= tolerance))
         fail_msg("bent at (%d, %d): length %.9g\ntrying %s", x, y, sqrt(size),
                  stress_case);
@@ -199,20 +199,20 @@ static bool asks_for(setup *s, plane_id id) {
 void check_sane(setup *s) {
   const bool sh = s->config.far_field == HBIL_FAR_SH;
   const double radiance = brightest(s);
-  ref_planes out = outputs_read(s);
+  exact_planes out = outputs_read(s);
   check_finite("outputs", &out);
-  check_range("ao", &out, REF_AO, 1, 0.0, 1.0);
-  check_range("near_irradiance", &out, REF_NEAR, 3, 0.0,
+  check_range("ao", &out, EXACT_AO, 1, 0.0, 1.0);
+  check_range("near_irradiance", &out, EXACT_NEAR_IRRADIANCE, 3, 0.0,
               most_light(s, PLANE_NEAR, radiance));
-  check_range("far_irradiance", &out, REF_FAR, 3, 0.0,
+  check_range("far_irradiance", &out, EXACT_FAR_IRRADIANCE, 3, 0.0,
               sh ? INFINITY : most_light(s, PLANE_FAR, radiance));
-  check_range("cone", &out, REF_CONE, 1, 0.0, 1.0);
-  check_range("indirect", &out, REF_INDIRECT, 3, 0.0, INFINITY);
-  check_range("radiance", &out, REF_RADIANCE, 3, 0.0, INFINITY);
+  check_range("cone", &out, EXACT_CONE_COSINE, 1, 0.0, 1.0);
+  check_range("indirect", &out, EXACT_INDIRECT, 3, 0.0, INFINITY);
+  check_range("radiance", &out, EXACT_BEAUTY, 3, 0.0, INFINITY);
   if (asks_for(s, PLANE_BENT)) /* three roundings; 2^-11 each in half floats */
     check_bent(&out,
                s->config.bent_normal.component == HBIL_FLOAT16 ? 1e-3 : 1e-6);
-  ref_planes_free(&out);
+  exact_planes_free(&out);
   check_stage(s, HBIL_STAGE_SPLIT, "split");
   check_stage(s, HBIL_STAGE_GATHERED, "gathered");
   check_stage(s, HBIL_STAGE_RESOLVED, "resolved");

@@ -24,7 +24,7 @@ enum { WIDTH_OF_MOTION = 29, WIDTH_OF_SCATTER = 32, HEIGHT = 18 };
  * requirement. */
 #define LIMIT 1e-4
 
-static void write_planes(const char *path, const ref_planes *planes) {
+static void write_planes(const char *path, const exact_planes *planes) {
   const size_t count =
       (size_t)planes->count * (size_t)(planes->width * planes->height);
   FILE *file = fopen(path, "wb");
@@ -33,9 +33,9 @@ static void write_planes(const char *path, const ref_planes *planes) {
   assert_int_equal(fclose(file), 0);
 }
 
-static ref_planes read_planes(const char *path, int width) {
-  ref_planes planes = ref_planes_new(width, HEIGHT, REF_OUTPUT_PLANES);
-  const size_t count = (size_t)(REF_OUTPUT_PLANES * width * HEIGHT);
+static exact_planes read_planes(const char *path, int width) {
+  exact_planes planes = checked_planes(width, HEIGHT, EXACT_OUTPUT_PLANES);
+  const size_t count = (size_t)(EXACT_OUTPUT_PLANES * width * HEIGHT);
   FILE *file = fopen(path, "rb");
   assert_non_null(file);
   assert_int_equal(fread(planes.values, sizeof(double), count, file), count);
@@ -43,13 +43,13 @@ static ref_planes read_planes(const char *path, int width) {
   return planes;
 }
 
-static void compare(const ref_planes *got, const char *path) {
-  ref_planes want = read_planes(path, got->width);
+static void compare(const exact_planes *got, const char *path) {
+  exact_planes want = read_planes(path, got->width);
   for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     check_at_most(
         plane_name(id),
         relative_rmse(got, &want, plane_first(id), plane_channels(id)), LIMIT);
-  ref_planes_free(&want);
+  exact_planes_free(&want);
 }
 
 static void name_device(void) {
@@ -89,7 +89,7 @@ static void stand_still(setup *s) {
   for (int i = 0; i < 2; ++i)
     setup_run(s, hbil_enqueue_frame);
   assert_success(s, hbil_plan_statistics(s->plan, s->device->queue, &skipped));
-  assert_in_range(skipped.by_factors.pixels, 1,
+  assert_in_range(skipped.from_cache.pixels, 1,
                   skipped.all.pixels - skipped.sky.pixels - 1);
 }
 
@@ -97,7 +97,7 @@ static const char *plan, *out_path, *with_path;
 
 static void frames(void **state) {
   setup s;
-  ref_planes out;
+  exact_planes out;
   (void)state;
   name_device();
   configure(&s, strcmp(plan, "motion") == 0);
@@ -114,7 +114,7 @@ static void frames(void **state) {
   write_planes(out_path, &out);
   if (with_path)
     compare(&out, with_path);
-  ref_planes_free(&out);
+  exact_planes_free(&out);
   setup_free(&s);
 }
 

@@ -25,16 +25,18 @@ command -v "${CLANG:-clang}" >/dev/null || {
 compile() {
   # shellcheck disable=SC2046,SC2086
   "$1" "-std=$2" $flags -I"$srcdir/src" -I"$srcdir" \
-    $(pkg-config --cflags $packages) -c "$srcdir/$3" \
-    -o "$out/$(basename "$3").o"
+    $(pkg-config --cflags $packages) -c "$3" -o "$out/$(basename "$3").o"
 }
 
 mkdir -p "$out/corpus" "$out/seeds" "$out/found"
-for file in src/image/camera_json.c src/image/exr.c \
-  src/image/exr_rgb.c src/image/image.c test/system/fuzz_reader.c; do
+# An object of a file that has been renamed since would be linked as well.
+rm -f "$out"/*.o
+for file in "$srcdir"/src/image/*.c "$srcdir/test/system/fuzz_reader.c"; do
   compile "${CLANG:-clang}" c11 "$file"
 done
-compile "${CLANGXX:-clang++}" c++17 src/image/formats.cpp
+for file in "$srcdir"/src/image/*.cpp; do
+  compile "${CLANGXX:-clang++}" c++17 "$file"
+done
 # shellcheck disable=SC2046,SC2086
 "${CLANGXX:-clang++}" $flags "$out"/*.o $(pkg-config --libs $packages) \
   -o "$out/fuzz_reader"

@@ -1,9 +1,12 @@
 /*
  * For libFuzzer: any bytes as a dump or as a camera.  Besides what the
  * sanitizers see, a reader must give either an image or one sentence, and must
- * hold no more memory than image.h promises.  Built and run by `make fuzz`.
+ * hold no more memory than exr_budget.h states.  Built and run by `make fuzz`.
  */
 #define _GNU_SOURCE
+#include "image/camera_json.h"
+#include "image/exr_budget.h"
+#include "image/exr_read.h"
 #include "image/image.h"
 
 #include <sanitizer/allocator_interface.h>

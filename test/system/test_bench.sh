@@ -1,8 +1,7 @@
 #!/bin/sh
 # hbil-bench: each question gets an answer on a tiny picture, as Markdown and as
 # JSON; mistakes on the command line get one line.
-srcdir=${srcdir:-.}
-. "$srcdir/test/tap.sh"
+. "$srcdir/test/support/tap.sh"
 BENCH=${HBIL_BENCH:-./hbil-bench}
 
 # tiny QUESTION OPTION...: a few pixels, one run.

@@ -83,7 +83,7 @@ prose | grep -o -w 'test_[a-z0-9_]*' | sort -u |
     test -e "$srcdir/test/$test.c" || test -e "$srcdir/test/$test.sh" || echo "$test"
   done >"$work/out"
 none_missing "every test that is named is there"
-prose | grep -o -E '\b((HBIL|STRESS|BENCH|FUZZ)_[A-Z0-9_]*|hbil_[a-z0-9_]*|ref_[a-z0-9_]+)\b' |
+prose | grep -o -E '\b((HBIL|STRESS|BENCH|FUZZ)_[A-Z0-9_]*|hbil_[a-z0-9_]*|exact_[a-z0-9_]+)\b' |
   sort -u | grep -v -x -F -f "$work/words" | grep -v '_$' >"$work/out"
 none_missing "every variable, function and type that is named is in the sources"
 grep -o '^[a-z][a-z0-9_]*()$' "$work/code" | tr -d '()' | sort -u |

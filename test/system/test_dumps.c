@@ -10,6 +10,8 @@
 
 #include <stdio.h>
 
+#include "image/camera_json.h"
+#include "image/exr_read.h"
 #include "image/image.h"
 
 /*
@@ -68,21 +70,21 @@ typedef struct channel {
 } channel;
 
 static const channel channels[] = {
-    {"ViewLayer.Depth.Z", REF_DEPTH},
-    {"ViewLayer.Normal.X", REF_NORMAL},
-    {"ViewLayer.Normal.Y", REF_NORMAL + 1},
-    {"ViewLayer.Normal.Z", REF_NORMAL + 2},
-    {"ViewLayer.DiffCol.R", REF_ALBEDO},
-    {"ViewLayer.DiffCol.G", REF_ALBEDO + 1},
-    {"ViewLayer.DiffCol.B", REF_ALBEDO + 2},
-    {"ViewLayer.DiffDir.R", REF_DIRECT},
-    {"ViewLayer.DiffDir.G", REF_DIRECT + 1},
-    {"ViewLayer.DiffDir.B", REF_DIRECT + 2},
-    {"ViewLayer.Emit.R", REF_EMISSION},
-    {"ViewLayer.Emit.G", REF_EMISSION + 1},
-    {"ViewLayer.Emit.B", REF_EMISSION + 2},
-    {"ViewLayer.Vector.X", REF_MOTION},
-    {"ViewLayer.Vector.Y", REF_MOTION + 1},
+    {"ViewLayer.Depth.Z", EXACT_DEPTH},
+    {"ViewLayer.Normal.X", EXACT_NORMAL},
+    {"ViewLayer.Normal.Y", EXACT_NORMAL + 1},
+    {"ViewLayer.Normal.Z", EXACT_NORMAL + 2},
+    {"ViewLayer.DiffCol.R", EXACT_ALBEDO},
+    {"ViewLayer.DiffCol.G", EXACT_ALBEDO + 1},
+    {"ViewLayer.DiffCol.B", EXACT_ALBEDO + 2},
+    {"ViewLayer.DiffDir.R", EXACT_DIRECT},
+    {"ViewLayer.DiffDir.G", EXACT_DIRECT + 1},
+    {"ViewLayer.DiffDir.B", EXACT_DIRECT + 2},
+    {"ViewLayer.Emit.R", EXACT_EMISSION},
+    {"ViewLayer.Emit.G", EXACT_EMISSION + 1},
+    {"ViewLayer.Emit.B", EXACT_EMISSION + 2},
+    {"ViewLayer.Vector.X", EXACT_MOTION},
+    {"ViewLayer.Vector.Y", EXACT_MOTION + 1},
 };
 
 enum { CHANNELS = sizeof(channels) / sizeof(*channels) };
@@ -174,29 +176,29 @@ static void setup_case(setup *s, const dump_case *c) {
 
 static bool is_sky(const setup *s, int x, int y) {
   size_t at = (size_t)y * s->config.width + (size_t)x;
-  return !(s->input[REF_DEPTH][at] < s->config.sky_depth);
+  return !(s->input[EXACT_DEPTH][at] < s->config.sky_depth);
 }
 
 /* Leaves the sky out of sums over all pixels. */
-static void clear_sky(const setup *s, ref_planes *planes) {
+static void clear_sky(const setup *s, exact_planes *planes) {
   for (int p = 0; p < planes->count; ++p)
     for (int y = 0; y < planes->height; ++y)
       for (int x = 0; x < planes->width; ++x)
         if (is_sky(s, x, y))
-          *ref_at(planes, p, x, y) = 0.0;
+          *exact_at(planes, p, x, y) = 0.0;
 }
 
 static void check_outputs(setup *s, const dump_case *c, int frame,
-                          ref_planes *want) {
-  ref_planes got = outputs_read(s);
+                          exact_planes *want) {
+  exact_planes got = outputs_read(s);
   double near_irradiance, ao;
   clear_sky(s, &got);
   clear_sky(s, want);
-  near_irradiance = relative_rmse(&got, want, REF_NEAR, 3);
-  ao = relative_rmse(&got, want, REF_AO, 1);
+  near_irradiance = relative_rmse(&got, want, EXACT_NEAR_IRRADIANCE, 3);
+  ao = relative_rmse(&got, want, EXACT_AO, 1);
   fprintf(stderr, "# %s, frame %d: relative RMSE of near %.3g, of AO %.3g\n",
           c->scene, frame, near_irradiance, ao);
-  ref_planes_free(&got);
+  exact_planes_free(&got);
   check_at_most("near", near_irradiance, LIMIT);
   check_at_most("AO", ao, LIMIT);
 }
@@ -204,17 +206,17 @@ static void check_outputs(setup *s, const dump_case *c, int frame,
 static void frames_match(void **state) {
   const dump_case *c = *state;
   setup s;
-  ref_state reference;
+  exact_state reference;
   setup_case(&s, c);
-  ref_state_init(&reference, (int)s.config.width, (int)s.config.height);
+  checked_state(&reference, (int)s.config.width, (int)s.config.height);
   for (int frame = FIRST_FRAME; frame <= LAST_FRAME; ++frame) {
     load_frame(&s, c->scene, frame);
     setup_upload(&s);
     setup_run(&s, hbil_enqueue_frame);
-    ref_frame(&reference, &s.job);
+    checked_run_frame(&reference, &s.job);
     check_outputs(&s, c, frame, &reference.out);
   }
-  ref_state_free(&reference);
+  exact_state_free(&reference);
   setup_free(&s);
 }
 

@@ -11,27 +11,27 @@
 
 /* Plausible light: AO in [0,1], here and there a rounding above 1, unit bent
  * normals, nothing at the sky. */
-static ref_planes plant_resolved(setup *s) {
+static exact_planes plant_resolved(setup *s) {
   random_state r = {23};
   int width = (int)s->config.width, height = (int)s->config.height;
-  ref_planes light = ref_planes_new(width, height, HBIL_LIGHT_PLANES);
+  exact_planes light = checked_planes(width, height, HBIL_LIGHT_PLANES);
   for (int i = 0; i < width * height; ++i) {
     int x = i % width, y = i / width;
-    bool sky = !(s->input[REF_DEPTH][i] > 0.0f);
+    bool sky = !(s->input[EXACT_DEPTH][i] > 0.0f);
     double polar = acos(2.0 * random_unit(&r) - 1.0);
     double azimuth = 2.0 * PI * random_unit(&r);
-    *ref_at(&light, HBIL_LIGHT_AO, x, y) = sky ? 1.0
-                                           : i % 11 == 0
-                                               ? 1.0 + 0x1p-23
-                                               : (double)(float)random_unit(&r);
+    *exact_at(&light, HBIL_LIGHT_AO, x, y) =
+        sky           ? 1.0
+        : i % 11 == 0 ? 1.0 + 0x1p-23
+                      : (double)(float)random_unit(&r);
     for (int c = 0; c < 3 && !sky; ++c)
-      *ref_at(&light, HBIL_LIGHT_RED + c, x, y) =
+      *exact_at(&light, HBIL_LIGHT_RED + c, x, y) =
           (double)(float)(3.0 * random_unit(&r));
     if (sky)
       continue;
-    *ref_at(&light, HBIL_LIGHT_BENT, x, y) = sin(polar) * cos(azimuth);
-    *ref_at(&light, HBIL_LIGHT_BENT + 1, x, y) = sin(polar) * sin(azimuth);
-    *ref_at(&light, HBIL_LIGHT_BENT + 2, x, y) = cos(polar);
+    *exact_at(&light, HBIL_LIGHT_BENT, x, y) = sin(polar) * cos(azimuth);
+    *exact_at(&light, HBIL_LIGHT_BENT + 1, x, y) = sin(polar) * sin(azimuth);
+    *exact_at(&light, HBIL_LIGHT_BENT + 2, x, y) = cos(polar);
   }
   stage_write(s, HBIL_STAGE_RESOLVED, &light);
   return light;
@@ -46,22 +46,22 @@ static void random_environment(setup *s) {
 }
 
 /* Starts, plants and runs; what both sides make of it. */
-static void run_both(setup *s, ref_planes *got, ref_planes *want,
-                     ref_planes *history) {
-  ref_planes light;
+static void run_both(setup *s, exact_planes *got, exact_planes *want,
+                     exact_planes *history) {
+  exact_planes light;
   setup_start(s);
   setup_run(s, hbil_enqueue_split);
   light = plant_resolved(s);
   setup_run(s, hbil_enqueue_composite);
   *got = outputs_read(s);
-  *want = ref_planes_new(got->width, got->height, REF_OUTPUT_PLANES);
-  *history = ref_planes_new(got->width, got->height, HBIL_HISTORY_PLANES);
-  ref_composite(&s->job, &light, want, history);
-  ref_planes_free(&light);
+  *want = checked_planes(got->width, got->height, EXACT_OUTPUT_PLANES);
+  *history = checked_planes(got->width, got->height, HBIL_HISTORY_PLANES);
+  exact_composite(&s->job, &light, want, history);
+  exact_planes_free(&light);
 }
 
-static void check_outputs(setup *s, const ref_planes *got,
-                          const ref_planes *want) {
+static void check_outputs(setup *s, const exact_planes *got,
+                          const exact_planes *want) {
   for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id) {
     const hbil_plane_format *format = plane_format(&s->config, id);
     int first = plane_first(id), count = plane_channels(id);
@@ -74,17 +74,17 @@ static void check_outputs(setup *s, const ref_planes *got,
   }
 }
 
-static void check_history(setup *s, const ref_planes *want) {
-  ref_planes got = stage_read(s, HBIL_STAGE_HISTORY);
+static void check_history(setup *s, const exact_planes *want) {
+  exact_planes got = stage_read(s, HBIL_STAGE_HISTORY);
   for (int y = 0; y < got.height; ++y)
     for (int x = 0; x < got.width; ++x) {
-      double w = *ref_at(&got, HBIL_HISTORY_W, x, y);
-      double expected = *ref_at(want, HBIL_HISTORY_W, x, y);
+      double w = *exact_at(&got, HBIL_HISTORY_W, x, y);
+      double expected = *exact_at(want, HBIL_HISTORY_W, x, y);
       assert_true(expected > 0.0 ? fabs(w / expected - 1.0) < 5e-7 : w <= 0.0);
     }
   check_at_most("history", largest_error(&got, want, HBIL_HISTORY_RED, 3),
                 3e-6 * largest_value(want, HBIL_HISTORY_RED, 3));
-  ref_planes_free(&got);
+  exact_planes_free(&got);
 }
 
 /* Only plans with an output that near light takes part in have a history. */
@@ -94,14 +94,14 @@ static bool gathers_light(const hbil_config *c) {
 }
 
 static void check_composite(setup *s) {
-  ref_planes got, want, history;
+  exact_planes got, want, history;
   run_both(s, &got, &want, &history);
   check_outputs(s, &got, &want);
   if (gathers_light(&s->config))
     check_history(s, &history);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
-  ref_planes_free(&history);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
+  exact_planes_free(&history);
   setup_free(s);
 }
 
@@ -154,9 +154,9 @@ static void reflectance_takes_its_share(void **state) {
   s.config.feedback = HBIL_FEEDBACK_RADIANCE;
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
     for (int c = 0; c < 3; ++c) {
-      s.input[REF_F0 + c][i] = (float)(2.0 * random_unit(&r) - 0.5);
-      s.input[REF_ALBEDO + c][i] *= (float)(3.0 * random_unit(&r) - 0.5);
-      s.input[REF_DIRECT + c][i] *= i % 7 ? 1.0f : NAN;
+      s.input[EXACT_F0 + c][i] = (float)(2.0 * random_unit(&r) - 0.5);
+      s.input[EXACT_ALBEDO + c][i] *= (float)(3.0 * random_unit(&r) - 0.5);
+      s.input[EXACT_DIRECT + c][i] *= i % 7 ? 1.0f : NAN;
     }
   check_composite(&s);
 }
@@ -220,7 +220,7 @@ static void an_even_environment_sends_pi_ao_l(void **state) {
   (void)state;
   for (int far = HBIL_FAR_CONSTANT; far <= HBIL_FAR_SH; ++far) {
     setup s;
-    ref_planes got, want, history;
+    exact_planes got, want, history;
     prepare(&s, SCENE_ROOM, (hbil_far_field)far);
     memset(s.frame.environment, 0, sizeof(s.frame.environment));
     for (int c = 0; c < 3; ++c)
@@ -228,34 +228,35 @@ static void an_even_environment_sends_pi_ao_l(void **state) {
           colour[c] * (far == HBIL_FAR_SH ? (float)sqrt(4.0 * PI) : 1.0f);
     run_both(&s, &got, &want, &history);
     for (int i = 0; i < WIDTH * HEIGHT; ++i)
-      for (int c = 0; c < 3 && s.input[REF_DEPTH][i] > 0.0f; ++c) {
-        double ao = *ref_at(&got, REF_AO, i % WIDTH, i / WIDTH);
+      for (int c = 0; c < 3 && s.input[EXACT_DEPTH][i] > 0.0f; ++c) {
+        double ao = *exact_at(&got, EXACT_AO, i % WIDTH, i / WIDTH);
         double far_irradiance =
-            *ref_at(&got, REF_FAR + c, i % WIDTH, i / WIDTH);
+            *exact_at(&got, EXACT_FAR_IRRADIANCE + c, i % WIDTH, i / WIDTH);
         /* derived: a dozen roundings; 1 - t^2 has to give AO back */
         assert_true(fabs(far_irradiance - PI * ao * (double)colour[c]) <=
                     1e-6 * PI * (double)colour[c]);
       }
-    ref_planes_free(&got);
-    ref_planes_free(&want);
-    ref_planes_free(&history);
+    exact_planes_free(&got);
+    exact_planes_free(&want);
+    exact_planes_free(&history);
     setup_free(&s);
   }
 }
 
 /* Of every third surface, red near light that is no number and green that a
  * rounding left below 0. */
-static void spoil_near_light(const setup *s, ref_planes *light) {
+static void spoil_near_light(const setup *s, exact_planes *light) {
   for (int i = 0; i < WIDTH * HEIGHT; i += 3)
-    if (s->input[REF_DEPTH][i] > 0.0f) {
-      *ref_at(light, HBIL_LIGHT_RED, i % WIDTH, i / WIDTH) = NAN;
-      *ref_at(light, HBIL_LIGHT_RED + 1, i % WIDTH, i / WIDTH) = -1e-7;
+    if (s->input[EXACT_DEPTH][i] > 0.0f) {
+      *exact_at(light, HBIL_LIGHT_RED, i % WIDTH, i / WIDTH) = NAN;
+      *exact_at(light, HBIL_LIGHT_RED + 1, i % WIDTH, i / WIDTH) = -1e-7;
     }
 }
 
 /* A fault upstream is there to be seen: in black nobody would. */
 static void near_light_that_is_no_number_stays_none(void **state) {
-  static const int lit[] = {REF_NEAR, REF_INDIRECT, REF_RADIANCE};
+  static const int lit[] = {EXACT_NEAR_IRRADIANCE, EXACT_INDIRECT,
+                            EXACT_BEAUTY};
   (void)state;
   for (int half = 0; half < 2; ++half) {
     setup s;
@@ -265,22 +266,23 @@ static void near_light_that_is_no_number_stays_none(void **state) {
           half ? HBIL_FLOAT16 : HBIL_FLOAT32;
     setup_start(&s);
     setup_run(&s, hbil_enqueue_split);
-    ref_planes light = plant_resolved(&s);
+    exact_planes light = plant_resolved(&s);
     spoil_near_light(&s, &light);
     stage_write(&s, HBIL_STAGE_RESOLVED, &light);
     setup_run(&s, hbil_enqueue_composite);
-    ref_planes out = outputs_read(&s);
+    exact_planes out = outputs_read(&s);
     for (int i = 0; i < WIDTH * HEIGHT; ++i) {
       const int x = i % WIDTH, y = i / WIDTH;
-      const bool spoiled = i % 3 == 0 && s.input[REF_DEPTH][i] > 0.0f;
+      const bool spoiled = i % 3 == 0 && s.input[EXACT_DEPTH][i] > 0.0f;
       for (int k = 0; k < 3; ++k)
         for (int c = 0; c < 3; ++c)
-          assert_int_equal(isnan(*ref_at(&out, lit[k] + c, x, y)) != 0,
+          assert_int_equal(isnan(*exact_at(&out, lit[k] + c, x, y)) != 0,
                            spoiled && c == 0);
-      assert_true(!spoiled || *ref_at(&out, REF_NEAR + 1, x, y) == 0.0);
+      assert_true(!spoiled ||
+                  *exact_at(&out, EXACT_NEAR_IRRADIANCE + 1, x, y) == 0.0);
     }
-    ref_planes_free(&light);
-    ref_planes_free(&out);
+    exact_planes_free(&light);
+    exact_planes_free(&out);
     setup_free(&s);
   }
 }

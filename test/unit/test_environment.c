@@ -41,7 +41,7 @@ static float *painted(const float sh[9][3], const float rotation[9],
       double d[3], basis[9];
       map_direction(x, y, d);
       rotate(rotation, d);
-      ref_sh_basis(d, basis);
+      exact_sh_basis(d, basis);
       for (int c = 0; c < 3; ++c) {
         double sum = 0.0;
         for (int i = 0; i < 9; ++i)

@@ -14,11 +14,11 @@ static void start_room(setup *s, hbil_mode mode, float thickness) {
 
 /* Derived: two forms of one integral.  Measured: 8.3e-16 and 2.2e-16. */
 static void gtao_has_the_occlusion_of_hbil(void **state) {
-  const ref_dense how = {.slices = 37};
+  const exact_dense how = {.slices = 37};
   (void)state;
   for (int dense = 0; dense < 2; ++dense) {
     setup hbil, gtao;
-    ref_planes want, got;
+    exact_planes want, got;
     start_room(&hbil, HBIL_MODE_HBIL, INFINITY);
     start_room(&gtao, HBIL_MODE_GTAO, INFINITY);
     want = dense ? expected_gathered_densely(&hbil, &how)
@@ -31,8 +31,8 @@ static void gtao_has_the_occlusion_of_hbil(void **state) {
     check_at_most("light", largest_value(&got, HBIL_LIGHT_RED, 3), 0.0);
     check_at_most("unknown", largest_value(&got, HBIL_LIGHT_UNKNOWN, 1), 0.0);
     assert_true(largest_value(&want, HBIL_LIGHT_RED, 3) > 0.1);
-    ref_planes_free(&want);
-    ref_planes_free(&got);
+    exact_planes_free(&want);
+    exact_planes_free(&got);
     setup_free(&hbil);
     setup_free(&gtao);
   }
@@ -53,33 +53,33 @@ static void note_progress(void *user, int done, int count) {
 /* Every row is reported, whatever the number of threads. */
 static void any_number_of_threads_gives_the_same(void **state) {
   const int threads[] = {1, 2, 3, 7, 50};
-  const ref_dense two = {.slices = 16};
+  const exact_dense two = {.slices = 16};
   setup s;
-  ref_planes want;
+  exact_planes want;
   (void)state;
   start_room(&s, HBIL_MODE_HBIL, 0.1f);
   want = expected_gathered_densely(&s, &two);
   for (int i = 0; i < 5; ++i) {
     progress seen = {0, 0, 0};
-    const ref_dense how = {.slices = 16,
-                           .threads = threads[i],
-                           .progress = note_progress,
-                           .user = &seen};
-    ref_planes got = expected_gathered_densely(&s, &how);
+    const exact_dense how = {.slices = 16,
+                             .threads = threads[i],
+                             .progress = note_progress,
+                             .user = &seen};
+    exact_planes got = expected_gathered_densely(&s, &how);
     assert_int_equal(count_different(&got, &want), 0);
     assert_true(seen.done == 36 && seen.count == 36);
     assert_true(seen.calls > 36 / threads[i]);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
   }
-  ref_planes_free(&want);
+  exact_planes_free(&want);
   setup_free(&s);
 }
 
 static void masked_pixels_stay_as_they_are(void **state) {
   unsigned char wanted[64 * 36] = {0};
-  const ref_dense all = {.slices = 16};
-  const ref_dense some = {.slices = 16, .wanted = wanted};
-  ref_planes split, want, got = ref_planes_new(64, 36, HBIL_LIGHT_PLANES);
+  const exact_dense all = {.slices = 16};
+  const exact_dense some = {.slices = 16, .mask = wanted};
+  exact_planes split, want, got = checked_planes(64, 36, HBIL_LIGHT_PLANES);
   setup s;
   (void)state;
   start_room(&s, HBIL_MODE_HBIL, INFINITY);
@@ -90,18 +90,18 @@ static void masked_pixels_stay_as_they_are(void **state) {
     for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
       got.values[p * 64 * 36 + i] = -7.0;
   }
-  ref_gather_dense(&s.job, &split, &some, &got);
+  checked_gather_dense(&s.job, &split, &some, &got);
   for (int i = 0; i < 64 * 36 * HBIL_LIGHT_PLANES; ++i)
     assert_true(got.values[i] ==
                 (wanted[i % (64 * 36)] ? want.values[i] : -7.0));
-  ref_planes_free(&split);
-  ref_planes_free(&want);
-  ref_planes_free(&got);
+  exact_planes_free(&split);
+  exact_planes_free(&want);
+  exact_planes_free(&got);
   setup_free(&s);
 }
 
 /* The outputs of the densest plan, without the filter. */
-static ref_planes densest_frame(setup *s) {
+static exact_planes densest_frame(setup *s) {
   s->config.slices = 32;
   s->config.steps_per_side = 64;
   s->config.step_growth = 0.0f;
@@ -113,10 +113,10 @@ static ref_planes densest_frame(setup *s) {
 
 /* Measured: AO .0035, E_near and indirect .047, which 32 slices leave. */
 static void plans_approach_the_dense_frame(void **state) {
-  const ref_dense how = {.slices = 1024};
+  const exact_dense how = {.slices = 1024};
   setup s;
-  ref_state expected;
-  ref_planes got;
+  exact_state expected;
+  exact_planes got;
   (void)state;
   setup_scene(&s, SCENE_ROOM, 64, 36, 0);
   setup_all_outputs(&s);
@@ -124,15 +124,16 @@ static void plans_approach_the_dense_frame(void **state) {
   s.config.gather_emission = CL_FALSE;
   got = densest_frame(&s);
   s.config.unfiltered = CL_FALSE; /* has no effect on the dense frame */
-  ref_state_init(&expected, 64, 36);
-  ref_frame_dense(&expected, &s.job, &how);
-  check_at_most("AO", relative_rmse(&got, &expected.out, REF_AO, 1), 0.01);
-  check_at_most("E_near", relative_rmse(&got, &expected.out, REF_NEAR, 3),
+  checked_state(&expected, 64, 36);
+  checked_run_frame_dense(&expected, &s.job, &how);
+  check_at_most("AO", relative_rmse(&got, &expected.out, EXACT_AO, 1), 0.01);
+  check_at_most("E_near",
+                relative_rmse(&got, &expected.out, EXACT_NEAR_IRRADIANCE, 3),
                 0.08);
-  check_at_most("indirect", relative_rmse(&got, &expected.out, REF_INDIRECT, 3),
-                0.08);
-  ref_state_free(&expected);
-  ref_planes_free(&got);
+  check_at_most("indirect",
+                relative_rmse(&got, &expected.out, EXACT_INDIRECT, 3), 0.08);
+  exact_state_free(&expected);
+  exact_planes_free(&got);
   setup_free(&s);
 }
 

@@ -12,6 +12,9 @@
 #include <stdio.h>
 #include <unistd.h>
 
+#include "image/exr_key.h"
+#include "image/exr_read.h"
+#include "image/exr_write.h"
 #include "image/image.h"
 
 enum { WIDTH = 37, HEIGHT = 21, PIXELS = WIDTH * HEIGHT, CHANNELS = 3 };

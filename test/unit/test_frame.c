@@ -7,8 +7,8 @@
 #include <pthread.h>
 
 static void check_sequence(setup *s, scene_kind kind, int frames) {
-  ref_state reference;
-  ref_state_init(&reference, (int)s->config.width, (int)s->config.height);
+  exact_state reference;
+  checked_state(&reference, (int)s->config.width, (int)s->config.height);
   setup_all_outputs(s);
   setup_start(s);
   for (int i = 0; i < frames; ++i) {
@@ -16,10 +16,10 @@ static void check_sequence(setup *s, scene_kind kind, int frames) {
     s->frame.frame_index = (cl_uint)i;
     setup_upload(s);
     setup_run(s, hbil_enqueue_frame);
-    ref_frame(&reference, &s->job);
+    checked_run_frame(&reference, &s->job);
     check_frame_outputs(s, &reference.out);
   }
-  ref_state_free(&reference);
+  exact_state_free(&reference);
   setup_free(s);
 }
 
@@ -160,9 +160,9 @@ static void frame_out_of_order(setup *s) {
 }
 
 /* Outputs of the third frame. */
-static ref_planes third_frame(device_fixture *d, void (*enqueue)(setup *)) {
+static exact_planes third_frame(device_fixture *d, void (*enqueue)(setup *)) {
   setup s;
-  ref_planes out;
+  exact_planes out;
   start_small(&s, d);
   for (uint32_t i = 0; i < 3; ++i) {
     setup_load_scene(&s, SCENE_ROOM, i);
@@ -175,11 +175,11 @@ static ref_planes third_frame(device_fixture *d, void (*enqueue)(setup *)) {
 }
 
 static void check_same_bits(void (*enqueue)(setup *)) {
-  ref_planes want = third_frame(&shared_device, frame_at_once);
-  ref_planes got = third_frame(&shared_device, enqueue);
+  exact_planes want = third_frame(&shared_device, frame_at_once);
+  exact_planes got = third_frame(&shared_device, enqueue);
   assert_int_equal(count_different(&got, &want), 0);
-  ref_planes_free(&want);
-  ref_planes_free(&got);
+  exact_planes_free(&want);
+  exact_planes_free(&got);
 }
 
 static void a_second_run_gives_the_same_bits(void **state) {
@@ -205,7 +205,7 @@ static void an_out_of_order_queue_gives_the_same_bits(void **state) {
 static void two_contexts_do_not_disturb_each_other(void **state) {
   device_fixture other = device_open();
   setup a, b;
-  ref_planes first, second;
+  exact_planes first, second;
   (void)state;
   start_small(&a, &shared_device);
   start_small(&b, &other);
@@ -222,8 +222,8 @@ static void two_contexts_do_not_disturb_each_other(void **state) {
   first = outputs_read(&a);
   second = outputs_read(&b);
   assert_int_equal(count_different(&first, &second), 0);
-  ref_planes_free(&first);
-  ref_planes_free(&second);
+  exact_planes_free(&first);
+  exact_planes_free(&second);
   setup_free(&a);
   setup_free(&b);
   device_close(&other);
@@ -232,27 +232,27 @@ static void two_contexts_do_not_disturb_each_other(void **state) {
 /* A thread's own context, plan and queue. */
 static void *third_frame_alone(void *out) {
   device_fixture own = device_open();
-  *(ref_planes *)out = third_frame(&own, frame_at_once);
+  *(exact_planes *)out = third_frame(&own, frame_at_once);
   device_close(&own);
   return NULL;
 }
 
 static void two_threads_at_once_do_not_disturb_each_other(void **state) {
-  ref_planes want = third_frame(&shared_device, frame_at_once);
+  exact_planes want = third_frame(&shared_device, frame_at_once);
   (void)state;
   for (int round = 0; round < 4; ++round) {
     pthread_t thread[2];
-    ref_planes got[2];
+    exact_planes got[2];
     for (int i = 0; i < 2; ++i)
       assert_int_equal(
           pthread_create(&thread[i], NULL, third_frame_alone, &got[i]), 0);
     for (int i = 0; i < 2; ++i) {
       assert_int_equal(pthread_join(thread[i], NULL), 0);
       assert_int_equal(count_different(&got[i], &want), 0);
-      ref_planes_free(&got[i]);
+      exact_planes_free(&got[i]);
     }
   }
-  ref_planes_free(&want);
+  exact_planes_free(&want);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -299,7 +299,7 @@ static void wait_lists_are_honoured(void **state) {
 
 static void a_reset_plan_begins_anew(void **state) {
   setup s;
-  ref_planes first, again, second;
+  exact_planes first, again, second;
   (void)state;
   start_small(&s, &shared_device);
   setup_run(&s, hbil_enqueue_frame);
@@ -311,9 +311,9 @@ static void a_reset_plan_begins_anew(void **state) {
   again = outputs_read(&s);
   assert_int_equal(count_different(&again, &first), 0);
   assert_true(count_different(&second, &first) > 0); /* another bounce */
-  ref_planes_free(&first);
-  ref_planes_free(&second);
-  ref_planes_free(&again);
+  exact_planes_free(&first);
+  exact_planes_free(&second);
+  exact_planes_free(&again);
   setup_free(&s);
 }
 
@@ -323,7 +323,7 @@ static void every_frame_adds_a_bounce(void **state) {
   (void)state;
   start_small(&s, &shared_device);
   for (int i = 0; i < 4; ++i) {
-    ref_planes out;
+    exact_planes out;
     double sum = 0.0;
     setup_run(&s, hbil_enqueue_frame);
     out = outputs_read(&s);
@@ -331,43 +331,43 @@ static void every_frame_adds_a_bounce(void **state) {
       sum += out.values[p];
     assert_true(sum > before);
     before = sum;
-    ref_planes_free(&out);
+    exact_planes_free(&out);
   }
   setup_free(&s);
 }
 
 static void the_first_frame_is_lit_by_direct_light(void **state) {
   setup s;
-  ref_planes out;
+  exact_planes out;
   (void)state;
   start_small(&s, &shared_device);
   setup_run(&s, hbil_enqueue_frame);
   out = outputs_read(&s);
-  for (int i = 0; i < WIDTH * HEIGHT * REF_OUTPUT_PLANES; ++i)
+  for (int i = 0; i < WIDTH * HEIGHT * EXACT_OUTPUT_PLANES; ++i)
     assert_true(isfinite(out.values[i]));
-  assert_true(largest_value(&out, REF_NEAR, 3) > 0.0);
-  ref_planes_free(&out);
+  assert_true(largest_value(&out, EXACT_NEAR_IRRADIANCE, 3) > 0.0);
+  exact_planes_free(&out);
   setup_free(&s);
 }
 
 /* Without light there is none, and occlusion stays what it was. */
 static void darkness_stays_dark(void **state) {
   setup s;
-  ref_planes lit, dark;
+  exact_planes lit, dark;
   (void)state;
   start_small(&s, &shared_device);
   setup_run(&s, hbil_enqueue_frame);
   lit = outputs_read(&s);
-  for (int p = REF_DIRECT; p < REF_MOTION; ++p)
+  for (int p = EXACT_DIRECT; p < EXACT_MOTION; ++p)
     setup_fill(&s, p, 0.0f);
   setup_upload(&s);
   hbil_plan_reset(s.plan);
   setup_run(&s, hbil_enqueue_frame);
   dark = outputs_read(&s);
-  assert_true(largest_value(&dark, REF_NEAR, 3) == 0.0);
-  assert_true(largest_error(&dark, &lit, REF_AO, 5) == 0.0);
-  ref_planes_free(&lit);
-  ref_planes_free(&dark);
+  assert_true(largest_value(&dark, EXACT_NEAR_IRRADIANCE, 3) == 0.0);
+  assert_true(largest_error(&dark, &lit, EXACT_AO, 5) == 0.0);
+  exact_planes_free(&lit);
+  exact_planes_free(&dark);
   setup_free(&s);
 }
 

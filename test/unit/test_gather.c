@@ -12,29 +12,29 @@
 #define WEIGHT_LIMIT 1e-5
 
 /* What the kernels gather, and what the reference does of the same layers. */
-static void gather_both(setup *s, ref_planes *got, ref_planes *want) {
-  ref_planes split;
+static void gather_both(setup *s, exact_planes *got, exact_planes *want) {
+  exact_planes split;
   setup_start(s);
   *got = stage_gathered(s);
   split = stage_read(s, HBIL_STAGE_SPLIT);
-  *want = ref_planes_new(split.width, split.height, got->count);
-  ref_gather(&s->job, &split, want);
-  ref_planes_free(&split);
+  *want = checked_planes(split.width, split.height, got->count);
+  checked_gather(&s->job, &split, want);
+  exact_planes_free(&split);
 }
 
 static void check_gather(setup *s) {
-  ref_planes got, want;
+  exact_planes got, want;
   gather_both(s, &got, &want);
   check_at_most("AO", relative_rmse(&got, &want, HBIL_LIGHT_AO, 1), AO_LIMIT);
   check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3),
                 LIGHT_LIMIT);
   check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3),
                 BENT_LIMIT);
-  if (ref_weighs_slices(&s->config))
+  if (exact_weighs_slices(&s->config))
     check_at_most("weight", relative_rmse(&got, &want, HBIL_LIGHT_WEIGHT, 1),
                   WEIGHT_LIMIT);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
   setup_free(s);
 }
 
@@ -221,18 +221,18 @@ static void hardly_rough_planes_match(void **state) {
   for (int i = 0; i < 4; ++i) {
     setup s;
     random_state r = {.state = 5 + (uint64_t)i};
-    ref_planes got, want;
+    exact_planes got, want;
     const double rough = pow(10.0, -4.0 - i);
     setup_scene(&s, SCENE_ROOM, 320, 180, 0);
     for (int c = 0; c < 3; ++c) {
-      setup_fill(&s, REF_ALBEDO + c, 1.0f);
-      setup_fill(&s, REF_DIRECT + c, (float)PI);
-      setup_fill(&s, REF_EMISSION + c, 0.0f);
+      setup_fill(&s, EXACT_ALBEDO + c, 1.0f);
+      setup_fill(&s, EXACT_DIRECT + c, (float)PI);
+      setup_fill(&s, EXACT_EMISSION + c, 0.0f);
     }
     for (int p = 0; p < 320 * 180; ++p) {
-      s.input[REF_DEPTH][p] = (float)(2.0 + rough * random_unit(&r));
+      s.input[EXACT_DEPTH][p] = (float)(2.0 + rough * random_unit(&r));
       for (int c = 0; c < 3; ++c)
-        s.input[REF_NORMAL + c][p] =
+        s.input[EXACT_NORMAL + c][p] =
             (float)-s.frame.camera.world_from_view[4 * c + 2];
     }
     gather_both(&s, &got, &want);
@@ -240,8 +240,8 @@ static void hardly_rough_planes_match(void **state) {
     check_at_most("AO", largest_error(&got, &want, HBIL_LIGHT_AO, 1), 2e-6);
     check_at_most("E_near", largest_error(&got, &want, HBIL_LIGHT_RED, 3),
                   2e-6 * PI);
-    ref_planes_free(&got);
-    ref_planes_free(&want);
+    exact_planes_free(&got);
+    exact_planes_free(&want);
     setup_free(&s);
   }
 }
@@ -272,7 +272,7 @@ static void far_views_become_orthographic(void **state) {
   enum { W = 61, H = 37 };
   const double away = 3e3, pixel = 0.1;
   random_state r = {.state = 2};
-  ref_planes got[2], split = ref_planes_new(W, H, HBIL_SPLIT_PLANES);
+  exact_planes got[2], split = checked_planes(W, H, HBIL_SPLIT_PLANES);
   setup s;
   (void)state;
   setup_init(&s, W, H);
@@ -282,11 +282,11 @@ static void far_views_become_orthographic(void **state) {
     for (int x = 0; x < W; ++x) {
       double n[3] = {random_unit(&r) - 0.5, random_unit(&r) - 0.5, -1.0};
       normalize(n);
-      *ref_at(&split, HBIL_SPLIT_W, x, y) =
+      *exact_at(&split, HBIL_SPLIT_W, x, y) =
           -5.0 + 2.0 * random_unit(&r) * random_unit(&r);
       for (int c = 0; c < 3; ++c) {
-        *ref_at(&split, HBIL_SPLIT_NORMAL + c, x, y) = n[c];
-        *ref_at(&split, HBIL_SPLIT_RED + c, x, y) = random_unit(&r);
+        *exact_at(&split, HBIL_SPLIT_NORMAL + c, x, y) = n[c];
+        *exact_at(&split, HBIL_SPLIT_RED + c, x, y) = random_unit(&r);
       }
     }
   for (int far = 0; far < 2; ++far) {
@@ -300,8 +300,8 @@ static void far_views_become_orthographic(void **state) {
       for (int i = 0; i < W * H; ++i)
         split.values[i] = 1.0 / (away - split.values[i]);
     }
-    got[far] = ref_planes_new(W, H, HBIL_LIGHT_PLANES);
-    ref_gather(&s.job, &split, got + far);
+    got[far] = checked_planes(W, H, HBIL_LIGHT_PLANES);
+    checked_gather(&s.job, &split, got + far);
   }
   /* Derived: directions differ by half a picture over the distance, 1e-3, and
    * depths by the tolerance, 2^-22 of 3e3 to a pixel of 0.1: 7e-3 for the
@@ -309,15 +309,15 @@ static void far_views_become_orthographic(void **state) {
   check_at_most("AO", relative_rmse(got, got + 1, HBIL_LIGHT_AO, 1), 8e-3);
   check_at_most("E_near", relative_rmse(got, got + 1, HBIL_LIGHT_RED, 3), 8e-3);
   check_at_most("bent", relative_rmse(got, got + 1, HBIL_LIGHT_BENT, 3), 8e-3);
-  ref_planes_free(got);
-  ref_planes_free(got + 1);
-  ref_planes_free(&split);
+  exact_planes_free(got);
+  exact_planes_free(got + 1);
+  exact_planes_free(&split);
   setup_free(&s);
 }
 
-static ref_planes room_as_thick_as(float share) {
+static exact_planes room_as_thick_as(float share) {
   setup s;
-  ref_planes out;
+  exact_planes out;
   setup_scene(&s, SCENE_ROOM, 97, 54, 0);
   set_thickness(&s, INFINITY, share);
   setup_start(&s);
@@ -329,20 +329,20 @@ static ref_planes room_as_thick_as(float share) {
 /* Without end they are the horizon's, but for sectors of 1/32: measured .020
  * in AO, derived below 1/32 a half-slice. */
 static void endless_occluders_are_the_horizon_s(void **state) {
-  ref_planes sectors = room_as_thick_as(1e4f);
-  ref_planes horizon = room_as_thick_as(INFINITY);
+  exact_planes sectors = room_as_thick_as(1e4f);
+  exact_planes horizon = room_as_thick_as(INFINITY);
   (void)state;
   check_at_most("AO", relative_rmse(&sectors, &horizon, HBIL_LIGHT_AO, 1),
                 0.03);
-  ref_planes_free(&sectors);
-  ref_planes_free(&horizon);
+  exact_planes_free(&sectors);
+  exact_planes_free(&horizon);
 }
 
 /* Radiance 1 all over: what is not open sends 1. */
 static void check_furnace(scene_kind kind, cl_uint slices, float radius,
                           float thickness) {
   setup s;
-  ref_planes got;
+  exact_planes got;
   double worst = 0.0;
   setup_scene(&s, kind, 97, 54, 0);
   s.config.albedo.component = s.config.emission.component = HBIL_NONE;
@@ -352,18 +352,18 @@ static void check_furnace(scene_kind kind, cl_uint slices, float radius,
   s.config.facing_fade[0] = s.config.facing_fade[1] = -1.0f;
   set_thickness(&s, thickness, INFINITY);
   for (int c = 0; c < 3; ++c)
-    setup_fill(&s, REF_DIRECT + c, 1.0f);
+    setup_fill(&s, EXACT_DIRECT + c, 1.0f);
   setup_start(&s);
   got = stage_gathered(&s);
   for (int y = 0; y < got.height; ++y)
     for (int x = 0; x < got.width; ++x)
       for (int c = 0; c < 3; ++c)
-        worst = fmax(worst,
-                     fabs(*ref_at(&got, HBIL_LIGHT_AO, x, y) +
-                          *ref_at(&got, HBIL_LIGHT_RED + c, x, y) / PI - 1.0));
+        worst = fmax(
+            worst, fabs(*exact_at(&got, HBIL_LIGHT_AO, x, y) +
+                        *exact_at(&got, HBIL_LIGHT_RED + c, x, y) / PI - 1.0));
   /* measured: 2.8e-7; the requirement is 2e-3 */
   check_at_most("furnace", worst, 1e-5);
-  ref_planes_free(&got);
+  exact_planes_free(&got);
   setup_free(&s);
 }
 

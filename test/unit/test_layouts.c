@@ -280,7 +280,7 @@ static void options_have_the_last_word(void **state) {
   d.options.encoded = 0;
   d.options.flips = 2;
   d.options.direct = DIRECT_LIGHT;
-  d.options.background = 999.0f;
+  d.options.sky_depth = 999.0f;
   dump_write(&d);
   reading r = dump_read(&d);
   assert_same_geometry(&d, &r, ROUNDING);

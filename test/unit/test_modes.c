@@ -17,16 +17,16 @@
  * pixel is off by a whole sector, which can be a large share of a half-slice
  * that is seen at a grazing angle.  These pixels are counted and then left out
  * of the comparison. */
-static void forget_moved_sectors(ref_planes *got, const ref_planes *want) {
+static void forget_moved_sectors(exact_planes *got, const exact_planes *want) {
   int count = 0;
   for (int i = 0; i < got->width * got->height; ++i) {
     int x = i % got->width, y = i / got->width;
-    if (fabs(*ref_at(got, HBIL_LIGHT_AO, x, y) -
-             *ref_at(want, HBIL_LIGHT_AO, x, y)) < 1e-5)
+    if (fabs(*exact_at(got, HBIL_LIGHT_AO, x, y) -
+             *exact_at(want, HBIL_LIGHT_AO, x, y)) < 1e-5)
       continue;
     ++count;
     for (int p = 0; p < got->count; ++p)
-      *ref_at(got, p, x, y) = *ref_at(want, p, x, y);
+      *exact_at(got, p, x, y) = *exact_at(want, p, x, y);
   }
   check_at_most("pixels in which a sector moved", count,
                 got->width * got->height / 1000.0);
@@ -37,7 +37,7 @@ static bool has_sectors(const hbil_config *c) {
 }
 
 static void check_kernel(setup *s) {
-  ref_planes got, want;
+  exact_planes got, want;
   setup_start(s);
   got = stage_gathered(s);
   want = expected_gathered(s);
@@ -47,8 +47,8 @@ static void check_kernel(setup *s) {
   if (s->config.mode != HBIL_MODE_HBAO)
     check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3),
                   has_sectors(&s->config) ? SECTORS_BENT_LIMIT : BENT_LIMIT);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
   setup_free(s);
 }
 
@@ -126,9 +126,9 @@ static void set_outputs(setup *s, hbil_mode mode) {
 static void check_frames(hbil_mode mode, hbil_far_field far_field,
                          hbil_feedback feedback) {
   setup s;
-  ref_state expected;
+  exact_state expected;
   setup_scene(&s, SCENE_SKY, 97, 54, 0);
-  ref_state_init(&expected, 97, 54);
+  checked_state(&expected, 97, 54);
   set_outputs(&s, mode);
   s.config.far_field = far_field;
   s.config.feedback = feedback;
@@ -143,10 +143,10 @@ static void check_frames(hbil_mode mode, hbil_far_field far_field,
     s.frame.frame_index = (cl_uint)i;
     setup_upload(&s);
     setup_run(&s, hbil_enqueue_frame);
-    ref_frame(&expected, &s.job);
+    checked_run_frame(&expected, &s.job);
     check_frame_outputs(&s, &expected.out);
   }
-  ref_state_free(&expected);
+  exact_state_free(&expected);
   setup_free(&s);
 }
 

@@ -51,7 +51,7 @@ static void options_choose_the_lens(void **state) {
   reading r = dump_read(&d);
   assert_int_equal(r.config.projection, HBIL_PROJECTION_PERSPECTIVE);
   assert_true(fabs(r.map.camera.fx - 0.5 * WIDTH / tan(PI / 6)) < 1e-9);
-  assert_true(r.check.count > 0);
+  assert_true(r.check.found.count > 0);
   reading_free(&r);
   dump_orthographic = 0; /* the file's camera */
   dump_write(&d);

@@ -7,7 +7,7 @@
 #include <stdio.h>
 
 #include "scene/scene.h"
-#include "tool/tool.h"
+#include "dump/light_sources.h"
 
 #define WIDTH 97
 #define HEIGHT 54
@@ -31,7 +31,7 @@ static gbuffer frame_of(scene_kind kind, hbil_config *config,
   scene_frame s;
   gbuffer g = {.planes = {.width = WIDTH, .height = HEIGHT}};
   assert_int_equal(scene_render(kind, WIDTH, HEIGHT, 0.0, 0, &s), 0);
-  channels_init(&g.map, DUMP_PLAIN);
+  channel_map_init(&g.map, DUMP_PLAIN);
   add_role(&g, ROLE_DEPTH, (const float *const[]){s.depth}, 1);
   add_role(&g, ROLE_NORMAL,
            (const float *const[]){s.normal[0], s.normal[1], s.normal[2]}, 3);
@@ -43,7 +43,7 @@ static gbuffer frame_of(scene_kind kind, hbil_config *config,
   *camera = s.camera;
   scene_free(&s);
   hbil_config_init(config);
-  channels_conventions(&g.map, config);
+  channel_map_configure(&g.map, config);
   return g;
 }
 
@@ -71,7 +71,7 @@ static void fill(gbuffer *g, role r, bool surfaces, float value) {
 
 static bool gathers(gbuffer *g, hbil_config *config, const hbil_camera *camera,
                     const char **reason) {
-  policy_emission(g, camera, config, reason);
+  emission_choose(g, camera, config, reason);
   return config->gather_emission != 0;
 }
 
@@ -170,7 +170,7 @@ static gbuffer valley(double share, hbil_config *config, hbil_camera *camera) {
     emission[i] = side < 0 ? 1.0f : 0.0f;
     direct[i] = side > 0 ? (float)(share * valley_light(i)) : 0.0f;
   }
-  channels_init(&g.map, DUMP_PLAIN);
+  channel_map_init(&g.map, DUMP_PLAIN);
   g.map.how.normals = SPACE_CAMERA;
   g.map.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
   add_role(&g, ROLE_DEPTH, (const float *const[]){depth}, 1);
@@ -179,7 +179,7 @@ static gbuffer valley(double share, hbil_config *config, hbil_camera *camera) {
   add_role(&g, ROLE_EMISSION, (const float *const[]){emission}, 1);
   *camera = (hbil_camera){.fx = PIXELS, .fy = PIXELS, .cx = MIDDLE + 0.5};
   hbil_config_init(config);
-  channels_conventions(&g.map, config);
+  channel_map_configure(&g.map, config);
   return g;
 }
 
@@ -212,7 +212,7 @@ static hbil_far_field under(float sky, float direct, float environment[9][3]) {
   scale(&g, ROLE_EMISSION, 0.0f);
   fill(&g, ROLE_EMISSION, false, sky);
   fill(&g, ROLE_DIRECT, true, direct);
-  policy_far_field(&g, &config, environment, &reason);
+  far_field_choose(&g, &config, environment, &reason);
   assert_non_null(reason);
   gbuffer_free(&g);
   return config.far_field;

@@ -20,50 +20,51 @@ static void start(setup *s, const int size[2]) {
 }
 
 /* Shares of the pixels: valid, and of the others those that are sky. */
-static ref_planes random_light(const setup *s, double valid, double sky) {
+static exact_planes random_light(const setup *s, double valid, double sky) {
   random_state r = {3};
-  ref_planes p = ref_planes_new((int)s->config.width, (int)s->config.height, 4);
+  exact_planes p =
+      checked_planes((int)s->config.width, (int)s->config.height, 4);
   for (int y = 0; y < p.height; ++y)
     for (int x = 0; x < p.width; ++x) {
       bool is_valid = random_unit(&r) < valid;
       for (int c = 0; c < 3; ++c)
-        *ref_at(&p, c, x, y) =
+        *exact_at(&p, c, x, y) =
             is_valid ? (double)(float)(10.0 * random_unit(&r)) : 0.0;
-      *ref_at(&p, HBIL_CARRIED_WEIGHT, x, y) = is_valid                ? 1.0
-                                               : random_unit(&r) < sky ? -1.0
-                                                                       : 0.0;
+      *exact_at(&p, HBIL_CARRIED_WEIGHT, x, y) = is_valid                ? 1.0
+                                                 : random_unit(&r) < sky ? -1.0
+                                                                         : 0.0;
     }
   return p;
 }
 
-static ref_planes filled(setup *s, const ref_planes *carried) {
+static exact_planes filled(setup *s, const exact_planes *carried) {
   stage_write(s, HBIL_STAGE_CARRIED, carried);
   setup_run(s, hbil_enqueue_push_pull);
   return stage_read(s, HBIL_STAGE_CARRIED);
 }
 
-static void assert_valid_unchanged(const ref_planes *got,
-                                   const ref_planes *before) {
+static void assert_valid_unchanged(const exact_planes *got,
+                                   const exact_planes *before) {
   for (int y = 0; y < got->height; ++y)
     for (int x = 0; x < got->width; ++x)
       for (int p = 0;
-           p < 4 && *ref_at(before, HBIL_CARRIED_WEIGHT, x, y) != 0.0; ++p)
-        assert_true(*ref_at(got, p, x, y) == *ref_at(before, p, x, y));
+           p < 4 && *exact_at(before, HBIL_CARRIED_WEIGHT, x, y) != 0.0; ++p)
+        assert_true(*exact_at(got, p, x, y) == *exact_at(before, p, x, y));
 }
 
-static void check_light(setup *s, const ref_planes *carried) {
-  ref_planes got = filled(s, carried);
-  ref_planes want = ref_planes_new(carried->width, carried->height, 4);
+static void check_light(setup *s, const exact_planes *carried) {
+  exact_planes got = filled(s, carried);
+  exact_planes want = checked_planes(carried->width, carried->height, 4);
   memcpy(want.values, carried->values,
          sizeof(double) * 4 * (size_t)(want.width * want.height));
-  ref_push_pull(&want);
+  checked_push_pull(&want);
   assert_valid_unchanged(&got, carried);
   /* derived: averages of 4, at most 10 levels down and up in fp32 */
   check_at_most("light", largest_error(&got, &want, 0, 3),
                 1e-6 * largest_value(&want, 0, 3));
   check_at_most("weight", largest_error(&got, &want, 3, 1), 1e-6);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
 }
 
 static void holes_are_filled_as_in_the_reference(void **state) {
@@ -73,9 +74,9 @@ static void holes_are_filled_as_in_the_reference(void **state) {
     setup s;
     start(&s, sizes[i]);
     for (int j = 0; j < 3; ++j) {
-      ref_planes light = random_light(&s, valid[j], sky[j]);
+      exact_planes light = random_light(&s, valid[j], sky[j]);
       check_light(&s, &light);
-      ref_planes_free(&light);
+      exact_planes_free(&light);
     }
     setup_free(&s);
   }
@@ -85,21 +86,21 @@ static void one_valid_pixel_fills_everything(void **state) {
   (void)state;
   for (size_t i = 0; i < SIZES; ++i) {
     setup s;
-    ref_planes light, got;
+    exact_planes light, got;
     const double colour[4] = {0.25, 3.0, 7.5, 1.0};
     start(&s, sizes[i]);
     light = random_light(&s, 0.0, 0.0);
     for (int c = 0; c < 4; ++c)
-      *ref_at(&light, c, light.width / 3, light.height - 1) = colour[c];
+      *exact_at(&light, c, light.width / 3, light.height - 1) = colour[c];
     got = filled(&s, &light);
     for (int c = 0; c < 3; ++c)
       for (int y = 0; y < got.height; ++y)
         for (int x = 0; x < got.width; ++x)
-          assert_true(fabs(*ref_at(&got, c, x, y) - colour[c]) <=
+          assert_true(fabs(*exact_at(&got, c, x, y) - colour[c]) <=
                       2e-6 * colour[c]);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
     check_light(&s, &light);
-    ref_planes_free(&light);
+    exact_planes_free(&light);
     setup_free(&s);
   }
 }
@@ -108,13 +109,13 @@ static void nothing_valid_leaves_zeros(void **state) {
   (void)state;
   for (size_t i = 0; i < SIZES; ++i) {
     setup s;
-    ref_planes light, got;
+    exact_planes light, got;
     start(&s, sizes[i]);
     light = random_light(&s, 0.0, 0.0);
     got = filled(&s, &light);
     assert_int_equal(count_different(&got, &light), 0);
-    ref_planes_free(&got);
-    ref_planes_free(&light);
+    exact_planes_free(&got);
+    exact_planes_free(&light);
     setup_free(&s);
   }
 }
@@ -123,13 +124,13 @@ static void all_valid_is_left_alone(void **state) {
   (void)state;
   for (size_t i = 0; i < SIZES; ++i) {
     setup s;
-    ref_planes light, got;
+    exact_planes light, got;
     start(&s, sizes[i]);
     light = random_light(&s, 1.0, 0.0);
     got = filled(&s, &light);
     assert_int_equal(count_different(&got, &light), 0);
-    ref_planes_free(&got);
-    ref_planes_free(&light);
+    exact_planes_free(&got);
+    exact_planes_free(&light);
     setup_free(&s);
   }
 }
@@ -140,11 +141,11 @@ static void the_sky_is_left_alone(void **state) {
   for (size_t i = 0; i < SIZES; ++i) {
     setup s;
     start(&s, sizes[i]);
-    ref_planes light = random_light(&s, 0.3, 1.0);
-    ref_planes got = filled(&s, &light);
+    exact_planes light = random_light(&s, 0.3, 1.0);
+    exact_planes got = filled(&s, &light);
     assert_int_equal(count_different(&got, &light), 0);
-    ref_planes_free(&got);
-    ref_planes_free(&light);
+    exact_planes_free(&got);
+    exact_planes_free(&light);
     setup_free(&s);
   }
 }

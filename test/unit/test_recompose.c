@@ -7,10 +7,10 @@
 
 /* Random light in the layers of a real scene; the sky is open and dark, as
  * the gather leaves it. */
-static ref_planes plant_light(setup *s) {
+static exact_planes plant_light(setup *s) {
   random_state r = {17};
-  ref_planes light = ref_planes_new((int)s->config.width, (int)s->config.height,
-                                    HBIL_GATHERED_PLANES);
+  exact_planes light = checked_planes(
+      (int)s->config.width, (int)s->config.height, HBIL_GATHERED_PLANES);
   for (int i = 0; i < light.width * light.height * light.count; ++i) {
     double value = random_unit(&r);
     int pixels = light.width * light.height, plane = i / pixels;
@@ -18,7 +18,7 @@ static ref_planes plant_light(setup *s) {
         (double)(float)(plane == HBIL_LIGHT_WEIGHT ? 0.05 + 3.0 * value
                         : plane >= HBIL_LIGHT_BENT ? value - 0.5
                                                    : value);
-    if (!(s->input[REF_DEPTH][i % pixels] > 0.0f))
+    if (!(s->input[EXACT_DEPTH][i % pixels] > 0.0f))
       light.values[i] = plane == HBIL_LIGHT_AO;
   }
   stage_write(s, HBIL_STAGE_GATHERED, &light);
@@ -28,7 +28,7 @@ static ref_planes plant_light(setup *s) {
 static void check_recompose(scene_kind kind, int width, int height, bool raw,
                             cl_uint slices) {
   setup s;
-  ref_planes split, light, got, want;
+  exact_planes split, light, got, want;
   setup_scene(&s, kind, width, height, 0);
   s.config.unfiltered = raw;
   s.config.slices = slices;
@@ -36,18 +36,18 @@ static void check_recompose(scene_kind kind, int width, int height, bool raw,
   setup_run(&s, hbil_enqueue_split);
   light = plant_light(&s);
   split = stage_read(&s, HBIL_STAGE_SPLIT);
-  want = ref_planes_new(width, height, HBIL_LIGHT_PLANES);
-  ref_recompose(&s.job, &split, &light, &want);
+  want = checked_planes(width, height, HBIL_LIGHT_PLANES);
+  exact_recompose(&s.job, &split, &light, &want);
   setup_run(&s, hbil_enqueue_recompose);
   got = stage_read(&s, HBIL_STAGE_RESOLVED);
   /* measured: 2.7e-6 and 1.2e-6 */
   check_at_most("AO, E_near", largest_error(&got, &want, 0, HBIL_LIGHT_BENT),
                 1e-5);
   check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3), 1e-5);
-  ref_planes_free(&split);
-  ref_planes_free(&light);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&split);
+  exact_planes_free(&light);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
   setup_free(&s);
 }
 
@@ -85,16 +85,16 @@ static void a_large_image_matches(void **state) {
 static void check_even_light(cl_uint slices) {
   setup s;
   random_state r = {23};
-  ref_planes light, got;
+  exact_planes light, got;
   setup_scene(&s, SCENE_ROOM, 64, 37, 0);
   s.config.slices = slices;
   setup_start(&s);
   setup_run(&s, hbil_enqueue_split);
-  light = ref_planes_new(64, 37, HBIL_GATHERED_PLANES);
+  light = checked_planes(64, 37, HBIL_GATHERED_PLANES);
   for (int i = 0; i < 64 * 37 * HBIL_LIGHT_BENT; ++i)
     light.values[i] = 0.625;
   for (int i = 0; i < 64 * 37; ++i)
-    *ref_at(&light, HBIL_LIGHT_WEIGHT, i % 64, i / 64) =
+    *exact_at(&light, HBIL_LIGHT_WEIGHT, i % 64, i / 64) =
         (double)(0.05f + (float)random_unit(&r));
   stage_write(&s, HBIL_STAGE_GATHERED, &light);
   setup_run(&s, hbil_enqueue_recompose);
@@ -102,15 +102,15 @@ static void check_even_light(cl_uint slices) {
   for (int y = 0; y < 37; ++y)
     for (int x = 0; x < 64; ++x)
       for (int p = 0; p < HBIL_LIGHT_PLANES; ++p) {
-        bool sky = !(s.input[REF_DEPTH][y * 64 + x] > 0.0f);
+        bool sky = !(s.input[EXACT_DEPTH][y * 64 + x] > 0.0f);
         double want = p >= HBIL_LIGHT_BENT ? 0.0 : 0.625;
         if (sky)
           want = p == HBIL_LIGHT_AO ? 1.0 : 0.0;
         /* derived: sums of 25 terms */
-        assert_true(fabs(*ref_at(&got, p, x, y) - want) <= 2e-6);
+        assert_true(fabs(*exact_at(&got, p, x, y) - want) <= 2e-6);
       }
-  ref_planes_free(&light);
-  ref_planes_free(&got);
+  exact_planes_free(&light);
+  exact_planes_free(&got);
   setup_free(&s);
 }
 

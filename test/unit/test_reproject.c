@@ -37,29 +37,30 @@ static void advance(setup *s, scene_kind kind, uint32_t next) {
   setup_upload(s);
 }
 
-static ref_planes expected(setup *s) {
-  ref_planes history = stage_read(s, HBIL_STAGE_HISTORY);
-  ref_planes want = ref_planes_new(history.width, history.height, 4);
-  ref_reproject(&s->job, &history, &want);
-  ref_planes_free(&history);
+static exact_planes expected(setup *s) {
+  exact_planes history = stage_read(s, HBIL_STAGE_HISTORY);
+  exact_planes want = checked_planes(history.width, history.height, 4);
+  checked_reproject(&s->job, &history, &want);
+  exact_planes_free(&history);
   return want;
 }
 
-static ref_planes reprojected(setup *s) {
+static exact_planes reprojected(setup *s) {
   setup_run(s, hbil_enqueue_reproject);
   return stage_read(s, HBIL_STAGE_CARRIED);
 }
 
 /* Share of the pixels that carry something. */
-static double carried_share(const ref_planes *carried) {
+static double carried_share(const exact_planes *carried) {
   double sum = 0.0;
   for (int y = 0; y < carried->height; ++y)
     for (int x = 0; x < carried->width; ++x)
-      sum += fmax(*ref_at(carried, HBIL_CARRIED_WEIGHT, x, y), 0.0);
+      sum += fmax(*exact_at(carried, HBIL_CARRIED_WEIGHT, x, y), 0.0);
   return sum / (carried->width * carried->height);
 }
 
-static void assert_same_bits(const ref_planes *got, const ref_planes *want) {
+static void assert_same_bits(const exact_planes *got,
+                             const exact_planes *want) {
   size_t different = count_different(got, want);
   if (different)
     fail_msg("%dx%d: %zu values differ", want->width, want->height, different);
@@ -67,15 +68,15 @@ static void assert_same_bits(const ref_planes *got, const ref_planes *want) {
 
 /* Compares several runs; on the large sizes at least `share` is carried. */
 static void check(setup *s, double share, int runs) {
-  ref_planes want = expected(s);
+  exact_planes want = expected(s);
   for (int run = 0; run < runs; ++run) {
-    ref_planes got = reprojected(s);
+    exact_planes got = reprojected(s);
     assert_same_bits(&got, &want);
-    ref_planes_free(&got);
+    exact_planes_free(&got);
   }
   if (want.width > 16)
     assert_true(carried_share(&want) >= share);
-  ref_planes_free(&want);
+  exact_planes_free(&want);
   setup_free(s);
 }
 
@@ -165,7 +166,7 @@ static void other_settings_match(void **state) {
 static void many_sources_on_one_pixel_are_settled_alike(void **state) {
   setup s;
   random_state r = {11};
-  ref_planes history;
+  exact_planes history;
   (void)state;
   prepare(&s, SCENE_ROOM, sizes[3], HBIL_REPROJECTION_SCATTER);
   s.config.disocclusion_threshold = INFINITY;
@@ -178,13 +179,13 @@ static void many_sources_on_one_pixel_are_settled_alike(void **state) {
   history = stage_read(&s, HBIL_STAGE_HISTORY);
   for (int y = 0; y < history.height; ++y)
     for (int x = 0; x < history.width; ++x) {
-      *ref_at(&history, HBIL_HISTORY_W, x, y) = 0.25;
+      *exact_at(&history, HBIL_HISTORY_W, x, y) = 0.25;
       for (int c = 0; c < 3; ++c)
-        *ref_at(&history, HBIL_HISTORY_RED + c, x, y) =
+        *exact_at(&history, HBIL_HISTORY_RED + c, x, y) =
             (double)(float)random_unit(&r);
     }
   stage_write(&s, HBIL_STAGE_HISTORY, &history);
-  ref_planes_free(&history);
+  exact_planes_free(&history);
   check(&s, 0.01, 2);
 }
 
@@ -200,9 +201,9 @@ static void wild_motion_is_followed_or_dropped(void **state) {
   advance(&s, SCENE_ROOM, 0);
   for (int i = 0; i < pixels; ++i)
     for (int c = 0; c < 2; ++c)
-      s.input[REF_MOTION + c][i] = i % 13 == 0
-                                       ? odd[(i / 13 + c) % 6]
-                                       : (float)(80.0 * random_unit(&r) - 40.0);
+      s.input[EXACT_MOTION + c][i] =
+          i % 13 == 0 ? odd[(i / 13 + c) % 6]
+                      : (float)(80.0 * random_unit(&r) - 40.0);
   setup_upload(&s);
   check(&s, 0.05, 1);
 }
@@ -210,26 +211,26 @@ static void wild_motion_is_followed_or_dropped(void **state) {
 /* Nothing has moved: everything that is no sky is carried as it is. */
 static void check_copy(hbil_reprojection reprojection, scene_kind kind) {
   setup s;
-  ref_planes got, history;
+  exact_planes got, history;
   prepare(&s, kind, sizes[3], reprojection);
   advance(&s, kind, 0);
   for (int c = 0; c < 2; ++c)
-    setup_fill(&s, REF_MOTION + c, 0.0f);
+    setup_fill(&s, EXACT_MOTION + c, 0.0f);
   setup_upload(&s);
   history = stage_read(&s, HBIL_STAGE_HISTORY);
   got = reprojected(&s);
   for (int y = 0; y < got.height; ++y)
     for (int x = 0; x < got.width; ++x) {
-      bool sky = !(*ref_at(&history, HBIL_HISTORY_W, x, y) > 0.0);
-      assert_true(*ref_at(&got, HBIL_CARRIED_WEIGHT, x, y) ==
+      bool sky = !(*exact_at(&history, HBIL_HISTORY_W, x, y) > 0.0);
+      assert_true(*exact_at(&got, HBIL_CARRIED_WEIGHT, x, y) ==
                   (sky ? -1.0 : 1.0));
       for (int c = 0; c < 3; ++c)
         assert_true(
-            *ref_at(&got, c, x, y) ==
-            (sky ? 0.0 : *ref_at(&history, HBIL_HISTORY_RED + c, x, y)));
+            *exact_at(&got, c, x, y) ==
+            (sky ? 0.0 : *exact_at(&history, HBIL_HISTORY_RED + c, x, y)));
     }
-  ref_planes_free(&got);
-  ref_planes_free(&history);
+  exact_planes_free(&got);
+  exact_planes_free(&history);
   setup_free(&s);
 }
 

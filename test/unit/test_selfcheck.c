@@ -13,7 +13,7 @@ static const double half_picture[] = {0.5, 0.5};
 static void finds_last(dump *d, int count, const char *text) {
   dump_write(d);
   reading r = dump_read(d);
-  const selfcheck *check = &r.check;
+  const findings *check = &r.check.found;
   for (int i = 0; i < check->count; i++)
     if (!strstr(check->text[i], text) || check->count != count)
       print_error("found: %s\n", check->text[i]);
@@ -71,8 +71,8 @@ static void finds_it_by_positions_too(void **state) {
     z[i] *= (float)dump_ray_length(&d, i);
   dump_write(&d);
   reading r = dump_read(&d);
-  assert_int_equal(r.check.count, 2);
-  assert_non_null(strstr(r.check.text[1], "--depth ray"));
+  assert_int_equal(r.check.found.count, 2);
+  assert_non_null(strstr(r.check.found.text[1], "--depth ray"));
   reading_free(&r);
   dump_end(&d);
 }
@@ -156,10 +156,10 @@ static void finds_a_radius_of_other_units(void **state) {
                {0.001f, "less than a pixel"}};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
     r.config.radius = cases[i].radius;
-    selfcheck_frame(&r.g, &r.config, &r.map.camera, &r.check);
-    assert_int_equal(r.check.count, cases[i].text != NULL);
+    frame_check_run(&r.g, &r.config, &r.map.camera, &r.check);
+    assert_int_equal(r.check.found.count, cases[i].text != NULL);
     if (cases[i].text)
-      assert_non_null(strstr(r.check.text[0], cases[i].text));
+      assert_non_null(strstr(r.check.found.text[0], cases[i].text));
   }
   reading_free(&r);
   dump_end(&d);
@@ -292,7 +292,7 @@ static void distant_cameras_have_no_findings(void **state) {
     dump_write(&d);
     reading r = dump_read(&d);
     r.config.radius = 0.05f;
-    selfcheck_frame(&r.g, &r.config, &r.map.camera, &r.check);
+    frame_check_run(&r.g, &r.config, &r.map.camera, &r.check);
     assert_no_findings(&r);
     reading_free(&r);
     dump_end(&d);

@@ -10,7 +10,7 @@
 static const hbil_plane_format rgba32 = {HBIL_FLOAT32, 4};
 static const hbil_plane_format planar16 = {HBIL_FLOAT16, 1};
 
-static ref_planes split_of(setup *s) {
+static exact_planes split_of(setup *s) {
   setup_run(s, hbil_enqueue_split);
   return stage_read(s, HBIL_STAGE_SPLIT);
 }
@@ -22,16 +22,16 @@ static ref_planes split_of(setup *s) {
 #define BENT_BACK_LIMIT 1e-5
 
 static void check_split(setup *s, double normal_limit) {
-  ref_planes got,
-      want = ref_planes_new((int)s->config.width, (int)s->config.height,
+  exact_planes got,
+      want = checked_planes((int)s->config.width, (int)s->config.height,
                             HBIL_SPLIT_PLANES);
   setup_start(s);
   got = split_of(s);
-  ref_split(&s->job, NULL, &want);
+  exact_split(&s->job, NULL, &want);
   for (int y = 0; y < got.height; ++y)
     for (int x = 0; x < got.width; ++x) {
-      double w = *ref_at(&want, HBIL_SPLIT_W, x, y);
-      double off = fabs(*ref_at(&got, HBIL_SPLIT_W, x, y) / w - 1.0);
+      double w = *exact_at(&want, HBIL_SPLIT_W, x, y);
+      double off = fabs(*exact_at(&got, HBIL_SPLIT_W, x, y) / w - 1.0);
       if (!(off <= 5e-7)) /* derived: four roundings */
         fail_msg("w at (%d,%d): off by %g", x, y, off);
     }
@@ -39,8 +39,8 @@ static void check_split(setup *s, double normal_limit) {
                 normal_limit);
   check_at_most("radiance", largest_error(&got, &want, HBIL_SPLIT_RED, 3),
                 1e-6 * largest_value(&want, HBIL_SPLIT_RED, 3));
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
   setup_free(s);
 }
 
@@ -108,7 +108,7 @@ static void unorm8_albedo_and_f0_match(void **state) {
   s.config.albedo = s.config.f0 = unorm;
   for (int c = 0; c < 3; ++c)
     for (int i = 0; i < WIDTH * HEIGHT; ++i)
-      s.input[REF_F0 + c][i] = (float)random_unit(&r);
+      s.input[EXACT_F0 + c][i] = (float)random_unit(&r);
   check_split(&s, NORMAL_LIMIT);
 }
 
@@ -128,9 +128,9 @@ static void view_space_normals_match(void **state) {
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   s.config.normal_space = HBIL_SPACE_VIEW;
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
-    s.input[REF_NORMAL][i] = (float)(random_unit(&r) - 0.5);
-    s.input[REF_NORMAL + 1][i] = (float)(random_unit(&r) - 0.5);
-    s.input[REF_NORMAL + 2][i] = (float)(-0.1 - 3.0 * random_unit(&r));
+    s.input[EXACT_NORMAL][i] = (float)(random_unit(&r) - 0.5);
+    s.input[EXACT_NORMAL + 1][i] = (float)(random_unit(&r) - 0.5);
+    s.input[EXACT_NORMAL + 2][i] = (float)(-0.1 - 3.0 * random_unit(&r));
   }
   check_split(&s, NORMAL_LIMIT); /* some of them face away */
 }
@@ -155,9 +155,9 @@ static void spoil_inputs(setup *s) {
   const float odd[] = {NAN, INFINITY, -INFINITY, -1.0f, 0.0f, -0.0f, 1e30f};
   random_state r = {9};
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
-    for (int p = 0; p < REF_MOTION; ++p) {
+    for (int p = 0; p < EXACT_MOTION; ++p) {
       float value = odd[(int)(7.0 * random_unit(&r))];
-      bool light = p >= REF_ALBEDO;
+      bool light = p >= EXACT_ALBEDO;
       if (random_unit(&r) < 0.1 && !(light && value > 1e20f && isfinite(value)))
         s->input[p][i] = value;
     }
@@ -178,9 +178,9 @@ static void normals_from_behind_and_without_length_match(void **state) {
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
     for (int c = 0; c < 3; ++c)
-      s.input[REF_NORMAL + c][i] *= i % 3 == 0   ? 0.0f
-                                    : i % 3 == 1 ? -1.0f
-                                                 : 1e-3f;
+      s.input[EXACT_NORMAL + c][i] *= i % 3 == 0   ? 0.0f
+                                      : i % 3 == 1 ? -1.0f
+                                                   : 1e-3f;
   check_split(&s, BENT_BACK_LIMIT);
 }
 
@@ -189,13 +189,13 @@ static void carried_light_takes_part(void **state) {
   (void)state;
   for (int feedback = 0; feedback < 2; ++feedback) {
     setup s;
-    ref_planes carried, got, want;
+    exact_planes carried, got, want;
     setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
     s.config.feedback = (hbil_feedback)feedback;
     setup_start(&s);
     setup_run(&s, hbil_enqueue_frame); /* there is a history from here on */
-    carried = ref_planes_new(WIDTH, HEIGHT, 4);
-    want = ref_planes_new(WIDTH, HEIGHT, HBIL_SPLIT_PLANES);
+    carried = checked_planes(WIDTH, HEIGHT, 4);
+    want = checked_planes(WIDTH, HEIGHT, HBIL_SPLIT_PLANES);
     for (int i = 0; i < WIDTH * HEIGHT; ++i)
       for (int p = 0; p < 4; ++p)
         carried.values[p * WIDTH * HEIGHT + i] =
@@ -204,12 +204,12 @@ static void carried_light_takes_part(void **state) {
                        : (double)(float)random_unit(&r);
     stage_write(&s, HBIL_STAGE_CARRIED, &carried);
     got = split_of(&s);
-    ref_split(&s.job, &carried, &want);
+    exact_split(&s.job, &carried, &want);
     check_at_most("radiance", largest_error(&got, &want, HBIL_SPLIT_RED, 3),
                   1e-6 * largest_value(&want, HBIL_SPLIT_RED, 3));
-    ref_planes_free(&carried);
-    ref_planes_free(&got);
-    ref_planes_free(&want);
+    exact_planes_free(&carried);
+    exact_planes_free(&got);
+    exact_planes_free(&want);
     setup_free(&s);
   }
 }
@@ -218,7 +218,7 @@ static void carried_light_takes_part(void **state) {
 static void check_padding(int width, int height) {
   setup s;
   hbil_buffer b;
-  ref_planes got;
+  exact_planes got;
   float *w;
   size_t size, real = 0, positive = 0;
   setup_scene(&s, SCENE_ROOM, width, height, 0);
@@ -234,7 +234,7 @@ static void check_padding(int width, int height) {
   }
   assert_int_equal(positive, real);
   free(w);
-  ref_planes_free(&got);
+  exact_planes_free(&got);
   setup_free(&s);
 }
 

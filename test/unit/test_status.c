@@ -1,6 +1,8 @@
 /*
  * Whatever is wrong is refused, by name, before anything is enqueued.
  */
+#include "hbil/hbil_stages.h"
+
 #include "test/support/fixture.h"
 
 #define WIDTH 17
@@ -301,7 +303,7 @@ static void bad_frames_are_rejected_by_name(void **state) {
 
 static void rejected_frames_write_nothing(void **state) {
   setup s;
-  ref_planes out;
+  exact_planes out;
   (void)state;
   start(&s);
   s.frame.camera.fx = -1.0;
@@ -312,7 +314,7 @@ static void rejected_frames_write_nothing(void **state) {
   out = outputs_read(&s); /* canaries are not-a-numbers */
   for (int i = 0; i < out.width * out.height * out.count; ++i)
     assert_true(isnan(out.values[i]));
-  ref_planes_free(&out);
+  exact_planes_free(&out);
   setup_free(&s);
 }
 

@@ -28,10 +28,10 @@ enum { RADIANCE_BITS = 8, NEAR_BITS = 10 };
 /* Derived: one step of 8 bits, dithered. */
 #define UNKNOWN_LIMIT (1.0 / 255.0 + SEARCH_LIMIT)
 
-static double most_of(const ref_planes *planes, int first, int x, int y) {
-  return fmax(
-      *ref_at(planes, first, x, y),
-      fmax(*ref_at(planes, first + 1, x, y), *ref_at(planes, first + 2, x, y)));
+static double most_of(const exact_planes *planes, int first, int x, int y) {
+  return fmax(*exact_at(planes, first, x, y),
+              fmax(*exact_at(planes, first + 1, x, y),
+                   *exact_at(planes, first + 2, x, y)));
 }
 
 /* Half a step of the largest channel's unit.  That channel itself loses half a
@@ -46,15 +46,15 @@ static double loss_of(int bits, double value, double most) {
 
 /* The largest error of light relative to what its words may lose.  Errors of up
  * to `before` are those of the search, and don't count. */
-static double losses(const ref_planes *got, const ref_planes *want, int first,
-                     int bits, double before) {
+static double losses(const exact_planes *got, const exact_planes *want,
+                     int first, int bits, double before) {
   double worst = 0.0;
   for (int y = 0; y < got->height; ++y)
     for (int x = 0; x < got->width; ++x) {
       double most = most_of(want, first, x, y);
       for (int c = 0; c < 3; ++c) {
-        double value = *ref_at(want, first + c, x, y);
-        double off = fabs(*ref_at(got, first + c, x, y) - value);
+        double value = *exact_at(want, first + c, x, y);
+        double off = fabs(*exact_at(got, first + c, x, y) - value);
         if (!(off <= before)) /* loss_of() is 0 where there is no light */
           worst = fmax(worst, isfinite(off)
                                   ? (off - before) / loss_of(bits, value, most)
@@ -71,10 +71,10 @@ static double losses(const ref_planes *got, const ref_planes *want, int first,
 /* ------------------------------------------------------------------------ */
 /* split                                                                     */
 
-static ref_planes split_in(hbil_storage storage, void (*prepare)(setup *),
-                           cl_uint vector_width) {
+static exact_planes split_in(hbil_storage storage, void (*prepare)(setup *),
+                             cl_uint vector_width) {
   setup s;
-  ref_planes out;
+  exact_planes out;
   prepare(&s);
   s.config.storage = storage;
   s.config.vector_width = vector_width;
@@ -86,14 +86,14 @@ static ref_planes split_in(hbil_storage storage, void (*prepare)(setup *),
 }
 
 /* Depth to the last bit; normals where there are surfaces, finite elsewhere. */
-static void check_guides(const ref_planes *got, const ref_planes *want) {
+static void check_guides(const exact_planes *got, const exact_planes *want) {
   double worst = 0.0;
   for (int y = 0; y < got->height; ++y)
     for (int x = 0; x < got->width; ++x) {
-      double w = *ref_at(want, HBIL_SPLIT_W, x, y), off = 0.0;
-      assert_true(*ref_at(got, HBIL_SPLIT_W, x, y) == w);
+      double w = *exact_at(want, HBIL_SPLIT_W, x, y), off = 0.0;
+      assert_true(*exact_at(got, HBIL_SPLIT_W, x, y) == w);
       for (int c = HBIL_SPLIT_NORMAL; c < HBIL_SPLIT_RED; ++c) {
-        double d = *ref_at(got, c, x, y) - *ref_at(want, c, x, y);
+        double d = *exact_at(got, c, x, y) - *exact_at(want, c, x, y);
         assert_true(isfinite(d));
         off += w > 0.0 ? d * d : 0.0;
       }
@@ -103,15 +103,15 @@ static void check_guides(const ref_planes *got, const ref_planes *want) {
 }
 
 static void check_split(void (*prepare)(setup *), cl_uint vector_width) {
-  ref_planes want = split_in(HBIL_STORAGE_FLOAT32, prepare, vector_width);
-  ref_planes got = split_in(HBIL_STORAGE_PACKED, prepare, vector_width);
+  exact_planes want = split_in(HBIL_STORAGE_FLOAT32, prepare, vector_width);
+  exact_planes got = split_in(HBIL_STORAGE_PACKED, prepare, vector_width);
   assert_int_equal(got.count, want.count);
   check_guides(&got, &want);
   check_at_most("radiance, losses",
                 losses(&got, &want, HBIL_SPLIT_RED, RADIANCE_BITS, 0.0),
                 LOSS_LIMIT);
-  ref_planes_free(&want);
-  ref_planes_free(&got);
+  exact_planes_free(&want);
+  exact_planes_free(&got);
 }
 
 /* A wall seen straight on; emission alone is its radiance.  (World space, so
@@ -119,8 +119,8 @@ static void check_split(void (*prepare)(setup *), cl_uint vector_width) {
 static void start_wall(setup *s) {
   setup_init(s, WIDTH, HEIGHT);
   s->config.normal_space = HBIL_SPACE_WORLD;
-  setup_fill(s, REF_DEPTH, 1.0f);
-  setup_fill(s, REF_NORMAL + 2, -1.0f);
+  setup_fill(s, EXACT_DEPTH, 1.0f);
+  setup_fill(s, EXACT_NORMAL + 2, -1.0f);
 }
 
 static void room(setup *s) {
@@ -148,21 +148,22 @@ static void all_directions(setup *s) {
   setup_camera(s, 150.0);
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
     for (int c = 0; c < 3; ++c)
-      s->input[REF_NORMAL + c][i] =
+      s->input[EXACT_NORMAL + c][i] =
           i % 4 == 0 ? (float)((int)(3.0 * random_unit(&r)) - 1)
                      : (float)(random_unit(&r) - 0.5);
 }
 
 static void every_direction_survives(void **state) {
-  ref_planes split = split_in(HBIL_STORAGE_FLOAT32, all_directions, 8);
+  exact_planes split = split_in(HBIL_STORAGE_FLOAT32, all_directions, 8);
   int behind = 0;
   (void)state;
   for (int i = 0; i < 4; ++i)
     check_split(all_directions, widths[i]);
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
-    behind += *ref_at(&split, HBIL_SPLIT_NORMAL + 2, i % WIDTH, i / WIDTH) > 0;
+    behind +=
+        *exact_at(&split, HBIL_SPLIT_NORMAL + 2, i % WIDTH, i / WIDTH) > 0;
   assert_true(behind > WIDTH * HEIGHT / 8);
-  ref_planes_free(&split);
+  exact_planes_free(&split);
 }
 
 /* The mapping itself has no more to lose: the same as the kernel's limit. */
@@ -196,9 +197,9 @@ static void any_light(setup *s) {
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
     double scale = ldexp(1.0, (int)(236.0 * random_unit(&r)) - 117);
     for (int c = 0; c < 3; ++c)
-      s->input[REF_EMISSION + c][i] = random_unit(&r) < 0.2
-                                          ? odd[(int)(count * random_unit(&r))]
-                                          : (float)(scale * random_unit(&r));
+      s->input[EXACT_EMISSION + c][i] =
+          random_unit(&r) < 0.2 ? odd[(int)(count * random_unit(&r))]
+                                : (float)(scale * random_unit(&r));
   }
 }
 
@@ -213,14 +214,14 @@ static void hardly_any_light(setup *s) {
   start_wall(s);
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
     for (int c = 0; c < 3; ++c)
-      s->input[REF_EMISSION + c][i] = ldexpf((float)(i % 8), -140 - i % 9);
+      s->input[EXACT_EMISSION + c][i] = ldexpf((float)(i % 8), -140 - i % 9);
 }
 
 static void denormal_light_becomes_zero(void **state) {
-  ref_planes got = split_in(HBIL_STORAGE_PACKED, hardly_any_light, 8);
+  exact_planes got = split_in(HBIL_STORAGE_PACKED, hardly_any_light, 8);
   (void)state;
   check_at_most("denormals", largest_value(&got, HBIL_SPLIT_RED, 3), 0x1p-126);
-  ref_planes_free(&got);
+  exact_planes_free(&got);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -228,12 +229,12 @@ static void denormal_light_becomes_zero(void **state) {
 
 /* Few slices make bent normals longer than 1.  Of such a one the word stores
  * the direction alone. */
-static double bent_off(const ref_planes *got, const ref_planes *want, int x,
+static double bent_off(const exact_planes *got, const exact_planes *want, int x,
                        int y) {
   double g[3], w[3], most = 0.0, off = 0.0;
   for (int c = 0; c < 3; ++c) {
-    g[c] = *ref_at(got, HBIL_LIGHT_BENT + c, x, y);
-    w[c] = *ref_at(want, HBIL_LIGHT_BENT + c, x, y);
+    g[c] = *exact_at(got, HBIL_LIGHT_BENT + c, x, y);
+    w[c] = *exact_at(want, HBIL_LIGHT_BENT + c, x, y);
     most = fmax(most, fabs(w[c]));
   }
   if (most > 1.0) {
@@ -245,7 +246,8 @@ static double bent_off(const ref_planes *got, const ref_planes *want, int x,
   return sqrt(off);
 }
 
-static double largest_bent_off(const ref_planes *got, const ref_planes *want) {
+static double largest_bent_off(const exact_planes *got,
+                               const exact_planes *want) {
   double worst = 0.0;
   for (int y = 0; y < got->height; ++y)
     for (int x = 0; x < got->width; ++x)
@@ -255,7 +257,7 @@ static double largest_bent_off(const ref_planes *got, const ref_planes *want) {
 
 /* Derived: one unit of 1/1023 in x and in y, one of 1/511 in z. */
 #define BENT_LIMIT 2.41e-3
-static void check_light(const ref_planes *got, const ref_planes *want) {
+static void check_light(const exact_planes *got, const exact_planes *want) {
   double before = SEARCH_LIMIT * largest_value(want, HBIL_LIGHT_RED, 3);
   check_at_most("AO", largest_error(got, want, HBIL_LIGHT_AO, 1), SHARE_LIMIT);
   if (got->count > HBIL_LIGHT_UNKNOWN)
@@ -274,13 +276,13 @@ static void check_light(const ref_planes *got, const ref_planes *want) {
 static void check_gather(setup *s) {
   s->config.storage = HBIL_STORAGE_PACKED;
   setup_start(s);
-  ref_planes got = stage_gathered(s), split = stage_read(s, HBIL_STAGE_SPLIT);
-  ref_planes want = ref_planes_new(split.width, split.height, got.count);
-  ref_gather(&s->job, &split, &want);
+  exact_planes got = stage_gathered(s), split = stage_read(s, HBIL_STAGE_SPLIT);
+  exact_planes want = checked_planes(split.width, split.height, got.count);
+  checked_gather(&s->job, &split, &want);
   check_light(&got, &want);
-  ref_planes_free(&got);
-  ref_planes_free(&split);
-  ref_planes_free(&want);
+  exact_planes_free(&got);
+  exact_planes_free(&split);
+  exact_planes_free(&want);
   setup_free(s);
 }
 
@@ -379,9 +381,9 @@ static void long_bent_normals_have_their_direction(void **state) {
   }
 }
 
-static ref_planes packed_room(void) {
+static exact_planes packed_room(void) {
   setup s;
-  ref_planes out;
+  exact_planes out;
   room(&s);
   s.config.storage = HBIL_STORAGE_PACKED;
   setup_start(&s);
@@ -391,11 +393,11 @@ static ref_planes packed_room(void) {
 }
 
 static void every_run_gives_the_same_bits(void **state) {
-  ref_planes first = packed_room(), again = packed_room();
+  exact_planes first = packed_room(), again = packed_room();
   (void)state;
   assert_int_equal(count_different(&again, &first), 0);
-  ref_planes_free(&first);
-  ref_planes_free(&again);
+  exact_planes_free(&first);
+  exact_planes_free(&again);
 }
 
 /* Words of SPLIT without radiance and with it; of GATHERED for AO, for E_near,
@@ -437,26 +439,26 @@ static void only_needed_words_are_stored(void **state) {
 static void plant_light(setup *s) {
   random_state r = {17};
   int pixels = WIDTH * HEIGHT;
-  ref_planes light = ref_planes_new(WIDTH, HEIGHT, HBIL_GATHERED_PLANES);
+  exact_planes light = checked_planes(WIDTH, HEIGHT, HBIL_GATHERED_PLANES);
   for (int i = 0; i < pixels * light.count; ++i) {
     int plane = i / pixels;
     bool bent = plane >= HBIL_LIGHT_BENT && plane < HBIL_LIGHT_UNKNOWN;
     light.values[i] = random_unit(&r) - (bent ? 0.5 : 0.0);
     if (plane == HBIL_LIGHT_UNKNOWN) /* of what is not open */
       light.values[i] *= 1.0 - light.values[i % pixels];
-    if (!(s->input[REF_DEPTH][i % pixels] > 0.0f))
+    if (!(s->input[EXACT_DEPTH][i % pixels] > 0.0f))
       light.values[i] = plane == HBIL_LIGHT_AO;
   }
   stage_write(s, HBIL_STAGE_GATHERED, &light);
-  ref_planes_free(&light);
+  exact_planes_free(&light);
 }
 
 static void check_recompose(scene_kind kind, bool raw,
                             hbil_back_facing_fallback refused,
                             cl_uint vector_width) {
   setup s;
-  ref_planes split, light, got,
-      want = ref_planes_new(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
+  exact_planes split, light, got,
+      want = checked_planes(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
   setup_scene(&s, kind, WIDTH, HEIGHT, 0);
   s.config.storage = HBIL_STORAGE_PACKED;
   s.config.unfiltered = raw;
@@ -464,21 +466,21 @@ static void check_recompose(scene_kind kind, bool raw,
   s.config.vector_width = vector_width;
   setup_start(&s);
   light = stage_gathered(&s); /* and what the frame sends on average */
-  ref_planes_free(&light);
+  exact_planes_free(&light);
   plant_light(&s);
   light = stage_read(&s, HBIL_STAGE_GATHERED);
   split = stage_read(&s, HBIL_STAGE_SPLIT);
-  ref_estimate_frame(&s.job, &split);
-  ref_recompose(&s.job, &split, &light, &want);
+  exact_estimate_frame(&s.job, &split);
+  exact_recompose(&s.job, &split, &light, &want);
   setup_run(&s, hbil_enqueue_recompose);
   got = stage_read(&s, HBIL_STAGE_RESOLVED);
   check_at_most("AO", largest_error(&got, &want, 0, 1), 1e-5);
   check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3), 1e-5);
   check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3), 1e-5);
-  ref_planes_free(&split);
-  ref_planes_free(&light);
-  ref_planes_free(&got);
-  ref_planes_free(&want);
+  exact_planes_free(&split);
+  exact_planes_free(&light);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
   setup_free(&s);
 }
 

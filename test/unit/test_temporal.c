@@ -26,10 +26,10 @@ static void a_history_of_one_frame_changes_nothing(void **state) {
     averaging_load(&one, (uint32_t)i, (cl_uint)i);
     setup_run(&off, hbil_enqueue_frame);
     setup_run(&one, hbil_enqueue_frame);
-    ref_planes want = outputs_read(&off), got = outputs_read(&one);
+    exact_planes want = outputs_read(&off), got = outputs_read(&one);
     same_bits(&got, &want);
-    ref_planes_free(&want);
-    ref_planes_free(&got);
+    exact_planes_free(&want);
+    exact_planes_free(&got);
   }
   setup_free(&one);
   setup_free(&off);
@@ -123,10 +123,10 @@ static void point_of(const setup *s, const hbil_camera *c, double x, double y,
 }
 
 static past find_past(const setup *s, const hbil_camera *before,
-                      const ref_planes *split, int x, int y) {
+                      const exact_planes *split, int x, int y) {
   const hbil_camera *now = &s->frame.camera;
   const double *m = now->world_from_view;
-  const double w = *ref_at(split, HBIL_SPLIT_W, x, y);
+  const double w = *exact_at(split, HBIL_SPLIT_W, x, y);
   double point[3], world[3], p[3], tip[3];
   past then = {.known = is_orthographic(s) ? w > -1e29 : w > 0.0};
   if (!then.known)
@@ -137,7 +137,7 @@ static past find_past(const setup *s, const hbil_camera *before,
     for (int c = 0; c < 3; ++c) {
       world[i] += m[4 * i + c] * point[c];
       tip[i] += m[4 * i + c] *
-                (point[c] + *ref_at(split, HBIL_SPLIT_NORMAL + c, x, y));
+                (point[c] + *exact_at(split, HBIL_SPLIT_NORMAL + c, x, y));
     }
   }
   to_camera(before->world_from_view, world, p);
@@ -146,8 +146,8 @@ static past find_past(const setup *s, const hbil_camera *before,
     then.n[c] -= p[c];
   then.z = p[2];
   if (s->config.reprojection == HBIL_REPROJECTION_MOTION) {
-    then.u = x + s->input[REF_MOTION][y * WIDTH + x];
-    then.v = y + s->input[REF_MOTION + 1][y * WIDTH + x];
+    then.u = x + s->input[EXACT_MOTION][y * WIDTH + x];
+    then.v = y + s->input[EXACT_MOTION + 1][y * WIDTH + x];
   } else {
     const double spread = is_orthographic(s) ? 1.0 : p[2];
     then.u = before->fx * p[0] / spread + before->cx - 0.5;
@@ -229,11 +229,11 @@ typedef struct tally {
 
 /* Outputs are the new history.  Only the bent normal is normalized, which costs
  * four roundings. */
-static void check_shown(const ref_planes *got, const history *anew, int x,
+static void check_shown(const exact_planes *got, const history *anew, int x,
                         int y) {
   double bent[3];
   for (int p = 0; p < HBIL_LIGHT_BENT; ++p)
-    assert_true(*ref_at(got, p, x, y) ==
+    assert_true(*exact_at(got, p, x, y) ==
                 history_value(anew, HISTORY_LIGHT + p, x, y));
   for (int c = 0; c < 3; ++c)
     bent[c] = history_value(anew, HISTORY_LIGHT + HBIL_LIGHT_BENT + c, x, y);
@@ -241,12 +241,13 @@ static void check_shown(const ref_planes *got, const history *anew, int x,
     return;
   normalize(bent);
   for (int c = 0; c < 3; ++c)
-    assert_true(fabs(*ref_at(got, HBIL_LIGHT_BENT + c, x, y) - bent[c]) < 3e-7);
+    assert_true(fabs(*exact_at(got, HBIL_LIGHT_BENT + c, x, y) - bent[c]) <
+                3e-7);
 }
 
 /* fresh: RESOLVED before the filter, got: after it; anew: the new history. */
 static void check_pixel(const setup *s, const recalled *r,
-                        const ref_planes *fresh, const ref_planes *got,
+                        const exact_planes *fresh, const exact_planes *got,
                         const history *anew, int x, int y, tally *t) {
   const double most = s->config.max_history_frames;
   const double n = fmin(r->frames + 1.0, most);
@@ -256,7 +257,7 @@ static void check_pixel(const setup *s, const recalled *r,
   }
   if (r->total == 0.0) {
     for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
-      if (*ref_at(got, p, x, y) != *ref_at(fresh, p, x, y))
+      if (*exact_at(got, p, x, y) != *exact_at(fresh, p, x, y))
         fail_msg("(%d, %d): a new surface has plane %d of another", x, y, p);
     t->fresh++;
     return;
@@ -270,7 +271,7 @@ static void check_pixel(const setup *s, const recalled *r,
   if (fabs(frames - n) > places * most + 1e-5 * n)
     fail_msg("(%d, %d): %g frames instead of %g", x, y, frames, n);
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p) {
-    const double f = *ref_at(fresh, p, x, y);
+    const double f = *exact_at(fresh, p, x, y);
     const double want = r->light[p] + (f - r->light[p]) / n;
     const double off =
         fabs(history_value(anew, HISTORY_LIGHT + p, x, y) - want);
@@ -307,10 +308,10 @@ static void check_frame(setup *s, const hbil_camera *before, tally *t) {
   }
   for (size_t i = 0; i < PASSES_BEFORE_FILTER; ++i)
     setup_run(s, passes_before_filter[i]);
-  ref_planes split = stage_read(s, HBIL_STAGE_SPLIT);
-  ref_planes fresh = stage_read(s, HBIL_STAGE_RESOLVED);
+  exact_planes split = stage_read(s, HBIL_STAGE_SPLIT);
+  exact_planes fresh = stage_read(s, HBIL_STAGE_RESOLVED);
   setup_run(s, hbil_enqueue_temporal);
-  ref_planes got = stage_read(s, HBIL_STAGE_RESOLVED);
+  exact_planes got = stage_read(s, HBIL_STAGE_RESOLVED);
   setup_run(s, hbil_enqueue_composite);
   anew = history_read(s);
   for (int y = 0; y < HEIGHT; ++y)
@@ -324,9 +325,9 @@ static void check_frame(setup *s, const hbil_camera *before, tally *t) {
     }
   free(old.bytes);
   free(anew.bytes);
-  ref_planes_free(&split);
-  ref_planes_free(&fresh);
-  ref_planes_free(&got);
+  exact_planes_free(&split);
+  exact_planes_free(&fresh);
+  exact_planes_free(&got);
 }
 
 /* The camera moves, and a ball. */
@@ -385,8 +386,8 @@ static void invalid_motion_is_counted_once(void **state) {
   s.config.reprojection = HBIL_REPROJECTION_MOTION;
   s.config.motion = one_float;
   setup_start(&s);
-  s.input[REF_MOTION][20 * WIDTH + 30] = NAN;
-  s.input[REF_MOTION + 1][20 * WIDTH + 40] = INFINITY;
+  s.input[EXACT_MOTION][20 * WIDTH + 30] = NAN;
+  s.input[EXACT_MOTION + 1][20 * WIDTH + 40] = INFINITY;
   setup_upload(&s);
   for (int i = 0; i < 3; ++i) {
     setup_run(&s, hbil_enqueue_frame);
