@@ -149,9 +149,10 @@ static void print_model(const hbil_config *defaults) {
          (double)defaults->radius, (double)defaults->relative_thickness,
          (double)defaults->facing_fade[0], (double)defaults->facing_fade[1]);
   puts(
-      "  --back-facing-fallback black|frame-mean\n"
-      "                        light of samples that face away: none, or the\n"
-      "                        mean radiance of the frame (frame-mean)\n"
+      "  --back-facing-fallback last-accepted|black|frame-mean\n"
+      "                        light of samples that face away: that of the\n"
+      "                        last sample before, none, or the mean radiance\n"
+      "                        of the frame (frame-mean)\n"
       "  --gather-emission yes|no\n"
       "                        emission lights neighbours, too (yes if the\n"
       "                        first frame's direct light cannot contain what\n"
