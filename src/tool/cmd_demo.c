@@ -264,7 +264,7 @@ static int read_options(int argc, char **argv, demo_options *o,
 static void name_results(const demo_options *o, const char *folder) {
   unsigned last = o->frames;
   printf("\nlook at, of the last frame:\n"
-         "  %s/frame_%04u.beauty.png    the lit picture\n"
+         "  %s/frame_%04u.beauty.png    the final picture\n"
          "  %s/frame_%04u.indirect.png  the indirect light alone\n"
          "  %s/frame_%04u.ao.png        ambient visibility\n"
          "  %s/frame_%04u.exr           all layers\n"
