@@ -5,6 +5,9 @@
 
 #include "tool/layers.h"
 
+#include <stddef.h>
+#include <stdint.h>
+
 typedef struct contact_sheet {
   unsigned layers; /* a set (layers.h) */
   size_t frames;   /* of the whole sequence */

@@ -9,6 +9,7 @@
 #include "tool/layers.h"
 #include "tool/settings.h"
 
+#include <stdint.h>
 #include <sys/types.h>
 
 typedef struct job_frame {

@@ -5,6 +5,9 @@
 #include "hbil/hbil.h"
 #include "image/image.h"
 
+#include <stddef.h>
+#include <stdint.h>
+
 typedef enum layer {
   LAYER_NEAR_IRRADIANCE = 0,
   LAYER_FAR_IRRADIANCE,

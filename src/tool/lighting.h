@@ -6,6 +6,8 @@
 #include "tool/sequence.h"
 #include "tool/job.h"
 
+#include <stdint.h>
+
 struct exact_sequence;
 
 typedef struct lighting {

@@ -7,6 +7,8 @@
 #include "tool/lighting.h"
 #include "tool/saved_history.h"
 
+#include <stdint.h>
+
 typedef struct resume {
   const job *job;
   uint64_t begin;          /* the key before the first frame */

@@ -6,6 +6,8 @@
 #include "dump/gbuffer.h"
 #include "tool/device.h"
 
+#include <stdint.h>
+
 typedef struct sequence sequence;
 
 /* config: the settings; formats are filled in from the map and the set of

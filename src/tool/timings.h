@@ -5,6 +5,7 @@
 #include "tool/sequence.h"
 #include "tool/pipeline.h"
 
+#include <stdint.h>
 #include <stdio.h>
 
 typedef struct timing_report {
