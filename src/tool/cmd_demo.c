@@ -6,14 +6,14 @@
 #define _POSIX_C_SOURCE 200809L
 #include "dump/frame_camera.h"
 #include "dump/pixel_ray.h"
-#include "tool/device.h"
-#include "tool/options.h"
-#include "tool/progress.h"
-#include "tool/report.h"
 #include "scene/scene.h"
 #include "tool/commands.h"
+#include "tool/device.h"
+#include "tool/options.h"
 #include "tool/paths.h"
 #include "tool/process.h"
+#include "tool/progress.h"
+#include "tool/report.h"
 
 #include <errno.h>
 #include <getopt.h>

@@ -4,9 +4,9 @@
 #include "dump/read_channel_map.h"
 #include "dump/read_gbuffer.h"
 #include "dump/settle.h"
+#include "tool/commands.h"
 #include "tool/options.h"
 #include "tool/report.h"
-#include "tool/commands.h"
 #include "tool/source_arguments.h"
 
 #include <getopt.h>

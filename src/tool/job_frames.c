@@ -4,8 +4,8 @@
 
 #include "dump/read_channel_map.h"
 #include "dump/settle.h"
-#include "tool/report.h"
 #include "tool/paths.h"
+#include "tool/report.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,8 +3,8 @@
 #ifndef HBIL_TOOL_LIGHTING_H
 #define HBIL_TOOL_LIGHTING_H
 
-#include "tool/sequence.h"
 #include "tool/job.h"
+#include "tool/sequence.h"
 
 #include <stdint.h>
 

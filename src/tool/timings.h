@@ -2,8 +2,8 @@
 #ifndef HBIL_TOOL_TIMINGS_H
 #define HBIL_TOOL_TIMINGS_H
 
-#include "tool/sequence.h"
 #include "tool/pipeline.h"
+#include "tool/sequence.h"
 
 #include <stdint.h>
 #include <stdio.h>
