@@ -220,19 +220,17 @@ camera_with "a resolution below zero" 'field resolution is wrong' \
 # --- numbers ---
 
 for value in slices=99999999999999999999 slices=18446744073709551617 slices=-1 \
-  slices=1e3 slices=nan slices= samples=0x10 repeat=1.5 \
+  slices=1e3 slices=nan slices= steps-per-side=0x10 repeat=1.5 \
   warm-up=99999999999999999999 radius=nan radius=1e400 radius=-1e400 radius= \
   radius=x thickness=1,2 relative-thickness=nan step-growth=1e39 \
-  choose-every=0 horizon-cache=-1 horizon-cache=1e3 disocclusion=nan facing= \
-  facing=nan,nan facing=1e400,0 facing=0.1 facing=0,0,0; do
+  horizon-cache=-1 horizon-cache=1e3 disocclusion-threshold=nan facing-fade= \
+  facing-fade=nan,nan facing-fade=1e400,0 facing-fade=0.1 facing-fade=0,0,0; do
   refused "--$value" "^hbil: --${value%%=*} " process -o "$out" "--$value" "$one"
 done
-refused "nothing to choose" 'choose-every: --max-error is needed' \
-  process -o "$out" --choose-every 2 "$one"
-refused "form factors of frames that differ" 'horizon-cache: not with --temporal' \
-  process -o "$out" --horizon-cache 9 --temporal 4 "$one"
+refused "the horizon cache of frames that differ" 'horizon-cache: not with --max-history-frames' \
+  process -o "$out" --horizon-cache 9 --max-history-frames 4 "$one"
 for none in '--mode gtao' '--reprojection none' --no-skip; do
-  refused "form factors of no use with $none" "horizon-cache: not with $none" \
+  refused "the horizon cache of no use with $none" "horizon-cache: not with $none" \
     process -o "$out" --horizon-cache 9 $none "$one"
 done
 refused "an empty word" '^hbil: --mode ' process -o "$out" --mode '' "$one"
@@ -332,7 +330,7 @@ for way in scatter motion; do
 done
 # What the temporal filter keeps is carried as well, and where its pattern is.
 filtered() {
-  process --temporal 8 "$@"
+  process --max-history-frames 8 "$@"
 }
 for mode in hbil gtao; do
   rm -rf "$work/resumed"
@@ -347,32 +345,6 @@ done
 run cmp "$work/hbil/frame_0004.exr" "$work/scatter/frame_0004.exr"
 test $status -ne 0
 ok $? "a mean is not a single frame"
-# So is the number of samples that was chosen, where not every frame chooses.
-for light in carried none; do
-  rm -rf "$work/resumed"
-  adaptive() {
-    process --max-error .1,inf "$@"
-  }
-  test $light = carried ||
-    adaptive() {
-      process --max-error .1,inf --choose-every 4 --reprojection none \
-        --layers AO "$@"
-    }
-  works "adaptive, light $light: four frames, one choice each four" \
-    adaptive -o "$work/adaptive_$light" "$frames"/*.exr
-  refused "adaptive, light $light: broken off" 'frame_0003.exr: truncated' \
-    adaptive -o "$work/resumed" "$work/broken"/*.exr
-  works "adaptive, light $light: resumed" \
-    adaptive --resume -o "$work/resumed" "$frames"/*.exr
-  same "adaptive, light $light: as without interruption" \
-    "$work/adaptive_$light" "$work/resumed"
-done
-works "choosing in each frame" adaptive --choose-every 1 -o "$work/each" \
-  "$frames"/*.exr
-refused "choosing in each frame: broken off" 'frame_0003.exr: truncated' \
-  adaptive --choose-every 1 -o "$work/each_broken" "$work/broken"/*.exr
-test ! -e "$work/each_broken/.hbil-light"
-ok $? "nothing is kept where nothing is carried"
 rm -rf "$work/resumed"
 exact --reprojection motion --preview -o "$work/resumed" "$frames"/*.exr
 run "$HBIL" process --quality reference --slices 2 --warm-up 0 --preview \
@@ -380,7 +352,7 @@ run "$HBIL" process --quality reference --slices 2 --warm-up 0 --preview \
 test $status -eq 0 && test "$(grep -c 'is there already$' "$work/err")" -eq 4 &&
   ! grep -q 'exact integral' "$work/err"
 ok $? "nothing is lit where nothing is missing"
-rm "$work/resumed/frame_0002.AO.png" "$work/resumed/frame_0003.exr"
+rm "$work/resumed/frame_0002.ao.png" "$work/resumed/frame_0003.exr"
 works "a hole, without carried light" exact --reprojection motion --preview \
   --resume -o "$work/resumed" "$frames"/*.exr
 same "is filled alike" "$work/motion" "$work/resumed"

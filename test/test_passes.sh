@@ -28,7 +28,7 @@ frames=$work/demo/gbuffer
 one=$frames/frame_0001.exr
 two=$frames/frame_0002.exr
 camera=${one%.exr}.json
-works "the frames as they are" process --layers AO,bent,near -o "$work/a" \
+works "the frames as they are" process --layers ao,bent_normal,near_irradiance -o "$work/a" \
   "$one" "$two"
 grep -q warning "$work/err"
 test $? -ne 0
@@ -46,22 +46,22 @@ says "info finds mistakes, too" 'warning .*--depth planar' \
 # --- mistakes ---
 
 warns "depth that isn't along the ray" '--depth planar' \
-  process --layers AO --depth ray --overwrite -o "$work/ray" "$one"
+  process --layers ao --depth ray --overwrite -o "$work/ray" "$one"
 warns "normals that aren't the camera's" '--normals world' \
-  process --layers AO --normals camera --overwrite -o "$work/ray" "$one"
+  process --layers ao --normals camera --overwrite -o "$work/ray" "$one"
 warns "a radius that is larger than all" 'metres against centimetres' \
-  process --layers AO --radius 5000 --overwrite -o "$work/ray" "$one"
+  process --layers ao --radius 5000 --overwrite -o "$work/ray" "$one"
 warns "the camera of another size of lens" '--fov' \
-  process --layers AO --fov 150 --overwrite -o "$work/ray" "$one"
-run process --quiet --layers AO --depth ray --overwrite -o "$work/ray" "$one"
+  process --layers ao --fov 150 --overwrite -o "$work/ray" "$one"
+run process --quiet --layers ao --depth ray --overwrite -o "$work/ray" "$one"
 test $status -eq 0 && test ! -s "$work/err"
 ok $? "nothing is warned of with --quiet"
 
-works "a first result" process --layers AO -o "$work/again" "$one"
-run process --resume --layers AO --unit-scale 2 -o "$work/again" "$one"
+works "a first result" process --layers ao -o "$work/again" "$one"
+run process --resume --layers ao --unit-scale 2 -o "$work/again" "$one"
 test $status -eq 0 && ! grep -q 'is there already' "$work/err"
 ok $? "a result of another reading is not kept"
-run process --resume --layers AO --unit-scale 2 -o "$work/again" "$one"
+run process --resume --layers ao --unit-scale 2 -o "$work/again" "$one"
 grep -q 'is there already' "$work/err"
 ok $? "but one of the same is"
 
@@ -103,13 +103,13 @@ absent "and nothing is written" "$out"
 works "a demo of parallel rays" \
   "$HBIL" demo --orthographic --frames 2 --size 60x44 -o "$work/parallel"
 flat=$work/parallel/gbuffer
-works "its frames" process --layers AO,bent,near -o "$work/flat" \
+works "its frames" process --layers ao,bent_normal,near_irradiance -o "$work/flat" \
   "$flat/frame_0001.exr" "$flat/frame_0002.exr"
 grep -q warning "$work/err"
 test $? -ne 0
 ok $? "nothing is warned of"
 differs "they are no perspective's" "$HBIL" compare --max-rmse 0.1 \
-  "$work/flat/frame_0001.exr:AO" "$work/a/frame_0001.exr"
+  "$work/flat/frame_0001.exr:ao" "$work/a/frame_0001.exr"
 says "info tells the size of the picture" \
   'orthographic, 17.* pixels a unit, the picture 3.4 x 2.49333 units' \
   "$HBIL" info "$flat/frame_0001.exr"
@@ -120,24 +120,24 @@ says "and that positions fit" "share of the picture's width.*they agree" \
 # and where the file says nothing (3.4 is a float there: 1e-7 of it).
 sed '/"f[xy]"/d; s/"cx"/"ortho_scale": 3.4, "cx"/' "$flat/frame_0001.json" \
   >"$work/scale.json"
-works "Blender's size" process --layers AO,bent,near \
+works "Blender's size" process --layers ao,bent_normal,near_irradiance \
   --camera "$work/scale.json" -o "$work/scale" "$flat/frame_0001.exr"
 same "is the same" "$work/scale/frame_0001.exr" "$work/flat/frame_0001.exr"
 sed '/"projection"/d; s/"cy": [0-9.]*,/"cy": 22/; s/"fx": [0-9.]*/"fx": 100/' \
   "$flat/frame_0001.json" >"$work/scale.json"
-works "the size as an option" process --layers AO,bent,near --orthographic 3.4 \
+works "the size as an option" process --layers ao,bent_normal,near_irradiance --orthographic 3.4 \
   --camera "$work/scale.json" -o "$work/option" "$flat/frame_0001.exr"
 works "comes to the same" "$HBIL" compare --max-rmse 1e-6 \
   "$work/option/frame_0001.exr" "$work/flat/frame_0001.exr"
-warns "a picture of another size" '--orthographic' process --layers AO \
+warns "a picture of another size" '--orthographic' process --layers ao \
   --orthographic 20 --overwrite -o "$work/ray" "$flat/frame_0001.exr"
 refused "a sequence of both kinds" \
   'has an orthographic camera, but .*frame_0001.exr has a perspective one' \
   process -o "$out" "$one" "$flat/frame_0002.exr"
 sed 's/"cx"/"projection": "orthographic", "cx"/' "$camera" >"$work/flat.json"
 works "a result of a perspective" \
-  process --layers AO -o "$work/kinds" "$one"
-run process --resume --layers AO --camera "$work/flat.json" \
+  process --layers ao -o "$work/kinds" "$one"
+run process --resume --layers ao --camera "$work/flat.json" \
   -o "$work/kinds" "$one"
 test $status -eq 0 && ! grep -q 'is there already' "$work/err"
 ok $? "isn't kept for parallel rays of the same numbers"
@@ -165,7 +165,7 @@ for frame in 0001 0002; do
   cp "${from%.exr}.json" "$passes"
 done
 map='depth=z#.tif,normal=n.####.exr,albedo=albedo_#.tif'
-works "a file for each pass" process --layers AO,bent,near --map "$map" \
+works "a file for each pass" process --layers ao,bent_normal,near_irradiance --map "$map" \
   -o "$work/b" "$passes/frame_0001.exr" "$passes/frame_0002.exr"
 for frame in 0001 0002; do
   same "comes to the same, frame $frame" "$work/a/frame_$frame.exr" \
@@ -175,11 +175,11 @@ says "info tells in which file a pass is" 'in .*z0001.tif' \
   "$HBIL" info --map "$map" "$passes/frame_0001.exr"
 oiiotool "$one" --ch direct.R,direct.G,direct.B --chnames R,G,B \
   -o "$passes/light_0001.hdr"
-works "a Radiance picture of light" process --layers near \
+works "a Radiance picture of light" process --layers near_irradiance \
   --map "$map,direct=light_#.hdr" -o "$work/hdr" "$passes/frame_0001.exr"
 # 8 bits of a common exponent: 2^-9 of the largest channel
 works "which is as exact as they are" "$HBIL" compare --max-rmse 4e-3 \
-  "$work/hdr/frame_0001.exr:near" "$work/a/frame_0001.exr"
+  "$work/hdr/frame_0001.exr:near_irradiance" "$work/a/frame_0001.exr"
 for kind in tif exr hdr; do
   file=$(ls "$passes" | grep "0001.$kind\$" | head -n 1)
   size=$(wc -c <"$passes/$file")
@@ -205,10 +205,10 @@ oiiotool "$one" --ch direct.R,direct.G,direct.B --chnames R,G,B \
   "$one" --ch albedo.R,albedo.G,albedo.B --chnames R,G,B \
   --attrib oiio:subimagename albedo --siappend -o "$work/frame_0001.exr"
 cp "$camera" "$work/frame_0001.json"
-works "several parts" process --layers AO,bent \
+works "several parts" process --layers ao,bent_normal \
   -o "$work/parts" "$work/frame_0001.exr"
-same "come to the same" "$work/parts/frame_0001.exr:AO" \
-  "$work/a/frame_0001.exr:AO"
+same "come to the same" "$work/parts/frame_0001.exr:ao" \
+  "$work/a/frame_0001.exr:ao"
 
 # Pixels beyond the edges of the picture light it and are not written.
 mkdir "$work/wide"
@@ -217,7 +217,7 @@ for frame in 0001 0002; do
     -o "$work/wide/frame_$frame.exr"
   cp "$frames/frame_$frame.json" "$work/wide"
 done
-works "overscan" process --layers AO,bent,near -o "$work/c" \
+works "overscan" process --layers ao,bent_normal,near_irradiance -o "$work/c" \
   "$work/wide/frame_0001.exr" "$work/wide/frame_0002.exr"
 for frame in 0001 0002; do
   oiiotool "$work/a/frame_$frame.exr" --crop 40x30+10+7 -o "$work/crop.exr"
@@ -233,10 +233,10 @@ says "info tells the windows" 'at 0, 0 of a picture of 40 x 30 at 10, 7' \
 
 # What lies beyond a smaller data window is nothing; each frame has its own.
 oiiotool "$two" --crop 30x20+20+10 -o "$work/wide/frame_0002.exr"
-works "windows of several sizes" process --layers AO -o "$work/d" \
+works "windows of several sizes" process --layers ao -o "$work/d" \
   "$one" "$work/wide/frame_0002.exr"
-same "leave other frames alone" "$work/d/frame_0001.exr:AO" \
-  "$work/a/frame_0001.exr:AO"
+same "leave other frames alone" "$work/d/frame_0001.exr:ao" \
+  "$work/a/frame_0001.exr:ao"
 works "and are finite where there is nothing" "$HBIL" compare --max-rmse 0 \
   "$work/d/frame_0002.exr" "$work/d/frame_0002.exr"
 oiiotool "$one" --origin +500+0 --fullsize 60x44+0+0 -o "$work/alone.exr"

@@ -13,7 +13,7 @@ exact() {
 }
 # One kernel of occlusion alone.
 device() {
-  "$HBIL" process --mode gtao --layers AO --slices 1 --samples 4 "$@"
+  "$HBIL" process --mode gtao --layers ao --slices 1 --steps-per-side 4 "$@"
 }
 # same NAME FOLDER FOLDER: the same files in both, bit by bit.
 same() {
@@ -103,7 +103,7 @@ ok $? "replaces it"
 refused "--overwrite and --resume" 'resume: not with --overwrite' \
   exact --overwrite --resume -o "$work/all" "$frames/frame_0003.exr"
 
-says "--dry-run" '^1 of 1 frames would be written, 40 x 30 pixels: near,' \
+says "--dry-run" '^1 of 1 frames would be written, 40 x 30 pixels: near_irradiance,' \
   exact --dry-run --contact-sheet "$out/sheet.png" -o "$out" \
   "$frames/frame_0001.exr"
 absent "writes nothing" "$out"
@@ -180,8 +180,8 @@ test "$(grep -c '"encode": [0-9]' "$work/out")" -eq 6 || missing=1
 ok $missing "and as JSON"
 
 if script -qec true /dev/null >"$work/out" 2>"$work/err"; then
-  run script -qec "'$HBIL' process --mode gtao --layers AO --slices 1 \
-    --samples 4 --overwrite -o '$work/device' '$frames/frame_####.exr'" /dev/null
+  run script -qec "'$HBIL' process --mode gtao --layers ao --slices 1 \
+    --steps-per-side 4 --overwrite -o '$work/device' '$frames/frame_####.exr'" /dev/null
   test $status -eq 0 &&
     grep -q '\[#*\.*\] [1-5]/5, [0-9.e+]* frames/s, .* left' "$work/out" &&
     ! grep -q '\[[1-5]/5\]' "$work/out"
@@ -193,38 +193,38 @@ fi
 # --- what a result has of its frame ---
 
 one=$frames/frame_0001.exr
-works "--keep" exact --keep --layers AO,near -o "$work/kept" "$one"
+works "--copy-channels" exact --copy-channels --layers ao,near_irradiance -o "$work/kept" "$one"
 for channels in depth normal position albedo direct emission motion; do
   works "has the frame's $channels" "$HBIL" compare --max-rmse 0 \
     "$work/kept/frame_0001.exr:$channels" "$one:$channels"
 done
 works "and the layers are those without it" "$HBIL" compare --max-rmse 0 \
-  "$work/kept/frame_0001.exr:near" "$work/before/frame_0001.exr:near"
+  "$work/kept/frame_0001.exr:near_irradiance" "$work/before/frame_0001.exr:near_irradiance"
 works "a result can be a frame again" \
-  exact --keep -o "$work/twice" --camera "${one%.exr}.json" \
+  exact --copy-channels -o "$work/twice" --camera "${one%.exr}.json" \
   "$work/kept/frame_0001.exr"
-works "--keep and --resume" exact --keep --layers AO,near --resume \
+works "--copy-channels and --resume" exact --copy-channels --layers ao,near_irradiance --resume \
   -o "$work/kept" "$one"
-works "--half" exact --half --layers AO -o "$work/half" "$one"
+works "--half" exact --half --layers ao -o "$work/half" "$one"
 # halves have 11 bits: 2^-12 of a value up to 1
 works "loses little" "$HBIL" compare --max-rmse 2.5e-4 \
-  "$work/half/frame_0001.exr:AO" "$work/before/frame_0001.exr:AO"
+  "$work/half/frame_0001.exr:ao" "$work/before/frame_0001.exr:ao"
 for how in none rle zips piz input; do
-  works "--compression $how" exact --layers AO --compression $how \
+  works "--compression $how" exact --layers ao --compression $how \
     -o "$work/$how" "$one"
   works "loses nothing: $how" "$HBIL" compare --max-rmse 0 \
-    "$work/$how/frame_0001.exr:AO" "$work/before/frame_0001.exr:AO"
+    "$work/$how/frame_0001.exr:ao" "$work/before/frame_0001.exr:ao"
 done
 size=$(wc -c <"$work/none/frame_0001.exr")
 test "$size" -gt "$(wc -c <"$work/zips/frame_0001.exr")"
 ok $? "none is larger than zips"
-exact --half --layers AO --compression none -o "$work/half-none" "$one"
+exact --half --layers ao --compression none -o "$work/half-none" "$one"
 test $((size - $(wc -c <"$work/half-none/frame_0001.exr"))) -eq $((40 * 30 * 2))
 ok $? "floats have four bytes, halves two"
 refused "an unknown compression" 'none, rle, zips, zip, piz' \
   exact --compression lzma -o "$out" "$one"
 run "$HBIL" process --quality reference --slices 1 --warm-up 0 --half --resume \
-  --layers AO --compression zips -o "$work/zips" "$one"
+  --layers ao --compression zips -o "$work/zips" "$one"
 test $status -eq 0 && ! grep -q 'is there already$' "$work/err"
 ok $? "floats are not the halves that are asked for"
 if command -v oiiotool >/dev/null; then
@@ -233,7 +233,7 @@ if command -v oiiotool >/dev/null; then
     --origin +7+5 --fullsize 64x48+0+0 -o "$work/shot/c.exr" >"$work/out" 2>&1
   cp "${one%.exr}.json" "$work/shot/c.json"
   works "a frame with attributes and windows" \
-    exact --keep --compression piz -o "$work/attributes" "$work/shot/c.exr"
+    exact --copy-channels --compression piz -o "$work/attributes" "$work/shot/c.exr"
   oiiotool --info -v "$work/attributes/c.exr" >"$work/out" 2>"$work/err"
   missing=0
   for line in 'chromaticities: 0.713, 0.293, 0.165, 0.83' 'Copyright: "me"' \
@@ -244,14 +244,14 @@ if command -v oiiotool >/dev/null; then
   ok $missing "goes over with them"
   # every channel LAYER.LETTER, as Nuke, Blender and others split names; the
   # order is oiiotool's
-  grep -q 'channel list: AO.V, .*beauty.R, beauty.G, beauty.B, bent.X' \
+  grep -q 'channel list: ao.V, .*beauty.R, beauty.G, beauty.B, bent_normal.X' \
     "$work/out" &&
     sed -n 's/.*channel list: //p' "$work/out" | tr -d ' ' | tr ',' '\n' |
-    grep -q -v '^[A-Za-z]*\.[RGBXYZV]$'
+    grep -q -v '^[a-z_]*\.[RGBXYZV]$'
   test $? -eq 1
   ok $? "channels are shown as layers"
   works "of which one can be taken" oiiotool "$work/attributes/c.exr" \
-    --ch near.R,near.G,near.B -o "$work/near.exr"
+    --ch near_irradiance.R,near_irradiance.G,near_irradiance.B -o "$work/near.exr"
 else
   for name in "a frame with attributes and windows" "goes over with them" \
     "channels are shown as layers" "of which one can be taken"; do
@@ -287,14 +287,14 @@ while test $i -lt 11; do
   cp "$one" "$work/shot/many.$n.exr"
   cp "${one%.exr}.json" "$work/shot/many.$n.json"
 done
-works "of a long sequence" exact --layers AO --contact-sheet "$work/long.png" \
+works "of a long sequence" exact --layers ao --contact-sheet "$work/long.png" \
   -o "$work/long" "$work/shot/many.##.exr"
 test "$(pixels "$work/long.png")" = "176 1222"
 ok $? "it shows eight frames"
 # looks FRAME: whether another picture there changes the sheet.
 looks() {
   cp "$frames/frame_0005.exr" "$work/shot/many.$1.exr"
-  exact --overwrite --layers AO --contact-sheet "$work/other.png" \
+  exact --overwrite --layers ao --contact-sheet "$work/other.png" \
     -o "$work/long" "$work/shot/many.##.exr"
   cp "$one" "$work/shot/many.$1.exr"
   ! cmp -s "$work/long.png" "$work/other.png"
@@ -304,11 +304,11 @@ ok $? "the first and the last among them"
 ! looks 04
 ok $? "and not the fourth"
 works "a heat map" "$HBIL" compare --heatmap "$work/heat.png" \
-  "$work/before/frame_0001.exr:near" "$work/before/frame_0002.exr:near"
+  "$work/before/frame_0001.exr:near_irradiance" "$work/before/frame_0002.exr:near_irradiance"
 test "$(pixels "$work/heat.png")" = "200 70"
 ok $? "has a legend below"
 works "--preview" exact --preview -o "$work/preview" "$frames"/frame_000[15].exr
-for l in near far indirect AO bent cone beauty; do
+for l in near_irradiance far_irradiance indirect ao bent_normal cone_cosine beauty; do
   test "$(pixels "$work/preview/frame_0005.$l.png")" = "40 30"
   ok $? "--preview: $l"
 done

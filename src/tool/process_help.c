@@ -183,7 +183,7 @@ void process_help(void) {
       "(1-F0)(E_near+E_far)/pi, which renderers call diffuse indirect, "
       "without\n"
       "albedo; ao.V: 1 open, 0 closed; bent_normal: unit vector, world space;\n"
-      "cone_cosine.V: cosine of the bent cone's half-angle; beauty: the lit\n"
+      "cone_cosine.V: cosine of the bent cone's half-angle; beauty: the final\n"
       "picture; error_estimate: how far ao (X) and near_irradiance (Y) of 95 "
       "%\n"
       "of the pixels may be off because samples are few.");
