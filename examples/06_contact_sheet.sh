@@ -20,5 +20,5 @@ trap 'rm -rf "$work"' EXIT
 trap 'exit 2' HUP INT TERM
 
 # light and filter go from frame to frame, so these are frames of one shot
-"${HBIL:-hbil}" process --quiet --temporal 8 --layers AO,indirect,beauty \
+"${HBIL:-hbil}" process --quiet --max-history-frames 8 --layers ao,indirect,beauty \
   --contact-sheet "$sheet" -o "$work/lit" "$@"

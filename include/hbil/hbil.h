@@ -250,17 +250,17 @@ typedef enum hbil_sample_grid {
 /*
  * How the layers between split and recompose are stored.  Depth is always fp32.
  * Fewer words are faster wherever memory is the limit.  PACKED differs from
- * FLOAT32 by at most 1e-3 of E_near's mean and 5e-4 of AO (RMSE, path-traced dumps,
- * doc/measurements.md), while sampling is off by hundreds of times that.  Where all
- * surfaces send one even radiance, all samples are rounded alike: there E_near is off
- * by 2.1e-3; roundings allow 5e-3.  PACKED has one exponent for three channels:
- * what is less than a 500th of the brightest is lost.
+ * FLOAT32 by at most 1e-3 of E_near's mean and 5e-4 of AO (RMSE, path-traced
+ * dumps, doc/measurements.md), while sampling is off by hundreds of times that.
+ * Where all surfaces send one even radiance, all samples are rounded alike:
+ * there E_near is off by 2.1e-3; roundings allow 5e-3.  PACKED has one exponent
+ * for three channels: what is less than a 500th of the brightest is lost.
  */
 typedef enum hbil_storage {
-  /* 3 + 3 words a pixel.  Normals octahedral in 2 x 16 bits; radiance, up to 1e30,
-   * with 8 bits a channel and a common exponent, E_near with 10; AO in 16 bits, the
-   * unknown share in 8, the bent normal in 11, 11 and 10, dithered over the 16
-   * layers. */
+  /* 3 + 3 words a pixel.  Normals octahedral in 2 x 16 bits; radiance, up to
+   * 1e30, with 8 bits a channel and a common exponent, E_near with 10; AO in 16
+   * bits, the unknown share in 8, the bent normal in 11, 11 and 10, dithered
+   * over the 16 layers. */
   HBIL_STORAGE_PACKED = 0,
   HBIL_STORAGE_FLOAT32 = 1 /* 7 + 7 or 8 floats a pixel */
 } hbil_storage;
@@ -288,7 +288,8 @@ typedef enum hbil_skip {
   HBIL_SKIP_RADIUS = 16,
   /* push_pull, where nothing is to be filled */
   HBIL_SKIP_HOLES = 32,
-  /* all passes of frames with hbil_frame.static_frame; see horizon_cache_bytes */
+  /* all passes of frames with hbil_frame.static_frame; see horizon_cache_bytes
+   */
   HBIL_SKIP_STATIC = 64,
   HBIL_SKIP_ALL = 127
 } hbil_skip;
@@ -439,6 +440,24 @@ typedef struct hbil_config {
    * where no light is carried over.  Default 0 */
   size_t horizon_cache_bytes;
 } hbil_config;
+
+/* Named models: what is computed, apart from how well it is sampled. */
+typedef enum hbil_model {
+  /* The default, which has the smallest error against path-traced light on the
+   * scenes of doc/measurements.md: occluders are as thick as 8 % of their
+   * depth, and all visible light counts. */
+  HBIL_MODEL_DEFAULT = 0,
+  /* Mayaux 2018: occluders never end, the light of samples that face away fades
+   * between the cosines -0.1 and 0, the last accepted radiance stands in for
+   * it, radiance is carried over, and nothing is extrapolated. */
+  HBIL_MODEL_PAPER = 1
+} hbil_model;
+
+/* Sets thickness, relative_thickness, facing_fade, back_facing_fallback,
+ * feedback and extrapolate.  The far field is the caller's choice.
+ * HBIL_INVALID_ARGUMENT for a null config or a number that is no model. */
+HBIL_API hbil_status hbil_config_set_model(hbil_config *config,
+                                           hbil_model model);
 
 /*
  * Presets of the sampling (slices, samples, step_growth, lattice,

@@ -34,18 +34,18 @@ static int is_eight_bit(const gbuffer *g, role r) {
 static int lights_sky(const surface_points *s) {
   const size_t width = s->g->planes.width;
   const size_t pixels = width * s->g->planes.height;
-  size_t sky = 0, lit = 0;
+  size_t sky = 0, with_light = 0;
   for (size_t i = 0; i < pixels; i++) {
     if (surface_depth(s, i % width, i / width) > 0.0)
       continue;
     sky++;
     for (size_t c = 0; c < s->g->map.count[ROLE_DIRECT]; c++)
       if (gbuffer_plane(s->g, ROLE_DIRECT, c)[i] > 0.0f) {
-        lit++;
+        with_light++;
         break;
       }
   }
-  return sky > pixels / 100 && lit > sky / 2;
+  return sky > pixels / 100 && with_light > sky / 2;
 }
 
 void check_colours(const surface_points *s, findings *out) {

@@ -33,15 +33,15 @@ static void sky_radiance(const gbuffer *g, float sky_depth, float out[3]) {
   double sum[3] = {0};
   size_t sky = 0;
   for (size_t i = 0; i < pixels; i++) {
-    double lit = 0;
+    double sum_here = 0;
     for (size_t c = 0; c < channels && c < 3; c++) {
       const double v = gbuffer_plane(g, ROLE_EMISSION, c)[i];
       if (is_sky(depth[i], sky_depth) && isfinite(v) && v > 0) {
         sum[c] += sqrt(v);
-        lit += v;
+        sum_here += v;
       }
     }
-    sky += lit > 0;
+    sky += sum_here > 0;
   }
   for (size_t c = 0; c < 3; c++) {
     const double root =
@@ -65,14 +65,14 @@ static double direct_light(const gbuffer *g, const hbil_config *config,
 static int contains_sky(const gbuffer *g, const hbil_config *config,
                         const float sky[3]) {
   const size_t pixels = (size_t)g->planes.width * g->planes.height;
-  size_t lit = 0;
+  size_t bright = 0;
   for (size_t i = 0; i < pixels; i++)
     for (size_t c = 0; c < 3; c++)
       if (direct_light(g, config, c, i) > LEAST_SKY * sky[c] && sky[c] > 0) {
-        lit++;
+        bright++;
         break;
       }
-  return (double)lit > SKY_SEEN * (double)pixels;
+  return (double)bright > SKY_SEEN * (double)pixels;
 }
 
 void far_field_choose(const gbuffer *first, hbil_config *config,

@@ -41,10 +41,10 @@ static matrix3 cofactors(const matrix3 *a) {
 /* Newton's iteration, X' = (X + X^-T) / 2. */
 int matrix3_orthogonal_factor(matrix3 a, matrix3 *out) {
   const double size = sqrt(matrix3_inner(&a, &a));
-  /* the smallest singular value must be above 1e-3 of the largest, roughly */
+  /* below this, the vectors that were summed have too few directions */
   if (!(fabs(matrix3_determinant(&a)) > 1e-6 * size * size * size))
     return 0;
-  for (int step = 0; step < 60; step++) { /* converges in 10 */
+  for (int step = 0; step < 60; step++) { /* far more than it needs */
     const double d = matrix3_determinant(&a);
     const matrix3 c = cofactors(&a);
     double change = 0;

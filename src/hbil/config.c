@@ -65,28 +65,37 @@ static hbil_status take(hbil_context *context, hbil_status rejection,
 }
 
 void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
-  const hbil_config defaults = {
+  hbil_config defaults = {
       .sky_depth = INFINITY,
       .direct_scale = 1.0f,
       .motion_scale = {1.0f, 1.0f},
       .radius = INFINITY,
-      .thickness = INFINITY,
-      .relative_thickness = INFINITY,
       .slices = 2,
-      .steps_per_side = 8,
+      .steps_per_side = 48,
       .step_growth = 2.0f,
       .sample_grid = HBIL_GRID_FULL_RESOLUTION,
-      .extrapolate = CL_TRUE,
-      .facing_fade = {-0.1f, 0.0f},
-      .back_facing_fallback = HBIL_FALLBACK_LAST_ACCEPTED,
       .gather_emission = CL_TRUE,
       .reprojection = HBIL_REPROJECTION_SCATTER,
-      .feedback = HBIL_FEEDBACK_IRRADIANCE,
       .disocclusion_threshold = 0.05f,
-      .far_field = HBIL_FAR_NONE,
       .skip = HBIL_SKIP_ALL,
   };
+  hbil_config_set_model(&defaults, HBIL_MODEL_DEFAULT);
   init_sized(config, struct_size, &defaults, sizeof defaults);
+}
+
+hbil_status hbil_config_set_model(hbil_config *config, hbil_model model) {
+  if (!config || (unsigned)model > HBIL_MODEL_PAPER)
+    return HBIL_INVALID_ARGUMENT;
+  const bool paper = model == HBIL_MODEL_PAPER;
+  config->thickness = INFINITY;
+  config->relative_thickness = paper ? INFINITY : 0.08f;
+  config->facing_fade[0] = paper ? -0.1f : -1.0f;
+  config->facing_fade[1] = paper ? 0.0f : -1.0f;
+  config->back_facing_fallback =
+      paper ? HBIL_FALLBACK_LAST_ACCEPTED : HBIL_FALLBACK_FRAME_MEAN;
+  config->feedback = paper ? HBIL_FEEDBACK_RADIANCE : HBIL_FEEDBACK_IRRADIANCE;
+  config->extrapolate = paper ? CL_FALSE : CL_TRUE;
+  return HBIL_SUCCESS;
 }
 
 /* The points of the plot of error against time that are worth a name

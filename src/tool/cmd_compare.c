@@ -1,9 +1,9 @@
 /* hbil compare: how much two images differ. */
-#include "tool/options.h"
-#include "tool/report.h"
 #include "tool/commands.h"
 #include "tool/compare_measure.h"
 #include "tool/heatmap.h"
+#include "tool/options.h"
+#include "tool/report.h"
 #include "image/error.h"
 #include "image/image.h"
 

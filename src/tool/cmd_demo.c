@@ -6,14 +6,14 @@
 #define _POSIX_C_SOURCE 200809L
 #include "dump/frame_camera.h"
 #include "dump/pixel_ray.h"
-#include "tool/device.h"
-#include "tool/options.h"
-#include "tool/progress.h"
-#include "tool/report.h"
 #include "scene/scene.h"
 #include "tool/commands.h"
+#include "tool/device.h"
+#include "tool/options.h"
 #include "tool/paths.h"
 #include "tool/process.h"
+#include "tool/progress.h"
+#include "tool/report.h"
 #include "image/camera_json.h"
 #include "image/error.h"
 #include "image/exr_write.h"
@@ -268,7 +268,7 @@ static int read_options(int argc, char **argv, demo_options *o,
 static void name_results(const demo_options *o, const char *folder) {
   unsigned last = o->frames;
   printf("\nlook at, of the last frame:\n"
-         "  %s/frame_%04u.beauty.png    the lit picture\n"
+         "  %s/frame_%04u.beauty.png    the final picture\n"
          "  %s/frame_%04u.indirect.png  the indirect light alone\n"
          "  %s/frame_%04u.ao.png        ambient visibility\n"
          "  %s/frame_%04u.exr           all layers\n"

@@ -1,8 +1,8 @@
 /* hbil devices: what --device can choose from. */
+#include "tool/commands.h"
 #include "tool/device.h"
 #include "tool/options.h"
 #include "tool/report.h"
-#include "tool/commands.h"
 #include "image/error.h"
 
 #include <getopt.h>

@@ -11,7 +11,8 @@
 static const double relative_epsilon = 0.01;
 
 typedef struct sums {
-  double square, relative, largest, peak, reference;
+  double square, relative, largest;
+  double peak, sum_b; /* of b: largest value, sum */
   size_t values, not_finite;
 } sums;
 
@@ -29,13 +30,13 @@ static void add_channel(const image_plane *a, const image_plane *b,
       s->not_finite++;
       continue;
     }
-    const double reference = b->pixels[i];
-    const double off = a->pixels[i] - reference;
+    const double value_b = b->pixels[i];
+    const double off = a->pixels[i] - value_b;
     s->square += off * off;
-    s->relative += off * off / (reference * reference + relative_epsilon);
+    s->relative += off * off / (value_b * value_b + relative_epsilon);
     s->largest = fmax(s->largest, fabs(off));
-    s->peak = fmax(s->peak, fabs(reference));
-    s->reference += reference;
+    s->peak = fmax(s->peak, fabs(value_b));
+    s->sum_b += value_b;
     s->values++;
     worst[i] = fmaxf(worst[i], (float)fabs(off));
     if (heat)
@@ -49,7 +50,7 @@ static compare_result finish(const sums *s) {
                       .relative = s->relative / n,
                       .largest = s->largest,
                       .peak = s->peak,
-                      .mean = s->reference / n,
+                      .mean = s->sum_b / n,
                       .values = s->values,
                       .not_finite = s->not_finite};
   r.psnr = r.rmse > 0.0 ? 20.0 * log10(s->peak / r.rmse) : INFINITY;

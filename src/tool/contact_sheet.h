@@ -7,6 +7,9 @@
 #include "image/image.h"
 #include "image/picture.h"
 
+#include <stddef.h>
+#include <stdint.h>
+
 typedef struct contact_sheet {
   unsigned layers; /* a set (layers.h) */
   size_t frames;   /* of the whole sequence */

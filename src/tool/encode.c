@@ -1,10 +1,10 @@
 /* Writes what a job makes of a frame. */
 #include "tool/encode.h"
 
-#include "tool/report.h"
 #include "tool/heatmap.h"
 #include "tool/job_key.h"
 #include "tool/preview.h"
+#include "tool/report.h"
 #include "image/error.h"
 #include "image/exr_read.h"
 #include "image/exr_style.h"

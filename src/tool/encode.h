@@ -3,8 +3,8 @@
 #ifndef HBIL_TOOL_ENCODE_H
 #define HBIL_TOOL_ENCODE_H
 
-#include "tool/progress.h"
 #include "tool/contact_sheet.h"
+#include "tool/progress.h"
 #include "tool/resume.h"
 #include "image/error.h"
 #include "image/image.h"

@@ -6,6 +6,8 @@
 
 #include <stdint.h>
 
+#include <stdint.h>
+
 /* values: one for each pixel, shown from black (0) over red to white (limit).
  * Writes a PNG.  0, or -1 with `error` filled. */
 int heatmap_write(const char *path, const float *values, uint32_t width,

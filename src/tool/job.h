@@ -11,6 +11,7 @@
 #include "image/camera_json.h"
 #include "image/window.h"
 
+#include <stdint.h>
 #include <sys/types.h>
 
 typedef struct job_frame {

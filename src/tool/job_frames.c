@@ -4,8 +4,8 @@
 
 #include "dump/read_channel_map.h"
 #include "dump/settle.h"
-#include "tool/report.h"
 #include "tool/paths.h"
+#include "tool/report.h"
 #include "image/error.h"
 #include "image/image.h"
 #include "image/image_read.h"

@@ -10,6 +10,8 @@
 #include "image/error.h"
 #include "image/image.h"
 
+#include <stdint.h>
+
 /* The key before the first frame: a hash of the tool's version, the device (its
  * name and driver; "" for none) and all that changes a bit of a result. */
 uint64_t job_key_begin(const job *j, const char *device);

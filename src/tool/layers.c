@@ -59,9 +59,9 @@ int layers_parse(const char *text, unsigned *out, image_error *error) {
     const int found = find_layer(at, length);
     if (found < 0) {
       layers_names((1u << LAYER_COUNT) - 1u, names, sizeof names);
-      return image_fail(error,
-                        "--layers %s: some of %s are needed, with commas", text,
-                        names);
+      return image_fail(
+          error, "--layers %s: some of %s are needed, separated by commas",
+          text, names);
     }
     *out |= 1u << found;
     at += length;

@@ -6,6 +6,9 @@
 #include "image/error.h"
 #include "image/image.h"
 
+#include <stddef.h>
+#include <stdint.h>
+
 typedef enum layer {
   LAYER_NEAR_IRRADIANCE = 0,
   LAYER_FAR_IRRADIANCE,

@@ -23,8 +23,8 @@ static int open_exact(lighting *l, const job *j, image_error *error) {
   exact_work work = {.frames = (unsigned)j->count, .quiet = j->settings->quiet};
   for (int i = 0; i < j->count; i++)
     work.runs += job_runs(j, i);
-  return exact_sequence_open(&j->config, &j->frames[0].map, j->layers, &work, &l->exact,
-                    error);
+  return exact_sequence_open(&j->config, &j->frames[0].map, j->layers, &work,
+                             &l->exact, error);
 }
 
 /* Whether the process may use any amount of memory.  PoCL allocates a buffer

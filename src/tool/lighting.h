@@ -3,10 +3,12 @@
 #ifndef HBIL_TOOL_LIGHTING_H
 #define HBIL_TOOL_LIGHTING_H
 
-#include "tool/sequence.h"
 #include "tool/job.h"
+#include "tool/sequence.h"
 #include "image/error.h"
 #include "image/image.h"
+
+#include <stdint.h>
 
 struct exact_sequence;
 

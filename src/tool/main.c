@@ -1,8 +1,8 @@
 /* hbil: one program with a few commands. */
 #define _POSIX_C_SOURCE 200809L
 #include "hbil/hbil.h"
-#include "tool/report.h"
 #include "tool/commands.h"
+#include "tool/report.h"
 #include "image/error.h"
 
 #include <errno.h>

@@ -35,8 +35,12 @@ int option_floats(const char *option, const char *text, float *out,
     const int overflow = errno == ERANGE && isinf(out[i]);
     if (end == at || isnan(out[i]) || overflow ||
         *end != (i + 1 < count ? ',' : '\0'))
-      return image_fail(error, "%s %s: %zu number%s needed", option, text,
-                        count, count == 1 ? " is" : "s, with commas, are");
+      return count == 1
+                 ? image_fail(error, "%s %s: a number is needed", option, text)
+                 : image_fail(error,
+                              "%s %s: %zu numbers with commas between them are "
+                              "needed",
+                              option, text, count);
     at = end + 1;
   }
   return 0;

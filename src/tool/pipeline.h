@@ -7,6 +7,8 @@
 
 #include <stddef.h>
 
+#include <stddef.h>
+
 /* How many items are in the pipeline at most: one in each stage and one that
  * waits, so that a stage whose time varies doesn't stop the next one.  Item i
  * may use slot i % PIPELINE_SLOTS of a caller's array; no other item uses it

@@ -2,9 +2,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/process.h"
 
-#include "tool/report.h"
 #include "tool/job_light.h"
 #include "tool/prepare_job.h"
+#include "tool/report.h"
 #include "tool/run_frames.h"
 #include "tool/timings.h"
 #include "image/error.h"

@@ -38,7 +38,8 @@ static const char *const no_yes[] = {"no", "yes", NULL};
 static const char *const sample_grids[] = {"same-layer", "full-resolution",
                                            NULL};
 static const char *const storages[] = {"packed", "float32", NULL};
-static const char *const fallbacks[] = {"black", "frame-mean", NULL};
+static const char *const fallbacks[] = {"last-accepted", "black", "frame-mean",
+                                        NULL};
 static const char *const reprojections[] = {"none", "scatter", "motion", NULL};
 
 #define AT(field) offsetof(process_arguments, field)
@@ -83,7 +84,7 @@ static const row rows[] = {
     {"storage", CHOICE, CONFIG(storage), 0, 0, storages},
     {"facing-fade", FLOATS, CONFIG(facing_fade), 2, 0, NULL},
     {"back-facing-fallback", CHOICE, CONFIG(back_facing_fallback),
-     HBIL_FALLBACK_BLACK, 0, fallbacks},
+     HBIL_FALLBACK_LAST_ACCEPTED, 0, fallbacks},
     {"gather-emission", CHOICE, CONFIG(gather_emission), 0, 0, no_yes},
     {"reprojection", CHOICE, CONFIG(reprojection), 0, 0, reprojections},
     {"disocclusion-threshold", FLOATS, CONFIG(disocclusion_threshold), 1, 0,
@@ -138,9 +139,9 @@ static int set_model(const char *text, process_settings *s,
   int value = 0;
   if (option_choice("--model", text, model_words, &value, error) != 0)
     return -1;
-  model_set(&s->config, (model)value);
-  s->warm_up = model_warm_up((model)value);
-  s->environment = value == MODEL_PAPER ? "none" : NULL;
+  model_set(&s->config, (hbil_model)value);
+  s->warm_up = model_warm_up((hbil_model)value);
+  s->environment = value == HBIL_MODEL_PAPER ? "none" : NULL;
   return 0;
 }
 

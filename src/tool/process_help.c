@@ -149,9 +149,10 @@ static void print_model(const hbil_config *defaults) {
          (double)defaults->radius, (double)defaults->relative_thickness,
          (double)defaults->facing_fade[0], (double)defaults->facing_fade[1]);
   puts(
-      "  --back-facing-fallback black|frame-mean\n"
-      "                        light of samples that face away: none, or the\n"
-      "                        mean radiance of the frame (frame-mean)\n"
+      "  --back-facing-fallback last-accepted|black|frame-mean\n"
+      "                        light of samples that face away: that of the\n"
+      "                        last sample before, none, or the mean radiance\n"
+      "                        of the frame (frame-mean)\n"
       "  --gather-emission yes|no\n"
       "                        emission lights neighbours, too (yes if the\n"
       "                        first frame's direct light cannot contain what\n"
@@ -182,7 +183,7 @@ void process_help(void) {
       "(1-F0)(E_near+E_far)/pi, which renderers call diffuse indirect, "
       "without\n"
       "albedo; ao.V: 1 open, 0 closed; bent_normal: unit vector, world space;\n"
-      "cone_cosine.V: cosine of the bent cone's half-angle; beauty: the lit\n"
+      "cone_cosine.V: cosine of the bent cone's half-angle; beauty: the final\n"
       "picture; error_estimate: how far ao (X) and near_irradiance (Y) of 95 "
       "%\n"
       "of the pixels may be off because samples are few.");

@@ -8,6 +8,8 @@
 #include "tool/saved_history.h"
 #include "image/error.h"
 
+#include <stdint.h>
+
 typedef struct resume {
   const job *job;
   uint64_t begin;          /* the key before the first frame */

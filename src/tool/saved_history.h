@@ -10,6 +10,9 @@
 
 #include "image/error.h"
 
+#include <stddef.h>
+#include <stdint.h>
+
 typedef struct saved_history {
   uint64_t key;   /* of the frame whose history it is (job_key.h) */
   float exposure; /* of all previews */

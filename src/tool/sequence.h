@@ -9,6 +9,8 @@
 #include "image/error.h"
 #include "image/image.h"
 
+#include <stdint.h>
+
 typedef struct sequence sequence;
 
 /* config: the settings; formats are filled in from the map and the set of

@@ -2,10 +2,11 @@
 #ifndef HBIL_TOOL_TIMINGS_H
 #define HBIL_TOOL_TIMINGS_H
 
-#include "tool/sequence.h"
 #include "tool/pipeline.h"
+#include "tool/sequence.h"
 #include "image/error.h"
 
+#include <stdint.h>
 #include <stdio.h>
 
 typedef struct timing_report {

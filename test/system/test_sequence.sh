@@ -103,7 +103,7 @@ ok $? "replaces it"
 rejected "--overwrite and --resume" 'resume: not with --overwrite' \
   exact --overwrite --resume -o "$work/all" "$frames/frame_0003.exr"
 
-says "--dry-run" '^1 of 1 frames would be written, 40 x 30 pixels: near,' \
+says "--dry-run" '^1 of 1 frames would be written, 40 x 30 pixels: near_irradiance,' \
   exact --dry-run --contact-sheet "$out/sheet.png" -o "$out" \
   "$frames/frame_0001.exr"
 absent "writes nothing" "$out"
@@ -244,14 +244,14 @@ if command -v oiiotool >/dev/null; then
   ok $missing "goes over with them"
   # every channel LAYER.LETTER, as Nuke, Blender and others split names; the
   # order is oiiotool's
-  grep -q 'channel list: AO.V, .*beauty.R, beauty.G, beauty.B, bent.X' \
+  grep -q 'channel list: ao.V, .*beauty.R, beauty.G, beauty.B, bent_normal.X' \
     "$work/out" &&
     sed -n 's/.*channel list: //p' "$work/out" | tr -d ' ' | tr ',' '\n' |
-    grep -q -v '^[A-Za-z]*\.[RGBXYZV]$'
+    grep -q -v '^[a-z_]*\.[RGBXYZV]$'
   test $? -eq 1
   ok $? "channels are shown as layers"
   works "of which one can be taken" oiiotool "$work/attributes/c.exr" \
-    --ch near.R,near.G,near.B -o "$work/near.exr"
+    --ch near_irradiance.R,near_irradiance.G,near_irradiance.B -o "$work/near.exr"
 else
   for name in "a frame with attributes and windows" "goes over with them" \
     "channels are shown as layers" "of which one can be taken"; do
