@@ -9,6 +9,8 @@
 
 #include <stdio.h>
 
+#include "lib/sampling_pattern.h"
+
 /* A pass, and the stage it writes. */
 static exact_planes passed(setup *s, enqueue_function *pass, hbil_stage stage) {
   setup_run(s, pass);

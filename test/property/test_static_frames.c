@@ -213,7 +213,7 @@ static void unlit_spans_are_cached(void **state) {
   size_t unlit = 0;
   pair p;
   (void)state;
-  pair_start(&p, cache_near, HBIL_SKIP_STILL);
+  pair_start(&p, cache_near, HBIL_SKIP_STATIC);
   for (int i = 0; i < 8; ++i) {
     light_in_a_stripe(&p.with);
     p.without.frame.camera = p.with.frame.camera;
@@ -231,7 +231,7 @@ static void unlit_spans_are_cached(void **state) {
 static void light_may_arrive_late(void **state) {
   pair p;
   (void)state;
-  pair_start(&p, cache_all, HBIL_SKIP_STILL);
+  pair_start(&p, cache_all, HBIL_SKIP_STATIC);
   for (int i = 0; i < 4; ++i) {
     light_in_a_stripe(&p.with);
     p.without.frame.camera = p.with.frame.camera;

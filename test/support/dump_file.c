@@ -4,6 +4,9 @@
 #include <stdio.h>
 #include <unistd.h>
 
+#include "image/exr_write.h"
+#include "image/image_read.h"
+
 char dump_folder[] = "/tmp/hbil-dumps.XXXXXX";
 int dump_orthographic;
 

@@ -1,11 +1,17 @@
 #!/bin/sh
-# Runs one test with a PoCL kernel cache that no other test uses meanwhile:
-# programs that build kernels side by side would fight over a common one.  The
-# first of a few caches that is free is taken, so that later tests find kernels
-# of earlier ones; what was built in other caches comes in before, and goes out
-# after the test, by way of one that no test uses.  Without flock (util-linux)
-# each test has its own.  A test whose kernels don't compile without a remark
-# fails.  Each log has how long the test took.
+# Runs one test, and shares compiled kernels among all tests.
+#
+#   run.sh [SHELL] TEST
+#
+# PoCL's cache on disk breaks when two processes write to it at once.  So each
+# test locks one of a few caches for as long as it runs, and test/pocl-cache has
+# one more, "shared", which no test writes to: before a test, kernels that are
+# missing are linked from there into the test's cache, and after it the new ones
+# are linked back.  Links cost no time and no space.  Without flock (util-linux)
+# each test has a cache of its own.
+#
+# A test fails whose kernels cause a compiler's warning.  The log ends with the
+# seconds that the test took: wall, and CPU of the test and its children.
 name=$(for last in "$@"; do :; done; basename "$last" .sh)
 caches=$PWD/test/pocl-cache
 mkdir -p "$caches/shared"
@@ -14,7 +20,7 @@ slot=
 if command -v flock >/dev/null; then
   for slot in 1 2 3 4 5 6 7 8 ''; do
     test -n "$slot" || break
-    # held until the test ends: it has the descriptor
+    # the lock is released when the last process with the descriptor ends
     exec 9>"$caches/$slot.lock"
     if flock -n 9; then
       POCL_CACHE_DIR=$caches/$slot
@@ -25,23 +31,25 @@ fi
 export POCL_CACHE_DIR
 mkdir -p "$POCL_CACHE_DIR"
 
-# share FROM TO: links to the files that TO lacks, one test at a time.
+# share FROM TO: links the files that TO lacks, one test at a time.
 share() {
   test -z "$slot" ||
     flock "$caches/shared.lock" cp -rln "$1/." "$2" 2>/dev/null || :
 }
+
 share "$caches/shared" "$POCL_CACHE_DIR"
-said=$caches/$name.stderr
+errors=$caches/$name.stderr
 begun=$(date +%s)
-"$@" 2>"$said"
+"$@" 2>"$errors"
 status=$?
-cat "$said" >&2
-echo "$name: $(($(date +%s) - begun)) s" >&2
-# PoCL says so on the terminal of whoever launches such a kernel first
-if grep -q 'warnings\{0,1\} generated' "$said"; then
-  echo "$name: the compiler has remarks on a kernel" >&2
+cat "$errors" >&2
+# PoCL prints warnings when a kernel is launched for the first time
+if grep -q 'warnings\{0,1\} generated' "$errors"; then
+  echo "$name: the compiler has warnings for a kernel" >&2
   status=1
 fi
-rm -f "$said"
 share "$POCL_CACHE_DIR" "$caches/shared"
+times >"$errors"
+echo "$name: $(($(date +%s) - begun)) s, CPU $(tail -n 1 "$errors")" >&2
+rm -f "$errors"
 exit $status

@@ -3,6 +3,8 @@
  * read back as the same planes, whatever kind of depth, normals and windows it
  * has.
  */
+#include "image/png_write.h"
+
 #include "test/support/dump_file.h"
 
 #include <stdio.h>

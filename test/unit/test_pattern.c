@@ -1,13 +1,15 @@
 /*
  * The sampling pattern: directions spread evenly, no pixel looked at twice.
  */
+#include "lib/sampling_pattern.h"
+
 #include "test/support/compare.h"
 #include "test/support/random.h"
 
-static hbil_pattern_args make_pattern(int slices, int samples, int lattice,
+static hbil_pattern_args make_pattern(int slices, int steps, int grid,
                                       float growth) {
-  hbil_pattern_args p = {
-      slices, samples, HBIL_MAX_LEVELS, lattice, 1.6f, growth, 0.0f, 0.0f};
+  hbil_pattern_args p = {slices, steps, HBIL_MAX_LEVELS, grid, 1.6f, growth,
+                         0.0f,   0.0f};
   return p;
 }
 
@@ -84,7 +86,7 @@ static void slots_are_permutations(void **state) {
 static void check_half_slice(int layer, int level, float ux, float uy,
                              hbil_view_args v, hbil_pattern_args p) {
   int before = 0;
-  for (int k = 0; k < p.samples; ++k) {
+  for (int k = 0; k < p.steps; ++k) {
     int x, y, major;
     hbil_sample_offset(layer, k, level, ux, uy, v, p, &x, &y);
     major = abs(x) > abs(y) ? abs(x) : abs(y);
@@ -93,8 +95,8 @@ static void check_half_slice(int layer, int level, float ux, float uy,
                "the one before %d",
                v.width, v.height, layer, level, (double)p.growth, k, major,
                before);
-    assert_true(major >= (k + 1) * p.lattice);
-    assert_true(x % p.lattice == 0 && y % p.lattice == 0);
+    assert_true(major >= (k + 1) * p.grid);
+    assert_true(x % p.grid == 0 && y % p.grid == 0);
     before = major;
   }
 }
@@ -145,8 +147,8 @@ static int span_of(int layer, int k, const hbil_view_args *v,
                    hbil_pattern_args p) {
   int x = 0, y = 0;
   if (k >= 0)
-    hbil_sample_offset(layer, k < p.samples ? k : k - 1, 0, 1.0f, 0.0f, *v, p,
-                       &x, &y);
+    hbil_sample_offset(layer, k < p.steps ? k : k - 1, 0, 1.0f, 0.0f, *v, p, &x,
+                       &y);
   return hbil_offset_length(x, y);
 }
 
@@ -155,15 +157,15 @@ static int span_of(int layer, int k, const hbil_view_args *v,
 static double shared_samples(const hbil_view_args *v, hbil_pattern_args p) {
   int both = 0;
   for (int layer = 0; layer < HBIL_LAYERS; ++layer)
-    for (int k = 0; k < p.samples; ++k) {
+    for (int k = 0; k < p.steps; ++k) {
       int halves =
-          hbil_sample_halves(layer, k, p.samples, span_of(layer, k - 1, v, p),
+          hbil_sample_halves(layer, k, p.steps, span_of(layer, k - 1, v, p),
                              span_of(layer, k + 1, v, p));
       int own = k & 1 ? HBIL_HALF_ODD : HBIL_HALF_EVEN;
       assert_true(halves & own);
       both += halves != own;
     }
-  return (double)both / (HBIL_LAYERS * p.samples);
+  return (double)both / (HBIL_LAYERS * p.steps);
 }
 
 /* Equal steps of 640 / samples pixels: of 1, all samples are in both halves;

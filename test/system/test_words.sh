@@ -1,0 +1,156 @@
+#!/bin/sh
+# The sources follow the project's own rules: names and prose without the words
+# that were retired, files and functions of limited length, includes that go
+# down only, and no two files that need each other.
+. "$srcdir/test/support/tap.sh"
+
+here=$PWD
+cd "$srcdir" || exit 99
+generated='src/hbil/kernel_sources\.c|src/bench/bench_texts\.c'
+code=$(find src kernels include examples test -type f \
+  -regex '.*\.\(c\|h\|cl\|clh\|cpp\|hpp\|sh\|awk\|py\|am\|map\)' |
+  grep -v -E "^($generated|test/system/test_words\.sh)\$" | sort)
+prose="README.md HACKING.md NEWS $(find doc examples -name '*.md' | sort)
+  $(find doc -name '*.awk' -o -name 'help.sh' | sort)"
+
+# none NAME: $work/out has a line for each finding.
+none() {
+  : >"$work/err"
+  test ! -s "$work/out"
+  ok $? "$1"
+}
+
+# --- words ---
+
+# What the program prints is checked as well.
+{
+  "$HBIL" --help
+  for command in $("$HBIL" --help | sed -n 's/^  \([a-z][a-z]*\) .*/\1/p'); do
+    "$HBIL" "$command" --help
+  done
+} >"$work/help.txt"
+
+# retired INSTEAD PATTERN [EXCEPTION]: no line has the whole words of the
+# pattern, unless it has the exception as well.
+retired() {
+  # shellcheck disable=SC2086
+  grep -I -n -i -w -E -e "$2" $code $prose "$work/help.txt" |
+    grep -v -i -E -e "${3:-^$}" >"$work/out"
+  none "no \"$2\" ($1)"
+}
+retired 'span, row block' 'strips?'
+retired 'store, reuse, history, cache, retain' 'keep|keeps|kept|keeping'
+retired 'sample counts, sampling level' 'ladders?|rungs?'
+retired 'error estimator' 'judge[ds]?|judging|judgement'
+retired 'exact result' 'rulers?'
+retired 'measured tiles' '(turned|lit|sound|wanting) (tile|span)s?'
+retired 'error bound, statement' 'promise[ds]?'
+retired 'fixture' 'labs?'
+retired 'pilot run; a probe is an irradiance probe' 'probe[ds]?|probing' \
+  'irradiance probe|/probes?_|probe grid'
+retired 'invariances' 'relatives'
+retired 'plane addressing' 'places\.clh|hbil_places|place_of'
+retired 'rejected; back-facing fallback' 'refus(e|es|ed|ing)'
+retired 'sample grid' 'lattices?'
+retired 'horizon cache' 'form.factors?'
+retired 'static frame' 'still frames?'
+retired 'exact integral, path-traced truth' \
+  'the reference|references?.?s? (integral|image|result|renderer)|ref_[a-z0-9_]+' \
+  'reference (preset|quality)|the reference count'
+retired 'hbil_plane, hbil_statistics, hbil_sanitized ...' \
+  'hbil_(image|format|tiles|lattice|refused|skipped|repaired|share)|HBIL_(TILE|STRIP_[A-Z]*|LATTICE_[A-Z]*|REFUSED_[A-Z]*)'
+retired 'a name that says what the helper does' 'gpu_[a-z_]+|test_gpu'
+# shellcheck disable=SC2086
+grep -I -n -E -e \
+  '--(samples|lattice|facing|refused|disocclusion|temporal|background|raw|keep|feedback|max-error|choose-every|form-factors)([^-a-z]|$)' \
+  $code $prose "$work/help.txt" >"$work/out"
+none "no option by its former name"
+
+# --- lengths ---
+
+# longer LIMIT FILE...: those with more lines.
+longer() {
+  limit=$1
+  shift
+  wc -l "$@" | awk -v limit="$limit" '$2 != "total" && $1 > limit'
+}
+# shellcheck disable=SC2046,SC2086
+{
+  longer 500 $(echo "$code" | grep -E '^(src|kernels|include)/.*\.(c|h|cl|clh|cpp|hpp)$' |
+    grep -v '^include/hbil/hbil\.h$')
+  longer 650 include/hbil/hbil.h
+  longer 800 $(echo "$code" | grep '^test/')
+} >"$work/out"
+none "no file is longer than 500 lines; hbil.h than 650; a test than 800"
+
+# clang-format puts a function's closing brace, and nothing else, in column 1.
+# shellcheck disable=SC2046,SC2086
+awk -v limit=80 '
+  FNR == 1 { start = 0 }
+  /^[A-Za-z_]/ && !/;$/ && !start { start = FNR }
+  /^}/ || /^[A-Za-z_].*;$/ {
+    if ($0 == "}" && start && FNR - start + 1 > limit)
+      print FILENAME ":" start ": " FNR - start + 1 " lines"
+    start = 0
+  }' $(echo "$code" | grep -E '\.(c|h|cl|clh|cpp|hpp)$') >"$work/out"
+none "no function is longer than 80 lines"
+
+# --- includes ---
+
+# includes FOLDER ALLOWED: files in src/FOLDER include these folders alone.
+includes() {
+  grep -r -n '^ *# *include "' "src/$1" | grep -v -E "$generated" |
+    grep -v -E "include \"($2)(/[^\"]*)?\"" >"$work/out"
+  none "src/$1 includes no other folder than $(echo "$2" | tr '|' ' ')"
+}
+own='[a-z_]*\.(h|hpp)'
+includes hbil "hbil|lib|shared\.h|$own"
+includes exact 'exact|hbil|lib|shared\.h'
+includes image 'image'
+includes dump 'dump|image|hbil'
+includes scene 'scene|hbil'
+includes tool 'tool|dump|scene|exact|image|hbil'
+includes bench 'bench|tool|dump|scene|exact|image|hbil|lib|shared\.h'
+grep -r -n 'include "test/' src kernels include examples >"$work/out"
+none "nothing outside of test/ includes anything of test/"
+
+# Headers that include each other: tsort names the cycle.
+# shellcheck disable=SC2046
+grep -H '^ *# *include "' $(echo "$code" | grep -E '\.(h|hpp|clh)$') |
+  sed 's/^\(src\/\|include\/\|kernels\/\)\{0,1\}\([^:]*\):.*"\([^"]*\)".*/\2 \3/' \
+    >"$work/pairs"
+tsort "$work/pairs" >"$work/order" 2>"$work/out"
+none "no header includes itself, by whatever way"
+
+# --- files that need each other ---
+
+cd "$here" || exit 99
+name="no two files of src need each other's functions"
+# Objects of the libraries and programs, once each.
+find src -name '*.o' ! -path '*/.libs/*' 2>/dev/null >"$work/objects"
+if command -v nm >/dev/null && test -s "$work/objects"; then
+  while read -r object; do
+    nm -g "$object" | awk -v object="${object%.o}" '
+      NF == 2 && $1 == "U" { print "U", $2, object }
+      NF == 3 && $2 ~ /^[TDBRCV]$/ { print "T", $3, object }'
+  done <"$work/objects" | sort -u >"$work/symbols"
+  awk '
+    FNR == NR { if ($1 == "T") owner[$2] = owner[$2] " " $3; next }
+    $1 == "U" && ($2 in owner) {
+      n = split(owner[$2], of, " ")
+      for (i = 1; i <= n; i++)
+        if (of[i] != $3) print $3, of[i], $2
+    }' "$work/symbols" "$work/symbols" >"$work/uses"
+  awk '
+    { uses[$1, $2] = $3 }
+    END { for (pair in uses) {
+      split(pair, file, SUBSEP)
+      if (file[1] < file[2] && (file[2], file[1]) in uses)
+        print file[1], "and", file[2] ":", uses[pair], uses[file[2], file[1]]
+    } }' "$work/uses" >"$work/out"
+  none "$name"
+else
+  skip "$name" "no nm, or no objects"
+fi
+
+echo "1..$count"
