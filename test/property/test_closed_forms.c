@@ -341,7 +341,7 @@ static double through_cone(const hbil_frame *frame, int channel, const pit *p) {
 }
 
 /* Channels: order 0 alone, order 1 on top of it, and all orders.  The constant
- * keeps the sky positive. */
+ * makes the sky positive everywhere. */
 static void set_sky(hbil_frame *frame) {
   random_state r = {5};
   for (int i = 0; i < 9; ++i)
@@ -453,7 +453,7 @@ static void bare_planes_have_the_known_constants(void **state) {
 /* ------------------------------------------------------------------------ */
 /* The white furnace, far light included                                     */
 
-static void check_furnace(scene_kind kind, hbil_back_facing_fallback refused) {
+static void check_furnace(scene_kind kind, hbil_back_facing_fallback fallback) {
   const int pixels = 97 * 54;
   setup s;
   exact_planes out;
@@ -462,7 +462,7 @@ static void check_furnace(scene_kind kind, hbil_back_facing_fallback refused) {
   s.config.albedo.component = s.config.emission.component = HBIL_NONE;
   s.config.direct_scale = (float)PI;
   s.config.reprojection = HBIL_REPROJECTION_NONE;
-  s.config.back_facing_fallback = refused;
+  s.config.back_facing_fallback = fallback;
   s.config.far_field = HBIL_FAR_CONSTANT;
   s.config.far_irradiance = three_floats;
   for (int c = 0; c < 3; ++c) {

@@ -11,8 +11,8 @@
 #define PIXELS (WIDTH * HEIGHT)
 
 /*
- * The reference's own error, as the change from half as many slices: AO 1.1e-4,
- * E_near 1.4e-3 of the mean, and it halves again with the double.
+ * The exact integral's own error, as the change from half as many slices:
+ * AO 1.1e-4, E_near 1.4e-3 of the mean, and it halves again with the double.
  */
 #define SLICES 4096
 
@@ -70,7 +70,7 @@ static deviation deviation_of(const exact_planes *got, const exact_planes *want,
 /*
  * The room, every surface accepted.  The lamp shines on surfaces, but its own
  * radiance is not gathered: it is a few pixels that hold most of the light, and
- * the reference itself would need ten times as many slices for 1e-3.
+ * the exact integral itself would need ten times as many slices for 1e-3.
  * Samples: equal steps, so that `samples` pixels in a row are all of them.
  */
 static void start(setup *s, double fov, cl_uint slices, cl_uint samples,

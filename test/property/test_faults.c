@@ -199,7 +199,7 @@ static void check_same(const outcome *o, step *t) {
 
 /* A frame that fails is none: the same one again has the light and the history
  * of a plan that never failed, and as many references are held as without it:
- * but for an event that could not be kept. */
+ * except for an event that could not be retained. */
 static void frames_can_be_repeated(void **state) {
   const long before = shim_references();
   bool holes = false;
@@ -250,8 +250,9 @@ static void plans_end_after_failures(void **state) {
   }
 }
 
-/* Nor can a still frame stand on it: what is still is the frame before. */
-static void still_frames_do_not_stand_on_failures(void **state) {
+/* A static frame after a failed one is not a repetition of the failed one, but
+ * of the frame before it. */
+static void static_frames_do_not_stand_on_failures(void **state) {
   outcome o = {0, "", HBIL_SUCCESS};
   step t;
   (void)state;
@@ -279,15 +280,15 @@ static void both(step *t, cl_bool still) {
   setup_run(&t->faulty, hbil_enqueue_frame);
 }
 
-/* A frame fails that keeps form factors or, once they are `kept`, uses them.
- * After it there are some again. */
-static void fail_with_form_factors(step *t, bool kept) {
+/* A frame fails that fills the horizon cache or, if it is `filled`, uses it.
+ * Afterwards the cache is filled and used again. */
+static void fail_with_cache(step *t, bool filled) {
   outcome o = {0, "", HBIL_SUCCESS};
   hbil_statistics skipped;
   for (int n = 1; o.failed; ++n) {
     load(t, n % 2 ? 3 : 0);
     both(t, CL_FALSE);
-    if (kept)
+    if (filled)
       both(t, CL_TRUE);
     t->plain.frame.static_frame = t->faulty.frame.static_frame = CL_TRUE;
     setup_run(&t->plain, hbil_enqueue_frame);
@@ -307,12 +308,12 @@ static void fail_with_form_factors(step *t, bool kept) {
   assert_in_range(o.nth, 100, 5000);
 }
 
-static void form_factors_do_not_stand_on_failures(void **state) {
+static void caches_do_not_stand_on_failures(void **state) {
   step t;
   (void)state;
   start_step(&t);
-  fail_with_form_factors(&t, false);
-  fail_with_form_factors(&t, true);
+  fail_with_cache(&t, false);
+  fail_with_cache(&t, true);
   free_step(&t);
 }
 
@@ -425,8 +426,8 @@ int main(void) {
       cmocka_unit_test(plans_leave_nothing),
       cmocka_unit_test(frames_can_be_repeated),
       cmocka_unit_test(plans_end_after_failures),
-      cmocka_unit_test(still_frames_do_not_stand_on_failures),
-      cmocka_unit_test(form_factors_do_not_stand_on_failures),
+      cmocka_unit_test(static_frames_do_not_stand_on_failures),
+      cmocka_unit_test(caches_do_not_stand_on_failures),
       cmocka_unit_test(questions_can_be_asked_again),
       cmocka_unit_test(lost_events_are_told),
       cmocka_unit_test(a_failed_build_is_told),

@@ -10,8 +10,8 @@
 static const int sizes[][2] = {{1, 1}, {3, 5}, {67, 35}};
 #define SIZES (sizeof sizes / sizeof *sizes)
 
-/* The room, another view of it, and that thrice more as still frames: they are
- * lit by what is found, keep it, and use it. */
+/* The room, another view of it, and that three times more as static frames: the
+ * first of these fills the horizon cache, the others use it. */
 static void run_frame(setup *s, int i) {
   s->frame.static_frame = i > 1;
   if (!s->frame.static_frame) {
@@ -65,8 +65,8 @@ static void motion_stays_inside(void **state) {
     check_size(HBIL_REPROJECTION_MOTION, 0, sizes[i][0], sizes[i][1], SIZE_MAX);
 }
 
-/* Form factors of three rows of a layer of nine. */
-static void kept_rows_stay_inside(void **state) {
+/* A horizon cache of three rows of a layer that has nine. */
+static void caches_of_some_rows_stay_inside(void **state) {
   const cl_uint widths[] = {0, 1};
   (void)state;
   for (int w = 0; w < 2; ++w) {
@@ -84,6 +84,6 @@ int main(void) {
       cmocka_unit_test(vectors_stay_inside),
       cmocka_unit_test(single_pixels_stay_inside),
       cmocka_unit_test(motion_stays_inside),
-      cmocka_unit_test(kept_rows_stay_inside)};
+      cmocka_unit_test(caches_of_some_rows_stay_inside)};
   return RUN_WITH_DEVICE(tests);
 }

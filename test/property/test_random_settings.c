@@ -91,8 +91,9 @@ static void tell_settings(uint64_t seed, const hbil_config *c,
   STRESS_CASE(
       "seed %llu: %s, %u x %u, projection %d mode %d falloff %d radius %g "
       "thickness %g %g "
-      "facing %g %g refused %d gather_emission %d reprojection %d feedback %d "
-      "disocclusion %g far_field %d, %u x %u growth %g lattice %d raw %d "
+      "facing fade %g %g fallback %d gather_emission %d reprojection %d "
+      "feedback %d "
+      "disocclusion %g far_field %d, %u x %u growth %g grid %d unfiltered %d "
       "storage %d width %u skip %u, depth %d/%u kind %d, normal %d/%u in %d, "
       "direct_scale %g, field of view %g, off centre %g, %g, pixels 1 : %g",
       (unsigned long long)seed, inputs, c->width, c->height, (int)c->projection,

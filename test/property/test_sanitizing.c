@@ -154,13 +154,13 @@ static void spoiled_inputs_equal_repaired_ones(void **state) {
   }
 }
 
-/* Of a still frame, whose inputs are those of the frame before, so are the
- * numbers; but nothing moves, and motion is not looked at. */
+/* A static frame has the inputs of the frame before, and its counts.  Motion is
+ * not read. */
 static void static_frames_repeat_the_counts(void **state) {
   random_state r = {stress_effort.seed};
   setup *s = stress_begin(PACKED_ESTIMATE);
   (void)state;
-  STRESS_CASE("still frames");
+  STRESS_CASE("static frames");
   spoil(s, &r, 0.1);
   for (int c = 0; c < 2; ++c)
     setup_fill(s, EXACT_MOTION + c, 0.0f);
@@ -176,7 +176,8 @@ static void static_frames_repeat_the_counts(void **state) {
   s->frame.static_frame = CL_FALSE;
 }
 
-/* Without near light split reads depth and normals alone. */
+/* Without near light, split reads depth and normals alone, and composite reads
+ * the other inputs. */
 static void the_first_reader_counts(void **state) {
   random_state r = {stress_effort.seed};
   setup *s = stress_begin(ONE_SAMPLE);

@@ -181,7 +181,7 @@ static void light_neither_grows_nor_fades(void **state) {
   }
 }
 
-/* A single event that is kept from every frame would be 200 bytes of each. */
+/* A single event that is never released would take 200 bytes in each frame. */
 static void long_sequences_take_no_memory(void **state) {
   const int frames = stress_effort.seconds > 0.0 ? 10000 : 600;
   size_t before = 0;
@@ -196,7 +196,7 @@ static void long_sequences_take_no_memory(void **state) {
     setup_run(s, hbil_enqueue_frame);
   }
   STRESS_CASE("%d frames", frames);
-  check_case("bytes that are kept",
+  check_case("bytes that stay allocated",
              (double)mallinfo2().uordblks - (double)before, 65536.0);
   check_sane(s);
 }

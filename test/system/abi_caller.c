@@ -5,7 +5,7 @@
  *
  * What lies behind them can't be touched: a library that reads or writes there
  * ends it.  Prints both sizes, what a plan needs and a sum of what a frame of
- * it has made; or, on standard error, why the library refuses.
+ * it has made; or, on standard error, why the library rejects them.
  */
 /* MAP_ANONYMOUS */
 #define _DEFAULT_SOURCE

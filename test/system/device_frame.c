@@ -5,9 +5,9 @@
  *   device_frame PLAN OUT          writes the outputs
  *   device_frame PLAN OUT WITH     and holds them against another device's
  *
- * PLAN: scatter or motion, two plans that have hardly a kernel in common; or
- * still, scatter's with two still frames more, of which the first keeps form
- * factors of some rows, and the second uses them.
+ * PLAN: scatter or motion, two plans with hardly a kernel in common; or
+ * static, scatter's with two static frames more, of which the first fills a
+ * horizon cache of some rows, and the second uses it.
  * The width is 1 everywhere: the form that all devices can run.
  */
 #include "test/support/fixture.h"
@@ -83,7 +83,7 @@ static void configure(setup *s, bool motion) {
       s->frame.environment[i][c] = i ? 0.1f * (float)(i - c) : 2.0f;
 }
 
-static void stand_still(setup *s) {
+static void run_static_frames(setup *s) {
   hbil_statistics skipped;
   s->frame.static_frame = CL_TRUE;
   for (int i = 0; i < 2; ++i)
@@ -101,15 +101,15 @@ static void frames(void **state) {
   (void)state;
   name_device();
   configure(&s, strcmp(plan, "motion") == 0);
-  if (strcmp(plan, "still") == 0)
+  if (strcmp(plan, "static") == 0)
     setup_cache_rows(&s, 3, 5);
   setup_start(&s);
   setup_run(&s, hbil_enqueue_frame);
   setup_load_scene(&s, SCENE_ROOM, 1);
   setup_upload(&s);
   setup_run(&s, hbil_enqueue_frame);
-  if (strcmp(plan, "still") == 0)
-    stand_still(&s);
+  if (strcmp(plan, "static") == 0)
+    run_static_frames(&s);
   out = outputs_read(&s);
   write_planes(out_path, &out);
   if (with_path)
@@ -121,7 +121,7 @@ static void frames(void **state) {
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(frames)};
   if (argc < 3 || argc > 4) {
-    fprintf(stderr, "usage: device_frame scatter|motion|still OUT [WITH]\n");
+    fprintf(stderr, "usage: device_frame scatter|motion|static OUT [WITH]\n");
     return 2;
   }
   plan = argv[1];

@@ -25,7 +25,7 @@ enum { MOST_VALUES = 1 << 20 };
 
 /*
  * Beside the reader's own budget: zlib's state, stdio, and what OpenImageIO
- * keeps once and for all.  Measured: 1 MiB.
+ * allocates once for the process.  Measured: 1 MiB.
  */
 enum { BESIDE = 4 << 20 };
 

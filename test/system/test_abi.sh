@@ -70,7 +70,7 @@ taken() {
   test $status -eq 0 && tail -n 1 "$work/out" | cmp -s - "$work/expected"
   ok $? "$name"
 }
-# no NAME PATTERN LIBRARY CONFIG_BYTES FRAME_BYTES: refused in one line.
+# no NAME PATTERN LIBRARY CONFIG_BYTES FRAME_BYTES: rejected in one line.
 no() {
   name=$1 pattern=$2
   shift 2
@@ -88,7 +88,7 @@ done
 for folder in .libs "$later"; do
   test "$folder" = .libs && grown=0 which='this library' ||
     { grown=16 which='the one that has grown'; }
-  no "$which refuses a config that is too large" \
+  no "$which rejects a config that is too large" \
     "$((config + grown + 8)), hbil_config of .* has $((config + grown)) bytes; .*newer" \
     "$folder" $((config + grown + 8)) "$frame"
   no "and such a frame" \

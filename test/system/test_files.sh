@@ -28,7 +28,7 @@ out=$work/none
 # --- damaged files and those of other programs ---
 
 # info is given all of a folder at once: every file is told once, understood or
-# refused.  Two gigabytes of addresses hold the tool, its libraries and the
+# rejected.  Two gigabytes of addresses hold the tool, its libraries and the
 # largest image that a header in there claims.
 look_at() { # NAME FILE...
   name=$1
@@ -324,7 +324,7 @@ for way in scatter motion; do
     fi
   }
   rejected "$way: broken off" 'frame_0003.exr: truncated' again "$work/broken"/*.exr
-  has "$way: carried light is kept" "$work/resumed/.hbil-light"
+  has "$way: the carried light is stored" "$work/resumed/.hbil-light"
   works "$way: resumed" again --resume "$frames"/*.exr
   same "$way: as without interruption" "$work/$way" "$work/resumed"
 done

@@ -60,7 +60,7 @@ ok $? "nothing is warned of with --quiet"
 works "a first result" process --layers ao -o "$work/again" "$one"
 run process --resume --layers ao --unit-scale 2 -o "$work/again" "$one"
 test $status -eq 0 && ! grep -q 'is there already' "$work/err"
-ok $? "a result of another reading is not kept"
+ok $? "a result of another reading is computed again"
 run process --resume --layers ao --unit-scale 2 -o "$work/again" "$one"
 grep -q 'is there already' "$work/err"
 ok $? "but one of the same is"
@@ -140,7 +140,7 @@ works "a result of a perspective" \
 run process --resume --layers ao --camera "$work/flat.json" \
   -o "$work/kinds" "$one"
 test $status -eq 0 && ! grep -q 'is there already' "$work/err"
-ok $? "isn't kept for parallel rays of the same numbers"
+ok $? "is computed again for parallel rays of the same numbers"
 
 # --- what other programs write ---
 

@@ -80,9 +80,9 @@ works "a static frame is the same by scatter and by motion" \
 # --- the horizon cache ---
 
 # A frame's warm-up is three more runs.
-cached='horizon cache\|form factors'
+cached='horizon cache'
 # shellcheck disable=SC2086
-says "eight runs of a frame use the horizon cache" "\($cached\) 9[0-9.]* %" \
+says "eight runs of a frame use the horizon cache" "from the $cached 9[0-9.]* %" \
   process $fast --repeat 5 --timings -o "$work/cached" "$one"
 # shellcheck disable=SC2086
 run process $fast --repeat 4 --timings -o "$work/t" "$one"
@@ -118,7 +118,7 @@ works "and has the same light" compare --max-rmse 0 \
 # --- settings ---
 
 works "every setting is accepted" \
-  process -o "$work/settings" --radius 2.5 --slices 1 --steps-per-side 6 \
+  process -o "$work/settings" --model paper --radius 2.5 --slices 1 --steps-per-side 6 \
   --step-growth 1 --sample-grid same-layer --facing-fade=-0.2,0.1 \
   --back-facing-fallback black --disocclusion-threshold 0.1 \
   --gather-emission no --unfiltered --environment 1,0.5,0.25 --device 0 \

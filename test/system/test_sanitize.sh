@@ -9,7 +9,7 @@ build=$here/test/sanitized
 flags='-g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all'
 tests='test/unit/test_status test/property/test_faults test/unit/test_policy test/property/test_guards'
 
-# What PoCL and its compiler keep for the whole process is theirs; other
+# What PoCL and its compiler allocate for the whole process is theirs; other
 # implementations leak while they are loaded, and are not.
 printf 'leak:%s\n' libpocl libLLVM libclang libOpenCL libhwloc >"$work/theirs"
 pocl=/etc/OpenCL/vendors/pocl.icd
@@ -33,16 +33,16 @@ sanitized() {
 }
 # Once more where the leak sanitizer itself has broken down, at the end of a
 # process whose threads are ending: that says nothing of the process.
-judged() {
+checked() {
   for try in 1 2 3; do
-    sanitized "$@" >"$work/judged" 2>&1
-    judgement=$?
-    test $judgement -ne 0 || break
-    grep -q 'LeakSanitizer has encountered a fatal error' "$work/judged" &&
-      ! grep -q 'ERROR: \|runtime error:\|^not ok\|FAILED' "$work/judged" || break
+    sanitized "$@" >"$work/checked" 2>&1
+    outcome=$?
+    test $outcome -ne 0 || break
+    grep -q 'LeakSanitizer has encountered a fatal error' "$work/checked" &&
+      ! grep -q 'ERROR: \|runtime error:\|^not ok\|FAILED' "$work/checked" || break
   done
-  cat "$work/judged"
-  return $judgement
+  cat "$work/checked"
+  return $outcome
 }
 make_all() {
   test -f "$build/Makefile" ||
@@ -52,7 +52,7 @@ make_all() {
 }
 works "library, program and bench build with sanitizers" make_all
 for test in $tests; do
-  works "they find nothing in $test" judged "$test"
+  works "they find nothing in $test" checked "$test"
 done
 HBIL=$build/hbil
 works "nor in a demo" "$HBIL" demo --frames 2 --size 64x48 -o "$work/demo"

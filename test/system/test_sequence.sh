@@ -193,18 +193,18 @@ fi
 # --- what a result has of its frame ---
 
 one=$frames/frame_0001.exr
-works "--copy-channels" exact --copy-channels --layers ao,near_irradiance -o "$work/kept" "$one"
+works "--copy-channels" exact --copy-channels --layers ao,near_irradiance -o "$work/copied" "$one"
 for channels in depth normal position albedo direct emission motion; do
   works "has the frame's $channels" "$HBIL" compare --max-rmse 0 \
-    "$work/kept/frame_0001.exr:$channels" "$one:$channels"
+    "$work/copied/frame_0001.exr:$channels" "$one:$channels"
 done
 works "and the layers are those without it" "$HBIL" compare --max-rmse 0 \
-  "$work/kept/frame_0001.exr:near_irradiance" "$work/before/frame_0001.exr:near_irradiance"
+  "$work/copied/frame_0001.exr:near_irradiance" "$work/before/frame_0001.exr:near_irradiance"
 works "a result can be a frame again" \
   exact --copy-channels -o "$work/twice" --camera "${one%.exr}.json" \
-  "$work/kept/frame_0001.exr"
+  "$work/copied/frame_0001.exr"
 works "--copy-channels and --resume" exact --copy-channels --layers ao,near_irradiance --resume \
-  -o "$work/kept" "$one"
+  -o "$work/copied" "$one"
 works "--half" exact --half --layers ao -o "$work/half" "$one"
 # halves have 11 bits: 2^-12 of a value up to 1
 works "loses little" "$HBIL" compare --max-rmse 2.5e-4 \

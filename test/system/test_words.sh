@@ -51,8 +51,8 @@ retired 'pilot run; a probe is an irradiance probe' 'probe[ds]?|probing' \
 retired 'invariances' 'relatives'
 retired 'plane addressing' 'places\.clh|hbil_places|place_of'
 retired 'rejected; back-facing fallback' 'refus(e|es|ed|ing)'
-retired 'sample grid' 'lattices?'
-retired 'horizon cache' 'form.factors?'
+retired 'sample grid' 'lattices?' 'Fibonacci lattice'
+retired 'horizon cache' 'form.factors?' "radiosity's form factors"
 retired 'static frame' 'still frames?'
 retired 'exact integral, path-traced truth' \
   'the reference|references?.?s? (integral|image|result|renderer)|ref_[a-z0-9_]+' \
@@ -86,12 +86,13 @@ none "no file is longer than 500 lines; hbil.h than 650; a test than 800"
 # clang-format puts a function's closing brace, and nothing else, in column 1.
 # shellcheck disable=SC2046,SC2086
 awk -v limit=80 '
-  FNR == 1 { start = 0 }
-  /^[A-Za-z_]/ && !/;$/ && !start { start = FNR }
-  /^}/ || /^[A-Za-z_].*;$/ {
-    if ($0 == "}" && start && FNR - start + 1 > limit)
+  FNR == 1 { body = 0 }
+  !body && /^[A-Za-z_]/ { start = FNR }
+  !body && /\{$/ { body = 1; next }
+  body && /^}/ {
+    if ($0 == "}" && FNR - start + 1 > limit)
       print FILENAME ":" start ": " FNR - start + 1 " lines"
-    start = 0
+    body = 0
   }' $(echo "$code" | grep -E '\.(c|h|cl|clh|cpp|hpp)$') >"$work/out"
 none "no function is longer than 80 lines"
 
@@ -108,7 +109,7 @@ includes hbil "hbil|lib|shared\.h|$own"
 includes exact 'exact|hbil|lib|shared\.h'
 includes image 'image'
 includes dump 'dump|image|hbil'
-includes scene 'scene|hbil'
+includes scene "scene|hbil|$own"
 includes tool 'tool|dump|scene|exact|image|hbil'
 includes bench 'bench|tool|dump|scene|exact|image|hbil|lib|shared\.h'
 grep -r -n 'include "test/' src kernels include examples >"$work/out"

@@ -1,6 +1,7 @@
 /*
- * Light from where the screen shows nothing, taken from the frame itself: the
- * refused share of near light and the far field.
+ * Unseen light, estimated from the frame itself, in place of back-facing
+ * samples and as far field: it matches the exact passes, is a mean of the
+ * surfaces' light, and adds no energy.
  */
 #include "test/support/fixture.h"
 #include "test/support/random.h"
@@ -18,7 +19,7 @@ static exact_planes one_frame(setup *s) {
 }
 
 /* ------------------------------------------------------------------------ */
-/* Against the reference                                                     */
+/* Against the exact passes                                                  */
 
 static void check_sequence(scene_kind kind, int width, int height,
                            cl_uint vector_width, const float sky[3]) {
@@ -149,7 +150,7 @@ static void estimate_range(const exact_planes *out, double range[2]) {
   }
 }
 
-static void keep_cone(setup *s) {
+static void with_cone(setup *s) {
   s->config.cone_cosine = one_float;
 }
 
@@ -159,7 +160,7 @@ static void an_even_radiance_is_its_own_estimate(void **state) {
   double range[2];
   (void)state;
   start_random(&s);
-  keep_cone(&s);
+  with_cone(&s);
   fill_radiance(&s, 2.5f);
   setup_start(&s);
   out = one_frame(&s);
@@ -171,8 +172,8 @@ static void an_even_radiance_is_its_own_estimate(void **state) {
   setup_free(&s);
 }
 
-/* The reference too, for normals that no pixel has. */
-static void the_references_estimate_is_even(void **state) {
+/* The exact estimate too, for normals that no pixel has. */
+static void the_exact_estimate_is_even(void **state) {
   setup s;
   exact_planes split;
   random_state r = {9};
@@ -206,7 +207,7 @@ static void estimates_are_means(void **state) {
   double range[2];
   (void)state;
   start_random(&s);
-  keep_cone(&s);
+  with_cone(&s);
   for (int p = EXACT_DIRECT; p < EXACT_DIRECT + 3; ++p)
     for (int i = 0; i < WIDTH * HEIGHT; ++i)
       s.input[p][i] = random_unit(&r) < 0.02 ? 1e4f : 1.0f;
@@ -220,14 +221,14 @@ static void estimates_are_means(void **state) {
   setup_free(&s);
 }
 
-/* AO + E_near / pi = 1 though surfaces that face away are refused. */
+/* AO + E_near / pi = 1 although back-facing samples count as unseen. */
 static void the_white_furnace_is_closed(void **state) {
   setup s;
   exact_planes out;
   double worst = 0.0;
   (void)state;
   start_random(&s);
-  keep_cone(&s);
+  with_cone(&s);
   fill_radiance(&s, 1.0f);
   setup_start(&s);
   out = one_frame(&s);
@@ -250,7 +251,7 @@ static void check_without_surfels(bool all) {
   setup s;
   exact_planes out;
   start_random(&s);
-  keep_cone(&s);
+  with_cone(&s);
   fill_radiance(&s, 1.0f);
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
     if (all || (i % WIDTH % 4 == 0 && i / WIDTH % 4 == 0))
@@ -276,7 +277,7 @@ static exact_planes scaled_random(float size) {
   setup s;
   exact_planes out;
   start_random(&s);
-  keep_cone(&s);
+  with_cone(&s);
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
     s.input[EXACT_DEPTH][i] *= size;
     s.input[EXACT_DIRECT + i % 3][i] = 1.0f;
@@ -331,8 +332,8 @@ static double box_depth(const double ray[3], double normal[3]) {
 }
 
 /* A lamp shines on a part of the back wall and on a part of the left one.  No
- * face of a box looks away from another: only a facing test that asks for more
- * than that refuses any light. */
+ * face of a box faces away from another: only a facing fade above 0 leaves
+ * light to the fallback. */
 static void start_box(setup *s, hbil_feedback feedback, float facing) {
   setup_init(s, WIDTH, HEIGHT);
   setup_all_outputs(s);
@@ -422,7 +423,7 @@ int main(void) {
       cmocka_unit_test(what_the_sky_does_not_light_is_filled),
       cmocka_unit_test(lights_can_be_had_alone),
       cmocka_unit_test(an_even_radiance_is_its_own_estimate),
-      cmocka_unit_test(the_references_estimate_is_even),
+      cmocka_unit_test(the_exact_estimate_is_even),
       cmocka_unit_test(estimates_are_means),
       cmocka_unit_test(the_white_furnace_is_closed),
       cmocka_unit_test(without_surfels_there_is_no_light),

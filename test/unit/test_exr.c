@@ -1,6 +1,7 @@
 /*
  * Results on disk: they take over the attributes of a frame but for those of
- * its own storage, and keep windows and types of pixels, in every compression.
+ * its own storage, and preserve windows and types of pixels, in every
+ * compression.
  *
  * The frame is made with OpenEXRCore, which writes none of our files.
  */
@@ -119,11 +120,11 @@ static void write_frame(exr_compression_t compression) {
 /* The result                                                                */
 
 static image read_frame(void) {
-  image kept;
+  image source;
   image_error error;
-  if (exr_read_as_is(frame_path, names, CHANNELS, &kept, &error) != 0)
+  if (exr_read_as_is(frame_path, names, CHANNELS, &source, &error) != 0)
     fail_msg("%s", error.text);
-  return kept;
+  return source;
 }
 
 static void write_result(const image *img, int compression, const char *like) {
@@ -143,15 +144,16 @@ static exr_context_t open_result(void) {
 static void types_are_kept_bit_by_bit(void **state) {
   (void)state;
   write_frame(EXR_COMPRESSION_ZIP);
-  image kept = read_frame();
-  assert_int_equal(image_find(&kept, names[0])->type, IMAGE_FLOAT);
-  assert_int_equal(image_find(&kept, names[1])->type, IMAGE_UINT);
-  assert_int_equal(image_find(&kept, names[2])->type, IMAGE_HALF);
-  assert_memory_equal(image_find(&kept, names[0])->pixels, depth, sizeof depth);
-  assert_memory_equal(image_find(&kept, names[1])->pixels, ids, sizeof ids);
-  assert_memory_equal(image_find(&kept, names[2])->pixels, halves,
+  image source = read_frame();
+  assert_int_equal(image_find(&source, names[0])->type, IMAGE_FLOAT);
+  assert_int_equal(image_find(&source, names[1])->type, IMAGE_UINT);
+  assert_int_equal(image_find(&source, names[2])->type, IMAGE_HALF);
+  assert_memory_equal(image_find(&source, names[0])->pixels, depth,
+                      sizeof depth);
+  assert_memory_equal(image_find(&source, names[1])->pixels, ids, sizeof ids);
+  assert_memory_equal(image_find(&source, names[2])->pixels, halves,
                       sizeof halves);
-  image_free(&kept);
+  image_free(&source);
 }
 
 /* pxr24 leaves floats 15 bits behind the point.  The others that round do it to
@@ -161,11 +163,11 @@ static void every_compression_holds_what_it_promises(void **state) {
   const float rounding = 0x1p-16f;
   (void)state;
   write_frame(EXR_COMPRESSION_ZIP);
-  image kept = read_frame();
+  image source = read_frame();
   for (int c = 0; exr_compressions[c]; c++) {
     image again;
     image_error error;
-    write_result(&kept, c, frame_path);
+    write_result(&source, c, frame_path);
     if (exr_read_as_is(result_path, names, CHANNELS, &again, &error) != 0)
       fail_msg("%s: %s", exr_compressions[c], error.text);
     assert_int_equal(again.x, data.min.x);
@@ -179,7 +181,7 @@ static void every_compression_holds_what_it_promises(void **state) {
     assert_memory_equal(again.planes[2].pixels, halves, sizeof halves);
     image_free(&again);
   }
-  image_free(&kept);
+  image_free(&source);
 }
 
 static void the_compression_can_be_that_of_the_frame(void **state) {
@@ -189,9 +191,9 @@ static void the_compression_can_be_that_of_the_frame(void **state) {
   for (size_t i = 0; i < 2; i++) {
     exr_compression_t found;
     write_frame(frames[i]);
-    image kept = read_frame();
-    write_result(&kept, EXR_COMPRESSION_OF_INPUT, frame_path);
-    image_free(&kept);
+    image source = read_frame();
+    write_result(&source, EXR_COMPRESSION_OF_INPUT, frame_path);
+    image_free(&source);
     exr_context_t file = open_result();
     works(exr_get_compression(file, 0, &found));
     assert_int_equal(found, frames[i]);
@@ -223,10 +225,10 @@ static void attributes_are_taken_over(void **state) {
   int32_t length;
   (void)state;
   write_frame(EXR_COMPRESSION_ZIP);
-  image kept = read_frame();
-  snprintf(kept.key, sizeof kept.key, "ours");
-  write_result(&kept, EXR_COMPRESSION_OF_ZIP, frame_path);
-  image_free(&kept);
+  image source = read_frame();
+  snprintf(source.key, sizeof source.key, "ours");
+  write_result(&source, EXR_COMPRESSION_OF_ZIP, frame_path);
+  image_free(&source);
   exr_context_t file = open_result();
   check_required(file);
   works(exr_attr_get_chromaticities(file, 0, "chromaticities", &colours));
@@ -247,10 +249,10 @@ static void what_would_be_untrue_is_not(void **state) {
   int32_t length, flag;
   (void)state;
   write_frame(EXR_COMPRESSION_ZIP);
-  image kept = read_frame();
-  snprintf(kept.key, sizeof kept.key, "ours");
-  write_result(&kept, EXR_COMPRESSION_OF_ZIP, frame_path);
-  kept.key[0] = '\0';
+  image source = read_frame();
+  snprintf(source.key, sizeof source.key, "ours");
+  write_result(&source, EXR_COMPRESSION_OF_ZIP, frame_path);
+  source.key[0] = '\0';
   exr_context_t file = open_result();
   works(exr_attr_get_string(file, 0, EXR_KEY, &length, &text));
   assert_string_equal(text, "ours");
@@ -258,19 +260,19 @@ static void what_would_be_untrue_is_not(void **state) {
       exr_attr_get_int(file, 0, "acesImageContainerFlag", &flag),
       EXR_ERR_SUCCESS);
   works(exr_finish(&file));
-  write_result(&kept, EXR_COMPRESSION_OF_ZIP, frame_path);
+  write_result(&source, EXR_COMPRESSION_OF_ZIP, frame_path);
   file = open_result();
   assert_int_not_equal(exr_attr_get_string(file, 0, EXR_KEY, &length, &text),
                        EXR_ERR_SUCCESS);
   works(exr_finish(&file));
-  image_free(&kept);
+  image_free(&source);
 }
 
 static void a_file_of_another_kind_has_no_attributes(void **state) {
   char other[sizeof result_path + 4];
   (void)state;
   write_frame(EXR_COMPRESSION_ZIP);
-  image kept = read_frame();
+  image source = read_frame();
   snprintf(other, sizeof other, "%s.txt", result_path);
   for (int length = 0; length < 9;
        length += 8) { /* shorter than any EXR, too */
@@ -279,14 +281,14 @@ static void a_file_of_another_kind_has_no_attributes(void **state) {
     assert_non_null(file);
     assert_int_equal(fwrite("no image", 1, (size_t)length, file), length);
     fclose(file);
-    write_result(&kept, EXR_COMPRESSION_OF_INPUT, other);
+    write_result(&source, EXR_COMPRESSION_OF_INPUT, other);
     exr_context_t result = open_result();
     works(exr_get_display_window(result, 0, &window));
     assert_memory_equal(&window, &display, sizeof window);
     works(exr_finish(&result));
   }
   unlink(other);
-  image_free(&kept);
+  image_free(&source);
 }
 
 static void finite_values_stay_finite_as_halves(void **state) {

@@ -1,6 +1,7 @@
 /*
- * Whole frames: the sequence end to end, and the promises about queues,
- * events and plans.
+ * Whole frames: sequences match the exact passes, and give the same bits
+ * whichever way they are enqueued; events, wait lists, resets and timings do
+ * what hbil.h says.
  */
 #include "test/support/fixture.h"
 

@@ -11,7 +11,8 @@
 #define BENT_LIMIT 1e-5
 #define WEIGHT_LIMIT 1e-5
 
-/* What the kernels gather, and what the reference does of the same layers. */
+/* What the kernels gather, and what the exact gather does on the same layers.
+ */
 static void gather_both(setup *s, exact_planes *got, exact_planes *want) {
   exact_planes split;
   setup_start(s);
@@ -58,9 +59,9 @@ static void a_large_image_matches(void **state) {
 
 typedef struct settings {
   cl_uint slices, samples;
-  hbil_sample_grid lattice;
+  hbil_sample_grid grid;
   float radius, facing[2];
-  hbil_back_facing_fallback refused;
+  hbil_back_facing_fallback fallback;
   cl_uint index;
   cl_bool plain; /* not extrapolated */
 } settings;
@@ -141,10 +142,10 @@ static const settings table[] = {{1,
 static void apply(const settings *t, hbil_config *c) {
   c->slices = t->slices;
   c->steps_per_side = t->samples;
-  c->sample_grid = t->lattice;
+  c->sample_grid = t->grid;
   c->radius = t->radius;
   memcpy(c->facing_fade, t->facing, sizeof(t->facing));
-  c->back_facing_fallback = t->refused;
+  c->back_facing_fallback = t->fallback;
   c->extrapolate = !t->plain;
 }
 

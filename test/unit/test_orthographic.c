@@ -83,7 +83,7 @@ static int read_json(const char *path, const char *text, camera_file *out,
 static void side_cars_state_the_scale_in_two_ways(void **state) {
   static const struct {
     const char *text;
-    double scale;      /* 0: refused, */
+    double scale;      /* 0: rejected, */
     const char *error; /* with this */
   } cases[] = {
       {"\"projection\": \"orthographic\", \"fx\": 50, \"fy\": 50", 50, NULL},

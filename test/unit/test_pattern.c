@@ -82,7 +82,7 @@ static void slots_are_permutations(void **state) {
   assert_int_equal(shifts, 0xffff);
 }
 
-/* Offsets of one half-slice: distinct lattice points, ever farther out. */
+/* Offsets of one half-slice: distinct points of the grid, ever farther out. */
 static void check_half_slice(int layer, int level, float ux, float uy,
                              hbil_view_args v, hbil_pattern_args p) {
   int before = 0;

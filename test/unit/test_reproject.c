@@ -1,7 +1,7 @@
 /*
- * Light of the last frame in this one: the reference's very bits, in every form
- * that the kernels have: vectors of pixels, whose bands have owners, and single
- * ones, which need atomics.
+ * Reprojection gives the bits of the exact pass in every form of the kernels:
+ * vectors of pixels, which own the bands that they write, and single pixels,
+ * which need atomics.
  */
 #include "test/support/random.h"
 #include "test/support/stages.h"

@@ -131,7 +131,7 @@ static void finds_other_units(void **state) {
   for (size_t p = 0; p < d.img.count; p++)
     for (size_t i = 0; i < PIXELS && (p == 0 || p > 3); i++)
       d.img.planes[p].pixels[i] *= 100.0f;
-  /* pixels of parallel rays keep their size while depth is stretched */
+  /* the pixels of parallel rays have the same size while depth is stretched */
   finds_last(&d, dump_orthographic ? 2 : 1, "--unit-scale 0.01 ");
   d = dump_begin_plain(SCENE_ROOM); /* positions alone */
   dump_add_vectors(&d, "position", letters_xyz, d.s.position, AXES_WORLD, 1);

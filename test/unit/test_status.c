@@ -1,5 +1,6 @@
 /*
- * Whatever is wrong is refused, by name, before anything is enqueued.
+ * Wrong configurations, frames and arguments are rejected by name, before
+ * anything is enqueued.
  */
 #include "hbil/hbil_stages.h"
 

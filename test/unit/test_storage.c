@@ -288,9 +288,9 @@ static void check_gather(setup *s) {
 
 typedef struct settings {
   cl_uint slices, samples;
-  hbil_sample_grid lattice;
+  hbil_sample_grid grid;
   float radius, relative_thickness, facing[2];
-  hbil_back_facing_fallback refused;
+  hbil_back_facing_fallback fallback;
 } settings;
 
 static const settings table[] = {{2,
@@ -342,11 +342,11 @@ static void check_setting(size_t i) {
   setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, 64, 37, 0);
   s.config.slices = t->slices;
   s.config.steps_per_side = t->samples;
-  s.config.sample_grid = t->lattice;
+  s.config.sample_grid = t->grid;
   s.config.radius = t->radius;
   s.config.relative_thickness = t->relative_thickness;
   memcpy(s.config.facing_fade, t->facing, sizeof(t->facing));
-  s.config.back_facing_fallback = t->refused;
+  s.config.back_facing_fallback = t->fallback;
   s.frame.frame_index = (cl_uint)i;
   check_gather(&s);
 }
@@ -453,16 +453,16 @@ static void plant_light(setup *s) {
   exact_planes_free(&light);
 }
 
-static void check_recompose(scene_kind kind, bool raw,
-                            hbil_back_facing_fallback refused,
+static void check_recompose(scene_kind kind, bool unfiltered,
+                            hbil_back_facing_fallback fallback,
                             cl_uint vector_width) {
   setup s;
   exact_planes split, light, got,
       want = checked_planes(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
   setup_scene(&s, kind, WIDTH, HEIGHT, 0);
   s.config.storage = HBIL_STORAGE_PACKED;
-  s.config.unfiltered = raw;
-  s.config.back_facing_fallback = refused;
+  s.config.unfiltered = unfiltered;
+  s.config.back_facing_fallback = fallback;
   s.config.vector_width = vector_width;
   setup_start(&s);
   light = stage_gathered(&s); /* and what the frame sends on average */
