@@ -1,0 +1,138 @@
+/*
+ * The exact integral returns its errors: every allocation of a sequence may
+ * fail, and arguments that make no sense are rejected.  Linked with
+ * --wrap=calloc, the one way in which src/exact allocates.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "exact/passes.h"
+
+enum { WIDTH = 20, HEIGHT = 12, NEVER = -1 };
+
+static int allocations_left = NEVER; /* before one fails */
+
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+
+void *__wrap_calloc(size_t count, size_t size) {
+  if (allocations_left == 0)
+    return NULL;
+  if (allocations_left > 0)
+    allocations_left--;
+  return __real_calloc(count, size);
+}
+
+/* A plane that faces the camera, in direct light. */
+typedef struct fixture {
+  hbil_config config;
+  float depth[WIDTH * HEIGHT], minus_one[WIDTH * HEIGHT], zero[WIDTH * HEIGHT];
+  exact_frame frame;
+} fixture;
+
+static void fixture_init(fixture *f, hbil_reprojection reprojection) {
+  memset(f, 0, sizeof(*f));
+  hbil_config_init(&f->config);
+  f->config.width = WIDTH;
+  f->config.height = HEIGHT;
+  f->config.reprojection = reprojection;
+  f->config.relative_thickness = 0.1f;
+  for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+    f->depth[i] = 3.0f;
+    f->minus_one[i] = -1.0f;
+  }
+  f->frame.config = &f->config;
+  f->frame.camera.fx = f->frame.camera.fy = 20.0;
+  f->frame.camera.cx = 0.5 * WIDTH;
+  f->frame.camera.cy = 0.5 * HEIGHT;
+  for (int i = 0; i < 16; i += 5)
+    f->frame.camera.world_from_view[i] = 1.0;
+  f->frame.input[EXACT_DEPTH] = f->depth;
+  f->frame.input[EXACT_NORMAL] = f->frame.input[EXACT_NORMAL + 1] = f->zero;
+  f->frame.input[EXACT_NORMAL + 2] = f->minus_one;
+  f->frame.input[EXACT_MOTION] = f->frame.input[EXACT_MOTION + 1] = f->zero;
+}
+
+/* Two frames, the second one with history. */
+static exact_status run_sequence(fixture *f, const exact_dense *how) {
+  exact_state state;
+  exact_status status = exact_state_create(&state, WIDTH, HEIGHT);
+  for (int i = 0; i < 2 && status == EXACT_SUCCESS; ++i)
+    status = how ? exact_run_frame_dense(&state, &f->frame, how)
+                 : exact_run_frame(&state, &f->frame);
+  exact_state_free(&state);
+  return status;
+}
+
+/* Whichever allocation fails, the status tells, until none does. */
+static void check_allocations(hbil_reprojection reprojection,
+                              const exact_dense *how) {
+  exact_status status = EXACT_OUT_OF_MEMORY;
+  fixture f;
+  fixture_init(&f, reprojection);
+  int count = 0;
+  for (; status != EXACT_SUCCESS; ++count) {
+    allocations_left = count;
+    status = run_sequence(&f, how);
+    allocations_left = NEVER;
+    assert_true(status == EXACT_SUCCESS || status == EXACT_OUT_OF_MEMORY);
+  }
+  assert_true(count > 10);
+}
+
+static void every_failed_allocation_is_a_status(void **state) {
+  const exact_dense how = {.slices = 2, .threads = 2};
+  (void)state;
+  for (int r = HBIL_REPROJECTION_NONE; r <= HBIL_REPROJECTION_MOTION; ++r) {
+    check_allocations((hbil_reprojection)r, NULL);
+    check_allocations((hbil_reprojection)r, &how);
+  }
+}
+
+static void sizes_out_of_range_are_rejected(void **state) {
+  exact_planes planes;
+  exact_state empty;
+  (void)state;
+  assert_int_equal(exact_planes_create(&planes, 0, 1, 1), EXACT_BAD_ARGUMENT);
+  assert_int_equal(exact_planes_create(&planes, 1, -1, 1), EXACT_BAD_ARGUMENT);
+  assert_int_equal(exact_planes_create(&planes, 1, 1, 0), EXACT_BAD_ARGUMENT);
+  assert_int_equal(exact_planes_create(&planes, INT32_MAX, INT32_MAX, 1),
+                   EXACT_OUT_OF_MEMORY);
+  assert_null(planes.values);
+  assert_int_equal(exact_state_create(&empty, 0, 0), EXACT_BAD_ARGUMENT);
+  exact_state_free(&empty);
+}
+
+static void frames_that_do_not_fit_are_rejected(void **state) {
+  const exact_dense none = {.slices = 0};
+  fixture f;
+  (void)state;
+  fixture_init(&f, HBIL_REPROJECTION_NONE);
+  assert_int_equal(run_sequence(&f, &none), EXACT_BAD_ARGUMENT);
+  f.frame.input[EXACT_DIRECT + 1] = f.zero; /* green alone */
+  assert_int_equal(run_sequence(&f, NULL), EXACT_BAD_ARGUMENT);
+  fixture_init(&f, HBIL_REPROJECTION_NONE);
+  f.frame.input[EXACT_DEPTH] = NULL;
+  assert_int_equal(run_sequence(&f, NULL), EXACT_BAD_ARGUMENT);
+  fixture_init(&f, HBIL_REPROJECTION_MOTION);
+  f.frame.input[EXACT_MOTION] = NULL;
+  assert_int_equal(run_sequence(&f, NULL), EXACT_BAD_ARGUMENT);
+  fixture_init(&f, HBIL_REPROJECTION_NONE);
+  f.config.width = WIDTH + 1;
+  assert_int_equal(run_sequence(&f, NULL), EXACT_BAD_ARGUMENT);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_failed_allocation_is_a_status),
+      cmocka_unit_test(sizes_out_of_range_are_rejected),
+      cmocka_unit_test(frames_that_do_not_fit_are_rejected),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
