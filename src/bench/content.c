@@ -23,10 +23,6 @@ size_t bench_input_channels(bench_input input) {
   return input == BENCH_DEPTH ? 1 : input == BENCH_MOTION ? 2 : 3;
 }
 
-size_t bench_pixels(const bench_content *content) {
-  return (size_t)content->width * content->height;
-}
-
 int bench_is_surface(const bench_content *content, size_t pixel) {
   const bench_frame *frame = &content->frame[content->measured];
   const float depth = frame->plane[BENCH_DEPTH][pixel];

@@ -49,7 +49,9 @@ void bench_content_drop_planes(bench_content *content);
 void bench_content_free(bench_content *content);
 
 size_t bench_input_channels(bench_input input);
-size_t bench_pixels(const bench_content *content);
+static inline size_t bench_pixels(const bench_content *content) {
+  return (size_t)content->width * content->height;
+}
 /* Whether a pixel of the measured frame shows a surface. */
 int bench_is_surface(const bench_content *content, size_t pixel);
 

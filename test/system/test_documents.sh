@@ -119,8 +119,7 @@ small() {
     -e "s|--frames 1-240x2|--frames 1-3x2 $gbuffer/frame_####.exr|" \
     -e "s|\<frame_000[0-9].exr|$gbuffer/&|g; s|FRAME\.exr|$frame|g" \
     -e "s|\<[AB]\.exr:[a-zA-Z]*|$lit:ao|g; s|--heatmap PNG|--heatmap heat.png|" \
-    -e 's| PNG$| sheet.png|; s| NAME$| zip|; s| N$| 2|; s| MIB$| 64|; s| WIDTH$| 6|; s|[][]||g; s|A,E|.05,.5|' \
-    -e 's|--max-error [^ ]*|& --relative-thickness inf|'
+    -e 's| PNG$| sheet.png|; s| NAME$| zip|; s| N$| 2|; s| MIB$| 64|; s| WIDTH$| 6|; s|[][]||g'
 }
 
 # complete WORDS: with what the command can't be run without.  A demo is small; a
