@@ -35,8 +35,8 @@ extern "C" {
  *                        length 1 or 0; averaged after the temporal pass
  *   TEMPORAL_HISTORY 10: of the last frame: inverse depth (0 or less: sky);
  *                        normal, as a word of packed SPLIT; number of averaged
- *                        frames (0: the pixel does not count); then as RESOLVED,
- *                        but with a bent normal of any length
+ *                        frames (0: the pixel does not count); then the values
+ *                        of RESOLVED, with a bent normal of any length
  *
  * In orthographic views SPLIT and TEMPORAL_HISTORY have -z in place of the
  * inverse depth, and there is no surface below -5e29.
