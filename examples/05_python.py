@@ -20,7 +20,7 @@ def load_hbil():
     """The library, and what its header declares."""
     include = subprocess.run(
         ["pkg-config", "--variable=includedir", "hbil"],
-        check=True, capture_output=True, text=True).stdout.strip()
+        check=True, capture_output=True, text=True).stdout.rstrip()
     with open(include + "/hbil/hbil.h", encoding="utf-8") as header:
         text = header.read()
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)

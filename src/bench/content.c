@@ -23,12 +23,6 @@ size_t bench_input_channels(bench_input input) {
   return input == BENCH_DEPTH ? 1 : input == BENCH_MOTION ? 2 : 3;
 }
 
-int bench_is_surface(const bench_content *content, size_t pixel) {
-  const bench_frame *frame = &content->frame[content->measured];
-  const float depth = frame->plane[BENCH_DEPTH][pixel];
-  return isfinite(depth) && depth > 0.0f && depth < content->config.sky_depth;
-}
-
 int bench_content_copy(bench_content *content, bench_frame *frame,
                        bench_input input, const float *const *channels,
                        image_error *error) {

@@ -53,7 +53,11 @@ static inline size_t bench_pixels(const bench_content *content) {
   return (size_t)content->width * content->height;
 }
 /* Whether a pixel of the measured frame shows a surface. */
-int bench_is_surface(const bench_content *content, size_t pixel);
+static inline int bench_is_surface(const bench_content *content, size_t pixel) {
+  const bench_frame *frame = &content->frame[content->measured];
+  const float depth = frame->plane[BENCH_DEPTH][pixel];
+  return isfinite(depth) && depth > 0.0f && depth < content->config.sky_depth;
+}
 
 /* Copies the channels of an input into a frame's plane. */
 int bench_content_copy(bench_content *content, bench_frame *frame,
