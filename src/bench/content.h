@@ -2,6 +2,8 @@
 #ifndef HBIL_BENCH_CONTENT_H
 #define HBIL_BENCH_CONTENT_H
 
+#include <math.h>
+
 #include "bench/command.h"
 #include "hbil/hbil.h"
 
