@@ -19,10 +19,6 @@ enum {
   QUICK_COMPARED = 1000
 };
 
-size_t bench_input_channels(bench_input input) {
-  return input == BENCH_DEPTH ? 1 : input == BENCH_MOTION ? 2 : 3;
-}
-
 int bench_content_copy(bench_content *content, bench_frame *frame,
                        bench_input input, const float *const *channels,
                        image_error *error) {

@@ -50,7 +50,9 @@ int bench_content_load(const bench_options *options, unsigned frames,
 void bench_content_drop_planes(bench_content *content);
 void bench_content_free(bench_content *content);
 
-size_t bench_input_channels(bench_input input);
+static inline size_t bench_input_channels(bench_input input) {
+  return input == BENCH_DEPTH ? 1 : input == BENCH_MOTION ? 2 : 3;
+}
 static inline size_t bench_pixels(const bench_content *content) {
   return (size_t)content->width * content->height;
 }
