@@ -25,6 +25,9 @@ typedef float hbil_float;
                                      ? 1                                       \
                                      : -1];
 #else
+#ifndef CL_TARGET_OPENCL_VERSION
+#define CL_TARGET_OPENCL_VERSION 120
+#endif
 #include <CL/cl.h>
 #include <math.h>
 #include <stddef.h>

@@ -42,8 +42,8 @@ static void decide_work(const hbil_config *config, layout *out) {
  * nothing diffusely.  Irradiance that is carried over would reach other
  * surfaces. */
 static bool irradiance_is_hidden(const hbil_config *config, const layout *l) {
-  static const int shown[] = {PLANE_NEAR, PLANE_FAR, PLANE_AO, PLANE_BENT,
-                              PLANE_CONE};
+  static const int shown[] = {PLANE_NEAR, PLANE_FAR,  PLANE_AO,
+                              PLANE_BENT, PLANE_CONE, PLANE_ERROR};
   for (size_t i = 0; i < sizeof shown / sizeof *shown; ++i)
     if (has(config, shown[i]))
       return false;

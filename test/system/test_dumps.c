@@ -1,10 +1,10 @@
 /*
- * The real dumps, where they are at hand: two frames of each scene in sequence
- * through the library and through the double-precision reference.
+ * Two frames in sequence of a dump match the exact passes: of a scene that the
+ * project renders itself, and of the real dumps of Blender, where they are at
+ * hand.
  *
- * Images and conventions are those the tool uses for Cycles passes.  The data
- * is looked for in $HBIL_DATA, else in $srcdir/../shared/data; a scene that is
- * not there is left out.
+ * Formats and conventions are those that the program uses for Cycles passes.  The
+ * real dumps are looked for in $HBIL_DATA, else in $srcdir/../shared/data.
  */
 #include "test/support/fixture.h"
 
