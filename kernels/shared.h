@@ -14,7 +14,6 @@ typedef uint hbil_uint;
 typedef float hbil_float;
 #define HBIL_FMA(a, b, c) fma((a), (b), (c))
 #define HBIL_RINT(a) rint(a)
-#define HBIL_SQRT(a) sqrt(a)
 #define HBIL_FABS(a) fabs(a)
 /* An array of negative size stops the compiler. */
 #define HBIL_ASSERT_LAYOUT(type, last, last_word, words)                       \
@@ -36,7 +35,6 @@ typedef cl_uint hbil_uint;
 typedef cl_float hbil_float;
 #define HBIL_FMA(a, b, c) fmaf((a), (b), (c))
 #define HBIL_RINT(a) rintf(a)
-#define HBIL_SQRT(a) sqrtf(a)
 #define HBIL_FABS(a) fabsf(a)
 #define HBIL_ASSERT_LAYOUT(type, last, last_word, words)                       \
   _Static_assert(sizeof(type) == 4 * (words) &&                                \
