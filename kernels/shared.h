@@ -231,8 +231,7 @@ HBIL_ASSERT_LAYOUT(hbil_step, halves, 8, 9)
 /* Words of the plan's flags: what kernels of a frame tell later ones. */
 enum {
   HBIL_FLAG_HOLES = 0,   /* there is a hole to fill (push_pull.cl) */
-  HBIL_FLAG_CHANGED = 1, /* a static frame's light differs from the last one's
-                          */
+  HBIL_FLAG_CHANGED = 1, /* a static frame's light has changed */
   HBIL_FLAGS = 2
 };
 
