@@ -1,4 +1,6 @@
 # hbil(1) from the tool's help texts.
+# help2man (1.49) was tried: it makes a page of one --help, so the sub-commands have
+# no place in it, and it writes no completion.
 #
 #   help.sh ./hbil | awk -v version=V -f roff.awk -f help.awk -f man1.awk
 
