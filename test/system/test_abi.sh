@@ -16,34 +16,35 @@ mkdir -p "$later/hbil"
 
 # grown FILE PLACE WORDS: a copy of FILE with WORDS behind the first { in PLACE.
 grown() {
-  sed -e "$2 s|{|{ $3|" "$srcdir/src/$1" >"$later/$1"
-  cmp -s "$srcdir/src/$1" "$later/$1" && echo "$1 has no $2" >&2
+  sed -e "$2 s|{|{ $3|" "$srcdir/src/hbil/$1" >"$later/$1"
+  cmp -s "$srcdir/src/hbil/$1" "$later/$1" && echo "$1 has no $2" >&2
 }
 {
   sed 's/^} hbil_\(config\|frame\);/cl_ulong later[2]; &/' \
     "$srcdir/include/hbil/hbil.h" >"$later/hbil/hbil.h"
-  grown settings.c '/^ *const hbil_config defaults = /' '.later = {7, 7},'
-  mv "$later/settings.c" "$work/defaults.c"
+  grown config.c '/^ *hbil_config defaults = /' '.later = {7, 7},'
+  mv "$later/config.c" "$work/defaults.c"
   sed '/^static hbil_status config_check/,/{/ s|{|{ if (config->later[1] != 7) \
     return fail(context, HBIL_INVALID_CONFIG, "no default");|' \
-    "$work/defaults.c" >"$later/settings.c"
-  grown frame.c '/^static hbil_status check_frame/,/{/' 'if (frame->later[1]) \
+    "$work/defaults.c" >"$later/config.c"
+  grown checks.c '/^hbil_status check_frame/,/{/' 'if (frame->later[1]) \
     return fail(plan->context, HBIL_INVALID_FRAME, "no default");'
 } 2>"$work/missing"
-sources=src/kernel_sources.c
-for source in "$srcdir"/src/*.c; do
+sources=src/hbil/kernel_sources.c
+for source in "$srcdir"/src/hbil/*.c; do
   name=$(basename "$source")
-  case $name in *_sources.c) continue ;; esac
+  case $name in kernel_sources.c) continue ;; esac
   test ! -f "$later/$name" || source=$later/$name
   sources="$sources $source"
 done
 # shellcheck disable=SC2086
 run ${CC:-cc} -std=c11 -O0 -fPIC -shared -Wl,-soname,libhbil.so.1 \
-  "-Wl,--version-script=$srcdir/src/libhbil.map" -o "$later/libhbil.so.1" \
-  "-I$later" "-I$srcdir/src" "-I$srcdir/kernels" $sources $opencl -lm
-test $status -eq 0 && test "$(grep -c 'later\[1\]' "$later/settings.c")" = 1 &&
-  test "$(grep -c 'later = {7' "$later/settings.c")" = 1 &&
-  test "$(grep -c 'later\[1\]' "$later/frame.c")" = 1 &&
+  "-Wl,--version-script=$srcdir/src/hbil/libhbil.map" -o "$later/libhbil.so.1" \
+  "-I$later" "-I$srcdir/src/hbil" "-I$srcdir/src" "-I$srcdir/kernels" \
+  "-I$srcdir/include" $sources $opencl -lm
+test $status -eq 0 && test "$(grep -c 'later\[1\]' "$later/config.c")" = 1 &&
+  test "$(grep -c 'later = {7' "$later/config.c")" = 1 &&
+  test "$(grep -c 'later\[1\]' "$later/checks.c")" = 1 &&
   test "$(grep -c 'later\[2\]' "$later/hbil/hbil.h")" = 2
 ok $? "a library is made whose structs have grown by 16 bytes"
 # shellcheck disable=SC2086

@@ -84,8 +84,8 @@ for folder in malformed real_exr; do
     look_at "$folder" "$HBIL_DATA/$folder"/*
     process_each "$folder" "$HBIL_DATA/$folder"/*
   else
-    skip "info: $folder" "no dumps"
-    skip "process: $folder" "no dumps"
+    skip "info: $folder" "no $HBIL_DATA/$folder"
+    skip "process: $folder" "no $HBIL_DATA/$folder"
   fi
 done
 
@@ -275,7 +275,7 @@ if test -d "$HBIL_DATA/real_exr"; then
   works "a map of some channels" exact -o "$work/map-lit" --overwrite --environment \
     "$HBIL_DATA/real_exr/oexr_beachball_multipart.0001.exr" "$one"
 else
-  skip "a map of some channels" "no dumps"
+  skip "a map of some channels" "no $HBIL_DATA/real_exr"
 fi
 absent "what was rejected left nothing" "$out"
 

@@ -3,21 +3,22 @@
 # nothing else, and never prints or ends the process; the header, as others
 # include it.
 . "$srcdir/test/support/tap.sh"
-header=$srcdir/include/hbil/hbil.h
+headers="$srcdir/include/hbil/hbil.h $srcdir/include/hbil/hbil_stages.h"
 library=.libs/libhbil.so
 
 # hbil_ names that are followed by a parenthesis in a declaration of the API
 declared() {
+  # shellcheck disable=SC2086
   awk '/^HBIL_API/ { api = 1 }
        api && match($0, /hbil_[a-z0-9_]+\(/) {
-         print substr($0, RSTART, RLENGTH - 1); api = 0 }' "$header" | sort
+         print substr($0, RSTART, RLENGTH - 1); api = 0 }' $headers | sort
 }
 
 # what stands under "global:"
 mapped() {
   awk '/^(local:|})/ { global = 0 }
        global { sub(/;.*/, ""); print $1 }
-       /^global:/ { global = 1 }' "$srcdir/src/libhbil.map" | sort
+       /^global:/ { global = 1 }' "$srcdir/src/hbil/libhbil.map" | sort
 }
 
 exported() {
@@ -49,9 +50,9 @@ else
   done
 fi
 
-# A user's file that has this header first, and calls every kind of thing in it.
+# A user's file that has a header first, and uses every kind of thing in it.
 cat >"$work/user.c" <<'E2'
-#include <hbil/hbil.h>
+#include <hbil/hbil_stages.h>
 
 #if HBIL_VERSION_MAJOR < 0
 #error "no version"
@@ -90,27 +91,34 @@ works "a C++ program links with the library" ./libtool --silent --tag=CXX \
   libhbil.la
 works "and calls it" "$work/user"
 
-# README's lines in C, in a function that has what they speak of.
+# The documents' examples in C, each in a function that has the variables that
+# the text speaks of.
+c_blocks() {
+  sed -n '/^```c$/,/^```$/{/^```/d;p}' "$srcdir/$1"
+}
+parameters='cl_context cl_context, cl_device_id cl_device, cl_command_queue queue'
+readme="$parameters, cl_uint wait_count, const cl_event *wait_list"
+guide="$parameters, const double camera_to_world[16], double fx, double fy,
+  double cx, double cy, cl_uint n, cl_mem depth_buffer, cl_mem normal_buffer,
+  cl_mem albedo_buffer, cl_mem direct_buffer, cl_mem indirect_buffer,
+  cl_event gbuffer_ready"
 {
-  cat <<'E2'
-#include <hbil/hbil.h>
-void readme(cl_context cl_context, cl_device_id cl_device,
-            cl_command_queue queue, cl_uint waits, const cl_event *wait_list);
-void readme(cl_context cl_context, cl_device_id cl_device,
-            cl_command_queue queue, cl_uint waits, const cl_event *wait_list) {
-  hbil_context *context;
-  hbil_config config;
-  hbil_plan *plan;
-  hbil_frame frame;
-  cl_event event;
-E2
-  sed -n '/^## In C/,/^Compile/s/^    //p' "$srcdir/README.md"
+  echo '#include <hbil/hbil.h>'
+  echo "void readme($readme);"
+  echo "void readme($readme) {"
+  echo 'hbil_context *context; hbil_config config; hbil_plan *plan;'
+  echo 'hbil_frame frame; cl_event event;'
+  c_blocks README.md
   echo '}'
-} >"$work/readme.c"
-grep -q hbil_enqueue_frame "$work/readme.c"
-ok $? "README.md has lines in C"
+  echo "void guide($guide);"
+  echo "void guide($guide) {"
+  c_blocks doc/guide.md
+  echo '(void)status; }'
+} >"$work/documents.c"
+test "$(grep -c hbil_enqueue_frame "$work/documents.c")" -ge 2
+ok $? "README.md and doc/guide.md have examples in C"
 # shellcheck disable=SC2086
 works "which compile" ${CC:-cc} -std=c11 -Wall -Wextra -Werror $includes \
-  -fsyntax-only "$work/readme.c"
+  -fsyntax-only "$work/documents.c"
 
 echo "1..$count"
