@@ -2,8 +2,8 @@
 #
 #   help.sh ./hbil | awk -f help.awk -f words.awk -f bash.awk
 
-# What completes a value: words, and files or folders where readline's own
-# completion, which knows spaces and tildes, is let in again.
+# The shell code that completes a value.  Files and folders are left to
+# readline's own completion, which handles spaces and tildes.
 function value_action(name, flag,    action) {
   action = ""
   if (words_of[name, flag] != "")

@@ -1,25 +1,26 @@
-# Reads help texts (help.sh) and hands what they say, in order, to functions of
-# the script that follows it on awk's command line:
+# Reads help texts (help.sh) and calls a function for each of their parts, in
+# order.  The functions are in the script that follows on awk's command line:
 #
-#   at_command(name, about)        the texts of a command begin; the program's
-#                                  own have the name ""
-#   at_usage(text)                 behind "usage: "
+#   at_command(name, about)        the text of a command begins; the program's
+#                                  own text has the name ""
+#   at_usage(text)                 the text after "usage: "
 #   at_heading(text)               a line that ends in a colon, followed by options
 #   at_prose(text)                 a line of prose; "" between paragraphs
 #   at_item(name, text)            a command in the program's help
 #   at_option(flags, value, text)  flags with spaces between; value may be ""
 #   at_end()
 #
-# What a help text is written like: "usage: " first; prose and headings from the
-# first column; options and commands indented, what they do from one column on.
+# A help text begins with "usage: ".  Prose and headings begin in the first
+# column.  Options and commands are indented, and their descriptions begin in one
+# column.
 
 function trimmed(text) {
   gsub(/^ +| +$/, "", text)
   return text
 }
 
-# The column in which the text beside options begins: that of a line that goes
-# on with it; 0 where there is none.
+# The column in which the descriptions of options begin, found from a line that
+# continues one; 0 if there is none.
 function text_column(    i) {
   for (i = 1; i <= lines; i++)
     if (match(line[i], /^          +/))
@@ -102,7 +103,7 @@ function end_command() {
   lines = 0
 }
 
-# the program's own help lists the commands: they are looked up later
+# The program's own help lists the commands, with the text that at_command() gets.
 name == "" && /^  [a-z]+ / {
   items++
   item[items] = $1

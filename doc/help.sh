@@ -1,6 +1,6 @@
 #!/bin/sh
-# All that the tool says about itself, for help.awk: the help of the program and
-# of each command that it lists, every one behind a line "== COMMAND".
+# Prints the help of the program and of each of its commands, for help.awk.  Each
+# help text follows a line "== COMMAND".
 #
 #   help.sh ./hbil
 set -eu

@@ -1,15 +1,20 @@
-# hbil.h as man pages: hbil.3 from the comment it begins with, and a page for
-# each of its parts, named after the part's title.
+# The public headers as man pages: hbil.3 from the comment at the beginning of
+# hbil.h, and a page for each part of a header, named after the part's title.
 #
-#   awk -v version=V -v folder=DIR -f roff.awk -f man3.awk hbil.h
+#   awk -v version=V -v folder=DIR -f roff.awk -f man3.awk \
+#     include/hbil/hbil.h include/hbil/hbil_stages.h
 #
 # DIR/links gets a line "NAME PAGE" for every function and type that is on a
-# page of another name.  What the header is written like: parts begin with a
-# rule and a title, each a comment of one line; a blank line ends a comment with
-# the declarations that it is about.
+# page of another name.
+#
+# A header begins with a comment whose first line is "NAME: what it is".  In
+# further headers the rest of this comment introduces their first part.  A part
+# begins with a line of dashes and a title, each a comment of one line.  A blank
+# line ends a comment and the declarations below it.
 
-# Prose of a comment, in paragraphs.  What is indented more than `margin` stands
-# as it is; a list of numbers and lines all in capitals are what they look like.
+# Writes the prose of a comment in paragraphs.  Lines that are indented by more
+# than `margin` are copied as they are.  Numbered lines become a list, and lines
+# in capitals become headings.
 function write_prose(text, margin,    lines, count, i, line, verbatim, begun) {
   count = split(text, lines, "\n")
   verbatim = 0
@@ -62,7 +67,7 @@ function write_code(text,    lines, count, i) {
   print ".EE" > page
 }
 
-# Names that a declaration introduces.
+# Collects the names that a declaration introduces.
 function note_names(code,    lines, count, i, name) {
   count = split(code, lines, "\n")
   for (i = 1; i <= count; i++) {
@@ -95,7 +100,8 @@ function end_comment_and_code() {
   comment = code = ""
 }
 
-# Lines that go on under a parenthesis move with it.
+# A declaration without HBIL_API.  Lines that continue below a parenthesis move
+# to the left with it.
 function without_api(text) {
   gsub(/HBIL_API /, "", text)
   gsub(/\n             /, "\n    ", text)
@@ -109,7 +115,7 @@ function end_part(    i) {
   page = folder "/" part ".3"
   print page_head(part, 3) > page
   print ".SH NAME\n" listed " \\- " prose_line(tolower(title)) > page
-  print ".SH SYNOPSIS\n.EX\n#include <hbil/hbil.h>" > page
+  print ".SH SYNOPSIS\n.EX\n#include <" header ">" > page
   for (i = 1; i <= blocks; i++)
     if (codes[i] ~ /^HBIL_API/)
       print code_line(without_api(codes[i])) > page
@@ -160,15 +166,28 @@ function bare(line) {
   return line
 }
 
-# the comment that the file begins with
-part == "" && !overview_done {
-  if (/^ \*\/$/)
-    overview_done = 1
-  else if (/^ \* hbil: /) {
+FNR == 1 {
+  end_part()
+  part = ""
+  header = FILENAME
+  sub(/^.*include\//, "", header)
+  introduction_done = 0
+  introduction = ""
+}
+
+# the comment at the beginning of a header
+part == "" && !introduction_done {
+  if (/^ \*\/$/) {
+    introduction_done = 1
+    if (NR == FNR) {
+      overview = introduction
+      introduction = ""
+    }
+  } else if (/^ \* hbil: /) {
     first = $0
     sub(/^ \* hbil: /, "", first)
-  } else if (!/^\/\*$/)
-    overview = overview bare($0) "\n"
+  } else if (!/^\/\*$/ && !/^ \* [a-z_.]+: /)
+    introduction = introduction bare($0) "\n"
   next
 }
 
@@ -183,6 +202,9 @@ rule {
   sub(/:.*/, "", part)
   gsub(/ /, "_", part)
   part = "hbil_" tolower(part)
+  comment = introduction
+  introduction = ""
+  end_comment_and_code()
   next
 }
 
@@ -203,7 +225,7 @@ in_comment {
   next
 }
 
-# a blank line inside a struct belongs to it
+# A blank line inside a struct does not end it.
 /^$/ && code !~ /\{[^}]*$/ { end_comment_and_code(); next }
 
 { code = code (code == "" ? "" : "\n") $0 }

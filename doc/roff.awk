@@ -1,6 +1,6 @@
-# Text for man pages, for the scripts that write them.
+# Functions that write text for man pages.
 
-# A line as it is, in prose.
+# Escapes a line of prose.
 function prose_line(text) {
   gsub(/\\/, "\\e", text)
   gsub(/--/, "\\-\\-", text)
@@ -15,7 +15,7 @@ function prose_line(text) {
   return text
 }
 
-# A line that is to be copied from the page.
+# Escapes a line of code, so that it can be copied from the page.
 function code_line(text) {
   gsub(/\\/, "\\e", text)
   gsub(/-/, "\\-", text)

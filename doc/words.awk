@@ -1,5 +1,5 @@
-# What completion offers, for the scripts behind it on awk's command line; they
-# write it out in write_completion().
+# Collects what completion offers.  The script that follows on awk's command line
+# writes it in write_completion():
 #
 #   names, abouts[name]            commands, in order, with spaces between
 #   flags_of[name]                 all flags of a command
@@ -23,8 +23,8 @@ function at_heading(text) {}
 function at_prose(text) {}
 function at_item(name, text) {}
 
-# Words are given as yes|no, or as one in small letters; what isn't, is a value
-# of another kind.
+# A value is a choice of words if its name is like yes|no, or one word in small
+# letters.  All other names stand for values of another kind.
 function at_option(flags, value, text,    flag, count, i, kind, words) {
   words = ""
   if (value == "")

@@ -1,7 +1,8 @@
 /*
- * The least that a program does: ambient occlusion of one frame.
+ * The smallest program: it computes the ambient occlusion of one frame.
  *
- * A room's corner, made of three planes, takes the place of your renderer.
+ * The frame is the corner of a room, made of three planes.  In your program it
+ * comes from your renderer.
  */
 #include <hbil/hbil.h>
 
@@ -11,11 +12,12 @@
 enum { WIDTH = 320, HEIGHT = 180 };
 
 static float depth[HEIGHT][WIDTH];
-static float normal[3][HEIGHT][WIDTH]; /* planar: all x, all y, all z */
+static float normal[3][HEIGHT]
+                   [WIDTH]; /* planar: first all x, then all y, then all z */
 static float ao[HEIGHT][WIDTH];
 
-/* View space: x right, y down, z forward.  Floor y = 1, left wall x = -2, back
- * wall z = 5. */
+/* Draws a floor at y = 1, a left wall at x = -2 and a back wall at z = 5, in
+ * view space: x right, y down, z forward. */
 static void draw_corner(const hbil_camera *c) {
   for (int y = 0; y < HEIGHT; ++y)
     for (int x = 0; x < WIDTH; ++x) {
@@ -36,7 +38,8 @@ static int fail(const char *what, const char *why) {
 }
 
 int main(void) {
-  /* Yours: a device, a context, a queue, and buffers with a frame in them. */
+  /* Your program has these: a device, a context, a queue, and buffers with a
+   * frame. */
   cl_platform_id platforms[16];
   cl_device_id device = NULL;
   cl_uint count = 0;
@@ -64,7 +67,7 @@ int main(void) {
   frame.ao.buffer =
       clCreateBuffer(context, CL_MEM_WRITE_ONLY, sizeof ao, NULL, NULL);
 
-  /* Once: a plan for this size, these inputs and these outputs. */
+  /* Once, create a plan for this size, these inputs and these outputs. */
   hbil_config config;
   hbil_config_init(&config);
   config.width = WIDTH;
@@ -78,7 +81,7 @@ int main(void) {
   if (status == HBIL_SUCCESS)
     status = hbil_plan_create(hbil, &config, &plan);
 
-  /* Every frame. */
+  /* For every frame, enqueue it. */
   if (status == HBIL_SUCCESS)
     status = hbil_enqueue_frame(plan, queue, &frame, 0, NULL, NULL);
   if (status != HBIL_SUCCESS)
@@ -100,6 +103,6 @@ int main(void) {
   clReleaseMemObject(frame.depth.buffer);
   clReleaseCommandQueue(queue);
   clReleaseContext(context);
-  /* Neither open (1) nor closed (0); false for NaN, too. */
+  /* A corner is neither open (1) nor closed (0).  NaN fails as well. */
   return mean > 0.5 && mean < 0.99 ? 0 : fail("mean", "not that of a corner");
 }

@@ -1,10 +1,10 @@
 /*
- * hbil inside a renderer that has its own way of storing and scheduling: an
- * out-of-order queue, interleaved G-buffer with padded rows, half floats, and
- * nothing but events to say what comes after what.
+ * hbil inside an existing renderer.  This renderer has an out-of-order queue,
+ * orders its commands by events only, and stores interleaved planes with padded
+ * rows, partly in half floats.
  *
- * A floor between a red and a green wall, both lit evenly.  Two frames, so that
- * the light of the first bounces again in the second.
+ * The scene is a floor between a red and a green wall, both lit evenly.  There
+ * are two frames: light of the first one bounces again in the second one.
  */
 #include <hbil/hbil.h>
 
@@ -17,7 +17,7 @@ enum {
   WIDTH = 250,
   HEIGHT = 141,
   FRAMES = 2,
-  /* The renderer keeps a header in front of each image, and aligns rows. */
+  /* The renderer has a header before each image, and aligns rows; bytes. */
   HEADER = 512,
   GEOMETRY_ROW = 4096, /* RGBA fp32: normal, depth */
   ALBEDO_ROW = 1024,   /* RGBA8 */
@@ -29,7 +29,7 @@ typedef struct renderer {
   cl_context context;
   cl_command_queue queue;
   cl_mem geometry, albedo, direct, result;
-  /* What is uploaded and downloaded; lives until the queue is done. */
+  /* Memory for uploads and downloads, which the queue uses until it is done. */
   unsigned char host_geometry[HEADER + GEOMETRY_ROW * HEIGHT];
   unsigned char host_albedo[HEADER + ALBEDO_ROW * HEIGHT];
   unsigned char host_direct[HEADER + LIGHT_ROW * HEIGHT];
@@ -122,7 +122,8 @@ static renderer *renderer_create(void) {
   cl_int error;
   r->context = clCreateContext(NULL, 1, &r->device, NULL, NULL, &error);
   check_cl(error, "clCreateContext");
-  /* Devices without it run the commands in order, which is right as well. */
+  /* Devices without out-of-order queues run the commands in order, which is
+   * correct as well. */
   cl_command_queue_properties can = 0;
   clGetDeviceInfo(r->device, CL_DEVICE_QUEUE_PROPERTIES, sizeof can, &can,
                   NULL);
@@ -150,7 +151,8 @@ static void renderer_destroy(renderer *r) {
   free(r);
 }
 
-/* Uploads a frame after `after`; three events say when it has arrived. */
+/* Uploads a frame after the event `after`.  Returns the events of the three
+ * uploads in `done`. */
 static void upload(renderer *r, cl_event after, cl_event done[3]) {
   check_cl(clEnqueueWriteBuffer(r->queue, r->geometry, CL_FALSE, 0,
                                 sizeof r->host_geometry, r->host_geometry, 1,
@@ -194,12 +196,12 @@ static hbil_frame frame_of(const renderer *r, cl_uint index) {
   hbil_frame_init(&f);
   f.camera = camera();
   f.frame_index = index;
-  /* Depth is the fourth component of the pixels that hold the normal. */
+  /* Depth is the fourth component of the pixels with the normal. */
   f.normal = (hbil_plane){r->geometry, HEADER, GEOMETRY_ROW, 0};
   f.depth = (hbil_plane){r->geometry, HEADER + 12, GEOMETRY_ROW, 0};
   f.albedo = (hbil_plane){r->albedo, HEADER, ALBEDO_ROW, 0};
   f.direct = (hbil_plane){r->direct, HEADER, LIGHT_ROW, 0};
-  /* RGBA fp16: near light, and visibility as alpha. */
+  /* The result is RGBA fp16, with E_near as RGB and AO as alpha. */
   f.near_irradiance = (hbil_plane){r->result, HEADER, LIGHT_ROW, 0};
   f.ao = (hbil_plane){r->result, HEADER + 6, LIGHT_ROW, 0};
   return f;
@@ -210,14 +212,15 @@ static void release(cl_event *events, int count) {
     clReleaseEvent(events[i]);
 }
 
-/* Enqueues all frames behind `gate`; the event of the last download. */
+/* Enqueues all frames after the event `gate`.  Returns the event of the last
+ * download. */
 static cl_event enqueue_all(renderer *r, hbil_context *hbil, hbil_plan *plan,
                             cl_event gate) {
   cl_event last = gate;
   clRetainEvent(last);
   for (cl_uint i = 0; i < FRAMES; ++i) {
     cl_event uploads[3], lit, read;
-    /* The buffers are free again once the last frame has been read. */
+    /* The buffers are free again when the last result has been read. */
     upload(r, last, uploads);
     hbil_frame frame = frame_of(r, i);
     check(hbil_enqueue_frame(plan, r->queue, &frame, 3, uploads, &lit), hbil);
@@ -233,7 +236,8 @@ static cl_event enqueue_all(renderer *r, hbil_context *hbil, hbil_plan *plan,
   return last;
 }
 
-/* Means over the floor next to the red wall; false if a value is not finite. */
+/* Computes means over the floor next to the red wall.  Returns 0 if a value is
+ * negative or not finite. */
 static int measure(const unsigned char *result, float mean[4]) {
   int count = 0, sane = 1;
   memset(mean, 0, 4 * sizeof *mean);
@@ -255,8 +259,8 @@ int main(void) {
   check(hbil_context_create(r->context, r->device, &hbil), hbil);
   hbil_plan *plan = plan_create(hbil);
 
-  /* Nothing runs before the gate opens, and nobody waits for it: both frames
-   * are enqueued while their input is still to come. */
+  /* No command runs before the gate opens, and no call waits for it.  So both
+   * frames are enqueued before their inputs have arrived. */
   cl_int error;
   cl_event gate = clCreateUserEvent(r->context, &error);
   check_cl(error, "clCreateUserEvent");

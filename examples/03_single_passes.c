@@ -1,9 +1,10 @@
 /*
- * Pass by pass, with one pass replaced: the caller's own kernel undoes the 4x4
- * interleave and filters, in place of hbil_enqueue_recompose().
+ * The passes of a frame, one by one, with one of them replaced.  A kernel of
+ * this program reverses the 4x4 interleaving and filters the result, in place
+ * of hbil_enqueue_recompose().
  *
- * The frame is then computed once more with hbil's own filter; the two must
- * agree on average.
+ * Then the frame is computed again with the library's filter.  Both results
+ * must agree on average.
  */
 #include <hbil/hbil_stages.h>
 
@@ -11,13 +12,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { WIDTH = 318, HEIGHT = 181 }; /* no multiples of 4 */
+enum {
+  WIDTH = 318,
+  HEIGHT = 181
+}; /* not multiples of 4, to show that any size works */
 
 /*
- * One work-item per pixel: the mean of the 4x4 pixels round it whose inverse
- * depth is near its own, so that every direction of the pattern counts once.
- * Pitches are in floats, as hbil_plan_buffer() gives them; so is the number of
- * values, which leaves out at the end what no output of the plan needs.
+ * The filter, with one work-item per pixel.  It averages those of the 4x4
+ * pixels around the pixel that have a similar inverse depth.  Each direction of
+ * the sampling pattern occurs once among 4x4 pixels.  Pitches are in floats,
+ * and `values` is the number of planes; hbil_plan_buffer() returns both.
  */
 static const char *const filter_source =
     "typedef struct { uint plane, layer, row, origin; } pitches;\n"
@@ -43,7 +47,7 @@ static const char *const filter_source =
     "      for (int p = 0; p < values; ++p)\n"
     "        mean[p] += gathered[at(g, p, u, v)];\n"
     "    }\n"
-    "  if (total == 0) { /* sky: open, dark */\n"
+    "  if (total == 0) { /* sky: AO 1, no light */\n"
     "    mean[0] = 1;\n"
     "    total = 1;\n"
     "  }\n"
@@ -79,7 +83,7 @@ static void check(hbil_status status, const hbil_context *hbil) {
          hbil != NULL ? hbil_context_message(hbil) : "no context");
 }
 
-/* A floor and two walls under open sky, lit evenly. */
+/* Draws a floor and two walls under an open sky, lit evenly. */
 static void draw_corner(const hbil_camera *c) {
   for (int y = 0; y < HEIGHT; ++y)
     for (int x = 0; x < WIDTH; ++x) {
@@ -88,7 +92,7 @@ static void draw_corner(const hbil_camera *c) {
       double wall_z = rx < 0.0 ? -2.0 / rx : INFINITY;
       double z = fmin(5.0, fmin(floor_z, wall_z));
       if (z * ry < -1.5)
-        continue; /* above the walls: depth 0 is sky */
+        continue; /* above the walls; depth 0 is sky */
       depth[y][x] = (float)z;
       normal[0][y][x] = z == wall_z ? 1.0f : 0.0f;
       normal[1][y][x] = z == floor_z && z != wall_z ? -1.0f : 0.0f;
@@ -129,11 +133,12 @@ static cl_kernel build_filter(cl_context context, cl_device_id device) {
            "clBuildProgram");
   cl_kernel kernel = clCreateKernel(program, "filter", &error);
   check_cl(error, "clCreateKernel");
-  clReleaseProgram(program); /* the kernel keeps it */
+  clReleaseProgram(program); /* the kernel retains it */
   return kernel;
 }
 
-/* Two arguments of the kernel; returns the number of values. */
+/* Sets two arguments of the kernel: the buffer of a stage, and its pitches.
+ * Returns the number of values. */
 static cl_int set_stage(cl_kernel kernel, cl_uint argument,
                         const hbil_plan *plan, const hbil_context *hbil,
                         hbil_stage stage) {
@@ -148,7 +153,8 @@ static cl_int set_stage(cl_kernel kernel, cl_uint argument,
   return (cl_int)b.values;
 }
 
-/* The passes in their order; the queue runs them one after the other. */
+/* Enqueues the passes in their order.  The in-order queue runs them one after
+ * the other. */
 static void enqueue_passes(hbil_plan *plan, const hbil_context *hbil,
                            cl_command_queue queue, const hbil_frame *frame,
                            cl_kernel filter) {
@@ -204,7 +210,8 @@ static double alignment(void) {
   return sum / (double)count;
 }
 
-/* A NaN anywhere makes the means NaN, and the comparison false. */
+/* Compares the two results.  A NaN in a picture makes its mean NaN, which fails
+ * as well. */
 static int agree(void) {
   double a[2], e[2], cosine = alignment();
   for (int i = 0; i < 2; ++i) {
@@ -244,7 +251,7 @@ int main(void) {
 
   hbil_config config;
   hbil_config_init(&config);
-  config.storage = HBIL_STORAGE_FLOAT32; /* our filter reads plain planes */
+  config.storage = HBIL_STORAGE_FLOAT32; /* the filter below reads floats */
   config.width = WIDTH;
   config.height = HEIGHT;
   config.depth = config.normal = config.direct = config.ao =
@@ -258,7 +265,7 @@ int main(void) {
   cl_kernel filter = build_filter(context, device);
   enqueue_passes(plan, hbil, queue, &frame, filter);
   read_back(queue, &frame, 0);
-  hbil_plan_reset(plan); /* or the second run would carry the first's light */
+  hbil_plan_reset(plan); /* else light of the first run would be carried over */
   check(hbil_enqueue_frame(plan, queue, &frame, 0, NULL, NULL), hbil);
   read_back(queue, &frame, 1);
 

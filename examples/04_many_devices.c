@@ -1,11 +1,11 @@
 /*
- * All devices of a machine at once: each has a context, a plan and a thread of
- * its own, and takes the next view of a list as soon as it is done with one, so
- * that a fast device does more of them than a slow one.
+ * All devices of a machine at once.  Each device has a context, a plan and a
+ * thread of its own.  It takes the next view from a list when it has finished
+ * one, so fast devices compute more views than slow ones.
  *
- * Views that don't follow one another need no common history.  (Those of a
- * sequence do: give each device a shot.)  A machine that has but one device
- * works with its halves, where that can be parted.
+ * These views are independent of each other.  Frames of a sequence share a
+ * history, so give each device a whole shot instead.  If the machine has only
+ * one device, the program splits it into two halves, if the device allows that.
  */
 #include <hbil/hbil.h>
 
@@ -16,8 +16,8 @@
 
 enum { WIDTH = 320, HEIGHT = 180, VIEWS = 12, DEVICES = 16 };
 
-/* Devices round differently, which moves single samples over an edge; of the
- * mean over a picture that leaves 1e-6 or less. */
+/* Devices round differently, which can move single samples over an edge.  This
+ * changes the mean over a picture by 1e-6 or less. */
 static const double same_mean = 1e-5;
 
 typedef struct worker {
@@ -29,12 +29,12 @@ typedef struct worker {
   hbil_frame frame;
   float depth[HEIGHT][WIDTH], normal[3][HEIGHT][WIDTH], ao[HEIGHT][WIDTH];
   pthread_t thread;
-  int views; /* that this one has done */
+  int views; /* that this worker has computed */
 } worker;
 
 static worker workers[DEVICES];
 
-/* What the threads share: the next view, and what became of each. */
+/* Shared by the threads: the next view, and the results. */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static int next_view;
 static double visibility[VIEWS];
@@ -46,7 +46,7 @@ static int take_view(void) {
   return view;
 }
 
-/* A room's corner with a wall that is farther away from view to view. */
+/* Draws the corner of a room.  Its wall is farther away in each view. */
 static void draw_view(worker *w, int view) {
   const hbil_camera *c = &w->frame.camera;
   const double wall_x = -1.0 - 0.25 * view;
@@ -64,7 +64,7 @@ static void draw_view(worker *w, int view) {
     }
 }
 
-/* Mean visibility of a view; not a number if the device can't compute it. */
+/* Returns the mean visibility of a view, or NaN if the device fails. */
 static double light_view(worker *w, int view) {
   draw_view(w, view);
   cl_int error =
@@ -132,7 +132,7 @@ static bool open_worker(worker *w, cl_device_id device) {
   return false;
 }
 
-/* Of what open_worker() has made, all there is. */
+/* Releases what open_worker() has created, which may be a part only. */
 static void close_worker(worker *w) {
   hbil_plan_destroy(w->plan);
   hbil_context_destroy(w->hbil);
@@ -145,7 +145,7 @@ static void close_worker(worker *w) {
     clReleaseCommandQueue(w->queue);
   if (w->context != NULL)
     clReleaseContext(w->context);
-  clReleaseDevice(w->device); /* counts for halves alone */
+  clReleaseDevice(w->device); /* has an effect on halves of a device only */
 }
 
 static cl_uint find_devices(cl_device_id devices[DEVICES]) {
@@ -183,7 +183,9 @@ static void print_device(const char *what, cl_device_id device) {
   printf("%s: %s\n", what, name);
 }
 
-/* Those devices that light the first view as the first of them does. */
+/* Opens a worker for each device.  A device whose result of the first view
+ * differs from that of the first device is left out.  Returns the number of
+ * workers. */
 static int open_workers(void) {
   cl_device_id devices[DEVICES];
   const cl_uint found = find_devices(devices);
@@ -224,7 +226,7 @@ int main(void) {
     printf("device %d: %d views\n", i, workers[i].views);
     done += workers[i].views;
   }
-  /* One device alone must say the same; false for NaN, too. */
+  /* One device alone must compute the same.  NaN counts as wrong. */
   for (int view = 0; view < VIEWS; ++view) {
     const double alone = light_view(&workers[0], view);
     printf("view %2d: visibility %.4f\n", view, visibility[view]);

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""hbil from Python: G-buffers in pyopencl's buffers, results in numpy's arrays.
+"""hbil from Python: G-buffers in pyopencl buffers, results in numpy arrays.
 
-The installed header itself declares everything: cffi reads it, so no struct is
-written down a second time.  On Debian: apt-get install libhbil-dev python3-cffi
+cffi reads the declarations from the installed header, so no struct has to be
+declared again.  On Debian: apt-get install libhbil-dev python3-cffi
 python3-numpy python3-pyopencl.
 """
 import re
@@ -20,7 +20,7 @@ def load_hbil():
     """The library, and what its header declares."""
     include = subprocess.run(
         ["pkg-config", "--variable=includedir", "hbil"],
-        check=True, capture_output=True, text=True).stdout.span()
+        check=True, capture_output=True, text=True).stdout.rstrip()
     with open(include + "/hbil/hbil.h", encoding="utf-8") as header:
         text = header.read()
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)

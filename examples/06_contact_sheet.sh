@@ -1,13 +1,15 @@
 #!/bin/sh
-# A sequence that Blender has rendered, as one picture: a row for each of at most
-# eight frames with its indirect light, ambient occlusion and lit picture, free of
-# path tracing's noise, and by the temporal filter of the sampling's, too.
+# Makes one picture of a sequence that Blender has rendered.  It has a row for
+# each of at most eight frames, with ambient occlusion, indirect light and the
+# lit picture.  None has the noise of path tracing, and the average over frames
+# (--max-history-frames) removes that of the sampling.
 #
 #   06_contact_sheet.sh SHEET.png FRAME.exr...
 #
-# Blender: Cycles, passes Z, Normal, Diffuse Direct and Color, Emission, output
-# OpenEXR MultiLayer (32 bits); beside each frame its camera, FRAME.json.
-# HBIL may name another hbil than that which is installed.
+# In Blender, render with Cycles and the passes Z, Normal, Diffuse Direct,
+# Diffuse Color and Emission to OpenEXR MultiLayer (32 bits).  Beside each frame
+# there must be its camera, FRAME.json.  The environment variable HBIL names the
+# program if it is not the installed one.
 set -eu
 if test $# -lt 2; then
   echo "usage: $0 SHEET.png FRAME.exr..." >&2
@@ -19,6 +21,6 @@ work=$(mktemp -d "${TMPDIR:-/tmp}/sheet.XXXXXX")
 trap 'rm -rf "$work"' EXIT
 trap 'exit 2' HUP INT TERM
 
-# light and filter go from frame to frame, so these are frames of one shot
+# light is carried from frame to frame, so all frames must be of one shot
 "${HBIL:-hbil}" process --quiet --max-history-frames 8 --layers ao,indirect,beauty \
   --contact-sheet "$sheet" -o "$work/lit" "$@"

@@ -1,18 +1,19 @@
 /*
- * bounds: what the gather can skip.
+ * bounds: what the gather can leave out.
  *
- * For cells of 64x64 pixels, blocks of 256x256 and the whole picture: the
- * largest inverse depth, and whether there is light.  From these a span of the
- * gather knows that nothing in its reach stands above its tangent planes, or
- * that nothing there sends light (gather/skip.clh).  A cell counts as dark
- * where a quarter of its groups are: asking every sample whether it sends light
- * costs what it saves where fewer are dark.  For each block: the quadrants
- * about it in which there is light; half-slices that lie in the others gather
- * none.
+ * For cells of 64x64 pixels, blocks of 256x256 and the whole picture, the
+ * kernels compute the largest inverse depth, and whether there is light.  From
+ * these a span of the gather knows that nothing in its reach rises above its
+ * tangent planes, or that nothing there sends light (gather/skip.clh).  A cell
+ * counts as dark if at least a quarter of its groups are dark.  With fewer,
+ * asking every sample whether it sends light costs as much as it saves.
+ *
+ * For each block they compute in which of the quadrants around it there is
+ * light.  Half-slices in the other quadrants gather no light.
  *
  * In: what split notes about groups of pixels.  Out: grids of pairs of words
- * (shared.h); quadrants.  In a static frame whose light has not changed the
- * kernels leave at once.
+ * (shared.h); quadrants.  In a static frame whose light has not changed, the
+ * kernels return at once.
  */
 #include "shared.h"
 

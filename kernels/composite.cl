@@ -2,14 +2,19 @@
  * composite: far light through the bent cone, the outputs, and the light that
  * the next frame starts from.
  *
- * Cone (doc/method.md): AO is cosine weighted, so a cone of half-angle alpha
- * has AO = sin^2(alpha) and t = cos(alpha) = sqrt(1 - AO).  Order-2 SH through
- * it: E = sum sqrt(4 pi / (2l+1)) c_l(t) L_lm Y_lm(bent) c0 = sqrt(pi)/2
- * (1-t^2), c1 = sqrt(3 pi)/3 (1-t^3), c2 = sqrt(5 pi)/8 (3 (1-t^4) - 2 (1-t^2))
- * With the constants multiplied into the coefficients on the host this is
+ * Cone (doc/method.md, section 12): AO is cosine weighted, so a cone of
+ * half-angle alpha has AO = sin^2(alpha), and t = cos(alpha) = sqrt(1 - AO).
+ * Light of order-2 SH through it is
+ *   E  = sum sqrt(4 pi / (2l+1)) c_l(t) L_lm Y_lm(bent)
+ *   c0 = sqrt(pi)/2 (1-t^2)
+ *   c1 = sqrt(3 pi)/3 (1-t^3)
+ *   c2 = sqrt(5 pi)/8 (3 (1-t^4) - 2 (1-t^2))
+ * The host multiplies the constants into the coefficients, which leaves
  *   E = (1-t^2) s0 + (1-t^3) s1 . Y1 + (3 (1-t^4) - 2 (1-t^2)) s2 . Y2
  * with Y1 = (y, z, x), Y2 = (xy, yz, 3z^2-1, zx, x^2-y^2).
- * Fresnel: (1 - F0) of the light is reflected diffusely (Mayaux 2018, 2.3.3).
+ *
+ * Fresnel: the share 1 - F0 of the light is reflected diffusely (Mayaux 2018,
+ * 2.3.3).
  *
  * Launch: x = groups of LINE pixels of a row, y = rows.
  * In: resolved light, the estimate of unseen light, the caller's inputs.  Out:
@@ -84,7 +89,7 @@ STORER(error_estimate, ERROR_TYPE, ERROR_STRIDE)
  * take twice as long as fetching what they overwrite; whole lines take half. */
 #define PARTS (LINE / HBIL_WIDTH)
 
-/* Where the collected planes begin; those that are not asked for take no room.
+/* Where the collected planes begin.  Planes that are no outputs take no room.
  */
 enum {
   PENDING_AO = 0,
@@ -134,15 +139,15 @@ INLINE realv sh_light(const hbil_sh_args e, const realv *d, const realv *k) {
 
 /*
  * The share of the hemisphere that neither the screen blocks nor the sky
- * lights, for frames whose direct light holds the light of a sky of radiance
- * environment[0].  A pixel with direct light D (a radiance of the same scale)
- * sees at most the share D / sky of that sky (the largest over the channels:
- * without albedo renderers write no light).  So of the share that is open on
- * the screen, AO, at least dark = max(0, AO - D / sky) ends on something
- * unseen, or on a darker part of the sky.  An open direction is taken as
- * blocked as often as open ones are dark, dark / AO.  Where the sky lights
- * nothing, all of the dark share is blocked; a sky that varies counts in second
- * order only.  The share is AO where no sky is given.
+ * lights.  It is used if the direct light contains a sky of radiance
+ * environment[0].  A pixel with direct light D (as a radiance) sees at most the
+ * share D / sky of that sky, with the largest quotient of the three channels,
+ * because renderers write no light where the albedo is 0.  The screen leaves
+ * the share AO open.  Of this, at least dark = max(0, AO - D / sky) ends on
+ * something unseen, or on a darker part of the sky.  An open direction is
+ * assumed to be blocked with the probability dark / AO.  So all of AO is
+ * blocked where the sky lights nothing, and the variation of the sky has an
+ * effect in second order only.  The share is AO if no sky is given.
  */
 INLINE realv unlit_share(const hbil_composite_args args, realv ao,
                          global const void *buffer, int x, int y, int count) {
@@ -238,9 +243,9 @@ INLINE void count_sanitized(const intv *usable, intv solid,
 /* --- a vector of pixels
  * ------------------------------------------------------------- */
 
-/* What light and surface come to, into part `part` of the collected planes.
- * near_light: E_near, far: E_far, both of a channel; behind: what shows in the
- * sky. */
+/* Computes the outputs of a channel and stores them in part `part` of the
+ * collected planes.  near_light: E_near, far: E_far, both of the channel;
+ * behind: what the sky shows. */
 INLINE void compose_channel(const hbil_composite_args args, const inputs *in,
                             realv near_light, realv far, realv behind,
                             intv solid, int c, int x, int y, int count,
@@ -335,8 +340,8 @@ INLINE void compose(const hbil_composite_args args,
   if (GATHER_RADIANCE) {
 #pragma unroll
     for (int c = 0; c < 3; ++c) {
-      /* A sum of differences of angles may round to just below 0.  NaN stays
-       * NaN, to be seen. */
+      /* A sum of differences of angles may round to just below 0.  NaN remains
+       * NaN, so that it can be seen. */
       near_light[c] = READV(at + (HBIL_LIGHT_RED + c) * plane);
       near_light[c] = select(near_light[c], (realv)0.0f, near_light[c] < 0.0f);
     }

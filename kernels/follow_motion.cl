@@ -81,7 +81,7 @@ kernel void follow_motion(const hbil_follow_motion_args args,
   const intv position = four.top * (int)planes.row + four.left;
   realv tap[HBIL_HISTORY_PLANES][4], light[3], total;
   window from;
-  /* Each branch has taps of its own: a value that either may change would go
+  /* Each branch has its own taps, because a value that both may change would go
    * through memory. */
   if (find_window(position, four.inside, planes.row, &from)) {
 #pragma unroll

@@ -1,15 +1,16 @@
 /*
  * gather: AO, E_near and the bent normal of every pixel, layer by layer.
  *
- * For each slice of a pixel, and for each of its two sides: march outwards and
- * let samples raise the horizon (gather/march.clh); sum up what they take and
- * what stays open (gather/hemisphere.clh).  gather/variant.clh has the build
- * defines.
+ * For each slice of a pixel and each of its two sides, the kernel marches
+ * outwards and lets samples raise the horizon (gather/march.clh).  It sums up
+ * what they block and what remains open (gather/hemisphere.clh).
+ * gather/variant.clh has the build defines.
  *
- * Launch: x = spans of a layer's row (single pixels where HBIL_WIDTH is 1), y =
- * layer rows, z = layers. In: split planes, the table of steps, bounds, uses.
- * Out: light planes, which lie as the split planes do; what was skipped, for
- * hbil_plan_statistics(); the horizon cache.
+ * Launch: x = spans of a layer's row (single pixels if HBIL_WIDTH is 1), y =
+ * layer rows, z = layers.
+ * In: split planes, the table of steps, bounds, uses.  Out: light planes, in
+ * the layout of the split planes; for hbil_plan_statistics(), which work was
+ * left out; the horizon cache.
  */
 #include "gather/hemisphere.clh"
 
@@ -106,7 +107,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     sky |= c[v].w <= SKY;
   }
 
-  /* what can be skipped, and a note of it */
+  /* what can be left out, noted for the statistics */
   const float nearest = nearest_of(c, split + at, x);
   span_bounds span = bounds_of_span(args, nearest, x, y, layer);
   light_reach found = {LIGHT_ALL, HBIL_ALL_QUADRANTS};
@@ -130,14 +131,14 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     for (int v = 0; v < SPAN_VECTORS; ++v)
       split_radiance(here + v * HBIL_WIDTH, in.plane, c[v].own);
 #endif
-  /* Without light in reach, prefetches go to what is there already; a branch on
-   * the way would cost more. */
+  /* Without light in reach, prefetches fetch what is cached already.  A branch
+   * on the way would cost more. */
   const bool is_dark = found.how_much == LIGHT_NONE;
   if (is_dark)
     found.quadrants = 0u;
   const span_march how = {
       split + (uint)y * in.row + (uint)x, is_dark ? 0u : in.plane, x, y,
-      /* a single slice is weighted even where nothing is looked at */
+      /* a single slice has a weight even if nothing was searched */
       WEIGHT_PLANE && skips_all ? 0 : args.steps, span.reach,
       ((float)hbil_shift_slot(layer) + 0.5f) / 16.0f, found};
   const int slices = !skips_all                                   ? args.slices

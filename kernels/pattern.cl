@@ -1,12 +1,14 @@
 /*
  * pattern: the table of steps that the gather walks, one entry per level,
- * layer, half-slice and sample: a few thousand entries.  It is made anew when
- * the camera or hbil_frame.frame_index changes.
+ * layer, half-slice and sample: a few thousand entries.  It is computed again
+ * when the camera or hbil_frame.frame_index changes.
  *
- * Order: ((level * 16 + layer) * 2 slices + half) * (steps + 1) + k, half =
- * 2 slice + (0: along u, 1: along -u).  Entry 0 of a half-slice holds its
- * direction alone, in ux and uy; its samples follow. Launch: x = level * 16 +
- * layer, y = half-slice.
+ * Entry k of a half-slice has the index
+ *   ((level * 16 + layer) * 2 slices + half) * (steps + 1) + k
+ * where half = 2 slice + (0: along u, 1: along -u).  Entry 0 has only the
+ * direction, in ux and uy; the samples follow.
+ *
+ * Launch: x = level * 16 + layer, y = half-slice.
  */
 #include "lib/sampling_pattern.h"
 

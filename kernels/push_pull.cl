@@ -2,15 +2,17 @@
  * push_pull: fills the holes that reprojection leaves (Mayaux 2018, 3.2; Kraus
  * 2009).
  *
- * push: a coarser texel is the weighted mean of its valid children; its weight
- * is their share.  pull: texels without weight take the bilinear value of the
- * coarser level, which has been filled before.  Valid texels are never changed,
- * nor is the sky, whose weight is below 0: it needs no light.
+ * push: a coarser texel is the weighted mean of its valid children, and its
+ * weight is their share.  pull: texels without weight take the bilinear value
+ * of the coarser level, which has been filled before.  Valid texels are never
+ * changed, nor is the sky, whose weight is below 0 because it needs no light.
  *
- * Where the finest level has no hole both leave at once; the coarser levels are
- * not read then. Launch: x = vectors of HBIL_WIDTH texels of the level that is
- * written (find_holes: read), y = its rows.  Planes per level: RGB and weight,
- * rows padded to 4 HBIL_WIDEST.
+ * If the finest level has no holes, both return at once, and the coarser
+ * levels are not read.
+ *
+ * Launch: x = vectors of HBIL_WIDTH texels of the level that is written
+ * (find_holes: read), y = its rows.  Planes per level: RGB and weight, rows
+ * padded to 4 HBIL_WIDEST.
  */
 #include "lib/vectors.clh"
 
@@ -19,7 +21,7 @@
   left = (p)[0];                                                               \
   right = (p)[1]
 #else
-/* Of 2 HBIL_WIDTH neighbours those at even and those at odd places. */
+/* Splits 2 HBIL_WIDTH neighbours into those at even and those at odd places. */
 #define PAIRS(p, left, right)                                                  \
   left = (realv)(LOADV(p).even, LOADV((p) + HBIL_WIDTH).even);                 \
   right = (realv)(LOADV(p).odd, LOADV((p) + HBIL_WIDTH).odd)
@@ -38,11 +40,11 @@ kernel void find_holes(const hbil_push_pull_args args,
       LOADV(chain + finest.offset + HBIL_CARRIED_WEIGHT * finest.plane +
             (uint)y * finest.row + (uint)x);
   if (ANY((weight == 0.0f) & (x + EACH_LANE < finest.width)))
-    flags[HBIL_FLAG_HOLES] = 1u; /* all who write write the same */
+    flags[HBIL_FLAG_HOLES] = 1u; /* all work-items write the same value */
 }
 
-/* Children past the right edge or below the last row count for nothing,
- * whatever the padding holds. */
+/* Children past the right edge or below the last row have no weight, whatever
+ * the padding holds. */
 kernel void push(const hbil_push_pull_args args, global float *chain,
                  global const uint *flags) {
   const hbil_chain_args fine = args.fine, coarse = args.coarse;

@@ -2,26 +2,27 @@
  * recompose: layers -> full resolution.
  *
  * Each pixel of a 4x4 block has gathered along its own directions.  A joint
- * bilateral filter over the 5x5 pixels around it brings them together, guided
- * by depth and normal (lib/filter_weight.clh).
+ * bilateral filter over the 5x5 pixels around it combines them, guided by
+ * depth and normal (lib/filter_weight.clh).
  *
- * All 16 layers have the same weight: nine of them are around the pixel once;
- * those of the outer ring are there twice and count half; the layer of the
- * corners is there four times, and two opposite corners are enough, as they
- * leave the centre of mass where it is.
+ * All 16 layers have the same total weight.  Nine of them occur once around
+ * the pixel.  Those of the outer ring occur twice and count half.  The layer
+ * of the corners occurs four times; two opposite corners are used, which
+ * leaves the centre of mass at the pixel.
  *
- * With a single slice per pixel, slices weigh J A(theta_t), as they do within a
- * pixel: AO and light are quotients of sums over the neighbourhood.  Means of
- * quotients would favour what a slice of little weight happens to meet
- * (WEIGHT_PLANE: the plane of the weights, or 0).
+ * With a single slice per pixel, slices weigh J A(theta_t), as they do within
+ * a pixel: AO and light are quotients of sums over the neighbourhood.  Means
+ * of quotients would favour slices that cover little of the hemisphere.
+ * WEIGHT_PLANE is the plane of the weights, or 0.
  *
  * The spread of the neighbours' light tells how far their mean may be off
- * (hbil_config.error_estimate; ERROR_PLANE: where errors follow the light).
+ * (hbil_config.error_estimate).  ERROR_PLANE is the plane where the errors
+ * begin.
  *
- * Launch: x = groups of 4 pixels of a row, y = rows; where HBIL_WIDTH is more
- * than 1, x = groups of 4*HBIL_SPAN pixels, y = HBIL_RECOMPOSE_ROWS rows. In:
- * split planes, gathered light planes.  Out: light planes, full resolution; the
- * bent normal is of unit length or 0.
+ * Launch: x = groups of 4 pixels of a row, y = rows.  If HBIL_WIDTH is more
+ * than 1: x = groups of 4*HBIL_SPAN pixels, y = HBIL_RECOMPOSE_ROWS rows.
+ * In: split planes, gathered light planes.  Out: light planes, full
+ * resolution; the bent normal has length 1 or 0.
  */
 
 #include "lib/filter_weight.clh"
@@ -149,8 +150,8 @@ INLINE void add_squares(sums *s, const float *t, realv weight) {
 #endif
 }
 
-/* Call it when the sums have become means.  The variance is a difference of
- * squares: what is below 2^-12 of the mean is rounding. */
+/* The sums must have become means before.  The variance is a difference of
+ * squares, so anything below 2^-12 of the mean is rounding. */
 INLINE void errors_of(const sums *s, const hbil_error_args errors, realv *ao,
                       realv *near_irradiance) {
   const realv inv_total = 1.0f / s->total, zero = 0.0f;
@@ -232,7 +233,7 @@ INLINE void normalize_bent(sums *s) {
 }
 #endif
 
-/* Sums to means. */
+/* Turns sums into means. */
 INLINE void mean(sums *s) {
 #if !UNFILTERED
   const realv inv_total = 1.0f / s->total;
@@ -269,7 +270,7 @@ INLINE void finish(sums *s, global const float *estimate) {
                                   do_this(1, 2, 0.5f) do_this(2, 2, 0.5f)
 
 /* Sums for the pixels (4 x + column, 4 y + row) and every fourth to their
- * right. rows: the five unpacked rows around them, from pixel x - 1 on. */
+ * right.  rows: the five unpacked rows around them, from pixel x - 1 on. */
 #if HBIL_WIDTH == 1
 #define NEIGHBOUR(i, j)                                                        \
   (load_tap(in, lit, split, light, column + (i), row + (j), x, y, loaded),     \
@@ -323,8 +324,8 @@ INLINE void store_plane(const sums *value, int p, global float *to) {
   store_columns(column, to);
 }
 
-/* 4*HBIL_WIDTH pixels of row 4 y + row.  The columns stay a loop: unrolled they
- * would need four times the registers. */
+/* 4*HBIL_WIDTH pixels of row 4 y + row.  The loop over columns is not unrolled,
+ * because that would need four times the registers. */
 INLINE void resolve(const hbil_view_args view, const hbil_layer_args in,
                     const hbil_layer_args lit, global const float *split,
                     global const float *light, global const float *estimate,

@@ -1,11 +1,11 @@
 /*
- * regather: E_near of a frame in which nothing but light is new, by the horizon
- * cache that the gather has filled in the last frame (lib/horizon_cache.clh).
- * AO, bent normals and all else stay as the gather left them.
+ * regather: E_near of a frame in which only the light is new, from the horizon
+ * cache that the gather has filled in an earlier frame
+ * (lib/horizon_cache.clh).  AO and bent normals do not change.
  *
- * Launch: as the gather's, of the rows that the cache holds.
- * In: split planes, horizon cache, what was skipped for each span.  Out: E_near
- * in the light planes.
+ * Launch: like the gather, for the rows that are in the cache.
+ * In: split planes, horizon cache, the work that was left out for each span.
+ * Out: E_near in the light planes.
  */
 #include "lib/gathered_planes.clh"
 #include "lib/horizon_cache.clh"
@@ -15,7 +15,7 @@
 #error EXTRAPOLATE must be 0..1
 #endif
 
-/* What a half-slice's samples send. */
+/* The light that a half-slice's samples send. */
 INLINE light_sum half_slice_light(cache_cursor *cache, const realv own[3],
                                   global const float *from, uint plane) {
   light_sum s = no_light(own);

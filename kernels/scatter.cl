@@ -1,19 +1,20 @@
 /*
- * scatter: the light of the last frame, seen from this one, by the movement of
- * the camera (Mayaux 2018, 3.2).
+ * scatter: the light of the last frame as seen from this one, by the movement
+ * of the camera (Mayaux 2018, 3.2).
  *
  * Every point of the last frame is projected into this one.  At each pixel the
- * nearest point wins, of equally near ones the first in the order of the
- * pixels, and one reader per pixel fetches the colour: the same result on every
- * run and device. The bits of positive floats have the order of the floats.
+ * nearest point wins; among equally near ones, the first in pixel order wins.
+ * So the result is the same in every run and on every device.  The bits of
+ * positive floats have the same order as the floats.
  *
- * On CPUs (HBIL_WIDTH above 1) bands of rows of this frame belong to one
- * work-item each, which needs no atomics and fetches the colours, too.  On GPUs
- * two kernels find the nearest: atomic_min on the depths, then on the sources
- * among those that match.
+ * On CPUs (HBIL_WIDTH above 1), each band of rows of this frame belongs to one
+ * work-item, which needs no atomics and fetches the colours as well.  On GPUs,
+ * two kernels find the nearest point: one by atomic_min on the depths, one by
+ * atomic_min on the sources that match.  A third fetches the colours.
  *
- * Launch, where nothing else is said: x = vectors of HBIL_WIDTH pixels, y =
- * rows. In: history planes.  Out: carried planes, and whether there are holes.
+ * Launch, unless a kernel says otherwise: x = vectors of HBIL_WIDTH pixels, y
+ * = rows.
+ * In: history planes.  Out: carried planes, and whether there are holes.
  */
 #include "lib/carried_light.clh"
 
@@ -70,10 +71,10 @@ INLINE intv targets_of(const hbil_scatter_args args,
 #if HBIL_WIDTH > 1
 
 /*
- * Every band of rows of this frame belongs to one work-item, which alone writes
- * there.  It takes the runs of the last frame of which some point lands in its
- * rows, as scatter_rows has found, and projects them again.  That is cheaper
- * than an atomic operation for each pixel.
+ * Each band of rows of this frame belongs to one work-item, which alone writes
+ * there.  It reads the runs of the last frame that have points in its rows,
+ * which scatter_rows has found, and projects them again.  That is cheaper than
+ * an atomic operation for each pixel.
  */
 
 /* First and last row at which the points of a run land; an empty range where
@@ -101,8 +102,8 @@ kernel void scatter_rows(const hbil_scatter_args args,
   rows[runs.row * from.height] = (int)lanes_max(last);
 }
 
-/* Brings in the points of a run that land in the band.  Sources come in their
- * order, so that a strict comparison leaves the first of equally near ones. */
+/* Adds the points of a run that land in the band.  Sources come in their order,
+ * so with a strict comparison the first of equally near ones remains. */
 INLINE void scatter_run(const hbil_scatter_args args,
                         global const float *history, int run, int y, uint begin,
                         uint count, global float *depths,
@@ -171,8 +172,9 @@ kernel void scatter_index(const hbil_scatter_args args,
 
 #endif
 
-/* Sources and depths that arrived nearest at the pixels from `at` on. NO_SOURCE
- * where none did, and right of the image, where another band begins. */
+/* The nearest sources and depths at the pixels from `at` on.  They are
+ * NO_SOURCE where nothing landed, and to the right of the picture, where
+ * another band begins. */
 INLINE uintv winners(global const uint *nearest, uint pixels, uint at,
                      int count, realv *depth) {
   global const float *depths = (global const float *)nearest + at;
@@ -193,7 +195,7 @@ INLINE uintv winners(global const uint *nearest, uint pixels, uint at,
   return LOAD_UINTV(sources);
 }
 
-/* Carries over what the winners of HBIL_WIDTH pixels send. */
+/* Carries over the light of the nearest points of HBIL_WIDTH pixels. */
 INLINE void fetch(const hbil_scatter_args args, global const float *history,
                   global float *carried, global uint *nearest,
                   global const void *depth_buffer, global uint *flags, int x,

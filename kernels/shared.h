@@ -71,8 +71,9 @@ typedef cl_float hbil_float;
 #define HBIL_NEAREST_DEPTH 1e-15f
 #define HBIL_FARTHEST_DEPTH 1e15f
 
-/* Brighter light of an input counts as none, as infinite light does: sums over
- * a hemisphere, and over the square roots of a picture, stay finite floats. */
+/* Light of an input that is brighter than this counts as 0, like infinite
+ * light.  So sums over a hemisphere, and over the square roots of a picture,
+ * are finite floats. */
 #define HBIL_BRIGHTEST 1e30f
 
 /* A normal that faces away from the eye is turned back until its cosine with
@@ -153,10 +154,10 @@ enum {
   HBIL_TEMPORAL_LIGHT = 3
 };
 
-/* Weight of the frame's mean radiance, in hemispheres, beside what a pixel sees
- * itself (lib/unseen_light.clh).  Chosen on the public dumps: local light is
- * the better guess where a pixel sees much, the frame's where it sees little.
- */
+/* Weight of the frame's mean radiance, in hemispheres, relative to what a pixel
+ * sees itself (lib/unseen_light.clh).  Chosen on the public dumps.  Local light
+ * is the better guess where a pixel sees much, and the frame's where it sees
+ * little. */
 #define HBIL_UNSEEN_PRIOR 0.45f
 enum { HBIL_ESTIMATE_SIZE = 36, HBIL_ESTIMATE_PARTS = 64 };
 
@@ -295,8 +296,9 @@ static inline hbil_uint hbil_quadrants(hbil_int x, hbil_int y, hbil_int i,
 }
 #define HBIL_ALL_QUADRANTS 15u
 
-/* What was skipped for a span of the gather, as bits of a byte; the values are
- * those of hbil_skip.  As many bytes follow with the number of sky pixels. */
+/* The work that was left out for a span of the gather, as bits of a byte.  The
+ * values are those of hbil_skip.  As many bytes follow with the number of sky
+ * pixels. */
 enum {
   HBIL_SPAN_SKY = 1,
   HBIL_SPAN_OPEN = 2,
@@ -314,7 +316,8 @@ typedef struct hbil_clear_args {
 } hbil_clear_args;
 HBIL_ASSERT_LAYOUT(hbil_clear_args, layers, 0, 7)
 
-/* Scatter on CPUs: pixels of a row of the last frame that make a run. */
+/* Scatter on CPUs: the number of pixels of a row of the last frame that form a
+ * run. */
 #define HBIL_RUN 64
 /* row: runs of a row, a multiple of HBIL_WIDEST with empty ones at the end;
  * band: rows of this frame that one work-item owns. */

@@ -71,8 +71,8 @@ INLINE void face_the_eye(realv n[3], realv rx, float ry, intv *usable) {
   const intv has_direction = is_usable_normal(length2);
   *usable &= has_direction;
   /* The cosine times both lengths.  Nearly every normal faces the eye, and the
-   * roots and quotients below are a tenth of this kernel's time.  The limit is
-   * a hundredth above HBIL_MIN_COSINE, so that roundings don't matter. */
+   * roots and quotients below take a tenth of this kernel's time.  The limit is
+   * 1 % above HBIL_MIN_COSINE, so that roundings don't matter. */
   const realv towards = -fma(n[0], rx, fma(n[1], (realv)ry, n[2]));
   const float least = 1.01f * HBIL_MIN_COSINE;
   const intv faces = has_direction & (towards > 0.0f) &
@@ -175,7 +175,7 @@ INLINE void radiance_of(const hbil_split_args args, const surface_inputs *s,
  */
 
 /* Counts the inputs that could not be used, in the work-item's 4 HBIL_WIDTH
- * pixels.  Reads them once more, since that is hardly ever needed. */
+ * pixels.  It reads them again, because there is rarely anything to count. */
 INLINE void count_sanitized(const hbil_split_args args,
                             const surface_inputs *inputs,
                             global const void *depth_buffer,
@@ -308,9 +308,9 @@ kernel void split(const hbil_split_args args, global float *layers,
 
 #if GATHER_RADIANCE
 /*
- * The radiance alone, of a frame in which nothing but light differs from the
- * last one: `history` is this view's.  Raises HBIL_FLAG_CHANGED, which the host
- * has cleared, where anything differs from what the layers hold.
+ * The radiance of a frame in which only the light differs from the last one;
+ * `history` has this view.  Raises HBIL_FLAG_CHANGED, which the host has
+ * cleared, if anything differs from the layers.
  */
 kernel void relight(const hbil_split_args args, global float *layers,
                     global const float *history,
@@ -368,7 +368,7 @@ kernel void relight(const hbil_split_args args, global float *layers,
       STOREV(column[i], to);
     }
     if (ANY(changed))
-      flags[HBIL_FLAG_CHANGED] = 1u; /* all who write write the same */
+      flags[HBIL_FLAG_CHANGED] = 1u; /* all work-items write the same value */
   }
 }
 #endif

@@ -1,22 +1,22 @@
 /*
  * temporal: the resolved light, averaged over frames.
  *
- * The pattern turns with hbil_frame.frame_index, so that each frame samples
- * other directions and other addresses; the mean converges where a single
- * frame's filter can't.
+ * The sampling pattern rotates with hbil_frame.frame_index, so each frame
+ * samples other directions and other pixels.  The mean over frames converges
+ * where the filter of a single frame can't.
  *
  * For every surface the kernel finds where it was in the last frame, by the
- * cameras or by motion vectors, and takes the mean of those of the four pixels
- * there that show the same surface: their depth is off the surface's tangent
- * plane by at most disocclusion_threshold, as a share of the plane's own depth
- * there (so tilted surfaces are not cut), and their normal is turned by less
- * than recompose's filter takes for one surface.
+ * cameras or by motion vectors.  It takes the mean of those of the four pixels
+ * there that show the same surface.  Their distance from the surface's tangent
+ * plane is at most disocclusion_threshold, as a share of the plane's own
+ * depth, so tilted surfaces are not cut.  Their normal differs by less than
+ * the limit of recompose's filter.
  *
- * Each pixel stores how many frames it is the mean of; the four numbers are
- * weighted like their light, and those left out count as 0.  Frame n has weight
- * 1/n until n is most_frames, then 1/most_frames.  Where nothing is found, or
- * something that is not finite, the frame stands alone, bit for bit, and
- * counting starts again.
+ * Each pixel stores the number of frames that it is the mean of.  The four
+ * numbers are averaged with the weights of the light; pixels that are left out
+ * count as 0.  Frame n has weight 1/n until n is most_frames, then
+ * 1/most_frames.  If nothing is found, or something that is not finite, the
+ * result is the new frame, bit for bit, and counting starts again.
  *
  * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows.
  * In: split planes (guides), resolved light, the history of the last frame.
@@ -123,8 +123,8 @@ typedef struct past_light {
   realv frames, value[HBIL_LIGHT_PLANES];
 } past_light;
 
-/* How the positions of a vector are read: the four pixels about each out of a
- * window; one pixel each, where nothing has moved; or run by run. */
+/* How the positions of a vector are read: four pixels around each from a
+ * window; one pixel each, if nothing has moved; or run by run. */
 enum { READ_FOUR, READ_ONE, READ_RUNS };
 typedef struct addresses {
   window fit;
@@ -148,7 +148,7 @@ INLINE void load_taps(global const float *plane, const addresses *from, int how,
   load_four_runs(plane, &from->run, row, tap);
 }
 
-/* The past light at `four`, as far as what is there is what `then` expects. */
+/* The past light at `four`, from those pixels that show what `then` expects. */
 INLINE past_light recall_from(const hbil_view_args before, const past *then,
                               const corners *four, global const float *history,
                               const hbil_plane_args planes, float disocclusion,
@@ -217,7 +217,7 @@ INLINE past_light recall_from(const hbil_view_args before, const past *then,
   m.value[p] /= total;                                                         \
   size += fabs(m.value[p]);
   EACH_RESOLVED(RECALL)
-  /* NaN is not below */
+  /* false for NaN */
   m.frames = select((realv)0.0f, m.frames, size < INFINITY);
   return m;
 }

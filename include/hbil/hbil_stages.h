@@ -1,11 +1,11 @@
 /*
- * hbil_stages.h: what the passes of a frame exchange.  Only callers who replace
- * a pass by one of their own need it.
+ * hbil_stages.h: the buffers between the passes of a frame.
  *
- * Such a caller enqueues the other passes one by one (hbil_enqueue_reproject()
- * and so on), in their order and on one queue or chained by events, and reads
- * or writes the buffers that hbil_plan_buffer() gives.
- * examples/03_single_passes.c does this.
+ * Only callers who replace a pass by one of their own need this header.  They
+ * enqueue the other passes one by one, with hbil_enqueue_reproject() and so on,
+ * in the order that hbil_enqueue_frame() has, on one in-order queue or chained
+ * by events.  Their own pass reads and writes the buffers that
+ * hbil_plan_buffer() returns.  examples/03_single_passes.c shows this.
  */
 #ifndef HBIL_HBIL_STAGES_H
 #define HBIL_HBIL_STAGES_H
@@ -17,53 +17,70 @@ extern "C" {
 #endif
 
 /* ------------------------------------------------------------------------ */
-/* Stages: between the passes                                                */
+/* Stages: the buffers between the passes                                    */
 
 /*
- * The stages are planes of 32-bit floats.  Values per pixel:
- *   HISTORY    4: inverse depth 1/z of the last frame (<= 0: sky), carried RGB
- *   CARRIED    4: RGB of the last frame seen from this one, weight (0: a hole;
- *              below 0: the sky, which push_pull does not change)
- *   SPLIT      7: inverse depth w (<= 0: no surface), view-space unit normal
- * XYZ that faces the eye, radiance RGB.  Orthographic views have -z in the
- * place of inverse depth (below -5e29: no surface), here and in
- *              TEMPORAL_HISTORY
- *   GATHERED   7: AO, E_near RGB, bent normal XYZ (view space, any length).
- * With HBIL_FALLBACK_FRAME_MEAN, unless facing_fade[1] is -1, an eighth: the
- * share of the hemisphere whose light is unknown.  With a single slice and the
- * filter one more, the last, which is a float in any storage: the slice's
- * weight, 1 on average RESOLVED   7: the same in full resolution; unknown light
- * is filled in; after the temporal pass, the mean over frames TEMPORAL_HISTORY
- *             10: of the last frame that was composed: inverse depth (<= 0:
- * sky), normal (a word as in packed SPLIT), number of frames (0: the pixel does
- * not count), then as RESOLVED, but the bent normal has any length.  One of two
- * buffers: ask again after every frame
+ * A stage is the data between two passes: some planes of 32-bit floats.  The
+ * values of a pixel, one per plane, are
+ *   HISTORY           4: inverse depth 1/z of the last frame (0 or less: sky);
+ *                        its light, RGB, of the kind that feedback selects
+ *   CARRIED           4: light of the last frame, reprojected to this one, RGB;
+ *                        weight (0: a hole, which push_pull fills; below 0:
+ *                        sky, which it does not change)
+ *   SPLIT             7: inverse depth (0 or less: no surface); unit normal XYZ
+ *                        in view space, which faces the eye; radiance RGB
+ *   GATHERED          7: AO; E_near RGB; bent normal XYZ in view space, of any
+ *                        length.  Up to two more values follow, see below
+ *   RESOLVED          7: the same at full resolution, with a bent normal of
+ *                        length 1 or 0; averaged after the temporal pass
+ *   TEMPORAL_HISTORY 10: of the last frame: inverse depth (0 or less: sky);
+ *                        normal, as a word of packed SPLIT; number of averaged
+ *                        frames (0: the pixel does not count); then the values
+ *                        of RESOLVED, with a bent normal of any length
  *
- * With HBIL_STORAGE_PACKED, SPLIT and GATHERED hold words of 32 bits instead,
- * in planes that lie the same way: SPLIT      3: inverse depth, a float;
- * normal; radiance GATHERED   3: AO, above it the unknown share, in byte 3
- * E_near's exponent; E_near; bent normal normal     u low, v high, two's
- * complement over 32767: n is (u, v, z) divided by its length, z = |u|+|v|-1;
- * where z > 0, u and v are first made smaller by z, with their signs unchanged
- *     radiance   red in the lowest byte, green, blue, times 2^(byte 3 - 127)
- *     E_near     10 bits red, lowest, green, blue, times 2^(exponent - 127)
- *     AO         16 bits over 65535; the unknown share 8 bits over 255
- *     bent       x: the lowest 11 bits, y: the next 11, both over 1023; z: the
- *                highest 10 over 511; two's complement
+ * In orthographic views SPLIT and TEMPORAL_HISTORY have -z in place of the
+ * inverse depth, and there is no surface below -5e29.
  *
- * A plan stores only what its outputs need: hbil_buffer.values tells how many
- * of these values, from the first on, it has.  SPLIT has 4 without radiance (2
- * words); GATHERED and RESOLVED have 4 without bent normals (2 words) and 1
- * with AO alone (1 word); a single slice's weight comes on top;
- * TEMPORAL_HISTORY has 3 more than RESOLVED.  HISTORY and CARRIED exist where
- * light is carried over: with a reprojection, and an output among
- * near_irradiance, indirect and beauty.
+ * GATHERED has two optional values.  The share of the hemisphere whose light is
+ * unknown is stored with HBIL_FALLBACK_FRAME_MEAN, unless facing_fade[1] is -1;
+ * recompose fills this light in.  The weight of the slice, 1 on average, is
+ * stored as the last value with a single slice and the filter.  It is always a
+ * float.
  *
- * Value p of pixel (x,y) of a full-resolution plane is at float index
+ * TEMPORAL_HISTORY alternates between two buffers.  Call hbil_plan_buffer()
+ * again after every frame.
+ *
+ * With HBIL_STORAGE_PACKED, SPLIT and GATHERED are planes of 32-bit words:
+ *   SPLIT      3: inverse depth (a float); normal; radiance
+ *   GATHERED   3: AO; E_near; bent normal
+ *
+ *   normal     octahedral map: u in the low 16 bits, v in the high ones; two's
+ *              complement over 32767.  Let z = |u| + |v| - 1.  If z is above 0,
+ *              u and v move towards 0 by z.  Then n is (u, v, z), normalized
+ *   radiance   red in the lowest byte, green, blue; times 2^(byte 3 - 127)
+ *   AO         the low 16 bits, over 65535; byte 2: the unknown share, over
+ *              255; byte 3: the exponent of E_near
+ *   E_near     10 bits red (the lowest), green, blue; times 2^(exponent - 127)
+ *   bent       x in the lowest 11 bits and y in the next 11, over 1023; z in
+ *   normal     the highest 10, over 511; two's complement
+ *
+ * A plan stores only what its outputs need.  hbil_buffer.values is the number
+ * of values that it has, from the first on:
+ *   SPLIT               4 without radiance (packed: 2)
+ *   GATHERED, RESOLVED  4 without bent normals (packed GATHERED: 2), and 1 with
+ *                       AO alone (packed GATHERED: 1)
+ *   TEMPORAL_HISTORY    3 more than RESOLVED
+ * The weight of a single slice comes on top, as do the 1 or 2 values of
+ * error_estimate in RESOLVED.  HISTORY and CARRIED exist if light is carried
+ * over: with a reprojection, and with near_irradiance, indirect or beauty among
+ * the outputs (far_irradiance too with HBIL_FAR_FRAME).
+ *
+ * Value p of pixel (x,y) has this index in full-resolution stages:
  *   p * plane_pitch + y * row_pitch + x + origin
- * SPLIT and GATHERED are layered: pixel (x,y) lies in layer 4 (y mod 4) + (x
- * mod 4), at p * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 +
- * origin Around every layer of SPLIT there is padding that holds "no surface".
+ * SPLIT and GATHERED are layered.  Pixel (x,y) lies in layer 4 (y mod 4) +
+ * (x mod 4), with this index:
+ *   p * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin
+ * The layers of SPLIT have padding around them that holds "no surface".
  */
 typedef enum hbil_stage {
   HBIL_STAGE_HISTORY = 0,
@@ -75,13 +92,13 @@ typedef enum hbil_stage {
 } hbil_stage;
 
 typedef struct hbil_buffer {
-  cl_mem buffer; /* owned by the plan */
-  cl_uint values;
+  cl_mem buffer;  /* owned by the plan; not retained for the caller */
+  cl_uint values; /* per pixel */
   size_t plane_pitch, layer_pitch, row_pitch, origin; /* in floats or words */
 } hbil_buffer;
 
-/* The buffer of a stage, and how its values lie.  HBIL_INVALID_ARGUMENT where
- * the plan has no such stage. */
+/* Returns the buffer of a stage and the layout of its values.  The status is
+ * HBIL_INVALID_ARGUMENT if the plan has no such stage. */
 HBIL_API hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
                                       hbil_buffer *out);
 

@@ -15,8 +15,8 @@
 #define HBIL_MAX_LEVELS 12
 
 /*
- * The level whose reach is the smallest that still covers `need` (a length in
- * ray slope: radius times the tile's largest inverse depth).
+ * The level with the smallest reach that covers `need` (a length in ray slope:
+ * radius times the span's largest inverse depth).
  */
 static inline hbil_int hbil_level(hbil_float reach, hbil_float need,
                                   hbil_int levels) {
@@ -129,18 +129,18 @@ static inline hbil_int hbil_offset_length(hbil_int x, hbil_int y) {
 }
 
 /*
- * The halves that sample k belongs to; before, after: hbil_offset_length() of
- * the samples on either side of it, 0 before the first, its own after the last.
- * What its half would miss without it is extrapolated to the share of the
- * pixels around it that no sample meets: where every pixel is met there is
- * nothing to extrapolate, and the sample is in both.  In between, so is that
- * share of the 16 layers.
+ * The halves that sample k belongs to.  before, after: hbil_offset_length() of
+ * the samples on either side of it; 0 before the first one, its own after the
+ * last one.  If the share f of the pixels around a sample is met, the
+ * correction for missed occluders must be multiplied by 1 - f.  So in the share
+ * f of the 16 layers the sample belongs to both halves, which adds nothing
+ * there.
  */
 static inline hbil_int hbil_sample_halves(hbil_int layer, hbil_int k,
                                           hbil_int samples, hbil_int before,
                                           hbil_int after) {
   hbil_int met = k + 1 < samples ? 2 : 1;
-  /* (slot + 1/2) / 16 of the layers' places lie above the share that is met */
+  /* (slot + 1/2) / 16 of the layers lie above the share that is met */
   if ((2 * hbil_shift_slot(layer) + 1) * (after - before) < 32 * met)
     return HBIL_HALF_EVEN | HBIL_HALF_ODD;
   return k & 1 ? HBIL_HALF_ODD : HBIL_HALF_EVEN;

@@ -2,6 +2,8 @@
 #ifndef HBIL_BENCH_CONTENT_H
 #define HBIL_BENCH_CONTENT_H
 
+#include <math.h>
+
 #include "bench/command.h"
 #include "hbil/hbil.h"
 
@@ -48,10 +50,18 @@ int bench_content_load(const bench_options *options, unsigned frames,
 void bench_content_drop_planes(bench_content *content);
 void bench_content_free(bench_content *content);
 
-size_t bench_input_channels(bench_input input);
-size_t bench_pixels(const bench_content *content);
+static inline size_t bench_input_channels(bench_input input) {
+  return input == BENCH_DEPTH ? 1 : input == BENCH_MOTION ? 2 : 3;
+}
+static inline size_t bench_pixels(const bench_content *content) {
+  return (size_t)content->width * content->height;
+}
 /* Whether a pixel of the measured frame shows a surface. */
-int bench_is_surface(const bench_content *content, size_t pixel);
+static inline int bench_is_surface(const bench_content *content, size_t pixel) {
+  const bench_frame *frame = &content->frame[content->measured];
+  const float depth = frame->plane[BENCH_DEPTH][pixel];
+  return isfinite(depth) && depth > 0.0f && depth < content->config.sky_depth;
+}
 
 /* Copies the channels of an input into a frame's plane. */
 int bench_content_copy(bench_content *content, bench_frame *frame,

@@ -1,5 +1,6 @@
 /* What can be told from a channel map alone. */
 #include "dump/channel_map.h"
+
 #include "image/error.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
 /* Findings about a dump. */
 #include "dump/findings.h"
+
 #include "image/error.h"
 
 #include <stdarg.h>

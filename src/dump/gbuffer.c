@@ -1,5 +1,6 @@
 /* A G-buffer: the planes of one frame in host memory, by role. */
 #include "dump/gbuffer.h"
+
 #include "image/image.h"
 
 #include <math.h>

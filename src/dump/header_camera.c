@@ -1,5 +1,6 @@
 /* The camera that a renderer stores in the header of its file. */
 #include "dump/header_camera.h"
+
 #include "image/camera_json.h"
 #include "image/image.h"
 #include "image/window.h"

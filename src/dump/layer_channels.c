@@ -1,5 +1,6 @@
 /* Finds the channels of a layer in a file's header. */
 #include "dump/layer_channels.h"
+
 #include "image/image.h"
 
 #include <stdio.h>

@@ -1,5 +1,6 @@
 /* Recognises by a file's header which program wrote the dump. */
 #include "dump/recognise.h"
+
 #include "image/image.h"
 
 #include <string.h>

@@ -17,7 +17,8 @@
  */
 #include "exact/slice.h"
 
-angle exact_angle(double along, double wo) {
+/* Of the direction with those components along D and along wo; any length. */
+static angle angle_of(double along, double wo) {
   const double size = sqrt(along * along + wo * wo);
   angle a = {atan2(along, wo), along / size, wo / size, 0.0};
   a.arc = a.theta - a.sine * a.cosine;
@@ -41,7 +42,7 @@ half_slice exact_half_slice(const surface *point, double ux, double uy,
   const double u_wo = vec_dot(h.u, h.wo);
   h.weight = equal_weights ? 1.0 : fabs(h.wo.z) / (1.0 - u_wo * u_wo);
   h.uniform = uniform;
-  h.start = exact_angle(h.ny, -h.nx);
+  h.start = angle_of(h.ny, -h.nx);
   h.whole = exact_measure(&h, h.start);
   return h;
 }
@@ -55,5 +56,5 @@ angle exact_horizon(const half_slice *h, double distance, double excess) {
   const surface *s = h->point;
   const double rise = (s->gx * h->u.x + s->gy * h->u.y + excess) * distance;
   const vec3 to = vec_add(vec_scale(distance * s->unit, h->u), -rise, s->ray);
-  return exact_angle(vec_dot(to, h->along), vec_dot(to, h->wo));
+  return angle_of(vec_dot(to, h->along), vec_dot(to, h->wo));
 }

@@ -10,9 +10,6 @@ typedef struct angle {
   double arc; /* theta - sine cosine */
 } angle;
 
-/* Of the direction with those components along D and along wo; any length. */
-angle exact_angle(double along, double wo);
-
 /* One half-slice of a pixel.  u: direction in the image plane, unit, z = 0. */
 typedef struct half_slice {
   const surface *point;

@@ -98,7 +98,7 @@ hbil_status hbil_config_set_model(hbil_config *config, hbil_model model) {
   return HBIL_SUCCESS;
 }
 
-/* The points of the plot of error against time that are worth a name
+/* The presets, chosen from the plot of error against time
  * (doc/measurements.md). */
 static const struct {
   const char *name;
@@ -147,7 +147,7 @@ hbil_status frame_take(hbil_context *context, const hbil_frame *given,
               FIRST_FRAME_SIZE, own);
 }
 
-/* Accepts values in [least, most]; NaN never is. */
+/* Accepts values in [least, most], and not NaN. */
 static hbil_status in_range(hbil_context *context, const char *field,
                             double value, double least, double most) {
   if (value >= least && value <= most)

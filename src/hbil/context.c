@@ -106,9 +106,9 @@ static cl_int read_version(cl_device_id device, int *version) {
 }
 
 /*
- * How wide the kernels' explicit vectors are: on a CPU as wide as its
- * registers, in lanes of float; one pixel a work-item elsewhere, where the
- * hardware makes vectors of neighbouring work-items by itself.
+ * The width of the kernels' explicit vectors.  On a CPU it is the width of the
+ * registers, in floats.  On other devices each work-item has one pixel, because
+ * their hardware makes vectors of neighbouring work-items by itself.
  */
 static cl_int read_width(cl_device_id device, cl_device_type type,
                          cl_uint *width) {

@@ -4,10 +4,10 @@
 #include <math.h>
 
 /*
- * The standard deviation of the light that recompose brings together, times
- * this, is an error that 95 % of the pixels don't exceed.  Measured with two
- * slices; of each number of steps, the worst of five scenes
- * (doc/measurements.md).
+ * The standard deviation of the light that recompose averages, times this
+ * factor, is an error that 95 % of the pixels don't exceed.  The factors were
+ * measured with two slices; for each number of steps, the worst of five scenes
+ * was taken (doc/method.md, section 18).
  */
 static const struct {
   int steps;
@@ -18,8 +18,8 @@ static const struct {
                 {192, 0.60f, 0.90f}};
 enum { MEASURED = sizeof measured / sizeof *measured };
 
-/* The logarithm is linear between the measured numbers of steps, and before the
- * first one; behind the last one it is constant. */
+/* The logarithm is interpolated linearly between the measured numbers of steps,
+ * and extrapolated below the first one; above the last one it is constant. */
 static float between(float a, float b, float t) {
   return a * powf(b / a, fminf(t, 1.0f));
 }

@@ -38,7 +38,7 @@ static void forget_timings(hbil_plan *plan) {
 }
 
 /* Gives the caller the last command's event, or one that follows the wait list
- * where nothing had to be enqueued. */
+ * if nothing had to be enqueued. */
 static hbil_status finish(commands *chain, cl_event *event) {
   if (event && chain->last) {
     *event = chain->last;

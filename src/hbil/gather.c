@@ -1,5 +1,5 @@
-/* gather: the table of steps, and the horizon search; or, for static frames,
- * the light by the horizon cache. */
+/* gather: the table of steps and the horizon search; in static frames, the
+ * light from the horizon cache. */
 #include "passes.h"
 
 #include <float.h>
@@ -8,9 +8,9 @@
 
 #include "camera.h"
 
-/* Fractions of a slice and of a step that frame `frame_index` adds: multiples
- * of the fraction of sqrt(7) (the paper's demo) and of the inverse plastic
- * number, neither of which repeats soon. */
+/* The rotation and the shift of frame `frame_index`, in slices and in steps:
+ * multiples of the fractional parts of sqrt(7) (the paper's demo) and of the
+ * inverse plastic number.  Neither repeats soon. */
 static hbil_pattern_args pattern_of(const hbil_plan *plan,
                                     const hbil_frame *frame,
                                     const hbil_view_args *view) {
@@ -23,7 +23,7 @@ static hbil_pattern_args pattern_of(const hbil_plan *plan,
   return pattern;
 }
 
-/* The table of steps, unless it is there already. */
+/* Makes the table of steps, unless it exists already. */
 static hbil_status make_pattern(commands *chain, const hbil_view_args *view,
                                 const hbil_pattern_args *pattern) {
   hbil_plan *plan = chain->plan;
@@ -50,7 +50,8 @@ static float falloff_slope(const hbil_config *config) {
 }
 
 /* Length of the ray to the corner that is farthest from the axis; in
- * orthographic views, of the way there in the plane of the picture. */
+ * orthographic views, its distance from the axis in the plane of the picture.
+ */
 static float longest_ray(const hbil_view_args *v, bool orthographic) {
   const double x = fmax(fabs((double)v->cx), fabs(v->width - (double)v->cx));
   const double y = fmax(fabs((double)v->cy), fabs(v->height - (double)v->cy));
@@ -101,8 +102,8 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
   return args;
 }
 
-/* Searches horizons in the rows of a layer from `top` to `bottom`; fills the
- * horizon cache with what it finds, or doesn't. */
+/* Searches horizons in the rows of a layer from `top` to `bottom`.  Fills the
+ * horizon cache with them if `fill_cache`. */
 static hbil_status search(commands *chain, const hbil_gather_args *args,
                           size_t top, size_t bottom, bool fill_cache) {
   hbil_plan *plan = chain->plan;
@@ -122,7 +123,7 @@ static hbil_status search(commands *chain, const hbil_gather_args *args,
                      top, plan->layout.spans, bottom - top, HBIL_LAYERS);
 }
 
-/* Light by the horizon cache. */
+/* Computes light from the horizon cache. */
 static hbil_status regather(commands *chain, const hbil_gather_args *args) {
   hbil_plan *plan = chain->plan;
   const argument list[] = {
@@ -133,10 +134,10 @@ static hbil_status regather(commands *chain, const hbil_gather_args *args) {
                 plan->layout.cache.rows, HBIL_LAYERS);
 }
 
-/* All pixels.  The first static frame fills the horizon cache, for as many rows
- * as there is memory for: it is the first that knows that those after it may be
- * static, too.  It does so whether or not its light has changed.  Later static
- * frames read the cache. */
+/* Gathers all pixels.  The first static frame fills the horizon cache, for as
+ * many rows as have memory, whether or not its light has changed.  It is the
+ * first frame after which further static ones are likely.  Later static frames
+ * read the cache. */
 static hbil_status gather_all(commands *chain, hbil_gather_args *args,
                               bool rest) {
   hbil_plan *plan = chain->plan;
@@ -150,7 +151,7 @@ static hbil_status gather_all(commands *chain, hbil_gather_args *args,
   if (status == HBIL_SUCCESS)
     status = search(chain, args, cached, (size_t)l->split.height, false);
   plan->cache_used = filled;
-  /* no static frame follows one that fails */
+  /* a static frame never follows one that failed */
   plan->cache_filled = cached > 0;
   plan->may_leave_out[HBIL_PASS_GATHER] = rest && (filled || !cached);
   return status;

@@ -38,9 +38,9 @@ static void decide_work(const hbil_config *config, layout *out) {
   out->late_counts = sums && !(out->radiance && config->gather_emission);
 }
 
-/* Whether all that is asked for is 0 times the irradiance where a surface
- * reflects nothing diffusely: the pictures with light in them, not the light.
- * Irradiance that is carried over would reach other surfaces. */
+/* Whether all outputs are 0 times the irradiance where a surface reflects
+ * nothing diffusely.  Irradiance that is carried over would reach other
+ * surfaces. */
 static bool irradiance_is_hidden(const hbil_config *config, const layout *l) {
   static const int shown[] = {PLANE_NEAR, PLANE_FAR, PLANE_AO, PLANE_BENT,
                               PLANE_CONE};
@@ -61,7 +61,7 @@ static void decide_skips(const hbil_config *config, layout *out) {
     out->skip &= ~(cl_uint)HBIL_SKIP_RADIUS;
   if (!irradiance_is_hidden(config, out))
     out->skip &= ~(cl_uint)HBIL_SKIP_UNUSED;
-  /* with a radius spans look for themselves (gather.cl, light_in_reach) */
+  /* with a radius, spans test this themselves (gather.cl, light_in_reach) */
   out->quadrants = out->skip & HBIL_SKIP_DARK && isinf(config->radius) &&
                    !config_has_thickness(config) && !out->unknown;
 }
@@ -119,7 +119,7 @@ static size_t layers_size(const hbil_layer_args *l) {
   return sizeof(cl_float) * l->row * ((size_t)l->height + 2);
 }
 
-/* Halved down to one texel; returns the floats of all levels. */
+/* Levels are halved down to one texel.  Returns the floats of all levels. */
 static size_t lay_out_chain(const hbil_config *config, layout *out) {
   cl_uint width = config->width, height = config->height;
   size_t end = 0;
@@ -145,9 +145,9 @@ static cl_uint light_planes(const layout *l) {
                        : HBIL_LIGHT_RED;
 }
 
-/* Planes of the layered stages, words of 32 bits: of the split without radiance
- * and with it; gathered of AO, of E_near with it, of the bent normal with
- * both. */
+/* Numbers of planes of the layered stages, which hold words of 32 bits.  split:
+ * without radiance (guides) and with it.  gathered: with AO, with E_near too,
+ * with the bent normal too. */
 static const struct {
   cl_uint guides, split, ao, near_irradiance, bent;
 } stored[] = {
@@ -170,7 +170,8 @@ static cl_uint gathered_planes(const hbil_config *config, const layout *l) {
                        : stored[config->storage].ao;
 }
 
-/* As many rows as fit into what may be taken; returns their bytes. */
+/* Gives the cache as many rows as fit into horizon_cache_bytes.  Returns their
+ * bytes. */
 static size_t lay_out_horizon_cache(const hbil_config *config, layout *out) {
   const size_t width = config->vector_width;
   const size_t vectors = width == 1 ? 1 : HBIL_SPAN / width;
@@ -197,8 +198,8 @@ bool layout_has_bands(const hbil_config *config) {
   return config->vector_width > 1;
 }
 
-/* Bands enough for any CPU, few enough that looking for what lands in each is
- * nothing beside the pixels. */
+/* There are enough bands for any CPU, and so few that searching for the runs of
+ * each takes no time compared with the pixels. */
 static void lay_out_runs(const hbil_config *config, layout *out) {
   const cl_uint bands = 64, least = 16;
   const cl_uint band = (config->height + bands - 1) / bands;
@@ -207,8 +208,8 @@ static void lay_out_runs(const hbil_config *config, layout *out) {
   out->runs.band = (cl_int)(band < least ? least : band);
 }
 
-/* A cache line of the outputs, of those of half floats where there are any: a
- * store past the caches of less is slow. */
+/* The pixels of a cache line of the outputs, of half floats if there are any,
+ * because storing less than a line past the caches is slow. */
 static cl_uint composed_line(const hbil_config *config) {
   cl_uint line = HBIL_WIDEST;
   if (config->vector_width == 1)

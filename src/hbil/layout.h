@@ -25,7 +25,7 @@ enum {
   BUFFER_ESTIMATE,      /* the estimate of unseen light, then its parts */
   BUFFER_BOUNDS,        /* grids of largest inverse depths and of light */
   BUFFER_USES,          /* where outputs show light */
-  BUFFER_SPAN_STATES,   /* what the gather skipped */
+  BUFFER_SPAN_STATES,   /* the work that the gather left out */
   BUFFER_SANITIZED,     /* HBIL_SANITIZED_: counts of unusable inputs */
   BUFFER_HORIZON_CACHE, /* of a static frame (lib/horizon_cache.clh) */
   BUFFER_COUNT
@@ -45,12 +45,12 @@ typedef struct layout {
   /* what must be computed; unknown: the share that back-facing samples block */
   bool radiance, bent, history, unknown, estimate;
   bool late_counts; /* composite shows inputs that split does not read */
-  cl_uint skip;     /* those of hbil_config.skip that can have an effect */
+  cl_uint skip;     /* the bits of hbil_config.skip that can have an effect */
   hbil_bounds_args bounds;
-  bool quadrants; /* whether the gather reads those of the bounds */
+  bool quadrants; /* whether the gather reads the quadrants of the bounds */
   hbil_horizon_cache_args cache;
   size_t spans;              /* of the gather, in a row of a layer */
-  hbil_far_field far_field;  /* NONE where nothing shows it */
+  hbil_far_field far_field;  /* NONE if no output shows it */
   hbil_pattern_args pattern; /* without turn, shift, reach */
   cl_uint line;              /* pixels that one work-item of composite takes */
   cl_uint error_plane;       /* of RESOLVED: where errors begin */

@@ -166,7 +166,7 @@ static cl_int clear_layers(hbil_plan *plan, cl_command_queue queue) {
 }
 
 /* Writes what no kernel writes: the padding of the layers, and counts of inputs
- * that this plan never reads.  Waits, on a queue of its own. */
+ * that this plan never reads.  It uses a queue of its own and waits. */
 static hbil_status fill_padding(hbil_plan *plan) {
   static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT, BUFFER_SANITIZED};
   const cl_float zero = 0.0f;
@@ -193,9 +193,9 @@ static hbil_status fill_padding(hbil_plan *plan) {
 
 /* --- public --- */
 
-/* The caller's config, checked, with the vector width that is chosen for the
- * device where it has none.  Farther than HBIL_FARTHEST_DEPTH is sky; the
- * horizon cache is one buffer. */
+/* Copies and checks the caller's config.  If vector_width is 0, it is chosen
+ * for the device.  sky_depth is limited to HBIL_FARTHEST_DEPTH, and the horizon
+ * cache to the largest buffer. */
 static hbil_status resolve_config(hbil_context *context,
                                   const hbil_config *given,
                                   hbil_config *resolved) {

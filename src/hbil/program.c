@@ -206,7 +206,7 @@ static hbil_status build(hbil_context *context, cl_program program,
       clBuildProgram(program, 1, &context->device, options, NULL, NULL);
   if (error == CL_SUCCESS)
     return HBIL_SUCCESS;
-  /* what is not for want of memory is the kernel's fault or the compiler's */
+  /* every failure but a lack of memory comes from the kernel or the compiler */
   return status_of(error) == HBIL_OPENCL_ERROR
              ? build_failure(context, program, kind->name, error)
              : fail_cl(context, error, "clBuildProgram");

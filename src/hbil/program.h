@@ -15,11 +15,12 @@ typedef struct program_kind {
 /* The most characters that the defines of a plan take. */
 enum { MOST_DEFINES = 4096 };
 
-/* Builds the program of one pass.  Of `defines`, "-DNAME=VALUE" with spaces
- * between, it gets those that its text names: plans that differ in nothing that
- * a program reads then share it in the driver's cache.  #include "..." lines of
- * the kernel files are expanded here, each file once: what is included under a
- * condition must not be the first to include anything else. */
+/* Builds the program of one pass.  `defines` has all defines of the plan as
+ * "-DNAME=VALUE" with spaces between; the program gets those that its text
+ * names.  So plans that differ in nothing that a program reads share it in the
+ * driver's cache.  #include "..." lines of the kernel files are expanded here,
+ * each file once.  Therefore a file that is included under a condition must not
+ * be the first to include another one. */
 hbil_status program_build(hbil_context *context, const program_kind *kind,
                           const char *defines, cl_program *out);
 

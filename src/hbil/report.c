@@ -1,4 +1,4 @@
-/* What a frame took, left out and sanitized, read back. */
+/* Reads back a frame's timings, statistics and counts of sanitized pixels. */
 #include "plan.h"
 
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include "camera.h"
 #include "planes.h"
 
-/* On CPUs bands of this frame project by themselves.  On GPUs the nearest
+/* On CPUs each band of this frame is projected by itself.  On GPUs the nearest
  * source of each pixel is found first, among all pixels of the last frame at
  * once; then it is read. */
 static hbil_status scatter(commands *chain, const hbil_frame *frame) {
@@ -98,9 +98,8 @@ hbil_status enqueue_reproject(commands *chain, const hbil_frame *frame) {
              : scatter(chain, frame);
 }
 
-/* Raises HBIL_FLAG_HOLES where there is something to fill.  The reprojections
- * do that themselves; here it is done for callers who have put a pass of their
- * own in their place. */
+/* Raises HBIL_FLAG_HOLES if there are holes.  The reprojections do that
+ * themselves; this is for callers who replaced them by a pass of their own. */
 static hbil_status find_holes(commands *chain) {
   hbil_plan *plan = chain->plan;
   const hbil_push_pull_args args = {.fine = plan->layout.chain[0]};

@@ -31,8 +31,8 @@ hbil_status enqueue_recompose(commands *chain, const hbil_frame *frame) {
                 (plan->config.height + rows - 1) / rows, 1);
 }
 
-/* Writes beside the history of the last frame; composite makes it the history,
- * so that a frame which fails leaves none. */
+/* Writes the new history to the other buffer.  composite makes it the plan's
+ * history, so that a frame which fails leaves none. */
 hbil_status enqueue_temporal(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   const hbil_config *c = &plan->config;

@@ -50,7 +50,7 @@ static int64_t stream_size(exr_const_context_t context, void *user) {
 }
 
 /* Reads up to the end of the file.  Returns the number of bytes, -1 on failure.
- * The library judges whether fewer bytes than it asked for are enough. */
+ * The library decides whether fewer bytes than it asked for are enough. */
 static int64_t stream_read(exr_const_context_t context, void *user, void *data,
                            uint64_t size, uint64_t offset,
                            exr_stream_error_func_ptr_t report) {

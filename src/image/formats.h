@@ -2,7 +2,7 @@
  * PNG, TIFF and Radiance HDR files as planes, through OpenImageIO.
  *
  * Channels have the names that OpenImageIO gives them (R, G, B, A, Y).  Values
- * are not converted: colours keep their encoding (image.gamma) and alpha is not
+ * are not converted: colours stay in their encoding (image.gamma) and alpha is not
  * multiplied in.  Integers become 0..1.
  */
 #ifndef HBIL_IMAGE_FORMATS_H

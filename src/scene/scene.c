@@ -6,12 +6,12 @@
 #include "shape.h"
 #include "world.h"
 
-/* Planes of a scene_frame, in the order they have in its storage. */
+/* The number of planes of a scene_frame. */
 enum { PLANES = 18 };
 
-/* Points of the light that shadow rays go to: a Fibonacci lattice, whose
- * projections on the light's sides are equally spaced, so that a shadow edge
- * parallel to a side has as many shades as there are points. */
+/* Shadow rays go to these points of the light.  They form a Fibonacci grid,
+ * whose projections on the light's sides are equally spaced.  So a shadow edge
+ * that is parallel to a side has as many shades as there are points. */
 enum { LIGHT_POINTS = 89, LIGHT_STEP = 55 };
 
 typedef struct view {
@@ -23,10 +23,10 @@ typedef struct view {
   double bounds[WORLD_SHAPES];
 } view;
 
-/* What is asked for: an angle of the height, or the size of the width. */
+/* The caller's choice of projection and extent, as in scene.h. */
 typedef struct lens {
   hbil_projection projection;
-  double fov, size; /* 0: the scene's own */
+  double fov, size; /* 0: the scene's default */
 } lens;
 
 static double focal_length(const world *w, const lens *l, uint32_t width,
@@ -71,10 +71,11 @@ static void view_init(view *v, scene_kind kind, uint32_t width, uint32_t height,
 }
 
 /*
- * Whether a shape may stand between the point and some point of the light.
- * A point x of the shaft from `point` (s 0) to the light (s 1) lies within
- * s * light_radius of the axis; s is at most (reach of the shape along the
- * axis) / (length - light_radius).
+ * Whether a shape may be between the point and some point of the light.  The
+ * rays from the point to the light fill a cone around the axis between both: at
+ * the fraction s of the way, its radius is s * light_radius.  The shape's
+ * bounding sphere reaches at most to s = (along + bound) / (length -
+ * light_radius), so it is compared with the radius there.
  */
 static bool may_shadow(const view *v, int number, vec3 point) {
   vec3 axis = vec_sub(v->now.light.centre, point);
@@ -100,10 +101,10 @@ static bool in_shadow(const view *v, const int *near, int count, vec3 point,
   return false;
 }
 
-/* Irradiance that the light gives a surface point. */
+/* The light's irradiance at a surface point. */
 static vec3 direct_light(const view *v, vec3 point, vec3 normal) {
   const world_light *l = &v->now.light;
-  /* Off the surface, lest it shadows itself. */
+  /* above the surface, so that the shape does not shadow itself */
   point = vec_add(point, vec_scale(normal, 1e-7));
   int near[WORLD_SHAPES], count = 0;
   for (int i = 0; i < v->now.count; ++i)
@@ -122,8 +123,8 @@ static vec3 direct_light(const view *v, vec3 point, vec3 normal) {
 }
 
 /*
- * Where the last frame saw the point, minus (x, y).  A point that was behind
- * the last eye gets a motion that leads out of any image.
+ * The point's pixel position in the last frame, minus (x, y).  A point that was
+ * behind the last camera gets a motion that leads out of any picture.
  */
 static void motion_of(const view *v, vec3 before, double x, double y,
                       double motion[2]) {
@@ -247,7 +248,7 @@ void scene_sky(const double direction[3], float rgb[3]) {
   static const double horizon[3] = {0.42, 0.47, 0.55};
   static const double ground[3] = {0.30, 0.27, 0.22};
   vec3 d = vec_unit(vec(direction[0], direction[1], direction[2]));
-  /* Pale only near the horizon; haze hides where the ground ends. */
+  /* pale near the horizon only, like haze that hides the ground's edge */
   double t = d.z > 0.0 ? sqrt(d.z) : fmin(1.0, -8.0 * d.z);
   const double *far = d.z > 0.0 ? zenith : ground;
   for (int k = 0; k < 3; ++k)

@@ -33,7 +33,8 @@ static bool sphere_hit(const shape *s, vec3 origin, vec3 direction, double *t,
                        vec3 *normal) {
   vec3 o = vec_sub(origin, s->centre);
   double a = vec_dot(direction, direction), b = vec_dot(o, direction);
-  /* Discriminant from the distance to the ray: keeps its digits far away. */
+  /* The discriminant comes from the distance between centre and ray, because
+   * this form loses no digits if the origin is far away. */
   vec3 nearest = vec_sub(o, vec_scale(direction, b / a));
   double r = s->half.x, q = (r * r - vec_dot(nearest, nearest)) / a;
   if (q < 0.0)
@@ -53,7 +54,7 @@ static bool rectangle_hit(const shape *s, vec3 origin, vec3 direction,
                           double *t, vec3 *normal) {
   vec3 o = vec_sub(origin, s->centre);
   double hit = -vec_dot(s->axis[2], o) / vec_dot(s->axis[2], direction);
-  if (!(hit > 0.0 && hit < *t)) /* false for the NaN of a parallel ray, too */
+  if (!(hit > 0.0 && hit < *t)) /* false for NaN, which parallel rays give */
     return false;
   vec3 p = vec_add(o, vec_scale(direction, hit));
   if (fabs(vec_dot(s->axis[0], p)) > s->half.x ||
@@ -65,8 +66,9 @@ static bool rectangle_hit(const shape *s, vec3 origin, vec3 direction,
   return true;
 }
 
-/* Narrows [enter, leave] to the slab |o + t d| <= half; *axis is set to
- * `number` where the slab decides about the entry (exit). */
+/* Narrows the range [enter, leave] of t to the slab |o + t d| <= half.  axis[0]
+ * is set to `number` if this slab determines the entry, axis[1] if it
+ * determines the exit. */
 static void clip_slab(double o, double d, double half, int number,
                       double range[2], int axis[2]) {
   if (d == 0.0) {

@@ -1,5 +1,6 @@
 /*
- * Rays against turned boxes, spheres and rectangles, in double precision.
+ * Intersections of rays with rotated boxes, spheres and rectangles, in double
+ * precision.
  */
 #ifndef HBIL_SHAPE_H
 #define HBIL_SHAPE_H
@@ -35,45 +36,45 @@ static inline vec3 vec_unit(vec3 a) {
 }
 
 typedef enum shape_kind {
-  SHAPE_BOX,      /* half: its three half extents */
-  SHAPE_SPHERE,   /* half.x: its radius */
-  SHAPE_RECTANGLE /* in its x,y plane; half.z unused */
+  SHAPE_BOX,      /* half: the three half extents */
+  SHAPE_SPHERE,   /* half.x: the radius */
+  SHAPE_RECTANGLE /* in its own x,y plane; half.z is not used */
 } shape_kind;
 
 typedef enum shape_pattern {
   PATTERN_PLAIN,   /* albedo[0] */
-  PATTERN_CHECKER, /* of albedo[0], albedo[1] in x, y */
+  PATTERN_CHECKER, /* squares of albedo[0] and albedo[1] in x, y */
   PATTERN_STRIPES  /* along z; on spheres along the longitude */
 } shape_pattern;
 
 typedef struct shape {
   shape_kind kind;
   vec3 centre;
-  vec3 axis[3]; /* right-handed, unit: the shape's own x, y, z in the world */
+  vec3 axis[3]; /* the shape's x, y, z in the world; unit, right-handed */
   vec3 half;
   shape_pattern pattern;
-  double period; /* of the pattern: metres, on spheres radians */
+  double period; /* of the pattern: metres, radians on spheres */
   vec3 albedo[2];
   vec3 emission;
-  bool casts; /* false for what encloses the scene: it shadows nothing */
+  bool casts; /* shadows; false for shapes that enclose the scene */
 } shape;
 
 /*
- * Whether the ray origin + t direction (direction of any length) meets the
- * shape at some t in (0, *t); then *t becomes the smallest such t and *normal,
- * if not NULL, the unit normal there, on either side.
+ * Whether the ray origin + t direction meets the shape at some t in (0, *t). If
+ * so, *t becomes the smallest such t, and *normal, unless NULL, the unit normal
+ * there, which may point to either side.  direction may have any length.
  */
 bool shape_hit(const shape *s, vec3 origin, vec3 direction, double *t,
                vec3 *normal);
 
-/* From the world to the shape's own coordinates, and back. */
+/* Transform a point from the world to the shape's coordinates, and back. */
 vec3 shape_local(const shape *s, vec3 world);
 vec3 shape_world(const shape *s, vec3 local);
 
-/* Radius of the sphere round the centre that holds the shape. */
+/* Radius of the sphere around the centre that contains the shape. */
 double shape_bound(const shape *s);
 
-/* Albedo at a point of the surface, in the shape's own coordinates. */
+/* Albedo at a point of the surface, given in the shape's coordinates. */
 vec3 shape_albedo(const shape *s, vec3 local);
 
 #endif

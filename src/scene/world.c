@@ -26,7 +26,8 @@ static shape *add_sphere(world *w, vec3 centre, double radius, vec3 albedo) {
   return add(w, SHAPE_SPHERE, centre, grey(radius), albedo);
 }
 
-/* Part of the hull: nothing lies behind it, so it need not cast shadows. */
+/* A box that encloses the scene.  Nothing lies behind it, so it casts no
+ * shadows. */
 static shape *add_hull_box(world *w, vec3 centre, vec3 half, vec3 albedo) {
   shape *s = add_box(w, centre, half, albedo);
   s->casts = false;
@@ -47,14 +48,14 @@ static void set_pattern(shape *s, shape_pattern pattern, double period,
   s->albedo[1] = second;
 }
 
-/* Turns a shape round the vertical through its centre. */
+/* Rotates a shape around the vertical through its centre, in radians. */
 static void turn(shape *s, double angle) {
   double c = cos(angle), n = sin(angle);
   s->axis[0] = vec(c, n, 0);
   s->axis[1] = vec(-n, c, 0);
 }
 
-/* Then leans it over, round its own x axis. */
+/* Tilts a shape around its own x axis, in radians. */
 static void lean(shape *s, double angle) {
   double c = cos(angle), n = sin(angle);
   vec3 y = s->axis[1], z = s->axis[2];
@@ -62,7 +63,8 @@ static void lean(shape *s, double angle) {
   s->axis[2] = vec_add(vec_scale(z, c), vec_scale(y, -n));
 }
 
-/* yaw: to the right of +y; pitch: upwards. */
+/* Sets the camera.  yaw turns it from +y to the right, pitch upwards, in
+ * radians. */
 static void look(world *w, vec3 eye, double yaw, double pitch) {
   w->eye = eye;
   w->forward = vec(sin(yaw) * cos(pitch), cos(yaw) * cos(pitch), sin(pitch));
@@ -70,7 +72,7 @@ static void look(world *w, vec3 eye, double yaw, double pitch) {
   w->down = vec_cross(w->forward, w->right);
 }
 
-/* Four blocks round an opening in the wall at y = 3, and a cross in it. */
+/* The wall at y = 3: four blocks around a window, and the cross in it. */
 static void add_back_wall(world *w) {
   const vec3 white = grey(0.75), frame = vec(0.5, 0.38, 0.25);
   add_hull_box(w, vec(0, 3.1, 0.5), vec(2.2, 0.1, 0.5), white);
@@ -96,7 +98,7 @@ static void add_table(world *w, vec3 place, double angle) {
   }
 }
 
-/* The visible rectangle and the light it sends down. */
+/* The visible rectangle, and the light that it emits downwards. */
 static void add_ceiling_lamp(world *w, vec3 centre, double half_x,
                              double half_y, vec3 radiance) {
   shape *s = add_floor(w, centre, half_x, half_y, grey(0.8));
@@ -108,7 +110,7 @@ static void add_ceiling_lamp(world *w, vec3 centre, double half_x,
                            .radiance = radiance};
 }
 
-/* 4 m wide, 6 m deep, 2.6 m high, open behind the camera. */
+/* A room, 4 m wide, 6 m deep and 2.6 m high, open behind the camera. */
 static void build_room(world *w, hbil_projection projection, double time) {
   const vec3 white = grey(0.75);
   shape *s = add_floor(w, vec(0, 0, 0), 2, 3, grey(0.7));
@@ -152,7 +154,7 @@ static void build_room(world *w, hbil_projection projection, double time) {
     look(w, eye, yaw, -0.1);
 }
 
-/* The sun is a square far enough off to send parallel light. */
+/* The sun is a square, so far away that its light is parallel. */
 static void set_sun(world *w, vec3 direction, double half_angle,
                     vec3 irradiance) {
   const double distance = 1e5, half = distance * tan(half_angle);

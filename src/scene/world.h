@@ -1,5 +1,6 @@
 /*
- * What stands in the scenes, and where, frame by frame.  World: metres, z up.
+ * The shapes, lights and cameras of the scenes, frame by frame.  The world is
+ * in metres, with z up.
  */
 #ifndef HBIL_WORLD_H
 #define HBIL_WORLD_H
@@ -11,7 +12,7 @@
 
 enum { WORLD_SHAPES = 32 };
 
-/* A rectangle that shines from its front: the lamp, or a far-away sun. */
+/* A rectangle that emits light from its front: a lamp, or a distant sun. */
 typedef struct world_light {
   vec3 centre;
   vec3 u, v; /* from the centre to the middles of two sides */
@@ -19,7 +20,7 @@ typedef struct world_light {
   vec3 radiance;
 } world_light;
 
-/* Every frame of a scene has the same shapes in the same order. */
+/* One frame.  All frames of a scene have the same shapes in the same order. */
 typedef struct world {
   shape shapes[WORLD_SHAPES];
   int count;
@@ -27,9 +28,10 @@ typedef struct world {
   vec3 eye;
   vec3 right, down, forward; /* of the camera */
   double fov;                /* vertical, radians */
-  double size;               /* across an orthographic picture */
+  double size;               /* width of an orthographic picture, metres */
 } world;
 
+/* Builds frame `index` of a scene. */
 void world_build(scene_kind kind, hbil_projection projection, uint32_t index,
                  world *out);
 

@@ -1,11 +1,11 @@
 /* hbil compare: how much two images differ. */
+#include "image/error.h"
+#include "image/image.h"
 #include "tool/commands.h"
 #include "tool/compare_measure.h"
 #include "tool/heatmap.h"
 #include "tool/options.h"
 #include "tool/report.h"
-#include "image/error.h"
-#include "image/image.h"
 
 #include <getopt.h>
 #include <jansson.h>

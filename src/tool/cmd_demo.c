@@ -6,6 +6,10 @@
 #define _POSIX_C_SOURCE 200809L
 #include "dump/frame_camera.h"
 #include "dump/pixel_ray.h"
+#include "image/camera_json.h"
+#include "image/error.h"
+#include "image/exr_write.h"
+#include "image/image.h"
 #include "scene/scene.h"
 #include "tool/commands.h"
 #include "tool/device.h"
@@ -14,10 +18,6 @@
 #include "tool/process.h"
 #include "tool/progress.h"
 #include "tool/report.h"
-#include "image/camera_json.h"
-#include "image/error.h"
-#include "image/exr_write.h"
-#include "image/image.h"
 
 #include <errno.h>
 #include <getopt.h>

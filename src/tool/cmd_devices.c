@@ -1,9 +1,9 @@
 /* hbil devices: what --device can choose from. */
+#include "image/error.h"
 #include "tool/commands.h"
 #include "tool/device.h"
 #include "tool/options.h"
 #include "tool/report.h"
-#include "image/error.h"
 
 #include <getopt.h>
 #include <stdio.h>

@@ -4,15 +4,15 @@
 #include "dump/read_channel_map.h"
 #include "dump/read_gbuffer.h"
 #include "dump/settle.h"
-#include "tool/commands.h"
-#include "tool/options.h"
-#include "tool/report.h"
-#include "tool/source_arguments.h"
 #include "image/camera_json.h"
 #include "image/error.h"
 #include "image/image.h"
 #include "image/image_read.h"
 #include "image/window.h"
+#include "tool/commands.h"
+#include "tool/options.h"
+#include "tool/report.h"
+#include "tool/source_arguments.h"
 
 #include <getopt.h>
 #include <math.h>

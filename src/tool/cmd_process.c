@@ -1,11 +1,11 @@
 /* hbil process: computes the light of a sequence. */
+#include "image/error.h"
 #include "tool/commands.h"
 #include "tool/frame_list.h"
 #include "tool/process.h"
 #include "tool/process_arguments.h"
 #include "tool/process_help.h"
 #include "tool/report.h"
-#include "image/error.h"
 
 int cmd_process(int argc, char **argv) {
   process_arguments a;

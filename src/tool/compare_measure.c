@@ -1,5 +1,6 @@
 /* Measures of the difference of two images. */
 #include "tool/compare_measure.h"
+
 #include "image/error.h"
 #include "image/image.h"
 

@@ -1,6 +1,7 @@
 /* The two images of `hbil compare`. */
 #define _POSIX_C_SOURCE 200809L
 #include "tool/compare_sides.h"
+
 #include "image/error.h"
 #include "image/exr_read.h"
 #include "image/image.h"

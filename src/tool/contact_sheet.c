@@ -1,9 +1,9 @@
 /* Frames and their layers side by side in one picture. */
 #include "tool/contact_sheet.h"
 
-#include "tool/preview.h"
 #include "image/image.h"
 #include "image/picture.h"
+#include "tool/preview.h"
 
 /* Pixels. */
 enum { LEAST_TILE = 160, MOST_TILE = 320, GAP = 8, LINE = 22, TEXT = 15 };

@@ -1,5 +1,6 @@
 /* Lists the machine's OpenCL devices and opens one of them. */
 #include "tool/device.h"
+
 #include "image/error.h"
 
 #include <ctype.h>

@@ -1,10 +1,6 @@
 /* Writes what a job makes of a frame. */
 #include "tool/encode.h"
 
-#include "tool/heatmap.h"
-#include "tool/job_key.h"
-#include "tool/preview.h"
-#include "tool/report.h"
 #include "image/error.h"
 #include "image/exr_read.h"
 #include "image/exr_style.h"
@@ -13,6 +9,10 @@
 #include "image/picture.h"
 #include "image/png_write.h"
 #include "image/window.h"
+#include "tool/heatmap.h"
+#include "tool/job_key.h"
+#include "tool/preview.h"
+#include "tool/report.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,12 +2,12 @@
 #include "tool/exact.h"
 
 #include "dump/frame_camera.h"
-#include "tool/formats.h"
-#include "tool/layers.h"
-#include "tool/progress.h"
 #include "image/camera_json.h"
 #include "image/error.h"
 #include "image/image.h"
+#include "tool/formats.h"
+#include "tool/layers.h"
+#include "tool/progress.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* Which role feeds which input of the library, and in which format. */
 #include "tool/formats.h"
 
-#include "tool/layers.h"
 #include "image/error.h"
+#include "tool/layers.h"
 
 #define INPUT(role, field)                                                     \
   { role, offsetof(hbil_config, field), offsetof(hbil_frame, field) }

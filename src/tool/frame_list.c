@@ -2,8 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/frame_list.h"
 
-#include "tool/frame_numbers.h"
 #include "image/error.h"
+#include "tool/frame_numbers.h"
 
 #include <dirent.h>
 #include <errno.h>

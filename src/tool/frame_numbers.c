@@ -1,5 +1,6 @@
 /* Lists of frame numbers. */
 #include "tool/frame_numbers.h"
+
 #include "image/error.h"
 
 #include <ctype.h>

@@ -3,11 +3,11 @@
 
 #include "dump/frame_check.h"
 #include "dump/read_gbuffer.h"
-#include "tool/progress.h"
-#include "tool/report.h"
 #include "image/error.h"
 #include "image/exr_read.h"
 #include "image/image.h"
+#include "tool/progress.h"
+#include "tool/report.h"
 
 #include <stdlib.h>
 

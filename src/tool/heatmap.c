@@ -1,5 +1,6 @@
 /* Heat maps. */
 #include "tool/heatmap.h"
+
 #include "image/error.h"
 #include "image/picture.h"
 #include "image/png_write.h"

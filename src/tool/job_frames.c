@@ -4,12 +4,12 @@
 
 #include "dump/read_channel_map.h"
 #include "dump/settle.h"
-#include "tool/paths.h"
-#include "tool/report.h"
 #include "image/error.h"
 #include "image/image.h"
 #include "image/image_read.h"
 #include "image/window.h"
+#include "tool/paths.h"
+#include "tool/report.h"
 
 #include <stdlib.h>
 #include <string.h>

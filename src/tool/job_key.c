@@ -1,5 +1,6 @@
 /* Keys: what a result was made from, as one number. */
 #include "tool/job_key.h"
+
 #include "image/camera_json.h"
 #include "image/error.h"
 #include "image/exr_read.h"

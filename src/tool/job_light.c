@@ -3,9 +3,9 @@
 
 #include "dump/light_sources.h"
 #include "dump/read_gbuffer.h"
-#include "tool/options.h"
 #include "image/error.h"
 #include "image/formats_rgb.h"
+#include "tool/options.h"
 
 #include <math.h>
 #include <stdio.h>

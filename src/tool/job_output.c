@@ -2,8 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/job_output.h"
 
-#include "tool/paths.h"
 #include "image/error.h"
+#include "tool/paths.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,5 +1,6 @@
 /* Layers: the results that the program writes, and their channels. */
 #include "tool/layers.h"
+
 #include "image/error.h"
 #include "image/image.h"
 

@@ -1,12 +1,11 @@
 /* Computes the light of a job's frames. */
 #define _DEFAULT_SOURCE 1 /* RLIMIT_AS */
-/* first, because it declares parameters that have the name of a type */
-#include "tool/exact.h"
-
 #include "tool/lighting.h"
+
 #include "image/camera_json.h"
 #include "image/error.h"
 #include "image/image.h"
+#include "tool/exact.h"
 
 #include <stdint.h>
 #include <string.h>

@@ -1,9 +1,9 @@
 /* hbil: one program with a few commands. */
 #define _POSIX_C_SOURCE 200809L
 #include "hbil/hbil.h"
+#include "image/error.h"
 #include "tool/commands.h"
 #include "tool/report.h"
-#include "image/error.h"
 
 #include <errno.h>
 #include <signal.h>

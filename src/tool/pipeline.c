@@ -2,8 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/pipeline.h"
 
-#include "tool/progress.h"
 #include "image/error.h"
+#include "tool/progress.h"
 
 #include <pthread.h>
 #include <string.h>

@@ -1,10 +1,10 @@
 /* Makes a job from settings and files. */
 #include "tool/prepare_job.h"
 
+#include "image/error.h"
 #include "tool/job_frames.h"
 #include "tool/job_light.h"
 #include "tool/job_output.h"
-#include "image/error.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,6 @@
 /* Pictures of layers. */
 #include "tool/preview.h"
+
 #include "image/error.h"
 #include "image/image.h"
 #include "image/picture.h"

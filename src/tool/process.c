@@ -2,12 +2,12 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/process.h"
 
+#include "image/error.h"
 #include "tool/job_light.h"
 #include "tool/prepare_job.h"
 #include "tool/report.h"
 #include "tool/run_frames.h"
 #include "tool/timings.h"
-#include "image/error.h"
 
 #include <unistd.h>
 

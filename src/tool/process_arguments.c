@@ -1,12 +1,12 @@
 /* The command line of `hbil process`: a table with a row for each option. */
 #include "tool/process_arguments.h"
 
+#include "image/error.h"
+#include "image/exr_style.h"
 #include "tool/layers.h"
 #include "tool/model.h"
 #include "tool/options.h"
 #include "tool/source_arguments.h"
-#include "image/error.h"
-#include "image/exr_style.h"
 
 #include <stddef.h>
 #include <stdio.h>

@@ -1,5 +1,6 @@
 /* Messages of the programs on standard error. */
 #include "tool/report.h"
+
 #include "image/error.h"
 
 /* The number of bytes of the character here, if it is UTF-8 and no control

@@ -2,8 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/resume.h"
 
-#include "tool/job_key.h"
 #include "image/error.h"
+#include "tool/job_key.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,12 +1,12 @@
 /* Takes the frames of a job through reading, computing and writing. */
 #include "tool/run_frames.h"
 
-#include "tool/encode.h"
-#include "tool/frame_source.h"
-#include "tool/progress.h"
 #include "image/error.h"
 #include "image/image.h"
 #include "image/window.h"
+#include "tool/encode.h"
+#include "tool/frame_source.h"
+#include "tool/progress.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,13 +1,13 @@
 /* Runs the frames of a sequence through the library. */
-#include "hbil/hbil_stages.h"
 #include "tool/sequence.h"
 
 #include "dump/frame_camera.h"
-#include "tool/formats.h"
-#include "tool/layers.h"
+#include "hbil/hbil_stages.h"
 #include "image/camera_json.h"
 #include "image/error.h"
 #include "image/image.h"
+#include "tool/formats.h"
+#include "tool/layers.h"
 
 #include <stdlib.h>
 #include <string.h>

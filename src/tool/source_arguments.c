@@ -1,8 +1,8 @@
 /* The options that say how dumps are to be read. */
 #include "tool/source_arguments.h"
 
-#include "tool/options.h"
 #include "image/error.h"
+#include "tool/options.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 /* Prints how long a job took. */
 #include "tool/timings.h"
 
-#include "tool/statistics.h"
 #include "image/error.h"
+#include "tool/statistics.h"
 
 #include <jansson.h>
 #include <string.h>

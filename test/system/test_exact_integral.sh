@@ -68,7 +68,7 @@ differs "are told from it" compare --max-rmse 0.03 \
 # Occluders that end: the library has 32 sectors a side, rounded alike in all
 # slices of a pixel, 1/(32 sqrt(12)) = .009 of AO.
 run exact -o "$work/exact" "$first" "$second"
-test $status -eq 0 && grep -q 'exact integral of 2 frames, 2 runs.*about' \
+test $status -eq 0 && grep -q 'exact integral of 2 frames, 2 runs.*expected to take' \
   "$work/err" && grep -q 'exact integral: 100 %' "$work/err"
 ok $? "the exact integral tells how long it takes and how far it is"
 works "densest, thick occluders" dense -o "$work/dense" "$first" "$second"

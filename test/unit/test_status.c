@@ -53,10 +53,11 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(c.depth.component == HBIL_NONE);
   assert_true(isinf(c.sky_depth) && isinf(c.radius));
   assert_true(c.direct_scale == 1.0f);
-  assert_true(c.slices == 2 && c.steps_per_side == 8 && c.step_growth == 2.0f);
+  assert_true(c.slices == 2 && c.steps_per_side == 48 && c.step_growth == 2.0f);
   assert_true(c.sample_grid == HBIL_GRID_FULL_RESOLUTION);
-  assert_true(c.facing_fade[0] == -0.1f && c.facing_fade[1] == 0.0f);
-  assert_true(c.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED);
+  assert_true(isinf(c.thickness) && c.relative_thickness == 0.08f);
+  assert_true(c.facing_fade[0] == -1.0f && c.facing_fade[1] == -1.0f);
+  assert_true(c.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN);
   assert_true(c.gather_emission == CL_TRUE && c.extrapolate == CL_TRUE);
   assert_true(c.reprojection == HBIL_REPROJECTION_SCATTER);
   assert_true(c.feedback == HBIL_FEEDBACK_IRRADIANCE);
@@ -64,6 +65,27 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(c.far_field == HBIL_FAR_NONE);
   assert_true(!c.unfiltered && c.vector_width == 0 && !c.profiling);
   assert_true(c.storage == HBIL_STORAGE_PACKED);
+}
+
+static void models_set_what_the_header_says(void **state) {
+  hbil_config paper, again;
+  (void)state;
+  hbil_config_init(&paper);
+  hbil_config_init(&again);
+  assert_int_equal(hbil_config_set_model(&paper, HBIL_MODEL_PAPER),
+                   HBIL_SUCCESS);
+  assert_true(isinf(paper.thickness) && isinf(paper.relative_thickness));
+  assert_true(paper.facing_fade[0] == -0.1f && paper.facing_fade[1] == 0.0f);
+  assert_true(paper.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED);
+  assert_true(paper.feedback == HBIL_FEEDBACK_RADIANCE && !paper.extrapolate);
+  /* the default takes all of it back */
+  assert_int_equal(hbil_config_set_model(&paper, HBIL_MODEL_DEFAULT),
+                   HBIL_SUCCESS);
+  assert_memory_equal(&paper, &again, sizeof paper);
+  assert_int_equal(hbil_config_set_model(NULL, HBIL_MODEL_PAPER),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_config_set_model(&paper, (hbil_model)2),
+                   HBIL_INVALID_ARGUMENT);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -428,6 +450,7 @@ int main(void) {
       cmocka_unit_test(every_pass_has_a_name),
       cmocka_unit_test(version_is_the_headers),
       cmocka_unit_test(defaults_are_those_of_the_header),
+      cmocka_unit_test(models_set_what_the_header_says),
       cmocka_unit_test(bad_configurations_are_rejected_by_name),
       cmocka_unit_test(presets_set_the_sampling_alone),
       cmocka_unit_test(unknown_presets_are_rejected),
