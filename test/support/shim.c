@@ -349,6 +349,12 @@ ENQUEUE(clEnqueueReadBuffer,
          cl_event *event),
         NEXT(clEnqueueReadBuffer)(queue, buffer, blocking, offset, size, to,
                                   wait_count, wait_list, event))
+ENQUEUE(clEnqueueWriteBuffer,
+        (cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset,
+         size_t size, const void *from, cl_uint wait_count,
+         const cl_event *wait_list, cl_event *event),
+        NEXT(clEnqueueWriteBuffer)(queue, buffer, blocking, offset, size, from,
+                                   wait_count, wait_list, event))
 ENQUEUE(clEnqueueNDRangeKernel,
         (cl_command_queue queue, cl_kernel kernel, cl_uint dimensions,
          const size_t *offset, const size_t *global, const size_t *local,
@@ -377,6 +383,9 @@ CREATE(cl_program, clCreateProgramWithSource,
 CREATE(cl_kernel, clCreateKernel,
        (cl_program program, const char *name, cl_int *error),
        programs_kernel(program, name, error))
+
+CREATE(cl_event, clCreateUserEvent, (cl_context context, cl_int *error),
+       NEXT(clCreateUserEvent)(context, error))
 
 CL_API_ENTRY cl_mem CL_API_CALL clCreateBuffer(cl_context context,
                                                cl_mem_flags flags, size_t size,
