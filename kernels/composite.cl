@@ -85,8 +85,9 @@ STORER(error_estimate, ERROR_TYPE, ERROR_STRIDE)
 
 /* Vectors of a row that a work-item takes; on CPUs they make a cache line of
  * the outputs.  The work-item collects its results and stores them plane by
- * plane: stores past the caches of less than a line, to twenty planes in turn,
- * take twice as long as fetching what they overwrite; whole lines take half. */
+ * plane, a whole line at a time, past the caches.  Such stores, to twenty
+ * planes in turn, take half as long as stores that first fetch what they
+ * overwrite; with less than a line at a time they would take twice as long. */
 #define PARTS (LINE / HBIL_WIDTH)
 
 /* Where the collected planes begin.  Planes that are no outputs take no room.
@@ -104,7 +105,7 @@ enum {
   PENDING_COUNT = PENDING_HISTORY + HISTORY * HBIL_HISTORY_PLANES
 };
 
-/* Reflected light is needed, and with it the inputs that make it. */
+/* Whether reflected light is needed, and with it the inputs that make it. */
 #define REFLECTED (OUT_BEAUTY || (HISTORY && FEEDBACK_RADIANCE))
 
 /* The caller's inputs. */
@@ -112,8 +113,7 @@ typedef struct inputs {
   global const void *albedo, *f0, *direct, *emission;
 } inputs;
 
-/* --- far light
- * -------------------------------------------------------------------- */
+/* --- far light ------------------------------------------------------------ */
 
 /* What turns the irradiance scale of the coefficients of order l back into
  * radiance: the inverse of pi, 2 pi / 3, pi / 4 (Ramamoorthi and Hanrahan
@@ -215,15 +215,14 @@ INLINE void far_light(const hbil_composite_args args,
   }
 }
 
-/* --- counts of sanitized pixels
- * ---------------------------------------------------- */
+/* --- counts of sanitized pixels ------------------------------------------- */
 
 /* Inputs that are shown, but that split has not read. */
 #define COUNT_SURFACE (!GATHER_RADIANCE && OUT_BEAUTY)
 #define COUNT_F0 (!GATHER_RADIANCE && (OUT_BEAUTY || OUT_INDIRECT))
 #define COUNT_EMISSION (!(GATHER_RADIANCE && GATHER_EMISSION) && OUT_BEAUTY)
 
-/* usable: of each input, by pixel. */
+/* Counts them.  usable: a mask of pixels for each input. */
 INLINE void count_sanitized(const intv *usable, intv solid,
                             volatile global uint *sanitized) {
   if (COUNT_SURFACE) {
@@ -240,8 +239,7 @@ INLINE void count_sanitized(const intv *usable, intv solid,
                   count_lanes(!usable[HBIL_SURFACE_EMISSION]));
 }
 
-/* --- a vector of pixels
- * ------------------------------------------------------------- */
+/* --- a vector of pixels --------------------------------------------------- */
 
 /* Computes the outputs of a channel and stores them in part `part` of the
  * collected planes.  near_light: E_near, far: E_far, both of the channel;
@@ -358,8 +356,7 @@ INLINE void compose(const hbil_composite_args args,
     count_sanitized(usable, solid, sanitized + HBIL_SANITIZED_LATE);
 }
 
-/* --- the kernel
- * --------------------------------------------------------------------- */
+/* --- the kernel ----------------------------------------------------------- */
 
 #define STORE_CHANNELS(name, channels, first)                                  \
   for (int c = 0; c < (channels); ++c)                                         \

@@ -8,14 +8,16 @@
  *
  * Launch: x = spans of a layer's row (single pixels if HBIL_WIDTH is 1), y =
  * layer rows, z = layers.
- * In: split planes, the table of steps, bounds, uses.  Out: light planes, in
- * the layout of the split planes; for hbil_plan_statistics(), which work was
- * left out; the horizon cache.
+ * In: split planes; the table of steps; bounds; which pixels' light the outputs
+ * show (`uses`); whether a static frame's light has changed (`flags`).
+ * Out: light planes, in the layout of the split planes; for
+ * hbil_plan_statistics(), which work was left out; the horizon cache.
  */
 #include "gather/hemisphere.clh"
 
-/* One slice of a span: both sides, added to the totals.  steps: the direction
- * of the first side, then its samples, then the same of the other side. */
+/* One slice of a span: both sides, added to the totals.  steps: an entry
+ * with the direction of the first side, then the side's samples; then the same
+ * for the other side, in side_steps entries each. */
 INLINE void gather_slice(const hbil_gather_args args, const receiver *c,
                          global const hbil_step *steps, int side_steps,
                          const span_march *how, totals *t, intv *untouched,
@@ -62,8 +64,8 @@ INLINE void gather_slice(const hbil_gather_args args, const receiver *c,
   }
 }
 
-/* The table of steps of this layer, at the level whose reach covers the radius.
- */
+/* The table of steps of this layer, at the level whose reach covers the radius
+ * around the span's nearest pixel. */
 INLINE global const hbil_step *steps_of(const hbil_gather_args args,
                                         global const hbil_step *steps,
                                         float nearest, int layer) {
@@ -131,8 +133,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     for (int v = 0; v < SPAN_VECTORS; ++v)
       split_radiance(here + v * HBIL_WIDTH, in.plane, c[v].own);
 #endif
-  /* Without light in reach, prefetches fetch what is cached already.  A branch
-   * on the way would cost more. */
+  /* Without light in reach, normals and light are not needed.  With a distance
+   * of 0 between planes, their prefetches ask for lines that are cached
+   * already. A branch around the prefetches would cost more. */
   const bool is_dark = found.how_much == LIGHT_NONE;
   if (is_dark)
     found.quadrants = 0u;

@@ -5,6 +5,9 @@
  * relight: the radiance alone, for static frames.
  *
  * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows.
+ * In: the caller's inputs, carried light (relight: history).  Out: split
+ * planes; for each group, bounds and whether the outputs show its light
+ * (`uses`); counts of sanitized pixels (relight: whether anything has changed).
  */
 #include "lib/bounds.clh"
 #include "lib/external_planes.clh"
@@ -37,8 +40,7 @@ LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
 
 #define INV_PI 0.318309886f
 
-/* --- normals ----------------------------------------------------------------
- */
+/* --- normals -------------------------------------------------------------- */
 
 /* The input's normal in view space. */
 INLINE void view_normal(const hbil_split_args args, global const void *buffer,
@@ -70,9 +72,10 @@ INLINE void face_the_eye(realv n[3], realv rx, float ry, intv *usable) {
   const realv length2 = squared_length(n);
   const intv has_direction = is_usable_normal(length2);
   *usable &= has_direction;
-  /* The cosine times both lengths.  Nearly every normal faces the eye, and the
-   * roots and quotients below take a tenth of this kernel's time.  The limit is
-   * 1 % above HBIL_MIN_COSINE, so that roundings don't matter. */
+  /* `towards` is the cosine times both lengths, which needs no root.  The roots
+   * and quotients below would take a tenth of this kernel's time, and nearly
+   * every normal faces the eye without them.  The limit is 1 % above
+   * HBIL_MIN_COSINE, so that roundings don't matter. */
   const realv towards = -fma(n[0], rx, fma(n[1], (realv)ry, n[2]));
   const float least = 1.01f * HBIL_MIN_COSINE;
   const intv faces = has_direction & (towards > 0.0f) &
@@ -108,8 +111,7 @@ INLINE void face_the_eye(realv n[3], realv rx, float ry, intv *usable) {
   }
 }
 
-/* --- the radiance that a pixel sends
- * ------------------------------------------- */
+/* --- the radiance that a pixel sends -------------------------------------- */
 
 /* The caller's planes, and what was carried over from the last frame: its red
  * plane, or null where there is none, and its weights. */
@@ -171,8 +173,7 @@ INLINE void radiance_of(const hbil_split_args args, const surface_inputs *s,
 }
 #endif
 
-/* --- counts of sanitized pixels ----------------------------------------------
- */
+/* --- counts of sanitized pixels ------------------------------------------- */
 
 /* Counts the inputs that could not be used, in the work-item's 4 HBIL_WIDTH
  * pixels.  It reads them again, because there is rarely anything to count. */
@@ -211,8 +212,7 @@ INLINE void count_sanitized(const hbil_split_args args,
     add_sanitized(sanitized + HBIL_SANITIZED_SURFACE + i, surface[i]);
 }
 
-/* --- the kernels
- * --------------------------------------------------------------- */
+/* --- the kernels ---------------------------------------------------------- */
 
 kernel void split(const hbil_split_args args, global float *layers,
                   global const float *carried, global const void *depth_buffer,
@@ -243,8 +243,8 @@ kernel void split(const hbil_split_args args, global float *layers,
     const realv z = planar_depth(depth, rx, ry, args.sky_depth);
     const intv solid = z > 0.0f;
     const realv w = w_at(z);
-    /* Normals share the first mask.  Emission counts in the sky, too; the
-     * others only on surfaces. */
+    /* The normal shares the mask of albedo.  Emission that cannot be used
+     * counts at the sky, too; the others count only on surfaces. */
     intv usable[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
                                         TRUE_LANES};
     realv n[3];

@@ -136,7 +136,7 @@ typedef enum hbil_component {
  * stride is the distance from a pixel to its right-hand neighbour, in
  * components.  1 means planar: each channel is an image of its own.  The number
  * of channels or more, up to 64, means interleaved: the channels of a pixel are
- * adjacent, and further components are not used and not changed.  0 means the
+ * adjacent, and further components are neither read nor changed.  0 means the
  * number of channels. */
 typedef struct hbil_plane_format {
   hbil_component component;
@@ -269,8 +269,8 @@ typedef enum hbil_skip {
   HBIL_SKIP_OPEN = 2, /* gather: spans where nothing rises above the surface */
   HBIL_SKIP_DARK = 4, /* gather: the light of samples that send none */
   /* gather: surfaces that reflect no diffuse light (albedo 0 or F0 1), if
-   * beauty is the only output and no irradiance is carried over.  The stages
-   * GATHERED and RESOLVED do differ. */
+   * beauty is the only output and no irradiance is carried over.  The data of
+   * HBIL_STAGE_GATHERED and HBIL_STAGE_RESOLVED do differ. */
   HBIL_SKIP_UNUSED = 8,
   HBIL_SKIP_RADIUS = 16, /* gather: samples certainly beyond the radius */
   HBIL_SKIP_HOLES = 32,  /* push_pull: frames without holes */
@@ -297,7 +297,7 @@ typedef struct hbil_config {
    *   direct, emission  NaN, negative, above 1e30 (after direct_scale): 0
    *   motion    NaN, infinite: nothing is carried over to the pixel
    * Depths of 0, and from 1e15 or sky_depth on, are sky and not counted.  Nor
-   * are normals that face away; they are bent until they are seen edge on. */
+   * are normals that face away; they are turned until nearly edge on. */
   hbil_plane_format depth;    /* 1 channel; see depth_kind, sky_depth */
   hbil_plane_format normal;   /* 3 channels, any length; see normal_space */
   hbil_plane_format albedo;   /* 3 channels, diffuse reflectance, 0..1 */
@@ -351,8 +351,8 @@ typedef struct hbil_config {
   /* g: the last step is (1+g)^2 times the first one; 0..64; default 2 */
   float step_growth;
   hbil_sample_grid sample_grid; /* default FULL_RESOLUTION */
-  /* CL_TRUE: corrects AO and E_near for occluders between the samples.  Half of
-   * the samples tell how much all of them miss (jackknife; doc/method.md,
+  /* CL_TRUE: corrects AO and E_near for occluders between the samples.  What
+   * half of the samples miss tells what all miss (jackknife; doc/method.md,
    * section 7); model */
   cl_bool extrapolate;
   /* The radiance of a sample fades in as the cosine between its normal and the
@@ -402,11 +402,11 @@ typedef struct hbil_config {
 
 /* Named models of light and occluders. */
 typedef enum hbil_model {
-  /* The default, which has the smallest error against path-traced truth over
-   * the scenes of doc/measurements.md: relative_thickness 0.08, facing_fade -1,
-   * -1, HBIL_FALLBACK_FRAME_MEAN, HBIL_FEEDBACK_IRRADIANCE, extrapolate on */
+  /* The default, chosen by its error on four path-traced scenes: infinite
+   * thickness, relative_thickness 0.08, facing_fade -1, -1, extrapolate on,
+   * HBIL_FALLBACK_FRAME_MEAN, HBIL_FEEDBACK_IRRADIANCE */
   HBIL_MODEL_DEFAULT = 0,
-  /* The paper: infinite thickness, facing_fade -0.1, 0,
+  /* The paper: both thicknesses infinite, facing_fade -0.1, 0,
    * HBIL_FALLBACK_LAST_ACCEPTED, HBIL_FEEDBACK_RADIANCE, extrapolate off */
   HBIL_MODEL_PAPER = 1
 } hbil_model;
@@ -625,7 +625,7 @@ typedef struct hbil_statistics {
 
 /* Reads the statistics of the last frame.  queue must be the one that the frame
  * was enqueued to; the call waits for everything in it.  Returns
- * HBIL_INVALID_ARGUMENT if the plan has no frame yet. */
+ * HBIL_INVALID_ARGUMENT if there is no last frame or if it failed. */
 HBIL_API hbil_status hbil_plan_statistics(hbil_plan *plan,
                                           cl_command_queue queue,
                                           hbil_statistics *out);

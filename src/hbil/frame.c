@@ -29,7 +29,7 @@ static const struct {
     [HBIL_PASS_COMPOSITE] = {enqueue_composite, SURFACE | OUTPUTS},
 };
 
-/* A frame's first pass begins its timings. */
+/* Drops the events of the last frame, when a frame's first pass begins. */
 static void forget_timings(hbil_plan *plan) {
   for (int i = 0; i < plan->launches; ++i)
     clReleaseEvent(plan->events[i]);
@@ -85,7 +85,7 @@ static hbil_status enqueue(hbil_plan *plan, cl_command_queue queue,
     plan->left_out[i] = plan->may_leave_out[i] = false;
     status = passes[i].enqueue(&chain, &frame);
     if (status != HBIL_SUCCESS)
-      plan->has_last = false; /* buffers may hold parts of this frame */
+      plan->has_last = false; /* buffers may hold parts of a failed frame */
   }
   if (status == HBIL_SUCCESS)
     status = finish(&chain, event);

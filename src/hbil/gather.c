@@ -63,10 +63,12 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
                                     const hbil_view_args *view,
                                     const hbil_pattern_args *pattern) {
   const hbil_config *c = &plan->config;
-  /* Four roundings of the format lie between two depths and their difference:
-   * of z0, z1 and of their inverses; half has 2^-11 each for the depths.  The
-   * same for the three components of a normal and what is made of them; a
-   * packed normal is off by at most sqrt(18)/4 steps of 2^-14, 6.5e-5. */
+  /* nearness: four roundings lie between two depths and the difference of their
+   * inverses: those of z0, of z1 and of both inverses.  In a
+   * half-float depth the first two are 2^-11 each; in a float one all four are
+   * 2^-24.  flatness: the same for the three components of a normal and
+   * what is made of them.  A packed normal is off by at most sqrt(18)/4 steps
+   * of 2^-14, which is 6.5e-5. */
   const bool half_depth = c->depth.component == HBIL_FLOAT16;
   const bool half_normal = c->normal.component == HBIL_FLOAT16;
   const bool packed = c->storage != HBIL_STORAGE_FLOAT32;
@@ -78,7 +80,7 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
       .light = plan->layout.light,
       .radius = c->radius,
       .reach = pattern->reach,
-      /* away from the eye; -z is negative */
+      /* moves samples away from the eye; orthographic w is -z, below 0 */
       .nearness = orthographic ? 1.0f + roundings : 1.0f - roundings,
       .flatness = half_normal ? 0x1p-10f
                   : packed    ? 0x1p-13f
@@ -134,10 +136,11 @@ static hbil_status regather(commands *chain, const hbil_gather_args *args) {
                 plan->layout.cache.rows, HBIL_LAYERS);
 }
 
-/* Gathers all pixels.  The first static frame fills the horizon cache, for as
- * many rows as have memory, whether or not its light has changed.  It is the
- * first frame after which further static ones are likely.  Later static frames
- * read the cache. */
+/* Gathers all pixels.  rest: this is a static frame, which may be left out
+ * where no light has changed (may_rest()).  The first static frame fills the
+ * horizon cache, for as many rows as have memory, whether or not its light has
+ * changed.  It is the first frame after which further static ones are likely.
+ * Later static frames read the cache. */
 static hbil_status gather_all(commands *chain, hbil_gather_args *args,
                               bool rest) {
   hbil_plan *plan = chain->plan;
