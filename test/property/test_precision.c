@@ -95,6 +95,9 @@ static void measure_frame(setup *s, bool has_history, deviation *all) {
     measure_history(s, &history, all);
     exact_planes_free(&history);
     carried = stage_read(s, HBIL_STAGE_CARRIED);
+  } else {
+    /* has nothing to do, which the statistics then tell */
+    setup_run(s, hbil_enqueue_reproject);
   }
   split = passed(s, hbil_enqueue_split, HBIL_STAGE_SPLIT);
   measure_split(s, has_history ? &carried : NULL, &split, all);
