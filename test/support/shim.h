@@ -39,10 +39,12 @@ void shim_guard_buffers(bool guard);
 /* Number of guard bytes that have changed. */
 size_t shim_overwritten(cl_command_queue queue);
 
-/* true: buffers are filled by writing all of them.  oclgrind 21.10 takes a
- * filled part of a buffer for uninitialized, whatever is stored there later,
- * and a part that is written behind the buffer's beginning as well. */
-void shim_fill_by_writing(bool write);
+/* Adapts the shim to oclgrind 21.10.  Buffers are filled by writing all of
+ * them, because oclgrind takes a filled part of a buffer for uninitialized,
+ * whatever is stored there later, and a part that is written behind the
+ * buffer's beginning as well.  Releases of objects that were never seen here
+ * are oclgrind's own. */
+void shim_under_oclgrind(bool is_oclgrind);
 
 /* Buffers that were created since shim_start_counting(). */
 typedef struct shim_buffers {

@@ -58,7 +58,7 @@ static void name_device(void) {
                   NULL);
   printf("%s\n", name);
   fflush(stdout);
-  shim_fill_by_writing(strstr(name, "Oclgrind") != NULL);
+  shim_under_oclgrind(strstr(name, "Oclgrind") != NULL);
 }
 
 /* Nothing that a rounding may tip over to another step: no dither, no sample
