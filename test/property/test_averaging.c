@@ -13,7 +13,7 @@
 /* ------------------------------------------------------------------------ */
 /* A camera that stands still                                                */
 
-/* What single frames give, whose patterns are turned by their index. */
+/* Outputs of frames on their own, with patterns rotated by their index. */
 static void singles(exact_planes *out, int count) {
   setup s;
   averaging_init(&s, WIDTH, HEIGHT, 0);
@@ -26,14 +26,14 @@ static void singles(exact_planes *out, int count) {
   setup_free(&s);
 }
 
-/* Each frame has a share: 1/n, and 1/most from frame `most` on. */
+/* The n-th frame's weight is 1/n, and 1/most from frame `most` on. */
 static void add_frame(exact_planes *mean, const exact_planes *frame, int n) {
   for (size_t i = 0; i < count_values(mean); ++i)
     mean->values[i] += (frame->values[i] - mean->values[i]) / n;
 }
 
-/* Of AO and E_near; a mean of bent normals is not of unit length.  Limit: three
- * roundings of fp32 a frame. */
+/* AO and E_near alone, since a mean of bent normals isn't a unit vector.
+ * Limit: three fp32 roundings a frame. */
 static void check_mean(const exact_planes *got, const exact_planes *want) {
   check_at_most("E_near", relative_rmse(got, want, EXACT_NEAR_IRRADIANCE, 3),
                 1e-6);
@@ -73,11 +73,12 @@ static double squared_error(const exact_planes *got, const exact_planes *want) {
 }
 
 /*
- * Of AO with 1 x 32, of single pixels.  What is left when everything is
- * averaged (64 frames here) is bias: finite samples, a ratio of sums.  What is
- * above that is noise of the pattern; of independent patterns the mean of N
- * would have 1/N of it.  Turned by a sequence of low discrepancy, a mean is no
- * worse than that.  Measured: 0.23, 0.085, 0.015 and 0.004 for 2, 4, 8 and 16.
+ * The error of AO with 1 x 32 samples, without the filter. The average of 64
+ * frames has only bias left, from finite samples and from a ratio of sums.
+ * Errors above that are noise of the pattern. The mean over N independent
+ * patterns would have 1/N of that noise, and a low-discrepancy rotation must
+ * do no worse. Measured: 0.23, 0.085, 0.015 and 0.004 for 2, 4, 8 and 16
+ * frames.
  */
 static void noise_falls_with_the_frames(void **state) {
   const exact_dense how = {.slices = 256};
@@ -128,13 +129,14 @@ static void set_wall(setup *s, int left, float depth, float tilt) {
   setup_upload(s);
 }
 
-/* Pixels that are in the patch now or were before. */
+/* Whether the patch that begins at column `left` covers a pixel. */
 static bool in_patch(int left, int x, int y) {
   return x >= left && x < left + 20 && y >= 10 && y < 40;
 }
 
-/* Runs the frame that is set, and one that was not preceded by another; where
- * `changed` they have the same bits, elsewhere two frames are counted. */
+/* Runs the frame that is loaded, in `s` after another frame and in `alone` as
+ * the first. Where `changed`, both have the same bits; elsewhere `s` averages
+ * two frames. */
 static void check_anew(setup *s, setup *alone, bool (*changed)(int x, int y)) {
   s->frame.frame_index = alone->frame.frame_index = 1;
   hbil_plan_reset(alone->plan);
@@ -177,9 +179,10 @@ static void new_surfaces_begin_anew(void **state) {
     float depth[2], tilt[2];
     bool (*changed)(int x, int y);
   } cases[] = {
-      /* moves aside; what it uncovers is new, too */
+      /* moves aside, and uncovers new surface */
       {{20, 28}, {2.0f, 2.0f}, {0.0f, 0.0f}, moved_patch},
-      /* a step of 6 %, where 5 % are allowed, forth and back */
+      /* depth changes by 6 %, where 5 % are allowed, towards the eye and away
+       */
       {{20, 20}, {4.0f, 3.76f}, {0.0f, 0.0f}, first_patch},
       {{20, 20}, {3.76f, 4.0f}, {0.0f, 0.0f}, first_patch},
       /* turns by 40 degrees, where 33 are allowed */
@@ -198,8 +201,8 @@ static void new_surfaces_begin_anew(void **state) {
   setup_free(&s);
 }
 
-/* A wall that fills the picture, seen from half a pixel aside: at one border,
- * a row or a column, half of what is looked for lies outside. */
+/* A wall fills the picture, and the camera moves by half a pixel. At one
+ * border, half of the history of a row or column lies outside the picture. */
 static void beyond_the_border_there_is_no_history(void **state) {
   static const int moves[][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
   setup s;
@@ -269,7 +272,7 @@ static void invalid_history_is_dropped(void **state) {
   setup_free(&s);
 }
 
-/* What a frame shows that is no number is shown in that frame alone. */
+/* A value that is no number appears in its own frame alone. */
 static void invalid_light_does_not_enter_the_history(void **state) {
   setup s;
   (void)state;
@@ -312,8 +315,8 @@ static void run_moving(setup *s, int from, int to) {
   }
 }
 
-/* Again; in other work-groups; in buffers full of not-a-numbers, whose guards
- * nobody touches; after a frame that was broken off. */
+/* The same sequence once more; in other work-groups; after a frame that was
+ * not finished; and in guarded buffers that begin full of not-a-numbers. */
 static void runs_have_the_same_bits(void **state) {
   static const size_t groups[2] = {5, 3};
   setup s, guarded;

@@ -1,6 +1,6 @@
 /*
- * Where the answer is known: wedges, cones under a sky, the white furnace, and
- * the Fresnel factor.
+ * Light and occlusion where the answer is known in closed form: wedges, cones
+ * under a sky, the white furnace, and the Fresnel factor.
  */
 #include "test/support/random.h"
 #include "test/support/stages.h"
@@ -8,8 +8,8 @@
 
 #include <stdio.h>
 
-/* Perspective.  Orthographic: the pixel's place, with z = 1 for the formulas'
- * sake. */
+/* A pixel's ray; for an orthographic camera its position, with z = 1 so that
+ * the same formulas hold. */
 static void ray_at(const setup *s, double x, double y, double ray[3]) {
   const hbil_camera *camera = &s->frame.camera;
   ray[0] = (x - camera->cx) / camera->fx;
@@ -24,10 +24,10 @@ static void ray_at(const setup *s, double x, double y, double ray[3]) {
 #define HEIGHT 144
 
 /*
- * A point of one half-plane sees the infinite other one with a view factor of
- * (1 + cos(angle))/2, wherever it lies.  The screen shows a part of it only,
- * a polygon; its view factor is Lambert's sum over its edges, exactly.  So the
- * test is: AO = 1 - (that of the polygon), E_near = pi L times it.
+ * Every point of one half-plane sees the other, infinite one with a view
+ * factor of (1 + cos(angle))/2. The screen shows only a polygon of it, whose
+ * view factor is exactly Lambert's sum over its edges. So AO must be 1 minus
+ * the polygon's view factor, and E_near pi L times it.
  */
 typedef struct wedge {
   double normal[2][3]; /* into the wedge */
@@ -56,8 +56,8 @@ static wedge make_wedge(double angle, bool orthographic) {
   return w;
 }
 
-/* What is affine in the picture and grows towards the eye: a half-plane's
- * inverse depth along a ray; orthographic, -z, of n.(q, z) = d. */
+/* A half-plane's inverse depth along a ray, or -z for an orthographic camera:
+ * it is affine in the picture and grows towards the eye. */
 static double plane_w(const wedge *w, int side, const double ray[3]) {
   const double *n = w->normal[side];
   if (w->orthographic)
@@ -298,7 +298,7 @@ static void set_pit(setup *s, const pit *p) {
   }
 }
 
-/* Some direction of the world for every axis of the view. */
+/* A rotation in which no axis of the view is one of the world. */
 static void turn_camera(hbil_camera *camera) {
   const double m[9] = {0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6};
   for (int i = 0; i < 9; ++i)

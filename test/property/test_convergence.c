@@ -1,6 +1,7 @@
 /*
  * With more slices and samples the kernels approach the exact screen-space
- * integral: every pixel crossed along thousands of slices, in double.
+ * integral, which crosses every pixel along thousands of slices in double
+ * precision.
  */
 #include "test/support/stages.h"
 
@@ -68,10 +69,10 @@ static deviation deviation_of(const exact_planes *got, const exact_planes *want,
 }
 
 /*
- * The room, every surface accepted.  The lamp shines on surfaces, but its own
- * radiance is not gathered: it is a few pixels that hold most of the light, and
- * the exact integral itself would need ten times as many slices for 1e-3.
- * Samples: equal steps, so that `samples` pixels in a row are all of them.
+ * The room, with light from all surfaces. The lamp's own radiance is not
+ * gathered: it is a few pixels with most of the light, for which the exact
+ * integral would need ten times as many slices to be within 1e-3. Steps are
+ * equal, so that as many of them as the picture has columns meet every pixel.
  */
 static void start(setup *s, double fov, cl_uint slices, cl_uint samples,
                   bool extrapolate) {
@@ -109,7 +110,8 @@ static exact_planes exact(double fov, int slices, bool jacobian) {
   return want;
 }
 
-/* From few slices and samples to many; turned patterns add slices. */
+/* From few slices and samples to many; frames with rotated patterns add
+ * slices. */
 typedef struct effort {
   cl_uint slices, samples;
   int turns;
@@ -143,7 +145,7 @@ static void check_view(double fov) {
     exact_planes got = kernels(fov, e->slices, e->samples, e->turns, true);
     deviation d = deviation_of(&got, &want, WHOLE);
     tell(fov, e, d);
-    /* measured: to less than a half each time */
+    /* measured: less than half of the step before */
     assert_true(d.ao < 0.6 * before.ao && d.light < 0.6 * before.light);
     before = d;
     if (i == EFFORTS - 1)
@@ -174,8 +176,8 @@ static void a_view_of_120_degrees_converges(void **state) {
 }
 
 /*
- * Slices weighed alike are off in the corners, however many there are: what the
- * tests above would see if the kernels left the Jacobian out.
+ * Equal weights for all slices are wrong in the corners, however many slices
+ * there are. The tests above would find kernels without the Jacobian.
  */
 static void equal_weights_are_wrong_in_the_corners(void **state) {
   const double fov[] = {90.0, 120.0};
@@ -213,7 +215,7 @@ static void extrapolation_gets_nearer(void **state) {
   exact_planes_free(&want);
 }
 
-/* Nothing lies between samples that are all the pixels: the same bits. */
+/* When the samples meet all pixels, extrapolation changes no bit. */
 static void all_pixels_leave_nothing_to_extrapolate(void **state) {
   exact_planes plain = kernels(60.0, 4, WIDTH, 1, false);
   exact_planes more = kernels(60.0, 4, WIDTH, 1, true);

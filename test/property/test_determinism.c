@@ -9,14 +9,14 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-/* Work-groups enough that two threads meet in every pass; two spans and a bit
+/* Enough work-groups to occupy two threads in every pass; more than two spans
  * across. */
 #define WIDTH 141
 #define HEIGHT 67
 #define FRAMES 3
 
-/* Every pass, and all that is chosen by vector width: scatter has atomics with
- * single pixels alone. */
+/* Every pass in every form that vector widths select: scatter uses atomics
+ * with single pixels only. */
 typedef struct kind {
   const char *name;
   hbil_reprojection reprojection;
@@ -46,7 +46,7 @@ enum {
 
 static void start(setup *s, const kind *k) {
   setup_every_pass(s, k->reprojection, k->vector_width, WIDTH, HEIGHT);
-  /* the filter takes longest to compile, and scatter has it */
+  /* the filter takes longest to compile; scatter covers it */
   s->config.unfiltered =
       k->reprojection == HBIL_REPROJECTION_MOTION || k->vector_width > 1;
   setup_start(s);
@@ -65,7 +65,7 @@ static uint64_t add_outputs(setup *s, uint64_t hash) {
   return hash;
 }
 
-/* Of a sequence from its first frame on, whose camera moves. */
+/* A sequence from its first frame on, with a moving camera. */
 static uint64_t hash_of_sequence(setup *s) {
   uint64_t hash = 0xcbf29ce484222325u;
   hbil_plan_reset(s->plan);
@@ -142,10 +142,10 @@ static void one_thread_and_two_give_the_same_bits(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Work-groups                                                               */
 
-/* The library's on a CPU is 16 x 1, on others 32 x 4; rows of groups from the
- * last to the first, where the library's own come in order.  PoCL compiles for
- * each size anew: kernels of single pixels fastest, so that vectors have their
- * turn in the long form (`make stress`). */
+/* The library uses groups of 16 x 1 on CPUs and 32 x 4 elsewhere, and their
+ * rows run in order; here they run from the last to the first. PoCL compiles
+ * kernels again for each size. Kernels of single pixels compile fastest, so
+ * vectors are left to the long form (`make stress`). */
 static const struct {
   int kind;
   size_t group[2];

@@ -1,7 +1,7 @@
 /*
- * Odd drivers: every OpenCL call that the library makes fails in turn.  What is
- * said of it is right, nothing is left behind, and what was there before can be
- * used as if nothing had happened.
+ * Each OpenCL call of the library fails in turn. The status and the message
+ * are right, no object leaks, and contexts, plans and frames work afterwards
+ * as if nothing had happened.
  */
 #define _POSIX_C_SOURCE 200809L /* mkdtemp, setenv */
 #include "test/support/fixture.h"
@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-/* Small, since it is the number of calls that counts; two rows of spans. */
+/* Small: the number of calls decides how long this takes. Two rows of spans. */
 #define WIDTH 40
 #define HEIGHT 24
 
@@ -23,19 +23,19 @@ static const hbil_status statuses[] = {
 static const char *const names[] = {
     "CL_OUT_OF_RESOURCES", "CL_MEM_OBJECT_ALLOCATION_FAILURE",
     "CL_OUT_OF_HOST_MEMORY", "CL_INVALID_OPERATION"};
-/* Of these, frames see the first two: their calls are many. */
+/* Frames make many calls, and are tested with the first two errors. */
 enum { ERRORS = sizeof errors / sizeof *errors, FRAME_ERRORS = 2 };
 
-/* What one attempt came to, in which call `nth` was to fail. */
+/* The result of an attempt in which call `nth` should fail. */
 typedef struct outcome {
   int nth;
   const char *failed; /* NULL: it made fewer calls */
   hbil_status status;
 } outcome;
 
-/* What the library does, and says, when this call fails: nobody can make up for
- * a release; a missing event takes nothing but timings; and whatever isn't for
- * want of memory is the compiler's own failure. */
+/* The status that must follow from a failing call. A failed release can't be
+ * repaired, so it is ignored. A missing event costs nothing but timings. A
+ * build that fails for another reason than memory is a compiler error. */
 static hbil_status follows(const char *call, hbil_status error) {
   if (!call || strncmp(call, "clRelease", 9) == 0 ||
       strcmp(call, "clRetainEvent") == 0)
@@ -53,7 +53,7 @@ static void check_status(const outcome *o, int e) {
              hbil_status_string(want));
 }
 
-/* Status and message of an attempt in which errors[e] may have come back. */
+/* Checks status and message of an attempt in which errors[e] was returned. */
 static void check_outcome(const outcome *o, int e) {
   const char *message = hbil_context_message(shared_device.hbil);
   check_status(o, e);
@@ -141,7 +141,8 @@ static void plans_leave_nothing(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Frames                                                                    */
 
-/* Two plans in step: one that never fails, and one that is made to. */
+/* Two plans that run the same frames: one never fails, the other one is made
+ * to. */
 typedef struct step {
   device_fixture profiled;
   setup plain, faulty;
@@ -197,9 +198,9 @@ static void check_same(const outcome *o, step *t) {
   exact_planes_free(&got);
 }
 
-/* A frame that fails is none: the same one again has the light and the history
- * of a plan that never failed, and as many references are held as without it:
- * except for an event that could not be retained. */
+/* After a failed frame, the same frame again gives the light and the history
+ * of the plan that never failed. No reference leaks, except that an event may
+ * be missing that could not be retained. */
 static void frames_can_be_repeated(void **state) {
   const long before = shim_references();
   bool holes = false;
@@ -234,7 +235,7 @@ static void frames_can_be_repeated(void **state) {
   assert_int_equal(shim_references(), before);
 }
 
-/* Whatever call of a frame has failed, a plan takes all with it. */
+/* Whichever call of a frame failed, destroying the plan releases everything. */
 static void plans_end_after_failures(void **state) {
   const long before = shim_references();
   outcome o = {0, "", HBIL_SUCCESS};
@@ -384,7 +385,7 @@ static void remove_text(const char *folder, const char *name) {
   assert_int_equal(remove(path), 0);
 }
 
-/* With the compiler's own words, but for when it won't say them. */
+/* The message has the compiler's log, unless asking for the log fails. */
 static void a_failed_build_is_told(void **state) {
   static const char *const files[] = {"shared.h", "common.clh", "reproject.cl"};
   char folder[] = "hbil-faults.XXXXXX";

@@ -1,6 +1,6 @@
 /*
- * Kernels write nothing beyond their buffers, of the plan and of the caller,
- * and what a buffer happens to hold at first is of no consequence.
+ * Kernels write nothing outside of their buffers, and what a buffer holds
+ * before the first frame doesn't matter.
  */
 #include "test/support/fixture.h"
 #include "test/support/shim.h"

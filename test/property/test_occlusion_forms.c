@@ -11,11 +11,11 @@
 #define SIDE 144
 
 /*
- * The camera looks straight down on the floor z = 1; the wall x = 0.3 rises
- * towards it and leaves the frame at slope 1.  What the screen shows of it is a
- * trapezoid, and each point of the floor sees all of that and nothing else:
- * GTAO's AO is 1 - its view factor (Lambert's sum over the edges), HBAO's is
- * 1 - its solid angle / (2 pi), both exact, whatever slices are about.
+ * The camera looks straight down on the floor z = 1. The wall x = 0.3 rises
+ * towards it and leaves the frame at slope 1, so the screen shows a trapezoid
+ * of it. Each point of the floor sees this trapezoid and nothing else. So
+ * GTAO's AO is 1 minus its view factor (Lambert's sum over the edges), and
+ * HBAO's is 1 minus its solid angle over 2 pi; both are exact.
  */
 #define WALL_AT 0.3
 
@@ -150,8 +150,8 @@ static void walls_hide_their_visible_part(void **state) {
   }
 }
 
-/* The stretches of occluders that reach far beyond the floor are the horizon:
- * seen from above, nothing passes behind the wall. */
+/* Occluders so thick that they reach far below the floor hide as much as those
+ * without end: seen from above, nothing passes behind the wall. */
 static void very_thick_occluders_have_no_end(void **state) {
   const exact_dense how = {.slices = 32, .mask = some_pixels()};
   (void)state;
@@ -384,8 +384,8 @@ static void start_ring(setup *s, hbil_mode mode) {
   setup_start(s);
 }
 
-/* The outermost pixels of a line are half a step inside the ring's edges in the
- * mean, and over all directions a step is this many pixels. */
+/* On average, the outermost pixels of a line lie half a step inside the ring's
+ * edges. Averaged over all directions, a step is this many pixels. */
 static double mean_step(void) {
   return 4.0 / PI * log(1.0 + sqrt(2.0));
 }

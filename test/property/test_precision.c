@@ -17,7 +17,7 @@ static exact_planes passed(setup *s, enqueue_function *pass, hbil_stage stage) {
   return stage_read(s, stage);
 }
 
-/* Nobody needs light that is carried to the sky. */
+/* Light that is carried to the sky has no use: it is set to 0. */
 static void clear_sky(const setup *s, exact_planes *carried) {
   for (int p = 0; p < carried->count; ++p)
     for (int i = 0; i < PIXELS; ++i)
@@ -85,8 +85,8 @@ static void measure_composite(setup *s, const exact_planes *resolved,
   exact_planes_free(&history);
 }
 
-/* A frame, pass by pass: each on what the device has made of the passes before,
- * and the same in double. */
+/* Runs a frame pass by pass, and compares each pass with double precision on
+ * the same input: what the device's earlier passes wrote. */
 static void measure_frame(setup *s, bool has_history, deviation *all) {
   exact_planes carried = {0}, split, gathered, resolved;
   setup_upload(s);
@@ -165,8 +165,9 @@ static void cameras_of_all_kinds_are_near_double(void **state) {
 
 typedef long double real;
 
-/* What is between the direction to the eye and the angle theta, whose tangent
- * is along / up: HACKING's A, for a normal of these components. */
+/* The cosine-weighted measure between the direction to the eye and the angle
+ * theta, whose tangent is along / up (A in doc/method.md), for a normal of
+ * these components. */
 static real measure(real nx, real ny, real along, real up) {
   const real size = sqrtl(along * along + up * up);
   const real sine = along / size, theta = atan2l(along, up);
@@ -235,8 +236,8 @@ static double one_sample_ao(const setup *s, const exact_planes *split, int x,
   return (double)(open / whole);
 }
 
-/* Walls with every fourth pixel, at random, nearer by this factor: from the
- * tangent plane, less than a rounding above it, up to the zenith. */
+/* On walls, a quarter of the pixels is nearer by this share: from less than a
+ * rounding above the tangent plane up to the zenith. */
 static const double nearer[] = {0x1p-24,  0x1p-22,  1e-6,     1e-5, 1e-4, 1e-3,
                                 1e-2,     0.1,      0.5,      0.9,  0.99, 0.999,
                                 1 - 1e-5, 1 - 1e-7, 1 - 1e-10};

@@ -60,7 +60,7 @@ static size_t repair_planes(setup *s, int first, int count, size_t i,
   return repaired;
 }
 
-/* Puts the documented values in, and counts. */
+/* Replaces what is not valid by the documented values, and counts it. */
 static hbil_sanitized repair(setup *s) {
   const size_t pixels = (size_t)s->config.width * s->config.height;
   hbil_sanitized n = {0};
@@ -104,7 +104,8 @@ static void check_counts(const hbil_sanitized *got,
 
 #define FRAMES 3
 
-/* What a frame of spoiled inputs comes to; or of the repaired ones. */
+/* Runs frames of spoiled inputs, or of the same inputs with the documented
+ * replacements. */
 static void spoiled_frames(plan_kind kind, uint64_t seed, bool repaired_before,
                            exact_planes out[FRAMES],
                            hbil_sanitized repairs[FRAMES]) {

@@ -1,7 +1,7 @@
 /*
- * Work that is skipped changes no bit: frames are the same with and without
- * each skip, wherever the single pixel is that decides, and where nothing
- * decides against it the work is skipped indeed.
+ * Skips change no bit: frames are the same with and without each of them, also
+ * when a single pixel decides. Where nothing speaks against it, the work is
+ * skipped indeed.
  */
 #include "test/support/pair.h"
 #include "test/support/random.h"
@@ -38,7 +38,7 @@ static void ao_alone(setup *s, hbil_mode mode) {
       plane_format(&s->config, (plane_id)i)->component = HBIL_NONE;
 }
 
-/* What a slice weighs is needed where nothing else is. */
+/* With a single slice, its weight is needed even in open spans. */
 static void single_slice(setup *s) {
   limited(s);
   s->config.slices = 1;
@@ -76,7 +76,8 @@ static prepare_function *const kinds[] = {endless,      thick,
                                           single_slice, single_slice_gtao};
 #define KINDS (sizeof kinds / sizeof *kinds)
 
-/* One pixel, nearer than the wall by anything from a rounding to nearly all. */
+/* One pixel in front of the wall, by anything from a rounding to most of the
+ * distance. */
 static void lone_occluder(setup *s, random_state *r) {
   const int x = (int)(random_unit(r) * WIDTH),
             y = (int)(random_unit(r) * HEIGHT);
@@ -84,7 +85,7 @@ static void lone_occluder(setup *s, random_state *r) {
   s->input[EXACT_DEPTH][pixel_at(x, y)] = (float)(2.0 - 1.9 * nearer);
 }
 
-/* The wall turned by anything up to nearly edge on. */
+/* Turns the wall, up to almost edge on. */
 static void turn(setup *s, random_state *r) {
   const double most = pow(10.0, 1.0 - 8.0 * random_unit(r));
   double n[3] = {most * (random_unit(r) - 0.5), most * (random_unit(r) - 0.5),
@@ -142,7 +143,8 @@ static void one_pixel_anywhere_is_not_overlooked(void **state) {
   }
 }
 
-/* At the end of the reach, a little nearer and a little farther. */
+/* A pillar around the end of the radius, a little nearer and a little farther.
+ */
 static void the_edge_of_the_radius_is_exact(void **state) {
   size_t open[2] = {0, 0};
   pair p;
@@ -210,8 +212,9 @@ static void unlit_room(pair *p) {
     setup_fill(&p->with, EXACT_DIRECT + c, 0.0f);
 }
 
-/* The i-th: a pixel, which few samples meet; a square, which grows; a column or
- * a row of pixels, which are seen from both sides.  The first is none. */
+/* The i-th lamp is in turn a square that grows, a pixel, which few samples
+ * meet, and a column and a row of pixels, which are seen from both sides. The
+ * first one has no size. */
 static void only_lamp(pair *p, random_state *r, int i) {
   const int square = 3 * i;
   const int width = (int)p->with.config.width;
@@ -238,14 +241,14 @@ static void fallback_frame_mean(setup *s) {
   s->config.radius = 2.0f;
 }
 
-/* More than are looked at in one go: light may come after a dark part. */
+/* More samples than one block has: light may follow a block without any. */
 static void many_samples(setup *s) {
   pair_wall(s);
   s->config.steps_per_side = 80;
 }
 
-/* Three blocks of cells each way, that light can lie in beside each other,
- * above and below; whoever is in the middle sees those around it. */
+/* Three by three blocks of cells, so that light can come from a block on any
+ * side. */
 static void large(setup *s) {
   pair_sized_wall(s, 2 * 256 + 45, 2 * 256 + 27);
 }
@@ -298,8 +301,7 @@ static void one_lamp_is_not_overlooked(void **state) {
   }
 }
 
-/* A column or a row of pixels; seen from both sides where every pixel has
- * neighbours that stand out. */
+/* A column or a row of pixels sends light. */
 static void set_line(setup *s, int column, int row, float light) {
   for (int y = 0; y < HEIGHT; ++y)
     for (int x = 0; x < WIDTH; ++x)

@@ -56,7 +56,7 @@ static void the_unit_of_length_does_not_matter(void **state) {
 static const double tilts[] = {0.0, 30.0, 60.0, 80.0, 85.0, 89.0, 89.9};
 #define TILTS (sizeof tilts / sizeof *tilts)
 
-/* Where the surface is, how closed it is at most, and the most light. */
+/* The largest occlusion of the surface, and the most light. */
 typedef struct openness {
   double closed, light;
 } openness;
@@ -147,12 +147,12 @@ static evenness evenness_of(setup *s) {
   return e;
 }
 
-/* A furnace without loss: albedo 1, light 1 in all directions, once.  What the
- * screen doesn't show has the frame's mean, so nothing can come in or go.
- * Packed light is off by a step of its 8 bits, 2^-7, here and there, and in the
- * mean by less; fp32 by two hundred roundings or so (measured: 2.9e-6).  The
- * mean drifts by what its roundings have in common, one of 2^-24 for each of
- * the 180 frames in between at most (measured: 6.7e-6). */
+/* A furnace without loss: albedo is 1, and the first frame alone has direct
+ * light. Unseen surfaces have the frame's mean, so no light can enter or
+ * leave. Packed light is off by up to a step of its 8 bits, 2^-7, and by less
+ * on average; fp32 by about two hundred roundings (measured: 2.9e-6). The mean
+ * can drift by one rounding of 2^-24 in each of the 180 frames in between
+ * (measured: 6.7e-6). */
 static void light_neither_grows_nor_fades(void **state) {
   (void)state;
   for (plan_kind kind = 0; kind < PLANS; ++kind) {

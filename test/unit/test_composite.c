@@ -1,5 +1,6 @@
 /*
- * Far light, outputs in every form, and what the next frame is handed.
+ * Composite matches the exact pass: far light, every output in every form, and
+ * the history for the next frame.
  */
 #include "test/support/random.h"
 #include "test/support/stages.h"
@@ -45,7 +46,7 @@ static void random_environment(setup *s) {
           (float)(i ? random_unit(&r) - 0.5 : 2.0 + random_unit(&r));
 }
 
-/* Starts, plants and runs; what both sides make of it. */
+/* Starts the plan, writes random light, and runs composite on both sides. */
 static void run_both(setup *s, exact_planes *got, exact_planes *want,
                      exact_planes *history) {
   exact_planes light;
@@ -243,8 +244,8 @@ static void an_even_environment_sends_pi_ao_l(void **state) {
   }
 }
 
-/* Of every third surface, red near light that is no number and green that a
- * rounding left below 0. */
+/* Every third surface gets red near light that is no number, and green that a
+ * rounding has left below 0. */
 static void spoil_near_light(const setup *s, exact_planes *light) {
   for (int i = 0; i < WIDTH * HEIGHT; i += 3)
     if (s->input[EXACT_DEPTH][i] > 0.0f) {
@@ -253,7 +254,7 @@ static void spoil_near_light(const setup *s, exact_planes *light) {
     }
 }
 
-/* A fault upstream is there to be seen: in black nobody would. */
+/* A fault in an earlier pass stays visible: black would hide it. */
 static void near_light_that_is_no_number_stays_none(void **state) {
   static const int lit[] = {EXACT_NEAR_IRRADIANCE, EXACT_INDIRECT,
                             EXACT_BEAUTY};

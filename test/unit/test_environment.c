@@ -1,6 +1,6 @@
 /*
- * Latitude-longitude maps to spherical harmonics, and the camera of other
- * programs' conventions.
+ * Latitude-longitude maps become spherical harmonics, and cameras of OpenGL's
+ * convention become the library's.
  */
 #include "test/support/compare.h"
 #include "test/support/random.h"
@@ -35,7 +35,7 @@ static float *painted(const float sh[9][3], const float rotation[9],
   float *map = malloc(row * HEIGHT * sizeof(*map));
   assert_non_null(map);
   for (size_t i = 0; i < row * HEIGHT; ++i)
-    map[i] = NAN; /* what lies between the rows is not to be read */
+    map[i] = NAN; /* the padding between the rows must not be read */
   for (int y = 0; y < HEIGHT; ++y)
     for (int x = 0; x < WIDTH; ++x) {
       double d[3], basis[9];
@@ -126,7 +126,7 @@ static void bad_arguments_are_refused(void **state) {
                    HBIL_SUCCESS);
 }
 
-/* OpenGL looks along -z with y up: both axes turn over, nothing else. */
+/* OpenGL looks along -z with y up: both axes change their sign. */
 static void opengl_cameras_turn_two_axes(void **state) {
   const double gl[16] = {0, 0, 1, 5, 1, 0, 0, 6, 0, 1, 0, 7, 0, 0, 0, 1};
   const double want[16] = {0, 0, -1, 5, 1, 0, 0, 6, 0, -1, 0, 7, 0, 0, 0, 1};

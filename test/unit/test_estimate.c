@@ -54,7 +54,8 @@ static void sequences_match(void **state) {
                    sizes[i / 2][1], i & 1 ? 8 : 1, none);
 }
 
-/* Skies that direct light reaches in part, and one without green. */
+/* Skies that are brighter or darker than direct light, and one without green.
+ */
 static void what_the_sky_does_not_light_is_filled(void **state) {
   const float skies[][3] = {
       {0.3f, 0.4f, 0.5f}, {2.0f, 0.0f, 3.0f}, {20.0f, 20.0f, 20.0f}};
@@ -75,7 +76,7 @@ static void start_room(setup *s) {
     plane_format(&s->config, id)->component = HBIL_NONE;
 }
 
-/* One output alone, with what else the plan then leaves out. */
+/* One output alone, from a plan that skips whatever the others need. */
 static exact_planes output_alone(plane_id id) {
   setup s;
   exact_planes out;
@@ -133,8 +134,8 @@ static void fill_radiance(setup *s, float value) {
     setup_fill(s, EXACT_DIRECT + c, value);
 }
 
-/* Smallest and largest E_far / (pi AO): the light that is taken to come from
- * where nothing is. */
+/* Smallest and largest E_far / (pi AO): the radiance that unblocked directions
+ * are taken to have. */
 static void estimate_range(const exact_planes *out, double range[2]) {
   size_t count = (size_t)out->width * (size_t)out->height;
   range[0] = INFINITY;
@@ -246,7 +247,7 @@ static void the_white_furnace_is_closed(void **state) {
   setup_free(&s);
 }
 
-/* Nothing but sky, at all pixels or at those that the estimate looks at. */
+/* Sky at all pixels, or at those that the estimate uses. */
 static void check_without_surfels(bool all) {
   setup s;
   exact_planes out;
@@ -260,7 +261,7 @@ static void check_without_surfels(bool all) {
   out = one_frame(&s);
   for (int i = 0; i < WIDTH * HEIGHT * EXACT_OUTPUT_PLANES; ++i)
     assert_true(isfinite(out.values[i]));
-  /* the frame's mean is 0 then; what a pixel sees itself is 1 at most */
+  /* the frame's mean is 0; a pixel itself sees 1 at most */
   assert_true(largest_value(&out, EXACT_FAR_IRRADIANCE, 3) <= (all ? 0.0 : PI));
   exact_planes_free(&out);
   setup_free(&s);

@@ -156,9 +156,9 @@ static void types_are_kept_bit_by_bit(void **state) {
   image_free(&source);
 }
 
-/* pxr24 leaves floats 15 bits behind the point.  The others that round do it to
- * halves, B44 not to such a ramp, and DWA to colours only, of which by its name
- * this is none. */
+/* pxr24 rounds floats to 15 bits of mantissa. Of the others, B44 rounds
+ * halves, but not this ramp, and DWA rounds channels whose names are those of
+ * colours. */
 static void every_compression_holds_what_it_promises(void **state) {
   const float rounding = 0x1p-16f;
   (void)state;

@@ -351,7 +351,7 @@ static void the_first_frame_is_lit_by_direct_light(void **state) {
   setup_free(&s);
 }
 
-/* Without light there is none, and occlusion stays what it was. */
+/* Without light sources there is no near light, and occlusion is the same. */
 static void darkness_stays_dark(void **state) {
   setup s;
   exact_planes lit, dark;
@@ -391,7 +391,7 @@ static void timings_are_told_pass_by_pass(void **state) {
   assert_true(ms[HBIL_PASS_REPROJECT] == 0.0 && ms[HBIL_PASS_PUSH_PULL] == 0.0);
   setup_run(&s, hbil_enqueue_frame);
   assert_success(&s, hbil_plan_timings(s.plan, ms));
-  /* without hbil_config.temporal there is no such pass */
+  /* without max_history_frames there is no temporal pass */
   for (int i = 0; i < HBIL_PASS_COUNT; ++i)
     assert_true(i == HBIL_PASS_TEMPORAL ? ms[i] == 0.0
                                         : ms[i] > 0.0 && ms[i] < 1e5);

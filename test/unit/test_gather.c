@@ -1,5 +1,6 @@
 /*
- * The horizon search: held against points, angles and integrals in double.
+ * The gather matches the exact pass, which works with points, angles and
+ * integrals in double precision.
  */
 #include "test/support/random.h"
 #include "test/support/stages.h"
@@ -214,9 +215,8 @@ static void occluders_as_thick_as_they_are_told_match(void **state) {
   }
 }
 
-/* Planes that are rough by so little that angles differ in their last digits,
- * or not at all: sums and quotients of such differences must stay what they
- * are. */
+/* Planes so slightly rough that angles differ in their last digits, or not at
+ * all. Sums and quotients of such differences must not lose precision. */
 static void hardly_rough_planes_match(void **state) {
   (void)state;
   for (int i = 0; i < 4; ++i) {
@@ -247,7 +247,7 @@ static void hardly_rough_planes_match(void **state) {
   }
 }
 
-/* As rough as can be: normals are not those of the depths. */
+/* Normals don't fit depths here, which is as rough as a surface can be. */
 static void orthographic_views_match(void **state) {
   (void)state;
   for (int i = 0; i < 10; ++i) {
@@ -265,9 +265,9 @@ static void orthographic_views_match(void **state) {
 }
 
 /*
- * From so far away that perspective is gone, a camera sees the same: the
- * reference, in double, of planes that are (q, z) = (P.xy, P.z) or, from 3e3
- * behind, (P.xy / (P.z + 3e3), P.z + 3e3).
+ * A perspective camera far away sees what an orthographic one sees. The exact
+ * pass is run on the same planes twice: as (q, z) = (P.xy, P.z), and from 3e3
+ * behind as (P.xy / (P.z + 3e3), P.z + 3e3).
  */
 static void far_views_become_orthographic(void **state) {
   enum { W = 61, H = 37 };
@@ -327,8 +327,8 @@ static exact_planes room_as_thick_as(float share) {
   return out;
 }
 
-/* Without end they are the horizon's, but for sectors of 1/32: measured .020
- * in AO, derived below 1/32 a half-slice. */
+/* Very thick occluders hide as much as endless ones, except for the sectors'
+ * rounding: measured .020 of AO, derived below 1/32 a half-slice. */
 static void endless_occluders_are_the_horizon_s(void **state) {
   exact_planes sectors = room_as_thick_as(1e4f);
   exact_planes horizon = room_as_thick_as(INFINITY);
@@ -339,7 +339,7 @@ static void endless_occluders_are_the_horizon_s(void **state) {
   exact_planes_free(&horizon);
 }
 
-/* Radiance 1 all over: what is not open sends 1. */
+/* With radiance 1 everywhere, every direction that is not open brings 1. */
 static void check_furnace(scene_kind kind, cl_uint slices, float radius,
                           float thickness) {
   setup s;

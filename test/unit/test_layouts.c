@@ -53,8 +53,8 @@ static void reads_blender(void **state) {
   }
 }
 
-/* Positions in the camera's space, forwards; a left-handed world; matrices for
- * columns, of one scale for both sides of the picture. */
+/* Positions in camera space with z forwards; a left-handed world; matrices for
+ * column vectors, with the same scale for width and height. */
 static void reads_pbrt(void **state) {
   (void)state;
   dump d = dump_begin(SCENE_ROOM);
@@ -73,7 +73,7 @@ static void reads_pbrt(void **state) {
   assert_same_geometry(&d, &r, MATRIX_ROUNDING);
   assert_no_findings(&r);
   reading_free(&r);
-  /* and without matrices, by the angle or the size alone */
+  /* and without matrices, from the angle of view or the size alone */
   d.img.matrices.has_camera = 0;
   if (dump_orthographic)
     d.options.orthographic = (float)(WIDTH / d.s.camera.fx);
@@ -110,7 +110,8 @@ static void reads_mitsuba(void **state) {
   }
 }
 
-/* Matrices for rows, a picture of -1..1; planar or ray is found out. */
+/* Matrices for row vectors, a picture of -1..1; planar or ray depth is found
+ * out. */
 static void reads_arnold(void **state) {
   (void)state;
   for (int ray = 0; ray < 2; ray++) {
@@ -215,9 +216,9 @@ typedef struct depth_case {
   float sky;
 } depth_case;
 
-/* 1/z is stored, so near the far plane a rounding is worth more of z: by its
- * ratio to the near one; that of parallel rays is one of the far plane, as seen
- * from the nearest surface at 3. */
+/* 1/z is stored, so a rounding changes z the more, the larger its ratio to the
+ * near plane is. With an orthographic camera the rounding is that of the far
+ * plane, relative to the nearest surface at 3. */
 static void reads_device_depths(void **state) {
   const double near = 0.5, far = 200;
   const double rounding_of_z = 6e-8 * (dump_orthographic ? far / 3 : 90 / near);
@@ -249,8 +250,8 @@ static void reads_device_depths(void **state) {
   }
 }
 
-/* Nothing but plain letters: backwards, a half's largest for the sky, normals
- * of the camera; all is found out. */
+/* Channels named Z and N alone: depth counts backwards, the sky is the largest
+ * half float, and normals are in camera space. All of it is found out. */
 static void guesses_what_plain_letters_mean(void **state) {
   (void)state;
   dump d = dump_begin(SCENE_SKY);
@@ -292,7 +293,7 @@ static void options_have_the_last_word(void **state) {
   dump_end(&d);
 }
 
-/* Depth, albedo and the rest each in a file; the albedo is a picture. */
+/* Depth, albedo and the rest are in files of their own; the albedo is a PNG. */
 static void reads_one_file_a_pass(void **state) {
   (void)state;
   dump d = dump_begin(SCENE_ROOM);
@@ -328,7 +329,8 @@ static void reads_one_file_a_pass(void **state) {
   dump_end(&d);
 }
 
-/* A picture of which there is more, then one of which there is less. */
+/* A data window that is larger than the display window, then one that is
+ * smaller. */
 static void reads_display_and_data_windows(void **state) {
   enum { MORE = 10 };
   (void)state;
@@ -382,7 +384,7 @@ static void reads_display_and_data_windows(void **state) {
   dump_end(&plain);
 }
 
-/* The axis leaves the picture elsewhere than in its middle. */
+/* The camera's axis isn't in the middle of the picture. */
 static void reads_off_centre_cameras(void **state) {
   enum { AWAY_X = 20, AWAY_Y = 10 };
   (void)state;

@@ -10,7 +10,7 @@
 /* Where the axis is in a picture of -1..1. */
 static const double no_offset[] = {0, 0};
 
-/* A header in centimetres, of a camera that counts twice as many. */
+/* A header in centimetres, with a camera matrix that is scaled by two. */
 static void headers_have_their_own_units(void **state) {
   (void)state;
   dump d = dump_begin(SCENE_ROOM);
@@ -40,8 +40,8 @@ static void headers_have_their_own_units(void **state) {
   dump_end(&d);
 }
 
-/* Whatever the file says of the lens, the options say another; and a file that
- * is taken for one of perspective doesn't fit. */
+/* Options overrule the file's projection, and a file that is read with the
+ * wrong projection has findings. */
 static void options_choose_the_lens(void **state) {
   (void)state;
   dump d = dump_begin_plain(SCENE_ROOM);

@@ -1,6 +1,6 @@
 /*
- * Stages that work side by side: every item passes them in order, few are under
- * way at once, and where something fails, what is done and what is told are the
+ * The program's pipeline: every item passes the stages in order, few are under
+ * way at once, and after a failure what was done and what is reported are the
  * same in every run.
  */
 #define _POSIX_C_SOURCE 200809L
@@ -14,7 +14,7 @@
 
 enum { ITEMS = 40, NONE = ITEMS };
 
-/* What stages see, and what they are to do. */
+/* What stages record, and what they are told to do. */
 typedef struct watch {
   pthread_mutex_t lock;
   size_t done[PIPELINE_STAGES];   /* items */
@@ -140,8 +140,8 @@ static void what_is_before_a_failure_is_done_and_nothing_behind(void **state) {
         fail_at(stage, items[i], slow);
 }
 
-/* Items fail in all three stages: the first in the sequence is told, though
- * another fails earlier in time. */
+/* Items fail in all three stages. The first one of the sequence is reported,
+ * even if another fails earlier in time. */
 static void the_first_item_that_fails_is_told(void **state) {
   (void)state;
   for (int slow = 0; slow < PIPELINE_STAGES; slow++) {

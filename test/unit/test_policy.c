@@ -1,6 +1,6 @@
 /*
- * What the tool decides by a look at the first frame: whether direct light
- * holds the sky's, and whether it holds what the lamps in the picture send.
+ * What is decided from the first frame's pixels: whether direct light contains
+ * the sky's light, and whether it contains that of the lamps in the picture.
  */
 #include "test/support/compare.h"
 
@@ -90,8 +90,7 @@ static void lamps_in_direct_light_are_not_gathered(void **state) {
   }
 }
 
-/* Light of other lamps that is too little to be theirs, or none, or no plane.
- */
+/* Direct light that is too weak to contain the lamps', or zero, or missing. */
 static void lamps_that_direct_light_lacks_are_gathered(void **state) {
   (void)state;
   for (int i = 0; i < 3; ++i) {
@@ -183,8 +182,8 @@ static gbuffer valley(double share, hbil_config *config, hbil_camera *camera) {
   return g;
 }
 
-/* Half of the light decides; what 512 of the lamp's patches and every third
- * receiver stand for is right to a tenth. */
+/* The decision is at half of the lamps' light. Taking 512 of the lamp's
+ * patches and every third receiver is right to a tenth. */
 static void parallel_rays_see_patches_of_one_size(void **state) {
   const double shares[] = {0.45, 0.55};
   (void)state;

@@ -1,6 +1,6 @@
 /*
- * From layers back to the image: the joint bilateral filter and the raw
- * interleave.
+ * Recompose matches the exact pass: the joint bilateral filter, and layers
+ * that are only interleaved.
  */
 #include "test/support/random.h"
 #include "test/support/stages.h"

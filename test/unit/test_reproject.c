@@ -6,7 +6,7 @@
 #include "test/support/random.h"
 #include "test/support/stages.h"
 
-static cl_uint tested; /* pixels a work-item, by the test that is running */
+static cl_uint tested; /* pixels of a work-item; set by the test that runs */
 
 static int take_width(void **state) {
   tested = *(const cl_uint *)*state;
@@ -112,7 +112,8 @@ static void scatter_matches_on_large_images(void **state) {
   }
 }
 
-/* What was a row is a column: each run lands in many bands. */
+/* The camera rolls by a quarter, so that rows become columns, and each run of
+ * pixels lands in many bands. */
 static void scatter_matches_where_the_camera_rolls(void **state) {
   const int size[2] = {200, 200};
   setup s;
@@ -189,7 +190,7 @@ static void many_sources_on_one_pixel_are_settled_alike(void **state) {
   check(&s, 0.01, 2);
 }
 
-/* Motion vectors that lead anywhere, not-a-numbers and infinities too. */
+/* Random motion vectors, not-a-numbers and infinities among them. */
 static void wild_motion_is_followed_or_dropped(void **state) {
   setup s;
   random_state r = {5};
@@ -208,7 +209,7 @@ static void wild_motion_is_followed_or_dropped(void **state) {
   check(&s, 0.05, 1);
 }
 
-/* Nothing has moved: everything that is no sky is carried as it is. */
+/* Nothing has moved: all surfaces get exactly their own light. */
 static void check_copy(hbil_reprojection reprojection, scene_kind kind) {
   setup s;
   exact_planes got, history;

@@ -9,7 +9,7 @@
 /* Where the axis is in a picture of 0..1. */
 static const double half_picture[] = {0.5, 0.5};
 
-/* So many findings, the last of which has the text. */
+/* There are `count` findings, and the last one has the text. */
 static void finds_last(dump *d, int count, const char *text) {
   dump_write(d);
   reading r = dump_read(d);
@@ -105,8 +105,8 @@ static void finds_encoded_normals(void **state) {
   finds(&d, "--normals encoded");
 }
 
-/* Turned by five degrees about the vertical, elsewhere, or both in the units.
- */
+/* The camera is turned by five degrees about the vertical, or stands
+ * elsewhere. */
 static void finds_the_camera_of_another_frame(void **state) {
   (void)state;
   dump d = dump_begin_plain(SCENE_ROOM);
@@ -191,7 +191,7 @@ static void finds_gamma_encoded_albedo(void **state) {
   }
 }
 
-/* By its name, and by the light of a sky that no surface reflects. */
+/* Recognized by its name, or by light at sky pixels. */
 static void finds_a_finished_picture_as_direct_light(void **state) {
   (void)state;
   dump d = dump_begin_plain(SCENE_ROOM);
@@ -221,7 +221,7 @@ static void finds_device_depth(void **state) {
   finds(&d, "no pixel has a depth");
 }
 
-/* What cannot be done is said, and what would help. */
+/* The message says what is impossible, and what would help. */
 static void unusable_input_is_rejected(void **state) {
   static const struct {
     const char *map;
@@ -271,8 +271,8 @@ static void finds_a_picture_of_another_size(void **state) {
   finds(&d, "--orthographic");
 }
 
-/* Nothing that parallel rays show depends on how far away the camera stands:
- * not what a pixel is, nor how far off is what is elsewhere in the picture. */
+/* With an orthographic camera, no check may depend on how far away the camera
+ * stands. */
 static void distant_cameras_have_no_findings(void **state) {
   enum { AWAY = 1000 };
   (void)state;
@@ -299,8 +299,8 @@ static void distant_cameras_have_no_findings(void **state) {
   }
 }
 
-/* Slats of eight rows that begin in the camera's plane: straight in depth, bent
- * in its inverse. */
+/* Slats of eight rows that begin in the camera's plane. They are straight in
+ * depth, but not in inverse depth. */
 static void steep_slats_have_no_findings(void **state) {
   enum { SLAT = 8 };
   const double slope = 2; /* depth along the picture */

@@ -1,5 +1,5 @@
 /*
- * Whatever form the G-buffer comes in, the layers hold the same numbers.
+ * Split matches the exact pass whatever form the G-buffer comes in.
  */
 #include "test/support/random.h"
 #include "test/support/stages.h"
@@ -15,9 +15,9 @@ static exact_planes split_of(setup *s) {
   return stage_read(s, HBIL_STAGE_SPLIT);
 }
 
-/* Derived: a rotation, a length and a product, roundings of 6e-8 each; normals
- * that are bent back have lost digits in a difference first (measured: 1.5e-6).
- */
+/* Derived: a rotation, a length and a product with roundings of 6e-8 each.
+ * Normals that are turned back to the eye lose digits in a difference first
+ * (measured: 1.5e-6). */
 #define NORMAL_LIMIT 5e-7
 #define BENT_BACK_LIMIT 1e-5
 
@@ -150,7 +150,7 @@ static void optional_inputs_may_be_absent(void **state) {
   check_split(&s, NORMAL_LIMIT);
 }
 
-/* Values that are no numbers, no light, no normals, no depths. */
+/* Not-a-numbers, negative light, zero normals, invalid depths. */
 static void spoil_inputs(setup *s) {
   const float odd[] = {NAN, INFINITY, -INFINITY, -1.0f, 0.0f, -0.0f, 1e30f};
   random_state r = {9};

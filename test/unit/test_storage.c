@@ -85,7 +85,8 @@ static exact_planes split_in(hbil_storage storage, void (*prepare)(setup *),
   return out;
 }
 
-/* Depth to the last bit; normals where there are surfaces, finite elsewhere. */
+/* Inverse depth is exact; normals are compared at surfaces, and finite
+ * elsewhere. */
 static void check_guides(const exact_planes *got, const exact_planes *want) {
   double worst = 0.0;
   for (int y = 0; y < got->height; ++y)
@@ -114,8 +115,8 @@ static void check_split(void (*prepare)(setup *), cl_uint vector_width) {
   exact_planes_free(&got);
 }
 
-/* A wall seen straight on; emission alone is its radiance.  (World space, so
- * that it goes with the kernels that the scenes have already built.) */
+/* A wall seen straight on, whose radiance is its emission. World-space
+ * normals, so that it shares kernels with the scenes. */
 static void start_wall(setup *s) {
   setup_init(s, WIDTH, HEIGHT);
   s->config.normal_space = HBIL_SPACE_WORLD;
@@ -139,9 +140,10 @@ static void scenes_lose_no_more_than_their_words(void **state) {
   }
 }
 
-/* All over the sphere, in a view so wide that some that face the eye have a z
- * above 0; those that don't face it are bent back until they graze it.  Among
- * them the axes, and the edges and the middles of the map's faces. */
+/* Normals all over the sphere, with the axes and the edges and middles of the
+ * octahedron's faces among them. The view is so wide that some that face the
+ * eye have a z above 0. Those that face away are turned back until they graze.
+ */
 static void all_directions(setup *s) {
   random_state r = {31};
   start_wall(s);
@@ -166,7 +168,7 @@ static void every_direction_survives(void **state) {
   exact_planes_free(&split);
 }
 
-/* The mapping itself has no more to lose: the same as the kernel's limit. */
+/* The test's own mapping loses no more than the kernels may. */
 static void the_octahedral_map_loses_half_a_step(void **state) {
   random_state r = {5};
   (void)state;
@@ -183,8 +185,8 @@ static void the_octahedral_map_loses_half_a_step(void **state) {
   }
 }
 
-/* Every magnitude that a float has, next to 0 and to each other; the ends of
- * the small floats, and ties between two of them. */
+/* Light of every magnitude that a float has, beside zeros and beside each
+ * other. */
 static void any_light(setup *s) {
   const float odd[] = {0.0f,      1.0f,       1e-30f,    1e30f,    3.4e38f,
                        0x1p-118f, 0x1p-7f,    0x1.fep0f, 255.0f,   256.0f,
@@ -209,7 +211,7 @@ static void light_of_any_size_survives(void **state) {
     check_split(any_light, widths[i]);
 }
 
-/* Numbers below a float's normal ones are none, or the least one. */
+/* Denormal light becomes zero or the smallest normal number. */
 static void hardly_any_light(setup *s) {
   start_wall(s);
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
@@ -272,7 +274,8 @@ static void check_light(const exact_planes *got, const exact_planes *want) {
   check_at_most("bent", largest_bent_off(got, want), BENT_LIMIT);
 }
 
-/* What the search makes of the very words that it reads. */
+/* The gather on the words that split wrote, against the exact gather on the
+ * same values. */
 static void check_gather(setup *s) {
   s->config.storage = HBIL_STORAGE_PACKED;
   setup_start(s);
@@ -369,7 +372,7 @@ static void every_vector_width_matches(void **state) {
   }
 }
 
-/* One slice in a wide view weighs some directions thrice. */
+/* In a wide view a single slice weighs some directions three times. */
 static void long_bent_normals_have_their_direction(void **state) {
   (void)state;
   for (cl_uint slices = 1; slices < 3; ++slices) {

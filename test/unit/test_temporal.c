@@ -12,8 +12,8 @@
 /* ------------------------------------------------------------------------ */
 /* Off                                                                       */
 
-/* A frame that counts alone goes through all of the filter: with the cap at 1
- * even a moving sequence has the bits of a plan without it. */
+/* With a history of one frame the whole filter runs, and a moving sequence has
+ * the bits of a plan without it. */
 static void a_history_of_one_frame_changes_nothing(void **state) {
   setup off, one;
   (void)state;
@@ -35,9 +35,9 @@ static void a_history_of_one_frame_changes_nothing(void **state) {
   setup_free(&off);
 }
 
-/* Two buffers, each with a place, a normal, a number and the seven planes of
- * light, two rows and two vectors (32) before and behind; rows are padded
- * to 64. */
+/* Two buffers, each with an inverse depth, a normal, a number and seven planes
+ * of light, and with two rows and two vectors (32) before and behind; rows are
+ * padded to 64. */
 static void the_filter_takes_two_buffers(void **state) {
   setup s;
   size_t off, on, made;
@@ -160,8 +160,8 @@ static past find_past(const setup *s, const hbil_camera *before,
   return then;
 }
 
-/* A pixel of the mean: how many frames, and the light before it is blended.
- * close: a decision that fp32 may take otherwise. */
+/* What the history holds for a pixel: the number of frames, and their light.
+ * close: fp32 may decide differently here. */
 typedef struct recalled {
   double frames, total, light[HBIL_LIGHT_PLANES];
   double least[HBIL_LIGHT_PLANES], most[HBIL_LIGHT_PLANES];
@@ -264,8 +264,8 @@ static void check_pixel(const setup *s, const recalled *r,
   }
   t->found++;
   check_shown(got, anew, x, y);
-  /* A place may be snapped to the next 1/256 of a pixel, in x and in y; sums of
-   * four in fp32. */
+  /* A position may be snapped to the neighbouring 1/256 of a pixel, in x and
+   * in y; sums of four are in fp32. */
   const double places = 2.0 / 256.0;
   const double frames = history_value(anew, HISTORY_FRAMES, x, y);
   if (fabs(frames - n) > places * most + 1e-5 * n)
@@ -282,7 +282,8 @@ static void check_pixel(const setup *s, const recalled *r,
   }
 }
 
-/* Of some pixels nothing is known, whatever light stands there. */
+/* Some pixels lose their history: their number of frames becomes 0, whatever
+ * light they have. */
 static void forget_some(setup *s, history *h) {
   const float none = 0.0f, light = 100.0f;
   size_t size;
@@ -375,7 +376,7 @@ static void an_orthographic_camera_is_followed(void **state) {
   check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_ORTHOGRAPHIC, 0);
 }
 
-/* Where no light is carried over nobody else looks at motion vectors. */
+/* Without carried light, the filter is the only reader of motion vectors. */
 static void invalid_motion_is_counted_once(void **state) {
   hbil_sanitized repaired;
   setup s;
