@@ -53,8 +53,8 @@ kernel void make_pattern(const hbil_make_pattern_args args,
     step.inv_e = 1.0f / sqrt(fma(step.ex, step.ex, step.ey * step.ey));
     step.ux = step.ex * step.inv_e;
     step.uy = step.ey * step.inv_e;
-    step.halves = hbil_sample_halves(layer, k, pattern.steps, before,
-                                     hbil_offset_length(next_x, next_y));
+    step.subsets = hbil_sample_subsets(layer, k, pattern.steps, before,
+                                       hbil_offset_length(next_x, next_y));
     steps[k] = step;
     before = hbil_offset_length(x, y);
     x = next_x;

@@ -215,7 +215,7 @@ HBIL_ASSERT_LAYOUT(hbil_layer_args, height, 6, 7)
 
 /* Every other sample of a half-slice belongs to one half or the other; some
  * belong to both (lib/sampling_pattern.h, gather/between.clh). */
-enum { HBIL_HALF_EVEN = 1, HBIL_HALF_ODD = 2 };
+enum { HBIL_SUBSET_EVEN = 1, HBIL_SUBSET_ODD = 2 };
 
 /* One sample of a half-slice, common to all pixels of a layer at one level. */
 typedef struct hbil_step {
@@ -224,9 +224,9 @@ typedef struct hbil_step {
   hbil_float ex, ey; /* offset from pixel to pixel, in units of ray slope */
   hbil_float inv_e;  /* 1 / |e| */
   hbil_float ux, uy; /* e / |e| */
-  hbil_int halves;   /* of HBIL_HALF_ */
+  hbil_int subsets;  /* of HBIL_SUBSET_ */
 } hbil_step;
-HBIL_ASSERT_LAYOUT(hbil_step, halves, 8, 9)
+HBIL_ASSERT_LAYOUT(hbil_step, subsets, 8, 9)
 
 /* Words of the plan's flags: what kernels of a frame tell later ones. */
 enum {

@@ -129,21 +129,21 @@ static inline hbil_int hbil_offset_length(hbil_int x, hbil_int y) {
 }
 
 /*
- * The halves that sample k belongs to.  before, after: hbil_offset_length() of
+ * The subsets that sample k belongs to.  before, after: hbil_offset_length() of
  * the samples on either side of it; 0 before the first one, its own after the
  * last one.  If the share f of the pixels around a sample is met, the
  * correction for missed occluders must be multiplied by 1 - f.  So in the share
- * f of the 16 layers the sample belongs to both halves, which adds nothing
+ * f of the 16 layers the sample belongs to both subsets, which adds nothing
  * there.
  */
-static inline hbil_int hbil_sample_halves(hbil_int layer, hbil_int k,
-                                          hbil_int samples, hbil_int before,
-                                          hbil_int after) {
+static inline hbil_int hbil_sample_subsets(hbil_int layer, hbil_int k,
+                                           hbil_int samples, hbil_int before,
+                                           hbil_int after) {
   hbil_int met = k + 1 < samples ? 2 : 1;
   /* (slot + 1/2) / 16 of the layers lie above the share that is met */
   if ((2 * hbil_shift_slot(layer) + 1) * (after - before) < 32 * met)
-    return HBIL_HALF_EVEN | HBIL_HALF_ODD;
-  return k & 1 ? HBIL_HALF_ODD : HBIL_HALF_EVEN;
+    return HBIL_SUBSET_EVEN | HBIL_SUBSET_ODD;
+  return k & 1 ? HBIL_SUBSET_ODD : HBIL_SUBSET_EVEN;
 }
 
 #endif

@@ -143,7 +143,8 @@ static void meet(const receiver *r, march *m, occluder *o) {
 void exact_march_visit(const receiver *r, march *m, int x, int y) {
   const double w = *exact_at(r->split, HBIL_SPLIT_W, x, y);
   const double ex = (x - r->x) * r->pixel_x, ey = (y - r->y) * r->pixel_y;
-  const double above = w * r->w_scale - r->s.w - r->s.gx * ex - r->s.gy * ey;
+  const double above =
+      w * r->w_scale - r->s.w - r->s.grad_x * ex - r->s.grad_y * ey;
   const double e2 = ex * ex + ey * ey, threshold = m->covers.threshold;
   /* above / |e| > threshold, squared */
   if (!(exact_is_surface(r->frame->config, w) && above > 0.0 &&

@@ -36,7 +36,8 @@ static double guide_weight(const exact_frame *frame, const surface *s,
   const surface other = exact_surface_at(frame, split, x + dx, y + dy);
   if (!other.is)
     return 0.0;
-  const double plane = s->w + s->gx * dx / camera->fx + s->gy * dy / camera->fy;
+  const double plane =
+      s->w + s->grad_x * dx / camera->fx + s->grad_y * dy / camera->fy;
   const double off =
       fabs(other.w - plane) / ((double)HBIL_PLANE_TOLERANCE *
                                exact_depth_unit(frame->config, camera, s->w));

@@ -66,7 +66,7 @@ void exact_slice_direction(const sampling *how, int slice, double *ux,
   *uy = (double)y;
 }
 
-void exact_visit_samples(const receiver *r, const sampling *how, int halves,
+void exact_visit_samples(const receiver *r, const sampling *how, int subsets,
                          march *m) {
   const float ux = (float)m->h.u.x, uy = (float)m->h.u.y;
   const int samples = how->pattern.steps;
@@ -79,7 +79,7 @@ void exact_visit_samples(const receiver *r, const sampling *how, int halves,
       hbil_sample_offset(how->layer, k + 1, how->level, ux, uy, how->view,
                          how->pattern, &next_x, &next_y);
     const int after = hbil_offset_length(next_x, next_y);
-    if (halves & hbil_sample_halves(how->layer, k, samples, before, after) &&
+    if (subsets & hbil_sample_subsets(how->layer, k, samples, before, after) &&
         exact_planes_contain(r->split, r->x + x, r->y + y))
       exact_march_visit(r, m, r->x + x, r->y + y);
     before = hbil_offset_length(x, y);

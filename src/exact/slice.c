@@ -54,7 +54,8 @@ half_slice exact_half_slice(const surface *point, double ux, double uy,
  */
 angle exact_horizon(const half_slice *h, double distance, double excess) {
   const surface *s = h->point;
-  const double rise = (s->gx * h->u.x + s->gy * h->u.y + excess) * distance;
+  const double rise =
+      (s->grad_x * h->u.x + s->grad_y * h->u.y + excess) * distance;
   const vec3 to = vec_add(vec_scale(distance * s->unit, h->u), -rise, s->ray);
   return angle_of(vec_dot(to, h->along), vec_dot(to, h->wo));
 }

@@ -30,7 +30,7 @@ surface exact_surface_at(const exact_frame *frame, const exact_planes *split,
                                *exact_at(split, HBIL_SPLIT_NORMAL + 1, x, y),
                                *exact_at(split, HBIL_SPLIT_NORMAL + 2, x, y)));
   const double to_plane = parallel ? s.normal.z : vec_dot(s.normal, s.at);
-  s.gx = s.normal.x / to_plane;
-  s.gy = s.normal.y / to_plane;
+  s.grad_x = s.normal.x / to_plane;
+  s.grad_y = s.normal.y / to_plane;
   return s;
 }

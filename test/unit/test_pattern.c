@@ -152,23 +152,23 @@ static int span_of(int layer, int k, const hbil_view_args *v,
   return hbil_offset_length(x, y);
 }
 
-/* Share of a direction's samples that are in both halves, over the 16 places
+/* Share of a direction's samples that are in both subsets, over the 16 places
  * that they may have along it; checks that no sample is in none. */
 static double shared_samples(const hbil_view_args *v, hbil_pattern_args p) {
   int both = 0;
   for (int layer = 0; layer < HBIL_LAYERS; ++layer)
     for (int k = 0; k < p.steps; ++k) {
-      int halves =
-          hbil_sample_halves(layer, k, p.steps, span_of(layer, k - 1, v, p),
-                             span_of(layer, k + 1, v, p));
-      int own = k & 1 ? HBIL_HALF_ODD : HBIL_HALF_EVEN;
-      assert_true(halves & own);
-      both += halves != own;
+      int subsets =
+          hbil_sample_subsets(layer, k, p.steps, span_of(layer, k - 1, v, p),
+                              span_of(layer, k + 1, v, p));
+      int own = k & 1 ? HBIL_SUBSET_ODD : HBIL_SUBSET_EVEN;
+      assert_true(subsets & own);
+      both += subsets != own;
     }
   return (double)both / (HBIL_LAYERS * p.steps);
 }
 
-/* Equal steps of 640 / samples pixels: of 1, all samples are in both halves;
+/* Equal steps of 640 / samples pixels: of 1, all samples are in both subsets;
  * of more, the share of the pixels that are met. */
 static void as_many_samples_are_in_both_halves_as_pixels_are_met(void **state) {
   const int samples[] = {640, 320, 128, 16};
