@@ -2,7 +2,7 @@
 # hbil.h, and a page for each part of a header, named after the part's title.
 #
 #   awk -v version=V -v folder=DIR -f roff.awk -f man3.awk \
-#     include/hbil/hbil.h include/hbil/hbil_stages.h
+#     include/hbil/hbil.h include/hbil/hbil_*.h
 #
 # DIR/links gets a line "NAME PAGE" for every function and type that is on a
 # page of another name.

@@ -72,9 +72,9 @@ int main(void) {
   hbil_config_init(&config);
   config.width = WIDTH;
   config.height = HEIGHT;
-  config.depth = (hbil_plane_format){HBIL_FLOAT32, 1};
-  config.normal = (hbil_plane_format){HBIL_FLOAT32, 1};
-  config.ao = (hbil_plane_format){HBIL_FLOAT32, 1};
+  config.inputs.depth = (hbil_plane_format){HBIL_FLOAT32, 1};
+  config.inputs.normal = (hbil_plane_format){HBIL_FLOAT32, 1};
+  config.outputs.ao = (hbil_plane_format){HBIL_FLOAT32, 1};
   hbil_context *hbil = NULL;
   hbil_plan *plan = NULL;
   hbil_status status = hbil_context_create(context, device, &hbil);

@@ -251,12 +251,13 @@ int main(void) {
 
   hbil_config config;
   hbil_config_init(&config);
-  config.storage = HBIL_STORAGE_FLOAT32; /* the filter below reads floats */
+  config.sampling.storage =
+      HBIL_STORAGE_FLOAT32; /* the filter below reads floats */
   config.width = WIDTH;
   config.height = HEIGHT;
-  config.depth = config.normal = config.direct = config.ao =
-      config.near_irradiance = config.bent_normal =
-          (hbil_plane_format){HBIL_FLOAT32, 1};
+  config.inputs.depth = config.inputs.normal = config.inputs.direct =
+      config.outputs.ao = config.outputs.near_irradiance =
+          config.outputs.bent_normal = (hbil_plane_format){HBIL_FLOAT32, 1};
   hbil_context *hbil = NULL;
   hbil_plan *plan = NULL;
   check(hbil_context_create(context, device, &hbil), hbil);

@@ -120,8 +120,8 @@ static bool open_worker(worker *w, cl_device_id device) {
   hbil_config_init(&config);
   config.width = WIDTH;
   config.height = HEIGHT;
-  config.mode = HBIL_MODE_GTAO;
-  config.depth = config.normal = config.ao =
+  config.model.mode = HBIL_MODE_GTAO;
+  config.inputs.depth = config.inputs.normal = config.outputs.ao =
       (hbil_plane_format){HBIL_FLOAT32, 1};
   if (w->queue == NULL ||
       hbil_context_create(w->context, device, &w->hbil) != HBIL_SUCCESS)

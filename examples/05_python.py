@@ -21,10 +21,11 @@ def load_hbil():
     include = subprocess.run(
         ["pkg-config", "--variable=includedir", "hbil"],
         check=True, capture_output=True, text=True).stdout.rstrip()
-    with open(include + "/hbil/hbil.h", encoding="utf-8") as header:
-        text = header.read()
-    text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
-    text = text.split('extern "C" {')[1].rsplit("#ifdef __cplusplus")[0]
+    text = ""
+    for name in ("hbil_base", "hbil_config", "hbil_frame", "hbil"):
+        with open(f"{include}/hbil/{name}.h", encoding="utf-8") as header:
+            part = re.sub(r"/\*.*?\*/", "", header.read(), flags=re.DOTALL)
+        text += part.split('extern "C" {')[1].rsplit("#ifdef __cplusplus")[0]
     text = re.sub(r"^#(\\\n|.)*$", "", text, flags=re.MULTILINE)
     ffi = cffi.FFI()
     ffi.cdef("""

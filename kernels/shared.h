@@ -24,10 +24,7 @@ typedef float hbil_float;
                                      ? 1                                       \
                                      : -1];
 #else
-#ifndef CL_TARGET_OPENCL_VERSION
-#define CL_TARGET_OPENCL_VERSION 120
-#endif
-#include <CL/cl.h>
+#include <hbil/hbil_base.h>
 #include <math.h>
 #include <stddef.h>
 typedef cl_int hbil_int;
@@ -468,7 +465,7 @@ typedef struct hbil_temporal_args {
   hbil_external_plane_args motion;
   hbil_float motion_scale[2];
   hbil_float disocclusion_threshold; /* hbil_config's */
-  hbil_float most_frames;            /* hbil_config.max_history_frames */
+  hbil_float most_frames;            /* hbil_config.max_frames */
   hbil_int has_before;               /* 0 in a first frame */
 } hbil_temporal_args;
 HBIL_ASSERT_LAYOUT(hbil_temporal_args, has_before, 45, 46)

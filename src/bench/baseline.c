@@ -36,7 +36,7 @@ static void view_normal(const bench_content *content, size_t pixel,
   const double *m = frame->camera.world_from_view;
   const float *n = frame->plane[BENCH_NORMAL] + pixel;
   for (size_t c = 0; c < 3; c++)
-    if (content->config.normal_space == HBIL_SPACE_VIEW)
+    if (content->config.inputs.normal_space == HBIL_SPACE_VIEW)
       out[c] = n[c * pixels];
     else /* the inverse of a rotation is its transpose */
       out[c] = (float)(m[c] * (double)n[0] + m[4 + c] * (double)n[pixels] +
@@ -50,7 +50,7 @@ static void radiance(const bench_content *content, size_t pixel, float *out) {
   for (size_t c = 0; c < 3; c++) {
     const size_t at = c * bench_pixels(content) + pixel;
     out[c] = 0.318309886f * (albedo ? albedo[at] : 1.0f) *
-             content->config.direct_scale * direct[at];
+             content->config.inputs.direct_scale * direct[at];
   }
 }
 
@@ -126,7 +126,7 @@ int bench_baseline_measure(const bench_device *d, const bench_content *content,
   char defines[64];
   snprintf(defines, sizeof defines, "-DSLICES=%d -DSAMPLES=%d -DPARALLEL=%d",
            BENCH_BASELINE_SLICES, BENCH_BASELINE_STEPS,
-           content->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC);
+           content->config.inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC);
   const int failed =
       bench_kernel_new(d, "baseline", defines, &kernel, error) != 0 ||
       make_buffers(d, content, buffers, error) != 0 ||

@@ -60,7 +60,8 @@ static inline size_t bench_pixels(const bench_content *content) {
 static inline int bench_is_surface(const bench_content *content, size_t pixel) {
   const bench_frame *frame = &content->frame[content->measured];
   const float depth = frame->plane[BENCH_DEPTH][pixel];
-  return isfinite(depth) && depth > 0.0f && depth < content->config.sky_depth;
+  return isfinite(depth) && depth > 0.0f &&
+         depth < content->config.inputs.sky_depth;
 }
 
 /* Copies the channels of an input into a frame's plane. */

@@ -50,7 +50,7 @@ static int add_light(bench_content *content, bench_frame *frame,
   if (!light)
     return image_no_memory(error, content->name);
   for (size_t i = 0; i < values; i++)
-    light[i] = 3.14159265f / content->config.direct_scale;
+    light[i] = 3.14159265f / content->config.inputs.direct_scale;
   frame->plane[BENCH_DIRECT] = light;
   snprintf(content->note, sizeof content->note,
            "The file has no direct light; an irradiance of pi stands in for "
@@ -92,7 +92,7 @@ static int adopt(const gbuffer *g, unsigned index, bench_content *out,
                       "frames of one size are needed",
                       out->name, g->planes.width, g->planes.height, out->width,
                       out->height);
-  if (config.projection != out->config.projection)
+  if (config.inputs.projection != out->config.inputs.projection)
     return image_fail(error,
                       "%s: its camera's projection is another than the first "
                       "frame's",
@@ -196,7 +196,7 @@ static int load_truth(const char *path, bench_content *out,
 static float fitting_radius(const bench_content *content) {
   const bench_frame *frame = &content->frame[0];
   double sum = 0.0, count = 0.0;
-  if (content->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC)
+  if (content->config.inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC)
     return (float)(0.25 * content->width / frame->camera.fx);
   for (size_t i = 0; i < bench_pixels(content); i++)
     if (bench_is_surface(content, i)) {

@@ -55,8 +55,8 @@ static int load_room(const bench_options *options, unsigned frames,
   out->height = options->width   ? options->height
                 : options->quick ? QUICK_HEIGHT
                                  : ROOM_HEIGHT;
-  out->config.normal_space = HBIL_SPACE_WORLD;
-  out->config.far_field = HBIL_FAR_FRAME;
+  out->config.inputs.normal_space = HBIL_SPACE_WORLD;
+  out->config.model.far_field = HBIL_FAR_FRAME;
   out->radius = 1.0f;
   out->frame = calloc(frames, sizeof *out->frame);
   if (!out->frame)
@@ -110,8 +110,8 @@ int bench_content_load(const bench_options *options, unsigned frames,
   memset(out, 0, sizeof *out);
   hbil_config_init(&out->config);
   /* The direct light of renderers holds what lamps in the picture send. */
-  out->config.gather_emission = CL_FALSE;
-  out->config.profiling = CL_TRUE;
+  out->config.model.gather_emission = CL_FALSE;
+  out->config.execution.profiling = CL_TRUE;
   int failed = options->frame_count
                    ? bench_content_load_dumps(options, out, error)
                    : load_room(options, frames, out, error);

@@ -20,22 +20,25 @@ typedef struct plane_fields {
   size_t channels;
 } plane_fields;
 
-#define FIELDS(field, channels)                                                \
-  { offsetof(hbil_config, field), offsetof(hbil_frame, field), channels }
+#define FIELDS(group, field, channels)                                         \
+  { offsetof(hbil_config, group.field), offsetof(hbil_frame, field), channels }
 
 static const plane_fields inputs[BENCH_INPUTS] = {
-    [BENCH_DEPTH] = FIELDS(depth, 1),       [BENCH_NORMAL] = FIELDS(normal, 3),
-    [BENCH_ALBEDO] = FIELDS(albedo, 3),     [BENCH_DIRECT] = FIELDS(direct, 3),
-    [BENCH_EMISSION] = FIELDS(emission, 3), [BENCH_MOTION] = FIELDS(motion, 2)};
+    [BENCH_DEPTH] = FIELDS(inputs, depth, 1),
+    [BENCH_NORMAL] = FIELDS(inputs, normal, 3),
+    [BENCH_ALBEDO] = FIELDS(inputs, albedo, 3),
+    [BENCH_DIRECT] = FIELDS(inputs, direct, 3),
+    [BENCH_EMISSION] = FIELDS(inputs, emission, 3),
+    [BENCH_MOTION] = FIELDS(inputs, motion, 2)};
 
 static const plane_fields outputs[BENCH_OUTPUTS] = {
-    [BENCH_AO] = FIELDS(ao, 1),
-    [BENCH_NEAR] = FIELDS(near_irradiance, 3),
-    [BENCH_INDIRECT] = FIELDS(indirect, 3),
-    [BENCH_FAR] = FIELDS(far_irradiance, 3),
-    [BENCH_BENT_NORMAL] = FIELDS(bent_normal, 3),
-    [BENCH_CONE_COSINE] = FIELDS(cone_cosine, 1),
-    [BENCH_BEAUTY] = FIELDS(beauty, 3)};
+    [BENCH_AO] = FIELDS(outputs, ao, 1),
+    [BENCH_NEAR] = FIELDS(outputs, near_irradiance, 3),
+    [BENCH_INDIRECT] = FIELDS(outputs, indirect, 3),
+    [BENCH_FAR] = FIELDS(outputs, far_irradiance, 3),
+    [BENCH_BENT_NORMAL] = FIELDS(outputs, bent_normal, 3),
+    [BENCH_CONE_COSINE] = FIELDS(outputs, cone_cosine, 1),
+    [BENCH_BEAUTY] = FIELDS(outputs, beauty, 3)};
 
 static hbil_plane_format *format_at(hbil_config *config, size_t offset) {
   return (hbil_plane_format *)((char *)config + offset);
@@ -112,11 +115,11 @@ void bench_fixture_close(bench_fixture *f) {
 static int reads(const bench_trial *t, int input) {
   return t->fixture->input[0][input] &&
          (input != BENCH_MOTION ||
-          t->config.reprojection == HBIL_REPROJECTION_MOTION);
+          t->config.history.reprojection == HBIL_REPROJECTION_MOTION);
 }
 
 static int writes(const bench_trial *t, int output) {
-  return output == BENCH_AO || t->config.mode == HBIL_MODE_HBIL;
+  return output == BENCH_AO || t->config.model.mode == HBIL_MODE_HBIL;
 }
 
 static void set_formats(bench_trial *t) {

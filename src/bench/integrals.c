@@ -29,14 +29,15 @@ static void fill_frame(const bench_content *content, bench_model model,
   frame->config = config;
   frame->camera = content->frame[content->measured].camera;
   memcpy(frame->environment, content->environment, sizeof frame->environment);
-  use_input(content, BENCH_DEPTH, EXACT_DEPTH, &config->depth, frame);
-  use_input(content, BENCH_NORMAL, EXACT_NORMAL, &config->normal, frame);
-  use_input(content, BENCH_ALBEDO, EXACT_ALBEDO, &config->albedo, frame);
-  use_input(content, BENCH_DIRECT, EXACT_DIRECT, &config->direct, frame);
-  use_input(content, BENCH_EMISSION, EXACT_EMISSION, &config->emission, frame);
-  config->ao = (hbil_plane_format){HBIL_FLOAT32, 1};
+  use_input(content, BENCH_DEPTH, EXACT_DEPTH, &config->inputs.depth, frame);
+  use_input(content, BENCH_NORMAL, EXACT_NORMAL, &config->inputs.normal, frame);
+  use_input(content, BENCH_ALBEDO, EXACT_ALBEDO, &config->inputs.albedo, frame);
+  use_input(content, BENCH_DIRECT, EXACT_DIRECT, &config->inputs.direct, frame);
+  use_input(content, BENCH_EMISSION, EXACT_EMISSION, &config->inputs.emission,
+            frame);
+  config->outputs.ao = (hbil_plane_format){HBIL_FLOAT32, 1};
   if (!bench_model_is_ao(model))
-    config->near_irradiance = config->ao;
+    config->outputs.near_irradiance = config->outputs.ao;
 }
 
 /* NULL when out of memory. */

@@ -44,7 +44,7 @@ static void choose_cases(job *j) {
              i == FOLLOWED ? ", motion vectors" : "");
   }
   if (j->content.frame[0].plane[BENCH_MOTION])
-    j->cases[FOLLOWED].config.reprojection = HBIL_REPROJECTION_MOTION;
+    j->cases[FOLLOWED].config.history.reprojection = HBIL_REPROJECTION_MOTION;
 }
 
 /* --- one set of kernels --- */
@@ -170,8 +170,8 @@ static void report_copies(const job *j, const bench_timing *with_motion,
                           double copy) {
   static const hbil_pass passes[] = {HBIL_PASS_REPROJECT, HBIL_PASS_PUSH_PULL,
                                      HBIL_PASS_SPLIT, HBIL_PASS_COMPOSITE};
-  const int has_motion =
-      j->cases[FOLLOWED].config.reprojection == HBIL_REPROJECTION_MOTION;
+  const int has_motion = j->cases[FOLLOWED].config.history.reprojection ==
+                         HBIL_REPROJECTION_MOTION;
   bench_report_table(j->report, "copies",
                      "Passes that memory limits, beside a plain copy",
                      copy_columns, sizeof copy_columns / sizeof *copy_columns);

@@ -145,7 +145,7 @@ static int measure_samplings(const job *j, image_error *error) {
   bench_timing t[SAMPLINGS];
   for (int i = 0; i < SAMPLINGS; i++) {
     turns[i] = j->base.turn;
-    turns[i].config.steps_per_side = step_counts[i];
+    turns[i].config.sampling.steps_per_side = step_counts[i];
   }
   if (bench_time_turns(turns, SAMPLINGS, j->options->runs, t, error) != 0)
     return -1;

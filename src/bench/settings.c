@@ -85,13 +85,15 @@ int bench_setting_same(const bench_setting *a, const bench_setting *b) {
 static bench_setting setting_of(const hbil_config *config) {
   return (bench_setting){
       .model = DEFAULT,
-      .slices = config->slices,
-      .steps = config->steps_per_side,
-      .growth = config->step_growth,
-      .flags = (config->sample_grid == HBIL_GRID_SAME_LAYER ? LAYER : 0u) |
-               (config->unfiltered ? RAW : 0u) |
-               (config->extrapolate ? 0u : PLAIN) |
-               (config->storage == HBIL_STORAGE_FLOAT32 ? (unsigned)FP32 : 0u)};
+      .slices = config->sampling.slices,
+      .steps = config->sampling.steps_per_side,
+      .growth = config->sampling.step_growth,
+      .flags =
+          (config->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? LAYER : 0u) |
+          (config->sampling.unfiltered ? RAW : 0u) |
+          (config->model.extrapolate ? 0u : PLAIN) |
+          (config->sampling.storage == HBIL_STORAGE_FLOAT32 ? (unsigned)FP32
+                                                            : 0u)};
 }
 
 bench_setting bench_setting_paper(void) {
@@ -128,7 +130,7 @@ size_t bench_settings(int quick, bench_setting out[BENCH_MAX_SETTINGS]) {
   for (int q = 0; q < HBIL_QUALITY_REFERENCE; q++) {
     hbil_config config;
     hbil_config_init(&config);
-    hbil_config_set_quality(&config, (hbil_quality)q);
+    hbil_sampling_set(&config.sampling, (hbil_quality)q);
     s = setting_of(&config);
     s.preset = hbil_quality_name((hbil_quality)q);
     s.flags |= QUICK;
@@ -171,42 +173,42 @@ void bench_setting_label(const bench_setting *s, char text[BENCH_LABEL]) {
  * are. */
 static void set_model(bench_model model, const bench_content *content,
                       hbil_config *config) {
-  config->mode = HBIL_MODE_HBIL;
-  config->radius = config->thickness = INFINITY;
-  config->relative_thickness = model == THIN      ? 0.02f
-                               : model == THICK   ? 0.3f
-                               : model == DEFAULT ? 0.08f
-                                                  : INFINITY;
-  config->facing_fade[0] = config->facing_fade[1] = -1.0f;
-  config->back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  config->model.mode = HBIL_MODE_HBIL;
+  config->model.radius = config->model.thickness = INFINITY;
+  config->model.relative_thickness = model == THIN      ? 0.02f
+                                     : model == THICK   ? 0.3f
+                                     : model == DEFAULT ? 0.08f
+                                                        : INFINITY;
+  config->model.facing_fade[0] = config->model.facing_fade[1] = -1.0f;
+  config->model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   if (model == PAPER) {
-    config->facing_fade[0] = -0.1f;
-    config->facing_fade[1] = 0.0f;
-    config->back_facing_fallback = HBIL_FALLBACK_LAST_ACCEPTED;
-    config->feedback = HBIL_FEEDBACK_RADIANCE;
-    config->far_field = HBIL_FAR_NONE;
+    config->model.facing_fade[0] = -0.1f;
+    config->model.facing_fade[1] = 0.0f;
+    config->model.back_facing_fallback = HBIL_FALLBACK_LAST_ACCEPTED;
+    config->model.feedback = HBIL_FEEDBACK_RADIANCE;
+    config->model.far_field = HBIL_FAR_NONE;
   }
   if (bench_model_is_ao(model)) {
-    config->mode = model == GTAO ? HBIL_MODE_GTAO : HBIL_MODE_HBAO;
-    config->back_facing_fallback = HBIL_FALLBACK_BLACK;
-    config->far_field = HBIL_FAR_NONE;
+    config->model.mode = model == GTAO ? HBIL_MODE_GTAO : HBIL_MODE_HBAO;
+    config->model.back_facing_fallback = HBIL_FALLBACK_BLACK;
+    config->model.far_field = HBIL_FAR_NONE;
   }
   if (model == HBAO)
-    config->radius = content->radius;
+    config->model.radius = content->radius;
 }
 
 void bench_setting_apply(const bench_setting *s, const bench_content *content,
                          hbil_config *config) {
   *config = content->config;
   set_model(s->model, content, config);
-  config->slices = s->slices;
-  config->steps_per_side = s->steps;
-  config->step_growth = s->growth;
-  config->sample_grid =
+  config->sampling.slices = s->slices;
+  config->sampling.steps_per_side = s->steps;
+  config->sampling.step_growth = s->growth;
+  config->sampling.sample_grid =
       s->flags & LAYER ? HBIL_GRID_SAME_LAYER : HBIL_GRID_FULL_RESOLUTION;
-  config->unfiltered = s->flags & RAW ? CL_TRUE : CL_FALSE;
-  config->extrapolate =
+  config->sampling.unfiltered = s->flags & RAW ? CL_TRUE : CL_FALSE;
+  config->model.extrapolate =
       s->flags & PLAIN || s->model == PAPER ? CL_FALSE : CL_TRUE;
-  config->storage =
+  config->sampling.storage =
       s->flags & FP32 ? HBIL_STORAGE_FLOAT32 : HBIL_STORAGE_PACKED;
 }

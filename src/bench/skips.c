@@ -99,7 +99,7 @@ static int nothing_to_skip(const job *j, image_error *error) {
   const bench_turn whole = whole_frame(j);
   bench_turn turns[4] = {whole, whole, whole, whole};
   bench_timing t[4];
-  turns[0].config.skip = turns[2].config.skip = 0;
+  turns[0].config.execution.skip = turns[2].config.execution.skip = 0;
   if (bench_time_turns(turns, 4, j->options->runs, t, error) != 0)
     return -1;
   const int gather = HBIL_PASS_GATHER;
@@ -116,7 +116,7 @@ static int static_frames(const job *j, const char *name, unsigned settle,
   bench_turn less = whole_frame(j);
   less.play = BENCH_PLAY_STATIC;
   less.settle = settle;
-  less.config.horizon_cache_bytes = horizon_cache_bytes;
+  less.config.execution.horizon_cache_bytes = horizon_cache_bytes;
   return compare(j, name, whole_frame(j), less, error);
 }
 
@@ -152,8 +152,8 @@ static void upper_half_is_sky(bench_content *c, bench_frame *frame) {
 static void one_wall(bench_content *c, bench_frame *frame) {
   const size_t pixels = bench_pixels(c);
   float *normal = frame->plane[BENCH_NORMAL];
-  c->config.depth_kind = HBIL_DEPTH_PLANAR;
-  c->config.normal_space = HBIL_SPACE_VIEW;
+  c->config.inputs.depth_kind = HBIL_DEPTH_PLANAR;
+  c->config.inputs.normal_space = HBIL_SPACE_VIEW;
   for (size_t i = 0; i < pixels; i++) {
     frame->plane[BENCH_DEPTH][i] = 2.0f;
     normal[i] = normal[pixels + i] = 0.0f;
@@ -184,10 +184,10 @@ static int changed_content(const job *j, const char *name,
     change(&content, &content.frame[f]);
   if (!failed)
     failed = bench_fixture_open(j->device, &content, &less.fixture, error);
-  less.config.depth_kind = content.config.depth_kind;
-  less.config.normal_space = content.config.normal_space;
+  less.config.inputs.depth_kind = content.config.inputs.depth_kind;
+  less.config.inputs.normal_space = content.config.inputs.normal_space;
   if (one_bounce)
-    whole.config.reprojection = less.config.reprojection =
+    whole.config.history.reprojection = less.config.history.reprojection =
         HBIL_REPROJECTION_NONE;
   if (!failed)
     failed = compare(j, name, whole, less, error);

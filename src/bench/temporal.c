@@ -61,8 +61,8 @@ static int open_trial(const job *j, const bench_setting *s, unsigned length,
                       image_error *error) {
   hbil_config config;
   bench_setting_apply(s, &j->content, &config);
-  config.max_history_frames = length;
-  config.reprojection = reprojection;
+  config.history.max_frames = length;
+  config.history.reprojection = reprojection;
   return bench_trial_open(j->fixture, &config, NULL, out, error);
 }
 
@@ -130,7 +130,7 @@ static int measure_cost(const job *j, const bench_setting *s,
   bench_setting_label(s, label);
   bench_setting_apply(s, &j->content, &turns[0].config);
   turns[1].config = turns[0].config;
-  turns[1].config.max_history_frames = LONGEST;
+  turns[1].config.history.max_frames = LONGEST;
   if (bench_time_turns(turns, 2, j->options->runs, t, error) != 0)
     return -1;
   bench_report_row(j->report);

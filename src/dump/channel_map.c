@@ -56,13 +56,14 @@ void channel_map_signs(const channel_map *map, dump_space space,
 
 void channel_map_configure(const channel_map *map, hbil_config *config) {
   const conventions *how = &map->how;
-  config->projection = map->projection;
-  config->depth_kind = HBIL_DEPTH_PLANAR;
-  config->normal_space =
+  config->inputs.projection = map->projection;
+  config->inputs.depth_kind = HBIL_DEPTH_PLANAR;
+  config->inputs.normal_space =
       how->normals == SPACE_WORLD ? HBIL_SPACE_WORLD : HBIL_SPACE_VIEW;
   if (conventions_depth_is_planar(how) && isfinite(how->sky_depth))
-    config->sky_depth = how->sky_depth;
-  config->direct_scale =
+    config->inputs.sky_depth = how->sky_depth;
+  config->inputs.direct_scale =
       how->direct == DIRECT_IRRADIANCE ? 1.0f : 3.14159265358979f;
-  memcpy(config->motion_scale, how->motion_scale, sizeof how->motion_scale);
+  memcpy(config->inputs.motion_scale, how->motion_scale,
+         sizeof how->motion_scale);
 }

@@ -73,7 +73,7 @@ static void check_radius(const surface_points *s, const extent *e, float radius,
 void frame_check_run(const gbuffer *g, const hbil_config *config,
                      const hbil_camera *camera, frame_check *out) {
   const surface_points s = {
-      .g = g, .camera = camera, .sky_depth = config->sky_depth};
+      .g = g, .camera = camera, .sky_depth = config->inputs.sky_depth};
   memset(out, 0, sizeof *out);
   out->agreement = out->positions = NAN;
   const extent e = measure(&s);
@@ -92,6 +92,6 @@ void frame_check_run(const gbuffer *g, const hbil_config *config,
   else
     out->agreement = check_normals(&s, out->high, &out->found);
   out->positions = check_positions(&s, &out->found);
-  check_radius(&s, &e, config->radius, &out->found);
+  check_radius(&s, &e, config->model.radius, &out->found);
   check_colours(&s, &out->found);
 }

@@ -57,7 +57,7 @@ static double direct_light(const gbuffer *g, const hbil_config *config,
   const size_t channels = g->map.count[ROLE_DIRECT];
   const double v =
       channels ? gbuffer_plane(g, ROLE_DIRECT, c < channels ? c : 0)[i] : 0;
-  return isfinite(v) && v > 0 ? v * config->direct_scale / pi : 0;
+  return isfinite(v) && v > 0 ? v * config->inputs.direct_scale / pi : 0;
 }
 
 /* Whether direct light reaches LEAST_SKY of the sky's radiance at more than a
@@ -78,8 +78,8 @@ static int contains_sky(const gbuffer *g, const hbil_config *config,
 void far_field_choose(const gbuffer *first, hbil_config *config,
                       float environment[9][3], const char **reason) {
   float *sky = environment[0];
-  sky_radiance(first, config->sky_depth, sky);
-  config->far_field = HBIL_FAR_FRAME;
+  sky_radiance(first, config->inputs.sky_depth, sky);
+  config->model.far_field = HBIL_FAR_FRAME;
   if (!(sky[0] + sky[1] + sky[2] > 0))
     *reason =
         "the mean radiance of the frame's surfaces: no bright sky is visible";
@@ -88,7 +88,7 @@ void far_field_choose(const gbuffer *first, hbil_config *config,
         "the mean radiance of the frame's surfaces, where direct light is "
         "weaker than that of the visible sky";
   else {
-    config->far_field = HBIL_FAR_CONSTANT;
+    config->model.far_field = HBIL_FAR_CONSTANT;
     *reason =
         "the radiance of the visible sky, which direct light does not contain";
   }
@@ -112,7 +112,7 @@ static int read_normal(const gbuffer *g, const hbil_config *config,
     n[c] = gbuffer_plane(g, ROLE_NORMAL, c)[i];
   for (size_t c = 0; c < 3; c++) {
     const double *m = camera->world_from_view + c;
-    out[c] = config->normal_space == HBIL_SPACE_VIEW
+    out[c] = config->inputs.normal_space == HBIL_SPACE_VIEW
                  ? n[c]
                  : m[0] * n[0] + m[4] * n[1] + m[8] * n[2];
   }
@@ -126,15 +126,16 @@ static int read_normal(const gbuffer *g, const hbil_config *config,
 /* Returns 0 if the pixel shows no surface. */
 static int read_patch(const gbuffer *g, const hbil_config *config,
                       const hbil_camera *camera, size_t i, patch *out) {
-  const int parallel = config->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
-  const pixel_ray look = pixel_ray_at(config->projection, camera,
+  const int parallel =
+      config->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  const pixel_ray look = pixel_ray_at(config->inputs.projection, camera,
                                       i % g->planes.width, i / g->planes.width);
   const double *ray = look.along;
   const float depth = gbuffer_plane(g, ROLE_DEPTH, 0)[i];
-  if (is_sky(depth, config->sky_depth) ||
+  if (is_sky(depth, config->inputs.sky_depth) ||
       !read_normal(g, config, camera, i, ray, out->normal))
     return 0;
-  const double z = config->depth_kind == HBIL_DEPTH_RAY
+  const double z = config->inputs.depth_kind == HBIL_DEPTH_RAY
                        ? depth / sqrt(matrix3_dot(ray, ray))
                        : depth;
   /* A pixel has the solid angle 1 / (fx fy |r|^3); with parallel rays, all
@@ -152,7 +153,7 @@ static int read_patch(const gbuffer *g, const hbil_config *config,
 /* The sum of a surface's emitted channels; 0 for the sky. */
 static double emitted(const gbuffer *g, const hbil_config *config, size_t i) {
   double sum = 0;
-  if (is_sky(gbuffer_plane(g, ROLE_DEPTH, 0)[i], config->sky_depth))
+  if (is_sky(gbuffer_plane(g, ROLE_DEPTH, 0)[i], config->inputs.sky_depth))
     return 0;
   for (size_t c = 0; c < g->map.count[ROLE_EMISSION]; c++)
     sum += gbuffer_plane(g, ROLE_EMISSION, c)[i];
@@ -242,13 +243,13 @@ void emission_choose(const gbuffer *first, const hbil_camera *camera,
           ? find_lamps(first, config, camera, lamps)
           : 0;
   *reason = NULL;
-  config->gather_emission = CL_FALSE;
+  config->model.gather_emission = CL_FALSE;
   if (count == 0)
     return;
   if (explained(first, config, camera, lamps, count) >= LEAST_CONTAINED)
     *reason = "not gathered: direct light contains it";
   else {
-    config->gather_emission = CL_TRUE;
+    config->model.gather_emission = CL_TRUE;
     *reason = "gathered: direct light does not contain it";
   }
 }

@@ -61,7 +61,7 @@ static int settle_fit(const char *path, channel_map *map, findings *out,
                    error) != 0)
     return -1;
   const surface_points s = {
-      .g = &g, .camera = &map->camera, .sky_depth = config.sky_depth};
+      .g = &g, .camera = &map->camera, .sky_depth = config.inputs.sky_depth};
   const normal_fit f = normal_fit_measure(&s);
   const matrix3 world = surface_view_from(&s, SPACE_WORLD);
   const matrix3 camera = normal_fit_view_if(&f, SPACE_CAMERA, 0);

@@ -37,14 +37,14 @@ static void composite_channel(const exact_frame *frame, int c, int x, int y,
   *exact_at(out, EXACT_BEAUTY + c, x, y) =
       diffuse + exact_light(frame, EXACT_EMISSION + c, x, y);
   *exact_at(history, HBIL_HISTORY_RED + c, x, y) =
-      frame->config->feedback == HBIL_FEEDBACK_IRRADIANCE
+      frame->config->model.feedback == HBIL_FEEDBACK_IRRADIANCE
           ? near_irradiance + far_irradiance
           : diffuse + exact_gathered_emission(frame, c, x, y);
 }
 
 static void store_bent_normal(const exact_frame *frame, vec3 bent, int x, int y,
                               exact_planes *out) {
-  if (frame->config->bent_normal_space == HBIL_SPACE_WORLD)
+  if (frame->config->outputs.bent_normal_space == HBIL_SPACE_WORLD)
     bent = exact_to_world(&frame->camera, bent);
   *exact_at(out, EXACT_BENT_NORMAL, x, y) = bent.x;
   *exact_at(out, EXACT_BENT_NORMAL + 1, x, y) = bent.y;

@@ -13,7 +13,8 @@
 
 coverage_kind exact_coverage_kind(const hbil_config *config,
                                   coverage_kind finite) {
-  return isinf(config->thickness) && isinf(config->relative_thickness)
+  return isinf(config->model.thickness) &&
+                 isinf(config->model.relative_thickness)
              ? COVERAGE_HORIZON
              : finite;
 }

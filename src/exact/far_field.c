@@ -65,7 +65,7 @@ static double unlit_share(const exact_frame *frame, int x, int y, double ao) {
 
 double exact_far_irradiance(const exact_frame *frame, int channel, int x, int y,
                             double ao, vec3 bent, double near_irradiance) {
-  const hbil_far_field far_field = frame->config->far_field;
+  const hbil_far_field far_field = frame->config->model.far_field;
   const vec3 world = exact_to_world(&frame->camera, bent);
   const double d[3] = {world.x, world.y, world.z};
   double basis[9], sum = 0.0;
@@ -88,7 +88,7 @@ double exact_far_irradiance(const exact_frame *frame, int channel, int x, int y,
 }
 
 double exact_sky_radiance(const exact_frame *frame, int channel, int x, int y) {
-  const hbil_far_field far_field = frame->config->far_field;
+  const hbil_far_field far_field = frame->config->model.far_field;
   const vec3 world =
       exact_to_world(&frame->camera, vec_normalize(exact_ray(frame, x, y)));
   const double d[3] = {world.x, world.y, world.z};

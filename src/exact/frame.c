@@ -55,8 +55,8 @@ static bool is_complete(const exact_frame *frame) {
 /* Everything before the gather. */
 static exact_status prepare(exact_state *state, exact_frame *frame) {
   const hbil_config *config = frame->config;
-  const bool carries =
-      config->reprojection != HBIL_REPROJECTION_NONE && state->has_history;
+  const bool carries = config->history.reprojection != HBIL_REPROJECTION_NONE &&
+                       state->has_history;
   if (!exact_planes_fit(&state->out, config->width, config->height,
                         EXACT_OUTPUT_PLANES) ||
       !is_complete(frame))
@@ -80,7 +80,8 @@ static void finish(exact_state *state, const exact_frame *frame) {
   exact_recompose(frame, &state->split, &state->gathered, &state->resolved);
   exact_composite(frame, &state->resolved, &state->out, &state->history);
   state->camera = frame->camera;
-  state->has_history = frame->config->reprojection != HBIL_REPROJECTION_NONE;
+  state->has_history =
+      frame->config->history.reprojection != HBIL_REPROJECTION_NONE;
 }
 
 exact_status exact_run_frame(exact_state *state, exact_frame *frame) {
@@ -97,7 +98,7 @@ exact_status exact_run_frame_dense(exact_state *state, exact_frame *frame,
   hbil_config unfiltered = *frame->config;
   exact_status status = prepare(state, frame);
   exact_frame own = *frame;
-  unfiltered.unfiltered = CL_TRUE;
+  unfiltered.sampling.unfiltered = CL_TRUE;
   own.config = &unfiltered;
   if (status == EXACT_SUCCESS)
     status = exact_gather_dense(&own, &state->split, how, &state->gathered);

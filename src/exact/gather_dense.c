@@ -37,7 +37,7 @@ static double least_distance(const receiver *r, double x, double y) {
 
 /* The number of steps (sx, sy) beyond which nothing is within the radius. */
 static int steps_within_radius(const receiver *r, double sx, double sy) {
-  const double radius = (double)r->frame->config->radius;
+  const double radius = (double)r->frame->config->model.radius;
   int near = 0, far = r->split->width + r->split->height;
   if (isinf(radius))
     return far;

@@ -53,7 +53,7 @@ static void add_bent_and_light(hemisphere *sum, const march *m) {
 
 void exact_add_slice(hemisphere *sum, const hbil_config *config,
                      const march *ahead, const march *behind) {
-  if (config->mode == HBIL_MODE_GTAO &&
+  if (config->model.mode == HBIL_MODE_GTAO &&
       ahead->covers.kind == COVERAGE_HORIZON) {
     add_arcs(sum, ahead, behind);
   } else {

@@ -11,11 +11,11 @@ float exact_input(const exact_frame *frame, int plane, int x, int y) {
 bool exact_is_sky(const exact_frame *frame, int x, int y) {
   const float depth = exact_input(frame, EXACT_DEPTH, x, y);
   return !(depth >= HBIL_NEAREST_DEPTH) || depth >= HBIL_FARTHEST_DEPTH ||
-         depth >= frame->config->sky_depth;
+         depth >= frame->config->inputs.sky_depth;
 }
 
 double exact_planar_depth(const exact_frame *frame, int x, int y) {
-  const double along = frame->config->depth_kind == HBIL_DEPTH_PLANAR
+  const double along = frame->config->inputs.depth_kind == HBIL_DEPTH_PLANAR
                            ? 1.0
                            : vec_length(exact_ray(frame, x, y));
   return (double)exact_input(frame, EXACT_DEPTH, x, y) / along;
@@ -48,12 +48,12 @@ double exact_transmittance(const exact_frame *frame, int channel, int x,
 
 double exact_direct(const exact_frame *frame, int channel, int x, int y) {
   return scaled_light(frame, EXACT_DIRECT + channel, x, y,
-                      frame->config->direct_scale);
+                      frame->config->inputs.direct_scale);
 }
 
 double exact_gathered_emission(const exact_frame *frame, int channel, int x,
                                int y) {
-  return frame->config->gather_emission
+  return frame->config->model.gather_emission
              ? exact_light(frame, EXACT_EMISSION + channel, x, y)
              : 0.0;
 }

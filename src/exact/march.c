@@ -29,7 +29,8 @@
 
 /* The relative rounding error of a depth input, with a margin. */
 static double depth_tolerance(const hbil_config *c) {
-  return c->depth.component == HBIL_FLOAT16 ? ldexp(1.0, -10) : ldexp(1.0, -22);
+  return c->inputs.depth.component == HBIL_FLOAT16 ? ldexp(1.0, -10)
+                                                   : ldexp(1.0, -22);
 }
 
 /* What the rounding of the normal alone may raise a sample of the receiver's
@@ -37,9 +38,10 @@ static double depth_tolerance(const hbil_config *c) {
  * gradient. */
 static double least_excess(const hbil_config *c, const surface *s) {
   const double cosine = -vec_dot(s->normal, s->ray) / vec_length(s->ray);
-  const double unit = ldexp(1.0, c->normal.component == HBIL_FLOAT16  ? -10
-                                 : c->storage != HBIL_STORAGE_FLOAT32 ? -13
-                                                                      : -21);
+  const double unit =
+      ldexp(1.0, c->inputs.normal.component == HBIL_FLOAT16    ? -10
+                 : c->sampling.storage != HBIL_STORAGE_FLOAT32 ? -13
+                                                               : -21);
   return unit * s->unit / (cosine * cosine * vec_length(s->ray));
 }
 
@@ -80,9 +82,10 @@ typedef struct occluder {
 static double excess_of_back(const exact_frame *frame, const occluder *o) {
   const hbil_config *c = frame->config;
   const double z = exact_depth_of_w(c, o->s.w);
-  const double thickness = fmin((double)c->thickness / vec_length(o->s.ray),
-                                (double)c->relative_thickness *
-                                    exact_depth_unit(c, &frame->camera, z));
+  const double thickness =
+      fmin((double)c->model.thickness / vec_length(o->s.ray),
+           (double)c->model.relative_thickness *
+               exact_depth_unit(c, &frame->camera, z));
   return fmax(o->excess +
                   (exact_w_of_depth(c, z + thickness) - o->s.w) / o->distance,
               0.0);
@@ -90,18 +93,18 @@ static double excess_of_back(const exact_frame *frame, const occluder *o) {
 
 /* Weight of an occluder at distance r (hbil_falloff). */
 static double falloff(const hbil_config *c, double r) {
-  const double share = r / (double)c->radius; /* 0 where unlimited */
-  if (c->mode != HBIL_MODE_HBAO || c->falloff == HBIL_FALLOFF_NONE)
+  const double share = r / (double)c->model.radius; /* 0 where unlimited */
+  if (c->model.mode != HBIL_MODE_HBAO || c->model.falloff == HBIL_FALLOFF_NONE)
     return 1.0;
-  return c->falloff == HBIL_FALLOFF_LINEAR ? fmax(0.0, 1.0 - share)
-                                           : 1.0 - share / 3.0;
+  return c->model.falloff == HBIL_FALLOFF_LINEAR ? fmax(0.0, 1.0 - share)
+                                                 : 1.0 - share / 3.0;
 }
 
 /* How much of a sample's radiance counts, 0..1, by the cosine between its
  * normal and the direction back to the receiver. */
 static double facing_fade(const hbil_config *c, double cosine) {
-  const double low = (double)c->facing_fade[0];
-  const double high = (double)c->facing_fade[1];
+  const double low = (double)c->model.facing_fade[0];
+  const double high = (double)c->model.facing_fade[1];
   if (low == high)
     return cosine >= low ? 1.0 : 0.0;
   const double t = clamp((cosine - low) / (high - low), 0.0, 1.0);
@@ -115,7 +118,7 @@ static void add_light(const receiver *r, march *m, const occluder *o,
   const double t = facing_fade(c, -vec_dot(o->s.normal, o->to) / o->range);
   for (int i = 0; i < 3; ++i) {
     const double own = *exact_at(r->split, HBIL_SPLIT_RED + i, o->x, o->y);
-    m->last[i] = c->back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED
+    m->last[i] = c->model.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED
                      ? m->last[i] + t * (own - m->last[i])
                      : t * own;
     m->light[i] += m->last[i] * fresh;
@@ -128,7 +131,7 @@ static void meet(const receiver *r, march *m, occluder *o) {
   o->s = exact_surface_at(r->frame, r->split, o->x, o->y);
   o->to = vec_add(o->s.at, -1.0, r->s.at);
   o->range = vec_length(o->to);
-  if (!isinf(c->radius) && !(o->range <= (double)c->radius))
+  if (!isinf(c->model.radius) && !(o->range <= (double)c->model.radius))
     return;
   const double back =
       r->kind == COVERAGE_HORIZON ? 0.0 : excess_of_back(r->frame, o);
@@ -165,7 +168,7 @@ march exact_march_begin(const receiver *r, double ux, double uy) {
   const int layer = HBIL_SIDE * (r->y % HBIL_SIDE) + r->x % HBIL_SIDE;
   march m;
   memset(&m, 0, sizeof(m));
-  m.h = exact_half_slice(&r->s, ux, uy, c->mode == HBIL_MODE_HBAO,
+  m.h = exact_half_slice(&r->s, ux, uy, c->model.mode == HBIL_MODE_HBAO,
                          r->equal_weights);
   m.covers =
       exact_coverage(r->kind, &m.h, r->least, hbil_shift_slot(layer), r->list);

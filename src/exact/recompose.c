@@ -49,7 +49,7 @@ static double guide_weight(const exact_frame *frame, const surface *s,
 static double tap_weight(const exact_frame *frame, const surface *s,
                          const exact_planes *split, int x, int y, int dx,
                          int dy) {
-  if (frame->config->unfiltered && (dx || dy))
+  if (frame->config->sampling.unfiltered && (dx || dy))
     return 0.0;
   return spatial_weight(dx, dy) * guide_weight(frame, s, split, x, y, dx, dy);
 }

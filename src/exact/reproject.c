@@ -70,7 +70,7 @@ static float planar_depth(const exact_frame *frame, const hbil_view_args *v,
                           int x, int y) {
   const float d = exact_input(frame, EXACT_DEPTH, x, y);
   const float3 r = point_at(frame->config, v, x, y, 1.0f);
-  if (frame->config->depth_kind == HBIL_DEPTH_PLANAR ||
+  if (frame->config->inputs.depth_kind == HBIL_DEPTH_PLANAR ||
       exact_is_orthographic(frame->config))
     return d;
   return d / sqrtf(fmaf(r.x, r.x, fmaf(r.y, r.y, 1.0f)));
@@ -81,7 +81,7 @@ static float depth_tolerance(const exact_frame *frame, const hbil_view_args *v,
                              float z) {
   const float unit =
       exact_is_orthographic(frame->config) ? (float)v->width * v->inv_fx : z;
-  return frame->config->disocclusion_threshold * unit;
+  return frame->config->history.disocclusion_threshold * unit;
 }
 
 /* ------------------------------------------------------------------------ */
@@ -210,9 +210,9 @@ static void follow_pixel(const exact_frame *frame, const exact_planes *history,
   const float z = planar_depth(frame, &now, x, y);
   const float3 q = transform(m, point_at(config, &now, x, y, z));
   const float dx =
-      exact_input(frame, EXACT_MOTION, x, y) * config->motion_scale[0];
-  const float dy =
-      exact_input(frame, EXACT_MOTION + 1, x, y) * config->motion_scale[1];
+      exact_input(frame, EXACT_MOTION, x, y) * config->inputs.motion_scale[0];
+  const float dy = exact_input(frame, EXACT_MOTION + 1, x, y) *
+                   config->inputs.motion_scale[1];
   float u = ((float)x + 0.5f) + dx, v = ((float)y + 0.5f) + dy, light[4];
   u = u - 0.5f;
   v = v - 0.5f;
@@ -250,7 +250,7 @@ exact_status exact_reproject(const exact_frame *frame,
       if (exact_is_sky(frame, x, y))
         *exact_at(carried, HBIL_CARRIED_WEIGHT, x, y) = -1.0;
     }
-  if (frame->config->reprojection == HBIL_REPROJECTION_SCATTER)
+  if (frame->config->history.reprojection == HBIL_REPROJECTION_SCATTER)
     return scatter(frame, history, carried);
   if (!frame->input[EXACT_MOTION] || !frame->input[EXACT_MOTION + 1])
     return EXACT_BAD_ARGUMENT;

@@ -19,12 +19,12 @@ hbil_pattern_args exact_pattern(const exact_frame *frame) {
   const hbil_config *c = frame->config;
   const hbil_view_args v = exact_view(c, &frame->camera);
   hbil_pattern_args p;
-  p.slices = (int)c->slices;
-  p.steps = (int)c->steps_per_side;
-  p.levels = isinf(c->radius) ? 1 : HBIL_MAX_LEVELS;
-  p.grid = c->sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
+  p.slices = (int)c->sampling.slices;
+  p.steps = (int)c->sampling.steps_per_side;
+  p.levels = isinf(c->model.radius) ? 1 : HBIL_MAX_LEVELS;
+  p.grid = c->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
   p.reach = fmaxf((float)v.width / v.fx, (float)v.height / v.fy);
-  p.growth = c->step_growth;
+  p.growth = c->sampling.step_growth;
   /* Both run through (0,1) evenly for any number of frames. */
   p.turn = (float)fmod(frame->frame_index * 0.6457513, 1.0);
   p.shift = (float)fmod(frame->frame_index * 0.7548777, 1.0);
@@ -45,7 +45,7 @@ static int level_at(const receiver *r, const hbil_pattern_args *pattern) {
   }
   if (exact_is_orthographic(r->frame->config))
     nearest = 1.0f;
-  return hbil_level(pattern->reach, r->frame->config->radius * nearest,
+  return hbil_level(pattern->reach, r->frame->config->model.radius * nearest,
                     pattern->levels);
 }
 

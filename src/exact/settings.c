@@ -4,18 +4,18 @@
 #include "exact/passes.h"
 
 bool exact_gathers_light(const hbil_config *config) {
-  return config->mode == HBIL_MODE_HBIL;
+  return config->model.mode == HBIL_MODE_HBIL;
 }
 
 bool exact_has_bent_normal(const hbil_config *config) {
-  return config->mode != HBIL_MODE_HBAO;
+  return config->model.mode != HBIL_MODE_HBAO;
 }
 
 bool exact_fills_unknown(const hbil_config *config) {
   return exact_gathers_light(config) &&
-         config->back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN;
+         config->model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN;
 }
 
 bool exact_weighs_slices(const hbil_config *config) {
-  return config->slices == 1 && !config->unfiltered;
+  return config->sampling.slices == 1 && !config->sampling.unfiltered;
 }

@@ -7,7 +7,7 @@
 #include "hbil/hbil.h"
 
 static inline bool exact_is_orthographic(const hbil_config *config) {
-  return config->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  return config->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
 }
 /* Whether the mode computes near irradiance. */
 bool exact_gathers_light(const hbil_config *config);

@@ -22,7 +22,7 @@ static vec3 normal_towards_eye(const exact_frame *frame, int x, int y) {
   vec3 n = vec(exact_input(frame, EXACT_NORMAL, x, y),
                exact_input(frame, EXACT_NORMAL + 1, x, y),
                exact_input(frame, EXACT_NORMAL + 2, x, y));
-  if (frame->config->normal_space == HBIL_SPACE_WORLD)
+  if (frame->config->inputs.normal_space == HBIL_SPACE_WORLD)
     n = exact_to_view(&frame->camera, n);
   /* the kernels need the squared length as a float */
   if (!isfinite((float)vec_dot(n, n)) || vec_dot(n, n) < 1e-20)
@@ -36,7 +36,8 @@ static vec3 normal_towards_eye(const exact_frame *frame, int x, int y) {
 /* carried: may be NULL. */
 static double radiance(const exact_frame *frame, const exact_planes *carried,
                        int c, int x, int y) {
-  const bool is_radiance = frame->config->feedback == HBIL_FEEDBACK_RADIANCE;
+  const bool is_radiance =
+      frame->config->model.feedback == HBIL_FEEDBACK_RADIANCE;
   const double value =
       carried ? *exact_at(carried, HBIL_CARRIED_RED + c, x, y) : 0.0;
   const double diffuse =

@@ -55,8 +55,10 @@ static hbil_status check_plane(hbil_plan *plan, const hbil_frame *frame,
 }
 
 static hbil_status check_environment(hbil_plan *plan, const hbil_frame *frame) {
-  const bool sh = plan->config.far_field == HBIL_FAR_SH;
-  const int count = plan->config.far_field == HBIL_FAR_NONE ? 0 : sh ? 9 : 1;
+  const bool sh = plan->config.model.far_field == HBIL_FAR_SH;
+  const int count = plan->config.model.far_field == HBIL_FAR_NONE ? 0
+                    : sh                                          ? 9
+                                                                  : 1;
   for (int i = 0; i < count; ++i)
     for (int c = 0; c < 3; ++c) {
       const float v = frame->environment[i][c];
@@ -77,7 +79,7 @@ static hbil_status check_still(hbil_plan *plan, const hbil_frame *frame) {
         plan->context, HBIL_INVALID_FRAME,
         "static_frame: CL_TRUE, but camera is not that of the frame before");
   if (frame->frame_index != plan->last_index &&
-      !plan->config.max_history_frames)
+      !plan->config.history.max_frames)
     return fail(plan->context, HBIL_INVALID_FRAME,
                 "static_frame: CL_TRUE, but frame_index is %u, that of the "
                 "frame before was "
@@ -117,7 +119,8 @@ hbil_status check_queue(hbil_plan *plan, cl_command_queue queue,
   if (context != plan->context->context || device != plan->context->device)
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
                 "queue: not of the plan's OpenCL context and device");
-  if (plan->config.profiling && !(properties & CL_QUEUE_PROFILING_ENABLE))
+  if (plan->config.execution.profiling &&
+      !(properties & CL_QUEUE_PROFILING_ENABLE))
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
                 "queue: profiling needs CL_QUEUE_PROFILING_ENABLE");
   *in_order = !(properties & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);

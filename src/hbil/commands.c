@@ -13,7 +13,7 @@ static void follow(commands *chain, cl_event event) {
     chain->wait_count = 1;
     chain->wait_list = &chain->last;
   }
-  if (!plan->config.profiling || plan->launches == MAX_LAUNCHES)
+  if (!plan->config.execution.profiling || plan->launches == MAX_LAUNCHES)
     return;
   /* the command runs all the same: timings alone are lost */
   const cl_int error = clRetainEvent(event);

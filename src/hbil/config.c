@@ -7,11 +7,12 @@
 #include <string.h>
 
 bool config_rejects_back_faces(const hbil_config *config) {
-  return config->facing_fade[1] > -1.0f;
+  return config->model.facing_fade[1] > -1.0f;
 }
 
 bool config_has_thickness(const hbil_config *config) {
-  return !isinf(config->thickness) || !isinf(config->relative_thickness);
+  return !isinf(config->model.thickness) ||
+         !isinf(config->model.relative_thickness);
 }
 
 /* --- structs that grow: the caller may have compiled with an older header ---
@@ -26,7 +27,7 @@ bool config_has_thickness(const hbil_config *config) {
 /* Bytes in version 0.1, the least that a caller's struct may have.  Fields of
  * later versions follow these (configure.ac has the rules). */
 enum {
-  FIRST_CONFIG_SIZE = SIZE_UP_TO(hbil_config, horizon_cache_bytes),
+  FIRST_CONFIG_SIZE = SIZE_UP_TO(hbil_config, execution),
   FIRST_FRAME_SIZE = SIZE_UP_TO(hbil_frame, static_frame)
 };
 
@@ -66,35 +67,35 @@ static hbil_status take(hbil_context *context, hbil_status rejection,
 
 void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
   hbil_config defaults = {
-      .sky_depth = INFINITY,
-      .direct_scale = 1.0f,
-      .motion_scale = {1.0f, 1.0f},
-      .radius = INFINITY,
-      .slices = 2,
-      .steps_per_side = 48,
-      .step_growth = 2.0f,
-      .sample_grid = HBIL_GRID_FULL_RESOLUTION,
-      .gather_emission = CL_TRUE,
-      .reprojection = HBIL_REPROJECTION_SCATTER,
-      .disocclusion_threshold = 0.05f,
-      .skip = HBIL_SKIP_ALL,
+      .inputs.sky_depth = INFINITY,
+      .inputs.direct_scale = 1.0f,
+      .inputs.motion_scale = {1.0f, 1.0f},
+      .model.radius = INFINITY,
+      .sampling.slices = 2,
+      .sampling.steps_per_side = 48,
+      .sampling.step_growth = 2.0f,
+      .sampling.sample_grid = HBIL_GRID_FULL_RESOLUTION,
+      .model.gather_emission = CL_TRUE,
+      .history.reprojection = HBIL_REPROJECTION_SCATTER,
+      .history.disocclusion_threshold = 0.05f,
+      .execution.skip = HBIL_SKIP_ALL,
   };
-  hbil_config_set_model(&defaults, HBIL_MODEL_DEFAULT);
+  hbil_model_set(&defaults.model, HBIL_MODEL_DEFAULT);
   init_sized(config, struct_size, &defaults, sizeof defaults);
 }
 
-hbil_status hbil_config_set_model(hbil_config *config, hbil_model model) {
-  if (!config || (unsigned)model > HBIL_MODEL_PAPER)
+hbil_status hbil_model_set(hbil_model *model, hbil_model_name name) {
+  if (!model || (unsigned)name > HBIL_MODEL_PAPER)
     return HBIL_INVALID_ARGUMENT;
-  const bool paper = model == HBIL_MODEL_PAPER;
-  config->thickness = INFINITY;
-  config->relative_thickness = paper ? INFINITY : 0.08f;
-  config->facing_fade[0] = paper ? -0.1f : -1.0f;
-  config->facing_fade[1] = paper ? 0.0f : -1.0f;
-  config->back_facing_fallback =
+  const bool paper = name == HBIL_MODEL_PAPER;
+  model->thickness = INFINITY;
+  model->relative_thickness = paper ? INFINITY : 0.08f;
+  model->facing_fade[0] = paper ? -0.1f : -1.0f;
+  model->facing_fade[1] = paper ? 0.0f : -1.0f;
+  model->back_facing_fallback =
       paper ? HBIL_FALLBACK_LAST_ACCEPTED : HBIL_FALLBACK_FRAME_MEAN;
-  config->feedback = paper ? HBIL_FEEDBACK_RADIANCE : HBIL_FEEDBACK_IRRADIANCE;
-  config->extrapolate = paper ? CL_FALSE : CL_TRUE;
+  model->feedback = paper ? HBIL_FEEDBACK_RADIANCE : HBIL_FEEDBACK_IRRADIANCE;
+  model->extrapolate = paper ? CL_FALSE : CL_TRUE;
   return HBIL_SUCCESS;
 }
 
@@ -116,17 +117,17 @@ static const struct {
                                 HBIL_GRID_FULL_RESOLUTION, CL_TRUE},
 };
 
-hbil_status hbil_config_set_quality(hbil_config *config, hbil_quality quality) {
-  if (!config || (unsigned)quality > HBIL_QUALITY_REFERENCE)
+hbil_status hbil_sampling_set(hbil_sampling *sampling, hbil_quality quality) {
+  if (!sampling || (unsigned)quality > HBIL_QUALITY_REFERENCE)
     return HBIL_INVALID_ARGUMENT;
-  config->slices = qualities[quality].slices;
-  config->steps_per_side = qualities[quality].steps_per_side;
-  config->step_growth = qualities[quality].step_growth;
-  config->sample_grid = qualities[quality].sample_grid;
-  config->unfiltered = qualities[quality].unfiltered;
+  sampling->slices = qualities[quality].slices;
+  sampling->steps_per_side = qualities[quality].steps_per_side;
+  sampling->step_growth = qualities[quality].step_growth;
+  sampling->sample_grid = qualities[quality].sample_grid;
+  sampling->unfiltered = qualities[quality].unfiltered;
   /* packed storage dithers over the layers, so it needs the filter */
-  config->storage = qualities[quality].unfiltered ? HBIL_STORAGE_FLOAT32
-                                                  : HBIL_STORAGE_PACKED;
+  sampling->storage = qualities[quality].unfiltered ? HBIL_STORAGE_FLOAT32
+                                                    : HBIL_STORAGE_PACKED;
   return HBIL_SUCCESS;
 }
 
@@ -177,14 +178,17 @@ static hbil_status check_format(hbil_context *context,
        (output || plane == PLANE_DEPTH || plane == PLANE_NORMAL ||
         plane == PLANE_MOTION)))
     return fail(context, HBIL_INVALID_CONFIG,
-                "%s.component: %d; must be HBIL_FLOAT32 or HBIL_FLOAT16%s",
-                kind->name, (int)format->component,
+                "%s.%s.component: %d; must be HBIL_FLOAT32 or HBIL_FLOAT16%s",
+                output ? "outputs" : "inputs", kind->name,
+                (int)format->component,
                 output ? "" : " (HBIL_UNORM8 for colours only)");
   const cl_uint stride = format_stride(config, plane);
   if (stride > 64 || (stride != 1 && stride < kind->channels))
-    return fail(context, HBIL_INVALID_CONFIG,
-                "%s.stride: %u; must be 1 (planar) or %u .. 64 (interleaved)",
-                kind->name, (unsigned)stride, (unsigned)kind->channels);
+    return fail(
+        context, HBIL_INVALID_CONFIG,
+        "%s.%s.stride: %u; must be 1 (planar) or %u .. 64 (interleaved)",
+        output ? "outputs" : "inputs", kind->name, (unsigned)stride,
+        (unsigned)kind->channels);
   return HBIL_SUCCESS;
 }
 
@@ -195,17 +199,18 @@ static hbil_status check_formats(hbil_context *context,
     if (status != HBIL_SUCCESS)
       return status;
   }
-  if (config->depth.component == HBIL_NONE)
+  if (config->inputs.depth.component == HBIL_NONE)
     return fail(context, HBIL_INVALID_CONFIG,
-                "depth.component: HBIL_NONE; depth is needed");
-  if (config->normal.component == HBIL_NONE)
+                "inputs.depth.component: HBIL_NONE; depth is needed");
+  if (config->inputs.normal.component == HBIL_NONE)
     return fail(context, HBIL_INVALID_CONFIG,
-                "normal.component: HBIL_NONE; normals are needed");
-  if (config->reprojection == HBIL_REPROJECTION_MOTION &&
-      config->motion.component == HBIL_NONE)
-    return fail(context, HBIL_INVALID_CONFIG,
-                "motion.component: HBIL_NONE; HBIL_REPROJECTION_MOTION needs "
-                "motion vectors");
+                "inputs.normal.component: HBIL_NONE; normals are needed");
+  if (config->history.reprojection == HBIL_REPROJECTION_MOTION &&
+      config->inputs.motion.component == HBIL_NONE)
+    return fail(
+        context, HBIL_INVALID_CONFIG,
+        "inputs.motion.component: HBIL_NONE; HBIL_REPROJECTION_MOTION needs "
+        "motion vectors");
   for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
     if (plane_format(config, i)->component != HBIL_NONE)
       return HBIL_SUCCESS;
@@ -223,22 +228,27 @@ static hbil_status check_mode(hbil_context *context,
               {PLANE_BENT, HBIL_MODE_GTAO},
               {PLANE_ERROR, HBIL_MODE_GTAO},
               {PLANE_CONE, HBIL_MODE_GTAO}};
-  const char *mode = config->mode == HBIL_MODE_GTAO ? "GTAO" : "HBAO";
+  const char *mode = config->model.mode == HBIL_MODE_GTAO ? "GTAO" : "HBAO";
   for (size_t i = 0; i < sizeof only / sizeof *only; ++i)
-    if (config->mode > only[i].most &&
+    if (config->model.mode > only[i].most &&
         plane_format(config, only[i].plane)->component != HBIL_NONE)
-      return fail(context, HBIL_INVALID_CONFIG,
-                  "%s.component: must be HBIL_NONE, HBIL_MODE_%s has no such "
-                  "output",
-                  plane_kinds[only[i].plane].name, mode);
-  if (config->mode != HBIL_MODE_HBIL && config->far_field == HBIL_FAR_FRAME)
-    return fail(context, HBIL_INVALID_CONFIG,
-                "far_field: HBIL_FAR_FRAME; HBIL_MODE_%s reads no radiance",
-                mode);
-  if (config->mode == HBIL_MODE_HBAO && config->far_field == HBIL_FAR_SH)
-    return fail(context, HBIL_INVALID_CONFIG,
-                "far_field: HBIL_FAR_SH; HBIL_MODE_HBAO has no bent cone, "
-                "HBIL_FAR_CONSTANT is possible");
+      return fail(
+          context, HBIL_INVALID_CONFIG,
+          "outputs.%s.component: must be HBIL_NONE, HBIL_MODE_%s has no such "
+          "output",
+          plane_kinds[only[i].plane].name, mode);
+  if (config->model.mode != HBIL_MODE_HBIL &&
+      config->model.far_field == HBIL_FAR_FRAME)
+    return fail(
+        context, HBIL_INVALID_CONFIG,
+        "model.far_field: HBIL_FAR_FRAME; HBIL_MODE_%s reads no radiance",
+        mode);
+  if (config->model.mode == HBIL_MODE_HBAO &&
+      config->model.far_field == HBIL_FAR_SH)
+    return fail(
+        context, HBIL_INVALID_CONFIG,
+        "model.far_field: HBIL_FAR_SH; HBIL_MODE_HBAO has no bent cone, "
+        "HBIL_FAR_CONSTANT is possible");
   return HBIL_SUCCESS;
 }
 
@@ -252,62 +262,72 @@ static hbil_status config_check(hbil_context *context,
   } ranges[] = {
       {"width", config->width, 1, HBIL_MAX_SIZE},
       {"height", config->height, 1, HBIL_MAX_SIZE},
-      {"projection", (double)config->projection, 0,
+      {"inputs.projection", (double)config->inputs.projection, 0,
        HBIL_PROJECTION_ORTHOGRAPHIC},
-      {"depth_kind", (double)config->depth_kind, 0, HBIL_DEPTH_RAY},
-      {"normal_space", (double)config->normal_space, 0, HBIL_SPACE_WORLD},
-      {"bent_normal_space", (double)config->bent_normal_space, 0,
+      {"inputs.depth_kind", (double)config->inputs.depth_kind, 0,
+       HBIL_DEPTH_RAY},
+      {"inputs.normal_space", (double)config->inputs.normal_space, 0,
        HBIL_SPACE_WORLD},
-      {"direct_scale", (double)config->direct_scale, 0, 1e30},
-      {"motion_scale[0]", (double)config->motion_scale[0], -1e6, 1e6},
-      {"motion_scale[1]", (double)config->motion_scale[1], -1e6, 1e6},
-      {"mode", (double)config->mode, 0, HBIL_MODE_HBAO},
-      {"falloff", (double)config->falloff, 0, HBIL_FALLOFF_NONE},
-      {"slices", config->slices, 1, 32},
-      {"steps_per_side", config->steps_per_side, 1, 256},
-      {"step_growth", (double)config->step_growth, 0, 64},
-      {"sample_grid", (double)config->sample_grid, 0,
+      {"outputs.bent_normal_space", (double)config->outputs.bent_normal_space,
+       0, HBIL_SPACE_WORLD},
+      {"inputs.direct_scale", (double)config->inputs.direct_scale, 0, 1e30},
+      {"inputs.motion_scale[0]", (double)config->inputs.motion_scale[0], -1e6,
+       1e6},
+      {"inputs.motion_scale[1]", (double)config->inputs.motion_scale[1], -1e6,
+       1e6},
+      {"model.mode", (double)config->model.mode, 0, HBIL_MODE_HBAO},
+      {"model.falloff", (double)config->model.falloff, 0, HBIL_FALLOFF_NONE},
+      {"sampling.slices", config->sampling.slices, 1, 32},
+      {"sampling.steps_per_side", config->sampling.steps_per_side, 1, 256},
+      {"sampling.step_growth", (double)config->sampling.step_growth, 0, 64},
+      {"sampling.sample_grid", (double)config->sampling.sample_grid, 0,
        HBIL_GRID_FULL_RESOLUTION},
-      {"extrapolate", config->extrapolate, 0, 1},
-      {"facing_fade[0]", (double)config->facing_fade[0], -1, 1},
-      {"facing_fade[1]", (double)config->facing_fade[1], -1, 1},
-      {"back_facing_fallback", (double)config->back_facing_fallback, 0,
-       HBIL_FALLBACK_FRAME_MEAN},
-      {"gather_emission", config->gather_emission, 0, 1},
-      {"max_history_frames", config->max_history_frames, 0, 1024},
-      {"reprojection", (double)config->reprojection, 0,
+      {"model.extrapolate", config->model.extrapolate, 0, 1},
+      {"model.facing_fade[0]", (double)config->model.facing_fade[0], -1, 1},
+      {"model.facing_fade[1]", (double)config->model.facing_fade[1], -1, 1},
+      {"model.back_facing_fallback", (double)config->model.back_facing_fallback,
+       0, HBIL_FALLBACK_FRAME_MEAN},
+      {"model.gather_emission", config->model.gather_emission, 0, 1},
+      {"history.max_frames", config->history.max_frames, 0, 1024},
+      {"history.reprojection", (double)config->history.reprojection, 0,
        HBIL_REPROJECTION_MOTION},
-      {"feedback", (double)config->feedback, 0, HBIL_FEEDBACK_RADIANCE},
-      {"far_field", (double)config->far_field, 0, HBIL_FAR_FRAME},
-      {"unfiltered", config->unfiltered, 0, 1},
-      {"skip", config->skip, 0, HBIL_SKIP_ALL},
-      {"storage", (double)config->storage, 0, HBIL_STORAGE_FLOAT32},
-      {"profiling", config->profiling, 0, 1},
+      {"model.feedback", (double)config->model.feedback, 0,
+       HBIL_FEEDBACK_RADIANCE},
+      {"model.far_field", (double)config->model.far_field, 0, HBIL_FAR_FRAME},
+      {"sampling.unfiltered", config->sampling.unfiltered, 0, 1},
+      {"execution.skip", config->execution.skip, 0, HBIL_SKIP_ALL},
+      {"sampling.storage", (double)config->sampling.storage, 0,
+       HBIL_STORAGE_FLOAT32},
+      {"execution.profiling", config->execution.profiling, 0, 1},
   };
   hbil_status status = HBIL_SUCCESS;
   for (size_t i = 0; i < sizeof ranges / sizeof *ranges; ++i)
     if ((status = in_range(context, ranges[i].field, ranges[i].value,
                            ranges[i].least, ranges[i].most)) != HBIL_SUCCESS)
       return status;
-  if (config->facing_fade[0] > config->facing_fade[1])
-    return fail(context, HBIL_INVALID_CONFIG,
-                "facing_fade: %g, %g; the first must not be above the second",
-                (double)config->facing_fade[0], (double)config->facing_fade[1]);
-  const cl_uint width = config->vector_width;
+  if (config->model.facing_fade[0] > config->model.facing_fade[1])
+    return fail(
+        context, HBIL_INVALID_CONFIG,
+        "model.facing_fade: %g, %g; the first must not be above the second",
+        (double)config->model.facing_fade[0],
+        (double)config->model.facing_fade[1]);
+  const cl_uint width = config->execution.vector_width;
   if (width != 0 && width != 1 && width != 4 && width != 8 && width != 16)
-    return fail(context, HBIL_INVALID_CONFIG,
-                "vector_width: %u; must be 0 (automatic), 1, 4, 8 or 16",
-                (unsigned)width);
-  if ((status = positive(context, "radius", (double)config->radius)) !=
+    return fail(
+        context, HBIL_INVALID_CONFIG,
+        "execution.vector_width: %u; must be 0 (automatic), 1, 4, 8 or 16",
+        (unsigned)width);
+  if ((status = positive(context, "model.radius",
+                         (double)config->model.radius)) != HBIL_SUCCESS ||
+      (status = positive(context, "model.thickness",
+                         (double)config->model.thickness)) != HBIL_SUCCESS ||
+      (status = positive(context, "model.relative_thickness",
+                         (double)config->model.relative_thickness)) !=
           HBIL_SUCCESS ||
-      (status = positive(context, "thickness", (double)config->thickness)) !=
-          HBIL_SUCCESS ||
-      (status = positive(context, "relative_thickness",
-                         (double)config->relative_thickness)) != HBIL_SUCCESS ||
-      (status = positive(context, "sky_depth", (double)config->sky_depth)) !=
-          HBIL_SUCCESS ||
-      (status = positive(context, "disocclusion_threshold",
-                         (double)config->disocclusion_threshold)) !=
+      (status = positive(context, "inputs.sky_depth",
+                         (double)config->inputs.sky_depth)) != HBIL_SUCCESS ||
+      (status = positive(context, "history.disocclusion_threshold",
+                         (double)config->history.disocclusion_threshold)) !=
           HBIL_SUCCESS)
     return status;
   status = check_formats(context, config);

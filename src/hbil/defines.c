@@ -47,33 +47,36 @@ static void define_planes(const hbil_config *c, text *t) {
 }
 
 static void define_inputs(const hbil_config *c, text *t) {
-  define(t, "ORTHOGRAPHIC", c->projection == HBIL_PROJECTION_ORTHOGRAPHIC);
-  define(t, "WHOLE_GROUPS", c->width % (4 * c->vector_width) == 0);
-  define(t, "DEPTH_IS_RAY", c->depth_kind == HBIL_DEPTH_RAY);
-  define(t, "NORMAL_IS_WORLD", c->normal_space == HBIL_SPACE_WORLD);
-  define(t, "BENT_IS_WORLD", c->bent_normal_space == HBIL_SPACE_WORLD);
+  define(t, "ORTHOGRAPHIC",
+         c->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC);
+  define(t, "WHOLE_GROUPS", c->width % (4 * c->execution.vector_width) == 0);
+  define(t, "DEPTH_IS_RAY", c->inputs.depth_kind == HBIL_DEPTH_RAY);
+  define(t, "NORMAL_IS_WORLD", c->inputs.normal_space == HBIL_SPACE_WORLD);
+  define(t, "BENT_IS_WORLD", c->outputs.bent_normal_space == HBIL_SPACE_WORLD);
 }
 
 static void define_model(const hbil_config *c, const layout *l, text *t) {
   const bool rejects = config_rejects_back_faces(c);
-  const int relative = isinf(c->relative_thickness) ? 0 : 1;
-  const int absolute = isinf(c->thickness) ? 0 : 2;
-  define(t, "HBAO", c->mode == HBIL_MODE_HBAO);
-  define(t, "LIMITED", !isinf(c->radius));
+  const int relative = isinf(c->model.relative_thickness) ? 0 : 1;
+  const int absolute = isinf(c->model.thickness) ? 0 : 2;
+  define(t, "HBAO", c->model.mode == HBIL_MODE_HBAO);
+  define(t, "LIMITED", !isinf(c->model.radius));
   define(t, "LEVELS", (int)l->pattern.levels);
   define(t, "FINITE", relative | absolute);
   define(t, "FACING_ALL", !rejects);
-  define(t, "FACING_STEP", c->facing_fade[0] >= c->facing_fade[1]);
+  define(t, "FACING_STEP", c->model.facing_fade[0] >= c->model.facing_fade[1]);
   define(t, "FALLBACK_LAST_ACCEPTED",
-         rejects && c->back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED);
+         rejects &&
+             c->model.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED);
   define(t, "FALLBACK_FRAME_MEAN", l->unknown);
-  define(t, "EXTRAPOLATE", c->extrapolate != 0);
-  define(t, "GATHER_EMISSION", c->gather_emission != 0);
-  define(t, "FEEDBACK_RADIANCE", c->feedback == HBIL_FEEDBACK_RADIANCE);
-  define(t, "REPROJECT_MOTION", c->reprojection == HBIL_REPROJECTION_MOTION);
-  define(t, "DISOCCLUSION", !isinf(c->disocclusion_threshold));
+  define(t, "EXTRAPOLATE", c->model.extrapolate != 0);
+  define(t, "GATHER_EMISSION", c->model.gather_emission != 0);
+  define(t, "FEEDBACK_RADIANCE", c->model.feedback == HBIL_FEEDBACK_RADIANCE);
+  define(t, "REPROJECT_MOTION",
+         c->history.reprojection == HBIL_REPROJECTION_MOTION);
+  define(t, "DISOCCLUSION", !isinf(c->history.disocclusion_threshold));
   define(t, "FAR", (int)l->far_field);
-  define(t, "UNFILTERED", c->unfiltered != 0);
+  define(t, "UNFILTERED", c->sampling.unfiltered != 0);
 }
 
 static void define_work(const hbil_config *c, const layout *l, text *t) {
@@ -85,8 +88,8 @@ static void define_work(const hbil_config *c, const layout *l, text *t) {
                {"SKIP_DARK", HBIL_SKIP_DARK},
                {"SKIP_UNUSED", HBIL_SKIP_UNUSED},
                {"SKIP_RADIUS", HBIL_SKIP_RADIUS}};
-  define(t, "HBIL_WIDTH", (int)c->vector_width);
-  define(t, "STORAGE", (int)c->storage);
+  define(t, "HBIL_WIDTH", (int)c->execution.vector_width);
+  define(t, "STORAGE", (int)c->sampling.storage);
   define(t, "GATHER_RADIANCE", l->radiance);
   define(t, "GATHER_BENT", l->bent);
   define(t, "HISTORY", l->history);

@@ -24,11 +24,11 @@ hbil_environment_args far_field_args(const hbil_config *config,
                                      const float environment[9][3]) {
   hbil_environment_args args;
   memset(&args, 0, sizeof args);
-  if (config->far_field == HBIL_FAR_CONSTANT ||
-      config->far_field == HBIL_FAR_FRAME)
+  if (config->model.far_field == HBIL_FAR_CONSTANT ||
+      config->model.far_field == HBIL_FAR_FRAME)
     for (int c = 0; c < 3; ++c)
       args.channel[c].sh[0] = environment[0][c];
-  if (config->far_field == HBIL_FAR_SH)
+  if (config->model.far_field == HBIL_FAR_SH)
     for (int i = 0; i < 9; ++i) {
       /* irradiance of order l over a full hemisphere, per unit of radiance
        * (Ramamoorthi and Hanrahan 2001) */

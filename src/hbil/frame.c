@@ -77,7 +77,7 @@ static hbil_status enqueue(hbil_plan *plan, cl_command_queue queue,
     status = frame_take(plan->context, given, &frame);
   if (status == HBIL_SUCCESS)
     status = check_frame(plan, &frame, planes);
-  chain.events = event || !chain.in_order || plan->config.profiling;
+  chain.events = event || !chain.in_order || plan->config.execution.profiling;
   for (int i = (int)first; i <= (int)last && status == HBIL_SUCCESS; ++i) {
     chain.pass = (hbil_pass)i;
     if (i == HBIL_PASS_REPROJECT)

@@ -43,10 +43,10 @@ static hbil_status make_pattern(commands *chain, const hbil_view_args *view,
 
 /* W of HBAO falls by this much per world unit. */
 static float falloff_slope(const hbil_config *config) {
-  if (isinf(config->radius) || config->falloff == HBIL_FALLOFF_NONE)
+  if (isinf(config->model.radius) || config->model.falloff == HBIL_FALLOFF_NONE)
     return 0.0f;
-  return (config->falloff == HBIL_FALLOFF_SOFT ? 1.0f / 3.0f : 1.0f) /
-         config->radius;
+  return (config->model.falloff == HBIL_FALLOFF_SOFT ? 1.0f / 3.0f : 1.0f) /
+         config->model.radius;
 }
 
 /* Length of the ray to the corner that is farthest from the axis; in
@@ -69,27 +69,29 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
    * 2^-24.  flatness: the same for the three components of a normal and
    * what is made of them.  A packed normal is off by at most sqrt(18)/4 steps
    * of 2^-14, which is 6.5e-5. */
-  const bool half_depth = c->depth.component == HBIL_FLOAT16;
-  const bool half_normal = c->normal.component == HBIL_FLOAT16;
-  const bool packed = c->storage != HBIL_STORAGE_FLOAT32;
-  const bool orthographic = c->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  const bool half_depth = c->inputs.depth.component == HBIL_FLOAT16;
+  const bool half_normal = c->inputs.normal.component == HBIL_FLOAT16;
+  const bool packed = c->sampling.storage != HBIL_STORAGE_FLOAT32;
+  const bool orthographic =
+      c->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
   const float roundings = half_depth ? 0x1p-10f : 0x1p-22f;
   hbil_gather_args args = {
       .view = *view,
       .split = plan->layout.split,
       .light = plan->layout.light,
-      .radius = c->radius,
+      .radius = c->model.radius,
       .reach = pattern->reach,
       /* moves samples away from the eye; orthographic w is -z, below 0 */
       .nearness = orthographic ? 1.0f + roundings : 1.0f - roundings,
       .flatness = half_normal ? 0x1p-10f
                   : packed    ? 0x1p-13f
                               : 0x1p-21f,
-      .facing = {c->facing_fade[0],
-                 1.0f / fmaxf(c->facing_fade[1] - c->facing_fade[0], FLT_MIN)},
+      .facing = {c->model.facing_fade[0],
+                 1.0f / fmaxf(c->model.facing_fade[1] - c->model.facing_fade[0],
+                              FLT_MIN)},
       /* finite, since the gather is built without infinities */
-      .thickness = fminf(c->thickness, 1e30f),
-      .relative_thickness = fminf(c->relative_thickness, 1e30f),
+      .thickness = fminf(c->model.thickness, 1e30f),
+      .relative_thickness = fminf(c->model.relative_thickness, 1e30f),
       .falloff = falloff_slope(c),
       .longest = longest_ray(view, orthographic),
       .bounds = plan->layout.bounds,

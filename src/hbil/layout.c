@@ -21,21 +21,22 @@ static bool has(const hbil_config *config, int plane) {
 static void decide_work(const hbil_config *config, layout *out) {
   const bool sums = has(config, PLANE_INDIRECT) || has(config, PLANE_BEAUTY);
   out->radiance =
-      config->mode == HBIL_MODE_HBIL &&
+      config->model.mode == HBIL_MODE_HBIL &&
       (sums || has(config, PLANE_NEAR) ||
-       (has(config, PLANE_FAR) && config->far_field == HBIL_FAR_FRAME));
+       (has(config, PLANE_FAR) && config->model.far_field == HBIL_FAR_FRAME));
   out->far_field = sums || out->radiance || has(config, PLANE_FAR)
-                       ? config->far_field
+                       ? config->model.far_field
                        : HBIL_FAR_NONE;
   out->bent = has(config, PLANE_BENT) || out->far_field == HBIL_FAR_SH ||
               out->far_field == HBIL_FAR_FRAME;
-  out->unknown = out->radiance &&
-                 config->back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
-                 config_rejects_back_faces(config);
+  out->unknown =
+      out->radiance &&
+      config->model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
+      config_rejects_back_faces(config);
   out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
   out->history =
-      out->radiance && config->reprojection != HBIL_REPROJECTION_NONE;
-  out->late_counts = sums && !(out->radiance && config->gather_emission);
+      out->radiance && config->history.reprojection != HBIL_REPROJECTION_NONE;
+  out->late_counts = sums && !(out->radiance && config->model.gather_emission);
 }
 
 /* Whether all outputs are 0 times the irradiance where a surface reflects
@@ -50,19 +51,19 @@ static bool irradiance_is_hidden(const hbil_config *config, const layout *l) {
   /* `indirect` knows nothing of albedo */
   return !has(config, PLANE_INDIRECT) &&
          (has(config, PLANE_ALBEDO) || has(config, PLANE_F0)) &&
-         (!l->history || config->feedback == HBIL_FEEDBACK_RADIANCE);
+         (!l->history || config->model.feedback == HBIL_FEEDBACK_RADIANCE);
 }
 
 static void decide_skips(const hbil_config *config, layout *out) {
-  out->skip = config->skip;
+  out->skip = config->execution.skip;
   if (!out->radiance)
     out->skip &= ~(cl_uint)HBIL_SKIP_DARK;
-  if (isinf(config->radius))
+  if (isinf(config->model.radius))
     out->skip &= ~(cl_uint)HBIL_SKIP_RADIUS;
   if (!irradiance_is_hidden(config, out))
     out->skip &= ~(cl_uint)HBIL_SKIP_UNUSED;
   /* with a radius, spans test this themselves (gather.cl, light_in_reach) */
-  out->quadrants = out->skip & HBIL_SKIP_DARK && isinf(config->radius) &&
+  out->quadrants = out->skip & HBIL_SKIP_DARK && isinf(config->model.radius) &&
                    !config_has_thickness(config) && !out->unknown;
 }
 
@@ -81,7 +82,7 @@ static size_t lay_out_bounds(const hbil_config *config,
                              const hbil_layer_args *layers,
                              hbil_bounds_args *out) {
   size_t end = 0;
-  const cl_uint group = HBIL_SIDE * config->vector_width;
+  const cl_uint group = HBIL_SIDE * config->execution.vector_width;
   const cl_int across = divided_up(layers->width, HBIL_CELL);
   const cl_int down = divided_up(layers->height, HBIL_CELL);
   out->group = grid(&end, divided_up((cl_int)config->width, (cl_int)group),
@@ -158,36 +159,37 @@ static const struct {
                               HBIL_LIGHT_BENT, HBIL_LIGHT_PLANES}};
 
 static cl_uint split_planes(const hbil_config *config, const layout *l) {
-  return l->radiance ? stored[config->storage].split
-                     : stored[config->storage].guides;
+  return l->radiance ? stored[config->sampling.storage].split
+                     : stored[config->sampling.storage].guides;
 }
 
 static cl_uint gathered_planes(const hbil_config *config, const layout *l) {
-  if (l->unknown && config->storage == HBIL_STORAGE_FLOAT32)
+  if (l->unknown && config->sampling.storage == HBIL_STORAGE_FLOAT32)
     return HBIL_LIGHT_UNKNOWN + 1;
-  return l->bent       ? stored[config->storage].bent
-         : l->radiance ? stored[config->storage].near_irradiance
-                       : stored[config->storage].ao;
+  return l->bent       ? stored[config->sampling.storage].bent
+         : l->radiance ? stored[config->sampling.storage].near_irradiance
+                       : stored[config->sampling.storage].ao;
 }
 
 /* Gives the cache as many rows as fit into horizon_cache_bytes.  Returns their
  * bytes. */
 static size_t lay_out_horizon_cache(const hbil_config *config, layout *out) {
-  const size_t width = config->vector_width;
+  const size_t width = config->execution.vector_width;
   const size_t vectors = width == 1 ? 1 : HBIL_SPAN / width;
   const size_t across = out->spans * vectors * HBIL_LAYERS;
-  const cl_uint sides = 2 * config->slices;
-  const bool last = config_rejects_back_faces(config) &&
-                    config->back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED;
+  const cl_uint sides = 2 * config->sampling.slices;
+  const bool last =
+      config_rejects_back_faces(config) &&
+      config->model.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED;
   const cl_uint of_sample = last ? 2 : 1;
   const cl_uint of_side =
-      config->steps_per_side * of_sample + config->extrapolate;
+      config->sampling.steps_per_side * of_sample + config->model.extrapolate;
   hbil_horizon_cache_args *f = &out->cache;
-  f->floats = sides * of_side + config->slices + 1;
-  f->entries = sides * (config->steps_per_side + 1);
+  f->floats = sides * of_side + config->sampling.slices + 1;
+  f->entries = sides * (config->sampling.steps_per_side + 1);
   const cl_ulong row = sizeof(cl_float) * (cl_ulong)across *
                        ((cl_ulong)f->floats * width + f->entries);
-  const cl_ulong rows = config->horizon_cache_bytes / row;
+  const cl_ulong rows = config->execution.horizon_cache_bytes / row;
   f->rows = rows < (cl_ulong)out->split.height ? (cl_uint)rows
                                                : (cl_uint)out->split.height;
   f->vectors = (cl_uint)(across * f->rows);
@@ -195,7 +197,7 @@ static size_t lay_out_horizon_cache(const hbil_config *config, layout *out) {
 }
 
 bool layout_has_bands(const hbil_config *config) {
-  return config->vector_width > 1;
+  return config->execution.vector_width > 1;
 }
 
 /* There are enough bands for any CPU, and so few that searching for the runs of
@@ -212,7 +214,7 @@ static void lay_out_runs(const hbil_config *config, layout *out) {
  * because storing less than a line past the caches is slow. */
 static cl_uint composed_line(const hbil_config *config) {
   cl_uint line = HBIL_WIDEST;
-  if (config->vector_width == 1)
+  if (config->execution.vector_width == 1)
     return 1;
   for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
     if (plane_format(config, i)->component == HBIL_FLOAT16)
@@ -235,7 +237,7 @@ void layout_compute(const hbil_config *config, layout *out) {
         real * (HBIL_HISTORY_PLANES * (size_t)out->planes.plane +
                 2 * (size_t)hbil_history_origin(out->planes));
     out->bytes[BUFFER_CARRIED] = chain * real;
-    if (config->reprojection == HBIL_REPROJECTION_SCATTER) {
+    if (config->history.reprojection == HBIL_REPROJECTION_SCATTER) {
       out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;
       if (layout_has_bands(config))
         out->bytes[BUFFER_LANDING] =
@@ -244,7 +246,8 @@ void layout_compute(const hbil_config *config, layout *out) {
   }
   lay_out_layers(config, split_planes(config, out), &out->split);
   const cl_uint gathered = gathered_planes(config, out);
-  const bool weighted = config->slices == 1 && !config->unfiltered;
+  const bool weighted =
+      config->sampling.slices == 1 && !config->sampling.unfiltered;
   out->weight_plane = weighted ? gathered : 0;
   lay_out_layers(config, gathered + weighted, &out->light);
   out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
@@ -253,7 +256,7 @@ void layout_compute(const hbil_config *config, layout *out) {
   const cl_uint errors = !has(config, PLANE_ERROR) ? 0 : out->radiance ? 2 : 1;
   out->bytes[BUFFER_RESOLVED] =
       (out->error_plane + errors) * real * out->planes.plane;
-  if (config->max_history_frames)
+  if (config->history.max_frames)
     out->bytes[BUFFER_TEMPORAL] = out->bytes[BUFFER_TEMPORAL_NEXT] =
         real *
         ((HBIL_TEMPORAL_LIGHT + light_planes(out)) * (size_t)out->planes.plane +
@@ -266,7 +269,7 @@ void layout_compute(const hbil_config *config, layout *out) {
   if (out->skip & (HBIL_SKIP_OPEN | HBIL_SKIP_DARK))
     out->bytes[BUFFER_BOUNDS] =
         sizeof(cl_uint) * lay_out_bounds(config, &out->split, &out->bounds);
-  const size_t width = config->vector_width;
+  const size_t width = config->execution.vector_width;
   if (out->skip & HBIL_SKIP_UNUSED)
     out->bytes[BUFFER_USES] = sizeof(cl_uint) * config->height *
                               ((config->width + 4 * width - 1) / (4 * width));
@@ -274,17 +277,17 @@ void layout_compute(const hbil_config *config, layout *out) {
   out->spans = ((size_t)out->split.width + span - 1) / span;
   out->bytes[BUFFER_SPAN_STATES] =
       2 * out->spans * (size_t)out->split.height * HBIL_LAYERS;
-  out->pattern.slices = (cl_int)config->slices;
-  out->pattern.steps = (cl_int)config->steps_per_side;
-  out->pattern.levels = isinf(config->radius) ? 1 : HBIL_MAX_LEVELS;
+  out->pattern.slices = (cl_int)config->sampling.slices;
+  out->pattern.steps = (cl_int)config->sampling.steps_per_side;
+  out->pattern.levels = isinf(config->model.radius) ? 1 : HBIL_MAX_LEVELS;
   out->pattern.grid =
-      config->sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
-  out->pattern.growth = config->step_growth;
+      config->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
+  out->pattern.growth = config->sampling.step_growth;
   out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * (size_t)out->pattern.levels *
-                             HBIL_LAYERS * 2 * config->slices *
-                             (config->steps_per_side + 1);
+                             HBIL_LAYERS * 2 * config->sampling.slices *
+                             (config->sampling.steps_per_side + 1);
   out->errors = error_factors(out->pattern.slices, out->pattern.steps);
   if (out->history && out->skip & HBIL_SKIP_STATIC &&
-      !config->max_history_frames)
+      !config->history.max_frames)
     out->bytes[BUFFER_HORIZON_CACHE] = lay_out_horizon_cache(config, out);
 }

@@ -15,7 +15,7 @@ pass_function enqueue_recompose, enqueue_temporal,
 
 /* Vectors of pixels across the image. */
 static inline size_t vectors_across(const hbil_plan *plan) {
-  const size_t width = plan->config.vector_width;
+  const size_t width = plan->config.execution.vector_width;
   return (plan->config.width + width - 1) / width;
 }
 
@@ -29,7 +29,7 @@ static inline bool is_static(const hbil_plan *plan, const hbil_frame *frame) {
  * With a temporal filter even a static frame is gathered anew, by another
  * pattern. */
 static inline bool may_rest(const hbil_plan *plan, const hbil_frame *frame) {
-  return is_static(plan, frame) && !plan->config.max_history_frames;
+  return is_static(plan, frame) && !plan->config.history.max_frames;
 }
 
 /* Notes that the host leaves the present pass out. */

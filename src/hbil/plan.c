@@ -60,7 +60,8 @@ static const struct {
 
 static bool program_needed(const hbil_plan *plan, int program) {
   const layout *l = &plan->layout;
-  const bool motion = plan->config.reprojection == HBIL_REPROJECTION_MOTION;
+  const bool motion =
+      plan->config.history.reprojection == HBIL_REPROJECTION_MOTION;
   switch (program) {
   case PROGRAM_SCATTER:
     return l->history && !motion;
@@ -76,7 +77,7 @@ static bool program_needed(const hbil_plan *plan, int program) {
   case PROGRAM_REGATHER:
     return l->bytes[BUFFER_HORIZON_CACHE] > 0;
   case PROGRAM_TEMPORAL:
-    return plan->config.max_history_frames > 0;
+    return plan->config.history.max_frames > 0;
   }
   return true;
 }
@@ -203,11 +204,12 @@ static hbil_status resolve_config(hbil_context *context,
   hbil_status status = config_take(context, given, resolved);
   if (status == HBIL_SUCCESS)
     status = largest_buffer(context, &most);
-  if (!resolved->vector_width)
-    resolved->vector_width = context->vector_width;
-  if (resolved->horizon_cache_bytes > most)
-    resolved->horizon_cache_bytes = (size_t)most;
-  resolved->sky_depth = fminf(resolved->sky_depth, HBIL_FARTHEST_DEPTH);
+  if (!resolved->execution.vector_width)
+    resolved->execution.vector_width = context->vector_width;
+  if (resolved->execution.horizon_cache_bytes > most)
+    resolved->execution.horizon_cache_bytes = (size_t)most;
+  resolved->inputs.sky_depth =
+      fminf(resolved->inputs.sky_depth, HBIL_FARTHEST_DEPTH);
   return status;
 }
 

@@ -4,28 +4,28 @@
 
 #include <string.h>
 
-#define KIND(field, define, channels)                                          \
+#define KIND(group, field, define, channels)                                   \
   {                                                                            \
-#field, define, channels, offsetof(hbil_config, field),                    \
+#field, define, channels, offsetof(hbil_config, group.field),              \
         offsetof(hbil_frame, field)                                            \
   }
 
 const plane_kind plane_kinds[PLANE_COUNT] = {
-    [PLANE_DEPTH] = KIND(depth, "DEPTH", 1),
-    [PLANE_NORMAL] = KIND(normal, "NORMAL", 3),
-    [PLANE_ALBEDO] = KIND(albedo, "ALBEDO", 3),
-    [PLANE_F0] = KIND(f0, "F0", 3),
-    [PLANE_DIRECT] = KIND(direct, "DIRECT", 3),
-    [PLANE_EMISSION] = KIND(emission, "EMISSION", 3),
-    [PLANE_MOTION] = KIND(motion, "MOTION", 2),
-    [PLANE_NEAR] = KIND(near_irradiance, "NEAR", 3),
-    [PLANE_FAR] = KIND(far_irradiance, "FAR", 3),
-    [PLANE_AO] = KIND(ao, "AO", 1),
-    [PLANE_BENT] = KIND(bent_normal, "BENT", 3),
-    [PLANE_CONE] = KIND(cone_cosine, "CONE", 1),
-    [PLANE_INDIRECT] = KIND(indirect, "INDIRECT", 3),
-    [PLANE_BEAUTY] = KIND(beauty, "BEAUTY", 3),
-    [PLANE_ERROR] = KIND(error_estimate, "ERROR", 2),
+    [PLANE_DEPTH] = KIND(inputs, depth, "DEPTH", 1),
+    [PLANE_NORMAL] = KIND(inputs, normal, "NORMAL", 3),
+    [PLANE_ALBEDO] = KIND(inputs, albedo, "ALBEDO", 3),
+    [PLANE_F0] = KIND(inputs, f0, "F0", 3),
+    [PLANE_DIRECT] = KIND(inputs, direct, "DIRECT", 3),
+    [PLANE_EMISSION] = KIND(inputs, emission, "EMISSION", 3),
+    [PLANE_MOTION] = KIND(inputs, motion, "MOTION", 2),
+    [PLANE_NEAR] = KIND(outputs, near_irradiance, "NEAR", 3),
+    [PLANE_FAR] = KIND(outputs, far_irradiance, "FAR", 3),
+    [PLANE_AO] = KIND(outputs, ao, "AO", 1),
+    [PLANE_BENT] = KIND(outputs, bent_normal, "BENT", 3),
+    [PLANE_CONE] = KIND(outputs, cone_cosine, "CONE", 1),
+    [PLANE_INDIRECT] = KIND(outputs, indirect, "INDIRECT", 3),
+    [PLANE_BEAUTY] = KIND(outputs, beauty, "BEAUTY", 3),
+    [PLANE_ERROR] = KIND(outputs, error_estimate, "ERROR", 2),
 };
 
 const hbil_plane_format *plane_format(const hbil_config *config, int plane) {

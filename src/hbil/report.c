@@ -61,7 +61,7 @@ static void count_spans(const hbil_plan *plan, const unsigned char *spans,
   const size_t across = plan->layout.spans;
   const size_t height = (size_t)plan->layout.split.height;
   const size_t count = across * height * HBIL_LAYERS;
-  const size_t size = plan->config.vector_width == 1 ? 1 : HBIL_SPAN;
+  const size_t size = plan->config.execution.vector_width == 1 ? 1 : HBIL_SPAN;
   const size_t cached = plan->cache_used ? plan->layout.cache.rows : 0;
   for (size_t i = 0; i < count; ++i) {
     const size_t layer = i / (across * height);
@@ -142,7 +142,7 @@ hbil_status hbil_plan_sanitized(hbil_plan *plan, cl_command_queue queue,
   /* A first frame and a static one read no motion.  Where no light is carried
    * over, the temporal filter has read it. */
   if (!plan->left_out[HBIL_PASS_REPROJECT] ||
-      (plan->config.max_history_frames && !plan->layout.history))
+      (plan->config.history.max_frames && !plan->layout.history))
     out->motion = words[HBIL_SANITIZED_MOTION];
   return HBIL_SUCCESS;
 }
@@ -167,7 +167,7 @@ hbil_status hbil_plan_timings(hbil_plan *plan,
   if (!plan || !milliseconds)
     return HBIL_INVALID_ARGUMENT;
   memset(milliseconds, 0, HBIL_PASS_COUNT * sizeof *milliseconds);
-  if (!plan->config.profiling)
+  if (!plan->config.execution.profiling)
     return fail(plan->context, HBIL_INVALID_CONFIG,
                 "profiling: CL_FALSE; timings need CL_TRUE");
   if (plan->events_error != CL_SUCCESS)

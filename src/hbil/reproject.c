@@ -18,8 +18,8 @@ static hbil_status scatter(commands *chain, const hbil_frame *frame) {
       .motion = camera_between(&plan->history_camera, &frame->camera),
       .planes = l->planes,
       .runs = l->runs,
-      .sky_depth = plan->config.sky_depth,
-      .disocclusion_threshold = plan->config.disocclusion_threshold};
+      .sky_depth = plan->config.inputs.sky_depth,
+      .disocclusion_threshold = plan->config.history.disocclusion_threshold};
   const cl_mem depth =
       plane_bind(&plan->config, frame, PLANE_DEPTH, &args.depth);
   const argument rows[] = {ARG(args), BUFFER_ARG(plan, BUFFER_HISTORY),
@@ -63,10 +63,10 @@ static hbil_status follow_motion(commands *chain, const hbil_frame *frame) {
       .view = camera_view(&frame->camera, &plan->config),
       .back = camera_between(&frame->camera, &plan->history_camera),
       .planes = plan->layout.planes,
-      .motion_scale = {plan->config.motion_scale[0],
-                       plan->config.motion_scale[1]},
-      .sky_depth = plan->config.sky_depth,
-      .disocclusion_threshold = plan->config.disocclusion_threshold};
+      .motion_scale = {plan->config.inputs.motion_scale[0],
+                       plan->config.inputs.motion_scale[1]},
+      .sky_depth = plan->config.inputs.sky_depth,
+      .disocclusion_threshold = plan->config.history.disocclusion_threshold};
   const cl_mem depth =
       plane_bind(&plan->config, frame, PLANE_DEPTH, &args.depth);
   const cl_mem motion =
@@ -93,7 +93,7 @@ hbil_status enqueue_reproject(commands *chain, const hbil_frame *frame) {
   if (status != HBIL_SUCCESS)
     return status;
   chain->reprojected = true;
-  return plan->config.reprojection == HBIL_REPROJECTION_MOTION
+  return plan->config.history.reprojection == HBIL_REPROJECTION_MOTION
              ? follow_motion(chain, frame)
              : scatter(chain, frame);
 }
@@ -121,7 +121,7 @@ hbil_status enqueue_push_pull(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   const hbil_chain_args *levels = plan->layout.chain;
   const int last = plan->layout.chain_count - 1;
-  const size_t width = plan->config.vector_width;
+  const size_t width = plan->config.execution.vector_width;
   if (!plan->has_history || is_static(plan, frame))
     return leave_out(chain);
   hbil_status status = find_holes(chain);

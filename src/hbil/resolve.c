@@ -25,8 +25,9 @@ hbil_status enqueue_recompose(commands *chain, const hbil_frame *frame) {
                            BUFFER_ARG(plan, BUFFER_ESTIMATE),
                            BUFFER_ARG(plan, BUFFER_RESOLVED),
                            BUFFER_ARG(plan, BUFFER_FLAGS)};
-  const size_t rows =
-      plan->config.vector_width == 1 ? 1 : (size_t)HBIL_RECOMPOSE_ROWS;
+  const size_t rows = plan->config.execution.vector_width == 1
+                          ? 1
+                          : (size_t)HBIL_RECOMPOSE_ROWS;
   return LAUNCH(chain, KERNEL_RECOMPOSE, list, l->spans,
                 (plan->config.height + rows - 1) / rows, 1);
 }
@@ -36,7 +37,7 @@ hbil_status enqueue_recompose(commands *chain, const hbil_frame *frame) {
 hbil_status enqueue_temporal(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   const hbil_config *c = &plan->config;
-  if (!c->max_history_frames)
+  if (!c->history.max_frames)
     return HBIL_SUCCESS;
   const hbil_camera *last =
       plan->has_temporal ? &plan->temporal_camera : &frame->camera;
@@ -46,11 +47,11 @@ hbil_status enqueue_temporal(commands *chain, const hbil_frame *frame) {
       .back = camera_between(&frame->camera, last),
       .split = plan->layout.split,
       .planes = plan->layout.planes,
-      .motion_scale = {c->motion_scale[0], c->motion_scale[1]},
-      .disocclusion_threshold = c->disocclusion_threshold,
-      .most_frames = (cl_float)c->max_history_frames,
+      .motion_scale = {c->inputs.motion_scale[0], c->inputs.motion_scale[1]},
+      .disocclusion_threshold = c->history.disocclusion_threshold,
+      .most_frames = (cl_float)c->history.max_frames,
       /* a mean over one frame is that frame */
-      .has_before = plan->has_temporal && c->max_history_frames > 1};
+      .has_before = plan->has_temporal && c->history.max_frames > 1};
   const cl_mem motion = plane_bind(c, frame, PLANE_MOTION, &args.motion);
   const argument list[] = {ARG(args),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
@@ -94,8 +95,8 @@ hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
                               .planes = plan->layout.planes,
                               .environment =
                                   far_field_args(c, frame->environment),
-                              .sky_depth = c->sky_depth,
-                              .direct_scale = c->direct_scale};
+                              .sky_depth = c->inputs.sky_depth,
+                              .direct_scale = c->inputs.direct_scale};
   hbil_external_plane_args *const plane_args[PLANE_COUNT] = {
       [PLANE_DEPTH] = &args.depth,
       [PLANE_ALBEDO] = &args.albedo,

@@ -23,7 +23,7 @@ static hbil_status estimate(commands *chain) {
 static hbil_status bound(commands *chain, cl_int unchanged_is_done) {
   hbil_plan *plan = chain->plan;
   const hbil_bounds_args *b = &plan->layout.bounds;
-  const cl_int width = (cl_int)plan->config.vector_width;
+  const cl_int width = (cl_int)plan->config.execution.vector_width;
   const hbil_bound_cells_args levels[] = {
       {b->group, b->cell, HBIL_CELL / width, HBIL_CELL * HBIL_SIDE,
        unchanged_is_done},
@@ -76,15 +76,15 @@ static inputs bind_inputs(const hbil_plan *plan, const hbil_frame *frame,
 
 static hbil_split_args split_args(const hbil_plan *plan,
                                   const hbil_frame *frame) {
-  const hbil_split_args args = {.view =
-                                    camera_view(&frame->camera, &plan->config),
-                                .to_view = camera_from_world(&frame->camera),
-                                .layers = plan->layout.split,
-                                .planes = plan->layout.planes,
-                                .groups = plan->layout.bounds.group,
-                                .sky_depth = plan->config.sky_depth,
-                                .direct_scale = plan->config.direct_scale,
-                                .has_history = plan->has_history};
+  const hbil_split_args args = {
+      .view = camera_view(&frame->camera, &plan->config),
+      .to_view = camera_from_world(&frame->camera),
+      .layers = plan->layout.split,
+      .planes = plan->layout.planes,
+      .groups = plan->layout.bounds.group,
+      .sky_depth = plan->config.inputs.sky_depth,
+      .direct_scale = plan->config.inputs.direct_scale,
+      .has_history = plan->has_history};
   return args;
 }
 

@@ -285,7 +285,7 @@ static int process(const demo_options *o, const char *sky, char **files) {
   /* what the walls outside the picture may send into the room */
   s.environment = o->scene == SCENE_SKY ? sky : "0.12,0.11,0.1";
   s.preview = s.timings = s.overwrite = 1;
-  s.config.reprojection = HBIL_REPROJECTION_MOTION;
+  s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
   return process_run(&s, files, (int)o->frames);
 }
 

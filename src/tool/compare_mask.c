@@ -47,7 +47,7 @@ int compare_mask_read(const char *path, int albedo, const image *like,
     return -1;
   hbil_config_init(&config);
   channel_map_configure(&map, &config);
-  out->sky_depth = config.sky_depth;
+  out->sky_depth = config.inputs.sky_depth;
   out->albedo = albedo;
   if (!map.count[ROLE_DEPTH] || (albedo && !map.count[ROLE_ALBEDO]))
     return image_fail(

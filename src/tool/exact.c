@@ -49,13 +49,13 @@ static int check_positive(const char *option, float value, image_error *error) {
 }
 
 int exact_sequence_check(const hbil_config *c, image_error *error) {
-  const float low = c->facing_fade[0], high = c->facing_fade[1];
-  if (check_positive("--radius", c->radius, error) != 0 ||
-      check_positive("--thickness", c->thickness, error) != 0 ||
-      check_positive("--relative-thickness", c->relative_thickness, error) !=
-          0 ||
-      check_positive("--disocclusion-threshold", c->disocclusion_threshold,
-                     error) != 0)
+  const float low = c->model.facing_fade[0], high = c->model.facing_fade[1];
+  if (check_positive("--radius", c->model.radius, error) != 0 ||
+      check_positive("--thickness", c->model.thickness, error) != 0 ||
+      check_positive("--relative-thickness", c->model.relative_thickness,
+                     error) != 0 ||
+      check_positive("--disocclusion-threshold",
+                     c->history.disocclusion_threshold, error) != 0)
     return -1;
   if (low >= -1.0f && low <= high && high <= 1.0f)
     return 0;
@@ -136,7 +136,7 @@ static void stop_motion(const exact_sequence *e, exact_frame *frame) {
 static void announce(exact_sequence *e, const exact_frame *frame) {
   const exact_work *w = &e->work;
   const size_t pixels = (size_t)e->config.width * e->config.height;
-  const int slices = (int)e->config.slices, cpus = exact_cpu_count();
+  const int slices = (int)e->config.sampling.slices, cpus = exact_cpu_count();
   char text[32];
   if (w->quiet)
     return;
@@ -177,7 +177,7 @@ int exact_sequence_run(exact_sequence *e, const gbuffer *g,
                        const camera_file *camera, float environment[9][3],
                        unsigned repeat, image *result, image_error *error) {
   const exact_dense how = {
-      .slices = (int)e->config.slices, .progress = show, .user = e};
+      .slices = (int)e->config.sampling.slices, .progress = show, .user = e};
   exact_status status = EXACT_SUCCESS;
   exact_frame frame;
   fill_frame(e, g, camera, environment, &frame);
@@ -201,7 +201,7 @@ int exact_sequence_run(exact_sequence *e, const gbuffer *g,
 
 size_t exact_sequence_light_size(const exact_sequence *e) {
   const exact_planes *history = &e->state.history;
-  return e->config.reprojection == HBIL_REPROJECTION_NONE
+  return e->config.history.reprojection == HBIL_REPROJECTION_NONE
              ? 0
              : sizeof *history->values * (size_t)history->count *
                    (size_t)history->width * (size_t)history->height;

@@ -5,7 +5,7 @@
 #include "tool/layers.h"
 
 #define INPUT(role, field)                                                     \
-  { role, offsetof(hbil_config, field), offsetof(hbil_frame, field) }
+  { role, offsetof(hbil_config, inputs.field), offsetof(hbil_frame, field) }
 
 const input_info input_table[INPUTS] = {
     INPUT(ROLE_DEPTH, depth),       INPUT(ROLE_NORMAL, normal),
@@ -20,7 +20,8 @@ static hbil_plane_format *format_at(hbil_config *config, size_t offset) {
 size_t formats_channels(const hbil_config *config, const channel_map *map,
                         int input) {
   const role r = input_table[input].role;
-  if (r == ROLE_MOTION && config->reprojection != HBIL_REPROJECTION_MOTION)
+  if (r == ROLE_MOTION &&
+      config->history.reprojection != HBIL_REPROJECTION_MOTION)
     return 0;
   return map->count[r];
 }

@@ -15,7 +15,7 @@ static unsigned used_roles(const job *j) {
   const unsigned always = 1u << ROLE_DEPTH | 1u << ROLE_NORMAL |
                           1u << ROLE_ALBEDO | 1u << ROLE_DIRECT |
                           1u << ROLE_EMISSION | 1u << ROLE_BACKGROUND;
-  const int moved = j->config.reprojection == HBIL_REPROJECTION_MOTION;
+  const int moved = j->config.history.reprojection == HBIL_REPROJECTION_MOTION;
   return always | (moved ? 1u << ROLE_MOTION : 0u);
 }
 

@@ -17,7 +17,7 @@
 
 /* The library's kernels are built for the channels of the first frame. */
 static int check_roles(const job *j, const job_frame *f, image_error *error) {
-  const int moved = j->config.reprojection == HBIL_REPROJECTION_MOTION;
+  const int moved = j->config.history.reprojection == HBIL_REPROJECTION_MOTION;
   const float *scale = f->map.how.motion_scale;
   for (int r = 0; r < ROLE_COUNT; r++)
     if (j->frames[0].map.count[r] && !f->map.count[r] && r != ROLE_POSITION)
@@ -153,7 +153,7 @@ static int settle_conventions(job *j, image_error *error) {
 /* This is no error: occlusion and bent cones need no light. */
 static void warn_without_light(const job *j) {
   const channel_map *map = &j->frames[0].map;
-  if (!j->settings->quiet && j->config.mode == HBIL_MODE_HBIL &&
+  if (!j->settings->quiet && j->config.model.mode == HBIL_MODE_HBIL &&
       !map->count[ROLE_DIRECT] && !map->count[ROLE_EMISSION])
     report_note(j->frames[0].path, "warning: ",
                 "no direct light and no emission; near_irradiance will be "

@@ -26,7 +26,7 @@ static uint64_t hash_text(uint64_t hash, const char *text) {
  * have four bytes each, so there is no padding. */
 static uint64_t hash_config(uint64_t hash, const hbil_config *config) {
   const size_t from = offsetof(hbil_config, width);
-  const size_t to = offsetof(hbil_config, profiling);
+  const size_t to = offsetof(hbil_config, execution.profiling);
   return hash_bytes(hash, (const char *)config + from, to - from);
 }
 

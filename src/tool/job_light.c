@@ -35,7 +35,7 @@ static int load_map(job *j, image_error *error) {
   free(rgb);
   if (status != HBIL_SUCCESS)
     return image_fail(error, "%s: %s", path, hbil_status_string(status));
-  j->config.far_field = HBIL_FAR_SH;
+  j->config.model.far_field = HBIL_FAR_SH;
   return 0;
 }
 
@@ -43,14 +43,14 @@ static int read_environment(job *j, image_error *error) {
   const char *text = j->settings->environment;
   float constant[3];
   if (text && !strcmp(text, "frame")) {
-    j->config.far_field = HBIL_FAR_FRAME;
+    j->config.model.far_field = HBIL_FAR_FRAME;
     return 0;
   }
   if (!text || !strcmp(text, "none"))
     return 0;
   if (option_floats("", text, constant, 3, NULL) == 0) {
     memcpy(j->environment[0], constant, sizeof constant);
-    j->config.far_field = HBIL_FAR_CONSTANT;
+    j->config.model.far_field = HBIL_FAR_CONSTANT;
   } else if (load_map(j, error) != 0)
     return -1;
   return check_finite(j, error);
@@ -58,8 +58,8 @@ static int read_environment(job *j, image_error *error) {
 
 /* Whether the mode can use such a far field. */
 static int check_mode(const job *j, image_error *error) {
-  const hbil_mode mode = j->config.mode;
-  const hbil_far_field far = j->config.far_field;
+  const hbil_mode mode = j->config.model.mode;
+  const hbil_far_field far = j->config.model.far_field;
   if (mode != HBIL_MODE_HBIL && far == HBIL_FAR_FRAME)
     return image_fail(error,
                       "--environment frame: not with --mode %s, which looks at "
@@ -99,7 +99,7 @@ static int look_at_first(job *j, const char **far, const char **emission,
 int job_light_decide(job *j, image_error *error) {
   const process_settings *s = j->settings;
   const char *far = "none: this --mode looks at no light", *emission = NULL;
-  if (j->config.mode == HBIL_MODE_HBIL &&
+  if (j->config.model.mode == HBIL_MODE_HBIL &&
       !(s->environment && s->emission_given) &&
       look_at_first(j, &far, &emission, error) != 0)
     return -1;

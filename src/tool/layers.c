@@ -9,7 +9,7 @@
 
 #define LAYER(field, components)                                               \
   {                                                                            \
-#field, components, offsetof(hbil_config, field),                          \
+#field, components, offsetof(hbil_config, outputs.field),                  \
         offsetof(hbil_frame, field)                                            \
   }
 

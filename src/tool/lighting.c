@@ -57,14 +57,14 @@ static int open_sequence(lighting *l, const job *j, image_error *error) {
 int lighting_open(lighting *l, job *j, image_error *error) {
   if (j->settings->exact)
     return open_exact(l, j, error);
-  j->config.horizon_cache_bytes = horizon_cache_bytes(l, j);
+  j->config.execution.horizon_cache_bytes = horizon_cache_bytes(l, j);
   if (open_sequence(l, j, error) == 0)
     return 0;
   /* a cache that nobody asked for must not make the job fail */
-  if (!j->config.horizon_cache_bytes ||
+  if (!j->config.execution.horizon_cache_bytes ||
       j->settings->horizon_cache != HORIZON_CACHE_CHOOSE)
     return -1;
-  j->config.horizon_cache_bytes = 0;
+  j->config.execution.horizon_cache_bytes = 0;
   return open_sequence(l, j, error);
 }
 

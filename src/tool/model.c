@@ -3,13 +3,13 @@
 
 const char *const model_words[] = {"default", "paper", NULL};
 
-void model_set(hbil_config *config, hbil_model model) {
-  hbil_config_set_model(config, model);
+void model_set(hbil_config *config, hbil_model_name model) {
+  hbil_model_set(&config->model, model);
   /* the paper's number of samples */
-  config->steps_per_side = model == HBIL_MODEL_PAPER ? 8 : 48;
+  config->sampling.steps_per_side = model == HBIL_MODEL_PAPER ? 8 : 48;
 }
 
-unsigned model_warm_up(hbil_model model) {
+unsigned model_warm_up(hbil_model_name model) {
   /* three more bounces; the fourth adds a few per cent */
   return model == HBIL_MODEL_PAPER ? 0 : 3;
 }

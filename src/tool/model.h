@@ -7,12 +7,12 @@
 /* The words of --model, in the order of the enum; ends with NULL. */
 extern const char *const model_words[];
 
-/* hbil_config_set_model() and the number of samples that goes with the model.
+/* hbil_model_set() and the number of samples that goes with the model.
  * The far field is not part of it: the paper has none, the default chooses one
  * by the first frame. */
-void model_set(hbil_config *config, hbil_model model);
+void model_set(hbil_config *config, hbil_model_name model);
 
 /* How often a first frame is run once more before its result is taken. */
-unsigned model_warm_up(hbil_model model);
+unsigned model_warm_up(hbil_model_name model);
 
 #endif

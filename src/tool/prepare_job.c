@@ -11,7 +11,7 @@
 
 static int choose_layers(job *j, image_error *error) {
   const process_settings *s = j->settings;
-  const hbil_mode mode = j->config.mode;
+  const hbil_mode mode = j->config.model.mode;
   const unsigned possible = layers_possible(mode, s->exact);
   /* whether the mode could, and only the exact integral cannot */
   const int exact =
@@ -31,8 +31,8 @@ static void configure(job *j) {
   channel_map_configure(&j->frames[0].map, &j->config);
   j->config.width = j->width;
   j->config.height = j->height;
-  j->config.bent_normal_space = HBIL_SPACE_WORLD;
-  j->config.profiling = j->settings->timings ? CL_TRUE : CL_FALSE;
+  j->config.outputs.bent_normal_space = HBIL_SPACE_WORLD;
+  j->config.execution.profiling = j->settings->timings ? CL_TRUE : CL_FALSE;
 }
 
 int job_prepare(job *j, const process_settings *settings, char *const *files,

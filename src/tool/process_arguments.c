@@ -70,27 +70,29 @@ static const row rows[] = {
     {"quiet", FLAG, SETTING(quiet), 0, 0, NULL},
     {"quality", SPECIAL, 0, 0, 0, NULL},
     {"model", SPECIAL, 0, 0, 0, NULL},
-    {"mode", CHOICE, CONFIG(mode), 0, 0, mode_words},
-    {"falloff", CHOICE, CONFIG(falloff), 0, 0, falloff_words},
-    {"radius", FLOATS, CONFIG(radius), 1, 0, NULL},
-    {"thickness", FLOATS, CONFIG(thickness), 1, 0, NULL},
-    {"relative-thickness", FLOATS, CONFIG(relative_thickness), 1, 0, NULL},
-    {"slices", NUMBER, CONFIG(slices), 1, SLICES_MOST_EXACT, NULL},
-    {"steps-per-side", NUMBER, CONFIG(steps_per_side), 1, 256, NULL},
-    {"step-growth", FLOATS, CONFIG(step_growth), 1, 0, NULL},
-    {"sample-grid", CHOICE, CONFIG(sample_grid), 0, 0, sample_grids},
-    {"extrapolate", CHOICE, CONFIG(extrapolate), 0, 0, no_yes},
-    {"no-skip", SPECIAL_FLAG, 0, 0, 0, NULL},
-    {"storage", CHOICE, CONFIG(storage), 0, 0, storages},
-    {"facing-fade", FLOATS, CONFIG(facing_fade), 2, 0, NULL},
-    {"back-facing-fallback", CHOICE, CONFIG(back_facing_fallback),
-     HBIL_FALLBACK_LAST_ACCEPTED, 0, fallbacks},
-    {"gather-emission", CHOICE, CONFIG(gather_emission), 0, 0, no_yes},
-    {"reprojection", CHOICE, CONFIG(reprojection), 0, 0, reprojections},
-    {"disocclusion-threshold", FLOATS, CONFIG(disocclusion_threshold), 1, 0,
+    {"mode", CHOICE, CONFIG(model.mode), 0, 0, mode_words},
+    {"falloff", CHOICE, CONFIG(model.falloff), 0, 0, falloff_words},
+    {"radius", FLOATS, CONFIG(model.radius), 1, 0, NULL},
+    {"thickness", FLOATS, CONFIG(model.thickness), 1, 0, NULL},
+    {"relative-thickness", FLOATS, CONFIG(model.relative_thickness), 1, 0,
      NULL},
-    {"max-history-frames", NUMBER, CONFIG(max_history_frames), 0, 1024, NULL},
-    {"unfiltered", FLAG, CONFIG(unfiltered), 0, 0, NULL},
+    {"slices", NUMBER, CONFIG(sampling.slices), 1, SLICES_MOST_EXACT, NULL},
+    {"steps-per-side", NUMBER, CONFIG(sampling.steps_per_side), 1, 256, NULL},
+    {"step-growth", FLOATS, CONFIG(sampling.step_growth), 1, 0, NULL},
+    {"sample-grid", CHOICE, CONFIG(sampling.sample_grid), 0, 0, sample_grids},
+    {"extrapolate", CHOICE, CONFIG(model.extrapolate), 0, 0, no_yes},
+    {"no-skip", SPECIAL_FLAG, 0, 0, 0, NULL},
+    {"storage", CHOICE, CONFIG(sampling.storage), 0, 0, storages},
+    {"facing-fade", FLOATS, CONFIG(model.facing_fade), 2, 0, NULL},
+    {"back-facing-fallback", CHOICE, CONFIG(model.back_facing_fallback),
+     HBIL_FALLBACK_LAST_ACCEPTED, 0, fallbacks},
+    {"gather-emission", CHOICE, CONFIG(model.gather_emission), 0, 0, no_yes},
+    {"reprojection", CHOICE, CONFIG(history.reprojection), 0, 0, reprojections},
+    {"disocclusion-threshold", FLOATS, CONFIG(history.disocclusion_threshold),
+     1, 0, NULL},
+    {"max-history-frames", NUMBER, CONFIG(history.max_frames), 0, 1024,
+     NULL},
+    {"unfiltered", FLAG, CONFIG(sampling.unfiltered), 0, 0, NULL},
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 
@@ -127,9 +129,9 @@ static int set_quality(const char *text, process_settings *s,
   if (option_choice("--quality", text, words, &value, error) != 0)
     return -1;
   s->exact = value == HBIL_QUALITY_REFERENCE;
-  hbil_config_set_quality(&s->config, (hbil_quality)value);
+  hbil_sampling_set(&s->config.sampling, (hbil_quality)value);
   if (s->exact)
-    s->config.slices = SLICES_EXACT;
+    s->config.sampling.slices = SLICES_EXACT;
   return 0;
 }
 
@@ -139,8 +141,8 @@ static int set_model(const char *text, process_settings *s,
   int value = 0;
   if (option_choice("--model", text, model_words, &value, error) != 0)
     return -1;
-  model_set(&s->config, (hbil_model)value);
-  s->warm_up = model_warm_up((hbil_model)value);
+  model_set(&s->config, (hbil_model_name)value);
+  s->warm_up = model_warm_up((hbil_model_name)value);
   s->environment = value == HBIL_MODEL_PAPER ? "none" : NULL;
   return 0;
 }
@@ -153,7 +155,7 @@ static int set_special(const char *name, const char *text, process_settings *s,
     return set_quality(text, s, error);
   if (strcmp(name, "model") == 0)
     return set_model(text, s, error);
-  s->config.skip = 0; /* no-skip */
+  s->config.execution.skip = 0; /* no-skip */
   return 0;
 }
 
@@ -218,11 +220,11 @@ static int check_exact(const request *r, image_error *error) {
 
 /* Whether later runs of a frame can use a horizon cache. */
 static int check_horizon_cache(const hbil_config *c, image_error *error) {
-  const char *single = c->mode != HBIL_MODE_HBIL ? "--mode gtao or hbao"
-                       : c->reprojection == HBIL_REPROJECTION_NONE
+  const char *single = c->model.mode != HBIL_MODE_HBIL ? "--mode gtao or hbao"
+                       : c->history.reprojection == HBIL_REPROJECTION_NONE
                            ? "--reprojection none"
                            : NULL;
-  if (c->max_history_frames)
+  if (c->history.max_frames)
     return image_fail(error,
                       "--horizon-cache: not with --max-history-frames, where "
                       "each run of a frame has other samples; one or the "
@@ -232,7 +234,7 @@ static int check_horizon_cache(const hbil_config *c, image_error *error) {
                       "--horizon-cache: not with %s, where later runs of a "
                       "frame bring no new light; one or the other is needed",
                       single);
-  if (!(c->skip & HBIL_SKIP_STATIC))
+  if (!(c->execution.skip & HBIL_SKIP_STATIC))
     return image_fail(error,
                       "--horizon-cache: not with --no-skip, which makes later "
                       "runs of a frame do all work; one or the other is "
@@ -242,7 +244,7 @@ static int check_horizon_cache(const hbil_config *c, image_error *error) {
 
 static int check_together(const request *r, image_error *error) {
   const process_settings *s = &r->arguments->settings;
-  if (is_given(r, "falloff") && s->config.mode != HBIL_MODE_HBAO)
+  if (is_given(r, "falloff") && s->config.model.mode != HBIL_MODE_HBAO)
     return image_fail(error, "--falloff: --mode hbao is needed with it");
   if (is_given(r, "horizon-cache") && s->horizon_cache &&
       check_horizon_cache(&s->config, error) != 0)
@@ -258,11 +260,11 @@ static int check_together(const request *r, image_error *error) {
                       "needed");
   if (s->exact)
     return check_exact(r, error);
-  if (s->config.slices > SLICES_MOST)
+  if (s->config.sampling.slices > SLICES_MOST)
     return image_fail(error,
                       "--slices %u: a whole number from 1 to %d, or --quality "
                       "reference, is needed",
-                      (unsigned)s->config.slices, SLICES_MOST);
+                      (unsigned)s->config.sampling.slices, SLICES_MOST);
   return 0;
 }
 

@@ -94,8 +94,8 @@ static void print_quality(const hbil_config *defaults) {
       "  --steps-per-side N    samples on each side of a slice, 1..256 (%u)\n"
       "  --step-growth G       0: equal steps; otherwise the last step is\n"
       "                        (1+G)^2 times the first (%g)\n",
-      defaults->slices, defaults->steps_per_side,
-      (double)defaults->step_growth);
+      defaults->sampling.slices, defaults->sampling.steps_per_side,
+      (double)defaults->sampling.step_growth);
   puts(
       "  --sample-grid full-resolution|same-layer\n"
       "                        where samples may lie: any pixel, or every\n"
@@ -146,8 +146,10 @@ static void print_model(const hbil_config *defaults) {
          "                        an orthographic picture's width (%g)\n"
          "  --facing-fade A,B     cosines between which the light of a sample\n"
          "                        fades in (%g,%g)\n",
-         (double)defaults->radius, (double)defaults->relative_thickness,
-         (double)defaults->facing_fade[0], (double)defaults->facing_fade[1]);
+         (double)defaults->model.radius,
+         (double)defaults->model.relative_thickness,
+         (double)defaults->model.facing_fade[0],
+         (double)defaults->model.facing_fade[1]);
   puts(
       "  --back-facing-fallback last-accepted|black|frame-mean\n"
       "                        light of samples that face away: that of the\n"
@@ -166,7 +168,7 @@ static void print_model(const hbil_config *defaults) {
          "                        drop carried light if its depth differs by\n"
          "                        more than this share of the depth, or of an\n"
          "                        orthographic picture's width (%g)\n",
-         (double)defaults->disocclusion_threshold);
+         (double)defaults->history.disocclusion_threshold);
 }
 
 void process_help(void) {

@@ -166,7 +166,7 @@ static int run_passes(sequence *s, hbil_frame *frame, unsigned repeat,
     if (run == 1)
       frame->static_frame = CL_TRUE;
     /* only the temporal filter averages a rotating pattern */
-    frame->frame_index = s->config.max_history_frames ? s->index : 0;
+    frame->frame_index = s->config.history.max_frames ? s->index : 0;
     s->index++;
     const hbil_status status =
         hbil_enqueue_frame(s->plan, s->device->queue, frame, 0, NULL, NULL);
@@ -190,7 +190,7 @@ static int download(sequence *s, image *result, image_error *error) {
 
 uint64_t sequence_hash(const sequence *s, const gbuffer *g) {
   uint64_t hash = 0;
-  for (int i = 0; s->config.skip && i < INPUTS; i++)
+  for (int i = 0; s->config.execution.skip && i < INPUTS; i++)
     for (size_t c = 0; c < s->channels[i]; c++)
       hash = XXH3_64bits_withSeed(gbuffer_plane(g, input_table[i].role, c),
                                   s->plane, hash);
@@ -200,7 +200,8 @@ uint64_t sequence_hash(const sequence *s, const gbuffer *g) {
 /* Whether inputs and camera are those of the previous frame.  Motion vectors
  * may be the same in both frames and still lead elsewhere. */
 static cl_bool is_same(sequence *s, uint64_t hash, const hbil_frame *frame) {
-  if (s->config.skip == 0 || s->config.reprojection == HBIL_REPROJECTION_MOTION)
+  if (s->config.execution.skip == 0 ||
+      s->config.history.reprojection == HBIL_REPROJECTION_MOTION)
     return CL_FALSE;
   hash = XXH3_64bits_withSeed(&frame->camera, sizeof frame->camera, hash);
   hash =
@@ -224,7 +225,7 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
     clFinish(s->device->queue); /* it may still read the planes */
     return -1;
   }
-  if (s->config.profiling) {
+  if (s->config.execution.profiling) {
     const cl_command_queue queue = s->device->queue;
     hbil_status status = hbil_plan_timings(s->plan, row->milliseconds);
     if (status == HBIL_SUCCESS)

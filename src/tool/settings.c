@@ -19,5 +19,5 @@ void process_settings_init(process_settings *settings) {
   settings->horizon_cache = HORIZON_CACHE_CHOOSE;
   settings->compression = EXR_COMPRESSION_OF_ZIP;
   /* the first frame decides (light_sources.h) */
-  settings->config.gather_emission = CL_FALSE;
+  settings->config.model.gather_emission = CL_FALSE;
 }

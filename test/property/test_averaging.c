@@ -87,7 +87,7 @@ static void noise_falls_with_the_frames(void **state) {
   setup s;
   (void)state;
   averaging_init(&s, WIDTH, HEIGHT, 64);
-  s.config.steps_per_side = 32;
+  s.config.sampling.steps_per_side = 32;
   setup_start(&s);
   checked_state(&expected, WIDTH, HEIGHT);
   checked_run_frame_dense(&expected, &s.job, &how);
@@ -114,7 +114,7 @@ static void noise_falls_with_the_frames(void **state) {
 /* A wall at depth 4, with a patch from column `left` on. */
 static void set_wall(setup *s, int left, float depth, float tilt) {
   setup_camera(s, 60.0);
-  s->config.normal_space = HBIL_SPACE_VIEW;
+  s->config.inputs.normal_space = HBIL_SPACE_VIEW;
   for (int y = 0; y < HEIGHT; ++y)
     for (int x = 0; x < WIDTH; ++x) {
       const int i = y * WIDTH + x;
@@ -170,7 +170,8 @@ static void new_surfaces_begin_anew(void **state) {
   (void)state;
   averaging_init(&s, WIDTH, HEIGHT, 8);
   averaging_init(&alone, WIDTH, HEIGHT, 8);
-  s.config.normal_space = alone.config.normal_space = HBIL_SPACE_VIEW;
+  s.config.inputs.normal_space = alone.config.inputs.normal_space =
+      HBIL_SPACE_VIEW;
   setup_start(&s);
   setup_start(&alone);
   /* from, and to: left column, depth, tilt */
@@ -208,7 +209,7 @@ static void beyond_the_border_there_is_no_history(void **state) {
   setup s;
   (void)state;
   averaging_init(&s, WIDTH, HEIGHT, 8);
-  s.config.normal_space = HBIL_SPACE_VIEW;
+  s.config.inputs.normal_space = HBIL_SPACE_VIEW;
   setup_start(&s);
   for (size_t i = 0; i < sizeof moves / sizeof *moves; ++i) {
     const int dx = moves[i][0], dy = moves[i][1];

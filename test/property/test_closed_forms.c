@@ -202,11 +202,12 @@ static void check_infinite(const wedge *w, double angle) {
 
 static void start_wedge(setup *s, bool orthographic) {
   setup_init(s, WIDTH, HEIGHT);
-  s->config.albedo.component = s->config.emission.component = HBIL_NONE;
-  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
-  s->config.slices = 32;
-  s->config.steps_per_side = WIDTH;
-  s->config.step_growth = 0.0f;
+  s->config.inputs.albedo.component = s->config.inputs.emission.component =
+      HBIL_NONE;
+  s->config.model.facing_fade[0] = s->config.model.facing_fade[1] = -1.0f;
+  s->config.sampling.slices = 32;
+  s->config.sampling.steps_per_side = WIDTH;
+  s->config.sampling.step_growth = 0.0f;
   if (orthographic)
     setup_flatten(s, 1.0);
   setup_start(s);
@@ -396,13 +397,14 @@ static void start_pit(setup *s) {
   setup_all_outputs(s);
   turn_camera(&s->frame.camera);
   set_sky(&s->frame);
-  s->config.albedo.component = s->config.emission.component = HBIL_NONE;
-  s->config.direct.component = HBIL_NONE;
-  s->config.reprojection = HBIL_REPROJECTION_NONE;
-  s->config.unfiltered = CL_TRUE;
-  s->config.far_field = HBIL_FAR_SH;
-  s->config.slices = 32;
-  s->config.steps_per_side = SIDE;
+  s->config.inputs.albedo.component = s->config.inputs.emission.component =
+      HBIL_NONE;
+  s->config.inputs.direct.component = HBIL_NONE;
+  s->config.history.reprojection = HBIL_REPROJECTION_NONE;
+  s->config.sampling.unfiltered = CL_TRUE;
+  s->config.model.far_field = HBIL_FAR_SH;
+  s->config.sampling.slices = 32;
+  s->config.sampling.steps_per_side = SIDE;
   setup_start(s);
 }
 
@@ -459,12 +461,13 @@ static void check_furnace(scene_kind kind, hbil_back_facing_fallback fallback) {
   exact_planes out;
   double worst = 0.0;
   setup_scene(&s, kind, 97, 54, 0);
-  s.config.albedo.component = s.config.emission.component = HBIL_NONE;
-  s.config.direct_scale = (float)PI;
-  s.config.reprojection = HBIL_REPROJECTION_NONE;
-  s.config.back_facing_fallback = fallback;
-  s.config.far_field = HBIL_FAR_CONSTANT;
-  s.config.far_irradiance = three_floats;
+  s.config.inputs.albedo.component = s.config.inputs.emission.component =
+      HBIL_NONE;
+  s.config.inputs.direct_scale = (float)PI;
+  s.config.history.reprojection = HBIL_REPROJECTION_NONE;
+  s.config.model.back_facing_fallback = fallback;
+  s.config.model.far_field = HBIL_FAR_CONSTANT;
+  s.config.outputs.far_irradiance = three_floats;
   for (int c = 0; c < 3; ++c) {
     s.frame.environment[0][c] = 1.0f;
     setup_fill(&s, EXACT_DIRECT + c, 1.0f);
@@ -472,7 +475,7 @@ static void check_furnace(scene_kind kind, hbil_back_facing_fallback fallback) {
   setup_start(&s);
   setup_run(&s, hbil_enqueue_frame);
   out = outputs_read(&s);
-  assert_int_equal(s.config.slices, 2);
+  assert_int_equal(s.config.sampling.slices, 2);
   for (int i = 0; i < 3 * pixels; ++i)
     if (s.input[EXACT_DEPTH][i % pixels] > 0.0f)
       worst = fmax(worst, fabs((out.values[EXACT_NEAR_IRRADIANCE * pixels + i] +
@@ -503,8 +506,8 @@ static void indirect_light_is_scaled_by_what_enters(void **state) {
   (void)state;
   setup_scene(&s, SCENE_ROOM, 97, 54, 0);
   setup_all_outputs(&s);
-  s.config.f0 = three_floats;
-  s.config.far_field = HBIL_FAR_CONSTANT;
+  s.config.inputs.f0 = three_floats;
+  s.config.model.far_field = HBIL_FAR_CONSTANT;
   for (int c = 0; c < 3; ++c) {
     s.frame.environment[0][c] = 0.5f;
     for (int i = 0; i < pixels; ++i)

@@ -78,12 +78,12 @@ static void start(setup *s, double fov, cl_uint slices, cl_uint samples,
                   bool extrapolate) {
   setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   setup_load_view(s, SCENE_ROOM, fov, 0);
-  s->config.gather_emission = CL_FALSE;
-  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
-  s->config.step_growth = 0.0f;
-  s->config.slices = slices;
-  s->config.steps_per_side = samples;
-  s->config.extrapolate = extrapolate;
+  s->config.model.gather_emission = CL_FALSE;
+  s->config.model.facing_fade[0] = s->config.model.facing_fade[1] = -1.0f;
+  s->config.sampling.step_growth = 0.0f;
+  s->config.sampling.slices = slices;
+  s->config.sampling.steps_per_side = samples;
+  s->config.model.extrapolate = extrapolate;
   setup_start(s);
 }
 

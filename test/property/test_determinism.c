@@ -47,7 +47,7 @@ enum {
 static void start(setup *s, const kind *k) {
   setup_every_pass(s, k->reprojection, k->vector_width, WIDTH, HEIGHT);
   /* the filter takes longest to compile; scatter covers it */
-  s->config.unfiltered =
+  s->config.sampling.unfiltered =
       k->reprojection == HBIL_REPROJECTION_MOTION || k->vector_width > 1;
   setup_start(s);
 }

@@ -11,8 +11,8 @@
 /* Only surfaces send light: with the lamp, 32 slices would not be exact. */
 static void prepare(setup *s) {
   setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  s->config.gather_emission = CL_FALSE;
-  s->config.reprojection = HBIL_REPROJECTION_NONE;
+  s->config.model.gather_emission = CL_FALSE;
+  s->config.history.reprojection = HBIL_REPROJECTION_NONE;
 }
 
 /* 32 slices are within .001 of AO and .01 of E_near of 256. */
@@ -80,9 +80,9 @@ static void check_sampling(cl_uint slices, cl_uint steps,
   const size_t size = 2 * PIXELS * sizeof(float);
   setup s;
   prepare(&s);
-  s.config.slices = slices;
-  s.config.steps_per_side = steps;
-  s.config.error_estimate = one_float;
+  s.config.sampling.slices = slices;
+  s.config.sampling.steps_per_side = steps;
+  s.config.outputs.error_estimate = one_float;
   setup_start(&s);
   s.frame.error_estimate.buffer = buffer_new(s.device, size, NULL);
   setup_run(&s, hbil_enqueue_frame);

@@ -108,8 +108,8 @@ static void contexts_leave_nothing(void **state) {
  * event. */
 static void prepare(setup *s) {
   setup_every_pass(s, HBIL_REPROJECTION_SCATTER, 1, WIDTH, HEIGHT);
-  s->config.profiling = CL_TRUE;
-  s->config.horizon_cache_bytes = SIZE_MAX;
+  s->config.execution.profiling = CL_TRUE;
+  s->config.execution.horizon_cache_bytes = SIZE_MAX;
 }
 
 static hbil_status make_plan(const hbil_config *config) {

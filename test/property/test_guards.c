@@ -26,8 +26,8 @@ static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
   setup plain, guarded;
   setup_every_pass(&plain, reprojection, vector_width, width, height);
   setup_every_pass(&guarded, reprojection, vector_width, width, height);
-  plain.config.horizon_cache_bytes = guarded.config.horizon_cache_bytes =
-      horizon_cache_bytes;
+  plain.config.execution.horizon_cache_bytes =
+      guarded.config.execution.horizon_cache_bytes = horizon_cache_bytes;
   setup_start(&plain);
   shim_guard_buffers(true);
   setup_start(&guarded);
@@ -74,7 +74,7 @@ static void caches_of_some_rows_stay_inside(void **state) {
     setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, widths[w], 67, 35);
     setup_cache_rows(&s, 3, 9);
     check_size(HBIL_REPROJECTION_SCATTER, widths[w], 67, 35,
-               s.config.horizon_cache_bytes);
+               s.config.execution.horizon_cache_bytes);
     setup_free(&s);
   }
 }

@@ -35,10 +35,10 @@ static int pixel_before(const symmetry *m, int x, int y) {
 static void start(setup *s, const symmetry *m) {
   setup_init(s, SIDE, SIDE);
   setup_load_scene(s, SCENE_ROOM, 0);
-  s->config.gather_emission = CL_FALSE; /* a small lamp is noise */
-  s->config.slices = 32;
-  s->config.steps_per_side = SIDE;
-  s->config.step_growth = 0.0f;
+  s->config.model.gather_emission = CL_FALSE; /* a small lamp is noise */
+  s->config.sampling.slices = 32;
+  s->config.sampling.steps_per_side = SIDE;
+  s->config.sampling.step_growth = 0.0f;
   /* from world to view space, in which the symmetry acts */
   const hbil_camera camera = s->frame.camera;
   for (int i = 0; i < PIXELS; ++i) {
@@ -129,7 +129,7 @@ static exact_planes frames_in_world(const double turn[9],
   setup s;
   setup_scene(&s, SCENE_ROOM, 61, 37, 0);
   setup_all_outputs(&s);
-  s.config.bent_normal_space = HBIL_SPACE_VIEW;
+  s.config.outputs.bent_normal_space = HBIL_SPACE_VIEW;
   setup_start(&s);
   for (uint32_t frame = 0; frame < 2; ++frame) {
     setup_load_scene(&s, SCENE_ROOM, frame);
@@ -235,7 +235,7 @@ static void the_light_of_two_lamps_is_their_sum(void **state) {
 static exact_planes room_in_units(float size, float radius) {
   setup s;
   setup_scene(&s, SCENE_ROOM, 61, 37, 0);
-  s.config.radius = radius * size;
+  s.config.model.radius = radius * size;
   for (size_t i = 0; i < setup_pixels(&s); ++i)
     s.input[EXACT_DEPTH][i] *= size;
   setup_start(&s);

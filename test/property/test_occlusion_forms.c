@@ -97,10 +97,10 @@ static void start_wall(setup *s, hbil_mode mode, float thickness) {
   setup_init(s, SIDE, SIDE);
   setup_camera(s, 90.0);
   setup_mode(s, mode);
-  s->config.thickness = thickness;
-  s->config.slices = 32;
-  s->config.steps_per_side = SIDE;
-  s->config.step_growth = 0.0f;
+  s->config.model.thickness = thickness;
+  s->config.sampling.slices = 32;
+  s->config.sampling.steps_per_side = SIDE;
+  s->config.sampling.step_growth = 0.0f;
   set_wall(s);
   setup_start(s);
 }
@@ -123,7 +123,7 @@ static double wall_error(const setup *s, const exact_planes *got) {
     if (point[0] > WALL_AT)
       continue;
     off = *exact_at(got, HBIL_LIGHT_AO, i % SIDE, i / SIDE) - 1.0 +
-          wall_s_share(s->config.mode, trapezoid, point);
+          wall_s_share(s->config.model.mode, trapezoid, point);
     sum += off * off;
     ++count;
   }
@@ -208,19 +208,20 @@ static double share_of_falloff(hbil_falloff falloff) {
 }
 
 static double corner_ao(const hbil_config *config, double distance) {
-  double c = distance / (double)config->radius, m = acos(c);
-  if (config->mode != HBIL_MODE_HBAO)
+  double c = distance / (double)config->model.radius, m = acos(c);
+  if (config->model.mode != HBIL_MODE_HBAO)
     return 1.0 - (m - sin(m) * cos(m)) / PI;
-  return 1.0 - (1.0 - c + share_of_falloff(config->falloff) * c * log(c)) / 2.0;
+  return 1.0 -
+         (1.0 - c + share_of_falloff(config->model.falloff) * c * log(c)) / 2.0;
 }
 
 /* The same, azimuth by azimuth. */
 static double corner_by_azimuth(const hbil_config *config, double distance) {
   const int steps = 100000;
-  double c = distance / (double)config->radius, m = acos(c), sum = 0.0;
+  double c = distance / (double)config->model.radius, m = acos(c), sum = 0.0;
   for (int i = 0; i < steps; ++i) {
     double rho = c / cos(((i + 0.5) / steps * 2.0 - 1.0) * m), h = acos(rho);
-    sum += sin(h) - share_of_falloff(config->falloff) * rho * h;
+    sum += sin(h) - share_of_falloff(config->model.falloff) * rho * h;
   }
   return 1.0 - sum * 2.0 * m / steps / (2.0 * PI);
 }
@@ -257,7 +258,7 @@ static void set_corner(setup *s, const corner *k) {
 
 /* The closed form holds where the screen shows all of the wall within R. */
 static void assert_in_view(const setup *s, const corner *k) {
-  double up[3], wall[3], along[3], radius = (double)s->config.radius;
+  double up[3], wall[3], along[3], radius = (double)s->config.model.radius;
   double arc = sqrt(radius * radius - k->distance * k->distance);
   corner_axes(s, k, up, wall, along);
   for (int i = 0; i <= 64; ++i) {
@@ -276,11 +277,11 @@ static void start_corner(setup *s, const corner *k, hbil_mode mode,
   setup_init(s, k->size, k->size);
   setup_camera(s, 110.0);
   setup_mode(s, mode);
-  s->config.falloff = falloff;
-  s->config.radius = 1.0f;
-  s->config.slices = 32;
-  s->config.steps_per_side = 192;
-  s->config.step_growth = 0.0f;
+  s->config.model.falloff = falloff;
+  s->config.model.radius = 1.0f;
+  s->config.sampling.slices = 32;
+  s->config.sampling.steps_per_side = 192;
+  s->config.sampling.step_growth = 0.0f;
   set_corner(s, k);
   assert_in_view(s, k);
   setup_start(s);
@@ -377,9 +378,10 @@ static void start_ring(setup *s, hbil_mode mode) {
   setup_init(s, RING, RING);
   setup_camera(s, 90.0);
   setup_mode(s, mode);
-  s->config.albedo.component = s->config.emission.component = HBIL_NONE;
-  s->config.relative_thickness = 0.25f;
-  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
+  s->config.inputs.albedo.component = s->config.inputs.emission.component =
+      HBIL_NONE;
+  s->config.model.relative_thickness = 0.25f;
+  s->config.model.facing_fade[0] = s->config.model.facing_fade[1] = -1.0f;
   set_ring(s);
   setup_start(s);
 }

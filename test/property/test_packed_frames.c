@@ -47,13 +47,13 @@ static void start_frames(setup *s, scene_kind kind, bool unseen_estimated,
                          hbil_storage storage) {
   setup_scene(s, kind, WIDTH, HEIGHT, 0);
   setup_all_outputs(s);
-  s->config.storage = storage;
-  s->config.far_field = HBIL_FAR_CONSTANT;
+  s->config.sampling.storage = storage;
+  s->config.model.far_field = HBIL_FAR_CONSTANT;
   for (int c = 0; c < 3 && !unseen_estimated; ++c)
     s->frame.environment[0][c] = 0.5f + (float)c;
   if (unseen_estimated) {
-    s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-    s->config.far_field = HBIL_FAR_FRAME;
+    s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+    s->config.model.far_field = HBIL_FAR_FRAME;
   }
   setup_start(s);
 }

@@ -31,10 +31,10 @@ static void compare_pixel(const exact_planes *got, const setup *s,
                           deviation *worst) {
   double bent[3], off[3];
   worst->ao = fmax(worst->ao, fabs(*exact_at(got, HBIL_LIGHT_AO, x, y) - 1.0));
-  for (int c = 0; c < 3 && s->config.mode == HBIL_MODE_HBIL; ++c)
+  for (int c = 0; c < 3 && s->config.model.mode == HBIL_MODE_HBIL; ++c)
     worst->light =
         fmax(worst->light, fabs(*exact_at(got, HBIL_LIGHT_RED + c, x, y)));
-  if (s->config.mode == HBIL_MODE_HBAO)
+  if (s->config.model.mode == HBIL_MODE_HBAO)
     return;
   for (int c = 0; c < 3; ++c)
     bent[c] = *exact_at(got, HBIL_LIGHT_BENT + c, x, y);
@@ -65,7 +65,8 @@ static void compare_view(setup *s, double fov, deviation *worst) {
 static void check_planes(setup *s, const deviation *most) {
   const double fov[] = {30.0, 60.0, 90.0, 120.0};
   deviation worst = {0.0, 0.0, 0.0};
-  s->config.albedo.component = s->config.emission.component = HBIL_NONE;
+  s->config.inputs.albedo.component = s->config.inputs.emission.component =
+      HBIL_NONE;
   for (int c = 0; c < 3; ++c)
     setup_fill(s, EXACT_DIRECT + c, (float)PI); /* radiance 1 */
   setup_start(s);
@@ -81,8 +82,8 @@ static void check_mode(hbil_mode mode, float radius, float thickness) {
   setup s;
   setup_init(&s, WIDTH, HEIGHT);
   setup_mode(&s, mode);
-  s.config.radius = radius;
-  s.config.thickness = thickness;
+  s.config.model.radius = radius;
+  s.config.model.thickness = thickness;
   check_planes(&s, &limit);
 }
 
@@ -109,7 +110,7 @@ static void planes_with_half_float_depth_hide_nothing(void **state) {
   setup s;
   (void)state;
   setup_init(&s, WIDTH, HEIGHT);
-  s.config.depth.component = HBIL_FLOAT16;
+  s.config.inputs.depth.component = HBIL_FLOAT16;
   check_planes(&s, &limit);
 }
 
@@ -119,8 +120,8 @@ static void packed_planes_hide_nothing(void **state) {
   for (int i = 0; i < 2; ++i) {
     setup s;
     setup_init(&s, WIDTH, HEIGHT);
-    s.config.storage = HBIL_STORAGE_PACKED;
-    s.config.depth.component = depth[i];
+    s.config.sampling.storage = HBIL_STORAGE_PACKED;
+    s.config.inputs.depth.component = depth[i];
     check_planes(&s, &packed_limit);
   }
 }

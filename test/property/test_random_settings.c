@@ -37,53 +37,57 @@ static void any_formats(hbil_config *c, random_state *r) {
     if ((colour || id >= PLANE_FIRST_OUTPUT) && maybe(r, 0.2))
       format->component = HBIL_NONE;
   }
-  c->ao = one_float; /* so that there is an output */
-  c->depth_kind = (hbil_depth_kind)below(r, 2);
-  c->normal_space = (hbil_space)below(r, 2);
-  c->bent_normal_space = (hbil_space)below(r, 2);
-  c->direct_scale = maybe(r, 0.2) ? 1e10f : 1.0f;
-  c->sky_depth = maybe(r, 0.2) ? 1e6f : INFINITY;
+  c->outputs.ao = one_float; /* so that there is an output */
+  c->inputs.depth_kind = (hbil_depth_kind)below(r, 2);
+  c->inputs.normal_space = (hbil_space)below(r, 2);
+  c->outputs.bent_normal_space = (hbil_space)below(r, 2);
+  c->inputs.direct_scale = maybe(r, 0.2) ? 1e10f : 1.0f;
+  c->inputs.sky_depth = maybe(r, 0.2) ? 1e6f : INFINITY;
 }
 
 static void any_model(hbil_config *c, random_state *r) {
   const float lengths[] = {1e-6f, 0.3f, 2.0f, 1e4f, 1e12f};
-  c->projection = maybe(r, 0.2) ? HBIL_PROJECTION_ORTHOGRAPHIC
-                                : HBIL_PROJECTION_PERSPECTIVE;
-  c->mode = (hbil_mode)(maybe(r, 0.6) ? 0 : below(r, 3));
-  c->falloff = (hbil_falloff)below(r, 3);
-  c->radius = maybe(r, 0.5) ? INFINITY : ANY_OF(r, lengths);
-  c->thickness = maybe(r, 0.7) ? INFINITY : ANY_OF(r, lengths);
-  c->relative_thickness = maybe(r, 0.6)   ? INFINITY
-                          : maybe(r, 0.5) ? 0.08f
-                                          : 1e-6f;
-  c->facing_fade[0] = maybe(r, 0.3) ? -1.0f : (float)random_unit(r) - 0.6f;
-  c->facing_fade[1] = c->facing_fade[0] == -1.0f || maybe(r, 0.3)
-                          ? c->facing_fade[0]
-                          : c->facing_fade[0] + 0.3f;
-  c->back_facing_fallback = (hbil_back_facing_fallback)below(r, 3);
-  c->gather_emission = (cl_bool)below(r, 2);
-  c->reprojection = (hbil_reprojection)below(r, 3);
-  c->feedback = (hbil_feedback)below(r, 2);
-  c->disocclusion_threshold = maybe(r, 0.2) ? INFINITY : 0.05f;
-  c->far_field = (hbil_far_field)below(r, 4);
-  if (c->mode != HBIL_MODE_HBIL) {
-    c->near_irradiance.component = HBIL_NONE;
-    c->far_field = (hbil_far_field)below(r, 2);
+  c->inputs.projection = maybe(r, 0.2) ? HBIL_PROJECTION_ORTHOGRAPHIC
+                                       : HBIL_PROJECTION_PERSPECTIVE;
+  c->model.mode = (hbil_mode)(maybe(r, 0.6) ? 0 : below(r, 3));
+  c->model.falloff = (hbil_falloff)below(r, 3);
+  c->model.radius = maybe(r, 0.5) ? INFINITY : ANY_OF(r, lengths);
+  c->model.thickness = maybe(r, 0.7) ? INFINITY : ANY_OF(r, lengths);
+  c->model.relative_thickness = maybe(r, 0.6)   ? INFINITY
+                                : maybe(r, 0.5) ? 0.08f
+                                                : 1e-6f;
+  c->model.facing_fade[0] =
+      maybe(r, 0.3) ? -1.0f : (float)random_unit(r) - 0.6f;
+  c->model.facing_fade[1] = c->model.facing_fade[0] == -1.0f || maybe(r, 0.3)
+                                ? c->model.facing_fade[0]
+                                : c->model.facing_fade[0] + 0.3f;
+  c->model.back_facing_fallback = (hbil_back_facing_fallback)below(r, 3);
+  c->model.gather_emission = (cl_bool)below(r, 2);
+  c->history.reprojection = (hbil_reprojection)below(r, 3);
+  c->model.feedback = (hbil_feedback)below(r, 2);
+  c->history.disocclusion_threshold = maybe(r, 0.2) ? INFINITY : 0.05f;
+  c->model.far_field = (hbil_far_field)below(r, 4);
+  if (c->model.mode != HBIL_MODE_HBIL) {
+    c->outputs.near_irradiance.component = HBIL_NONE;
+    c->model.far_field = (hbil_far_field)below(r, 2);
   }
-  if (c->mode == HBIL_MODE_HBAO)
-    c->bent_normal.component = c->cone_cosine.component = HBIL_NONE;
+  if (c->model.mode == HBIL_MODE_HBAO)
+    c->outputs.bent_normal.component = c->outputs.cone_cosine.component =
+        HBIL_NONE;
 }
 
 static void any_sampling(hbil_config *c, random_state *r) {
   const cl_uint samples[] = {1, 3, 8, 33}, widths[] = {1, 4, 8, 16, 8, 8};
-  c->slices = 1 + below(r, 4);
-  c->steps_per_side = ANY_OF(r, samples);
-  c->step_growth = maybe(r, 0.3) ? 0.0f : 4.0f * (float)random_unit(r);
-  c->sample_grid = (hbil_sample_grid)below(r, 2);
-  c->unfiltered = maybe(r, 0.2);
-  c->storage = maybe(r, 0.5) ? HBIL_STORAGE_PACKED : HBIL_STORAGE_FLOAT32;
-  c->vector_width = ANY_OF(r, widths);
-  c->skip = maybe(r, 0.5) ? HBIL_SKIP_ALL : below(r, HBIL_SKIP_ALL + 1);
+  c->sampling.slices = 1 + below(r, 4);
+  c->sampling.steps_per_side = ANY_OF(r, samples);
+  c->sampling.step_growth = maybe(r, 0.3) ? 0.0f : 4.0f * (float)random_unit(r);
+  c->sampling.sample_grid = (hbil_sample_grid)below(r, 2);
+  c->sampling.unfiltered = maybe(r, 0.2);
+  c->sampling.storage =
+      maybe(r, 0.5) ? HBIL_STORAGE_PACKED : HBIL_STORAGE_FLOAT32;
+  c->execution.vector_width = ANY_OF(r, widths);
+  c->execution.skip =
+      maybe(r, 0.5) ? HBIL_SKIP_ALL : below(r, HBIL_SKIP_ALL + 1);
 }
 
 static void tell_settings(uint64_t seed, const hbil_config *c,
@@ -96,17 +100,21 @@ static void tell_settings(uint64_t seed, const hbil_config *c,
       "disocclusion %g far_field %d, %u x %u growth %g grid %d unfiltered %d "
       "storage %d width %u skip %u, depth %d/%u kind %d, normal %d/%u in %d, "
       "direct_scale %g, field of view %g, off centre %g, %g, pixels 1 : %g",
-      (unsigned long long)seed, inputs, c->width, c->height, (int)c->projection,
-      (int)c->mode, (int)c->falloff, (double)c->radius, (double)c->thickness,
-      (double)c->relative_thickness, (double)c->facing_fade[0],
-      (double)c->facing_fade[1], (int)c->back_facing_fallback,
-      (int)c->gather_emission, (int)c->reprojection, (int)c->feedback,
-      (double)c->disocclusion_threshold, (int)c->far_field, c->slices,
-      c->steps_per_side, (double)c->step_growth, (int)c->sample_grid,
-      (int)c->unfiltered, (int)c->storage, c->vector_width, c->skip,
-      (int)c->depth.component, c->depth.stride, (int)c->depth_kind,
-      (int)c->normal.component, c->normal.stride, (int)c->normal_space,
-      (double)c->direct_scale, v->fov, v->off_x, v->off_y, v->pixel);
+      (unsigned long long)seed, inputs, c->width, c->height,
+      (int)c->inputs.projection, (int)c->model.mode, (int)c->model.falloff,
+      (double)c->model.radius, (double)c->model.thickness,
+      (double)c->model.relative_thickness, (double)c->model.facing_fade[0],
+      (double)c->model.facing_fade[1], (int)c->model.back_facing_fallback,
+      (int)c->model.gather_emission, (int)c->history.reprojection,
+      (int)c->model.feedback, (double)c->history.disocclusion_threshold,
+      (int)c->model.far_field, c->sampling.slices, c->sampling.steps_per_side,
+      (double)c->sampling.step_growth, (int)c->sampling.sample_grid,
+      (int)c->sampling.unfiltered, (int)c->sampling.storage,
+      c->execution.vector_width, c->execution.skip,
+      (int)c->inputs.depth.component, c->inputs.depth.stride,
+      (int)c->inputs.depth_kind, (int)c->inputs.normal.component,
+      c->inputs.normal.stride, (int)c->inputs.normal_space,
+      (double)c->inputs.direct_scale, v->fov, v->off_x, v->off_y, v->pixel);
 }
 
 /* The same with `count` planes; planes that the plan lacks are 0. */
@@ -130,8 +138,8 @@ static void check_near_double(setup *s) {
   deviation all[DEVIATIONS] = {{0}};
   const bool light = gathers_light(s);
   exact_planes got = stage_read(s, HBIL_STAGE_RESOLVED);
-  const bool bent =
-      got.count > HBIL_LIGHT_BENT && s->config.storage == HBIL_STORAGE_FLOAT32;
+  const bool bent = got.count > HBIL_LIGHT_BENT &&
+                    s->config.sampling.storage == HBIL_STORAGE_FLOAT32;
   exact_planes resolved = widened(got, HBIL_LIGHT_PLANES);
   exact_planes split =
       widened(stage_read(s, HBIL_STAGE_SPLIT), HBIL_SPLIT_PLANES);

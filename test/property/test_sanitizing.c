@@ -123,7 +123,7 @@ static void spoiled_frames(plan_kind kind, uint64_t seed, bool repaired_before,
       const hbil_sanitized none = {0};
       check_counts(&found, &none);
       repairs[i] = own;
-      if (i == 0 || s->config.reprojection != HBIL_REPROJECTION_MOTION)
+      if (i == 0 || s->config.history.reprojection != HBIL_REPROJECTION_MOTION)
         repairs[i].motion = 0;
     } else {
       repairs[i] = found;

@@ -16,23 +16,23 @@ static void endless(setup *s) {
 
 static void thick(setup *s) {
   pair_wall(s);
-  s->config.relative_thickness = 0.1f;
-  s->config.storage = HBIL_STORAGE_FLOAT32;
+  s->config.model.relative_thickness = 0.1f;
+  s->config.sampling.storage = HBIL_STORAGE_FLOAT32;
 }
 
 static void limited(setup *s) {
   pair_wall(s);
-  s->config.radius = 0.3f; /* of a wall that is 6 wide: a twentieth */
+  s->config.model.radius = 0.3f; /* of a wall that is 6 wide: a twentieth */
 }
 
 static void limited_pixels(setup *s) {
   limited(s);
-  s->config.vector_width = 1;
+  s->config.execution.vector_width = 1;
 }
 
 static void ao_alone(setup *s, hbil_mode mode) {
   pair_wall(s);
-  s->config.mode = mode;
+  s->config.model.mode = mode;
   for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
     if (i != PLANE_AO)
       plane_format(&s->config, (plane_id)i)->component = HBIL_NONE;
@@ -41,13 +41,13 @@ static void ao_alone(setup *s, hbil_mode mode) {
 /* With a single slice, its weight is needed even in open spans. */
 static void single_slice(setup *s) {
   limited(s);
-  s->config.slices = 1;
+  s->config.sampling.slices = 1;
 }
 
 static void single_slice_gtao(setup *s) {
   ao_alone(s, HBIL_MODE_GTAO);
-  s->config.radius = 0.3f;
-  s->config.slices = 1;
+  s->config.model.radius = 0.3f;
+  s->config.sampling.slices = 1;
 }
 
 static void orthographic(setup *s) {
@@ -66,7 +66,7 @@ static void gtao(setup *s) {
 
 static void hbao(setup *s) {
   ao_alone(s, HBIL_MODE_HBAO);
-  s->config.radius = 0.3f;
+  s->config.model.radius = 0.3f;
 }
 
 static prepare_function *const kinds[] = {endless,      thick,
@@ -98,7 +98,7 @@ static void turn(setup *s, random_state *r) {
                    ry = (y + 0.5 - c->cy) / c->fy;
       const double across = n[0] * rx + n[1] * ry;
       double z = -2.0 / (across + n[2]); /* n.(r z) = -2 */
-      if (s->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC)
+      if (s->config.inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC)
         z = (-2.0 - across) / n[2]; /* n.(q, z) = -2 */
       else if (across + n[2] >= -1e-3)
         z = 0.0;
@@ -171,7 +171,7 @@ static void rooms_are_the_same(void **state) {
     pair_start(&p, kinds[k], HBIL_SKIP_ALL);
     for (uint32_t i = 0; i < 2; ++i) {
       setup_load_scene(&p.with, i ? SCENE_SKY : SCENE_ROOM, i);
-      if (p.with.config.projection == HBIL_PROJECTION_ORTHOGRAPHIC)
+      if (p.with.config.inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC)
         setup_flatten(&p.with, FLAT_WIDTH);
       p.without.frame.camera = p.with.frame.camera;
       pair_compare(&p);
@@ -231,20 +231,20 @@ static void only_lamp(pair *p, random_state *r, int i) {
 
 static void fallback_black(setup *s) {
   pair_wall(s);
-  s->config.back_facing_fallback = HBIL_FALLBACK_BLACK;
-  s->config.storage = HBIL_STORAGE_FLOAT32;
+  s->config.model.back_facing_fallback = HBIL_FALLBACK_BLACK;
+  s->config.sampling.storage = HBIL_STORAGE_FLOAT32;
 }
 
 static void fallback_frame_mean(setup *s) {
   limited(s);
-  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-  s->config.radius = 2.0f;
+  s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  s->config.model.radius = 2.0f;
 }
 
 /* More samples than one block has: light may follow a block without any. */
 static void many_samples(setup *s) {
   pair_wall(s);
-  s->config.steps_per_side = 80;
+  s->config.sampling.steps_per_side = 80;
 }
 
 /* Three by three blocks of cells, so that light can come from a block on any
@@ -255,21 +255,21 @@ static void large(setup *s) {
 
 static void large_limited(setup *s) {
   large(s);
-  s->config.radius = 1.0f;
-  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
+  s->config.model.radius = 1.0f;
+  s->config.model.facing_fade[0] = s->config.model.facing_fade[1] = -1.0f;
 }
 
 static void large_by_pixels(setup *s) {
   large(s);
-  s->config.back_facing_fallback = HBIL_FALLBACK_BLACK;
-  s->config.relative_thickness = 0.1f;
-  s->config.vector_width = 1;
+  s->config.model.back_facing_fallback = HBIL_FALLBACK_BLACK;
+  s->config.model.relative_thickness = 0.1f;
+  s->config.execution.vector_width = 1;
 }
 
 static void near_room(setup *s) {
   pair_wall(s);
-  s->config.radius = 0.5f;
-  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
+  s->config.model.radius = 0.5f;
+  s->config.model.facing_fade[0] = s->config.model.facing_fade[1] = -1.0f;
 }
 
 static void one_lamp_is_not_overlooked(void **state) {
@@ -343,20 +343,20 @@ static void picture_alone(setup *s) {
   for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
     if (i != PLANE_BEAUTY)
       plane_format(&s->config, (plane_id)i)->component = HBIL_NONE;
-  s->config.f0.component = HBIL_FLOAT32;
+  s->config.inputs.f0.component = HBIL_FLOAT32;
   /* AO must show: metal alone sends no light to others */
-  s->config.far_field = HBIL_FAR_CONSTANT;
+  s->config.model.far_field = HBIL_FAR_CONSTANT;
   s->frame.environment[0][0] = 1.0f;
 }
 
 static void picture_by_pixels(setup *s) {
   picture_alone(s);
-  s->config.vector_width = 1;
+  s->config.execution.vector_width = 1;
 }
 
 static void picture_by_a_slice(setup *s) {
   picture_alone(s);
-  s->config.slices = 1;
+  s->config.sampling.slices = 1;
 }
 
 static void metal_shows_no_irradiance(void **state) {
@@ -412,8 +412,8 @@ static void irradiance_outputs_need_it(void **state) {
 
 static void room_with_history(setup *s) {
   pair_wall(s);
-  s->config.reprojection = HBIL_REPROJECTION_SCATTER;
-  s->config.far_field = HBIL_FAR_FRAME;
+  s->config.history.reprojection = HBIL_REPROJECTION_SCATTER;
+  s->config.model.far_field = HBIL_FAR_FRAME;
 }
 
 static void holes_are_filled_and_nothing_else(void **state) {

@@ -100,10 +100,10 @@ static void half_float_depth_hides_little(void **state) {
   (void)state;
   setup_init(&s, WIDTH, HEIGHT);
   stress_one_sample(&s);
-  s.config.slices = 2;
-  s.config.steps_per_side = 8;
-  s.config.storage = HBIL_STORAGE_PACKED;
-  s.config.depth.component = HBIL_FLOAT16;
+  s.config.sampling.slices = 2;
+  s.config.sampling.steps_per_side = 8;
+  s.config.sampling.storage = HBIL_STORAGE_PACKED;
+  s.config.inputs.depth.component = HBIL_FLOAT16;
   setup_start(&s);
   for (size_t i = 0; i < VIEWS * TILTS; ++i) {
     const camera_view *v = &views[i / TILTS];

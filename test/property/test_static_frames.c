@@ -10,7 +10,7 @@ static void endless(setup *s) {
 
 static void ao_alone(setup *s, hbil_mode mode) {
   pair_wall(s);
-  s->config.mode = mode;
+  s->config.model.mode = mode;
   for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
     if (i != PLANE_AO)
       plane_format(&s->config, (plane_id)i)->component = HBIL_NONE;
@@ -25,16 +25,16 @@ static void picture_alone(setup *s) {
   for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
     if (i != PLANE_BEAUTY)
       plane_format(&s->config, (plane_id)i)->component = HBIL_NONE;
-  s->config.f0.component = HBIL_FLOAT32;
+  s->config.inputs.f0.component = HBIL_FLOAT32;
   /* AO must show: metal alone sends no light to others */
-  s->config.far_field = HBIL_FAR_CONSTANT;
+  s->config.model.far_field = HBIL_FAR_CONSTANT;
   s->frame.environment[0][0] = 1.0f;
 }
 
 static void room_with_history(setup *s) {
   pair_wall(s);
-  s->config.reprojection = HBIL_REPROJECTION_SCATTER;
-  s->config.far_field = HBIL_FAR_FRAME;
+  s->config.history.reprojection = HBIL_REPROJECTION_SCATTER;
+  s->config.model.far_field = HBIL_FAR_FRAME;
 }
 
 /* Two frames of a moving camera, then static ones.  Each is the same as in a
@@ -69,7 +69,7 @@ static int static_frames(prepare_function *prepare, int frames) {
     }
     /* the first static frame fills the cache */
     assert_int_equal(found.from_cache.spans > 0,
-                     told.config.horizon_cache_bytes && i >= 3 &&
+                     told.config.execution.horizon_cache_bytes && i >= 3 &&
                          !found.not_run[HBIL_PASS_GATHER]);
     if (!settled && found.not_run[HBIL_PASS_GATHER])
       settled = i - 1;
@@ -81,9 +81,9 @@ static int static_frames(prepare_function *prepare, int frames) {
 
 static void carried_radiance(setup *s) {
   pair_wall(s);
-  s->config.reprojection = HBIL_REPROJECTION_MOTION;
-  s->config.feedback = HBIL_FEEDBACK_RADIANCE;
-  s->config.storage = HBIL_STORAGE_FLOAT32;
+  s->config.history.reprojection = HBIL_REPROJECTION_MOTION;
+  s->config.model.feedback = HBIL_FEEDBACK_RADIANCE;
+  s->config.sampling.storage = HBIL_STORAGE_FLOAT32;
 }
 
 static void static_frames_are_the_same(void **state) {
@@ -98,49 +98,49 @@ static void static_frames_are_the_same(void **state) {
 
 static void cache_all(setup *s) {
   room_with_history(s);
-  s->config.horizon_cache_bytes = SIZE_MAX;
+  s->config.execution.horizon_cache_bytes = SIZE_MAX;
 }
 
 static void cache_by_pixels(setup *s) {
   cache_all(s);
-  s->config.vector_width = 1;
+  s->config.execution.vector_width = 1;
 }
 
 static void cache_of_all_light(setup *s) {
   cache_all(s);
-  s->config.facing_fade[0] = s->config.facing_fade[1] = -1.0f;
-  s->config.extrapolate = CL_FALSE;
-  s->config.storage = HBIL_STORAGE_FLOAT32;
+  s->config.model.facing_fade[0] = s->config.model.facing_fade[1] = -1.0f;
+  s->config.model.extrapolate = CL_FALSE;
+  s->config.sampling.storage = HBIL_STORAGE_FLOAT32;
 }
 
 static void cache_of_black(setup *s) {
   cache_all(s);
-  s->config.back_facing_fallback = HBIL_FALLBACK_BLACK;
-  s->config.relative_thickness = 0.1f;
-  s->config.storage = HBIL_STORAGE_FLOAT32;
+  s->config.model.back_facing_fallback = HBIL_FALLBACK_BLACK;
+  s->config.model.relative_thickness = 0.1f;
+  s->config.sampling.storage = HBIL_STORAGE_FLOAT32;
 }
 
 static void cache_of_frame(setup *s) {
   cache_all(s);
-  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-  s->config.radius = 2.0f;
+  s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  s->config.model.radius = 2.0f;
 }
 
 static void cache_of_a_slice(setup *s) {
   cache_all(s);
-  s->config.slices = 1;
-  s->config.steps_per_side = 80; /* more than one block of samples */
-  s->config.radius = 0.5f;
+  s->config.sampling.slices = 1;
+  s->config.sampling.steps_per_side = 80; /* more than one block of samples */
+  s->config.model.radius = 0.5f;
 }
 
 static void cache_of_radiance(setup *s) {
   carried_radiance(s);
-  s->config.horizon_cache_bytes = SIZE_MAX;
+  s->config.execution.horizon_cache_bytes = SIZE_MAX;
 }
 
 static void cache_of_a_step(setup *s) {
   cache_all(s);
-  s->config.facing_fade[0] = s->config.facing_fade[1] = 0.0f;
+  s->config.model.facing_fade[0] = s->config.model.facing_fade[1] = 0.0f;
 }
 
 static void cache_of_parallel_rays(setup *s) {
@@ -151,15 +151,15 @@ static void cache_of_parallel_rays(setup *s) {
 /* Surfaces that show no irradiance have no horizons in the cache. */
 static void cache_of_a_picture(setup *s) {
   picture_alone(s);
-  s->config.reprojection = HBIL_REPROJECTION_SCATTER;
-  s->config.feedback = HBIL_FEEDBACK_RADIANCE;
-  s->config.horizon_cache_bytes = SIZE_MAX;
+  s->config.history.reprojection = HBIL_REPROJECTION_SCATTER;
+  s->config.model.feedback = HBIL_FEEDBACK_RADIANCE;
+  s->config.execution.horizon_cache_bytes = SIZE_MAX;
 }
 
 /* Two thirds of the picture: 12 of the 18 rows of a layer. */
 static void cache_of_some_rows(setup *s) {
   cache_all(s);
-  s->config.steps_per_side = 3;
+  s->config.sampling.steps_per_side = 3;
   setup_cache_rows(s, 12, 18);
 }
 
@@ -183,8 +183,8 @@ static void cached_horizons_give_the_same_light(void **state) {
 
 static void cache_near(setup *s) {
   cache_all(s);
-  s->config.far_field = HBIL_FAR_NONE;
-  s->config.radius = 0.25f;
+  s->config.model.far_field = HBIL_FAR_NONE;
+  s->config.model.radius = 0.25f;
 }
 
 /* A stripe of light, which spreads by the radius in each frame. */

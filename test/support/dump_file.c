@@ -287,7 +287,8 @@ double reading_depth_error(const dump *d, const reading *r) {
   const float *depth = gbuffer_plane(&r->g, ROLE_DEPTH, 0);
   double worst = 0;
   for (size_t i = 0; i < dump_pixels(d); i++) {
-    const int surface = gbuffer_is_surface(depth[i], r->config.sky_depth);
+    const int surface =
+        gbuffer_is_surface(depth[i], r->config.inputs.sky_depth);
     if (surface == dump_is_sky(d, i))
       return INFINITY;
     if (surface)
@@ -306,7 +307,7 @@ static double reading_normal_error(const dump *d, const reading *r) {
       double is = 0, wanted = 0;
       for (int k = 0; k < 3; k++) {
         const double n = gbuffer_plane(&r->g, ROLE_NORMAL, (size_t)k)[i];
-        const int world = r->config.normal_space == HBIL_SPACE_WORLD;
+        const int world = r->config.inputs.normal_space == HBIL_SPACE_WORLD;
         is += n * (world ? m[4 * k + c] : k == c);
         wanted += (double)d->s.normal[k][i] * w[4 * k + c];
       }
@@ -331,7 +332,7 @@ double reading_colour_error(const dump *d, const reading *r, role which,
 
 void assert_same_geometry(const dump *d, const reading *r, double most) {
   const hbil_camera *is = &r->map.camera, *wanted = &d->s.camera;
-  assert_int_equal(r->config.projection, d->s.projection);
+  assert_int_equal(r->config.inputs.projection, d->s.projection);
   assert_true(reading_depth_error(d, r) <= most);
   assert_true(reading_normal_error(d, r) <= most);
   assert_true(relative_difference(is->fx, wanted->fx) <= most);
@@ -341,7 +342,7 @@ void assert_same_geometry(const dump *d, const reading *r, double most) {
 }
 
 void assert_same_light(const dump *d, const reading *r) {
-  const double scale = (double)r->config.direct_scale;
+  const double scale = (double)r->config.inputs.direct_scale;
   const int divided = r->map.how.direct == DIRECT_RADIANCE;
   const float *const albedo[3] = {d->s.albedo[0], d->s.albedo[1],
                                   d->s.albedo[2]};

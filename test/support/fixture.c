@@ -24,25 +24,25 @@ size_t setup_pixels(const setup *s) {
  * change no test.  Floats, because the rounding of packed planes would hide
  * what most tests look for. */
 static void use_plain_model(hbil_config *c) {
-  c->storage = HBIL_STORAGE_FLOAT32;
-  c->slices = 2;
-  c->steps_per_side = 8;
-  c->step_growth = 2.0f;
-  c->sample_grid = HBIL_GRID_FULL_RESOLUTION;
-  c->extrapolate = CL_TRUE;
-  c->unfiltered = CL_FALSE;
-  c->radius = c->thickness = c->relative_thickness = INFINITY;
-  c->facing_fade[0] = -0.1f;
-  c->facing_fade[1] = 0.0f;
-  c->back_facing_fallback = HBIL_FALLBACK_LAST_ACCEPTED;
-  c->gather_emission = CL_TRUE;
-  c->reprojection = HBIL_REPROJECTION_SCATTER;
-  c->feedback = HBIL_FEEDBACK_IRRADIANCE;
-  c->disocclusion_threshold = 0.05f;
-  c->far_field = HBIL_FAR_NONE;
-  c->max_history_frames = 0;
-  c->horizon_cache_bytes = 0;
-  c->skip = HBIL_SKIP_ALL;
+  c->sampling.storage = HBIL_STORAGE_FLOAT32;
+  c->sampling.slices = 2;
+  c->sampling.steps_per_side = 8;
+  c->sampling.step_growth = 2.0f;
+  c->sampling.sample_grid = HBIL_GRID_FULL_RESOLUTION;
+  c->model.extrapolate = CL_TRUE;
+  c->sampling.unfiltered = CL_FALSE;
+  c->model.radius = c->model.thickness = c->model.relative_thickness = INFINITY;
+  c->model.facing_fade[0] = -0.1f;
+  c->model.facing_fade[1] = 0.0f;
+  c->model.back_facing_fallback = HBIL_FALLBACK_LAST_ACCEPTED;
+  c->model.gather_emission = CL_TRUE;
+  c->history.reprojection = HBIL_REPROJECTION_SCATTER;
+  c->model.feedback = HBIL_FEEDBACK_IRRADIANCE;
+  c->history.disocclusion_threshold = 0.05f;
+  c->model.far_field = HBIL_FAR_NONE;
+  c->history.max_frames = 0;
+  c->execution.horizon_cache_bytes = 0;
+  c->execution.skip = HBIL_SKIP_ALL;
 }
 
 void setup_init(setup *s, int width, int height) {
@@ -55,9 +55,10 @@ void setup_init(setup *s, int width, int height) {
   s->config.height = (cl_uint)height;
   for (plane_id id = 0; id < PLANE_FIRST_OUTPUT; ++id)
     *plane_format(&s->config, id) = float_format(id);
-  s->config.f0.component = HBIL_NONE;
-  s->config.near_irradiance = s->config.bent_normal = three_floats;
-  s->config.ao = one_float;
+  s->config.inputs.f0.component = HBIL_NONE;
+  s->config.outputs.near_irradiance = s->config.outputs.bent_normal =
+      three_floats;
+  s->config.outputs.ao = one_float;
   setup_camera(s, 60.0);
   for (int p = 0; p < EXACT_INPUT_PLANES; ++p) {
     s->input[p] = calloc(setup_pixels(s), sizeof(float));
@@ -68,7 +69,7 @@ void setup_init(setup *s, int width, int height) {
 void setup_scene(setup *s, scene_kind kind, int width, int height,
                  uint32_t index) {
   setup_init(s, width, height);
-  s->config.normal_space = HBIL_SPACE_WORLD;
+  s->config.inputs.normal_space = HBIL_SPACE_WORLD;
   setup_load_scene(s, kind, index);
 }
 
@@ -76,13 +77,13 @@ void setup_every_pass(setup *s, hbil_reprojection reprojection,
                       cl_uint vector_width, int width, int height) {
   setup_scene(s, SCENE_ROOM, width, height, 0);
   setup_all_outputs(s);
-  s->config.storage = HBIL_STORAGE_PACKED;
-  s->config.slices = 1;
-  s->config.steps_per_side = 6;
-  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-  s->config.far_field = HBIL_FAR_FRAME;
-  s->config.reprojection = reprojection;
-  s->config.vector_width = vector_width;
+  s->config.sampling.storage = HBIL_STORAGE_PACKED;
+  s->config.sampling.slices = 1;
+  s->config.sampling.steps_per_side = 6;
+  s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  s->config.model.far_field = HBIL_FAR_FRAME;
+  s->config.history.reprojection = reprojection;
+  s->config.execution.vector_width = vector_width;
 }
 
 void setup_all_outputs(setup *s) {
@@ -96,22 +97,23 @@ void setup_no_outputs(setup *s) {
 }
 
 void setup_mode(setup *s, hbil_mode mode) {
-  s->config.mode = mode;
+  s->config.model.mode = mode;
   if (mode != HBIL_MODE_HBIL)
-    s->config.near_irradiance.component = HBIL_NONE;
+    s->config.outputs.near_irradiance.component = HBIL_NONE;
   if (mode == HBIL_MODE_HBAO)
-    s->config.bent_normal.component = s->config.cone_cosine.component =
-        HBIL_NONE;
+    s->config.outputs.bent_normal.component =
+        s->config.outputs.cone_cosine.component = HBIL_NONE;
 }
 
 void setup_cache_rows(setup *s, size_t rows, size_t of) {
   size_t with, without;
-  s->config.horizon_cache_bytes = 0;
+  s->config.execution.horizon_cache_bytes = 0;
   assert_success(s, hbil_plan_memory(s->device->hbil, &s->config, &without));
-  s->config.horizon_cache_bytes = SIZE_MAX;
+  s->config.execution.horizon_cache_bytes = SIZE_MAX;
   assert_success(s, hbil_plan_memory(s->device->hbil, &s->config, &with));
   /* one byte less than one more row would take */
-  s->config.horizon_cache_bytes = (with - without) / of * (rows + 1) - 1;
+  s->config.execution.horizon_cache_bytes =
+      (with - without) / of * (rows + 1) - 1;
 }
 
 /* ------------------------------------------------------------------------ */
@@ -129,7 +131,7 @@ void setup_camera(setup *s, double fov_y_degrees) {
 }
 
 void setup_flatten(setup *s, double width) {
-  s->config.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
+  s->config.inputs.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
   s->frame.camera.fx = s->frame.camera.fy = s->config.width / width;
 }
 
@@ -149,7 +151,7 @@ void setup_load_view(setup *s, scene_kind kind, double fov_y_degrees,
   scene_frame f;
   size_t size = setup_pixels(s) * sizeof(float);
   const bool orthographic =
-      s->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+      s->config.inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
   if (orthographic ? scene_render_orthographic(kind, s->config.width,
                                                s->config.height, 0.0, index, &f)
                    : scene_render(kind, s->config.width, s->config.height,

@@ -4,12 +4,12 @@
 
 void averaging_init(setup *s, int width, int height, cl_uint frames) {
   setup_scene(s, SCENE_ROOM, width, height, 0);
-  s->config.reprojection = HBIL_REPROJECTION_NONE;
-  s->config.slices = 1;
-  s->config.steps_per_side = 6;
-  s->config.unfiltered = CL_TRUE;
-  s->config.motion.component = HBIL_NONE;
-  s->config.max_history_frames = frames;
+  s->config.history.reprojection = HBIL_REPROJECTION_NONE;
+  s->config.sampling.slices = 1;
+  s->config.sampling.steps_per_side = 6;
+  s->config.sampling.unfiltered = CL_TRUE;
+  s->config.inputs.motion.component = HBIL_NONE;
+  s->config.history.max_frames = frames;
 }
 
 void averaging_load(setup *s, uint32_t scene, cl_uint index) {

@@ -11,27 +11,27 @@ typedef struct plane_info {
   size_t format, slot; /* offsets in hbil_config and hbil_frame */
 } plane_info;
 
-#define PLANE(field, channels, first)                                          \
+#define PLANE(group, field, channels, first)                                   \
   {                                                                            \
-#field, channels, first, offsetof(hbil_config, field),                     \
+#field, channels, first, offsetof(hbil_config, group.field),               \
         offsetof(hbil_frame, field)                                            \
   }
 
 static const plane_info infos[PLANE_COUNT] = {
-    PLANE(depth, 1, EXACT_DEPTH),
-    PLANE(normal, 3, EXACT_NORMAL),
-    PLANE(albedo, 3, EXACT_ALBEDO),
-    PLANE(f0, 3, EXACT_F0),
-    PLANE(direct, 3, EXACT_DIRECT),
-    PLANE(emission, 3, EXACT_EMISSION),
-    PLANE(motion, 2, EXACT_MOTION),
-    PLANE(near_irradiance, 3, EXACT_NEAR_IRRADIANCE),
-    PLANE(far_irradiance, 3, EXACT_FAR_IRRADIANCE),
-    PLANE(ao, 1, EXACT_AO),
-    PLANE(bent_normal, 3, EXACT_BENT_NORMAL),
-    PLANE(cone_cosine, 1, EXACT_CONE_COSINE),
-    PLANE(indirect, 3, EXACT_INDIRECT),
-    PLANE(beauty, 3, EXACT_BEAUTY)};
+    PLANE(inputs, depth, 1, EXACT_DEPTH),
+    PLANE(inputs, normal, 3, EXACT_NORMAL),
+    PLANE(inputs, albedo, 3, EXACT_ALBEDO),
+    PLANE(inputs, f0, 3, EXACT_F0),
+    PLANE(inputs, direct, 3, EXACT_DIRECT),
+    PLANE(inputs, emission, 3, EXACT_EMISSION),
+    PLANE(inputs, motion, 2, EXACT_MOTION),
+    PLANE(outputs, near_irradiance, 3, EXACT_NEAR_IRRADIANCE),
+    PLANE(outputs, far_irradiance, 3, EXACT_FAR_IRRADIANCE),
+    PLANE(outputs, ao, 1, EXACT_AO),
+    PLANE(outputs, bent_normal, 3, EXACT_BENT_NORMAL),
+    PLANE(outputs, cone_cosine, 1, EXACT_CONE_COSINE),
+    PLANE(outputs, indirect, 3, EXACT_INDIRECT),
+    PLANE(outputs, beauty, 3, EXACT_BEAUTY)};
 
 const char *plane_name(plane_id id) {
   return infos[id].name;

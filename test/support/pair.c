@@ -3,7 +3,7 @@
 void pair_start(pair *p, prepare_function *prepare, cl_uint skip) {
   prepare(&p->with);
   prepare(&p->without);
-  p->without.config.skip &= ~skip;
+  p->without.config.execution.skip &= ~skip;
   setup_start(&p->with);
   setup_start(&p->without);
 }
@@ -47,9 +47,9 @@ size_t pixel_at(int x, int y) {
 
 void pair_sized_wall(setup *s, uint32_t width, uint32_t height) {
   setup_init(s, width, height);
-  s->config.reprojection = HBIL_REPROJECTION_NONE;
-  s->config.storage = HBIL_STORAGE_PACKED;
-  s->config.normal_space = HBIL_SPACE_WORLD; /* as scenes have them */
+  s->config.history.reprojection = HBIL_REPROJECTION_NONE;
+  s->config.sampling.storage = HBIL_STORAGE_PACKED;
+  s->config.inputs.normal_space = HBIL_SPACE_WORLD; /* as scenes have them */
   setup_all_outputs(s);
   setup_camera(s, 40.0);
 }

@@ -38,14 +38,15 @@ static float *stage_at(const stage_bytes *t, int plane, int x, int y) {
 /* Packed stages                                                             */
 
 static bool is_packed(const setup *s, hbil_stage stage) {
-  return s->config.storage != HBIL_STORAGE_FLOAT32 &&
+  return s->config.sampling.storage != HBIL_STORAGE_FLOAT32 &&
          (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED);
 }
 
 /* The number of planes that FLOAT32 would have in place of so many words. */
 static int plain_planes(const setup *s, hbil_stage stage, int words) {
-  bool unknown = s->config.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
-                 s->config.facing_fade[1] > -1.0f;
+  bool unknown =
+      s->config.model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
+      s->config.model.facing_fade[1] > -1.0f;
   if (stage == HBIL_STAGE_SPLIT)
     return words > HBIL_PACKED_RADIANCE ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED;
   if (words == 1)

@@ -33,14 +33,14 @@ bool stress_is_packed(plan_kind kind) {
 }
 
 void stress_one_sample(setup *s) {
-  s->config.mode = HBIL_MODE_GTAO;
-  s->config.slices = s->config.steps_per_side = 1;
-  s->config.near_irradiance.component = s->config.bent_normal.component =
-      HBIL_NONE;
-  s->config.beauty = s->config.f0 = three_floats;
-  s->config.skip = 0;
-  s->config.vector_width = 1;
-  s->config.extrapolate = CL_FALSE; /* the horizons themselves */
+  s->config.model.mode = HBIL_MODE_GTAO;
+  s->config.sampling.slices = s->config.sampling.steps_per_side = 1;
+  s->config.outputs.near_irradiance.component =
+      s->config.outputs.bent_normal.component = HBIL_NONE;
+  s->config.outputs.beauty = s->config.inputs.f0 = three_floats;
+  s->config.execution.skip = 0;
+  s->config.execution.vector_width = 1;
+  s->config.model.extrapolate = CL_FALSE; /* the horizons themselves */
 }
 
 static void configure(setup *s, plan_kind kind) {
@@ -49,17 +49,17 @@ static void configure(setup *s, plan_kind kind) {
     return;
   }
   setup_all_outputs(s);
-  s->config.f0 = three_floats;
+  s->config.inputs.f0 = three_floats;
   if (stress_is_packed(kind))
-    s->config.storage = HBIL_STORAGE_PACKED;
+    s->config.sampling.storage = HBIL_STORAGE_PACKED;
   if (kind == PLAIN_SH || kind == PACKED_SH) {
-    s->config.far_field = HBIL_FAR_SH;
-    s->config.vector_width = 1; /* the width of GPUs */
+    s->config.model.far_field = HBIL_FAR_SH;
+    s->config.execution.vector_width = 1; /* the width of GPUs */
     return;
   }
-  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-  s->config.far_field = HBIL_FAR_FRAME;
-  s->config.reprojection = HBIL_REPROJECTION_MOTION;
+  s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  s->config.model.far_field = HBIL_FAR_FRAME;
+  s->config.history.reprojection = HBIL_REPROJECTION_MOTION;
 }
 
 static setup plans[ALL_PLANS];
@@ -136,13 +136,13 @@ static void check_range(const char *what, const exact_planes *planes, int first,
 /* The largest radiance of the surfaces and of a constant far field. */
 static double brightest(setup *s) {
   double most = 0.0;
-  if (s->config.mode == HBIL_MODE_HBIL) {
+  if (s->config.model.mode == HBIL_MODE_HBIL) {
     exact_planes split = stage_read(s, HBIL_STAGE_SPLIT);
     if (split.count > HBIL_SPLIT_RED)
       most = largest_value(&split, HBIL_SPLIT_RED, 3);
     exact_planes_free(&split);
   }
-  if (s->config.far_field == HBIL_FAR_CONSTANT)
+  if (s->config.model.far_field == HBIL_FAR_CONSTANT)
     for (int c = 0; c < 3; ++c)
       most = fmax(most, (double)s->frame.environment[0][c]);
   return most;
@@ -152,7 +152,7 @@ static double brightest(setup *s) {
  * E_near add half a step of the largest value, 2^-10; float sums add some
  * hundred roundings. */
 static double most_light(setup *s, plane_id id, double radiance) {
-  const bool coarse = s->config.storage != HBIL_STORAGE_FLOAT32 ||
+  const bool coarse = s->config.sampling.storage != HBIL_STORAGE_FLOAT32 ||
                       plane_format(&s->config, id)->component == HBIL_FLOAT16;
   return PI * radiance * (1.0 + (coarse ? 0x1p-9 : 1e-5));
 }
@@ -197,7 +197,7 @@ static bool asks_for(setup *s, plane_id id) {
 }
 
 void check_sane(setup *s) {
-  const bool sh = s->config.far_field == HBIL_FAR_SH;
+  const bool sh = s->config.model.far_field == HBIL_FAR_SH;
   const double radiance = brightest(s);
   exact_planes out = outputs_read(s);
   check_finite("outputs", &out);
@@ -210,8 +210,9 @@ void check_sane(setup *s) {
   check_range("indirect", &out, EXACT_INDIRECT, 3, 0.0, INFINITY);
   check_range("radiance", &out, EXACT_BEAUTY, 3, 0.0, INFINITY);
   if (asks_for(s, PLANE_BENT)) /* three roundings; 2^-11 each in half floats */
-    check_bent(&out,
-               s->config.bent_normal.component == HBIL_FLOAT16 ? 1e-3 : 1e-6);
+    check_bent(&out, s->config.outputs.bent_normal.component == HBIL_FLOAT16
+                         ? 1e-3
+                         : 1e-6);
   exact_planes_free(&out);
   check_stage(s, HBIL_STAGE_SPLIT, "split");
   check_stage(s, HBIL_STAGE_GATHERED, "gathered");

@@ -88,9 +88,9 @@ int main(int count, char **words) {
 
   config->width = WIDTH;
   config->height = HEIGHT;
-  config->depth.component = HBIL_FLOAT32;
-  config->normal.component = HBIL_FLOAT32;
-  config->ao.component = HBIL_FLOAT32;
+  config->inputs.depth.component = HBIL_FLOAT32;
+  config->inputs.normal.component = HBIL_FLOAT32;
+  config->outputs.ao.component = HBIL_FLOAT32;
   frame->camera.fx = frame->camera.fy = WIDTH;
   frame->camera.cx = WIDTH / 2.0;
   frame->camera.cy = HEIGHT / 2.0;
@@ -105,7 +105,7 @@ int main(int count, char **words) {
   size_t memory = 0;
   hbil_status status = hbil_context_create(context, device, &hbil);
   if (status == HBIL_SUCCESS)
-    status = hbil_config_set_quality(config, HBIL_QUALITY_FAST);
+    status = hbil_sampling_set(&config->sampling, HBIL_QUALITY_FAST);
   if (status == HBIL_SUCCESS)
     status = hbil_plan_memory(hbil, config, &memory);
   const hbil_status made = hbil_plan_create(hbil, config, &plan);

@@ -68,16 +68,16 @@ static void configure(setup *s, bool motion) {
     setup_every_pass(s, HBIL_REPROJECTION_MOTION, 1, WIDTH_OF_MOTION, HEIGHT);
   else
     setup_every_pass(s, HBIL_REPROJECTION_SCATTER, 1, WIDTH_OF_SCATTER, HEIGHT);
-  s->config.storage = HBIL_STORAGE_FLOAT32;
+  s->config.sampling.storage = HBIL_STORAGE_FLOAT32;
   if (!motion)
     return;
-  s->config.back_facing_fallback = HBIL_FALLBACK_BLACK;
-  s->config.far_field = HBIL_FAR_SH;
-  s->config.feedback = HBIL_FEEDBACK_RADIANCE;
-  s->config.radius = 3.0f;
-  s->config.extrapolate = CL_FALSE;
-  s->config.depth_kind = HBIL_DEPTH_RAY;
-  s->config.bent_normal_space = HBIL_SPACE_WORLD;
+  s->config.model.back_facing_fallback = HBIL_FALLBACK_BLACK;
+  s->config.model.far_field = HBIL_FAR_SH;
+  s->config.model.feedback = HBIL_FEEDBACK_RADIANCE;
+  s->config.model.radius = 3.0f;
+  s->config.model.extrapolate = CL_FALSE;
+  s->config.inputs.depth_kind = HBIL_DEPTH_RAY;
+  s->config.outputs.bent_normal_space = HBIL_SPACE_WORLD;
   for (int i = 0; i < 9; ++i)
     for (int c = 0; c < 3; ++c)
       s->frame.environment[i][c] = i ? 0.1f * (float)(i - c) : 2.0f;

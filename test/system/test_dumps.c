@@ -157,13 +157,13 @@ static void load_frame(setup *s, const char *scene, int frame) {
 
 /* What the tool makes of Cycles passes: src/tool/channels.c, process.c. */
 static void use_cycles_conventions(hbil_config *config) {
-  config->depth_kind = HBIL_DEPTH_PLANAR;
-  config->normal_space = HBIL_SPACE_WORLD;
-  config->sky_depth = 1e9f;
-  config->direct_scale = (float)PI;
-  config->motion_scale[0] = 1.0f;
-  config->motion_scale[1] = -1.0f;
-  config->gather_emission = CL_FALSE;
+  config->inputs.depth_kind = HBIL_DEPTH_PLANAR;
+  config->inputs.normal_space = HBIL_SPACE_WORLD;
+  config->inputs.sky_depth = 1e9f;
+  config->inputs.direct_scale = (float)PI;
+  config->inputs.motion_scale[0] = 1.0f;
+  config->inputs.motion_scale[1] = -1.0f;
+  config->model.gather_emission = CL_FALSE;
 }
 
 static void use_planar_images(hbil_config *config) {
@@ -178,12 +178,12 @@ static void use_defaults(hbil_config *config) {
 
 /* Nothing decides about the light of a sample. */
 static void accept_all_light(hbil_config *config) {
-  config->back_facing_fallback = HBIL_FALLBACK_BLACK;
-  config->facing_fade[0] = config->facing_fade[1] = -1.0f;
+  config->model.back_facing_fallback = HBIL_FALLBACK_BLACK;
+  config->model.facing_fade[0] = config->model.facing_fade[1] = -1.0f;
 }
 
 static void follow_motion(hbil_config *config) {
-  config->reprojection = HBIL_REPROJECTION_MOTION;
+  config->history.reprojection = HBIL_REPROJECTION_MOTION;
 }
 
 static void setup_case(setup *s, const dump_case *c) {
@@ -208,7 +208,7 @@ static void setup_case(setup *s, const dump_case *c) {
 
 static bool is_sky(const setup *s, int x, int y) {
   size_t at = (size_t)y * s->config.width + (size_t)x;
-  return !(s->input[EXACT_DEPTH][at] < s->config.sky_depth);
+  return !(s->input[EXACT_DEPTH][at] < s->config.inputs.sky_depth);
 }
 
 /* Leaves the sky out of sums over all pixels. */

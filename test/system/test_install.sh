@@ -42,12 +42,17 @@ kernels() {
     sed "s|^|$1/|"
 }
 
+# headers FOLDER: the public headers, in it.
+headers() {
+  (cd "$srcdir/include/hbil" && ls) | sed "s|^|$1/|"
+}
+
 # --- versions ---
 
 numbers=$(sed -n 's/^#define HBIL_VERSION_M[AI][JN]OR \|^#define HBIL_VERSION_PATCH //p' \
-  "$srcdir/include/hbil/hbil.h" | paste -sd. -)
+  "$srcdir/include/hbil/hbil_base.h" | paste -sd. -)
 {
-  echo "hbil.h $numbers"
+  echo "hbil_base.h $numbers"
   echo "hbil.pc $(sed -n 's/^Version: //p' src/hbil/hbil.pc)"
   echo "NEWS $(sed -n '1s/^hbil \([0-9.]*\).*/\1/p' "$srcdir/NEWS")"
   echo "changelog $(sed -n '1s/^hbil (\([0-9.]*\)).*/\1/p' "$srcdir/debian/changelog")"
@@ -107,8 +112,7 @@ prefix=${share%/share}
 files "$prefix" | grep -v '^share/man/man3/' >"$work/installed"
 sort >"$work/expected" <<END
 bin/hbil
-include/hbil/hbil.h
-include/hbil/hbil_stages.h
+$(headers include/hbil)
 lib/libhbil.a
 lib/libhbil.la
 lib/libhbil.so
@@ -132,7 +136,7 @@ works "make installcheck: an example by pkg-config alone" \
 functions=$(awk '/^HBIL_API/ { api = 1 }
   api && match($0, /hbil_[a-z0-9_]+\(/) {
     print substr($0, RSTART, RLENGTH - 1); api = 0 }' \
-  "$srcdir/include/hbil/hbil.h" "$srcdir/include/hbil/hbil_stages.h")
+  "$srcdir"/include/hbil/*.h)
 man=$share/man
 missing=0
 : >"$work/out"
@@ -276,8 +280,8 @@ if have "$name" dpkg-buildpackage dpkg-checkbuilddeps dh; then
     package libhbil1 >"$work/offered"
     same_lists "libhbil1 has the library" "$work/expected" "$work/offered"
     {
-      printf '/usr/%s\n' include/hbil/hbil.h include/hbil/hbil_stages.h \
-        lib/libhbil.a lib/libhbil.so lib/pkgconfig/hbil.pc
+      headers /usr/include/hbil
+      printf '/usr/%s\n' lib/libhbil.a lib/libhbil.so lib/pkgconfig/hbil.pc
       kernels /usr/share/hbil
       printf '/usr/share/man/man3/%s.3\n' $functions
     } | sort >"$work/expected"

@@ -3,7 +3,7 @@
 # nothing else, and never prints or ends the process; the header, as others
 # include it.
 . "$srcdir/test/support/tap.sh"
-headers="$srcdir/include/hbil/hbil.h $srcdir/include/hbil/hbil_stages.h"
+headers=$(echo "$srcdir"/include/hbil/*.h)
 library=.libs/libhbil.so
 
 # hbil_ names that are followed by a parenthesis in a declaration of the API
@@ -64,8 +64,8 @@ int main(void) {
   hbil_context *context = NULL;
   hbil_config_init(&config);
   hbil_frame_init(&frame);
-  config.mode = HBIL_MODE_GTAO;
-  config.skip = HBIL_SKIP_SKY | HBIL_SKIP_OPEN;
+  config.model.mode = HBIL_MODE_GTAO;
+  config.execution.skip = HBIL_SKIP_SKY | HBIL_SKIP_OPEN;
   return hbil_context_create(NULL, NULL, &context) == HBIL_INVALID_ARGUMENT &&
                  config.struct_size == sizeof config
              ? 0

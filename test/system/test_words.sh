@@ -76,12 +76,10 @@ longer() {
 }
 # shellcheck disable=SC2046,SC2086
 {
-  longer 500 $(echo "$code" | grep -E '^(src|kernels|include)/.*\.(c|h|cl|clh|cpp|hpp)$' |
-    grep -v '^include/hbil/hbil\.h$')
-  longer 650 include/hbil/hbil.h
+  longer 500 $(echo "$code" | grep -E '^(src|kernels|include)/.*\.(c|h|cl|clh|cpp|hpp)$')
   longer 800 $(echo "$code" | grep '^test/')
 } >"$work/out"
-none "no file is longer than 500 lines; hbil.h than 650; a test than 800"
+none "no file is longer than 500 lines; a test than 800"
 
 # clang-format puts a function's closing brace, and nothing else, in column 1.
 # shellcheck disable=SC2046,SC2086

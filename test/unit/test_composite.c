@@ -90,8 +90,8 @@ static void check_history(setup *s, const exact_planes *want) {
 
 /* Only plans with an output that near light takes part in have a history. */
 static bool gathers_light(const hbil_config *c) {
-  return c->near_irradiance.component || c->indirect.component ||
-         c->beauty.component;
+  return c->outputs.near_irradiance.component ||
+         c->outputs.indirect.component || c->outputs.beauty.component;
 }
 
 static void check_composite(setup *s) {
@@ -109,7 +109,7 @@ static void check_composite(setup *s) {
 static void prepare(setup *s, scene_kind kind, hbil_far_field far) {
   setup_scene(s, kind, WIDTH, HEIGHT, 0);
   setup_all_outputs(s);
-  s->config.far_field = far;
+  s->config.model.far_field = far;
   random_environment(s);
 }
 
@@ -127,7 +127,7 @@ static void the_sky_shows_the_environment_without_emission(void **state) {
   for (int far = HBIL_FAR_NONE; far <= HBIL_FAR_SH; ++far) {
     setup s;
     prepare(&s, SCENE_SKY, (hbil_far_field)far);
-    s.config.emission.component = HBIL_NONE;
+    s.config.inputs.emission.component = HBIL_NONE;
     check_composite(&s);
   }
 }
@@ -137,10 +137,10 @@ static void every_feedback_matches(void **state) {
   for (int i = 0; i < 4; ++i) {
     setup s;
     prepare(&s, SCENE_ROOM, HBIL_FAR_SH);
-    s.config.feedback =
+    s.config.model.feedback =
         i & 1 ? HBIL_FEEDBACK_RADIANCE : HBIL_FEEDBACK_IRRADIANCE;
-    s.config.gather_emission = i & 2 ? CL_TRUE : CL_FALSE;
-    s.config.bent_normal_space = HBIL_SPACE_WORLD;
+    s.config.model.gather_emission = i & 2 ? CL_TRUE : CL_FALSE;
+    s.config.outputs.bent_normal_space = HBIL_SPACE_WORLD;
     check_composite(&s);
   }
 }
@@ -151,8 +151,8 @@ static void reflectance_takes_its_share(void **state) {
   const hbil_plane_format rgba = {HBIL_FLOAT32, 4};
   (void)state;
   prepare(&s, SCENE_ROOM, HBIL_FAR_CONSTANT);
-  s.config.f0 = rgba;
-  s.config.feedback = HBIL_FEEDBACK_RADIANCE;
+  s.config.inputs.f0 = rgba;
+  s.config.model.feedback = HBIL_FEEDBACK_RADIANCE;
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
     for (int c = 0; c < 3; ++c) {
       s.input[EXACT_F0 + c][i] = (float)(2.0 * random_unit(&r) - 0.5);
@@ -169,7 +169,7 @@ static void every_size_matches(void **state) {
     setup s;
     setup_scene(&s, SCENE_SKY, sizes[i][0], sizes[i][1], 0);
     setup_all_outputs(&s);
-    s.config.far_field = HBIL_FAR_SH;
+    s.config.model.far_field = HBIL_FAR_SH;
     random_environment(&s);
     check_composite(&s);
   }

@@ -9,8 +9,8 @@
 #include <stdio.h>
 
 static void from_the_frame(setup *s) {
-  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-  s->config.far_field = HBIL_FAR_FRAME;
+  s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  s->config.model.far_field = HBIL_FAR_FRAME;
 }
 
 static exact_planes one_frame(setup *s) {
@@ -27,7 +27,7 @@ static void check_sequence(scene_kind kind, int width, int height,
   exact_state reference;
   setup_scene(&s, kind, width, height, 0);
   from_the_frame(&s);
-  s.config.vector_width = vector_width;
+  s.config.execution.vector_width = vector_width;
   setup_all_outputs(&s);
   setup_start(&s);
   checked_state(&reference, width, height);
@@ -71,7 +71,7 @@ static void what_the_sky_does_not_light_is_filled(void **state) {
 static void start_room(setup *s) {
   setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   from_the_frame(s);
-  s->config.reprojection = HBIL_REPROJECTION_NONE;
+  s->config.history.reprojection = HBIL_REPROJECTION_NONE;
   for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     plane_format(&s->config, id)->component = HBIL_NONE;
 }
@@ -117,10 +117,11 @@ static void start_random(setup *s) {
   random_state r = {7};
   setup_init(s, WIDTH, HEIGHT);
   from_the_frame(s);
-  s->config.reprojection = HBIL_REPROJECTION_NONE;
-  s->config.emission.component = s->config.albedo.component = HBIL_NONE;
-  s->config.direct_scale = (float)PI; /* of albedo 1: radiance */
-  s->config.far_irradiance = three_floats;
+  s->config.history.reprojection = HBIL_REPROJECTION_NONE;
+  s->config.inputs.emission.component = s->config.inputs.albedo.component =
+      HBIL_NONE;
+  s->config.inputs.direct_scale = (float)PI; /* of albedo 1: radiance */
+  s->config.outputs.far_irradiance = three_floats;
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
     bool sky = random_unit(&r) < 0.1;
     s->input[EXACT_DEPTH][i] = sky ? 0.0f : (float)exp2(2.0 * random_unit(&r));
@@ -152,7 +153,7 @@ static void estimate_range(const exact_planes *out, double range[2]) {
 }
 
 static void with_cone(setup *s) {
-  s->config.cone_cosine = one_float;
+  s->config.outputs.cone_cosine = one_float;
 }
 
 static void an_even_radiance_is_its_own_estimate(void **state) {
@@ -340,9 +341,9 @@ static void start_box(setup *s, hbil_feedback feedback, float facing) {
   setup_all_outputs(s);
   from_the_frame(s);
   setup_camera(s, 100.0);
-  s->config.feedback = feedback;
-  s->config.facing_fade[1] = facing;
-  s->config.emission.component = HBIL_NONE;
+  s->config.model.feedback = feedback;
+  s->config.model.facing_fade[1] = facing;
+  s->config.inputs.emission.component = HBIL_NONE;
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
     const hbil_camera *camera = &s->frame.camera;
     const double ray[3] = {(i % WIDTH + 0.5 - camera->cx) / camera->fx,

@@ -8,7 +8,7 @@ static void start_room(setup *s, hbil_mode mode, float thickness) {
   setup_scene(s, SCENE_ROOM, 64, 36, 0);
   setup_load_view(s, SCENE_ROOM, 90.0, 0);
   setup_mode(s, mode);
-  s->config.thickness = thickness;
+  s->config.model.thickness = thickness;
   setup_start(s);
 }
 
@@ -102,10 +102,10 @@ static void masked_pixels_stay_as_they_are(void **state) {
 
 /* The outputs of the densest plan, without the filter. */
 static exact_planes densest_frame(setup *s) {
-  s->config.slices = 32;
-  s->config.steps_per_side = 64;
-  s->config.step_growth = 0.0f;
-  s->config.unfiltered = CL_TRUE;
+  s->config.sampling.slices = 32;
+  s->config.sampling.steps_per_side = 64;
+  s->config.sampling.step_growth = 0.0f;
+  s->config.sampling.unfiltered = CL_TRUE;
   setup_start(s);
   setup_run(s, hbil_enqueue_frame);
   return outputs_read(s);
@@ -120,10 +120,11 @@ static void plans_approach_the_dense_frame(void **state) {
   (void)state;
   setup_scene(&s, SCENE_ROOM, 64, 36, 0);
   setup_all_outputs(&s);
-  s.config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-  s.config.gather_emission = CL_FALSE;
+  s.config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  s.config.model.gather_emission = CL_FALSE;
   got = densest_frame(&s);
-  s.config.unfiltered = CL_FALSE; /* has no effect on the dense frame */
+  s.config.sampling.unfiltered =
+      CL_FALSE; /* has no effect on the dense frame */
   checked_state(&expected, 64, 36);
   checked_run_frame_dense(&expected, &s.job, &how);
   check_at_most("AO", relative_rmse(&got, &expected.out, EXACT_AO, 1), 0.01);

@@ -41,8 +41,8 @@ static void fixture_init(fixture *f, hbil_reprojection reprojection) {
   hbil_config_init(&f->config);
   f->config.width = WIDTH;
   f->config.height = HEIGHT;
-  f->config.reprojection = reprojection;
-  f->config.relative_thickness = 0.1f;
+  f->config.history.reprojection = reprojection;
+  f->config.model.relative_thickness = 0.1f;
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
     f->depth[i] = 3.0f;
     f->minus_one[i] = -1.0f;

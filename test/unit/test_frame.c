@@ -25,7 +25,7 @@ static void check_sequence(setup *s, scene_kind kind, int frames) {
 }
 
 static void even_sky(setup *s) {
-  s->config.far_field = HBIL_FAR_CONSTANT;
+  s->config.model.far_field = HBIL_FAR_CONSTANT;
   for (int c = 0; c < 3; ++c)
     s->frame.environment[0][c] = 0.5f + (float)c;
 }
@@ -44,11 +44,11 @@ static void sequences_that_follow_motion_match(void **state) {
   setup s;
   (void)state;
   setup_scene(&s, SCENE_ROOM, 160, 90, 0);
-  s.config.reprojection = HBIL_REPROJECTION_MOTION;
-  s.config.feedback = HBIL_FEEDBACK_RADIANCE;
+  s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
+  s.config.model.feedback = HBIL_FEEDBACK_RADIANCE;
   check_sequence(&s, SCENE_ROOM, 4);
   setup_scene(&s, SCENE_SKY, 17, 31, 0);
-  s.config.reprojection = HBIL_REPROJECTION_MOTION;
+  s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
   even_sky(&s);
   check_sequence(&s, SCENE_SKY, 4);
 }
@@ -57,8 +57,8 @@ static void sequences_without_history_match(void **state) {
   setup s;
   (void)state;
   setup_scene(&s, SCENE_SKY, 160, 90, 0);
-  s.config.reprojection = HBIL_REPROJECTION_NONE;
-  s.config.radius = 2.0f;
+  s.config.history.reprojection = HBIL_REPROJECTION_NONE;
+  s.config.model.radius = 2.0f;
   even_sky(&s);
   check_sequence(&s, SCENE_SKY, 2);
 }
@@ -69,16 +69,16 @@ static void orthographic_sequences_match(void **state) {
   for (int i = 0; i < 3; ++i) {
     setup s;
     setup_scene(&s, i ? SCENE_ROOM : SCENE_SKY, 97, 54, 0);
-    s.config.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
+    s.config.inputs.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
     if (i == 1) {
-      s.config.reprojection = HBIL_REPROJECTION_MOTION;
-      s.config.far_field = HBIL_FAR_FRAME;
-      s.config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+      s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
+      s.config.model.far_field = HBIL_FAR_FRAME;
+      s.config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
     }
     if (i == 2) {
-      s.config.vector_width = 1;
-      s.config.disocclusion_threshold = 0.3f;
-      s.config.far_field = HBIL_FAR_SH;
+      s.config.execution.vector_width = 1;
+      s.config.history.disocclusion_threshold = 0.3f;
+      s.config.model.far_field = HBIL_FAR_SH;
       for (int k = 0; k < 9; ++k)
         s.frame.environment[k][k % 3] = 1.0f / (float)(1 + k);
     }
@@ -105,7 +105,7 @@ static void start_small(setup *s, device_fixture *d) {
   setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   s->device = d;
   setup_all_outputs(s);
-  s->config.far_field = HBIL_FAR_SH;
+  s->config.model.far_field = HBIL_FAR_SH;
   s->frame.environment[0][1] = 1.0f;
   setup_start(s);
 }
@@ -383,7 +383,7 @@ static void timings_are_told_pass_by_pass(void **state) {
   assert_int_equal(error, CL_SUCCESS);
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   s.device = &profiled;
-  s.config.profiling = CL_TRUE;
+  s.config.execution.profiling = CL_TRUE;
   setup_all_outputs(&s);
   setup_start(&s);
   setup_run(&s, hbil_enqueue_frame);
@@ -391,7 +391,7 @@ static void timings_are_told_pass_by_pass(void **state) {
   assert_true(ms[HBIL_PASS_REPROJECT] == 0.0 && ms[HBIL_PASS_PUSH_PULL] == 0.0);
   setup_run(&s, hbil_enqueue_frame);
   assert_success(&s, hbil_plan_timings(s.plan, ms));
-  /* without max_history_frames there is no temporal pass */
+  /* without max_frames there is no temporal pass */
   for (int i = 0; i < HBIL_PASS_COUNT; ++i)
     assert_true(i == HBIL_PASS_TEMPORAL ? ms[i] == 0.0
                                         : ms[i] > 0.0 && ms[i] < 1e5);

@@ -141,13 +141,13 @@ static const settings table[] = {{1,
                                   CL_FALSE}};
 
 static void apply(const settings *t, hbil_config *c) {
-  c->slices = t->slices;
-  c->steps_per_side = t->samples;
-  c->sample_grid = t->grid;
-  c->radius = t->radius;
-  memcpy(c->facing_fade, t->facing, sizeof(t->facing));
-  c->back_facing_fallback = t->fallback;
-  c->extrapolate = !t->plain;
+  c->sampling.slices = t->slices;
+  c->sampling.steps_per_side = t->samples;
+  c->sampling.sample_grid = t->grid;
+  c->model.radius = t->radius;
+  memcpy(c->model.facing_fade, t->facing, sizeof(t->facing));
+  c->model.back_facing_fallback = t->fallback;
+  c->model.extrapolate = !t->plain;
 }
 
 static void every_setting_matches(void **state) {
@@ -168,8 +168,8 @@ static void every_vector_width_matches(void **state) {
   for (int i = 0; i < 8; ++i) {
     setup s;
     setup_scene(&s, SCENE_ROOM, 77, 45, 0);
-    s.config.vector_width = widths[i / 2];
-    s.config.radius = i & 1 ? 1.0f : INFINITY;
+    s.config.execution.vector_width = widths[i / 2];
+    s.config.model.radius = i & 1 ? 1.0f : INFINITY;
     check_gather(&s);
   }
 }
@@ -178,7 +178,7 @@ static void half_float_depth_matches(void **state) {
   setup s;
   (void)state;
   setup_scene(&s, SCENE_ROOM, 97, 54, 0);
-  s.config.depth.component = HBIL_FLOAT16;
+  s.config.inputs.depth.component = HBIL_FLOAT16;
   check_gather(&s);
 }
 
@@ -188,14 +188,14 @@ static void equal_and_growing_steps_match(void **state) {
   for (int i = 0; i < 2; ++i) {
     setup s;
     setup_scene(&s, SCENE_SKY, 64, 37, 0);
-    s.config.step_growth = growth[i];
+    s.config.sampling.step_growth = growth[i];
     check_gather(&s);
   }
 }
 
 static void set_thickness(setup *s, float units, float share) {
-  s->config.thickness = units;
-  s->config.relative_thickness = share;
+  s->config.model.thickness = units;
+  s->config.model.relative_thickness = share;
 }
 
 static void occluders_as_thick_as_they_are_told_match(void **state) {
@@ -206,10 +206,10 @@ static void occluders_as_thick_as_they_are_told_match(void **state) {
     setup s;
     setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, 97, 54, 0);
     set_thickness(&s, thickness[i / 2][0], thickness[i / 2][1]);
-    s.config.vector_width = i & 2 ? 1 : 8;
-    s.config.slices = 1 + (cl_uint)i % 3;
-    s.config.radius = i == 5 ? 1.0f : INFINITY;
-    s.config.back_facing_fallback =
+    s.config.execution.vector_width = i & 2 ? 1 : 8;
+    s.config.sampling.slices = 1 + (cl_uint)i % 3;
+    s.config.model.radius = i == 5 ? 1.0f : INFINITY;
+    s.config.model.back_facing_fallback =
         i & 4 ? HBIL_FALLBACK_BLACK : HBIL_FALLBACK_LAST_ACCEPTED;
     check_gather(&s);
   }
@@ -256,10 +256,10 @@ static void orthographic_views_match(void **state) {
     setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, 97, 54, 0);
     setup_flatten(&s, i & 2 ? 6.0 : 60.0);
     apply(t, &s.config);
-    s.config.vector_width = i % 3 ? 8 : 1;
+    s.config.execution.vector_width = i % 3 ? 8 : 1;
     if (i >= 6)
       set_thickness(&s, i & 1 ? 0.1f : INFINITY, i & 2 ? 0.02f : INFINITY);
-    s.config.depth_kind = i & 4 ? HBIL_DEPTH_RAY : HBIL_DEPTH_PLANAR;
+    s.config.inputs.depth_kind = i & 4 ? HBIL_DEPTH_RAY : HBIL_DEPTH_PLANAR;
     check_gather(&s);
   }
 }
@@ -277,8 +277,8 @@ static void far_views_become_orthographic(void **state) {
   setup s;
   (void)state;
   setup_init(&s, W, H);
-  s.config.slices = 4;
-  s.config.steps_per_side = 16;
+  s.config.sampling.slices = 4;
+  s.config.sampling.steps_per_side = 16;
   for (int y = 0; y < H; ++y)
     for (int x = 0; x < W; ++x) {
       double n[3] = {random_unit(&r) - 0.5, random_unit(&r) - 0.5, -1.0};
@@ -295,7 +295,7 @@ static void far_views_become_orthographic(void **state) {
     s.job.config = &s.config;
     s.job.camera = s.frame.camera;
     if (far) {
-      s.config.projection = HBIL_PROJECTION_PERSPECTIVE;
+      s.config.inputs.projection = HBIL_PROJECTION_PERSPECTIVE;
       s.job.camera.fx *= away;
       s.job.camera.fy *= away;
       for (int i = 0; i < W * H; ++i)
@@ -346,11 +346,12 @@ static void check_furnace(scene_kind kind, cl_uint slices, float radius,
   exact_planes got;
   double worst = 0.0;
   setup_scene(&s, kind, 97, 54, 0);
-  s.config.albedo.component = s.config.emission.component = HBIL_NONE;
-  s.config.direct_scale = (float)PI;
-  s.config.slices = slices;
-  s.config.radius = radius;
-  s.config.facing_fade[0] = s.config.facing_fade[1] = -1.0f;
+  s.config.inputs.albedo.component = s.config.inputs.emission.component =
+      HBIL_NONE;
+  s.config.inputs.direct_scale = (float)PI;
+  s.config.sampling.slices = slices;
+  s.config.model.radius = radius;
+  s.config.model.facing_fade[0] = s.config.model.facing_fade[1] = -1.0f;
   set_thickness(&s, thickness, INFINITY);
   for (int c = 0; c < 3; ++c)
     setup_fill(&s, EXACT_DIRECT + c, 1.0f);

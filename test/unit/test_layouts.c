@@ -44,7 +44,7 @@ static void reads_blender(void **state) {
     for (size_t i = 0; i < PIXELS; i++)
       for (size_t c = 0; c < 2; c++)
         assert_true(gbuffer_plane(&r.g, ROLE_MOTION, c)[i] *
-                        r.config.motion_scale[c] ==
+                        r.config.inputs.motion_scale[c] ==
                     d.s.motion[c][i]);
     assert_true(r.check.positions < 1e-5);
     assert_no_findings(&r);

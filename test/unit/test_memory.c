@@ -18,31 +18,35 @@ typedef struct variant {
     statement;                                                                 \
   }
 VARIANT(as_it_is, (void)c)
-VARIANT(packed, c->storage = HBIL_STORAGE_PACKED)
-VARIANT(no_history, c->reprojection = HBIL_REPROJECTION_NONE)
-VARIANT(packed_frame, (c->storage = HBIL_STORAGE_PACKED,
-                       c->back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN,
-                       c->far_field = HBIL_FAR_FRAME))
-VARIANT(motion, c->reprojection = HBIL_REPROJECTION_MOTION)
-VARIANT(radiance_carried, c->feedback = HBIL_FEEDBACK_RADIANCE)
-VARIANT(fallback_black, c->back_facing_fallback = HBIL_FALLBACK_BLACK)
-VARIANT(fallback_frame_mean, c->back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN)
-VARIANT(all_accepted, (c->back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN,
-                       c->facing_fade[0] = c->facing_fade[1] = -1.0f))
-VARIANT(far_constant, c->far_field = HBIL_FAR_CONSTANT)
-VARIANT(far_sh, c->far_field = HBIL_FAR_SH)
-VARIANT(far_frame, c->far_field = HBIL_FAR_FRAME)
-VARIANT(radius, c->radius = 1.5f)
-VARIANT(many_samples, (c->slices = 7, c->steps_per_side = 33))
+VARIANT(packed, c->sampling.storage = HBIL_STORAGE_PACKED)
+VARIANT(no_history, c->history.reprojection = HBIL_REPROJECTION_NONE)
+VARIANT(packed_frame, (c->sampling.storage = HBIL_STORAGE_PACKED,
+                       c->model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN,
+                       c->model.far_field = HBIL_FAR_FRAME))
+VARIANT(motion, c->history.reprojection = HBIL_REPROJECTION_MOTION)
+VARIANT(radiance_carried, c->model.feedback = HBIL_FEEDBACK_RADIANCE)
+VARIANT(fallback_black, c->model.back_facing_fallback = HBIL_FALLBACK_BLACK)
+VARIANT(fallback_frame_mean,
+        c->model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN)
+VARIANT(all_accepted,
+        (c->model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN,
+         c->model.facing_fade[0] = c->model.facing_fade[1] = -1.0f))
+VARIANT(far_constant, c->model.far_field = HBIL_FAR_CONSTANT)
+VARIANT(far_sh, c->model.far_field = HBIL_FAR_SH)
+VARIANT(far_frame, c->model.far_field = HBIL_FAR_FRAME)
+VARIANT(radius, c->model.radius = 1.5f)
+VARIANT(many_samples, (c->sampling.slices = 7, c->sampling.steps_per_side = 33))
 VARIANT(one_unfiltered_sample,
-        (c->slices = c->steps_per_side = 1, c->unfiltered = CL_TRUE,
-         c->sample_grid = HBIL_GRID_SAME_LAYER))
-VARIANT(whole_horizon_cache,
-        (c->horizon_cache_bytes = SIZE_MAX, c->steps_per_side = 3))
-VARIANT(small_horizon_cache,
-        (c->horizon_cache_bytes = 1 << 16, c->steps_per_side = 1))
-VARIANT(thick_in_ones, (c->thickness = 0.2f, c->relative_thickness = 0.08f,
-                        c->vector_width = 1, c->profiling = CL_TRUE))
+        (c->sampling.slices = c->sampling.steps_per_side = 1,
+         c->sampling.unfiltered = CL_TRUE,
+         c->sampling.sample_grid = HBIL_GRID_SAME_LAYER))
+VARIANT(whole_horizon_cache, (c->execution.horizon_cache_bytes = SIZE_MAX,
+                              c->sampling.steps_per_side = 3))
+VARIANT(small_horizon_cache, (c->execution.horizon_cache_bytes = 1 << 16,
+                              c->sampling.steps_per_side = 1))
+VARIANT(thick_in_ones,
+        (c->model.thickness = 0.2f, c->model.relative_thickness = 0.08f,
+         c->execution.vector_width = 1, c->execution.profiling = CL_TRUE))
 
 /* The first COMMON_VARIANTS are tried with every set of outputs, the others
  * with all outputs alone: each plan's kernels are compiled. */
@@ -76,32 +80,32 @@ static void no_outputs(hbil_config *c) {
 
 static void ao_alone(hbil_config *c) {
   no_outputs(c);
-  c->ao = one_float;
+  c->outputs.ao = one_float;
 }
 
 static void ao_and_bent(hbil_config *c) {
   ao_alone(c);
-  c->bent_normal = (hbil_plane_format){HBIL_FLOAT16, 3};
+  c->outputs.bent_normal = (hbil_plane_format){HBIL_FLOAT16, 3};
 }
 
 static void light_alone(hbil_config *c) {
   no_outputs(c);
-  c->near_irradiance = (hbil_plane_format){HBIL_FLOAT16, 4};
+  c->outputs.near_irradiance = (hbil_plane_format){HBIL_FLOAT16, 4};
 }
 
 static void far_alone(hbil_config *c) {
   no_outputs(c);
-  c->far_irradiance = one_float;
+  c->outputs.far_irradiance = one_float;
 }
 
 static void gtao(hbil_config *c) {
   ao_and_bent(c);
-  c->mode = HBIL_MODE_GTAO;
+  c->model.mode = HBIL_MODE_GTAO;
 }
 
 static void hbao(hbil_config *c) {
   ao_alone(c);
-  c->mode = HBIL_MODE_HBAO;
+  c->model.mode = HBIL_MODE_HBAO;
 }
 
 static const variant outputs[] = {
@@ -181,9 +185,9 @@ static void every_size_takes_the_announced_memory(void **state) {
 /* The tool's model, which needs every pass and every buffer. */
 static void use_everything(setup *s) {
   prepare(s, 64, 36);
-  s->config.relative_thickness = 0.08f;
-  s->config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-  s->config.far_field = HBIL_FAR_FRAME;
+  s->config.model.relative_thickness = 0.08f;
+  s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  s->config.model.far_field = HBIL_FAR_FRAME;
 }
 
 static void frames_create_no_buffers(void **state) {
@@ -248,14 +252,14 @@ static void padding_is_at_most_a_quarter(void **state) {
   (void)state;
   prepare(&s, 1280, 720);
   check_planes(&s.config, (plane_counts){4, 4, 2, 7, 7, 7});
-  s.config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-  s.config.far_field = HBIL_FAR_FRAME;
-  s.config.steps_per_side = 48;
+  s.config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  s.config.model.far_field = HBIL_FAR_FRAME;
+  s.config.sampling.steps_per_side = 48;
   check_planes(&s.config, (plane_counts){4, 4, 2, 7, 8, 7});
-  s.config.reprojection = HBIL_REPROJECTION_NONE;
+  s.config.history.reprojection = HBIL_REPROJECTION_NONE;
   check_planes(&s.config, (plane_counts){0, 0, 0, 7, 8, 7});
   ao_alone(&s.config);
-  s.config.far_field = HBIL_FAR_NONE;
+  s.config.model.far_field = HBIL_FAR_NONE;
   check_planes(&s.config, (plane_counts){0, 0, 0, 4, 1, 1});
   setup_free(&s);
 }
@@ -264,14 +268,14 @@ static void packed_padding_is_at_most_a_quarter(void **state) {
   setup s;
   (void)state;
   prepare(&s, 1280, 720);
-  s.config.storage = HBIL_STORAGE_PACKED;
+  s.config.sampling.storage = HBIL_STORAGE_PACKED;
   check_planes(&s.config, (plane_counts){4, 4, 2, 3, 3, 7});
-  s.config.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-  s.config.far_field = HBIL_FAR_FRAME;
-  s.config.reprojection = HBIL_REPROJECTION_NONE;
+  s.config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  s.config.model.far_field = HBIL_FAR_FRAME;
+  s.config.history.reprojection = HBIL_REPROJECTION_NONE;
   check_planes(&s.config, (plane_counts){0, 0, 0, 3, 3, 7});
   ao_alone(&s.config);
-  s.config.far_field = HBIL_FAR_NONE;
+  s.config.model.far_field = HBIL_FAR_NONE;
   check_planes(&s.config, (plane_counts){0, 0, 0, 2, 1, 1});
   setup_free(&s);
 }

@@ -33,7 +33,7 @@ static void forget_moved_sectors(exact_planes *got, const exact_planes *want) {
 }
 
 static bool has_sectors(const hbil_config *c) {
-  return !isinf(c->thickness) || !isinf(c->relative_thickness);
+  return !isinf(c->model.thickness) || !isinf(c->model.relative_thickness);
 }
 
 static void check_kernel(setup *s) {
@@ -44,7 +44,7 @@ static void check_kernel(setup *s) {
   if (has_sectors(&s->config))
     forget_moved_sectors(&got, &want);
   check_at_most("AO", relative_rmse(&got, &want, HBIL_LIGHT_AO, 1), AO_LIMIT);
-  if (s->config.mode != HBIL_MODE_HBAO)
+  if (s->config.model.mode != HBIL_MODE_HBAO)
     check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3),
                   has_sectors(&s->config) ? SECTORS_BENT_LIMIT : BENT_LIMIT);
   exact_planes_free(&got);
@@ -60,12 +60,12 @@ static void check_view(hbil_mode mode, hbil_falloff falloff, int i) {
   setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, 97, 54, 0);
   setup_load_view(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, fov[i % 4], 0);
   setup_mode(&s, mode);
-  s.config.falloff = falloff;
-  s.config.radius = radii[i % 3];
-  s.config.vector_width = widths[i / 3 % 4];
-  s.config.slices = 1 + (cl_uint)i % 3;
-  s.config.steps_per_side = i & 2 ? 8 : 21;
-  s.config.sample_grid =
+  s.config.model.falloff = falloff;
+  s.config.model.radius = radii[i % 3];
+  s.config.execution.vector_width = widths[i / 3 % 4];
+  s.config.sampling.slices = 1 + (cl_uint)i % 3;
+  s.config.sampling.steps_per_side = i & 2 ? 8 : 21;
+  s.config.sampling.sample_grid =
       i & 4 ? HBIL_GRID_SAME_LAYER : HBIL_GRID_FULL_RESOLUTION;
   s.frame.frame_index = (cl_uint)i;
   check_kernel(&s);
@@ -93,11 +93,11 @@ static void finite_occluders_match(void **state) {
     setup s;
     setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, 97, 54, 0);
     setup_mode(&s, i & 2 ? HBIL_MODE_GTAO : HBIL_MODE_HBAO);
-    s.config.thickness = thickness[i % 3][0];
-    s.config.relative_thickness = thickness[i % 3][1];
-    s.config.radius = i & 4 ? 1.0f : INFINITY;
-    s.config.falloff = (hbil_falloff)(i / 4);
-    s.config.vector_width = i & 8 ? 1 : 8;
+    s.config.model.thickness = thickness[i % 3][0];
+    s.config.model.relative_thickness = thickness[i % 3][1];
+    s.config.model.radius = i & 4 ? 1.0f : INFINITY;
+    s.config.model.falloff = (hbil_falloff)(i / 4);
+    s.config.execution.vector_width = i & 8 ? 1 : 8;
     check_kernel(&s);
   }
 }
@@ -108,17 +108,17 @@ static void half_float_depth_matches(void **state) {
     setup s;
     setup_scene(&s, SCENE_ROOM, 97, 54, 0);
     setup_mode(&s, i ? HBIL_MODE_HBAO : HBIL_MODE_GTAO);
-    s.config.depth.component = HBIL_FLOAT16;
+    s.config.inputs.depth.component = HBIL_FLOAT16;
     check_kernel(&s);
   }
 }
 
 /* Every output that a mode has. */
 static void set_outputs(setup *s, hbil_mode mode) {
-  s->config.far_irradiance = s->config.indirect = s->config.beauty =
-      three_floats;
-  s->config.ao = s->config.cone_cosine = one_float;
-  s->config.bent_normal = three_floats;
+  s->config.outputs.far_irradiance = s->config.outputs.indirect =
+      s->config.outputs.beauty = three_floats;
+  s->config.outputs.ao = s->config.outputs.cone_cosine = one_float;
+  s->config.outputs.bent_normal = three_floats;
   setup_mode(s, mode);
 }
 
@@ -130,9 +130,9 @@ static void check_frames(hbil_mode mode, hbil_far_field far_field,
   setup_scene(&s, SCENE_SKY, 97, 54, 0);
   checked_state(&expected, 97, 54);
   set_outputs(&s, mode);
-  s.config.far_field = far_field;
-  s.config.feedback = feedback;
-  s.config.back_facing_fallback =
+  s.config.model.far_field = far_field;
+  s.config.model.feedback = feedback;
+  s.config.model.back_facing_fallback =
       HBIL_FALLBACK_FRAME_MEAN; /* has no effect without light */
   for (int i = 0; i < (far_field == HBIL_FAR_SH ? 9 : 1); ++i)
     for (int c = 0; c < 3; ++c)
@@ -174,10 +174,10 @@ static hbil_config ao_alone(hbil_mode mode) {
   hbil_config c;
   hbil_config_init(&c);
   c.width = c.height = 16;
-  c.depth = c.ao = one_float;
-  c.normal = three_floats;
-  c.mode = mode;
-  c.far_field = HBIL_FAR_NONE;
+  c.inputs.depth = c.outputs.ao = one_float;
+  c.inputs.normal = three_floats;
+  c.model.mode = mode;
+  c.model.far_field = HBIL_FAR_NONE;
   return c;
 }
 
@@ -185,10 +185,10 @@ static void outputs_without_meaning_are_rejected(void **state) {
   (void)state;
   for (hbil_mode mode = HBIL_MODE_GTAO; mode <= HBIL_MODE_HBAO; ++mode) {
     hbil_config c = ao_alone(mode);
-    c.near_irradiance = three_floats;
+    c.outputs.near_irradiance = three_floats;
     assert_rejected(&c, "near_irradiance");
     c = ao_alone(mode);
-    c.far_field = HBIL_FAR_FRAME;
+    c.model.far_field = HBIL_FAR_FRAME;
     assert_rejected(&c, "far_field");
   }
 }
@@ -196,14 +196,14 @@ static void outputs_without_meaning_are_rejected(void **state) {
 static void hbao_without_bent_cone_is_rejected(void **state) {
   hbil_config c = ao_alone(HBIL_MODE_HBAO);
   (void)state;
-  c.bent_normal = three_floats;
+  c.outputs.bent_normal = three_floats;
   assert_rejected(&c, "bent_normal");
   c = ao_alone(HBIL_MODE_HBAO);
-  c.cone_cosine = one_float;
+  c.outputs.cone_cosine = one_float;
   assert_rejected(&c, "cone_cosine");
   c = ao_alone(HBIL_MODE_HBAO);
-  c.far_field = HBIL_FAR_SH;
-  c.far_irradiance = three_floats;
+  c.model.far_field = HBIL_FAR_SH;
+  c.outputs.far_irradiance = three_floats;
   assert_rejected(&c, "far_field");
 }
 
@@ -212,7 +212,7 @@ static void unknown_modes_and_falloffs_are_rejected(void **state) {
   (void)state;
   assert_rejected(&c, "mode");
   c = ao_alone(HBIL_MODE_HBAO);
-  c.falloff = (hbil_falloff)3;
+  c.model.falloff = (hbil_falloff)3;
   assert_rejected(&c, "falloff");
 }
 
@@ -222,7 +222,7 @@ static void everything_that_a_mode_has_is_accepted(void **state) {
     setup s;
     setup_init(&s, 16, 16);
     set_outputs(&s, i ? HBIL_MODE_HBAO : HBIL_MODE_GTAO);
-    s.config.far_field = i ? HBIL_FAR_CONSTANT : HBIL_FAR_SH;
+    s.config.model.far_field = i ? HBIL_FAR_CONSTANT : HBIL_FAR_SH;
     setup_start(&s); /* must succeed */
     setup_free(&s);
   }

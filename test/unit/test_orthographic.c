@@ -49,7 +49,7 @@ static void options_choose_the_lens(void **state) {
   dump_write(&d);
   d.options.fov = 60;
   reading r = dump_read(&d);
-  assert_int_equal(r.config.projection, HBIL_PROJECTION_PERSPECTIVE);
+  assert_int_equal(r.config.inputs.projection, HBIL_PROJECTION_PERSPECTIVE);
   assert_true(fabs(r.map.camera.fx - 0.5 * WIDTH / tan(PI / 6)) < 1e-9);
   assert_true(r.check.found.count > 0);
   reading_free(&r);

@@ -72,7 +72,7 @@ static void fill(gbuffer *g, role r, bool surfaces, float value) {
 static bool gathers(gbuffer *g, hbil_config *config, const hbil_camera *camera,
                     const char **reason) {
   emission_choose(g, camera, config, reason);
-  return config->gather_emission != 0;
+  return config->model.gather_emission != 0;
 }
 
 static void lamps_in_direct_light_are_not_gathered(void **state) {
@@ -192,7 +192,7 @@ static void parallel_rays_see_patches_of_one_size(void **state) {
     hbil_camera camera;
     const char *reason;
     gbuffer g = valley(shares[i], &config, &camera);
-    assert_int_equal(config.projection, HBIL_PROJECTION_ORTHOGRAPHIC);
+    assert_int_equal(config.inputs.projection, HBIL_PROJECTION_ORTHOGRAPHIC);
     assert_int_equal(gathers(&g, &config, &camera, &reason), i == 0);
     gbuffer_free(&g);
   }
@@ -214,7 +214,7 @@ static hbil_far_field under(float sky, float direct, float environment[9][3]) {
   far_field_choose(&g, &config, environment, &reason);
   assert_non_null(reason);
   gbuffer_free(&g);
-  return config.far_field;
+  return config.model.far_field;
 }
 
 static void a_sky_in_direct_light_is_told_to_the_estimate(void **state) {

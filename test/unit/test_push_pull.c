@@ -12,8 +12,8 @@ static const int sizes[][2] = {{1, 1},   {3, 5},  {17, 31},
 /* A plan that has a history, so that the pass runs. */
 static void start(setup *s, const int size[2]) {
   setup_scene(s, SCENE_ROOM, size[0], size[1], 0);
-  s->config.slices = 1;
-  s->config.steps_per_side = 1;
+  s->config.sampling.slices = 1;
+  s->config.sampling.steps_per_side = 1;
   setup_start(s);
   setup_run(s, hbil_enqueue_frame);
   setup_run(s, hbil_enqueue_reproject);

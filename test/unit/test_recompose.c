@@ -30,8 +30,8 @@ static void check_recompose(scene_kind kind, int width, int height, bool raw,
   setup s;
   exact_planes split, light, got, want;
   setup_scene(&s, kind, width, height, 0);
-  s.config.unfiltered = raw;
-  s.config.slices = slices;
+  s.config.sampling.unfiltered = raw;
+  s.config.sampling.slices = slices;
   setup_start(&s);
   setup_run(&s, hbil_enqueue_split);
   light = plant_light(&s);
@@ -87,7 +87,7 @@ static void check_even_light(cl_uint slices) {
   random_state r = {23};
   exact_planes light, got;
   setup_scene(&s, SCENE_ROOM, 64, 37, 0);
-  s.config.slices = slices;
+  s.config.sampling.slices = slices;
   setup_start(&s);
   setup_run(&s, hbil_enqueue_split);
   light = checked_planes(64, 37, HBIL_GATHERED_PLANES);

@@ -22,10 +22,10 @@ static const int sizes[][2] = {{1, 1}, {3, 5}, {17, 31}, {64, 36}};
 static void prepare(setup *s, scene_kind kind, const int size[2],
                     hbil_reprojection reprojection) {
   setup_scene(s, kind, size[0], size[1], 0);
-  s->config.reprojection = reprojection;
-  s->config.vector_width = tested;
-  s->config.slices = 1;
-  s->config.steps_per_side = 2;
+  s->config.history.reprojection = reprojection;
+  s->config.execution.vector_width = tested;
+  s->config.sampling.slices = 1;
+  s->config.sampling.steps_per_side = 2;
 }
 
 /* Frame 0 done, another one uploaded. */
@@ -119,7 +119,7 @@ static void scatter_matches_where_the_camera_rolls(void **state) {
   setup s;
   (void)state;
   prepare(&s, SCENE_ROOM, size, HBIL_REPROJECTION_SCATTER);
-  s.config.disocclusion_threshold = INFINITY;
+  s.config.history.disocclusion_threshold = INFINITY;
   advance(&s, SCENE_ROOM, 0);
   double *m = s.frame.camera.world_from_view;
   for (int row = 0; row < 3; ++row) {
@@ -154,10 +154,10 @@ static void other_settings_match(void **state) {
     setup s;
     prepare(&s, SCENE_ROOM, sizes[2],
             i & 1 ? HBIL_REPROJECTION_MOTION : HBIL_REPROJECTION_SCATTER);
-    s.config.disocclusion_threshold = i & 2 ? INFINITY : 0.01f;
-    s.config.depth_kind = i & 2 ? HBIL_DEPTH_PLANAR : HBIL_DEPTH_RAY;
-    s.config.motion_scale[0] = -0.75f;
-    s.config.sky_depth = 1e3f;
+    s.config.history.disocclusion_threshold = i & 2 ? INFINITY : 0.01f;
+    s.config.inputs.depth_kind = i & 2 ? HBIL_DEPTH_PLANAR : HBIL_DEPTH_RAY;
+    s.config.inputs.motion_scale[0] = -0.75f;
+    s.config.inputs.sky_depth = 1e3f;
     advance(&s, SCENE_ROOM, 1);
     check(&s, 0.0, 1);
   }
@@ -170,7 +170,7 @@ static void many_sources_on_one_pixel_are_settled_alike(void **state) {
   exact_planes history;
   (void)state;
   prepare(&s, SCENE_ROOM, sizes[3], HBIL_REPROJECTION_SCATTER);
-  s.config.disocclusion_threshold = INFINITY;
+  s.config.history.disocclusion_threshold = INFINITY;
   advance(&s, SCENE_ROOM, 1);
   setup_camera(&s, 150.0); /* the old image shrinks into the middle */
   s.job.camera = s.frame.camera;
@@ -198,7 +198,7 @@ static void wild_motion_is_followed_or_dropped(void **state) {
   int pixels = sizes[3][0] * sizes[3][1];
   (void)state;
   prepare(&s, SCENE_ROOM, sizes[3], HBIL_REPROJECTION_MOTION);
-  s.config.disocclusion_threshold = 0.5f;
+  s.config.history.disocclusion_threshold = 0.5f;
   advance(&s, SCENE_ROOM, 0);
   for (int i = 0; i < pixels; ++i)
     for (int c = 0; c < 2; ++c)

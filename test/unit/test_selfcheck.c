@@ -155,7 +155,7 @@ static void finds_a_radius_of_other_units(void **state) {
                {100.0f, "larger than all that is seen"},
                {0.001f, "less than a pixel"}};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-    r.config.radius = cases[i].radius;
+    r.config.model.radius = cases[i].radius;
     frame_check_run(&r.g, &r.config, &r.map.camera, &r.check);
     assert_int_equal(r.check.found.count, cases[i].text != NULL);
     if (cases[i].text)
@@ -291,7 +291,7 @@ static void distant_cameras_have_no_findings(void **state) {
     }
     dump_write(&d);
     reading r = dump_read(&d);
-    r.config.radius = 0.05f;
+    r.config.model.radius = 0.05f;
     frame_check_run(&r.g, &r.config, &r.map.camera, &r.check);
     assert_no_findings(&r);
     reading_free(&r);

@@ -62,7 +62,7 @@ static void half_float_inputs_match(void **state) {
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   for (plane_id id = 0; id < PLANE_FIRST_OUTPUT; ++id)
     plane_format(&s.config, id)->component = HBIL_FLOAT16;
-  s.config.f0.component = HBIL_NONE;
+  s.config.inputs.f0.component = HBIL_NONE;
   check_split(&s, NORMAL_LIMIT);
 }
 
@@ -70,8 +70,9 @@ static void interleaved_rgba_inputs_match(void **state) {
   setup s;
   (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  s.config.normal = s.config.albedo = s.config.direct = rgba32;
-  s.config.depth.stride = 4;
+  s.config.inputs.normal = s.config.inputs.albedo = s.config.inputs.direct =
+      rgba32;
+  s.config.inputs.depth.stride = 4;
   check_split(&s, NORMAL_LIMIT);
 }
 
@@ -79,8 +80,8 @@ static void planar_inputs_with_pitches_and_offsets_match(void **state) {
   setup s;
   (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  s.config.normal.stride = s.config.emission.stride = 1;
-  s.config.albedo = s.config.direct = planar16;
+  s.config.inputs.normal.stride = s.config.inputs.emission.stride = 1;
+  s.config.inputs.albedo = s.config.inputs.direct = planar16;
   for (plane_id id = 0; id < PLANE_FIRST_OUTPUT; ++id) {
     plane_layout layout = {5 + (size_t)id, 3 + (size_t)id, 7};
     if (plane_channels(id) == 1 || plane_format(&s.config, id)->stride != 1)
@@ -105,7 +106,7 @@ static void unorm8_albedo_and_f0_match(void **state) {
   hbil_plane_format unorm = {HBIL_UNORM8, 4};
   (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  s.config.albedo = s.config.f0 = unorm;
+  s.config.inputs.albedo = s.config.inputs.f0 = unorm;
   for (int c = 0; c < 3; ++c)
     for (int i = 0; i < WIDTH * HEIGHT; ++i)
       s.input[EXACT_F0 + c][i] = (float)random_unit(&r);
@@ -116,8 +117,8 @@ static void ray_distances_match(void **state) {
   setup s;
   (void)state;
   setup_scene(&s, SCENE_SKY, WIDTH, HEIGHT, 0);
-  s.config.depth_kind = HBIL_DEPTH_RAY;
-  s.config.sky_depth = 20.0f;
+  s.config.inputs.depth_kind = HBIL_DEPTH_RAY;
+  s.config.inputs.sky_depth = 20.0f;
   check_split(&s, NORMAL_LIMIT);
 }
 
@@ -126,7 +127,7 @@ static void view_space_normals_match(void **state) {
   random_state r = {21};
   (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  s.config.normal_space = HBIL_SPACE_VIEW;
+  s.config.inputs.normal_space = HBIL_SPACE_VIEW;
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
     s.input[EXACT_NORMAL][i] = (float)(random_unit(&r) - 0.5);
     s.input[EXACT_NORMAL + 1][i] = (float)(random_unit(&r) - 0.5);
@@ -139,14 +140,14 @@ static void optional_inputs_may_be_absent(void **state) {
   setup s;
   (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  s.config.albedo.component = HBIL_NONE;
-  s.config.emission.component = HBIL_NONE;
-  s.config.motion.component = HBIL_NONE;
-  s.config.direct_scale = 2.5f;
+  s.config.inputs.albedo.component = HBIL_NONE;
+  s.config.inputs.emission.component = HBIL_NONE;
+  s.config.inputs.motion.component = HBIL_NONE;
+  s.config.inputs.direct_scale = 2.5f;
   check_split(&s, NORMAL_LIMIT);
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  s.config.direct.component = HBIL_NONE;
-  s.config.gather_emission = CL_FALSE;
+  s.config.inputs.direct.component = HBIL_NONE;
+  s.config.model.gather_emission = CL_FALSE;
   check_split(&s, NORMAL_LIMIT);
 }
 
@@ -167,7 +168,7 @@ static void odd_values_are_handled_as_specified(void **state) {
   setup s;
   (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  s.config.f0 = rgba32;
+  s.config.inputs.f0 = rgba32;
   spoil_inputs(&s);
   check_split(&s, NORMAL_LIMIT);
 }
@@ -191,7 +192,7 @@ static void carried_light_takes_part(void **state) {
     setup s;
     exact_planes carried, got, want;
     setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-    s.config.feedback = (hbil_feedback)feedback;
+    s.config.model.feedback = (hbil_feedback)feedback;
     setup_start(&s);
     setup_run(&s, hbil_enqueue_frame); /* there is a history from here on */
     carried = checked_planes(WIDTH, HEIGHT, 4);

@@ -50,21 +50,25 @@ static void defaults_are_those_of_the_header(void **state) {
   hbil_config_init(&c);
   assert_int_equal(c.struct_size, sizeof(c));
   assert_true(c.width == 0 && c.height == 0);
-  assert_true(c.depth.component == HBIL_NONE);
-  assert_true(isinf(c.sky_depth) && isinf(c.radius));
-  assert_true(c.direct_scale == 1.0f);
-  assert_true(c.slices == 2 && c.steps_per_side == 48 && c.step_growth == 2.0f);
-  assert_true(c.sample_grid == HBIL_GRID_FULL_RESOLUTION);
-  assert_true(isinf(c.thickness) && c.relative_thickness == 0.08f);
-  assert_true(c.facing_fade[0] == -1.0f && c.facing_fade[1] == -1.0f);
-  assert_true(c.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN);
-  assert_true(c.gather_emission == CL_TRUE && c.extrapolate == CL_TRUE);
-  assert_true(c.reprojection == HBIL_REPROJECTION_SCATTER);
-  assert_true(c.feedback == HBIL_FEEDBACK_IRRADIANCE);
-  assert_true(c.disocclusion_threshold == 0.05f);
-  assert_true(c.far_field == HBIL_FAR_NONE);
-  assert_true(!c.unfiltered && c.vector_width == 0 && !c.profiling);
-  assert_true(c.storage == HBIL_STORAGE_PACKED);
+  assert_true(c.inputs.depth.component == HBIL_NONE);
+  assert_true(isinf(c.inputs.sky_depth) && isinf(c.model.radius));
+  assert_true(c.inputs.direct_scale == 1.0f);
+  assert_true(c.sampling.slices == 2 && c.sampling.steps_per_side == 48 &&
+              c.sampling.step_growth == 2.0f);
+  assert_true(c.sampling.sample_grid == HBIL_GRID_FULL_RESOLUTION);
+  assert_true(isinf(c.model.thickness) && c.model.relative_thickness == 0.08f);
+  assert_true(c.model.facing_fade[0] == -1.0f &&
+              c.model.facing_fade[1] == -1.0f);
+  assert_true(c.model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN);
+  assert_true(c.model.gather_emission == CL_TRUE &&
+              c.model.extrapolate == CL_TRUE);
+  assert_true(c.history.reprojection == HBIL_REPROJECTION_SCATTER);
+  assert_true(c.model.feedback == HBIL_FEEDBACK_IRRADIANCE);
+  assert_true(c.history.disocclusion_threshold == 0.05f);
+  assert_true(c.model.far_field == HBIL_FAR_NONE);
+  assert_true(!c.sampling.unfiltered && c.execution.vector_width == 0 &&
+              !c.execution.profiling);
+  assert_true(c.sampling.storage == HBIL_STORAGE_PACKED);
 }
 
 static void models_set_what_the_header_says(void **state) {
@@ -72,19 +76,22 @@ static void models_set_what_the_header_says(void **state) {
   (void)state;
   hbil_config_init(&paper);
   hbil_config_init(&again);
-  assert_int_equal(hbil_config_set_model(&paper, HBIL_MODEL_PAPER),
+  assert_int_equal(hbil_model_set(&paper.model, HBIL_MODEL_PAPER),
                    HBIL_SUCCESS);
-  assert_true(isinf(paper.thickness) && isinf(paper.relative_thickness));
-  assert_true(paper.facing_fade[0] == -0.1f && paper.facing_fade[1] == 0.0f);
-  assert_true(paper.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED);
-  assert_true(paper.feedback == HBIL_FEEDBACK_RADIANCE && !paper.extrapolate);
+  assert_true(isinf(paper.model.thickness) &&
+              isinf(paper.model.relative_thickness));
+  assert_true(paper.model.facing_fade[0] == -0.1f &&
+              paper.model.facing_fade[1] == 0.0f);
+  assert_true(paper.model.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED);
+  assert_true(paper.model.feedback == HBIL_FEEDBACK_RADIANCE &&
+              !paper.model.extrapolate);
   /* the default takes all of it back */
-  assert_int_equal(hbil_config_set_model(&paper, HBIL_MODEL_DEFAULT),
+  assert_int_equal(hbil_model_set(&paper.model, HBIL_MODEL_DEFAULT),
                    HBIL_SUCCESS);
   assert_memory_equal(&paper, &again, sizeof paper);
-  assert_int_equal(hbil_config_set_model(NULL, HBIL_MODEL_PAPER),
+  assert_int_equal(hbil_model_set(NULL, HBIL_MODEL_PAPER),
                    HBIL_INVALID_ARGUMENT);
-  assert_int_equal(hbil_config_set_model(&paper, (hbil_model)2),
+  assert_int_equal(hbil_model_set(&paper.model, (hbil_model_name)2),
                    HBIL_INVALID_ARGUMENT);
 }
 
@@ -103,41 +110,43 @@ typedef struct bad_config {
 SPOIL(width_0, c->width = 0)
 SPOIL(width_high, c->width = 16385)
 SPOIL(height_0, c->height = 0)
-SPOIL(slices_0, c->slices = 0)
-SPOIL(slices_33, c->slices = 33)
-SPOIL(samples_0, c->steps_per_side = 0)
-SPOIL(samples_257, c->steps_per_side = 257)
-SPOIL(radius_nan, c->radius = NAN)
-SPOIL(radius_0, c->radius = 0.0f)
-SPOIL(radius_negative, c->radius = -1.0f)
-SPOIL(thickness_negative, c->thickness = -0.1f)
-SPOIL(thickness_nan, c->thickness = NAN)
-SPOIL(relative_thickness_0, c->relative_thickness = 0.0f)
-SPOIL(relative_thickness_nan, c->relative_thickness = NAN)
-SPOIL(mode_unknown, c->mode = (hbil_mode)3)
-SPOIL(falloff_unknown, c->falloff = (hbil_falloff)3)
-SPOIL(facing_descending, (c->facing_fade[0] = 0.5f, c->facing_fade[1] = 0.25f))
-SPOIL(facing_nan, c->facing_fade[1] = NAN)
-SPOIL(facing_wide, c->facing_fade[1] = 2.0f)
-SPOIL(growth_nan, c->step_growth = NAN)
-SPOIL(growth_negative, c->step_growth = -0.5f)
-SPOIL(growth_65, c->step_growth = 65.0f)
-SPOIL(extrapolate_2, c->extrapolate = 2)
-SPOIL(disocclusion_0, c->disocclusion_threshold = 0.0f)
-SPOIL(disocclusion_nan, c->disocclusion_threshold = NAN)
-SPOIL(depth_missing, c->depth.component = HBIL_NONE)
-SPOIL(normal_missing, c->normal.component = HBIL_NONE)
-SPOIL(albedo_stride, c->albedo.stride = 2)
-SPOIL(direct_component, c->direct.component = (hbil_component)9)
-SPOIL(ao_unorm, c->ao.component = HBIL_UNORM8)
-SPOIL(motion_missing, (c->reprojection = HBIL_REPROJECTION_MOTION,
-                       c->motion.component = HBIL_NONE))
-SPOIL(grid_unknown, c->sample_grid = (hbil_sample_grid)7)
-SPOIL(fallback_unknown, c->back_facing_fallback = (hbil_back_facing_fallback)7)
-SPOIL(far_unknown, c->far_field = (hbil_far_field)7)
-SPOIL(feedback_unknown, c->feedback = (hbil_feedback)7)
-SPOIL(storage_unknown, c->storage = (hbil_storage)4)
-SPOIL(vector_3, c->vector_width = 3)
+SPOIL(slices_0, c->sampling.slices = 0)
+SPOIL(slices_33, c->sampling.slices = 33)
+SPOIL(samples_0, c->sampling.steps_per_side = 0)
+SPOIL(samples_257, c->sampling.steps_per_side = 257)
+SPOIL(radius_nan, c->model.radius = NAN)
+SPOIL(radius_0, c->model.radius = 0.0f)
+SPOIL(radius_negative, c->model.radius = -1.0f)
+SPOIL(thickness_negative, c->model.thickness = -0.1f)
+SPOIL(thickness_nan, c->model.thickness = NAN)
+SPOIL(relative_thickness_0, c->model.relative_thickness = 0.0f)
+SPOIL(relative_thickness_nan, c->model.relative_thickness = NAN)
+SPOIL(mode_unknown, c->model.mode = (hbil_mode)3)
+SPOIL(falloff_unknown, c->model.falloff = (hbil_falloff)3)
+SPOIL(facing_descending,
+      (c->model.facing_fade[0] = 0.5f, c->model.facing_fade[1] = 0.25f))
+SPOIL(facing_nan, c->model.facing_fade[1] = NAN)
+SPOIL(facing_wide, c->model.facing_fade[1] = 2.0f)
+SPOIL(growth_nan, c->sampling.step_growth = NAN)
+SPOIL(growth_negative, c->sampling.step_growth = -0.5f)
+SPOIL(growth_65, c->sampling.step_growth = 65.0f)
+SPOIL(extrapolate_2, c->model.extrapolate = 2)
+SPOIL(disocclusion_0, c->history.disocclusion_threshold = 0.0f)
+SPOIL(disocclusion_nan, c->history.disocclusion_threshold = NAN)
+SPOIL(depth_missing, c->inputs.depth.component = HBIL_NONE)
+SPOIL(normal_missing, c->inputs.normal.component = HBIL_NONE)
+SPOIL(albedo_stride, c->inputs.albedo.stride = 2)
+SPOIL(direct_component, c->inputs.direct.component = (hbil_component)9)
+SPOIL(ao_unorm, c->outputs.ao.component = HBIL_UNORM8)
+SPOIL(motion_missing, (c->history.reprojection = HBIL_REPROJECTION_MOTION,
+                       c->inputs.motion.component = HBIL_NONE))
+SPOIL(grid_unknown, c->sampling.sample_grid = (hbil_sample_grid)7)
+SPOIL(fallback_unknown,
+      c->model.back_facing_fallback = (hbil_back_facing_fallback)7)
+SPOIL(far_unknown, c->model.far_field = (hbil_far_field)7)
+SPOIL(feedback_unknown, c->model.feedback = (hbil_feedback)7)
+SPOIL(storage_unknown, c->sampling.storage = (hbil_storage)4)
+SPOIL(vector_3, c->execution.vector_width = 3)
 SPOIL(size_small, c->struct_size -= 8)
 SPOIL(size_large, c->struct_size += 8)
 
@@ -219,17 +228,17 @@ static void presets_set_the_sampling_alone(void **state) {
     setup_init(&s, WIDTH, HEIGHT);
     setup_all_outputs(&s);
     before = s.config;
-    assert_int_equal(hbil_config_set_quality(&s.config, (hbil_quality)q),
+    assert_int_equal(hbil_sampling_set(&s.config.sampling, (hbil_quality)q),
                      HBIL_SUCCESS);
     assert_int_equal(hbil_plan_memory(shared_device.hbil, &s.config, &bytes),
                      HBIL_SUCCESS);
     assert_non_null(hbil_quality_name((hbil_quality)q));
-    before.slices = s.config.slices;
-    before.steps_per_side = s.config.steps_per_side;
-    before.step_growth = s.config.step_growth;
-    before.sample_grid = s.config.sample_grid;
-    before.unfiltered = s.config.unfiltered;
-    before.storage = s.config.storage;
+    before.sampling.slices = s.config.sampling.slices;
+    before.sampling.steps_per_side = s.config.sampling.steps_per_side;
+    before.sampling.step_growth = s.config.sampling.step_growth;
+    before.sampling.sample_grid = s.config.sampling.sample_grid;
+    before.sampling.unfiltered = s.config.sampling.unfiltered;
+    before.sampling.storage = s.config.sampling.storage;
     assert_memory_equal(&before, &s.config, sizeof before);
     setup_free(&s);
   }
@@ -239,12 +248,12 @@ static void unknown_presets_are_rejected(void **state) {
   hbil_config c;
   (void)state;
   hbil_config_init(&c);
-  assert_int_equal(hbil_config_set_quality(&c, (hbil_quality)4),
+  assert_int_equal(hbil_sampling_set(&c.sampling, (hbil_quality)4),
                    HBIL_INVALID_ARGUMENT);
-  assert_int_equal(hbil_config_set_quality(NULL, HBIL_QUALITY_FAST),
+  assert_int_equal(hbil_sampling_set(NULL, HBIL_QUALITY_FAST),
                    HBIL_INVALID_ARGUMENT);
   assert_null(hbil_quality_name((hbil_quality)4));
-  assert_int_equal(c.slices, 2);
+  assert_int_equal(c.sampling.slices, 2);
 }
 
 /* ------------------------------------------------------------------------ */

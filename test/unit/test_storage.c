@@ -76,8 +76,8 @@ static exact_planes split_in(hbil_storage storage, void (*prepare)(setup *),
   setup s;
   exact_planes out;
   prepare(&s);
-  s.config.storage = storage;
-  s.config.vector_width = vector_width;
+  s.config.sampling.storage = storage;
+  s.config.execution.vector_width = vector_width;
   setup_start(&s);
   setup_run(&s, hbil_enqueue_split);
   out = stage_read(&s, HBIL_STAGE_SPLIT);
@@ -119,7 +119,7 @@ static void check_split(void (*prepare)(setup *), cl_uint vector_width) {
  * normals, so that it shares kernels with the scenes. */
 static void start_wall(setup *s) {
   setup_init(s, WIDTH, HEIGHT);
-  s->config.normal_space = HBIL_SPACE_WORLD;
+  s->config.inputs.normal_space = HBIL_SPACE_WORLD;
   setup_fill(s, EXACT_DEPTH, 1.0f);
   setup_fill(s, EXACT_NORMAL + 2, -1.0f);
 }
@@ -277,7 +277,7 @@ static void check_light(const exact_planes *got, const exact_planes *want) {
 /* The gather on the words that split wrote, against the exact gather on the
  * same values. */
 static void check_gather(setup *s) {
-  s->config.storage = HBIL_STORAGE_PACKED;
+  s->config.sampling.storage = HBIL_STORAGE_PACKED;
   setup_start(s);
   exact_planes got = stage_gathered(s), split = stage_read(s, HBIL_STAGE_SPLIT);
   exact_planes want = checked_planes(split.width, split.height, got.count);
@@ -343,13 +343,13 @@ static void check_setting(size_t i) {
   setup s;
   const settings *t = table + i;
   setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, 64, 37, 0);
-  s.config.slices = t->slices;
-  s.config.steps_per_side = t->samples;
-  s.config.sample_grid = t->grid;
-  s.config.radius = t->radius;
-  s.config.relative_thickness = t->relative_thickness;
-  memcpy(s.config.facing_fade, t->facing, sizeof(t->facing));
-  s.config.back_facing_fallback = t->fallback;
+  s.config.sampling.slices = t->slices;
+  s.config.sampling.steps_per_side = t->samples;
+  s.config.sampling.sample_grid = t->grid;
+  s.config.model.radius = t->radius;
+  s.config.model.relative_thickness = t->relative_thickness;
+  memcpy(s.config.model.facing_fade, t->facing, sizeof(t->facing));
+  s.config.model.back_facing_fallback = t->fallback;
   s.frame.frame_index = (cl_uint)i;
   check_gather(&s);
 }
@@ -365,8 +365,8 @@ static void every_vector_width_matches(void **state) {
   for (int i = 0; i < 8; ++i) {
     setup s;
     setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-    s.config.vector_width = widths[i / 2];
-    s.config.back_facing_fallback =
+    s.config.execution.vector_width = widths[i / 2];
+    s.config.model.back_facing_fallback =
         i & 1 ? HBIL_FALLBACK_FRAME_MEAN : HBIL_FALLBACK_LAST_ACCEPTED;
     check_gather(&s);
   }
@@ -379,7 +379,7 @@ static void long_bent_normals_have_their_direction(void **state) {
     setup s;
     setup_scene(&s, SCENE_ROOM, 64, 37, 0);
     setup_load_view(&s, SCENE_ROOM, 120.0, 0);
-    s.config.slices = slices;
+    s.config.sampling.slices = slices;
     check_gather(&s);
   }
 }
@@ -388,7 +388,7 @@ static exact_planes packed_room(void) {
   setup s;
   exact_planes out;
   room(&s);
-  s.config.storage = HBIL_STORAGE_PACKED;
+  s.config.sampling.storage = HBIL_STORAGE_PACKED;
   setup_start(&s);
   out = stage_gathered(&s);
   setup_free(&s);
@@ -414,11 +414,11 @@ static void check_words(int outputs, word_counts want) {
   hbil_buffer split, light;
   bool near_irradiance = outputs & 1, bent = outputs & 2;
   room(&s);
-  s.config.storage = HBIL_STORAGE_PACKED;
-  s.config.near_irradiance.component =
+  s.config.sampling.storage = HBIL_STORAGE_PACKED;
+  s.config.outputs.near_irradiance.component =
       near_irradiance ? HBIL_FLOAT32 : HBIL_NONE;
-  s.config.bent_normal.component = bent ? HBIL_FLOAT32 : HBIL_NONE;
-  s.config.ao.component = outputs & 4 ? HBIL_FLOAT32 : HBIL_NONE;
+  s.config.outputs.bent_normal.component = bent ? HBIL_FLOAT32 : HBIL_NONE;
+  s.config.outputs.ao.component = outputs & 4 ? HBIL_FLOAT32 : HBIL_NONE;
   setup_start(&s);
   assert_success(&s, hbil_plan_buffer(s.plan, HBIL_STAGE_SPLIT, &split));
   assert_success(&s, hbil_plan_buffer(s.plan, HBIL_STAGE_GATHERED, &light));
@@ -463,10 +463,10 @@ static void check_recompose(scene_kind kind, bool unfiltered,
   exact_planes split, light, got,
       want = checked_planes(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
   setup_scene(&s, kind, WIDTH, HEIGHT, 0);
-  s.config.storage = HBIL_STORAGE_PACKED;
-  s.config.unfiltered = unfiltered;
-  s.config.back_facing_fallback = fallback;
-  s.config.vector_width = vector_width;
+  s.config.sampling.storage = HBIL_STORAGE_PACKED;
+  s.config.sampling.unfiltered = unfiltered;
+  s.config.model.back_facing_fallback = fallback;
+  s.config.execution.vector_width = vector_width;
   setup_start(&s);
   light = stage_gathered(&s); /* and what the frame sends on average */
   exact_planes_free(&light);

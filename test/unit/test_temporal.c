@@ -109,7 +109,7 @@ static void ray_of(const hbil_camera *c, double x, double y, double r[3]) {
 }
 
 static bool is_orthographic(const setup *s) {
-  return s->config.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  return s->config.inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
 }
 
 /* The point of a pixel with that w: inverse depth; orthographic, -z. */
@@ -145,7 +145,7 @@ static past find_past(const setup *s, const hbil_camera *before,
   for (int c = 0; c < 3; ++c)
     then.n[c] -= p[c];
   then.z = p[2];
-  if (s->config.reprojection == HBIL_REPROJECTION_MOTION) {
+  if (s->config.history.reprojection == HBIL_REPROJECTION_MOTION) {
     then.u = x + s->input[EXACT_MOTION][y * WIDTH + x];
     then.v = y + s->input[EXACT_MOTION + 1][y * WIDTH + x];
   } else {
@@ -188,8 +188,8 @@ static void add_tap(const setup *s, const hbil_camera *before, const past *then,
     expected = (dot(then->n, at) - dot(then->n, here)) / then->n[2] - then->z;
     unit = WIDTH / before->fx;
   }
-  const double off =
-      fabs(w - expected) - s->config.disocclusion_threshold * fabs(unit);
+  const double off = fabs(w - expected) -
+                     s->config.history.disocclusion_threshold * fabs(unit);
   const double turn = 1.0 - dot(n, then->n) - HBIL_TURN_TOLERANCE;
   /* fp32 on planes seen edge on */
   out->close |= fabs(off) < 1e-3 * fabs(unit) || fabs(turn) < 1e-4;
@@ -249,7 +249,7 @@ static void check_shown(const exact_planes *got, const history *anew, int x,
 static void check_pixel(const setup *s, const recalled *r,
                         const exact_planes *fresh, const exact_planes *got,
                         const history *anew, int x, int y, tally *t) {
-  const double most = s->config.max_history_frames;
+  const double most = s->config.history.max_frames;
   const double n = fmin(r->frames + 1.0, most);
   if (r->close) {
     t->close++;
@@ -338,11 +338,11 @@ static void check_moving(hbil_reprojection reprojection,
   tally t = {0, 0, 0};
   setup s;
   averaging_init(&s, WIDTH, HEIGHT, MOST);
-  s.config.reprojection = reprojection;
-  s.config.projection = projection;
-  s.config.motion.component =
+  s.config.history.reprojection = reprojection;
+  s.config.inputs.projection = projection;
+  s.config.inputs.motion.component =
       reprojection == HBIL_REPROJECTION_MOTION ? HBIL_FLOAT32 : HBIL_NONE;
-  s.config.vector_width = width;
+  s.config.execution.vector_width = width;
   setup_start(&s);
   for (int i = 0; i < FRAMES; ++i) {
     averaging_load(&s, (uint32_t)i, (cl_uint)i);
@@ -382,10 +382,10 @@ static void invalid_motion_is_counted_once(void **state) {
   setup s;
   (void)state;
   averaging_init(&s, WIDTH, HEIGHT, 8);
-  s.config.mode = HBIL_MODE_GTAO;
-  s.config.near_irradiance.component = HBIL_NONE;
-  s.config.reprojection = HBIL_REPROJECTION_MOTION;
-  s.config.motion = one_float;
+  s.config.model.mode = HBIL_MODE_GTAO;
+  s.config.outputs.near_irradiance.component = HBIL_NONE;
+  s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
+  s.config.inputs.motion = one_float;
   setup_start(&s);
   s.input[EXACT_MOTION][20 * WIDTH + 30] = NAN;
   s.input[EXACT_MOTION + 1][20 * WIDTH + 40] = INFINITY;

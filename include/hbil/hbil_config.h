@@ -1,0 +1,365 @@
+/*
+ * hbil: the configuration of a plan, in groups: what the inputs are, what is
+ * asked for, the model, the sampling, what is kept from frame to frame, and how
+ * it runs.  Programs include hbil/hbil.h.
+ */
+#ifndef HBIL_HBIL_CONFIG_H
+#define HBIL_HBIL_CONFIG_H
+
+#include <hbil/hbil_base.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The largest width and height of a frame, in pixels. */
+#define HBIL_MAX_SIZE 16384
+
+/* ------------------------------------------------------------------------ */
+/* Formats: how the pixels of a plane lie in memory                          */
+
+typedef enum hbil_component {
+  HBIL_NONE = 0,    /* the plane does not exist */
+  HBIL_FLOAT32 = 1, /* 4 bytes */
+  HBIL_FLOAT16 = 2, /* 2 bytes, IEEE half */
+  HBIL_UNORM8 = 3   /* 1 byte, 0..255 for 0..1; only albedo, f0, direct and
+                       emission can have it */
+} hbil_component;
+
+/* How the pixels of a plane lie in its buffer.  The formats are fixed per plan,
+ * because the kernels are compiled for them.
+ * stride is the distance from a pixel to its right-hand neighbour, in
+ * components.  1 means planar: each channel is an image of its own.  The number
+ * of channels or more, up to 64, means interleaved: the channels of a pixel are
+ * adjacent, and further components are neither read nor changed.  0 means the
+ * number of channels. */
+typedef struct hbil_plane_format {
+  hbil_component component;
+  cl_uint stride;
+} hbil_plane_format;
+
+/* ------------------------------------------------------------------------ */
+/* Inputs: the planes of the G-buffer, and how they are read                 */
+
+typedef enum hbil_depth_kind {
+  HBIL_DEPTH_PLANAR = 0, /* z, along the camera's axis */
+  HBIL_DEPTH_RAY = 1     /* distance from the eye */
+} hbil_depth_kind;
+
+typedef enum hbil_projection {
+  /* All rays start at the eye; pixel (i,j) looks along
+   * ((i+0.5-cx)/fx, (j+0.5-cy)/fy, 1). */
+  HBIL_PROJECTION_PERSPECTIVE = 0,
+  /* All rays are parallel to z; pixel (i,j) looks from
+   * ((i+0.5-cx)/fx, (j+0.5-cy)/fy, 0), and fx and fy are pixels per world unit.
+   * Such depths have no scale, so settings that are a share of a depth become
+   * a share of the picture's width in world units. */
+  HBIL_PROJECTION_ORTHOGRAPHIC = 1
+} hbil_projection;
+
+typedef enum hbil_space {
+  HBIL_SPACE_VIEW = 0, /* x right, y down, z forward */
+  HBIL_SPACE_WORLD = 1
+} hbil_space;
+
+typedef struct hbil_inputs {
+  /* Formats.  depth and normal are needed; the others may be
+   * HBIL_NONE.  Without a plane, albedo is 1 and the others are 0.
+   * Results are finite whatever the inputs hold.  Unusable values are replaced,
+   * and hbil_plan_sanitized() counts the pixels:
+   *   depth     NaN, negative, below 1e-15 except 0: sky
+   *   normal    NaN, infinite, shorter than 1e-10, longer than 1e19: the
+   *             direction to the eye
+   *   albedo, f0        NaN, infinite, negative: 0; above 1: 1
+   *   direct, emission  NaN, negative, above 1e30 (after direct_scale): 0
+   *   motion    NaN, infinite: nothing is carried over to the pixel
+   * Depths of 0, and from 1e15 or sky_depth on, are sky and not counted.  Nor
+   * are normals that face away; they are turned until nearly edge on. */
+  hbil_plane_format depth;    /* 1 channel; see depth_kind, sky_depth */
+  hbil_plane_format normal;   /* 3 channels, any length; see normal_space */
+  hbil_plane_format albedo;   /* 3 channels, diffuse reflectance, 0..1 */
+  hbil_plane_format f0;       /* 3 channels, reflectance at normal incidence */
+  hbil_plane_format direct;   /* 3 channels, irradiance; see direct_scale */
+  hbil_plane_format emission; /* 3 channels, radiance */
+  hbil_plane_format motion;   /* 2 channels; see motion_scale */
+
+  hbil_projection projection; /* of all cameras; default PERSPECTIVE */
+  hbil_depth_kind depth_kind; /* default PLANAR */
+  float sky_depth; /* depths from here on are sky; > 0; default infinity */
+  hbil_space normal_space; /* default VIEW */
+  float direct_scale; /* E_direct is `direct` times this; 0..1e30; default 1 */
+  /* `motion` times this is the previous position minus the current one, in
+   * pixels, x right, y down.  -1e6..1e6; default 1, 1 */
+  float motion_scale[2];
+} hbil_inputs;
+
+/* ------------------------------------------------------------------------ */
+/* Outputs: what is asked for                                                */
+
+typedef struct hbil_outputs {
+  /* Formats: HBIL_FLOAT32 or HBIL_FLOAT16, at least one.  What
+   * is HBIL_NONE is computed only if another output needs it.  At the sky ao is
+   * 1 and the others are 0, except for beauty. */
+  hbil_plane_format near_irradiance; /* 3 channels: E_near */
+  hbil_plane_format far_irradiance;  /* 3 channels: E_far */
+  hbil_plane_format ao;              /* 1 channel: 1 is open, 0 is closed */
+  /* 3 channels: unit vector, 0 if nothing is open; see bent_normal_space */
+  hbil_plane_format bent_normal;
+  hbil_plane_format cone_cosine; /* 1: cosine of the half-angle, sqrt(1-AO) */
+  hbil_plane_format indirect;    /* 3 channels: (1-F0) (E_near + E_far) / pi */
+  /* 3 channels: albedo ((1-F0) E_direct/pi + indirect) + emission.  At the sky:
+   * the emission if there is such a plane, else the radiance of
+   * HBIL_FAR_CONSTANT or HBIL_FAR_SH, else 0. */
+  hbil_plane_format beauty;
+  /* 2 channels: estimates of the sampling errors of ao and of E_near (per
+   * channel, irradiance), which 95 % of the pixels don't exceed.  They hold for
+   * infinite thickness and are too small for any other (doc/method.md, section
+   * 18).  The second is 0 if no E_near is computed. */
+  hbil_plane_format error_estimate;
+
+  hbil_space bent_normal_space; /* default VIEW */
+} hbil_outputs;
+
+/* ------------------------------------------------------------------------ */
+/* Model: what is computed                                                   */
+
+/* Which light is carried over to the next frame. */
+typedef enum hbil_feedback {
+  /* The indirect irradiance.  The next frame applies its own albedo and adds
+   * its own direct light and emission, so none of these lags behind. */
+  HBIL_FEEDBACK_IRRADIANCE = 0,
+  /* The diffuse radiance, direct light included (paper, equation 17).  The next
+   * frame uses its own direct light only where nothing was carried over. */
+  HBIL_FEEDBACK_RADIANCE = 1
+} hbil_feedback;
+
+/* What the horizon search computes. */
+typedef enum hbil_mode {
+  /* E_near, cosine-weighted AO and the bent cone (the paper). */
+  HBIL_MODE_HBIL = 0,
+  /* Ground-truth ambient occlusion (Jimenez and others 2016): the same AO and
+   * bent cone, without E_near.  near_irradiance and HBIL_FAR_FRAME are
+   * rejected, and `indirect` has far light only. */
+  HBIL_MODE_GTAO = 1,
+  /* Horizon-based ambient occlusion (Bavoil and others 2008): AO that weights
+   * all directions alike, and each sample by hbil_falloff (doc/method.md,
+   * section 17).  HBAO rejects what GTAO rejects, and also bent_normal,
+   * cone_cosine, error_estimate and HBIL_FAR_SH. */
+  HBIL_MODE_HBAO = 2
+} hbil_mode;
+
+/* The weight of a sample at distance r in HBIL_MODE_HBAO.  R is the radius,
+ * beyond which nothing counts.  All weights are 1 if R is infinite. */
+typedef enum hbil_falloff {
+  HBIL_FALLOFF_LINEAR = 0, /* max(0, 1 - r/R) */
+  HBIL_FALLOFF_SOFT = 1,   /* 1 - r/(3R) */
+  HBIL_FALLOFF_NONE = 2    /* 1 */
+} hbil_falloff;
+
+/* The radiance that arrives from unblocked directions. */
+typedef enum hbil_far_field {
+  HBIL_FAR_NONE = 0,     /* 0 */
+  HBIL_FAR_CONSTANT = 1, /* the same from all directions */
+  HBIL_FAR_SH = 2,       /* order-2 spherical harmonics, 9 coefficients */
+  /* An estimate for rooms that continue outside the picture: the mean of what
+   * the frame's own surfaces send towards the bent normal.  If `direct`
+   * contains a sky, environment[0] tells its radiance, and only directions that
+   * the sky does not light get the estimate (doc/method.md, section 11). */
+  HBIL_FAR_FRAME = 3
+} hbil_far_field;
+
+/* The light of directions that are blocked by a surface facing away, whose
+ * other side the screen does not show; see hbil_config.facing_fade. */
+typedef enum hbil_back_facing_fallback {
+  /* the last accepted radiance on the same half-slice, at first the pixel's own
+   * (paper, 3.4) */
+  HBIL_FALLBACK_LAST_ACCEPTED = 0,
+  HBIL_FALLBACK_BLACK = 1, /* none */
+  /* the mean of what the frame's surfaces send towards the pixel's normal */
+  HBIL_FALLBACK_FRAME_MEAN = 2
+} hbil_back_facing_fallback;
+
+typedef struct hbil_model {
+  hbil_mode mode;       /* default HBIL */
+  hbil_falloff falloff; /* for HBIL_MODE_HBAO only; default LINEAR */
+  float radius;         /* of the search, world units, > 0; default infinity */
+  /* Thickness of occluders in world units, and as a share of their depth; > 0.
+   * The smaller one counts.  Infinity: occluders have no back; model */
+  float thickness;
+  float relative_thickness;
+  /* CL_TRUE: corrects AO and E_near for occluders between the samples.  What
+   * half of the samples miss tells what all miss (jackknife; doc/method.md,
+   * section 7); model */
+  cl_bool extrapolate;
+  /* The radiance of a sample fades in as the cosine between its normal and the
+   * direction to the pixel rises from the first to the second value;
+   * back_facing_fallback fills the rest.  -1..1, ascending; -1, -1: the light
+   * of all samples counts; model */
+  float facing_fade[2];
+  hbil_back_facing_fallback back_facing_fallback; /* model */
+  /* CL_TRUE (default): emission lights other surfaces.  CL_FALSE: it doesn't,
+   * because `direct` contains that light already. */
+  cl_bool gather_emission;
+  hbil_feedback feedback;   /* model */
+  hbil_far_field far_field; /* default NONE */
+} hbil_model;
+
+/* Named models of light and occluders. */
+typedef enum hbil_model_name {
+  /* The default, chosen by its error on four path-traced scenes: infinite
+   * thickness, relative_thickness 0.08, facing_fade -1, -1, extrapolate on,
+   * HBIL_FALLBACK_FRAME_MEAN, HBIL_FEEDBACK_IRRADIANCE */
+  HBIL_MODEL_DEFAULT = 0,
+  /* The paper: both thicknesses infinite, facing_fade -0.1, 0,
+   * HBIL_FALLBACK_LAST_ACCEPTED, HBIL_FEEDBACK_RADIANCE, extrapolate off */
+  HBIL_MODEL_PAPER = 1
+} hbil_model_name;
+
+/* Sets thickness, relative_thickness, facing_fade, back_facing_fallback,
+ * feedback and extrapolate.  Returns HBIL_INVALID_ARGUMENT if config is null or
+ * model is not in the list. */
+HBIL_API hbil_status hbil_model_set(hbil_model *model, hbil_model_name name);
+
+/* ------------------------------------------------------------------------ */
+/* Sampling: how well it is computed                                         */
+
+/* The pixels that can be samples of a pixel. */
+typedef enum hbil_sample_grid {
+  HBIL_GRID_SAME_LAYER = 0,     /* every fourth one in x and y (paper, 3.3) */
+  HBIL_GRID_FULL_RESOLUTION = 1 /* all */
+} hbil_sample_grid;
+
+/* How the planes between the passes split and recompose are stored.  Depth is a
+ * 32-bit float in both.  PACKED is faster wherever memory limits the speed, and
+ * its error is far below that of sampling (doc/measurements.md, "Storage"). */
+typedef enum hbil_storage {
+  /* 3 words of 32 bits for the G-buffer and 3 for its light, up to a radiance
+   * of 1e30.  The three channels of a colour share an exponent, so a channel
+   * below 1/500 of the brightest one is lost.  See hbil_stages.h. */
+  HBIL_STORAGE_PACKED = 0,
+  HBIL_STORAGE_FLOAT32 = 1 /* 7 floats, and 7 or 8 for the light */
+} hbil_storage;
+
+typedef struct hbil_sampling {
+  cl_uint slices;         /* per pixel, 1..32; default 2 */
+  cl_uint steps_per_side; /* samples per side of a slice, 1..256; default 48 */
+  /* g: the last step is (1+g)^2 times the first one; 0..64; default 2 */
+  float step_growth;
+  hbil_sample_grid sample_grid; /* default FULL_RESOLUTION */
+  cl_bool unfiltered;   /* CL_TRUE: recompose has no filter; default CL_FALSE */
+  hbil_storage storage; /* default PACKED */
+} hbil_sampling;
+
+/* Named presets of the sampling.  They differ in sampling error and time, of
+ * which doc/measurements.md has the figures ("Sampling error and time"). */
+typedef enum hbil_quality {
+  HBIL_QUALITY_FAST = 0,     /* 1 slice, 16 steps per side, same layer */
+  HBIL_QUALITY_BALANCED = 1, /* 2 slices, 32 steps per side, same layer */
+  HBIL_QUALITY_HIGH = 2,     /* 2 slices, 64 steps per side, full resolution */
+  /* 32 slices, 256 equal steps per side, full resolution, unfiltered, float32:
+   * the densest settings, for comparisons */
+  HBIL_QUALITY_REFERENCE = 3
+} hbil_quality;
+
+/* Sets slices, steps_per_side, step_growth, sample_grid, unfiltered and
+ * storage.  Returns HBIL_INVALID_ARGUMENT if config is null or quality is not
+ * in the list. */
+HBIL_API hbil_status hbil_sampling_set(hbil_sampling *sampling,
+                                       hbil_quality quality);
+
+/* Returns "fast", "balanced", "high" or "reference", else NULL. */
+HBIL_API const char *hbil_quality_name(hbil_quality quality);
+
+/* ------------------------------------------------------------------------ */
+/* History: what is kept from frame to frame                                 */
+
+/* How light is carried over from the last frame. */
+typedef enum hbil_reprojection {
+  HBIL_REPROJECTION_NONE = 0,    /* not at all: a single bounce */
+  HBIL_REPROJECTION_SCATTER = 1, /* by the cameras; the nearest surface wins */
+  HBIL_REPROJECTION_MOTION = 2   /* by motion vectors */
+} hbil_reprojection;
+
+typedef struct hbil_history {
+  hbil_reprojection reprojection; /* default SCATTER */
+  /* Light is not carried over to pixels whose depth differs by more than this
+   * share.  > 0; infinity: no limit; default 0.05 */
+  float disocclusion_threshold;
+  /* Averages AO, E_near and the bent normal over up to this many frames, which
+   * reduces noise; 0..1024; 0 (default): off.  Use 2 to 4 for moving cameras
+   * and 8 or more for static ones, and increase hbil_frame.frame_index by 1 in
+   * every frame, static ones included.  The newest frame weighs
+   * 1/max_history_frames, and older ones fade out.  HBIL_REPROJECTION_MOTION
+   * follows surfaces by motion vectors, the others by the cameras.  A pixel
+   * starts anew if disocclusion_threshold or a change of its normal by 33
+   * degrees tells that another surface was there.  Changes of light lag behind
+   * by some frames. */
+  cl_uint max_history_frames;
+} hbil_history;
+
+/* ------------------------------------------------------------------------ */
+/* Execution: how it runs                                                    */
+
+/* Work that the library leaves out because it cannot change the outputs;
+ * hbil_config.skip is a sum of these.  The device decides in every frame what
+ * to leave out, and the host reads nothing back.  The outputs have the same
+ * bits with and without (test_skip). */
+typedef enum hbil_skip {
+  HBIL_SKIP_SKY = 1,  /* gather: spans of pixels that are all sky */
+  HBIL_SKIP_OPEN = 2, /* gather: spans where nothing rises above the surface */
+  HBIL_SKIP_DARK = 4, /* gather: the light of samples that send none */
+  /* gather: surfaces that reflect no diffuse light (albedo 0 or F0 1), if
+   * beauty is the only output and no irradiance is carried over.  The data of
+   * HBIL_STAGE_GATHERED and HBIL_STAGE_RESOLVED do differ. */
+  HBIL_SKIP_UNUSED = 8,
+  HBIL_SKIP_RADIUS = 16, /* gather: samples certainly beyond the radius */
+  HBIL_SKIP_HOLES = 32,  /* push_pull: frames without holes */
+  HBIL_SKIP_STATIC = 64, /* all passes: what a static frame does not change */
+  HBIL_SKIP_ALL = 127
+} hbil_skip;
+
+typedef struct hbil_execution {
+  cl_uint skip; /* a sum of hbil_skip; default HBIL_SKIP_ALL */
+  /* Pixels in a vector, 1, 4, 8 or 16; 0 (default): chosen for the device. */
+  cl_uint vector_width;
+  /* CL_TRUE: hbil_plan_timings() works, and queues must have
+   * CL_QUEUE_PROFILING_ENABLE.  Default CL_FALSE */
+  cl_bool profiling;
+  /* Device memory for the horizon cache, in bytes; default 0.  The first static
+   * frame stores how much the light of each sample counts for each pixel.
+   * Later ones only add up light, which is faster and gives the same bits.  The
+   * cache never takes more than all rows need, nor more than the device's
+   * largest buffer; rows that don't fit are gathered as usual.  There is no
+   * cache with max_history_frames, without HBIL_SKIP_STATIC, or if no light is
+   * carried over.  hbil_plan_memory() includes it. */
+  size_t horizon_cache_bytes;
+} hbil_execution;
+
+/* ------------------------------------------------------------------------ */
+/* Configuration: all groups                                                 */
+
+typedef struct hbil_config {
+  /* Set by hbil_config_init().  Later versions may add groups at the end, and
+   * programs that were compiled without them get their defaults.  A struct
+   * larger than the library's is rejected. */
+  size_t struct_size;
+  cl_uint width, height; /* pixels, 1..HBIL_MAX_SIZE */
+  hbil_inputs inputs;
+  hbil_outputs outputs;
+  hbil_model model;
+  hbil_sampling sampling;
+  hbil_history history;
+  hbil_execution execution;
+} hbil_config;
+
+/* Sets the defaults in a struct of struct_size bytes.  width, height and the
+ * formats are 0 and must be set by the caller.  Use the macro. */
+HBIL_API void hbil_config_init_sized(hbil_config *config, size_t struct_size);
+#define hbil_config_init(config)                                               \
+  hbil_config_init_sized((config), sizeof(hbil_config))
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,96 @@
+/*
+ * hbil: a frame: its camera, its planes and its environment.  Programs include
+ * hbil/hbil.h.
+ */
+#ifndef HBIL_HBIL_FRAME_H
+#define HBIL_HBIL_FRAME_H
+
+#include <hbil/hbil_base.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------------ */
+/* Planes: the caller's buffers as images                                    */
+
+/* A plane in a buffer, which remains the caller's.  The frame's commands use it
+ * until the frame's event completes.
+ * offset, row_pitch and plane_pitch are in bytes and must be multiples of the
+ * component's size.  A row_pitch of 0 means width * stride components.
+ * plane_pitch is the distance between the channels of planar formats; 0 means
+ * row_pitch * height.  The library checks that all pixels are in the buffer. */
+typedef struct hbil_plane {
+  cl_mem buffer;
+  size_t offset;
+  size_t row_pitch;
+  size_t plane_pitch;
+} hbil_plane;
+
+/* ------------------------------------------------------------------------ */
+/* Frame: camera, planes and environment                                     */
+
+typedef struct hbil_camera {
+  double fx, fy; /* focal lengths, > 0: pixels; orthographic: pixels per unit */
+  double cx, cy; /* principal point, pixels from the top left corner */
+  /* The camera's position and rotation.  It must be rigid, to 1e-3; scaling and
+   * mirroring matrices are rejected. */
+  double world_from_view[16];
+} hbil_camera;
+
+/* Fills a camera from the convention of OpenGL and Blender, where x is right, y
+ * is up and the camera looks along -z.  camera_to_world is row-major. */
+HBIL_API void hbil_camera_from_opengl(hbil_camera *camera,
+                                      const double camera_to_world[16],
+                                      double fx, double fy, double cx,
+                                      double cy);
+
+typedef struct hbil_frame {
+  size_t struct_size; /* set by hbil_frame_init(); see hbil_config */
+  hbil_camera camera;
+  /* Inputs and outputs.  Exactly those planes that have a format in the plan
+   * must have a buffer. */
+  hbil_plane depth, normal, albedo, f0, direct, emission, motion;
+  hbil_plane near_irradiance, far_irradiance, ao, bent_normal, cone_cosine,
+      indirect, beauty, error_estimate;
+  /* The far field, RGB radiance in world space.  HBIL_FAR_CONSTANT reads
+   * environment[0].  HBIL_FAR_FRAME reads environment[0] as the radiance of a
+   * sky that `direct` already contains, 0 if it contains none.  HBIL_FAR_SH
+   * reads nine coefficients of the real orthonormal basis in the order
+   *   (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2) */
+  float environment[9][3];
+  /* Rotates the sampling pattern.  Use the number of the frame with
+   * max_history_frames, else one constant, which avoids flicker. */
+  cl_uint frame_index;
+  /* CL_TRUE: nothing has moved since the plan's last frame.  Camera,
+   * environment, frame_index and the contents of all inputs are the same, and
+   * motion is 0; camera and frame_index are checked.  Only the carried light is
+   * updated.  When it stops changing, bit for bit, nothing is gathered or
+   * filtered.  With max_history_frames, frame_index may differ, and all frames
+   * are gathered.  Ignored in a plan's first frame.  Callers who write to a
+   * plan's stages must not set it. */
+  cl_bool static_frame;
+} hbil_frame;
+
+/* Sets all members of a struct of struct_size bytes to 0.  The camera must be
+ * set by the caller, since 0 is not valid.  Use the macro. */
+HBIL_API void hbil_frame_init_sized(hbil_frame *frame, size_t struct_size);
+#define hbil_frame_init(frame)                                                 \
+  hbil_frame_init_sized((frame), sizeof(hbil_frame))
+
+/* Projects a latitude-longitude map to order-2 spherical harmonics, on the
+ * host.  rgb has `height` rows of `width` pixels of 3 floats.  Rows are
+ * row_pitch bytes apart; 0 means without gaps.  The top row is the map's +z
+ * pole, and a direction d has, as in Blender,
+ *   column = width (0.5 - atan2(d.y, d.x) / (2 pi))
+ *   row    = height acos(d.z) / pi
+ * world_from_map is a row-major 3x3 rotation; NULL means the identity.  NaN,
+ * negative and infinite values count as 0. */
+HBIL_API hbil_status hbil_environment_from_latlong(
+    const float *rgb, size_t width, size_t height, size_t row_pitch,
+    const float world_from_map[9], float environment[9][3]);
+#ifdef __cplusplus
+}
+#endif
+
+#endif
