@@ -1,6 +1,6 @@
 /*
  * hbil: the configuration of a plan, in groups: what the inputs are, what is
- * asked for, the model, the sampling, what is kept from frame to frame, and how
+ * asked for, the model, the sampling, what passes from frame to frame, and how
  * it runs.  Programs include hbil/hbil.h.
  */
 #ifndef HBIL_HBIL_CONFIG_H
@@ -271,7 +271,7 @@ HBIL_API hbil_status hbil_sampling_set(hbil_sampling *sampling,
 HBIL_API const char *hbil_quality_name(hbil_quality quality);
 
 /* ------------------------------------------------------------------------ */
-/* History: what is kept from frame to frame                                 */
+/* History: what passes from frame to frame                                 */
 
 /* How light is carried over from the last frame. */
 typedef enum hbil_reprojection {
@@ -289,12 +289,12 @@ typedef struct hbil_history {
    * reduces noise; 0..1024; 0 (default): off.  Use 2 to 4 for moving cameras
    * and 8 or more for static ones, and increase hbil_frame.frame_index by 1 in
    * every frame, static ones included.  The newest frame weighs
-   * 1/max_history_frames, and older ones fade out.  HBIL_REPROJECTION_MOTION
+   * 1/max_frames, and older ones fade out.  HBIL_REPROJECTION_MOTION
    * follows surfaces by motion vectors, the others by the cameras.  A pixel
    * starts anew if disocclusion_threshold or a change of its normal by 33
    * degrees tells that another surface was there.  Changes of light lag behind
    * by some frames. */
-  cl_uint max_history_frames;
+  cl_uint max_frames;
 } hbil_history;
 
 /* ------------------------------------------------------------------------ */
@@ -330,7 +330,7 @@ typedef struct hbil_execution {
    * Later ones only add up light, which is faster and gives the same bits.  The
    * cache never takes more than all rows need, nor more than the device's
    * largest buffer; rows that don't fit are gathered as usual.  There is no
-   * cache with max_history_frames, without HBIL_SKIP_STATIC, or if no light is
+   * cache with max_frames, without HBIL_SKIP_STATIC, or if no light is
    * carried over.  hbil_plan_memory() includes it. */
   size_t horizon_cache_bytes;
 } hbil_execution;

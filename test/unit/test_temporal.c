@@ -75,7 +75,7 @@ static void too_long_histories_are_rejected(void **state) {
   assert_int_equal(hbil_plan_memory(s.device->hbil, &s.config, &bytes),
                    HBIL_INVALID_CONFIG);
   assert_non_null(strstr(hbil_context_message(s.device->hbil),
-                         "max_history_frames: 1025 is outside 0 .. 1024"));
+                         "history.max_frames: 1025 is outside 0 .. 1024"));
   setup_free(&s);
 }
 
