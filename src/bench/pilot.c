@@ -78,29 +78,34 @@ const bench_command bench_pilot = {
 /* --- starting it --- */
 
 /* Names travel in the environment, so that the shell need not quote them.  The
- * two variables of PoCL are for its versions before and after 4. */
+ * two variables of PoCL that limit its threads are for its versions before and
+ * after 4. */
 static FILE *open_pipe(const bench_options *options, uint32_t width,
-                       uint32_t height, unsigned runs, int single_thread) {
+                       uint32_t height, unsigned runs, bench_pilot_kind kind) {
+  static const char *const before[] = {
+      [BENCH_PILOT_USUAL] = "exec",
+      [BENCH_PILOT_SINGLE_THREAD] =
+          "export POCL_MAX_PTHREAD_COUNT=1 POCL_CPU_MAX_CU_COUNT=1; exec",
+      [BENCH_PILOT_COLD] =
+          "cache=$(mktemp -d) || exit; trap 'rm -rf \"$cache\"' 0;"
+          "export POCL_CACHE_DIR=\"$cache\";"};
   char command[512];
   if (setenv("HBIL_BENCH_PROGRAM", options->program, 1) != 0 ||
       setenv("HBIL_BENCH_DEVICE", options->device ? options->device : "", 1) !=
           0)
     return NULL;
   snprintf(command, sizeof command,
-           "%s exec \"$HBIL_BENCH_PROGRAM\" pilot --size %ux%u --runs %u %s",
-           single_thread
-               ? "export POCL_MAX_PTHREAD_COUNT=1 POCL_CPU_MAX_CU_COUNT=1;"
-               : "",
-           width, height, runs,
+           "%s \"$HBIL_BENCH_PROGRAM\" pilot --size %ux%u --runs %u %s",
+           before[kind], width, height, runs,
            options->device ? "--device \"$HBIL_BENCH_DEVICE\"" : "");
   fflush(NULL);
   return popen(command, "r");
 }
 
 int bench_pilot_start(const bench_options *options, uint32_t width,
-                      uint32_t height, unsigned runs, int single_thread,
+                      uint32_t height, unsigned runs, bench_pilot_kind kind,
                       bench_pilot_times *out, image_error *error) {
-  FILE *in = open_pipe(options, width, height, runs, single_thread);
+  FILE *in = open_pipe(options, width, height, runs, kind);
   if (!in)
     return image_fail(error, "%s: cannot be started once more",
                       options->program);

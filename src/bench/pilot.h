@@ -15,10 +15,15 @@ typedef struct bench_pilot_times {
   double total, gather; /* device times of later frames, medians */
 } bench_pilot_times;
 
-/* Runs `hbil-bench pilot` on the room.  single_thread: with one CPU thread,
- * which PoCL understands. */
+typedef enum bench_pilot_kind {
+  BENCH_PILOT_USUAL,
+  BENCH_PILOT_SINGLE_THREAD, /* with one CPU thread, which PoCL understands */
+  BENCH_PILOT_COLD /* without compiled kernels: PoCL's cache is empty */
+} bench_pilot_kind;
+
+/* Runs `hbil-bench pilot` on the room. */
 int bench_pilot_start(const bench_options *options, uint32_t width,
-                      uint32_t height, unsigned runs, int single_thread,
+                      uint32_t height, unsigned runs, bench_pilot_kind kind,
                       bench_pilot_times *out, image_error *error);
 
 #endif

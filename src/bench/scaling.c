@@ -170,7 +170,9 @@ static const bench_column start_columns[] = {
     {"what", "a new process", BENCH_TEXT},
     {"median_ms", "ms", 1},
     {"min_ms", "least", 1},
-    {"max_ms", "most", 1}};
+    {"max_ms", "most", 1},
+    {"cold_ms", "no kernels in the cache, ms", 1},
+    {"of_third", "cold, of its third frame", 2}};
 
 static const bench_column thread_columns[] = {
     {"threads", "threads", 0},
@@ -182,25 +184,28 @@ static const bench_column thread_columns[] = {
 typedef struct processes {
   unsigned count;
   int compared; /* with one thread, too */
-  bench_pilot_times all[PROCESSES], one[PROCESSES];
+  bench_pilot_times all[PROCESSES], one[PROCESSES], cold;
 } processes;
 
-/* The first process is not counted: it fills the cache of kernels. */
+/* The first of the usual processes is not counted: it fills the cache of
+ * kernels. */
 static int start_processes(const job *j, processes *p, image_error *error) {
   const bench_options *options = j->options;
   const bench_content *base = &j->base.content;
   p->count = options->quick ? 1 : PROCESSES;
   p->compared = j->device->is_cpu && j->device->units > 1;
-  if (bench_pilot_start(options, base->width, base->height, 1, 0, &p->all[0],
-                        error) != 0)
+  if (bench_pilot_start(options, base->width, base->height, 1, BENCH_PILOT_COLD,
+                        &p->cold, error) != 0 ||
+      bench_pilot_start(options, base->width, base->height, 1,
+                        BENCH_PILOT_USUAL, &p->all[0], error) != 0)
     return -1;
   for (unsigned i = 0; i < p->count; i++) {
     bench_progress("processes", i, p->count);
-    if (bench_pilot_start(options, base->width, base->height, options->runs, 0,
-                          &p->all[i], error) != 0 ||
+    if (bench_pilot_start(options, base->width, base->height, options->runs,
+                          BENCH_PILOT_USUAL, &p->all[i], error) != 0 ||
         (p->compared &&
-         bench_pilot_start(options, base->width, base->height, options->runs, 1,
-                           &p->one[i], error) != 0))
+         bench_pilot_start(options, base->width, base->height, options->runs,
+                           BENCH_PILOT_SINGLE_THREAD, &p->one[i], error) != 0))
       return -1;
     p->compared = p->compared && p->one[i].units == 1;
   }
@@ -211,8 +216,7 @@ static int start_processes(const job *j, processes *p, image_error *error) {
 static void report_start(const job *j, const processes *p) {
   static const char *const names[] = {"plan", "first frame", "second frame",
                                       "third frame"};
-  bench_report_table(j->report, "start", "First frames, kernels in the cache",
-                     start_columns,
+  bench_report_table(j->report, "start", "First frames", start_columns,
                      sizeof start_columns / sizeof *start_columns);
   for (int what = 0; what < 1 + BENCH_PILOT_FRAMES; what++) {
     double values[PROCESSES];
@@ -221,6 +225,10 @@ static void report_start(const job *j, const processes *p) {
     bench_report_row(j->report);
     bench_report_text(j->report, names[what]);
     bench_report_spread(j->report, bench_spread_of(values, p->count));
+    const double cold = what ? p->cold.frame[what - 1] : p->cold.plan;
+    bench_report_number(j->report, cold);
+    bench_report_number(j->report,
+                        cold / p->cold.frame[BENCH_PILOT_FRAMES - 1]);
   }
 }
 
