@@ -55,10 +55,9 @@
  *   enqueues anything.  If a frame fails later, the plan's history is the same
  *   as before, and you may enqueue the same frame again or another one.  What
  *   was enqueued already still runs, and later calls wait for it.  If commands
- *   fail on the device, or an event of wait_list does, the status can't tell:
- *   the frame's event has an error.  Frames that were enqueued after it may
- *   then fail, too.  Once they have ended, call hbil_plan_reset(), since the
- *   history isn't that of the last frame.
+ *   fail on the device, or an event of wait_list does, the status can't tell,
+ *   and the frame's event has an error.  OpenCL then promises nothing for the
+ *   cl_context and its queues.
  */
 #ifndef HBIL_HBIL_H
 #define HBIL_HBIL_H

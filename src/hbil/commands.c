@@ -16,19 +16,6 @@ static hbil_status make_tail(hbil_plan *plan) {
   return fail_cl(plan->context, error, "clEnqueueMarkerWithWaitList");
 }
 
-/* Whether the plan's last command has ended with an error, because an event of
- * a wait list did, or on the device.  It is no use to wait for such a command:
- * whatever waits for it ends with an error, too. */
-static hbil_status tail_failed(hbil_plan *plan, bool *failed) {
-  cl_int state = CL_QUEUED;
-  const cl_int error =
-      clGetEventInfo(plan->tail, CL_EVENT_COMMAND_EXECUTION_STATUS,
-                     sizeof state, &state, NULL);
-  *failed = state < 0;
-  return error == CL_SUCCESS ? HBIL_SUCCESS
-                             : fail_cl(plan->context, error, "clGetEventInfo");
-}
-
 /* Lets the first command wait for the plan's tail and the caller's list.  The
  * two can't become one list, which has any length, without allocating memory.
  */
@@ -53,7 +40,6 @@ hbil_status begin_commands(commands *chain, cl_uint wait_count,
   hbil_plan *plan = chain->plan;
   const bool same = plan->queue == chain->queue;
   cl_int error = CL_SUCCESS;
-  bool failed = false;
   chain->wait_count = wait_count;
   chain->wait_list = wait_list;
   if (same && plan->in_order)
@@ -66,10 +52,8 @@ hbil_status begin_commands(commands *chain, cl_uint wait_count,
   }
   if (!plan->queue)
     return HBIL_SUCCESS;
-  hbil_status status = make_tail(plan);
-  if (status == HBIL_SUCCESS)
-    status = tail_failed(plan, &failed);
-  if (status != HBIL_SUCCESS || failed)
+  const hbil_status status = make_tail(plan);
+  if (status != HBIL_SUCCESS)
     return status;
   /* commands that nobody flushes need not ever begin, and the other queue would
    * wait for them */

@@ -318,29 +318,6 @@ static void an_event_that_is_not_retained_keeps_the_order(void **state) {
   stop(&o);
 }
 
-/* A frame whose wait list failed never runs.  After a reset the plan works
- * again, on the same queue and on others. */
-static void frames_that_fail_on_the_device_do_not_stay(void **state) {
-  order o;
-  (void)state;
-  start(&o, out_of_order, out_of_order);
-  exact_planes want = chained_frames(&o);
-  for (int other = 0; other < QUEUES; ++other) {
-    const cl_event gate = make_gate();
-    cl_event event = NULL;
-    run_first(&o, 1, &gate, &event);
-    assert_int_equal(clSetUserEventStatus(gate, -1), CL_SUCCESS);
-    finish_queues(&o);
-    assert_true(state_of(event) < 0);
-    clReleaseEvent(event);
-    clReleaseEvent(gate);
-    unchained(&o, whole_frame, 1);
-    check_outputs(&o, &want);
-  }
-  exact_planes_free(&want);
-  stop(&o);
-}
-
 /* --- figures --- */
 
 typedef struct opener {
@@ -438,7 +415,6 @@ int main(void) {
       cmocka_unit_test(queues_may_be_released),
       cmocka_unit_test(failed_frames_keep_the_order),
       cmocka_unit_test(an_event_that_is_not_retained_keeps_the_order),
-      cmocka_unit_test(frames_that_fail_on_the_device_do_not_stay),
       cmocka_unit_test(figures_wait_for_the_frame),
       cmocka_unit_test(timings_are_of_both_queues)};
   return RUN_WITH_DEVICE(tests);
