@@ -28,25 +28,36 @@
  *   L = (1-F0) albedo/pi E, plus its emission.
  *
  * THREADS
- *   Only one thread at a time may use a context and its plans.  Different
- *   contexts are independent, even on the same cl_context.
+ *   Only one thread at a time may use a context and its plans, and destroy
+ *   them.  Different contexts are independent, even on the same cl_context.
  *
  * BLOCKING
  *   The hbil_enqueue_* functions never wait for commands on the device and
- *   allocate no memory.  hbil_plan_create() builds kernels, which takes long.
- *   hbil_plan_timings(), hbil_plan_statistics() and hbil_plan_sanitized() wait
- *   for the device.  PoCL, OpenCL for CPUs, compiles each kernel at its first
- *   launch.  So run one frame before you measure times, or three with static
- *   frames, which launch further kernels.
+ *   allocate no memory.  They may call clFlush().  hbil_plan_create() builds
+ *   kernels, which takes long.  hbil_plan_timings(), hbil_plan_statistics() and
+ *   hbil_plan_sanitized() wait for the plan's commands.  PoCL, OpenCL for CPUs,
+ * compiles each kernel at its first launch.  So run one frame before you
+ * measure times, or three with static frames, which launch further kernels.
+ *
+ * ORDER
+ *   A plan's commands run in the order of the calls, on in-order and on
+ *   out-of-order queues, and when calls alternate between queues.  You need not
+ *   chain frames or passes by events.  What a plan can't know are your own
+ *   commands: wait_list must have those that write the inputs or still use the
+ *   outputs, unless the queue orders them, and your commands that read the
+ *   outputs wait for the frame's event.
  *
  * ERRORS
  *   Every function that can fail returns an hbil_status; HBIL_SUCCESS is 0.
- *   hbil_context_message() describes the last failure in one sentence.  The
+ *   hbil_context_message() describes the last failure in one sentence, and
+ *   hbil_context_set_callback() has every failure and warning reported.  The
  *   library never prints, exits or aborts.  It checks arguments before it
  *   enqueues anything.  If a frame fails later, the plan's history is the same
  *   as before, and you may enqueue the same frame again or another one.  What
- *   was enqueued already still runs; on an out-of-order queue, wait for that
- *   with clFinish() first.
+ *   was enqueued already still runs, and later calls wait for it.  If commands
+ *   fail on the device, or an event of wait_list does, the status can't tell,
+ *   and the frame's event has an error.  OpenCL then promises nothing for the
+ *   cl_context and its queues.
  */
 #ifndef HBIL_HBIL_H
 #define HBIL_HBIL_H
@@ -65,23 +76,54 @@ extern "C" {
 typedef struct hbil_context hbil_context;
 
 /* Creates a context, which binds the library to a cl_context and one of its
- * devices.  The context retains both until hbil_context_destroy().  The device
- * needs OpenCL 1.2 and a compiler.  Images, sub-groups and 64-bit atomics are
- * not used.  On failure *out is NULL, and there is no message.  If the
- * environment variable HBIL_KERNEL_DIR names a folder, plans read the kernels
- * from there; this is meant for work on the kernels. */
+ * devices.  The context retains both.  The device needs OpenCL 1.2 and a
+ * compiler.  Images, sub-groups and 64-bit atomics are not used.  On failure
+ * *out is NULL, and hbil_context_message(NULL) says why.  If the environment
+ * variable HBIL_KERNEL_DIR names a folder, plans read the kernels from there;
+ * this is meant for work on the kernels. */
 HBIL_API hbil_status hbil_context_create(cl_context context,
                                          cl_device_id device,
                                          hbil_context **out);
 
-/* Destroys a context.  Destroy its plans first.  NULL is allowed. */
+/* Destroys a context.  Its plans stay usable and may be destroyed later; the
+ * last of them releases what they share.  No function may be called with the
+ * context itself any more.  NULL is allowed. */
 HBIL_API void hbil_context_destroy(hbil_context *context);
 
 /* Returns one sentence on the last failure in this context or in one of its
- * plans.  It has the name of the OpenCL error, and the build log if a kernel
- * did not compile.  The string is empty if nothing has failed.  It is valid
- * until the next call on the context or one of its plans. */
+ * plans.  It has the name of the OpenCL error, the kernel's name if there is
+ * one, and the build log if a kernel did not compile.  The string is empty if
+ * nothing has failed.  It is valid until the next call on the context or one of
+ * its plans.
+ *
+ * If context is NULL, the sentence is on the calling thread's last failure that
+ * had no context: hbil_context_create(), functions whose context or plan was
+ * null, and functions that take neither.  It is valid until the next such
+ * failure on this thread. */
 HBIL_API const char *hbil_context_message(const hbil_context *context);
+
+typedef enum hbil_message_kind {
+  HBIL_MESSAGE_ERROR = 0,  /* a function is about to return another status than
+                            * HBIL_SUCCESS */
+  HBIL_MESSAGE_WARNING = 1 /* it goes on, but you may want to know */
+} hbil_message_kind;
+
+/* Receives a message, which is valid during the call only. */
+typedef void (*hbil_message_callback)(hbil_message_kind kind,
+                                      const char *message, void *user);
+
+/* Has every message of the context and its plans reported, NULL: none.  Errors
+ * are what hbil_context_message() returns.  Warnings are a compiler's remarks
+ * on a kernel that did compile, kernels that are read from HBIL_KERNEL_DIR,
+ * and timings that were lost.  The callback is called by the functions that the
+ * message is about, on the thread that called them, before they return;
+ * OpenCL's own threads never call it.  It must return, and must not call
+ * functions of this library other than hbil_context_message().  It stays in
+ * effect, and user must stay valid, until the context and all its plans are
+ * destroyed. */
+HBIL_API hbil_status hbil_context_set_callback(hbil_context *context,
+                                               hbil_message_callback callback,
+                                               void *user);
 
 /* ------------------------------------------------------------------------ */
 /* Plan: kernels, buffers and history of one configuration                   */
@@ -99,10 +141,12 @@ HBIL_API hbil_status hbil_plan_create(hbil_context *context,
                                       const hbil_config *config,
                                       hbil_plan **out);
 
-/* Releases a plan.  Commands already enqueued complete.  NULL is allowed. */
+/* Releases a plan, before or after its context.  Commands already enqueued
+ * complete.  NULL is allowed. */
 HBIL_API void hbil_plan_destroy(hbil_plan *plan);
 
-/* Discards the history, so that the next frame is a first frame. */
+/* Discards the history, so that the next frame is a first frame.  Frames that
+ * are under way are not affected. */
 HBIL_API void hbil_plan_reset(hbil_plan *plan);
 
 /* ------------------------------------------------------------------------ */
@@ -117,17 +161,24 @@ HBIL_API void hbil_plan_reset(hbil_plan *plan);
  *   temporal    averages with the frames before (max_frames)
  *   composite   far light; writes the outputs and the history
  * The other functions enqueue one pass each, for callers who replace passes by
- * their own.  Such callers enqueue the passes in the same order, on one
- * in-order queue or chained by events, and access the data between the passes
- * with hbil_plan_buffer() of hbil_stages.h.  hbil_enqueue_composite() makes the
- * frame the plan's last frame.
+ * their own.  Such callers enqueue the passes in the same order, and access the
+ * data between the passes with hbil_plan_buffer() of hbil_stages.h.  A pass of
+ * their own waits for the event of the pass before it, and the pass after it
+ * for theirs, unless one in-order queue has all of them.
+ * hbil_enqueue_composite() makes the frame the plan's last frame.
  *
  * The queue must belong to the plan's context and device; it may be in-order or
- * out-of-order.  wait_count and wait_list work as in clEnqueueNDRangeKernel().
+ * out-of-order, and another one at each call.  The commands wait for those of
+ * the plan's earlier calls, and for wait_list, which works as in
+ * clEnqueueNDRangeKernel().  A call on another queue than the last one flushes
+ * that queue; if that is an in-order queue, it waits for everything in it.  A
+ * plan retains the queue that it used last.
+ *
  * If event is not NULL, it receives an event that completes when the pass or
  * the frame is done; the caller releases it.  A pass with nothing to do, such
- * as reproject without a history, gives an event that follows the wait list.
- * frame is read during the call only. */
+ * as reproject without a history, gives an event that follows the wait list,
+ * and the passes after it follow the wait list, too.  frame is read during the
+ * call only. */
 HBIL_API hbil_status hbil_enqueue_frame(hbil_plan *plan, cl_command_queue queue,
                                         const hbil_frame *frame,
                                         cl_uint wait_count,
@@ -200,8 +251,9 @@ typedef struct hbil_statistics {
   cl_bool not_run[HBIL_PASS_COUNT]; /* passes that had nothing to do */
 } hbil_statistics;
 
-/* Reads the statistics of the last frame.  queue must be the one that the frame
- * was enqueued to; the call waits for everything in it.  Returns
+/* Reads the statistics of the last frame, by way of any queue of the plan's
+ * cl_context.  The call waits for the plan's commands, whatever queue they are
+ * in, and for what an in-order queue does before.  Returns
  * HBIL_INVALID_ARGUMENT if there is no last frame or if it failed. */
 HBIL_API hbil_status hbil_plan_statistics(hbil_plan *plan,
                                           cl_command_queue queue,

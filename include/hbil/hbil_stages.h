@@ -3,9 +3,10 @@
  *
  * Only callers who replace a pass by one of their own need this header.  They
  * enqueue the other passes one by one, with hbil_enqueue_reproject() and so on,
- * in the order that hbil_enqueue_frame() has, on one in-order queue or chained
- * by events.  Their own pass reads and writes the buffers that
- * hbil_plan_buffer() returns.  examples/03_single_passes.c shows this.
+ * in the order that hbil_enqueue_frame() has.  Their own pass reads and writes
+ * the buffers that hbil_plan_buffer() returns.  On other queues than in-order
+ * ones it waits for the event of the pass before it, and the pass after it for
+ * its event.  examples/03_single_passes.c shows this.
  */
 #ifndef HBIL_HBIL_STAGES_H
 #define HBIL_HBIL_STAGES_H

@@ -1,9 +1,95 @@
-/* The commands of one call: a chain, each waiting for the one before. */
+/* The commands of one call: a chain, each waiting for the one before, and the
+ * first for the plan's commands of earlier calls. */
 #include "commands.h"
+
+/* --- the order of calls --- */
+
+/* Makes an event that follows the plan's earlier commands, in plan->tail. */
+static hbil_status make_tail(hbil_plan *plan) {
+  if (plan->tail)
+    return HBIL_SUCCESS;
+  const cl_int error =
+      clEnqueueMarkerWithWaitList(plan->queue, 0, NULL, &plan->tail);
+  if (error == CL_SUCCESS)
+    return HBIL_SUCCESS;
+  plan->tail = NULL;
+  return fail_cl(plan->context, error, "clEnqueueMarkerWithWaitList");
+}
+
+/* Lets the first command wait for the plan's tail and the caller's list.  The
+ * two can't become one list, which has any length, without allocating memory.
+ */
+static hbil_status wait_for_tail(commands *chain) {
+  if (chain->wait_count) {
+    const cl_int error = clEnqueueMarkerWithWaitList(
+        chain->queue, chain->wait_count, chain->wait_list, &chain->before[1]);
+    if (error != CL_SUCCESS) {
+      chain->before[1] = NULL;
+      return fail_cl(chain->plan->context, error,
+                     "clEnqueueMarkerWithWaitList");
+    }
+  }
+  chain->before[0] = chain->plan->tail;
+  chain->wait_count = chain->before[1] ? 2 : 1;
+  chain->wait_list = chain->before;
+  return HBIL_SUCCESS;
+}
+
+hbil_status begin_commands(commands *chain, cl_uint wait_count,
+                           const cl_event *wait_list) {
+  hbil_plan *plan = chain->plan;
+  const bool same = plan->queue == chain->queue;
+  cl_int error = CL_SUCCESS;
+  chain->wait_count = wait_count;
+  chain->wait_list = wait_list;
+  if (same && plan->in_order)
+    return HBIL_SUCCESS;
+  if (!same) {
+    error = clRetainCommandQueue(chain->queue);
+    if (error != CL_SUCCESS)
+      return fail_cl(plan->context, error, "clRetainCommandQueue");
+    chain->retained = true;
+  }
+  if (!plan->queue)
+    return HBIL_SUCCESS;
+  const hbil_status status = make_tail(plan);
+  if (status != HBIL_SUCCESS)
+    return status;
+  /* commands that nobody flushes need not ever begin, and the other queue would
+   * wait for them */
+  if (!same && (error = clFlush(plan->queue)) != CL_SUCCESS)
+    return fail_cl(plan->context, error, "clFlush");
+  return wait_for_tail(chain);
+}
+
+void end_commands(commands *chain) {
+  hbil_plan *plan = chain->plan;
+  if (chain->before[1])
+    clReleaseEvent(chain->before[1]);
+  if (!chain->enqueued) {
+    if (chain->retained)
+      clReleaseCommandQueue(chain->queue);
+    return;
+  }
+  if (chain->retained && plan->queue)
+    clReleaseCommandQueue(plan->queue);
+  if (plan->tail)
+    clReleaseEvent(plan->tail);
+  /* An in-order queue needs no event until another queue comes. */
+  if (chain->in_order && chain->last) {
+    clReleaseEvent(chain->last);
+    chain->last = NULL;
+  }
+  plan->queue = chain->queue;
+  plan->in_order = chain->in_order;
+  plan->tail = chain->last;
+}
+
+/* --- commands --- */
 
 /* Notes a command that has been enqueued with `event`. */
 static void follow(commands *chain, cl_event event) {
-  hbil_plan *plan = chain->plan;
+  chain->enqueued = true;
   if (chain->last)
     clReleaseEvent(chain->last);
   chain->last = event;
@@ -13,16 +99,36 @@ static void follow(commands *chain, cl_event event) {
     chain->wait_count = 1;
     chain->wait_list = &chain->last;
   }
+}
+
+/* follow() for a command whose time belongs to a pass. */
+static void follow_timed(commands *chain, cl_event event) {
+  hbil_plan *plan = chain->plan;
+  follow(chain, event);
   if (!plan->config.execution.profiling || plan->launches == MAX_LAUNCHES)
     return;
   /* the command runs all the same: timings alone are lost */
   const cl_int error = clRetainEvent(event);
   if (error != CL_SUCCESS) {
     plan->events_error = error;
+    warn(plan->context,
+         "clRetainEvent: %s (%d); hbil_plan_timings() will fail for this frame",
+         cl_error_name(error), (int)error);
     return;
   }
   plan->events[plan->launches] = event;
   plan->event_pass[plan->launches++] = chain->pass;
+}
+
+hbil_status enqueue_marker(commands *chain) {
+  cl_event event = NULL;
+  const cl_int error = clEnqueueMarkerWithWaitList(
+      chain->queue, chain->wait_count, chain->wait_list,
+      chain->events ? &event : NULL);
+  if (error != CL_SUCCESS)
+    return fail_cl(chain->plan->context, error, "clEnqueueMarkerWithWaitList");
+  follow(chain, event);
+  return HBIL_SUCCESS;
 }
 
 static size_t groups_up(size_t n, size_t group) {
@@ -42,14 +148,16 @@ hbil_status launch_rows(commands *chain, int kernel, const argument *args,
     const cl_int error = clSetKernelArg(chain->plan->kernels[kernel], i,
                                         args[i].size, args[i].value);
     if (error != CL_SUCCESS)
-      return fail_cl(context, error, "clSetKernelArg");
+      return fail_cl(context, error, "clSetKernelArg(%s, argument %u)",
+                     kernel_name(kernel), (unsigned)i);
   }
   const cl_int error = clEnqueueNDRangeKernel(
       chain->queue, chain->plan->kernels[kernel], 3, offset, global, local,
       chain->wait_count, chain->wait_list, chain->events ? &event : NULL);
   if (error != CL_SUCCESS)
-    return fail_cl(context, error, "clEnqueueNDRangeKernel");
-  follow(chain, event);
+    return fail_cl(context, error, "clEnqueueNDRangeKernel(%s)",
+                   kernel_name(kernel));
+  follow_timed(chain, event);
   return HBIL_SUCCESS;
 }
 
@@ -63,7 +171,7 @@ static hbil_status fill_part(commands *chain, int buffer, cl_uint word,
       chain->wait_count, chain->wait_list, chain->events ? &event : NULL);
   if (error != CL_SUCCESS)
     return fail_cl(plan->context, error, "clEnqueueFillBuffer");
-  follow(chain, event);
+  follow_timed(chain, event);
   return HBIL_SUCCESS;
 }
 

@@ -1,4 +1,5 @@
-/* The commands of one call: a chain, each waiting for the one before. */
+/* The commands of one call: a chain, each waiting for the one before, and the
+ * first for the plan's commands of earlier calls. */
 #ifndef HBIL_COMMANDS_H
 #define HBIL_COMMANDS_H
 
@@ -11,10 +12,29 @@ typedef struct commands {
   const cl_event *wait_list;
   bool in_order;
   bool events;      /* every command makes an event */
+  bool enqueued;    /* a command has been */
+  bool retained;    /* `queue`, for this call */
   bool reprojected; /* by this call */
   hbil_pass pass;
   cl_event last; /* of the last command; owned */
+  /* the wait list of the first command, if it isn't the caller's own: the
+   * plan's tail, and a marker after the caller's list; the marker is owned */
+  cl_event before[2];
 } commands;
+
+/* Begins a chain whose plan, queue and in_order are set: its first command will
+ * wait for the caller's list and for the plan's earlier commands.  Nothing is
+ * enqueued and no event is made if these are in the same in-order queue. */
+hbil_status begin_commands(commands *chain, cl_uint wait_count,
+                           const cl_event *wait_list);
+
+/* Makes the chain's commands, if there are any, the plan's last ones.  To be
+ * called after begin_commands(), whether or not that or a command failed. */
+void end_commands(commands *chain);
+
+/* Enqueues a marker: the plan's later commands wait for what the chain waits
+ * for. */
+hbil_status enqueue_marker(commands *chain);
 
 /* A kernel's argument. */
 typedef struct argument {

@@ -85,8 +85,12 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
 }
 
 hbil_status hbil_model_set(hbil_model *model, hbil_model_name name) {
-  if (!model || (unsigned)name > HBIL_MODEL_PAPER)
-    return HBIL_INVALID_ARGUMENT;
+  if (!model)
+    return fail_null(NULL, __func__, "model");
+  if ((unsigned)name > HBIL_MODEL_PAPER)
+    return fail(NULL, HBIL_INVALID_ARGUMENT,
+                "hbil_model_set: name: %d; must be one of hbil_model_name",
+                (int)name);
   const bool paper = name == HBIL_MODEL_PAPER;
   model->thickness = INFINITY;
   model->relative_thickness = paper ? INFINITY : 0.08f;
@@ -118,8 +122,12 @@ static const struct {
 };
 
 hbil_status hbil_sampling_set(hbil_sampling *sampling, hbil_quality quality) {
-  if (!sampling || (unsigned)quality > HBIL_QUALITY_REFERENCE)
-    return HBIL_INVALID_ARGUMENT;
+  if (!sampling)
+    return fail_null(NULL, __func__, "sampling");
+  if ((unsigned)quality > HBIL_QUALITY_REFERENCE)
+    return fail(NULL, HBIL_INVALID_ARGUMENT,
+                "hbil_sampling_set: quality: %d; must be one of hbil_quality",
+                (int)quality);
   sampling->slices = qualities[quality].slices;
   sampling->steps_per_side = qualities[quality].steps_per_side;
   sampling->step_growth = qualities[quality].step_growth;

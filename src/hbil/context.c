@@ -56,22 +56,61 @@ const char *cl_error_name(cl_int error) {
   return "an unnamed OpenCL error";
 }
 
+/* --- messages --- */
+
+/* The last failure on this thread without a context.  Nothing that is said
+ * there is longer than this. */
+static _Thread_local char thread_message[512];
+
+/* A malloc'd string; NULL without memory. */
+static char *formatted(const char *format, va_list args) {
+  va_list copy;
+  va_copy(copy, args);
+  const int length = vsnprintf(NULL, 0, format, copy);
+  va_end(copy);
+  char *text = length < 0 ? NULL : malloc((size_t)length + 1);
+  if (text)
+    vsnprintf(text, (size_t)length + 1, format, args);
+  return text;
+}
+
 hbil_status fail(hbil_context *context, hbil_status status, const char *format,
                  ...) {
   va_list args;
   va_start(args, format);
-  const int length = vsnprintf(NULL, 0, format, args);
-  va_end(args);
-  char *message = length < 0 ? NULL : malloc((size_t)length + 1);
-  if (message) {
-    va_start(args, format);
-    vsnprintf(message, (size_t)length + 1, format, args);
+  if (!context) {
+    vsnprintf(thread_message, sizeof thread_message, format, args);
     va_end(args);
+    return status;
   }
+  char *message = formatted(format, args);
+  va_end(args);
   /* Freed after formatting: the old message may be among the arguments. */
   free(context->message);
   context->message = message;
+  if (context->callback)
+    context->callback(HBIL_MESSAGE_ERROR,
+                      message ? message : hbil_status_string(status),
+                      context->user);
   return status;
+}
+
+hbil_status fail_null(hbil_context *context, const char *function,
+                      const char *name) {
+  return fail(context, HBIL_INVALID_ARGUMENT, "%s: %s must not be null",
+              function, name);
+}
+
+void warn(hbil_context *context, const char *format, ...) {
+  if (!context->callback)
+    return;
+  va_list args;
+  va_start(args, format);
+  char *message = formatted(format, args);
+  va_end(args);
+  if (message)
+    context->callback(HBIL_MESSAGE_WARNING, message, context->user);
+  free(message);
 }
 
 hbil_status status_of(cl_int error) {
@@ -88,17 +127,28 @@ hbil_status status_of(cl_int error) {
   return HBIL_OPENCL_ERROR;
 }
 
-hbil_status fail_cl(hbil_context *context, cl_int error, const char *call) {
+hbil_status fail_cl(hbil_context *context, cl_int error, const char *format,
+                    ...) {
+  char call[256]; /* names of a function, of a kernel and of arguments */
+  va_list args;
+  va_start(args, format);
+  vsnprintf(call, sizeof call, format, args);
+  va_end(args);
   return fail(context, status_of(error), "%s: %s (%d)", call,
               cl_error_name(error), (int)error);
 }
 
-/* "OpenCL 1.2 ..." -> 102; 0 if it does not read like that. */
-static cl_int read_version(cl_device_id device, int *version) {
-  char text[256] = "";
+/* --- the device --- */
+
+enum { VERSION_TEXT = 256 };
+
+/* Reads "OpenCL 1.2 ..."; *version is 102 for that, and 0 if the text does not
+ * read so. */
+static cl_int read_version(cl_device_id device, char text[VERSION_TEXT],
+                           int *version) {
   int major = 0, minor = 0;
   const cl_int error =
-      clGetDeviceInfo(device, CL_DEVICE_VERSION, sizeof text - 1, text, NULL);
+      clGetDeviceInfo(device, CL_DEVICE_VERSION, VERSION_TEXT - 1, text, NULL);
   *version = sscanf(text, "OpenCL %d.%d", &major, &minor) == 2
                  ? major * 100 + minor
                  : 0;
@@ -126,6 +176,7 @@ static hbil_status read_limits(hbil_context *context) {
   cl_device_type type = 0;
   cl_bool compiler = CL_FALSE;
   cl_device_fp_config fp = 0;
+  char text[VERSION_TEXT] = "";
   int version = 0;
   cl_int error =
       clGetDeviceInfo(device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
@@ -136,44 +187,57 @@ static hbil_status read_limits(hbil_context *context) {
     error = clGetDeviceInfo(device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof fp, &fp,
                             NULL);
   if (error == CL_SUCCESS)
-    error = read_version(device, &version);
+    error = read_version(device, text, &version);
   if (error == CL_SUCCESS)
     error = read_width(device, type, &context->vector_width);
   if (error != CL_SUCCESS)
-    return status_of(error);
+    return fail_cl(NULL, error, "hbil_context_create: clGetDeviceInfo");
   context->exact_divide = (fp & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
   /* A row of work-items, whose loads are contiguous.  CPUs: one row a group,
    * which measured best. */
   const bool cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
   context->group[0] = cpu ? 16 : 32;
   context->group[1] = cpu ? 1 : 4;
-  return compiler && version >= 102 ? HBIL_SUCCESS : HBIL_UNSUPPORTED_DEVICE;
+  if (compiler && version >= 102)
+    return HBIL_SUCCESS;
+  return fail(NULL, HBIL_UNSUPPORTED_DEVICE,
+              "hbil_context_create: the device has \"%s\" and %s compiler; "
+              "OpenCL 1.2 and a compiler are needed",
+              text, compiler ? "a" : "no");
 }
 
-static hbil_status retain(hbil_context *context) {
+static hbil_status retain_device(const hbil_context *context) {
   cl_int error = clRetainContext(context->context);
   if (error != CL_SUCCESS)
-    return status_of(error);
+    return fail_cl(NULL, error, "hbil_context_create: clRetainContext");
   error = clRetainDevice(context->device);
-  if (error != CL_SUCCESS)
-    clReleaseContext(context->context);
-  return status_of(error);
+  if (error == CL_SUCCESS)
+    return HBIL_SUCCESS;
+  clReleaseContext(context->context);
+  return fail_cl(NULL, error, "hbil_context_create: clRetainDevice");
 }
+
+/* --- public --- */
 
 hbil_status hbil_context_create(cl_context context, cl_device_id device,
                                 hbil_context **out) {
   if (out)
     *out = NULL;
   if (!context || !device || !out)
-    return HBIL_INVALID_ARGUMENT;
+    return fail_null(NULL, __func__,
+                     !context  ? "context"
+                     : !device ? "device"
+                               : "out");
   hbil_context *created = calloc(1, sizeof *created);
   if (!created)
-    return HBIL_OUT_OF_HOST_MEMORY;
+    return fail(NULL, HBIL_OUT_OF_HOST_MEMORY,
+                "hbil_context_create: no memory for a context");
+  created->references = 1;
   created->context = context;
   created->device = device;
   hbil_status status = read_limits(created);
   if (status == HBIL_SUCCESS)
-    status = retain(created);
+    status = retain_device(created);
   if (status == HBIL_SUCCESS)
     *out = created;
   else
@@ -181,8 +245,12 @@ hbil_status hbil_context_create(cl_context context, cl_device_id device,
   return status;
 }
 
-void hbil_context_destroy(hbil_context *context) {
-  if (!context)
+void context_retain(hbil_context *context) {
+  context->references++;
+}
+
+void context_release(hbil_context *context) {
+  if (!context || --context->references)
     return;
   clReleaseDevice(context->device);
   clReleaseContext(context->context);
@@ -190,6 +258,22 @@ void hbil_context_destroy(hbil_context *context) {
   free(context);
 }
 
+void hbil_context_destroy(hbil_context *context) {
+  context_release(context);
+}
+
+hbil_status hbil_context_set_callback(hbil_context *context,
+                                      hbil_message_callback callback,
+                                      void *user) {
+  if (!context)
+    return fail_null(NULL, __func__, "context");
+  context->callback = callback;
+  context->user = user;
+  return HBIL_SUCCESS;
+}
+
 const char *hbil_context_message(const hbil_context *context) {
-  return context && context->message ? context->message : "";
+  if (!context)
+    return thread_message;
+  return context->message ? context->message : "";
 }

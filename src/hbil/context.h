@@ -8,28 +8,49 @@
 #include "names.h"
 
 struct hbil_context {
+  int references; /* of the caller and of each plan */
   cl_context context;
   cl_device_id device;
-  char *message;        /* NULL: none */
-  cl_uint vector_width; /* of the kernels, chosen for the device */
-  size_t group[2];      /* work-group of every kernel */
-  bool exact_divide;    /* CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT */
+  char *message;                  /* NULL: none */
+  hbil_message_callback callback; /* NULL: none */
+  void *user;                     /* the callback's */
+  cl_uint vector_width;           /* of the kernels, chosen for the device */
+  size_t group[2];                /* work-group of every kernel */
+  bool exact_divide;              /* CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT */
 };
 
-/* Sets the context's message.  Returns `status`, so that a failing function
- * ends with `return fail(...)`. */
-hbil_status fail(hbil_context *context, hbil_status status, const char *format,
-                 ...)
+void context_retain(hbil_context *context);
+/* Destroys it with the last reference.  NULL is allowed. */
+void context_release(hbil_context *context);
+
 #if defined(__GNUC__)
-    __attribute__((format(printf, 3, 4)))
+#define PRINTF_FORMAT(text, first)                                             \
+  __attribute__((format(printf, (text), (first))))
+#else
+#define PRINTF_FORMAT(text, first)
 #endif
-    ;
+
+/* Sets the context's message and hands it to the callback; if context is NULL,
+ * sets the thread's message.  Returns `status`, so that a failing function ends
+ * with `return fail(...)`. */
+hbil_status fail(hbil_context *context, hbil_status status, const char *format,
+                 ...) PRINTF_FORMAT(3, 4);
+
+/* fail() for a public function whose argument `name` is null. */
+hbil_status fail_null(hbil_context *context, const char *function,
+                      const char *name);
 
 /* The status that an OpenCL error is to the caller. */
 hbil_status status_of(cl_int error);
 
-/* fail() for an OpenCL function `call` that returned `error`. */
-hbil_status fail_cl(hbil_context *context, cl_int error, const char *call);
+/* fail() for an OpenCL function that returned `error`.  The format gives its
+ * name and, in parentheses, what it was called for: "clCreateKernel(split)". */
+hbil_status fail_cl(hbil_context *context, cl_int error, const char *format,
+                    ...) PRINTF_FORMAT(3, 4);
+
+/* Hands a warning to the callback; the message stays that of the last failure.
+ */
+void warn(hbil_context *context, const char *format, ...) PRINTF_FORMAT(2, 3);
 
 /* "CL_INVALID_VALUE"; never NULL. */
 const char *cl_error_name(cl_int error);

@@ -1,6 +1,8 @@
 /* Far light: spherical harmonics of order 2. */
 #include "far_field.h"
 
+#include "context.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -56,12 +58,20 @@ hbil_status hbil_environment_from_latlong(const float *rgb, size_t width,
                                           size_t height, size_t row_pitch,
                                           const float world_from_map[9],
                                           float environment[9][3]) {
-  if (!rgb || !width || !height || !environment)
-    return HBIL_INVALID_ARGUMENT;
+  if (!rgb || !environment)
+    return fail_null(NULL, __func__, rgb ? "environment" : "rgb");
+  if (!width || !height)
+    return fail(NULL, HBIL_INVALID_ARGUMENT,
+                "hbil_environment_from_latlong: width, height: %zu, %zu; a map "
+                "has at least one pixel",
+                width, height);
   if (row_pitch == 0)
     row_pitch = width * 3 * sizeof *rgb;
   if (row_pitch < width * 3 * sizeof *rgb || row_pitch % sizeof *rgb)
-    return HBIL_INVALID_ARGUMENT;
+    return fail(NULL, HBIL_INVALID_ARGUMENT,
+                "hbil_environment_from_latlong: row_pitch: %zu; must be a "
+                "multiple of %zu bytes, and at least a row's %zu",
+                row_pitch, sizeof *rgb, width * 3 * sizeof *rgb);
   double sum[9][3] = {{0}};
   for (size_t y = 0; y < height; ++y) {
     const float *row = rgb + y * (row_pitch / sizeof *rgb);

@@ -37,48 +37,71 @@ static void forget_timings(hbil_plan *plan) {
   plan->events_error = CL_SUCCESS;
 }
 
-/* Gives the caller the last command's event, or one that follows the wait list
- * if nothing had to be enqueued. */
+/* Gives the caller the last command's event.  Passes that had nothing to do
+ * enqueue a marker, so that the event and what comes later follow the wait
+ * list. */
 static hbil_status finish(commands *chain, cl_event *event) {
-  if (event && chain->last) {
-    *event = chain->last;
-    chain->last = NULL;
-  } else if (event) {
-    const cl_int error = clEnqueueMarkerWithWaitList(
-        chain->queue, chain->wait_count, chain->wait_list, event);
-    if (error != CL_SUCCESS)
-      return fail_cl(chain->plan->context, error,
-                     "clEnqueueMarkerWithWaitList");
+  if (!chain->enqueued && (event || chain->wait_count)) {
+    const hbil_status status = enqueue_marker(chain);
+    if (status != HBIL_SUCCESS)
+      return status;
   }
+  if (!event)
+    return HBIL_SUCCESS;
+  *event = chain->last;
+  /* Only other queues than in-order ones need it later.  If it can't be
+   * retained, they wait for everything that is in the queue. */
+  if (chain->in_order || clRetainEvent(chain->last) != CL_SUCCESS)
+    chain->last = NULL;
   return HBIL_SUCCESS;
 }
 
-/* Enqueues the passes first..last as one chain of commands. */
-static hbil_status enqueue(hbil_plan *plan, cl_command_queue queue,
-                           const hbil_frame *given, cl_uint wait_count,
-                           const cl_event *wait_list, cl_event *event,
-                           hbil_pass first, hbil_pass last) {
-  if (!plan)
-    return HBIL_INVALID_ARGUMENT;
-  if (!queue || !given || !wait_count != !wait_list)
+/* What is wrong with the arguments of `function`, before OpenCL is asked. */
+static hbil_status check_arguments(hbil_plan *plan, const char *function,
+                                   cl_command_queue queue,
+                                   const hbil_frame *frame, cl_uint wait_count,
+                                   const cl_event *wait_list) {
+  if (!plan || !queue || !frame)
+    return fail_null(plan ? plan->context : NULL, function,
+                     !plan    ? "plan"
+                     : !queue ? "queue"
+                              : "frame");
+  if (!wait_count != !wait_list)
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
-                "queue and frame must not be null, wait_list must fit "
-                "wait_count");
+                "%s: wait_list is %s and wait_count %u; wait_list must be null "
+                "if wait_count is 0, and only then",
+                function, wait_list ? "given" : "null", (unsigned)wait_count);
+  return HBIL_SUCCESS;
+}
+
+typedef struct pass_range {
+  hbil_pass first, last;
+} pass_range;
+
+/* Enqueues passes as one chain of commands, for the public `function`. */
+static hbil_status enqueue(const char *function, hbil_plan *plan,
+                           cl_command_queue queue, const hbil_frame *given,
+                           cl_uint wait_count, const cl_event *wait_list,
+                           cl_event *event, pass_range range) {
   unsigned planes = 0;
-  for (int i = (int)first; i <= (int)last; ++i)
+  for (int i = (int)range.first; i <= (int)range.last; ++i)
     planes |= passes[i].planes;
-  commands chain = {.plan = plan,
-                    .queue = queue,
-                    .wait_count = wait_count,
-                    .wait_list = wait_list};
+  commands chain = {.plan = plan, .queue = queue};
   hbil_frame frame;
-  hbil_status status = check_queue(plan, queue, &chain.in_order);
+  hbil_status status =
+      check_arguments(plan, function, queue, given, wait_count, wait_list);
+  if (status == HBIL_SUCCESS)
+    status = check_queue(plan, queue, &chain.in_order);
   if (status == HBIL_SUCCESS)
     status = frame_take(plan->context, given, &frame);
   if (status == HBIL_SUCCESS)
     status = check_frame(plan, &frame, planes);
+  if (status != HBIL_SUCCESS)
+    return status;
   chain.events = event || !chain.in_order || plan->config.execution.profiling;
-  for (int i = (int)first; i <= (int)last && status == HBIL_SUCCESS; ++i) {
+  status = begin_commands(&chain, wait_count, wait_list);
+  for (int i = (int)range.first; i <= (int)range.last && status == HBIL_SUCCESS;
+       ++i) {
     chain.pass = (hbil_pass)i;
     if (i == HBIL_PASS_REPROJECT)
       forget_timings(plan);
@@ -89,24 +112,25 @@ static hbil_status enqueue(hbil_plan *plan, cl_command_queue queue,
   }
   if (status == HBIL_SUCCESS)
     status = finish(&chain, event);
-  if (chain.last)
-    clReleaseEvent(chain.last);
+  end_commands(&chain);
   return status;
 }
 
 hbil_status hbil_enqueue_frame(hbil_plan *plan, cl_command_queue queue,
                                const hbil_frame *frame, cl_uint wait_count,
                                const cl_event *wait_list, cl_event *event) {
-  return enqueue(plan, queue, frame, wait_count, wait_list, event,
-                 HBIL_PASS_REPROJECT, HBIL_PASS_COMPOSITE);
+  const pass_range all = {HBIL_PASS_REPROJECT, HBIL_PASS_COMPOSITE};
+  return enqueue(__func__, plan, queue, frame, wait_count, wait_list, event,
+                 all);
 }
 
 #define PASS_FUNCTION(name, pass)                                              \
   hbil_status hbil_enqueue_##name(                                             \
       hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,        \
       cl_uint wait_count, const cl_event *wait_list, cl_event *event) {        \
-    return enqueue(plan, queue, frame, wait_count, wait_list, event, pass,     \
-                   pass);                                                      \
+    const pass_range one = {pass, pass};                                       \
+    return enqueue(__func__, plan, queue, frame, wait_count, wait_list, event, \
+                   one);                                                       \
   }
 
 PASS_FUNCTION(reproject, HBIL_PASS_REPROJECT)

@@ -58,6 +58,10 @@ static const struct {
     [KERNEL_COMPOSITE] = {"composite", PROGRAM_COMPOSITE},
 };
 
+const char *kernel_name(int kernel) {
+  return kernels[kernel].name;
+}
+
 static bool program_needed(const hbil_plan *plan, int program) {
   const layout *l = &plan->layout;
   const bool motion =
@@ -99,6 +103,7 @@ static hbil_status build_kernels(hbil_plan *plan) {
   char defines[MOST_DEFINES];
   hbil_status status = write_defines(plan->context, &plan->config,
                                      &plan->layout, defines, sizeof defines);
+  program_report_folder(plan->context);
   for (int i = 0; i < PROGRAM_COUNT && status == HBIL_SUCCESS; ++i)
     if (program_needed(plan, i))
       status = program_build(plan->context, &programs[i], defines,
@@ -110,7 +115,8 @@ static hbil_status build_kernels(hbil_plan *plan) {
     plan->kernels[i] = clCreateKernel(plan->programs[kernels[i].program],
                                       kernels[i].name, &error);
     if (!plan->kernels[i])
-      status = fail_cl(plan->context, error, "clCreateKernel");
+      status =
+          fail_cl(plan->context, error, "clCreateKernel(%s)", kernels[i].name);
   }
   return status;
 }
@@ -218,7 +224,10 @@ hbil_status hbil_plan_memory(hbil_context *context, const hbil_config *config,
   layout sizes;
   hbil_config resolved;
   if (!context || !config || !bytes)
-    return HBIL_INVALID_ARGUMENT;
+    return fail_null(context, __func__,
+                     !context  ? "context"
+                     : !config ? "config"
+                               : "bytes");
   const hbil_status status = resolve_config(context, config, &resolved);
   if (status != HBIL_SUCCESS)
     return status;
@@ -235,7 +244,10 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
     *out = NULL;
   hbil_config resolved;
   if (!context || !config || !out)
-    return HBIL_INVALID_ARGUMENT;
+    return fail_null(context, __func__,
+                     !context  ? "context"
+                     : !config ? "config"
+                               : "out");
   hbil_status status = resolve_config(context, config, &resolved);
   if (status != HBIL_SUCCESS)
     return status;
@@ -243,6 +255,7 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
   if (!plan)
     return fail(context, HBIL_OUT_OF_HOST_MEMORY, "no memory for a plan");
   plan->context = context;
+  context_retain(context);
   plan->config = resolved;
   layout_compute(&plan->config, &plan->layout);
   if ((status = build_kernels(plan)) != HBIL_SUCCESS ||
@@ -269,6 +282,11 @@ void hbil_plan_destroy(hbil_plan *plan) {
   for (int i = 0; i < BUFFER_COUNT; ++i)
     if (plan->buffers[i])
       clReleaseMemObject(plan->buffers[i]);
+  if (plan->tail)
+    clReleaseEvent(plan->tail);
+  if (plan->queue)
+    clReleaseCommandQueue(plan->queue);
+  context_release(plan->context);
   free(plan);
 }
 
@@ -282,8 +300,13 @@ hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
   static const int of_stage[] = {BUFFER_HISTORY,  BUFFER_CARRIED,
                                  BUFFER_SPLIT,    BUFFER_LIGHT,
                                  BUFFER_RESOLVED, BUFFER_TEMPORAL};
-  if (!plan || !out || (unsigned)stage > HBIL_STAGE_TEMPORAL_HISTORY)
-    return HBIL_INVALID_ARGUMENT;
+  if (!plan || !out)
+    return fail_null(plan ? plan->context : NULL, __func__,
+                     plan ? "out" : "plan");
+  if ((unsigned)stage > HBIL_STAGE_TEMPORAL_HISTORY)
+    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                "stage: %d; must be one of hbil_stage, 0 to %d", (int)stage,
+                (int)HBIL_STAGE_TEMPORAL_HISTORY);
   const layout *l = &plan->layout;
   const int buffer =
       of_stage[stage] +

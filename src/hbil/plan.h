@@ -62,6 +62,11 @@ struct hbil_plan {
   cl_mem buffers[BUFFER_COUNT];
   cl_program programs[PROGRAM_COUNT];
   cl_kernel kernels[KERNEL_COUNT];
+  /* The plan's commands run one after the other, whatever queues they go to.
+   * The next one waits for `tail`; NULL: for all that is in `queue` so far. */
+  cl_command_queue queue; /* of the last command, retained; NULL: none yet */
+  bool in_order;          /* that queue */
+  cl_event tail;
   /* light of the last frame, and where it was seen from */
   bool has_history;
   hbil_camera history_camera;
@@ -90,5 +95,8 @@ struct hbil_plan {
   cl_int events_error; /* why some are missing */
   hbil_pass event_pass[MAX_LAUNCHES];
 };
+
+/* The kernel's name in its source. */
+const char *kernel_name(int kernel);
 
 #endif

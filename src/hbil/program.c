@@ -30,11 +30,24 @@ static char *read_text(const char *path) {
   return text;
 }
 
+/* The folder of kernels that replace the embedded ones; NULL: none. */
+static const char *kernel_folder(void) {
+  const char *folder = getenv("HBIL_KERNEL_DIR");
+  return folder && *folder ? folder : NULL;
+}
+
+void program_report_folder(hbil_context *context) {
+  if (kernel_folder())
+    warn(context,
+         "HBIL_KERNEL_DIR: kernels are read from %s, not from the library",
+         kernel_folder());
+}
+
 /* The text of a kernel file, malloc'd if *owned; NULL after fail(). */
 static const char *source_text(hbil_context *context, const char *name,
                                bool *owned) {
-  const char *folder = getenv("HBIL_KERNEL_DIR");
-  *owned = folder && *folder;
+  const char *folder = kernel_folder();
+  *owned = folder != NULL;
   if (!*owned) {
     const char *text = embedded(name);
     if (!text)
@@ -185,8 +198,8 @@ static hbil_status add_defines(hbil_context *context, const char *text,
 
 /* --- building --- */
 
-static hbil_status build_failure(hbil_context *context, cl_program program,
-                                 const char *pass, cl_int error) {
+/* The compiler's log as a malloc'd string; NULL if there is none. */
+static char *build_log(const hbil_context *context, cl_program program) {
   size_t size = 0;
   char *log = NULL;
   if (clGetProgramBuildInfo(program, context->device, CL_PROGRAM_BUILD_LOG, 0,
@@ -194,22 +207,41 @@ static hbil_status build_failure(hbil_context *context, cl_program program,
       (log = calloc(1, size + 1)))
     clGetProgramBuildInfo(program, context->device, CL_PROGRAM_BUILD_LOG, size,
                           log, NULL);
+  return log;
+}
+
+static hbil_status build_failure(hbil_context *context, cl_program program,
+                                 const char *pass, cl_int error) {
+  char *log = build_log(context, program);
   fail(context, HBIL_BUILD_FAILED, "clBuildProgram(%s.cl): %s (%d)\n%s", pass,
        cl_error_name(error), (int)error, log ? log : "");
   free(log);
   return HBIL_BUILD_FAILED;
 }
 
+/* Hands on what the compiler said of a program that it built. */
+static void report_remarks(hbil_context *context, cl_program program,
+                           const char *pass) {
+  if (!context->callback)
+    return;
+  char *log = build_log(context, program);
+  if (log && log[strspn(log, " \t\r\n")])
+    warn(context, "%s.cl: the compiler says: %s", pass, log);
+  free(log);
+}
+
 static hbil_status build(hbil_context *context, cl_program program,
                          const program_kind *kind, const char *options) {
   const cl_int error =
       clBuildProgram(program, 1, &context->device, options, NULL, NULL);
-  if (error == CL_SUCCESS)
+  if (error == CL_SUCCESS) {
+    report_remarks(context, program, kind->name);
     return HBIL_SUCCESS;
+  }
   /* every failure but a lack of memory comes from the kernel or the compiler */
   return status_of(error) == HBIL_OPENCL_ERROR
              ? build_failure(context, program, kind->name, error)
-             : fail_cl(context, error, "clBuildProgram");
+             : fail_cl(context, error, "clBuildProgram(%s.cl)", kind->name);
 }
 
 static hbil_status build_text(hbil_context *context, const program_kind *kind,
@@ -229,7 +261,8 @@ static hbil_status build_text(hbil_context *context, const program_kind *kind,
     return status;
   *out = clCreateProgramWithSource(context->context, 1, &text, NULL, &error);
   if (!*out)
-    return fail_cl(context, error, "clCreateProgramWithSource");
+    return fail_cl(context, error, "clCreateProgramWithSource(%s.cl)",
+                   kind->name);
   status = build(context, *out, kind, options);
   if (status != HBIL_SUCCESS) {
     clReleaseProgram(*out);

@@ -24,6 +24,9 @@ enum { MOST_DEFINES = 4096 };
 hbil_status program_build(hbil_context *context, const program_kind *kind,
                           const char *defines, cl_program *out);
 
+/* Warns of kernels that HBIL_KERNEL_DIR puts in place of the embedded ones. */
+void program_report_folder(hbil_context *context);
+
 /* --- kernel_sources.c (generated from kernels/) --- */
 
 typedef struct kernel_source {

@@ -1,5 +1,5 @@
 /* Reads back a frame's timings, statistics and counts of sanitized pixels. */
-#include "plan.h"
+#include "commands.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -11,20 +11,45 @@ _Static_assert((int)HBIL_SPAN_SKY == (int)HBIL_SKIP_SKY &&
                    (int)HBIL_SPAN_UNUSED == (int)HBIL_SKIP_UNUSED,
                "the bits of a span are those of hbil_skip");
 
-static hbil_status read_buffer(hbil_plan *plan, cl_command_queue queue,
-                               int buffer, void *out) {
-  const cl_int error =
-      clEnqueueReadBuffer(queue, plan->buffers[buffer], CL_TRUE, 0,
-                          plan->layout.bytes[buffer], out, 0, NULL, NULL);
+/* Begins to read what the last frame has left, for the public `function`: reads
+ * wait for all of the plan's commands.  Since they block, later commands need
+ * not wait for them.  end_commands() ends it. */
+static hbil_status begin_reading(const char *function, hbil_plan *plan,
+                                 cl_command_queue queue, const void *out,
+                                 commands *chain) {
+  if (!plan || !queue || !out)
+    return fail_null(plan ? plan->context : NULL, function,
+                     !plan    ? "plan"
+                     : !queue ? "queue"
+                              : "out");
+  if (!plan->has_last)
+    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                "%s: the plan has no last frame; one must have been enqueued "
+                "since the plan was made or reset, without a failure",
+                function);
+  *chain = (commands){.plan = plan, .queue = queue};
+  const hbil_status status = begin_commands(chain, 0, NULL);
+  if (status != HBIL_SUCCESS)
+    end_commands(chain);
+  return status;
+}
+
+static hbil_status read_bytes(const commands *chain, int buffer, size_t bytes,
+                              void *out) {
+  hbil_plan *plan = chain->plan;
+  const cl_int error = clEnqueueReadBuffer(
+      chain->queue, plan->buffers[buffer], CL_TRUE, 0, bytes, out,
+      chain->wait_count, chain->wait_list, NULL);
   return error == CL_SUCCESS
              ? HBIL_SUCCESS
              : fail_cl(plan->context, error, "clEnqueueReadBuffer");
 }
 
-static hbil_status read_passes(hbil_plan *plan, cl_command_queue queue,
-                               hbil_statistics *out) {
+static hbil_status read_passes(const commands *chain, hbil_statistics *out) {
+  const hbil_plan *plan = chain->plan;
   cl_uint flags[HBIL_FLAGS];
-  const hbil_status status = read_buffer(plan, queue, BUFFER_FLAGS, flags);
+  const hbil_status status =
+      read_bytes(chain, BUFFER_FLAGS, sizeof flags, flags);
   if (status != HBIL_SUCCESS)
     return status;
   for (int p = 0; p < HBIL_PASS_COUNT; ++p) {
@@ -79,14 +104,15 @@ static void count_spans(const hbil_plan *plan, const unsigned char *spans,
   }
 }
 
-static hbil_status read_spans(hbil_plan *plan, cl_command_queue queue,
-                              hbil_statistics *out) {
-  unsigned char *spans = malloc(plan->layout.bytes[BUFFER_SPAN_STATES]);
+static hbil_status read_spans(const commands *chain, hbil_statistics *out) {
+  hbil_plan *plan = chain->plan;
+  const size_t bytes = plan->layout.bytes[BUFFER_SPAN_STATES];
+  unsigned char *spans = malloc(bytes);
   if (!spans)
     return fail(plan->context, HBIL_OUT_OF_HOST_MEMORY,
                 "no memory to count in");
   const hbil_status status =
-      read_buffer(plan, queue, BUFFER_SPAN_STATES, spans);
+      read_bytes(chain, BUFFER_SPAN_STATES, bytes, spans);
   if (status == HBIL_SUCCESS)
     count_spans(plan, spans, out);
   free(spans);
@@ -95,18 +121,16 @@ static hbil_status read_spans(hbil_plan *plan, cl_command_queue queue,
 
 hbil_status hbil_plan_statistics(hbil_plan *plan, cl_command_queue queue,
                                  hbil_statistics *out) {
-  if (!plan || !queue || !out)
-    return HBIL_INVALID_ARGUMENT;
-  memset(out, 0, sizeof *out);
-  if (!plan->has_last)
-    return fail(plan->context, HBIL_INVALID_ARGUMENT,
-                "hbil_plan_statistics: the plan has no frame yet");
-  const cl_int error = clFinish(queue);
-  if (error != CL_SUCCESS)
-    return fail_cl(plan->context, error, "clFinish");
-  hbil_status status = read_passes(plan, queue, out);
+  commands chain;
+  if (out)
+    memset(out, 0, sizeof *out);
+  hbil_status status = begin_reading(__func__, plan, queue, out, &chain);
+  if (status != HBIL_SUCCESS)
+    return status;
+  status = read_passes(&chain, out);
   if (status == HBIL_SUCCESS)
-    status = read_spans(plan, queue, out);
+    status = read_spans(&chain, out);
+  end_commands(&chain);
   if (status == HBIL_SUCCESS && out->not_run[HBIL_PASS_GATHER])
     out->sky = out->open = out->dark = out->unused = out->from_cache =
         (hbil_count){0, 0};
@@ -116,19 +140,16 @@ hbil_status hbil_plan_statistics(hbil_plan *plan, cl_command_queue queue,
 hbil_status hbil_plan_sanitized(hbil_plan *plan, cl_command_queue queue,
                                 hbil_sanitized *out) {
   cl_uint words[HBIL_SANITIZED_WORDS];
-  if (!plan || !queue || !out)
-    return HBIL_INVALID_ARGUMENT;
-  memset(out, 0, sizeof *out);
-  if (!plan->has_last)
-    return fail(plan->context, HBIL_INVALID_ARGUMENT,
-                "hbil_plan_sanitized: the plan has no frame yet");
-  cl_int error = clFinish(queue);
-  if (error == CL_SUCCESS)
-    error = clEnqueueReadBuffer(queue, plan->buffers[BUFFER_SANITIZED], CL_TRUE,
-                                0, sizeof words, words, 0, NULL, NULL);
-  if (error != CL_SUCCESS)
-    return fail_cl(plan->context, error,
-                   "reading the counts of sanitized pixels");
+  commands chain;
+  if (out)
+    memset(out, 0, sizeof *out);
+  hbil_status status = begin_reading(__func__, plan, queue, out, &chain);
+  if (status != HBIL_SUCCESS)
+    return status;
+  status = read_bytes(&chain, BUFFER_SANITIZED, sizeof words, words);
+  end_commands(&chain);
+  if (status != HBIL_SUCCESS)
+    return status;
   size_t *const surface[HBIL_SURFACE_INPUTS] = {
       [HBIL_SURFACE_ALBEDO] = &out->albedo,
       [HBIL_SURFACE_F0] = &out->f0,
@@ -165,11 +186,12 @@ static hbil_status add_time(hbil_plan *plan, int launch, double *milliseconds) {
 hbil_status hbil_plan_timings(hbil_plan *plan,
                               double milliseconds[HBIL_PASS_COUNT]) {
   if (!plan || !milliseconds)
-    return HBIL_INVALID_ARGUMENT;
+    return fail_null(plan ? plan->context : NULL, __func__,
+                     plan ? "milliseconds" : "plan");
   memset(milliseconds, 0, HBIL_PASS_COUNT * sizeof *milliseconds);
   if (!plan->config.execution.profiling)
     return fail(plan->context, HBIL_INVALID_CONFIG,
-                "profiling: CL_FALSE; timings need CL_TRUE");
+                "execution.profiling: CL_FALSE; timings need CL_TRUE");
   if (plan->events_error != CL_SUCCESS)
     return fail_cl(plan->context, plan->events_error, "clRetainEvent");
   if (!plan->launches)

@@ -31,6 +31,10 @@ const char *shim_failed(void) {
   return fault.failed;
 }
 
+int shim_remaining(void) {
+  return fault.countdown;
+}
+
 /* CL_SUCCESS, or the error that a call of that name is to return without being
  * executed. */
 static cl_int planned_failure(const char *name) {
@@ -96,6 +100,12 @@ long shim_references(void) {
   for (int i = 0; i < MOST_OBJECTS; ++i)
     count += objects[i].references;
   return count;
+}
+
+static long events_made;
+
+long shim_events_made(void) {
+  return events_made;
 }
 
 static shim_buffers created_buffers;
@@ -269,8 +279,10 @@ static cl_int fill_buffer(cl_command_queue queue, cl_mem buffer,
     cl_int status = planned_failure(#name);                                    \
     if (status == CL_SUCCESS)                                                  \
       status = call;                                                           \
-    if (status == CL_SUCCESS && event)                                         \
+    if (status == CL_SUCCESS && event) {                                       \
       add_reference(*event);                                                   \
+      events_made++;                                                           \
+    }                                                                          \
     return status;                                                             \
   }
 
@@ -336,6 +348,7 @@ PLAIN(clBuildProgram,
 PLAIN(clSetKernelArg,
       (cl_kernel kernel, cl_uint index, size_t size, const void *value),
       programs_set_argument(kernel, index, size, value))
+PLAIN(clFlush, (cl_command_queue queue), NEXT(clFlush)(queue))
 PLAIN(clFinish, (cl_command_queue queue), NEXT(clFinish)(queue))
 PLAIN(clWaitForEvents, (cl_uint count, const cl_event *events),
       NEXT(clWaitForEvents)(count, events))
@@ -414,6 +427,7 @@ CL_API_ENTRY cl_mem CL_API_CALL clCreateBuffer(cl_context context,
 RETAIN(clRetainContext, cl_context)
 RETAIN(clRetainDevice, cl_device_id)
 RETAIN(clRetainEvent, cl_event)
+RETAIN(clRetainCommandQueue, cl_command_queue)
 
 RELEASE(clReleaseContext, cl_context, programs_forget_context)
 RELEASE(clReleaseDevice, cl_device_id, NOTHING)

@@ -18,10 +18,14 @@
 void shim_fail(int nth, cl_int error);
 /* Name of the call that has failed since; NULL: none yet. */
 const char *shim_failed(void);
+/* How many calls are left until the one that fails. */
+int shim_remaining(void);
 
 /* References to OpenCL objects that have been taken and not yet released.
  * Releasing more than was taken aborts the program. */
 long shim_references(void);
+/* Events that commands have made so far. */
+long shim_events_made(void);
 
 /* true: from now on no source is built, and every kernel is one that does
  * nothing.  Plans can be created within milliseconds, but not run. */
