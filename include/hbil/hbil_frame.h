@@ -19,7 +19,26 @@ extern "C" {
  * offset, row_pitch and plane_pitch are in bytes and must be multiples of the
  * component's size.  A row_pitch of 0 means width * stride components.
  * plane_pitch is the distance between the channels of planar formats; 0 means
- * row_pitch * height.  The library checks that all pixels are in the buffer. */
+ * row_pitch * height.
+ *
+ * The library checks before it enqueues anything; what fails is
+ * HBIL_INVALID_FRAME:
+ *   kind     a buffer or sub-buffer; images and pipes are rejected
+ *   context  the OpenCL context of the plan
+ *   access   inputs must not be CL_MEM_WRITE_ONLY, nor outputs
+ *            CL_MEM_READ_ONLY; the CL_MEM_HOST_ flags do not matter
+ *   size     all pixels are in the buffer, and no row of pixels is longer than
+ *            row_pitch
+ *   overlap  no byte of an output belongs to another plane, nor to two of its
+ *            own channels.  Inputs may overlap each other.
+ * Planes may share a buffer, or the parent of their sub-buffers, if their bytes
+ * are apart.  Two planes of which one begins behind the other's last byte are
+ * apart whatever their formats.  With the same row_pitch, each may also use its
+ * own part of common rows, or rows between those of the other.  If pixels are
+ * the same number of bytes apart as well, each may use its own bytes of common
+ * pixels, such as ao the fourth component of pixels whose first three are
+ * bent_normal.  Other mixtures are rejected where an output is involved.
+ * The single passes check the planes that they use. */
 typedef struct hbil_plane {
   cl_mem buffer;
   size_t offset;

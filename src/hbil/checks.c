@@ -5,10 +5,95 @@
 #include <string.h>
 
 #include "camera.h"
-#include "planes.h"
+#include "overlap.h"
 
+/* What OpenCL knows of a plane's buffer. */
+typedef struct memory_info {
+  cl_mem_object_type type;
+  cl_context context;
+  cl_mem_flags flags;
+  size_t bytes;
+  cl_mem parent; /* of a sub-buffer, else null */
+  size_t origin; /* where a sub-buffer begins in its parent, else 0 */
+} memory_info;
+
+static cl_int read_memory(cl_mem buffer, memory_info *info) {
+  const struct {
+    cl_mem_info what;
+    size_t size;
+    void *value;
+  } queries[] = {
+      {CL_MEM_TYPE, sizeof info->type, &info->type},
+      {CL_MEM_CONTEXT, sizeof info->context, &info->context},
+      {CL_MEM_FLAGS, sizeof info->flags, &info->flags},
+      {CL_MEM_SIZE, sizeof info->bytes, &info->bytes},
+      {CL_MEM_ASSOCIATED_MEMOBJECT, sizeof info->parent, &info->parent},
+      {CL_MEM_OFFSET, sizeof info->origin, &info->origin},
+  };
+  cl_int error = CL_SUCCESS;
+  for (size_t i = 0;
+       i < sizeof queries / sizeof *queries && error == CL_SUCCESS; ++i)
+    error = clGetMemObjectInfo(buffer, queries[i].what, queries[i].size,
+                               queries[i].value, NULL);
+  return error;
+}
+
+/* That kernels can take the buffer for this plane. */
+static hbil_status check_memory(hbil_context *context, int plane, cl_mem buffer,
+                                memory_info *info) {
+  const char *name = plane_kinds[plane].name;
+  const bool output = plane >= PLANE_FIRST_OUTPUT;
+  const cl_int error = read_memory(buffer, info);
+  if (error == CL_INVALID_MEM_OBJECT)
+    return fail(context, HBIL_INVALID_FRAME, "%s.buffer: %s", name,
+                cl_error_name(error));
+  if (error != CL_SUCCESS)
+    return fail_cl(context, error, "clGetMemObjectInfo");
+  if (info->type != CL_MEM_OBJECT_BUFFER)
+    return fail(context, HBIL_INVALID_FRAME,
+                "%s.buffer: an image or a pipe; the plan's format for it needs "
+                "a buffer",
+                name);
+  if (info->context != context->context)
+    return fail(context, HBIL_INVALID_FRAME,
+                "%s.buffer: not of the plan's OpenCL context", name);
+  if (info->flags & (output ? CL_MEM_READ_ONLY : CL_MEM_WRITE_ONLY))
+    return fail(context, HBIL_INVALID_FRAME,
+                output
+                    ? "%s.buffer: CL_MEM_READ_ONLY, but frames write this plane"
+                    : "%s.buffer: CL_MEM_WRITE_ONLY, but frames read this "
+                      "plane",
+                name);
+  return HBIL_SUCCESS;
+}
+
+/* That the pixels are in the buffer, and can be addressed. */
+static hbil_status check_extent(hbil_context *context, const char *name,
+                                size_t component, size_t offset,
+                                const plane_shape *shape, size_t bytes) {
+  /* first, because multiples of such pitches may wrap around */
+  if (shape->rows > 1 && shape->row > bytes)
+    return fail(context, HBIL_INVALID_FRAME,
+                "%s.row_pitch: %zu bytes are more than its buffer of %zu", name,
+                shape->row, bytes);
+  if (shape->images > 1 && shape->image > bytes)
+    return fail(context, HBIL_INVALID_FRAME,
+                "%s.plane_pitch: %zu bytes are more than its buffer of %zu",
+                name, shape->image, bytes);
+  const size_t needed = plane_extent(shape);
+  if (offset > bytes || needed > bytes - offset)
+    return fail(context, HBIL_INVALID_FRAME,
+                "%s: offset %zu + %zu bytes do not fit in its buffer of %zu",
+                name, offset, needed, bytes);
+  if ((offset + needed) / component > UINT32_MAX)
+    return fail(context, HBIL_INVALID_FRAME,
+                "%s: components beyond 2^32 cannot be addressed", name);
+  return HBIL_SUCCESS;
+}
+
+/* Finds out as well where the plane lies, if it exists. */
 static hbil_status check_plane(hbil_plan *plan, const hbil_frame *frame,
-                               int plane) {
+                               int plane, plane_region *region) {
   hbil_context *context = plan->context;
   const char *name = plane_kinds[plane].name;
   const hbil_plane *given = frame_plane(frame, plane);
@@ -23,34 +108,47 @@ static hbil_status check_plane(hbil_plan *plan, const hbil_frame *frame,
     return fail(context, HBIL_INVALID_FRAME,
                 "%s.buffer: missing, the plan has a format for it", name);
   const size_t size = component_size(format->component);
-  const size_t stride = format_stride(&plan->config, plane);
   if (given->offset % size || given->row_pitch % size ||
       given->plane_pitch % size)
     return fail(context, HBIL_INVALID_FRAME,
                 "%s: offset, row_pitch and plane_pitch must be multiples of "
                 "%zu bytes",
                 name, size);
-  size_t row, channel, bytes = 0;
-  plane_pitches(&plan->config, plane, given, &row, &channel);
-  if (row < size * ((plan->config.width - 1) * stride + 1))
+  const plane_shape shape = plane_shape_of(&plan->config, plane, given);
+  if (shape.row < plane_row_extent(&shape))
     return fail(context, HBIL_INVALID_FRAME,
                 "%s.row_pitch: %zu bytes are less than a row of %u pixels",
-                name, row, (unsigned)plan->config.width);
-  const cl_int error = clGetMemObjectInfo(given->buffer, CL_MEM_SIZE,
-                                          sizeof bytes, &bytes, NULL);
-  if (error == CL_INVALID_MEM_OBJECT)
-    return fail(context, HBIL_INVALID_FRAME, "%s.buffer: %s", name,
-                cl_error_name(error));
-  if (error != CL_SUCCESS)
-    return fail_cl(context, error, "clGetMemObjectInfo");
-  const size_t needed = plane_extent(&plan->config, plane, row, channel);
-  if (given->offset > bytes || needed > bytes - given->offset)
-    return fail(context, HBIL_INVALID_FRAME,
-                "%s: offset %zu + %zu bytes do not fit in its buffer of %zu",
-                name, given->offset, needed, bytes);
-  if ((given->offset + needed) / size > UINT32_MAX)
-    return fail(context, HBIL_INVALID_FRAME,
-                "%s: components beyond 2^32 cannot be addressed", name);
+                name, shape.row, (unsigned)plan->config.width);
+  memory_info memory;
+  hbil_status status = check_memory(context, plane, given->buffer, &memory);
+  if (status == HBIL_SUCCESS)
+    status =
+        check_extent(context, name, size, given->offset, &shape, memory.bytes);
+  region->memory = memory.parent ? memory.parent : given->buffer;
+  region->start = memory.origin + given->offset;
+  region->shape = shape;
+  return status;
+}
+
+/* That outputs have bytes of their own.  Planes that don't exist have no
+ * memory. */
+static hbil_status check_overlaps(hbil_context *context,
+                                  const plane_region regions[PLANE_COUNT]) {
+  for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i) {
+    const char *name = plane_kinds[i].name;
+    if (!regions[i].memory)
+      continue;
+    if (plane_overlaps_itself(&regions[i].shape))
+      return fail(context, HBIL_INVALID_FRAME,
+                  "%s.plane_pitch: with %zu bytes its channels overlap", name,
+                  regions[i].shape.image);
+    for (int k = 0; k < i; ++k)
+      if (planes_overlap(&regions[i], &regions[k]))
+        return fail(context, HBIL_INVALID_FRAME,
+                    "%s: overlaps %s, or is mixed with it at another row_pitch "
+                    "or distance of pixels; an output needs bytes of its own",
+                    name, plane_kinds[k].name);
+  }
   return HBIL_SUCCESS;
 }
 
@@ -95,9 +193,13 @@ hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
     status = check_still(plan, frame);
   if (status == HBIL_SUCCESS)
     status = check_environment(plan, frame);
+  plane_region regions[PLANE_COUNT];
+  memset(regions, 0, sizeof regions);
   for (int i = 0; i < PLANE_COUNT && status == HBIL_SUCCESS; ++i)
     if (planes & PLANE_BIT(i))
-      status = check_plane(plan, frame, i);
+      status = check_plane(plan, frame, i, &regions[i]);
+  if (status == HBIL_SUCCESS)
+    status = check_overlaps(plan->context, regions);
   return status;
 }
 

@@ -42,7 +42,10 @@
 #define plane_extent hbil_internal_plane_extent
 #define plane_format hbil_internal_plane_format
 #define plane_kinds hbil_internal_plane_kinds
-#define plane_pitches hbil_internal_plane_pitches
+#define plane_overlaps_itself hbil_internal_plane_overlaps_itself
+#define plane_row_extent hbil_internal_plane_row_extent
+#define plane_shape_of hbil_internal_plane_shape_of
+#define planes_overlap hbil_internal_planes_overlap
 #define program_build hbil_internal_program_build
 #define set_flag hbil_internal_set_flag
 #define status_of hbil_internal_status_of

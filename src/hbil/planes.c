@@ -2,6 +2,7 @@
  */
 #include "planes.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 #define KIND(group, field, define, channels)                                   \
@@ -48,22 +49,29 @@ size_t component_size(hbil_component component) {
   return component == HBIL_FLOAT32 ? 4 : component == HBIL_FLOAT16 ? 2 : 1;
 }
 
-void plane_pitches(const hbil_config *config, int plane,
-                   const hbil_plane *given, size_t *row, size_t *channel) {
-  const size_t size = component_size(plane_format(config, plane)->component);
-  const size_t stride = format_stride(config, plane);
-  *row = given->row_pitch ? given->row_pitch : size * stride * config->width;
-  *channel = given->plane_pitch ? given->plane_pitch : *row * config->height;
-}
-
-size_t plane_extent(const hbil_config *config, int plane, size_t row,
-                    size_t channel) {
+plane_shape plane_shape_of(const hbil_config *config, int plane,
+                           const hbil_plane *given) {
   const size_t size = component_size(plane_format(config, plane)->component);
   const size_t stride = format_stride(config, plane);
   const size_t channels = plane_kinds[plane].channels;
-  const size_t across = (config->width - 1) * stride * size;
-  const size_t deep = (channels - 1) * (stride == 1 ? channel : size);
-  return (config->height - 1) * row + across + deep + size;
+  const bool planar = stride == 1;
+  plane_shape s = {.images = planar ? channels : 1,
+                   .rows = config->height,
+                   .pixels = config->width,
+                   .pixel = size * stride,
+                   .run = planar ? size : size * channels};
+  s.row = given->row_pitch ? given->row_pitch : s.pixel * s.pixels;
+  s.image = given->plane_pitch ? given->plane_pitch : s.row * s.rows;
+  return s;
+}
+
+size_t plane_row_extent(const plane_shape *shape) {
+  return (shape->pixels - 1) * shape->pixel + shape->run;
+}
+
+size_t plane_extent(const plane_shape *shape) {
+  return (shape->images - 1) * shape->image + (shape->rows - 1) * shape->row +
+         plane_row_extent(shape);
 }
 
 cl_mem plane_bind(const hbil_config *config, const hbil_frame *frame, int plane,
@@ -74,12 +82,11 @@ cl_mem plane_bind(const hbil_config *config, const hbil_frame *frame, int plane,
   if (format->component == HBIL_NONE)
     return NULL;
   const size_t size = component_size(format->component);
-  size_t row, channel;
-  plane_pitches(config, plane, given, &row, &channel);
+  const plane_shape shape = plane_shape_of(config, plane, given);
   args->offset = (cl_uint)(given->offset / size);
-  args->row = (cl_uint)(row / size);
+  args->row = (cl_uint)(shape.row / size);
   /* interleaved channels are neighbours */
   args->plane =
-      format_stride(config, plane) == 1 ? (cl_uint)(channel / size) : 1;
+      format_stride(config, plane) == 1 ? (cl_uint)(shape.image / size) : 1;
   return given->buffer;
 }

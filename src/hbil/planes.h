@@ -46,13 +46,21 @@ cl_uint format_stride(const hbil_config *config, int plane);
 /* Bytes of a component; 1 for HBIL_NONE. */
 size_t component_size(hbil_component component);
 
-/* Pitches of a plane in bytes, with the defaults filled in. */
-void plane_pitches(const hbil_config *config, int plane,
-                   const hbil_plane *given, size_t *row, size_t *channel);
+/* How the bytes of a plane lie behind its offset: in images (one for each
+ * channel of planar formats, else one), each of rows, each of pixels, each of
+ * some adjacent bytes. */
+typedef struct plane_shape {
+  size_t images, image; /* count, and bytes from one to the next */
+  size_t rows, row;
+  size_t pixels, pixel;
+  size_t run; /* bytes of a pixel */
+} plane_shape;
+plane_shape plane_shape_of(const hbil_config *config, int plane,
+                           const hbil_plane *given);
 
-/* Bytes from the first component to the end of the last one. */
-size_t plane_extent(const hbil_config *config, int plane, size_t row,
-                    size_t channel);
+/* Bytes from the first to the last one of a row, and of the whole plane. */
+size_t plane_row_extent(const plane_shape *shape);
+size_t plane_extent(const plane_shape *shape);
 
 /* A plane as a kernel takes it: its buffer, null where the plan has no format
  * for it, and its place in components. */

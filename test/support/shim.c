@@ -190,7 +190,7 @@ static cl_mem make_guarded(cl_context context, cl_mem_flags flags, size_t size,
   free(bytes);
   if (!outer)
     return NULL;
-  const cl_mem inner = clCreateSubBuffer(
+  const cl_mem inner = NEXT(clCreateSubBuffer)(
       outer, flags, CL_BUFFER_CREATE_TYPE_REGION, &inside, error);
   if (!inner)
     shim_give_up("no sub-buffer");
@@ -400,6 +400,14 @@ CREATE(cl_kernel, clCreateKernel,
        (cl_program program, const char *name, cl_int *error),
        programs_kernel(program, name, error))
 
+CREATE(cl_mem, clCreateSubBuffer,
+       (cl_mem buffer, cl_mem_flags flags, cl_buffer_create_type type,
+        const void *region, cl_int *error),
+       NEXT(clCreateSubBuffer)(buffer, flags, type, region, error))
+CREATE(cl_mem, clCreateImage,
+       (cl_context context, cl_mem_flags flags, const cl_image_format *format,
+        const cl_image_desc *desc, void *host, cl_int *error),
+       NEXT(clCreateImage)(context, flags, format, desc, host, error))
 CREATE(cl_event, clCreateUserEvent, (cl_context context, cl_int *error),
        NEXT(clCreateUserEvent)(context, error))
 
