@@ -270,28 +270,13 @@ HBIL_ASSERT_LAYOUT(hbil_grid_args, height, 2, 3)
 #define HBIL_SOME_DARK 2u /* surfaces that send no light */
 
 /* group: 4*HBIL_WIDTH pixels of a row, which cells are made of; whole: a single
- * cell; quadrants: where each block has a word of hbil_quadrants(). */
+ * cell; quadrants: where each block has a word of hbil_quadrants()
+ * (lib/quadrants.clh). */
 typedef struct hbil_bounds_args {
   hbil_grid_args group, cell, block, whole;
   hbil_uint quadrants;
 } hbil_bounds_args;
 HBIL_ASSERT_LAYOUT(hbil_bounds_args, quadrants, 12, 13)
-
-/* A half-slice stays in one quadrant about the cell where it begins; that
- * cell's row and column belong to the quadrant.  Returns the quadrant's number.
- */
-static inline hbil_uint hbil_quadrant(hbil_int right, hbil_int down) {
-  return (hbil_uint)(2 * down + right);
-}
-/* The quadrants about cell (x, y) that cell (i, j) is in: a bit each, the
- * lowest for quadrant 0. */
-static inline hbil_uint hbil_quadrants(hbil_int x, hbil_int y, hbil_int i,
-                                       hbil_int j) {
-  const hbil_uint across = (i <= x ? 5u : 0u) | (i >= x ? 10u : 0u);
-  const hbil_uint down = (j <= y ? 3u : 0u) | (j >= y ? 12u : 0u);
-  return across & down;
-}
-#define HBIL_ALL_QUADRANTS 15u
 
 /* The work that was left out for a span of the gather, as bits of a byte.  The
  * values are those of hbil_skip.  As many bytes follow with the number of sky
