@@ -15,7 +15,7 @@
  * (shared.h); quadrants.  In a static frame whose light has not changed, the
  * kernels return at once.
  */
-#include "shared.h"
+#include "lib/quadrants.clh"
 
 /* Launch: x, y = cells of the coarse grid. */
 kernel void bound_cells(const hbil_bound_cells_args args, global uint *bounds,

@@ -21,7 +21,7 @@
  * the caller's outputs, history planes, counts of the sanitized inputs that
  * split does not read.
  */
-#include "lib/external_planes.clh"
+#include "lib/depth.clh"
 #include "lib/sanitize.clh"
 #include "lib/unseen_light.clh"
 
@@ -66,7 +66,6 @@
 #error HAS_EMISSION must be 0..1
 #endif
 
-LOADER(depth, DEPTH_TYPE, DEPTH_STRIDE)
 LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
 LOADER(f0, F0_TYPE, F0_STRIDE)
 LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
@@ -302,9 +301,9 @@ INLINE void compose(const hbil_composite_args args,
   global const float *at = resolved + (uint)y * args.planes.row + (uint)x;
   const realv rx = ray_x(view, x, 1);
   const float ry = ray_y(view, y);
-  const realv z =
-      planar_depth(load_depth(depth_buffer, args.depth, x, y, 0, count), rx, ry,
-                   args.sky_depth);
+  const realv z = planar_depth(
+      stored_depth(depth_buffer, args.depth, args.decode, x, y, count), rx, ry,
+      args.decode);
   const intv solid = z > 0.0f;
   /* a mean of values up to 1 may round to just above it */
   const realv ao = clamp(READV(at), 0.0f, 1.0f);

@@ -57,9 +57,9 @@ kernel void follow_motion(const hbil_follow_motion_args args,
   const int count = view.width - x;
   const realv rx = ray_x(view, x, 1);
   const float ry = ray_y(view, y);
-  const realv z =
-      planar_depth(load_depth(depth_buffer, args.depth, x, y, 0, count), rx, ry,
-                   args.sky_depth);
+  const realv z = planar_depth(
+      stored_depth(depth_buffer, args.depth, args.decode, x, y, count), rx, ry,
+      args.decode);
   const realv spread = spread_at(z);
   const realv depth = row_of(args.back, 2, plane_x(view, x, 1) * spread,
                              plane_y(view, y) * spread, z);

@@ -203,9 +203,9 @@ INLINE void fetch(const hbil_scatter_args args, global const float *history,
   const hbil_view_args to = args.to;
   const hbil_plane_args planes = args.planes;
   const int count = to.width - x;
-  const realv here =
-      planar_depth(load_depth(depth_buffer, args.depth, x, y, 0, count),
-                   ray_x(to, x, 1), ray_y(to, y), args.sky_depth);
+  const realv here = planar_depth(
+      stored_depth(depth_buffer, args.depth, args.decode, x, y, count),
+      ray_x(to, x, 1), ray_y(to, y), args.decode);
   realv depth;
   const uintv source =
       winners(nearest, (uint)to.width * (uint)to.height,

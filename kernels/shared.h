@@ -91,8 +91,7 @@ typedef cl_float hbil_float;
  * word has bits, so that 1 << HBIL_SECTORS is still a bit. */
 #define HBIL_SECTORS 31
 
-/* --- planes of the stages (hbil_stages.h has the layouts) ------------------
- */
+/* --- planes of the stages (hbil_stages.h has the layouts) ----------------- */
 
 enum {
   HBIL_SPLIT_W = 0,      /* inverse depth */
@@ -159,8 +158,7 @@ enum {
 #define HBIL_UNSEEN_PRIOR 0.45f
 enum { HBIL_ESTIMATE_SIZE = 36, HBIL_ESTIMATE_PARTS = 64 };
 
-/* --- what several passes take -----------------------------------------------
- */
+/* --- what several passes take --------------------------------------------- */
 
 /* A plane of the caller, in components: its first one, and the distances from
  * row to row and from channel to channel. */
@@ -168,6 +166,14 @@ typedef struct hbil_external_plane_args {
   hbil_uint offset, row, plane, unused;
 } hbil_external_plane_args;
 HBIL_ASSERT_LAYOUT(hbil_external_plane_args, unused, 3, 4)
+
+/* How values of the depth input are read (lib/depth.clh).  Hardware depth:
+ * w is end_w + scale (value - end); `end` is the value of the far end. */
+typedef struct hbil_depth_args {
+  hbil_float sky_depth; /* as in hbil_config */
+  hbil_float end, end_w, scale;
+} hbil_depth_args;
+HBIL_ASSERT_LAYOUT(hbil_depth_args, scale, 3, 4)
 
 /* Size and intrinsics.  fx and fy are pixels to a unit of ray slope; in
  * orthographic views, to a world unit. */
@@ -251,8 +257,7 @@ enum {
   HBIL_SURFACE_INPUTS = 4
 };
 
-/* --- bounds: what the gather can skip ----------------------------------------
- */
+/* --- bounds: what the gather can skip ------------------------------------- */
 
 /* A cell is 64x64 pixels: so many of a layer, a multiple of HBIL_WIDEST. */
 #define HBIL_CELL 16
@@ -270,28 +275,13 @@ HBIL_ASSERT_LAYOUT(hbil_grid_args, height, 2, 3)
 #define HBIL_SOME_DARK 2u /* surfaces that send no light */
 
 /* group: 4*HBIL_WIDTH pixels of a row, which cells are made of; whole: a single
- * cell; quadrants: where each block has a word of hbil_quadrants(). */
+ * cell; quadrants: where each block has a word of hbil_quadrants()
+ * (lib/quadrants.clh). */
 typedef struct hbil_bounds_args {
   hbil_grid_args group, cell, block, whole;
   hbil_uint quadrants;
 } hbil_bounds_args;
 HBIL_ASSERT_LAYOUT(hbil_bounds_args, quadrants, 12, 13)
-
-/* A half-slice stays in one quadrant about the cell where it begins; that
- * cell's row and column belong to the quadrant.  Returns the quadrant's number.
- */
-static inline hbil_uint hbil_quadrant(hbil_int right, hbil_int down) {
-  return (hbil_uint)(2 * down + right);
-}
-/* The quadrants about cell (x, y) that cell (i, j) is in: a bit each, the
- * lowest for quadrant 0. */
-static inline hbil_uint hbil_quadrants(hbil_int x, hbil_int y, hbil_int i,
-                                       hbil_int j) {
-  const hbil_uint across = (i <= x ? 5u : 0u) | (i >= x ? 10u : 0u);
-  const hbil_uint down = (j <= y ? 3u : 0u) | (j >= y ? 12u : 0u);
-  return across & down;
-}
-#define HBIL_ALL_QUADRANTS 15u
 
 /* The work that was left out for a span of the gather, as bits of a byte.  The
  * values are those of hbil_skip.  As many bytes follow with the number of sky
@@ -303,9 +293,7 @@ enum {
   HBIL_SPAN_UNUSED = 8
 };
 
-/* --- the passes
- * ---------------------------------------------------------------
- */
+/* --- the passes ----------------------------------------------------------- */
 
 /* Padding of the layers, once per plan (clear.cl). */
 typedef struct hbil_clear_args {
@@ -330,9 +318,10 @@ typedef struct hbil_scatter_args {
   hbil_plane_args planes; /* of history and carried light */
   hbil_runs_args runs;
   hbil_external_plane_args depth;
-  hbil_float sky_depth, disocclusion_threshold; /* as in hbil_config */
+  hbil_depth_args decode;
+  hbil_float disocclusion_threshold; /* as in hbil_config */
 } hbil_scatter_args;
-HBIL_ASSERT_LAYOUT(hbil_scatter_args, disocclusion_threshold, 37, 38)
+HBIL_ASSERT_LAYOUT(hbil_scatter_args, disocclusion_threshold, 40, 41)
 
 /* back: from this view to the last frame's. */
 typedef struct hbil_follow_motion_args {
@@ -341,9 +330,10 @@ typedef struct hbil_follow_motion_args {
   hbil_plane_args planes; /* of history and carried light */
   hbil_external_plane_args depth, motion;
   hbil_float motion_scale[2];
-  hbil_float sky_depth, disocclusion_threshold; /* as in hbil_config */
+  hbil_depth_args decode;
+  hbil_float disocclusion_threshold; /* as in hbil_config */
 } hbil_follow_motion_args;
-HBIL_ASSERT_LAYOUT(hbil_follow_motion_args, disocclusion_threshold, 33, 34)
+HBIL_ASSERT_LAYOUT(hbil_follow_motion_args, disocclusion_threshold, 36, 37)
 
 /* One level of the push/pull chain: where its planes lie, and its size. */
 typedef struct hbil_chain_args {
@@ -365,10 +355,11 @@ typedef struct hbil_split_args {
   hbil_plane_args planes; /* of carried light; relight: of the history */
   hbil_grid_args groups;  /* of the bounds */
   hbil_external_plane_args depth, normal, albedo, f0, direct, emission;
-  hbil_float sky_depth, direct_scale; /* as in hbil_config */
+  hbil_depth_args decode;
+  hbil_float direct_scale; /* as in hbil_config */
   hbil_int has_history;
 } hbil_split_args;
-HBIL_ASSERT_LAYOUT(hbil_split_args, has_history, 58, 59)
+HBIL_ASSERT_LAYOUT(hbil_split_args, has_history, 61, 62)
 
 /* Each cell of the coarse grid covers across x down cells of the fine one. */
 typedef struct hbil_bound_cells_args {
@@ -490,8 +481,9 @@ typedef struct hbil_composite_args {
   hbil_external_plane_args depth, albedo, f0, direct, emission;
   hbil_external_plane_args near_irradiance, far_irradiance, ao, bent_normal;
   hbil_external_plane_args cone_cosine, indirect, beauty, error_estimate;
-  hbil_float sky_depth, direct_scale; /* as in hbil_config */
+  hbil_depth_args decode;
+  hbil_float direct_scale; /* as in hbil_config */
 } hbil_composite_args;
-HBIL_ASSERT_LAYOUT(hbil_composite_args, direct_scale, 102, 103)
+HBIL_ASSERT_LAYOUT(hbil_composite_args, direct_scale, 105, 106)
 
 #endif

@@ -10,7 +10,7 @@
  * (`uses`); counts of sanitized pixels (relight: whether anything has changed).
  */
 #include "lib/bounds.clh"
-#include "lib/external_planes.clh"
+#include "lib/depth.clh"
 #include "lib/interleave.clh"
 #include "lib/layers.clh"
 #include "lib/sanitize.clh"
@@ -27,11 +27,14 @@
 #if !defined(NORMAL_IS_WORLD) || NORMAL_IS_WORLD < 0 || NORMAL_IS_WORLD > 1
 #error NORMAL_IS_WORLD must be 0..1
 #endif
+#if !defined(NORMAL_IS_OCTAHEDRAL) || NORMAL_IS_OCTAHEDRAL < 0 ||              \
+    NORMAL_IS_OCTAHEDRAL > 1
+#error NORMAL_IS_OCTAHEDRAL must be 0..1
+#endif
 #if !defined(SKIP_UNUSED) || SKIP_UNUSED < 0 || SKIP_UNUSED > 1
 #error SKIP_UNUSED must be 0..1
 #endif
 
-LOADER(depth, DEPTH_TYPE, DEPTH_STRIDE)
 LOADER(normal, NORMAL_TYPE, NORMAL_STRIDE)
 LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
 LOADER(f0, F0_TYPE, F0_STRIDE)
@@ -42,12 +45,17 @@ LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
 
 /* --- normals -------------------------------------------------------------- */
 
-/* The input's normal in view space. */
+/* The input's normal in view space, of any length. */
 INLINE void view_normal(const hbil_split_args args, global const void *buffer,
                         int x, int y, int count, realv n[3]) {
+#if NORMAL_IS_OCTAHEDRAL
+  octahedral_direction(load_normal(buffer, args.normal, x, y, 0, count),
+                       load_normal(buffer, args.normal, x, y, 1, count), n);
+#else
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     n[c] = load_normal(buffer, args.normal, x, y, c, count);
+#endif
 #if NORMAL_IS_WORLD
   const realv world[3] = {n[0], n[1], n[2]};
   rotate_direction(args.to_view, world, n);
@@ -186,12 +194,13 @@ INLINE void count_sanitized(const hbil_split_args args,
   uint depths = 0u, normals = 0u, surface[HBIL_SURFACE_INPUTS] = {0u};
   for (int x = x0; x < min(x0 + 4 * HBIL_WIDTH, view.width); x += HBIL_WIDTH) {
     const int count = view.width - x;
-    const realv depth = load_depth(depth_buffer, args.depth, x, y, 0, count);
+    const realv depth =
+        stored_depth(depth_buffer, args.depth, args.decode, x, y, count);
     const intv solid = planar_depth(depth, ray_x(view, x, 1), ray_y(view, y),
-                                    args.sky_depth) > 0.0f;
+                                    args.decode) > 0.0f;
     realv n[3];
     view_normal(args, normal_buffer, x, y, count, n);
-    depths += count_lanes(!is_usable_depth(depth));
+    depths += count_lanes(!is_usable_depth(depth, args.decode));
     normals += count_lanes(solid & !is_usable_normal(squared_length(n)));
 #if GATHER_RADIANCE
     realv light[3];
@@ -239,10 +248,11 @@ kernel void split(const hbil_split_args args, global float *layers,
   for (int part = 0; part < 4; ++part) {
     const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
     const realv rx = ray_x(view, x, 1);
-    const realv depth = load_depth(depth_buffer, args.depth, x, y, 0, count);
-    const realv z = planar_depth(depth, rx, ry, args.sky_depth);
+    const realv depth =
+        stored_depth(depth_buffer, args.depth, args.decode, x, y, count);
+    const realv z = planar_depth(depth, rx, ry, args.decode);
     const intv solid = z > 0.0f;
-    const realv w = w_at(z);
+    const realv w = w_of_depth(depth, z, args.decode);
     /* The normal shares the mask of albedo.  Emission that cannot be used
      * counts at the sky, too; the others count only on surfaces. */
     intv usable[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
@@ -271,7 +281,7 @@ kernel void split(const hbil_split_args args, global float *layers,
               (reflectance_of(args, &inputs, c, x, y, count, usable) > 0.0f);
 #endif
     unusable |=
-        !is_usable_depth(depth) | !usable[HBIL_SURFACE_EMISSION] |
+        !is_usable_depth(depth, args.decode) | !usable[HBIL_SURFACE_EMISSION] |
         (solid & !(usable[HBIL_SURFACE_ALBEDO] & usable[HBIL_SURFACE_F0] &
                    usable[HBIL_SURFACE_DIRECT]));
   }
@@ -337,8 +347,9 @@ kernel void relight(const hbil_split_args args, global float *layers,
   for (int part = 0; part < 4; ++part) {
     const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
     const intv solid =
-        planar_depth(load_depth(depth_buffer, args.depth, x, y, 0, count),
-                     ray_x(view, x, 1), ray_y(view, y), args.sky_depth) > 0.0f;
+        planar_depth(
+            stored_depth(depth_buffer, args.depth, args.decode, x, y, count),
+            ray_x(view, x, 1), ray_y(view, y), args.decode) > 0.0f;
     /* split has counted what isn't usable */
     intv usable[HBIL_SURFACE_INPUTS] = {0};
     realv light[3];

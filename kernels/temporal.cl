@@ -27,6 +27,7 @@
 #include "lib/interleave.clh"
 #include "lib/layers.clh"
 #include "lib/plane_addressing.clh"
+#include "lib/camera.clh"
 #include "lib/sanitize.clh"
 #include "lib/split_planes.clh"
 

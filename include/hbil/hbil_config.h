@@ -18,12 +18,36 @@ extern "C" {
 /* ------------------------------------------------------------------------ */
 /* Formats: how the pixels of a plane lie in memory                          */
 
+/* What a component is.  Kernels read every format directly, without a copy.
+ * The colours are albedo, f0, direct and emission.  What depends on the plane
+ * is beside its member in hbil_inputs.  All bytes are in the device's order. */
 typedef enum hbil_component {
   HBIL_NONE = 0,    /* the plane does not exist */
-  HBIL_FLOAT32 = 1, /* 4 bytes */
-  HBIL_FLOAT16 = 2, /* 2 bytes, IEEE half */
-  HBIL_UNORM8 = 3   /* 1 byte, 0..255 for 0..1; only albedo, f0, direct and
-                       emission can have it */
+  HBIL_FLOAT32 = 1, /* 4 bytes; all inputs and outputs */
+  HBIL_FLOAT16 = 2, /* 2 bytes, IEEE half; all inputs and outputs */
+  HBIL_UNORM8 = 3,  /* 1 byte, 0..255 for 0..1; colours, normals */
+  /* 2 bytes, 0..65535 for 0..1; colours, normals, hardware depth */
+  HBIL_UNORM16 = 4,
+  /* 1 byte, -127..127 for -1..1, and -128 is -1, too; normals */
+  HBIL_SNORM8 = 5,
+  /* 2 bytes, -32767..32767 for -1..1, and -32768 is -1, too; normals, motion */
+  HBIL_SNORM16 = 6,
+  /* The low 24 bits of a word of 32 bits, for 0..1; hardware depth.  The high 8
+   * bits may hold anything, such as a stencil: D24_UNORM_S8_UINT of DXGI and
+   * Vulkan, X8_D24_UNORM_PACK32.  GL_UNSIGNED_INT_24_8 has the stencil in the
+   * low bits and can't be read. */
+  HBIL_UNORM24 = 7,
+  /* Words of 32 bits that hold all channels of a pixel; stride counts words.
+   * 3 x 10 bits, red lowest, for 0..1, and 2 more that are not read;
+   * A2B10G10R10 in Vulkan; colours, HBIL_NORMAL_XYZ */
+  HBIL_RGB10A2_UNORM = 8,
+  /* Floats without a sign, 11, 11 and 10 bits, red lowest, up to 65024 and
+   * 64512; 6 and 5 bits of mantissa; B10G11R11 in Vulkan; colours */
+  HBIL_R11G11B10_FLOAT = 9,
+  /* 3 mantissas of 9 bits, red lowest, and the exponent that they share in the
+   * highest 5 bits: a channel is mantissa 2^(exponent - 24), up to 65408;
+   * E5B9G9R9 in Vulkan; colours */
+  HBIL_RGB9E5_FLOAT = 10
 } hbil_component;
 
 /* How the pixels of a plane lie in its buffer.  The formats are fixed per plan,
@@ -32,7 +56,8 @@ typedef enum hbil_component {
  * components.  1 means planar: each channel is an image of its own.  The number
  * of channels or more, up to 64, means interleaved: the channels of a pixel are
  * adjacent, and further components are neither read nor changed.  0 means the
- * number of channels. */
+ * number of channels.  A word that holds all channels counts as one component
+ * of one channel: 1 or 0 means that the words of a row are adjacent. */
 typedef struct hbil_plane_format {
   hbil_component component;
   cl_uint stride;
@@ -43,7 +68,10 @@ typedef struct hbil_plane_format {
 
 typedef enum hbil_depth_kind {
   HBIL_DEPTH_PLANAR = 0, /* z, along the camera's axis */
-  HBIL_DEPTH_RAY = 1     /* distance from the eye */
+  HBIL_DEPTH_RAY = 1,    /* distance from the eye */
+  /* The value d of a depth buffer, of any projection; see
+   * hbil_frame.hardware_depth, which describes the projection. */
+  HBIL_DEPTH_HARDWARE = 2
 } hbil_depth_kind;
 
 typedef enum hbil_projection {
@@ -62,26 +90,44 @@ typedef enum hbil_space {
   HBIL_SPACE_WORLD = 1
 } hbil_space;
 
+typedef enum hbil_normal_encoding {
+  HBIL_NORMAL_XYZ = 0, /* 3 channels, of any length */
+  /* 2 channels: octahedral coordinates u, v in -1..1 (Cigolle and others 2014,
+   * "A Survey of Efficient Representations for Independent Unit Vectors").
+   * The direction is (u, v, 1 - |u| - |v|) where that z is not negative, else
+   * ((1 - |v|) sign(u), (1 - |u|) sign(v), 1 - |u| - |v|); sign(0) is 1. */
+  HBIL_NORMAL_OCTAHEDRAL = 1
+} hbil_normal_encoding;
+
 typedef struct hbil_inputs {
   /* Formats.  depth and normal are needed; the others may be
    * HBIL_NONE.  Without a plane, albedo is 1 and the others are 0.
    * Results are finite whatever the inputs hold.  Unusable values are replaced,
    * and hbil_plan_sanitized() counts the pixels:
-   *   depth     NaN, negative, below 1e-15 except 0: sky
+   *   depth     NaN, negative, below 1e-15 except 0: sky; of hardware depth:
+   *             NaN, and what means a depth below 1e-15
    *   normal    NaN, infinite, shorter than 1e-10, longer than 1e19: the
    *             direction to the eye
    *   albedo, f0        NaN, infinite, negative: 0; above 1: 1
    *   direct, emission  NaN, negative, above 1e30 (after direct_scale): 0
    *   motion    NaN, infinite: nothing is carried over to the pixel
    * Depths of 0, and from 1e15 or sky_depth on, are sky and not counted.  Nor
-   * are normals that face away; they are turned until nearly edge on. */
-  hbil_plane_format depth;    /* 1 channel; see depth_kind, sky_depth */
-  hbil_plane_format normal;   /* 3 channels, any length; see normal_space */
+   * are normals that face away; they are turned until nearly edge on.
+   * Components: HBIL_FLOAT32, HBIL_FLOAT16, and the others that are named. */
+  /* 1 channel; see depth_kind, sky_depth.  Hardware depth: HBIL_UNORM16,
+   * HBIL_UNORM24 */
+  hbil_plane_format depth;
+  /* 3 channels, or 2; see normal_encoding, normal_space.  HBIL_UNORM8,
+   * HBIL_UNORM16, HBIL_RGB10A2_UNORM: a value v stands for 2v - 1.
+   * HBIL_SNORM8, HBIL_SNORM16 */
+  hbil_plane_format normal;
+  /* Colours: HBIL_UNORM8, HBIL_UNORM16, HBIL_RGB10A2_UNORM,
+   * HBIL_R11G11B10_FLOAT, HBIL_RGB9E5_FLOAT */
   hbil_plane_format albedo;   /* 3 channels, diffuse reflectance, 0..1 */
   hbil_plane_format f0;       /* 3 channels, reflectance at normal incidence */
   hbil_plane_format direct;   /* 3 channels, irradiance; see direct_scale */
   hbil_plane_format emission; /* 3 channels, radiance */
-  hbil_plane_format motion;   /* 2 channels; see motion_scale */
+  hbil_plane_format motion;   /* 2 channels; see motion_scale.  HBIL_SNORM16 */
 
   hbil_projection projection; /* of all cameras; default PERSPECTIVE */
   hbil_depth_kind depth_kind; /* default PLANAR */
@@ -91,6 +137,7 @@ typedef struct hbil_inputs {
   /* `motion` times this is the previous position minus the current one, in
    * pixels, x right, y down.  -1e6..1e6; default 1, 1 */
   float motion_scale[2];
+  hbil_normal_encoding normal_encoding; /* default XYZ */
 } hbil_inputs;
 
 /* ------------------------------------------------------------------------ */

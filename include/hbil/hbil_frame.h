@@ -89,6 +89,26 @@ typedef struct hbil_frame {
    * are gathered.  Ignored in a plan's first frame.  Callers who write to a
    * plan's stages must not set it. */
   cl_bool static_frame;
+  /* With HBIL_DEPTH_HARDWARE: A and B of this frame's projection.  The value of
+   * the depth buffer is d = A + B/z, in orthographic views d = A + B z, where z
+   * is planar depth.  A is finite, B is not 0.  With the near plane at n and
+   * the far one at f (n > 0; n < f):
+   *                                  A                B
+   *   perspective, 0..1              f / (f-n)        -f n / (f-n)
+   *     far plane at infinity        1                -n
+   *   perspective, reversed, 1..0    -n / (f-n)       f n / (f-n)
+   *     far plane at infinity        0                n
+   *   perspective, -1..1             (f+n) / (f-n)    -2 f n / (f-n)
+   *     far plane at infinity        1                -2 n
+   *   orthographic, 0..1             -n / (f-n)       1 / (f-n)
+   *   orthographic, reversed, 1..0   f / (f-n)        -1 / (f-n)
+   *   orthographic, -1..1            -(f+n) / (f-n)   2 / (f-n)
+   * 0..1 is what depth buffers hold, OpenGL's too, whose clip space is -1..1
+   * (with glDepthRange(0, 1), the default).  -1..1 is for float planes with
+   * clip space's z/w; it can't be reversed.
+   * The far end, d = 1, or d = 0 where depth is reversed, is what a cleared
+   * depth buffer holds.  It is sky, and so is everything beyond. */
+  float hardware_depth[2];
 } hbil_frame;
 
 /* Sets all members of a struct of struct_size bytes to 0.  The camera must be

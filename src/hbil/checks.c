@@ -168,6 +168,18 @@ static hbil_status check_environment(hbil_plan *plan, const hbil_frame *frame) {
   return HBIL_SUCCESS;
 }
 
+static hbil_status check_hardware_depth(hbil_plan *plan,
+                                        const hbil_frame *frame) {
+  const float a = frame->hardware_depth[0], b = frame->hardware_depth[1];
+  if (plan->config.inputs.depth_kind != HBIL_DEPTH_HARDWARE ||
+      (isfinite(a) && isnormal(b)))
+    return HBIL_SUCCESS;
+  return fail(plan->context, HBIL_INVALID_FRAME,
+              "hardware_depth: %g, %g; HBIL_DEPTH_HARDWARE needs the finite A "
+              "and B, not 0, of the projection",
+              (double)a, (double)b);
+}
+
 /* What can be checked of static_frame. */
 static hbil_status check_still(hbil_plan *plan, const hbil_frame *frame) {
   if (!frame->static_frame || !plan->has_last)
@@ -193,6 +205,8 @@ hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
     status = check_still(plan, frame);
   if (status == HBIL_SUCCESS)
     status = check_environment(plan, frame);
+  if (status == HBIL_SUCCESS)
+    status = check_hardware_depth(plan, frame);
   plane_region regions[PLANE_COUNT];
   memset(regions, 0, sizeof regions);
   for (int i = 0; i < PLANE_COUNT && status == HBIL_SUCCESS; ++i)

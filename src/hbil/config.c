@@ -4,6 +4,7 @@
 #include "planes.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 bool config_rejects_back_faces(const hbil_config *config) {
@@ -174,29 +175,49 @@ static hbil_status positive(hbil_context *context, const char *field,
               "%s: %g; must be positive (infinity: no limit)", field, value);
 }
 
+static const char *component_name(hbil_component component) {
+  return (unsigned)component < COMPONENT_COUNT ? component_kinds[component].name
+                                               : "unknown";
+}
+
+/* Rejects a component with the list of those that the plane can have. */
+static hbil_status wrong_component(hbil_context *context,
+                                   const hbil_config *config, int plane,
+                                   unsigned allowed) {
+  const hbil_component given = plane_format(config, plane)->component;
+  char list[256] = "";
+  size_t length = 0;
+  for (int i = 0; i < COMPONENT_COUNT && length < sizeof list; ++i)
+    if (allowed & (1u << i))
+      length += (size_t)snprintf(list + length, sizeof list - length, "%s%s",
+                                 length ? ", " : "", component_kinds[i].name);
+  const bool other_kind = plane == PLANE_DEPTH &&
+                          config->inputs.depth_kind != HBIL_DEPTH_HARDWARE &&
+                          (given == HBIL_UNORM16 || given == HBIL_UNORM24);
+  return fail(context, HBIL_INVALID_CONFIG,
+              "%s.%s.component: %d (%s); must be one of %s%s",
+              plane >= PLANE_FIRST_OUTPUT ? "outputs" : "inputs",
+              plane_kinds[plane].name, (int)given, component_name(given), list,
+              other_kind ? ", or depth_kind HBIL_DEPTH_HARDWARE" : "");
+}
+
 static hbil_status check_format(hbil_context *context,
                                 const hbil_config *config, int plane) {
-  const plane_kind *kind = &plane_kinds[plane];
   const hbil_plane_format *format = plane_format(config, plane);
   if (format->component == HBIL_NONE)
     return HBIL_SUCCESS;
-  const bool output = plane >= PLANE_FIRST_OUTPUT;
-  if ((unsigned)format->component > HBIL_UNORM8 ||
-      (format->component == HBIL_UNORM8 &&
-       (output || plane == PLANE_DEPTH || plane == PLANE_NORMAL ||
-        plane == PLANE_MOTION)))
-    return fail(context, HBIL_INVALID_CONFIG,
-                "%s.%s.component: %d; must be HBIL_FLOAT32 or HBIL_FLOAT16%s",
-                output ? "outputs" : "inputs", kind->name,
-                (int)format->component,
-                output ? "" : " (HBIL_UNORM8 for colours only)");
+  const unsigned allowed = plane_components_allowed(config, plane);
+  if ((unsigned)format->component >= COMPONENT_COUNT ||
+      !(allowed & (1u << format->component)))
+    return wrong_component(context, config, plane, allowed);
   const cl_uint stride = format_stride(config, plane);
-  if (stride > 64 || (stride != 1 && stride < kind->channels))
+  const cl_uint components = plane_components(config, plane);
+  if (stride > 64 || (stride != 1 && stride < components))
     return fail(
         context, HBIL_INVALID_CONFIG,
         "%s.%s.stride: %u; must be 1 (planar) or %u .. 64 (interleaved)",
-        output ? "outputs" : "inputs", kind->name, (unsigned)stride,
-        (unsigned)kind->channels);
+        plane >= PLANE_FIRST_OUTPUT ? "outputs" : "inputs",
+        plane_kinds[plane].name, (unsigned)stride, (unsigned)components);
   return HBIL_SUCCESS;
 }
 
@@ -273,7 +294,9 @@ static hbil_status config_check(hbil_context *context,
       {"inputs.projection", (double)config->inputs.projection, 0,
        HBIL_PROJECTION_ORTHOGRAPHIC},
       {"inputs.depth_kind", (double)config->inputs.depth_kind, 0,
-       HBIL_DEPTH_RAY},
+       HBIL_DEPTH_HARDWARE},
+      {"inputs.normal_encoding", (double)config->inputs.normal_encoding, 0,
+       HBIL_NORMAL_OCTAHEDRAL},
       {"inputs.normal_space", (double)config->inputs.normal_space, 0,
        HBIL_SPACE_WORLD},
       {"outputs.bent_normal_space", (double)config->outputs.bent_normal_space,

@@ -35,14 +35,16 @@ static void define(text *t, const char *name, int value) {
 }
 
 static void define_planes(const hbil_config *c, text *t) {
-  static const char *const types[] = {"none", "f32", "f16", "u8"};
   for (int i = 0; i < PLANE_COUNT; ++i) {
     const hbil_plane_format *format = plane_format(c, i);
     const char *name = plane_kinds[i].define;
-    add(t, " -D%s_%s=%d -D%s_TYPE=%s -D%s_STRIDE=%uu",
+    const char *type = component_kinds[format->component].type;
+    /* unorm normals stand for -1..1 */
+    const bool biased = i == PLANE_NORMAL && type[0] == 'u';
+    add(t, " -D%s_%s=%d -D%s_TYPE=%s%s -D%s_STRIDE=%uu",
         i < PLANE_FIRST_OUTPUT ? "HAS" : "OUT", name,
-        format->component != HBIL_NONE, name, types[format->component], name,
-        (unsigned)format_stride(c, i));
+        format->component != HBIL_NONE, name, biased ? "biased_" : "", type,
+        name, (unsigned)format_stride(c, i));
   }
 }
 
@@ -51,6 +53,9 @@ static void define_inputs(const hbil_config *c, text *t) {
          c->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC);
   define(t, "WHOLE_GROUPS", c->width % (4 * c->execution.vector_width) == 0);
   define(t, "DEPTH_IS_RAY", c->inputs.depth_kind == HBIL_DEPTH_RAY);
+  define(t, "DEPTH_IS_HARDWARE", c->inputs.depth_kind == HBIL_DEPTH_HARDWARE);
+  define(t, "NORMAL_IS_OCTAHEDRAL",
+         c->inputs.normal_encoding == HBIL_NORMAL_OCTAHEDRAL);
   define(t, "NORMAL_IS_WORLD", c->inputs.normal_space == HBIL_SPACE_WORLD);
   define(t, "BENT_IS_WORLD", c->outputs.bent_normal_space == HBIL_SPACE_WORLD);
 }

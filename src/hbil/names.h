@@ -10,14 +10,16 @@
 #define camera_from_world hbil_internal_camera_from_world
 #define camera_to_world hbil_internal_camera_to_world
 #define camera_view hbil_internal_camera_view
-#define component_size hbil_internal_component_size
 #define check_frame hbil_internal_check_frame
 #define check_queue hbil_internal_check_queue
 #define cl_error_name hbil_internal_cl_error_name
 #define clear_counts hbil_internal_clear_counts
+#define component_kinds hbil_internal_component_kinds
+#define component_size hbil_internal_component_size
 #define config_has_thickness hbil_internal_config_has_thickness
 #define config_rejects_back_faces hbil_internal_config_rejects_back_faces
 #define config_take hbil_internal_config_take
+#define depth_args hbil_internal_depth_args
 #define enqueue_composite hbil_internal_enqueue_composite
 #define enqueue_fill hbil_internal_enqueue_fill
 #define enqueue_gather hbil_internal_enqueue_gather
@@ -39,6 +41,8 @@
 #define layout_compute hbil_internal_layout_compute
 #define layout_has_bands hbil_internal_layout_has_bands
 #define plane_bind hbil_internal_plane_bind
+#define plane_components hbil_internal_plane_components
+#define plane_components_allowed hbil_internal_plane_components_allowed
 #define plane_extent hbil_internal_plane_extent
 #define plane_format hbil_internal_plane_format
 #define plane_kinds hbil_internal_plane_kinds

@@ -29,6 +29,45 @@ const plane_kind plane_kinds[PLANE_COUNT] = {
     [PLANE_ERROR] = KIND(outputs, error_estimate, "ERROR", 2),
 };
 
+const component_kind component_kinds[COMPONENT_COUNT] = {
+    [HBIL_NONE] = {"HBIL_NONE", "none", 1, false},
+    [HBIL_FLOAT32] = {"HBIL_FLOAT32", "f32", 4, false},
+    [HBIL_FLOAT16] = {"HBIL_FLOAT16", "f16", 2, false},
+    [HBIL_UNORM8] = {"HBIL_UNORM8", "u8", 1, false},
+    [HBIL_UNORM16] = {"HBIL_UNORM16", "u16", 2, false},
+    [HBIL_SNORM8] = {"HBIL_SNORM8", "s8", 1, false},
+    [HBIL_SNORM16] = {"HBIL_SNORM16", "s16", 2, false},
+    [HBIL_UNORM24] = {"HBIL_UNORM24", "u24", 4, false},
+    [HBIL_RGB10A2_UNORM] = {"HBIL_RGB10A2_UNORM", "u10", 4, true},
+    [HBIL_R11G11B10_FLOAT] = {"HBIL_R11G11B10_FLOAT", "f11", 4, true},
+    [HBIL_RGB9E5_FLOAT] = {"HBIL_RGB9E5_FLOAT", "e5", 4, true},
+};
+
+#define BIT(component) (1u << (component))
+
+unsigned plane_components_allowed(const hbil_config *config, int plane) {
+  const unsigned floats = BIT(HBIL_FLOAT32) | BIT(HBIL_FLOAT16);
+  const unsigned unorms = BIT(HBIL_UNORM8) | BIT(HBIL_UNORM16);
+  const unsigned snorms = BIT(HBIL_SNORM8) | BIT(HBIL_SNORM16);
+  if (plane >= PLANE_FIRST_OUTPUT)
+    return floats;
+  switch (plane) {
+  case PLANE_DEPTH:
+    return config->inputs.depth_kind == HBIL_DEPTH_HARDWARE
+               ? floats | BIT(HBIL_UNORM16) | BIT(HBIL_UNORM24)
+               : floats;
+  case PLANE_NORMAL:
+    return config->inputs.normal_encoding == HBIL_NORMAL_OCTAHEDRAL
+               ? floats | unorms | snorms
+               : floats | unorms | snorms | BIT(HBIL_RGB10A2_UNORM);
+  case PLANE_MOTION:
+    return floats | BIT(HBIL_SNORM16);
+  default: /* colours */
+    return floats | unorms | BIT(HBIL_RGB10A2_UNORM) |
+           BIT(HBIL_R11G11B10_FLOAT) | BIT(HBIL_RGB9E5_FLOAT);
+  }
+}
+
 const hbil_plane_format *plane_format(const hbil_config *config, int plane) {
   return (
       const hbil_plane_format *)(const void *)((const char *)config +
@@ -40,20 +79,34 @@ const hbil_plane *frame_plane(const hbil_frame *frame, int plane) {
                                             plane_kinds[plane].plane_at);
 }
 
+/* Whether a pixel is one word that holds all channels. */
+static bool is_word(const hbil_config *config, int plane) {
+  return component_kinds[plane_format(config, plane)->component].is_word;
+}
+
+cl_uint plane_components(const hbil_config *config, int plane) {
+  if (is_word(config, plane))
+    return 1;
+  return plane == PLANE_NORMAL &&
+                 config->inputs.normal_encoding == HBIL_NORMAL_OCTAHEDRAL
+             ? 2
+             : plane_kinds[plane].channels;
+}
+
 cl_uint format_stride(const hbil_config *config, int plane) {
   const cl_uint stride = plane_format(config, plane)->stride;
-  return stride ? stride : plane_kinds[plane].channels;
+  return stride ? stride : plane_components(config, plane);
 }
 
 size_t component_size(hbil_component component) {
-  return component == HBIL_FLOAT32 ? 4 : component == HBIL_FLOAT16 ? 2 : 1;
+  return component_kinds[component].size;
 }
 
 plane_shape plane_shape_of(const hbil_config *config, int plane,
                            const hbil_plane *given) {
   const size_t size = component_size(plane_format(config, plane)->component);
   const size_t stride = format_stride(config, plane);
-  const size_t channels = plane_kinds[plane].channels;
+  const size_t channels = plane_components(config, plane);
   const bool planar = stride == 1;
   plane_shape s = {.images = planar ? channels : 1,
                    .rows = config->height,
@@ -85,8 +138,30 @@ cl_mem plane_bind(const hbil_config *config, const hbil_frame *frame, int plane,
   const plane_shape shape = plane_shape_of(config, plane, given);
   args->offset = (cl_uint)(given->offset / size);
   args->row = (cl_uint)(shape.row / size);
-  /* interleaved channels are neighbours */
-  args->plane =
-      format_stride(config, plane) == 1 ? (cl_uint)(shape.image / size) : 1;
+  /* interleaved channels are neighbours, those of words at the same place */
+  args->plane = is_word(config, plane) ? 0
+                : format_stride(config, plane) == 1
+                    ? (cl_uint)(shape.image / size)
+                    : 1;
   return given->buffer;
+}
+
+hbil_depth_args depth_args(const hbil_config *config, const hbil_frame *frame) {
+  hbil_depth_args args = {.sky_depth = config->inputs.sky_depth};
+  if (config->inputs.depth_kind != HBIL_DEPTH_HARDWARE)
+    return args;
+  const bool orthographic =
+      config->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  /* d = a + b w, where w is 1/z, or -z in an orthographic view */
+  const double a = (double)frame->hardware_depth[0];
+  const double b =
+      (orthographic ? -1.0 : 1.0) * (double)frame->hardware_depth[1];
+  const double far = b < 0.0 ? 1.0 : 0.0; /* d of the far end */
+  /* the kernels read codes of 24 bits as integers */
+  const double largest =
+      config->inputs.depth.component == HBIL_UNORM24 ? 0xffffff : 1.0;
+  args.end = (cl_float)(far * largest);
+  args.end_w = (cl_float)((far - a) / b);
+  args.scale = (cl_float)(1.0 / (b * largest));
+  return args;
 }

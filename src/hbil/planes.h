@@ -3,6 +3,8 @@
 #ifndef HBIL_PLANES_H
 #define HBIL_PLANES_H
 
+#include <stdbool.h>
+
 #include "hbil/hbil.h"
 #include "names.h"
 #include "shared.h"
@@ -31,11 +33,26 @@ enum {
 typedef struct plane_kind {
   const char *name;   /* as in hbil_config and hbil_frame */
   const char *define; /* prefix of its build defines */
-  cl_uint channels;
-  size_t format_at; /* offset in hbil_config */
-  size_t plane_at;  /* offset in hbil_frame */
+  cl_uint channels;   /* of normals: of HBIL_NORMAL_XYZ */
+  size_t format_at;   /* offset in hbil_config */
+  size_t plane_at;    /* offset in hbil_frame */
 } plane_kind;
 extern const plane_kind plane_kinds[PLANE_COUNT];
+
+enum { COMPONENT_COUNT = HBIL_RGB9E5_FLOAT + 1 };
+typedef struct component_kind {
+  const char *name;
+  const char *type; /* in kernels/lib/components.clh */
+  size_t size;      /* bytes; 1 for HBIL_NONE */
+  bool is_word;     /* holds all channels of a pixel */
+} component_kind;
+extern const component_kind component_kinds[COMPONENT_COUNT];
+
+/* The components that a plane can have: the bit 1 << component for each. */
+unsigned plane_components_allowed(const hbil_config *config, int plane);
+
+/* Components of a pixel: the channels, or 1 for words that hold all of them. */
+cl_uint plane_components(const hbil_config *config, int plane);
 
 const hbil_plane_format *plane_format(const hbil_config *config, int plane);
 const hbil_plane *frame_plane(const hbil_frame *frame, int plane);
@@ -66,5 +83,8 @@ size_t plane_extent(const plane_shape *shape);
  * for it, and its place in components. */
 cl_mem plane_bind(const hbil_config *config, const hbil_frame *frame, int plane,
                   hbil_external_plane_args *args);
+
+/* How kernels read the depth input of a frame. */
+hbil_depth_args depth_args(const hbil_config *config, const hbil_frame *frame);
 
 #endif

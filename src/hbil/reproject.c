@@ -18,7 +18,7 @@ static hbil_status scatter(commands *chain, const hbil_frame *frame) {
       .motion = camera_between(&plan->history_camera, &frame->camera),
       .planes = l->planes,
       .runs = l->runs,
-      .sky_depth = plan->config.inputs.sky_depth,
+      .decode = depth_args(&plan->config, frame),
       .disocclusion_threshold = plan->config.history.disocclusion_threshold};
   const cl_mem depth =
       plane_bind(&plan->config, frame, PLANE_DEPTH, &args.depth);
@@ -65,7 +65,7 @@ static hbil_status follow_motion(commands *chain, const hbil_frame *frame) {
       .planes = plan->layout.planes,
       .motion_scale = {plan->config.inputs.motion_scale[0],
                        plan->config.inputs.motion_scale[1]},
-      .sky_depth = plan->config.inputs.sky_depth,
+      .decode = depth_args(&plan->config, frame),
       .disocclusion_threshold = plan->config.history.disocclusion_threshold};
   const cl_mem depth =
       plane_bind(&plan->config, frame, PLANE_DEPTH, &args.depth);

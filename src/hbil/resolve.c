@@ -95,7 +95,7 @@ hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
                               .planes = plan->layout.planes,
                               .environment =
                                   far_field_args(c, frame->environment),
-                              .sky_depth = c->inputs.sky_depth,
+                              .decode = depth_args(c, frame),
                               .direct_scale = c->inputs.direct_scale};
   hbil_external_plane_args *const plane_args[PLANE_COUNT] = {
       [PLANE_DEPTH] = &args.depth,

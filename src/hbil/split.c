@@ -82,7 +82,7 @@ static hbil_split_args split_args(const hbil_plan *plan,
       .layers = plan->layout.split,
       .planes = plan->layout.planes,
       .groups = plan->layout.bounds.group,
-      .sky_depth = plan->config.inputs.sky_depth,
+      .decode = depth_args(&plan->config, frame),
       .direct_scale = plan->config.inputs.direct_scale,
       .has_history = plan->has_history};
   return args;
