@@ -4,6 +4,12 @@
 
 #include "plan.h"
 
+/* The kernels that have had a trial launch: without and with an offset of their
+ * rows, which compilers may tell apart. */
+typedef struct trial_launches {
+  bool launched[KERNEL_COUNT][2];
+} trial_launches;
+
 typedef struct commands {
   hbil_plan *plan;
   cl_command_queue queue;
@@ -14,19 +20,21 @@ typedef struct commands {
   bool reprojected; /* by this call */
   hbil_pass pass;
   cl_event last; /* of the last command; owned */
+  /* NULL except for trial launches (trial.h), which it counts */
+  trial_launches *trial;
 } commands;
 
 /* A kernel's argument. */
 typedef struct argument {
   size_t size;
   const void *value;
+  bool is_memory; /* a buffer, no value */
 } argument;
 
 #define ARG(x)                                                                 \
-  { sizeof(x), &(x) }
+  { sizeof(x), &(x), _Generic((x), cl_mem : true, default : false) }
 /* A buffer of the plan. */
-#define BUFFER_ARG(plan, i)                                                    \
-  { sizeof(cl_mem), &(plan)->buffers[i] }
+#define BUFFER_ARG(plan, i) ARG((plan)->buffers[i])
 
 /* Enqueues a kernel with x * y * z work-items, rounded up to whole groups,
  * which kernels ignore; rows of work-items from `top` on. */
