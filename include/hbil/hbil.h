@@ -34,10 +34,10 @@
  * BLOCKING
  *   The hbil_enqueue_* functions never wait for commands on the device and
  *   allocate no memory.  They may call clFlush().  hbil_plan_create() builds
- *   kernels, which takes long.  hbil_plan_timings(), hbil_plan_statistics() and
- *   hbil_plan_sanitized() wait for the plan's commands.  PoCL, OpenCL for CPUs,
- * compiles each kernel at its first launch.  So run one frame before you
- * measure times, or three with static frames, which launch further kernels.
+ *   kernels, which takes long, and launches each once without any work, for
+ *   drivers that compile at the first launch.  Frames compile nothing.
+ *   hbil_plan_timings(), hbil_plan_statistics() and hbil_plan_sanitized() wait
+ *   for the plan's commands.
  *
  * ORDER
  *   A plan's commands run in the order of the calls, on in-order and on
@@ -135,8 +135,10 @@ typedef struct hbil_plan hbil_plan;
 HBIL_API hbil_status hbil_plan_memory(hbil_context *context,
                                       const hbil_config *config, size_t *bytes);
 
-/* Builds the kernels and allocates the buffers, and waits for both.  config is
- * copied.  On failure *out is NULL and everything is released. */
+/* Builds the kernels, allocates the buffers, launches each kernel once without
+ * any work, in a queue of its own, and waits for all this.  It can take many
+ * seconds; nothing is compiled later.  config is copied.  On failure *out is
+ * NULL and everything is released. */
 HBIL_API hbil_status hbil_plan_create(hbil_context *context,
                                       const hbil_config *config,
                                       hbil_plan **out);

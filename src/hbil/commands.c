@@ -105,7 +105,8 @@ static void follow(commands *chain, cl_event event) {
 static void follow_timed(commands *chain, cl_event event) {
   hbil_plan *plan = chain->plan;
   follow(chain, event);
-  if (!plan->config.execution.profiling || plan->launches == MAX_LAUNCHES)
+  if (chain->trial || !plan->config.execution.profiling ||
+      plan->launches == MAX_LAUNCHES)
     return;
   /* the command runs all the same: timings alone are lost */
   const cl_int error = clRetainEvent(event);
@@ -135,22 +136,50 @@ static size_t groups_up(size_t n, size_t group) {
   return (n + group - 1) / group * group;
 }
 
+/* Sets the arguments of a kernel.  In trial launches all values are 0: pictures
+ * have no pixels, so no work-item has anything to do. */
+static hbil_status set_arguments(const commands *chain, int kernel,
+                                 const argument *args, cl_uint count) {
+  /* every device of OpenCL 1.2 has room for so many bytes of arguments */
+  static const unsigned char zeros[1024];
+  for (cl_uint i = 0; i < count; ++i) {
+    const bool is_zero = chain->trial && !args[i].is_memory;
+    const cl_int error =
+        is_zero && args[i].size > sizeof zeros
+            ? CL_INVALID_ARG_SIZE
+            : clSetKernelArg(chain->plan->kernels[kernel], i, args[i].size,
+                             is_zero ? zeros : args[i].value);
+    if (error != CL_SUCCESS)
+      return fail_cl(chain->plan->context, error,
+                     "clSetKernelArg(%s, argument %u)", kernel_name(kernel),
+                     (unsigned)i);
+  }
+  return HBIL_SUCCESS;
+}
+
+/* Notes a trial launch; false if there was one like it. */
+static bool is_first_launch(trial_launches *trial, int kernel, size_t top) {
+  bool *launched = &trial->launched[kernel][top > 0];
+  const bool first = !*launched;
+  *launched = true;
+  return first;
+}
+
 hbil_status launch_rows(commands *chain, int kernel, const argument *args,
                         cl_uint count, size_t top, size_t x, size_t y,
                         size_t z) {
   hbil_context *context = chain->plan->context;
+  const cl_kernel launched = chain->plan->kernels[kernel];
   const size_t *group = context->group;
   const size_t local[3] = {group[0], group[1], 1};
   const size_t global[3] = {groups_up(x, group[0]), groups_up(y, group[1]), z};
   const size_t offset[3] = {0, top, 0};
   cl_event event = NULL;
-  for (cl_uint i = 0; i < count; ++i) {
-    const cl_int error = clSetKernelArg(chain->plan->kernels[kernel], i,
-                                        args[i].size, args[i].value);
-    if (error != CL_SUCCESS)
-      return fail_cl(context, error, "clSetKernelArg(%s, argument %u)",
-                     kernel_name(kernel), (unsigned)i);
-  }
+  if (chain->trial && !is_first_launch(chain->trial, kernel, top))
+    return HBIL_SUCCESS;
+  const hbil_status status = set_arguments(chain, kernel, args, count);
+  if (status != HBIL_SUCCESS)
+    return status;
   const cl_int error = clEnqueueNDRangeKernel(
       chain->queue, chain->plan->kernels[kernel], 3, offset, global, local,
       chain->wait_count, chain->wait_list, chain->events ? &event : NULL);
@@ -166,6 +195,8 @@ static hbil_status fill_part(commands *chain, int buffer, cl_uint word,
                              size_t offset, size_t bytes) {
   hbil_plan *plan = chain->plan;
   cl_event event = NULL;
+  if (chain->trial)
+    return HBIL_SUCCESS;
   const cl_int error = clEnqueueFillBuffer(
       chain->queue, plan->buffers[buffer], &word, sizeof word, offset, bytes,
       chain->wait_count, chain->wait_list, chain->events ? &event : NULL);

@@ -5,6 +5,12 @@
 
 #include "plan.h"
 
+/* The kernels that have had a trial launch: without and with an offset of their
+ * rows, which compilers may tell apart. */
+typedef struct trial_launches {
+  bool launched[KERNEL_COUNT][2];
+} trial_launches;
+
 typedef struct commands {
   hbil_plan *plan;
   cl_command_queue queue;
@@ -20,6 +26,8 @@ typedef struct commands {
   /* the wait list of the first command, if it isn't the caller's own: the
    * plan's tail, and a marker after the caller's list; the marker is owned */
   cl_event before[2];
+  /* NULL except for trial launches (trial.h), which it counts */
+  trial_launches *trial;
 } commands;
 
 /* Begins a chain whose plan, queue and in_order are set: its first command will
@@ -40,13 +48,13 @@ hbil_status enqueue_marker(commands *chain);
 typedef struct argument {
   size_t size;
   const void *value;
+  bool is_memory; /* a buffer, no value */
 } argument;
 
 #define ARG(x)                                                                 \
-  { sizeof(x), &(x) }
+  { sizeof(x), &(x), _Generic((x), cl_mem : true, default : false) }
 /* A buffer of the plan. */
-#define BUFFER_ARG(plan, i)                                                    \
-  { sizeof(cl_mem), &(plan)->buffers[i] }
+#define BUFFER_ARG(plan, i) ARG((plan)->buffers[i])
 
 /* Enqueues a kernel with x * y * z work-items, rounded up to whole groups,
  * which kernels ignore; rows of work-items from `top` on. */

@@ -111,7 +111,7 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
 static hbil_status search(commands *chain, const hbil_gather_args *args,
                           size_t top, size_t bottom, bool fill_cache) {
   hbil_plan *plan = chain->plan;
-  const argument list[] = {{sizeof *args, args},
+  const argument list[] = {ARG(*args),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
                            BUFFER_ARG(plan, BUFFER_STEPS),
                            BUFFER_ARG(plan, BUFFER_LIGHT),
@@ -130,10 +130,12 @@ static hbil_status search(commands *chain, const hbil_gather_args *args,
 /* Computes light from the horizon cache. */
 static hbil_status regather(commands *chain, const hbil_gather_args *args) {
   hbil_plan *plan = chain->plan;
-  const argument list[] = {
-      {sizeof *args, args},           BUFFER_ARG(plan, BUFFER_SPLIT),
-      BUFFER_ARG(plan, BUFFER_LIGHT), BUFFER_ARG(plan, BUFFER_SPAN_STATES),
-      BUFFER_ARG(plan, BUFFER_FLAGS), BUFFER_ARG(plan, BUFFER_HORIZON_CACHE)};
+  const argument list[] = {ARG(*args),
+                           BUFFER_ARG(plan, BUFFER_SPLIT),
+                           BUFFER_ARG(plan, BUFFER_LIGHT),
+                           BUFFER_ARG(plan, BUFFER_SPAN_STATES),
+                           BUFFER_ARG(plan, BUFFER_FLAGS),
+                           BUFFER_ARG(plan, BUFFER_HORIZON_CACHE)};
   return LAUNCH(chain, KERNEL_REGATHER, list, plan->layout.spans,
                 plan->layout.cache.rows, HBIL_LAYERS);
 }

@@ -9,6 +9,7 @@
 #include "defines.h"
 #include "hbil/hbil_stages.h"
 #include "program.h"
+#include "trial.h"
 
 /* --- programs and kernels --- */
 
@@ -173,15 +174,11 @@ static cl_int clear_layers(hbil_plan *plan, cl_command_queue queue) {
 }
 
 /* Writes what no kernel writes: the padding of the layers, and counts of inputs
- * that this plan never reads.  It uses a queue of its own and waits. */
-static hbil_status fill_padding(hbil_plan *plan) {
+ * that this plan never reads. */
+static hbil_status fill_padding(hbil_plan *plan, cl_command_queue queue) {
   static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT, BUFFER_SANITIZED};
   const cl_float zero = 0.0f;
   cl_int error = CL_SUCCESS;
-  cl_command_queue queue = clCreateCommandQueue(
-      plan->context->context, plan->context->device, 0, &error);
-  if (!queue)
-    return fail_cl(plan->context, error, "clCreateCommandQueue");
   for (size_t i = 0; i < sizeof buffers / sizeof *buffers; ++i)
     if (plan->buffers[buffers[i]] && error == CL_SUCCESS)
       error = clEnqueueFillBuffer(
@@ -189,13 +186,27 @@ static hbil_status fill_padding(hbil_plan *plan) {
           plan->layout.bytes[buffers[i]], 0, NULL, NULL);
   if (error == CL_SUCCESS)
     error = clear_layers(plan, queue);
-  const cl_int finished = clFinish(queue);
-  clReleaseCommandQueue(queue);
-  if (error == CL_SUCCESS)
-    error = finished;
   return error == CL_SUCCESS
              ? HBIL_SUCCESS
              : fail_cl(plan->context, error, "filling the layers");
+}
+
+/* Makes the plan ready for its first frame, in a queue of its own, and waits.
+ */
+static hbil_status prepare(hbil_plan *plan) {
+  cl_int error = CL_SUCCESS;
+  cl_command_queue queue = clCreateCommandQueue(
+      plan->context->context, plan->context->device, 0, &error);
+  if (!queue)
+    return fail_cl(plan->context, error, "clCreateCommandQueue");
+  hbil_status status = fill_padding(plan, queue);
+  if (status == HBIL_SUCCESS)
+    status = launch_every_kernel(plan, queue);
+  error = clFinish(queue);
+  clReleaseCommandQueue(queue);
+  return status == HBIL_SUCCESS && error != CL_SUCCESS
+             ? fail_cl(plan->context, error, "clFinish")
+             : status;
 }
 
 /* --- public --- */
@@ -260,7 +271,7 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
   layout_compute(&plan->config, &plan->layout);
   if ((status = build_kernels(plan)) != HBIL_SUCCESS ||
       (status = allocate(plan)) != HBIL_SUCCESS ||
-      (status = fill_padding(plan)) != HBIL_SUCCESS) {
+      (status = prepare(plan)) != HBIL_SUCCESS) {
     hbil_plan_destroy(plan);
     return status;
   }

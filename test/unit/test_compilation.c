@@ -1,0 +1,126 @@
+/*
+ * Nothing is compiled after a plan was made: PoCL compiles a kernel at its
+ * first launch, in variants by the size and the offset of the launch, and
+ * stores each variant in a file.  The tests count these files in a cache of
+ * their own, which is empty at first.
+ */
+#define _XOPEN_SOURCE 700 /* mkdtemp, nftw, setenv */
+#include "test/support/fixture.h"
+
+#include <ftw.h>
+#include <stdio.h>
+#include <unistd.h>
+
+static char cache[] = "/tmp/hbil-compilation-XXXXXX";
+static int variants;
+
+static int count_variant(const char *path, const struct stat *what, int type,
+                         struct FTW *where) {
+  const size_t length = strlen(path);
+  (void)what;
+  (void)where;
+  variants +=
+      type == FTW_F && length > 3 && strcmp(path + length - 3, ".so") == 0;
+  return 0;
+}
+
+static int remove_entry(const char *path, const struct stat *what, int type,
+                        struct FTW *where) {
+  (void)what;
+  (void)type;
+  (void)where;
+  return remove(path);
+}
+
+static int count_variants(void) {
+  variants = 0;
+  assert_int_equal(nftw(cache, count_variant, 16, FTW_PHYS), 0);
+  return variants;
+}
+
+static void run(setup *s) {
+  setup_run(s, hbil_enqueue_frame);
+  s->frame.frame_index += s->config.history.max_frames > 0;
+}
+
+/* A first frame, one of another camera, static ones, a reset, and a frame in
+ * single passes. */
+static void run_frames(setup *s) {
+  static enqueue_function *const passes[] = {
+      hbil_enqueue_reproject, hbil_enqueue_push_pull, hbil_enqueue_split,
+      hbil_enqueue_gather,    hbil_enqueue_recompose, hbil_enqueue_temporal,
+      hbil_enqueue_composite};
+  run(s);
+  setup_load_scene(s, SCENE_ROOM, 1);
+  setup_upload(s);
+  run(s);
+  s->frame.static_frame = CL_TRUE;
+  for (int i = 0; i < 3; ++i)
+    run(s);
+  s->frame.static_frame = CL_FALSE;
+  hbil_plan_reset(s->plan);
+  run(s);
+  for (size_t i = 0; i < sizeof passes / sizeof *passes; ++i)
+    setup_run(s, passes[i]);
+}
+
+static void check(setup *s) {
+  const int before = count_variants();
+  setup_start(s);
+  const int created = count_variants();
+  assert_true(created > before);
+  run_frames(s);
+  assert_int_equal(count_variants(), created);
+  setup_free(s);
+}
+
+static void scatter_with_a_cache_of_some_rows(void **state) {
+  setup s;
+  (void)state;
+  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 0, 40, 24);
+  setup_cache_rows(&s, 3, 6);
+  check(&s);
+}
+
+static void motion_with_averages(void **state) {
+  setup s;
+  (void)state;
+  setup_every_pass(&s, HBIL_REPROJECTION_MOTION, 0, 40, 24);
+  s.config.history.max_frames = 4;
+  check(&s);
+}
+
+/* The kernels of GPUs, in a picture of more columns than one work-group. */
+static void vectors_of_one_with_a_whole_cache(void **state) {
+  setup s;
+  (void)state;
+  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 1, 70, 11);
+  s.config.execution.horizon_cache_bytes = SIZE_MAX;
+  s.config.execution.skip &= ~(cl_uint)HBIL_SKIP_HOLES;
+  check(&s);
+}
+
+static int has_pocl(void **state) {
+  char name[256] = "";
+  cl_platform_id platform = NULL;
+  (void)state;
+  clGetDeviceInfo(shared_device.id, CL_DEVICE_PLATFORM, sizeof platform,
+                  &platform, NULL);
+  clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, NULL);
+  if (!strstr(name, "Portable Computing Language"))
+    skip();
+  return 0;
+}
+
+#define ON_POCL(test) cmocka_unit_test_setup(test, has_pocl)
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      ON_POCL(scatter_with_a_cache_of_some_rows), ON_POCL(motion_with_averages),
+      ON_POCL(vectors_of_one_with_a_whole_cache)};
+  if (!mkdtemp(cache) || setenv("POCL_CACHE_DIR", cache, 1) != 0)
+    hard_error("no folder for PoCL's cache");
+  const int failures = RUN_WITH_DEVICE(tests);
+  nftw(cache, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+  return failures;
+}
