@@ -169,7 +169,6 @@ hbil_status launch_rows(commands *chain, int kernel, const argument *args,
                         cl_uint count, size_t top, size_t x, size_t y,
                         size_t z) {
   hbil_context *context = chain->plan->context;
-  const cl_kernel launched = chain->plan->kernels[kernel];
   const size_t *group = context->group;
   const size_t local[3] = {group[0], group[1], 1};
   const size_t global[3] = {groups_up(x, group[0]), groups_up(y, group[1]), z};
