@@ -7,6 +7,7 @@
 #include "test/support/fixture.h"
 #include "test/support/shim.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -53,13 +54,31 @@ static void check_status(const outcome *o, int e) {
              hbil_status_string(want));
 }
 
-/* Checks status and message of an attempt in which errors[e] was returned. */
-static void check_outcome(const outcome *o, int e) {
-  const char *message = hbil_context_message(shared_device.hbil);
+/* Calls whose messages name a kernel, as in "clCreateKernel(split): ...". */
+static bool names_kernel(const char *call, const char *message) {
+  static const char *const calls[] = {
+      "clCreateProgramWithSource", "clBuildProgram", "clCreateKernel",
+      "clSetKernelArg", "clEnqueueNDRangeKernel"};
+  const size_t length = strlen(call);
+  for (size_t i = 0; i < sizeof calls / sizeof *calls; ++i)
+    if (!strcmp(call, calls[i]))
+      return !strncmp(message, call, length) && message[length] == '(' &&
+             isalpha((unsigned char)message[length + 1]);
+  return true;
+}
+
+/* Checks status and message of an attempt in which errors[e] was returned.
+ * context: NULL if there was none yet. */
+static void check_outcome(const hbil_context *context, const outcome *o,
+                          int e) {
+  const char *message = hbil_context_message(context);
   check_status(o, e);
   if (o->status != HBIL_SUCCESS && !strstr(message, names[e]))
     fail_msg("call %d, %s: %s is not named in the message \"%s\"", o->nth,
              o->failed, names[e], message);
+  if (o->status != HBIL_SUCCESS && !names_kernel(o->failed, message))
+    fail_msg("call %d, %s: no kernel is named in the message \"%s\"", o->nth,
+             o->failed, message);
 }
 
 static void check_held(const outcome *o, long want) {
@@ -97,7 +116,7 @@ static void contexts_leave_nothing(void **state) {
     outcome o = {0, "", HBIL_SUCCESS};
     for (int n = 1; o.failed; ++n) {
       o = ATTEMPT(n, errors[e], make_context());
-      check_status(&o, e);
+      check_outcome(NULL, &o, e);
       check_held(&o, held);
     }
     assert_in_range(o.nth, 5, 100);
@@ -130,7 +149,7 @@ static void plans_leave_nothing(void **state) {
     outcome o = {0, "", HBIL_SUCCESS};
     for (int n = 1; o.failed; ++n) {
       o = ATTEMPT(n, errors[e], make_plan(&s.config));
-      check_outcome(&o, e);
+      check_outcome(shared_device.hbil, &o, e);
       check_held(&o, held);
     }
     assert_in_range(o.nth, 40, 1000);
@@ -218,7 +237,7 @@ static void frames_can_be_repeated(void **state) {
       load(&t, n % 2 ? 3 : 0);
       setup_run(&t.plain, hbil_enqueue_frame);
       o = ATTEMPT(n, errors[e], frame(&t.faulty));
-      check_outcome(&o, e);
+      check_outcome(shared_device.hbil, &o, e);
       if (o.status != HBIL_SUCCESS)
         setup_run(&t.faulty, hbil_enqueue_frame);
       check_same(&o, &t);
@@ -345,7 +364,7 @@ static void questions_can_be_asked_again(void **state) {
       outcome o = {0, "", HBIL_SUCCESS};
       for (int n = 1; o.failed; ++n) {
         o = ATTEMPT(n, errors[e], questions[q](&t));
-        check_outcome(&o, e);
+        check_outcome(shared_device.hbil, &o, e);
         check_held(&o, held);
       }
       assert_in_range(o.nth, 3, 500);
