@@ -215,8 +215,8 @@ static void the_callback_gets_errors(void **state) {
   assert_int_equal(l.count, 2);
 }
 
-/* PoCL's compiler also prints "1 warning generated", for which run.sh would fail
- * the test. */
+/* PoCL's compiler also prints "1 warning generated", for which run.sh would
+ * fail the test. */
 static int silence_errors(void) {
   const int kept = dup(STDERR_FILENO);
   const int nowhere = open("/dev/null", O_WRONLY);
