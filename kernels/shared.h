@@ -168,10 +168,11 @@ typedef struct hbil_external_plane_args {
 HBIL_ASSERT_LAYOUT(hbil_external_plane_args, unused, 3, 4)
 
 /* How values of the depth input are read (lib/depth.clh).  Hardware depth:
- * w is end_w + scale (value - end); `end` is the value of the far end. */
+ * w is base + scale (value - end), orthographic: base + scale value; `end` is
+ * the value of the far end. */
 typedef struct hbil_depth_args {
   hbil_float sky_depth; /* as in hbil_config */
-  hbil_float end, end_w, scale;
+  hbil_float end, base, scale;
 } hbil_depth_args;
 HBIL_ASSERT_LAYOUT(hbil_depth_args, scale, 3, 4)
 

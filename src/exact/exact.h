@@ -92,7 +92,9 @@ typedef struct exact_frame {
   const hbil_config *config;
   hbil_camera camera;
   hbil_camera previous; /* of the frame before; exact_run_frame() sets it */
-  /* config->width x config->height values each.  Depth and normal are needed,
+  /* config->width x config->height values each, whatever the formats of the
+   * configuration: normals in three channels, and planar depth in place of
+   * hardware depth.  Depth and normal are needed,
    * motion for HBIL_REPROJECTION_MOTION; of the others all planes may be NULL:
    * albedo is then 1, and everything else 0. */
   const float *input[EXACT_INPUT_PLANES];

@@ -15,7 +15,7 @@ bool exact_is_sky(const exact_frame *frame, int x, int y) {
 }
 
 double exact_planar_depth(const exact_frame *frame, int x, int y) {
-  const double along = frame->config->inputs.depth_kind == HBIL_DEPTH_PLANAR
+  const double along = frame->config->inputs.depth_kind != HBIL_DEPTH_RAY
                            ? 1.0
                            : vec_length(exact_ray(frame, x, y));
   return (double)exact_input(frame, EXACT_DEPTH, x, y) / along;

@@ -70,7 +70,7 @@ static float planar_depth(const exact_frame *frame, const hbil_view_args *v,
                           int x, int y) {
   const float d = exact_input(frame, EXACT_DEPTH, x, y);
   const float3 r = point_at(frame->config, v, x, y, 1.0f);
-  if (frame->config->inputs.depth_kind == HBIL_DEPTH_PLANAR ||
+  if (frame->config->inputs.depth_kind != HBIL_DEPTH_RAY ||
       exact_is_orthographic(frame->config))
     return d;
   return d / sqrtf(fmaf(r.x, r.x, fmaf(r.y, r.y, 1.0f)));

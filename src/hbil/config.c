@@ -29,7 +29,7 @@ bool config_has_thickness(const hbil_config *config) {
  * later versions follow these (configure.ac has the rules). */
 enum {
   FIRST_CONFIG_SIZE = SIZE_UP_TO(hbil_config, execution),
-  FIRST_FRAME_SIZE = SIZE_UP_TO(hbil_frame, static_frame)
+  FIRST_FRAME_SIZE = SIZE_UP_TO(hbil_frame, hardware_depth)
 };
 
 /* Fills a caller's struct of `size` bytes, which begins with its struct_size,

@@ -34,17 +34,28 @@ static void define(text *t, const char *name, int value) {
   add(t, " -D%s=%d", name, value);
 }
 
+/* The format that kernels read or write (kernels/lib/components.clh). */
+static const char *plane_type(const hbil_config *c, int plane) {
+  const hbil_component component = plane_format(c, plane)->component;
+  if (plane == PLANE_DEPTH && component == HBIL_UNORM16)
+    return "code16";
+  if (plane == PLANE_NORMAL && component == HBIL_UNORM8)
+    return "biased_u8";
+  if (plane == PLANE_NORMAL && component == HBIL_UNORM16)
+    return "biased_u16";
+  if (plane == PLANE_NORMAL && component == HBIL_RGB10A2_UNORM)
+    return "biased_u10";
+  return component_kinds[component].type;
+}
+
 static void define_planes(const hbil_config *c, text *t) {
   for (int i = 0; i < PLANE_COUNT; ++i) {
     const hbil_plane_format *format = plane_format(c, i);
     const char *name = plane_kinds[i].define;
-    const char *type = component_kinds[format->component].type;
-    /* unorm normals stand for -1..1 */
-    const bool biased = i == PLANE_NORMAL && type[0] == 'u';
-    add(t, " -D%s_%s=%d -D%s_TYPE=%s%s -D%s_STRIDE=%uu",
+    add(t, " -D%s_%s=%d -D%s_TYPE=%s -D%s_STRIDE=%uu",
         i < PLANE_FIRST_OUTPUT ? "HAS" : "OUT", name,
-        format->component != HBIL_NONE, name, biased ? "biased_" : "", type,
-        name, (unsigned)format_stride(c, i));
+        format->component != HBIL_NONE, name, plane_type(c, i), name,
+        (unsigned)format_stride(c, i));
   }
 }
 

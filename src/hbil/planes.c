@@ -37,7 +37,7 @@ const component_kind component_kinds[COMPONENT_COUNT] = {
     [HBIL_UNORM16] = {"HBIL_UNORM16", "u16", 2, false},
     [HBIL_SNORM8] = {"HBIL_SNORM8", "s8", 1, false},
     [HBIL_SNORM16] = {"HBIL_SNORM16", "s16", 2, false},
-    [HBIL_UNORM24] = {"HBIL_UNORM24", "u24", 4, false},
+    [HBIL_UNORM24] = {"HBIL_UNORM24", "code24", 4, false},
     [HBIL_RGB10A2_UNORM] = {"HBIL_RGB10A2_UNORM", "u10", 4, true},
     [HBIL_R11G11B10_FLOAT] = {"HBIL_R11G11B10_FLOAT", "f11", 4, true},
     [HBIL_RGB9E5_FLOAT] = {"HBIL_RGB9E5_FLOAT", "e5", 4, true},
@@ -157,11 +157,13 @@ hbil_depth_args depth_args(const hbil_config *config, const hbil_frame *frame) {
   const double b =
       (orthographic ? -1.0 : 1.0) * (double)frame->hardware_depth[1];
   const double far = b < 0.0 ? 1.0 : 0.0; /* d of the far end */
-  /* the kernels read codes of 24 bits as integers */
-  const double largest =
-      config->inputs.depth.component == HBIL_UNORM24 ? 0xffffff : 1.0;
+  /* the kernels read codes of unorm depth as integers */
+  const hbil_component component = config->inputs.depth.component;
+  const double largest = component == HBIL_UNORM24   ? 0xffffff
+                         : component == HBIL_UNORM16 ? 0xffff
+                                                     : 1.0;
   args.end = (cl_float)(far * largest);
-  args.end_w = (cl_float)((far - a) / b);
+  args.base = (cl_float)(((orthographic ? 0.0 : far) - a) / b);
   args.scale = (cl_float)(1.0 / (b * largest));
   return args;
 }

@@ -233,13 +233,15 @@ static void upload_plane(setup *s, plane_id id) {
   cl_mem buffer = plane_slot(&s->frame, id)->buffer;
   unsigned char *bytes = buffer_bytes(s->device, buffer, &size);
   placement p = place_plane(&s->config, id, s->layout + id);
-  for (int c = 0; c < plane_channels(id); ++c)
-    for (size_t i = 0; i < setup_pixels(s); ++i) {
-      unsigned char *at = bytes + placement_of(&p, c, i % width, i / width);
-      float *value = s->input[plane_first(id) + c] + i;
-      encode_component(&p, at, *value);
-      *value = decode_component(&p, at);
-    }
+  for (size_t i = 0; i < setup_pixels(s); ++i) {
+    float values[3] = {0};
+    for (int c = 0; c < plane_channels(id); ++c)
+      values[c] = s->input[plane_first(id) + c][i];
+    store_pixel(&s->config, &s->frame, id, &p, bytes, i % width, i / width,
+                values);
+    for (int c = 0; c < plane_channels(id); ++c)
+      s->input[plane_first(id) + c][i] = values[c];
+  }
   buffer_write(s->device, buffer, 0, size, bytes);
   free(bytes);
 }
@@ -285,7 +287,7 @@ static void take_output(setup *s, plane_id id, unsigned char *bytes,
       for (int x = 0; x < out->width; ++x) {
         unsigned char *at = bytes + placement_of(&p, c, (size_t)x, (size_t)y);
         *exact_at(out, plane_first(id) + c, x, y) =
-            (double)decode_component(&p, at);
+            component_value(p.component, at, c);
         memset(at, CANARY, p.size);
       }
 }

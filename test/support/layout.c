@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "scene/store.h"
 #include "test/support/checked_exact.h"
 
 typedef struct plane_info {
@@ -53,19 +54,31 @@ hbil_plane *plane_slot(hbil_frame *frame, plane_id id) {
   return (hbil_plane *)((char *)frame + infos[id].slot);
 }
 
-static size_t component_size(hbil_component component) {
-  return component == HBIL_FLOAT32 ? 4 : component == HBIL_FLOAT16 ? 2 : 1;
+static bool is_octahedral(const hbil_config *config, plane_id id) {
+  return id == PLANE_NORMAL &&
+         config->inputs.normal_encoding == HBIL_NORMAL_OCTAHEDRAL;
+}
+
+static bool is_hardware_depth(const hbil_config *config, plane_id id) {
+  return id == PLANE_DEPTH && config->inputs.depth_kind == HBIL_DEPTH_HARDWARE;
+}
+
+/* What a pixel is stored as. */
+static int stored_channels(const hbil_config *config, plane_id id) {
+  return is_octahedral(config, id) ? 2 : infos[id].channels;
 }
 
 placement place_plane(const hbil_config *config, plane_id id,
                       const plane_layout *layout) {
   hbil_config copy = *config;
   const hbil_plane_format *format = plane_format(&copy, id);
-  size_t channels = (size_t)infos[id].channels;
-  size_t stride = format->stride ? format->stride : channels;
+  size_t components = scene_is_word(format->component)
+                          ? 1
+                          : (size_t)stored_channels(config, id);
+  size_t stride = format->stride ? format->stride : components;
   placement p;
   p.component = format->component;
-  p.size = component_size(format->component);
+  p.size = scene_component_size(format->component);
   p.offset = layout->offset * p.size;
   p.pixel = stride * p.size;
   p.row = config->width * p.pixel + layout->row_extra * p.size;
@@ -73,7 +86,7 @@ placement place_plane(const hbil_config *config, plane_id id,
   if (stride == 1)
     p.plane = p.row * config->height + layout->plane_extra * p.size;
   p.end = p.offset + p.row * config->height +
-          (stride == 1 ? p.plane * (channels - 1) : 0);
+          (stride == 1 ? p.plane * (components - 1) : 0);
   return p;
 }
 
@@ -81,51 +94,124 @@ size_t placement_of(const placement *p, int channel, size_t x, size_t y) {
   return p->offset + (size_t)channel * p->plane + y * p->row + x * p->pixel;
 }
 
-void encode_component(const placement *p, unsigned char *at, float value) {
-  uint16_t half = float_to_half(value);
-  if (p->component == HBIL_FLOAT32)
-    memcpy(at, &value, 4);
-  else if (p->component == HBIL_FLOAT16)
-    memcpy(at, &half, 2);
-  else
-    *at = (unsigned char)lrintf(fminf(fmaxf(value, 0.0f), 1.0f) * 255.0f);
+/* ------------------------------------------------------------------------ */
+/* Values of codes, from their definitions in hbil_config.h                  */
+
+static double snorm_value(int code, int largest) {
+  return fmax((double)code / largest, -1.0);
 }
 
-float decode_component(const placement *p, const unsigned char *at) {
-  float value;
-  uint16_t half;
-  if (p->component == HBIL_UNORM8)
-    return (float)*at / 255.0f;
-  if (p->component == HBIL_FLOAT16) {
-    memcpy(&half, at, 2);
-    return half_to_float(half);
-  }
-  memcpy(&value, at, 4);
-  return value;
-}
-
-float half_to_float(uint16_t half) {
-  int exponent = half >> 10 & 31, mantissa = half & 1023;
-  float sign = half & 0x8000 ? -1.0f : 1.0f;
+/* A float without sign: 5 bits of exponent, so many of mantissa. */
+static double small_float_value(uint32_t code, int bits) {
+  const int exponent = (int)(code >> bits);
+  const double mantissa = code & ((1u << bits) - 1u);
   if (exponent == 31)
-    return mantissa ? NAN : sign * INFINITY;
+    return mantissa > 0.0 ? (double)NAN : (double)INFINITY;
   if (exponent == 0)
-    return sign * ldexpf((float)mantissa, -24);
-  return sign * ldexpf((float)(mantissa + 1024), exponent - 25);
+    return ldexp(mantissa, -14 - bits);
+  return ldexp(mantissa + (1 << bits), exponent - 15 - bits);
 }
 
-uint16_t float_to_half(float value) {
-  uint16_t sign = signbit(value) ? 0x8000 : 0;
-  float size = fabsf(value);
-  int exponent;
-  if (isnan(value))
-    return 0x7e00;
-  if (size >= 65520.0f)
-    return sign | 0x7c00;
-  if (size < ldexpf(1.0f, -14))
-    return (uint16_t)(sign | (int)rintf(ldexpf(size, 24)));
-  frexpf(size, &exponent);
-  /* a mantissa that rounds up to 2048 carries into the exponent by itself */
-  return (uint16_t)(sign + ((exponent + 13) << 10) +
-                    (int)rintf(ldexpf(size, 11 - exponent)));
+static double half_value(uint16_t half) {
+  return (half & 0x8000 ? -1.0 : 1.0) * small_float_value(half & 0x7fff, 10);
+}
+
+static double word_value(hbil_component component, uint32_t word, int channel) {
+  if (component == HBIL_RGB10A2_UNORM)
+    return (word >> (10 * channel) & 1023) / 1023.0;
+  if (component == HBIL_RGB9E5_FLOAT)
+    return ldexp(word >> (9 * channel) & 511, (int)(word >> 27) - 24);
+  return channel < 2 ? small_float_value(word >> (11 * channel) & 2047, 6)
+                     : small_float_value(word >> 22, 5);
+}
+
+double component_value(hbil_component component, const unsigned char *at,
+                       int channel) {
+  uint16_t two;
+  uint32_t four;
+  float real;
+  memcpy(&two, at, scene_component_size(component) > 1 ? 2 : 1);
+  memcpy(&four, at, scene_component_size(component) > 2 ? 4 : 1);
+  switch (component) {
+  case HBIL_FLOAT32:
+    memcpy(&real, at, 4);
+    return (double)real;
+  case HBIL_FLOAT16:
+    return half_value(two);
+  case HBIL_UNORM8:
+    return *at / 255.0;
+  case HBIL_UNORM16:
+    return two / 65535.0;
+  case HBIL_UNORM24:
+    return (four & 0xffffff) / 16777215.0;
+  case HBIL_SNORM8:
+    return snorm_value((int8_t)*at, 127);
+  case HBIL_SNORM16:
+    return snorm_value((int16_t)two, 32767);
+  default:
+    return word_value(component, four, channel);
+  }
+}
+
+void octahedral_normal(const double uv[2], double normal[3]) {
+  normal[2] = 1.0 - fabs(uv[0]) - fabs(uv[1]);
+  for (int c = 0; c < 2; ++c)
+    normal[c] =
+        normal[2] < 0.0 ? copysign(1.0 - fabs(uv[1 - c]), uv[c]) : uv[c];
+}
+
+double hardware_depth_w(const hbil_config *config, const hbil_frame *frame,
+                        double d) {
+  const double a = (double)frame->hardware_depth[0];
+  const double b = (double)frame->hardware_depth[1];
+  return config->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC
+             ? -((d - a) / b)
+             : (d - a) / b;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Pixels                                                                    */
+
+/* Planar depth of a hardware depth; 0: the far end, or beyond. */
+static double planar_value(const hbil_config *config, const hbil_frame *frame,
+                           double d) {
+  const bool flat = config->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  const double end = scene_hardware_depth(frame->hardware_depth, flat, 0.0);
+  const double w = hardware_depth_w(config, frame, d);
+  if (end > 0.5 ? d >= end : d <= end)
+    return 0.0;
+  return flat ? -w : w > 0.0 ? 1.0 / w : 0.0;
+}
+
+void store_pixel(const hbil_config *config, const hbil_frame *frame,
+                 plane_id id, const placement *p, unsigned char *bytes,
+                 size_t x, size_t y, float values[3]) {
+  const bool flat = config->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  const bool unorm = p->component == HBIL_UNORM8 ||
+                     p->component == HBIL_UNORM16 ||
+                     p->component == HBIL_RGB10A2_UNORM;
+  const bool biased = id == PLANE_NORMAL && unorm;
+  const int channels = stored_channels(config, id);
+  double v[3] = {0, 0, 0}, stored[3];
+  for (int c = 0; c < infos[id].channels; ++c)
+    v[c] = (double)values[c];
+  if (is_octahedral(config, id))
+    scene_octahedral((const double[3]){v[0], v[1], v[2]}, v);
+  if (is_hardware_depth(config, id))
+    v[0] = scene_hardware_depth(frame->hardware_depth, flat, v[0]);
+  scene_store(p->component, biased, v, channels, p->plane,
+              bytes + placement_of(p, 0, x, y));
+  for (int c = 0; c < channels; ++c) {
+    const int at = scene_is_word(p->component) ? 0 : c;
+    stored[c] =
+        component_value(p->component, bytes + placement_of(p, at, x, y), c);
+    if (biased)
+      stored[c] = 2.0 * stored[c] - 1.0;
+  }
+  if (is_octahedral(config, id))
+    octahedral_normal((const double[2]){stored[0], stored[1]}, stored);
+  if (is_hardware_depth(config, id))
+    stored[0] = planar_value(config, frame, stored[0]);
+  for (int c = 0; c < infos[id].channels; ++c)
+    values[c] = (float)stored[c];
 }

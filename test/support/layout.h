@@ -55,17 +55,24 @@ placement place_plane(const hbil_config *config, plane_id id,
                       const plane_layout *layout);
 /* The first byte of a component. */
 size_t placement_of(const placement *p, int channel, size_t x, size_t y);
-/* A component's bytes, rounded to its format. */
-void encode_component(const placement *p, unsigned char *at, float value);
-float decode_component(const placement *p, const unsigned char *at);
+/* Stores an input's channels in a pixel's bytes, and replaces them by what
+ * these mean: normals by directions, hardware depth by planar depth. */
+void store_pixel(const hbil_config *config, const hbil_frame *frame,
+                 plane_id id, const placement *p, unsigned char *bytes,
+                 size_t x, size_t y, float values[3]);
+
+/* The value of a component; channel: of a word that holds all of them. */
+double component_value(hbil_component component, const unsigned char *at,
+                       int channel);
+/* A direction, of any length, from octahedral coordinates. */
+void octahedral_normal(const double uv[2], double normal[3]);
+/* w of a value of the depth buffer: 1/z, in orthographic views -z. */
+double hardware_depth_w(const hbil_config *config, const hbil_frame *frame,
+                        double d);
 
 /* Every byte of a buffer that is no part of a plane has this value: it makes
  * not-a-numbers in every format. */
 #define CANARY 0xff
 #define CANARY_BYTES 64
-
-/* IEEE half floats; rounded to the nearest, ties to even. */
-float half_to_float(uint16_t half);
-uint16_t float_to_half(float value);
 
 #endif
