@@ -20,7 +20,7 @@
  * begin.
  *
  * Launch: x = groups of 4 pixels of a row, y = rows.  If HBIL_WIDTH is more
- * than 1: x = groups of 4*HBIL_SPAN pixels, y = HBIL_RECOMPOSE_ROWS rows.
+ * than 1: x = groups of 4*SPAN pixels, y = HBIL_RECOMPOSE_ROWS rows.
  * In: split planes, gathered light planes.  Out: light planes, full
  * resolution; the bent normal has length 1 or 0.
  */
@@ -29,6 +29,7 @@
 #include "lib/gathered_planes.clh"
 #include "lib/interleave.clh"
 #include "lib/layers.clh"
+#include "lib/span.clh"
 #include "lib/split_planes.clh"
 #include "lib/unseen_light.clh"
 
@@ -49,14 +50,12 @@
  * many rows.  It holds the five rows around the present one unpacked, so that
  * hardly a pixel is unpacked twice. */
 #if HBIL_WIDTH == 1
-#define VECTORS 1
 #define ROWS 1
 #define TAP_SPAN 1
 #else
-#define VECTORS (HBIL_SPAN / HBIL_WIDTH)
 #define ROWS HBIL_RECOMPOSE_ROWS
 /* a span and a pixel more on either side, in whole vectors */
-#define TAP_SPAN ((VECTORS + 1) * HBIL_WIDTH)
+#define TAP_SPAN ((SPAN_VECTORS + 1) * HBIL_WIDTH)
 #endif
 
 /* Pixels as the filters around them see them: planes, TAP_SPAN apart. */
@@ -363,7 +362,7 @@ kernel void recompose(const hbil_recompose_args args, global const float *split,
   const hbil_layer_args in = args.split, lit = args.light;
   const hbil_plane_args out = args.planes;
   const hbil_error_args errors = args.errors;
-  const int x = (int)get_global_id(0) * VECTORS * HBIL_WIDTH;
+  const int x = (int)get_global_id(0) * SPAN_VECTORS * HBIL_WIDTH;
   const int top = (int)get_global_id(1) * ROWS, y = top >> 2;
   if (4 * x >= view.width || top >= view.height ||
       (args.is_static && !flags[HBIL_FLAG_CHANGED]))
@@ -381,7 +380,7 @@ kernel void recompose(const hbil_recompose_args args, global const float *split,
       unpack_row(in, lit, split, light, k - 3, x, y, rows[k]);
   }
   const int last = min(ROWS, view.height - top) - 1;
-  const int right = min(VECTORS * HBIL_WIDTH, (view.width + 3) / 4 - x);
+  const int right = min(SPAN_VECTORS * HBIL_WIDTH, (view.width + 3) / 4 - x);
   for (int row = 0; row <= last; ++row) {
     float *const oldest = rows[0];
 #pragma unroll

@@ -49,7 +49,7 @@ typedef cl_float hbil_float;
  * influence in pixels.  On CPUs one work-item of the gather takes a span.  The
  * padding left and right of each layer row is as long, so that a load of a span
  * that begins anywhere in [-32, width rounded up to 32] stays inside the row.
- */
+ * Narrow pictures have shorter spans (layout.c). */
 #define HBIL_SPAN 32
 
 /* Rows that one work-item of recompose takes on CPUs; a multiple of 4. */

@@ -105,6 +105,7 @@ static void define_work(const hbil_config *c, const layout *l, text *t) {
                {"SKIP_UNUSED", HBIL_SKIP_UNUSED},
                {"SKIP_RADIUS", HBIL_SKIP_RADIUS}};
   define(t, "HBIL_WIDTH", (int)c->execution.vector_width);
+  define(t, "SPAN", (int)l->span);
   define(t, "STORAGE", (int)c->sampling.storage);
   define(t, "GATHER_RADIANCE", l->radiance);
   define(t, "GATHER_BENT", l->bent);

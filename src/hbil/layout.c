@@ -95,25 +95,49 @@ static size_t lay_out_bounds(const hbil_config *config,
   return end + (size_t)out->block.width * (size_t)out->block.height;
 }
 
-/* Rows of full-resolution planes are padded to whole groups of 4 of the widest
- * vectors, so that kernels may work past the right edge. */
+/* Rows of full-resolution planes are padded to whole groups of 4 vectors, so
+ * that kernels may work past the right edge.  Rows longer than a group of the
+ * widest vectors begin at multiples of it, which is a whole number of cache
+ * lines. */
+static cl_uint row_of_plane(const hbil_config *config, cl_uint width) {
+  const cl_uint widest = 4 * HBIL_WIDEST;
+  return rounded_up(width, width > widest ? widest
+                                          : 4 * config->execution.vector_width);
+}
+
 static void lay_out_planes(const hbil_config *config, layout *out) {
-  out->planes.row = rounded_up(config->width, 4 * HBIL_WIDEST);
+  out->planes.row = row_of_plane(config, config->width);
   out->planes.plane = out->planes.row * config->height;
 }
 
+static cl_uint layer_width(const hbil_config *config) {
+  return rounded_up(config->width, HBIL_SIDE) / HBIL_SIDE;
+}
+
+/* Layers of at most 4 columns have spans of one vector, because the padding
+ * around their rows would take most of the memory.  A span still holds the
+ * whole row, so nothing else changes. */
+static void lay_out_spans(const hbil_config *config, layout *out) {
+  const cl_uint vector = config->execution.vector_width;
+  const cl_uint narrow = vector > HBIL_SIDE ? vector : HBIL_SIDE;
+  const cl_uint width = layer_width(config);
+  out->span = width <= HBIL_SIDE ? narrow : HBIL_SPAN;
+  out->taken = vector == 1 ? 1 : out->span;
+  out->spans = (width + out->taken - 1) / out->taken;
+}
+
 /* Layers have a span of padding left and right, and a row above and below. */
-static void lay_out_layers(const hbil_config *config, cl_uint planes,
-                           hbil_layer_args *l) {
-  const cl_uint width = rounded_up(config->width, HBIL_SIDE) / HBIL_SIDE;
+static void lay_out_layers(const hbil_config *config, cl_uint span,
+                           cl_uint planes, hbil_layer_args *l) {
+  const cl_uint width = layer_width(config);
   const cl_uint height = rounded_up(config->height, HBIL_SIDE) / HBIL_SIDE;
   l->width = (cl_int)width;
   l->height = (cl_int)height;
-  l->row_extent = rounded_up(width, HBIL_SPAN) + 2 * HBIL_SPAN;
+  l->row_extent = rounded_up(width, span) + 2 * span;
   l->plane = l->row_extent;
   l->layer = l->plane * planes;
   l->row = l->layer * HBIL_LAYERS;
-  l->origin = l->row + HBIL_SPAN;
+  l->origin = l->row + span;
 }
 
 static size_t layers_size(const hbil_layer_args *l) {
@@ -128,7 +152,7 @@ static size_t lay_out_chain(const hbil_config *config, layout *out) {
     hbil_chain_args *level = &out->chain[out->chain_count++];
     level->width = (cl_int)width;
     level->height = (cl_int)height;
-    level->row = rounded_up(width, 4 * HBIL_WIDEST);
+    level->row = row_of_plane(config, width);
     level->plane = level->row * height;
     level->offset = (cl_uint)end;
     end += (size_t)HBIL_CARRIED_PLANES * level->plane;
@@ -175,7 +199,7 @@ static cl_uint gathered_planes(const hbil_config *config, const layout *l) {
  * bytes. */
 static size_t lay_out_horizon_cache(const hbil_config *config, layout *out) {
   const size_t width = config->execution.vector_width;
-  const size_t vectors = width == 1 ? 1 : HBIL_SPAN / width;
+  const size_t vectors = out->taken / width;
   const size_t across = out->spans * vectors * HBIL_LAYERS;
   const cl_uint sides = 2 * config->sampling.slices;
   const bool last =
@@ -244,12 +268,13 @@ void layout_compute(const hbil_config *config, layout *out) {
             2 * sizeof(cl_int) * (size_t)out->runs.row * config->height;
     }
   }
-  lay_out_layers(config, split_planes(config, out), &out->split);
+  lay_out_spans(config, out);
+  lay_out_layers(config, out->span, split_planes(config, out), &out->split);
   const cl_uint gathered = gathered_planes(config, out);
   const bool weighted =
       config->sampling.slices == 1 && !config->sampling.unfiltered;
   out->weight_plane = weighted ? gathered : 0;
-  lay_out_layers(config, gathered + weighted, &out->light);
+  lay_out_layers(config, out->span, gathered + weighted, &out->light);
   out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
   out->bytes[BUFFER_LIGHT] = layers_size(&out->light);
   out->error_plane = light_planes(out);
@@ -273,8 +298,6 @@ void layout_compute(const hbil_config *config, layout *out) {
   if (out->skip & HBIL_SKIP_UNUSED)
     out->bytes[BUFFER_USES] = sizeof(cl_uint) * config->height *
                               ((config->width + 4 * width - 1) / (4 * width));
-  const size_t span = width == 1 ? 1 : HBIL_SPAN;
-  out->spans = ((size_t)out->split.width + span - 1) / span;
   out->bytes[BUFFER_SPAN_STATES] =
       2 * out->spans * (size_t)out->split.height * HBIL_LAYERS;
   out->pattern.slices = (cl_int)config->sampling.slices;

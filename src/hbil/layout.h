@@ -49,7 +49,9 @@ typedef struct layout {
   hbil_bounds_args bounds;
   bool quadrants; /* whether the gather reads the quadrants of the bounds */
   hbil_horizon_cache_args cache;
-  size_t spans;              /* of the gather, in a row of a layer */
+  cl_uint span;              /* pixels of a span */
+  size_t taken;              /* of them, by one work-item of the gather */
+  size_t spans;              /* work-items of the gather, in a row of a layer */
   hbil_far_field far_field;  /* NONE if no output shows it */
   hbil_pattern_args pattern; /* without turn, shift, reach */
   cl_uint line;              /* pixels that one work-item of composite takes */

@@ -124,27 +124,10 @@ static hbil_status build_kernels(hbil_plan *plan) {
 
 /* --- buffers --- */
 
-/* The most bytes that the device has in one buffer. */
-static hbil_status largest_buffer(hbil_context *context, cl_ulong *bytes) {
-  const cl_int error =
-      clGetDeviceInfo(context->device, CL_DEVICE_MAX_MEM_ALLOC_SIZE,
-                      sizeof *bytes, bytes, NULL);
-  return error == CL_SUCCESS ? HBIL_SUCCESS
-                             : fail_cl(context, error, "clGetDeviceInfo");
-}
-
 static hbil_status allocate(hbil_plan *plan) {
-  cl_ulong most = 0;
-  cl_int error = CL_SUCCESS;
-  const hbil_status status = largest_buffer(plan->context, &most);
-  if (status != HBIL_SUCCESS)
-    return status;
   for (int i = 0; i < BUFFER_COUNT; ++i) {
+    cl_int error = CL_SUCCESS;
     const size_t bytes = plan->layout.bytes[i];
-    if (bytes > most)
-      return fail(plan->context, HBIL_OUT_OF_DEVICE_MEMORY,
-                  "a buffer of %zu bytes is needed, the device allows %llu",
-                  bytes, (unsigned long long)most);
     if (!bytes)
       continue;
     plan->buffers[i] = clCreateBuffer(plan->context->context, CL_MEM_READ_WRITE,
@@ -211,23 +194,42 @@ static hbil_status prepare(hbil_plan *plan) {
 
 /* --- public --- */
 
-/* Copies and checks the caller's config.  If vector_width is 0, it is chosen
- * for the device.  sky_depth is limited to HBIL_FARTHEST_DEPTH, and the horizon
- * cache to the largest buffer. */
-static hbil_status resolve_config(hbil_context *context,
-                                  const hbil_config *given,
-                                  hbil_config *resolved) {
+/* The most bytes that the device has in one buffer. */
+static hbil_status largest_buffer(hbil_context *context, cl_ulong *bytes) {
+  const cl_int error =
+      clGetDeviceInfo(context->device, CL_DEVICE_MAX_MEM_ALLOC_SIZE,
+                      sizeof *bytes, bytes, NULL);
+  return error == CL_SUCCESS ? HBIL_SUCCESS
+                             : fail_cl(context, error, "clGetDeviceInfo");
+}
+
+/* What a plan of the caller's config is: the config, checked and without
+ * defaults, and the sizes.  If vector_width is 0, it is chosen for the device.
+ * sky_depth is limited to HBIL_FARTHEST_DEPTH, and the horizon cache to the
+ * largest buffer. */
+static hbil_status lay_out(hbil_context *context, const hbil_config *given,
+                           hbil_config *resolved, layout *sizes) {
   cl_ulong most = 0;
   hbil_status status = config_take(context, given, resolved);
   if (status == HBIL_SUCCESS)
     status = largest_buffer(context, &most);
+  if (status != HBIL_SUCCESS)
+    return status;
   if (!resolved->execution.vector_width)
     resolved->execution.vector_width = context->vector_width;
   if (resolved->execution.horizon_cache_bytes > most)
     resolved->execution.horizon_cache_bytes = (size_t)most;
   resolved->inputs.sky_depth =
       fminf(resolved->inputs.sky_depth, HBIL_FARTHEST_DEPTH);
-  return status;
+  layout_compute(resolved, sizes);
+  for (int i = 0; i < BUFFER_COUNT; ++i)
+    if (sizes->bytes[i] > most)
+      return fail(context, HBIL_OUT_OF_DEVICE_MEMORY,
+                  "width, height: %u x %u pixels need a buffer of %zu bytes, "
+                  "the device allows %llu",
+                  (unsigned)resolved->width, (unsigned)resolved->height,
+                  sizes->bytes[i], (unsigned long long)most);
+  return HBIL_SUCCESS;
 }
 
 hbil_status hbil_plan_memory(hbil_context *context, const hbil_config *config,
@@ -239,10 +241,9 @@ hbil_status hbil_plan_memory(hbil_context *context, const hbil_config *config,
                      !context  ? "context"
                      : !config ? "config"
                                : "bytes");
-  const hbil_status status = resolve_config(context, config, &resolved);
+  const hbil_status status = lay_out(context, config, &resolved, &sizes);
   if (status != HBIL_SUCCESS)
     return status;
-  layout_compute(&resolved, &sizes);
   *bytes = 0;
   for (int i = 0; i < BUFFER_COUNT; ++i)
     *bytes += sizes.bytes[i];
@@ -253,13 +254,14 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
                              hbil_plan **out) {
   if (out)
     *out = NULL;
+  layout sizes;
   hbil_config resolved;
   if (!context || !config || !out)
     return fail_null(context, __func__,
                      !context  ? "context"
                      : !config ? "config"
                                : "out");
-  hbil_status status = resolve_config(context, config, &resolved);
+  hbil_status status = lay_out(context, config, &resolved, &sizes);
   if (status != HBIL_SUCCESS)
     return status;
   hbil_plan *plan = calloc(1, sizeof *plan);
@@ -268,7 +270,7 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
   plan->context = context;
   context_retain(context);
   plan->config = resolved;
-  layout_compute(&plan->config, &plan->layout);
+  plan->layout = sizes;
   if ((status = build_kernels(plan)) != HBIL_SUCCESS ||
       (status = allocate(plan)) != HBIL_SUCCESS ||
       (status = prepare(plan)) != HBIL_SUCCESS) {

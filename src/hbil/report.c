@@ -86,7 +86,7 @@ static void count_spans(const hbil_plan *plan, const unsigned char *spans,
   const size_t across = plan->layout.spans;
   const size_t height = (size_t)plan->layout.split.height;
   const size_t count = across * height * HBIL_LAYERS;
-  const size_t size = plan->config.execution.vector_width == 1 ? 1 : HBIL_SPAN;
+  const size_t size = plan->layout.taken;
   const size_t cached = plan->cache_used ? plan->layout.cache.rows : 0;
   for (size_t i = 0; i < count; ++i) {
     const size_t layer = i / (across * height);

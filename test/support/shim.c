@@ -118,6 +118,20 @@ shim_buffers shim_created(void) {
   return created_buffers;
 }
 
+static cl_ulong most_bytes;
+
+void shim_limit_buffers(cl_ulong bytes) {
+  most_bytes = bytes;
+}
+
+static cl_int device_info(cl_device_id device, cl_device_info what, size_t room,
+                          void *value, size_t *size) {
+  const cl_int error = NEXT(clGetDeviceInfo)(device, what, room, value, size);
+  if (what == CL_DEVICE_MAX_MEM_ALLOC_SIZE && most_bytes && value)
+    memcpy(value, &most_bytes, sizeof most_bytes);
+  return error;
+}
+
 /* ------------------------------------------------------------------------ */
 /* Work-groups                                                               */
 
@@ -324,7 +338,7 @@ static cl_int fill_buffer(cl_command_queue queue, cl_mem buffer,
 PLAIN(clGetDeviceInfo,
       (cl_device_id device, cl_device_info what, size_t room, void *value,
        size_t *size),
-      NEXT(clGetDeviceInfo)(device, what, room, value, size))
+      device_info(device, what, room, value, size))
 PLAIN(clGetMemObjectInfo,
       (cl_mem object, cl_mem_info what, size_t room, void *value, size_t *size),
       NEXT(clGetMemObjectInfo)(object, what, room, value, size))

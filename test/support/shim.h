@@ -36,6 +36,10 @@ void shim_skip_builds(bool skip);
  * work-items, which kernels must ignore.  NULL: the library's own groups. */
 void shim_use_groups(const size_t *group);
 
+/* From now on the device says that a buffer has at most that many bytes; 0:
+ * what it says itself. */
+void shim_limit_buffers(cl_ulong bytes);
+
 /* true: from now on buffers are created with guard bytes before and behind
  * them, and everything in them is a not-a-number at first.  A buffer's guards
  * stay until it is released. */

@@ -5,6 +5,8 @@
 #include "test/support/fixture.h"
 #include "test/support/shim.h"
 
+#include <stdio.h>
+
 /* ------------------------------------------------------------------------ */
 /* Configurations                                                            */
 
@@ -219,6 +221,29 @@ static void the_query_creates_no_buffers(void **state) {
   setup_free(&s);
 }
 
+/* What a plan can't have, the query rejects as well, in the same words. */
+static void the_query_rejects_what_create_rejects(void **state) {
+  setup s;
+  size_t bytes = 1;
+  char message[256];
+  hbil_plan *plan = NULL;
+  (void)state;
+  use_everything(&s);
+  for (cl_ulong most = 4096; most; most = most < 65536 ? 65536 : 0) {
+    shim_limit_buffers(most);
+    assert_int_equal(hbil_plan_memory(shared_device.hbil, &s.config, &bytes),
+                     HBIL_OUT_OF_DEVICE_MEMORY);
+    snprintf(message, sizeof message, "%s",
+             hbil_context_message(shared_device.hbil));
+    assert_non_null(strstr(message, "64 x 36 pixels need a buffer of "));
+    assert_int_equal(hbil_plan_create(shared_device.hbil, &s.config, &plan),
+                     HBIL_OUT_OF_DEVICE_MEMORY);
+    assert_string_equal(hbil_context_message(shared_device.hbil), message);
+  }
+  shim_limit_buffers(0);
+  setup_free(&s);
+}
+
 /* ------------------------------------------------------------------------ */
 /* Little more than the planes                                               */
 
@@ -280,6 +305,32 @@ static void packed_padding_is_at_most_a_quarter(void **state) {
   setup_free(&s);
 }
 
+/* A column of pixels: what bounds its memory are three vectors in each row of
+ * each plane of 16 layers, two planes to split and one gathered, in a quarter
+ * of the rows; and four vectors in each row of the plane of resolved AO.  A
+ * twentieth more is for the rest: rows around the layers, states, bounds. */
+static void narrow_pictures_take_little_memory(void **state) {
+  static const cl_uint widths[] = {1, 4, 8, 16};
+  (void)state;
+  for (size_t i = 0; i < sizeof widths / sizeof *widths; ++i) {
+    setup s;
+    size_t bytes;
+    /* spans of single pixels have four, as many as there are in a layer */
+    const size_t vector = widths[i] == 1 ? 4 : widths[i];
+    prepare(&s, 1, 16384);
+    s.config.sampling.storage = HBIL_STORAGE_PACKED;
+    s.config.execution.vector_width = widths[i];
+    ao_alone(&s.config);
+    s.config.model.far_field = HBIL_FAR_NONE;
+    assert_success(&s, hbil_plan_memory(shared_device.hbil, &s.config, &bytes));
+    check_at_most("memory of a column over its vectors",
+                  (double)bytes / (double)(sizeof(float) * vector * 16384 *
+                                           (3 * 3 * 16 / 4 + 4)),
+                  1.05);
+    setup_free(&s);
+  }
+}
+
 /* Creating a plan is all that these tests do with it: no kernel is needed. */
 static int skip_builds(void **state) {
   (void)state;
@@ -302,6 +353,8 @@ int main(void) {
       WITHOUT_KERNELS(every_size_takes_the_announced_memory),
       cmocka_unit_test(frames_create_no_buffers),
       cmocka_unit_test(the_query_creates_no_buffers),
+      cmocka_unit_test(the_query_rejects_what_create_rejects),
+      cmocka_unit_test(narrow_pictures_take_little_memory),
       WITHOUT_KERNELS(padding_is_at_most_a_quarter),
       WITHOUT_KERNELS(packed_padding_is_at_most_a_quarter)};
   return RUN_WITH_DEVICE(tests);
