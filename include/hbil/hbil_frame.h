@@ -6,6 +6,7 @@
 #define HBIL_HBIL_FRAME_H
 
 #include <hbil/hbil_base.h>
+#include <hbil/hbil_config.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -52,8 +53,11 @@ typedef struct hbil_plane {
 typedef struct hbil_camera {
   double fx, fy; /* focal lengths, > 0: pixels; orthographic: pixels per unit */
   double cx, cy; /* principal point, pixels from the top left corner */
-  /* The camera's position and rotation.  It must be rigid, to 1e-3; scaling and
-   * mirroring matrices are rejected. */
+  /* The camera's position and axes in the world: x towards the next column, y
+   * towards the next row, z forward.  The axes must have length 1 and be at
+   * right angles, to 1e-3.  A determinant of -1 is right where either the world
+   * is left-handed or the rows go upwards, and then world space (normals, bent
+   * normals, environment) is the caller's own all the same. */
   double world_from_view[16];
 } hbil_camera;
 
@@ -63,6 +67,48 @@ HBIL_API void hbil_camera_from_opengl(hbil_camera *camera,
                                       const double camera_to_world[16],
                                       double fx, double fy, double cx,
                                       double cy);
+
+/* What a renderer's matrices don't tell of themselves; a sum of these.  0 is
+ * Direct3D's clip space, and matrices that are row-major for column vectors.
+ * Direct3D with DirectXMath: COLUMN_MAJOR.  Vulkan with glm: COLUMN_MAJOR and
+ * Y_DOWN.  OpenGL with glm: COLUMN_MAJOR and SIGNED_DEPTH, and Y_DOWN if the
+ * planes lie in memory as OpenGL's textures do, the lowest row first. */
+typedef enum hbil_matrix_convention {
+  /* The matrices are stored column by column, or are made for row vectors. */
+  HBIL_MATRIX_COLUMN_MAJOR = 1,
+  /* z/w of clip space is -1..1, which the depth buffer holds as 0..1; without
+   * this flag, it is 0..1. */
+  HBIL_MATRIX_SIGNED_DEPTH = 2,
+  /* What is nearer has the greater depth, as in 1..0. */
+  HBIL_MATRIX_REVERSED_DEPTH = 4,
+  /* The first row of the planes is at y/w = -1 of clip space; without this
+   * flag, it is at y/w = 1. */
+  HBIL_MATRIX_Y_DOWN = 8,
+  HBIL_MATRIX_ALL = 15
+} hbil_matrix_convention;
+
+/* Fills a camera from a renderer's matrices: `view` from world to view space,
+ * and `projection` from view to clip space.  Of the plan's configuration,
+ * width, height and inputs.projection are read.  Exact to double precision for
+ * views that look along z or -z, with x and y in either direction, right- or
+ * left-handed, and for projections that are off-centre or jittered (with their
+ * jitter, because the planes have it, too), with any far plane.
+ *   view        a rotation, mirrored or not, and a shift
+ *   projection  rows  a 0 b 0   0 c d 0   . . . .   0 0 w 0, or orthographic
+ *                     a 0 0 b   0 c 0 d   . . . .   0 0 0 1   with w = 1 or -1
+ * The third row is needed for hardware_depth, and in orthographic views for the
+ * direction of view; it is 0 0 e f.  hardware_depth receives A and B of the
+ * depth buffer's value d = A + B/z, orthographic d = A + B z; NULL is allowed.
+ * With a viewport whose depths are not 0..1 but low..high, use
+ * low + (high - low) A and (high - low) B.  An orthographic near plane must be
+ * in front of the eye, since depths below 0 are sky.
+ * Returns HBIL_INVALID_ARGUMENT for anything else, which leaves camera and
+ * hardware_depth as they are.  Then *reason, if reason is not NULL, is one line
+ * that names the argument, a static string; otherwise it is NULL. */
+HBIL_API hbil_status hbil_camera_from_matrices(
+    hbil_camera *camera, float hardware_depth[2], const hbil_config *config,
+    const double projection[16], const double view[16], cl_uint conventions,
+    const char **reason);
 
 typedef struct hbil_frame {
   size_t struct_size; /* set by hbil_frame_init(); see hbil_config */

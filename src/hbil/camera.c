@@ -9,6 +9,48 @@ static double at(const double m[16], int row, int column) {
   return m[4 * row + column];
 }
 
+static bool positive(double v) {
+  return isfinite(v) && v > 0.0;
+}
+
+/* Columns of the rotation are unit and at right angles, to 1e-3: beyond any
+ * rounding of a float matrix, below any real scale or shear.  Mirrored ones are
+ * right, too: all that the kernels do with them is to change between bases. */
+static bool rigid(const double m[16]) {
+  const double last[4] = {0, 0, 0, 1};
+  for (int i = 0; i < 16; ++i)
+    if (!isfinite(m[i]))
+      return false;
+  for (int i = 0; i < 4; ++i)
+    if (fabs(at(m, 3, i) - last[i]) > 1e-3)
+      return false;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) {
+      double dot = 0;
+      for (int r = 0; r < 3; ++r)
+        dot += at(m, r, a) * at(m, r, b);
+      if (fabs(dot - (a == b)) > 1e-3)
+        return false;
+    }
+  return true;
+}
+
+/* The inverse of a rigid transform. */
+static void inverse(const double m[16], double out[16]) {
+  for (int r = 0; r < 3; ++r) {
+    out[4 * r + 3] = 0;
+    for (int c = 0; c < 3; ++c) {
+      out[4 * r + c] = at(m, c, r);
+      out[4 * r + 3] -= at(m, c, r) * at(m, c, 3);
+    }
+  }
+  for (int c = 0; c < 4; ++c)
+    out[12 + c] = c == 3;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Cameras from what a caller has                                            */
+
 void hbil_camera_from_opengl(hbil_camera *camera,
                              const double camera_to_world[16], double fx,
                              double fy, double cx, double cy) {
@@ -26,40 +68,147 @@ void hbil_camera_from_opengl(hbil_camera *camera,
   }
 }
 
-static bool positive(double v) {
-  return isfinite(v) && v > 0.0;
+/* Whether an element of a projection is 0 beside others of about 1: to 1e-6,
+ * which is beyond the rounding of products of float matrices and moves nothing
+ * by more than 0.01 pixels. */
+static bool none(double v) {
+  return fabs(v) <= 1e-6;
 }
 
-static double determinant(const double m[16]) {
-  double sum = 0;
-  for (int c = 0; c < 3; ++c) {
-    const int d = (c + 1) % 3, e = (c + 2) % 3;
-    sum +=
-        at(m, 0, c) * (at(m, 1, d) * at(m, 2, e) - at(m, 1, e) * at(m, 2, d));
-  }
-  return sum;
-}
-
-/* Columns of the rotation are unit and at right angles, to 1e-3: beyond any
- * rounding of a float matrix, below any real scale or shear. */
-static bool rigid(const double m[16]) {
-  const double last[4] = {0, 0, 0, 1};
+/* What is wrong with the rows of x, y and w, or NULL.  In a perspective view
+ * `shift`, the column that moves the picture's centre, is that of z; in an
+ * orthographic one it is the last. */
+static const char *xyw_error(const double p[16], int shift) {
+  const int other = 5 - shift;
+  const double w = at(p, 3, shift);
   for (int i = 0; i < 16; ++i)
-    if (!isfinite(m[i]))
-      return false;
-  for (int i = 0; i < 4; ++i)
-    if (fabs(at(m, 3, i) - last[i]) > 1e-3)
-      return false;
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) {
-      double dot = 0;
-      for (int r = 0; r < 3; ++r)
-        dot += at(m, r, a) * at(m, r, b);
-      if (fabs(dot - (a == b)) > 1e-3)
-        return false;
-    }
-  return determinant(m) > 0;
+    if (!isfinite(p[i]))
+      return "projection: an element is not finite";
+  if (!none(at(p, 3, 0)) || !none(at(p, 3, 1)) || !none(at(p, 3, other)) ||
+      !(shift == 2 ? none(fabs(w) - 1) : none(w - 1)))
+    return shift == 2
+               ? "projection: the last row is not 0 0 1 0 or 0 0 -1 0, which "
+                 "it is in a perspective view (conventions, inputs.projection)"
+               : "projection: the last row is not 0 0 0 1, which it is in an "
+                 "orthographic view (conventions, inputs.projection)";
+  for (int r = 0; r < 2; ++r) {
+    const double scale = at(p, r, r);
+    if (scale == 0 || !none(at(p, r, 1 - r) / scale) ||
+        !none(at(p, r, other) / scale))
+      return shift == 2 ? "projection: the first two rows are not a 0 b 0 and "
+                          "0 c d 0 (a perspective view, not skewed)"
+                        : "projection: the first two rows are not a 0 0 b and "
+                          "0 c 0 d (an orthographic view, not skewed)";
+  }
+  return NULL;
 }
+
+/* What is wrong with the row of z, or NULL.  `slope` is positive where a
+ * greater clip z is farther away. */
+static const char *z_error(const double p[16], double slope, bool reversed) {
+  if (!none(at(p, 2, 0)) || !none(at(p, 2, 1)))
+    return "projection: the third row is not 0 0 e f, so that depth depends on "
+           "x or y (an oblique near plane)";
+  if (slope == 0)
+    return "projection: the third row gives everything the same depth";
+  if ((slope < 0) != reversed)
+    return reversed ? "conventions: HBIL_MATRIX_REVERSED_DEPTH, but in "
+                      "projection what is nearer has the smaller depth"
+                    : "conventions: not HBIL_MATRIX_REVERSED_DEPTH, but in "
+                      "projection what is nearer has the greater depth";
+  return NULL;
+}
+
+/* A matrix with rows and columns exchanged if it is stored by columns. */
+static void by_rows(const double in[16], cl_uint conventions, double out[16]) {
+  const bool columns = (conventions & HBIL_MATRIX_COLUMN_MAJOR) != 0;
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 4; ++c)
+      out[4 * r + c] = columns ? at(in, c, r) : at(in, r, c);
+}
+
+/* The camera and the depth buffer's A and B of row-major matrices.  Returns
+ * what is wrong, or NULL.
+ *
+ * Of the caller's view space only the axes' directions differ from hbil's, so
+ * x, y and z are each multiplied by 1 or -1: z so that w or the depth grows
+ * forward, x so that columns and y so that rows grow with it. */
+static const char *convert(hbil_camera *camera, double depth[2],
+                           const hbil_config *config, const double p[16],
+                           const double view[16], cl_uint conventions,
+                           bool with_depth) {
+  const bool flat = config->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  const bool reversed = (conventions & HBIL_MATRIX_REVERSED_DEPTH) != 0;
+  const int shift = flat ? 3 : 2;
+  const double down = conventions & HBIL_MATRIX_Y_DOWN ? 1 : -1;
+  const char *error = xyw_error(p, shift);
+  if (error)
+    return error;
+  if (!rigid(view))
+    return "view: not a rigid transform (finite, unit columns at right angles, "
+           "last row 0 0 0 1; conventions)";
+  const double w = at(p, 3, shift) < 0 ? -1 : 1;
+  /* orthographic: where reversed is true, clip z grows backwards */
+  const double forward = !flat ? w : (at(p, 2, 2) < 0) == reversed ? 1 : -1;
+  /* clip z/w = depth[0] + depth[1]/z, or depth[0] + depth[1] z */
+  depth[0] = flat ? at(p, 2, 3) : at(p, 2, 2) * forward;
+  depth[1] = flat ? at(p, 2, 2) * forward : at(p, 2, 3);
+  if (flat || with_depth)
+    error = z_error(p, flat ? depth[1] : -depth[1], reversed);
+  if (error)
+    return error;
+  if (conventions & HBIL_MATRIX_SIGNED_DEPTH) {
+    depth[0] = 0.5 * depth[0] + 0.5;
+    depth[1] *= 0.5;
+  }
+  const double half_width = 0.5 * config->width;
+  const double half_height = 0.5 * config->height;
+  camera->fx = fabs(at(p, 0, 0)) * half_width;
+  camera->fy = fabs(at(p, 1, 1)) * half_height;
+  camera->cx = (1 + at(p, 0, shift) * w) * half_width;
+  camera->cy = (1 + at(p, 1, shift) * w * down) * half_height;
+  const double sign[4] = {at(p, 0, 0) < 0 ? -1 : 1,
+                          at(p, 1, 1) * down < 0 ? -1 : 1, forward, 1};
+  inverse(view, camera->world_from_view);
+  for (int i = 0; i < 16; ++i)
+    camera->world_from_view[i] *= sign[i % 4];
+  return NULL;
+}
+
+hbil_status
+hbil_camera_from_matrices(hbil_camera *camera, float hardware_depth[2],
+                          const hbil_config *config,
+                          const double projection[16], const double view[16],
+                          cl_uint conventions, const char **reason) {
+  const char *error = NULL;
+  hbil_camera result;
+  double depth[2];
+  if (!camera || !config || !projection || !view)
+    error = "camera, config, projection or view is null";
+  else if (config->width < 1 || config->width > HBIL_MAX_SIZE ||
+           config->height < 1 || config->height > HBIL_MAX_SIZE)
+    error = "config: width and height are not 1..HBIL_MAX_SIZE";
+  else if (conventions & ~(cl_uint)HBIL_MATRIX_ALL)
+    error = "conventions: not a sum of hbil_matrix_convention";
+  else {
+    double p[16], v[16];
+    by_rows(projection, conventions, p);
+    by_rows(view, conventions, v);
+    error = convert(&result, depth, config, p, v, conventions,
+                    hardware_depth != NULL);
+  }
+  if (reason)
+    *reason = error;
+  if (error)
+    return HBIL_INVALID_ARGUMENT;
+  *camera = result;
+  for (int i = 0; hardware_depth && i < 2; ++i)
+    hardware_depth[i] = (float)depth[i];
+  return HBIL_SUCCESS;
+}
+
+/* ------------------------------------------------------------------------ */
+/* What kernels take                                                         */
 
 hbil_status camera_check(hbil_context *context, const hbil_camera *camera) {
   if (!positive(camera->fx) || !positive(camera->fy))
@@ -73,7 +222,7 @@ hbil_status camera_check(hbil_context *context, const hbil_camera *camera) {
   if (!rigid(camera->world_from_view))
     return fail(context, HBIL_INVALID_FRAME,
                 "camera.world_from_view: not a rigid transform (finite, unit "
-                "columns at right angles, not mirrored, last row 0 0 0 1)");
+                "columns at right angles, last row 0 0 0 1)");
   return HBIL_SUCCESS;
 }
 
@@ -89,19 +238,6 @@ hbil_view_args camera_view(const hbil_camera *camera,
   view.inv_fx = 1.0f / view.fx;
   view.inv_fy = 1.0f / view.fy;
   return view;
-}
-
-/* The inverse of a rigid transform. */
-static void inverse(const double m[16], double out[16]) {
-  for (int r = 0; r < 3; ++r) {
-    out[4 * r + 3] = 0;
-    for (int c = 0; c < 3; ++c) {
-      out[4 * r + c] = at(m, c, r);
-      out[4 * r + 3] -= at(m, c, r) * at(m, c, 3);
-    }
-  }
-  for (int c = 0; c < 4; ++c)
-    out[12 + c] = c == 3;
 }
 
 static hbil_transform_args rounded(const double m[16]) {

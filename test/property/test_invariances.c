@@ -174,6 +174,50 @@ static void the_world_s_axes_do_not_matter(void **state) {
   exact_planes_free(&got);
 }
 
+/* Two frames of the room and its sky, in its own world or in one where z has
+ * the other sign.  Such a world is left-handed. */
+static exact_planes frames_of_world(float z) {
+  setup s;
+  setup_scene(&s, SCENE_ROOM, 61, 37, 0);
+  setup_all_outputs(&s);
+  s.config.outputs.bent_normal_space = HBIL_SPACE_WORLD;
+  s.config.model.far_field = HBIL_FAR_SH;
+  setup_start(&s);
+  for (uint32_t frame = 0; frame < 2; ++frame) {
+    setup_load_scene(&s, SCENE_ROOM, frame);
+    for (int c = 0; c < 4; ++c)
+      s.frame.camera.world_from_view[8 + c] *= (double)z;
+    for (size_t i = 0; i < setup_pixels(&s); ++i)
+      s.input[EXACT_NORMAL + 2][i] *= z;
+    for (int i = 0; i < 9; ++i) /* three of the functions are odd in z */
+      for (int c = 0; c < 3; ++c)
+        s.frame.environment[i][c] = (i == 2 || i == 5 || i == 7 ? z : 1.0f) *
+                                    (i == 0 ? 2.0f : 0.1f * (float)(i + c));
+    setup_upload(&s);
+    setup_run(&s, hbil_enqueue_frame);
+  }
+  exact_planes out = outputs_read(&s);
+  setup_free(&s);
+  return out;
+}
+
+/* Exact: every product with z has the same two signs once more. */
+static void left_handed_worlds_are_lit_alike(void **state) {
+  (void)state;
+  exact_planes want = frames_of_world(1.0f), got = frames_of_world(-1.0f);
+  const size_t plane = (size_t)(want.width * want.height);
+  double *bent = want.values + (EXACT_BENT_NORMAL + 2) * plane, most = 0.0;
+  for (size_t i = 0; i < plane; ++i) {
+    most = fmax(most, fabs(bent[i]));
+    bent[i] = -bent[i];
+  }
+  assert_true(most > 0.5);
+  for (size_t i = 0; i < plane * (size_t)want.count; ++i)
+    assert_true(got.values[i] == want.values[i]);
+  exact_planes_free(&want);
+  exact_planes_free(&got);
+}
+
 /* ------------------------------------------------------------------------ */
 /* Linearity                                                                 */
 
@@ -272,6 +316,7 @@ int main(void) {
       cmocka_unit_test(mirrored_pictures_have_mirrored_light),
       cmocka_unit_test(turned_pictures_have_turned_light),
       cmocka_unit_test(the_world_s_axes_do_not_matter),
+      cmocka_unit_test(left_handed_worlds_are_lit_alike),
       cmocka_unit_test(light_scales_with_its_sources),
       cmocka_unit_test(the_light_of_two_lamps_is_their_sum),
       cmocka_unit_test(the_unit_of_length_does_not_matter)};

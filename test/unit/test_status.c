@@ -285,7 +285,6 @@ SPOIL_FRAME(camera_fx, f->camera.fx = 0.0)
 SPOIL_FRAME(camera_fy, f->camera.fy = -1.0)
 SPOIL_FRAME(camera_nan, f->camera.cx = NAN)
 SPOIL_FRAME(camera_scaled, f->camera.world_from_view[0] = 1.5)
-SPOIL_FRAME(camera_mirrored, f->camera.world_from_view[0] = -1.0)
 SPOIL_FRAME(camera_sheared, f->camera.world_from_view[1] = 0.5)
 SPOIL_FRAME(camera_moved_nan, f->camera.world_from_view[3] = NAN)
 SPOIL_FRAME(camera_zero, memset(&f->camera, 0, sizeof(f->camera)))
@@ -308,7 +307,6 @@ static const bad_frame bad_frames[] = {{"depth", no_depth},
                                        {"fy", camera_fy},
                                        {"cx", camera_nan},
                                        {"world_from_view", camera_scaled},
-                                       {"world_from_view", camera_mirrored},
                                        {"world_from_view", camera_sheared},
                                        {"world_from_view", camera_moved_nan},
                                        {"camera", camera_zero},
