@@ -31,11 +31,12 @@ typedef struct hbil_host_plane {
 } hbil_host_plane;
 
 /* Planes of config.width x config.height pixels.  Their values mean what
- * config.inputs says of the planes of the same names, apart from the formats.
+ * config.inputs says of the planes of the same names, apart from the formats
+ * and normal_encoding.
  * depth is needed; normal is needed if there is emission. */
 typedef struct hbil_host_planes {
   hbil_host_plane depth;    /* 1 channel */
-  hbil_host_plane normal;   /* 3 channels */
+  hbil_host_plane normal;   /* 3 channels: x, y, z, of any length */
   hbil_host_plane direct;   /* 3 channels or 1; irradiance / direct_scale */
   hbil_host_plane emission; /* 3 channels or 1; the sky's, too */
 } hbil_host_planes;
@@ -72,7 +73,8 @@ typedef struct hbil_sources {
  * to the surfaces without obstacles.
  *
  * Of config, the function reads width, height, inputs and model.mode; formats
- * are not needed yet.  Of frame, it reads the camera.  In modes other than
+ * are not needed yet.  Of frame, it reads the camera
+ * and hardware_depth.  In modes other than
  * HBIL_MODE_HBIL, which look at no light, it sets HBIL_FAR_NONE and CL_FALSE
  * and does not read the planes.  sources receives what was found; NULL is
  * allowed.
@@ -82,7 +84,8 @@ typedef struct hbil_sources {
  * Returns HBIL_INVALID_ARGUMENT if config, frame or planes is null, if a plane
  * or channel is missing, or if a row_pitch is too small or not a multiple of
  * four; HBIL_INVALID_CONFIG if width, height or depth_kind is out of range; and
- * HBIL_INVALID_FRAME if the camera's fx or fy is not positive.  Then nothing is
+ * HBIL_INVALID_FRAME if the camera's fx or fy is not positive or hardware_depth
+ * is needed and invalid.  Then nothing is
  * changed. */
 HBIL_API hbil_status hbil_config_suggest(const hbil_host_planes *planes,
                                          hbil_config *config, hbil_frame *frame,

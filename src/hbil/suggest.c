@@ -21,7 +21,7 @@ static const double pi = 3.14159265358979323846;
 typedef struct look {
   hbil_host_planes planes; /* with the defaults of stride and row_pitch */
   const hbil_config *config;
-  const hbil_camera *camera;
+  const hbil_frame *frame;
   size_t pixels;
 } look;
 
@@ -49,11 +49,36 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* As the kernels tell the sky from a surface, without their limit of 1e15. */
+static bool is_parallel(const look *l) {
+  return l->config->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+}
+
+/* Planar depth of a value of a depth buffer; 0 at the far end and beyond. */
+static double hardware_depth(const look *l, double d) {
+  /* d = a + b w, where w is 1/z, or -z in an orthographic view */
+  const double a = (double)l->frame->hardware_depth[0];
+  const double b =
+      (is_parallel(l) ? -1 : 1) * (double)l->frame->hardware_depth[1];
+  const double far = b < 0 ? 1 : 0; /* d of the far end */
+  const double w = (d - a) / b;
+  return !((d - far) / b > 0) ? 0 : is_parallel(l) ? -w : 1 / w;
+}
+
+/* The depth of a surface, along the axis or the ray, or 0 for the sky: as the
+ * kernels tell them apart, without their limit of 1e15. */
+static double depth_at(const look *l, size_t i) {
+  const hbil_inputs *inputs = &l->config->inputs;
+  const double stored = value(l, &l->planes.depth, 0, i);
+  const double depth = inputs->depth_kind == HBIL_DEPTH_HARDWARE
+                           ? hardware_depth(l, stored)
+                           : stored;
+  return isfinite(depth) && depth > 0 && depth < (double)inputs->sky_depth
+             ? depth
+             : 0;
+}
+
 static bool is_sky(const look *l, size_t i) {
-  const double depth = value(l, &l->planes.depth, 0, i);
-  return !(isfinite(depth) && depth > 0 &&
-           depth < (double)l->config->inputs.sky_depth);
+  return !(depth_at(l, i) > 0);
 }
 
 /* --- the sky --- */
@@ -121,7 +146,7 @@ static bool read_normal(const look *l, size_t i, const double ray[3],
   for (size_t c = 0; c < 3; ++c)
     n[c] = value(l, &l->planes.normal, c, i);
   for (size_t c = 0; c < 3; ++c) {
-    const double *m = l->camera->world_from_view + c;
+    const double *m = l->frame->camera.world_from_view + c;
     out[c] = l->config->inputs.normal_space == HBIL_SPACE_VIEW
                  ? n[c]
                  : m[0] * n[0] + m[4] * n[1] + m[8] * n[2];
@@ -135,19 +160,18 @@ static bool read_normal(const look *l, size_t i, const double ray[3],
 
 /* Returns false if the pixel shows no surface. */
 static bool read_patch(const look *l, size_t i, patch *out) {
-  const hbil_inputs *inputs = &l->config->inputs;
-  const hbil_camera *camera = l->camera;
-  const bool parallel = inputs->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  const hbil_camera *camera = &l->frame->camera;
+  const bool parallel = is_parallel(l);
   const double right =
       ((double)(i % l->config->width) + 0.5 - camera->cx) / camera->fx;
   const double down =
       ((double)(i / l->config->width) + 0.5 - camera->cy) / camera->fy;
   const double from[3] = {parallel ? right : 0, parallel ? down : 0, 0};
   const double ray[3] = {parallel ? 0 : right, parallel ? 0 : down, 1};
-  const double depth = value(l, &l->planes.depth, 0, i);
-  if (is_sky(l, i) || !read_normal(l, i, ray, out->normal))
+  const double depth = depth_at(l, i);
+  if (!(depth > 0) || !read_normal(l, i, ray, out->normal))
     return false;
-  const double z = inputs->depth_kind == HBIL_DEPTH_RAY
+  const double z = l->config->inputs.depth_kind == HBIL_DEPTH_RAY
                        ? depth / sqrt(dot(ray, ray))
                        : depth;
   /* A pixel has the solid angle 1 / (fx fy |r|^3); with parallel rays, all
@@ -276,6 +300,13 @@ static bool positive(double v) {
   return isfinite(v) && v > 0;
 }
 
+static bool is_usable(const hbil_config *config, const hbil_frame *frame) {
+  const float *depth = frame->hardware_depth;
+  return positive(frame->camera.fx) && positive(frame->camera.fy) &&
+         (config->inputs.depth_kind != HBIL_DEPTH_HARDWARE ||
+          (isfinite(depth[0]) && positive(fabs((double)depth[1]))));
+}
+
 static bool is_size(cl_uint size) {
   return size >= 1 && size <= HBIL_MAX_SIZE;
 }
@@ -289,14 +320,13 @@ hbil_status hbil_config_suggest(const hbil_host_planes *planes,
     return HBIL_INVALID_ARGUMENT;
   const bool looks = config->model.mode == HBIL_MODE_HBIL;
   if (looks) {
-    look l = {*planes, config, &frame->camera,
-              (size_t)config->width * config->height};
+    look l = {*planes, config, frame, (size_t)config->width * config->height};
     if (!is_size(config->width) || !is_size(config->height) ||
-        (unsigned)config->inputs.depth_kind > HBIL_DEPTH_RAY)
+        (unsigned)config->inputs.depth_kind > HBIL_DEPTH_HARDWARE)
       return HBIL_INVALID_CONFIG;
     if (!complete_planes(&l.planes, config->width))
       return HBIL_INVALID_ARGUMENT;
-    if (!positive(frame->camera.fx) || !positive(frame->camera.fy))
+    if (!is_usable(config, frame))
       return HBIL_INVALID_FRAME;
     found.sky = find_sky(&l, sky);
     found.lamps = look_at_lamps(&l);

@@ -34,6 +34,7 @@ static const member members[] = {
     MEMBER(inputs.normal_space),
     MEMBER(inputs.direct_scale),
     MEMBER(inputs.motion_scale),
+    MEMBER(inputs.normal_encoding),
     MEMBER(outputs.near_irradiance),
     MEMBER(outputs.far_irradiance),
     MEMBER(outputs.ao),

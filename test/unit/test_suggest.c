@@ -189,6 +189,15 @@ static void parallel_rays_see_patches_of_one_size(void **state) {
     first *f = valley(shares[i]);
     suggest(f);
     assert_int_equal(f->config.model.gather_emission, i == 0);
+    /* the same as a depth buffer with planes at 1 and 21 */
+    f->config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
+    f->frame.hardware_depth[0] = -1.0f / 20.0f;
+    f->frame.hardware_depth[1] = 1.0f / 20.0f;
+    for (int k = 0; k < PIXELS; ++k)
+      f->depth[k] = (f->depth[k] - 1.0f) / 20.0f;
+    suggest(f);
+    assert_int_equal(f->config.model.gather_emission, i == 0);
+    assert_int_equal(f->found.sky, HBIL_SOURCE_NOT_SEEN);
     free(f);
   }
 }
@@ -282,6 +291,14 @@ static void layout_and_kind_of_depth_change_nothing(void **state) {
   /* 1e-4: above the search's precision and the rounding of the depths */
   assert_true(gathers_at(f, turns * (1.0 - 1e-4)));
   assert_false(gathers_at(f, turns * (1.0 + 1e-4)));
+  /* a reversed depth buffer whose far plane is at infinity */
+  f->config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
+  f->planes.depth = (hbil_host_plane){.channel = {f->depth}};
+  f->frame.hardware_depth[1] = 0.1f;
+  for (int i = 0; i < PIXELS; ++i)
+    f->depth[i] = f->depth[i] > 0.0f ? 0.1f / f->depth[i] : 0.0f;
+  assert_true(gathers_at(f, turns * (1.0 - 1e-4)));
+  assert_false(gathers_at(f, turns * (1.0 + 1e-4)));
   /* such a difference would be seen */
   f->config.inputs.depth_kind = HBIL_DEPTH_PLANAR;
   assert_true(fabs(turning_point(f) / turns - 1.0) > 1e-3);
@@ -340,6 +357,12 @@ static hbil_status damage(first *f, int what) {
   case 9:
     f->frame.camera.fy = (double)NAN;
     return HBIL_INVALID_FRAME;
+  case 10:
+    f->config.inputs.depth_kind = HBIL_DEPTH_HARDWARE; /* B is 0 */
+    return HBIL_INVALID_FRAME;
+  case 11:
+    f->config.inputs.depth_kind = (hbil_depth_kind)3;
+    return HBIL_INVALID_CONFIG;
   default:
     return HBIL_SUCCESS;
   }
