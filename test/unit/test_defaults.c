@@ -71,17 +71,22 @@ static const member members[] = {
 };
 enum { MEMBERS = sizeof members / sizeof *members };
 
-/* A member that was added to the header must be added here, too: between two
- * members there is nothing but the padding in front of a size_t or of a group
- * that has one. */
+/* A member that was added to the header must be added here, too: all lie side
+ * by side, but for the padding in front of the group that has a size_t, and of
+ * that. */
 static void all_members_are_compared(void **state) {
   (void)state;
   size_t end = 0;
   for (int i = 0; i < MEMBERS; ++i) {
-    const size_t gap = members[i].offset - end;
-    if (gap && (gap >= sizeof(size_t) || members[i].offset % sizeof(size_t)))
+    const size_t at = members[i].offset;
+    const size_t padding =
+        at == offsetof(hbil_config, execution) ||
+                at == offsetof(hbil_config, execution.horizon_cache_bytes)
+            ? sizeof(size_t)
+            : 1;
+    if (at - end >= padding)
       fail_msg("there is a member before %s", members[i].name);
-    end = members[i].offset + members[i].size;
+    end = at + members[i].size;
   }
   assert_int_equal(end, sizeof(hbil_config));
 }
