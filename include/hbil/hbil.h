@@ -65,6 +65,7 @@
 #include <hbil/hbil_base.h>
 #include <hbil/hbil_config.h>
 #include <hbil/hbil_frame.h>
+#include <hbil/hbil_suggest.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -7,7 +7,6 @@
 
 #include "bench/content.h"
 #include "dump/frame_camera.h"
-#include "dump/light_sources.h"
 #include "dump/read_channel_map.h"
 #include "dump/read_gbuffer.h"
 #include "image/exr_read.h"
@@ -72,19 +71,36 @@ static int copy_planes(const gbuffer *g, bench_content *out, bench_frame *frame,
   return add_light(out, frame, error);
 }
 
+static int choose_far_field(const gbuffer *g, bench_content *out,
+                            image_error *error) {
+  const hbil_host_planes planes = gbuffer_host_planes(g);
+  hbil_config config = out->config;
+  hbil_frame frame;
+  hbil_frame_init(&frame);
+  frame.camera = out->frame[0].camera;
+  config.width = out->width;
+  config.height = out->height;
+  const hbil_status status =
+      hbil_config_suggest(&planes, &config, &frame, NULL);
+  if (status != HBIL_SUCCESS)
+    return image_fail(error, "%s: the first look at it: %s", out->name,
+                      hbil_status_string(status));
+  out->config.model.far_field = config.model.far_field;
+  memcpy(out->environment, frame.environment, sizeof out->environment);
+  return 0;
+}
+
 /* What the first frame decides for all: size, conventions, and the far field,
  * which is chosen as hbil process does. */
 static int adopt(const gbuffer *g, unsigned index, bench_content *out,
                  image_error *error) {
   hbil_config config = out->config;
-  const char *reason;
   channel_map_configure(&g->map, &config);
   if (index == 0) {
     out->width = g->planes.width;
     out->height = g->planes.height;
-    far_field_choose(g, &config, out->environment, &reason);
     out->config = config;
-    return 0;
+    return choose_far_field(g, out, error);
   }
   if (g->planes.width != out->width || g->planes.height != out->height)
     return image_fail(error,

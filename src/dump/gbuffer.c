@@ -20,6 +20,20 @@ size_t gbuffer_pixels(const gbuffer *g) {
   return (size_t)g->planes.width * g->planes.height;
 }
 
+static hbil_host_plane host_plane(const gbuffer *g, role r) {
+  hbil_host_plane plane = {.stride = 1};
+  for (size_t c = 0; c < role_channels(r); c++)
+    plane.channel[c] = gbuffer_plane(g, r, c);
+  return plane;
+}
+
+hbil_host_planes gbuffer_host_planes(const gbuffer *g) {
+  return (hbil_host_planes){.depth = host_plane(g, ROLE_DEPTH),
+                            .normal = host_plane(g, ROLE_NORMAL),
+                            .direct = host_plane(g, ROLE_DIRECT),
+                            .emission = host_plane(g, ROLE_EMISSION)};
+}
+
 int gbuffer_is_surface(float depth, float sky_depth) {
   return isfinite(depth) && depth > 0.0f && depth < sky_depth;
 }

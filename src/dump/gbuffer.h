@@ -18,6 +18,9 @@ float *gbuffer_plane(const gbuffer *g, role r, size_t i);
 
 size_t gbuffer_pixels(const gbuffer *g);
 
+/* The planes as hbil_config_suggest() takes them; they point into g. */
+hbil_host_planes gbuffer_host_planes(const gbuffer *g);
+
 /* Whether the library takes a depth for that of a surface, not of the sky. */
 int gbuffer_is_surface(float depth, float sky_depth);
 

@@ -22,12 +22,19 @@ static uint64_t hash_text(uint64_t hash, const char *text) {
   return hash_bytes(hash, text, strlen(text) + 1);
 }
 
-/* All settings but profiling, which changes no result.  The members between
- * have four bytes each, so there is no padding. */
-static uint64_t hash_config(uint64_t hash, const hbil_config *config) {
-  const size_t from = offsetof(hbil_config, width);
-  const size_t to = offsetof(hbil_config, execution.profiling);
+static uint64_t hash_range(uint64_t hash, const hbil_config *config,
+                           size_t from, size_t to) {
   return hash_bytes(hash, (const char *)config + from, to - from);
+}
+
+/* All settings but profiling and what follows it, which change no result.  The
+ * members have four bytes each, so there is padding in front of `execution`
+ * alone, whose last member is larger. */
+static uint64_t hash_config(uint64_t hash, const hbil_config *config) {
+  hash = hash_range(hash, config, offsetof(hbil_config, width),
+                    offsetof(hbil_config, history) + sizeof config->history);
+  return hash_range(hash, config, offsetof(hbil_config, execution),
+                    offsetof(hbil_config, execution.profiling));
 }
 
 uint64_t job_key_begin(const job *j, const char *device) {

@@ -4,9 +4,12 @@
 const char *const model_words[] = {"default", "paper", NULL};
 
 void model_set(hbil_config *config, hbil_model_name model) {
+  hbil_config defaults;
+  hbil_config_init(&defaults);
   hbil_model_set(&config->model, model);
-  /* the paper's number of samples */
-  config->sampling.steps_per_side = model == HBIL_MODEL_PAPER ? 8 : 48;
+  config->sampling.steps_per_side = model == HBIL_MODEL_PAPER
+                                        ? 8 /* the paper's number of samples */
+                                        : defaults.sampling.steps_per_side;
 }
 
 unsigned model_warm_up(hbil_model_name model) {

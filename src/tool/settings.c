@@ -13,11 +13,8 @@ void process_settings_init(process_settings *settings) {
   memset(settings, 0, sizeof *settings);
   hbil_config_init(&settings->config);
   source_options_init(&settings->source);
-  model_set(&settings->config, HBIL_MODEL_DEFAULT);
   settings->warm_up = model_warm_up(HBIL_MODEL_DEFAULT);
   settings->repeat = 1;
   settings->horizon_cache = HORIZON_CACHE_CHOOSE;
   settings->compression = EXR_COMPRESSION_OF_ZIP;
-  /* the first frame decides (light_sources.h) */
-  settings->config.model.gather_emission = CL_FALSE;
 }

@@ -33,7 +33,8 @@ typedef struct process_settings {
   hbil_config config; /* formats and size are filled in later */
 } process_settings;
 
-/* The defaults: all layers, the default model. */
+/* The defaults: all layers, the library's settings, the default model's
+ * warm-up. */
 void process_settings_init(process_settings *settings);
 
 /* The words of --mode and --falloff, in the enums' order; they end with NULL.

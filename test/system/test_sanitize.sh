@@ -7,7 +7,7 @@
 here=$PWD
 build=$here/test/sanitized
 flags='-g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all'
-tests='test/unit/test_status test/unit/test_lifetimes test/unit/test_messages test/property/test_faults test/unit/test_policy test/property/test_guards'
+tests='test/unit/test_status test/unit/test_lifetimes test/unit/test_messages test/property/test_faults test/unit/test_suggest test/property/test_guards'
 
 # What PoCL and its compiler allocate for the whole process is theirs; other
 # implementations leak while they are loaded, and are not.

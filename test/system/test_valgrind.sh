@@ -37,7 +37,7 @@ seen() {
 seen "a leak would be seen" 'p = NULL; return 0;'
 seen "so would a write behind the end" 'p[8] = 0; free(p); return 0;'
 
-clean "channels and cameras of dumps" test/unit/test_policy
+clean "what a first frame decides" test/unit/test_suggest
 clean "maps of light" test/unit/test_environment
 # Leaks of the compiler, which runs in here, have no end; test_sanitize looks for
 # those of the library.  frames_* need real kernels.

@@ -1,0 +1,137 @@
+/*
+ * One set of defaults: without options, the tool computes with the settings of
+ * hbil_config_init().
+ */
+#include "test/support/compare.h"
+
+#include <getopt.h>
+
+#include "image/error.h"
+#include "tool/process_arguments.h"
+
+/* Every member of hbil_config behind its size, in order. */
+typedef struct member {
+  const char *name;
+  size_t offset, size;
+} member;
+#define MEMBER(name)                                                           \
+  { #name, offsetof(hbil_config, name), sizeof(((hbil_config *)0)->name) }
+
+static const member members[] = {
+    MEMBER(struct_size),
+    MEMBER(width),
+    MEMBER(height),
+    MEMBER(inputs.depth),
+    MEMBER(inputs.normal),
+    MEMBER(inputs.albedo),
+    MEMBER(inputs.f0),
+    MEMBER(inputs.direct),
+    MEMBER(inputs.emission),
+    MEMBER(inputs.motion),
+    MEMBER(inputs.projection),
+    MEMBER(inputs.depth_kind),
+    MEMBER(inputs.sky_depth),
+    MEMBER(inputs.normal_space),
+    MEMBER(inputs.direct_scale),
+    MEMBER(inputs.motion_scale),
+    MEMBER(inputs.normal_encoding),
+    MEMBER(outputs.near_irradiance),
+    MEMBER(outputs.far_irradiance),
+    MEMBER(outputs.ao),
+    MEMBER(outputs.bent_normal),
+    MEMBER(outputs.cone_cosine),
+    MEMBER(outputs.indirect),
+    MEMBER(outputs.beauty),
+    MEMBER(outputs.error_estimate),
+    MEMBER(outputs.bent_normal_space),
+    MEMBER(model.mode),
+    MEMBER(model.falloff),
+    MEMBER(model.radius),
+    MEMBER(model.thickness),
+    MEMBER(model.relative_thickness),
+    MEMBER(model.extrapolate),
+    MEMBER(model.facing_fade),
+    MEMBER(model.back_facing_fallback),
+    MEMBER(model.gather_emission),
+    MEMBER(model.feedback),
+    MEMBER(model.far_field),
+    MEMBER(sampling.slices),
+    MEMBER(sampling.steps_per_side),
+    MEMBER(sampling.step_growth),
+    MEMBER(sampling.sample_grid),
+    MEMBER(sampling.unfiltered),
+    MEMBER(sampling.storage),
+    MEMBER(history.reprojection),
+    MEMBER(history.disocclusion_threshold),
+    MEMBER(history.max_frames),
+    MEMBER(execution.skip),
+    MEMBER(execution.vector_width),
+    MEMBER(execution.profiling),
+    MEMBER(execution.horizon_cache_bytes),
+};
+enum { MEMBERS = sizeof members / sizeof *members };
+
+/* A member that was added to the header must be added here, too: all lie side
+ * by side, but for the padding in front of the group that has a size_t, and of
+ * that. */
+static void all_members_are_compared(void **state) {
+  (void)state;
+  size_t end = 0;
+  for (int i = 0; i < MEMBERS; ++i) {
+    const size_t at = members[i].offset;
+    const size_t padding =
+        at == offsetof(hbil_config, execution) ||
+                at == offsetof(hbil_config, execution.horizon_cache_bytes)
+            ? sizeof(size_t)
+            : 1;
+    if (at - end >= padding)
+      fail_msg("there is a member before %s", members[i].name);
+    end = at + members[i].size;
+  }
+  assert_int_equal(end, sizeof(hbil_config));
+}
+
+static void compare(const hbil_config *got) {
+  hbil_config want;
+  hbil_config_init(&want);
+  for (int i = 0; i < MEMBERS; ++i)
+    if (memcmp((const char *)got + members[i].offset,
+               (const char *)&want + members[i].offset, members[i].size))
+      fail_msg("%s is another in the tool", members[i].name);
+}
+
+/* The settings of a command line. */
+static process_settings settings_of(int count, char *const *words) {
+  char *argv[8] = {(char[]){"hbil process"}};
+  process_arguments arguments;
+  image_error error;
+  for (int i = 0; i < count; ++i)
+    argv[1 + i] = words[i];
+  optind = 0; /* getopt starts anew */
+  assert_int_equal(process_arguments_read(1 + count, argv, &arguments, &error),
+                   0);
+  return arguments.settings;
+}
+
+static void without_options_they_are_the_librarys(void **state) {
+  char *words[] = {(char[]){"frame.exr"}};
+  (void)state;
+  const process_settings s = settings_of(1, words);
+  compare(&s.config);
+}
+
+static void the_default_model_sets_nothing_else(void **state) {
+  char *words[] = {(char[]){"--model"}, (char[]){"paper"}, (char[]){"--model"},
+                   (char[]){"default"}, (char[]){"frame.exr"}};
+  (void)state;
+  const process_settings s = settings_of(5, words);
+  compare(&s.config);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(all_members_are_compared),
+      cmocka_unit_test(without_options_they_are_the_librarys),
+      cmocka_unit_test(the_default_model_sets_nothing_else)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

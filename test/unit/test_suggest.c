@@ -1,0 +1,413 @@
+/*
+ * What is decided from the first frame's pixels: whether direct light contains
+ * the sky's light, and whether it contains that of the lamps in the picture.
+ */
+#include "test/support/compare.h"
+
+#include "scene/scene.h"
+
+enum { WIDTH = 97, HEIGHT = 54, PIXELS = WIDTH * HEIGHT };
+
+/* A frame in host memory, and what is decided of it. */
+typedef struct first {
+  float depth[PIXELS], normal[3][PIXELS], direct[3][PIXELS];
+  float emission[3][PIXELS];
+  hbil_host_planes planes; /* point to these, planar */
+  hbil_config config;
+  hbil_frame frame;
+  hbil_sources found;
+} first;
+
+static void point_to(hbil_host_plane *plane, float channels[3][PIXELS]) {
+  for (size_t c = 0; c < 3; ++c)
+    plane->channel[c] = channels[c];
+}
+
+/* Planes and settings; their contents are the caller's. */
+static void start(first *f) {
+  memset(&f->planes, 0, sizeof f->planes);
+  f->planes.depth.channel[0] = f->depth;
+  point_to(&f->planes.normal, f->normal);
+  point_to(&f->planes.direct, f->direct);
+  point_to(&f->planes.emission, f->emission);
+  hbil_config_init(&f->config);
+  f->config.width = WIDTH;
+  f->config.height = HEIGHT;
+  f->config.inputs.normal_space = HBIL_SPACE_WORLD;
+  hbil_frame_init(&f->frame);
+}
+
+/* On the heap: the caller frees it. */
+static first *frame_of(scene_kind kind) {
+  first *f = malloc(sizeof *f);
+  scene_frame s;
+  assert_non_null(f);
+  assert_int_equal(scene_render(kind, WIDTH, HEIGHT, 0.0, 0, &s), 0);
+  memcpy(f->depth, s.depth, sizeof f->depth);
+  for (size_t c = 0; c < 3; ++c) {
+    memcpy(f->normal[c], s.normal[c], sizeof f->normal[c]);
+    memcpy(f->direct[c], s.direct[c], sizeof f->direct[c]);
+    memcpy(f->emission[c], s.emission[c], sizeof f->emission[c]);
+  }
+  start(f);
+  f->frame.camera = s.camera;
+  scene_free(&s);
+  return f;
+}
+
+static void suggest(first *f) {
+  assert_int_equal(
+      hbil_config_suggest(&f->planes, &f->config, &f->frame, &f->found),
+      HBIL_SUCCESS);
+}
+
+static void scale(float channels[3][PIXELS], float by) {
+  for (size_t c = 0; c < 3; ++c)
+    for (int i = 0; i < PIXELS; ++i)
+      channels[c][i] *= by;
+}
+
+/* Fills the surfaces' or the sky's pixels. */
+static void fill(first *f, float channels[3][PIXELS], bool surfaces,
+                 float value) {
+  for (size_t c = 0; c < 3; ++c)
+    for (int i = 0; i < PIXELS; ++i)
+      if ((f->depth[i] > 0.0f) == surfaces)
+        channels[c][i] = value;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Emission                                                                  */
+
+static void lamps_in_direct_light_are_not_gathered(void **state) {
+  const float factors[] = {1.0f, 3.0f};
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    first *f = frame_of(SCENE_ROOM);
+    scale(f->direct, factors[i]);
+    suggest(f);
+    assert_int_equal(f->found.lamps, HBIL_SOURCE_IN_DIRECT);
+    assert_int_equal(f->config.model.gather_emission, CL_FALSE);
+    free(f);
+  }
+}
+
+/* Direct light that is too weak to contain the lamps', or zero, or missing. */
+static void lamps_that_direct_light_lacks_are_gathered(void **state) {
+  (void)state;
+  for (int i = 0; i < 3; ++i) {
+    first *f = frame_of(SCENE_ROOM);
+    scale(f->direct, i == 0 ? 0.1f : 0.0f);
+    if (i == 2)
+      memset(&f->planes.direct, 0, sizeof f->planes.direct);
+    f->config.model.gather_emission = CL_FALSE;
+    suggest(f);
+    assert_int_equal(f->found.lamps, HBIL_SOURCE_NOT_IN_DIRECT);
+    assert_int_equal(f->config.model.gather_emission, CL_TRUE);
+    free(f);
+  }
+}
+
+static void without_lamps_nothing_is_gathered(void **state) {
+  (void)state;
+  for (int i = 0; i < 3; ++i) {
+    first *f = frame_of(i ? SCENE_SKY : SCENE_ROOM);
+    scale(f->emission, 0.0f);
+    if (i == 1) /* a sky is no lamp */
+      fill(f, f->emission, false, 1.0f);
+    if (i == 2) { /* then normals are not needed */
+      memset(&f->planes.emission, 0, sizeof f->planes.emission);
+      memset(&f->planes.normal, 0, sizeof f->planes.normal);
+    }
+    suggest(f);
+    assert_int_equal(f->found.lamps, HBIL_SOURCE_NOT_SEEN);
+    assert_int_equal(f->config.model.gather_emission, CL_FALSE);
+    free(f);
+  }
+}
+
+/* ------------------------------------------------------------------------ */
+/* Parallel rays                                                             */
+
+/* A valley of two slopes of 45 degrees, seen from above by PER_UNIT pixels to a
+ * unit: its left side shines, its right side has `share` of the light that it
+ * receives from there in closed form, patch by patch. */
+enum { PER_UNIT = 10, MIDDLE = 48 };
+
+static void valley_point(int i, double out[3]) {
+  out[0] = (i % WIDTH + 0.5 - (MIDDLE + 0.5)) / PER_UNIT;
+  out[1] = (i / WIDTH + 0.5) / PER_UNIT;
+  out[2] = 10.0 - fabs(out[0]);
+}
+
+static double valley_light(int receiver) {
+  double sum = 0.0, p[3], q[3];
+  valley_point(receiver, p);
+  for (int i = 0; i < PIXELS; ++i) {
+    if (i % WIDTH >= MIDDLE)
+      continue;
+    valley_point(i, q);
+    const double d[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
+    const double r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    /* normals (-1, 0, -1) and (1, 0, -1) over sqrt(2), whose projections'
+     * product is half of this; a pixel's patch is sqrt(2) / PER_UNIT^2 */
+    const double cosines = 0.5 * (-d[0] - d[2]) * (-d[0] + d[2]) / r2;
+    sum += fmax(cosines, 0.0) * sqrt(2.0) / (PER_UNIT * PER_UNIT * r2);
+  }
+  return sum;
+}
+
+static first *valley(double share) {
+  first *f = calloc(1, sizeof *f);
+  assert_non_null(f);
+  for (int i = 0; i < PIXELS; ++i) {
+    const int side = (i % WIDTH > MIDDLE) - (i % WIDTH < MIDDLE);
+    double p[3];
+    valley_point(i, p);
+    f->depth[i] = (float)p[2];
+    f->normal[0][i] = (float)-side;
+    f->normal[2][i] = -1.0f;
+    f->emission[0][i] = side < 0 ? 1.0f : 0.0f;
+    f->direct[0][i] = side > 0 ? (float)(share * valley_light(i)) : 0.0f;
+  }
+  start(f);
+  f->planes.direct.channel[1] = f->planes.direct.channel[2] = NULL; /* grey */
+  f->planes.emission.channel[1] = f->planes.emission.channel[2] = NULL;
+  f->config.inputs.normal_space = HBIL_SPACE_VIEW;
+  f->config.inputs.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
+  f->frame.camera =
+      (hbil_camera){.fx = PER_UNIT, .fy = PER_UNIT, .cx = MIDDLE + 0.5};
+  return f;
+}
+
+/* The decision is at half of the lamps' light. Taking 512 of the lamp's
+ * patches and every third receiver is right to a tenth. */
+static void parallel_rays_see_patches_of_one_size(void **state) {
+  const double shares[] = {0.45, 0.55};
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    first *f = valley(shares[i]);
+    suggest(f);
+    assert_int_equal(f->config.model.gather_emission, i == 0);
+    /* the same as a depth buffer with planes at 1 and 21 */
+    f->config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
+    f->frame.hardware_depth[0] = -1.0f / 20.0f;
+    f->frame.hardware_depth[1] = 1.0f / 20.0f;
+    for (int k = 0; k < PIXELS; ++k)
+      f->depth[k] = (f->depth[k] - 1.0f) / 20.0f;
+    suggest(f);
+    assert_int_equal(f->config.model.gather_emission, i == 0);
+    assert_int_equal(f->found.sky, HBIL_SOURCE_NOT_SEEN);
+    free(f);
+  }
+}
+
+/* ------------------------------------------------------------------------ */
+/* The sky                                                                   */
+
+/* Checks the far field of a frame under an even sky, lit by `direct`
+ * (irradiance). */
+static void check_under(float sky, float direct, hbil_source found,
+                        hbil_far_field far) {
+  first *f = frame_of(SCENE_SKY);
+  scale(f->emission, 0.0f);
+  fill(f, f->emission, false, sky);
+  fill(f, f->direct, true, direct);
+  f->frame.environment[0][1] = 3.0f;
+  suggest(f);
+  assert_int_equal(f->found.sky, found);
+  assert_int_equal(f->config.model.far_field, far);
+  for (int c = 0; c < 3; ++c)
+    check_at_most("sky", fabs((double)f->frame.environment[0][c] - (double)sky),
+                  1e-5);
+  free(f);
+}
+
+static void a_sky_in_direct_light_is_told_to_the_estimate(void **state) {
+  (void)state;
+  check_under(4.0f, 6.0f, HBIL_SOURCE_IN_DIRECT, HBIL_FAR_FRAME);
+}
+
+static void a_sky_that_direct_light_lacks_is_far_light(void **state) {
+  (void)state;
+  check_under(4.0f, 0.1f, HBIL_SOURCE_NOT_IN_DIRECT, HBIL_FAR_CONSTANT);
+}
+
+static void an_unlit_sky_says_nothing(void **state) {
+  (void)state;
+  check_under(0.0f, 6.0f, HBIL_SOURCE_NOT_SEEN, HBIL_FAR_FRAME);
+}
+
+/* ------------------------------------------------------------------------ */
+/* What the caller hands in                                                  */
+
+static bool gathers_at(first *f, double direct_scale) {
+  f->config.inputs.direct_scale = (float)direct_scale;
+  suggest(f);
+  return f->config.model.gather_emission == CL_TRUE;
+}
+
+/* The direct_scale at which the decision about the lamps changes. */
+static double turning_point(first *f) {
+  double low = 0.0, high = 1.0;
+  assert_true(gathers_at(f, low) && !gathers_at(f, high));
+  while (high - low > 1e-5 * high) {
+    const double middle = 0.5 * (low + high);
+    *(gathers_at(f, middle) ? &low : &high) = middle;
+  }
+  return low;
+}
+
+/* Interleaved planes with gaps, whose depths are distances from the eye, mean
+ * the same as planar ones. */
+static void layout_and_kind_of_depth_change_nothing(void **state) {
+  enum { STRIDE = 4, PITCH = STRIDE * WIDTH + 3 };
+  static float packed[3][HEIGHT * PITCH];
+  first *f = frame_of(SCENE_ROOM);
+  const hbil_camera *camera = &f->frame.camera;
+  const double turns = turning_point(f);
+  (void)state;
+  for (int i = 0; i < PIXELS; ++i) {
+    const int x = i % WIDTH, y = i / WIDTH, at = y * PITCH + x * STRIDE;
+    const double right = (x + 0.5 - camera->cx) / camera->fx;
+    const double down = (y + 0.5 - camera->cy) / camera->fy;
+    packed[0][at + 3] =
+        f->depth[i] * (float)sqrt(right * right + down * down + 1.0);
+    for (int c = 0; c < 3; ++c) {
+      packed[0][at + c] = f->normal[c][i];
+      packed[1][at + c] = f->direct[c][i];
+      packed[2][at + c] = f->emission[c][i];
+    }
+  }
+  hbil_host_plane *planes[] = {&f->planes.normal, &f->planes.direct,
+                               &f->planes.emission, &f->planes.depth};
+  for (int i = 0; i < 4; ++i) {
+    planes[i]->stride = STRIDE;
+    planes[i]->row_pitch = PITCH * sizeof(float);
+    for (int c = 0; c < 3; ++c)
+      planes[i]->channel[c] = packed[i % 3] + (i == 3 ? 3 : c);
+  }
+  f->config.inputs.depth_kind = HBIL_DEPTH_RAY;
+  /* 1e-4: above the search's precision and the rounding of the depths */
+  assert_true(gathers_at(f, turns * (1.0 - 1e-4)));
+  assert_false(gathers_at(f, turns * (1.0 + 1e-4)));
+  /* a reversed depth buffer whose far plane is at infinity */
+  f->config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
+  f->planes.depth = (hbil_host_plane){.channel = {f->depth}};
+  f->frame.hardware_depth[1] = 0.1f;
+  for (int i = 0; i < PIXELS; ++i)
+    f->depth[i] = f->depth[i] > 0.0f ? 0.1f / f->depth[i] : 0.0f;
+  assert_true(gathers_at(f, turns * (1.0 - 1e-4)));
+  assert_false(gathers_at(f, turns * (1.0 + 1e-4)));
+  /* such a difference would be seen */
+  f->config.inputs.depth_kind = HBIL_DEPTH_PLANAR;
+  assert_true(fabs(turning_point(f) / turns - 1.0) > 1e-3);
+  free(f);
+}
+
+static void other_modes_look_at_nothing(void **state) {
+  const hbil_mode modes[] = {HBIL_MODE_GTAO, HBIL_MODE_HBAO};
+  const hbil_host_planes none = {0};
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    hbil_config config;
+    hbil_frame frame;
+    hbil_config_init(&config);
+    hbil_frame_init(&frame);
+    config.model.mode = modes[i];
+    config.model.far_field = HBIL_FAR_FRAME;
+    assert_int_equal(hbil_config_suggest(&none, &config, &frame, NULL),
+                     HBIL_SUCCESS);
+    assert_int_equal(config.model.far_field, HBIL_FAR_NONE);
+    assert_int_equal(config.model.gather_emission, CL_FALSE);
+  }
+}
+
+/* Makes one thing wrong.  Returns the status for it; HBIL_SUCCESS behind the
+ * last one. */
+static hbil_status damage(first *f, int what) {
+  switch (what) {
+  case 0:
+    f->planes.depth.channel[0] = NULL;
+    return HBIL_INVALID_ARGUMENT;
+  case 1:
+    f->planes.normal.channel[2] = NULL;
+    return HBIL_INVALID_ARGUMENT;
+  case 2:
+    memset(&f->planes.normal, 0, sizeof f->planes.normal);
+    return HBIL_INVALID_ARGUMENT;
+  case 3:
+    f->planes.direct.channel[0] = NULL;
+    return HBIL_INVALID_ARGUMENT;
+  case 4:
+    f->planes.emission.row_pitch = WIDTH * sizeof(float) - 4;
+    return HBIL_INVALID_ARGUMENT;
+  case 5:
+    f->planes.emission.row_pitch = WIDTH * sizeof(float) + 2;
+    return HBIL_INVALID_ARGUMENT;
+  case 6:
+    f->config.width = 0;
+    return HBIL_INVALID_CONFIG;
+  case 7:
+    f->config.height = HBIL_MAX_SIZE + 1;
+    return HBIL_INVALID_CONFIG;
+  case 8:
+    f->frame.camera.fx = 0.0;
+    return HBIL_INVALID_FRAME;
+  case 9:
+    f->frame.camera.fy = (double)NAN;
+    return HBIL_INVALID_FRAME;
+  case 10:
+    f->config.inputs.depth_kind = HBIL_DEPTH_HARDWARE; /* B is 0 */
+    return HBIL_INVALID_FRAME;
+  case 11:
+    f->config.inputs.depth_kind = (hbil_depth_kind)3;
+    return HBIL_INVALID_CONFIG;
+  default:
+    return HBIL_SUCCESS;
+  }
+}
+
+static void what_cannot_be_read_is_rejected(void **state) {
+  first *good = frame_of(SCENE_ROOM), *bad = malloc(sizeof *bad);
+  hbil_status status = HBIL_INVALID_ARGUMENT;
+  (void)state;
+  assert_non_null(bad);
+  for (int i = 0; status != HBIL_SUCCESS; ++i) {
+    *bad = *good;
+    status = damage(bad, i);
+    const hbil_config config = bad->config;
+    const hbil_frame frame = bad->frame;
+    assert_int_equal(
+        hbil_config_suggest(&bad->planes, &bad->config, &bad->frame, NULL),
+        status);
+    if (status != HBIL_SUCCESS) {
+      assert_memory_equal(&bad->config, &config, sizeof config);
+      assert_memory_equal(&bad->frame, &frame, sizeof frame);
+    }
+  }
+  assert_int_equal(hbil_config_suggest(NULL, &good->config, &good->frame, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_config_suggest(&good->planes, NULL, &good->frame, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(
+      hbil_config_suggest(&good->planes, &good->config, NULL, NULL),
+      HBIL_INVALID_ARGUMENT);
+  free(bad);
+  free(good);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(lamps_in_direct_light_are_not_gathered),
+      cmocka_unit_test(lamps_that_direct_light_lacks_are_gathered),
+      cmocka_unit_test(without_lamps_nothing_is_gathered),
+      cmocka_unit_test(parallel_rays_see_patches_of_one_size),
+      cmocka_unit_test(a_sky_in_direct_light_is_told_to_the_estimate),
+      cmocka_unit_test(a_sky_that_direct_light_lacks_is_far_light),
+      cmocka_unit_test(an_unlit_sky_says_nothing),
+      cmocka_unit_test(layout_and_kind_of_depth_change_nothing),
+      cmocka_unit_test(other_modes_look_at_nothing),
+      cmocka_unit_test(what_cannot_be_read_is_rejected)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
