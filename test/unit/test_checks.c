@@ -315,7 +315,8 @@ static void read_output(setup *s, plane_id id, float *values) {
   for (int c = 0; c < plane_channels(id); ++c)
     for (size_t y = 0; y < HEIGHT; ++y)
       for (size_t x = 0; x < WIDTH; ++x)
-        *values++ = decode_component(&p, bytes + placement_of(&p, c, x, y));
+        *values++ = (float)component_value(
+            p.component, bytes + placement_of(&p, c, x, y), c);
   free(bytes);
 }
 
