@@ -48,8 +48,7 @@ static void check_cl(cl_int error, const char *what) {
 
 static void check(hbil_status status, const hbil_context *hbil) {
   if (status != HBIL_SUCCESS)
-    fail(hbil_status_string(status),
-         hbil != NULL ? hbil_context_message(hbil) : "no context");
+    fail(hbil_status_string(status), hbil_context_message(hbil));
 }
 
 static float from_half(const unsigned char *bytes) {

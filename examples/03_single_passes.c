@@ -79,8 +79,7 @@ static void check_cl(cl_int error, const char *what) {
 
 static void check(hbil_status status, const hbil_context *hbil) {
   if (status != HBIL_SUCCESS)
-    fail(hbil_status_string(status),
-         hbil != NULL ? hbil_context_message(hbil) : "no context");
+    fail(hbil_status_string(status), hbil_context_message(hbil));
 }
 
 /* Draws a floor and two walls under an open sky, lit evenly. */

@@ -72,10 +72,7 @@ class Hbil:
             setattr(config, name, value)
         out = ffi.new("hbil_plan **")
         self.check(lib.hbil_plan_create(self.handle, config, out))
-
-        def destroy(plan, context=self.handle):  # which outlives its plans
-            lib.hbil_plan_destroy(plan)
-        return ffi.gc(out[0], destroy)
+        return ffi.gc(out[0], lib.hbil_plan_destroy)
 
     def enqueue(self, plan, queue, camera, images, wait_for=()):
         """Lights one frame behind the events; an event of pyopencl."""

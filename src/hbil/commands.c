@@ -105,7 +105,7 @@ static void follow(commands *chain, cl_event event) {
 static void follow_timed(commands *chain, cl_event event) {
   hbil_plan *plan = chain->plan;
   follow(chain, event);
-  if (chain->trial || !plan->config.execution.profiling ||
+  if (!event || !plan->config.execution.profiling ||
       plan->launches == MAX_LAUNCHES)
     return;
   /* the command runs all the same: timings alone are lost */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "commands.h"
 #include "config.h"
 #include "defines.h"
 #include "hbil/hbil_stages.h"
@@ -138,40 +139,22 @@ static hbil_status allocate(hbil_plan *plan) {
   return HBIL_SUCCESS;
 }
 
-/* "No surface" in all layers. */
-static cl_int clear_layers(hbil_plan *plan, cl_command_queue queue) {
-  const hbil_clear_args args = {plan->layout.split};
-  const cl_kernel kernel = plan->kernels[KERNEL_CLEAR_LAYERS];
-  const size_t *group = plan->context->group;
-  const size_t rows = HBIL_LAYERS * ((size_t)args.layers.height + 2);
-  const size_t global[2] = {(rows + group[0] - 1) / group[0] * group[0],
-                            group[1]};
-  cl_int error = clSetKernelArg(kernel, 0, sizeof args, &args);
-  if (error == CL_SUCCESS)
-    error =
-        clSetKernelArg(kernel, 1, sizeof(cl_mem), &plan->buffers[BUFFER_SPLIT]);
-  if (error == CL_SUCCESS)
-    error = clEnqueueNDRangeKernel(queue, kernel, 2, NULL, global, group, 0,
-                                   NULL, NULL);
-  return error;
-}
-
 /* Writes what no kernel writes: the padding of the layers, and counts of inputs
  * that this plan never reads. */
 static hbil_status fill_padding(hbil_plan *plan, cl_command_queue queue) {
   static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT, BUFFER_SANITIZED};
-  const cl_float zero = 0.0f;
-  cl_int error = CL_SUCCESS;
+  commands chain = {.plan = plan, .queue = queue, .in_order = true};
+  hbil_status status = HBIL_SUCCESS;
   for (size_t i = 0; i < sizeof buffers / sizeof *buffers; ++i)
-    if (plan->buffers[buffers[i]] && error == CL_SUCCESS)
-      error = clEnqueueFillBuffer(
-          queue, plan->buffers[buffers[i]], &zero, sizeof zero, 0,
-          plan->layout.bytes[buffers[i]], 0, NULL, NULL);
-  if (error == CL_SUCCESS)
-    error = clear_layers(plan, queue);
-  return error == CL_SUCCESS
-             ? HBIL_SUCCESS
-             : fail_cl(plan->context, error, "filling the layers");
+    if (plan->buffers[buffers[i]] && status == HBIL_SUCCESS)
+      status = enqueue_fill(&chain, buffers[i], 0);
+  if (status != HBIL_SUCCESS)
+    return status;
+  /* "no surface" in all layers */
+  const hbil_clear_args args = {plan->layout.split};
+  const argument list[] = {ARG(args), BUFFER_ARG(plan, BUFFER_SPLIT)};
+  const size_t rows = HBIL_LAYERS * ((size_t)args.layers.height + 2);
+  return LAUNCH(&chain, KERNEL_CLEAR_LAYERS, list, rows, 1, 1);
 }
 
 /* Makes the plan ready for its first frame, in a queue of its own, and waits.

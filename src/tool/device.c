@@ -18,12 +18,44 @@ typedef struct device_entries {
   device_entry *list;
 } device_entries;
 
-static int add_platform(device_entries *entries, cl_platform_id platform) {
+/* What the loader and the platforms answered that have no device. */
+typedef struct answers {
+  char text[512];
+  size_t length;
+} answers;
+
+static void add_answer(answers *all, const char *who, cl_int status) {
+  char what[32] = "no device";
+  /* the loader's CL_PLATFORM_NOT_FOUND_KHR, and CL_SUCCESS with a count of 0 */
+  if (status == -1001)
+    snprintf(what, sizeof what, "no platform");
+  else if (status != CL_SUCCESS && status != CL_DEVICE_NOT_FOUND)
+    snprintf(what, sizeof what, "OpenCL error %d", (int)status);
+  const size_t room = sizeof all->text - all->length;
+  const int length = snprintf(all->text + all->length, room, "%s%s: %s",
+                              all->length ? ", " : "", who, what);
+  if (length > 0)
+    all->length += (size_t)length < room ? (size_t)length : room - 1;
+}
+
+static void platform_name(cl_platform_id platform, char name[256]) {
+  if (clGetPlatformInfo(platform, CL_PLATFORM_NAME, 256, name, NULL) !=
+      CL_SUCCESS)
+    snprintf(name, 256, "a platform without a name");
+  name[255] = '\0';
+}
+
+static int add_platform(device_entries *entries, cl_platform_id platform,
+                        answers *none) {
   cl_uint count = 0;
-  if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, NULL, &count) !=
-          CL_SUCCESS ||
-      count == 0)
+  const cl_int status =
+      clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, NULL, &count);
+  if (status != CL_SUCCESS || count == 0) {
+    char name[256];
+    platform_name(platform, name);
+    add_answer(none, name, status);
     return 0;
+  }
   cl_device_id *ids = calloc(count, sizeof *ids);
   device_entry *list =
       realloc(entries->list, (entries->count + count) * sizeof *list);
@@ -45,21 +77,29 @@ static int add_platform(device_entries *entries, cl_platform_id platform) {
 static int find_devices(device_entries *out, image_error *error) {
   cl_uint count = 0;
   int failed = 0;
+  answers none = {"", 0};
   memset(out, 0, sizeof *out);
-  if (clGetPlatformIDs(0, NULL, &count) != CL_SUCCESS)
+  cl_int status = clGetPlatformIDs(0, NULL, &count);
+  if (status != CL_SUCCESS)
     count = 0;
   cl_platform_id *platforms = calloc(count + 1, sizeof *platforms);
   if (!platforms)
     return image_no_memory(error, "devices");
-  if (count > 0 && clGetPlatformIDs(count, platforms, NULL) == CL_SUCCESS)
+  if (count > 0)
+    status = clGetPlatformIDs(count, platforms, NULL);
+  if (status != CL_SUCCESS || count == 0)
+    add_answer(&none, "OpenCL's loader", status);
+  else
     for (cl_uint i = 0; i < count && !failed; i++)
-      failed = add_platform(out, platforms[i]);
+      failed = add_platform(out, platforms[i], &none);
   free(platforms);
   if (failed)
     image_no_memory(error, "devices");
   else if (out->count == 0)
-    failed = image_fail(error, "no OpenCL device; a driver is needed, for "
-                               "example Debian's pocl-opencl-icd");
+    failed = image_fail(error,
+                        "no OpenCL device (%s); a driver is needed, for "
+                        "example Debian's pocl-opencl-icd",
+                        none.text);
   if (failed)
     free(out->list);
   return failed;
@@ -98,13 +138,12 @@ int device_list(image_error *error) {
   if (find_devices(&entries, error) != 0)
     return -1;
   for (size_t i = 0; i < entries.count; i++) {
-    char name[256], platform[256] = "?", version[256];
+    char name[256], platform[256], version[256];
     cl_uint units = 0;
     const cl_device_id id = entries.list[i].id;
     device_text(id, CL_DEVICE_NAME, name, sizeof name);
     device_text(id, CL_DEVICE_VERSION, version, sizeof version);
-    clGetPlatformInfo(entries.list[i].platform, CL_PLATFORM_NAME,
-                      sizeof platform, platform, NULL);
+    platform_name(entries.list[i].platform, platform);
     clGetDeviceInfo(id, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units,
                     NULL);
     printf("%zu  %s (%s, %s; %s; %u compute units, %llu MiB)\n", i, name,

@@ -124,7 +124,17 @@ mkdir "$work/empty"
 OCL_ICD_VENDORS=$work/empty
 export OCL_ICD_VENDORS
 rejected "no OpenCL device" 'no OpenCL device' process -o "$out" "$one"
-rejected "devices: no OpenCL device" 'no OpenCL device' "$HBIL" devices
+rejected "devices: no OpenCL device" 'no OpenCL device (.*: no platform)' \
+  "$HBIL" devices
+pocl=/etc/OpenCL/vendors/pocl.icd
+if test -e $pocl; then
+  OCL_ICD_VENDORS=$pocl
+  rejected "devices: a platform without any" \
+    'no OpenCL device (Portable Computing Language: no device)' \
+    env POCL_DEVICES= "$HBIL" devices
+else
+  skip "devices: a platform without any" "no PoCL"
+fi
 unset OCL_ICD_VENDORS
 
 rejected "an output folder without a parent" 'none/deeper: output folder' \
