@@ -8,6 +8,7 @@
 #include "config.h"
 #include "defines.h"
 #include "hbil/hbil_stages.h"
+#include "import.h"
 #include "program.h"
 #include "trial.h"
 
@@ -28,6 +29,9 @@ static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_RECOMPOSE] = {"recompose", true, ""},
     [PROGRAM_TEMPORAL] = {"temporal", .defines = ""},
     [PROGRAM_COMPOSITE] = {"composite", .defines = ""},
+    [PROGRAM_IMPORT] = {"import", .defines = ""},
+    [PROGRAM_EXPORT] = {"export", .defines = ""},
+    [PROGRAM_NORMALS_FROM_DEPTH] = {"normals_from_depth", .defines = ""},
 };
 
 static const struct {
@@ -57,6 +61,10 @@ static const struct {
     [KERNEL_RECOMPOSE] = {"recompose", PROGRAM_RECOMPOSE},
     [KERNEL_TEMPORAL] = {"temporal", PROGRAM_TEMPORAL},
     [KERNEL_COMPOSITE] = {"composite", PROGRAM_COMPOSITE},
+    [KERNEL_IMPORT_IMAGE] = {"import_image", PROGRAM_IMPORT},
+    [KERNEL_EXPORT_IMAGE] = {"export_image", PROGRAM_EXPORT},
+    [KERNEL_NORMALS_FROM_DEPTH] = {"normals_from_depth",
+                                   PROGRAM_NORMALS_FROM_DEPTH},
 };
 
 const char *kernel_name(int kernel) {
@@ -65,6 +73,7 @@ const char *kernel_name(int kernel) {
 
 static bool program_needed(const hbil_plan *plan, int program) {
   const layout *l = &plan->layout;
+  const unsigned inputs = PLANE_BIT(PLANE_FIRST_OUTPUT) - 1;
   const bool motion =
       plan->config.history.reprojection == HBIL_REPROJECTION_MOTION;
   switch (program) {
@@ -83,6 +92,12 @@ static bool program_needed(const hbil_plan *plan, int program) {
     return l->bytes[BUFFER_HORIZON_CACHE] > 0;
   case PROGRAM_TEMPORAL:
     return plan->config.history.max_frames > 0;
+  case PROGRAM_IMPORT:
+    return (l->staged.images & inputs) != 0;
+  case PROGRAM_EXPORT:
+    return (l->staged.images & ~inputs) != 0;
+  case PROGRAM_NORMALS_FROM_DEPTH:
+    return l->staged.planes != l->staged.images;
   }
   return true;
 }
@@ -211,23 +226,29 @@ static hbil_status prepare(hbil_plan *plan) {
 
 /* --- public --- */
 
-/* Copies and checks the caller's config.  If vector_width is 0, it is chosen
- * for the device.  sky_depth is limited to HBIL_FARTHEST_DEPTH, and the horizon
- * cache to the largest buffer. */
+/* Copies and checks the caller's config, and lays the plan out.  If
+ * vector_width is 0, it is chosen for the device.  sky_depth is limited to
+ * HBIL_FARTHEST_DEPTH, and the horizon cache to the largest buffer. */
 static hbil_status resolve_config(hbil_context *context,
                                   const hbil_config *given,
-                                  hbil_config *resolved) {
+                                  hbil_config *resolved, layout *sizes) {
   cl_ulong most = 0;
+  staging staged;
   hbil_status status = config_take(context, given, resolved);
   if (status == HBIL_SUCCESS)
+    status = stage_planes(context, resolved, &staged);
+  if (status == HBIL_SUCCESS)
     status = largest_buffer(context, &most);
+  if (status != HBIL_SUCCESS)
+    return status;
   if (!resolved->execution.vector_width)
     resolved->execution.vector_width = context->vector_width;
   if (resolved->execution.horizon_cache_bytes > most)
     resolved->execution.horizon_cache_bytes = (size_t)most;
   resolved->inputs.sky_depth =
       fminf(resolved->inputs.sky_depth, HBIL_FARTHEST_DEPTH);
-  return status;
+  layout_compute(resolved, &staged, sizes);
+  return HBIL_SUCCESS;
 }
 
 hbil_status hbil_plan_memory(hbil_context *context, const hbil_config *config,
@@ -239,10 +260,9 @@ hbil_status hbil_plan_memory(hbil_context *context, const hbil_config *config,
                      !context  ? "context"
                      : !config ? "config"
                                : "bytes");
-  const hbil_status status = resolve_config(context, config, &resolved);
+  const hbil_status status = resolve_config(context, config, &resolved, &sizes);
   if (status != HBIL_SUCCESS)
     return status;
-  layout_compute(&resolved, &sizes);
   *bytes = 0;
   for (int i = 0; i < BUFFER_COUNT; ++i)
     *bytes += sizes.bytes[i];
@@ -253,13 +273,14 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
                              hbil_plan **out) {
   if (out)
     *out = NULL;
+  layout sizes;
   hbil_config resolved;
   if (!context || !config || !out)
     return fail_null(context, __func__,
                      !context  ? "context"
                      : !config ? "config"
                                : "out");
-  hbil_status status = resolve_config(context, config, &resolved);
+  hbil_status status = resolve_config(context, config, &resolved, &sizes);
   if (status != HBIL_SUCCESS)
     return status;
   hbil_plan *plan = calloc(1, sizeof *plan);
@@ -268,7 +289,7 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
   plan->context = context;
   context_retain(context);
   plan->config = resolved;
-  layout_compute(&plan->config, &plan->layout);
+  plan->layout = sizes;
   if ((status = build_kernels(plan)) != HBIL_SUCCESS ||
       (status = allocate(plan)) != HBIL_SUCCESS ||
       (status = prepare(plan)) != HBIL_SUCCESS) {
