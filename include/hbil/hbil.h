@@ -78,7 +78,8 @@ typedef struct hbil_context hbil_context;
 
 /* Creates a context, which binds the library to a cl_context and one of its
  * devices.  The context retains both.  The device needs OpenCL 1.2 and a
- * compiler.  Images, sub-groups and 64-bit atomics are not used.  On failure
+ * compiler, and images only if a plane is an HBIL_IMAGE.  Sub-groups and 64-bit
+ * atomics are not used.  On failure
  * *out is NULL, and hbil_context_message(NULL) says why.  If the environment
  * variable HBIL_KERNEL_DIR names a folder, plans read the kernels from there;
  * this is meant for work on the kernels. */
@@ -166,6 +167,9 @@ HBIL_API void hbil_plan_reset(hbil_plan *plan);
  *   recompose   layers -> full resolution, filtered
  *   temporal    averages with the frames before (max_frames)
  *   composite   far light; writes the outputs and the history
+ * Images are copied before the first pass and after composite (HBIL_IMAGE), and
+ * normals are rebuilt before the first pass if inputs.normal is HBIL_NONE.  The
+ * functions of single passes do the same with the planes that they use.
  * The other functions enqueue one pass each, for callers who replace passes by
  * their own.  Such callers enqueue the passes in the same order, and access the
  * data between the passes with hbil_plan_buffer() of hbil_stages.h.  A pass of
@@ -225,7 +229,9 @@ typedef enum hbil_pass {
   HBIL_PASS_RECOMPOSE = 4,
   HBIL_PASS_TEMPORAL = 5,
   HBIL_PASS_COMPOSITE = 6,
-  HBIL_PASS_COUNT = 7
+  HBIL_PASS_IMPORT = 7, /* before the others; see HBIL_IMAGE, inputs.normal */
+  HBIL_PASS_EXPORT = 8, /* after the others; see HBIL_IMAGE */
+  HBIL_PASS_COUNT = 9
 } hbil_pass;
 
 /* Returns "reproject", "push_pull" and so on, NULL for any other number. */

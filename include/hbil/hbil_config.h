@@ -18,7 +18,8 @@ extern "C" {
 /* ------------------------------------------------------------------------ */
 /* Formats: how the pixels of a plane lie in memory                          */
 
-/* What a component is.  Kernels read every format directly, without a copy.
+/* What a component is.  Kernels read every format directly, without a copy,
+ * except for images.
  * The colours are albedo, f0, direct and emission.  What depends on the plane
  * is beside its member in hbil_inputs.  All bytes are in the device's order. */
 typedef enum hbil_component {
@@ -47,7 +48,17 @@ typedef enum hbil_component {
   /* 3 mantissas of 9 bits, red lowest, and the exponent that they share in the
    * highest 5 bits: a channel is mantissa 2^(exponent - 24), up to 65408;
    * E5B9G9R9 in Vulkan; colours */
-  HBIL_RGB9E5_FLOAT = 10
+  HBIL_RGB9E5_FLOAT = 10,
+  /* The plane is an image2d_t of the frame's size; all inputs and outputs.
+   * hbil_plane.buffer is the image.  The plan copies it from or to planes of
+   * floats of its own (HBIL_PASS_IMPORT, HBIL_PASS_EXPORT), so it takes as much
+   * memory as HBIL_FLOAT32, and a little time.  The image has the plane's
+   * channels or more, from red on, and the type UNORM, SNORM, HALF_FLOAT or
+   * FLOAT; depth has HALF_FLOAT, FLOAT or, if it is hardware depth,
+   * UNORM_INT16.  Normals and bent normals in a UNORM image are (n+1)/2.
+   * Channels that an output does not have become 0, and alpha becomes 1.  If
+   * such a copy of an output fails, the plan's history has the frame already. */
+  HBIL_IMAGE = 11
 } hbil_component;
 
 /* How the pixels of a plane lie in its buffer.  The formats are fixed per plan,
@@ -57,7 +68,8 @@ typedef enum hbil_component {
  * of channels or more, up to 64, means interleaved: the channels of a pixel are
  * adjacent, and further components are neither read nor changed.  0 means the
  * number of channels.  A word that holds all channels counts as one component
- * of one channel: 1 or 0 means that the words of a row are adjacent. */
+ * of one channel: 1 or 0 means that the words of a row are adjacent.
+ * HBIL_IMAGE ignores the stride. */
 typedef struct hbil_plane_format {
   hbil_component component;
   cl_uint stride;
@@ -100,8 +112,8 @@ typedef enum hbil_normal_encoding {
 } hbil_normal_encoding;
 
 typedef struct hbil_inputs {
-  /* Formats.  depth and normal are needed; the others may be
-   * HBIL_NONE.  Without a plane, albedo is 1 and the others are 0.
+  /* Formats.  depth is needed; the others may be HBIL_NONE.  Without a plane,
+   * albedo is 1, normals are rebuilt from depth, and the others are 0.
    * Results are finite whatever the inputs hold.  Unusable values are replaced,
    * and hbil_plan_sanitized() counts the pixels:
    *   depth     NaN, negative, below 1e-15 except 0: sky; of hardware depth:
@@ -119,7 +131,10 @@ typedef struct hbil_inputs {
   hbil_plane_format depth;
   /* 3 channels, or 2; see normal_encoding, normal_space.  HBIL_UNORM8,
    * HBIL_UNORM16, HBIL_RGB10A2_UNORM: a value v stands for 2v - 1.
-   * HBIL_SNORM8, HBIL_SNORM16 */
+   * HBIL_SNORM8, HBIL_SNORM16.
+   * HBIL_NONE: each frame's normals are rebuilt from depth, which must have
+   * more than 16 bits to be exact enough.  They lack what normal maps and smooth
+   * shading add (doc/method.md, section 20; errors: doc/measurements.md). */
   hbil_plane_format normal;
   /* Colours: HBIL_UNORM8, HBIL_UNORM16, HBIL_RGB10A2_UNORM,
    * HBIL_R11G11B10_FLOAT, HBIL_RGB9E5_FLOAT */
@@ -144,7 +159,7 @@ typedef struct hbil_inputs {
 /* Outputs: what is asked for                                                */
 
 typedef struct hbil_outputs {
-  /* Formats: HBIL_FLOAT32 or HBIL_FLOAT16, at least one.  What
+  /* Formats: HBIL_FLOAT32, HBIL_FLOAT16 or HBIL_IMAGE, at least one.  What
    * is HBIL_NONE is computed only if another output needs it.  At the sky ao is
    * 1 and the others are 0, except for beauty. */
   hbil_plane_format near_irradiance; /* 3 channels: E_near */

@@ -24,12 +24,13 @@ extern "C" {
  *
  * The library checks before it enqueues anything; what fails is
  * HBIL_INVALID_FRAME:
- *   kind     a buffer or sub-buffer; images and pipes are rejected
+ *   kind     a buffer or sub-buffer; for HBIL_IMAGE an image2d_t, and offset
+ *            and pitches are 0
  *   context  the OpenCL context of the plan
  *   access   inputs must not be CL_MEM_WRITE_ONLY, nor outputs
  *            CL_MEM_READ_ONLY; the CL_MEM_HOST_ flags do not matter
  *   size     all pixels are in the buffer, and no row of pixels is longer than
- *            row_pitch
+ *            row_pitch; an image has the frame's width and height
  *   overlap  no byte of an output belongs to another plane, nor to two of its
  *            own channels.  Inputs may overlap each other.
  * Planes may share a buffer, or the parent of their sub-buffers, if their bytes

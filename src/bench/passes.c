@@ -58,6 +58,8 @@ static const bench_column columns[] = {
     {"recompose_ms", "recompose", 3},
     {"temporal_ms", NULL, 3},
     {"composite_ms", "composite", 3},
+    {"import_ms", NULL, 3},
+    {"export_ms", NULL, 3},
     {"total_ms", "frame", 3},
     {"total_min_ms", NULL, 3},
     {"total_max_ms", NULL, 3},

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "camera.h"
+#include "import.h"
 #include "overlap.h"
 
 /* What OpenCL knows of a plane's buffer. */
@@ -38,9 +39,9 @@ static cl_int read_memory(cl_mem buffer, memory_info *info) {
   return error;
 }
 
-/* That kernels can take the buffer for this plane. */
+/* That kernels can take the buffer or image for this plane. */
 static hbil_status check_memory(hbil_context *context, int plane, cl_mem buffer,
-                                memory_info *info) {
+                                bool is_image, memory_info *info) {
   const char *name = plane_kinds[plane].name;
   const bool output = plane >= PLANE_FIRST_OUTPUT;
   const cl_int error = read_memory(buffer, info);
@@ -49,7 +50,12 @@ static hbil_status check_memory(hbil_context *context, int plane, cl_mem buffer,
                 cl_error_name(error));
   if (error != CL_SUCCESS)
     return fail_cl(context, error, "clGetMemObjectInfo");
-  if (info->type != CL_MEM_OBJECT_BUFFER)
+  if (is_image && info->type != CL_MEM_OBJECT_IMAGE2D)
+    return fail(context, HBIL_INVALID_FRAME,
+                "%s.buffer: not an image2d_t; the plan's format for it is "
+                "HBIL_IMAGE",
+                name);
+  if (!is_image && info->type != CL_MEM_OBJECT_BUFFER)
     return fail(context, HBIL_INVALID_FRAME,
                 "%s.buffer: an image or a pipe; the plan's format for it needs "
                 "a buffer",
@@ -98,7 +104,10 @@ static hbil_status check_plane(hbil_plan *plan, const hbil_frame *frame,
   const char *name = plane_kinds[plane].name;
   const hbil_plane *given = frame_plane(frame, plane);
   const hbil_plane_format *format = plane_format(&plan->config, plane);
-  if (format->component == HBIL_NONE)
+  const staging *staged = &plan->layout.staged;
+  const bool is_image = staged->images & PLANE_BIT(plane);
+  const bool is_rebuilt = !is_image && staged->planes & PLANE_BIT(plane);
+  if (format->component == HBIL_NONE || is_rebuilt)
     return given->buffer
                ? fail(context, HBIL_INVALID_FRAME,
                       "%s.buffer: given, but the plan has no format for it",
@@ -107,6 +116,11 @@ static hbil_status check_plane(hbil_plan *plan, const hbil_frame *frame,
   if (!given->buffer)
     return fail(context, HBIL_INVALID_FRAME,
                 "%s.buffer: missing, the plan has a format for it", name);
+  if (is_image && (given->offset || given->row_pitch || given->plane_pitch))
+    return fail(context, HBIL_INVALID_FRAME,
+                "%s: offset, row_pitch and plane_pitch must be 0 with "
+                "HBIL_IMAGE",
+                name);
   const size_t size = component_size(format->component);
   if (given->offset % size || given->row_pitch % size ||
       given->plane_pitch % size)
@@ -120,10 +134,12 @@ static hbil_status check_plane(hbil_plan *plan, const hbil_frame *frame,
                 "%s.row_pitch: %zu bytes are less than a row of %u pixels",
                 name, shape.row, (unsigned)plan->config.width);
   memory_info memory;
-  hbil_status status = check_memory(context, plane, given->buffer, &memory);
+  hbil_status status =
+      check_memory(context, plane, given->buffer, is_image, &memory);
   if (status == HBIL_SUCCESS)
-    status =
-        check_extent(context, name, size, given->offset, &shape, memory.bytes);
+    status = is_image ? check_image(plan, plane, given->buffer)
+                      : check_extent(context, name, size, given->offset, &shape,
+                                     memory.bytes);
   region->memory = memory.parent ? memory.parent : given->buffer;
   region->start = memory.origin + given->offset;
   region->shape = shape;

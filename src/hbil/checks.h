@@ -4,9 +4,6 @@
 
 #include "plan.h"
 
-/* A set of planes has a bit for each. */
-#define PLANE_BIT(plane) (1u << (plane))
-
 /* The frame's camera, environment, static_frame, and those planes. */
 hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
                         unsigned planes);

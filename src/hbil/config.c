@@ -210,6 +210,8 @@ static hbil_status check_format(hbil_context *context,
   if ((unsigned)format->component >= COMPONENT_COUNT ||
       !(allowed & (1u << format->component)))
     return wrong_component(context, config, plane, allowed);
+  if (format->component == HBIL_IMAGE)
+    return HBIL_SUCCESS;
   const cl_uint stride = format_stride(config, plane);
   const cl_uint components = plane_components(config, plane);
   if (stride > 64 || (stride != 1 && stride < components))
@@ -231,9 +233,11 @@ static hbil_status check_formats(hbil_context *context,
   if (config->inputs.depth.component == HBIL_NONE)
     return fail(context, HBIL_INVALID_CONFIG,
                 "inputs.depth.component: HBIL_NONE; depth is needed");
-  if (config->inputs.normal.component == HBIL_NONE)
+  if (config->inputs.normal.component == HBIL_NONE &&
+      component_size(config->inputs.depth.component) == 2)
     return fail(context, HBIL_INVALID_CONFIG,
-                "inputs.normal.component: HBIL_NONE; normals are needed");
+                "inputs.normal.component: HBIL_NONE; normals can't be rebuilt "
+                "from depths of 16 bits (inputs.depth.component)");
   if (config->history.reprojection == HBIL_REPROJECTION_MOTION &&
       config->inputs.motion.component == HBIL_NONE)
     return fail(

@@ -1,6 +1,7 @@
 /* The order of the passes. */
 #include "checks.h"
 #include "config.h"
+#include "import.h"
 #include "passes.h"
 #include "planes.h"
 
@@ -87,7 +88,7 @@ static hbil_status enqueue(const char *function, hbil_plan *plan,
   for (int i = (int)range.first; i <= (int)range.last; ++i)
     planes |= passes[i].planes;
   commands chain = {.plan = plan, .queue = queue};
-  hbil_frame frame;
+  hbil_frame frame, staged;
   hbil_status status =
       check_arguments(plan, function, queue, given, wait_count, wait_list);
   if (status == HBIL_SUCCESS)
@@ -99,17 +100,22 @@ static hbil_status enqueue(const char *function, hbil_plan *plan,
   if (status != HBIL_SUCCESS)
     return status;
   chain.events = event || !chain.in_order || plan->config.execution.profiling;
+  if (range.first == HBIL_PASS_REPROJECT)
+    forget_timings(plan);
+  staged = staged_frame(plan, &frame);
   status = begin_commands(&chain, wait_count, wait_list);
+  if (status == HBIL_SUCCESS)
+    status = enqueue_import(&chain, &frame, &staged, planes);
   for (int i = (int)range.first; i <= (int)range.last && status == HBIL_SUCCESS;
        ++i) {
     chain.pass = (hbil_pass)i;
-    if (i == HBIL_PASS_REPROJECT)
-      forget_timings(plan);
     plan->left_out[i] = plan->may_leave_out[i] = false;
-    status = passes[i].enqueue(&chain, &frame);
-    if (status != HBIL_SUCCESS)
-      plan->has_last = false; /* buffers may hold parts of a failed frame */
+    status = passes[i].enqueue(&chain, &staged);
   }
+  if (status == HBIL_SUCCESS)
+    status = enqueue_export(&chain, &frame, planes);
+  if (status != HBIL_SUCCESS)
+    plan->has_last = false; /* buffers may hold parts of a failed frame */
   if (status == HBIL_SUCCESS)
     status = finish(&chain, event);
   end_commands(&chain);

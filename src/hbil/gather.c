@@ -74,7 +74,8 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
   const bool packed = c->sampling.storage != HBIL_STORAGE_FLOAT32;
   const bool orthographic =
       c->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
-  const float roundings = half_depth ? 0x1p-10f : 0x1p-22f;
+  const float roundings =
+      fmaxf(half_depth ? 0x1p-10f : 0x1p-22f, plan->depth_rounding);
   hbil_gather_args args = {
       .view = *view,
       .split = plan->layout.split,
@@ -83,9 +84,10 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
       .reach = pattern->reach,
       /* moves samples away from the eye; orthographic w is -z, below 0 */
       .nearness = orthographic ? 1.0f + roundings : 1.0f - roundings,
-      .flatness = half_normal ? 0x1p-10f
-                  : packed    ? 0x1p-13f
-                              : 0x1p-21f,
+      .flatness = fmaxf(half_normal ? 0x1p-10f
+                        : packed    ? 0x1p-13f
+                                    : 0x1p-21f,
+                        plan->normal_rounding),
       .facing = {c->model.facing_fade[0],
                  1.0f / fmaxf(c->model.facing_fade[1] - c->model.facing_fade[0],
                               FLT_MIN)},

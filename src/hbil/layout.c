@@ -126,6 +126,14 @@ static void lay_out_spans(const hbil_config *config, layout *out) {
   out->spans = (width + out->taken - 1) / out->taken;
 }
 
+static void lay_out_staged(const hbil_config *config, layout *out) {
+  for (int i = 0; i < PLANE_COUNT; ++i)
+    if (out->staged.planes & PLANE_BIT(i))
+      out->bytes[BUFFER_STAGED + i] = sizeof(cl_float) *
+                                      plane_components(config, i) *
+                                      (size_t)out->planes.plane;
+}
+
 /* Layers have a span of padding left and right, and a row above and below. */
 static void lay_out_layers(const hbil_config *config, cl_uint span,
                            cl_uint planes, hbil_layer_args *l) {
@@ -246,11 +254,14 @@ static cl_uint composed_line(const hbil_config *config) {
   return line;
 }
 
-void layout_compute(const hbil_config *config, layout *out) {
+void layout_compute(const hbil_config *config, const staging *staged,
+                    layout *out) {
   memset(out, 0, sizeof *out);
+  out->staged = *staged;
   decide_work(config, out);
   decide_skips(config, out);
   lay_out_planes(config, out);
+  lay_out_staged(config, out);
   lay_out_runs(config, out);
   out->line = composed_line(config);
   const size_t chain = lay_out_chain(config, out);

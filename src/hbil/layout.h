@@ -7,6 +7,7 @@
 
 #include "hbil/hbil.h"
 #include "names.h"
+#include "planes.h"
 #include "shared.h"
 
 /* The device buffers of a plan. */
@@ -28,12 +29,20 @@ enum {
   BUFFER_SPAN_STATES,   /* the work that the gather left out */
   BUFFER_SANITIZED,     /* HBIL_SANITIZED_: counts of unusable inputs */
   BUFFER_HORIZON_CACHE, /* of a static frame (lib/horizon_cache.clh) */
-  BUFFER_COUNT
+  BUFFER_STAGED,        /* one for each plane, where it is staged */
+  BUFFER_COUNT = BUFFER_STAGED + PLANE_COUNT
 };
 
 /* log2(HBIL_MAX_SIZE) + 1: levels of the largest push/pull chain. */
 enum { MAX_CHAIN = 15 };
 _Static_assert(1 << (MAX_CHAIN - 1) == HBIL_MAX_SIZE, "MAX_CHAIN");
+
+/* Planes that the passes read and write in buffers of the plan (import.h), as
+ * sets of bits. */
+typedef struct staging {
+  unsigned planes; /* all of them */
+  unsigned images; /* those that are the caller's images */
+} staging;
 
 typedef struct layout {
   size_t bytes[BUFFER_COUNT]; /* 0: not needed */
@@ -58,11 +67,14 @@ typedef struct layout {
   cl_uint error_plane;       /* of RESOLVED: where errors begin */
   cl_uint weight_plane;      /* of GATHERED: weights of slices; 0: none */
   hbil_error_args errors;
+  staging staged;
 } layout;
 
 /* Whether scatter needs no atomics: CPUs.  Here and below, config.vector_width
  * must not be 0. */
 bool layout_has_bands(const hbil_config *config);
-void layout_compute(const hbil_config *config, layout *out);
+/* config has the formats that the passes see. */
+void layout_compute(const hbil_config *config, const staging *staged,
+                    layout *out);
 
 #endif

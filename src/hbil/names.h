@@ -11,6 +11,7 @@
 #define camera_to_world hbil_internal_camera_to_world
 #define camera_view hbil_internal_camera_view
 #define check_frame hbil_internal_check_frame
+#define check_image hbil_internal_check_image
 #define check_queue hbil_internal_check_queue
 #define cl_error_name hbil_internal_cl_error_name
 #define clear_counts hbil_internal_clear_counts
@@ -21,8 +22,10 @@
 #define config_take hbil_internal_config_take
 #define depth_args hbil_internal_depth_args
 #define enqueue_composite hbil_internal_enqueue_composite
+#define enqueue_export hbil_internal_enqueue_export
 #define enqueue_fill hbil_internal_enqueue_fill
 #define enqueue_gather hbil_internal_enqueue_gather
+#define enqueue_import hbil_internal_enqueue_import
 #define enqueue_push_pull hbil_internal_enqueue_push_pull
 #define enqueue_recompose hbil_internal_enqueue_recompose
 #define enqueue_reproject hbil_internal_enqueue_reproject
@@ -52,6 +55,9 @@
 #define planes_overlap hbil_internal_planes_overlap
 #define program_build hbil_internal_program_build
 #define set_flag hbil_internal_set_flag
+#define stage_planes hbil_internal_stage_planes
+#define staged_frame hbil_internal_staged_frame
+#define try_import hbil_internal_try_import
 #define status_of hbil_internal_status_of
 
 #endif

@@ -9,6 +9,7 @@
 #include "config.h"
 #include "defines.h"
 #include "hbil/hbil_stages.h"
+#include "import.h"
 #include "program.h"
 #include "trial.h"
 
@@ -29,6 +30,9 @@ static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_RECOMPOSE] = {"recompose", true, ""},
     [PROGRAM_TEMPORAL] = {"temporal", .defines = ""},
     [PROGRAM_COMPOSITE] = {"composite", .defines = ""},
+    [PROGRAM_IMPORT] = {"import", .defines = ""},
+    [PROGRAM_EXPORT] = {"export", .defines = ""},
+    [PROGRAM_NORMALS_FROM_DEPTH] = {"normals_from_depth", .defines = ""},
 };
 
 static const struct {
@@ -58,6 +62,10 @@ static const struct {
     [KERNEL_RECOMPOSE] = {"recompose", PROGRAM_RECOMPOSE},
     [KERNEL_TEMPORAL] = {"temporal", PROGRAM_TEMPORAL},
     [KERNEL_COMPOSITE] = {"composite", PROGRAM_COMPOSITE},
+    [KERNEL_IMPORT_IMAGE] = {"import_image", PROGRAM_IMPORT},
+    [KERNEL_EXPORT_IMAGE] = {"export_image", PROGRAM_EXPORT},
+    [KERNEL_NORMALS_FROM_DEPTH] = {"normals_from_depth",
+                                   PROGRAM_NORMALS_FROM_DEPTH},
 };
 
 const char *kernel_name(int kernel) {
@@ -66,6 +74,7 @@ const char *kernel_name(int kernel) {
 
 static bool program_needed(const hbil_plan *plan, int program) {
   const layout *l = &plan->layout;
+  const unsigned inputs = PLANE_BIT(PLANE_FIRST_OUTPUT) - 1;
   const bool motion =
       plan->config.history.reprojection == HBIL_REPROJECTION_MOTION;
   switch (program) {
@@ -84,6 +93,12 @@ static bool program_needed(const hbil_plan *plan, int program) {
     return l->bytes[BUFFER_HORIZON_CACHE] > 0;
   case PROGRAM_TEMPORAL:
     return plan->config.history.max_frames > 0;
+  case PROGRAM_IMPORT:
+    return (l->staged.images & inputs) != 0;
+  case PROGRAM_EXPORT:
+    return (l->staged.images & ~inputs) != 0;
+  case PROGRAM_NORMALS_FROM_DEPTH:
+    return l->staged.planes != l->staged.images;
   }
   return true;
 }
@@ -193,7 +208,10 @@ static hbil_status largest_buffer(hbil_context *context, cl_ulong *bytes) {
 static hbil_status lay_out(hbil_context *context, const hbil_config *given,
                            hbil_config *resolved, layout *sizes) {
   cl_ulong most = 0;
+  staging staged;
   hbil_status status = config_take(context, given, resolved);
+  if (status == HBIL_SUCCESS)
+    status = stage_planes(context, resolved, &staged);
   if (status == HBIL_SUCCESS)
     status = largest_buffer(context, &most);
   if (status != HBIL_SUCCESS)
@@ -204,7 +222,7 @@ static hbil_status lay_out(hbil_context *context, const hbil_config *given,
     resolved->execution.horizon_cache_bytes = (size_t)most;
   resolved->inputs.sky_depth =
       fminf(resolved->inputs.sky_depth, HBIL_FARTHEST_DEPTH);
-  layout_compute(resolved, sizes);
+  layout_compute(resolved, &staged, sizes);
   for (int i = 0; i < BUFFER_COUNT; ++i)
     if (sizes->bytes[i] > most)
       return fail(context, HBIL_OUT_OF_DEVICE_MEMORY,

@@ -21,6 +21,9 @@ enum {
   PROGRAM_RECOMPOSE,
   PROGRAM_TEMPORAL,
   PROGRAM_COMPOSITE,
+  PROGRAM_IMPORT,
+  PROGRAM_EXPORT,
+  PROGRAM_NORMALS_FROM_DEPTH,
   PROGRAM_COUNT
 };
 
@@ -48,16 +51,19 @@ enum {
   KERNEL_RECOMPOSE,
   KERNEL_TEMPORAL,
   KERNEL_COMPOSITE,
+  KERNEL_IMPORT_IMAGE,
+  KERNEL_EXPORT_IMAGE,
+  KERNEL_NORMALS_FROM_DEPTH,
   KERNEL_COUNT
 };
 
 /* The most commands of a frame, for the profiling events: two for each level of
- * the push/pull chain, and the others. */
-enum { MAX_LAUNCHES = 2 * MAX_CHAIN + 24 };
+ * the push/pull chain, one for each staged plane, and the others. */
+enum { MAX_LAUNCHES = 2 * MAX_CHAIN + PLANE_COUNT + 24 };
 
 struct hbil_plan {
   hbil_context *context;
-  hbil_config config;
+  hbil_config config; /* formats: as the passes see them (import.h) */
   layout layout;
   cl_mem buffers[BUFFER_COUNT];
   cl_program programs[PROGRAM_COUNT];
@@ -85,6 +91,8 @@ struct hbil_plan {
   /* whether the last gather has filled the horizon cache, and whether that of
    * the frame that is being enqueued reads it */
   bool cache_filled, cache_used;
+  /* of the last frame's staged depths and normals (gather.c); 0: of floats */
+  float depth_rounding, normal_rounding;
   /* what the table of steps was last made for */
   bool has_steps;
   hbil_view_args steps_view;

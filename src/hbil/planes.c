@@ -41,12 +41,15 @@ const component_kind component_kinds[COMPONENT_COUNT] = {
     [HBIL_RGB10A2_UNORM] = {"HBIL_RGB10A2_UNORM", "u10", 4, true},
     [HBIL_R11G11B10_FLOAT] = {"HBIL_R11G11B10_FLOAT", "f11", 4, true},
     [HBIL_RGB9E5_FLOAT] = {"HBIL_RGB9E5_FLOAT", "e5", 4, true},
+    /* staged (import.h), so kernels never see it */
+    [HBIL_IMAGE] = {"HBIL_IMAGE", "none", 1, false},
 };
 
 #define BIT(component) (1u << (component))
 
 unsigned plane_components_allowed(const hbil_config *config, int plane) {
-  const unsigned floats = BIT(HBIL_FLOAT32) | BIT(HBIL_FLOAT16);
+  const unsigned floats =
+      BIT(HBIL_FLOAT32) | BIT(HBIL_FLOAT16) | BIT(HBIL_IMAGE);
   const unsigned unorms = BIT(HBIL_UNORM8) | BIT(HBIL_UNORM16);
   const unsigned snorms = BIT(HBIL_SNORM8) | BIT(HBIL_SNORM16);
   if (plane >= PLANE_FIRST_OUTPUT)

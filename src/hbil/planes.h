@@ -30,6 +30,9 @@ enum {
   PLANE_FIRST_OUTPUT = PLANE_NEAR
 };
 
+/* A set of planes has a bit for each. */
+#define PLANE_BIT(plane) (1u << (plane))
+
 typedef struct plane_kind {
   const char *name;   /* as in hbil_config and hbil_frame */
   const char *define; /* prefix of its build defines */
@@ -39,7 +42,7 @@ typedef struct plane_kind {
 } plane_kind;
 extern const plane_kind plane_kinds[PLANE_COUNT];
 
-enum { COMPONENT_COUNT = HBIL_RGB9E5_FLOAT + 1 };
+enum { COMPONENT_COUNT = HBIL_IMAGE + 1 };
 typedef struct component_kind {
   const char *name;
   const char *type; /* in kernels/lib/components.clh */

@@ -35,7 +35,7 @@ const char *hbil_version(void) {
 
 const char *hbil_pass_name(hbil_pass pass) {
   static const char *const names[HBIL_PASS_COUNT] = {
-      "reproject", "push_pull", "split",    "gather",
-      "recompose", "temporal",  "composite"};
+      "reproject", "push_pull", "split",  "gather", "recompose",
+      "temporal",  "composite", "import", "export"};
   return (unsigned)pass < HBIL_PASS_COUNT ? names[pass] : NULL;
 }

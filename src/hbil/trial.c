@@ -1,6 +1,7 @@
 /* Trial launches: frames without pixels. */
 #include "trial.h"
 
+#include "import.h"
 #include "passes.h"
 
 /* Frames whose passes launch every kernel that a plan has: the first one,
@@ -13,7 +14,9 @@ static hbil_status run_passes(hbil_plan *plan, cl_command_queue queue,
   static pass_function *const passes[] = {
       enqueue_reproject, enqueue_push_pull, enqueue_split,    enqueue_gather,
       enqueue_recompose, enqueue_temporal,  enqueue_composite};
-  hbil_status status = HBIL_SUCCESS;
+  commands import = {
+      .plan = plan, .queue = queue, .in_order = true, .trial = trial};
+  hbil_status status = try_import(&import, frame);
   for (size_t i = 0; i < sizeof passes / sizeof *passes; ++i) {
     /* one by one, as callers may: push_pull looks for holes then */
     commands chain = {

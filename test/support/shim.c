@@ -342,6 +342,10 @@ PLAIN(clGetDeviceInfo,
 PLAIN(clGetMemObjectInfo,
       (cl_mem object, cl_mem_info what, size_t room, void *value, size_t *size),
       NEXT(clGetMemObjectInfo)(object, what, room, value, size))
+PLAIN(clGetImageInfo,
+      (cl_mem image, cl_image_info what, size_t room, void *value,
+       size_t *size),
+      NEXT(clGetImageInfo)(image, what, room, value, size))
 PLAIN(clGetCommandQueueInfo,
       (cl_command_queue queue, cl_command_queue_info what, size_t room,
        void *value, size_t *size),
