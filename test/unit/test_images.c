@@ -246,7 +246,8 @@ static void special_values_give_the_same_bits(void **state) {
                           -1.0f, 1e-30f,   3e38f};
   for (int plane = 0; plane < EXACT_INPUT_PLANES; ++plane)
     for (size_t i = 0; i < 7; ++i)
-      p.s.input[plane][(size_t)(31 * plane + 300) * (i + 1) % (WIDTH * HEIGHT)] = values[i];
+      p.s.input[plane][(size_t)(31 * plane + 300) * (i + 1) %
+                       (WIDTH * HEIGHT)] = values[i];
   pair_upload(&p);
   setup_run(&p.s, hbil_enqueue_frame);
   run(&p, hbil_enqueue_frame);
