@@ -60,10 +60,6 @@ static const struct {
     [KERNEL_COMPOSITE] = {"composite", PROGRAM_COMPOSITE},
 };
 
-const char *kernel_name(int kernel) {
-  return kernels[kernel].name;
-}
-
 static bool program_needed(const hbil_plan *plan, int program) {
   const layout *l = &plan->layout;
   const bool motion =
