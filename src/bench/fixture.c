@@ -125,7 +125,7 @@ static int writes(const bench_trial *t, int output) {
 static void set_formats(bench_trial *t) {
   const hbil_plane_format floats = {HBIL_FLOAT32, 1};
   for (int i = 0; i < BENCH_INPUTS; i++)
-    if (reads(t, i))
+    if (reads(t, i) && !format_at(&t->config, inputs[i].format)->component)
       *format_at(&t->config, inputs[i].format) = floats;
   for (int o = 0; o < BENCH_OUTPUTS; o++)
     if (writes(t, o))
@@ -184,10 +184,12 @@ int bench_trial_run(const bench_trial *t, unsigned frame, unsigned frame_index,
   h.camera = f->content->frame[frame].camera;
   h.frame_index = frame_index;
   h.static_frame = is_static ? CL_TRUE : CL_FALSE;
+  memcpy(h.hardware_depth, t->hardware_depth, sizeof h.hardware_depth);
   memcpy(h.environment, f->content->environment, sizeof h.environment);
   for (int i = 0; i < BENCH_INPUTS; i++)
     if (reads(t, i))
-      plane_at(&h, inputs[i].plane)->buffer = f->input[frame][i];
+      plane_at(&h, inputs[i].plane)->buffer =
+          t->replaced[i] ? t->replaced[i] : f->input[frame][i];
   for (int o = 0; o < BENCH_OUTPUTS; o++)
     if (writes(t, o))
       plane_at(&h, outputs[o].plane)->buffer = f->output[o];

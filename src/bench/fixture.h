@@ -39,10 +39,14 @@ typedef struct bench_trial {
   hbil_plan *plan;
   hbil_config config;
   size_t memory; /* bytes on the device */
+  /* Set after opening, else 0: inputs that are read in place of the fixture's,
+   * in the formats of the configuration; and as hbil_frame has it. */
+  cl_mem replaced[BENCH_INPUTS];
+  float hardware_depth[2];
 } bench_trial;
 
-/* config: settings; formats are filled in.  kernels: the folder that kernels
- * are read from, or NULL: where the library has them. */
+/* config: settings; formats are filled in where it has none.  kernels: the
+ * folder that kernels are read from, or NULL: where the library has them. */
 int bench_trial_open(bench_fixture *f, const hbil_config *config,
                      const char *kernels, bench_trial *out, image_error *error);
 /* Waits for the plan's commands; allowed on a zeroed trial. */

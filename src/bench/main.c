@@ -8,9 +8,9 @@
 #include "bench/report.h"
 #include "hbil/hbil.h"
 
-static const bench_command *const commands[] = {&bench_error,   &bench_skips,
-                                                &bench_scaling, &bench_temporal,
-                                                &bench_passes,  &bench_pilot};
+static const bench_command *const commands[] = {
+    &bench_error,  &bench_skips, &bench_scaling, &bench_temporal,
+    &bench_passes, &bench_pilot, &bench_formats};
 
 enum {
   COMMANDS = sizeof commands / sizeof *commands,
