@@ -135,8 +135,8 @@ typedef struct hbil_plan hbil_plan;
 /* Computes how many bytes of device memory hbil_plan_create() would allocate,
  * as the exact sum of its buffers.  Rejects what hbil_plan_create() rejects
  * before it builds anything: with HBIL_INVALID_CONFIG what it has no settings
- * for, with HBIL_OUT_OF_DEVICE_MEMORY what needs a larger buffer than the device
- * has. */
+ * for, with HBIL_OUT_OF_DEVICE_MEMORY what needs a larger buffer than the
+ * device has. */
 HBIL_API hbil_status hbil_plan_memory(hbil_context *context,
                                       const hbil_config *config, size_t *bytes);
 
