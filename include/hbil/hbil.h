@@ -165,7 +165,7 @@ HBIL_API void hbil_plan_reset(hbil_plan *plan);
  *   split       G-buffer -> 4x4 interleaved layers
  *   gather      horizon search: layers -> AO, E_near and bent normal, in layers
  *   recompose   layers -> full resolution, filtered
- *   temporal    averages with the frames before (max_frames)
+ *   temporal    averages with the frames before (history)
  *   composite   far light; writes the outputs and the history
  * Images are copied before the first pass and after composite (HBIL_IMAGE), and
  * normals are rebuilt before the first pass if inputs.normal is HBIL_NONE.  The
@@ -239,7 +239,7 @@ HBIL_API const char *hbil_pass_name(hbil_pass pass);
 
 /* Computes how many milliseconds the device spent in each pass of the last
  * frame, 0 for passes that did not run.  Waits for the frame's commands.
- * Returns HBIL_INVALID_CONFIG if hbil_config.profiling is off. */
+ * Returns HBIL_INVALID_CONFIG if execution.profiling is off. */
 HBIL_API hbil_status hbil_plan_timings(hbil_plan *plan,
                                        double milliseconds[HBIL_PASS_COUNT]);
 
@@ -272,7 +272,7 @@ HBIL_API hbil_status hbil_plan_statistics(hbil_plan *plan,
                                           hbil_statistics *out);
 
 /* Numbers of pixels whose input was replaced, by the rules beside the formats
- * in hbil_config.  depth and emission count in all pixels, the others where
+ * in hbil_inputs.  depth and emission count in all pixels, the others where
  * there is a surface.  What the plan does not read counts 0, like motion in
  * first and static frames.  A static frame has the last one's other counts. */
 typedef struct hbil_sanitized {

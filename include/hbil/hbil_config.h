@@ -231,7 +231,7 @@ typedef enum hbil_far_field {
 } hbil_far_field;
 
 /* The light of directions that are blocked by a surface facing away, whose
- * other side the screen does not show; see hbil_config.facing_fade. */
+ * other side the screen does not show; see hbil_model.facing_fade. */
 typedef enum hbil_back_facing_fallback {
   /* the last accepted radiance on the same half-slice, at first the pixel's own
    * (paper, 3.4) */
@@ -278,8 +278,8 @@ typedef enum hbil_model_name {
 } hbil_model_name;
 
 /* Sets thickness, relative_thickness, facing_fade, back_facing_fallback,
- * feedback and extrapolate.  Returns HBIL_INVALID_ARGUMENT if config is null or
- * model is not in the list. */
+ * feedback and extrapolate.  Returns HBIL_INVALID_ARGUMENT if model is null or
+ * name is not in the list. */
 HBIL_API hbil_status hbil_model_set(hbil_model *model, hbil_model_name name);
 
 /* ------------------------------------------------------------------------ */
@@ -324,8 +324,8 @@ typedef enum hbil_quality {
 } hbil_quality;
 
 /* Sets slices, steps_per_side, step_growth, sample_grid, unfiltered and
- * storage.  Returns HBIL_INVALID_ARGUMENT if config is null or quality is not
- * in the list. */
+ * storage.  Returns HBIL_INVALID_ARGUMENT if sampling is null or quality is
+ * not in the list. */
 HBIL_API hbil_status hbil_sampling_set(hbil_sampling *sampling,
                                        hbil_quality quality);
 
@@ -363,9 +363,9 @@ typedef struct hbil_history {
 /* Execution: how it runs                                                    */
 
 /* Work that the library leaves out because it cannot change the outputs;
- * hbil_config.skip is a sum of these.  The device decides in every frame what
- * to leave out, and the host reads nothing back.  The outputs have the same
- * bits with and without (test_skip). */
+ * hbil_execution.skip is a sum of these.  The device decides in every frame
+ * what to leave out, and the host reads nothing back.  The outputs have the
+ * same bits with and without (test_skip). */
 typedef enum hbil_skip {
   HBIL_SKIP_SKY = 1,  /* gather: spans of pixels that are all sky */
   HBIL_SKIP_OPEN = 2, /* gather: spans where nothing rises above the surface */
@@ -392,7 +392,7 @@ typedef struct hbil_execution {
    * Later ones only add up light, which is faster and gives the same bits.  The
    * cache never takes more than all rows need, nor more than the device's
    * largest buffer; rows that don't fit are gathered as usual.  There is no
-   * cache with max_frames, without HBIL_SKIP_STATIC, or if no light is
+   * cache with history.max_frames, without HBIL_SKIP_STATIC, or if no light is
    * carried over.  hbil_plan_memory() includes it. */
   size_t horizon_cache_bytes;
 } hbil_execution;

@@ -126,13 +126,13 @@ typedef struct hbil_frame {
    *   (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2) */
   float environment[9][3];
   /* Rotates the sampling pattern.  Use the number of the frame with
-   * max_frames, else one constant, which avoids flicker. */
+   * history.max_frames, else one constant, which avoids flicker. */
   cl_uint frame_index;
   /* CL_TRUE: nothing has moved since the plan's last frame.  Camera,
    * environment, frame_index and the contents of all inputs are the same, and
    * motion is 0; camera and frame_index are checked.  Only the carried light is
    * updated.  When it stops changing, bit for bit, nothing is gathered or
-   * filtered.  With max_frames, frame_index may differ, and all frames
+   * filtered.  With history.max_frames, frame_index may differ, and all frames
    * are gathered.  Ignored in a plan's first frame.  Callers who write to a
    * plan's stages must not set it. */
   cl_bool static_frame;
