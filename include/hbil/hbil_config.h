@@ -57,7 +57,8 @@ typedef enum hbil_component {
    * FLOAT; depth has HALF_FLOAT, FLOAT or, if it is hardware depth,
    * UNORM_INT16.  Normals and bent normals in a UNORM image are (n+1)/2.
    * Channels that an output does not have become 0, and alpha becomes 1.  If
-   * such a copy of an output fails, the plan's history has the frame already. */
+   * such a copy of an output fails, the plan's history has the frame already.
+   */
   HBIL_IMAGE = 11
 } hbil_component;
 
@@ -133,8 +134,9 @@ typedef struct hbil_inputs {
    * HBIL_UNORM16, HBIL_RGB10A2_UNORM: a value v stands for 2v - 1.
    * HBIL_SNORM8, HBIL_SNORM16.
    * HBIL_NONE: each frame's normals are rebuilt from depth, which must have
-   * more than 16 bits to be exact enough.  They lack what normal maps and smooth
-   * shading add (doc/method.md, section 20; errors: doc/measurements.md). */
+   * more than 16 bits to be exact enough.  They lack what normal maps and
+   * smooth shading add (doc/method.md, section 20; errors:
+   * doc/measurements.md). */
   hbil_plane_format normal;
   /* Colours: HBIL_UNORM8, HBIL_UNORM16, HBIL_RGB10A2_UNORM,
    * HBIL_R11G11B10_FLOAT, HBIL_RGB9E5_FLOAT */

@@ -90,8 +90,7 @@ static const row rows[] = {
     {"reprojection", CHOICE, CONFIG(history.reprojection), 0, 0, reprojections},
     {"disocclusion-threshold", FLOATS, CONFIG(history.disocclusion_threshold),
      1, 0, NULL},
-    {"max-history-frames", NUMBER, CONFIG(history.max_frames), 0, 1024,
-     NULL},
+    {"max-history-frames", NUMBER, CONFIG(history.max_frames), 0, 1024, NULL},
     {"unfiltered", FLAG, CONFIG(sampling.unfiltered), 0, 0, NULL},
 };
 enum { ROWS = sizeof rows / sizeof *rows };

@@ -2,6 +2,8 @@
  * Planes that are image2d_t: the same frames as with buffers, and what is
  * rejected.
  */
+#include "scene/store.h"
+#include "test/support/layout.h"
 #include "test/support/stages.h"
 
 enum { WIDTH = 61, HEIGHT = 37, FRAMES = 4, LANES = 4 };
@@ -39,13 +41,14 @@ static cl_mem new_image(cl_mem_flags flags, const kind *k,
 
 static void encode(const kind *k, bool is_direction, double v, void *to) {
   const float value = (float)v;
-  const uint16_t half = float_to_half(value);
+  unsigned char half[2];
+  scene_store(HBIL_FLOAT16, false, &v, 1, sizeof half, half);
   const double unsigned_v = is_direction ? 0.5 * v + 0.5 : v;
   const uint8_t byte = (uint8_t)lrint(255.0 * fmin(fmax(unsigned_v, 0), 1));
   const uint16_t word = (uint16_t)lrint(65535.0 * fmin(fmax(unsigned_v, 0), 1));
   const int16_t snorm = (int16_t)lrint(32767.0 * fmin(fmax(v, -1), 1));
   const void *from = k->type == CL_FLOAT         ? (const void *)&value
-                     : k->type == CL_HALF_FLOAT  ? (const void *)&half
+                     : k->type == CL_HALF_FLOAT  ? (const void *)half
                      : k->type == CL_UNORM_INT8  ? (const void *)&byte
                      : k->type == CL_UNORM_INT16 ? (const void *)&word
                                                  : (const void *)&snorm;
@@ -64,7 +67,7 @@ static double decode(const kind *k, bool is_direction, const void *from) {
   case CL_FLOAT:
     return (double)value;
   case CL_HALF_FLOAT:
-    return (double)half_to_float(word);
+    return component_value(HBIL_FLOAT16, from, 0);
   case CL_UNORM_INT8:
     return scale * word / 255.0 - shift;
   case CL_UNORM_INT16:
