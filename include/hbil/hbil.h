@@ -56,8 +56,8 @@
  *   as before, and you may enqueue the same frame again or another one.  What
  *   was enqueued already still runs, and later calls wait for it.  If commands
  *   fail on the device, or an event of wait_list does, the status can't tell,
- *   and the frame's event has an error.  OpenCL then promises nothing for the
- *   cl_context and its queues.
+ *   and the frame's event has an error.  What the cl_context and its queues do
+ *   afterwards is up to the OpenCL implementation.
  */
 #ifndef HBIL_HBIL_H
 #define HBIL_HBIL_H
@@ -135,8 +135,8 @@ typedef struct hbil_plan hbil_plan;
 /* Computes how many bytes of device memory hbil_plan_create() would allocate,
  * as the exact sum of its buffers.  Rejects what hbil_plan_create() rejects
  * before it builds anything: with HBIL_INVALID_CONFIG what it has no settings
- * for, with HBIL_OUT_OF_DEVICE_MEMORY what needs a larger buffer than the device
- * has. */
+ * for, with HBIL_OUT_OF_DEVICE_MEMORY what needs a larger buffer than the
+ * device has. */
 HBIL_API hbil_status hbil_plan_memory(hbil_context *context,
                                       const hbil_config *config, size_t *bytes);
 

@@ -136,6 +136,16 @@ static size_t groups_up(size_t n, size_t group) {
   return (n + group - 1) / group * group;
 }
 
+static hbil_status fail_kernel(const commands *chain, cl_int error,
+                               const char *call, int kernel) {
+  const hbil_plan *plan = chain->plan;
+  char name[64] = "";
+  if (clGetKernelInfo(plan->kernels[kernel], CL_KERNEL_FUNCTION_NAME,
+                      sizeof name, name, NULL) != CL_SUCCESS)
+    name[0] = '\0';
+  return fail_cl(plan->context, error, "%s(%s)", call, name);
+}
+
 /* Sets the arguments of a kernel.  In trial launches all values are 0: pictures
  * have no pixels, so no work-item has anything to do. */
 static hbil_status set_arguments(const commands *chain, int kernel,
@@ -150,9 +160,7 @@ static hbil_status set_arguments(const commands *chain, int kernel,
             : clSetKernelArg(chain->plan->kernels[kernel], i, args[i].size,
                              is_zero ? zeros : args[i].value);
     if (error != CL_SUCCESS)
-      return fail_cl(chain->plan->context, error,
-                     "clSetKernelArg(%s, argument %u)", kernel_name(kernel),
-                     (unsigned)i);
+      return fail_kernel(chain, error, "clSetKernelArg", kernel);
   }
   return HBIL_SUCCESS;
 }
@@ -183,8 +191,7 @@ hbil_status launch_rows(commands *chain, int kernel, const argument *args,
       chain->queue, chain->plan->kernels[kernel], 3, offset, global, local,
       chain->wait_count, chain->wait_list, chain->events ? &event : NULL);
   if (error != CL_SUCCESS)
-    return fail_cl(context, error, "clEnqueueNDRangeKernel(%s)",
-                   kernel_name(kernel));
+    return fail_kernel(chain, error, "clEnqueueNDRangeKernel", kernel);
   follow_timed(chain, event);
   return HBIL_SUCCESS;
 }

@@ -5,6 +5,7 @@
 #ifndef HBIL_NAMES_H
 #define HBIL_NAMES_H
 
+#define begin_commands hbil_internal_begin_commands
 #define camera_between hbil_internal_camera_between
 #define camera_check hbil_internal_camera_check
 #define camera_from_world hbil_internal_camera_from_world
@@ -20,12 +21,16 @@
 #define config_has_thickness hbil_internal_config_has_thickness
 #define config_rejects_back_faces hbil_internal_config_rejects_back_faces
 #define config_take hbil_internal_config_take
+#define context_release hbil_internal_context_release
+#define context_retain hbil_internal_context_retain
 #define depth_args hbil_internal_depth_args
+#define end_commands hbil_internal_end_commands
 #define enqueue_composite hbil_internal_enqueue_composite
 #define enqueue_export hbil_internal_enqueue_export
 #define enqueue_fill hbil_internal_enqueue_fill
 #define enqueue_gather hbil_internal_enqueue_gather
 #define enqueue_import hbil_internal_enqueue_import
+#define enqueue_marker hbil_internal_enqueue_marker
 #define enqueue_push_pull hbil_internal_enqueue_push_pull
 #define enqueue_recompose hbil_internal_enqueue_recompose
 #define enqueue_reproject hbil_internal_enqueue_reproject
@@ -34,6 +39,7 @@
 #define error_factors hbil_internal_error_factors
 #define fail hbil_internal_fail
 #define fail_cl hbil_internal_fail_cl
+#define fail_null hbil_internal_fail_null
 #define far_field_args hbil_internal_far_field_args
 #define format_stride hbil_internal_format_stride
 #define frame_plane hbil_internal_frame_plane
@@ -54,10 +60,12 @@
 #define plane_shape_of hbil_internal_plane_shape_of
 #define planes_overlap hbil_internal_planes_overlap
 #define program_build hbil_internal_program_build
+#define program_report_folder hbil_internal_program_report_folder
 #define set_flag hbil_internal_set_flag
 #define stage_planes hbil_internal_stage_planes
 #define staged_frame hbil_internal_staged_frame
 #define try_import hbil_internal_try_import
 #define status_of hbil_internal_status_of
+#define warn hbil_internal_warn
 
 #endif

@@ -68,10 +68,6 @@ static const struct {
                                    PROGRAM_NORMALS_FROM_DEPTH},
 };
 
-const char *kernel_name(int kernel) {
-  return kernels[kernel].name;
-}
-
 static bool program_needed(const hbil_plan *plan, int program) {
   const layout *l = &plan->layout;
   const unsigned inputs = PLANE_BIT(PLANE_FIRST_OUTPUT) - 1;

@@ -104,7 +104,4 @@ struct hbil_plan {
   hbil_pass event_pass[MAX_LAUNCHES];
 };
 
-/* The kernel's name in its source. */
-const char *kernel_name(int kernel);
-
 #endif

@@ -300,7 +300,7 @@ static void failed_frames_keep_the_order(void **state) {
   check_failures(0, 0);
 }
 
-/* The plan keeps an event of its own on an out-of-order queue.  Without it, the
+/* The plan has an event of its own on an out-of-order queue.  Without it, the
  * next call waits for the whole queue. */
 static void an_event_that_is_not_retained_keeps_the_order(void **state) {
   order o;

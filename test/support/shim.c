@@ -366,6 +366,10 @@ PLAIN(clBuildProgram,
 PLAIN(clSetKernelArg,
       (cl_kernel kernel, cl_uint index, size_t size, const void *value),
       programs_set_argument(kernel, index, size, value))
+PLAIN(clGetKernelInfo,
+      (cl_kernel kernel, cl_kernel_info what, size_t room, void *value,
+       size_t *size),
+      NEXT(clGetKernelInfo)(kernel, what, room, value, size))
 PLAIN(clFlush, (cl_command_queue queue), NEXT(clFlush)(queue))
 PLAIN(clFinish, (cl_command_queue queue), NEXT(clFinish)(queue))
 PLAIN(clWaitForEvents, (cl_uint count, const cl_event *events),

@@ -218,19 +218,19 @@ static void the_callback_gets_errors(void **state) {
 /* PoCL's compiler also prints "1 warning generated", for which run.sh would
  * fail the test. */
 static int silence_errors(void) {
-  const int kept = dup(STDERR_FILENO);
+  const int stderr_copy = dup(STDERR_FILENO);
   const int nowhere = open("/dev/null", O_WRONLY);
   fflush(stderr);
-  assert_true(kept >= 0 && nowhere >= 0);
+  assert_true(stderr_copy >= 0 && nowhere >= 0);
   assert_true(dup2(nowhere, STDERR_FILENO) >= 0);
   close(nowhere);
-  return kept;
+  return stderr_copy;
 }
 
-static void restore_errors(int kept) {
+static void restore_errors(int stderr_copy) {
   fflush(stderr);
-  dup2(kept, STDERR_FILENO);
-  close(kept);
+  dup2(stderr_copy, STDERR_FILENO);
+  close(stderr_copy);
 }
 
 /* A folder with one kernel, at which the compiler has a remark. */
