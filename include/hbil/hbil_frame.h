@@ -136,7 +136,8 @@ typedef struct hbil_frame {
    * are gathered.  Ignored in a plan's first frame.  Callers who write to a
    * plan's stages must not set it. */
   cl_bool static_frame;
-  /* With HBIL_DEPTH_HARDWARE: A and B of this frame's projection.  The value of
+  /* With HBIL_DEPTH_HARDWARE: A and B of this frame's projection;
+   * hbil_camera_from_matrices() computes both.  The value of
    * the depth buffer is d = A + B/z, in orthographic views d = A + B z, where z
    * is planar depth.  A is finite, B is not 0.  With the near plane at n and
    * the far one at f (n > 0; n < f):

@@ -1,7 +1,6 @@
 #!/bin/sh
 # The library as it is linked: exports what its map and the header name and
-# nothing else, and never prints or ends the process; the header, as others
-# include it.
+# nothing else, and never prints or ends the process; the documents' examples.
 . "$srcdir/test/support/tap.sh"
 headers=$(echo "$srcdir"/include/hbil/*.h)
 library=.libs/libhbil.so
@@ -50,46 +49,7 @@ else
   done
 fi
 
-# A user's file that has a header first, and uses every kind of thing in it.
-cat >"$work/user.c" <<'E2'
-#include <hbil/hbil_stages.h>
-
-#if HBIL_VERSION_MAJOR < 0
-#error "no version"
-#endif
-
-int main(void) {
-  hbil_config config;
-  hbil_frame frame;
-  hbil_context *context = NULL;
-  hbil_config_init(&config);
-  hbil_frame_init(&frame);
-  config.model.mode = HBIL_MODE_GTAO;
-  config.execution.skip = HBIL_SKIP_SKY | HBIL_SKIP_OPEN;
-  return hbil_context_create(NULL, NULL, &context) == HBIL_INVALID_ARGUMENT &&
-                 config.struct_size == sizeof config
-             ? 0
-             : 1;
-}
-E2
-cp "$work/user.c" "$work/user.cpp"
-strict='-Wall -Wextra -Wpedantic -Werror -Wshadow'
 includes="-I$srcdir/include $(pkg-config --cflags OpenCL)"
-for std in c99 c11 c17; do
-  # shellcheck disable=SC2086
-  works "the header is clean in $std" ${CC:-cc} -std=$std $strict $includes \
-    -Wstrict-prototypes -c -o "$work/user.o" "$work/user.c"
-done
-for std in c++11 c++14 c++17 c++20; do
-  # shellcheck disable=SC2086
-  works "the header is clean in $std" ${CXX:-c++} -std=$std $strict $includes \
-    -Wold-style-cast -fsyntax-only "$work/user.cpp"
-done
-# shellcheck disable=SC2086
-works "a C++ program links with the library" ./libtool --silent --tag=CXX \
-  --mode=link ${CXX:-c++} -std=c++11 $includes -o "$work/user" "$work/user.cpp" \
-  libhbil.la
-works "and calls it" "$work/user"
 
 # The documents' examples in C, each in a function that has the variables that
 # the text speaks of.
@@ -99,6 +59,7 @@ c_blocks() {
 parameters='cl_context cl_context, cl_device_id cl_device, cl_command_queue queue'
 readme="$parameters, cl_uint wait_count, const cl_event *wait_list"
 guide="$parameters, const double camera_to_world[16], double fx, double fy,
+  const double projection[16], const double view[16],
   double cx, double cy, cl_uint n, cl_mem depth_buffer, cl_mem normal_buffer,
   cl_mem albedo_buffer, cl_mem direct_buffer, cl_mem indirect_buffer,
   cl_event gbuffer_ready"
