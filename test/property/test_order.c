@@ -399,7 +399,7 @@ static void timings_are_of_both_queues(void **state) {
     assert_success(&o.s, passes[i % PASSES](o.s.plan, o.queues[i % QUEUES],
                                             &o.s.frame, 0, NULL, NULL));
   assert_success(&o.s, hbil_plan_timings(o.s.plan, ms));
-  for (int i = 0; i < HBIL_PASS_COUNT; ++i)
+  for (int i = 0; i < PASSES; ++i)
     assert_true(i == HBIL_PASS_TEMPORAL || ms[i] > 0.0);
   stop(&o);
 }
