@@ -285,6 +285,28 @@ static hbil_status check_mode(hbil_context *context,
   return HBIL_SUCCESS;
 }
 
+/* Accepts numbers that must be positive, and may be infinite. */
+static hbil_status check_limits(hbil_context *context,
+                                const hbil_config *config) {
+  const struct {
+    const char *field;
+    double value;
+  } limits[] = {
+      {"model.radius", (double)config->model.radius},
+      {"model.thickness", (double)config->model.thickness},
+      {"model.relative_thickness", (double)config->model.relative_thickness},
+      {"inputs.sky_depth", (double)config->inputs.sky_depth},
+      {"history.disocclusion_threshold",
+       (double)config->history.disocclusion_threshold},
+  };
+  hbil_status status = HBIL_SUCCESS;
+  for (size_t i = 0; i < sizeof limits / sizeof *limits; ++i)
+    if ((status = positive(context, limits[i].field, limits[i].value)) !=
+        HBIL_SUCCESS)
+      break;
+  return status;
+}
+
 /* Names the first field that is out of range. */
 static hbil_status config_check(hbil_context *context,
                                 const hbil_config *config) {
@@ -352,18 +374,7 @@ static hbil_status config_check(hbil_context *context,
         context, HBIL_INVALID_CONFIG,
         "execution.vector_width: %u; must be 0 (automatic), 1, 4, 8 or 16",
         (unsigned)width);
-  if ((status = positive(context, "model.radius",
-                         (double)config->model.radius)) != HBIL_SUCCESS ||
-      (status = positive(context, "model.thickness",
-                         (double)config->model.thickness)) != HBIL_SUCCESS ||
-      (status = positive(context, "model.relative_thickness",
-                         (double)config->model.relative_thickness)) !=
-          HBIL_SUCCESS ||
-      (status = positive(context, "inputs.sky_depth",
-                         (double)config->inputs.sky_depth)) != HBIL_SUCCESS ||
-      (status = positive(context, "history.disocclusion_threshold",
-                         (double)config->history.disocclusion_threshold)) !=
-          HBIL_SUCCESS)
+  if ((status = check_limits(context, config)) != HBIL_SUCCESS)
     return status;
   status = check_formats(context, config);
   return status == HBIL_SUCCESS ? check_mode(context, config) : status;

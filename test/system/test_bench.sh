@@ -89,6 +89,8 @@ valid "scaling's JSON can be read" "$work/results/scaling.json"
 says "temporal has means over frames" '^| 2x48 g2 | 4 | 0\.' \
   tiny temporal --pixels 40
 valid "temporal's JSON can be read" "$work/results/temporal.json"
+says "formats has the error of each format" '| FLOAT16 | 48 | 0\.' \
+  tiny formats --pixels 40
 says "passes has the time of each pass" '^| 2x48 g2, motion vectors | [0-9]' \
   tiny passes
 works "passes compares kernels" tiny passes --name kernels --json \

@@ -446,7 +446,8 @@ static void snorm_motion_is_read(void **state) {
   exact_planes want = moved_light(HBIL_FLOAT32);
   exact_planes got = moved_light(HBIL_SNORM16);
   (void)state;
-  check_at_most("carried light", relative_rmse(&got, &want, 0, 4), 1e-5);
+  /* measured: 3.7e-9 */
+  check_at_most("carried light", relative_rmse(&got, &want, 0, 4), 1e-7);
   exact_planes_free(&want);
   exact_planes_free(&got);
 }
