@@ -104,12 +104,10 @@ typedef enum hbil_matrix_convention {
  * low + (high - low) A and (high - low) B.  An orthographic near plane must be
  * in front of the eye, since depths below 0 are sky.
  * Returns HBIL_INVALID_ARGUMENT for anything else, which leaves camera and
- * hardware_depth as they are.  Then *reason, if reason is not NULL, is one line
- * that names the argument, a static string; otherwise it is NULL. */
+ * hardware_depth as they are; hbil_context_message(NULL) says what is wrong. */
 HBIL_API hbil_status hbil_camera_from_matrices(
     hbil_camera *camera, float hardware_depth[2], const hbil_config *config,
-    const double projection[16], const double view[16], cl_uint conventions,
-    const char **reason);
+    const double projection[16], const double view[16], cl_uint conventions);
 
 typedef struct hbil_frame {
   size_t struct_size; /* set by hbil_frame_init(); see hbil_config */

@@ -175,32 +175,33 @@ static const char *convert(hbil_camera *camera, double depth[2],
   return NULL;
 }
 
-hbil_status
-hbil_camera_from_matrices(hbil_camera *camera, float hardware_depth[2],
-                          const hbil_config *config,
-                          const double projection[16], const double view[16],
-                          cl_uint conventions, const char **reason) {
-  const char *error = NULL;
+hbil_status hbil_camera_from_matrices(
+    hbil_camera *camera, float hardware_depth[2], const hbil_config *config,
+    const double projection[16], const double view[16], cl_uint conventions) {
+  const char *missing = !camera       ? "camera"
+                        : !config     ? "config"
+                        : !projection ? "projection"
+                        : !view       ? "view"
+                                      : NULL;
+  if (missing)
+    return fail_null(NULL, __func__, missing);
+  if (config->width < 1 || config->width > HBIL_MAX_SIZE ||
+      config->height < 1 || config->height > HBIL_MAX_SIZE)
+    return fail(NULL, HBIL_INVALID_ARGUMENT,
+                "%s: config.width, config.height: %u, %u; must be 1..%d",
+                __func__, config->width, config->height, HBIL_MAX_SIZE);
+  if (conventions & ~(cl_uint)HBIL_MATRIX_ALL)
+    return fail(NULL, HBIL_INVALID_ARGUMENT,
+                "%s: conventions: %u is not a sum of hbil_matrix_convention",
+                __func__, conventions);
   hbil_camera result;
-  double depth[2];
-  if (!camera || !config || !projection || !view)
-    error = "camera, config, projection or view is null";
-  else if (config->width < 1 || config->width > HBIL_MAX_SIZE ||
-           config->height < 1 || config->height > HBIL_MAX_SIZE)
-    error = "config: width and height are not 1..HBIL_MAX_SIZE";
-  else if (conventions & ~(cl_uint)HBIL_MATRIX_ALL)
-    error = "conventions: not a sum of hbil_matrix_convention";
-  else {
-    double p[16], v[16];
-    by_rows(projection, conventions, p);
-    by_rows(view, conventions, v);
-    error = convert(&result, depth, config, p, v, conventions,
-                    hardware_depth != NULL);
-  }
-  if (reason)
-    *reason = error;
+  double p[16], v[16], depth[2];
+  by_rows(projection, conventions, p);
+  by_rows(view, conventions, v);
+  const char *error = convert(&result, depth, config, p, v, conventions,
+                              hardware_depth != NULL);
   if (error)
-    return HBIL_INVALID_ARGUMENT;
+    return fail(NULL, HBIL_INVALID_ARGUMENT, "%s: %s", __func__, error);
   *camera = result;
   for (int i = 0; hardware_depth && i < 2; ++i)
     hardware_depth[i] = (float)depth[i];

@@ -42,6 +42,12 @@ kernels() {
     sed "s|^|$1/|"
 }
 
+# documents FOLDER: what is there to read, and the examples, where they are installed.
+documents() {
+  (cd "$srcdir" && find README.md COPYING NEWS doc/*.md doc/*.png doc/*.svg examples \
+    -type f) | sed "s|^|$1/|"
+}
+
 # headers FOLDER: the public headers, in it.
 headers() {
   (cd "$srcdir/include/hbil" && ls) | sed "s|^|$1/|"
@@ -113,6 +119,8 @@ files "$prefix" | grep -v '^share/man/man3/' >"$work/installed"
 sort >"$work/expected" <<END
 bin/hbil
 $(headers include/hbil)
+lib/cmake/hbil/hbilConfig.cmake
+lib/cmake/hbil/hbilConfigVersion.cmake
 lib/libhbil.a
 lib/libhbil.la
 lib/libhbil.so
@@ -120,6 +128,7 @@ lib/libhbil.so.1
 lib/libhbil.so.1.0.0
 lib/pkgconfig/hbil.pc
 share/bash-completion/completions/hbil
+$(documents share/doc/hbil)
 $(kernels share/hbil)
 share/man/man1/hbil.1
 share/zsh/site-functions/_hbil
@@ -212,13 +221,36 @@ PKG_CONFIG_SYSROOT_DIR=$root
 export PATH LD_LIBRARY_PATH PKG_CONFIG_PATH PKG_CONFIG_SYSROOT_DIR
 unset HBIL
 compile=$(sed -n 's/.*`\(cc [^`]*\)`.*/\1/p' "$srcdir/README.md")
-for example in "$srcdir"/examples/*.c; do
+for example in "$share"/doc/hbil/examples/*.c; do
   cp "$example" "$work/program.c"
   run eval "cd $work && $compile -lpthread -o program"
   test $status -eq 0 && test -n "$compile"
   ok $? "README.md's compiler command builds $(basename "$example")"
 done
 cd "$here" || exit 99
+
+# with_cmake VERSION [LIBRARIES]: an example built by find_package(hbil VERSION), and run
+with_cmake() {
+  rm -rf "$work/cmake"
+  cmake -S "$srcdir/test/system/cmake" -B "$work/cmake" "-DWANTED=$1" \
+    "-DPROGRAM=$share/doc/hbil/examples/01_minimal.c" "-Dhbil_DIR=${2:-$lib}/cmake/hbil" &&
+    cmake --build "$work/cmake" && "$work/cmake/program"
+}
+have "CMake: find_package(hbil)" cmake && {
+  works "CMake: find_package(hbil) builds an example, which runs" with_cmake "$version"
+  works "CMake: any version of the series is served" with_cmake "${version%.*}"
+  for other in "${version%.*}.99" 99.0 0.0; do
+    run with_cmake "$other"
+    test $status -ne 0 && grep -q "requested version \"$other\"" "$work/err"
+    ok $? "CMake: but no version $other"
+  done
+  cp -R "$prefix" "$work/moved"
+  rm -f "$work"/moved/lib/libhbil.so*
+  works "CMake: in a tree that was moved, with the static library alone" \
+    with_cmake "$version" "$work/moved/lib"
+  grep -q 'moved/lib/libhbil\.a' "$work/cmake/CMakeFiles/program.dir/link.txt"
+  ok $? "CMake: which is what was linked"
+}
 
 name="example 05: Python, with pyopencl's buffers"
 python=
@@ -281,7 +313,8 @@ if have "$name" dpkg-buildpackage dpkg-checkbuilddeps dh; then
     same_lists "libhbil1 has the library" "$work/expected" "$work/offered"
     {
       headers /usr/include/hbil
-      printf '/usr/%s\n' lib/libhbil.a lib/libhbil.so lib/pkgconfig/hbil.pc
+      printf '/usr/%s\n' lib/libhbil.a lib/libhbil.so lib/pkgconfig/hbil.pc \
+      lib/cmake/hbil/hbilConfig.cmake lib/cmake/hbil/hbilConfigVersion.cmake
       kernels /usr/share/hbil
       printf '/usr/share/man/man3/%s.3\n' $functions
     } | sort >"$work/expected"
@@ -298,8 +331,14 @@ if have "$name" dpkg-buildpackage dpkg-checkbuilddeps dh; then
     same_lists "hbil-tools has program, manual and completion" \
       "$work/expected" "$work/offered"
     dpkg-deb -c "$work"/libhbil-dev_*.deb >"$work/out"
-    grep -q 'doc/libhbil-dev/examples/05_python.py' "$work/out"
-    ok $? "libhbil-dev has the examples"
+    awk '!/\/$/ { sub(/^\./, "", $6); print $6 }' "$work/out" | grep '/doc/.*/' |
+      grep -v -e changelog -e copyright | sed "s/NEWS\.gz/NEWS/" | sort >"$work/offered"
+    documents /usr/share/doc/libhbil-dev | grep -v COPYING | sort >"$work/expected"
+    same_lists "libhbil-dev has the documents and the examples, as they are" \
+      "$work/expected" "$work/offered"
+    dpkg-deb -c "$work"/hbil-tools_*.deb >"$work/out"
+    grep -q 'doc/hbil-tools/doc/guide\.md$' "$work/out"
+    ok $? "hbil-tools has the guide"
     dpkg-deb -f "$work"/hbil-tools_*.deb Depends >"$work/out"
     grep -q 'libhbil1 (>= ' "$work/out"
     ok $? "hbil-tools needs libhbil1, of its version at least"
