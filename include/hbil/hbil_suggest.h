@@ -33,7 +33,7 @@ typedef struct hbil_host_plane {
 /* Planes of config.width x config.height pixels.  Their values mean what
  * config.inputs says of the planes of the same names, apart from the formats
  * and normal_encoding.
- * depth is needed; normal is needed if there is emission. */
+ * depth is needed.  Without normals, those of depth are taken. */
 typedef struct hbil_host_planes {
   hbil_host_plane depth;    /* 1 channel */
   hbil_host_plane normal;   /* 3 channels: x, y, z, of any length */

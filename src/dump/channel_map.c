@@ -38,10 +38,11 @@ int channel_map_check(const channel_map *map, const char *path,
                       image_error *error) {
   if (check_depth(map, path, error) != 0)
     return -1;
-  if (!map->count[ROLE_NORMAL])
+  if (!map->count[ROLE_NORMAL] && !map->how.from_depth)
     return image_fail(error,
                       "%s: no normals; Normal.{X,Y,Z} (Blender's Normal "
-                      "pass), normal.{X,Y,Z} or --map normal=LAYER are needed",
+                      "pass), normal.{X,Y,Z}, --map normal=LAYER or --normals "
+                      "from-depth are needed",
                       path);
   return 0;
 }

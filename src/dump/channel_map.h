@@ -34,8 +34,8 @@ void channel_map_init(channel_map *out, dump_kind kind);
 /* Frees what the map owns.  It may be called twice. */
 void channel_map_free(channel_map *map);
 
-/* Whether the map has what the computation cannot do without: depth and
- * normals.  0, or -1 with `error` filled. */
+/* Whether the map has what the computation cannot do without: depth, and
+ * normals unless they are rebuilt from it.  0, or -1 with `error` filled. */
 int channel_map_check(const channel_map *map, const char *path,
                       image_error *error);
 

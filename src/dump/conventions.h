@@ -50,6 +50,7 @@ typedef struct conventions {
   int backwards;  /* 1: depths are negative */
   int from_near;  /* 1: distances along the ray begin at the near plane */
   int encoded;    /* 1: normals are stored as (n + 1) / 2 */
+  int from_depth; /* 1: normals are not read; depth tells them */
   unsigned flips; /* axes of normals and positions whose sign changes: 1 x, 2 y,
                      4 z */
   unsigned unsure;

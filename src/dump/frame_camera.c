@@ -166,7 +166,7 @@ static int check_needs(const char *frame, const frame_camera *v,
                                                         : "a perspective",
         map->projection == HBIL_PROJECTION_ORTHOGRAPHIC ? ", FAR finite"
                                                         : ", NEAR above 0");
-  if (!v->placed && how->normals == SPACE_WORLD)
+  if (!v->placed && how->normals == SPACE_WORLD && !how->from_depth)
     return image_fail(error,
                       "%s: its normals are in world space, and nothing tells "
                       "how the camera is turned; a camera file, or --normals "

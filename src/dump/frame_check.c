@@ -29,6 +29,10 @@ static void measure_pixel(const surface_points *s, const matrix3 *h,
   for (int c = 0; c < 3; c++) {
     e->low[c] = fmin(e->low[c], p[c]);
     e->high[c] = fmax(e->high[c], p[c]);
+  }
+  if (!s->g->map.count[ROLE_NORMAL])
+    return;
+  for (int c = 0; c < 3; c++) {
     n[c] = (double)gbuffer_plane(s->g, ROLE_NORMAL, (size_t)c)[i];
     stored[c] = n[c] * (double)sign[c];
   }
@@ -86,10 +90,11 @@ void frame_check_run(const gbuffer *g, const hbil_config *config,
   out->low = e.low[2];
   out->high = e.high[2];
   out->facing = (double)e.facing / (double)e.surface;
-  if (!g->map.how.encoded && e.encoded > e.surface / 10 * 9)
+  const int has_normals = g->map.count[ROLE_NORMAL] > 0;
+  if (has_normals && !g->map.how.encoded && e.encoded > e.surface / 10 * 9)
     findings_add(&out->found,
                  "normals look like stored as (n+1)/2: --normals encoded");
-  else
+  else if (has_normals)
     out->agreement = check_normals(&s, out->high, &out->found);
   out->positions = check_positions(&s, &out->found);
   check_radius(&s, &e, config->model.radius, &out->found);

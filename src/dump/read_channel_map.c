@@ -98,6 +98,8 @@ int channel_map_read(const char *path, const image *header,
     channel_map_free(out);
     return -1;
   }
+  if (out->how.from_depth)
+    out->count[ROLE_NORMAL] = 0;
   background_as_emission(out);
   choose_depth(options, out);
   out->is_beauty = is_beauty(out);

@@ -213,6 +213,9 @@ conventions source_conventions(dump_kind kind, const source_options *o) {
     how.encoded = o->encoded;
     how.unsure &= ~(unsigned)UNSURE_NORMALS;
   }
+  how.from_depth = o->from_depth;
+  if (o->from_depth) /* normals also decide which kind of depth there is */
+    how.unsure &= ~(unsigned)(UNSURE_NORMALS | UNSURE_DEPTH);
   if (o->direct >= 0)
     how.direct = (direct_kind)o->direct;
   how.flips ^= o->flips;

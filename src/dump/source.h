@@ -50,6 +50,7 @@ typedef struct source_options {
   int depth;       /* depth_kind or -1 */
   int normals;     /* dump_space or -1 */
   int encoded;     /* 0, 1 or -1 */
+  int from_depth;  /* 1: normals are rebuilt from depth */
   int positions;   /* dump_space or -1 */
   int direct;      /* direct_kind or -1 */
   int gamma;       /* 1: colours are sRGB, 0: linear, -1: as their file says */

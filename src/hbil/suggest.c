@@ -138,19 +138,76 @@ typedef struct patch {
   double at[3], normal[3], area;
 } patch;
 
+/* The point where a pixel looks from, and its ray, whose z is 1. */
+static void ray_at(const look *l, size_t i, double from[3], double ray[3]) {
+  const hbil_camera *camera = &l->frame->camera;
+  const double right =
+      ((double)(i % l->config->width) + 0.5 - camera->cx) / camera->fx;
+  const double down =
+      ((double)(i / l->config->width) + 0.5 - camera->cy) / camera->fy;
+  const double at[3] = {right, down, 0}, ahead[3] = {0, 0, 1}, eye[3] = {0};
+  const double through[3] = {right, down, 1};
+  memcpy(from, is_parallel(l) ? at : eye, sizeof at);
+  memcpy(ray, is_parallel(l) ? ahead : through, sizeof at);
+}
+
+/* Planar depth; 0 for the sky. */
+static double z_at(const look *l, size_t i) {
+  double from[3], ray[3];
+  const double depth = depth_at(l, i);
+  ray_at(l, i, from, ray);
+  return l->config->inputs.depth_kind == HBIL_DEPTH_RAY
+             ? depth / sqrt(dot(ray, ray))
+             : depth;
+}
+
+/* 1/z, or -z in an orthographic view: affine in pixel coordinates on planes. */
+static double w_at(const look *l, size_t i) {
+  const double z = z_at(l, i);
+  return is_parallel(l) ? -z : 1 / z;
+}
+
+/* The smaller difference of w to the neighbours before and behind; 0 if there
+ * is none.  The kernels choose with more care (normals_from_depth.cl). */
+static double gradient(const look *l, size_t i, size_t step, bool before,
+                       bool behind) {
+  double least = INFINITY;
+  if (before && z_at(l, i - step) > 0)
+    least = w_at(l, i) - w_at(l, i - step);
+  if (behind && z_at(l, i + step) > 0) {
+    const double other = w_at(l, i + step) - w_at(l, i);
+    least = fabs(other) < fabs(least) ? other : least;
+  }
+  return isfinite(least) ? least : 0;
+}
+
+/* The normal of a pixel's surface by its depth, of any length. */
+static void rebuild_normal(const look *l, size_t i, const double ray[3],
+                           double out[3]) {
+  const size_t width = l->config->width, x = i % width, y = i / width;
+  const hbil_camera *camera = &l->frame->camera;
+  out[0] = -camera->fx * gradient(l, i, 1, x > 0, x + 1 < width);
+  out[1] =
+      -camera->fy * gradient(l, i, width, y > 0, y + 1 < l->config->height);
+  out[2] =
+      is_parallel(l) ? -1 : -w_at(l, i) - out[0] * ray[0] - out[1] * ray[1];
+}
+
 /* The pixel's unit normal in view space, facing the eye.  Returns false if it
  * has none. */
 static bool read_normal(const look *l, size_t i, const double ray[3],
                         double out[3]) {
   double n[3];
-  for (size_t c = 0; c < 3; ++c)
+  for (size_t c = 0; c < 3 && exists(&l->planes.normal); ++c)
     n[c] = value(l, &l->planes.normal, c, i);
-  for (size_t c = 0; c < 3; ++c) {
+  for (size_t c = 0; c < 3 && exists(&l->planes.normal); ++c) {
     const double *m = l->frame->camera.world_from_view + c;
     out[c] = l->config->inputs.normal_space == HBIL_SPACE_VIEW
                  ? n[c]
                  : m[0] * n[0] + m[4] * n[1] + m[8] * n[2];
   }
+  if (!exists(&l->planes.normal))
+    rebuild_normal(l, i, ray, out);
   const double length = sqrt(dot(out, out));
   const double sign = dot(out, ray) > 0 ? -1 : 1;
   for (size_t c = 0; c < 3; ++c)
@@ -162,18 +219,11 @@ static bool read_normal(const look *l, size_t i, const double ray[3],
 static bool read_patch(const look *l, size_t i, patch *out) {
   const hbil_camera *camera = &l->frame->camera;
   const bool parallel = is_parallel(l);
-  const double right =
-      ((double)(i % l->config->width) + 0.5 - camera->cx) / camera->fx;
-  const double down =
-      ((double)(i / l->config->width) + 0.5 - camera->cy) / camera->fy;
-  const double from[3] = {parallel ? right : 0, parallel ? down : 0, 0};
-  const double ray[3] = {parallel ? 0 : right, parallel ? 0 : down, 1};
-  const double depth = depth_at(l, i);
-  if (!(depth > 0) || !read_normal(l, i, ray, out->normal))
+  const double z = z_at(l, i);
+  double from[3], ray[3];
+  ray_at(l, i, from, ray);
+  if (!(z > 0) || !read_normal(l, i, ray, out->normal))
     return false;
-  const double z = l->config->inputs.depth_kind == HBIL_DEPTH_RAY
-                       ? depth / sqrt(dot(ray, ray))
-                       : depth;
   /* A pixel has the solid angle 1 / (fx fy |r|^3); with parallel rays, all
    * pixels have the same area.  A grazing surface may be of any size; it counts
    * as if it were tilted by a tenth of a radian. */
@@ -289,9 +339,8 @@ static bool complete(hbil_host_plane *plane, size_t width, size_t channels,
 }
 
 static bool complete_planes(hbil_host_planes *planes, size_t width) {
-  const bool emission = exists(&planes->emission);
   return complete(&planes->depth, width, 1, true) &&
-         complete(&planes->normal, width, 3, emission) &&
+         complete(&planes->normal, width, 3, false) &&
          complete(&planes->direct, width, 1, false) &&
          complete(&planes->emission, width, 1, false);
 }

@@ -63,7 +63,7 @@ static range find_range(const float *values, size_t count) {
 static const char *cost(role r) {
   static const char *const costs[ROLE_COUNT] = {
       [ROLE_DEPTH] = "it is needed",
-      [ROLE_NORMAL] = "they are needed",
+      [ROLE_NORMAL] = "they are needed, or --normals from-depth",
       [ROLE_ALBEDO] = "every surface is taken as white and passes on too much "
                       "light",
       [ROLE_DIRECT] = "only emission, which is then gathered, sends light; "
@@ -86,7 +86,7 @@ static void print_range(const gbuffer *g, role r, size_t c) {
 
 /* g: the planes as they are stored. */
 static void print_role(const channel_map *map, const gbuffer *g, role r) {
-  if (!map->count[r])
+  if (!map->count[r] && !(r == ROLE_NORMAL && map->how.from_depth))
     printf("  %-10s not in the file: %s\n", role_name(r), cost(r));
   for (size_t c = 0; c < map->count[r]; c++) {
     printf("  %-10s ", c ? "" : role_name(r));
@@ -128,9 +128,12 @@ static void print_conventions(const channel_map *map) {
     printf(", from the near plane at %g (--clip)", how->near);
   if (isfinite(how->sky_depth))
     printf("; sky from %g on (--sky-depth)", (double)how->sky_depth);
-  printf("\n  normals    in %s space%s (--normals)",
-         how->normals == SPACE_WORLD ? "world" : "camera",
-         how->encoded ? ", encoded" : "");
+  if (how->from_depth)
+    printf("\n  normals    rebuilt from depth (--normals)");
+  else
+    printf("\n  normals    in %s space%s (--normals)",
+           how->normals == SPACE_WORLD ? "world" : "camera",
+           how->encoded ? ", encoded" : "");
   if (how->flips)
     printf(", flipped %s%s%s (--flip)", how->flips & 1 ? "x" : "",
            how->flips & 2 ? "y" : "", how->flips & 4 ? "z" : "");
@@ -171,11 +174,13 @@ static void print_check(const gbuffer *g, const frame_check *k) {
                ? "error, a share of the picture's width,"
                : "relative error",
            k->positions, k->positions < 1e-3 ? ", they agree" : "");
-  printf("  normals    %.1f %% face the eye", 100.0 * k->facing);
-  if (!isnan(k->agreement))
-    printf(", %.1f degrees off the depth's own on average",
-           acos(fmin(1.0, k->agreement)) * 57.29577951308232);
-  putchar('\n');
+  if (g->map.count[ROLE_NORMAL]) {
+    printf("  normals    %.1f %% face the eye", 100.0 * k->facing);
+    if (!isnan(k->agreement))
+      printf(", %.1f degrees off the depth's own on average",
+             acos(fmin(1.0, k->agreement)) * 57.29577951308232);
+    putchar('\n');
+  }
   for (int i = 0; i < k->found.count; i++)
     printf("  warning    %s\n", k->found.text[i]);
 }

@@ -51,6 +51,10 @@ int job_prepare(job *j, const process_settings *settings, char *const *files,
   if (choose_layers(j, error) != 0 || job_frames_check(j, files, error) != 0 ||
       job_environment_read(j, error) != 0 || job_output_prepare(j, error) != 0)
     return -1;
+  if (settings->exact && j->frames[0].map.how.from_depth)
+    return image_fail(error,
+                      "--normals from-depth: not with --quality reference, "
+                      "whose exact integral needs normals");
   configure(j);
   return 0;
 }

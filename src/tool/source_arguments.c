@@ -30,10 +30,11 @@ const struct option source_option_rows[SOURCE_OPTION_COUNT] = {
 
 static const char *const colour_words[] = {"linear", "srgb", NULL};
 
-/* A space, "encoded", or both. */
+/* A space, "encoded", or both; or "from-depth". */
 static int read_normals(const char *text, source_options *out,
                         image_error *error) {
-  static const char *const words[] = {"world", "camera", "encoded", NULL};
+  static const char *const words[] = {"world", "camera", "encoded",
+                                      "from-depth", NULL};
   char word[16];
   for (const char *at = text;; at++) {
     const size_t length = strcspn(at, ",");
@@ -41,7 +42,9 @@ static int read_normals(const char *text, source_options *out,
     snprintf(word, sizeof word, "%.*s", length < 15 ? (int)length : 15, at);
     if (option_choice("--normals", word, words, &value, error) != 0)
       return -1;
-    if (value == 2)
+    if (value == 3)
+      out->from_depth = 1;
+    else if (value == 2)
       out->encoded = 1;
     else {
       out->normals = value;
@@ -171,9 +174,10 @@ void source_usage(void) {
        "from\n"
        "                        the eye, computed from positions, 0..1, 1..0\n"
        "                        (the last two with --clip)\n"
-       "  --normals world|camera|encoded\n"
+       "  --normals world|camera|encoded|from-depth\n"
        "                        space (camera: y up, z backwards); encoded:\n"
-       "                        stored as (n+1)/2; two words with a comma\n"
+       "                        stored as (n+1)/2; two words with a comma;\n"
+       "                        from-depth: none are read, they are rebuilt\n"
        "  --positions world|camera\n"
        "                        their space\n"
        "  --direct irradiance|light|radiance\n"

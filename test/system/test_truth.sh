@@ -41,6 +41,13 @@ for camera in perspective orthographic; do
   works "$camera: near the exact integral" "$HBIL" compare --max-rmse $most \
     --mask "$second" "$work/$camera-default/frame_0002.exr:indirect" \
     "$work/$camera-exact/frame_0002.exr:indirect"
+  # Measured: .0095 and .0126; the scene has curved and thin surfaces.
+  works "$camera: normals from depth" "$HBIL" process --quiet \
+    --normals from-depth -o "$work/$camera-rebuilt" "$first" "$second"
+  works "$camera: near the scene's own normals" "$HBIL" compare \
+    --max-rmse 0.015 --mask "$second" \
+    "$work/$camera-rebuilt/frame_0002.exr:indirect" \
+    "$work/$camera-default/frame_0002.exr:indirect"
   works "$camera: without light" "$HBIL" process --quiet --environment none \
     --gather-emission no --radius 0.01 --reprojection none --warm-up 0 \
     --layers indirect -o "$work/$camera-dark" "$second"

@@ -115,10 +115,8 @@ static void without_lamps_nothing_is_gathered(void **state) {
     scale(f->emission, 0.0f);
     if (i == 1) /* a sky is no lamp */
       fill(f, f->emission, false, 1.0f);
-    if (i == 2) { /* then normals are not needed */
+    if (i == 2)
       memset(&f->planes.emission, 0, sizeof f->planes.emission);
-      memset(&f->planes.normal, 0, sizeof f->planes.normal);
-    }
     suggest(f);
     assert_int_equal(f->found.lamps, HBIL_SOURCE_NOT_SEEN);
     assert_int_equal(f->config.model.gather_emission, CL_FALSE);
@@ -187,6 +185,10 @@ static void parallel_rays_see_patches_of_one_size(void **state) {
   (void)state;
   for (int i = 0; i < 2; ++i) {
     first *f = valley(shares[i]);
+    suggest(f);
+    assert_int_equal(f->config.model.gather_emission, i == 0);
+    /* the same with normals by depth */
+    memset(&f->planes.normal, 0, sizeof f->planes.normal);
     suggest(f);
     assert_int_equal(f->config.model.gather_emission, i == 0);
     /* the same as a depth buffer with planes at 1 and 21 */
@@ -334,7 +336,7 @@ static hbil_status damage(first *f, int what) {
     f->planes.normal.channel[2] = NULL;
     return HBIL_INVALID_ARGUMENT;
   case 2:
-    memset(&f->planes.normal, 0, sizeof f->planes.normal);
+    f->planes.normal.row_pitch = WIDTH * sizeof(float) + 2;
     return HBIL_INVALID_ARGUMENT;
   case 3:
     f->planes.direct.channel[0] = NULL;
