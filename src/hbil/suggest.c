@@ -289,9 +289,8 @@ static bool complete(hbil_host_plane *plane, size_t width, size_t channels,
 }
 
 static bool complete_planes(hbil_host_planes *planes, size_t width) {
-  const bool emission = exists(&planes->emission);
   return complete(&planes->depth, width, 1, true) &&
-         complete(&planes->normal, width, 3, emission) &&
+         complete(&planes->normal, width, 3, false) &&
          complete(&planes->direct, width, 1, false) &&
          complete(&planes->emission, width, 1, false);
 }
@@ -329,14 +328,16 @@ hbil_status hbil_config_suggest(const hbil_host_planes *planes,
     if (!is_usable(config, frame))
       return HBIL_INVALID_FRAME;
     found.sky = find_sky(&l, sky);
-    found.lamps = look_at_lamps(&l);
+    if (exists(&l.planes.normal))
+      found.lamps = look_at_lamps(&l);
     memcpy(frame->environment[0], sky, sizeof sky);
   }
   config->model.far_field = !looks ? HBIL_FAR_NONE
                             : found.sky == HBIL_SOURCE_NOT_IN_DIRECT
                                 ? HBIL_FAR_CONSTANT
                                 : HBIL_FAR_FRAME;
-  config->model.gather_emission = found.lamps == HBIL_SOURCE_NOT_IN_DIRECT;
+  if (!looks || exists(&planes->normal))
+    config->model.gather_emission = found.lamps == HBIL_SOURCE_NOT_IN_DIRECT;
   if (sources)
     *sources = found;
   return HBIL_SUCCESS;

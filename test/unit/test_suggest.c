@@ -115,13 +115,26 @@ static void without_lamps_nothing_is_gathered(void **state) {
     scale(f->emission, 0.0f);
     if (i == 1) /* a sky is no lamp */
       fill(f, f->emission, false, 1.0f);
-    if (i == 2) { /* then normals are not needed */
+    if (i == 2)
       memset(&f->planes.emission, 0, sizeof f->planes.emission);
-      memset(&f->planes.normal, 0, sizeof f->planes.normal);
-    }
     suggest(f);
     assert_int_equal(f->found.lamps, HBIL_SOURCE_NOT_SEEN);
     assert_int_equal(f->config.model.gather_emission, CL_FALSE);
+    free(f);
+  }
+}
+
+static void without_normals_the_caller_decides_of_lamps(void **state) {
+  const cl_bool choices[] = {CL_FALSE, CL_TRUE};
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    first *f = frame_of(SCENE_ROOM);
+    memset(&f->planes.normal, 0, sizeof f->planes.normal);
+    f->config.model.gather_emission = choices[i];
+    suggest(f);
+    assert_int_equal(f->found.lamps, HBIL_SOURCE_NOT_SEEN);
+    assert_int_equal(f->config.model.gather_emission, choices[i]);
+    assert_int_equal(f->config.model.far_field, HBIL_FAR_FRAME);
     free(f);
   }
 }
@@ -334,10 +347,10 @@ static hbil_status damage(first *f, int what) {
     f->planes.normal.channel[2] = NULL;
     return HBIL_INVALID_ARGUMENT;
   case 2:
-    memset(&f->planes.normal, 0, sizeof f->planes.normal);
+    f->planes.direct.channel[0] = NULL;
     return HBIL_INVALID_ARGUMENT;
   case 3:
-    f->planes.direct.channel[0] = NULL;
+    f->planes.normal.row_pitch = 4;
     return HBIL_INVALID_ARGUMENT;
   case 4:
     f->planes.emission.row_pitch = WIDTH * sizeof(float) - 4;
@@ -402,6 +415,7 @@ int main(void) {
       cmocka_unit_test(lamps_in_direct_light_are_not_gathered),
       cmocka_unit_test(lamps_that_direct_light_lacks_are_gathered),
       cmocka_unit_test(without_lamps_nothing_is_gathered),
+      cmocka_unit_test(without_normals_the_caller_decides_of_lamps),
       cmocka_unit_test(parallel_rays_see_patches_of_one_size),
       cmocka_unit_test(a_sky_in_direct_light_is_told_to_the_estimate),
       cmocka_unit_test(a_sky_that_direct_light_lacks_is_far_light),
