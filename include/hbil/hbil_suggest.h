@@ -32,8 +32,7 @@ typedef struct hbil_host_plane {
 
 /* Planes of config.width x config.height pixels.  Their values mean what
  * config.inputs says of the planes of the same names, apart from the formats
- * and normal_encoding.
- * depth is needed.  Without normals, those of depth are taken. */
+ * and normal_encoding.  depth is needed. */
 typedef struct hbil_host_planes {
   hbil_host_plane depth;    /* 1 channel */
   hbil_host_plane normal;   /* 3 channels: x, y, z, of any length */
@@ -60,7 +59,8 @@ typedef struct hbil_sources {
  *   in direct         HBIL_FAR_FRAME       the sky's radiance
  *   not in direct     HBIL_FAR_CONSTANT    the sky's radiance
  * gather_emission is CL_TRUE if there are lamps whose light `direct` does not
- * contain, else CL_FALSE.
+ * contain, else CL_FALSE.  Without normals it stays as it is, and lamps are not
+ * seen.
  *
  * Unblocked directions end in the sky or on surfaces outside the picture.  For
  * those, the mean of the frame's own surfaces is a better guess than black.  In

@@ -124,6 +124,21 @@ static void without_lamps_nothing_is_gathered(void **state) {
   }
 }
 
+static void without_normals_the_caller_decides_of_lamps(void **state) {
+  const cl_bool choices[] = {CL_FALSE, CL_TRUE};
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    first *f = frame_of(SCENE_ROOM);
+    memset(&f->planes.normal, 0, sizeof f->planes.normal);
+    f->config.model.gather_emission = choices[i];
+    suggest(f);
+    assert_int_equal(f->found.lamps, HBIL_SOURCE_NOT_SEEN);
+    assert_int_equal(f->config.model.gather_emission, choices[i]);
+    assert_int_equal(f->config.model.far_field, HBIL_FAR_FRAME);
+    free(f);
+  }
+}
+
 /* ------------------------------------------------------------------------ */
 /* Parallel rays                                                             */
 
@@ -185,10 +200,6 @@ static void parallel_rays_see_patches_of_one_size(void **state) {
   (void)state;
   for (int i = 0; i < 2; ++i) {
     first *f = valley(shares[i]);
-    suggest(f);
-    assert_int_equal(f->config.model.gather_emission, i == 0);
-    /* the same with normals by depth */
-    memset(&f->planes.normal, 0, sizeof f->planes.normal);
     suggest(f);
     assert_int_equal(f->config.model.gather_emission, i == 0);
     /* the same as a depth buffer with planes at 1 and 21 */
@@ -336,10 +347,10 @@ static hbil_status damage(first *f, int what) {
     f->planes.normal.channel[2] = NULL;
     return HBIL_INVALID_ARGUMENT;
   case 2:
-    f->planes.normal.row_pitch = WIDTH * sizeof(float) + 2;
+    f->planes.direct.channel[0] = NULL;
     return HBIL_INVALID_ARGUMENT;
   case 3:
-    f->planes.direct.channel[0] = NULL;
+    f->planes.normal.row_pitch = 4;
     return HBIL_INVALID_ARGUMENT;
   case 4:
     f->planes.emission.row_pitch = WIDTH * sizeof(float) - 4;
@@ -404,6 +415,7 @@ int main(void) {
       cmocka_unit_test(lamps_in_direct_light_are_not_gathered),
       cmocka_unit_test(lamps_that_direct_light_lacks_are_gathered),
       cmocka_unit_test(without_lamps_nothing_is_gathered),
+      cmocka_unit_test(without_normals_the_caller_decides_of_lamps),
       cmocka_unit_test(parallel_rays_see_patches_of_one_size),
       cmocka_unit_test(a_sky_in_direct_light_is_told_to_the_estimate),
       cmocka_unit_test(a_sky_that_direct_light_lacks_is_far_light),
