@@ -307,6 +307,24 @@ static hbil_status check_limits(hbil_context *context,
   return status;
 }
 
+/* Accepts values that no range describes. */
+static hbil_status check_values(hbil_context *context,
+                                const hbil_config *config) {
+  if (config->model.facing_fade[0] > config->model.facing_fade[1])
+    return fail(
+        context, HBIL_INVALID_CONFIG,
+        "model.facing_fade: %g, %g; the first must not be above the second",
+        (double)config->model.facing_fade[0],
+        (double)config->model.facing_fade[1]);
+  const cl_uint width = config->execution.vector_width;
+  if (width != 0 && width != 1 && width != 4 && width != 8 && width != 16)
+    return fail(
+        context, HBIL_INVALID_CONFIG,
+        "execution.vector_width: %u; must be 0 (automatic), 1, 4, 8 or 16",
+        (unsigned)width);
+  return HBIL_SUCCESS;
+}
+
 /* Names the first field that is out of range. */
 static hbil_status config_check(hbil_context *context,
                                 const hbil_config *config) {
@@ -362,22 +380,11 @@ static hbil_status config_check(hbil_context *context,
     if ((status = in_range(context, ranges[i].field, ranges[i].value,
                            ranges[i].least, ranges[i].most)) != HBIL_SUCCESS)
       return status;
-  if (config->model.facing_fade[0] > config->model.facing_fade[1])
-    return fail(
-        context, HBIL_INVALID_CONFIG,
-        "model.facing_fade: %g, %g; the first must not be above the second",
-        (double)config->model.facing_fade[0],
-        (double)config->model.facing_fade[1]);
-  const cl_uint width = config->execution.vector_width;
-  if (width != 0 && width != 1 && width != 4 && width != 8 && width != 16)
-    return fail(
-        context, HBIL_INVALID_CONFIG,
-        "execution.vector_width: %u; must be 0 (automatic), 1, 4, 8 or 16",
-        (unsigned)width);
-  if ((status = check_limits(context, config)) != HBIL_SUCCESS)
+  if ((status = check_values(context, config)) != HBIL_SUCCESS ||
+      (status = check_limits(context, config)) != HBIL_SUCCESS ||
+      (status = check_formats(context, config)) != HBIL_SUCCESS)
     return status;
-  status = check_formats(context, config);
-  return status == HBIL_SUCCESS ? check_mode(context, config) : status;
+  return check_mode(context, config);
 }
 
 hbil_status config_take(hbil_context *context, const hbil_config *given,
