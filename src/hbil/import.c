@@ -293,7 +293,7 @@ hbil_status try_import(commands *chain, const hbil_frame *frame) {
     if (staged->images & PLANE_BIT(i))
       status = copy_image(chain, image, i, &texel_types[0]);
   if (image)
-    clReleaseMemObject(image); /* the commands keep it */
+    clReleaseMemObject(image); /* the commands retain it */
   return status == HBIL_SUCCESS && staged->planes != staged->images
              ? rebuild_normals(chain, frame)
              : status;

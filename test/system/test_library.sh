@@ -62,7 +62,8 @@ guide="$parameters, const double camera_to_world[16], double fx, double fy,
   const double projection[16], const double view[16],
   double cx, double cy, cl_uint n, cl_mem depth_buffer, cl_mem normal_buffer,
   cl_mem albedo_buffer, cl_mem direct_buffer, cl_mem indirect_buffer,
-  cl_event gbuffer_ready"
+  cl_event gbuffer_ready, const float *depth, const float *normal,
+  const float *direct, const float *emission"
 {
   echo '#include <hbil/hbil.h>'
   echo "void readme($readme);"
