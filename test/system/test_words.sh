@@ -58,7 +58,7 @@ retired 'exact integral, path-traced truth' \
   'the reference|references?.?s? (integral|image|result|renderer)|ref_[a-z0-9_]+' \
   'reference (preset|quality)|the reference count'
 retired 'hbil_plane, hbil_statistics, hbil_sanitized ...' \
-  'hbil_(image_[a-z]+|format|tiles|lattice|refused|skipped|repaired|share)|HBIL_(TILE|STRIP_[A-Z]*|LATTICE_[A-Z]*|REFUSED_[A-Z]*)'
+  'hbil_(format|tiles|lattice|refused|skipped|repaired|share)|HBIL_(TILE|STRIP_[A-Z]*|LATTICE_[A-Z]*|REFUSED_[A-Z]*)'
 retired 'a name that says what the helper does' 'gpu_[a-z_]+|test_gpu'
 # shellcheck disable=SC2086
 grep -I -n -E -e \

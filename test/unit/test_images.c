@@ -8,7 +8,7 @@
 
 enum { WIDTH = 61, HEIGHT = 37, FRAMES = 4, LANES = 4 };
 
-/* Formats that are tested, by what they retain of a value. */
+/* Formats that are tested, by what is left of a value. */
 typedef struct kind {
   cl_channel_type type;
   size_t size;      /* bytes of a component */
