@@ -142,8 +142,8 @@ hbil() {
 }
 # shellcheck disable=SC2086
 works "a demo, which the commands are about" hbil demo $demo
-mkdir lit packed full
-cp "$lit" lit/frame_0001.exr
+mkdir lit packed full rebuilt
+for folder in lit rebuilt; do cp "$lit" $folder/frame_0001.exr; done
 for folder in lit packed full; do cp "$lit" "$folder/FRAME.exr"; done
 
 # small: commands with small frames, files that are there, and words for what
