@@ -12,9 +12,6 @@
 extern "C" {
 #endif
 
-/* The largest width and height of a frame, in pixels. */
-#define HBIL_MAX_SIZE 16384
-
 /* ------------------------------------------------------------------------ */
 /* Formats: how the pixels of a plane lie in memory                          */
 

@@ -81,8 +81,8 @@ static const char *const far_texts[] = {
     [HBIL_SOURCE_NOT_SEEN] =
         "the mean radiance of the frame's surfaces: no bright sky is visible",
     [HBIL_SOURCE_IN_DIRECT] =
-        "the mean radiance of the frame's surfaces, where direct light is "
-        "weaker than that of the visible sky",
+        ("the mean radiance of the frame's surfaces, where direct light is "
+         "weaker than that of the visible sky"),
     [HBIL_SOURCE_NOT_IN_DIRECT] =
         "the radiance of the visible sky, which direct light does not contain",
 };
