@@ -117,15 +117,57 @@ typedef void (*hbil_message_callback)(hbil_message_kind kind,
 /* Has every message of the context and its plans reported, NULL: none.  Errors
  * are what hbil_context_message() returns.  Warnings are a compiler's remarks
  * on a kernel that did compile, kernels that are read from HBIL_KERNEL_DIR,
- * and timings that were lost.  The callback is called by the functions that the
- * message is about, on the thread that called them, before they return;
- * OpenCL's own threads never call it.  It must return, and must not call
- * functions of this library other than hbil_context_message().  It stays in
- * effect, and user must stay valid, until the context and all its plans are
- * destroyed. */
+ * programs that could not be loaded or stored, and timings that were lost.  The
+ * callback is called by the functions that the message is about, on the thread
+ * that called them, before they return; OpenCL's own threads never call it.  It
+ * must return, and must not call functions of this library other than
+ * hbil_context_message().  It stays in effect, and user must stay valid, until
+ * the context and all its plans are destroyed. */
 HBIL_API hbil_status hbil_context_set_callback(hbil_context *context,
                                                hbil_message_callback callback,
                                                void *user);
+
+/* ------------------------------------------------------------------------ */
+/* Programs: what is built once and stored                                   */
+
+/* Creating a plan builds up to sixteen OpenCL programs, which takes seconds.  A
+ * store has the driver's binaries of programs that were built before, by a key:
+ * a file name of at most 47 letters, digits, "-" and "_".  The key depends on
+ * the device, its driver, this library's version, the kernels' text and all
+ * settings that kernels are built with.  What the store has is used only if it
+ * is whole and was made by this library for the same program and device;
+ * whatever else it may have, the program is built from its text and stored
+ * again, with a warning to the callback.  It must come from where nobody else
+ * may write, because binaries are executed. */
+
+/* Copies what is stored under a key to `data`, `size` bytes, and returns how
+ * many bytes are stored, 0 for none.  If `size` is 0, `data` is NULL. */
+typedef size_t (*hbil_program_load)(void *user, const char *key, void *data,
+                                    size_t size);
+
+/* Stores `size` bytes under a key, in place of those that are there.  If that
+ * fails, the program will be built again in the next run. */
+typedef void (*hbil_program_store)(void *user, const char *key,
+                                   const void *data, size_t size);
+
+/* Gives a context a store; if both functions are NULL, it has none, as at
+ * first.  hbil_plan_create() calls them, on its thread; they must not call
+ * functions of this library.  They and user must stay valid until the context
+ * is destroyed or has another store.  Binaries are stored after
+ * hbil_plan_create() has launched the kernels.  With PoCL they have the kernels
+ * for the plan's work-groups, so that nothing is compiled in the next run
+ * (test_binaries), and PoCL compiles each kernel once more for a binary's sake,
+ * when it is stored. */
+HBIL_API hbil_status hbil_context_set_program_store(hbil_context *context,
+                                                    hbil_program_load load,
+                                                    hbil_program_store store,
+                                                    void *user);
+
+/* The same with a folder, which must exist, as the store: a file KEY.bin for
+ * each program.  Files appear whole or not at all, so any number of processes
+ * may share the folder.  They are never removed. */
+HBIL_API hbil_status hbil_context_set_program_folder(hbil_context *context,
+                                                     const char *folder);
 
 /* ------------------------------------------------------------------------ */
 /* Plan: kernels, buffers and history of one configuration                   */

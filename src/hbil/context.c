@@ -254,6 +254,7 @@ void context_release(hbil_context *context) {
     return;
   clReleaseDevice(context->device);
   clReleaseContext(context->context);
+  free(context->programs.folder);
   free(context->message);
   free(context);
 }

@@ -17,6 +17,14 @@ struct hbil_context {
   cl_uint vector_width;           /* of the kernels, chosen for the device */
   size_t group[2];                /* work-group of every kernel */
   bool exact_divide;              /* CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT */
+  /* where built programs are stored (binary.h) */
+  struct {
+    hbil_program_load load; /* NULL: nowhere, and no store either */
+    hbil_program_store store;
+    void *user;
+    char *folder;    /* of folder.c; NULL: a store of the caller's */
+    cl_ulong device; /* a hash of what the binaries depend on */
+  } programs;
 };
 
 void context_retain(hbil_context *context);

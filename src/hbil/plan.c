@@ -112,7 +112,9 @@ static bool kernel_needed(const hbil_plan *plan, int kernel) {
   return true;
 }
 
-static hbil_status build_kernels(hbil_plan *plan) {
+/* identity: of each program that the plan needs. */
+static hbil_status build_kernels(hbil_plan *plan,
+                                 binary_identity identity[PROGRAM_COUNT]) {
   char defines[MOST_DEFINES];
   hbil_status status = write_defines(plan->context, &plan->config,
                                      &plan->layout, defines, sizeof defines);
@@ -120,7 +122,7 @@ static hbil_status build_kernels(hbil_plan *plan) {
   for (int i = 0; i < PROGRAM_COUNT && status == HBIL_SUCCESS; ++i)
     if (program_needed(plan, i))
       status = program_build(plan->context, &programs[i], defines,
-                             &plan->programs[i]);
+                             &plan->programs[i], &identity[i]);
   for (int i = 0; i < KERNEL_COUNT && status == HBIL_SUCCESS; ++i) {
     cl_int error = CL_SUCCESS;
     if (!kernel_needed(plan, i))
@@ -132,6 +134,15 @@ static hbil_status build_kernels(hbil_plan *plan) {
           fail_cl(plan->context, error, "clCreateKernel(%s)", kernels[i].name);
   }
   return status;
+}
+
+/* Programs are stored after the trial launches, because binaries may hold what
+ * was compiled for these. */
+static void store_programs(const hbil_plan *plan,
+                           const binary_identity identity[PROGRAM_COUNT]) {
+  for (int i = 0; i < PROGRAM_COUNT; ++i)
+    if (plan->programs[i])
+      binary_store(plan->context, plan->programs[i], &identity[i]);
 }
 
 /* --- buffers --- */
@@ -268,12 +279,14 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
   context_retain(context);
   plan->config = resolved;
   plan->layout = sizes;
-  if ((status = build_kernels(plan)) != HBIL_SUCCESS ||
+  binary_identity identity[PROGRAM_COUNT];
+  if ((status = build_kernels(plan, identity)) != HBIL_SUCCESS ||
       (status = allocate(plan)) != HBIL_SUCCESS ||
       (status = prepare(plan)) != HBIL_SUCCESS) {
     hbil_plan_destroy(plan);
     return status;
   }
+  store_programs(plan, identity);
   *out = plan;
   return HBIL_SUCCESS;
 }

@@ -246,7 +246,7 @@ static hbil_status build(hbil_context *context, cl_program program,
 
 static hbil_status build_text(hbil_context *context, const program_kind *kind,
                               const char *text, const char *defines,
-                              cl_program *out) {
+                              cl_program *out, binary_identity *identity) {
   char options[MOST_DEFINES + 128];
   cl_int error = CL_SUCCESS;
   snprintf(options, sizeof options, "-cl-std=CL1.2%s",
@@ -259,6 +259,11 @@ static hbil_status build_text(hbil_context *context, const program_kind *kind,
     status = add_defines(context, text, defines, options, sizeof options);
   if (status != HBIL_SUCCESS)
     return status;
+  binary_identify(context, kind->name, text, options, identity);
+  *out = binary_load(context, options, identity);
+  identity->is_new = !*out;
+  if (*out)
+    return HBIL_SUCCESS;
   *out = clCreateProgramWithSource(context->context, 1, &text, NULL, &error);
   if (!*out)
     return fail_cl(context, error, "clCreateProgramWithSource(%s.cl)",
@@ -272,7 +277,8 @@ static hbil_status build_text(hbil_context *context, const program_kind *kind,
 }
 
 hbil_status program_build(hbil_context *context, const program_kind *kind,
-                          const char *defines, cl_program *out) {
+                          const char *defines, cl_program *out,
+                          binary_identity *identity) {
   /* Kernels spell out their fused operations; no compiler may add others. */
   static const char first[] = "#pragma OPENCL FP_CONTRACT OFF\n";
   source s = {.text = NULL};
@@ -283,7 +289,7 @@ hbil_status program_build(hbil_context *context, const program_kind *kind,
   if (status == HBIL_SUCCESS)
     status = append_file(context, &s, file);
   if (status == HBIL_SUCCESS)
-    status = build_text(context, kind, s.text, defines, out);
+    status = build_text(context, kind, s.text, defines, out, identity);
   free(s.text);
   return status;
 }

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "context.h"
+#include "binary.h"
 
 typedef struct program_kind {
   const char *name;    /* of its file, without .cl */
@@ -20,9 +20,11 @@ enum { MOST_DEFINES = 4096 };
  * names.  So plans that differ in nothing that a program reads share it in the
  * driver's cache.  #include "..." lines of the kernel files are expanded here,
  * each file once.  Therefore a file that is included under a condition must not
- * be the first to include another one. */
+ * be the first to include another one.  If the context has a store of programs,
+ * what that has is used; identity is for binary_store(). */
 hbil_status program_build(hbil_context *context, const program_kind *kind,
-                          const char *defines, cl_program *out);
+                          const char *defines, cl_program *out,
+                          binary_identity *identity);
 
 /* Warns of kernels that HBIL_KERNEL_DIR puts in place of the embedded ones. */
 void program_report_folder(hbil_context *context);

@@ -39,6 +39,16 @@ static cl_device_id find_device(void) {
   return found;
 }
 
+int skip_unless_pocl(void **state) {
+  cl_platform_id platform = NULL;
+  (void)state;
+  clGetDeviceInfo(shared_device.id, CL_DEVICE_PLATFORM, sizeof platform,
+                  &platform, NULL);
+  if (!is_pocl(platform))
+    skip();
+  return 0;
+}
+
 device_fixture device_open(void) {
   device_fixture d;
   cl_int error;

@@ -118,18 +118,27 @@ shim_buffers shim_created(void) {
   return created_buffers;
 }
 
-static cl_ulong most_bytes;
+static struct {
+  cl_device_info what;
+  const void *value; /* NULL: no answer is replaced */
+  size_t size;
+} answer;
 
-void shim_limit_buffers(cl_ulong bytes) {
-  most_bytes = bytes;
+void shim_answer(cl_device_info what, const void *value, size_t size) {
+  answer.what = what;
+  answer.value = value;
+  answer.size = size;
 }
 
 static cl_int device_info(cl_device_id device, cl_device_info what, size_t room,
                           void *value, size_t *size) {
-  const cl_int error = NEXT(clGetDeviceInfo)(device, what, room, value, size);
-  if (what == CL_DEVICE_MAX_MEM_ALLOC_SIZE && most_bytes && value)
-    memcpy(value, &most_bytes, sizeof most_bytes);
-  return error;
+  if (!answer.value || what != answer.what)
+    return NEXT(clGetDeviceInfo)(device, what, room, value, size);
+  if (size)
+    *size = answer.size;
+  if (value)
+    memcpy(value, answer.value, answer.size);
+  return CL_SUCCESS;
 }
 
 /* ------------------------------------------------------------------------ */
@@ -354,6 +363,14 @@ PLAIN(clGetEventProfilingInfo,
       (cl_event event, cl_profiling_info what, size_t room, void *value,
        size_t *size),
       NEXT(clGetEventProfilingInfo)(event, what, room, value, size))
+PLAIN(clGetPlatformInfo,
+      (cl_platform_id platform, cl_platform_info what, size_t room, void *value,
+       size_t *size),
+      NEXT(clGetPlatformInfo)(platform, what, room, value, size))
+PLAIN(clGetProgramInfo,
+      (cl_program program, cl_program_info what, size_t room, void *value,
+       size_t *size),
+      programs_info(program, what, room, value, size))
 PLAIN(clGetProgramBuildInfo,
       (cl_program program, cl_device_id device, cl_program_build_info what,
        size_t room, void *value, size_t *size),
@@ -418,6 +435,12 @@ CREATE(cl_program, clCreateProgramWithSource,
        (cl_context context, cl_uint count, const char **strings,
         const size_t *lengths, cl_int *error),
        programs_create(context, count, strings, lengths, error))
+CREATE(cl_program, clCreateProgramWithBinary,
+       (cl_context context, cl_uint count, const cl_device_id *devices,
+        const size_t *lengths, const unsigned char **binaries, cl_int *status,
+        cl_int *error),
+       NEXT(clCreateProgramWithBinary)(context, count, devices, lengths,
+                                       binaries, status, error))
 CREATE(cl_kernel, clCreateKernel,
        (cl_program program, const char *name, cl_int *error),
        programs_kernel(program, name, error))

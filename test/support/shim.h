@@ -36,9 +36,9 @@ void shim_skip_builds(bool skip);
  * work-items, which kernels must ignore.  NULL: the library's own groups. */
 void shim_use_groups(const size_t *group);
 
-/* From now on the device says that a buffer has at most that many bytes; 0:
- * what it says itself. */
-void shim_limit_buffers(cl_ulong bytes);
+/* From now on clGetDeviceInfo() answers one question by `size` bytes at
+ * `value`, which must stay valid; NULL: it answers all by itself. */
+void shim_answer(cl_device_info what, const void *value, size_t size);
 
 /* true: from now on buffers are created with guard bytes before and behind
  * them, and everything in them is a not-a-number at first.  A buffer's guards

@@ -120,8 +120,8 @@ static cl_kernel idle_kernel(cl_program program, cl_int *error) {
   const char *source = "__kernel void idle(void) {}";
   if (!idle_program) {
     cl_context context = NULL;
-    clGetProgramInfo(program, CL_PROGRAM_CONTEXT, sizeof context, &context,
-                     NULL);
+    NEXT(clGetProgramInfo)
+    (program, CL_PROGRAM_CONTEXT, sizeof context, &context, NULL);
     idle_program =
         NEXT(clCreateProgramWithSource)(context, 1, &source, NULL, error);
     if (!idle_program ||
@@ -131,14 +131,23 @@ static cl_kernel idle_kernel(cl_program program, cl_int *error) {
   return NEXT(clCreateKernel)(idle_program, "idle", error);
 }
 
-cl_kernel programs_kernel(cl_program program, const char *name, cl_int *error) {
-  if (skipping)
-    return idle_kernel(program, error);
+/* The program that was built in place of this one. */
+static cl_program built_for(cl_program program) {
   pthread_mutex_lock(&lock);
   const struct open_program *entry = find_opened(program);
   const cl_program from = entry && entry->built ? entry->built : program;
   pthread_mutex_unlock(&lock);
-  return NEXT(clCreateKernel)(from, name, error);
+  return from;
+}
+
+cl_kernel programs_kernel(cl_program program, const char *name, cl_int *error) {
+  return skipping ? idle_kernel(program, error)
+                  : NEXT(clCreateKernel)(built_for(program), name, error);
+}
+
+cl_int programs_info(cl_program program, cl_program_info what, size_t room,
+                     void *value, size_t *size) {
+  return NEXT(clGetProgramInfo)(built_for(program), what, room, value, size);
 }
 
 cl_int programs_set_argument(cl_kernel kernel, cl_uint index, size_t size,

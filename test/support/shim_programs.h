@@ -33,6 +33,8 @@ cl_int programs_build(cl_program program, cl_uint count,
                       void(CL_CALLBACK *notify)(cl_program, void *),
                       void *data);
 cl_kernel programs_kernel(cl_program program, const char *name, cl_int *error);
+cl_int programs_info(cl_program program, cl_program_info what, size_t room,
+                     void *value, size_t *size);
 /* CL_SUCCESS without effect while builds are skipped. */
 cl_int programs_set_argument(cl_kernel kernel, cl_uint index, size_t size,
                              const void *value);

@@ -4,38 +4,14 @@
  * stores each variant in a file.  The tests count these files in a cache of
  * their own, which is empty at first.
  */
-#define _XOPEN_SOURCE 700 /* mkdtemp, nftw, setenv */
+#define _POSIX_C_SOURCE 200112L /* setenv */
 #include "test/support/fixture.h"
+#include "test/support/folder.h"
 
-#include <ftw.h>
-#include <stdio.h>
-#include <unistd.h>
-
-static char cache[] = "/tmp/hbil-compilation-XXXXXX";
-static int variants;
-
-static int count_variant(const char *path, const struct stat *what, int type,
-                         struct FTW *where) {
-  const size_t length = strlen(path);
-  (void)what;
-  (void)where;
-  variants +=
-      type == FTW_F && length > 3 && strcmp(path + length - 3, ".so") == 0;
-  return 0;
-}
-
-static int remove_entry(const char *path, const struct stat *what, int type,
-                        struct FTW *where) {
-  (void)what;
-  (void)type;
-  (void)where;
-  return remove(path);
-}
+static char cache[MOST_PATH];
 
 static int count_variants(void) {
-  variants = 0;
-  assert_int_equal(nftw(cache, count_variant, 16, FTW_PHYS), 0);
-  return variants;
+  return folder_count(cache, ".so");
 }
 
 static void run(setup *s) {
@@ -100,27 +76,15 @@ static void vectors_of_one_with_a_whole_cache(void **state) {
   check(&s);
 }
 
-static int has_pocl(void **state) {
-  char name[256] = "";
-  cl_platform_id platform = NULL;
-  (void)state;
-  clGetDeviceInfo(shared_device.id, CL_DEVICE_PLATFORM, sizeof platform,
-                  &platform, NULL);
-  clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name - 1, name, NULL);
-  if (!strstr(name, "Portable Computing Language"))
-    skip();
-  return 0;
-}
-
-#define ON_POCL(test) cmocka_unit_test_setup(test, has_pocl)
+#define ON_POCL(test) cmocka_unit_test_setup(test, skip_unless_pocl)
 
 int main(void) {
   const struct CMUnitTest tests[] = {
       ON_POCL(scatter_with_a_cache_of_some_rows), ON_POCL(motion_with_averages),
       ON_POCL(vectors_of_one_with_a_whole_cache)};
-  if (!mkdtemp(cache) || setenv("POCL_CACHE_DIR", cache, 1) != 0)
-    hard_error("no folder for PoCL's cache");
+  folder_make(cache);
+  setenv("POCL_CACHE_DIR", cache, 1);
   const int failures = RUN_WITH_DEVICE(tests);
-  nftw(cache, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+  folder_remove(cache);
   return failures;
 }

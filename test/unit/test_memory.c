@@ -230,7 +230,7 @@ static void the_query_rejects_what_create_rejects(void **state) {
   (void)state;
   use_everything(&s);
   for (cl_ulong most = 4096; most; most = most < 65536 ? 65536 : 0) {
-    shim_limit_buffers(most);
+    shim_answer(CL_DEVICE_MAX_MEM_ALLOC_SIZE, &most, sizeof most);
     assert_int_equal(hbil_plan_memory(shared_device.hbil, &s.config, &bytes),
                      HBIL_OUT_OF_DEVICE_MEMORY);
     snprintf(message, sizeof message, "%s",
@@ -240,7 +240,7 @@ static void the_query_rejects_what_create_rejects(void **state) {
                      HBIL_OUT_OF_DEVICE_MEMORY);
     assert_string_equal(hbil_context_message(shared_device.hbil), message);
   }
-  shim_limit_buffers(0);
+  shim_answer(0, NULL, 0);
   setup_free(&s);
 }
 

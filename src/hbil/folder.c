@@ -1,0 +1,86 @@
+/* A folder of stored programs: a file for each key. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "context.h"
+
+/* FOLDER/KEY and an ending, malloc'd; NULL without memory. */
+static char *path_of(const hbil_context *context, const char *key,
+                     const char *ending) {
+  const char *folder = context->programs.folder;
+  const size_t size = strlen(folder) + strlen(key) + strlen(ending) + 2;
+  char *path = malloc(size);
+  if (path)
+    snprintf(path, size, "%s/%s%s", folder, key, ending);
+  return path;
+}
+
+static size_t load_file(void *user, const char *key, void *data, size_t room) {
+  char *path = path_of(user, key, ".bin");
+  FILE *file = path ? fopen(path, "rb") : NULL;
+  long size = 0;
+  free(path);
+  if (!file)
+    return 0;
+  if (fseek(file, 0, SEEK_END) || (size = ftell(file)) < 0 ||
+      fseek(file, 0, SEEK_SET) || (room && fread(data, 1, room, file) != room))
+    size = 0;
+  fclose(file);
+  return (size_t)size;
+}
+
+/* Opens a file that nobody else has, beside `path`.  The name in `temporary`
+ * has a number that hardly repeats; "x" makes sure. */
+static FILE *open_temporary(const hbil_context *context, const char *key,
+                            char **temporary) {
+  char ending[24];
+  snprintf(ending, sizeof ending, ".%08lx.tmp",
+           ((unsigned long)time(NULL) * 1000003u + (unsigned long)clock() +
+            (unsigned long)(size_t)temporary) &
+               0xffffffffu);
+  *temporary = path_of(context, key, ending);
+  return *temporary ? fopen(*temporary, "wbx") : NULL;
+}
+
+/* Other processes see the whole file or none. */
+static void store_file(void *user, const char *key, const void *data,
+                       size_t size) {
+  hbil_context *context = user;
+  char *temporary = NULL, *path = path_of(context, key, ".bin");
+  FILE *file = path ? open_temporary(context, key, &temporary) : NULL;
+  bool stored = false;
+  if (file) {
+    stored = fwrite(data, 1, size, file) == size;
+    stored = !fclose(file) && stored;
+    /* where rename() replaces nothing, the old file has to go first */
+    stored = stored && (!rename(temporary, path) ||
+                        (!remove(path) && !rename(temporary, path)));
+    if (!stored)
+      remove(temporary);
+  }
+  if (!stored)
+    warn(context, "%s cannot be stored in the folder %s", key,
+         context->programs.folder);
+  free(temporary);
+  free(path);
+}
+
+hbil_status hbil_context_set_program_folder(hbil_context *context,
+                                            const char *folder) {
+  if (!context || !folder)
+    return fail_null(context, __func__, context ? "folder" : "context");
+  const size_t size = strlen(folder) + 1;
+  char *copy = malloc(size);
+  if (!copy)
+    return fail(context, HBIL_OUT_OF_HOST_MEMORY, "no memory for a name");
+  memcpy(copy, folder, size);
+  const hbil_status status =
+      hbil_context_set_program_store(context, load_file, store_file, context);
+  if (status == HBIL_SUCCESS)
+    context->programs.folder = copy;
+  else
+    free(copy);
+  return status;
+}

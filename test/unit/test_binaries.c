@@ -1,0 +1,418 @@
+/*
+ * Stored programs: a later context builds nothing, and what the store has is
+ * used only if it is whole and of the same program, device and version.
+ */
+#define _POSIX_C_SOURCE 200112L /* setenv */
+#include "test/support/fixture.h"
+#include "test/support/folder.h"
+#include "test/support/shim.h"
+
+#include <stdio.h>
+#include <sys/wait.h>
+
+/* ------------------------------------------------------------------------ */
+/* A store in memory                                                         */
+
+enum { MOST_ENTRIES = 64 };
+
+typedef struct entry {
+  char key[64];
+  unsigned char *data;
+  size_t size;
+} entry;
+
+typedef struct memory {
+  entry entries[MOST_ENTRIES];
+  int count;
+  int loaded, stored; /* by the plan at hand */
+  bool mixed_up;      /* gives the data of another key */
+  int warnings;
+} memory;
+
+static entry *find(memory *m, const char *key) {
+  for (int i = 0; i < m->count; ++i)
+    if (strcmp(m->entries[i].key, key) == 0)
+      return &m->entries[i];
+  return NULL;
+}
+
+static size_t load(void *user, const char *key, void *data, size_t size) {
+  memory *m = user;
+  const entry *e = find(m, key);
+  if (!e)
+    return 0;
+  if (m->mixed_up)
+    e = &m->entries[(e - m->entries + 1) % m->count];
+  assert_int_equal(data == NULL, size == 0);
+  if (data)
+    memcpy(data, e->data, size < e->size ? size : e->size);
+  m->loaded += data != NULL;
+  return e->size;
+}
+
+static void store(void *user, const char *key, const void *data, size_t size) {
+  memory *m = user;
+  entry *e = find(m, key);
+  if (!e) {
+    assert_in_range(m->count, 0, MOST_ENTRIES - 1);
+    e = &m->entries[m->count++];
+    assert_in_range(strlen(key), 1, 47);
+    snprintf(e->key, sizeof e->key, "%s", key);
+  }
+  free(e->data);
+  e->data = malloc(size);
+  assert_non_null(e->data);
+  memcpy(e->data, data, size);
+  e->size = size;
+  m->stored++;
+}
+
+static void memory_free(memory *m) {
+  for (int i = 0; i < m->count; ++i)
+    free(m->entries[i].data);
+}
+
+static void hear(hbil_message_kind kind, const char *message, void *user) {
+  memory *m = user;
+  m->warnings +=
+      kind == HBIL_MESSAGE_WARNING && strstr(message, "stored is damaged");
+}
+
+/* ------------------------------------------------------------------------ */
+/* Plans                                                                     */
+
+/* As few programs as possible. */
+static void ao_alone(setup *s) {
+  setup_scene(s, SCENE_ROOM, 40, 24, 0);
+  setup_no_outputs(s);
+  s->config.outputs.ao = one_float;
+}
+
+static hbil_context *new_context(memory *m) {
+  hbil_context *context = NULL;
+  assert_int_equal(
+      hbil_context_create(shared_device.context, shared_device.id, &context),
+      HBIL_SUCCESS);
+  assert_int_equal(hbil_context_set_program_store(context, load, store, m),
+                   HBIL_SUCCESS);
+  hbil_context_set_callback(context, hear, m);
+  return context;
+}
+
+static hbil_status make_plan(const hbil_config *config, memory *m) {
+  hbil_context *context = new_context(m);
+  hbil_plan *plan = NULL;
+  m->loaded = m->stored = m->warnings = 0;
+  const hbil_status status = hbil_plan_create(context, config, &plan);
+  assert_int_equal(plan != NULL, status == HBIL_SUCCESS);
+  hbil_plan_destroy(plan);
+  hbil_context_destroy(context);
+  return status;
+}
+
+/* Creates a plan and compares the numbers of programs that were stored and of
+ * complaints about the store. */
+static void check_plan(const hbil_config *config, memory *m, int stored,
+                       int warnings) {
+  assert_int_equal(make_plan(config, m), HBIL_SUCCESS);
+  assert_int_equal(m->stored, stored);
+  assert_int_equal(m->warnings, warnings);
+}
+
+static exact_planes run_plan(setup *s, memory *m) {
+  device_fixture device = shared_device;
+  device.hbil = new_context(m);
+  m->loaded = m->stored = m->warnings = 0;
+  s->device = &device;
+  setup_start(s);
+  for (int i = 0; i < 3; ++i) {
+    s->frame.static_frame = i == 2;
+    setup_run(s, hbil_enqueue_frame);
+  }
+  const exact_planes out = outputs_read(s);
+  setup_free(s);
+  hbil_context_destroy(device.hbil);
+  return out;
+}
+
+static void a_second_context_builds_nothing(void **state) {
+  memory m = {.count = 0};
+  exact_planes out[2];
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    setup s;
+    setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 0, 40, 24);
+    s.config.execution.horizon_cache_bytes = SIZE_MAX;
+    out[i] = run_plan(&s, &m);
+    assert_in_range(m.count, 10, MOST_ENTRIES);
+    assert_int_equal(m.loaded, i ? m.count : 0);
+    assert_int_equal(m.stored, i ? 0 : m.count);
+    assert_int_equal(m.warnings, 0);
+  }
+  assert_int_equal(count_different(&out[0], &out[1]), 0);
+  exact_planes_free(&out[0]);
+  exact_planes_free(&out[1]);
+  memory_free(&m);
+}
+
+/* ------------------------------------------------------------------------ */
+/* What must not be used                                                     */
+
+/* A byte of every member of the header, and three of the binary. */
+static void damaged_bytes_are_found(void **state) {
+  memory m = {.count = 0};
+  setup s;
+  (void)state;
+  ao_alone(&s);
+  assert_int_equal(make_plan(&s.config, &m), HBIL_SUCCESS);
+  for (int region = 0; region < 7; ++region) {
+    for (int i = 0; i < m.count; ++i) {
+      const size_t size = m.entries[i].size;
+      const size_t at[] = {3, 8, 23, 31, 32, 32 + (size - 32) / 2, size - 1};
+      m.entries[i].data[at[region]] ^= 1;
+    }
+    check_plan(&s.config, &m, m.count, m.count);
+    check_plan(&s.config, &m, 0, 0);
+  }
+  setup_free(&s);
+  memory_free(&m);
+}
+
+/* 0: the entry is empty, which is the same as none. */
+static void truncated_binaries_are_found(void **state) {
+  memory m = {.count = 0};
+  setup s;
+  (void)state;
+  ao_alone(&s);
+  assert_int_equal(make_plan(&s.config, &m), HBIL_SUCCESS);
+  for (int length = 0; length < 5; ++length) {
+    for (int i = 0; i < m.count; ++i) {
+      const size_t sizes[] = {0, 1, 32, 33, m.entries[i].size - 1};
+      m.entries[i].size = sizes[length];
+    }
+    check_plan(&s.config, &m, m.count, length ? m.count : 0);
+  }
+  for (int i = 0; i < m.count; ++i) {
+    entry *e = &m.entries[i];
+    e->data = realloc(e->data, e->size + 1);
+    assert_non_null(e->data);
+    e->data[e->size++] = 0;
+  }
+  check_plan(&s.config, &m, m.count, m.count);
+  setup_free(&s);
+  memory_free(&m);
+}
+
+static void other_programs_are_not_used(void **state) {
+  memory m = {.count = 0};
+  setup s;
+  (void)state;
+  ao_alone(&s);
+  assert_int_equal(make_plan(&s.config, &m), HBIL_SUCCESS);
+  m.mixed_up = true;
+  check_plan(&s.config, &m, m.count, m.count);
+  setup_free(&s);
+  memory_free(&m);
+}
+
+/* Another driver, device or setting has other keys. */
+static void keys_tell_programs_apart(void **state) {
+  static const cl_device_info what[] = {CL_DEVICE_NAME, CL_DEVICE_VENDOR,
+                                        CL_DEVICE_VERSION, CL_DRIVER_VERSION};
+  static const char other[] = "OpenCL 1.2 of another kind";
+  memory m = {.count = 0};
+  setup s;
+  (void)state;
+  ao_alone(&s);
+  assert_int_equal(make_plan(&s.config, &m), HBIL_SUCCESS);
+  const int programs = m.count;
+  for (int i = 0; i < 4; ++i) {
+    shim_answer(what[i], other, sizeof other);
+    check_plan(&s.config, &m, programs, 0);
+    assert_int_equal(m.count, programs * (i + 2));
+    shim_answer(0, NULL, 0);
+  }
+  /* only some programs write outputs */
+  s.config.outputs.ao.component = HBIL_FLOAT16;
+  assert_int_equal(make_plan(&s.config, &m), HBIL_SUCCESS);
+  assert_in_range(m.stored, 1, programs - 1);
+  setup_free(&s);
+  memory_free(&m);
+}
+
+/* Calls whose failure leaves the store aside. */
+static bool is_dispensable(const char *call) {
+  return strncmp(call, "clRelease", 9) == 0 ||
+         strcmp(call, "clCreateProgramWithBinary") == 0 ||
+         strcmp(call, "clGetProgramInfo") == 0 ||
+         strcmp(call, "clGetProgramBuildInfo") == 0 ||
+         strcmp(call, "clBuildProgram") == 0;
+}
+
+/* Each call fails once, while programs are loaded and while they are stored. */
+static void failures_cost_at_most_the_binary(void **state) {
+  setup s;
+  (void)state;
+  ao_alone(&s);
+  for (int stored = 0; stored < 2; ++stored) {
+    const char *failed = "";
+    const long held = shim_references();
+    for (int n = 1; failed; ++n) {
+      memory m = {.count = 0};
+      if (stored)
+        assert_int_equal(make_plan(&s.config, &m), HBIL_SUCCESS);
+      hbil_context *context = new_context(&m);
+      hbil_plan *plan = NULL;
+      shim_fail(n, CL_OUT_OF_RESOURCES);
+      const hbil_status status = hbil_plan_create(context, &s.config, &plan);
+      failed = shim_failed();
+      shim_fail(0, CL_SUCCESS);
+      /* without binaries, the build itself is what fails */
+      const bool succeeds =
+          !failed || (is_dispensable(failed) &&
+                      (stored || strcmp(failed, "clBuildProgram") != 0));
+      if (succeeds != (status == HBIL_SUCCESS))
+        fail_msg("call %d, %s: \"%s\"", n, failed ? failed : "none",
+                 hbil_status_string(status));
+      hbil_plan_destroy(plan);
+      hbil_context_destroy(context);
+      assert_int_equal(shim_references(), held);
+      memory_free(&m);
+    }
+  }
+  setup_free(&s);
+}
+
+static void a_store_has_two_functions(void **state) {
+  hbil_context *c = shared_device.hbil;
+  (void)state;
+  assert_int_equal(hbil_context_set_program_store(NULL, load, store, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_non_null(strstr(hbil_context_message(NULL), ": context must"));
+  assert_int_equal(hbil_context_set_program_store(c, load, NULL, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_non_null(strstr(hbil_context_message(c), ": store must"));
+  assert_int_equal(hbil_context_set_program_store(c, NULL, store, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_non_null(strstr(hbil_context_message(c), ": load must"));
+  assert_int_equal(hbil_context_set_program_store(c, NULL, NULL, NULL),
+                   HBIL_SUCCESS);
+  assert_int_equal(hbil_context_set_program_folder(c, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_non_null(strstr(hbil_context_message(c), ": folder must"));
+}
+
+/* ------------------------------------------------------------------------ */
+/* A folder                                                                  */
+
+/* Another process with an empty cache of PoCL: this program, whose environment
+ * has FOLDER_VARIABLE. */
+#define FOLDER_VARIABLE "HBIL_TEST_PROGRAMS"
+static const char *program;
+
+static int count_warnings;
+static void count_warning(hbil_message_kind kind, const char *message,
+                          void *user) {
+  (void)message;
+  (void)user;
+  count_warnings += kind == HBIL_MESSAGE_WARNING;
+}
+
+static void use_folder(const char *folder) {
+  count_warnings = 0;
+  hbil_context_set_callback(shared_device.hbil, count_warning, NULL);
+  assert_int_equal(hbil_context_set_program_folder(shared_device.hbil, folder),
+                   HBIL_SUCCESS);
+}
+
+static void use_no_folder(void) {
+  hbil_context_set_callback(shared_device.hbil, NULL, NULL);
+  hbil_context_set_program_store(shared_device.hbil, NULL, NULL, NULL);
+}
+
+static void create_plan(void **state) {
+  setup s;
+  (void)state;
+  use_folder(getenv(FOLDER_VARIABLE));
+  ao_alone(&s);
+  setup_start(&s);
+  setup_run(&s, hbil_enqueue_frame);
+  setup_free(&s);
+  assert_int_equal(count_warnings, 0);
+  use_no_folder();
+}
+
+/* What PoCL leaves of each compiled program, and of each kernel. */
+typedef struct compiled {
+  int programs, kernels;
+} compiled;
+
+static compiled run_process(const char *folder) {
+  char cache[MOST_PATH];
+  folder_make(cache);
+  setenv(FOLDER_VARIABLE, folder, 1);
+  setenv("POCL_CACHE_DIR", cache, 1);
+  setenv("POCL_LEAVE_KERNEL_COMPILER_TEMP_FILES", "1", 1);
+  const int status = system(program);
+  unsetenv(FOLDER_VARIABLE);
+  unsetenv("POCL_LEAVE_KERNEL_COMPILER_TEMP_FILES");
+  assert_true(WIFEXITED(status));
+  assert_int_equal(WEXITSTATUS(status), 0);
+  const compiled files = {folder_count(cache, ".cl"),
+                          folder_count(cache, ".so.o")};
+  folder_remove(cache);
+  return files;
+}
+
+static void another_process_compiles_nothing(void **state) {
+  char folder[MOST_PATH], empty[MOST_PATH];
+  setup s;
+  (void)state;
+  folder_make(folder);
+  folder_make(empty);
+  ao_alone(&s);
+  use_folder(folder);
+  setup_start(&s);
+  setup_free(&s);
+  use_no_folder();
+  const int programs = folder_count(folder, ".bin");
+  assert_in_range(programs, 4, 10);
+  assert_int_equal(folder_count(folder, ""), programs);
+  const compiled first = run_process(empty), later = run_process(folder);
+  assert_int_equal(first.programs, programs);
+  assert_true(first.kernels >= programs);
+  assert_int_equal(later.programs, 0);
+  assert_int_equal(later.kernels, 0);
+  folder_remove(folder);
+  folder_remove(empty);
+}
+
+static void folders_may_be_missing(void **state) {
+  setup s;
+  (void)state;
+  ao_alone(&s);
+  use_folder("/no such folder");
+  setup_start(&s);
+  assert_in_range(count_warnings, 4, 10);
+  use_no_folder();
+  setup_free(&s);
+}
+
+int main(int argc, char **argv) {
+  const struct CMUnitTest child[] = {cmocka_unit_test(create_plan)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_second_context_builds_nothing),
+      cmocka_unit_test(damaged_bytes_are_found),
+      cmocka_unit_test(truncated_binaries_are_found),
+      cmocka_unit_test(other_programs_are_not_used),
+      cmocka_unit_test(keys_tell_programs_apart),
+      cmocka_unit_test(failures_cost_at_most_the_binary),
+      cmocka_unit_test(a_store_has_two_functions),
+      cmocka_unit_test_setup(another_process_compiles_nothing,
+                             skip_unless_pocl),
+      cmocka_unit_test(folders_may_be_missing)};
+  (void)argc;
+  program = argv[0];
+  return getenv(FOLDER_VARIABLE) ? RUN_WITH_DEVICE(child)
+                                 : RUN_WITH_DEVICE(tests);
+}
