@@ -87,8 +87,8 @@ static FILE *open_pipe(const bench_options *options, uint32_t width,
       [BENCH_PILOT_SINGLE_THREAD] =
           "export POCL_MAX_PTHREAD_COUNT=1 POCL_CPU_MAX_CU_COUNT=1; exec",
       [BENCH_PILOT_COLD] =
-          "cache=$(mktemp -d) || exit; trap 'rm -rf \"$cache\"' 0;"
-          "export POCL_CACHE_DIR=\"$cache\";"};
+          ("cache=$(mktemp -d) || exit; trap 'rm -rf \"$cache\"' 0;"
+           "export POCL_CACHE_DIR=\"$cache\";")};
   char command[512];
   if (setenv("HBIL_BENCH_PROGRAM", options->program, 1) != 0 ||
       setenv("HBIL_BENCH_DEVICE", options->device ? options->device : "", 1) !=
