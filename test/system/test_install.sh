@@ -227,6 +227,16 @@ for example in "$share"/doc/hbil/examples/*.c; do
   test $status -eq 0 && test -n "$compile"
   ok $? "README.md's compiler command builds $(basename "$example")"
 done
+name="examples/README.md's command builds 08_cpp.cpp"
+compile=$(sed -n 's/^    \(c++ .*08_cpp.*\)$/\1/p' "$share/doc/hbil/examples/README.md")
+if test -x "$here/examples/08_cpp"; then
+  cp "$share/doc/hbil/examples/08_cpp.cpp" "$work"
+  run eval "cd $work && $compile -o program"
+  test $status -eq 0 && test -n "$compile"
+  ok $? "$name"
+else
+  skip "$name" "no CL/opencl.hpp (opencl-clhpp-headers)"
+fi
 cd "$here" || exit 99
 
 # with_cmake VERSION [LIBRARIES]: an example built by find_package(hbil VERSION), and run
