@@ -65,11 +65,15 @@ class Hbil:
                 + ffi.string(lib.hbil_context_message(self.handle)).decode())
 
     def plan(self, **settings):
-        """A plan; a format is (component, stride)."""
+        """A plan; settings are groups of members, or members by themselves."""
         config = ffi.new("hbil_config *")
         lib.hbil_config_init_sized(config, ffi.sizeof("hbil_config"))
         for name, value in settings.items():
-            setattr(config, name, value)
+            if isinstance(value, dict):
+                for member, chosen in value.items():
+                    setattr(getattr(config, name), member, chosen)
+            else:
+                setattr(config, name, value)
         out = ffi.new("hbil_plan **")
         self.check(lib.hbil_plan_create(self.handle, config, out))
         return ffi.gc(out[0], lib.hbil_plan_destroy)
@@ -117,9 +121,11 @@ def main():
     direct = np.ones((3, HEIGHT, WIDTH), np.float32)
     near_irradiance, ao = np.empty_like(direct), np.empty_like(depth)
 
-    planes = (lib.HBIL_FLOAT32, 1)
-    plan = hbil.plan(width=WIDTH, height=HEIGHT, depth=planes, normal=planes,
-                     direct=planes, near_irradiance=planes, ao=planes)
+    planes = (lib.HBIL_FLOAT32, 1)  # component, stride
+    plan = hbil.plan(
+        width=WIDTH, height=HEIGHT,
+        inputs={"depth": planes, "normal": planes, "direct": planes},
+        outputs={"near_irradiance": planes, "ao": planes})
     flags = cl.mem_flags.READ_WRITE
     images = {name: cl.Buffer(context, flags, array.nbytes) for name, array in
               [("depth", depth), ("normal", normal), ("direct", direct),

@@ -59,8 +59,7 @@ typedef struct hbil_sources {
  *   in direct         HBIL_FAR_FRAME       the sky's radiance
  *   not in direct     HBIL_FAR_CONSTANT    the sky's radiance
  * gather_emission is CL_TRUE if there are lamps whose light `direct` does not
- * contain, else CL_FALSE.  Without normals it stays as it is, and lamps are not
- * seen.
+ * contain, else CL_FALSE.  Without a plane of normals they are taken from depth.
  *
  * Unblocked directions end in the sky or on surfaces outside the picture.  For
  * those, the mean of the frame's own surfaces is a better guess than black.  In
@@ -85,8 +84,7 @@ typedef struct hbil_sources {
  * or channel is missing, or if a row_pitch is too small or not a multiple of
  * four; HBIL_INVALID_CONFIG if width, height or depth_kind is out of range; and
  * HBIL_INVALID_FRAME if the camera's fx or fy is not positive or hardware_depth
- * is needed and invalid.  Then nothing is
- * changed. */
+ * is needed and invalid.  Then nothing is changed. */
 HBIL_API hbil_status hbil_config_suggest(const hbil_host_planes *planes,
                                          hbil_config *config, hbil_frame *frame,
                                          hbil_sources *sources);

@@ -378,16 +378,14 @@ hbil_status hbil_config_suggest(const hbil_host_planes *planes,
     if (!is_usable(config, frame))
       return HBIL_INVALID_FRAME;
     found.sky = find_sky(&l, sky);
-    if (exists(&l.planes.normal))
-      found.lamps = look_at_lamps(&l);
+    found.lamps = look_at_lamps(&l);
     memcpy(frame->environment[0], sky, sizeof sky);
   }
   config->model.far_field = !looks ? HBIL_FAR_NONE
                             : found.sky == HBIL_SOURCE_NOT_IN_DIRECT
                                 ? HBIL_FAR_CONSTANT
                                 : HBIL_FAR_FRAME;
-  if (!looks || exists(&planes->normal))
-    config->model.gather_emission = found.lamps == HBIL_SOURCE_NOT_IN_DIRECT;
+  config->model.gather_emission = found.lamps == HBIL_SOURCE_NOT_IN_DIRECT;
   if (sources)
     *sources = found;
   return HBIL_SUCCESS;

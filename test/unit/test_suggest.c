@@ -124,16 +124,19 @@ static void without_lamps_nothing_is_gathered(void **state) {
   }
 }
 
-static void without_normals_the_caller_decides_of_lamps(void **state) {
-  const cl_bool choices[] = {CL_FALSE, CL_TRUE};
+static void missing_normals_are_taken_from_depth(void **state) {
+  const float dimmed[] = {1.0f, 1e-3f};
   (void)state;
   for (int i = 0; i < 2; ++i) {
     first *f = frame_of(SCENE_ROOM);
-    memset(&f->planes.normal, 0, sizeof f->planes.normal);
-    f->config.model.gather_emission = choices[i];
+    scale(f->direct, dimmed[i]);
     suggest(f);
-    assert_int_equal(f->found.lamps, HBIL_SOURCE_NOT_SEEN);
-    assert_int_equal(f->config.model.gather_emission, choices[i]);
+    const hbil_source lamps = f->found.lamps;
+    assert_int_equal(lamps,
+                     i ? HBIL_SOURCE_NOT_IN_DIRECT : HBIL_SOURCE_IN_DIRECT);
+    memset(&f->planes.normal, 0, sizeof f->planes.normal);
+    suggest(f);
+    assert_int_equal(f->found.lamps, lamps);
     assert_int_equal(f->config.model.far_field, HBIL_FAR_FRAME);
     free(f);
   }
@@ -415,7 +418,7 @@ int main(void) {
       cmocka_unit_test(lamps_in_direct_light_are_not_gathered),
       cmocka_unit_test(lamps_that_direct_light_lacks_are_gathered),
       cmocka_unit_test(without_lamps_nothing_is_gathered),
-      cmocka_unit_test(without_normals_the_caller_decides_of_lamps),
+      cmocka_unit_test(missing_normals_are_taken_from_depth),
       cmocka_unit_test(parallel_rays_see_patches_of_one_size),
       cmocka_unit_test(a_sky_in_direct_light_is_told_to_the_estimate),
       cmocka_unit_test(a_sky_that_direct_light_lacks_is_far_light),
