@@ -182,9 +182,12 @@ static hbil_plan *plan_create(hbil_context *hbil) {
   config.inputs.direct_scale = 3.14159265f; /* `direct` holds irradiance / pi */
   config.outputs.near_irradiance = (hbil_plane_format){HBIL_FLOAT16, 4};
   config.outputs.ao = (hbil_plane_format){HBIL_FLOAT16, 4};
-  size_t bytes = 0;
+  hbil_memory bytes;
   check(hbil_plan_memory(hbil, &config, &bytes), hbil);
-  printf("hbil takes %.1f MiB of device memory\n", (double)bytes / 1048576.0);
+  printf("hbil takes %.1f MiB of device memory, %.1f of them only during a "
+         "frame\n",
+         (double)(bytes.kept + bytes.scratch) / 1048576.0,
+         (double)bytes.scratch / 1048576.0);
   hbil_plan *plan = NULL;
   check(hbil_plan_create(hbil, &config, &plan), hbil);
   return plan;

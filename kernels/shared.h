@@ -296,11 +296,13 @@ enum {
 
 /* --- the passes ----------------------------------------------------------- */
 
-/* Padding of the layers, once per plan (clear.cl). */
+/* Padding of the layers (clear.cl).  nothing: what its first plane holds. */
 typedef struct hbil_clear_args {
   hbil_layer_args layers;
+  hbil_uint span; /* columns of padding, left and right */
+  hbil_float nothing;
 } hbil_clear_args;
-HBIL_ASSERT_LAYOUT(hbil_clear_args, layers, 0, 7)
+HBIL_ASSERT_LAYOUT(hbil_clear_args, nothing, 8, 9)
 
 /* Scatter on CPUs: the number of pixels of a row of the last frame that form a
  * run. */

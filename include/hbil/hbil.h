@@ -174,13 +174,19 @@ HBIL_API hbil_status hbil_context_set_program_folder(hbil_context *context,
 
 typedef struct hbil_plan hbil_plan;
 
-/* Computes how many bytes of device memory hbil_plan_create() would allocate,
- * as the exact sum of its buffers.  Rejects what hbil_plan_create() rejects
- * before it builds anything: with HBIL_INVALID_CONFIG what it has no settings
- * for, with HBIL_OUT_OF_DEVICE_MEMORY what needs a larger buffer than the
- * device has. */
+/* Device memory of a plan, in bytes: exact sums of its buffers. */
+typedef struct hbil_memory {
+  size_t kept;    /* what frames leave to later ones: history, tables, counts */
+  size_t scratch; /* what the passes of a frame leave to each other */
+} hbil_memory;
+
+/* Computes how much device memory hbil_plan_create() would allocate.  Rejects
+ * what hbil_plan_create() rejects before it builds anything: with
+ * HBIL_INVALID_CONFIG what it has no settings for, with
+ * HBIL_OUT_OF_DEVICE_MEMORY what needs a larger buffer than the device has. */
 HBIL_API hbil_status hbil_plan_memory(hbil_context *context,
-                                      const hbil_config *config, size_t *bytes);
+                                      const hbil_config *config,
+                                      hbil_memory *out);
 
 /* Builds the kernels, allocates the buffers, launches each kernel once without
  * any work, in a queue of its own, and waits for all this.  It can take many
@@ -189,6 +195,24 @@ HBIL_API hbil_status hbil_plan_memory(hbil_context *context,
 HBIL_API hbil_status hbil_plan_create(hbil_context *context,
                                       const hbil_config *config,
                                       hbil_plan **out);
+
+/* The same, with `scratch` as the plan's scratch memory.  Between two frames of
+ * the plan it is free: other passes, and other plans, may use it.
+ *
+ * It is a buffer or a sub-buffer of the context's cl_context that kernels may
+ * read and write, and has at least hbil_memory.scratch bytes.  The plan retains
+ * it.  Neither creating nor destroying a plan changes what is in it.  A frame
+ * uses it from wait_list to the frame's event; whoever else uses it waits for
+ * that event, or is in the same in-order queue.  A frame's planes must not lie
+ * in it.
+ *
+ * What is written there by others is lost to the plan: hbil_frame.static_frame
+ * may be CL_TRUE, and hbil_plan_buffer() has the last frame's SPLIT, GATHERED,
+ * CARRIED and RESOLVED, only if nothing has been.  The history is not in it.
+ * Each frame that is not static clears the padding of its layers again. */
+HBIL_API hbil_status hbil_plan_create_in(hbil_context *context,
+                                         const hbil_config *config,
+                                         cl_mem scratch, hbil_plan **out);
 
 /* Releases a plan, before or after its context.  Commands already enqueued
  * complete.  NULL is allowed. */

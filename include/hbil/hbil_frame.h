@@ -132,7 +132,7 @@ typedef struct hbil_frame {
    * updated.  When it stops changing, bit for bit, nothing is gathered or
    * filtered.  With history.max_frames, frame_index may differ, and all frames
    * are gathered.  Ignored in a plan's first frame.  Callers who write to a
-   * plan's stages must not set it. */
+   * plan's stages, or to scratch memory that they lent it, must not set it. */
   cl_bool static_frame;
   /* With HBIL_DEPTH_HARDWARE: A and B of this frame's projection;
    * hbil_camera_from_matrices() computes both.  The value of

@@ -134,7 +134,9 @@ static void set_formats(bench_trial *t) {
 
 static hbil_status make_plan(bench_trial *t) {
   hbil_context *context = t->fixture->context;
-  const hbil_status status = hbil_plan_memory(context, &t->config, &t->memory);
+  hbil_memory memory = {0, 0};
+  const hbil_status status = hbil_plan_memory(context, &t->config, &memory);
+  t->memory = memory.kept + memory.scratch;
   return status == HBIL_SUCCESS
              ? hbil_plan_create(context, &t->config, &t->plan)
              : status;

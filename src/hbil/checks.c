@@ -6,45 +6,15 @@
 
 #include "camera.h"
 #include "import.h"
+#include "memory.h"
 #include "overlap.h"
-
-/* What OpenCL knows of a plane's buffer. */
-typedef struct memory_info {
-  cl_mem_object_type type;
-  cl_context context;
-  cl_mem_flags flags;
-  size_t bytes;
-  cl_mem parent; /* of a sub-buffer, else null */
-  size_t origin; /* where a sub-buffer begins in its parent, else 0 */
-} memory_info;
-
-static cl_int read_memory(cl_mem buffer, memory_info *info) {
-  const struct {
-    cl_mem_info what;
-    size_t size;
-    void *value;
-  } queries[] = {
-      {CL_MEM_TYPE, sizeof info->type, &info->type},
-      {CL_MEM_CONTEXT, sizeof info->context, &info->context},
-      {CL_MEM_FLAGS, sizeof info->flags, &info->flags},
-      {CL_MEM_SIZE, sizeof info->bytes, &info->bytes},
-      {CL_MEM_ASSOCIATED_MEMOBJECT, sizeof info->parent, &info->parent},
-      {CL_MEM_OFFSET, sizeof info->origin, &info->origin},
-  };
-  cl_int error = CL_SUCCESS;
-  for (size_t i = 0;
-       i < sizeof queries / sizeof *queries && error == CL_SUCCESS; ++i)
-    error = clGetMemObjectInfo(buffer, queries[i].what, queries[i].size,
-                               queries[i].value, NULL);
-  return error;
-}
 
 /* That kernels can take the buffer or image for this plane. */
 static hbil_status check_memory(hbil_context *context, int plane, cl_mem buffer,
                                 bool is_image, memory_info *info) {
   const char *name = plane_kinds[plane].name;
   const bool output = plane >= PLANE_FIRST_OUTPUT;
-  const cl_int error = read_memory(buffer, info);
+  const cl_int error = memory_read(buffer, info);
   if (error == CL_INVALID_MEM_OBJECT)
     return fail(context, HBIL_INVALID_FRAME, "%s.buffer: %s", name,
                 cl_error_name(error));
@@ -146,6 +116,21 @@ static hbil_status check_plane(hbil_plan *plan, const hbil_frame *frame,
   return status;
 }
 
+/* That no plane lies in scratch memory of the caller's. */
+static hbil_status check_scratch(const hbil_plan *plan,
+                                 const plane_region regions[PLANE_COUNT]) {
+  const memory_range *scratch = &plan->lent;
+  for (int i = 0; i < PLANE_COUNT && scratch->memory; ++i)
+    if (regions[i].memory == scratch->memory &&
+        regions[i].start < scratch->start + scratch->bytes &&
+        scratch->start < regions[i].start + plane_extent(&regions[i].shape))
+      return fail(
+          plan->context, HBIL_INVALID_FRAME,
+          "%s: lies in the plan's scratch memory, which frames overwrite",
+          plane_kinds[i].name);
+  return HBIL_SUCCESS;
+}
+
 /* That outputs have bytes of their own.  Planes that don't exist have no
  * memory. */
 static hbil_status check_overlaps(hbil_context *context,
@@ -228,6 +213,8 @@ hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
   for (int i = 0; i < PLANE_COUNT && status == HBIL_SUCCESS; ++i)
     if (planes & PLANE_BIT(i))
       status = check_plane(plan, frame, i, &regions[i]);
+  if (status == HBIL_SUCCESS)
+    status = check_scratch(plan, regions);
   if (status == HBIL_SUCCESS)
     status = check_overlaps(plan->context, regions);
   return status;

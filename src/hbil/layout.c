@@ -254,8 +254,36 @@ static cl_uint composed_line(const hbil_config *config) {
   return line;
 }
 
+bool layout_is_scratch(int buffer) {
+  switch (buffer) {
+  case BUFFER_CARRIED:
+  case BUFFER_NEAREST:
+  case BUFFER_LANDING:
+  case BUFFER_SPLIT:
+  case BUFFER_LIGHT:
+  case BUFFER_RESOLVED:
+  case BUFFER_BOUNDS:
+  case BUFFER_USES:
+    return true;
+  }
+  return buffer >= BUFFER_STAGED;
+}
+
+/* Adds up the buffers, and puts scratch buffers one behind the other. */
+static void lay_out_memory(size_t alignment, layout *out) {
+  for (int i = 0; i < BUFFER_COUNT; ++i) {
+    if (!layout_is_scratch(i)) {
+      out->memory.kept += out->bytes[i];
+      continue;
+    }
+    out->bytes[i] = (out->bytes[i] + alignment - 1) / alignment * alignment;
+    out->at[i] = out->memory.scratch;
+    out->memory.scratch += out->bytes[i];
+  }
+}
+
 void layout_compute(const hbil_config *config, const staging *staged,
-                    layout *out) {
+                    size_t alignment, layout *out) {
   memset(out, 0, sizeof *out);
   out->staged = *staged;
   decide_work(config, out);
@@ -290,8 +318,8 @@ void layout_compute(const hbil_config *config, const staging *staged,
   out->bytes[BUFFER_LIGHT] = layers_size(&out->light);
   out->error_plane = light_planes(out);
   const cl_uint errors = !has(config, PLANE_ERROR) ? 0 : out->radiance ? 2 : 1;
-  out->bytes[BUFFER_RESOLVED] =
-      (out->error_plane + errors) * real * out->planes.plane;
+  out->resolved_planes = out->error_plane + errors;
+  out->bytes[BUFFER_RESOLVED] = out->resolved_planes * real * out->planes.plane;
   if (config->history.max_frames)
     out->bytes[BUFFER_TEMPORAL] = out->bytes[BUFFER_TEMPORAL_NEXT] =
         real *
@@ -324,4 +352,5 @@ void layout_compute(const hbil_config *config, const staging *staged,
   if (out->history && out->skip & HBIL_SKIP_STATIC &&
       !config->history.max_frames)
     out->bytes[BUFFER_HORIZON_CACHE] = lay_out_horizon_cache(config, out);
+  lay_out_memory(alignment, out);
 }

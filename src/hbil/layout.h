@@ -46,6 +46,8 @@ typedef struct staging {
 
 typedef struct layout {
   size_t bytes[BUFFER_COUNT]; /* 0: not needed */
+  size_t at[BUFFER_COUNT];    /* where scratch buffers begin in the caller's */
+  hbil_memory memory;
   hbil_plane_args planes;     /* full-resolution planes */
   hbil_runs_args runs;        /* of scatter's bands */
   hbil_layer_args split, light;
@@ -64,6 +66,7 @@ typedef struct layout {
   hbil_far_field far_field;  /* NONE if no output shows it */
   hbil_pattern_args pattern; /* without turn, shift, reach */
   cl_uint line;              /* pixels that one work-item of composite takes */
+  cl_uint resolved_planes;   /* of RESOLVED */
   cl_uint error_plane;       /* of RESOLVED: where errors begin */
   cl_uint weight_plane;      /* of GATHERED: weights of slices; 0: none */
   hbil_error_args errors;
@@ -73,8 +76,11 @@ typedef struct layout {
 /* Whether scatter needs no atomics: CPUs.  Here and below, config.vector_width
  * must not be 0. */
 bool layout_has_bands(const hbil_config *config);
-/* config has the formats that the passes see. */
+/* Whether a buffer has nothing that outlives a frame. */
+bool layout_is_scratch(int buffer);
+/* config has the formats that the passes see.  alignment: of buffers on the
+ * device, in bytes. */
 void layout_compute(const hbil_config *config, const staging *staged,
-                    layout *out);
+                    size_t alignment, layout *out);
 
 #endif

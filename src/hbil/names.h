@@ -5,6 +5,7 @@
 #ifndef HBIL_NAMES_H
 #define HBIL_NAMES_H
 
+#define allocate hbil_internal_allocate
 #define begin_commands hbil_internal_begin_commands
 #define camera_between hbil_internal_camera_between
 #define camera_check hbil_internal_camera_check
@@ -13,9 +14,11 @@
 #define camera_view hbil_internal_camera_view
 #define check_frame hbil_internal_check_frame
 #define check_image hbil_internal_check_image
+#define check_lent hbil_internal_check_lent
 #define check_queue hbil_internal_check_queue
 #define cl_error_name hbil_internal_cl_error_name
 #define clear_counts hbil_internal_clear_counts
+#define clear_padding hbil_internal_clear_padding
 #define component_kinds hbil_internal_component_kinds
 #define component_size hbil_internal_component_size
 #define config_has_thickness hbil_internal_config_has_thickness
@@ -49,6 +52,9 @@
 #define launch_rows hbil_internal_launch_rows
 #define layout_compute hbil_internal_layout_compute
 #define layout_has_bands hbil_internal_layout_has_bands
+#define layout_is_scratch hbil_internal_layout_is_scratch
+#define memory_limits hbil_internal_memory_limits
+#define memory_read hbil_internal_memory_read
 #define plane_bind hbil_internal_plane_bind
 #define plane_components hbil_internal_plane_components
 #define plane_components_allowed hbil_internal_plane_components_allowed
@@ -64,8 +70,8 @@
 #define set_flag hbil_internal_set_flag
 #define stage_planes hbil_internal_stage_planes
 #define staged_frame hbil_internal_staged_frame
-#define try_import hbil_internal_try_import
 #define status_of hbil_internal_status_of
+#define try_import hbil_internal_try_import
 #define warn hbil_internal_warn
 
 #endif

@@ -10,6 +10,7 @@
 #include "defines.h"
 #include "hbil/hbil_stages.h"
 #include "import.h"
+#include "memory.h"
 #include "program.h"
 #include "trial.h"
 
@@ -48,7 +49,7 @@ static const struct {
     [KERNEL_FIND_HOLES] = {"find_holes", PROGRAM_PUSH_PULL},
     [KERNEL_PUSH] = {"push", PROGRAM_PUSH_PULL},
     [KERNEL_PULL] = {"pull", PROGRAM_PUSH_PULL},
-    [KERNEL_CLEAR_LAYERS] = {"clear_layers", PROGRAM_CLEAR},
+    [KERNEL_CLEAR_PADDING] = {"clear_padding", PROGRAM_CLEAR},
     [KERNEL_SPLIT] = {"split", PROGRAM_SPLIT},
     [KERNEL_RELIGHT] = {"relight", PROGRAM_SPLIT},
     [KERNEL_BOUND_CELLS] = {"bound_cells", PROGRAM_BOUNDS},
@@ -145,38 +146,15 @@ static void store_programs(const hbil_plan *plan,
       binary_store(plan->context, plan->programs[i], &identity[i]);
 }
 
-/* --- buffers --- */
+/* --- the first commands --- */
 
-static hbil_status allocate(hbil_plan *plan) {
-  for (int i = 0; i < BUFFER_COUNT; ++i) {
-    cl_int error = CL_SUCCESS;
-    const size_t bytes = plan->layout.bytes[i];
-    if (!bytes)
-      continue;
-    plan->buffers[i] = clCreateBuffer(plan->context->context, CL_MEM_READ_WRITE,
-                                      bytes, NULL, &error);
-    if (!plan->buffers[i])
-      return fail_cl(plan->context, error, "clCreateBuffer");
-  }
-  return HBIL_SUCCESS;
-}
-
-/* Writes what no kernel writes: the padding of the layers, and counts of inputs
- * that this plan never reads. */
-static hbil_status fill_padding(hbil_plan *plan, cl_command_queue queue) {
-  static const int buffers[] = {BUFFER_SPLIT, BUFFER_LIGHT, BUFFER_SANITIZED};
+/* Writes what no kernel writes: counts of inputs that this plan never reads,
+ * and the padding, which frames clear in scratch memory of the caller's. */
+static hbil_status write_first(hbil_plan *plan, cl_command_queue queue) {
   commands chain = {.plan = plan, .queue = queue, .in_order = true};
-  hbil_status status = HBIL_SUCCESS;
-  for (size_t i = 0; i < sizeof buffers / sizeof *buffers; ++i)
-    if (plan->buffers[buffers[i]] && status == HBIL_SUCCESS)
-      status = enqueue_fill(&chain, buffers[i], 0);
-  if (status != HBIL_SUCCESS)
-    return status;
-  /* "no surface" in all layers */
-  const hbil_clear_args args = {plan->layout.split};
-  const argument list[] = {ARG(args), BUFFER_ARG(plan, BUFFER_SPLIT)};
-  const size_t rows = HBIL_LAYERS * ((size_t)args.layers.height + 2);
-  return LAUNCH(&chain, KERNEL_CLEAR_LAYERS, list, rows, 1, 1);
+  const hbil_status status = enqueue_fill(&chain, BUFFER_SANITIZED, 0);
+  return status == HBIL_SUCCESS && !plan->lent.memory ? clear_padding(&chain)
+                                                      : status;
 }
 
 /* Makes the plan ready for its first frame, in a queue of its own, and waits.
@@ -187,7 +165,7 @@ static hbil_status prepare(hbil_plan *plan) {
       plan->context->context, plan->context->device, 0, &error);
   if (!queue)
     return fail_cl(plan->context, error, "clCreateCommandQueue");
-  hbil_status status = fill_padding(plan, queue);
+  hbil_status status = write_first(plan, queue);
   if (status == HBIL_SUCCESS)
     status = launch_every_kernel(plan, queue);
   error = clFinish(queue);
@@ -199,69 +177,40 @@ static hbil_status prepare(hbil_plan *plan) {
 
 /* --- public --- */
 
-/* The most bytes that the device has in one buffer. */
-static hbil_status largest_buffer(hbil_context *context, cl_ulong *bytes) {
-  const cl_int error =
-      clGetDeviceInfo(context->device, CL_DEVICE_MAX_MEM_ALLOC_SIZE,
-                      sizeof *bytes, bytes, NULL);
-  return error == CL_SUCCESS ? HBIL_SUCCESS
-                             : fail_cl(context, error, "clGetDeviceInfo");
-}
-
 /* What a plan of the caller's config is: the config, checked and without
  * defaults, and the sizes.  If vector_width is 0, it is chosen for the device.
  * sky_depth is limited to HBIL_FARTHEST_DEPTH, and the horizon cache to the
  * largest buffer. */
 static hbil_status lay_out(hbil_context *context, const hbil_config *given,
                            hbil_config *resolved, layout *sizes) {
-  cl_ulong most = 0;
+  buffer_limits limits;
   staging staged;
   hbil_status status = config_take(context, given, resolved);
   if (status == HBIL_SUCCESS)
     status = stage_planes(context, resolved, &staged);
   if (status == HBIL_SUCCESS)
-    status = largest_buffer(context, &most);
+    status = memory_limits(context, &limits);
   if (status != HBIL_SUCCESS)
     return status;
   if (!resolved->execution.vector_width)
     resolved->execution.vector_width = context->vector_width;
-  if (resolved->execution.horizon_cache_bytes > most)
-    resolved->execution.horizon_cache_bytes = (size_t)most;
+  if (resolved->execution.horizon_cache_bytes > limits.largest)
+    resolved->execution.horizon_cache_bytes = limits.largest;
   resolved->inputs.sky_depth =
       fminf(resolved->inputs.sky_depth, HBIL_FARTHEST_DEPTH);
-  layout_compute(resolved, &staged, sizes);
+  layout_compute(resolved, &staged, limits.alignment, sizes);
   for (int i = 0; i < BUFFER_COUNT; ++i)
-    if (sizes->bytes[i] > most)
+    if (sizes->bytes[i] > limits.largest)
       return fail(context, HBIL_OUT_OF_DEVICE_MEMORY,
                   "width, height: %u x %u pixels need a buffer of %zu bytes, "
-                  "the device allows %llu",
+                  "the device allows %zu",
                   (unsigned)resolved->width, (unsigned)resolved->height,
-                  sizes->bytes[i], (unsigned long long)most);
+                  sizes->bytes[i], limits.largest);
   return HBIL_SUCCESS;
 }
 
 hbil_status hbil_plan_memory(hbil_context *context, const hbil_config *config,
-                             size_t *bytes) {
-  layout sizes;
-  hbil_config resolved;
-  if (!context || !config || !bytes)
-    return fail_null(context, __func__,
-                     !context  ? "context"
-                     : !config ? "config"
-                               : "bytes");
-  const hbil_status status = lay_out(context, config, &resolved, &sizes);
-  if (status != HBIL_SUCCESS)
-    return status;
-  *bytes = 0;
-  for (int i = 0; i < BUFFER_COUNT; ++i)
-    *bytes += sizes.bytes[i];
-  return HBIL_SUCCESS;
-}
-
-hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
-                             hbil_plan **out) {
-  if (out)
-    *out = NULL;
+                             hbil_memory *out) {
   layout sizes;
   hbil_config resolved;
   if (!context || !config || !out)
@@ -269,7 +218,21 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
                      !context  ? "context"
                      : !config ? "config"
                                : "out");
+  const hbil_status status = lay_out(context, config, &resolved, &sizes);
+  if (status == HBIL_SUCCESS)
+    *out = sizes.memory;
+  return status;
+}
+
+/* scratch: null, or the caller's */
+static hbil_status create(hbil_context *context, const hbil_config *config,
+                          cl_mem scratch, hbil_plan **out) {
+  layout sizes;
+  hbil_config resolved;
+  memory_range lent = {NULL, 0, 0};
   hbil_status status = lay_out(context, config, &resolved, &sizes);
+  if (status == HBIL_SUCCESS && scratch)
+    status = check_lent(context, scratch, sizes.memory.scratch, &lent);
   if (status != HBIL_SUCCESS)
     return status;
   hbil_plan *plan = calloc(1, sizeof *plan);
@@ -279,6 +242,7 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
   context_retain(context);
   plan->config = resolved;
   plan->layout = sizes;
+  plan->lent = lent;
   binary_identity identity[PROGRAM_COUNT];
   if ((status = build_kernels(plan, identity)) != HBIL_SUCCESS ||
       (status = allocate(plan)) != HBIL_SUCCESS ||
@@ -289,6 +253,32 @@ hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
   store_programs(plan, identity);
   *out = plan;
   return HBIL_SUCCESS;
+}
+
+hbil_status hbil_plan_create(hbil_context *context, const hbil_config *config,
+                             hbil_plan **out) {
+  if (out)
+    *out = NULL;
+  if (!context || !config || !out)
+    return fail_null(context, __func__,
+                     !context  ? "context"
+                     : !config ? "config"
+                               : "out");
+  return create(context, config, NULL, out);
+}
+
+hbil_status hbil_plan_create_in(hbil_context *context,
+                                const hbil_config *config, cl_mem scratch,
+                                hbil_plan **out) {
+  if (out)
+    *out = NULL;
+  if (!context || !config || !scratch || !out)
+    return fail_null(context, __func__,
+                     !context   ? "context"
+                     : !config  ? "config"
+                     : !scratch ? "scratch"
+                                : "out");
+  return create(context, config, scratch, out);
 }
 
 void hbil_plan_destroy(hbil_plan *plan) {
@@ -354,8 +344,7 @@ hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
   out->plane_pitch = l->planes.plane;
   out->row_pitch = l->planes.row;
   if (stage == HBIL_STAGE_RESOLVED) {
-    out->values =
-        (cl_uint)(l->bytes[buffer] / (out->plane_pitch * sizeof(cl_float)));
+    out->values = l->resolved_planes;
     return HBIL_SUCCESS;
   }
   if (stage != HBIL_STAGE_CARRIED)

@@ -37,7 +37,7 @@ enum {
   KERNEL_FIND_HOLES,
   KERNEL_PUSH,
   KERNEL_PULL,
-  KERNEL_CLEAR_LAYERS,
+  KERNEL_CLEAR_PADDING,
   KERNEL_SPLIT,
   KERNEL_RELIGHT,
   KERNEL_BOUND_CELLS,
@@ -59,13 +59,20 @@ enum {
 
 /* The most commands of a frame, for the profiling events: two for each level of
  * the push/pull chain, one for each staged plane, and the others. */
-enum { MAX_LAUNCHES = 2 * MAX_CHAIN + PLANE_COUNT + 24 };
+enum { MAX_LAUNCHES = 2 * MAX_CHAIN + PLANE_COUNT + 26 };
+
+/* A part of a buffer that is nobody's sub-buffer. */
+typedef struct memory_range {
+  cl_mem memory;
+  size_t start, bytes;
+} memory_range;
 
 struct hbil_plan {
   hbil_context *context;
   hbil_config config; /* formats: as the passes see them (import.h) */
   layout layout;
   cl_mem buffers[BUFFER_COUNT];
+  memory_range lent; /* the caller's scratch memory; memory is null: none */
   cl_program programs[PROGRAM_COUNT];
   cl_kernel kernels[KERNEL_COUNT];
   /* The plan's commands run one after the other, whatever queues they go to.

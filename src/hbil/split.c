@@ -3,6 +3,7 @@
 #include "passes.h"
 
 #include "camera.h"
+#include "memory.h"
 #include "planes.h"
 
 /* --- what is made of the layers --- */
@@ -131,6 +132,8 @@ hbil_status enqueue_split(commands *chain, const hbil_frame *frame) {
                            BUFFER_ARG(plan, BUFFER_BOUNDS)};
   hbil_status status = clear_counts(chain, HBIL_SANITIZED_DEPTH,
                                     HBIL_SANITIZED_LATE - HBIL_SANITIZED_DEPTH);
+  if (status == HBIL_SUCCESS && plan->lent.memory)
+    status = clear_padding(chain);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_SPLIT, list, (vectors_across(plan) + 3) / 4,
                     plan->config.height, 1);

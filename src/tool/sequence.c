@@ -18,7 +18,7 @@ struct sequence {
   hbil_context *context;
   hbil_plan *plan;
   hbil_config config;
-  size_t memory; /* bytes of the plan */
+  hbil_memory memory; /* of the plan */
   size_t plane;  /* bytes of one channel */
   unsigned layers;
   size_t channels[INPUTS]; /* 0: this input is not used */
@@ -115,7 +115,7 @@ void sequence_close(sequence *s) {
 }
 
 size_t sequence_memory(const sequence *s) {
-  return s->memory;
+  return s->memory.kept + s->memory.scratch;
 }
 
 /* The writes don't block.  The planes stay valid until the reads at the end of

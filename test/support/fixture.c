@@ -105,12 +105,17 @@ void setup_mode(setup *s, hbil_mode mode) {
         s->config.outputs.cone_cosine.component = HBIL_NONE;
 }
 
+size_t setup_memory(const setup *s) {
+  hbil_memory memory;
+  assert_success(s, hbil_plan_memory(s->device->hbil, &s->config, &memory));
+  return memory.kept + memory.scratch;
+}
+
 void setup_cache_rows(setup *s, size_t rows, size_t of) {
-  size_t with, without;
   s->config.execution.horizon_cache_bytes = 0;
-  assert_success(s, hbil_plan_memory(s->device->hbil, &s->config, &without));
+  const size_t without = setup_memory(s);
   s->config.execution.horizon_cache_bytes = SIZE_MAX;
-  assert_success(s, hbil_plan_memory(s->device->hbil, &s->config, &with));
+  const size_t with = setup_memory(s);
   /* one byte less than one more row would take */
   s->config.execution.horizon_cache_bytes =
       (with - without) / of * (rows + 1) - 1;

@@ -74,6 +74,8 @@ void setup_plane(setup *s, const double normal[3]);
 /* A unit normal that is tilted away from the eye, in radians. */
 void tilted_normal(double tilt, double azimuth, double normal[3]);
 size_t setup_pixels(const setup *s);
+/* Bytes of device memory that a plan of the configuration takes. */
+size_t setup_memory(const setup *s);
 
 /* --- running --- */
 

@@ -102,7 +102,7 @@ int main(int count, char **words) {
 
   hbil_context *hbil = NULL;
   hbil_plan *plan = NULL;
-  size_t memory = 0;
+  hbil_memory memory = {0, 0};
   hbil_status status = hbil_context_create(context, device, &hbil);
   if (status == HBIL_SUCCESS)
     status = hbil_sampling_set(&config->sampling, HBIL_QUALITY_FAST);
@@ -122,7 +122,8 @@ int main(int count, char **words) {
     return fail("no result");
   for (int i = 0; i < PIXELS; ++i)
     sum += (double)ao[i];
-  printf("%zu %zu\n%zu bytes, sum %.9g\n", config_bytes, frame_bytes, memory,
+  printf("%zu %zu\n%zu bytes, sum %.9g\n", config_bytes, frame_bytes,
+         memory.kept + memory.scratch,
          sum);
   hbil_plan_destroy(plan);
   hbil_context_destroy(hbil);

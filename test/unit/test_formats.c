@@ -478,7 +478,7 @@ static void every_plane_has_its_formats(void **state) {
   (void)state;
   for (int i = 0; i < 4 * PLANE_COUNT * components; ++i) {
     setup s;
-    size_t bytes;
+    hbil_memory memory;
     char field[64];
     const plane_id id = (plane_id)(i / components % PLANE_COUNT);
     const hbil_component component = (hbil_component)(i % components);
@@ -495,7 +495,7 @@ static void every_plane_has_its_formats(void **state) {
              id < PLANE_FIRST_OUTPUT ? "inputs" : "outputs", plane_name(id),
              (int)component);
     const hbil_status status =
-        hbil_plan_memory(s.device->hbil, &s.config, &bytes);
+        hbil_plan_memory(s.device->hbil, &s.config, &memory);
     if (allowed(id, hardware, octahedral) & 1u << component)
       assert_success(&s, status);
     else {

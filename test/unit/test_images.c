@@ -399,8 +399,10 @@ static void memory_and_times_are_counted(void **state) {
   p.s.config.execution.profiling = CL_TRUE;
   pair_start(&p);
   load_frame(&p, 0);
-  assert_success(&p.s, hbil_plan_memory(profiled.hbil, &p.s.config, &without));
-  assert_success(&p.s, hbil_plan_memory(profiled.hbil, &p.config, &with));
+  without = setup_memory(&p.s);
+  hbil_memory images;
+  assert_success(&p.s, hbil_plan_memory(profiled.hbil, &p.config, &images));
+  with = images.kept + images.scratch;
   for (plane_id id = 0; id < PLANE_COUNT; ++id)
     channels += p.kinds[id] ? (size_t)plane_channels(id) : 0;
   /* rows are multiples of 64 floats */

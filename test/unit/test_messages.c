@@ -37,11 +37,11 @@ static void null_arguments_of_a_context(void **state) {
   hbil_context *const context = shared_device.hbil;
   hbil_config config;
   hbil_plan *plan = NULL;
-  size_t bytes;
+  hbil_memory memory;
   (void)state;
   hbil_config_init(&config);
-  CHECK_NULL(context, hbil_plan_memory, (context, NULL, &bytes), "config");
-  CHECK_NULL(context, hbil_plan_memory, (context, &config, NULL), "bytes");
+  CHECK_NULL(context, hbil_plan_memory, (context, NULL, &memory), "config");
+  CHECK_NULL(context, hbil_plan_memory, (context, &config, NULL), "out");
   CHECK_NULL(context, hbil_plan_create, (context, NULL, &plan), "config");
   CHECK_NULL(context, hbil_plan_create, (context, &config, NULL), "out");
 }
@@ -99,7 +99,7 @@ static void failures_without_a_context(void **state) {
   double ms[HBIL_PASS_COUNT];
   float sh[9][3];
   const float rgb[6] = {0};
-  size_t bytes;
+  hbil_memory memory;
   (void)state;
   hbil_config_init(&config);
   hbil_frame_init(&frame);
@@ -110,7 +110,7 @@ static void failures_without_a_context(void **state) {
   CHECK_NULL(NULL, hbil_context_create,
              (shared_device.context, shared_device.id, NULL), "out");
   CHECK_NULL(NULL, hbil_context_set_callback, (NULL, NULL, NULL), "context");
-  CHECK_NULL(NULL, hbil_plan_memory, (NULL, &config, &bytes), "context");
+  CHECK_NULL(NULL, hbil_plan_memory, (NULL, &config, &memory), "context");
   CHECK_NULL(NULL, hbil_plan_create, (NULL, &config, &plan), "context");
   CHECK_NULL(NULL, hbil_enqueue_frame, (NULL, queue, &frame, 0, NULL, NULL),
              "plan");
@@ -197,21 +197,21 @@ static void check_heard(const listener *l, int i, hbil_message_kind kind,
 
 static void the_callback_gets_errors(void **state) {
   hbil_config config;
-  size_t bytes;
+  hbil_memory memory;
   listener l;
   (void)state;
   hbil_config_init(&config);
   listen(&l);
   for (cl_uint i = 0; i < 2; ++i) {
     config.width = i; /* then the height is missing */
-    assert_int_equal(hbil_plan_memory(shared_device.hbil, &config, &bytes),
+    assert_int_equal(hbil_plan_memory(shared_device.hbil, &config, &memory),
                      HBIL_INVALID_CONFIG);
     assert_int_equal(l.count, i + 1);
     check_heard(&l, (int)i, HBIL_MESSAGE_ERROR,
                 hbil_context_message(shared_device.hbil));
   }
   stop_listening();
-  hbil_plan_memory(shared_device.hbil, &config, &bytes);
+  hbil_plan_memory(shared_device.hbil, &config, &memory);
   assert_int_equal(l.count, 2);
 }
 

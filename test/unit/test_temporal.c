@@ -44,7 +44,7 @@ static void the_filter_takes_two_buffers(void **state) {
   hbil_buffer buffer;
   (void)state;
   averaging_init(&s, WIDTH, HEIGHT, 0);
-  assert_success(&s, hbil_plan_memory(s.device->hbil, &s.config, &off));
+  off = setup_memory(&s);
   setup_start(&s);
   assert_int_equal(
       hbil_plan_buffer(s.plan, HBIL_STAGE_TEMPORAL_HISTORY, &buffer),
@@ -54,7 +54,7 @@ static void the_filter_takes_two_buffers(void **state) {
   setup_free(&s);
   averaging_init(&s, WIDTH, HEIGHT, 8);
   shim_start_counting();
-  assert_success(&s, hbil_plan_memory(s.device->hbil, &s.config, &on));
+  on = setup_memory(&s);
   assert_success(&s, hbil_plan_create(s.device->hbil, &s.config, &s.plan));
   made = shim_created().bytes;
   assert_int_equal(on - off, 2 * 4 * (10 * 128 * HEIGHT + 2 * (2 * 128 + 32)));
@@ -69,10 +69,10 @@ static void the_filter_takes_two_buffers(void **state) {
 
 static void too_long_histories_are_rejected(void **state) {
   setup s;
-  size_t bytes;
+  hbil_memory memory;
   (void)state;
   averaging_init(&s, WIDTH, HEIGHT, 1025);
-  assert_int_equal(hbil_plan_memory(s.device->hbil, &s.config, &bytes),
+  assert_int_equal(hbil_plan_memory(s.device->hbil, &s.config, &memory),
                    HBIL_INVALID_CONFIG);
   assert_non_null(strstr(hbil_context_message(s.device->hbil),
                          "history.max_frames: 1025 is outside 0 .. 1024"));
