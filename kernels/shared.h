@@ -167,7 +167,8 @@ typedef struct hbil_external_plane_args {
 } hbil_external_plane_args;
 HBIL_ASSERT_LAYOUT(hbil_external_plane_args, unused, 3, 4)
 
-/* How values of the depth input are read (lib/depth.clh).  Hardware depth:
+/* How values of the depth input are read (lib/depth.clh).  Planar depth and
+ * distances from the eye: `scale` times the value.  Hardware depth:
  * w is base + scale (value - end), orthographic: base + scale value; `end` is
  * the value of the far end. */
 typedef struct hbil_depth_args {

@@ -24,8 +24,8 @@
 #error GATHER_EMISSION must be 0..1
 #endif
 
-#if !defined(NORMAL_IS_WORLD) || NORMAL_IS_WORLD < 0 || NORMAL_IS_WORLD > 1
-#error NORMAL_IS_WORLD must be 0..1
+#if !defined(NORMAL_IS_VIEW) || NORMAL_IS_VIEW < 0 || NORMAL_IS_VIEW > 1
+#error NORMAL_IS_VIEW must be 0..1
 #endif
 #if !defined(NORMAL_IS_OCTAHEDRAL) || NORMAL_IS_OCTAHEDRAL < 0 ||              \
     NORMAL_IS_OCTAHEDRAL > 1
@@ -56,9 +56,9 @@ INLINE void view_normal(const hbil_split_args args, global const void *buffer,
   for (int c = 0; c < 3; ++c)
     n[c] = load_normal(buffer, args.normal, x, y, c, count);
 #endif
-#if NORMAL_IS_WORLD
-  const realv world[3] = {n[0], n[1], n[2]};
-  rotate_direction(args.to_view, world, n);
+#if !NORMAL_IS_VIEW
+  const realv stored[3] = {n[0], n[1], n[2]};
+  rotate_direction(args.to_view, stored, n);
 #endif
 }
 

@@ -121,6 +121,7 @@ typedef struct hbil_inputs {
    *   albedo, f0        NaN, infinite, negative: 0; above 1: 1
    *   direct, emission  NaN, negative, above 1e30 (after direct_scale): 0
    *   motion    NaN, infinite: nothing is carried over to the pixel
+   * Depths here are those after depth_scale.
    * Depths of 0, and from 1e15 or sky_depth on, are sky and not counted.  Nor
    * are normals that face away; they are turned until nearly edge on.
    * Components: HBIL_FLOAT32, HBIL_FLOAT16, and the others that are named. */
@@ -145,13 +146,24 @@ typedef struct hbil_inputs {
 
   hbil_projection projection; /* of all cameras; default PERSPECTIVE */
   hbil_depth_kind depth_kind; /* default PLANAR */
-  float sky_depth; /* depths from here on are sky; > 0; default infinity */
+  /* Depths, after depth_scale, from here on are sky; > 0; default infinity. */
+  float sky_depth;
   hbil_space normal_space; /* default VIEW */
   float direct_scale; /* E_direct is `direct` times this; 0..1e30; default 1 */
   /* `motion` times this is the previous position minus the current one, in
    * pixels, x right, y down.  -1e6..1e6; default 1, 1 */
   float motion_scale[2];
   hbil_normal_encoding normal_encoding; /* default XYZ */
+  /* Planar depth and distances from the eye are `depth` times this, in the
+   * camera's units.  -1 is for depths that count backwards, such as z of
+   * OpenGL's view space.  Of hardware depth, hardware_depth tells the unit, and
+   * this is not used.  -1e6..1e6, not 0; default 1 */
+  float depth_scale;
+  /* Normals are x, y and z of `normal`, decoded, times these, in the space
+   * normal_space.  They turn axes round: 1, -1, -1 is for OpenGL's view space
+   * (y up, z backward), and 1, -1, 1 for Direct3D's (y up, z forward).
+   * -1e6..1e6, not 0; default 1, 1, 1 */
+  float normal_scale[3];
 } hbil_inputs;
 
 /* ------------------------------------------------------------------------ */

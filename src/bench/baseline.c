@@ -35,12 +35,15 @@ static void view_normal(const bench_content *content, size_t pixel,
   const bench_frame *frame = &content->frame[content->measured];
   const double *m = frame->camera.world_from_view;
   const float *n = frame->plane[BENCH_NORMAL] + pixel;
+  const float *scale = content->config.inputs.normal_scale;
+  const double v[3] = {(double)(n[0] * scale[0]),
+                       (double)(n[pixels] * scale[1]),
+                       (double)(n[2 * pixels] * scale[2])};
   for (size_t c = 0; c < 3; c++)
     if (content->config.inputs.normal_space == HBIL_SPACE_VIEW)
-      out[c] = n[c * pixels];
+      out[c] = (float)v[c];
     else /* the inverse of a rotation is its transpose */
-      out[c] = (float)(m[c] * (double)n[0] + m[4 + c] * (double)n[pixels] +
-                       m[8 + c] * (double)n[2 * pixels]);
+      out[c] = (float)(m[c] * v[0] + m[4 + c] * v[1] + m[8 + c] * v[2]);
 }
 
 static void radiance(const bench_content *content, size_t pixel, float *out) {

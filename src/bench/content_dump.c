@@ -9,6 +9,7 @@
 #include "dump/frame_camera.h"
 #include "dump/read_channel_map.h"
 #include "dump/read_gbuffer.h"
+#include "dump/surface_points.h"
 #include "image/exr_read.h"
 #include "image/image.h"
 #include "image/image_read.h"
@@ -130,6 +131,7 @@ static int load_frame(const bench_options *options, unsigned index,
                gbuffer_read(path, &map, wanted, &g, error) != 0;
   if (!failed) {
     camera_file_to_hbil(&camera, &out->frame[index].camera);
+    surface_depths_make_planar(&g); /* for sums over depths */
     failed = adopt(&g, index, out, error) != 0 ||
              copy_planes(&g, out, &out->frame[index], error) != 0;
     gbuffer_free(&g);

@@ -154,6 +154,8 @@ static void one_wall(bench_content *c, bench_frame *frame) {
   float *normal = frame->plane[BENCH_NORMAL];
   c->config.inputs.depth_kind = HBIL_DEPTH_PLANAR;
   c->config.inputs.normal_space = HBIL_SPACE_VIEW;
+  for (int i = 0; i < 3; i++)
+    c->config.inputs.normal_scale[i] = 1.0f;
   for (size_t i = 0; i < pixels; i++) {
     frame->plane[BENCH_DEPTH][i] = 2.0f;
     normal[i] = normal[pixels + i] = 0.0f;
@@ -186,6 +188,8 @@ static int changed_content(const job *j, const char *name,
     failed = bench_fixture_open(j->device, &content, &less.fixture, error);
   less.config.inputs.depth_kind = content.config.inputs.depth_kind;
   less.config.inputs.normal_space = content.config.inputs.normal_space;
+  memcpy(less.config.inputs.normal_scale, content.config.inputs.normal_scale,
+         sizeof less.config.inputs.normal_scale);
   if (one_bounce)
     whole.config.history.reprojection = less.config.history.reprojection =
         HBIL_REPROJECTION_NONE;

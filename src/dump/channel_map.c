@@ -55,14 +55,61 @@ void channel_map_signs(const channel_map *map, dump_space space,
     sign[c] = flips >> c & 1 ? -1.0f : 1.0f;
 }
 
+int channel_map_depth_is_hardware(const channel_map *map) {
+  return map->how.depth == DEPTH_DEVICE || map->how.depth == DEPTH_REVERSED;
+}
+
+void channel_map_hardware_depth(const channel_map *map, float out[2]) {
+  const double near = map->how.near, far = map->how.far;
+  const int parallel = map->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  /* of depths that are 0 at the near plane and 1 at the far plane */
+  const double stretch = isinf(far) ? 1 : far / (far - near);
+  const double a = parallel ? -near / (far - near) : stretch;
+  const double b = parallel ? 1 / (far - near) : -near * stretch;
+  const int reversed = map->how.depth == DEPTH_REVERSED;
+  out[0] = out[1] = 0.0f;
+  if (!channel_map_depth_is_hardware(map))
+    return;
+  out[0] = (float)(reversed ? 1 - a : a);
+  out[1] = (float)(reversed ? -b : b);
+}
+
+/* The library's sky_depth, in camera units. */
+static float sky_depth(const channel_map *map) {
+  const conventions *how = &map->how;
+  float ab[2];
+  if (how->depth == DEPTH_POSITION || !isfinite(how->sky_depth) ||
+      conventions_begin_at_near(how))
+    return INFINITY;
+  if (!channel_map_depth_is_hardware(map))
+    return how->sky_depth * (float)how->unit;
+  if (how->sky_depth > 1.0f) /* no value of a depth buffer */
+    return INFINITY;
+  channel_map_hardware_depth(map, ab);
+  const double above = (double)how->sky_depth - (double)ab[0];
+  const double z = map->projection == HBIL_PROJECTION_ORTHOGRAPHIC
+                       ? above / (double)ab[1]
+                       : (double)ab[1] / above;
+  /* The sky is often at this very value, which the kernels may round to a depth
+   * that is a little smaller. */
+  return z > 0 && isfinite(z) ? (float)(z * (1 - 1e-6)) : INFINITY;
+}
+
 void channel_map_configure(const channel_map *map, hbil_config *config) {
   const conventions *how = &map->how;
   config->inputs.projection = map->projection;
-  config->inputs.depth_kind = HBIL_DEPTH_PLANAR;
+  config->inputs.depth_kind = how->depth == DEPTH_RAY ? HBIL_DEPTH_RAY
+                              : channel_map_depth_is_hardware(map)
+                                  ? HBIL_DEPTH_HARDWARE
+                                  : HBIL_DEPTH_PLANAR;
+  config->inputs.depth_scale =
+      how->depth == DEPTH_POSITION || channel_map_depth_is_hardware(map)
+          ? 1.0f
+          : (how->backwards ? -1.0f : 1.0f) * (float)how->unit;
+  config->inputs.sky_depth = sky_depth(map);
   config->inputs.normal_space =
       how->normals == SPACE_WORLD ? HBIL_SPACE_WORLD : HBIL_SPACE_VIEW;
-  if (conventions_depth_is_planar(how) && isfinite(how->sky_depth))
-    config->inputs.sky_depth = how->sky_depth;
+  channel_map_signs(map, how->normals, config->inputs.normal_scale);
   config->inputs.direct_scale =
       how->direct == DIRECT_IRRADIANCE ? 1.0f : 3.14159265358979f;
   memcpy(config->inputs.motion_scale, how->motion_scale,

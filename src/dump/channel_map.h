@@ -44,9 +44,15 @@ int channel_map_check(const channel_map *map, const char *path,
  * world. */
 void channel_map_signs(const channel_map *map, dump_space space, float sign[3]);
 
-/* Describes to the library how planes are to be read after conversion (see
- * convert.h): sets projection, depth_kind, normal_space, sky_depth,
- * direct_scale and motion_scale. */
+/* Whether depth is that of a depth buffer. */
+int channel_map_depth_is_hardware(const channel_map *map);
+
+/* hbil_frame.hardware_depth of this frame; 0, 0 for other kinds of depth. */
+void channel_map_hardware_depth(const channel_map *map, float out[2]);
+
+/* Describes to the library how the planes of a G-buffer are to be read (see
+ * convert.h): sets projection, depth_kind, depth_scale, sky_depth,
+ * normal_space, normal_scale, direct_scale and motion_scale. */
 void channel_map_configure(const channel_map *map, hbil_config *config);
 
 #endif

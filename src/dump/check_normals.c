@@ -57,7 +57,8 @@ static int find_turn(const normal_fit *f, const matrix3 *h, findings *out) {
   const double turn =
       acos(fmax(-1.0, fmin(1.0, 0.5 * (matrix3_inner(&best, h) - 1.0)))) *
       57.29578;
-  if (matrix3_determinant(&best) < 0.0 || !(turn > 1.5))
+  if (matrix3_determinant(&best) * matrix3_determinant(h) < 0.0 ||
+      !(turn > 1.5))
     return 0;
   findings_add(
       out,
@@ -82,18 +83,17 @@ static void find_disagreement(const normal_fit *f, double agreement,
 }
 
 double check_normals(const surface_points *s, double deepest, findings *out) {
-  const conventions *how = &s->g->map.how;
   const normal_fit f = normal_fit_measure(s);
   if (f.count < NORMAL_FIT_LEAST)
     return NAN;
-  const matrix3 h = surface_view_from(s, how->normals);
+  const matrix3 h = surface_view_from_normals(s);
   const double agreement = normal_fit_cosine(&f, &f.planar, &h);
   if (find_space(&f, agreement, out))
     return agreement;
   if (normal_fit_is_other_depth(&f, &h))
     findings_add(
         out,
-        how->depth == DEPTH_RAY
+        s->g->map.how.depth == DEPTH_RAY
             ? "depth is taken for the distance from the eye, but fits the "
               "normals as that along the axis: --depth planar"
             : "depth is taken for that along the camera's axis, but fits the "

@@ -13,6 +13,10 @@ int conventions_depth_is_planar(const conventions *how) {
   return how->depth == DEPTH_PLANAR && how->unit == 1.0 && !how->backwards;
 }
 
+int conventions_begin_at_near(const conventions *how) {
+  return how->depth == DEPTH_RAY && how->from_near && how->near > 0.0;
+}
+
 conventions conventions_as_stored(void) {
   return (conventions){.unit = 1.0, .sky_depth = INFINITY};
 }

@@ -60,8 +60,12 @@ typedef struct conventions {
   double near, far; /* clipping planes, camera units; 0: unknown */
 } conventions;
 
-/* Whether the library can take the depths unchanged, apart from sky_depth. */
+/* Whether depths are planar, in camera units, so that nothing but sky_depth
+ * needs to be known of them. */
 int conventions_depth_is_planar(const conventions *how);
+
+/* Whether distances along the ray begin at a near plane that is known. */
+int conventions_begin_at_near(const conventions *how);
 
 /* The conventions under which conversion changes nothing: values are read as
  * they are stored. */

@@ -1,4 +1,4 @@
-/* Converts planes from a renderer's conventions to the library's. */
+/* Converts what of a renderer's planes the library can't read. */
 #include "dump/convert.h"
 
 #include "dump/pixel_ray.h"
@@ -57,13 +57,10 @@ static void scale_plane(gbuffer *g, role r, size_t c, float by, float shift) {
     v[i] = v[i] * by + shift;
 }
 
-static void convert_normals(gbuffer *g) {
-  const conventions *how = &g->map.how;
-  float sign[3];
-  channel_map_signs(&g->map, how->normals, sign);
-  for (size_t c = 0; c < 3; c++)
-    scale_plane(g, ROLE_NORMAL, c, how->encoded ? 2.0f * sign[c] : sign[c],
-                how->encoded ? -sign[c] : 0.0f);
+/* The library reads (n + 1) / 2 from integers only, and files become floats. */
+static void decode_normals(gbuffer *g) {
+  for (size_t c = 0; c < 3 && g->map.how.encoded; c++)
+    scale_plane(g, ROLE_NORMAL, c, 2.0f, -1.0f);
 }
 
 /* Moves positions from view space to world space. */
@@ -133,52 +130,24 @@ static int make_depth(gbuffer *g) {
   return 0;
 }
 
-/* The depth of a value d between 0 at the near plane and 1 at the far plane.  A
- * perspective stores the inverse of depth, an orthographic camera depth itself.
- */
-static double device_to_planar(const channel_map *map, double d) {
-  const double near = map->how.near, far = map->how.far;
-  if (map->projection == HBIL_PROJECTION_ORTHOGRAPHIC)
-    return near + d * (far - near);
-  return isinf(far) ? near / (1 - d) : near * far / (far - d * (far - near));
-}
-
-/* Planar depth, camera units, of a stored depth. */
-static double planar(const channel_map *map, double depth, double ray_length) {
-  const conventions *how = &map->how;
-  switch (how->depth) {
-  case DEPTH_RAY: /* the part in front of the near plane is `near` deep */
-    return depth * how->unit / ray_length + (how->from_near ? how->near : 0);
-  case DEPTH_DEVICE:
-    return device_to_planar(map, depth);
-  case DEPTH_REVERSED:
-    return device_to_planar(map, 1 - depth);
-  default:
-    return depth * how->unit;
-  }
-}
-
-/* Whether a stored depth stands for no surface: 0, depths from sky_depth on,
- * and the far plane.  In reversed depths the far plane is 0. */
-static int is_nothing(const conventions *how, double depth) {
-  if (how->depth == DEPTH_DEVICE && depth >= 1)
-    return 1;
-  const int zero = depth <= 0 && how->depth != DEPTH_DEVICE;
-  return !isfinite(depth) || zero || depth >= (double)how->sky_depth;
-}
-
-static void convert_depth(gbuffer *g) {
+/* Makes distances from the near plane those from the eye, since the part in
+ * front of it is `near` deep.  Sky becomes 0: afterwards no value would tell it
+ * from surfaces. */
+static void add_near(gbuffer *g) {
   const conventions *how = &g->map.how;
   float *depth = gbuffer_plane(g, ROLE_DEPTH, 0);
   const size_t width = g->planes.width;
+  const double sign = how->backwards ? -1 : 1;
   for (size_t i = 0; i < gbuffer_pixels(g); i++) {
     const pixel_ray ray =
         pixel_ray_at(g->map.projection, &g->map.camera, i % width, i / width);
     const double *r = ray.along;
     const double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
-    const double stored = (double)depth[i] * (how->backwards ? -1 : 1);
+    const double from_near = (double)depth[i] * sign;
     depth[i] =
-        is_nothing(how, stored) ? 0.0f : (float)planar(&g->map, stored, length);
+        gbuffer_is_surface((float)from_near, how->sky_depth)
+            ? (float)(sign * (from_near + length * how->near / how->unit))
+            : 0.0f;
   }
 }
 
@@ -189,12 +158,12 @@ int convert_planes(const char *path, gbuffer *g, image_error *error) {
     divide_by_albedo(g);
   if (how->motion_zero != 0.0f)
     centre_motion(g);
-  convert_normals(g);
+  decode_normals(g);
   if (how->depth == DEPTH_POSITION) {
     if (g->map.count[ROLE_POSITION] == 3 && make_depth(g) != 0)
       return image_no_memory(error, path);
-  } else if (g->map.count[ROLE_DEPTH] && !conventions_depth_is_planar(how))
-    convert_depth(g);
+  } else if (g->map.count[ROLE_DEPTH] && conventions_begin_at_near(how))
+    add_near(g);
   convert_positions(g);
   return 0;
 }

@@ -1,8 +1,14 @@
 /*
- * Converts planes from a renderer's conventions to the library's: depth along
- * the camera's axis, normals of full range in world or view space, positions in
- * world space, linear light.  Planes that already follow the library's
- * conventions are passed through unchanged.
+ * Converts what of a renderer's planes the library can't read.  Depth of any
+ * kind and unit, and normals in any space with any signs, stay as they are
+ * stored; channel_map_configure() describes them to the library.  Converted
+ * are, because no renderer has them on its device or because it is a sum over
+ * planes:
+ *   depth      from positions, or with the part in front of the near plane
+ *   normals    from (n + 1) / 2 in floats
+ *   positions  to world space, for checks alone
+ *   light      from sRGB; direct light divided by albedo
+ *   motion     with another zero
  */
 #ifndef HBIL_DUMP_CONVERT_H
 #define HBIL_DUMP_CONVERT_H

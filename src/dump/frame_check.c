@@ -16,12 +16,12 @@ typedef struct extent {
   size_t surface, facing, encoded; /* pixels */
 } extent;
 
-static void measure_pixel(const surface_points *s, const matrix3 *h,
-                          const float sign[3], size_t i, extent *e) {
+static void measure_pixel(const surface_points *s, const matrix3 *h, size_t i,
+                          extent *e) {
   const size_t width = s->g->planes.width;
   const pixel_ray ray =
       pixel_ray_at(s->g->map.projection, s->camera, i % width, i / width);
-  double p[3], n[3], seen[3], stored[3];
+  double p[3], n[3], seen[3];
   if (!(surface_depth(s, i % width, i / width) > 0.0))
     return;
   surface_point(s, i % width, i / width, 0, p);
@@ -32,24 +32,20 @@ static void measure_pixel(const surface_points *s, const matrix3 *h,
   }
   if (!s->g->map.count[ROLE_NORMAL])
     return;
-  for (int c = 0; c < 3; c++) {
+  for (int c = 0; c < 3; c++)
     n[c] = (double)gbuffer_plane(s->g, ROLE_NORMAL, (size_t)c)[i];
-    stored[c] = n[c] * (double)sign[c];
-  }
   for (int c = 0; c < 3; c++)
     seen[c] = matrix3_dot(h->m[c], n);
   e->facing += matrix3_dot(seen, ray.along) <= 1e-3;
-  e->encoded += normal_looks_encoded(stored);
+  e->encoded += normal_looks_encoded(n);
 }
 
 static extent measure(const surface_points *s) {
   extent e = {.low = {INFINITY, INFINITY, INFINITY},
               .high = {-INFINITY, -INFINITY, -INFINITY}};
-  const matrix3 h = surface_view_from(s, s->g->map.how.normals);
-  float sign[3];
-  channel_map_signs(&s->g->map, s->g->map.how.normals, sign);
+  const matrix3 h = surface_view_from_normals(s);
   for (size_t i = 0; i < gbuffer_pixels(s->g); i++)
-    measure_pixel(s, &h, sign, i, &e);
+    measure_pixel(s, &h, i, &e);
   return e;
 }
 
@@ -76,8 +72,7 @@ static void check_radius(const surface_points *s, const extent *e, float radius,
 
 void frame_check_run(const gbuffer *g, const hbil_config *config,
                      const hbil_camera *camera, frame_check *out) {
-  const surface_points s = {
-      .g = g, .camera = camera, .sky_depth = config->inputs.sky_depth};
+  const surface_points s = surface_points_of(g, camera);
   memset(out, 0, sizeof *out);
   out->agreement = out->positions = NAN;
   const extent e = measure(&s);

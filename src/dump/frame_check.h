@@ -16,7 +16,7 @@ typedef struct frame_check {
   findings found;   /* empty for frames that fit together */
 } frame_check;
 
-/* config: as channel_map_configure() sets it; its radius is checked, too. */
+/* config: its radius is checked, too. */
 void frame_check_run(const gbuffer *g, const hbil_config *config,
                      const hbil_camera *camera, frame_check *out);
 

@@ -88,14 +88,13 @@ matrix3 normal_fit_view_if(const normal_fit *f, dump_space space,
                            unsigned flips) {
   const channel_map *map = &f->s.g->map;
   channel_map other = *map;
-  float is[3], would_be[3];
+  float would_be[3];
   matrix3 out = surface_view_from(&f->s, space);
   other.how.flips = flips;
-  channel_map_signs(map, map->how.normals, is);
   channel_map_signs(&other, space, would_be);
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
-      out.m[i][j] *= (double)(is[j] * would_be[j]);
+      out.m[i][j] *= (double)would_be[j];
   return out;
 }
 

@@ -7,7 +7,7 @@
 
 /*
  * Reads the roles of the bit mask (1 << role) that the map has, places them in
- * the map's window, and converts them to the library's conventions (convert.h).
+ * the map's window, and converts what the library can't read (convert.h).
  * A background pass is added to the emission.  Returns 0 and a G-buffer that
  * gbuffer_free() frees, or -1 with `error` filled and nothing to free.
  */

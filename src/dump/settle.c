@@ -53,27 +53,23 @@ static void settle_encoding(const gbuffer *stored, conventions *how,
 /* Decides which kind of depth the normals fit and in which space they are. */
 static int settle_fit(const char *path, channel_map *map, findings *out,
                       image_error *error) {
-  hbil_config config;
   gbuffer g;
-  hbil_config_init(&config);
-  channel_map_configure(map, &config);
   if (gbuffer_read(path, map, 1u << ROLE_DEPTH | 1u << ROLE_NORMAL, &g,
                    error) != 0)
     return -1;
-  const surface_points s = {
-      .g = &g, .camera = &map->camera, .sky_depth = config.inputs.sky_depth};
+  const surface_points s = surface_points_of(&g, &map->camera);
   const normal_fit f = normal_fit_measure(&s);
-  const matrix3 world = surface_view_from(&s, SPACE_WORLD);
+  const matrix3 as_told = surface_view_from_normals(&s);
   const matrix3 camera = normal_fit_view_if(&f, SPACE_CAMERA, 0);
   if (map->how.unsure & UNSURE_NORMALS && map->how.normals == SPACE_WORLD &&
       map->how.flips == 0 && f.count >= NORMAL_FIT_LEAST &&
       normal_fit_cosine(&f, &f.planar, &camera) >
-          normal_fit_cosine(&f, &f.planar, &world) + 0.1) {
+          normal_fit_cosine(&f, &f.planar, &as_told) + 0.1) {
     map->how.normals = SPACE_CAMERA;
     findings_add(out, "normals are in camera space, where they fit the depth "
                       "(--normals)");
   }
-  const matrix3 h = map->how.normals == SPACE_WORLD ? world : camera;
+  const matrix3 h = map->how.normals == g.map.how.normals ? as_told : camera;
   if (map->how.unsure & UNSURE_DEPTH && map->how.depth == DEPTH_PLANAR &&
       f.count >= NORMAL_FIT_LEAST && normal_fit_is_other_depth(&f, &h)) {
     map->how.depth = DEPTH_RAY;

@@ -9,10 +9,41 @@ int surface_rays_are_parallel(const surface_points *s) {
   return s->g->map.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
 }
 
+surface_points surface_points_of(const gbuffer *g, const hbil_camera *camera) {
+  surface_points s = {.g = g, .camera = camera};
+  hbil_config config;
+  hbil_config_init(&config);
+  channel_map_configure(&g->map, &config);
+  channel_map_hardware_depth(&g->map, s.hardware_depth);
+  s.inputs = config.inputs;
+  return s;
+}
+
+/* Planar depth of a value of a depth buffer; 0 at the far end and beyond. */
+static double hardware_depth(const surface_points *s, double value) {
+  const double a = (double)s->hardware_depth[0];
+  const double b = (double)s->hardware_depth[1];
+  const int parallel = surface_rays_are_parallel(s);
+  const int grows = parallel ? b > 0 : b < 0; /* with the distance */
+  if (grows ? value >= 1 : value <= 0)
+    return 0;
+  return parallel ? (value - a) / b : b / (value - a);
+}
+
 double surface_depth(const surface_points *s, size_t x, size_t y) {
-  const float z =
+  const float stored =
       gbuffer_plane(s->g, ROLE_DEPTH, 0)[y * s->g->planes.width + x];
-  return gbuffer_is_surface(z, s->sky_depth) ? (double)z : 0.0;
+  if (s->inputs.depth_kind == HBIL_DEPTH_HARDWARE) {
+    const double z = hardware_depth(s, (double)stored);
+    return gbuffer_is_surface((float)z, s->inputs.sky_depth) ? z : 0.0;
+  }
+  const float depth = stored * s->inputs.depth_scale;
+  if (!gbuffer_is_surface(depth, s->inputs.sky_depth))
+    return 0.0;
+  if (s->inputs.depth_kind != HBIL_DEPTH_RAY)
+    return (double)depth;
+  const pixel_ray ray = pixel_ray_at(s->g->map.projection, s->camera, x, y);
+  return (double)depth / sqrt(matrix3_dot(ray.along, ray.along));
 }
 
 void surface_point(const surface_points *s, size_t x, size_t y, int other,
@@ -33,4 +64,25 @@ matrix3 surface_view_from(const surface_points *s, dump_space space) {
     for (int j = 0; j < 3; j++)
       out.m[i][j] = m[4 * j + i];
   return out;
+}
+
+matrix3 surface_view_from_normals(const surface_points *s) {
+  matrix3 out = surface_view_from(s, s->g->map.how.normals);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      out.m[i][j] *= (double)s->inputs.normal_scale[j];
+  return out;
+}
+
+void surface_depths_make_planar(gbuffer *g) {
+  const surface_points s = surface_points_of(g, &g->map.camera);
+  const size_t width = g->planes.width;
+  conventions *how = &g->map.how;
+  float *depth = gbuffer_plane(g, ROLE_DEPTH, 0);
+  for (size_t i = 0; depth && i < gbuffer_pixels(g); i++)
+    depth[i] = (float)surface_depth(&s, i % width, i / width);
+  how->depth = DEPTH_PLANAR;
+  how->backwards = how->from_near = 0;
+  how->unit = 1;
+  how->sky_depth = INFINITY;
 }

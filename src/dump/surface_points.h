@@ -8,13 +8,20 @@
 typedef struct surface_points {
   const gbuffer *g; /* converted (convert.h) */
   const hbil_camera *camera;
-  float sky_depth; /* as in hbil_config */
+  hbil_inputs inputs;      /* how the library reads its planes */
+  float hardware_depth[2]; /* as in hbil_frame */
 } surface_points;
+
+/* camera: of g's map, or another one that is tried. */
+surface_points surface_points_of(const gbuffer *g, const hbil_camera *camera);
 
 /* Whether all rays are parallel: the camera is orthographic. */
 int surface_rays_are_parallel(const surface_points *s);
 
-/* The planar depth of a pixel; 0 if it shows no surface. */
+/* The planar depth of a pixel; 0 if it shows no surface.  The library decodes
+ * depth on the device.  The host does it here alone, for what happens before a
+ * plan exists or without one: recognising conventions, checking frames, and the
+ * exact integral. */
 double surface_depth(const surface_points *s, size_t x, size_t y);
 
 /* The point of a pixel in view space.  other: the point that it would be if the
@@ -25,5 +32,12 @@ void surface_point(const surface_points *s, size_t x, size_t y, int other,
 
 /* The rotation that brings vectors of that space into view space. */
 matrix3 surface_view_from(const surface_points *s, dump_space space);
+
+/* What brings the G-buffer's normals into view space. */
+matrix3 surface_view_from_normals(const surface_points *s);
+
+/* Replaces depths by planar ones in camera units, 0 where there is no surface,
+ * and changes the map to say so. */
+void surface_depths_make_planar(gbuffer *g);
 
 #endif

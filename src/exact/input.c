@@ -8,8 +8,15 @@ float exact_input(const exact_frame *frame, int plane, int x, int y) {
   return frame->input[plane][(size_t)y * frame->config->width + (size_t)x];
 }
 
-bool exact_is_sky(const exact_frame *frame, int x, int y) {
+float exact_scaled_depth(const exact_frame *frame, int x, int y) {
   const float depth = exact_input(frame, EXACT_DEPTH, x, y);
+  return frame->config->inputs.depth_kind == HBIL_DEPTH_HARDWARE
+             ? depth
+             : depth * frame->config->inputs.depth_scale;
+}
+
+bool exact_is_sky(const exact_frame *frame, int x, int y) {
+  const float depth = exact_scaled_depth(frame, x, y);
   return !(depth >= HBIL_NEAREST_DEPTH) || depth >= HBIL_FARTHEST_DEPTH ||
          depth >= frame->config->inputs.sky_depth;
 }
@@ -18,7 +25,7 @@ double exact_planar_depth(const exact_frame *frame, int x, int y) {
   const double along = frame->config->inputs.depth_kind != HBIL_DEPTH_RAY
                            ? 1.0
                            : vec_length(exact_ray(frame, x, y));
-  return (double)exact_input(frame, EXACT_DEPTH, x, y) / along;
+  return (double)exact_scaled_depth(frame, x, y) / along;
 }
 
 /* The product is a float, as it is in the kernels: it decides what is too

@@ -7,6 +7,8 @@
 
 /* The value as it is; the plane must be there. */
 float exact_input(const exact_frame *frame, int plane, int x, int y);
+/* The depth input in the camera's units. */
+float exact_scaled_depth(const exact_frame *frame, int x, int y);
 bool exact_is_sky(const exact_frame *frame, int x, int y);
 /* Distance along the camera's axis; the pixel is not sky. */
 double exact_planar_depth(const exact_frame *frame, int x, int y);

@@ -68,7 +68,7 @@ static float3 point_at(const hbil_config *c, const hbil_view_args *v, int x,
 /* exact_planar_depth() as the kernels round it. */
 static float planar_depth(const exact_frame *frame, const hbil_view_args *v,
                           int x, int y) {
-  const float d = exact_input(frame, EXACT_DEPTH, x, y);
+  const float d = exact_scaled_depth(frame, x, y);
   const float3 r = point_at(frame->config, v, x, y, 1.0f);
   if (frame->config->inputs.depth_kind != HBIL_DEPTH_RAY ||
       exact_is_orthographic(frame->config))

@@ -19,9 +19,11 @@
 static vec3 normal_towards_eye(const exact_frame *frame, int x, int y) {
   const double least = (double)HBIL_MIN_COSINE;
   const vec3 wo = vec_scale(-1.0, vec_normalize(exact_ray(frame, x, y)));
-  vec3 n = vec(exact_input(frame, EXACT_NORMAL, x, y),
-               exact_input(frame, EXACT_NORMAL + 1, x, y),
-               exact_input(frame, EXACT_NORMAL + 2, x, y));
+  const float *scale = frame->config->inputs.normal_scale;
+  vec3 n = vec(
+      (double)exact_input(frame, EXACT_NORMAL, x, y) * (double)scale[0],
+      (double)exact_input(frame, EXACT_NORMAL + 1, x, y) * (double)scale[1],
+      (double)exact_input(frame, EXACT_NORMAL + 2, x, y) * (double)scale[2]);
   if (frame->config->inputs.normal_space == HBIL_SPACE_WORLD)
     n = exact_to_view(&frame->camera, n);
   /* the kernels need the squared length as a float */

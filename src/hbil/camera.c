@@ -252,9 +252,16 @@ hbil_transform_args camera_to_world(const hbil_camera *camera) {
   return rounded(camera->world_from_view);
 }
 
-hbil_transform_args camera_from_world(const hbil_camera *camera) {
-  double m[16];
-  inverse(camera->world_from_view, m);
+hbil_transform_args camera_view_from_normals(const hbil_camera *camera,
+                                             const hbil_config *config) {
+  double m[16] = {0};
+  for (int i = 0; i < 4; ++i)
+    m[5 * i] = 1;
+  if (config->inputs.normal_space == HBIL_SPACE_WORLD)
+    inverse(camera->world_from_view, m);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c)
+      m[4 * r + c] *= (double)config->inputs.normal_scale[c];
   return rounded(m);
 }
 

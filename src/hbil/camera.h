@@ -16,8 +16,11 @@ hbil_view_args camera_view(const hbil_camera *camera,
 hbil_transform_args camera_between(const hbil_camera *from,
                                    const hbil_camera *to);
 
-/* Between view and world space. */
 hbil_transform_args camera_to_world(const hbil_camera *camera);
-hbil_transform_args camera_from_world(const hbil_camera *camera);
+
+/* From normals as a plan of this configuration finds them stored to view space.
+ * Only the first three columns count. */
+hbil_transform_args camera_view_from_normals(const hbil_camera *camera,
+                                             const hbil_config *config);
 
 #endif

@@ -71,6 +71,8 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .inputs.sky_depth = INFINITY,
       .inputs.direct_scale = 1.0f,
       .inputs.motion_scale = {1.0f, 1.0f},
+      .inputs.depth_scale = 1.0f,
+      .inputs.normal_scale = {1.0f, 1.0f, 1.0f},
       .model.radius = INFINITY,
       .sampling.slices = 2,
       .sampling.steps_per_side = 48,
@@ -307,6 +309,27 @@ static hbil_status check_limits(hbil_context *context,
   return status;
 }
 
+/* Accepts factors that lose nothing of what they scale. */
+static hbil_status check_factors(hbil_context *context,
+                                 const hbil_config *config) {
+  const float *normal = config->inputs.normal_scale;
+  const struct {
+    const char *field;
+    double value;
+  } factors[] = {
+      {"inputs.depth_scale", (double)config->inputs.depth_scale},
+      {"inputs.normal_scale[0]", (double)normal[0]},
+      {"inputs.normal_scale[1]", (double)normal[1]},
+      {"inputs.normal_scale[2]", (double)normal[2]},
+  };
+  for (size_t i = 0; i < sizeof factors / sizeof *factors; ++i)
+    if (!(fabs(factors[i].value) <= 1e6) || factors[i].value == 0)
+      return fail(context, HBIL_INVALID_CONFIG,
+                  "%s: %g; must be in -1e6 .. 1e6 and not 0", factors[i].field,
+                  factors[i].value);
+  return HBIL_SUCCESS;
+}
+
 /* Accepts values that no range describes. */
 static hbil_status check_values(hbil_context *context,
                                 const hbil_config *config) {
@@ -381,6 +404,7 @@ static hbil_status config_check(hbil_context *context,
                            ranges[i].least, ranges[i].most)) != HBIL_SUCCESS)
       return status;
   if ((status = check_values(context, config)) != HBIL_SUCCESS ||
+      (status = check_factors(context, config)) != HBIL_SUCCESS ||
       (status = check_limits(context, config)) != HBIL_SUCCESS ||
       (status = check_formats(context, config)) != HBIL_SUCCESS)
     return status;

@@ -59,6 +59,13 @@ static void define_planes(const hbil_config *c, text *t) {
   }
 }
 
+/* Whether normals, once decoded, are what the kernels need. */
+static bool normals_are_in_view(const hbil_config *c) {
+  const float *scale = c->inputs.normal_scale;
+  return c->inputs.normal_space == HBIL_SPACE_VIEW && scale[0] == 1.0f &&
+         scale[1] == 1.0f && scale[2] == 1.0f;
+}
+
 static void define_inputs(const hbil_config *c, text *t) {
   define(t, "ORTHOGRAPHIC",
          c->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC);
@@ -67,7 +74,7 @@ static void define_inputs(const hbil_config *c, text *t) {
   define(t, "DEPTH_IS_HARDWARE", c->inputs.depth_kind == HBIL_DEPTH_HARDWARE);
   define(t, "NORMAL_IS_OCTAHEDRAL",
          c->inputs.normal_encoding == HBIL_NORMAL_OCTAHEDRAL);
-  define(t, "NORMAL_IS_WORLD", c->inputs.normal_space == HBIL_SPACE_WORLD);
+  define(t, "NORMAL_IS_VIEW", normals_are_in_view(c));
   define(t, "BENT_IS_WORLD", c->outputs.bent_normal_space == HBIL_SPACE_WORLD);
 }
 

@@ -42,6 +42,8 @@ hbil_status stage_planes(hbil_context *context, hbil_config *config,
     out->planes |= PLANE_BIT(PLANE_NORMAL);
     config->inputs.normal_space = HBIL_SPACE_VIEW;
     config->inputs.normal_encoding = HBIL_NORMAL_XYZ;
+    for (int c = 0; c < 3; ++c)
+      config->inputs.normal_scale[c] = 1.0f;
   }
   for (int i = 0; i < PLANE_COUNT; ++i)
     if (out->planes & PLANE_BIT(i))

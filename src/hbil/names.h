@@ -9,7 +9,7 @@
 #define begin_commands hbil_internal_begin_commands
 #define camera_between hbil_internal_camera_between
 #define camera_check hbil_internal_camera_check
-#define camera_from_world hbil_internal_camera_from_world
+#define camera_view_from_normals hbil_internal_camera_view_from_normals
 #define camera_to_world hbil_internal_camera_to_world
 #define camera_view hbil_internal_camera_view
 #define check_frame hbil_internal_check_frame

@@ -150,7 +150,8 @@ cl_mem plane_bind(const hbil_config *config, const hbil_frame *frame, int plane,
 }
 
 hbil_depth_args depth_args(const hbil_config *config, const hbil_frame *frame) {
-  hbil_depth_args args = {.sky_depth = config->inputs.sky_depth};
+  hbil_depth_args args = {.sky_depth = config->inputs.sky_depth,
+                          .scale = config->inputs.depth_scale};
   if (config->inputs.depth_kind != HBIL_DEPTH_HARDWARE)
     return args;
   const bool orthographic =

@@ -79,7 +79,7 @@ static hbil_split_args split_args(const hbil_plan *plan,
                                   const hbil_frame *frame) {
   const hbil_split_args args = {
       .view = camera_view(&frame->camera, &plan->config),
-      .to_view = camera_from_world(&frame->camera),
+      .to_view = camera_view_from_normals(&frame->camera, &plan->config),
       .layers = plan->layout.split,
       .planes = plan->layout.planes,
       .groups = plan->layout.bounds.group,

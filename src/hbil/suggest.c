@@ -71,7 +71,7 @@ static double depth_at(const look *l, size_t i) {
   const double stored = value(l, &l->planes.depth, 0, i);
   const double depth = inputs->depth_kind == HBIL_DEPTH_HARDWARE
                            ? hardware_depth(l, stored)
-                           : stored;
+                           : stored * (double)inputs->depth_scale;
   return isfinite(depth) && depth > 0 && depth < (double)inputs->sky_depth
              ? depth
              : 0;
@@ -199,7 +199,8 @@ static bool read_normal(const look *l, size_t i, const double ray[3],
                         double out[3]) {
   double n[3];
   for (size_t c = 0; c < 3 && exists(&l->planes.normal); ++c)
-    n[c] = value(l, &l->planes.normal, c, i);
+    n[c] = value(l, &l->planes.normal, c, i) *
+           (double)l->config->inputs.normal_scale[c];
   for (size_t c = 0; c < 3 && exists(&l->planes.normal); ++c) {
     const double *m = l->frame->camera.world_from_view + c;
     out[c] = l->config->inputs.normal_space == HBIL_SPACE_VIEW

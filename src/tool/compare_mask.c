@@ -4,6 +4,7 @@
 #include "dump/frame_camera.h"
 #include "dump/read_channel_map.h"
 #include "dump/read_gbuffer.h"
+#include "dump/surface_points.h"
 #include "image/camera_json.h"
 #include "image/error.h"
 #include "image/image.h"
@@ -39,15 +40,11 @@ static int map_mask(const char *path, channel_map *map, image_error *error) {
 int compare_mask_read(const char *path, int albedo, const image *like,
                       compare_mask *out, image_error *error) {
   channel_map map;
-  hbil_config config;
   memset(out, 0, sizeof *out);
   if (!path)
     return 0;
   if (map_mask(path, &map, error) != 0)
     return -1;
-  hbil_config_init(&config);
-  channel_map_configure(&map, &config);
-  out->sky_depth = config.inputs.sky_depth;
   out->albedo = albedo;
   if (!map.count[ROLE_DEPTH] || (albedo && !map.count[ROLE_ALBEDO]))
     return image_fail(
@@ -56,6 +53,7 @@ int compare_mask_read(const char *path, int albedo, const image *like,
   if (gbuffer_read(path, &map, 1u << ROLE_DEPTH | 1u << ROLE_ALBEDO, &out->g,
                    error) != 0)
     return -1;
+  surface_depths_make_planar(&out->g);
   if (out->g.planes.width != like->width ||
       out->g.planes.height != like->height)
     return image_fail(error,
@@ -72,14 +70,15 @@ void compare_mask_free(compare_mask *m) {
 
 channel_mask compare_mask_channel(const compare_mask *m, const char *letter) {
   const char *place = strlen(letter) == 1 ? strchr("RGB", *letter) : NULL;
-  channel_mask out = {.depth = gbuffer_plane(&m->g, ROLE_DEPTH, 0),
-                      .sky_depth = m->sky_depth};
+  channel_mask out = {
+      .depth = gbuffer_plane(&m->g, ROLE_DEPTH, 0),
+  };
   if (m->albedo && place)
     out.albedo = gbuffer_plane(&m->g, ROLE_ALBEDO, (size_t)(place - "RGB"));
   return out;
 }
 
 int channel_mask_has(const channel_mask *m, size_t i) {
-  return (!m->depth || gbuffer_is_surface(m->depth[i], m->sky_depth)) &&
+  return (!m->depth || m->depth[i] > 0.0f) &&
          (!m->albedo || m->albedo[i] > least_albedo);
 }

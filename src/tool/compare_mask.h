@@ -7,8 +7,7 @@
 #include "image/image.h"
 
 typedef struct compare_mask {
-  gbuffer g; /* without planes, all pixels are compared */
-  float sky_depth;
+  gbuffer g;  /* without planes, all pixels are compared */
   int albedo; /* 1: black surfaces are not compared either */
 } compare_mask;
 
@@ -22,7 +21,6 @@ void compare_mask_free(compare_mask *m);
 /* The mask of one channel; the planes are the G-buffer's own or NULL. */
 typedef struct channel_mask {
   const float *depth, *albedo;
-  float sky_depth;
 } channel_mask;
 
 /* letter: the last part of the channel's name. */

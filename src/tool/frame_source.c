@@ -3,6 +3,7 @@
 
 #include "dump/frame_check.h"
 #include "dump/read_gbuffer.h"
+#include "dump/surface_points.h"
 #include "image/error.h"
 #include "image/exr_read.h"
 #include "image/image.h"
@@ -38,6 +39,8 @@ int frame_source_read(frame_source *s, size_t item, gbuffer *out,
   if (gbuffer_read(f->path, &f->map, used_roles(s->job), out, error) != 0)
     return -1;
   warn(s, f, out);
+  if (s->job->settings->exact) /* knows no depth buffers */
+    surface_depths_make_planar(out);
   return 0;
 }
 

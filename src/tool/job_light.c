@@ -104,7 +104,9 @@ static int look_at_first(job *j, hbil_sources *found, image_error *error) {
   if (gbuffer_read(first->path, &first->map, roles, &g, error) != 0)
     return -1;
   hbil_frame_init(&frame);
-  camera_file_to_hbil(&first->camera, &frame.camera);
+  frame.camera = first->map.camera;
+  channel_map_hardware_depth(&first->map, frame.hardware_depth);
+  channel_map_configure(&first->map, &config);
   const hbil_host_planes planes = gbuffer_host_planes(&g);
   const hbil_status status =
       hbil_config_suggest(&planes, &config, &frame, found);

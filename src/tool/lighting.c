@@ -91,8 +91,8 @@ int lighting_run(lighting *l, const job *j, size_t item, const gbuffer *g,
   float environment[9][3];
   memcpy(environment, j->environment, sizeof environment);
   if (!l->exact)
-    return sequence_run(l->sequence, g, hash, &f->camera, environment, runs,
-                        result, row, error);
+    return sequence_run(l->sequence, g, hash, environment, runs, result, row,
+                        error);
   return exact_sequence_run(l->exact, g, &f->camera, environment, runs, result,
                             error);
 }
@@ -115,8 +115,8 @@ int lighting_history_restore(lighting *l, const job *j, int item, void *bytes,
   float environment[9][3];
   memcpy(environment, j->environment, sizeof environment);
   if (!l->exact)
-    return sequence_history_restore(l->sequence, camera, environment, bytes,
-                                    error);
+    return sequence_history_restore(l->sequence, &j->frames[item].map,
+                                    environment, bytes, error);
   exact_sequence_give_light(l->exact, camera, bytes);
   return 0;
 }

@@ -6,6 +6,7 @@
 #include "tool/job_light.h"
 #include "tool/job_output.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,6 +30,11 @@ static int choose_layers(job *j, image_error *error) {
 
 static void configure(job *j) {
   channel_map_configure(&j->frames[0].map, &j->config);
+  if (j->settings->exact) { /* see frame_source_read() */
+    j->config.inputs.depth_kind = HBIL_DEPTH_PLANAR;
+    j->config.inputs.depth_scale = 1.0f;
+    j->config.inputs.sky_depth = INFINITY;
+  }
   j->config.width = j->width;
   j->config.height = j->height;
   j->config.outputs.bent_normal_space = HBIL_SPACE_WORLD;

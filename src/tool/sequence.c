@@ -1,9 +1,7 @@
 /* Runs the frames of a sequence through the library. */
 #include "tool/sequence.h"
 
-#include "dump/frame_camera.h"
 #include "hbil/hbil_stages.h"
-#include "image/camera_json.h"
 #include "image/error.h"
 #include "image/image.h"
 #include "tool/formats.h"
@@ -132,10 +130,11 @@ static int upload(sequence *s, const gbuffer *g, image_error *error) {
   return 0;
 }
 
-static void fill_frame(const sequence *s, const camera_file *camera,
+static void fill_frame(const sequence *s, const channel_map *map,
                        float environment[9][3], hbil_frame *frame) {
   hbil_frame_init(frame);
-  camera_file_to_hbil(camera, &frame->camera);
+  frame->camera = map->camera;
+  channel_map_hardware_depth(map, frame->hardware_depth);
   memcpy(frame->environment, environment, sizeof frame->environment);
   for (int i = 0; i < INPUTS; i++)
     plane_at(frame, input_table[i].image)->buffer = s->input[i];
@@ -206,17 +205,18 @@ static cl_bool is_same(sequence *s, uint64_t hash, const hbil_frame *frame) {
   hash = XXH3_64bits_withSeed(&frame->camera, sizeof frame->camera, hash);
   hash =
       XXH3_64bits_withSeed(frame->environment, sizeof frame->environment, hash);
+  hash = XXH3_64bits_withSeed(frame->hardware_depth,
+                              sizeof frame->hardware_depth, hash);
   const cl_bool same = hash == s->last;
   s->last = hash;
   return same;
 }
 
 int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
-                 const camera_file *camera, float environment[9][3],
-                 unsigned repeat, image *result, timing_row *row,
-                 image_error *error) {
+                 float environment[9][3], unsigned repeat, image *result,
+                 timing_row *row, image_error *error) {
   hbil_frame frame;
-  fill_frame(s, camera, environment, &frame);
+  fill_frame(s, &g->map, environment, &frame);
   frame.static_frame = is_same(s, hash, &frame);
   int failed = upload(s, g, error) != 0 ||
                run_passes(s, &frame, repeat, error) != 0 ||
@@ -320,11 +320,11 @@ static int adopt_camera(sequence *s, const hbil_frame *frame,
   return status == HBIL_SUCCESS ? 0 : library_failed(s, status, error);
 }
 
-int sequence_history_restore(sequence *s, const camera_file *camera,
+int sequence_history_restore(sequence *s, const channel_map *map,
                              float environment[9][3], void *bytes,
                              image_error *error) {
   hbil_frame frame;
-  fill_frame(s, camera, environment, &frame);
+  fill_frame(s, map, environment, &frame);
   return adopt_camera(s, &frame, error) != 0 ? -1
                                              : copy_history(s, bytes, 1, error);
 }

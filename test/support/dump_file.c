@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
+#include "dump/surface_points.h"
 #include "image/exr_write.h"
 #include "image/image_read.h"
 
@@ -284,15 +285,15 @@ double relative_difference(double a, double b) {
 }
 
 double reading_depth_error(const dump *d, const reading *r) {
-  const float *depth = gbuffer_plane(&r->g, ROLE_DEPTH, 0);
+  const surface_points s = surface_points_of(&r->g, &r->map.camera);
   double worst = 0;
   for (size_t i = 0; i < dump_pixels(d); i++) {
-    const int surface =
-        gbuffer_is_surface(depth[i], r->config.inputs.sky_depth);
+    const double depth = surface_depth(&s, i % d->s.width, i / d->s.width);
+    const int surface = depth > 0.0;
     if (surface == dump_is_sky(d, i))
       return INFINITY;
     if (surface)
-      worst = fmax(worst, fabs((double)depth[i] / (double)d->s.depth[i] - 1));
+      worst = fmax(worst, fabs(depth / (double)d->s.depth[i] - 1));
   }
   return worst;
 }
@@ -306,7 +307,9 @@ static double reading_normal_error(const dump *d, const reading *r) {
     for (int c = 0; c < 3 && !dump_is_sky(d, i); c++) {
       double is = 0, wanted = 0;
       for (int k = 0; k < 3; k++) {
-        const double n = gbuffer_plane(&r->g, ROLE_NORMAL, (size_t)k)[i];
+        const double n =
+            (double)gbuffer_plane(&r->g, ROLE_NORMAL, (size_t)k)[i] *
+            (double)r->config.inputs.normal_scale[k];
         const int world = r->config.inputs.normal_space == HBIL_SPACE_WORLD;
         is += n * (world ? m[4 * k + c] : k == c);
         wanted += (double)d->s.normal[k][i] * w[4 * k + c];

@@ -35,6 +35,8 @@ static const member members[] = {
     MEMBER(inputs.direct_scale),
     MEMBER(inputs.motion_scale),
     MEMBER(inputs.normal_encoding),
+    MEMBER(inputs.depth_scale),
+    MEMBER(inputs.normal_scale),
     MEMBER(outputs.near_irradiance),
     MEMBER(outputs.far_irradiance),
     MEMBER(outputs.ao),

@@ -110,6 +110,47 @@ static void start_small(setup *s, device_fixture *d) {
   setup_start(s);
 }
 
+/* The last of three frames of a scene, whose depths and normals have the signs
+ * of OpenGL's view space or not. */
+static exact_planes last_of_three(bool signs, bool by_motion, bool rebuilt) {
+  setup s;
+  setup_scene(&s, SCENE_SKY, WIDTH, HEIGHT, 0);
+  setup_all_outputs(&s);
+  if (by_motion)
+    s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
+  if (rebuilt)
+    s.config.inputs.normal.component = HBIL_NONE;
+  s.config.inputs.normal_space = HBIL_SPACE_VIEW;
+  if (signs)
+    s.config.inputs.depth_scale = s.config.inputs.normal_scale[1] =
+        s.config.inputs.normal_scale[2] = -1.0f;
+  setup_start(&s);
+  for (cl_uint i = 0; i < 3; ++i) {
+    setup_load_scene(&s, SCENE_SKY, i);
+    for (int p = 0; signs && p < WIDTH * HEIGHT; ++p) {
+      s.input[EXACT_DEPTH][p] *= -1.0f;
+      s.input[EXACT_NORMAL + 1][p] *= -1.0f;
+      s.input[EXACT_NORMAL + 2][p] *= -1.0f;
+    }
+    setup_upload(&s);
+    setup_run(&s, hbil_enqueue_frame);
+  }
+  exact_planes out = outputs_read(&s);
+  setup_free(&s);
+  return out;
+}
+
+static void signs_of_other_view_spaces_make_no_difference(void **state) {
+  (void)state;
+  for (int i = 0; i < 3; ++i) {
+    exact_planes want = last_of_three(false, i == 1, i == 2);
+    exact_planes got = last_of_three(true, i == 1, i == 2);
+    assert_int_equal(count_different(&got, &want), 0);
+    exact_planes_free(&got);
+    exact_planes_free(&want);
+  }
+}
+
 static void frame_at_once(setup *s) {
   setup_run(s, hbil_enqueue_frame);
 }
@@ -407,6 +448,7 @@ int main(void) {
       cmocka_unit_test(sequences_without_history_match),
       cmocka_unit_test(orthographic_sequences_match),
       cmocka_unit_test(tiny_images_match),
+      cmocka_unit_test(signs_of_other_view_spaces_make_no_difference),
       cmocka_unit_test(a_second_run_gives_the_same_bits),
       cmocka_unit_test(passes_one_by_one_give_the_same_bits),
       cmocka_unit_test(passes_chained_by_events_give_the_same_bits),

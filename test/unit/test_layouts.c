@@ -240,12 +240,68 @@ static void reads_device_depths(void **state) {
     reading r = dump_read(&d);
     assert_true(reading_depth_error(&d, &r) <= rounding_of_z);
     assert_no_findings(&r);
+    /* sky from half of the depth range on */
+    const float half = d.s.projection == HBIL_PROJECTION_ORTHOGRAPHIC
+                           ? 100.25f
+                           : (float)(2 * near * far / (far + near));
+    r.map.how.sky_depth = 0.5f;
+    channel_map_configure(&r.map, &r.config);
+    assert_true(fabsf(r.config.inputs.sky_depth / half - 1) < 2e-6f);
+    r.map.how.sky_depth = 1e9f; /* that of another kind of depth */
+    channel_map_configure(&r.map, &r.config);
+    assert_true(isinf(r.config.inputs.sky_depth));
     reading_free(&r);
     d.options.clip[0] = 0.0f;
     d.options.clip[1] = dump_orthographic ? INFINITY : 0.0f;
     image_error error;
     assert_int_not_equal(dump_try_reading(&d, &r, &error), 0);
     assert_non_null(strstr(error.text, "--clip NEAR,FAR is needed"));
+    dump_end(&d);
+  }
+}
+
+/* Whether a plane that was read has the bits of a channel in the file. */
+static int is_as_stored(const dump *d, const reading *r, role which, size_t c,
+                        const char *name) {
+  return memcmp(gbuffer_plane(&r->g, which, c), dump_plane((dump *)d, name),
+                PIXELS * sizeof(float)) == 0;
+}
+
+/* Depth of every kind and normals with any signs go to the library as they are,
+ * with a configuration that says what they are. */
+static void planes_are_handed_over_as_stored(void **state) {
+  static const struct {
+    int depth;
+    hbil_depth_kind kind;
+    float unit, scale;
+  } cases[] = {{DEPTH_PLANAR, HBIL_DEPTH_PLANAR, 0.01f, 0.01f},
+               {DEPTH_RAY, HBIL_DEPTH_RAY, 0, 1},
+               {DEPTH_DEVICE, HBIL_DEPTH_HARDWARE, 0, 1},
+               {DEPTH_REVERSED, HBIL_DEPTH_HARDWARE, 0, 1}};
+  (void)state;
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    dump d = dump_begin(SCENE_SKY);
+    float ab[2];
+    dump_add_depth(&d, "depth", "Z", i < 2 ? 100 : 0.02, 0);
+    dump_add_vectors(&d, "normal", letters_xyz, d.s.normal, AXES_OPENGL, 0);
+    d.options.depth = cases[i].depth;
+    d.options.normals = SPACE_CAMERA;
+    d.options.unit = cases[i].unit;
+    d.options.clip[0] = 0.5f;
+    d.options.clip[1] = 200.0f;
+    dump_write(&d);
+    reading r = dump_read(&d);
+    const hbil_inputs *in = &r.config.inputs;
+    assert_true(is_as_stored(&d, &r, ROLE_DEPTH, 0, "depth.Z"));
+    assert_true(is_as_stored(&d, &r, ROLE_NORMAL, 1, "normal.Y"));
+    assert_int_equal(in->depth_kind, cases[i].kind);
+    assert_true(in->depth_scale == cases[i].scale);
+    assert_int_equal(in->normal_space, HBIL_SPACE_VIEW);
+    assert_true(in->normal_scale[0] == 1 && in->normal_scale[1] == -1 &&
+                in->normal_scale[2] == -1);
+    channel_map_hardware_depth(&r.map, ab);
+    assert_true((ab[1] != 0.0f) == (in->depth_kind == HBIL_DEPTH_HARDWARE));
+    reading_free(&r);
     dump_end(&d);
   }
 }
@@ -417,6 +473,7 @@ int main(void) {
       WITH_BOTH_CAMERAS(reads_renderman),
       WITH_BOTH_CAMERAS(reads_unreal),
       WITH_BOTH_CAMERAS(reads_device_depths),
+      WITH_BOTH_CAMERAS(planes_are_handed_over_as_stored),
       WITH_BOTH_CAMERAS(guesses_what_plain_letters_mean),
       WITH_BOTH_CAMERAS(options_have_the_last_word),
       cmocka_unit_test(reads_one_file_a_pass),

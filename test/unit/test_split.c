@@ -136,6 +136,42 @@ static void view_space_normals_match(void **state) {
   check_split(&s, NORMAL_LIMIT); /* some of them face away */
 }
 
+/* Distances and depths in centimetres, and depths that count backwards. */
+static void scaled_depths_match(void **state) {
+  const float scales[] = {0.01f, -1.0f};
+  (void)state;
+  for (int i = 0; i < 4; ++i) {
+    setup s;
+    setup_scene(&s, SCENE_SKY, WIDTH, HEIGHT, 0);
+    s.config.inputs.depth_kind = i & 1 ? HBIL_DEPTH_RAY : HBIL_DEPTH_PLANAR;
+    s.config.inputs.depth_scale = scales[i / 2];
+    s.config.inputs.sky_depth = 20.0f;
+    for (int p = 0; p < WIDTH * HEIGHT; ++p)
+      s.input[EXACT_DEPTH][p] /= scales[i / 2];
+    check_split(&s, NORMAL_LIMIT);
+  }
+}
+
+/* The axes of OpenGL's and Direct3D's view spaces, and of a world with another
+ * handedness; lengths are of no account. */
+static void turned_normals_match(void **state) {
+  const float axes[][3] = {{1, -1, -1}, {1, -1, 1}, {-3, 0.5f, 2}};
+  (void)state;
+  for (int i = 0; i < 6; ++i) {
+    setup s;
+    setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
+    s.config.inputs.normal_space = i & 1 ? HBIL_SPACE_WORLD : HBIL_SPACE_VIEW;
+    for (int p = 0; p < WIDTH * HEIGHT && !(i & 1); ++p)
+      s.input[EXACT_NORMAL + 2][p] = -2.0f; /* faces the eye */
+    for (int c = 0; c < 3; ++c) {
+      s.config.inputs.normal_scale[c] = axes[i / 2][c];
+      for (int p = 0; p < WIDTH * HEIGHT; ++p)
+        s.input[EXACT_NORMAL + c][p] /= axes[i / 2][c];
+    }
+    check_split(&s, NORMAL_LIMIT);
+  }
+}
+
 static void optional_inputs_may_be_absent(void **state) {
   setup s;
   (void)state;
@@ -257,6 +293,8 @@ int main(void) {
       cmocka_unit_test(unorm8_albedo_and_f0_match),
       cmocka_unit_test(ray_distances_match),
       cmocka_unit_test(view_space_normals_match),
+      cmocka_unit_test(scaled_depths_match),
+      cmocka_unit_test(turned_normals_match),
       cmocka_unit_test(optional_inputs_may_be_absent),
       cmocka_unit_test(odd_values_are_handled_as_specified),
       cmocka_unit_test(normals_from_behind_and_without_length_match),

@@ -66,6 +66,9 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(c.model.feedback == HBIL_FEEDBACK_IRRADIANCE);
   assert_true(c.history.disocclusion_threshold == 0.05f);
   assert_true(c.model.far_field == HBIL_FAR_NONE);
+  assert_true(c.inputs.depth_scale == 1.0f && c.inputs.normal_scale[0] == 1.0f);
+  assert_true(c.inputs.normal_scale[1] == 1.0f &&
+              c.inputs.normal_scale[2] == 1.0f);
   assert_true(!c.sampling.unfiltered && c.execution.vector_width == 0 &&
               !c.execution.profiling);
   assert_true(c.sampling.storage == HBIL_STORAGE_PACKED);
@@ -148,6 +151,10 @@ SPOIL(far_unknown, c->model.far_field = (hbil_far_field)7)
 SPOIL(feedback_unknown, c->model.feedback = (hbil_feedback)7)
 SPOIL(storage_unknown, c->sampling.storage = (hbil_storage)4)
 SPOIL(vector_3, c->execution.vector_width = 3)
+SPOIL(depth_scale_0, c->inputs.depth_scale = 0.0f)
+SPOIL(depth_scale_nan, c->inputs.depth_scale = NAN)
+SPOIL(normal_scale_0, c->inputs.normal_scale[1] = 0.0f)
+SPOIL(normal_scale_infinite, c->inputs.normal_scale[2] = -INFINITY)
 SPOIL(size_small, c->struct_size -= 8)
 SPOIL(size_large, c->struct_size += 8)
 
@@ -189,6 +196,10 @@ static const bad_config bad_configs[] = {
     {"feedback", feedback_unknown},
     {"storage", storage_unknown},
     {"vector_width", vector_3},
+    {"depth_scale", depth_scale_0},
+    {"depth_scale", depth_scale_nan},
+    {"normal_scale[1]", normal_scale_0},
+    {"normal_scale[2]", normal_scale_infinite},
     {"struct_size", size_small},
     {"struct_size", size_large}};
 

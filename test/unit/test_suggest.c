@@ -205,6 +205,17 @@ static void parallel_rays_see_patches_of_one_size(void **state) {
     first *f = valley(shares[i]);
     suggest(f);
     assert_int_equal(f->config.model.gather_emission, i == 0);
+    /* the same in OpenGL's view space, in quarters of a unit */
+    f->config.inputs.depth_scale = -4.0f;
+    f->config.inputs.normal_scale[1] = f->config.inputs.normal_scale[2] = -1.0f;
+    for (int k = 0; k < PIXELS; ++k) {
+      f->depth[k] *= -0.25f;
+      f->normal[2][k] *= -1.0f;
+    }
+    suggest(f);
+    assert_int_equal(f->config.model.gather_emission, i == 0);
+    for (int k = 0; k < PIXELS; ++k)
+      f->depth[k] *= -4.0f;
     /* the same as a depth buffer with planes at 1 and 21 */
     f->config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
     f->frame.hardware_depth[0] = -1.0f / 20.0f;
