@@ -186,7 +186,7 @@ static hbil_plan *plan_create(hbil_context *hbil) {
   check(hbil_plan_memory(hbil, &config, &bytes), hbil);
   printf("hbil takes %.1f MiB of device memory, %.1f of them only during a "
          "frame\n",
-         (double)(bytes.kept + bytes.scratch) / 1048576.0,
+         (double)(bytes.persistent + bytes.scratch) / 1048576.0,
          (double)bytes.scratch / 1048576.0);
   hbil_plan *plan = NULL;
   check(hbil_plan_create(hbil, &config, &plan), hbil);

@@ -176,7 +176,8 @@ typedef struct hbil_plan hbil_plan;
 
 /* Device memory of a plan, in bytes: exact sums of its buffers. */
 typedef struct hbil_memory {
-  size_t kept;    /* what frames leave to later ones: history, tables, counts */
+  size_t
+      persistent; /* what frames leave to later ones: history, tables, counts */
   size_t scratch; /* what the passes of a frame leave to each other */
 } hbil_memory;
 

@@ -136,7 +136,7 @@ static hbil_status make_plan(bench_trial *t) {
   hbil_context *context = t->fixture->context;
   hbil_memory memory = {0, 0};
   const hbil_status status = hbil_plan_memory(context, &t->config, &memory);
-  t->memory = memory.kept + memory.scratch;
+  t->memory = memory.persistent + memory.scratch;
   return status == HBIL_SUCCESS
              ? hbil_plan_create(context, &t->config, &t->plan)
              : status;

@@ -273,7 +273,7 @@ bool layout_is_scratch(int buffer) {
 static void lay_out_memory(size_t alignment, layout *out) {
   for (int i = 0; i < BUFFER_COUNT; ++i) {
     if (!layout_is_scratch(i)) {
-      out->memory.kept += out->bytes[i];
+      out->memory.persistent += out->bytes[i];
       continue;
     }
     out->bytes[i] = (out->bytes[i] + alignment - 1) / alignment * alignment;

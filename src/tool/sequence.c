@@ -17,7 +17,7 @@ struct sequence {
   hbil_plan *plan;
   hbil_config config;
   hbil_memory memory; /* of the plan */
-  size_t plane;  /* bytes of one channel */
+  size_t plane;       /* bytes of one channel */
   unsigned layers;
   size_t channels[INPUTS]; /* 0: this input is not used */
   cl_mem input[INPUTS];
@@ -113,7 +113,7 @@ void sequence_close(sequence *s) {
 }
 
 size_t sequence_memory(const sequence *s) {
-  return s->memory.kept + s->memory.scratch;
+  return s->memory.persistent + s->memory.scratch;
 }
 
 /* The writes don't block.  The planes stay valid until the reads at the end of

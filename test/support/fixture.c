@@ -108,7 +108,7 @@ void setup_mode(setup *s, hbil_mode mode) {
 size_t setup_memory(const setup *s) {
   hbil_memory memory;
   assert_success(s, hbil_plan_memory(s->device->hbil, &s->config, &memory));
-  return memory.kept + memory.scratch;
+  return memory.persistent + memory.scratch;
 }
 
 void setup_cache_rows(setup *s, size_t rows, size_t of) {

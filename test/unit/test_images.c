@@ -402,7 +402,7 @@ static void memory_and_times_are_counted(void **state) {
   without = setup_memory(&p.s);
   hbil_memory images;
   assert_success(&p.s, hbil_plan_memory(profiled.hbil, &p.config, &images));
-  with = images.kept + images.scratch;
+  with = images.persistent + images.scratch;
   for (plane_id id = 0; id < PLANE_COUNT; ++id)
     channels += p.kinds[id] ? (size_t)plane_channels(id) : 0;
   /* rows are multiples of 64 floats */

@@ -69,7 +69,7 @@ static void compare_plans(setup *s, size_t before, bool in_sub_buffer) {
   shim_start_counting();
   assert_success(
       s, hbil_plan_create_in(s->device->hbil, &s->config, scratch, &lent));
-  assert_int_equal(shim_created().bytes, memory.kept);
+  assert_int_equal(shim_created().bytes, memory.persistent);
   for (cl_uint i = 0; i < FRAMES; ++i) {
     setup_load_scene(s, SCENE_ROOM, i);
     setup_upload(s);
@@ -210,9 +210,9 @@ static void static_frames_rest_there(void **state) {
   setup_free(&s);
 }
 
-/* --- what is refused --- */
+/* --- what is rejected --- */
 
-static void check_refused(setup *s, cl_mem scratch, const char *words) {
+static void check_rejected(setup *s, cl_mem scratch, const char *words) {
   hbil_plan *plan = (hbil_plan *)s;
   assert_int_equal(
       hbil_plan_create_in(s->device->hbil, &s->config, scratch, &plan),
@@ -225,20 +225,20 @@ static void check_refused(setup *s, cl_mem scratch, const char *words) {
     clReleaseMemObject(scratch);
 }
 
-static void unfit_memory_is_refused(void **state) {
+static void unfit_memory_is_rejected(void **state) {
   setup s;
   (void)state;
   setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 0, WIDTH, HEIGHT);
   const size_t bytes = memory_of(&s).scratch;
-  check_refused(&s, NULL, "scratch");
-  check_refused(&s, make_scratch(&s, CL_MEM_READ_WRITE, bytes - 1),
-                "hbil_plan_memory() asks for ");
-  check_refused(&s, make_scratch(&s, CL_MEM_READ_ONLY, bytes),
-                "must be CL_MEM_READ_WRITE");
+  check_rejected(&s, NULL, "scratch");
+  check_rejected(&s, make_scratch(&s, CL_MEM_READ_WRITE, bytes - 1),
+                 "hbil_plan_memory() asks for ");
+  check_rejected(&s, make_scratch(&s, CL_MEM_READ_ONLY, bytes),
+                 "must be CL_MEM_READ_WRITE");
   setup_free(&s);
 }
 
-static void planes_in_scratch_memory_are_refused(void **state) {
+static void planes_in_scratch_memory_are_rejected(void **state) {
   setup s;
   hbil_plan *lent;
   (void)state;
@@ -277,7 +277,7 @@ int main(void) {
       cmocka_unit_test(plans_share_one_buffer),
       cmocka_unit_test(creating_a_plan_writes_nothing),
       cmocka_unit_test(static_frames_rest_there),
-      cmocka_unit_test(unfit_memory_is_refused),
-      cmocka_unit_test(planes_in_scratch_memory_are_refused)};
+      cmocka_unit_test(unfit_memory_is_rejected),
+      cmocka_unit_test(planes_in_scratch_memory_are_rejected)};
   return RUN_WITH_DEVICE(tests);
 }

@@ -138,7 +138,7 @@ static bool check_plan(const hbil_config *config, const char *what,
   if (status == HBIL_INVALID_CONFIG)
     return false; /* a far field that the mode lacks */
   assert_int_equal(status, HBIL_SUCCESS);
-  const size_t announced = memory.kept + memory.scratch;
+  const size_t announced = memory.persistent + memory.scratch;
   shim_start_counting();
   assert_int_equal(hbil_plan_create(shared_device.hbil, config, &plan),
                    HBIL_SUCCESS);

@@ -460,7 +460,7 @@ static void announced_memory_covers_the_buffers(void **state) {
     assert_true(size >= sizeof(float) * b.values * WIDTH * HEIGHT);
     sum += size;
   }
-  assert_true(memory.kept + memory.scratch >= sum);
+  assert_true(memory.persistent + memory.scratch >= sum);
   setup_free(&s);
 }
 
