@@ -176,9 +176,8 @@ typedef struct hbil_plan hbil_plan;
 
 /* Device memory of a plan, in bytes: exact sums of its buffers. */
 typedef struct hbil_memory {
-  size_t
-      persistent; /* what frames leave to later ones: history, tables, counts */
-  size_t scratch; /* what the passes of a frame leave to each other */
+  size_t persistent; /* what frames leave to later ones: history, tables */
+  size_t scratch;    /* what the passes of a frame leave to each other */
 } hbil_memory;
 
 /* Computes how much device memory hbil_plan_create() would allocate.  Rejects
