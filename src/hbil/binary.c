@@ -186,8 +186,9 @@ static unsigned char *read_binary(const hbil_context *context,
     return NULL;
   binaries[i] = data + sizeof(header);
   *size = sizes[i];
-  if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof binaries, binaries,
-                       NULL) == CL_SUCCESS)
+  /* rusticl 22.3 ends the process if there is room for more than there are */
+  if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, count * sizeof *binaries,
+                       binaries, NULL) == CL_SUCCESS)
     return data;
   free(data);
   return NULL;

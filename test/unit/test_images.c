@@ -35,6 +35,9 @@ static cl_mem new_image(cl_mem_flags flags, const kind *k,
   cl_int error;
   const cl_mem image =
       clCreateImage(shared_device.context, flags, &format, &desc, NULL, &error);
+  /* rusticl 22.3 has few of the formats that OpenCL leaves to the driver */
+  if (error == CL_IMAGE_FORMAT_NOT_SUPPORTED)
+    skip();
   assert_int_equal(error, CL_SUCCESS);
   return image;
 }
