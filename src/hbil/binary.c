@@ -59,7 +59,7 @@ static cl_int hash_device(const hbil_context *context, cl_ulong *hash) {
                                           CL_DEVICE_VERSION,
                                           CL_DRIVER_VERSION,
                                           CL_DEVICE_PROFILE,
-                                          CL_DEVICE_OPENCL_C_VERSION, 
+                                          CL_DEVICE_OPENCL_C_VERSION,
                                           CL_DEVICE_ADDRESS_BITS,
                                           CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT};
   static const cl_platform_info of_platform[] = {
