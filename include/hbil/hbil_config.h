@@ -54,8 +54,8 @@ typedef enum hbil_component {
    * FLOAT; depth has HALF_FLOAT, FLOAT or, if it is hardware depth,
    * UNORM_INT16.  Normals and bent normals in a UNORM image are (n+1)/2.
    * Channels that an output does not have become 0, and alpha becomes 1.  If
-   * such a copy of an output fails, the plan's history has the frame already.
-   */
+   * an output is an image and light is carried over, the plan has memory for
+   * the light of two frames. */
   HBIL_IMAGE = 11
 } hbil_component;
 

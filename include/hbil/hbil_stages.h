@@ -48,8 +48,8 @@ extern "C" {
  * stored as the last value with a single slice and the filter.  It is always a
  * float.
  *
- * TEMPORAL_HISTORY alternates between two buffers.  Call hbil_plan_buffer()
- * again after every frame.
+ * TEMPORAL_HISTORY alternates between two buffers, and so does HISTORY if an
+ * output is an HBIL_IMAGE.  Call hbil_plan_buffer() again after every frame.
  *
  * With HBIL_STORAGE_PACKED, SPLIT and GATHERED are planes of 32-bit words:
  *   SPLIT      3: inverse depth (a float); normal; radiance

@@ -59,7 +59,7 @@ static cl_int hash_device(const hbil_context *context, cl_ulong *hash) {
                                           CL_DEVICE_VERSION,
                                           CL_DRIVER_VERSION,
                                           CL_DEVICE_PROFILE,
-                                          CL_DEVICE_OPENCL_C_VERSION, 
+                                          CL_DEVICE_OPENCL_C_VERSION,
                                           CL_DEVICE_ADDRESS_BITS,
                                           CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT};
   static const cl_platform_info of_platform[] = {
@@ -186,8 +186,9 @@ static unsigned char *read_binary(const hbil_context *context,
     return NULL;
   binaries[i] = data + sizeof(header);
   *size = sizes[i];
-  if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof binaries, binaries,
-                       NULL) == CL_SUCCESS)
+  /* rusticl 22.3 ends the process if there is room for more than there are */
+  if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, count * sizeof *binaries,
+                       binaries, NULL) == CL_SUCCESS)
     return data;
   free(data);
   return NULL;

@@ -116,6 +116,8 @@ static hbil_status enqueue(const char *function, hbil_plan *plan,
     status = enqueue_export(&chain, &frame, planes);
   if (status != HBIL_SUCCESS)
     plan->has_last = false; /* buffers may hold parts of a failed frame */
+  else if (range.last == HBIL_PASS_COMPOSITE)
+    remember_frame(plan, &frame);
   if (status == HBIL_SUCCESS)
     status = finish(&chain, event);
   end_commands(&chain);

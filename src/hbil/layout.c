@@ -134,6 +134,19 @@ static void lay_out_staged(const hbil_config *config, layout *out) {
                                       (size_t)out->planes.plane;
 }
 
+/* Composite is the last command of a frame, unless outputs are copied to images
+ * after it.  The history must survive if such a copy can't be enqueued, so
+ * composite then writes to a second buffer. */
+static void lay_out_history(layout *out) {
+  const unsigned inputs = PLANE_BIT(PLANE_FIRST_OUTPUT) - 1;
+  const size_t bytes =
+      sizeof(cl_float) * (HBIL_HISTORY_PLANES * (size_t)out->planes.plane +
+                          2 * (size_t)hbil_history_origin(out->planes));
+  out->bytes[BUFFER_HISTORY] = bytes;
+  if (out->staged.planes & ~inputs)
+    out->bytes[BUFFER_HISTORY_NEXT] = bytes;
+}
+
 /* Layers have a span of padding left and right, and a row above and below. */
 static void lay_out_layers(const hbil_config *config, cl_uint span,
                            cl_uint planes, hbil_layer_args *l) {
@@ -296,9 +309,7 @@ void layout_compute(const hbil_config *config, const staging *staged,
   const size_t real = sizeof(cl_float);
   const size_t pixels = (size_t)config->width * config->height;
   if (out->history) {
-    out->bytes[BUFFER_HISTORY] =
-        real * (HBIL_HISTORY_PLANES * (size_t)out->planes.plane +
-                2 * (size_t)hbil_history_origin(out->planes));
+    lay_out_history(out);
     out->bytes[BUFFER_CARRIED] = chain * real;
     if (config->history.reprojection == HBIL_REPROJECTION_SCATTER) {
       out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;

@@ -13,6 +13,7 @@
 /* The device buffers of a plan. */
 enum {
   BUFFER_HISTORY,
+  BUFFER_HISTORY_NEXT, /* the same of the other frame; see lay_out_history() */
   BUFFER_CARRIED, /* level 0 of the push/pull chain, then all coarser ones */
   BUFFER_NEAREST, /* scatter's depths and sources */
   BUFFER_LANDING, /* rows at which runs of the last frame land */

@@ -13,6 +13,10 @@ pass_function enqueue_gather;                       /* gather.c */
 pass_function enqueue_recompose, enqueue_temporal,
     enqueue_composite; /* resolve.c */
 
+/* Makes the frame the plan's last one, after composite and the export of its
+ * outputs. */
+void remember_frame(hbil_plan *plan, const hbil_frame *frame); /* resolve.c */
+
 /* Vectors of pixels across the image. */
 static inline size_t vectors_across(const hbil_plan *plan) {
   const size_t width = plan->config.execution.vector_width;

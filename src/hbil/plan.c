@@ -322,8 +322,9 @@ hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
                 (int)HBIL_STAGE_TEMPORAL_HISTORY);
   const layout *l = &plan->layout;
   const int buffer =
-      of_stage[stage] +
-      (stage == HBIL_STAGE_TEMPORAL_HISTORY ? plan->temporal : 0);
+      of_stage[stage] + (stage == HBIL_STAGE_TEMPORAL_HISTORY ? plan->temporal
+                         : stage == HBIL_STAGE_HISTORY        ? plan->history
+                                                              : 0);
   memset(out, 0, sizeof *out);
   if (!plan->buffers[buffer])
     return fail(plan->context, HBIL_INVALID_ARGUMENT,

@@ -83,6 +83,7 @@ struct hbil_plan {
   /* light of the last frame, and where it was seen from */
   bool has_history;
   hbil_camera history_camera;
+  int history; /* which of its buffers holds the last frame */
   /* the temporal filter: which of its two buffers holds the last frame, and
    * whether the other one has been written since the last composite */
   bool has_temporal, temporal_written;

@@ -22,19 +22,21 @@ static hbil_status scatter(commands *chain, const hbil_frame *frame) {
       .disocclusion_threshold = plan->config.history.disocclusion_threshold};
   const cl_mem depth =
       plane_bind(&plan->config, frame, PLANE_DEPTH, &args.depth);
-  const argument rows[] = {ARG(args), BUFFER_ARG(plan, BUFFER_HISTORY),
+  const argument rows[] = {ARG(args),
+                           BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
                            BUFFER_ARG(plan, BUFFER_LANDING)};
   const argument bands[] = {ARG(args),
-                            BUFFER_ARG(plan, BUFFER_HISTORY),
+                            BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
                             BUFFER_ARG(plan, BUFFER_CARRIED),
                             BUFFER_ARG(plan, BUFFER_NEAREST),
                             ARG(depth),
                             BUFFER_ARG(plan, BUFFER_FLAGS),
                             BUFFER_ARG(plan, BUFFER_LANDING)};
-  const argument nearest[] = {ARG(args), BUFFER_ARG(plan, BUFFER_HISTORY),
+  const argument nearest[] = {ARG(args),
+                              BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
                               BUFFER_ARG(plan, BUFFER_NEAREST)};
   const argument fetch[] = {ARG(args),
-                            BUFFER_ARG(plan, BUFFER_HISTORY),
+                            BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
                             BUFFER_ARG(plan, BUFFER_CARRIED),
                             BUFFER_ARG(plan, BUFFER_NEAREST),
                             ARG(depth),
@@ -72,7 +74,7 @@ static hbil_status follow_motion(commands *chain, const hbil_frame *frame) {
   const cl_mem motion =
       plane_bind(&plan->config, frame, PLANE_MOTION, &args.motion);
   const argument list[] = {ARG(args),
-                           BUFFER_ARG(plan, BUFFER_HISTORY),
+                           BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
                            BUFFER_ARG(plan, BUFFER_CARRIED),
                            ARG(depth),
                            ARG(motion),

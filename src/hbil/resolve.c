@@ -70,13 +70,20 @@ hbil_status enqueue_temporal(commands *chain, const hbil_frame *frame) {
   return status;
 }
 
-/* Makes the frame the plan's last one. */
-static void remember(hbil_plan *plan, const hbil_frame *frame) {
+/* The buffer of the history that composite writes. */
+static int next_history(const hbil_plan *plan) {
+  return plan->layout.bytes[BUFFER_HISTORY_NEXT]
+             ? BUFFER_HISTORY + !plan->history
+             : BUFFER_HISTORY;
+}
+
+void remember_frame(hbil_plan *plan, const hbil_frame *frame) {
   plan->has_last = true;
   plan->last_camera = frame->camera;
   plan->last_index = frame->frame_index;
   if (plan->layout.history) {
     plan->has_history = true;
+    plan->history = next_history(plan) - BUFFER_HISTORY;
     plan->history_camera = frame->camera;
   }
   if (plan->temporal_written) {
@@ -118,7 +125,7 @@ hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
   const argument list[] = {ARG(args),
                            BUFFER_ARG(plan, BUFFER_RESOLVED),
                            BUFFER_ARG(plan, BUFFER_ESTIMATE),
-                           BUFFER_ARG(plan, BUFFER_HISTORY),
+                           BUFFER_ARG(plan, next_history(plan)),
                            ARG(plane[PLANE_DEPTH]),
                            ARG(plane[PLANE_ALBEDO]),
                            ARG(plane[PLANE_F0]),
@@ -134,14 +141,12 @@ hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
                            ARG(plane[PLANE_ERROR]),
                            BUFFER_ARG(plan, BUFFER_SANITIZED)};
   const cl_uint line = plan->layout.line;
-  hbil_status status =
+  const hbil_status status =
       plan->layout.late_counts
           ? clear_counts(chain, HBIL_SANITIZED_LATE, HBIL_SURFACE_INPUTS)
           : HBIL_SUCCESS;
-  if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, KERNEL_COMPOSITE, list, (c->width + line - 1) / line,
-                    c->height, 1);
-  if (status == HBIL_SUCCESS)
-    remember(plan, frame);
-  return status;
+  return status == HBIL_SUCCESS
+             ? LAUNCH(chain, KERNEL_COMPOSITE, list,
+                      (c->width + line - 1) / line, c->height, 1)
+             : status;
 }

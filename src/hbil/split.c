@@ -96,7 +96,7 @@ static hbil_status relight(commands *chain, const hbil_frame *frame) {
   const inputs in = bind_inputs(plan, frame, &args);
   const argument list[] = {ARG(args),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
-                           BUFFER_ARG(plan, BUFFER_HISTORY),
+                           BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
                            ARG(in.depth),
                            ARG(in.albedo),
                            ARG(in.f0),

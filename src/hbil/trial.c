@@ -24,6 +24,8 @@ static hbil_status run_passes(hbil_plan *plan, cl_command_queue queue,
     if (status == HBIL_SUCCESS)
       status = passes[i](&chain, frame);
   }
+  if (status == HBIL_SUCCESS)
+    remember_frame(plan, frame);
   return status;
 }
 

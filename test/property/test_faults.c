@@ -338,6 +338,152 @@ static void caches_do_not_stand_on_failures(void **state) {
 }
 
 /* ------------------------------------------------------------------------ */
+/* Frames whose planes are images                                            */
+
+static const plane_id shown[] = {PLANE_NEAR, PLANE_AO, PLANE_BEAUTY};
+enum { SHOWN = 3, LANES = 4 };
+
+/* Two plans that read the same images: one never fails. */
+typedef struct image_step {
+  setup s; /* has the inputs' values, and no plan */
+  hbil_plan *plain, *faulty;
+  hbil_frame frame; /* without outputs */
+  cl_mem shown[2][SHOWN];
+} image_step;
+
+static cl_mem new_image(void) {
+  const cl_image_format format = {CL_RGBA, CL_FLOAT};
+  const cl_image_desc desc = {.image_type = CL_MEM_OBJECT_IMAGE2D,
+                              .image_width = WIDTH,
+                              .image_height = HEIGHT};
+  cl_int error;
+  const cl_mem image = clCreateImage(shared_device.context, CL_MEM_READ_WRITE,
+                                     &format, &desc, NULL, &error);
+  assert_int_equal(error, CL_SUCCESS);
+  return image;
+}
+
+static const size_t corner[3] = {0, 0, 0}, whole[3] = {WIDTH, HEIGHT, 1};
+
+static void start_images(image_step *t) {
+  prepare(&t->s);
+  setup_no_outputs(&t->s);
+  t->s.config.execution.profiling = CL_FALSE;
+  t->s.config.history.max_frames = 4;
+  t->frame = t->s.frame;
+  for (plane_id id = 0; id < PLANE_FIRST_OUTPUT; ++id)
+    if (plane_format(&t->s.config, id)->component != HBIL_NONE) {
+      *plane_format(&t->s.config, id) = (hbil_plane_format){HBIL_IMAGE, 0};
+      plane_slot(&t->frame, id)->buffer = new_image();
+    }
+  for (int i = 0; i < SHOWN; ++i) {
+    *plane_format(&t->s.config, shown[i]) = (hbil_plane_format){HBIL_IMAGE, 0};
+    t->shown[0][i] = new_image();
+    t->shown[1][i] = new_image();
+  }
+  assert_success(&t->s,
+                 hbil_plan_create(shared_device.hbil, &t->s.config, &t->plain));
+  assert_success(
+      &t->s, hbil_plan_create(shared_device.hbil, &t->s.config, &t->faulty));
+}
+
+static void free_images(image_step *t) {
+  hbil_plan_destroy(t->plain);
+  hbil_plan_destroy(t->faulty);
+  for (plane_id id = 0; id < PLANE_FIRST_OUTPUT; ++id)
+    if (plane_slot(&t->frame, id)->buffer)
+      clReleaseMemObject(plane_slot(&t->frame, id)->buffer);
+  for (int i = 0; i < 2 * SHOWN; ++i)
+    clReleaseMemObject(t->shown[i / SHOWN][i % SHOWN]);
+  setup_free(&t->s);
+}
+
+static void load_images(image_step *t, int index) {
+  static float texels[WIDTH * HEIGHT][LANES];
+  setup_load_scene(&t->s, SCENE_ROOM, (uint32_t)index);
+  t->frame.camera = t->s.frame.camera;
+  for (plane_id id = 0; id < PLANE_FIRST_OUTPUT; ++id) {
+    if (!plane_slot(&t->frame, id)->buffer)
+      continue;
+    for (int i = 0; i < WIDTH * HEIGHT; ++i)
+      for (int c = 0; c < plane_channels(id); ++c)
+        texels[i][c] = t->s.input[plane_first(id) + c][i];
+    assert_int_equal(clEnqueueWriteImage(
+                         shared_device.queue, plane_slot(&t->frame, id)->buffer,
+                         CL_TRUE, corner, whole, 0, 0, texels, 0, NULL, NULL),
+                     CL_SUCCESS);
+  }
+}
+
+static hbil_status image_frame(image_step *t, bool faulty,
+                               enqueue_function *pass) {
+  for (int i = 0; i < SHOWN; ++i)
+    plane_slot(&t->frame, shown[i])->buffer = t->shown[faulty][i];
+  return pass(faulty ? t->faulty : t->plain, shared_device.queue, &t->frame, 0,
+              NULL, NULL);
+}
+
+static void check_same_images(const outcome *o, const image_step *t) {
+  static float texels[2][WIDTH * HEIGHT][LANES];
+  for (int i = 0; i < SHOWN; ++i) {
+    for (int k = 0; k < 2; ++k)
+      assert_int_equal(clEnqueueReadImage(shared_device.queue, t->shown[k][i],
+                                          CL_TRUE, corner, whole, 0, 0,
+                                          texels[k], 0, NULL, NULL),
+                       CL_SUCCESS);
+    if (memcmp(texels[0], texels[1], sizeof texels[0]))
+      fail_msg("call %d, %s: other bits in %s than without the failure", o->nth,
+               o->failed ? o->failed : "none", plane_name(shown[i]));
+  }
+}
+
+/* Images are written after the pass that writes the history: what was carried
+ * over and averaged is still that of the frame before if this fails. */
+static void frames_of_images_can_be_repeated(void **state) {
+  const long before = shim_references();
+  outcome o = {0, "", HBIL_SUCCESS};
+  image_step t;
+  (void)state;
+  start_images(&t);
+  for (int n = 1; o.failed; ++n) {
+    load_images(&t, n % 2 ? 3 : 0);
+    assert_success(&t.s, image_frame(&t, false, hbil_enqueue_frame));
+    o = ATTEMPT(n, errors[0], image_frame(&t, true, hbil_enqueue_frame));
+    check_outcome(shared_device.hbil, &o, 0);
+    if (o.status != HBIL_SUCCESS)
+      assert_success(&t.s, image_frame(&t, true, hbil_enqueue_frame));
+    check_same_images(&o, &t);
+  }
+  assert_in_range(o.nth, 150, 5000);
+  free_images(&t);
+  assert_int_equal(shim_references(), before);
+}
+
+/* The same if composite was enqueued by itself, and is enqueued again. */
+static void composite_to_images_can_be_repeated(void **state) {
+  static enqueue_function *const passes[] = {
+      hbil_enqueue_reproject, hbil_enqueue_push_pull, hbil_enqueue_split,
+      hbil_enqueue_gather,    hbil_enqueue_recompose, hbil_enqueue_temporal};
+  outcome o = {0, "", HBIL_SUCCESS};
+  image_step t;
+  (void)state;
+  start_images(&t);
+  for (int n = 1; o.failed; ++n) {
+    load_images(&t, n % 2 ? 3 : 0);
+    assert_success(&t.s, image_frame(&t, false, hbil_enqueue_frame));
+    for (size_t i = 0; i < sizeof passes / sizeof *passes; ++i)
+      assert_success(&t.s, image_frame(&t, true, passes[i]));
+    o = ATTEMPT(n, errors[0], image_frame(&t, true, hbil_enqueue_composite));
+    check_outcome(shared_device.hbil, &o, 0);
+    if (o.status != HBIL_SUCCESS)
+      assert_success(&t.s, image_frame(&t, true, hbil_enqueue_frame));
+    check_same_images(&o, &t);
+  }
+  assert_in_range(o.nth, 30, 5000);
+  free_images(&t);
+}
+
+/* ------------------------------------------------------------------------ */
 /* What is told afterwards                                                   */
 
 typedef hbil_status question(step *t);
@@ -448,6 +594,8 @@ int main(void) {
       cmocka_unit_test(plans_end_after_failures),
       cmocka_unit_test(static_frames_do_not_stand_on_failures),
       cmocka_unit_test(caches_do_not_stand_on_failures),
+      cmocka_unit_test(frames_of_images_can_be_repeated),
+      cmocka_unit_test(composite_to_images_can_be_repeated),
       cmocka_unit_test(questions_can_be_asked_again),
       cmocka_unit_test(lost_events_are_told),
       cmocka_unit_test(a_failed_build_is_told),

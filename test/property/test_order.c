@@ -34,6 +34,9 @@ static cl_command_queue make_queue(cl_command_queue_properties properties) {
   cl_int error;
   cl_command_queue queue = clCreateCommandQueue(
       shared_device.context, shared_device.id, properties, &error);
+  /* rusticl 22.3 has no out-of-order queues */
+  if (error == CL_INVALID_QUEUE_PROPERTIES)
+    skip();
   assert_int_equal(error, CL_SUCCESS);
   return queue;
 }

@@ -54,4 +54,20 @@ for plan in scatter motion static; do
   fi
 done
 
+# Binaries and images are where drivers differ most.  The tests skip by name
+# what rusticl 22.3 does not have.
+for test in test_binaries test_images; do
+  name="$test on rusticl's llvmpipe"
+  if ! test -e $icd; then
+    skip "$name" "no rusticl"
+    continue
+  fi
+  run env OCL_ICD_VENDORS=$icd RUSTICL_ENABLE=llvmpipe test/unit/$test
+  if test $status -ne 0 && grep -q 'no OpenCL' "$work/err" "$work/out"; then
+    skip "$name" "rusticl offers no device"
+  else
+    ok $status "$name"
+  fi
+done
+
 echo "1..$count"

@@ -372,6 +372,7 @@ static void another_process_compiles_nothing(void **state) {
   char folder[MOST_PATH], empty[MOST_PATH];
   setup s;
   (void)state;
+  skip_unless_pocl();
   folder_make(folder);
   folder_make(empty);
   ao_alone(&s);
@@ -412,8 +413,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(keys_tell_programs_apart),
       cmocka_unit_test(failures_cost_at_most_the_binary),
       cmocka_unit_test(a_store_has_two_functions),
-      cmocka_unit_test_setup(another_process_compiles_nothing,
-                             skip_unless_pocl),
+      cmocka_unit_test(another_process_compiles_nothing),
       cmocka_unit_test(folders_may_be_missing)};
   (void)argc;
   program = argv[0];

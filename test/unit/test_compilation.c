@@ -53,6 +53,7 @@ static void check(setup *s) {
 static void scatter_with_a_cache_of_some_rows(void **state) {
   setup s;
   (void)state;
+  skip_unless_pocl();
   setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 0, 40, 24);
   setup_cache_rows(&s, 3, 6);
   check(&s);
@@ -61,6 +62,7 @@ static void scatter_with_a_cache_of_some_rows(void **state) {
 static void motion_with_averages(void **state) {
   setup s;
   (void)state;
+  skip_unless_pocl();
   setup_every_pass(&s, HBIL_REPROJECTION_MOTION, 0, 40, 24);
   s.config.history.max_frames = 4;
   check(&s);
@@ -70,18 +72,18 @@ static void motion_with_averages(void **state) {
 static void vectors_of_one_with_a_whole_cache(void **state) {
   setup s;
   (void)state;
+  skip_unless_pocl();
   setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 1, 70, 11);
   s.config.execution.horizon_cache_bytes = SIZE_MAX;
   s.config.execution.skip &= ~(cl_uint)HBIL_SKIP_HOLES;
   check(&s);
 }
 
-#define ON_POCL(test) cmocka_unit_test_setup(test, skip_unless_pocl)
-
 int main(void) {
   const struct CMUnitTest tests[] = {
-      ON_POCL(scatter_with_a_cache_of_some_rows), ON_POCL(motion_with_averages),
-      ON_POCL(vectors_of_one_with_a_whole_cache)};
+      cmocka_unit_test(scatter_with_a_cache_of_some_rows),
+      cmocka_unit_test(motion_with_averages),
+      cmocka_unit_test(vectors_of_one_with_a_whole_cache)};
   folder_make(cache);
   setenv("POCL_CACHE_DIR", cache, 1);
   const int failures = RUN_WITH_DEVICE(tests);

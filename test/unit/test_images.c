@@ -35,6 +35,9 @@ static cl_mem new_image(cl_mem_flags flags, const kind *k,
   cl_int error;
   const cl_mem image =
       clCreateImage(shared_device.context, flags, &format, &desc, NULL, &error);
+  /* rusticl 22.3 has few of the formats that OpenCL leaves to the driver */
+  if (error == CL_IMAGE_FORMAT_NOT_SUPPORTED)
+    skip();
   assert_int_equal(error, CL_SUCCESS);
   return image;
 }
@@ -386,7 +389,8 @@ static void bright_light_is_clipped_in_halves(void **state) {
 
 static void memory_and_times_are_counted(void **state) {
   pair p;
-  size_t with, without, channels = 0;
+  hbil_buffer history;
+  size_t with, without, second, channels = 0;
   double ms[HBIL_PASS_COUNT];
   cl_int error;
   device_fixture profiled = shared_device;
@@ -405,8 +409,13 @@ static void memory_and_times_are_counted(void **state) {
   with = images.persistent + images.scratch;
   for (plane_id id = 0; id < PLANE_COUNT; ++id)
     channels += p.kinds[id] ? (size_t)plane_channels(id) : 0;
-  /* rows are multiples of 64 floats */
-  assert_int_equal(with - without, channels * 64 * HEIGHT * sizeof(float));
+  assert_success(&p.s, hbil_plan_buffer(p.plan, HBIL_STAGE_HISTORY, &history));
+  assert_int_equal(clGetMemObjectInfo(history.buffer, CL_MEM_SIZE,
+                                      sizeof second, &second, NULL),
+                   CL_SUCCESS);
+  /* rows are multiples of 64 floats; outputs in images need a second history */
+  assert_int_equal(with - without,
+                   channels * 64 * HEIGHT * sizeof(float) + second);
   setup_run(&p.s, hbil_enqueue_frame);
   assert_success(&p.s, hbil_plan_timings(p.s.plan, ms));
   assert_true(ms[HBIL_PASS_IMPORT] == 0.0 && ms[HBIL_PASS_EXPORT] == 0.0);
