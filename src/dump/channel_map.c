@@ -59,7 +59,7 @@ int channel_map_depth_is_hardware(const channel_map *map) {
   return map->how.depth == DEPTH_DEVICE || map->how.depth == DEPTH_REVERSED;
 }
 
-void channel_map_hardware_depth(const channel_map *map, float out[2]) {
+void channel_map_hardware_depth(const channel_map *map, double out[2]) {
   const double near = map->how.near, far = map->how.far;
   const int parallel = map->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
   /* of depths that are 0 at the near plane and 1 at the far plane */
@@ -67,17 +67,17 @@ void channel_map_hardware_depth(const channel_map *map, float out[2]) {
   const double a = parallel ? -near / (far - near) : stretch;
   const double b = parallel ? 1 / (far - near) : -near * stretch;
   const int reversed = map->how.depth == DEPTH_REVERSED;
-  out[0] = out[1] = 0.0f;
+  out[0] = out[1] = 0;
   if (!channel_map_depth_is_hardware(map))
     return;
-  out[0] = (float)(reversed ? 1 - a : a);
-  out[1] = (float)(reversed ? -b : b);
+  out[0] = reversed ? 1 - a : a;
+  out[1] = reversed ? -b : b;
 }
 
 /* The library's sky_depth, in camera units. */
 static float sky_depth(const channel_map *map) {
   const conventions *how = &map->how;
-  float ab[2];
+  double ab[2];
   if (how->depth == DEPTH_POSITION || !isfinite(how->sky_depth) ||
       conventions_begin_at_near(how))
     return INFINITY;
@@ -86,10 +86,10 @@ static float sky_depth(const channel_map *map) {
   if (how->sky_depth > 1.0f) /* no value of a depth buffer */
     return INFINITY;
   channel_map_hardware_depth(map, ab);
-  const double above = (double)how->sky_depth - (double)ab[0];
+  const double above = (double)how->sky_depth - ab[0];
   const double z = map->projection == HBIL_PROJECTION_ORTHOGRAPHIC
-                       ? above / (double)ab[1]
-                       : (double)ab[1] / above;
+                       ? above / ab[1]
+                       : ab[1] / above;
   /* The sky is often at this very value, which the kernels may round to a depth
    * that is a little smaller. */
   return z > 0 && isfinite(z) ? (float)(z * (1 - 1e-6)) : INFINITY;

@@ -48,7 +48,7 @@ void channel_map_signs(const channel_map *map, dump_space space, float sign[3]);
 int channel_map_depth_is_hardware(const channel_map *map);
 
 /* hbil_frame.hardware_depth of this frame; 0, 0 for other kinds of depth. */
-void channel_map_hardware_depth(const channel_map *map, float out[2]);
+void channel_map_hardware_depth(const channel_map *map, double out[2]);
 
 /* Describes to the library how the planes of a G-buffer are to be read (see
  * convert.h): sets projection, depth_kind, depth_scale, sky_depth,

@@ -21,8 +21,8 @@ surface_points surface_points_of(const gbuffer *g, const hbil_camera *camera) {
 
 /* Planar depth of a value of a depth buffer; 0 at the far end and beyond. */
 static double hardware_depth(const surface_points *s, double value) {
-  const double a = (double)s->hardware_depth[0];
-  const double b = (double)s->hardware_depth[1];
+  const double a = s->hardware_depth[0];
+  const double b = s->hardware_depth[1];
   const int parallel = surface_rays_are_parallel(s);
   const int grows = parallel ? b > 0 : b < 0; /* with the distance */
   if (grows ? value >= 1 : value <= 0)

@@ -9,7 +9,7 @@ typedef struct surface_points {
   const gbuffer *g; /* converted (convert.h) */
   const hbil_camera *camera;
   hbil_inputs inputs;      /* how the library reads its planes */
-  float hardware_depth[2]; /* as in hbil_frame */
+  double hardware_depth[2]; /* as in hbil_frame */
 } surface_points;
 
 /* camera: of g's map, or another one that is tried. */

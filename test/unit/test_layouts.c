@@ -281,7 +281,7 @@ static void planes_are_handed_over_as_stored(void **state) {
   (void)state;
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
     dump d = dump_begin(SCENE_SKY);
-    float ab[2];
+    double ab[2];
     dump_add_depth(&d, "depth", "Z", i < 2 ? 100 : 0.02, 0);
     dump_add_vectors(&d, "normal", letters_xyz, d.s.normal, AXES_OPENGL, 0);
     d.options.depth = cases[i].depth;
@@ -300,7 +300,7 @@ static void planes_are_handed_over_as_stored(void **state) {
     assert_true(in->normal_scale[0] == 1 && in->normal_scale[1] == -1 &&
                 in->normal_scale[2] == -1);
     channel_map_hardware_depth(&r.map, ab);
-    assert_true((ab[1] != 0.0f) == (in->depth_kind == HBIL_DEPTH_HARDWARE));
+    assert_true((ab[1] != 0.0) == (in->depth_kind == HBIL_DEPTH_HARDWARE));
     reading_free(&r);
     dump_end(&d);
   }
