@@ -206,10 +206,11 @@ HBIL_API hbil_status hbil_plan_create(hbil_context *context,
  * that event, or is in the same in-order queue.  A frame's planes must not lie
  * in it.
  *
- * What is written there by others is lost to the plan: hbil_frame.static_frame
- * may be CL_TRUE, and hbil_plan_buffer() has the last frame's SPLIT, GATHERED,
- * CARRIED and RESOLVED, only if nothing has been.  The history is not in it.
- * Each frame that is not static clears the padding of its layers again. */
+ * If anyone has written there since the last frame, hbil_frame.static_frame must
+ * be CL_FALSE, and the stages SPLIT, GATHERED, CARRIED and RESOLVED no longer
+ * hold that frame (hbil_plan_buffer()).  The history is in the plan's own
+ * memory.  Such a plan's frames clear the padding of their layers first, which
+ * other plans do once, when they are created. */
 HBIL_API hbil_status hbil_plan_create_in(hbil_context *context,
                                          const hbil_config *config,
                                          cl_mem scratch, hbil_plan **out);
