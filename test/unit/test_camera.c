@@ -298,7 +298,7 @@ static void direct3d_keeps_its_own_world(void **state) {
     assert_true(camera.world_from_view[i] == want[i]);
   assert_true(camera.fx == 400 && camera.fy == 400);
   assert_true(camera.cx == 800 && camera.cy == 400);
-  assert_true(depth[0] == 0.0f && depth[1] == 0.2f);
+  assert_true(depth[0] == 0.0 && depth[1] == 0.2);
 }
 
 typedef struct mistake {
