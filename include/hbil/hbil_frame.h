@@ -106,7 +106,7 @@ typedef enum hbil_matrix_convention {
  * Returns HBIL_INVALID_ARGUMENT for anything else, which leaves camera and
  * hardware_depth as they are; hbil_context_message(NULL) says what is wrong. */
 HBIL_API hbil_status hbil_camera_from_matrices(
-    hbil_camera *camera, float hardware_depth[2], const hbil_config *config,
+    hbil_camera *camera, double hardware_depth[2], const hbil_config *config,
     const double projection[16], const double view[16], cl_uint conventions);
 
 typedef struct hbil_frame {
@@ -137,8 +137,11 @@ typedef struct hbil_frame {
   /* With HBIL_DEPTH_HARDWARE: A and B of this frame's projection;
    * hbil_camera_from_matrices() computes both.  The value of
    * the depth buffer is d = A + B/z, in orthographic views d = A + B z, where z
-   * is planar depth.  A is finite, B is not 0.  With the near plane at n and
-   * the far one at f (n > 0; n < f):
+   * is planar depth.  A is finite, B is not 0; as floats, too, and B is not
+   * subnormal.  A far end at A = 1.00001 is 1e-5 in front of the far plane's
+   * 1, so these are doubles: depths are then as exact as a float whatever f / n
+   * is (test_formats).  With the near plane at n and the far one at f (n > 0;
+   * n < f):
    *                                  A                B
    *   perspective, 0..1              f / (f-n)        -f n / (f-n)
    *     far plane at infinity        1                -n
@@ -154,7 +157,7 @@ typedef struct hbil_frame {
    * clip space's z/w; it can't be reversed.
    * The far end, d = 1, or d = 0 where depth is reversed, is what a cleared
    * depth buffer holds.  It is sky, and so is everything beyond. */
-  float hardware_depth[2];
+  double hardware_depth[2];
 } hbil_frame;
 
 /* Sets all members of a struct of struct_size bytes to 0.  The camera must be

@@ -42,7 +42,7 @@ typedef struct bench_trial {
   /* Set after opening, else 0: inputs that are read in place of the fixture's,
    * in the formats of the configuration; and as hbil_frame has it. */
   cl_mem replaced[BENCH_INPUTS];
-  float hardware_depth[2];
+  double hardware_depth[2];
 } bench_trial;
 
 /* config: settings; formats are filled in where it has none.  kernels: the

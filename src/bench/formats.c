@@ -108,7 +108,7 @@ static void find_depths(job *j) {
 static const double margin = 20.0;
 
 /* hbil_frame.hardware_depth. */
-static void project(const job *j, depth_form how, float out[2]) {
+static void project(const job *j, depth_form how, double out[2]) {
   const double n = j->nearest / margin, f = j->farthest * margin;
   const int flat =
       j->content.config.inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
@@ -121,12 +121,12 @@ static void project(const job *j, depth_form how, float out[2]) {
     a = 0.0;
     b = n;
   }
-  out[0] = (float)a;
-  out[1] = (float)b;
+  out[0] = a;
+  out[1] = b;
 }
 
 /* Returns the bytes of the plane. */
-static size_t store(const job *j, const form *f, const float projection[2]) {
+static size_t store(const job *j, const form *f, const double projection[2]) {
   const bench_frame *frame = &j->content.frame[j->content.measured];
   const size_t pixels = bench_pixels(&j->content);
   const int inputs = (int)bench_input_channels(f->input);

@@ -176,7 +176,7 @@ static const char *convert(hbil_camera *camera, double depth[2],
 }
 
 hbil_status hbil_camera_from_matrices(
-    hbil_camera *camera, float hardware_depth[2], const hbil_config *config,
+    hbil_camera *camera, double hardware_depth[2], const hbil_config *config,
     const double projection[16], const double view[16], cl_uint conventions) {
   const char *missing = !camera       ? "camera"
                         : !config     ? "config"
@@ -204,7 +204,7 @@ hbil_status hbil_camera_from_matrices(
     return fail(NULL, HBIL_INVALID_ARGUMENT, "%s: %s", __func__, error);
   *camera = result;
   for (int i = 0; hardware_depth && i < 2; ++i)
-    hardware_depth[i] = (float)depth[i];
+    hardware_depth[i] = depth[i];
   return HBIL_SUCCESS;
 }
 

@@ -186,14 +186,15 @@ static hbil_status check_environment(hbil_plan *plan, const hbil_frame *frame) {
 
 static hbil_status check_hardware_depth(hbil_plan *plan,
                                         const hbil_frame *frame) {
-  const float a = frame->hardware_depth[0], b = frame->hardware_depth[1];
+  const double a = frame->hardware_depth[0], b = frame->hardware_depth[1];
+  /* the kernels' quotients of both are floats */
   if (plan->config.inputs.depth_kind != HBIL_DEPTH_HARDWARE ||
-      (isfinite(a) && isnormal(b)))
+      (isfinite((float)a) && isnormal((float)b)))
     return HBIL_SUCCESS;
   return fail(plan->context, HBIL_INVALID_FRAME,
               "hardware_depth: %g, %g; HBIL_DEPTH_HARDWARE needs the finite A "
               "and B, not 0, of the projection",
-              (double)a, (double)b);
+              a, b);
 }
 
 /* What can be checked of static_frame. */

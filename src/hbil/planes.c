@@ -156,9 +156,8 @@ hbil_depth_args depth_args(const hbil_config *config, const hbil_frame *frame) {
   const bool orthographic =
       config->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
   /* d = a + b w, where w is 1/z, or -z in an orthographic view */
-  const double a = (double)frame->hardware_depth[0];
-  const double b =
-      (orthographic ? -1.0 : 1.0) * (double)frame->hardware_depth[1];
+  const double a = frame->hardware_depth[0];
+  const double b = (orthographic ? -1.0 : 1.0) * frame->hardware_depth[1];
   const double far = b < 0.0 ? 1.0 : 0.0; /* d of the far end */
   /* the kernels read codes of unorm depth as integers */
   const hbil_component component = config->inputs.depth.component;

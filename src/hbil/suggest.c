@@ -56,9 +56,8 @@ static bool is_parallel(const look *l) {
 /* Planar depth of a value of a depth buffer; 0 at the far end and beyond. */
 static double hardware_depth(const look *l, double d) {
   /* d = a + b w, where w is 1/z, or -z in an orthographic view */
-  const double a = (double)l->frame->hardware_depth[0];
-  const double b =
-      (is_parallel(l) ? -1 : 1) * (double)l->frame->hardware_depth[1];
+  const double a = l->frame->hardware_depth[0];
+  const double b = (is_parallel(l) ? -1 : 1) * l->frame->hardware_depth[1];
   const double far = b < 0 ? 1 : 0; /* d of the far end */
   const double w = (d - a) / b;
   return !((d - far) / b > 0) ? 0 : is_parallel(l) ? -w : 1 / w;
@@ -350,10 +349,10 @@ static bool positive(double v) {
 }
 
 static bool is_usable(const hbil_config *config, const hbil_frame *frame) {
-  const float *depth = frame->hardware_depth;
+  const double *depth = frame->hardware_depth;
   return positive(frame->camera.fx) && positive(frame->camera.fy) &&
          (config->inputs.depth_kind != HBIL_DEPTH_HARDWARE ||
-          (isfinite(depth[0]) && positive(fabs((double)depth[1]))));
+          (isfinite(depth[0]) && positive(fabs(depth[1]))));
 }
 
 static bool is_size(cl_uint size) {

@@ -142,9 +142,9 @@ void scene_octahedral(const double normal[3], double uv[2]) {
   uv[1] = normal[2] < 0.0 ? copysign(1.0 - fabs(u), v) : v;
 }
 
-double scene_hardware_depth(const float projection[2], bool orthographic,
+double scene_hardware_depth(const double projection[2], bool orthographic,
                             double z) {
-  const double a = (double)projection[0], b = (double)projection[1];
+  const double a = projection[0], b = projection[1];
   const bool reversed = orthographic ? b < 0.0 : b > 0.0;
   if (!(z > 0.0) || isinf(z))
     return reversed ? 0.0 : 1.0;

@@ -26,7 +26,7 @@ void scene_octahedral(const double normal[3], double uv[2]);
 
 /* The value of a depth buffer at planar depth z, where `projection` is
  * hbil_frame.hardware_depth; 0 and infinity: that of the far end. */
-double scene_hardware_depth(const float projection[2], bool orthographic,
+double scene_hardware_depth(const double projection[2], bool orthographic,
                             double z);
 
 #endif

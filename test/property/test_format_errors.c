@@ -80,10 +80,9 @@ static void prepare(setup *s, const form *f) {
   if (f->depth == PLANAR)
     return;
   s->config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
-  s->frame.hardware_depth[0] =
-      (float)((f->depth == REVERSED ? -n : FAR_PLANE) / range);
+  s->frame.hardware_depth[0] = (f->depth == REVERSED ? -n : FAR_PLANE) / range;
   s->frame.hardware_depth[1] =
-      (float)((f->depth == REVERSED ? n : -n) * FAR_PLANE / range);
+      (f->depth == REVERSED ? n : -n) * FAR_PLANE / range;
 }
 
 static double radiance_at(const setup *s, int channel, size_t i) {

@@ -162,8 +162,8 @@ void octahedral_normal(const double uv[2], double normal[3]) {
 
 double hardware_depth_w(const hbil_config *config, const hbil_frame *frame,
                         double d) {
-  const double a = (double)frame->hardware_depth[0];
-  const double b = (double)frame->hardware_depth[1];
+  const double a = frame->hardware_depth[0];
+  const double b = frame->hardware_depth[1];
   return config->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC
              ? -((d - a) / b)
              : (d - a) / b;

@@ -126,7 +126,7 @@ static void point_at(const double view[16], const renderer *r, double distance,
 
 static void check_point(const renderer *r, const double projection[16],
                         const double view[16], const hbil_camera *camera,
-                        const float hardware[2]) {
+                        const double hardware[2]) {
   const double far = isinf(r->far) ? 1e4 * r->near : r->far;
   const double distance = r->near * pow(far / r->near, random_unit(&dice));
   double point[4], seen[4], clip[4];
@@ -153,11 +153,9 @@ static void check_point(const renderer *r, const double projection[16],
   assert_true(fabs(camera->fy * own[1] / divisor + camera->cy - row) <
               1e-12 * WIDTH);
   assert_true(fabs(own[2] / distance - 1) < 1e-12 * (1 + 10 / distance));
-  /* A and B are rounded to floats, by 2^-25 of themselves at least */
-  const double varying = r->orthographic ? (double)hardware[1] * own[2]
-                                         : (double)hardware[1] / own[2];
-  assert_true(fabs((double)hardware[0] + varying - stored) <=
-              0x1p-24 * (fabs((double)hardware[0]) + fabs(varying)) + 1e-12);
+  const double varying =
+      r->orthographic ? hardware[1] * own[2] : hardware[1] / own[2];
+  assert_true(fabs(hardware[0] + varying - stored) <= 1e-12);
   assert_true(stored > -1e-9 && stored < 1 + 1e-9);
 }
 
@@ -167,7 +165,7 @@ static void check_renderer(const renderer *r) {
   projection_of(r, p);
   view_of(r, v);
   hbil_camera camera, same, without_depth;
-  float hardware[2], same_hardware[2];
+  double hardware[2], same_hardware[2];
   const hbil_status status = hbil_camera_from_matrices(
       &camera, hardware, &config, p, v, r->conventions);
   if (status != HBIL_SUCCESS)
@@ -243,7 +241,7 @@ static void opengl_is_the_same_both_ways(void **state) {
   const hbil_config config = config_of(&r);
   double p[16], v[16], camera_to_world[16] = {0};
   hbil_camera want, got;
-  float depth[2];
+  double depth[2];
   (void)state;
   projection_of(&r, p);
   view_of(&r, v);
@@ -264,8 +262,8 @@ static void opengl_is_the_same_both_ways(void **state) {
   assert_true(fabs(got.fy - want.fy) < 1e-12 * WIDTH);
   assert_true(got.cx == want.cx && got.cy == want.cy);
   /* f/(f-n) and -f n/(f-n) */
-  assert_true(fabs((double)depth[0] - 1000 / 999.9) < 1e-7);
-  assert_true(fabs((double)depth[1] + 100 / 999.9) < 1e-8);
+  assert_true(fabs(depth[0] - 1000 / 999.9) < 1e-12);
+  assert_true(fabs(depth[1] + 100 / 999.9) < 1e-12);
 
   /* the same planes with the lowest row first: y turns, nothing else does */
   assert_int_equal(
@@ -287,7 +285,7 @@ static void direct3d_keeps_its_own_world(void **state) {
   const double want[16] = {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 5, 0, 0, 0, 1};
   hbil_config config;
   hbil_camera camera;
-  float depth[2];
+  double depth[2];
   (void)state;
   hbil_config_init(&config);
   config.width = 1600;
@@ -300,7 +298,7 @@ static void direct3d_keeps_its_own_world(void **state) {
     assert_true(camera.world_from_view[i] == want[i]);
   assert_true(camera.fx == 400 && camera.fy == 400);
   assert_true(camera.cx == 800 && camera.cy == 400);
-  assert_true(depth[0] == 0.0f && depth[1] == 0.2f);
+  assert_true(depth[0] == 0.0 && depth[1] == 0.2);
 }
 
 typedef struct mistake {
@@ -354,7 +352,7 @@ static void mistakes_are_named(void **state) {
     view_of(&r, both + 16);
     both[m->element] = m->value;
     hbil_camera camera, before;
-    float depth[2] = {7.0f, 7.0f};
+    double depth[2] = {7.0, 7.0};
     memset(&camera, 1, sizeof camera);
     before = camera;
     assert_int_equal(hbil_camera_from_matrices(&camera, depth, &config, both,
@@ -364,7 +362,7 @@ static void mistakes_are_named(void **state) {
     if (!strstr(reason, m->reason) || strchr(reason, '\n'))
       fail_msg("mistake %zu: %s", i, reason);
     assert_memory_equal(&camera, &before, sizeof camera);
-    assert_true(depth[0] == 7.0f && depth[1] == 7.0f);
+    assert_true(depth[0] == 7.0 && depth[1] == 7.0);
   }
 }
 

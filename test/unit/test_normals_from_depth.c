@@ -278,8 +278,8 @@ static void every_form_of_depth_is_read(void **state) {
       s.config.inputs.depth_kind = HBIL_DEPTH_RAY;
     if (form == 1) {
       s.config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
-      s.frame.hardware_depth[0] = 0.0f;
-      s.frame.hardware_depth[1] = 1.0f;
+      s.frame.hardware_depth[0] = 0.0;
+      s.frame.hardware_depth[1] = 1.0;
     }
     if (form == 2) {
       s.config.inputs.depth.stride = 3;

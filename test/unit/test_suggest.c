@@ -207,8 +207,8 @@ static void parallel_rays_see_patches_of_one_size(void **state) {
     assert_int_equal(f->config.model.gather_emission, i == 0);
     /* the same as a depth buffer with planes at 1 and 21 */
     f->config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
-    f->frame.hardware_depth[0] = -1.0f / 20.0f;
-    f->frame.hardware_depth[1] = 1.0f / 20.0f;
+    f->frame.hardware_depth[0] = -1.0 / 20.0;
+    f->frame.hardware_depth[1] = 1.0 / 20.0;
     for (int k = 0; k < PIXELS; ++k)
       f->depth[k] = (f->depth[k] - 1.0f) / 20.0f;
     suggest(f);
@@ -310,7 +310,7 @@ static void layout_and_kind_of_depth_change_nothing(void **state) {
   /* a reversed depth buffer whose far plane is at infinity */
   f->config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
   f->planes.depth = (hbil_host_plane){.channel = {f->depth}};
-  f->frame.hardware_depth[1] = 0.1f;
+  f->frame.hardware_depth[1] = (double)0.1f;
   for (int i = 0; i < PIXELS; ++i)
     f->depth[i] = f->depth[i] > 0.0f ? 0.1f / f->depth[i] : 0.0f;
   assert_true(gathers_at(f, turns * (1.0 - 1e-4)));
