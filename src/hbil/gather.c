@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "camera.h"
+#include "planes.h"
 
 /* The rotation and the shift of frame `frame_index`, in slices and in steps:
  * multiples of the fractional parts of sqrt(7) (the paper's demo) and of the
@@ -65,17 +66,18 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
   const hbil_config *c = &plan->config;
   /* nearness: four roundings lie between two depths and the difference of their
    * inverses: those of z0, of z1 and of both inverses.  In a
-   * half-float depth the first two are 2^-11 each; in a float one all four are
-   * 2^-24.  flatness: the same for the three components of a normal and
-   * what is made of them.  A packed normal is off by at most sqrt(18)/4 steps
+   * float depth all four are 2^-24; what the first two are in another format is
+   * in the table of components, or of image types where the plan has a copy.
+   * flatness: the same for the three components of a normal and what is made of
+   * them.  A packed normal is off by at most sqrt(18)/4 steps
    * of 2^-14, which is 6.5e-5. */
-  const bool half_depth = c->inputs.depth.component == HBIL_FLOAT16;
-  const bool half_normal = c->inputs.normal.component == HBIL_FLOAT16;
+  const float depth = component_kinds[c->inputs.depth.component].rounding;
+  const float normal =
+      normal_rounding(c, component_kinds[c->inputs.normal.component].rounding);
   const bool packed = c->sampling.storage != HBIL_STORAGE_FLOAT32;
   const bool orthographic =
       c->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
-  const float roundings =
-      fmaxf(half_depth ? 0x1p-10f : 0x1p-22f, plan->depth_rounding);
+  const float roundings = fmaxf(fmaxf(0x1p-22f, depth), plan->depth_rounding);
   hbil_gather_args args = {
       .view = *view,
       .split = plan->layout.split,
@@ -84,9 +86,7 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
       .reach = pattern->reach,
       /* moves samples away from the eye; orthographic w is -z, below 0 */
       .nearness = orthographic ? 1.0f + roundings : 1.0f - roundings,
-      .flatness = fmaxf(half_normal ? 0x1p-10f
-                        : packed    ? 0x1p-13f
-                                    : 0x1p-21f,
+      .flatness = fmaxf(fmaxf(packed ? 0x1p-13f : 0x1p-21f, normal),
                         plan->normal_rounding),
       .facing = {c->model.facing_fade[0],
                  1.0f / fmaxf(c->model.facing_fade[1] - c->model.facing_fade[0],

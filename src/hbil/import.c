@@ -64,8 +64,8 @@ hbil_frame staged_frame(const hbil_plan *plan, const hbil_frame *given) {
 
 /* --- checks of images --- */
 
-/* How kernels read and write components of a type.  rounding: of two values, as
- * the gather counts it (gather.c); steps of UNORM are those of 2v-1. */
+/* How kernels read and write components of a type.  rounding: as in
+ * component_kind. */
 typedef struct texel_type {
   cl_channel_type type;
   bool is_unorm;
@@ -76,14 +76,14 @@ typedef struct texel_type {
 /* Light in halves does not become infinite, as in half planes. */
 static const texel_type texel_types[] = {
     {CL_FLOAT, false, INFINITY, 0.0f},
-    {CL_HALF_FLOAT, false, 65504.0f, 0x1p-10f},
-    {CL_SNORM_INT8, false, 1.0f, 0x1p-7f},
-    {CL_SNORM_INT16, false, 1.0f, 0x1p-15f},
-    {CL_UNORM_INT8, true, 1.0f, 0x1p-7f},
-    {CL_UNORM_INT16, true, 1.0f, 0x1p-15f},
-    {CL_UNORM_INT_101010, true, 1.0f, 0x1p-9f},
-    {CL_UNORM_SHORT_565, true, 1.0f, 0x1p-4f},
-    {CL_UNORM_SHORT_555, true, 1.0f, 0x1p-4f}};
+    {CL_HALF_FLOAT, false, 65504.0f, ROUNDING_OF_HALF},
+    {CL_SNORM_INT8, false, 1.0f, ROUNDING_OF_BITS(8)},
+    {CL_SNORM_INT16, false, 1.0f, ROUNDING_OF_BITS(16)},
+    {CL_UNORM_INT8, true, 1.0f, ROUNDING_OF_BITS(8)},
+    {CL_UNORM_INT16, true, 1.0f, ROUNDING_OF_BITS(16)},
+    {CL_UNORM_INT_101010, true, 1.0f, ROUNDING_OF_BITS(10)},
+    {CL_UNORM_SHORT_565, true, 1.0f, ROUNDING_OF_BITS(5)},
+    {CL_UNORM_SHORT_555, true, 1.0f, ROUNDING_OF_BITS(5)}};
 
 /* NULL: kernels can't read it as floats. */
 static const texel_type *type_of(const cl_image_format *format) {
@@ -215,7 +215,7 @@ static hbil_status copy_given(commands *chain, const hbil_frame *given,
   if (plane == PLANE_DEPTH)
     plan->depth_rounding = type->rounding;
   if (plane == PLANE_NORMAL)
-    plan->normal_rounding = type->rounding;
+    plan->normal_rounding = normal_rounding(&plan->config, type->rounding);
   return copy_image(chain, image, plane, type);
 }
 

@@ -30,19 +30,20 @@ const plane_kind plane_kinds[PLANE_COUNT] = {
 };
 
 const component_kind component_kinds[COMPONENT_COUNT] = {
-    [HBIL_NONE] = {"HBIL_NONE", "none", 1, false},
-    [HBIL_FLOAT32] = {"HBIL_FLOAT32", "f32", 4, false},
-    [HBIL_FLOAT16] = {"HBIL_FLOAT16", "f16", 2, false},
-    [HBIL_UNORM8] = {"HBIL_UNORM8", "u8", 1, false},
-    [HBIL_UNORM16] = {"HBIL_UNORM16", "u16", 2, false},
-    [HBIL_SNORM8] = {"HBIL_SNORM8", "s8", 1, false},
-    [HBIL_SNORM16] = {"HBIL_SNORM16", "s16", 2, false},
-    [HBIL_UNORM24] = {"HBIL_UNORM24", "code24", 4, false},
-    [HBIL_RGB10A2_UNORM] = {"HBIL_RGB10A2_UNORM", "u10", 4, true},
-    [HBIL_R11G11B10_FLOAT] = {"HBIL_R11G11B10_FLOAT", "f11", 4, true},
-    [HBIL_RGB9E5_FLOAT] = {"HBIL_RGB9E5_FLOAT", "e5", 4, true},
+    [HBIL_NONE] = {"HBIL_NONE", "none", 1, false, 0.0f},
+    [HBIL_FLOAT32] = {"HBIL_FLOAT32", "f32", 4, false, 0.0f},
+    [HBIL_FLOAT16] = {"HBIL_FLOAT16", "f16", 2, false, ROUNDING_OF_HALF},
+    [HBIL_UNORM8] = {"HBIL_UNORM8", "u8", 1, false, ROUNDING_OF_BITS(8)},
+    [HBIL_UNORM16] = {"HBIL_UNORM16", "u16", 2, false, ROUNDING_OF_BITS(16)},
+    [HBIL_SNORM8] = {"HBIL_SNORM8", "s8", 1, false, ROUNDING_OF_BITS(8)},
+    [HBIL_SNORM16] = {"HBIL_SNORM16", "s16", 2, false, ROUNDING_OF_BITS(16)},
+    [HBIL_UNORM24] = {"HBIL_UNORM24", "code24", 4, false, ROUNDING_OF_BITS(24)},
+    [HBIL_RGB10A2_UNORM] = {"HBIL_RGB10A2_UNORM", "u10", 4, true,
+                            ROUNDING_OF_BITS(10)},
+    [HBIL_R11G11B10_FLOAT] = {"HBIL_R11G11B10_FLOAT", "f11", 4, true, 0.0f},
+    [HBIL_RGB9E5_FLOAT] = {"HBIL_RGB9E5_FLOAT", "e5", 4, true, 0.0f},
     /* staged (import.h), so kernels never see it */
-    [HBIL_IMAGE] = {"HBIL_IMAGE", "none", 1, false},
+    [HBIL_IMAGE] = {"HBIL_IMAGE", "none", 1, false, 0.0f},
 };
 
 #define BIT(component) (1u << (component))
@@ -147,6 +148,15 @@ cl_mem plane_bind(const hbil_config *config, const hbil_frame *frame, int plane,
                     ? (cl_uint)(shape.image / size)
                     : 1;
   return given->buffer;
+}
+
+float normal_rounding(const hbil_config *config, float component) {
+  /* Octahedral u and v that are off by d each turn the normal by sqrt(18) d at
+   * most, in the middle of an octant; three components that are off by d by
+   * sqrt(3) d.  4 as the packed normal's (gather.c). */
+  return config->inputs.normal_encoding == HBIL_NORMAL_OCTAHEDRAL
+             ? 4.0f * component
+             : component;
 }
 
 hbil_depth_args depth_args(const hbil_config *config, const hbil_frame *frame) {

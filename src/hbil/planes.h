@@ -42,12 +42,19 @@ typedef struct plane_kind {
 } plane_kind;
 extern const plane_kind plane_kinds[PLANE_COUNT];
 
+/* The roundings of two values of a type, as the gather counts them (gather.c):
+ * each is half a step of 2v-1, of which n bits have 2^n-1 in 2 (SNORM: 2 less),
+ * and a half's are 2^-11 of itself each. */
+#define ROUNDING_OF_BITS(n) (2.0f / (float)(1u << (n)))
+#define ROUNDING_OF_HALF 0x1p-10f
+
 enum { COMPONENT_COUNT = HBIL_IMAGE + 1 };
 typedef struct component_kind {
   const char *name;
   const char *type; /* in kernels/lib/components.clh */
   size_t size;      /* bytes; 1 for HBIL_NONE */
   bool is_word;     /* holds all channels of a pixel */
+  float rounding;   /* of depths and normals; 0: no more than a float's */
 } component_kind;
 extern const component_kind component_kinds[COMPONENT_COUNT];
 
@@ -86,6 +93,9 @@ size_t plane_extent(const plane_shape *shape);
  * for it, and its place in components. */
 cl_mem plane_bind(const hbil_config *config, const hbil_frame *frame, int plane,
                   hbil_external_plane_args *args);
+
+/* The rounding of a normal whose components have this one. */
+float normal_rounding(const hbil_config *config, float component);
 
 /* How kernels read the depth input of a frame. */
 hbil_depth_args depth_args(const hbil_config *config, const hbil_frame *frame);

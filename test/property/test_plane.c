@@ -5,6 +5,8 @@
 #include "test/support/stages.h"
 #include "test/support/vectors.h"
 
+#include <stdio.h>
+
 #define WIDTH 80
 #define HEIGHT 45
 
@@ -26,6 +28,14 @@ static const deviation limit = {1e-5, 1e-5, 5e-4};
 static const deviation packed_limit = {0.5 / 65535.0 + 1e-5, 1e-5,
                                        2.41e-3 + 6.6e-5};
 
+/* Cosine of the angle at which the eye sees the plane. */
+static double cosine_at(const setup *s, const double normal[3], int x, int y) {
+  double ray[3];
+  setup_ray(s, x, y, ray);
+  normalize(ray);
+  return fabs(dot(ray, normal));
+}
+
 static void compare_pixel(const exact_planes *got, const setup *s,
                           const double normal[3], int x, int y,
                           deviation *worst) {
@@ -44,8 +54,10 @@ static void compare_pixel(const exact_planes *got, const setup *s,
   worst->bent = fmax(worst->bent, isfinite(size) ? size : INFINITY);
 }
 
-/* All tilts in 5 azimuths at one field of view. */
-static void compare_view(setup *s, double fov, deviation *worst) {
+/* All tilts in 5 azimuths at one field of view, where the eye sees the plane at
+ * least_cosine or more. */
+static void compare_view(setup *s, double fov, double least_cosine,
+                         deviation *worst) {
   const int tilts[] = {0, 10, 30, 45, 60, 75, 80, 85};
   setup_camera(s, fov);
   for (int i = 0; i < 40; ++i) {
@@ -55,14 +67,16 @@ static void compare_view(setup *s, double fov, deviation *worst) {
     setup_upload(s);
     exact_planes got = stage_gathered(s);
     for (int p = 0; p < WIDTH * HEIGHT; ++p)
-      if (s->input[EXACT_DEPTH][p] > 0.0f)
+      if (s->input[EXACT_DEPTH][p] > 0.0f &&
+          cosine_at(s, normal, p % WIDTH, p / WIDTH) >= least_cosine)
         compare_pixel(&got, s, normal, p % WIDTH, p / WIDTH, worst);
     exact_planes_free(&got);
   }
 }
 
 /* Starts and frees the setup. */
-static void check_planes(setup *s, const deviation *most) {
+static void check_planes_from(setup *s, double least_cosine,
+                              const deviation *most) {
   const double fov[] = {30.0, 60.0, 90.0, 120.0};
   deviation worst = {0.0, 0.0, 0.0};
   s->config.inputs.albedo.component = s->config.inputs.emission.component =
@@ -71,11 +85,15 @@ static void check_planes(setup *s, const deviation *most) {
     setup_fill(s, EXACT_DIRECT + c, (float)PI); /* radiance 1 */
   setup_start(s);
   for (int i = 0; i < 4; ++i)
-    compare_view(s, fov[i], &worst);
+    compare_view(s, fov[i], least_cosine, &worst);
   setup_free(s);
   check_at_most("AO", worst.ao, most->ao);
   check_at_most("E_near", worst.light, most->light);
   check_at_most("bent", worst.bent, most->bent);
+}
+
+static void check_planes(setup *s, const deviation *most) {
+  check_planes_from(s, 0.0, most);
 }
 
 static void check_mode(hbil_mode mode, float radius, float thickness) {
@@ -126,12 +144,60 @@ static void packed_planes_hide_nothing(void **state) {
   }
 }
 
+/* Formats of normals whose steps are coarser than a float's. */
+typedef struct coarse {
+  const char *name;
+  hbil_component component;
+  hbil_normal_encoding encoding;
+  double step; /* of a component, of -1..1 */
+} coarse;
+
+static const coarse coarse_forms[] = {
+    {"UNORM8", HBIL_UNORM8, HBIL_NORMAL_XYZ, 2.0 / 255},
+    {"SNORM8", HBIL_SNORM8, HBIL_NORMAL_XYZ, 1.0 / 127},
+    {"RGB10A2", HBIL_RGB10A2_UNORM, HBIL_NORMAL_XYZ, 2.0 / 1023},
+    {"UNORM16", HBIL_UNORM16, HBIL_NORMAL_XYZ, 2.0 / 65535},
+    {"SNORM16", HBIL_SNORM16, HBIL_NORMAL_XYZ, 1.0 / 32767},
+    {"halves", HBIL_FLOAT16, HBIL_NORMAL_XYZ, 0x1p-11},
+    {"octahedral UNORM8", HBIL_UNORM8, HBIL_NORMAL_OCTAHEDRAL, 2.0 / 255},
+    {"octahedral SNORM16", HBIL_SNORM16, HBIL_NORMAL_OCTAHEDRAL, 1.0 / 32767},
+    {"octahedral halves", HBIL_FLOAT16, HBIL_NORMAL_OCTAHEDRAL, 0x1p-11},
+};
+
+/* AO measured, before gather.c knew these formats and since: UNORM8 0.54 and
+ * 3e-7, SNORM8 0.73 and 2e-7, RGB10A2 0.25 and 6e-8, UNORM16 1.1e-5 and 6e-8,
+ * SNORM16 3.2e-5 and 6e-8, octahedral UNORM8 0.49 and 0 (0.12
+ * where the plane is almost edge on). */
+static void check_coarse(const coarse *f) {
+  const bool map = f->encoding == HBIL_NORMAL_OCTAHEDRAL;
+  /* Derived: components, or u and v, are off by half a step; sqrt(18) and
+   * sqrt(3) are what turns the normal most (planes.c). */
+  const double turn = 0.5 * f->step * sqrt(map ? 18.0 : 3.0);
+  const deviation most = {limit.ao, limit.light, limit.bent + turn};
+  setup s;
+  setup_init(&s, WIDTH, HEIGHT);
+  s.config.inputs.normal = (hbil_plane_format){f->component, 0};
+  s.config.inputs.normal_encoding = f->encoding;
+  if (getenv("HBIL_TEST_VERBOSE"))
+    printf("# %s\n", f->name);
+  /* A normal that is turned by more than half of the angle between the ray and
+   * the plane moves the horizon by more than the first-order limit knows. */
+  check_planes_from(&s, map ? 2.0 * turn : 0.0, &most);
+}
+
+static void planes_with_coarse_normals_hide_nothing(void **state) {
+  (void)state;
+  for (size_t i = 0; i < sizeof coarse_forms / sizeof *coarse_forms; ++i)
+    check_coarse(&coarse_forms[i]);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(hbil_planes_hide_nothing),
       cmocka_unit_test(gtao_planes_hide_nothing),
       cmocka_unit_test(hbao_planes_hide_nothing),
       cmocka_unit_test(planes_with_half_float_depth_hide_nothing),
-      cmocka_unit_test(packed_planes_hide_nothing)};
+      cmocka_unit_test(packed_planes_hide_nothing),
+      cmocka_unit_test(planes_with_coarse_normals_hide_nothing)};
   return RUN_WITH_DEVICE(tests);
 }
