@@ -418,6 +418,7 @@ typedef struct hbil_gather_args {
   hbil_float radius;    /* world units; unused where unlimited */
   hbil_float reach;     /* hbil_pattern_args.reach */
   hbil_float nearness;  /* 1 minus the tolerance on a sample's inverse depth */
+  hbil_float half_step; /* of hardware depth, in w: how far a w may be off */
   hbil_float flatness;  /* tolerance on the gradient, see gather/search.clh */
   hbil_float facing[2]; /* hbil_config.facing_fade[0]; inverse of the fade's
                            width */
@@ -433,7 +434,7 @@ typedef struct hbil_gather_args {
   hbil_int is_static;     /* leave at once unless HBIL_FLAG_CHANGED is set */
   hbil_horizon_cache_args cache;
 } hbil_gather_args;
-HBIL_ASSERT_LAYOUT(hbil_gather_args, cache, 49, 53)
+HBIL_ASSERT_LAYOUT(hbil_gather_args, cache, 50, 54)
 
 /* Factors that turn the standard deviation of the light that recompose brings
  * together into an error that 95 % of the pixels don't exceed. */

@@ -60,24 +60,52 @@ static float longest_ray(const hbil_view_args *v, bool orthographic) {
   return (float)sqrt((orthographic ? 0.0 : 1.0) + rx * rx + ry * ry);
 }
 
+/* How exact the w of a depth input are, for two of them. */
+typedef struct depth_error {
+  float relative;  /* the roundings of both, as a share of w */
+  float half_step; /* of hardware depth: of one, in w */
+} depth_error;
+
+/* Four roundings lie between two depths and the difference of their inverses:
+ * those of z0, of z1 and of both inverses.  In a float depth all four are
+ * 2^-24; what the first two are in another format is in the table of
+ * components, or of image types where the plan has a copy. Codes of depth
+ * buffers have steps of one size.  So have floats towards d = 1, where those up
+ * to 1 have half steps of 2^-25, and halves of 2^-12.  Where the far end is 0,
+ * floats are as exact there as w is. */
+static depth_error depth_error_of(const hbil_plan *plan,
+                                  const hbil_frame *frame) {
+  const hbil_inputs *in = &plan->config.inputs;
+  const float rounding = fmaxf(component_kinds[in->depth.component].rounding,
+                               plan->depth_rounding);
+  const bool is_float = rounding == 0.0f || rounding == ROUNDING_OF_HALF;
+  const float own = fmaxf(rounding, 0x1p-22f);
+  const float b = (float)frame->hardware_depth[1];
+  depth_error error = {own, 0.0f};
+  if (in->depth_kind != HBIL_DEPTH_HARDWARE ||
+      (is_float && b > 0.0f && in->projection == HBIL_PROJECTION_PERSPECTIVE))
+    return error;
+  /* of n bits, 1/(2^n - 1) is a step, which is 2^-n (1 + 2^-n) */
+  error.half_step =
+      0.25f * fmaxf(rounding, 0x1p-23f) * (1.0f + 0.5f * rounding) / fabsf(b);
+  error.relative = 0x1p-22f;
+  return error;
+}
+
 static hbil_gather_args gather_args(const hbil_plan *plan,
+                                    const hbil_frame *frame,
                                     const hbil_view_args *view,
                                     const hbil_pattern_args *pattern) {
   const hbil_config *c = &plan->config;
-  /* nearness: four roundings lie between two depths and the difference of their
-   * inverses: those of z0, of z1 and of both inverses.  In a
-   * float depth all four are 2^-24; what the first two are in another format is
-   * in the table of components, or of image types where the plan has a copy.
-   * flatness: the same for the three components of a normal and what is made of
-   * them.  A packed normal is off by at most sqrt(18)/4 steps
-   * of 2^-14, which is 6.5e-5. */
-  const float depth = component_kinds[c->inputs.depth.component].rounding;
+  /* flatness: the roundings of the three components of a normal and of what is
+   * made of them.  A packed normal is off by at most sqrt(18)/4 steps of 2^-14,
+   * which is 6.5e-5. */
+  const depth_error depth = depth_error_of(plan, frame);
   const float normal =
       normal_rounding(c, component_kinds[c->inputs.normal.component].rounding);
   const bool packed = c->sampling.storage != HBIL_STORAGE_FLOAT32;
   const bool orthographic =
       c->inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
-  const float roundings = fmaxf(fmaxf(0x1p-22f, depth), plan->depth_rounding);
   hbil_gather_args args = {
       .view = *view,
       .split = plan->layout.split,
@@ -85,7 +113,8 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
       .radius = c->model.radius,
       .reach = pattern->reach,
       /* moves samples away from the eye; orthographic w is -z, below 0 */
-      .nearness = orthographic ? 1.0f + roundings : 1.0f - roundings,
+      .nearness = orthographic ? 1.0f + depth.relative : 1.0f - depth.relative,
+      .half_step = depth.half_step,
       .flatness = fmaxf(fmaxf(packed ? 0x1p-13f : 0x1p-21f, normal),
                         plan->normal_rounding),
       .facing = {c->model.facing_fade[0],
@@ -173,7 +202,7 @@ hbil_status enqueue_gather(commands *chain, const hbil_frame *frame) {
   const bool rest = may_rest(plan, frame);
   if (rest && !plan->layout.history)
     return leave_out(chain);
-  hbil_gather_args args = gather_args(plan, &view, &pattern);
+  hbil_gather_args args = gather_args(plan, frame, &view, &pattern);
   const hbil_status status = make_pattern(chain, &view, &pattern);
   return status == HBIL_SUCCESS ? gather_all(chain, &args, rest) : status;
 }

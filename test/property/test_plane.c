@@ -191,6 +191,49 @@ static void planes_with_coarse_normals_hide_nothing(void **state) {
     check_coarse(&coarse_forms[i]);
 }
 
+/* Depth buffers, whose steps are as large far away as they are near. */
+typedef struct buffered {
+  const char *name;
+  hbil_component depth, normal;
+  double a, b; /* hbil_frame.hardware_depth; the near plane is at 0.05 */
+} buffered;
+
+static const buffered buffered_forms[] = {
+    {"UNORM16, 0..1", HBIL_UNORM16, HBIL_FLOAT32, 1.0, -0.05},
+    {"UNORM16, 1..0", HBIL_UNORM16, HBIL_FLOAT32, 0.0, 0.05},
+    {"UNORM24, 0..1", HBIL_UNORM24, HBIL_FLOAT32, 1.0, -0.05},
+    {"FLOAT32, 0..1", HBIL_FLOAT32, HBIL_FLOAT32, 1.0, -0.05},
+    {"FLOAT32, 1..0", HBIL_FLOAT32, HBIL_FLOAT32, 0.0, 0.05},
+    {"FLOAT16, 0..1", HBIL_FLOAT16, HBIL_FLOAT32, 1.0, -0.05},
+    {"FLOAT16, 1..0", HBIL_FLOAT16, HBIL_FLOAT32, 0.0, 0.05},
+    {"UNORM16 and normals of UNORM8", HBIL_UNORM16, HBIL_UNORM8, 1.0, -0.05},
+};
+
+/* AO measured, without the gather's half_step and with it: UNORM16 8e-3 and 0,
+ * with UNORM8 normals 2e-3 and 3e-7, UNORM24 and FLOAT32 of 0..1 5e-7 and 6e-8,
+ * FLOAT16 of 0..1 0.89 and 0, 1..0 6e-8 in both.  bent: 0.70 and 7e-5, 0.07 and
+ * 6e-3, 1e-3 and 8e-5, 1.2 and 4e-8. */
+static void check_buffered(const buffered *f) {
+  setup s;
+  setup_init(&s, WIDTH, HEIGHT);
+  s.config.inputs.normal = (hbil_plane_format){f->normal, 0};
+  s.config.inputs.depth = (hbil_plane_format){f->depth, 0};
+  s.config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
+  s.frame.hardware_depth[0] = f->a;
+  s.frame.hardware_depth[1] = f->b;
+  if (getenv("HBIL_TEST_VERBOSE"))
+    printf("# %s\n", f->name);
+  /* a step of UNORM8 is 2/255, and sqrt(3)/2 of it turns the normal */
+  const double turn = f->normal == HBIL_UNORM8 ? sqrt(3.0) / 255.0 : 0.0;
+  check_planes(&s, &(deviation){limit.ao, limit.light, limit.bent + turn});
+}
+
+static void planes_in_depth_buffers_hide_nothing(void **state) {
+  (void)state;
+  for (size_t i = 0; i < sizeof buffered_forms / sizeof *buffered_forms; ++i)
+    check_buffered(&buffered_forms[i]);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(hbil_planes_hide_nothing),
@@ -198,6 +241,7 @@ int main(void) {
       cmocka_unit_test(hbao_planes_hide_nothing),
       cmocka_unit_test(planes_with_half_float_depth_hide_nothing),
       cmocka_unit_test(packed_planes_hide_nothing),
-      cmocka_unit_test(planes_with_coarse_normals_hide_nothing)};
+      cmocka_unit_test(planes_with_coarse_normals_hide_nothing),
+      cmocka_unit_test(planes_in_depth_buffers_hide_nothing)};
   return RUN_WITH_DEVICE(tests);
 }
