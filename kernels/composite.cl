@@ -34,6 +34,9 @@
 #if OUT_ERROR && (!defined(ERROR_PLANE) || ERROR_PLANE < 1)
 #error ERROR_PLANE must be the first plane behind the light
 #endif
+#if !defined(UNKNOWN_PLANE) || (UNKNOWN_PLANE && !OUT_UNKNOWN)
+#error UNKNOWN_PLANE must be 0 without OUT_UNKNOWN
+#endif
 #if !defined(GATHER_RADIANCE) || GATHER_RADIANCE < 0 || GATHER_RADIANCE > 1
 #error GATHER_RADIANCE must be 0..1
 #endif
@@ -78,6 +81,7 @@ STORER(cone_cosine, CONE_TYPE, CONE_STRIDE)
 STORER(indirect, INDIRECT_TYPE, INDIRECT_STRIDE)
 STORER(beauty, BEAUTY_TYPE, BEAUTY_STRIDE)
 STORER(error_estimate, ERROR_TYPE, ERROR_STRIDE)
+STORER(unknown, UNKNOWN_TYPE, UNKNOWN_STRIDE)
 
 #define INV_PI 0.318309886f
 #define PI 3.14159265f
@@ -95,7 +99,8 @@ enum {
   PENDING_AO = 0,
   PENDING_CONE = PENDING_AO + OUT_AO,
   PENDING_ERROR = PENDING_CONE + OUT_CONE,
-  PENDING_BENT = PENDING_ERROR + 2 * OUT_ERROR,
+  PENDING_UNKNOWN = PENDING_ERROR + 2 * OUT_ERROR,
+  PENDING_BENT = PENDING_UNKNOWN + OUT_UNKNOWN,
   PENDING_NEAR = PENDING_BENT + 3 * OUT_BENT,
   PENDING_FAR = PENDING_NEAR + 3 * OUT_NEAR,
   PENDING_INDIRECT = PENDING_FAR + 3 * OUT_FAR,
@@ -168,14 +173,16 @@ INLINE realv unlit_share(const hbil_composite_args args, realv ao,
 }
 
 /* Far irradiance of the three channels, and the radiance that shows where there
- * is no surface.  near_light: E_near.  axis, bent: the bent normal in world and
+ * is no surface.  unlit: the share of the hemisphere, of `ao`, whose radiance
+ * is estimated.  near_light: E_near.  axis, bent: the bent normal in world and
  * view space; (rx, ry, 1): the ray. */
 INLINE void far_light(const hbil_composite_args args,
                       global const float *estimate, const inputs *in, realv ao,
                       realv t, realv t2, const realv near_light[3],
                       const realv bent[3], const realv axis[3], realv rx,
                       float ry, int x, int y, int count, realv light[3],
-                      realv behind[3]) {
+                      realv behind[3], realv *unlit) {
+  *unlit = 0.0f;
 #if FAR == 1 || FAR == 2
   /* not indexed as an argument: see rotate_direction() */
   const hbil_sh_args far[3] = {args.environment.channel[0],
@@ -196,7 +203,7 @@ INLINE void far_light(const hbil_composite_args args,
 #elif FAR == 3
   realv frame[3];
   frame_light(estimate, bent[0], bent[1], bent[2], frame);
-  const realv unlit = unlit_share(args, ao, in->direct, x, y, count);
+  *unlit = unlit_share(args, ao, in->direct, x, y, count);
 #endif
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
@@ -209,7 +216,7 @@ INLINE void far_light(const hbil_composite_args args,
     light[c] = sh_light(far[c], axis, aperture);
 #elif FAR == 3
     light[c] =
-        PI * unlit * unseen_light(frame[c], near_light[c] * INV_PI, 1.0f - ao);
+        PI * *unlit * unseen_light(frame[c], near_light[c] * INV_PI, 1.0f - ao);
 #endif
   }
 }
@@ -333,7 +340,7 @@ INLINE void compose(const hbil_composite_args args,
     for (int c = 0; c < 3; ++c)
       pending[PENDING_BENT + c][part] = BENT_IS_WORLD ? axis[c] : bent[c];
   }
-  realv near_light[3] = {0.0f, 0.0f, 0.0f}, far[3], behind[3];
+  realv near_light[3] = {0.0f, 0.0f, 0.0f}, far[3], behind[3], unlit;
   if (GATHER_RADIANCE) {
 #pragma unroll
     for (int c = 0; c < 3; ++c) {
@@ -344,7 +351,16 @@ INLINE void compose(const hbil_composite_args args,
     }
   }
   far_light(args, estimate, in, ao, t, t2, near_light, bent, axis, rx, ry, x, y,
-            count, far, behind);
+            count, far, behind, &unlit);
+#if OUT_UNKNOWN
+  realv unknown = unlit;
+#if UNKNOWN_PLANE
+  unknown += READV(at + UNKNOWN_PLANE * plane);
+#endif
+  /* both shares are rounded, and a packed one is dithered */
+  pending[PENDING_UNKNOWN][part] =
+      select((realv)0.0f, min(unknown, (realv)1.0f), solid);
+#endif
   intv usable[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
                                       TRUE_LANES};
 #pragma unroll
@@ -375,7 +391,7 @@ kernel void composite(const hbil_composite_args args,
                       global void *far_irradiance, global void *ao,
                       global void *bent_normal, global void *cone_cosine,
                       global void *indirect, global void *beauty,
-                      global void *error_estimate,
+                      global void *error_estimate, global void *unknown,
                       volatile global uint *sanitized) {
   const int x0 = (int)get_global_id(0) * (PARTS * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
@@ -391,6 +407,7 @@ kernel void composite(const hbil_composite_args args,
   STORE_CHANNELS(ao, OUT_AO, PENDING_AO)
   STORE_CHANNELS(cone_cosine, OUT_CONE, PENDING_CONE)
   STORE_CHANNELS(error_estimate, 2 * OUT_ERROR, PENDING_ERROR)
+  STORE_CHANNELS(unknown, OUT_UNKNOWN, PENDING_UNKNOWN)
   STORE_CHANNELS(bent_normal, 3 * OUT_BENT, PENDING_BENT)
   STORE_CHANNELS(near_irradiance, 3 * OUT_NEAR, PENDING_NEAR)
   STORE_CHANNELS(far_irradiance, 3 * OUT_FAR, PENDING_FAR)

@@ -104,7 +104,8 @@ enum {
   HBIL_LIGHT_RED = 1,  /* 2: green, 3: blue: E_near */
   HBIL_LIGHT_BENT = 4, /* x, 5: y, 6: z */
   HBIL_LIGHT_PLANES = 7,
-  /* gathered only: share of the hemisphere whose light is unknown */
+  /* share of the hemisphere that surfaces facing away block, whose light is
+   * unknown; resolved: behind the other planes, only if it is an output */
   HBIL_LIGHT_UNKNOWN = 7,
   /* gathered with a single slice only, behind all other planes: how much of the
    * hemisphere the slice stands for, 1 on average */
@@ -486,9 +487,10 @@ typedef struct hbil_composite_args {
   hbil_external_plane_args depth, albedo, f0, direct, emission;
   hbil_external_plane_args near_irradiance, far_irradiance, ao, bent_normal;
   hbil_external_plane_args cone_cosine, indirect, beauty, error_estimate;
+  hbil_external_plane_args unknown;
   hbil_depth_args decode;
   hbil_float direct_scale; /* as in hbil_config */
 } hbil_composite_args;
-HBIL_ASSERT_LAYOUT(hbil_composite_args, direct_scale, 105, 106)
+HBIL_ASSERT_LAYOUT(hbil_composite_args, direct_scale, 109, 110)
 
 #endif

@@ -189,6 +189,16 @@ typedef struct hbil_outputs {
    * infinite thickness and are too small for any other (doc/method.md, section
    * 18).  The second is 0 if no E_near is computed. */
   hbil_plane_format error_estimate;
+  /* 1 channel: the share of the hemisphere, cosine weighted, whose light is a
+   * guess because the screen does not show it; 0: all is known .. 1: all is
+   * guessed.  With HBIL_FAR_FRAME the open directions that get the frame's
+   * estimate count; with HBIL_FALLBACK_FRAME_MEAN, what surfaces facing away
+   * block (facing_fade).  The latter is that of this frame alone, not averaged
+   * by history.max_frames.  No other far field or fallback counts as a guess.
+   * In the rest of the hemisphere, light comes from surfaces that the screen
+   * shows, from the far field, or is known to be none (doc/method.md, section
+   * 11). */
+  hbil_plane_format unknown;
 
   hbil_space bent_normal_space; /* default VIEW */
 } hbil_outputs;

@@ -78,7 +78,8 @@ enum {
   EXACT_CONE_COSINE = 10,
   EXACT_INDIRECT = 11,
   EXACT_BEAUTY = 14,
-  EXACT_OUTPUT_PLANES = 17
+  EXACT_UNKNOWN = 17,
+  EXACT_OUTPUT_PLANES = 18
 };
 
 /* What the frame's surfaces send on average, as sums over every fourth pixel in

@@ -52,8 +52,10 @@ static int band_of(int index) {
  * unlit = 1 - E_direct / pi / L_sky / ao of the open directions is without sky,
  * and an open direction is taken for blocked as often.
  */
-static double unlit_share(const exact_frame *frame, int x, int y, double ao) {
+double exact_unlit_share(const exact_frame *frame, int x, int y, double ao) {
   double seen = 0.0;
+  if (frame->config->model.far_field != HBIL_FAR_FRAME)
+    return 0.0;
   for (int c = 0; c < 3; ++c) {
     const double sky = (double)frame->environment[0][c];
     if (sky > 0.0)
@@ -74,7 +76,7 @@ double exact_far_irradiance(const exact_frame *frame, int channel, int x, int y,
   if (far_field == HBIL_FAR_CONSTANT)
     return PI * ao * (double)frame->environment[0][channel];
   if (far_field == HBIL_FAR_FRAME)
-    return PI * unlit_share(frame, x, y, ao) *
+    return PI * exact_unlit_share(frame, x, y, ao) *
            exact_unseen_radiance(frame, channel, bent, near_irradiance / PI,
                                  1.0 - ao);
   exact_sh_basis(d, basis);

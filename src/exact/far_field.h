@@ -9,6 +9,9 @@
  * normal (0: none). */
 double exact_far_irradiance(const exact_frame *frame, int channel, int x, int y,
                             double ao, vec3 bent, double near_irradiance);
+/* The part of the open share `ao` whose light is estimated; 0 unless the far
+ * field is HBIL_FAR_FRAME. */
+double exact_unlit_share(const exact_frame *frame, int x, int y, double ao);
 /* Radiance of a sky pixel. */
 double exact_sky_radiance(const exact_frame *frame, int channel, int x, int y);
 

@@ -19,7 +19,7 @@ exact_status exact_state_create(exact_state *state, int width, int height) {
               {&state->carried, HBIL_CARRIED_PLANES},
               {&state->split, HBIL_SPLIT_PLANES},
               {&state->gathered, HBIL_GATHERED_PLANES},
-              {&state->resolved, HBIL_LIGHT_PLANES},
+              {&state->resolved, HBIL_LIGHT_UNKNOWN + 1},
               {&state->out, EXACT_OUTPUT_PLANES}};
   exact_status status = EXACT_SUCCESS;
   memset(state, 0, sizeof(*state));

@@ -48,10 +48,12 @@ exact_status exact_gather_dense(const exact_frame *frame,
  * then has HBIL_LIGHT_WEIGHT, which is 0 otherwise. */
 bool exact_weighs_slices(const hbil_config *config);
 
-/* SPLIT, GATHERED -> RESOLVED. */
+/* SPLIT, GATHERED -> RESOLVED.  RESOLVED has HBIL_LIGHT_PLANES or more planes;
+ * HBIL_LIGHT_UNKNOWN is written where it is there and the settings use it. */
 void exact_recompose(const exact_frame *frame, const exact_planes *split,
                      const exact_planes *gathered, exact_planes *resolved);
-/* RESOLVED -> outputs and the next frame's HISTORY. */
+/* RESOLVED -> outputs and the next frame's HISTORY.  Without HBIL_LIGHT_UNKNOWN
+ * in RESOLVED, that share counts as 0. */
 void exact_composite(const exact_frame *frame, const exact_planes *resolved,
                      exact_planes *out, exact_planes *history);
 

@@ -260,6 +260,7 @@ static hbil_status check_mode(hbil_context *context,
     int plane;
     hbil_mode most; /* the last mode that has it */
   } only[] = {{PLANE_NEAR, HBIL_MODE_HBIL},
+              {PLANE_UNKNOWN, HBIL_MODE_HBIL},
               {PLANE_BENT, HBIL_MODE_GTAO},
               {PLANE_ERROR, HBIL_MODE_GTAO},
               {PLANE_CONE, HBIL_MODE_GTAO}};

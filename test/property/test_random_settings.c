@@ -68,7 +68,8 @@ static void any_model(hbil_config *c, random_state *r) {
   c->history.disocclusion_threshold = maybe(r, 0.2) ? INFINITY : 0.05f;
   c->model.far_field = (hbil_far_field)below(r, 4);
   if (c->model.mode != HBIL_MODE_HBIL) {
-    c->outputs.near_irradiance.component = HBIL_NONE;
+    c->outputs.near_irradiance.component = c->outputs.unknown.component =
+        HBIL_NONE;
     c->model.far_field = (hbil_far_field)below(r, 2);
   }
   if (c->model.mode == HBIL_MODE_HBAO)

@@ -45,6 +45,7 @@ static const member members[] = {
     MEMBER(outputs.indirect),
     MEMBER(outputs.beauty),
     MEMBER(outputs.error_estimate),
+    MEMBER(outputs.unknown),
     MEMBER(outputs.bent_normal_space),
     MEMBER(model.mode),
     MEMBER(model.falloff),
