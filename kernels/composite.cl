@@ -23,6 +23,7 @@
  */
 #include "lib/depth.clh"
 #include "lib/sanitize.clh"
+#include "lib/sky_light.clh"
 #include "lib/unseen_light.clh"
 
 #if !defined(FAR) || FAR < 0 || FAR > 3
@@ -141,47 +142,72 @@ INLINE realv sh_light(const hbil_sh_args e, const realv *d, const realv *k) {
              (realv)0.0f);
 }
 
-/*
- * The share of the hemisphere that neither the screen blocks nor the sky
- * lights.  It is used if the direct light contains a sky of radiance
- * environment[0].  A pixel with direct light D (as a radiance) sees at most the
- * share D / sky of that sky, with the largest quotient of the three channels,
- * because renderers write no light where the albedo is 0.  The screen leaves
- * the share AO open.  Of this, at least dark = max(0, AO - D / sky) ends on
- * something unseen, or on a darker part of the sky.  An open direction is
- * assumed to be blocked with the probability dark / AO.  So all of AO is
- * blocked where the sky lights nothing, and the variation of the sky has an
- * effect in second order only.  The share is AO if no sky is given.
- */
-INLINE realv unlit_share(const hbil_composite_args args, realv ao,
-                         global const void *buffer, int x, int y, int count) {
-  realv lit = 0.0f;
+#if FAR == 3
+/* Direct light of the pixels from (x, y) on, over that of a whole hemisphere of
+ * sky: the largest quotient of the three channels, because renderers write no
+ * light where the albedo is 0. */
+INLINE realv sky_light_at(const hbil_composite_args args,
+                          global const void *direct, int x, int y) {
+  realv largest = 0.0f;
 #if HAS_DIRECT
   const hbil_environment_args e = args.environment;
+  const int count = args.view.width - x;
   intv usable = TRUE_LANES;
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     if (e.channel[c].sh[0] > 0.0f)
-      lit = max(lit, INV_PI / e.channel[c].sh[0] *
-                         usable_light(args.direct_scale *
-                                          load_direct(buffer, args.direct, x, y,
-                                                      c, count),
-                                      &usable));
+      largest = max(
+          largest,
+          INV_PI / e.channel[c].sh[0] *
+              usable_light(args.direct_scale *
+                               load_direct(direct, args.direct, x, y, c, count),
+                           &usable));
 #endif
-  const realv dark = max(1.0f - lit / max(ao, (realv)1e-6f), (realv)0.0f);
-  return ao * dark * dark;
+  return largest;
 }
+
+/* Depth of the pixels from (x, y) on; 0 at the sky and outside the picture. */
+INLINE realv depth_of_pixels(const hbil_composite_args args,
+                             global const void *depth, int x, int y) {
+  return planar_depth(
+      stored_depth(depth, args.depth, args.decode, x, y, args.view.width - x),
+      ray_x(args.view, x, 1), ray_y(args.view, y), args.decode);
+}
+
+/* sky_light_at(), as the mean over the pixel and its four neighbours at about
+ * its depth: direct light of few samples is noisy.  0 if no sky is given. */
+INLINE realv mean_sky_light(const hbil_composite_args args, const inputs *in,
+                            global const void *depth, realv z, int x, int y) {
+  const hbil_environment_args e = args.environment;
+  if (!(e.channel[0].sh[0] + e.channel[1].sh[0] + e.channel[2].sh[0] > 0.0f))
+    return 0.0f;
+  realv sum = sky_light_at(args, in->direct, x, y), count = 1.0f;
+  for (int i = 0; i < 4; ++i) {
+    /* at the border, a neighbour is the pixel itself; right of it is none */
+    const int dx = i == 0 ? -1 : i == 1 ? 1 : 0;
+    const int dy = i == 2 ? -1 : i == 3 ? 1 : 0;
+    const int nx = max(x + dx, 0);
+    const int ny = clamp(y + dy, 0, args.view.height - 1);
+    const realv share = select((realv)0.0f, (realv)1.0f,
+                               fabs(depth_of_pixels(args, depth, nx, ny) - z) <=
+                                   HBIL_PLANE_TOLERANCE * z);
+    sum = fma(share, sky_light_at(args, in->direct, nx, ny), sum);
+    count += share;
+  }
+  return sum / count;
+}
+#endif
 
 /* Far irradiance of the three channels, and the radiance that shows where there
  * is no surface.  unlit: the share of the hemisphere, of `ao`, whose radiance
  * is estimated.  near_light: E_near.  axis, bent: the bent normal in world and
  * view space; (rx, ry, 1): the ray. */
 INLINE void far_light(const hbil_composite_args args,
-                      global const float *estimate, const inputs *in, realv ao,
-                      realv t, realv t2, const realv near_light[3],
-                      const realv bent[3], const realv axis[3], realv rx,
-                      float ry, int x, int y, int count, realv light[3],
-                      realv behind[3], realv *unlit) {
+                      global const float *estimate, const inputs *in,
+                      global const void *depth, realv z, realv ao, realv t,
+                      realv t2, const realv near_light[3], const realv bent[3],
+                      const realv axis[3], realv rx, float ry, int x, int y,
+                      realv light[3], realv behind[3], realv *unlit) {
   *unlit = 0.0f;
 #if FAR == 1 || FAR == 2
   /* not indexed as an argument: see rotate_direction() */
@@ -203,7 +229,8 @@ INLINE void far_light(const hbil_composite_args args,
 #elif FAR == 3
   realv frame[3];
   frame_light(estimate, bent[0], bent[1], bent[2], frame);
-  *unlit = unlit_share(args, ao, in->direct, x, y, count);
+  *unlit = unlit_share(estimate, mean_sky_light(args, in, depth, z, x, y), ao,
+                       args.sky_share);
 #endif
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
@@ -216,7 +243,8 @@ INLINE void far_light(const hbil_composite_args args,
     light[c] = sh_light(far[c], axis, aperture);
 #elif FAR == 3
     light[c] =
-        PI * *unlit * unseen_light(frame[c], near_light[c] * INV_PI, 1.0f - ao);
+        PI * *unlit *
+        unseen_light(estimate, c, frame[c], near_light[c] * INV_PI, 1.0f - ao);
 #endif
   }
 }
@@ -350,8 +378,8 @@ INLINE void compose(const hbil_composite_args args,
       near_light[c] = select(near_light[c], (realv)0.0f, near_light[c] < 0.0f);
     }
   }
-  far_light(args, estimate, in, ao, t, t2, near_light, bent, axis, rx, ry, x, y,
-            count, far, behind, &unlit);
+  far_light(args, estimate, in, depth_buffer, z, ao, t, t2, near_light, bent,
+            axis, rx, ry, x, y, far, behind, &unlit);
 #if OUT_UNKNOWN
   realv unknown = unlit;
 #if UNKNOWN_PLANE

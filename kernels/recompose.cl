@@ -216,7 +216,8 @@ INLINE void fill_unknown(sums *s, global const float *estimate) {
   for (int c = 0; c < 3; ++c) {
     const realv shown = s->plane[HBIL_LIGHT_RED + c];
     s->plane[HBIL_LIGHT_RED + c] =
-        fma(PI * unknown, unseen_light(frame[c], shown * INV_PI, share), shown);
+        fma(PI * unknown,
+            unseen_light(estimate, c, frame[c], shown * INV_PI, share), shown);
   }
 }
 #endif

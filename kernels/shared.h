@@ -152,13 +152,6 @@ enum {
   HBIL_TEMPORAL_LIGHT = 3
 };
 
-/* Weight of the frame's mean radiance, in hemispheres, relative to what a pixel
- * sees itself (lib/unseen_light.clh).  Chosen on the public dumps.  Local light
- * is the better guess where a pixel sees much, and the frame's where it sees
- * little. */
-#define HBIL_UNSEEN_PRIOR 0.45f
-enum { HBIL_ESTIMATE_SIZE = 36, HBIL_ESTIMATE_PARTS = 64 };
-
 /* --- what several passes take --------------------------------------------- */
 
 /* A plane of the caller, in components: its first one, and the distances from
@@ -380,11 +373,6 @@ typedef struct hbil_bound_quadrants_args {
 } hbil_bound_quadrants_args;
 HBIL_ASSERT_LAYOUT(hbil_bound_quadrants_args, is_static, 13, 14)
 
-typedef struct hbil_estimate_args {
-  hbil_layer_args split;
-} hbil_estimate_args;
-HBIL_ASSERT_LAYOUT(hbil_estimate_args, split, 0, 7)
-
 /* What the sampling pattern depends on. */
 typedef struct hbil_pattern_args {
   hbil_int slices, steps, levels;
@@ -490,7 +478,8 @@ typedef struct hbil_composite_args {
   hbil_external_plane_args unknown;
   hbil_depth_args decode;
   hbil_float direct_scale; /* as in hbil_config */
+  hbil_float sky_share;    /* as in hbil_frame */
 } hbil_composite_args;
-HBIL_ASSERT_LAYOUT(hbil_composite_args, direct_scale, 109, 110)
+HBIL_ASSERT_LAYOUT(hbil_composite_args, sky_share, 110, 111)
 
 #endif

@@ -244,10 +244,13 @@ typedef enum hbil_far_field {
   HBIL_FAR_NONE = 0,     /* 0 */
   HBIL_FAR_CONSTANT = 1, /* the same from all directions */
   HBIL_FAR_SH = 2,       /* order-2 spherical harmonics, 9 coefficients */
-  /* An estimate for rooms that continue outside the picture: the mean of what
-   * the frame's own surfaces send towards the bent normal.  If `direct`
-   * contains a sky, environment[0] tells its radiance, and only directions that
-   * the sky does not light get the estimate (doc/method.md, section 11). */
+  /* An estimate for places that continue outside the picture: unseen_light
+   * times the mean of what the frame's own surfaces send towards the bent
+   * normal, after all bounces, so it is the same in a first frame as later.  If
+   * `direct` contains a sky, environment[0] tells its radiance, and only
+   * directions that the sky does not light get the estimate.  If the picture
+   * does not show that sky, use hbil_frame.sky_share (doc/method.md, section
+   * 11). */
   HBIL_FAR_FRAME = 3
 } hbil_far_field;
 
@@ -285,6 +288,12 @@ typedef struct hbil_model {
   cl_bool gather_emission;
   hbil_feedback feedback;   /* model */
   hbil_far_field far_field; /* default NONE */
+  /* Where light is guessed from the frame's own surfaces (HBIL_FAR_FRAME,
+   * HBIL_FALLBACK_FRAME_MEAN): the radiance of surfaces that the picture
+   * doesn't show over that of those which it shows.  0..1; 1 is for places that
+   * are alike on all sides; default 0.8, chosen by its error on path-traced
+   * scenes (doc/measurements.md) */
+  float unseen_light;
 } hbil_model;
 
 /* Named models of light and occluders. */

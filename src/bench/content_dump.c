@@ -88,6 +88,7 @@ static int choose_far_field(const gbuffer *g, bench_content *out,
                       hbil_status_string(status));
   out->config.model.far_field = config.model.far_field;
   memcpy(out->environment, frame.environment, sizeof out->environment);
+  out->sky_share = frame.sky_share;
   return 0;
 }
 

@@ -45,24 +45,71 @@ static int band_of(int index) {
   return index == 0 ? 0 : index < 4 ? 1 : 2;
 }
 
-/*
- * HBIL_FAR_FRAME: the part of the open share `ao` that ends on a surface after
- * all.  Direct light that holds the sky's shows that no more than
- * E_direct / pi / L_sky of the hemisphere sees the sky.  So the share
- * unlit = 1 - E_direct / pi / L_sky / ao of the open directions is without sky,
- * and an open direction is taken for blocked as often.
- */
-double exact_unlit_share(const exact_frame *frame, int x, int y, double ao) {
-  double seen = 0.0;
+double exact_sky_share(const exact_frame *frame) {
+  return frame->config->model.far_field == HBIL_FAR_FRAME
+             ? (double)frame->sky_share
+             : 0.0;
+}
+
+double exact_sky_light(const exact_frame *frame, int x, int y) {
+  double light = 0.0;
   if (frame->config->model.far_field != HBIL_FAR_FRAME)
     return 0.0;
   for (int c = 0; c < 3; ++c) {
     const double sky = (double)frame->environment[0][c];
     if (sky > 0.0)
-      seen = fmax(seen, exact_direct(frame, c, x, y) / PI / sky);
+      light = fmax(light, exact_direct(frame, c, x, y) / PI / sky);
   }
-  const double unlit = clamp(1.0 - seen / fmax(ao, 1e-6), 0.0, 1.0);
-  return ao * unlit * unlit;
+  return light;
+}
+
+double exact_unlit_part(double sky_light, double ao, double *lit) {
+  const double excess = sky_light / fmax(ao, 1e-6) - 1.0;
+  *lit = clamp((double)HBIL_LIT_SLOPE * excess, 0.0, 1.0);
+  return fmax(0.0, -excess);
+}
+
+/* exact_sky_light(), as the mean over the pixel and its four neighbours, as far
+ * as they are at about its depth.  Beyond the left border and above and below
+ * the picture, the pixel stands for its neighbour. */
+static double mean_sky_light(const exact_frame *frame, int x, int y) {
+  static const int step[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+  const int width = (int)frame->config->width;
+  const int height = (int)frame->config->height;
+  const double z = exact_planar_depth(frame, x, y);
+  double sum = exact_sky_light(frame, x, y), count = 1.0;
+  for (int i = 0; i < 4; ++i) {
+    const int nx = x + step[i][0] < 0 ? 0 : x + step[i][0];
+    const int ny = y + step[i][1] < 0         ? 0
+                   : y + step[i][1] >= height ? height - 1
+                                              : y + step[i][1];
+    if (nx >= width || exact_is_sky(frame, nx, ny) ||
+        !(fabs(exact_planar_depth(frame, nx, ny) - z) <=
+          (double)HBIL_PLANE_TOLERANCE * z))
+      continue;
+    sum += exact_sky_light(frame, nx, ny);
+    ++count;
+  }
+  return sum / count;
+}
+
+/*
+ * HBIL_FAR_FRAME: the part of the open share `ao` that ends on a surface after
+ * all.  Direct light that contains the sky's shows that no more than
+ * E_direct / pi / L_sky of the hemisphere sees the sky.  So the part
+ * u = 1 - E_direct / pi / L_sky / ao of the open directions is without sky.
+ * Without a sun, u may be an error of L_sky, so an open direction is taken for
+ * blocked with the probability u, and the part is u^2.  Where the sun shines,
+ * E_direct tells nothing, and u is that of the other pixels.
+ */
+double exact_unlit_share(const exact_frame *frame, int x, int y, double ao) {
+  double lit;
+  if (frame->config->model.far_field != HBIL_FAR_FRAME)
+    return 0.0;
+  double unlit = exact_unlit_part(mean_sky_light(frame, x, y), ao, &lit);
+  unlit += lit * frame->estimate.unlit;
+  return (1.0 - exact_sky_share(frame)) * ao * unlit *
+         (unlit + frame->estimate.sun * (1.0 - unlit));
 }
 
 double exact_far_irradiance(const exact_frame *frame, int channel, int x, int y,

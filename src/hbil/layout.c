@@ -4,6 +4,7 @@
 
 #include "config.h"
 #include "error_factors.h"
+#include "lib/estimate_args.h"
 #include "lib/sampling_pattern.h"
 #include "planes.h"
 
@@ -351,8 +352,7 @@ void layout_compute(const hbil_config *config, const staging *staged,
         ((HBIL_TEMPORAL_LIGHT + light_planes(out)) * (size_t)out->planes.plane +
          2 * (size_t)hbil_history_origin(out->planes));
   if (out->estimate)
-    out->bytes[BUFFER_ESTIMATE] =
-        HBIL_ESTIMATE_SIZE * (1 + HBIL_ESTIMATE_PARTS) * real;
+    out->bytes[BUFFER_ESTIMATE] = HBIL_ESTIMATE_SIZE * real;
   out->bytes[BUFFER_SANITIZED] = HBIL_SANITIZED_WORDS * sizeof(cl_uint);
   out->bytes[BUFFER_FLAGS] = HBIL_FLAGS * sizeof(cl_uint);
   if (out->skip & (HBIL_SKIP_OPEN | HBIL_SKIP_DARK))

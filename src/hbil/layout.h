@@ -24,7 +24,7 @@ enum {
   BUFFER_TEMPORAL,      /* history of the temporal filter, of one frame */
   BUFFER_TEMPORAL_NEXT, /* the same of the other frame */
   BUFFER_STEPS,
-  BUFFER_ESTIMATE,      /* the estimate of unseen light, then its parts */
+  BUFFER_ESTIMATE,      /* the estimate of unseen light, then its sums */
   BUFFER_BOUNDS,        /* grids of largest inverse depths and of light */
   BUFFER_USES,          /* where outputs show light */
   BUFFER_SPAN_STATES,   /* the work that the gather left out */

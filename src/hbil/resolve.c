@@ -103,7 +103,8 @@ hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
                               .environment =
                                   far_field_args(c, frame->environment),
                               .decode = depth_args(c, frame),
-                              .direct_scale = c->inputs.direct_scale};
+                              .direct_scale = c->inputs.direct_scale,
+                              .sky_share = frame->sky_share};
   hbil_external_plane_args *const plane_args[PLANE_COUNT] = {
       [PLANE_DEPTH] = &args.depth,
       [PLANE_ALBEDO] = &args.albedo,

@@ -114,12 +114,13 @@ void exact_sequence_expect(exact_sequence *e, unsigned frames, unsigned runs) {
 /* A frame                                                                   */
 
 static void fill_frame(const exact_sequence *e, const gbuffer *g,
-                       const camera_file *camera, float environment[9][3],
+                       const camera_file *camera, const far_light *far,
                        exact_frame *frame) {
   memset(frame, 0, sizeof *frame);
   frame->config = &e->config;
   camera_file_to_hbil(camera, &frame->camera);
-  memcpy(frame->environment, environment, sizeof frame->environment);
+  memcpy(frame->environment, far->environment, sizeof frame->environment);
+  frame->sky_share = far->sky_share;
   for (int i = 0; i < INPUTS; i++)
     for (size_t c = 0; c < e->channels[i]; c++)
       frame->input[(size_t)input_planes[i] + c] =
@@ -174,13 +175,13 @@ static void copy_layers(const exact_sequence *e, image *result) {
 }
 
 int exact_sequence_run(exact_sequence *e, const gbuffer *g,
-                       const camera_file *camera, float environment[9][3],
+                       const camera_file *camera, const far_light *far,
                        unsigned repeat, image *result, image_error *error) {
   const exact_dense how = {
       .slices = (int)e->config.sampling.slices, .progress = show, .user = e};
   exact_status status = EXACT_SUCCESS;
   exact_frame frame;
-  fill_frame(e, g, camera, environment, &frame);
+  fill_frame(e, g, camera, far, &frame);
   if (e->done == 0)
     announce(e, &frame);
   for (unsigned run = 0; run < repeat && status == EXACT_SUCCESS;

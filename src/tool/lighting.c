@@ -88,12 +88,10 @@ int lighting_run(lighting *l, const job *j, size_t item, const gbuffer *g,
                  image_error *error) {
   const job_frame *f = &j->frames[item];
   const unsigned runs = job_runs(j, (int)item);
-  float environment[9][3];
-  memcpy(environment, j->environment, sizeof environment);
   if (!l->exact)
-    return sequence_run(l->sequence, g, hash, environment, runs, result, row,
+    return sequence_run(l->sequence, g, hash, &j->far, runs, result, row,
                         error);
-  return exact_sequence_run(l->exact, g, &f->camera, environment, runs, result,
+  return exact_sequence_run(l->exact, g, &f->camera, &j->far, runs, result,
                             error);
 }
 
@@ -112,11 +110,9 @@ int lighting_history_save(lighting *l, void *bytes, image_error *error) {
 int lighting_history_restore(lighting *l, const job *j, int item, void *bytes,
                              image_error *error) {
   const camera_file *camera = &j->frames[item].camera;
-  float environment[9][3];
-  memcpy(environment, j->environment, sizeof environment);
   if (!l->exact)
-    return sequence_history_restore(l->sequence, &j->frames[item].map,
-                                    environment, bytes, error);
+    return sequence_history_restore(l->sequence, &j->frames[item].map, &j->far,
+                                    bytes, error);
   exact_sequence_give_light(l->exact, camera, bytes);
   return 0;
 }

@@ -131,11 +131,12 @@ static int upload(sequence *s, const gbuffer *g, image_error *error) {
 }
 
 static void fill_frame(const sequence *s, const channel_map *map,
-                       float environment[9][3], hbil_frame *frame) {
+                       const far_light *far, hbil_frame *frame) {
   hbil_frame_init(frame);
   frame->camera = map->camera;
   channel_map_hardware_depth(map, frame->hardware_depth);
-  memcpy(frame->environment, environment, sizeof frame->environment);
+  memcpy(frame->environment, far->environment, sizeof frame->environment);
+  frame->sky_share = far->sky_share;
   for (int i = 0; i < INPUTS; i++)
     plane_at(frame, input_table[i].image)->buffer = s->input[i];
   for (int l = 0; l < LAYER_COUNT; l++)
@@ -205,6 +206,7 @@ static cl_bool is_same(sequence *s, uint64_t hash, const hbil_frame *frame) {
   hash = XXH3_64bits_withSeed(&frame->camera, sizeof frame->camera, hash);
   hash =
       XXH3_64bits_withSeed(frame->environment, sizeof frame->environment, hash);
+  hash = XXH3_64bits_withSeed(&frame->sky_share, sizeof frame->sky_share, hash);
   hash = XXH3_64bits_withSeed(frame->hardware_depth,
                               sizeof frame->hardware_depth, hash);
   const cl_bool same = hash == s->last;
@@ -213,10 +215,10 @@ static cl_bool is_same(sequence *s, uint64_t hash, const hbil_frame *frame) {
 }
 
 int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
-                 float environment[9][3], unsigned repeat, image *result,
+                 const far_light *far, unsigned repeat, image *result,
                  timing_row *row, image_error *error) {
   hbil_frame frame;
-  fill_frame(s, &g->map, environment, &frame);
+  fill_frame(s, &g->map, far, &frame);
   frame.static_frame = is_same(s, hash, &frame);
   int failed = upload(s, g, error) != 0 ||
                run_passes(s, &frame, repeat, error) != 0 ||
@@ -321,10 +323,10 @@ static int adopt_camera(sequence *s, const hbil_frame *frame,
 }
 
 int sequence_history_restore(sequence *s, const channel_map *map,
-                             float environment[9][3], void *bytes,
+                             const far_light *far, void *bytes,
                              image_error *error) {
   hbil_frame frame;
-  fill_frame(s, map, environment, &frame);
+  fill_frame(s, map, far, &frame);
   return adopt_camera(s, &frame, error) != 0 ? -1
                                              : copy_history(s, bytes, 1, error);
 }

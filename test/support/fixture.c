@@ -257,6 +257,7 @@ void setup_upload(setup *s) {
   s->job.camera = s->frame.camera;
   s->job.frame_index = s->frame.frame_index;
   memcpy(s->job.environment, s->frame.environment, sizeof(s->job.environment));
+  s->job.sky_share = s->frame.sky_share;
   for (plane_id id = 0; id < PLANE_FIRST_OUTPUT; ++id) {
     bool has = has_plane(s, id);
     if (has)
