@@ -174,27 +174,25 @@ INLINE realv depth_of_pixels(const hbil_composite_args args,
       ray_x(args.view, x, 1), ray_y(args.view, y), args.decode);
 }
 
-/* sky_light_at(), as the mean over the pixel and its four neighbours at about
- * its depth: direct light of few samples is noisy.  0 if no sky is given. */
+/* sky_light_at(), as the mean over the pixel and its neighbours above, below
+ * and to the right, as far as they are at its depth: direct light of few
+ * samples is noisy.  0 if no sky is given. */
 INLINE realv mean_sky_light(const hbil_composite_args args, const inputs *in,
                             global const void *depth, realv z, int x, int y) {
   const hbil_environment_args e = args.environment;
   if (!(e.channel[0].sh[0] + e.channel[1].sh[0] + e.channel[2].sh[0] > 0.0f))
     return 0.0f;
   realv sum = sky_light_at(args, in->direct, x, y), count = 1.0f;
-  for (int i = 0; i < 4; ++i) {
-    /* at the border, a neighbour is the pixel itself; right of it is none */
-    const int dx = i == 0 ? -1 : i == 1 ? 1 : 0;
-    const int dy = i == 2 ? -1 : i == 3 ? 1 : 0;
-    const int nx = max(x + dx, 0);
-    const int ny = clamp(y + dy, 0, args.view.height - 1);
-    const realv share = select((realv)0.0f, (realv)1.0f,
-                               fabs(depth_of_pixels(args, depth, nx, ny) - z) <=
-                                   HBIL_PLANE_TOLERANCE * z);
+  for (int i = 0; i < 3; ++i) {
+    const int nx = x + (i == 2);
+    const int ny = clamp(y + (i == 0) - (i == 1), 0, args.view.height - 1);
+    const realv off =
+        (depth_of_pixels(args, depth, nx, ny) - z) / (HBIL_PLANE_TOLERANCE * z);
+    const realv share = max(fma(-off, off, (realv)1.0f), (realv)0.0f);
     sum = fma(share, sky_light_at(args, in->direct, nx, ny), sum);
     count += share;
   }
-  return sum / count;
+  return select((realv)0.0f, sum / count, z > 0.0f);
 }
 #endif
 

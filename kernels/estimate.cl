@@ -191,11 +191,12 @@ kernel void estimate_part(const hbil_estimate_args args,
   realv sum[HBIL_ESTIMATE_SUMS];
   for (int i = 0; i < HBIL_ESTIMATE_SUMS; ++i)
     sum[i] = 0.0f;
-  for (int y = hbil_estimate_row(part); y < in.height; y += HBIL_ESTIMATE_ROWS)
+  for (int y = hbil_estimate_row(part); y < in.height; y += 4)
     for (int x = 0; x < in.width; x += HBIL_WIDTH) {
       const row_place at = {4 * x, 4 * y + layer / 4, layer % 4, args.width};
       /* what lies right of the picture is sky */
-      if (at.y < args.height && at.x < args.width)
+      if (at.y < args.height && at.x < args.width &&
+          hbil_estimate_uses(layer, x / HBIL_ESTIMATE_BLOCK, y))
         add_pixels(args, &planes,
                    split + (uint)layer * in.layer + in.origin +
                        (uint)y * in.row + (uint)x,
@@ -216,16 +217,21 @@ INLINE float radiance_of_part(global const float *part) {
          part[HBIL_SUM_LIGHT + 18];
 }
 
-/* Radiance of typical parts: the mean of square roots, squared. */
+/* Radiance of typical parts: the mean of eighth roots, to the eighth, on which
+ * a part of a million times the others has little effect. */
 INLINE float typical_radiance(global const float *parts) {
   float roots = 0.0f, surfaces = 0.0f;
   for (int i = 0; i < HBIL_ESTIMATE_PARTS; ++i) {
     global const float *part = parts + i * HBIL_ESTIMATE_SUMS;
-    roots += sqrt(radiance_of_part(part)) * sqrt(part[HBIL_SUM_WEIGHT]);
-    surfaces += part[HBIL_SUM_WEIGHT];
+    const float weight = part[HBIL_SUM_WEIGHT];
+    roots +=
+        weight * sqrt(sqrt(sqrt(radiance_of_part(part) / max(weight, 1.0f))));
+    surfaces += weight;
   }
-  const float root = roots / max(surfaces, 1.0f);
-  return root * root;
+  float typical = roots / max(surfaces, 1.0f);
+  for (int i = 0; i < 3; ++i)
+    typical *= typical;
+  return typical;
 }
 
 /* Launch: x = HBIL_ESTIMATE_SUMS work-items.  The order of the sum is fixed. */
@@ -279,8 +285,11 @@ kernel void estimate_fill(const hbil_estimate_args args,
     const float bounces = 1.0f / (1.0f - gain);
     const float near_mean = inv * INV_PI * sum[HBIL_SUM_NEAR + c];
     const float near_all = shown * bounces * inv * sum[HBIL_SUM_LIGHT + 9 * c];
+    /* near light that contains guessed light has all bounces of that already */
     estimate[HBIL_FILL_NEAR_SCALE + c] =
-        min(near_all / max(near_mean, FLT_MIN), HBIL_UNSEEN_SCALE);
+        FALLBACK_FRAME_MEAN
+            ? 1.0f
+            : min(near_all / max(near_mean, FLT_MIN), HBIL_UNSEEN_SCALE);
     for (int k = 0; k < 9; ++k)
       estimate[HBIL_FILL_LIGHT + 9 * c + k] = args.unseen_light * bounces *
                                               factor[k] *

@@ -18,9 +18,8 @@
 #define HBIL_UNSEEN_GAIN 0.9f
 /* Near light is scaled by at most this towards its mean after all bounces. */
 #define HBIL_UNSEEN_SCALE 4.0f
-/* A part of the picture, of HBIL_ESTIMATE_PARTS, that sends more than this many
- * times the typical light counts as so many: it has a few very bright pixels.
- */
+/* A part of the pixels, of HBIL_ESTIMATE_PARTS, that sends more than this many
+ * times the typical light counts as so many: it has a few very bright ones. */
 #define HBIL_UNSEEN_SPIKE 4.0f
 
 /* A pixel whose direct light is more than what the open directions can get from
@@ -63,15 +62,22 @@ enum {
 };
 enum {
   HBIL_ESTIMATE_PARTS = 64,
-  HBIL_ESTIMATE_ROWS = 32, /* a part takes every such row of its layer */
+  HBIL_ESTIMATE_BLOCK = 16, /* pixels of a layer's row that are used or not */
   HBIL_ESTIMATE_SIZE =
       HBIL_FILL_SIZE + HBIL_ESTIMATE_SUMS * (1 + HBIL_ESTIMATE_PARTS)
 };
 
-/* Part `part` takes pixels of layer part % 16, from this row of the layer on.
- * Each layer has four parts, and all parts together an eighth of the pixels. */
+/* Part `part` takes pixels of layer part % 16, in every fourth row from this
+ * one on. */
 static inline hbil_int hbil_estimate_row(hbil_int part) {
-  return (part / 16) * 8 + part % 8;
+  return part / 16;
+}
+
+/* Whether it uses the pixels of the layer's row y from 16 `block` on: an eighth
+ * of them, all over the picture. */
+static inline hbil_int hbil_estimate_uses(hbil_int layer, hbil_int block,
+                                          hbil_int y) {
+  return (block + 3 * (y / 4) + layer) % 8 == 0;
 }
 
 typedef struct hbil_estimate_args {

@@ -84,11 +84,11 @@ static sums sums_of_part(const exact_frame *frame, const exact_planes *split,
   const int column = part % 4, row = part / 4 % 4;
   sums t;
   memset(&t, 0, sizeof(t));
-  for (int y = 4 * hbil_estimate_row(part) + row; y < split->height;
-       y += 4 * HBIL_ESTIMATE_ROWS)
+  for (int y = 4 * hbil_estimate_row(part) + row; y < split->height; y += 16)
     for (int x = column; x < split->width; x += 4) {
       const surface s = exact_surface_at(frame, split, x, y);
-      if (s.is)
+      if (s.is && hbil_estimate_uses(part % HBIL_LAYERS,
+                                     x / 4 / HBIL_ESTIMATE_BLOCK, y / 4))
         add_surfel(&t, frame, &s, gathered, x, y);
     }
   return t;
@@ -99,7 +99,7 @@ static double radiance_of(const sums *t) {
 }
 
 /* Adds up the parts.  The radiance of one that sends far more than typical
- * parts, whose mean is that of square roots, is scaled down. */
+ * parts, whose mean is that of eighth roots, is scaled down. */
 static sums sums_of_frame(const exact_frame *frame, const exact_planes *split,
                           const exact_planes *gathered) {
   sums part[HBIL_ESTIMATE_PARTS], total;
@@ -107,13 +107,13 @@ static sums sums_of_frame(const exact_frame *frame, const exact_planes *split,
   memset(&total, 0, sizeof(total));
   for (int i = 0; i < HBIL_ESTIMATE_PARTS; ++i) {
     part[i] = sums_of_part(frame, split, gathered, i);
-    roots += sqrt(radiance_of(&part[i]) * part[i].weight[0]);
+    roots += part[i].weight[0] *
+             pow(radiance_of(&part[i]) / fmax(part[i].weight[0], 1.0), 0.125);
     surfaces += part[i].weight[0];
   }
-  const double root = roots / fmax(surfaces, 1.0);
+  const double typical = pow(roots / fmax(surfaces, 1.0), 8.0);
   for (int i = 0; i < HBIL_ESTIMATE_PARTS; ++i) {
-    const double most =
-        (double)HBIL_UNSEEN_SPIKE * root * root * part[i].weight[0];
+    const double most = (double)HBIL_UNSEEN_SPIKE * typical * part[i].weight[0];
     const double radiance = radiance_of(&part[i]);
     const double scale = radiance > most ? most / radiance : 1.0;
     for (int k = 0; k < 27; ++k)
@@ -150,9 +150,13 @@ void exact_estimate_frame(exact_frame *frame, const exact_planes *split,
                                  (shown + unseen * guessed / surfaces),
                              (double)HBIL_UNSEEN_GAIN);
     const double all = t.light[c][0] / surfaces / (1.0 - gain);
+    /* near light that contains guessed light has all bounces of that already */
     e->near_scale[c] =
-        fmin(shown * all / fmax(t.near_irradiance[c] / PI / surfaces, DBL_MIN),
-             (double)HBIL_UNSEEN_SCALE);
+        exact_fills_unknown(frame->config)
+            ? 1.0
+            : fmin(shown * all /
+                       fmax(t.near_irradiance[c] / PI / surfaces, DBL_MIN),
+                   (double)HBIL_UNSEEN_SCALE);
     for (int i = 0; i < 9; ++i)
       e->light[c][i] = unseen / (1.0 - gain) * t.light[c][i];
   }

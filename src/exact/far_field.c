@@ -69,26 +69,25 @@ double exact_unlit_part(double sky_light, double ao, double *lit) {
   return fmax(0.0, -excess);
 }
 
-/* exact_sky_light(), as the mean over the pixel and its four neighbours, as far
- * as they are at about its depth.  Beyond the left border and above and below
- * the picture, the pixel stands for its neighbour. */
+/* exact_sky_light(), as the mean over the pixel and its neighbours above, below
+ * and to the right, as far as they are at its depth.  Above and below the
+ * picture, the pixel stands for its neighbour. */
 static double mean_sky_light(const exact_frame *frame, int x, int y) {
-  static const int step[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
   const int width = (int)frame->config->width;
   const int height = (int)frame->config->height;
   const double z = exact_planar_depth(frame, x, y);
   double sum = exact_sky_light(frame, x, y), count = 1.0;
-  for (int i = 0; i < 4; ++i) {
-    const int nx = x + step[i][0] < 0 ? 0 : x + step[i][0];
-    const int ny = y + step[i][1] < 0         ? 0
-                   : y + step[i][1] >= height ? height - 1
-                                              : y + step[i][1];
-    if (nx >= width || exact_is_sky(frame, nx, ny) ||
-        !(fabs(exact_planar_depth(frame, nx, ny) - z) <=
-          (double)HBIL_PLANE_TOLERANCE * z))
+  for (int i = 0; i < 3; ++i) {
+    const int nx = x + (i == 2);
+    const int below = y + (i == 0) - (i == 1);
+    const int ny = below < 0 ? 0 : below < height ? below : height - 1;
+    if (nx >= width || exact_is_sky(frame, nx, ny))
       continue;
-    sum += exact_sky_light(frame, nx, ny);
-    ++count;
+    const double off = (exact_planar_depth(frame, nx, ny) / z - 1.0) /
+                       (double)HBIL_PLANE_TOLERANCE;
+    const double share = fmax(0.0, 1.0 - off * off);
+    sum += share * exact_sky_light(frame, nx, ny);
+    count += share;
   }
   return sum / count;
 }

@@ -148,7 +148,7 @@ static void check_near_double(setup *s) {
       widened(stage_read(s, HBIL_STAGE_GATHERED), HBIL_GATHERED_PLANES);
   exact_planes want =
       checked_planes(split.width, split.height, HBIL_GATHERED_PLANES);
-  exact_estimate_frame(&s->job, &split);
+  exact_estimate_frame(&s->job, &split, &gathered);
   checked_gather(&s->job, &split, &want);
   add_light_deviation(all, GATHER_AO, &gathered, &want, light, bent);
   exact_recompose(&s->job, &split, &gathered, &want);

@@ -473,7 +473,7 @@ static void check_recompose(scene_kind kind, bool unfiltered,
   plant_light(&s);
   light = stage_read(&s, HBIL_STAGE_GATHERED);
   split = stage_read(&s, HBIL_STAGE_SPLIT);
-  exact_estimate_frame(&s.job, &split);
+  exact_estimate_frame(&s.job, &split, &light);
   exact_recompose(&s.job, &split, &light, &want);
   setup_run(&s, hbil_enqueue_recompose);
   got = stage_read(&s, HBIL_STAGE_RESOLVED);
