@@ -28,6 +28,7 @@ typedef struct job {
   const process_settings *settings;
   hbil_config config; /* those of the settings, with all choices made */
   unsigned layers;    /* a set (layers.h) */
+  unsigned hidden;    /* layers that are computed, but not written */
   float environment[9][3];
   job_frame *frames;
   int count;
