@@ -33,10 +33,12 @@ int exact_sequence_open(const hbil_config *config, const channel_map *map,
 void exact_sequence_close(exact_sequence *e);
 /* Corrects the amount of work, before the first run. */
 void exact_sequence_expect(exact_sequence *e, unsigned frames, unsigned runs);
-/* Runs a frame `repeat` times and copies the layers to result's planes. */
+/* Runs a frame `repeat` times and copies each layer to the planes of result or,
+ * if it has none there, of hidden. */
 int exact_sequence_run(exact_sequence *e, const gbuffer *g,
                        const camera_file *camera, const far_light *far,
-                       unsigned repeat, image *result, image_error *error);
+                       unsigned repeat, image *result, image *hidden,
+                       image_error *error);
 
 /* The light that the last frame hands on to the next one, for a process that
  * goes on with the sequence later: its size in bytes (0: none), the bytes, and

@@ -29,6 +29,7 @@ typedef struct job {
   const process_settings *settings;
   hbil_config config; /* those of the settings, with all choices made */
   unsigned layers;    /* a set (layers.h) */
+  unsigned hidden;    /* layers that are computed, but not written */
   far_light far;
   job_frame *frames;
   int count;

@@ -124,6 +124,20 @@ static int look_at_first(job *j, hbil_sources *found, image_error *error) {
   return 0;
 }
 
+/* The share that is a guess is told, even if its layer isn't written.  A job
+ * for `beauty` alone that may leave out light which doesn't show
+ * (HBIL_SKIP_UNUSED) still may: asking for the share, too, would forbid it. */
+static unsigned hidden_layers(const job *j) {
+  const unsigned unknown = 1u << LAYER_UNKNOWN;
+  const int may_skip =
+      j->layers == 1u << LAYER_BEAUTY &&
+      (j->config.history.reprojection == HBIL_REPROJECTION_NONE ||
+       j->config.model.feedback == HBIL_FEEDBACK_RADIANCE);
+  return !may_skip && layers_show_guesses(j->layers, &j->config)
+             ? unknown & ~j->layers
+             : 0u;
+}
+
 int job_light_decide(job *j, image_error *error) {
   const process_settings *s = j->settings;
   const int looks = j->config.model.mode == HBIL_MODE_HBIL;
@@ -137,5 +151,6 @@ int job_light_decide(job *j, image_error *error) {
                   : "none: this --mode looks at no light");
   if (!s->quiet && !s->emission_given && emission_texts[found.lamps])
     fprintf(stderr, "hbil: emission: %s\n", emission_texts[found.lamps]);
+  j->hidden = hidden_layers(j);
   return 0;
 }

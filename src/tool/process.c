@@ -8,6 +8,7 @@
 #include "tool/report.h"
 #include "tool/run_frames.h"
 #include "tool/timings.h"
+#include "tool/unknown.h"
 
 #include <unistd.h>
 
@@ -53,6 +54,8 @@ static int print_timings(const process *p, image_error *error) {
       .wall = p->times.wall,
       .computed = p->times.computed,
   };
+  if (!s->quiet)
+    unknown_report(report.rows, report.count);
   if (!s->quiet && !s->timings && report.computed > 1) {
     fputs("hbil: ", stderr);
     timings_summary(&report, stderr);

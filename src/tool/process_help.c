@@ -22,9 +22,9 @@ static void print_files(void) {
       "  --frames RANGES       numbers for the patterns, such as 1-240x2,300\n"
       "                        (all that exist)\n"
       "  --layers LIST         of near_irradiance, far_irradiance, indirect,\n"
-      "                        ao, bent_normal, cone_cosine, beauty,\n"
+      "                        ao, bent_normal, cone_cosine, beauty, unknown,\n"
       "                        error_estimate (all that the mode has, without\n"
-      "                        error_estimate)\n"
+      "                        the last two)\n"
       "  --copy-channels       also put the frame's own channels into its\n"
       "                        result\n"
       "  --compression NAME    none, rle, zips, zip, piz, pxr24, b44, b44a,\n"
@@ -191,7 +191,13 @@ void process_help(void) {
       "without\n"
       "albedo; ao.V: 1 open, 0 closed; bent_normal: unit vector, world space;\n"
       "cone_cosine.V: cosine of the bent cone's half-angle; beauty: the final\n"
-      "picture; error_estimate: how far ao (X) and near_irradiance (Y) of 95 "
-      "%\n"
-      "of the pixels may be off because samples are few.");
+      "picture; unknown.V: the share of what a surface sees whose light is a\n"
+      "guess, because the frame doesn't show it; error_estimate: how far ao\n"
+      "(X) and near_irradiance (Y) of 95 % of the pixels may be off because\n"
+      "samples are few.\n"
+      "\n"
+      "At the end, lines on standard error tell the mean of `unknown` over "
+      "all\n"
+      "surfaces, with a warning if most of the light is a guess, and which\n"
+      "stage limited the job; --quiet leaves them out.");
 }

@@ -176,12 +176,13 @@ static int run_passes(sequence *s, hbil_frame *frame, unsigned repeat,
   return 0;
 }
 
-static int download(sequence *s, image *result, image_error *error) {
+static int download(sequence *s, image *result, image *hidden,
+                    image_error *error) {
   for (int l = 0; l < LAYER_COUNT; l++)
     for (size_t c = 0; s->output[l] && layer_table[l].components[c]; c++) {
       const cl_int status = clEnqueueReadBuffer(
           s->device->queue, s->output[l], CL_TRUE, c * s->plane, s->plane,
-          layers_plane(result, (layer)l, c), 0, NULL, NULL);
+          layers_plane_of(result, hidden, (layer)l, c), 0, NULL, NULL);
       if (status != CL_SUCCESS)
         return opencl_failed(s, status, "reading a buffer", error);
     }
@@ -216,13 +217,13 @@ static cl_bool is_same(sequence *s, uint64_t hash, const hbil_frame *frame) {
 
 int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
                  const far_light *far, unsigned repeat, image *result,
-                 timing_row *row, image_error *error) {
+                 image *hidden, timing_row *row, image_error *error) {
   hbil_frame frame;
   fill_frame(s, &g->map, far, &frame);
   frame.static_frame = is_same(s, hash, &frame);
   int failed = upload(s, g, error) != 0 ||
                run_passes(s, &frame, repeat, error) != 0 ||
-               download(s, result, error) != 0;
+               download(s, result, hidden, error) != 0;
   if (failed) {
     clFinish(s->device->queue); /* it may still read the planes */
     return -1;

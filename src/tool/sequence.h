@@ -30,17 +30,22 @@ typedef struct timing_row {
   double milliseconds[HBIL_PASS_COUNT];
   hbil_statistics statistics;
   hbil_sanitized sanitized;
+  /* Pixels that show surfaces, and the mean of `unknown` over them; the caller
+   * sets both (unknown.h). */
+  size_t surfaces;
+  double unknown;
 } timing_row;
 
 /*
- * Runs a frame `repeat` times and copies the layers into the planes of result.
+ * Runs a frame `repeat` times and copies each layer into the planes of result,
+ * or, if it has none there, of hidden.
  * Runs after the first, and a frame that equals the previous one, are static
  * frames (hbil.h).  hash: that of sequence_hash().  row is filled, for the last
  * run, if config.profiling is set.  Returns 0, or -1 with `error` filled.
  */
 int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
                  const far_light *far, unsigned repeat, image *result,
-                 timing_row *row, image_error *error);
+                 image *hidden, timing_row *row, image_error *error);
 
 /* A hash of the planes that sequence_run() uploads, by which it recognises the
  * previous frame.  Another thread may call it meanwhile. */
