@@ -354,7 +354,8 @@ const bench_command bench_truth = {
         "(behind OPTIONS) and of ours.  Chroma is the error of colour alone:\n"
         "with c = (R,G,B) / (R+G+B), the root of the mean of |c - c_truth|^2,\n"
         "weighted by the truth's luminance, over pixels with all channels and\n"
-        "a luminance of the truth above a thousandth of its mean.  The worst\n"
-        "mean is that which is off by the largest factor.\n",
+        "a luminance of the truth above a thousandth of its mean.  Negative\n"
+        "values count as 0, and black as grey.  The worst mean is that which\n"
+        "is off by the largest factor.\n",
     .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_FOLDERS,
     .run = run};

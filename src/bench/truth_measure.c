@@ -31,10 +31,15 @@ static int pixel_of(const compare_side *s, size_t i, double rgb[3]) {
   return isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]);
 }
 
+/* A truth that is a difference of two pictures may be negative by its noise. */
 static void chromaticity(const double rgb[3], double out[3]) {
-  const double sum = rgb[0] + rgb[1] + rgb[2];
+  double sum = 0.0;
+  for (int c = 0; c < 3; c++) {
+    out[c] = fmax(rgb[c], 0.0);
+    sum += out[c];
+  }
   for (int c = 0; c < 3; c++)
-    out[c] = sum > 0.0 ? rgb[c] / sum : 1.0 / 3.0;
+    out[c] = sum > 0.0 ? out[c] / sum : 1.0 / 3.0;
 }
 
 /* Reads pixel i of both, if it may count at all. */

@@ -17,11 +17,12 @@ typedef struct truth_figures {
 
 /*
  * Measures an answer of the truth's size.  chroma: the chromaticity of a pixel
- * is the vector (R, G, B) / (R + G + B), a third each for black; the error is
- * the root of the mean of the squared distances between the answer's and the
- * truth's, weighted by the truth's luminance.  Pixels count of which the mask
- * has all three channels and whose luminance in the truth is above a thousandth
- * of its mean. Returns 0, or -1 with `error` filled.
+ * is the vector (R, G, B) / (R + G + B), where what is negative counts as 0, or
+ * a third each for black.  The error is the root of the mean of the squared
+ * distances between the answer's and the truth's, weighted by the truth's
+ * luminance.  Pixels count of which the mask has all three channels and whose
+ * luminance in the truth is above a thousandth of its mean.  Returns 0, or -1
+ * with `error` filled.
  */
 int truth_measure(const compare_side *answer, const compare_side *truth,
                   const compare_mask *mask, truth_figures *out,
