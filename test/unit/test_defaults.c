@@ -58,6 +58,7 @@ static const member members[] = {
     MEMBER(model.gather_emission),
     MEMBER(model.feedback),
     MEMBER(model.far_field),
+    MEMBER(model.unseen_light),
     MEMBER(sampling.slices),
     MEMBER(sampling.steps_per_side),
     MEMBER(sampling.step_growth),
