@@ -13,6 +13,7 @@
  */
 #include "exact/camera.h"
 #include "exact/far_field.h"
+#include "exact/sky_light.h"
 #include "exact/input.h"
 #include "exact/passes.h"
 #include "exact/planes.h"

@@ -20,10 +20,10 @@
 #include <float.h>
 #include <string.h>
 
-#include "exact/far_field.h"
 #include "exact/input.h"
 #include "exact/passes.h"
 #include "exact/settings.h"
+#include "exact/sky_light.h"
 #include "exact/surface.h"
 
 /* Sums over some of the pixels. */
