@@ -4,7 +4,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "hbil/hbil.h"
+#include "context.h"
 
 /* The sky counts as visible above this share of the pixels. */
 #define SKY_SEEN 1e-3
@@ -424,17 +424,31 @@ hbil_status hbil_config_suggest(const hbil_host_planes *planes,
   hbil_sources found = {HBIL_SOURCE_NOT_SEEN, HBIL_SOURCE_NOT_SEEN};
   float sky[3] = {0};
   if (!planes || !config || !frame)
-    return HBIL_INVALID_ARGUMENT;
+    return fail_null(NULL, __func__,
+                     !planes   ? "planes"
+                     : !config ? "config"
+                               : "frame");
   const bool looks = config->model.mode == HBIL_MODE_HBIL;
   if (looks) {
     look l = {*planes, config, frame, (size_t)config->width * config->height};
     if (!is_size(config->width) || !is_size(config->height) ||
         (unsigned)config->inputs.depth_kind > HBIL_DEPTH_HARDWARE)
-      return HBIL_INVALID_CONFIG;
+      return fail(NULL, HBIL_INVALID_CONFIG,
+                  "hbil_config_suggest: width, height, inputs.depth_kind: %u, "
+                  "%u, %d; must be 1 .. %d pixels and a hbil_depth_kind",
+                  (unsigned)config->width, (unsigned)config->height,
+                  (int)config->inputs.depth_kind, HBIL_MAX_SIZE);
     if (!complete_planes(&l.planes, config->width))
-      return HBIL_INVALID_ARGUMENT;
+      return fail(NULL, HBIL_INVALID_ARGUMENT,
+                  "hbil_config_suggest: planes: depth or a channel is missing, "
+                  "or a row_pitch is not a multiple of 4 bytes or less than a "
+                  "row's");
     if (!is_usable(config, frame))
-      return HBIL_INVALID_FRAME;
+      return fail(NULL, HBIL_INVALID_FRAME,
+                  "hbil_config_suggest: camera.fx, camera.fy: %g, %g; must be "
+                  "above 0, and hardware_depth finite, with B not 0, if depth "
+                  "is hardware depth",
+                  frame->camera.fx, frame->camera.fy);
     found.sky = find_sky(&l, sky);
     found.lamps = look_at_lamps(&l);
     memcpy(frame->environment[0], sky, sizeof sky);
