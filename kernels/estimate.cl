@@ -160,7 +160,8 @@ INLINE void add_pixels(const hbil_estimate_args args, const inputs *in,
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     ADD(HBIL_SUM_REFLECTANCE + c, reflectance[c]);
-    ADD(HBIL_SUM_NEAR + c, gathered[HBIL_LIGHT_RED + c]);
+    /* a sum of differences of angles may round to just below 0 */
+    ADD(HBIL_SUM_NEAR + c, max(gathered[HBIL_LIGHT_RED + c], (realv)0.0f));
   }
   const realv ao = gathered[HBIL_LIGHT_AO];
   realv lit;

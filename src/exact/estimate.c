@@ -64,7 +64,8 @@ static void add_surfel(sums *t, const exact_frame *frame, const surface *s,
     for (int i = 0; i < 9; ++i)
       t->light[c][i] += sent * p[i];
     t->reflectance[c] += reflectance;
-    t->near_irradiance[c] += *exact_at(gathered, HBIL_LIGHT_RED + c, x, y);
+    t->near_irradiance[c] +=
+        fmax(0.0, *exact_at(gathered, HBIL_LIGHT_RED + c, x, y));
   }
   for (int i = 0; i < 9; ++i)
     t->weight[i] += p[i];
