@@ -70,8 +70,8 @@ typedef cl_float hbil_float;
 #define HBIL_FARTHEST_DEPTH 1e15f
 
 /* Light of an input that is brighter than this counts as 0, like infinite
- * light.  So sums over a hemisphere, and over the square roots of a picture,
- * are finite floats. */
+ * light.  So sums over a hemisphere, and over the pixels of a picture, are
+ * finite floats. */
 #define HBIL_BRIGHTEST 1e30f
 
 /* A normal that faces away from the eye is turned back until its cosine with

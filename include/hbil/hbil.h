@@ -230,7 +230,9 @@ HBIL_API void hbil_plan_reset(hbil_plan *plan);
  *   reproject   history -> carried light of this frame, with holes
  *   push_pull   fills the holes from coarser levels
  *   split       G-buffer -> 4x4 interleaved layers
- *   gather      horizon search: layers -> AO, E_near and bent normal, in layers
+ *   gather      horizon search: layers -> AO, E_near, bent normal, in layers;
+ *               then the estimate of light that the screen does not show, from
+ *               these and the frame's inputs
  *   recompose   layers -> full resolution, filtered
  *   temporal    averages with the frames before (history)
  *   composite   far light; writes the outputs and the history

@@ -246,7 +246,8 @@ typedef enum hbil_far_field {
   HBIL_FAR_SH = 2,       /* order-2 spherical harmonics, 9 coefficients */
   /* An estimate for places that continue outside the picture: unseen_light
    * times the mean of what the frame's own surfaces send towards the bent
-   * normal, after all bounces, so it is the same in a first frame as later.  If
+   * normal, blended with what the pixel itself sees.  Both are after all
+   * bounces, so it is nearly the same in a first frame as later.  If
    * `direct` contains a sky, environment[0] tells its radiance, and only
    * directions that the sky does not light get the estimate.  If the picture
    * does not show that sky, use hbil_frame.sky_share (doc/method.md, section
@@ -261,7 +262,8 @@ typedef enum hbil_back_facing_fallback {
    * (paper, 3.4) */
   HBIL_FALLBACK_LAST_ACCEPTED = 0,
   HBIL_FALLBACK_BLACK = 1, /* none */
-  /* the mean of what the frame's surfaces send towards the pixel's normal */
+  /* unseen_light times the mean of what the frame's surfaces send towards the
+   * pixel's normal, blended with what the pixel itself sees */
   HBIL_FALLBACK_FRAME_MEAN = 2
 } hbil_back_facing_fallback;
 

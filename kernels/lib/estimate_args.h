@@ -8,18 +8,25 @@
 #include "shared.h"
 
 /* Weight of the frame's mean radiance, in hemispheres, relative to what a pixel
- * sees itself.  Chosen with hbil_model.unseen_light (doc/measurements.md). */
+ * sees itself.  Chosen with hbil_model.unseen_light (doc/measurements.md).
+ * Without a blend, places far from the typical one get the typical light. */
 #define HBIL_UNSEEN_PRIOR 1.0f
 /* What is added to the weight of each surface, of about 1, in the mean for a
- * receiver, which makes it positive everywhere. */
+ * receiver.  The weight alone falls to -0.02 for surfaces that face the same
+ * way as the receiver.  With this it is positive, so the result is a mean. */
 #define HBIL_UNSEEN_EVEN 0.1f
 /* The most of its light that a bounce may return to the frame's surfaces, so
- * the series of all bounces is at most 10. */
+ * the series of all bounces is at most 10.  Without a limit, white surfaces in
+ * a closed place would have a series without end. */
 #define HBIL_UNSEEN_GAIN 0.9f
-/* Near light is scaled by at most this towards its mean after all bounces. */
+/* Near light is scaled by at most this towards its mean after all bounces.  In
+ * a first frame whose lit surfaces light hardly any of the visible ones, the
+ * quotient of the means has no bound. */
 #define HBIL_UNSEEN_SCALE 4.0f
 /* A part of the pixels, of HBIL_ESTIMATE_PARTS, that sends more than this many
- * times the typical light counts as so many: it has a few very bright ones. */
+ * times the typical light counts as so many: it has a few very bright ones.
+ * Each part samples the whole picture, so all parts send about the same where
+ * many pixels make the light. */
 #define HBIL_UNSEEN_SPIKE 4.0f
 
 /* A pixel whose direct light is more than what the open directions can get from
