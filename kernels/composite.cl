@@ -23,6 +23,7 @@
  */
 #include "lib/depth.clh"
 #include "lib/sanitize.clh"
+#include "lib/sky_light.clh"
 #include "lib/unseen_light.clh"
 
 #if !defined(FAR) || FAR < 0 || FAR > 3
@@ -33,6 +34,9 @@
 #endif
 #if OUT_ERROR && (!defined(ERROR_PLANE) || ERROR_PLANE < 1)
 #error ERROR_PLANE must be the first plane behind the light
+#endif
+#if !defined(UNKNOWN_PLANE) || (UNKNOWN_PLANE && !OUT_UNKNOWN)
+#error UNKNOWN_PLANE must be 0 without OUT_UNKNOWN
 #endif
 #if !defined(GATHER_RADIANCE) || GATHER_RADIANCE < 0 || GATHER_RADIANCE > 1
 #error GATHER_RADIANCE must be 0..1
@@ -78,6 +82,7 @@ STORER(cone_cosine, CONE_TYPE, CONE_STRIDE)
 STORER(indirect, INDIRECT_TYPE, INDIRECT_STRIDE)
 STORER(beauty, BEAUTY_TYPE, BEAUTY_STRIDE)
 STORER(error_estimate, ERROR_TYPE, ERROR_STRIDE)
+STORER(unknown, UNKNOWN_TYPE, UNKNOWN_STRIDE)
 
 #define INV_PI 0.318309886f
 #define PI 3.14159265f
@@ -95,7 +100,8 @@ enum {
   PENDING_AO = 0,
   PENDING_CONE = PENDING_AO + OUT_AO,
   PENDING_ERROR = PENDING_CONE + OUT_CONE,
-  PENDING_BENT = PENDING_ERROR + 2 * OUT_ERROR,
+  PENDING_UNKNOWN = PENDING_ERROR + 2 * OUT_ERROR,
+  PENDING_BENT = PENDING_UNKNOWN + OUT_UNKNOWN,
   PENDING_NEAR = PENDING_BENT + 3 * OUT_BENT,
   PENDING_FAR = PENDING_NEAR + 3 * OUT_NEAR,
   PENDING_INDIRECT = PENDING_FAR + 3 * OUT_FAR,
@@ -136,46 +142,71 @@ INLINE realv sh_light(const hbil_sh_args e, const realv *d, const realv *k) {
              (realv)0.0f);
 }
 
-/*
- * The share of the hemisphere that neither the screen blocks nor the sky
- * lights.  It is used if the direct light contains a sky of radiance
- * environment[0].  A pixel with direct light D (as a radiance) sees at most the
- * share D / sky of that sky, with the largest quotient of the three channels,
- * because renderers write no light where the albedo is 0.  The screen leaves
- * the share AO open.  Of this, at least dark = max(0, AO - D / sky) ends on
- * something unseen, or on a darker part of the sky.  An open direction is
- * assumed to be blocked with the probability dark / AO.  So all of AO is
- * blocked where the sky lights nothing, and the variation of the sky has an
- * effect in second order only.  The share is AO if no sky is given.
- */
-INLINE realv unlit_share(const hbil_composite_args args, realv ao,
-                         global const void *buffer, int x, int y, int count) {
-  realv lit = 0.0f;
+#if FAR == 3
+/* Direct light of the pixels from (x, y) on, over that of a whole hemisphere of
+ * sky: the largest quotient of the three channels, because renderers write no
+ * light where the albedo is 0. */
+INLINE realv sky_light_at(const hbil_composite_args args,
+                          global const void *direct, int x, int y) {
+  realv largest = 0.0f;
 #if HAS_DIRECT
   const hbil_environment_args e = args.environment;
+  const int count = args.view.width - x;
   intv usable = TRUE_LANES;
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     if (e.channel[c].sh[0] > 0.0f)
-      lit = max(lit, INV_PI / e.channel[c].sh[0] *
-                         usable_light(args.direct_scale *
-                                          load_direct(buffer, args.direct, x, y,
-                                                      c, count),
-                                      &usable));
+      largest = max(
+          largest,
+          INV_PI / e.channel[c].sh[0] *
+              usable_light(args.direct_scale *
+                               load_direct(direct, args.direct, x, y, c, count),
+                           &usable));
 #endif
-  const realv dark = max(1.0f - lit / max(ao, (realv)1e-6f), (realv)0.0f);
-  return ao * dark * dark;
+  return largest;
 }
 
+/* Depth of the pixels from (x, y) on; 0 at the sky and outside the picture. */
+INLINE realv depth_of_pixels(const hbil_composite_args args,
+                             global const void *depth, int x, int y) {
+  return planar_depth(
+      stored_depth(depth, args.depth, args.decode, x, y, args.view.width - x),
+      ray_x(args.view, x, 1), ray_y(args.view, y), args.decode);
+}
+
+/* sky_light_at(), as the mean over the pixel and its neighbours above, below
+ * and to the right, as far as they are at its depth: direct light of few
+ * samples is noisy.  0 if no sky is given. */
+INLINE realv mean_sky_light(const hbil_composite_args args, const inputs *in,
+                            global const void *depth, realv z, int x, int y) {
+  const hbil_environment_args e = args.environment;
+  if (!(e.channel[0].sh[0] + e.channel[1].sh[0] + e.channel[2].sh[0] > 0.0f))
+    return 0.0f;
+  realv sum = sky_light_at(args, in->direct, x, y), count = 1.0f;
+  for (int i = 0; i < 3; ++i) {
+    const int nx = x + (i == 2);
+    const int ny = clamp(y + (i == 0) - (i == 1), 0, args.view.height - 1);
+    const realv off =
+        (depth_of_pixels(args, depth, nx, ny) - z) / (HBIL_PLANE_TOLERANCE * z);
+    const realv share = max(fma(-off, off, (realv)1.0f), (realv)0.0f);
+    sum = fma(share, sky_light_at(args, in->direct, nx, ny), sum);
+    count += share;
+  }
+  return select((realv)0.0f, sum / count, z > 0.0f);
+}
+#endif
+
 /* Far irradiance of the three channels, and the radiance that shows where there
- * is no surface.  near_light: E_near.  axis, bent: the bent normal in world and
+ * is no surface.  unlit: the share of the hemisphere, of `ao`, whose radiance
+ * is estimated.  near_light: E_near.  axis, bent: the bent normal in world and
  * view space; (rx, ry, 1): the ray. */
 INLINE void far_light(const hbil_composite_args args,
-                      global const float *estimate, const inputs *in, realv ao,
-                      realv t, realv t2, const realv near_light[3],
-                      const realv bent[3], const realv axis[3], realv rx,
-                      float ry, int x, int y, int count, realv light[3],
-                      realv behind[3]) {
+                      global const float *estimate, const inputs *in,
+                      global const void *depth, realv z, realv ao, realv t,
+                      realv t2, const realv near_light[3], const realv bent[3],
+                      const realv axis[3], realv rx, float ry, int x, int y,
+                      realv light[3], realv behind[3], realv *unlit) {
+  *unlit = 0.0f;
 #if FAR == 1 || FAR == 2
   /* not indexed as an argument: see rotate_direction() */
   const hbil_sh_args far[3] = {args.environment.channel[0],
@@ -196,7 +227,8 @@ INLINE void far_light(const hbil_composite_args args,
 #elif FAR == 3
   realv frame[3];
   frame_light(estimate, bent[0], bent[1], bent[2], frame);
-  const realv unlit = unlit_share(args, ao, in->direct, x, y, count);
+  *unlit = unlit_share(estimate, mean_sky_light(args, in, depth, z, x, y), ao,
+                       args.sky_share);
 #endif
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
@@ -209,7 +241,8 @@ INLINE void far_light(const hbil_composite_args args,
     light[c] = sh_light(far[c], axis, aperture);
 #elif FAR == 3
     light[c] =
-        PI * unlit * unseen_light(frame[c], near_light[c] * INV_PI, 1.0f - ao);
+        PI * *unlit *
+        unseen_light(estimate, c, frame[c], near_light[c] * INV_PI, 1.0f - ao);
 #endif
   }
 }
@@ -333,7 +366,7 @@ INLINE void compose(const hbil_composite_args args,
     for (int c = 0; c < 3; ++c)
       pending[PENDING_BENT + c][part] = BENT_IS_WORLD ? axis[c] : bent[c];
   }
-  realv near_light[3] = {0.0f, 0.0f, 0.0f}, far[3], behind[3];
+  realv near_light[3] = {0.0f, 0.0f, 0.0f}, far[3], behind[3], unlit;
   if (GATHER_RADIANCE) {
 #pragma unroll
     for (int c = 0; c < 3; ++c) {
@@ -343,8 +376,17 @@ INLINE void compose(const hbil_composite_args args,
       near_light[c] = select(near_light[c], (realv)0.0f, near_light[c] < 0.0f);
     }
   }
-  far_light(args, estimate, in, ao, t, t2, near_light, bent, axis, rx, ry, x, y,
-            count, far, behind);
+  far_light(args, estimate, in, depth_buffer, z, ao, t, t2, near_light, bent,
+            axis, rx, ry, x, y, far, behind, &unlit);
+#if OUT_UNKNOWN
+  realv unknown = unlit;
+#if UNKNOWN_PLANE
+  unknown += READV(at + UNKNOWN_PLANE * plane);
+#endif
+  /* both shares are rounded, and a packed one is dithered */
+  pending[PENDING_UNKNOWN][part] =
+      select((realv)0.0f, min(unknown, (realv)1.0f), solid);
+#endif
   intv usable[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
                                       TRUE_LANES};
 #pragma unroll
@@ -375,7 +417,7 @@ kernel void composite(const hbil_composite_args args,
                       global void *far_irradiance, global void *ao,
                       global void *bent_normal, global void *cone_cosine,
                       global void *indirect, global void *beauty,
-                      global void *error_estimate,
+                      global void *error_estimate, global void *unknown,
                       volatile global uint *sanitized) {
   const int x0 = (int)get_global_id(0) * (PARTS * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
@@ -391,6 +433,7 @@ kernel void composite(const hbil_composite_args args,
   STORE_CHANNELS(ao, OUT_AO, PENDING_AO)
   STORE_CHANNELS(cone_cosine, OUT_CONE, PENDING_CONE)
   STORE_CHANNELS(error_estimate, 2 * OUT_ERROR, PENDING_ERROR)
+  STORE_CHANNELS(unknown, OUT_UNKNOWN, PENDING_UNKNOWN)
   STORE_CHANNELS(bent_normal, 3 * OUT_BENT, PENDING_BENT)
   STORE_CHANNELS(near_irradiance, 3 * OUT_NEAR, PENDING_NEAR)
   STORE_CHANNELS(far_irradiance, 3 * OUT_FAR, PENDING_FAR)

@@ -1,23 +1,126 @@
 /*
- * estimate: the light of surfaces that the screen doesn't show.
+ * estimate: the light of surfaces that the screen doesn't show, guessed from
+ * those that it shows, after all bounces at once (doc/method.md, section 11).
  *
  * The guess is what the visible surfaces send on average: for a receiver of
  * normal n, a mean over the visible pixels, each weighted by how much it faces
  * the receiver.  With c = -n_i.n the weight is the clamped cosine convolved
- * with itself, to order 2: 1 + 4/3 c + 5/16 P2(c).  frame_light() adds a
- * twentieth, which makes it positive everywhere.  So 4 x 9 numbers are enough:
- * sums of (sqrt L, 1) times the order-2 polynomials of -n_i.
+ * with itself, to order 2: 1 + 4/3 c + 5/16 P2(c), plus HBIL_UNSEEN_EVEN.  So
+ * 4 x 9 numbers are enough: sums of (L, 1) times the order-2 polynomials of
+ * -n_i.
  *
- * The mean is that of sqrt(L), squared, so that a few very bright pixels (those
- * near a lamp) don't light everything that is unseen.  It is never above the
- * arithmetic mean, so feeding it back loses energy at every bounce.
+ * L is the radiance of the first bounce, of direct light and emission alone.
+ * With the mean reflectance, the mean share s of the hemisphere whose light is
+ * shown and the share u whose light is guessed, the radiance after all bounces
+ * is L / (1 - reflectance (s + unseen_light u)), in closed form.  So the guess
+ * does not depend on how many frames there were before, and can't grow.
  *
- * Every fourth pixel in x and y (layer 0) is enough.
- * In: split planes.  Out: estimate[4][9]: red, green, blue, weight; behind it
- * the HBIL_ESTIMATE_PARTS partial sums that it is the sum of.
+ * In: split planes, gathered light, the caller's planes.  Out: the values of
+ * HBIL_FILL_*, which unseen_light.clh and sky_light.clh read.
  */
 #include "lib/camera.clh"
+#include "lib/external_planes.clh"
+#include "lib/gathered_planes.clh"
+#include "lib/interleave.clh"
+#include "lib/sanitize.clh"
+#include "lib/sky_light.clh"
 #include "lib/split_planes.clh"
+
+#if !defined(GATHER_EMISSION) || GATHER_EMISSION < 0 || GATHER_EMISSION > 1
+#error GATHER_EMISSION must be 0..1
+#endif
+
+LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
+LOADER(f0, F0_TYPE, F0_STRIDE)
+LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
+LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
+
+#define INV_PI 0.318309886f
+#define PI 3.14159265f
+
+/* Pixels of a layer's row: every fourth one from column `column` of the
+ * picture's pixels from (x, y) on. */
+typedef struct row_place {
+  int x, y, column, width;
+} row_place;
+
+/* column_NAME(): a channel of such pixels; those outside the picture have any
+ * value.  GPUs load them one by one. */
+#if HBIL_WIDTH == 1
+#define COLUMN(name)                                                           \
+  INLINE realv column_##name(global const void *buffer,                        \
+                             const hbil_external_plane_args plane,             \
+                             row_place at, int c) {                            \
+    const int x = at.x + at.column;                                            \
+    return load_##name(buffer, plane, x, at.y, c, at.width - x);               \
+  }
+#else
+#define COLUMN(name)                                                           \
+  INLINE realv column_##name(global const void *buffer,                        \
+                             const hbil_external_plane_args plane,             \
+                             row_place at, int c) {                            \
+    realv quad[4], columns[4];                                                 \
+    for (int i = 0; i < 4; ++i) {                                              \
+      const int x = at.x + i * HBIL_WIDTH;                                     \
+      quad[i] = load_##name(buffer, plane, x, at.y, c, at.width - x);          \
+    }                                                                          \
+    DEINTERLEAVE(quad, columns);                                               \
+    return columns[at.column];                                                 \
+  }
+#endif
+#if HAS_ALBEDO
+COLUMN(albedo)
+#endif
+#if HAS_F0
+COLUMN(f0)
+#endif
+#if HAS_DIRECT
+COLUMN(direct)
+#endif
+#if HAS_EMISSION && GATHER_EMISSION
+COLUMN(emission)
+#endif
+
+/* The caller's planes. */
+typedef struct inputs {
+  global const void *albedo, *f0, *direct, *emission;
+} inputs;
+
+/* Diffuse reflectance, radiance of the first bounce, and direct light over that
+ * of a whole hemisphere of sky (0 without one), the largest quotient of the
+ * three channels. */
+INLINE void surface_light(const hbil_estimate_args args, const inputs *in,
+                          row_place at, realv reflectance[3], realv sent[3],
+                          realv *sky_light) {
+  intv usable = TRUE_LANES;
+  const float sky[3] = {args.sky[0], args.sky[1], args.sky[2]};
+  *sky_light = 0.0f;
+#pragma unroll
+  for (int c = 0; c < 3; ++c) {
+    realv share = 1.0f, irradiance = 0.0f;
+#if HAS_ALBEDO
+    share = usable_reflectance(column_albedo(in->albedo, args.albedo, at, c),
+                               &usable);
+#endif
+#if HAS_F0
+    share *=
+        1.0f - usable_reflectance(column_f0(in->f0, args.f0, at, c), &usable);
+#endif
+#if HAS_DIRECT
+    irradiance = usable_light(args.direct_scale *
+                                  column_direct(in->direct, args.direct, at, c),
+                              &usable);
+#endif
+    reflectance[c] = share;
+    sent[c] = INV_PI * share * irradiance;
+#if HAS_EMISSION && GATHER_EMISSION
+    sent[c] += usable_light(column_emission(in->emission, args.emission, at, c),
+                            &usable);
+#endif
+    if (sky[c] > 0.0f)
+      *sky_light = max(*sky_light, INV_PI / sky[c] * irradiance);
+  }
+}
 
 /* The polynomials of the real basis in order (0,0) (1,-1..1) (2,-2..2). */
 INLINE void polynomials(realv x, realv y, realv z, realv *p) {
@@ -32,50 +135,169 @@ INLINE void polynomials(realv x, realv y, realv z, realv *p) {
   p[8] = x * x - y * y;
 }
 
-/* Launch: x = HBIL_ESTIMATE_PARTS work-items; each takes every
- * HBIL_ESTIMATE_PARTS-th row. */
-kernel void estimate_part(const hbil_estimate_args args,
-                          global const float *split, global float *estimate) {
-  const hbil_layer_args in = args.split;
-  const int part = (int)get_global_id(0);
-  if (part >= HBIL_ESTIMATE_PARTS || get_global_id(1) > 0)
+#define ADD(to, value) sum[to] += select((realv)0.0f, value, solid)
+
+/* Adds a vector of a layer's pixels. */
+INLINE void add_pixels(const hbil_estimate_args args, const inputs *in,
+                       global const float *split, global const float *light,
+                       row_place at, realv *sum) {
+  const intv solid = LOADV(split) > SKY;
+  if (!ANY(solid))
     return;
-  realv sum[HBIL_ESTIMATE_SIZE];
-  for (int i = 0; i < HBIL_ESTIMATE_SIZE; ++i)
-    sum[i] = 0.0f;
-  for (int y = part; y < in.height; y += HBIL_ESTIMATE_PARTS) {
-    for (int x = 0; x < in.width; x += HBIL_WIDTH) {
-      global const float *here = split + in.origin + (uint)y * in.row + (uint)x;
-      const realv w = LOADV(here);
-      const intv solid = w > SKY;
-      if (!ANY(solid))
-        continue;
-      realv n[3], radiance[3], p[9];
-      split_normal(here, in.plane, n);
-      split_radiance(here, in.plane, radiance);
-      polynomials(-n[0], -n[1], -n[2], p);
-      for (int c = 0; c < 4; ++c) {
-        const realv light = c < 3 ? sqrt(radiance[c]) : 1.0f;
-        for (int k = 0; k < 9; ++k)
-          sum[9 * c + k] += select((realv)0.0f, light * p[k], solid);
-      }
-    }
+  realv n[3], reflectance[3], sent[3], p[9], sky_light;
+  realv gathered[HBIL_GATHERED_PLANES];
+  split_normal(split, args.split.plane, n);
+  gathered_light(light, args.light.plane, gathered);
+  surface_light(args, in, at, reflectance, sent, &sky_light);
+  polynomials(-n[0], -n[1], -n[2], p);
+#pragma unroll
+  for (int k = 0; k < 9; ++k) {
+    ADD(HBIL_SUM_LIGHT + k, sent[0] * p[k]);
+    ADD(HBIL_SUM_LIGHT + 9 + k, sent[1] * p[k]);
+    ADD(HBIL_SUM_LIGHT + 18 + k, sent[2] * p[k]);
+    ADD(HBIL_SUM_WEIGHT + k, p[k]);
   }
-  for (int i = 0; i < HBIL_ESTIMATE_SIZE; ++i)
-    estimate[(part + 1) * HBIL_ESTIMATE_SIZE + i] = lanes_sum(sum[i]);
+#pragma unroll
+  for (int c = 0; c < 3; ++c) {
+    ADD(HBIL_SUM_REFLECTANCE + c, reflectance[c]);
+    /* a sum of differences of angles may round to just below 0 */
+    ADD(HBIL_SUM_NEAR + c, max(gathered[HBIL_LIGHT_RED + c], (realv)0.0f));
+  }
+  const realv ao = gathered[HBIL_LIGHT_AO];
+  realv lit;
+  const realv unlit = unlit_part(sky_light, ao, &lit);
+  const realv dark = ao - lit * ao;
+  ADD(HBIL_SUM_OPEN, ao);
+#if FALLBACK_FRAME_MEAN
+  ADD(HBIL_SUM_BEHIND, gathered[HBIL_LIGHT_UNKNOWN]);
+#endif
+  ADD(HBIL_SUM_DARK, dark);
+  ADD(HBIL_SUM_DARK + 1, dark * unlit);
+  ADD(HBIL_SUM_DARK + 2, dark * unlit * unlit);
+  ADD(HBIL_SUM_LIT, lit);
+  ADD(HBIL_SUM_LIT_OPEN, lit * ao);
 }
 
-/* Launch: x = HBIL_ESTIMATE_SIZE work-items.  The order of the sum is fixed. */
+/* Launch: x = HBIL_ESTIMATE_PARTS work-items. */
+kernel void estimate_part(const hbil_estimate_args args,
+                          global const float *split, global const float *light,
+                          global const void *albedo, global const void *f0,
+                          global const void *direct,
+                          global const void *emission, global float *estimate) {
+  const hbil_layer_args in = args.split;
+  const int part = (int)get_global_id(0), layer = part % HBIL_LAYERS;
+  if (part >= HBIL_ESTIMATE_PARTS || get_global_id(1) > 0)
+    return;
+  const inputs planes = {albedo, f0, direct, emission};
+  realv sum[HBIL_ESTIMATE_SUMS];
+  for (int i = 0; i < HBIL_ESTIMATE_SUMS; ++i)
+    sum[i] = 0.0f;
+  for (int y = hbil_estimate_row(part); y < in.height; y += 4)
+    for (int x = 0; x < in.width; x += HBIL_WIDTH) {
+      const row_place at = {4 * x, 4 * y + layer / 4, layer % 4, args.width};
+      /* what lies right of the picture is sky */
+      if (at.y < args.height && at.x < args.width &&
+          hbil_estimate_uses(layer, x / HBIL_ESTIMATE_BLOCK, y))
+        add_pixels(args, &planes,
+                   split + (uint)layer * in.layer + in.origin +
+                       (uint)y * in.row + (uint)x,
+                   light + (uint)layer * args.light.layer + args.light.origin +
+                       (uint)y * args.light.row + (uint)x,
+                   at, sum);
+    }
+  estimate += HBIL_FILL_SIZE + (part + 1) * HBIL_ESTIMATE_SUMS;
+  for (int i = 0; i < HBIL_ESTIMATE_SUMS; ++i)
+    estimate[i] = lanes_sum(sum[i]);
+}
+
+/* --- the sums of all parts ------------------------------------------------ */
+
+/* Radiance of a part's surfaces, added up. */
+INLINE float radiance_of_part(global const float *part) {
+  return part[HBIL_SUM_LIGHT] + part[HBIL_SUM_LIGHT + 9] +
+         part[HBIL_SUM_LIGHT + 18];
+}
+
+/* Radiance of typical parts: the mean of eighth roots, to the eighth, on which
+ * a part of a million times the others has little effect. */
+INLINE float typical_radiance(global const float *parts) {
+  float roots = 0.0f, surfaces = 0.0f;
+  for (int i = 0; i < HBIL_ESTIMATE_PARTS; ++i) {
+    global const float *part = parts + i * HBIL_ESTIMATE_SUMS;
+    const float weight = part[HBIL_SUM_WEIGHT];
+    roots +=
+        weight * sqrt(sqrt(sqrt(radiance_of_part(part) / max(weight, 1.0f))));
+    surfaces += weight;
+  }
+  float typical = roots / max(surfaces, 1.0f);
+  for (int i = 0; i < 3; ++i)
+    typical *= typical;
+  return typical;
+}
+
+/* Launch: x = HBIL_ESTIMATE_SUMS work-items.  The order of the sum is fixed. */
 kernel void estimate_sum(global float *estimate) {
   const int i = (int)get_global_id(0);
-  if (i >= HBIL_ESTIMATE_SIZE || get_global_id(1) > 0)
+  if (i >= HBIL_ESTIMATE_SUMS || get_global_id(1) > 0)
     return;
+  global float *sums = estimate + HBIL_FILL_SIZE;
+  global const float *parts = sums + HBIL_ESTIMATE_SUMS;
+  const float most = HBIL_UNSEEN_SPIKE * typical_radiance(parts);
+  float sum = 0.0f;
+  for (int p = 0; p < HBIL_ESTIMATE_PARTS; ++p) {
+    global const float *part = parts + p * HBIL_ESTIMATE_SUMS;
+    const float limit = most * part[HBIL_SUM_WEIGHT];
+    const float radiance = radiance_of_part(part);
+    const bool is_spike = i < HBIL_SUM_WEIGHT && radiance > limit;
+    sum += is_spike ? part[i] * (limit / radiance) : part[i];
+  }
+  sums[i] = sum;
+}
+
+/* Launch: one work-item. */
+kernel void estimate_fill(const hbil_estimate_args args,
+                          global float *estimate) {
+  if (get_global_id(0) > 0 || get_global_id(1) > 0)
+    return;
+  global const float *sum = estimate + HBIL_FILL_SIZE;
   /* the constants of the basis functions times the weight's coefficients */
   const float factor[9] = {1.0f,        1.33333333f, 1.33333333f,
                            1.33333333f, 0.9375f,     0.9375f,
                            0.078125f,   0.9375f,     0.234375f};
-  float sum = 0.0f;
-  for (int part = 0; part < HBIL_ESTIMATE_PARTS; ++part)
-    sum += estimate[(part + 1) * HBIL_ESTIMATE_SIZE + i];
-  estimate[i] = factor[i % 9] * sum;
+  const float surfaces = sum[HBIL_SUM_WEIGHT];
+  const float inv = surfaces > 0.0f ? 1.0f / surfaces : 0.0f;
+  const float open = sum[HBIL_SUM_OPEN], behind = sum[HBIL_SUM_BEHIND];
+  const float shown = max(1.0f - inv * (open + behind), 0.0f);
+  const float sun = clamp((inv * sum[HBIL_SUM_LIT] - HBIL_SUN_NONE) /
+                              (HBIL_SUN_FULL - HBIL_SUN_NONE),
+                          0.0f, 1.0f);
+  const float unlit = sum[HBIL_SUM_DARK + 1] /
+                      max(sum[HBIL_SUM_DARK] + HBIL_DARK_PRIOR * open, FLT_MIN);
+  const float guessed =
+      inv *
+      (behind + (1.0f - args.sky_share) *
+                    (sun * sum[HBIL_SUM_DARK + 1] +
+                     (1.0f - sun) * sum[HBIL_SUM_DARK + 2] +
+                     sum[HBIL_SUM_LIT_OPEN] * unlit * mix(unlit, 1.0f, sun)));
+  for (int c = 0; c < 3; ++c) {
+    const float reflectance = inv * sum[HBIL_SUM_REFLECTANCE + c];
+    const float gain = min(reflectance * (shown + args.unseen_light * guessed),
+                           HBIL_UNSEEN_GAIN);
+    const float bounces = 1.0f / (1.0f - gain);
+    const float near_mean = inv * INV_PI * sum[HBIL_SUM_NEAR + c];
+    const float near_all = shown * bounces * inv * sum[HBIL_SUM_LIGHT + 9 * c];
+    /* near light that contains guessed light has all bounces of that already */
+    estimate[HBIL_FILL_NEAR_SCALE + c] =
+        FALLBACK_FRAME_MEAN
+            ? 1.0f
+            : min(near_all / max(near_mean, FLT_MIN), HBIL_UNSEEN_SCALE);
+    for (int k = 0; k < 9; ++k)
+      estimate[HBIL_FILL_LIGHT + 9 * c + k] = args.unseen_light * bounces *
+                                              factor[k] *
+                                              sum[HBIL_SUM_LIGHT + 9 * c + k];
+  }
+  for (int k = 0; k < 9; ++k)
+    estimate[HBIL_FILL_WEIGHT + k] = factor[k] * sum[HBIL_SUM_WEIGHT + k];
+  estimate[HBIL_FILL_UNLIT] = unlit;
+  estimate[HBIL_FILL_SUN] = sun;
 }

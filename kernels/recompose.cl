@@ -17,7 +17,8 @@
  *
  * The spread of the neighbours' light tells how far their mean may be off
  * (hbil_config.error_estimate).  ERROR_PLANE is the plane where the errors
- * begin.
+ * begin.  UNKNOWN_PLANE is the plane of the share that back-facing samples
+ * block, or 0 if no output has it.
  *
  * Launch: x = groups of 4 pixels of a row, y = rows.  If HBIL_WIDTH is more
  * than 1: x = groups of 4*SPAN pixels, y = HBIL_RECOMPOSE_ROWS rows.
@@ -41,6 +42,9 @@
 #endif
 #if OUT_ERROR && (!defined(ERROR_PLANE) || ERROR_PLANE < 1)
 #error ERROR_PLANE must be the first plane behind the light
+#endif
+#if !defined(UNKNOWN_PLANE) || (UNKNOWN_PLANE && !FALLBACK_FRAME_MEAN)
+#error UNKNOWN_PLANE must be 0 without FALLBACK_FRAME_MEAN
 #endif
 
 #define PI 3.14159265f
@@ -212,7 +216,8 @@ INLINE void fill_unknown(sums *s, global const float *estimate) {
   for (int c = 0; c < 3; ++c) {
     const realv shown = s->plane[HBIL_LIGHT_RED + c];
     s->plane[HBIL_LIGHT_RED + c] =
-        fma(PI * unknown, unseen_light(frame[c], shown * INV_PI, share), shown);
+        fma(PI * unknown,
+            unseen_light(estimate, c, frame[c], shown * INV_PI, share), shown);
   }
 }
 #endif
@@ -254,6 +259,9 @@ INLINE void finish(sums *s, global const float *estimate) {
 #define CLEAR_PLANE(p)                                                         \
   s->plane[p] = select(s->plane[p], (realv)((p) == HBIL_LIGHT_AO), sky);
   EACH_RESOLVED(CLEAR_PLANE)
+#if UNKNOWN_PLANE
+  CLEAR_PLANE(HBIL_LIGHT_UNKNOWN)
+#endif
 }
 
 /* do_this(i, j, share) for the neighbours that the filter reads. */
@@ -350,6 +358,9 @@ INLINE void resolve(const hbil_view_args view, const hbil_layer_args in,
 #if GATHER_RADIANCE
   store_columns(near_irradiance, to + (ERROR_PLANE + 1) * out.plane);
 #endif
+#endif
+#if UNKNOWN_PLANE
+  store_plane(value, HBIL_LIGHT_UNKNOWN, to + UNKNOWN_PLANE * out.plane);
 #endif
 #define STORE_PLANE(p) store_plane(value, p, to + (p)*out.plane);
   EACH_RESOLVED(STORE_PLANE)

@@ -104,7 +104,8 @@ enum {
   HBIL_LIGHT_RED = 1,  /* 2: green, 3: blue: E_near */
   HBIL_LIGHT_BENT = 4, /* x, 5: y, 6: z */
   HBIL_LIGHT_PLANES = 7,
-  /* gathered only: share of the hemisphere whose light is unknown */
+  /* share of the hemisphere that surfaces facing away block, whose light is
+   * unknown; resolved: behind the other planes, only if it is an output */
   HBIL_LIGHT_UNKNOWN = 7,
   /* gathered with a single slice only, behind all other planes: how much of the
    * hemisphere the slice stands for, 1 on average */
@@ -150,13 +151,6 @@ enum {
   HBIL_TEMPORAL_FRAMES = 2,
   HBIL_TEMPORAL_LIGHT = 3
 };
-
-/* Weight of the frame's mean radiance, in hemispheres, relative to what a pixel
- * sees itself (lib/unseen_light.clh).  Chosen on the public dumps.  Local light
- * is the better guess where a pixel sees much, and the frame's where it sees
- * little. */
-#define HBIL_UNSEEN_PRIOR 0.45f
-enum { HBIL_ESTIMATE_SIZE = 36, HBIL_ESTIMATE_PARTS = 64 };
 
 /* --- what several passes take --------------------------------------------- */
 
@@ -379,11 +373,6 @@ typedef struct hbil_bound_quadrants_args {
 } hbil_bound_quadrants_args;
 HBIL_ASSERT_LAYOUT(hbil_bound_quadrants_args, is_static, 13, 14)
 
-typedef struct hbil_estimate_args {
-  hbil_layer_args split;
-} hbil_estimate_args;
-HBIL_ASSERT_LAYOUT(hbil_estimate_args, split, 0, 7)
-
 /* What the sampling pattern depends on. */
 typedef struct hbil_pattern_args {
   hbil_int slices, steps, levels;
@@ -486,9 +475,11 @@ typedef struct hbil_composite_args {
   hbil_external_plane_args depth, albedo, f0, direct, emission;
   hbil_external_plane_args near_irradiance, far_irradiance, ao, bent_normal;
   hbil_external_plane_args cone_cosine, indirect, beauty, error_estimate;
+  hbil_external_plane_args unknown;
   hbil_depth_args decode;
   hbil_float direct_scale; /* as in hbil_config */
+  hbil_float sky_share;    /* as in hbil_frame */
 } hbil_composite_args;
-HBIL_ASSERT_LAYOUT(hbil_composite_args, direct_scale, 105, 106)
+HBIL_ASSERT_LAYOUT(hbil_composite_args, sky_share, 110, 111)
 
 #endif

@@ -206,11 +206,11 @@ HBIL_API hbil_status hbil_plan_create(hbil_context *context,
  * that event, or is in the same in-order queue.  A frame's planes must not lie
  * in it.
  *
- * If anyone has written there since the last frame, hbil_frame.static_frame must
- * be CL_FALSE, and the stages SPLIT, GATHERED, CARRIED and RESOLVED no longer
- * hold that frame (hbil_plan_buffer()).  The history is in the plan's own
- * memory.  Such a plan's frames clear the padding of their layers first, which
- * other plans do once, when they are created. */
+ * If anyone has written there since the last frame, hbil_frame.static_frame
+ * must be CL_FALSE, and the stages SPLIT, GATHERED, CARRIED and RESOLVED no
+ * longer hold that frame (hbil_plan_buffer()).  The history is in the plan's
+ * own memory.  Such a plan's frames clear the padding of their layers first,
+ * which other plans do once, when they are created. */
 HBIL_API hbil_status hbil_plan_create_in(hbil_context *context,
                                          const hbil_config *config,
                                          cl_mem scratch, hbil_plan **out);

@@ -160,8 +160,10 @@ typedef struct hbil_inputs {
    * this is not used.  -1e6..1e6, not 0; default 1 */
   float depth_scale;
   /* Normals are x, y and z of `normal`, decoded, times these, in the space
-   * normal_space.  They turn axes round: 1, -1, -1 is for OpenGL's view space
-   * (y up, z backward), and 1, -1, 1 for Direct3D's (y up, z forward).
+   * normal_space.  They turn axes round.  If the first row of the planes is the
+   * top one, 1, -1, -1 is for OpenGL's view space (y up, z backward), and 1, -1,
+   * 1 for Direct3D's (y up, z forward).  If it is the lowest one
+   * (HBIL_MATRIX_Y_DOWN), y keeps its sign: 1, 1, -1 and 1, 1, 1.
    * -1e6..1e6, not 0; default 1, 1, 1 */
   float normal_scale[3];
 } hbil_inputs;
@@ -189,6 +191,16 @@ typedef struct hbil_outputs {
    * infinite thickness and are too small for any other (doc/method.md, section
    * 18).  The second is 0 if no E_near is computed. */
   hbil_plane_format error_estimate;
+  /* 1 channel: the share of the hemisphere, cosine weighted, whose light is a
+   * guess because the screen does not show it; 0: all is known .. 1: all is
+   * guessed.  With HBIL_FAR_FRAME the open directions that get the frame's
+   * estimate count; with HBIL_FALLBACK_FRAME_MEAN, what surfaces facing away
+   * block (facing_fade).  The latter is that of this frame alone, not averaged
+   * by history.max_frames.  No other far field or fallback counts as a guess.
+   * In the rest of the hemisphere, light comes from surfaces that the screen
+   * shows, from the far field, or is known to be none (doc/method.md, section
+   * 11). */
+  hbil_plane_format unknown;
 
   hbil_space bent_normal_space; /* default VIEW */
 } hbil_outputs;
@@ -234,10 +246,13 @@ typedef enum hbil_far_field {
   HBIL_FAR_NONE = 0,     /* 0 */
   HBIL_FAR_CONSTANT = 1, /* the same from all directions */
   HBIL_FAR_SH = 2,       /* order-2 spherical harmonics, 9 coefficients */
-  /* An estimate for rooms that continue outside the picture: the mean of what
-   * the frame's own surfaces send towards the bent normal.  If `direct`
-   * contains a sky, environment[0] tells its radiance, and only directions that
-   * the sky does not light get the estimate (doc/method.md, section 11). */
+  /* An estimate for places that continue outside the picture: unseen_light
+   * times the mean of what the frame's own surfaces send towards the bent
+   * normal, after all bounces, so it is the same in a first frame as later.  If
+   * `direct` contains a sky, environment[0] tells its radiance, and only
+   * directions that the sky does not light get the estimate.  If the picture
+   * does not show that sky, use hbil_frame.sky_share (doc/method.md, section
+   * 11). */
   HBIL_FAR_FRAME = 3
 } hbil_far_field;
 
@@ -275,6 +290,12 @@ typedef struct hbil_model {
   cl_bool gather_emission;
   hbil_feedback feedback;   /* model */
   hbil_far_field far_field; /* default NONE */
+  /* Where light is guessed from the frame's own surfaces (HBIL_FAR_FRAME,
+   * HBIL_FALLBACK_FRAME_MEAN): the radiance of surfaces that the picture
+   * doesn't show over that of those which it shows.  0..1; 1 is for places that
+   * are alike on all sides; default 0.8, chosen by its error on path-traced
+   * scenes (doc/measurements.md) */
+  float unseen_light;
 } hbil_model;
 
 /* Named models of light and occluders. */

@@ -116,13 +116,18 @@ typedef struct hbil_frame {
    * must have a buffer. */
   hbil_plane depth, normal, albedo, f0, direct, emission, motion;
   hbil_plane near_irradiance, far_irradiance, ao, bent_normal, cone_cosine,
-      indirect, beauty, error_estimate;
+      indirect, beauty, error_estimate, unknown;
   /* The far field, RGB radiance in world space.  HBIL_FAR_CONSTANT reads
    * environment[0].  HBIL_FAR_FRAME reads environment[0] as the radiance of a
    * sky that `direct` already contains, 0 if it contains none.  HBIL_FAR_SH
    * reads nine coefficients of the real orthonormal basis in the order
    *   (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2) */
   float environment[9][3];
+  /* HBIL_FAR_FRAME: the share of the directions which the screen leaves open
+   * that end in a sky that `direct` contains, if the picture shows too little
+   * of it to tell environment[0].  0..1: 0 in rooms, near 1 in the open.
+   * hbil_config_suggest() sets it. */
+  float sky_share;
   /* Rotates the sampling pattern.  Use the number of the frame with
    * history.max_frames, else one constant, which avoids flicker. */
   cl_uint frame_index;

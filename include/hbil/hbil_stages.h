@@ -72,9 +72,11 @@ extern "C" {
  *                       AO alone (packed GATHERED: 1)
  *   TEMPORAL_HISTORY    3 more than RESOLVED
  * The weight of a single slice comes on top, as do the 1 or 2 values of
- * error_estimate in RESOLVED.  HISTORY and CARRIED exist if light is carried
- * over: with a reprojection, and with near_irradiance, indirect or beauty among
- * the outputs (far_irradiance too with HBIL_FAR_FRAME).
+ * error_estimate in RESOLVED.  Last in RESOLVED is, for the output `unknown`,
+ * the share that GATHERED has, filtered, if GATHERED has it.  HISTORY and
+ * CARRIED exist if light is carried over: with a reprojection, and with
+ * near_irradiance, indirect or beauty among the outputs (far_irradiance too
+ * with HBIL_FAR_FRAME, and `unknown` where anything can be a guess).
  *
  * Value p of pixel (x,y) has this index in full-resolution stages:
  *   p * plane_pitch + y * row_pitch + x + origin

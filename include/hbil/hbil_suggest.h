@@ -52,24 +52,27 @@ typedef struct hbil_sources {
   hbil_source lamps; /* surfaces that emit */
 } hbil_sources;
 
-/* Chooses config->model.far_field, frame->environment[0] and
+/* Chooses config->model.far_field, frame->environment[0], frame->sky_share and
  * config->model.gather_emission by the planes of a sequence's first frame:
- *   sky               far_field            environment[0]
- *   not seen          HBIL_FAR_FRAME       0
- *   in direct         HBIL_FAR_FRAME       the sky's radiance
- *   not in direct     HBIL_FAR_CONSTANT    the sky's radiance
+ *   sky               far_field            environment[0]      sky_share
+ *   not seen          HBIL_FAR_FRAME       0                   0 .. 0.9
+ *   in direct         HBIL_FAR_FRAME       the sky's radiance  0
+ *   not in direct     HBIL_FAR_CONSTANT    the sky's radiance  0
  * gather_emission is CL_TRUE if there are lamps whose light `direct` does not
- * contain, else CL_FALSE.  Without a plane of normals they are taken from depth.
+ * contain, else CL_FALSE.  Without a plane of normals they are taken from
+ * depth.
  *
  * Unblocked directions end in the sky or on surfaces outside the picture.  For
- * those, the mean of the frame's own surfaces is a better guess than black.  In
- * the open it can be far too bright; use HBIL_FAR_NONE there if `direct`
- * contains the sky.  The sky counts as seen if more than 0.1 % of the pixels
- * show it.  Its radiance is the mean of the square roots, squared, so that the
- * sun's disc counts for little.  `direct` contains the sky if it exceeds 2 % of
- * this radiance, as that of a white surface, at 0.1 % of the pixels.  It
- * contains the lamps if it has at least half of the light that they would send
- * to the surfaces without obstacles.
+ * those, the mean of the frame's own surfaces is a better guess than black.
+ * sky_share tells a place in the open, whose shadows the sky lights, from a
+ * room, whose shadows are black: it is 0.9 if at most 5 % of the surfaces have
+ * less than a tenth of the typical direct light, and falls to 0 at 9 %.  The
+ * sky counts as seen if more than 0.1 % of the pixels show it.  Its radiance is
+ * the mean of the square roots, squared, so that the sun's disc counts for
+ * little.  `direct` contains the sky if it exceeds 2 % of this radiance, as
+ * that of a white surface, at 0.1 % of the pixels.  It contains the lamps if it
+ * has at least half of the light that they would send to the surfaces without
+ * obstacles.
  *
  * Of config, the function reads width, height, inputs and model.mode; formats
  * are not needed yet.  Of frame, it reads the camera

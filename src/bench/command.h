@@ -22,23 +22,27 @@ enum {
   BENCH_TAKES_ERRORS = 2,  /* --pixels */
   BENCH_TAKES_TRUTH = 4,   /* --truth */
   BENCH_TAKES_KERNELS = 8, /* --kernels */
-  BENCH_TAKES_REPORT = 16  /* --output, --name, --markdown, --json, --quick */
+  BENCH_TAKES_REPORT = 16, /* --output, --name, --markdown, --json */
+  BENCH_TAKES_ROOM = 32,   /* --size, --runs; with a report --quick, too */
+  BENCH_TAKES_FOLDERS = 64 /* FOLDER..., -- OPTIONS, --runs of the light */
 };
 
 typedef struct bench_options {
   const char *program;    /* argv[0], which starts this program again */
   uint32_t width, height; /* of the room in pixels; 0: the default */
-  const char **frames;    /* dumps to measure on; owned */
+  const char **frames;    /* dumps, or folders, to measure on; owned */
   unsigned frame_count;   /* 0: the procedural room */
-  const char *camera;     /* JSON of every dump's camera; NULL: beside each */
-  const char *truth;      /* path-traced indirect light of the dump, or NULL */
-  const char *device;     /* see bench_device_open() */
-  const char *output;     /* folder of the results */
-  const char *name;       /* of the result files and of the Markdown section */
-  const char *markdown;   /* file with a section to replace, or NULL */
+  char **process;         /* the words behind -- */
+  int process_count;
+  const char *camera;   /* JSON of every dump's camera; NULL: beside each */
+  const char *truth;    /* path-traced indirect light of the dump, or NULL */
+  const char *device;   /* see bench_device_open() */
+  const char *output;   /* folder of the results */
+  const char *name;     /* of the result files and of the Markdown section */
+  const char *markdown; /* file with a section to replace, or NULL */
   const char *kernels[BENCH_MAX_KERNELS]; /* folders; NULL: embedded kernels */
   unsigned kernel_count;
-  unsigned runs;   /* counted runs of every setting */
+  unsigned runs;   /* counted runs of every setting; of truth: of a frame */
   unsigned pixels; /* most pixels to measure errors at; 0: the default */
   int quick;       /* a short list and a small room */
   int json;        /* prints JSON in place of Markdown */
@@ -54,7 +58,7 @@ typedef struct bench_command {
 } bench_command;
 
 extern const bench_command bench_error, bench_skips, bench_scaling,
-    bench_temporal, bench_passes, bench_pilot, bench_formats;
+    bench_temporal, bench_passes, bench_pilot, bench_formats, bench_truth;
 
 /* Reads argv[1...], where argv[0] is the command's name.  Returns 1 when help
  * was asked for and printed.  The caller frees out->frames in every case. */

@@ -32,6 +32,7 @@ typedef struct bench_content {
   unsigned measured;       /* the frame whose errors are measured */
   hbil_config config;      /* size, conventions and far field; defaults else */
   float environment[9][3]; /* of that far field */
+  float sky_share;         /* as hbil_frame has it */
   float radius;            /* world units that suit HBAO */
   float *truth;            /* path-traced indirect light, RGB; or NULL */
   /* One byte a pixel: whether the sampling error is measured there.  Each of

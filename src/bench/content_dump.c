@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/colour.h"
 #include "bench/content.h"
 #include "dump/frame_camera.h"
 #include "dump/read_channel_map.h"
@@ -88,6 +89,7 @@ static int choose_far_field(const gbuffer *g, bench_content *out,
                       hbil_status_string(status));
   out->config.model.far_field = config.model.far_field;
   memcpy(out->environment, frame.environment, sizeof out->environment);
+  out->sky_share = frame.sky_share;
   return 0;
 }
 
@@ -142,35 +144,14 @@ static int load_frame(const bench_options *options, unsigned index,
 
 /* --- the truth --- */
 
-/* Whether a channel is Blender's diffuse indirect pass, in any view layer. */
-static int is_indirect(const char *channel, char component) {
-  static const char *const passes[] = {"DiffInd", "Diffuse Indirect"};
-  for (int i = 0; i < 2; i++) {
-    char tail[32];
-    const size_t part =
-        (size_t)snprintf(tail, sizeof tail, "%s.%c", passes[i], component);
-    const size_t whole = strlen(channel);
-    if (whole >= part && strcmp(channel + whole - part, tail) == 0 &&
-        (whole == part || channel[whole - part - 1] == '.'))
-      return 1;
-  }
-  return 0;
-}
-
 static int find_truth(const char *path, const image *header,
                       const bench_content *content, const char *names[3],
                       image_error *error) {
-  for (int c = 0; c < 3; c++) {
-    names[c] = NULL;
-    for (size_t i = 0; i < header->count && !names[c]; i++)
-      if (is_indirect(header->planes[i].name, "RGB"[c]))
-        names[c] = header->planes[i].name;
-    if (!names[c])
-      return image_fail(error,
-                        "%s: no indirect light; the channels DiffInd.{R,G,B} "
-                        "of Blender's diffuse indirect pass are needed",
-                        path);
-  }
+  if (!bench_colour_find(header, bench_indirect_pass, names))
+    return image_fail(error,
+                      "%s: no indirect light; the channels DiffInd.{R,G,B} "
+                      "of Blender's diffuse indirect pass are needed",
+                      path);
   if (header->width == content->width && header->height == content->height)
     return 0;
   return image_fail(error,

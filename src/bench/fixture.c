@@ -188,6 +188,7 @@ int bench_trial_run(const bench_trial *t, unsigned frame, unsigned frame_index,
   h.static_frame = is_static ? CL_TRUE : CL_FALSE;
   memcpy(h.hardware_depth, t->hardware_depth, sizeof h.hardware_depth);
   memcpy(h.environment, f->content->environment, sizeof h.environment);
+  h.sky_share = f->content->sky_share;
   for (int i = 0; i < BENCH_INPUTS; i++)
     if (reads(t, i))
       plane_at(&h, inputs[i].plane)->buffer =

@@ -273,6 +273,7 @@ const bench_command bench_formats = {
         "How far are results off if a plane is handed over in fewer bits than\n"
         "FLOAT32?  FRAME.exr is a captured frame; without any, it is the "
         "room.\n",
-    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_FRAMES | BENCH_TAKES_ERRORS,
+    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_FRAMES |
+               BENCH_TAKES_ERRORS,
     .runs = 1,
     .run = run};

@@ -29,6 +29,7 @@ static void fill_frame(const bench_content *content, bench_model model,
   frame->config = config;
   frame->camera = content->frame[content->measured].camera;
   memcpy(frame->environment, content->environment, sizeof frame->environment);
+  frame->sky_share = content->sky_share;
   use_input(content, BENCH_DEPTH, EXACT_DEPTH, &config->inputs.depth, frame);
   use_input(content, BENCH_NORMAL, EXACT_NORMAL, &config->inputs.normal, frame);
   use_input(content, BENCH_ALBEDO, EXACT_ALBEDO, &config->inputs.albedo, frame);

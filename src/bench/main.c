@@ -10,7 +10,7 @@
 
 static const bench_command *const commands[] = {
     &bench_error,  &bench_skips, &bench_scaling, &bench_temporal,
-    &bench_passes, &bench_pilot, &bench_formats};
+    &bench_passes, &bench_pilot, &bench_formats, &bench_truth};
 
 enum {
   COMMANDS = sizeof commands / sizeof *commands,
@@ -31,6 +31,7 @@ static void usage(void) {
   for (int i = 0; i < COMMANDS; i++)
     printf("  %-9s %s\n", commands[i]->name, commands[i]->about);
   puts("\n"
+       "  --truth    another spelling of truth\n"
        "  --help     this text; after a command, the options of that command\n"
        "  --version  the version\n"
        "\n"
@@ -86,6 +87,8 @@ int main(int argc, char **argv) {
     printf("hbil-bench %s\n", hbil_version());
     return STATUS_OK;
   }
+  if (strcmp(argv[1], "--truth") == 0)
+    argv[1] += strlen("--");
   for (int i = 0; i < COMMANDS; i++)
     if (strcmp(argv[1], commands[i]->name) == 0)
       return run_command(commands[i], argc, argv);

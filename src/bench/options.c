@@ -14,7 +14,7 @@
 typedef struct description {
   const char *name, *value; /* value: NULL for a flag */
   int letter;               /* what getopt_long() returns */
-  unsigned of;              /* commands that take it; 0: all */
+  unsigned of;              /* commands take it that take all of these */
   const char *help;         /* %u: the default of --runs */
 } description;
 
@@ -27,9 +27,10 @@ static const description table[] = {
      "also replaces what stands in FILE between the lines\n"
      "                      <!-- hbil-bench NAME --> and <!-- end -->"},
     {"json", NULL, 'j', BENCH_TAKES_REPORT, "prints JSON in place of Markdown"},
-    {"quick", NULL, 'q', BENCH_TAKES_REPORT,
+    {"quick", NULL, 'q', BENCH_TAKES_REPORT | BENCH_TAKES_ROOM,
      "a short list, and a room of 320x180 pixels"},
-    {"size", "WxH", 's', 0, "pixels of the procedural room (1280x720)"},
+    {"size", "WxH", 's', BENCH_TAKES_ROOM,
+     "pixels of the procedural room (1280x720)"},
     {"dump", "FRAME.exr", 'd', BENCH_TAKES_FRAMES,
      "measures on this captured frame instead of the room"},
     {"camera", "FILE", 'c', BENCH_TAKES_FRAMES,
@@ -46,18 +47,25 @@ static const description table[] = {
     {"device", "NAME", 'D', 0,
      "index or part of a name, as in hbil devices (the\n"
      "                      first GPU, else the first device)"},
-    {"runs", "N", 'r', 0, "counted runs of each setting, 1..1000"},
+    {"runs", "N", 'r', BENCH_TAKES_ROOM,
+     "counted runs of each setting, 1..1000"},
+    {"runs", "N", 'r', BENCH_TAKES_FOLDERS,
+     "also shows whether light grows: the mean of the last\n"
+     "                      frame's indirect light after 1, 2, 4, 10, 50, 200\n"
+     "                      runs of it alone, up to N of them (1..1000)"},
 };
 
 enum { COUNT = sizeof table / sizeof *table };
 
 static int is_taken(const bench_command *command, const description *d) {
-  return d->of == 0 || (command->accepts & d->of) != 0;
+  return (command->accepts & d->of) == d->of;
 }
 
 static void print_help(const bench_command *command) {
   printf("usage: hbil-bench %s [options]%s\n\n%s\n", command->name,
-         command->accepts & BENCH_TAKES_FRAMES ? " [FRAME.exr...]" : "",
+         command->accepts & BENCH_TAKES_FRAMES    ? " [FRAME.exr...]"
+         : command->accepts & BENCH_TAKES_FOLDERS ? " FOLDER... [-- OPTIONS]"
+                                                  : "",
          command->details);
   for (int i = 0; i < COUNT; i++) {
     char option[64];
@@ -67,7 +75,7 @@ static void print_help(const bench_command *command) {
              table[i].letter == 'o' ? "-o, " : "", table[i].name,
              table[i].value ? " " : "", table[i].value ? table[i].value : "");
     printf("  %-19s %s", option, table[i].help);
-    if (table[i].letter == 'r')
+    if (table[i].letter == 'r' && command->runs)
       printf(" (%u)", command->runs);
     putchar('\n');
   }
@@ -152,7 +160,13 @@ static int set_option(int letter, bench_options *out, image_error *error) {
 
 static int check(const bench_command *command, const bench_options *o,
                  image_error *error) {
-  if (o->frame_count && !(command->accepts & BENCH_TAKES_FRAMES))
+  if (!o->frame_count && command->accepts & BENCH_TAKES_FOLDERS)
+    return image_fail(error,
+                      "%s: no folder; FOLDER... is needed, see hbil-bench %s "
+                      "--help",
+                      command->name, command->name);
+  if (o->frame_count &&
+      !(command->accepts & (BENCH_TAKES_FRAMES | BENCH_TAKES_FOLDERS)))
     return image_fail(error, "%s: %s: no file is needed here", command->name,
                       o->frames[0]);
   if (o->frame_count && o->width)
@@ -178,6 +192,19 @@ static void fill_getopt(const bench_command *command,
   out[count] = (struct option){NULL, 0, NULL, 0};
 }
 
+/* Takes the words behind "--" away.  Returns how many are left. */
+static int take_process(const bench_command *command, int argc, char **argv,
+                        bench_options *out) {
+  int end = 1;
+  while (end < argc && strcmp(argv[end], "--") != 0)
+    end++;
+  if (end >= argc || !(command->accepts & BENCH_TAKES_FOLDERS))
+    return argc;
+  out->process = argv + end + 1;
+  out->process_count = argc - end - 1;
+  return end;
+}
+
 int bench_options_parse(const bench_command *command, int argc, char **argv,
                         bench_options *out, image_error *error) {
   struct option options[COUNT + 2];
@@ -189,6 +216,7 @@ int bench_options_parse(const bench_command *command, int argc, char **argv,
   out->frames = calloc((size_t)argc, sizeof *out->frames);
   if (!out->frames)
     return image_no_memory(error, command->name);
+  argc = take_process(command, argc, argv, out);
   opterr = 0;
   while ((letter = getopt_long(argc, argv, ":o:h", options, NULL)) != -1) {
     if (letter == ':' || letter == '?')

@@ -72,6 +72,7 @@ const bench_command bench_pilot = {
         "How long do a new plan and its first three frames take?  Prints one\n"
         "line of milliseconds.  hbil-bench scaling starts this several "
         "times.\n",
+    .accepts = BENCH_TAKES_ROOM,
     .runs = 9,
     .run = run};
 

@@ -54,13 +54,11 @@ static json_t *describe(const bench_command *command, const bench_device *d) {
   if (gmtime_r(&now, &utc))
     strftime(date, sizeof date, "%Y-%m-%d", &utc);
   return json_pack(
-      "{s:s, s:s, s:s, s:{s:s, s:i, s:s, s:i, s:s, s:s, s:s}, s:i, s:[], "
-      "s:{}}",
+      "{s:s, s:s, s:s, s:{s:s, s:i, s:s, s:i, s:s, s:s, s:s}, s:[], s:{}}",
       "command", command->name, "hbil", hbil_version(), "date", date, "machine",
       "cpu", cpu, "cores", (int)sysconf(_SC_NPROCESSORS_ONLN), "device",
       d->name, "compute_units", (int)d->units, "platform", d->platform,
-      "version", d->version, "driver", d->driver, "warm_up_runs",
-      (int)BENCH_WARM_UP, "notes", "tables");
+      "version", d->version, "driver", d->driver, "notes", "tables");
 }
 
 /* --- filling --- */
@@ -96,6 +94,7 @@ void bench_report_subject(bench_report *r, const char *content, uint32_t width,
   set(r, r->document, "content", json_string(content));
   set(r, r->document, "width", json_integer(width));
   set(r, r->document, "height", json_integer(height));
+  set(r, r->document, "warm_up_runs", json_integer(BENCH_WARM_UP));
   set(r, r->document, "runs", json_integer(runs));
 }
 
@@ -207,6 +206,22 @@ static int number_of(const json_t *object, const char *key) {
   return (int)json_integer_value(json_object_get(object, key));
 }
 
+/* Where times were measured, there is a subject. */
+static void print_subject(const json_t *document, FILE *out) {
+  const int timed = json_object_get(document, "runs") != NULL;
+  if (timed)
+    fprintf(out,
+            "Times are device times: medians of %d runs after %d runs of "
+            "warm-up.\n",
+            number_of(document, "runs"), (int)BENCH_WARM_UP);
+  fprintf(out, "\nMeasured on %s with hbil %s", text_of(document, "date"),
+          text_of(document, "hbil"));
+  if (timed)
+    fprintf(out, ": %s, %d x %d pixels", text_of(document, "content"),
+            number_of(document, "width"), number_of(document, "height"));
+  fputc(',', out);
+}
+
 static void print_markdown(const void *context, FILE *out) {
   const bench_report *r = context;
   const json_t *machine = json_object_get(r->document, "machine");
@@ -215,18 +230,14 @@ static void print_markdown(const void *context, FILE *out) {
     print_table(&r->tables[i], out);
   for (size_t i = 0; i < json_array_size(notes); i++)
     fprintf(out, "%s\n", json_string_value(json_array_get(notes, i)));
+  print_subject(r->document, out);
   fprintf(out,
-          "Times are device times: medians of %d runs after %d runs of "
-          "warm-up.\n\nMeasured on %s with hbil %s: %s, %d x %d pixels, on %s "
-          "(%s, %s, driver %s; %d compute units) in a machine with %d cores "
-          "(%s).\n",
-          number_of(r->document, "runs"), (int)BENCH_WARM_UP,
-          text_of(r->document, "date"), text_of(r->document, "hbil"),
-          text_of(r->document, "content"), number_of(r->document, "width"),
-          number_of(r->document, "height"), text_of(machine, "device"),
-          text_of(machine, "platform"), text_of(machine, "version"),
-          text_of(machine, "driver"), number_of(machine, "compute_units"),
-          number_of(machine, "cores"), text_of(machine, "cpu"));
+          " on %s (%s, %s, driver %s; %d compute units) in a machine "
+          "with %d cores (%s).\n",
+          text_of(machine, "device"), text_of(machine, "platform"),
+          text_of(machine, "version"), text_of(machine, "driver"),
+          number_of(machine, "compute_units"), number_of(machine, "cores"),
+          text_of(machine, "cpu"));
 }
 
 static void print_json(const void *context, FILE *out) {

@@ -30,20 +30,25 @@ static double hardware_depth(const surface_points *s, double value) {
   return parallel ? (value - a) / b : b / (value - a);
 }
 
+/* The depth, planar or from the eye, that a value stands for; 0: no surface. */
+static double meant_depth(const surface_points *s, float stored) {
+  const double depth = s->inputs.depth_kind == HBIL_DEPTH_HARDWARE
+                           ? hardware_depth(s, (double)stored)
+                           : (double)(stored * s->inputs.depth_scale);
+  return gbuffer_is_surface((float)depth, s->inputs.sky_depth) ? depth : 0.0;
+}
+
+int surface_is_shown(const surface_points *s, float stored) {
+  return meant_depth(s, stored) > 0.0;
+}
+
 double surface_depth(const surface_points *s, size_t x, size_t y) {
-  const float stored =
-      gbuffer_plane(s->g, ROLE_DEPTH, 0)[y * s->g->planes.width + x];
-  if (s->inputs.depth_kind == HBIL_DEPTH_HARDWARE) {
-    const double z = hardware_depth(s, (double)stored);
-    return gbuffer_is_surface((float)z, s->inputs.sky_depth) ? z : 0.0;
-  }
-  const float depth = stored * s->inputs.depth_scale;
-  if (!gbuffer_is_surface(depth, s->inputs.sky_depth))
-    return 0.0;
-  if (s->inputs.depth_kind != HBIL_DEPTH_RAY)
-    return (double)depth;
+  const double depth = meant_depth(
+      s, gbuffer_plane(s->g, ROLE_DEPTH, 0)[y * s->g->planes.width + x]);
+  if (s->inputs.depth_kind != HBIL_DEPTH_RAY || !(depth > 0.0))
+    return depth;
   const pixel_ray ray = pixel_ray_at(s->g->map.projection, s->camera, x, y);
-  return (double)depth / sqrt(matrix3_dot(ray.along, ray.along));
+  return depth / sqrt(matrix3_dot(ray.along, ray.along));
 }
 
 void surface_point(const surface_points *s, size_t x, size_t y, int other,

@@ -8,7 +8,7 @@
 typedef struct surface_points {
   const gbuffer *g; /* converted (convert.h) */
   const hbil_camera *camera;
-  hbil_inputs inputs;      /* how the library reads its planes */
+  hbil_inputs inputs;       /* how the library reads its planes */
   double hardware_depth[2]; /* as in hbil_frame */
 } surface_points;
 
@@ -20,9 +20,12 @@ int surface_rays_are_parallel(const surface_points *s);
 
 /* The planar depth of a pixel; 0 if it shows no surface.  The library decodes
  * depth on the device.  The host does it here alone, for what happens before a
- * plan exists or without one: recognising conventions, checking frames, and the
- * exact integral. */
+ * plan exists or without one: recognising conventions, checking frames, the
+ * exact integral, and means over surfaces. */
 double surface_depth(const surface_points *s, size_t x, size_t y);
+
+/* Whether a value of the depth plane is that of a surface. */
+int surface_is_shown(const surface_points *s, float stored);
 
 /* The point of a pixel in view space.  other: the point that it would be if the
  * file's depth were along the ray where it was taken as planar, or the other

@@ -6,9 +6,14 @@
  * History is the irradiance E_near + E_far or, with HBIL_FEEDBACK_RADIANCE, the
  * radiance that surfaces send: beauty, with emission as far as it lights
  * others.
+ *
+ * unknown is the share of the hemisphere whose light is estimated: open
+ * directions that end on a surface after all, and, where recompose fills them
+ * in, those that back-facing samples block.
  */
 #include "exact/camera.h"
 #include "exact/far_field.h"
+#include "exact/sky_light.h"
 #include "exact/input.h"
 #include "exact/passes.h"
 #include "exact/planes.h"
@@ -51,6 +56,16 @@ static void store_bent_normal(const exact_frame *frame, vec3 bent, int x, int y,
   *exact_at(out, EXACT_BENT_NORMAL + 2, x, y) = bent.z;
 }
 
+static double unknown_share(const exact_frame *frame,
+                            const exact_planes *resolved, int x, int y,
+                            double ao) {
+  const double behind =
+      resolved->count > HBIL_LIGHT_UNKNOWN && exact_fills_unknown(frame->config)
+          ? *exact_at(resolved, HBIL_LIGHT_UNKNOWN, x, y)
+          : 0.0;
+  return fmin(1.0, exact_unlit_share(frame, x, y, ao) + behind);
+}
+
 static void composite_pixel(const exact_frame *frame,
                             const exact_planes *resolved, int x, int y,
                             exact_planes *out, exact_planes *history) {
@@ -61,6 +76,8 @@ static void composite_pixel(const exact_frame *frame,
   *exact_at(out, EXACT_AO, x, y) = ao;
   if (exact_has_bent_normal(frame->config))
     *exact_at(out, EXACT_CONE_COSINE, x, y) = sqrt(fmax(0.0, 1.0 - ao));
+  *exact_at(out, EXACT_UNKNOWN, x, y) =
+      unknown_share(frame, resolved, x, y, ao);
   store_bent_normal(frame, bent, x, y, out);
   for (int c = 0; c < 3; ++c) {
     const double near_irradiance =

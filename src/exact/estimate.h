@@ -6,10 +6,10 @@
 #include "exact/vector.h"
 
 /* The radiance that is assumed for directions whose light the screen does not
- * show: the mean of what the pixel does see, `seen` from a `share` of its
- * hemisphere, and of the frame's mean towards `normal`, which counts as
- * HBIL_UNSEEN_PRIOR of a hemisphere. */
+ * show: the mean of what the pixel does see, `shown` from a `share` of its
+ * hemisphere, after all bounces, and of the frame's light towards `normal`,
+ * which counts as HBIL_UNSEEN_PRIOR of a hemisphere. */
 double exact_unseen_radiance(const exact_frame *frame, int channel, vec3 normal,
-                             double seen, double share);
+                             double shown, double share);
 
 #endif

@@ -78,13 +78,19 @@ enum {
   EXACT_CONE_COSINE = 10,
   EXACT_INDIRECT = 11,
   EXACT_BEAUTY = 14,
-  EXACT_OUTPUT_PLANES = 17
+  EXACT_UNKNOWN = 17,
+  EXACT_OUTPUT_PLANES = 18
 };
 
-/* What the frame's surfaces send on average, as sums over every fourth pixel in
- * x and y (estimate.c): red, green, blue and weight, of nine polynomials. */
+/* What the frame's surfaces send on average (estimate.c): sums over an eighth
+ * of the pixels of nine polynomials, times radiance after all bounces, and
+ * times 1; the factors that bring near light to its mean after all bounces; and
+ * what the sky does not light of the open directions where the sun shines, and
+ * whether it does (0..1). */
 typedef struct exact_estimate {
-  double sum[4][9];
+  double light[3][9], weight[9];
+  double near_scale[3];
+  double unlit, sun;
 } exact_estimate;
 
 /* A frame as the passes see it.  All pointers are the caller's. */
@@ -99,6 +105,7 @@ typedef struct exact_frame {
    * albedo is then 1, and everything else 0. */
   const float *input[EXACT_INPUT_PLANES];
   float environment[9][3]; /* as hbil_frame has it */
+  float sky_share;         /* as hbil_frame has it */
   unsigned frame_index;    /* rotates the sampling pattern */
   exact_estimate estimate; /* exact_run_frame() sets it */
 } exact_frame;

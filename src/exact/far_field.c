@@ -16,6 +16,7 @@
 #include "exact/estimate.h"
 #include "exact/input.h"
 #include "exact/passes.h"
+#include "exact/sky_light.h"
 
 void exact_sh_basis(const double direction[3], double basis[9]) {
   const double x = direction[0], y = direction[1], z = direction[2];
@@ -45,24 +46,6 @@ static int band_of(int index) {
   return index == 0 ? 0 : index < 4 ? 1 : 2;
 }
 
-/*
- * HBIL_FAR_FRAME: the part of the open share `ao` that ends on a surface after
- * all.  Direct light that holds the sky's shows that no more than
- * E_direct / pi / L_sky of the hemisphere sees the sky.  So the share
- * unlit = 1 - E_direct / pi / L_sky / ao of the open directions is without sky,
- * and an open direction is taken for blocked as often.
- */
-static double unlit_share(const exact_frame *frame, int x, int y, double ao) {
-  double seen = 0.0;
-  for (int c = 0; c < 3; ++c) {
-    const double sky = (double)frame->environment[0][c];
-    if (sky > 0.0)
-      seen = fmax(seen, exact_direct(frame, c, x, y) / PI / sky);
-  }
-  const double unlit = clamp(1.0 - seen / fmax(ao, 1e-6), 0.0, 1.0);
-  return ao * unlit * unlit;
-}
-
 double exact_far_irradiance(const exact_frame *frame, int channel, int x, int y,
                             double ao, vec3 bent, double near_irradiance) {
   const hbil_far_field far_field = frame->config->model.far_field;
@@ -74,7 +57,7 @@ double exact_far_irradiance(const exact_frame *frame, int channel, int x, int y,
   if (far_field == HBIL_FAR_CONSTANT)
     return PI * ao * (double)frame->environment[0][channel];
   if (far_field == HBIL_FAR_FRAME)
-    return PI * unlit_share(frame, x, y, ao) *
+    return PI * exact_unlit_share(frame, x, y, ao) *
            exact_unseen_radiance(frame, channel, bent, near_irradiance / PI,
                                  1.0 - ao);
   exact_sh_basis(d, basis);

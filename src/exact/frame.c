@@ -2,9 +2,9 @@
  * A sequence of frames: the order of the passes.
  *
  *   HISTORY -reproject-> CARRIED -push/pull-> CARRIED
- *   inputs, CARRIED -split-> SPLIT -estimate-> the frame's mean radiance
- *   SPLIT -gather-> GATHERED -recompose-> RESOLVED -composite-> outputs,
- * HISTORY
+ *   inputs, CARRIED -split-> SPLIT -gather-> GATHERED
+ *   inputs, SPLIT, GATHERED -estimate-> what the frame's surfaces send
+ *   GATHERED -recompose-> RESOLVED -composite-> outputs, HISTORY
  */
 #include <string.h>
 
@@ -19,7 +19,7 @@ exact_status exact_state_create(exact_state *state, int width, int height) {
               {&state->carried, HBIL_CARRIED_PLANES},
               {&state->split, HBIL_SPLIT_PLANES},
               {&state->gathered, HBIL_GATHERED_PLANES},
-              {&state->resolved, HBIL_LIGHT_PLANES},
+              {&state->resolved, HBIL_LIGHT_UNKNOWN + 1},
               {&state->out, EXACT_OUTPUT_PLANES}};
   exact_status status = EXACT_SUCCESS;
   memset(state, 0, sizeof(*state));
@@ -71,12 +71,12 @@ static exact_status prepare(exact_state *state, exact_frame *frame) {
       return status;
   }
   exact_split(frame, carries ? &state->carried : NULL, &state->split);
-  exact_estimate_frame(frame, &state->split);
   return EXACT_SUCCESS;
 }
 
 /* Everything after it. */
-static void finish(exact_state *state, const exact_frame *frame) {
+static void finish(exact_state *state, exact_frame *frame) {
+  exact_estimate_frame(frame, &state->split, &state->gathered);
   exact_recompose(frame, &state->split, &state->gathered, &state->resolved);
   exact_composite(frame, &state->resolved, &state->out, &state->history);
   state->camera = frame->camera;

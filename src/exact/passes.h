@@ -10,6 +10,7 @@
 #define HBIL_EXACT_PASSES_H
 
 #include "exact/exact.h"
+#include "lib/estimate_args.h"
 #include "shared.h"
 
 /* The arguments of the sampling pattern, and the camera, as the kernels get
@@ -27,13 +28,15 @@ exact_status exact_push_pull(exact_planes *carried);
 /* Inputs and CARRIED (NULL: no history) -> SPLIT. */
 void exact_split(const exact_frame *frame, const exact_planes *carried,
                  exact_planes *split);
-/* SPLIT -> frame->estimate, which recompose and composite use for light that
- * the screen does not show. */
-void exact_estimate_frame(exact_frame *frame, const exact_planes *split);
-/* The estimate: the mean radiance of the frame's surfaces towards a receiver
- * with that view-space normal.  channel: 0 red, 1 green, 2 blue. */
-double exact_mean_radiance(const exact_frame *frame, int channel,
-                           const double normal[3]);
+/* SPLIT, GATHERED and inputs -> frame->estimate, which recompose and composite
+ * use for light that the screen does not show. */
+void exact_estimate_frame(exact_frame *frame, const exact_planes *split,
+                          const exact_planes *gathered);
+/* The estimate: what the frame's surfaces send towards a receiver with that
+ * view-space normal, after all bounces, times unseen_light.  channel: 0 red, 1
+ * green, 2 blue. */
+double exact_frame_radiance(const exact_frame *frame, int channel,
+                            const double normal[3]);
 
 /* SPLIT -> GATHERED, at the samples that the kernels take.  GATHERED has
  * HBIL_LIGHT_PLANES or more planes; the further ones are written where they are
@@ -48,10 +51,12 @@ exact_status exact_gather_dense(const exact_frame *frame,
  * then has HBIL_LIGHT_WEIGHT, which is 0 otherwise. */
 bool exact_weighs_slices(const hbil_config *config);
 
-/* SPLIT, GATHERED -> RESOLVED. */
+/* SPLIT, GATHERED -> RESOLVED.  RESOLVED has HBIL_LIGHT_PLANES or more planes;
+ * HBIL_LIGHT_UNKNOWN is written where it is there and the settings use it. */
 void exact_recompose(const exact_frame *frame, const exact_planes *split,
                      const exact_planes *gathered, exact_planes *resolved);
-/* RESOLVED -> outputs and the next frame's HISTORY. */
+/* RESOLVED -> outputs and the next frame's HISTORY.  Without HBIL_LIGHT_UNKNOWN
+ * in RESOLVED, that share counts as 0. */
 void exact_composite(const exact_frame *frame, const exact_planes *resolved,
                      exact_planes *out, exact_planes *history);
 

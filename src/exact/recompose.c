@@ -108,6 +108,8 @@ static void recompose_pixel(const exact_frame *frame, const exact_planes *split,
     *exact_at(resolved, p, x, y) /= total;
   if (fills)
     fill_unknown(frame, &s, unknown / total, x, y, resolved);
+  if (fills && resolved->count > HBIL_LIGHT_UNKNOWN)
+    *exact_at(resolved, HBIL_LIGHT_UNKNOWN, x, y) = unknown / total;
   normalize_bent(resolved, x, y);
 }
 

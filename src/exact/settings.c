@@ -13,7 +13,8 @@ bool exact_has_bent_normal(const hbil_config *config) {
 
 bool exact_fills_unknown(const hbil_config *config) {
   return exact_gathers_light(config) &&
-         config->model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN;
+         config->model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
+         config->model.facing_fade[1] > -1.0f;
 }
 
 bool exact_weighs_slices(const hbil_config *config) {

@@ -166,6 +166,10 @@ static hbil_status check_environment(hbil_plan *plan, const hbil_frame *frame) {
                     "environment[%d][%d]: %g; must be %s", i, c, (double)v,
                     sh ? "finite" : "finite and not negative");
     }
+  if (plan->config.model.far_field == HBIL_FAR_FRAME &&
+      !(frame->sky_share >= 0.0f && frame->sky_share <= 1.0f))
+    return fail(plan->context, HBIL_INVALID_FRAME,
+                "sky_share: %g; must be in 0 .. 1", (double)frame->sky_share);
   return HBIL_SUCCESS;
 }
 

@@ -79,6 +79,7 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .sampling.step_growth = 2.0f,
       .sampling.sample_grid = HBIL_GRID_FULL_RESOLUTION,
       .model.gather_emission = CL_TRUE,
+      .model.unseen_light = 0.8f,
       .history.reprojection = HBIL_REPROJECTION_SCATTER,
       .history.disocclusion_threshold = 0.05f,
       .execution.skip = HBIL_SKIP_ALL,
@@ -260,6 +261,7 @@ static hbil_status check_mode(hbil_context *context,
     int plane;
     hbil_mode most; /* the last mode that has it */
   } only[] = {{PLANE_NEAR, HBIL_MODE_HBIL},
+              {PLANE_UNKNOWN, HBIL_MODE_HBIL},
               {PLANE_BENT, HBIL_MODE_GTAO},
               {PLANE_ERROR, HBIL_MODE_GTAO},
               {PLANE_CONE, HBIL_MODE_GTAO}};
@@ -386,6 +388,7 @@ static hbil_status config_check(hbil_context *context,
       {"model.back_facing_fallback", (double)config->model.back_facing_fallback,
        0, HBIL_FALLBACK_FRAME_MEAN},
       {"model.gather_emission", config->model.gather_emission, 0, 1},
+      {"model.unseen_light", (double)config->model.unseen_light, 0, 1},
       {"history.max_frames", config->history.max_frames, 0, 1024},
       {"history.reprojection", (double)config->history.reprojection, 0,
        HBIL_REPROJECTION_MOTION},

@@ -118,6 +118,7 @@ static void define_work(const hbil_config *c, const layout *l, text *t) {
   define(t, "GATHER_BENT", l->bent);
   define(t, "HISTORY", l->history);
   define(t, "ERROR_PLANE", (int)l->error_plane);
+  define(t, "UNKNOWN_PLANE", (int)l->unknown_plane);
   define(t, "WEIGHT_PLANE", (int)l->weight_plane);
   define(t, "LINE", (int)l->line);
   for (size_t i = 0; i < sizeof skips / sizeof *skips; ++i)

@@ -71,6 +71,9 @@ hbil_status hbil_context_set_program_folder(hbil_context *context,
                                             const char *folder) {
   if (!context || !folder)
     return fail_null(context, __func__, context ? "folder" : "context");
+  if (!*folder)
+    return fail(context, HBIL_INVALID_ARGUMENT,
+                "%s: folder: empty; must be the name of a folder", __func__);
   const size_t size = strlen(folder) + 1;
   char *copy = malloc(size);
   if (!copy)

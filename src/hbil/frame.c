@@ -14,7 +14,7 @@ enum {
   OUTPUTS = PLANE_BIT(PLANE_NEAR) | PLANE_BIT(PLANE_FAR) | PLANE_BIT(PLANE_AO) |
             PLANE_BIT(PLANE_BENT) | PLANE_BIT(PLANE_CONE) |
             PLANE_BIT(PLANE_INDIRECT) | PLANE_BIT(PLANE_BEAUTY) |
-            PLANE_BIT(PLANE_ERROR)
+            PLANE_BIT(PLANE_ERROR) | PLANE_BIT(PLANE_UNKNOWN)
 };
 
 static const struct {
@@ -24,7 +24,7 @@ static const struct {
     [HBIL_PASS_REPROJECT] = {enqueue_reproject, READ_BY_REPROJECT},
     [HBIL_PASS_PUSH_PULL] = {enqueue_push_pull, 0},
     [HBIL_PASS_SPLIT] = {enqueue_split, SURFACE | PLANE_BIT(PLANE_NORMAL)},
-    [HBIL_PASS_GATHER] = {enqueue_gather, 0},
+    [HBIL_PASS_GATHER] = {enqueue_gather, SURFACE & ~PLANE_BIT(PLANE_DEPTH)},
     [HBIL_PASS_RECOMPOSE] = {enqueue_recompose, 0},
     [HBIL_PASS_TEMPORAL] = {enqueue_temporal, PLANE_BIT(PLANE_MOTION)},
     [HBIL_PASS_COMPOSITE] = {enqueue_composite, SURFACE | OUTPUTS},

@@ -203,6 +203,8 @@ hbil_status enqueue_gather(commands *chain, const hbil_frame *frame) {
   if (rest && !plan->layout.history)
     return leave_out(chain);
   hbil_gather_args args = gather_args(plan, frame, &view, &pattern);
-  const hbil_status status = make_pattern(chain, &view, &pattern);
-  return status == HBIL_SUCCESS ? gather_all(chain, &args, rest) : status;
+  hbil_status status = make_pattern(chain, &view, &pattern);
+  if (status == HBIL_SUCCESS)
+    status = gather_all(chain, &args, rest);
+  return status == HBIL_SUCCESS ? enqueue_estimate(chain, frame) : status;
 }

@@ -4,6 +4,7 @@
 
 #include "config.h"
 #include "error_factors.h"
+#include "lib/estimate_args.h"
 #include "lib/sampling_pattern.h"
 #include "planes.h"
 
@@ -18,21 +19,27 @@ static bool has(const hbil_config *config, int plane) {
   return plane_format(config, plane)->component != HBIL_NONE;
 }
 
+/* Whether the light of what back-facing samples block is estimated. */
+static bool estimates_back_faces(const hbil_config *config) {
+  return config->model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
+         config_rejects_back_faces(config);
+}
+
 static void decide_work(const hbil_config *config, layout *out) {
   const bool sums = has(config, PLANE_INDIRECT) || has(config, PLANE_BEAUTY);
-  out->radiance =
-      config->model.mode == HBIL_MODE_HBIL &&
-      (sums || has(config, PLANE_NEAR) ||
-       (has(config, PLANE_FAR) && config->model.far_field == HBIL_FAR_FRAME));
+  const bool from_frame = config->model.far_field == HBIL_FAR_FRAME;
+  /* where nothing is guessed, that output is 0 and needs no light */
+  const bool guesses = has(config, PLANE_UNKNOWN) &&
+                       (from_frame || estimates_back_faces(config));
+  out->radiance = config->model.mode == HBIL_MODE_HBIL &&
+                  (sums || guesses || has(config, PLANE_NEAR) ||
+                   (has(config, PLANE_FAR) && from_frame));
   out->far_field = sums || out->radiance || has(config, PLANE_FAR)
                        ? config->model.far_field
                        : HBIL_FAR_NONE;
   out->bent = has(config, PLANE_BENT) || out->far_field == HBIL_FAR_SH ||
               out->far_field == HBIL_FAR_FRAME;
-  out->unknown =
-      out->radiance &&
-      config->model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
-      config_rejects_back_faces(config);
+  out->unknown = out->radiance && estimates_back_faces(config);
   out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
   out->history =
       out->radiance && config->history.reprojection != HBIL_REPROJECTION_NONE;
@@ -43,8 +50,8 @@ static void decide_work(const hbil_config *config, layout *out) {
  * nothing diffusely.  Irradiance that is carried over would reach other
  * surfaces. */
 static bool irradiance_is_hidden(const hbil_config *config, const layout *l) {
-  static const int shown[] = {PLANE_NEAR, PLANE_FAR,  PLANE_AO,
-                              PLANE_BENT, PLANE_CONE, PLANE_ERROR};
+  static const int shown[] = {PLANE_NEAR, PLANE_FAR,   PLANE_AO,     PLANE_BENT,
+                              PLANE_CONE, PLANE_ERROR, PLANE_UNKNOWN};
   for (size_t i = 0; i < sizeof shown / sizeof *shown; ++i)
     if (has(config, shown[i]))
       return false;
@@ -216,6 +223,17 @@ static cl_uint gathered_planes(const hbil_config *config, const layout *l) {
                        : stored[config->sampling.storage].ao;
 }
 
+/* Behind the light come planes that outputs ask for. */
+static void lay_out_resolved(const hbil_config *config, layout *out) {
+  const cl_uint errors = !has(config, PLANE_ERROR) ? 0 : out->radiance ? 2 : 1;
+  const bool unknown = out->unknown && has(config, PLANE_UNKNOWN);
+  out->error_plane = light_planes(out);
+  out->resolved_planes = out->error_plane + errors + unknown;
+  out->unknown_plane = unknown ? out->resolved_planes - 1 : 0;
+  out->bytes[BUFFER_RESOLVED] =
+      sizeof(cl_float) * out->resolved_planes * (size_t)out->planes.plane;
+}
+
 /* Gives the cache as many rows as fit into horizon_cache_bytes.  Returns their
  * bytes. */
 static size_t lay_out_horizon_cache(const hbil_config *config, layout *out) {
@@ -327,18 +345,14 @@ void layout_compute(const hbil_config *config, const staging *staged,
   lay_out_layers(config, out->span, gathered + weighted, &out->light);
   out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
   out->bytes[BUFFER_LIGHT] = layers_size(&out->light);
-  out->error_plane = light_planes(out);
-  const cl_uint errors = !has(config, PLANE_ERROR) ? 0 : out->radiance ? 2 : 1;
-  out->resolved_planes = out->error_plane + errors;
-  out->bytes[BUFFER_RESOLVED] = out->resolved_planes * real * out->planes.plane;
+  lay_out_resolved(config, out);
   if (config->history.max_frames)
     out->bytes[BUFFER_TEMPORAL] = out->bytes[BUFFER_TEMPORAL_NEXT] =
         real *
         ((HBIL_TEMPORAL_LIGHT + light_planes(out)) * (size_t)out->planes.plane +
          2 * (size_t)hbil_history_origin(out->planes));
   if (out->estimate)
-    out->bytes[BUFFER_ESTIMATE] =
-        HBIL_ESTIMATE_SIZE * (1 + HBIL_ESTIMATE_PARTS) * real;
+    out->bytes[BUFFER_ESTIMATE] = HBIL_ESTIMATE_SIZE * real;
   out->bytes[BUFFER_SANITIZED] = HBIL_SANITIZED_WORDS * sizeof(cl_uint);
   out->bytes[BUFFER_FLAGS] = HBIL_FLAGS * sizeof(cl_uint);
   if (out->skip & (HBIL_SKIP_OPEN | HBIL_SKIP_DARK))

@@ -24,7 +24,7 @@ enum {
   BUFFER_TEMPORAL,      /* history of the temporal filter, of one frame */
   BUFFER_TEMPORAL_NEXT, /* the same of the other frame */
   BUFFER_STEPS,
-  BUFFER_ESTIMATE,      /* the estimate of unseen light, then its parts */
+  BUFFER_ESTIMATE,      /* the estimate of unseen light, then its sums */
   BUFFER_BOUNDS,        /* grids of largest inverse depths and of light */
   BUFFER_USES,          /* where outputs show light */
   BUFFER_SPAN_STATES,   /* the work that the gather left out */
@@ -49,8 +49,8 @@ typedef struct layout {
   size_t bytes[BUFFER_COUNT]; /* 0: not needed */
   size_t at[BUFFER_COUNT];    /* where scratch buffers begin in the caller's */
   hbil_memory memory;
-  hbil_plane_args planes;     /* full-resolution planes */
-  hbil_runs_args runs;        /* of scatter's bands */
+  hbil_plane_args planes; /* full-resolution planes */
+  hbil_runs_args runs;    /* of scatter's bands */
   hbil_layer_args split, light;
   int chain_count;
   hbil_chain_args chain[MAX_CHAIN];
@@ -69,6 +69,7 @@ typedef struct layout {
   cl_uint line;              /* pixels that one work-item of composite takes */
   cl_uint resolved_planes;   /* of RESOLVED */
   cl_uint error_plane;       /* of RESOLVED: where errors begin */
+  cl_uint unknown_plane;     /* of RESOLVED: the share `unknown`; 0: none */
   cl_uint weight_plane;      /* of GATHERED: weights of slices; 0: none */
   hbil_error_args errors;
   staging staged;

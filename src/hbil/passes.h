@@ -10,6 +10,8 @@ typedef hbil_status pass_function(commands *chain, const hbil_frame *frame);
 pass_function enqueue_reproject, enqueue_push_pull; /* reproject.c */
 pass_function enqueue_split;                        /* split.c */
 pass_function enqueue_gather;                       /* gather.c */
+/* estimate.c: behind the gather, in the same pass */
+pass_function enqueue_estimate;
 pass_function enqueue_recompose, enqueue_temporal,
     enqueue_composite; /* resolve.c */
 

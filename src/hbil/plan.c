@@ -56,6 +56,7 @@ static const struct {
     [KERNEL_BOUND_QUADRANTS] = {"bound_quadrants", PROGRAM_BOUNDS},
     [KERNEL_ESTIMATE_PART] = {"estimate_part", PROGRAM_ESTIMATE},
     [KERNEL_ESTIMATE_SUM] = {"estimate_sum", PROGRAM_ESTIMATE},
+    [KERNEL_ESTIMATE_FILL] = {"estimate_fill", PROGRAM_ESTIMATE},
     [KERNEL_PATTERN] = {"make_pattern", PROGRAM_PATTERN},
     [KERNEL_GATHER] = {"gather", PROGRAM_GATHER},
     [KERNEL_GATHER_AND_CACHE] = {"gather", PROGRAM_GATHER_AND_CACHE},

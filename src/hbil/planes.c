@@ -27,6 +27,7 @@ const plane_kind plane_kinds[PLANE_COUNT] = {
     [PLANE_INDIRECT] = KIND(outputs, indirect, "INDIRECT", 3),
     [PLANE_BEAUTY] = KIND(outputs, beauty, "BEAUTY", 3),
     [PLANE_ERROR] = KIND(outputs, error_estimate, "ERROR", 2),
+    [PLANE_UNKNOWN] = KIND(outputs, unknown, "UNKNOWN", 1),
 };
 
 const component_kind component_kinds[COMPONENT_COUNT] = {

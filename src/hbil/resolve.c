@@ -103,7 +103,8 @@ hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
                               .environment =
                                   far_field_args(c, frame->environment),
                               .decode = depth_args(c, frame),
-                              .direct_scale = c->inputs.direct_scale};
+                              .direct_scale = c->inputs.direct_scale,
+                              .sky_share = frame->sky_share};
   hbil_external_plane_args *const plane_args[PLANE_COUNT] = {
       [PLANE_DEPTH] = &args.depth,
       [PLANE_ALBEDO] = &args.albedo,
@@ -117,7 +118,8 @@ hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
       [PLANE_CONE] = &args.cone_cosine,
       [PLANE_INDIRECT] = &args.indirect,
       [PLANE_BEAUTY] = &args.beauty,
-      [PLANE_ERROR] = &args.error_estimate};
+      [PLANE_ERROR] = &args.error_estimate,
+      [PLANE_UNKNOWN] = &args.unknown};
   cl_mem plane[PLANE_COUNT] = {NULL};
   for (int i = 0; i < PLANE_COUNT; ++i)
     if (plane_args[i])
@@ -139,6 +141,7 @@ hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
                            ARG(plane[PLANE_INDIRECT]),
                            ARG(plane[PLANE_BEAUTY]),
                            ARG(plane[PLANE_ERROR]),
+                           ARG(plane[PLANE_UNKNOWN]),
                            BUFFER_ARG(plan, BUFFER_SANITIZED)};
   const cl_uint line = plan->layout.line;
   const hbil_status status =

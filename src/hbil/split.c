@@ -1,25 +1,9 @@
-/* split: the G-buffer in layers, and what is summed up of them: bounds, and the
- * estimate of unseen light. */
+/* split: the G-buffer in layers, and bounds of what is in them. */
 #include "passes.h"
 
 #include "camera.h"
 #include "memory.h"
 #include "planes.h"
-
-/* --- what is made of the layers --- */
-
-static hbil_status estimate(commands *chain) {
-  hbil_plan *plan = chain->plan;
-  const hbil_estimate_args args = {plan->layout.split};
-  const argument part[] = {ARG(args), BUFFER_ARG(plan, BUFFER_SPLIT),
-                           BUFFER_ARG(plan, BUFFER_ESTIMATE)};
-  const argument sum[] = {BUFFER_ARG(plan, BUFFER_ESTIMATE)};
-  const hbil_status status =
-      LAUNCH(chain, KERNEL_ESTIMATE_PART, part, HBIL_ESTIMATE_PARTS, 1, 1);
-  return status == HBIL_SUCCESS
-             ? LAUNCH(chain, KERNEL_ESTIMATE_SUM, sum, HBIL_ESTIMATE_SIZE, 1, 1)
-             : status;
-}
 
 static hbil_status bound(commands *chain, cl_int unchanged_is_done) {
   hbil_plan *plan = chain->plan;
@@ -47,13 +31,10 @@ static hbil_status bound(commands *chain, cl_int unchanged_is_done) {
                 (size_t)b->block.height, 1);
 }
 
+/* Bounds of the layers, where skips need them. */
 static hbil_status sum_up(commands *chain, cl_int unchanged_is_done) {
-  const hbil_plan *plan = chain->plan;
-  const hbil_status status = plan->buffers[BUFFER_BOUNDS]
-                                 ? bound(chain, unchanged_is_done)
-                                 : HBIL_SUCCESS;
-  return status == HBIL_SUCCESS && plan->layout.estimate ? estimate(chain)
-                                                         : status;
+  return chain->plan->buffers[BUFFER_BOUNDS] ? bound(chain, unchanged_is_done)
+                                             : HBIL_SUCCESS;
 }
 
 /* --- the layers --- */

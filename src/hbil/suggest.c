@@ -4,7 +4,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "hbil/hbil.h"
+#include "context.h"
 
 /* The sky counts as visible above this share of the pixels. */
 #define SKY_SEEN 1e-3
@@ -14,6 +14,17 @@
 /* Direct light contains the lamps' if it reaches this share of what the lamps
  * would send without obstacles.  Half of the surfaces may be in shadow. */
 #define LEAST_CONTAINED 0.5
+
+/* Direct light below this share of its typical value is a shadow into which no
+ * sky shines. */
+#define SHADOW 0.1
+/* Where so few of the surfaces are in such shadows, the place is open to a sky
+ * that `direct` contains; with more of them, less so, up to a closed room. */
+#define SHADOWS_OPEN 0.05
+#define SHADOWS_CLOSED 0.09
+/* In the open, this share of the directions that the screen leaves open ends in
+ * the sky.  All: chosen on path-traced scenes, doc/measurements.md. */
+#define SKY_IN_THE_OPEN 0.9f
 
 static const double pi = 3.14159265358979323846;
 
@@ -128,6 +139,53 @@ static hbil_source find_sky(const look *l, float radiance[3]) {
     return HBIL_SOURCE_NOT_SEEN;
   return contains_sky(l, radiance) ? HBIL_SOURCE_IN_DIRECT
                                    : HBIL_SOURCE_NOT_IN_DIRECT;
+}
+
+/* --- a sky that the picture does not show --- */
+
+/* The mean of direct light over the surfaces of a square of 2 x 2 pixels, which
+ * is less noisy than that of a pixel; its three channels added up.  Returns
+ * false if the square shows less than two surfaces. */
+static bool light_of_square(const look *l, size_t x, size_t y, double *out) {
+  size_t count = 0;
+  *out = 0;
+  for (size_t i = 0; i < 4; ++i) {
+    const size_t at = (y + i / 2) * l->config->width + x + i % 2;
+    if (is_sky(l, at))
+      continue;
+    ++count;
+    for (size_t c = 0; c < 3; ++c)
+      *out += light(l, &l->planes.direct, c, at);
+  }
+  if (count)
+    *out /= (double)count;
+  return count >= 2;
+}
+
+/* The share of the open directions that end in a sky which lights the surfaces
+ * though the picture does not show it.  In the open, the sky shines into nearly
+ * every shadow; in rooms, most shadows are black. */
+static float hidden_sky_share(const look *l) {
+  const size_t width = l->config->width, height = l->config->height;
+  double roots = 0, here;
+  size_t squares = 0, shadows = 0;
+  for (size_t y = 0; y + 1 < height; y += 2)
+    for (size_t x = 0; x + 1 < width; x += 2)
+      if (light_of_square(l, x, y, &here)) {
+        roots += sqrt(here);
+        ++squares;
+      }
+  if (!(roots > 0))
+    return 0;
+  /* the mean of square roots, squared: lamps nearby must not make shadows */
+  const double root = roots / (double)squares;
+  for (size_t y = 0; y + 1 < height; y += 2)
+    for (size_t x = 0; x + 1 < width; x += 2)
+      shadows += light_of_square(l, x, y, &here) && here < SHADOW * root * root;
+  const double share = (double)shadows / (double)squares;
+  const double open =
+      (SHADOWS_CLOSED - share) / (SHADOWS_CLOSED - SHADOWS_OPEN);
+  return SKY_IN_THE_OPEN * (float)fmax(0, fmin(open, 1));
 }
 
 /* --- lamps --- */
@@ -366,20 +424,36 @@ hbil_status hbil_config_suggest(const hbil_host_planes *planes,
   hbil_sources found = {HBIL_SOURCE_NOT_SEEN, HBIL_SOURCE_NOT_SEEN};
   float sky[3] = {0};
   if (!planes || !config || !frame)
-    return HBIL_INVALID_ARGUMENT;
+    return fail_null(NULL, __func__,
+                     !planes   ? "planes"
+                     : !config ? "config"
+                               : "frame");
   const bool looks = config->model.mode == HBIL_MODE_HBIL;
   if (looks) {
     look l = {*planes, config, frame, (size_t)config->width * config->height};
     if (!is_size(config->width) || !is_size(config->height) ||
         (unsigned)config->inputs.depth_kind > HBIL_DEPTH_HARDWARE)
-      return HBIL_INVALID_CONFIG;
+      return fail(NULL, HBIL_INVALID_CONFIG,
+                  "hbil_config_suggest: width, height, inputs.depth_kind: %u, "
+                  "%u, %d; must be 1 .. %d pixels and a hbil_depth_kind",
+                  (unsigned)config->width, (unsigned)config->height,
+                  (int)config->inputs.depth_kind, HBIL_MAX_SIZE);
     if (!complete_planes(&l.planes, config->width))
-      return HBIL_INVALID_ARGUMENT;
+      return fail(NULL, HBIL_INVALID_ARGUMENT,
+                  "hbil_config_suggest: planes: depth or a channel is missing, "
+                  "or a row_pitch is not a multiple of 4 bytes or less than a "
+                  "row's");
     if (!is_usable(config, frame))
-      return HBIL_INVALID_FRAME;
+      return fail(NULL, HBIL_INVALID_FRAME,
+                  "hbil_config_suggest: camera.fx, camera.fy: %g, %g; must be "
+                  "above 0, and hardware_depth finite, with B not 0, if depth "
+                  "is hardware depth",
+                  frame->camera.fx, frame->camera.fy);
     found.sky = find_sky(&l, sky);
     found.lamps = look_at_lamps(&l);
     memcpy(frame->environment[0], sky, sizeof sky);
+    frame->sky_share =
+        found.sky == HBIL_SOURCE_NOT_SEEN ? hidden_sky_share(&l) : 0;
   }
   config->model.far_field = !looks ? HBIL_FAR_NONE
                             : found.sky == HBIL_SOURCE_NOT_IN_DIRECT

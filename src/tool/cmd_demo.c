@@ -277,7 +277,8 @@ static void name_results(const demo_options *o, const char *folder) {
          folder, last);
 }
 
-static int process(const demo_options *o, const char *sky, char **files) {
+static int process(const demo_options *o, const char *sky, char **files,
+                   image_error *error) {
   process_settings s;
   process_settings_init(&s);
   s.output = o->output;
@@ -286,7 +287,7 @@ static int process(const demo_options *o, const char *sky, char **files) {
   s.environment = o->scene == SCENE_SKY ? sky : "0.12,0.11,0.1";
   s.preview = s.timings = s.overwrite = 1;
   s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
-  return process_run(&s, files, (int)o->frames);
+  return process_run(&s, files, (int)o->frames, error);
 }
 
 /* Before a sequence is traced for which there is no device. */
@@ -305,12 +306,11 @@ static int run(const demo_options *o, const char *folder, const char *sky,
   if (check_device(o, &error) != 0 || make_folder(o->output, &error) != 0 ||
       make_folder(folder, &error) != 0 ||
       trace_frames(o, folder, files, &error) != 0 ||
-      (o->scene == SCENE_SKY && write_sky(sky, &error) != 0))
+      (o->scene == SCENE_SKY && write_sky(sky, &error) != 0) ||
+      process(o, sky, files, &error) != 0)
     return report_error(&error);
-  int status = process(o, sky, files);
-  if (status == STATUS_OK)
-    name_results(o, folder);
-  return status;
+  name_results(o, folder);
+  return STATUS_OK;
 }
 
 int cmd_demo(int argc, char **argv) {

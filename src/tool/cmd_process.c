@@ -19,7 +19,8 @@ int cmd_process(int argc, char **argv) {
   if (read < 0 ||
       frame_list_make(a.files, a.count, a.frames, &list, &error) != 0)
     return report_error(&error);
-  const int status = process_run(&a.settings, list.files, (int)list.count);
+  const int failed =
+      process_run(&a.settings, list.files, (int)list.count, &error);
   frame_list_free(&list);
-  return status;
+  return failed ? report_error(&error) : STATUS_OK;
 }

@@ -25,6 +25,7 @@ static const int layer_planes[LAYER_COUNT] = {
     [LAYER_BENT_NORMAL] = EXACT_BENT_NORMAL,
     [LAYER_CONE_COSINE] = EXACT_CONE_COSINE,
     [LAYER_BEAUTY] = EXACT_BEAUTY,
+    [LAYER_UNKNOWN] = EXACT_UNKNOWN,
 };
 
 struct exact_sequence {
@@ -114,12 +115,13 @@ void exact_sequence_expect(exact_sequence *e, unsigned frames, unsigned runs) {
 /* A frame                                                                   */
 
 static void fill_frame(const exact_sequence *e, const gbuffer *g,
-                       const camera_file *camera, float environment[9][3],
+                       const camera_file *camera, const far_light *far,
                        exact_frame *frame) {
   memset(frame, 0, sizeof *frame);
   frame->config = &e->config;
   camera_file_to_hbil(camera, &frame->camera);
-  memcpy(frame->environment, environment, sizeof frame->environment);
+  memcpy(frame->environment, far->environment, sizeof frame->environment);
+  frame->sky_share = far->sky_share;
   for (int i = 0; i < INPUTS; i++)
     for (size_t c = 0; c < e->channels[i]; c++)
       frame->input[(size_t)input_planes[i] + c] =
@@ -160,27 +162,28 @@ static void show(void *user, int done, int count) {
                                     (double)e->work.runs);
 }
 
-static void copy_layers(const exact_sequence *e, image *result) {
+static void copy_layers(const exact_sequence *e, image *result, image *hidden) {
   const size_t pixels = (size_t)e->config.width * e->config.height;
   for (int l = 0; l < LAYER_COUNT; l++)
     for (size_t c = 0; e->layers >> l & 1 && layer_table[l].components[c];
          c++) {
       const double *from =
           exact_at(&e->state.out, layer_planes[l] + (int)c, 0, 0);
-      float *to = layers_plane(result, (layer)l, c);
+      float *to = layers_plane_of(result, hidden, (layer)l, c);
       for (size_t i = 0; i < pixels; i++)
         to[i] = (float)from[i];
     }
 }
 
 int exact_sequence_run(exact_sequence *e, const gbuffer *g,
-                       const camera_file *camera, float environment[9][3],
-                       unsigned repeat, image *result, image_error *error) {
+                       const camera_file *camera, const far_light *far,
+                       unsigned repeat, image *result, image *hidden,
+                       image_error *error) {
   const exact_dense how = {
       .slices = (int)e->config.sampling.slices, .progress = show, .user = e};
   exact_status status = EXACT_SUCCESS;
   exact_frame frame;
-  fill_frame(e, g, camera, environment, &frame);
+  fill_frame(e, g, camera, far, &frame);
   if (e->done == 0)
     announce(e, &frame);
   for (unsigned run = 0; run < repeat && status == EXACT_SUCCESS;
@@ -192,7 +195,7 @@ int exact_sequence_run(exact_sequence *e, const gbuffer *g,
   progress_clear();
   if (status != EXACT_SUCCESS)
     return fail(status, error);
-  copy_layers(e, result);
+  copy_layers(e, result, hidden);
   return 0;
 }
 

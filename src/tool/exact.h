@@ -11,6 +11,7 @@
 #include "image/camera_json.h"
 #include "image/error.h"
 #include "image/image.h"
+#include "tool/far_light.h"
 
 /* The amount of work, from which the time is predicted. */
 typedef struct exact_work {
@@ -32,10 +33,12 @@ int exact_sequence_open(const hbil_config *config, const channel_map *map,
 void exact_sequence_close(exact_sequence *e);
 /* Corrects the amount of work, before the first run. */
 void exact_sequence_expect(exact_sequence *e, unsigned frames, unsigned runs);
-/* Runs a frame `repeat` times and copies the layers to result's planes. */
+/* Runs a frame `repeat` times and copies each layer to the planes of result or,
+ * if it has none there, of hidden. */
 int exact_sequence_run(exact_sequence *e, const gbuffer *g,
-                       const camera_file *camera, float environment[9][3],
-                       unsigned repeat, image *result, image_error *error);
+                       const camera_file *camera, const far_light *far,
+                       unsigned repeat, image *result, image *hidden,
+                       image_error *error);
 
 /* The light that the last frame hands on to the next one, for a process that
  * goes on with the sequence later: its size in bytes (0: none), the bytes, and

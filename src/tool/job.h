@@ -6,6 +6,7 @@
 #define HBIL_TOOL_JOB_H
 
 #include "dump/frame_camera.h"
+#include "tool/far_light.h"
 #include "tool/layers.h"
 #include "tool/settings.h"
 #include "image/camera_json.h"
@@ -28,7 +29,8 @@ typedef struct job {
   const process_settings *settings;
   hbil_config config; /* those of the settings, with all choices made */
   unsigned layers;    /* a set (layers.h) */
-  float environment[9][3];
+  unsigned hidden;    /* layers that are computed, but not written */
+  far_light far;
   job_frame *frames;
   int count;
   image_window window;    /* computed pixels: all that any frame has */

@@ -51,7 +51,7 @@ uint64_t job_key_begin(const job *j, const char *device) {
   hash = hash_text(hash, device);
   hash = hash_config(hash, &j->config);
   hash = hash_bytes(hash, more, sizeof more);
-  return hash_bytes(hash, j->environment, sizeof j->environment);
+  return hash_bytes(hash, &j->far, sizeof j->far);
 }
 
 /* How planes are read.  The members before `unit` have four bytes each, those

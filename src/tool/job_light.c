@@ -12,8 +12,8 @@
 #include <string.h>
 
 static int check_finite(const job *j, image_error *error) {
-  const float *values = &j->environment[0][0];
-  for (size_t i = 0; i < sizeof j->environment / sizeof *values; i++)
+  const float *values = &j->far.environment[0][0];
+  for (size_t i = 0; i < sizeof j->far.environment / sizeof *values; i++)
     if (!isfinite(values[i]))
       return image_fail(error,
                         "--environment %s: not finite; finite radiance is "
@@ -30,7 +30,7 @@ static int load_map(job *j, image_error *error) {
   if (formats_read_rgb(path, &rgb, &width, &height, error) != 0)
     return -1;
   const hbil_status status = hbil_environment_from_latlong(
-      rgb, width, height, 0, NULL, j->environment);
+      rgb, width, height, 0, NULL, j->far.environment);
   free(rgb);
   if (status != HBIL_SUCCESS)
     return image_fail(error, "%s: %s", path, hbil_status_string(status));
@@ -48,7 +48,7 @@ static int read_environment(job *j, image_error *error) {
   if (!text || !strcmp(text, "none"))
     return 0;
   if (option_floats("", text, constant, 3, NULL) == 0) {
-    memcpy(j->environment[0], constant, sizeof constant);
+    memcpy(j->far.environment[0], constant, sizeof constant);
     j->config.model.far_field = HBIL_FAR_CONSTANT;
   } else if (load_map(j, error) != 0)
     return -1;
@@ -116,11 +116,26 @@ static int look_at_first(job *j, hbil_sources *found, image_error *error) {
                       hbil_status_string(status));
   if (!j->settings->environment) {
     j->config.model.far_field = config.model.far_field;
-    memcpy(j->environment, frame.environment, sizeof j->environment);
+    memcpy(j->far.environment, frame.environment, sizeof j->far.environment);
+    j->far.sky_share = frame.sky_share;
   }
   if (!j->settings->emission_given)
     j->config.model.gather_emission = config.model.gather_emission;
   return 0;
+}
+
+/* The share that is a guess is told, even if its layer isn't written.  A job
+ * for `beauty` alone that may leave out light which doesn't show
+ * (HBIL_SKIP_UNUSED) still may: asking for the share, too, would forbid it. */
+static unsigned hidden_layers(const job *j) {
+  const unsigned unknown = 1u << LAYER_UNKNOWN;
+  const int may_skip =
+      j->layers == 1u << LAYER_BEAUTY &&
+      (j->config.history.reprojection == HBIL_REPROJECTION_NONE ||
+       j->config.model.feedback == HBIL_FEEDBACK_RADIANCE);
+  return !may_skip && layers_show_guesses(j->layers, &j->config)
+             ? unknown & ~j->layers
+             : 0u;
 }
 
 int job_light_decide(job *j, image_error *error) {
@@ -136,5 +151,6 @@ int job_light_decide(job *j, image_error *error) {
                   : "none: this --mode looks at no light");
   if (!s->quiet && !s->emission_given && emission_texts[found.lamps])
     fprintf(stderr, "hbil: emission: %s\n", emission_texts[found.lamps]);
+  j->hidden = hidden_layers(j);
   return 0;
 }

@@ -6,12 +6,13 @@
 #include "tool/job.h"
 #include "image/error.h"
 
-/* Reads --environment into j->environment and j->config.model.far_field.  0, or
- * -1 with `error` filled. */
+/* Reads --environment into j->far.environment and j->config.model.far_field. 0,
+ * or -1 with `error` filled. */
 int job_environment_read(job *j, image_error *error);
 
 /* Decides by the first frame what the user left open (hbil_config_suggest()),
- * and prints a line for each decision.  0, or -1 with `error` filled. */
+ * and prints a line for each decision.  Sets j->hidden, which follows from it.
+ * 0, or -1 with `error` filled. */
 int job_light_decide(job *j, image_error *error);
 
 #endif

@@ -17,11 +17,14 @@ const layer_info layer_table[LAYER_COUNT] = {
     LAYER(near_irradiance, "RGB"), LAYER(far_irradiance, "RGB"),
     LAYER(indirect, "RGB"),        LAYER(ao, "V"),
     LAYER(bent_normal, "XYZ"),     LAYER(cone_cosine, "V"),
-    LAYER(beauty, "RGB"),          LAYER(error_estimate, "XY"),
+    LAYER(beauty, "RGB"),          LAYER(unknown, "V"),
+    LAYER(error_estimate, "XY"),
 };
 
 unsigned layers_of_mode(hbil_mode mode) {
-  const unsigned all = (1u << LAYER_ERROR_ESTIMATE) - 1u;
+  /* Another plane of floats costs some percent of a file and of the time to
+   * write it, which is what limits most jobs. */
+  const unsigned all = (1u << LAYER_UNKNOWN) - 1u;
   const unsigned cone = 1u << LAYER_BENT_NORMAL | 1u << LAYER_CONE_COSINE;
   if (mode == HBIL_MODE_HBIL)
     return all;
@@ -32,7 +35,19 @@ unsigned layers_of_mode(hbil_mode mode) {
 unsigned layers_possible(hbil_mode mode, int exact) {
   const unsigned error =
       exact || mode == HBIL_MODE_HBAO ? 0u : 1u << LAYER_ERROR_ESTIMATE;
-  return layers_of_mode(mode) | error;
+  const unsigned unknown = mode == HBIL_MODE_HBIL ? 1u << LAYER_UNKNOWN : 0u;
+  return layers_of_mode(mode) | unknown | error;
+}
+
+int layers_show_guesses(unsigned layers, const hbil_config *config) {
+  const unsigned light = 1u << LAYER_NEAR_IRRADIANCE |
+                         1u << LAYER_FAR_IRRADIANCE | 1u << LAYER_INDIRECT |
+                         1u << LAYER_BEAUTY | 1u << LAYER_UNKNOWN;
+  const hbil_model *m = &config->model;
+  return m->mode == HBIL_MODE_HBIL && (layers & light) != 0 &&
+         (m->far_field == HBIL_FAR_FRAME ||
+          (m->back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
+           m->facing_fade[1] > -1.0f));
 }
 
 void layers_names(unsigned layers, char *text, size_t size) {
@@ -99,4 +114,10 @@ float *layers_plane(const image *img, layer l, size_t i) {
   plane_name(l, i, name, sizeof name);
   image_plane *plane = image_find(img, name);
   return plane ? plane->pixels : NULL;
+}
+
+float *layers_plane_of(const image *one, const image *other, layer l,
+                       size_t i) {
+  float *plane = layers_plane(one, l, i);
+  return plane ? plane : layers_plane(other, l, i);
 }

@@ -17,7 +17,9 @@ typedef enum layer {
   LAYER_BENT_NORMAL,
   LAYER_CONE_COSINE,
   LAYER_BEAUTY,
-  LAYER_ERROR_ESTIMATE, /* written only on request */
+  /* written only on request */
+  LAYER_UNKNOWN,
+  LAYER_ERROR_ESTIMATE,
   LAYER_COUNT
 } layer;
 
@@ -38,6 +40,10 @@ unsigned layers_of_mode(hbil_mode mode);
  * estimate. */
 unsigned layers_possible(hbil_mode mode, int exact);
 
+/* Whether some of these layers show light that the settings allow to be a
+ * guess: then the layer `unknown` tells its share. */
+int layers_show_guesses(unsigned layers, const hbil_config *config);
+
 /* "ao, indirect" for a set of layers. */
 void layers_names(unsigned layers, char *text, size_t size);
 
@@ -50,5 +56,8 @@ int layers_image(unsigned layers, uint32_t width, uint32_t height, image *out);
 
 /* The plane of channel i of a layer, or NULL. */
 float *layers_plane(const image *img, layer l, size_t i);
+
+/* The same of the first image that has it. */
+float *layers_plane_of(const image *one, const image *other, layer l, size_t i);
 
 #endif

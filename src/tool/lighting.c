@@ -22,8 +22,8 @@ static int open_exact(lighting *l, const job *j, image_error *error) {
   exact_work work = {.frames = (unsigned)j->count, .quiet = j->settings->quiet};
   for (int i = 0; i < j->count; i++)
     work.runs += job_runs(j, i);
-  return exact_sequence_open(&j->config, &j->frames[0].map, j->layers, &work,
-                             &l->exact, error);
+  return exact_sequence_open(&j->config, &j->frames[0].map,
+                             j->layers | j->hidden, &work, &l->exact, error);
 }
 
 /* Whether the process may use any amount of memory.  PoCL allocates a buffer
@@ -50,8 +50,8 @@ static size_t horizon_cache_bytes(const lighting *l, const job *j) {
 }
 
 static int open_sequence(lighting *l, const job *j, image_error *error) {
-  return sequence_open(&l->device, &j->config, &j->frames[0].map, j->layers,
-                       &l->sequence, error);
+  return sequence_open(&l->device, &j->config, &j->frames[0].map,
+                       j->layers | j->hidden, &l->sequence, error);
 }
 
 int lighting_open(lighting *l, job *j, image_error *error) {
@@ -84,17 +84,15 @@ uint64_t lighting_hash(const lighting *l, const gbuffer *g) {
 }
 
 int lighting_run(lighting *l, const job *j, size_t item, const gbuffer *g,
-                 uint64_t hash, image *result, timing_row *row,
+                 uint64_t hash, image *result, image *hidden, timing_row *row,
                  image_error *error) {
   const job_frame *f = &j->frames[item];
   const unsigned runs = job_runs(j, (int)item);
-  float environment[9][3];
-  memcpy(environment, j->environment, sizeof environment);
   if (!l->exact)
-    return sequence_run(l->sequence, g, hash, environment, runs, result, row,
-                        error);
-  return exact_sequence_run(l->exact, g, &f->camera, environment, runs, result,
-                            error);
+    return sequence_run(l->sequence, g, hash, &j->far, runs, result, hidden,
+                        row, error);
+  return exact_sequence_run(l->exact, g, &f->camera, &j->far, runs, result,
+                            hidden, error);
 }
 
 size_t lighting_history_size(const lighting *l) {
@@ -112,11 +110,9 @@ int lighting_history_save(lighting *l, void *bytes, image_error *error) {
 int lighting_history_restore(lighting *l, const job *j, int item, void *bytes,
                              image_error *error) {
   const camera_file *camera = &j->frames[item].camera;
-  float environment[9][3];
-  memcpy(environment, j->environment, sizeof environment);
   if (!l->exact)
-    return sequence_history_restore(l->sequence, &j->frames[item].map,
-                                    environment, bytes, error);
+    return sequence_history_restore(l->sequence, &j->frames[item].map, &j->far,
+                                    bytes, error);
   exact_sequence_give_light(l->exact, camera, bytes);
   return 0;
 }

@@ -35,10 +35,11 @@ size_t lighting_memory(const lighting *l);
 /* See sequence_hash(); 0 for the exact integral. */
 uint64_t lighting_hash(const lighting *l, const gbuffer *g);
 
-/* Computes a frame's layers into the planes of result, which cover j->window.
+/* Computes a frame's layers into the planes of result (j->layers) and of hidden
+ * (j->hidden), which cover j->window.
  * Frames come in order.  row: see sequence_run().  0, or -1. */
 int lighting_run(lighting *l, const job *j, size_t item, const gbuffer *g,
-                 uint64_t hash, image *result, timing_row *row,
+                 uint64_t hash, image *result, image *hidden, timing_row *row,
                  image_error *error);
 
 /* See sequence_history_size() and those below it.  item: the frame whose

@@ -73,6 +73,7 @@ static unsigned char layer_byte(layer l, float value, float exposure) {
   switch (l) {
   case LAYER_AO:
   case LAYER_CONE_COSINE:
+  case LAYER_UNKNOWN:
     return byte(value);
   case LAYER_BENT_NORMAL:
     return byte(0.5f * value + 0.5f);

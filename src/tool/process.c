@@ -8,6 +8,7 @@
 #include "tool/report.h"
 #include "tool/run_frames.h"
 #include "tool/timings.h"
+#include "tool/unknown.h"
 
 #include <unistd.h>
 
@@ -53,6 +54,8 @@ static int print_timings(const process *p, image_error *error) {
       .wall = p->times.wall,
       .computed = p->times.computed,
   };
+  if (!s->quiet)
+    unknown_report(report.rows, report.count);
   if (!s->quiet && !s->timings && report.computed > 1) {
     fputs("hbil: ", stderr);
     timings_summary(&report, stderr);
@@ -88,17 +91,16 @@ static int run(process *p, image_error *error) {
              : 0;
 }
 
-int process_run(const process_settings *settings, char *const *files,
-                int count) {
+int process_run(const process_settings *settings, char *const *files, int count,
+                image_error *error) {
   process p = {.job = {.settings = settings}};
-  image_error error;
   const int failed =
-      open_all(&p, settings, files, count, &error) != 0 || run(&p, &error) != 0;
+      open_all(&p, settings, files, count, error) != 0 || run(&p, error) != 0;
   if (failed && p.job.folder_created)
     rmdir(settings->output); /* succeeds only if it is empty */
   frame_times_free(&p.times);
   resume_close(&p.resume);
   lighting_close(&p.lighting);
   job_free(&p.job);
-  return failed ? report_error(&error) : STATUS_OK;
+  return failed ? -1 : 0;
 }

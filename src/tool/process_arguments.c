@@ -87,6 +87,7 @@ static const row rows[] = {
     {"back-facing-fallback", CHOICE, CONFIG(model.back_facing_fallback),
      HBIL_FALLBACK_LAST_ACCEPTED, 0, fallbacks},
     {"gather-emission", CHOICE, CONFIG(model.gather_emission), 0, 0, no_yes},
+    {"unseen-light", FLOATS, CONFIG(model.unseen_light), 1, 0, NULL},
     {"reprojection", CHOICE, CONFIG(history.reprojection), 0, 0, reprojections},
     {"disocclusion-threshold", FLOATS, CONFIG(history.disocclusion_threshold),
      1, 0, NULL},

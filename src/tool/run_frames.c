@@ -7,6 +7,7 @@
 #include "tool/encode.h"
 #include "tool/frame_source.h"
 #include "tool/progress.h"
+#include "tool/unknown.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -28,7 +29,8 @@ typedef struct run {
   encoder encoder;
   timing_row *rows;
   slot slots[PIPELINE_SLOTS];
-  image whole; /* computed pixels, if not all of them are written */
+  image whole;  /* computed pixels, if not all of them are written */
+  image hidden; /* layers that are not written */
 } run;
 
 static slot *slot_of(run *r, size_t item) {
@@ -65,9 +67,9 @@ static void mirror_bent_normals(image *result) {
 }
 
 /* Allocates the planes the first time. */
-static int make_layers(const job *j, uint32_t width, uint32_t height,
+static int make_layers(unsigned layers, uint32_t width, uint32_t height,
                        image *out) {
-  return out->count ? 0 : layers_image(j->layers, width, height, out);
+  return out->count ? 0 : layers_image(layers, width, height, out);
 }
 
 /* Computes a frame; s->result gets the pixels that are written. */
@@ -76,12 +78,16 @@ static int compute_frame(run *r, size_t item, slot *s, image_error *error) {
   const image_window *shown = &j->shown;
   const int all = shown->width == j->width && shown->height == j->height;
   image *computed = all ? &s->result : &r->whole;
-  if (make_layers(j, j->width, j->height, computed) != 0 ||
-      make_layers(j, shown->width, shown->height, &s->result) != 0)
+  if (make_layers(j->layers, j->width, j->height, computed) != 0 ||
+      make_layers(j->layers, shown->width, shown->height, &s->result) != 0 ||
+      make_layers(j->hidden, j->width, j->height, &r->hidden) != 0)
     return image_no_memory(error, j->frames[item].path);
-  if (lighting_run(r->lighting, j, item, &s->g, s->hash, computed,
+  if (lighting_run(r->lighting, j, item, &s->g, s->hash, computed, &r->hidden,
                    &r->rows[item], error) != 0)
     return -1;
+  unknown_measure(j, &s->g,
+                  layers_plane_of(computed, &r->hidden, LAYER_UNKNOWN, 0),
+                  &r->rows[item]);
   if (j->frames[item].seen.mirrored)
     mirror_bent_normals(computed);
   for (size_t i = 0; !all && i < computed->count; i++)
@@ -138,6 +144,7 @@ static int encode(void *user, size_t item, image_error *error) {
 static void release(run *r) {
   encoder_close(&r->encoder);
   image_free(&r->whole);
+  image_free(&r->hidden);
   for (int i = 0; i < PIPELINE_SLOTS; i++) {
     gbuffer_free(&r->slots[i].g);
     image_free(&r->slots[i].copied);

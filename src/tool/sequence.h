@@ -5,6 +5,7 @@
 
 #include "dump/gbuffer.h"
 #include "tool/device.h"
+#include "tool/far_light.h"
 #include "image/error.h"
 #include "image/image.h"
 
@@ -29,17 +30,22 @@ typedef struct timing_row {
   double milliseconds[HBIL_PASS_COUNT];
   hbil_statistics statistics;
   hbil_sanitized sanitized;
+  /* Pixels that show surfaces, and the mean of `unknown` over them; the caller
+   * sets both (unknown.h). */
+  size_t surfaces;
+  double unknown;
 } timing_row;
 
 /*
- * Runs a frame `repeat` times and copies the layers into the planes of result.
+ * Runs a frame `repeat` times and copies each layer into the planes of result,
+ * or, if it has none there, of hidden.
  * Runs after the first, and a frame that equals the previous one, are static
  * frames (hbil.h).  hash: that of sequence_hash().  row is filled, for the last
  * run, if config.profiling is set.  Returns 0, or -1 with `error` filled.
  */
 int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
-                 float environment[9][3], unsigned repeat, image *result,
-                 timing_row *row, image_error *error);
+                 const far_light *far, unsigned repeat, image *result,
+                 image *hidden, timing_row *row, image_error *error);
 
 /* A hash of the planes that sequence_run() uploads, by which it recognises the
  * previous frame.  Another thread may call it meanwhile. */
@@ -48,14 +54,14 @@ uint64_t sequence_hash(const sequence *s, const gbuffer *g);
 /*
  * The history: what the last frame hands on to the next one.  If it is restored
  * into a new sequence with the same device and settings, together with the
- * map (for its camera) and environment of that frame, the next frame has the
+ * map (for its camera) and far light of that frame, the next frame has the
  * same bits as without the interruption.  size: bytes; 0 if these settings have
  * no history.
  */
 size_t sequence_history_size(const sequence *s);
 int sequence_history_save(sequence *s, void *bytes, image_error *error);
 int sequence_history_restore(sequence *s, const channel_map *map,
-                             float environment[9][3], void *bytes,
+                             const far_light *far, void *bytes,
                              image_error *error);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include "image/error.h"
 #include "tool/statistics.h"
+#include "tool/unknown.h"
 
 #include <jansson.h>
 #include <string.h>
@@ -81,6 +82,7 @@ static timing_row mean(const timing_report *report) {
     for (int p = 0; p < HBIL_PASS_COUNT; p++)
       row.milliseconds[p] +=
           report->rows[i].milliseconds[p] / (double)report->count;
+  row.unknown = unknown_mean(report->rows, report->count, &row.surfaces);
   return row;
 }
 
@@ -140,10 +142,11 @@ static json_t *row_json(const timing_row *row) {
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     json_object_set_new(passes, hbil_pass_name((hbil_pass)p),
                         json_real(row->milliseconds[p]));
-  return json_pack("{s:s, s:o, s:f, s:o, s:o}", "frame", row->frame,
+  return json_pack("{s:s, s:o, s:f, s:o, s:o, s:o}", "frame", row->frame,
                    "milliseconds", passes, "total", total(row), "statistics",
                    statistics_json(&row->statistics), "sanitized",
-                   sanitized_json(&row->sanitized));
+                   sanitized_json(&row->sanitized), "unknown",
+                   row->surfaces ? json_real(row->unknown) : json_null());
 }
 
 int timings_json(const timing_report *report, image_error *error) {

@@ -101,8 +101,8 @@ static void measure_frame(setup *s, bool has_history, deviation *all) {
   }
   split = passed(s, hbil_enqueue_split, HBIL_STAGE_SPLIT);
   measure_split(s, has_history ? &carried : NULL, &split, all);
-  exact_estimate_frame(&s->job, &split);
   gathered = passed(s, hbil_enqueue_gather, HBIL_STAGE_GATHERED);
+  exact_estimate_frame(&s->job, &split, &gathered);
   exact_planes want = checked_planes(WIDTH, HEIGHT, HBIL_GATHERED_PLANES);
   checked_gather(&s->job, &split, &want);
   add_light_deviation(all, GATHER_AO, &gathered, &want, true, true);

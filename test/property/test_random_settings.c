@@ -68,7 +68,8 @@ static void any_model(hbil_config *c, random_state *r) {
   c->history.disocclusion_threshold = maybe(r, 0.2) ? INFINITY : 0.05f;
   c->model.far_field = (hbil_far_field)below(r, 4);
   if (c->model.mode != HBIL_MODE_HBIL) {
-    c->outputs.near_irradiance.component = HBIL_NONE;
+    c->outputs.near_irradiance.component = c->outputs.unknown.component =
+        HBIL_NONE;
     c->model.far_field = (hbil_far_field)below(r, 2);
   }
   if (c->model.mode == HBIL_MODE_HBAO)
@@ -147,7 +148,7 @@ static void check_near_double(setup *s) {
       widened(stage_read(s, HBIL_STAGE_GATHERED), HBIL_GATHERED_PLANES);
   exact_planes want =
       checked_planes(split.width, split.height, HBIL_GATHERED_PLANES);
-  exact_estimate_frame(&s->job, &split);
+  exact_estimate_frame(&s->job, &split, &gathered);
   checked_gather(&s->job, &split, &want);
   add_light_deviation(all, GATHER_AO, &gathered, &want, light, bent);
   exact_recompose(&s->job, &split, &gathered, &want);

@@ -99,7 +99,8 @@ void setup_no_outputs(setup *s) {
 void setup_mode(setup *s, hbil_mode mode) {
   s->config.model.mode = mode;
   if (mode != HBIL_MODE_HBIL)
-    s->config.outputs.near_irradiance.component = HBIL_NONE;
+    s->config.outputs.near_irradiance.component =
+        s->config.outputs.unknown.component = HBIL_NONE;
   if (mode == HBIL_MODE_HBAO)
     s->config.outputs.bent_normal.component =
         s->config.outputs.cone_cosine.component = HBIL_NONE;
@@ -256,6 +257,7 @@ void setup_upload(setup *s) {
   s->job.camera = s->frame.camera;
   s->job.frame_index = s->frame.frame_index;
   memcpy(s->job.environment, s->frame.environment, sizeof(s->job.environment));
+  s->job.sky_share = s->frame.sky_share;
   for (plane_id id = 0; id < PLANE_FIRST_OUTPUT; ++id) {
     bool has = has_plane(s, id);
     if (has)

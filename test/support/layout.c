@@ -32,7 +32,8 @@ static const plane_info infos[PLANE_COUNT] = {
     PLANE(outputs, bent_normal, 3, EXACT_BENT_NORMAL),
     PLANE(outputs, cone_cosine, 1, EXACT_CONE_COSINE),
     PLANE(outputs, indirect, 3, EXACT_INDIRECT),
-    PLANE(outputs, beauty, 3, EXACT_BEAUTY)};
+    PLANE(outputs, beauty, 3, EXACT_BEAUTY),
+    PLANE(outputs, unknown, 1, EXACT_UNKNOWN)};
 
 const char *plane_name(plane_id id) {
   return infos[id].name;

@@ -26,6 +26,7 @@ typedef enum plane_id {
   PLANE_CONE,
   PLANE_INDIRECT,
   PLANE_BEAUTY,
+  PLANE_UNKNOWN,
   PLANE_COUNT
 } plane_id;
 

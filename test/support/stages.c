@@ -8,16 +8,29 @@ typedef struct stage_bytes {
   hbil_stage stage;
   size_t size;
   float *floats;
-  int weight; /* index of the plane of single slices' weights; 0: none */
+  /* The plane that lies behind all others, wherever these end: its index (0:
+   * there is none), and which one of exact planes it is. */
+  int last, last_is;
 } stage_bytes;
+
+/* Whether the share that back-facing samples block is known. */
+static bool has_unknown(const setup *s) {
+  return s->config.model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
+         s->config.model.facing_fade[1] > -1.0f;
+}
 
 static stage_bytes stage_open(setup *s, hbil_stage stage) {
   stage_bytes t;
   assert_success(s, hbil_plan_buffer(s->plan, stage, &t.b));
   t.stage = stage;
-  t.weight = 0;
+  t.last = t.last_is = 0;
   if (stage == HBIL_STAGE_GATHERED && exact_weighs_slices(&s->config))
-    t.weight = (int)--t.b.values;
+    t.last_is = HBIL_LIGHT_WEIGHT;
+  if (stage == HBIL_STAGE_RESOLVED && has_unknown(s) &&
+      s->config.outputs.unknown.component)
+    t.last_is = HBIL_LIGHT_UNKNOWN;
+  if (t.last_is)
+    t.last = (int)--t.b.values;
   t.floats = (float *)(void *)buffer_bytes(s->device, t.b.buffer, &t.size);
   return t;
 }
@@ -44,14 +57,11 @@ static bool is_packed(const setup *s, hbil_stage stage) {
 
 /* The number of planes that FLOAT32 would have in place of so many words. */
 static int plain_planes(const setup *s, hbil_stage stage, int words) {
-  bool unknown =
-      s->config.model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
-      s->config.model.facing_fade[1] > -1.0f;
   if (stage == HBIL_STAGE_SPLIT)
     return words > HBIL_PACKED_RADIANCE ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED;
   if (words == 1)
     return HBIL_LIGHT_RED;
-  if (unknown)
+  if (has_unknown(s))
     return HBIL_LIGHT_UNKNOWN + 1;
   return words == HBIL_PACKED_BENT ? HBIL_LIGHT_BENT : HBIL_LIGHT_PLANES;
 }
@@ -99,8 +109,8 @@ exact_planes stage_read(setup *s, hbil_stage stage) {
   exact_planes out;
   if (is_packed(s, stage))
     count = plain_planes(s, stage, count);
-  if (t.weight)
-    count = HBIL_GATHERED_PLANES;
+  if (t.last)
+    count = t.last_is + 1;
   out = checked_planes((int)s->config.width, (int)s->config.height, count);
   if (is_packed(s, stage))
     read_packed(&t, &out);
@@ -109,10 +119,9 @@ exact_planes stage_read(setup *s, hbil_stage stage) {
       for (int y = 0; y < out.height; ++y)
         for (int x = 0; x < out.width; ++x)
           *exact_at(&out, p, x, y) = (double)*stage_at(&t, p, x, y);
-  for (int y = 0; t.weight && y < out.height; ++y)
+  for (int y = 0; t.last && y < out.height; ++y)
     for (int x = 0; x < out.width; ++x)
-      *exact_at(&out, HBIL_LIGHT_WEIGHT, x, y) =
-          (double)*stage_at(&t, t.weight, x, y);
+      *exact_at(&out, t.last_is, x, y) = (double)*stage_at(&t, t.last, x, y);
   free(t.floats);
   return out;
 }
@@ -127,10 +136,9 @@ void stage_write(setup *s, hbil_stage stage, const exact_planes *planes) {
       for (int y = 0; y < planes->height; ++y)
         for (int x = 0; x < planes->width; ++x)
           *stage_at(&t, p, x, y) = (float)*exact_at(planes, p, x, y);
-  for (int y = 0; t.weight && y < planes->height; ++y)
+  for (int y = 0; t.last && y < planes->height; ++y)
     for (int x = 0; x < planes->width; ++x)
-      *stage_at(&t, t.weight, x, y) =
-          (float)*exact_at(planes, HBIL_LIGHT_WEIGHT, x, y);
+      *stage_at(&t, t.last, x, y) = (float)*exact_at(planes, t.last_is, x, y);
   buffer_write(s->device, t.b.buffer, 0, t.size, t.floats);
   free(t.floats);
 }

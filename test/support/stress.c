@@ -206,6 +206,7 @@ void check_sane(setup *s) {
               most_light(s, PLANE_NEAR, radiance));
   check_range("far_irradiance", &out, EXACT_FAR_IRRADIANCE, 3, 0.0,
               sh ? INFINITY : most_light(s, PLANE_FAR, radiance));
+  check_range("unknown", &out, EXACT_UNKNOWN, 1, 0.0, 1.0);
   check_range("cone", &out, EXACT_CONE_COSINE, 1, 0.0, 1.0);
   check_range("indirect", &out, EXACT_INDIRECT, 3, 0.0, INFINITY);
   check_range("radiance", &out, EXACT_BEAUTY, 3, 0.0, INFINITY);

@@ -4,11 +4,15 @@
 . "$srcdir/test/support/tap.sh"
 BENCH=${HBIL_BENCH:-./hbil-bench}
 
-# tiny QUESTION OPTION...: a few pixels, one run.
+# tiny QUESTION OPTION...: a few pixels, one run; truth takes folders of its own.
 tiny() {
   question=$1
   shift
-  "$BENCH" "$question" --size 64x48 --runs 1 --quick -o "$work/results" "$@"
+  case $question in
+  truth) ;;
+  *) set -- --size 64x48 --runs 1 --quick "$@" ;;
+  esac
+  "$BENCH" "$question" -o "$work/results" "$@"
 }
 
 # rejected NAME PATTERN COMMAND...: exit status 2 and one line that starts with
@@ -36,7 +40,7 @@ assert r["machine"]["device"] and r["date"] and r["tables"] and r["hbil"]' \
 }
 
 says "the program lists its questions" '^  passes ' "$BENCH" --help
-for question in error skips scaling temporal passes pilot formats; do
+for question in error skips scaling temporal passes pilot formats truth; do
   says "$question has help" "^usage: hbil-bench $question" \
     "$BENCH" $question --help
 done
@@ -112,6 +116,213 @@ rejected "a truth without a dump" '--truth: one --dump' \
   "$BENCH" error --truth "$1"
 rejected "a dump has its own size" '--size: a dump has' \
   "$BENCH" error --size 64x48 "$1"
+
+# --- truth ---
+
+# process NAME OPTION...: results of the demo's frames in $work/NAME.
+process() {
+  into=$work/$1
+  shift
+  "$HBIL" process --quiet --overwrite --layers indirect -o "$into" "$@" \
+    "$gbuffer"/frame_*.exr
+}
+# scene NAME FILE: the demo's frames, and FILE as the last one's truth.
+scene() {
+  mkdir -p "$work/$1"
+  cp "$gbuffer"/frame_*.exr "$gbuffer"/frame_*.json "$work/$1"
+  cp "$2" "$work/$1/truth_avg_0002.exr"
+}
+# first KEY FILE: the first number of that name in a JSON file.
+first() {
+  sed -n "s/^ *\"$1\": \([-0-9.e+]*\),\{0,1\}\$/\1/p" "$2" | head -n 1
+}
+# figure KEY: of the first scene.
+figure() {
+  first "$1" "$work/results/truth.json"
+}
+# near NAME A B: two numbers that differ by less than A / 10000 + 1e-6.
+near() {
+  awk -v a="$2" -v b="$3" 'BEGIN {
+    off = a > b ? a - b : b - a
+    exit !(a != "" && b != "" && off <= a / 1e4 + 1e-6) }'
+  differ=$?
+  echo "$2 and $3" >"$work/out"
+  ok $differ "$1"
+}
+# compared KEY A B: what hbil compare says at the pixels of the last frame.
+compared() {
+  "$HBIL" compare --json --mask "$gbuffer/frame_0002.exr" "$2" "$3" \
+    >"$work/compared"
+  first "$1" "$work/compared"
+}
+mkdir "$work/temporary"
+export TMPDIR="$work/temporary"
+gbuffer=$work/demo/gbuffer
+last=frame_0002.exr
+
+works "an exact integral is a truth" process exact --quality reference --slices 8
+scene exact-scene "$work/exact/$last"
+process ours && process paper --model paper &&
+  process black --model paper --layers far_irradiance
+exact=$work/exact/$last:indirect
+says "truth has a row for each scene" \
+  '^| exact-scene | 0\.[0-9]* | [0-9.]* | 1 | [0-9.]* | [0-9.]* |' \
+  tiny truth "$work/exact-scene" "$work/exact-scene/" --runs 5
+test "$(grep -c '^| exact-scene | 0\.' "$work/out")" -eq 4 &&
+  grep -q '^| geometric mean | ' "$work/out" && grep -q '^| worst | ' "$work/out"
+ok $? "and rows of all"
+valid "truth's JSON can be read" "$work/results/truth.json"
+near "RMSE is that of hbil process and hbil compare" "$(figure rmse)" \
+  "$(compared rmse "$work/ours/$last:indirect" "$exact")"
+near "so is that of the paper's model" "$(figure paper_rmse)" \
+  "$(compared rmse "$work/paper/$last:indirect" "$exact")"
+near "means are compared" "$(figure mean_ratio)" "$(awk \
+  -v a="$(compared mean "$exact" "$work/ours/$last:indirect")" \
+  -v b="$(compared mean "$exact" "$exact")" 'BEGIN { print a / b }')"
+# Black far light is the answer zero.  The variance of a channel is its mean
+# square less the square of its mean.
+for c in R G B; do
+  for key in rmse mean values; do
+    compared $key "$work/black/$last:far_irradiance.$c" "$exact.$c"
+  done | tr '\n' ' '
+  echo
+done | awk '{ square += $1 * $1 * $3; off += ($1 * $1 - $2 * $2) * $3; n += $3 }
+  END { print sqrt(off / n), sqrt(square / off) }' >"$work/trivial"
+near "the floor is the constant mean's" "$(figure floor)" \
+  "$(cut -d ' ' -f 1 "$work/trivial")"
+near "zero is over it" "$(figure zero)" "$(cut -d ' ' -f 2 "$work/trivial")"
+
+# The frame alone, once and four times.
+for runs in 1 4; do
+  "$HBIL" process --quiet --warm-up 0 --repeat $runs --layers indirect \
+    -o "$work/runs-$runs" "$gbuffer/$last"
+done
+near "light after one run is that of one bounce" "$(figure runs_1)" "$(awk \
+  -v a="$(compared mean "$exact" "$work/runs-1/$last:indirect")" \
+  -v b="$(compared mean "$exact" "$work/runs-4/$last:indirect")" \
+  'BEGIN { print a / b }')"
+near "and relative to the last that is within --runs" "$(figure runs_4)" 1
+
+# Far light of one colour on open surfaces: its chromaticity is (1, 2, 3) / 6, and
+# that of white a third each, so they are sqrt(2) / 6 apart.
+far='--mode gtao --environment'
+# shellcheck disable=SC2086
+process coloured $far 1,2,3 && process bright $far 3,3,3 &&
+  process dark $far 1,1,1 --copy-channels
+scene coloured-scene "$work/coloured/$last"
+# shellcheck disable=SC2086
+works "truth takes options of hbil process" tiny truth "$work/coloured-scene" \
+  -- $far 1,1,1
+near "chroma of a colour against white" "$(figure chroma)" 0.2357023
+near "light is a half as much" "$(figure mean_ratio)" 0.5
+near "one colour is no error of chroma" "$(figure chroma_constant_mean)" 0
+# shellcheck disable=SC2086
+works "brightness is none" tiny truth "$work/coloured-scene" -- $far 2,4,6
+near "of chroma" "$(figure chroma)" 0
+near "but twice the mean" "$(figure mean_ratio)" 2
+
+# A frame that holds its own truth, alone and with an independent one.
+mkdir "$work/own"
+cp "$gbuffer"/frame_*.exr "$gbuffer"/frame_*.json "$work/own"
+cp "$work/dark/$last" "$work/own/$last"
+# shellcheck disable=SC2086
+works "truth takes the light of the last frame" tiny truth "$work/own" \
+  -- $far 2,2,2
+near "alone" "$(figure mean_ratio)" 2
+cp "$work/bright/$last" "$work/own/seedB_0002.exr"
+# shellcheck disable=SC2086
+works "or the mean" tiny truth "$work/own" -- $far 2,2,2
+near "with an independent one" "$(figure mean_ratio)" 1
+
+# Single files, whose truth may be that of a name with fewer parts.
+mkdir "$work/single"
+cp "$gbuffer/$last" "$work/single/box.exr"
+cp "$gbuffer/frame_0002.json" "$work/single/box.json"
+cp "$gbuffer/$last" "$work/single/box_other_view.exr"
+cp "$gbuffer/frame_0002.json" "$work/single/box_other_view.json"
+cp "$work/exact/$last" "$work/single/box_truth.exr"
+says "--truth is truth, of a folder with NAME_truth.exr" '^| single | 0\.' \
+  "$BENCH" --truth "$work/single" -o "$work/results" --name single
+says "FOLDER/NAME takes the truth of a shorter name" '^| box_other_view | 0\.' \
+  tiny truth "$work/single/box_other_view"
+ls "$work/temporary" >"$work/left"
+test ! -s "$work/left" && test "$(ls "$work/single" | wc -l)" -eq 5
+ok $? "no result is left"
+
+# The last frame is that of the highest number, not the last in the alphabet.
+mkdir "$work/numbered"
+for kind in exr json; do
+  cp "$gbuffer/frame_0001.$kind" "$work/numbered/frame_9.$kind"
+  cp "$gbuffer/frame_0002.$kind" "$work/numbered/frame_10.$kind"
+done
+cp "$work/exact/$last" "$work/numbered/truth_avg_10.exr"
+works "truth orders frames by number" tiny truth "$work/numbered"
+near "with the same RMSE" "$(figure rmse)" \
+  "$(compared rmse "$work/ours/$last:indirect" "$exact")"
+
+mkdir "$work/nothing" "$work/untrue" "$work/blind" "$work/small"
+cp "$gbuffer/$last" "$gbuffer/frame_0002.json" "$work/untrue"
+cp "$gbuffer/$last" "$work/exact-scene/truth_avg_0002.exr" "$work/blind"
+cp "$gbuffer/$last" "$gbuffer/frame_0002.json" "$work/small"
+"$HBIL" demo --size 32x24 --frames 1 -o "$work/other" >"$work/out" 2>"$work/err"
+cp "$work/other/frame_0001.exr" "$work/small/truth_avg_0002.exr"
+rejected "truth without a folder" 'truth: no folder' tiny truth
+rejected "a folder that isn't there" 'none: no such folder' \
+  tiny truth "$work/none"
+rejected "an empty folder" 'nothing: no frames' tiny truth "$work/nothing"
+rejected "frames without a truth" 'untrue: no truth; truth_avg_NNNN.exr' \
+  tiny truth "$work/exact-scene" "$work/untrue"
+rejected "frames without a camera" 'frame_0002.json: camera cannot be read' \
+  tiny truth "$work/exact-scene" "$work/blind"
+rejected "a truth of another size" 'truth_avg_0002.exr: 32 x 24 pixels, but .*frame_0002.exr has 64 x 48' \
+  tiny truth "$work/small"
+cp "$work/single/box.exr" "$work/single/box_truth.exr"
+rejected "a truth without light" 'box_truth.exr: no indirect light' \
+  tiny truth "$work/single"
+cp "$work/single/box.exr" "$work/single/more_truth.exr"
+rejected "several truths" '2 files NAME_truth.exr; FOLDER/NAME' \
+  tiny truth "$work/single"
+rejected "options that hbil process has not" '-- *: --fast is not understood' \
+  tiny truth "$work/exact-scene" -- --fast
+rejected "options of what is written" '--dry-run: not here' \
+  tiny truth "$work/exact-scene" -- --dry-run
+rejected "frames behind the options" 'a.exr: not here' \
+  tiny truth "$work/exact-scene" -- a.exr
+rejected "a picture's size for truth" '--size is not an option' \
+  tiny truth --size 64x48 "$work/exact-scene"
+
+# A real frame with black albedo, and what its own measurement says of the
+# trivial answers.
+real=$HBIL_DATA/staircase
+if test -d "$real"; then
+  mkdir "$work/real"
+  for file in frame_0006.exr frame_0006.json truth_avg_0006.exr; do
+    ln -s "$(cd "$real" && pwd)/$file" "$work/real/$file"
+  done
+  works "staircase has a truth" tiny truth "$work/real"
+  near "the constant mean's RMSE" "$(figure floor)" \
+    "$(first baseline_constant_mean_rmse "$real/baselines.json")"
+  near "and that of no light" "$(figure zero)" "$(awk \
+    -v a="$(first baseline_zero_rmse "$real/baselines.json")" \
+    -v b="$(figure floor)" 'BEGIN { print a / b }')"
+else
+  for what in "staircase has a truth" "the constant mean's RMSE" \
+    "and that of no light"; do
+    skip "$what" "no dumps in $real"
+  done
+fi
+# A truth that is the difference of two noisy pictures.  Measured: .137, and .43
+# where negative values make chromaticities without bounds.
+single=$HBIL_DATA/renderers/mitsuba/sky_hide
+if test -e "$single.exr"; then
+  works "a truth with negative values" tiny truth "$single"
+  awk -v c="$(figure chroma_constant_mean)" 'BEGIN { exit !(c > 0.1 && c < 0.2) }'
+  ok $? "has chromaticities within bounds"
+else
+  for what in "a truth with negative values" "has chromaticities within bounds"; do
+    skip "$what" "no files $single.*"
+  done
+fi
 
 # --- mistakes ---
 

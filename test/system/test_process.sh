@@ -42,6 +42,49 @@ has "each layer has a preview" "$work/some/frame_0001.ao.png" \
   "$work/some/frame_0001.near_irradiance.png"
 absent "other layers have none" "$work/some/frame_0001.beauty.png"
 
+# --- light that is a guess ---
+
+guessed() {
+  sed -n "s/^hbil: unknown: the light of \([0-9.]*\) % of what surfaces see is a guess$/\1/p" \
+    "$work/err"
+}
+warned='^hbil: warning: most of the indirect light is a guess, .*--environment'
+run "$HBIL" process --overwrite --warm-up 0 --environment frame --timings \
+  --json -o "$work/guess" "$one" "$two"
+test $status -eq 0 && test "$(guessed | wc -l)" -eq 1 &&
+  ! grep -q "$warned" "$work/err" &&
+  awk -v said="$(guessed)" '/"unknown": / { share = 100 * ($2 + 0); n++ }
+    END { exit !(n == 3 && said > 20 && said < 50 && said - share < .1 &&
+                 share - said < .1) }' "$work/out"
+ok $? "the share of light that is a guess is printed once, and in JSON"
+rejected "its layer is written on request alone" 'no layer unknown' \
+  compare "$work/guess/frame_0001.exr:unknown" "$work/guess/frame_0001.exr"
+# shellcheck disable=SC2086
+run "$HBIL" process --overwrite $fast --warm-up 0 --environment frame \
+  --layers unknown,ao -o "$work/share" "$one" "$two"
+test $status -eq 0 && test -n "$(guessed)"
+ok $? "--layers unknown"
+works "has a value everywhere" compare --max-rmse 0 \
+  "$work/share/frame_0001.exr:unknown" "$work/share/frame_0001.exr"
+# The frame's estimate takes all open directions, where no sky shines.
+works "which is that of ao in a room" compare --max-rmse 1e-6 --mask "$one" \
+  "$work/share/frame_0001.exr:unknown" "$work/share/frame_0001.exr:ao"
+# shellcheck disable=SC2086
+run "$HBIL" process --overwrite $fast --warm-up 0 --environment frame \
+  --radius 0.1 -o "$work/guess" "$one" "$two"
+test $status -eq 0 && test "$(grep -c "$warned" "$work/err")" -eq 1
+ok $? "a warning says once that most of the light is a guess"
+# shellcheck disable=SC2086
+run process $fast --warm-up 0 --environment frame --radius 0.1 \
+  -o "$work/guess" "$one"
+test $status -eq 0 && test ! -s "$work/err"
+ok $? "--quiet doesn't"
+# shellcheck disable=SC2086
+run "$HBIL" process --overwrite $fast --warm-up 0 --environment none \
+  -o "$work/guess" "$one"
+test $status -eq 0 && test -z "$(guessed)" && ! grep -q "$warned" "$work/err"
+ok $? "without a guess there is no such line"
+
 # --- timings ---
 
 says "timings have a column for each pass" \

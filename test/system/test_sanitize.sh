@@ -67,6 +67,11 @@ works "nor in the exact integral" "$HBIL" process --quiet --quality reference \
 works "nor in info" "$HBIL" info "$1"
 works "nor in a comparison" "$HBIL" compare --heatmap "$work/heat.png" \
   "$work/job/frame_0001.exr:ao" "$work/exact/frame_0001.exr:ao"
+mkdir "$work/scene"
+cp "$1" "${1%.exr}.json" "$work/scene"
+cp "$work/exact/frame_0001.exr" "$work/scene/truth_avg_0001.exr"
+works "nor in a bench of a scene with its truth" "$build/hbil-bench" truth \
+  --runs 2 -o "$work/bench" "$work/scene"
 mkdir "$work/bin"
 printf '#!/bin/sh\nexit 1\n' >"$work/bin/gnuplot"
 chmod +x "$work/bin/gnuplot"

@@ -300,6 +300,9 @@ static void a_store_has_two_functions(void **state) {
   assert_int_equal(hbil_context_set_program_folder(c, NULL),
                    HBIL_INVALID_ARGUMENT);
   assert_non_null(strstr(hbil_context_message(c), ": folder must"));
+  assert_int_equal(hbil_context_set_program_folder(c, ""),
+                   HBIL_INVALID_ARGUMENT);
+  assert_non_null(strstr(hbil_context_message(c), ": folder: empty"));
 }
 
 /* ------------------------------------------------------------------------ */

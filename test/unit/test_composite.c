@@ -11,11 +11,12 @@
 #define HEIGHT 31
 
 /* Plausible light: AO in [0,1], here and there a rounding above 1, unit bent
- * normals, nothing at the sky. */
+ * normals, a part of what is blocked behind surfaces that face away, nothing at
+ * the sky. */
 static exact_planes plant_resolved(setup *s) {
   random_state r = {23};
   int width = (int)s->config.width, height = (int)s->config.height;
-  exact_planes light = checked_planes(width, height, HBIL_LIGHT_PLANES);
+  exact_planes light = checked_planes(width, height, HBIL_LIGHT_UNKNOWN + 1);
   for (int i = 0; i < width * height; ++i) {
     int x = i % width, y = i / width;
     bool sky = !(s->input[EXACT_DEPTH][i] > 0.0f);
@@ -33,6 +34,9 @@ static exact_planes plant_resolved(setup *s) {
     *exact_at(&light, HBIL_LIGHT_BENT, x, y) = sin(polar) * cos(azimuth);
     *exact_at(&light, HBIL_LIGHT_BENT + 1, x, y) = sin(polar) * sin(azimuth);
     *exact_at(&light, HBIL_LIGHT_BENT + 2, x, y) = cos(polar);
+    *exact_at(&light, HBIL_LIGHT_UNKNOWN, x, y) =
+        fmax(0.0, 1.0 - *exact_at(&light, HBIL_LIGHT_AO, x, y)) *
+        random_unit(&r);
   }
   stage_write(s, HBIL_STAGE_RESOLVED, &light);
   return light;
@@ -91,7 +95,8 @@ static void check_history(setup *s, const exact_planes *want) {
 /* Only plans with an output that near light takes part in have a history. */
 static bool gathers_light(const hbil_config *c) {
   return c->outputs.near_irradiance.component ||
-         c->outputs.indirect.component || c->outputs.beauty.component;
+         c->outputs.indirect.component || c->outputs.beauty.component ||
+         c->outputs.unknown.component;
 }
 
 static void check_composite(setup *s) {
@@ -110,6 +115,7 @@ static void prepare(setup *s, scene_kind kind, hbil_far_field far) {
   setup_scene(s, kind, WIDTH, HEIGHT, 0);
   setup_all_outputs(s);
   s->config.model.far_field = far;
+  s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   random_environment(s);
 }
 

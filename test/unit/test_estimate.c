@@ -1,7 +1,7 @@
 /*
  * Unseen light, estimated from the frame itself, in place of back-facing
  * samples and as far field: it matches the exact passes, is a mean of the
- * surfaces' light, and adds no energy.
+ * surfaces' light after all bounces, and adds no energy.
  */
 #include "test/support/fixture.h"
 #include "test/support/random.h"
@@ -36,6 +36,7 @@ static void check_sequence(scene_kind kind, int width, int height,
     s.frame.frame_index = i;
     memcpy(s.frame.environment[0], sky, 3 * sizeof *sky);
     memcpy(s.job.environment[0], sky, 3 * sizeof *sky);
+    s.frame.sky_share = 0.3f * (float)i;
     setup_upload(&s);
     setup_run(&s, hbil_enqueue_frame);
     checked_run_frame(&reference, &s.job);
@@ -118,9 +119,8 @@ static void start_random(setup *s) {
   setup_init(s, WIDTH, HEIGHT);
   from_the_frame(s);
   s->config.history.reprojection = HBIL_REPROJECTION_NONE;
-  s->config.inputs.emission.component = s->config.inputs.albedo.component =
-      HBIL_NONE;
-  s->config.inputs.direct_scale = (float)PI; /* of albedo 1: radiance */
+  s->config.inputs.direct.component = s->config.inputs.f0.component = HBIL_NONE;
+  s->config.model.unseen_light = 1.0f;
   s->config.outputs.far_irradiance = three_floats;
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
     bool sky = random_unit(&r) < 0.1;
@@ -130,9 +130,12 @@ static void start_random(setup *s) {
   }
 }
 
+/* Black surfaces that emit. */
 static void fill_radiance(setup *s, float value) {
-  for (int c = 0; c < 3; ++c)
-    setup_fill(s, EXACT_DIRECT + c, value);
+  for (int c = 0; c < 3; ++c) {
+    setup_fill(s, EXACT_ALBEDO + c, 0.0f);
+    setup_fill(s, EXACT_EMISSION + c, value);
+  }
 }
 
 /* Smallest and largest E_far / (pi AO): the radiance that unblocked directions
@@ -177,7 +180,7 @@ static void an_even_radiance_is_its_own_estimate(void **state) {
 /* The exact estimate too, for normals that no pixel has. */
 static void the_exact_estimate_is_even(void **state) {
   setup s;
-  exact_planes split;
+  exact_planes split, gathered;
   random_state r = {9};
   double worst = 0.0;
   (void)state;
@@ -185,17 +188,20 @@ static void the_exact_estimate_is_even(void **state) {
   fill_radiance(&s, 2.5f);
   setup_start(&s);
   split = checked_planes(WIDTH, HEIGHT, HBIL_SPLIT_PLANES);
+  gathered = checked_planes(WIDTH, HEIGHT, HBIL_GATHERED_PLANES);
   exact_split(&s.job, NULL, &split);
-  exact_estimate_frame(&s.job, &split);
+  checked_gather(&s.job, &split, &gathered);
+  exact_estimate_frame(&s.job, &split, &gathered);
   for (int i = 0; i < 1000; ++i) {
     double z = 2.0 * random_unit(&r) - 1.0, angle = 2.0 * PI * random_unit(&r);
     double side = sqrt(1.0 - z * z);
     const double n[3] = {side * cos(angle), side * sin(angle), z};
-    double light = exact_mean_radiance(&s.job, i % 3, n);
+    double light = exact_frame_radiance(&s.job, i % 3, n);
     worst = fmax(worst, fabs(light / 2.5 - 1.0));
   }
   /* one rounding of 2.5 to float, and of pi; measured: 2.8e-8 */
   check_at_most("reference", worst, 1e-7);
+  exact_planes_free(&gathered);
   exact_planes_free(&split);
   setup_free(&s);
 }
@@ -210,7 +216,8 @@ static void estimates_are_means(void **state) {
   (void)state;
   start_random(&s);
   with_cone(&s);
-  for (int p = EXACT_DIRECT; p < EXACT_DIRECT + 3; ++p)
+  fill_radiance(&s, 1.0f);
+  for (int p = EXACT_EMISSION; p < EXACT_EMISSION + 3; ++p)
     for (int i = 0; i < WIDTH * HEIGHT; ++i)
       s.input[p][i] = random_unit(&r) < 0.02 ? 1e4f : 1.0f;
   setup_start(&s);
@@ -248,21 +255,32 @@ static void the_white_furnace_is_closed(void **state) {
   setup_free(&s);
 }
 
+/* Whether the estimate uses a pixel. */
+static bool is_used(int x, int y) {
+  return hbil_estimate_uses(4 * (y % 4) + x % 4, x / 4 / HBIL_ESTIMATE_BLOCK,
+                            y / 4);
+}
+
 /* Sky at all pixels, or at those that the estimate uses. */
 static void check_without_surfels(bool all) {
   setup s;
   exact_planes out;
+  int used = 0;
   start_random(&s);
   with_cone(&s);
   fill_radiance(&s, 1.0f);
-  for (int i = 0; i < WIDTH * HEIGHT; ++i)
-    if (all || (i % WIDTH % 4 == 0 && i / WIDTH % 4 == 0))
+  for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+    used += is_used(i % WIDTH, i / WIDTH);
+    if (all || is_used(i % WIDTH, i / WIDTH))
       s.input[EXACT_DEPTH][i] = 0.0f;
+  }
+  /* an eighth, and what the borders add */
+  assert_true(used > WIDTH * HEIGHT / 9 && used < WIDTH * HEIGHT / 5);
   setup_start(&s);
   out = one_frame(&s);
   for (int i = 0; i < WIDTH * HEIGHT * EXACT_OUTPUT_PLANES; ++i)
     assert_true(isfinite(out.values[i]));
-  /* the frame's mean is 0; a pixel itself sees 1 at most */
+  /* the frame sends nothing; a pixel itself sees 1 at most */
   assert_true(largest_value(&out, EXACT_FAR_IRRADIANCE, 3) <= (all ? 0.0 : PI));
   exact_planes_free(&out);
   setup_free(&s);
@@ -282,7 +300,7 @@ static exact_planes scaled_random(float size) {
   with_cone(&s);
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
     s.input[EXACT_DEPTH][i] *= size;
-    s.input[EXACT_DIRECT + i % 3][i] = 1.0f;
+    s.input[EXACT_EMISSION + i % 3][i] = 1.0f;
   }
   setup_start(&s);
   out = one_frame(&s);
@@ -314,7 +332,7 @@ static void the_unit_of_length_does_not_matter(void **state) {
 /* Energy                                                                    */
 
 #define ALBEDO 0.8
-#define BOUNCES 50
+#define BOUNCES 200
 
 /* Distance along a ray to the box [-2,3] x [-1,2] x [-1,4] from inside it, and
  * the face's normal. */
@@ -342,6 +360,7 @@ static void start_box(setup *s, hbil_feedback feedback, float facing) {
   from_the_frame(s);
   setup_camera(s, 100.0);
   s->config.model.feedback = feedback;
+  s->config.model.facing_fade[0] = fminf(facing, -0.1f);
   s->config.model.facing_fade[1] = facing;
   s->config.inputs.emission.component = HBIL_NONE;
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
@@ -360,63 +379,112 @@ static void start_box(setup *s, hbil_feedback feedback, float facing) {
   setup_start(s);
 }
 
-static double total_radiance(const exact_planes *out) {
-  double sum = 0.0;
-  for (int i = 0; i < 3 * WIDTH * HEIGHT; ++i)
-    sum += out->values[EXACT_BEAUTY * WIDTH * HEIGHT + i];
-  return sum;
-}
+/* Sums over the picture: of light that is guessed, and of all. */
+typedef struct totals {
+  double far, all;
+} totals;
 
-/* By how much a pixel's radiance fell at most. */
-static double largest_loss(const exact_planes *before,
-                           const exact_planes *after) {
-  double loss = 0.0;
-  for (int i = EXACT_BEAUTY * WIDTH * HEIGHT;
-       i < (EXACT_BEAUTY + 3) * WIDTH * HEIGHT; ++i)
-    loss = fmax(loss, before->values[i] - after->values[i]);
-  return loss;
+static totals totals_of(const exact_planes *out) {
+  totals t = {0.0, 0.0};
+  for (int i = 0; i < 3 * WIDTH * HEIGHT; ++i) {
+    t.far += out->values[EXACT_FAR_IRRADIANCE * WIDTH * HEIGHT + i];
+    t.all += out->values[EXACT_INDIRECT * WIDTH * HEIGHT + i];
+  }
+  return t;
 }
 
 /*
- * Near, unknown and open shares of a hemisphere add up to 1 and unseen light is
- * a mean, so a bounce adds no more than the albedo times the brightest pixel:
- * the light stays below the geometric series, bounce by bounce.  Means and
- * gather grow with the light, so no pixel is darker than a bounce before.
+ * Near, unknown and open shares of a hemisphere add up to 1, and unseen light
+ * is a mean of surfaces' light after all bounces.  So nothing is brighter than
+ * the geometric series of the albedo.  What is guessed is there from the first
+ * frame on, and nothing grows in two hundred.
  */
 static void check_energy(hbil_feedback feedback, float facing) {
   /* roundings of 6e-8, a hundred of them, added up over the series */
   const double slack = 3e-5, direct = ALBEDO / PI;
-  double total = 0.0, change = 0.0, before = direct; /* lights frame 0 */
+  totals first = {0.0, 0.0}, tenth = first, last = first;
   setup s;
-  exact_planes last = checked_planes(WIDTH, HEIGHT, EXACT_OUTPUT_PLANES);
   start_box(&s, feedback, facing);
-  for (int i = 0; i <= BOUNCES; ++i) {
+  for (int i = 0; i < BOUNCES; ++i) {
     exact_planes out = one_frame(&s);
-    double brightest = largest_value(&out, EXACT_BEAUTY, 3);
-    double sum = total_radiance(&out);
-    assert_true(brightest <= (direct + ALBEDO * before) * (1.0 + slack));
-    assert_true(brightest <= direct / (1.0 - ALBEDO) * (1.0 + slack));
-    assert_true(largest_loss(&last, &out) <= slack * direct);
-    change = fabs(sum - total) / sum;
-    total = sum;
-    before = brightest;
-    exact_planes_free(&last);
-    last = out;
+    assert_true(largest_value(&out, EXACT_BEAUTY, 3) <=
+                direct / (1.0 - ALBEDO) * (1.0 + slack));
+    last = totals_of(&out);
+    first = i == 0 ? last : first;
+    tenth = i == 9 ? last : tenth;
+    exact_planes_free(&out);
   }
-  /* derived: .8^50 of the sum is left; measured: 3.4e-6 */
-  check_at_most("last bounce", change, 1e-5);
-  if (getenv("HBIL_TEST_VERBOSE"))
-    fprintf(stderr, "largest radiance over the bound: %.3g\n",
-            largest_value(&last, EXACT_BEAUTY, 3) / direct * (1.0 - ALBEDO));
-  exact_planes_free(&last);
+  /* measured: 2.7e-3, 2.7e-3 and 2.2e-3; the requirement is 1 % */
+  check_at_most("all light after the tenth frame",
+                fabs(last.all / tenth.all - 1.0), 1e-2);
+  /* Measured: .038; the lamp's light is far from even after one bounce.  Light
+   * that back-facing samples block is guessed bounce by bounce. */
+  if (facing <= -1.0f)
+    check_at_most("guessed light after the first",
+                  fabs(last.far / first.far - 1.0), 0.05);
   setup_free(&s);
 }
 
-static void light_does_not_grow_from_bounce_to_bounce(void **state) {
+static void light_does_not_grow_from_frame_to_frame(void **state) {
   (void)state;
-  check_energy(HBIL_FEEDBACK_IRRADIANCE, 0.0f);
-  check_energy(HBIL_FEEDBACK_RADIANCE, 0.0f);
+  check_energy(HBIL_FEEDBACK_IRRADIANCE, -1.0f);
+  check_energy(HBIL_FEEDBACK_RADIANCE, -1.0f);
   check_energy(HBIL_FEEDBACK_IRRADIANCE, 0.9f);
+}
+
+/* Surfaces that reflect 0.6 and emit 0.4, everywhere: the radiance is 1 after
+ * all bounces, and a first frame's guess has it. */
+static void a_furnace_is_closed_in_the_first_frame(void **state) {
+  setup s;
+  exact_planes out;
+  double range[2];
+  (void)state;
+  start_random(&s);
+  with_cone(&s);
+  for (int c = 0; c < 3; ++c) {
+    setup_fill(&s, EXACT_ALBEDO + c, 0.6f);
+    setup_fill(&s, EXACT_EMISSION + c, 0.4f);
+  }
+  /* near light must not contain guessed light */
+  s.config.model.facing_fade[0] = s.config.model.facing_fade[1] = -1.0f;
+  setup_start(&s);
+  out = one_frame(&s);
+  estimate_range(&out, range);
+  check_at_most("furnace", fmax(range[1] - 1.0, 1.0 - range[0]), 1e-5);
+  exact_planes_free(&out);
+  setup_free(&s);
+}
+
+/* One pixel of a million times the light of all others counts as at most
+ * HBIL_UNSEEN_SPIKE parts of the picture. */
+static void a_bright_pixel_does_not_light_everything(void **state) {
+  setup s;
+  exact_planes dark, bright;
+  double range[2][2];
+  int at = WIDTH * HEIGHT / 2;
+  (void)state;
+  start_random(&s);
+  with_cone(&s);
+  fill_radiance(&s, 1.0f);
+  s.config.model.radius = 1e-3f; /* and does not light its neighbours */
+  setup_start(&s);
+  while (!is_used(at % WIDTH, at / WIDTH) || s.input[EXACT_DEPTH][at] == 0.0f)
+    ++at;
+  dark = one_frame(&s);
+  for (int c = 0; c < 3; ++c)
+    s.input[EXACT_EMISSION + c][at] = 1e6f;
+  setup_upload(&s);
+  bright = one_frame(&s);
+  estimate_range(&dark, range[0]);
+  estimate_range(&bright, range[1]);
+  assert_true(range[1][1] > 1.01 * range[0][1]); /* it is seen */
+  /* measured: .79; surfaces that all face the eye hardly face each other, so
+   * one that does weighs up to ten times as much.  A plain mean: 2,500 and
+   * more. */
+  check_at_most("brighter", range[1][1] / range[0][1] - 1.0, 1.0);
+  exact_planes_free(&dark);
+  exact_planes_free(&bright);
+  setup_free(&s);
 }
 
 int main(void) {
@@ -431,6 +499,8 @@ int main(void) {
       cmocka_unit_test(without_surfels_there_is_no_light),
       cmocka_unit_test(every_run_gives_the_same_bits),
       cmocka_unit_test(the_unit_of_length_does_not_matter),
-      cmocka_unit_test(light_does_not_grow_from_bounce_to_bounce)};
+      cmocka_unit_test(a_furnace_is_closed_in_the_first_frame),
+      cmocka_unit_test(a_bright_pixel_does_not_light_everything),
+      cmocka_unit_test(light_does_not_grow_from_frame_to_frame)};
   return RUN_WITH_DEVICE(tests);
 }

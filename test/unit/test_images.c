@@ -349,6 +349,7 @@ static void outputs_keep_their_values(void **state) {
   for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
     pair p;
     pair_begin(&p, NULL, kinds[i]);
+    p.s.config.model.far_field = HBIL_FAR_FRAME; /* for `unknown` */
     pair_start(&p);
     load_frame(&p, 0);
     setup_run(&p.s, hbil_enqueue_frame);
@@ -358,6 +359,9 @@ static void outputs_keep_their_values(void **state) {
                   largest_error(&got, &want, EXACT_BENT_NORMAL, 3),
                   kinds[i]->direction);
     check_at_most("ao", largest_error(&got, &want, EXACT_AO, 1),
+                  kinds[i]->direction);
+    assert_true(largest_value(&want, EXACT_UNKNOWN, 1) > 0.1);
+    check_at_most("unknown", largest_error(&got, &want, EXACT_UNKNOWN, 1),
                   kinds[i]->direction);
     exact_planes_free(&want);
     exact_planes_free(&got);

@@ -188,6 +188,9 @@ static void outputs_without_meaning_are_rejected(void **state) {
     c.outputs.near_irradiance = three_floats;
     assert_rejected(&c, "near_irradiance");
     c = ao_alone(mode);
+    c.outputs.unknown = one_float;
+    assert_rejected(&c, "unknown");
+    c = ao_alone(mode);
     c.model.far_field = HBIL_FAR_FRAME;
     assert_rejected(&c, "far_field");
   }

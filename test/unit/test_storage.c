@@ -469,11 +469,11 @@ static void check_recompose(scene_kind kind, bool unfiltered,
   s.config.execution.vector_width = vector_width;
   setup_start(&s);
   light = stage_gathered(&s); /* and what the frame sends on average */
+  split = stage_read(&s, HBIL_STAGE_SPLIT);
+  exact_estimate_frame(&s.job, &split, &light);
   exact_planes_free(&light);
   plant_light(&s);
   light = stage_read(&s, HBIL_STAGE_GATHERED);
-  split = stage_read(&s, HBIL_STAGE_SPLIT);
-  exact_estimate_frame(&s.job, &split);
   exact_recompose(&s.job, &split, &light, &want);
   setup_run(&s, hbil_enqueue_recompose);
   got = stage_read(&s, HBIL_STAGE_RESOLVED);

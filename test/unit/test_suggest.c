@@ -124,6 +124,34 @@ static void without_lamps_nothing_is_gathered(void **state) {
   }
 }
 
+/* A sky that the picture does not show: light in every shadow tells it, black
+ * shadows tell a room, and a few are still in the open. */
+static void light_in_shadows_tells_a_hidden_sky(void **state) {
+  /* of 100 squares, black ones */
+  const struct {
+    int black;
+    float share;
+  } cases[] = {{0, 0.9f}, {4, 0.9f}, {7, 0.45f}, {10, 0.0f}, {50, 0.0f}};
+  (void)state;
+  for (int i = 0; i < 5; ++i) {
+    first *f = frame_of(SCENE_ROOM);
+    scale(f->emission, 0.0f);
+    for (int p = 0; p < PIXELS; ++p) {
+      const int square = p / WIDTH / 2 * (WIDTH / 2) + p % WIDTH / 2;
+      f->depth[p] = 1.0f;
+      for (size_t c = 0; c < 3; ++c)
+        f->direct[c][p] = square % 100 < cases[i].black ? 0.0f : 2.0f;
+    }
+    suggest(f);
+    assert_int_equal(f->found.sky, HBIL_SOURCE_NOT_SEEN);
+    /* 91 of 1296 squares are .0702 */
+    check_at_most("sky_share",
+                  fabs((double)f->frame.sky_share - (double)cases[i].share),
+                  cases[i].black == 7 ? 0.01 : 0.0);
+    free(f);
+  }
+}
+
 static void missing_normals_are_taken_from_depth(void **state) {
   const float dimmed[] = {1.0f, 1e-3f};
   (void)state;
@@ -409,6 +437,8 @@ static void what_cannot_be_read_is_rejected(void **state) {
         hbil_config_suggest(&bad->planes, &bad->config, &bad->frame, NULL),
         status);
     if (status != HBIL_SUCCESS) {
+      assert_non_null(
+          strstr(hbil_context_message(NULL), "hbil_config_suggest"));
       assert_memory_equal(&bad->config, &config, sizeof config);
       assert_memory_equal(&bad->frame, &frame, sizeof frame);
     }
@@ -429,6 +459,7 @@ int main(void) {
       cmocka_unit_test(lamps_in_direct_light_are_not_gathered),
       cmocka_unit_test(lamps_that_direct_light_lacks_are_gathered),
       cmocka_unit_test(without_lamps_nothing_is_gathered),
+      cmocka_unit_test(light_in_shadows_tells_a_hidden_sky),
       cmocka_unit_test(missing_normals_are_taken_from_depth),
       cmocka_unit_test(parallel_rays_see_patches_of_one_size),
       cmocka_unit_test(a_sky_in_direct_light_is_told_to_the_estimate),

@@ -1,0 +1,94 @@
+/*
+ * estimate_args: the estimate of unseen light (estimate.cl), as the host, the
+ * kernels and the exact integral need it.
+ */
+#ifndef HBIL_ESTIMATE_ARGS_H
+#define HBIL_ESTIMATE_ARGS_H
+
+#include "shared.h"
+
+/* Weight of the frame's mean radiance, in hemispheres, relative to what a pixel
+ * sees itself.  Chosen with hbil_model.unseen_light (doc/measurements.md). */
+#define HBIL_UNSEEN_PRIOR 1.0f
+/* What is added to the weight of each surface, of about 1, in the mean for a
+ * receiver, which makes it positive everywhere. */
+#define HBIL_UNSEEN_EVEN 0.1f
+/* The most of its light that a bounce may return to the frame's surfaces, so
+ * the series of all bounces is at most 10. */
+#define HBIL_UNSEEN_GAIN 0.9f
+/* Near light is scaled by at most this towards its mean after all bounces. */
+#define HBIL_UNSEEN_SCALE 4.0f
+/* A part of the pixels, of HBIL_ESTIMATE_PARTS, that sends more than this many
+ * times the typical light counts as so many: it has a few very bright ones. */
+#define HBIL_UNSEEN_SPIKE 4.0f
+
+/* A pixel whose direct light is more than what the open directions can get from
+ * the sky is lit by something else, the sun for instance, and does not tell how
+ * much of the sky it sees.  It counts as such in steps up to 1.5 times. */
+#define HBIL_LIT_SLOPE 2.0f
+/* The sun shines if that is so at this share of the surfaces or more; not at
+ * all up to the lower one, which errors of AO alone may reach. */
+#define HBIL_SUN_NONE 0.03f
+#define HBIL_SUN_FULL 0.15f
+/* Pixels that tell how much of the sky they see are trusted if they are more
+ * than this share of all. */
+#define HBIL_DARK_PRIOR 0.05f
+
+/* Values of the estimate, then its sums over the picture, then those of the
+ * parts. */
+enum {
+  /* three channels, and the weight, of nine polynomials */
+  HBIL_FILL_LIGHT = 0,
+  HBIL_FILL_WEIGHT = 27,
+  HBIL_FILL_NEAR_SCALE = 36, /* of three channels */
+  HBIL_FILL_UNLIT = 39,      /* of open directions, where the sun shines */
+  HBIL_FILL_SUN = 40,        /* 0: no pixel is lit by more than the sky, 1 */
+  HBIL_FILL_SIZE = 41
+};
+enum {
+  HBIL_SUM_LIGHT = 0,        /* radiance of the first bounce, polynomials */
+  HBIL_SUM_WEIGHT = 27,      /* the polynomials; the first is the number of
+                                surfaces */
+  HBIL_SUM_REFLECTANCE = 36, /* three channels */
+  HBIL_SUM_NEAR = 39,        /* E_near, three channels */
+  HBIL_SUM_OPEN = 42,        /* AO */
+  HBIL_SUM_BEHIND = 43,      /* the share that back-facing samples block */
+  /* over pixels, as far as they tell how much of the sky they see: AO, times
+   * the unlit part, times its square */
+  HBIL_SUM_DARK = 44,
+  HBIL_SUM_LIT = 47,      /* over the others: 1 */
+  HBIL_SUM_LIT_OPEN = 48, /* and AO */
+  HBIL_ESTIMATE_SUMS = 49
+};
+enum {
+  HBIL_ESTIMATE_PARTS = 64,
+  HBIL_ESTIMATE_BLOCK = 16, /* pixels of a layer's row that are used or not */
+  HBIL_ESTIMATE_SIZE =
+      HBIL_FILL_SIZE + HBIL_ESTIMATE_SUMS * (1 + HBIL_ESTIMATE_PARTS)
+};
+
+/* Part `part` takes pixels of layer part % 16, in every fourth row from this
+ * one on. */
+static inline hbil_int hbil_estimate_row(hbil_int part) {
+  return part / 16;
+}
+
+/* Whether it uses the pixels of the layer's row y from 16 `block` on: an eighth
+ * of them, all over the picture. */
+static inline hbil_int hbil_estimate_uses(hbil_int layer, hbil_int block,
+                                          hbil_int y) {
+  return (block + 3 * (y / 4) + layer) % 8 == 0;
+}
+
+typedef struct hbil_estimate_args {
+  hbil_layer_args split, light;
+  hbil_int width, height; /* of the picture */
+  hbil_external_plane_args albedo, f0, direct, emission;
+  hbil_float direct_scale; /* as in hbil_config */
+  hbil_float sky[3];       /* radiance of the sky that `direct` contains */
+  hbil_float sky_share;    /* as in hbil_frame */
+  hbil_float unseen_light; /* as in hbil_config */
+} hbil_estimate_args;
+HBIL_ASSERT_LAYOUT(hbil_estimate_args, unseen_light, 37, 38)
+
+#endif

@@ -1,0 +1,39 @@
+/* The pipeline of hbil process, whose results lie in a folder that is gone
+ * afterwards. */
+#ifndef HBIL_BENCH_TRUTH_PROCESS_H
+#define HBIL_BENCH_TRUTH_PROCESS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "bench/command.h"
+#include "image/error.h"
+#include "tool/compare_sides.h"
+#include "tool/settings.h"
+
+/*
+ * Reads options->process by the parser of hbil process, and behind them
+ * `--model MODEL` unless model is NULL.  Options that say where results go or
+ * what is printed are errors.  Returns 0, or -1 with `error` filled.
+ */
+int truth_settings_read(const bench_options *options, char *model,
+                        process_settings *out, image_error *error);
+
+/* Makes an empty folder for settings->output.  malloc'd; NULL with `error`
+ * filled on failure. */
+char *truth_folder_make(image_error *error);
+/* Removes it with all files in it, and frees the name.  NULL is allowed. */
+void truth_folder_remove(char *folder);
+
+/* Looks for everything that hbil process would find wrong before its first
+ * pixel, and tells the size of results.  0, or -1 with `error` filled. */
+int truth_process_check(const process_settings *settings, char *const *files,
+                        size_t count, uint32_t *width, uint32_t *height,
+                        image_error *error);
+
+/* Computes the frames and reads the last one's indirect light.  0, or -1 with
+ * `error` filled; compare_side_free() frees it in both cases. */
+int truth_process(const process_settings *settings, char *const *files,
+                  size_t count, compare_side *out, image_error *error);
+
+#endif

@@ -1,0 +1,273 @@
+/* Which files of a folder are frames, and which are their truth. */
+#define _POSIX_C_SOURCE 200809L
+#include "bench/truth_scene.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "bench/colour.h"
+#include "image/exr_read.h"
+#include "tool/paths.h"
+
+/* Layers of a frame that hold its truth; of any other file R, G, B do, too. */
+static const char *const own_layers[] = {"DiffInd", "Diffuse Indirect",
+                                         "indirect", NULL};
+static const char *const layers[] = {"DiffInd", "Diffuse Indirect", "indirect",
+                                     "", NULL};
+
+static const char frame_prefix[] = "frame_", truth_suffix[] = "_truth.exr";
+
+static int is_there(const char *path) {
+  return path && access(path, F_OK) == 0;
+}
+
+/* --- names in a folder --- */
+
+static const char *frame_digits(const char *name) {
+  return name + strlen(frame_prefix);
+}
+
+static int ends_with(const char *name, const char *end) {
+  const size_t length = strlen(name), tail = strlen(end);
+  return length > tail && strcmp(name + length - tail, end) == 0;
+}
+
+static int is_frame(const struct dirent *entry) {
+  const char *name = entry->d_name;
+  if (strncmp(name, frame_prefix, strlen(frame_prefix)) != 0)
+    return 0;
+  const size_t digits = strspn(frame_digits(name), "0123456789");
+  return digits > 0 && strcmp(frame_digits(name) + digits, ".exr") == 0;
+}
+
+static int is_truth(const struct dirent *entry) {
+  return ends_with(entry->d_name, truth_suffix);
+}
+
+static int by_number(const struct dirent **a, const struct dirent **b) {
+  const unsigned long long x = strtoull(frame_digits((*a)->d_name), NULL, 10);
+  const unsigned long long y = strtoull(frame_digits((*b)->d_name), NULL, 10);
+  return x == y ? strcmp((*a)->d_name, (*b)->d_name) : (x > y) - (x < y);
+}
+
+static void free_list(struct dirent **list, int count) {
+  for (int i = 0; i < count; i++)
+    free(list[i]);
+  free(list);
+}
+
+/* --- frame_NNNN.exr --- */
+
+static int take_frames(const char *folder, struct dirent *const *list,
+                       size_t count, truth_scene *out, image_error *error) {
+  out->frames = calloc(count, sizeof *out->frames);
+  for (size_t i = 0; out->frames && i < count; i++) {
+    out->frames[i] = path_join(folder, "/", list[i]->d_name);
+    if (!out->frames[i])
+      break;
+    out->count++;
+  }
+  return out->count == count ? 0 : image_no_memory(error, folder);
+}
+
+/* FOLDER/WHAT_NNNN.exr for the last frame; NULL when out of memory. */
+static char *beside_last(const truth_scene *s, const char *folder,
+                         const char *what) {
+  const char *name = strrchr(s->frames[s->count - 1], '/') + 1;
+  char *start = path_join(folder, "/", what);
+  char *path = start ? path_join(start, "_", frame_digits(name)) : NULL;
+  free(start);
+  return path;
+}
+
+static int has_indirect(const char *path, int *out, image_error *error) {
+  compare_side side = {0};
+  const char *names[3];
+  if (exr_read_header(path, &side.header, error) != 0)
+    return -1;
+  *out = bench_colour_find(&side.header, own_layers, names);
+  compare_side_free(&side);
+  return 0;
+}
+
+/* The frame was traced itself, and perhaps once more. */
+static int take_own_truth(const char *folder, truth_scene *out,
+                          image_error *error) {
+  const char *last = out->frames[out->count - 1];
+  int found;
+  if (has_indirect(last, &found, error) != 0)
+    return -1;
+  if (!found)
+    return image_fail(error,
+                      "%s: no truth; truth_avg_NNNN.exr of the last frame %s, "
+                      "or DiffInd in that file, is needed",
+                      folder, strrchr(last, '/') + 1);
+  free(out->truth);
+  out->truth = strdup(last);
+  out->second = beside_last(out, folder, "seedB");
+  if (!out->truth || !out->second)
+    return image_no_memory(error, folder);
+  if (!is_there(out->second)) {
+    free(out->second);
+    out->second = NULL;
+  }
+  return 0;
+}
+
+static int take_sequence(const char *folder, struct dirent *const *list,
+                         size_t count, truth_scene *out, image_error *error) {
+  if (take_frames(folder, list, count, out, error) != 0)
+    return -1;
+  out->truth = beside_last(out, folder, "truth_avg");
+  if (!out->truth)
+    return image_no_memory(error, folder);
+  return is_there(out->truth) ? 0 : take_own_truth(folder, out, error);
+}
+
+/* --- NAME.exr and NAME_truth.exr --- */
+
+/* Looks for PREFIX_truth.exr, then without the last _PART of the name. */
+static int take_truth(const char *prefix, truth_scene *out,
+                      image_error *error) {
+  char *stem = strdup(prefix);
+  char *cut = stem;
+  while (cut && !is_there(out->truth)) {
+    const char *slash = strrchr(stem, '/');
+    free(out->truth);
+    out->truth = path_join(stem, "", truth_suffix);
+    cut = out->truth ? strrchr(stem, '_') : NULL;
+    if (cut && (cut == stem || (slash && cut <= slash + 1)))
+      cut = NULL;
+    if (cut)
+      *cut = '\0';
+  }
+  free(stem);
+  if (!out->truth)
+    return image_no_memory(error, prefix);
+  return is_there(out->truth)
+             ? 0
+             : image_fail(error, "%s.exr: no truth; %s%s is needed", prefix,
+                          prefix, truth_suffix);
+}
+
+static int take_single(const char *prefix, truth_scene *out,
+                       image_error *error) {
+  char *frame = path_join(prefix, "", ".exr");
+  out->frames = calloc(1, sizeof *out->frames);
+  if (!frame || !out->frames) {
+    free(frame);
+    return image_no_memory(error, prefix);
+  }
+  out->frames[0] = frame;
+  out->count = 1;
+  return is_there(frame)
+             ? take_truth(prefix, out, error)
+             : image_fail(error,
+                          "%s: no such folder; a folder of frames, or "
+                          "FOLDER/NAME of NAME.exr, is needed",
+                          prefix);
+}
+
+/* The only NAME for which there are NAME.exr and NAME_truth.exr. */
+static int take_pair(const char *folder, struct dirent *const *list,
+                     size_t count, truth_scene *out, image_error *error) {
+  if (count == 0)
+    return image_fail(error,
+                      "%s: no frames; frame_NNNN.exr, or NAME.exr with "
+                      "NAME_truth.exr, are needed",
+                      folder);
+  if (count > 1)
+    return image_fail(error,
+                      "%s: %zu files NAME_truth.exr; FOLDER/NAME of one of "
+                      "them is needed",
+                      folder, count);
+  char *prefix = path_join(folder, "/", list[0]->d_name);
+  if (!prefix)
+    return image_no_memory(error, folder);
+  prefix[strlen(prefix) - strlen(truth_suffix)] = '\0';
+  const int failed = take_single(prefix, out, error);
+  free(prefix);
+  return failed;
+}
+
+/* --- an argument --- */
+
+static int look_into(const char *folder, truth_scene *out, image_error *error) {
+  struct dirent **list = NULL;
+  int count = scandir(folder, &list, is_frame, by_number);
+  const int frames = count > 0;
+  if (count == 0) {
+    free(list);
+    list = NULL;
+    count = scandir(folder, &list, is_truth, alphasort);
+  }
+  if (count < 0)
+    return image_fail(error, "%s: cannot be read: %s", folder, strerror(errno));
+  const int failed = (frames ? take_sequence : take_pair)(
+      folder, list, (size_t)count, out, error);
+  free_list(list, count);
+  return failed;
+}
+
+int truth_scene_find(const char *argument, truth_scene *out,
+                     image_error *error) {
+  struct stat info;
+  memset(out, 0, sizeof *out);
+  char *path = strdup(argument);
+  if (!path)
+    return image_no_memory(error, argument);
+  for (size_t end = strlen(path); end > 1 && path[end - 1] == '/'; end--)
+    path[end - 1] = '\0';
+  const char *slash = strrchr(path, '/');
+  out->name = strdup(slash && slash[1] ? slash + 1 : path);
+  int failed = out->name ? 0 : image_no_memory(error, argument);
+  if (!failed)
+    failed = stat(path, &info) == 0 && S_ISDIR(info.st_mode)
+                 ? look_into(path, out, error)
+                 : take_single(path, out, error);
+  free(path);
+  return failed;
+}
+
+void truth_scene_free(truth_scene *s) {
+  for (size_t i = 0; i < s->count; i++)
+    free(s->frames[i]);
+  free(s->frames);
+  free(s->name);
+  free(s->truth);
+  free(s->second);
+  memset(s, 0, sizeof *s);
+}
+
+/* --- its light --- */
+
+static int add_second(const char *path, compare_side *first,
+                      image_error *error) {
+  compare_side second;
+  int failed = bench_colour_read(path, own_layers, &second, error);
+  const image *a = &first->planes, *b = &second.planes;
+  if (!failed && (a->width != b->width || a->height != b->height))
+    failed =
+        image_fail(error,
+                   "%s: %u x %u pixels, but %s has %u x %u; the truth of "
+                   "one frame is needed",
+                   path, b->width, b->height, first->path, a->width, a->height);
+  for (size_t c = 0; !failed && c < 3; c++)
+    for (size_t i = 0; i < (size_t)a->width * a->height; i++)
+      a->planes[c].pixels[i] =
+          0.5f * (a->planes[c].pixels[i] + b->planes[c].pixels[i]);
+  compare_side_free(&second);
+  return failed;
+}
+
+int truth_scene_read(const truth_scene *s, compare_side *out,
+                     image_error *error) {
+  const int own = strcmp(s->truth, s->frames[s->count - 1]) == 0;
+  if (bench_colour_read(s->truth, own ? own_layers : layers, out, error) != 0)
+    return -1;
+  return s->second ? add_second(s->second, out, error) : 0;
+}

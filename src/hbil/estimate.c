@@ -1,0 +1,44 @@
+/* The estimate of unseen light, from what the gather has found. */
+#include "passes.h"
+
+#include "lib/estimate_args.h"
+#include "planes.h"
+
+hbil_status enqueue_estimate(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const hbil_config *c = &plan->config;
+  if (!plan->layout.estimate)
+    return HBIL_SUCCESS;
+  hbil_estimate_args args = {.split = plan->layout.split,
+                             .light = plan->layout.light,
+                             .width = (cl_int)c->width,
+                             .height = (cl_int)c->height,
+                             .direct_scale = c->inputs.direct_scale,
+                             .unseen_light = c->model.unseen_light};
+  if (plan->layout.far_field == HBIL_FAR_FRAME) {
+    args.sky_share = frame->sky_share;
+    for (int i = 0; i < 3; ++i)
+      args.sky[i] = frame->environment[0][i];
+  }
+  const cl_mem albedo = plane_bind(c, frame, PLANE_ALBEDO, &args.albedo);
+  const cl_mem f0 = plane_bind(c, frame, PLANE_F0, &args.f0);
+  const cl_mem direct = plane_bind(c, frame, PLANE_DIRECT, &args.direct);
+  const cl_mem emission = plane_bind(c, frame, PLANE_EMISSION, &args.emission);
+  const argument part[] = {ARG(args),
+                           BUFFER_ARG(plan, BUFFER_SPLIT),
+                           BUFFER_ARG(plan, BUFFER_LIGHT),
+                           ARG(albedo),
+                           ARG(f0),
+                           ARG(direct),
+                           ARG(emission),
+                           BUFFER_ARG(plan, BUFFER_ESTIMATE)};
+  const argument sum[] = {BUFFER_ARG(plan, BUFFER_ESTIMATE)};
+  const argument fill[] = {ARG(args), BUFFER_ARG(plan, BUFFER_ESTIMATE)};
+  hbil_status status =
+      LAUNCH(chain, KERNEL_ESTIMATE_PART, part, HBIL_ESTIMATE_PARTS, 1, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_ESTIMATE_SUM, sum, HBIL_ESTIMATE_SUMS, 1, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_ESTIMATE_FILL, fill, 1, 1, 1);
+  return status;
+}
