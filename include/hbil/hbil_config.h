@@ -293,7 +293,7 @@ typedef struct hbil_model {
   /* Where light is guessed from the frame's own surfaces (HBIL_FAR_FRAME,
    * HBIL_FALLBACK_FRAME_MEAN): the radiance of surfaces that the picture
    * doesn't show over that of those which it shows.  0..1; 1 is for places that
-   * are alike on all sides; default 0.8, chosen by its error on path-traced
+   * are alike on all sides; default 0.75, chosen by its error on path-traced
    * scenes (doc/measurements.md) */
   float unseen_light;
 } hbil_model;
@@ -401,7 +401,9 @@ typedef struct hbil_history {
 typedef enum hbil_skip {
   HBIL_SKIP_SKY = 1,  /* gather: spans of pixels that are all sky */
   HBIL_SKIP_OPEN = 2, /* gather: spans where nothing rises above the surface */
-  HBIL_SKIP_DARK = 4, /* gather: the light of samples that send none */
+  /* gather: the light of samples that send none; nothing with
+   * HBIL_FALLBACK_FRAME_MEAN, where such samples stand for unknown light */
+  HBIL_SKIP_DARK = 4,
   /* gather: surfaces that reflect no diffuse light (albedo 0 or F0 1), if
    * beauty is the only output and no irradiance is carried over.  The data of
    * HBIL_STAGE_GATHERED and HBIL_STAGE_RESOLVED do differ. */

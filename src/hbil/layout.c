@@ -63,7 +63,8 @@ static bool irradiance_is_hidden(const hbil_config *config, const layout *l) {
 
 static void decide_skips(const hbil_config *config, layout *out) {
   out->skip = config->execution.skip;
-  if (!out->radiance)
+  /* samples that face away stand for unknown light, whatever they send */
+  if (!out->radiance || out->unknown)
     out->skip &= ~(cl_uint)HBIL_SKIP_DARK;
   if (isinf(config->model.radius))
     out->skip &= ~(cl_uint)HBIL_SKIP_RADIUS;
@@ -71,7 +72,7 @@ static void decide_skips(const hbil_config *config, layout *out) {
     out->skip &= ~(cl_uint)HBIL_SKIP_UNUSED;
   /* with a radius, spans test this themselves (gather.cl, light_in_reach) */
   out->quadrants = out->skip & HBIL_SKIP_DARK && isinf(config->model.radius) &&
-                   !config_has_thickness(config) && !out->unknown;
+                   !config_has_thickness(config);
 }
 
 static hbil_grid_args grid(size_t *end, cl_int width, cl_int height) {

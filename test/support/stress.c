@@ -1,5 +1,7 @@
 #include "test/support/stress.h"
 
+#include "lib/estimate_args.h"
+
 #include <stdio.h>
 
 stress_settings stress_effort = {1, 0.0};
@@ -59,6 +61,7 @@ static void configure(setup *s, plan_kind kind) {
   }
   s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s->config.model.far_field = HBIL_FAR_FRAME;
+  s->config.model.unseen_light = 1.0f; /* a furnace keeps its light */
   s->config.history.reprojection = HBIL_REPROJECTION_MOTION;
 }
 
@@ -133,7 +136,14 @@ static void check_range(const char *what, const exact_planes *planes, int first,
                planes->values[i], i % plane, least, most, stress_case);
 }
 
-/* The largest radiance of the surfaces and of a constant far field. */
+/* Whether light is guessed after all bounces. */
+static bool guesses(setup *s) {
+  return s->config.model.far_field == HBIL_FAR_FRAME ||
+         s->config.model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN;
+}
+
+/* The largest radiance of the surfaces and of a constant far field.  A guess
+ * can be 1 / (1 - HBIL_UNSEEN_GAIN) times the radiance of the first bounce. */
 static double brightest(setup *s) {
   double most = 0.0;
   if (s->config.model.mode == HBIL_MODE_HBIL) {
@@ -141,6 +151,8 @@ static double brightest(setup *s) {
     if (split.count > HBIL_SPLIT_RED)
       most = largest_value(&split, HBIL_SPLIT_RED, 3);
     exact_planes_free(&split);
+    if (guesses(s))
+      most /= 1.0 - (double)HBIL_UNSEEN_GAIN;
   }
   if (s->config.model.far_field == HBIL_FAR_CONSTANT)
     for (int c = 0; c < 3; ++c)
