@@ -147,13 +147,14 @@ static evenness evenness_of(setup *s) {
   return e;
 }
 
-/* A furnace: surfaces that reflect 7/8 have the radiance 1 if direct light gives
- * the rest. Unseen surfaces have the frame's mean after all bounces, which is 1,
- * so light neither enters nor leaves. Near light starts at the direct light's
- * 1/8 and needs some hundred bounces to get there: (7/8)^128 = 2^-24. Packed
- * light is off by up to a step of its 8 bits, 2^-7, and by less on average; fp32
- * by about two hundred roundings (measured: 5.8e-7). The mean can drift by one
- * rounding of 2^-24 in each of the 70 frames in between (measured: 2.5e-9). */
+/* A furnace: surfaces that reflect 7/8 have the radiance 1 if direct light
+ * gives the rest. Unseen surfaces have the frame's mean after all bounces,
+ * which is 1, so light neither enters nor leaves. Near light starts at the
+ * direct light's 1/8 and needs some hundred bounces to get there: (7/8)^128 =
+ * 2^-24. Packed light is off by up to a step of its 8 bits, 2^-7, and by less
+ * on average; fp32 by about two hundred roundings (measured: 5.8e-7). The mean
+ * can drift by one rounding of 2^-24 in each of the 70 frames in between
+ * (measured: 2.5e-9). */
 static void light_neither_grows_nor_fades(void **state) {
   (void)state;
   for (plan_kind kind = 0; kind < PLANS; ++kind) {
