@@ -71,11 +71,16 @@ INLINE intv is_usable_normal(realv length2) {
   return (length2 >= 1e-20f) & (length2 < INFINITY);
 }
 
+/* Normals that face away by this cosine or more are counted: 12 degrees, beyond
+ * what smooth shading and normal maps do to surfaces that the eye sees. */
+#define AWAY_COSINE 0.2f
+
 /* Turns n towards the eye until it faces it by at least HBIL_MIN_COSINE, and
  * makes its length 1, unless pack_normal() will do that.  (rx, ry, 1) is the
  * ray.  A normal that cannot be used becomes -ray; its lane is cleared in
- * `usable`. */
-INLINE void face_the_eye(realv n[3], realv rx, float ry, intv *usable) {
+ * `usable`.  Returns the lanes that face away by AWAY_COSINE. */
+INLINE intv face_the_eye(realv n[3], realv rx, float ry, intv *usable) {
+  intv away = 0;
   const realv ray2 = fma(rx, rx, (realv)fma(ry, ry, 1.0f));
   const realv length2 = squared_length(n);
   const intv has_direction = is_usable_normal(length2);
@@ -101,6 +106,7 @@ INLINE void face_the_eye(realv n[3], realv rx, float ry, intv *usable) {
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       cosine = fma(n[c] * inv_length, eye[c] * inv_r, cosine);
+    away = has_direction & (cosine < -AWAY_COSINE);
     const realv missing = max(HBIL_MIN_COSINE - cosine, (realv)0.0f);
 #pragma unroll
     for (int c = 0; c < 3; ++c) {
@@ -117,6 +123,7 @@ INLINE void face_the_eye(realv n[3], realv rx, float ry, intv *usable) {
     for (int c = 0; c < 3; ++c)
       n[c] *= scale;
   }
+  return away;
 }
 
 /* --- the radiance that a pixel sends -------------------------------------- */
@@ -242,6 +249,7 @@ kernel void split(const hbil_split_args args, global float *layers,
       args.has_history ? carried + HBIL_CARRIED_RED * args.planes.plane : 0,
       carried + HBIL_CARRIED_WEIGHT * args.planes.plane};
   intv used = 0, unusable = 0;
+  uint away = 0u;
   realv value[SPLIT_PLANES][4];
   const float ry = ray_y(view, y);
 #pragma unroll
@@ -259,7 +267,9 @@ kernel void split(const hbil_split_args args, global float *layers,
                                         TRUE_LANES};
     realv n[3];
     view_normal(args, normal_buffer, x, y, count, n);
-    face_the_eye(n, rx, ry, usable);
+    const intv is_away = solid & face_the_eye(n, rx, ry, usable);
+    if (ANY(is_away))
+      away += count_lanes(is_away);
     value[HBIL_SPLIT_W][part] = select((realv)HBIL_NOTHING, w, solid);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
@@ -285,6 +295,7 @@ kernel void split(const hbil_split_args args, global float *layers,
         (solid & !(usable[HBIL_SURFACE_ALBEDO] & usable[HBIL_SURFACE_F0] &
                    usable[HBIL_SURFACE_DIRECT]));
   }
+  add_sanitized(sanitized + HBIL_SANITIZED_AWAY, away);
   if (ANY(unusable))
     count_sanitized(args, &inputs, depth_buffer, normal_buffer, x0, y,
                     sanitized);

@@ -19,8 +19,10 @@
  *      call hbil_enqueue_frame().
  *
  * CONVENTIONS
- *   View space is right-handed with x right, y down and z forward.  Pixel (i,j)
- *   has its centre at (i+0.5, j+0.5) from the top left corner and looks along
+ *   In view space x points towards the next column of pixels, y towards the
+ *   next row, and z forward.  So it is right-handed with x right and y down,
+ *   if the first row is the top one.  Pixel (i,j) has its centre at
+ *   (i+0.5, j+0.5) from the first pixel's corner and looks along
  *   r = ((i+0.5-cx)/fx, (j+0.5-cy)/fy, 1).  Matrices are row-major 4x4 matrices
  *   for column vectors.  Lengths are in world units of the caller's choice.
  *   Light is linear, in any RGB primaries; the channels are never mixed.
@@ -45,7 +47,8 @@
  *   chain frames or passes by events.  What a plan can't know are your own
  *   commands: wait_list must have those that write the inputs or still use the
  *   outputs, unless the queue orders them, and your commands that read the
- *   outputs wait for the frame's event.
+ *   outputs wait for the frame's event.  When that event is complete, so are
+ *   all earlier commands of the plan.
  *
  * ERRORS
  *   Every function that can fail returns an hbil_status; HBIL_SUCCESS is 0.
@@ -96,7 +99,8 @@ HBIL_API void hbil_context_destroy(hbil_context *context);
  * plans.  It has the name of the OpenCL error, the kernel's name if there is
  * one, and the build log if a kernel did not compile.  The string is empty if
  * nothing has failed.  It is valid until the next call on the context or one of
- * its plans.
+ * its plans.  Ask for it in a statement of its own, behind the call that
+ * failed: among the arguments of one call, C may evaluate it first.
  *
  * If context is NULL, the sentence is on the calling thread's last failure that
  * had no context: hbil_context_create(), functions whose context or plan was
@@ -163,9 +167,11 @@ HBIL_API hbil_status hbil_context_set_program_store(hbil_context *context,
                                                     hbil_program_store store,
                                                     void *user);
 
-/* The same with a folder, which must exist, as the store: a file KEY.bin for
- * each program.  Files appear whole or not at all, so any number of processes
- * may share the folder.  They are never removed. */
+/* The same with a folder as the store: a file KEY.bin for each program.  Files
+ * appear whole or not at all, so any number of processes may share the folder.
+ * They are never removed.  The folder is looked at when plans are made; as long
+ * as it doesn't exist, programs are built as without it, and a warning says
+ * that they can't be stored. */
 HBIL_API hbil_status hbil_context_set_program_folder(hbil_context *context,
                                                      const char *folder);
 
@@ -344,6 +350,10 @@ HBIL_API hbil_status hbil_plan_statistics(hbil_plan *plan,
  * first and static frames.  A static frame has the last one's other counts. */
 typedef struct hbil_sanitized {
   size_t depth, normal, albedo, f0, direct, emission, motion;
+  /* Normals that face away from the eye by a cosine of 0.2 or more, which no
+   * visible surface has.  They are turned until nearly edge on.  If they are
+   * more than a few, normal_space, normal_scale or the camera is wrong. */
+  size_t facing_away;
 } hbil_sanitized;
 
 /* Reads these numbers.  Waits and fails like hbil_plan_statistics(). */

@@ -96,7 +96,8 @@ typedef enum hbil_projection {
 } hbil_projection;
 
 typedef enum hbil_space {
-  HBIL_SPACE_VIEW = 0, /* x right, y down, z forward */
+  HBIL_SPACE_VIEW = 0, /* the camera's: x towards the next column of pixels, y
+                          towards the next row, z forward */
   HBIL_SPACE_WORLD = 1
 } hbil_space;
 
@@ -122,8 +123,9 @@ typedef struct hbil_inputs {
    *   direct, emission  NaN, negative, above 1e30 (after direct_scale): 0
    *   motion    NaN, infinite: nothing is carried over to the pixel
    * Depths here are those after depth_scale.
-   * Depths of 0, and from 1e15 or sky_depth on, are sky and not counted.  Nor
-   * are normals that face away; they are turned until nearly edge on.
+   * Depths of 0, and from 1e15 or sky_depth on, are sky and not counted.
+   * Normals that face away are turned until nearly edge on, and counted apart
+   * (hbil_sanitized.facing_away).
    * Components: HBIL_FLOAT32, HBIL_FLOAT16, and the others that are named. */
   /* 1 channel; see depth_kind, sky_depth.  Hardware depth: HBIL_UNORM16,
    * HBIL_UNORM24 */
@@ -151,7 +153,8 @@ typedef struct hbil_inputs {
   hbil_space normal_space; /* default VIEW */
   float direct_scale; /* E_direct is `direct` times this; 0..1e30; default 1 */
   /* `motion` times this is the previous position minus the current one, in
-   * pixels, x right, y down.  -1e6..1e6; default 1, 1 */
+   * pixels, x towards the next column, y towards the next row.  -1e6..1e6;
+   * default 1, 1 */
   float motion_scale[2];
   hbil_normal_encoding normal_encoding; /* default XYZ */
   /* Planar depth and distances from the eye are `depth` times this, in the
@@ -161,8 +164,8 @@ typedef struct hbil_inputs {
   float depth_scale;
   /* Normals are x, y and z of `normal`, decoded, times these, in the space
    * normal_space.  They turn axes round.  If the first row of the planes is the
-   * top one, 1, -1, -1 is for OpenGL's view space (y up, z backward), and 1, -1,
-   * 1 for Direct3D's (y up, z forward).  If it is the lowest one
+   * top one, 1, -1, -1 is for OpenGL's view space (y up, z backward), and 1,
+   * -1, 1 for Direct3D's (y up, z forward).  If it is the lowest one
    * (HBIL_MATRIX_Y_DOWN), y keeps its sign: 1, 1, -1 and 1, 1, 1.
    * -1e6..1e6, not 0; default 1, 1, 1 */
   float normal_scale[3];

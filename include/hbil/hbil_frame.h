@@ -72,8 +72,9 @@ HBIL_API void hbil_camera_from_opengl(hbil_camera *camera,
 /* What a renderer's matrices don't tell of themselves; a sum of these.  0 is
  * Direct3D's clip space, and matrices that are row-major for column vectors.
  * Direct3D with DirectXMath: COLUMN_MAJOR.  Vulkan with glm: COLUMN_MAJOR and
- * Y_DOWN.  OpenGL with glm: COLUMN_MAJOR and SIGNED_DEPTH, and Y_DOWN if the
- * planes lie in memory as OpenGL's textures do, the lowest row first. */
+ * Y_DOWN.  OpenGL with glm: COLUMN_MAJOR and SIGNED_DEPTH (without it after
+ * glClipControl() with GL_ZERO_TO_ONE), and Y_DOWN if the planes lie in memory
+ * as OpenGL's textures do, the lowest row first. */
 typedef enum hbil_matrix_convention {
   /* The matrices are stored column by column, or are made for row vectors. */
   HBIL_MATRIX_COLUMN_MAJOR = 1,

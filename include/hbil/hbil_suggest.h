@@ -69,10 +69,11 @@ typedef struct hbil_sources {
  * less than a tenth of the typical direct light, and falls to 0 at 9 %.  The
  * sky counts as seen if more than 0.1 % of the pixels show it.  Its radiance is
  * the mean of the square roots, squared, so that the sun's disc counts for
- * little.  `direct` contains the sky if it exceeds 2 % of this radiance, as
- * that of a white surface, at 0.1 % of the pixels.  It contains the lamps if it
- * has at least half of the light that they would send to the surfaces without
- * obstacles.
+ * little.  `direct` contains the sky if a white surface under it would send
+ * more than 2 % of this radiance at 0.1 % of the pixels or more, whatever light
+ * that is; the sky itself lights even places that see little of it by so much.
+ * It contains the lamps if it has at least half of the light that they would
+ * send to the surfaces without obstacles.
  *
  * Of config, the function reads width, height, inputs and model.mode; formats
  * are not needed yet.  Of frame, it reads the camera

@@ -15,24 +15,26 @@ static bool positive(double v) {
 
 /* Columns of the rotation are unit and at right angles, to 1e-3: beyond any
  * rounding of a float matrix, below any real scale or shear.  Mirrored ones are
- * right, too: all that the kernels do with them is to change between bases. */
-static bool rigid(const double m[16]) {
+ * right, too: all that the kernels do with them is to change between bases.
+ * Returns what is wrong, or NULL. */
+static const char *rigid_error(const double m[16]) {
   const double last[4] = {0, 0, 0, 1};
   for (int i = 0; i < 16; ++i)
     if (!isfinite(m[i]))
-      return false;
+      return "an element is not finite";
   for (int i = 0; i < 4; ++i)
     if (fabs(at(m, 3, i) - last[i]) > 1e-3)
-      return false;
+      return "the last row is not 0 0 0 1 (row-major, for column vectors)";
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b) {
       double dot = 0;
       for (int r = 0; r < 3; ++r)
         dot += at(m, r, a) * at(m, r, b);
       if (fabs(dot - (a == b)) > 1e-3)
-        return false;
+        return a == b ? "a column's length is not 1 (scaled)"
+                      : "columns are not at right angles (skewed)";
     }
-  return true;
+  return NULL;
 }
 
 /* The inverse of a rigid transform. */
@@ -119,6 +121,13 @@ static const char *z_error(const double p[16], double slope, bool reversed) {
   return NULL;
 }
 
+/* Whether a perspective view's A, the depth at infinity, is at the far plane or
+ * beyond it, to 1e-3: projections with an infinite far plane are often changed
+ * a little so that roundings don't clip. */
+static bool ends_outside(double a, bool reversed) {
+  return reversed ? a < 1e-3 : a > 1 - 1e-3;
+}
+
 /* A matrix with rows and columns exchanged if it is stored by columns. */
 static void by_rows(const double in[16], cl_uint conventions, double out[16]) {
   const bool columns = (conventions & HBIL_MATRIX_COLUMN_MAJOR) != 0;
@@ -144,9 +153,6 @@ static const char *convert(hbil_camera *camera, double depth[2],
   const char *error = xyw_error(p, shift);
   if (error)
     return error;
-  if (!rigid(view))
-    return "view: not a rigid transform (finite, unit columns at right angles, "
-           "last row 0 0 0 1; conventions)";
   const double w = at(p, 3, shift) < 0 ? -1 : 1;
   /* orthographic: where reversed is true, clip z grows backwards */
   const double forward = !flat ? w : (at(p, 2, 2) < 0) == reversed ? 1 : -1;
@@ -161,6 +167,14 @@ static const char *convert(hbil_camera *camera, double depth[2],
     depth[0] = 0.5 * depth[0] + 0.5;
     depth[1] *= 0.5;
   }
+  if (!flat && with_depth && !ends_outside(depth[0], reversed))
+    return conventions & HBIL_MATRIX_SIGNED_DEPTH
+               ? "projection, conventions: infinite distance has a depth "
+                 "inside "
+                 "0..1; is clip space 0..1, without HBIL_MATRIX_SIGNED_DEPTH?"
+               : "projection, conventions: infinite distance has a depth "
+                 "inside "
+                 "0..1; is clip space -1..1, HBIL_MATRIX_SIGNED_DEPTH?";
   const double half_width = 0.5 * config->width;
   const double half_height = 0.5 * config->height;
   camera->fx = fabs(at(p, 0, 0)) * half_width;
@@ -202,6 +216,10 @@ hbil_status hbil_camera_from_matrices(
                               hardware_depth != NULL);
   if (error)
     return fail(NULL, HBIL_INVALID_ARGUMENT, "%s: %s", __func__, error);
+  error = rigid_error(v);
+  if (error)
+    return fail(NULL, HBIL_INVALID_ARGUMENT,
+                "%s: view: not a rigid transform: %s", __func__, error);
   *camera = result;
   for (int i = 0; hardware_depth && i < 2; ++i)
     hardware_depth[i] = depth[i];
@@ -220,10 +238,10 @@ hbil_status camera_check(hbil_context *context, const hbil_camera *camera) {
   if (!isfinite(camera->cx) || !isfinite(camera->cy))
     return fail(context, HBIL_INVALID_FRAME,
                 "camera.cx, camera.cy: the principal point is not finite");
-  if (!rigid(camera->world_from_view))
+  const char *error = rigid_error(camera->world_from_view);
+  if (error)
     return fail(context, HBIL_INVALID_FRAME,
-                "camera.world_from_view: not a rigid transform (finite, unit "
-                "columns at right angles, last row 0 0 0 1)");
+                "camera.world_from_view: not a rigid transform: %s", error);
   return HBIL_SUCCESS;
 }
 

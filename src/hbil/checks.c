@@ -131,6 +131,19 @@ static hbil_status check_scratch(const hbil_plan *plan,
   return HBIL_SUCCESS;
 }
 
+/* Pixels that alternate are only told apart if both planes have the same
+ * distances between pixels and rows. */
+static hbil_status overlapping(hbil_context *context, int plane, int other,
+                               const plane_shape *a, const plane_shape *b) {
+  const bool alike = a->row == b->row && a->pixel == b->pixel;
+  return fail(context, HBIL_INVALID_FRAME,
+              "%s: overlaps %s%s; an output needs bytes of its own",
+              plane_kinds[plane].name, plane_kinds[other].name,
+              alike ? ""
+                    : ", or alternates with it at another stride or "
+                      "row_pitch");
+}
+
 /* That outputs have bytes of their own.  Planes that don't exist have no
  * memory. */
 static hbil_status check_overlaps(hbil_context *context,
@@ -145,10 +158,7 @@ static hbil_status check_overlaps(hbil_context *context,
                   regions[i].shape.image);
     for (int k = 0; k < i; ++k)
       if (planes_overlap(&regions[i], &regions[k]))
-        return fail(context, HBIL_INVALID_FRAME,
-                    "%s: overlaps %s, or is mixed with it at another row_pitch "
-                    "or distance of pixels; an output needs bytes of its own",
-                    name, plane_kinds[k].name);
+        return overlapping(context, i, k, &regions[i].shape, &regions[k].shape);
   }
   return HBIL_SUCCESS;
 }
@@ -181,8 +191,9 @@ static hbil_status check_hardware_depth(hbil_plan *plan,
       (isfinite((float)a) && isnormal((float)b)))
     return HBIL_SUCCESS;
   return fail(plan->context, HBIL_INVALID_FRAME,
-              "hardware_depth: %g, %g; HBIL_DEPTH_HARDWARE needs the finite A "
-              "and B, not 0, of the projection",
+              "hardware_depth: A = %g, B = %g; HBIL_DEPTH_HARDWARE needs those "
+              "of the projection, finite, and B not 0 "
+              "(hbil_camera_from_matrices())",
               a, b);
 }
 

@@ -217,6 +217,12 @@ static hbil_status check_format(hbil_context *context,
     return HBIL_SUCCESS;
   const cl_uint stride = format_stride(config, plane);
   const cl_uint components = plane_components(config, plane);
+  if (components == 1 && stride > 64)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "%s.%s.stride: %u; must be 1 .. 64 values from a pixel to the "
+                "next one",
+                plane >= PLANE_FIRST_OUTPUT ? "outputs" : "inputs",
+                plane_kinds[plane].name, (unsigned)stride);
   if (stride > 64 || (stride != 1 && stride < components))
     return fail(
         context, HBIL_INVALID_CONFIG,

@@ -67,6 +67,11 @@ static hbil_status check_arguments(hbil_plan *plan, const char *function,
                      !plan    ? "plan"
                      : !queue ? "queue"
                               : "frame");
+  for (cl_uint i = 0; wait_list && i < wait_count; ++i)
+    if (!wait_list[i])
+      return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                  "%s: wait_list[%u]: null; must be an event", function,
+                  (unsigned)i);
   if (!wait_count != !wait_list)
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
                 "%s: wait_list is %s and wait_count %u; wait_list must be null "

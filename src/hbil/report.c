@@ -157,6 +157,7 @@ hbil_status hbil_plan_sanitized(hbil_plan *plan, cl_command_queue queue,
       [HBIL_SURFACE_EMISSION] = &out->emission};
   out->depth = words[HBIL_SANITIZED_DEPTH];
   out->normal = words[HBIL_SANITIZED_NORMAL];
+  out->facing_away = words[HBIL_SANITIZED_AWAY];
   for (int i = 0; i < HBIL_SURFACE_INPUTS; ++i)
     *surface[i] =
         words[HBIL_SANITIZED_SURFACE + i] + words[HBIL_SANITIZED_LATE + i];

@@ -11,7 +11,7 @@ const char *hbil_status_string(hbil_status status) {
   case HBIL_INVALID_ARGUMENT:
     return "an argument is null or malformed";
   case HBIL_INVALID_CONFIG:
-    return "a field of hbil_config is out of range";
+    return "a field of hbil_config is wrong or lacks what the call needs";
   case HBIL_INVALID_FRAME:
     return "a field of hbil_frame is missing or wrong";
   case HBIL_OUT_OF_HOST_MEMORY:

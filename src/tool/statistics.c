@@ -49,7 +49,7 @@ json_t *statistics_json(const hbil_statistics *s) {
                    "not_run", passes);
 }
 
-enum { SANITIZED_INPUTS = 7 };
+enum { SANITIZED_INPUTS = 8 };
 
 typedef struct sanitized_input {
   const char *name;
@@ -61,7 +61,8 @@ static void list_sanitized(const hbil_sanitized *s,
   const sanitized_input inputs[SANITIZED_INPUTS] = {
       {"depth", s->depth},  {"normal", s->normal}, {"albedo", s->albedo},
       {"f0", s->f0},        {"direct", s->direct}, {"emission", s->emission},
-      {"motion", s->motion}};
+      {"motion", s->motion},
+      {"facing_away", s->facing_away}};
   memcpy(out, inputs, sizeof inputs);
 }
 

@@ -197,6 +197,46 @@ static void the_first_reader_counts(void **state) {
   }
 }
 
+/* The number of surfaces whose normal's cosine with the ray is above `most`. */
+static size_t facing_away(const setup *s, double most) {
+  const hbil_view_args v = exact_view(&s->config, &s->frame.camera);
+  size_t count = 0;
+  for (size_t i = 0; i < PIXELS; ++i) {
+    const double ray[3] = {((double)(i % WIDTH) + 0.5 - v.cx) / v.fx,
+                           ((double)(i / WIDTH) + 0.5 - v.cy) / v.fy, 1.0};
+    double along = 0.0, ray2 = 0.0, normal2 = 0.0;
+    for (int c = 0; c < 3; ++c) {
+      const double n = s->input[EXACT_NORMAL + c][i];
+      along += n * ray[c];
+      ray2 += ray[c] * ray[c];
+      normal2 += n * n;
+    }
+    count +=
+        s->input[EXACT_DEPTH][i] > 0.0f && along > most * sqrt(ray2 * normal2);
+  }
+  return count;
+}
+
+static void normals_that_face_away_are_counted(void **state) {
+  (void)state;
+  for (plan_kind kind = 0; kind < PLANS; ++kind) {
+    setup *s = stress_begin(kind);
+    STRESS_CASE("normals that face away, %s", stress_plan_names[kind]);
+    size_t found[2];
+    for (int flipped = 0; flipped < 2; ++flipped) {
+      for (int i = 0; flipped && i < PIXELS; ++i) /* rows from the other end */
+        s->input[EXACT_NORMAL + 1][i] *= -1.0f;
+      stress_run(s);
+      const hbil_sanitized all = counted(s), none = {0};
+      check_counts(&all, &none);
+      found[flipped] = all.facing_away;
+      assert_in_range(found[flipped], facing_away(s, 0.2 + 1e-5),
+                      facing_away(s, 0.2 - 1e-5));
+    }
+    assert_true(found[1] > PIXELS / 10 && found[1] > 2 * found[0]);
+  }
+}
+
 static void counts_need_a_frame(void **state) {
   setup *s = stress_begin(ONE_SAMPLE);
   hbil_sanitized out;
@@ -217,6 +257,7 @@ int main(void) {
       cmocka_unit_test(spoiled_inputs_equal_repaired_ones),
       cmocka_unit_test(static_frames_repeat_the_counts),
       cmocka_unit_test(the_first_reader_counts),
+      cmocka_unit_test(normals_that_face_away_are_counted),
       cmocka_unit_test(counts_need_a_frame),
   };
   stress_read_effort();
