@@ -28,9 +28,9 @@ static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
   setup_every_pass(&guarded, reprojection, vector_width, width, height);
   plain.config.execution.horizon_cache_bytes =
       guarded.config.execution.horizon_cache_bytes = horizon_cache_bytes;
-  setup_start(&plain);
+  setup_start_compiled(&plain);
   shim_guard_buffers(true);
-  setup_start(&guarded);
+  setup_start_compiled(&guarded);
   shim_guard_buffers(false);
   for (int i = 0; i < FRAMES; ++i) {
     run_frame(&plain, i);

@@ -79,8 +79,12 @@ size_t setup_memory(const setup *s);
 
 /* --- running --- */
 
-/* Creates the plan and the buffers, which must succeed, then uploads. */
+/* Creates the plan and the buffers, which must succeed, then uploads.  The plan
+ * launches no kernel until it is run, because most tests run few of a plan's
+ * kernels, and PoCL compiles those that are launched. */
 void setup_start(setup *s);
+/* The same, with the trial launches that plans make for programs. */
+void setup_start_compiled(setup *s);
 /* Writes the inputs to the device and replaces them by what the device sees:
  * the values after rounding to the plane's format. */
 void setup_upload(setup *s);

@@ -36,6 +36,10 @@ void shim_skip_builds(bool skip);
  * work-items, which kernels must ignore.  NULL: the library's own groups. */
 void shim_use_groups(const size_t *group);
 
+/* From now on no kernel but the one of this name is launched, so that no driver
+ * compiles the others; NULL: all are. */
+void shim_launch_only(const char *kernel);
+
 /* From now on clGetDeviceInfo() answers one question by `size` bytes at
  * `value`, which must stay valid; NULL: it answers all by itself. */
 void shim_answer(cl_device_info what, const void *value, size_t size);

@@ -124,7 +124,7 @@ static exact_planes run_plan(setup *s, memory *m) {
   device.hbil = new_context(m);
   m->loaded = m->stored = m->warnings = 0;
   s->device = &device;
-  setup_start(s);
+  setup_start_compiled(s);
   for (int i = 0; i < 3; ++i) {
     s->frame.static_frame = i == 2;
     setup_run(s, hbil_enqueue_frame);
@@ -339,7 +339,7 @@ static void create_plan(void **state) {
   (void)state;
   use_folder(getenv(FOLDER_VARIABLE));
   ao_alone(&s);
-  setup_start(&s);
+  setup_start_compiled(&s);
   setup_run(&s, hbil_enqueue_frame);
   setup_free(&s);
   assert_int_equal(count_warnings, 0);
@@ -380,7 +380,7 @@ static void another_process_compiles_nothing(void **state) {
   folder_make(empty);
   ao_alone(&s);
   use_folder(folder);
-  setup_start(&s);
+  setup_start_compiled(&s);
   setup_free(&s);
   use_no_folder();
   const int programs = folder_count(folder, ".bin");
@@ -400,7 +400,7 @@ static void folders_may_be_missing(void **state) {
   (void)state;
   ao_alone(&s);
   use_folder("/no such folder");
-  setup_start(&s);
+  setup_start_compiled(&s);
   assert_in_range(count_warnings, 4, 10);
   use_no_folder();
   setup_free(&s);

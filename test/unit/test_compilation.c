@@ -42,7 +42,7 @@ static void run_frames(setup *s) {
 
 static void check(setup *s) {
   const int before = count_variants();
-  setup_start(s);
+  setup_start_compiled(s);
   const int created = count_variants();
   assert_true(created > before);
   run_frames(s);
