@@ -11,9 +11,11 @@
  *
  * L is the radiance of the first bounce, of direct light and emission alone.
  * With the mean reflectance, the mean share s of the hemisphere whose light is
- * shown and the share u whose light is guessed, the radiance after all bounces
- * is L / (1 - reflectance (s + unseen_light u)), in closed form.  So the guess
- * does not depend on how many frames there were before, and can't grow.
+ * shown and the share u whose light is guessed, the gain of a bounce is
+ * g = reflectance (s + unseen_light u), and the radiance after all bounces is
+ * L / (1 - g), in closed form.  Light that has been carried over n times has
+ * 1 - g (reflectance s)^n of that.  So the guess hardly depends on how many
+ * frames there were before, and can't grow.
  *
  * In: split planes, gathered light, the caller's planes.  Out: the values of
  * HBIL_FILL_*, which unseen_light.clh and sky_light.clh read.
@@ -158,11 +160,8 @@ INLINE void add_pixels(const hbil_estimate_args args, const inputs *in,
     ADD(HBIL_SUM_WEIGHT + k, p[k]);
   }
 #pragma unroll
-  for (int c = 0; c < 3; ++c) {
+  for (int c = 0; c < 3; ++c)
     ADD(HBIL_SUM_REFLECTANCE + c, reflectance[c]);
-    /* a sum of differences of angles may round to just below 0 */
-    ADD(HBIL_SUM_NEAR + c, max(gathered[HBIL_LIGHT_RED + c], (realv)0.0f));
-  }
   const realv ao = gathered[HBIL_LIGHT_AO];
   realv lit;
   const realv unlit = unlit_part(sky_light, ao, &lit);
@@ -284,20 +283,20 @@ kernel void estimate_fill(const hbil_estimate_args args,
     const float gain = min(reflectance * (shown + args.unseen_light * guessed),
                            HBIL_UNSEEN_GAIN);
     const float bounces = 1.0f / (1.0f - gain);
-    const float near_mean = inv * INV_PI * sum[HBIL_SUM_NEAR + c];
-    const float near_all = shown * bounces * inv * sum[HBIL_SUM_LIGHT + 9 * c];
-    /* near light that contains guessed light has all bounces of that already */
-    estimate[HBIL_FILL_NEAR_SCALE + c] =
-        FALLBACK_FRAME_MEAN
-            ? 1.0f
-            : min(near_all / max(near_mean, FLT_MIN), HBIL_UNSEEN_SCALE);
+    /* What near light lacks shrinks by the factor reflectance x shown with each
+     * bounce.  Near light that contains guesses has all bounces of those. */
+    const float lacks = FALLBACK_FRAME_MEAN
+                            ? 0.0f
+                            : gain * pown(reflectance * shown, args.bounces);
+    estimate[HBIL_FILL_LACKS + c] =
+        lacks * bounces * inv * sum[HBIL_SUM_LIGHT + 9 * c];
     for (int k = 0; k < 9; ++k)
-      estimate[HBIL_FILL_LIGHT + 9 * c + k] = args.unseen_light * bounces *
-                                              factor[k] *
-                                              sum[HBIL_SUM_LIGHT + 9 * c + k];
+      estimate[HBIL_FILL_LIGHT + 9 * c + k] =
+          bounces * factor[k] * sum[HBIL_SUM_LIGHT + 9 * c + k];
   }
   for (int k = 0; k < 9; ++k)
     estimate[HBIL_FILL_WEIGHT + k] = factor[k] * sum[HBIL_SUM_WEIGHT + k];
   estimate[HBIL_FILL_UNLIT] = unlit;
   estimate[HBIL_FILL_SUN] = sun;
+  estimate[HBIL_FILL_UNSEEN] = args.unseen_light;
 }

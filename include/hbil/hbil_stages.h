@@ -105,6 +105,22 @@ typedef struct hbil_buffer {
 HBIL_API hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
                                       hbil_buffer *out);
 
+/* How often the light of HISTORY has been carried over, itself included: 1
+ * after a first frame, up to 256; 0 without a history.  The guess of unseen
+ * light needs to know how many bounces near light lacks (HBIL_FAR_FRAME). */
+HBIL_API cl_uint hbil_plan_bounces(const hbil_plan *plan);
+
+/* Says that HISTORY, and TEMPORAL_HISTORY with history.max_frames, hold those
+ * of a frame that `camera` has seen, for instance one of an earlier process,
+ * and that its light had so many bounces (0: HISTORY holds nothing).  The
+ * caller writes them into the buffers that hbil_plan_buffer() returns, before
+ * or after this call; the next frame starts from them.  That frame can't be a
+ * static one.  Returns HBIL_INVALID_ARGUMENT if plan or camera is null, and
+ * HBIL_INVALID_FRAME if the camera is; then the plan is as before. */
+HBIL_API hbil_status hbil_plan_adopt_history(hbil_plan *plan,
+                                             const hbil_camera *camera,
+                                             cl_uint bounces);
+
 #ifdef __cplusplus
 }
 #endif

@@ -16,8 +16,6 @@
 /* The most of its light that a bounce may return to the frame's surfaces, so
  * the series of all bounces is at most 10. */
 #define HBIL_UNSEEN_GAIN 0.9f
-/* Near light is scaled by at most this towards its mean after all bounces. */
-#define HBIL_UNSEEN_SCALE 4.0f
 /* A part of the pixels, of HBIL_ESTIMATE_PARTS, that sends more than this many
  * times the typical light counts as so many: it has a few very bright ones. */
 #define HBIL_UNSEEN_SPIKE 4.0f
@@ -40,25 +38,26 @@ enum {
   /* three channels, and the weight, of nine polynomials */
   HBIL_FILL_LIGHT = 0,
   HBIL_FILL_WEIGHT = 27,
-  HBIL_FILL_NEAR_SCALE = 36, /* of three channels */
-  HBIL_FILL_UNLIT = 39,      /* of open directions, where the sun shines */
-  HBIL_FILL_SUN = 40,        /* 0: no pixel is lit by more than the sky, 1 */
-  HBIL_FILL_SIZE = 41
+  HBIL_FILL_LACKS = 36,  /* radiance that near light lacks of all bounces;
+                            three channels */
+  HBIL_FILL_UNLIT = 39,  /* of open directions, where the sun shines */
+  HBIL_FILL_SUN = 40,    /* 0: no pixel is lit by more than the sky, 1 */
+  HBIL_FILL_UNSEEN = 41, /* unseen_light of hbil_config */
+  HBIL_FILL_SIZE = 42
 };
 enum {
   HBIL_SUM_LIGHT = 0,        /* radiance of the first bounce, polynomials */
   HBIL_SUM_WEIGHT = 27,      /* the polynomials; the first is the number of
                                 surfaces */
   HBIL_SUM_REFLECTANCE = 36, /* three channels */
-  HBIL_SUM_NEAR = 39,        /* E_near, three channels */
-  HBIL_SUM_OPEN = 42,        /* AO */
-  HBIL_SUM_BEHIND = 43,      /* the share that back-facing samples block */
+  HBIL_SUM_OPEN = 39,        /* AO */
+  HBIL_SUM_BEHIND = 40,      /* the share that back-facing samples block */
   /* over pixels, as far as they tell how much of the sky they see: AO, times
    * the unlit part, times its square */
-  HBIL_SUM_DARK = 44,
-  HBIL_SUM_LIT = 47,      /* over the others: 1 */
-  HBIL_SUM_LIT_OPEN = 48, /* and AO */
-  HBIL_ESTIMATE_SUMS = 49
+  HBIL_SUM_DARK = 41,
+  HBIL_SUM_LIT = 44,      /* over the others: 1 */
+  HBIL_SUM_LIT_OPEN = 45, /* and AO */
+  HBIL_ESTIMATE_SUMS = 46
 };
 enum {
   HBIL_ESTIMATE_PARTS = 64,
@@ -88,7 +87,8 @@ typedef struct hbil_estimate_args {
   hbil_float sky[3];       /* radiance of the sky that `direct` contains */
   hbil_float sky_share;    /* as in hbil_frame */
   hbil_float unseen_light; /* as in hbil_config */
+  hbil_int bounces;        /* as hbil_plan_bounces() has it */
 } hbil_estimate_args;
-HBIL_ASSERT_LAYOUT(hbil_estimate_args, unseen_light, 37, 38)
+HBIL_ASSERT_LAYOUT(hbil_estimate_args, bounces, 38, 39)
 
 #endif

@@ -12,8 +12,11 @@
  *
  * The sums are of the first bounce.  What a mean surface receives then is the
  * shown share s of its hemisphere with the mean radiance L, and the guessed
- * share u with unseen_light times L.  So with the mean reflectance r, the mean
- * radiance after all bounces is L / (1 - r (s + unseen_light u)).
+ * share u with unseen_light times L.  So with the mean reflectance r, the gain
+ * is g = r (s + unseen_light u), and the mean radiance after all bounces is
+ * B = L / (1 - g).  The guess has that from the first frame on, and near light
+ * gets there one bounce a frame: without history it is L = B - g B, and what it
+ * lacks shrinks by r s with each bounce.
  */
 #include "exact/estimate.h"
 
@@ -29,7 +32,7 @@
 /* Sums over some of the pixels. */
 typedef struct sums {
   double light[3][9], weight[9]; /* times the polynomials of -m */
-  double reflectance[3], near_irradiance[3];
+  double reflectance[3];
   double open, behind;         /* shares of the hemisphere */
   double dark, unlit, unlit_2; /* pixels that show how much sky they see: the
                                   open share, times what is unlit, squared */
@@ -64,8 +67,6 @@ static void add_surfel(sums *t, const exact_frame *frame, const surface *s,
     for (int i = 0; i < 9; ++i)
       t->light[c][i] += sent * p[i];
     t->reflectance[c] += reflectance;
-    t->near_irradiance[c] +=
-        fmax(0.0, *exact_at(gathered, HBIL_LIGHT_RED + c, x, y));
   }
   for (int i = 0; i < 9; ++i)
     t->weight[i] += p[i];
@@ -147,19 +148,18 @@ void exact_estimate_frame(exact_frame *frame, const exact_planes *split,
       (1.0 - exact_sky_share(frame)) *
           (e->sun * t.unlit + (1.0 - e->sun) * t.unlit_2 + lit_pixels);
   for (int c = 0; c < 3; ++c) {
-    const double gain = fmin(t.reflectance[c] / surfaces *
-                                 (shown + unseen * guessed / surfaces),
-                             (double)HBIL_UNSEEN_GAIN);
-    const double all = t.light[c][0] / surfaces / (1.0 - gain);
+    const double reflectance = t.reflectance[c] / surfaces;
+    const double gain =
+        fmin(reflectance * (shown + unseen * guessed / surfaces),
+             (double)HBIL_UNSEEN_GAIN);
     /* near light that contains guessed light has all bounces of that already */
-    e->near_scale[c] =
+    const double lacks =
         exact_fills_unknown(frame->config)
-            ? 1.0
-            : fmin(shown * all /
-                       fmax(t.near_irradiance[c] / PI / surfaces, DBL_MIN),
-                   (double)HBIL_UNSEEN_SCALE);
+            ? 0.0
+            : gain * pow(reflectance * shown, (double)frame->bounces);
+    e->lacks[c] = lacks * t.light[c][0] / surfaces / (1.0 - gain);
     for (int i = 0; i < 9; ++i)
-      e->light[c][i] = unseen / (1.0 - gain) * t.light[c][i];
+      e->light[c][i] = t.light[c][i] / (1.0 - gain);
   }
   memcpy(e->weight, t.weight, sizeof(t.weight));
 }
@@ -197,7 +197,8 @@ double exact_frame_radiance(const exact_frame *frame, int channel,
 double exact_unseen_radiance(const exact_frame *frame, int channel, vec3 normal,
                              double shown, double share) {
   const double prior = (double)HBIL_UNSEEN_PRIOR;
-  return (frame->estimate.near_scale[channel] * shown +
-          prior * frame_radiance(frame, channel, normal)) /
+  const double weight = prior * (double)frame->config->model.unseen_light;
+  return (shown + share * frame->estimate.lacks[channel] +
+          weight * frame_radiance(frame, channel, normal)) /
          (share + prior);
 }

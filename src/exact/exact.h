@@ -84,12 +84,12 @@ enum {
 
 /* What the frame's surfaces send on average (estimate.c): sums over an eighth
  * of the pixels of nine polynomials, times radiance after all bounces, and
- * times 1; the factors that bring near light to its mean after all bounces; and
+ * times 1; the radiance that near light lacks of that; and
  * what the sky does not light of the open directions where the sun shines, and
  * whether it does (0..1). */
 typedef struct exact_estimate {
   double light[3][9], weight[9];
-  double near_scale[3];
+  double lacks[3];
   double unlit, sun;
 } exact_estimate;
 
@@ -107,7 +107,8 @@ typedef struct exact_frame {
   float environment[9][3]; /* as hbil_frame has it */
   float sky_share;         /* as hbil_frame has it */
   unsigned frame_index;    /* rotates the sampling pattern */
-  exact_estimate estimate; /* exact_run_frame() sets it */
+  exact_estimate estimate; /* exact_run_frame() sets it, and `bounces`: how */
+  unsigned bounces;        /* often the carried light was carried over */
 } exact_frame;
 
 /* How the exact gather runs. */
@@ -132,6 +133,7 @@ typedef struct exact_dense {
  * are those of kernels/shared.h; `out` has EXACT_OUTPUT_PLANES. */
 typedef struct exact_state {
   bool has_history; /* the next frame reprojects `history` */
+  unsigned bounces; /* that the light of `history` has had */
   hbil_camera camera;
   exact_planes history, carried, split, gathered, resolved, out;
 } exact_state;

@@ -62,6 +62,7 @@ static exact_status prepare(exact_state *state, exact_frame *frame) {
       !is_complete(frame))
     return EXACT_BAD_ARGUMENT;
   frame->previous = state->camera;
+  frame->bounces = carries ? state->bounces : 0;
   if (carries) {
     exact_status status =
         exact_reproject(frame, &state->history, &state->carried);
@@ -80,6 +81,7 @@ static void finish(exact_state *state, exact_frame *frame) {
   exact_recompose(frame, &state->split, &state->gathered, &state->resolved);
   exact_composite(frame, &state->resolved, &state->out, &state->history);
   state->camera = frame->camera;
+  state->bounces = frame->bounces + 1;
   state->has_history =
       frame->config->history.reprojection != HBIL_REPROJECTION_NONE;
 }

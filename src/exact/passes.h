@@ -33,8 +33,7 @@ void exact_split(const exact_frame *frame, const exact_planes *carried,
 void exact_estimate_frame(exact_frame *frame, const exact_planes *split,
                           const exact_planes *gathered);
 /* The estimate: what the frame's surfaces send towards a receiver with that
- * view-space normal, after all bounces, times unseen_light.  channel: 0 red, 1
- * green, 2 blue. */
+ * view-space normal, after all bounces.  channel: 0 red, 1 green, 2 blue. */
 double exact_frame_radiance(const exact_frame *frame, int channel,
                             const double normal[3]);
 

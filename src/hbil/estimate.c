@@ -1,6 +1,8 @@
 /* The estimate of unseen light, from what the gather has found. */
 #include "passes.h"
 
+#include "hbil/hbil_stages.h"
+
 #include "lib/estimate_args.h"
 #include "planes.h"
 
@@ -14,7 +16,8 @@ hbil_status enqueue_estimate(commands *chain, const hbil_frame *frame) {
                              .width = (cl_int)c->width,
                              .height = (cl_int)c->height,
                              .direct_scale = c->inputs.direct_scale,
-                             .unseen_light = c->model.unseen_light};
+                             .unseen_light = c->model.unseen_light,
+                             .bounces = (cl_int)hbil_plan_bounces(plan)};
   if (plan->layout.far_field == HBIL_FAR_FRAME) {
     args.sky_share = frame->sky_share;
     for (int i = 0; i < 3; ++i)
@@ -34,9 +37,13 @@ hbil_status enqueue_estimate(commands *chain, const hbil_frame *frame) {
                            BUFFER_ARG(plan, BUFFER_ESTIMATE)};
   const argument sum[] = {BUFFER_ARG(plan, BUFFER_ESTIMATE)};
   const argument fill[] = {ARG(args), BUFFER_ARG(plan, BUFFER_ESTIMATE)};
-  hbil_status status =
-      LAUNCH(chain, KERNEL_ESTIMATE_PART, part, HBIL_ESTIMATE_PARTS, 1, 1);
-  if (status == HBIL_SUCCESS)
+  hbil_status status = HBIL_SUCCESS;
+  /* the sums are of inputs and AO, which a static frame doesn't change */
+  const bool is_summed = may_rest(plan, frame);
+  if (!is_summed)
+    status =
+        LAUNCH(chain, KERNEL_ESTIMATE_PART, part, HBIL_ESTIMATE_PARTS, 1, 1);
+  if (!is_summed && status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_ESTIMATE_SUM, sum, HBIL_ESTIMATE_SUMS, 1, 1);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_ESTIMATE_FILL, fill, 1, 1, 1);

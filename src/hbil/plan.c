@@ -12,6 +12,7 @@
 #include "import.h"
 #include "memory.h"
 #include "program.h"
+#include "camera.h"
 #include "trial.h"
 
 /* --- programs and kernels --- */
@@ -307,6 +308,28 @@ void hbil_plan_destroy(hbil_plan *plan) {
 void hbil_plan_reset(hbil_plan *plan) {
   if (plan)
     plan->has_history = plan->has_last = plan->has_temporal = false;
+}
+
+cl_uint hbil_plan_bounces(const hbil_plan *plan) {
+  return plan && plan->has_history ? plan->bounces : 0;
+}
+
+hbil_status hbil_plan_adopt_history(hbil_plan *plan, const hbil_camera *camera,
+                                    cl_uint bounces) {
+  if (!plan || !camera)
+    return fail_null(plan ? plan->context : NULL, __func__,
+                     plan ? "camera" : "plan");
+  const hbil_status status = camera_check(plan->context, camera);
+  if (status != HBIL_SUCCESS)
+    return status;
+  hbil_plan_reset(plan);
+  plan->has_history = plan->layout.history && bounces > 0;
+  plan->bounces = bounces;
+  plan->history_camera = *camera;
+  plan->has_temporal = plan->config.history.max_frames > 0;
+  plan->temporal_written = false;
+  plan->temporal_camera = *camera;
+  return HBIL_SUCCESS;
 }
 
 hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,

@@ -83,6 +83,7 @@ struct hbil_plan {
   cl_event tail;
   /* light of the last frame, and where it was seen from */
   bool has_history;
+  cl_uint bounces; /* that this light has had, 1 or more */
   hbil_camera history_camera;
   int history; /* which of its buffers holds the last frame */
   /* the temporal filter: which of its two buffers holds the last frame, and

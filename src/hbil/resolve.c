@@ -1,6 +1,8 @@
 /* recompose, temporal, composite: from layers to the caller's outputs. */
 #include "passes.h"
 
+#include "hbil/hbil_stages.h"
+
 #include "camera.h"
 #include "far_field.h"
 #include "planes.h"
@@ -77,11 +79,16 @@ static int next_history(const hbil_plan *plan) {
              : BUFFER_HISTORY;
 }
 
+/* The light of more bounces differs by less than a rounding, 0.9^n < 2^-24. */
+enum { MOST_BOUNCES = 256 };
+
 void remember_frame(hbil_plan *plan, const hbil_frame *frame) {
   plan->has_last = true;
   plan->last_camera = frame->camera;
   plan->last_index = frame->frame_index;
   if (plan->layout.history) {
+    const cl_uint bounces = hbil_plan_bounces(plan);
+    plan->bounces = bounces < MOST_BOUNCES ? bounces + 1 : MOST_BOUNCES;
     plan->has_history = true;
     plan->history = next_history(plan) - BUFFER_HISTORY;
     plan->history_camera = frame->camera;

@@ -202,21 +202,33 @@ int exact_sequence_run(exact_sequence *e, const gbuffer *g,
 /* ------------------------------------------------------------------------ */
 /* Light on its way from one process to another                              */
 
+static size_t values_size(const exact_planes *planes) {
+  return sizeof *planes->values * (size_t)planes->count *
+         (size_t)planes->width * (size_t)planes->height;
+}
+
+/* The history, then the bounces of its light. */
 size_t exact_sequence_light_size(const exact_sequence *e) {
   const exact_planes *history = &e->state.history;
   return e->config.history.reprojection == HBIL_REPROJECTION_NONE
              ? 0
-             : sizeof *history->values * (size_t)history->count *
-                   (size_t)history->width * (size_t)history->height;
+             : values_size(history) + sizeof e->state.bounces;
 }
 
 void exact_sequence_take_light(const exact_sequence *e, void *bytes) {
-  memcpy(bytes, e->state.history.values, exact_sequence_light_size(e));
+  const exact_planes *history = &e->state.history;
+  const size_t size = values_size(history);
+  memcpy(bytes, history->values, size);
+  memcpy((unsigned char *)bytes + size, &e->state.bounces,
+         sizeof e->state.bounces);
 }
 
 void exact_sequence_give_light(exact_sequence *e, const camera_file *camera,
                                const void *bytes) {
-  memcpy(e->state.history.values, bytes, exact_sequence_light_size(e));
+  const size_t size = values_size(&e->state.history);
+  memcpy(e->state.history.values, bytes, size);
+  memcpy(&e->state.bounces, (const unsigned char *)bytes + size,
+         sizeof e->state.bounces);
   camera_file_to_hbil(camera, &e->state.camera);
   e->state.has_history = true;
 }

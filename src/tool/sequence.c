@@ -269,12 +269,18 @@ static history history_of(const sequence *s, hbil_stage stage) {
                    .bytes = row * rows * b.values};
 }
 
-/* The histories, one after the other, then the index of the next run. */
+/* What a plan's histories don't tell of themselves. */
+typedef struct progress {
+  cl_uint index; /* of the next run */
+  cl_uint bounces;
+} progress;
+
+/* The histories, one after the other, then the progress. */
 size_t sequence_history_size(const sequence *s) {
   size_t all = 0;
   for (int i = 0; i < HISTORIES; i++)
     all += history_of(s, history_stages[i]).bytes;
-  return all ? all + sizeof s->index : 0;
+  return all ? all + sizeof(progress) : 0;
 }
 
 static cl_int copy_planes(sequence *s, const history *c, void *bytes,
@@ -291,43 +297,39 @@ static cl_int copy_planes(sequence *s, const history *c, void *bytes,
                                            0, bytes, 0, NULL, NULL);
 }
 
-static int copy_history(sequence *s, unsigned char *bytes, int to_plan,
-                        image_error *error) {
+static int copy_histories(sequence *s, unsigned char **bytes, int to_plan,
+                          image_error *error) {
   for (int i = 0; i < HISTORIES; i++) {
     const history h = history_of(s, history_stages[i]);
-    const cl_int status = copy_planes(s, &h, bytes, to_plan);
+    const cl_int status = copy_planes(s, &h, *bytes, to_plan);
     if (status != CL_SUCCESS)
       return opencl_failed(s, status, "copying the history", error);
-    bytes += h.bytes;
+    *bytes += h.bytes;
   }
-  if (to_plan)
-    memcpy(&s->index, bytes, sizeof s->index);
-  else
-    memcpy(bytes, &s->index, sizeof s->index);
   return 0;
 }
 
 int sequence_history_save(sequence *s, void *bytes, image_error *error) {
-  return copy_history(s, bytes, 0, error);
-}
-
-/* Composites whatever the plan holds.  The plan then takes the frame's camera
- * for that of its history; the history's planes are overwritten afterwards. */
-static int adopt_camera(sequence *s, const hbil_frame *frame,
-                        image_error *error) {
-  hbil_status status =
-      hbil_enqueue_temporal(s->plan, s->device->queue, frame, 0, NULL, NULL);
-  if (status == HBIL_SUCCESS)
-    status =
-        hbil_enqueue_composite(s->plan, s->device->queue, frame, 0, NULL, NULL);
-  return status == HBIL_SUCCESS ? 0 : library_failed(s, status, error);
+  const progress now = {s->index, hbil_plan_bounces(s->plan)};
+  unsigned char *at = bytes;
+  if (copy_histories(s, &at, 0, error) != 0)
+    return -1;
+  memcpy(at, &now, sizeof now);
+  return 0;
 }
 
 int sequence_history_restore(sequence *s, const channel_map *map,
                              const far_light *far, void *bytes,
                              image_error *error) {
   hbil_frame frame;
+  progress then;
+  unsigned char *at = bytes;
   fill_frame(s, map, far, &frame);
-  return adopt_camera(s, &frame, error) != 0 ? -1
-                                             : copy_history(s, bytes, 1, error);
+  if (copy_histories(s, &at, 1, error) != 0)
+    return -1;
+  memcpy(&then, at, sizeof then);
+  s->index = then.index;
+  const hbil_status status =
+      hbil_plan_adopt_history(s->plan, &frame.camera, then.bounces);
+  return status == HBIL_SUCCESS ? 0 : library_failed(s, status, error);
 }
