@@ -8,7 +8,8 @@
  * and cone), the irradiance through this part (E_far), and the lit picture.
  * Light from the last frame is added, so light bounces once more every frame.
  * The method is B. Mayaux, "Horizon-Based Indirect Lighting", 2018 ("the paper"
- * below).  doc/method.md derives it, with corrections.
+ * below).  doc/method.md derives it, with corrections; what these headers call
+ * doc/ and examples/ is installed in the folder of hbil's documents.
  *
  * HOW A PROGRAM USES IT
  *   1. Call hbil_context_create() with an OpenCL context and device of yours.
@@ -52,6 +53,10 @@
  *
  * ERRORS
  *   Every function that can fail returns an hbil_status; HBIL_SUCCESS is 0.
+ *   It tells where the mistake is: HBIL_INVALID_CONFIG in a member of the
+ *   configuration, HBIL_INVALID_FRAME in a member of the frame or the memory
+ *   that it names, HBIL_INVALID_ARGUMENT in any other argument, the queue and
+ *   scratch memory among them.
  *   hbil_context_message() describes the last failure in one sentence, and
  *   hbil_context_set_callback() has every failure and warning reported.  The
  *   library never prints, exits or aborts.  It checks arguments before it
@@ -92,7 +97,8 @@ HBIL_API hbil_status hbil_context_create(cl_context context,
 
 /* Destroys a context.  Its plans stay usable and may be destroyed later; the
  * last of them releases what they share.  No function may be called with the
- * context itself any more.  NULL is allowed. */
+ * context itself any more, so messages of its plans reach the callback alone.
+ * NULL is allowed. */
 HBIL_API void hbil_context_destroy(hbil_context *context);
 
 /* Returns one sentence on the last failure in this context or in one of its
@@ -260,8 +266,8 @@ HBIL_API void hbil_plan_reset(hbil_plan *plan);
  * If event is not NULL, it receives an event that completes when the pass or
  * the frame is done; the caller releases it.  A pass with nothing to do, such
  * as reproject without a history, gives an event that follows the wait list,
- * and the passes after it follow the wait list, too.  frame is read during the
- * call only. */
+ * and the passes after it follow the wait list, too.  If the call fails, event
+ * is not written.  frame is read during the call only. */
 HBIL_API hbil_status hbil_enqueue_frame(hbil_plan *plan, cl_command_queue queue,
                                         const hbil_frame *frame,
                                         cl_uint wait_count,
@@ -311,8 +317,9 @@ typedef enum hbil_pass {
 HBIL_API const char *hbil_pass_name(hbil_pass pass);
 
 /* Computes how many milliseconds the device spent in each pass of the last
- * frame, 0 for passes that did not run.  Waits for the frame's commands.
- * Returns HBIL_INVALID_CONFIG if execution.profiling is off. */
+ * frame, 0 for passes that did not run, and before a first frame.  Waits for
+ * the frame's commands.  Returns HBIL_INVALID_CONFIG if execution.profiling is
+ * off. */
 HBIL_API hbil_status hbil_plan_timings(hbil_plan *plan,
                                        double milliseconds[HBIL_PASS_COUNT]);
 
@@ -352,7 +359,9 @@ typedef struct hbil_sanitized {
   size_t depth, normal, albedo, f0, direct, emission, motion;
   /* Normals that face away from the eye by a cosine of 0.2 or more, which no
    * visible surface has.  They are turned until nearly edge on.  If they are
-   * more than a few, normal_space, normal_scale or the camera is wrong. */
+   * more than a few, normal_space, normal_scale or the camera is wrong.  None
+   * proves little: a camera that looks down faces the floor even if rows are
+   * counted from the wrong end. */
   size_t facing_away;
 } hbil_sanitized;
 

@@ -79,7 +79,8 @@ typedef enum hbil_matrix_convention {
   /* The matrices are stored column by column, or are made for row vectors. */
   HBIL_MATRIX_COLUMN_MAJOR = 1,
   /* z/w of clip space is -1..1, which the depth buffer holds as 0..1; without
-   * this flag, it is 0..1. */
+   * this flag, it is 0..1.  Most matrices fit both.  A wrong flag then halves
+   * or doubles B, and all distances. */
   HBIL_MATRIX_SIGNED_DEPTH = 2,
   /* What is nearer has the greater depth, as in 1..0. */
   HBIL_MATRIX_REVERSED_DEPTH = 4,
@@ -166,8 +167,8 @@ typedef struct hbil_frame {
   double hardware_depth[2];
 } hbil_frame;
 
-/* Sets all members of a struct of struct_size bytes to 0.  The camera must be
- * set by the caller, since 0 is not valid.  Use the macro. */
+/* Sets struct_size, and all other members to 0.  The camera must be set by the
+ * caller, since 0 is not valid.  Use the macro. */
 HBIL_API void hbil_frame_init_sized(hbil_frame *frame, size_t struct_size);
 #define hbil_frame_init(frame)                                                 \
   hbil_frame_init_sized((frame), sizeof(hbil_frame))

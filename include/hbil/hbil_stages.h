@@ -33,7 +33,8 @@ extern "C" {
  *   GATHERED          7: AO; E_near RGB; bent normal XYZ in view space, of any
  *                        length.  Up to two more values follow, see below
  *   RESOLVED          7: the same at full resolution, with a bent normal of
- *                        length 1 or 0; averaged after the temporal pass
+ *                        length 1 or 0; averaged after the temporal pass.  AO
+ *                        may be a rounding above 1 here; the output is not
  *   TEMPORAL_HISTORY 10: of the last frame: inverse depth (0 or less: sky);
  *                        normal, as a word of packed SPLIT; number of averaged
  *                        frames (0: the pixel does not count); then the values

@@ -66,21 +66,21 @@ typedef struct hbil_sources {
  * those, the mean of the frame's own surfaces is a better guess than black.
  * sky_share tells a place in the open, whose shadows the sky lights, from a
  * room, whose shadows are black: it is 0.9 if at most 5 % of the surfaces have
- * less than a tenth of the typical direct light, and falls to 0 at 9 %.  The
+ * less than a tenth of the typical direct light (the mean of the square roots,
+ * squared), and falls to 0 at 9 %.  The
  * sky counts as seen if more than 0.1 % of the pixels show it.  Its radiance is
  * the mean of the square roots, squared, so that the sun's disc counts for
- * little.  `direct` contains the sky if a white surface under it would send
- * more than 2 % of this radiance at 0.1 % of the pixels or more, whatever light
- * that is; the sky itself lights even places that see little of it by so much.
- * It contains the lamps if it has at least half of the light that they would
- * send to the surfaces without obstacles.
+ * little.  `direct` contains the sky if it would make a white surface send
+ * more than 2 % of this radiance, at 0.1 % of the pixels or more.  It contains
+ * the lamps if it has at least half of the light that they would send, without
+ * obstacles, to the surfaces that don't emit, or, where nothing else faces a
+ * lamp, to those that do.
  *
  * Of config, the function reads width, height, inputs and model.mode; formats
- * are not needed yet.  Of frame, it reads the camera
- * and hardware_depth.  In modes other than
- * HBIL_MODE_HBIL, which look at no light, it sets HBIL_FAR_NONE and CL_FALSE
- * and does not read the planes.  sources receives what was found; NULL is
- * allowed.
+ * are not needed yet.  Of frame, it reads the camera and hardware_depth.  In
+ * modes other than HBIL_MODE_HBIL, which look at no light, it sets
+ * HBIL_FAR_NONE and CL_FALSE and does not read the planes.  sources receives
+ * what was found; NULL is allowed.
  *
  * The function runs on the host, needs no device and no context, and takes
  * about as long as reading the planes three times.  Any thread may call it.

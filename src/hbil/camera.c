@@ -214,8 +214,17 @@ hbil_status hbil_camera_from_matrices(
   by_rows(view, conventions, v);
   const char *error = convert(&result, depth, config, p, v, conventions,
                               hardware_depth != NULL);
-  if (error)
-    return fail(NULL, HBIL_INVALID_ARGUMENT, "%s: %s", __func__, error);
+  if (error) {
+    by_rows(projection, conventions ^ HBIL_MATRIX_COLUMN_MAJOR, p);
+    by_rows(view, conventions ^ HBIL_MATRIX_COLUMN_MAJOR, v);
+    const bool other_way = !convert(&result, depth, config, p, v, conventions,
+                                    hardware_depth != NULL);
+    return fail(NULL, HBIL_INVALID_ARGUMENT, "%s: %s%s", __func__, error,
+                !other_way ? ""
+                : conventions & HBIL_MATRIX_COLUMN_MAJOR
+                    ? "; without HBIL_MATRIX_COLUMN_MAJOR it fits"
+                    : "; with HBIL_MATRIX_COLUMN_MAJOR it fits");
+  }
   error = rigid_error(v);
   if (error)
     return fail(NULL, HBIL_INVALID_ARGUMENT,

@@ -1,4 +1,5 @@
 /* A folder of stored programs: a file for each key. */
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,6 +51,7 @@ static void store_file(void *user, const char *key, const void *data,
   hbil_context *context = user;
   char *temporary = NULL, *path = path_of(context, key, ".bin");
   FILE *file = path ? open_temporary(context, key, &temporary) : NULL;
+  const int why = file ? 0 : errno;
   bool stored = false;
   if (file) {
     stored = fwrite(data, 1, size, file) == size;
@@ -61,8 +63,8 @@ static void store_file(void *user, const char *key, const void *data,
       remove(temporary);
   }
   if (!stored)
-    warn(context, "%s cannot be stored in the folder %s", key,
-         context->programs.folder);
+    warn(context, "%s cannot be stored in the folder %s: %s", key,
+         context->programs.folder, why ? strerror(why) : "write error");
   free(temporary);
   free(path);
 }

@@ -352,9 +352,12 @@ hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
   memset(out, 0, sizeof *out);
   if (!plan->buffers[buffer])
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
-                "stage %d: this plan has no such buffer (no %s)", (int)stage,
-                stage == HBIL_STAGE_TEMPORAL_HISTORY ? "temporal filter"
-                                                     : "history");
+                "stage: this plan has no %s",
+                stage == HBIL_STAGE_TEMPORAL_HISTORY
+                    ? "HBIL_STAGE_TEMPORAL_HISTORY (history.max_frames is 0)"
+                : stage == HBIL_STAGE_CARRIED
+                    ? "HBIL_STAGE_CARRIED (no light is carried over)"
+                    : "HBIL_STAGE_HISTORY (no light is carried over)");
   out->buffer = plan->buffers[buffer];
   if (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED) {
     const hbil_layer_args *layers =

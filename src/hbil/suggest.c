@@ -350,12 +350,14 @@ static double radiance_from_lamps(const lamp *lamps, size_t count,
   return sum;
 }
 
-/* The share of the lamps' light that direct light contains. */
-static double explained(const look *l, const lamp *lamps, size_t count) {
+/* The share of the lamps' light that direct light contains, at surfaces that
+ * emit or at those that don't; negative if no such surface faces a lamp. */
+static double explained(const look *l, const lamp *lamps, size_t count,
+                        bool emitting) {
   double all = 0, contained = 0;
   for (size_t i = 0; i < l->pixels; i += l->pixels / MOST_RECEIVERS + 1) {
     patch receiver;
-    if (emits(l, i) || !read_patch(l, i, &receiver))
+    if (emits(l, i) != emitting || !read_patch(l, i, &receiver))
       continue;
     const double expected = radiance_from_lamps(lamps, count, &receiver);
     double direct = 0;
@@ -364,7 +366,7 @@ static double explained(const look *l, const lamp *lamps, size_t count) {
     all += expected;
     contained += fmin(direct, expected);
   }
-  return all > 0 ? contained / all : 1;
+  return all > 0 ? contained / all : -1;
 }
 
 static hbil_source look_at_lamps(const look *l) {
@@ -372,9 +374,11 @@ static hbil_source look_at_lamps(const look *l) {
   const size_t count = find_lamps(l, lamps);
   if (count == 0)
     return HBIL_SOURCE_NOT_SEEN;
-  return explained(l, lamps, count) >= LEAST_CONTAINED
-             ? HBIL_SOURCE_IN_DIRECT
-             : HBIL_SOURCE_NOT_IN_DIRECT;
+  double share = explained(l, lamps, count, false);
+  if (share < 0)
+    share = explained(l, lamps, count, true);
+  return share >= LEAST_CONTAINED ? HBIL_SOURCE_IN_DIRECT
+                                  : HBIL_SOURCE_NOT_IN_DIRECT;
 }
 
 /* --- what the caller hands in --- */
@@ -396,22 +400,24 @@ static bool complete(hbil_host_plane *plane, size_t width, size_t channels,
   return plane->row_pitch >= least && plane->row_pitch % sizeof(float) == 0;
 }
 
-static bool complete_planes(hbil_host_planes *planes, size_t width) {
-  return complete(&planes->depth, width, 1, true) &&
-         complete(&planes->normal, width, 3, false) &&
-         complete(&planes->direct, width, 1, false) &&
-         complete(&planes->emission, width, 1, false);
+/* Returns the name of a plane that can't be read, or NULL. */
+static const char *complete_planes(hbil_host_planes *planes, size_t width) {
+  return !complete(&planes->depth, width, 1, true)       ? "depth"
+         : !complete(&planes->normal, width, 3, false)   ? "normal"
+         : !complete(&planes->direct, width, 1, false)   ? "direct"
+         : !complete(&planes->emission, width, 1, false) ? "emission"
+                                                         : NULL;
 }
 
 static bool positive(double v) {
   return isfinite(v) && v > 0;
 }
 
-static bool is_usable(const hbil_config *config, const hbil_frame *frame) {
+static bool has_depth_scale(const hbil_config *config,
+                            const hbil_frame *frame) {
   const double *depth = frame->hardware_depth;
-  return positive(frame->camera.fx) && positive(frame->camera.fy) &&
-         (config->inputs.depth_kind != HBIL_DEPTH_HARDWARE ||
-          (isfinite(depth[0]) && positive(fabs(depth[1]))));
+  return config->inputs.depth_kind != HBIL_DEPTH_HARDWARE ||
+         (isfinite(depth[0]) && positive(fabs(depth[1])));
 }
 
 static bool is_size(cl_uint size) {
@@ -438,17 +444,22 @@ hbil_status hbil_config_suggest(const hbil_host_planes *planes,
                   "%u, %d; must be 1 .. %d pixels and a hbil_depth_kind",
                   (unsigned)config->width, (unsigned)config->height,
                   (int)config->inputs.depth_kind, HBIL_MAX_SIZE);
-    if (!complete_planes(&l.planes, config->width))
+    const char *wrong = complete_planes(&l.planes, config->width);
+    if (wrong)
       return fail(NULL, HBIL_INVALID_ARGUMENT,
-                  "hbil_config_suggest: planes: depth or a channel is missing, "
-                  "or a row_pitch is not a multiple of 4 bytes or less than a "
-                  "row's");
-    if (!is_usable(config, frame))
+                  "hbil_config_suggest: planes.%s: a channel is missing, or "
+                  "row_pitch is not a multiple of 4 bytes or less than a row",
+                  wrong);
+    if (!positive(frame->camera.fx) || !positive(frame->camera.fy))
       return fail(NULL, HBIL_INVALID_FRAME,
                   "hbil_config_suggest: camera.fx, camera.fy: %g, %g; must be "
-                  "above 0, and hardware_depth finite, with B not 0, if depth "
-                  "is hardware depth",
+                  "above 0",
                   frame->camera.fx, frame->camera.fy);
+    if (!has_depth_scale(config, frame))
+      return fail(NULL, HBIL_INVALID_FRAME,
+                  "hbil_config_suggest: hardware_depth: A = %g, B = %g; must "
+                  "be finite, and B not 0",
+                  frame->hardware_depth[0], frame->hardware_depth[1]);
     found.sky = find_sky(&l, sky);
     found.lamps = look_at_lamps(&l);
     memcpy(frame->environment[0], sky, sizeof sky);

@@ -3,7 +3,7 @@
  * whichever way they are enqueued; events, wait lists, resets and timings do
  * what hbil.h says.
  */
-#include "test/support/fixture.h"
+#include "test/support/stages.h"
 
 #include <pthread.h>
 
@@ -359,6 +359,58 @@ static void a_reset_plan_begins_anew(void **state) {
   setup_free(&s);
 }
 
+static void copy_stage(setup *from, setup *to, hbil_stage stage) {
+  hbil_buffer a, b;
+  size_t size;
+  assert_success(from, hbil_plan_buffer(from->plan, stage, &a));
+  assert_success(to, hbil_plan_buffer(to->plan, stage, &b));
+  unsigned char *bytes = buffer_bytes(from->device, a.buffer, &size);
+  buffer_write(to->device, b.buffer, 0, size, bytes);
+  free(bytes);
+}
+
+/* The third frame of a plan that was told where the first two ended. */
+static void another_plan_adopts_a_history(void **state) {
+  setup s[2];
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    setup_every_pass(&s[i], HBIL_REPROJECTION_SCATTER, 0, 64, 48);
+    s[i].config.history.max_frames = 8;
+    setup_start(&s[i]);
+  }
+  for (uint32_t frame = 0; frame < 3; ++frame) {
+    const hbil_camera before = s[0].frame.camera;
+    for (int i = frame == 2 ? 1 : 0; i >= 0; --i) {
+      setup_load_scene(&s[i], SCENE_ROOM, frame);
+      s[i].frame.frame_index = frame;
+      setup_upload(&s[i]);
+    }
+    assert_int_equal(hbil_plan_bounces(s[0].plan), frame);
+    if (frame == 2) {
+      copy_stage(&s[0], &s[1], HBIL_STAGE_HISTORY);
+      copy_stage(&s[0], &s[1], HBIL_STAGE_TEMPORAL_HISTORY);
+      assert_success(&s[1], hbil_plan_adopt_history(s[1].plan, &before, 2));
+      setup_run(&s[1], hbil_enqueue_frame);
+    }
+    setup_run(&s[0], hbil_enqueue_frame);
+  }
+  exact_planes want = outputs_read(&s[0]), got = outputs_read(&s[1]);
+  assert_int_equal(count_different(&got, &want), 0);
+  exact_planes_free(&want);
+  exact_planes_free(&got);
+  const hbil_camera none = {0};
+  assert_int_equal(hbil_plan_adopt_history(NULL, &none, 1),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_adopt_history(s[0].plan, NULL, 1),
+                   HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_adopt_history(s[0].plan, &none, 1),
+                   HBIL_INVALID_FRAME);
+  assert_int_equal(hbil_plan_bounces(s[0].plan), 3);
+  assert_int_equal(hbil_plan_bounces(NULL), 0);
+  for (int i = 0; i < 2; ++i)
+    setup_free(&s[i]);
+}
+
 static void every_frame_adds_a_bounce(void **state) {
   setup s;
   double before = 0.0;
@@ -457,6 +509,7 @@ int main(void) {
       cmocka_unit_test(two_threads_at_once_do_not_disturb_each_other),
       cmocka_unit_test(wait_lists_are_honoured),
       cmocka_unit_test(a_reset_plan_begins_anew),
+      cmocka_unit_test(another_plan_adopts_a_history),
       cmocka_unit_test(every_frame_adds_a_bounce),
       cmocka_unit_test(the_first_frame_is_lit_by_direct_light),
       cmocka_unit_test(darkness_stays_dark),

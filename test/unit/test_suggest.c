@@ -108,6 +108,20 @@ static void lamps_that_direct_light_lacks_are_gathered(void **state) {
   }
 }
 
+/* Where everything emits, emitters tell. */
+static void lamps_all_over_are_understood(void **state) {
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    first *f = frame_of(SCENE_ROOM);
+    fill(f, f->emission, true, 1.0f);
+    fill(f, f->direct, true, i ? 0.0f : 5.0f);
+    suggest(f);
+    assert_int_equal(f->found.lamps,
+                     i ? HBIL_SOURCE_NOT_IN_DIRECT : HBIL_SOURCE_IN_DIRECT);
+    free(f);
+  }
+}
+
 static void without_lamps_nothing_is_gathered(void **state) {
   (void)state;
   for (int i = 0; i < 3; ++i) {
@@ -458,6 +472,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(lamps_in_direct_light_are_not_gathered),
       cmocka_unit_test(lamps_that_direct_light_lacks_are_gathered),
+      cmocka_unit_test(lamps_all_over_are_understood),
       cmocka_unit_test(without_lamps_nothing_is_gathered),
       cmocka_unit_test(light_in_shadows_tells_a_hidden_sky),
       cmocka_unit_test(missing_normals_are_taken_from_depth),
