@@ -166,7 +166,7 @@ typedef struct hbil_inputs {
    * normal_space.  They turn axes round.  If the first row of the planes is the
    * top one, 1, -1, -1 is for OpenGL's view space (y up, z backward), and 1,
    * -1, 1 for Direct3D's (y up, z forward).  If it is the lowest one
-   * (HBIL_MATRIX_Y_DOWN), y keeps its sign: 1, 1, -1 and 1, 1, 1.
+   * (HBIL_MATRIX_Y_DOWN), the sign of y stays: 1, 1, -1 and 1, 1, 1.
    * -1e6..1e6, not 0; default 1, 1, 1 */
   float normal_scale[3];
 } hbil_inputs;
