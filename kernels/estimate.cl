@@ -259,7 +259,8 @@ kernel void estimate_fill(const hbil_estimate_args args,
   if (get_global_id(0) > 0 || get_global_id(1) > 0)
     return;
   global const float *sum = estimate + HBIL_FILL_SIZE;
-  /* the constants of the basis functions times the weight's coefficients */
+  /* Means, whose products don't overflow where every pixel has 1e30.  Factors:
+   * the constants of the basis functions times the weight's coefficients */
   const float factor[9] = {1.0f,        1.33333333f, 1.33333333f,
                            1.33333333f, 0.9375f,     0.9375f,
                            0.078125f,   0.9375f,     0.234375f};
@@ -292,10 +293,11 @@ kernel void estimate_fill(const hbil_estimate_args args,
         lacks * bounces * inv * sum[HBIL_SUM_LIGHT + 9 * c];
     for (int k = 0; k < 9; ++k)
       estimate[HBIL_FILL_LIGHT + 9 * c + k] =
-          bounces * factor[k] * sum[HBIL_SUM_LIGHT + 9 * c + k];
+          bounces * factor[k] * (inv * sum[HBIL_SUM_LIGHT + 9 * c + k]);
   }
   for (int k = 0; k < 9; ++k)
-    estimate[HBIL_FILL_WEIGHT + k] = factor[k] * sum[HBIL_SUM_WEIGHT + k];
+    estimate[HBIL_FILL_WEIGHT + k] =
+        factor[k] * (inv * sum[HBIL_SUM_WEIGHT + k]);
   estimate[HBIL_FILL_UNLIT] = unlit;
   estimate[HBIL_FILL_SUN] = sun;
   estimate[HBIL_FILL_UNSEEN] = args.unseen_light;

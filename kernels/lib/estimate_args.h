@@ -35,7 +35,7 @@
 /* Values of the estimate, then its sums over the picture, then those of the
  * parts. */
 enum {
-  /* three channels, and the weight, of nine polynomials */
+  /* means of nine polynomials, three channels and the weight */
   HBIL_FILL_LIGHT = 0,
   HBIL_FILL_WEIGHT = 27,
   HBIL_FILL_LACKS = 36,  /* radiance that near light lacks of all bounces;

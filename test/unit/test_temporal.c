@@ -49,7 +49,8 @@ static void the_filter_takes_two_buffers(void **state) {
   assert_int_equal(
       hbil_plan_buffer(s.plan, HBIL_STAGE_TEMPORAL_HISTORY, &buffer),
       HBIL_INVALID_ARGUMENT);
-  assert_non_null(strstr(hbil_context_message(s.device->hbil), "temporal"));
+  assert_non_null(strstr(hbil_context_message(s.device->hbil),
+                         "TEMPORAL_HISTORY (history.max_frames"));
   setup_run(&s, hbil_enqueue_temporal); /* nothing to do, and no error */
   setup_free(&s);
   averaging_init(&s, WIDTH, HEIGHT, 8);
