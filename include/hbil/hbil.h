@@ -21,8 +21,8 @@
  *
  * CONVENTIONS
  *   In view space x points towards the next column of pixels, y towards the
- *   next row, and z forward.  So it is right-handed with x right and y down,
- *   if the first row is the top one.  Pixel (i,j) has its centre at
+ *   next row, and z forward.  If the first row is the top one, x is right
+ *   and y down, and the space is right-handed.  Pixel (i,j) has its centre at
  *   (i+0.5, j+0.5) from the first pixel's corner and looks along
  *   r = ((i+0.5-cx)/fx, (j+0.5-cy)/fy, 1).  Matrices are row-major 4x4 matrices
  *   for column vectors.  Lengths are in world units of the caller's choice.
@@ -175,8 +175,8 @@ HBIL_API hbil_status hbil_context_set_program_store(hbil_context *context,
 
 /* The same with a folder as the store: a file KEY.bin for each program.  Files
  * appear whole or not at all, so any number of processes may share the folder.
- * They are never removed.  The folder is looked at when plans are made; as long
- * as it doesn't exist, programs are built as without it, and a warning says
+ * They are never removed.  It is used when plans are created.  While it
+ * doesn't exist, programs are built as without it, and a warning says
  * that they can't be stored. */
 HBIL_API hbil_status hbil_context_set_program_folder(hbil_context *context,
                                                      const char *folder);
@@ -359,9 +359,9 @@ typedef struct hbil_sanitized {
   size_t depth, normal, albedo, f0, direct, emission, motion;
   /* Normals that face away from the eye by a cosine of 0.2 or more, which no
    * visible surface has.  They are turned until nearly edge on.  If they are
-   * more than a few, normal_space, normal_scale or the camera is wrong.  None
-   * proves little: a camera that looks down faces the floor even if rows are
-   * counted from the wrong end. */
+   * more than a few, normal_space, normal_scale or the camera is wrong.  A
+   * count of 0 proves little: a camera that looks down faces the floor even if
+   * rows are counted from the wrong end. */
   size_t facing_away;
 } hbil_sanitized;
 

@@ -251,7 +251,8 @@ typedef enum hbil_far_field {
   HBIL_FAR_SH = 2,       /* order-2 spherical harmonics, 9 coefficients */
   /* An estimate for places that continue outside the picture: unseen_light
    * times the mean of what the frame's own surfaces send towards the bent
-   * normal, after all bounces, so it is the same in a first frame as later.  If
+   * normal, after all bounces, so a first frame has nearly the same.  It
+   * is mixed with the mean of what the pixel itself sees.  If
    * `direct` contains a sky, environment[0] tells its radiance, and only
    * directions that the sky does not light get the estimate.  If the picture
    * does not show that sky, use hbil_frame.sky_share (doc/method.md, section
@@ -405,7 +406,8 @@ typedef enum hbil_skip {
   HBIL_SKIP_SKY = 1,  /* gather: spans of pixels that are all sky */
   HBIL_SKIP_OPEN = 2, /* gather: spans where nothing rises above the surface */
   /* gather: the light of samples that send none; nothing with
-   * HBIL_FALLBACK_FRAME_MEAN, where such samples stand for unknown light */
+   * HBIL_FALLBACK_FRAME_MEAN and facing_fade[1] above -1, where such samples
+   * stand for unknown light */
   HBIL_SKIP_DARK = 4,
   /* gather: surfaces that reflect no diffuse light (albedo 0 or F0 1), if
    * beauty is the only output and no irradiance is carried over.  The data of

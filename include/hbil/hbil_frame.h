@@ -125,10 +125,9 @@ typedef struct hbil_frame {
    * reads nine coefficients of the real orthonormal basis in the order
    *   (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2) */
   float environment[9][3];
-  /* HBIL_FAR_FRAME: the share of the directions which the screen leaves open
-   * that end in a sky that `direct` contains, if the picture shows too little
-   * of it to tell environment[0].  0..1: 0 in rooms, near 1 in the open.
-   * hbil_config_suggest() sets it. */
+  /* HBIL_FAR_FRAME: if `direct` contains a sky that the picture doesn't show,
+   * the share of the open directions that ends in it.  0..1: 0 in rooms, near 1
+   * in the open. hbil_config_suggest() sets it. */
   float sky_share;
   /* Rotates the sampling pattern.  Use the number of the frame with
    * history.max_frames, else one constant, which avoids flicker. */

@@ -73,8 +73,8 @@ extern "C" {
  *                       AO alone (packed GATHERED: 1)
  *   TEMPORAL_HISTORY    3 more than RESOLVED
  * The weight of a single slice comes on top, as do the 1 or 2 values of
- * error_estimate in RESOLVED.  Last in RESOLVED is, for the output `unknown`,
- * the share that GATHERED has, filtered, if GATHERED has it.  HISTORY and
+ * error_estimate in RESOLVED.  If GATHERED has the unknown share and there is
+ * an output `unknown`, RESOLVED ends with that share, filtered.  HISTORY and
  * CARRIED exist if light is carried over: with a reprojection, and with
  * near_irradiance, indirect or beauty among the outputs (far_irradiance too
  * with HBIL_FAR_FRAME, and `unknown` where anything can be a guess).
@@ -106,17 +106,18 @@ typedef struct hbil_buffer {
 HBIL_API hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
                                       hbil_buffer *out);
 
-/* How often the light of HISTORY has been carried over, itself included: 1
- * after a first frame, up to 256; 0 without a history.  The guess of unseen
- * light needs to know how many bounces near light lacks (HBIL_FAR_FRAME). */
+/* Returns how many bounces the light of HISTORY has had: 1 after a first frame,
+ * at most 256; 0 without a history.  The guess of unseen light depends on it
+ * (HBIL_FAR_FRAME). */
 HBIL_API cl_uint hbil_plan_bounces(const hbil_plan *plan);
 
-/* Says that HISTORY, and TEMPORAL_HISTORY with history.max_frames, hold those
- * of a frame that `camera` has seen, for instance one of an earlier process,
- * and that its light had so many bounces (0: HISTORY holds nothing).  The
+/* Says that HISTORY, and TEMPORAL_HISTORY with history.max_frames, hold data
+ * of a frame seen by `camera`, for instance from an earlier process, and that
+ * its light has had `bounces` bounces (0: HISTORY holds nothing; above 256
+ * counts as 256).  The
  * caller writes them into the buffers that hbil_plan_buffer() returns, before
- * or after this call; the next frame starts from them.  That frame can't be a
- * static one.  Returns HBIL_INVALID_ARGUMENT if plan or camera is null, and
+ * or after this call; the next frame starts from them.  The next frame can't
+ * be static.  Returns HBIL_INVALID_ARGUMENT if plan or camera is null, and
  * HBIL_INVALID_FRAME if the camera is; then the plan is as before. */
 HBIL_API hbil_status hbil_plan_adopt_history(hbil_plan *plan,
                                              const hbil_camera *camera,

@@ -71,7 +71,7 @@ typedef struct hbil_sources {
  * sky counts as seen if more than 0.1 % of the pixels show it.  Its radiance is
  * the mean of the square roots, squared, so that the sun's disc counts for
  * little.  `direct` contains the sky if it would make a white surface send
- * more than 2 % of this radiance, at 0.1 % of the pixels or more.  It contains
+ * more than 2 % of this radiance, at over 0.1 % of the pixels.  It contains
  * the lamps if it has at least half of the light that they would send, without
  * obstacles, to the surfaces that don't emit, or, where nothing else faces a
  * lamp, to those that do.

@@ -22,14 +22,14 @@
 
 /* A pixel whose direct light is more than what the open directions can get from
  * the sky is lit by something else, the sun for instance, and does not tell how
- * much of the sky it sees.  It counts as such in steps up to 1.5 times. */
+ * much of the sky it sees.  This counts from 0 at 1 times to fully at 1.5. */
 #define HBIL_LIT_SLOPE 2.0f
 /* The sun shines if that is so at this share of the surfaces or more; not at
  * all up to the lower one, which errors of AO alone may reach. */
 #define HBIL_SUN_NONE 0.03f
 #define HBIL_SUN_FULL 0.15f
-/* Pixels that tell how much of the sky they see are trusted if they are more
- * than this share of all. */
+/* The mean unlit part of the other pixels acts as if this share of the open
+ * directions, all lit by the sky, were added, so few pixels decide little. */
 #define HBIL_DARK_PRIOR 0.05f
 
 /* Values of the estimate, then its sums over the picture, then those of the
@@ -41,7 +41,7 @@ enum {
   HBIL_FILL_LACKS = 36,  /* radiance that near light lacks of all bounces;
                             three channels */
   HBIL_FILL_UNLIT = 39,  /* of open directions, where the sun shines */
-  HBIL_FILL_SUN = 40,    /* 0: no pixel is lit by more than the sky, 1 */
+  HBIL_FILL_SUN = 40,    /* 0: no sun .. 1: it shines */
   HBIL_FILL_UNSEEN = 41, /* unseen_light of hbil_config */
   HBIL_FILL_SIZE = 42
 };

@@ -11,12 +11,13 @@
  * of n and of -m, so nine sums over the frame are enough for every receiver.
  *
  * The sums are of the first bounce.  What a mean surface receives then is the
- * shown share s of its hemisphere with the mean radiance L, and the guessed
- * share u with unseen_light times L.  So with the mean reflectance r, the gain
- * is g = r (s + unseen_light u), and the mean radiance after all bounces is
- * B = L / (1 - g).  The guess has that from the first frame on, and near light
- * gets there one bounce a frame: without history it is L = B - g B, and what it
- * lacks shrinks by r s with each bounce.
+ * shown share s of its hemisphere with the mean radiance L after all bounces,
+ * and the guessed share u with unseen_light times L.  So with the mean
+ * reflectance rho, the gain is g = rho (s + unseen_light u), and the mean
+ * radiance after all bounces is L = M / (1 - g); M is that of the first.  The
+ * guess has that from the first frame on, and near light gets there one bounce
+ * a frame: without history it is M = L - g L, and what it lacks shrinks by rho
+ * s with each bounce.
  */
 #include "exact/estimate.h"
 

@@ -324,7 +324,7 @@ hbil_status hbil_plan_adopt_history(hbil_plan *plan, const hbil_camera *camera,
     return status;
   hbil_plan_reset(plan);
   plan->has_history = plan->layout.history && bounces > 0;
-  plan->bounces = bounces;
+  plan->bounces = bounces < MOST_BOUNCES ? bounces : MOST_BOUNCES;
   plan->history_camera = *camera;
   plan->has_temporal = plan->config.history.max_frames > 0;
   plan->temporal_written = false;

@@ -68,6 +68,9 @@ typedef struct memory_range {
   size_t start, bytes;
 } memory_range;
 
+/* The light of more bounces differs by less than a rounding: 0.9^n < 2^-24. */
+enum { MOST_BOUNCES = 256 };
+
 struct hbil_plan {
   hbil_context *context;
   hbil_config config; /* formats: as the passes see them (import.h) */
@@ -83,7 +86,7 @@ struct hbil_plan {
   cl_event tail;
   /* light of the last frame, and where it was seen from */
   bool has_history;
-  cl_uint bounces; /* that this light has had, 1 or more */
+  cl_uint bounces; /* that this light has had, 1 .. MOST_BOUNCES */
   hbil_camera history_camera;
   int history; /* which of its buffers holds the last frame */
   /* the temporal filter: which of its two buffers holds the last frame, and

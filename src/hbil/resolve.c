@@ -79,9 +79,6 @@ static int next_history(const hbil_plan *plan) {
              : BUFFER_HISTORY;
 }
 
-/* The light of more bounces differs by less than a rounding, 0.9^n < 2^-24. */
-enum { MOST_BOUNCES = 256 };
-
 void remember_frame(hbil_plan *plan, const hbil_frame *frame) {
   plan->has_last = true;
   plan->last_camera = frame->camera;

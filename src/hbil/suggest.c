@@ -23,7 +23,8 @@
 #define SHADOWS_OPEN 0.05
 #define SHADOWS_CLOSED 0.09
 /* In the open, this share of the directions that the screen leaves open ends in
- * the sky.  All: chosen on path-traced scenes, doc/measurements.md. */
+ * the sky.  These four constants were chosen on path-traced
+ * scenes. */
 #define SKY_IN_THE_OPEN 0.9f
 
 static const double pi = 3.14159265358979323846;
