@@ -182,10 +182,13 @@ kernel void estimate_part(const hbil_estimate_args args,
                           global const float *split, global const float *light,
                           global const void *albedo, global const void *f0,
                           global const void *direct,
-                          global const void *emission, global float *estimate) {
+                          global const void *emission, global const uint *flags,
+                          global float *estimate) {
   const hbil_layer_args in = args.split;
   const int part = (int)get_global_id(0), layer = part % HBIL_LAYERS;
   if (part >= HBIL_ESTIMATE_PARTS || get_global_id(1) > 0)
+    return;
+  if (args.is_static && !flags[HBIL_FLAG_CHANGED])
     return;
   const inputs planes = {albedo, f0, direct, emission};
   realv sum[HBIL_ESTIMATE_SUMS];

@@ -88,7 +88,8 @@ typedef struct hbil_estimate_args {
   hbil_float sky_share;    /* as in hbil_frame */
   hbil_float unseen_light; /* as in hbil_config */
   hbil_int bounces;        /* as hbil_plan_bounces() has it */
+  hbil_int is_static;      /* reuse the sums unless HBIL_FLAG_CHANGED is set */
 } hbil_estimate_args;
-HBIL_ASSERT_LAYOUT(hbil_estimate_args, bounces, 38, 39)
+HBIL_ASSERT_LAYOUT(hbil_estimate_args, is_static, 39, 40)
 
 #endif

@@ -17,6 +17,7 @@ hbil_status enqueue_estimate(commands *chain, const hbil_frame *frame) {
                              .height = (cl_int)c->height,
                              .direct_scale = c->inputs.direct_scale,
                              .unseen_light = c->model.unseen_light,
+                             .is_static = may_rest(plan, frame),
                              .bounces = (cl_int)hbil_plan_bounces(plan)};
   if (plan->layout.far_field == HBIL_FAR_FRAME) {
     args.sky_share = frame->sky_share;
@@ -34,16 +35,13 @@ hbil_status enqueue_estimate(commands *chain, const hbil_frame *frame) {
                            ARG(f0),
                            ARG(direct),
                            ARG(emission),
+                           BUFFER_ARG(plan, BUFFER_FLAGS),
                            BUFFER_ARG(plan, BUFFER_ESTIMATE)};
   const argument sum[] = {BUFFER_ARG(plan, BUFFER_ESTIMATE)};
   const argument fill[] = {ARG(args), BUFFER_ARG(plan, BUFFER_ESTIMATE)};
-  hbil_status status = HBIL_SUCCESS;
-  /* the sums are of inputs and AO, which a static frame doesn't change */
-  const bool is_summed = may_rest(plan, frame);
-  if (!is_summed)
-    status =
-        LAUNCH(chain, KERNEL_ESTIMATE_PART, part, HBIL_ESTIMATE_PARTS, 1, 1);
-  if (!is_summed && status == HBIL_SUCCESS)
+  hbil_status status =
+      LAUNCH(chain, KERNEL_ESTIMATE_PART, part, HBIL_ESTIMATE_PARTS, 1, 1);
+  if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_ESTIMATE_SUM, sum, HBIL_ESTIMATE_SUMS, 1, 1);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_ESTIMATE_FILL, fill, 1, 1, 1);
