@@ -57,26 +57,29 @@ done
 HBIL=$build/hbil
 works "nor in a demo" "$HBIL" demo --frames 2 --size 64x48 -o "$work/demo"
 set -- "$work"/demo/gbuffer/frame_*.exr
-works "nor in a job with all there is" "$HBIL" process --quiet --preview \
-  --timings --json --copy-channels --half --compression dwaa \
-  --contact-sheet "$work/sheet.png" --reprojection motion -o "$work/job" "$@"
-works "nor in a job that is done already" \
+works "nor in a job with all there is" checked "$HBIL" process --quiet \
+  --overwrite --preview --timings --json --copy-channels --half \
+  --compression dwaa --contact-sheet "$work/sheet.png" \
+  --reprojection motion -o "$work/job" "$@"
+works "nor in a job that is done already" checked \
   "$HBIL" process --resume --reprojection motion -o "$work/job" "$@"
-works "nor in the exact integral" "$HBIL" process --quiet --quality reference \
-  --slices 4 -o "$work/exact" "$1"
-works "nor in info" "$HBIL" info "$1"
-works "nor in a comparison" "$HBIL" compare --heatmap "$work/heat.png" \
+works "nor in the exact integral" checked "$HBIL" process --quiet \
+  --overwrite --quality reference --slices 4 -o "$work/exact" "$1"
+works "nor in info" checked "$HBIL" info "$1"
+works "nor in a comparison" checked \
+  "$HBIL" compare --heatmap "$work/heat.png" \
   "$work/job/frame_0001.exr:ao" "$work/exact/frame_0001.exr:ao"
 mkdir "$work/scene"
 cp "$1" "${1%.exr}.json" "$work/scene"
 cp "$work/exact/frame_0001.exr" "$work/scene/truth_avg_0001.exr"
-works "nor in a bench of a scene with its truth" "$build/hbil-bench" truth \
-  --runs 2 -o "$work/bench" "$work/scene"
+works "nor in a bench of a scene with its truth" checked \
+  "$build/hbil-bench" truth --runs 2 -o "$work/bench" "$work/scene"
 mkdir "$work/bin"
 printf '#!/bin/sh\nexit 1\n' >"$work/bin/gnuplot"
 chmod +x "$work/bin/gnuplot"
 PATH=$work/bin:$PATH
-works "nor in a short bench" "$build/hbil-bench" error --quick --size 64x48 \
+works "nor in a short bench" checked \
+  "$build/hbil-bench" error --quick --size 64x48 \
   --runs 1 --pixels 20 -o "$work/bench"
 absent "which has no plot where gnuplot fails" "$work/bench/error.png"
 
