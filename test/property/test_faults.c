@@ -182,6 +182,7 @@ static void start_step(step *t) {
 }
 
 static void free_step(step *t) {
+  clFinish(t->profiled.queue);
   setup_free(&t->plain);
   setup_free(&t->faulty);
   clReleaseCommandQueue(t->profiled.queue);

@@ -32,10 +32,11 @@ sanitized() {
   (cd "$build" && "$@")
 }
 # Once more where the leak sanitizer itself has broken down, at the end of a
-# process whose threads are ending: that says nothing of the process.
+# process whose threads are ending: that says nothing of the process.  Nothing
+# takes minutes, but a sanitizer may wait for itself.
 checked() {
   for try in 1 2 3; do
-    sanitized "$@" >"$work/checked" 2>&1
+    sanitized timeout 300 "$@" >"$work/checked" 2>&1
     outcome=$?
     test $outcome -ne 0 || break
     grep -q 'LeakSanitizer has encountered a fatal error' "$work/checked" &&
