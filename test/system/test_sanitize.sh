@@ -39,7 +39,8 @@ checked() {
     sanitized timeout 300 "$@" >"$work/checked" 2>&1
     outcome=$?
     test $outcome -ne 0 || break
-    grep -q 'LeakSanitizer has encountered a fatal error' "$work/checked" &&
+    { test $outcome -eq 124 ||
+      grep -q 'LeakSanitizer has encountered a fatal error' "$work/checked"; } &&
       ! grep -q 'ERROR: \|runtime error:\|^not ok\|FAILED' "$work/checked" || break
   done
   cat "$work/checked"
