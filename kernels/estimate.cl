@@ -38,7 +38,6 @@ LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
 LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
 
 #define INV_PI 0.318309886f
-#define PI 3.14159265f
 
 /* Pixels of a layer's row: every fourth one from column `column` of the
  * picture's pixels from (x, y) on. */

@@ -84,9 +84,9 @@ enum {
 
 /* What the frame's surfaces send on average (estimate.c): sums over an eighth
  * of the pixels of nine polynomials, times radiance after all bounces, and
- * times 1; the radiance that near light lacks of that; and
- * what the sky does not light of the open directions where the sun shines, and
- * whether it does (0..1). */
+ * times 1; the radiance that near light lacks of that; and what the sky does
+ * not light of the open directions where the sun shines, and whether it does
+ * (0..1). */
 typedef struct exact_estimate {
   double light[3][9], weight[9];
   double lacks[3];
