@@ -39,47 +39,54 @@ LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
 
 #define INV_PI 0.318309886f
 
-/* Pixels of a layer's row: every fourth one from column `column` of the
- * picture's pixels from (x, y) on. */
+/* Neighbouring layers of a row are done together, as their pixels alternate in
+ * the caller's planes.  GPUs have no registers for so many sums. */
+#if HBIL_WIDTH == 1
+#define COLUMNS 1
+#else
+#define COLUMNS 4
+#endif
+
+/* A vector of each of those layers: every fourth one of the picture's pixels
+ * from (x, y) on, from column `column` of four on. */
 typedef struct row_place {
   int x, y, column, width;
 } row_place;
 
-/* column_NAME(): a channel of such pixels; those outside the picture have any
- * value.  GPUs load them one by one. */
-#if HBIL_WIDTH == 1
-#define COLUMN(name)                                                           \
-  INLINE realv column_##name(global const void *buffer,                        \
+/* columns_NAME(): a channel of such pixels, one vector a layer; those outside
+ * the picture have any value. */
+#if COLUMNS == 1
+#define COLUMN_LOADER(name)                                                    \
+  INLINE void columns_##name(global const void *buffer,                        \
                              const hbil_external_plane_args plane,             \
-                             row_place at, int c) {                            \
+                             row_place at, int c, realv *columns) {            \
     const int x = at.x + at.column;                                            \
-    return load_##name(buffer, plane, x, at.y, c, at.width - x);               \
+    columns[0] = load_##name(buffer, plane, x, at.y, c, at.width - x);         \
   }
 #else
-#define COLUMN(name)                                                           \
-  INLINE realv column_##name(global const void *buffer,                        \
+#define COLUMN_LOADER(name)                                                    \
+  INLINE void columns_##name(global const void *buffer,                        \
                              const hbil_external_plane_args plane,             \
-                             row_place at, int c) {                            \
-    realv quad[4], columns[4];                                                 \
+                             row_place at, int c, realv *columns) {            \
+    realv quad[4];                                                             \
     for (int i = 0; i < 4; ++i) {                                              \
       const int x = at.x + i * HBIL_WIDTH;                                     \
       quad[i] = load_##name(buffer, plane, x, at.y, c, at.width - x);          \
     }                                                                          \
     DEINTERLEAVE(quad, columns);                                               \
-    return columns[at.column];                                                 \
   }
 #endif
 #if HAS_ALBEDO
-COLUMN(albedo)
+COLUMN_LOADER(albedo)
 #endif
 #if HAS_F0
-COLUMN(f0)
+COLUMN_LOADER(f0)
 #endif
 #if HAS_DIRECT
-COLUMN(direct)
+COLUMN_LOADER(direct)
 #endif
 #if HAS_EMISSION && GATHER_EMISSION
-COLUMN(emission)
+COLUMN_LOADER(emission)
 #endif
 
 /* The caller's planes. */
@@ -87,39 +94,52 @@ typedef struct inputs {
   global const void *albedo, *f0, *direct, *emission;
 } inputs;
 
-/* Diffuse reflectance, radiance of the first bounce, and direct light over that
- * of a whole hemisphere of sky (0 without one), the largest quotient of the
- * three channels. */
-INLINE void surface_light(const hbil_estimate_args args, const inputs *in,
-                          row_place at, realv reflectance[3], realv sent[3],
-                          realv *sky_light) {
+typedef struct surface {
+  realv reflectance[3], sent[3]; /* diffuse; radiance of the first bounce */
+  realv
+      sky_light; /* direct light over that of a whole hemisphere of sky (0
+                    without one), the largest quotient of the three channels */
+} surface;
+
+INLINE void load_surfaces(const hbil_estimate_args args, const inputs *in,
+                          row_place at, surface *surfaces) {
   intv usable = TRUE_LANES;
-  const float sky[3] = {args.sky[0], args.sky[1], args.sky[2]};
-  *sky_light = 0.0f;
+  for (int i = 0; i < COLUMNS; ++i)
+    surfaces[i].sky_light = 0.0f;
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
-    realv share = 1.0f, irradiance = 0.0f;
+    realv share[COLUMNS], irradiance[COLUMNS], values[COLUMNS];
+    for (int i = 0; i < COLUMNS; ++i) {
+      share[i] = 1.0f;
+      irradiance[i] = 0.0f;
+    }
 #if HAS_ALBEDO
-    share = usable_reflectance(column_albedo(in->albedo, args.albedo, at, c),
-                               &usable);
+    columns_albedo(in->albedo, args.albedo, at, c, values);
+    for (int i = 0; i < COLUMNS; ++i)
+      share[i] = usable_reflectance(values[i], &usable);
 #endif
 #if HAS_F0
-    share *=
-        1.0f - usable_reflectance(column_f0(in->f0, args.f0, at, c), &usable);
+    columns_f0(in->f0, args.f0, at, c, values);
+    for (int i = 0; i < COLUMNS; ++i)
+      share[i] *= 1.0f - usable_reflectance(values[i], &usable);
 #endif
 #if HAS_DIRECT
-    irradiance = usable_light(args.direct_scale *
-                                  column_direct(in->direct, args.direct, at, c),
-                              &usable);
+    columns_direct(in->direct, args.direct, at, c, values);
+    for (int i = 0; i < COLUMNS; ++i)
+      irradiance[i] = usable_light(args.direct_scale * values[i], &usable);
 #endif
-    reflectance[c] = share;
-    sent[c] = INV_PI * share * irradiance;
+    for (int i = 0; i < COLUMNS; ++i) {
+      surfaces[i].reflectance[c] = share[i];
+      surfaces[i].sent[c] = INV_PI * share[i] * irradiance[i];
+      if (args.sky[c] > 0.0f)
+        surfaces[i].sky_light =
+            max(surfaces[i].sky_light, INV_PI / args.sky[c] * irradiance[i]);
+    }
 #if HAS_EMISSION && GATHER_EMISSION
-    sent[c] += usable_light(column_emission(in->emission, args.emission, at, c),
-                            &usable);
+    columns_emission(in->emission, args.emission, at, c, values);
+    for (int i = 0; i < COLUMNS; ++i)
+      surfaces[i].sent[c] += usable_light(values[i], &usable);
 #endif
-    if (sky[c] > 0.0f)
-      *sky_light = max(*sky_light, INV_PI / sky[c] * irradiance);
   }
 }
 
@@ -139,31 +159,27 @@ INLINE void polynomials(realv x, realv y, realv z, realv *p) {
 #define ADD(to, value) sum[to] += select((realv)0.0f, value, solid)
 
 /* Adds a vector of a layer's pixels. */
-INLINE void add_pixels(const hbil_estimate_args args, const inputs *in,
-                       global const float *split, global const float *light,
-                       row_place at, realv *sum) {
+INLINE void add_pixels(const hbil_estimate_args args, global const float *split,
+                       global const float *light, const surface *surface,
+                       realv *sum) {
   const intv solid = LOADV(split) > SKY;
-  if (!ANY(solid))
-    return;
-  realv n[3], reflectance[3], sent[3], p[9], sky_light;
-  realv gathered[HBIL_GATHERED_PLANES];
+  realv n[3], p[9], gathered[HBIL_GATHERED_PLANES];
   split_normal(split, args.split.plane, n);
   gathered_light(light, args.light.plane, gathered);
-  surface_light(args, in, at, reflectance, sent, &sky_light);
   polynomials(-n[0], -n[1], -n[2], p);
 #pragma unroll
   for (int k = 0; k < 9; ++k) {
-    ADD(HBIL_SUM_LIGHT + k, sent[0] * p[k]);
-    ADD(HBIL_SUM_LIGHT + 9 + k, sent[1] * p[k]);
-    ADD(HBIL_SUM_LIGHT + 18 + k, sent[2] * p[k]);
+    ADD(HBIL_SUM_LIGHT + k, surface->sent[0] * p[k]);
+    ADD(HBIL_SUM_LIGHT + 9 + k, surface->sent[1] * p[k]);
+    ADD(HBIL_SUM_LIGHT + 18 + k, surface->sent[2] * p[k]);
     ADD(HBIL_SUM_WEIGHT + k, p[k]);
   }
 #pragma unroll
   for (int c = 0; c < 3; ++c)
-    ADD(HBIL_SUM_REFLECTANCE + c, reflectance[c]);
+    ADD(HBIL_SUM_REFLECTANCE + c, surface->reflectance[c]);
   const realv ao = gathered[HBIL_LIGHT_AO];
   realv lit;
-  const realv unlit = unlit_part(sky_light, ao, &lit);
+  const realv unlit = unlit_part(surface->sky_light, ao, &lit);
   const realv dark = ao - lit * ao;
   ADD(HBIL_SUM_OPEN, ao);
 #if FALLBACK_FRAME_MEAN
@@ -176,6 +192,22 @@ INLINE void add_pixels(const hbil_estimate_args args, const inputs *in,
   ADD(HBIL_SUM_LIT_OPEN, lit * ao);
 }
 
+/* Adds a vector of each of the layers from `split` and `light` on. */
+INLINE void add_layers(const hbil_estimate_args args, const inputs *in,
+                       global const float *split, global const float *light,
+                       row_place at, realv (*sum)[HBIL_ESTIMATE_SUMS]) {
+  surface surfaces[COLUMNS];
+  intv solid = LOADV(split) > SKY;
+  for (int i = 1; i < COLUMNS; ++i)
+    solid |= LOADV(split + (uint)i * args.split.layer) > SKY;
+  if (!ANY(solid))
+    return;
+  load_surfaces(args, in, at, surfaces);
+  for (int i = 0; i < COLUMNS; ++i)
+    add_pixels(args, split + (uint)i * args.split.layer,
+               light + (uint)i * args.light.layer, &surfaces[i], sum[i]);
+}
+
 /* Launch: x = HBIL_ESTIMATE_PARTS work-items. */
 kernel void estimate_part(const hbil_estimate_args args,
                           global const float *split, global const float *light,
@@ -185,30 +217,30 @@ kernel void estimate_part(const hbil_estimate_args args,
                           global float *estimate) {
   const hbil_layer_args in = args.split;
   const int part = (int)get_global_id(0), layer = part % HBIL_LAYERS;
-  if (part >= HBIL_ESTIMATE_PARTS || get_global_id(1) > 0)
+  if (part >= HBIL_ESTIMATE_PARTS || part % COLUMNS > 0 || get_global_id(1) > 0)
     return;
   if (args.is_static && !flags[HBIL_FLAG_CHANGED])
     return;
   const inputs planes = {albedo, f0, direct, emission};
-  realv sum[HBIL_ESTIMATE_SUMS];
-  for (int i = 0; i < HBIL_ESTIMATE_SUMS; ++i)
-    sum[i] = 0.0f;
+  realv sum[COLUMNS][HBIL_ESTIMATE_SUMS];
+  for (int i = 0; i < COLUMNS; ++i)
+    for (int k = 0; k < HBIL_ESTIMATE_SUMS; ++k)
+      sum[i][k] = 0.0f;
+  split += (uint)layer * in.layer + in.origin;
+  light += (uint)layer * args.light.layer + args.light.origin;
   for (int y = hbil_estimate_row(part); y < in.height; y += 4)
     for (int x = 0; x < in.width; x += HBIL_WIDTH) {
       const row_place at = {4 * x, 4 * y + layer / 4, layer % 4, args.width};
       /* what lies right of the picture is sky */
       if (at.y < args.height && at.x < args.width &&
-          hbil_estimate_uses(layer, x / HBIL_ESTIMATE_BLOCK, y))
-        add_pixels(args, &planes,
-                   split + (uint)layer * in.layer + in.origin +
-                       (uint)y * in.row + (uint)x,
-                   light + (uint)layer * args.light.layer + args.light.origin +
-                       (uint)y * args.light.row + (uint)x,
-                   at, sum);
+          hbil_estimate_uses(x / HBIL_ESTIMATE_BLOCK, at.y))
+        add_layers(args, &planes, split + (uint)y * in.row + (uint)x,
+                   light + (uint)y * args.light.row + (uint)x, at, sum);
     }
   estimate += HBIL_FILL_SIZE + (part + 1) * HBIL_ESTIMATE_SUMS;
-  for (int i = 0; i < HBIL_ESTIMATE_SUMS; ++i)
-    estimate[i] = lanes_sum(sum[i]);
+  for (int i = 0; i < COLUMNS; ++i)
+    for (int k = 0; k < HBIL_ESTIMATE_SUMS; ++k)
+      estimate[i * HBIL_ESTIMATE_SUMS + k] = lanes_sum(sum[i][k]);
 }
 
 /* --- the sums of all parts ------------------------------------------------ */

@@ -297,7 +297,7 @@ typedef struct hbil_model {
   /* Where light is guessed from the frame's own surfaces (HBIL_FAR_FRAME,
    * HBIL_FALLBACK_FRAME_MEAN): the radiance of surfaces that the picture
    * doesn't show over that of those which it shows.  0..1; 1 is for places that
-   * are alike on all sides; default 0.77, chosen by its error on path-traced
+   * are alike on all sides; default 0.76, chosen by its error on path-traced
    * scenes (doc/measurements.md) */
   float unseen_light;
 } hbil_model;

@@ -72,11 +72,11 @@ static inline hbil_int hbil_estimate_row(hbil_int part) {
   return part / 16;
 }
 
-/* Whether it uses the pixels of the layer's row y from 16 `block` on: an eighth
- * of them, all over the picture. */
-static inline hbil_int hbil_estimate_uses(hbil_int layer, hbil_int block,
-                                          hbil_int y) {
-  return (block + 3 * (y / 4) + layer) % 8 == 0;
+/* Whether the pixels of the picture's row y from 4 x 16 `block` on are used: an
+ * eighth of them, all over the picture and over what a part takes of it, which
+ * are every sixteenth row's pixels of a column of four. */
+static inline hbil_int hbil_estimate_uses(hbil_int block, hbil_int y) {
+  return (block + 3 * (y + y / 16)) % 8 == 0;
 }
 
 typedef struct hbil_estimate_args {

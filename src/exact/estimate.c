@@ -90,8 +90,7 @@ static sums sums_of_part(const exact_frame *frame, const exact_planes *split,
   for (int y = 4 * hbil_estimate_row(part) + row; y < split->height; y += 16)
     for (int x = column; x < split->width; x += 4) {
       const surface s = exact_surface_at(frame, split, x, y);
-      if (s.is && hbil_estimate_uses(part % HBIL_LAYERS,
-                                     x / 4 / HBIL_ESTIMATE_BLOCK, y / 4))
+      if (s.is && hbil_estimate_uses(x / 4 / HBIL_ESTIMATE_BLOCK, y))
         add_surfel(&t, frame, &s, gathered, x, y);
     }
   return t;

@@ -79,7 +79,7 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .sampling.step_growth = 2.0f,
       .sampling.sample_grid = HBIL_GRID_FULL_RESOLUTION,
       .model.gather_emission = CL_TRUE,
-      .model.unseen_light = 0.77f,
+      .model.unseen_light = 0.76f,
       .history.reprojection = HBIL_REPROJECTION_SCATTER,
       .history.disocclusion_threshold = 0.05f,
       .execution.skip = HBIL_SKIP_ALL,

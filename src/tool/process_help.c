@@ -159,7 +159,7 @@ static void print_model(const hbil_config *defaults) {
       "that\n"
       "                        of those in it, 0..1, where light is guessed "
       "from\n"
-      "                        the frame (0.77)\n"
+      "                        the frame (0.76)\n"
       "  --gather-emission yes|no\n"
       "                        emission lights neighbours, too (yes if the\n"
       "                        first frame's direct light cannot contain what\n"

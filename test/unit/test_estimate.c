@@ -259,8 +259,7 @@ static void the_white_furnace_is_closed(void **state) {
 
 /* Whether the estimate uses a pixel. */
 static bool is_used(int x, int y) {
-  return hbil_estimate_uses(4 * (y % 4) + x % 4, x / 4 / HBIL_ESTIMATE_BLOCK,
-                            y / 4);
+  return hbil_estimate_uses(x / 4 / HBIL_ESTIMATE_BLOCK, y);
 }
 
 /* Sky at all pixels, or at those that the estimate uses. */
