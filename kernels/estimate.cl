@@ -94,13 +94,16 @@ typedef struct inputs {
   global const void *albedo, *f0, *direct, *emission;
 } inputs;
 
+/* What the caller's planes tell of a vector of pixels. */
 typedef struct surface {
-  realv reflectance[3], sent[3]; /* diffuse; radiance of the first bounce */
-  realv
-      sky_light; /* direct light over that of a whole hemisphere of sky (0
-                    without one), the largest quotient of the three channels */
+  realv reflectance[3]; /* diffuse */
+  realv sent[3];        /* radiance of the first bounce */
+  /* direct light over that of a whole hemisphere of sky, the largest quotient
+   * of the three channels; 0 without a sky */
+  realv sky_light;
 } surface;
 
+/* Those of the layers of a row_place. */
 INLINE void load_surfaces(const hbil_estimate_args args, const inputs *in,
                           row_place at, surface *surfaces) {
   intv usable = TRUE_LANES;

@@ -72,9 +72,9 @@ static inline hbil_int hbil_estimate_row(hbil_int part) {
   return part / 16;
 }
 
-/* Whether the pixels of the picture's row y from 4 x 16 `block` on are used: an
- * eighth of them, all over the picture and over what a part takes of it, which
- * are every sixteenth row's pixels of a column of four. */
+/* Whether block `block`, of 4 HBIL_ESTIMATE_BLOCK pixels, of the picture's row
+ * y is used; an eighth of the blocks are.  A part's rows are 16 apart; y / 16
+ * makes them use different blocks. */
 static inline hbil_int hbil_estimate_uses(hbil_int block, hbil_int y) {
   return (block + 3 * (y + y / 16)) % 8 == 0;
 }
