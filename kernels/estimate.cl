@@ -180,6 +180,9 @@ INLINE void add_pixels(const hbil_estimate_args args, global const float *split,
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     ADD(HBIL_SUM_REFLECTANCE + c, surface->reflectance[c]);
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    ADD(HBIL_SUM_NEAR + c, INV_PI * gathered[HBIL_LIGHT_RED + c]);
   const realv ao = gathered[HBIL_LIGHT_AO];
   realv lit;
   const realv unlit = unlit_part(surface->sky_light, ao, &lit);
@@ -290,6 +293,21 @@ kernel void estimate_sum(global float *estimate) {
   sums[i] = sum;
 }
 
+/* The share of what near light lacks that is really to come.  Surfaces may see
+ * less of the direct light than the mean surface would, the factor r, for
+ * instance where a lamp lights the floor alone.  Their second bounce is then
+ * smaller by that, and later ones by a part of it.
+ * seen: radiance of the shown directions, of which `expected` was expected;
+ * shown, guessed: their shares of what a bounce returns; reflectance: times the
+ * shown share of the hemisphere. */
+INLINE float coming_share(float seen, float expected, float shown,
+                          float guessed, float reflectance) {
+  const float r = min(seen / max(expected, FLT_MIN), 1.0f);
+  const float later = 1.0f - HBIL_UNSEEN_COUPLING * (1.0f - r);
+  return (r * shown + guessed) / max(shown + guessed, FLT_MIN) *
+         (1.0f - reflectance) / (1.0f - later * reflectance);
+}
+
 /* Launch: one work-item. */
 kernel void estimate_fill(const hbil_estimate_args args,
                           global float *estimate) {
@@ -316,18 +334,23 @@ kernel void estimate_fill(const hbil_estimate_args args,
                     (sun * sum[HBIL_SUM_DARK + 1] +
                      (1.0f - sun) * sum[HBIL_SUM_DARK + 2] +
                      sum[HBIL_SUM_LIT_OPEN] * unlit * mix(unlit, 1.0f, sun)));
+  const float unseen = args.unseen_light * guessed;
   for (int c = 0; c < 3; ++c) {
     const float reflectance = inv * sum[HBIL_SUM_REFLECTANCE + c];
-    const float gain = min(reflectance * (shown + args.unseen_light * guessed),
-                           HBIL_UNSEEN_GAIN);
+    const float gain = min(reflectance * (shown + unseen), HBIL_UNSEEN_GAIN);
     const float bounces = 1.0f / (1.0f - gain);
+    const float radiance = bounces * inv * sum[HBIL_SUM_LIGHT + 9 * c];
     /* What near light lacks shrinks by the factor reflectance x shown with each
      * bounce.  Near light that contains guesses has all bounces of those. */
     const float lacks = FALLBACK_FRAME_MEAN
                             ? 0.0f
                             : gain * pown(reflectance * shown, args.bounces);
-    estimate[HBIL_FILL_LACKS + c] =
-        lacks * bounces * inv * sum[HBIL_SUM_LIGHT + 9 * c];
+    /* reflectance x shown is below 1 as long as the gain isn't limited */
+    const float expected = shown * (1.0f - lacks) * radiance;
+    const float coming =
+        coming_share(inv * sum[HBIL_SUM_NEAR + c], expected, shown, unseen,
+                     min(reflectance * shown, HBIL_UNSEEN_GAIN));
+    estimate[HBIL_FILL_LACKS + c] = coming * lacks * radiance;
     for (int k = 0; k < 9; ++k)
       estimate[HBIL_FILL_LIGHT + 9 * c + k] =
           bounces * factor[k] * (inv * sum[HBIL_SUM_LIGHT + 9 * c + k]);

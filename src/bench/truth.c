@@ -33,7 +33,8 @@ typedef enum figure {
 typedef struct row {
   truth_scene scene;
   double figure[FIGURES];
-  double grown[LOOKS]; /* mean light over the truth's after so many runs */
+  double grown[LOOKS];   /* mean light over the truth's after so many runs */
+  double guessed[LOOKS]; /* mean E_far, most of which is a guess */
 } row;
 
 typedef struct job {
@@ -71,6 +72,7 @@ static const bench_column growth_columns[] = {
     {"runs_10", "10", 4},
     {"runs_50", "50", 4},
     {"runs_200", "200", 4},
+    {"guess_1", "E_far after 1 run", 4},
     {"last_mean_ratio", "the last, of the truth's", 3}};
 
 /* --- measuring --- */
@@ -79,15 +81,27 @@ static void show_pass(job *j) {
   bench_progress("passes of the pipeline", ++j->done, j->passes);
 }
 
+/* Measures a layer of the last result. */
+static int look(const process_settings *settings, const char *file,
+                const char *name, const compare_side *truth,
+                const compare_mask *mask, truth_figures *out,
+                image_error *error) {
+  compare_side answer;
+  int failed = truth_process_read(settings, file, name, &answer, error);
+  if (!failed)
+    failed = truth_measure(&answer, truth, mask, out, error);
+  compare_side_free(&answer);
+  return failed;
+}
+
 static int light(job *j, const process_settings *settings, char *const *files,
                  size_t count, const compare_side *truth,
                  const compare_mask *mask, truth_figures *out,
                  image_error *error) {
-  compare_side answer;
-  int failed = truth_process(settings, files, count, &answer, error);
+  int failed = truth_process(settings, files, count, error);
   if (!failed)
-    failed = truth_measure(&answer, truth, mask, out, error);
-  compare_side_free(&answer);
+    failed =
+        look(settings, files[count - 1], "indirect", truth, mask, out, error);
   show_pass(j);
   return failed;
 }
@@ -96,17 +110,20 @@ static int light(job *j, const process_settings *settings, char *const *files,
 static int grow(job *j, row *r, const compare_side *truth,
                 const compare_mask *mask, double mean, image_error *error) {
   process_settings settings = j->ours;
-  truth_figures f;
+  char *const *last = &r->scene.frames[r->scene.count - 1];
+  truth_figures all, guess;
   settings.warm_up = 0;
   for (int i = 0; i < LOOKS; i++) {
-    r->grown[i] = NAN;
+    r->grown[i] = r->guessed[i] = NAN;
     if (looks[i] > j->options->runs)
       continue;
     settings.repeat = looks[i];
-    if (light(j, &settings, &r->scene.frames[r->scene.count - 1], 1, truth,
-              mask, &f, error) != 0)
+    if (light(j, &settings, last, 1, truth, mask, &all, error) != 0 ||
+        look(&settings, *last, "far_irradiance", truth, mask, &guess, error) !=
+            0)
       return -1;
-    r->grown[i] = f.mean / mean;
+    r->grown[i] = all.mean / mean;
+    r->guessed[i] = guess.mean;
   }
   return 0;
 }
@@ -280,6 +297,7 @@ static void report_growth(const job *j, bench_report *report) {
     bench_report_text(report, r->scene.name);
     for (int k = 0; k < LOOKS; k++)
       bench_report_number(report, r->grown[k] / r->grown[last]);
+    bench_report_number(report, r->guessed[0] / r->guessed[last]);
     bench_report_number(report, r->grown[last]);
   }
 }
@@ -304,7 +322,9 @@ static void report_notes(const job *j, bench_report *report) {
                     *words ? words : " none");
   if (j->options->runs)
     bench_report_note(report,
-                      "Means after N runs are over that after the most runs.");
+                      "Means after N runs are over those after the most runs.  "
+                      "E_far holds what is guessed, which should not depend on "
+                      "the runs.");
   if (not_finite > 0.0)
     bench_report_note(report,
                       "%.0f values of ours are not finite; they are "

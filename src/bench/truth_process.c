@@ -72,7 +72,7 @@ int truth_settings_read(const bench_options *options, char *model,
   free(words);
   *out = a.settings;
   out->device = options->device;
-  out->layers = 1u << LAYER_INDIRECT;
+  out->layers = 1u << LAYER_INDIRECT | 1u << LAYER_FAR_IRRADIANCE;
   out->quiet = 1;
   out->overwrite = 1;
   return failed ? -1 : 0;
@@ -125,15 +125,19 @@ int truth_process_check(const process_settings *settings, char *const *files,
 }
 
 int truth_process(const process_settings *settings, char *const *files,
-                  size_t count, compare_side *out, image_error *error) {
-  static const char *const layers[] = {"indirect", NULL};
+                  size_t count, image_error *error) {
+  return process_run(settings, files, (int)count, error) != 0 ? -1 : 0;
+}
+
+int truth_process_read(const process_settings *settings, const char *file,
+                       const char *name, compare_side *out,
+                       image_error *error) {
+  const char *const layers[] = {name, NULL};
   memset(out, 0, sizeof *out);
-  if (process_run(settings, files, (int)count, error) != 0)
-    return -1;
-  char *stem = path_stem_in(settings->output, files[count - 1]);
+  char *stem = path_stem_in(settings->output, file);
   char *path = stem ? path_join(stem, "", ".exr") : NULL;
   const int failed = path ? bench_colour_read(path, layers, out, error)
-                          : image_no_memory(error, files[count - 1]);
+                          : image_no_memory(error, file);
   free(path);
   free(stem);
   return failed;

@@ -31,9 +31,13 @@ int truth_process_check(const process_settings *settings, char *const *files,
                         size_t count, uint32_t *width, uint32_t *height,
                         image_error *error);
 
-/* Computes the frames and reads the last one's indirect light.  0, or -1 with
- * `error` filled; compare_side_free() frees it in both cases. */
+/* Computes the frames.  0, or -1 with `error` filled. */
 int truth_process(const process_settings *settings, char *const *files,
-                  size_t count, compare_side *out, image_error *error);
+                  size_t count, image_error *error);
+
+/* Reads a layer of the result of `file`: "indirect" or "far_irradiance".  0, or
+ * -1 with `error` filled; compare_side_free() frees it in both cases. */
+int truth_process_read(const process_settings *settings, const char *file,
+                       const char *name, compare_side *out, image_error *error);
 
 #endif

@@ -17,7 +17,8 @@
  * radiance after all bounces is L = M / (1 - g); M is that of the first.  The
  * guess has that from the first frame on, and near light gets there one bounce
  * a frame: without history it is M = L - g L, and what it lacks shrinks by rho
- * s with each bounce.
+ * s with each bounce.  Where surfaces see less direct light than the mean one
+ * sends, near light lacks less (coming_share()).
  */
 #include "exact/estimate.h"
 
@@ -34,6 +35,7 @@
 typedef struct sums {
   double light[3][9], weight[9]; /* times the polynomials of -m */
   double reflectance[3];
+  double near[3];              /* E_near / pi */
   double open, behind;         /* shares of the hemisphere */
   double dark, unlit, unlit_2; /* pixels that show how much sky they see: the
                                   open share, times what is unlit, squared */
@@ -68,6 +70,7 @@ static void add_surfel(sums *t, const exact_frame *frame, const surface *s,
     for (int i = 0; i < 9; ++i)
       t->light[c][i] += sent * p[i];
     t->reflectance[c] += reflectance;
+    t->near[c] += *exact_at(gathered, HBIL_LIGHT_RED + c, x, y) / PI;
   }
   for (int i = 0; i < 9; ++i)
     t->weight[i] += p[i];
@@ -127,6 +130,18 @@ static sums sums_of_frame(const exact_frame *frame, const exact_planes *split,
   return total;
 }
 
+/* The share of what near light lacks that is to come.  Surfaces see r times
+ * the light that they would see if all were like the mean one.  After the
+ * second bounce r returns to 1 but for HBIL_UNSEEN_COUPLING of the
+ * difference. */
+static double coming_share(double seen, double expected, double shown,
+                           double unseen, double reflectance) {
+  const double r = fmin(seen / fmax(expected, DBL_MIN), 1.0);
+  const double later = 1.0 - (double)HBIL_UNSEEN_COUPLING * (1.0 - r);
+  return (r * shown + unseen) / fmax(shown + unseen, DBL_MIN) *
+         (1.0 - reflectance) / (1.0 - later * reflectance);
+}
+
 void exact_estimate_frame(exact_frame *frame, const exact_planes *split,
                           const exact_planes *gathered) {
   exact_estimate *e = &frame->estimate;
@@ -157,7 +172,12 @@ void exact_estimate_frame(exact_frame *frame, const exact_planes *split,
         exact_fills_unknown(frame->config)
             ? 0.0
             : gain * pow(reflectance * shown, (double)frame->bounces);
-    e->lacks[c] = lacks * t.light[c][0] / surfaces / (1.0 - gain);
+    const double radiance = t.light[c][0] / surfaces / (1.0 - gain);
+    const double expected = shown * (1.0 - lacks) * radiance;
+    const double coming = coming_share(
+        t.near[c] / surfaces, expected, shown, unseen * guessed / surfaces,
+        fmin(reflectance * shown, (double)HBIL_UNSEEN_GAIN));
+    e->lacks[c] = coming * lacks * radiance;
     for (int i = 0; i < 9; ++i)
       e->light[c][i] = t.light[c][i] / (1.0 - gain);
   }
