@@ -15,6 +15,7 @@
 #include "lib/layers.clh"
 #include "lib/sanitize.clh"
 #include "lib/split_planes.clh"
+#include "lib/surface_normal.clh"
 
 #if !defined(FEEDBACK_RADIANCE) || FEEDBACK_RADIANCE < 0 ||                    \
     FEEDBACK_RADIANCE > 1
@@ -23,19 +24,10 @@
 #if !defined(GATHER_EMISSION) || GATHER_EMISSION < 0 || GATHER_EMISSION > 1
 #error GATHER_EMISSION must be 0..1
 #endif
-
-#if !defined(NORMAL_IS_VIEW) || NORMAL_IS_VIEW < 0 || NORMAL_IS_VIEW > 1
-#error NORMAL_IS_VIEW must be 0..1
-#endif
-#if !defined(NORMAL_IS_OCTAHEDRAL) || NORMAL_IS_OCTAHEDRAL < 0 ||              \
-    NORMAL_IS_OCTAHEDRAL > 1
-#error NORMAL_IS_OCTAHEDRAL must be 0..1
-#endif
 #if !defined(SKIP_UNUSED) || SKIP_UNUSED < 0 || SKIP_UNUSED > 1
 #error SKIP_UNUSED must be 0..1
 #endif
 
-LOADER(normal, NORMAL_TYPE, NORMAL_STRIDE)
 LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
 LOADER(f0, F0_TYPE, F0_STRIDE)
 LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
@@ -44,32 +36,6 @@ LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
 #define INV_PI 0.318309886f
 
 /* --- normals -------------------------------------------------------------- */
-
-/* The input's normal in view space, of any length. */
-INLINE void view_normal(const hbil_split_args args, global const void *buffer,
-                        int x, int y, int count, realv n[3]) {
-#if NORMAL_IS_OCTAHEDRAL
-  octahedral_direction(load_normal(buffer, args.normal, x, y, 0, count),
-                       load_normal(buffer, args.normal, x, y, 1, count), n);
-#else
-#pragma unroll
-  for (int c = 0; c < 3; ++c)
-    n[c] = load_normal(buffer, args.normal, x, y, c, count);
-#endif
-#if !NORMAL_IS_VIEW
-  const realv stored[3] = {n[0], n[1], n[2]};
-  rotate_direction(args.to_view, stored, n);
-#endif
-}
-
-INLINE realv squared_length(const realv n[3]) {
-  return fma(n[0], n[0], fma(n[1], n[1], n[2] * n[2]));
-}
-
-/* Whether a normal of this squared length has a direction. */
-INLINE intv is_usable_normal(realv length2) {
-  return (length2 >= 1e-20f) & (length2 < INFINITY);
-}
 
 /* Normals that face away by this cosine or more are counted: 12 degrees, beyond
  * what smooth shading and normal maps do to surfaces that the eye sees. */
@@ -206,7 +172,7 @@ INLINE void count_sanitized(const hbil_split_args args,
     const intv solid = planar_depth(depth, ray_x(view, x, 1), ray_y(view, y),
                                     args.decode) > 0.0f;
     realv n[3];
-    view_normal(args, normal_buffer, x, y, count, n);
+    view_normal(normal_buffer, args.normal, args.to_view, x, y, count, n);
     depths += count_lanes(!is_usable_depth(depth, args.decode));
     normals += count_lanes(solid & !is_usable_normal(squared_length(n)));
 #if GATHER_RADIANCE
@@ -266,7 +232,7 @@ kernel void split(const hbil_split_args args, global float *layers,
     intv usable[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
                                         TRUE_LANES};
     realv n[3];
-    view_normal(args, normal_buffer, x, y, count, n);
+    view_normal(normal_buffer, args.normal, args.to_view, x, y, count, n);
     const intv is_away = solid & face_the_eye(n, rx, ry, usable);
     if (ANY(is_away))
       away += count_lanes(is_away);

@@ -1,88 +1,123 @@
 /* The commands of one call: a chain, each waiting for the one before, and the
- * first for the plan's commands of earlier calls. */
+ * first for earlier calls on the same objects. */
 #include "commands.h"
+
+commands commands_of_plan(hbil_plan *plan, cl_command_queue queue) {
+  return (commands){.context = plan->context,
+                    .plan = plan,
+                    .kernels = plan->kernels,
+                    .line = {&plan->line, NULL},
+                    .queue = queue};
+}
 
 /* --- the order of calls --- */
 
-/* Makes an event that follows the plan's earlier commands, in plan->tail. */
-static hbil_status make_tail(hbil_plan *plan) {
-  if (plan->tail)
+/* Makes an event that follows all earlier commands, in line->tail. */
+static hbil_status make_tail(const commands *chain, timeline *line) {
+  if (line->tail)
     return HBIL_SUCCESS;
   const cl_int error =
-      clEnqueueMarkerWithWaitList(plan->queue, 0, NULL, &plan->tail);
+      clEnqueueMarkerWithWaitList(line->queue, 0, NULL, &line->tail);
   if (error == CL_SUCCESS)
     return HBIL_SUCCESS;
-  plan->tail = NULL;
-  return fail_cl(plan->context, error, "clEnqueueMarkerWithWaitList");
+  line->tail = NULL;
+  return fail_cl(chain->context, error, "clEnqueueMarkerWithWaitList");
 }
 
-/* Lets the first command wait for the plan's tail and the caller's list.  The
- * two can't become one list, which has any length, without allocating memory.
- */
-static hbil_status wait_for_tail(commands *chain) {
-  if (chain->wait_count) {
-    const cl_int error = clEnqueueMarkerWithWaitList(
-        chain->queue, chain->wait_count, chain->wait_list, &chain->before[1]);
-    if (error != CL_SUCCESS) {
-      chain->before[1] = NULL;
-      return fail_cl(chain->plan->context, error,
-                     "clEnqueueMarkerWithWaitList");
-    }
+/* Takes the queue for a timeline, and lets the first command wait for its
+ * earlier commands where the queue doesn't. */
+static hbil_status join(commands *chain, int which) {
+  timeline *line = chain->line[which];
+  const bool same = line->queue == chain->queue;
+  if (same && line->in_order)
+    return HBIL_SUCCESS;
+  if (!same) {
+    const cl_int error = clRetainCommandQueue(chain->queue);
+    if (error != CL_SUCCESS)
+      return fail_cl(chain->context, error, "clRetainCommandQueue");
+    chain->retained[which] = true;
   }
-  chain->before[0] = chain->plan->tail;
-  chain->wait_count = chain->before[1] ? 2 : 1;
-  chain->wait_list = chain->before;
+  if (!line->queue)
+    return HBIL_SUCCESS;
+  const hbil_status status = make_tail(chain, line);
+  if (status != HBIL_SUCCESS)
+    return status;
+  /* commands that nobody flushes need not ever begin, and the other queue would
+   * wait for them */
+  const cl_int error = same ? CL_SUCCESS : clFlush(line->queue);
+  if (error != CL_SUCCESS)
+    return fail_cl(chain->context, error, "clFlush");
+  chain->before[chain->befores++] = line->tail;
   return HBIL_SUCCESS;
 }
 
 hbil_status begin_commands(commands *chain, cl_uint wait_count,
                            const cl_event *wait_list) {
-  hbil_plan *plan = chain->plan;
-  const bool same = plan->queue == chain->queue;
-  cl_int error = CL_SUCCESS;
+  hbil_status status = HBIL_SUCCESS;
   chain->wait_count = wait_count;
   chain->wait_list = wait_list;
-  if (same && plan->in_order)
-    return HBIL_SUCCESS;
-  if (!same) {
-    error = clRetainCommandQueue(chain->queue);
-    if (error != CL_SUCCESS)
-      return fail_cl(plan->context, error, "clRetainCommandQueue");
-    chain->retained = true;
-  }
-  if (!plan->queue)
-    return HBIL_SUCCESS;
-  const hbil_status status = make_tail(plan);
-  if (status != HBIL_SUCCESS)
+  for (int i = 0; i < LINES && status == HBIL_SUCCESS; ++i)
+    if (chain->line[i])
+      status = join(chain, i);
+  if (status != HBIL_SUCCESS || !chain->befores)
     return status;
-  /* commands that nobody flushes need not ever begin, and the other queue would
-   * wait for them */
-  if (!same && (error = clFlush(plan->queue)) != CL_SUCCESS)
-    return fail_cl(plan->context, error, "clFlush");
-  return wait_for_tail(chain);
+  /* The tails and the caller's list can't become one list, which has any
+   * length, without allocating memory. */
+  if (wait_count) {
+    const cl_int error = clEnqueueMarkerWithWaitList(chain->queue, wait_count,
+                                                     wait_list, &chain->marker);
+    if (error != CL_SUCCESS) {
+      chain->marker = NULL;
+      return fail_cl(chain->context, error, "clEnqueueMarkerWithWaitList");
+    }
+    chain->before[chain->befores++] = chain->marker;
+  }
+  chain->wait_count = chain->befores;
+  chain->wait_list = chain->before;
+  return HBIL_SUCCESS;
+}
+
+/* Makes the chain's commands a timeline's last ones. */
+static void leave(commands *chain, int which) {
+  timeline *line = chain->line[which];
+  if (chain->retained[which] && line->queue)
+    clReleaseCommandQueue(line->queue);
+  if (line->tail)
+    clReleaseEvent(line->tail);
+  line->queue = chain->queue;
+  line->in_order = chain->in_order;
+  /* A tail that can't be retained is made anew when it is needed. */
+  line->tail = chain->last && clRetainEvent(chain->last) == CL_SUCCESS
+                   ? chain->last
+                   : NULL;
 }
 
 void end_commands(commands *chain) {
-  hbil_plan *plan = chain->plan;
-  if (chain->before[1])
-    clReleaseEvent(chain->before[1]);
-  if (!chain->enqueued) {
-    if (chain->retained)
-      clReleaseCommandQueue(chain->queue);
-    return;
-  }
-  if (chain->retained && plan->queue)
-    clReleaseCommandQueue(plan->queue);
-  if (plan->tail)
-    clReleaseEvent(plan->tail);
+  if (chain->marker)
+    clReleaseEvent(chain->marker);
   /* An in-order queue needs no event until another queue comes. */
   if (chain->in_order && chain->last) {
     clReleaseEvent(chain->last);
     chain->last = NULL;
   }
-  plan->queue = chain->queue;
-  plan->in_order = chain->in_order;
-  plan->tail = chain->last;
+  for (int i = 0; i < LINES; ++i) {
+    if (!chain->line[i])
+      continue;
+    if (chain->enqueued)
+      leave(chain, i);
+    else if (chain->retained[i])
+      clReleaseCommandQueue(chain->queue);
+  }
+  if (chain->last)
+    clReleaseEvent(chain->last);
+  chain->last = NULL;
+}
+
+void timeline_end(timeline *line) {
+  if (line->tail)
+    clReleaseEvent(line->tail);
+  if (line->queue)
+    clReleaseCommandQueue(line->queue);
 }
 
 /* --- commands --- */
@@ -105,7 +140,7 @@ static void follow(commands *chain, cl_event event) {
 static void follow_timed(commands *chain, cl_event event) {
   hbil_plan *plan = chain->plan;
   follow(chain, event);
-  if (!event || !plan->config.execution.profiling ||
+  if (!event || !plan || !plan->config.execution.profiling ||
       plan->launches == MAX_LAUNCHES)
     return;
   /* the command runs all the same: timings alone are lost */
@@ -127,7 +162,7 @@ hbil_status enqueue_marker(commands *chain) {
       chain->queue, chain->wait_count, chain->wait_list,
       chain->events ? &event : NULL);
   if (error != CL_SUCCESS)
-    return fail_cl(chain->plan->context, error, "clEnqueueMarkerWithWaitList");
+    return fail_cl(chain->context, error, "clEnqueueMarkerWithWaitList");
   follow(chain, event);
   return HBIL_SUCCESS;
 }
@@ -138,12 +173,11 @@ static size_t groups_up(size_t n, size_t group) {
 
 static hbil_status fail_kernel(const commands *chain, cl_int error,
                                const char *call, int kernel) {
-  const hbil_plan *plan = chain->plan;
   char name[64] = "";
-  if (clGetKernelInfo(plan->kernels[kernel], CL_KERNEL_FUNCTION_NAME,
+  if (clGetKernelInfo(chain->kernels[kernel], CL_KERNEL_FUNCTION_NAME,
                       sizeof name, name, NULL) != CL_SUCCESS)
     name[0] = '\0';
-  return fail_cl(plan->context, error, "%s(%s)", call, name);
+  return fail_cl(chain->context, error, "%s(%s)", call, name);
 }
 
 /* Sets the arguments of a kernel.  In trial launches all values are 0: pictures
@@ -157,7 +191,7 @@ static hbil_status set_arguments(const commands *chain, int kernel,
     const cl_int error =
         is_zero && args[i].size > sizeof zeros
             ? CL_INVALID_ARG_SIZE
-            : clSetKernelArg(chain->plan->kernels[kernel], i, args[i].size,
+            : clSetKernelArg(chain->kernels[kernel], i, args[i].size,
                              is_zero ? zeros : args[i].value);
     if (error != CL_SUCCESS)
       return fail_kernel(chain, error, "clSetKernelArg", kernel);
@@ -176,7 +210,7 @@ static bool is_first_launch(trial_launches *trial, int kernel, size_t top) {
 hbil_status launch_rows(commands *chain, int kernel, const argument *args,
                         cl_uint count, size_t top, size_t x, size_t y,
                         size_t z) {
-  hbil_context *context = chain->plan->context;
+  hbil_context *context = chain->context;
   const size_t *group = context->group;
   const size_t local[3] = {group[0], group[1], 1};
   const size_t global[3] = {groups_up(x, group[0]), groups_up(y, group[1]), z};
@@ -188,7 +222,7 @@ hbil_status launch_rows(commands *chain, int kernel, const argument *args,
   if (status != HBIL_SUCCESS)
     return status;
   const cl_int error = clEnqueueNDRangeKernel(
-      chain->queue, chain->plan->kernels[kernel], 3, offset, global, local,
+      chain->queue, chain->kernels[kernel], 3, offset, global, local,
       chain->wait_count, chain->wait_list, chain->events ? &event : NULL);
   if (error != CL_SUCCESS)
     return fail_kernel(chain, error, "clEnqueueNDRangeKernel", kernel);
@@ -196,20 +230,23 @@ hbil_status launch_rows(commands *chain, int kernel, const argument *args,
   return HBIL_SUCCESS;
 }
 
-/* Fills `bytes` of a buffer from `offset` on with copies of a word. */
-static hbil_status fill_part(commands *chain, int buffer, cl_uint word,
-                             size_t offset, size_t bytes) {
-  hbil_plan *plan = chain->plan;
+hbil_status fill_memory(commands *chain, cl_mem memory, cl_uint word,
+                        size_t offset, size_t bytes) {
   cl_event event = NULL;
   if (chain->trial)
     return HBIL_SUCCESS;
   const cl_int error = clEnqueueFillBuffer(
-      chain->queue, plan->buffers[buffer], &word, sizeof word, offset, bytes,
+      chain->queue, memory, &word, sizeof word, offset, bytes,
       chain->wait_count, chain->wait_list, chain->events ? &event : NULL);
   if (error != CL_SUCCESS)
-    return fail_cl(plan->context, error, "clEnqueueFillBuffer");
+    return fail_cl(chain->context, error, "clEnqueueFillBuffer");
   follow_timed(chain, event);
   return HBIL_SUCCESS;
+}
+
+static hbil_status fill_part(commands *chain, int buffer, cl_uint word,
+                             size_t offset, size_t bytes) {
+  return fill_memory(chain, chain->plan->buffers[buffer], word, offset, bytes);
 }
 
 hbil_status enqueue_fill(commands *chain, int buffer, cl_uint word) {

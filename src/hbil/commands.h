@@ -1,5 +1,5 @@
 /* The commands of one call: a chain, each waiting for the one before, and the
- * first for the plan's commands of earlier calls. */
+ * first for earlier calls on the same objects. */
 #ifndef HBIL_COMMANDS_H
 #define HBIL_COMMANDS_H
 
@@ -11,37 +11,52 @@ typedef struct trial_launches {
   bool launched[KERNEL_COUNT][2];
 } trial_launches;
 
+/* The objects whose order a chain keeps: a plan, and the cache that its frame
+ * uses; or a cache alone. */
+enum { LINES = 2 };
+
 typedef struct commands {
-  hbil_plan *plan;
+  hbil_context *context;
+  hbil_plan *plan; /* NULL: commands of a cache */
+  cl_kernel *kernels;
+  timeline *line[LINES]; /* NULL: none */
   cl_command_queue queue;
   cl_uint wait_count; /* what the next command waits for */
   const cl_event *wait_list;
   bool in_order;
-  bool events;      /* every command makes an event */
-  bool enqueued;    /* a command has been */
-  bool retained;    /* `queue`, for this call */
-  bool reprojected; /* by this call */
+  bool events;          /* every command makes an event */
+  bool enqueued;        /* a command has been */
+  bool retained[LINES]; /* `queue`, for this call */
+  bool reprojected;     /* by this call */
   hbil_pass pass;
   cl_event last; /* of the last command; owned */
-  /* the wait list of the first command, if it isn't the caller's own: the
-   * plan's tail, and a marker after the caller's list; the marker is owned */
-  cl_event before[2];
+  /* the wait list of the first command, if it isn't the caller's own: the tails
+   * of the timelines, and a marker after the caller's list; the marker is owned
+   */
+  cl_uint befores;
+  cl_event before[LINES + 1], marker;
   /* NULL except for trial launches (trial.h), which it counts */
   trial_launches *trial;
 } commands;
 
-/* Begins a chain whose plan, queue and in_order are set: its first command will
- * wait for the caller's list and for the plan's earlier commands.  Nothing is
+/* A chain for a plan's commands in a queue. */
+commands commands_of_plan(hbil_plan *plan, cl_command_queue queue);
+
+/* Begins a chain whose queue and in_order are set: its first command will wait
+ * for the caller's list and for earlier commands of the timelines.  Nothing is
  * enqueued and no event is made if these are in the same in-order queue. */
 hbil_status begin_commands(commands *chain, cl_uint wait_count,
                            const cl_event *wait_list);
 
-/* Makes the chain's commands, if there are any, the plan's last ones.  To be
- * called after begin_commands(), whether or not that or a command failed. */
+/* Makes the chain's commands, if there are any, the last ones of its timelines.
+ * To be called after begin_commands(), whether or not that or a command failed.
+ */
 void end_commands(commands *chain);
 
-/* Enqueues a marker: the plan's later commands wait for what the chain waits
- * for. */
+/* Releases what a timeline holds. */
+void timeline_end(timeline *line);
+
+/* Enqueues a marker: later commands wait for what the chain waits for. */
 hbil_status enqueue_marker(commands *chain);
 
 /* A kernel's argument. */
@@ -68,7 +83,11 @@ hbil_status launch_rows(commands *chain, int kernel, const argument *args,
 #define LAUNCH(chain, kernel, args, x, y, z)                                   \
   LAUNCH_ROWS(chain, kernel, args, 0, x, y, z)
 
-/* Fills a buffer with copies of a word. */
+/* Fills `bytes` of memory from `offset` on with copies of a word. */
+hbil_status fill_memory(commands *chain, cl_mem memory, cl_uint word,
+                        size_t offset, size_t bytes);
+
+/* Fills a buffer of the plan with copies of a word. */
 hbil_status enqueue_fill(commands *chain, int buffer, cl_uint word);
 
 /* Sets one of HBIL_FLAG_. */

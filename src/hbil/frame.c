@@ -92,12 +92,13 @@ static hbil_status enqueue(const char *function, hbil_plan *plan,
   unsigned planes = 0;
   for (int i = (int)range.first; i <= (int)range.last; ++i)
     planes |= passes[i].planes;
-  commands chain = {.plan = plan, .queue = queue};
   hbil_frame frame, staged;
   hbil_status status =
       check_arguments(plan, function, queue, given, wait_count, wait_list);
-  if (status == HBIL_SUCCESS)
-    status = check_queue(plan, queue, &chain.in_order);
+  if (status != HBIL_SUCCESS)
+    return status;
+  commands chain = commands_of_plan(plan, queue);
+  status = check_queue(plan, queue, &chain.in_order);
   if (status == HBIL_SUCCESS)
     status = frame_take(plan->context, given, &frame);
   if (status == HBIL_SUCCESS)

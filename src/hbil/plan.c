@@ -153,7 +153,8 @@ static void store_programs(const hbil_plan *plan,
 /* Writes what no kernel writes: counts of inputs that this plan never reads,
  * and the padding, which frames clear in scratch memory of the caller's. */
 static hbil_status write_first(hbil_plan *plan, cl_command_queue queue) {
-  commands chain = {.plan = plan, .queue = queue, .in_order = true};
+  commands chain = commands_of_plan(plan, queue);
+  chain.in_order = true;
   const hbil_status status = enqueue_fill(&chain, BUFFER_SANITIZED, 0);
   return status == HBIL_SUCCESS && !plan->lent.memory ? clear_padding(&chain)
                                                       : status;
@@ -297,10 +298,7 @@ void hbil_plan_destroy(hbil_plan *plan) {
   for (int i = 0; i < BUFFER_COUNT; ++i)
     if (plan->buffers[i])
       clReleaseMemObject(plan->buffers[i]);
-  if (plan->tail)
-    clReleaseEvent(plan->tail);
-  if (plan->queue)
-    clReleaseCommandQueue(plan->queue);
+  timeline_end(&plan->line);
   context_release(plan->context);
   free(plan);
 }

@@ -68,6 +68,15 @@ typedef struct memory_range {
   size_t start, bytes;
 } memory_range;
 
+/* The commands on one object, which run one after the other, whatever queues
+ * they go to.  The next one waits for `tail`; NULL: for all that is in `queue`
+ * so far. */
+typedef struct timeline {
+  cl_command_queue queue; /* of the last command, retained; NULL: none yet */
+  bool in_order;          /* that queue */
+  cl_event tail;
+} timeline;
+
 /* The light of more bounces differs by less than a rounding: 0.9^n < 2^-24. */
 enum { MOST_BOUNCES = 256 };
 
@@ -79,11 +88,7 @@ struct hbil_plan {
   memory_range lent; /* the caller's scratch memory; memory is null: none */
   cl_program programs[PROGRAM_COUNT];
   cl_kernel kernels[KERNEL_COUNT];
-  /* The plan's commands run one after the other, whatever queues they go to.
-   * The next one waits for `tail`; NULL: for all that is in `queue` so far. */
-  cl_command_queue queue; /* of the last command, retained; NULL: none yet */
-  bool in_order;          /* that queue */
-  cl_event tail;
+  timeline line; /* of the plan's commands */
   /* light of the last frame, and where it was seen from */
   bool has_history;
   cl_uint bounces; /* that this light has had, 1 .. MOST_BOUNCES */

@@ -27,7 +27,7 @@ static hbil_status begin_reading(const char *function, hbil_plan *plan,
                 "%s: the plan has no last frame; one must have been enqueued "
                 "since the plan was made or reset, without a failure",
                 function);
-  *chain = (commands){.plan = plan, .queue = queue};
+  *chain = commands_of_plan(plan, queue);
   const hbil_status status = begin_commands(chain, 0, NULL);
   if (status != HBIL_SUCCESS)
     end_commands(chain);

@@ -9,18 +9,24 @@
  * cache, and another static one, which reads it. */
 enum { FRAMES = 4, FIRST_STATIC = 2 };
 
+static commands trial_commands(hbil_plan *plan, cl_command_queue queue,
+                               trial_launches *trial) {
+  commands chain = commands_of_plan(plan, queue);
+  chain.in_order = true;
+  chain.trial = trial;
+  return chain;
+}
+
 static hbil_status run_passes(hbil_plan *plan, cl_command_queue queue,
                               const hbil_frame *frame, trial_launches *trial) {
   static pass_function *const passes[] = {
       enqueue_reproject, enqueue_push_pull, enqueue_split,    enqueue_gather,
       enqueue_recompose, enqueue_temporal,  enqueue_composite};
-  commands import = {
-      .plan = plan, .queue = queue, .in_order = true, .trial = trial};
+  commands import = trial_commands(plan, queue, trial);
   hbil_status status = try_import(&import, frame);
   for (size_t i = 0; i < sizeof passes / sizeof *passes; ++i) {
     /* one by one, as callers may: push_pull looks for holes then */
-    commands chain = {
-        .plan = plan, .queue = queue, .in_order = true, .trial = trial};
+    commands chain = trial_commands(plan, queue, trial);
     if (status == HBIL_SUCCESS)
       status = passes[i](&chain, frame);
   }
