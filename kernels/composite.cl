@@ -22,6 +22,7 @@
  * split does not read.
  */
 #include "lib/depth.clh"
+#include "lib/probe_light.clh"
 #include "lib/sanitize.clh"
 #include "lib/sky_light.clh"
 #include "lib/unseen_light.clh"
@@ -46,6 +47,9 @@
 #endif
 #if !defined(GATHER_EMISSION) || GATHER_EMISSION < 0 || GATHER_EMISSION > 1
 #error GATHER_EMISSION must be 0..1
+#endif
+#if !defined(PROBES) || PROBES < 0 || PROBES > 1
+#error PROBES must be 0..1
 #endif
 #if !defined(HISTORY) || HISTORY < 0 || HISTORY > 1
 #error HISTORY must be 0..1
@@ -198,14 +202,17 @@ INLINE realv mean_sky_light(const hbil_composite_args args, const inputs *in,
 
 /* Far irradiance of the three channels, and the radiance that shows where there
  * is no surface.  unlit: the share of the hemisphere, of `ao`, whose radiance
- * is estimated.  near_light: E_near.  axis, bent: the bent normal in world and
- * view space; (rx, ry, 1): the ray. */
+ * is estimated.  cached: what the radiance cache knows of the open directions;
+ * the others get what they get without it.  near_light: E_near.  axis, bent:
+ * the bent normal in world and view space; (rx, ry, 1): the ray. */
 INLINE void far_light(const hbil_composite_args args,
                       global const float *estimate, const inputs *in,
                       global const void *depth, realv z, realv ao, realv t,
                       realv t2, const realv near_light[3], const realv bent[3],
                       const realv axis[3], realv rx, float ry, int x, int y,
-                      realv light[3], realv behind[3], realv *unlit) {
+                      const probe_light *cached, realv light[3],
+                      realv behind[3], realv *unlit) {
+  const realv other = 1.0f - cached->share;
   *unlit = 0.0f;
 #if FAR == 1 || FAR == 2
   /* not indexed as an argument: see rotate_direction() */
@@ -227,22 +234,26 @@ INLINE void far_light(const hbil_composite_args args,
 #elif FAR == 3
   realv frame[3];
   frame_light(estimate, bent[0], bent[1], bent[2], frame);
-  *unlit = unlit_share(estimate, mean_sky_light(args, in, depth, z, x, y), ao,
-                       args.sky_share);
+  *unlit = min(other * ao,
+               unlit_share(estimate, mean_sky_light(args, in, depth, z, x, y),
+                           ao, args.sky_share));
 #endif
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     light[c] = behind[c] = 0.0f;
 #if FAR == 1
     behind[c] = far[c].sh[0];
-    light[c] = PI * ao * behind[c];
+    light[c] = other * (PI * ao * behind[c]);
 #elif FAR == 2
     behind[c] = sh_light(far[c], sky, unscaled);
-    light[c] = sh_light(far[c], axis, aperture);
+    light[c] = other * sh_light(far[c], axis, aperture);
 #elif FAR == 3
-    light[c] =
-        PI * *unlit *
-        unseen_light(estimate, c, frame[c], near_light[c] * INV_PI, 1.0f - ao);
+    light[c] = PI * *unlit *
+               unseen_light(estimate, c, frame[c], near_light[c] * INV_PI,
+                            1.0f - ao, cached->light[c], ao * cached->share);
+#endif
+#if PROBES
+    light[c] += PI * cached->light[c];
 #endif
   }
 }
@@ -325,8 +336,9 @@ INLINE void compose_channel(const hbil_composite_args args, const inputs *in,
 /* Collects all planes of the pixels from (x, y) on. */
 INLINE void compose(const hbil_composite_args args,
                     global const float *resolved, global const float *estimate,
-                    global const void *depth_buffer, const inputs *in, int x,
-                    int y, realv pending[][PARTS], int part,
+                    global const void *depth_buffer, const inputs *in,
+                    global const float *probes, int x, int y,
+                    realv pending[][PARTS], int part,
                     volatile global uint *sanitized) {
   const hbil_view_args view = args.view;
   const uint plane = args.planes.plane;
@@ -376,8 +388,13 @@ INLINE void compose(const hbil_composite_args args,
       near_light[c] = select(near_light[c], (realv)0.0f, near_light[c] < 0.0f);
     }
   }
+  probe_light cached = {{0.0f, 0.0f, 0.0f}, 0.0f};
+#if PROBES
+  if (args.probes.columns > 0)
+    cached = light_of_probes(args.probes, view, probes, x, y, z, ao, t, bent);
+#endif
   far_light(args, estimate, in, depth_buffer, z, ao, t, t2, near_light, bent,
-            axis, rx, ry, x, y, far, behind, &unlit);
+            axis, rx, ry, x, y, &cached, far, behind, &unlit);
 #if OUT_UNKNOWN
   realv unknown = unlit;
 #if UNKNOWN_PLANE
@@ -408,17 +425,15 @@ INLINE void compose(const hbil_composite_args args,
 
 /* The planes are the caller's and each may be a buffer of its own, so there are
  * more arguments than in other passes. */
-kernel void composite(const hbil_composite_args args,
-                      global const float *resolved,
-                      global const float *estimate, global float *history,
-                      global const void *depth, global const void *albedo,
-                      global const void *f0, global const void *direct,
-                      global const void *emission, global void *near_irradiance,
-                      global void *far_irradiance, global void *ao,
-                      global void *bent_normal, global void *cone_cosine,
-                      global void *indirect, global void *beauty,
-                      global void *error_estimate, global void *unknown,
-                      volatile global uint *sanitized) {
+kernel void composite(
+    const hbil_composite_args args, global const float *resolved,
+    global const float *estimate, global float *history,
+    global const void *depth, global const void *albedo, global const void *f0,
+    global const void *direct, global const void *emission,
+    global void *near_irradiance, global void *far_irradiance, global void *ao,
+    global void *bent_normal, global void *cone_cosine, global void *indirect,
+    global void *beauty, global void *error_estimate, global void *unknown,
+    global const float *probes, volatile global uint *sanitized) {
   const int x0 = (int)get_global_id(0) * (PARTS * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   if (x0 >= args.view.width || y >= args.view.height)
@@ -428,8 +443,8 @@ kernel void composite(const hbil_composite_args args,
       min(PARTS, (args.view.width - x0 + HBIL_WIDTH - 1) / HBIL_WIDTH);
   realv pending[PENDING_COUNT][PARTS];
   for (int part = 0; part < parts; ++part)
-    compose(args, resolved, estimate, depth, &in, x0 + part * HBIL_WIDTH, y,
-            pending, part, sanitized);
+    compose(args, resolved, estimate, depth, &in, probes,
+            x0 + part * HBIL_WIDTH, y, pending, part, sanitized);
   STORE_CHANNELS(ao, OUT_AO, PENDING_AO)
   STORE_CHANNELS(cone_cosine, OUT_CONE, PENDING_CONE)
   STORE_CHANNELS(error_estimate, 2 * OUT_ERROR, PENDING_ERROR)

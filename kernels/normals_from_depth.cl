@@ -5,7 +5,7 @@
  * On a plane, w (lib/camera.clh) is affine in pixel coordinates, so its
  * gradient (a, b) per unit of ray slope gives the plane: with the pixel's ray
  * (rx, ry, 1) the normal is along (a, b, w - a rx - b ry), and along (a, b, 1)
- * in orthographic views (doc/method.md, section 20).  Along each axis the
+ * in orthographic views (doc/method.md, section 21).  Along each axis the
  * gradient is the difference to one neighbour: to the one on the side where the
  * surface goes on, which is where the second difference of w is smaller.  So an
  * edge beside a pixel does not bend its normal.

@@ -217,7 +217,9 @@ INLINE void fill_unknown(sums *s, global const float *estimate) {
     const realv shown = s->plane[HBIL_LIGHT_RED + c];
     s->plane[HBIL_LIGHT_RED + c] =
         fma(PI * unknown,
-            unseen_light(estimate, c, frame[c], shown * INV_PI, share), shown);
+            unseen_light(estimate, c, frame[c], shown * INV_PI, share,
+                         (realv)0.0f, (realv)0.0f),
+            shown);
   }
 }
 #endif

@@ -468,6 +468,13 @@ typedef struct hbil_environment_args {
 } hbil_environment_args;
 HBIL_ASSERT_LAYOUT(hbil_environment_args, channel, 0, 27)
 
+/* Probes stand at pixels whose coordinates are multiples of `spacing`;
+ * columns 0: there are none. */
+typedef struct hbil_probe_grid_args {
+  hbil_int spacing, columns, rows;
+} hbil_probe_grid_args;
+HBIL_ASSERT_LAYOUT(hbil_probe_grid_args, rows, 2, 3)
+
 typedef struct hbil_composite_args {
   hbil_view_args view;
   hbil_transform_args to_world;
@@ -480,7 +487,8 @@ typedef struct hbil_composite_args {
   hbil_depth_args decode;
   hbil_float direct_scale; /* as in hbil_config */
   hbil_float sky_share;    /* as in hbil_frame */
+  hbil_probe_grid_args probes;
 } hbil_composite_args;
-HBIL_ASSERT_LAYOUT(hbil_composite_args, sky_share, 110, 111)
+HBIL_ASSERT_LAYOUT(hbil_composite_args, probes, 111, 114)
 
 #endif

@@ -72,6 +72,7 @@
 
 #include <hbil/hbil_base.h>
 #include <hbil/hbil_config.h>
+#include <hbil/hbil_cache.h>
 #include <hbil/hbil_frame.h>
 #include <hbil/hbil_suggest.h>
 
@@ -81,8 +82,6 @@ extern "C" {
 
 /* ------------------------------------------------------------------------ */
 /* Context: the library on one device                                        */
-
-typedef struct hbil_context hbil_context;
 
 /* Creates a context, which binds the library to a cl_context and one of its
  * devices.  The context retains both.  The device needs OpenCL 1.2 and a

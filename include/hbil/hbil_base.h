@@ -31,6 +31,9 @@ extern "C" {
 #define HBIL_API __attribute__((visibility("default")))
 #endif
 
+/* The library on one device (hbil.h). */
+typedef struct hbil_context hbil_context;
+
 /* ------------------------------------------------------------------------ */
 /* Status: result codes and version                                          */
 

@@ -135,7 +135,7 @@ typedef struct hbil_inputs {
    * HBIL_SNORM8, HBIL_SNORM16.
    * HBIL_NONE: each frame's normals are rebuilt from depth, which must have
    * more than 16 bits to be exact enough.  They lack what normal maps and
-   * smooth shading add (doc/method.md, section 20; errors:
+   * smooth shading add (doc/method.md, section 21; errors:
    * doc/measurements.md). */
   hbil_plane_format normal;
   /* Colours: HBIL_UNORM8, HBIL_UNORM16, HBIL_RGB10A2_UNORM,
@@ -231,7 +231,7 @@ typedef enum hbil_mode {
   HBIL_MODE_GTAO = 1,
   /* Horizon-based ambient occlusion (Bavoil and others 2008): AO that weights
    * all directions alike, and each sample by hbil_falloff (doc/method.md,
-   * section 17).  HBAO rejects what GTAO rejects, and also bent_normal,
+   * section 18).  HBAO rejects what GTAO rejects, and also bent_normal,
    * cone_cosine, error_estimate and HBIL_FAR_SH. */
   HBIL_MODE_HBAO = 2
 } hbil_mode;
@@ -300,6 +300,10 @@ typedef struct hbil_model {
    * are alike on all sides; default 0.76, chosen by its error on path-traced
    * scenes (doc/measurements.md) */
   float unseen_light;
+  /* CL_TRUE: frames may have a radiance cache (hbil_frame.cache), and open
+   * directions get the light that it knows (hbil_cache.h).  For HBIL_MODE_HBIL;
+   * default CL_FALSE; model */
+  cl_bool world_cache;
 } hbil_model;
 
 /* Named models of light and occluders. */
@@ -310,12 +314,16 @@ typedef enum hbil_model_name {
   HBIL_MODEL_DEFAULT = 0,
   /* The paper: both thicknesses infinite, facing_fade -0.1, 0,
    * HBIL_FALLBACK_LAST_ACCEPTED, HBIL_FEEDBACK_RADIANCE, extrapolate off */
-  HBIL_MODEL_PAPER = 1
+  HBIL_MODEL_PAPER = 1,
+  /* The default for frames with a radiance cache, which knows what is behind
+   * thin things: as HBIL_MODEL_DEFAULT, but relative_thickness 0.03 and
+   * world_cache on */
+  HBIL_MODEL_WORLD = 2
 } hbil_model_name;
 
 /* Sets thickness, relative_thickness, facing_fade, back_facing_fallback,
- * feedback and extrapolate.  Returns HBIL_INVALID_ARGUMENT if model is null or
- * name is not in the list. */
+ * feedback, extrapolate and world_cache.  Returns HBIL_INVALID_ARGUMENT if
+ * model is null or name is not in the list. */
 HBIL_API hbil_status hbil_model_set(hbil_model *model, hbil_model_name name);
 
 /* ------------------------------------------------------------------------ */

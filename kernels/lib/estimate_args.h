@@ -17,7 +17,7 @@
  * the series of all bounces is at most 10. */
 #define HBIL_UNSEEN_GAIN 0.9f
 /* How much of the first bounce's unevenness later bounces still have, 0..1.  A
- * quarter keeps the first frame's light within 2 % of that after 40 frames on
+ * quarter leaves the first frame's light within 2 % of that after 40 frames on
  * twelve dumps; 0 and 1 don't (doc/measurements.md). */
 #define HBIL_UNSEEN_COUPLING 0.25f
 /* A part of the pixels, of HBIL_ESTIMATE_PARTS, that sends more than this many

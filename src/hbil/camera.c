@@ -311,3 +311,32 @@ hbil_transform_args camera_between(const hbil_camera *from,
             at(to_view, r, k) * at(from->world_from_view, k, c);
   return rounded(product);
 }
+
+hbil_transform_args camera_to_cache(const hbil_camera *camera,
+                                    const double centre[3], double scale,
+                                    double unit) {
+  double m[16];
+  memcpy(m, camera->world_from_view, sizeof m);
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c)
+      m[4 * r + c] *= scale / unit;
+    m[4 * r + 3] = (m[4 * r + 3] - centre[r]) * scale;
+  }
+  return rounded(m);
+}
+
+hbil_transform_args camera_from_cache(const hbil_camera *camera,
+                                      const double centre[3], double scale,
+                                      double unit) {
+  double m[16], shifted[16];
+  memcpy(shifted, camera->world_from_view, sizeof shifted);
+  for (int r = 0; r < 3; ++r)
+    shifted[4 * r + 3] -= centre[r];
+  inverse(shifted, m);
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c)
+      m[4 * r + c] *= unit / scale;
+    m[4 * r + 3] *= unit;
+  }
+  return rounded(m);
+}

@@ -23,4 +23,13 @@ hbil_transform_args camera_to_world(const hbil_camera *camera);
 hbil_transform_args camera_view_from_normals(const hbil_camera *camera,
                                              const hbil_config *config);
 
+/* From view space to a cache's space, of `scale` voxels per world unit about a
+ * centre; and back.  unit: units of length in view space per world unit. */
+hbil_transform_args camera_to_cache(const hbil_camera *camera,
+                                    const double centre[3], double scale,
+                                    double unit);
+hbil_transform_args camera_from_cache(const hbil_camera *camera,
+                                      const double centre[3], double scale,
+                                      double unit);
+
 #endif

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "cache.h"
 #include "camera.h"
 #include "import.h"
 #include "memory.h"
@@ -215,9 +216,22 @@ static hbil_status check_still(hbil_plan *plan, const hbil_frame *frame) {
   return HBIL_SUCCESS;
 }
 
+static hbil_status check_cache(hbil_plan *plan, const hbil_frame *frame) {
+  if (frame->cache && !plan->config.model.world_cache)
+    return fail(plan->context, HBIL_INVALID_FRAME,
+                "cache: given, but the plan was made without "
+                "model.world_cache");
+  if (frame->cache && frame->cache->context != plan->context)
+    return fail(plan->context, HBIL_INVALID_FRAME,
+                "cache: not of the plan's context");
+  return HBIL_SUCCESS;
+}
+
 hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
                         unsigned planes) {
   hbil_status status = camera_check(plan->context, &frame->camera);
+  if (status == HBIL_SUCCESS)
+    status = check_cache(plan, frame);
   if (status == HBIL_SUCCESS)
     status = check_still(plan, frame);
   if (status == HBIL_SUCCESS)
@@ -234,6 +248,21 @@ hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
   if (status == HBIL_SUCCESS)
     status = check_overlaps(plan->context, regions);
   return status;
+}
+
+hbil_status check_wait_list(hbil_context *context, const char *function,
+                            cl_uint wait_count, const cl_event *wait_list) {
+  for (cl_uint i = 0; wait_list && i < wait_count; ++i)
+    if (!wait_list[i])
+      return fail(context, HBIL_INVALID_ARGUMENT,
+                  "%s: wait_list[%u]: null; must be an event", function,
+                  (unsigned)i);
+  if (!wait_count != !wait_list)
+    return fail(context, HBIL_INVALID_ARGUMENT,
+                "%s: wait_list is %s and wait_count %u; wait_list must be null "
+                "if wait_count is 0, and only then",
+                function, wait_list ? "given" : "null", (unsigned)wait_count);
+  return HBIL_SUCCESS;
 }
 
 hbil_status check_queue(hbil_plan *plan, cl_command_queue queue,

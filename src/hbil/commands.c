@@ -167,6 +167,22 @@ hbil_status enqueue_marker(commands *chain) {
   return HBIL_SUCCESS;
 }
 
+hbil_status finish_commands(commands *chain, cl_event *event) {
+  if (!chain->enqueued && (event || chain->wait_count)) {
+    const hbil_status status = enqueue_marker(chain);
+    if (status != HBIL_SUCCESS)
+      return status;
+  }
+  if (!event)
+    return HBIL_SUCCESS;
+  *event = chain->last;
+  /* Only other queues than in-order ones need it later.  If it can't be
+   * retained, they wait for everything that is in the queue. */
+  if (chain->in_order || clRetainEvent(chain->last) != CL_SUCCESS)
+    chain->last = NULL;
+  return HBIL_SUCCESS;
+}
+
 static size_t groups_up(size_t n, size_t group) {
   return (n + group - 1) / group * group;
 }

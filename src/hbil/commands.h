@@ -11,7 +11,7 @@ typedef struct trial_launches {
   bool launched[KERNEL_COUNT][2];
 } trial_launches;
 
-/* The objects whose order a chain keeps: a plan, and the cache that its frame
+/* The objects whose order a chain follows: a plan, and the cache that its frame
  * uses; or a cache alone. */
 enum { LINES = 2 };
 
@@ -58,6 +58,11 @@ void timeline_end(timeline *line);
 
 /* Enqueues a marker: later commands wait for what the chain waits for. */
 hbil_status enqueue_marker(commands *chain);
+
+/* Gives the caller the last command's event.  Passes that had nothing to do
+ * enqueue a marker, so that the event and what comes later follow the wait
+ * list.  event may be NULL. */
+hbil_status finish_commands(commands *chain, cl_event *event);
 
 /* A kernel's argument. */
 typedef struct argument {

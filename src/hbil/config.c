@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "planes.h"
+#include "sized.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -16,55 +17,12 @@ bool config_has_thickness(const hbil_config *config) {
          !isinf(config->model.relative_thickness);
 }
 
-/* --- structs that grow: the caller may have compiled with an older header ---
- */
-
-/* Bytes of a struct whose last field is `last`. */
-#define SIZE_UP_TO(type, last)                                                 \
-  ((offsetof(type, last) + sizeof(((const type *)0)->last) + _Alignof(type) -  \
-    1) /                                                                       \
-   _Alignof(type) * _Alignof(type))
-
 /* Bytes in version 0.1, the least that a caller's struct may have.  Fields of
  * later versions follow these (configure.ac has the rules). */
 enum {
   FIRST_CONFIG_SIZE = SIZE_UP_TO(hbil_config, execution),
-  FIRST_FRAME_SIZE = SIZE_UP_TO(hbil_frame, hardware_depth)
+  FIRST_FRAME_SIZE = SIZE_UP_TO(hbil_frame, cache)
 };
-
-/* Fills a caller's struct of `size` bytes, which begins with its struct_size,
- * with the `known` bytes of this library's defaults, and the rest with 0. */
-static void init_sized(void *out, size_t size, const void *defaults,
-                       size_t known) {
-  if (!out || size < sizeof size)
-    return;
-  memset(out, 0, size);
-  memcpy(out, defaults, size < known ? size : known);
-  memcpy(out, &size, sizeof size);
-}
-
-/* Copies a caller's struct over `own`, which holds the defaults and its own
- * size. Reads struct_size bytes and no more. */
-static hbil_status take(hbil_context *context, hbil_status rejection,
-                        const char *name, const void *given, size_t least,
-                        void *own) {
-  size_t size, known;
-  memcpy(&size, given, sizeof size);
-  memcpy(&known, own, sizeof known);
-  if (size < least)
-    return fail(context, rejection,
-                "struct_size: %zu, %s has had at least %zu bytes; call "
-                "%s_init() first",
-                size, name, least, name);
-  if (size > known)
-    return fail(context, rejection,
-                "struct_size: %zu, %s of library %s has %zu bytes; the "
-                "program's hbil.h is newer, or %s_init() was not called",
-                size, name, hbil_version(), known, name);
-  memcpy(own, given, size);
-  memcpy(own, &known, sizeof known);
-  return HBIL_SUCCESS;
-}
 
 void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
   hbil_config defaults = {
@@ -91,19 +49,21 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
 hbil_status hbil_model_set(hbil_model *model, hbil_model_name name) {
   if (!model)
     return fail_null(NULL, __func__, "model");
-  if ((unsigned)name > HBIL_MODEL_PAPER)
+  if ((unsigned)name > HBIL_MODEL_WORLD)
     return fail(NULL, HBIL_INVALID_ARGUMENT,
                 "hbil_model_set: name: %d; must be one of hbil_model_name",
                 (int)name);
   const bool paper = name == HBIL_MODEL_PAPER;
+  const bool world = name == HBIL_MODEL_WORLD;
   model->thickness = INFINITY;
-  model->relative_thickness = paper ? INFINITY : 0.08f;
+  model->relative_thickness = paper ? INFINITY : world ? 0.03f : 0.08f;
   model->facing_fade[0] = paper ? -0.1f : -1.0f;
   model->facing_fade[1] = paper ? 0.0f : -1.0f;
   model->back_facing_fallback =
       paper ? HBIL_FALLBACK_LAST_ACCEPTED : HBIL_FALLBACK_FRAME_MEAN;
   model->feedback = paper ? HBIL_FEEDBACK_RADIANCE : HBIL_FEEDBACK_IRRADIANCE;
   model->extrapolate = paper ? CL_FALSE : CL_TRUE;
+  model->world_cache = world ? CL_TRUE : CL_FALSE;
   return HBIL_SUCCESS;
 }
 
@@ -156,8 +116,8 @@ void hbil_frame_init_sized(hbil_frame *frame, size_t struct_size) {
 hbil_status frame_take(hbil_context *context, const hbil_frame *given,
                        hbil_frame *own) {
   hbil_frame_init(own);
-  return take(context, HBIL_INVALID_FRAME, "hbil_frame", given,
-              FIRST_FRAME_SIZE, own);
+  return take_sized(context, HBIL_INVALID_FRAME, "hbil_frame", given,
+                    FIRST_FRAME_SIZE, own);
 }
 
 /* Accepts values in [least, most], and not NaN. */
@@ -286,6 +246,10 @@ static hbil_status check_mode(hbil_context *context,
         context, HBIL_INVALID_CONFIG,
         "model.far_field: HBIL_FAR_FRAME; HBIL_MODE_%s reads no radiance",
         mode);
+  if (config->model.mode != HBIL_MODE_HBIL && config->model.world_cache)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "model.world_cache: CL_TRUE; HBIL_MODE_%s reads no radiance",
+                mode);
   if (config->model.mode == HBIL_MODE_HBAO &&
       config->model.far_field == HBIL_FAR_SH)
     return fail(
@@ -395,6 +359,7 @@ static hbil_status config_check(hbil_context *context,
        0, HBIL_FALLBACK_FRAME_MEAN},
       {"model.gather_emission", config->model.gather_emission, 0, 1},
       {"model.unseen_light", (double)config->model.unseen_light, 0, 1},
+      {"model.world_cache", config->model.world_cache, 0, 1},
       {"history.max_frames", config->history.max_frames, 0, 1024},
       {"history.reprojection", (double)config->history.reprojection, 0,
        HBIL_REPROJECTION_MOTION},
@@ -423,7 +388,8 @@ static hbil_status config_check(hbil_context *context,
 hbil_status config_take(hbil_context *context, const hbil_config *given,
                         hbil_config *own) {
   hbil_config_init(own);
-  const hbil_status status = take(context, HBIL_INVALID_CONFIG, "hbil_config",
-                                  given, FIRST_CONFIG_SIZE, own);
+  const hbil_status status =
+      take_sized(context, HBIL_INVALID_CONFIG, "hbil_config", given,
+                 FIRST_CONFIG_SIZE, own);
   return status == HBIL_SUCCESS ? config_check(context, own) : status;
 }

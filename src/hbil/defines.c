@@ -99,6 +99,7 @@ static void define_model(const hbil_config *c, const layout *l, text *t) {
          c->history.reprojection == HBIL_REPROJECTION_MOTION);
   define(t, "DISOCCLUSION", !isinf(c->history.disocclusion_threshold));
   define(t, "FAR", (int)l->far_field);
+  define(t, "PROBES", l->probes);
   define(t, "UNFILTERED", c->sampling.unfiltered != 0);
 }
 

@@ -7,7 +7,7 @@
  * The standard deviation of the light that recompose averages, times this
  * factor, is an error that 95 % of the pixels don't exceed.  The factors were
  * measured with two slices; for each number of steps, the worst of five scenes
- * was taken (doc/method.md, section 18).
+ * was taken (doc/method.md, section 19).
  */
 static const struct {
   int steps;

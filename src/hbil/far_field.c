@@ -41,6 +41,19 @@ hbil_environment_args far_field_args(const hbil_config *config,
   return args;
 }
 
+hbil_environment_args far_radiance_args(hbil_far_field far_field,
+                                        const float environment[9][3]) {
+  hbil_environment_args args;
+  memset(&args, 0, sizeof args);
+  for (int c = 0; c < 3; ++c) {
+    if (far_field == HBIL_FAR_CONSTANT)
+      args.channel[c].sh[0] = environment[0][c];
+    for (int i = 0; far_field == HBIL_FAR_SH && i < 9; ++i)
+      args.channel[c].sh[i] = (float)(basis[i] * (double)environment[i][c]);
+  }
+  return args;
+}
+
 /* The world direction of a map's texel, `v`, `u` in [0,1]. */
 static void direction(double u, double v, const float *world_from_map,
                       double out[3]) {

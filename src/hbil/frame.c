@@ -1,4 +1,5 @@
 /* The order of the passes. */
+#include "cache.h"
 #include "checks.h"
 #include "config.h"
 #include "import.h"
@@ -38,25 +39,6 @@ static void forget_timings(hbil_plan *plan) {
   plan->events_error = CL_SUCCESS;
 }
 
-/* Gives the caller the last command's event.  Passes that had nothing to do
- * enqueue a marker, so that the event and what comes later follow the wait
- * list. */
-static hbil_status finish(commands *chain, cl_event *event) {
-  if (!chain->enqueued && (event || chain->wait_count)) {
-    const hbil_status status = enqueue_marker(chain);
-    if (status != HBIL_SUCCESS)
-      return status;
-  }
-  if (!event)
-    return HBIL_SUCCESS;
-  *event = chain->last;
-  /* Only other queues than in-order ones need it later.  If it can't be
-   * retained, they wait for everything that is in the queue. */
-  if (chain->in_order || clRetainEvent(chain->last) != CL_SUCCESS)
-    chain->last = NULL;
-  return HBIL_SUCCESS;
-}
-
 /* What is wrong with the arguments of `function`, before OpenCL is asked. */
 static hbil_status check_arguments(hbil_plan *plan, const char *function,
                                    cl_command_queue queue,
@@ -67,17 +49,7 @@ static hbil_status check_arguments(hbil_plan *plan, const char *function,
                      !plan    ? "plan"
                      : !queue ? "queue"
                               : "frame");
-  for (cl_uint i = 0; wait_list && i < wait_count; ++i)
-    if (!wait_list[i])
-      return fail(plan->context, HBIL_INVALID_ARGUMENT,
-                  "%s: wait_list[%u]: null; must be an event", function,
-                  (unsigned)i);
-  if (!wait_count != !wait_list)
-    return fail(plan->context, HBIL_INVALID_ARGUMENT,
-                "%s: wait_list is %s and wait_count %u; wait_list must be null "
-                "if wait_count is 0, and only then",
-                function, wait_list ? "given" : "null", (unsigned)wait_count);
-  return HBIL_SUCCESS;
+  return check_wait_list(plan->context, function, wait_count, wait_list);
 }
 
 typedef struct pass_range {
@@ -106,6 +78,7 @@ static hbil_status enqueue(const char *function, hbil_plan *plan,
   if (status != HBIL_SUCCESS)
     return status;
   chain.events = event || !chain.in_order || plan->config.execution.profiling;
+  chain.line[1] = frame.cache ? &frame.cache->line : NULL;
   if (range.first == HBIL_PASS_REPROJECT)
     forget_timings(plan);
   staged = staged_frame(plan, &frame);
@@ -125,7 +98,7 @@ static hbil_status enqueue(const char *function, hbil_plan *plan,
   else if (range.last == HBIL_PASS_COMPOSITE)
     remember_frame(plan, &frame);
   if (status == HBIL_SUCCESS)
-    status = finish(&chain, event);
+    status = finish_commands(&chain, event);
   end_commands(&chain);
   return status;
 }

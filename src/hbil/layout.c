@@ -37,8 +37,10 @@ static void decide_work(const hbil_config *config, layout *out) {
   out->far_field = sums || out->radiance || has(config, PLANE_FAR)
                        ? config->model.far_field
                        : HBIL_FAR_NONE;
+  out->probes = config->model.world_cache &&
+                (sums || out->radiance || has(config, PLANE_FAR));
   out->bent = has(config, PLANE_BENT) || out->far_field == HBIL_FAR_SH ||
-              out->far_field == HBIL_FAR_FRAME;
+              out->far_field == HBIL_FAR_FRAME || out->probes;
   out->unknown = out->radiance && estimates_back_faces(config);
   out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
   out->history =
@@ -224,6 +226,28 @@ static cl_uint gathered_planes(const hbil_config *config, const layout *l) {
                        : stored[config->sampling.storage].ao;
 }
 
+/* Probes stand at least so many pixels apart, and the farther the larger the
+ * picture is, as long as there are enough of them: their number decides the
+ * time, and light from afar changes slowly over the picture, whatever its
+ * resolution. */
+enum { PROBE_SPACING = 8, LEAST_PROBES_ACROSS = 40 };
+
+static void lay_out_probes(const hbil_config *config, layout *out) {
+  hbil_probe_grid_args *g = &out->probe_grid;
+  if (!out->probes)
+    return;
+  g->spacing = PROBE_SPACING;
+  const cl_uint longer =
+      config->width > config->height ? config->width : config->height;
+  while (2 * (cl_uint)g->spacing * LEAST_PROBES_ACROSS <= longer)
+    g->spacing *= 2;
+  g->columns = divided_up((cl_int)config->width - 1, g->spacing) + 1;
+  g->rows = divided_up((cl_int)config->height - 1, g->spacing) + 1;
+  out->bytes[BUFFER_PROBES] = out->bytes[BUFFER_FILTERED_PROBES] =
+      sizeof(cl_float) * HBIL_PROBE_FLOATS * (size_t)g->columns *
+      (size_t)g->rows;
+}
+
 /* Behind the light come planes that outputs ask for. */
 static void lay_out_resolved(const hbil_config *config, layout *out) {
   const cl_uint errors = !has(config, PLANE_ERROR) ? 0 : out->radiance ? 2 : 1;
@@ -294,6 +318,8 @@ bool layout_is_scratch(int buffer) {
   case BUFFER_SPLIT:
   case BUFFER_LIGHT:
   case BUFFER_RESOLVED:
+  case BUFFER_PROBES:
+  case BUFFER_FILTERED_PROBES:
   case BUFFER_BOUNDS:
   case BUFFER_USES:
     return true;
@@ -347,6 +373,7 @@ void layout_compute(const hbil_config *config, const staging *staged,
   out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
   out->bytes[BUFFER_LIGHT] = layers_size(&out->light);
   lay_out_resolved(config, out);
+  lay_out_probes(config, out);
   if (config->history.max_frames)
     out->bytes[BUFFER_TEMPORAL] = out->bytes[BUFFER_TEMPORAL_NEXT] =
         real *

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "hbil/hbil.h"
+#include "lib/cache_args.h"
 #include "names.h"
 #include "planes.h"
 #include "shared.h"
@@ -24,7 +25,9 @@ enum {
   BUFFER_TEMPORAL,      /* history of the temporal filter, of one frame */
   BUFFER_TEMPORAL_NEXT, /* the same of the other frame */
   BUFFER_STEPS,
-  BUFFER_ESTIMATE,      /* the estimate of unseen light, then its sums */
+  BUFFER_ESTIMATE, /* the estimate of unseen light, then its sums */
+  BUFFER_PROBES,   /* HBIL_PROBE_FLOATS floats each */
+  BUFFER_FILTERED_PROBES,
   BUFFER_BOUNDS,        /* grids of largest inverse depths and of light */
   BUFFER_USES,          /* where outputs show light */
   BUFFER_SPAN_STATES,   /* the work that the gather left out */
@@ -55,10 +58,11 @@ typedef struct layout {
   int chain_count;
   hbil_chain_args chain[MAX_CHAIN];
   /* what must be computed; unknown: the share that back-facing samples block */
-  bool radiance, bent, history, unknown, estimate;
+  bool radiance, bent, history, unknown, estimate, probes;
   bool late_counts; /* composite shows inputs that split does not read */
   cl_uint skip;     /* the bits of hbil_config.skip that can have an effect */
   hbil_bounds_args bounds;
+  hbil_probe_grid_args probe_grid;
   bool quadrants; /* whether the gather reads the quadrants of the bounds */
   hbil_horizon_cache_args cache;
   cl_uint span;              /* pixels of a span */

@@ -15,6 +15,9 @@ pass_function enqueue_estimate;
 pass_function enqueue_recompose, enqueue_temporal,
     enqueue_composite; /* resolve.c */
 
+/* probes.c: before composite, in the same pass */
+pass_function enqueue_probes;
+
 /* Makes the frame the plan's last one, after composite and the export of its
  * outputs. */
 void remember_frame(hbil_plan *plan, const hbil_frame *frame); /* resolve.c */

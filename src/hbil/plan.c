@@ -31,6 +31,7 @@ static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_REGATHER] = {"regather", true, ""},
     [PROGRAM_RECOMPOSE] = {"recompose", true, ""},
     [PROGRAM_TEMPORAL] = {"temporal", .defines = ""},
+    [PROGRAM_PROBES] = {"cache/probes", true, ""},
     [PROGRAM_COMPOSITE] = {"composite", .defines = ""},
     [PROGRAM_IMPORT] = {"import", .defines = ""},
     [PROGRAM_EXPORT] = {"export", .defines = ""},
@@ -64,6 +65,8 @@ static const struct {
     [KERNEL_REGATHER] = {"regather", PROGRAM_REGATHER},
     [KERNEL_RECOMPOSE] = {"recompose", PROGRAM_RECOMPOSE},
     [KERNEL_TEMPORAL] = {"temporal", PROGRAM_TEMPORAL},
+    [KERNEL_MAKE_PROBES] = {"make_probes", PROGRAM_PROBES},
+    [KERNEL_FILTER_PROBES] = {"filter_probes", PROGRAM_PROBES},
     [KERNEL_COMPOSITE] = {"composite", PROGRAM_COMPOSITE},
     [KERNEL_IMPORT_IMAGE] = {"import_image", PROGRAM_IMPORT},
     [KERNEL_EXPORT_IMAGE] = {"export_image", PROGRAM_EXPORT},
@@ -92,6 +95,8 @@ static bool program_needed(const hbil_plan *plan, int program) {
     return l->bytes[BUFFER_HORIZON_CACHE] > 0;
   case PROGRAM_TEMPORAL:
     return plan->config.history.max_frames > 0;
+  case PROGRAM_PROBES:
+    return l->probes;
   case PROGRAM_IMPORT:
     return (l->staged.images & inputs) != 0;
   case PROGRAM_EXPORT:

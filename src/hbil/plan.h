@@ -20,6 +20,7 @@ enum {
   PROGRAM_REGATHER,
   PROGRAM_RECOMPOSE,
   PROGRAM_TEMPORAL,
+  PROGRAM_PROBES,
   PROGRAM_COMPOSITE,
   PROGRAM_IMPORT,
   PROGRAM_EXPORT,
@@ -51,6 +52,8 @@ enum {
   KERNEL_REGATHER,
   KERNEL_RECOMPOSE,
   KERNEL_TEMPORAL,
+  KERNEL_MAKE_PROBES,
+  KERNEL_FILTER_PROBES,
   KERNEL_COMPOSITE,
   KERNEL_IMPORT_IMAGE,
   KERNEL_EXPORT_IMAGE,
@@ -60,7 +63,7 @@ enum {
 
 /* The most commands of a frame, for the profiling events: two for each level of
  * the push/pull chain, one for each staged plane, and the others. */
-enum { MAX_LAUNCHES = 2 * MAX_CHAIN + PLANE_COUNT + 26 };
+enum { MAX_LAUNCHES = 2 * MAX_CHAIN + PLANE_COUNT + 28 };
 
 /* A part of a buffer that is nobody's sub-buffer. */
 typedef struct memory_range {

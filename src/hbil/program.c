@@ -173,15 +173,19 @@ static bool has_word(const char *text, const char *name, size_t length) {
   return false;
 }
 
-/* Appends those of `defines` to the options whose names the text has. */
+/* Appends those of `defines` to the options whose names the text has, and `own`
+ * has not. */
 static hbil_status add_defines(hbil_context *context, const char *text,
-                               const char *defines, char *options,
-                               size_t size) {
+                               const char *defines, const char *own,
+                               char *options, size_t size) {
   size_t length = strlen(options);
   while (*defines) {
     const size_t define = strcspn(defines, " ");
     const char *name = defines + strlen("-D");
-    if (define > 0 && has_word(text, name, strcspn(name, "="))) {
+    /* in `own` the name follows a D, too */
+    const size_t length_of_name = strcspn(name, "=");
+    if (define > 0 && has_word(text, name, length_of_name) &&
+        !(*own && has_word(own, name - 1, length_of_name + 1))) {
       if (length + define + 2 > size)
         return fail(context, HBIL_BUILD_FAILED,
                     "the build options don't fit into %zu characters", size);
@@ -254,9 +258,10 @@ static hbil_status build_text(hbil_context *context, const program_kind *kind,
            : context->exact_divide ? " -cl-fp32-correctly-rounded-divide-sqrt"
                                    : "");
   hbil_status status =
-      add_defines(context, text, kind->defines, options, sizeof options);
+      add_defines(context, text, kind->defines, "", options, sizeof options);
   if (status == HBIL_SUCCESS)
-    status = add_defines(context, text, defines, options, sizeof options);
+    status = add_defines(context, text, defines, kind->defines, options,
+                         sizeof options);
   if (status != HBIL_SUCCESS)
     return status;
   binary_identify(context, kind->name, text, options, identity);

@@ -9,7 +9,8 @@
 typedef struct program_kind {
   const char *name;    /* of its file, without .cl */
   bool relaxed;        /* relaxed arithmetic: results may differ in rounding */
-  const char *defines; /* of its own, beside the plan's; "" if none */
+  const char *defines; /* of its own, beside the plan's or instead of them; ""
+                          if none */
 } program_kind;
 
 /* The most characters that the defines of a plan take. */

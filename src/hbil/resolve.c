@@ -109,6 +109,8 @@ hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
                               .decode = depth_args(c, frame),
                               .direct_scale = c->inputs.direct_scale,
                               .sky_share = frame->sky_share};
+  if (frame->cache)
+    args.probes = plan->layout.probe_grid;
   hbil_external_plane_args *const plane_args[PLANE_COUNT] = {
       [PLANE_DEPTH] = &args.depth,
       [PLANE_ALBEDO] = &args.albedo,
@@ -146,12 +148,12 @@ hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
                            ARG(plane[PLANE_BEAUTY]),
                            ARG(plane[PLANE_ERROR]),
                            ARG(plane[PLANE_UNKNOWN]),
+                           BUFFER_ARG(plan, BUFFER_FILTERED_PROBES),
                            BUFFER_ARG(plan, BUFFER_SANITIZED)};
   const cl_uint line = plan->layout.line;
-  const hbil_status status =
-      plan->layout.late_counts
-          ? clear_counts(chain, HBIL_SANITIZED_LATE, HBIL_SURFACE_INPUTS)
-          : HBIL_SUCCESS;
+  hbil_status status = enqueue_probes(chain, frame);
+  if (status == HBIL_SUCCESS && plan->layout.late_counts)
+    status = clear_counts(chain, HBIL_SANITIZED_LATE, HBIL_SURFACE_INPUTS);
   return status == HBIL_SUCCESS
              ? LAUNCH(chain, KERNEL_COMPOSITE, list,
                       (c->width + line - 1) / line, c->height, 1)

@@ -1,0 +1,223 @@
+/*
+ * hbil: a radiance cache in world space.  Programs include hbil/hbil.h.
+ */
+#ifndef HBIL_HBIL_CACHE_H
+#define HBIL_HBIL_CACHE_H
+
+#include <hbil/hbil_base.h>
+#include <hbil/hbil_config.h>
+#include <hbil/hbil_frame.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------------ */
+/* Cache: what views have shown of a place                                   */
+
+/*
+ * A cache holds what views of a place have shown: for each voxel whether there
+ * is a surface, whether a view looked through it, or whether nothing has seen
+ * it; and of surfaces the normal, the diffuse reflectance and the light that
+ * they send.  A view is a picture with depth, normals and light: a frame, an
+ * earlier frame of a sequence, or a picture that was made for this purpose.
+ *
+ * HOW A PROGRAM USES IT
+ *   1. hbil_cache_config_init(), set voxel_size, centre and the formats of the
+ *      views; hbil_cache_create().
+ *   2. Plans: hbil_model_set(&config.model, HBIL_MODEL_WORLD), and model.radius
+ *      = HBIL_CACHE_NEAR_VOXELS times voxel_size, before hbil_plan_create().
+ *   3. For every frame: hbil_enqueue_cache_inject() with the frame itself, or
+ *      with any other views; hbil_enqueue_cache_update(), which lets light
+ *      bounce once more between the cache's surfaces; and
+ *      hbil_enqueue_frame() with hbil_frame.cache set.
+ *   4. When the camera moves: hbil_enqueue_cache_move().
+ *
+ * WHAT IT DOES TO A FRAME
+ *   Directions that the frame leaves open get the light that the cache has
+ *   there, as far as its views have seen it: light of surfaces, and of the far
+ *   field where a ray leaves the cache, has met nothing unseen, and a view saw
+ *   the sky behind the last voxel.  What the frame shows itself within
+ *   model.radius is left out, because E_near has it.  What no view has seen
+ *   gets what it gets without a cache.  So an empty cache changes nothing, bit
+ *   for bit (test_cache).
+ *
+ * ORDER
+ *   Commands of a cache run in the order of the calls, like those of a plan,
+ *   and frames that use the cache are among them, whatever queues they are in.
+ *   Any number of plans of its context may use a cache.
+ *
+ * Results have the same bits in every run (test_cache).  Surfaces that have
+ * moved away stay until hbil_enqueue_cache_reset().  A voxel is the mean of the
+ * views that saw it, in which a new one counts 1/16 or more, so within 16 views
+ * two thirds of a change of light have arrived.
+ */
+typedef struct hbil_cache hbil_cache;
+
+/* A good radius of the near field beside a cache, in voxels of the first level:
+ * what is farther away, the cache knows better (doc/measurements.md). */
+#define HBIL_CACHE_NEAR_VOXELS 4.0
+
+typedef struct hbil_cache_config {
+  size_t struct_size; /* set by hbil_cache_config_init(); see hbil_config */
+  /* Voxels across a level, each way: 16, 32, 64 (default), 128 or 256. */
+  cl_uint voxels;
+  /* Levels, each with as many voxels as the one before, twice as wide; 1..4;
+   * default 2 */
+  cl_uint levels;
+  /* Width of a voxel of the first level, in world units, 1e-6..1e6.  No
+   * default.  The cache is voxels x voxel_size x 2^(levels - 1) wide, and
+   * should hold what can send light to the picture, for instance twice the
+   * depth of its surfaces. */
+  double voxel_size;
+  /* The cache's middle in the world; default 0, 0, 0.  It is rounded to a
+   * multiple of the coarsest voxel. */
+  double centre[3];
+  /* The views' planes: formats and meaning, as in hbil_config.  depth and
+   * normal are needed; HBIL_IMAGE is not possible, and motion is ignored. */
+  hbil_inputs inputs;
+  /* CL_TRUE (default): emission of views with direct light is sent, too; as
+   * hbil_model.gather_emission. */
+  cl_bool gather_emission;
+  /* Radiance of what no view has seen, over the mean radiance of the cache's
+   * surfaces, in bounces between these; 0..1; default 0.9
+   * (doc/measurements.md)
+   */
+  float unseen_light;
+} hbil_cache_config;
+
+/* Sets the defaults.  Use the macro. */
+HBIL_API void hbil_cache_config_init_sized(hbil_cache_config *config,
+                                           size_t struct_size);
+#define hbil_cache_config_init(config)                                         \
+  hbil_cache_config_init_sized((config), sizeof(hbil_cache_config))
+
+/* Computes how much device memory hbil_cache_create() would allocate, in bytes.
+ * Rejects what that rejects before it builds anything. */
+HBIL_API hbil_status hbil_cache_memory(hbil_context *context,
+                                       const hbil_cache_config *config,
+                                       size_t *bytes);
+
+/* Builds the kernels, allocates the buffers, forgets everything, and waits for
+ * all this.  Nothing is compiled later.  config is copied.  On failure *out is
+ * NULL and everything is released.  A wrong member of config is
+ * HBIL_INVALID_CONFIG. */
+HBIL_API hbil_status hbil_cache_create(hbil_context *context,
+                                       const hbil_cache_config *config,
+                                       hbil_cache **out);
+
+/* Releases a cache, before or after its context.  Commands already enqueued
+ * complete.  NULL is allowed. */
+HBIL_API void hbil_cache_destroy(hbil_cache *cache);
+
+/* What the plane `direct` of a view holds. */
+typedef enum hbil_view_light {
+  /* Irradiance of direct light.  The cache adds the bounces itself
+   * (hbil_enqueue_cache_update()). */
+  HBIL_VIEW_DIRECT = 0,
+  /* The radiance that surfaces send after all bounces, emission included.  It
+   * is used as it is, without inputs.direct_scale, and replaces direct light of
+   * other views. */
+  HBIL_VIEW_FINISHED = 1
+} hbil_view_light;
+
+typedef struct hbil_view {
+  size_t struct_size;         /* set by hbil_view_init(); see hbil_config */
+  cl_uint width, height;      /* pixels, 1..HBIL_MAX_SIZE */
+  hbil_projection projection; /* of this view; inputs.projection isn't read */
+  hbil_camera camera;
+  /* Exactly those that have a format in hbil_cache_config.inputs; checked like
+   * those of a frame (hbil_plane). */
+  hbil_plane depth, normal, albedo, f0, direct, emission;
+  hbil_view_light light;
+  double hardware_depth[2]; /* as in hbil_frame */
+} hbil_view;
+
+/* Sets struct_size, and all other members to 0.  Use the macro. */
+HBIL_API void hbil_view_init_sized(hbil_view *view, size_t struct_size);
+#define hbil_view_init(view) hbil_view_init_sized((view), sizeof(hbil_view))
+
+/* Enqueues the injection of `count` views.  Their order doesn't matter, bit for
+ * bit, unless two of them have the same camera, size and kind of light.  Of
+ * views with more than 2^17 pixels every n-th pixel of every n-th row is read.
+ * Views that show nothing of the cache's extent change nothing.  queue,
+ * wait_count, wait_list and event are as in hbil_enqueue_frame(), and the
+ * planes must stay as they are until the event completes.  A wrong view is
+ * HBIL_INVALID_FRAME; then nothing is enqueued. */
+HBIL_API hbil_status hbil_enqueue_cache_inject(
+    hbil_cache *cache, cl_command_queue queue, const hbil_view *views,
+    cl_uint count, cl_uint wait_count, const cl_event *wait_list,
+    cl_event *event);
+
+typedef struct hbil_cache_update {
+  size_t struct_size; /* set by hbil_cache_update_init(); see hbil_config */
+  /* Bounces to compute, 0..1024; default 1.  Some 16 follow a first injection;
+   * one a frame follows changes. */
+  cl_uint rounds;
+  /* Rays of a surface and round, 1..256; default 16 */
+  cl_uint rays;
+  /* A round does the voxels whose number is the round's modulo share; 1..4096;
+   * default 1 */
+  cl_uint share;
+  /* The frames' far field: hbil_model.far_field, and environment of hbil_frame.
+   * Rays that leave the cache into the sky get it; with HBIL_FAR_FRAME they get
+   * none, because `direct` contains the sky.  Default HBIL_FAR_NONE */
+  hbil_far_field far_field;
+  float environment[9][3];
+} hbil_cache_update;
+
+/* Sets the defaults.  Use the macro. */
+HBIL_API void hbil_cache_update_init_sized(hbil_cache_update *update,
+                                           size_t struct_size);
+#define hbil_cache_update_init(update)                                         \
+  hbil_cache_update_init_sized((update), sizeof(hbil_cache_update))
+
+/* Enqueues bounces of light between the cache's surfaces.  An update must come
+ * between an injection and the frames that shall see it; 0 rounds suffice. NULL
+ * stands for the defaults.  A wrong member is HBIL_INVALID_ARGUMENT. */
+HBIL_API hbil_status hbil_enqueue_cache_update(
+    hbil_cache *cache, cl_command_queue queue, const hbil_cache_update *update,
+    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
+
+/* Enqueues a move of the cache's middle, which is rounded to a multiple of the
+ * coarsest voxel.  What stays inside stays known, and nothing is copied. */
+HBIL_API hbil_status hbil_enqueue_cache_move(
+    hbil_cache *cache, cl_command_queue queue, const double centre[3],
+    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
+
+/* Enqueues a reset: everything becomes unseen. */
+HBIL_API hbil_status hbil_enqueue_cache_reset(hbil_cache *cache,
+                                              cl_command_queue queue,
+                                              cl_uint wait_count,
+                                              const cl_event *wait_list,
+                                              cl_event *event);
+
+/* Numbers of voxels, of all levels; `empty` has those with sky behind them,
+ * too. */
+typedef struct hbil_cache_statistics {
+  size_t unseen, empty, surfaces;
+} hbil_cache_statistics;
+
+/* Counts them.  The call waits for the cache's commands. */
+HBIL_API hbil_status hbil_cache_statistics_read(hbil_cache *cache,
+                                                cl_command_queue queue,
+                                                hbil_cache_statistics *out);
+
+/* Copies all that a cache knows to `size` bytes of memory, or back from there.
+ * hbil_cache_size() is that size.  The bytes begin with the library's version,
+ * voxels, levels, voxel_size and the middle.  A cache takes only what a cache
+ * of the same library version, voxels, levels and voxel_size has given; its
+ * middle becomes the one of the bytes.  Anything else, and bytes that were
+ * damaged, are HBIL_INVALID_ARGUMENT and change nothing.  Both wait for the
+ * cache's commands.  Frames see what was loaded. */
+HBIL_API size_t hbil_cache_size(const hbil_cache *cache);
+HBIL_API hbil_status hbil_cache_save(hbil_cache *cache, cl_command_queue queue,
+                                     void *bytes, size_t size);
+HBIL_API hbil_status hbil_cache_load(hbil_cache *cache, cl_command_queue queue,
+                                     const void *bytes, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,197 @@
+/*
+ * bounce: light that surfaces of the cache send each other.
+ *
+ * mean_part, mean_sum: the mean radiance of the coarsest level's surfaces,
+ * which stands for what no view has seen.
+ * bounce: rays from voxels; their irradiance becomes a running mean.
+ * publish: the radiance that each voxel sends, which rays read.  It is apart
+ * from bounce, so that all rays of a round see the light of the round before,
+ * in any order of work-items.
+ *
+ * Launch: bounce, publish: x = words of a row of voxels, y = rows, z = slices,
+ * of all levels; mean_part: x = HBIL_CACHE_PARTS; mean_sum: one work-item.
+ */
+#include "lib/cache_rays.clh"
+#include "lib/sky_light.clh"
+
+/* The largest reflectance that bounces count with, so that light in a closed
+ * white place stays finite: the series of all bounces is at most 20. */
+#define MOST_REFLECTANCE 0.95f
+
+/* --- means ---------------------------------------------------------------- */
+
+/* A voxel's sum: what it sends, 1, the unlit part of its open directions, and 1
+ * if it tells that. */
+INLINE float8 telling_of(global const uint *radiance,
+                         global const uchar *unlit_codes, uint number) {
+  const uchar code = unlit_codes[number];
+  return (float8)(light_of_word(radiance[number]), 1.0f,
+                  code > 0 ? (float)(code - 1) * (1.0f / 254.0f) : 0.0f,
+                  code > 0 ? 1.0f : 0.0f, 0.0f, 0.0f);
+}
+
+kernel void mean_part(const hbil_cache_args cache, global const uint *states,
+                      global const uint *radiance,
+                      global const uchar *unlit_codes, global float *means) {
+  const uint part = (uint)get_global_id(0);
+  if (part >= HBIL_CACHE_PARTS || get_global_id(1) > 0 || cache.voxels < 1)
+    return;
+  const uint level = 1u << (3 * cache.log2_voxels);
+  const uint count = level / WORD_VOXELS / HBIL_CACHE_PARTS;
+  const uint first =
+      (uint)(cache.levels - 1) * (level / WORD_VOXELS) + part * count;
+  float8 sum = 0.0f;
+  for (uint i = first; i < first + count; ++i)
+    for (uint left = surfaces_of_word(states[i]); left; left &= left - 1u)
+      sum += telling_of(radiance, unlit_codes,
+                        WORD_VOXELS * i + (31u - clz(left & -left)) / 2u);
+  vstore8(sum, part + 1, means);
+}
+
+kernel void mean_sum(global float *means) {
+  if (get_global_id(0) > 0 || get_global_id(1) > 0)
+    return;
+  float8 sum = 0.0f;
+  for (int i = 1; i <= HBIL_CACHE_PARTS; ++i)
+    sum += vload8(i, means);
+  /* where no voxel tells, all is unlit */
+  vstore4((float4)(sum.s012 * (1.0f / max(sum.s3, 1.0f)),
+                   sum.s5 > 0.0f ? sum.s4 / sum.s5 : 1.0f),
+          0, means);
+}
+
+/* --- bounces -------------------------------------------------------------- */
+
+/* Direct light of a voxel over that of a whole hemisphere of the sky that it
+ * contains, the largest quotient of the three channels (lib/sky_light.clh): so
+ * much of the hemisphere ends in the sky, and is no guess. */
+INLINE float sky_light_of(const hbil_cache_bounce_args args,
+                          global const float *voxel) {
+  float largest = 0.0f;
+#pragma unroll
+  for (int c = 0; c < 3; ++c) {
+    const float share = voxel[HBIL_VOXEL_REFLECTANCE + c];
+    if (args.sky[c] > 0.0f && share > 0.0f)
+      largest =
+          max(largest, voxel[HBIL_VOXEL_SENT + c] / (share * args.sky[c]));
+  }
+  return largest;
+}
+
+/* What a voxel's rays have brought. */
+typedef struct gathered_rays {
+  float light[3];
+  float open, unknown; /* shares of the rays */
+} gathered_rays;
+
+INLINE gathered_rays gather_rays(const hbil_cache_bounce_args args,
+                                 const cache_map *map,
+                                 global const uint *radiance, uint number) {
+  const hbil_cache_args cache = args.cache;
+  const uint mask = (uint)cache.voxels - 1u;
+  const int level = (int)(number >> (3 * cache.log2_voxels));
+  const float size = (float)(1 << level);
+  const float4 plane =
+      vload4(0, map->voxels + HBIL_VOXEL_FLOATS * (size_t)number);
+  const float3 n = plane.xyz * (1.0f / sqrt(dot(plane.xyz, plane.xyz)));
+  /* scalars of a vector function: any lane */
+  float cell[3][HBIL_WIDTH];
+#pragma unroll
+  for (int i = 0; i < 3; ++i)
+    STOREV(TO_REALV(cell_at(
+               cache, level, i,
+               (intv)(int)((number >> (i * cache.log2_voxels)) & mask))),
+           cell[i]);
+  const float3 centre =
+      ((float3)(cell[0][0], cell[1][0], cell[2][0]) + 0.5f) * size;
+  const float3 origin = centre + n * fma(HBIL_CACHE_LIFT, size, plane.w);
+  const uint turn = mixed(number + mixed(args.round));
+  realv sum[3] = {0.0f, 0.0f, 0.0f}, open = 0.0f, unknown = 0.0f;
+  for (int i = 0; i < args.rays; i += HBIL_WIDTH) {
+    const intv is = i + EACH_LANE < args.rays;
+    realv u, v, light[3];
+    ray_places(i, args.rays, turn, &u, &v);
+    const points d = about_normal(n, sqrt(max(1.0f - u, (realv)0.0f)), v);
+    const ray_ends ends =
+        follow_rays(map, origin, d, (realv)(HBIL_CACHE_START * size), is);
+    light_of_rays(&ends, radiance, args.environment, d, light);
+#pragma unroll
+    for (int c = 0; c < 3; ++c)
+      sum[c] += light[c];
+    open += select((realv)0.0f, (realv)1.0f, is & !ends.hit);
+    unknown += select((realv)0.0f, (realv)1.0f, is & !ends.hit & !ends.sky);
+  }
+  const float inv = 1.0f / (float)args.rays;
+  const gathered_rays g = {{lanes_sum(sum[0]) * inv, lanes_sum(sum[1]) * inv,
+                            lanes_sum(sum[2]) * inv},
+                           lanes_sum(open) * inv,
+                           lanes_sum(unknown) * inv};
+  return g;
+}
+
+INLINE float first_lane(realv v) {
+  float lane[HBIL_WIDTH];
+  STOREV(v, lane);
+  return lane[0];
+}
+
+INLINE void bounce_voxel(const hbil_cache_bounce_args args,
+                         const cache_map *map, global float *voxels,
+                         global const uint *radiance, global const float *means,
+                         global uchar *unlit_codes, uint number) {
+  global float *voxel = voxels + HBIL_VOXEL_FLOATS * (size_t)number;
+  /* finished radiance has all bounces */
+  if (voxel[HBIL_VOXEL_LIGHT_WEIGHT] < 0.0f)
+    return;
+  const gathered_rays g = gather_rays(args, map, radiance, number);
+  realv lit_by_other;
+  const float own = first_lane(unlit_part((realv)sky_light_of(args, voxel),
+                                          (realv)g.open, &lit_by_other));
+  const float lit = first_lane(lit_by_other);
+  const float unlit = min(fma(lit, means[3], own) * g.open, g.unknown);
+  /* what others may learn from it; 0: nothing */
+  unlit_codes[number] =
+      g.open > 0.0f && lit == 0.0f ? (uchar)(1.5f + 254.0f * own) : (uchar)0;
+  const float4 before = vload4(0, voxel + HBIL_VOXEL_INDIRECT);
+  const float rounds = min(before.w + 1.0f, HBIL_CACHE_MOST_ROUNDS);
+  const float3 mean =
+      (float3)(g.light[0], g.light[1], g.light[2]) +
+      unlit * args.unseen_light * (float3)(means[0], means[1], means[2]);
+  vstore4((float4)(before.xyz + (mean - before.xyz) / rounds, rounds), 0,
+          voxel + HBIL_VOXEL_INDIRECT);
+}
+
+kernel void bounce(const hbil_cache_bounce_args args, global const uint *states,
+                   global const uint *ways, global const uint *bricks,
+                   global float *voxels, global const uint *radiance,
+                   global const float *means, global uchar *unlit_codes) {
+  const cache_map map = {args.cache, states, ways, bricks, voxels};
+  uint word;
+  if (!word_of_item(args.cache, &word))
+    return;
+  for (uint left = surfaces_of_word(states[word]); left; left &= left - 1u) {
+    const uint number = WORD_VOXELS * word + (31u - clz(left & -left)) / 2u;
+    if (number % (uint)max(args.share, 1) == (uint)args.phase)
+      bounce_voxel(args, &map, voxels, radiance, means, unlit_codes, number);
+  }
+}
+
+/* --- what voxels send ----------------------------------------------------- */
+
+kernel void publish(const hbil_cache_args cache, global const uint *states,
+                    global const float *voxels, global uint *radiance) {
+  uint word;
+  if (!word_of_item(cache, &word))
+    return;
+  for (uint left = surfaces_of_word(states[word]); left; left &= left - 1u) {
+    const uint number = WORD_VOXELS * word + (31u - clz(left & -left)) / 2u;
+    global const float *voxel = voxels + HBIL_VOXEL_FLOATS * (size_t)number;
+    const float4 light = vload4(0, voxel + HBIL_VOXEL_SENT);
+    const float4 reflectance =
+        min(vload4(0, voxel + HBIL_VOXEL_REFLECTANCE), MOST_REFLECTANCE);
+    const float4 indirect = vload4(0, voxel + HBIL_VOXEL_INDIRECT);
+    const float4 sent =
+        light.w < 0.0f ? light : fma(reflectance, indirect, light);
+    radiance[number] = word_of_light(sent.xyz);
+  }
+}

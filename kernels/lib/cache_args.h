@@ -1,0 +1,169 @@
+/*
+ * cache_args: the radiance cache, as the host, the kernels and the exact passes
+ * need it.
+ *
+ * Cache space is the world's, about the cache's centre, in voxels of the finest
+ * level.  Level l has voxels of 2^l, `voxels` across each way, and holds
+ * [-voxels/2, voxels/2) 2^l.  Where a voxel lies in memory depends on the world
+ * alone: coordinates wrap around, so that a move of the centre copies nothing.
+ */
+#ifndef HBIL_CACHE_ARGS_H
+#define HBIL_CACHE_ARGS_H
+
+#include "shared.h"
+
+enum { HBIL_CACHE_MAX_LEVELS = 4 };
+
+/* What is known of a voxel: two bits each, sixteen voxels of a row to a word,
+ * all of level 0 first. */
+enum {
+  HBIL_VOXEL_UNKNOWN = 0, /* no view has seen it */
+  HBIL_VOXEL_EMPTY = 1,   /* a view looked through it */
+  HBIL_VOXEL_SURFACE = 2,
+  HBIL_VOXEL_SKY = 3 /* a view looked through it and saw the sky behind it */
+};
+
+/* What rays read: the ways.  The same as states, but what a level has not seen
+ * has the state of the coarser level there, so HBIL_VOXEL_SURFACE may be a
+ * surface of a coarser level.  Bricks are cubes of voxels that lie together in
+ * memory, a word each: the state that all of them have, or HBIL_BRICK_MIXED,
+ * which is also that of surfaces. */
+#define HBIL_BRICK 4
+enum { HBIL_BRICK_MIXED = HBIL_VOXEL_SURFACE };
+
+/* The floats of a voxel, a cache line: means over the views that saw it, and
+ * what has been gathered since. */
+enum {
+  HBIL_VOXEL_NORMAL = 0,      /* world space; 3 */
+  HBIL_VOXEL_OFFSET = 3,      /* of the surface from the centre, along it */
+  HBIL_VOXEL_REFLECTANCE = 4, /* diffuse; 3 */
+  HBIL_VOXEL_WEIGHT = 7,      /* views, up to HBIL_CACHE_MOST_VIEWS */
+  HBIL_VOXEL_SENT = 8,        /* radiance of the first bounce, or finished; 3 */
+  HBIL_VOXEL_LIGHT_WEIGHT = 11, /* the same as a weight; -: finished radiance */
+  HBIL_VOXEL_INDIRECT = 12,     /* irradiance over pi; 3 */
+  HBIL_VOXEL_ROUNDS = 15,       /* of rays that it is the mean of */
+  HBIL_VOXEL_FLOATS = 16
+};
+
+/* Means follow changes: older views fade out beyond so many ... */
+#define HBIL_CACHE_MOST_VIEWS 16.0f
+/* ... and older rays beyond so many rounds. */
+#define HBIL_CACHE_MOST_ROUNDS 4.0f
+
+/* The outermost texel that a view's footprint of a voxel reaches. */
+#define HBIL_CACHE_FOOTPRINT 3
+
+/* Parts of the sums over the cache. */
+#define HBIL_CACHE_PARTS 64
+
+/* A ray hits a voxel's plane if it crosses it within this many voxels of the
+ * centre, along each axis.  Planes of neighbours then overlap by half a voxel,
+ * without gaps. */
+#define HBIL_CACHE_SLACK 0.75f
+/* Rays begin this far above the surface, along the normal and along the ray,
+ * and no hit is nearer than the last; in voxels of the level.  A surface's own
+ * voxels have planes through it, which rays away from it don't meet. */
+#define HBIL_CACHE_LIFT 0.05f
+#define HBIL_CACHE_START 0.2f
+#define HBIL_CACHE_NEAREST 0.5f
+/* A hit is shown by the frame if the frame's surface is this many voxels from
+ * it at most. */
+#define HBIL_CACHE_SHOWN 2.0f
+
+typedef struct hbil_cache_args {
+  hbil_int voxels, levels;
+  hbil_int log2_voxels;
+  /* of the centre, in voxels of the coarsest level, modulo `voxels` */
+  hbil_int shift[3];
+} hbil_cache_args;
+HBIL_ASSERT_LAYOUT(hbil_cache_args, shift, 3, 6)
+
+/* A view becomes a table of up to HBIL_CACHE_MOST_TEXELS texels: every
+ * `stride`th pixel of every `stride`th row.  Words of a texel: */
+enum { HBIL_CACHE_MOST_TEXELS = 1 << 17 };
+enum {
+  HBIL_TEXEL_DEPTH = 0,       /* planar, in voxels of level 0; 0: sky */
+  HBIL_TEXEL_NORMAL = 1,      /* world space, as in packed planes */
+  HBIL_TEXEL_REFLECTANCE = 2, /* three unorm10, red lowest */
+  HBIL_TEXEL_SENT = 3,        /* as radiance in packed planes */
+  HBIL_TEXEL_WORDS = 4
+};
+
+/* cache/view.cl */
+typedef struct hbil_cache_view_args {
+  hbil_view_args view;            /* of the view's pixels */
+  hbil_int stride, width, height; /* of the table, in texels */
+  hbil_int finished;              /* `direct` is finished radiance */
+  hbil_float scale;               /* voxels of level 0 per world unit */
+  hbil_transform_args normals; /* from where normals are stored to view space */
+  hbil_transform_args to_world;
+  hbil_external_plane_args depth, normal, albedo, f0, direct, emission;
+  hbil_depth_args decode;
+  hbil_float direct_scale;
+} hbil_cache_view_args;
+HBIL_ASSERT_LAYOUT(hbil_cache_view_args, direct_scale, 65, 66)
+
+/* cache/inject.cl.  view: of texels; lengths in voxels of level 0. */
+typedef struct hbil_cache_inject_args {
+  hbil_cache_args cache;
+  hbil_view_args view;
+  hbil_transform_args to_view, to_cache;
+  hbil_int finished;
+} hbil_cache_inject_args;
+HBIL_ASSERT_LAYOUT(hbil_cache_inject_args, finished, 38, 39)
+
+/* cache/bounce.cl.  environment: as in composite, for radiance. */
+typedef struct hbil_cache_bounce_args {
+  hbil_cache_args cache;
+  hbil_environment_args environment;
+  hbil_float sky[3]; /* radiance of the sky that direct light contains */
+  hbil_float unseen_light;
+  hbil_int rays;
+  hbil_int share, phase; /* voxels whose number is `phase` modulo `share` */
+  hbil_uint round;       /* turns the rays */
+} hbil_cache_bounce_args;
+HBIL_ASSERT_LAYOUT(hbil_cache_bounce_args, round, 40, 41)
+
+/* cache/clear.cl: forgets what lies outside a move.  low, high: voxels of each
+ * level that stay, in cache space before it. */
+typedef struct hbil_cache_move_args {
+  hbil_cache_args cache; /* after the move */
+  hbil_int moved[3];     /* by so many voxels of the coarsest level */
+} hbil_cache_move_args;
+HBIL_ASSERT_LAYOUT(hbil_cache_move_args, moved, 6, 9)
+
+/* Floats of a probe.  Sums over its rays of values, and of three times values
+ * times the direction, in view space: order-1 functions of a direction. */
+enum {
+  HBIL_PROBE_POSITION = 0, /* view space; 3 */
+  HBIL_PROBE_VALID = 3,    /* 1: there is a surface */
+  HBIL_PROBE_NORMAL = 4,   /* view space; 3 */
+  HBIL_PROBE_KNOWN = 8,    /* rays whose light is known, not shown; 4 */
+  HBIL_PROBE_UNKNOWN = 12, /* rays into what no view has seen; 4 */
+  HBIL_PROBE_LIGHT = 16,   /* radiance of the known ones; 4 a channel */
+  HBIL_PROBE_FLOATS = 28
+};
+
+/* A probe counts half at a distance from its plane of two thirds of this share
+ * of the depth. */
+#define HBIL_PROBE_TOLERANCE 0.02f
+
+/* Rays of a probe. */
+#define HBIL_PROBE_RAYS 32
+
+/* cache/probes.cl */
+typedef struct hbil_probes_args {
+  hbil_cache_args cache;
+  hbil_probe_grid_args grid;
+  hbil_view_args view;
+  hbil_transform_args to_cache; /* from view space */
+  hbil_transform_args to_view;  /* from cache space */
+  hbil_layer_args split;
+  hbil_environment_args environment;
+  hbil_float scale;  /* voxels of level 0 per world unit */
+  hbil_float radius; /* of the near field, in voxels of level 0 */
+  hbil_int rays;
+} hbil_probes_args;
+HBIL_ASSERT_LAYOUT(hbil_probes_args, rays, 77, 78)
+
+#endif

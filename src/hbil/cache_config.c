@@ -1,0 +1,178 @@
+/* Settings of a cache: defaults, and the rejection of what is out of range. */
+#include "cache_config.h"
+
+#include <math.h>
+
+#include "config.h"
+#include "lib/cache_args.h"
+#include "planes.h"
+#include "sized.h"
+
+/* Bytes in version 0.1 (sized.h). */
+enum {
+  FIRST_CACHE_CONFIG_SIZE = SIZE_UP_TO(hbil_cache_config, unseen_light),
+  FIRST_VIEW_SIZE = SIZE_UP_TO(hbil_view, hardware_depth),
+  FIRST_UPDATE_SIZE = SIZE_UP_TO(hbil_cache_update, environment)
+};
+
+/* --- defaults --- */
+
+void hbil_cache_config_init_sized(hbil_cache_config *config,
+                                  size_t struct_size) {
+  hbil_config inputs;
+  hbil_config_init(&inputs);
+  const hbil_cache_config defaults = {.voxels = 64,
+                                      .levels = 2,
+                                      .inputs = inputs.inputs,
+                                      .gather_emission = CL_TRUE,
+                                      .unseen_light = 0.9f};
+  init_sized(config, struct_size, &defaults, sizeof defaults);
+}
+
+void hbil_view_init_sized(hbil_view *view, size_t struct_size) {
+  static const hbil_view nothing;
+  init_sized(view, struct_size, &nothing, sizeof nothing);
+}
+
+void hbil_cache_update_init_sized(hbil_cache_update *update,
+                                  size_t struct_size) {
+  static const hbil_cache_update defaults = {
+      .rounds = 1, .rays = 16, .share = 1};
+  init_sized(update, struct_size, &defaults, sizeof defaults);
+}
+
+/* --- a cache --- */
+
+/* The farthest that anything may be, in voxels of the coarsest level: numbers
+ * of voxels stay far from the ends of 64 bits. */
+#define FARTHEST_MIDDLE 0x1p52
+
+static hbil_status check_ranges(hbil_context *context,
+                                const hbil_cache_config *c) {
+  const cl_uint n = c->voxels;
+  if (n < 16 || n > 256 || (n & (n - 1)))
+    return fail(context, HBIL_INVALID_CONFIG,
+                "voxels: %u; must be 16, 32, 64, 128 or 256", (unsigned)n);
+  if (c->levels < 1 || c->levels > HBIL_CACHE_MAX_LEVELS)
+    return fail(context, HBIL_INVALID_CONFIG, "levels: %u is outside 1 .. %d",
+                (unsigned)c->levels, HBIL_CACHE_MAX_LEVELS);
+  if (!(c->voxel_size >= 1e-6 && c->voxel_size <= 1e6))
+    return fail(context, HBIL_INVALID_CONFIG,
+                "voxel_size: %g is outside 1e-06 .. 1e+06 (world units across "
+                "a voxel of the first level)",
+                c->voxel_size);
+  for (int i = 0; i < 3; ++i)
+    if (!(fabs(c->centre[i]) / c->voxel_size < FARTHEST_MIDDLE))
+      return fail(context, HBIL_INVALID_CONFIG,
+                  "centre[%d]: %g; must be finite and less than 2^52 voxels "
+                  "away",
+                  i, c->centre[i]);
+  if (c->gather_emission > 1)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "gather_emission: %u; must be CL_TRUE or CL_FALSE",
+                (unsigned)c->gather_emission);
+  if (!(c->unseen_light >= 0.0f && c->unseen_light <= 1.0f))
+    return fail(context, HBIL_INVALID_CONFIG,
+                "unseen_light: %g is outside 0 .. 1", (double)c->unseen_light);
+  return HBIL_SUCCESS;
+}
+
+hbil_status cache_config_take(hbil_context *context,
+                              const hbil_cache_config *given,
+                              hbil_cache_config *own, hbil_config *views) {
+  hbil_config asked;
+  hbil_cache_config_init(own);
+  hbil_status status =
+      take_sized(context, HBIL_INVALID_CONFIG, "hbil_cache_config", given,
+                 FIRST_CACHE_CONFIG_SIZE, own);
+  if (status == HBIL_SUCCESS)
+    status = check_ranges(context, own);
+  if (status != HBIL_SUCCESS)
+    return status;
+  static const hbil_plane_format none = {HBIL_NONE, 0};
+  own->inputs.motion = none;
+  hbil_config_init(&asked);
+  asked.width = asked.height = 1;
+  asked.inputs = own->inputs;
+  asked.outputs.ao.component = HBIL_FLOAT32; /* a config has an output */
+  asked.model.gather_emission = own->gather_emission;
+  asked.history.reprojection = HBIL_REPROJECTION_NONE;
+  asked.execution.vector_width = 1;
+  for (int i = 0; i < PLANE_FIRST_OUTPUT; ++i)
+    if (plane_format(&asked, i)->component == HBIL_IMAGE)
+      return fail(context, HBIL_INVALID_CONFIG,
+                  "inputs.%s.component: HBIL_IMAGE; a cache reads buffers",
+                  plane_kinds[i].name);
+  if (asked.inputs.normal.component == HBIL_NONE)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "inputs.normal.component: HBIL_NONE; a cache needs normals");
+  status = config_take(context, &asked, views);
+  views->inputs.sky_depth = fminf(views->inputs.sky_depth, HBIL_FARTHEST_DEPTH);
+  return status;
+}
+
+/* --- a view --- */
+
+hbil_status view_take(hbil_context *context, const hbil_view *given,
+                      hbil_view *own) {
+  hbil_view_init(own);
+  const hbil_status status = take_sized(
+      context, HBIL_INVALID_FRAME, "hbil_view", given, FIRST_VIEW_SIZE, own);
+  if (status != HBIL_SUCCESS)
+    return status;
+  if (own->width < 1 || own->width > HBIL_MAX_SIZE || own->height < 1 ||
+      own->height > HBIL_MAX_SIZE)
+    return fail(context, HBIL_INVALID_FRAME,
+                "width, height: %u x %u pixels; a view has 1..%d each way",
+                (unsigned)own->width, (unsigned)own->height, HBIL_MAX_SIZE);
+  if ((unsigned)own->projection > HBIL_PROJECTION_ORTHOGRAPHIC)
+    return fail(context, HBIL_INVALID_FRAME,
+                "projection: %d; must be one of hbil_projection",
+                (int)own->projection);
+  if ((unsigned)own->light > HBIL_VIEW_FINISHED)
+    return fail(context, HBIL_INVALID_FRAME,
+                "light: %d; must be one of hbil_view_light", (int)own->light);
+  return HBIL_SUCCESS;
+}
+
+/* --- an update --- */
+
+static hbil_status check_environment(hbil_context *context,
+                                     const hbil_cache_update *u) {
+  const bool sh = u->far_field == HBIL_FAR_SH;
+  const int count = sh ? 9 : u->far_field == HBIL_FAR_NONE ? 0 : 1;
+  for (int i = 0; i < count; ++i)
+    for (int c = 0; c < 3; ++c) {
+      const float v = u->environment[i][c];
+      if (!isfinite(v) || (!sh && v < 0.0f))
+        return fail(context, HBIL_INVALID_ARGUMENT,
+                    "environment[%d][%d]: %g; must be %s", i, c, (double)v,
+                    sh ? "finite" : "finite and not negative");
+    }
+  return HBIL_SUCCESS;
+}
+
+hbil_status cache_update_take(hbil_context *context,
+                              const hbil_cache_update *given,
+                              hbil_cache_update *own) {
+  hbil_cache_update_init(own);
+  hbil_status status = HBIL_SUCCESS;
+  if (given)
+    status = take_sized(context, HBIL_INVALID_ARGUMENT, "hbil_cache_update",
+                        given, FIRST_UPDATE_SIZE, own);
+  const struct {
+    const char *field;
+    cl_uint value, least, most;
+  } ranges[] = {{"rounds", own->rounds, 0, 1024},
+                {"rays", own->rays, 1, 256},
+                {"share", own->share, 1, 4096},
+                {"far_field", (cl_uint)own->far_field, 0, HBIL_FAR_FRAME}};
+  for (size_t i = 0;
+       i < sizeof ranges / sizeof *ranges && status == HBIL_SUCCESS; ++i)
+    if (ranges[i].value < ranges[i].least || ranges[i].value > ranges[i].most)
+      status =
+          fail(context, HBIL_INVALID_ARGUMENT, "%s: %u is outside %u .. %u",
+               ranges[i].field, (unsigned)ranges[i].value,
+               (unsigned)ranges[i].least, (unsigned)ranges[i].most);
+  return status == HBIL_SUCCESS ? check_environment(context, own) : status;
+}

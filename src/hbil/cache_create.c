@@ -1,0 +1,185 @@
+/* Creates and destroys radiance caches: their kernels and buffers. */
+#include "cache.h"
+
+#include <stdlib.h>
+
+#include "cache_config.h"
+#include "defines.h"
+#include "program.h"
+
+/* --- programs and kernels --- */
+
+/* Views are read pixel by pixel, because these may be far apart, and moves
+ * are rare. */
+static const program_kind programs[CACHE_PROGRAM_COUNT] = {
+    [CACHE_PROGRAM_VIEW] = {"cache/view",
+                            .defines = "-DORTHOGRAPHIC=0 -DHBIL_WIDTH=1"},
+    [CACHE_PROGRAM_VIEW_FLAT] = {"cache/view",
+                                 .defines = "-DORTHOGRAPHIC=1 -DHBIL_WIDTH=1"},
+    [CACHE_PROGRAM_INJECT] = {"cache/inject", .defines = "-DORTHOGRAPHIC=0"},
+    [CACHE_PROGRAM_INJECT_FLAT] = {"cache/inject",
+                                   .defines = "-DORTHOGRAPHIC=1"},
+    [CACHE_PROGRAM_WAYS] = {"cache/ways", .defines = "-DHBIL_WIDTH=1"},
+    [CACHE_PROGRAM_BOUNCE] = {"cache/bounce", true, ""},
+    [CACHE_PROGRAM_MOVE] = {"cache/move", .defines = "-DHBIL_WIDTH=1"},
+};
+
+static const struct {
+  const char *name;
+  int program;
+} kernels[CACHE_KERNEL_COUNT] = {
+    [CACHE_KERNEL_READ_VIEW] = {"read_view", CACHE_PROGRAM_VIEW},
+    [CACHE_KERNEL_READ_VIEW_FLAT] = {"read_view", CACHE_PROGRAM_VIEW_FLAT},
+    [CACHE_KERNEL_INJECT] = {"inject", CACHE_PROGRAM_INJECT},
+    [CACHE_KERNEL_INJECT_FLAT] = {"inject", CACHE_PROGRAM_INJECT_FLAT},
+    [CACHE_KERNEL_RESOLVE] = {"resolve", CACHE_PROGRAM_WAYS},
+    [CACHE_KERNEL_BRICK] = {"brick", CACHE_PROGRAM_WAYS},
+    [CACHE_KERNEL_MEAN_PART] = {"mean_part", CACHE_PROGRAM_BOUNCE},
+    [CACHE_KERNEL_MEAN_SUM] = {"mean_sum", CACHE_PROGRAM_BOUNCE},
+    [CACHE_KERNEL_BOUNCE] = {"bounce", CACHE_PROGRAM_BOUNCE},
+    [CACHE_KERNEL_PUBLISH] = {"publish", CACHE_PROGRAM_BOUNCE},
+    [CACHE_KERNEL_FORGET] = {"forget", CACHE_PROGRAM_MOVE},
+};
+
+static hbil_status build_kernels(hbil_cache *cache,
+                                 binary_identity identity[]) {
+  char defines[MOST_DEFINES];
+  hbil_context *context = cache->context;
+  hbil_status status =
+      write_defines(context, &cache->views.config, &cache->views.layout,
+                    defines, sizeof defines);
+  for (int i = 0; i < CACHE_PROGRAM_COUNT && status == HBIL_SUCCESS; ++i)
+    status = program_build(context, &programs[i], defines, &cache->programs[i],
+                           &identity[i]);
+  for (int i = 0; i < CACHE_KERNEL_COUNT && status == HBIL_SUCCESS; ++i) {
+    cl_int error = CL_SUCCESS;
+    cache->kernels[i] = clCreateKernel(cache->programs[kernels[i].program],
+                                       kernels[i].name, &error);
+    if (!cache->kernels[i])
+      status = fail_cl(context, error, "clCreateKernel(%s)", kernels[i].name);
+  }
+  return status;
+}
+
+/* --- buffers --- */
+
+static hbil_status allocate_buffers(hbil_cache *cache) {
+  for (int i = 0; i < CACHE_BUFFER_COUNT; ++i) {
+    cl_int error = CL_SUCCESS;
+    cache->buffers[i] =
+        clCreateBuffer(cache->context->context, CL_MEM_READ_WRITE,
+                       cache_buffer_bytes(&cache->config, i), NULL, &error);
+    if (!cache->buffers[i])
+      return fail_cl(cache->context, error, "clCreateBuffer");
+  }
+  return HBIL_SUCCESS;
+}
+
+/* --- the first commands --- */
+
+/* Launches every kernel once, without any work. */
+static hbil_status try_kernels(hbil_cache *cache, cl_command_queue queue) {
+  trial_launches trial = {.launched = {{false}}};
+  commands chain = commands_of_cache(cache, queue);
+  const cl_long moved[3] = {0, 0, 0};
+  hbil_cache_update update;
+  hbil_view view;
+  chain.in_order = true;
+  chain.trial = &trial;
+  hbil_cache_update_init(&update);
+  hbil_view_init(&view);
+  view.width = view.height = 1;
+  view.camera.fx = view.camera.fy = 1.0;
+  for (int i = 0; i < 4; ++i)
+    view.camera.world_from_view[5 * i] = 1.0;
+  hbil_status status = inject_view(&chain, cache, &view);
+  view.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
+  if (status == HBIL_SUCCESS)
+    status = inject_view(&chain, cache, &view);
+  if (status == HBIL_SUCCESS)
+    status = update_cache(&chain, cache, &update);
+  if (status == HBIL_SUCCESS)
+    status = forget_outside(&chain, cache, moved);
+  cache->round = 0;
+  return status;
+}
+
+/* Forgets everything, in a queue of its own, and waits. */
+static hbil_status prepare(hbil_cache *cache) {
+  cl_int error = CL_SUCCESS;
+  cl_command_queue queue = clCreateCommandQueue(
+      cache->context->context, cache->context->device, 0, &error);
+  if (!queue)
+    return fail_cl(cache->context, error, "clCreateCommandQueue");
+  commands chain = commands_of_cache(cache, queue);
+  chain.in_order = true;
+  hbil_status status = forget_all(&chain, cache);
+  if (status == HBIL_SUCCESS)
+    status = try_kernels(cache, queue);
+  error = clFinish(queue);
+  clReleaseCommandQueue(queue);
+  return status == HBIL_SUCCESS && error != CL_SUCCESS
+             ? fail_cl(cache->context, error, "clFinish")
+             : status;
+}
+
+/* --- public --- */
+
+hbil_status hbil_cache_create(hbil_context *context,
+                              const hbil_cache_config *config,
+                              hbil_cache **out) {
+  hbil_cache_config own;
+  hbil_config views;
+  binary_identity identity[CACHE_PROGRAM_COUNT];
+  if (out)
+    *out = NULL;
+  if (!context || !config || !out)
+    return fail_null(context, __func__,
+                     !context  ? "context"
+                     : !config ? "config"
+                               : "out");
+  hbil_status status = cache_config_take(context, config, &own, &views);
+  if (status == HBIL_SUCCESS)
+    status = cache_check_memory(context, &own);
+  if (status != HBIL_SUCCESS)
+    return status;
+  hbil_cache *cache = calloc(1, sizeof *cache);
+  if (!cache)
+    return fail(context, HBIL_OUT_OF_HOST_MEMORY, "no memory for a cache");
+  cache->context = context;
+  context_retain(context);
+  cache->config = own;
+  cache->views.context = context;
+  cache->views.config = views;
+  cache->views.config.execution.vector_width = context->vector_width;
+  cache->views.layout.span = HBIL_SPAN;
+  cache->views.layout.line = HBIL_WIDEST;
+  cache_middle(&own, own.centre, cache->middle);
+  if ((status = build_kernels(cache, identity)) != HBIL_SUCCESS ||
+      (status = allocate_buffers(cache)) != HBIL_SUCCESS ||
+      (status = prepare(cache)) != HBIL_SUCCESS) {
+    hbil_cache_destroy(cache);
+    return status;
+  }
+  for (int i = 0; i < CACHE_PROGRAM_COUNT; ++i)
+    binary_store(context, cache->programs[i], &identity[i]);
+  *out = cache;
+  return HBIL_SUCCESS;
+}
+
+void hbil_cache_destroy(hbil_cache *cache) {
+  if (!cache)
+    return;
+  timeline_end(&cache->line);
+  for (int i = 0; i < CACHE_KERNEL_COUNT; ++i)
+    if (cache->kernels[i])
+      clReleaseKernel(cache->kernels[i]);
+  for (int i = 0; i < CACHE_PROGRAM_COUNT; ++i)
+    if (cache->programs[i])
+      clReleaseProgram(cache->programs[i]);
+  for (int i = 0; i < CACHE_BUFFER_COUNT; ++i)
+    if (cache->buffers[i])
+      clReleaseMemObject(cache->buffers[i]);
+  context_release(cache->context);
+  free(cache);
+}

@@ -1,0 +1,186 @@
+/* Bounces, moves and the end of what a cache knows. */
+#include "cache.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "cache_config.h"
+#include "far_field.h"
+
+/* --- ways --- */
+
+/* Brings what rays read up to date with the states. */
+static hbil_status resolve(commands *chain, hbil_cache *cache) {
+  const hbil_cache_args args = cache_args(cache);
+  const size_t n = cache->config.voxels, bricks = n / HBIL_BRICK;
+  const argument brick[] = {ARG(args), ARG(cache->buffers[CACHE_WAYS]),
+                            ARG(cache->buffers[CACHE_BRICKS])};
+  for (cl_int level = args.levels - 1; level >= 0; --level) {
+    const argument list[] = {ARG(args), ARG(level),
+                             ARG(cache->buffers[CACHE_STATES]),
+                             ARG(cache->buffers[CACHE_WAYS])};
+    const hbil_status status =
+        LAUNCH(chain, CACHE_KERNEL_RESOLVE, list, n / 16, n, n);
+    if (status != HBIL_SUCCESS)
+      return status;
+  }
+  return LAUNCH(chain, CACHE_KERNEL_BRICK, brick, bricks, bricks,
+                bricks * cache->config.levels);
+}
+
+/* --- bounces --- */
+
+/* What each voxel sends, and the mean. */
+static hbil_status publish(commands *chain, hbil_cache *cache) {
+  const hbil_cache_args args = cache_args(cache);
+  const argument sent[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
+                           ARG(cache->buffers[CACHE_VOXELS]),
+                           ARG(cache->buffers[CACHE_RADIANCE])};
+  const argument part[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
+                           ARG(cache->buffers[CACHE_RADIANCE]),
+                           ARG(cache->buffers[CACHE_UNLIT]),
+                           ARG(cache->buffers[CACHE_MEANS])};
+  const argument sum[] = {ARG(cache->buffers[CACHE_MEANS])};
+  hbil_status status = LAUNCH_WORDS(chain, cache, CACHE_KERNEL_PUBLISH, sent);
+  if (status == HBIL_SUCCESS)
+    status =
+        LAUNCH(chain, CACHE_KERNEL_MEAN_PART, part, HBIL_CACHE_PARTS, 1, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, CACHE_KERNEL_MEAN_SUM, sum, 1, 1, 1);
+  return status;
+}
+
+static hbil_status bounce(commands *chain, hbil_cache *cache,
+                          const hbil_cache_update *update) {
+  hbil_cache_bounce_args args = {
+      .cache = cache_args(cache),
+      .environment = far_radiance_args(update->far_field, update->environment),
+      .unseen_light = cache->config.unseen_light,
+      .rays = (cl_int)update->rays,
+      .share = (cl_int)update->share,
+      .phase = (cl_int)(cache->round % update->share),
+      .round = cache->round};
+  for (int c = 0; update->far_field == HBIL_FAR_FRAME && c < 3; ++c)
+    args.sky[c] = update->environment[0][c];
+  const argument list[] = {ARG(args),
+                           ARG(cache->buffers[CACHE_STATES]),
+                           ARG(cache->buffers[CACHE_WAYS]),
+                           ARG(cache->buffers[CACHE_BRICKS]),
+                           ARG(cache->buffers[CACHE_VOXELS]),
+                           ARG(cache->buffers[CACHE_RADIANCE]),
+                           ARG(cache->buffers[CACHE_MEANS]),
+                           ARG(cache->buffers[CACHE_UNLIT])};
+  ++cache->round;
+  return LAUNCH_WORDS(chain, cache, CACHE_KERNEL_BOUNCE, list);
+}
+
+hbil_status update_cache(commands *chain, hbil_cache *cache,
+                         const hbil_cache_update *update) {
+  hbil_status status = resolve(chain, cache);
+  if (status == HBIL_SUCCESS)
+    status = publish(chain, cache);
+  for (cl_uint i = 0; i < update->rounds && status == HBIL_SUCCESS; ++i) {
+    status = bounce(chain, cache, update);
+    if (status == HBIL_SUCCESS)
+      status = publish(chain, cache);
+  }
+  return status;
+}
+
+hbil_status hbil_enqueue_cache_update(hbil_cache *cache, cl_command_queue queue,
+                                      const hbil_cache_update *given,
+                                      cl_uint wait_count,
+                                      const cl_event *wait_list,
+                                      cl_event *event) {
+  commands chain;
+  hbil_cache_update update;
+  hbil_status status =
+      cache ? cache_update_take(cache->context, given, &update) : HBIL_SUCCESS;
+  if (status == HBIL_SUCCESS)
+    status = begin_cache_commands(__func__, cache, queue, wait_count, wait_list,
+                                  event != NULL, &chain);
+  if (status != HBIL_SUCCESS)
+    return status;
+  status = update_cache(&chain, cache, &update);
+  if (status == HBIL_SUCCESS)
+    status = finish_commands(&chain, event);
+  end_commands(&chain);
+  return status;
+}
+
+/* --- moves --- */
+
+/* moved: in voxels of the coarsest level; the cache is there already. */
+hbil_status forget_outside(commands *chain, hbil_cache *cache,
+                           const cl_long moved[3]) {
+  hbil_cache_move_args args = {.cache = cache_args(cache)};
+  const cl_long most = cache->config.voxels;
+  for (int i = 0; i < 3; ++i)
+    args.moved[i] = (cl_int)(moved[i] > most    ? most
+                             : moved[i] < -most ? -most
+                                                : moved[i]);
+  const argument list[] = {ARG(args), ARG(cache->buffers[CACHE_STATES])};
+  const hbil_status status =
+      LAUNCH_WORDS(chain, cache, CACHE_KERNEL_FORGET, list);
+  return status == HBIL_SUCCESS ? resolve(chain, cache) : status;
+}
+
+hbil_status hbil_enqueue_cache_move(hbil_cache *cache, cl_command_queue queue,
+                                    const double centre[3], cl_uint wait_count,
+                                    const cl_event *wait_list,
+                                    cl_event *event) {
+  commands chain;
+  cl_long before[3], moved[3];
+  if (cache && !centre)
+    return fail_null(cache->context, __func__, "centre");
+  for (int i = 0; cache && i < 3; ++i)
+    if (!(fabs(centre[i]) / cache->config.voxel_size < 0x1p52))
+      return fail(cache->context, HBIL_INVALID_ARGUMENT,
+                  "centre[%d]: %g; must be finite and less than 2^52 voxels "
+                  "away",
+                  i, centre[i]);
+  hbil_status status = begin_cache_commands(__func__, cache, queue, wait_count,
+                                            wait_list, event != NULL, &chain);
+  if (status != HBIL_SUCCESS)
+    return status;
+  memcpy(before, cache->middle, sizeof before);
+  cache_middle(&cache->config, centre, cache->middle);
+  for (int i = 0; i < 3; ++i)
+    moved[i] = cache->middle[i] - before[i];
+  if (moved[0] || moved[1] || moved[2])
+    status = forget_outside(&chain, cache, moved);
+  if (status != HBIL_SUCCESS)
+    memcpy(cache->middle, before, sizeof before);
+  else
+    status = finish_commands(&chain, event);
+  end_commands(&chain);
+  return status;
+}
+
+/* --- the end --- */
+
+hbil_status forget_all(commands *chain, hbil_cache *cache) {
+  hbil_status status = HBIL_SUCCESS;
+  /* voxels, too, so that saved bytes tell nothing of what was before */
+  for (int i = 0; i < CACHE_TEXELS && status == HBIL_SUCCESS; ++i)
+    status = fill_memory(chain, cache->buffers[i], 0, 0,
+                         cache_buffer_bytes(&cache->config, i));
+  cache->round = 0;
+  return status;
+}
+
+hbil_status hbil_enqueue_cache_reset(hbil_cache *cache, cl_command_queue queue,
+                                     cl_uint wait_count,
+                                     const cl_event *wait_list,
+                                     cl_event *event) {
+  commands chain;
+  hbil_status status = begin_cache_commands(__func__, cache, queue, wait_count,
+                                            wait_list, event != NULL, &chain);
+  if (status != HBIL_SUCCESS)
+    return status;
+  status = forget_all(&chain, cache);
+  if (status == HBIL_SUCCESS)
+    status = finish_commands(&chain, event);
+  end_commands(&chain);
+  return status;
+}
