@@ -7,6 +7,8 @@
  * radiance that surfaces send: beauty, with emission as far as it lights
  * others.
  *
+ * With a radiance cache, E_far has what that knows of the open directions.
+ *
  * unknown is the share of the hemisphere whose light is estimated: open
  * directions that end on a surface after all, and, where recompose fills them
  * in, those that back-facing samples block.
@@ -58,12 +60,12 @@ static void store_bent_normal(const exact_frame *frame, vec3 bent, int x, int y,
 
 static double unknown_share(const exact_frame *frame,
                             const exact_planes *resolved, int x, int y,
-                            double ao) {
+                            double ao, const exact_probe_light *cached) {
   const double behind =
       resolved->count > HBIL_LIGHT_UNKNOWN && exact_fills_unknown(frame->config)
           ? *exact_at(resolved, HBIL_LIGHT_UNKNOWN, x, y)
           : 0.0;
-  return fmin(1.0, exact_unlit_share(frame, x, y, ao) + behind);
+  return fmin(1.0, exact_estimated_share(frame, x, y, ao, cached) + behind);
 }
 
 static void composite_pixel(const exact_frame *frame,
@@ -73,17 +75,18 @@ static void composite_pixel(const exact_frame *frame,
   const vec3 bent = vec(*exact_at(resolved, HBIL_LIGHT_BENT, x, y),
                         *exact_at(resolved, HBIL_LIGHT_BENT + 1, x, y),
                         *exact_at(resolved, HBIL_LIGHT_BENT + 2, x, y));
+  const exact_probe_light cached = exact_light_of_probes(frame, x, y, ao, bent);
   *exact_at(out, EXACT_AO, x, y) = ao;
   if (exact_has_bent_normal(frame->config))
     *exact_at(out, EXACT_CONE_COSINE, x, y) = sqrt(fmax(0.0, 1.0 - ao));
   *exact_at(out, EXACT_UNKNOWN, x, y) =
-      unknown_share(frame, resolved, x, y, ao);
+      unknown_share(frame, resolved, x, y, ao, &cached);
   store_bent_normal(frame, bent, x, y, out);
   for (int c = 0; c < 3; ++c) {
     const double near_irradiance =
         *exact_at(resolved, HBIL_LIGHT_RED + c, x, y);
-    const double far_irradiance =
-        exact_far_irradiance(frame, c, x, y, ao, bent, near_irradiance);
+    const double far_irradiance = exact_far_irradiance(
+        frame, c, x, y, ao, bent, near_irradiance, &cached);
     composite_channel(frame, c, x, y, near_irradiance, far_irradiance, out,
                       history);
   }

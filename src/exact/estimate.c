@@ -215,10 +215,11 @@ double exact_frame_radiance(const exact_frame *frame, int channel,
 }
 
 double exact_unseen_radiance(const exact_frame *frame, int channel, vec3 normal,
-                             double shown, double share) {
+                             double shown, double share, double cached,
+                             double cached_share) {
   const double prior = (double)HBIL_UNSEEN_PRIOR;
   const double weight = prior * (double)frame->config->model.unseen_light;
-  return (shown + share * frame->estimate.lacks[channel] +
+  return (shown + share * frame->estimate.lacks[channel] + cached +
           weight * frame_radiance(frame, channel, normal)) /
-         (share + prior);
+         (share + cached_share + prior);
 }

@@ -93,6 +93,9 @@ typedef struct exact_estimate {
   double unlit, sun;
 } exact_estimate;
 
+/* What a radiance cache knows around a frame (exact/cache.h). */
+struct exact_probes;
+
 /* A frame as the passes see it.  All pointers are the caller's. */
 typedef struct exact_frame {
   const hbil_config *config;
@@ -109,6 +112,7 @@ typedef struct exact_frame {
   unsigned frame_index;    /* rotates the sampling pattern */
   exact_estimate estimate; /* exact_run_frame() sets it, and `bounces`: how */
   unsigned bounces;        /* often the carried light was carried over */
+  const struct exact_probes *probes; /* NULL: there is no radiance cache */
 } exact_frame;
 
 /* How the exact gather runs. */

@@ -46,20 +46,19 @@ static int band_of(int index) {
   return index == 0 ? 0 : index < 4 ? 1 : 2;
 }
 
-double exact_far_irradiance(const exact_frame *frame, int channel, int x, int y,
-                            double ao, vec3 bent, double near_irradiance) {
-  const hbil_far_field far_field = frame->config->model.far_field;
+double exact_estimated_share(const exact_frame *frame, int x, int y, double ao,
+                             const exact_probe_light *cached) {
+  return fmin((1.0 - cached->share) * ao, exact_unlit_share(frame, x, y, ao));
+}
+
+/* Irradiance of an environment. */
+static double environment_light(const exact_frame *frame, int channel,
+                                double ao, vec3 bent) {
   const vec3 world = exact_to_world(&frame->camera, bent);
   const double d[3] = {world.x, world.y, world.z};
   double basis[9], sum = 0.0;
-  if (far_field == HBIL_FAR_NONE)
-    return 0.0;
-  if (far_field == HBIL_FAR_CONSTANT)
+  if (frame->config->model.far_field == HBIL_FAR_CONSTANT)
     return PI * ao * (double)frame->environment[0][channel];
-  if (far_field == HBIL_FAR_FRAME)
-    return PI * exact_unlit_share(frame, x, y, ao) *
-           exact_unseen_radiance(frame, channel, bent, near_irradiance / PI,
-                                 1.0 - ao);
   exact_sh_basis(d, basis);
   for (int i = 0; i < 9; ++i) {
     const int l = band_of(i);
@@ -68,6 +67,21 @@ double exact_far_irradiance(const exact_frame *frame, int channel, int x, int y,
            (double)frame->environment[i][channel];
   }
   return fmax(0.0, sum);
+}
+
+double exact_far_irradiance(const exact_frame *frame, int channel, int x, int y,
+                            double ao, vec3 bent, double near_irradiance,
+                            const exact_probe_light *cached) {
+  const hbil_far_field far_field = frame->config->model.far_field;
+  double light = 0.0;
+  if (far_field == HBIL_FAR_FRAME)
+    light = PI * exact_estimated_share(frame, x, y, ao, cached) *
+            exact_unseen_radiance(frame, channel, bent, near_irradiance / PI,
+                                  1.0 - ao, cached->light[channel],
+                                  ao * cached->share);
+  else if (far_field != HBIL_FAR_NONE)
+    light = (1.0 - cached->share) * environment_light(frame, channel, ao, bent);
+  return light + PI * cached->light[channel];
 }
 
 double exact_sky_radiance(const exact_frame *frame, int channel, int x, int y) {

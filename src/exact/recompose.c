@@ -74,7 +74,7 @@ static void fill_unknown(const exact_frame *frame, const surface *s,
     double *light = exact_at(resolved, HBIL_LIGHT_RED + c, x, y);
     *light += PI * unknown *
               exact_unseen_radiance(frame, c, s->normal, *light / PI,
-                                    fmax(0.0, 1.0 - ao - unknown));
+                                    fmax(0.0, 1.0 - ao - unknown), 0.0, 0.0);
   }
 }
 

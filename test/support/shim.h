@@ -40,6 +40,11 @@ void shim_use_groups(const size_t *group);
  * compiles the others; NULL: all are. */
 void shim_launch_only(const char *kernel);
 
+/* The value that argument `index` of a kernel of this name was last set to: so
+ * a test gets at buffers that the library doesn't show, and at what it computes
+ * for a kernel.  Fails the program unless the value has that size. */
+void shim_argument(const char *kernel, cl_uint index, size_t size, void *value);
+
 /* From now on clGetDeviceInfo() answers one question by `size` bytes at
  * `value`, which must stay valid; NULL: it answers all by itself. */
 void shim_answer(cl_device_info what, const void *value, size_t size);

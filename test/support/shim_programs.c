@@ -150,10 +150,57 @@ cl_int programs_info(cl_program program, cl_program_info what, size_t room,
   return NEXT(clGetProgramInfo)(built_for(program), what, room, value, size);
 }
 
+/* Arguments that were set, by kernel and index. */
+enum { MOST_ARGUMENTS = 1024, LARGEST_ARGUMENT = 1024, LONGEST_NAME = 32 };
+static struct argument {
+  char kernel[LONGEST_NAME]; /* empty: a free entry */
+  cl_uint index;
+  size_t size;
+  unsigned char value[LARGEST_ARGUMENT];
+} arguments[MOST_ARGUMENTS];
+
+static struct argument *find_argument(const char *kernel, cl_uint index) {
+  int i = 0;
+  while (i < MOST_ARGUMENTS && arguments[i].kernel[0] &&
+         (arguments[i].index != index || strcmp(arguments[i].kernel, kernel)))
+    ++i;
+  if (i == MOST_ARGUMENTS)
+    shim_give_up("more arguments than the shim has room for");
+  return &arguments[i];
+}
+
+static void keep_argument(cl_kernel kernel, cl_uint index, size_t size,
+                          const void *value) {
+  char name[LONGEST_NAME];
+  if (!value || size > LARGEST_ARGUMENT ||
+      NEXT(clGetKernelInfo)(kernel, CL_KERNEL_FUNCTION_NAME, sizeof name, name,
+                            NULL) != CL_SUCCESS)
+    return;
+  pthread_mutex_lock(&lock);
+  struct argument *entry = find_argument(name, index);
+  strcpy(entry->kernel, name);
+  entry->index = index;
+  entry->size = size;
+  memcpy(entry->value, value, size);
+  pthread_mutex_unlock(&lock);
+}
+
+void shim_argument(const char *kernel, cl_uint index, size_t size,
+                   void *value) {
+  pthread_mutex_lock(&lock);
+  const struct argument *entry = find_argument(kernel, index);
+  if (!entry->kernel[0] || entry->size != size)
+    shim_give_up("an argument was asked for that no kernel has had");
+  memcpy(value, entry->value, size);
+  pthread_mutex_unlock(&lock);
+}
+
 cl_int programs_set_argument(cl_kernel kernel, cl_uint index, size_t size,
                              const void *value) {
-  return skipping ? CL_SUCCESS
-                  : NEXT(clSetKernelArg)(kernel, index, size, value);
+  if (skipping)
+    return CL_SUCCESS;
+  keep_argument(kernel, index, size, value);
+  return NEXT(clSetKernelArg)(kernel, index, size, value);
 }
 
 void programs_forget(cl_program program) {

@@ -7,6 +7,7 @@
 #define _POSIX_C_SOURCE 200112L /* setenv */
 #include "test/support/fixture.h"
 #include "test/support/folder.h"
+#include "test/support/room.h"
 
 static char cache[MOST_PATH];
 
@@ -79,11 +80,45 @@ static void vectors_of_one_with_a_whole_cache(void **state) {
   check(&s);
 }
 
+/* Every command of a cache, with views of both projections, and a frame. */
+static void caches_and_their_frames(void **state) {
+  const double away[3] = {1.0, 0.0, 0.0}, elsewhere[3] = {100.0, 0.0, 0.0};
+  const room r = room_lit();
+  const hbil_camera camera =
+      room_camera(room_middle, AHEAD, ROOM_WIDTH, ROOM_HEIGHT, 75.0);
+  setup s;
+  (void)state;
+  skip_unless_pocl();
+  room_setup(&s, &r, &camera, ROOM_WIDTH, ROOM_HEIGHT);
+  setup_start_compiled(&s);
+  s.frame.cache = room_cache(s.device);
+  const int created = count_variants();
+  hbil_view views[2] = {room_frame_view(&s), room_frame_view(&s)};
+  views[1].projection = HBIL_PROJECTION_ORTHOGRAPHIC;
+  for (int i = 0; i < 3; ++i) {
+    room_inject(s.device, s.frame.cache, views, 2, (cl_uint)i);
+    setup_run(&s, hbil_enqueue_frame);
+    assert_success(&s, hbil_enqueue_cache_move(s.frame.cache, s.device->queue,
+                                               i ? elsewhere : away, 0, NULL,
+                                               NULL));
+    setup_run(&s, hbil_enqueue_frame);
+  }
+  assert_success(&s, hbil_enqueue_cache_reset(s.frame.cache, s.device->queue, 0,
+                                              NULL, NULL));
+  (void)room_statistics(s.device, s.frame.cache);
+  hbil_cache_destroy(s.frame.cache);
+  s.frame.cache = NULL;
+  setup_run(&s, hbil_enqueue_frame);
+  assert_int_equal(count_variants(), created);
+  setup_free(&s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(scatter_with_a_cache_of_some_rows),
       cmocka_unit_test(motion_with_averages),
-      cmocka_unit_test(vectors_of_one_with_a_whole_cache)};
+      cmocka_unit_test(vectors_of_one_with_a_whole_cache),
+      cmocka_unit_test(caches_and_their_frames)};
   folder_make(cache);
   setenv("POCL_CACHE_DIR", cache, 1);
   const int failures = RUN_WITH_DEVICE(tests);

@@ -59,6 +59,7 @@ static const member members[] = {
     MEMBER(model.feedback),
     MEMBER(model.far_field),
     MEMBER(model.unseen_light),
+    MEMBER(model.world_cache),
     MEMBER(sampling.slices),
     MEMBER(sampling.steps_per_side),
     MEMBER(sampling.step_growth),

@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "exact/cache.h"
 #include "exact/passes.h"
 
 enum { WIDTH = 20, HEIGHT = 12, NEVER = -1 };
@@ -95,6 +96,34 @@ static void every_failed_allocation_is_a_status(void **state) {
   }
 }
 
+/* A cache whose move fails stays as it was. */
+static void a_cache_without_memory_is_a_status(void **state) {
+  const double away[3] = {3.0, 0.0, 0.0};
+  hbil_cache_config config;
+  exact_cache cache;
+  exact_probes probes;
+  fixture f;
+  (void)state;
+  fixture_init(&f, HBIL_REPROJECTION_NONE);
+  hbil_cache_config_init(&config);
+  config.voxels = 16;
+  config.voxel_size = 0.5;
+  allocations_left = 0;
+  assert_int_equal(exact_cache_create(&cache, &config), EXACT_OUT_OF_MEMORY);
+  exact_cache_free(&cache);
+  assert_int_equal(exact_probes_create(&probes, &f.config),
+                   EXACT_OUT_OF_MEMORY);
+  exact_probes_free(&probes);
+  allocations_left = 1;
+  assert_int_equal(exact_cache_create(&cache, &config), EXACT_SUCCESS);
+  cache.all[0].state = HBIL_VOXEL_EMPTY;
+  assert_int_equal(exact_cache_move(&cache, away), EXACT_OUT_OF_MEMORY);
+  assert_int_equal(cache.middle[0], 0);
+  assert_int_equal(cache.all[0].state, HBIL_VOXEL_EMPTY);
+  allocations_left = NEVER;
+  exact_cache_free(&cache);
+}
+
 static void sizes_out_of_range_are_rejected(void **state) {
   exact_planes planes;
   exact_state empty;
@@ -131,6 +160,7 @@ static void frames_that_do_not_fit_are_rejected(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_failed_allocation_is_a_status),
+      cmocka_unit_test(a_cache_without_memory_is_a_status),
       cmocka_unit_test(sizes_out_of_range_are_rejected),
       cmocka_unit_test(frames_that_do_not_fit_are_rejected),
   };

@@ -75,7 +75,7 @@ static void defaults_are_those_of_the_header(void **state) {
 }
 
 static void models_set_what_the_header_says(void **state) {
-  hbil_config paper, again;
+  hbil_config paper, world, again;
   (void)state;
   hbil_config_init(&paper);
   hbil_config_init(&again);
@@ -92,9 +92,23 @@ static void models_set_what_the_header_says(void **state) {
   assert_int_equal(hbil_model_set(&paper.model, HBIL_MODEL_DEFAULT),
                    HBIL_SUCCESS);
   assert_memory_equal(&paper, &again, sizeof paper);
+  /* and the one for caches is the default with two changes */
+  world = again;
+  assert_int_equal(hbil_model_set(&world.model, HBIL_MODEL_WORLD),
+                   HBIL_SUCCESS);
+  assert_true(world.model.relative_thickness == 0.03f);
+  assert_int_equal(world.model.world_cache, CL_TRUE);
+  world.model.relative_thickness = again.model.relative_thickness;
+  world.model.world_cache = CL_FALSE;
+  assert_memory_equal(&world, &again, sizeof world);
+  assert_int_equal(hbil_model_set(&world.model, HBIL_MODEL_WORLD),
+                   HBIL_SUCCESS);
+  assert_int_equal(hbil_model_set(&world.model, HBIL_MODEL_DEFAULT),
+                   HBIL_SUCCESS);
+  assert_memory_equal(&world, &again, sizeof world);
   assert_int_equal(hbil_model_set(NULL, HBIL_MODEL_PAPER),
                    HBIL_INVALID_ARGUMENT);
-  assert_int_equal(hbil_model_set(&paper.model, (hbil_model_name)2),
+  assert_int_equal(hbil_model_set(&paper.model, (hbil_model_name)3),
                    HBIL_INVALID_ARGUMENT);
 }
 
@@ -134,6 +148,7 @@ SPOIL(growth_nan, c->sampling.step_growth = NAN)
 SPOIL(growth_negative, c->sampling.step_growth = -0.5f)
 SPOIL(growth_65, c->sampling.step_growth = 65.0f)
 SPOIL(extrapolate_2, c->model.extrapolate = 2)
+SPOIL(world_cache_2, c->model.world_cache = 2)
 SPOIL(disocclusion_0, c->history.disocclusion_threshold = 0.0f)
 SPOIL(disocclusion_nan, c->history.disocclusion_threshold = NAN)
 SPOIL(depth_missing, c->inputs.depth.component = HBIL_NONE)
@@ -182,6 +197,7 @@ static const bad_config bad_configs[] = {
     {"step_growth", growth_negative},
     {"step_growth", growth_65},
     {"extrapolate", extrapolate_2},
+    {"world_cache", world_cache_2},
     {"disocclusion_threshold", disocclusion_0},
     {"disocclusion_threshold", disocclusion_nan},
     {"depth", depth_missing},

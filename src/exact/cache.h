@@ -1,0 +1,199 @@
+/*
+ * The radiance cache, pass by pass in double precision.
+ *
+ * There is no packing here: a voxel is a struct, and voxels are found by their
+ * level and their cell.  Cache space is that of the kernels (lib/cache_args.h):
+ * lengths in voxels of level 0, from the cache's middle.  Level l has cells of
+ * 2^l, from -voxels/2 to voxels/2 - 1 along each axis.
+ */
+#ifndef HBIL_EXACT_CACHE_H
+#define HBIL_EXACT_CACHE_H
+
+#include "exact/exact.h"
+#include "exact/vector.h"
+#include "lib/cache_args.h"
+
+/* ------------------------------------------------------------------------ */
+/* Voxels (cache.c)                                                          */
+
+typedef struct exact_voxel {
+  int state;                       /* HBIL_VOXEL_UNKNOWN ... */
+  double value[HBIL_VOXEL_FLOATS]; /* HBIL_VOXEL_NORMAL ... */
+  double radiance[3];              /* that it sends */
+  double unlit; /* part of its open directions that the sky does not light,
+                   0..1; below 0: it does not tell */
+} exact_voxel;
+
+typedef struct exact_cache {
+  int voxels, levels;
+  double voxel_size; /* world units across a voxel of level 0 */
+  long middle[3];    /* of the cache, in voxels of the coarsest level */
+  exact_voxel *all;  /* owned */
+} exact_cache;
+
+/* A voxel's level, and its cell there. */
+typedef struct exact_place {
+  int level;
+  int cell[3];
+} exact_place;
+
+/* All unknown.  The middle is the multiple of the coarsest voxel that is
+ * nearest to `centre`, in the world.  Leaves an empty cache, which may be
+ * freed, if it fails. */
+exact_status exact_cache_create(exact_cache *cache,
+                                const hbil_cache_config *config);
+void exact_cache_free(exact_cache *cache);
+/* Voxels of all levels. */
+size_t exact_cache_count(const exact_cache *cache);
+
+/* The voxel of a place, which must be inside. */
+exact_voxel *exact_cache_at(const exact_cache *cache, const exact_place *place);
+/* The number that the kernels give it: its index in their memory, where places
+ * wrap around.  The place that has a number. */
+size_t exact_cache_number(const exact_cache *cache, const exact_place *place);
+exact_place exact_cache_place(const exact_cache *cache, size_t number);
+/* Whether a level has the cell. */
+bool exact_cache_has(const exact_cache *cache, const exact_place *place);
+/* The middle of a voxel, in cache space. */
+vec3 exact_cache_centre(const exact_place *place);
+/* The world's place in cache space, and back. */
+vec3 exact_cache_from_world(const exact_cache *cache, vec3 world);
+vec3 exact_cache_to_world(const exact_cache *cache, vec3 at);
+
+/* Moves the middle to the multiple of the coarsest voxel that is nearest to a
+ * place in the world.  Voxels stay in the world; those that come in are unknown
+ * and zero. */
+exact_status exact_cache_move(exact_cache *cache, const double centre[3]);
+
+/* ------------------------------------------------------------------------ */
+/* Views (cache_view.c, cache_inject.c)                                      */
+
+/* What a view's pixel shows. */
+typedef struct exact_texel {
+  double depth; /* planar, in voxels of level 0; 0: sky */
+  vec3 normal;  /* world space, unit length */
+  double reflectance[3], sent[3];
+} exact_texel;
+
+/* A pixel of a view.  frame: the view's inputs, its camera, and its size and
+ * formats as a configuration; finished: as HBIL_VIEW_FINISHED. */
+exact_texel exact_cache_texel(const exact_frame *frame,
+                              const exact_cache *cache, bool finished, int x,
+                              int y);
+
+/* A view, as a table of every stride-th pixel of every stride-th row. */
+typedef struct exact_cache_view {
+  hbil_camera camera;
+  bool orthographic, finished;
+  int stride;
+  int width, height;        /* in texels */
+  const exact_texel *texel; /* width * height, top row first */
+} exact_cache_view;
+
+/* Looks at all voxels in the view.  margin: unless NULL, for each voxel, by its
+ * number, how near to its other side the nearest of the decisions was that made
+ * its new state and values: in pixels, voxels of level 0, or cosines. */
+void exact_cache_inject(exact_cache *cache, const exact_cache_view *view,
+                        double *margin);
+
+/* ------------------------------------------------------------------------ */
+/* Rays (cache_rays.c)                                                       */
+
+/* The state of a place as rays see it: that of the finest level from the
+ * place's own on that has seen it.  place: becomes that level's place; the
+ * coarsest one's if none has. */
+int exact_cache_way(const exact_cache *cache, exact_place *place);
+
+typedef enum exact_ray_kind {
+  EXACT_RAY_UNKNOWN = 0, /* it ends in what no view has seen */
+  EXACT_RAY_SKY = 1,
+  EXACT_RAY_HIT = 2
+} exact_ray_kind;
+
+typedef struct exact_ray_end {
+  exact_ray_kind kind;
+  exact_place place; /* of the surface that is hit */
+  double distance;   /* likewise */
+} exact_ray_end;
+
+/* Follows a ray of unit direction from the distance `start` on, from voxel to
+ * voxel. */
+exact_ray_end exact_cache_follow(const exact_cache *cache, vec3 origin,
+                                 vec3 direction, double start);
+
+/* Mixes the bits of a number, which turns rays. */
+uint32_t exact_mixed(uint32_t number);
+/* Coordinates in [0,1) of ray i of `count`. */
+void exact_ray_place(int i, int count, uint32_t turn, double *u, double *v);
+/* The direction of cosine z with the normal n and azimuth 2 pi v about it. */
+vec3 exact_about_normal(vec3 n, double z, double v);
+
+/* Radiance of the environment from a direction in the world. */
+double exact_environment(hbil_far_field far_field,
+                         const float environment[9][3], int channel,
+                         vec3 direction);
+
+/* ------------------------------------------------------------------------ */
+/* Bounces (cache_bounce.c)                                                  */
+
+/* What a voxel sends: its radiance from its values. */
+void exact_cache_publish(exact_voxel *voxel);
+
+/* Means over the surfaces of the coarsest level. */
+typedef struct exact_cache_mean {
+  double radiance[3];
+  double unlit; /* of those that tell; 1 if none does */
+} exact_cache_mean;
+exact_cache_mean exact_cache_mean_of(const exact_cache *cache);
+
+/* One round, on the voxels that it does: `after` gets their indirect light and
+ * their unlit part.  before and after: the same places. */
+void exact_cache_bounce(const exact_cache *before,
+                        const hbil_cache_update *update, double unseen_light,
+                        uint32_t round, const exact_cache_mean *mean,
+                        exact_cache *after);
+
+/* ------------------------------------------------------------------------ */
+/* Probes (cache_probes.c, probe_light.c)                                    */
+
+/* Order-1 functions of a direction in view space: a mean, and three times the
+ * mean of the product with the direction. */
+typedef struct exact_probe {
+  bool valid;         /* there is a surface */
+  vec3 place, normal; /* view space */
+  double known[4];    /* share of rays whose light is known, not shown */
+  double unknown[4];  /* share of rays into what no view has seen */
+  double light[3][4]; /* radiance of the known ones */
+} exact_probe;
+
+typedef struct exact_probes {
+  int spacing, columns, rows;
+  exact_probe *probe; /* owned; row by row */
+} exact_probes;
+
+/* The probes of a configuration's pictures, all zero. */
+exact_status exact_probes_create(exact_probes *probes,
+                                 const hbil_config *config);
+void exact_probes_free(exact_probes *probes);
+
+/* SPLIT and the cache -> probes. */
+void exact_make_probes(const exact_frame *frame, const exact_cache *cache,
+                       const exact_planes *split, exact_probes *probes);
+/* Each becomes a mean with those around it. */
+void exact_filter_probes(const exact_frame *frame, const exact_probes *probes,
+                         exact_probes *filtered);
+
+/* What the cache knows of a pixel's open directions. */
+typedef struct exact_probe_light {
+  double light[3]; /* radiance times the share of the hemisphere */
+  double share;    /* of the open directions */
+} exact_probe_light;
+
+/* The mean of (1, direction) over the open directions, a share `ao` of the
+ * hemisphere about the bent normal. */
+void exact_open_mean(double ao, vec3 bent, double mean[4]);
+/* All 0 without frame->probes. */
+exact_probe_light exact_light_of_probes(const exact_frame *frame, int x, int y,
+                                        double ao, vec3 bent);
+
+#endif

@@ -1,0 +1,223 @@
+/*
+ * Probes: rays from surfaces of the frame through the radiance cache.
+ *
+ * Rays are spread evenly over the hemisphere.  A ray whose end the frame shows,
+ * inside the near field, counts for nothing: near light has it.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "exact/cache.h"
+#include "exact/camera.h"
+#include "exact/passes.h"
+#include "exact/surface.h"
+
+/* A probe every 8 pixels, or a multiple of that by a power of two, so that
+ * there are at most 40 intervals across and down. */
+static int spacing_of(const hbil_config *config) {
+  const cl_uint most =
+      config->width > config->height ? config->width : config->height;
+  cl_uint spacing = 8;
+  while (40 * spacing < most)
+    spacing *= 2;
+  return (int)spacing;
+}
+
+exact_status exact_probes_create(exact_probes *probes,
+                                 const hbil_config *config) {
+  const int spacing = spacing_of(config);
+  probes->spacing = spacing;
+  /* the last ones are at or behind the picture's edge */
+  probes->columns = ((int)config->width - 1 + spacing - 1) / spacing + 1;
+  probes->rows = ((int)config->height - 1 + spacing - 1) / spacing + 1;
+  probes->probe = calloc((size_t)probes->columns * (size_t)probes->rows,
+                         sizeof *probes->probe);
+  return probes->probe ? EXACT_SUCCESS : EXACT_OUT_OF_MEMORY;
+}
+
+void exact_probes_free(exact_probes *probes) {
+  free(probes->probe);
+  probes->probe = NULL;
+}
+
+/* --- rays --- */
+
+static vec3 world_of_view(const exact_frame *frame, vec3 p) {
+  const double *m = frame->camera.world_from_view;
+  return vec_add(exact_to_world(&frame->camera, p), 1.0,
+                 vec(m[3], m[7], m[11]));
+}
+
+static vec3 view_of_world(const exact_frame *frame, vec3 p) {
+  const double *m = frame->camera.world_from_view;
+  return exact_to_view(&frame->camera,
+                       vec_add(p, -1.0, vec(m[3], m[7], m[11])));
+}
+
+/* Whether the frame shows the place, in view space, that a ray ends at.  A
+ * surface of the frame is that place if it is no farther from it than
+ * `tolerance`, in depth, and if the ray comes from its front. */
+static bool is_shown(const exact_frame *frame, const exact_planes *split,
+                     vec3 q, vec3 direction, double tolerance) {
+  const hbil_camera *c = &frame->camera;
+  const bool flat = exact_is_orthographic(frame->config);
+  if (!flat && !(q.z > 0.0))
+    return false;
+  const double x = c->fx * q.x / (flat ? 1.0 : q.z) + c->cx;
+  const double y = c->fy * q.y / (flat ? 1.0 : q.z) + c->cy;
+  if (!(x >= 0.0 && y >= 0.0 && x < split->width && y < split->height))
+    return false;
+  const surface s = exact_surface_at(frame, split, (int)x, (int)y);
+  return s.is && fabs(s.at.z - q.z) <= tolerance &&
+         vec_dot(s.normal, direction) < 0.0;
+}
+
+static void add_ray(double sum[4], double value, vec3 direction) {
+  const double share = value / HBIL_PROBE_RAYS;
+  sum[0] += share;
+  sum[1] += 3.0 * share * direction.x;
+  sum[2] += 3.0 * share * direction.y;
+  sum[3] += 3.0 * share * direction.z;
+}
+
+/* Voxels of the finest level that has a place in cache space. */
+static double size_at(const exact_cache *cache, vec3 at) {
+  const double away = fmax(fabs(at.x), fmax(fabs(at.y), fabs(at.z)));
+  int level = 0;
+  while (level + 1 < cache->levels && !(away < ldexp(cache->voxels / 2, level)))
+    ++level;
+  return ldexp(1.0, level);
+}
+
+static void trace(const exact_frame *frame, const exact_cache *cache,
+                  const exact_planes *split, uint32_t turn, exact_probe *p) {
+  const vec3 n = exact_to_world(&frame->camera, p->normal);
+  const vec3 at = exact_cache_from_world(cache, world_of_view(frame, p->place));
+  const double size = size_at(cache, at);
+  const vec3 origin = vec_add(at, (double)HBIL_CACHE_LIFT * size, n);
+  const double radius = (double)frame->config->model.radius / cache->voxel_size;
+  for (int i = 0; i < HBIL_PROBE_RAYS; ++i) {
+    double u, v;
+    exact_ray_place(i, HBIL_PROBE_RAYS, turn, &u, &v);
+    const vec3 d = exact_about_normal(n, u, v);
+    const vec3 d_view = exact_to_view(&frame->camera, d);
+    const exact_ray_end end =
+        exact_cache_follow(cache, origin, d, (double)HBIL_CACHE_START * size);
+    if (end.kind == EXACT_RAY_UNKNOWN) {
+      add_ray(p->unknown, 1.0, d_view);
+      continue;
+    }
+    const vec3 q =
+        exact_cache_to_world(cache, vec_add(origin, end.distance, d));
+    if (end.kind == EXACT_RAY_HIT && end.distance < radius &&
+        is_shown(frame, split, view_of_world(frame, q), d_view,
+                 ldexp((double)HBIL_CACHE_SHOWN * cache->voxel_size,
+                       end.place.level)))
+      continue;
+    add_ray(p->known, 1.0, d_view);
+    for (int c = 0; c < 3; ++c)
+      add_ray(p->light[c],
+              end.kind == EXACT_RAY_HIT
+                  ? exact_cache_at(cache, &end.place)->radiance[c]
+                  : exact_environment(frame->config->model.far_field,
+                                      frame->environment, c, d),
+              d_view);
+  }
+}
+
+/* --- places --- */
+
+static int inside(int i, int size) {
+  return i < 0 ? 0 : i < size ? i : size - 1;
+}
+
+/* The pixel of a probe: the one at its place or, where that shows no surface,
+ * the first of those around it that does. */
+static surface surface_of_probe(const exact_frame *frame,
+                                const exact_planes *split,
+                                const exact_probes *probes, int column,
+                                int row) {
+  const int away = probes->spacing / 3;
+  const int x = inside(column * probes->spacing, split->width);
+  const int y = inside(row * probes->spacing, split->height);
+  static const int order[9] = {4, 5, 6, 7, 8, 0, 1, 2, 3};
+  surface s = {.is = false};
+  for (int i = 0; i < 9 && !s.is; ++i)
+    s = exact_surface_at(frame, split,
+                         inside(x + (order[i] % 3 - 1) * away, split->width),
+                         inside(y + (order[i] / 3 - 1) * away, split->height));
+  return s;
+}
+
+void exact_make_probes(const exact_frame *frame, const exact_cache *cache,
+                       const exact_planes *split, exact_probes *probes) {
+  for (int i = 0; i < probes->columns * probes->rows; ++i) {
+    exact_probe *p = probes->probe + i;
+    const surface s = surface_of_probe(
+        frame, split, probes, i % probes->columns, i / probes->columns);
+    memset(p, 0, sizeof *p);
+    if (!s.is)
+      continue;
+    p->valid = true;
+    p->place = s.at;
+    p->normal = s.normal;
+    trace(frame, cache, split, exact_mixed((uint32_t)i), p);
+  }
+}
+
+/* --- the filter --- */
+
+/* How much another probe is like one: how near it is to its plane, and whether
+ * it faces the same way. */
+static double likeness(const exact_frame *frame, const exact_probe *p,
+                       const exact_probe *other) {
+  const double unit =
+      exact_depth_unit(frame->config, &frame->camera, p->place.z);
+  const double off = vec_dot(vec_add(other->place, -1.0, p->place), p->normal) /
+                     ((double)HBIL_PROBE_TOLERANCE * unit);
+  const double facing = fmax(0.0, vec_dot(p->normal, other->normal));
+  return pow(facing, 8.0) / pow(1.0 + off * off, 2.0);
+}
+
+static void add_function(double sum[4], double weight, const double f[4]) {
+  for (int i = 0; i < 4; ++i)
+    sum[i] += weight * f[i];
+}
+
+static void filter_probe(const exact_frame *frame, const exact_probes *probes,
+                         int column, int row, exact_probe *out) {
+  const exact_probe *p = probes->probe + row * probes->columns + column;
+  double total = 0.0;
+  memset(out, 0, sizeof *out);
+  out->valid = p->valid;
+  out->place = p->place;
+  out->normal = p->normal;
+  if (!p->valid)
+    return;
+  /* the sum of the weights first, then shares of it */
+  for (int pass = 0; pass < 2; ++pass)
+    for (int j = row - 1; j <= row + 1; ++j)
+      for (int i = column - 1; i <= column + 1; ++i) {
+        if (i < 0 || j < 0 || i >= probes->columns || j >= probes->rows)
+          continue;
+        const exact_probe *other = probes->probe + j * probes->columns + i;
+        if (!other->valid)
+          continue;
+        const double weight = other == p ? 1.0 : likeness(frame, p, other);
+        if (pass == 0) {
+          total += weight;
+          continue;
+        }
+        add_function(out->known, weight / total, other->known);
+        add_function(out->unknown, weight / total, other->unknown);
+        for (int c = 0; c < 3; ++c)
+          add_function(out->light[c], weight / total, other->light[c]);
+      }
+}
+
+void exact_filter_probes(const exact_frame *frame, const exact_probes *probes,
+                         exact_probes *filtered) {
+  for (int i = 0; i < probes->columns * probes->rows; ++i)
+    filter_probe(frame, probes, i % probes->columns, i / probes->columns,
+                 filtered->probe + i);
+}

@@ -1,0 +1,394 @@
+/*
+ * Probes, their filter and the light that composite takes from them match the
+ * exact passes, on what the device had before.  Closed forms of that light.
+ */
+#include "test/support/cache.h"
+#include "test/support/random.h"
+#include "test/support/shim.h"
+#include "test/support/stages.h"
+
+#include "exact/far_field.h"
+
+#define WIDTH 173
+#define HEIGHT 91
+
+/* ------------------------------------------------------------------------ */
+/* A frame with a cache                                                      */
+
+typedef struct lit_frame {
+  cache_fixture f;
+  device_fixture device; /* with the cache's context */
+  exact_cache cache;
+  setup s;
+} lit_frame;
+
+static void random_environment(setup *s) {
+  random_state r = {31};
+  for (int i = 0; i < 9; ++i)
+    for (int c = 0; c < 3; ++c)
+      s->frame.environment[i][c] =
+          (float)(i ? random_unit(&r) - 0.5 : 2.0 + random_unit(&r));
+}
+
+/* A cache that has seen the scene, and a frame of it with all outputs, whose
+ * camera the cache has not had. */
+static void lit_prepare(lit_frame *l, cl_uint width, scene_kind kind,
+                        hbil_projection projection, hbil_far_field far) {
+  setup last;
+  hbil_cache_update update;
+  hbil_cache_update_init(&update);
+  cache_prepare(&l->f, width);
+  l->cache = checked_cache(&l->f);
+  cache_fill(&l->f, &l->cache, kind, HBIL_VIEW_DIRECT, &last);
+  setup_free(&last);
+  cache_update(&l->f, &update);
+  cache_import(&l->cache);
+  view_prepare(&l->s, kind, WIDTH, HEIGHT, 3, projection);
+  l->device = shared_device;
+  l->device.hbil = l->f.context;
+  l->s.device = &l->device;
+  l->s.frame.cache = l->f.cache;
+  l->s.config.model.world_cache = CL_TRUE;
+  l->s.config.model.far_field = far;
+  l->s.config.model.radius =
+      (float)(HBIL_CACHE_NEAR_VOXELS * l->f.config.voxel_size);
+  setup_all_outputs(&l->s);
+  random_environment(&l->s);
+}
+
+static void lit_free(lit_frame *l) {
+  setup_free(&l->s);
+  exact_cache_free(&l->cache);
+  cache_free(&l->f);
+}
+
+/* --- probes on the device --- */
+
+static exact_probes checked_probes(const lit_frame *l) {
+  exact_probes probes;
+  assert_int_equal(exact_probes_create(&probes, &l->s.config), EXACT_SUCCESS);
+  return probes;
+}
+
+static vec3 vec_of(const float *v) {
+  return vec((double)v[0], (double)v[1], (double)v[2]);
+}
+
+/* The probes in an argument of a kernel. */
+static exact_probes read_probes(const lit_frame *l, const char *kernel,
+                                cl_uint index) {
+  exact_probes probes = checked_probes(l);
+  hbil_probes_args args;
+  cl_mem buffer;
+  shim_argument("make_probes", 0, sizeof args, &args);
+  assert_int_equal(args.grid.spacing, probes.spacing);
+  assert_int_equal(args.grid.columns, probes.columns);
+  assert_int_equal(args.grid.rows, probes.rows);
+  shim_argument(kernel, index, sizeof buffer, &buffer);
+  float *values = (float *)buffer_bytes(&l->device, buffer, NULL);
+  for (int i = 0; i < probes.columns * probes.rows; ++i) {
+    const float *v = values + HBIL_PROBE_FLOATS * i;
+    exact_probe *p = probes.probe + i;
+    p->valid = v[HBIL_PROBE_VALID] != 0.0f;
+    p->place = vec_of(v + HBIL_PROBE_POSITION);
+    p->normal = vec_of(v + HBIL_PROBE_NORMAL);
+    for (int k = 0; k < 4; ++k) {
+      p->known[k] = (double)v[HBIL_PROBE_KNOWN + k];
+      p->unknown[k] = (double)v[HBIL_PROBE_UNKNOWN + k];
+      for (int c = 0; c < 3; ++c)
+        p->light[c][k] = (double)v[HBIL_PROBE_LIGHT + 4 * c + k];
+    }
+  }
+  free(values);
+  return probes;
+}
+
+/* The largest differences of places and normals, of shares, and of light. */
+static void probe_difference(const exact_probe *a, const exact_probe *b,
+                             double off[3]) {
+  off[0] = fmax(vec_length(vec_add(a->place, -1.0, b->place)),
+                vec_length(vec_add(a->normal, -1.0, b->normal)));
+  off[1] = off[2] = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    off[1] = fmax(off[1], fmax(fabs(a->known[k] - b->known[k]),
+                               fabs(a->unknown[k] - b->unknown[k])));
+    for (int c = 0; c < 3; ++c)
+      off[2] = fmax(off[2], fabs(a->light[c][k] - b->light[c][k]));
+  }
+}
+
+/* ------------------------------------------------------------------------ */
+/* Probes and their filter                                                   */
+
+/* Rays that end elsewhere (test_cache_rays), or whose ends another pixel of the
+ * frame shows, change a probe.  Measured: 1 %, of
+ * probes of 32 rays */
+#define MOST_DIFFERENT 0.02
+
+static void check_probes(lit_frame *l, const exact_planes *split) {
+  const exact_probes got = read_probes(l, "filter_probes", 1);
+  exact_probes want = checked_probes(l);
+  int valid = 0, different = 0, known = 0, unknown = 0;
+  exact_make_probes(&l->s.job, &l->cache, split, &want);
+  for (int i = 0; i < got.columns * got.rows; ++i) {
+    const exact_probe *p = want.probe + i;
+    double off[3];
+    assert_int_equal(got.probe[i].valid, p->valid);
+    probe_difference(got.probe + i, p, off);
+    assert_true(off[0] <= 3e-6 * fmax(1.0, vec_length(p->place)));
+    valid += p->valid;
+    different += !(off[1] <= 3e-6 && off[2] <= 2e-5);
+    known += p->known[0] > 0.0;
+    unknown += p->unknown[0] > 0.0;
+  }
+  assert_true(valid > 50 && known > valid / 4 && unknown > valid / 4);
+  check_at_most("probes that differ", different / (double)valid,
+                MOST_DIFFERENT);
+  exact_probes_free((exact_probes *)&got);
+  exact_probes_free(&want);
+}
+
+static void check_filter(lit_frame *l) {
+  const exact_probes made = read_probes(l, "filter_probes", 1);
+  const exact_probes got = read_probes(l, "filter_probes", 2);
+  exact_probes want = checked_probes(l);
+  double worst[3] = {0.0, 0.0, 0.0};
+  exact_filter_probes(&l->s.job, &made, &want);
+  for (int i = 0; i < got.columns * got.rows; ++i) {
+    double off[3];
+    assert_int_equal(got.probe[i].valid, want.probe[i].valid);
+    probe_difference(got.probe + i, want.probe + i, off);
+    for (int k = 0; k < 3; ++k)
+      worst[k] = fmax(worst[k], off[k]);
+  }
+  /* measured: 2.2e-7 and 2.9e-7 */
+  check_at_most("filtered: places", worst[0], 0.0);
+  check_at_most("filtered: shares", worst[1], 1e-6);
+  check_at_most("filtered: light", worst[2], 1e-6);
+  exact_probes_free((exact_probes *)&made);
+  exact_probes_free((exact_probes *)&got);
+  exact_probes_free(&want);
+}
+
+static void check_making(cl_uint width, scene_kind kind,
+                         hbil_projection projection, hbil_far_field far) {
+  lit_frame l;
+  lit_prepare(&l, width, kind, projection, far);
+  setup_start(&l.s);
+  setup_run(&l.s, hbil_enqueue_split);
+  setup_run(&l.s, hbil_enqueue_composite);
+  exact_planes split = stage_read(&l.s, HBIL_STAGE_SPLIT);
+  check_probes(&l, &split);
+  check_filter(&l);
+  exact_planes_free(&split);
+  lit_free(&l);
+}
+
+static void probes_match(void **state) {
+  static const cl_uint widths[] = {1, 4, 8, 16};
+  (void)state;
+  for (int i = 0; i < 4; ++i)
+    check_making(widths[i], i & 1 ? SCENE_SKY : SCENE_ROOM,
+                 HBIL_PROJECTION_PERSPECTIVE, HBIL_FAR_SH);
+  for (int i = 0; i < 2; ++i)
+    check_making(8, SCENE_ROOM, HBIL_PROJECTION_ORTHOGRAPHIC,
+                 i ? HBIL_FAR_CONSTANT : HBIL_FAR_NONE);
+}
+
+/* ------------------------------------------------------------------------ */
+/* The light of probes in composite                                          */
+
+/* Functions whose means are far from 0, with colours of their own.  Every
+ * eleventh probe is of no surface, every thirteenth knows nothing, and at the
+ * picture's first corner none tells anything. */
+static void plant_probes(lit_frame *l, exact_probes *probes) {
+  random_state r = {5};
+  cl_mem buffer;
+  const int count = probes->columns * probes->rows;
+  float *values = calloc((size_t)count * HBIL_PROBE_FLOATS, sizeof *values);
+  assert_non_null(values);
+  for (int i = 0; i < count; ++i) {
+    float *v = values + HBIL_PROBE_FLOATS * i;
+    exact_probe *p = probes->probe + i;
+    p->valid = p->valid && i % 11 != 0;
+    const bool none = i / probes->columns < 3 && i % probes->columns < 3;
+    for (int k = 0; k < 4; ++k) {
+      const double known =
+          k ? 0.4 * random_unit(&r) - 0.2 : 0.3 + 0.5 * random_unit(&r);
+      const double unknown =
+          k ? 0.3 * random_unit(&r) - 0.15 : 0.2 + 0.3 * random_unit(&r);
+      p->known[k] = none || i % 13 == 0 ? 0.0 : (double)(float)known;
+      p->unknown[k] = none ? 0.0 : (double)(float)unknown;
+      for (int c = 0; c < 3; ++c)
+        p->light[c][k] =
+            (double)(float)(p->known[k] * (1.0 + c) * random_unit(&r));
+    }
+    v[HBIL_PROBE_VALID] = p->valid;
+    const double place[6] = {p->place.x,  p->place.y,  p->place.z,
+                             p->normal.x, p->normal.y, p->normal.z};
+    for (int c = 0; c < 3; ++c) {
+      v[HBIL_PROBE_POSITION + c] = (float)place[c];
+      v[HBIL_PROBE_NORMAL + c] = (float)place[3 + c];
+    }
+    for (int k = 0; k < 4; ++k) {
+      v[HBIL_PROBE_KNOWN + k] = (float)p->known[k];
+      v[HBIL_PROBE_UNKNOWN + k] = (float)p->unknown[k];
+      for (int c = 0; c < 3; ++c)
+        v[HBIL_PROBE_LIGHT + 4 * c + k] = (float)p->light[c][k];
+    }
+  }
+  shim_argument("composite", 18, sizeof buffer, &buffer);
+  buffer_write(&l->device, buffer, 0,
+               sizeof *values * HBIL_PROBE_FLOATS * (size_t)count, values);
+  free(values);
+}
+
+/* Light of a real gather, but some pixels are all open or all closed. */
+static void plant_ao(lit_frame *l, exact_planes *resolved) {
+  for (int i = 0; i < WIDTH * HEIGHT; i += 17)
+    if (l->s.input[EXACT_DEPTH][i] > 0.0f)
+      *exact_at(resolved, HBIL_LIGHT_AO, i % WIDTH, i / WIDTH) = i % 2;
+  stage_write(&l->s, HBIL_STAGE_RESOLVED, resolved);
+}
+
+/* Derived: some thirty roundings, of which few are of the largest values.
+ * Measured: 4.2e-7 */
+static void check_outputs(const exact_planes *got, const exact_planes *want) {
+  for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id) {
+    const int first = plane_first(id), count = plane_channels(id);
+    check_at_most(plane_name(id), largest_error(got, want, first, count),
+                  3e-6 * largest_value(want, first, count));
+  }
+}
+
+/* Composite alone runs, on probes of the test. */
+static void check_join(cl_uint width, hbil_far_field far,
+                       hbil_projection projection, bool planted) {
+  lit_frame l;
+  lit_prepare(&l, width, SCENE_SKY, projection, far);
+  setup_start(&l.s);
+  setup_run(&l.s, hbil_enqueue_split);
+  setup_run(&l.s, hbil_enqueue_gather);
+  setup_run(&l.s, hbil_enqueue_recompose);
+  exact_planes split = stage_read(&l.s, HBIL_STAGE_SPLIT);
+  exact_planes gathered = stage_read(&l.s, HBIL_STAGE_GATHERED);
+  exact_planes resolved = stage_read(&l.s, HBIL_STAGE_RESOLVED);
+  exact_planes want = checked_planes(WIDTH, HEIGHT, EXACT_OUTPUT_PLANES);
+  exact_planes history = checked_planes(WIDTH, HEIGHT, HBIL_HISTORY_PLANES);
+  plant_ao(&l, &resolved);
+  setup_run(&l.s, hbil_enqueue_composite);
+  exact_probes probes = read_probes(&l, "composite", 18);
+  if (planted) {
+    plant_probes(&l, &probes);
+    shim_launch_only("composite");
+    setup_run(&l.s, hbil_enqueue_composite);
+    shim_launch_only(NULL);
+  }
+  exact_planes got = outputs_read(&l.s);
+  exact_estimate_frame(&l.s.job, &split, &gathered);
+  l.s.job.probes = &probes;
+  exact_composite(&l.s.job, &resolved, &want, &history);
+  check_outputs(&got, &want);
+  exact_probes_free(&probes);
+  exact_planes_free(&split);
+  exact_planes_free(&gathered);
+  exact_planes_free(&resolved);
+  exact_planes_free(&want);
+  exact_planes_free(&history);
+  exact_planes_free(&got);
+  lit_free(&l);
+}
+
+static void light_of_probes_matches(void **state) {
+  static const cl_uint widths[] = {1, 4, 8, 16};
+  (void)state;
+  for (int i = 0; i < 4; ++i)
+    check_join(widths[i], (hbil_far_field)(3 - i), HBIL_PROJECTION_PERSPECTIVE,
+               true);
+  check_join(8, HBIL_FAR_FRAME, HBIL_PROJECTION_PERSPECTIVE, false);
+  check_join(8, HBIL_FAR_FRAME, HBIL_PROJECTION_ORTHOGRAPHIC, true);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Closed forms                                                              */
+
+/* The cosine-weighted integrals of 1 and of the direction over a cone about b,
+ * over pi, are the open share and the open share times the mean direction. */
+static void the_mean_direction_is_that_of_a_cone(void **state) {
+  enum { POLAR = 2000, AZIMUTHS = 64 };
+  const vec3 b = vec_normalize(vec(0.3, -0.7, 0.4));
+  double worst = 0.0;
+  (void)state;
+  for (int k = 0; k <= 20; ++k) {
+    const double t = k / 20.0, ao = 1.0 - t * t;
+    double sum[4] = {0.0, 0.0, 0.0, 0.0}, mean[4];
+    for (int i = 0; i < POLAR * AZIMUTHS && k < 20; ++i) {
+      /* equal steps of the height are equal solid angles */
+      const double z = t + (1.0 - t) * (i / AZIMUTHS + 0.5) / POLAR;
+      const vec3 w =
+          exact_about_normal(b, z, (i % AZIMUTHS) / (double)AZIMUTHS);
+      const double share = 2.0 * (1.0 - t) * z / (POLAR * AZIMUTHS);
+      const double f[4] = {1.0, w.x, w.y, w.z};
+      for (int c = 0; c < 4; ++c)
+        sum[c] += share * f[c];
+    }
+    exact_open_mean(ao, b, mean);
+    for (int c = 0; c < 4; ++c)
+      worst = fmax(worst, fabs(ao * mean[c] - sum[c]));
+  }
+  /* the middles of steps of the height: measured 3.4e-8 */
+  check_at_most("open mean", worst, 1e-7);
+}
+
+/* An even field that all is known of sends pi AO L, whatever the directions. */
+static void an_even_known_field_sends_pi_ao_l(void **state) {
+  const double colour[3] = {0.5, 2.0, 7.0};
+  (void)state;
+  for (int far = HBIL_FAR_NONE; far <= HBIL_FAR_FRAME; ++far) {
+    setup s;
+    exact_probes probes;
+    double worst = 0.0;
+    setup_scene(&s, SCENE_ROOM, 45, 31, 0);
+    setup_all_outputs(&s);
+    s.config.model.far_field = (hbil_far_field)far;
+    random_environment(&s);
+    shim_skip_builds(true);
+    setup_start(&s);
+    shim_skip_builds(false);
+    assert_int_equal(exact_probes_create(&probes, &s.config), EXACT_SUCCESS);
+    for (int i = 0; i < probes.columns * probes.rows; ++i) {
+      exact_probe *p = probes.probe + i;
+      p->valid = true;
+      p->place = vec(0.1 * i, 0.0, 1.0 + i);
+      p->normal = vec(0.0, 0.0, -1.0);
+      p->known[0] = 1.0;
+      for (int c = 0; c < 3; ++c)
+        p->light[c][0] = colour[c];
+    }
+    s.job.probes = &probes;
+    for (int i = 0; i < 45 * 31; ++i) {
+      const double ao = (i % 11) / 10.0;
+      const vec3 bent = vec_normalize(vec(i % 5 - 2.0, i % 7 - 3.0, -1.0));
+      if (!(s.input[EXACT_DEPTH][i] > 0.0f))
+        continue;
+      const exact_probe_light cached =
+          exact_light_of_probes(&s.job, i % 45, i / 45, ao, bent);
+      for (int c = 0; c < 3; ++c)
+        worst = fmax(worst, fabs(exact_far_irradiance(&s.job, c, i % 45, i / 45,
+                                                      ao, bent, 1.0, &cached) /
+                                     (PI * colour[c]) -
+                                 ao));
+    }
+    check_at_most("even field", worst, 1e-14);
+    exact_probes_free(&probes);
+    setup_free(&s);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(probes_match), cmocka_unit_test(light_of_probes_matches),
+      cmocka_unit_test(the_mean_direction_is_that_of_a_cone),
+      cmocka_unit_test(an_even_known_field_sends_pi_ao_l)};
+  return RUN_WITH_DEVICE(tests);
+}
