@@ -123,7 +123,7 @@ static int take_word(const char *frame, const image *header, char *word,
     return image_fail(error,
                       "--map %s: ROLE=LAYER is needed, ROLE one of depth, "
                       "normal, albedo, direct, emission, background, motion, "
-                      "position",
+                      "position, indirect",
                       word);
   char *value = equals + 1;
   char *colon = strrchr(value, ':');

@@ -3,8 +3,8 @@
 
 const char *role_name(role r) {
   static const char *const names[ROLE_COUNT] = {
-      "depth",    "normal",     "albedo", "direct",
-      "emission", "background", "motion", "position"};
+      "depth",      "normal", "albedo",   "direct",  "emission",
+      "background", "motion", "position", "indirect"};
   return names[r];
 }
 
@@ -14,5 +14,5 @@ size_t role_channels(role r) {
 
 int role_is_colour(role r) {
   return r == ROLE_ALBEDO || r == ROLE_DIRECT || r == ROLE_EMISSION ||
-         r == ROLE_BACKGROUND;
+         r == ROLE_BACKGROUND || r == ROLE_INDIRECT;
 }

@@ -16,6 +16,7 @@ typedef enum role {
   ROLE_BACKGROUND, /* radiance of the sky, if it is stored as its own pass */
   ROLE_MOTION,
   ROLE_POSITION,
+  ROLE_INDIRECT, /* radiance of diffuse indirect light, without albedo */
   ROLE_COUNT
 } role;
 

@@ -12,12 +12,13 @@
 /* Blender puts the name of the view layer in front: "ViewLayer.Depth.Z".  Names
  * up to Blender 4 stand before those of Blender 5. */
 static const pass_name cycles_passes[] = {
-    {ROLE_DEPTH, "Depth"},    {ROLE_NORMAL, "Normal"},
-    {ROLE_ALBEDO, "DiffCol"}, {ROLE_ALBEDO, "Diffuse Color"},
-    {ROLE_DIRECT, "DiffDir"}, {ROLE_DIRECT, "Diffuse Direct"},
-    {ROLE_EMISSION, "Emit"},  {ROLE_EMISSION, "Emission"},
-    {ROLE_BACKGROUND, "Env"}, {ROLE_BACKGROUND, "Environment"},
-    {ROLE_MOTION, "Vector"},  {ROLE_POSITION, "Position"},
+    {ROLE_DEPTH, "Depth"},      {ROLE_NORMAL, "Normal"},
+    {ROLE_ALBEDO, "DiffCol"},   {ROLE_ALBEDO, "Diffuse Color"},
+    {ROLE_DIRECT, "DiffDir"},   {ROLE_DIRECT, "Diffuse Direct"},
+    {ROLE_EMISSION, "Emit"},    {ROLE_EMISSION, "Emission"},
+    {ROLE_BACKGROUND, "Env"},   {ROLE_BACKGROUND, "Environment"},
+    {ROLE_MOTION, "Vector"},    {ROLE_POSITION, "Position"},
+    {ROLE_INDIRECT, "DiffInd"}, {ROLE_INDIRECT, "Diffuse Indirect"},
     {ROLE_COUNT, NULL},
 };
 
@@ -37,7 +38,7 @@ static const pass_name plain_passes[] = {
     {ROLE_EMISSION, "emissive"}, {ROLE_BACKGROUND, "background"},
     {ROLE_MOTION, "Motion"},     {ROLE_MOTION, "velocity"},
     {ROLE_POSITION, "Position"}, {ROLE_POSITION, "P"},
-    {ROLE_COUNT, NULL},
+    {ROLE_INDIRECT, "indirect"}, {ROLE_COUNT, NULL},
 };
 
 /* Ns is the shading normal, N the geometric normal. */

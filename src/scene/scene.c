@@ -27,6 +27,7 @@ typedef struct view {
 typedef struct lens {
   hbil_projection projection;
   double fov, size; /* 0: the scene's default */
+  int face;         /* 1 + that of scene_render_face(); 0: none */
 } lens;
 
 static double focal_length(const world *w, const lens *l, uint32_t width,
@@ -53,7 +54,12 @@ static hbil_camera camera_of(const world *w, uint32_t width, uint32_t height,
 static void view_init(view *v, scene_kind kind, uint32_t width, uint32_t height,
                       const lens *through, uint32_t index) {
   world_build(kind, through->projection, index, &v->now);
-  world_build(kind, through->projection, index > 0 ? index - 1 : 0, &v->before);
+  world_build(kind, through->projection,
+              index > 0 && !through->face ? index - 1 : index, &v->before);
+  if (through->face) {
+    world_face(&v->now, through->face - 1);
+    world_face(&v->before, through->face - 1);
+  }
   v->camera = camera_of(&v->now, width, height, through);
   v->parallel = through->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
   const world_light *l = &v->now.light;
@@ -234,6 +240,12 @@ int scene_render_orthographic(scene_kind kind, uint32_t width, uint32_t height,
                               double size, uint32_t index, scene_frame *out) {
   const lens l = {.projection = HBIL_PROJECTION_ORTHOGRAPHIC, .size = size};
   return render(kind, width, height, &l, index, out);
+}
+
+int scene_render_face(scene_kind kind, uint32_t size, int face, uint32_t index,
+                      scene_frame *out) {
+  const lens l = {.projection = HBIL_PROJECTION_PERSPECTIVE, .face = face + 1};
+  return render(kind, size, size, &l, index, out);
 }
 
 void scene_free(scene_frame *frame) {

@@ -15,7 +15,9 @@ typedef enum scene_kind {
   SCENE_ROOM =
       0, /* furnished room with an open side, coloured walls and a lamp */
   SCENE_SKY = 1, /* objects on a ground plane under open sky */
-  SCENE_KINDS = 2
+  /* closed room whose lamp, behind the camera, shines at the wall there */
+  SCENE_CORNER = 2,
+  SCENE_KINDS = 3
 } scene_kind;
 
 /* A G-buffer.  Every plane has width*height floats, top row first, and is
@@ -49,6 +51,14 @@ int scene_render(scene_kind kind, uint32_t width, uint32_t height, double fov,
  */
 int scene_render_orthographic(scene_kind kind, uint32_t width, uint32_t height,
                               double size, uint32_t index, scene_frame *out);
+/*
+ * Renders what surrounds the camera of scene_render(): one of six square
+ * pictures of 90 degrees from its place, along x, -x, y, -y, z and -z of the
+ * world.  Motion is 0.
+ */
+enum { SCENE_FACES = 6 };
+int scene_render_face(scene_kind kind, uint32_t size, int face, uint32_t index,
+                      scene_frame *out);
 /* Frees the planes and zeroes the struct.  NULL is allowed. */
 void scene_free(scene_frame *frame);
 

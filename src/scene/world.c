@@ -213,11 +213,59 @@ static void build_sky(world *w, hbil_projection projection, double time) {
     look(w, eye, yaw, -0.12);
 }
 
+/* A closed room, 4 m wide, 6 m deep and 2.6 m high.  The lamp is behind the
+ * camera, and leans backwards: it shines at the red wall there and at the part
+ * of the floor that is nearest. */
+static void build_corner(world *w, hbil_projection projection, double time) {
+  const vec3 white = grey(0.75);
+  shape *s = add_floor(w, vec(0, 0, 0), 2, 3, grey(0.65));
+  set_pattern(s, PATTERN_CHECKER, 0.5, grey(0.45));
+  add_floor(w, vec(0, 0, 2.6), 2, 3, white);
+  add_hull_box(w, vec(-2.1, 0, 1.3), vec(0.1, 3.0, 1.3), white);
+  add_hull_box(w, vec(2.1, 0, 1.3), vec(0.1, 3.0, 1.3), vec(0.15, 0.35, 0.7));
+  add_hull_box(w, vec(0, 3.1, 1.3), vec(2.2, 0.1, 1.3), white);
+  add_hull_box(w, vec(0, -3.1, 1.3), vec(2.2, 0.1, 1.3), vec(0.8, 0.2, 0.1));
+
+  const vec3 lamp = vec(0.2, -1.3, 2.2);
+  const double angle = -0.64;
+  s = add_floor(w, lamp, 0.35, 0.25, grey(0.8));
+  lean(s, angle);
+  s->emission = vec(60.0, 55.0, 48.0);
+  w->light = (world_light){.centre = lamp,
+                           .u = vec_scale(s->axis[0], 0.35),
+                           .v = vec_scale(s->axis[1], 0.25),
+                           .normal = vec_scale(s->axis[2], -1.0),
+                           .radiance = s->emission};
+
+  add_table(w, vec(0.85, 1.7, 0), 0.25);
+  add_sphere(w, vec(0.7, 1.65, 0.745 + 0.2), 0.2, vec(0.8, 0.7, 0.3));
+  s = add_box(w, vec(-1.0, 1.9, 0.8), vec(0.4, 0.4, 0.8), white);
+  turn(s, 0.4);
+  add_sphere(w, vec(-0.55 + 0.02 * time, 0.9, 0.3), 0.3, grey(0.78));
+  s = add_box(w, vec(0.75, 0.75, 0.2), vec(0.22, 0.22, 0.2), grey(0.7));
+  turn(s, -0.4);
+
+  w->fov = 1.0;
+  w->size = 3.4;
+  look(w, vec(0.1 * sin(0.05 * time), -0.9, 1.35), 0.06 * sin(0.08 * time),
+       projection == HBIL_PROJECTION_ORTHOGRAPHIC ? -0.3 : -0.12);
+}
+
+void world_face(world *w, int face) {
+  const vec3 axis[3] = {vec(1, 0, 0), vec(0, 1, 0), vec(0, 0, 1)};
+  w->fov = 0.5 * pi;
+  w->forward = vec_scale(axis[face / 2], face % 2 ? -1.0 : 1.0);
+  w->right = axis[(face / 2 + 1) % 3];
+  w->down = vec_cross(w->forward, w->right);
+}
+
 void world_build(scene_kind kind, hbil_projection projection, uint32_t index,
                  world *out) {
   *out = (world){.count = 0};
   if (kind == SCENE_SKY)
     build_sky(out, projection, index);
+  else if (kind == SCENE_CORNER)
+    build_corner(out, projection, index);
   else
     build_room(out, projection, index);
 }

@@ -31,6 +31,9 @@ typedef struct world {
   double size;               /* width of an orthographic picture, metres */
 } world;
 
+/* Turns the camera along x, -x, y, -y, z or -z, with 90 degrees each way. */
+void world_face(world *w, int face);
+
 /* Builds frame `index` of a scene. */
 void world_build(scene_kind kind, hbil_projection projection, uint32_t index,
                  world *out);

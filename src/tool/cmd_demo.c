@@ -28,12 +28,13 @@
 #include <sys/stat.h>
 
 enum { GBUFFER_PLANES = 18, SKY_WIDTH = 64, SKY_HEIGHT = 32 };
+enum { FACE_SIZE = 160 }; /* of a view, pixels */
 
-static const char *const scene_names[] = {"room", "sky", NULL};
+static const char *const scene_names[] = {"room", "sky", "corner", NULL};
 
 typedef struct demo_options {
   unsigned frames, width, height;
-  int scene, orthographic;
+  int scene, orthographic, views;
   const char *output;
   const char *device;
 } demo_options;
@@ -48,8 +49,11 @@ static void usage(void) {
       "  -o, --output DIR   where everything goes (./demo)\n"
       "      --frames N     length of the sequence (8)\n"
       "      --size WxH     pixels (640x360)\n"
-      "      --scene NAME   room: furnished, under a lamp; sky: in the open\n"
-      "                     (room)\n"
+      "      --scene NAME   room: furnished, under a lamp; sky: in the open;\n"
+      "                     corner: with a lamp behind the camera (room)\n"
+      "      --views        also traces six pictures of what surrounds the\n"
+      "                     camera, which light the frames, too (the views\n"
+      "                     of `hbil process`)\n"
       "      --orthographic seen by parallel rays\n"
       "      --device NAME  number in `hbil devices`, or part of a name\n"
       "  -h, --help         this text");
@@ -161,6 +165,14 @@ static int write_frame(const scene_frame *f, const char *path,
   return failed;
 }
 
+/* Writes a traced frame and frees it. */
+static int store_frame(scene_frame *f, const char *path, image_error *error) {
+  fill_sky(f);
+  int failed = write_frame(f, path, error);
+  scene_free(f);
+  return failed;
+}
+
 static int trace_frame(const demo_options *o, unsigned index, const char *path,
                        image_error *error) {
   scene_frame f;
@@ -169,10 +181,25 @@ static int trace_frame(const demo_options *o, unsigned index, const char *path,
       o->orthographic ? scene_render_orthographic : scene_render;
   if (render((scene_kind)o->scene, o->width, o->height, 0.0, index, &f) != 0)
     return image_no_memory(error, path);
-  fill_sky(&f);
-  int failed = write_frame(&f, path, error);
-  scene_free(&f);
-  return failed;
+  return store_frame(&f, path, error);
+}
+
+/* Fills files with the malloc'd paths of the views. */
+static int trace_views(const demo_options *o, const char *folder,
+                       char *files[SCENE_FACES], image_error *error) {
+  for (int i = 0; o->views && i < SCENE_FACES; ++i) {
+    char name[32];
+    scene_frame f;
+    snprintf(name, sizeof name, "view_%04d.exr", i + 1);
+    files[i] = join(folder, name, error);
+    if (files[i] == NULL)
+      return -1;
+    if (scene_render_face((scene_kind)o->scene, FACE_SIZE, i, 0, &f) != 0)
+      return image_no_memory(error, files[i]);
+    if (store_frame(&f, files[i], error) != 0)
+      return -1;
+  }
+  return 0;
 }
 
 /* Fills files with the malloc'd paths of the frames. */
@@ -225,6 +252,7 @@ static int read_options(int argc, char **argv, demo_options *o,
       {"size", required_argument, NULL, 's'},
       {"scene", required_argument, NULL, 'c'},
       {"orthographic", no_argument, NULL, 'p'},
+      {"views", no_argument, NULL, 'v'},
       {"output", required_argument, NULL, 'o'},
       {"device", required_argument, NULL, 'd'},
       {"help", no_argument, NULL, 'h'},
@@ -244,6 +272,9 @@ static int read_options(int argc, char **argv, demo_options *o,
       break;
     case 'p':
       o->orthographic = 1;
+      break;
+    case 'v':
+      o->views = 1;
       break;
     case 'o':
       o->output = optarg;
@@ -278,13 +309,17 @@ static void name_results(const demo_options *o, const char *folder) {
 }
 
 static int process(const demo_options *o, const char *sky, char **files,
-                   image_error *error) {
+                   char **views, image_error *error) {
   process_settings s;
   process_settings_init(&s);
   s.output = o->output;
   s.device = o->device;
   /* what the walls outside the picture may send into the room */
-  s.environment = o->scene == SCENE_SKY ? sky : "0.12,0.11,0.1";
+  s.environment = o->scene == SCENE_SKY      ? sky
+                  : o->scene == SCENE_CORNER ? "frame"
+                                             : "0.12,0.11,0.1";
+  s.views = views;
+  s.view_count = o->views ? SCENE_FACES : 0;
   s.preview = s.timings = s.overwrite = 1;
   s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
   return process_run(&s, files, (int)o->frames, error);
@@ -301,13 +336,14 @@ static int check_device(const demo_options *o, image_error *error) {
 
 /* Makes the folders and the G-buffers and computes their light. */
 static int run(const demo_options *o, const char *folder, const char *sky,
-               char **files) {
+               char **files, char **views) {
   image_error error;
   if (check_device(o, &error) != 0 || make_folder(o->output, &error) != 0 ||
       make_folder(folder, &error) != 0 ||
       trace_frames(o, folder, files, &error) != 0 ||
+      trace_views(o, folder, views, &error) != 0 ||
       (o->scene == SCENE_SKY && write_sky(sky, &error) != 0) ||
-      process(o, sky, files, &error) != 0)
+      process(o, sky, files, views, &error) != 0)
     return report_error(&error);
   name_results(o, folder);
   return STATUS_OK;
@@ -323,15 +359,18 @@ int cmd_demo(int argc, char **argv) {
   char *folder = join(o.output, "gbuffer", &error);
   char *sky = join(o.output, "sky.exr", &error);
   char **files = calloc(o.frames, sizeof *files);
+  char *views[SCENE_FACES] = {NULL};
   int status;
   if (folder == NULL || sky == NULL || files == NULL) {
     image_no_memory(&error, o.output);
     status = report_error(&error);
   } else {
-    status = run(&o, folder, sky, files);
+    status = run(&o, folder, sky, files, views);
   }
   for (unsigned i = 0; files != NULL && i < o.frames; ++i)
     free(files[i]);
+  for (int i = 0; i < SCENE_FACES; ++i)
+    free(views[i]);
   free(files);
   free(sky);
   free(folder);

@@ -10,6 +10,7 @@
 #include "image/image_read.h"
 #include "image/window.h"
 #include "tool/commands.h"
+#include "tool/extent.h"
 #include "tool/options.h"
 #include "tool/report.h"
 #include "tool/source_arguments.h"
@@ -17,6 +18,7 @@
 #include <getopt.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct info_options {
@@ -24,12 +26,21 @@ typedef struct info_options {
   source_options source;
 } info_options;
 
+/* The files that hbil process can use. */
+typedef struct usable {
+  extent_picture *pictures; /* their maps are those of `maps` */
+  channel_map *maps;        /* owned */
+  size_t count;
+} usable;
+
 static void usage(void) {
   puts("usage: hbil info [options] FRAME.exr...\n"
        "\n"
        "Tells which channels were understood as what, and their ranges; what\n"
        "is missing; then checks that depth, camera, positions and normals fit\n"
-       "together, and names the option that helps where they don't.\n"
+       "together, and names the option that helps where they don't.  At the\n"
+       "end, the size of the radiance cache that hbil process would have for\n"
+       "all these frames.\n"
        "\n"
        "  --camera FILE         JSON camera (FRAME.json beside FRAME.exr, or\n"
        "                        else the header's)");
@@ -71,7 +82,8 @@ static const char *cost(role r) {
       [ROLE_EMISSION] = "lamps and sky are black in beauty",
       [ROLE_BACKGROUND] = "nothing is lost if emission contains the sky",
       [ROLE_MOTION] = "--reprojection scatter is possible, motion is not",
-      [ROLE_POSITION] = "only the normals check depth and camera"};
+      [ROLE_POSITION] = "only the normals check depth and camera",
+      [ROLE_INDIRECT] = "only --view-light radiance needs it"};
   return costs[r];
 }
 
@@ -265,24 +277,70 @@ static int print_understood(const char *path, const image *header,
   return check_frame(path, map, &seen, error);
 }
 
-static int print_file(const char *path, const info_options *o,
+/* Adds the file to `all` if it can be used. */
+static int print_file(const char *path, const info_options *o, usable *all,
                       image_error *error) {
   image header;
-  channel_map map;
+  channel_map *map = &all->maps[all->count];
   if (image_read_header(path, &header, error) != 0)
     return -1;
-  int failed = channel_map_read(path, &header, &o->source, &map, error);
+  int failed = channel_map_read(path, &header, &o->source, map, error);
   if (!failed) {
     report_text(path, stdout);
     printf(": %u x %u pixels, read as %s (--source %s)\n", header.width,
-           header.height, source_table[map.kind].about,
-           source_table[map.kind].word);
-    failed = print_understood(path, &header, o, &map, error);
-    print_ignored(&header, &map);
-    channel_map_free(&map);
+           header.height, source_table[map->kind].about,
+           source_table[map->kind].word);
+    failed = print_understood(path, &header, o, map, error);
+    print_ignored(&header, map);
+    if (failed)
+      channel_map_free(map);
+    else
+      all->pictures[all->count++] = (extent_picture){path, map};
   }
   image_free(&header);
   return failed;
+}
+
+/* The radiance cache for all frames. */
+static int print_cache(const usable *all, image_error *error) {
+  hbil_cache_config cache;
+  hbil_cache_config_init(&cache);
+  if (!all->count)
+    return 0;
+  if (extent_choose(all->pictures, all->count, NULL, 0, &cache, error) != 0)
+    return -1;
+  const double coarsest = ldexp(cache.voxel_size, (int)cache.levels - 1);
+  printf("radiance cache: %g units wide about %g %g %g, %u x %u x %u voxels of "
+         "%.3g units and up (hbil process --cache-size)\n",
+         cache.voxels * coarsest, cache.centre[0], cache.centre[1],
+         cache.centre[2], (unsigned)cache.voxels, (unsigned)cache.voxels,
+         (unsigned)cache.voxels, cache.voxel_size);
+  return 0;
+}
+
+static int print_files(char *const *files, size_t count, const info_options *o,
+                       image_error *error) {
+  usable all = {.pictures = calloc(count, sizeof *all.pictures),
+                .maps = calloc(count, sizeof *all.maps)};
+  int status = STATUS_OK;
+  if (!all.pictures || !all.maps) {
+    image_no_memory(error, files[0]);
+    status = report_error(error);
+  }
+  for (size_t i = 0; all.pictures && all.maps && i < count; i++)
+    if (print_file(files[i], o, &all, error) != 0) {
+      fflush(stdout);
+      status = report_error(error);
+    }
+  if (status == STATUS_OK && print_cache(&all, error) != 0) {
+    fflush(stdout);
+    status = report_error(error);
+  }
+  for (size_t i = 0; i < all.count; i++)
+    channel_map_free(&all.maps[i]);
+  free(all.pictures);
+  free(all.maps);
+  return status;
 }
 
 static int read_options(int argc, char **argv, info_options *o,
@@ -311,15 +369,9 @@ static int read_options(int argc, char **argv, info_options *o,
 int cmd_info(int argc, char **argv) {
   image_error error;
   info_options o = {.camera = NULL};
-  int status = STATUS_OK;
   source_options_init(&o.source);
   const int read = read_options(argc, argv, &o, &error);
   if (read != 0)
     return read > 0 ? STATUS_OK : report_error(&error);
-  for (int i = optind; i < argc; i++)
-    if (print_file(argv[i], &o, &error) != 0) {
-      fflush(stdout);
-      status = report_error(&error);
-    }
-  return status;
+  return print_files(argv + optind, (size_t)(argc - optind), &o, &error);
 }

@@ -9,18 +9,17 @@
 
 int cmd_process(int argc, char **argv) {
   process_arguments a;
-  frame_list list;
+  frame_list list = {NULL, 0};
   image_error error;
+  int status = STATUS_OK;
   const int read = process_arguments_read(argc, argv, &a, &error);
-  if (read > 0) {
+  if (read > 0)
     process_help();
-    return STATUS_OK;
-  }
-  if (read < 0 ||
-      frame_list_make(a.files, a.count, a.frames, &list, &error) != 0)
-    return report_error(&error);
-  const int failed =
-      process_run(&a.settings, list.files, (int)list.count, &error);
+  else if (read < 0 ||
+           frame_list_make(a.files, a.count, a.frames, &list, &error) != 0 ||
+           process_run(&a.settings, list.files, (int)list.count, &error) != 0)
+    status = report_error(&error);
   frame_list_free(&list);
-  return failed ? report_error(&error) : STATUS_OK;
+  process_arguments_free(&a);
+  return status;
 }

@@ -216,11 +216,10 @@ static int add_numbered(const pattern *p, const frame_numbers *n,
   return failed;
 }
 
-static int add_pattern(const pattern *p, const frame_numbers *asked,
-                       frame_list *list, image_error *error) {
+/* The files of a pattern that exist.  holes: whether numbers may be missing. */
+static int add_existing(const pattern *p, int holes, frame_list *list,
+                        image_error *error) {
   frame_numbers there = {NULL, 0, 0};
-  if (asked)
-    return add_numbered(p, asked, list, error);
   int failed = find_numbers(p, &there, error);
   if (!failed && there.count == 0)
     failed = image_fail(error,
@@ -228,7 +227,7 @@ static int add_pattern(const pattern *p, const frame_numbers *asked,
                         "exist is needed",
                         p->text);
   if (!failed)
-    failed = check_holes(p, &there, error) != 0 ||
+    failed = (!holes && check_holes(p, &there, error) != 0) ||
              add_numbered(p, &there, list, error) != 0;
   frame_numbers_free(&there);
   return failed ? -1 : 0;
@@ -239,7 +238,8 @@ static int add_argument(const char *argument, const frame_numbers *asked,
   pattern p;
   /* an existing file is taken as it is, even if its name is like a pattern */
   if ((asked || !exists(argument)) && find_pattern(argument, &p))
-    return add_pattern(&p, asked, list, error);
+    return asked ? add_numbered(&p, asked, list, error)
+                 : add_existing(&p, 0, list, error);
   if (asked)
     return image_fail(error,
                       "--frames: %s has no place for a number; a pattern such "
@@ -261,6 +261,13 @@ int frame_list_make(char *const *arguments, int count, const char *ranges,
   if (failed)
     frame_list_free(out);
   return failed ? -1 : 0;
+}
+
+int frame_list_add(const char *argument, frame_list *list, image_error *error) {
+  pattern p;
+  return !exists(argument) && find_pattern(argument, &p)
+             ? add_existing(&p, 1, list, error)
+             : add_file(list, strdup(argument), error);
 }
 
 void frame_list_free(frame_list *list) {

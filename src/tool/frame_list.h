@@ -20,6 +20,10 @@ typedef struct frame_list {
 int frame_list_make(char *const *arguments, int count, const char *ranges,
                     frame_list *out, image_error *error);
 
+/* Adds a file, or all files of a pattern, whatever their numbers.  0, or -1
+ * with `error` filled. */
+int frame_list_add(const char *argument, frame_list *list, image_error *error);
+
 void frame_list_free(frame_list *list);
 
 #endif

@@ -10,8 +10,11 @@ void job_free(job *j) {
     free(j->frames[i].stem);
     channel_map_free(&j->frames[i].map);
   }
+  for (int i = 0; j->views && i < j->view_count; i++)
+    channel_map_free(&j->views[i].map);
+  free(j->views);
   free(j->frames);
-  j->frames = NULL;
+  j->views = j->frames = NULL;
 }
 
 char *job_result_path(const job_frame *f) {

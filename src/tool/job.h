@@ -6,6 +6,7 @@
 #define HBIL_TOOL_JOB_H
 
 #include "dump/frame_camera.h"
+#include "tool/cache_file.h"
 #include "tool/far_light.h"
 #include "tool/layers.h"
 #include "tool/settings.h"
@@ -33,10 +34,15 @@ typedef struct job {
   far_light far;
   job_frame *frames;
   int count;
-  image_window window;    /* computed pixels: all that any frame has */
-  image_window shown;     /* written pixels */
-  uint32_t width, height; /* of window */
-  int folder_created;     /* 1: the output folder did not exist before */
+  job_frame *views; /* without stems */
+  int view_count;
+  int world;               /* 1: frames ask a radiance cache */
+  hbil_cache_config cache; /* of that; without formats */
+  cache_file loaded;       /* what it begins with, if settings->cache_load */
+  image_window window;     /* computed pixels: all that any frame has */
+  image_window shown;      /* written pixels */
+  uint32_t width, height;  /* of window */
+  int folder_created;      /* 1: the output folder did not exist before */
 } job;
 
 /* Frees what the job owns.  It may be called on a zeroed job. */

@@ -30,28 +30,15 @@ static uint64_t hash_range(uint64_t hash, const hbil_config *config,
 /* All settings but profiling and what follows it, which change no result.  The
  * members have four bytes each, so there is padding in front of `execution`
  * alone, whose last member is larger. */
+_Static_assert(sizeof(hbil_inputs) % 4 == 0 && _Alignof(hbil_inputs) == 4 &&
+                   _Alignof(hbil_outputs) == 4 && _Alignof(hbil_model) == 4 &&
+                   _Alignof(hbil_sampling) == 4 && _Alignof(hbil_history) == 4,
+               "members of four bytes");
 static uint64_t hash_config(uint64_t hash, const hbil_config *config) {
   hash = hash_range(hash, config, offsetof(hbil_config, width),
                     offsetof(hbil_config, history) + sizeof config->history);
   return hash_range(hash, config, offsetof(hbil_config, execution),
                     offsetof(hbil_config, execution.profiling));
-}
-
-uint64_t job_key_begin(const job *j, const char *device) {
-  const process_settings *s = j->settings;
-  const unsigned more[] = {j->layers,
-                           s->repeat,
-                           s->warm_up,
-                           (unsigned)s->exact,
-                           (unsigned)s->preview,
-                           (unsigned)s->copy_channels,
-                           (unsigned)s->half,
-                           (unsigned)s->compression};
-  uint64_t hash = hash_text(0, hbil_version());
-  hash = hash_text(hash, device);
-  hash = hash_config(hash, &j->config);
-  hash = hash_bytes(hash, more, sizeof more);
-  return hash_bytes(hash, &j->far, sizeof j->far);
 }
 
 /* How planes are read.  The members before `unit` have four bytes each, those
@@ -97,6 +84,47 @@ int job_key_next(const job_frame *f, uint64_t *key, image_error *error) {
   hash = hash_bytes(hash, c->camera_to_world, sizeof c->camera_to_world);
   *key = hash_bytes(hash, lens, sizeof lens);
   return failed;
+}
+
+/* What the radiance cache is, and what it knows before the first frame. */
+static int hash_cache(const job *j, uint64_t *hash, image_error *error) {
+  const process_settings *s = j->settings;
+  const hbil_cache_config *c = &j->cache;
+  const unsigned how[] = {c->voxels, c->levels, (unsigned)s->view_light,
+                          (unsigned)s->learn, (unsigned)j->view_count};
+  const double where[] = {c->voxel_size, c->centre[0], c->centre[1],
+                          c->centre[2], (double)c->unseen_light};
+  int failed = 0;
+  if (!j->world)
+    return 0;
+  *hash = hash_bytes(*hash, how, sizeof how);
+  *hash = hash_bytes(*hash, where, sizeof where);
+  if (s->cache_load)
+    *hash = hash_bytes(*hash, &j->loaded.hash, sizeof j->loaded.hash);
+  for (int i = 0; i < j->view_count && !failed; i++)
+    failed = job_key_next(&j->views[i], hash, error);
+  for (int i = 0; s->learn && i < j->count && !failed; i++)
+    failed = job_key_next(&j->frames[i], hash, error);
+  return failed;
+}
+
+int job_key_begin(const job *j, const char *device, uint64_t *key,
+                  image_error *error) {
+  const process_settings *s = j->settings;
+  const unsigned more[] = {j->layers,
+                           s->repeat,
+                           s->warm_up,
+                           (unsigned)s->exact,
+                           (unsigned)s->preview,
+                           (unsigned)s->copy_channels,
+                           (unsigned)s->half,
+                           (unsigned)s->compression};
+  uint64_t hash = hash_text(0, hbil_version());
+  hash = hash_text(hash, device);
+  hash = hash_config(hash, &j->config);
+  hash = hash_bytes(hash, more, sizeof more);
+  *key = hash_bytes(hash, &j->far, sizeof j->far);
+  return hash_cache(j, key, error);
 }
 
 void job_key_sign(image *result, uint64_t key) {

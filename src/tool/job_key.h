@@ -13,8 +13,11 @@
 #include <stdint.h>
 
 /* The key before the first frame: a hash of the tool's version, the device (its
- * name and driver; "" for none) and all that changes a bit of a result. */
-uint64_t job_key_begin(const job *j, const char *device);
+ * name and driver; "" for none) and all that changes a bit of a result, with
+ * what the radiance cache knows before the first frame.  0, or -1 with `error`
+ * filled. */
+int job_key_begin(const job *j, const char *device, uint64_t *key,
+                  image_error *error);
 
 /* The key of a frame, from that of the frame before it: takes in the frame's
  * files, how they are read, and its camera.  0, or -1 with `error` filled. */

@@ -65,17 +65,25 @@ static int prepare_folder(job *j, image_error *error) {
   return try_to_write(folder, error);
 }
 
-static int check_sheet(const job *j, image_error *error) {
+/* Checks the name of a file that the job writes beside the results; NULL is
+ * allowed. */
+static int check_file(const job *j, const char *path, image_error *error) {
   const process_settings *s = j->settings;
-  const char *path = s->contact_sheet;
+  struct stat info;
   if (!path)
     return 0;
-  if (access(path, F_OK) == 0 && !s->overwrite && !s->resume)
+  const int there = stat(path, &info) == 0;
+  if (there && !S_ISREG(info.st_mode))
+    return image_fail(error,
+                      "%s: cannot be written: not a regular file; another name "
+                      "is needed",
+                      path);
+  if (there && !s->overwrite && !s->resume)
     return image_fail(error,
                       "%s: is there already; --overwrite or another name is "
                       "needed",
                       path);
-  /* the sheet's folder may be the one that a dry run doesn't make */
+  /* its folder may be the one that a dry run doesn't make */
   if (s->dry_run && access(s->output, F_OK) != 0)
     return 0;
   char *parent = path_parent(path);
@@ -91,5 +99,9 @@ static int check_sheet(const job *j, image_error *error) {
 }
 
 int job_output_prepare(job *j, image_error *error) {
-  return prepare_folder(j, error) != 0 || check_sheet(j, error) != 0 ? -1 : 0;
+  return prepare_folder(j, error) != 0 ||
+                 check_file(j, j->settings->contact_sheet, error) != 0 ||
+                 check_file(j, j->settings->cache_save, error) != 0
+             ? -1
+             : 0;
 }

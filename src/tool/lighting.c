@@ -54,21 +54,32 @@ static int open_sequence(lighting *l, const job *j, image_error *error) {
                        j->layers | j->hidden, &l->sequence, error);
 }
 
+static int open_world(lighting *l, const job *j, image_error *error) {
+  if (!j->world)
+    return 0;
+  if (world_open(&l->device, sequence_context(l->sequence), j, &l->world,
+                 error) != 0)
+    return -1;
+  sequence_set_world(l->sequence, l->world);
+  return 0;
+}
+
 int lighting_open(lighting *l, job *j, image_error *error) {
   if (j->settings->exact)
     return open_exact(l, j, error);
   j->config.execution.horizon_cache_bytes = horizon_cache_bytes(l, j);
   if (open_sequence(l, j, error) == 0)
-    return 0;
+    return open_world(l, j, error);
   /* a cache that nobody asked for must not make the job fail */
   if (!j->config.execution.horizon_cache_bytes ||
       j->settings->horizon_cache != HORIZON_CACHE_CHOOSE)
     return -1;
   j->config.execution.horizon_cache_bytes = 0;
-  return open_sequence(l, j, error);
+  return open_sequence(l, j, error) != 0 ? -1 : open_world(l, j, error);
 }
 
 void lighting_close(lighting *l) {
+  world_close(l->world);
   sequence_close(l->sequence);
   exact_sequence_close(l->exact);
   device_close(&l->device);
@@ -76,7 +87,21 @@ void lighting_close(lighting *l) {
 }
 
 size_t lighting_memory(const lighting *l) {
-  return l->exact ? 0 : sequence_memory(l->sequence);
+  return l->exact ? 0
+                  : sequence_memory(l->sequence) +
+                        (l->world ? world_memory(l->world) : 0);
+}
+
+int lighting_learn(lighting *l, image_error *error) {
+  return l->world ? world_learn(l->world, error) : 0;
+}
+
+int lighting_see(lighting *l, const gbuffer *g, image_error *error) {
+  return l->world ? world_see_frame(l->world, g, error) : 0;
+}
+
+int lighting_save(lighting *l, image_error *error) {
+  return l->world ? world_save(l->world, error) : 0;
 }
 
 uint64_t lighting_hash(const lighting *l, const gbuffer *g) {

@@ -15,6 +15,7 @@ struct exact_sequence;
 typedef struct lighting {
   device device;                /* of the library */
   sequence *sequence;           /* either this */
+  world *world;                 /* with it; NULL: no radiance cache */
   struct exact_sequence *exact; /* or that */
 } lighting;
 
@@ -31,6 +32,12 @@ void lighting_close(lighting *l);
 
 /* Bytes of device memory; 0 for the exact integral. */
 size_t lighting_memory(const lighting *l);
+
+/* world_learn(), world_see_frame() and world_save(), if there is a radiance
+ * cache. */
+int lighting_learn(lighting *l, image_error *error);
+int lighting_see(lighting *l, const gbuffer *g, image_error *error);
+int lighting_save(lighting *l, image_error *error);
 
 /* See sequence_hash(); 0 for the exact integral. */
 uint64_t lighting_hash(const lighting *l, const gbuffer *g);

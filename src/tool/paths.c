@@ -31,5 +31,7 @@ char *path_parent(const char *path) {
     length--;
   while (length > 0 && path[length - 1] != '/')
     length--;
+  while (length > 1 && path[length - 1] == '/')
+    length--;
   return length ? strndup(path, length) : strdup(".");
 }

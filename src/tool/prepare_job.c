@@ -5,6 +5,7 @@
 #include "tool/job_frames.h"
 #include "tool/job_light.h"
 #include "tool/job_output.h"
+#include "tool/views.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -28,6 +29,26 @@ static int choose_layers(job *j, image_error *error) {
                     exact ? "" : mode_words[mode], can);
 }
 
+/* Whether the user asks for a radiance cache. */
+static int asks_for_cache(const process_settings *s) {
+  return s->view_count || s->learn || s->cache_load || s->cache_save;
+}
+
+/* Whether frames have a radiance cache.  Unasked, they have one if it can know
+ * more than a frame itself, because the camera moves.  Only one mode has light,
+ * and the paper has no cache. */
+static int wants_cache(const job *j) {
+  const process_settings *s = j->settings;
+  int moves = 0;
+  for (int i = 1; i < j->count && !moves; i++)
+    moves = memcmp(&j->frames[i].map.camera, &j->frames[0].map.camera,
+                   sizeof j->frames[0].map.camera) != 0;
+  if (s->no_cache || s->exact || j->config.model.mode != HBIL_MODE_HBIL)
+    return 0;
+  return asks_for_cache(s) ||
+         (moves && !s->paper && !j->frames[0].map.how.from_depth);
+}
+
 static void configure(job *j) {
   channel_map_configure(&j->frames[0].map, &j->config);
   if (j->settings->exact) { /* see frame_source_read() */
@@ -39,6 +60,29 @@ static void configure(job *j) {
   j->config.height = j->height;
   j->config.outputs.bent_normal_space = HBIL_SPACE_WORLD;
   j->config.execution.profiling = j->settings->timings ? CL_TRUE : CL_FALSE;
+}
+
+/* Decides whether there is a radiance cache, and the settings beside it. */
+static int prepare_world(job *j, image_error *error) {
+  const process_settings *s = j->settings;
+  hbil_model world = j->config.model;
+  j->world = wants_cache(j);
+  if (!j->world)
+    return 0;
+  if (j->frames[0].map.how.from_depth)
+    return image_fail(error,
+                      "--normals from-depth: not with --view, --learn, "
+                      "--cache-load or --cache-save, whose radiance cache "
+                      "needs normals");
+  hbil_model_set(&world, HBIL_MODEL_WORLD);
+  j->config.model.world_cache = CL_TRUE;
+  if (!s->thickness_given && !s->paper)
+    j->config.model.relative_thickness = world.relative_thickness;
+  return views_check(j, error) != 0 ||
+                 (s->cache_load &&
+                  cache_file_read(s->cache_load, &j->loaded, error) != 0)
+             ? -1
+             : 0;
 }
 
 int job_prepare(job *j, const process_settings *settings, char *const *files,
@@ -62,5 +106,5 @@ int job_prepare(job *j, const process_settings *settings, char *const *files,
                       "--normals from-depth: not with --quality reference, "
                       "whose exact integral needs normals");
   configure(j);
-  return 0;
+  return prepare_world(j, error);
 }

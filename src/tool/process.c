@@ -9,6 +9,7 @@
 #include "tool/run_frames.h"
 #include "tool/timings.h"
 #include "tool/unknown.h"
+#include "tool/world.h"
 
 #include <unistd.h>
 
@@ -32,6 +33,10 @@ static void print_plan(const process *p) {
     printf(".exr%s\n", finished ? " (is there already)" : "");
     written += !finished;
   }
+  for (int i = 0; i < j->view_count; i++) {
+    report_text(j->views[i].path, stdout);
+    puts(" (view)");
+  }
   layers_names(j->layers, layers, sizeof layers);
   printf("%d of %d frames would be written, %u x %u pixels: %s\n", written,
          j->count, j->width, j->height, layers);
@@ -53,6 +58,9 @@ static int print_timings(const process *p, image_error *error) {
       .stages = (const double(*)[PIPELINE_STAGES])p->times.stages,
       .wall = p->times.wall,
       .computed = p->times.computed,
+      .learning = p->lighting.world
+                      ? 1e3 * world_learning_seconds(p->lighting.world)
+                      : -1.0,
   };
   if (!s->quiet)
     unknown_report(report.rows, report.count);
@@ -74,6 +82,7 @@ static int open_all(process *p, const process_settings *settings,
   return job_prepare(&p->job, settings, files, count, error) != 0 ||
                  lighting_prepare(&p->lighting, &p->job, error) != 0 ||
                  job_light_decide(&p->job, error) != 0 ||
+                 world_choose(&p->job, error) != 0 ||
                  lighting_open(&p->lighting, &p->job, error) != 0 ||
                  resume_open(&p->resume, &p->job, &p->lighting, error) != 0
              ? -1
@@ -85,7 +94,11 @@ static int run(process *p, image_error *error) {
     print_plan(p);
     return 0;
   }
+  if (resume_uses_cache(&p->resume) && lighting_learn(&p->lighting, error) != 0)
+    return -1;
   return run_frames(&p->job, &p->lighting, &p->resume, &p->times, error) != 0 ||
+                 (p->job.settings->cache_save &&
+                  lighting_save(&p->lighting, error) != 0) ||
                  print_timings(p, error) != 0
              ? -1
              : 0;

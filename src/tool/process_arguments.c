@@ -10,6 +10,7 @@
 
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Slices: the most that the library takes, the most that the exact integral
@@ -40,6 +41,7 @@ static const char *const sample_grids[] = {"same-layer", "full-resolution",
 static const char *const storages[] = {"packed", "float32", NULL};
 static const char *const fallbacks[] = {"last-accepted", "black", "frame-mean",
                                         NULL};
+static const char *const view_lights[] = {"direct", "radiance", NULL};
 static const char *const reprojections[] = {"none", "scatter", "motion", NULL};
 
 #define AT(field) offsetof(process_arguments, field)
@@ -54,6 +56,13 @@ static const row rows[] = {
     {"compression", CHOICE, SETTING(compression), 0, 0, exr_compressions},
     {"half", FLAG, SETTING(half), 0, 0, NULL},
     {"camera", TEXT, SETTING(camera), 0, 0, NULL},
+    {"view", SPECIAL, 0, 0, 0, NULL},
+    {"view-light", CHOICE, SETTING(view_light), 0, 0, view_lights},
+    {"learn", FLAG, SETTING(learn), 0, 0, NULL},
+    {"no-cache", FLAG, SETTING(no_cache), 0, 0, NULL},
+    {"cache-size", SPECIAL, 0, 0, 0, NULL},
+    {"cache-load", TEXT, SETTING(cache_load), 0, 0, NULL},
+    {"cache-save", TEXT, SETTING(cache_save), 0, 0, NULL},
     {"environment", TEXT, SETTING(environment), 0, 0, NULL},
     {"device", TEXT, SETTING(device), 0, 0, NULL},
     {"overwrite", FLAG, SETTING(overwrite), 0, 0, NULL},
@@ -143,12 +152,28 @@ static int set_model(const char *text, process_settings *s,
     return -1;
   model_set(&s->config, (hbil_model_name)value);
   s->warm_up = model_warm_up((hbil_model_name)value);
+  s->paper = value == HBIL_MODEL_PAPER;
   s->environment = value == HBIL_MODEL_PAPER ? "none" : NULL;
   return 0;
 }
 
-static int set_special(const char *name, const char *text, process_settings *s,
+static int set_cache_size(const char *text, process_settings *s,
+                          image_error *error) {
+  static const char *const sizes[] = {"16", "32", "64", "128", "256", NULL};
+  int value = 0;
+  if (option_choice("--cache-size", text, sizes, &value, error) != 0)
+    return -1;
+  s->cache_voxels = 16u << value;
+  return 0;
+}
+
+static int set_special(const char *name, char *text, process_arguments *a,
                        image_error *error) {
+  process_settings *s = &a->settings;
+  if (strcmp(name, "view") == 0)
+    return frame_list_add(text, &a->views, error);
+  if (strcmp(name, "cache-size") == 0)
+    return set_cache_size(text, s, error);
   if (strcmp(name, "layers") == 0)
     return layers_parse(text, &s->layers, error);
   if (strcmp(name, "quality") == 0)
@@ -159,7 +184,7 @@ static int set_special(const char *name, const char *text, process_settings *s,
   return 0;
 }
 
-static int set_row(const row *r, const char *text, process_arguments *a,
+static int set_row(const row *r, char *text, process_arguments *a,
                    image_error *error) {
   char *at = (char *)a + r->offset;
   char option[64];
@@ -184,7 +209,7 @@ static int set_row(const row *r, const char *text, process_arguments *a,
       memcpy(at, &value, sizeof value);
     return failed;
   default:
-    return set_special(r->name, text, &a->settings, error);
+    return set_special(r->name, text, a, error);
   }
 }
 
@@ -201,6 +226,12 @@ static int check_exact(const request *r, image_error *error) {
       {"extrapolate", "which looks at every pixel"},
       {"sample-grid", "which looks at every pixel"},
       {"horizon-cache", "which caches nothing"},
+      {"view", "which has no radiance cache"},
+      {"view-light", "which has no radiance cache"},
+      {"learn", "which has no radiance cache"},
+      {"cache-size", "which has no radiance cache"},
+      {"cache-load", "which has no radiance cache"},
+      {"cache-save", "which has no radiance cache"},
       {"storage", "which stores double precision"},
       {"no-skip", "which skips nothing"},
       {"max-history-frames", "which has no noise"},
@@ -242,6 +273,35 @@ static int check_horizon_cache(const hbil_config *c, image_error *error) {
   return 0;
 }
 
+/* Whether options of the radiance cache have one. */
+static int check_cache(const request *r, image_error *error) {
+  static const char *const names[] = {"view",       "view-light", "learn",
+                                      "cache-size", "cache-load", "cache-save"};
+  const process_settings *s = &r->arguments->settings;
+  const int no_light = s->config.model.mode != HBIL_MODE_HBIL;
+  for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    if (!is_given(r, names[i]))
+      continue;
+    if (s->no_cache)
+      return image_fail(error,
+                        "--%s: not with --no-cache, which leaves the radiance "
+                        "cache out; one or the other is needed",
+                        names[i]);
+    if (no_light)
+      return image_fail(error,
+                        "--%s: not with --mode %s, which looks at no light and "
+                        "has no radiance cache; one or the other is needed",
+                        names[i], mode_words[s->config.model.mode]);
+  }
+  if (is_given(r, "view-light") && !s->view_count)
+    return image_fail(error, "--view-light: --view FILE is needed with it");
+  if (s->cache_load && s->cache_voxels)
+    return image_fail(error,
+                      "--cache-size: not with --cache-load, whose file has a "
+                      "size; one or the other is needed");
+  return 0;
+}
+
 static int check_together(const request *r, image_error *error) {
   const process_settings *s = &r->arguments->settings;
   if (is_given(r, "falloff") && s->config.model.mode != HBIL_MODE_HBAO)
@@ -260,6 +320,8 @@ static int check_together(const request *r, image_error *error) {
                       "needed");
   if (s->exact)
     return check_exact(r, error);
+  if (check_cache(r, error) != 0)
+    return -1;
   if (s->config.sampling.slices > SLICES_MOST)
     return image_fail(error,
                       "--slices %u: a whole number from 1 to %d, or --quality "
@@ -311,8 +373,18 @@ int process_arguments_read(int argc, char **argv, process_arguments *out,
       return -1;
   }
   out->settings.emission_given = is_given(&r, "gather-emission");
+  out->settings.radius_given = is_given(&r, "radius");
+  out->settings.thickness_given = is_given(&r, "relative-thickness");
   out->settings.timings |= out->settings.json;
+  out->settings.views = out->views.files;
+  out->settings.view_count = (unsigned)out->views.count;
   out->files = argv + optind;
   out->count = argc - optind;
   return check_together(&r, error);
+}
+
+void process_arguments_free(process_arguments *a) {
+  frame_list_free(&a->views);
+  a->settings.views = NULL;
+  a->settings.view_count = 0;
 }

@@ -75,6 +75,48 @@ static void print_running(void) {
       "  --quiet               print no line per frame and no progress");
 }
 
+static void print_cache(void) {
+  hbil_cache_config defaults;
+  hbil_cache_config_init(&defaults);
+  puts(
+      "\n"
+      "What the frames don't show: a radiance cache in world space holds what\n"
+      "views of the place have shown, and lights the directions that a frame\n"
+      "leaves open.  There is one if the camera moves between frames, which\n"
+      "are then views for those behind them, or if one of the first four\n"
+      "options is given; not with --model paper unless one of these is, with\n"
+      "--quality reference, or with other modes than hbil.\n"
+      "\n"
+      "Radiance cache:\n"
+      "  --view FILE.exr       a picture of the same place, with depth,\n"
+      "                        normals, direct light and a camera of its own,\n"
+      "                        of any size and projection, by the renderer of\n"
+      "                        the frames.  The cache sees it before the "
+      "first\n"
+      "                        frame.  FILE.exr may be a pattern; the option\n"
+      "                        may be given again\n"
+      "  --learn               the cache sees all frames before the first one\n"
+      "                        is lit, so each is lit by all; without it, by\n"
+      "                        those before it.  Reads every frame twice\n"
+      "  --cache-load FILE     begin with the cache in a file of "
+      "--cache-save,\n"
+      "                        which also says its size and place\n"
+      "  --cache-save FILE     write the cache to a file at the end\n"
+      "  --view-light direct|radiance\n"
+      "                        what views hold: direct light, to which the\n"
+      "                        cache adds the bounces, or also indirect "
+      "light\n"
+      "                        (Blender's DiffInd), which is the radiance of\n"
+      "                        surfaces after all bounces (direct)");
+  printf("  --cache-size N        voxels across each of its %u levels, 16, 32, "
+         "64,\n"
+         "                        128 or 256; twice as many take eight times "
+         "the\n"
+         "                        memory (%u)\n",
+         (unsigned)defaults.levels, (unsigned)defaults.voxels);
+  puts("  --no-cache            no radiance cache");
+}
+
 static void print_quality(const hbil_config *defaults) {
   puts(
       "\n"
@@ -118,6 +160,8 @@ static void print_quality(const hbil_config *defaults) {
 }
 
 static void print_model(const hbil_config *defaults) {
+  hbil_model world = defaults->model;
+  hbil_model_set(&world, HBIL_MODEL_WORLD);
   puts("\n"
        "The method:\n"
        "  --model default|paper everything below that isn't given: hbil's own\n"
@@ -139,15 +183,18 @@ static void print_model(const hbil_config *defaults) {
        "                        weight of an occluder at distance r within\n"
        "                        radius R, for hbao: 1-r/R, 1-r/(3R), 1 "
        "(linear)");
-  printf("  --radius R            world units, or inf (%g)\n"
+  printf("  --radius R            world units, or inf (%g; with a radiance\n"
+         "                        cache, %g of its voxels)\n"
          "  --thickness T         of occluders, world units (inf)\n"
          "  --relative-thickness T\n"
          "                        the same as a share of their depth, or of\n"
-         "                        an orthographic picture's width (%g)\n"
+         "                        an orthographic picture's width (%g; with a\n"
+         "                        radiance cache, %g)\n"
          "  --facing-fade A,B     cosines between which the light of a sample\n"
          "                        fades in (%g,%g)\n",
-         (double)defaults->model.radius,
+         (double)defaults->model.radius, HBIL_CACHE_NEAR_VOXELS,
          (double)defaults->model.relative_thickness,
+         (double)world.relative_thickness,
          (double)defaults->model.facing_fade[0],
          (double)defaults->model.facing_fade[1]);
   puts(
@@ -181,6 +228,7 @@ void process_help(void) {
   process_settings_init(&defaults);
   print_files();
   print_running();
+  print_cache();
   print_quality(&defaults.config);
   print_model(&defaults.config);
   source_usage();

@@ -104,11 +104,12 @@ int resume_open(resume *r, const job *j, lighting *l, image_error *error) {
   r->job = j;
   r->end = j->count;
   r->history_size = lighting_history_size(l);
-  r->begin = job_key_begin(j, which);
   r->keys = calloc((size_t)j->count, sizeof *r->keys);
   r->finished = calloc((size_t)j->count, sizeof *r->finished);
   if (!r->keys || !r->finished)
     return image_no_memory(error, j->frames[0].path);
+  if (job_key_begin(j, which, &r->begin, error) != 0)
+    return -1;
   return j->settings->resume ? look_for_results(r, l, error) : 0;
 }
 
@@ -123,6 +124,15 @@ int resume_is_needed(const resume *r, size_t item) {
   return !r->finished[i] ||
          (i >= r->first && i < r->end &&
           (r->history_size || (r->job->settings->preview && i == 0)));
+}
+
+int resume_uses_cache(const resume *r) {
+  return r->job->world && (r->end > 0 || r->job->settings->cache_save);
+}
+
+int resume_is_seen(const resume *r, size_t item) {
+  const process_settings *s = r->job->settings;
+  return r->job->world && !s->learn && ((int)item < r->end || s->cache_save);
 }
 
 int resume_hands_on(const resume *r, size_t item) {

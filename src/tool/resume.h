@@ -33,6 +33,13 @@ int resume_find_key(resume *r, size_t item, image_error *error);
  * later frames need its history, or previews its exposure. */
 int resume_is_needed(const resume *r, size_t item);
 
+/* Whether the radiance cache must see a frame: what it knows, and so the light
+ * of later frames, depends on all frames before, computed or not. */
+int resume_is_seen(const resume *r, size_t item);
+
+/* Whether the radiance cache is used at all. */
+int resume_uses_cache(const resume *r);
+
 /* Whether the frame's history is saved, for the frames that are left. */
 int resume_hands_on(const resume *r, size_t item);
 

@@ -45,10 +45,13 @@ static int decode(void *user, size_t item, image_error *error) {
   slot *s = slot_of(r, item);
   if (resume_find_key(r->resume, item, error) != 0)
     return -1;
-  if (!resume_is_needed(r->resume, item))
+  const int needed = resume_is_needed(r->resume, item);
+  if (!needed && !resume_is_seen(r->resume, item))
     return 0;
   if (frame_source_read(&r->source, item, &s->g, error) != 0)
     return -1;
+  if (!needed)
+    return 0;
   if (r->job->settings->copy_channels && !r->resume->finished[item] &&
       frame_source_read_copied(&r->source, item, &s->copied, error) != 0)
     return -1;
@@ -116,10 +119,12 @@ static int compute(void *user, size_t item, image_error *error) {
   run *r = user;
   slot *s = slot_of(r, item);
   r->rows[item].frame = r->job->frames[item].path;
-  if (!resume_is_needed(r->resume, item))
-    return 0;
-  const int failed = compute_frame(r, item, s, error) != 0 ||
-                     take_history(r, item, s, error) != 0;
+  int failed = 0;
+  if (resume_is_needed(r->resume, item))
+    failed = compute_frame(r, item, s, error) != 0 ||
+             take_history(r, item, s, error) != 0;
+  else if (resume_is_seen(r->resume, item))
+    failed = lighting_see(r->lighting, &s->g, error);
   gbuffer_free(&s->g);
   return failed ? -1 : 0;
 }

@@ -22,6 +22,7 @@ struct sequence {
   size_t channels[INPUTS]; /* 0: this input is not used */
   cl_mem input[INPUTS];
   cl_mem output[LAYER_COUNT];
+  world *world;  /* NULL: none */
   uint64_t last; /* hash of the previous frame's inputs and camera; 0: none */
   cl_uint index; /* of the next run */
 };
@@ -112,6 +113,14 @@ void sequence_close(sequence *s) {
   free(s);
 }
 
+hbil_context *sequence_context(const sequence *s) {
+  return s->context;
+}
+
+void sequence_set_world(sequence *s, world *w) {
+  s->world = w;
+}
+
 size_t sequence_memory(const sequence *s) {
   return s->memory.persistent + s->memory.scratch;
 }
@@ -137,6 +146,7 @@ static void fill_frame(const sequence *s, const channel_map *map,
   channel_map_hardware_depth(map, frame->hardware_depth);
   memcpy(frame->environment, far->environment, sizeof frame->environment);
   frame->sky_share = far->sky_share;
+  frame->cache = s->world ? world_cache(s->world) : NULL;
   for (int i = 0; i < INPUTS; i++)
     plane_at(frame, input_table[i].image)->buffer = s->input[i];
   for (int l = 0; l < LAYER_COUNT; l++)
@@ -221,7 +231,8 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
   hbil_frame frame;
   fill_frame(s, &g->map, far, &frame);
   frame.static_frame = is_same(s, hash, &frame);
-  int failed = upload(s, g, error) != 0 ||
+  int failed = (s->world && world_see_frame(s->world, g, error) != 0) ||
+               upload(s, g, error) != 0 ||
                run_passes(s, &frame, repeat, error) != 0 ||
                download(s, result, hidden, error) != 0;
   if (failed) {

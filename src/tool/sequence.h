@@ -6,6 +6,7 @@
 #include "dump/gbuffer.h"
 #include "tool/device.h"
 #include "tool/far_light.h"
+#include "tool/world.h"
 #include "image/error.h"
 #include "image/image.h"
 
@@ -20,6 +21,12 @@ int sequence_open(const device *d, const hbil_config *config,
                   const channel_map *map, unsigned layers, sequence **out,
                   image_error *error);
 void sequence_close(sequence *s); /* NULL is allowed */
+
+/* The library on the device. */
+hbil_context *sequence_context(const sequence *s);
+/* The radiance cache that the frames ask from now on; NULL: none.  It stays the
+ * caller's. */
+void sequence_set_world(sequence *s, world *w);
 
 /* Bytes of device memory of the plan. */
 size_t sequence_memory(const sequence *s);

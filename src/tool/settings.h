@@ -18,6 +18,18 @@ typedef struct process_settings {
   const char *device;      /* see device_open() */
   const char *contact_sheet; /* a PNG of frames and layers, or NULL */
   unsigned layers;           /* a set (layers.h); 0: all that the mode has */
+  int paper;                 /* 1: the model is that of the paper */
+  /* the radiance cache */
+  char *const *views; /* files that it sees first */
+  unsigned view_count;
+  hbil_view_light view_light; /* what the views hold */
+  int learn;                  /* 1: it sees all frames first */
+  int no_cache;               /* 1: frames have none */
+  unsigned cache_voxels;      /* across a level; 0: the library's default */
+  const char *cache_load;     /* the file that it begins with, or NULL */
+  const char *cache_save;     /* the file that it is written to, or NULL */
+  int radius_given, thickness_given; /* 1: so are model.radius and
+                                        model.relative_thickness */
   int emission_given;     /* 1: config.gather_emission is the user's choice */
   unsigned repeat;        /* runs of every frame, at least 1 */
   unsigned warm_up;       /* additional runs of the first frame */

@@ -59,10 +59,10 @@ typedef struct sanitized_input {
 static void list_sanitized(const hbil_sanitized *s,
                            sanitized_input out[SANITIZED_INPUTS]) {
   const sanitized_input inputs[SANITIZED_INPUTS] = {
-      {"depth", s->depth},  {"normal", s->normal}, {"albedo", s->albedo},
-      {"f0", s->f0},        {"direct", s->direct}, {"emission", s->emission},
-      {"motion", s->motion},
-      {"facing_away", s->facing_away}};
+      {"depth", s->depth},   {"normal", s->normal},
+      {"albedo", s->albedo}, {"f0", s->f0},
+      {"direct", s->direct}, {"emission", s->emission},
+      {"motion", s->motion}, {"facing_away", s->facing_away}};
   memcpy(out, inputs, sizeof inputs);
 }
 

@@ -104,6 +104,9 @@ void timings_table(const timing_report *report) {
   if (report->count > 1)
     print_row(&average, width);
   print_stages(report, width);
+  if (report->learning >= 0.0)
+    printf("radiance cache: %.1f ms before the first frame\n",
+           report->learning);
   puts("skipped");
   for (size_t i = 0; i < report->count; i++) {
     printf("%-*s  ", width, report->rows[i].frame);
@@ -158,10 +161,12 @@ int timings_json(const timing_report *report, image_error *error) {
   }
   const timing_row average = mean(report);
   json_t *root = json_pack(
-      "{s:s, s:i, s:i, s:i, s:I, s:o, s:o, s:o}", "device", report->device,
+      "{s:s, s:i, s:i, s:i, s:I, s:o, s:o, s:o, s:o}", "device", report->device,
       "width", (int)report->width, "height", (int)report->height, "repeat",
       (int)report->repeat, "device_bytes", (json_int_t)report->memory, "frames",
-      frames, "mean", row_json(&average), "pipeline", pipeline_json(report));
+      frames, "mean", row_json(&average), "pipeline", pipeline_json(report),
+      "radiance_cache_learning",
+      report->learning >= 0.0 ? json_real(report->learning) : json_null());
   const int failed = !root || json_dumpf(root, stdout, JSON_INDENT(2)) != 0;
   json_decref(root);
   if (failed)

@@ -19,6 +19,8 @@ typedef struct timing_report {
   const double (*stages)[PIPELINE_STAGES]; /* seconds: decode, device, encode */
   double wall;                             /* seconds for all frames */
   size_t computed; /* frames whose result did not exist */
+  double learning; /* milliseconds until the radiance cache knew all that it
+                      knows before the first frame; negative: there is none */
 } timing_report;
 
 /* One line, without its end: how fast the job was, and which stage limited it.

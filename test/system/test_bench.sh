@@ -40,7 +40,7 @@ assert r["machine"]["device"] and r["date"] and r["tables"] and r["hbil"]' \
 }
 
 says "the program lists its questions" '^  passes ' "$BENCH" --help
-for question in error skips scaling temporal passes pilot formats truth; do
+for question in error skips scaling temporal passes pilot formats cache truth; do
   says "$question has help" "^usage: hbil-bench $question" \
     "$BENCH" $question --help
 done

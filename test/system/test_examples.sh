@@ -4,7 +4,7 @@
 . "$srcdir/test/support/tap.sh"
 
 for name in 01_minimal 02_in_your_pipeline 03_single_passes 04_many_devices \
-  07_renderer_loop; do
+  07_renderer_loop 09_cache; do
   works "example $name" "$EXAMPLES/$name"
 done
 if test -x "$EXAMPLES/08_cpp"; then

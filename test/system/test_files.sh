@@ -281,8 +281,11 @@ absent "what was rejected left nothing" "$out"
 
 # --- broken off ---
 
-# Whole frames, the sequence without interruption.
-works "a sequence by scatter" process -o "$work/scatter" "$frames"/*.exr
+# Whole frames, the sequence without interruption.  A radiance cache looks at
+# all frames first, so with one, a frame that can't be read ends the job before
+# its first result.
+works "a sequence" process -o "$work/whole" "$frames"/*.exr
+works "a sequence by scatter" process --no-cache -o "$work/scatter" "$frames"/*.exr
 works "a sequence by motion, with previews" exact --reprojection motion \
   --preview -o "$work/motion" "$frames"/*.exr
 absent "after the last frame there is no carried light" \
@@ -308,17 +311,20 @@ test $status -eq 0 &&
   test "$(grep -c 'frame_000[12].exr is there already$' "$work/err")" -eq 2
 ok $? "after kill -9: what is there is left alone"
 rm "$work/killed/frame_0004.exr.tmp1" # process 1 lives
-same "and the rest is as without it" "$work/scatter" "$work/killed"
+same "and the rest is as without it" "$work/whole" "$work/killed"
 
 # A frame that can't be read in the middle, then another in its place: the
 # light of the frame before it is given back.
 cp -r "$frames" "$work/broken"
 head -c 3000 "$frames/frame_0003.exr" >"$work/broken/frame_0003.exr"
+rejected "with a radiance cache: told before the first result" \
+  'frame_0003.exr: truncated' process -o "$work/early" "$work/broken"/*.exr
+absent "with a radiance cache: nothing is left" "$work/early"
 for way in scatter motion; do
   rm -rf "$work/resumed"
   again() {
     if test $way = scatter; then
-      process -o "$work/resumed" "$@"
+      process --no-cache -o "$work/resumed" "$@"
     else
       exact --reprojection motion --preview -o "$work/resumed" "$@"
     fi
@@ -330,7 +336,7 @@ for way in scatter motion; do
 done
 # The temporal filter's history is carried as well, and the pattern's index.
 filtered() {
-  process --max-history-frames 8 "$@"
+  process --no-cache --max-history-frames 8 "$@"
 }
 for mode in hbil gtao; do
   rm -rf "$work/resumed"

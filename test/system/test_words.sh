@@ -46,8 +46,6 @@ retired 'exact result' 'rulers?'
 retired 'measured tiles' '(turned|lit|sound|wanting) (tile|span)s?'
 retired 'error bound, statement' 'promise[ds]?'
 retired 'fixture' 'labs?'
-retired 'pilot run; a probe is an irradiance probe' 'probe[ds]?|probing' \
-  'irradiance probe|/probes?_|probe grid'
 retired 'invariances' 'relatives'
 retired 'plane addressing' 'places\.clh|hbil_places|place_of'
 retired 'rejected; back-facing fallback' 'refus(e|es|ed|ing)'

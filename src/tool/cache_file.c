@@ -1,0 +1,133 @@
+/* A radiance cache in a file. */
+#define _POSIX_C_SOURCE 200809L
+#include "tool/cache_file.h"
+
+#include "image/temporary.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <xxhash.h>
+
+/* The file begins with this; what hbil_cache_save() gives follows.  There is
+ * no padding. */
+typedef struct head {
+  char magic[8];
+  char version[24]; /* of the library */
+  cache_file file;
+} head;
+_Static_assert(sizeof(head) == 88, "no padding");
+
+static const char file_magic[8] = {'h', 'b', 'i', 'l', 'c', 'a', 'c', '1'};
+
+/* The hash of a file; that in its head counts as 0. */
+static uint64_t hash_of(head h, const void *bytes) {
+  h.file.hash = 0;
+  return XXH3_64bits_withSeed(bytes, h.file.size, XXH3_64bits(&h, sizeof h));
+}
+
+static int cannot_read(const char *path, image_error *error) {
+  return image_fail(error, "%s: cannot be read: %s", path, strerror(errno));
+}
+
+static int reject(const char *path, const char *what, image_error *error) {
+  return image_fail(error, "%s: %s; a file that --cache-save wrote is needed",
+                    path, what);
+}
+
+/* The limits are those of hbil_cache_config. */
+static int is_possible(const cache_file *f) {
+  int possible = f->voxels >= 16 && f->voxels <= 256 &&
+                 (f->voxels & (f->voxels - 1)) == 0 && f->levels >= 1 &&
+                 f->levels <= 4 && f->voxel_size >= 1e-6 &&
+                 f->voxel_size <= 1e6;
+  for (int c = 0; c < 3; c++)
+    possible = possible && isfinite(f->centre[c]);
+  return possible;
+}
+
+static int read_head(const char *path, FILE *file, head *out,
+                     image_error *error) {
+  struct stat info;
+  errno = 0;
+  const int complete = fread(out, sizeof *out, 1, file) == 1;
+  if (ferror(file) || fstat(fileno(file), &info) != 0)
+    return cannot_read(path, error);
+  if (!complete || memcmp(out->magic, file_magic, sizeof file_magic) != 0)
+    return reject(path, "is no radiance cache", error);
+  out->version[sizeof out->version - 1] = '\0';
+  if (strcmp(out->version, hbil_version()) != 0)
+    return image_fail(error,
+                      "%s: a radiance cache of another version; one that hbil "
+                      "%s wrote is needed",
+                      path, hbil_version());
+  if (!is_possible(&out->file))
+    return reject(path, "is damaged", error);
+  if ((uint64_t)info.st_size != sizeof *out + out->file.size)
+    return reject(path, "is truncated or damaged", error);
+  return 0;
+}
+
+int cache_file_read(const char *path, cache_file *out, image_error *error) {
+  head h;
+  FILE *file = fopen(path, "rb");
+  if (!file)
+    return cannot_read(path, error);
+  const int failed = read_head(path, file, &h, error);
+  fclose(file);
+  if (!failed)
+    *out = h.file;
+  return failed;
+}
+
+int cache_file_read_bytes(const char *path, const cache_file *expected,
+                          void *bytes, image_error *error) {
+  head h;
+  FILE *file = fopen(path, "rb");
+  if (!file)
+    return cannot_read(path, error);
+  int failed = read_head(path, file, &h, error);
+  if (!failed &&
+      (h.file.hash != expected->hash || h.file.size != expected->size))
+    failed = image_fail(error, "%s: has changed meanwhile", path);
+  if (!failed && fread(bytes, h.file.size, 1, file) != 1)
+    failed = cannot_read(path, error);
+  fclose(file);
+  return !failed && h.file.hash != hash_of(h, bytes)
+             ? reject(path, "is damaged", error)
+             : failed;
+}
+
+static int write_file(const char *name, const char *path, const head *h,
+                      const void *bytes, image_error *error) {
+  FILE *file = fopen(name, "wb");
+  int failed = !file || fwrite(h, sizeof *h, 1, file) != 1 ||
+               fwrite(bytes, h->file.size, 1, file) != 1;
+  const int why = errno;
+  if (file && fclose(file) != 0 && !failed)
+    failed = 1;
+  else if (failed)
+    errno = why;
+  return failed ? image_fail(error, "%s: cannot be written: %s", path,
+                             strerror(errno))
+                : 0;
+}
+
+int cache_file_write(const char *path, cache_file *file, const void *bytes,
+                     image_error *error) {
+  head h;
+  memset(&h, 0, sizeof h);
+  memcpy(h.magic, file_magic, sizeof h.magic);
+  snprintf(h.version, sizeof h.version, "%s", hbil_version());
+  h.file = *file;
+  h.file.hash = file->hash = hash_of(h, bytes);
+  char *name = temporary_name(path, error);
+  if (!name)
+    return -1;
+  if (write_file(name, path, &h, bytes, error) == 0)
+    return temporary_commit(name, path, error);
+  temporary_discard(name);
+  return -1;
+}

@@ -1,0 +1,381 @@
+/* The radiance cache of a job. */
+#include "tool/world.h"
+
+#include "dump/read_gbuffer.h"
+#include "tool/extent.h"
+#include "tool/formats.h"
+#include "tool/progress.h"
+#include "tool/report.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Bounces after what is known before the first frame, and after each frame. */
+enum { ROUNDS_AT_FIRST = 16, ROUNDS_OF_A_FRAME = 4 };
+
+struct world {
+  const device *device;
+  hbil_context *context;
+  const job *job;
+  hbil_cache_config config;
+  hbil_cache *cache;
+  cl_mem input[INPUTS];
+  size_t room[INPUTS]; /* bytes of each */
+  size_t memory;
+  double seconds; /* of learning */
+};
+
+static const unsigned roles = 1u << ROLE_DEPTH | 1u << ROLE_NORMAL |
+                              1u << ROLE_ALBEDO | 1u << ROLE_DIRECT |
+                              1u << ROLE_EMISSION | 1u << ROLE_INDIRECT;
+
+static int library_failed(const world *w, hbil_status status,
+                          image_error *error) {
+  const char *message = hbil_context_message(w->context);
+  return image_fail(error, "device %s: %s", w->device->name,
+                    *message ? message : hbil_status_string(status));
+}
+
+static int opencl_failed(const world *w, cl_int status, const char *doing,
+                         image_error *error) {
+  return image_fail(error, "device %s: OpenCL error %d while %s",
+                    w->device->name, (int)status, doing);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Injection                                                                 */
+
+/* The channels of an input that the cache reads: those that frames or some view
+ * have; 0: none. */
+static size_t channels_of(const world *w, int input) {
+  const job *j = w->job;
+  const role r = input_table[input].role;
+  size_t channels = j->frames[0].map.count[r];
+  if (r == ROLE_MOTION ||
+      (r == ROLE_EMISSION && !j->config.model.gather_emission))
+    return 0;
+  for (int i = 0; i < j->view_count && !channels; i++)
+    channels = j->views[i].map.count[r];
+  return channels;
+}
+
+/* Brings a plane's channels to the device.  Without albedo surfaces are white,
+ * as those of frames are; other roles that the picture hasn't are zeros.  The
+ * buffer grows where a picture is larger than those before. */
+static int upload(world *w, const gbuffer *g, int input, image_error *error) {
+  const size_t plane = gbuffer_pixels(g) * sizeof(float);
+  const size_t channels = channels_of(w, input);
+  const role r = input_table[input].role;
+  const float missing = r == ROLE_ALBEDO ? 1.0f : 0.0f;
+  cl_int status = CL_SUCCESS;
+  if (w->room[input] < channels * plane) {
+    if (w->input[input])
+      clReleaseMemObject(w->input[input]);
+    w->room[input] = 0;
+    w->input[input] = clCreateBuffer(w->device->context, CL_MEM_READ_ONLY,
+                                     channels * plane, NULL, &status);
+    if (status != CL_SUCCESS)
+      return opencl_failed(w, status, "making a buffer", error);
+    w->room[input] = channels * plane;
+  }
+  for (size_t c = 0; c < channels && status == CL_SUCCESS; c++) {
+    const float *from = gbuffer_plane(g, r, c);
+    const cl_command_queue queue = w->device->queue;
+    const cl_mem to = w->input[input];
+    status = from ? clEnqueueWriteBuffer(queue, to, CL_TRUE, c * plane, plane,
+                                         from, 0, NULL, NULL)
+                  : clEnqueueFillBuffer(queue, to, &missing, sizeof missing,
+                                        c * plane, plane, 0, NULL, NULL);
+  }
+  return status == CL_SUCCESS
+             ? 0
+             : opencl_failed(w, status, "writing a buffer", error);
+}
+
+static int inject(world *w, const gbuffer *g, hbil_view_light light,
+                  image_error *error) {
+  hbil_view view;
+  hbil_view_init(&view);
+  view.width = g->planes.width;
+  view.height = g->planes.height;
+  view.camera = g->map.camera;
+  view.projection = g->map.projection;
+  view.light = light;
+  channel_map_hardware_depth(&g->map, view.hardware_depth);
+  for (int i = 0; i < INPUTS; i++)
+    if (channels_of(w, i) && upload(w, g, i, error) != 0)
+      return -1;
+  hbil_plane *const planes[] = {&view.depth,  &view.normal,   &view.albedo,
+                                &view.direct, &view.emission, NULL};
+  for (int i = 0; i < INPUTS; i++)
+    if (planes[i])
+      planes[i]->buffer = channels_of(w, i) ? w->input[i] : NULL;
+  const hbil_status status = hbil_enqueue_cache_inject(
+      w->cache, w->device->queue, &view, 1, 0, NULL, NULL);
+  return status == HBIL_SUCCESS ? 0 : library_failed(w, status, error);
+}
+
+static int update(world *w, unsigned rounds, image_error *error) {
+  hbil_cache_update how;
+  hbil_cache_update_init(&how);
+  how.rounds = rounds;
+  how.far_field = w->job->config.model.far_field;
+  memcpy(how.environment, w->job->far.environment, sizeof how.environment);
+  const hbil_status status = hbil_enqueue_cache_update(
+      w->cache, w->device->queue, &how, 0, NULL, NULL);
+  return status == HBIL_SUCCESS ? 0 : library_failed(w, status, error);
+}
+
+int world_see_frame(world *w, const gbuffer *g, image_error *error) {
+  if (w->job->settings->learn)
+    return 0;
+  return inject(w, g, HBIL_VIEW_DIRECT, error) != 0 ||
+                 update(w, ROUNDS_OF_A_FRAME, error) != 0
+             ? -1
+             : 0;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Learning                                                                  */
+
+static int load(world *w, image_error *error) {
+  const char *path = w->job->settings->cache_load;
+  const cache_file *file = &w->job->loaded;
+  if (file->size != hbil_cache_size(w->cache))
+    return image_fail(error, "%s: %llu bytes of a cache that has %zu", path,
+                      (unsigned long long)file->size,
+                      hbil_cache_size(w->cache));
+  void *bytes = malloc(file->size);
+  if (!bytes)
+    return image_no_memory(error, path);
+  int failed = cache_file_read_bytes(path, file, bytes, error);
+  if (!failed) {
+    const hbil_status status =
+        hbil_cache_load(w->cache, w->device->queue, bytes, file->size);
+    failed = status == HBIL_SUCCESS ? 0 : library_failed(w, status, error);
+  }
+  free(bytes);
+  return failed;
+}
+
+/* Direct light becomes the finished radiance, albedo (direct + indirect).  The
+ * library multiplies direct light by its scale over pi, radiance by nothing. */
+static void finish_radiance(const gbuffer *g, float direct_scale) {
+  const double to_radiance = (double)direct_scale / 3.14159265358979323846;
+  for (size_t c = 0; c < 3; c++) {
+    float *direct = gbuffer_plane(g, ROLE_DIRECT, c);
+    const float *indirect = gbuffer_plane(g, ROLE_INDIRECT, c);
+    const float *albedo = gbuffer_plane(g, ROLE_ALBEDO, c);
+    for (size_t i = 0; i < gbuffer_pixels(g); i++)
+      direct[i] =
+          (float)((albedo ? (double)albedo[i] : 1.0) *
+                  (to_radiance * (double)direct[i] + (double)indirect[i]));
+  }
+}
+
+static int learn(world *w, const job_frame *f, hbil_view_light light,
+                 image_error *error) {
+  gbuffer g;
+  if (gbuffer_read(f->path, &f->map, roles, &g, error) != 0)
+    return -1;
+  if (light == HBIL_VIEW_FINISHED)
+    finish_radiance(&g, w->config.inputs.direct_scale);
+  const int failed = inject(w, &g, light, error);
+  gbuffer_free(&g);
+  return failed;
+}
+
+/* Injects the views and, with --learn, all frames. */
+static int learn_pictures(world *w, image_error *error) {
+  const job *j = w->job;
+  const int count = j->view_count + (j->settings->learn ? j->count : 0);
+  int failed = 0;
+  progress shown;
+  progress_start(&shown, "radiance cache", 0.0, j->settings->quiet);
+  for (int i = 0; i < count && !failed; i++) {
+    failed =
+        i < j->view_count
+            ? learn(w, &j->views[i], j->settings->view_light, error)
+            : learn(w, &j->frames[i - j->view_count], HBIL_VIEW_DIRECT, error);
+    if (!failed)
+      progress_show(&shown, (double)(i + 1) / count);
+  }
+  progress_clear();
+  return failed;
+}
+
+int world_learn(world *w, image_error *error) {
+  const process_settings *s = w->job->settings;
+  const double start = progress_clock();
+  /* The bounces of a loaded cache were computed before it was saved. */
+  const unsigned rounds =
+      s->cache_load && !s->view_count && !s->learn ? 0 : ROUNDS_AT_FIRST;
+  if ((s->cache_load && load(w, error) != 0) || learn_pictures(w, error) != 0 ||
+      update(w, rounds, error) != 0)
+    return -1;
+  const cl_int status = clFinish(w->device->queue);
+  w->seconds = progress_clock() - start;
+  return status == CL_SUCCESS ? 0 : opencl_failed(w, status, "learning", error);
+}
+
+double world_learning_seconds(const world *w) {
+  return w->seconds;
+}
+
+int world_save(world *w, image_error *error) {
+  const hbil_cache_config *c = &w->config;
+  const char *path = w->job->settings->cache_save;
+  cache_file file = {.voxels = c->voxels,
+                     .levels = c->levels,
+                     .voxel_size = c->voxel_size,
+                     .size = hbil_cache_size(w->cache)};
+  memcpy(file.centre, c->centre, sizeof file.centre);
+  void *bytes = malloc(file.size);
+  if (!bytes)
+    return image_no_memory(error, path);
+  const hbil_status status =
+      hbil_cache_save(w->cache, w->device->queue, bytes, file.size);
+  const int failed = status == HBIL_SUCCESS
+                         ? cache_file_write(path, &file, bytes, error)
+                         : library_failed(w, status, error);
+  free(bytes);
+  return failed;
+}
+
+/* ------------------------------------------------------------------------ */
+/* The cache                                                                 */
+
+static void choose_by_file(job *j) {
+  j->cache.voxels = j->loaded.voxels;
+  j->cache.levels = j->loaded.levels;
+  j->cache.voxel_size = j->loaded.voxel_size;
+  memcpy(j->cache.centre, j->loaded.centre, sizeof j->cache.centre);
+}
+
+static int choose_by_pictures(job *j, image_error *error) {
+  const size_t count = (size_t)j->count, views = (size_t)j->view_count;
+  extent_picture *all = calloc(count + views, sizeof *all);
+  if (!all)
+    return image_no_memory(error, j->frames[0].path);
+  for (size_t i = 0; i < count + views; i++) {
+    const job_frame *f = i < count ? &j->frames[i] : &j->views[i - count];
+    all[i] = (extent_picture){f->path, &f->map};
+  }
+  const int failed =
+      extent_choose(all, count, all + count, views, &j->cache, error);
+  free(all);
+  return failed;
+}
+
+int world_choose(job *j, image_error *error) {
+  const process_settings *s = j->settings;
+  if (!j->world)
+    return 0;
+  hbil_cache_config_init(&j->cache);
+  if (s->cache_voxels)
+    j->cache.voxels = s->cache_voxels;
+  if (s->cache_load)
+    choose_by_file(j);
+  else if (choose_by_pictures(j, error) != 0)
+    return -1;
+  if (!s->radius_given)
+    j->config.model.radius =
+        (float)(HBIL_CACHE_NEAR_VOXELS * j->cache.voxel_size);
+  return 0;
+}
+
+static int make_cache(world *w, image_error *error) {
+  const hbil_plane_format planes_of_floats = {HBIL_FLOAT32, 1};
+  w->config = w->job->cache;
+  w->config.inputs = w->job->config.inputs;
+  w->config.gather_emission = w->job->config.model.gather_emission;
+  hbil_plane_format *const formats[] = {
+      &w->config.inputs.depth, &w->config.inputs.normal,
+      &w->config.inputs.albedo, &w->config.inputs.direct,
+      &w->config.inputs.emission};
+  for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+    if (channels_of(w, (int)i))
+      *formats[i] = planes_of_floats;
+  /* a view may show a sky, whose depth counts for all, where no frame does */
+  for (int i = 0; i < w->job->view_count; i++) {
+    hbil_config view;
+    hbil_config_init(&view);
+    channel_map_configure(&w->job->views[i].map, &view);
+    w->config.inputs.sky_depth =
+        fminf(w->config.inputs.sky_depth, view.inputs.sky_depth);
+  }
+  hbil_status status = hbil_cache_memory(w->context, &w->config, &w->memory);
+  if (status == HBIL_SUCCESS)
+    status = hbil_cache_create(w->context, &w->config, &w->cache);
+  return status == HBIL_SUCCESS ? 0 : library_failed(w, status, error);
+}
+
+/* "hbil: radiance cache: 64 x 64 x 64 voxels of 0.1 and 0.2 units, 43.1 MiB; 6
+ * views" */
+static void tell(const world *w) {
+  const job *j = w->job;
+  const process_settings *s = j->settings;
+  const hbil_cache_config *c = &w->config;
+  const char *before = "; ";
+  fprintf(stderr, "hbil: radiance cache: %u x %u x %u voxels of %.3g",
+          (unsigned)c->voxels, (unsigned)c->voxels, (unsigned)c->voxels,
+          c->voxel_size);
+  for (unsigned l = 1; l < c->levels; l++)
+    fprintf(stderr, "%s%.3g", l + 1 < c->levels ? ", " : " and ",
+            ldexp(c->voxel_size, (int)l));
+  fprintf(stderr, " units, %.1f MiB", (double)w->memory / 1048576.0);
+  if (s->cache_load) {
+    fputs(before, stderr);
+    report_text(s->cache_load, stderr);
+    before = ", ";
+  }
+  if (j->view_count) {
+    fprintf(stderr, "%s%d view%s", before, j->view_count,
+            j->view_count > 1 ? "s" : "");
+    before = ", ";
+  }
+  if (s->learn)
+    fprintf(stderr, "%sall frames", before);
+  else if (j->count > 1)
+    fprintf(stderr, "%searlier frames", before);
+  fputc('\n', stderr);
+}
+
+int world_open(const device *d, hbil_context *context, const job *j,
+               world **out, image_error *error) {
+  world *w = calloc(1, sizeof *w);
+  *out = NULL;
+  if (!w)
+    return image_no_memory(error, "world");
+  w->device = d;
+  w->context = context;
+  w->job = j;
+  if (make_cache(w, error) != 0) {
+    world_close(w);
+    return -1;
+  }
+  if (!j->settings->quiet)
+    tell(w);
+  *out = w;
+  return 0;
+}
+
+void world_close(world *w) {
+  if (!w)
+    return;
+  for (int i = 0; i < INPUTS; i++)
+    if (w->input[i])
+      clReleaseMemObject(w->input[i]);
+  hbil_cache_destroy(w->cache);
+  free(w);
+}
+
+hbil_cache *world_cache(const world *w) {
+  return w->cache;
+}
+
+size_t world_memory(const world *w) {
+  return w->memory;
+}
