@@ -109,6 +109,10 @@ void bench_fixture_close(bench_fixture *f) {
   free(f);
 }
 
+hbil_context *bench_fixture_context(const bench_fixture *f) {
+  return f->context;
+}
+
 /* --- one plan --- */
 
 /* Whether plans of this configuration read or write a plane. */
@@ -189,6 +193,7 @@ int bench_trial_run(const bench_trial *t, unsigned frame, unsigned frame_index,
   memcpy(h.hardware_depth, t->hardware_depth, sizeof h.hardware_depth);
   memcpy(h.environment, f->content->environment, sizeof h.environment);
   h.sky_share = f->content->sky_share;
+  h.cache = t->cache;
   for (int i = 0; i < BENCH_INPUTS; i++)
     if (reads(t, i))
       plane_at(&h, inputs[i].plane)->buffer =
@@ -199,6 +204,23 @@ int bench_trial_run(const bench_trial *t, unsigned frame, unsigned frame_index,
   const hbil_status status =
       hbil_enqueue_frame(t->plan, f->device->queue, &h, 0, NULL, NULL);
   return status == HBIL_SUCCESS ? 0 : library_failed(f, status, error);
+}
+
+void bench_trial_view(const bench_trial *t, unsigned frame, hbil_view *out) {
+  const bench_fixture *f = t->fixture;
+  hbil_plane *const planes[BENCH_INPUTS] = {[BENCH_DEPTH] = &out->depth,
+                                            [BENCH_NORMAL] = &out->normal,
+                                            [BENCH_ALBEDO] = &out->albedo,
+                                            [BENCH_DIRECT] = &out->direct,
+                                            [BENCH_EMISSION] = &out->emission};
+  hbil_view_init(out);
+  out->width = f->content->width;
+  out->height = f->content->height;
+  out->projection = t->config.inputs.projection;
+  out->camera = f->content->frame[frame].camera;
+  for (int i = 0; i < BENCH_INPUTS; i++)
+    if (planes[i])
+      planes[i]->buffer = f->input[frame][i];
 }
 
 int bench_trial_read(const bench_trial *t, bench_output output, float *out,

@@ -31,6 +31,9 @@ int bench_fixture_open(const bench_device *d, const bench_content *content,
                        bench_fixture **out, image_error *error);
 void bench_fixture_close(bench_fixture *f); /* allowed on NULL */
 
+/* The library on the device. */
+hbil_context *bench_fixture_context(const bench_fixture *f);
+
 /* --- one plan --- */
 
 /* A plan with the fixture's formats. */
@@ -43,6 +46,7 @@ typedef struct bench_trial {
    * in the formats of the configuration; and as hbil_frame has it. */
   cl_mem replaced[BENCH_INPUTS];
   double hardware_depth[2];
+  hbil_cache *cache; /* likewise */
 } bench_trial;
 
 /* config: settings; formats are filled in where it has none.  kernels: the
@@ -54,6 +58,9 @@ void bench_trial_close(bench_trial *t);
 /* Runs a frame of the content.  frame_index and is_static as in hbil_frame. */
 int bench_trial_run(const bench_trial *t, unsigned frame, unsigned frame_index,
                     int is_static, image_error *error);
+/* A frame of the content as a view of a cache whose inputs are those of the
+ * trial's configuration. */
+void bench_trial_view(const bench_trial *t, unsigned frame, hbil_view *out);
 /* The channels of an output of the last frame, plane after plane. */
 int bench_trial_read(const bench_trial *t, bench_output output, float *out,
                      image_error *error);

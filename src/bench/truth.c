@@ -7,6 +7,7 @@
 #include "bench/truth_measure.h"
 #include "bench/truth_process.h"
 #include "bench/truth_scene.h"
+#include "tool/paths.h"
 
 /* Runs after which the light of a frame is looked at. */
 static const unsigned looks[] = {1, 2, 4, 10, 50, 200};
@@ -32,6 +33,7 @@ typedef enum figure {
 
 typedef struct row {
   truth_scene scene;
+  truth_settings ours, paper;
   double figure[FIGURES];
   double grown[LOOKS];   /* mean light over the truth's after so many runs */
   double guessed[LOOKS]; /* mean E_far, most of which is a guess */
@@ -39,7 +41,6 @@ typedef struct row {
 
 typedef struct job {
   const bench_options *options;
-  process_settings ours, paper;
   char *folder; /* of results, for as long as the command runs */
   row *rows;
   size_t count;
@@ -109,7 +110,7 @@ static int light(job *j, const process_settings *settings, char *const *files,
 /* The last frame alone, so many times. */
 static int grow(job *j, row *r, const compare_side *truth,
                 const compare_mask *mask, double mean, image_error *error) {
-  process_settings settings = j->ours;
+  process_settings settings = r->ours.settings;
   char *const *last = &r->scene.frames[r->scene.count - 1];
   truth_figures all, guess;
   settings.warm_up = 0;
@@ -137,8 +138,10 @@ static int compare(job *j, row *r, const compare_side *truth,
   if (truth_measure_constant(mean, truth, mask, &constant, error) != 0 ||
       truth_measure_constant((const double[3]){0.0, 0.0, 0.0}, truth, mask,
                              &zero, error) != 0 ||
-      light(j, &j->ours, s->frames, s->count, truth, mask, &ours, error) != 0 ||
-      light(j, &j->paper, s->frames, s->count, truth, mask, &paper, error) != 0)
+      light(j, &r->ours.settings, s->frames, s->count, truth, mask, &ours,
+            error) != 0 ||
+      light(j, &r->paper.settings, s->frames, s->count, truth, mask, &paper,
+            error) != 0)
     return -1;
   const double least = constant.rmse;
   const double figures[FIGURES] = {[FLOOR] = least,
@@ -175,11 +178,12 @@ static int measure(job *j, row *r, image_error *error) {
 
 /* --- all scenes --- */
 
-static int check(const job *j, const truth_scene *s, image_error *error) {
+static int check(const row *r, image_error *error) {
+  const truth_scene *s = &r->scene;
   compare_side truth;
   uint32_t width, height;
-  if (truth_process_check(&j->ours, s->frames, s->count, &width, &height,
-                          error) != 0)
+  if (truth_process_check(&r->ours.settings, s->frames, s->count, &width,
+                          &height, error) != 0)
     return -1;
   int failed = truth_scene_read(s, &truth, error);
   const image *light = &truth.planes;
@@ -193,28 +197,46 @@ static int check(const job *j, const truth_scene *s, image_error *error) {
   return failed;
 }
 
+static void free_row(row *r) {
+  truth_settings_free(&r->ours);
+  truth_settings_free(&r->paper);
+  truth_scene_free(&r->scene);
+}
+
+/* A scene and its settings. */
+static int find(const job *j, const char *argument, row *r,
+                image_error *error) {
+  if (truth_scene_find(argument, &r->scene, error) != 0)
+    return -1;
+  char *folder = path_parent(r->scene.frames[r->scene.count - 1]);
+  if (!folder)
+    return image_no_memory(error, argument);
+  const int failed =
+      truth_settings_read(j->options, folder, 0, &r->ours, error) != 0 ||
+      truth_settings_read(j->options, folder, 1, &r->paper, error) != 0;
+  free(folder);
+  return failed ? -1 : 0;
+}
+
 /* Mistakes are told before anything takes time. */
 static int prepare(job *j, image_error *error) {
-  static char paper[] = "paper";
-  if (truth_settings_read(j->options, NULL, &j->ours, error) != 0 ||
-      truth_settings_read(j->options, paper, &j->paper, error) != 0)
-    return -1;
   j->rows = calloc(j->options->frame_count, sizeof *j->rows);
   if (!j->rows)
     return image_no_memory(error, "truth");
   for (; j->count < j->options->frame_count; j->count++)
-    if (truth_scene_find(j->options->frames[j->count], &j->rows[j->count].scene,
-                         error) != 0) {
-      truth_scene_free(&j->rows[j->count].scene);
+    if (find(j, j->options->frames[j->count], &j->rows[j->count], error) != 0) {
+      free_row(&j->rows[j->count]);
       return -1;
     }
   j->folder = truth_folder_make(error);
   if (!j->folder)
     return -1;
-  j->ours.output = j->paper.output = j->folder;
-  for (size_t i = 0; i < j->count; i++)
-    if (check(j, &j->rows[i].scene, error) != 0)
+  for (size_t i = 0; i < j->count; i++) {
+    row *r = &j->rows[i];
+    r->ours.settings.output = r->paper.settings.output = j->folder;
+    if (check(r, error) != 0)
       return -1;
+  }
   j->passes = 2 * j->count;
   for (int i = 0; i < LOOKS; i++)
     j->passes += looks[i] <= j->options->runs ? j->count : 0;
@@ -344,7 +366,7 @@ static int run(const bench_options *options, const bench_device *device,
     report_notes(&j, report);
   }
   for (size_t i = 0; i < j.count; i++)
-    truth_scene_free(&j.rows[i].scene);
+    free_row(&j.rows[i]);
   free(j.rows);
   truth_folder_remove(j.folder);
   return failed;
@@ -358,7 +380,10 @@ const bench_command bench_truth = {
         "how far are trivial answers?  FOLDER is one of\n"
         "  a folder of frame_NNNN.exr with cameras, and truth_avg_NNNN.exr of\n"
         "  the last one; without that file, the light in that frame, or its\n"
-        "  mean with that in seedB_NNNN.exr, is the truth;\n"
+        "  mean with that in seedB_NNNN.exr, is the truth; without any, the\n"
+        "  last truth_avg_NNNN.exr in the folder above, if frame_NNNN there "
+        "has\n"
+        "  the camera of the last one;\n"
         "  a folder with NAME.exr, its camera and NAME_truth.exr;\n"
         "  FOLDER/NAME of such a NAME.exr.  If there is no NAME_truth.exr,\n"
         "  NAME loses parts from the last _ on until there is one.\n"
@@ -367,11 +392,17 @@ const bench_command bench_truth = {
         "OPTIONS are those of hbil process, which runs over all frames, such "
         "as\n"
         "  hbil-bench truth FOLDER... -- --environment none\n"
+        "  hbil-bench truth FOLDER... -- --view '{scene}/views/face_*.exr'\n"
+        "{scene} stands for the scene's folder.  Behind --view, *, ? and "
+        "[...]\n"
+        "match names as in a shell; here alone, not in hbil process.\n"
         "\n"
         "Pixels and channels are those of hbil compare --mask.  The floor is\n"
         "the RMSE of the constant mean, the truth's mean colour everywhere.\n"
         "Over that floor are the RMSE of no light (zero), of --model paper\n"
-        "(behind OPTIONS) and of ours.  Chroma is the error of colour alone:\n"
+        "(behind OPTIONS,\n"
+        "and without a radiance cache) and of ours.  Chroma is the error of "
+        "colour alone:\n"
         "with c = (R,G,B) / (R+G+B), the root of the mean of |c - c_truth|^2,\n"
         "weighted by the truth's luminance, over pixels with all channels and\n"
         "a luminance of the truth above a thousandth of its mean.  Negative\n"

@@ -15,7 +15,6 @@
 #include "tool/paths.h"
 #include "tool/prepare_job.h"
 #include "tool/process.h"
-#include "tool/process_arguments.h"
 
 /* --- settings --- */
 
@@ -34,6 +33,7 @@ static int check_own(const process_arguments *a, image_error *error) {
              {s->dry_run, "--dry-run"},
              {s->preview, "--preview"},
              {s->contact_sheet != NULL, "--contact-sheet"},
+             {s->cache_save != NULL, "--cache-save"},
              {s->timings, s->json ? "--json" : "--timings"}};
   for (size_t i = 0; i < sizeof own / sizeof *own; i++)
     if (own[i].given)
@@ -44,23 +44,25 @@ static int check_own(const process_arguments *a, image_error *error) {
   return 0;
 }
 
-int truth_settings_read(const bench_options *options, char *model,
-                        process_settings *out, image_error *error) {
-  static char name[] = "truth: behind --", model_option[] = "--model";
-  process_arguments a;
-  char **words = calloc((size_t)options->process_count + 4, sizeof *words);
+/* The words that the parser of hbil process reads; getopt changes their order,
+ * not what they own. */
+static int read_words(const truth_words *words, int paper,
+                      process_arguments *out, image_error *error) {
+  static char name[] = "truth: behind --", model_option[] = "--model",
+              model[] = "paper";
+  char **all = calloc(words->count + 4, sizeof *all);
   int count = 0;
-  if (!words)
+  if (!all)
     return image_no_memory(error, name);
-  words[count++] = name; /* which begins the parser's messages */
-  for (int i = 0; i < options->process_count; i++)
-    words[count++] = options->process[i];
-  if (model) {
-    words[count++] = model_option;
-    words[count++] = model;
+  all[count++] = name; /* which begins the parser's messages */
+  for (size_t i = 0; i < words->count; i++)
+    all[count++] = words->words[i];
+  if (paper) {
+    all[count++] = model_option;
+    all[count++] = model;
   }
   optind = 0; /* getopt starts anew */
-  const int read = process_arguments_read(count, words, &a, error);
+  const int read = process_arguments_read(count, all, out, error);
   int failed = read < 0;
   if (read > 0)
     failed = image_fail(error,
@@ -68,14 +70,32 @@ int truth_settings_read(const bench_options *options, char *model,
                         "lists the options",
                         name);
   if (!failed)
-    failed = check_own(&a, error);
-  free(words);
-  *out = a.settings;
-  out->device = options->device;
-  out->layers = 1u << LAYER_INDIRECT | 1u << LAYER_FAR_IRRADIANCE;
-  out->quiet = 1;
-  out->overwrite = 1;
+    failed = check_own(out, error);
+  free(all);
   return failed ? -1 : 0;
+}
+
+int truth_settings_read(const bench_options *options, const char *folder,
+                        int paper, truth_settings *out, image_error *error) {
+  memset(out, 0, sizeof *out);
+  if (truth_words_make(options->process, (size_t)options->process_count, folder,
+                       &out->words, error) != 0 ||
+      read_words(&out->words, paper, &out->arguments, error) != 0)
+    return -1;
+  process_settings *s = &out->settings;
+  *s = out->arguments.settings;
+  s->device = options->device;
+  s->layers = 1u << LAYER_INDIRECT | 1u << LAYER_FAR_IRRADIANCE;
+  s->quiet = 1;
+  s->overwrite = 1;
+  s->no_cache |= paper;
+  return 0;
+}
+
+void truth_settings_free(truth_settings *s) {
+  process_arguments_free(&s->arguments);
+  truth_words_free(&s->words);
+  memset(s, 0, sizeof *s);
 }
 
 /* --- the folder --- */

@@ -7,17 +7,28 @@
 #include <stdint.h>
 
 #include "bench/command.h"
+#include "bench/truth_words.h"
 #include "image/error.h"
 #include "tool/compare_sides.h"
-#include "tool/settings.h"
+#include "tool/process_arguments.h"
+
+/* Settings, and what they point at. */
+typedef struct truth_settings {
+  process_settings settings;
+  process_arguments arguments; /* owned */
+  truth_words words;           /* owned */
+} truth_settings;
 
 /*
  * Reads options->process by the parser of hbil process, and behind them
- * `--model MODEL` unless model is NULL.  Options that say where results go or
- * what is printed are errors.  Returns 0, or -1 with `error` filled.
+ * `--model paper` if paper is set, which leaves the radiance cache out, too.
+ * folder: that of the scene (truth_words.h).  Options that say where results go
+ * or what is printed are errors.  Returns 0, or -1 with `error` filled;
+ * truth_settings_free() frees them in both cases.
  */
-int truth_settings_read(const bench_options *options, char *model,
-                        process_settings *out, image_error *error);
+int truth_settings_read(const bench_options *options, const char *folder,
+                        int paper, truth_settings *out, image_error *error);
+void truth_settings_free(truth_settings *s);
 
 /* Makes an empty folder for settings->output.  malloc'd; NULL with `error`
  * filled on failure. */

@@ -1,15 +1,18 @@
 /* Which files of a folder are frames, and which are their truth. */
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700 /* realpath() */
 #include "bench/truth_scene.h"
 
 #include <dirent.h>
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "bench/colour.h"
+#include "dump/frame_camera.h"
+#include "image/camera_json.h"
 #include "image/exr_read.h"
 #include "tool/paths.h"
 
@@ -19,7 +22,8 @@ static const char *const own_layers[] = {"DiffInd", "Diffuse Indirect",
 static const char *const layers[] = {"DiffInd", "Diffuse Indirect", "indirect",
                                      "", NULL};
 
-static const char frame_prefix[] = "frame_", truth_suffix[] = "_truth.exr";
+static const char frame_prefix[] = "frame_", truth_suffix[] = "_truth.exr",
+                  average_prefix[] = "truth_avg_";
 
 static int is_there(const char *path) {
   return path && access(path, F_OK) == 0;
@@ -98,14 +102,6 @@ static int has_indirect(const char *path, int *out, image_error *error) {
 static int take_own_truth(const char *folder, truth_scene *out,
                           image_error *error) {
   const char *last = out->frames[out->count - 1];
-  int found;
-  if (has_indirect(last, &found, error) != 0)
-    return -1;
-  if (!found)
-    return image_fail(error,
-                      "%s: no truth; truth_avg_NNNN.exr of the last frame %s, "
-                      "or DiffInd in that file, is needed",
-                      folder, strrchr(last, '/') + 1);
   free(out->truth);
   out->truth = strdup(last);
   out->second = beside_last(out, folder, "seedB");
@@ -118,14 +114,118 @@ static int take_own_truth(const char *folder, truth_scene *out,
   return 0;
 }
 
+/* --- the truth of the folder above --- */
+
+static int is_average(const struct dirent *entry) {
+  const char *name = entry->d_name;
+  return strncmp(name, average_prefix, strlen(average_prefix)) == 0 &&
+         ends_with(name, ".exr");
+}
+
+/* FOLDER/frame_NNNN.json for a truth_avg_NNNN.exr; NULL when out of memory. */
+static char *camera_of_truth(const char *folder, const char *average) {
+  char *start = path_join(folder, "/", "frame_");
+  char *frame =
+      start ? path_join(start, "", average + strlen(average_prefix)) : NULL;
+  char *camera = frame ? camera_file_beside(frame) : NULL;
+  free(start);
+  free(frame);
+  return camera;
+}
+
+/* Renderers store single precision, and know a camera by its matrix. */
+static int is_same_camera(const camera_file *a, const camera_file *b) {
+  int same = a->orthographic == b->orthographic &&
+             fabs(a->fx - b->fx) < 1e-4 * a->fx &&
+             fabs(a->fy - b->fy) < 1e-4 * a->fy;
+  for (int i = 0; i < 16; i++)
+    same = same && fabs(a->camera_to_world[i] - b->camera_to_world[i]) < 1e-4;
+  return same;
+}
+
+static int check_camera(const char *truth, const char *its, const char *last,
+                        image_error *error) {
+  camera_file a, b;
+  char *own = camera_file_beside(last);
+  if (!own || !its) {
+    free(own);
+    return image_no_memory(error, last);
+  }
+  int failed =
+      camera_read(its, &a, error) != 0 || camera_read(own, &b, error) != 0;
+  if (!failed && !is_same_camera(&a, &b))
+    failed = image_fail(error,
+                        "%s: another camera than that of %s; the truth of this "
+                        "frame is needed",
+                        truth, last);
+  free(own);
+  return failed ? -1 : 0;
+}
+
+/* PARENT/FOLDER in place of FOLDER, which many scenes may have. */
+static int name_by_parent(const char *parent, truth_scene *out,
+                          image_error *error) {
+  const char *slash = strrchr(parent, '/');
+  char *name =
+      path_join(slash && slash[1] ? slash + 1 : parent, "/", out->name);
+  if (!name)
+    return image_no_memory(error, parent);
+  free(out->name);
+  out->name = name;
+  return 0;
+}
+
+static int take_average(const char *parent, const char *average,
+                        truth_scene *out, image_error *error) {
+  char *camera = camera_of_truth(parent, average);
+  free(out->truth);
+  out->truth = path_join(parent, "/", average);
+  const int failed =
+      !out->truth ? image_no_memory(error, parent)
+                  : check_camera(out->truth, camera,
+                                 out->frames[out->count - 1], error) != 0 ||
+                        name_by_parent(parent, out, error) != 0;
+  free(camera);
+  return failed ? -1 : 0;
+}
+
+static int take_truth_above(const char *folder, truth_scene *out,
+                            image_error *error) {
+  struct dirent **list = NULL;
+  const char *last = strrchr(out->frames[out->count - 1], '/') + 1;
+  char *whole = realpath(folder, NULL); /* it may be called "." */
+  char *parent = whole ? path_parent(whole) : NULL;
+  free(whole);
+  if (!parent)
+    return image_no_memory(error, folder);
+  const int count = scandir(parent, &list, is_average, alphasort);
+  const int failed =
+      count > 0 ? take_average(parent, list[count - 1]->d_name, out, error)
+                : image_fail(error,
+                             "%s: no truth; truth_avg_NNNN.exr of the last "
+                             "frame %s, here or in the folder above, or "
+                             "DiffInd in that file, is needed",
+                             folder, last);
+  if (list)
+    free_list(list, count);
+  free(parent);
+  return failed;
+}
+
 static int take_sequence(const char *folder, struct dirent *const *list,
                          size_t count, truth_scene *out, image_error *error) {
+  int traced;
   if (take_frames(folder, list, count, out, error) != 0)
     return -1;
   out->truth = beside_last(out, folder, "truth_avg");
   if (!out->truth)
     return image_no_memory(error, folder);
-  return is_there(out->truth) ? 0 : take_own_truth(folder, out, error);
+  if (is_there(out->truth))
+    return 0;
+  if (has_indirect(out->frames[out->count - 1], &traced, error) != 0)
+    return -1;
+  return traced ? take_own_truth(folder, out, error)
+                : take_truth_above(folder, out, error);
 }
 
 /* --- NAME.exr and NAME_truth.exr --- */
