@@ -50,7 +50,7 @@ void unknown_report(const timing_row *rows, size_t count) {
           100.0 * mean);
   if (mean > MOST_UNKNOWN)
     fputs("hbil: warning: most of the indirect light is a guess, because the "
-          "frame doesn't show what surrounds it; --environment with the light "
-          "that is there helps\n",
+          "frame doesn't show what surrounds it; --view with other pictures of "
+          "the place, or --environment with the light that is there, helps\n",
           stderr);
 }
