@@ -97,6 +97,8 @@ says "temporal has means over frames" '^| 2x48 g2 | 4 | 0\.' \
 valid "temporal's JSON can be read" "$work/results/temporal.json"
 says "formats has the error of each format" '| FLOAT16 | 48 | 0\.' \
   tiny formats --pixels 40
+says "cache has what a view costs" '^| inject a view | [0-9]' \
+  tiny cache
 says "passes has the time of each pass" '^| 2x48 g2, motion vectors | [0-9]' \
   tiny passes
 works "passes compares kernels" tiny passes --name kernels --json \

@@ -154,8 +154,10 @@ small() {
     -e "s|--frames 1-240x2[0-9,]*|--frames 1-3x2 $gbuffer/frame_####.exr|" \
     -e "s|SCENE/frame_\*|$gbuffer/frame_*|; s|SCENE/frame_|$gbuffer/frame_|" \
     -e "s|[A-Za-z/]*truth[a-z_]*[0-9]*\.exr:[A-Za-z.]*|$lit:indirect|" \
-    -e "s|'\(views/\)\{0,1\}\(face_\*\|\*\)\.exr'|$gbuffer/frame_0003.exr|" \
-    -e "s|'\(walk\|frame\)_####\.exr'|'$gbuffer/frame_####.exr'|" \
+    -e "s,'\(views/\)\{0\,1\}\(face_\*\|\*\)\.exr',$gbuffer/frame_0003.exr," \
+    -e "s,'\(walk\|frame\)_####\.exr','$gbuffer/frame_####.exr'," \
+    -e 's|--cache-size N$|--cache-size 32|' \
+    -e 's|--view-light radiance|--view-light direct|' \
     -e "s|\([^/]\)\<\(frame_000[0-9].exr\)|\1$gbuffer/\2|g" \
     -e "s|\([^/]\)\<FRAME\.exr|\1$frame|g" \
     -e "s|\<[AB]\.exr:[a-zA-Z_]*|$lit:ao|g; s|--heatmap PNG|--heatmap heat.png|" \
