@@ -43,8 +43,7 @@ kernel void mean_part(const hbil_cache_args cache, global const uint *states,
   float8 sum = 0.0f;
   for (uint i = first; i < first + count; ++i)
     for (uint left = surfaces_of_word(states[i]); left; left &= left - 1u)
-      sum += telling_of(radiance, unlit_codes,
-                        WORD_VOXELS * i + (31u - clz(left & -left)) / 2u);
+      sum += telling_of(radiance, unlit_codes, first_surface(i, left));
   vstore8(sum, part + 1, means);
 }
 
@@ -170,7 +169,7 @@ kernel void bounce(const hbil_cache_bounce_args args, global const uint *states,
   if (!word_of_item(args.cache, &word))
     return;
   for (uint left = surfaces_of_word(states[word]); left; left &= left - 1u) {
-    const uint number = WORD_VOXELS * word + (31u - clz(left & -left)) / 2u;
+    const uint number = first_surface(word, left);
     if (number % (uint)max(args.share, 1) == (uint)args.phase)
       bounce_voxel(args, &map, voxels, radiance, means, unlit_codes, number);
   }
@@ -184,7 +183,7 @@ kernel void publish(const hbil_cache_args cache, global const uint *states,
   if (!word_of_item(cache, &word))
     return;
   for (uint left = surfaces_of_word(states[word]); left; left &= left - 1u) {
-    const uint number = WORD_VOXELS * word + (31u - clz(left & -left)) / 2u;
+    const uint number = first_surface(word, left);
     global const float *voxel = voxels + HBIL_VOXEL_FLOATS * (size_t)number;
     const float4 light = vload4(0, voxel + HBIL_VOXEL_SENT);
     const float4 reflectance =

@@ -124,8 +124,7 @@ typedef struct hbil_cache_bounce_args {
 } hbil_cache_bounce_args;
 HBIL_ASSERT_LAYOUT(hbil_cache_bounce_args, round, 40, 41)
 
-/* cache/clear.cl: forgets what lies outside a move.  low, high: voxels of each
- * level that stay, in cache space before it. */
+/* cache/move.cl */
 typedef struct hbil_cache_move_args {
   hbil_cache_args cache; /* after the move */
   hbil_int moved[3];     /* by so many voxels of the coarsest level */

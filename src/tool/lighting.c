@@ -97,7 +97,7 @@ int lighting_learn(lighting *l, image_error *error) {
 }
 
 int lighting_see(lighting *l, const gbuffer *g, image_error *error) {
-  return l->world ? world_see_frame(l->world, g, error) : 0;
+  return l->world ? world_see_frame(l->world, g, NULL, error) : 0;
 }
 
 int lighting_save(lighting *l, image_error *error) {

@@ -231,10 +231,11 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
   hbil_frame frame;
   fill_frame(s, &g->map, far, &frame);
   frame.static_frame = is_same(s, hash, &frame);
-  int failed = (s->world && world_see_frame(s->world, g, error) != 0) ||
-               upload(s, g, error) != 0 ||
-               run_passes(s, &frame, repeat, error) != 0 ||
-               download(s, result, hidden, error) != 0;
+  int failed =
+      upload(s, g, error) != 0 ||
+      (s->world && world_see_frame(s->world, g, s->input, error) != 0) ||
+      run_passes(s, &frame, repeat, error) != 0 ||
+      download(s, result, hidden, error) != 0;
   if (failed) {
     clFinish(s->device->queue); /* it may still read the planes */
     return -1;

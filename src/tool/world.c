@@ -94,8 +94,11 @@ static int upload(world *w, const gbuffer *g, int input, image_error *error) {
              : opencl_failed(w, status, "writing a buffer", error);
 }
 
-static int inject(world *w, const gbuffer *g, hbil_view_light light,
-                  image_error *error) {
+/* given: buffers that hold planes of the picture already; NULL, or NULL for an
+ * input: none does. */
+static int inject(world *w, const gbuffer *g, const cl_mem *given,
+                  hbil_view_light light, image_error *error) {
+  cl_mem planes_of[INPUTS] = {NULL};
   hbil_view view;
   hbil_view_init(&view);
   view.width = g->planes.width;
@@ -104,14 +107,18 @@ static int inject(world *w, const gbuffer *g, hbil_view_light light,
   view.projection = g->map.projection;
   view.light = light;
   channel_map_hardware_depth(&g->map, view.hardware_depth);
-  for (int i = 0; i < INPUTS; i++)
-    if (channels_of(w, i) && upload(w, g, i, error) != 0)
+  for (int i = 0; i < INPUTS; i++) {
+    if (!channels_of(w, i))
+      continue;
+    if (!(given && given[i]) && upload(w, g, i, error) != 0)
       return -1;
+    planes_of[i] = given && given[i] ? given[i] : w->input[i];
+  }
   hbil_plane *const planes[] = {&view.depth,  &view.normal,   &view.albedo,
                                 &view.direct, &view.emission, NULL};
   for (int i = 0; i < INPUTS; i++)
     if (planes[i])
-      planes[i]->buffer = channels_of(w, i) ? w->input[i] : NULL;
+      planes[i]->buffer = planes_of[i];
   const hbil_status status = hbil_enqueue_cache_inject(
       w->cache, w->device->queue, &view, 1, 0, NULL, NULL);
   return status == HBIL_SUCCESS ? 0 : library_failed(w, status, error);
@@ -128,10 +135,11 @@ static int update(world *w, unsigned rounds, image_error *error) {
   return status == HBIL_SUCCESS ? 0 : library_failed(w, status, error);
 }
 
-int world_see_frame(world *w, const gbuffer *g, image_error *error) {
+int world_see_frame(world *w, const gbuffer *g, const cl_mem *given,
+                    image_error *error) {
   if (w->job->settings->learn)
     return 0;
-  return inject(w, g, HBIL_VIEW_DIRECT, error) != 0 ||
+  return inject(w, g, given, HBIL_VIEW_DIRECT, error) != 0 ||
                  update(w, ROUNDS_OF_A_FRAME, error) != 0
              ? -1
              : 0;
@@ -182,7 +190,7 @@ static int learn(world *w, const job_frame *f, hbil_view_light light,
     return -1;
   if (light == HBIL_VIEW_FINISHED)
     finish_radiance(&g, w->config.inputs.direct_scale);
-  const int failed = inject(w, &g, light, error);
+  const int failed = inject(w, &g, NULL, light, error);
   gbuffer_free(&g);
   return failed;
 }

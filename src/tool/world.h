@@ -33,8 +33,11 @@ int world_learn(world *w, image_error *error);
 double world_learning_seconds(const world *w);
 
 /* Injects a frame before its light is computed, and lets light bounce.  Nothing
- * if it has been learnt already.  0, or -1 with `error` filled. */
-int world_see_frame(world *w, const gbuffer *g, image_error *error);
+ * if it has been learnt already.  given: INPUTS buffers, of those inputs that
+ * are on the device already, the others NULL; or NULL.  0, or -1 with `error`
+ * filled. */
+int world_see_frame(world *w, const gbuffer *g, const cl_mem *given,
+                    image_error *error);
 
 /* Writes the cache to settings->cache_save.  0, or -1 with `error` filled. */
 int world_save(world *w, image_error *error);
