@@ -58,6 +58,8 @@ typedef struct hbil_cache hbil_cache;
  * what is farther away, the cache knows better (doc/measurements.md). */
 #define HBIL_CACHE_NEAR_VOXELS 4.0
 
+#define HBIL_PROVIDER_BIT(provider) (1u << (provider))
+
 typedef struct hbil_cache_config {
   size_t struct_size; /* set by hbil_cache_config_init(); see hbil_config */
   /* Voxels across a level, each way: 16, 32, 64 (default), 128 or 256. */
@@ -84,6 +86,10 @@ typedef struct hbil_cache_config {
    * (doc/measurements.md)
    */
   float unseen_light;
+  /* Which providers plans may ask it by (hbil_model.provider): bits of
+   * HBIL_PROVIDER_BIT(); default 0.  HBIL_PROVIDER_RAYS needs none.  The others
+   * need memory and time in every update. */
+  cl_uint providers;
 } hbil_cache_config;
 
 /* Sets the defaults.  Use the macro. */
@@ -149,6 +155,22 @@ HBIL_API hbil_status hbil_enqueue_cache_inject(
     cl_uint count, cl_uint wait_count, const cl_event *wait_list,
     cl_event *event);
 
+/* Reflective shadow maps of a cache at most. */
+#define HBIL_MAX_LIGHT_VIEWS 4
+
+/* With HBIL_PROVIDER_RSM: enqueues that these views become the cache's
+ * reflective shadow maps, in place of all earlier ones: pictures from where
+ * lights are (perspective from a spot, orthographic along the sun's rays),
+ * whose surfaces light the frames.  `direct` must be that light's alone, or
+ * surfaces count twice that several views show.  Of views with more than 2^16
+ * pixels every n-th pixel of every n-th row is read.  All else is as in
+ * hbil_enqueue_cache_inject(), which takes the same views. */
+HBIL_API hbil_status hbil_enqueue_rsm(hbil_cache *cache, cl_command_queue queue,
+                                      const hbil_view *views, cl_uint count,
+                                      cl_uint wait_count,
+                                      const cl_event *wait_list,
+                                      cl_event *event);
+
 typedef struct hbil_cache_update {
   size_t struct_size; /* set by hbil_cache_update_init(); see hbil_config */
   /* Bounces to compute, 0..1024; default 1.  Some 16 follow a first injection;
@@ -164,6 +186,10 @@ typedef struct hbil_cache_update {
    * none, because `direct` contains the sky.  Default HBIL_FAR_NONE */
   hbil_far_field far_field;
   float environment[9][3];
+  /* With HBIL_PROVIDER_LPV: steps of light from cell to cell, 0..1024; default
+   * 16.  Light needs as many steps as its way is long in cells, which are two
+   * voxels wide; after changes a few a frame follow them. */
+  cl_uint steps;
 } hbil_cache_update;
 
 /* Sets the defaults.  Use the macro. */

@@ -271,6 +271,25 @@ typedef enum hbil_back_facing_fallback {
   HBIL_FALLBACK_FRAME_MEAN = 2
 } hbil_back_facing_fallback;
 
+/* How a plan finds the light of a radiance cache (hbil_cache.h), at probes all
+ * over the picture.  Their errors and times are in doc/measurements.md. */
+typedef enum hbil_provider {
+  HBIL_PROVIDER_NONE = 0, /* frames have no cache */
+  /* Rays from surface to surface: the most accurate one */
+  HBIL_PROVIDER_RAYS = 1,
+  /* Cones through coarser and coarser means of the cache (Crassin and others
+   * 2011, "Interactive Indirect Illumination Using Voxel Cone Tracing") */
+  HBIL_PROVIDER_CONES = 2,
+  /* Light propagation volumes: light spreads from the cache's surfaces from
+   * cell to cell (Kaplanyan and Dachsbacher 2010, "Cascaded Light Propagation
+   * Volumes for Real-Time Indirect Illumination") */
+  HBIL_PROVIDER_LPV = 3,
+  /* Reflective shadow maps: the first bounce of the lights whose views are
+   * given to hbil_enqueue_rsm(), without occlusion (Dachsbacher and Stamminger
+   * 2005, "Reflective Shadow Maps") */
+  HBIL_PROVIDER_RSM = 4
+} hbil_provider;
+
 typedef struct hbil_model {
   hbil_mode mode;       /* default HBIL */
   hbil_falloff falloff; /* for HBIL_MODE_HBAO only; default LINEAR */
@@ -300,10 +319,10 @@ typedef struct hbil_model {
    * are alike on all sides; default 0.76, chosen by its error on path-traced
    * scenes (doc/measurements.md) */
   float unseen_light;
-  /* CL_TRUE: frames may have a radiance cache (hbil_frame.cache), and open
-   * directions get the light that it knows (hbil_cache.h).  For HBIL_MODE_HBIL;
-   * default CL_FALSE; model */
-  cl_bool world_cache;
+  /* Frames may have a radiance cache (hbil_frame.cache), and open directions
+   * get the light that it knows (hbil_cache.h), found in this way.  For
+   * HBIL_MODE_HBIL; default HBIL_PROVIDER_NONE; model */
+  hbil_provider provider;
 } hbil_model;
 
 /* Named models of light and occluders. */
@@ -317,12 +336,12 @@ typedef enum hbil_model_name {
   HBIL_MODEL_PAPER = 1,
   /* The default for frames with a radiance cache, which knows what is behind
    * thin things: as HBIL_MODEL_DEFAULT, but relative_thickness 0.03 and
-   * world_cache on */
+   * HBIL_PROVIDER_RAYS */
   HBIL_MODEL_WORLD = 2
 } hbil_model_name;
 
 /* Sets thickness, relative_thickness, facing_fade, back_facing_fallback,
- * feedback, extrapolate and world_cache.  Returns HBIL_INVALID_ARGUMENT if
+ * feedback, extrapolate and provider.  Returns HBIL_INVALID_ARGUMENT if
  * model is null or name is not in the list. */
 HBIL_API hbil_status hbil_model_set(hbil_model *model, hbil_model_name name);
 

@@ -96,5 +96,8 @@ kernel void read_view(const hbil_cache_view_args args, global uint *texels,
                     pack_reflectance(reflectance),
                     word_of_light((float3)(sent[0], sent[1], sent[2])));
   }
-  vstore4(texel, (size_t)row * (size_t)args.width + (size_t)column, texels);
+  vstore4(texel,
+          (size_t)args.first + (size_t)row * (size_t)args.width +
+              (size_t)column,
+          texels);
 }

@@ -100,8 +100,9 @@ typedef struct hbil_cache_view_args {
   hbil_external_plane_args depth, normal, albedo, f0, direct, emission;
   hbil_depth_args decode;
   hbil_float direct_scale;
+  hbil_int first; /* texels of the buffer before the table */
 } hbil_cache_view_args;
-HBIL_ASSERT_LAYOUT(hbil_cache_view_args, direct_scale, 65, 66)
+HBIL_ASSERT_LAYOUT(hbil_cache_view_args, first, 66, 67)
 
 /* cache/inject.cl.  view: of texels; lengths in voxels of level 0. */
 typedef struct hbil_cache_inject_args {
@@ -143,6 +144,41 @@ enum {
   HBIL_PROBE_FLOATS = 28
 };
 
+/* Floats of a texel of the pyramid (lib/pyramid.clh): light times opacity, and
+ * opacity, along +x -x +y -y +z -z; then the shares of its voxels that no view
+ * has seen, and that have the sky behind. */
+enum { HBIL_MIP_UNSEEN = 24, HBIL_MIP_SKY = 25, HBIL_MIP_FLOATS = 28 };
+
+/* Cones of a probe. */
+#define HBIL_CONES 16
+/* Where a cone begins, in voxels: a voxel's diagonal, so that it leaves its own
+ * surface. */
+#define HBIL_CONE_START 1.7f
+/* The size of the voxels that a cone is sampled in, over its width.  With
+ * interpolation a sample is wider than a voxel (doc/measurements.md). */
+#define HBIL_CONE_DETAIL 0.7f
+
+/* Planes of a light propagation volume (lib/volumes.clh). */
+#define HBIL_VOLUME_PLANES 15
+
+/* Views of lights: as many as the public header says, texels of each, and how
+ * many of them a probe asks. */
+enum { HBIL_LIGHT_VIEWS = 4, HBIL_LIGHT_MOST_TEXELS = 1 << 16 };
+#define HBIL_RSM_SAMPLES 64
+
+/* Lengths in voxels of level 0, places in cache space. */
+typedef struct hbil_light_view_args {
+  hbil_view_args view; /* of texels */
+  hbil_transform_args to_cache;
+  hbil_int flat; /* orthographic */
+} hbil_light_view_args;
+HBIL_ASSERT_LAYOUT(hbil_light_view_args, flat, 20, 21)
+typedef struct hbil_light_views_args {
+  hbil_int count;
+  hbil_light_view_args light[HBIL_LIGHT_VIEWS];
+} hbil_light_views_args;
+HBIL_ASSERT_LAYOUT(hbil_light_views_args, light, 1, 85)
+
 /* A probe counts half at a distance from its plane of two thirds of this share
  * of the depth. */
 #define HBIL_PROBE_TOLERANCE 0.02f
@@ -150,7 +186,7 @@ enum {
 /* Rays of a probe. */
 #define HBIL_PROBE_RAYS 32
 
-/* cache/probes.cl */
+/* cache/probe_*.cl, cache/filter_probes.cl */
 typedef struct hbil_probes_args {
   hbil_cache_args cache;
   hbil_probe_grid_args grid;

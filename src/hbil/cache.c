@@ -14,6 +14,28 @@ size_t cache_voxel_count(const hbil_cache_config *config) {
   return n * n * n * config->levels;
 }
 
+bool cache_has(const hbil_cache_config *config, hbil_provider provider) {
+  return provider == HBIL_PROVIDER_RAYS ||
+         (config->providers & HBIL_PROVIDER_BIT(provider)) != 0;
+}
+
+static size_t pyramid_texels(size_t across) {
+  size_t sum = 0;
+  for (; across > 0; across /= 2)
+    sum += across * across * across;
+  return sum;
+}
+
+/* Of all levels' volumes of so many planes, with room for a vector behind. */
+static size_t volume_bytes(const hbil_cache_config *config, size_t planes) {
+  const size_t across = config->voxels / 2 + 2;
+  return cache_has(config, HBIL_PROVIDER_LPV)
+             ? sizeof(cl_float) *
+                   (planes * across * across * across * config->levels +
+                    HBIL_WIDEST)
+             : 0;
+}
+
 size_t cache_buffer_bytes(const hbil_cache_config *config, int buffer) {
   const size_t voxels = cache_voxel_count(config);
   switch (buffer) {
@@ -28,6 +50,23 @@ size_t cache_buffer_bytes(const hbil_cache_config *config, int buffer) {
     return HBIL_VOXEL_FLOATS * sizeof(cl_float) * voxels;
   case CACHE_RADIANCE:
     return sizeof(cl_uint) * voxels;
+  case CACHE_PYRAMID:
+    return cache_has(config, HBIL_PROVIDER_CONES)
+               ? HBIL_MIP_FLOATS * sizeof(cl_float) *
+                     pyramid_texels(config->voxels / 2)
+               : 0;
+  case CACHE_SOURCES:
+    return volume_bytes(config, 12);
+  case CACHE_OPACITIES:
+    return volume_bytes(config, 6);
+  case CACHE_VOLUMES:
+  case CACHE_VOLUMES_NEXT:
+    return volume_bytes(config, HBIL_VOLUME_PLANES);
+  case CACHE_LIGHT_VIEWS:
+    return cache_has(config, HBIL_PROVIDER_RSM)
+               ? sizeof(cl_uint) * HBIL_MAX_LIGHT_VIEWS * HBIL_TEXEL_WORDS *
+                     (size_t)HBIL_LIGHT_MOST_TEXELS
+               : 0;
   case CACHE_MEANS:
     return 8 * sizeof(cl_float) * (1 + HBIL_CACHE_PARTS);
   default:

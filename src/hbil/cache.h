@@ -14,6 +14,9 @@ enum {
   CACHE_PROGRAM_WAYS,
   CACHE_PROGRAM_BOUNCE,
   CACHE_PROGRAM_MOVE,
+  CACHE_PROGRAM_PYRAMID,
+  CACHE_PROGRAM_VOLUMES,
+  CACHE_PROGRAM_PROPAGATE,
   CACHE_PROGRAM_COUNT
 };
 
@@ -29,6 +32,11 @@ enum {
   CACHE_KERNEL_BOUNCE,
   CACHE_KERNEL_PUBLISH,
   CACHE_KERNEL_FORGET,
+  CACHE_KERNEL_FIRST_STEP,
+  CACHE_KERNEL_NEXT_STEP,
+  CACHE_KERNEL_VOLUME_SOURCES,
+  CACHE_KERNEL_VOLUME_BORDER,
+  CACHE_KERNEL_PROPAGATE,
   CACHE_KERNEL_COUNT
 };
 /* trial launches are counted by kernel */
@@ -43,6 +51,13 @@ enum {
   CACHE_UNLIT,    /* a byte a voxel: how much of the open is no sky */
   CACHE_MEANS,    /* mean radiance and unlit part; then sums of parts */
   CACHE_TEXELS,   /* of the view that is being injected */
+  /* for other providers than rays */
+  CACHE_PYRAMID,      /* HBIL_MIP_FLOATS floats a texel (lib/pyramid.clh) */
+  CACHE_SOURCES,      /* 12 planes a volume (lib/volumes.clh) */
+  CACHE_OPACITIES,    /* 6 planes a volume */
+  CACHE_VOLUMES,      /* HBIL_VOLUME_PLANES planes a volume ... */
+  CACHE_VOLUMES_NEXT, /* ... and the same after a step */
+  CACHE_LIGHT_VIEWS,  /* HBIL_LIGHT_MOST_TEXELS texels each */
   CACHE_BUFFER_COUNT
 };
 
@@ -57,6 +72,12 @@ struct hbil_cache {
   timeline line;
   cl_long middle[3]; /* in voxels of the coarsest level */
   cl_uint round;     /* of bounces so far, which turns their rays */
+  struct {
+    hbil_camera camera;
+    hbil_view_args texels; /* lengths in voxels of level 0 */
+    bool flat;
+  } light[HBIL_MAX_LIGHT_VIEWS]; /* views in CACHE_LIGHT_VIEWS ... */
+  cl_int lights;                 /* ... and how many there are */
 };
 
 /* Numbers of voxels of all levels. */
@@ -71,6 +92,9 @@ hbil_status cache_check_memory(hbil_context *context,
                                const hbil_cache_config *config);
 /* Bytes of a buffer. */
 size_t cache_buffer_bytes(const hbil_cache_config *config, int buffer);
+
+/* Whether plans may ask the cache by this provider. */
+bool cache_has(const hbil_cache_config *config, hbil_provider provider);
 
 /* Where the cache is, as kernels take it; the middle in the world; voxels of
  * level 0 per world unit. */
@@ -97,6 +121,24 @@ hbil_status inject_view(commands *chain, hbil_cache *cache,
                         const hbil_view *view);
 hbil_status update_cache(commands *chain, hbil_cache *cache,
                          const hbil_cache_update *update);
+/* cache_pyramid.c, cache_volumes.c: bring them up to date with the voxels. */
+hbil_status build_pyramid(commands *chain, hbil_cache *cache);
+hbil_status empty_volumes(commands *chain, hbil_cache *cache);
+hbil_status spread_light(commands *chain, hbil_cache *cache,
+                         const hbil_cache_update *update);
+/* cache_light_view.c: makes a view the light view `number`; and all of them as
+ * the kernel takes them. */
+hbil_status read_light_view(commands *chain, hbil_cache *cache,
+                            const hbil_view *view, cl_int number);
+hbil_light_views_args light_views_args(const hbil_cache *cache);
+/* cache_inject.c: the i-th of a caller's views, and its checks. */
+const hbil_view *view_at(const hbil_view *views, cl_uint i);
+hbil_status check_view(hbil_cache *cache, const hbil_view *views, cl_uint i);
+/* cache_inject.c: a view becomes a table of `most` texels or fewer, which
+ * begins behind `first` texels of a buffer and whose camera is *of_texels. */
+hbil_status read_texels(commands *chain, hbil_cache *cache,
+                        const hbil_view *view, int buffer, cl_uint first,
+                        cl_uint most, hbil_view_args *of_texels);
 hbil_status forget_outside(commands *chain, hbil_cache *cache,
                            const cl_long moved[3]);
 hbil_status forget_all(commands *chain, hbil_cache *cache);

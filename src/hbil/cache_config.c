@@ -10,9 +10,9 @@
 
 /* Bytes in version 0.1 (sized.h). */
 enum {
-  FIRST_CACHE_CONFIG_SIZE = SIZE_UP_TO(hbil_cache_config, unseen_light),
+  FIRST_CACHE_CONFIG_SIZE = SIZE_UP_TO(hbil_cache_config, providers),
   FIRST_VIEW_SIZE = SIZE_UP_TO(hbil_view, hardware_depth),
-  FIRST_UPDATE_SIZE = SIZE_UP_TO(hbil_cache_update, environment)
+  FIRST_UPDATE_SIZE = SIZE_UP_TO(hbil_cache_update, steps)
 };
 
 /* --- defaults --- */
@@ -37,7 +37,7 @@ void hbil_view_init_sized(hbil_view *view, size_t struct_size) {
 void hbil_cache_update_init_sized(hbil_cache_update *update,
                                   size_t struct_size) {
   static const hbil_cache_update defaults = {
-      .rounds = 1, .rays = 16, .share = 1};
+      .rounds = 1, .rays = 16, .share = 1, .steps = 16};
   init_sized(update, struct_size, &defaults, sizeof defaults);
 }
 
@@ -74,6 +74,11 @@ static hbil_status check_ranges(hbil_context *context,
   if (!(c->unseen_light >= 0.0f && c->unseen_light <= 1.0f))
     return fail(context, HBIL_INVALID_CONFIG,
                 "unseen_light: %g is outside 0 .. 1", (double)c->unseen_light);
+  const cl_uint all = HBIL_PROVIDER_BIT(HBIL_PROVIDER_RSM + 1) - 1;
+  if (c->providers & ~all)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "providers: 0x%x; must be bits of HBIL_PROVIDER_BIT()",
+                (unsigned)c->providers);
   return HBIL_SUCCESS;
 }
 
@@ -166,6 +171,7 @@ hbil_status cache_update_take(hbil_context *context,
   } ranges[] = {{"rounds", own->rounds, 0, 1024},
                 {"rays", own->rays, 1, 256},
                 {"share", own->share, 1, 4096},
+                {"steps", own->steps, 0, 1024},
                 {"far_field", (cl_uint)own->far_field, 0, HBIL_FAR_FRAME}};
   for (size_t i = 0;
        i < sizeof ranges / sizeof *ranges && status == HBIL_SUCCESS; ++i)

@@ -22,6 +22,9 @@ static const program_kind programs[CACHE_PROGRAM_COUNT] = {
     [CACHE_PROGRAM_WAYS] = {"cache/ways", .defines = "-DHBIL_WIDTH=1"},
     [CACHE_PROGRAM_BOUNCE] = {"cache/bounce", true, ""},
     [CACHE_PROGRAM_MOVE] = {"cache/move", .defines = "-DHBIL_WIDTH=1"},
+    [CACHE_PROGRAM_PYRAMID] = {"cache/pyramid", .defines = "-DHBIL_WIDTH=1"},
+    [CACHE_PROGRAM_VOLUMES] = {"cache/volumes", .defines = "-DHBIL_WIDTH=1"},
+    [CACHE_PROGRAM_PROPAGATE] = {"cache/propagate", .defines = ""},
 };
 
 static const struct {
@@ -39,7 +42,24 @@ static const struct {
     [CACHE_KERNEL_BOUNCE] = {"bounce", CACHE_PROGRAM_BOUNCE},
     [CACHE_KERNEL_PUBLISH] = {"publish", CACHE_PROGRAM_BOUNCE},
     [CACHE_KERNEL_FORGET] = {"forget", CACHE_PROGRAM_MOVE},
+    [CACHE_KERNEL_FIRST_STEP] = {"first_step", CACHE_PROGRAM_PYRAMID},
+    [CACHE_KERNEL_NEXT_STEP] = {"next_step", CACHE_PROGRAM_PYRAMID},
+    [CACHE_KERNEL_VOLUME_SOURCES] = {"volume_sources", CACHE_PROGRAM_VOLUMES},
+    [CACHE_KERNEL_VOLUME_BORDER] = {"volume_border", CACHE_PROGRAM_PROPAGATE},
+    [CACHE_KERNEL_PROPAGATE] = {"propagate", CACHE_PROGRAM_PROPAGATE},
 };
+
+/* Some programs are for one provider only. */
+static bool program_needed(const hbil_cache *cache, int program) {
+  switch (program) {
+  case CACHE_PROGRAM_PYRAMID:
+    return cache_has(&cache->config, HBIL_PROVIDER_CONES);
+  case CACHE_PROGRAM_VOLUMES:
+  case CACHE_PROGRAM_PROPAGATE:
+    return cache_has(&cache->config, HBIL_PROVIDER_LPV);
+  }
+  return true;
+}
 
 static hbil_status build_kernels(hbil_cache *cache,
                                  binary_identity identity[]) {
@@ -49,10 +69,13 @@ static hbil_status build_kernels(hbil_cache *cache,
       write_defines(context, &cache->views.config, &cache->views.layout,
                     defines, sizeof defines);
   for (int i = 0; i < CACHE_PROGRAM_COUNT && status == HBIL_SUCCESS; ++i)
-    status = program_build(context, &programs[i], defines, &cache->programs[i],
-                           &identity[i]);
+    if (program_needed(cache, i))
+      status = program_build(context, &programs[i], defines,
+                             &cache->programs[i], &identity[i]);
   for (int i = 0; i < CACHE_KERNEL_COUNT && status == HBIL_SUCCESS; ++i) {
     cl_int error = CL_SUCCESS;
+    if (!cache->programs[kernels[i].program])
+      continue;
     cache->kernels[i] = clCreateKernel(cache->programs[kernels[i].program],
                                        kernels[i].name, &error);
     if (!cache->kernels[i])
@@ -66,9 +89,11 @@ static hbil_status build_kernels(hbil_cache *cache,
 static hbil_status allocate_buffers(hbil_cache *cache) {
   for (int i = 0; i < CACHE_BUFFER_COUNT; ++i) {
     cl_int error = CL_SUCCESS;
-    cache->buffers[i] =
-        clCreateBuffer(cache->context->context, CL_MEM_READ_WRITE,
-                       cache_buffer_bytes(&cache->config, i), NULL, &error);
+    const size_t bytes = cache_buffer_bytes(&cache->config, i);
+    if (!bytes)
+      continue;
+    cache->buffers[i] = clCreateBuffer(cache->context->context,
+                                       CL_MEM_READ_WRITE, bytes, NULL, &error);
     if (!cache->buffers[i])
       return fail_cl(cache->context, error, "clCreateBuffer");
   }
@@ -162,7 +187,8 @@ hbil_status hbil_cache_create(hbil_context *context,
     return status;
   }
   for (int i = 0; i < CACHE_PROGRAM_COUNT; ++i)
-    binary_store(context, cache->programs[i], &identity[i]);
+    if (cache->programs[i])
+      binary_store(context, cache->programs[i], &identity[i]);
   *out = cache;
   return HBIL_SUCCESS;
 }

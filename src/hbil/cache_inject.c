@@ -34,13 +34,12 @@ static void describe(hbil_cache *cache, const hbil_view *view) {
 
 /* A caller's view, whose header may have a smaller struct: views are as far
  * apart as the first one says. */
-static const hbil_view *view_at(const hbil_view *views, cl_uint i) {
+const hbil_view *view_at(const hbil_view *views, cl_uint i) {
   return (const hbil_view *)((const char *)views +
                              (size_t)i * views->struct_size);
 }
 
-static hbil_status check_view(hbil_cache *cache, const hbil_view *views,
-                              cl_uint i) {
+hbil_status check_view(hbil_cache *cache, const hbil_view *views, cl_uint i) {
   hbil_view view;
   const hbil_view *given = view_at(views, i);
   if (given->struct_size != views->struct_size)
@@ -57,21 +56,21 @@ static hbil_status check_view(hbil_cache *cache, const hbil_view *views,
   return check_frame(&cache->views, &frame, inputs);
 }
 
-/* Every `stride`th pixel and row fit into the table of texels. */
-static cl_uint stride_of(const hbil_view *view) {
+/* Every `stride`th pixel and row fit into a table of so many texels. */
+static cl_uint stride_of(const hbil_view *view, cl_uint most) {
   cl_uint stride = 1;
   while ((size_t)((view->width + stride - 1) / stride) *
              ((view->height + stride - 1) / stride) >
-         HBIL_CACHE_MOST_TEXELS)
+         most)
     ++stride;
   return stride;
 }
 
 static hbil_cache_view_args view_args(const hbil_cache *cache,
                                       const hbil_view *view,
-                                      const hbil_frame *frame) {
+                                      const hbil_frame *frame, cl_uint most) {
   const hbil_config *config = &cache->views.config;
-  const cl_uint stride = stride_of(view);
+  const cl_uint stride = stride_of(view, most);
   return (hbil_cache_view_args){
       .view = camera_view(&view->camera, config),
       .stride = (cl_int)stride,
@@ -104,15 +103,15 @@ static hbil_view_args texel_view(const hbil_cache *cache, const hbil_view *view,
   return v;
 }
 
-hbil_status inject_view(commands *chain, hbil_cache *cache,
-                        const hbil_view *view) {
+hbil_status read_texels(commands *chain, hbil_cache *cache,
+                        const hbil_view *view, int buffer, cl_uint first,
+                        cl_uint most, hbil_view_args *of_texels) {
   const hbil_config *config = &cache->views.config;
   const int flat = view->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
   const hbil_frame frame = frame_of_view(view);
-  double centre[3];
   describe(cache, view);
-  cache_centre(cache, centre);
-  hbil_cache_view_args table = view_args(cache, view, &frame);
+  hbil_cache_view_args table = view_args(cache, view, &frame, most);
+  table.first = (cl_int)first;
   const cl_mem depth = plane_bind(config, &frame, PLANE_DEPTH, &table.depth);
   const cl_mem normal = plane_bind(config, &frame, PLANE_NORMAL, &table.normal);
   const cl_mem albedo = plane_bind(config, &frame, PLANE_ALBEDO, &table.albedo);
@@ -120,24 +119,31 @@ hbil_status inject_view(commands *chain, hbil_cache *cache,
   const cl_mem direct = plane_bind(config, &frame, PLANE_DIRECT, &table.direct);
   const cl_mem emission =
       plane_bind(config, &frame, PLANE_EMISSION, &table.emission);
-  const argument read[] = {ARG(table),  ARG(cache->buffers[CACHE_TEXELS]),
+  const argument read[] = {ARG(table),  ARG(cache->buffers[buffer]),
                            ARG(depth),  ARG(normal),
                            ARG(albedo), ARG(f0),
                            ARG(direct), ARG(emission)};
-  const hbil_cache_inject_args args = {
-      .cache = cache_args(cache),
-      .view = texel_view(cache, view, &table),
-      .to_view = camera_from_cache(&view->camera, centre, cache_scale(cache),
-                                   cache_scale(cache)),
-      .to_cache = camera_to_cache(&view->camera, centre, cache_scale(cache),
-                                  cache_scale(cache)),
-      .finished = table.finished};
+  *of_texels = texel_view(cache, view, &table);
+  return LAUNCH(chain, CACHE_KERNEL_READ_VIEW + flat, read, (size_t)table.width,
+                (size_t)table.height, 1);
+}
+
+hbil_status inject_view(commands *chain, hbil_cache *cache,
+                        const hbil_view *view) {
+  const int flat = view->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  const double scale = cache_scale(cache);
+  double centre[3];
+  hbil_cache_inject_args args = {.cache = cache_args(cache),
+                                 .finished = view->light == HBIL_VIEW_FINISHED};
+  hbil_status status = read_texels(chain, cache, view, CACHE_TEXELS, 0,
+                                   HBIL_CACHE_MOST_TEXELS, &args.view);
+  cache_centre(cache, centre);
+  args.to_view = camera_from_cache(&view->camera, centre, scale, scale);
+  args.to_cache = camera_to_cache(&view->camera, centre, scale, scale);
   const argument inject[] = {ARG(args), ARG(cache->buffers[CACHE_TEXELS]),
                              ARG(cache->buffers[CACHE_STATES]),
                              ARG(cache->buffers[CACHE_VOXELS]),
                              ARG(cache->buffers[CACHE_RADIANCE])};
-  hbil_status status = LAUNCH(chain, CACHE_KERNEL_READ_VIEW + flat, read,
-                              (size_t)table.width, (size_t)table.height, 1);
   if (status == HBIL_SUCCESS)
     status = LAUNCH_WORDS(chain, cache, CACHE_KERNEL_INJECT + flat, inject);
   return status;

@@ -84,6 +84,10 @@ hbil_status update_cache(commands *chain, hbil_cache *cache,
     if (status == HBIL_SUCCESS)
       status = publish(chain, cache);
   }
+  if (status == HBIL_SUCCESS && cache_has(&cache->config, HBIL_PROVIDER_CONES))
+    status = build_pyramid(chain, cache);
+  if (status == HBIL_SUCCESS && cache_has(&cache->config, HBIL_PROVIDER_LPV))
+    status = spread_light(chain, cache, update);
   return status;
 }
 
@@ -120,8 +124,9 @@ hbil_status forget_outside(commands *chain, hbil_cache *cache,
                              : moved[i] < -most ? -most
                                                 : moved[i]);
   const argument list[] = {ARG(args), ARG(cache->buffers[CACHE_STATES])};
-  const hbil_status status =
-      LAUNCH_WORDS(chain, cache, CACHE_KERNEL_FORGET, list);
+  hbil_status status = LAUNCH_WORDS(chain, cache, CACHE_KERNEL_FORGET, list);
+  if (status == HBIL_SUCCESS)
+    status = empty_volumes(chain, cache);
   return status == HBIL_SUCCESS ? resolve(chain, cache) : status;
 }
 
@@ -165,7 +170,10 @@ hbil_status forget_all(commands *chain, hbil_cache *cache) {
   for (int i = 0; i < CACHE_TEXELS && status == HBIL_SUCCESS; ++i)
     status = fill_memory(chain, cache->buffers[i], 0, 0,
                          cache_buffer_bytes(&cache->config, i));
+  if (status == HBIL_SUCCESS)
+    status = empty_volumes(chain, cache);
   cache->round = 0;
+  cache->lights = 0;
   return status;
 }
 

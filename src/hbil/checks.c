@@ -217,10 +217,16 @@ static hbil_status check_still(hbil_plan *plan, const hbil_frame *frame) {
 }
 
 static hbil_status check_cache(hbil_plan *plan, const hbil_frame *frame) {
-  if (frame->cache && !plan->config.model.world_cache)
+  if (frame->cache && !plan->config.model.provider)
     return fail(plan->context, HBIL_INVALID_FRAME,
                 "cache: given, but the plan was made without "
-                "model.world_cache");
+                "model.provider");
+  if (frame->cache &&
+      !cache_has(&frame->cache->config, plan->config.model.provider))
+    return fail(plan->context, HBIL_INVALID_FRAME,
+                "cache: made without the plan's model.provider, %d, in "
+                "hbil_cache_config.providers",
+                (int)plan->config.model.provider);
   if (frame->cache && frame->cache->context != plan->context)
     return fail(plan->context, HBIL_INVALID_FRAME,
                 "cache: not of the plan's context");

@@ -63,7 +63,7 @@ hbil_status hbil_model_set(hbil_model *model, hbil_model_name name) {
       paper ? HBIL_FALLBACK_LAST_ACCEPTED : HBIL_FALLBACK_FRAME_MEAN;
   model->feedback = paper ? HBIL_FEEDBACK_RADIANCE : HBIL_FEEDBACK_IRRADIANCE;
   model->extrapolate = paper ? CL_FALSE : CL_TRUE;
-  model->world_cache = world ? CL_TRUE : CL_FALSE;
+  model->provider = world ? HBIL_PROVIDER_RAYS : HBIL_PROVIDER_NONE;
   return HBIL_SUCCESS;
 }
 
@@ -246,10 +246,11 @@ static hbil_status check_mode(hbil_context *context,
         context, HBIL_INVALID_CONFIG,
         "model.far_field: HBIL_FAR_FRAME; HBIL_MODE_%s reads no radiance",
         mode);
-  if (config->model.mode != HBIL_MODE_HBIL && config->model.world_cache)
+  if (config->model.mode != HBIL_MODE_HBIL && config->model.provider)
     return fail(context, HBIL_INVALID_CONFIG,
-                "model.world_cache: CL_TRUE; HBIL_MODE_%s reads no radiance",
-                mode);
+                "model.provider: %d; must be HBIL_PROVIDER_NONE, HBIL_MODE_%s "
+                "reads no radiance",
+                (int)config->model.provider, mode);
   if (config->model.mode == HBIL_MODE_HBAO &&
       config->model.far_field == HBIL_FAR_SH)
     return fail(
@@ -359,7 +360,7 @@ static hbil_status config_check(hbil_context *context,
        0, HBIL_FALLBACK_FRAME_MEAN},
       {"model.gather_emission", config->model.gather_emission, 0, 1},
       {"model.unseen_light", (double)config->model.unseen_light, 0, 1},
-      {"model.world_cache", config->model.world_cache, 0, 1},
+      {"model.provider", (double)config->model.provider, 0, HBIL_PROVIDER_RSM},
       {"history.max_frames", config->history.max_frames, 0, 1024},
       {"history.reprojection", (double)config->history.reprojection, 0,
        HBIL_REPROJECTION_MOTION},

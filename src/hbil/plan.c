@@ -31,7 +31,11 @@ static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_REGATHER] = {"regather", true, ""},
     [PROGRAM_RECOMPOSE] = {"recompose", true, ""},
     [PROGRAM_TEMPORAL] = {"temporal", .defines = ""},
-    [PROGRAM_PROBES] = {"cache/probes", true, ""},
+    [PROGRAM_PROBE_RAYS] = {"cache/probe_rays", true, ""},
+    [PROGRAM_PROBE_CONES] = {"cache/probe_cones", true, "-DHBIL_WIDTH=1"},
+    [PROGRAM_PROBE_LPV] = {"cache/probe_lpv", .defines = "-DHBIL_WIDTH=1"},
+    [PROGRAM_PROBE_RSM] = {"cache/probe_rsm", true, "-DHBIL_WIDTH=1"},
+    [PROGRAM_FILTER_PROBES] = {"cache/filter_probes", true, ""},
     [PROGRAM_COMPOSITE] = {"composite", .defines = ""},
     [PROGRAM_IMPORT] = {"import", .defines = ""},
     [PROGRAM_EXPORT] = {"export", .defines = ""},
@@ -65,8 +69,11 @@ static const struct {
     [KERNEL_REGATHER] = {"regather", PROGRAM_REGATHER},
     [KERNEL_RECOMPOSE] = {"recompose", PROGRAM_RECOMPOSE},
     [KERNEL_TEMPORAL] = {"temporal", PROGRAM_TEMPORAL},
-    [KERNEL_MAKE_PROBES] = {"make_probes", PROGRAM_PROBES},
-    [KERNEL_FILTER_PROBES] = {"filter_probes", PROGRAM_PROBES},
+    [KERNEL_PROBE_RAYS] = {"probe_rays", PROGRAM_PROBE_RAYS},
+    [KERNEL_PROBE_CONES] = {"probe_cones", PROGRAM_PROBE_CONES},
+    [KERNEL_PROBE_LPV] = {"probe_lpv", PROGRAM_PROBE_LPV},
+    [KERNEL_PROBE_RSM] = {"probe_rsm", PROGRAM_PROBE_RSM},
+    [KERNEL_FILTER_PROBES] = {"filter_probes", PROGRAM_FILTER_PROBES},
     [KERNEL_COMPOSITE] = {"composite", PROGRAM_COMPOSITE},
     [KERNEL_IMPORT_IMAGE] = {"import_image", PROGRAM_IMPORT},
     [KERNEL_EXPORT_IMAGE] = {"export_image", PROGRAM_EXPORT},
@@ -95,7 +102,13 @@ static bool program_needed(const hbil_plan *plan, int program) {
     return l->bytes[BUFFER_HORIZON_CACHE] > 0;
   case PROGRAM_TEMPORAL:
     return plan->config.history.max_frames > 0;
-  case PROGRAM_PROBES:
+  case PROGRAM_PROBE_RAYS:
+  case PROGRAM_PROBE_CONES:
+  case PROGRAM_PROBE_LPV:
+  case PROGRAM_PROBE_RSM:
+    return l->probes && program - PROGRAM_PROBE_RAYS + HBIL_PROVIDER_RAYS ==
+                            (int)plan->config.model.provider;
+  case PROGRAM_FILTER_PROBES:
     return l->probes;
   case PROGRAM_IMPORT:
     return (l->staged.images & inputs) != 0;

@@ -7,21 +7,22 @@
 #include "camera.h"
 #include "far_field.h"
 
-hbil_status enqueue_probes(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
+/* A buffer of the cache; in trial launches there is none. */
+static cl_mem of_cache(const hbil_cache *cache, int buffer) {
+  return cache ? cache->buffers[buffer] : NULL;
+}
+
+/* What all providers need of a frame. */
+static hbil_probes_args probes_args(const hbil_plan *plan,
+                                    const hbil_frame *frame) {
   const hbil_config *c = &plan->config;
-  hbil_cache *cache = frame->cache;
-  const hbil_probe_grid_args *grid = &plan->layout.probe_grid;
-  if (!plan->layout.probes || !(cache || chain->trial))
-    return HBIL_SUCCESS;
+  const hbil_cache *cache = frame->cache;
   hbil_probes_args args = {
-      .grid = *grid,
+      .grid = plan->layout.probe_grid,
       .view = camera_view(&frame->camera, c),
       .split = plan->layout.split,
       .environment = far_radiance_args(c->model.far_field, frame->environment),
       .rays = HBIL_PROBE_RAYS};
-  cl_mem states = NULL, ways = NULL, bricks = NULL;
-  cl_mem voxels = NULL, radiance = NULL;
   if (cache) {
     double centre[3];
     const double scale = cache_scale(cache);
@@ -32,23 +33,85 @@ hbil_status enqueue_probes(commands *chain, const hbil_frame *frame) {
     args.scale = (cl_float)scale;
     /* finite, like all arguments of kernels */
     args.radius = (cl_float)fmin((double)c->model.radius * scale, 1e30);
-    states = cache->buffers[CACHE_STATES];
-    ways = cache->buffers[CACHE_WAYS];
-    bricks = cache->buffers[CACHE_BRICKS];
-    voxels = cache->buffers[CACHE_VOXELS];
-    radiance = cache->buffers[CACHE_RADIANCE];
   }
-  const argument list[] = {ARG(args),     BUFFER_ARG(plan, BUFFER_SPLIT),
-                           ARG(states),   ARG(ways),
-                           ARG(bricks),   ARG(voxels),
-                           ARG(radiance), BUFFER_ARG(plan, BUFFER_PROBES)};
+  return args;
+}
+
+/* --- providers --- */
+
+typedef hbil_status provider(commands *chain, const hbil_cache *cache,
+                             const hbil_probes_args *args);
+
+/* Launches a provider's kernel for all probes. */
+#define LAUNCH_PROBES(chain, kernel, list, args)                               \
+  LAUNCH(chain, kernel, list, (size_t)(args)->grid.columns,                    \
+         (size_t)(args)->grid.rows, 1)
+
+static hbil_status ask_rays(commands *chain, const hbil_cache *cache,
+                            const hbil_probes_args *args) {
+  const cl_mem states = of_cache(cache, CACHE_STATES);
+  const cl_mem ways = of_cache(cache, CACHE_WAYS);
+  const cl_mem bricks = of_cache(cache, CACHE_BRICKS);
+  const cl_mem voxels = of_cache(cache, CACHE_VOXELS);
+  const cl_mem radiance = of_cache(cache, CACHE_RADIANCE);
+  const argument list[] = {
+      ARG(*args),    BUFFER_ARG(chain->plan, BUFFER_SPLIT),
+      ARG(states),   ARG(ways),
+      ARG(bricks),   ARG(voxels),
+      ARG(radiance), BUFFER_ARG(chain->plan, BUFFER_PROBES)};
+  return LAUNCH_PROBES(chain, KERNEL_PROBE_RAYS, list, args);
+}
+
+static hbil_status ask_cones(commands *chain, const hbil_cache *cache,
+                             const hbil_probes_args *args) {
+  const cl_mem states = of_cache(cache, CACHE_STATES);
+  const cl_mem ways = of_cache(cache, CACHE_WAYS);
+  const cl_mem voxels = of_cache(cache, CACHE_VOXELS);
+  const cl_mem radiance = of_cache(cache, CACHE_RADIANCE);
+  const cl_mem pyramid = of_cache(cache, CACHE_PYRAMID);
+  const argument list[] = {
+      ARG(*args),   BUFFER_ARG(chain->plan, BUFFER_SPLIT),
+      ARG(states),  ARG(ways),
+      ARG(voxels),  ARG(radiance),
+      ARG(pyramid), BUFFER_ARG(chain->plan, BUFFER_PROBES)};
+  return LAUNCH_PROBES(chain, KERNEL_PROBE_CONES, list, args);
+}
+
+static hbil_status ask_lpv(commands *chain, const hbil_cache *cache,
+                           const hbil_probes_args *args) {
+  const cl_mem volumes = of_cache(cache, CACHE_VOLUMES);
+  const argument list[] = {ARG(*args), BUFFER_ARG(chain->plan, BUFFER_SPLIT),
+                           ARG(volumes),
+                           BUFFER_ARG(chain->plan, BUFFER_PROBES)};
+  return LAUNCH_PROBES(chain, KERNEL_PROBE_LPV, list, args);
+}
+
+static hbil_status ask_rsm(commands *chain, const hbil_cache *cache,
+                           const hbil_probes_args *args) {
+  const hbil_light_views_args lights =
+      cache ? light_views_args(cache) : (hbil_light_views_args){0};
+  const cl_mem texels = of_cache(cache, CACHE_LIGHT_VIEWS);
+  const argument list[] = {ARG(*args), BUFFER_ARG(chain->plan, BUFFER_SPLIT),
+                           ARG(lights), ARG(texels),
+                           BUFFER_ARG(chain->plan, BUFFER_PROBES)};
+  return LAUNCH_PROBES(chain, KERNEL_PROBE_RSM, list, args);
+}
+
+static provider *const providers[] = {[HBIL_PROVIDER_RAYS] = ask_rays,
+                                      [HBIL_PROVIDER_CONES] = ask_cones,
+                                      [HBIL_PROVIDER_LPV] = ask_lpv,
+                                      [HBIL_PROVIDER_RSM] = ask_rsm};
+
+hbil_status enqueue_probes(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  if (!plan->layout.probes || !(frame->cache || chain->trial))
+    return HBIL_SUCCESS;
+  const hbil_probes_args args = probes_args(plan, frame);
   const argument filter[] = {ARG(args), BUFFER_ARG(plan, BUFFER_PROBES),
                              BUFFER_ARG(plan, BUFFER_FILTERED_PROBES)};
   const hbil_status status =
-      LAUNCH(chain, KERNEL_MAKE_PROBES, list, (size_t)grid->columns,
-             (size_t)grid->rows, 1);
+      providers[plan->config.model.provider](chain, frame->cache, &args);
   return status == HBIL_SUCCESS
-             ? LAUNCH(chain, KERNEL_FILTER_PROBES, filter,
-                      (size_t)grid->columns, (size_t)grid->rows, 1)
+             ? LAUNCH_PROBES(chain, KERNEL_FILTER_PROBES, filter, &args)
              : status;
 }

@@ -12,9 +12,12 @@ void job_free(job *j) {
   }
   for (int i = 0; j->views && i < j->view_count; i++)
     channel_map_free(&j->views[i].map);
+  for (int i = 0; j->lights && i < j->light_count; i++)
+    channel_map_free(&j->lights[i].map);
+  free(j->lights);
   free(j->views);
   free(j->frames);
-  j->views = j->frames = NULL;
+  j->lights = j->views = j->frames = NULL;
 }
 
 char *job_result_path(const job_frame *f) {

@@ -36,6 +36,8 @@ typedef struct job {
   int count;
   job_frame *views; /* without stems */
   int view_count;
+  job_frame *lights; /* likewise, from where lights are */
+  int light_count;
   int world;               /* 1: frames ask a radiance cache */
   hbil_cache_config cache; /* of that; without formats */
   cache_file loaded;       /* what it begins with, if settings->cache_load */

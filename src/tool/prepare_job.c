@@ -31,7 +31,8 @@ static int choose_layers(job *j, image_error *error) {
 
 /* Whether the user asks for a radiance cache. */
 static int asks_for_cache(const process_settings *s) {
-  return s->view_count || s->learn || s->cache_load || s->cache_save;
+  return s->view_count || s->light_view_count || s->far || s->learn ||
+         s->cache_load || s->cache_save;
 }
 
 /* Whether frames have a radiance cache.  Unasked, they have one if it can know
@@ -75,7 +76,8 @@ static int prepare_world(job *j, image_error *error) {
                       "--cache-load or --cache-save, whose radiance cache "
                       "needs normals");
   hbil_model_set(&world, HBIL_MODEL_WORLD);
-  j->config.model.world_cache = CL_TRUE;
+  j->config.model.provider =
+      s->far ? (hbil_provider)s->far : HBIL_PROVIDER_RAYS;
   if (!s->thickness_given && !s->paper)
     j->config.model.relative_thickness = world.relative_thickness;
   return views_check(j, error) != 0 ||

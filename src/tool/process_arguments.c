@@ -57,6 +57,8 @@ static const row rows[] = {
     {"half", FLAG, SETTING(half), 0, 0, NULL},
     {"camera", TEXT, SETTING(camera), 0, 0, NULL},
     {"view", SPECIAL, 0, 0, 0, NULL},
+    {"far", SPECIAL, 0, 0, 0, NULL},
+    {"light-view", SPECIAL, 0, 0, 0, NULL},
     {"view-light", CHOICE, SETTING(view_light), 0, 0, view_lights},
     {"learn", FLAG, SETTING(learn), 0, 0, NULL},
     {"no-cache", FLAG, SETTING(no_cache), 0, 0, NULL},
@@ -157,6 +159,15 @@ static int set_model(const char *text, process_settings *s,
   return 0;
 }
 
+static int set_far(const char *text, process_settings *s, image_error *error) {
+  static const char *const words[] = {"rays", "cones", "lpv", "rsm", NULL};
+  int value;
+  if (option_choice("--far", text, words, &value, error) != 0)
+    return -1;
+  s->far = HBIL_PROVIDER_RAYS + value;
+  return 0;
+}
+
 static int set_cache_size(const char *text, process_settings *s,
                           image_error *error) {
   static const char *const sizes[] = {"16", "32", "64", "128", "256", NULL};
@@ -172,6 +183,10 @@ static int set_special(const char *name, char *text, process_arguments *a,
   process_settings *s = &a->settings;
   if (strcmp(name, "view") == 0)
     return frame_list_add(text, &a->views, error);
+  if (strcmp(name, "light-view") == 0)
+    return frame_list_add(text, &a->light_views, error);
+  if (strcmp(name, "far") == 0)
+    return set_far(text, s, error);
   if (strcmp(name, "cache-size") == 0)
     return set_cache_size(text, s, error);
   if (strcmp(name, "layers") == 0)
@@ -227,6 +242,8 @@ static int check_exact(const request *r, image_error *error) {
       {"sample-grid", "which looks at every pixel"},
       {"horizon-cache", "which caches nothing"},
       {"view", "which has no radiance cache"},
+      {"light-view", "which has no radiance cache"},
+      {"far", "which has no radiance cache"},
       {"view-light", "which has no radiance cache"},
       {"learn", "which has no radiance cache"},
       {"cache-size", "which has no radiance cache"},
@@ -275,8 +292,9 @@ static int check_horizon_cache(const hbil_config *c, image_error *error) {
 
 /* Whether options of the radiance cache have one. */
 static int check_cache(const request *r, image_error *error) {
-  static const char *const names[] = {"view",       "view-light", "learn",
-                                      "cache-size", "cache-load", "cache-save"};
+  static const char *const names[] = {"view",       "light-view", "view-light",
+                                      "learn",      "far",        "cache-size",
+                                      "cache-load", "cache-save"};
   const process_settings *s = &r->arguments->settings;
   const int no_light = s->config.model.mode != HBIL_MODE_HBIL;
   for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -378,6 +396,8 @@ int process_arguments_read(int argc, char **argv, process_arguments *out,
   out->settings.timings |= out->settings.json;
   out->settings.views = out->views.files;
   out->settings.view_count = (unsigned)out->views.count;
+  out->settings.light_views = out->light_views.files;
+  out->settings.light_view_count = (unsigned)out->light_views.count;
   out->files = argv + optind;
   out->count = argc - optind;
   return check_together(&r, error);
@@ -385,6 +405,8 @@ int process_arguments_read(int argc, char **argv, process_arguments *out,
 
 void process_arguments_free(process_arguments *a) {
   frame_list_free(&a->views);
+  frame_list_free(&a->light_views);
   a->settings.views = NULL;
+  a->settings.light_views = NULL;
   a->settings.view_count = 0;
 }

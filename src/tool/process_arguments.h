@@ -12,6 +12,7 @@ typedef struct process_arguments {
   char *const *files; /* the arguments behind the options */
   int count;
   frame_list views; /* settings.views, owned */
+  frame_list light_views; /* likewise */
 } process_arguments;
 
 /* Reads the command line and checks that its options fit together.  Returns 0,

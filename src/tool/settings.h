@@ -22,7 +22,10 @@ typedef struct process_settings {
   /* the radiance cache */
   char *const *views; /* files that it sees first */
   unsigned view_count;
+  char *const *light_views; /* files of reflective shadow maps */
+  unsigned light_view_count;
   hbil_view_light view_light; /* what the views hold */
+  int far;                    /* hbil_provider; 0: not given */
   int learn;                  /* 1: it sees all frames first */
   int no_cache;               /* 1: frames have none */
   unsigned cache_voxels;      /* across a level; 0: the library's default */

@@ -123,20 +123,31 @@ static int check_view(job *j, job_frame *v, image_error *error) {
   return check_conventions(j, v, error);
 }
 
-int views_check(job *j, image_error *error) {
-  const process_settings *s = j->settings;
-  if (!s->view_count)
+/* Checks so many files, and appends them to a list. */
+static int check_views(job *j, char *const *files, unsigned count,
+                       job_frame **list, int *done, image_error *error) {
+  if (!count)
     return 0;
-  j->views = calloc(s->view_count, sizeof *j->views);
-  if (!j->views)
-    return image_no_memory(error, s->views[0]);
-  for (; j->view_count < (int)s->view_count; j->view_count++) {
-    job_frame *v = &j->views[j->view_count];
-    v->path = s->views[j->view_count];
+  *list = calloc(count, sizeof **list);
+  if (!*list)
+    return image_no_memory(error, files[0]);
+  for (; *done < (int)count; ++*done) {
+    job_frame *v = &(*list)[*done];
+    v->path = files[*done];
     if (check_view(j, v, error) != 0) {
       channel_map_free(&v->map);
       return -1;
     }
   }
   return 0;
+}
+
+int views_check(job *j, image_error *error) {
+  const process_settings *s = j->settings;
+  return check_views(j, s->views, s->view_count, &j->views, &j->view_count,
+                     error) != 0 ||
+                 check_views(j, s->light_views, s->light_view_count, &j->lights,
+                             &j->light_count, error) != 0
+             ? -1
+             : 0;
 }

@@ -14,6 +14,15 @@
 
 /* Bounces after what is known before the first frame, and after each frame. */
 enum { ROUNDS_AT_FIRST = 16, ROUNDS_OF_A_FRAME = 4 };
+/* Steps of light propagation volumes likewise: once and a quarter across them.
+ */
+enum { STEPS_AT_FIRST = 64, STEPS_OF_A_FRAME = 8 };
+
+/* Planes of a picture on the device. */
+typedef struct planes {
+  cl_mem input[INPUTS];
+  size_t room[INPUTS]; /* bytes of each */
+} planes;
 
 struct world {
   const device *device;
@@ -21,8 +30,7 @@ struct world {
   const job *job;
   hbil_cache_config config;
   hbil_cache *cache;
-  cl_mem input[INPUTS];
-  size_t room[INPUTS]; /* bytes of each */
+  planes views, lights[HBIL_MAX_LIGHT_VIEWS];
   size_t memory;
   double seconds; /* of learning */
 };
@@ -64,26 +72,27 @@ static size_t channels_of(const world *w, int input) {
 /* Brings a plane's channels to the device.  Without albedo surfaces are white,
  * as those of frames are; other roles that the picture hasn't are zeros.  The
  * buffer grows where a picture is larger than those before. */
-static int upload(world *w, const gbuffer *g, int input, image_error *error) {
+static int upload(const world *w, const gbuffer *g, int input, planes *p,
+                  image_error *error) {
   const size_t plane = gbuffer_pixels(g) * sizeof(float);
   const size_t channels = channels_of(w, input);
   const role r = input_table[input].role;
   const float missing = r == ROLE_ALBEDO ? 1.0f : 0.0f;
   cl_int status = CL_SUCCESS;
-  if (w->room[input] < channels * plane) {
-    if (w->input[input])
-      clReleaseMemObject(w->input[input]);
-    w->room[input] = 0;
-    w->input[input] = clCreateBuffer(w->device->context, CL_MEM_READ_ONLY,
+  if (p->room[input] < channels * plane) {
+    if (p->input[input])
+      clReleaseMemObject(p->input[input]);
+    p->room[input] = 0;
+    p->input[input] = clCreateBuffer(w->device->context, CL_MEM_READ_ONLY,
                                      channels * plane, NULL, &status);
     if (status != CL_SUCCESS)
       return opencl_failed(w, status, "making a buffer", error);
-    w->room[input] = channels * plane;
+    p->room[input] = channels * plane;
   }
   for (size_t c = 0; c < channels && status == CL_SUCCESS; c++) {
     const float *from = gbuffer_plane(g, r, c);
     const cl_command_queue queue = w->device->queue;
-    const cl_mem to = w->input[input];
+    const cl_mem to = p->input[input];
     status = from ? clEnqueueWriteBuffer(queue, to, CL_TRUE, c * plane, plane,
                                          from, 0, NULL, NULL)
                   : clEnqueueFillBuffer(queue, to, &missing, sizeof missing,
@@ -96,38 +105,46 @@ static int upload(world *w, const gbuffer *g, int input, image_error *error) {
 
 /* given: buffers that hold planes of the picture already; NULL, or NULL for an
  * input: none does. */
-static int inject(world *w, const gbuffer *g, const cl_mem *given,
-                  hbil_view_light light, image_error *error) {
-  cl_mem planes_of[INPUTS] = {NULL};
-  hbil_view view;
-  hbil_view_init(&view);
-  view.width = g->planes.width;
-  view.height = g->planes.height;
-  view.camera = g->map.camera;
-  view.projection = g->map.projection;
-  view.light = light;
-  channel_map_hardware_depth(&g->map, view.hardware_depth);
+static int view_of(const world *w, const gbuffer *g, const cl_mem *given,
+                   hbil_view_light light, planes *p, hbil_view *view,
+                   image_error *error) {
+  hbil_plane *const planes_of[] = {&view->depth,    &view->normal,
+                                   &view->albedo,   &view->direct,
+                                   &view->emission, NULL};
+  hbil_view_init(view);
+  view->width = g->planes.width;
+  view->height = g->planes.height;
+  view->camera = g->map.camera;
+  view->projection = g->map.projection;
+  view->light = light;
+  channel_map_hardware_depth(&g->map, view->hardware_depth);
   for (int i = 0; i < INPUTS; i++) {
     if (!channels_of(w, i))
       continue;
-    if (!(given && given[i]) && upload(w, g, i, error) != 0)
+    if (!(given && given[i]) && upload(w, g, i, p, error) != 0)
       return -1;
-    planes_of[i] = given && given[i] ? given[i] : w->input[i];
+    if (planes_of[i])
+      planes_of[i]->buffer = given && given[i] ? given[i] : p->input[i];
   }
-  hbil_plane *const planes[] = {&view.depth,  &view.normal,   &view.albedo,
-                                &view.direct, &view.emission, NULL};
-  for (int i = 0; i < INPUTS; i++)
-    if (planes[i])
-      planes[i]->buffer = planes_of[i];
+  return 0;
+}
+
+static int inject(world *w, const gbuffer *g, const cl_mem *given,
+                  hbil_view_light light, image_error *error) {
+  hbil_view view;
+  if (view_of(w, g, given, light, &w->views, &view, error) != 0)
+    return -1;
   const hbil_status status = hbil_enqueue_cache_inject(
       w->cache, w->device->queue, &view, 1, 0, NULL, NULL);
   return status == HBIL_SUCCESS ? 0 : library_failed(w, status, error);
 }
 
-static int update(world *w, unsigned rounds, image_error *error) {
+static int update(world *w, unsigned rounds, unsigned steps,
+                  image_error *error) {
   hbil_cache_update how;
   hbil_cache_update_init(&how);
   how.rounds = rounds;
+  how.steps = steps;
   how.far_field = w->job->config.model.far_field;
   memcpy(how.environment, w->job->far.environment, sizeof how.environment);
   const hbil_status status = hbil_enqueue_cache_update(
@@ -140,7 +157,7 @@ int world_see_frame(world *w, const gbuffer *g, const cl_mem *given,
   if (w->job->settings->learn)
     return 0;
   return inject(w, g, given, HBIL_VIEW_DIRECT, error) != 0 ||
-                 update(w, ROUNDS_OF_A_FRAME, error) != 0
+                 update(w, ROUNDS_OF_A_FRAME, STEPS_OF_A_FRAME, error) != 0
              ? -1
              : 0;
 }
@@ -214,6 +231,27 @@ static int learn_pictures(world *w, image_error *error) {
   return failed;
 }
 
+/* The views of lights become the cache's reflective shadow maps. */
+static int learn_lights(world *w, image_error *error) {
+  const job *j = w->job;
+  hbil_view views[HBIL_MAX_LIGHT_VIEWS];
+  for (int i = 0; i < j->light_count; i++) {
+    gbuffer g;
+    if (gbuffer_read(j->lights[i].path, &j->lights[i].map, roles, &g, error) !=
+        0)
+      return -1;
+    const int failed =
+        view_of(w, &g, NULL, HBIL_VIEW_DIRECT, &w->lights[i], &views[i], error);
+    gbuffer_free(&g);
+    if (failed)
+      return -1;
+  }
+  const hbil_status status =
+      hbil_enqueue_rsm(w->cache, w->device->queue, views,
+                       (cl_uint)j->light_count, 0, NULL, NULL);
+  return status == HBIL_SUCCESS ? 0 : library_failed(w, status, error);
+}
+
 int world_learn(world *w, image_error *error) {
   const process_settings *s = w->job->settings;
   const double start = progress_clock();
@@ -221,7 +259,8 @@ int world_learn(world *w, image_error *error) {
   const unsigned rounds =
       s->cache_load && !s->view_count && !s->learn ? 0 : ROUNDS_AT_FIRST;
   if ((s->cache_load && load(w, error) != 0) || learn_pictures(w, error) != 0 ||
-      update(w, rounds, error) != 0)
+      (w->job->light_count && learn_lights(w, error) != 0) ||
+      update(w, rounds, STEPS_AT_FIRST, error) != 0)
     return -1;
   const cl_int status = clFinish(w->device->queue);
   w->seconds = progress_clock() - start;
@@ -299,6 +338,7 @@ static int make_cache(world *w, image_error *error) {
   w->config = w->job->cache;
   w->config.inputs = w->job->config.inputs;
   w->config.gather_emission = w->job->config.model.gather_emission;
+  w->config.providers = HBIL_PROVIDER_BIT(w->job->config.model.provider);
   hbil_plane_format *const formats[] = {
       &w->config.inputs.depth, &w->config.inputs.normal,
       &w->config.inputs.albedo, &w->config.inputs.direct,
@@ -370,12 +410,18 @@ int world_open(const device *d, hbil_context *context, const job *j,
   return 0;
 }
 
+static void free_planes(const planes *p) {
+  for (int i = 0; i < INPUTS; i++)
+    if (p->input[i])
+      clReleaseMemObject(p->input[i]);
+}
+
 void world_close(world *w) {
   if (!w)
     return;
-  for (int i = 0; i < INPUTS; i++)
-    if (w->input[i])
-      clReleaseMemObject(w->input[i]);
+  free_planes(&w->views);
+  for (int i = 0; i < HBIL_MAX_LIGHT_VIEWS; i++)
+    free_planes(&w->lights[i]);
   hbil_cache_destroy(w->cache);
   free(w);
 }

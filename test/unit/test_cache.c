@@ -53,7 +53,7 @@ static void prepare_empty(setup *s, hbil_far_field far_field, cl_uint width,
       flat ? HBIL_PROJECTION_ORTHOGRAPHIC : HBIL_PROJECTION_PERSPECTIVE;
   setup_load_scene(s, SCENE_ROOM, 0);
   s->config.model.far_field = far_field;
-  s->config.model.world_cache = CL_FALSE;
+  s->config.model.provider = HBIL_PROVIDER_NONE;
   s->config.model.radius = INFINITY;
   s->config.model.relative_thickness = 1.0f;
   s->config.history.reprojection = HBIL_REPROJECTION_SCATTER;
@@ -90,7 +90,7 @@ static void check_empty(hbil_far_field far_field, cl_uint width, bool flat) {
   setup without, with;
   prepare_empty(&without, far_field, width, flat);
   prepare_empty(&with, far_field, width, flat);
-  with.config.model.world_cache = CL_TRUE;
+  with.config.model.provider = HBIL_PROVIDER_RAYS;
   setup_start(&without);
   setup_start(&with);
   exact_planes want = two_frames(&without);

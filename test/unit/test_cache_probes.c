@@ -48,7 +48,7 @@ static void lit_prepare(lit_frame *l, cl_uint width, scene_kind kind,
   l->device.hbil = l->f.context;
   l->s.device = &l->device;
   l->s.frame.cache = l->f.cache;
-  l->s.config.model.world_cache = CL_TRUE;
+  l->s.config.model.provider = HBIL_PROVIDER_RAYS;
   l->s.config.model.far_field = far;
   l->s.config.model.radius =
       (float)(HBIL_CACHE_NEAR_VOXELS * l->f.config.voxel_size);
@@ -80,7 +80,7 @@ static exact_probes read_probes(const lit_frame *l, const char *kernel,
   exact_probes probes = checked_probes(l);
   hbil_probes_args args;
   cl_mem buffer;
-  shim_argument("make_probes", 0, sizeof args, &args);
+  shim_argument("probe_rays", 0, sizeof args, &args);
   assert_int_equal(args.grid.spacing, probes.spacing);
   assert_int_equal(args.grid.columns, probes.columns);
   assert_int_equal(args.grid.rows, probes.rows);

@@ -339,10 +339,10 @@ static void frames_reject_caches_that_are_not_theirs(void **state) {
   room_same_bits(&t.s, &t.want, "after a cache of another context");
   const room r = room_lit();
   room_setup(&plain, &r, &t.s.frame.camera, ROOM_WIDTH, ROOM_HEIGHT);
-  plain.config.model.world_cache = CL_FALSE;
+  plain.config.model.provider = HBIL_PROVIDER_NONE;
   setup_start(&plain);
   plain.frame.cache = own;
-  reject_frame(&plain, "world_cache");
+  reject_frame(&plain, "provider");
   setup_free(&plain);
   room_stop(&t);
 }
@@ -356,9 +356,9 @@ static void other_modes_have_no_cache(void **state) {
     hbil_plan *plan = NULL;
     setup_init(&s, ROOM_WIDTH, ROOM_HEIGHT);
     setup_mode(&s, modes[i]);
-    s.config.model.world_cache = CL_TRUE;
+    s.config.model.provider = HBIL_PROVIDER_RAYS;
     room_rejected(hbil_plan_create(shared_device.hbil, &s.config, &plan),
-                  HBIL_INVALID_CONFIG, "world_cache");
+                  HBIL_INVALID_CONFIG, "provider");
     setup_free(&s);
   }
 }

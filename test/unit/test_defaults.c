@@ -59,7 +59,7 @@ static const member members[] = {
     MEMBER(model.feedback),
     MEMBER(model.far_field),
     MEMBER(model.unseen_light),
-    MEMBER(model.world_cache),
+    MEMBER(model.provider),
     MEMBER(sampling.slices),
     MEMBER(sampling.steps_per_side),
     MEMBER(sampling.step_growth),

@@ -97,9 +97,9 @@ static void models_set_what_the_header_says(void **state) {
   assert_int_equal(hbil_model_set(&world.model, HBIL_MODEL_WORLD),
                    HBIL_SUCCESS);
   assert_true(world.model.relative_thickness == 0.03f);
-  assert_int_equal(world.model.world_cache, CL_TRUE);
+  assert_int_equal(world.model.provider, HBIL_PROVIDER_RAYS);
   world.model.relative_thickness = again.model.relative_thickness;
-  world.model.world_cache = CL_FALSE;
+  world.model.provider = HBIL_PROVIDER_NONE;
   assert_memory_equal(&world, &again, sizeof world);
   assert_int_equal(hbil_model_set(&world.model, HBIL_MODEL_WORLD),
                    HBIL_SUCCESS);
@@ -148,7 +148,7 @@ SPOIL(growth_nan, c->sampling.step_growth = NAN)
 SPOIL(growth_negative, c->sampling.step_growth = -0.5f)
 SPOIL(growth_65, c->sampling.step_growth = 65.0f)
 SPOIL(extrapolate_2, c->model.extrapolate = 2)
-SPOIL(world_cache_2, c->model.world_cache = 2)
+SPOIL(provider_5, c->model.provider = (hbil_provider)5)
 SPOIL(disocclusion_0, c->history.disocclusion_threshold = 0.0f)
 SPOIL(disocclusion_nan, c->history.disocclusion_threshold = NAN)
 SPOIL(depth_missing, c->inputs.depth.component = HBIL_NONE)
@@ -197,7 +197,7 @@ static const bad_config bad_configs[] = {
     {"step_growth", growth_negative},
     {"step_growth", growth_65},
     {"extrapolate", extrapolate_2},
-    {"world_cache", world_cache_2},
+    {"provider", provider_5},
     {"disocclusion_threshold", disocclusion_0},
     {"disocclusion_threshold", disocclusion_nan},
     {"depth", depth_missing},

@@ -1,0 +1,193 @@
+/*
+ * probe_cones: light that the frame doesn't show itself, by cones through the
+ * radiance cache (Crassin and others 2011, "Interactive Indirect Illumination
+ * Using Voxel Cone Tracing").
+ *
+ * A cone is sampled at distances that grow with its width, in voxels while it
+ * is narrow and in lib/pyramid.clh's texels when it is wider.  A sample's
+ * opacity is that of a voxel's width, so it is corrected for the distance to
+ * the next.  Surfaces that this frame shows within the near field's radius stop
+ * light without giving any, as the near field has their light.
+ *
+ * Launch: x = columns of probes, y = rows.
+ * In: split planes, the cache, the pyramid.  Out: HBIL_PROBE_FLOATS floats a
+ * probe, as from probe_rays.
+ */
+#include "lib/cache_rays.clh"
+#include "lib/probe_place.clh"
+#include "lib/pyramid.clh"
+
+/* A place in the cache: what a cone sees of it, and the shares of it that no
+ * view has seen, and that have the sky behind. */
+typedef struct sample {
+  seen light;
+  float unseen, sky;
+  float size; /* of the voxel or texel, in voxels of level 0 */
+} sample;
+
+/* The finest voxel of level `level` or coarser, at p. */
+INLINE sample sample_voxel(const cache_map *map, global const uint *radiance,
+                           int level, float3 p, float3 d) {
+  sample s = {0.0f, 0.0f, 0.0f, (float)(1 << level)};
+  for (int l = level; l < map->cache.levels; ++l) {
+    const float3 cell = floor(p * (1.0f / (float)(1 << l)));
+    const uint number = (uint)voxel_number(map->cache, l, (int)cell.x,
+                                           (int)cell.y, (int)cell.z);
+    if (l == level) {
+      const uint way = state_in_word(map->ways[number >> 4], number);
+      s.unseen = way == HBIL_VOXEL_UNKNOWN ? 1.0f : 0.0f;
+      s.sky = way == HBIL_VOXEL_SKY ? 1.0f : 0.0f;
+      if (way != HBIL_VOXEL_SURFACE)
+        return s;
+    }
+    if (state_in_word(map->states[number >> 4], number) != HBIL_VOXEL_SURFACE)
+      continue;
+    if (dot(vload3(0, map->voxels + HBIL_VOXEL_FLOATS * (size_t)number), d) <
+        0.0f)
+      s.light = (seen)(light_of_word(radiance[number]), 1.0f);
+    return s;
+  }
+  return s;
+}
+
+/* A step of the pyramid at p, interpolated between eight texels. */
+INLINE sample sample_pyramid(const hbil_cache_args cache,
+                             global const float *pyramid, int step, float3 p,
+                             float3 d) {
+  const int across = cache.voxels >> (step + 1);
+  sample s = {0.0f, 0.0f, 0.0f, (float)(1 << (cache.levels + step))};
+  const float3 at = clamp(p / s.size + 0.5f * (float)across - 0.5f, 0.0f,
+                          (float)(across - 1));
+  const float3 low = floor(at), f = at - low, part = d * d;
+  const int x = (int)low.x, y = (int)low.y, z = (int)low.z;
+  const int ix = d.x < 0.0f, iy = 2 + (d.y < 0.0f), iz = 4 + (d.z < 0.0f);
+  for (int k = 0; k < 8; ++k) {
+    const float weight = (k & 1 ? f.x : 1.0f - f.x) *
+                         (k & 2 ? f.y : 1.0f - f.y) *
+                         (k & 4 ? f.z : 1.0f - f.z);
+    global const float *texel =
+        pyramid + HBIL_MIP_FLOATS *
+                      (size_t)texel_number(cache, step,
+                                           min(x + (k & 1), across - 1),
+                                           min(y + ((k >> 1) & 1), across - 1),
+                                           min(z + (k >> 2), across - 1));
+    s.light +=
+        weight * (part.x * vload4(ix, texel) + part.y * vload4(iy, texel) +
+                  part.z * vload4(iz, texel));
+    s.unseen += weight * texel[HBIL_MIP_UNSEEN];
+    s.sky += weight * texel[HBIL_MIP_SKY];
+  }
+  return s;
+}
+
+/* What a cone brings: the shares of it that end at known light, and at what is
+ * unknown, and that light. */
+typedef struct cone {
+  float known, unknown;
+  float3 light;
+} cone;
+
+INLINE sample sample_at(const cache_map *map, global const uint *radiance,
+                        global const float *pyramid, float3 p, float3 d,
+                        float width, float finest) {
+  const hbil_cache_args cache = map->cache;
+  const float coarsest = (float)(1 << (cache.levels - 1));
+  width = max(width, finest);
+  if (width < 2.0f * coarsest) {
+    int level = 0;
+    while (level + 1 < cache.levels && (float)(2 << level) <= width)
+      ++level;
+    return sample_voxel(map, radiance, level, p, d);
+  }
+  int step = 0;
+  while ((cache.voxels >> (step + 2)) > 1 &&
+         4.0f * coarsest * (float)(1 << step) <= width)
+    ++step;
+  return sample_pyramid(cache, pyramid, step, p, d);
+}
+
+/* What passes a distance of `ratio` voxels, of which one stops `opacity`.  What
+ * stops all but rounding errors is apart, as relaxed arithmetic has no
+ * logarithm of 0. */
+INLINE float passed(float opacity, float ratio) {
+  return opacity > 1.0f - 1e-6f ? 0.0f : pow(1.0f - opacity, ratio);
+}
+
+INLINE cone follow_cone(const hbil_probes_args args, global const float *split,
+                        const cache_map *map, global const uint *radiance,
+                        global const float *pyramid, float3 origin, float3 d,
+                        float spread, float start) {
+  const float border =
+      (float)(args.cache.voxels / 2) * (float)(1 << (args.cache.levels - 1));
+  cone c = {0.0f, 0.0f, (float3)(0.0f)};
+  float through = 1.0f, clear = 1.0f, sky = 0.0f, t = start;
+  while (through > 0.01f) {
+    const float3 p = origin + d * t, away = fabs(p);
+    const float far_off = max(away.x, max(away.y, away.z));
+    if (!(far_off < border))
+      break;
+    float finest = 1.0f;
+    while (far_off >= (float)(args.cache.voxels / 2) * finest)
+      finest += finest;
+    const sample s = sample_at(map, radiance, pyramid, p, d,
+                               HBIL_CONE_DETAIL * spread * t, finest);
+    const float step = 0.5f * max(spread * t, s.size);
+    const float rest = passed(s.light.w, step / s.size);
+    const float stopped = through * (1.0f - rest);
+    if (stopped > 0.0f && !(t < args.radius &&
+                            is_shown(args, split, transformed(args.to_view, p),
+                                     rotated(args.to_view, d),
+                                     HBIL_CACHE_SHOWN * s.size / args.scale))) {
+      c.known += stopped;
+      c.light += stopped / s.light.w * s.light.xyz;
+    }
+    through *= rest;
+    if (s.unseen > 0.5f)
+      clear = 0.0f;
+    /* of what has been seen */
+    sky = s.sky / max(1.0f - s.unseen, max(s.sky, FLT_MIN));
+    t += step;
+  }
+  const float open = through * clear * sky;
+  const hbil_environment_args e = args.environment;
+  const points way = {d.x, d.y, d.z};
+  c.known += open;
+  c.unknown = through - open;
+  c.light += open * (float3)(sky_channel(e.channel[0], way),
+                             sky_channel(e.channel[1], way),
+                             sky_channel(e.channel[2], way));
+  return c;
+}
+
+kernel void probe_cones(const hbil_probes_args args, global const float *split,
+                        global const uint *states, global const uint *ways,
+                        global const float *voxels, global const uint *radiance,
+                        global const float *pyramid, global float *probes) {
+  const cache_map map = {args.cache, states, ways, NULL, voxels};
+  probe_place probe;
+  float4 mean[FUNCTIONS];
+  if (!place_of_item(args, split, &probe))
+    return;
+  for (int i = 0; i < FUNCTIONS; ++i)
+    mean[i] = 0.0f;
+  /* cones of equal solid angle, that fill the hemisphere */
+  const int count = HBIL_CONES;
+  const float cosine = 1.0f - 1.0f / (float)count;
+  const float spread = 2.0f * sqrt(1.0f - cosine * cosine) / cosine;
+  const float3 origin = probe.at + probe.n * (HBIL_CACHE_LIFT * probe.size);
+  for (int i = 0; i < count && probe.is; ++i) {
+    float u, v;
+    ray_places(i, count, mixed(probe.number), &u, &v);
+    const points way = about_normal(probe.n, u, v);
+    const float3 d = (float3)(way.x, way.y, way.z);
+    const cone c = follow_cone(args, split, &map, radiance, pyramid, origin, d,
+                               spread, HBIL_CONE_START * probe.size);
+    const float4 share = (float4)(1.0f, d) * (1.0f / (float)count);
+    mean[KNOWN] += c.known * share;
+    mean[UNKNOWN] += c.unknown * share;
+    mean[RED] += c.light.x * share;
+    mean[RED + 1] += c.light.y * share;
+    mean[RED + 2] += c.light.z * share;
+  }
+  store_probe(args, &probe, mean, probes);
+}

@@ -1,0 +1,103 @@
+/*
+ * probe_rays: the light that the frame doesn't show itself, at places all over
+ * the picture: rays from a pixel's surface through the radiance cache.
+ *
+ * Rays whose first surface this frame shows are left out, because the near
+ * field has their light.  Of the others a probe has three order-1 functions of
+ * the direction (doc/method.md, section 13): the share with known light, that
+ * light, and the share with unknown light.
+ *
+ * Launch: x = columns of probes, y = rows.
+ * In: split planes, the cache.  Out: HBIL_PROBE_FLOATS floats a probe.
+ */
+#include "lib/cache_rays.clh"
+#include "lib/probe_place.clh"
+
+/* The rays among `near` whose ends the frame shows. */
+INLINE intv shown_rays(const hbil_probes_args args, global const float *split,
+                       const ray_ends *ends, float3 origin, points d,
+                       intv near) {
+  float x[HBIL_WIDTH], y[HBIL_WIDTH], z[HBIL_WIDTH], t[HBIL_WIDTH];
+  float size[HBIL_WIDTH], is[HBIL_WIDTH];
+  if (!ANY(near))
+    return 0;
+  STOREV(d.x, x);
+  STOREV(d.y, y);
+  STOREV(d.z, z);
+  STOREV(ends->distance, t);
+  STOREV(ends->size, size);
+  STOREV(select((realv)0.0f, (realv)1.0f, near), is);
+  for (int i = 0; i < HBIL_WIDTH; ++i) {
+    const float3 way = (float3)(x[i], y[i], z[i]);
+    if (is[i] != 0.0f &&
+        !is_shown(args, split, transformed(args.to_view, origin + way * t[i]),
+                  rotated(args.to_view, way),
+                  HBIL_CACHE_SHOWN * size[i] / args.scale))
+      is[i] = 0.0f;
+  }
+  return LOADV(is) != 0.0f;
+}
+
+/* Sums over vectors of rays: an order-1 function. */
+typedef struct rays_sum {
+  realv even, x, y, z;
+} rays_sum;
+
+INLINE void add_rays(rays_sum *sum, realv value, points d) {
+  sum->even += value;
+  sum->x = fma(value, d.x, sum->x);
+  sum->y = fma(value, d.y, sum->y);
+  sum->z = fma(value, d.z, sum->z);
+}
+
+/* The mean over `count` rays. */
+INLINE float4 mean_of_rays(const rays_sum *sum, int count) {
+  return (float4)(lanes_sum(sum->even), lanes_sum(sum->x), lanes_sum(sum->y),
+                  lanes_sum(sum->z)) *
+         (1.0f / (float)count);
+}
+
+INLINE void trace(const hbil_probes_args args, global const float *split,
+                  const cache_map *map, global const uint *radiance,
+                  const probe_place *probe, rays_sum sum[FUNCTIONS]) {
+  const uint turn = mixed(probe->number);
+  const float3 n = probe->n;
+  const float3 origin = probe->at + n * (HBIL_CACHE_LIFT * probe->size);
+  for (int i = 0; i < args.rays; i += HBIL_WIDTH) {
+    const intv is = i + EACH_LANE < args.rays;
+    realv u, v, light[3];
+    ray_places(i, args.rays, turn, &u, &v);
+    const points d = about_normal(n, u, v);
+    const ray_ends ends = follow_rays(
+        map, origin, d, (realv)(HBIL_CACHE_START * probe->size), is);
+    const intv near = ends.hit & (ends.distance < args.radius);
+    const intv known = (ends.hit | ends.sky) &
+                       !shown_rays(args, split, &ends, origin, d, near);
+    light_of_rays(&ends, radiance, args.environment, d, light);
+    add_rays(&sum[KNOWN], select((realv)0.0f, (realv)1.0f, known), d);
+    add_rays(&sum[UNKNOWN],
+             select((realv)0.0f, (realv)1.0f, is & !ends.hit & !ends.sky), d);
+#pragma unroll
+    for (int c = 0; c < 3; ++c)
+      add_rays(&sum[RED + c], select((realv)0.0f, light[c], known), d);
+  }
+}
+
+kernel void probe_rays(const hbil_probes_args args, global const float *split,
+                       global const uint *states, global const uint *ways,
+                       global const uint *bricks, global const float *voxels,
+                       global const uint *radiance, global float *probes) {
+  const cache_map map = {args.cache, states, ways, bricks, voxels};
+  probe_place probe;
+  rays_sum sum[FUNCTIONS];
+  float4 mean[FUNCTIONS];
+  if (!place_of_item(args, split, &probe))
+    return;
+  for (int i = 0; i < FUNCTIONS; ++i)
+    sum[i].even = sum[i].x = sum[i].y = sum[i].z = 0.0f;
+  if (probe.is)
+    trace(args, split, &map, radiance, &probe, sum);
+  for (int i = 0; i < FUNCTIONS; ++i)
+    mean[i] = mean_of_rays(&sum[i], max(args.rays, 1));
+  store_probe(args, &probe, mean, probes);
+}

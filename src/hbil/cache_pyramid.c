@@ -1,0 +1,23 @@
+/* The pyramid, which cones read. */
+#include "cache.h"
+
+hbil_status build_pyramid(commands *chain, hbil_cache *cache) {
+  const hbil_cache_args args = cache_args(cache);
+  const argument first[] = {ARG(args),
+                            ARG(cache->buffers[CACHE_STATES]),
+                            ARG(cache->buffers[CACHE_WAYS]),
+                            ARG(cache->buffers[CACHE_VOXELS]),
+                            ARG(cache->buffers[CACHE_RADIANCE]),
+                            ARG(cache->buffers[CACHE_PYRAMID])};
+  size_t across = cache->config.voxels / 2;
+  hbil_status status =
+      LAUNCH(chain, CACHE_KERNEL_FIRST_STEP, first, across, across, across);
+  for (cl_int step = 1; across > 1 && status == HBIL_SUCCESS; ++step) {
+    const argument next[] = {ARG(args), ARG(step),
+                             ARG(cache->buffers[CACHE_PYRAMID])};
+    across /= 2;
+    status =
+        LAUNCH(chain, CACHE_KERNEL_NEXT_STEP, next, across, across, across);
+  }
+  return status;
+}
