@@ -4,8 +4,7 @@
 #include <stdlib.h>
 
 #include "cache_config.h"
-#include "defines.h"
-#include "program.h"
+#include "kernel_table.h"
 
 /* --- programs and kernels --- */
 
@@ -27,10 +26,7 @@ static const program_kind programs[CACHE_PROGRAM_COUNT] = {
     [CACHE_PROGRAM_PROPAGATE] = {"cache/propagate", .defines = ""},
 };
 
-static const struct {
-  const char *name;
-  int program;
-} kernels[CACHE_KERNEL_COUNT] = {
+static const kernel_kind kernels[CACHE_KERNEL_COUNT] = {
     [CACHE_KERNEL_READ_VIEW] = {"read_view", CACHE_PROGRAM_VIEW},
     [CACHE_KERNEL_READ_VIEW_FLAT] = {"read_view", CACHE_PROGRAM_VIEW_FLAT},
     [CACHE_KERNEL_INJECT] = {"inject", CACHE_PROGRAM_INJECT},
@@ -49,9 +45,12 @@ static const struct {
     [CACHE_KERNEL_PROPAGATE] = {"propagate", CACHE_PROGRAM_PROPAGATE},
 };
 
-/* Some programs are for one provider only. */
-static bool program_needed(const hbil_cache *cache, int program) {
-  switch (program) {
+static const kernel_table table = {programs, kernels, CACHE_PROGRAM_COUNT,
+                                   CACHE_KERNEL_COUNT};
+
+/* Some kernels are for one provider only. */
+static bool kernel_needed(const hbil_cache *cache, int kernel) {
+  switch (kernels[kernel].program) {
   case CACHE_PROGRAM_PYRAMID:
     return cache_has(&cache->config, HBIL_PROVIDER_CONES);
   case CACHE_PROGRAM_VOLUMES:
@@ -63,25 +62,13 @@ static bool program_needed(const hbil_cache *cache, int program) {
 
 static hbil_status build_kernels(hbil_cache *cache,
                                  binary_identity identity[]) {
-  char defines[MOST_DEFINES];
-  hbil_context *context = cache->context;
-  hbil_status status =
-      write_defines(context, &cache->views.config, &cache->views.layout,
-                    defines, sizeof defines);
-  for (int i = 0; i < CACHE_PROGRAM_COUNT && status == HBIL_SUCCESS; ++i)
-    if (program_needed(cache, i))
-      status = program_build(context, &programs[i], defines,
-                             &cache->programs[i], &identity[i]);
-  for (int i = 0; i < CACHE_KERNEL_COUNT && status == HBIL_SUCCESS; ++i) {
-    cl_int error = CL_SUCCESS;
-    if (!cache->programs[kernels[i].program])
-      continue;
-    cache->kernels[i] = clCreateKernel(cache->programs[kernels[i].program],
-                                       kernels[i].name, &error);
-    if (!cache->kernels[i])
-      status = fail_cl(context, error, "clCreateKernel(%s)", kernels[i].name);
-  }
-  return status;
+  const hbil_plan *like = &cache->views;
+  bool needed[CACHE_KERNEL_COUNT];
+  for (int i = 0; i < CACHE_KERNEL_COUNT; ++i)
+    needed[i] = kernel_needed(cache, i);
+  return kernels_build(cache->context, &table, needed, &like->config,
+                       &like->layout, cache->programs, cache->kernels,
+                       identity);
 }
 
 /* --- buffers --- */
@@ -129,23 +116,13 @@ static hbil_status try_kernels(hbil_cache *cache, cl_command_queue queue) {
   return status;
 }
 
-/* Forgets everything, in a queue of its own, and waits. */
-static hbil_status prepare(hbil_cache *cache) {
-  cl_int error = CL_SUCCESS;
-  cl_command_queue queue = clCreateCommandQueue(
-      cache->context->context, cache->context->device, 0, &error);
-  if (!queue)
-    return fail_cl(cache->context, error, "clCreateCommandQueue");
+/* Forgets everything. */
+static hbil_status prepare(void *object, cl_command_queue queue) {
+  hbil_cache *cache = object;
   commands chain = commands_of_cache(cache, queue);
   chain.in_order = true;
-  hbil_status status = forget_all(&chain, cache);
-  if (status == HBIL_SUCCESS)
-    status = try_kernels(cache, queue);
-  error = clFinish(queue);
-  clReleaseCommandQueue(queue);
-  return status == HBIL_SUCCESS && error != CL_SUCCESS
-             ? fail_cl(cache->context, error, "clFinish")
-             : status;
+  const hbil_status status = forget_all(&chain, cache);
+  return status == HBIL_SUCCESS ? try_kernels(cache, queue) : status;
 }
 
 /* --- public --- */
@@ -182,13 +159,11 @@ hbil_status hbil_cache_create(hbil_context *context,
   cache_middle(&own, own.centre, cache->middle);
   if ((status = build_kernels(cache, identity)) != HBIL_SUCCESS ||
       (status = allocate_buffers(cache)) != HBIL_SUCCESS ||
-      (status = prepare(cache)) != HBIL_SUCCESS) {
+      (status = run_first_commands(context, prepare, cache)) != HBIL_SUCCESS) {
     hbil_cache_destroy(cache);
     return status;
   }
-  for (int i = 0; i < CACHE_PROGRAM_COUNT; ++i)
-    if (cache->programs[i])
-      binary_store(context, cache->programs[i], &identity[i]);
+  kernels_store(context, &table, cache->programs, identity);
   *out = cache;
   return HBIL_SUCCESS;
 }
@@ -197,12 +172,7 @@ void hbil_cache_destroy(hbil_cache *cache) {
   if (!cache)
     return;
   timeline_end(&cache->line);
-  for (int i = 0; i < CACHE_KERNEL_COUNT; ++i)
-    if (cache->kernels[i])
-      clReleaseKernel(cache->kernels[i]);
-  for (int i = 0; i < CACHE_PROGRAM_COUNT; ++i)
-    if (cache->programs[i])
-      clReleaseProgram(cache->programs[i]);
+  kernels_release(&table, cache->programs, cache->kernels);
   for (int i = 0; i < CACHE_BUFFER_COUNT; ++i)
     if (cache->buffers[i])
       clReleaseMemObject(cache->buffers[i]);

@@ -7,11 +7,10 @@
 
 #include "commands.h"
 #include "config.h"
-#include "defines.h"
 #include "hbil/hbil_stages.h"
 #include "import.h"
+#include "kernel_table.h"
 #include "memory.h"
-#include "program.h"
 #include "camera.h"
 #include "trial.h"
 
@@ -42,10 +41,7 @@ static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_NORMALS_FROM_DEPTH] = {"normals_from_depth", .defines = ""},
 };
 
-static const struct {
-  const char *name;
-  int program;
-} kernels[KERNEL_COUNT] = {
+static const kernel_kind kernels[KERNEL_COUNT] = {
     [KERNEL_SCATTER_ROWS] = {"scatter_rows", PROGRAM_SCATTER},
     [KERNEL_SCATTER_BANDS] = {"scatter_bands", PROGRAM_SCATTER},
     [KERNEL_SCATTER_DEPTH] = {"scatter_depth", PROGRAM_SCATTER},
@@ -80,6 +76,9 @@ static const struct {
     [KERNEL_NORMALS_FROM_DEPTH] = {"normals_from_depth",
                                    PROGRAM_NORMALS_FROM_DEPTH},
 };
+
+static const kernel_table table = {programs, kernels, PROGRAM_COUNT,
+                                   KERNEL_COUNT};
 
 static bool program_needed(const hbil_plan *plan, int program) {
   const layout *l = &plan->layout;
@@ -136,34 +135,12 @@ static bool kernel_needed(const hbil_plan *plan, int kernel) {
 /* identity: of each program that the plan needs. */
 static hbil_status build_kernels(hbil_plan *plan,
                                  binary_identity identity[PROGRAM_COUNT]) {
-  char defines[MOST_DEFINES];
-  hbil_status status = write_defines(plan->context, &plan->config,
-                                     &plan->layout, defines, sizeof defines);
+  bool needed[KERNEL_COUNT];
+  for (int i = 0; i < KERNEL_COUNT; ++i)
+    needed[i] = kernel_needed(plan, i);
   program_report_folder(plan->context);
-  for (int i = 0; i < PROGRAM_COUNT && status == HBIL_SUCCESS; ++i)
-    if (program_needed(plan, i))
-      status = program_build(plan->context, &programs[i], defines,
-                             &plan->programs[i], &identity[i]);
-  for (int i = 0; i < KERNEL_COUNT && status == HBIL_SUCCESS; ++i) {
-    cl_int error = CL_SUCCESS;
-    if (!kernel_needed(plan, i))
-      continue;
-    plan->kernels[i] = clCreateKernel(plan->programs[kernels[i].program],
-                                      kernels[i].name, &error);
-    if (!plan->kernels[i])
-      status =
-          fail_cl(plan->context, error, "clCreateKernel(%s)", kernels[i].name);
-  }
-  return status;
-}
-
-/* Programs are stored after the trial launches, because binaries may hold what
- * was compiled for these. */
-static void store_programs(const hbil_plan *plan,
-                           const binary_identity identity[PROGRAM_COUNT]) {
-  for (int i = 0; i < PROGRAM_COUNT; ++i)
-    if (plan->programs[i])
-      binary_store(plan->context, plan->programs[i], &identity[i]);
+  return kernels_build(plan->context, &table, needed, &plan->config,
+                       &plan->layout, plan->programs, plan->kernels, identity);
 }
 
 /* --- the first commands --- */
@@ -178,22 +155,11 @@ static hbil_status write_first(hbil_plan *plan, cl_command_queue queue) {
                                                       : status;
 }
 
-/* Makes the plan ready for its first frame, in a queue of its own, and waits.
- */
-static hbil_status prepare(hbil_plan *plan) {
-  cl_int error = CL_SUCCESS;
-  cl_command_queue queue = clCreateCommandQueue(
-      plan->context->context, plan->context->device, 0, &error);
-  if (!queue)
-    return fail_cl(plan->context, error, "clCreateCommandQueue");
-  hbil_status status = write_first(plan, queue);
-  if (status == HBIL_SUCCESS)
-    status = launch_every_kernel(plan, queue);
-  error = clFinish(queue);
-  clReleaseCommandQueue(queue);
-  return status == HBIL_SUCCESS && error != CL_SUCCESS
-             ? fail_cl(plan->context, error, "clFinish")
-             : status;
+/* Makes the plan ready for its first frame. */
+static hbil_status prepare(void *object, cl_command_queue queue) {
+  hbil_plan *plan = object;
+  const hbil_status status = write_first(plan, queue);
+  return status == HBIL_SUCCESS ? launch_every_kernel(plan, queue) : status;
 }
 
 /* --- public --- */
@@ -267,11 +233,11 @@ static hbil_status create(hbil_context *context, const hbil_config *config,
   binary_identity identity[PROGRAM_COUNT];
   if ((status = build_kernels(plan, identity)) != HBIL_SUCCESS ||
       (status = allocate(plan)) != HBIL_SUCCESS ||
-      (status = prepare(plan)) != HBIL_SUCCESS) {
+      (status = run_first_commands(context, prepare, plan)) != HBIL_SUCCESS) {
     hbil_plan_destroy(plan);
     return status;
   }
-  store_programs(plan, identity);
+  kernels_store(context, &table, plan->programs, identity);
   *out = plan;
   return HBIL_SUCCESS;
 }
@@ -307,12 +273,7 @@ void hbil_plan_destroy(hbil_plan *plan) {
     return;
   for (int i = 0; i < plan->launches; ++i)
     clReleaseEvent(plan->events[i]);
-  for (int i = 0; i < KERNEL_COUNT; ++i)
-    if (plan->kernels[i])
-      clReleaseKernel(plan->kernels[i]);
-  for (int i = 0; i < PROGRAM_COUNT; ++i)
-    if (plan->programs[i])
-      clReleaseProgram(plan->programs[i]);
+  kernels_release(&table, plan->programs, plan->kernels);
   for (int i = 0; i < BUFFER_COUNT; ++i)
     if (plan->buffers[i])
       clReleaseMemObject(plan->buffers[i]);
