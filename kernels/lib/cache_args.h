@@ -201,4 +201,16 @@ typedef struct hbil_probes_args {
 } hbil_probes_args;
 HBIL_ASSERT_LAYOUT(hbil_probes_args, rays, 77, 78)
 
+#ifndef __OPENCL_VERSION__
+/* What the bytes of hbil_cache_save() begin with.  States, a byte a voxel for
+ * its unlit part, and the floats of voxels follow. */
+typedef struct hbil_cache_saved_head {
+  char magic[16]; /* with the version */
+  cl_uint voxels, levels, round, unused;
+  double voxel_size; /* world units across a voxel of level 0 */
+  cl_long middle[3]; /* in voxels of the coarsest level */
+  cl_ulong hash; /* of all bytes behind the head, and of the head without it */
+} hbil_cache_saved_head;
+#endif
+
 #endif

@@ -121,6 +121,14 @@ typedef struct exact_ray_end {
 exact_ray_end exact_cache_follow(const exact_cache *cache, vec3 origin,
                                  vec3 direction, double start);
 
+/* Its parts.  The voxel of the finest level that has a point; false: none has.
+ * The distance at which a ray leaves a voxel.  Whether a ray hits the surface
+ * of a voxel, whose values are v, and at which distance. */
+bool exact_cache_find(const exact_cache *cache, vec3 at, exact_place *place);
+double exact_cache_leave(const exact_place *place, vec3 origin, vec3 direction);
+bool exact_cache_hits(const double *v, const exact_place *place, vec3 origin,
+                      vec3 direction, double *distance);
+
 /* Mixes the bits of a number, which turns rays. */
 uint32_t exact_mixed(uint32_t number);
 /* Coordinates in [0,1) of ray i of `count`. */

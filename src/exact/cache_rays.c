@@ -20,8 +20,7 @@ int exact_cache_way(const exact_cache *cache, exact_place *place) {
   return state;
 }
 
-/* The voxel of the finest level that has a point.  false: none has. */
-static bool find_place(const exact_cache *cache, vec3 at, exact_place *place) {
+bool exact_cache_find(const exact_cache *cache, vec3 at, exact_place *place) {
   for (place->level = 0; place->level < cache->levels; ++place->level) {
     const double size = ldexp(1.0, place->level);
     place->cell[0] = (int)floor(at.x / size);
@@ -33,8 +32,8 @@ static bool find_place(const exact_cache *cache, vec3 at, exact_place *place) {
   return false;
 }
 
-/* The distance at which a ray leaves a voxel. */
-static double leave(const exact_place *place, vec3 origin, vec3 direction) {
+double exact_cache_leave(const exact_place *place, vec3 origin,
+                         vec3 direction) {
   const double size = ldexp(1.0, place->level);
   const double from[3] = {origin.x, origin.y, origin.z};
   const double d[3] = {direction.x, direction.y, direction.z};
@@ -47,10 +46,8 @@ static double leave(const exact_place *place, vec3 origin, vec3 direction) {
   return t;
 }
 
-/* Whether a ray hits the surface in a voxel, and at which distance. */
-static bool hits(const exact_cache *cache, const exact_place *place,
-                 vec3 origin, vec3 direction, double *distance) {
-  const double *v = exact_cache_at(cache, place)->value;
+bool exact_cache_hits(const double *v, const exact_place *place, vec3 origin,
+                      vec3 direction, double *distance) {
   const double size = ldexp(1.0, place->level);
   const vec3 n =
       vec_normalize(vec(v[HBIL_VOXEL_NORMAL], v[HBIL_VOXEL_NORMAL + 1],
@@ -73,18 +70,19 @@ exact_ray_end exact_cache_follow(const exact_cache *cache, vec3 origin,
   bool unseen = false;
   int last = HBIL_VOXEL_UNKNOWN;
   double t = start;
-  while (find_place(cache, vec_add(origin, t, direction), &place)) {
+  while (exact_cache_find(cache, vec_add(origin, t, direction), &place)) {
     exact_place seen = place;
     last = exact_cache_way(cache, &seen);
     if (last == HBIL_VOXEL_SURFACE &&
-        hits(cache, &seen, origin, direction, &end.distance)) {
+        exact_cache_hits(exact_cache_at(cache, &seen)->value, &seen, origin,
+                         direction, &end.distance)) {
       end.kind = EXACT_RAY_HIT;
       end.place = seen;
       return end;
     }
     unseen = unseen || last == HBIL_VOXEL_UNKNOWN;
     /* behind the border, whatever the rounding */
-    t = fmax(t, leave(&place, origin, direction)) + 1e-9;
+    t = fmax(t, exact_cache_leave(&place, origin, direction)) + 1e-9;
   }
   if (last == HBIL_VOXEL_SKY && !unseen)
     end.kind = EXACT_RAY_SKY;

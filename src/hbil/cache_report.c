@@ -48,19 +48,10 @@ hbil_status hbil_cache_statistics_read(hbil_cache *cache,
 
 /* --- all of it --- */
 
-/* What bounces have made, and what views have shown.  Everything else follows
- * from these. */
+/* What bounces have made, and what views have shown, in the order that
+ * hbil_cache_saved_head states.  Everything else follows from these. */
 static const int saved[] = {CACHE_STATES, CACHE_UNLIT, CACHE_VOXELS};
 enum { SAVED = sizeof saved / sizeof *saved };
-
-/* What the bytes of a saved cache begin with. */
-typedef struct saved_head {
-  char magic[16]; /* with the version */
-  cl_uint voxels, levels, round, unused;
-  double voxel_size;
-  cl_long middle[3];
-  cl_ulong hash; /* of all bytes behind the head, and of the head without it */
-} saved_head;
 
 /* FNV-1a, eight bytes at a time. */
 static cl_ulong hash_of(const unsigned char *bytes, size_t size,
@@ -77,7 +68,7 @@ static cl_ulong hash_of(const unsigned char *bytes, size_t size,
 }
 
 static cl_ulong hash_of_saved(const unsigned char *bytes, size_t size) {
-  saved_head head;
+  hbil_cache_saved_head head;
   memcpy(&head, bytes, sizeof head);
   head.hash = 0;
   const cl_ulong start =
@@ -85,8 +76,8 @@ static cl_ulong hash_of_saved(const unsigned char *bytes, size_t size) {
   return hash_of(bytes + sizeof head, size - sizeof head, start);
 }
 
-static saved_head head_of(const hbil_cache *cache) {
-  saved_head head;
+static hbil_cache_saved_head head_of(const hbil_cache *cache) {
+  hbil_cache_saved_head head;
   memset(&head, 0, sizeof head);
   snprintf(head.magic, sizeof head.magic, "hbil %s", hbil_version());
   head.voxels = cache->config.voxels;
@@ -98,7 +89,7 @@ static saved_head head_of(const hbil_cache *cache) {
 }
 
 size_t hbil_cache_size(const hbil_cache *cache) {
-  size_t size = sizeof(saved_head);
+  size_t size = sizeof(hbil_cache_saved_head);
   for (int i = 0; cache && i < SAVED; ++i)
     size += cache_buffer_bytes(&cache->config, saved[i]);
   return cache ? size : 0;
@@ -124,7 +115,7 @@ hbil_status hbil_cache_save(hbil_cache *cache, cl_command_queue queue,
   hbil_status status = begin(__func__, cache, queue, bytes, size, &chain);
   if (status != HBIL_SUCCESS)
     return status;
-  saved_head head = head_of(cache);
+  hbil_cache_saved_head head = head_of(cache);
   size_t offset = sizeof head;
   for (int i = 0; i < SAVED && status == HBIL_SUCCESS; ++i) {
     const size_t part = cache_buffer_bytes(&cache->config, saved[i]);
@@ -142,8 +133,8 @@ hbil_status hbil_cache_save(hbil_cache *cache, cl_command_queue queue,
 
 static hbil_status check_saved(hbil_cache *cache, const unsigned char *bytes,
                                size_t size) {
-  const saved_head own = head_of(cache);
-  saved_head head;
+  const hbil_cache_saved_head own = head_of(cache);
+  hbil_cache_saved_head head;
   memcpy(&head, bytes, sizeof head);
   if (memcmp(head.magic, own.magic, sizeof own.magic))
     return fail(cache->context, HBIL_INVALID_ARGUMENT,
@@ -179,7 +170,7 @@ hbil_status hbil_cache_load(hbil_cache *cache, cl_command_queue queue,
   if (status != HBIL_SUCCESS)
     return status;
   status = check_saved(cache, at, size);
-  saved_head head;
+  hbil_cache_saved_head head;
   memcpy(&head, at, sizeof head);
   size_t offset = sizeof head;
   for (int i = 0; i < SAVED && status == HBIL_SUCCESS; ++i) {

@@ -37,10 +37,10 @@ static void write_text(contact_sheet *s, uint32_t x, uint32_t y,
     s->unlabelled = 1;
 }
 
-int contact_sheet_open(contact_sheet *s, unsigned layers, size_t frames,
-                       uint32_t width, uint32_t height) {
+int contact_sheet_open(contact_sheet *s, unsigned layers, int cache,
+                       size_t frames, uint32_t width, uint32_t height) {
   uint32_t columns = 0;
-  *s = (contact_sheet){.layers = layers, .frames = frames};
+  *s = (contact_sheet){.layers = layers, .cache = cache, .frames = frames};
   s->tile_width = width < LEAST_TILE  ? LEAST_TILE
                   : width > MOST_TILE ? MOST_TILE
                                       : width;
@@ -50,13 +50,15 @@ int contact_sheet_open(contact_sheet *s, unsigned layers, size_t frames,
     s->tile_height = 1;
   for (int l = 0; l < LAYER_COUNT; l++)
     columns += layers >> l & 1;
-  if (picture_new(column_x(s, columns), row_y(s, rows_of(frames)),
-                  &s->picture) != 0)
+  if (picture_new(column_x(s, columns + (cache ? 1 : 0)),
+                  row_y(s, rows_of(frames)), &s->picture) != 0)
     return -1;
   columns = 0;
   for (int l = 0; l < LAYER_COUNT; l++)
     if (layers >> l & 1)
       write_text(s, column_x(s, columns++), 2, layer_table[l].name);
+  if (cache)
+    write_text(s, column_x(s, columns), 2, "radiance cache");
   return 0;
 }
 
@@ -86,4 +88,19 @@ int contact_sheet_add(contact_sheet *s, const char *name, const image *result,
     picture_free(&tile);
   }
   return failed ? -1 : 0;
+}
+
+size_t contact_sheet_rows(const contact_sheet *s) {
+  return s->row;
+}
+
+size_t contact_sheet_frame(const contact_sheet *s, size_t row) {
+  return frame_of(s, row);
+}
+
+int contact_sheet_add_cache(contact_sheet *s, size_t row, const picture *tile) {
+  const picture_window at = {s->picture.width - GAP - s->tile_width,
+                             row_y(s, row) + LINE, s->tile_width,
+                             s->tile_height};
+  return picture_tile(&s->picture, &at, tile);
 }

@@ -1,5 +1,6 @@
 /* A contact sheet: frames and their layers side by side in one picture, with
- * the layers in columns and at most eight frames in rows. */
+ * the layers in columns, the radiance cache in the last one, and at most eight
+ * frames in rows. */
 #ifndef HBIL_TOOL_CONTACT_SHEET_H
 #define HBIL_TOOL_CONTACT_SHEET_H
 
@@ -12,6 +13,7 @@
 
 typedef struct contact_sheet {
   unsigned layers; /* a set (layers.h) */
+  int cache;       /* 1: the last column shows the radiance cache */
   size_t frames;   /* of the whole sequence */
   size_t row;      /* that comes next */
   uint32_t tile_width, tile_height;
@@ -20,8 +22,8 @@ typedef struct contact_sheet {
 } contact_sheet;
 
 /* width, height: pixels of a frame.  0, or -1 if memory runs out. */
-int contact_sheet_open(contact_sheet *s, unsigned layers, size_t frames,
-                       uint32_t width, uint32_t height);
+int contact_sheet_open(contact_sheet *s, unsigned layers, int cache,
+                       size_t frames, uint32_t width, uint32_t height);
 
 /* It may be called on a zeroed sheet. */
 void contact_sheet_close(contact_sheet *s);
@@ -33,5 +35,12 @@ int contact_sheet_shows(const contact_sheet *s, size_t frame);
  * if memory runs out. */
 int contact_sheet_add(contact_sheet *s, const char *name, const image *result,
                       float exposure);
+
+/* The rows so far, and the frame that each shows. */
+size_t contact_sheet_rows(const contact_sheet *s);
+size_t contact_sheet_frame(const contact_sheet *s, size_t row);
+
+/* Fills a row's tile of the radiance cache.  0, or -1 if memory runs out. */
+int contact_sheet_add_cache(contact_sheet *s, size_t row, const picture *tile);
 
 #endif

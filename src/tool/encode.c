@@ -9,6 +9,7 @@
 #include "image/picture.h"
 #include "image/png_write.h"
 #include "image/window.h"
+#include "tool/cache_picture.h"
 #include "tool/heatmap.h"
 #include "tool/job_key.h"
 #include "tool/preview.h"
@@ -173,10 +174,32 @@ int encoder_open(encoder *e, image_error *error) {
   progress_start(&e->progress, "frames", 0.0, j->settings->quiet);
   if (!j->settings->contact_sheet)
     return 0;
-  return contact_sheet_open(&e->sheet, j->layers, (size_t)j->count,
+  return contact_sheet_open(&e->sheet, j->layers, j->world, (size_t)j->count,
                             j->shown.width, j->shown.height) == 0
              ? 0
              : image_no_memory(error, j->settings->contact_sheet);
+}
+
+int encoder_shows_cache(const encoder *e) {
+  return e->sheet.picture.rgb && e->sheet.cache;
+}
+
+int encoder_show_cache(encoder *e, const void *bytes, size_t size,
+                       image_error *error) {
+  const job *j = e->job;
+  contact_sheet *sheet = &e->sheet;
+  exact_saved_cache cache;
+  int failed = exact_saved_open(bytes, size, &cache) != EXACT_SUCCESS;
+  for (size_t row = 0; row < contact_sheet_rows(sheet) && !failed; row++) {
+    const job_frame *f = &j->frames[contact_sheet_frame(sheet, row)];
+    picture tile = {0};
+    failed =
+        cache_picture(&cache, f, &j->shown, sheet->tile_width,
+                      sheet->tile_height, e->resume->exposure, &tile) != 0 ||
+        contact_sheet_add_cache(sheet, row, &tile) != 0;
+    picture_free(&tile);
+  }
+  return failed ? image_no_memory(error, j->settings->contact_sheet) : 0;
 }
 
 int encoder_finish(encoder *e, image_error *error) {

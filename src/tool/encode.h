@@ -30,6 +30,13 @@ int encoder_open(encoder *e, image_error *error);
 int encode_frame(encoder *e, size_t item, image *result, image *copied,
                  image_error *error);
 
+/* Whether the contact sheet has tiles of the radiance cache.  Fills them, after
+ * the last frame: bytes are what hbil_cache_save() gives.  0, or -1 with
+ * `error` filled. */
+int encoder_shows_cache(const encoder *e);
+int encoder_show_cache(encoder *e, const void *bytes, size_t size,
+                       image_error *error);
+
 /* After the last frame: writes the contact sheet.  0, or -1. */
 int encoder_finish(encoder *e, image_error *error);
 

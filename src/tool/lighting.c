@@ -100,6 +100,11 @@ int lighting_see(lighting *l, const gbuffer *g, image_error *error) {
   return l->world ? world_see_frame(l->world, g, NULL, error) : 0;
 }
 
+int lighting_cache_bytes(lighting *l, void **bytes, size_t *size,
+                         image_error *error) {
+  return world_bytes(l->world, bytes, size, error);
+}
+
 int lighting_save(lighting *l, image_error *error) {
   return l->world ? world_save(l->world, error) : 0;
 }

@@ -38,6 +38,9 @@ size_t lighting_memory(const lighting *l);
 int lighting_learn(lighting *l, image_error *error);
 int lighting_see(lighting *l, const gbuffer *g, image_error *error);
 int lighting_save(lighting *l, image_error *error);
+/* world_bytes(); there must be a radiance cache. */
+int lighting_cache_bytes(lighting *l, void **bytes, size_t *size,
+                         image_error *error);
 
 /* See sequence_hash(); 0 for the exact integral. */
 uint64_t lighting_hash(const lighting *l, const gbuffer *g);

@@ -60,7 +60,7 @@ static unsigned char byte(float value) {
 }
 
 /* Reinhard's curve with white at 16 times the mean (0.25), then sRGB. */
-static unsigned char light_byte(float value) {
+unsigned char preview_light(float value) {
   if (!(value > 0.0f))
     return 0;
   const float v = fminf(value, 1e6f);
@@ -78,7 +78,7 @@ static unsigned char layer_byte(layer l, float value, float exposure) {
   case LAYER_BENT_NORMAL:
     return byte(0.5f * value + 0.5f);
   default:
-    return light_byte(exposure * light_scale(l) * value);
+    return preview_light(exposure * light_scale(l) * value);
   }
 }
 

@@ -10,6 +10,10 @@
 /* One exposure for all layers of light, from the layers of one frame. */
 float preview_exposure(const image *result);
 
+/* Radiance, times the exposure, as a byte of a picture: Reinhard's curve and
+ * sRGB. */
+unsigned char preview_light(float value);
+
 /* A layer as a picture, which picture_free() frees.  0, or -1 if memory runs
  * out. */
 int preview_picture(const image *result, layer l, float exposure, picture *out);

@@ -126,13 +126,19 @@ int resume_is_needed(const resume *r, size_t item) {
           (r->history_size || (r->job->settings->preview && i == 0)));
 }
 
+/* Files that are made of what the cache knows in the end. */
+static int needs_whole_cache(const process_settings *s) {
+  return s->cache_save || s->contact_sheet;
+}
+
 int resume_uses_cache(const resume *r) {
-  return r->job->world && (r->end > 0 || r->job->settings->cache_save);
+  return r->job->world && (r->end > 0 || needs_whole_cache(r->job->settings));
 }
 
 int resume_is_seen(const resume *r, size_t item) {
   const process_settings *s = r->job->settings;
-  return r->job->world && !s->learn && ((int)item < r->end || s->cache_save);
+  return r->job->world && !s->learn &&
+         ((int)item < r->end || needs_whole_cache(s));
 }
 
 int resume_hands_on(const resume *r, size_t item) {

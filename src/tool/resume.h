@@ -34,7 +34,8 @@ int resume_find_key(resume *r, size_t item, image_error *error);
 int resume_is_needed(const resume *r, size_t item);
 
 /* Whether the radiance cache must see a frame: what it knows, and so the light
- * of later frames, depends on all frames before, computed or not. */
+ * of later frames, the contact sheet and a saved cache, depends on all frames
+ * before, computed or not. */
 int resume_is_seen(const resume *r, size_t item);
 
 /* Whether the radiance cache is used at all. */

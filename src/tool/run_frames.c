@@ -158,6 +158,19 @@ static void release(run *r) {
   }
 }
 
+/* Shows what the radiance cache knows in the end. */
+static int show_cache(run *r, image_error *error) {
+  void *bytes;
+  size_t size;
+  if (!encoder_shows_cache(&r->encoder))
+    return 0;
+  if (lighting_cache_bytes(r->lighting, &bytes, &size, error) != 0)
+    return -1;
+  const int failed = encoder_show_cache(&r->encoder, bytes, size, error);
+  free(bytes);
+  return failed;
+}
+
 static int run_all(run *r, frame_times *times, image_error *error) {
   const pipeline stages = {.stages = {decode, compute, encode},
                            .user = r,
@@ -170,7 +183,9 @@ static int run_all(run *r, frame_times *times, image_error *error) {
   times->wall = progress_clock() - start;
   times->computed = r->encoder.needed;
   progress_clear();
-  return failed != 0 ? failed : encoder_finish(&r->encoder, error);
+  return failed != 0                 ? failed
+         : show_cache(r, error) != 0 ? -1
+                                     : encoder_finish(&r->encoder, error);
 }
 
 int run_frames(const job *j, lighting *l, resume *r, frame_times *times,

@@ -271,22 +271,31 @@ double world_learning_seconds(const world *w) {
   return w->seconds;
 }
 
+int world_bytes(world *w, void **bytes, size_t *size, image_error *error) {
+  *size = hbil_cache_size(w->cache);
+  *bytes = malloc(*size);
+  if (!*bytes)
+    return image_no_memory(error, "radiance cache");
+  const hbil_status status =
+      hbil_cache_save(w->cache, w->device->queue, *bytes, *size);
+  if (status == HBIL_SUCCESS)
+    return 0;
+  free(*bytes);
+  return library_failed(w, status, error);
+}
+
 int world_save(world *w, image_error *error) {
   const hbil_cache_config *c = &w->config;
   const char *path = w->job->settings->cache_save;
-  cache_file file = {.voxels = c->voxels,
-                     .levels = c->levels,
-                     .voxel_size = c->voxel_size,
-                     .size = hbil_cache_size(w->cache)};
+  cache_file file = {
+      .voxels = c->voxels, .levels = c->levels, .voxel_size = c->voxel_size};
+  void *bytes;
+  size_t size;
   memcpy(file.centre, c->centre, sizeof file.centre);
-  void *bytes = malloc(file.size);
-  if (!bytes)
-    return image_no_memory(error, path);
-  const hbil_status status =
-      hbil_cache_save(w->cache, w->device->queue, bytes, file.size);
-  const int failed = status == HBIL_SUCCESS
-                         ? cache_file_write(path, &file, bytes, error)
-                         : library_failed(w, status, error);
+  if (world_bytes(w, &bytes, &size, error) != 0)
+    return -1;
+  file.size = size;
+  const int failed = cache_file_write(path, &file, bytes, error);
   free(bytes);
   return failed;
 }

@@ -39,6 +39,10 @@ double world_learning_seconds(const world *w);
 int world_see_frame(world *w, const gbuffer *g, const cl_mem *given,
                     image_error *error);
 
+/* What hbil_cache_save() gives, which the caller frees.  0, or -1 with `error`
+ * filled. */
+int world_bytes(world *w, void **bytes, size_t *size, image_error *error);
+
 /* Writes the cache to settings->cache_save.  0, or -1 with `error` filled. */
 int world_save(world *w, image_error *error);
 

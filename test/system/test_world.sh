@@ -100,6 +100,37 @@ for size in 0 15 48 512 many; do
     process --cache-size $size -o "$out" "$one"
 done
 
+# --- the contact sheet ---
+
+# pixels FILE: "WIDTH HEIGHT" of a PNG.
+pixels() {
+  od -A n -t u1 -j 16 -N 8 "$1" | awk '{
+    print 256 * (256 * (256 * $1 + $2) + $3) + $4,
+      256 * (256 * (256 * $5 + $6) + $7) + $8 }'
+}
+works "a contact sheet" quiet --layers ao --contact-sheet "$work/sheet.png" \
+  -o "$work/sheet" "$frames"/*.exr
+# two tiles of 160 x 90 with gaps of 8; four rows with a line of 22 above
+test "$(pixels "$work/sheet.png")" = "344 502"
+ok $? "has a column for the cache"
+works "without one" process --quiet --no-cache --layers ao \
+  --contact-sheet "$work/bare.png" -o "$work/bare" "$frames"/*.exr
+test "$(pixels "$work/bare.png")" = "176 502"
+ok $? "it has none"
+works "of results that are there" small --quiet --resume --layers ao \
+  --contact-sheet "$work/sheet2.png" -o "$work/sheet" "$frames"/*.exr
+works "it is the same" cmp "$work/sheet.png" "$work/sheet2.png"
+# sheet NAME VIEW: of what VIEW shows in the first frame.
+sheet() {
+  quiet --layers ao --radius 1 --view "$2" --contact-sheet "$work/$1.png" \
+    -o "$work/$1" "$one"
+}
+works "of a frame that is its own view" sheet own "$one"
+works "of a frame with another view" sheet other "$two"
+works "ambient occlusion of a given radius is the same" "$HBIL" compare \
+  --max-rmse 0 "$work/own/frame_0001.exr:ao" "$work/other/frame_0001.exr:ao"
+differs "so the cache's tile is another one" cmp "$work/own.png" "$work/other.png"
+
 # --- views ---
 
 run small --view "$work/views/v.#.exr" -o "$work/views-3" "$one"

@@ -2,6 +2,7 @@
  * Rays through the radiance cache end where those of the exact pass end.  A
  * kernel of this test calls what the kernels of the cache call.
  */
+#include "exact/saved_cache.h"
 #include "test/support/cache.h"
 #include "test/support/random.h"
 #include "test/support/shim.h"
@@ -214,8 +215,73 @@ static void rays_end_where_exact_rays_end(void **state) {
   free(b);
 }
 
+/* ------------------------------------------------------------------------ */
+/* Saved caches                                                              */
+
+/* Rays from the beginning through the bytes and through the exact cache. */
+static void compare_saved(const exact_saved_cache *saved,
+                          const exact_cache *cache, const bundle *b) {
+  int ends[3] = {0, 0, 0};
+  for (int o = 0; o < ORIGINS; ++o) {
+    const float *p = b->origin[o];
+    const vec3 origin = vec((double)p[0], (double)p[1], (double)p[2]);
+    for (int i = 0; i < RAYS; ++i) {
+      const vec3 d =
+          vec((double)b->direction[o][0][i], (double)b->direction[o][1][i],
+              (double)b->direction[o][2][i]);
+      const exact_ray_end want = exact_cache_follow(cache, origin, d, 0.0);
+      double radiance[3];
+      const exact_ray_kind got =
+          exact_saved_follow(saved, origin, d, 0.0, radiance);
+      ends[got]++;
+      assert_int_equal(got == EXACT_RAY_HIT, want.kind == EXACT_RAY_HIT);
+      if (want.kind == EXACT_RAY_HIT) {
+        exact_voxel voxel = *exact_cache_at(cache, &want.place);
+        exact_cache_publish(&voxel);
+        assert_memory_equal(radiance, voxel.radiance, sizeof radiance);
+      } else if (want.kind == EXACT_RAY_SKY)
+        assert_int_equal(got, EXACT_RAY_SKY);
+    }
+  }
+  for (int i = 0; i < 3; ++i)
+    assert_true(ends[i] > ORIGINS / 8);
+}
+
+static void saved_bytes_hold_the_same_surfaces(void **state) {
+  cache_fixture f;
+  setup s;
+  exact_saved_cache saved;
+  bundle *b = calloc(1, sizeof *b);
+  (void)state;
+  assert_non_null(b);
+  cache_prepare(&f, 8);
+  exact_cache cache = checked_cache(&f);
+  cache_fill(&f, &cache, SCENE_SKY, HBIL_VIEW_DIRECT, &s);
+  cache_update(&f, NULL);
+  cache_import(&cache);
+  make_rays(&cache, true, b);
+  const size_t size = hbil_cache_size(f.cache);
+  unsigned char *bytes = malloc(size);
+  assert_non_null(bytes);
+  assert_int_equal(hbil_cache_save(f.cache, shared_device.queue, bytes, size),
+                   HBIL_SUCCESS);
+  assert_int_equal(exact_saved_open(bytes, size - 1, &saved),
+                   EXACT_BAD_ARGUMENT);
+  assert_int_equal(exact_saved_open(bytes, 8, &saved), EXACT_BAD_ARGUMENT);
+  assert_int_equal(exact_saved_open(bytes, size, &saved), EXACT_SUCCESS);
+  for (int i = 0; i < 3; ++i)
+    assert_int_equal(saved.where.middle[i], cache.middle[i]);
+  compare_saved(&saved, &cache, b);
+  free(bytes);
+  free(b);
+  setup_free(&s);
+  cache_free(&f);
+  exact_cache_free(&cache);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(rays_end_where_exact_rays_end)};
+      cmocka_unit_test(rays_end_where_exact_rays_end),
+      cmocka_unit_test(saved_bytes_hold_the_same_surfaces)};
   return RUN_WITH_DEVICE(tests);
 }
