@@ -31,6 +31,7 @@ struct world {
   hbil_cache_config config;
   hbil_cache *cache;
   planes views, lights[HBIL_MAX_LIGHT_VIEWS];
+  cl_event written; /* the last upload, if one is under way; NULL: none */
   size_t memory;
   double seconds; /* of learning */
 };
@@ -69,10 +70,37 @@ static size_t channels_of(const world *w, int input) {
   return channels;
 }
 
+/* Waits until the host may change or free what was being uploaded. */
+static int finish_upload(world *w, image_error *error) {
+  if (!w->written)
+    return 0;
+  const cl_int status = clWaitForEvents(1, &w->written);
+  clReleaseEvent(w->written);
+  w->written = NULL;
+  return status == CL_SUCCESS
+             ? 0
+             : opencl_failed(w, status, "writing a buffer", error);
+}
+
+/* Begins to write a plane, which must stay until finish_upload().  The queue is
+ * in order, so its last command ends last. */
+static cl_int write_plane(world *w, cl_mem to, size_t offset, size_t bytes,
+                          const float *from) {
+  cl_event written;
+  const cl_int status = clEnqueueWriteBuffer(
+      w->device->queue, to, CL_FALSE, offset, bytes, from, 0, NULL, &written);
+  if (status != CL_SUCCESS)
+    return status;
+  if (w->written)
+    clReleaseEvent(w->written);
+  w->written = written;
+  return CL_SUCCESS;
+}
+
 /* Brings a plane's channels to the device.  Without albedo surfaces are white,
  * as those of frames are; other roles that the picture hasn't are zeros.  The
  * buffer grows where a picture is larger than those before. */
-static int upload(const world *w, const gbuffer *g, int input, planes *p,
+static int upload(world *w, const gbuffer *g, int input, planes *p,
                   image_error *error) {
   const size_t plane = gbuffer_pixels(g) * sizeof(float);
   const size_t channels = channels_of(w, input);
@@ -91,21 +119,21 @@ static int upload(const world *w, const gbuffer *g, int input, planes *p,
   }
   for (size_t c = 0; c < channels && status == CL_SUCCESS; c++) {
     const float *from = gbuffer_plane(g, r, c);
-    const cl_command_queue queue = w->device->queue;
     const cl_mem to = p->input[input];
-    status = from ? clEnqueueWriteBuffer(queue, to, CL_TRUE, c * plane, plane,
-                                         from, 0, NULL, NULL)
-                  : clEnqueueFillBuffer(queue, to, &missing, sizeof missing,
-                                        c * plane, plane, 0, NULL, NULL);
+    status = from ? write_plane(w, to, c * plane, plane, from)
+                  : clEnqueueFillBuffer(w->device->queue, to, &missing,
+                                        sizeof missing, c * plane, plane, 0,
+                                        NULL, NULL);
   }
   return status == CL_SUCCESS
              ? 0
              : opencl_failed(w, status, "writing a buffer", error);
 }
 
-/* given: buffers that hold planes of the picture already; NULL, or NULL for an
- * input: none does. */
-static int view_of(const world *w, const gbuffer *g, const cl_mem *given,
+/* The picture must stay until finish_upload(), whether or not this fails.
+ * given: buffers that hold planes of it already; NULL, or NULL for an input:
+ * none does. */
+static int view_of(world *w, const gbuffer *g, const cl_mem *given,
                    hbil_view_light light, planes *p, hbil_view *view,
                    image_error *error) {
   hbil_plane *const planes_of[] = {&view->depth,    &view->normal,
@@ -156,10 +184,9 @@ int world_see_frame(world *w, const gbuffer *g, const cl_mem *given,
                     image_error *error) {
   if (w->job->settings->learn)
     return 0;
-  return inject(w, g, given, HBIL_VIEW_DIRECT, error) != 0 ||
-                 update(w, ROUNDS_OF_A_FRAME, STEPS_OF_A_FRAME, error) != 0
-             ? -1
-             : 0;
+  const int failed = inject(w, g, given, HBIL_VIEW_DIRECT, error) != 0 ||
+                     update(w, ROUNDS_OF_A_FRAME, STEPS_OF_A_FRAME, error) != 0;
+  return finish_upload(w, failed ? NULL : error) != 0 || failed ? -1 : 0;
 }
 
 /* ------------------------------------------------------------------------ */
@@ -200,33 +227,44 @@ static void finish_radiance(const gbuffer *g, float direct_scale) {
   }
 }
 
-static int learn(world *w, const job_frame *f, hbil_view_light light,
-                 image_error *error) {
-  gbuffer g;
-  if (gbuffer_read(f->path, &f->map, roles, &g, error) != 0)
+static int read_picture(const world *w, const job_frame *f,
+                        hbil_view_light light, gbuffer *g, image_error *error) {
+  if (gbuffer_read(f->path, &f->map, roles, g, error) != 0)
     return -1;
   if (light == HBIL_VIEW_FINISHED)
-    finish_radiance(&g, w->config.inputs.direct_scale);
-  const int failed = inject(w, &g, NULL, light, error);
-  gbuffer_free(&g);
-  return failed;
+    finish_radiance(g, w->config.inputs.direct_scale);
+  return 0;
 }
 
-/* Injects the views and, with --learn, all frames. */
+/* Injects the views and, with --learn, all frames.  While the device takes a
+ * picture, the next one is read. */
 static int learn_pictures(world *w, image_error *error) {
   const job *j = w->job;
   const int count = j->view_count + (j->settings->learn ? j->count : 0);
-  int failed = 0;
+  gbuffer taken = {0}, next;
   progress shown;
+  int failed = 0;
   progress_start(&shown, "radiance cache", 0.0, j->settings->quiet);
   for (int i = 0; i < count && !failed; i++) {
+    const int is_view = i < j->view_count;
+    const hbil_view_light light =
+        is_view ? j->settings->view_light : HBIL_VIEW_DIRECT;
     failed =
-        i < j->view_count
-            ? learn(w, &j->views[i], j->settings->view_light, error)
-            : learn(w, &j->frames[i - j->view_count], HBIL_VIEW_DIRECT, error);
+        read_picture(w, is_view ? &j->views[i] : &j->frames[i - j->view_count],
+                     light, &next, error);
+    if (failed)
+      break;
+    failed = finish_upload(w, error);
+    gbuffer_free(&taken);
+    taken = next;
+    if (!failed)
+      failed = inject(w, &taken, NULL, light, error);
     if (!failed)
       progress_show(&shown, (double)(i + 1) / count);
   }
+  if (finish_upload(w, failed ? NULL : error) != 0)
+    failed = -1;
+  gbuffer_free(&taken);
   progress_clear();
   return failed;
 }
