@@ -47,7 +47,7 @@ INLINE realv side_flux(const intensity *v, int i, float sign, int j,
 
 /* Of the order-1 intensity only what is positive goes on.  This factor makes it
  * the flux of the cell again, 4 pi times the mean. */
-INLINE realv kept_flux(const intensity *v) {
+INLINE realv flux_factor(const intensity *v) {
   realv sum = 0.0f;
 #pragma unroll
   for (int i = 0; i < 3; ++i)
@@ -70,7 +70,7 @@ INLINE void add_neighbour(global const float *from, uint plane, int i,
   const intensity v = {
       LOADV(from),
       {LOADV(from + plane), LOADV(from + 2 * plane), LOADV(from + 3 * plane)}};
-  const realv scale = open * LOADV(from + VOLUME_KEPT * plane);
+  const realv scale = open * LOADV(from + VOLUME_FACTOR * plane);
   const realv front = scale * front_flux(&v, i, sign);
   realv total = front;
   to->slope[i] += sign * front;
@@ -102,7 +102,7 @@ INLINE void store_intensity(const intensity *v, uint plane, global float *to,
 #pragma unroll
   for (int i = 0; i < 3; ++i)
     store_lanes(v->slope[i], to + (1 + i) * plane, count);
-  store_lanes(kept_flux(v), to + VOLUME_KEPT * plane, count);
+  store_lanes(flux_factor(v), to + VOLUME_FACTOR * plane, count);
 }
 
 kernel void propagate(const hbil_cache_args cache, global const float *sources,
@@ -159,12 +159,12 @@ INLINE void store_sky(const hbil_sh_args sky, float size, uint plane,
   const float value[4] = {scale * sky.sh[0], -scale * sky.sh[3],
                           -scale * sky.sh[1], -scale * sky.sh[2]};
   const intensity v = {value[0], {value[1], value[2], value[3]}};
-  float kept[HBIL_WIDTH];
-  STOREV(kept_flux(&v), kept);
+  float factor[HBIL_WIDTH];
+  STOREV(flux_factor(&v), factor);
 #pragma unroll
   for (int k = 0; k < 4; ++k)
     to[(uint)k * plane] = value[k];
-  to[VOLUME_KEPT * plane] = kept[0];
+  to[VOLUME_FACTOR * plane] = factor[0];
 }
 
 kernel void volume_border(const hbil_cache_args cache,
@@ -201,6 +201,7 @@ kernel void volume_border(const hbil_cache_args cache,
                              (y + shift) >> 1, (z + shift) >> 1);
 #pragma unroll
   for (int k = 0; k < VOLUME_PLANES; ++k)
-    cell[(uint)k * plane] = (k % VOLUME_COLOUR == VOLUME_KEPT ? 1.0f : 0.25f) *
-                            coarser[(uint)k * plane];
+    cell[(uint)k * plane] =
+        (k % VOLUME_COLOUR == VOLUME_FACTOR ? 1.0f : 0.25f) *
+        coarser[(uint)k * plane];
 }

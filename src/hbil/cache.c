@@ -14,11 +14,6 @@ size_t cache_voxel_count(const hbil_cache_config *config) {
   return n * n * n * config->levels;
 }
 
-bool cache_has(const hbil_cache_config *config, hbil_provider provider) {
-  return provider == HBIL_PROVIDER_RAYS ||
-         (config->providers & HBIL_PROVIDER_BIT(provider)) != 0;
-}
-
 static size_t pyramid_texels(size_t across) {
   size_t sum = 0;
   for (; across > 0; across /= 2)

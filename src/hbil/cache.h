@@ -93,9 +93,6 @@ hbil_status cache_check_memory(hbil_context *context,
 /* Bytes of a buffer. */
 size_t cache_buffer_bytes(const hbil_cache_config *config, int buffer);
 
-/* Whether plans may ask the cache by this provider. */
-bool cache_has(const hbil_cache_config *config, hbil_provider provider);
-
 /* Where the cache is, as kernels take it; the middle in the world; voxels of
  * level 0 per world unit. */
 hbil_cache_args cache_args(const hbil_cache *cache);

@@ -116,6 +116,11 @@ hbil_status cache_config_take(hbil_context *context,
   return status;
 }
 
+bool cache_has(const hbil_cache_config *config, hbil_provider provider) {
+  return provider == HBIL_PROVIDER_RAYS ||
+         (config->providers & HBIL_PROVIDER_BIT(provider)) != 0;
+}
+
 /* --- a view --- */
 
 hbil_status view_take(hbil_context *context, const hbil_view *given,

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cache.h"
+#include "cache_config.h"
 #include "camera.h"
 #include "import.h"
 #include "memory.h"

@@ -90,8 +90,12 @@ int job_key_next(const job_frame *f, uint64_t *key, image_error *error) {
 static int hash_cache(const job *j, uint64_t *hash, image_error *error) {
   const process_settings *s = j->settings;
   const hbil_cache_config *c = &j->cache;
-  const unsigned how[] = {c->voxels, c->levels, (unsigned)s->view_light,
-                          (unsigned)s->learn, (unsigned)j->view_count};
+  const unsigned how[] = {c->voxels,
+                          c->levels,
+                          (unsigned)s->view_light,
+                          (unsigned)s->learn,
+                          (unsigned)j->view_count,
+                          (unsigned)j->light_count};
   const double where[] = {c->voxel_size, c->centre[0], c->centre[1],
                           c->centre[2], (double)c->unseen_light};
   int failed = 0;
@@ -103,6 +107,8 @@ static int hash_cache(const job *j, uint64_t *hash, image_error *error) {
     *hash = hash_bytes(*hash, &j->loaded.hash, sizeof j->loaded.hash);
   for (int i = 0; i < j->view_count && !failed; i++)
     failed = job_key_next(&j->views[i], hash, error);
+  for (int i = 0; i < j->light_count && !failed; i++)
+    failed = job_key_next(&j->lights[i], hash, error);
   for (int i = 0; s->learn && i < j->count && !failed; i++)
     failed = job_key_next(&j->frames[i], hash, error);
   return failed;

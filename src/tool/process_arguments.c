@@ -313,6 +313,13 @@ static int check_cache(const request *r, image_error *error) {
   }
   if (is_given(r, "view-light") && !s->view_count)
     return image_fail(error, "--view-light: --view FILE is needed with it");
+  if (s->light_view_count && s->far != HBIL_PROVIDER_RSM)
+    return image_fail(error, "--light-view: --far rsm is needed with it");
+  if (s->far == HBIL_PROVIDER_RSM && !s->light_view_count)
+    return image_fail(error, "--far rsm: --light-view FILE is needed with it");
+  if (s->light_view_count > HBIL_MAX_LIGHT_VIEWS)
+    return image_fail(error, "--light-view: %u files; %d at most can be used",
+                      s->light_view_count, HBIL_MAX_LIGHT_VIEWS);
   if (s->cache_load && s->cache_voxels)
     return image_fail(error,
                       "--cache-size: not with --cache-load, whose file has a "

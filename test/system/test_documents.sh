@@ -157,7 +157,7 @@ small() {
     -e "s,'\(views/\)\{0\,1\}\(face_\*\|\*\)\.exr',$gbuffer/frame_0003.exr," \
     -e "s,'\(walk\|frame\)_####\.exr','$gbuffer/frame_####.exr'," \
     -e 's|--cache-size N$|--cache-size 32|' \
-    -e 's|--view-light radiance|--view-light direct|' \
+    -e 's|--view-light radiance|--view-light direct|' -e 's|--far rsm|--far rays|' \
     -e "s|\([^/]\)\<\(frame_000[0-9].exr\)|\1$gbuffer/\2|g" \
     -e "s|\([^/]\)\<FRAME\.exr|\1$frame|g" \
     -e "s|\<[AB]\.exr:[a-zA-Z_]*|$lit:ao|g; s|--heatmap PNG|--heatmap heat.png|" \

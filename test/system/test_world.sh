@@ -76,7 +76,8 @@ rejected "with them a view has no use" 'from-depth: not with --view' \
 # --- options that don't go together ---
 
 for option in "--view $two" "--view-light direct" --learn "--cache-size 32" \
-  "--cache-load $work/c" "--cache-save $work/c"; do
+  "--cache-load $work/c" "--cache-save $work/c" "--far cones" \
+  "--light-view $two"; do
   word=${option%% *}
   # shellcheck disable=SC2086
   rejected "$word and --no-cache" "^hbil: $word: not with --no-cache" \
@@ -98,6 +99,32 @@ rejected "--cache-size beside a file's" '^hbil: --cache-size: not with --cache-l
 for size in 0 15 48 512 many; do
   rejected "--cache-size $size" "^hbil: --cache-size $size: one of 16, 32, 64, 128, 256" \
     process --cache-size $size -o "$out" "$one"
+done
+
+rejected "an unknown --far" '^hbil: --far nix: one of rays, cones, lpv, rsm is needed' \
+  process --far nix -o "$out" "$one"
+rejected "--far rsm without a light" '^hbil: --far rsm: --light-view FILE is needed' \
+  process --far rsm -o "$out" "$one"
+rejected "--light-view for rays" '^hbil: --light-view: --far rsm is needed' \
+  process --light-view "$two" -o "$out" "$one"
+rejected "too many lights" '^hbil: --light-view: 5 files; 4 at most' \
+  process --far rsm --light-view "$one" --light-view "$one" --light-view "$one" \
+  --light-view "$one" --light-view "$one" -o "$out" "$one"
+
+# --- ways to find the cache's light ---
+
+small --view "$two" --far rays -o "$work/far-rays" "$one"
+small --view "$two" -o "$work/far-default" "$one"
+works "rays are the default" "$HBIL" compare --max-rmse 0 \
+  "$work/far-rays/$(basename "$one")" "$work/far-default/$(basename "$one")"
+for far in cones lpv "rsm --light-view $two"; do
+  word=${far%% *}
+  # shellcheck disable=SC2086
+  run small --view "$two" --far $far -o "$work/far-$word" "$one"
+  test $status -eq 0
+  ok $? "--far $word"
+  differs "is another light than rays find" "$HBIL" compare --max-rmse 1e-4 \
+    "$work/far-$word/$(basename "$one")" "$work/far-rays/$(basename "$one")"
 done
 
 # --- the contact sheet ---
