@@ -164,7 +164,7 @@ enum { HBIL_MIP_UNSEEN = 24, HBIL_MIP_SKY = 25, HBIL_MIP_FLOATS = 28 };
 /* Views of lights: as many as the public header says, texels of each, and how
  * many of them a probe asks. */
 enum { HBIL_LIGHT_VIEWS = 4, HBIL_LIGHT_MOST_TEXELS = 1 << 16 };
-#define HBIL_RSM_SAMPLES 64
+#define HBIL_RSM_SAMPLES 256
 
 /* Lengths in voxels of level 0, places in cache space. */
 typedef struct hbil_light_view_args {
