@@ -18,6 +18,7 @@ typedef struct channel_map {
   char *files[ROLE_COUNT]; /* the role's file, if it is not the frame's own; the
                               map owns the names */
   int gamma[ROLE_COUNT];   /* 1: the file's colours are sRGB */
+  unsigned chosen;         /* roles that --map names, a bit mask */
   int is_beauty;      /* 1: by its name, direct light is a finished image */
   hbil_camera camera; /* for conversions; fx 0: unknown */
   hbil_projection projection; /* of the camera */

@@ -10,6 +10,7 @@
 #include "image/window.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -82,18 +83,14 @@ static int take_from(const image *header, const char *path, const char *group,
                     role_channels(r) == 1 ? "" : "s");
 }
 
-/* Takes a pass from a file of its own. */
-static int take_file(const char *frame, const image *own, const char *pattern,
-                     const char *group, role r, channel_map *out,
-                     image_error *error) {
+int chosen_passes_take_file(const char *frame, const image *own, char *path,
+                            const char *group, role r, channel_map *out,
+                            image_error *error) {
   image header;
-  char *path = beside(frame, pattern);
-  if (!path)
-    return image_no_memory(error, frame);
-  if (image_read_header(path, &header, error) != 0) {
-    free(path);
+  free(out->files[r]);
+  out->files[r] = path;
+  if (image_read_header(path, &header, error) != 0)
     return -1;
-  }
   const image_window shown = image_display_window(own);
   const image_window here = image_display_window(&header);
   int failed = take_from(&header, path, group, r, out, error);
@@ -105,49 +102,100 @@ static int take_file(const char *frame, const image *own, const char *pattern,
                         shown.height);
   out->gamma[r] = header.gamma;
   image_free(&header);
-  free(out->files[r]);
-  out->files[r] = path;
   return failed;
 }
 
-/* Takes one ROLE=[FILE:]LAYER, which is overwritten. */
-static int take_word(const char *frame, const image *header, char *word,
-                     channel_map *out, image_error *error) {
-  char *equals = strchr(word, '=');
+/* The role of a ROLE=..., of which `equals` is the =. */
+static int role_of(const char *word, const char *equals) {
+  const size_t length = (size_t)(equals - word);
   int r = 0;
-  if (equals)
-    *equals = '\0';
-  while (r < ROLE_COUNT && strcmp(word, role_name((role)r)) != 0)
+  while (r < ROLE_COUNT && (strlen(role_name((role)r)) != length ||
+                            strncmp(word, role_name((role)r), length) != 0))
     r++;
-  if (!equals || r == ROLE_COUNT)
-    return image_fail(error,
-                      "--map %s: ROLE=LAYER is needed, ROLE one of depth, "
-                      "normal, albedo, direct, emission, background, motion, "
-                      "position, indirect",
-                      word);
-  char *value = equals + 1;
+  return r;
+}
+
+static int take_value(const char *frame, const image *header, char *value,
+                      role r, channel_map *out, image_error *error) {
   char *colon = strrchr(value, ':');
+  if (colon)
+    *colon = '\0';
+  if (!colon && !is_file(value))
+    return take_from(header, frame, value, r, out, error);
+  char *path = beside(frame, value);
+  return path ? chosen_passes_take_file(frame, header, path,
+                                        colon ? colon + 1 : "", r, out, error)
+              : image_no_memory(error, frame);
+}
+
+/* Takes single channels, one for each component. */
+static int take_channels(const char *frame, const image *header,
+                         char *const *values, size_t count, role r,
+                         channel_map *out, image_error *error) {
+  if (count != role_channels(r))
+    return image_fail(error, "--map %s=%s,...: %zu channels; %zu are needed",
+                      role_name(r), values[0], count, role_channels(r));
+  for (size_t i = 0; i < count; i++) {
+    if (!image_find(header, values[i]))
+      return image_fail(error,
+                        "--map %s=...,%s: %s has no such channel (see hbil "
+                        "info)",
+                        role_name(r), values[i], frame);
+    snprintf(out->names[r][i], sizeof out->names[r][i], "%s", values[i]);
+  }
+  out->count[r] = count;
+  return 0;
+}
+
+/* Takes one ROLE= with its values, which are overwritten. */
+static int take_role(const char *frame, const image *header, char *const *words,
+                     size_t count, channel_map *out, image_error *error) {
+  char *equals = strchr(words[0], '=');
+  const int r = equals ? role_of(words[0], equals) : ROLE_COUNT;
+  char *values[ROLE_CHANNELS + 1] = {equals ? equals + 1 : NULL};
+  if (r == ROLE_COUNT)
+    return image_fail(error,
+                      "--map %.*s: ROLE=LAYER is needed, ROLE one of depth, "
+                      "normal, albedo, direct, emission, background, motion, "
+                      "position, indirect, coverage",
+                      (int)strcspn(words[0], "="), words[0]);
+  out->chosen |= 1u << r;
   out->count[r] = 0;
   free(out->files[r]);
   out->files[r] = NULL;
   out->gamma[r] = header->gamma;
-  if (!*value)
-    return 0;
-  if (colon)
-    *colon = '\0';
-  if (colon || is_file(value))
-    return take_file(frame, header, value, colon ? colon + 1 : "", (role)r, out,
-                     error);
-  return take_from(header, frame, value, (role)r, out, error);
+  if (count > 1) {
+    for (size_t i = 1; i < count && i <= ROLE_CHANNELS; i++)
+      values[i] = words[i];
+    return take_channels(frame, header, values, count, (role)r, out, error);
+  }
+  return *values[0] ? take_value(frame, header, values[0], (role)r, out, error)
+                    : 0;
+}
+
+/* Splits a text at its commas, and returns how many words there are. */
+static size_t split(char *text, char **words, size_t most) {
+  size_t count = 0;
+  char *rest = NULL;
+  for (char *word = strtok_r(text, ",", &rest); word && count < most;
+       word = strtok_r(NULL, ",", &rest))
+    words[count++] = word;
+  return count;
 }
 
 int chosen_passes_take(const char *frame, const image *header, const char *text,
                        channel_map *out, image_error *error) {
-  char *words = strdup(text), *rest = NULL;
-  int failed = words ? 0 : image_no_memory(error, frame);
-  for (char *word = words ? strtok_r(words, ",", &rest) : NULL; word && !failed;
-       word = strtok_r(NULL, ",", &rest))
-    failed = take_word(frame, header, word, out, error);
+  const size_t most = strlen(text) / 2 + 1;
+  char *copy = strdup(text), **words = calloc(most, sizeof *words);
+  int failed = copy && words ? 0 : image_no_memory(error, frame);
+  const size_t count = failed ? 0 : split(copy, words, most);
+  /* a word without = is one more channel of the role before it */
+  for (size_t i = 0, next; i < count && !failed; i = next) {
+    for (next = i + 1; next < count && !strchr(words[next], '=');)
+      next++;
+    failed = take_role(frame, header, words + i, next - i, out, error);
+  }
   free(words);
+  free(copy);
   return failed;
 }

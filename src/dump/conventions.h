@@ -40,21 +40,28 @@ extern const char *const direct_words[];
 enum {
   UNSURE_DEPTH = 1,   /* whether depth is planar or along the ray */
   UNSURE_NORMALS = 2, /* whether normals are encoded, and in which space */
-  UNSURE_SKY = 4      /* which depth stands for the sky */
+  UNSURE_SKY = 4,     /* which depth stands for the sky */
+  UNSURE_LAMPS = 8    /* from which radiance on pixels show lamps */
 };
 
 typedef struct conventions {
   depth_kind depth;
   dump_space normals, positions;
   direct_kind direct;
-  int backwards;  /* 1: depths are negative */
-  int from_near;  /* 1: distances along the ray begin at the near plane */
-  int encoded;    /* 1: normals are stored as (n + 1) / 2 */
-  int from_depth; /* 1: normals are not read; depth tells them */
+  int backwards;     /* 1: depths are negative */
+  int from_near;     /* 1: distances along the ray begin at the near plane */
+  int encoded;       /* 1: normals are stored as (n + 1) / 2 */
+  int from_depth;    /* 1: normals are not read; depth tells them */
+  int premultiplied; /* 1: depth, normals, positions, albedo and light are
+                        multiplied with the coverage */
+  int shows_sources; /* 1: direct light also shows lamps and the sky, which
+                        are taken out of it (light_sources.h) */
   unsigned flips; /* axes of normals and positions whose sign changes: 1 x, 2 y,
                      4 z */
   unsigned unsure;
-  float sky_depth; /* depths from here on are sky; infinity: none */
+  float sky_depth;  /* depths from here on are sky; infinity: none */
+  float lamps_from; /* radiance over albedo from which on a pixel shows a lamp;
+                       0: not known to show any */
   float motion_scale[2], motion_zero; /* pixels = (value - zero) * scale */
   double unit;      /* camera units in one unit of depth and position */
   double near, far; /* clipping planes, camera units; 0: unknown */

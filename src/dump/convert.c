@@ -1,6 +1,8 @@
 /* Converts what of a renderer's planes the library can't read. */
 #include "dump/convert.h"
 
+#include "dump/coverage.h"
+#include "dump/light_sources.h"
 #include "dump/pixel_ray.h"
 #include "image/error.h"
 #include "image/image.h"
@@ -30,12 +32,12 @@ static void decode_colours(gbuffer *g) {
 
 /* A black surface reflects nothing, so its irradiance is unknown and becomes 0.
  */
-static void divide_by_albedo(gbuffer *g) {
-  for (size_t c = 0; c < g->map.count[ROLE_DIRECT]; c++) {
+static void divide_by_albedo(gbuffer *g, role light) {
+  for (size_t c = 0; c < g->map.count[light]; c++) {
     const float *albedo = gbuffer_plane(g, ROLE_ALBEDO, c);
-    float *direct = gbuffer_plane(g, ROLE_DIRECT, c);
+    float *v = gbuffer_plane(g, light, c);
     for (size_t i = 0; albedo && i < gbuffer_pixels(g); i++)
-      direct[i] = albedo[i] > 0.0f ? direct[i] / albedo[i] : 0.0f;
+      v[i] = albedo[i] > 0.0f ? v[i] / albedo[i] : 0.0f;
   }
 }
 
@@ -151,11 +153,21 @@ static void add_near(gbuffer *g) {
   }
 }
 
+/* Depth, which tells the sky, is already converted. */
+static int convert_light(gbuffer *g) {
+  if (g->map.how.direct != DIRECT_RADIANCE)
+    return 0;
+  divide_by_albedo(g, ROLE_INDIRECT);
+  if (g->map.how.shows_sources && g->map.count[ROLE_DIRECT])
+    return light_sources_split(g);
+  divide_by_albedo(g, ROLE_DIRECT);
+  return 0;
+}
+
 int convert_planes(const char *path, gbuffer *g, image_error *error) {
   const conventions *how = &g->map.how;
   decode_colours(g);
-  if (how->direct == DIRECT_RADIANCE)
-    divide_by_albedo(g);
+  coverage_divide(g);
   if (how->motion_zero != 0.0f)
     centre_motion(g);
   decode_normals(g);
@@ -165,5 +177,5 @@ int convert_planes(const char *path, gbuffer *g, image_error *error) {
   } else if (g->map.count[ROLE_DEPTH] && conventions_begin_at_near(how))
     add_near(g);
   convert_positions(g);
-  return 0;
+  return convert_light(g) != 0 ? image_no_memory(error, path) : 0;
 }

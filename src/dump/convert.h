@@ -7,8 +7,9 @@
  *   depth      from positions, or with the part in front of the near plane
  *   normals    from (n + 1) / 2 in floats
  *   positions  to world space, for checks alone
- *   light      from sRGB; direct light divided by albedo
- *   motion     with another zero
+ *   light      from sRGB; direct and indirect light divided by albedo; lamps
+ * and sky that direct light shows become emission all        what is multiplied
+ * with a pixel's coverage is divided by it motion     with another zero
  */
 #ifndef HBIL_DUMP_CONVERT_H
 #define HBIL_DUMP_CONVERT_H

@@ -89,3 +89,18 @@ int layer_channels_take_ending(const image *header, const char *ending, role r,
   }
   return 0;
 }
+
+int layer_channels_take_with_alpha(const image *header, role r,
+                                   channel_map *out) {
+  for (size_t i = 0; i < header->count; i++) {
+    const char *name = header->planes[i].name;
+    const size_t length = strlen(name);
+    char group[256];
+    if (length < 3 || strcmp(name + length - 2, ".A") != 0)
+      continue;
+    snprintf(group, sizeof group, "%.*s", (int)length - 2, name);
+    if (layer_channels_take(header, group, r, out))
+      return 1;
+  }
+  return 0;
+}

@@ -4,6 +4,7 @@
 
 #include "dump/chosen_passes.h"
 #include "dump/layer_channels.h"
+#include "dump/output_files.h"
 #include "dump/recognise.h"
 #include "image/error.h"
 #include "image/image.h"
@@ -21,7 +22,9 @@ static void take_passes(const image *header, const char *prefix,
         snprintf(group, sizeof group, "%s%s", prefix, passes->pass);
     if (out->count[passes->role] || length >= (int)sizeof group)
       continue;
-    if (passes->pass[0] == '*')
+    if (strcmp(passes->pass, "*RGBA") == 0)
+      layer_channels_take_with_alpha(header, passes->role, out);
+    else if (passes->pass[0] == '*')
       layer_channels_take_ending(header, passes->pass + 1, passes->role, out);
     else
       layer_channels_take(header, group, passes->role, out);
@@ -61,16 +64,32 @@ static int is_beauty(const channel_map *map) {
   const char *slash = file ? strrchr(file, '/') : NULL;
   if (!map->count[ROLE_DIRECT])
     return 0;
+  if (map->how.shows_sources)
+    return 0; /* its source writes direct light there (light_sources.h) */
   if (file && names_beauty(slash ? slash + 1 : file))
     return 1;
   return names_beauty(name) || (!file && !strchr(name, '.'));
 }
 
+/* Mitsuba's ending of distances along the ray, whatever else is known. */
+static int is_ray_by_name(const channel_map *map) {
+  const char *name = map->names[ROLE_DEPTH][0];
+  const size_t length = strlen(name);
+  return map->count[ROLE_DEPTH] && length > 2 &&
+         strcmp(name + length - 2, ".T") == 0;
+}
+
 /* Positions replace a missing depth.  They also replace a depth that begins at
- * the near plane, because its distance is often unknown. */
+ * the near plane, because its distance is often unknown, unless the user asks
+ * for that depth. */
 static void choose_depth(const source_options *o, channel_map *map) {
+  const int asked = map->chosen >> ROLE_DEPTH & 1;
+  if (o->depth < 0 && is_ray_by_name(map)) {
+    map->how.depth = DEPTH_RAY;
+    map->how.unsure &= ~(unsigned)UNSURE_DEPTH;
+  }
   if (o->depth < 0 && map->count[ROLE_POSITION] &&
-      (!map->count[ROLE_DEPTH] || map->how.from_near))
+      (!map->count[ROLE_DEPTH] || (map->how.from_near && !asked)))
     map->how.depth = DEPTH_POSITION;
   if (map->how.depth != DEPTH_POSITION || !map->count[ROLE_POSITION])
     return;
@@ -79,22 +98,52 @@ static void choose_depth(const source_options *o, channel_map *map) {
            role_name(ROLE_POSITION));
 }
 
+/* If direct light also shows lamps and the sky, these are the emission, unless
+ * the user says what else is. */
+static void take_sources(channel_map *map) {
+  conventions *how = &map->how;
+  how->shows_sources &= how->direct == DIRECT_RADIANCE &&
+                        map->count[ROLE_DIRECT] &&
+                        !(map->chosen >> ROLE_EMISSION & 1);
+  for (size_t c = 0; how->shows_sources && c < 3; c++)
+    snprintf(map->names[ROLE_EMISSION][c], sizeof *map->names[ROLE_EMISSION],
+             "in %s", role_name(ROLE_DIRECT));
+  if (how->shows_sources)
+    map->count[ROLE_EMISSION] = 3;
+  else
+    how->unsure &= ~(unsigned)UNSURE_LAMPS;
+}
+
+/* Guesses the passes by their names. */
+static int find_passes(const char *path, const image *header,
+                       const source_options *options, channel_map *out,
+                       image_error *error) {
+  const source_info *source = &source_table[out->kind];
+  char prefix[256] = "";
+  if (source->in_files)
+    return output_files_take(path, header, source->passes, out, error);
+  if (options->source < 0 && out->kind == DUMP_PLAIN &&
+      output_files_check(path, error) != 0)
+    return -1;
+  if (out->kind == DUMP_CYCLES)
+    recognise_view_layer(header, prefix, sizeof prefix);
+  take_passes(header, prefix, source->passes, out);
+  return 0;
+}
+
 int channel_map_read(const char *path, const image *header,
                      const source_options *options, channel_map *out,
                      image_error *error) {
-  char prefix[256] = "";
   channel_map_init(out, options->source >= 0 ? (dump_kind)options->source
-                                             : recognise_source(header));
-  if (out->kind == DUMP_CYCLES)
-    recognise_view_layer(header, prefix, sizeof prefix);
+                                             : recognise_source(path, header));
   for (int r = 0; r < ROLE_COUNT; r++)
     out->gamma[r] = header->gamma;
-  take_passes(header, prefix, source_table[out->kind].passes, out);
   out->how = source_conventions(out->kind, options);
   if (out->kind == DUMP_PLAIN && recognise_own_channels(header))
     out->how.unsure = 0;
-  if (options->map &&
-      chosen_passes_take(path, header, options->map, out, error) != 0) {
+  if (find_passes(path, header, options, out, error) != 0 ||
+      (options->map &&
+       chosen_passes_take(path, header, options->map, out, error) != 0)) {
     channel_map_free(out);
     return -1;
   }
@@ -102,6 +151,7 @@ int channel_map_read(const char *path, const image *header,
     out->count[ROLE_NORMAL] = 0;
   background_as_emission(out);
   choose_depth(options, out);
+  take_sources(out);
   out->is_beauty = is_beauty(out);
   for (int r = 0; r < ROLE_COUNT && options->gamma >= 0; r++)
     out->gamma[r] = options->gamma;

@@ -24,12 +24,22 @@ static void add_background(gbuffer *g) {
 }
 
 /* The roles to read for the roles that are wanted.  Depth may be computed from
- * positions, and irradiance needs the albedo that it is divided by. */
+ * positions, and irradiance needs the albedo that it is divided by.  Emission
+ * may be in direct light, where depth tells the sky. */
 static unsigned needed(const channel_map *map, unsigned roles) {
+  const unsigned light_and_lamps = 1u << ROLE_DIRECT | 1u << ROLE_EMISSION;
+  if (map->how.shows_sources && roles & light_and_lamps)
+    roles =
+        (roles | 1u << ROLE_DIRECT | 1u << ROLE_DEPTH) & ~(1u << ROLE_EMISSION);
   if (map->how.depth == DEPTH_POSITION && roles >> ROLE_DEPTH & 1)
     roles = (roles | 1u << ROLE_POSITION) & ~(1u << ROLE_DEPTH);
-  if (map->how.direct == DIRECT_RADIANCE && roles >> ROLE_DIRECT & 1)
+  const unsigned light = 1u << ROLE_DIRECT | 1u << ROLE_INDIRECT;
+  const unsigned multiplied =
+      light | 1u << ROLE_DEPTH | 1u << ROLE_POSITION | 1u << ROLE_ALBEDO;
+  if (map->how.direct == DIRECT_RADIANCE && roles & light)
     roles |= 1u << ROLE_ALBEDO;
+  if (map->how.premultiplied && roles & multiplied)
+    roles |= 1u << ROLE_COVERAGE;
   return roles;
 }
 
@@ -169,5 +179,7 @@ int gbuffer_read_as_stored(const char *path, const channel_map *map,
   memset(stored.gamma, 0, sizeof stored.gamma);
   if (map->how.depth == DEPTH_POSITION)
     stored.count[ROLE_DEPTH] = 0;
+  if (map->how.shows_sources)
+    stored.count[ROLE_EMISSION] = 0;
   return gbuffer_read(path, &stored, roles, out, error);
 }

@@ -1,6 +1,7 @@
 /* Recognises by a file's header which program wrote the dump. */
 #include "dump/recognise.h"
 
+#include "dump/output_files.h"
 #include "image/image.h"
 
 #include <string.h>
@@ -56,13 +57,14 @@ int recognise_own_channels(const image *header) {
 }
 
 /* Marks come first: the pass names of other programs may also be hbil's. */
-dump_kind recognise_source(const image *header) {
+dump_kind recognise_source(const char *path, const image *header) {
   char prefix[256];
   for (int k = DUMP_CYCLES; k < DUMP_KINDS; k++)
     if (has_mark(header, (dump_kind)k))
       return (dump_kind)k;
   if (recognise_own_channels(header))
     return DUMP_PLAIN;
-  return recognise_view_layer(header, prefix, sizeof prefix) ? DUMP_CYCLES
-                                                             : DUMP_PLAIN;
+  if (recognise_view_layer(header, prefix, sizeof prefix))
+    return DUMP_CYCLES;
+  return output_files_recognise(path);
 }

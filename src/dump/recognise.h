@@ -5,8 +5,9 @@
 #include "dump/source.h"
 #include "image/image.h"
 
-/* The program that wrote the file; DUMP_PLAIN if nothing tells. */
-dump_kind recognise_source(const image *header);
+/* The program that wrote the file, by its header and its name; DUMP_PLAIN if
+ * nothing tells. */
+dump_kind recognise_source(const char *path, const image *header);
 
 /* Whether the file has channels that hbil itself writes. */
 int recognise_own_channels(const image *header);

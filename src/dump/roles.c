@@ -3,13 +3,13 @@
 
 const char *role_name(role r) {
   static const char *const names[ROLE_COUNT] = {
-      "depth",      "normal", "albedo",   "direct",  "emission",
-      "background", "motion", "position", "indirect"};
+      "depth",      "normal", "albedo",   "direct",   "emission",
+      "background", "motion", "position", "indirect", "coverage"};
   return names[r];
 }
 
 size_t role_channels(role r) {
-  return r == ROLE_DEPTH ? 1 : r == ROLE_MOTION ? 2 : 3;
+  return r == ROLE_DEPTH || r == ROLE_COVERAGE ? 1 : r == ROLE_MOTION ? 2 : 3;
 }
 
 int role_is_colour(role r) {

@@ -17,6 +17,7 @@ typedef enum role {
   ROLE_MOTION,
   ROLE_POSITION,
   ROLE_INDIRECT, /* radiance of diffuse indirect light, without albedo */
+  ROLE_COVERAGE, /* share of a pixel that surfaces fill, 0 .. 1 */
   ROLE_COUNT
 } role;
 

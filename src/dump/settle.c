@@ -1,6 +1,7 @@
 /* Decides by the pixels of a first frame what its names left unsure. */
 #include "dump/settle.h"
 
+#include "dump/lamps.h"
 #include "dump/normal_fit.h"
 #include "dump/read_gbuffer.h"
 #include "image/error.h"
@@ -80,6 +81,30 @@ static int settle_fit(const char *path, channel_map *map, findings *out,
   return 0;
 }
 
+/* Decides which pixels of direct light show lamps, and tells what else is seen
+ * in it. */
+static int settle_lamps(const char *path, channel_map *map, findings *out,
+                        image_error *error) {
+  const unsigned roles = 1u << ROLE_DEPTH | 1u << ROLE_NORMAL |
+                         1u << ROLE_ALBEDO | 1u << ROLE_DIRECT |
+                         1u << ROLE_COVERAGE;
+  channel_map shown = *map;
+  gbuffer g;
+  shown.how.shows_sources = 0;
+  shown.how.direct = DIRECT_LIGHT; /* radiance as it is */
+  shown.count[ROLE_EMISSION] = 0;
+  if (gbuffer_read(path, &shown, roles, &g, error) != 0)
+    return -1;
+  map->how.lamps_from = lamps_find(&g);
+  if (map->how.lamps_from > 0.0f)
+    findings_add(out,
+                 "direct light shows lamps, which are taken out of it "
+                 "(hide_emitters leaves them out; --map emission= takes them "
+                 "for lit surfaces)");
+  gbuffer_free(&g);
+  return 0;
+}
+
 int conventions_settle(const char *path, channel_map *map, findings *out,
                        image_error *error) {
   const unsigned unsure = map->how.unsure;
@@ -95,7 +120,8 @@ int conventions_settle(const char *path, channel_map *map, findings *out,
   if (unsure & UNSURE_NORMALS)
     settle_encoding(&stored, &map->how, out);
   gbuffer_free(&stored);
-  return unsure & (UNSURE_DEPTH | UNSURE_NORMALS)
-             ? settle_fit(path, map, out, error)
-             : 0;
+  if (unsure & (UNSURE_DEPTH | UNSURE_NORMALS) &&
+      settle_fit(path, map, out, error) != 0)
+    return -1;
+  return unsure & UNSURE_LAMPS ? settle_lamps(path, map, out, error) : 0;
 }

@@ -47,7 +47,9 @@ static const pass_name pbrt_passes[] = {
     {ROLE_DEPTH, "P"},    {ROLE_ALBEDO, "Albedo"}, {ROLE_COUNT, NULL},
 };
 
-/* Users choose the names.  These are the manual's and common ones. */
+/* Users choose the names.  These are the manual's and common ones.  Colours
+ * without a layer, and those of a layer with alpha, are the picture of the
+ * integrator that `aov` is put around. */
 static const pass_name mitsuba_passes[] = {
     {ROLE_DEPTH, "*.T"},         {ROLE_NORMAL, "sh_normal"},
     {ROLE_NORMAL, "nn"},         {ROLE_NORMAL, "normal"},
@@ -55,7 +57,25 @@ static const pass_name mitsuba_passes[] = {
     {ROLE_NORMAL, "geo_normal"}, {ROLE_POSITION, "position"},
     {ROLE_POSITION, "pos"},      {ROLE_POSITION, "pp"},
     {ROLE_POSITION, "p"},        {ROLE_ALBEDO, "albedo"},
-    {ROLE_ALBEDO, "alb"},        {ROLE_COUNT, NULL},
+    {ROLE_ALBEDO, "alb"},        {ROLE_DIRECT, ""},
+    {ROLE_DIRECT, "*RGBA"},      {ROLE_COVERAGE, "A"},
+    {ROLE_COVERAGE, "*.A"},      {ROLE_COUNT, NULL},
+};
+
+/* The types of the film's outputs, after which their files are named. */
+static const pass_name luxcore_passes[] = {
+    {ROLE_DEPTH, "DEPTH"},
+    {ROLE_NORMAL, "SHADING_NORMAL"},
+    {ROLE_NORMAL, "AVG_SHADING_NORMAL"},
+    {ROLE_NORMAL, "GEOMETRY_NORMAL"},
+    {ROLE_ALBEDO, "ALBEDO"},
+    {ROLE_DIRECT, "DIRECT_DIFFUSE"},
+    {ROLE_DIRECT, "DIRECT_DIFFUSE_REFLECT"},
+    {ROLE_EMISSION, "EMISSION"},
+    {ROLE_POSITION, "POSITION"},
+    {ROLE_INDIRECT, "INDIRECT_DIFFUSE"},
+    {ROLE_INDIRECT, "INDIRECT_DIFFUSE_REFLECT"},
+    {ROLE_COUNT, NULL},
 };
 
 static const pass_name arnold_passes[] = {
@@ -137,6 +157,7 @@ const source_info source_table[DUMP_KINDS] = {
                     "hbil's own channels",
                     plain_passes,
                     NULL,
+                    0,
                     {ALWAYS, .motion_scale = {1, 1}, .unsure = UNSURE_ALL}},
     /* Depth is 1e10 where there is nothing.  DiffDir is irradiance divided by
      * pi.  The y of Vector points up. */
@@ -144,6 +165,7 @@ const source_info source_table[DUMP_KINDS] = {
                      "Blender Cycles passes",
                      cycles_passes,
                      blender_marks,
+                     0,
                      {.unit = 1.0,
                       .sky_depth = 1e9f,
                       .direct = DIRECT_LIGHT,
@@ -152,42 +174,57 @@ const source_info source_table[DUMP_KINDS] = {
                    "pbrt's gbuffer film",
                    pbrt_passes,
                    pbrt_marks,
+                   0,
                    {ALWAYS, .depth = DEPTH_POSITION, .normals = SPACE_CAMERA,
                     .positions = SPACE_CAMERA, .flips = 4}},
     [DUMP_MITSUBA] = {"mitsuba",
                       "Mitsuba's aov integrator",
                       mitsuba_passes,
                       mitsuba_marks,
-                      {ALWAYS, .depth = DEPTH_RAY, .from_near = 1}},
+                      0,
+                      {ALWAYS, .depth = DEPTH_RAY, .from_near = 1,
+                       .direct = DIRECT_RADIANCE, .premultiplied = 1,
+                       .shows_sources = 1, .unsure = UNSURE_LAMPS}},
+    /* Depth is infinite where there is nothing. */
+    [DUMP_LUXCORE] = {"luxcore",
+                      "LuxCore's film outputs",
+                      luxcore_passes,
+                      NULL,
+                      1,
+                      {ALWAYS, .depth = DEPTH_RAY, .direct = DIRECT_RADIANCE}},
     [DUMP_ARNOLD] = {"arnold",
                      "Arnold's AOVs",
                      arnold_passes,
                      arnold_marks,
+                     0,
                      {ALWAYS, .direct = DIRECT_RADIANCE,
                       .unsure = UNSURE_DEPTH | UNSURE_SKY}},
     [DUMP_VRAY] = {"vray",
                    "V-Ray's render elements",
                    vray_passes,
                    vray_marks,
+                   0,
                    {ALWAYS, .normals = SPACE_CAMERA, .direct = DIRECT_RADIANCE,
                     .unsure = UNSURE_SKY}},
     [DUMP_RENDERMAN] = {"renderman",
                         "RenderMan's AOVs",
                         renderman_passes,
                         renderman_marks,
+                        0,
                         {ALWAYS, .direct = DIRECT_RADIANCE,
                          .unsure = UNSURE_DEPTH | UNSURE_SKY}},
     [DUMP_UNREAL] = {"unreal",
                      "Unreal's Movie Render Queue",
                      unreal_passes,
                      unreal_marks,
+                     0,
                      {ALWAYS, .motion_zero = 0.5f,
                       .unsure = UNSURE_NORMALS | UNSURE_SKY}},
 };
 
-const char *const source_words[] = {
-    "generic", "blender",   "pbrt",   "mitsuba", "arnold",
-    "vray",    "renderman", "unreal", "auto",    NULL};
+const char *const source_words[] = {"generic", "blender", "pbrt", "mitsuba",
+                                    "luxcore", "arnold",  "vray", "renderman",
+                                    "unreal",  "auto",    NULL};
 
 void source_options_init(source_options *options) {
   memset(options, 0, sizeof *options);

@@ -15,6 +15,7 @@ typedef enum dump_kind {
   DUMP_CYCLES,    /* Blender's pass names and conventions */
   DUMP_PBRT,
   DUMP_MITSUBA,
+  DUMP_LUXCORE,
   DUMP_ARNOLD,
   DUMP_VRAY,
   DUMP_RENDERMAN,
@@ -25,7 +26,8 @@ typedef enum dump_kind {
 typedef struct pass_name {
   role role;
   const char *pass; /* a layer; "": the channels without a layer; "*.T": the
-                       first channel that ends so */
+                       first channel that ends so; "*RGBA": the first layer of
+                       these four channels.  With in_files: a file's name */
 } pass_name;
 
 typedef struct source_info {
@@ -34,6 +36,7 @@ typedef struct source_info {
                                pass NULL */
   const char *const *marks; /* parts of names that only this program uses; ends
                                with NULL; may be NULL itself */
+  int in_files;             /* 1: each pass is a file (output_files.h) */
   conventions how;          /* as the program writes by default */
 } source_info;
 

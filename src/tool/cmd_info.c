@@ -83,7 +83,8 @@ static const char *cost(role r) {
       [ROLE_BACKGROUND] = "nothing is lost if emission contains the sky",
       [ROLE_MOTION] = "--reprojection scatter is possible, motion is not",
       [ROLE_POSITION] = "only the normals check depth and camera",
-      [ROLE_INDIRECT] = "only --view-light radiance needs it"};
+      [ROLE_INDIRECT] = "only --view-light radiance needs it",
+      [ROLE_COVERAGE] = "edges may be a mixture"};
   return costs[r];
 }
 
@@ -98,7 +99,8 @@ static void print_range(const gbuffer *g, role r, size_t c) {
 
 /* g: the planes as they are stored. */
 static void print_role(const channel_map *map, const gbuffer *g, role r) {
-  if (!map->count[r] && !(r == ROLE_NORMAL && map->how.from_depth))
+  if (!map->count[r] && !(r == ROLE_NORMAL && map->how.from_depth) &&
+      (r != ROLE_COVERAGE || map->how.premultiplied))
     printf("  %-10s not in the file: %s\n", role_name(r), cost(r));
   for (size_t c = 0; c < map->count[r]; c++) {
     printf("  %-10s ", c ? "" : role_name(r));

@@ -21,7 +21,7 @@ static int check_roles(const job *j, const job_frame *f, image_error *error) {
   const float *scale = f->map.how.motion_scale;
   for (int r = 0; r < ROLE_COUNT; r++)
     if (j->frames[0].map.count[r] && !f->map.count[r] && r != ROLE_POSITION &&
-        r != ROLE_INDIRECT)
+        r != ROLE_INDIRECT && r != ROLE_COVERAGE)
       return image_fail(error,
                         "%s: has no %s, which %s has; the same channels in "
                         "every frame are needed",

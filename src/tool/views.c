@@ -86,6 +86,7 @@ static int settle(const job *j, job_frame *v, image_error *error) {
     how->encoded = first->encoded;
     how->backwards = first->backwards;
     how->sky_depth = first->sky_depth;
+    how->lamps_from = first->lamps_from;
     if (how->depth == DEPTH_PLANAR && first->depth == DEPTH_RAY)
       how->depth = DEPTH_RAY;
   }

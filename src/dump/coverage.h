@@ -1,0 +1,12 @@
+/* Passes that are multiplied with a pixel's coverage. */
+#ifndef HBIL_DUMP_COVERAGE_H
+#define HBIL_DUMP_COVERAGE_H
+
+#include "dump/gbuffer.h"
+
+/* Divides depth, positions and albedo by the coverage, if the map says that
+ * they are multiplied with it.  Direction is all that counts of normals, and
+ * light_sources.h is for the light. */
+void coverage_divide(gbuffer *g);
+
+#endif
