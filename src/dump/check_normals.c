@@ -79,7 +79,8 @@ static void find_disagreement(const normal_fit *f, double agreement,
                    ? ", which is 0..1: --depth device or reversed, with --clip?"
                : surface_rays_are_parallel(&f->s)
                    ? ": another --normals, --depth, --orthographic or camera?"
-                   : ": another --normals, --depth, --fov or camera?");
+                   : ": another --normals, --depth, --fov or camera, or a "
+                     "fisheye or panorama?");
 }
 
 double check_normals(const surface_points *s, double deepest, findings *out) {

@@ -1,7 +1,10 @@
 /* Checks that positions fit depth and camera. */
 #include "dump/check_positions.h"
 
+#include "dump/check_camera.h"
+
 #include <math.h>
+#include <stdlib.h>
 
 /* World units across the picture of parallel rays. */
 static double picture_width(const surface_points *s) {
@@ -11,10 +14,11 @@ static double picture_width(const surface_points *s) {
 /* Sums over the differences between the file's positions p and the computed
  * positions q. */
 typedef struct offsets {
-  double worst, other;     /* largest errors; with the other kind of depth */
+  double *errors, *others; /* of each position; with the other kind of depth */
+  double most, other;      /* what nine tenths of them don't exceed */
   double own, cross;       /* sums of q.q and p.q */
   double shift[3], shift2; /* sums of p - q and its square */
-  double count;
+  size_t count;
 } offsets;
 
 static void add_position(const surface_points *s, size_t x, size_t y,
@@ -42,8 +46,8 @@ static void add_position(const surface_points *s, size_t x, size_t y,
     far = picture_width(s) * picture_width(s);
   const double e = far > 0 ? sqrt(off / far) : 0;
   const double e_other = far > 0 ? sqrt(off_other / far) : 0;
-  o->worst = e > o->worst || isnan(e) ? e : o->worst;
-  o->other = e_other > o->other || isnan(e_other) ? e_other : o->other;
+  o->errors[o->count] = isnan(e) ? INFINITY : e;
+  o->others[o->count] = isnan(e_other) ? INFINITY : e_other;
   o->count++;
 }
 
@@ -53,9 +57,9 @@ static void add_position(const surface_points *s, size_t x, size_t y,
 static double units_of_eye(const surface_points *s, const offsets *o) {
   const double *m = s->camera->world_from_view;
   const double eye[3] = {m[3], m[7], m[11]};
-  double shift[3], spread = o->shift2 / o->count;
+  double shift[3], spread = o->shift2 / (double)o->count;
   for (int c = 0; c < 3; c++) {
-    shift[c] = o->shift[c] / o->count;
+    shift[c] = o->shift[c] / (double)o->count;
     spread -= shift[c] * shift[c];
     shift[c] += eye[c];
   }
@@ -133,11 +137,34 @@ static double units_of_pixels(const surface_points *s) {
              : 0;
 }
 
+int check_positions_camera(const surface_points *s, findings *out) {
+  const gbuffer *g = s->g;
+  if (g->map.count[ROLE_POSITION] < 3)
+    return 0;
+  fit_points *points = malloc(sizeof *points);
+  camera_file camera = {.orthographic = surface_rays_are_parallel(s),
+                        .fx = s->camera->fx,
+                        .fy = s->camera->fy,
+                        .cx = s->camera->cx,
+                        .cy = s->camera->cy};
+  int found = 0;
+  for (int i = 0; i < 16; i++) /* from view space to OpenGL's */
+    camera.camera_to_world[i] =
+        s->camera->world_from_view[i] * (i % 4 == 1 || i % 4 == 2 ? -1.0 : 1.0);
+  if (points) {
+    camera_fit_points(g, points);
+    found = check_camera(points, &camera, out);
+  }
+  free(points);
+  return found;
+}
+
 static void explain(const surface_points *s, const offsets *o, findings *out) {
   const double units =
       surface_rays_are_parallel(s) ? units_of_pixels(s) : units_of_eye(s, o);
   const double scale = o->cross / o->own;
-  if (o->other < 1e-3)
+  /* the right kind of depth leaves the place of samples in their pixels */
+  if (o->other < 1e-3 || (o->most > 0.01 && o->other < 0.2 * o->most))
     findings_add(out, "the positions say that depth is %s",
                  s->g->map.how.depth == DEPTH_RAY
                      ? "along the camera's axis: --depth planar"
@@ -155,23 +182,47 @@ static void explain(const surface_points *s, const offsets *o, findings *out) {
         "far: the camera of another frame, or other units? --camera, "
         "--unit-scale",
         scale);
-  else if (o->worst > 0.01)
+  else if (o->most > 0.05)
     findings_add(out,
                  "positions aren't where depth and camera lead: the camera of "
                  "another frame? --camera");
 }
 
-double check_positions(const surface_points *s, findings *out) {
-  offsets o = {0};
+static int ascending(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+static double nine_tenths(double *values, size_t count) {
+  qsort(values, count, sizeof *values, ascending);
+  return values[(size_t)(0.9 * (double)(count - 1))];
+}
+
+static void compare(const surface_points *s, offsets *o, findings *out) {
   const size_t width = s->g->planes.width;
+  for (size_t i = 0; i < gbuffer_pixels(s->g); i++)
+    if (surface_depth(s, i % width, i / width) > 0.0)
+      add_position(s, i % width, i / width, o);
+  if (!o->count)
+    return;
+  o->most = nine_tenths(o->errors, o->count);
+  o->other = nine_tenths(o->others, o->count);
+  /* the precision of half floats is 2^-11 */
+  if (o->most >= 1e-3)
+    explain(s, o, out);
+}
+
+double check_positions(const surface_points *s, findings *out) {
+  const size_t pixels = gbuffer_pixels(s->g);
+  offsets o = {.most = NAN};
   if (s->g->map.count[ROLE_POSITION] < 3 ||
       s->g->map.how.depth == DEPTH_POSITION)
     return NAN;
-  for (size_t i = 0; i < gbuffer_pixels(s->g); i++)
-    if (surface_depth(s, i % width, i / width) > 0.0)
-      add_position(s, i % width, i / width, &o);
-  /* the precision of half floats is 2^-11 */
-  if (o.count >= 1.0 && o.worst >= 1e-3)
-    explain(s, &o, out);
-  return o.worst;
+  o.errors = malloc(sizeof *o.errors * pixels);
+  o.others = malloc(sizeof *o.others * pixels);
+  if (o.errors && o.others)
+    compare(s, &o, out);
+  free(o.errors);
+  free(o.others);
+  return o.most;
 }

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "dump/frame_camera.h"
 
+#include "dump/fitted_camera.h"
 #include "dump/header_camera.h"
 #include "image/camera_json.h"
 #include "image/error.h"
@@ -56,14 +57,33 @@ static int from_header(const image *header, double unit, frame_camera *out) {
   return 0;
 }
 
+static int from_positions(const char *frame, const channel_map *map,
+                          frame_camera *out, image_error *error) {
+  return fitted_camera_read(frame, map, out, error) != 0 || out->from
+             ? out->from ? 0 : -1
+             : image_fail(error,
+                          "%s: --camera positions: %s; a camera file is needed",
+                          frame,
+                          map->count[ROLE_POSITION] < 3
+                              ? "it has no positions"
+                              : "its positions tell no camera");
+}
+
 static int find(const char *frame, const char *beside, const image *header,
-                const char *override, const source_options *o,
-                frame_camera *out, image_error *error) {
+                const channel_map *map, const char *override,
+                const source_options *o, frame_camera *out,
+                image_error *error) {
+  if (override && strcmp(override, "positions") == 0)
+    return from_positions(frame, map, out, error);
   if (override)
     return from_json(override, "--camera", out, error);
   if (access(beside, F_OK) == 0)
     return from_json(beside, "the JSON file beside it", out, error);
   if (from_header(header, o->unit > 0.0f ? (double)o->unit : 1, out) == 0)
+    return 0;
+  if (fitted_camera_read(frame, map, out, error) != 0)
+    return -1;
+  if (out->from)
     return 0;
   if (o->fov > 0.0f || o->orthographic > 0.0f) {
     from_lens(header, o, out);
@@ -75,12 +95,15 @@ static int find(const char *frame, const char *beside, const image *header,
                       "no perspective and no orthographic camera; "
                       "--camera, --fov or --orthographic is needed",
                       frame);
-  return image_fail(error,
-                    "%s: camera cannot be read: there is no such file; this "
-                    "JSON file, --camera, --fov, --orthographic, or "
-                    "worldToCamera and worldToNDC in the header of %s is "
-                    "needed",
-                    beside, frame);
+  return image_fail(
+      error,
+      "%s: camera cannot be read: there is no such file%s; this "
+      "JSON file, --camera, --fov, --orthographic, or "
+      "worldToCamera and worldToNDC in the header of %s is "
+      "needed",
+      beside,
+      map->count[ROLE_POSITION] == 3 ? ", and the positions tell none" : "",
+      frame);
 }
 
 /* The lens that the user gives replaces the one that was found. */
@@ -96,13 +119,15 @@ static void choose_lens(const source_options *o, double width,
 }
 
 int frame_camera_read(const char *frame, const image *header,
-                      const char *override, const source_options *options,
-                      frame_camera *out, image_error *error) {
+                      const channel_map *map, const char *override,
+                      const source_options *options, frame_camera *out,
+                      image_error *error) {
   char *beside = camera_file_beside(frame);
   memset(out, 0, sizeof *out);
   if (!beside)
     return image_no_memory(error, frame);
-  const int failed = find(frame, beside, header, override, options, out, error);
+  const int failed =
+      find(frame, beside, header, map, override, options, out, error);
   free(beside);
   if (failed)
     return -1;

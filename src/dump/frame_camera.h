@@ -14,6 +14,7 @@ typedef struct frame_camera {
   camera_file file; /* pixels are counted from the display window's corner */
   int mirrored;     /* 1: z of its world changed its sign (header_camera.h) */
   int placed;       /* 1: its position and direction are known */
+  int fitted;       /* 1: no file has it; positions tell it (fitted_camera.h) */
   const char *from; /* where it was found, for messages */
 } frame_camera;
 
@@ -25,13 +26,15 @@ void camera_file_to_hbil(const camera_file *file, hbil_camera *out);
 
 /*
  * Finds the camera of a frame: the JSON file `override` if it is not NULL, else
- * FRAME.json, else the header's matrices, else the options --fov and
+ * FRAME.json, else the header's matrices, else the one that the map's positions
+ * tell (also if `override` is "positions"), else the options --fov and
  * --orthographic, which also replace the lens of any other.  Returns 0, or -1
  * with `error` filled.
  */
 int frame_camera_read(const char *frame, const image *header,
-                      const char *override, const source_options *options,
-                      frame_camera *out, image_error *error);
+                      const channel_map *map, const char *override,
+                      const source_options *options, frame_camera *out,
+                      image_error *error);
 
 /*
  * Fits the camera to the pixels of the map's window (*out) and stores it in the

@@ -75,8 +75,11 @@ void frame_check_run(const gbuffer *g, const hbil_config *config,
   const surface_points s = surface_points_of(g, camera);
   memset(out, 0, sizeof *out);
   out->agreement = out->positions = NAN;
+  const int other_camera = check_positions_camera(&s, &out->found);
   const extent e = measure(&s);
   out->surface = (double)e.surface / (double)gbuffer_pixels(g);
+  if (e.surface == 0 && other_camera)
+    return;
   if (e.surface == 0) {
     findings_add(&out->found,
                  "no pixel has a depth: --depth, --sky-depth or --map depth?");
@@ -85,13 +88,15 @@ void frame_check_run(const gbuffer *g, const hbil_config *config,
   out->low = e.low[2];
   out->high = e.high[2];
   out->facing = (double)e.facing / (double)e.surface;
+  findings hidden = {0}; /* what only follows from another camera */
+  findings *others = other_camera ? &hidden : &out->found;
   const int has_normals = g->map.count[ROLE_NORMAL] > 0;
   if (has_normals && !g->map.how.encoded && e.encoded > e.surface / 10 * 9)
     findings_add(&out->found,
                  "normals look like stored as (n+1)/2: --normals encoded");
   else if (has_normals)
-    out->agreement = check_normals(&s, out->high, &out->found);
-  out->positions = check_positions(&s, &out->found);
+    out->agreement = check_normals(&s, out->high, others);
+  out->positions = check_positions(&s, others);
   check_radius(&s, &e, config->model.radius, &out->found);
   check_colours(&s, &out->found);
 }

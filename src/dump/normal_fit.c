@@ -54,6 +54,10 @@ static int read_normal(const gbuffer *g, size_t i, double out[3]) {
 static void measure_pixel(normal_fit *f, size_t x, size_t y, size_t step) {
   double n[3], planar[3], other[3];
   const double z = surface_depth(&f->s, x, y);
+  const float *coverage = gbuffer_plane(f->s.g, ROLE_COVERAGE, 0);
+  /* at edges, depth may be that of both sides */
+  if (coverage && coverage[y * f->s.g->planes.width + x] < 0.999f)
+    return;
   if (!is_smooth(f, surface_depth(&f->s, x - step, y), z,
                  surface_depth(&f->s, x + step, y)) ||
       !is_smooth(f, surface_depth(&f->s, x, y - step), z,

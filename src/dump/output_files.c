@@ -126,7 +126,7 @@ int output_files_check(const char *path, image_error *error) {
     char *depth = here.length ? file_of(path, here, word) : NULL;
     const int failed =
         depth && strcmp(depth, path) != 0 &&
-                has_others(depth, here, (dump_kind)k)
+                has_others(path, here, (dump_kind)k)
             ? image_fail(error,
                          "%s: is the output %.*s of %s; the frame to name is "
                          "%s, whose other outputs are found beside it",

@@ -1,6 +1,7 @@
 /* Decides by the pixels of a first frame what its names left unsure. */
 #include "dump/settle.h"
 
+#include "dump/fitted_camera.h"
 #include "dump/lamps.h"
 #include "dump/normal_fit.h"
 #include "dump/read_gbuffer.h"
@@ -110,6 +111,8 @@ int conventions_settle(const char *path, channel_map *map, findings *out,
   const unsigned unsure = map->how.unsure;
   gbuffer stored;
   memset(out, 0, sizeof *out);
+  if (fitted_camera_check(path, map, error) != 0)
+    return -1;
   if (!unsure)
     return 0;
   if (gbuffer_read_as_stored(path, map, 1u << ROLE_DEPTH | 1u << ROLE_NORMAL,

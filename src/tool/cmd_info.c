@@ -182,12 +182,14 @@ static void print_check(const gbuffer *g, const frame_check *k) {
   if (k->surface > 0.0)
     printf(", depth %g .. %g", k->low, k->high);
   putchar('\n');
-  if (g->map.count[ROLE_POSITION])
-    printf("  position   rebuilt from depth and camera: largest %s %.2g%s\n",
-           g->map.projection == HBIL_PROJECTION_ORTHOGRAPHIC
-               ? "error, a share of the picture's width,"
-               : "relative error",
-           k->positions, k->positions < 1e-3 ? ", they agree" : "");
+  if (!isnan(k->positions))
+    printf(
+        "  position   rebuilt from depth and camera: 90 %% within %.2g%s%s\n",
+        k->positions,
+        g->map.projection == HBIL_PROJECTION_ORTHOGRAPHIC
+            ? " of the picture's width"
+            : " of the distance",
+        k->positions < 1e-3 ? ", they agree" : "");
   if (g->map.count[ROLE_NORMAL]) {
     printf("  normals    %.1f %% face the eye", 100.0 * k->facing);
     if (!isnan(k->agreement))
@@ -268,8 +270,8 @@ static int print_understood(const char *path, const image *header,
   print_window(map);
   if (print_roles(path, map, error) != 0 ||
       channel_map_check(map, path, error) != 0 ||
-      frame_camera_read(path, header, o->camera, &o->source, &seen, error) !=
-          0 ||
+      frame_camera_read(path, header, map, o->camera, &o->source, &seen,
+                        error) != 0 ||
       frame_camera_aim(path, &seen, map, &camera, error) != 0 ||
       conventions_settle(path, map, &guessed, error) != 0)
     return -1;

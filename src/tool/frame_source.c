@@ -36,7 +36,9 @@ static void warn(frame_source *s, const job_frame *f, const gbuffer *g) {
 int frame_source_read(frame_source *s, size_t item, gbuffer *out,
                       image_error *error) {
   const job_frame *f = &s->job->frames[item];
-  if (gbuffer_read(f->path, &f->map, used_roles(s->job), out, error) != 0)
+  /* positions only check depth and camera, once */
+  const unsigned roles = used_roles(s->job) | (item ? 0u : 1u << ROLE_POSITION);
+  if (gbuffer_read(f->path, &f->map, roles, out, error) != 0)
     return -1;
   warn(s, f, out);
   if (s->job->settings->exact) /* knows no depth buffers */
