@@ -48,6 +48,75 @@ static int lights_sky(const surface_points *s) {
   return sky > pixels / 100 && with_light > sky / 2;
 }
 
+/* Whether a surface's pixel reflects light diffusely, and sends no light. */
+static int reflects(const gbuffer *g, size_t i, float least) {
+  float albedo = g->map.count[ROLE_ALBEDO] ? 0.0f : 1.0f, emission = 0.0f;
+  for (size_t c = 0; c < 3; c++) {
+    const float *a = gbuffer_plane(g, ROLE_ALBEDO, c);
+    const float *e = gbuffer_plane(g, ROLE_EMISSION, c);
+    albedo = a ? fmaxf(albedo, a[i]) : albedo;
+    emission = e ? fmaxf(emission, e[i]) : emission;
+  }
+  return albedo > least && !(emission > 0.0f);
+}
+
+static int is_covered(const gbuffer *g, size_t i) {
+  const float *coverage = gbuffer_plane(g, ROLE_COVERAGE, 0);
+  return !coverage || coverage[i] > 0.999f;
+}
+
+/* Says once that metal and glass, which have no diffuse albedo, come out black.
+ */
+static void check_black(const surface_points *s, findings *out) {
+  const gbuffer *g = s->g;
+  const size_t width = g->planes.width;
+  size_t surfaces = 0, black = 0;
+  for (size_t i = 0; i < gbuffer_pixels(g); i++)
+    if (surface_depth(s, i % width, i / width) > 0.0 && is_covered(g, i)) {
+      float emission = 0.0f;
+      for (size_t c = 0; c < g->map.count[ROLE_EMISSION]; c++)
+        emission = fmaxf(emission, gbuffer_plane(g, ROLE_EMISSION, c)[i]);
+      surfaces++;
+      black += !(emission > 0.0f) && !reflects(g, i, 1e-3f);
+    }
+  if (black > surfaces / 100)
+    findings_add(out,
+                 "%.0f %% of the surfaces have no diffuse albedo, as metal and "
+                 "glass, and are black in beauty: add the renderer's glossy "
+                 "and transmission passes to it",
+                 100.0 * (double)black / (double)surfaces);
+}
+
+/* Whether no surface is dark.  Direct light leaves a part of nearly every place
+ * in the dark, and all light together none.  Under a sky there is no
+ * difference.
+ */
+static int lights_everything(const surface_points *s) {
+  const gbuffer *g = s->g;
+  const size_t width = g->planes.width, pixels = gbuffer_pixels(g);
+  double roots = 0.0;
+  size_t surfaces = 0, dark = 0, sky = 0;
+  for (int pass = 0; pass < 2; pass++) {
+    const double root = surfaces ? roots / (double)surfaces : 0.0;
+    for (size_t i = 0; i < pixels; i++) {
+      double light = 0.0;
+      if (!(surface_depth(s, i % width, i / width) > 0.0)) {
+        sky += !pass;
+        continue;
+      }
+      if (!is_covered(g, i) || !reflects(g, i, 0.02f))
+        continue;
+      for (size_t c = 0; c < g->map.count[ROLE_DIRECT]; c++)
+        light += (double)fmaxf(0.0f, gbuffer_plane(g, ROLE_DIRECT, c)[i]);
+      /* a hundredth of the typical light is dark */
+      dark += pass && light < 0.01 * root * root;
+      surfaces += !pass;
+      roots += pass ? 0.0 : sqrt(light);
+    }
+  }
+  return roots > 0.0 && 20 * sky < pixels && 500 * dark < surfaces;
+}
+
 void check_colours(const surface_points *s, findings *out) {
   static const role roles[] = {ROLE_ALBEDO, ROLE_DIRECT};
   const channel_map *map = &s->g->map;
@@ -58,6 +127,13 @@ void check_colours(const surface_points *s, findings *out) {
           "%s has whole parts of 255, as pictures with eight bits a channel "
           "have, which are gamma-encoded: --colours srgb",
           role_name(roles[k]));
+  if (map->count[ROLE_ALBEDO])
+    check_black(s, out);
+  if (map->how.shows_sources && lights_everything(s))
+    findings_add(
+        out, "no surface is dark in direct light, as in a finished picture, "
+             "whose indirect light would count twice: if it is that of "
+             "another integrator than `direct`, --map direct= leaves it out");
   if (map->is_beauty || lights_sky(s))
     findings_add(
         out, "direct light is that of a finished picture, whose indirect light "

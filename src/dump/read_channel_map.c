@@ -43,6 +43,7 @@ static void background_as_emission(channel_map *map) {
   map->files[ROLE_EMISSION] = map->files[ROLE_BACKGROUND];
   map->files[ROLE_BACKGROUND] = NULL;
   map->count[ROLE_BACKGROUND] = 0;
+  map->emission_is_sky = 1;
 }
 
 /* Whether a text contains one of the usual names of finished images. */

@@ -11,6 +11,7 @@
 #include "image/window.h"
 #include "tool/commands.h"
 #include "tool/extent.h"
+#include "tool/light_choice.h"
 #include "tool/options.h"
 #include "tool/report.h"
 #include "tool/source_arguments.h"
@@ -245,6 +246,22 @@ static int print_roles(const char *path, const channel_map *map,
   return 0;
 }
 
+/* What hbil process would decide if the file were its first frame. */
+static int print_light(const char *path, const channel_map *map,
+                       image_error *error) {
+  hbil_config config;
+  hbil_frame frame;
+  hbil_sources found;
+  hbil_config_init(&config);
+  if (light_choice_make(path, map, &config, &frame, &found, error) != 0)
+    return -1;
+  const char *emission = light_choice_emission_text(&found);
+  printf("  far light  %s (--environment)\n", light_choice_far_text(&found));
+  if (emission)
+    printf("  emission   %s (--gather-emission)\n", emission);
+  return 0;
+}
+
 static int check_frame(const char *path, const channel_map *map,
                        const frame_camera *seen, image_error *error) {
   hbil_config config;
@@ -258,7 +275,7 @@ static int check_frame(const char *path, const channel_map *map,
   frame_check_run(&g, &config, &map->camera, &found);
   print_check(&g, &found);
   gbuffer_free(&g);
-  return 0;
+  return print_light(path, map, error);
 }
 
 static int print_understood(const char *path, const image *header,

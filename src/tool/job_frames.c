@@ -11,6 +11,7 @@
 #include "tool/paths.h"
 #include "tool/report.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -134,6 +135,20 @@ static int aim_cameras(job *j, image_error *error) {
   return 0;
 }
 
+static void tell_fitted_camera(const job *j) {
+  const job_frame *first = j->frames;
+  const camera_file *c = &first->seen.file;
+  char text[160];
+  if (j->settings->quiet || !first->seen.fitted)
+    return;
+  snprintf(text, sizeof text,
+           "the camera is fitted to the positions%s: %s %.5g, %.5g pixels",
+           j->settings->camera ? "" : ", as no file has it",
+           c->orthographic ? "orthographic, a unit is" : "focal lengths", c->fx,
+           c->fy);
+  report_note(first->path, "", text);
+}
+
 /* The first frame's pixels decide the conventions of all. */
 static int settle_conventions(job *j, image_error *error) {
   job_frame *first = j->frames;
@@ -178,6 +193,7 @@ int job_frames_check(job *j, char *const *files, image_error *error) {
         check_name(j, &j->frames[i], error) != 0)
       return -1;
   warn_without_light(j);
+  tell_fitted_camera(j);
   return aim_cameras(j, error) != 0 || settle_conventions(j, error) != 0 ? -1
                                                                          : 0;
 }

@@ -1,9 +1,9 @@
 /* The far field of a job, and whether emission is gathered. */
 #include "tool/job_light.h"
 
-#include "dump/read_gbuffer.h"
 #include "image/error.h"
 #include "image/formats_rgb.h"
+#include "tool/light_choice.h"
 #include "tool/options.h"
 
 #include <math.h>
@@ -76,44 +76,13 @@ int job_environment_read(job *j, image_error *error) {
   return read_environment(j, error) != 0 || check_mode(j, error) != 0 ? -1 : 0;
 }
 
-/* What is printed of the first frame. */
-static const char *const far_texts[] = {
-    [HBIL_SOURCE_NOT_SEEN] =
-        "the mean radiance of the frame's surfaces: no bright sky is visible",
-    [HBIL_SOURCE_IN_DIRECT] =
-        ("the mean radiance of the frame's surfaces, where direct light is "
-         "weaker than that of the visible sky"),
-    [HBIL_SOURCE_NOT_IN_DIRECT] =
-        "the radiance of the visible sky, which direct light does not contain",
-};
-static const char *const emission_texts[] = {
-    [HBIL_SOURCE_NOT_SEEN] = NULL,
-    [HBIL_SOURCE_IN_DIRECT] = "not gathered: direct light contains it",
-    [HBIL_SOURCE_NOT_IN_DIRECT] = "gathered: direct light does not contain it",
-};
-
 /* Takes what the user left open from the first frame. */
 static int look_at_first(job *j, hbil_sources *found, image_error *error) {
-  const job_frame *first = j->frames;
-  const unsigned roles = 1u << ROLE_DEPTH | 1u << ROLE_NORMAL |
-                         1u << ROLE_DIRECT | 1u << ROLE_EMISSION |
-                         1u << ROLE_BACKGROUND;
-  gbuffer g;
   hbil_config config = j->config;
   hbil_frame frame;
-  if (gbuffer_read(first->path, &first->map, roles, &g, error) != 0)
+  if (light_choice_make(j->frames->path, &j->frames->map, &config, &frame,
+                        found, error) != 0)
     return -1;
-  hbil_frame_init(&frame);
-  frame.camera = first->map.camera;
-  channel_map_hardware_depth(&first->map, frame.hardware_depth);
-  channel_map_configure(&first->map, &config);
-  const hbil_host_planes planes = gbuffer_host_planes(&g);
-  const hbil_status status =
-      hbil_config_suggest(&planes, &config, &frame, found);
-  gbuffer_free(&g);
-  if (status != HBIL_SUCCESS)
-    return image_fail(error, "%s: the first look at it: %s", first->path,
-                      hbil_status_string(status));
   if (!j->settings->environment) {
     j->config.model.far_field = config.model.far_field;
     memcpy(j->far.environment, frame.environment, sizeof j->far.environment);
@@ -147,10 +116,11 @@ int job_light_decide(job *j, image_error *error) {
     return -1;
   if (!s->quiet && !s->environment)
     fprintf(stderr, "hbil: light of unblocked directions: %s\n",
-            looks ? far_texts[found.sky]
+            looks ? light_choice_far_text(&found)
                   : "none: this --mode looks at no light");
-  if (!s->quiet && !s->emission_given && emission_texts[found.lamps])
-    fprintf(stderr, "hbil: emission: %s\n", emission_texts[found.lamps]);
+  const char *emission = light_choice_emission_text(&found);
+  if (!s->quiet && !s->emission_given && emission)
+    fprintf(stderr, "hbil: emission: %s\n", emission);
   j->hidden = hidden_layers(j);
   return 0;
 }
