@@ -36,6 +36,14 @@ static int check_depth(const channel_map *map, const char *path,
 
 int channel_map_check(const channel_map *map, const char *path,
                       image_error *error) {
+  if (map->unnamed && !map->count[ROLE_DEPTH] && !map->count[ROLE_POSITION])
+    return image_fail(
+        error,
+        "%s: its channels have no names (ch00, ch01, ...), as Mitsuba's "
+        "mi.util.write_bitmap() writes them; Bitmap.write(), or --map "
+        "depth=ch03,normal=ch07,ch08,ch09,... in the order of the "
+        "integrator's AOVs, is needed",
+        path);
   if (check_depth(map, path, error) != 0)
     return -1;
   if (!map->count[ROLE_NORMAL] && !map->how.from_depth)

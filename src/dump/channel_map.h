@@ -19,6 +19,7 @@ typedef struct channel_map {
                               map owns the names */
   int gamma[ROLE_COUNT];   /* 1: the file's colours are sRGB */
   unsigned chosen;         /* roles that --map names, a bit mask */
+  int unnamed;             /* 1: the file's channels are ch00, ch01, ... */
   int emission_is_sky;     /* 1: emission is the pass of the background alone */
   int is_beauty;      /* 1: by its name, direct light is a finished image */
   hbil_camera camera; /* for conversions; fx 0: unknown */

@@ -2,7 +2,8 @@
 #include "dump/coverage.h"
 
 void coverage_divide(gbuffer *g) {
-  static const role multiplied[] = {ROLE_DEPTH, ROLE_POSITION, ROLE_ALBEDO};
+  static const role multiplied[] = {ROLE_DEPTH, ROLE_NORMAL, ROLE_POSITION,
+                                    ROLE_ALBEDO};
   const float *coverage = gbuffer_plane(g, ROLE_COVERAGE, 0);
   if (!coverage || !g->map.how.premultiplied)
     return;

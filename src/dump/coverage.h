@@ -4,9 +4,8 @@
 
 #include "dump/gbuffer.h"
 
-/* Divides depth, positions and albedo by the coverage, if the map says that
- * they are multiplied with it.  Direction is all that counts of normals, and
- * light_sources.h is for the light. */
+/* Divides depth, normals, positions and albedo by the coverage, if the map says
+ * that they are multiplied with it.  light_sources.h is for the light. */
 void coverage_divide(gbuffer *g);
 
 #endif

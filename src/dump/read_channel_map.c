@@ -153,6 +153,7 @@ int channel_map_read(const char *path, const image *header,
   background_as_emission(out);
   choose_depth(options, out);
   take_sources(out);
+  out->unnamed = image_find(header, "ch00") != NULL;
   out->is_beauty = is_beauty(out);
   for (int r = 0; r < ROLE_COUNT && options->gamma >= 0; r++)
     out->gamma[r] = options->gamma;

@@ -34,8 +34,8 @@ static unsigned needed(const channel_map *map, unsigned roles) {
   if (map->how.depth == DEPTH_POSITION && roles >> ROLE_DEPTH & 1)
     roles = (roles | 1u << ROLE_POSITION) & ~(1u << ROLE_DEPTH);
   const unsigned light = 1u << ROLE_DIRECT | 1u << ROLE_INDIRECT;
-  const unsigned multiplied =
-      light | 1u << ROLE_DEPTH | 1u << ROLE_POSITION | 1u << ROLE_ALBEDO;
+  const unsigned multiplied = light | 1u << ROLE_DEPTH | 1u << ROLE_NORMAL |
+                              1u << ROLE_POSITION | 1u << ROLE_ALBEDO;
   if (map->how.direct == DIRECT_RADIANCE && roles & light)
     roles |= 1u << ROLE_ALBEDO;
   if (map->how.premultiplied && roles & multiplied)

@@ -96,7 +96,11 @@ absent "after bad input there is no output folder" "$out"
 
 cp "$one" "$work/frame.exr"
 rejected "no camera" 'frame.json: camera cannot be read' \
-  process -o "$out" "$work/frame.exr"
+  process -o "$out" --map position= "$work/frame.exr"
+rejected "no camera in the positions" 'it has no positions; a camera file' \
+  process -o "$out" --camera positions --map position= "$work/frame.exr"
+says "a camera in the positions" 'fitted to the positions: focal' \
+  "$HBIL" info "$work/frame.exr"
 camera=$work/camera.json
 for field in fx fy cx cy camera_to_world; do
   sed "s/\"$field\"/\"no_$field\"/" "${one%.exr}.json" >"$camera"
