@@ -72,6 +72,29 @@ static void direction(const fit_point *p, const double eye[3], double out[3]) {
     out[c] /= length;
 }
 
+/* Whether the tangents of the angles are proportional to the distances, as in a
+ * perspective. */
+static int is_perspective(const fit_points *p, const double eye[3],
+                          const double axis[3], double length) {
+  double sum = 0.0, square = 0.0, u[3];
+  spread off = {0, 0};
+  for (int pass = 0; pass < 2; pass++)
+    for (size_t i = 0; i < p->count; i++) {
+      const double r =
+          hypot(p->list[i].x - 0.5 * p->width, p->list[i].y - 0.5 * p->height);
+      direction(&p->list[i], eye, u);
+      const double cosine = matrix3_dot(u, axis) / length;
+      const double tangent = sqrt(fmax(0.0, 1.0 - cosine * cosine)) / cosine;
+      if (pass)
+        add_error(&off, atan(tangent) - atan(sum / square * r));
+      else if (cosine > 0.0) {
+        sum += r * tangent;
+        square += r * r;
+      }
+    }
+  return is_narrow(&off);
+}
+
 /* Angles from the direction of the picture's middle are a smooth function of
  * the distance from it (k r + l r^3), in all directions the same. */
 static int is_fisheye(const fit_points *p, const double eye[3]) {
@@ -86,7 +109,7 @@ static int is_fisheye(const fit_points *p, const double eye[3]) {
         axis[k] += u[k];
     }
   const double length = sqrt(matrix3_dot(axis, axis));
-  if (!(length > 0.0))
+  if (!(length > 0.0) || is_perspective(p, eye, axis, length))
     return 0;
   for (int pass = 0; pass < 2; pass++) {
     const double det = a * c - b * b;

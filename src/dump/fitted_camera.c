@@ -67,22 +67,48 @@ int fitted_camera_read(const char *frame, const channel_map *map,
   return failed;
 }
 
+/* The map's camera in the space of read_points(). */
+static camera_file given_camera(const channel_map *map) {
+  camera_file out = {.orthographic =
+                         map->projection == HBIL_PROJECTION_ORTHOGRAPHIC,
+                     .fx = map->camera.fx,
+                     .fy = map->camera.fy,
+                     .cx = map->camera.cx,
+                     .cy = map->camera.cy};
+  for (int i = 0; i < 16; i++) {
+    const double in_view = i % 5 == 0;
+    out.camera_to_world[i] =
+        (map->how.positions == SPACE_WORLD ? map->camera.world_from_view[i]
+                                           : in_view) *
+        (i % 4 == 1 || i % 4 == 2 ? -1.0 : 1.0);
+    if (map->mirrored && map->how.positions == SPACE_WORLD && i / 4 == 2)
+      out.camera_to_world[i] = -out.camera_to_world[i];
+  }
+  return out;
+}
+
+/* What kind of projection the points have that is none of a camera; NULL if
+ * some camera shows them so. */
+static const char *name_projection(const fit_points *points,
+                                   const camera_file *given) {
+  const double *m = given->camera_to_world;
+  const double eye[3] = {m[3], m[7], m[11]};
+  if (camera_fit_error(points, given) < CAMERA_FITS ||
+      camera_fit_find(points).found)
+    return NULL;
+  return camera_fit_name_projection(points, eye);
+}
+
 int fitted_camera_check(const char *frame, const channel_map *map,
                         image_error *error) {
-  const double *m = map->camera.world_from_view;
-  const int in_world = map->how.positions == SPACE_WORLD;
-  const double eye[3] = {in_world ? m[3] : 0.0, in_world ? m[7] : 0.0,
-                         in_world ? m[11] : 0.0};
-  fit_points *points = NULL;
-  int failed = 0;
+  const camera_file given = given_camera(map);
   if (map->count[ROLE_POSITION] < 3)
     return 0;
-  if (!(points = malloc(sizeof *points)))
+  fit_points *points = malloc(sizeof *points);
+  if (!points)
     return image_no_memory(error, frame);
-  failed = read_points(frame, map, points, error);
-  const char *kind = failed || camera_fit_find(points).found
-                         ? NULL
-                         : camera_fit_name_projection(points, eye);
+  const int failed = read_points(frame, map, points, error);
+  const char *kind = failed ? NULL : name_projection(points, &given);
   free(points);
   return kind ? image_fail(error,
                            "%s: is %s by its positions; a perspective or an "

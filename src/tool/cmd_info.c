@@ -44,7 +44,8 @@ static void usage(void) {
        "all these frames.\n"
        "\n"
        "  --camera FILE         JSON camera (FRAME.json beside FRAME.exr, or\n"
-       "                        else the header's)");
+       "                        else the header's, or else one that fits the\n"
+       "                        positions, as `positions` in place of FILE)");
   source_usage();
   puts("\n"
        "Exit status: 0 if hbil process can use the files, else 2.");

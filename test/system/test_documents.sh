@@ -159,6 +159,7 @@ small() {
     -e 's|--cache-size N$|--cache-size 32|' \
     -e 's|--view-light radiance|--view-light direct|' -e 's|--far rsm|--far rays|' \
     -e "s|\([^/]\)\<\(frame_000[0-9].exr\)|\1$gbuffer/\2|g" \
+    -e "s|\([^/]\)\<DEPTH\.exr|\1$frame|g" \
     -e "s|\([^/]\)\<FRAME\.exr|\1$frame|g" \
     -e "s|\<[AB]\.exr:[a-zA-Z_]*|$lit:ao|g; s|--heatmap PNG|--heatmap heat.png|" \
     -e 's| PNG$| sheet.png|; s| NAME$| zip|; s| N$| 2|; s| MIB$| 64|' \
@@ -218,7 +219,7 @@ test -s "$work/maps"
 ok $? "there are maps"
 while read -r words; do
   run eval "hbil process --dry-run -o dry $words $frame"
-  test $status -eq 2 && grep -q 'no such layer\|cannot be read' "$work/err"
+  test $status -eq 2 && grep -q 'no such layer\|no such channel\|cannot be read' "$work/err"
   ok $? "$words, understood"
 done <"$work/maps"
 # The kernel's code, in the cache of a command above.

@@ -54,7 +54,7 @@ if command -v oiiotool >/dev/null; then
     most=0.036
     test $scene = cbox || most=0.119
     for frame in $scene ${scene}_hide; do
-      near "Mitsuba, $frame" $most "$work/$scene.exr:indirect" \
+      near "Mitsuba, $frame" "$most" "$work/$scene.exr:indirect" \
         "$mitsuba/$frame.exr" "$mitsuba/$frame.exr"
     done
     # lamps and sky that are seen change little

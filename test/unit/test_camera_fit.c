@@ -270,6 +270,39 @@ static void curved_pictures_are_rejected(void **state) {
   }
 }
 
+/* One plane tells no camera, and is no fisheye, either. */
+static void single_planes_are_no_fisheyes(void **state) {
+  (void)state;
+  for (int turned = 0; turned < 2; turned++) {
+    dump d = dump_begin_plain(SCENE_ROOM);
+    const hbil_camera *k = &d.s.camera;
+    const double *m = k->world_from_view;
+    dump_add_vectors(&d, "position", letters_xyz, d.s.position, AXES_WORLD, 1);
+    for (size_t i = 0; i < PIXELS; i++) {
+      const double v[3] = {((double)(i % WIDTH) + 0.5 - k->cx) / k->fx,
+                           ((double)(i / WIDTH) + 0.5 - k->cy) / k->fy, 1};
+      const double z = 5 / (1 + 0.2 * turned * v[0]);
+      dump_plane(&d, "depth.Z")[i] = (float)z;
+      for (int c = 0; c < 3; c++)
+        d.img.planes[4 + c].pixels[i] =
+            (float)(m[4 * c + 3] + z * (m[4 * c] * v[0] + m[4 * c + 1] * v[1] +
+                                        m[4 * c + 2] * v[2]));
+    }
+    d.options.from_depth = 1;
+    dump_write(&d);
+    reading r = dump_read(&d);
+    assert_no_findings(&r);
+    reading_free(&r);
+    /* nor with a wrong camera */
+    d.s.camera.fx *= 1.2;
+    d.s.camera.fy *= 1.2;
+    dump_write(&d);
+    r = dump_read(&d);
+    reading_free(&r);
+    dump_end(&d);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       WITH_BOTH_CAMERAS(a_missing_file_is_replaced),
@@ -278,6 +311,7 @@ int main(void) {
       WITH_BOTH_CAMERAS(wrong_cameras_are_named),
       WITH_BOTH_CAMERAS(right_cameras_have_no_findings),
       cmocka_unit_test(curved_pictures_are_rejected),
+      cmocka_unit_test(single_planes_are_no_fisheyes),
   };
   return RUN_WITH_DUMPS(tests);
 }

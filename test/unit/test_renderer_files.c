@@ -141,10 +141,10 @@ static void sky_is_taken_out(void **state) {
  */
 static void lamps_are_taken_out(void **state) {
   (void)state;
-  for (int keep = 0; keep < 2; keep++) {
+  for (int none = 0; none < 2; none++) {
     dump d = mitsuba(SCENE_ROOM, &(picture){.lamps = 1, .layers = "both"});
     size_t lamps = 0, found = 0;
-    d.options.map = keep ? "emission=" : NULL;
+    d.options.map = none ? "emission=" : NULL;
     dump_write(&d);
     reading r = dump_read(&d);
     for (size_t i = 0; i < PIXELS; i++) {
@@ -155,9 +155,9 @@ static void lamps_are_taken_out(void **state) {
                   d.s.emission[0][i] > 0.0f);
     }
     assert_true(lamps > 20);
-    assert_int_equal(found, keep ? 0 : lamps);
-    assert_int_equal(r.guessed.count, keep ? 0 : 1);
-    if (!keep)
+    assert_int_equal(found, none ? 0 : lamps);
+    assert_int_equal(r.guessed.count, none ? 0 : 1);
+    if (!none)
       assert_light(&d, &r);
     reading_free(&r);
     dump_end(&d);
