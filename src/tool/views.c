@@ -6,6 +6,7 @@
 #include "dump/read_gbuffer.h"
 #include "dump/settle.h"
 #include "image/image_read.h"
+#include "tool/report.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -122,6 +123,8 @@ static int check_view(job *j, job_frame *v, image_error *error) {
   if (frame_camera_aim(v->path, &v->seen, &v->map, &v->camera, error) != 0 ||
       settle(j, v, error) != 0)
     return -1;
+  if (v->seen.fitted && !j->settings->quiet)
+    report_note(v->path, "", "its camera is fitted to the positions");
   return check_conventions(j, v, error);
 }
 

@@ -192,10 +192,10 @@ rejected "a PNG as view" 'frame_0001.ao.png: no depth channel' \
   small --view "$work/demo/frame_0001.ao.png" -o "$out" "$one"
 cp "$two" "$work/odd/nowhere.exr"
 rejected "a view without a camera" 'nowhere.json: camera cannot be read' \
-  small --view "$work/odd/nowhere.exr" -o "$out" "$one"
+  small --map position= --view "$work/odd/nowhere.exr" -o "$out" "$one"
 rejected "a view whose place is unknown" \
   'nowhere.exr: the place of its camera is unknown (--fov)' \
-  small --fov 60 --view "$work/odd/nowhere.exr" -o "$out" "$one"
+  small --fov 60 --map position= --view "$work/odd/nowhere.exr" -o "$out" "$one"
 rejected "a view without indirect light" \
   'no indirect light; --view-light radiance needs' \
   small --view-light radiance --view "$two" -o "$out" "$one"
