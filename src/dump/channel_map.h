@@ -21,6 +21,8 @@ typedef struct channel_map {
   unsigned chosen;         /* roles that --map names, a bit mask */
   int unnamed;             /* 1: the file's channels are ch00, ch01, ... */
   int emission_is_sky;     /* 1: emission is the pass of the background alone */
+  char picked[2][256];     /* what was chosen unasked of several view layers and
+                              eyes; "": nothing */
   int is_beauty;      /* 1: by its name, direct light is a finished image */
   hbil_camera camera; /* for conversions; fx 0: unknown */
   hbil_projection projection; /* of the camera */

@@ -10,6 +10,7 @@
 #include "image/window.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -118,11 +119,33 @@ static void choose_lens(const source_options *o, double width,
     out->orthographic = o->orthographic > 0.0f;
 }
 
+/* The camera file of the eye that is read, FRAME.EYE.json, if it exists; else
+ * FRAME.json.  malloc'd, NULL if memory runs out. */
+static char *camera_beside(const char *frame, const image *header,
+                           const source_options *o) {
+  const char *eye = o->eye               ? o->eye
+                    : header->view_count ? header->views[0]
+                                         : NULL;
+  char *both = camera_file_beside(frame);
+  if (!both || !eye)
+    return both;
+  const size_t stem = strlen(both) - strlen(".json");
+  char *own = malloc(stem + strlen(eye) + sizeof "..json");
+  if (own)
+    sprintf(own, "%.*s.%s.json", (int)stem, both, eye);
+  if (own && access(own, F_OK) != 0) {
+    free(own);
+    return both;
+  }
+  free(both);
+  return own;
+}
+
 int frame_camera_read(const char *frame, const image *header,
                       const channel_map *map, const char *override,
                       const source_options *options, frame_camera *out,
                       image_error *error) {
-  char *beside = camera_file_beside(frame);
+  char *beside = camera_beside(frame, header, options);
   memset(out, 0, sizeof *out);
   if (!beside)
     return image_no_memory(error, frame);
@@ -162,11 +185,16 @@ static int find_window(const char *frame, const channel_map *map,
   *out = whole;
   if (camera->width == whole.width && camera->height == whole.height)
     return 0;
-  return image_fail(error,
-                    "%s: %u x %u pixels, but its camera is for %u x %u; the "
-                    "camera of this frame is needed",
-                    frame, shown.width, shown.height, camera->width,
-                    camera->height);
+  return image_fail(
+      error,
+      "%s: %u x %u pixels, but its camera is for %u x %u; the "
+      "camera of this frame is needed%s",
+      frame, shown.width, shown.height, camera->width, camera->height,
+      camera->width >= shown.width && camera->height >= shown.height
+          ? "; for a cropped border, that is cx and cy less the "
+            "pixels cropped left and above, and the picture's "
+            "own resolution"
+          : "");
 }
 
 /* Whether the clipping planes suffice to compute depths between them. */

@@ -26,7 +26,7 @@ void camera_file_to_hbil(const camera_file *file, hbil_camera *out);
 
 /*
  * Finds the camera of a frame: the JSON file `override` if it is not NULL, else
- * FRAME.json, else the header's matrices, else the one that the map's positions
+ * FRAME.EYE.json for an eye of a multi-view file, else FRAME.json, else the header's matrices, else the one that the map's positions
  * tell (also if `override` is "positions"), else the options --fov and
  * --orthographic, which also replace the lens of any other.  Returns 0, or -1
  * with `error` filled.

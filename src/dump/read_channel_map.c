@@ -6,6 +6,7 @@
 #include "dump/layer_channels.h"
 #include "dump/output_files.h"
 #include "dump/recognise.h"
+#include "dump/view_layer.h"
 #include "image/error.h"
 #include "image/image.h"
 
@@ -13,21 +14,29 @@
 #include <string.h>
 #include <strings.h>
 
+/* Takes the channels of a pass in a view layer, with the eye's name behind it
+ * or without. */
+static int take_pass(const image *header, const view_layer *from,
+                     const char *eye, const pass_name *pass, channel_map *out) {
+  char group[256];
+  const int length =
+      snprintf(group, sizeof group, "%s%s%s", from->before, pass->pass, eye);
+  return length < (int)sizeof group &&
+         layer_channels_take(header, group, pass->role, out);
+}
+
 /* Takes the first pass of the list that the file has, for each role. */
-static void take_passes(const image *header, const char *prefix,
+static void take_passes(const image *header, const view_layer *from,
                         const pass_name *passes, channel_map *out) {
   for (; passes->pass; passes++) {
-    char group[256];
-    const int length =
-        snprintf(group, sizeof group, "%s%s", prefix, passes->pass);
-    if (out->count[passes->role] || length >= (int)sizeof group)
+    if (out->count[passes->role])
       continue;
     if (strcmp(passes->pass, "*RGBA") == 0)
       layer_channels_take_with_alpha(header, passes->role, out);
     else if (passes->pass[0] == '*')
       layer_channels_take_ending(header, passes->pass + 1, passes->role, out);
-    else
-      layer_channels_take(header, group, passes->role, out);
+    else if (!take_pass(header, from, from->behind, passes, out) && from->plain)
+      take_pass(header, from, "", passes, out);
   }
 }
 
@@ -120,15 +129,15 @@ static int find_passes(const char *path, const image *header,
                        const source_options *options, channel_map *out,
                        image_error *error) {
   const source_info *source = &source_table[out->kind];
-  char prefix[256] = "";
+  view_layer from;
   if (source->in_files)
     return output_files_take(path, header, source->passes, out, error);
   if (options->source < 0 && out->kind == DUMP_PLAIN &&
       output_files_check(path, error) != 0)
     return -1;
-  if (out->kind == DUMP_CYCLES)
-    recognise_view_layer(header, prefix, sizeof prefix);
-  take_passes(header, prefix, source->passes, out);
+  if (view_layer_choose(path, header, options, out, &from, error) != 0)
+    return -1;
+  take_passes(header, &from, source->passes, out);
   return 0;
 }
 

@@ -12,9 +12,4 @@ dump_kind recognise_source(const char *path, const image *header);
 /* Whether the file has channels that hbil itself writes. */
 int recognise_own_channels(const image *header);
 
-/* Blender: the name of the first view layer that has depth (or else the next
- * pass of the list), with a dot behind it; "" if there is none.  Passes of
- * different view layers are never mixed.  Returns whether a pass was found. */
-int recognise_view_layer(const image *header, char *prefix, size_t size);
-
 #endif

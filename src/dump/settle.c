@@ -113,6 +113,9 @@ int conventions_settle(const char *path, channel_map *map, findings *out,
   memset(out, 0, sizeof *out);
   if (fitted_camera_check(path, map, error) != 0)
     return -1;
+  for (size_t i = 0; i < sizeof map->picked / sizeof *map->picked; i++)
+    if (map->picked[i][0])
+      findings_add(out, "%s", map->picked[i]);
   if (!unsure)
     return 0;
   if (gbuffer_read_as_stored(path, map, 1u << ROLE_DEPTH | 1u << ROLE_NORMAL,

@@ -7,8 +7,9 @@
 #include "image/error.h"
 
 /* Changes map->how where map->how.unsure allows it; the map's camera must be
- * known.  Adds each decision to the findings, which begin empty.  A fisheye or
- * a panorama is an error.  Returns 0, or -1 with `error` filled. */
+ * known.  Adds each decision, and what map->picked says, to the findings, which
+ * begin empty.  A fisheye or a panorama is an error.  Returns 0, or -1 with
+ * `error` filled. */
 int conventions_settle(const char *path, channel_map *map, findings *out,
                        image_error *error);
 

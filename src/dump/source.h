@@ -58,13 +58,15 @@ typedef struct source_options {
   int direct;      /* direct_kind or -1 */
   int gamma;       /* 1: colours are sRGB, 0: linear, -1: as their file says */
   const char *map; /* the value of --map, or NULL; see chosen_passes.h */
-  unsigned flips;  /* as in conventions */
-  float fov;       /* degrees across the picture's width; 0: not said */
-  float orthographic;    /* camera units across the picture's width; 0 */
-  float sky_depth;       /* NaN: not said; 0: there is no such depth */
-  float unit;            /* as in conventions; 0: not said */
-  float clip[2];         /* near and far plane; clip[1] 0: not said */
-  float motion_scale[2]; /* motion_scale[0] 0: not said */
+  const char *view_layer; /* NULL: see view_layer.h */
+  const char *eye;        /* the same */
+  unsigned flips;         /* as in conventions */
+  float fov;              /* degrees across the picture's width; 0: not said */
+  float orthographic;     /* camera units across the picture's width; 0 */
+  float sky_depth;        /* NaN: not said; 0: there is no such depth */
+  float unit;             /* as in conventions; 0: not said */
+  float clip[2];          /* near and far plane; clip[1] 0: not said */
+  float motion_scale[2];  /* motion_scale[0] 0: not said */
 } source_options;
 
 /* Nothing is said. */

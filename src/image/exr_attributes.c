@@ -75,6 +75,19 @@ static void read_origin(const exr_file *f, image *out) {
   }
 }
 
+/* The views of a multi-view file. */
+static void read_views(const exr_file *f, image *out) {
+  const exr_attribute_t *attribute = NULL;
+  if (exr_get_attribute_by_name(f->context, 0, "multiView", &attribute) !=
+          EXR_ERR_SUCCESS ||
+      attribute->type != EXR_ATTR_STRING_VECTOR)
+    return;
+  const exr_attr_string_vector_t *names = attribute->stringvector;
+  for (int32_t i = 0; i < names->n_strings && i < IMAGE_VIEWS; i++)
+    snprintf(out->views[out->view_count++], IMAGE_VIEW_NAME, "%.*s",
+             (int)names->strings[i].length, names->strings[i].str);
+}
+
 void exr_attributes_describe(exr_file *f, image *out) {
   image_matrices *m = &out->matrices;
   int length = 0;
@@ -84,6 +97,7 @@ void exr_attributes_describe(exr_file *f, image *out) {
   m->has_camera = read_matrix(f, "worldToCamera", m->world_to_camera);
   m->has_ndc = read_matrix(f, "worldToNDC", m->world_to_ndc);
   read_origin(f, out);
+  read_views(f, out);
   /* The library has reported each attribute that is missing, which is no
    * mistake of the file. */
   f->stream.message[0] = '\0';

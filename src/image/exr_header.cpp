@@ -6,6 +6,7 @@
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStdIO.h>
 #include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfStringVectorAttribute.h>
 
 #include <algorithm>
 #include <iterator>
@@ -100,6 +101,9 @@ Imf::Header exr_header(const image &img, const unsigned char *half,
     Imf::addWorldToCamera(header, matrix(m.world_to_camera));
   if (m.has_ndc)
     Imf::addWorldToNDC(header, matrix(m.world_to_ndc));
+  if (img.view_count)
+    header.insert("multiView", Imf::StringVectorAttribute(Imf::StringVector(
+                                   img.views, img.views + img.view_count)));
   if (img.key[0])
     header.insert(EXR_KEY, Imf::StringAttribute(img.key));
   for (size_t i = 0; i < img.count; i++)

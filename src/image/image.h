@@ -30,6 +30,9 @@ typedef struct image_matrices {
   double world_to_camera[16], world_to_ndc[16];
 } image_matrices;
 
+/* Views of a multi-view file, and the characters of a name, at most. */
+enum { IMAGE_VIEWS = 16, IMAGE_VIEW_NAME = 64 };
+
 typedef struct image {
   uint32_t width, height; /* size of the data window */
   int32_t x, y;           /* top left corner of the data window */
@@ -37,10 +40,12 @@ typedef struct image {
   size_t count;
   image_plane *planes;
   image_matrices matrices;
-  char origin[128]; /* the program that wrote the file, if the header says */
-  int gamma;        /* 1: colours are encoded as sRGB; 0: they are linear */
-  char key[32];     /* identifies what the image was computed from (see
-                     * exr_key.h); "" if the file has no such attribute */
+  char origin[128];  /* the program that wrote the file, if the header says */
+  size_t view_count; /* of a multi-view file; 0: it is none */
+  char views[IMAGE_VIEWS][IMAGE_VIEW_NAME]; /* the default view first */
+  int gamma;    /* 1: colours are encoded as sRGB; 0: they are linear */
+  char key[32]; /* identifies what the image was computed from (see
+                 * exr_key.h); "" if the file has no such attribute */
 } image;
 
 /* Frees the planes and zeroes the image.  A zeroed image and NULL are allowed.

@@ -101,6 +101,8 @@ static void print_line(encoder *e, size_t item, const char *path) {
 
 /* Adds the copied channels behind the layers. */
 static int add_copied(image *result, const image *copied) {
+  result->view_count = copied->view_count;
+  memcpy(result->views, copied->views, sizeof result->views);
   for (size_t i = 0; i < copied->count; i++) {
     image_plane *plane = image_add(result, copied->planes[i].name);
     if (!plane)

@@ -11,6 +11,7 @@
 #include "tool/report.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static unsigned used_roles(const job *j) {
   const unsigned always = 1u << ROLE_DEPTH | 1u << ROLE_NORMAL |
@@ -62,6 +63,10 @@ int frame_source_read_copied(const frame_source *s, size_t item, image *out,
       names[count++] = header.planes[i].name;
   if (!failed)
     failed = exr_read_as_is(path, names, count, out, error);
+  if (!failed) { /* the names of channels mean views as in the frame */
+    out->view_count = header.view_count;
+    memcpy(out->views, header.views, sizeof out->views);
+  }
   free(names);
   image_free(&layers);
   image_free(&header);

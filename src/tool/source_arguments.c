@@ -14,6 +14,8 @@
 const struct option source_option_rows[SOURCE_OPTION_COUNT] = {
     ROW("source", SOURCE_OPTION),
     ROW("map", SOURCE_MAP),
+    ROW("view-layer", SOURCE_VIEW_LAYER),
+    ROW("eye", SOURCE_EYE),
     ROW("depth", SOURCE_DEPTH),
     ROW("normals", SOURCE_NORMALS),
     ROW("positions", SOURCE_POSITIONS),
@@ -129,6 +131,12 @@ int source_option(int option, const char *text, source_options *out,
   case SOURCE_MAP:
     out->map = text;
     return 0;
+  case SOURCE_VIEW_LAYER:
+    out->view_layer = text;
+    return 0;
+  case SOURCE_EYE:
+    out->eye = text;
+    return 0;
   case SOURCE_DEPTH:
     return option_choice("--depth", text, depth_words, &out->depth, error);
   case SOURCE_NORMALS:
@@ -171,6 +179,14 @@ void source_usage(void) {
        "                        TIFF, PNG, HDR) lies beside FRAME; # stands\n"
        "                        for FRAME's number.  ROLE= leaves the role\n"
        "                        out; ROLE=C1,C2,C3 takes single channels\n"
+       "  --view-layer NAME     which of several view layers in one file (the "
+       "one\n"
+       "                        with the most passes)\n"
+       "  --eye NAME            which eye of a multi-view file, such as left "
+       "(the\n"
+       "                        first); its camera is FRAME.NAME.json, or "
+       "else\n"
+       "                        FRAME.json\n"
        "  --depth planar|ray|position|device|reversed\n"
        "                        distance along the camera's axis, distance "
        "from\n"
