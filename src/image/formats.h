@@ -1,9 +1,10 @@
 /*
- * PNG, TIFF and Radiance HDR files as planes, through OpenImageIO.
+ * PNG, TIFF and Radiance HDR files as planes, through OpenImageIO, which a
+ * module of its own loads at first use (formats_module.h).
  *
  * Channels have the names that OpenImageIO gives them (R, G, B, A, Y).  Values
- * are not converted: colours stay in their encoding (image.gamma) and alpha is not
- * multiplied in.  Integers become 0..1.
+ * are not converted: colours stay in their encoding (image.gamma) and alpha is
+ * not multiplied in.  Integers become 0..1.
  */
 #ifndef HBIL_IMAGE_FORMATS_H
 #define HBIL_IMAGE_FORMATS_H
@@ -19,6 +20,10 @@ extern "C" {
 
 /* The largest image that is read: pixels x channels. */
 enum { FORMATS_MAX_VALUES = 1 << 27 };
+
+/* Whether the module is there, also for png_write.h and picture.h.  0, or -1
+ * with `error` filled. */
+int formats_check(image_error *error);
 
 /* Do what exr_read_header() and exr_read() do, for these formats. */
 int formats_read_header(const char *path, image *out, image_error *error);

@@ -1,5 +1,6 @@
 /* hbil compare: how much two images differ. */
 #include "image/error.h"
+#include "image/formats.h"
 #include "image/image.h"
 #include "tool/commands.h"
 #include "tool/compare_measure.h"
@@ -128,7 +129,8 @@ static int compare(const compare_options *o, char **arguments, compare_side *a,
                    compare_side *b, compare_result *out, image_error *error) {
   const char *mask = o->mask ? o->mask : o->mask_depth;
   compare_mask m;
-  if (compare_sides_read(arguments[0], arguments[1], a, b, error) != 0)
+  if ((o->heatmap && formats_check(error) != 0) ||
+      compare_sides_read(arguments[0], arguments[1], a, b, error) != 0)
     return -1;
   int failed =
       compare_mask_read(mask, o->mask != NULL, &a->planes, &m, error) != 0 ||

@@ -3,6 +3,7 @@
 #include "tool/job_output.h"
 
 #include "image/error.h"
+#include "image/formats.h"
 #include "tool/paths.h"
 
 #include <errno.h>
@@ -99,6 +100,9 @@ static int check_file(const job *j, const char *path, image_error *error) {
 }
 
 int job_output_prepare(job *j, image_error *error) {
+  const process_settings *s = j->settings;
+  if ((s->preview || s->contact_sheet) && formats_check(error) != 0)
+    return -1;
   return prepare_folder(j, error) != 0 ||
                  check_file(j, j->settings->contact_sheet, error) != 0 ||
                  check_file(j, j->settings->cache_save, error) != 0

@@ -25,16 +25,18 @@ command -v "${CLANG:-clang}" >/dev/null || {
 compile() {
   # shellcheck disable=SC2046,SC2086
   "$1" "-std=$2" $flags -I"$srcdir/src" -I"$srcdir" \
-    $(pkg-config --cflags $packages) -c "$3" -o "$out/$(basename "$3").o"
+    -DHBIL_PACKAGE_VERSION='"fuzz"' $(pkg-config --cflags $packages) -c "$3" -o "$out/$(basename "$3").o"
 }
 
 mkdir -p "$out/corpus" "$out/seeds" "$out/found"
 # An object of a file that has been renamed since would be linked as well.
 rm -f "$out"/*.o
 for file in "$srcdir"/src/image/*.c "$srcdir/test/system/fuzz_reader.c"; do
+  # the module of other formats is linked
+  case $file in */formats_module.c) continue ;; esac
   compile "${CLANG:-clang}" c11 "$file"
 done
-for file in "$srcdir"/src/image/*.cpp; do
+for file in "$srcdir"/src/image/*.cpp "$srcdir"/src/oiio/*.cpp; do
   compile "${CLANGXX:-clang++}" c++17 "$file"
 done
 # shellcheck disable=SC2046,SC2086

@@ -121,6 +121,7 @@ bin/hbil
 $(headers include/hbil)
 lib/cmake/hbil/hbilConfig.cmake
 lib/cmake/hbil/hbilConfigVersion.cmake
+lib/hbil/hbil-formats.so
 lib/libhbil.a
 lib/libhbil.la
 lib/libhbil.so
@@ -334,9 +335,9 @@ if have "$name" dpkg-buildpackage dpkg-checkbuilddeps dh; then
     { grep -x -F -f "$work/expected" "$work/all"; cat "$work/more"; } | sort >"$work/offered"
     same_lists "libhbil-dev has header, static library, kernels and manual" \
       "$work/expected" "$work/offered"
-    printf '%s\n' /usr/bin/hbil /usr/share/bash-completion/completions/hbil \
-      /usr/share/man/man1/hbil.1 /usr/share/zsh/vendor-completions/_hbil \
-      >"$work/expected"
+    printf '%s\n' /usr/bin/hbil /usr/lib/hbil/hbil-formats.so \
+      /usr/share/bash-completion/completions/hbil /usr/share/man/man1/hbil.1 \
+      /usr/share/zsh/vendor-completions/_hbil >"$work/expected"
     package hbil-tools >"$work/offered"
     same_lists "hbil-tools has program, manual and completion" \
       "$work/expected" "$work/offered"

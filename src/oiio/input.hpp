@@ -1,6 +1,6 @@
 // What the two readers of OpenImageIO's formats share.
-#ifndef HBIL_IMAGE_OIIO_INPUT_HPP
-#define HBIL_IMAGE_OIIO_INPUT_HPP
+#ifndef HBIL_OIIO_INPUT_HPP
+#define HBIL_OIIO_INPUT_HPP
 
 #include <OpenImageIO/imageio.h>
 

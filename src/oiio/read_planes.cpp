@@ -1,6 +1,7 @@
-#include "image/formats.h"
 #include "image/catch_exceptions.hpp"
-#include "image/oiio_input.hpp"
+#include "image/formats.h"
+#include "oiio/input.hpp"
+#include "oiio/module.hpp"
 
 #include <memory>
 #include <string>
@@ -97,8 +98,8 @@ int read_planes(const char *path, const char *const *names, size_t count,
 
 } // namespace
 
-extern "C" int formats_read_header(const char *path, image *out,
-                                   image_error *error) {
+extern "C" int oiio_read_header(const char *path, image *out,
+                                image_error *error) {
   *out = image{};
   const int failed = catch_exceptions(
       path, "read", error, [&] { return read_header(path, out, error); });
@@ -107,8 +108,8 @@ extern "C" int formats_read_header(const char *path, image *out,
   return failed;
 }
 
-extern "C" int formats_read(const char *path, const char *const *names,
-                            size_t count, image *out, image_error *error) {
+extern "C" int oiio_read(const char *path, const char *const *names,
+                         size_t count, image *out, image_error *error) {
   *out = image{};
   const int failed = catch_exceptions(path, "read", error, [&] {
     return read_planes(path, names, count, out, error);

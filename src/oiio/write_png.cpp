@@ -1,6 +1,6 @@
-#include "image/png_write.h"
 #include "image/catch_exceptions.hpp"
 #include "image/temporary.h"
+#include "oiio/module.hpp"
 
 #include <OpenImageIO/imageio.h>
 
@@ -24,8 +24,9 @@ int write_file(const char *path, const char *temporary,
 
 } // namespace
 
-extern "C" int png_write(const char *path, const unsigned char *rgb,
-                         uint32_t width, uint32_t height, image_error *error) {
+extern "C" int oiio_write_png(const char *path, const unsigned char *rgb,
+                              uint32_t width, uint32_t height,
+                              image_error *error) {
   char *temporary = temporary_name(path, error);
   if (!temporary)
     return -1;

@@ -1,8 +1,7 @@
-#include "image/formats_rgb.h"
 #include "image/catch_exceptions.hpp"
 #include "image/exr_rgb.h"
-#include "image/oiio_input.hpp"
-#include "image/signature.h"
+#include "oiio/input.hpp"
+#include "oiio/module.hpp"
 
 #include <cstdlib>
 #include <memory>
@@ -56,11 +55,9 @@ int read_file(const char *path, float **rgb, uint32_t *width, uint32_t *height,
 
 } // namespace
 
-extern "C" int formats_read_rgb(const char *path, float **rgb, uint32_t *width,
-                                uint32_t *height, image_error *error) {
+extern "C" int oiio_read_rgb(const char *path, float **rgb, uint32_t *width,
+                             uint32_t *height, image_error *error) {
   *rgb = nullptr;
-  if (signature_of_file(path) == FILE_FORMAT_EXR)
-    return exr_read_rgb(path, rgb, width, height, error);
   return catch_exceptions(path, "read", error, [&] {
     return read_file(path, rgb, width, height, error);
   });

@@ -1,12 +1,10 @@
-#include "image/picture.h"
 #include "image/catch_exceptions.hpp"
+#include "oiio/module.hpp"
 
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <cstring>
 
 namespace {
 
@@ -51,29 +49,15 @@ int draw_tile(picture &to, const picture_window &at, const picture &tile) {
 
 } // namespace
 
-extern "C" int picture_new(uint32_t width, uint32_t height, picture *out) {
-  const size_t bytes = size_t(3) * width * height;
-  *out = picture{width, height, nullptr};
-  out->rgb = static_cast<unsigned char *>(std::malloc(bytes ? bytes : 1));
-  if (out->rgb)
-    std::memset(out->rgb, PICTURE_GREY, bytes);
-  return out->rgb ? 0 : -1;
-}
-
-extern "C" void picture_free(picture *p) {
-  std::free(p->rgb);
-  *p = picture{};
-}
-
-extern "C" int picture_text(picture *to, int x, int y, int size,
-                            picture_align align, const char *text) {
+extern "C" int oiio_draw_text(picture *to, int x, int y, int size,
+                              picture_align align, const char *text) {
   return catch_exceptions("", "drawn", nullptr, [&] {
     return draw_text(*to, x, y, size, align, text);
   });
 }
 
-extern "C" int picture_tile(picture *to, const picture_window *at,
-                            const picture *tile) {
+extern "C" int oiio_draw_tile(picture *to, const picture_window *at,
+                              const picture *tile) {
   return catch_exceptions("", "drawn", nullptr,
                           [&] { return draw_tile(*to, *at, *tile); });
 }

@@ -1,4 +1,4 @@
-#include "image/oiio_input.hpp"
+#include "oiio/input.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
