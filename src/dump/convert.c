@@ -4,6 +4,7 @@
 #include "dump/coverage.h"
 #include "dump/light_sources.h"
 #include "dump/pixel_ray.h"
+#include "image/srgb.h"
 #include "image/error.h"
 #include "image/image.h"
 
@@ -12,11 +13,6 @@
 
 /* ------------------------------------------------------------------------ */
 /* Colours                                                                   */
-
-/* The transfer function of IEC 61966-2-1. */
-static float linear_of_srgb(float v) {
-  return v <= 0.04045f ? v / 12.92f : powf((v + 0.055f) / 1.055f, 2.4f);
-}
 
 static void decode_colours(gbuffer *g) {
   static const role colours[] = {ROLE_ALBEDO, ROLE_DIRECT, ROLE_EMISSION,

@@ -3,6 +3,7 @@
 
 #include "image/error.h"
 #include "image/image.h"
+#include "tool/compare_layer.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,8 +3,10 @@
 #include "tool/compare_sides.h"
 
 #include "image/error.h"
-#include "image/exr_read.h"
 #include "image/image.h"
+#include "image/image_read.h"
+#include "image/srgb.h"
+#include "tool/compare_layer.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +23,7 @@ static int parse_side(const char *argument, compare_side *out,
     out->path[colon - argument] = '\0';
     out->layer = colon + 1;
   }
-  return exr_read_header(out->path, &out->header, error);
+  return image_read_header(out->path, &out->header, error);
 }
 
 void compare_side_free(compare_side *s) {
@@ -30,45 +32,26 @@ void compare_side_free(compare_side *s) {
   free(s->path);
 }
 
-/* Whether a name is `wanted`, or that behind a view layer: "DiffInd" stands for
- * "ViewLayer.DiffInd". */
-static int ends_in(const char *name, size_t length, const char *wanted) {
-  const size_t tail = strlen(wanted);
-  return length >= tail && strncmp(name + length - tail, wanted, tail) == 0 &&
-         (length == tail || name[length - tail - 1] == '.');
+/* Colours in sRGB encoding become linear, as all others are. */
+static void make_linear(image *planes) {
+  const size_t pixels = (size_t)planes->width * planes->height;
+  for (size_t i = 0; i < planes->count; i++)
+    if (strcmp(channel_letter(planes->planes[i].name), "A") != 0)
+      for (size_t k = 0; k < pixels; k++)
+        planes->planes[i].pixels[k] =
+            linear_of_srgb(planes->planes[i].pixels[k]);
 }
 
-static int in_layer(const char *channel, const char *wanted) {
-  const char *dot = strrchr(channel, '.');
-  return !wanted || ends_in(channel, strlen(channel), wanted) ||
-         (dot && ends_in(channel, (size_t)(dot - channel), wanted));
-}
-
-const char *channel_letter(const char *channel) {
-  const char *dot = strrchr(channel, '.');
-  return dot ? dot + 1 : channel;
-}
-
-/* The alpha of a layer is coverage and is not compared. */
-static int select_channels(const compare_side *s, const char **out) {
-  int count = 0;
-  for (size_t i = 0; i < s->header.count; i++)
-    if (in_layer(s->header.planes[i].name, s->layer) &&
-        !(s->layer &&
-          strcmp(channel_letter(s->header.planes[i].name), "A") == 0))
-      out[count++] = s->header.planes[i].name;
-  return count;
-}
-
-static int read_side(compare_side *s, const char **selected, int *count,
+static int read_side(compare_side *s, const char **selected,
                      image_error *error) {
-  *count = select_channels(s, selected);
-  if (*count == 0)
-    return image_fail(error,
-                      "%s: has no layer %s; the part of its channels' names "
-                      "in front of the dot is needed",
-                      s->path, s->layer ? s->layer : "at all");
-  return exr_read(s->path, selected, (size_t)*count, &s->planes, error);
+  size_t count;
+  if (compare_layer_select(s->path, &s->header, s->layer, selected, &count,
+                           error) != 0 ||
+      image_read(s->path, selected, count, &s->planes, error) != 0)
+    return -1;
+  if (s->header.gamma)
+    make_linear(&s->planes);
+  return 0;
 }
 
 const image_plane *compare_partner(const compare_side *a, const compare_side *b,
@@ -95,8 +78,8 @@ static int check_fit(const compare_side *a, const compare_side *b,
                       b->planes.width, b->planes.height);
   if (a->planes.count != b->planes.count)
     return image_fail(error,
-                      "%s: %zu channels, but %s has %zu; layers with the same "
-                      "channels are needed",
+                      "%s: %zu channels, but %s has %zu; FILE:LAYER with the "
+                      "same channels on both sides is needed",
                       a->path, a->planes.count, b->path, b->planes.count);
   for (size_t i = 0; i < a->planes.count; i++)
     if (!compare_partner(a, b, a->planes.planes[i].name))
@@ -107,18 +90,34 @@ static int check_fit(const compare_side *a, const compare_side *b,
   return 0;
 }
 
+static int has_root(const image *header) {
+  for (size_t i = 0; i < header->count; i++)
+    if (!strchr(header->planes[i].name, '.'))
+      return 1;
+  return 0;
+}
+
+/* A single layer is meant for both files, unless the other one has no such
+ * layer, but channels without any. */
+static void share_layer(compare_side *a, compare_side *b) {
+  compare_side *without = a->layer ? b : a;
+  const char *layer = a->layer ? a->layer : b->layer;
+  if (!a->layer == !b->layer)
+    return;
+  without->layer = compare_layer_exists(&without->header, layer) ||
+                           !has_root(&without->header)
+                       ? layer
+                       : "";
+}
+
 static int read_planes(compare_side *a, compare_side *b, image_error *error) {
-  int count;
   const char **selected =
       calloc(a->header.count + b->header.count + 1, sizeof *selected);
   if (!selected)
     return image_no_memory(error, a->path);
-  if (!a->layer != !b->layer) { /* a single layer is meant for both */
-    a->layer = a->layer ? a->layer : b->layer;
-    b->layer = a->layer;
-  }
-  const int failed = read_side(a, selected, &count, error) != 0 ||
-                     read_side(b, selected, &count, error) != 0;
+  share_layer(a, b);
+  const int failed =
+      read_side(a, selected, error) != 0 || read_side(b, selected, error) != 0;
   free(selected);
   return failed ? -1 : check_fit(a, b, error);
 }

@@ -8,11 +8,12 @@
 
 typedef struct compare_side {
   char *path;        /* owned */
-  const char *layer; /* a part of the argument, or NULL for all channels */
+  const char *layer; /* see compare_layer_select() */
   image header, planes;
 } compare_side;
 
-/* Reads both sides, given as FILE or FILE:LAYER.  Channels are paired by their
+/* Reads both sides, given as FILE or FILE:LAYER, of EXR, TIFF, HDR or PNG
+ * files; sRGB becomes linear.  Channels are paired by their
  * last letter, or, without any layer, by name.  Returns 0, or -1 with `error`
  * filled if they don't fit; compare_side_free() frees both in both cases. */
 int compare_sides_read(const char *first, const char *second, compare_side *a,
@@ -24,8 +25,5 @@ void compare_side_free(compare_side *s);
 /* The plane of b that belongs to channel `name` of a; NULL: none. */
 const image_plane *compare_partner(const compare_side *a, const compare_side *b,
                                    const char *name);
-
-/* The part of a channel's name behind the last dot. */
-const char *channel_letter(const char *channel);
 
 #endif

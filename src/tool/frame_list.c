@@ -3,6 +3,7 @@
 #include "tool/frame_list.h"
 
 #include "image/error.h"
+#include "tool/frame_folder.h"
 #include "tool/frame_numbers.h"
 
 #include <dirent.h>
@@ -248,13 +249,23 @@ static int add_argument(const char *argument, const frame_numbers *asked,
   return add_file(list, strdup(argument), error);
 }
 
+/* A folder stands for the pattern of what it holds. */
+static int add_folder(const char *folder, const frame_numbers *asked,
+                      frame_list *list, image_error *error) {
+  char *held = frame_folder_pattern(folder, error);
+  const int failed = held ? add_argument(held, asked, list, error) : -1;
+  free(held);
+  return failed;
+}
+
 int frame_list_make(char *const *arguments, int count, const char *ranges,
                     frame_list *out, image_error *error) {
   frame_numbers asked = {NULL, 0, 0};
   memset(out, 0, sizeof *out);
   int failed = ranges ? frame_numbers_read(ranges, &asked, error) : 0;
   for (int i = 0; i < count && !failed; i++)
-    failed = add_argument(arguments[i], ranges ? &asked : NULL, out, error);
+    failed = (frame_folder_exists(arguments[i]) ? add_folder : add_argument)(
+        arguments[i], ranges ? &asked : NULL, out, error);
   frame_numbers_free(&asked);
   if (!failed)
     failed = check_files(out, error);

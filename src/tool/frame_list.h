@@ -12,8 +12,9 @@ typedef struct frame_list {
 } frame_list;
 
 /*
- * Makes the list from arguments that are files or patterns, which have %d, %04d
- * or #### in their names.  ranges: the numbers for the patterns, such as
+ * Makes the list from arguments that are files, patterns, which have %d, %04d
+ * or #### in their names, or folders, which stand for the pattern of what they
+ * hold (frame_folder.h).  ranges: the numbers for the patterns, such as
  * "1-240x2,300", or NULL for all that exist, which must be equally spaced.
  * Returns 0, or -1 with `error` filled; missing frames are named.
  */

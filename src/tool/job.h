@@ -44,7 +44,7 @@ typedef struct job {
   image_window window;     /* computed pixels: all that any frame has */
   image_window shown;      /* written pixels */
   uint32_t width, height;  /* of window */
-  int folder_created;      /* 1: the output folder did not exist before */
+  unsigned folders_made;   /* the output folder and parents that were missing */
 } job;
 
 /* Frees what the job owns.  It may be called on a zeroed job. */

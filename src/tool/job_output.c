@@ -16,17 +16,22 @@
 
 /* Whether the results could be written, without leaving a trace. */
 static int look_at_folder(const char *folder, image_error *error) {
-  char *parent = path_parent(folder);
-  if (!parent)
+  char *there = path_existing(folder);
+  struct stat status;
+  if (!there)
     return image_no_memory(error, folder);
-  const int there = access(folder, F_OK) == 0;
-  const int usable = access(there ? folder : parent, W_OK | X_OK) == 0;
-  free(parent);
+  const int is_own = strcmp(there, folder) == 0;
+  int usable = stat(there, &status) == 0 && access(there, W_OK | X_OK) == 0;
+  if (usable && !S_ISDIR(status.st_mode)) {
+    usable = 0;
+    errno = ENOTDIR;
+  }
+  free(there);
   return usable ? 0
                 : image_fail(error,
                              "%s: output folder cannot be %s: %s; a folder in "
                              "which you may write is needed",
-                             folder, there ? "written" : "created",
+                             folder, is_own ? "written" : "created",
                              strerror(errno));
 }
 
@@ -57,11 +62,10 @@ static int prepare_folder(job *j, image_error *error) {
   const char *folder = j->settings->output;
   if (j->settings->dry_run)
     return look_at_folder(folder, error);
-  j->folder_created = mkdir(folder, 0777) == 0;
-  if (!j->folder_created && errno != EEXIST)
+  if (path_make_folders(folder, &j->folders_made) != 0)
     return image_fail(error,
-                      "%s: output folder cannot be created: %s; a folder that "
-                      "exists, or whose parent does, is needed",
+                      "%s: output folder cannot be created: %s; a folder in "
+                      "which you may write is needed",
                       folder, strerror(errno));
   return try_to_write(folder, error);
 }

@@ -37,7 +37,9 @@ static void usage(void) {
        "  --help    this text; after a command, that command's options\n"
        "  --version the version\n"
        "\n"
-       "Exit status: 0 done, 1 a comparison is over its limit, 2 bad input.");
+       "Exit status: 0 if all was done; 1 if hbil compare found more than\n"
+       "--max-rmse; 2 for bad input and whatever else went wrong, after one\n"
+       "line on standard error that begins with hbil: and says what.");
 }
 
 /* Output that could not be written is an error. */

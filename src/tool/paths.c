@@ -2,9 +2,12 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/paths.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 char *path_join(const char *a, const char *between, const char *b) {
   const size_t size = strlen(a) + strlen(between) + strlen(b) + 1;
@@ -34,4 +37,62 @@ char *path_parent(const char *path) {
   while (length > 1 && path[length - 1] == '/')
     length--;
   return length ? strndup(path, length) : strdup(".");
+}
+
+/* A folder that another process makes meanwhile is as good. */
+static int make_one(const char *folder, unsigned *made) {
+  struct stat status;
+  if (mkdir(folder, 0777) == 0) {
+    ++*made;
+    return 0;
+  }
+  if (errno != EEXIST)
+    return -1;
+  if (stat(folder, &status) == 0 && S_ISDIR(status.st_mode))
+    return 0;
+  errno = ENOTDIR;
+  return -1;
+}
+
+int path_make_folders(const char *folder, unsigned *made) {
+  char *parent = NULL;
+  int failed = make_one(folder, made);
+  if (failed && errno == ENOENT && *folder &&
+      (parent = path_parent(folder)) != NULL && strcmp(parent, folder) != 0)
+    failed = path_make_folders(parent, made) != 0 || make_one(folder, made);
+  const int why = errno;
+  free(parent);
+  errno = why;
+  return failed ? -1 : 0;
+}
+
+void path_remove_folders(const char *folder, unsigned made) {
+  char *at = made ? strdup(folder) : NULL;
+  while (at && made) {
+    const int removed = rmdir(at) == 0;
+    if (!removed && errno != ENOENT)
+      break;
+    made -= (unsigned)removed;
+    char *parent = path_parent(at);
+    if (parent && strcmp(parent, at) == 0)
+      made = 0;
+    free(at);
+    at = parent;
+  }
+  free(at);
+}
+
+char *path_existing(const char *folder) {
+  struct stat status;
+  char *at = strdup(folder);
+  while (at && stat(at, &status) != 0 &&
+         (errno == ENOENT || errno == ENOTDIR)) {
+    char *parent = path_parent(at);
+    const int same = parent && strcmp(parent, at) == 0;
+    free(at);
+    at = parent;
+    if (same)
+      break;
+  }
+  return at;
 }

@@ -12,4 +12,15 @@ char *path_stem_in(const char *folder, const char *frame);
  * memory runs out. */
 char *path_parent(const char *path);
 
+/* Makes a folder and those of its parents that are missing.  *made: how many
+ * were.  0, or -1 with errno set. */
+int path_make_folders(const char *folder, unsigned *made);
+
+/* Removes a folder and its parents, `made` in all, as far as they are empty. */
+void path_remove_folders(const char *folder, unsigned made);
+
+/* The folder, or the nearest of its parents that exists.  malloc'd; NULL if
+ * memory runs out. */
+char *path_existing(const char *folder);
+
 #endif

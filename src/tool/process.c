@@ -1,17 +1,15 @@
 /* Does a job from its settings to the last file. */
-#define _POSIX_C_SOURCE 200809L
 #include "tool/process.h"
 
 #include "image/error.h"
 #include "tool/job_light.h"
+#include "tool/paths.h"
 #include "tool/prepare_job.h"
 #include "tool/report.h"
 #include "tool/run_frames.h"
 #include "tool/timings.h"
 #include "tool/unknown.h"
 #include "tool/world.h"
-
-#include <unistd.h>
 
 typedef struct process {
   job job;
@@ -109,8 +107,8 @@ int process_run(const process_settings *settings, char *const *files, int count,
   process p = {.job = {.settings = settings}};
   const int failed =
       open_all(&p, settings, files, count, error) != 0 || run(&p, error) != 0;
-  if (failed && p.job.folder_created)
-    rmdir(settings->output); /* succeeds only if it is empty */
+  if (failed)
+    path_remove_folders(settings->output, p.job.folders_made);
   frame_times_free(&p.times);
   resume_close(&p.resume);
   lighting_close(&p.lighting);

@@ -119,8 +119,43 @@ ok $? "tell which"
 test -e "$work/all/frame_0001.exr.tmp999999999" &&
   test ! -e "$work/all/frame_0004.exr"
 ok $? "and write and sweep nothing"
-rejected "--dry-run and a folder without a parent" 'cannot be created' \
-  exact --dry-run -o "$out/deeper" "$frames/frame_0001.exr"
+says "--dry-run and a folder without a parent" '^1 of 1 frames would' \
+  exact --dry-run -o "$out/deeper/still" "$frames/frame_0001.exr"
+absent "makes neither" "$out"
+rejected "--dry-run and a folder in a file" 'cannot be created' \
+  exact --dry-run -o "$frames/frame_0001.exr/deeper" "$frames/frame_0001.exr"
+rejected "and without --dry-run" 'cannot be created' \
+  exact -o "$frames/frame_0001.exr/deeper" "$frames/frame_0001.exr"
+works "missing folders are made" \
+  exact -o "$work/far/away/lit" "$frames/frame_0001.exr"
+has "and filled" "$work/far/away/lit/frame_0001.exr"
+mkdir "$work/far/there"
+rejected "a job that fails" 'no such device' \
+  device --device nonsense -o "$work/far/there/a/b/c" "$frames/frame_0001.exr"
+absent "removes those that it has made" "$work/far/there/a"
+test -d "$work/far/there"
+ok $? "and no others"
+
+# --- a folder of frames ---
+
+works "a folder in place of its frames" exact -o "$work/folder" "$frames"
+same "is their pattern" "$work/before" "$work/folder"
+works "with --frames" exact --frames 2,4 -o "$work/folder-2" "$frames/"
+holds "those alone" "$work/folder-2" frame_0002.exr frame_0004.exr
+mkdir "$work/single"
+cp "$frames/frame_0001.exr" "$work/single/only.exr"
+cp "$frames/frame_0001.json" "$work/single/only.json"
+works "a folder with a single file" exact -o "$work/only" "$work/single"
+has "has one frame" "$work/only/only.exr"
+cp "$frames/frame_0001.exr" "$work/single/other.0001.exr"
+rejected "a folder with two sequences" 'single: holds .*; the pattern of one sequence' \
+  exact -o "$out" "$work/single"
+mkdir "$work/gap"
+cp "$frames"/frame_000[1245].* "$work/gap"
+rejected "a folder with a hole" 'frame_####.exr: 1 of 5 frames is missing: 3;' \
+  exact -o "$out" "$work/gap"
+rejected "a folder without frames" 'there: holds no EXR file' \
+  exact -o "$out" "$work/far/there"
 rejected "--dry-run finds what is wrong" 'is there already' \
   exact --dry-run -o "$work/before" "$frames/frame_0001.exr"
 

@@ -104,6 +104,7 @@ own='[a-z_]*\.(h|hpp)'
 includes hbil "hbil|lib|shared\.h|$own"
 includes exact 'exact|hbil|lib|shared\.h'
 includes image 'image'
+includes oiio 'oiio|image'
 includes dump 'dump|image|hbil'
 includes scene "scene|hbil|$own"
 includes tool 'tool|dump|scene|exact|image|hbil'
