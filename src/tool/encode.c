@@ -71,7 +71,7 @@ static int show_frame(encoder *e, size_t item, const char *path,
                       const image *result, image_error *error) {
   const job_frame *f = &e->job->frames[item];
   image existing = {0};
-  if (!contact_sheet_shows(&e->sheet, item))
+  if (!contact_sheet_shows(&e->sheet, item - e->job->settings->pre_roll))
     return 0;
   if (resume_is_needed(e->resume, item))
     return add_row(e, f, result, error);
@@ -86,6 +86,7 @@ static int show_frame(encoder *e, size_t item, const char *path,
 
 /* Prints "[3/8] DIR/frame.exr", or shows a bar on a terminal. */
 static void print_line(encoder *e, size_t item, const char *path) {
+  const int pre_roll = (int)e->job->settings->pre_roll;
   if (e->job->settings->quiet)
     return;
   if (e->progress.terminal && !e->lines) {
@@ -93,9 +94,16 @@ static void print_line(encoder *e, size_t item, const char *path) {
     return;
   }
   progress_line_begin();
-  fprintf(stderr, "[%d/%d] ", (int)item + 1, e->job->count);
-  report_text(path, stderr);
-  fputs(e->resume->finished[item] ? " is there already\n" : "\n", stderr);
+  if ((int)item < pre_roll) {
+    fprintf(stderr, "[pre-roll %d/%d] ", (int)item + 1, pre_roll);
+    report_text(e->job->frames[item].path, stderr);
+    fputc('\n', stderr);
+  } else {
+    fprintf(stderr, "[%d/%d] ", (int)item + 1 - pre_roll,
+            e->job->count - pre_roll);
+    report_text(path, stderr);
+    fputs(e->resume->finished[item] ? " is there already\n" : "\n", stderr);
+  }
   progress_line_end();
 }
 
@@ -155,9 +163,14 @@ static int write_result(encoder *e, size_t item, image *result, image *copied,
 int encode_frame(encoder *e, size_t item, image *result, image *copied,
                  image_error *error) {
   const int preview = e->job->settings->preview;
+  if (job_is_pre_roll(e->job, (int)item)) {
+    e->done += resume_is_needed(e->resume, item) ? 1u : 0u;
+    print_line(e, item, NULL);
+    return 0;
+  }
   if (resume_is_needed(e->resume, item)) {
     e->done++;
-    if (item == 0 && preview)
+    if (item == e->job->settings->pre_roll && preview)
       e->resume->exposure = preview_exposure(result);
     if (preview && !e->resume->finished[item] &&
         write_previews(e, &e->job->frames[item], result, error) != 0)
@@ -176,7 +189,8 @@ int encoder_open(encoder *e, image_error *error) {
   progress_start(&e->progress, "frames", 0.0, j->settings->quiet);
   if (!j->settings->contact_sheet)
     return 0;
-  return contact_sheet_open(&e->sheet, j->layers, j->world, (size_t)j->count,
+  return contact_sheet_open(&e->sheet, j->layers, j->world,
+                            (size_t)j->count - j->settings->pre_roll,
                             j->shown.width, j->shown.height) == 0
              ? 0
              : image_no_memory(error, j->settings->contact_sheet);

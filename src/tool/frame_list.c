@@ -234,14 +234,50 @@ static int add_existing(const pattern *p, int holes, frame_list *list,
   return failed ? -1 : 0;
 }
 
-static int add_argument(const char *argument, const frame_numbers *asked,
+/* Adds the existing frames before the first one that is asked for, which lie as
+ * far apart as those do, `most` at most. */
+static int add_pre_roll(const pattern *p, const frame_numbers *asked,
+                        unsigned most, frame_list *list, image_error *error) {
+  frame_numbers there = {NULL, 0, 0};
+  const unsigned first = asked->values[0];
+  const unsigned next = asked->count > 1 ? asked->values[1] : first + 1;
+  const unsigned step = next > first ? next - first : 1;
+  int failed = find_numbers(p, &there, error);
+  size_t from = 0, end = 0;
+  for (size_t i = 0; i < there.count; i++)
+    if (there.values[i] < first && (first - there.values[i]) % step == 0)
+      there.values[end++] = there.values[i];
+  if (end > most)
+    from = end - most;
+  for (size_t i = from; i < end && !failed; i++)
+    failed = add_file(list, pattern_file(p, there.values[i]), error);
+  list->pre_roll = (unsigned)list->count;
+  frame_numbers_free(&there);
+  return failed;
+}
+
+/* What arguments stand for. */
+typedef struct request {
+  const frame_numbers *asked; /* NULL: all frames that exist */
+  unsigned pre_roll;
+} request;
+
+static int add_asked(const pattern *p, const request *r, frame_list *list,
+                     image_error *error) {
+  if (list->count == 0 && r->pre_roll &&
+      add_pre_roll(p, r->asked, r->pre_roll, list, error) != 0)
+    return -1;
+  return add_numbered(p, r->asked, list, error);
+}
+
+static int add_argument(const char *argument, const request *r,
                         frame_list *list, image_error *error) {
   pattern p;
   /* an existing file is taken as it is, even if its name is like a pattern */
-  if ((asked || !exists(argument)) && find_pattern(argument, &p))
-    return asked ? add_numbered(&p, asked, list, error)
-                 : add_existing(&p, 0, list, error);
-  if (asked)
+  if ((r->asked || !exists(argument)) && find_pattern(argument, &p))
+    return r->asked ? add_asked(&p, r, list, error)
+                    : add_existing(&p, 0, list, error);
+  if (r->asked)
     return image_fail(error,
                       "--frames: %s has no place for a number; a pattern such "
                       "as frame.%%04d.exr or frame.####.exr is needed",
@@ -250,22 +286,23 @@ static int add_argument(const char *argument, const frame_numbers *asked,
 }
 
 /* A folder stands for the pattern of what it holds. */
-static int add_folder(const char *folder, const frame_numbers *asked,
-                      frame_list *list, image_error *error) {
+static int add_folder(const char *folder, const request *r, frame_list *list,
+                      image_error *error) {
   char *held = frame_folder_pattern(folder, error);
-  const int failed = held ? add_argument(held, asked, list, error) : -1;
+  const int failed = held ? add_argument(held, r, list, error) : -1;
   free(held);
   return failed;
 }
 
 int frame_list_make(char *const *arguments, int count, const char *ranges,
-                    frame_list *out, image_error *error) {
+                    unsigned pre_roll, frame_list *out, image_error *error) {
   frame_numbers asked = {NULL, 0, 0};
+  const request r = {ranges ? &asked : NULL, pre_roll};
   memset(out, 0, sizeof *out);
   int failed = ranges ? frame_numbers_read(ranges, &asked, error) : 0;
   for (int i = 0; i < count && !failed; i++)
     failed = (frame_folder_exists(arguments[i]) ? add_folder : add_argument)(
-        arguments[i], ranges ? &asked : NULL, out, error);
+        arguments[i], &r, out, error);
   frame_numbers_free(&asked);
   if (!failed)
     failed = check_files(out, error);

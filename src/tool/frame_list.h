@@ -9,6 +9,8 @@
 typedef struct frame_list {
   char **files; /* owned */
   size_t count;
+  unsigned
+      pre_roll; /* how many of the first ones come before those asked for */
 } frame_list;
 
 /*
@@ -16,10 +18,11 @@ typedef struct frame_list {
  * or #### in their names, or folders, which stand for the pattern of what they
  * hold (frame_folder.h).  ranges: the numbers for the patterns, such as
  * "1-240x2,300", or NULL for all that exist, which must be equally spaced.
+ * pre_roll: up to so many existing frames before the first number come first.
  * Returns 0, or -1 with `error` filled; missing frames are named.
  */
 int frame_list_make(char *const *arguments, int count, const char *ranges,
-                    frame_list *out, image_error *error);
+                    unsigned pre_roll, frame_list *out, image_error *error);
 
 /* Adds a file, or all files of a pattern, whatever their numbers.  0, or -1
  * with `error` filled. */

@@ -4,6 +4,7 @@
 #include "tool/paths.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 void job_free(job *j) {
   for (int i = 0; j->frames && i < j->count; i++) {
@@ -15,6 +16,10 @@ void job_free(job *j) {
   for (int i = 0; j->lights && i < j->light_count; i++)
     channel_map_free(&j->lights[i].map);
   free(j->lights);
+  if (j->decider)
+    channel_map_free(&j->decider->map);
+  free(j->decider);
+  j->decider = NULL;
   free(j->views);
   free(j->frames);
   j->lights = j->views = j->frames = NULL;
@@ -29,6 +34,20 @@ char *job_preview_path(const job_frame *f, layer l) {
   char *path = stem ? path_join(stem, "", ".png") : NULL;
   free(stem);
   return path;
+}
+
+char *job_history_path(const job *j) {
+  const char *stem = j->frames[j->settings->pre_roll].stem;
+  const char *slash = strrchr(stem, '/');
+  return path_join(j->settings->output, "/.hbil-light.", slash + 1);
+}
+
+job_frame *job_first(const job *j) {
+  return j->decider ? j->decider : j->frames;
+}
+
+int job_is_pre_roll(const job *j, int index) {
+  return index < (int)j->settings->pre_roll;
 }
 
 unsigned job_runs(const job *j, int index) {

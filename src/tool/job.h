@@ -34,7 +34,8 @@ typedef struct job {
   far_light far;
   job_frame *frames;
   int count;
-  job_frame *views; /* without stems */
+  job_frame *decider; /* the frame of --decide-by, without a stem; or NULL */
+  job_frame *views;   /* without stems */
   int view_count;
   job_frame *lights; /* likewise, from where lights are */
   int light_count;
@@ -53,6 +54,17 @@ void job_free(job *j);
 /* Files of a frame's results; malloc'd, NULL if memory runs out. */
 char *job_result_path(const job_frame *f);
 char *job_preview_path(const job_frame *f, layer l);
+
+/* The file for what the last frame hands on, while the job runs.  Chunks in one
+ * folder have their own.  malloc'd, NULL if memory runs out. */
+char *job_history_path(const job *j);
+
+/* The frame that decides what no option says. */
+job_frame *job_first(const job *j);
+
+/* Whether the frame with this index is lit for the sake of those behind it, and
+ * not written. */
+int job_is_pre_roll(const job *j, int index);
 
 /* How often the frame with this index runs. */
 unsigned job_runs(const job *j, int index);

@@ -101,7 +101,8 @@ static int check_name(job *j, job_frame *f, image_error *error) {
   char *result = f->stem ? job_result_path(f) : NULL;
   if (!result)
     return image_no_memory(error, f->path);
-  int failed = stat(result, &status) == 0
+  const int written = !job_is_pre_roll(j, (int)(f - j->frames));
+  int failed = written && stat(result, &status) == 0
                    ? check_present(j, f, result, &status, error)
                    : 0;
   for (const job_frame *before = j->frames; before < f && !failed; before++)
@@ -149,15 +150,47 @@ static void tell_fitted_camera(const job *j) {
   report_note(first->path, "", text);
 }
 
+/* Reads the frame that decides, if it isn't the first one. */
+static int read_decider(job *j, image_error *error) {
+  const process_settings *s = j->settings;
+  image header;
+  if (!s->decide_by)
+    return 0;
+  j->decider = calloc(1, sizeof *j->decider);
+  if (!j->decider)
+    return image_no_memory(error, s->decide_by);
+  job_frame *f = j->decider;
+  f->path = s->decide_by;
+  if (image_read_header(f->path, &header, error) != 0)
+    return -1;
+  int failed =
+      channel_map_read(f->path, &header, &s->source, &f->map, error) != 0 ||
+      channel_map_check(&f->map, f->path, error) != 0 ||
+      frame_camera_read(f->path, &header, &f->map, s->camera, &s->source,
+                        &f->seen, error) != 0;
+  f->map.window = f->map.data;
+  if (!failed && f->map.kind != j->frames[0].map.kind)
+    failed =
+        image_fail(error,
+                   "--decide-by %s: is read as %s, but %s as %s; a frame "
+                   "of the sequence is needed",
+                   f->path, source_table[f->map.kind].word, j->frames[0].path,
+                   source_table[j->frames[0].map.kind].word);
+  if (!failed)
+    failed = frame_camera_aim(f->path, &f->seen, &f->map, &f->camera, error);
+  image_free(&header);
+  return failed ? -1 : 0;
+}
+
 /* The first frame's pixels decide the conventions of all. */
 static int settle_conventions(job *j, image_error *error) {
-  job_frame *first = j->frames;
+  job_frame *first = job_first(j);
   findings found;
   if (conventions_settle(first->path, &first->map, &found, error) != 0)
     return -1;
   for (int i = 0; !j->settings->quiet && i < found.count; i++)
     report_note(first->path, "", found.text[i]);
-  for (job_frame *f = j->frames + 1; f < j->frames + j->count; f++) {
+  for (job_frame *f = j->frames; f < j->frames + j->count; f++) {
     const double near = f->map.how.near, far = f->map.how.far;
     f->map.how = first->map.how;
     f->map.how.near = near;
@@ -194,6 +227,8 @@ int job_frames_check(job *j, char *const *files, image_error *error) {
       return -1;
   warn_without_light(j);
   tell_fitted_camera(j);
-  return aim_cameras(j, error) != 0 || settle_conventions(j, error) != 0 ? -1
-                                                                         : 0;
+  return aim_cameras(j, error) != 0 || read_decider(j, error) != 0 ||
+                 settle_conventions(j, error) != 0
+             ? -1
+             : 0;
 }

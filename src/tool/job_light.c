@@ -78,9 +78,10 @@ int job_environment_read(job *j, image_error *error) {
 
 /* Takes what the user left open from the first frame. */
 static int look_at_first(job *j, hbil_sources *found, image_error *error) {
+  const job_frame *first = job_first(j);
   hbil_config config = j->config;
   hbil_frame frame;
-  if (light_choice_make(j->frames->path, &j->frames->map, &config, &frame,
+  if (light_choice_make(first->path, &first->map, &config, &frame,
                         found, error) != 0)
     return -1;
   if (!j->settings->environment) {

@@ -50,7 +50,8 @@ static int try_to_write(const char *folder, image_error *error) {
     unlink(path);
   }
   free(path);
-  if (fd >= 0)
+  /* there it is if another machine tries at this moment */
+  if (fd >= 0 || why == EEXIST)
     return 0;
   return image_fail(error,
                     "%s: output folder cannot be written: %s; a folder in "

@@ -28,7 +28,9 @@ static void print_plan(const process *p) {
     report_text(j->frames[i].path, stdout);
     fputs(" -> ", stdout);
     report_text(j->frames[i].stem, stdout);
-    printf(".exr%s\n", finished ? " (is there already)" : "");
+    printf(".exr%s\n", job_is_pre_roll(j, i) ? " (pre-roll, not written)"
+                       : finished            ? " (is there already)"
+                                             : "");
     written += !finished;
   }
   for (int i = 0; i < j->view_count; i++) {
@@ -37,7 +39,7 @@ static void print_plan(const process *p) {
   }
   layers_names(j->layers, layers, sizeof layers);
   printf("%d of %d frames would be written, %u x %u pixels: %s\n", written,
-         j->count, j->width, j->height, layers);
+         j->count - (int)j->settings->pre_roll, j->width, j->height, layers);
   if (!j->settings->exact)
     printf("device %s, %.1f MiB on it\n", p->lighting.device.name,
            (double)lighting_memory(&p->lighting) / 1048576.0);

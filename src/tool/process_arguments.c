@@ -51,6 +51,8 @@ static const char *const reprojections[] = {"none", "scatter", "motion", NULL};
 static const row rows[] = {
     {"output", TEXT, SETTING(output), 0, 0, NULL},
     {"frames", TEXT, AT(frames), 0, 0, NULL},
+    {"pre-roll", NUMBER, SETTING(pre_roll), 0, 100000, NULL},
+    {"decide-by", TEXT, SETTING(decide_by), 0, 0, NULL},
     {"layers", SPECIAL, 0, 0, 0, NULL},
     {"copy-channels", FLAG, SETTING(copy_channels), 0, 0, NULL},
     {"compression", CHOICE, SETTING(compression), 0, 0, exr_compressions},
@@ -329,6 +331,10 @@ static int check_cache(const request *r, image_error *error) {
 
 static int check_together(const request *r, image_error *error) {
   const process_settings *s = &r->arguments->settings;
+  if (is_given(r, "pre-roll") && !r->arguments->frames)
+    return image_fail(
+        error, "--pre-roll: --frames with the frames that are written is "
+               "needed with it");
   if (is_given(r, "falloff") && s->config.model.mode != HBIL_MODE_HBAO)
     return image_fail(error, "--falloff: --mode hbao is needed with it");
   if (is_given(r, "horizon-cache") && s->horizon_cache &&

@@ -33,8 +33,10 @@ static int look_for_result(resume *r, int item, image_error *error) {
   if (!path)
     return image_no_memory(error, f->path);
   const int failed = resume_find_key(r, (size_t)item, error);
-  r->finished[item] = !failed && job_key_is_finished(path, r->keys[item]) &&
-                      (!r->job->settings->preview || has_previews(r->job, f));
+  /* nothing is written of a pre-roll */
+  r->finished[item] = job_is_pre_roll(r->job, item) ||
+                      (!failed && job_key_is_finished(path, r->keys[item]) &&
+                       (!r->job->settings->preview || has_previews(r->job, f)));
   free(path);
   return failed;
 }
@@ -44,7 +46,7 @@ static int look_for_result(resume *r, int item, image_error *error) {
 static int restore_history(resume *r, int missing, lighting *l,
                            saved_history *h, image_error *error) {
   int from = missing - 1;
-  if (!saved_history_read(r->job->settings->output, h))
+  if (!saved_history_read(r->history_path, h))
     return 0;
   while (from >= 0 && r->keys[from] != h->key)
     from--;
@@ -81,7 +83,7 @@ static int look_for_results(resume *r, lighting *l, image_error *error) {
   const job *j = r->job;
   int missing = j->count;
   if (!j->settings->dry_run)
-    saved_history_sweep(j->settings->output);
+    saved_history_sweep(j);
   r->end = 0;
   for (int i = 0; i < j->count; i++) {
     if (look_for_result(r, i, error) != 0)
@@ -106,7 +108,10 @@ int resume_open(resume *r, const job *j, lighting *l, image_error *error) {
   r->history_size = lighting_history_size(l);
   r->keys = calloc((size_t)j->count, sizeof *r->keys);
   r->finished = calloc((size_t)j->count, sizeof *r->finished);
-  if (!r->keys || !r->finished)
+  r->history_path = job_history_path(j);
+  for (int i = 0; r->finished && job_is_pre_roll(j, i); i++)
+    r->finished[i] = 1;
+  if (!r->keys || !r->finished || !r->history_path)
     return image_no_memory(error, j->frames[0].path);
   if (job_key_begin(j, which, &r->begin, error) != 0)
     return -1;
@@ -115,6 +120,7 @@ int resume_open(resume *r, const job *j, lighting *l, image_error *error) {
 
 void resume_close(resume *r) {
   free(r->keys);
+  free(r->history_path);
   free(r->finished);
   memset(r, 0, sizeof *r);
 }
@@ -123,7 +129,8 @@ int resume_is_needed(const resume *r, size_t item) {
   const int i = (int)item;
   return !r->finished[i] ||
          (i >= r->first && i < r->end &&
-          (r->history_size || (r->job->settings->preview && i == 0)));
+          (r->history_size || (r->job->settings->preview &&
+                               i == (int)r->job->settings->pre_roll)));
 }
 
 /* Files that are made of what the cache knows in the end. */

@@ -14,8 +14,9 @@ typedef struct resume {
   const job *job;
   uint64_t begin;          /* the key before the first frame */
   uint64_t *keys;          /* of each frame; 0: not known yet */
-  unsigned char *finished; /* 1: the frame's result exists */
+  unsigned char *finished; /* 1: the frame's result exists, or is not written */
   int first, end;          /* computed are frames from `first`, before `end` */
+  char *history_path;      /* of the saved history */
   size_t history_size;     /* bytes; 0: frames hand on nothing */
   float exposure;          /* of all previews; 0: not known yet */
 } resume;

@@ -140,7 +140,7 @@ static int encode(void *user, size_t item, image_error *error) {
   if (!resume_is_needed(r->resume, item) || !resume_hands_on(r->resume, item))
     return 0;
   s->history.exposure = r->resume->exposure;
-  return saved_history_write(r->job->settings->output, &s->history, error);
+  return saved_history_write(r->resume->history_path, &s->history, error);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -204,7 +204,7 @@ int run_frames(const job *j, lighting *l, resume *r, frame_times *times,
   const int failed = run_all(&all, times, error);
   release(&all);
   if (failed == 0 && r->history_size)
-    saved_history_remove(j->settings->output);
+    saved_history_remove(r->history_path);
   return failed;
 }
 

@@ -14,8 +14,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#define FILE_NAME ".hbil-light"
-
 /* The file begins with this; the history follows. */
 typedef struct preface {
   char magic[8];
@@ -24,13 +22,6 @@ typedef struct preface {
 } preface;
 
 static const char file_magic[8] = {'h', 'b', 'i', 'l', 'l', 'i', 'g', '1'};
-
-static char *history_path(const char *folder) {
-  char *path = malloc(strlen(folder) + sizeof "/" FILE_NAME);
-  if (path)
-    strcat(strcpy(path, folder), "/" FILE_NAME);
-  return path;
-}
 
 static int write_file(const char *name, const char *path,
                       const saved_history *h, image_error *error) {
@@ -46,25 +37,20 @@ static int write_file(const char *name, const char *path,
                 : 0;
 }
 
-int saved_history_write(const char *folder, const saved_history *h,
+int saved_history_write(const char *path, const saved_history *h,
                         image_error *error) {
-  char *path = history_path(folder);
-  char *name = path ? temporary_name(path, error) : NULL;
-  int failed = -1;
-  if (!path)
-    image_no_memory(error, folder);
-  else if (name && write_file(name, path, h, error) == 0)
-    failed = temporary_commit(name, path, error);
-  else
-    temporary_discard(name);
-  free(path);
-  return failed;
+  char *name = temporary_name(path, error);
+  if (!name)
+    return -1;
+  if (write_file(name, path, h, error) == 0)
+    return temporary_commit(name, path, error);
+  temporary_discard(name);
+  return -1;
 }
 
-int saved_history_read(const char *folder, saved_history *h) {
+int saved_history_read(const char *path, saved_history *h) {
   preface head;
-  char *path = history_path(folder);
-  FILE *file = path ? fopen(path, "rb") : NULL;
+  FILE *file = fopen(path, "rb");
   const int found = file && fread(&head, sizeof head, 1, file) == 1 &&
                     !memcmp(head.magic, file_magic, sizeof head.magic) &&
                     head.size == h->size &&
@@ -76,38 +62,54 @@ int saved_history_read(const char *folder, saved_history *h) {
   }
   if (file)
     fclose(file);
-  free(path);
   return found;
 }
 
-/* Whether it is called NAME.tmpPID, NAME is a file that this program writes,
- * and the process is gone. */
-static int is_leftover(const char *name) {
+/* Where .tmpPID begins in a name that ends so, if that process is gone; else
+ * NULL. */
+static const char *end_of_leftover(const char *name) {
   const char *mark = NULL;
   for (const char *at = name; (at = strstr(at, ".tmp")); at++)
     mark = at;
-  if (!mark || !isdigit((unsigned char)mark[4]) || mark - name < 4)
-    return 0;
+  if (!mark || !isdigit((unsigned char)mark[4]))
+    return NULL;
   char *end;
   const long id = strtol(mark + 4, &end, 10);
-  return !*end && id > 0 &&
-         (!strncmp(mark - 4, ".exr", 4) || !strncmp(mark - 4, ".png", 4) ||
-          !strncmp(name, FILE_NAME, sizeof FILE_NAME - 1)) &&
-         kill((pid_t)id, 0) != 0 && errno == ESRCH;
+  return !*end && id > 0 && kill((pid_t)id, 0) != 0 && errno == ESRCH ? mark
+                                                                      : NULL;
 }
 
-void saved_history_sweep(const char *folder) {
-  DIR *entries = opendir(folder);
-  for (struct dirent *e; entries && (e = readdir(entries));)
-    if (is_leftover(e->d_name))
+/* Whether a file that this program writes for a frame is called so: FRAME.exr,
+ * FRAME.LAYER.png, or the history. */
+static int is_own(const job *j, const char *name, size_t length) {
+  static const char history[] = ".hbil-light.";
+  const size_t head = sizeof history - 1;
+  const int is_history = length > head && !strncmp(name, history, head);
+  if (!is_history && (length < 4 || (strncmp(name + length - 4, ".exr", 4) &&
+                                     strncmp(name + length - 4, ".png", 4))))
+    return 0;
+  for (int i = (int)j->settings->pre_roll; i < j->count; i++) {
+    const char *stem = strrchr(j->frames[i].stem, '/') + 1;
+    const size_t own = strlen(stem);
+    if (is_history
+            ? length == head + own && !memcmp(name + head, stem, own)
+            : length > own && !memcmp(name, stem, own) && name[own] == '.')
+      return 1;
+  }
+  return 0;
+}
+
+void saved_history_sweep(const job *j) {
+  DIR *entries = opendir(j->settings->output);
+  for (struct dirent *e; entries && (e = readdir(entries));) {
+    const char *end = end_of_leftover(e->d_name);
+    if (end && is_own(j, e->d_name, (size_t)(end - e->d_name)))
       unlinkat(dirfd(entries), e->d_name, 0);
+  }
   if (entries)
     closedir(entries);
 }
 
-void saved_history_remove(const char *folder) {
-  char *path = history_path(folder);
-  if (path)
-    unlink(path);
-  free(path);
+void saved_history_remove(const char *path) {
+  unlink(path);
 }

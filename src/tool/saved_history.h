@@ -9,9 +9,7 @@
 #include <stdint.h>
 
 #include "image/error.h"
-
-#include <stddef.h>
-#include <stdint.h>
+#include "tool/job.h"
 
 typedef struct saved_history {
   uint64_t key;   /* of the frame whose history it is (job_key.h) */
@@ -20,18 +18,20 @@ typedef struct saved_history {
   void *bytes;    /* see lighting_history_save(); owned by the caller */
 } saved_history;
 
-/* Writes the file into the folder.  0, or -1 with `error` filled. */
-int saved_history_write(const char *folder, const saved_history *h,
+/* Writes the file (job_history_path()).  0, or -1 with `error` filled. */
+int saved_history_write(const char *path, const saved_history *h,
                         image_error *error);
 
 /* Reads the file if its size is h->size: fills in key, exposure and bytes, and
  * returns 1.  Returns 0 if there is no such file. */
-int saved_history_read(const char *folder, saved_history *h);
+int saved_history_read(const char *path, saved_history *h);
 
 /* Removes the file. */
-void saved_history_remove(const char *folder);
+void saved_history_remove(const char *path);
 
-/* Removes the half-written files of processes that no longer run. */
-void saved_history_sweep(const char *folder);
+/* Removes half-written files of this job's frames, if the processes that wrote
+ * them no longer run.  Those of other frames may belong to a chunk that runs on
+ * another machine. */
+void saved_history_sweep(const job *j);
 
 #endif

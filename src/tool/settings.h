@@ -33,10 +33,13 @@ typedef struct process_settings {
   const char *cache_save;     /* the file that it is written to, or NULL */
   int radius_given, thickness_given; /* 1: so are model.radius and
                                         model.relative_thickness */
-  int emission_given;     /* 1: config.gather_emission is the user's choice */
-  unsigned repeat;        /* runs of every frame, at least 1 */
-  unsigned warm_up;       /* additional runs of the first frame */
-  unsigned horizon_cache; /* MiB, or HORIZON_CACHE_CHOOSE */
+  int emission_given;    /* 1: config.gather_emission is the user's choice */
+  unsigned pre_roll;     /* frames at the beginning that are lit, not written */
+  const char *decide_by; /* the frame that decides what is left open; NULL: the
+                            first one */
+  unsigned repeat;       /* runs of every frame, at least 1 */
+  unsigned warm_up;      /* additional runs of the first frame */
+  unsigned horizon_cache;            /* MiB, or HORIZON_CACHE_CHOOSE */
   int preview, timings, json, quiet; /* flags */
   int resume;    /* 1: results of the same settings and frames stay */
   int overwrite; /* 1: existing results are replaced; 0: they are an error */

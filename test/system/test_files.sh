@@ -289,7 +289,7 @@ works "a sequence by scatter" process --no-cache -o "$work/scatter" "$frames"/*.
 works "a sequence by motion, with previews" exact --reprojection motion \
   --preview -o "$work/motion" "$frames"/*.exr
 absent "after the last frame there is no carried light" \
-  "$work/scatter/.hbil-light"
+  "$work/scatter/.hbil-light.frame_0001"
 
 # kill -9 as soon as the second result is there.
 killed() { # COMMAND...
@@ -330,7 +330,7 @@ for way in scatter motion; do
     fi
   }
   rejected "$way: broken off" 'frame_0003.exr: truncated' again "$work/broken"/*.exr
-  has "$way: the carried light is stored" "$work/resumed/.hbil-light"
+  has "$way: the carried light is stored" "$work/resumed/.hbil-light.frame_0001"
   works "$way: resumed" again --resume "$frames"/*.exr
   same "$way: as without interruption" "$work/$way" "$work/resumed"
 done

@@ -168,7 +168,7 @@ broken() { # NAME PATTERN
   rm -rf "$work/stopped"
   rejected "$1" "$2" exact -o "$work/stopped" "$work/bad/frame_####.exr"
   holds "$1: two frames and the light behind them" "$work/stopped" \
-    .hbil-light frame_0001.exr frame_0002.exr
+    .hbil-light.frame_0001 frame_0001.exr frame_0002.exr
 }
 mkdir "$work/bad"
 cp "$frames"/* "$work/bad"
@@ -181,7 +181,7 @@ rejected "a result that can't be written" \
   'frame_0003.exr: cannot be written: Is a directory' \
   exact --overwrite -o "$work/stopped" "$work/bad/frame_####.exr"
 holds "two frames and the light behind them" "$work/stopped" \
-  .hbil-light frame_0001.exr frame_0002.exr frame_0003.exr
+  .hbil-light.frame_0001 frame_0001.exr frame_0002.exr frame_0003.exr
 rmdir "$work/stopped/frame_0003.exr"
 works "resumed" exact --resume -o "$work/stopped" "$work/bad/frame_####.exr"
 same "as if nothing had happened" "$work/before" "$work/stopped"

@@ -158,7 +158,7 @@ rejected "an environment that is no image" 'text.exr: cannot be read' \
 # nothing half-written is beside it.
 run process -o "$work/broken" "$one" "$work/cut.exr"
 test $status -eq 2 &&
-  test "$(ls -A "$work/broken" | tr '\n' ' ')" = ".hbil-light frame_0001.exr "
+  test "$(ls -A "$work/broken" | tr '\n' ' ')" = ".hbil-light.frame_0001 frame_0001.exr "
 ok $? "a sequence that breaks off leaves whole files only"
 
 echo "1..$count"
