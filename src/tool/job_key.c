@@ -94,6 +94,7 @@ static int hash_cache(const job *j, uint64_t *hash, image_error *error) {
                           c->levels,
                           (unsigned)s->view_light,
                           (unsigned)s->learn,
+                          (unsigned)s->cache_fixed,
                           (unsigned)j->view_count,
                           (unsigned)j->light_count};
   const double where[] = {c->voxel_size, c->centre[0], c->centre[1],

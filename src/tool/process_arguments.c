@@ -66,6 +66,7 @@ static const row rows[] = {
     {"no-cache", FLAG, SETTING(no_cache), 0, 0, NULL},
     {"cache-size", SPECIAL, 0, 0, 0, NULL},
     {"cache-load", TEXT, SETTING(cache_load), 0, 0, NULL},
+    {"cache-fixed", FLAG, SETTING(cache_fixed), 0, 0, NULL},
     {"cache-save", TEXT, SETTING(cache_save), 0, 0, NULL},
     {"environment", TEXT, SETTING(environment), 0, 0, NULL},
     {"device", TEXT, SETTING(device), 0, 0, NULL},
@@ -250,6 +251,7 @@ static int check_exact(const request *r, image_error *error) {
       {"learn", "which has no radiance cache"},
       {"cache-size", "which has no radiance cache"},
       {"cache-load", "which has no radiance cache"},
+      {"cache-fixed", "which has no radiance cache"},
       {"cache-save", "which has no radiance cache"},
       {"storage", "which stores double precision"},
       {"no-skip", "which skips nothing"},
@@ -294,9 +296,9 @@ static int check_horizon_cache(const hbil_config *c, image_error *error) {
 
 /* Whether options of the radiance cache have one. */
 static int check_cache(const request *r, image_error *error) {
-  static const char *const names[] = {"view",       "light-view", "view-light",
-                                      "learn",      "far",        "cache-size",
-                                      "cache-load", "cache-save"};
+  static const char *const names[] = {
+      "view",       "light-view", "view-light",  "learn",     "far",
+      "cache-size", "cache-load", "cache-fixed", "cache-save"};
   const process_settings *s = &r->arguments->settings;
   const int no_light = s->config.model.mode != HBIL_MODE_HBIL;
   for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -322,6 +324,13 @@ static int check_cache(const request *r, image_error *error) {
   if (s->light_view_count > HBIL_MAX_LIGHT_VIEWS)
     return image_fail(error, "--light-view: %u files; %d at most can be used",
                       s->light_view_count, HBIL_MAX_LIGHT_VIEWS);
+  if (s->cache_fixed && !s->cache_load)
+    return image_fail(error, "--cache-fixed: --cache-load FILE is needed with "
+                             "it");
+  if (s->cache_fixed && s->learn)
+    return image_fail(error,
+                      "--cache-fixed: not with --learn, by which the cache "
+                      "sees the frames; one or the other is needed");
   if (s->cache_load && s->cache_voxels)
     return image_fail(error,
                       "--cache-size: not with --cache-load, whose file has a "

@@ -144,7 +144,7 @@ int resume_uses_cache(const resume *r) {
 
 int resume_is_seen(const resume *r, size_t item) {
   const process_settings *s = r->job->settings;
-  return r->job->world && !s->learn &&
+  return r->job->world && !s->learn && !s->cache_fixed &&
          ((int)item < r->end || needs_whole_cache(s));
 }
 

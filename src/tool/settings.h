@@ -30,6 +30,7 @@ typedef struct process_settings {
   int no_cache;               /* 1: frames have none */
   unsigned cache_voxels;      /* across a level; 0: the library's default */
   const char *cache_load;     /* the file that it begins with, or NULL */
+  int cache_fixed;            /* 1: frames don't change the loaded cache */
   const char *cache_save;     /* the file that it is written to, or NULL */
   int radius_given, thickness_given; /* 1: so are model.radius and
                                         model.relative_thickness */

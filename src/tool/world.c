@@ -182,7 +182,7 @@ static int update(world *w, unsigned rounds, unsigned steps,
 
 int world_see_frame(world *w, const gbuffer *g, const cl_mem *given,
                     image_error *error) {
-  if (w->job->settings->learn)
+  if (w->job->settings->learn || w->job->settings->cache_fixed)
     return 0;
   const int failed = inject(w, g, given, HBIL_VIEW_DIRECT, error) != 0 ||
                      update(w, ROUNDS_OF_A_FRAME, STEPS_OF_A_FRAME, error) != 0;
@@ -433,7 +433,7 @@ static void tell(const world *w) {
   }
   if (s->learn)
     fprintf(stderr, "%sall frames", before);
-  else if (j->count > 1)
+  else if (j->count > 1 && !s->cache_fixed)
     fprintf(stderr, "%searlier frames", before);
   fputc('\n', stderr);
 }

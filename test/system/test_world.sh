@@ -76,7 +76,7 @@ rejected "with them a view has no use" 'from-depth: not with --view' \
 # --- options that don't go together ---
 
 for option in "--view $two" "--view-light direct" --learn "--cache-size 32" \
-  "--cache-load $work/c" "--cache-save $work/c" "--far cones" \
+  "--cache-load $work/c" --cache-fixed "--cache-save $work/c" "--far cones" \
   "--light-view $two"; do
   word=${option%% *}
   # shellcheck disable=SC2086
@@ -94,6 +94,10 @@ for option in "--view $two" "--view-light direct" --learn "--cache-size 32" \
 done
 rejected "--view-light without --view" '^hbil: --view-light: --view FILE is needed' \
   process --view-light radiance -o "$out" "$one"
+rejected "--cache-fixed without --cache-load" '^hbil: --cache-fixed: --cache-load FILE' \
+  process --cache-fixed -o "$out" "$one"
+rejected "--cache-fixed and --learn" '^hbil: --cache-fixed: not with --learn' \
+  process --cache-fixed --learn --cache-load "$work/c" -o "$out" "$one"
 rejected "--cache-size beside a file's" '^hbil: --cache-size: not with --cache-load' \
   process --cache-size 32 --cache-load "$work/c" -o "$out" "$one"
 for size in 0 15 48 512 many; do
