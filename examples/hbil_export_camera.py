@@ -3,12 +3,16 @@
 
     blender file.blend --python hbil_export_camera.py
     blender -b file.blend --python hbil_export_camera.py -a
+    blender -b file.blend --python hbil_export_camera.py -- --views views
 
 Run once, it switches on the passes that hbil reads, sets the output to OpenEXR
 MultiLayer, and writes the camera of every frame of the scene's range beside the
 picture that Blender writes: frame_0001.json for frame_0001.exr.  While Blender
 stays open it also writes the camera of each frame that is rendered, after
 whatever has changed; installed as an add-on, it does that in every file.
+
+With --views it does none of that, but renders six small pictures of what
+surrounds the camera in the present frame, into that folder.
 
 It understands lens shifts, sensor fits, pixel aspects, orthographic cameras,
 cropped borders, stereo and several cameras (one camera file for each eye).
@@ -27,10 +31,11 @@ bl_info = {
 import json
 import math
 import os
+import sys
 
 import bpy
 from bpy.app.handlers import persistent
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 PASSES = ("z", "normal", "position", "vector", "diffuse_direct",
           "diffuse_indirect", "diffuse_color", "emit", "environment")
@@ -98,7 +103,10 @@ def stereo(camera, eye):
     place = Matrix.Translation((-between * side, 0, 0))
     if data.convergence_mode == "TOE":
         angle = math.atan(between / 2 / distance)
-        place = place @ Matrix.Rotation(-angle if left else angle, 4, "Y")
+        turned = Matrix.Rotation(-angle if left else angle, 4, "Y")
+        # about the middle between the eyes, or, from the one that stays where
+        # it is, half before the way to the other and half behind it
+        place = place @ turned if part < 1 else turned @ place @ turned
     shift = 0.0
     if data.convergence_mode == "OFFAXIS":
         shift = (between / camera.data.sensor_width *
@@ -253,9 +261,35 @@ def register():
         getattr(bpy.app.handlers, event).append(function)
 
 
-def main():
+def render_views(scene, folder):
+    """Six pictures of what surrounds the camera, for hbil process --view."""
+    render = scene.render
+    camera = bpy.data.objects.new("view", bpy.data.cameras.new("view"))
+    scene.collection.objects.link(camera)
+    camera.data.angle = math.radians(90)
+    camera.location = scene.camera.matrix_world.translation
+    camera.rotation_mode = "QUATERNION"
+    scene.camera = camera
+    render.resolution_x = render.resolution_y = 256
+    render.resolution_percentage = 100
+    render.use_border = render.use_multiview = False
+    for name, direction in (("px", (1, 0, 0)), ("nx", (-1, 0, 0)),
+                            ("py", (0, 1, 0)), ("ny", (0, -1, 0)),
+                            ("pz", (0, 0, 1)), ("nz", (0, 0, -1))):
+        camera.rotation_quaternion = Vector(direction).to_track_quat("-Z", "Y")
+        bpy.context.view_layer.update()
+        render.filepath = os.path.join(os.path.abspath(folder),
+                                       "face_" + name + ".exr")
+        bpy.ops.render.render(write_still=True)
+
+
+def main(words):
     scene = bpy.context.scene
     switch_on_passes(scene)
+    if words[:1] == ["--views"] and len(words) == 2:
+        register()
+        render_views(scene, words[1])
+        return
     files = write_all_cameras(scene)
     register()
     print("hbil: %d camera files, from %s to %s" %
@@ -263,4 +297,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else [])

@@ -65,9 +65,11 @@ for question in $questions; do
 done
 test -n "$commands" && test -n "$questions"
 ok $? "both programs list what they can do"
-# those of pkg-config, grep, valgrind, oclgrind, apt-get and configure
+# those of pkg-config, grep, valgrind, oclgrind, apt-get, configure, Slurm, GNU
+# parallel and Blender
 printf '%s\n' --cflags --libs --include --tool --uninitialized --data-races \
-  --help --version --disable-tool --enable-werror >"$work/known"
+  --help --version --disable-tool --enable-werror --array --halt --job-name \
+  --cpus-per-task --python >"$work/known"
 for option in --disable-tool --enable-werror; do
   grep -q -e "$option\$\|$option " "$srcdir/configure" || echo "$option"
 done >"$work/out"
@@ -90,7 +92,7 @@ sed 's/\\|/|/g' "$work/code" |
 none_missing "every word that an option is said to take is in its help"
 
 # What looks like a file: a path, or the name of a source.
-given='program\.c|sheet\.png|capture\.py|lit/.*|packed/.*|full/.*|SCENE/.*|\.clh?|bench-results/.*'
+given='program\.c|sheet\.png|lit/.*|packed/.*|full/.*|SCENE/.*|\.clh?|bench-results/.*'
 tr ' ' '\n' <"$work/code" | grep -E \
   '^[A-Za-z0-9_./-]*\.(c|h|cl|clh|sh|awk|cpp|py|ac|am|map|md|supp|pc|png)$|^(src|test|doc|debian|kernels|include|examples|man)/[A-Za-z0-9_./-]*$' |
   grep -v -x -E "$given" | sort -u |
@@ -144,6 +146,7 @@ hbil() {
 works "a demo, which the commands are about" hbil demo $demo
 mkdir lit packed full rebuilt
 for folder in lit rebuilt; do cp "$lit" $folder/frame_0001.exr; done
+works "a cache" hbil process --quiet --cache-save shot.cache --layers ao -o learnt "$frame"
 for folder in lit packed full; do cp "$lit" "$folder/FRAME.exr"; done
 
 # small: commands with small frames, files that are there, and words for what
@@ -156,6 +159,8 @@ small() {
     -e "s|[A-Za-z/]*truth[a-z_]*[0-9]*\.exr:[A-Za-z.]*|$lit:indirect|" \
     -e "s,'\(views/\)\{0\,1\}\(face_\*\|\*\)\.exr',$gbuffer/frame_0003.exr," \
     -e "s,'\(walk\|frame\)_####\.exr','$gbuffer/frame_####.exr'," \
+    -e "s,'shot\.####\.exr','$gbuffer/frame_####.exr',g" \
+    -e "s|shot\.0001\.exr|$gbuffer/frame_0001.exr|; s|--frames 26-50|--frames 2-3|" \
     -e 's|--cache-size N$|--cache-size 32|' \
     -e 's|--view-light radiance|--view-light direct|' -e 's|--far rsm|--far rays|' \
     -e "s|\([^/]\)\<\(frame_000[0-9].exr\)|\1$gbuffer/\2|g" \
@@ -176,6 +181,7 @@ complete() {
   *'compare --mask') echo "$1 $frame $lit $lit" ;;
   *'hbil compare'*) echo "$1 $lit:ao $lit:ao" ;;
   *'hbil info') echo "$1 $frame" ;;
+  *process*' --resume '*) echo "$1" ;;
   *process*'--quality reference -o'*) echo "$1 --slices 2 --overwrite" ;;
   *'process '*' -o '* | *'process -o '*) echo "$1 --overwrite" ;;
   *process*.exr*) echo "$1 --dry-run -o dry" ;;
@@ -188,7 +194,7 @@ complete() {
 # ones overrule the others; the words of those with a choice were looked up above.
 options=$(grep -e '^--[a-z-]*[ =][^ ]' -e '^--timings$' "$work/code" | small |
   grep -v -e '|\|\.\.\.\|--map\|^--quality reference\|^--horizon-cache' \
-    -e '^--device' \
+    -e '^--device' -e '^--eye' -e '^--view-layer' -e '^--cache-load' -e '^--cache-fixed' \
     -e '[ =][A-Z][A-Z,]*$' |
   while read -r option words; do
     ! grep -q -e "^ *\(-[a-z], \)\{0,1\}${option%%=*} " "$work/process.help" ||
