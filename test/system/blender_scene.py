@@ -90,3 +90,8 @@ try:
     export.describe(scene)
 except RuntimeError as error:
     print(error)
+
+# Blender's Python module may crash while it is unloaded
+export.unregister()
+sys.stdout.flush()
+os._exit(0)
