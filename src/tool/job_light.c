@@ -81,8 +81,8 @@ static int look_at_first(job *j, hbil_sources *found, image_error *error) {
   const job_frame *first = job_first(j);
   hbil_config config = j->config;
   hbil_frame frame;
-  if (light_choice_make(first->path, &first->map, &config, &frame,
-                        found, error) != 0)
+  if (light_choice_make(first->path, &first->map, &config, &frame, found,
+                        error) != 0)
     return -1;
   if (!j->settings->environment) {
     j->config.model.far_field = config.model.far_field;
