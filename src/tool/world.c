@@ -278,8 +278,10 @@ static int learn_lights(world *w, image_error *error) {
     if (gbuffer_read(j->lights[i].path, &j->lights[i].map, roles, &g, error) !=
         0)
       return -1;
-    const int failed =
+    int failed =
         view_of(w, &g, NULL, HBIL_VIEW_DIRECT, &w->lights[i], &views[i], error);
+    if (finish_upload(w, failed ? NULL : error) != 0)
+      failed = -1;
     gbuffer_free(&g);
     if (failed)
       return -1;
