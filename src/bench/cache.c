@@ -1,12 +1,10 @@
 /* hbil-bench cache: what a radiance cache costs, beside the plan without. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "bench/content.h"
+#include "bench/far_time.h"
 #include "bench/fixture.h"
 #include "bench/report.h"
 #include "bench/settings.h"
+#include "bench/world.h"
 
 enum {
   ROUNDS = 16, /* before anything is timed, so that there is light */
@@ -18,9 +16,8 @@ typedef struct job {
   const bench_device *device;
   bench_content content;
   bench_fixture *fixture;
-  hbil_cache_config config;
-  hbil_cache *cache;
-  bench_trial without, with;
+  bench_world world;
+  bench_trial without;
   bench_report *report;
 } job;
 
@@ -43,98 +40,31 @@ static void report_row(const job *j, const char *name, double *times) {
   bench_report_number(j->report, t.high);
 }
 
-/* --- the cache --- */
-
-static int ascending(const void *a, const void *b) {
-  const float x = *(const float *)a, y = *(const float *)b;
-  return (x > y) - (x < y);
-}
-
-/* A cube about the eye that holds nearly all surfaces. */
-static int choose_extent(job *j, image_error *error) {
-  const size_t pixels = bench_pixels(&j->content);
-  const bench_frame *frame = j->content.frame;
-  float *depths = malloc(pixels * sizeof *depths);
-  size_t count = 0;
-  if (!depths)
-    return image_no_memory(error, "depths");
-  for (size_t i = 0; i < pixels; i++)
-    if (bench_is_surface(&j->content, i))
-      depths[count++] = frame->plane[BENCH_DEPTH][i];
-  qsort(depths, count, sizeof *depths, ascending);
-  const double radius = count ? (double)depths[(count - 1) * 199 / 200] : 1.0;
-  free(depths);
-  j->config.voxel_size = radius / (0.5 * j->config.voxels - 2.0) /
-                         ldexp(1.0, (int)j->config.levels - 1);
-  for (int r = 0; r < 3; r++)
-    j->config.centre[r] = frame->camera.world_from_view[4 * r + 3];
-  return 0;
-}
-
-/* Frames of one plan ask the cache, those of the other don't. */
-static int open_plans(job *j, image_error *error) {
-  const bench_setting standard = bench_setting_default();
-  hbil_config config;
-  bench_setting_apply(&standard, &j->content, &config);
-  if (bench_trial_open(j->fixture, &config, NULL, &j->without, error) != 0)
-    return -1;
-  hbil_model_set(&config.model, HBIL_MODEL_WORLD);
-  config.model.radius = (float)(HBIL_CACHE_NEAR_VOXELS * j->config.voxel_size);
-  return bench_trial_open(j->fixture, &config, NULL, &j->with, error);
-}
-
-static int open_cache(job *j, image_error *error) {
-  hbil_cache_config_init(&j->config);
-  if (choose_extent(j, error) != 0 || open_plans(j, error) != 0)
-    return -1;
-  j->config.inputs = j->with.config.inputs;
-  j->config.gather_emission = j->with.config.model.gather_emission;
-  if (hbil_cache_create(bench_fixture_context(j->fixture), &j->config,
-                        &j->cache) != HBIL_SUCCESS)
-    return library_failed(j, error);
-  j->with.cache = j->cache;
-  return 0;
-}
-
 /* --- commands --- */
 
-static int inject(job *j, unsigned run) {
-  hbil_view view;
-  bench_trial_view(&j->with, run % j->content.frames, &view);
-  return hbil_enqueue_cache_inject(j->cache, j->device->queue, &view, 1, 0,
-                                   NULL, NULL) != HBIL_SUCCESS;
+static int inject(job *j, unsigned run, image_error *error) {
+  return bench_world_inject(&j->world, run % j->content.frames, error);
 }
 
-static int update(job *j, cl_uint rounds, cl_uint share) {
-  hbil_cache_update how;
-  hbil_cache_update_init(&how);
-  how.rounds = rounds;
-  how.share = share;
-  how.far_field = j->with.config.model.far_field;
-  memcpy(how.environment, j->content.environment, sizeof how.environment);
-  return hbil_enqueue_cache_update(j->cache, j->device->queue, &how, 0, NULL,
-                                   NULL) != HBIL_SUCCESS;
-}
-
-static int update_share(job *j, unsigned run) {
+static int update_share(job *j, unsigned run, image_error *error) {
   (void)run;
-  return update(j, 1, SHARE);
+  return bench_world_update(&j->world, 1, SHARE, 0, error);
 }
 
-static int update_all(job *j, unsigned run) {
+static int update_all(job *j, unsigned run, image_error *error) {
   (void)run;
-  return update(j, 1, 1);
+  return bench_world_update(&j->world, 1, 1, 0, error);
 }
 
 /* Wall-clock time of a call and its commands. */
-static int time_call(job *j, const char *name, int (*call)(job *, unsigned),
+static int time_call(job *j, const char *name,
+                     int (*call)(job *, unsigned, image_error *),
                      image_error *error) {
   double times[BENCH_MAX_RUNS];
   for (unsigned i = 0; i < BENCH_WARM_UP + j->options->runs; i++) {
     const double before = bench_clock();
-    if (call(j, i))
-      return library_failed(j, error);
-    clFinish(j->device->queue);
+    if (call(j, i, error) != 0 || bench_world_finish(&j->world, error) != 0)
+      return -1;
     times[i < BENCH_WARM_UP ? 0 : i - BENCH_WARM_UP] = bench_clock() - before;
   }
   report_row(j, name, times);
@@ -149,7 +79,7 @@ static int time_frames(job *j, image_error *error) {
   for (unsigned i = 0; i < BENCH_WARM_UP + j->options->runs; i++) {
     const unsigned slot = i < BENCH_WARM_UP ? 0 : i - BENCH_WARM_UP;
     for (int k = 0; k < 2; k++) {
-      const bench_trial *t = k ? &j->with : &j->without;
+      const bench_trial *t = k ? &j->world.trial : &j->without;
       if (bench_trial_run(t, (i + 1) % j->content.frames, 0, 0, error) != 0 ||
           bench_trial_passes(t, pass[k], &whole[k][slot], error) != 0)
         return -1;
@@ -165,10 +95,10 @@ static int time_frames(job *j, image_error *error) {
 
 static int measure(job *j, image_error *error) {
   for (unsigned i = 0; i < j->content.frames; i++)
-    if (inject(j, i))
-      return library_failed(j, error);
-  if (update(j, ROUNDS, 1))
-    return library_failed(j, error);
+    if (inject(j, i, error) != 0)
+      return -1;
+  if (bench_world_update(&j->world, ROUNDS, 1, 0, error) != 0)
+    return -1;
   return time_call(j, "inject a view", inject, error) != 0 ||
                  time_call(j, "update: one round of every 16th voxel",
                            update_share, error) != 0 ||
@@ -180,26 +110,37 @@ static int measure(job *j, image_error *error) {
 }
 
 static int report_notes(const job *j, image_error *error) {
+  const bench_world *w = &j->world;
   hbil_cache_statistics known;
-  size_t bytes = 0;
-  if (hbil_cache_statistics_read(j->cache, j->device->queue, &known) !=
-          HBIL_SUCCESS ||
-      hbil_cache_memory(bench_fixture_context(j->fixture), &j->config,
-                        &bytes) != HBIL_SUCCESS)
+  if (hbil_cache_statistics_read(w->cache, j->device->queue, &known) !=
+      HBIL_SUCCESS)
     return library_failed(j, error);
   bench_report_note(
       j->report,
       "The cache has %u levels of %u voxels each way, %.1f MiB on the device; "
       "its views show %zu surfaces and %zu empty voxels.  Frames are timed in "
       "turns.",
-      (unsigned)j->config.levels, (unsigned)j->config.voxels,
-      (double)bytes / 1048576.0, known.surfaces, known.empty);
+      (unsigned)w->config.levels, (unsigned)w->config.voxels,
+      (double)w->memory / 1048576.0, known.surfaces, known.empty);
   return 0;
+}
+
+/* Frames of one plan ask the cache, those of the other don't. */
+static int open_plans(job *j, image_error *error) {
+  const bench_setting standard = bench_setting_default();
+  hbil_config config;
+  bench_setting_apply(&standard, &j->content, &config);
+  return bench_trial_open(j->fixture, &config, NULL, &j->without, error) != 0 ||
+                 bench_world_open(j->device, &j->content, j->fixture,
+                                  HBIL_PROVIDER_RAYS, &j->world, error) != 0
+             ? -1
+             : 0;
 }
 
 static int run(const bench_options *options, const bench_device *device,
                bench_report *report, image_error *error) {
   job j = {.options = options, .device = device, .report = report};
+  far_time times[FAR_PROVIDERS];
   if (bench_content_load(options, 2, 0, &j.content, error) != 0)
     return -1;
   bench_report_subject(report, j.content.name, j.content.width,
@@ -208,14 +149,19 @@ static int run(const bench_options *options, const bench_device *device,
                      sizeof columns / sizeof *columns);
   int failed = bench_fixture_open(device, &j.content, &j.fixture, error);
   if (!failed)
-    failed = open_cache(&j, error);
+    failed = open_plans(&j, error);
   if (!failed)
     failed = measure(&j, error);
   if (!failed)
     failed = report_notes(&j, error);
-  bench_trial_close(&j.with);
+  bench_world_close(&j.world);
   bench_trial_close(&j.without);
-  hbil_cache_destroy(j.cache);
+  /* the providers have caches of their own */
+  if (!failed)
+    failed =
+        far_times_measure(options, device, &j.content, j.fixture, times, error);
+  if (!failed)
+    far_times_report(times, report);
   bench_fixture_close(j.fixture);
   bench_content_free(&j.content);
   return failed;
@@ -228,7 +174,8 @@ const bench_command bench_cache = {
         "What does a radiance cache cost: injecting a view, a round of "
         "bounces,\n"
         "and what its probes add to a frame?  Frames with and without it are\n"
-        "timed in turns.\n",
+        "timed in turns.  The second table has the same of each provider of\n"
+        "far light (hbil process --far).\n",
     .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_FRAMES,
     .runs = 9,
     .run = run};

@@ -18,13 +18,14 @@ enum { BENCH_MAX_RUNS = 1000, BENCH_MAX_KERNELS = 2 };
 
 /* Options that only some commands take; a command's `accepts` is a sum. */
 enum {
-  BENCH_TAKES_FRAMES = 1,  /* --dump, --camera, FRAME.exr... */
-  BENCH_TAKES_ERRORS = 2,  /* --pixels */
-  BENCH_TAKES_TRUTH = 4,   /* --truth */
-  BENCH_TAKES_KERNELS = 8, /* --kernels */
-  BENCH_TAKES_REPORT = 16, /* --output, --name, --markdown, --json */
-  BENCH_TAKES_ROOM = 32,   /* --size, --runs; with a report --quick, too */
-  BENCH_TAKES_FOLDERS = 64 /* FOLDER..., -- OPTIONS, --runs of the light */
+  BENCH_TAKES_FRAMES = 1,   /* --dump, --camera, FRAME.exr... */
+  BENCH_TAKES_ERRORS = 2,   /* --pixels */
+  BENCH_TAKES_TRUTH = 4,    /* --truth */
+  BENCH_TAKES_KERNELS = 8,  /* --kernels */
+  BENCH_TAKES_REPORT = 16,  /* --output, --name, --markdown, --json */
+  BENCH_TAKES_ROOM = 32,    /* --size, --runs; with a report --quick, too */
+  BENCH_TAKES_FOLDERS = 64, /* FOLDER..., -- OPTIONS, --runs of the light */
+  BENCH_TAKES_SCENES = 128  /* FOLDER..., --no-times */
 };
 
 typedef struct bench_options {
@@ -45,6 +46,7 @@ typedef struct bench_options {
   unsigned runs;   /* counted runs of every setting; of truth: of a frame */
   unsigned pixels; /* most pixels to measure errors at; 0: the default */
   int quick;       /* a short list and a small room */
+  int no_times;    /* errors alone */
   int json;        /* prints JSON in place of Markdown */
 } bench_options;
 
@@ -59,7 +61,7 @@ typedef struct bench_command {
 
 extern const bench_command bench_error, bench_skips, bench_scaling,
     bench_temporal, bench_passes, bench_pilot, bench_formats, bench_truth,
-    bench_cache;
+    bench_cache, bench_far;
 
 /* Reads argv[1...], where argv[0] is the command's name.  Returns 1 when help
  * was asked for and printed.  The caller frees out->frames in every case. */

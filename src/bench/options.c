@@ -44,6 +44,8 @@ static const description table[] = {
     {"kernels", "DIR", 'k', BENCH_TAKES_KERNELS,
      "times the kernel files of this folder in turns with\n"
      "                      the embedded ones; given twice: with each other"},
+    {"no-times", NULL, 'T', BENCH_TAKES_SCENES,
+     "errors alone, for a machine that is busy; no plot"},
     {"device", "NAME", 'D', 0,
      "index or part of a name, as in hbil devices (the\n"
      "                      first GPU, else the first device)"},
@@ -65,6 +67,7 @@ static void print_help(const bench_command *command) {
   printf("usage: hbil-bench %s [options]%s\n\n%s\n", command->name,
          command->accepts & BENCH_TAKES_FRAMES    ? " [FRAME.exr...]"
          : command->accepts & BENCH_TAKES_FOLDERS ? " FOLDER... [-- OPTIONS]"
+         : command->accepts & BENCH_TAKES_SCENES  ? " FOLDER..."
                                                   : "",
          command->details);
   for (int i = 0; i < COUNT; i++) {
@@ -152,6 +155,9 @@ static int set_option(int letter, bench_options *out, image_error *error) {
   case 'j':
     out->json = 1;
     break;
+  case 'T':
+    out->no_times = 1;
+    break;
   default:
     out->quick = 1;
   }
@@ -160,16 +166,16 @@ static int set_option(int letter, bench_options *out, image_error *error) {
 
 static int check(const bench_command *command, const bench_options *o,
                  image_error *error) {
-  if (!o->frame_count && command->accepts & BENCH_TAKES_FOLDERS)
+  const unsigned folders = BENCH_TAKES_FOLDERS | BENCH_TAKES_SCENES;
+  if (!o->frame_count && command->accepts & folders)
     return image_fail(error,
                       "%s: no folder; FOLDER... is needed, see hbil-bench %s "
                       "--help",
                       command->name, command->name);
-  if (o->frame_count &&
-      !(command->accepts & (BENCH_TAKES_FRAMES | BENCH_TAKES_FOLDERS)))
+  if (o->frame_count && !(command->accepts & (BENCH_TAKES_FRAMES | folders)))
     return image_fail(error, "%s: %s: no file is needed here", command->name,
                       o->frames[0]);
-  if (o->frame_count && o->width)
+  if (o->frame_count && o->width && command->accepts & BENCH_TAKES_FRAMES)
     return image_fail(error, "--size: a dump has its own size; this option is "
                              "for the procedural room");
   if (o->frame_count != 1 && o->truth)

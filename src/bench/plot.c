@@ -176,7 +176,7 @@ static void write_script(const void *context, FILE *out) {
 /* --- files --- */
 
 /* The names travel in the environment, whatever characters they have. */
-static int run_gnuplot(const char *folder, const char *script) {
+int bench_plot_draw(const char *folder, const char *script) {
   return setenv("HBIL_BENCH_FOLDER", folder, 1) == 0 &&
          setenv("HBIL_BENCH_SCRIPT", script, 1) == 0 &&
          system("cd -- \"$HBIL_BENCH_FOLDER\" && "
@@ -192,7 +192,7 @@ static int write_files(const bench_options *options, const plot *p, int *made,
   failed = failed || bench_file_write(data, write_data, p, error) != 0 ||
            bench_file_write(script, write_script, p, error) != 0;
   if (!failed)
-    *made = run_gnuplot(options->output, strrchr(script, '/') + 1);
+    *made = bench_plot_draw(options->output, strrchr(script, '/') + 1);
   free(data);
   free(script);
   return failed ? -1 : 0;

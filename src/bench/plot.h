@@ -30,4 +30,8 @@ typedef struct bench_point {
 int bench_plot_write(const bench_options *options, bench_point *points,
                      size_t count, int *made, image_error *error);
 
+/* Runs gnuplot on a script in a folder, there.  Returns 0 where it is missing
+ * or fails. */
+int bench_plot_draw(const char *folder, const char *script);
+
 #endif

@@ -40,7 +40,7 @@ assert r["machine"]["device"] and r["date"] and r["tables"] and r["hbil"]' \
 }
 
 says "the program lists its questions" '^  passes ' "$BENCH" --help
-for question in error skips scaling temporal passes pilot formats cache truth; do
+for question in error skips scaling temporal passes pilot formats cache truth far; do
   says "$question has help" "^usage: hbil-bench $question" \
     "$BENCH" $question --help
 done
@@ -99,6 +99,9 @@ says "formats has the error of each format" '| FLOAT16 | 48 | 0\.' \
   tiny formats --pixels 40
 says "cache has what a view costs" '^| inject a view | [0-9]' \
   tiny cache
+grep -q '^| rays | [0-9.]* | | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out" &&
+  grep -q '^| lpv | [0-9.]* | [-0-9.]* | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out"
+ok $? "and each provider"
 says "passes has the time of each pass" '^| 2x48 g2, motion vectors | [0-9]' \
   tiny passes
 works "passes compares kernels" tiny passes --name kernels --json \
@@ -327,6 +330,99 @@ else
     skip "$what" "no files $single.*"
   done
 fi
+
+# --- far ---
+
+# Two places of the demo, one of which has a view from the light; any view will do.
+"$HBIL" demo --scene corner --views --frames 2 --size 64x48 -o "$work/corner" \
+  >"$work/out" 2>"$work/err"
+gbuffer=$work/corner/gbuffer
+works "a place with views" process corner-truth --slices 8 \
+  --view "$gbuffer/view_####.exr"
+scene dim "$work/corner-truth/$last"
+mkdir "$work/dim/views"
+for n in 1 2 3 4 5 6; do
+  for kind in exr json; do
+    cp "$gbuffer/view_000$n.$kind" "$work/dim/views/face_$n.$kind"
+  done
+done
+cp -r "$work/dim" "$work/lamp"
+for kind in exr json; do
+  cp "$gbuffer/view_0003.$kind" "$work/lamp/views/light.$kind"
+done
+# figures_of NAME SCENE OPTION...: what truth says of it, in $work/results.
+figures_of() {
+  name=$1 place=$2
+  shift 2
+  tiny truth "$place" --name "$name" -- "$@" >"$work/out" 2>"$work/err"
+}
+# over_floor FILE: RMSE over the floor, of truth.
+over_floor() {
+  first ours "$work/results/$1.json"
+}
+says "far has a row for each provider" '^| cones | [0-9.]* | [0-9.]* | [0-9.]* |' \
+  tiny far "$work/lamp"
+for provider in 'near field alone' environment rays lpv rsm; do
+  grep -q "^| $provider | [0-9]" "$work/out"
+  ok $? "far has $provider"
+done
+grep -q '^| cones .* | [0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out" &&
+  grep -q '^| rays .* | | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out"
+ok $? "with times to build and to use, and memory"
+valid "far's JSON can be read" "$work/results/far.json"
+if command -v gnuplot >"$work/out" 2>&1; then
+  has "gnuplot draws far.png" "$work/results/far.png"
+else
+  skip "gnuplot draws far.png" "no gnuplot"
+fi
+# Each provider's error is that of hbil process with its options.
+views="--view {scene}/views/face_*.exr"
+for provider in rays cones lpv; do
+  # shellcheck disable=SC2086
+  figures_of $provider "$work/lamp" $views --far $provider
+  near "error of $provider" "$(first $provider "$work/results/far.json")" \
+    "$(over_floor $provider)"
+done
+# shellcheck disable=SC2086
+figures_of rsm "$work/lamp" $views --far rsm --light-view '{scene}/views/light.exr'
+near "error of rsm" "$(first rsm "$work/results/far.json")" "$(over_floor rsm)"
+figures_of near "$work/lamp" --no-cache --environment none
+near "error of the near field alone" \
+  "$(first near "$work/results/far.json")" "$(over_floor near)"
+figures_of environment "$work/lamp" --no-cache
+near "error of the environment" \
+  "$(first environment "$work/results/far.json")" "$(over_floor environment)"
+near "mean of the environment" \
+  "$(first environment_mean "$work/results/far.json")" \
+  "$(first mean_ratio "$work/results/environment.json")"
+
+# A mean over scenes is geometric, and that of rsm is over those with a light.
+# The other place has the truth of one without views.
+process dim-truth --no-cache --slices 8
+cp "$work/dim-truth/$last" "$work/dim/truth_avg_0002.exr"
+rm -f "$work/results"/far.*
+says "--far is far" '^| lamp | ' "$BENCH" --far --no-times -o "$work/results" \
+  "$work/dim" "$work/lamp/"
+cp "$work/out" "$work/far.md"
+grep -q '^| dim | .* | [0-9.]* | [0-9.]* | | |$' "$work/far.md" &&
+  grep -q '^| rsm | | | [0-9][0-9.]* | [0-9.]* |$' "$work/far.md"
+ok $? "a scene without a light view has no rsm"
+near "other scenes don't count for scenes with a light view" \
+  "$(first rmse_lights "$work/results/far.json")" "$(over_floor near)"
+near "and a mean over all scenes is geometric" \
+  "$(first rmse "$work/results/far.json")" "$(
+    sed -n 's/^ *"near": \([0-9.e+-]*\),$/\1/p' "$work/results/far.json" |
+      awk '{ sum += log($1) } END { print exp(sum / NR) }')"
+! grep -q ' ms ' "$work/far.md" && ! test -e "$work/results/far.png"
+ok $? "--no-times has no times and no plot"
+ls "$work/temporary" >"$work/left"
+test ! -s "$work/left"
+ok $? "far leaves no result"
+rejected "far without a folder" 'far: no folder' tiny far
+rejected "a scene without views" 'exact-scene: no views; views/face_' \
+  tiny far "$work/lamp" "$work/exact-scene"
+rejected "options of hbil process for far" '--far: no such folder' \
+  "$BENCH" far "$work/lamp" -- --far rays
 
 # --- mistakes ---
 

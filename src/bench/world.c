@@ -1,0 +1,129 @@
+/* A radiance cache on the content. */
+#include "bench/world.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bench/settings.h"
+
+static int check(const bench_world *w, hbil_status status, image_error *error) {
+  return status == HBIL_SUCCESS
+             ? 0
+             : image_fail(error, "device %s: %s", w->device->name,
+                          hbil_context_message(
+                              bench_fixture_context(w->trial.fixture)));
+}
+
+/* --- the cache --- */
+
+static int ascending(const void *a, const void *b) {
+  const float x = *(const float *)a, y = *(const float *)b;
+  return (x > y) - (x < y);
+}
+
+/* A cube about the eye that holds nearly all surfaces. */
+static int choose_extent(bench_world *w, image_error *error) {
+  const size_t pixels = bench_pixels(w->content);
+  const bench_frame *frame = w->content->frame;
+  float *depths = malloc(pixels * sizeof *depths);
+  size_t count = 0;
+  if (!depths)
+    return image_no_memory(error, "depths");
+  for (size_t i = 0; i < pixels; i++)
+    if (bench_is_surface(w->content, i))
+      depths[count++] = frame->plane[BENCH_DEPTH][i];
+  qsort(depths, count, sizeof *depths, ascending);
+  const double radius = count ? (double)depths[(count - 1) * 199 / 200] : 1.0;
+  free(depths);
+  w->config.voxel_size = radius / (0.5 * w->config.voxels - 2.0) /
+                         ldexp(1.0, (int)w->config.levels - 1);
+  for (int r = 0; r < 3; r++)
+    w->config.centre[r] = frame->camera.world_from_view[4 * r + 3];
+  return 0;
+}
+
+static int open_plan(bench_world *w, bench_fixture *fixture,
+                     hbil_provider provider, image_error *error) {
+  const bench_setting standard = bench_setting_default();
+  hbil_config config;
+  bench_setting_apply(&standard, w->content, &config);
+  hbil_model_set(&config.model, HBIL_MODEL_WORLD);
+  config.model.radius = (float)(HBIL_CACHE_NEAR_VOXELS * w->config.voxel_size);
+  config.model.provider = provider;
+  return bench_trial_open(fixture, &config, NULL, &w->trial, error);
+}
+
+static int open_cache(bench_world *w, hbil_provider provider,
+                      image_error *error) {
+  hbil_context *context = bench_fixture_context(w->trial.fixture);
+  w->config.inputs = w->trial.config.inputs;
+  w->config.gather_emission = w->trial.config.model.gather_emission;
+  w->config.providers = HBIL_PROVIDER_BIT(provider);
+  hbil_status status = hbil_cache_memory(context, &w->config, &w->memory);
+  if (status == HBIL_SUCCESS)
+    status = hbil_cache_create(context, &w->config, &w->cache);
+  w->trial.cache = w->cache;
+  return check(w, status, error);
+}
+
+int bench_world_open(const bench_device *device, const bench_content *content,
+                     bench_fixture *fixture, hbil_provider provider,
+                     bench_world *out, image_error *error) {
+  *out = (bench_world){.device = device, .content = content};
+  hbil_cache_config_init(&out->config);
+  return choose_extent(out, error) != 0 ||
+                 open_plan(out, fixture, provider, error) != 0 ||
+                 open_cache(out, provider, error) != 0
+             ? -1
+             : 0;
+}
+
+void bench_world_close(bench_world *w) {
+  bench_trial_close(&w->trial);
+  hbil_cache_destroy(w->cache);
+  w->cache = NULL;
+}
+
+/* --- commands --- */
+
+int bench_world_inject(const bench_world *w, unsigned frame,
+                       image_error *error) {
+  hbil_view view;
+  bench_trial_view(&w->trial, frame, &view);
+  return check(w,
+               hbil_enqueue_cache_inject(w->cache, w->device->queue, &view, 1,
+                                         0, NULL, NULL),
+               error);
+}
+
+int bench_world_light(const bench_world *w, unsigned frame,
+                      image_error *error) {
+  hbil_view view;
+  bench_trial_view(&w->trial, frame, &view);
+  return check(
+      w, hbil_enqueue_rsm(w->cache, w->device->queue, &view, 1, 0, NULL, NULL),
+      error);
+}
+
+int bench_world_update(const bench_world *w, cl_uint rounds, cl_uint share,
+                       cl_uint steps, image_error *error) {
+  hbil_cache_update how;
+  hbil_cache_update_init(&how);
+  how.rounds = rounds;
+  how.share = share;
+  how.steps = steps;
+  how.far_field = w->trial.config.model.far_field;
+  memcpy(how.environment, w->content->environment, sizeof how.environment);
+  return check(w,
+               hbil_enqueue_cache_update(w->cache, w->device->queue, &how, 0,
+                                         NULL, NULL),
+               error);
+}
+
+int bench_world_finish(const bench_world *w, image_error *error) {
+  const cl_int status = clFinish(w->device->queue);
+  return status == CL_SUCCESS
+             ? 0
+             : bench_opencl_failed(w->device, status, "waiting", error);
+}

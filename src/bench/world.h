@@ -1,0 +1,38 @@
+/* A radiance cache beside the fixture, and the plan whose frames ask it. */
+#ifndef HBIL_BENCH_WORLD_H
+#define HBIL_BENCH_WORLD_H
+
+#include "bench/content.h"
+#include "bench/fixture.h"
+#include "bench/opencl.h"
+
+/* All members are read alone. */
+typedef struct bench_world {
+  const bench_device *device;
+  const bench_content *content;
+  hbil_cache_config config;
+  hbil_cache *cache;
+  size_t memory;     /* of the cache, bytes on the device */
+  bench_trial trial; /* of the default setting and the cache's near field */
+} bench_world;
+
+/* Makes a cache that holds nearly all surfaces of the measured frame, and a
+ * plan that asks it by this provider.  bench_world_close() frees it in all
+ * cases. */
+int bench_world_open(const bench_device *device, const bench_content *content,
+                     bench_fixture *fixture, hbil_provider provider,
+                     bench_world *out, image_error *error);
+void bench_world_close(bench_world *w); /* allowed on a zeroed one */
+
+/* Enqueue: the injection of a frame of the content; that frame as the only
+ * light view (HBIL_PROVIDER_RSM); an update with the content's far field. */
+int bench_world_inject(const bench_world *w, unsigned frame,
+                       image_error *error);
+int bench_world_light(const bench_world *w, unsigned frame, image_error *error);
+int bench_world_update(const bench_world *w, cl_uint rounds, cl_uint share,
+                       cl_uint steps, image_error *error);
+
+/* Waits for what was enqueued. */
+int bench_world_finish(const bench_world *w, image_error *error);
+
+#endif
