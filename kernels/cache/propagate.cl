@@ -110,8 +110,8 @@ kernel void propagate(const hbil_cache_args cache, global const float *sources,
                       global float *after) {
   const int across = cache.voxels / 2;
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
-  const int level = (int)get_global_id(2) / across;
-  const int z = (int)get_global_id(2) % across;
+  int z;
+  const int level = level_of_item(cache, &z);
   if (x >= across || y >= across || level >= cache.levels)
     return;
   const uint plane = volume_plane(cache);

@@ -37,8 +37,8 @@ kernel void volume_sources(const hbil_cache_args cache,
                            global float *opacities) {
   const int middle = cache.voxels / 2;
   const int x = (int)get_global_id(0), y = (int)get_global_id(1);
-  const int level = (int)get_global_id(2) / middle;
-  const int z = (int)get_global_id(2) % middle;
+  int z;
+  const int level = level_of_item(cache, &z);
   if (x >= middle || y >= middle || level >= cache.levels)
     return;
   const uint plane = volume_plane(cache);
