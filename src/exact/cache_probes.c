@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "exact/cache.h"
 #include "exact/camera.h"
 #include "exact/passes.h"
+#include "exact/providers.h"
 #include "exact/surface.h"
 
 /* A probe every 8 pixels, or a multiple of that by a power of two, so that
@@ -72,12 +72,21 @@ static bool is_shown(const exact_frame *frame, const exact_planes *split,
          vec_dot(s.normal, direction) < 0.0;
 }
 
-static void add_ray(double sum[4], double value, vec3 direction) {
-  const double share = value / HBIL_PROBE_RAYS;
+bool exact_frame_shows(const exact_frame *frame, const exact_cache *cache,
+                       const exact_planes *split, vec3 at, vec3 direction,
+                       double tolerance) {
+  return is_shown(
+      frame, split, view_of_world(frame, exact_cache_to_world(cache, at)),
+      exact_to_view(&frame->camera, direction), tolerance * cache->voxel_size);
+}
+
+void exact_probe_add(const exact_frame *frame, double sum[4], double share,
+                     vec3 direction) {
+  const vec3 d = exact_to_view(&frame->camera, direction);
   sum[0] += share;
-  sum[1] += 3.0 * share * direction.x;
-  sum[2] += 3.0 * share * direction.y;
-  sum[3] += 3.0 * share * direction.z;
+  sum[1] += 3.0 * share * d.x;
+  sum[2] += 3.0 * share * d.y;
+  sum[3] += 3.0 * share * d.z;
 }
 
 /* Voxels of the finest level that has a place in cache space. */
@@ -89,39 +98,43 @@ static double size_at(const exact_cache *cache, vec3 at) {
   return ldexp(1.0, level);
 }
 
+exact_stand exact_probe_stand(const exact_frame *frame,
+                              const exact_cache *cache, const exact_probe *p) {
+  exact_stand s = {.n = exact_to_world(&frame->camera, p->normal)};
+  s.at = exact_cache_from_world(cache, world_of_view(frame, p->place));
+  s.size = size_at(cache, s.at);
+  return s;
+}
+
 static void trace(const exact_frame *frame, const exact_cache *cache,
                   const exact_planes *split, uint32_t turn, exact_probe *p) {
-  const vec3 n = exact_to_world(&frame->camera, p->normal);
-  const vec3 at = exact_cache_from_world(cache, world_of_view(frame, p->place));
-  const double size = size_at(cache, at);
-  const vec3 origin = vec_add(at, (double)HBIL_CACHE_LIFT * size, n);
+  const exact_stand s = exact_probe_stand(frame, cache, p);
+  const vec3 origin = vec_add(s.at, (double)HBIL_CACHE_LIFT * s.size, s.n);
   const double radius = (double)frame->config->model.radius / cache->voxel_size;
+  const double share = 1.0 / HBIL_PROBE_RAYS;
   for (int i = 0; i < HBIL_PROBE_RAYS; ++i) {
     double u, v;
     exact_ray_place(i, HBIL_PROBE_RAYS, turn, &u, &v);
-    const vec3 d = exact_about_normal(n, u, v);
-    const vec3 d_view = exact_to_view(&frame->camera, d);
+    const vec3 d = exact_about_normal(s.n, u, v);
     const exact_ray_end end =
-        exact_cache_follow(cache, origin, d, (double)HBIL_CACHE_START * size);
+        exact_cache_follow(cache, origin, d, (double)HBIL_CACHE_START * s.size);
     if (end.kind == EXACT_RAY_UNKNOWN) {
-      add_ray(p->unknown, 1.0, d_view);
+      exact_probe_add(frame, p->unknown, share, d);
       continue;
     }
-    const vec3 q =
-        exact_cache_to_world(cache, vec_add(origin, end.distance, d));
     if (end.kind == EXACT_RAY_HIT && end.distance < radius &&
-        is_shown(frame, split, view_of_world(frame, q), d_view,
-                 ldexp((double)HBIL_CACHE_SHOWN * cache->voxel_size,
-                       end.place.level)))
+        exact_frame_shows(frame, cache, split, vec_add(origin, end.distance, d),
+                          d, ldexp((double)HBIL_CACHE_SHOWN, end.place.level)))
       continue;
-    add_ray(p->known, 1.0, d_view);
+    exact_probe_add(frame, p->known, share, d);
     for (int c = 0; c < 3; ++c)
-      add_ray(p->light[c],
-              end.kind == EXACT_RAY_HIT
-                  ? exact_cache_at(cache, &end.place)->radiance[c]
-                  : exact_environment(frame->config->model.far_field,
-                                      frame->environment, c, d),
-              d_view);
+      exact_probe_add(
+          frame, p->light[c],
+          share * (end.kind == EXACT_RAY_HIT
+                       ? exact_cache_at(cache, &end.place)->radiance[c]
+                       : exact_environment(frame->config->model.far_field,
+                                           frame->environment, c, d)),
+          d);
   }
 }
 
@@ -149,8 +162,8 @@ static surface surface_of_probe(const exact_frame *frame,
   return s;
 }
 
-void exact_make_probes(const exact_frame *frame, const exact_cache *cache,
-                       const exact_planes *split, exact_probes *probes) {
+void exact_place_probes(const exact_frame *frame, const exact_planes *split,
+                        exact_probes *probes) {
   for (int i = 0; i < probes->columns * probes->rows; ++i) {
     exact_probe *p = probes->probe + i;
     const surface s = surface_of_probe(
@@ -161,8 +174,15 @@ void exact_make_probes(const exact_frame *frame, const exact_cache *cache,
     p->valid = true;
     p->place = s.at;
     p->normal = s.normal;
-    trace(frame, cache, split, exact_mixed((uint32_t)i), p);
   }
+}
+
+void exact_make_probes(const exact_frame *frame, const exact_cache *cache,
+                       const exact_planes *split, exact_probes *probes) {
+  exact_place_probes(frame, split, probes);
+  for (int i = 0; i < probes->columns * probes->rows; ++i)
+    if (probes->probe[i].valid)
+      trace(frame, cache, split, exact_mixed((uint32_t)i), probes->probe + i);
 }
 
 /* --- the filter --- */

@@ -61,7 +61,7 @@ static void check(const cache_fixture *f, hbil_status status) {
   assert_int_equal(clFinish(shared_device.queue), CL_SUCCESS);
 }
 
-void cache_inject(cache_fixture *f, const setup *s, hbil_view_light light) {
+hbil_view cache_view(const setup *s, hbil_view_light light) {
   hbil_view view;
   hbil_view_init(&view);
   view.width = s->config.width;
@@ -75,6 +75,11 @@ void cache_inject(cache_fixture *f, const setup *s, hbil_view_light light) {
   view.direct = s->frame.direct;
   view.emission = s->frame.emission;
   view.light = light;
+  return view;
+}
+
+void cache_inject(cache_fixture *f, const setup *s, hbil_view_light light) {
+  const hbil_view view = cache_view(s, light);
   check(f, hbil_enqueue_cache_inject(f->cache, shared_device.queue, &view, 1, 0,
                                      NULL, NULL));
 }
@@ -197,6 +202,21 @@ void cache_import(exact_cache *like) {
   free(unlit);
 }
 
+exact_texel texel_of_words(const uint32_t word[HBIL_TEXEL_WORDS]) {
+  exact_texel texel;
+  float depth;
+  double n[3], unit;
+  memcpy(&depth, word + HBIL_TEXEL_DEPTH, sizeof depth);
+  decode_normal(word[HBIL_TEXEL_NORMAL], n);
+  texel.depth = (double)depth;
+  texel.normal = vec(n[0], n[1], n[2]);
+  for (int c = 0; c < 3; ++c)
+    texel.reflectance[c] =
+        (double)(word[HBIL_TEXEL_REFLECTANCE] >> (10 * c) & 1023u) / 1023.0;
+  light_of_word(word[HBIL_TEXEL_SENT], texel.sent, &unit);
+  return texel;
+}
+
 exact_texel *cache_texels(int *width, int *height) {
   hbil_cache_view_args args;
   shim_argument("read_view", 0, sizeof args, &args);
@@ -204,19 +224,8 @@ exact_texel *cache_texels(int *width, int *height) {
   const size_t count = (size_t)args.width * (size_t)args.height;
   exact_texel *texels = calloc(count, sizeof *texels);
   assert_non_null(texels);
-  for (size_t i = 0; i < count; ++i) {
-    const uint32_t *word = words + HBIL_TEXEL_WORDS * i;
-    float depth;
-    double n[3], unit;
-    memcpy(&depth, word + HBIL_TEXEL_DEPTH, sizeof depth);
-    decode_normal(word[HBIL_TEXEL_NORMAL], n);
-    texels[i].depth = (double)depth;
-    texels[i].normal = vec(n[0], n[1], n[2]);
-    for (int c = 0; c < 3; ++c)
-      texels[i].reflectance[c] =
-          (double)(word[HBIL_TEXEL_REFLECTANCE] >> (10 * c) & 1023u) / 1023.0;
-    light_of_word(word[HBIL_TEXEL_SENT], texels[i].sent, &unit);
-  }
+  for (size_t i = 0; i < count; ++i)
+    texels[i] = texel_of_words(words + HBIL_TEXEL_WORDS * i);
   free(words);
   *width = args.width;
   *height = args.height;

@@ -47,6 +47,8 @@ void view_start(setup *s, scene_kind kind, int width, int height,
 void view_prepare(setup *s, scene_kind kind, int width, int height,
                   uint32_t index, hbil_projection projection);
 
+/* A view that shows what a setup's frame shows. */
+hbil_view cache_view(const setup *s, hbil_view_light light);
 void cache_inject(cache_fixture *f, const setup *s, hbil_view_light light);
 void cache_update(cache_fixture *f, const hbil_cache_update *update);
 void cache_move(cache_fixture *f, const double centre[3]);
@@ -70,6 +72,7 @@ exact_cache checked_cache(const cache_fixture *f);
 /* The table of the last view: `width` * `height` texels, which the caller
  * frees. */
 exact_texel *cache_texels(int *width, int *height);
+exact_texel texel_of_words(const uint32_t word[HBIL_TEXEL_WORDS]);
 /* The light of a word: three mantissas of 8 bits, and their unit. */
 void light_of_word(uint32_t word, double light[3], double *unit);
 

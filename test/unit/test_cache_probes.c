@@ -2,120 +2,12 @@
  * Probes, their filter and the light that composite takes from them match the
  * exact passes, on what the device had before.  Closed forms of that light.
  */
-#include "test/support/cache.h"
+#include "test/support/lit_frame.h"
 #include "test/support/random.h"
 #include "test/support/shim.h"
 #include "test/support/stages.h"
 
 #include "exact/far_field.h"
-
-#define WIDTH 173
-#define HEIGHT 91
-
-/* ------------------------------------------------------------------------ */
-/* A frame with a cache                                                      */
-
-typedef struct lit_frame {
-  cache_fixture f;
-  device_fixture device; /* with the cache's context */
-  exact_cache cache;
-  setup s;
-} lit_frame;
-
-static void random_environment(setup *s) {
-  random_state r = {31};
-  for (int i = 0; i < 9; ++i)
-    for (int c = 0; c < 3; ++c)
-      s->frame.environment[i][c] =
-          (float)(i ? random_unit(&r) - 0.5 : 2.0 + random_unit(&r));
-}
-
-/* A cache that has seen the scene, and a frame of it with all outputs, whose
- * camera the cache has not had. */
-static void lit_prepare(lit_frame *l, cl_uint width, scene_kind kind,
-                        hbil_projection projection, hbil_far_field far) {
-  setup last;
-  hbil_cache_update update;
-  hbil_cache_update_init(&update);
-  cache_prepare(&l->f, width);
-  l->cache = checked_cache(&l->f);
-  cache_fill(&l->f, &l->cache, kind, HBIL_VIEW_DIRECT, &last);
-  setup_free(&last);
-  cache_update(&l->f, &update);
-  cache_import(&l->cache);
-  view_prepare(&l->s, kind, WIDTH, HEIGHT, 3, projection);
-  l->device = shared_device;
-  l->device.hbil = l->f.context;
-  l->s.device = &l->device;
-  l->s.frame.cache = l->f.cache;
-  l->s.config.model.provider = HBIL_PROVIDER_RAYS;
-  l->s.config.model.far_field = far;
-  l->s.config.model.radius =
-      (float)(HBIL_CACHE_NEAR_VOXELS * l->f.config.voxel_size);
-  setup_all_outputs(&l->s);
-  random_environment(&l->s);
-}
-
-static void lit_free(lit_frame *l) {
-  setup_free(&l->s);
-  exact_cache_free(&l->cache);
-  cache_free(&l->f);
-}
-
-/* --- probes on the device --- */
-
-static exact_probes checked_probes(const lit_frame *l) {
-  exact_probes probes;
-  assert_int_equal(exact_probes_create(&probes, &l->s.config), EXACT_SUCCESS);
-  return probes;
-}
-
-static vec3 vec_of(const float *v) {
-  return vec((double)v[0], (double)v[1], (double)v[2]);
-}
-
-/* The probes in an argument of a kernel. */
-static exact_probes read_probes(const lit_frame *l, const char *kernel,
-                                cl_uint index) {
-  exact_probes probes = checked_probes(l);
-  hbil_probes_args args;
-  cl_mem buffer;
-  shim_argument("probe_rays", 0, sizeof args, &args);
-  assert_int_equal(args.grid.spacing, probes.spacing);
-  assert_int_equal(args.grid.columns, probes.columns);
-  assert_int_equal(args.grid.rows, probes.rows);
-  shim_argument(kernel, index, sizeof buffer, &buffer);
-  float *values = (float *)buffer_bytes(&l->device, buffer, NULL);
-  for (int i = 0; i < probes.columns * probes.rows; ++i) {
-    const float *v = values + HBIL_PROBE_FLOATS * i;
-    exact_probe *p = probes.probe + i;
-    p->valid = v[HBIL_PROBE_VALID] != 0.0f;
-    p->place = vec_of(v + HBIL_PROBE_POSITION);
-    p->normal = vec_of(v + HBIL_PROBE_NORMAL);
-    for (int k = 0; k < 4; ++k) {
-      p->known[k] = (double)v[HBIL_PROBE_KNOWN + k];
-      p->unknown[k] = (double)v[HBIL_PROBE_UNKNOWN + k];
-      for (int c = 0; c < 3; ++c)
-        p->light[c][k] = (double)v[HBIL_PROBE_LIGHT + 4 * c + k];
-    }
-  }
-  free(values);
-  return probes;
-}
-
-/* The largest differences of places and normals, of shares, and of light. */
-static void probe_difference(const exact_probe *a, const exact_probe *b,
-                             double off[3]) {
-  off[0] = fmax(vec_length(vec_add(a->place, -1.0, b->place)),
-                vec_length(vec_add(a->normal, -1.0, b->normal)));
-  off[1] = off[2] = 0.0;
-  for (int k = 0; k < 4; ++k) {
-    off[1] = fmax(off[1], fmax(fabs(a->known[k] - b->known[k]),
-                               fabs(a->unknown[k] - b->unknown[k])));
-    for (int c = 0; c < 3; ++c)
-      off[2] = fmax(off[2], fabs(a->light[c][k] - b->light[c][k]));
-  }
-}
 
 /* ------------------------------------------------------------------------ */
 /* Probes and their filter                                                   */
@@ -126,8 +18,8 @@ static void probe_difference(const exact_probe *a, const exact_probe *b,
 #define MOST_DIFFERENT 0.02
 
 static void check_probes(lit_frame *l, const exact_planes *split) {
-  const exact_probes got = read_probes(l, "filter_probes", 1);
-  exact_probes want = checked_probes(l);
+  const exact_probes got = lit_probes(l, "filter_probes", 1);
+  exact_probes want = lit_no_probes(l);
   int valid = 0, different = 0, known = 0, unknown = 0;
   exact_make_probes(&l->s.job, &l->cache, split, &want);
   for (int i = 0; i < got.columns * got.rows; ++i) {
@@ -149,9 +41,9 @@ static void check_probes(lit_frame *l, const exact_planes *split) {
 }
 
 static void check_filter(lit_frame *l) {
-  const exact_probes made = read_probes(l, "filter_probes", 1);
-  const exact_probes got = read_probes(l, "filter_probes", 2);
-  exact_probes want = checked_probes(l);
+  const exact_probes made = lit_probes(l, "filter_probes", 1);
+  const exact_probes got = lit_probes(l, "filter_probes", 2);
+  exact_probes want = lit_no_probes(l);
   double worst[3] = {0.0, 0.0, 0.0};
   exact_filter_probes(&l->s.job, &made, &want);
   for (int i = 0; i < got.columns * got.rows; ++i) {
@@ -173,7 +65,7 @@ static void check_filter(lit_frame *l) {
 static void check_making(cl_uint width, scene_kind kind,
                          hbil_projection projection, hbil_far_field far) {
   lit_frame l;
-  lit_prepare(&l, width, kind, projection, far);
+  lit_prepare(&l, HBIL_PROVIDER_RAYS, width, kind, projection, far);
   setup_start(&l.s);
   setup_run(&l.s, hbil_enqueue_split);
   setup_run(&l.s, hbil_enqueue_composite);
@@ -245,9 +137,9 @@ static void plant_probes(lit_frame *l, exact_probes *probes) {
 
 /* Light of a real gather, but some pixels are all open or all closed. */
 static void plant_ao(lit_frame *l, exact_planes *resolved) {
-  for (int i = 0; i < WIDTH * HEIGHT; i += 17)
+  for (int i = 0; i < LIT_WIDTH * LIT_HEIGHT; i += 17)
     if (l->s.input[EXACT_DEPTH][i] > 0.0f)
-      *exact_at(resolved, HBIL_LIGHT_AO, i % WIDTH, i / WIDTH) = i % 2;
+      *exact_at(resolved, HBIL_LIGHT_AO, i % LIT_WIDTH, i / LIT_WIDTH) = i % 2;
   stage_write(&l->s, HBIL_STAGE_RESOLVED, resolved);
 }
 
@@ -265,7 +157,7 @@ static void check_outputs(const exact_planes *got, const exact_planes *want) {
 static void check_join(cl_uint width, hbil_far_field far,
                        hbil_projection projection, bool planted) {
   lit_frame l;
-  lit_prepare(&l, width, SCENE_SKY, projection, far);
+  lit_prepare(&l, HBIL_PROVIDER_RAYS, width, SCENE_SKY, projection, far);
   setup_start(&l.s);
   setup_run(&l.s, hbil_enqueue_split);
   setup_run(&l.s, hbil_enqueue_gather);
@@ -273,11 +165,13 @@ static void check_join(cl_uint width, hbil_far_field far,
   exact_planes split = stage_read(&l.s, HBIL_STAGE_SPLIT);
   exact_planes gathered = stage_read(&l.s, HBIL_STAGE_GATHERED);
   exact_planes resolved = stage_read(&l.s, HBIL_STAGE_RESOLVED);
-  exact_planes want = checked_planes(WIDTH, HEIGHT, EXACT_OUTPUT_PLANES);
-  exact_planes history = checked_planes(WIDTH, HEIGHT, HBIL_HISTORY_PLANES);
+  exact_planes want =
+      checked_planes(LIT_WIDTH, LIT_HEIGHT, EXACT_OUTPUT_PLANES);
+  exact_planes history =
+      checked_planes(LIT_WIDTH, LIT_HEIGHT, HBIL_HISTORY_PLANES);
   plant_ao(&l, &resolved);
   setup_run(&l.s, hbil_enqueue_composite);
-  exact_probes probes = read_probes(&l, "composite", 18);
+  exact_probes probes = lit_probes(&l, "composite", 18);
   if (planted) {
     plant_probes(&l, &probes);
     shim_launch_only("composite");
@@ -351,7 +245,7 @@ static void an_even_known_field_sends_pi_ao_l(void **state) {
     setup_scene(&s, SCENE_ROOM, 45, 31, 0);
     setup_all_outputs(&s);
     s.config.model.far_field = (hbil_far_field)far;
-    random_environment(&s);
+    lit_environment(&s);
     shim_skip_builds(true);
     setup_start(&s);
     shim_skip_builds(false);

@@ -1,0 +1,272 @@
+/*
+ * Cones through the radiance cache, and the pyramid that they read.
+ *
+ * A cube is seen along an axis as its eight parts are: four columns of two, of
+ * which the part in front hides the one behind as far as it is opaque.  A
+ * surface is seen from its front alone.
+ */
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "exact/providers.h"
+
+/* --- the pyramid --- */
+
+int exact_pyramid_steps(const exact_pyramid *pyramid) {
+  int steps = 0;
+  while (pyramid->voxels >> (steps + 1))
+    ++steps;
+  return steps;
+}
+
+/* Cubes of all steps before this one. */
+static size_t cubes_before(const exact_pyramid *pyramid, int step) {
+  size_t sum = 0;
+  for (int m = 0; m < step; ++m) {
+    const size_t n = (size_t)pyramid->voxels >> (m + 1);
+    sum += n * n * n;
+  }
+  return sum;
+}
+
+exact_status exact_pyramid_create(exact_pyramid *pyramid,
+                                  const exact_cache *cache) {
+  pyramid->voxels = cache->voxels;
+  pyramid->mip = calloc(cubes_before(pyramid, exact_pyramid_steps(pyramid)),
+                        sizeof *pyramid->mip);
+  return pyramid->mip ? EXACT_SUCCESS : EXACT_OUT_OF_MEMORY;
+}
+
+void exact_pyramid_free(exact_pyramid *pyramid) {
+  free(pyramid->mip);
+  pyramid->mip = NULL;
+}
+
+exact_mip *exact_pyramid_at(const exact_pyramid *pyramid, int step, int x,
+                            int y, int z) {
+  const size_t n = (size_t)pyramid->voxels >> (step + 1);
+  return pyramid->mip + cubes_before(pyramid, step) +
+         ((size_t)z * n + (size_t)y) * n + (size_t)x;
+}
+
+/* Parts by bits: 1 is x, 2 is y, 4 is z. */
+static exact_mip mip_of_parts(const exact_mip part[8]) {
+  exact_mip mip;
+  memset(&mip, 0, sizeof mip);
+  for (int k = 0; k < 8; ++k) {
+    mip.unseen += part[k].unseen / 8.0;
+    mip.sky += part[k].sky / 8.0;
+  }
+  for (int way = 0; way < 6; ++way) {
+    const int bit = 1 << (way / 2);
+    for (int k = 0; k < 8; ++k) {
+      /* the first one of a column, on the way */
+      if (((k & bit) != 0) != (way % 2 == 1))
+        continue;
+      const double *front = part[k].along[way];
+      const double *back = part[k ^ bit].along[way];
+      for (int c = 0; c < 4; ++c)
+        mip.along[way][c] += (front[c] + (1.0 - front[3]) * back[c]) / 4.0;
+    }
+  }
+  return mip;
+}
+
+static exact_mip mip_of_voxel(const exact_cache *cache,
+                              const exact_place *place) {
+  const exact_voxel *voxel = exact_cache_at(cache, place);
+  exact_place found = *place;
+  exact_mip mip;
+  memset(&mip, 0, sizeof mip);
+  const int way = exact_cache_way(cache, &found);
+  mip.unseen = way == HBIL_VOXEL_UNKNOWN;
+  mip.sky = way == HBIL_VOXEL_SKY;
+  for (int i = 0; i < 6 && voxel->state == HBIL_VOXEL_SURFACE; ++i) {
+    const double along = voxel->value[HBIL_VOXEL_NORMAL + i / 2];
+    if (!((i % 2 ? -along : along) < 0.0))
+      continue;
+    memcpy(mip.along[i], voxel->radiance, sizeof voxel->radiance);
+    mip.along[i][3] = 1.0;
+  }
+  return mip;
+}
+
+exact_mip exact_mip_of_voxels(const exact_cache *cache, int level,
+                              const int low[3]) {
+  exact_mip part[8];
+  for (int k = 0; k < 8; ++k) {
+    const exact_place place = {
+        level, {low[0] + (k & 1), low[1] + ((k >> 1) & 1), low[2] + (k >> 2)}};
+    part[k] = mip_of_voxel(cache, &place);
+  }
+  return mip_of_parts(part);
+}
+
+void exact_pyramid_build(const exact_cache *cache, exact_pyramid *pyramid,
+                         int step) {
+  const int n = pyramid->voxels >> (step + 1), half = pyramid->voxels / 2;
+  for (int i = 0; i < n * n * n; ++i) {
+    const int at[3] = {i % n, i / n % n, i / n / n};
+    exact_mip *to = exact_pyramid_at(pyramid, step, at[0], at[1], at[2]);
+    if (step == 0) {
+      const int low[3] = {2 * at[0] - half, 2 * at[1] - half, 2 * at[2] - half};
+      *to = exact_mip_of_voxels(cache, cache->levels - 1, low);
+      continue;
+    }
+    exact_mip part[8];
+    for (int k = 0; k < 8; ++k)
+      part[k] =
+          *exact_pyramid_at(pyramid, step - 1, 2 * at[0] + (k & 1),
+                            2 * at[1] + ((k >> 1) & 1), 2 * at[2] + (k >> 2));
+    *to = mip_of_parts(part);
+  }
+}
+
+/* --- samples --- */
+
+/* A place, as a cone sees it. */
+typedef struct sample {
+  double light[4], unseen, sky;
+  double size; /* in voxels of level 0 */
+} sample;
+
+static sample sample_voxel(const exact_cache *cache, int level, vec3 p,
+                           vec3 d) {
+  sample s = {.size = ldexp(1.0, level)};
+  exact_place place = {level,
+                       {(int)floor(p.x / s.size), (int)floor(p.y / s.size),
+                        (int)floor(p.z / s.size)}};
+  const int way = exact_cache_way(cache, &place);
+  s.unseen = way == HBIL_VOXEL_UNKNOWN;
+  s.sky = way == HBIL_VOXEL_SKY;
+  if (way != HBIL_VOXEL_SURFACE)
+    return s;
+  const exact_voxel *voxel = exact_cache_at(cache, &place);
+  const double *n = voxel->value + HBIL_VOXEL_NORMAL;
+  if (vec_dot(vec(n[0], n[1], n[2]), d) < 0.0) {
+    memcpy(s.light, voxel->radiance, sizeof voxel->radiance);
+    s.light[3] = 1.0;
+  }
+  return s;
+}
+
+/* Between the middles of eight cubes. */
+static sample sample_pyramid(const exact_cache *cache,
+                             const exact_pyramid *pyramid, int step, vec3 p,
+                             vec3 d) {
+  const int n = pyramid->voxels >> (step + 1);
+  sample s = {.size = ldexp(1.0, cache->levels + step)};
+  const double from[3] = {p.x, p.y, p.z}, way[3] = {d.x, d.y, d.z};
+  double f[3];
+  int low[3];
+  for (int i = 0; i < 3; ++i) {
+    const double at = clamp(from[i] / s.size + 0.5 * n - 0.5, 0.0, n - 1.0);
+    low[i] = (int)floor(at);
+    f[i] = at - low[i];
+  }
+  for (int k = 0; k < 8; ++k) {
+    double weight = 1.0;
+    int at[3];
+    for (int i = 0; i < 3; ++i) {
+      const int up = k >> i & 1;
+      weight *= up ? f[i] : 1.0 - f[i];
+      at[i] = low[i] + up < n ? low[i] + up : n - 1;
+    }
+    const exact_mip *mip = exact_pyramid_at(pyramid, step, at[0], at[1], at[2]);
+    /* each axis counts by the square of the direction along it */
+    for (int i = 0; i < 3; ++i)
+      for (int c = 0; c < 4; ++c)
+        s.light[c] +=
+            weight * way[i] * way[i] * mip->along[2 * i + (way[i] < 0.0)][c];
+    s.unseen += weight * mip->unseen;
+    s.sky += weight * mip->sky;
+  }
+  return s;
+}
+
+static sample sample_at(const exact_cache *cache, const exact_pyramid *pyramid,
+                        vec3 p, vec3 d, double width, int finest) {
+  int size = finest; /* log2 of what is sampled */
+  while (ldexp(2.0, size) <= width)
+    ++size;
+  if (size < cache->levels)
+    return sample_voxel(cache, size, p, d);
+  /* the coarsest step that cones read has two cubes across */
+  const int last = exact_pyramid_steps(pyramid) - 2;
+  const int step = size - cache->levels;
+  return sample_pyramid(cache, pyramid, step < last ? step : last, p, d);
+}
+
+/* --- cones --- */
+
+static void follow_cone(const exact_frame *frame, const exact_cache *cache,
+                        const exact_pyramid *pyramid, const exact_planes *split,
+                        vec3 origin, vec3 d, double spread, double start,
+                        exact_probe *probe) {
+  const double half = cache->voxels / 2;
+  const double radius = (double)frame->config->model.radius / cache->voxel_size;
+  const double share = 1.0 / HBIL_CONES;
+  double through = 1.0, clear = 1.0, sky = 0.0, t = start;
+  while (through > 0.01) {
+    const vec3 p = vec_add(origin, t, d);
+    const double away = fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z)));
+    int finest = 0;
+    while (finest < cache->levels && !(away < ldexp(half, finest)))
+      ++finest;
+    if (finest == cache->levels)
+      break;
+    const sample s = sample_at(cache, pyramid, p, d,
+                               (double)HBIL_CONE_DETAIL * spread * t, finest);
+    const double step = 0.5 * fmax(spread * t, s.size);
+    /* one voxel lets 1 - opacity pass; what stops all but 1e-6 stops all */
+    const double rest =
+        s.light[3] > 1.0 - 1e-6 ? 0.0 : pow(1.0 - s.light[3], step / s.size);
+    const double stopped = through * (1.0 - rest);
+    if (s.light[3] > 0.0 &&
+        !(t < radius && exact_frame_shows(frame, cache, split, p, d,
+                                          (double)HBIL_CACHE_SHOWN * s.size))) {
+      exact_probe_add(frame, probe->known, share * stopped, d);
+      for (int c = 0; c < 3; ++c)
+        exact_probe_add(frame, probe->light[c],
+                        share * stopped * s.light[c] / s.light[3], d);
+    }
+    through *= rest;
+    if (s.unseen > 0.5)
+      clear = 0.0;
+    sky = s.sky / fmax(1.0 - s.unseen, fmax(s.sky, (double)FLT_MIN));
+    t += step;
+  }
+  const double open = through * clear * sky;
+  exact_probe_add(frame, probe->known, share * open, d);
+  exact_probe_add(frame, probe->unknown, share * (through - open), d);
+  for (int c = 0; c < 3; ++c)
+    exact_probe_add(frame, probe->light[c],
+                    share * open *
+                        exact_environment(frame->config->model.far_field,
+                                          frame->environment, c, d),
+                    d);
+}
+
+void exact_probe_cones(const exact_frame *frame, const exact_cache *cache,
+                       const exact_pyramid *pyramid, const exact_planes *split,
+                       exact_probes *probes) {
+  /* the solid angle of a cone is 2 pi (1 - cosine) */
+  const double cosine = 1.0 - 1.0 / HBIL_CONES;
+  const double spread = 2.0 * tan(acos(cosine));
+  exact_place_probes(frame, split, probes);
+  for (int k = 0; k < probes->columns * probes->rows; ++k) {
+    exact_probe *p = probes->probe + k;
+    if (!p->valid)
+      continue;
+    const exact_stand s = exact_probe_stand(frame, cache, p);
+    for (int i = 0; i < HBIL_CONES; ++i) {
+      double u, v;
+      exact_ray_place(i, HBIL_CONES, exact_mixed((uint32_t)k), &u, &v);
+      follow_cone(frame, cache, pyramid, split,
+                  vec_add(s.at, (double)HBIL_CACHE_LIFT * s.size, s.n),
+                  exact_about_normal(s.n, u, v), spread,
+                  (double)HBIL_CONE_START * s.size, p);
+    }
+  }
+}

@@ -1,0 +1,103 @@
+/* See lit_frame.h. */
+#include "test/support/lit_frame.h"
+
+#include "test/support/random.h"
+#include "test/support/shim.h"
+
+void lit_environment(setup *s) {
+  random_state r = {31};
+  for (int i = 0; i < 9; ++i)
+    for (int c = 0; c < 3; ++c)
+      s->frame.environment[i][c] =
+          (float)(i ? random_unit(&r) - 0.5 : 2.0 + random_unit(&r));
+}
+
+void lit_prepare(lit_frame *l, hbil_provider provider, cl_uint width,
+                 scene_kind kind, hbil_projection projection,
+                 hbil_far_field far_field) {
+  setup last;
+  hbil_cache_update update;
+  hbil_cache_update_init(&update);
+  cache_prepare(&l->f, width);
+  l->f.config.providers = HBIL_PROVIDER_BIT(provider);
+  l->cache = checked_cache(&l->f);
+  cache_fill(&l->f, &l->cache, kind, HBIL_VIEW_DIRECT, &last);
+  setup_free(&last);
+  cache_update(&l->f, &update);
+  cache_import(&l->cache);
+  view_prepare(&l->s, kind, LIT_WIDTH, LIT_HEIGHT, 3, projection);
+  l->device = shared_device;
+  l->device.hbil = l->f.context;
+  l->s.device = &l->device;
+  l->s.frame.cache = l->f.cache;
+  l->s.config.model.provider = provider;
+  l->s.config.model.far_field = far_field;
+  l->s.config.model.radius =
+      (float)(HBIL_CACHE_NEAR_VOXELS * l->f.config.voxel_size);
+  setup_all_outputs(&l->s);
+  lit_environment(&l->s);
+}
+
+void lit_free(lit_frame *l) {
+  setup_free(&l->s);
+  exact_cache_free(&l->cache);
+  cache_free(&l->f);
+}
+
+/* --- probes on the device --- */
+
+/* The kernels that make probes. */
+static const char *const makers[] = {[HBIL_PROVIDER_RAYS] = "probe_rays",
+                                     [HBIL_PROVIDER_CONES] = "probe_cones",
+                                     [HBIL_PROVIDER_LPV] = "probe_lpv",
+                                     [HBIL_PROVIDER_RSM] = "probe_rsm"};
+
+exact_probes lit_no_probes(const lit_frame *l) {
+  exact_probes probes;
+  assert_int_equal(exact_probes_create(&probes, &l->s.config), EXACT_SUCCESS);
+  return probes;
+}
+
+static vec3 vec_of(const float *v) {
+  return vec((double)v[0], (double)v[1], (double)v[2]);
+}
+
+exact_probes lit_probes(const lit_frame *l, const char *kernel, cl_uint index) {
+  exact_probes probes = lit_no_probes(l);
+  hbil_probes_args args;
+  cl_mem buffer;
+  shim_argument(makers[l->s.config.model.provider], 0, sizeof args, &args);
+  assert_int_equal(args.grid.spacing, probes.spacing);
+  assert_int_equal(args.grid.columns, probes.columns);
+  assert_int_equal(args.grid.rows, probes.rows);
+  shim_argument(kernel, index, sizeof buffer, &buffer);
+  float *values = (float *)buffer_bytes(&l->device, buffer, NULL);
+  for (int i = 0; i < probes.columns * probes.rows; ++i) {
+    const float *v = values + HBIL_PROBE_FLOATS * i;
+    exact_probe *p = probes.probe + i;
+    p->valid = v[HBIL_PROBE_VALID] != 0.0f;
+    p->place = vec_of(v + HBIL_PROBE_POSITION);
+    p->normal = vec_of(v + HBIL_PROBE_NORMAL);
+    for (int k = 0; k < 4; ++k) {
+      p->known[k] = (double)v[HBIL_PROBE_KNOWN + k];
+      p->unknown[k] = (double)v[HBIL_PROBE_UNKNOWN + k];
+      for (int c = 0; c < 3; ++c)
+        p->light[c][k] = (double)v[HBIL_PROBE_LIGHT + 4 * c + k];
+    }
+  }
+  free(values);
+  return probes;
+}
+
+void probe_difference(const exact_probe *a, const exact_probe *b,
+                      double off[3]) {
+  off[0] = fmax(vec_length(vec_add(a->place, -1.0, b->place)),
+                vec_length(vec_add(a->normal, -1.0, b->normal)));
+  off[1] = off[2] = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    off[1] = fmax(off[1], fmax(fabs(a->known[k] - b->known[k]),
+                               fabs(a->unknown[k] - b->unknown[k])));
+    for (int c = 0; c < 3; ++c)
+      off[2] = fmax(off[2], fabs(a->light[c][k] - b->light[c][k]));
+  }
+}
