@@ -188,7 +188,8 @@ typedef struct hbil_cache_update {
   float environment[9][3];
   /* With HBIL_PROVIDER_LPV: steps of light from cell to cell, 0..1024; default
    * 16.  Light needs as many steps as its way is long in cells, which are two
-   * voxels wide; after changes a few a frame follow them. */
+   * voxels wide; after changes a few a frame follow them.  Moves, resets and
+   * hbil_cache_load() empty the cells. */
   cl_uint steps;
 } hbil_cache_update;
 

@@ -118,7 +118,8 @@ hbil_status inject_view(commands *chain, hbil_cache *cache,
                         const hbil_view *view);
 hbil_status update_cache(commands *chain, hbil_cache *cache,
                          const hbil_cache_update *update);
-/* cache_pyramid.c, cache_volumes.c: bring them up to date with the voxels. */
+/* cache_pyramid.c, cache_volumes.c: bring them up to date with the voxels. They
+ * do nothing in caches without them, but spread_light(). */
 hbil_status build_pyramid(commands *chain, hbil_cache *cache);
 hbil_status empty_volumes(commands *chain, hbil_cache *cache);
 hbil_status spread_light(commands *chain, hbil_cache *cache,

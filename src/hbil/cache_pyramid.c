@@ -2,6 +2,8 @@
 #include "cache.h"
 
 hbil_status build_pyramid(commands *chain, hbil_cache *cache) {
+  if (!cache_has(&cache->config, HBIL_PROVIDER_CONES))
+    return HBIL_SUCCESS;
   const hbil_cache_args args = cache_args(cache);
   const argument first[] = {ARG(args),
                             ARG(cache->buffers[CACHE_STATES]),

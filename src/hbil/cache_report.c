@@ -181,8 +181,10 @@ hbil_status hbil_cache_load(hbil_cache *cache, cl_command_queue queue,
   if (status == HBIL_SUCCESS) {
     memcpy(cache->middle, head.middle, sizeof head.middle);
     cache->round = head.round;
-    status = update_cache(&chain, cache, &no_rounds);
+    status = empty_volumes(&chain, cache);
   }
+  if (status == HBIL_SUCCESS)
+    status = update_cache(&chain, cache, &no_rounds);
   end_commands(&chain);
   return status;
 }

@@ -84,7 +84,7 @@ hbil_status update_cache(commands *chain, hbil_cache *cache,
     if (status == HBIL_SUCCESS)
       status = publish(chain, cache);
   }
-  if (status == HBIL_SUCCESS && cache_has(&cache->config, HBIL_PROVIDER_CONES))
+  if (status == HBIL_SUCCESS)
     status = build_pyramid(chain, cache);
   if (status == HBIL_SUCCESS && cache_has(&cache->config, HBIL_PROVIDER_LPV))
     status = spread_light(chain, cache, update);
@@ -127,7 +127,10 @@ hbil_status forget_outside(commands *chain, hbil_cache *cache,
   hbil_status status = LAUNCH_WORDS(chain, cache, CACHE_KERNEL_FORGET, list);
   if (status == HBIL_SUCCESS)
     status = empty_volumes(chain, cache);
-  return status == HBIL_SUCCESS ? resolve(chain, cache) : status;
+  if (status == HBIL_SUCCESS)
+    status = resolve(chain, cache);
+  /* whose texels are counted from the cache's corner */
+  return status == HBIL_SUCCESS ? build_pyramid(chain, cache) : status;
 }
 
 hbil_status hbil_enqueue_cache_move(hbil_cache *cache, cl_command_queue queue,
@@ -172,6 +175,8 @@ hbil_status forget_all(commands *chain, hbil_cache *cache) {
                          cache_buffer_bytes(&cache->config, i));
   if (status == HBIL_SUCCESS)
     status = empty_volumes(chain, cache);
+  if (status == HBIL_SUCCESS)
+    status = build_pyramid(chain, cache);
   cache->round = 0;
   cache->lights = 0;
   return status;
