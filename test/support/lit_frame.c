@@ -52,9 +52,9 @@ static const char *const makers[] = {[HBIL_PROVIDER_RAYS] = "probe_rays",
                                      [HBIL_PROVIDER_LPV] = "probe_lpv",
                                      [HBIL_PROVIDER_RSM] = "probe_rsm"};
 
-exact_probes lit_no_probes(const lit_frame *l) {
+exact_probes lit_no_probes(const setup *s) {
   exact_probes probes;
-  assert_int_equal(exact_probes_create(&probes, &l->s.config), EXACT_SUCCESS);
+  assert_int_equal(exact_probes_create(&probes, &s->config), EXACT_SUCCESS);
   return probes;
 }
 
@@ -62,16 +62,16 @@ static vec3 vec_of(const float *v) {
   return vec((double)v[0], (double)v[1], (double)v[2]);
 }
 
-exact_probes lit_probes(const lit_frame *l, const char *kernel, cl_uint index) {
-  exact_probes probes = lit_no_probes(l);
+exact_probes lit_probes(const setup *s, const char *kernel, cl_uint index) {
+  exact_probes probes = lit_no_probes(s);
   hbil_probes_args args;
   cl_mem buffer;
-  shim_argument(makers[l->s.config.model.provider], 0, sizeof args, &args);
+  shim_argument(makers[s->config.model.provider], 0, sizeof args, &args);
   assert_int_equal(args.grid.spacing, probes.spacing);
   assert_int_equal(args.grid.columns, probes.columns);
   assert_int_equal(args.grid.rows, probes.rows);
   shim_argument(kernel, index, sizeof buffer, &buffer);
-  float *values = (float *)buffer_bytes(&l->device, buffer, NULL);
+  float *values = (float *)buffer_bytes(s->device, buffer, NULL);
   for (int i = 0; i < probes.columns * probes.rows; ++i) {
     const float *v = values + HBIL_PROBE_FLOATS * i;
     exact_probe *p = probes.probe + i;

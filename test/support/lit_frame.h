@@ -29,9 +29,9 @@ void lit_free(lit_frame *l);
 void lit_environment(setup *s);
 
 /* Probes of the frame, all zero. */
-exact_probes lit_no_probes(const lit_frame *l);
+exact_probes lit_no_probes(const setup *s);
 /* The probes in an argument of a kernel, of a provider's frame. */
-exact_probes lit_probes(const lit_frame *l, const char *kernel, cl_uint index);
+exact_probes lit_probes(const setup *s, const char *kernel, cl_uint index);
 /* The largest differences of places and normals, of shares, and of light. */
 void probe_difference(const exact_probe *a, const exact_probe *b,
                       double off[3]);

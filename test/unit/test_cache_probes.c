@@ -18,8 +18,8 @@
 #define MOST_DIFFERENT 0.02
 
 static void check_probes(lit_frame *l, const exact_planes *split) {
-  const exact_probes got = lit_probes(l, "filter_probes", 1);
-  exact_probes want = lit_no_probes(l);
+  const exact_probes got = lit_probes(&l->s, "filter_probes", 1);
+  exact_probes want = lit_no_probes(&l->s);
   int valid = 0, different = 0, known = 0, unknown = 0;
   exact_make_probes(&l->s.job, &l->cache, split, &want);
   for (int i = 0; i < got.columns * got.rows; ++i) {
@@ -41,9 +41,9 @@ static void check_probes(lit_frame *l, const exact_planes *split) {
 }
 
 static void check_filter(lit_frame *l) {
-  const exact_probes made = lit_probes(l, "filter_probes", 1);
-  const exact_probes got = lit_probes(l, "filter_probes", 2);
-  exact_probes want = lit_no_probes(l);
+  const exact_probes made = lit_probes(&l->s, "filter_probes", 1);
+  const exact_probes got = lit_probes(&l->s, "filter_probes", 2);
+  exact_probes want = lit_no_probes(&l->s);
   double worst[3] = {0.0, 0.0, 0.0};
   exact_filter_probes(&l->s.job, &made, &want);
   for (int i = 0; i < got.columns * got.rows; ++i) {
@@ -171,7 +171,7 @@ static void check_join(cl_uint width, hbil_far_field far,
       checked_planes(LIT_WIDTH, LIT_HEIGHT, HBIL_HISTORY_PLANES);
   plant_ao(&l, &resolved);
   setup_run(&l.s, hbil_enqueue_composite);
-  exact_probes probes = lit_probes(&l, "composite", 18);
+  exact_probes probes = lit_probes(&l.s, "composite", 18);
   if (planted) {
     plant_probes(&l, &probes);
     shim_launch_only("composite");

@@ -259,7 +259,7 @@ typedef struct tolerance {
 
 static void check_probes(const lit_frame *l, const char *name,
                          const exact_probes *want, const tolerance *t) {
-  const exact_probes got = lit_probes(l, "filter_probes", 1);
+  const exact_probes got = lit_probes(&l->s, "filter_probes", 1);
   double most = 0.0, worst[2] = {0.0, 0.0};
   int valid = 0, different = 0, lit = 0;
   for (int i = 0; i < got.columns * got.rows; ++i)
@@ -302,7 +302,7 @@ static void cones_match(void **state) {
     exact_planes split = start_probes(&l);
     float *texels = floats_of("probe_cones", 6);
     exact_pyramid pyramid = pyramid_of(texels, &l.cache);
-    exact_probes want = lit_no_probes(&l);
+    exact_probes want = lit_no_probes(&l.s);
     exact_probe_cones(&l.s.job, &l.cache, &pyramid, &split, &want);
     check_probes(&l, "cones: probes that differ", &want, &t);
     exact_probes_free(&want);
@@ -331,7 +331,7 @@ static void volumes_at_probes_match(void **state) {
     exact_planes split = start_probes(&l);
     float *planes = floats_of("probe_lpv", 2);
     exact_volumes volumes = volumes_of(planes, 5, &l.cache);
-    exact_probes want = lit_no_probes(&l);
+    exact_probes want = lit_no_probes(&l.s);
     exact_probe_volumes(&l.s.job, &l.cache, &volumes, &split, &want);
     check_probes(&l, "LPV: probes that differ", &want, &t);
     exact_probes_free(&want);
@@ -402,7 +402,7 @@ static void lights_match(void **state) {
                 HBIL_FAR_NONE);
     light_up(&l, kind, lights);
     exact_planes split = start_probes(&l);
-    exact_probes want = lit_no_probes(&l);
+    exact_probes want = lit_no_probes(&l.s);
     for (int k = 0; k < LIGHTS; ++k)
       lights[k].texel = light_texels(k, lights[k].width * lights[k].height);
     exact_probe_lights(&l.s.job, &l.cache, lights, LIGHTS, false, &split,

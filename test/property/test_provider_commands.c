@@ -1,0 +1,455 @@
+/*
+ * Commands of a cache and frames, for each provider: the same bits in every run
+ * and with work-groups of any shape, nothing outside of buffers, the announced
+ * memory, moves, resets, saved caches, frames of a pixel, OpenCL calls that
+ * fail, and what is rejected.
+ */
+#include "test/support/room.h"
+#include "test/support/shim.h"
+
+static const hbil_provider first_provider = HBIL_PROVIDER_RAYS,
+                           last_provider = HBIL_PROVIDER_RSM;
+
+/* A frame of a lit room, a cache of the provider, and the room's views. */
+typedef struct scene {
+  hbil_provider provider;
+  setup s; /* s.frame.cache is the cache */
+  hbil_view views[WALLS];
+} scene;
+
+static hbil_cache_config config_for(hbil_provider provider) {
+  hbil_cache_config config = room_cache_config();
+  config.providers = HBIL_PROVIDER_BIT(provider);
+  return config;
+}
+
+static hbil_cache *cache_for(hbil_provider provider) {
+  const hbil_cache_config config = config_for(provider);
+  hbil_cache *cache = NULL;
+  if (hbil_cache_create(shared_device.hbil, &config, &cache) != HBIL_SUCCESS)
+    fail_msg("%s", hbil_context_message(shared_device.hbil));
+  return cache;
+}
+
+static void start(scene *t, hbil_provider provider, int width, int height) {
+  const double eye[3] = {0.1, 0.2, -1.0};
+  const room r = room_lit();
+  const hbil_camera camera = room_camera(eye, AHEAD, width, height, 75.0);
+  t->provider = provider;
+  room_setup(&t->s, &r, &camera, width, height);
+  t->s.config.model.provider = provider;
+  t->s.config.sampling.slices = 1;
+  t->s.config.sampling.steps_per_side = 4;
+  t->s.config.sampling.unfiltered = CL_TRUE;
+  setup_start(&t->s);
+  t->s.frame.cache = cache_for(provider);
+  room_views(&shared_device, &r, room_middle, 32, HBIL_VIEW_DIRECT, t->views);
+}
+
+static void stop(scene *t) {
+  room_views_free(t->views, WALLS);
+  hbil_cache_destroy(t->s.frame.cache);
+  setup_free(&t->s);
+}
+
+/* All that makes a cache know the room; the first failure ends it. */
+static hbil_status show(const scene *t) {
+  hbil_cache *cache = t->s.frame.cache;
+  const cl_command_queue queue = shared_device.queue;
+  hbil_cache_update update;
+  hbil_cache_update_init(&update);
+  hbil_status status =
+      hbil_enqueue_cache_inject(cache, queue, t->views, WALLS, 0, NULL, NULL);
+  if (status == HBIL_SUCCESS && t->provider == HBIL_PROVIDER_RSM)
+    status =
+        hbil_enqueue_rsm(cache, queue, t->views + BEHIND, 2, 0, NULL, NULL);
+  if (status == HBIL_SUCCESS)
+    status = hbil_enqueue_cache_update(cache, queue, &update, 0, NULL, NULL);
+  return status;
+}
+
+static exact_planes lit_outputs(scene *t) {
+  assert_success(&t->s, show(t));
+  exact_planes out = room_outputs(&t->s);
+  assert_true(largest_value(&out, EXACT_FAR_IRRADIANCE, 3) > 0.01);
+  return out;
+}
+
+static void reset(const scene *t) {
+  assert_success(&t->s,
+                 hbil_enqueue_cache_reset(t->s.frame.cache, shared_device.queue,
+                                          0, NULL, NULL));
+}
+
+static void move(const scene *t, double x) {
+  const double centre[3] = {x, 0.0, -x};
+  assert_success(&t->s,
+                 hbil_enqueue_cache_move(t->s.frame.cache, shared_device.queue,
+                                         centre, 0, NULL, NULL));
+}
+
+/* ------------------------------------------------------------------------ */
+/* The same bits                                                             */
+
+static void every_run_has_the_same_bits(void **state) {
+  static const size_t groups[][2] = {{1, 1}, {3, 2}, {7, 5}};
+  (void)state;
+  for (hbil_provider p = first_provider; p <= last_provider; ++p) {
+    scene t;
+    start(&t, p, 97, 61);
+    exact_planes want = lit_outputs(&t);
+    for (int i = 0; i < 4; ++i) {
+      reset(&t);
+      if (i)
+        shim_use_groups(groups[i - 1]);
+      assert_success(&t.s, show(&t));
+      room_same_bits(&t.s, &want, "another run");
+      shim_use_groups(NULL);
+    }
+    exact_planes_free(&want);
+    stop(&t);
+  }
+}
+
+/* What a cache has forgotten, it doesn't show: not after its creation, nor
+ * after a reset.  Cones and rays then change nothing; the other two know no
+ * unseen places, and have no light. */
+static void an_empty_cache_tells_nothing(void **state) {
+  (void)state;
+  for (hbil_provider p = first_provider; p <= last_provider; ++p) {
+    scene t;
+    shim_guard_buffers(true); /* what isn't written is no number */
+    start(&t, p, 97, 61);
+    shim_guard_buffers(false);
+    hbil_cache *cache = t.s.frame.cache;
+    exact_planes first = room_outputs(&t.s);
+    t.s.frame.cache = NULL;
+    if (p <= HBIL_PROVIDER_CONES)
+      room_same_bits(&t.s, &first, "without a cache");
+    t.s.frame.cache = cache;
+    exact_planes lit = lit_outputs(&t);
+    assert_true(count_different(&lit, &first) > 0);
+    reset(&t);
+    room_same_bits(&t.s, &first, "after a reset");
+    exact_planes_free(&first);
+    exact_planes_free(&lit);
+    stop(&t);
+  }
+}
+
+/* A frame behind a move has what a frame behind a move and an update has, if
+ * light doesn't spread from cell to cell. */
+static void moves_leave_the_world_in_its_place(void **state) {
+  (void)state;
+  for (hbil_provider p = first_provider; p <= last_provider; ++p) {
+    hbil_cache_update update;
+    scene t;
+    start(&t, p, 97, 61);
+    exact_planes before = lit_outputs(&t);
+    move(&t, 0.5);
+    exact_planes moved = room_outputs(&t.s);
+    hbil_cache_update_init(&update);
+    update.rounds = 0;
+    assert_success(&t.s, hbil_enqueue_cache_update(t.s.frame.cache,
+                                                   shared_device.queue, &update,
+                                                   0, NULL, NULL));
+    if (p != HBIL_PROVIDER_LPV)
+      room_same_bits(&t.s, &moved, "an update after a move");
+    /* back again, from nothing */
+    move(&t, 0.0);
+    reset(&t);
+    assert_success(&t.s, show(&t));
+    room_same_bits(&t.s, &before, "there and back");
+    exact_planes_free(&before);
+    exact_planes_free(&moved);
+    stop(&t);
+  }
+}
+
+/* Whatever a cache held before, a saved one replaces it. */
+static void loaded_caches_have_no_past(void **state) {
+  (void)state;
+  for (hbil_provider p = first_provider; p <= HBIL_PROVIDER_LPV; ++p) {
+    scene t;
+    start(&t, p, 97, 61);
+    exact_planes lit = lit_outputs(&t);
+    hbil_cache *cache = t.s.frame.cache;
+    const size_t size = hbil_cache_size(cache);
+    void *bytes = malloc(size);
+    assert_non_null(bytes);
+    assert_success(&t.s,
+                   hbil_cache_save(cache, shared_device.queue, bytes, size));
+    /* another place, and much light there */
+    move(&t, 1.5);
+    assert_success(&t.s, show(&t));
+    assert_success(&t.s,
+                   hbil_cache_load(cache, shared_device.queue, bytes, size));
+    exact_planes got = room_outputs(&t.s);
+    t.s.frame.cache = cache_for(p);
+    assert_success(&t.s, hbil_cache_load(t.s.frame.cache, shared_device.queue,
+                                         bytes, size));
+    room_same_bits(&t.s, &got, "loaded into another cache");
+    hbil_cache_destroy(cache);
+    if (p != HBIL_PROVIDER_LPV)
+      room_same_bits(&t.s, &lit, "loaded");
+    free(bytes);
+    exact_planes_free(&lit);
+    exact_planes_free(&got);
+    stop(&t);
+  }
+}
+
+/* ------------------------------------------------------------------------ */
+/* Memory                                                                    */
+
+static void caches_take_the_announced_memory(void **state) {
+  (void)state;
+  shim_skip_builds(true);
+  for (cl_uint bits = 0; bits < HBIL_PROVIDER_BIT(last_provider + 1); ++bits)
+    for (cl_uint levels = 1; levels <= 4; levels += 3) {
+      hbil_cache_config config = room_cache_config();
+      hbil_cache *cache;
+      size_t bytes = 0, bare = 0;
+      config.levels = levels;
+      config.providers = 0;
+      assert_int_equal(hbil_cache_memory(shared_device.hbil, &config, &bare),
+                       HBIL_SUCCESS);
+      config.providers = bits;
+      shim_start_counting();
+      assert_int_equal(hbil_cache_memory(shared_device.hbil, &config, &bytes),
+                       HBIL_SUCCESS);
+      assert_int_equal(shim_created().count, 0);
+      assert_int_equal(hbil_cache_create(shared_device.hbil, &config, &cache),
+                       HBIL_SUCCESS);
+      assert_int_equal(shim_created().bytes, bytes);
+      assert_int_equal(bytes > bare, bits >= HBIL_PROVIDER_BIT(2));
+      hbil_cache_destroy(cache);
+    }
+  shim_skip_builds(false);
+}
+
+static void nothing_is_written_outside_of_buffers(void **state) {
+  static const int sizes[][2] = {{1, 1}, {97, 61}};
+  (void)state;
+  for (hbil_provider p = first_provider; p <= last_provider; ++p)
+    for (int i = 0; i < 2; ++i) {
+      scene t;
+      shim_guard_buffers(true);
+      start(&t, p, sizes[i][0], sizes[i][1]);
+      assert_success(&t.s, show(&t));
+      move(&t, 0.5);
+      assert_success(&t.s, show(&t));
+      exact_planes out = room_outputs(&t.s);
+      for (size_t k = 0; k < count_values(&out); ++k)
+        assert_true(isfinite(out.values[k]));
+      assert_int_equal(shim_overwritten(shared_device.queue), 0);
+      shim_guard_buffers(false);
+      exact_planes_free(&out);
+      stop(&t);
+    }
+}
+
+/* ------------------------------------------------------------------------ */
+/* Failures                                                                  */
+
+static const cl_int errors[] = {CL_OUT_OF_RESOURCES, CL_OUT_OF_HOST_MEMORY};
+static const hbil_status statuses[] = {HBIL_OUT_OF_DEVICE_MEMORY,
+                                       HBIL_OUT_OF_HOST_MEMORY};
+
+/* Checks the status of an attempt in which call `nth` failed; false: it made
+ * fewer calls.  A failed release can't be repaired. */
+static bool check_attempt(hbil_status status, int nth, int e) {
+  const char *failed = shim_failed();
+  shim_fail(0, CL_SUCCESS);
+  const bool ignored = !failed || !strncmp(failed, "clRelease", 9) ||
+                       !strcmp(failed, "clRetainEvent");
+  const hbil_status want = ignored ? HBIL_SUCCESS : statuses[e];
+  if (status != want)
+    fail_msg("call %d, %s: \"%s\", expected \"%s\"", nth,
+             failed ? failed : "none", hbil_status_string(status),
+             hbil_status_string(want));
+  return failed != NULL;
+}
+
+static void failed_caches_leave_nothing(void **state) {
+  (void)state;
+  for (hbil_provider p = HBIL_PROVIDER_CONES; p <= last_provider; ++p) {
+    const hbil_cache_config config = config_for(p);
+    const long held = shim_references();
+    int n = 0;
+    for (bool failed = true; failed;) {
+      hbil_cache *cache = NULL;
+      const int e = ++n % 2;
+      shim_fail(n, errors[e]);
+      const hbil_status status =
+          hbil_cache_create(shared_device.hbil, &config, &cache);
+      failed = check_attempt(status, n, e);
+      assert_int_equal(cache != NULL, status == HBIL_SUCCESS);
+      hbil_cache_destroy(cache);
+      assert_int_equal(shim_references(), held);
+    }
+    assert_in_range(n, 40, 2000);
+  }
+}
+
+/* After a failure, the same commands from a reset on give the same bits. */
+static void failed_commands_can_be_repeated(void **state) {
+  (void)state;
+  for (hbil_provider p = HBIL_PROVIDER_CONES; p <= last_provider; ++p) {
+    scene t;
+    start(&t, p, ROOM_WIDTH, ROOM_HEIGHT);
+    exact_planes want = lit_outputs(&t);
+    const long held = shim_references();
+    int n = -1;
+    for (bool failed = true; failed;) {
+      const int e = (n += 2) / 2 % 2;
+      shim_fail(n, errors[e]);
+      hbil_status status = hbil_enqueue_cache_reset(
+          t.s.frame.cache, shared_device.queue, 0, NULL, NULL);
+      if (status == HBIL_SUCCESS)
+        status = show(&t);
+      if (status == HBIL_SUCCESS)
+        status = hbil_enqueue_frame(t.s.plan, shared_device.queue, &t.s.frame,
+                                    0, NULL, NULL);
+      failed = check_attempt(status, n, e);
+      assert_int_equal(clFinish(shared_device.queue), CL_SUCCESS);
+      reset(&t);
+      assert_success(&t.s, show(&t));
+      room_same_bits(&t.s, &want, "after a failure");
+      assert_int_equal(shim_references(), held);
+    }
+    assert_in_range(n, 100, 5000);
+    exact_planes_free(&want);
+    stop(&t);
+  }
+}
+
+/* ------------------------------------------------------------------------ */
+/* What is rejected                                                          */
+
+static void bad_arguments_are_rejected_by_name(void **state) {
+  scene t;
+  (void)state;
+  start(&t, HBIL_PROVIDER_RSM, 97, 61);
+  hbil_cache *cache = t.s.frame.cache;
+  const cl_command_queue queue = shared_device.queue;
+  exact_planes want = lit_outputs(&t);
+  room_rejected(hbil_enqueue_rsm(cache, queue, t.views, 5, 0, NULL, NULL),
+                HBIL_INVALID_ARGUMENT, "count");
+  room_rejected(hbil_enqueue_rsm(cache, queue, NULL, 1, 0, NULL, NULL),
+                HBIL_INVALID_ARGUMENT, "views");
+  room_rejected(hbil_enqueue_rsm(cache, NULL, t.views, 1, 0, NULL, NULL),
+                HBIL_INVALID_ARGUMENT, "queue");
+  room_rejected(hbil_enqueue_rsm(cache, queue, t.views, 1, 1, NULL, NULL),
+                HBIL_INVALID_ARGUMENT, "wait");
+  assert_int_equal(hbil_enqueue_rsm(NULL, queue, t.views, 1, 0, NULL, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  /* a queue of another context */
+  cl_int error;
+  cl_context other =
+      clCreateContext(NULL, 1, &shared_device.id, NULL, NULL, &error);
+  assert_int_equal(error, CL_SUCCESS);
+  cl_command_queue foreign =
+      clCreateCommandQueue(other, shared_device.id, 0, &error);
+  assert_int_equal(error, CL_SUCCESS);
+  room_rejected(hbil_enqueue_rsm(cache, foreign, t.views, 1, 0, NULL, NULL),
+                HBIL_INVALID_ARGUMENT, "queue");
+  clReleaseCommandQueue(foreign);
+  clReleaseContext(other);
+  hbil_view views[2] = {t.views[0], t.views[1]};
+  views[1].width = 0;
+  room_rejected(hbil_enqueue_rsm(cache, queue, views, 2, 0, NULL, NULL),
+                HBIL_INVALID_FRAME, "width");
+  views[1] = t.views[1];
+  views[1].direct.buffer = NULL;
+  room_rejected(hbil_enqueue_rsm(cache, queue, views, 2, 0, NULL, NULL),
+                HBIL_INVALID_FRAME, "direct");
+  views[1] = t.views[1];
+  views[1].camera.fx = NAN;
+  room_rejected(hbil_enqueue_rsm(cache, queue, views, 2, 0, NULL, NULL),
+                HBIL_INVALID_FRAME, "camera");
+  /* none of these has changed the light */
+  room_same_bits(&t.s, &want, "after rejected views");
+  /* no view at all is allowed, and takes the light away */
+  assert_success(&t.s, hbil_enqueue_rsm(cache, queue, NULL, 0, 0, NULL, NULL));
+  exact_planes dark = room_outputs(&t.s);
+  assert_true(largest_value(&dark, EXACT_FAR_IRRADIANCE, 3) == 0.0);
+  exact_planes_free(&dark);
+  exact_planes_free(&want);
+  stop(&t);
+}
+
+static void plans_need_their_provider_in_the_cache(void **state) {
+  (void)state;
+  shim_skip_builds(true);
+  for (hbil_provider p = first_provider; p <= last_provider; ++p)
+    for (hbil_provider q = first_provider; q <= last_provider; ++q) {
+      scene t;
+      if (q == p || p == HBIL_PROVIDER_RAYS)
+        continue;
+      start(&t, p, 8, 8);
+      hbil_cache *own = t.s.frame.cache;
+      hbil_cache *other = t.s.frame.cache = cache_for(q);
+      room_rejected(hbil_enqueue_frame(t.s.plan, shared_device.queue,
+                                       &t.s.frame, 0, NULL, NULL),
+                    HBIL_INVALID_FRAME, "cache");
+      if (q != HBIL_PROVIDER_RSM)
+        room_rejected(hbil_enqueue_rsm(other, shared_device.queue, t.views, 1,
+                                       0, NULL, NULL),
+                      HBIL_INVALID_ARGUMENT, "HBIL_PROVIDER_RSM");
+      t.s.frame.cache = own;
+      hbil_cache_destroy(other);
+      stop(&t);
+    }
+  shim_skip_builds(false);
+}
+
+static void bad_settings_are_rejected_by_name(void **state) {
+  static const cl_uint unknown[] = {1u << 5, 1u << 31, 0xffffffffu};
+  (void)state;
+  for (int i = 0; i < 3; ++i) {
+    hbil_cache_config config = room_cache_config();
+    hbil_cache *cache = (hbil_cache *)&config;
+    size_t bytes = 77;
+    config.providers = unknown[i];
+    room_rejected(hbil_cache_create(shared_device.hbil, &config, &cache),
+                  HBIL_INVALID_CONFIG, "providers");
+    assert_null(cache);
+    room_rejected(hbil_cache_memory(shared_device.hbil, &config, &bytes),
+                  HBIL_INVALID_CONFIG, "providers");
+    assert_int_equal(bytes, 77);
+  }
+  hbil_cache *cache = cache_for(HBIL_PROVIDER_LPV);
+  hbil_cache_update update;
+  hbil_cache_update_init(&update);
+  assert_int_equal(update.steps, 16);
+  update.steps = 1025;
+  room_rejected(hbil_enqueue_cache_update(cache, shared_device.queue, &update,
+                                          0, NULL, NULL),
+                HBIL_INVALID_ARGUMENT, "steps");
+  hbil_cache_destroy(cache);
+  setup s;
+  hbil_plan *plan = NULL;
+  setup_init(&s, 8, 8);
+  s.config.model.provider = (hbil_provider)(last_provider + 1);
+  room_rejected(hbil_plan_create(shared_device.hbil, &s.config, &plan),
+                HBIL_INVALID_CONFIG, "model.provider");
+  assert_null(plan);
+  setup_free(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_run_has_the_same_bits),
+      cmocka_unit_test(an_empty_cache_tells_nothing),
+      cmocka_unit_test(moves_leave_the_world_in_its_place),
+      cmocka_unit_test(loaded_caches_have_no_past),
+      cmocka_unit_test(caches_take_the_announced_memory),
+      cmocka_unit_test(nothing_is_written_outside_of_buffers),
+      cmocka_unit_test(failed_caches_leave_nothing),
+      cmocka_unit_test(failed_commands_can_be_repeated),
+      cmocka_unit_test(bad_arguments_are_rejected_by_name),
+      cmocka_unit_test(plans_need_their_provider_in_the_cache),
+      cmocka_unit_test(bad_settings_are_rejected_by_name)};
+  return RUN_WITH_DEVICE(tests);
+}
