@@ -1,5 +1,6 @@
 /* Light propagation volumes: light spreads from cell to cell. */
 #include "cache.h"
+#include "cache_config.h"
 
 #include "far_field.h"
 
