@@ -177,7 +177,7 @@ int far_times_measure(const bench_options *options, const bench_device *device,
 static const bench_column columns[] = {
     {"provider", "far light", BENCH_TEXT}, {"cache_ms", "cache, ms", 2},
     {"build_ms", "build, ms", 2},          {"use_ms", "use, ms", 2},
-    {"frame_ms", "frame, ms", 2},          {"whole_ms", "all, ms", 2},
+    {"frame_ms", "frame, ms", 2},          {"whole_ms", "whole, ms", 2},
     {"memory_mib", "memory, MiB", 1}};
 
 void far_times_note(bench_report *report) {
@@ -188,8 +188,9 @@ void far_times_note(bench_report *report) {
       "own share of an update, which is the pyramid of cones, or sources and "
       "%d steps of lpv; for rsm, reading a light view of the frame's size.  "
       "use: what probes and composite take beside the near field alone.  "
-      "frame: the whole frame, use included; all: with cache and build.  "
-      "memory: the cache with the provider's part.",
+      "frame: the whole frame, use included; whole: with cache and build.  "
+      "memory: the cache with the provider's part.  "
+      "cache and build are wall-clock times.",
       SHARE, STEPS_OF_A_FRAME);
 }
 

@@ -366,8 +366,10 @@ for provider in 'near field alone' environment rays lpv rsm; do
   grep -q "^| $provider | [0-9]" "$work/out"
   ok $? "far has $provider"
 done
-grep -q '^| cones .* | [0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out" &&
-  grep -q '^| rays .* | | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out"
+digits='[-0-9.][0-9.]*'
+grep -q "^| cones .* | $digits | $digits | $digits | $digits | $digits | $digits |\$" \
+  "$work/out" &&
+  grep -q "^| rays .* | $digits | | $digits | $digits | $digits | $digits |\$" "$work/out"
 ok $? "with times to build and to use, and memory"
 valid "far's JSON can be read" "$work/results/far.json"
 if command -v gnuplot >"$work/out" 2>&1; then
