@@ -30,20 +30,13 @@ INLINE void add_voxel(global const float *voxels, global const uint *radiance,
   sum[2] += sent.z * lobe;
 }
 
-kernel void volume_sources(const hbil_cache_args cache,
-                           global const uint *states, global const uint *ways,
-                           global const float *voxels,
-                           global const uint *radiance, global float *sources,
-                           global float *opacities) {
+/* Adds what the voxels in and around a cell send into it; low: its lowest
+ * voxel.
+ */
+INLINE void add_voxels(const hbil_cache_args cache, global const uint *states,
+                       global const float *voxels, global const uint *radiance,
+                       int level, int3 low, float4 sum[3]) {
   const int middle = cache.voxels / 2;
-  const int x = (int)get_global_id(0), y = (int)get_global_id(1);
-  int z;
-  const int level = level_of_item(cache, &z);
-  if (x >= middle || y >= middle || level >= cache.levels)
-    return;
-  const uint plane = volume_plane(cache);
-  const int3 low = (int3)(2 * x - middle, 2 * y - middle, 2 * z - middle);
-  float4 sum[3] = {0.0f, 0.0f, 0.0f};
   const float size = (float)(1 << level);
   for (int k = -1; k < 3; ++k)
     for (int j = -1; j < 3; ++j)
@@ -58,6 +51,47 @@ kernel void volume_sources(const hbil_cache_args cache,
           add_voxel(voxels, radiance, number, convert_float3(cell), low / 2,
                     size * size, sum);
       }
+}
+
+/* Whether surfaces can be among those voxels.  They are 4 across, as a brick
+ * is, so the bricks of the eight at their corners are all that they are in. */
+INLINE bool has_surfaces(const hbil_cache_args cache, global const uint *bricks,
+                         int level, int3 low) {
+  const int middle = cache.voxels / 2, k = cache.log2_voxels;
+  const uint mask = (uint)cache.voxels - 1u;
+  const uint across = (uint)cache.voxels / HBIL_BRICK;
+  for (int i = 0; i < 8; ++i) {
+    const int3 cell =
+        clamp(low + (int3)(i & 1 ? 2 : -1, i & 2 ? 2 : -1, i & 4 ? 2 : -1),
+              (int3)(-middle), (int3)(middle - 1));
+    const uint number =
+        (uint)voxel_number(cache, level, cell.x, cell.y, cell.z);
+    const uint mx = number & mask, my = (number >> k) & mask;
+    const uint mz = number >> (2 * k); /* with the level */
+    if (bricks[((mz / HBIL_BRICK) * across + my / HBIL_BRICK) * across +
+               mx / HBIL_BRICK] == HBIL_BRICK_MIXED)
+      return true;
+  }
+  return false;
+}
+
+kernel void volume_sources(const hbil_cache_args cache,
+                           global const uint *states, global const uint *ways,
+                           global const float *voxels,
+                           global const uint *radiance, global float *sources,
+                           global float *opacities, global const uint *bricks) {
+  const int middle = cache.voxels / 2;
+  const int x = (int)get_global_id(0), y = (int)get_global_id(1);
+  int z;
+  const int level = level_of_item(cache, &z);
+  if (x >= middle || y >= middle || level >= cache.levels)
+    return;
+  const uint plane = volume_plane(cache);
+  const int3 low = (int3)(2 * x - middle, 2 * y - middle, 2 * z - middle);
+  float4 sum[3] = {0.0f, 0.0f, 0.0f};
+  const bool any = has_surfaces(cache, bricks, level, low);
+  if (any)
+    add_voxels(cache, states, voxels, radiance, level, low, sum);
   global float *source = sources + cell_address(cache, 12u, level, x, y, z);
   for (int c = 0; c < 3; ++c) {
     source[(4 * c) * plane] = sum[c].x;
@@ -65,9 +99,13 @@ kernel void volume_sources(const hbil_cache_args cache,
     source[(4 * c + 2) * plane] = sum[c].z;
     source[(4 * c + 3) * plane] = sum[c].w;
   }
+  global float *opacity = opacities + cell_address(cache, 6u, level, x, y, z);
+  for (int i = 0; i < 6; ++i)
+    opacity[i * plane] = 0.0f;
+  if (!any)
+    return;
   const parts p = parts_of_voxels(cache, ways, states, voxels, radiance, level,
                                   low.x, low.y, low.z);
-  global float *opacity = opacities + cell_address(cache, 6u, level, x, y, z);
   for (int i = 0; i < 6; ++i)
     opacity[i * plane] = seen_along(&p, i).w;
 }

@@ -209,11 +209,12 @@ static void bad_views_are_rejected_by_name(void **state) {
   }
   assert_int_equal(shim_events_made(), made);
   assert_success(
-      &t.s, hbil_enqueue_cache_update(
-                t.s.frame.cache, shared_device.queue,
-                &(hbil_cache_update){
-                    sizeof(hbil_cache_update), 0, 16, 1, HBIL_FAR_NONE, {{0}}},
-                0, NULL, NULL));
+      &t.s,
+      hbil_enqueue_cache_update(
+          t.s.frame.cache, shared_device.queue,
+          &(hbil_cache_update){
+              sizeof(hbil_cache_update), 0, 16, 1, HBIL_FAR_NONE, {{0}}, 0},
+          0, NULL, NULL));
   room_same_bits(&t.s, &t.want, "after rejected views");
   /* the good one is one that would have been seen */
   room_inject(&shared_device, t.s.frame.cache, &good, 1, 0);
