@@ -162,7 +162,9 @@ small() {
     -e "s,'shot\.####\.exr','$gbuffer/frame_####.exr',g" \
     -e "s|shot\.0001\.exr|$gbuffer/frame_0001.exr|; s|--frames 26-50|--frames 2-3|" \
     -e 's|--cache-size N$|--cache-size 32|' \
-    -e 's|--view-light radiance|--view-light direct|' -e 's|--far rsm|--far rays|' \
+    -e 's|--view-light radiance|--view-light direct|' \
+    -e "s|--far rsm --light-view views/light\.exr|--far=rsm --light-view $gbuffer/frame_0003.exr|" \
+    -e 's|--far rsm|--far rays|' \
     -e "s|\([^/]\)\<\(frame_000[0-9].exr\)|\1$gbuffer/\2|g" \
     -e "s|\([^/]\)\<DEPTH\.exr|\1$frame|g" \
     -e "s|\([^/]\)\<FRAME\.exr|\1$frame|g" \
