@@ -188,11 +188,11 @@ static void step_cell(const exact_volumes *sources, const exact_volumes *before,
         1.0 -
         exact_volumes_at(sources, level, in[0], in[1], in[2])->opacity[way];
     for (int c = 0; c < 3; ++c) {
-      const double kept = open * exact_kept_flux(&from->light[c]);
+      const double sent = open * exact_kept_flux(&from->light[c]);
       for (int face = 0; face < 6; ++face)
         if (face != (way ^ 1))
           add_lobe(&to->light[c],
-                   kept * flux_through(&from->light[c], way, face),
+                   sent * flux_through(&from->light[c], way, face),
                    along(face));
     }
   }

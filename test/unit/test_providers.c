@@ -169,7 +169,7 @@ static void volume_difference(const exact_volumes *got,
   assert_true(most[want->levels - 1] > 0.0);
 }
 
-/* The factors that keep a cell's flux, of all cells. */
+/* The factors that preserve a cell's flux, of all cells. */
 static void check_kept(const float *planes, const exact_volumes *v) {
   const int n = v->across + 2, plane = n * n * n;
   double worst = 0.0;
@@ -181,7 +181,7 @@ static void check_kept(const float *planes, const exact_volumes *v) {
               (double)planes[(i / plane * 15 + 5 * c + 4) * plane + i % plane] -
               exact_kept_flux(&v->cell[i].light[c])));
   /* derived: sums of 30 products, each of a few roundings */
-  check_at_most("volumes: kept flux", worst, 5e-6);
+  check_at_most("volumes: factor of the flux", worst, 5e-6);
 }
 
 static void check_volumes(cl_uint width, cl_uint voxels,
