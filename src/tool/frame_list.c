@@ -9,6 +9,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
+#include <glob.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -311,11 +312,27 @@ int frame_list_make(char *const *arguments, int count, const char *ranges,
   return failed ? -1 : 0;
 }
 
+/* Files by a shell's wildcards, which a quoted argument still has. */
+static int add_matching(const char *wildcards, frame_list *list,
+                        image_error *error) {
+  glob_t found;
+  int failed = 0;
+  if (glob(wildcards, 0, NULL, &found) != 0)
+    return image_fail(error, "%s: no such files", wildcards);
+  for (size_t i = 0; i < found.gl_pathc && !failed; i++)
+    failed = add_file(list, strdup(found.gl_pathv[i]), error);
+  globfree(&found);
+  return failed;
+}
+
 int frame_list_add(const char *argument, frame_list *list, image_error *error) {
   pattern p;
-  return !exists(argument) && find_pattern(argument, &p)
-             ? add_existing(&p, 1, list, error)
-             : add_file(list, strdup(argument), error);
+  if (exists(argument))
+    return add_file(list, strdup(argument), error);
+  if (find_pattern(argument, &p))
+    return add_existing(&p, 1, list, error);
+  return strpbrk(argument, "*?[") ? add_matching(argument, list, error)
+                                  : add_file(list, strdup(argument), error);
 }
 
 void frame_list_free(frame_list *list) {

@@ -24,8 +24,8 @@ typedef struct frame_list {
 int frame_list_make(char *const *arguments, int count, const char *ranges,
                     unsigned pre_roll, frame_list *out, image_error *error);
 
-/* Adds a file, or all files of a pattern, whatever their numbers.  0, or -1
- * with `error` filled. */
+/* Adds a file, all files of a pattern, whatever their numbers, or all that a
+ * shell's wildcards match.  0, or -1 with `error` filled. */
 int frame_list_add(const char *argument, frame_list *list, image_error *error);
 
 void frame_list_free(frame_list *list);

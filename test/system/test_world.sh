@@ -73,6 +73,12 @@ ok $? "nor frames without normals"
 rejected "with them a view has no use" 'from-depth: not with --view' \
   small --normals from-depth --view "$two" -o "$out" "$one"
 
+run small --view "$frames/frame_000[12].exr" -o "$work/wild" "$one"
+told "$line; 2 views\$"
+ok $? "wildcards stand for several views"
+rejected "wildcards without a file" '/none_\*\.exr: no such files' \
+  small --view "$frames/none_*.exr" -o "$out" "$one"
+
 # --- options that don't go together ---
 
 for option in "--view $two" "--view-light direct" --learn "--cache-size 32" \
