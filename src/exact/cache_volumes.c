@@ -165,7 +165,7 @@ static double flux_through(const exact_intensity *v, int way, int face) {
   return angle * fmax(0.0, v->mean + vec_dot(v->slope, to));
 }
 
-double exact_kept_flux(const exact_intensity *v) {
+double exact_flux_factor(const exact_intensity *v) {
   double sum = 0.0;
   for (int way = 0; way < 6; ++way)
     for (int face = 0; face < 6; ++face)
@@ -188,11 +188,11 @@ static void step_cell(const exact_volumes *sources, const exact_volumes *before,
         1.0 -
         exact_volumes_at(sources, level, in[0], in[1], in[2])->opacity[way];
     for (int c = 0; c < 3; ++c) {
-      const double sent = open * exact_kept_flux(&from->light[c]);
+      const double factor = open * exact_flux_factor(&from->light[c]);
       for (int face = 0; face < 6; ++face)
         if (face != (way ^ 1))
           add_lobe(&to->light[c],
-                   sent * flux_through(&from->light[c], way, face),
+                   factor * flux_through(&from->light[c], way, face),
                    along(face));
     }
   }

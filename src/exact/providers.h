@@ -105,7 +105,7 @@ void exact_propagate(const exact_volumes *sources, const exact_volumes *before,
                      exact_volumes *after);
 /* The factor by which the positive part of an intensity, as the faces take it,
  * is the flux 4 pi times the mean. */
-double exact_kept_flux(const exact_intensity *intensity);
+double exact_flux_factor(const exact_intensity *intensity);
 
 void exact_probe_volumes(const exact_frame *frame, const exact_cache *cache,
                          const exact_volumes *volumes,

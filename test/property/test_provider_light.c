@@ -221,7 +221,7 @@ static void plant(const exact_intensity light[3], int x, int y, int z) {
     float *to = planes + 5 * c * PLANE + cell;
     const exact_intensity *v = &light[c];
     const double values[5] = {v->mean, v->slope.x, v->slope.y, v->slope.z,
-                              exact_kept_flux(v)};
+                              exact_flux_factor(v)};
     for (int k = 0; k < 5; ++k)
       to[k * PLANE] = (float)values[k];
   }
@@ -418,7 +418,7 @@ static furnace_light light_of_furnace(hbil_provider provider,
 }
 
 /* What no view has seen is dark, or as bright as the walls.  Reflective shadow
- * maps have four of the six walls, by 64 texels a probe. */
+ * maps have four of the six walls, by a few texels a probe. */
 static void no_provider_is_brighter_than_the_furnace(void **state) {
   static const struct {
     const char *name;
@@ -439,9 +439,8 @@ static void no_provider_is_brighter_than_the_furnace(void **state) {
       check_at_most(rows[i].name, got.greatest - 1.0, rows[i].brighter);
       if (rows[i].provider == HBIL_PROVIDER_CONES && sky)
         check_at_most("cones, darker", 1.0 - got.least, 0.05);
-      /* What leaks through the walls ends at what no view has seen, as does
-       * what no view has seen in the room's edges (measured: 0.34; rays:
-       * 0.041). */
+      /* What leaks through the walls ends at what no view has seen, as do
+       * ways along the room's edges (measured: 0.34; rays: 0.041). */
       if (rows[i].provider == HBIL_PROVIDER_CONES && !sky)
         check_at_most("cones, leak", 1.0 - got.mean, 0.4);
       assert_true(got.mean > 0.5);

@@ -170,7 +170,7 @@ static void volume_difference(const exact_volumes *got,
 }
 
 /* The factors that preserve a cell's flux, of all cells. */
-static void check_kept(const float *planes, const exact_volumes *v) {
+static void check_factors(const float *planes, const exact_volumes *v) {
   const int n = v->across + 2, plane = n * n * n;
   double worst = 0.0;
   for (int i = 0; i < plane * v->levels; ++i)
@@ -179,9 +179,9 @@ static void check_kept(const float *planes, const exact_volumes *v) {
           worst,
           fabs(
               (double)planes[(i / plane * 15 + 5 * c + 4) * plane + i % plane] -
-              exact_kept_flux(&v->cell[i].light[c])));
+              exact_flux_factor(&v->cell[i].light[c])));
   /* derived: sums of 30 products, each of a few roundings */
-  check_at_most("volumes: factor of the flux", worst, 5e-6);
+  check_at_most("volumes: flux factor", worst, 5e-6);
 }
 
 static void check_volumes(cl_uint width, cl_uint voxels,
@@ -218,7 +218,7 @@ static void check_volumes(cl_uint width, cl_uint voxels,
   exact_volume_border(&want, far_field, (const float(*)[3])update.environment);
   volume_difference(&before, &want, true, off);
   check_at_most("volumes: border", off[0], 5e-7);
-  check_kept(b, &before);
+  check_factors(b, &before);
   exact_propagate(&sources, &before, &want);
   volume_difference(&after, &want, false, off);
   check_at_most("volumes: a step", off[0], 3e-6);
