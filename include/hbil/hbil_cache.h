@@ -40,7 +40,9 @@ extern "C" {
  *   the sky behind the last voxel.  What the frame shows itself within
  *   model.radius is left out, because E_near has it.  What no view has seen
  *   gets what it gets without a cache.  So an empty cache changes nothing, bit
- *   for bit (test_cache).
+ *   for bit (test_cache).  That is so with rays and cones (hbil_provider);
+ *   volumes and reflective shadow maps don't tell what has not been seen, and
+ *   their light is all that open directions get.
  *
  * ORDER
  *   Commands of a cache run in the order of the calls, like those of a plan,

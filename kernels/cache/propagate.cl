@@ -156,7 +156,7 @@ kernel void propagate(const hbil_cache_args cache, global const float *sources,
 INLINE void store_sky(const hbil_sh_args sky, float size, uint plane,
                       global float *to) {
   const float scale = 1.5f * size * size;
-  const float value[4] = {scale * sky.sh[0], -scale * sky.sh[3],
+  const float value[4] = {scale * max(sky.sh[0], 0.0f), -scale * sky.sh[3],
                           -scale * sky.sh[1], -scale * sky.sh[2]};
   const intensity v = {value[0], {value[1], value[2], value[3]}};
   float factor[HBIL_WIDTH];

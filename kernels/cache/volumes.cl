@@ -2,84 +2,27 @@
  * volumes: what the cache's surfaces send into the cells of the volumes, and
  * how much of the light that enters a cell they stop.
  *
- * A surface voxel sends its light from half a cell in front of it, so that it
- * doesn't light itself: intensity Phi/pi (1/4 + 1/2 n.w), the order-1 part of
- * Phi/pi max(n.w, 0), with the flux Phi = pi B A.  A plane crosses (|nx| +
- * |ny| + |nz|) / s^2 voxels for each unit of its area, which gives A.
+ * A cell stops the share o of the light that leaves it along a half-axis: what
+ * is seen of its surfaces along that way (lib/pyramid.clh).  Against that way
+ * it gets what a neighbour there would send if that were full of light of the
+ * surfaces' radiance B, the intensity 3/2 s^2 B, s being a cell's width: a flux
+ * of pi s^2 o B, through the far face and evenly through the four sides.  So
+ * light of the same radiance stays as it is beside a surface that sends it.
  *
  * Launch: x, y = cells, z = cells of all levels.
  */
 #include "lib/pyramid.clh"
 #include "lib/volumes.clh"
 
-/* Adds what voxel `number` sends, if that is into cell (x, y, z). */
-INLINE void add_voxel(global const float *voxels, global const uint *radiance,
-                      uint number, float3 cell, int3 wanted, float area,
-                      float4 sum[3]) {
-  const float3 mean = vload3(0, voxels + HBIL_VOXEL_FLOATS * (size_t)number);
-  const float3 n = mean * (1.0f / sqrt(dot(mean, mean)));
-  const int3 to = convert_int3(floor(0.5f * (cell + 0.5f + n)));
-  if (to.x != wanted.x || to.y != wanted.y || to.z != wanted.z)
-    return;
-  const float3 lean = fabs(n);
-  const float4 lobe =
-      (float4)(0.25f, 0.5f * n) * (area / (lean.x + lean.y + lean.z));
-  const float3 sent = light_of_word(radiance[number]);
-  sum[0] += sent.x * lobe;
-  sum[1] += sent.y * lobe;
-  sum[2] += sent.z * lobe;
-}
-
-/* Adds what the voxels in and around a cell send into it; low: its lowest
- * voxel.
- */
-INLINE void add_voxels(const hbil_cache_args cache, global const uint *states,
-                       global const float *voxels, global const uint *radiance,
-                       int level, int3 low, float4 sum[3]) {
-  const int middle = cache.voxels / 2;
-  const float size = (float)(1 << level);
-  for (int k = -1; k < 3; ++k)
-    for (int j = -1; j < 3; ++j)
-      for (int i = -1; i < 3; ++i) {
-        const int3 cell = low + (int3)(i, j, k);
-        if (cell.x < -middle || cell.y < -middle || cell.z < -middle ||
-            cell.x >= middle || cell.y >= middle || cell.z >= middle)
-          continue;
-        const uint number =
-            (uint)voxel_number(cache, level, cell.x, cell.y, cell.z);
-        if (state_in_word(states[number >> 4], number) == HBIL_VOXEL_SURFACE)
-          add_voxel(voxels, radiance, number, convert_float3(cell), low / 2,
-                    size * size, sum);
-      }
-}
-
-/* Whether surfaces can be among those voxels.  They are 4 across, as a brick
- * is, so the bricks of the eight at their corners are all that they are in. */
-INLINE bool has_surfaces(const hbil_cache_args cache, global const uint *bricks,
-                         int level, int3 low) {
-  const int middle = cache.voxels / 2, k = cache.log2_voxels;
-  const uint mask = (uint)cache.voxels - 1u;
-  const uint across = (uint)cache.voxels / HBIL_BRICK;
-  for (int i = 0; i < 8; ++i) {
-    const int3 cell =
-        clamp(low + (int3)(i & 1 ? 2 : -1, i & 2 ? 2 : -1, i & 4 ? 2 : -1),
-              (int3)(-middle), (int3)(middle - 1));
-    const uint number =
-        (uint)voxel_number(cache, level, cell.x, cell.y, cell.z);
-    const uint mx = number & mask, my = (number >> k) & mask;
-    const uint mz = number >> (2 * k); /* with the level */
-    if (bricks[((mz / HBIL_BRICK) * across + my / HBIL_BRICK) * across +
-               mx / HBIL_BRICK] == HBIL_BRICK_MIXED)
-      return true;
-  }
-  return false;
-}
+/* Of the five faces only the far one, of 0.40067, makes a slope: 1/(2 pi) of
+ * its flux, 3/2 of its solid angle (cache/propagate.cl). */
+#define SLOPE 0.0956528391f
 
 kernel void volume_sources(const hbil_cache_args cache,
                            global const uint *states, global const uint *ways,
                            global const float *voxels,
                            global const uint *radiance, global float *sources,
-                           global float *opacities, global const uint *bricks) {
+                           global float *opacities) {
   const int middle = cache.voxels / 2;
   const int x = (int)get_global_id(0), y = (int)get_global_id(1);
   int z;
@@ -87,25 +30,25 @@ kernel void volume_sources(const hbil_cache_args cache,
   if (x >= middle || y >= middle || level >= cache.levels)
     return;
   const uint plane = volume_plane(cache);
-  const int3 low = (int3)(2 * x - middle, 2 * y - middle, 2 * z - middle);
-  float4 sum[3] = {0.0f, 0.0f, 0.0f};
-  const bool any = has_surfaces(cache, bricks, level, low);
-  if (any)
-    add_voxels(cache, states, voxels, radiance, level, low, sum);
+  const float size = (float)(2 << level);
+  const parts p =
+      parts_of_voxels(cache, ways, states, voxels, radiance, level,
+                      2 * x - middle, 2 * y - middle, 2 * z - middle);
   global float *source = sources + cell_address(cache, 12u, level, x, y, z);
-  for (int c = 0; c < 3; ++c) {
-    source[(4 * c) * plane] = sum[c].x;
-    source[(4 * c + 1) * plane] = sum[c].y;
-    source[(4 * c + 2) * plane] = sum[c].z;
-    source[(4 * c + 3) * plane] = sum[c].w;
-  }
   global float *opacity = opacities + cell_address(cache, 6u, level, x, y, z);
-  for (int i = 0; i < 6; ++i)
-    opacity[i * plane] = 0.0f;
-  if (!any)
-    return;
-  const parts p = parts_of_voxels(cache, ways, states, voxels, radiance, level,
-                                  low.x, low.y, low.z);
-  for (int i = 0; i < 6; ++i)
-    opacity[i * plane] = seen_along(&p, i).w;
+  float3 mean = 0.0f, slope[3] = {0.0f, 0.0f, 0.0f};
+#pragma unroll
+  for (int i = 0; i < 6; ++i) {
+    const seen s = seen_along(&p, i);
+    const float3 sent = size * size * s.xyz;
+    opacity[(uint)i * plane] = s.w;
+    mean += 0.25f * sent;
+    slope[i / 2] += (i & 1 ? SLOPE : -SLOPE) * sent;
+  }
+  const float value[12] = {mean.x, slope[0].x, slope[1].x, slope[2].x,
+                           mean.y, slope[0].y, slope[1].y, slope[2].y,
+                           mean.z, slope[0].z, slope[1].z, slope[2].z};
+#pragma unroll
+  for (int i = 0; i < 12; ++i)
+    source[(uint)i * plane] = value[i];
 }

@@ -48,48 +48,6 @@ static void add_lobe(exact_intensity *to, double flux, vec3 n) {
   to->slope = vec_add(to->slope, flux / PI * 0.5, n);
 }
 
-/* --- sources --- */
-
-/* A plane of area 1 meets |nx| + |ny| + |nz| voxels of width 1. */
-static void add_source(const exact_cache *cache, const exact_place *place,
-                       exact_volumes *sources) {
-  const exact_voxel *voxel = exact_cache_at(cache, place);
-  const double *v = voxel->value + HBIL_VOXEL_NORMAL;
-  const double size = ldexp(1.0, place->level);
-  if (voxel->state != HBIL_VOXEL_SURFACE)
-    return;
-  const vec3 n = vec_normalize(vec(v[0], v[1], v[2]));
-  /* half a cell in front of it */
-  const vec3 p = vec_add(exact_cache_centre(place), size, n);
-  const double from[3] = {p.x, p.y, p.z};
-  int at[3];
-  for (int i = 0; i < 3; ++i)
-    at[i] = (int)floor(from[i] / (2.0 * size)) + sources->across / 2;
-  if (!is_inside(sources, at))
-    return;
-  const double area = size * size / (fabs(n.x) + fabs(n.y) + fabs(n.z));
-  exact_cell *cell =
-      exact_volumes_at(sources, place->level, at[0], at[1], at[2]);
-  for (int c = 0; c < 3; ++c)
-    add_lobe(&cell->light[c], PI * voxel->radiance[c] * area, n);
-}
-
-void exact_volume_sources(const exact_cache *cache, exact_volumes *sources) {
-  const int n = sources->across;
-  for (size_t i = 0; i < exact_cache_count(cache); ++i) {
-    const exact_place place = exact_cache_place(cache, i);
-    add_source(cache, &place, sources);
-  }
-  for (int i = 0; i < n * n * n * sources->levels; ++i) {
-    const int at[3] = {i % n, i / n % n, i / n / n % n}, l = i / n / n / n;
-    const int low[3] = {2 * at[0] - n, 2 * at[1] - n, 2 * at[2] - n};
-    const exact_mip mip = exact_mip_of_voxels(cache, l, low);
-    for (int k = 0; k < 6; ++k)
-      exact_volumes_at(sources, l, at[0], at[1], at[2])->opacity[k] =
-          mip.along[k][3];
-  }
-}
-
 /* --- outside --- */
 
 /* An environment of radiance L(d): light that travels along w has 3/2 s^2
@@ -108,7 +66,7 @@ static void set_sky(exact_cell *cell, double size, hbil_far_field far_field,
       for (int k = 1; k < 4; ++k)
         slope[i] -= basis[i][k] * (double)environment[k][c];
     }
-    cell->light[c].mean = scale * mean;
+    cell->light[c].mean = scale * fmax(mean, 0.0);
     cell->light[c].slope =
         vec(scale * slope[0], scale * slope[1], scale * slope[2]);
   }
@@ -172,6 +130,33 @@ double exact_flux_factor(const exact_intensity *v) {
       if (face != (way ^ 1))
         sum += flux_through(v, way, face);
   return sum > 0.0 ? 4.0 * PI * v->mean / sum : 0.0;
+}
+
+/* A surface sends what a neighbour behind it would if all light there had its
+ * radiance. */
+static void add_source(exact_cell *cell, const exact_mip *mip, double size) {
+  for (int k = 0; k < 6; ++k) {
+    cell->opacity[k] = mip->along[k][3];
+    for (int c = 0; c < 3; ++c) {
+      const exact_intensity even = {1.5 * size * size * mip->along[k][c],
+                                    {0.0, 0.0, 0.0}};
+      for (int face = 0; face < 6; ++face)
+        if (face != k) /* against the half-axis */
+          add_lobe(&cell->light[c], flux_through(&even, k ^ 1, face),
+                   along(face));
+    }
+  }
+}
+
+void exact_volume_sources(const exact_cache *cache, exact_volumes *sources) {
+  const int n = sources->across;
+  for (int i = 0; i < n * n * n * sources->levels; ++i) {
+    const int at[3] = {i % n, i / n % n, i / n / n % n}, l = i / n / n / n;
+    const int low[3] = {2 * at[0] - n, 2 * at[1] - n, 2 * at[2] - n};
+    const exact_mip mip = exact_mip_of_voxels(cache, l, low);
+    add_source(exact_volumes_at(sources, l, at[0], at[1], at[2]), &mip,
+               ldexp(2.0, l));
+  }
 }
 
 static void step_cell(const exact_volumes *sources, const exact_volumes *before,

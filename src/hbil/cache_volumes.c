@@ -50,8 +50,7 @@ hbil_status spread_light(commands *chain, hbil_cache *cache,
                               ARG(cache->buffers[CACHE_VOXELS]),
                               ARG(cache->buffers[CACHE_RADIANCE]),
                               ARG(cache->buffers[CACHE_SOURCES]),
-                              ARG(cache->buffers[CACHE_OPACITIES]),
-                              ARG(cache->buffers[CACHE_BRICKS])};
+                              ARG(cache->buffers[CACHE_OPACITIES])};
   hbil_status status = LAUNCH(chain, CACHE_KERNEL_VOLUME_SOURCES, sources,
                               across, across, across * cache->config.levels);
   for (cl_uint i = 0; i < update->steps && status == HBIL_SUCCESS; ++i)
