@@ -269,7 +269,10 @@ near "with the same RMSE" "$(figure rmse)" \
 
 mkdir "$work/nothing" "$work/untrue" "$work/blind" "$work/small"
 cp "$gbuffer/$last" "$gbuffer/frame_0002.json" "$work/untrue"
-cp "$gbuffer/$last" "$work/exact-scene/truth_avg_0002.exr" "$work/blind"
+cp "$work/exact-scene/truth_avg_0002.exr" "$work/blind"
+oiiotool "$gbuffer/$last" \
+  --ch depth.Z,normal.X,normal.Y,normal.Z,albedo.R,albedo.G,albedo.B,direct.R,direct.G,direct.B \
+  -o "$work/blind/$last" # without positions, which would tell the camera
 cp "$gbuffer/$last" "$gbuffer/frame_0002.json" "$work/small"
 "$HBIL" demo --size 32x24 --frames 1 -o "$work/other" >"$work/out" 2>"$work/err"
 cp "$work/other/frame_0001.exr" "$work/small/truth_avg_0002.exr"

@@ -51,7 +51,7 @@ warns "normals that aren't the camera's" '--normals world' \
   process --layers ao --normals camera --overwrite -o "$work/ray" "$one"
 warns "a radius that is larger than all" 'metres against centimetres' \
   process --layers ao --radius 5000 --overwrite -o "$work/ray" "$one"
-warns "the camera of another size of lens" '--fov' \
+warns "the camera of another size of lens" '--camera positions' \
   process --layers ao --fov 150 --overwrite -o "$work/ray" "$one"
 run process --quiet --layers ao --depth ray --overwrite -o "$work/ray" "$one"
 test $status -eq 0 && test ! -s "$work/err"
@@ -86,7 +86,9 @@ rejected "a role that isn't" '--map glow: ROLE=LAYER is needed' \
   process --map glow=depth -o "$out" "$one"
 rejected "a layer that isn't there" 'frame_0001.exr has no such layer' \
   process --map depth=gone -o "$out" "$one"
-cp "$one" "$work/alone.exr"
+# without positions, which tell it, too
+oiiotool "$one" --ch depth.Z,normal.X,normal.Y,normal.Z,albedo.R,albedo.G,albedo.B,direct.R,direct.G,direct.B \
+  -o "$work/alone.exr"
 rejected "no camera for normals of the world" 'how the camera is turned' \
   process --fov 60 -o "$out" "$work/alone.exr"
 rejected "two lenses" '--fov and --orthographic: one of both' \
@@ -113,7 +115,7 @@ differs "they are no perspective's" "$HBIL" compare --max-rmse 0.1 \
 says "info tells the size of the picture" \
   'orthographic, 17.* pixels a unit, the picture 3.4 x 2.49333 units' \
   "$HBIL" info "$flat/frame_0001.exr"
-says "and that positions fit" "share of the picture's width.*they agree" \
+says "and that positions fit" "of the picture's width, they agree" \
   "$HBIL" info "$flat/frame_0001.exr"
 
 # The same camera told in other ways: 3.4 units across, of Blender's setting,

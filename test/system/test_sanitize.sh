@@ -50,7 +50,7 @@ make_all() {
   test -f "$build/Makefile" ||
     sanitized "$srcdir/configure" -q CFLAGS="$flags" CXXFLAGS="$flags" || return
   # shellcheck disable=SC2086
-  sanitized make -s hbil hbil-bench $tests
+  sanitized make -s hbil hbil-formats.la hbil-bench $tests
 }
 works "library, program and bench build with sanitizers" make_all
 for test in $tests; do
