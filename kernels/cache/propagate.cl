@@ -19,12 +19,7 @@
 #include "lib/sky_radiance.clh"
 #include "lib/volumes.clh"
 
-/* Solid angles that the middle of a cell sees of a neighbour's farthest face
- * and of one of its four others: 4 atan(1 / (3 sqrt(11))) for the first, and a
- * quarter of what is then left of 2 pi / 3. */
-#define FRONT_FACE 0.4006696847f
-#define SIDE_FACE 0.4234313544f
-/* The direction to the middle of such a side: (1, 1/2), to unit length. */
+/* The direction to the middle of a side face: (1, 1/2), to unit length. */
 #define FORWARD 0.894427191f
 #define ASIDE 0.447213595f
 

@@ -1,6 +1,6 @@
 /*
  * volumes: what the cache's surfaces send into the cells of the volumes, and
- * how much of the light that enters a cell they stop.
+ * how much of the light that leaves a cell they stop.
  *
  * A cell stops the share o of the light that leaves it along a half-axis: what
  * is seen of its surfaces along that way (lib/pyramid.clh).  Against that way
@@ -14,9 +14,9 @@
 #include "lib/pyramid.clh"
 #include "lib/volumes.clh"
 
-/* Of the five faces only the far one, of 0.40067, makes a slope: 1/(2 pi) of
- * its flux, 3/2 of its solid angle (cache/propagate.cl). */
-#define SLOPE 0.0956528391f
+/* Of the five faces only the far one makes a slope: 1/(2 pi) of its flux, which
+ * is 3/2 of its solid angle (cache/propagate.cl). */
+#define SLOPE (1.5f * 0.159154943f * FRONT_FACE)
 
 kernel void volume_sources(const hbil_cache_args cache,
                            global const uint *states, global const uint *ways,

@@ -4,6 +4,7 @@
  * nothing is allocated by them.
  */
 #define _POSIX_C_SOURCE 200809L /* nanosleep */
+#include "test/support/cache.h"
 #include "test/support/room.h"
 #include "test/support/shim.h"
 
@@ -173,7 +174,7 @@ static void cache_plan_and_context_go_in_any_order(void **state) {
     s.device = &own;
     setup_start(&s);
     hbil_cache *cache = s.frame.cache = room_cache(&own);
-    hbil_view view = room_frame_view(&s);
+    hbil_view view = cache_view(&s, HBIL_VIEW_DIRECT);
     assert_int_equal(
         hbil_enqueue_cache_inject(cache, own.queue, &view, 1, 0, NULL, NULL),
         HBIL_SUCCESS);

@@ -2,6 +2,7 @@
  * Light from the radiance cache against closed forms: furnaces, a lamp behind
  * the camera, an open box that the frame shows itself, and bounces without end.
  */
+#include "test/support/cache.h"
 #include "test/support/room.h"
 
 static const double middle[3] = {0.0, 0.0, 0.0};
@@ -357,7 +358,7 @@ static void a_frame_gains_nothing_from_itself(void **state) {
   setup_start(&s);
   s.frame.cache = room_cache(&shared_device);
   exact_planes without = room_outputs(&s);
-  const hbil_view view = room_frame_view(&s);
+  const hbil_view view = cache_view(&s, HBIL_VIEW_DIRECT);
   room_inject(&shared_device, s.frame.cache, &view, 1, 0);
   exact_planes with = room_outputs(&s);
   const error plain = error_of(&s, &r, &without, sent);

@@ -220,21 +220,6 @@ void room_views_free(hbil_view *views, int count) {
     room_view_free(&views[i]);
 }
 
-hbil_view room_frame_view(const setup *s) {
-  hbil_view view;
-  hbil_view_init(&view);
-  view.width = s->config.width;
-  view.height = s->config.height;
-  view.projection = s->config.inputs.projection;
-  view.camera = s->frame.camera;
-  view.depth = s->frame.depth;
-  view.normal = s->frame.normal;
-  view.albedo = s->frame.albedo;
-  view.direct = s->frame.direct;
-  view.emission = s->frame.emission;
-  return view;
-}
-
 void room_inject(const device_fixture *d, hbil_cache *cache,
                  const hbil_view *views, cl_uint count, cl_uint rounds) {
   hbil_cache_update update;

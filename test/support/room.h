@@ -55,8 +55,6 @@ void room_view_free(hbil_view *view);
 void room_views(const device_fixture *d, const room *r, const double eye[3],
                 int size, hbil_view_light light, hbil_view views[WALLS]);
 void room_views_free(hbil_view *views, int count);
-/* A view that shows what a setup's frame shows, by the same buffers. */
-hbil_view room_frame_view(const setup *s);
 
 /* Injects and updates, and must succeed; rounds: bounces. */
 void room_inject(const device_fixture *d, hbil_cache *cache,

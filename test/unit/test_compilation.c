@@ -7,6 +7,7 @@
 #define _POSIX_C_SOURCE 200112L /* setenv */
 #include "test/support/fixture.h"
 #include "test/support/folder.h"
+#include "test/support/cache.h"
 #include "test/support/room.h"
 
 static char cache[MOST_PATH];
@@ -93,7 +94,8 @@ static void caches_and_their_frames(void **state) {
   setup_start_compiled(&s);
   s.frame.cache = room_cache(s.device);
   const int created = count_variants();
-  hbil_view views[2] = {room_frame_view(&s), room_frame_view(&s)};
+  hbil_view views[2] = {cache_view(&s, HBIL_VIEW_DIRECT),
+                        cache_view(&s, HBIL_VIEW_DIRECT)};
   views[1].projection = HBIL_PROJECTION_ORTHOGRAPHIC;
   for (int i = 0; i < 3; ++i) {
     room_inject(s.device, s.frame.cache, views, 2, (cl_uint)i);
