@@ -42,8 +42,9 @@ INLINE void gather_slice(const hbil_gather_args args, const receiver *c,
     march_half_slice(args, c, s, h, m, &top, quadrant, steps + 1, how, cache);
     for (int v = 0; v < SPAN_VECTORS; ++v) {
       realv more = 1.0f, less = 1.0f;
-      end_march(&c[v], &s[v], &h[v], &m[v], &top, v, &more, &less);
-      if (CACHE_HORIZONS && EXTRAPOLATE)
+      end_march(&c[v], &s[v], &h[v], &m[v], &top, v, how->dither, &cache[v],
+                &more, &less);
+      if (CACHE_HORIZONS && JACKKNIFE)
         cache_float(&cache[v], more);
       if (HBAO) {
         m[v].a = fma(-more, m[v].blocked, h[v].start);

@@ -12,6 +12,12 @@
  */
 #include "lib/sampling_pattern.h"
 
+/* |e| of an offset in pixels, in units of ray slope. */
+static inline float length_of(const hbil_view_args view, int x, int y) {
+  const float ex = (float)x * view.inv_fx, ey = (float)y * view.inv_fy;
+  return sqrt(fma(ex, ex, ey * ey));
+}
+
 kernel void make_pattern(const hbil_make_pattern_args args,
                          global hbil_step *steps) {
   const hbil_view_args view = args.view;
@@ -30,9 +36,23 @@ kernel void make_pattern(const hbil_make_pattern_args args,
   }
   steps += (get_global_id(0) * (uint)(2 * pattern.slices) + (uint)half_slice) *
            (uint)(pattern.steps + 1);
-  const hbil_step direction = {0, 0, 0, 0.0f, 0.0f, 0.0f, ux, uy, 0};
+  /* the receiver itself, which is what comes before the first sample */
+  const hbil_step direction = {
+      (int)((uint)layer * layout.layer + layout.origin),
+      0,
+      0,
+      0.0f,
+      0.0f,
+      0.0f,
+      ux,
+      uy,
+      0,
+      0.0f,
+      0.0f,
+      0.0f};
   *steps++ = direction;
   int x, y, before = 0;
+  float nearer = 0.0f;
   hbil_sample_offset(layer, 0, level, ux, uy, view, pattern, &x, &y);
   for (int k = 0; k < pattern.steps; ++k) {
     int next_x = x, next_y = y;
@@ -50,13 +70,22 @@ kernel void make_pattern(const hbil_make_pattern_args args,
         step.dy * (int)layout.row + step.dx;
     step.ex = (float)x * view.inv_fx;
     step.ey = (float)y * view.inv_fy;
-    step.inv_e = 1.0f / sqrt(fma(step.ex, step.ex, step.ey * step.ey));
+    const float e = length_of(view, x, y);
+    step.inv_e = 1.0f / e;
     step.ux = step.ex * step.inv_e;
     step.uy = step.ey * step.inv_e;
-    step.subsets = hbil_sample_subsets(layer, k, pattern.steps, before,
-                                       hbil_offset_length(next_x, next_y));
+    const int length = hbil_offset_length(x, y);
+    const int after = hbil_offset_length(next_x, next_y);
+    step.subsets = hbil_sample_subsets(layer, k, pattern.steps, before, after);
+    step.spread =
+        hbil_half_step(k, pattern.steps, before, length, after) * step.inv_e;
+    step.to_before = e / (e - nearer);
+    step.to_next = k + 1 < pattern.steps
+                       ? e / (length_of(view, next_x, next_y) - e)
+                       : 1.0f;
     steps[k] = step;
-    before = hbil_offset_length(x, y);
+    before = length;
+    nearer = e;
     x = next_x;
     y = next_y;
   }

@@ -14,16 +14,30 @@
 #if !defined(EXTRAPOLATE) || EXTRAPOLATE < 0 || EXTRAPOLATE > 1
 #error EXTRAPOLATE must be 0..1
 #endif
+#if !defined(FINITE) || FINITE < 0 || FINITE > 3
+#error FINITE must be 0..3
+#endif
 
 /* The light that a half-slice's samples send. */
 INLINE light_sum half_slice_light(cache_cursor *cache, const realv own[3],
                                   global const float *from, uint plane) {
   light_sum s = no_light(own);
+#if FINITE
+  light_sum whole = s;
+#endif
   const int hits = *cache->entry;
   SKIP_ENTRY(cache);
   for (int i = 0; i < hits; ++i) {
-    global const float *sample = from + *cache->entry;
+    const int offset = *cache->entry;
     SKIP_ENTRY(cache);
+#if FINITE
+    if (offset == HBIL_INTERVAL_END) {
+      const realv scale = cached_float(cache);
+      add_scaled(&whole, max(scale, (realv)0.0f), &s, scale >= 0.0f);
+      continue;
+    }
+#endif
+    global const float *sample = from + offset;
     const realv share = cached_float(cache);
     realv accept = 1.0f;
 #if FALLBACK_LAST_ACCEPTED
@@ -31,7 +45,11 @@ INLINE light_sum half_slice_light(cache_cursor *cache, const realv own[3],
 #endif
     add_radiance(&s, share, accept, sample, plane);
   }
+#if FINITE
+  return whole;
+#else
   return s;
+#endif
 }
 
 /* Prefetches the cache of a vector, since nothing else tells where it begins:
@@ -75,7 +93,7 @@ kernel void regather(const hbil_gather_args args, global const float *split,
       for (int side = 0; side < 2; ++side) {
         const light_sum s = half_slice_light(&cache, own, from, in.plane);
         realv more = 1.0f;
-#if EXTRAPOLATE
+#if EXTRAPOLATE && !FINITE
         more = cached_float(&cache);
 #endif
         both[0] = fma(more, s.red, both[0]);

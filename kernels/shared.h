@@ -224,8 +224,13 @@ typedef struct hbil_step {
   hbil_float inv_e;  /* 1 / |e| */
   hbil_float ux, uy; /* e / |e| */
   hbil_int subsets;  /* of HBIL_SUBSET_ */
+  /* half the width of the step, hbil_half_step(), over |e| */
+  hbil_float spread;
+  /* |e| over the distances in |e| to the sample before and to the next one; 1
+   * at the last one */
+  hbil_float to_before, to_next;
 } hbil_step;
-HBIL_ASSERT_LAYOUT(hbil_step, subsets, 8, 9)
+HBIL_ASSERT_LAYOUT(hbil_step, to_next, 11, 12)
 
 /* Words of the plan's flags: what kernels of a frame tell later ones. */
 enum {

@@ -129,6 +129,19 @@ static inline hbil_int hbil_offset_length(hbil_int x, hbil_int y) {
 }
 
 /*
+ * Half the width of sample k's step, over its distance: how much of the line on
+ * either side of it no sample meets, apart from the pixel itself.  Arguments as
+ * for hbil_sample_subsets(); length: hbil_offset_length() of the sample.
+ */
+static inline hbil_float hbil_half_step(hbil_int k, hbil_int samples,
+                                        hbil_int before, hbil_int length,
+                                        hbil_int after) {
+  hbil_float steps = k + 1 < samples ? 2.0f : 1.0f;
+  hbil_float width = (hbil_float)(after - before) / steps - 1.0f;
+  return 0.5f * (width > 0.0f ? width : 0.0f) / (hbil_float)length;
+}
+
+/*
  * The subsets that sample k belongs to.  before, after: hbil_offset_length() of
  * the samples on either side of it; 0 before the first one, its own after the
  * last one.  If the share f of the pixels around a sample is met, the

@@ -19,7 +19,7 @@ static march march_along(const receiver *r, const sampling *how, double ux,
                          double uy) {
   march m = exact_march_begin(r, ux, uy);
   exact_visit_samples(r, how, HBIL_SUBSET_EVEN | HBIL_SUBSET_ODD, &m);
-  if (r->frame->config->model.extrapolate)
+  if (r->frame->config->model.extrapolate && r->kind == COVERAGE_HORIZON)
     exact_extrapolate(r, how, &m);
   exact_march_end(&m);
   return m;

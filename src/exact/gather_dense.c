@@ -64,7 +64,7 @@ static march march_along(const receiver *r, double ux, double uy) {
     const int y = r->y + sign_y * (int)(k * slope_y + 0.5);
     if (!exact_planes_contain(r->split, x, y))
       break;
-    exact_march_visit(r, &m, x, y);
+    exact_march_visit(r, &m, x, y, NULL);
   }
   exact_march_end(&m);
   return m;

@@ -14,6 +14,12 @@
  *
  * The back of a sample lies deeper along its own ray by the thickness, which is
  * another inverse depth, and so another excess at the same |e|.
+ *
+ * Samples of finite thickness that overlap are joined and covered together
+ * (COVERAGE_SECTORS).  A sample then stands for half a step on either side, on
+ * a plane whose slope along the half-slice is the smaller one of those to its
+ * neighbours.  Its light weighs by what it adds to the joined angles: by the
+ * derivative of A after the cotangent, times the cotangents that it adds.
  */
 #include "exact/march.h"
 
@@ -77,6 +83,7 @@ typedef struct occluder {
   double range;    /* |to| */
   double distance; /* along the half-slice, in units of the ray's slope */
   double excess;   /* of its front */
+  double spread;   /* what that changes by in half a step */
 } occluder;
 
 static double excess_of_back(const exact_frame *frame, const occluder *o) {
@@ -111,9 +118,10 @@ static double facing_fade(const hbil_config *c, double cosine) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-/* Adds the light of all of the measure that an occluder newly covers. */
+/* Adds the light of an occluder that covers `fresh` to the sums light[3] and
+ * unknown. */
 static void add_light(const receiver *r, march *m, const occluder *o,
-                      double fresh) {
+                      double fresh, double *light, double *unknown) {
   const hbil_config *c = r->frame->config;
   const double t = facing_fade(c, -vec_dot(o->s.normal, o->to) / o->range);
   for (int i = 0; i < 3; ++i) {
@@ -121,12 +129,79 @@ static void add_light(const receiver *r, march *m, const occluder *o,
     m->last[i] = c->model.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED
                      ? m->last[i] + t * (own - m->last[i])
                      : t * own;
-    m->light[i] += m->last[i] * fresh;
+    light[i] += m->last[i] * fresh;
   }
-  m->unknown += (1.0 - t) * fresh;
+  *unknown += (1.0 - t) * fresh;
 }
 
-static void meet(const receiver *r, march *m, occluder *o) {
+/* The inverse depth of a pixel, or `none` where it has no surface. */
+static double w_at(const receiver *r, const int at[2], double none) {
+  const double w = *exact_at(r->split, HBIL_SPLIT_W, at[0], at[1]);
+  return exact_is_surface(r->frame->config, w) ? w : none;
+}
+
+static double distance_of(const receiver *r, const int at[2]) {
+  return hypot((at[0] - r->x) * r->pixel_x, (at[1] - r->y) * r->pixel_y);
+}
+
+static double spread_of(const receiver *r, const occluder *o,
+                        const neighbours *near) {
+  const double before = w_at(r, near->before, NAN);
+  const double next = near->has_next ? w_at(r, near->next, NAN) : NAN;
+  const double e = o->distance;
+  const double to_before =
+      (o->s.w - before) * e / (e - distance_of(r, near->before));
+  const double to_next = (next - o->s.w) * e / (distance_of(r, near->next) - e);
+  const double a = isnan(to_before) ? to_next : to_before;
+  const double b = isnan(to_next) ? to_before : to_next;
+  const double slope =
+      (a > 0.0) == (b > 0.0) && !isnan(a) ? (fabs(a) < fabs(b) ? a : b) : 0.0;
+  return fabs(o->s.w - slope - r->s.w) * near->half_step / e;
+}
+
+/* Covers what is joined, with its light. */
+static void cover_joined(march *m) {
+  joined *j = &m->joined;
+  if (!(j->weight > 0.0))
+    return;
+  const double fresh = exact_cover(&m->covers, &m->h, 1.0, j->high, j->low);
+  const double scale = fresh / j->weight;
+  m->covered += fresh;
+  m->blocked += scale * j->blocked;
+  m->unknown += scale * j->unknown;
+  for (int i = 0; i < 3; ++i)
+    m->light[i] += scale * j->light[i];
+  *j = (joined){j->low, j->high, 0.0, {0.0, 0.0, 0.0}, 0.0, 0.0};
+}
+
+/* Joins an occluder, and returns its weight. */
+static double join(march *m, const occluder *o, double back) {
+  const half_slice *h = &m->h;
+  joined *j = &m->joined;
+  const double front = o->excess + o->spread;
+  back = fmax(back - o->spread, 0.0);
+  if (back > j->high || front < j->low) {
+    cover_joined(m);
+    j->low = j->high = front;
+  }
+  const double low = fmin(j->low, back), high = fmax(j->high, front);
+  const double added = high - j->high + j->low - low;
+  const angle a = exact_horizon(
+      h, 1.0, 0.5 * (high > j->high ? high + j->high : low + j->low));
+  const double per_excess =
+      vec_length(h->point->ray) / (h->point->unit * vec_dot(h->u, h->along));
+  const double density =
+      h->uniform ? pow(a.sine, 3.0)
+                 : pow(a.sine, 3.0) * (h->nx * a.sine + h->ny * a.cosine);
+  j->low = low;
+  j->high = high;
+  const double weight = per_excess * added * fmax(density, 0.0);
+  j->weight += weight;
+  return weight;
+}
+
+static void meet(const receiver *r, march *m, occluder *o,
+                 const neighbours *near) {
   const hbil_config *c = r->frame->config;
   o->s = exact_surface_at(r->frame, r->split, o->x, o->y);
   o->to = vec_add(o->s.at, -1.0, r->s.at);
@@ -135,15 +210,25 @@ static void meet(const receiver *r, march *m, occluder *o) {
     return;
   const double back =
       r->kind == COVERAGE_HORIZON ? 0.0 : excess_of_back(r->frame, o);
+  if (r->kind == COVERAGE_SECTORS) {
+    if (near && c->model.extrapolate)
+      o->spread = spread_of(r, o, near);
+    const double weight = join(m, o, back);
+    m->joined.blocked += falloff(c, o->range) * weight;
+    if (exact_gathers_light(c) && weight > 0.0)
+      add_light(r, m, o, weight, m->joined.light, &m->joined.unknown);
+    return;
+  }
   const double fresh =
       exact_cover(&m->covers, &m->h, o->distance, o->excess, back);
   m->covered += fresh;
   m->blocked += falloff(c, o->range) * fresh;
   if (exact_gathers_light(c) && fresh > 0.0)
-    add_light(r, m, o, fresh);
+    add_light(r, m, o, fresh, m->light, &m->unknown);
 }
 
-void exact_march_visit(const receiver *r, march *m, int x, int y) {
+void exact_march_visit(const receiver *r, march *m, int x, int y,
+                       const neighbours *near) {
   const double w = *exact_at(r->split, HBIL_SPLIT_W, x, y);
   const double ex = (x - r->x) * r->pixel_x, ey = (y - r->y) * r->pixel_y;
   const double above =
@@ -158,7 +243,8 @@ void exact_march_visit(const receiver *r, march *m, int x, int y) {
   o.y = y;
   o.distance = sqrt(e2);
   o.excess = above / o.distance;
-  meet(r, m, &o);
+  o.spread = 0.0;
+  meet(r, m, &o, near);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -173,11 +259,13 @@ march exact_march_begin(const receiver *r, double ux, double uy) {
   m.covers =
       exact_coverage(r->kind, &m.h, r->least, hbil_shift_slot(layer), r->list);
   m.open_scale = 1.0;
+  m.joined.high = r->least;
   for (int i = 0; i < 3 && exact_gathers_light(c); ++i)
     m.last[i] = *exact_at(r->split, HBIL_SPLIT_RED + i, r->x, r->y);
   return m;
 }
 
 void exact_march_end(march *m) {
+  cover_joined(m);
   m->open_bent = vec_scale(m->open_scale, exact_open_bent(&m->covers, &m->h));
 }

@@ -22,11 +22,26 @@ typedef struct receiver {
 receiver exact_receiver(const exact_frame *frame, const exact_planes *split,
                         int x, int y, coverage_kind kind, interval *list);
 
+/* The samples beside one, as pixels.  half_step: hbil_half_step(). */
+typedef struct neighbours {
+  int before[2], next[2];
+  bool has_next;
+  double half_step;
+} neighbours;
+
+/* Samples of finite thickness that overlap, in excess: what they cover, the sum
+ * of their weights, and what they send, times their weights. */
+typedef struct joined {
+  double low, high, weight;
+  double light[3], unknown, blocked;
+} joined;
+
 /* A half-slice and what was met on it so far.  Measures are those of
  * exact_measure(), light is radiance times measure. */
 typedef struct march {
   half_slice h;
   coverage covers;
+  joined joined;     /* COVERAGE_SECTORS: not covered yet */
   double covered;    /* measure */
   double blocked;    /* the same, weighed by the falloff */
   double unknown;    /* the part of covered whose light is not known */
@@ -38,8 +53,10 @@ typedef struct march {
 
 /* The receiver is pointed at. */
 march exact_march_begin(const receiver *r, double ux, double uy);
-/* Takes the pixel (x, y), which is in the picture, as a sample. */
-void exact_march_visit(const receiver *r, march *m, int x, int y);
+/* Takes the pixel (x, y), which is in the picture, as a sample.  near: its
+ * neighbours; NULL where every pixel is visited. */
+void exact_march_visit(const receiver *r, march *m, int x, int y,
+                       const neighbours *near);
 /* After the last sample.  The receiver's list is free again. */
 void exact_march_end(march *m);
 

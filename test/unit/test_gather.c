@@ -24,14 +24,23 @@ static void gather_both(setup *s, exact_planes *got, exact_planes *want) {
   exact_planes_free(&split);
 }
 
+/* Whether two samples of finite thickness overlap may be a matter of a
+ * rounding. If not, each of them weighs alone, which changes the light of this
+ * pixel by up to a percent: for one pixel of 97 x 54, 1.4e-4 of the RMSE.
+ * Measured: 1.1e-5 where this happens, and 3e-7 elsewhere. */
+#define JOINED_LIMIT 1.4e-4
+
 static void check_gather(setup *s) {
   exact_planes got, want;
   gather_both(s, &got, &want);
-  check_at_most("AO", relative_rmse(&got, &want, HBIL_LIGHT_AO, 1), AO_LIMIT);
+  const bool joined = !isinf(s->config.model.thickness) ||
+                      !isinf(s->config.model.relative_thickness);
+  check_at_most("AO", relative_rmse(&got, &want, HBIL_LIGHT_AO, 1),
+                joined ? JOINED_LIMIT : AO_LIMIT);
   check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3),
-                LIGHT_LIMIT);
+                joined ? JOINED_LIMIT : LIGHT_LIMIT);
   check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3),
-                BENT_LIMIT);
+                joined ? JOINED_LIMIT : BENT_LIMIT);
   if (exact_weighs_slices(&s->config))
     check_at_most("weight", relative_rmse(&got, &want, HBIL_LIGHT_WEIGHT, 1),
                   WEIGHT_LIMIT);
@@ -321,6 +330,8 @@ static exact_planes room_as_thick_as(float share) {
   exact_planes out;
   setup_scene(&s, SCENE_ROOM, 97, 54, 0);
   set_thickness(&s, INFINITY, share);
+  /* what lies between the samples is found in different ways */
+  s.config.model.extrapolate = CL_FALSE;
   setup_start(&s);
   out = stage_gathered(&s);
   setup_free(&s);
