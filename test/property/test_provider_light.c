@@ -432,8 +432,8 @@ static void no_provider_is_brighter_than_the_furnace(void **state) {
   } rows[] = {{"rays, brighter", HBIL_PROVIDER_RAYS, 1e-5},
               {"cones, brighter", HBIL_PROVIDER_CONES, 1e-5},
               {"RSM, brighter", HBIL_PROVIDER_RSM, 0.0},
-              /* (measured: 0.044) */
-              {"LPV, brighter", HBIL_PROVIDER_LPV, 0.05}};
+              /* (measured: -0.025) */
+              {"LPV, brighter", HBIL_PROVIDER_LPV, 0.0}};
   (void)state;
   for (size_t i = 0; i < sizeof rows / sizeof *rows * 2 * FURNACES; ++i) {
     const size_t row = i / (2 * FURNACES);
