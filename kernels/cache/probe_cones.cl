@@ -4,10 +4,11 @@
  * Using Voxel Cone Tracing").
  *
  * A cone is sampled at distances that grow with its width, in voxels while it
- * is narrow and in lib/pyramid.clh's texels when it is wider.  A sample's
- * opacity is that of a voxel's width, so it is corrected for the distance to
- * the next.  Surfaces that this frame shows within the near field's radius stop
- * light without giving any, as the near field has their light.
+ * is narrow and in lib/pyramid.clh's texels when it is wider.  A texel's
+ * opacity along an axis is what stops on the way across it, so a sample stops
+ * as much of that as its step is of the way.  Surfaces that this frame shows
+ * within the near field's radius stop light without giving any, as the near
+ * field has their light.
  *
  * Launch: x = columns of probes, y = rows.
  * In: split planes, the cache, the pyramid.  Out: HBIL_PROBE_FLOATS floats a
@@ -17,18 +18,23 @@
 #include "lib/probe_place.clh"
 #include "lib/pyramid.clh"
 
-/* A place in the cache: what a cone sees of it, and the shares of it that no
- * view has seen, and that have the sky behind. */
+/* A voxel's surface stops all in half a passage, the shortest step. */
+#define VOXEL_OPACITY 2.0f
+
+/* A place in the cache: the mean radiance of what a cone sees of it, the share
+ * of the cone that a passage of the width of it stops, and the shares of it
+ * that no view has seen, and that have the sky behind. */
 typedef struct sample {
-  seen light;
+  float3 light;
+  float opacity;
   float unseen, sky;
   float size; /* of the voxel or texel, in voxels of level 0 */
 } sample;
 
-/* The finest voxel of level `level` or coarser, at p. */
+/* The finest voxel at p, of that size. */
 INLINE sample sample_voxel(const cache_map *map, global const uint *radiance,
                            int level, float3 p, float3 d) {
-  sample s = {0.0f, 0.0f, 0.0f, (float)(1 << level)};
+  sample s = {0.0f, 0.0f, 0.0f, 0.0f, (float)(1 << level)};
   for (int l = level; l < map->cache.levels; ++l) {
     const float3 cell = floor(p * (1.0f / (float)(1 << l)));
     const uint number = (uint)voxel_number(map->cache, l, (int)cell.x,
@@ -43,24 +49,29 @@ INLINE sample sample_voxel(const cache_map *map, global const uint *radiance,
     if (state_in_word(map->states[number >> 4], number) != HBIL_VOXEL_SURFACE)
       continue;
     if (dot(vload3(0, map->voxels + HBIL_VOXEL_FLOATS * (size_t)number), d) <
-        0.0f)
-      s.light = (seen)(light_of_word(radiance[number]), 1.0f);
+        0.0f) {
+      s.light = light_of_word(radiance[number]);
+      s.opacity = VOXEL_OPACITY;
+    }
     return s;
   }
   return s;
 }
 
-/* A step of the pyramid at p, interpolated between eight texels. */
+/* A step of the pyramid at p, interpolated between those of eight texels of
+ * which something has been seen. */
 INLINE sample sample_pyramid(const hbil_cache_args cache,
                              global const float *pyramid, int step, float3 p,
                              float3 d) {
-  const int across = cache.voxels >> (step + 1);
-  sample s = {0.0f, 0.0f, 0.0f, (float)(1 << (cache.levels + step))};
+  const int across = texels_across(cache, step);
+  sample s = {0.0f, 0.0f, 0.0f, 0.0f, (float)(2 << step)};
   const float3 at = clamp(p / s.size + 0.5f * (float)across - 0.5f, 0.0f,
                           (float)(across - 1));
-  const float3 low = floor(at), f = at - low, part = d * d;
+  const float3 low = floor(at), f = at - low, part = fabs(d);
   const int x = (int)low.x, y = (int)low.y, z = (int)low.z;
   const int ix = d.x < 0.0f, iy = 2 + (d.y < 0.0f), iz = 4 + (d.z < 0.0f);
+  float seen_weight = 0.0f;
+  seen sum = 0.0f;
   for (int k = 0; k < 8; ++k) {
     const float weight = (k & 1 ? f.x : 1.0f - f.x) *
                          (k & 2 ? f.y : 1.0f - f.y) *
@@ -71,12 +82,14 @@ INLINE sample sample_pyramid(const hbil_cache_args cache,
                                            min(x + (k & 1), across - 1),
                                            min(y + ((k >> 1) & 1), across - 1),
                                            min(z + (k >> 2), across - 1));
-    s.light +=
-        weight * (part.x * vload4(ix, texel) + part.y * vload4(iy, texel) +
-                  part.z * vload4(iz, texel));
+    sum += weight * (part.x * vload4(ix, texel) + part.y * vload4(iy, texel) +
+                     part.z * vload4(iz, texel));
     s.unseen += weight * texel[HBIL_MIP_UNSEEN];
     s.sky += weight * texel[HBIL_MIP_SKY];
+    seen_weight += texel[HBIL_MIP_UNSEEN] < 1.0f ? weight : 0.0f;
   }
+  s.light = sum.xyz * (1.0f / max(sum.w, FLT_MIN));
+  s.opacity = sum.w * (1.0f / max(seen_weight, HBIL_CONE_LEAST_SEEN));
   return s;
 }
 
@@ -91,26 +104,15 @@ INLINE sample sample_at(const cache_map *map, global const uint *radiance,
                         global const float *pyramid, float3 p, float3 d,
                         float width, float finest) {
   const hbil_cache_args cache = map->cache;
-  const float coarsest = (float)(1 << (cache.levels - 1));
-  width = max(width, finest);
-  if (width < 2.0f * coarsest) {
-    int level = 0;
-    while (level + 1 < cache.levels && (float)(2 << level) <= width)
-      ++level;
+  int level = 0;
+  while ((float)(1 << level) < finest)
+    ++level;
+  if (width < 2.0f * finest)
     return sample_voxel(map, radiance, level, p, d);
-  }
-  int step = 0;
-  while ((cache.voxels >> (step + 2)) > 1 &&
-         4.0f * coarsest * (float)(1 << step) <= width)
+  int step = level;
+  while (texels_across(cache, step + 1) > 1 && (float)(4 << step) <= width)
     ++step;
   return sample_pyramid(cache, pyramid, step, p, d);
-}
-
-/* What passes a distance of `ratio` voxels, of which one stops `opacity`.  What
- * stops all but rounding errors is apart, as relaxed arithmetic has no
- * logarithm of 0. */
-INLINE float passed(float opacity, float ratio) {
-  return opacity > 1.0f - 1e-6f ? 0.0f : pow(1.0f - opacity, ratio);
 }
 
 INLINE cone follow_cone(const hbil_probes_args args, global const float *split,
@@ -132,16 +134,15 @@ INLINE cone follow_cone(const hbil_probes_args args, global const float *split,
     const sample s = sample_at(map, radiance, pyramid, p, d,
                                HBIL_CONE_DETAIL * spread * t, finest);
     const float step = 0.5f * max(spread * t, s.size);
-    const float rest = passed(s.light.w, step / s.size);
-    const float stopped = through * (1.0f - rest);
+    const float stopped = through * min(s.opacity * step / s.size, 1.0f);
     if (stopped > 0.0f && !(t < args.radius &&
                             is_shown(args, split, transformed(args.to_view, p),
                                      rotated(args.to_view, d),
                                      HBIL_CACHE_SHOWN * s.size / args.scale))) {
       c.known += stopped;
-      c.light += stopped / s.light.w * s.light.xyz;
+      c.light += stopped * s.light;
     }
-    through *= rest;
+    through -= stopped;
     if (s.unseen > 0.5f)
       clear = 0.0f;
     /* of what has been seen */

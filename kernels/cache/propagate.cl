@@ -6,7 +6,10 @@
  * the neighbour's middle sees it, is the flux, which goes on from the cell's
  * own middle as if it came from a point there that faces that face.  Surfaces
  * stop light that leaves their own cell: they may be anywhere in it, and light
- * that has come as far as the cell is at them.
+ * that has come as far as the cell is at them.  They also hide what comes from
+ * behind them: what a surface sends (volumes.cl) takes the place of as much of
+ * the light of the neighbour there, so the two are never brighter than the
+ * brighter one.
  *
  * A step adds what surfaces send, so the volumes come to rest at all light that
  * has spread since, and follow changes from any earlier state.
@@ -125,11 +128,12 @@ kernel void propagate(const hbil_cache_args cache, global const float *sources,
     intensity got = {0.0f, {0.0f, 0.0f, 0.0f}};
 #pragma unroll
     for (int i = 0; i < 3; ++i) {
+      const realv up = 1.0f - LOADV(opacity - apart[i] + (2 * i) * plane);
+      const realv down = 1.0f - LOADV(opacity + apart[i] + (2 * i + 1) * plane);
       add_neighbour(from - apart[i], plane, i, 1.0f,
-                    1.0f - LOADV(opacity - apart[i] + (2 * i) * plane), &got);
+                    up * (1.0f - LOADV(opacity + (2 * i + 1) * plane)), &got);
       add_neighbour(from + apart[i], plane, i, -1.0f,
-                    1.0f - LOADV(opacity + apart[i] + (2 * i + 1) * plane),
-                    &got);
+                    down * (1.0f - LOADV(opacity + (2 * i) * plane)), &got);
     }
     /* Phi/pi (1/4 + 1/2 n.w) of each face */
     const intensity v = {

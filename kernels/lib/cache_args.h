@@ -156,7 +156,10 @@ enum { HBIL_MIP_UNSEEN = 24, HBIL_MIP_SKY = 25, HBIL_MIP_FLOATS = 28 };
 #define HBIL_CONE_START 1.7f
 /* The size of the voxels that a cone is sampled in, over its width.  With
  * interpolation a sample is wider than a voxel (doc/measurements.md). */
-#define HBIL_CONE_DETAIL 0.7f
+#define HBIL_CONE_DETAIL 0.6f
+/* What is seen of a sample is divided by the share of it that has been seen, or
+ * by this if that is less. */
+#define HBIL_CONE_LEAST_SEEN 0.05f
 
 /* Planes of a light propagation volume (lib/volumes.clh). */
 #define HBIL_VOLUME_PLANES 15

@@ -2,8 +2,9 @@
  * Cones through the radiance cache, and the pyramid that they read.
  *
  * A cube is seen along an axis as its eight parts are: four columns of two, of
- * which the part in front hides the one behind as far as it is opaque.  A
- * surface is seen from its front alone.
+ * which the part in front hides the one behind as far as it is opaque.  Columns
+ * that no view has seen don't count.  A surface is seen from its front alone,
+ * and from aside as much as it is turned there.
  */
 #include <float.h>
 #include <stdlib.h>
@@ -13,9 +14,14 @@
 
 /* --- the pyramid --- */
 
+int exact_pyramid_across(const exact_pyramid *pyramid, int step) {
+  const int beyond = step - (pyramid->levels - 1);
+  return (pyramid->voxels / 2) >> (beyond > 0 ? beyond : 0);
+}
+
 int exact_pyramid_steps(const exact_pyramid *pyramid) {
   int steps = 0;
-  while (pyramid->voxels >> (steps + 1))
+  while (exact_pyramid_across(pyramid, steps))
     ++steps;
   return steps;
 }
@@ -24,7 +30,7 @@ int exact_pyramid_steps(const exact_pyramid *pyramid) {
 static size_t cubes_before(const exact_pyramid *pyramid, int step) {
   size_t sum = 0;
   for (int m = 0; m < step; ++m) {
-    const size_t n = (size_t)pyramid->voxels >> (m + 1);
+    const size_t n = (size_t)exact_pyramid_across(pyramid, m);
     sum += n * n * n;
   }
   return sum;
@@ -33,6 +39,7 @@ static size_t cubes_before(const exact_pyramid *pyramid, int step) {
 exact_status exact_pyramid_create(exact_pyramid *pyramid,
                                   const exact_cache *cache) {
   pyramid->voxels = cache->voxels;
+  pyramid->levels = cache->levels;
   pyramid->mip = calloc(cubes_before(pyramid, exact_pyramid_steps(pyramid)),
                         sizeof *pyramid->mip);
   return pyramid->mip ? EXACT_SUCCESS : EXACT_OUT_OF_MEMORY;
@@ -45,7 +52,7 @@ void exact_pyramid_free(exact_pyramid *pyramid) {
 
 exact_mip *exact_pyramid_at(const exact_pyramid *pyramid, int step, int x,
                             int y, int z) {
-  const size_t n = (size_t)pyramid->voxels >> (step + 1);
+  const size_t n = (size_t)exact_pyramid_across(pyramid, step);
   return pyramid->mip + cubes_before(pyramid, step) +
          ((size_t)z * n + (size_t)y) * n + (size_t)x;
 }
@@ -60,6 +67,7 @@ static exact_mip mip_of_parts(const exact_mip part[8]) {
   }
   for (int way = 0; way < 6; ++way) {
     const int bit = 1 << (way / 2);
+    int columns = 0; /* of which something has been seen */
     for (int k = 0; k < 8; ++k) {
       /* the first one of a column, on the way */
       if (((k & bit) != 0) != (way % 2 == 1))
@@ -67,8 +75,11 @@ static exact_mip mip_of_parts(const exact_mip part[8]) {
       const double *front = part[k].along[way];
       const double *back = part[k ^ bit].along[way];
       for (int c = 0; c < 4; ++c)
-        mip.along[way][c] += (front[c] + (1.0 - front[3]) * back[c]) / 4.0;
+        mip.along[way][c] += front[c] + (1.0 - front[3]) * back[c];
+      columns += part[k].unseen < 1.0 || part[k ^ bit].unseen < 1.0;
     }
+    for (int c = 0; c < 4 && columns > 0; ++c)
+      mip.along[way][c] /= columns;
   }
   return mip;
 }
@@ -82,12 +93,15 @@ static exact_mip mip_of_voxel(const exact_cache *cache,
   const int way = exact_cache_way(cache, &found);
   mip.unseen = way == HBIL_VOXEL_UNKNOWN;
   mip.sky = way == HBIL_VOXEL_SKY;
+  const double *n = voxel->value + HBIL_VOXEL_NORMAL;
+  const double most = fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2])));
   for (int i = 0; i < 6 && voxel->state == HBIL_VOXEL_SURFACE; ++i) {
-    const double along = voxel->value[HBIL_VOXEL_NORMAL + i / 2];
-    if (!((i % 2 ? -along : along) < 0.0))
+    const double towards = (i % 2 ? n[i / 2] : -n[i / 2]) / most;
+    if (!(towards > 0.0))
       continue;
-    memcpy(mip.along[i], voxel->radiance, sizeof voxel->radiance);
-    mip.along[i][3] = 1.0;
+    for (int c = 0; c < 3; ++c)
+      mip.along[i][c] = towards * voxel->radiance[c];
+    mip.along[i][3] = towards;
   }
   return mip;
 }
@@ -103,31 +117,42 @@ exact_mip exact_mip_of_voxels(const exact_cache *cache, int level,
   return mip_of_parts(part);
 }
 
+/* The cube of the step before that is voxel `cell` of a level; NULL: it is
+ * outside of that. */
+static const exact_mip *finer_mip(const exact_pyramid *pyramid, int step,
+                                  const int cell[3]) {
+  const int n = exact_pyramid_across(pyramid, step - 1);
+  const int at[3] = {cell[0] + n / 2, cell[1] + n / 2, cell[2] + n / 2};
+  for (int i = 0; i < 3; ++i)
+    if (at[i] < 0 || at[i] >= n)
+      return NULL;
+  return exact_pyramid_at(pyramid, step - 1, at[0], at[1], at[2]);
+}
+
 void exact_pyramid_build(const exact_cache *cache, exact_pyramid *pyramid,
                          int step) {
-  const int n = pyramid->voxels >> (step + 1), half = pyramid->voxels / 2;
+  const int n = exact_pyramid_across(pyramid, step);
   for (int i = 0; i < n * n * n; ++i) {
     const int at[3] = {i % n, i / n % n, i / n / n};
-    exact_mip *to = exact_pyramid_at(pyramid, step, at[0], at[1], at[2]);
-    if (step == 0) {
-      const int low[3] = {2 * at[0] - half, 2 * at[1] - half, 2 * at[2] - half};
-      *to = exact_mip_of_voxels(cache, cache->levels - 1, low);
-      continue;
-    }
     exact_mip part[8];
-    for (int k = 0; k < 8; ++k)
-      part[k] =
-          *exact_pyramid_at(pyramid, step - 1, 2 * at[0] + (k & 1),
-                            2 * at[1] + ((k >> 1) & 1), 2 * at[2] + (k >> 2));
-    *to = mip_of_parts(part);
+    for (int k = 0; k < 8; ++k) {
+      exact_place place = {step, {0, 0, 0}};
+      for (int axis = 0; axis < 3; ++axis)
+        place.cell[axis] = 2 * at[axis] - n + (k >> axis & 1);
+      const exact_mip *finer =
+          step > 0 ? finer_mip(pyramid, step, place.cell) : NULL;
+      part[k] = finer ? *finer : mip_of_voxel(cache, &place);
+    }
+    *exact_pyramid_at(pyramid, step, at[0], at[1], at[2]) = mip_of_parts(part);
   }
 }
 
 /* --- samples --- */
 
-/* A place, as a cone sees it. */
+/* A place, as a cone sees it: the mean radiance of its surfaces, and the share
+ * of the cone that they stop on a way as long as its size. */
 typedef struct sample {
-  double light[4], unseen, sky;
+  double light[3], opacity, unseen, sky;
   double size; /* in voxels of level 0 */
 } sample;
 
@@ -146,19 +171,18 @@ static sample sample_voxel(const exact_cache *cache, int level, vec3 p,
   const double *n = voxel->value + HBIL_VOXEL_NORMAL;
   if (vec_dot(vec(n[0], n[1], n[2]), d) < 0.0) {
     memcpy(s.light, voxel->radiance, sizeof voxel->radiance);
-    s.light[3] = 1.0;
+    s.opacity = INFINITY; /* however short the way */
   }
   return s;
 }
 
-/* Between the middles of eight cubes. */
-static sample sample_pyramid(const exact_cache *cache,
-                             const exact_pyramid *pyramid, int step, vec3 p,
+/* Between the middles of those of eight cubes of which something was seen. */
+static sample sample_pyramid(const exact_pyramid *pyramid, int step, vec3 p,
                              vec3 d) {
-  const int n = pyramid->voxels >> (step + 1);
-  sample s = {.size = ldexp(1.0, cache->levels + step)};
+  const int n = exact_pyramid_across(pyramid, step);
+  sample s = {.size = ldexp(2.0, step)};
   const double from[3] = {p.x, p.y, p.z}, way[3] = {d.x, d.y, d.z};
-  double f[3];
+  double f[3], seen = 0.0;
   int low[3];
   for (int i = 0; i < 3; ++i) {
     const double at = clamp(from[i] / s.size + 0.5 * n - 0.5, 0.0, n - 1.0);
@@ -174,28 +198,34 @@ static sample sample_pyramid(const exact_cache *cache,
       at[i] = low[i] + up < n ? low[i] + up : n - 1;
     }
     const exact_mip *mip = exact_pyramid_at(pyramid, step, at[0], at[1], at[2]);
-    /* each axis counts by the square of the direction along it */
-    for (int i = 0; i < 3; ++i)
-      for (int c = 0; c < 4; ++c)
-        s.light[c] +=
-            weight * way[i] * way[i] * mip->along[2 * i + (way[i] < 0.0)][c];
+    /* on a way of length 1 a cone advances by |d| along each axis */
+    for (int i = 0; i < 3; ++i) {
+      const double *face = mip->along[2 * i + (way[i] < 0.0)];
+      for (int c = 0; c < 3; ++c)
+        s.light[c] += weight * fabs(way[i]) * face[c];
+      s.opacity += weight * fabs(way[i]) * face[3];
+    }
     s.unseen += weight * mip->unseen;
     s.sky += weight * mip->sky;
+    seen += mip->unseen < 1.0 ? weight : 0.0;
   }
+  for (int c = 0; c < 3 && s.opacity > 0.0; ++c)
+    s.light[c] /= s.opacity;
+  s.opacity /= fmax(seen, (double)HBIL_CONE_LEAST_SEEN);
   return s;
 }
 
+/* finest: the finest level there. */
 static sample sample_at(const exact_cache *cache, const exact_pyramid *pyramid,
                         vec3 p, vec3 d, double width, int finest) {
-  int size = finest; /* log2 of what is sampled */
-  while (ldexp(2.0, size) <= width)
-    ++size;
-  if (size < cache->levels)
-    return sample_voxel(cache, size, p, d);
+  if (width < ldexp(2.0, finest))
+    return sample_voxel(cache, finest, p, d);
   /* the coarsest step that cones read has two cubes across */
   const int last = exact_pyramid_steps(pyramid) - 2;
-  const int step = size - cache->levels;
-  return sample_pyramid(cache, pyramid, step < last ? step : last, p, d);
+  int step = finest;
+  while (step < last && ldexp(4.0, step) <= width)
+    ++step;
+  return sample_pyramid(pyramid, step, p, d);
 }
 
 /* --- cones --- */
@@ -219,19 +249,16 @@ static void follow_cone(const exact_frame *frame, const exact_cache *cache,
     const sample s = sample_at(cache, pyramid, p, d,
                                (double)HBIL_CONE_DETAIL * spread * t, finest);
     const double step = 0.5 * fmax(spread * t, s.size);
-    /* one voxel lets 1 - opacity pass; what stops all but 1e-6 stops all */
-    const double rest =
-        s.light[3] > 1.0 - 1e-6 ? 0.0 : pow(1.0 - s.light[3], step / s.size);
-    const double stopped = through * (1.0 - rest);
-    if (s.light[3] > 0.0 &&
+    const double stopped = through * fmin(s.opacity * step / s.size, 1.0);
+    if (stopped > 0.0 &&
         !(t < radius && exact_frame_shows(frame, cache, split, p, d,
                                           (double)HBIL_CACHE_SHOWN * s.size))) {
       exact_probe_add(frame, probe->known, share * stopped, d);
       for (int c = 0; c < 3; ++c)
-        exact_probe_add(frame, probe->light[c],
-                        share * stopped * s.light[c] / s.light[3], d);
+        exact_probe_add(frame, probe->light[c], share * stopped * s.light[c],
+                        d);
     }
-    through *= rest;
+    through -= stopped;
     if (s.unseen > 0.5)
       clear = 0.0;
     sky = s.sky / fmax(1.0 - s.unseen, fmax(s.sky, (double)FLT_MIN));

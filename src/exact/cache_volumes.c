@@ -169,9 +169,12 @@ static void step_cell(const exact_volumes *sources, const exact_volumes *before,
     in[way / 2] -= way % 2 ? -1 : 1;
     const exact_cell *from =
         exact_volumes_at(before, level, in[0], in[1], in[2]);
+    /* what the neighbour's surfaces let pass, and this cell's, which face the
+     * other way, don't hide */
+    const exact_cell *other =
+        exact_volumes_at(sources, level, in[0], in[1], in[2]);
     const double open =
-        1.0 -
-        exact_volumes_at(sources, level, in[0], in[1], in[2])->opacity[way];
+        (1.0 - other->opacity[way]) * (1.0 - own->opacity[way ^ 1]);
     for (int c = 0; c < 3; ++c) {
       const double factor = open * exact_flux_factor(&from->light[c]);
       for (int face = 0; face < 6; ++face)

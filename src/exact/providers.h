@@ -42,21 +42,23 @@ typedef struct exact_mip {
   double unseen, sky;
 } exact_mip;
 
-/* Step m has (voxels / 2^(m+1))^3 cubes, of 2^(m+1) voxels of the coarsest
- * level across. */
+/* The cubes of step m are 2^(m+1) voxels of level 0 across.  Up to the last
+ * level they fill level m, and from there on the cache. */
 typedef struct exact_pyramid {
-  int voxels;
+  int voxels, levels;
   exact_mip *mip; /* owned; the finest step first */
 } exact_pyramid;
 
 exact_status exact_pyramid_create(exact_pyramid *pyramid,
                                   const exact_cache *cache);
 void exact_pyramid_free(exact_pyramid *pyramid);
-/* log2 of voxels. */
+/* One for each level, and so many more that the last has a single cube. */
 int exact_pyramid_steps(const exact_pyramid *pyramid);
+/* Cubes of a step across. */
+int exact_pyramid_across(const exact_pyramid *pyramid, int step);
 exact_mip *exact_pyramid_at(const exact_pyramid *pyramid, int step, int x,
                             int y, int z);
-/* Step 0 from the cache's voxels, others from the step before. */
+/* A level's from its voxels, but where the step before is from that. */
 void exact_pyramid_build(const exact_cache *cache, exact_pyramid *pyramid,
                          int step);
 /* The cube of two voxels of a level across whose lowest cell is `low`. */

@@ -14,8 +14,10 @@ size_t cache_voxel_count(const hbil_cache_config *config) {
   return n * n * n * config->levels;
 }
 
-static size_t pyramid_texels(size_t across) {
-  size_t sum = 0;
+/* A step for each level, and those beyond. */
+static size_t pyramid_texels(const hbil_cache_config *config) {
+  size_t across = config->voxels / 2;
+  size_t sum = (config->levels - 1) * across * across * across;
   for (; across > 0; across /= 2)
     sum += across * across * across;
   return sum;
@@ -48,7 +50,7 @@ size_t cache_buffer_bytes(const hbil_cache_config *config, int buffer) {
   case CACHE_PYRAMID:
     return cache_has(config, HBIL_PROVIDER_CONES)
                ? HBIL_MIP_FLOATS * sizeof(cl_float) *
-                     pyramid_texels(config->voxels / 2)
+                     pyramid_texels(config)
                : 0;
   case CACHE_SOURCES:
     return volume_bytes(config, 12);

@@ -6,16 +6,21 @@ hbil_status build_pyramid(commands *chain, hbil_cache *cache) {
   if (!cache_has(&cache->config, HBIL_PROVIDER_CONES))
     return HBIL_SUCCESS;
   const hbil_cache_args args = cache_args(cache);
-  const argument first[] = {ARG(args),
-                            ARG(cache->buffers[CACHE_STATES]),
-                            ARG(cache->buffers[CACHE_WAYS]),
-                            ARG(cache->buffers[CACHE_VOXELS]),
-                            ARG(cache->buffers[CACHE_RADIANCE]),
-                            ARG(cache->buffers[CACHE_PYRAMID])};
+  const cl_int levels = (cl_int)cache->config.levels;
   size_t across = cache->config.voxels / 2;
-  hbil_status status =
-      LAUNCH(chain, CACHE_KERNEL_FIRST_STEP, first, across, across, across);
-  for (cl_int step = 1; across > 1 && status == HBIL_SUCCESS; ++step) {
+  hbil_status status = HBIL_SUCCESS;
+  for (cl_int step = 0; step < levels && status == HBIL_SUCCESS; ++step) {
+    const argument level[] = {ARG(args),
+                              ARG(step),
+                              ARG(cache->buffers[CACHE_STATES]),
+                              ARG(cache->buffers[CACHE_WAYS]),
+                              ARG(cache->buffers[CACHE_VOXELS]),
+                              ARG(cache->buffers[CACHE_RADIANCE]),
+                              ARG(cache->buffers[CACHE_PYRAMID])};
+    status =
+        LAUNCH(chain, CACHE_KERNEL_LEVEL_STEP, level, across, across, across);
+  }
+  for (cl_int step = levels; across > 1 && status == HBIL_SUCCESS; ++step) {
     const argument next[] = {ARG(args), ARG(step),
                              ARG(cache->buffers[CACHE_PYRAMID])};
     across /= 2;
