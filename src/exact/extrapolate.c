@@ -24,6 +24,9 @@ void exact_extrapolate(const receiver *r, const sampling *how, march *m) {
   m->open_scale = open > 1e-12 * whole ? left / open : 1.0;
   m->blocked *= more;
   m->unknown *= more;
-  for (int i = 0; i < 3; ++i)
+  m->lobe_known *= more;
+  for (int i = 0; i < 3; ++i) {
     m->light[i] *= more;
+    m->lobe_light[i] *= more;
+  }
 }

@@ -20,6 +20,7 @@
 #include <string.h>
 
 #include "exact/camera.h"
+#include "exact/lobe.h"
 #include "exact/planes.h"
 #include "exact/settings.h"
 #include "lib/sampling_pattern.h"
@@ -122,7 +123,9 @@ static void add_light(const receiver *r, march *m, const occluder *o,
                      ? m->last[i] + t * (own - m->last[i])
                      : t * own;
     m->light[i] += m->last[i] * fresh;
+    m->lobe_light[i] += m->last[i] * m->covers.lobe;
   }
+  m->lobe_known += m->covers.lobe * (exact_fills_unknown(c) ? t : 1.0);
   m->unknown += (1.0 - t) * fresh;
 }
 
@@ -173,11 +176,22 @@ march exact_march_begin(const receiver *r, double ux, double uy) {
   m.covers =
       exact_coverage(r->kind, &m.h, r->least, hbil_shift_slot(layer), r->list);
   m.open_scale = 1.0;
+  if (exact_is_glossy(c)) {
+    m.covers.glossy = true;
+    m.h.lobe = exact_lobe(c, m.h.ny);
+    m.lobe_whole = exact_lobe_integral(&m.h, m.h.start);
+  }
   for (int i = 0; i < 3 && exact_gathers_light(c); ++i)
     m.last[i] = *exact_at(r->split, HBIL_SPLIT_RED + i, r->x, r->y);
   return m;
 }
 
 void exact_march_end(march *m) {
+  /* no more of the lobe is known than there is */
+  const double most =
+      m->lobe_known > m->lobe_whole ? m->lobe_whole / m->lobe_known : 1.0;
+  m->lobe_known *= most;
+  for (int i = 0; i < 3; ++i)
+    m->lobe_light[i] *= most;
   m->open_bent = vec_scale(m->open_scale, exact_open_bent(&m->covers, &m->h));
 }

@@ -32,6 +32,8 @@ typedef struct march {
   double unknown;    /* the part of covered whose light is not known */
   double light[3];   /* of the covered part */
   double last[3];    /* radiance accepted last */
+  double lobe_whole; /* the lobe, the part whose light is known, its light */
+  double lobe_known, lobe_light[3];
   double open_scale; /* factor of the open part, by extrapolation; else 1 */
   vec3 open_bent;    /* exact_march_end() sets it */
 } march;

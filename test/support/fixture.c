@@ -90,6 +90,7 @@ void setup_every_pass(setup *s, hbil_reprojection reprojection,
 void setup_all_outputs(setup *s) {
   for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     *plane_format(&s->config, id) = float_format(id);
+  s->config.outputs.glossy.component = HBIL_NONE;
 }
 
 void setup_no_outputs(setup *s) {
