@@ -12,6 +12,7 @@
 static void start(setup *s) {
   setup_init(s, WIDTH, HEIGHT);
   setup_all_outputs(s);
+  s->config.outputs.glossy = three_floats;
   setup_start(s);
 }
 
