@@ -24,7 +24,8 @@
 #include "lib/depth.clh"
 #include "lib/probe_light.clh"
 #include "lib/sanitize.clh"
-#include "lib/sky_light.clh"
+#include "lib/sh_light.clh"
+#include "lib/sky_share.clh"
 #include "lib/unseen_light.clh"
 
 #if !defined(FAR) || FAR < 0 || FAR > 3
@@ -76,7 +77,6 @@
 
 LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
 LOADER(f0, F0_TYPE, F0_STRIDE)
-LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
 LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
 STORER(near_irradiance, NEAR_TYPE, NEAR_STRIDE)
 STORER(far_irradiance, FAR_TYPE, FAR_STRIDE)
@@ -88,7 +88,6 @@ STORER(beauty, BEAUTY_TYPE, BEAUTY_STRIDE)
 STORER(error_estimate, ERROR_TYPE, ERROR_STRIDE)
 STORER(unknown, UNKNOWN_TYPE, UNKNOWN_STRIDE)
 
-#define INV_PI 0.318309886f
 #define PI 3.14159265f
 
 /* Vectors of a row that a work-item takes; on CPUs they make a cache line of
@@ -123,82 +122,6 @@ typedef struct inputs {
 } inputs;
 
 /* --- far light ------------------------------------------------------------ */
-
-/* What turns the irradiance scale of the coefficients of order l back into
- * radiance: the inverse of pi, 2 pi / 3, pi / 4 (Ramamoorthi and Hanrahan
- * 2001). */
-#define SH_RADIANCE_0 0.318309886f /* 1 / pi */
-#define SH_RADIANCE_1 0.477464829f /* 3 / (2 pi) */
-#define SH_RADIANCE_2 1.273239545f /* 4 / pi */
-
-/* Irradiance through a cone about the world-space axis d; k: the three aperture
- * factors. */
-INLINE realv sh_light(const hbil_sh_args e, const realv *d, const realv *k) {
-  const realv first =
-      fma(d[1], (realv)e.sh[1], fma(d[2], (realv)e.sh[2], d[0] * e.sh[3]));
-  const realv second =
-      fma(d[0] * d[1], (realv)e.sh[4],
-          fma(d[1] * d[2], (realv)e.sh[5],
-              fma(fma(3.0f * d[2], d[2], (realv)-1.0f), (realv)e.sh[6],
-                  fma(d[2] * d[0], (realv)e.sh[7],
-                      fma(d[0], d[0], -d[1] * d[1]) * e.sh[8]))));
-  return max(fma(k[0], (realv)e.sh[0], fma(k[1], first, k[2] * second)),
-             (realv)0.0f);
-}
-
-#if FAR == 3
-/* Direct light of the pixels from (x, y) on, over that of a whole hemisphere of
- * sky: the largest quotient of the three channels, because renderers write no
- * light where the albedo is 0. */
-INLINE realv sky_light_at(const hbil_composite_args args,
-                          global const void *direct, int x, int y) {
-  realv largest = 0.0f;
-#if HAS_DIRECT
-  const hbil_environment_args e = args.environment;
-  const int count = args.view.width - x;
-  intv usable = TRUE_LANES;
-#pragma unroll
-  for (int c = 0; c < 3; ++c)
-    if (e.channel[c].sh[0] > 0.0f)
-      largest = max(
-          largest,
-          INV_PI / e.channel[c].sh[0] *
-              usable_light(args.direct_scale *
-                               load_direct(direct, args.direct, x, y, c, count),
-                           &usable));
-#endif
-  return largest;
-}
-
-/* Depth of the pixels from (x, y) on; 0 at the sky and outside the picture. */
-INLINE realv depth_of_pixels(const hbil_composite_args args,
-                             global const void *depth, int x, int y) {
-  return planar_depth(
-      stored_depth(depth, args.depth, args.decode, x, y, args.view.width - x),
-      ray_x(args.view, x, 1), ray_y(args.view, y), args.decode);
-}
-
-/* sky_light_at(), as the mean over the pixel and its neighbours above, below
- * and to the right, as far as they are at its depth: direct light of few
- * samples is noisy.  0 if no sky is given. */
-INLINE realv mean_sky_light(const hbil_composite_args args, const inputs *in,
-                            global const void *depth, realv z, int x, int y) {
-  const hbil_environment_args e = args.environment;
-  if (!(e.channel[0].sh[0] + e.channel[1].sh[0] + e.channel[2].sh[0] > 0.0f))
-    return 0.0f;
-  realv sum = sky_light_at(args, in->direct, x, y), count = 1.0f;
-  for (int i = 0; i < 3; ++i) {
-    const int nx = x + (i == 2);
-    const int ny = clamp(y + (i == 0) - (i == 1), 0, args.view.height - 1);
-    const realv off =
-        (depth_of_pixels(args, depth, nx, ny) - z) / (HBIL_PLANE_TOLERANCE * z);
-    const realv share = max(fma(-off, off, (realv)1.0f), (realv)0.0f);
-    sum = fma(share, sky_light_at(args, in->direct, nx, ny), sum);
-    count += share;
-  }
-  return select((realv)0.0f, sum / count, z > 0.0f);
-}
-#endif
 
 /* Far irradiance of the three channels, and the radiance that shows where there
  * is no surface.  unlit: the share of the hemisphere, of `ao`, whose radiance
@@ -235,8 +158,9 @@ INLINE void far_light(const hbil_composite_args args,
   realv frame[3];
   frame_light(estimate, bent[0], bent[1], bent[2], frame);
   *unlit = min(other * ao,
-               unlit_share(estimate, mean_sky_light(args, in, depth, z, x, y),
-                           ao, args.sky_share));
+               unlit_share(estimate,
+                           mean_sky_light(args, in->direct, depth, z, x, y), ao,
+                           args.sky_share));
 #endif
 #pragma unroll
   for (int c = 0; c < 3; ++c) {

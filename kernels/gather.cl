@@ -55,6 +55,10 @@ INLINE void gather_slice(const hbil_gather_args args, const receiver *c,
       else
         untouched[v] &= top.all[v] <= c[v].least_excess;
       add_side(&s[v], &m[v], h[v].start, more, less, side ? -1.0f : 1.0f);
+#if OUT_GLOSSY
+      add_glossy_side(&t[v].glossy, &m[v].glossy, &m[v].lobe, s[v].jacobian,
+                      more);
+#endif
     }
     steps += side_steps;
   }
@@ -142,12 +146,12 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     found.quadrants = 0u;
   const span_march how = {
       split + (uint)y * in.row + (uint)x, is_dark ? 0u : in.plane, x, y,
-      /* a single slice has a weight even if nothing was searched */
-      WEIGHT_PLANE && skips_all ? 0 : args.steps, span.reach,
+      /* slices have weights even if nothing was searched */
+      WEIGHTS_COUNT && skips_all ? 0 : args.steps, span.reach,
       ((float)hbil_shift_slot(layer) + 0.5f) / 16.0f, found};
-  const int slices = !skips_all                                   ? args.slices
-                     : WEIGHT_PLANE && !(skipped & HBIL_SPAN_SKY) ? args.slices
-                                                                  : 0;
+  const int slices = !skips_all                                    ? args.slices
+                     : WEIGHTS_COUNT && !(skipped & HBIL_SPAN_SKY) ? args.slices
+                                                                   : 0;
   steps = steps_of(args, steps, nearest, layer);
   for (int i = 0; i < slices; ++i) {
     gather_slice(args, c, steps, args.steps + 1, &how, t, untouched, cache);

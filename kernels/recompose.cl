@@ -20,6 +20,10 @@
  * begin.  UNKNOWN_PLANE is the plane of the share that back-facing samples
  * block, or 0 if no output has it.
  *
+ * With OUT_GLOSSY the sums over lobes of all neighbours are divided by their
+ * whole lobes' (gather/glossy.clh).  GLOSSY_PLANE and GLOSSY_RESOLVED are where
+ * they begin in the gathered and in the resolved planes.
+ *
  * Launch: x = groups of 4 pixels of a row, y = rows.  If HBIL_WIDTH is more
  * than 1: x = groups of 4*SPAN pixels, y = HBIL_RECOMPOSE_ROWS rows.
  * In: split planes, gathered light planes.  Out: light planes, full
@@ -45,6 +49,10 @@
 #endif
 #if !defined(UNKNOWN_PLANE) || (UNKNOWN_PLANE && !FALLBACK_FRAME_MEAN)
 #error UNKNOWN_PLANE must be 0 without FALLBACK_FRAME_MEAN
+#endif
+
+#if !defined(OUT_GLOSSY) || OUT_GLOSSY < 0 || OUT_GLOSSY > 1
+#error OUT_GLOSSY must be 0..1
 #endif
 
 #define PI 3.14159265f
@@ -73,9 +81,14 @@ enum {
   TAP_WEIGHT = TAP_LIGHT + HBIL_LIGHT_PLANES,
 #endif
 #if WEIGHT_PLANE
-  TAP_PLANES = TAP_WEIGHT + 1
+  TAP_GLOSSY = TAP_WEIGHT + 1,
 #else
-  TAP_PLANES = TAP_WEIGHT
+  TAP_GLOSSY = TAP_WEIGHT,
+#endif
+#if OUT_GLOSSY
+  TAP_PLANES = TAP_GLOSSY + HBIL_GATHERED_GLOSSY_PLANES
+#else
+  TAP_PLANES = TAP_GLOSSY
 #endif
 };
 #define TAP(t, p) LOADV((t) + (p)*TAP_SPAN)
@@ -90,6 +103,9 @@ typedef struct sums {
 #if OUT_ERROR
   realv square_ao, square_near; /* of AO, of the channels of E_near */
 #endif
+#if OUT_GLOSSY
+  realv glossy[HBIL_GATHERED_GLOSSY_PLANES];
+#endif
 } sums;
 
 INLINE void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
@@ -102,11 +118,18 @@ INLINE void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     STOREV(normal[c], t + (TAP_NORMAL + c) * TAP_SPAN);
-  gathered_light(light + layer_address(lit, i, j, x, y), lit.plane, value);
+  light += layer_address(lit, i, j, x, y);
+  gathered_light(light, lit.plane, value);
 #define STORE_TAP(p) STOREV(value[p], t + (TAP_LIGHT + p) * TAP_SPAN);
   EACH_GATHERED(STORE_TAP)
 #if WEIGHT_PLANE
   STOREV(value[HBIL_LIGHT_WEIGHT], t + TAP_WEIGHT * TAP_SPAN);
+#endif
+#if OUT_GLOSSY
+#pragma unroll
+  for (int p = 0; p < HBIL_GATHERED_GLOSSY_PLANES; ++p)
+    STOREV(LOADV(light + (uint)(GLOSSY_PLANE + p) * lit.plane),
+           t + (TAP_GLOSSY + p) * TAP_SPAN);
 #endif
 }
 
@@ -179,6 +202,11 @@ INLINE void errors_of(const sums *s, const hbil_error_args errors, realv *ao,
 INLINE void add_light(sums *s, const float *t, realv weight) {
 #define ADD_PLANE(p)                                                           \
   s->plane[p] = fma(weight, TAP(t, TAP_LIGHT + p), s->plane[p]);
+#if OUT_GLOSSY
+#pragma unroll
+  for (int p = 0; p < HBIL_GATHERED_GLOSSY_PLANES; ++p)
+    s->glossy[p] = fma(weight, TAP(t, TAP_GLOSSY + p), s->glossy[p]);
+#endif
 #if WEIGHT_PLANE
   IF_BENT(ADD_PLANE)
   weight *= TAP(t, TAP_WEIGHT);
@@ -241,6 +269,14 @@ INLINE void normalize_bent(sums *s) {
 
 /* Turns sums into means. */
 INLINE void mean(sums *s) {
+#if OUT_GLOSSY
+  /* a whole lobe is 1e-7 and more, except at the sky */
+  const realv inv_whole =
+      1.0f / max(s->glossy[HBIL_GLOSSY_WHOLE], (realv)FLT_MIN);
+#pragma unroll
+  for (int p = 0; p < HBIL_GLOSSY_PLANES; ++p)
+    s->glossy[p] *= inv_whole;
+#endif
 #if !UNFILTERED
   const realv inv_total = 1.0f / s->total;
 #define DIVIDE_PLANE(p) s->plane[p] *= inv_total;
@@ -261,6 +297,11 @@ INLINE void finish(sums *s, global const float *estimate) {
 #define CLEAR_PLANE(p)                                                         \
   s->plane[p] = select(s->plane[p], (realv)((p) == HBIL_LIGHT_AO), sky);
   EACH_RESOLVED(CLEAR_PLANE)
+#if OUT_GLOSSY
+#pragma unroll
+  for (int p = 0; p < HBIL_GLOSSY_PLANES; ++p)
+    s->glossy[p] = select(s->glossy[p], (realv)0.0f, sky);
+#endif
 #if UNKNOWN_PLANE
   CLEAR_PLANE(HBIL_LIGHT_UNKNOWN)
 #endif
@@ -305,6 +346,11 @@ INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
   EACH_GATHERED(START_PLANE)
 #if OUT_ERROR
   s.square_ao = s.square_near = 0.0f;
+#endif
+#if OUT_GLOSSY
+#pragma unroll
+  for (int p = 0; p < HBIL_GATHERED_GLOSSY_PLANES; ++p)
+    s.glossy[p] = 0.0f;
 #endif
   s.total = 0.0f;
   /* the pixel itself always has weight 1 */
@@ -360,6 +406,13 @@ INLINE void resolve(const hbil_view_args view, const hbil_layer_args in,
 #if GATHER_RADIANCE
   store_columns(near_irradiance, to + (ERROR_PLANE + 1) * out.plane);
 #endif
+#endif
+#if OUT_GLOSSY
+  for (int p = 0; p < HBIL_GLOSSY_PLANES; ++p) {
+    const realv lobes[4] = {value[0].glossy[p], value[1].glossy[p],
+                            value[2].glossy[p], value[3].glossy[p]};
+    store_columns(lobes, to + (uint)(GLOSSY_RESOLVED + p) * out.plane);
+  }
 #endif
 #if UNKNOWN_PLANE
   store_plane(value, HBIL_LIGHT_UNKNOWN, to + UNKNOWN_PLANE * out.plane);

@@ -24,8 +24,7 @@
  * length.
  */
 #include "lib/external_planes.clh"
-#include "lib/interleave.clh"
-#include "lib/layers.clh"
+#include "lib/guides.clh"
 #include "lib/plane_addressing.clh"
 #include "lib/camera.clh"
 #include "lib/sanitize.clh"
@@ -37,41 +36,30 @@
 #if !defined(DISOCCLUSION) || DISOCCLUSION < 0 || DISOCCLUSION > 1
 #error DISOCCLUSION must be 0..1
 #endif
+#if !defined(OUT_GLOSSY) || OUT_GLOSSY < 0 || OUT_GLOSSY > 1
+#error OUT_GLOSSY must be 0..1
+#endif
 #if !defined(HISTORY) || HISTORY < 0 || HISTORY > 1
 #error HISTORY must be 0..1
+#endif
+
+/* The planes that are averaged: those of each configuration, and behind the
+ * bent normal those of glossy light. */
+#if OUT_GLOSSY
+#define EACH_AVERAGED(do_this)                                                 \
+  EACH_RESOLVED(do_this) do_this(7) do_this(8) do_this(9) do_this(10)
+#define AVERAGED_PLANES (HBIL_LIGHT_PLANES + HBIL_GLOSSY_PLANES)
+#if GLOSSY_RESOLVED != 7
+#error glossy light must be behind the bent normal
+#endif
+#else
+#define EACH_AVERAGED(do_this) EACH_RESOLVED(do_this)
+#define AVERAGED_PLANES HBIL_LIGHT_PLANES
 #endif
 
 #if REPROJECT_MOTION
 LOADER(motion, MOTION_TYPE, MOTION_STRIDE)
 #endif
-
-/* --- what is known of the pixels of this frame --------------------------- */
-
-/* What four layers have of 4*HBIL_WIDTH pixels, as they lie in the image. */
-INLINE void as_pixels(const realv *layer, realv *pixels) {
-  INTERLEAVE(layer, pixels);
-}
-
-/* Inverse depths and unit normals of 4*HBIL_WIDTH pixels of row y from x on. */
-INLINE void load_guides(const hbil_layer_args in, global const float *split,
-                        int x, int y, realv w[4], realv n[3][4]) {
-  realv depth[4], normal[3][4];
-  split += layer_address(in, 0, y & 3, x >> 2, y >> 2);
-#pragma unroll
-  for (int i = 0; i < 4; ++i) {
-    global const float *at = split + (uint)i * in.layer;
-    realv axis[3];
-    depth[i] = LOADV(at + HBIL_SPLIT_W * in.plane);
-    split_normal(at, in.plane, axis);
-#pragma unroll
-    for (int k = 0; k < 3; ++k)
-      normal[k][i] = axis[k];
-  }
-  as_pixels(depth, w);
-#pragma unroll
-  for (int k = 0; k < 3; ++k)
-    as_pixels(normal[k], n[k]);
-}
 
 /* --- where they were ----------------------------------------------------- */
 
@@ -121,7 +109,7 @@ INLINE realv to_subpixel(realv v) {
 /* The history of a vector of pixels: the number of frames (0: there is none)
  * and the mean over them. */
 typedef struct past_light {
-  realv frames, value[HBIL_LIGHT_PLANES];
+  realv frames, value[AVERAGED_PLANES];
 } past_light;
 
 /* How the positions of a vector are read: four pixels around each from a
@@ -217,7 +205,7 @@ INLINE past_light recall_from(const hbil_view_args before, const past *then,
       select(m.value[p], fma(four->weight[t], tap[t], m.value[p]), same[t]);   \
   m.value[p] /= total;                                                         \
   size += fabs(m.value[p]);
-  EACH_RESOLVED(RECALL)
+  EACH_AVERAGED(RECALL)
   /* false for NaN */
   m.frames = select((realv)0.0f, m.frames, size < INFINITY);
   return m;
@@ -233,7 +221,7 @@ INLINE past_light recall(const hbil_view_args before, const past *then,
     past_light nothing;
     nothing.frames = 0.0f;
 #define FORGET(p) nothing.value[p] = 0.0f;
-    EACH_RESOLVED(FORGET)
+    EACH_AVERAGED(FORGET)
     return nothing;
   }
   if (find_window(position, four->inside, planes.row, &from.fit)) {
@@ -275,14 +263,14 @@ INLINE void blend(const past_light *m, realv w, const realv n[3], intv solid,
   const realv frames =
       select((realv)1.0f, min(m->frames + 1.0f, (realv)most), found);
   const realv share = 1.0f / frames;
-  realv fresh[HBIL_LIGHT_PLANES], mean[HBIL_LIGHT_PLANES], size = 0.0f;
+  realv fresh[AVERAGED_PLANES], mean[AVERAGED_PLANES], size = 0.0f;
 #define BLEND(p)                                                               \
   fresh[p] = READV(resolved + (p)*planes.plane);                               \
   mean[p] = select(fresh[p], fma(fresh[p] - m->value[p], share, m->value[p]),  \
                    found);                                                     \
   size += fabs(mean[p]);                                                       \
   STREAMV(mean[p], history + (HBIL_TEMPORAL_LIGHT + (p)) * planes.plane);
-  EACH_RESOLVED(BLEND)
+  EACH_AVERAGED(BLEND)
   STREAMV(w, history + HBIL_TEMPORAL_W * planes.plane);
   STREAMV(AS_REALV(AS_INTV(pack_normal(n[0], n[1], n[2]))),
           history + HBIL_TEMPORAL_NORMAL * planes.plane);
@@ -293,7 +281,7 @@ INLINE void blend(const past_light *m, realv w, const realv n[3], intv solid,
 #endif
 #define SHOW(p)                                                                \
   STOREV(select(fresh[p], mean[p], found), resolved + (p)*planes.plane);
-  EACH_RESOLVED(SHOW)
+  EACH_AVERAGED(SHOW)
 }
 
 kernel void temporal(const hbil_temporal_args args, global const float *split,

@@ -204,6 +204,11 @@ typedef struct hbil_outputs {
    * shows, from the far field, or is known to be none (doc/method.md, section
    * 11). */
   hbil_plane_format unknown;
+  /* 3 channels: the mean indirect radiance that a mirror of model.roughness
+   * reflects to the eye, without its colour.  For HBIL_MODE_HBIL and the
+   * providers NONE and RAYS; excludes horizon_cache_bytes (doc/method.md,
+   * section 23). */
+  hbil_plane_format glossy;
 
   hbil_space bent_normal_space; /* default VIEW */
 } hbil_outputs;
@@ -323,6 +328,8 @@ typedef struct hbil_model {
    * get the light that it knows (hbil_cache.h), found in this way.  For
    * HBIL_MODE_HBIL; default HBIL_PROVIDER_NONE; model */
   hbil_provider provider;
+  /* Of outputs.glossy: the root of GGX's alpha; 0.3..1; default 0.5 */
+  float roughness;
 } hbil_model;
 
 /* Named models of light and occluders. */

@@ -118,7 +118,7 @@ typedef struct hbil_frame {
    * must have a buffer. */
   hbil_plane depth, normal, albedo, f0, direct, emission, motion;
   hbil_plane near_irradiance, far_irradiance, ao, bent_normal, cone_cosine,
-      indirect, beauty, error_estimate, unknown;
+      indirect, beauty, error_estimate, unknown, glossy;
   /* The far field, RGB radiance in world space.  HBIL_FAR_CONSTANT reads
    * environment[0].  HBIL_FAR_FRAME reads environment[0] as the radiance of a
    * sky that `direct` already contains, 0 if it contains none.  HBIL_FAR_SH

@@ -46,8 +46,12 @@ extern "C" {
  * GATHERED has two optional values.  The share of the hemisphere whose light is
  * unknown is stored with HBIL_FALLBACK_FRAME_MEAN, unless facing_fade[1] is -1;
  * recompose fills this light in.  The weight of the slice, 1 on average, is
- * stored as the last value with a single slice and the filter.  It is always a
- * float.
+ * stored behind it with a single slice and the filter.  It is always a float.
+ *
+ * With the output glossy, GATHERED ends with five floats, sums over the lobes
+ * of the pixel's half-slices: radiance RGB, the part of the lobe whose light is
+ * known, and the whole lobe.  In RESOLVED and TEMPORAL_HISTORY, the first four
+ * over the fifth follow the bent normal.
  *
  * TEMPORAL_HISTORY alternates between two buffers, and so does HISTORY if an
  * output is an HBIL_IMAGE.  Call hbil_plan_buffer() again after every frame.
@@ -72,12 +76,13 @@ extern "C" {
  *   GATHERED, RESOLVED  4 without bent normals (packed GATHERED: 2), and 1 with
  *                       AO alone (packed GATHERED: 1)
  *   TEMPORAL_HISTORY    3 more than RESOLVED
- * The weight of a single slice comes on top, as do the 1 or 2 values of
- * error_estimate in RESOLVED.  If GATHERED has the unknown share and there is
- * an output `unknown`, RESOLVED ends with that share, filtered.  HISTORY and
- * CARRIED exist if light is carried over: with a reprojection, and with
- * near_irradiance, indirect or beauty among the outputs (far_irradiance too
- * with HBIL_FAR_FRAME, and `unknown` where anything can be a guess).
+ * The weight of a single slice and glossy light come on top, as do the 1 or 2
+ * values of error_estimate in RESOLVED.  If GATHERED has the unknown share and
+ * there is an output `unknown`, RESOLVED ends with that share, filtered.
+ * HISTORY and CARRIED exist if light is carried over: with a reprojection, and
+ * with near_irradiance, indirect, beauty or glossy among the outputs
+ * (far_irradiance too with HBIL_FAR_FRAME, and `unknown` where anything can be
+ * a guess).
  *
  * Value p of pixel (x,y) has this index in full-resolution stages:
  *   p * plane_pitch + y * row_pitch + x + origin

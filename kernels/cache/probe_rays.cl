@@ -12,31 +12,7 @@
  */
 #include "lib/cache_rays.clh"
 #include "lib/probe_place.clh"
-
-/* The rays among `near` whose ends the frame shows. */
-INLINE intv shown_rays(const hbil_probes_args args, global const float *split,
-                       const ray_ends *ends, float3 origin, points d,
-                       intv near) {
-  float x[HBIL_WIDTH], y[HBIL_WIDTH], z[HBIL_WIDTH], t[HBIL_WIDTH];
-  float size[HBIL_WIDTH], is[HBIL_WIDTH];
-  if (!ANY(near))
-    return 0;
-  STOREV(d.x, x);
-  STOREV(d.y, y);
-  STOREV(d.z, z);
-  STOREV(ends->distance, t);
-  STOREV(ends->size, size);
-  STOREV(select((realv)0.0f, (realv)1.0f, near), is);
-  for (int i = 0; i < HBIL_WIDTH; ++i) {
-    const float3 way = (float3)(x[i], y[i], z[i]);
-    if (is[i] != 0.0f &&
-        !is_shown(args, split, transformed(args.to_view, origin + way * t[i]),
-                  rotated(args.to_view, way),
-                  HBIL_CACHE_SHOWN * size[i] / args.scale))
-      is[i] = 0.0f;
-  }
-  return LOADV(is) != 0.0f;
-}
+#include "lib/shown_rays.clh"
 
 /* Sums over vectors of rays: an order-1 function. */
 typedef struct rays_sum {

@@ -189,6 +189,17 @@ HBIL_ASSERT_LAYOUT(hbil_light_views_args, light, 1, 85)
 /* Rays of a probe. */
 #define HBIL_PROBE_RAYS 32
 
+/* Rays of a probe for the output `glossy`, and the floats of such a probe.
+ * Position, validity and normal are those of HBIL_PROBE_. */
+#define HBIL_GLOSSY_RAYS 32
+enum {
+  HBIL_GLOSSY_PROBE_AXIS = 8,     /* reflected direction, view space; 3 */
+  HBIL_GLOSSY_PROBE_KNOWN = 11,   /* as HBIL_PROBE_KNOWN, of the lobe */
+  HBIL_GLOSSY_PROBE_UNKNOWN = 12, /* likewise */
+  HBIL_GLOSSY_PROBE_LIGHT = 13,   /* likewise; 3 */
+  HBIL_GLOSSY_PROBE_FLOATS = 16
+};
+
 /* cache/probe_*.cl, cache/filter_probes.cl */
 typedef struct hbil_probes_args {
   hbil_cache_args cache;
@@ -201,8 +212,9 @@ typedef struct hbil_probes_args {
   hbil_float scale;  /* voxels of level 0 per world unit */
   hbil_float radius; /* of the near field, in voxels of level 0 */
   hbil_int rays;
+  hbil_float lobe; /* as in hbil_gather_args */
 } hbil_probes_args;
-HBIL_ASSERT_LAYOUT(hbil_probes_args, rays, 77, 78)
+HBIL_ASSERT_LAYOUT(hbil_probes_args, lobe, 78, 79)
 
 #ifndef __OPENCL_VERSION__
 /* What the bytes of hbil_cache_save() begin with.  States, a byte a voxel for

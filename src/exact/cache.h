@@ -200,6 +200,12 @@ typedef struct exact_probe_light {
 /* The mean of (1, direction) over the open directions, a share `ao` of the
  * hemisphere about the bent normal. */
 void exact_open_mean(double ao, vec3 bent, double mean[4]);
+/* The bilinear weight of probe i at a pixel; 0 where it isn't valid. */
+double exact_probe_corner(const exact_probes *probes, int i, int x, int y);
+/* How much a probe is that of a surface at p, in view space, that faces along
+ * `facing`. */
+double exact_probe_weight(const exact_frame *frame, const exact_probe *probe,
+                          vec3 p, vec3 facing);
 /* All 0 without frame->probes. */
 exact_probe_light exact_light_of_probes(const exact_frame *frame, int x, int y,
                                         double ao, vec3 bent);

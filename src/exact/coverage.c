@@ -9,6 +9,8 @@
  */
 #include "exact/coverage.h"
 
+#include "exact/lobe.h"
+
 #include <string.h>
 
 coverage_kind exact_coverage_kind(const hbil_config *config,
@@ -35,9 +37,13 @@ coverage exact_coverage(coverage_kind kind, const half_slice *h,
 static double raise_horizon(coverage *c, const half_slice *h, double distance,
                             double excess) {
   const double before = c->horizon.measure;
+  const angle top = c->horizon.top;
   c->horizon.top = exact_horizon(h, distance, excess);
   c->horizon.measure = exact_measure(h, c->horizon.top);
   c->threshold = excess;
+  if (c->glossy)
+    c->lobe =
+        exact_lobe_integral(h, top) - exact_lobe_integral(h, c->horizon.top);
   return before - c->horizon.measure;
 }
 
@@ -47,8 +53,15 @@ double exact_cover(coverage *c, const half_slice *h, double distance,
     return raise_horizon(c, h, distance, front);
   if (c->kind == COVERAGE_INTERVALS)
     return exact_intervals_cover(&c->intervals, h, distance, front, back);
-  return exact_sectors_cover(&c->sectors, h, exact_horizon(h, distance, front),
-                             exact_horizon(h, distance, back));
+  const angle high = exact_horizon(h, distance, front);
+  const angle low = exact_horizon(h, distance, back);
+  const double fresh = exact_sectors_cover(&c->sectors, h, high, low);
+  /* as much of the interval's lobe as of its measure */
+  if (c->glossy)
+    c->lobe = fresh /
+              fmax(exact_measure(h, low) - exact_measure(h, high), 1e-5) *
+              (exact_lobe_integral(h, low) - exact_lobe_integral(h, high));
+  return fresh;
 }
 
 vec3 exact_open_bent(const coverage *c, const half_slice *h) {

@@ -21,6 +21,8 @@ typedef struct coverage {
   } horizon;
   sectors sectors;
   intervals intervals;
+  bool glossy;
+  double lobe; /* of the lobe, what was covered last; not of intervals */
 } coverage;
 
 /* The kind that the settings need; finite: the one for finite thickness. */

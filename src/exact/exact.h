@@ -79,7 +79,8 @@ enum {
   EXACT_INDIRECT = 11,
   EXACT_BEAUTY = 14,
   EXACT_UNKNOWN = 17,
-  EXACT_OUTPUT_PLANES = 18
+  EXACT_GLOSSY = 18,
+  EXACT_OUTPUT_PLANES = 21
 };
 
 /* What the frame's surfaces send on average (estimate.c): sums over an eighth

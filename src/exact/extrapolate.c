@@ -23,7 +23,10 @@ void exact_extrapolate(const receiver *r, const sampling *how, march *m) {
   /* where all sectors are covered, a rounding error is left of open */
   m->open_scale = open > 1e-12 * whole ? left / open : 1.0;
   m->blocked *= more;
-  m->unknown *= more;
-  for (int i = 0; i < 3; ++i)
-    m->light[i] *= more;
+  m->got.unknown *= more;
+  m->got.lobe_known *= more;
+  for (int i = 0; i < 3; ++i) {
+    m->got.light[i] *= more;
+    m->got.lobe_light[i] *= more;
+  }
 }

@@ -8,6 +8,8 @@
  */
 #include <string.h>
 
+#include "exact/glossy.h"
+#include "exact/lobe.h"
 #include "exact/passes.h"
 #include "exact/planes.h"
 
@@ -18,8 +20,8 @@ exact_status exact_state_create(exact_state *state, int width, int height) {
   } list[] = {{&state->history, HBIL_HISTORY_PLANES},
               {&state->carried, HBIL_CARRIED_PLANES},
               {&state->split, HBIL_SPLIT_PLANES},
-              {&state->gathered, HBIL_GATHERED_PLANES},
-              {&state->resolved, HBIL_LIGHT_UNKNOWN + 1},
+              {&state->gathered, EXACT_GLOSSY_GATHERED},
+              {&state->resolved, EXACT_GLOSSY_RESOLVED},
               {&state->out, EXACT_OUTPUT_PLANES}};
   exact_status status = EXACT_SUCCESS;
   memset(state, 0, sizeof(*state));
@@ -80,6 +82,8 @@ static void finish(exact_state *state, exact_frame *frame) {
   exact_estimate_frame(frame, &state->split, &state->gathered);
   exact_recompose(frame, &state->split, &state->gathered, &state->resolved);
   exact_composite(frame, &state->resolved, &state->out, &state->history);
+  if (exact_is_glossy(frame->config))
+    exact_glossy(frame, &state->split, &state->resolved, NULL, &state->out);
   state->camera = frame->camera;
   state->bounces = frame->bounces + 1;
   state->has_history =

@@ -16,6 +16,7 @@
  */
 #include "exact/hemisphere.h"
 
+#include "exact/glossy.h"
 #include "exact/passes.h"
 #include "exact/planes.h"
 #include "exact/settings.h"
@@ -46,9 +47,13 @@ static void add_bent_and_light(hemisphere *sum, const march *m) {
   sum->bent = vec_add(sum->bent, h->weight, m->open_bent);
   sum->bent_whole =
       vec_add(sum->bent_whole, h->weight, exact_bent_integral(h, h->start));
-  sum->unknown += h->weight * m->unknown;
+  sum->unknown += h->weight * m->got.unknown;
   for (int i = 0; i < 3; ++i)
-    sum->light[i] += h->weight * m->light[i];
+    sum->light[i] += h->weight * m->got.light[i];
+  for (int i = 0; i < 3; ++i)
+    sum->lobe[HBIL_GLOSSY_RED + i] += h->weight * m->got.lobe_light[i];
+  sum->lobe[HBIL_GLOSSY_KNOWN] += h->weight * m->got.lobe_known;
+  sum->lobe[HBIL_GLOSSY_WHOLE] += h->weight * m->lobe_whole;
 }
 
 void exact_add_slice(hemisphere *sum, const hbil_config *config,
@@ -91,6 +96,9 @@ void exact_store_gathered(const receiver *r, const hemisphere *sum, int slices,
         sum->unknown / sum->whole;
   if (gathered->count > HBIL_LIGHT_WEIGHT && exact_weighs_slices(config))
     *exact_at(gathered, HBIL_LIGHT_WEIGHT, r->x, r->y) = sum->whole;
+  for (int i = 0; i < HBIL_GATHERED_GLOSSY_PLANES; ++i)
+    if (gathered->count > EXACT_GLOSSY_PLANES + i)
+      *exact_at(gathered, EXACT_GLOSSY_PLANES + i, r->x, r->y) = sum->lobe[i];
 }
 
 void exact_store_sky(const receiver *r, exact_planes *gathered) {

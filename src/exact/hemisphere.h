@@ -3,12 +3,14 @@
 #define HBIL_EXACT_HEMISPHERE_H
 
 #include "exact/march.h"
+#include "shared.h"
 
 /* Sums over half-slices, each weighed by its J. */
 typedef struct hemisphere {
-  double whole, open;    /* measure of the hemisphere, and of its open part */
-  double unknown;        /* measure whose light is not known */
-  double light[3];       /* radiance times measure */
+  double whole, open; /* measure of the hemisphere, and of its open part */
+  double unknown;     /* measure whose light is not known */
+  double light[3];    /* radiance times measure */
+  double lobe[HBIL_GATHERED_GLOSSY_PLANES];
   vec3 bent, bent_whole; /* bent integral of the open part, and of everything */
 } hemisphere;
 

@@ -26,6 +26,7 @@
 #include <string.h>
 
 #include "exact/camera.h"
+#include "exact/lobe.h"
 #include "exact/planes.h"
 #include "exact/settings.h"
 #include "lib/sampling_pattern.h"
@@ -118,10 +119,9 @@ static double facing_fade(const hbil_config *c, double cosine) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-/* Adds the light of an occluder that covers `fresh` to the sums light[3] and
- * unknown. */
+/* Adds the light of an occluder that covers `fresh`, and `lobe` of the lobe. */
 static void add_light(const receiver *r, march *m, const occluder *o,
-                      double fresh, double *light, double *unknown) {
+                      double fresh, double lobe, received *got) {
   const hbil_config *c = r->frame->config;
   const double t = facing_fade(c, -vec_dot(o->s.normal, o->to) / o->range);
   for (int i = 0; i < 3; ++i) {
@@ -129,9 +129,11 @@ static void add_light(const receiver *r, march *m, const occluder *o,
     m->last[i] = c->model.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED
                      ? m->last[i] + t * (own - m->last[i])
                      : t * own;
-    light[i] += m->last[i] * fresh;
+    got->light[i] += m->last[i] * fresh;
+    got->lobe_light[i] += m->last[i] * lobe;
   }
-  *unknown += (1.0 - t) * fresh;
+  got->lobe_known += lobe * (exact_fills_unknown(c) ? t : 1.0);
+  got->unknown += (1.0 - t) * fresh;
 }
 
 /* The inverse depth of a pixel, or `none` where it has no surface. */
@@ -166,16 +168,29 @@ static void cover_joined(march *m) {
     return;
   const double fresh = exact_cover(&m->covers, &m->h, 1.0, j->high, j->low);
   const double scale = fresh / j->weight;
+  const double of_lobe =
+      j->lobe_weight > 0.0 ? m->covers.lobe / j->lobe_weight : 0.0;
   m->covered += fresh;
   m->blocked += scale * j->blocked;
-  m->unknown += scale * j->unknown;
-  for (int i = 0; i < 3; ++i)
-    m->light[i] += scale * j->light[i];
-  *j = (joined){j->low, j->high, 0.0, {0.0, 0.0, 0.0}, 0.0, 0.0};
+  m->got.unknown += scale * j->got.unknown;
+  m->got.lobe_known += of_lobe * j->got.lobe_known;
+  for (int i = 0; i < 3; ++i) {
+    m->got.light[i] += scale * j->got.light[i];
+    m->got.lobe_light[i] += of_lobe * j->got.lobe_light[i];
+  }
+  *j = (joined){.low = j->low, .high = j->high};
 }
 
-/* Joins an occluder, and returns its weight. */
-static double join(march *m, const occluder *o, double back) {
+/* The lobe per solid angle at an angle of the half-slice. */
+static double lobe_at(const half_slice *h, angle a) {
+  const vec3 w = vec_add(vec_scale(a.cosine, h->wo), a.sine, h->along);
+  const double cosine = vec_dot(exact_reflected(h->point->normal, h->wo), w);
+  return 1.0 / pow(1.0 + h->lobe * (1.0 - cosine), 2.0);
+}
+
+/* Joins an occluder, and returns its weight; that of its lobe goes to `lobe`.
+ */
+static double join(march *m, const occluder *o, double back, double *lobe) {
   const half_slice *h = &m->h;
   joined *j = &m->joined;
   const double front = o->excess + o->spread;
@@ -197,6 +212,10 @@ static double join(march *m, const occluder *o, double back) {
   j->high = high;
   const double weight = per_excess * added * fmax(density, 0.0);
   j->weight += weight;
+  *lobe = m->covers.glossy
+              ? per_excess * added * pow(a.sine, 3.0) * lobe_at(h, a)
+              : 0.0;
+  j->lobe_weight += *lobe;
   return weight;
 }
 
@@ -213,10 +232,11 @@ static void meet(const receiver *r, march *m, occluder *o,
   if (r->kind == COVERAGE_SECTORS) {
     if (near && c->model.extrapolate)
       o->spread = spread_of(r, o, near);
-    const double weight = join(m, o, back);
+    double lobe;
+    const double weight = join(m, o, back, &lobe);
     m->joined.blocked += falloff(c, o->range) * weight;
     if (exact_gathers_light(c) && weight > 0.0)
-      add_light(r, m, o, weight, m->joined.light, &m->joined.unknown);
+      add_light(r, m, o, weight, lobe, &m->joined.got);
     return;
   }
   const double fresh =
@@ -224,7 +244,7 @@ static void meet(const receiver *r, march *m, occluder *o,
   m->covered += fresh;
   m->blocked += falloff(c, o->range) * fresh;
   if (exact_gathers_light(c) && fresh > 0.0)
-    add_light(r, m, o, fresh, m->light, &m->unknown);
+    add_light(r, m, o, fresh, m->covers.lobe, &m->got);
 }
 
 void exact_march_visit(const receiver *r, march *m, int x, int y,
@@ -260,6 +280,11 @@ march exact_march_begin(const receiver *r, double ux, double uy) {
       exact_coverage(r->kind, &m.h, r->least, hbil_shift_slot(layer), r->list);
   m.open_scale = 1.0;
   m.joined.high = r->least;
+  if (exact_is_glossy(c)) {
+    m.covers.glossy = true;
+    m.h.lobe = exact_lobe(c, m.h.ny);
+    m.lobe_whole = exact_lobe_integral(&m.h, m.h.start);
+  }
   for (int i = 0; i < 3 && exact_gathers_light(c); ++i)
     m.last[i] = *exact_at(r->split, HBIL_SPLIT_RED + i, r->x, r->y);
   return m;
@@ -267,5 +292,12 @@ march exact_march_begin(const receiver *r, double ux, double uy) {
 
 void exact_march_end(march *m) {
   cover_joined(m);
+  /* no more of the lobe is known than there is */
+  const double most = m->got.lobe_known > m->lobe_whole
+                          ? m->lobe_whole / m->got.lobe_known
+                          : 1.0;
+  m->got.lobe_known *= most;
+  for (int i = 0; i < 3; ++i)
+    m->got.lobe_light[i] *= most;
   m->open_bent = vec_scale(m->open_scale, exact_open_bent(&m->covers, &m->h));
 }

@@ -29,11 +29,19 @@ typedef struct neighbours {
   double half_step;
 } neighbours;
 
-/* Samples of finite thickness that overlap, in excess: what they cover, the sum
- * of their weights, and what they send, times their weights. */
+/* Sums over what is covered: radiance times measure, and the measure whose
+ * light is not known.  The same of the lobe of glossy light, but what is known.
+ */
+typedef struct received {
+  double light[3], unknown;
+  double lobe_light[3], lobe_known;
+} received;
+
+/* Samples of finite thickness that overlap, in excess: what they cover, the
+ * sums of their weights, and what they send, times their weights. */
 typedef struct joined {
-  double low, high, weight;
-  double light[3], unknown, blocked;
+  double low, high, weight, lobe_weight, blocked;
+  received got;
 } joined;
 
 /* A half-slice and what was met on it so far.  Measures are those of
@@ -44,9 +52,9 @@ typedef struct march {
   joined joined;     /* COVERAGE_SECTORS: not covered yet */
   double covered;    /* measure */
   double blocked;    /* the same, weighed by the falloff */
-  double unknown;    /* the part of covered whose light is not known */
-  double light[3];   /* of the covered part */
+  received got;      /* of the covered part */
   double last[3];    /* radiance accepted last */
+  double lobe_whole; /* the lobe */
   double open_scale; /* factor of the open part, by extrapolation; else 1 */
   vec3 open_bent;    /* exact_march_end() sets it */
 } march;

@@ -30,10 +30,18 @@ static double mean_of(const double f[4], const double mean[4]) {
   return f[0] * mean[0] + f[1] * mean[1] + f[2] * mean[2] + f[3] * mean[3];
 }
 
-/* How much a probe is a pixel's.  The addend: probes of other surfaces are
- * better than none. */
-static double weight_of(const exact_frame *frame, const exact_probe *probe,
-                        vec3 p, vec3 bent) {
+double exact_probe_corner(const exact_probes *probes, int i, int x, int y) {
+  const int column = i % probes->columns, row = i / probes->columns;
+  const double across = fabs(x / (double)probes->spacing - column);
+  const double down = fabs(y / (double)probes->spacing - row);
+  return probes->probe[i].valid && across < 1.0 && down < 1.0
+             ? (1.0 - across) * (1.0 - down)
+             : 0.0;
+}
+
+/* The addend: probes of other surfaces are better than none. */
+double exact_probe_weight(const exact_frame *frame, const exact_probe *probe,
+                          vec3 p, vec3 bent) {
   const double unit = exact_depth_unit(frame->config, &frame->camera, p.z);
   const double off = vec_dot(vec_add(p, -1.0, probe->place), probe->normal) /
                      ((double)HBIL_PROBE_TOLERANCE * unit);
@@ -52,14 +60,11 @@ exact_probe_light exact_light_of_probes(const exact_frame *frame, int x, int y,
   const vec3 p = exact_point(frame, x, y, exact_planar_depth(frame, x, y));
   exact_open_mean(ao, bent, mean);
   for (int i = 0; i < probes->columns * probes->rows; ++i) {
-    const int column = i % probes->columns, row = i / probes->columns;
-    const double across = fabs(x / (double)probes->spacing - column);
-    const double down = fabs(y / (double)probes->spacing - row);
     const exact_probe *probe = probes->probe + i;
-    if (across >= 1.0 || down >= 1.0 || !probe->valid)
+    const double corner = exact_probe_corner(probes, i, x, y);
+    if (!(corner > 0.0))
       continue;
-    const double weight =
-        (1.0 - across) * (1.0 - down) * weight_of(frame, probe, p, bent);
+    const double weight = corner * exact_probe_weight(frame, probe, p, bent);
     total += weight;
     known += weight * mean_of(probe->known, mean);
     unknown += weight * mean_of(probe->unknown, mean);

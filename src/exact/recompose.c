@@ -17,6 +17,8 @@
 
 #include "exact/camera.h"
 #include "exact/estimate.h"
+#include "exact/glossy.h"
+#include "exact/lobe.h"
 #include "exact/passes.h"
 #include "exact/planes.h"
 #include "exact/settings.h"
@@ -78,12 +80,24 @@ static void fill_unknown(const exact_frame *frame, const surface *s,
   }
 }
 
+/* Adds a neighbour's lobe.  Returns the weight of the whole of it. */
+static double add_lobe(const exact_planes *gathered, double weight, int x,
+                       int y, int dx, int dy, exact_planes *resolved) {
+  for (int p = EXACT_GLOSSY_PLANES; p < EXACT_GLOSSY_RESOLVED; ++p)
+    *exact_at(resolved, p, x, y) +=
+        weight * *exact_at(gathered, p, x + dx, y + dy);
+  return weight * *exact_at(gathered, EXACT_GLOSSY_PLANES + HBIL_GLOSSY_WHOLE,
+                            x + dx, y + dy);
+}
+
 static void recompose_pixel(const exact_frame *frame, const exact_planes *split,
                             const exact_planes *gathered, int x, int y,
                             exact_planes *resolved) {
   const bool fills = exact_fills_unknown(frame->config);
+  const bool glossy = exact_is_glossy(frame->config) &&
+                      resolved->count >= EXACT_GLOSSY_RESOLVED;
   const surface s = exact_surface_at(frame, split, x, y);
-  double total = 0.0, unknown = 0.0;
+  double total = 0.0, unknown = 0.0, whole_lobe = 0.0;
   exact_planes_clear(resolved, x, y);
   *exact_at(resolved, HBIL_LIGHT_AO, x, y) = s.is ? 0.0 : 1.0;
   if (!s.is)
@@ -103,7 +117,11 @@ static void recompose_pixel(const exact_frame *frame, const exact_planes *split,
     if (fills)
       unknown +=
           ratio * *exact_at(gathered, HBIL_LIGHT_UNKNOWN, x + dx, y + dy);
+    if (glossy)
+      whole_lobe += add_lobe(gathered, weight, x, y, dx, dy, resolved);
   }
+  for (int p = EXACT_GLOSSY_PLANES; glossy && p < EXACT_GLOSSY_RESOLVED; ++p)
+    *exact_at(resolved, p, x, y) /= whole_lobe;
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
     *exact_at(resolved, p, x, y) /= total;
   if (fills)

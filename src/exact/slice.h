@@ -19,6 +19,7 @@ typedef struct half_slice {
   bool uniform;      /* directions count alike (HBAO), not by their cosine */
   angle start;       /* of the tangent plane */
   double whole;      /* measure up to it */
+  double lobe;       /* k of exact/lobe.h */
 } half_slice;
 
 /* `point` is pointed at, not copied. */

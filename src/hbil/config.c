@@ -38,6 +38,7 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .sampling.sample_grid = HBIL_GRID_FULL_RESOLUTION,
       .model.gather_emission = CL_TRUE,
       .model.unseen_light = 0.76f,
+      .model.roughness = 0.5f,
       .history.reprojection = HBIL_REPROJECTION_SCATTER,
       .history.disocclusion_threshold = 0.05f,
       .execution.skip = HBIL_SKIP_ALL,
@@ -226,11 +227,9 @@ static hbil_status check_mode(hbil_context *context,
   static const struct {
     int plane;
     hbil_mode most; /* the last mode that has it */
-  } only[] = {{PLANE_NEAR, HBIL_MODE_HBIL},
-              {PLANE_UNKNOWN, HBIL_MODE_HBIL},
-              {PLANE_BENT, HBIL_MODE_GTAO},
-              {PLANE_ERROR, HBIL_MODE_GTAO},
-              {PLANE_CONE, HBIL_MODE_GTAO}};
+  } only[] = {{PLANE_NEAR, HBIL_MODE_HBIL},   {PLANE_UNKNOWN, HBIL_MODE_HBIL},
+              {PLANE_GLOSSY, HBIL_MODE_HBIL}, {PLANE_BENT, HBIL_MODE_GTAO},
+              {PLANE_ERROR, HBIL_MODE_GTAO},  {PLANE_CONE, HBIL_MODE_GTAO}};
   const char *mode = config->model.mode == HBIL_MODE_GTAO ? "GTAO" : "HBAO";
   for (size_t i = 0; i < sizeof only / sizeof *only; ++i)
     if (config->model.mode > only[i].most &&
@@ -246,6 +245,12 @@ static hbil_status check_mode(hbil_context *context,
         context, HBIL_INVALID_CONFIG,
         "model.far_field: HBIL_FAR_FRAME; HBIL_MODE_%s reads no radiance",
         mode);
+  if (config->model.provider > HBIL_PROVIDER_RAYS &&
+      plane_format(config, PLANE_GLOSSY)->component != HBIL_NONE)
+    return fail(
+        context, HBIL_INVALID_CONFIG,
+        "outputs.glossy.component: must be HBIL_NONE, or model.provider "
+        "HBIL_PROVIDER_NONE or HBIL_PROVIDER_RAYS");
   if (config->model.mode != HBIL_MODE_HBIL && config->model.provider)
     return fail(context, HBIL_INVALID_CONFIG,
                 "model.provider: %d; must be HBIL_PROVIDER_NONE, HBIL_MODE_%s "
@@ -361,6 +366,8 @@ static hbil_status config_check(hbil_context *context,
       {"model.gather_emission", config->model.gather_emission, 0, 1},
       {"model.unseen_light", (double)config->model.unseen_light, 0, 1},
       {"model.provider", (double)config->model.provider, 0, HBIL_PROVIDER_RSM},
+      /* as floats: 0.3f is above 0.3 */
+      {"model.roughness", (double)config->model.roughness, (double)0.3f, 1},
       {"history.max_frames", config->history.max_frames, 0, 1024},
       {"history.reprojection", (double)config->history.reprojection, 0,
        HBIL_REPROJECTION_MOTION},

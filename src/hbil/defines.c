@@ -121,6 +121,8 @@ static void define_work(const hbil_config *c, const layout *l, text *t) {
   define(t, "ERROR_PLANE", (int)l->error_plane);
   define(t, "UNKNOWN_PLANE", (int)l->unknown_plane);
   define(t, "WEIGHT_PLANE", (int)l->weight_plane);
+  define(t, "GLOSSY_PLANE", (int)l->glossy_plane);
+  define(t, "GLOSSY_RESOLVED", (int)l->glossy_resolved);
   define(t, "LINE", (int)l->line);
   for (size_t i = 0; i < sizeof skips / sizeof *skips; ++i)
     define(t, skips[i].name, (l->skip & skips[i].bit) != 0);

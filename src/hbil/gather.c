@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "camera.h"
+#include "glossy.h"
 #include "planes.h"
 
 /* The rotation and the shift of frame `frame_index`, in slices and in steps:
@@ -129,7 +130,8 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
       .spans = (cl_uint)plan->layout.spans,
       .slices = pattern->slices,
       .steps = pattern->steps,
-      .cache = plan->layout.cache};
+      .cache = plan->layout.cache,
+      .lobe = glossy_lobe(c)};
   if (orthographic)
     args.thickness =
         fminf(args.thickness,

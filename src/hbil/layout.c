@@ -31,15 +31,17 @@ static void decide_work(const hbil_config *config, layout *out) {
   /* where nothing is guessed, that output is 0 and needs no light */
   const bool guesses = has(config, PLANE_UNKNOWN) &&
                        (from_frame || estimates_back_faces(config));
+  out->glossy = has(config, PLANE_GLOSSY);
   out->radiance = config->model.mode == HBIL_MODE_HBIL &&
-                  (sums || guesses || has(config, PLANE_NEAR) ||
+                  (sums || guesses || out->glossy || has(config, PLANE_NEAR) ||
                    (has(config, PLANE_FAR) && from_frame));
   out->far_field = sums || out->radiance || has(config, PLANE_FAR)
                        ? config->model.far_field
                        : HBIL_FAR_NONE;
   out->probes = config->model.provider != HBIL_PROVIDER_NONE &&
                 (sums || out->radiance || has(config, PLANE_FAR));
-  out->bent = has(config, PLANE_BENT) || out->far_field == HBIL_FAR_SH ||
+  out->bent = has(config, PLANE_BENT) || out->glossy ||
+              out->far_field == HBIL_FAR_SH ||
               out->far_field == HBIL_FAR_FRAME || out->probes;
   out->unknown = out->radiance && estimates_back_faces(config);
   out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
@@ -52,8 +54,9 @@ static void decide_work(const hbil_config *config, layout *out) {
  * nothing diffusely.  Irradiance that is carried over would reach other
  * surfaces. */
 static bool irradiance_is_hidden(const hbil_config *config, const layout *l) {
-  static const int shown[] = {PLANE_NEAR, PLANE_FAR,   PLANE_AO,     PLANE_BENT,
-                              PLANE_CONE, PLANE_ERROR, PLANE_UNKNOWN};
+  static const int shown[] = {PLANE_NEAR,    PLANE_FAR,   PLANE_AO,
+                              PLANE_BENT,    PLANE_CONE,  PLANE_ERROR,
+                              PLANE_UNKNOWN, PLANE_GLOSSY};
   for (size_t i = 0; i < sizeof shown / sizeof *shown; ++i)
     if (has(config, shown[i]))
       return false;
@@ -201,6 +204,11 @@ static cl_uint light_planes(const layout *l) {
                        : HBIL_LIGHT_RED;
 }
 
+/* The light, and glossy light behind it: what the temporal filter averages. */
+static cl_uint averaged_planes(const layout *l) {
+  return light_planes(l) + (l->glossy ? HBIL_GLOSSY_PLANES : 0);
+}
+
 /* Numbers of planes of the layered stages, which hold words of 32 bits.  split:
  * without radiance (guides) and with it.  gathered: with AO, with E_near too,
  * with the bent normal too. */
@@ -246,13 +254,18 @@ static void lay_out_probes(const hbil_config *config, layout *out) {
   out->bytes[BUFFER_PROBES] = out->bytes[BUFFER_FILTERED_PROBES] =
       sizeof(cl_float) * HBIL_PROBE_FLOATS * (size_t)g->columns *
       (size_t)g->rows;
+  if (out->glossy)
+    out->bytes[BUFFER_GLOSSY_PROBES] = sizeof(cl_float) *
+                                       HBIL_GLOSSY_PROBE_FLOATS *
+                                       (size_t)g->columns * (size_t)g->rows;
 }
 
 /* Behind the light come planes that outputs ask for. */
 static void lay_out_resolved(const hbil_config *config, layout *out) {
   const cl_uint errors = !has(config, PLANE_ERROR) ? 0 : out->radiance ? 2 : 1;
   const bool unknown = out->unknown && has(config, PLANE_UNKNOWN);
-  out->error_plane = light_planes(out);
+  out->glossy_resolved = light_planes(out);
+  out->error_plane = averaged_planes(out);
   out->resolved_planes = out->error_plane + errors + unknown;
   out->unknown_plane = unknown ? out->resolved_planes - 1 : 0;
   out->bytes[BUFFER_RESOLVED] =
@@ -323,6 +336,7 @@ bool layout_is_scratch(int buffer) {
   case BUFFER_RESOLVED:
   case BUFFER_PROBES:
   case BUFFER_FILTERED_PROBES:
+  case BUFFER_GLOSSY_PROBES:
   case BUFFER_BOUNDS:
   case BUFFER_USES:
     return true;
@@ -372,16 +386,20 @@ void layout_compute(const hbil_config *config, const staging *staged,
   const bool weighted =
       config->sampling.slices == 1 && !config->sampling.unfiltered;
   out->weight_plane = weighted ? gathered : 0;
-  lay_out_layers(config, out->span, gathered + weighted, &out->light);
+  out->glossy_plane = out->glossy ? gathered + weighted : 0;
+  lay_out_layers(config, out->span,
+                 gathered + weighted +
+                     (out->glossy ? HBIL_GATHERED_GLOSSY_PLANES : 0),
+                 &out->light);
   out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
   out->bytes[BUFFER_LIGHT] = layers_size(&out->light);
   lay_out_resolved(config, out);
   lay_out_probes(config, out);
   if (config->history.max_frames)
     out->bytes[BUFFER_TEMPORAL] = out->bytes[BUFFER_TEMPORAL_NEXT] =
-        real *
-        ((HBIL_TEMPORAL_LIGHT + light_planes(out)) * (size_t)out->planes.plane +
-         2 * (size_t)hbil_history_origin(out->planes));
+        real * ((HBIL_TEMPORAL_LIGHT + averaged_planes(out)) *
+                    (size_t)out->planes.plane +
+                2 * (size_t)hbil_history_origin(out->planes));
   if (out->estimate)
     out->bytes[BUFFER_ESTIMATE] = HBIL_ESTIMATE_SIZE * real;
   out->bytes[BUFFER_SANITIZED] = HBIL_SANITIZED_WORDS * sizeof(cl_uint);
@@ -406,7 +424,7 @@ void layout_compute(const hbil_config *config, const staging *staged,
                              (config->sampling.steps_per_side + 1);
   out->errors = error_factors(out->pattern.slices, out->pattern.steps);
   if (out->history && out->skip & HBIL_SKIP_STATIC &&
-      !config->history.max_frames)
+      !config->history.max_frames && !out->glossy)
     out->bytes[BUFFER_HORIZON_CACHE] = lay_out_horizon_cache(config, out);
   lay_out_memory(alignment, out);
 }

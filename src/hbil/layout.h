@@ -28,6 +28,7 @@ enum {
   BUFFER_ESTIMATE, /* the estimate of unseen light, then its sums */
   BUFFER_PROBES,   /* HBIL_PROBE_FLOATS floats each */
   BUFFER_FILTERED_PROBES,
+  BUFFER_GLOSSY_PROBES, /* HBIL_GLOSSY_PROBE_FLOATS floats each */
   BUFFER_BOUNDS,        /* grids of largest inverse depths and of light */
   BUFFER_USES,          /* where outputs show light */
   BUFFER_SPAN_STATES,   /* the work that the gather left out */
@@ -58,7 +59,7 @@ typedef struct layout {
   int chain_count;
   hbil_chain_args chain[MAX_CHAIN];
   /* what must be computed; unknown: the share that back-facing samples block */
-  bool radiance, bent, history, unknown, estimate, probes;
+  bool radiance, bent, history, unknown, estimate, probes, glossy;
   bool late_counts; /* composite shows inputs that split does not read */
   cl_uint skip;     /* the bits of hbil_config.skip that can have an effect */
   hbil_bounds_args bounds;
@@ -75,6 +76,8 @@ typedef struct layout {
   cl_uint error_plane;       /* of RESOLVED: where errors begin */
   cl_uint unknown_plane;     /* of RESOLVED: the share `unknown`; 0: none */
   cl_uint weight_plane;      /* of GATHERED: weights of slices; 0: none */
+  cl_uint glossy_plane;      /* of GATHERED: where glossy sums begin; 0: none */
+  cl_uint glossy_resolved;   /* of RESOLVED: where glossy means begin */
   hbil_error_args errors;
   staging staged;
 } layout;

@@ -18,6 +18,15 @@ pass_function enqueue_recompose, enqueue_temporal,
 /* probes.c: before composite, in the same pass */
 pass_function enqueue_probes;
 
+/* glossy.c: behind the probes, in the same pass */
+pass_function enqueue_glossy;
+
+/* resolve.c: what composite takes of a frame, and the buffers of its planes;
+ * null where there is none. */
+hbil_composite_args composite_args(const hbil_plan *plan,
+                                   const hbil_frame *frame,
+                                   cl_mem plane[PLANE_COUNT]);
+
 /* Makes the frame the plan's last one, after composite and the export of its
  * outputs. */
 void remember_frame(hbil_plan *plan, const hbil_frame *frame); /* resolve.c */

@@ -35,6 +35,8 @@ static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_PROBE_LPV] = {"cache/probe_lpv", .defines = "-DHBIL_WIDTH=1"},
     [PROGRAM_PROBE_RSM] = {"cache/probe_rsm", true, "-DHBIL_WIDTH=1"},
     [PROGRAM_FILTER_PROBES] = {"cache/filter_probes", true, ""},
+    [PROGRAM_PROBE_GLOSSY] = {"cache/probe_glossy", true, ""},
+    [PROGRAM_GLOSSY] = {"glossy", .defines = ""},
     [PROGRAM_COMPOSITE] = {"composite", .defines = ""},
     [PROGRAM_IMPORT] = {"import", .defines = ""},
     [PROGRAM_EXPORT] = {"export", .defines = ""},
@@ -70,6 +72,8 @@ static const kernel_kind kernels[KERNEL_COUNT] = {
     [KERNEL_PROBE_LPV] = {"probe_lpv", PROGRAM_PROBE_LPV},
     [KERNEL_PROBE_RSM] = {"probe_rsm", PROGRAM_PROBE_RSM},
     [KERNEL_FILTER_PROBES] = {"filter_probes", PROGRAM_FILTER_PROBES},
+    [KERNEL_PROBE_GLOSSY] = {"probe_glossy", PROGRAM_PROBE_GLOSSY},
+    [KERNEL_GLOSSY] = {"glossy", PROGRAM_GLOSSY},
     [KERNEL_COMPOSITE] = {"composite", PROGRAM_COMPOSITE},
     [KERNEL_IMPORT_IMAGE] = {"import_image", PROGRAM_IMPORT},
     [KERNEL_EXPORT_IMAGE] = {"export_image", PROGRAM_EXPORT},
@@ -109,6 +113,10 @@ static bool program_needed(const hbil_plan *plan, int program) {
                             (int)plan->config.model.provider;
   case PROGRAM_FILTER_PROBES:
     return l->probes;
+  case PROGRAM_PROBE_GLOSSY:
+    return l->probes && l->glossy;
+  case PROGRAM_GLOSSY:
+    return l->glossy;
   case PROGRAM_IMPORT:
     return (l->staged.images & inputs) != 0;
   case PROGRAM_EXPORT:

@@ -25,6 +25,8 @@ enum {
   PROGRAM_PROBE_LPV,
   PROGRAM_PROBE_RSM,
   PROGRAM_FILTER_PROBES,
+  PROGRAM_PROBE_GLOSSY,
+  PROGRAM_GLOSSY,
   PROGRAM_COMPOSITE,
   PROGRAM_IMPORT,
   PROGRAM_EXPORT,
@@ -61,6 +63,8 @@ enum {
   KERNEL_PROBE_LPV,
   KERNEL_PROBE_RSM,
   KERNEL_FILTER_PROBES,
+  KERNEL_PROBE_GLOSSY,
+  KERNEL_GLOSSY,
   KERNEL_COMPOSITE,
   KERNEL_IMPORT_IMAGE,
   KERNEL_EXPORT_IMAGE,
@@ -70,7 +74,7 @@ enum {
 
 /* The most commands of a frame, for the profiling events: two for each level of
  * the push/pull chain, one for each staged plane, and the others. */
-enum { MAX_LAUNCHES = 2 * MAX_CHAIN + PLANE_COUNT + 28 };
+enum { MAX_LAUNCHES = 2 * MAX_CHAIN + PLANE_COUNT + 30 };
 
 /* A part of a buffer that is nobody's sub-buffer. */
 typedef struct memory_range {

@@ -28,6 +28,7 @@ const plane_kind plane_kinds[PLANE_COUNT] = {
     [PLANE_BEAUTY] = KIND(outputs, beauty, "BEAUTY", 3),
     [PLANE_ERROR] = KIND(outputs, error_estimate, "ERROR", 2),
     [PLANE_UNKNOWN] = KIND(outputs, unknown, "UNKNOWN", 1),
+    [PLANE_GLOSSY] = KIND(outputs, glossy, "GLOSSY", 3),
 };
 
 const component_kind component_kinds[COMPONENT_COUNT] = {

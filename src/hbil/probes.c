@@ -6,6 +6,7 @@
 #include "cache.h"
 #include "camera.h"
 #include "far_field.h"
+#include "glossy.h"
 
 /* A buffer of the cache; in trial launches there is none. */
 static cl_mem of_cache(const hbil_cache *cache, int buffer) {
@@ -22,7 +23,8 @@ static hbil_probes_args probes_args(const hbil_plan *plan,
       .view = camera_view(&frame->camera, c),
       .split = plan->layout.split,
       .environment = far_radiance_args(c->model.far_field, frame->environment),
-      .rays = HBIL_PROBE_RAYS};
+      .rays = HBIL_PROBE_RAYS,
+      .lobe = glossy_lobe(c)};
   if (cache) {
     double centre[3];
     const double scale = cache_scale(cache);
@@ -47,19 +49,25 @@ typedef hbil_status provider(commands *chain, const hbil_cache *cache,
   LAUNCH(chain, kernel, list, (size_t)(args)->grid.columns,                    \
          (size_t)(args)->grid.rows, 1)
 
-static hbil_status ask_rays(commands *chain, const hbil_cache *cache,
-                            const hbil_probes_args *args) {
+/* Launches a kernel of rays.  probes: the buffer that it fills. */
+static hbil_status cast_rays(commands *chain, const hbil_cache *cache,
+                             const hbil_probes_args *args, int kernel,
+                             int probes) {
   const cl_mem states = of_cache(cache, CACHE_STATES);
   const cl_mem ways = of_cache(cache, CACHE_WAYS);
   const cl_mem bricks = of_cache(cache, CACHE_BRICKS);
   const cl_mem voxels = of_cache(cache, CACHE_VOXELS);
   const cl_mem radiance = of_cache(cache, CACHE_RADIANCE);
-  const argument list[] = {
-      ARG(*args),    BUFFER_ARG(chain->plan, BUFFER_SPLIT),
-      ARG(states),   ARG(ways),
-      ARG(bricks),   ARG(voxels),
-      ARG(radiance), BUFFER_ARG(chain->plan, BUFFER_PROBES)};
-  return LAUNCH_PROBES(chain, KERNEL_PROBE_RAYS, list, args);
+  const argument list[] = {ARG(*args),    BUFFER_ARG(chain->plan, BUFFER_SPLIT),
+                           ARG(states),   ARG(ways),
+                           ARG(bricks),   ARG(voxels),
+                           ARG(radiance), BUFFER_ARG(chain->plan, probes)};
+  return LAUNCH_PROBES(chain, kernel, list, args);
+}
+
+static hbil_status ask_rays(commands *chain, const hbil_cache *cache,
+                            const hbil_probes_args *args) {
+  return cast_rays(chain, cache, args, KERNEL_PROBE_RAYS, BUFFER_PROBES);
 }
 
 static hbil_status ask_cones(commands *chain, const hbil_cache *cache,
@@ -109,8 +117,11 @@ hbil_status enqueue_probes(commands *chain, const hbil_frame *frame) {
   const hbil_probes_args args = probes_args(plan, frame);
   const argument filter[] = {ARG(args), BUFFER_ARG(plan, BUFFER_PROBES),
                              BUFFER_ARG(plan, BUFFER_FILTERED_PROBES)};
-  const hbil_status status =
+  hbil_status status =
       providers[plan->config.model.provider](chain, frame->cache, &args);
+  if (status == HBIL_SUCCESS && plan->layout.glossy)
+    status = cast_rays(chain, frame->cache, &args, KERNEL_PROBE_GLOSSY,
+                       BUFFER_GLOSSY_PROBES);
   return status == HBIL_SUCCESS
              ? LAUNCH_PROBES(chain, KERNEL_FILTER_PROBES, filter, &args)
              : status;

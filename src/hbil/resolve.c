@@ -98,8 +98,9 @@ void remember_frame(hbil_plan *plan, const hbil_frame *frame) {
   }
 }
 
-hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
+hbil_composite_args composite_args(const hbil_plan *plan,
+                                   const hbil_frame *frame,
+                                   cl_mem plane[PLANE_COUNT]) {
   const hbil_config *c = &plan->config;
   hbil_composite_args args = {.view = camera_view(&frame->camera, c),
                               .to_world = camera_to_world(&frame->camera),
@@ -126,10 +127,16 @@ hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
       [PLANE_BEAUTY] = &args.beauty,
       [PLANE_ERROR] = &args.error_estimate,
       [PLANE_UNKNOWN] = &args.unknown};
-  cl_mem plane[PLANE_COUNT] = {NULL};
   for (int i = 0; i < PLANE_COUNT; ++i)
-    if (plane_args[i])
-      plane[i] = plane_bind(c, frame, i, plane_args[i]);
+    plane[i] = plane_args[i] ? plane_bind(c, frame, i, plane_args[i]) : NULL;
+  return args;
+}
+
+hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
+  hbil_plan *plan = chain->plan;
+  const hbil_config *c = &plan->config;
+  cl_mem plane[PLANE_COUNT];
+  const hbil_composite_args args = composite_args(plan, frame, plane);
   const argument list[] = {ARG(args),
                            BUFFER_ARG(plan, BUFFER_RESOLVED),
                            BUFFER_ARG(plan, BUFFER_ESTIMATE),
@@ -152,6 +159,8 @@ hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
                            BUFFER_ARG(plan, BUFFER_SANITIZED)};
   const cl_uint line = plan->layout.line;
   hbil_status status = enqueue_probes(chain, frame);
+  if (status == HBIL_SUCCESS)
+    status = enqueue_glossy(chain, frame);
   if (status == HBIL_SUCCESS && plan->layout.late_counts)
     status = clear_counts(chain, HBIL_SANITIZED_LATE, HBIL_SURFACE_INPUTS);
   return status == HBIL_SUCCESS

@@ -18,7 +18,7 @@ const layer_info layer_table[LAYER_COUNT] = {
     LAYER(indirect, "RGB"),        LAYER(ao, "V"),
     LAYER(bent_normal, "XYZ"),     LAYER(cone_cosine, "V"),
     LAYER(beauty, "RGB"),          LAYER(unknown, "V"),
-    LAYER(error_estimate, "XY"),
+    LAYER(glossy, "RGB"),          LAYER(error_estimate, "XY"),
 };
 
 unsigned layers_of_mode(hbil_mode mode) {
@@ -36,7 +36,9 @@ unsigned layers_possible(hbil_mode mode, int exact) {
   const unsigned error =
       exact || mode == HBIL_MODE_HBAO ? 0u : 1u << LAYER_ERROR_ESTIMATE;
   const unsigned unknown = mode == HBIL_MODE_HBIL ? 1u << LAYER_UNKNOWN : 0u;
-  return layers_of_mode(mode) | unknown | error;
+  const unsigned glossy =
+      exact || mode != HBIL_MODE_HBIL ? 0u : 1u << LAYER_GLOSSY;
+  return layers_of_mode(mode) | unknown | glossy | error;
 }
 
 int layers_show_guesses(unsigned layers, const hbil_config *config) {

@@ -19,6 +19,7 @@ typedef enum layer {
   LAYER_BEAUTY,
   /* written only on request */
   LAYER_UNKNOWN,
+  LAYER_GLOSSY,
   LAYER_ERROR_ESTIMATE,
   LAYER_COUNT
 } layer;
@@ -37,7 +38,7 @@ extern const layer_info layer_table[LAYER_COUNT];
 unsigned layers_of_mode(hbil_mode mode);
 
 /* What a mode can compute.  exact: by the exact integral, which has no error
- * estimate. */
+ * estimate and no glossy light. */
 unsigned layers_possible(hbil_mode mode, int exact);
 
 /* Whether some of these layers show light that the settings allow to be a

@@ -102,6 +102,7 @@ static const row rows[] = {
      HBIL_FALLBACK_LAST_ACCEPTED, 0, fallbacks},
     {"gather-emission", CHOICE, CONFIG(model.gather_emission), 0, 0, no_yes},
     {"unseen-light", FLOATS, CONFIG(model.unseen_light), 1, 0, NULL},
+    {"roughness", FLOATS, CONFIG(model.roughness), 1, 0, NULL},
     {"reprojection", CHOICE, CONFIG(history.reprojection), 0, 0, reprojections},
     {"disocclusion-threshold", FLOATS, CONFIG(history.disocclusion_threshold),
      1, 0, NULL},

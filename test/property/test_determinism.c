@@ -49,6 +49,9 @@ static void start(setup *s, const kind *k) {
   /* the filter takes longest to compile; scatter covers it */
   s->config.sampling.unfiltered =
       k->reprojection == HBIL_REPROJECTION_MOTION || k->vector_width > 1;
+  /* all but the plans that cache horizons */
+  if (k->vector_width > 1)
+    s->config.outputs.glossy = three_floats;
   setup_start(s);
 }
 
@@ -56,6 +59,8 @@ static void start(setup *s, const kind *k) {
 static uint64_t add_outputs(setup *s, uint64_t hash) {
   for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id) {
     size_t size;
+    if (!plane_slot(&s->frame, id)->buffer)
+      continue;
     unsigned char *bytes =
         buffer_bytes(s->device, plane_slot(&s->frame, id)->buffer, &size);
     for (size_t i = 0; i < size; ++i)

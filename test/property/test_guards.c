@@ -26,6 +26,7 @@ static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
   setup plain, guarded;
   setup_every_pass(&plain, reprojection, vector_width, width, height);
   setup_every_pass(&guarded, reprojection, vector_width, width, height);
+  plain.config.outputs.glossy = guarded.config.outputs.glossy = three_floats;
   plain.config.execution.horizon_cache_bytes =
       guarded.config.execution.horizon_cache_bytes = horizon_cache_bytes;
   setup_start_compiled(&plain);

@@ -67,9 +67,10 @@ static void any_model(hbil_config *c, random_state *r) {
   c->model.feedback = (hbil_feedback)below(r, 2);
   c->history.disocclusion_threshold = maybe(r, 0.2) ? INFINITY : 0.05f;
   c->model.far_field = (hbil_far_field)below(r, 4);
+  c->model.roughness = maybe(r, 0.2) ? 0.3f : maybe(r, 0.2) ? 1.0f : 0.6f;
   if (c->model.mode != HBIL_MODE_HBIL) {
     c->outputs.near_irradiance.component = c->outputs.unknown.component =
-        HBIL_NONE;
+        c->outputs.glossy.component = HBIL_NONE;
     c->model.far_field = (hbil_far_field)below(r, 2);
   }
   if (c->model.mode == HBIL_MODE_HBAO)

@@ -44,6 +44,19 @@ static void single_slice(setup *s) {
   s->config.sampling.slices = 1;
 }
 
+/* Open spans have the weights of their lobes. */
+static void glossy(setup *s) {
+  pair_wall(s);
+  s->config.outputs.glossy = three_floats;
+  s->config.model.far_field = HBIL_FAR_CONSTANT;
+  s->frame.environment[0][0] = 1.0f;
+}
+
+static void glossy_thick(setup *s) {
+  thick(s);
+  s->config.outputs.glossy = three_floats;
+}
+
 static void single_slice_gtao(setup *s) {
   ao_alone(s, HBIL_MODE_GTAO);
   s->config.model.radius = 0.3f;
@@ -73,7 +86,8 @@ static prepare_function *const kinds[] = {endless,      thick,
                                           limited,      limited_pixels,
                                           gtao,         hbao,
                                           orthographic, orthographic_limited,
-                                          single_slice, single_slice_gtao};
+                                          single_slice, single_slice_gtao,
+                                          glossy,       glossy_thick};
 #define KINDS (sizeof kinds / sizeof *kinds)
 
 /* One pixel in front of the wall, by anything from a rounding to most of the
@@ -286,8 +300,8 @@ static void one_lamp_is_not_overlooked(void **state) {
     for (int i = 0; i < 12; ++i) {
       only_lamp(&p, &r, i);
       const hbil_statistics found = pair_compare(&p);
-      const bool guesses = p.with.config.model.back_facing_fallback ==
-                           HBIL_FALLBACK_FRAME_MEAN;
+      const bool guesses =
+          p.with.config.model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN;
       if (guesses) /* nothing is dark */
         assert_int_equal(found.dark.spans, 0);
       else if (i == 0) /* no light at all: every span that is not open or sky */

@@ -90,6 +90,7 @@ void setup_every_pass(setup *s, hbil_reprojection reprojection,
 void setup_all_outputs(setup *s) {
   for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     *plane_format(&s->config, id) = float_format(id);
+  s->config.outputs.glossy.component = HBIL_NONE;
 }
 
 void setup_no_outputs(setup *s) {
@@ -101,7 +102,8 @@ void setup_mode(setup *s, hbil_mode mode) {
   s->config.model.mode = mode;
   if (mode != HBIL_MODE_HBIL)
     s->config.outputs.near_irradiance.component =
-        s->config.outputs.unknown.component = HBIL_NONE;
+        s->config.outputs.unknown.component =
+            s->config.outputs.glossy.component = HBIL_NONE;
   if (mode == HBIL_MODE_HBAO)
     s->config.outputs.bent_normal.component =
         s->config.outputs.cone_cosine.component = HBIL_NONE;

@@ -42,7 +42,8 @@ void setup_scene(setup *s, scene_kind kind, int width, int height,
  * outputs, unseen light estimated.  vector_width 0: the device's own. */
 void setup_every_pass(setup *s, hbil_reprojection reprojection,
                       cl_uint vector_width, int width, int height);
-/* All outputs, as planes of floats. */
+/* All outputs, as planes of floats, but for glossy, which static frames have no
+ * horizon cache with. */
 void setup_all_outputs(setup *s);
 /* No output at all. */
 void setup_no_outputs(setup *s);

@@ -33,7 +33,8 @@ static const plane_info infos[PLANE_COUNT] = {
     PLANE(outputs, cone_cosine, 1, EXACT_CONE_COSINE),
     PLANE(outputs, indirect, 3, EXACT_INDIRECT),
     PLANE(outputs, beauty, 3, EXACT_BEAUTY),
-    PLANE(outputs, unknown, 1, EXACT_UNKNOWN)};
+    PLANE(outputs, unknown, 1, EXACT_UNKNOWN),
+    PLANE(outputs, glossy, 3, EXACT_GLOSSY)};
 
 const char *plane_name(plane_id id) {
   return infos[id].name;

@@ -27,6 +27,7 @@ typedef enum plane_id {
   PLANE_INDIRECT,
   PLANE_BEAUTY,
   PLANE_UNKNOWN,
+  PLANE_GLOSSY,
   PLANE_COUNT
 } plane_id;
 

@@ -1,5 +1,6 @@
 #include "test/support/stages.h"
 
+#include "exact/glossy.h"
 #include "test/support/packing.h"
 
 /* A stage's buffer, copied to the host. */
@@ -11,6 +12,8 @@ typedef struct stage_bytes {
   /* The plane that lies behind all others, wherever these end: its index (0:
    * there is none), and which one of exact planes it is. */
   int last, last_is;
+  /* Planes of glossy light: the first one, and how many there are. */
+  int glossy, glossy_count;
 } stage_bytes;
 
 /* Whether the share that back-facing samples block is known. */
@@ -23,7 +26,15 @@ static stage_bytes stage_open(setup *s, hbil_stage stage) {
   stage_bytes t;
   assert_success(s, hbil_plan_buffer(s->plan, stage, &t.b));
   t.stage = stage;
-  t.last = t.last_is = 0;
+  t.last = t.last_is = t.glossy = t.glossy_count = 0;
+  if (s->config.outputs.glossy.component && stage == HBIL_STAGE_GATHERED) {
+    t.glossy_count = HBIL_GATHERED_GLOSSY_PLANES;
+    t.glossy = (int)(t.b.values -= HBIL_GATHERED_GLOSSY_PLANES);
+  }
+  if (s->config.outputs.glossy.component && stage == HBIL_STAGE_RESOLVED) {
+    t.glossy_count = HBIL_GLOSSY_PLANES;
+    t.glossy = HBIL_LIGHT_PLANES;
+  }
   if (stage == HBIL_STAGE_GATHERED && exact_weighs_slices(&s->config))
     t.last_is = HBIL_LIGHT_WEIGHT;
   if (stage == HBIL_STAGE_RESOLVED && has_unknown(s) &&
@@ -31,6 +42,9 @@ static stage_bytes stage_open(setup *s, hbil_stage stage) {
     t.last_is = HBIL_LIGHT_UNKNOWN;
   if (t.last_is)
     t.last = (int)--t.b.values;
+  if (t.glossy_count && t.b.values > HBIL_LIGHT_PLANES &&
+      stage == HBIL_STAGE_RESOLVED)
+    t.b.values = HBIL_LIGHT_PLANES;
   t.floats = (float *)(void *)buffer_bytes(s->device, t.b.buffer, &t.size);
   return t;
 }
@@ -81,7 +95,7 @@ static void read_packed(const stage_bytes *t, const exact_planes *out) {
   for (int y = 0; y < out->height; ++y)
     for (int x = 0; x < out->width; ++x) {
       packed_pixel p = packed_at(t, x, y);
-      for (int i = 0; i < out->count; ++i)
+      for (int i = 0; i < out->count && i < HBIL_GATHERED_PLANES; ++i)
         *exact_at(out, i, x, y) = p.value[i];
     }
 }
@@ -90,7 +104,7 @@ static void write_packed(const stage_bytes *t, const exact_planes *planes) {
   for (int y = 0; y < planes->height; ++y)
     for (int x = 0; x < planes->width; ++x) {
       packed_pixel p = packed_at(t, x, y);
-      for (int i = 0; i < planes->count; ++i)
+      for (int i = 0; i < planes->count && i < HBIL_GATHERED_PLANES; ++i)
         p.value[i] = *exact_at(planes, i, x, y);
       if (t->stage == HBIL_STAGE_SPLIT)
         encode_split(&p);
@@ -111,6 +125,8 @@ exact_planes stage_read(setup *s, hbil_stage stage) {
     count = plain_planes(s, stage, count);
   if (t.last)
     count = t.last_is + 1;
+  if (t.glossy_count)
+    count = EXACT_GLOSSY_PLANES + t.glossy_count;
   out = checked_planes((int)s->config.width, (int)s->config.height, count);
   if (is_packed(s, stage))
     read_packed(&t, &out);
@@ -122,6 +138,11 @@ exact_planes stage_read(setup *s, hbil_stage stage) {
   for (int y = 0; t.last && y < out.height; ++y)
     for (int x = 0; x < out.width; ++x)
       *exact_at(&out, t.last_is, x, y) = (double)*stage_at(&t, t.last, x, y);
+  for (int p = 0; p < t.glossy_count; ++p)
+    for (int y = 0; y < out.height; ++y)
+      for (int x = 0; x < out.width; ++x)
+        *exact_at(&out, EXACT_GLOSSY_PLANES + p, x, y) =
+            (double)*stage_at(&t, t.glossy + p, x, y);
   free(t.floats);
   return out;
 }
@@ -139,6 +160,11 @@ void stage_write(setup *s, hbil_stage stage, const exact_planes *planes) {
   for (int y = 0; t.last && y < planes->height; ++y)
     for (int x = 0; x < planes->width; ++x)
       *stage_at(&t, t.last, x, y) = (float)*exact_at(planes, t.last_is, x, y);
+  for (int p = 0; p < t.glossy_count; ++p)
+    for (int y = 0; y < planes->height; ++y)
+      for (int x = 0; x < planes->width; ++x)
+        *stage_at(&t, t.glossy + p, x, y) =
+            (float)*exact_at(planes, EXACT_GLOSSY_PLANES + p, x, y);
   buffer_write(s->device, t.b.buffer, 0, t.size, t.floats);
   free(t.floats);
 }

@@ -10,7 +10,8 @@
 #include "test/support/fixture.h"
 
 /* Reads a stage.  Packed words are decoded: the planes are those of
- * HBIL_STORAGE_FLOAT32, whatever the plan's storage. */
+ * HBIL_STORAGE_FLOAT32, whatever the plan's storage.  Those of glossy light are
+ * where exact/glossy.h has them. */
 exact_planes stage_read(setup *s, hbil_stage stage);
 /* Writes a stage and leaves its padding alone; packed storage is encoded.
  * Planes that the plan doesn't have are ignored. */

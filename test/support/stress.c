@@ -51,6 +51,7 @@ static void configure(setup *s, plan_kind kind) {
     return;
   }
   setup_all_outputs(s);
+  s->config.outputs.glossy = three_floats;
   s->config.inputs.f0 = three_floats;
   if (stress_is_packed(kind))
     s->config.sampling.storage = HBIL_STORAGE_PACKED;

@@ -71,6 +71,8 @@ static void configure(setup *s, bool motion) {
   s->config.sampling.storage = HBIL_STORAGE_FLOAT32;
   if (!motion)
     return;
+  /* static frames of the other plan have a horizon cache */
+  s->config.outputs.glossy = three_floats;
   s->config.model.back_facing_fallback = HBIL_FALLBACK_BLACK;
   s->config.model.far_field = HBIL_FAR_SH;
   s->config.model.feedback = HBIL_FEEDBACK_RADIANCE;

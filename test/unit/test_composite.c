@@ -2,6 +2,7 @@
  * Composite matches the exact pass: far light, every output in every form, and
  * the history for the next frame.
  */
+#include "exact/glossy.h"
 #include "test/support/random.h"
 #include "test/support/stages.h"
 
@@ -16,7 +17,7 @@
 static exact_planes plant_resolved(setup *s) {
   random_state r = {23};
   int width = (int)s->config.width, height = (int)s->config.height;
-  exact_planes light = checked_planes(width, height, HBIL_LIGHT_UNKNOWN + 1);
+  exact_planes light = checked_planes(width, height, EXACT_GLOSSY_RESOLVED);
   for (int i = 0; i < width * height; ++i) {
     int x = i % width, y = i / width;
     bool sky = !(s->input[EXACT_DEPTH][i] > 0.0f);
@@ -37,6 +38,8 @@ static exact_planes plant_resolved(setup *s) {
     *exact_at(&light, HBIL_LIGHT_UNKNOWN, x, y) =
         fmax(0.0, 1.0 - *exact_at(&light, HBIL_LIGHT_AO, x, y)) *
         random_unit(&r);
+    for (int p = EXACT_GLOSSY_PLANES; p < EXACT_GLOSSY_RESOLVED; ++p)
+      *exact_at(&light, p, x, y) = (double)(float)random_unit(&r);
   }
   stage_write(s, HBIL_STAGE_RESOLVED, &light);
   return light;
@@ -62,6 +65,11 @@ static void run_both(setup *s, exact_planes *got, exact_planes *want,
   *want = checked_planes(got->width, got->height, EXACT_OUTPUT_PLANES);
   *history = checked_planes(got->width, got->height, HBIL_HISTORY_PLANES);
   exact_composite(&s->job, &light, want, history);
+  if (s->config.outputs.glossy.component) {
+    exact_planes split = stage_read(s, HBIL_STAGE_SPLIT);
+    exact_glossy(&s->job, &split, &light, NULL, want);
+    exact_planes_free(&split);
+  }
   exact_planes_free(&light);
 }
 
@@ -96,7 +104,7 @@ static void check_history(setup *s, const exact_planes *want) {
 static bool gathers_light(const hbil_config *c) {
   return c->outputs.near_irradiance.component ||
          c->outputs.indirect.component || c->outputs.beauty.component ||
-         c->outputs.unknown.component;
+         c->outputs.unknown.component || c->outputs.glossy.component;
 }
 
 static void check_composite(setup *s) {
@@ -114,6 +122,7 @@ static void check_composite(setup *s) {
 static void prepare(setup *s, scene_kind kind, hbil_far_field far) {
   setup_scene(s, kind, WIDTH, HEIGHT, 0);
   setup_all_outputs(s);
+  s->config.outputs.glossy = three_floats;
   s->config.model.far_field = far;
   s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   random_environment(s);

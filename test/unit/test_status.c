@@ -12,6 +12,7 @@
 static void start(setup *s) {
   setup_init(s, WIDTH, HEIGHT);
   setup_all_outputs(s);
+  s->config.outputs.glossy = three_floats;
   setup_start(s);
 }
 
@@ -148,6 +149,15 @@ SPOIL(growth_nan, c->sampling.step_growth = NAN)
 SPOIL(growth_negative, c->sampling.step_growth = -0.5f)
 SPOIL(growth_65, c->sampling.step_growth = 65.0f)
 SPOIL(extrapolate_2, c->model.extrapolate = 2)
+SPOIL(roughness_low, c->model.roughness = 0.299f)
+SPOIL(roughness_high, c->model.roughness = 1.01f)
+SPOIL(roughness_nan, c->model.roughness = NAN)
+SPOIL(glossy_lpv, (c->outputs.glossy = c->outputs.beauty,
+                   c->model.provider = HBIL_PROVIDER_LPV))
+SPOIL(glossy_gtao, (c->outputs.glossy = c->outputs.beauty,
+                    c->outputs.near_irradiance.component = HBIL_NONE,
+                    c->outputs.unknown.component = HBIL_NONE,
+                    c->model.mode = HBIL_MODE_GTAO))
 SPOIL(provider_5, c->model.provider = (hbil_provider)5)
 SPOIL(disocclusion_0, c->history.disocclusion_threshold = 0.0f)
 SPOIL(disocclusion_nan, c->history.disocclusion_threshold = NAN)
@@ -197,6 +207,11 @@ static const bad_config bad_configs[] = {
     {"step_growth", growth_negative},
     {"step_growth", growth_65},
     {"extrapolate", extrapolate_2},
+    {"roughness", roughness_low},
+    {"roughness", roughness_high},
+    {"roughness", roughness_nan},
+    {"glossy", glossy_lpv},
+    {"glossy", glossy_gtao},
     {"provider", provider_5},
     {"disocclusion_threshold", disocclusion_0},
     {"disocclusion_threshold", disocclusion_nan},
