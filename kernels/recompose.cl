@@ -32,6 +32,7 @@
 
 #include "lib/filter_weight.clh"
 #include "lib/gathered_planes.clh"
+#include "lib/glossy_args.h"
 #include "lib/interleave.clh"
 #include "lib/layers.clh"
 #include "lib/span.clh"

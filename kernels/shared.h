@@ -87,9 +87,6 @@ typedef cl_float hbil_float;
  * this or less (33 degrees).  Both: measured, doc/measurements.md. */
 #define HBIL_TURN_TOLERANCE 0.16f
 
-/* The largest 1 / n.wo that counts for a glossy lobe (lib/lobe.clh). */
-#define HBIL_LOBE_STEEPEST 10.0f
-
 /* Sectors of a half-slice where occluders have a thickness.  One less than a
  * word has bits, so that 1 << HBIL_SECTORS is still a bit. */
 #define HBIL_SECTORS 31
@@ -114,17 +111,6 @@ enum {
    * hemisphere the slice stands for, 1 on average */
   HBIL_LIGHT_WEIGHT = 8,
   HBIL_GATHERED_PLANES = 9
-};
-
-/* What the output `glossy` adds, as floats in either storage.  Gathered, behind
- * all other planes: sums over the lobe, which recompose divides by the last
- * one. Resolved, behind the bent normal: means. */
-enum {
-  HBIL_GLOSSY_RED = 0,   /* 1: green, 2: blue; radiance */
-  HBIL_GLOSSY_KNOWN = 3, /* the part of the lobe whose light is known */
-  HBIL_GLOSSY_PLANES = 4,
-  HBIL_GLOSSY_WHOLE = 4, /* gathered: the whole lobe */
-  HBIL_GATHERED_GLOSSY_PLANES = 5
 };
 
 /* HBIL_STORAGE_PACKED: the same in words of 32 bits.
@@ -510,15 +496,5 @@ typedef struct hbil_composite_args {
   hbil_probe_grid_args probes;
 } hbil_composite_args;
 HBIL_ASSERT_LAYOUT(hbil_composite_args, probes, 111, 114)
-
-/* glossy, beside what composite takes.  bands: what the lobe leaves of an
- * environment's orders 1 and 2. */
-typedef struct hbil_glossy_args {
-  hbil_layer_args split;
-  hbil_external_plane_args glossy;
-  hbil_float lobe; /* as in hbil_gather_args */
-  hbil_float bands[2];
-} hbil_glossy_args;
-HBIL_ASSERT_LAYOUT(hbil_glossy_args, bands, 12, 14)
 
 #endif

@@ -24,6 +24,7 @@
  * length.
  */
 #include "lib/external_planes.clh"
+#include "lib/glossy_args.h"
 #include "lib/guides.clh"
 #include "lib/plane_addressing.clh"
 #include "lib/camera.clh"

@@ -3,6 +3,7 @@
 #define HBIL_EXACT_GLOSSY_H
 
 #include "exact/cache.h"
+#include "lib/glossy_args.h"
 
 /* Planes of GATHERED and RESOLVED, behind all others. */
 enum { EXACT_GLOSSY_PLANES = HBIL_GATHERED_PLANES };

@@ -3,7 +3,7 @@
 #define HBIL_EXACT_HEMISPHERE_H
 
 #include "exact/march.h"
-#include "shared.h"
+#include "lib/glossy_args.h"
 
 /* Sums over half-slices, each weighed by its J. */
 typedef struct hemisphere {

@@ -7,7 +7,7 @@
  * cos^2 m = (1 + R.w) / 2.  So the lobe about R is, up to a factor,
  *   1 / (1 + k (1 - R.w))^2,  k = (1 - alpha^2) / (2 alpha^2).
  * From the side it is narrower across the plane of reflection, by the cosine.
- * Its solid angle is kept by k / cosine.
+ * With k / cosine it has the same solid angle.
  *
  * In a half-slice R.w = r cos x with x = t - t0, where r and t0 are R's
  * projection onto the slice's plane.  With b = k r, a = 1 + k and
@@ -21,7 +21,7 @@
 #include "exact/lobe.h"
 
 #include "exact/vector.h"
-#include "shared.h"
+#include "lib/glossy_args.h"
 
 bool exact_is_glossy(const hbil_config *config) {
   return config->outputs.glossy.component != HBIL_NONE;

@@ -7,6 +7,7 @@
 
 #include "hbil/hbil.h"
 #include "lib/cache_args.h"
+#include "lib/glossy_args.h"
 #include "names.h"
 #include "planes.h"
 #include "shared.h"

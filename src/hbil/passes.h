@@ -21,8 +21,8 @@ pass_function enqueue_probes;
 /* glossy.c: behind the probes, in the same pass */
 pass_function enqueue_glossy;
 
-/* resolve.c: what composite takes of a frame, and the buffers of its planes;
- * null where there is none. */
+/* composite_args.c: what composite takes of a frame, and the buffers of its
+ * planes; null where there is none. */
 hbil_composite_args composite_args(const hbil_plan *plan,
                                    const hbil_frame *frame,
                                    cl_mem plane[PLANE_COUNT]);
