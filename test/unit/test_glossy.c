@@ -150,7 +150,7 @@ static void prepare_gather(setup *s, const gather_case *g) {
  * plane A has few digits, and so has the factor by which it is extrapolated;
  * the lobe isn't small there.  Measured: 1.3e-4.  With finite thickness a
  * rounding may decide whether two samples overlap, and so how their light
- * weighs: a few percent of a pixel's, of which there are 6000. Measured: 1.3e-3
+ * weighs: a few percent of a pixel's, of which there are 3465. Measured: 1.3e-3
  */
 #define SHARE_LIMIT 5e-3
 
