@@ -65,7 +65,7 @@ static void the_integral_is_that_of_quadrature(void **state) {
   check_at_most("lobe integral", worst, 1e-9);
 }
 
-/* The bands of kernels are closed forms, those of the exact pass sums. */
+/* It is GGX's density of microfacets at half the angle from R. */
 static void the_lobe_is_ggx_seen_from_above(void **state) {
   hbil_config c;
   (void)state;
@@ -294,9 +294,9 @@ static void check_frame(cl_uint width, hbil_far_field far,
   }
   exact_planes got = outputs_read(&s);
   assert_true(largest_value(&want.out, EXACT_GLOSSY, 3) > 0.1);
-  /* E_near is off by 8.4e-5 here, by samples that rise from the tangent plane by
-   * a rounding.  A lobe has no cosine that makes them count less.
-   * Measured: 2e-4 */
+  /* E_near is off by 8.4e-5 here, by samples that rise from the tangent plane
+   * by a rounding.  A lobe has no cosine that makes them count less. Measured:
+   * 2e-4 */
   check_at_most("glossy", relative_rmse(&got, &want.out, EXACT_GLOSSY, 3),
                 1e-3);
   exact_planes_free(&got);
