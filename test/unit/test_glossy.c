@@ -65,7 +65,7 @@ static void the_integral_is_that_of_quadrature(void **state) {
   check_at_most("lobe integral", worst, 1e-9);
 }
 
-/* The bands of kernels are closed forms, those of the exact pass sums. */
+/* It is GGX's density of microfacets at half the angle from R. */
 static void the_lobe_is_ggx_seen_from_above(void **state) {
   hbil_config c;
   (void)state;
