@@ -303,9 +303,10 @@ typedef struct hbil_model {
    * The smaller one counts.  Infinity: occluders have no back; model */
   float thickness;
   float relative_thickness;
-  /* CL_TRUE: corrects AO and E_near for occluders between the samples.  What
-   * half of the samples miss tells what all miss (jackknife; doc/method.md,
-   * section 7); model */
+  /* CL_TRUE: finds what lies between the samples.  Where occluders have a
+   * thickness, a sample stands for its whole step; where they have none, AO and
+   * E_near are corrected by what half of the samples miss (jackknife;
+   * doc/method.md, section 7); model */
   cl_bool extrapolate;
   /* The radiance of a sample fades in as the cosine between its normal and the
    * direction to the pixel rises from the first to the second value;
@@ -335,14 +336,14 @@ typedef struct hbil_model {
 /* Named models of light and occluders. */
 typedef enum hbil_model_name {
   /* The default, chosen by its error on four path-traced scenes: infinite
-   * thickness, relative_thickness 0.08, facing_fade -1, -1, extrapolate on,
+   * thickness, relative_thickness 0.06, facing_fade -1, -1, extrapolate on,
    * HBIL_FALLBACK_FRAME_MEAN, HBIL_FEEDBACK_IRRADIANCE */
   HBIL_MODEL_DEFAULT = 0,
   /* The paper: both thicknesses infinite, facing_fade -0.1, 0,
    * HBIL_FALLBACK_LAST_ACCEPTED, HBIL_FEEDBACK_RADIANCE, extrapolate off */
   HBIL_MODEL_PAPER = 1,
   /* The default for frames with a radiance cache, which knows what is behind
-   * thin things: as HBIL_MODEL_DEFAULT, but relative_thickness 0.03 and
+   * thin things: as HBIL_MODEL_DEFAULT, but relative_thickness 0.02 and
    * HBIL_PROVIDER_RAYS */
   HBIL_MODEL_WORLD = 2
 } hbil_model_name;
@@ -373,8 +374,8 @@ typedef enum hbil_storage {
 } hbil_storage;
 
 typedef struct hbil_sampling {
-  cl_uint slices;         /* per pixel, 1..32; default 2 */
-  cl_uint steps_per_side; /* samples per side of a slice, 1..256; default 48 */
+  cl_uint slices;         /* per pixel, 1..32; default 1 */
+  cl_uint steps_per_side; /* samples per side of a slice, 1..256; default 64 */
   /* g: the last step is (1+g)^2 times the first one; 0..64; default 2 */
   float step_growth;
   hbil_sample_grid sample_grid; /* default FULL_RESOLUTION */
@@ -385,9 +386,9 @@ typedef struct hbil_sampling {
 /* Named presets of the sampling.  They differ in sampling error and time, of
  * which doc/measurements.md has the figures ("Sampling error and time"). */
 typedef enum hbil_quality {
-  HBIL_QUALITY_FAST = 0,     /* 1 slice, 16 steps per side, same layer */
-  HBIL_QUALITY_BALANCED = 1, /* 2 slices, 32 steps per side, same layer */
-  HBIL_QUALITY_HIGH = 2,     /* 2 slices, 64 steps per side, full resolution */
+  HBIL_QUALITY_FAST = 0,     /* 1 slice, 12 steps per side */
+  HBIL_QUALITY_BALANCED = 1, /* 1 slice, 32 steps per side */
+  HBIL_QUALITY_HIGH = 2,     /* 2 slices, 64 steps per side */
   /* 32 slices, 256 equal steps per side, full resolution, unfiltered, float32:
    * the densest settings, for comparisons */
   HBIL_QUALITY_REFERENCE = 3

@@ -32,8 +32,8 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .inputs.depth_scale = 1.0f,
       .inputs.normal_scale = {1.0f, 1.0f, 1.0f},
       .model.radius = INFINITY,
-      .sampling.slices = 2,
-      .sampling.steps_per_side = 48,
+      .sampling.slices = 1,
+      .sampling.steps_per_side = 64,
       .sampling.step_growth = 2.0f,
       .sampling.sample_grid = HBIL_GRID_FULL_RESOLUTION,
       .model.gather_emission = CL_TRUE,
@@ -57,7 +57,7 @@ hbil_status hbil_model_set(hbil_model *model, hbil_model_name name) {
   const bool paper = name == HBIL_MODEL_PAPER;
   const bool world = name == HBIL_MODEL_WORLD;
   model->thickness = INFINITY;
-  model->relative_thickness = paper ? INFINITY : world ? 0.03f : 0.08f;
+  model->relative_thickness = paper ? INFINITY : world ? 0.02f : 0.06f;
   model->facing_fade[0] = paper ? -0.1f : -1.0f;
   model->facing_fade[1] = paper ? 0.0f : -1.0f;
   model->back_facing_fallback =
@@ -77,9 +77,10 @@ static const struct {
   hbil_sample_grid sample_grid;
   cl_bool unfiltered;
 } qualities[] = {
-    [HBIL_QUALITY_FAST] = {"fast", 1, 16, 2.0f, HBIL_GRID_SAME_LAYER, CL_FALSE},
-    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 32, 1.0f, HBIL_GRID_SAME_LAYER,
-                               CL_FALSE},
+    [HBIL_QUALITY_FAST] = {"fast", 1, 12, 2.0f, HBIL_GRID_FULL_RESOLUTION,
+                           CL_FALSE},
+    [HBIL_QUALITY_BALANCED] = {"balanced", 1, 32, 2.0f,
+                               HBIL_GRID_FULL_RESOLUTION, CL_FALSE},
     [HBIL_QUALITY_HIGH] = {"high", 2, 64, 2.0f, HBIL_GRID_FULL_RESOLUTION,
                            CL_FALSE},
     [HBIL_QUALITY_REFERENCE] = {"reference", 32, 256, 0.0f,

@@ -7,9 +7,12 @@ void model_set(hbil_config *config, hbil_model_name model) {
   hbil_config defaults;
   hbil_config_init(&defaults);
   hbil_model_set(&config->model, model);
-  config->sampling.steps_per_side = model == HBIL_MODEL_PAPER
-                                        ? 8 /* the paper's number of samples */
-                                        : defaults.sampling.steps_per_side;
+  config->sampling.slices = defaults.sampling.slices;
+  config->sampling.steps_per_side = defaults.sampling.steps_per_side;
+  if (model == HBIL_MODEL_PAPER) { /* the paper's own numbers */
+    config->sampling.slices = 2;
+    config->sampling.steps_per_side = 8;
+  }
 }
 
 unsigned model_warm_up(hbil_model_name model) {
