@@ -3,6 +3,7 @@
 #include "image/formats.h"
 #include "image/image.h"
 #include "tool/commands.h"
+#include "tool/compare_blocks.h"
 #include "tool/compare_measure.h"
 #include "tool/heatmap.h"
 #include "tool/options.h"
@@ -19,6 +20,7 @@ enum {
   OPTION_MAX_RMSE,
   OPTION_MASK,
   OPTION_MASK_DEPTH,
+  OPTION_BLOCKS,
   OPTION_JSON
 };
 
@@ -27,6 +29,7 @@ static const struct option options[] = {
     {"max-rmse", required_argument, NULL, OPTION_MAX_RMSE},
     {"mask", required_argument, NULL, OPTION_MASK},
     {"mask-depth", required_argument, NULL, OPTION_MASK_DEPTH},
+    {"blocks", required_argument, NULL, OPTION_BLOCKS},
     {"json", no_argument, NULL, OPTION_JSON},
     {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
@@ -56,6 +59,9 @@ static void usage(void) {
       "                     0.02\n"
       "  --mask-depth FRAME.exr\n"
       "                     compare only where FRAME has a surface\n"
+      "  --blocks N         compare means over blocks of N x N pixels, "
+      "1..256:\n"
+      "                     what is left of the error is not noise (1)\n"
       "  --json             print the numbers as JSON\n"
       "\n"
       "relative MSE: mean of (a-b)^2 / (b^2 + 0.01).  PSNR: against the\n"
@@ -67,6 +73,7 @@ static void usage(void) {
 typedef struct compare_options {
   const char *heatmap, *mask, *mask_depth;
   float max_rmse;
+  unsigned blocks;
   int json;
 } compare_options;
 
@@ -136,9 +143,11 @@ static int compare(const compare_options *o, char **arguments, compare_side *a,
   if ((o->heatmap && formats_check(error) != 0) ||
       compare_sides_read(arguments[0], arguments[1], a, b, error) != 0)
     return -1;
-  int failed =
-      compare_mask_read(mask, o->mask != NULL, &a->planes, &m, error) != 0 ||
-      measure(o, a, b, &m, out, error) != 0;
+  int failed = compare_mask_read(mask, o->mask != NULL, &a->planes, &m, error);
+  if (!failed && o->blocks > 1)
+    compare_take_means(a, b, &m, o->blocks);
+  if (!failed)
+    failed = measure(o, a, b, &m, out, error);
   compare_mask_free(&m);
   if (!failed && out->values + out->not_finite == 0)
     failed = image_fail(error, "%s: the mask leaves no pixel to compare", mask);
@@ -177,13 +186,15 @@ static int set_option(int option, compare_options *o, image_error *error) {
   case OPTION_JSON:
     o->json = 1;
     return 0;
+  case OPTION_BLOCKS:
+    return option_unsigned("--blocks", optarg, 1, 256, &o->blocks, error);
   default:
     return option_floats("--max-rmse", optarg, &o->max_rmse, 1, error);
   }
 }
 
 int cmd_compare(int argc, char **argv) {
-  compare_options o = {.max_rmse = INFINITY};
+  compare_options o = {.max_rmse = INFINITY, .blocks = 1};
   image_error error;
   int option;
   while ((option = option_next(argc, argv, ":h", options, &error)) != -1) {

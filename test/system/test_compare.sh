@@ -64,6 +64,18 @@ rejected "a name that isn't there" \
 rejected "in neither file" 'root.exr: has no layer glow; one of [RGB], [RGB], [RGB] is needed' \
   compare 1 root.exr:glow alpha.exr:glow
 
+# --- means over blocks ---
+
+# a checkerboard has the mean of its two colours in every block of two
+oiiotool --pattern checker:width=1:height=1:color1=0,0,0:color2=1,1,1 15x8 3 \
+  -o checker.exr --pattern constant:color=.5,.5,.5 15x8 3 -o grey.exr >out 2>&1
+differs "a checkerboard isn't grey" compare 0.49 checker.exr grey.exr
+# the last column's blocks are half as wide, and grey as well
+works "its blocks are" compare 1e-6 --blocks 2 checker.exr grey.exr
+differs "blocks of an odd width aren't" compare 1e-3 --blocks 3 checker.exr grey.exr
+works "a block as large as the picture" compare 1e-6 --blocks 256 checker.exr grey.exr
+rejected "no pixel to a block" 'from 1 to 256' compare 1 --blocks 0 checker.exr grey.exr
+
 # --- formats ---
 
 for other in tif hdr; do
