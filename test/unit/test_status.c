@@ -54,10 +54,10 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(c.inputs.depth.component == HBIL_NONE);
   assert_true(isinf(c.inputs.sky_depth) && isinf(c.model.radius));
   assert_true(c.inputs.direct_scale == 1.0f);
-  assert_true(c.sampling.slices == 2 && c.sampling.steps_per_side == 48 &&
+  assert_true(c.sampling.slices == 2 && c.sampling.steps_per_side == 32 &&
               c.sampling.step_growth == 2.0f);
   assert_true(c.sampling.sample_grid == HBIL_GRID_FULL_RESOLUTION);
-  assert_true(isinf(c.model.thickness) && c.model.relative_thickness == 0.08f);
+  assert_true(isinf(c.model.thickness) && c.model.relative_thickness == 0.06f);
   assert_true(c.model.facing_fade[0] == -1.0f &&
               c.model.facing_fade[1] == -1.0f);
   assert_true(c.model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN);
@@ -97,7 +97,7 @@ static void models_set_what_the_header_says(void **state) {
   world = again;
   assert_int_equal(hbil_model_set(&world.model, HBIL_MODEL_WORLD),
                    HBIL_SUCCESS);
-  assert_true(world.model.relative_thickness == 0.03f);
+  assert_true(world.model.relative_thickness == 0.02f);
   assert_int_equal(world.model.provider, HBIL_PROVIDER_RAYS);
   world.model.relative_thickness = again.model.relative_thickness;
   world.model.provider = HBIL_PROVIDER_NONE;
@@ -296,7 +296,7 @@ static void unknown_presets_are_rejected(void **state) {
   assert_int_equal(hbil_sampling_set(NULL, HBIL_QUALITY_FAST),
                    HBIL_INVALID_ARGUMENT);
   assert_null(hbil_quality_name((hbil_quality)4));
-  assert_int_equal(c.sampling.slices, 2);
+  assert_int_equal(c.sampling.steps_per_side, 32);
 }
 
 /* ------------------------------------------------------------------------ */
