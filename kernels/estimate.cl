@@ -159,12 +159,33 @@ INLINE void polynomials(realv x, realv y, realv z, realv *p) {
   p[8] = x * x - y * y;
 }
 
+/* The mean AO of the four pixels of a row that a pixel belongs to, as far as
+ * they show a surface.  A single pixel looks along few directions, and what
+ * unlit_part() makes of its noise isn't its mean.  split, light: of the first
+ * of the four. */
+INLINE realv open_row(const hbil_estimate_args args, global const float *split,
+                      global const float *light) {
+  realv open = 0.0f, total = 0.0f;
+  for (uint i = 0u; i < 4u; ++i) {
+    realv gathered[HBIL_GATHERED_PLANES], weight = 1.0f;
+    gathered_light(light + i * args.light.layer, args.light.plane, gathered);
+#if WEIGHT_PLANE
+    weight = gathered[HBIL_LIGHT_WEIGHT];
+#endif
+    weight =
+        select((realv)0.0f, weight, LOADV(split + i * args.split.layer) > SKY);
+    open = fma(weight, gathered[HBIL_LIGHT_AO], open);
+    total += weight;
+  }
+  return open / max(total, (realv)FLT_MIN);
+}
+
 #define ADD(to, value) sum[to] += select((realv)0.0f, value, solid)
 
 /* Adds a vector of a layer's pixels. */
 INLINE void add_pixels(const hbil_estimate_args args, global const float *split,
                        global const float *light, const surface *surface,
-                       realv *sum) {
+                       realv open, realv *sum) {
   const intv solid = LOADV(split) > SKY;
   realv n[3], p[9], gathered[HBIL_GATHERED_PLANES];
   split_normal(split, args.split.plane, n);
@@ -183,11 +204,10 @@ INLINE void add_pixels(const hbil_estimate_args args, global const float *split,
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     ADD(HBIL_SUM_NEAR + c, INV_PI * gathered[HBIL_LIGHT_RED + c]);
-  const realv ao = gathered[HBIL_LIGHT_AO];
   realv lit;
-  const realv unlit = unlit_part(surface->sky_light, ao, &lit);
-  const realv dark = ao - lit * ao;
-  ADD(HBIL_SUM_OPEN, ao);
+  const realv unlit = unlit_part(surface->sky_light, open, &lit);
+  const realv dark = open - lit * open;
+  ADD(HBIL_SUM_OPEN, gathered[HBIL_LIGHT_AO]);
 #if FALLBACK_FRAME_MEAN
   ADD(HBIL_SUM_BEHIND, gathered[HBIL_LIGHT_UNKNOWN]);
 #endif
@@ -195,7 +215,7 @@ INLINE void add_pixels(const hbil_estimate_args args, global const float *split,
   ADD(HBIL_SUM_DARK + 1, dark * unlit);
   ADD(HBIL_SUM_DARK + 2, dark * unlit * unlit);
   ADD(HBIL_SUM_LIT, lit);
-  ADD(HBIL_SUM_LIT_OPEN, lit * ao);
+  ADD(HBIL_SUM_LIT_OPEN, lit * open);
 }
 
 /* Adds a vector of each of the layers from `split` and `light` on. */
@@ -209,9 +229,12 @@ INLINE void add_layers(const hbil_estimate_args args, const inputs *in,
   if (!ANY(solid))
     return;
   load_surfaces(args, in, at, surfaces);
+  const uint before = COLUMNS == 1 ? (uint)at.column : 0u;
+  const realv open = open_row(args, split - before * args.split.layer,
+                              light - before * args.light.layer);
   for (int i = 0; i < COLUMNS; ++i)
     add_pixels(args, split + (uint)i * args.split.layer,
-               light + (uint)i * args.light.layer, &surfaces[i], sum[i]);
+               light + (uint)i * args.light.layer, &surfaces[i], open, sum[i]);
 }
 
 /* Launch: x = HBIL_ESTIMATE_PARTS work-items. */

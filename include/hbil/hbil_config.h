@@ -374,8 +374,8 @@ typedef enum hbil_storage {
 } hbil_storage;
 
 typedef struct hbil_sampling {
-  cl_uint slices;         /* per pixel, 1..32; default 2 */
-  cl_uint steps_per_side; /* samples per side of a slice, 1..256; default 32 */
+  cl_uint slices;         /* per pixel, 1..32; default 1 */
+  cl_uint steps_per_side; /* samples per side of a slice, 1..256; default 64 */
   /* g: the last step is (1+g)^2 times the first one; 0..64; default 2 */
   float step_growth;
   hbil_sample_grid sample_grid; /* default FULL_RESOLUTION */

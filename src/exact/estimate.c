@@ -25,6 +25,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "exact/camera.h"
 #include "exact/input.h"
 #include "exact/passes.h"
 #include "exact/settings.h"
@@ -56,11 +57,32 @@ static void polynomials(vec3 d, double p[9]) {
   memcpy(p, values, sizeof(values));
 }
 
-static void add_surfel(sums *t, const exact_frame *frame, const surface *s,
+/* The mean AO of the four pixels of a row that a pixel belongs to, as far as
+ * they show a surface.  A single pixel looks along few directions, and what
+ * exact_unlit_part() makes of its noise isn't its mean. */
+static double open_row(const exact_frame *frame, const exact_planes *split,
                        const exact_planes *gathered, int x, int y) {
-  const double ao = *exact_at(gathered, HBIL_LIGHT_AO, x, y);
+  const bool weighs =
+      gathered->count > HBIL_LIGHT_WEIGHT && exact_weighs_slices(frame->config);
+  double open = 0.0, total = 0.0;
+  for (int i = x / 4 * 4; i < x / 4 * 4 + 4 && i < split->width; ++i) {
+    const double weight =
+        weighs ? *exact_at(gathered, HBIL_LIGHT_WEIGHT, i, y) : 1.0;
+    if (!exact_is_surface(frame->config, *exact_at(split, HBIL_SPLIT_W, i, y)))
+      continue;
+    open += weight * *exact_at(gathered, HBIL_LIGHT_AO, i, y);
+    total += weight;
+  }
+  return open / total;
+}
+
+/* open: open_row(). */
+static void add_surfel(sums *t, const exact_frame *frame, const surface *s,
+                       const exact_planes *gathered, double open, int x,
+                       int y) {
   double p[9], lit;
-  const double unlit = exact_unlit_part(exact_sky_light(frame, x, y), ao, &lit);
+  const double unlit =
+      exact_unlit_part(exact_sky_light(frame, x, y), open, &lit);
   polynomials(vec_scale(-1.0, s->normal), p);
   for (int c = 0; c < 3; ++c) {
     const double reflectance =
@@ -74,15 +96,15 @@ static void add_surfel(sums *t, const exact_frame *frame, const surface *s,
   }
   for (int i = 0; i < 9; ++i)
     t->weight[i] += p[i];
-  t->open += ao;
+  t->open += *exact_at(gathered, HBIL_LIGHT_AO, x, y);
   if (gathered->count > HBIL_LIGHT_UNKNOWN &&
       exact_fills_unknown(frame->config))
     t->behind += *exact_at(gathered, HBIL_LIGHT_UNKNOWN, x, y);
-  t->dark += (1.0 - lit) * ao;
-  t->unlit += (1.0 - lit) * ao * unlit;
-  t->unlit_2 += (1.0 - lit) * ao * unlit * unlit;
+  t->dark += (1.0 - lit) * open;
+  t->unlit += (1.0 - lit) * open * unlit;
+  t->unlit_2 += (1.0 - lit) * open * unlit * unlit;
   t->lit += lit;
-  t->lit_open += lit * ao;
+  t->lit_open += lit * open;
 }
 
 static sums sums_of_part(const exact_frame *frame, const exact_planes *split,
@@ -94,7 +116,8 @@ static sums sums_of_part(const exact_frame *frame, const exact_planes *split,
     for (int x = column; x < split->width; x += 4) {
       const surface s = exact_surface_at(frame, split, x, y);
       if (s.is && hbil_estimate_uses(x / 4 / HBIL_ESTIMATE_BLOCK, y))
-        add_surfel(&t, frame, &s, gathered, x, y);
+        add_surfel(&t, frame, &s, gathered,
+                   open_row(frame, split, gathered, x, y), x, y);
     }
   return t;
 }
