@@ -67,7 +67,8 @@
 #define TAP_SPAN 1
 #else
 #define ROWS HBIL_RECOMPOSE_ROWS
-/* a span and a pixel more on either side, in whole vectors */
+/* a span, and a pixel more on the side where a layer needs one, in whole
+ * vectors */
 #define TAP_SPAN ((SPAN_VECTORS + 1) * HBIL_WIDTH)
 #endif
 
@@ -135,13 +136,21 @@ INLINE void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
 }
 
 #if HBIL_WIDTH > 1
+/* Where a layer's unpacked pixels begin, from the span's first one on.  The
+ * filter reads the first two layers a pixel further to the right, and the last
+ * two a pixel further to the left.  A whole vector more on that side keeps all
+ * that is unpacked aligned. */
+INLINE int first_tap(int layer) {
+  return layer < HBIL_SIDE / 2 ? 0 : -HBIL_WIDTH;
+}
+
 /* Unpacks row 4 y + j of the span at x. */
 INLINE void unpack_row(const hbil_layer_args in, const hbil_layer_args lit,
                        global const float *split, global const float *light,
                        int j, int x, int y, float *row) {
   for (int i = 0; i < HBIL_SIDE; ++i)
     for (int v = 0; v < TAP_SPAN; v += HBIL_WIDTH)
-      load_tap(in, lit, split, light, i, j, x - 1 + v, y,
+      load_tap(in, lit, split, light, i, j, x + first_tap(i) + v, y,
                row + i * TAP_LAYER + v);
 }
 
@@ -157,8 +166,10 @@ INLINE void fetch_row(const hbil_layer_args in, const hbil_layer_args lit,
                       global const float *split, global const float *light,
                       int j, int x, int y) {
   for (int i = 0; i < HBIL_SIDE; ++i) {
-    fetch_span(split + layer_address(in, i, j, x, y), in.plane, RADIANCE_PLANE);
-    fetch_span(light + layer_address(lit, i, j, x, y), lit.plane,
+    const int from = x + first_tap(i);
+    fetch_span(split + layer_address(in, i, j, from, y), in.plane,
+               RADIANCE_PLANE);
+    fetch_span(light + layer_address(lit, i, j, from, y), lit.plane,
                lit.layer / lit.plane);
   }
 }
@@ -219,6 +230,7 @@ INLINE void add_light(sums *s, const float *t, realv weight) {
   s->total += weight;
   EACH_GATHERED(ADD_PLANE)
 #endif
+  COMPUTE_HERE(s->total);
 #if OUT_ERROR
   add_squares(s, t, weight);
 #endif
@@ -321,14 +333,15 @@ INLINE void finish(sums *s, global const float *estimate) {
                                   do_this(1, 2, 0.5f) do_this(2, 2, 0.5f)
 
 /* Sums for the pixels (4 x + column, 4 y + row) and every fourth to their
- * right.  rows: the five unpacked rows around them, from pixel x - 1 on. */
+ * right.  rows: the five unpacked rows around them. */
 #if HBIL_WIDTH == 1
 #define NEIGHBOUR(i, j)                                                        \
   (load_tap(in, lit, split, light, column + (i), row + (j), x, y, loaded),     \
    loaded)
 #else
 #define NEIGHBOUR(i, j)                                                        \
-  (rows[(j) + 2] + ((column + (i)) & 3) * TAP_LAYER + 1 + ((column + (i)) >> 2))
+  (rows[(j) + 2] + ((column + (i)) & 3) * TAP_LAYER -                          \
+   first_tap((column + (i)) & 3) + ((column + (i)) >> 2))
 #endif
 INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
                    const hbil_layer_args lit, global const float *split,
@@ -438,11 +451,10 @@ kernel void recompose(const hbil_recompose_args args, global const float *split,
   resolve(view, in, lit, split, light, estimate, 0, top & 3, x, y, resolved,
           out, errors);
 #else
-  /* the rows begin a pixel before a vector, so that most loads are aligned */
-  realv memory[5 * TAP_ROW / HBIL_WIDTH + 1];
+  realv memory[5 * TAP_ROW / HBIL_WIDTH];
   float *rows[5];
   for (int k = 0; k < 5; ++k) {
-    rows[k] = (float *)memory + HBIL_WIDTH - 1 + k * TAP_ROW;
+    rows[k] = (float *)memory + k * TAP_ROW;
     if (k > 0)
       unpack_row(in, lit, split, light, k - 3, x, y, rows[k]);
   }

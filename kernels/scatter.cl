@@ -56,17 +56,18 @@ INLINE intv landing_of(const hbil_scatter_args args,
   return inside;
 }
 
-/* Indices of the target pixels (-1: outside), and the depths there. */
+/* Indices of the target pixels in rows of `row` (-1: outside), and the depths
+ * there. */
 INLINE intv targets_of(const hbil_scatter_args args,
-                       global const float *history, int x, int y, realv *z) {
+                       global const float *history, int x, int y, int row,
+                       realv *z) {
   realv u, v;
   const intv inside = landing_of(args, history, x, y, &u, &v, z);
-  return select((intv)-1, TO_INTV(v) * args.to.width + TO_INTV(u), inside);
+  return select((intv)-1, TO_INTV(v) * row + TO_INTV(u), inside);
 }
 
 /* A source is an index into the history planes, whose order is that of the
- * pixels. nearest: the least depth that has arrived at each pixel of this
- * frame; behind these the sources of all pixels. */
+ * pixels. */
 
 #if HBIL_WIDTH > 1
 
@@ -113,7 +114,8 @@ INLINE void scatter_run(const hbil_scatter_args args,
     realv depth;
     if (x >= args.from.width)
       break;
-    const intv to_pixel = targets_of(args, history, x, y, &depth);
+    const intv to_pixel =
+        targets_of(args, history, x, y, (int)args.planes.row, &depth);
     const uint source = (uint)y * args.planes.row + (uint)x;
     /* fast path: neighbours land as neighbours where the picture hardly moves
      */
@@ -144,7 +146,8 @@ INLINE void scatter_run(const hbil_scatter_args args,
 
 #else
 
-/* nearest: the host has filled it with ones. */
+/* nearest: the least depth that has arrived at each pixel of this frame; behind
+ * these the sources of all pixels.  The host has filled it with ones. */
 kernel void scatter_depth(const hbil_scatter_args args,
                           global const float *history,
                           volatile global uint *nearest) {
@@ -152,7 +155,7 @@ kernel void scatter_depth(const hbil_scatter_args args,
   if (x >= args.from.width || y >= args.from.height)
     return;
   float z;
-  const int target = targets_of(args, history, x, y, &z);
+  const int target = targets_of(args, history, x, y, args.to.width, &z);
   if (target >= 0)
     atomic_min(nearest + target, as_uint(z));
 }
@@ -165,39 +168,17 @@ kernel void scatter_index(const hbil_scatter_args args,
     return;
   const uint pixels = (uint)args.to.width * (uint)args.to.height;
   float z;
-  const int target = targets_of(args, history, x, y, &z);
+  const int target = targets_of(args, history, x, y, args.to.width, &z);
   if (target >= 0 && nearest[target] == as_uint(z))
     atomic_min(nearest + pixels + target, (uint)y * args.planes.row + (uint)x);
 }
 
 #endif
 
-/* The nearest sources and depths at the pixels from `at` on.  They are
- * NO_SOURCE where nothing landed, and to the right of the picture, where
- * another band begins. */
-INLINE uintv winners(global const uint *nearest, uint pixels, uint at,
-                     int count, realv *depth) {
-  global const float *depths = (global const float *)nearest + at;
-  global const uint *sources = nearest + pixels + at;
-#if HBIL_WIDTH > 1
-  if (count < HBIL_WIDTH) {
-    float far[HBIL_WIDTH];
-    uint source[HBIL_WIDTH];
-    for (int i = 0; i < HBIL_WIDTH; ++i) {
-      far[i] = i < count ? depths[i] : INFINITY;
-      source[i] = i < count ? sources[i] : NO_SOURCE;
-    }
-    *depth = LOADV(far);
-    return LOAD_UINTV(source);
-  }
-#endif
-  *depth = LOADV(depths);
-  return LOAD_UINTV(sources);
-}
-
-/* Carries over the light of the nearest points of HBIL_WIDTH pixels. */
+/* Carries over the light of the nearest points of HBIL_WIDTH pixels: of
+ * `source`, or NO_SOURCE, at `depth`. */
 INLINE void fetch(const hbil_scatter_args args, global const float *history,
-                  global float *carried, global uint *nearest,
+                  global float *carried, uintv source, realv depth,
                   global const void *depth_buffer, global uint *flags, int x,
                   int y) {
   const hbil_view_args to = args.to;
@@ -206,10 +187,6 @@ INLINE void fetch(const hbil_scatter_args args, global const float *history,
   const realv here = planar_depth(
       stored_depth(depth_buffer, args.depth, args.decode, x, y, count),
       ray_x(to, x, 1), ray_y(to, y), args.decode);
-  realv depth;
-  const uintv source =
-      winners(nearest, (uint)to.width * (uint)to.height,
-              (uint)y * (uint)to.width + (uint)x, count, &depth);
   intv carried_over = (source != NO_SOURCE) & (here > 0.0f);
 #if DISOCCLUSION
   carried_over &=
@@ -238,21 +215,24 @@ INLINE void fetch(const hbil_scatter_args args, global const float *history,
 #if HBIL_WIDTH > 1
 
 /* Finds the nearest sources of a band and fetches their light while it is in
- * the caches.  Launch: x = 1, y = bands. */
+ * the caches.  Until then, the carried planes of red and green hold the depths
+ * and the sources, because memory of their own would pass through the caches
+ * besides.  Launch: x = 1, y = bands. */
 kernel void scatter_bands(const hbil_scatter_args args,
                           global const float *history, global float *carried,
-                          global uint *nearest, global const void *depth_buffer,
-                          global uint *flags, global const int *rows) {
+                          global const void *depth_buffer, global uint *flags,
+                          global const int *rows) {
   const hbil_view_args from = args.from, to = args.to;
   const hbil_runs_args runs = args.runs;
   const int top = (int)get_global_id(1) * runs.band;
   if (get_global_id(0) > 0 || top >= to.height)
     return;
   const int end = min(top + runs.band, to.height);
-  const uint begin = (uint)(top * to.width);
-  const uint count = (uint)((end - top) * to.width);
-  global float *const depths = (global float *)nearest + begin;
-  global uint *const sources = nearest + to.width * to.height + begin;
+  const uint begin = (uint)top * args.planes.row;
+  const uint count = (uint)(end - top) * args.planes.row;
+  global float *const depths =
+      carried + HBIL_CARRIED_RED * args.planes.plane + begin;
+  global uint *const sources = (global uint *)(depths + args.planes.plane);
   for (uint i = 0; i < count; ++i) {
     depths[i] = INFINITY;
     sources[i] = NO_SOURCE;
@@ -269,8 +249,11 @@ kernel void scatter_bands(const hbil_scatter_args args,
     }
   }
   for (int y = top; y < end; ++y)
-    for (int x = 0; x < to.width; x += HBIL_WIDTH)
-      fetch(args, history, carried, nearest, depth_buffer, flags, x, y);
+    for (int x = 0; x < to.width; x += HBIL_WIDTH) {
+      const uint at = (uint)(y - top) * args.planes.row + (uint)x;
+      fetch(args, history, carried, LOAD_UINTV(sources + at),
+            LOADV(depths + at), depth_buffer, flags, x, y);
+    }
 }
 
 #else
@@ -280,8 +263,11 @@ kernel void scatter_fetch(const hbil_scatter_args args,
                           global uint *nearest, global const void *depth_buffer,
                           global uint *flags) {
   const int x = (int)get_global_id(0), y = (int)get_global_id(1);
-  if (x < args.to.width && y < args.to.height)
-    fetch(args, history, carried, nearest, depth_buffer, flags, x, y);
+  if (x >= args.to.width || y >= args.to.height)
+    return;
+  const int at = y * args.to.width + x;
+  fetch(args, history, carried, nearest[args.to.width * args.to.height + at],
+        as_float(nearest[at]), depth_buffer, flags, x, y);
 }
 
 #endif

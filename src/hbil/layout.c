@@ -374,10 +374,11 @@ void layout_compute(const hbil_config *config, const staging *staged,
     lay_out_history(out);
     out->bytes[BUFFER_CARRIED] = chain * real;
     if (config->history.reprojection == HBIL_REPROJECTION_SCATTER) {
-      out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;
       if (layout_has_bands(config))
         out->bytes[BUFFER_LANDING] =
             2 * sizeof(cl_int) * (size_t)out->runs.row * config->height;
+      else
+        out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;
     }
   }
   lay_out_spans(config, out);

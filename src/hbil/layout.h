@@ -17,7 +17,7 @@ enum {
   BUFFER_HISTORY,
   BUFFER_HISTORY_NEXT, /* the same of the other frame; see lay_out_history() */
   BUFFER_CARRIED, /* level 0 of the push/pull chain, then all coarser ones */
-  BUFFER_NEAREST, /* scatter's depths and sources */
+  BUFFER_NEAREST, /* scatter's depths and sources, without bands */
   BUFFER_LANDING, /* rows at which runs of the last frame land */
   BUFFER_FLAGS,   /* HBIL_FLAG_: what kernels tell later ones */
   BUFFER_SPLIT,

@@ -28,7 +28,6 @@ static hbil_status scatter(commands *chain, const hbil_frame *frame) {
   const argument bands[] = {ARG(args),
                             BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
                             BUFFER_ARG(plan, BUFFER_CARRIED),
-                            BUFFER_ARG(plan, BUFFER_NEAREST),
                             ARG(depth),
                             BUFFER_ARG(plan, BUFFER_FLAGS),
                             BUFFER_ARG(plan, BUFFER_LANDING)};
