@@ -138,7 +138,7 @@ INLINE void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
 #if HBIL_WIDTH > 1
 /* Where a layer's unpacked pixels begin, from the span's first one on.  The
  * filter reads the first two layers a pixel further to the right, and the last
- * two a pixel further to the left.  A whole vector more on that side keeps all
+ * two a pixel further to the left.  A whole vector more on that side leaves all
  * that is unpacked aligned. */
 INLINE int first_tap(int layer) {
   return layer < HBIL_SIDE / 2 ? 0 : -HBIL_WIDTH;
