@@ -144,10 +144,10 @@ hbil() {
 }
 # shellcheck disable=SC2086
 works "a demo, which the commands are about" hbil demo $demo
-mkdir lit packed full rebuilt
+mkdir lit packed full exact rebuilt
 for folder in lit rebuilt; do cp "$lit" $folder/frame_0001.exr; done
 works "a cache" hbil process --quiet --cache-save shot.cache --layers ao -o learnt "$frame"
-for folder in lit packed full; do cp "$lit" "$folder/FRAME.exr"; done
+for folder in lit packed full exact; do cp "$lit" "$folder/FRAME.exr"; done
 
 # small: commands with small frames, files that are there, and words for what
 # stands for any.
