@@ -60,7 +60,7 @@ has "error writes its table, its data and JSON" "$work/results/error.md" \
   "$work/results/error.dat" "$work/results/error.gnuplot" \
   "$work/results/error.json"
 valid "error's JSON can be read" "$work/results/error.json"
-for row in 'fast 1x16 g2 same-layer' '2x8 g2 fp32' 'endless 2x8 g2' \
+for row in 'fast 1x12 g2' '2x8 g2 fp32' 'endless 2x8 g2' \
   'the paper as one plain kernel'; do
   grep -q "^| $row | [0-9]" "$work/results/error.md"
   ok $? "error has the row $row"
@@ -92,7 +92,7 @@ grep -q '^| first frame | [0-9]' "$work/out" &&
   grep -q '^| 128 | [0-9]' "$work/out"
 ok $? "scaling has first frames and samples"
 valid "scaling's JSON can be read" "$work/results/scaling.json"
-says "temporal has means over frames" '^| 2x48 g2 | 4 | 0\.' \
+says "temporal has means over frames" '^| 1x64 g2 | 4 | 0\.' \
   tiny temporal --pixels 40
 valid "temporal's JSON can be read" "$work/results/temporal.json"
 says "formats has the error of each format" '| FLOAT16 | 48 | 0\.' \
@@ -102,7 +102,7 @@ says "cache has what a view costs" '^| inject a view | [0-9]' \
 grep -q '^| rays | [0-9.]* | | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out" &&
   grep -q '^| lpv | [0-9.]* | [-0-9.]* | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out"
 ok $? "and each provider"
-says "passes has the time of each pass" '^| 2x48 g2, motion vectors | [0-9]' \
+says "passes has the time of each pass" '^| 1x64 g2, motion vectors | [0-9]' \
   tiny passes
 works "passes compares kernels" tiny passes --name kernels --json \
   --kernels "$srcdir/kernels" --kernels "$srcdir/kernels"
