@@ -32,21 +32,14 @@ INLINE probe_lobe lobe_of_probe(const hbil_probes_args args,
   return l;
 }
 
-/* Sums over rays. */
-typedef struct lobe_sum {
-  realv known, unknown, light[3];
-} lobe_sum;
-
 INLINE void trace(const hbil_probes_args args, global const float *split,
                   const cache_map *map, global const uint *radiance,
                   const probe_place *probe, const probe_lobe *lobe,
-                  lobe_sum *sum) {
+                  probe_finds *sum) {
   const uint turn = mixed(probe->number);
   const float3 n = probe->n;
-  const float3 origin = probe->at + n * (HBIL_CACHE_LIFT * probe->size);
-  const realv zero = 0.0f, one = 1.0f;
   for (int i = 0; i < HBIL_GLOSSY_RAYS; i += HBIL_WIDTH) {
-    realv u, v, light[3];
+    realv u, v;
     ray_places(i, HBIL_GLOSSY_RAYS, turn, &u, &v);
     /* The share u of the lobe lies about its axis as far as this. */
     const realv cosine =
@@ -55,17 +48,13 @@ INLINE void trace(const hbil_probes_args args, global const float *split,
     const intv is =
         (i + EACH_LANE < HBIL_GLOSSY_RAYS) &
         (fma(d.x, (realv)n.x, fma(d.y, (realv)n.y, d.z * n.z)) > 0.0f);
-    const ray_ends ends = follow_rays(
-        map, origin, d, (realv)(HBIL_CACHE_START * probe->size), is);
-    const intv near = ends.hit & (ends.distance < args.radius);
-    const intv known = (ends.hit | ends.sky) &
-                       !shown_rays(args, split, &ends, origin, d, near);
-    light_of_rays(&ends, radiance, args.environment, d, light);
-    sum->known += select(zero, one, known);
-    sum->unknown += select(zero, one, is & !ends.hit & !ends.sky);
+    const probe_finds found =
+        finds_of_rays(args, split, map, radiance, probe, d, is);
+    sum->known += found.known;
+    sum->unknown += found.unknown;
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      sum->light[c] += select(zero, light[c], known);
+      sum->light[c] += found.light[c];
   }
 }
 
@@ -76,7 +65,7 @@ kernel void probe_glossy(const hbil_probes_args args, global const float *split,
   const cache_map map = {args.cache, states, ways, bricks, voxels};
   probe_place probe;
   probe_lobe lobe = {0.0f, 0.0f, 0.0f};
-  lobe_sum sum = {0.0f, 0.0f, {0.0f, 0.0f, 0.0f}};
+  probe_finds sum = {0.0f, 0.0f, {0.0f, 0.0f, 0.0f}};
   if (!place_of_item(args, split, &probe))
     return;
   if (probe.is) {

@@ -38,24 +38,18 @@ INLINE void trace(const hbil_probes_args args, global const float *split,
                   const probe_place *probe, rays_sum sum[FUNCTIONS]) {
   const uint turn = mixed(probe->number);
   const float3 n = probe->n;
-  const float3 origin = probe->at + n * (HBIL_CACHE_LIFT * probe->size);
   for (int i = 0; i < args.rays; i += HBIL_WIDTH) {
     const intv is = i + EACH_LANE < args.rays;
-    realv u, v, light[3];
+    realv u, v;
     ray_places(i, args.rays, turn, &u, &v);
     const points d = about_normal(n, u, v);
-    const ray_ends ends = follow_rays(
-        map, origin, d, (realv)(HBIL_CACHE_START * probe->size), is);
-    const intv near = ends.hit & (ends.distance < args.radius);
-    const intv known = (ends.hit | ends.sky) &
-                       !shown_rays(args, split, &ends, origin, d, near);
-    light_of_rays(&ends, radiance, args.environment, d, light);
-    add_rays(&sum[KNOWN], select((realv)0.0f, (realv)1.0f, known), d);
-    add_rays(&sum[UNKNOWN],
-             select((realv)0.0f, (realv)1.0f, is & !ends.hit & !ends.sky), d);
+    const probe_finds found =
+        finds_of_rays(args, split, map, radiance, probe, d, is);
+    add_rays(&sum[KNOWN], found.known, d);
+    add_rays(&sum[UNKNOWN], found.unknown, d);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      add_rays(&sum[RED + c], select((realv)0.0f, light[c], known), d);
+      add_rays(&sum[RED + c], found.light[c], d);
   }
 }
 
