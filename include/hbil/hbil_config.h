@@ -418,7 +418,7 @@ typedef struct hbil_history {
    * share.  > 0; infinity: no limit; default 0.05 */
   float disocclusion_threshold;
   /* Averages AO, E_near and the bent normal over up to this many frames, which
-   * reduces noise; 0..1024; 0 (default): off.  Use 2 to 4 for moving cameras
+   * reduces noise; 0..1024; 0 (default): off.  Use 2 for moving cameras
    * and 8 or more for static ones, and increase hbil_frame.frame_index by 1 in
    * every frame, static ones included.  The newest frame weighs
    * 1/max_frames, and older ones fade out.  HBIL_REPROJECTION_MOTION
