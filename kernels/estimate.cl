@@ -160,14 +160,16 @@ INLINE void polynomials(realv x, realv y, realv z, realv *p) {
 }
 
 /* The mean AO of the four pixels of a row that a pixel belongs to, as far as
- * they show a surface.  A single pixel looks along few directions, and what
- * unlit_part() makes of its noise isn't its mean.  split, light: of the first
- * of the four. */
+ * they show a surface and are gathered.  A single pixel looks along few
+ * directions, and what unlit_part() makes of its noise isn't its mean.  split,
+ * light: of the first of the four, which is in layer `layer`. */
 INLINE realv open_row(const hbil_estimate_args args, global const float *split,
-                      global const float *light) {
+                      global const float *light, int layer) {
   realv open = 0.0f, total = 0.0f;
   for (uint i = 0u; i < 4u; ++i) {
     realv gathered[HBIL_GATHERED_PLANES], weight = 1.0f;
+    if (!hbil_is_gathered(layer + (int)i, GATHERED))
+      continue;
     gathered_light(light + i * args.light.layer, args.light.plane, gathered);
 #if WEIGHT_PLANE
     weight = gathered[HBIL_LIGHT_WEIGHT];
@@ -218,10 +220,12 @@ INLINE void add_pixels(const hbil_estimate_args args, global const float *split,
   ADD(HBIL_SUM_LIT_OPEN, lit * open);
 }
 
-/* Adds a vector of each of the layers from `split` and `light` on. */
+/* Adds a vector of each of the layers from `split` and `light` on, as far as
+ * they are gathered. */
 INLINE void add_layers(const hbil_estimate_args args, const inputs *in,
                        global const float *split, global const float *light,
                        row_place at, realv (*sum)[HBIL_ESTIMATE_SUMS]) {
+  const int layer = 4 * (at.y & 3) + at.column;
   surface surfaces[COLUMNS];
   intv solid = LOADV(split) > SKY;
   for (int i = 1; i < COLUMNS; ++i)
@@ -230,11 +234,14 @@ INLINE void add_layers(const hbil_estimate_args args, const inputs *in,
     return;
   load_surfaces(args, in, at, surfaces);
   const uint before = COLUMNS == 1 ? (uint)at.column : 0u;
-  const realv open = open_row(args, split - before * args.split.layer,
-                              light - before * args.light.layer);
+  const realv open =
+      open_row(args, split - before * args.split.layer,
+               light - before * args.light.layer, layer - (int)before);
   for (int i = 0; i < COLUMNS; ++i)
-    add_pixels(args, split + (uint)i * args.split.layer,
-               light + (uint)i * args.light.layer, &surfaces[i], open, sum[i]);
+    if (hbil_is_gathered(layer + i, GATHERED))
+      add_pixels(args, split + (uint)i * args.split.layer,
+                 light + (uint)i * args.light.layer, &surfaces[i], open,
+                 sum[i]);
 }
 
 /* Launch: x = HBIL_ESTIMATE_PARTS work-items. */

@@ -7,7 +7,7 @@
  * gather/variant.clh has the build defines.
  *
  * Launch: x = spans of a layer's row (single pixels if HBIL_WIDTH is 1), y =
- * layer rows, z = layers.
+ * layer rows, z = gathered layers.
  * In: split planes; the table of steps; bounds; which pixels' light the outputs
  * show (`uses`); whether a static frame's light has changed (`flags`).
  * Out: light planes, in the layout of the split planes; for
@@ -91,7 +91,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   const hbil_layer_args in = args.split;
   const int x = (int)get_global_id(0) * (SPAN_VECTORS * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
-  const int layer = (int)get_global_id(2);
+  const int part = (int)get_global_id(2);
+  const int layer = hbil_gathered_layer(part, GATHERED);
   if (x >= in.width || y >= in.height ||
       (args.is_static && !flags[HBIL_FLAG_CHANGED]))
     return;
@@ -132,7 +133,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
     for (uint v = 0u; v < SPAN_VECTORS; ++v)
       cache[v] =
           cache_at(args.cache, whole_cache,
-                   first_vector(args.cache, args.spans, layer, y, span_x) + v);
+                   first_vector(args.cache, args.spans, part, y, span_x) + v);
 #if GATHER_RADIANCE && FALLBACK_LAST_ACCEPTED
   if (!skips_all)
     for (int v = 0; v < SPAN_VECTORS; ++v)
@@ -144,11 +145,11 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   const bool is_dark = found.how_much == LIGHT_NONE;
   if (is_dark)
     found.quadrants = 0u;
-  const span_march how = {
-      split + (uint)y * in.row + (uint)x, is_dark ? 0u : in.plane, x, y,
-      /* slices have weights even if nothing was searched */
-      WEIGHTS_COUNT && skips_all ? 0 : args.steps, span.reach,
-      ((float)hbil_shift_slot(layer) + 0.5f) / 16.0f, found};
+  const span_march how = {split + (uint)y * in.row + (uint)x,
+                          is_dark ? 0u : in.plane, x, y,
+                          /* slices have weights even if nothing was searched */
+                          WEIGHTS_COUNT && skips_all ? 0 : args.steps,
+                          span.reach, hbil_shift_share(layer, GATHERED), found};
   const int slices = !skips_all                                    ? args.slices
                      : WEIGHTS_COUNT && !(skipped & HBIL_SPAN_SKY) ? args.slices
                                                                    : 0;

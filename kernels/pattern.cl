@@ -76,7 +76,8 @@ kernel void make_pattern(const hbil_make_pattern_args args,
     step.uy = step.ey * step.inv_e;
     const int length = hbil_offset_length(x, y);
     const int after = hbil_offset_length(next_x, next_y);
-    step.subsets = hbil_sample_subsets(layer, k, pattern.steps, before, after);
+    step.subsets = hbil_sample_subsets(layer, pattern.gathered, k,
+                                       pattern.steps, before, after);
     step.spread =
         hbil_half_step(k, pattern.steps, before, length, after) * step.inv_e;
     step.to_before = e / (e - nearer);

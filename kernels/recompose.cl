@@ -5,10 +5,14 @@
  * bilateral filter over the 5x5 pixels around it combines them, guided by
  * depth and normal (lib/filter_weight.clh).
  *
- * All 16 layers have the same total weight.  Nine of them occur once around
- * the pixel.  Those of the outer ring occur twice and count half.  The layer
- * of the corners occurs four times; two opposite corners are used, which
- * leaves the centre of mass at the pixel.
+ * All layers that are gathered have the same total weight.  Nine of 16 occur
+ * once around the pixel.  Those of the outer ring occur twice and count half.
+ * The layer of the corners occurs four times; two opposite corners are used,
+ * which leaves the centre of mass at the pixel.
+ *
+ * If only 8 or 4 layers are gathered, a pixel has fewer neighbours to read, and
+ * which ones depends on its own layer.  Whatever pixel is the middle, those in
+ * reach are of all gathered layers, and the weights are as above.
  *
  * With a single slice per pixel, slices weigh J A(theta_t), as they do within
  * a pixel: AO and light are quotients of sums over the neighbourhood.  Means
@@ -110,6 +114,9 @@ typedef struct sums {
 #endif
 } sums;
 
+/* Whether the pixel (4 x + i, 4 y + j) is gathered, whatever x and y are. */
+#define IS_GATHERED(i, j) hbil_is_gathered(4 * ((j)&3) + ((i)&3), GATHERED)
+
 INLINE void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
                      global const float *split, global const float *light,
                      int i, int j, int x, int y, float *t) {
@@ -120,6 +127,8 @@ INLINE void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
 #pragma unroll
   for (int c = 0; c < 3; ++c)
     STOREV(normal[c], t + (TAP_NORMAL + c) * TAP_SPAN);
+  if (!IS_GATHERED(i, j))
+    return;
   light += layer_address(lit, i, j, x, y);
   gathered_light(light, lit.plane, value);
 #define STORE_TAP(p) STOREV(value[p], t + (TAP_LIGHT + p) * TAP_SPAN);
@@ -169,8 +178,9 @@ INLINE void fetch_row(const hbil_layer_args in, const hbil_layer_args lit,
     const int from = x + first_tap(i);
     fetch_span(split + layer_address(in, i, j, from, y), in.plane,
                RADIANCE_PLANE);
-    fetch_span(light + layer_address(lit, i, j, from, y), lit.plane,
-               lit.layer / lit.plane);
+    if (IS_GATHERED(i, j))
+      fetch_span(light + layer_address(lit, i, j, from, y), lit.plane,
+                 lit.layer / lit.plane);
   }
 }
 #endif
@@ -236,12 +246,17 @@ INLINE void add_light(sums *s, const float *t, realv weight) {
 #endif
 }
 
-/* Adds the pixel i to the right and j below. */
+/* Adds the pixel i to the right and j below.  least: the least weight of a
+ * surface. */
 INLINE void add_tap(sums *s, const middle *m, const float *t, int i, int j,
-                    float share) {
+                    float share, float least) {
+  const realv w = TAP(t, TAP_W);
   const realv n[3] = {TAP(t, TAP_NORMAL), TAP(t, TAP_NORMAL + 1),
                       TAP(t, TAP_NORMAL + 2)};
-  add_light(s, t, filter_weight(m, TAP(t, TAP_W), n, i, j) * share);
+  realv weight = filter_weight(m, w, n, i, j);
+  if (least > 0.0f)
+    weight = max(weight, select((realv)0.0f, (realv)least, w > SKY));
+  add_light(s, t, weight * share);
 }
 
 #if FALLBACK_FRAME_MEAN
@@ -333,7 +348,9 @@ INLINE void finish(sums *s, global const float *estimate) {
                                   do_this(1, 2, 0.5f) do_this(2, 2, 0.5f)
 
 /* Sums for the pixels (4 x + column, 4 y + row) and every fourth to their
- * right.  rows: the five unpacked rows around them. */
+ * right.  rows: the five unpacked rows around them.  place_x, place_y: a layer
+ * whose neighbours are gathered in the same places.  They are constants, so
+ * nothing is left of the neighbours that aren't. */
 #if HBIL_WIDTH == 1
 #define NEIGHBOUR(i, j)                                                        \
   (load_tap(in, lit, split, light, column + (i), row + (j), x, y, loaded),     \
@@ -346,7 +363,9 @@ INLINE void finish(sums *s, global const float *estimate) {
 INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
                    const hbil_layer_args lit, global const float *split,
                    global const float *light, const float *const *rows,
-                   int column, int row, int x, int y) {
+                   int column, int row, int x, int y, int place_x,
+                   int place_y) {
+  const bool is_gathered = IS_GATHERED(place_x, place_y);
 #if HBIL_WIDTH == 1
   float loaded[TAP_PLANES];
 #endif
@@ -366,16 +385,46 @@ INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
   for (int p = 0; p < HBIL_GATHERED_GLOSSY_PLANES; ++p)
     s.glossy[p] = 0.0f;
 #endif
-  s.total = 0.0f;
   /* the pixel itself always has weight 1 */
-  add_light(&s, self, (realv)1.0f);
+  s.total = is_gathered ? 0.0f : HBIL_ALONE_WEIGHT;
+  s.plane[HBIL_LIGHT_AO] = s.total;
+  if (is_gathered)
+    add_light(&s, self, (realv)1.0f);
 #if !UNFILTERED
   const middle m = middle_of(view, s.w, s.n, 4 * x + column, 4 * y + row);
+  /* A pixel that isn't gathered takes the mean of the nearest ones that are, if
+   * none of them shows the same surface. */
+#define IS_NEAR(i) ((i) > -2 && (i) < 2)
+#define LEAST_WEIGHT(i, j)                                                     \
+  (!is_gathered && IS_NEAR(i) && IS_NEAR(j) ? HBIL_LEAST_WEIGHT : 0.0f)
 #define ADD_NEIGHBOUR(i, j, share)                                             \
-  add_tap(&s, &m, NEIGHBOUR(i, j), i, j, share);
+  if (IS_GATHERED(place_x + (i), place_y + (j)))                               \
+    add_tap(&s, &m, NEIGHBOUR(i, j), i, j, share, LEAST_WEIGHT(i, j));
   EACH_NEIGHBOUR(ADD_NEIGHBOUR)
 #endif
   return s;
+}
+
+/* The same, with the constants that belong to the column and the row. */
+INLINE sums filter_place(const hbil_view_args view, const hbil_layer_args in,
+                         const hbil_layer_args lit, global const float *split,
+                         global const float *light, const float *const *rows,
+                         int column, int row, int x, int y) {
+#define FILTER_AT(place_x, place_y)                                            \
+  return filter(view, in, lit, split, light, rows, column, row, x, y, place_x, \
+                place_y)
+#if GATHERED == 8
+  if ((column ^ row) & 1)
+    FILTER_AT(1, 0);
+#elif GATHERED == 4
+  if (column & row & 1)
+    FILTER_AT(1, 1);
+  if (column & 1)
+    FILTER_AT(1, 0);
+  if (row & 1)
+    FILTER_AT(0, 1);
+#endif
+  FILTER_AT(0, 0);
 }
 
 /* Pixels of four layers, in the order of the image. */
@@ -403,7 +452,7 @@ INLINE void resolve(const hbil_view_args view, const hbil_layer_args in,
                     const hbil_error_args errors) {
   sums value[4];
   for (int i = 0; i < 4; ++i)
-    value[i] = filter(view, in, lit, split, light, rows, i, row, x, y);
+    value[i] = filter_place(view, in, lit, split, light, rows, i, row, x, y);
 #if OUT_ERROR
   realv ao[4], near_irradiance[4];
 #endif

@@ -86,6 +86,12 @@ typedef cl_float hbil_float;
 /* ... nor to one whose normal has a cosine with the pixel's normal of 1 minus
  * this or less (33 degrees).  Both: measured, doc/measurements.md. */
 #define HBIL_TURN_TOLERANCE 0.16f
+/* If the gather leaves out the pixel, the nearest surfaces have at least this
+ * weight: too little to count unless no neighbour shows the same surface. */
+#define HBIL_LEAST_WEIGHT 1e-4f
+/* A surface that no gathered one is next to is open: AO 1 has this weight, far
+ * below HBIL_LEAST_WEIGHT times the smallest weight of a slice, 1e-6. */
+#define HBIL_ALONE_WEIGHT 1e-16f
 
 /* Sectors of a half-slice where occluders have a thickness.  One less than a
  * word has bits, so that 1 << HBIL_SECTORS is still a bit. */
@@ -387,8 +393,9 @@ typedef struct hbil_pattern_args {
   hbil_float growth; /* hbil_config.step_growth */
   hbil_float turn;   /* rotation of the directions, in slices, [0,1) */
   hbil_float shift;  /* shift of the samples, in steps, [0,1) */
+  hbil_int gathered; /* layers: 16, 8 or 4, see hbil_is_gathered() */
 } hbil_pattern_args;
-HBIL_ASSERT_LAYOUT(hbil_pattern_args, shift, 7, 8)
+HBIL_ASSERT_LAYOUT(hbil_pattern_args, gathered, 8, 9)
 
 /* The table of steps (pattern.cl). */
 typedef struct hbil_make_pattern_args {
@@ -396,7 +403,7 @@ typedef struct hbil_make_pattern_args {
   hbil_pattern_args pattern;
   hbil_layer_args split;
 } hbil_make_pattern_args;
-HBIL_ASSERT_LAYOUT(hbil_make_pattern_args, split, 16, 23)
+HBIL_ASSERT_LAYOUT(hbil_make_pattern_args, split, 17, 24)
 
 /* The horizon cache (lib/horizon_cache.clh): rows of a layer, from the first
  * on, that it holds; vectors of pixels in those rows of all layers; the most

@@ -29,19 +29,46 @@ static inline hbil_int hbil_level(hbil_float reach, hbil_float need,
 }
 
 /*
- * Order in which the 16 pixels of a block take the 16 directions (4x4 Bayer
- * matrix: neighbours get directions far apart), and in which they take the 16
- * shifts along the slice (the same matrix, mirrored and turned, so that
- * direction and shift are not tied to each other).
+ * The layers that are gathered: all 16 of them, the 8 of a checkerboard, or the
+ * 4 of every second pixel in x and y (hbil_config.sampling.gathered).
+ */
+static inline hbil_int hbil_is_gathered(hbil_int layer, hbil_int gathered) {
+  hbil_int x = layer & 3, y = layer >> 2;
+  return gathered == 16 || !((gathered == 8 ? x ^ y : x | y) & 1);
+}
+/* The i-th of them, 0..gathered-1. */
+static inline hbil_int hbil_gathered_layer(hbil_int i, hbil_int gathered) {
+  hbil_int y = gathered == 8 ? i >> 1 : i & 2;
+  return gathered == 16 ? i : 4 * y + 2 * (i & 1) + (y & 1);
+}
+
+/*
+ * Order in which the gathered pixels of a 4x4 block take as many directions
+ * (Bayer matrix: neighbours get directions far apart), and in which they take
+ * as many shifts along the slice (the same matrix, mirrored and turned, so that
+ * direction and shift are not tied to each other).  The others of the block
+ * have the places that these don't take.
  */
 static inline hbil_int hbil_direction_slot(hbil_int layer) {
-  /* Bayer: interleave the bits of (x xor y) and y, most significant last. */
+  /* Bayer: interleave the bits of (x xor y) and y, most significant last.  Half
+   * of the layers, or a quarter, have the lowest places. */
   hbil_int x = layer & 3, y = layer >> 2, v = x ^ y;
   return ((v & 1) << 3) | ((y & 1) << 2) | (v & 2) | ((y & 2) >> 1);
 }
-static inline hbil_int hbil_shift_slot(hbil_int layer) {
+static inline hbil_int hbil_shift_slot(hbil_int layer, hbil_int gathered) {
   hbil_int x = layer & 3, y = layer >> 2;
-  return (hbil_direction_slot((x << 2) | (3 - y)) * 5 + 3) & 15;
+  return (hbil_direction_slot((x << 2) | (3 - y)) * 5 + 3) & (gathered - 1);
+}
+
+/* Places as numbers between 0 and 1 that are 1/2 on average. */
+static inline hbil_float hbil_direction_share(hbil_int layer,
+                                              hbil_int gathered) {
+  return ((hbil_float)(hbil_direction_slot(layer) & (gathered - 1)) + 0.5f) /
+         (hbil_float)gathered;
+}
+static inline hbil_float hbil_shift_share(hbil_int layer, hbil_int gathered) {
+  return ((hbil_float)hbil_shift_slot(layer, gathered) + 0.5f) /
+         (hbil_float)gathered;
 }
 
 /*
@@ -67,13 +94,13 @@ static inline void hbil_cos_sin_pi(hbil_float v, hbil_float *c, hbil_float *s) {
 
 /*
  * Direction u (unit, ray-slope space) of a slice in a layer.  The half-slices
- * go along u and -u.  Over the 16 layers the directions are equally spaced.
+ * go along u and -u.  Over the gathered layers the directions are equally
+ * spaced.
  */
 static inline void hbil_slice_direction(hbil_int layer, hbil_int slice,
                                         const hbil_pattern_args p,
                                         hbil_float *ux, hbil_float *uy) {
-  hbil_float t =
-      ((hbil_float)hbil_direction_slot(layer) + 0.5f) * 0.0625f + p.turn;
+  hbil_float t = hbil_direction_share(layer, p.gathered) + p.turn;
   t = t >= 1.0f ? t - 1.0f : t;
   hbil_cos_sin_pi(((hbil_float)slice + t) / (hbil_float)p.slices, ux, uy);
 }
@@ -109,7 +136,7 @@ static inline void hbil_sample_offset(hbil_int layer, hbil_int k,
   for (i = 0; i < level; ++i)
     reach *= 0.5f;
   reach = reach < edge ? reach : edge;
-  t = ((hbil_float)hbil_shift_slot(layer) + 0.5f) * 0.0625f + p.shift;
+  t = hbil_shift_share(layer, p.gathered) + p.shift;
   t = t >= 1.0f ? t - 1.0f : t;
   t = ((hbil_float)k + t) / (hbil_float)p.steps;
   d = reach * t / HBIL_FMA(p.growth, 1.0f - t, 1.0f);
@@ -146,15 +173,16 @@ static inline hbil_float hbil_half_step(hbil_int k, hbil_int samples,
  * the samples on either side of it; 0 before the first one, its own after the
  * last one.  If the share f of the pixels around a sample is met, the
  * correction for missed occluders must be multiplied by 1 - f.  So in the share
- * f of the 16 layers the sample belongs to both subsets, which adds nothing
- * there.
+ * f of the gathered layers the sample belongs to both subsets, which adds
+ * nothing there.
  */
-static inline hbil_int hbil_sample_subsets(hbil_int layer, hbil_int k,
-                                           hbil_int samples, hbil_int before,
-                                           hbil_int after) {
+static inline hbil_int hbil_sample_subsets(hbil_int layer, hbil_int gathered,
+                                           hbil_int k, hbil_int samples,
+                                           hbil_int before, hbil_int after) {
   hbil_int met = k + 1 < samples ? 2 : 1;
-  /* (slot + 1/2) / 16 of the layers lie above the share that is met */
-  if ((2 * hbil_shift_slot(layer) + 1) * (after - before) < 32 * met)
+  /* (slot + 1/2) / gathered of the layers lie above the share that is met */
+  if ((2 * hbil_shift_slot(layer, gathered) + 1) * (after - before) <
+      2 * gathered * met)
     return HBIL_SUBSET_EVEN | HBIL_SUBSET_ODD;
   return k & 1 ? HBIL_SUBSET_ODD : HBIL_SUBSET_EVEN;
 }

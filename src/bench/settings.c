@@ -17,6 +17,8 @@
 #define PLAIN BENCH_NOT_EXTRAPOLATED
 #define FP32 BENCH_FLOAT32
 #define QUICK BENCH_QUICK
+#define HALF BENCH_HALF
+#define QUARTER BENCH_QUARTER
 
 /* The same setting with several numbers of steps, up to the first 0. */
 typedef struct sweep {
@@ -37,6 +39,11 @@ static const sweep sweeps[] = {
     {DEFAULT, 2, 2, QUICK, {8, 32}},
     {DEFAULT, 2, 2, 0, {4, 16, 48, 96}},
     {DEFAULT, 4, 2, 0, {8, 16, 32}},
+    /* half of the pixels, or a quarter */
+    {DEFAULT, 1, 2, HALF, {8, 12, 16, 32, 64, 96}},
+    {DEFAULT, 2, 2, HALF, {32, 64, 96}},
+    {DEFAULT, 1, 2, QUARTER, {8, 16, 32, 64}},
+    {DEFAULT, 2, 2, QUARTER, {8, 16, 32, 64, 96}},
     /* samples in the pixel's own layer */
     {DEFAULT, 1, 2, LAYER, {8, 32, 64}},
     {DEFAULT, 2, 2, LAYER, {8, 16, 32, 64, 128}},
@@ -91,6 +98,9 @@ static bench_setting setting_of(const hbil_config *config) {
       .flags =
           (config->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? LAYER : 0u) |
           (config->sampling.unfiltered ? RAW : 0u) |
+          (config->sampling.gathered == HBIL_GATHERED_HALF      ? HALF
+           : config->sampling.gathered == HBIL_GATHERED_QUARTER ? QUARTER
+                                                                : 0u) |
           (config->model.extrapolate ? 0u : PLAIN) |
           (config->sampling.storage == HBIL_STORAGE_FLOAT32 ? (unsigned)FP32
                                                             : 0u)};
@@ -157,11 +167,14 @@ int bench_model_is_ao(bench_model model) {
 }
 
 void bench_setting_label(const bench_setting *s, char text[BENCH_LABEL]) {
-  snprintf(text, BENCH_LABEL, "%s%s%s%s%ux%u g%g%s%s%s%s",
+  snprintf(text, BENCH_LABEL, "%s%s%s%s%ux%u g%g%s%s%s%s%s",
            s->model == DEFAULT ? "" : bench_model_name(s->model),
            s->model == DEFAULT ? "" : " ", s->preset ? s->preset : "",
            s->preset ? " " : "", (unsigned)s->slices, (unsigned)s->steps,
            (double)s->growth, s->flags & LAYER ? " same-layer" : "",
+           s->flags & HALF      ? " half"
+           : s->flags & QUARTER ? " quarter"
+                                : "",
            s->flags & RAW ? " unfiltered" : "",
            s->flags & PLAIN ? " not extrapolated" : "",
            s->flags & FP32 ? " fp32" : "");
@@ -177,7 +190,7 @@ static void set_model(bench_model model, const bench_content *content,
   config->model.radius = config->model.thickness = INFINITY;
   config->model.relative_thickness = model == THIN      ? 0.02f
                                      : model == THICK   ? 0.3f
-                                     : model == DEFAULT ? 0.08f
+                                     : model == DEFAULT ? 0.06f
                                                         : INFINITY;
   config->model.facing_fade[0] = config->model.facing_fade[1] = -1.0f;
   config->model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
@@ -206,6 +219,9 @@ void bench_setting_apply(const bench_setting *s, const bench_content *content,
   config->sampling.step_growth = s->growth;
   config->sampling.sample_grid =
       s->flags & LAYER ? HBIL_GRID_SAME_LAYER : HBIL_GRID_FULL_RESOLUTION;
+  config->sampling.gathered = s->flags & HALF      ? HBIL_GATHERED_HALF
+                              : s->flags & QUARTER ? HBIL_GATHERED_QUARTER
+                                                   : HBIL_GATHERED_ALL;
   config->sampling.unfiltered = s->flags & RAW ? CL_TRUE : CL_FALSE;
   config->model.extrapolate =
       s->flags & PLAIN || s->model == PAPER ? CL_FALSE : CL_TRUE;

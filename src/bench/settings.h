@@ -23,7 +23,9 @@ enum {
   BENCH_UNFILTERED = 2,
   BENCH_NOT_EXTRAPOLATED = 4,
   BENCH_FLOAT32 = 8, /* storage of the layers; packed else */
-  BENCH_QUICK = 16   /* also part of the short list */
+  BENCH_QUICK = 16,  /* also part of the short list */
+  BENCH_HALF = 32,   /* of the pixels are gathered */
+  BENCH_QUARTER = 64
 };
 
 typedef struct bench_setting {
@@ -34,7 +36,7 @@ typedef struct bench_setting {
   const char *preset; /* its name, or NULL */
 } bench_setting;
 
-enum { BENCH_MAX_SETTINGS = 80, BENCH_LABEL = 64 };
+enum { BENCH_MAX_SETTINGS = 80, BENCH_LABEL = 80 };
 
 /* All settings, or those of the short list; returns how many. */
 size_t bench_settings(int quick, bench_setting out[BENCH_MAX_SETTINGS]);

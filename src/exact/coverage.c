@@ -22,14 +22,14 @@ coverage_kind exact_coverage_kind(const hbil_config *config,
 }
 
 coverage exact_coverage(coverage_kind kind, const half_slice *h,
-                        double threshold, int slot, interval *list) {
+                        double threshold, double dither, interval *list) {
   coverage c;
   memset(&c, 0, sizeof(c));
   c.kind = kind;
   c.threshold = threshold;
   c.horizon.top = h->start;
   c.horizon.measure = h->whole;
-  c.sectors = exact_sectors(h, slot);
+  c.sectors = exact_sectors(h, dither);
   c.intervals.list = list;
   return c;
 }

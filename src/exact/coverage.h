@@ -28,10 +28,10 @@ typedef struct coverage {
 /* The kind that the settings need; finite: the one for finite thickness. */
 coverage_kind exact_coverage_kind(const hbil_config *config,
                                   coverage_kind finite);
-/* Nothing covered.  slot: which of 16 dithers (COVERAGE_SECTORS); list: memory
+/* Nothing covered.  dither: 0..1 (COVERAGE_SECTORS); list: memory
  * for one interval an occluder (COVERAGE_INTERVALS), else NULL. */
 coverage exact_coverage(coverage_kind kind, const half_slice *h,
-                        double threshold, int slot, interval *list);
+                        double threshold, double dither, interval *list);
 /* Covers what a sample at a distance hides, between the excess of its front and
  * that of its back.  Returns the measure that was open before. */
 double exact_cover(coverage *c, const half_slice *h, double distance,

@@ -58,7 +58,8 @@ static void polynomials(vec3 d, double p[9]) {
 }
 
 /* The mean AO of the four pixels of a row that a pixel belongs to, as far as
- * they show a surface.  A single pixel looks along few directions, and what
+ * they show a surface and are gathered.  A single pixel looks along few
+ * directions, and what
  * exact_unlit_part() makes of its noise isn't its mean. */
 static double open_row(const exact_frame *frame, const exact_planes *split,
                        const exact_planes *gathered, int x, int y) {
@@ -68,7 +69,8 @@ static double open_row(const exact_frame *frame, const exact_planes *split,
   for (int i = x / 4 * 4; i < x / 4 * 4 + 4 && i < split->width; ++i) {
     const double weight =
         weighs ? *exact_at(gathered, HBIL_LIGHT_WEIGHT, i, y) : 1.0;
-    if (!exact_is_surface(frame->config, *exact_at(split, HBIL_SPLIT_W, i, y)))
+    if (!exact_is_gathered(frame->config, i, y) ||
+        !exact_is_surface(frame->config, *exact_at(split, HBIL_SPLIT_W, i, y)))
       continue;
     open += weight * *exact_at(gathered, HBIL_LIGHT_AO, i, y);
     total += weight;
@@ -115,7 +117,8 @@ static sums sums_of_part(const exact_frame *frame, const exact_planes *split,
   for (int y = 4 * hbil_estimate_row(part) + row; y < split->height; y += 16)
     for (int x = column; x < split->width; x += 4) {
       const surface s = exact_surface_at(frame, split, x, y);
-      if (s.is && hbil_estimate_uses(x / 4 / HBIL_ESTIMATE_BLOCK, y))
+      if (s.is && exact_is_gathered(frame->config, x, y) &&
+          hbil_estimate_uses(x / 4 / HBIL_ESTIMATE_BLOCK, y))
         add_surfel(&t, frame, &s, gathered,
                    open_row(frame, split, gathered, x, y), x, y);
     }

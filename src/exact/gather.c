@@ -7,6 +7,7 @@
 #include "exact/hemisphere.h"
 #include "exact/passes.h"
 #include "exact/planes.h"
+#include "exact/settings.h"
 #include "exact/threads.h"
 
 typedef struct gather {
@@ -30,6 +31,10 @@ static void gather_pixel(const gather *g, int x, int y) {
   const coverage_kind kind = exact_coverage_kind(config, COVERAGE_SECTORS);
   const receiver r = exact_receiver(g->frame, g->split, x, y, kind, NULL);
   hemisphere sum = {0};
+  if (!exact_is_gathered(config, x, y)) {
+    exact_planes_clear(g->gathered, x, y);
+    return;
+  }
   if (!r.s.is) {
     exact_store_sky(&r, g->gathered);
     return;

@@ -276,8 +276,9 @@ march exact_march_begin(const receiver *r, double ux, double uy) {
   memset(&m, 0, sizeof(m));
   m.h = exact_half_slice(&r->s, ux, uy, c->model.mode == HBIL_MODE_HBAO,
                          r->equal_weights);
-  m.covers =
-      exact_coverage(r->kind, &m.h, r->least, hbil_shift_slot(layer), r->list);
+  m.covers = exact_coverage(
+      r->kind, &m.h, r->least,
+      (double)hbil_shift_share(layer, exact_gathered_layers(c)), r->list);
   m.open_scale = 1.0;
   m.joined.high = r->least;
   if (exact_is_glossy(c)) {

@@ -39,7 +39,7 @@ double exact_frame_radiance(const exact_frame *frame, int channel,
 
 /* SPLIT -> GATHERED, at the samples that the kernels take.  GATHERED has
  * HBIL_LIGHT_PLANES or more planes; the further ones are written where they are
- * there and the settings use them. */
+ * there and the settings use them.  Pixels that aren't gathered get zeros. */
 exact_status exact_gather(const exact_frame *frame, const exact_planes *split,
                           exact_planes *gathered);
 /* The same without sampling error: every pixel on the line of each slice. */

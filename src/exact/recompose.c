@@ -13,6 +13,7 @@
  * to pixel, so AO and irradiance are weighed by it: numerators and divisor of
  * the ratio estimator are then summed over the window.
  */
+#include <float.h>
 #include <stdlib.h>
 
 #include "exact/camera.h"
@@ -48,12 +49,26 @@ static double guide_weight(const exact_frame *frame, const surface *s,
   return fmax(0.0, 1.0 - off * off - bend);
 }
 
+/* Of a pixel that isn't gathered, the nearest ones that are have a least weight
+ * if they show a surface. */
+static double least_weight(const exact_frame *frame, const exact_planes *split,
+                           int x, int y, int dx, int dy) {
+  return !exact_is_gathered(frame->config, x, y) && abs(dx) < 2 &&
+                 abs(dy) < 2 &&
+                 exact_surface_at(frame, split, x + dx, y + dy).is
+             ? (double)HBIL_LEAST_WEIGHT
+             : 0.0;
+}
+
 static double tap_weight(const exact_frame *frame, const surface *s,
                          const exact_planes *split, int x, int y, int dx,
                          int dy) {
-  if (frame->config->sampling.unfiltered && (dx || dy))
+  if ((frame->config->sampling.unfiltered && (dx || dy)) ||
+      !exact_is_gathered(frame->config, x + dx, y + dy))
     return 0.0;
-  return spatial_weight(dx, dy) * guide_weight(frame, s, split, x, y, dx, dy);
+  return spatial_weight(dx, dy) *
+         fmax(guide_weight(frame, s, split, x, y, dx, dy),
+              least_weight(frame, split, x, y, dx, dy));
 }
 
 static void normalize_bent(exact_planes *resolved, int x, int y) {
@@ -97,9 +112,11 @@ static void recompose_pixel(const exact_frame *frame, const exact_planes *split,
   const bool glossy = exact_is_glossy(frame->config) &&
                       resolved->count >= EXACT_GLOSSY_RESOLVED;
   const surface s = exact_surface_at(frame, split, x, y);
-  double total = 0.0, unknown = 0.0, whole_lobe = 0.0;
+  double total =
+      exact_is_gathered(frame->config, x, y) ? 0.0 : (double)HBIL_ALONE_WEIGHT;
+  double unknown = 0.0, whole_lobe = 0.0;
   exact_planes_clear(resolved, x, y);
-  *exact_at(resolved, HBIL_LIGHT_AO, x, y) = s.is ? 0.0 : 1.0;
+  *exact_at(resolved, HBIL_LIGHT_AO, x, y) = s.is ? total : 1.0;
   if (!s.is)
     return;
   for (int tap = 0; tap < 25; ++tap) {
@@ -121,7 +138,7 @@ static void recompose_pixel(const exact_frame *frame, const exact_planes *split,
       whole_lobe += add_lobe(gathered, weight, x, y, dx, dy, resolved);
   }
   for (int p = EXACT_GLOSSY_PLANES; glossy && p < EXACT_GLOSSY_RESOLVED; ++p)
-    *exact_at(resolved, p, x, y) /= whole_lobe;
+    *exact_at(resolved, p, x, y) /= fmax(whole_lobe, DBL_MIN);
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
     *exact_at(resolved, p, x, y) /= total;
   if (fills)

@@ -25,6 +25,7 @@ hbil_pattern_args exact_pattern(const exact_frame *frame) {
   p.grid = c->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
   p.reach = fmaxf((float)v.width / v.fx, (float)v.height / v.fy);
   p.growth = c->sampling.step_growth;
+  p.gathered = exact_gathered_layers(c);
   /* Both run through (0,1) evenly for any number of frames. */
   p.turn = (float)fmod(frame->frame_index * 0.6457513, 1.0);
   p.shift = (float)fmod(frame->frame_index * 0.7548777, 1.0);
@@ -86,7 +87,8 @@ void exact_visit_samples(const receiver *r, const sampling *how, int subsets,
     near.next[1] = r->y + next_y;
     near.has_next = k + 1 < samples &&
                     exact_planes_contain(r->split, near.next[0], near.next[1]);
-    if (subsets & hbil_sample_subsets(how->layer, k, samples, before, after) &&
+    if (subsets & hbil_sample_subsets(how->layer, how->pattern.gathered, k,
+                                      samples, before, after) &&
         exact_planes_contain(r->split, r->x + x, r->y + y))
       exact_march_visit(r, m, r->x + x, r->y + y, &near);
     near.before[0] = r->x + x;

@@ -14,8 +14,8 @@
 
 #include "shared.h"
 
-sectors exact_sectors(const half_slice *h, int slot) {
-  const sectors s = {0u, (slot + 0.5) / 16.0, exact_bent_integral(h, h->start)};
+sectors exact_sectors(const half_slice *h, double dither) {
+  const sectors s = {0u, dither, exact_bent_integral(h, h->start)};
   return s;
 }
 

@@ -10,8 +10,8 @@ typedef struct sectors {
   vec3 bent;        /* bent integral of what is open */
 } sectors;
 
-/* All sectors open.  slot: which of 16 dithers. */
-sectors exact_sectors(const half_slice *h, int slot);
+/* All sectors open.  dither: 0..1, added before rounding down. */
+sectors exact_sectors(const half_slice *h, double dither);
 /* Covers the angles from front to back.  Returns the measure that was open
  * before. */
 double exact_sectors_cover(sectors *s, const half_slice *h, angle front,

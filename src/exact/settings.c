@@ -2,6 +2,7 @@
 #include "exact/settings.h"
 
 #include "exact/passes.h"
+#include "lib/sampling_pattern.h"
 
 bool exact_gathers_light(const hbil_config *config) {
   return config->model.mode == HBIL_MODE_HBIL;
@@ -15,6 +16,14 @@ bool exact_fills_unknown(const hbil_config *config) {
   return exact_gathers_light(config) &&
          config->model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN &&
          config->model.facing_fade[1] > -1.0f;
+}
+
+int exact_gathered_layers(const hbil_config *config) {
+  return HBIL_LAYERS >> config->sampling.gathered;
+}
+
+bool exact_is_gathered(const hbil_config *config, int x, int y) {
+  return hbil_is_gathered(4 * (y & 3) + (x & 3), exact_gathered_layers(config));
 }
 
 bool exact_weighs_slices(const hbil_config *config) {

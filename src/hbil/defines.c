@@ -115,6 +115,7 @@ static void define_work(const hbil_config *c, const layout *l, text *t) {
   define(t, "HBIL_WIDTH", (int)c->execution.vector_width);
   define(t, "SPAN", (int)l->span);
   define(t, "STORAGE", (int)c->sampling.storage);
+  define(t, "GATHERED", (int)l->pattern.gathered);
   define(t, "GATHER_RADIANCE", l->radiance);
   define(t, "GATHER_BENT", l->bent);
   define(t, "HISTORY", l->history);

@@ -155,9 +155,9 @@ static hbil_status search(commands *chain, const hbil_gather_args *args,
                            BUFFER_ARG(plan, BUFFER_HORIZON_CACHE)};
   if (top == bottom)
     return HBIL_SUCCESS;
-  return LAUNCH_ROWS(chain,
-                     fill_cache ? KERNEL_GATHER_AND_CACHE : KERNEL_GATHER, list,
-                     top, plan->layout.spans, bottom - top, HBIL_LAYERS);
+  return LAUNCH_ROWS(
+      chain, fill_cache ? KERNEL_GATHER_AND_CACHE : KERNEL_GATHER, list, top,
+      plan->layout.spans, bottom - top, (size_t)plan->layout.pattern.gathered);
 }
 
 /* Computes light from the horizon cache. */
@@ -170,7 +170,7 @@ static hbil_status regather(commands *chain, const hbil_gather_args *args) {
                            BUFFER_ARG(plan, BUFFER_FLAGS),
                            BUFFER_ARG(plan, BUFFER_HORIZON_CACHE)};
   return LAUNCH(chain, KERNEL_REGATHER, list, plan->layout.spans,
-                plan->layout.cache.rows, HBIL_LAYERS);
+                plan->layout.cache.rows, (size_t)plan->layout.pattern.gathered);
 }
 
 /* Gathers all pixels.  rest: this is a static frame, which may be left out

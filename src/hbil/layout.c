@@ -277,7 +277,7 @@ static void lay_out_resolved(const hbil_config *config, layout *out) {
 static size_t lay_out_horizon_cache(const hbil_config *config, layout *out) {
   const size_t width = config->execution.vector_width;
   const size_t vectors = out->taken / width;
-  const size_t across = out->spans * vectors * HBIL_LAYERS;
+  const size_t across = out->spans * vectors * (size_t)out->pattern.gathered;
   const cl_uint sides = 2 * config->sampling.slices;
   const bool last =
       config_rejects_back_faces(config) &&
@@ -420,6 +420,7 @@ void layout_compute(const hbil_config *config, const staging *staged,
   out->pattern.grid =
       config->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
   out->pattern.growth = config->sampling.step_growth;
+  out->pattern.gathered = HBIL_LAYERS >> config->sampling.gathered;
   out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * (size_t)out->pattern.levels *
                              HBIL_LAYERS * 2 * config->sampling.slices *
                              (config->sampling.steps_per_side + 1);

@@ -1,5 +1,6 @@
 /* Reads back a frame's timings, statistics and counts of sanitized pixels. */
 #include "commands.h"
+#include "lib/sampling_pattern.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -92,7 +93,8 @@ static void count_spans(const hbil_plan *plan, const unsigned char *spans,
     const size_t layer = i / (across * height);
     const size_t y = HBIL_SIDE * (i / across % height) + layer / HBIL_SIDE;
     const size_t x = HBIL_SIDE * size * (i % across) + layer % HBIL_SIDE;
-    if (x >= plan->config.width || y >= plan->config.height)
+    if (x >= plan->config.width || y >= plan->config.height ||
+        !hbil_is_gathered((cl_int)layer, plan->layout.pattern.gathered))
       continue;
     const size_t right = (plan->config.width - x + HBIL_SIDE - 1) / HBIL_SIDE;
     const size_t inside = right < size ? right : size;

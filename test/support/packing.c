@@ -71,7 +71,7 @@ static void decode_light(uint32_t word, int bits, uint32_t exponent,
 }
 
 static double layer_dither(int x, int y) {
-  return (hbil_direction_slot(4 * (y % 4) + x % 4) + 0.5) / 16.0;
+  return (double)hbil_direction_share(4 * (y % 4) + x % 4, HBIL_LAYERS);
 }
 
 /* `b` is not longer than 1. */

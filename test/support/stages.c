@@ -1,6 +1,8 @@
 #include "test/support/stages.h"
 
 #include "exact/glossy.h"
+#include "exact/planes.h"
+#include "exact/settings.h"
 #include "test/support/packing.h"
 
 /* A stage's buffer, copied to the host. */
@@ -117,6 +119,14 @@ static void write_packed(const stage_bytes *t, const exact_planes *planes) {
 
 /* ------------------------------------------------------------------------ */
 
+/* Pixels that aren't gathered have no values; here they get zeros. */
+static void clear_left_out(const setup *s, exact_planes *gathered) {
+  for (int y = 0; y < gathered->height; ++y)
+    for (int x = 0; x < gathered->width; ++x)
+      if (!exact_is_gathered(&s->config, x, y))
+        exact_planes_clear(gathered, x, y);
+}
+
 exact_planes stage_read(setup *s, hbil_stage stage) {
   stage_bytes t = stage_open(s, stage);
   int count = (int)t.b.values;
@@ -143,6 +153,8 @@ exact_planes stage_read(setup *s, hbil_stage stage) {
       for (int x = 0; x < out.width; ++x)
         *exact_at(&out, EXACT_GLOSSY_PLANES + p, x, y) =
             (double)*stage_at(&t, t.glossy + p, x, y);
+  if (stage == HBIL_STAGE_GATHERED)
+    clear_left_out(s, &out);
   free(t.floats);
   return out;
 }

@@ -11,7 +11,8 @@
 
 /* Reads a stage.  Packed words are decoded: the planes are those of
  * HBIL_STORAGE_FLOAT32, whatever the plan's storage.  Those of glossy light are
- * where exact/glossy.h has them. */
+ * where exact/glossy.h has them.  In GATHERED, pixels that the settings leave
+ * out are 0. */
 exact_planes stage_read(setup *s, hbil_stage stage);
 /* Writes a stage and leaves its padding alone; packed storage is encoded.
  * Planes that the plan doesn't have are ignored. */

@@ -8,8 +8,8 @@
 
 static hbil_pattern_args make_pattern(int slices, int steps, int grid,
                                       float growth) {
-  hbil_pattern_args p = {slices, steps, HBIL_MAX_LEVELS, grid, 1.6f, growth,
-                         0.0f,   0.0f};
+  hbil_pattern_args p = {
+      slices, steps, HBIL_MAX_LEVELS, grid, 1.6f, growth, 0.0f, 0.0f, 16};
   return p;
 }
 
@@ -44,14 +44,16 @@ static int ascending(const void *a, const void *b) {
 }
 
 /* Largest deviation of the sorted directions from equal steps. */
-static double unevenness(int slices, float turn) {
+static double unevenness(int slices, int gathered, float turn) {
   double angle[16 * 32], worst = 0.0;
   hbil_pattern_args p = make_pattern(slices, 8, 1, 3.0f);
-  int count = 16 * slices;
+  int count = gathered * slices;
   p.turn = turn;
+  p.gathered = gathered;
   for (int i = 0; i < count; ++i) {
     float x, y;
-    hbil_slice_direction(i % 16, i / 16, p, &x, &y);
+    hbil_slice_direction(hbil_gathered_layer(i % gathered, gathered),
+                         i / gathered, p, &x, &y);
     worst = fmax(worst, fabs(hypot((double)x, (double)y) - 1.0));
     angle[i] = atan2((double)y, (double)x);
   }
@@ -64,22 +66,42 @@ static double unevenness(int slices, float turn) {
 static void directions_of_a_block_are_equally_spaced(void **state) {
   const int slices[] = {1, 2, 3, 4, 32};
   (void)state;
-  for (size_t i = 0; i < sizeof(slices) / sizeof(*slices); ++i) {
-    /* derived: a few roundings of numbers up to pi */
-    check_at_most("spacing", unevenness(slices[i], 0.0f), 1e-6);
-    check_at_most("turned spacing", unevenness(slices[i], 0.6457513f), 1e-6);
+  for (size_t i = 0; i < sizeof(slices) / sizeof(*slices); ++i)
+    for (int gathered = 4; gathered <= 16; gathered *= 2) {
+      /* derived: a few roundings of numbers up to pi */
+      check_at_most("spacing", unevenness(slices[i], gathered, 0.0f), 1e-6);
+      check_at_most("turned spacing",
+                    unevenness(slices[i], gathered, 0.6457513f), 1e-6);
+    }
+}
+
+static void places_are_permutations(void **state) {
+  (void)state;
+  for (int gathered = 4; gathered <= 16; gathered *= 2) {
+    unsigned directions = 0, shifts = 0;
+    for (int i = 0; i < gathered; ++i) {
+      const int layer = hbil_gathered_layer(i, gathered);
+      const float n = (float)gathered;
+      directions |= 1u << (int)(n * hbil_direction_share(layer, gathered));
+      shifts |= 1u << (int)(n * hbil_shift_share(layer, gathered));
+    }
+    assert_int_equal(directions, (1u << gathered) - 1u);
+    assert_int_equal(shifts, (1u << gathered) - 1u);
   }
 }
 
-static void slots_are_permutations(void **state) {
-  unsigned directions = 0, shifts = 0;
+/* The layers of a list are those that are gathered, and each is in it once. */
+static void gathered_layers_are_listed(void **state) {
   (void)state;
-  for (int layer = 0; layer < HBIL_LAYERS; ++layer) {
-    directions |= 1u << hbil_direction_slot(layer);
-    shifts |= 1u << hbil_shift_slot(layer);
+  for (int gathered = 4; gathered <= 16; gathered *= 2) {
+    unsigned listed = 0, asked = 0;
+    for (int i = 0; i < gathered; ++i)
+      listed |= 1u << hbil_gathered_layer(i, gathered);
+    for (int layer = 0; layer < HBIL_LAYERS; ++layer)
+      asked |= hbil_is_gathered(layer, gathered) ? 1u << layer : 0u;
+    assert_int_equal(listed, asked);
+    assert_int_equal(__builtin_popcount(listed), gathered);
   }
-  assert_int_equal(directions, 0xffff);
-  assert_int_equal(shifts, 0xffff);
 }
 
 /* Offsets of one half-slice: distinct points of the grid, ever farther out. */
@@ -158,9 +180,9 @@ static double shared_samples(const hbil_view_args *v, hbil_pattern_args p) {
   int both = 0;
   for (int layer = 0; layer < HBIL_LAYERS; ++layer)
     for (int k = 0; k < p.steps; ++k) {
-      int subsets =
-          hbil_sample_subsets(layer, k, p.steps, span_of(layer, k - 1, v, p),
-                              span_of(layer, k + 1, v, p));
+      int subsets = hbil_sample_subsets(layer, p.gathered, k, p.steps,
+                                        span_of(layer, k - 1, v, p),
+                                        span_of(layer, k + 1, v, p));
       int own = k & 1 ? HBIL_SUBSET_ODD : HBIL_SUBSET_EVEN;
       assert_true(subsets & own);
       both += subsets != own;
@@ -207,7 +229,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(cos_and_sin_are_accurate),
       cmocka_unit_test(directions_of_a_block_are_equally_spaced),
-      cmocka_unit_test(slots_are_permutations),
+      cmocka_unit_test(places_are_permutations),
+      cmocka_unit_test(gathered_layers_are_listed),
       cmocka_unit_test(samples_are_distinct_and_ever_farther),
       cmocka_unit_test(the_last_sample_gets_to_the_edge),
       cmocka_unit_test(as_many_samples_are_in_both_halves_as_pixels_are_met),

@@ -2,11 +2,12 @@
  * Recompose matches the exact pass: the joint bilateral filter, and layers
  * that are only interleaved.
  */
+#include "exact/settings.h"
 #include "test/support/random.h"
 #include "test/support/stages.h"
 
 /* Random light in the layers of a real scene; the sky is open and dark, as
- * the gather leaves it. */
+ * the gather leaves it.  What isn't gathered is NaN, so nobody may read it. */
 static exact_planes plant_light(setup *s) {
   random_state r = {17};
   exact_planes light = checked_planes(
@@ -20,18 +21,19 @@ static exact_planes plant_light(setup *s) {
                                                    : value);
     if (!(s->input[EXACT_DEPTH][i % pixels] > 0.0f))
       light.values[i] = plane == HBIL_LIGHT_AO;
+    if (!exact_is_gathered(&s->config, i % pixels % light.width,
+                           i % pixels / light.width))
+      light.values[i] = (double)NAN;
   }
   stage_write(s, HBIL_STAGE_GATHERED, &light);
   return light;
 }
 
-static void check_recompose(scene_kind kind, int width, int height, bool raw,
-                            cl_uint slices) {
-  setup s;
+/* The scene with the settings in `s`, which is freed. */
+static void check_setup(setup *setup_of_scene) {
+  setup s = *setup_of_scene;
   exact_planes split, light, got, want;
-  setup_scene(&s, kind, width, height, 0);
-  s.config.sampling.unfiltered = raw;
-  s.config.sampling.slices = slices;
+  const int width = (int)s.config.width, height = (int)s.config.height;
   setup_start(&s);
   setup_run(&s, hbil_enqueue_split);
   light = plant_light(&s);
@@ -49,6 +51,15 @@ static void check_recompose(scene_kind kind, int width, int height, bool raw,
   exact_planes_free(&got);
   exact_planes_free(&want);
   setup_free(&s);
+}
+
+static void check_recompose(scene_kind kind, int width, int height, bool raw,
+                            cl_uint slices) {
+  setup s;
+  setup_scene(&s, kind, width, height, 0);
+  s.config.sampling.unfiltered = raw;
+  s.config.sampling.slices = slices;
+  check_setup(&s);
 }
 
 static const int sizes[][2] = {{1, 1}, {3, 5}, {17, 31}, {160, 90}};
@@ -81,13 +92,57 @@ static void a_large_image_matches(void **state) {
   check_recompose(SCENE_ROOM, 640, 360, false, 2);
 }
 
+static void left_out_pixels_are_filled_in(void **state) {
+  (void)state;
+  for (int i = 0; i < 16; ++i) {
+    setup s;
+    setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, sizes[i / 4][0],
+                sizes[i / 4][1], 0);
+    s.config.sampling.gathered =
+        i & 2 ? HBIL_GATHERED_QUARTER : HBIL_GATHERED_HALF;
+    s.config.sampling.slices = 1 + (cl_uint)i / 2 % 2;
+    check_setup(&s);
+  }
+}
+
+/* Depths at random, half of them sky: pixels without a neighbour on the same
+ * surface, and without any neighbour. */
+static void lonely_pixels_are_filled_in(void **state) {
+  (void)state;
+  for (int i = 0; i < 4; ++i) {
+    setup s;
+    random_state r = {31};
+    setup_scene(&s, SCENE_ROOM, 67, 41, 0);
+    for (int p = 0; p < 67 * 41; ++p)
+      s.input[EXACT_DEPTH][p] =
+          random_unit(&r) < 0.5 ? 0.0f : 1.0f + 9.0f * (float)random_unit(&r);
+    s.config.sampling.gathered =
+        i & 1 ? HBIL_GATHERED_QUARTER : HBIL_GATHERED_HALF;
+    s.config.sampling.slices = 1 + (cl_uint)i / 2;
+    check_setup(&s);
+  }
+}
+
+/* Whether a pixel isn't gathered and has no gathered surface next to it. */
+static bool is_alone(const setup *s, int x, int y) {
+  if (exact_is_gathered(&s->config, x, y))
+    return false;
+  for (int j = y > 0 ? y - 1 : 0; j <= y + 1 && j < (int)s->config.height; ++j)
+    for (int i = x > 0 ? x - 1 : 0; i <= x + 1 && i < (int)s->config.width; ++i)
+      if (exact_is_gathered(&s->config, i, j) &&
+          s->input[EXACT_DEPTH][j * (int)s->config.width + i] > 0.0f)
+        return false;
+  return true;
+}
+
 /* A mean of equal values is that value, whatever the weights. */
-static void check_even_light(cl_uint slices) {
+static void check_even_light(cl_uint slices, hbil_gathered gathered) {
   setup s;
   random_state r = {23};
   exact_planes light, got;
   setup_scene(&s, SCENE_ROOM, 64, 37, 0);
   s.config.sampling.slices = slices;
+  s.config.sampling.gathered = gathered;
   setup_start(&s);
   setup_run(&s, hbil_enqueue_split);
   light = checked_planes(64, 37, HBIL_GATHERED_PLANES);
@@ -101,7 +156,7 @@ static void check_even_light(cl_uint slices) {
   got = stage_read(&s, HBIL_STAGE_RESOLVED);
   for (int y = 0; y < 37; ++y)
     for (int x = 0; x < 64; ++x)
-      for (int p = 0; p < HBIL_LIGHT_PLANES; ++p) {
+      for (int p = 0; p < HBIL_LIGHT_PLANES && !is_alone(&s, x, y); ++p) {
         bool sky = !(s.input[EXACT_DEPTH][y * 64 + x] > 0.0f);
         double want = p >= HBIL_LIGHT_BENT ? 0.0 : 0.625;
         if (sky)
@@ -116,8 +171,11 @@ static void check_even_light(cl_uint slices) {
 
 static void even_light_stays_even(void **state) {
   (void)state;
-  check_even_light(2);
-  check_even_light(1);
+  for (int gathered = HBIL_GATHERED_ALL; gathered <= HBIL_GATHERED_QUARTER;
+       ++gathered) {
+    check_even_light(2, (hbil_gathered)gathered);
+    check_even_light(1, (hbil_gathered)gathered);
+  }
 }
 
 int main(void) {
@@ -126,6 +184,8 @@ int main(void) {
       cmocka_unit_test(slices_are_weighed),
       cmocka_unit_test(the_raw_interleave_matches),
       cmocka_unit_test(a_large_image_matches),
+      cmocka_unit_test(left_out_pixels_are_filled_in),
+      cmocka_unit_test(lonely_pixels_are_filled_in),
       cmocka_unit_test(even_light_stays_even)};
   return RUN_WITH_DEVICE(tests);
 }
