@@ -153,6 +153,7 @@ int gbuffer_read(const char *path, const channel_map *map, unsigned roles,
                  gbuffer *out, image_error *error) {
   const unsigned read = needed(map, roles);
   memset(&out->planes, 0, sizeof out->planes);
+  memset(out->indexed, 0, sizeof out->indexed);
   out->map = *map;
   out->planes.x = map->window.x;
   out->planes.y = map->window.y;
@@ -162,11 +163,16 @@ int gbuffer_read(const char *path, const channel_map *map, unsigned roles,
   for (int r = 0; r < ROLE_COUNT; r++)
     if (!(read >> r & 1))
       out->map.count[r] = 0;
-  if (read_files(path, read, map, out, error) != 0 ||
-      convert_planes(path, out, error) != 0) {
+  if (read_files(path, read, map, out, error) != 0) {
     gbuffer_free(out);
     return -1;
   }
+  gbuffer_index(out);
+  if (convert_planes(path, out, error) != 0) {
+    gbuffer_free(out);
+    return -1;
+  }
+  gbuffer_index(out);
   add_background(out);
   return 0;
 }
