@@ -37,7 +37,7 @@ static void print_files(void) {
       "                        result\n"
       "  --compression NAME    none, rle, zips, zip, piz, pxr24, b44, b44a,\n"
       "                        dwaa, dwab, or input for that of the frame "
-      "(zip)\n"
+      "(piz)\n"
       "  --half                store the layers as half floats\n"
       "  --camera FILE         JSON camera of all frames (FRAME.json beside\n"
       "                        each FRAME.exr, or else the header's, or else\n"
