@@ -2,6 +2,7 @@
 #include "tool/process.h"
 
 #include "image/error.h"
+#include "tool/first_frame.h"
 #include "tool/job_light.h"
 #include "tool/paths.h"
 #include "tool/prepare_job.h"
@@ -13,6 +14,7 @@
 
 typedef struct process {
   job job;
+  first_frame first;
   lighting lighting;
   resume resume;
   frame_times times;
@@ -77,13 +79,24 @@ static int print_timings(const process *p, image_error *error) {
   return 0;
 }
 
+/* Makes the kernels, and checks the first frame meanwhile.  A job that is
+ * resumed may not need that frame. */
+static int open_lighting(process *p, image_error *error) {
+  const process_settings *s = p->job.settings;
+  if (!s->dry_run && !s->resume)
+    first_frame_begin(&p->first, &p->job);
+  else
+    held_planes_free(&p->job.held);
+  return lighting_open(&p->lighting, &p->job, error);
+}
+
 static int open_all(process *p, const process_settings *settings,
                     char *const *files, int count, image_error *error) {
   return job_prepare(&p->job, settings, files, count, error) != 0 ||
                  lighting_prepare(&p->lighting, &p->job, error) != 0 ||
-                 job_light_decide(&p->job, error) != 0 ||
+                 job_light_decide(&p->job, &p->first, error) != 0 ||
                  world_choose(&p->job, error) != 0 ||
-                 lighting_open(&p->lighting, &p->job, error) != 0 ||
+                 open_lighting(p, error) != 0 ||
                  resume_open(&p->resume, &p->job, &p->lighting, error) != 0
              ? -1
              : 0;
@@ -96,7 +109,8 @@ static int run(process *p, image_error *error) {
   }
   if (resume_uses_cache(&p->resume) && lighting_learn(&p->lighting, error) != 0)
     return -1;
-  return run_frames(&p->job, &p->lighting, &p->resume, &p->times, error) != 0 ||
+  return run_frames(&p->job, &p->first, &p->lighting, &p->resume, &p->times,
+                    error) != 0 ||
                  (p->job.settings->cache_save &&
                   lighting_save(&p->lighting, error) != 0) ||
                  print_timings(p, error) != 0
@@ -112,6 +126,7 @@ int process_run(const process_settings *settings, char *const *files, int count,
   if (failed)
     path_remove_folders(settings->output, p.job.folders_made);
   frame_times_free(&p.times);
+  first_frame_free(&p.first);
   resume_close(&p.resume);
   lighting_close(&p.lighting);
   job_free(&p.job);
