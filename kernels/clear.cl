@@ -1,6 +1,5 @@
 /*
- * clear: the padding of layers.  A program of its own, since it is the same for
- * all plans.
+ * clear: the padding of layers.
  *
  * Launch: x = rows of layers, from the one above the first to the one below the
  * last.  Out: split or gathered planes.  What the picture's pixels have may

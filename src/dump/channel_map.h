@@ -29,8 +29,10 @@ typedef struct channel_map {
   int mirrored;      /* 1: the dump's world is left-handed, and z of world space
                         changes its sign (see frame_camera.h) */
   image_window data; /* where the file has pixels */
-  image_window display; /* the part that is shown */
-  image_window window;  /* what the planes shall cover; at first `data` */
+  image_window display;     /* the part that is shown */
+  image_window window;      /* what the planes shall cover; at first `data` */
+  struct held_planes *held; /* of the frame's own file (held_planes.h), the
+                               caller's; NULL: each reader reads it */
 } channel_map;
 
 /* An empty map with the conventions of a source. */

@@ -2,6 +2,7 @@
 #include "dump/check_positions.h"
 
 #include "dump/check_camera.h"
+#include "dump/selection.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -188,14 +189,8 @@ static void explain(const surface_points *s, const offsets *o, findings *out) {
                  "another frame? --camera");
 }
 
-static int ascending(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 static double nine_tenths(double *values, size_t count) {
-  qsort(values, count, sizeof *values, ascending);
-  return values[(size_t)(0.9 * (double)(count - 1))];
+  return select_nth(values, count, (size_t)(0.9 * (double)(count - 1)));
 }
 
 static void compare(const surface_points *s, offsets *o, findings *out) {

@@ -4,16 +4,29 @@
 #include "image/image.h"
 
 #include <math.h>
+#include <string.h>
 
 void gbuffer_free(gbuffer *g) {
   image_free(&g->planes);
+  memset(g->indexed, 0, sizeof g->indexed);
+}
+
+static float *find_plane(const gbuffer *g, role r, size_t i) {
+  const image_plane *plane = image_find(&g->planes, g->map.names[r][i]);
+  return plane ? plane->pixels : NULL;
 }
 
 float *gbuffer_plane(const gbuffer *g, role r, size_t i) {
   if (i >= g->map.count[r])
     return NULL;
-  const image_plane *plane = image_find(&g->planes, g->map.names[r][i]);
-  return plane ? plane->pixels : NULL;
+  float *const indexed = g->indexed[r][i];
+  return indexed ? indexed : find_plane(g, r, i);
+}
+
+void gbuffer_index(gbuffer *g) {
+  for (int r = 0; r < ROLE_COUNT; r++)
+    for (size_t i = 0; i < ROLE_CHANNELS; i++)
+      g->indexed[r][i] = i < g->map.count[r] ? find_plane(g, (role)r, i) : NULL;
 }
 
 size_t gbuffer_pixels(const gbuffer *g) {

@@ -8,6 +8,8 @@
 typedef struct gbuffer {
   channel_map map; /* describes `planes`; owns no file names */
   image planes;
+  /* what gbuffer_plane() returns, once gbuffer_index() has looked it up */
+  float *indexed[ROLE_COUNT][ROLE_CHANNELS];
 } gbuffer;
 
 /* Frees the planes.  It may be called twice and on a zeroed G-buffer. */
@@ -15,6 +17,11 @@ void gbuffer_free(gbuffer *g);
 
 /* Channel i of a role, width*height floats; NULL if there is none. */
 float *gbuffer_plane(const gbuffer *g, role r, size_t i);
+
+/* Looks all planes up by their names, so that gbuffer_plane() need not, which
+ * is called for single pixels.  To be called when planes were added: the pixels
+ * of a plane stay where they are. */
+void gbuffer_index(gbuffer *g);
 
 size_t gbuffer_pixels(const gbuffer *g);
 

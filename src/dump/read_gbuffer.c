@@ -2,6 +2,7 @@
 #include "dump/read_gbuffer.h"
 
 #include "dump/convert.h"
+#include "dump/held_planes.h"
 #include "image/error.h"
 #include "image/image.h"
 #include "image/image_read.h"
@@ -125,7 +126,8 @@ static int read_file(const char *frame, const char *file, unsigned roles,
         names[count++] = map->names[r][c];
   if (count == 0)
     return 0;
-  if (image_read(path, names, count, &planes, error) != 0)
+  if ((file ? image_read(path, names, count, &planes, error)
+            : held_planes_read(path, map, names, count, &planes, error)) != 0)
     return -1;
   const int failed = take_planes(out, map, roles, file, &planes)
                          ? image_no_memory(error, path)
@@ -153,20 +155,27 @@ int gbuffer_read(const char *path, const channel_map *map, unsigned roles,
                  gbuffer *out, image_error *error) {
   const unsigned read = needed(map, roles);
   memset(&out->planes, 0, sizeof out->planes);
+  memset(out->indexed, 0, sizeof out->indexed);
   out->map = *map;
   out->planes.x = map->window.x;
   out->planes.y = map->window.y;
   out->planes.width = map->window.width;
   out->planes.height = map->window.height;
   memset(out->map.files, 0, sizeof out->map.files);
+  out->map.held = NULL;
   for (int r = 0; r < ROLE_COUNT; r++)
     if (!(read >> r & 1))
       out->map.count[r] = 0;
-  if (read_files(path, read, map, out, error) != 0 ||
-      convert_planes(path, out, error) != 0) {
+  if (read_files(path, read, map, out, error) != 0) {
     gbuffer_free(out);
     return -1;
   }
+  gbuffer_index(out);
+  if (convert_planes(path, out, error) != 0) {
+    gbuffer_free(out);
+    return -1;
+  }
+  gbuffer_index(out);
   add_background(out);
   return 0;
 }

@@ -20,11 +20,9 @@ static const program_kind programs[PROGRAM_COUNT] = {
     [PROGRAM_SCATTER] = {"scatter", .defines = ""},
     [PROGRAM_FOLLOW_MOTION] = {"follow_motion", .defines = ""},
     [PROGRAM_PUSH_PULL] = {"push_pull", .defines = ""},
-    [PROGRAM_CLEAR] = {"clear", .defines = ""},
+    [PROGRAM_LAYERS] = {"layers", .defines = ""},
     [PROGRAM_SPLIT] = {"split", .defines = ""},
-    [PROGRAM_BOUNDS] = {"bounds", .defines = ""},
     [PROGRAM_ESTIMATE] = {"estimate", .defines = ""},
-    [PROGRAM_PATTERN] = {"pattern", .defines = ""},
     [PROGRAM_GATHER] = {"gather", true, "-DCACHE_HORIZONS=0"},
     [PROGRAM_GATHER_AND_CACHE] = {"gather", true, "-DCACHE_HORIZONS=1"},
     [PROGRAM_REGATHER] = {"regather", true, ""},
@@ -53,15 +51,15 @@ static const kernel_kind kernels[KERNEL_COUNT] = {
     [KERNEL_FIND_HOLES] = {"find_holes", PROGRAM_PUSH_PULL},
     [KERNEL_PUSH] = {"push", PROGRAM_PUSH_PULL},
     [KERNEL_PULL] = {"pull", PROGRAM_PUSH_PULL},
-    [KERNEL_CLEAR_PADDING] = {"clear_padding", PROGRAM_CLEAR},
+    [KERNEL_CLEAR_PADDING] = {"clear_padding", PROGRAM_LAYERS},
     [KERNEL_SPLIT] = {"split", PROGRAM_SPLIT},
     [KERNEL_RELIGHT] = {"relight", PROGRAM_SPLIT},
-    [KERNEL_BOUND_CELLS] = {"bound_cells", PROGRAM_BOUNDS},
-    [KERNEL_BOUND_QUADRANTS] = {"bound_quadrants", PROGRAM_BOUNDS},
+    [KERNEL_BOUND_CELLS] = {"bound_cells", PROGRAM_LAYERS},
+    [KERNEL_BOUND_QUADRANTS] = {"bound_quadrants", PROGRAM_LAYERS},
     [KERNEL_ESTIMATE_PART] = {"estimate_part", PROGRAM_ESTIMATE},
     [KERNEL_ESTIMATE_SUM] = {"estimate_sum", PROGRAM_ESTIMATE},
     [KERNEL_ESTIMATE_FILL] = {"estimate_fill", PROGRAM_ESTIMATE},
-    [KERNEL_PATTERN] = {"make_pattern", PROGRAM_PATTERN},
+    [KERNEL_PATTERN] = {"make_pattern", PROGRAM_LAYERS},
     [KERNEL_GATHER] = {"gather", PROGRAM_GATHER},
     [KERNEL_GATHER_AND_CACHE] = {"gather", PROGRAM_GATHER_AND_CACHE},
     [KERNEL_REGATHER] = {"regather", PROGRAM_REGATHER},
@@ -98,8 +96,6 @@ static bool program_needed(const hbil_plan *plan, int program) {
     return l->history;
   case PROGRAM_ESTIMATE:
     return l->estimate;
-  case PROGRAM_BOUNDS:
-    return l->bytes[BUFFER_BOUNDS] > 0;
   case PROGRAM_GATHER_AND_CACHE:
   case PROGRAM_REGATHER:
     return l->bytes[BUFFER_HORIZON_CACHE] > 0;
@@ -132,6 +128,8 @@ static bool kernel_needed(const hbil_plan *plan, int kernel) {
     return false;
   if (kernel == KERNEL_RELIGHT)
     return plan->layout.history && plan->layout.skip & HBIL_SKIP_STATIC;
+  if (kernel == KERNEL_BOUND_CELLS || kernel == KERNEL_BOUND_QUADRANTS)
+    return plan->layout.bytes[BUFFER_BOUNDS] > 0;
   const bool bands = layout_has_bands(&plan->config);
   if (kernel == KERNEL_SCATTER_ROWS || kernel == KERNEL_SCATTER_BANDS)
     return bands;

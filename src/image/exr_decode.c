@@ -1,9 +1,13 @@
+#define _POSIX_C_SOURCE 200809L
 #include "image/exr_decode.h"
 
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <unistd.h>
 
-/* Decodes one chunk of a part after the other. */
+/* Decodes chunks of a part, in any order. */
 typedef struct decoder {
   const exr_file *file;
   int part;
@@ -70,6 +74,17 @@ static exr_result_t decode_chunk(decoder *d, const exr_chunk_info_t *chunk,
              : result;
 }
 
+/* Decodes the chunk that begins with this line. */
+static exr_result_t decode_lines(decoder *d, int64_t y) {
+  const exr_file *f = d->file;
+  exr_chunk_info_t chunk;
+  const exr_result_t result =
+      exr_read_scanline_chunk_info(f->context, d->part, (int)y, &chunk);
+  return result == EXR_ERR_SUCCESS
+             ? decode_chunk(d, &chunk, 0, (size_t)(y - f->window.min.y))
+             : result;
+}
+
 static exr_result_t decode_scanlines(decoder *d) {
   const exr_file *f = d->file;
   int32_t lines = 0;
@@ -78,12 +93,8 @@ static exr_result_t decode_scanlines(decoder *d) {
   if (result == EXR_ERR_SUCCESS && lines < 1)
     result = EXR_ERR_INVALID_ATTR;
   for (int64_t y = f->window.min.y;
-       result == EXR_ERR_SUCCESS && y <= f->window.max.y; y += lines) {
-    exr_chunk_info_t chunk;
-    result = exr_read_scanline_chunk_info(f->context, d->part, (int)y, &chunk);
-    if (result == EXR_ERR_SUCCESS)
-      result = decode_chunk(d, &chunk, 0, (size_t)(y - f->window.min.y));
-  }
+       result == EXR_ERR_SUCCESS && y <= f->window.max.y; y += lines)
+    result = decode_lines(d, y);
   return result;
 }
 
@@ -108,15 +119,103 @@ static exr_result_t decode_tiles(decoder *d) {
   return result;
 }
 
-int exr_decode(const exr_file *f, int part, const image *img,
+static exr_result_t decode_part(decoder *d, exr_storage_t storage) {
+  const exr_result_t result =
+      storage == EXR_STORAGE_TILED ? decode_tiles(d) : decode_scanlines(d);
+  if (d->started)
+    exr_decoding_destroy(d->file->context, &d->pipeline);
+  return result;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Threads                                                                   */
+
+/* Threads at most; bytes of an image below which one is enough. */
+enum { MOST_THREADS = 16, FEW_BYTES = 1 << 20 };
+
+/* What all threads share. */
+typedef struct team {
+  int32_t lines;      /* of a chunk */
+  atomic_llong chunk; /* the next one to be decoded */
+  atomic_int has_failed;
+} team;
+
+typedef struct member {
+  team *team;
+  decoder decoder;
+  exr_budget budget; /* its share of the file's */
+  pthread_t thread;
+} member;
+
+static void *decode_some(void *user) {
+  member *m = user;
+  const exr_file *f = m->decoder.file;
+  budget_select(&m->budget);
+  for (;;) {
+    const int64_t y =
+        f->window.min.y + atomic_fetch_add(&m->team->chunk, 1) * m->team->lines;
+    if (y > f->window.max.y || atomic_load(&m->team->has_failed))
+      break;
+    if (decode_lines(&m->decoder, y) != EXR_ERR_SUCCESS)
+      atomic_store(&m->team->has_failed, 1);
+  }
+  if (m->decoder.started)
+    exr_decoding_destroy(f->context, &m->decoder.pipeline);
+  budget_select(NULL);
+  return NULL;
+}
+
+/* How many threads are worth it. */
+static int threads_for(const exr_file *f, const image *img) {
+  const long cpus = sysconf(_SC_NPROCESSORS_ONLN);
+  if (sizeof(float) * img->count * f->width * f->height < FEW_BYTES)
+    return 1;
+  return cpus < 1 ? 1 : cpus < MOST_THREADS ? (int)cpus : MOST_THREADS;
+}
+
+/* Decodes on several threads.  Returns 0 if they could not decode everything,
+ * which says nothing of why: that depends on which of them was faster. */
+static int decode_together(exr_file *f, const decoder *d, int count) {
+  team t = {.lines = 0};
+  member members[MOST_THREADS];
+  exr_chunk_info_t first;
+  int started = 1;
+  /* makes the library read the table of chunks, which belongs to the file */
+  if (exr_get_scanlines_per_chunk(f->context, d->part, &t.lines) !=
+          EXR_ERR_SUCCESS ||
+      t.lines < 1 ||
+      exr_read_scanline_chunk_info(f->context, d->part, f->window.min.y,
+                                   &first) != EXR_ERR_SUCCESS)
+    return 0;
+  const size_t share = (f->budget.limit - f->budget.held) / (size_t)count;
+  for (int i = 0; i < count; i++)
+    members[i] =
+        (member){.team = &t, .decoder = *d, .budget = {.limit = share}};
+  while (started < count && pthread_create(&members[started].thread, NULL,
+                                           decode_some, &members[started]) == 0)
+    started++;
+  decode_some(&members[0]);
+  for (int i = 1; i < started; i++)
+    pthread_join(members[i].thread, NULL);
+  budget_select(&f->budget);
+  return !atomic_load(&t.has_failed);
+}
+
+int exr_decode(exr_file *f, int part, const image *img,
                const exr_source *sources) {
   decoder d = {.file = f, .part = part, .img = img, .sources = sources};
   exr_storage_t storage = EXR_STORAGE_SCANLINE;
   exr_get_storage(f->context, part, &storage);
-  const exr_result_t result =
-      storage == EXR_STORAGE_TILED ? decode_tiles(&d) : decode_scanlines(&d);
-  if (d.started)
-    exr_decoding_destroy(f->context, &d.pipeline);
+  const int threads = storage == EXR_STORAGE_SCANLINE ? threads_for(f, img) : 1;
+  if (threads > 1) {
+    f->stream.is_mute = 1;
+    const int done = decode_together(f, &d, threads);
+    f->stream.is_mute = 0;
+    if (done)
+      return 0;
+  }
+  /* one thread finds the same error in every run */
+  const exr_result_t result = decode_part(&d, storage);
   return result == EXR_ERR_SUCCESS
              ? 0
              : exr_file_fail(f, EXR_DAMAGED_PIXELS, result);

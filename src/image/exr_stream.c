@@ -28,6 +28,7 @@ static int check_format(const exr_stream *s, image_error *error) {
 int exr_stream_open(exr_stream *s, const char *path, image_error *error) {
   s->path = path;
   s->message[0] = '\0';
+  s->is_mute = 0;
   s->fd = open(path, O_RDONLY);
   if (s->fd < 0)
     return image_fail(error,
@@ -77,7 +78,7 @@ static void store_message(exr_const_context_t context, exr_result_t code,
   (void)code;
   if (context && exr_get_user_data(context, &user) == EXR_ERR_SUCCESS && user) {
     exr_stream *s = user;
-    if (!s->message[0])
+    if (!s->message[0] && !s->is_mute)
       snprintf(s->message, sizeof s->message, "%s", message);
   }
 }

@@ -20,6 +20,8 @@ typedef struct exr_stream {
   int fd;
   char message[512]; /* the library's first message, or "": later messages are
                       * only consequences of the first */
+  int is_mute;       /* whether messages are not stored, because several threads
+                      * read */
 } exr_stream;
 
 /* Opens a file and checks that it is a regular file and begins as OpenEXR does.

@@ -12,7 +12,11 @@ extern "C" {
  * dwaa, dwab, then "input", which means that of the file exr_style.like.  Ends
  * with NULL. */
 extern const char *const exr_compressions[];
-enum { EXR_COMPRESSION_OF_ZIP = 3, EXR_COMPRESSION_OF_INPUT = 10 };
+enum {
+  EXR_COMPRESSION_OF_ZIP = 3,
+  EXR_COMPRESSION_OF_PIZ = 4,
+  EXR_COMPRESSION_OF_INPUT = 10
+};
 
 typedef struct exr_style {
   int compression;  /* index in exr_compressions */

@@ -13,35 +13,45 @@
 #include <stdlib.h>
 #include <string.h>
 
-static unsigned used_roles(const job *j) {
-  const unsigned always = 1u << ROLE_DEPTH | 1u << ROLE_NORMAL |
-                          1u << ROLE_ALBEDO | 1u << ROLE_DIRECT |
-                          1u << ROLE_EMISSION | 1u << ROLE_BACKGROUND;
-  const int moved = j->config.history.reprojection == HBIL_REPROJECTION_MOTION;
-  return always | (moved ? 1u << ROLE_MOTION : 0u);
-}
-
-static void warn(frame_source *s, const job_frame *f, const gbuffer *g) {
-  frame_check check;
+/* check: of this frame; NULL: it isn't checked yet. */
+static void warn(frame_source *s, const job_frame *f, const gbuffer *g,
+                 const frame_check *check) {
+  frame_check own;
   if (s->job->settings->quiet || s->warned)
     return;
-  frame_check_run(g, &s->job->config, &f->map.camera, &check);
-  for (int i = 0; i < check.found.count; i++) {
+  if (!check)
+    frame_check_run(g, &s->job->config, &f->map.camera, &own);
+  const findings *found = check ? &check->found : &own.found;
+  for (int i = 0; i < found->count; i++) {
     progress_line_begin();
-    report_note(f->path, "warning: ", check.found.text[i]);
+    report_note(f->path, "warning: ", found->text[i]);
     progress_line_end();
   }
-  s->warned = check.found.count > 0;
+  s->warned = found->count > 0;
+}
+
+/* Takes what has been read already, or reads the frame. */
+static int take_or_read(frame_source *s, size_t item, gbuffer *out,
+                        image_error *error) {
+  const job_frame *f = &s->job->frames[item];
+  /* positions only check depth and camera, once */
+  const unsigned roles =
+      frame_roles(s->job) | (item ? 0u : 1u << ROLE_POSITION);
+  frame_check check;
+  int checked = 0;
+  const int taken =
+      item ? 0 : first_frame_take(s->first, out, &check, &checked, error);
+  if (taken < 0 ||
+      (!taken && gbuffer_read(f->path, &f->map, roles, out, error) != 0))
+    return -1;
+  warn(s, f, out, checked ? &check : NULL);
+  return 0;
 }
 
 int frame_source_read(frame_source *s, size_t item, gbuffer *out,
                       image_error *error) {
-  const job_frame *f = &s->job->frames[item];
-  /* positions only check depth and camera, once */
-  const unsigned roles = used_roles(s->job) | (item ? 0u : 1u << ROLE_POSITION);
-  if (gbuffer_read(f->path, &f->map, roles, out, error) != 0)
+  if (take_or_read(s, item, out, error) != 0)
     return -1;
-  warn(s, f, out);
   if (s->job->settings->exact) /* knows no depth buffers */
     surface_depths_make_planar(out);
   return 0;

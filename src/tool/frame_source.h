@@ -3,12 +3,14 @@
 #define HBIL_TOOL_FRAME_SOURCE_H
 
 #include "dump/gbuffer.h"
+#include "tool/first_frame.h"
 #include "tool/job.h"
 #include "image/error.h"
 #include "image/image.h"
 
 typedef struct frame_source {
   const job *job;
+  first_frame *first; /* which may be there already */
   int warned; /* 1: a frame's mistakes were told; other frames are alike */
 } frame_source;
 

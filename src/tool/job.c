@@ -11,6 +11,7 @@ void job_free(job *j) {
     free(j->frames[i].stem);
     channel_map_free(&j->frames[i].map);
   }
+  held_planes_free(&j->held);
   for (int i = 0; j->views && i < j->view_count; i++)
     channel_map_free(&j->views[i].map);
   for (int i = 0; j->lights && i < j->light_count; i++)

@@ -6,6 +6,7 @@
 #define HBIL_TOOL_JOB_H
 
 #include "dump/frame_camera.h"
+#include "dump/held_planes.h"
 #include "tool/cache_file.h"
 #include "tool/far_light.h"
 #include "tool/layers.h"
@@ -34,6 +35,7 @@ typedef struct job {
   far_light far;
   job_frame *frames;
   int count;
+  held_planes held;   /* of the first frame's file, until that is read */
   job_frame *decider; /* the frame of --decide-by, without a stem; or NULL */
   job_frame *views;   /* without stems */
   int view_count;

@@ -62,13 +62,15 @@ static int check_header(job *j, job_frame *f, image_error *error) {
   image header;
   if (image_read_header(f->path, &header, error) != 0)
     return -1;
-  const int failed =
+  int failed =
       channel_map_read(f->path, &header, &s->source, &f->map, error) != 0 ||
       channel_map_check(&f->map, f->path, error) != 0 ||
-      check_roles(j, f, error) != 0 ||
-      frame_camera_read(f->path, &header, &f->map, s->camera, &s->source,
-                        &f->seen, error) != 0 ||
-      check_size(j, f, error) != 0;
+      check_roles(j, f, error) != 0;
+  f->map.held = f == j->frames ? &j->held : NULL;
+  failed = failed ||
+           frame_camera_read(f->path, &header, &f->map, s->camera, &s->source,
+                             &f->seen, error) != 0 ||
+           check_size(j, f, error) != 0;
   image_free(&header);
   return failed ? -1 : 0;
 }

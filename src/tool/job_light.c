@@ -76,13 +76,23 @@ int job_environment_read(job *j, image_error *error) {
   return read_environment(j, error) != 0 || check_mode(j, error) != 0 ? -1 : 0;
 }
 
+/* Lets the frame decide that decides for the job. */
+static int choose(job *j, first_frame *first, hbil_config *config,
+                  hbil_frame *frame, hbil_sources *found, image_error *error) {
+  const job_frame *f = job_first(j);
+  if (f != j->frames)
+    return light_choice_make(f->path, &f->map, config, frame, found, error);
+  return first_frame_read(first, j, error) != 0
+             ? -1
+             : light_choice_by(f->path, &first->g, config, frame, found, error);
+}
+
 /* Takes what the user left open from the first frame. */
-static int look_at_first(job *j, hbil_sources *found, image_error *error) {
-  const job_frame *first = job_first(j);
+static int look_at_first(job *j, first_frame *first, hbil_sources *found,
+                         image_error *error) {
   hbil_config config = j->config;
   hbil_frame frame;
-  if (light_choice_make(first->path, &first->map, &config, &frame, found,
-                        error) != 0)
+  if (choose(j, first, &config, &frame, found, error) != 0)
     return -1;
   if (!j->settings->environment) {
     j->config.model.far_field = config.model.far_field;
@@ -108,12 +118,12 @@ static unsigned hidden_layers(const job *j) {
              : 0u;
 }
 
-int job_light_decide(job *j, image_error *error) {
+int job_light_decide(job *j, first_frame *first, image_error *error) {
   const process_settings *s = j->settings;
   const int looks = j->config.model.mode == HBIL_MODE_HBIL;
   hbil_sources found = {HBIL_SOURCE_NOT_SEEN, HBIL_SOURCE_NOT_SEEN};
   if (looks && !(s->environment && s->emission_given) &&
-      look_at_first(j, &found, error) != 0)
+      look_at_first(j, first, &found, error) != 0)
     return -1;
   if (!s->quiet && !s->environment)
     fprintf(stderr, "hbil: light of unblocked directions: %s\n",

@@ -2,9 +2,11 @@
 #include "tool/process.h"
 
 #include "image/error.h"
+#include "tool/first_frame.h"
 #include "tool/job_light.h"
 #include "tool/paths.h"
 #include "tool/prepare_job.h"
+#include "tool/progress.h"
 #include "tool/report.h"
 #include "tool/run_frames.h"
 #include "tool/timings.h"
@@ -13,10 +15,20 @@
 
 typedef struct process {
   job job;
+  first_frame first;
   lighting lighting;
   resume resume;
   frame_times times;
+  double begun, lap; /* progress_clock(), and that of the last part's end */
+  double parts[TIMING_PARTS];
 } process;
+
+/* What happened since the last call was this part of the job. */
+static void end_part(process *p, timing_part part) {
+  const double now = progress_clock();
+  p->parts[part] += now - p->lap;
+  p->lap = now;
+}
 
 /* Prints what would be done. */
 static void print_plan(const process *p) {
@@ -61,6 +73,8 @@ static int print_timings(const process *p, image_error *error) {
       .learning = p->lighting.world
                       ? 1e3 * world_learning_seconds(p->lighting.world)
                       : -1.0,
+      .parts = p->parts,
+      .total = progress_clock() - p->begun,
   };
   if (!s->quiet)
     unknown_report(report.rows, report.count);
@@ -77,16 +91,55 @@ static int print_timings(const process *p, image_error *error) {
   return 0;
 }
 
+/* Makes the kernels, and checks the first frame meanwhile.  A job that is
+ * resumed may not need that frame. */
+static int open_lighting(process *p, image_error *error) {
+  const process_settings *s = p->job.settings;
+  if (!s->dry_run && !s->resume)
+    first_frame_begin(&p->first, &p->job);
+  else
+    held_planes_free(&p->job.held);
+  return lighting_open(&p->lighting, &p->job, error);
+}
+
+/* Reading the first frame is a part by itself, within others. */
+static void move_to_read(process *p, timing_part from, double seconds) {
+  p->parts[from] -= seconds;
+  p->parts[TIMING_READ] += seconds;
+}
+
+static int choose_light(process *p, image_error *error) {
+  const int failed = job_light_decide(&p->job, &p->first, error) != 0 ||
+                     world_choose(&p->job, error) != 0;
+  end_part(p, TIMING_CHOOSE);
+  move_to_read(p, TIMING_CHOOSE, p->first.seconds);
+  return failed ? -1 : 0;
+}
+
 static int open_all(process *p, const process_settings *settings,
                     char *const *files, int count, image_error *error) {
-  return job_prepare(&p->job, settings, files, count, error) != 0 ||
-                 lighting_prepare(&p->lighting, &p->job, error) != 0 ||
-                 job_light_decide(&p->job, error) != 0 ||
-                 world_choose(&p->job, error) != 0 ||
-                 lighting_open(&p->lighting, &p->job, error) != 0 ||
-                 resume_open(&p->resume, &p->job, &p->lighting, error) != 0
-             ? -1
-             : 0;
+  if (job_prepare(&p->job, settings, files, count, error) != 0 ||
+      lighting_prepare(&p->lighting, &p->job, error) != 0)
+    return -1;
+  end_part(p, TIMING_OPEN);
+  move_to_read(p, TIMING_OPEN, p->job.held.seconds);
+  if (choose_light(p, error) != 0 || open_lighting(p, error) != 0)
+    return -1;
+  end_part(p, TIMING_BUILD);
+  return resume_open(&p->resume, &p->job, &p->lighting, error);
+}
+
+/* Computes and writes what is missing. */
+static int run_job(process *p, image_error *error) {
+  p->lap = progress_clock();
+  if (resume_uses_cache(&p->resume) && lighting_learn(&p->lighting, error) != 0)
+    return -1;
+  end_part(p, TIMING_LEARN);
+  if (run_frames(&p->job, &p->first, &p->lighting, &p->resume, &p->times,
+                 error) != 0)
+    return -1;
+  end_part(p, TIMING_FRAMES);
+  return p->job.settings->cache_save ? lighting_save(&p->lighting, error) : 0;
 }
 
 static int run(process *p, image_error *error) {
@@ -94,24 +147,19 @@ static int run(process *p, image_error *error) {
     print_plan(p);
     return 0;
   }
-  if (resume_uses_cache(&p->resume) && lighting_learn(&p->lighting, error) != 0)
-    return -1;
-  return run_frames(&p->job, &p->lighting, &p->resume, &p->times, error) != 0 ||
-                 (p->job.settings->cache_save &&
-                  lighting_save(&p->lighting, error) != 0) ||
-                 print_timings(p, error) != 0
-             ? -1
-             : 0;
+  return run_job(p, error) != 0 || print_timings(p, error) != 0 ? -1 : 0;
 }
 
 int process_run(const process_settings *settings, char *const *files, int count,
                 image_error *error) {
-  process p = {.job = {.settings = settings}};
+  process p = {.job = {.settings = settings}, .begun = progress_clock()};
+  p.lap = p.begun;
   const int failed =
       open_all(&p, settings, files, count, error) != 0 || run(&p, error) != 0;
   if (failed)
     path_remove_folders(settings->output, p.job.folders_made);
   frame_times_free(&p.times);
+  first_frame_free(&p.first);
   resume_close(&p.resume);
   lighting_close(&p.lighting);
   job_free(&p.job);

@@ -188,8 +188,8 @@ static int run_all(run *r, frame_times *times, image_error *error) {
                                      : encoder_finish(&r->encoder, error);
 }
 
-int run_frames(const job *j, lighting *l, resume *r, frame_times *times,
-               image_error *error) {
+int run_frames(const job *j, first_frame *first, lighting *l, resume *r,
+               frame_times *times, image_error *error) {
   memset(times, 0, sizeof *times);
   times->rows = calloc((size_t)j->count, sizeof *times->rows);
   times->stages = calloc((size_t)j->count, sizeof *times->stages);
@@ -198,7 +198,7 @@ int run_frames(const job *j, lighting *l, resume *r, frame_times *times,
   run all = {.job = j,
              .lighting = l,
              .resume = r,
-             .source = {.job = j},
+             .source = {.job = j, .first = first},
              .encoder = {.job = j, .resume = r, .lines = j->settings->exact},
              .rows = times->rows};
   const int failed = run_all(&all, times, error);

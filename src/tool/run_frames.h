@@ -2,6 +2,7 @@
 #ifndef HBIL_TOOL_RUN_FRAMES_H
 #define HBIL_TOOL_RUN_FRAMES_H
 
+#include "tool/first_frame.h"
 #include "tool/job.h"
 #include "tool/lighting.h"
 #include "tool/pipeline.h"
@@ -19,8 +20,8 @@ typedef struct frame_times {
 /* Computes all frames that are needed and writes what is missing.  Returns 0,
  * or -1 with `error` filled; frame_times_free() frees the times in both cases.
  */
-int run_frames(const job *j, lighting *l, resume *r, frame_times *times,
-               image_error *error);
+int run_frames(const job *j, first_frame *first, lighting *l, resume *r,
+               frame_times *times, image_error *error);
 
 void frame_times_free(frame_times *times);
 

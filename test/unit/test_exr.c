@@ -330,8 +330,71 @@ static int remove_files(void **state) {
   return 0;
 }
 
+/* ------------------------------------------------------------------------ */
+/* Threads                                                                   */
+
+/* More than a thread reads alone. */
+enum { WIDE = 640, HIGH = 500, WIDE_PIXELS = WIDE * HIGH };
+
+static void write_wide(image *img) {
+  image_error error;
+  const exr_style style = {EXR_COMPRESSION_OF_ZIP, NULL};
+  img->width = WIDE;
+  img->height = HIGH;
+  for (int c = 0; c < 2; c++) {
+    float *pixels = image_add(img, c ? "b" : "a")->pixels;
+    for (size_t i = 0; i < WIDE_PIXELS; i++)
+      pixels[i] = (float)((i + (size_t)c) * 2654435761u % 1000003u);
+  }
+  if (exr_write_as(result_path, img, NULL, &style, &error) != 0)
+    fail_msg("%s", error.text);
+}
+
+static void large_images_are_read_completely(void **state) {
+  static const char *const wide_names[] = {"a", "b"};
+  image img = {0}, again;
+  image_error error;
+  (void)state;
+  write_wide(&img);
+  if (exr_read(result_path, wide_names, 2, &again, &error) != 0)
+    fail_msg("%s", error.text);
+  for (size_t c = 0; c < 2; c++)
+    assert_memory_equal(again.planes[c].pixels, img.planes[c].pixels,
+                        sizeof(float) * WIDE_PIXELS);
+  image_free(&again);
+  image_free(&img);
+}
+
+/* Two chunks are damaged in different ways, and the message is always that on
+ * the first one. */
+static void damage_is_reported_alike(void **state) {
+  static const char *const wide_names[] = {"a", "b"};
+  image img = {0}, again;
+  image_error first, error;
+  (void)state;
+  write_wide(&img);
+  FILE *file = fopen(result_path, "r+b");
+  assert_non_null(file);
+  assert_int_equal(fseek(file, 0, SEEK_END), 0);
+  const long size = ftell(file);
+  static const char nonsense[64] = "nonsense";
+  assert_int_equal(fseek(file, size / 2, SEEK_SET), 0);
+  assert_int_equal(fwrite(nonsense, 1, sizeof nonsense, file), 64);
+  assert_int_equal(fclose(file), 0);
+  assert_int_equal(truncate(result_path, size - size / 8), 0);
+  assert_int_not_equal(exr_read(result_path, wide_names, 2, &again, &first), 0);
+  for (int i = 0; i < 20; i++) {
+    assert_int_not_equal(exr_read(result_path, wide_names, 2, &again, &error),
+                         0);
+    assert_string_equal(error.text, first.text);
+  }
+  image_free(&img);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(large_images_are_read_completely),
+      cmocka_unit_test(damage_is_reported_alike),
       cmocka_unit_test(types_are_kept_bit_by_bit),
       cmocka_unit_test(every_compression_holds_what_it_promises),
       cmocka_unit_test(the_compression_can_be_that_of_the_frame),
