@@ -10,9 +10,10 @@
  * The layer of the corners occurs four times; two opposite corners are used,
  * which leaves the centre of mass at the pixel.
  *
- * If only 8 or 4 layers are gathered, a pixel has fewer neighbours to read, and
- * which ones depends on its own layer.  Whatever pixel is the middle, those in
- * reach are of all gathered layers, and the weights are as above.
+ * At half resolution only 4 layers are gathered.  A pixel then has fewer
+ * neighbours to read, and which ones depends on its own layer.  Whatever pixel
+ * is the middle, those in reach are of all gathered layers, and the weights are
+ * as above.
  *
  * With a single slice per pixel, slices weigh J A(theta_t), as they do within
  * a pixel: AO and light are quotients of sums over the neighbourhood.  Means
@@ -413,10 +414,7 @@ INLINE sums filter_place(const hbil_view_args view, const hbil_layer_args in,
 #define FILTER_AT(place_x, place_y)                                            \
   return filter(view, in, lit, split, light, rows, column, row, x, y, place_x, \
                 place_y)
-#if GATHERED == 8
-  if ((column ^ row) & 1)
-    FILTER_AT(1, 0);
-#elif GATHERED == 4
+#if GATHERED < HBIL_LAYERS
   if (column & row & 1)
     FILTER_AT(1, 1);
   if (column & 1)

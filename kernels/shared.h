@@ -393,7 +393,7 @@ typedef struct hbil_pattern_args {
   hbil_float growth; /* hbil_config.step_growth */
   hbil_float turn;   /* rotation of the directions, in slices, [0,1) */
   hbil_float shift;  /* shift of the samples, in steps, [0,1) */
-  hbil_int gathered; /* layers: 16, 8 or 4, see hbil_is_gathered() */
+  hbil_int gathered; /* layers: 16 or 4, see hbil_is_gathered() */
 } hbil_pattern_args;
 HBIL_ASSERT_LAYOUT(hbil_pattern_args, gathered, 8, 9)
 

@@ -329,7 +329,8 @@ typedef struct hbil_count {
 } hbil_count;
 
 /* What the last frame left out.  Pixels and spans outside the picture are not
- * counted, nor are those that sampling.gathered leaves out.  All counts but `all` are 0 if the gather did not run. */
+ * counted, nor are those that sampling.half_resolution leaves out.  All counts
+ * but `all` are 0 if the gather did not run. */
 typedef struct hbil_statistics {
   hbil_count all;    /* the picture, as far as it is gathered */
   hbil_count sky;    /* pixels of sky; spans with nothing else */

@@ -361,17 +361,6 @@ typedef enum hbil_sample_grid {
   HBIL_GRID_FULL_RESOLUTION = 1 /* all */
 } hbil_sample_grid;
 
-/* The pixels that the gather computes; recompose fills in the others from their
- * neighbours, whose surfaces must lie in the same plane.  A frame takes less
- * time with half of the pixels and more steps than with all of them, for the
- * same error (doc/measurements.md, "Sampling error and time"), but details of a
- * single pixel may be lost. */
-typedef enum hbil_gathered {
-  HBIL_GATHERED_ALL = 0,
-  HBIL_GATHERED_HALF = 1,   /* a checkerboard */
-  HBIL_GATHERED_QUARTER = 2 /* every second one in x and in y */
-} hbil_gathered;
-
 /* How the planes between the passes split and recompose are stored.  Depth is a
  * 32-bit float in both.  PACKED is faster wherever memory limits the speed, and
  * its error is far below that of sampling (doc/measurements.md, "Storage"). */
@@ -389,8 +378,12 @@ typedef struct hbil_sampling {
   /* g: the last step is (1+g)^2 times the first one; 0..64; default 2 */
   float step_growth;
   hbil_sample_grid sample_grid; /* default FULL_RESOLUTION */
-  /* default ALL; the others need the filter */
-  hbil_gathered gathered;
+  /* CL_TRUE: the gather computes every second pixel in x and y alone, and the
+   * filter fills in the others from neighbours whose surfaces lie in the same
+   * plane; needs the filter.  With more slices and steps a frame takes less
+   * time for the same error (doc/measurements.md, "Sampling error and time"),
+   * but details of a pixel or two may be lost.  Default CL_FALSE */
+  cl_bool half_resolution;
   cl_bool unfiltered;   /* CL_TRUE: recompose has no filter; default CL_FALSE */
   hbil_storage storage; /* default PACKED */
 } hbil_sampling;
@@ -398,17 +391,17 @@ typedef struct hbil_sampling {
 /* Named presets of the sampling.  They differ in sampling error and time, of
  * which doc/measurements.md has the figures ("Sampling error and time"). */
 typedef enum hbil_quality {
-  HBIL_QUALITY_FAST = 0,     /* 1 slice, 12 steps per side */
-  HBIL_QUALITY_BALANCED = 1, /* 1 slice, 32 steps per side */
+  HBIL_QUALITY_FAST = 0,     /* half resolution, 2 slices, 32 steps per side */
+  HBIL_QUALITY_BALANCED = 1, /* half resolution, 2 slices, 64 steps per side */
   HBIL_QUALITY_HIGH = 2,     /* 2 slices, 64 steps per side */
   /* 32 slices, 256 equal steps per side, full resolution, unfiltered, float32:
    * the densest settings, for comparisons */
   HBIL_QUALITY_REFERENCE = 3
 } hbil_quality;
 
-/* Sets slices, steps_per_side, step_growth, sample_grid, gathered, unfiltered
- * and storage.  Returns HBIL_INVALID_ARGUMENT if sampling is null or quality is
- * not in the list. */
+/* Sets slices, steps_per_side, step_growth, sample_grid, half_resolution,
+ * unfiltered and storage.  Returns HBIL_INVALID_ARGUMENT if sampling is null or
+ * quality is not in the list. */
 HBIL_API hbil_status hbil_sampling_set(hbil_sampling *sampling,
                                        hbil_quality quality);
 

@@ -89,10 +89,8 @@ extern "C" {
  * SPLIT and GATHERED are layered.  Pixel (x,y) lies in layer 4 (y mod 4) +
  * (x mod 4), with this index:
  *   p * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin
- * The layers of SPLIT have padding around them that holds "no surface".  If
- * sampling.gathered is HALF, only the layers with an even sum of (x mod 4) and
- * (y mod 4) of GATHERED have values, and if it is QUARTER, only those where
- * both are even.
+ * The layers of SPLIT have padding around them that holds "no surface".  With
+ * sampling.half_resolution, GATHERED has values only where x and y are even.
  */
 typedef enum hbil_stage {
   HBIL_STAGE_HISTORY = 0,

@@ -29,17 +29,16 @@ static inline hbil_int hbil_level(hbil_float reach, hbil_float need,
 }
 
 /*
- * The layers that are gathered: all 16 of them, the 8 of a checkerboard, or the
- * 4 of every second pixel in x and y (hbil_config.sampling.gathered).
+ * The layers that are gathered: all 16 of them, or the 4 of every second pixel
+ * in x and y (hbil_config.sampling.half_resolution).
  */
 static inline hbil_int hbil_is_gathered(hbil_int layer, hbil_int gathered) {
   hbil_int x = layer & 3, y = layer >> 2;
-  return gathered == 16 || !((gathered == 8 ? x ^ y : x | y) & 1);
+  return gathered == 16 || !((x | y) & 1);
 }
 /* The i-th of them, 0..gathered-1. */
 static inline hbil_int hbil_gathered_layer(hbil_int i, hbil_int gathered) {
-  hbil_int y = gathered == 8 ? i >> 1 : i & 2;
-  return gathered == 16 ? i : 4 * y + 2 * (i & 1) + (y & 1);
+  return gathered == 16 ? i : 8 * (i >> 1) + 2 * (i & 1);
 }
 
 /*
@@ -50,8 +49,8 @@ static inline hbil_int hbil_gathered_layer(hbil_int i, hbil_int gathered) {
  * have the places that these don't take.
  */
 static inline hbil_int hbil_direction_slot(hbil_int layer) {
-  /* Bayer: interleave the bits of (x xor y) and y, most significant last.  Half
-   * of the layers, or a quarter, have the lowest places. */
+  /* Bayer: interleave the bits of (x xor y) and y, most significant last.  At
+   * half resolution, the gathered layers have the lowest places. */
   hbil_int x = layer & 3, y = layer >> 2, v = x ^ y;
   return ((v & 1) << 3) | ((y & 1) << 2) | (v & 2) | ((y & 2) >> 1);
 }

@@ -18,7 +18,6 @@
 #define FP32 BENCH_FLOAT32
 #define QUICK BENCH_QUICK
 #define HALF BENCH_HALF
-#define QUARTER BENCH_QUARTER
 
 /* The same setting with several numbers of steps, up to the first 0. */
 typedef struct sweep {
@@ -39,11 +38,10 @@ static const sweep sweeps[] = {
     {DEFAULT, 2, 2, QUICK, {8, 32}},
     {DEFAULT, 2, 2, 0, {4, 16, 48, 96}},
     {DEFAULT, 4, 2, 0, {8, 16, 32}},
-    /* half of the pixels, or a quarter */
-    {DEFAULT, 1, 2, HALF, {8, 12, 16, 32, 64, 96}},
-    {DEFAULT, 2, 2, HALF, {32, 64, 96}},
-    {DEFAULT, 1, 2, QUARTER, {8, 16, 32, 64}},
-    {DEFAULT, 2, 2, QUARTER, {8, 16, 32, 64, 96}},
+    /* half of the resolution */
+    {DEFAULT, 1, 2, HALF, {16, 32, 64}},
+    {DEFAULT, 2, 2, HALF, {16, 24, 96}},
+    {DEFAULT, 4, 2, HALF, {32, 64}},
     /* samples in the pixel's own layer */
     {DEFAULT, 1, 2, LAYER, {8, 32, 64}},
     {DEFAULT, 2, 2, LAYER, {8, 16, 32, 64, 128}},
@@ -98,9 +96,7 @@ static bench_setting setting_of(const hbil_config *config) {
       .flags =
           (config->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? LAYER : 0u) |
           (config->sampling.unfiltered ? RAW : 0u) |
-          (config->sampling.gathered == HBIL_GATHERED_HALF      ? HALF
-           : config->sampling.gathered == HBIL_GATHERED_QUARTER ? QUARTER
-                                                                : 0u) |
+          (config->sampling.half_resolution ? HALF : 0u) |
           (config->model.extrapolate ? 0u : PLAIN) |
           (config->sampling.storage == HBIL_STORAGE_FLOAT32 ? (unsigned)FP32
                                                             : 0u)};
@@ -172,10 +168,7 @@ void bench_setting_label(const bench_setting *s, char text[BENCH_LABEL]) {
            s->model == DEFAULT ? "" : " ", s->preset ? s->preset : "",
            s->preset ? " " : "", (unsigned)s->slices, (unsigned)s->steps,
            (double)s->growth, s->flags & LAYER ? " same-layer" : "",
-           s->flags & HALF      ? " half"
-           : s->flags & QUARTER ? " quarter"
-                                : "",
-           s->flags & RAW ? " unfiltered" : "",
+           s->flags & HALF ? " half" : "", s->flags & RAW ? " unfiltered" : "",
            s->flags & PLAIN ? " not extrapolated" : "",
            s->flags & FP32 ? " fp32" : "");
 }
@@ -219,9 +212,7 @@ void bench_setting_apply(const bench_setting *s, const bench_content *content,
   config->sampling.step_growth = s->growth;
   config->sampling.sample_grid =
       s->flags & LAYER ? HBIL_GRID_SAME_LAYER : HBIL_GRID_FULL_RESOLUTION;
-  config->sampling.gathered = s->flags & HALF      ? HBIL_GATHERED_HALF
-                              : s->flags & QUARTER ? HBIL_GATHERED_QUARTER
-                                                   : HBIL_GATHERED_ALL;
+  config->sampling.half_resolution = s->flags & HALF ? CL_TRUE : CL_FALSE;
   config->sampling.unfiltered = s->flags & RAW ? CL_TRUE : CL_FALSE;
   config->model.extrapolate =
       s->flags & PLAIN || s->model == PAPER ? CL_FALSE : CL_TRUE;

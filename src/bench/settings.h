@@ -24,8 +24,7 @@ enum {
   BENCH_NOT_EXTRAPOLATED = 4,
   BENCH_FLOAT32 = 8, /* storage of the layers; packed else */
   BENCH_QUICK = 16,  /* also part of the short list */
-  BENCH_HALF = 32,   /* of the pixels are gathered */
-  BENCH_QUARTER = 64
+  BENCH_HALF = 32    /* of the resolution is gathered */
 };
 
 typedef struct bench_setting {

@@ -36,7 +36,6 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .sampling.steps_per_side = 64,
       .sampling.step_growth = 2.0f,
       .sampling.sample_grid = HBIL_GRID_FULL_RESOLUTION,
-      .sampling.gathered = HBIL_GATHERED_ALL,
       .model.gather_emission = CL_TRUE,
       .model.unseen_light = 0.76f,
       .model.roughness = 0.5f,
@@ -76,19 +75,16 @@ static const struct {
   cl_uint slices, steps_per_side;
   float step_growth;
   hbil_sample_grid sample_grid;
-  hbil_gathered gathered;
-  cl_bool unfiltered;
+  cl_bool half_resolution, unfiltered;
 } qualities[] = {
-    [HBIL_QUALITY_FAST] = {"fast", 1, 12, 2.0f, HBIL_GRID_FULL_RESOLUTION,
-                           HBIL_GATHERED_ALL, CL_FALSE},
-    [HBIL_QUALITY_BALANCED] = {"balanced", 1, 32, 2.0f,
-                               HBIL_GRID_FULL_RESOLUTION, HBIL_GATHERED_ALL,
-                               CL_FALSE},
+    [HBIL_QUALITY_FAST] = {"fast", 2, 32, 2.0f, HBIL_GRID_FULL_RESOLUTION,
+                           CL_TRUE, CL_FALSE},
+    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 64, 2.0f,
+                               HBIL_GRID_FULL_RESOLUTION, CL_TRUE, CL_FALSE},
     [HBIL_QUALITY_HIGH] = {"high", 2, 64, 2.0f, HBIL_GRID_FULL_RESOLUTION,
-                           HBIL_GATHERED_ALL, CL_FALSE},
+                           CL_FALSE, CL_FALSE},
     [HBIL_QUALITY_REFERENCE] = {"reference", 32, 256, 0.0f,
-                                HBIL_GRID_FULL_RESOLUTION, HBIL_GATHERED_ALL,
-                                CL_TRUE},
+                                HBIL_GRID_FULL_RESOLUTION, CL_FALSE, CL_TRUE},
 };
 
 hbil_status hbil_sampling_set(hbil_sampling *sampling, hbil_quality quality) {
@@ -102,7 +98,7 @@ hbil_status hbil_sampling_set(hbil_sampling *sampling, hbil_quality quality) {
   sampling->steps_per_side = qualities[quality].steps_per_side;
   sampling->step_growth = qualities[quality].step_growth;
   sampling->sample_grid = qualities[quality].sample_grid;
-  sampling->gathered = qualities[quality].gathered;
+  sampling->half_resolution = qualities[quality].half_resolution;
   sampling->unfiltered = qualities[quality].unfiltered;
   /* packed storage dithers over the layers, so it needs the filter */
   sampling->storage = qualities[quality].unfiltered ? HBIL_STORAGE_FLOAT32
@@ -323,12 +319,10 @@ static hbil_status check_values(hbil_context *context,
         "model.facing_fade: %g, %g; the first must not be above the second",
         (double)config->model.facing_fade[0],
         (double)config->model.facing_fade[1]);
-  if (config->sampling.gathered != HBIL_GATHERED_ALL &&
-      config->sampling.unfiltered)
+  if (config->sampling.half_resolution && config->sampling.unfiltered)
     return fail(context, HBIL_INVALID_CONFIG,
-                "sampling.gathered: %d, with sampling.unfiltered; only the "
-                "filter fills in pixels, so one of the two must be 0",
-                (int)config->sampling.gathered);
+                "sampling.half_resolution: with sampling.unfiltered; only the "
+                "filter fills in pixels, so one of the two must be CL_FALSE");
   const cl_uint width = config->execution.vector_width;
   if (width != 0 && width != 1 && width != 4 && width != 8 && width != 16)
     return fail(
@@ -370,8 +364,7 @@ static hbil_status config_check(hbil_context *context,
       {"sampling.step_growth", (double)config->sampling.step_growth, 0, 64},
       {"sampling.sample_grid", (double)config->sampling.sample_grid, 0,
        HBIL_GRID_FULL_RESOLUTION},
-      {"sampling.gathered", (double)config->sampling.gathered, 0,
-       HBIL_GATHERED_QUARTER},
+      {"sampling.half_resolution", config->sampling.half_resolution, 0, 1},
       {"model.extrapolate", config->model.extrapolate, 0, 1},
       {"model.facing_fade[0]", (double)config->model.facing_fade[0], -1, 1},
       {"model.facing_fade[1]", (double)config->model.facing_fade[1], -1, 1},

@@ -420,7 +420,7 @@ void layout_compute(const hbil_config *config, const staging *staged,
   out->pattern.grid =
       config->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
   out->pattern.growth = config->sampling.step_growth;
-  out->pattern.gathered = HBIL_LAYERS >> config->sampling.gathered;
+  out->pattern.gathered = config->sampling.half_resolution ? 4 : HBIL_LAYERS;
   out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * (size_t)out->pattern.levels *
                              HBIL_LAYERS * 2 * config->sampling.slices *
                              (config->sampling.steps_per_side + 1);

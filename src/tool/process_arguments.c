@@ -38,7 +38,6 @@ typedef struct row {
 static const char *const no_yes[] = {"no", "yes", NULL};
 static const char *const sample_grids[] = {"same-layer", "full-resolution",
                                            NULL};
-static const char *const gathered_pixels[] = {"all", "half", "quarter", NULL};
 static const char *const storages[] = {"packed", "float32", NULL};
 static const char *const fallbacks[] = {"last-accepted", "black", "frame-mean",
                                         NULL};
@@ -95,7 +94,7 @@ static const row rows[] = {
     {"steps-per-side", NUMBER, CONFIG(sampling.steps_per_side), 1, 256, NULL},
     {"step-growth", FLOATS, CONFIG(sampling.step_growth), 1, 0, NULL},
     {"sample-grid", CHOICE, CONFIG(sampling.sample_grid), 0, 0, sample_grids},
-    {"gathered", CHOICE, CONFIG(sampling.gathered), 0, 0, gathered_pixels},
+    {"half-resolution", CHOICE, CONFIG(sampling.half_resolution), 0, 0, no_yes},
     {"extrapolate", CHOICE, CONFIG(model.extrapolate), 0, 0, no_yes},
     {"no-skip", SPECIAL_FLAG, 0, 0, 0, NULL},
     {"storage", CHOICE, CONFIG(sampling.storage), 0, 0, storages},
@@ -246,7 +245,7 @@ static int check_exact(const request *r, image_error *error) {
       {"step-growth", "which looks at every pixel"},
       {"extrapolate", "which looks at every pixel"},
       {"sample-grid", "which looks at every pixel"},
-      {"gathered", "which computes every pixel"},
+      {"half-resolution", "which computes every pixel"},
       {"horizon-cache", "which caches nothing"},
       {"view", "which has no radiance cache"},
       {"light-view", "which has no radiance cache"},

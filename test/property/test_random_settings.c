@@ -86,7 +86,7 @@ static void any_sampling(hbil_config *c, random_state *r) {
   c->sampling.sample_grid = (hbil_sample_grid)below(r, 2);
   c->sampling.unfiltered = maybe(r, 0.2);
   if (!c->sampling.unfiltered)
-    c->sampling.gathered = (hbil_gathered)below(r, 3);
+    c->sampling.half_resolution = maybe(r, 0.5);
   c->sampling.storage =
       maybe(r, 0.5) ? HBIL_STORAGE_PACKED : HBIL_STORAGE_FLOAT32;
   c->execution.vector_width = ANY_OF(r, widths);
@@ -101,7 +101,7 @@ static void tell_settings(uint64_t seed, const hbil_config *c,
       "thickness %g %g "
       "facing fade %g %g fallback %d gather_emission %d reprojection %d "
       "feedback %d "
-      "disocclusion %g far_field %d, %u x %u growth %g grid %d gathered %d "
+      "disocclusion %g far_field %d, %u x %u growth %g grid %d half %d "
       "unfiltered %d "
       "storage %d width %u skip %u, depth %d/%u kind %d, normal %d/%u in %d, "
       "direct_scale %g, field of view %g, off centre %g, %g, pixels 1 : %g",
@@ -114,7 +114,7 @@ static void tell_settings(uint64_t seed, const hbil_config *c,
       (int)c->model.feedback, (double)c->history.disocclusion_threshold,
       (int)c->model.far_field, c->sampling.slices, c->sampling.steps_per_side,
       (double)c->sampling.step_growth, (int)c->sampling.sample_grid,
-      (int)c->sampling.gathered, (int)c->sampling.unfiltered,
+      (int)c->sampling.half_resolution, (int)c->sampling.unfiltered,
       (int)c->sampling.storage, c->execution.vector_width, c->execution.skip,
       (int)c->inputs.depth.component, c->inputs.depth.stride,
       (int)c->inputs.depth_kind, (int)c->inputs.normal.component,

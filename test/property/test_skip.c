@@ -58,14 +58,14 @@ static void glossy_thick(setup *s) {
   s->config.outputs.glossy = three_floats;
 }
 
-static void half(setup *s) {
+static void half_resolution(setup *s) {
   single_slice(s);
-  s->config.sampling.gathered = HBIL_GATHERED_HALF;
+  s->config.sampling.half_resolution = CL_TRUE;
 }
 
-static void quarter(setup *s) {
+static void half_resolution_pixels(setup *s) {
   limited_pixels(s);
-  s->config.sampling.gathered = HBIL_GATHERED_QUARTER;
+  s->config.sampling.half_resolution = CL_TRUE;
 }
 
 static size_t gathered_pixels(const setup *s) {
@@ -100,13 +100,20 @@ static void hbao(setup *s) {
   s->config.model.radius = 0.3f;
 }
 
-static prepare_function *const kinds[] = {endless,      thick,
-                                          limited,      limited_pixels,
-                                          gtao,         hbao,
-                                          orthographic, orthographic_limited,
-                                          single_slice, single_slice_gtao,
-                                          glossy,       glossy_thick,
-                                          half,         quarter};
+static prepare_function *const kinds[] = {endless,
+                                          thick,
+                                          limited,
+                                          limited_pixels,
+                                          gtao,
+                                          hbao,
+                                          orthographic,
+                                          orthographic_limited,
+                                          single_slice,
+                                          single_slice_gtao,
+                                          glossy,
+                                          glossy_thick,
+                                          half_resolution,
+                                          half_resolution_pixels};
 #define KINDS (sizeof kinds / sizeof *kinds)
 
 /* One pixel in front of the wall, by anything from a rounding to most of the

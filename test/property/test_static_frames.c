@@ -168,26 +168,34 @@ static void cache_of_some_pixels(setup *s) {
   setup_cache_rows(s, 12, 18);
 }
 
-static void cache_of_half(setup *s) {
+static void cache_at_half_resolution(setup *s) {
   cache_all(s);
-  s->config.sampling.gathered = HBIL_GATHERED_HALF;
+  s->config.sampling.half_resolution = CL_TRUE;
   s->config.model.relative_thickness = 0.1f;
   setup_cache_rows(s, 12, 18);
 }
 
-static void cache_of_a_quarter(setup *s) {
+static void cache_of_every_second_pixel(setup *s) {
   cache_by_pixels(s);
-  s->config.sampling.gathered = HBIL_GATHERED_QUARTER;
+  s->config.sampling.half_resolution = CL_TRUE;
 }
 
 /* Light goes on spreading through cached horizons. */
 static void cached_horizons_give_the_same_light(void **state) {
-  static prepare_function *const caches[] = {
-      cache_all,          cache_by_pixels,        cache_of_all_light,
-      cache_of_black,     cache_of_frame,         cache_of_a_slice,
-      cache_of_a_step,    cache_of_parallel_rays, cache_of_radiance,
-      cache_of_a_picture, cache_of_some_rows,     cache_of_some_pixels,
-      cache_of_half,      cache_of_a_quarter};
+  static prepare_function *const caches[] = {cache_all,
+                                             cache_by_pixels,
+                                             cache_of_all_light,
+                                             cache_of_black,
+                                             cache_of_frame,
+                                             cache_of_a_slice,
+                                             cache_of_a_step,
+                                             cache_of_parallel_rays,
+                                             cache_of_radiance,
+                                             cache_of_a_picture,
+                                             cache_of_some_rows,
+                                             cache_of_some_pixels,
+                                             cache_at_half_resolution,
+                                             cache_of_every_second_pixel};
   (void)state;
   for (size_t k = 0; k < sizeof caches / sizeof *caches; ++k)
     assert_int_equal(static_frames(caches[k], 6), 0);

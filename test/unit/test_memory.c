@@ -47,11 +47,11 @@ VARIANT(whole_horizon_cache, (c->execution.horizon_cache_bytes = SIZE_MAX,
                               c->sampling.steps_per_side = 3))
 VARIANT(small_horizon_cache, (c->execution.horizon_cache_bytes = 1 << 16,
                               c->sampling.steps_per_side = 1))
-VARIANT(half_of_the_pixels, (c->sampling.gathered = HBIL_GATHERED_HALF,
-                             c->execution.horizon_cache_bytes = SIZE_MAX,
-                             c->sampling.steps_per_side = 3))
-VARIANT(quarter_of_the_pixels, (c->sampling.gathered = HBIL_GATHERED_QUARTER,
-                                c->execution.vector_width = 1))
+VARIANT(half_resolution, (c->sampling.half_resolution = CL_TRUE,
+                          c->execution.horizon_cache_bytes = SIZE_MAX,
+                          c->sampling.steps_per_side = 3))
+VARIANT(half_resolution_in_ones,
+        (c->sampling.half_resolution = CL_TRUE, c->execution.vector_width = 1))
 VARIANT(thick_in_ones,
         (c->model.thickness = 0.2f, c->model.relative_thickness = 0.08f,
          c->execution.vector_width = 1, c->execution.profiling = CL_TRUE))
@@ -77,8 +77,8 @@ static const variant variants[] = {
     {"one unfiltered sample", one_unfiltered_sample},
     {"horizon cache", whole_horizon_cache},
     {"horizon cache of some rows", small_horizon_cache},
-    {"half of the pixels", half_of_the_pixels},
-    {"a quarter of the pixels", quarter_of_the_pixels},
+    {"half resolution", half_resolution},
+    {"half resolution, vectors of one", half_resolution_in_ones},
     {"thick, vectors of one, profiling", thick_in_ones},
 };
 #define VARIANTS (sizeof variants / sizeof *variants)

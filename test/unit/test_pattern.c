@@ -67,7 +67,7 @@ static void directions_of_a_block_are_equally_spaced(void **state) {
   const int slices[] = {1, 2, 3, 4, 32};
   (void)state;
   for (size_t i = 0; i < sizeof(slices) / sizeof(*slices); ++i)
-    for (int gathered = 4; gathered <= 16; gathered *= 2) {
+    for (int gathered = 4; gathered <= 16; gathered *= 4) {
       /* derived: a few roundings of numbers up to pi */
       check_at_most("spacing", unevenness(slices[i], gathered, 0.0f), 1e-6);
       check_at_most("turned spacing",
@@ -77,7 +77,7 @@ static void directions_of_a_block_are_equally_spaced(void **state) {
 
 static void places_are_permutations(void **state) {
   (void)state;
-  for (int gathered = 4; gathered <= 16; gathered *= 2) {
+  for (int gathered = 4; gathered <= 16; gathered *= 4) {
     unsigned directions = 0, shifts = 0;
     for (int i = 0; i < gathered; ++i) {
       const int layer = hbil_gathered_layer(i, gathered);
@@ -93,7 +93,7 @@ static void places_are_permutations(void **state) {
 /* The layers of a list are those that are gathered, and each is in it once. */
 static void gathered_layers_are_listed(void **state) {
   (void)state;
-  for (int gathered = 4; gathered <= 16; gathered *= 2) {
+  for (int gathered = 4; gathered <= 16; gathered *= 4) {
     unsigned listed = 0, asked = 0;
     for (int i = 0; i < gathered; ++i)
       listed |= 1u << hbil_gathered_layer(i, gathered);

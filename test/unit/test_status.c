@@ -169,6 +169,9 @@ SPOIL(direct_component, c->inputs.direct.component = (hbil_component)99)
 SPOIL(ao_unorm, c->outputs.ao.component = HBIL_UNORM8)
 SPOIL(motion_missing, (c->history.reprojection = HBIL_REPROJECTION_MOTION,
                        c->inputs.motion.component = HBIL_NONE))
+SPOIL(half_2, c->sampling.half_resolution = 2)
+SPOIL(half_unfiltered,
+      c->sampling.half_resolution = c->sampling.unfiltered = CL_TRUE)
 SPOIL(grid_unknown, c->sampling.sample_grid = (hbil_sample_grid)7)
 SPOIL(fallback_unknown,
       c->model.back_facing_fallback = (hbil_back_facing_fallback)7)
@@ -221,6 +224,8 @@ static const bad_config bad_configs[] = {
     {"direct", direct_component},
     {"ao", ao_unorm},
     {"motion", motion_missing},
+    {"half_resolution", half_2},
+    {"half_resolution", half_unfiltered},
     {"sample_grid", grid_unknown},
     {"back_facing_fallback", fallback_unknown},
     {"far_field", far_unknown},
@@ -280,6 +285,7 @@ static void presets_set_the_sampling_alone(void **state) {
     before.sampling.steps_per_side = s.config.sampling.steps_per_side;
     before.sampling.step_growth = s.config.sampling.step_growth;
     before.sampling.sample_grid = s.config.sampling.sample_grid;
+    before.sampling.half_resolution = s.config.sampling.half_resolution;
     before.sampling.unfiltered = s.config.sampling.unfiltered;
     before.sampling.storage = s.config.sampling.storage;
     assert_memory_equal(&before, &s.config, sizeof before);
