@@ -69,18 +69,18 @@ INLINE void gather_slice(const hbil_gather_args args, const receiver *c,
   }
 }
 
-/* The table of steps of this layer, at the level whose reach covers the radius
+/* The table of steps of this site, at the level whose reach covers the radius
  * around the span's nearest pixel. */
 INLINE global const hbil_step *steps_of(const hbil_gather_args args,
                                         global const hbil_step *steps,
-                                        float nearest, int layer) {
+                                        float nearest, int site) {
   const uint pattern = 2u * (uint)args.slices * (uint)(args.steps + 1);
   int level = 0;
 #if LIMITED
   level = hbil_level(
       args.reach, ORTHOGRAPHIC ? args.radius : args.radius * nearest, LEVELS);
 #endif
-  return steps + (uint)(level * HBIL_LAYERS + layer) * pattern;
+  return steps + (uint)(level * hbil_sites(GATHERED) + site) * pattern;
 }
 
 kernel void gather(const hbil_gather_args args, global const float *split,
@@ -93,6 +93,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   const int y = (int)get_global_id(1);
   const int part = (int)get_global_id(2);
   const int layer = hbil_gathered_layer(part, GATHERED);
+  const int site = hbil_site(layer, y, GATHERED);
   if (x >= in.width || y >= in.height ||
       (args.is_static && !flags[HBIL_FLAG_CHANGED]))
     return;
@@ -149,16 +150,16 @@ kernel void gather(const hbil_gather_args args, global const float *split,
                           is_dark ? 0u : in.plane, x, y,
                           /* slices have weights even if nothing was searched */
                           WEIGHTS_COUNT && skips_all ? 0 : args.steps,
-                          span.reach, hbil_shift_share(layer, GATHERED), found};
+                          span.reach, hbil_shift_share(site, GATHERED), found};
   const int slices = !skips_all                                    ? args.slices
                      : WEIGHTS_COUNT && !(skipped & HBIL_SPAN_SKY) ? args.slices
                                                                    : 0;
-  steps = steps_of(args, steps, nearest, layer);
+  steps = steps_of(args, steps, nearest, site);
   for (int i = 0; i < slices; ++i) {
     gather_slice(args, c, steps, args.steps + 1, &how, t, untouched, cache);
     steps += 2 * (args.steps + 1);
   }
   for (int v = 0; v < SPAN_VECTORS; ++v)
-    store_totals(&c[v], &t[v], untouched[v], args.slices, layer,
+    store_totals(&c[v], &t[v], untouched[v], args.slices, site,
                  light + v * HBIL_WIDTH, args.light.plane, &cache[v]);
 }

@@ -1,14 +1,14 @@
 /*
  * pattern: the table of steps that the gather walks, one entry per level,
- * layer, half-slice and sample: a few thousand entries.  It is computed again
+ * site, half-slice and sample: a few thousand entries.  It is computed again
  * when the camera or hbil_frame.frame_index changes.
  *
  * Entry k of a half-slice has the index
- *   ((level * 16 + layer) * 2 slices + half) * (steps + 1) + k
+ *   ((level * sites + site) * 2 slices + half) * (steps + 1) + k
  * where half = 2 slice + (0: along u, 1: along -u).  Entry 0 has only the
  * direction, in ux and uy; the samples follow.
  *
- * Launch: x = level * 16 + layer, y = half-slice.
+ * Launch: x = level * sites + site (hbil_site()), y = half-slice.
  */
 #include "lib/sampling_pattern.h"
 
@@ -23,13 +23,14 @@ kernel void make_pattern(const hbil_make_pattern_args args,
   const hbil_view_args view = args.view;
   const hbil_pattern_args pattern = args.pattern;
   const hbil_layer_args layout = args.split;
-  const int level = (int)get_global_id(0) / HBIL_LAYERS;
-  const int layer = (int)get_global_id(0) % HBIL_LAYERS;
+  const int sites = hbil_sites(pattern.gathered);
+  const int level = (int)get_global_id(0) / sites;
+  const int site = (int)get_global_id(0) % sites, layer = site & 15;
   const int half_slice = (int)get_global_id(1);
   if (level >= pattern.levels || half_slice >= 2 * pattern.slices)
     return;
   float ux, uy;
-  hbil_slice_direction(layer, half_slice >> 1, pattern, &ux, &uy);
+  hbil_slice_direction(site, half_slice >> 1, pattern, &ux, &uy);
   if (half_slice & 1) {
     ux = -ux;
     uy = -uy;
@@ -53,11 +54,11 @@ kernel void make_pattern(const hbil_make_pattern_args args,
   *steps++ = direction;
   int x, y, before = 0;
   float nearer = 0.0f;
-  hbil_sample_offset(layer, 0, level, ux, uy, view, pattern, &x, &y);
+  hbil_sample_offset(site, 0, level, ux, uy, view, pattern, &x, &y);
   for (int k = 0; k < pattern.steps; ++k) {
     int next_x = x, next_y = y;
     if (k + 1 < pattern.steps)
-      hbil_sample_offset(layer, k + 1, level, ux, uy, view, pattern, &next_x,
+      hbil_sample_offset(site, k + 1, level, ux, uy, view, pattern, &next_x,
                          &next_y);
     /* pixel offset -> the layer it lands in, and the offset there */
     const int to_x = (layer & 3) + x, to_y = (layer >> 2) + y;
@@ -76,8 +77,8 @@ kernel void make_pattern(const hbil_make_pattern_args args,
     step.uy = step.ey * step.inv_e;
     const int length = hbil_offset_length(x, y);
     const int after = hbil_offset_length(next_x, next_y);
-    step.subsets = hbil_sample_subsets(layer, pattern.gathered, k,
-                                       pattern.steps, before, after);
+    step.subsets = hbil_sample_subsets(site, pattern.gathered, k, pattern.steps,
+                                       before, after);
     step.spread =
         hbil_half_step(k, pattern.steps, before, length, after) * step.inv_e;
     step.to_before = e / (e - nearer);

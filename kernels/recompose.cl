@@ -10,10 +10,11 @@
  * The layer of the corners occurs four times; two opposite corners are used,
  * which leaves the centre of mass at the pixel.
  *
- * At half resolution only 4 layers are gathered.  A pixel then has fewer
- * neighbours to read, and which ones depends on its own layer.  Whatever pixel
- * is the middle, those in reach are of all gathered layers, and the weights are
- * as above.
+ * At half resolution only 4 layers are gathered, and the pattern has 4x8 pixels
+ * (hbil_site()), so 5x9 are read.  Which of these are gathered depends on the
+ * pixel's own layer.  Whatever pixel is in the middle, the gathered ones are of
+ * all 8 sites, and each site has the same total weight, as those of the outer
+ * rows and columns count half.
  *
  * With a single slice per pixel, slices weigh J A(theta_t), as they do within
  * a pixel: AO and light are quotients of sums over the neighbourhood.  Means
@@ -65,8 +66,9 @@
 #define INV_PI 0.318309886f
 
 /* On CPUs a work-item takes a span of layer pixels in all layers, and goes down
- * many rows.  It holds the five rows around the present one unpacked, so that
- * hardly a pixel is unpacked twice. */
+ * many rows.  It holds the rows around the present one unpacked, so that hardly
+ * a pixel is unpacked twice. */
+#define TAP_ROWS (2 * FILTER_DOWN + 1)
 #if HBIL_WIDTH == 1
 #define ROWS 1
 #define TAP_SPAN 1
@@ -337,6 +339,7 @@ INLINE void finish(sums *s, global const float *estimate) {
 }
 
 /* do_this(i, j, share) for the neighbours that the filter reads. */
+#if GATHERED == HBIL_LAYERS
 #define EACH_NEIGHBOUR(do_this)                                                \
   do_this(-2, -2, 0.5f) do_this(-1, -2, 0.5f) do_this(0, -2, 0.5f)             \
       do_this(1, -2, 0.5f) do_this(-2, -1, 0.5f) do_this(-1, -1, 1.0f)         \
@@ -347,9 +350,23 @@ INLINE void finish(sums *s, global const float *estimate) {
                           do_this(1, 1, 1.0f) do_this(2, 1, 0.5f)              \
                               do_this(-1, 2, 0.5f) do_this(0, 2, 0.5f)         \
                                   do_this(1, 2, 0.5f) do_this(2, 2, 0.5f)
+#else
+#define NEIGHBOURS_OF_ROW(do_this, j, share)                                   \
+  do_this(-2, j, 0.5f * share) do_this(-1, j, share) do_this(0, j, share)      \
+      do_this(1, j, share) do_this(2, j, 0.5f * share)
+#define EACH_NEIGHBOUR(do_this)                                                \
+  NEIGHBOURS_OF_ROW(do_this, -4, 0.5f)                                         \
+  NEIGHBOURS_OF_ROW(do_this, -3, 1.0f) NEIGHBOURS_OF_ROW(do_this, -2, 1.0f)    \
+      NEIGHBOURS_OF_ROW(do_this, -1, 1.0f) do_this(-2, 0, 0.5f)                \
+          do_this(-1, 0, 1.0f) do_this(1, 0, 1.0f) do_this(2, 0, 0.5f)         \
+              NEIGHBOURS_OF_ROW(do_this, 1, 1.0f)                              \
+                  NEIGHBOURS_OF_ROW(do_this, 2, 1.0f)                          \
+                      NEIGHBOURS_OF_ROW(do_this, 3, 1.0f)                      \
+                          NEIGHBOURS_OF_ROW(do_this, 4, 0.5f)
+#endif
 
 /* Sums for the pixels (4 x + column, 4 y + row) and every fourth to their
- * right.  rows: the five unpacked rows around them.  place_x, place_y: a layer
+ * right.  rows: the unpacked rows around them.  place_x, place_y: a layer
  * whose neighbours are gathered in the same places.  They are constants, so
  * nothing is left of the neighbours that aren't. */
 #if HBIL_WIDTH == 1
@@ -358,7 +375,7 @@ INLINE void finish(sums *s, global const float *estimate) {
    loaded)
 #else
 #define NEIGHBOUR(i, j)                                                        \
-  (rows[(j) + 2] + ((column + (i)) & 3) * TAP_LAYER -                          \
+  (rows[(j) + FILTER_DOWN] + ((column + (i)) & 3) * TAP_LAYER -                \
    first_tap((column + (i)) & 3) + ((column + (i)) >> 2))
 #endif
 INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
@@ -498,27 +515,29 @@ kernel void recompose(const hbil_recompose_args args, global const float *split,
   resolve(view, in, lit, split, light, estimate, 0, top & 3, x, y, resolved,
           out, errors);
 #else
-  realv memory[5 * TAP_ROW / HBIL_WIDTH];
-  float *rows[5];
-  for (int k = 0; k < 5; ++k) {
+  realv memory[TAP_ROWS * TAP_ROW / HBIL_WIDTH];
+  float *rows[TAP_ROWS];
+  for (int k = 0; k < TAP_ROWS; ++k) {
     rows[k] = (float *)memory + k * TAP_ROW;
     if (k > 0)
-      unpack_row(in, lit, split, light, k - 3, x, y, rows[k]);
+      unpack_row(in, lit, split, light, k - FILTER_DOWN - 1, x, y, rows[k]);
   }
   const int last = min(ROWS, view.height - top) - 1;
   const int right = min(SPAN_VECTORS * HBIL_WIDTH, (view.width + 3) / 4 - x);
   for (int row = 0; row <= last; ++row) {
     float *const oldest = rows[0];
 #pragma unroll
-    for (int k = 0; k < 4; ++k)
+    for (int k = 0; k < TAP_ROWS - 1; ++k)
       rows[k] = rows[k + 1];
-    rows[4] = oldest;
-    unpack_row(in, lit, split, light, row + 2, x, y, oldest);
+    rows[TAP_ROWS - 1] = oldest;
+    unpack_row(in, lit, split, light, row + FILTER_DOWN, x, y, oldest);
     if (row < last)
-      fetch_row(in, lit, split, light, row + 3, x, y);
+      fetch_row(in, lit, split, light, row + FILTER_DOWN + 1, x, y);
     for (int v = 0; v < right; v += HBIL_WIDTH) {
-      const float *const around[5] = {rows[0] + v, rows[1] + v, rows[2] + v,
-                                      rows[3] + v, rows[4] + v};
+      const float *around[TAP_ROWS];
+#pragma unroll
+      for (int k = 0; k < TAP_ROWS; ++k)
+        around[k] = rows[k] + v;
       resolve(view, in, lit, split, light, estimate, around, row & 3, x + v,
               y + (row >> 2), resolved, out, errors);
     }

@@ -42,32 +42,53 @@ static inline hbil_int hbil_gathered_layer(hbil_int i, hbil_int gathered) {
 }
 
 /*
- * Order in which the gathered pixels of a 4x4 block take as many directions
- * (Bayer matrix: neighbours get directions far apart), and in which they take
- * as many shifts along the slice (the same matrix, mirrored and turned, so that
- * direction and shift are not tied to each other).  The others of the block
- * have the places that these don't take.
+ * Where a pixel stands in the pattern.  At full resolution the pattern has 4x4
+ * pixels, one of each layer.  At half resolution it has 4x8, which are 2x4 that
+ * are gathered: those of a layer take turns, row by row.
  */
-static inline hbil_int hbil_direction_slot(hbil_int layer) {
-  /* Bayer: interleave the bits of (x xor y) and y, most significant last.  At
-   * half resolution, the gathered layers have the lowest places. */
-  hbil_int x = layer & 3, y = layer >> 2, v = x ^ y;
+static inline hbil_int hbil_site(hbil_int layer, hbil_int row,
+                                 hbil_int gathered) {
+  return gathered == 16 ? layer : layer + 16 * (row & 1);
+}
+/* All of them, and as many as are gathered: 16 or 8, in different places. */
+static inline hbil_int hbil_sites(hbil_int gathered) {
+  return gathered == 16 ? 16 : 32;
+}
+static inline hbil_int hbil_places(hbil_int gathered) {
+  return gathered == 16 ? 16 : 8;
+}
+
+/* 4x4 Bayer matrix: interleaves the bits of (x xor y) and y, most significant
+ * last.  At half resolution, the gathered layers have the lowest numbers. */
+static inline hbil_int hbil_bayer(hbil_int x, hbil_int y) {
+  hbil_int v = x ^ y;
   return ((v & 1) << 3) | ((y & 1) << 2) | (v & 2) | ((y & 2) >> 1);
 }
-static inline hbil_int hbil_shift_slot(hbil_int layer, hbil_int gathered) {
-  hbil_int x = layer & 3, y = layer >> 2;
-  return (hbil_direction_slot((x << 2) | (3 - y)) * 5 + 3) & (gathered - 1);
+
+/*
+ * Order in which the gathered pixels of the pattern take as many directions
+ * (neighbours get directions far apart), and in which they take as many shifts
+ * along the slice (the same matrix, mirrored and turned, so that direction and
+ * shift are not tied to each other).
+ */
+static inline hbil_int hbil_direction_place(hbil_int site, hbil_int gathered) {
+  hbil_int order = hbil_bayer(site & 3, site >> 2 & 3);
+  return gathered == 16 ? order : ((order & 3) << 1) | (site >> 4);
+}
+static inline hbil_int hbil_shift_place(hbil_int site, hbil_int gathered) {
+  hbil_int order = hbil_bayer(3 - (site >> 2 & 3), site & 3) * 5 + 3;
+  return gathered == 16 ? order & 15 : ((order & 3) << 1) | (site >> 4);
 }
 
 /* Places as numbers between 0 and 1 that are 1/2 on average. */
-static inline hbil_float hbil_direction_share(hbil_int layer,
+static inline hbil_float hbil_direction_share(hbil_int site,
                                               hbil_int gathered) {
-  return ((hbil_float)(hbil_direction_slot(layer) & (gathered - 1)) + 0.5f) /
-         (hbil_float)gathered;
+  return ((hbil_float)hbil_direction_place(site, gathered) + 0.5f) /
+         (hbil_float)hbil_places(gathered);
 }
-static inline hbil_float hbil_shift_share(hbil_int layer, hbil_int gathered) {
-  return ((hbil_float)hbil_shift_slot(layer, gathered) + 0.5f) /
-         (hbil_float)gathered;
+static inline hbil_float hbil_shift_share(hbil_int site, hbil_int gathered) {
+  return ((hbil_float)hbil_shift_place(site, gathered) + 0.5f) /
+         (hbil_float)hbil_places(gathered);
 }
 
 /*
@@ -92,14 +113,14 @@ static inline void hbil_cos_sin_pi(hbil_float v, hbil_float *c, hbil_float *s) {
 }
 
 /*
- * Direction u (unit, ray-slope space) of a slice in a layer.  The half-slices
- * go along u and -u.  Over the gathered layers the directions are equally
+ * Direction u (unit, ray-slope space) of a slice at a site.  The half-slices
+ * go along u and -u.  Over the gathered sites the directions are equally
  * spaced.
  */
-static inline void hbil_slice_direction(hbil_int layer, hbil_int slice,
+static inline void hbil_slice_direction(hbil_int site, hbil_int slice,
                                         const hbil_pattern_args p,
                                         hbil_float *ux, hbil_float *uy) {
-  hbil_float t = hbil_direction_share(layer, p.gathered) + p.turn;
+  hbil_float t = hbil_direction_share(site, p.gathered) + p.turn;
   t = t >= 1.0f ? t - 1.0f : t;
   hbil_cos_sin_pi(((hbil_float)slice + t) / (hbil_float)p.slices, ux, uy);
 }
@@ -113,9 +134,9 @@ static inline void hbil_slice_direction(hbil_int layer, hbil_int slice,
  * 1/(1+growth) to (1+growth) times the mean otherwise.  No two samples of a
  * half-slice share a pixel: sample k is at least k+1 grid steps away.
  */
-static inline void hbil_sample_offset(hbil_int layer, hbil_int k,
-                                      hbil_int level, hbil_float ux,
-                                      hbil_float uy, const hbil_view_args v,
+static inline void hbil_sample_offset(hbil_int site, hbil_int k, hbil_int level,
+                                      hbil_float ux, hbil_float uy,
+                                      const hbil_view_args v,
                                       const hbil_pattern_args p, hbil_int *x,
                                       hbil_int *y) {
   hbil_float grid = (hbil_float)p.grid;
@@ -135,7 +156,7 @@ static inline void hbil_sample_offset(hbil_int layer, hbil_int k,
   for (i = 0; i < level; ++i)
     reach *= 0.5f;
   reach = reach < edge ? reach : edge;
-  t = hbil_shift_share(layer, p.gathered) + p.shift;
+  t = hbil_shift_share(site, p.gathered) + p.shift;
   t = t >= 1.0f ? t - 1.0f : t;
   t = ((hbil_float)k + t) / (hbil_float)p.steps;
   d = reach * t / HBIL_FMA(p.growth, 1.0f - t, 1.0f);
@@ -172,16 +193,16 @@ static inline hbil_float hbil_half_step(hbil_int k, hbil_int samples,
  * the samples on either side of it; 0 before the first one, its own after the
  * last one.  If the share f of the pixels around a sample is met, the
  * correction for missed occluders must be multiplied by 1 - f.  So in the share
- * f of the gathered layers the sample belongs to both subsets, which adds
+ * f of the gathered sites the sample belongs to both subsets, which adds
  * nothing there.
  */
-static inline hbil_int hbil_sample_subsets(hbil_int layer, hbil_int gathered,
+static inline hbil_int hbil_sample_subsets(hbil_int site, hbil_int gathered,
                                            hbil_int k, hbil_int samples,
                                            hbil_int before, hbil_int after) {
   hbil_int met = k + 1 < samples ? 2 : 1;
-  /* (slot + 1/2) / gathered of the layers lie above the share that is met */
-  if ((2 * hbil_shift_slot(layer, gathered) + 1) * (after - before) <
-      2 * gathered * met)
+  /* (place + 1/2) / places of the sites lie above the share that is met */
+  if ((2 * hbil_shift_place(site, gathered) + 1) * (after - before) <
+      2 * hbil_places(gathered) * met)
     return HBIL_SUBSET_EVEN | HBIL_SUBSET_ODD;
   return k & 1 ? HBIL_SUBSET_ODD : HBIL_SUBSET_EVEN;
 }

@@ -271,14 +271,14 @@ void exact_march_visit(const receiver *r, march *m, int x, int y,
 
 march exact_march_begin(const receiver *r, double ux, double uy) {
   const hbil_config *c = r->frame->config;
-  const int layer = HBIL_SIDE * (r->y % HBIL_SIDE) + r->x % HBIL_SIDE;
   march m;
   memset(&m, 0, sizeof(m));
   m.h = exact_half_slice(&r->s, ux, uy, c->model.mode == HBIL_MODE_HBAO,
                          r->equal_weights);
-  m.covers = exact_coverage(
-      r->kind, &m.h, r->least,
-      (double)hbil_shift_share(layer, exact_gathered_layers(c)), r->list);
+  m.covers = exact_coverage(r->kind, &m.h, r->least,
+                            (double)hbil_shift_share(exact_site(c, r->x, r->y),
+                                                     exact_gathered_layers(c)),
+                            r->list);
   m.open_scale = 1.0;
   m.joined.high = r->least;
   if (exact_is_glossy(c)) {

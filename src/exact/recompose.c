@@ -25,7 +25,14 @@
 #include "exact/settings.h"
 #include "exact/surface.h"
 
-static double spatial_weight(int dx, int dy) {
+/* At half resolution the pattern has 4x8 pixels, so the window has 5x9. */
+static int rows_below(const exact_frame *frame) {
+  return frame->config->sampling.half_resolution ? 4 : 2;
+}
+
+static double spatial_weight(const exact_frame *frame, int dx, int dy) {
+  if (frame->config->sampling.half_resolution)
+    return (abs(dx) == 2 ? 0.5 : 1.0) * (abs(dy) == 4 ? 0.5 : 1.0);
   const bool outer_x = abs(dx) == 2, outer_y = abs(dy) == 2;
   if (outer_x && outer_y)
     return dx == dy ? 0.5 : 0.0;
@@ -66,7 +73,7 @@ static double tap_weight(const exact_frame *frame, const surface *s,
   if ((frame->config->sampling.unfiltered && (dx || dy)) ||
       !exact_is_gathered(frame->config, x + dx, y + dy))
     return 0.0;
-  return spatial_weight(dx, dy) *
+  return spatial_weight(frame, dx, dy) *
          fmax(guide_weight(frame, s, split, x, y, dx, dy),
               least_weight(frame, split, x, y, dx, dy));
 }
@@ -119,8 +126,9 @@ static void recompose_pixel(const exact_frame *frame, const exact_planes *split,
   *exact_at(resolved, HBIL_LIGHT_AO, x, y) = s.is ? total : 1.0;
   if (!s.is)
     return;
-  for (int tap = 0; tap < 25; ++tap) {
-    const int dx = tap % 5 - 2, dy = tap / 5 - 2;
+  const int down = rows_below(frame);
+  for (int tap = 0; tap < 5 * (2 * down + 1); ++tap) {
+    const int dx = tap % 5 - 2, dy = tap / 5 - down;
     const double weight = tap_weight(frame, &s, split, x, y, dx, dy);
     if (!(weight > 0.0))
       continue;

@@ -54,7 +54,7 @@ sampling exact_sampling(const receiver *r) {
   sampling how;
   how.view = exact_view(r->frame->config, &r->frame->camera);
   how.pattern = exact_pattern(r->frame);
-  how.layer = HBIL_SIDE * (r->y % HBIL_SIDE) + r->x % HBIL_SIDE;
+  how.site = exact_site(r->frame->config, r->x, r->y);
   how.level = level_at(r, &how.pattern);
   return how;
 }
@@ -62,7 +62,7 @@ sampling exact_sampling(const receiver *r) {
 void exact_slice_direction(const sampling *how, int slice, double *ux,
                            double *uy) {
   float x, y;
-  hbil_slice_direction(how->layer, slice, how->pattern, &x, &y);
+  hbil_slice_direction(how->site, slice, how->pattern, &x, &y);
   *ux = (double)x;
   *uy = (double)y;
 }
@@ -73,12 +73,12 @@ void exact_visit_samples(const receiver *r, const sampling *how, int subsets,
   const int samples = how->pattern.steps;
   int x, y, before = 0;
   neighbours near = {.before = {r->x, r->y}};
-  hbil_sample_offset(how->layer, 0, how->level, ux, uy, how->view, how->pattern,
+  hbil_sample_offset(how->site, 0, how->level, ux, uy, how->view, how->pattern,
                      &x, &y);
   for (int k = 0; k < samples; ++k) {
     int next_x = x, next_y = y;
     if (k + 1 < samples)
-      hbil_sample_offset(how->layer, k + 1, how->level, ux, uy, how->view,
+      hbil_sample_offset(how->site, k + 1, how->level, ux, uy, how->view,
                          how->pattern, &next_x, &next_y);
     const int length = hbil_offset_length(x, y);
     const int after = hbil_offset_length(next_x, next_y);
@@ -87,7 +87,7 @@ void exact_visit_samples(const receiver *r, const sampling *how, int subsets,
     near.next[1] = r->y + next_y;
     near.has_next = k + 1 < samples &&
                     exact_planes_contain(r->split, near.next[0], near.next[1]);
-    if (subsets & hbil_sample_subsets(how->layer, how->pattern.gathered, k,
+    if (subsets & hbil_sample_subsets(how->site, how->pattern.gathered, k,
                                       samples, before, after) &&
         exact_planes_contain(r->split, r->x + x, r->y + y))
       exact_march_visit(r, m, r->x + x, r->y + y, &near);

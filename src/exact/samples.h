@@ -9,7 +9,7 @@
 typedef struct sampling {
   hbil_view_args view;
   hbil_pattern_args pattern;
-  int layer, level; /* of the receiver */
+  int site, level; /* of the receiver */
 } sampling;
 
 sampling exact_sampling(const receiver *r);

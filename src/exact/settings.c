@@ -26,6 +26,11 @@ bool exact_is_gathered(const hbil_config *config, int x, int y) {
   return hbil_is_gathered(4 * (y & 3) + (x & 3), exact_gathered_layers(config));
 }
 
+int exact_site(const hbil_config *config, int x, int y) {
+  return hbil_site(4 * (y & 3) + (x & 3), y >> 2,
+                   exact_gathered_layers(config));
+}
+
 bool exact_weighs_slices(const hbil_config *config) {
   return config->sampling.slices == 1 && !config->sampling.unfiltered;
 }

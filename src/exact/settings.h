@@ -16,6 +16,8 @@ bool exact_has_bent_normal(const hbil_config *config);
 /* The layers that are gathered, and whether a pixel lies in one. */
 int exact_gathered_layers(const hbil_config *config);
 bool exact_is_gathered(const hbil_config *config, int x, int y);
+/* Where the pixel stands in the sampling pattern (hbil_site()). */
+int exact_site(const hbil_config *config, int x, int y);
 /* Whether light of back-facing samples is replaced by the frame's mean. */
 bool exact_fills_unknown(const hbil_config *config);
 

@@ -8,6 +8,7 @@
 
 #include "camera.h"
 #include "glossy.h"
+#include "lib/sampling_pattern.h"
 #include "planes.h"
 
 /* The rotation and the shift of frame `frame_index`, in slices and in steps:
@@ -35,7 +36,8 @@ static hbil_status make_pattern(commands *chain, const hbil_view_args *view,
   const hbil_make_pattern_args args = {*view, *pattern, plan->layout.split};
   const argument list[] = {ARG(args), BUFFER_ARG(plan, BUFFER_STEPS)};
   const hbil_status status =
-      LAUNCH(chain, KERNEL_PATTERN, list, (size_t)pattern->levels * HBIL_LAYERS,
+      LAUNCH(chain, KERNEL_PATTERN, list,
+             (size_t)(pattern->levels * hbil_sites(pattern->gathered)),
              (size_t)pattern->slices * 2, 1);
   plan->has_steps = status == HBIL_SUCCESS;
   plan->steps_view = *view;

@@ -422,7 +422,8 @@ void layout_compute(const hbil_config *config, const staging *staged,
   out->pattern.growth = config->sampling.step_growth;
   out->pattern.gathered = config->sampling.half_resolution ? 4 : HBIL_LAYERS;
   out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * (size_t)out->pattern.levels *
-                             HBIL_LAYERS * 2 * config->sampling.slices *
+                             (size_t)hbil_sites(out->pattern.gathered) * 2 *
+                             config->sampling.slices *
                              (config->sampling.steps_per_side + 1);
   out->errors = error_factors(out->pattern.slices, out->pattern.steps);
   if (out->history && out->skip & HBIL_SKIP_STATIC &&

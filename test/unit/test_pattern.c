@@ -43,17 +43,22 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
+/* The i-th site that is gathered. */
+static int site_of(int i, int gathered) {
+  return hbil_site(hbil_gathered_layer(i % gathered, gathered), i / gathered,
+                   gathered);
+}
+
 /* Largest deviation of the sorted directions from equal steps. */
 static double unevenness(int slices, int gathered, float turn) {
   double angle[16 * 32], worst = 0.0;
   hbil_pattern_args p = make_pattern(slices, 8, 1, 3.0f);
-  int count = gathered * slices;
+  const int places = hbil_places(gathered), count = places * slices;
   p.turn = turn;
   p.gathered = gathered;
   for (int i = 0; i < count; ++i) {
     float x, y;
-    hbil_slice_direction(hbil_gathered_layer(i % gathered, gathered),
-                         i / gathered, p, &x, &y);
+    hbil_slice_direction(site_of(i % places, gathered), i / places, p, &x, &y);
     worst = fmax(worst, fabs(hypot((double)x, (double)y) - 1.0));
     angle[i] = atan2((double)y, (double)x);
   }
@@ -78,15 +83,14 @@ static void directions_of_a_block_are_equally_spaced(void **state) {
 static void places_are_permutations(void **state) {
   (void)state;
   for (int gathered = 4; gathered <= 16; gathered *= 4) {
+    const int places = hbil_places(gathered);
     unsigned directions = 0, shifts = 0;
-    for (int i = 0; i < gathered; ++i) {
-      const int layer = hbil_gathered_layer(i, gathered);
-      const float n = (float)gathered;
-      directions |= 1u << (int)(n * hbil_direction_share(layer, gathered));
-      shifts |= 1u << (int)(n * hbil_shift_share(layer, gathered));
+    for (int i = 0; i < places; ++i) {
+      directions |= 1u << hbil_direction_place(site_of(i, gathered), gathered);
+      shifts |= 1u << hbil_shift_place(site_of(i, gathered), gathered);
     }
-    assert_int_equal(directions, (1u << gathered) - 1u);
-    assert_int_equal(shifts, (1u << gathered) - 1u);
+    assert_int_equal(directions, (1u << places) - 1u);
+    assert_int_equal(shifts, (1u << places) - 1u);
   }
 }
 
