@@ -207,8 +207,9 @@ const bench_command bench_far = {
         "views\n"
         "of the place in FOLDER/views/face_*.exr.  Where there is\n"
         "FOLDER/views/light.exr, it is the view from the place of the light.\n"
-        "Compared are the near field alone, the environment (or the frame's\n"
-        "own estimate), and hbil process --far rays, cones, lpv and rsm.\n"
+        "Compared are hbil process --far none (the near field alone), "
+        "environment\n"
+        "(or the frame's own estimate), rays, cones, lpv and rsm.\n"
         "Times are those of the procedural room.  NAME.png shows error "
         "against\n"
         "time, if gnuplot is installed.\n",

@@ -14,14 +14,14 @@
 /* The words of hbil process (truth_words.h); all that ask a cache see the same
  * views, which decide the near field's radius, too. */
 enum { MOST_WORDS = 6 };
-static char no_cache[] = "--no-cache", environment[] = "--environment",
-            none[] = "none", far_option[] = "--far", view[] = "--view",
+static char far_option[] = "--far", view[] = "--view",
             faces[] = "{scene}/views/face_*.exr", light_view[] = "--light-view",
             light[] = "{scene}/views/light.exr", rays[] = "rays",
-            cones[] = "cones", lpv[] = "lpv", rsm[] = "rsm";
+            cones[] = "cones", lpv[] = "lpv", rsm[] = "rsm",
+            environment[] = "environment", none[] = "none";
 static char *const words[FAR_PROVIDERS][MOST_WORDS + 1] = {
-    [FAR_NEAR] = {no_cache, environment, none},
-    [FAR_ENVIRONMENT] = {no_cache},
+    [FAR_NEAR] = {far_option, none},
+    [FAR_ENVIRONMENT] = {far_option, environment},
     [FAR_RAYS] = {view, faces, far_option, rays},
     [FAR_CONES] = {view, faces, far_option, cones},
     [FAR_LPV] = {view, faces, far_option, lpv},

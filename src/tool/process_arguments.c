@@ -63,7 +63,6 @@ static const row rows[] = {
     {"light-view", SPECIAL, 0, 0, 0, NULL},
     {"view-light", CHOICE, SETTING(view_light), 0, 0, view_lights},
     {"learn", FLAG, SETTING(learn), 0, 0, NULL},
-    {"no-cache", FLAG, SETTING(no_cache), 0, 0, NULL},
     {"cache-size", SPECIAL, 0, 0, 0, NULL},
     {"cache-load", TEXT, SETTING(cache_load), 0, 0, NULL},
     {"cache-fixed", FLAG, SETTING(cache_fixed), 0, 0, NULL},
@@ -164,12 +163,17 @@ static int set_model(const char *text, process_settings *s,
   return 0;
 }
 
+/* The providers, in the enum's order, then what there is without a cache. */
 static int set_far(const char *text, process_settings *s, image_error *error) {
-  static const char *const words[] = {"rays", "cones", "lpv", "rsm", NULL};
+  enum { ENVIRONMENT = HBIL_PROVIDER_RSM + 1 - HBIL_PROVIDER_RAYS, NONE };
+  static const char *const words[] = {"rays",        "cones", "lpv", "rsm",
+                                      "environment", "none",  NULL};
   int value;
   if (option_choice("--far", text, words, &value, error) != 0)
     return -1;
-  s->far = HBIL_PROVIDER_RAYS + value;
+  s->far = value < ENVIRONMENT ? HBIL_PROVIDER_RAYS + value : 0;
+  s->no_cache = value >= ENVIRONMENT;
+  s->no_far_light = value == NONE;
   return 0;
 }
 
@@ -297,11 +301,28 @@ static int check_horizon_cache(const hbil_config *c, image_error *error) {
   return 0;
 }
 
+/* Two words of --far ask nothing of a cache, so they go with everything that
+ * has none.  And none is also --environment none, and contradicts any other. */
+static int apply_far(request *r, image_error *error) {
+  process_settings *s = &r->arguments->settings;
+  if (s->no_cache)
+    r->given[row_index("far")] = 0;
+  if (!s->no_far_light)
+    return 0;
+  if (s->environment && strcmp(s->environment, "none") != 0)
+    return image_fail(error,
+                      "--environment %s: not with --far none, which leaves far "
+                      "light out; one or the other is needed",
+                      s->environment);
+  s->environment = "none";
+  return 0;
+}
+
 /* Whether options of the radiance cache have one. */
 static int check_cache(const request *r, image_error *error) {
-  static const char *const names[] = {
-      "view",       "light-view", "view-light",  "learn",     "far",
-      "cache-size", "cache-load", "cache-fixed", "cache-save"};
+  static const char *const names[] = {"view",        "light-view", "view-light",
+                                      "learn",       "cache-size", "cache-load",
+                                      "cache-fixed", "cache-save", "far"};
   const process_settings *s = &r->arguments->settings;
   const int no_light = s->config.model.mode != HBIL_MODE_HBIL;
   for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -309,9 +330,9 @@ static int check_cache(const request *r, image_error *error) {
       continue;
     if (s->no_cache)
       return image_fail(error,
-                        "--%s: not with --no-cache, which leaves the radiance "
+                        "--%s: not with --far %s, which leaves the radiance "
                         "cache out; one or the other is needed",
-                        names[i]);
+                        names[i], s->no_far_light ? "none" : "environment");
     if (no_light)
       return image_fail(error,
                         "--%s: not with --mode %s, which looks at no light and "
@@ -425,7 +446,7 @@ int process_arguments_read(int argc, char **argv, process_arguments *out,
   out->settings.light_view_count = (unsigned)out->light_views.count;
   out->files = argv + optind;
   out->count = argc - optind;
-  return check_together(&r, error);
+  return apply_far(&r, error) != 0 || check_together(&r, error) != 0 ? -1 : 0;
 }
 
 void process_arguments_free(process_arguments *a) {

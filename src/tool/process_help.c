@@ -95,9 +95,10 @@ static void print_cache(void) {
       "What the frames don't show: a radiance cache in world space holds what\n"
       "views of the place have shown, and lights the directions that a frame\n"
       "leaves open.  There is one if the camera moves between frames, which\n"
-      "are then views for those behind them, or if one of the first five\n"
-      "options is given; not with --model paper unless one of these is, with\n"
-      "--quality reference, or with other modes than hbil.\n"
+      "are then views for those behind them, or if one of the first six\n"
+      "options asks for it; not with --far environment or none, with\n"
+      "--model paper unless one of these does, with --quality reference, or\n"
+      "with other modes than hbil.\n"
       "\n"
       "Radiance cache:\n"
       "  --view FILE.exr       a picture of the same place, with depth,\n"
@@ -118,12 +119,14 @@ static void print_cache(void) {
       "that\n"
       "                        each is lit by it alone, whatever came before\n"
       "  --cache-save FILE     write the cache to a file at the end\n"
-      "  --far rays|cones|lpv|rsm\n"
-      "                        how frames get the cache's light: by rays; by\n"
-      "                        cones; by light propagation volumes; or, in\n"
-      "                        place of the cache's light, by reflective\n"
-      "                        shadow maps, which are the views of lights\n"
-      "                        (rays, the most accurate one)\n"
+      "  --far rays|cones|lpv|rsm|environment|none\n"
+      "                        light from beyond the near field.  How frames\n"
+      "                        get the cache's: by rays; by cones; by light\n"
+      "                        propagation volumes; or, in place of the\n"
+      "                        cache's light, by reflective shadow maps,\n"
+      "                        which are the views of lights (rays, the most\n"
+      "                        accurate one).  Without a cache: as\n"
+      "                        --environment says, or none at all\n"
       "  --light-view FILE.exr\n"
       "                        with --far rsm: a picture as for --view, from\n"
       "                        where a light is, with the direct light of\n"
@@ -140,7 +143,6 @@ static void print_cache(void) {
          "the\n"
          "                        memory (%u)\n",
          (unsigned)defaults.levels, (unsigned)defaults.voxels);
-  puts("  --no-cache            no radiance cache");
 }
 
 static void print_quality(const hbil_config *defaults) {

@@ -4,7 +4,7 @@
  */
 #include <stdio.h>
 
-#include "test/support/fixture.h"
+#include "test/support/stages.h"
 
 #define WIDTH 96
 #define HEIGHT 54
@@ -63,12 +63,11 @@ typedef struct change {
 
 /* --- inputs --------------------------------------------------------------- */
 
-/* Every pixel by itself, and light of all samples: so the normals of a frame
- * matter to their own pixels alone, and what pixels send adds up. */
+/* Light of all samples, as it is gathered: so the normals of a frame matter to
+ * their own pixels alone, and what pixels send adds up. */
 static void prepare(setup *s, const form *f) {
   const double n = NEAR_PLANE, range = FAR_PLANE - NEAR_PLANE;
   setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
-  s->config.sampling.unfiltered = CL_TRUE;
   s->config.sampling.slices = 4;
   s->config.model.extrapolate = CL_FALSE;
   s->config.model.gather_emission = CL_FALSE;
@@ -158,17 +157,16 @@ static void check_form(const form *f, const setup *floats,
   prepare(&s, f);
   setup_start(&s);
   const change c = change_between(floats, &s);
-  setup_run(&s, hbil_enqueue_frame);
-  exact_planes got = outputs_read(&s);
+  exact_planes got = stage_gathered(&s);
   if (f->id == PLANE_NORMAL) {
     snprintf(text, sizeof text, "%s: degrees", f->name);
     check_at_most(text, c.turn * 180.0 / PI, f->turn);
   }
   const double shape = 2.0 * c.turn + 2.0 * c.depth * s.frame.camera.fx + 1e-6;
   snprintf(text, sizeof text, "%s: AO", f->name);
-  check_at_most(text, rmse(&got, want, EXACT_AO, 1), shape);
+  check_at_most(text, rmse(&got, want, HBIL_LIGHT_AO, 1), shape);
   snprintf(text, sizeof text, "%s: E_near", f->name);
-  check_at_most(text, rmse(&got, want, EXACT_NEAR_IRRADIANCE, 3),
+  check_at_most(text, rmse(&got, want, HBIL_LIGHT_RED, 3),
                 PI * (shape * brightest(floats) + c.radiance));
   exact_planes_free(&got);
   setup_free(&s);
@@ -179,8 +177,7 @@ static void errors_are_those_of_the_rounding(void **state) {
   (void)state;
   prepare(&floats, NULL);
   setup_start(&floats);
-  setup_run(&floats, hbil_enqueue_frame);
-  exact_planes want = outputs_read(&floats);
+  exact_planes want = stage_gathered(&floats);
   for (int i = 0; i < FORMS; ++i)
     check_form(&forms[i], &floats, &want);
   exact_planes_free(&want);

@@ -48,11 +48,12 @@ static int static_frames(prepare_function *prepare, int frames) {
   setup_start(&told);
   setup_start(&plain);
   for (int i = 0; i < 2 + frames; ++i) {
-    const uint32_t frame = i < 2 ? (uint32_t)i : 1;
-    setup_load_scene(&told, SCENE_ROOM, frame);
-    setup_load_scene(&plain, SCENE_ROOM, frame);
+    if (i < 2) {
+      setup_load_scene(&told, SCENE_ROOM, (uint32_t)i);
+      setup_load_scene(&plain, SCENE_ROOM, (uint32_t)i);
+    }
     told.frame.static_frame = i >= 2;
-    for (int c = 0; c < 2 && i >= 2; ++c) {
+    for (int c = 0; c < 2 && i == 2; ++c) {
       setup_fill(&told, EXACT_MOTION + c, 0.0f);
       setup_fill(&plain, EXACT_MOTION + c, 0.0f);
     }

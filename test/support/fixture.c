@@ -243,20 +243,43 @@ void setup_start_compiled(setup *s) {
   setup_upload(s);
 }
 
-static void upload_plane(setup *s, plane_id id) {
-  size_t size, width = s->config.width;
-  cl_mem buffer = plane_slot(&s->frame, id)->buffer;
-  unsigned char *bytes = buffer_bytes(s->device, buffer, &size);
-  placement p = place_plane(&s->config, id, s->layout + id);
+/* What store_pixel() does of floats, without its questions for every pixel:
+ * these would take most of the time of tests with many frames. */
+static void store_floats(const setup *s, plane_id id, const placement *p,
+                         unsigned char *bytes) {
+  for (int c = 0; c < plane_channels(id); ++c) {
+    const float *value = s->input[plane_first(id) + c];
+    for (size_t y = 0; y < s->config.height; ++y) {
+      unsigned char *at = bytes + placement_of(p, c, 0, y);
+      for (size_t x = 0; x < s->config.width; ++x, at += p->pixel)
+        memcpy(at, value++, sizeof *value);
+    }
+  }
+}
+
+static void store_pixels(setup *s, plane_id id, const placement *p,
+                         unsigned char *bytes) {
+  const size_t width = s->config.width;
   for (size_t i = 0; i < setup_pixels(s); ++i) {
     float values[3] = {0};
     for (int c = 0; c < plane_channels(id); ++c)
       values[c] = s->input[plane_first(id) + c][i];
-    store_pixel(&s->config, &s->frame, id, &p, bytes, i % width, i / width,
+    store_pixel(&s->config, &s->frame, id, p, bytes, i % width, i / width,
                 values);
     for (int c = 0; c < plane_channels(id); ++c)
       s->input[plane_first(id) + c][i] = values[c];
   }
+}
+
+static void upload_plane(setup *s, plane_id id) {
+  size_t size;
+  cl_mem buffer = plane_slot(&s->frame, id)->buffer;
+  unsigned char *bytes = buffer_bytes(s->device, buffer, &size);
+  placement p = place_plane(&s->config, id, s->layout + id);
+  if (stores_its_values(&s->config, id, &p))
+    store_floats(s, id, &p, bytes);
+  else
+    store_pixels(s, id, &p, bytes);
   buffer_write(s->device, buffer, 0, size, bytes);
   free(bytes);
 }
@@ -299,13 +322,14 @@ static void take_output(setup *s, plane_id id, unsigned char *bytes,
                         exact_planes *out) {
   placement p = place_plane(&s->config, id, s->layout + id);
   for (int c = 0; c < plane_channels(id); ++c)
-    for (int y = 0; y < out->height; ++y)
-      for (int x = 0; x < out->width; ++x) {
-        unsigned char *at = bytes + placement_of(&p, c, (size_t)x, (size_t)y);
-        *exact_at(out, plane_first(id) + c, x, y) =
-            component_value(p.component, at, c);
+    for (int y = 0; y < out->height; ++y) {
+      unsigned char *at = bytes + placement_of(&p, c, 0, (size_t)y);
+      double *value = exact_at(out, plane_first(id) + c, 0, y);
+      for (int x = 0; x < out->width; ++x, at += p.pixel) {
+        *value++ = component_value(p.component, at, c);
         memset(at, CANARY, p.size);
       }
+    }
 }
 
 exact_planes outputs_read(setup *s) {

@@ -132,12 +132,13 @@ double component_value(hbil_component component, const unsigned char *at,
   uint16_t two;
   uint32_t four;
   float real;
+  if (component == HBIL_FLOAT32) { /* first, since nearly all planes have it */
+    memcpy(&real, at, 4);
+    return (double)real;
+  }
   memcpy(&two, at, scene_component_size(component) > 1 ? 2 : 1);
   memcpy(&four, at, scene_component_size(component) > 2 ? 4 : 1);
   switch (component) {
-  case HBIL_FLOAT32:
-    memcpy(&real, at, 4);
-    return (double)real;
   case HBIL_FLOAT16:
     return half_value(two);
   case HBIL_UNORM8:
@@ -183,6 +184,12 @@ static double planar_value(const hbil_config *config, const hbil_frame *frame,
   if (end > 0.5 ? d >= end : d <= end)
     return 0.0;
   return flat ? -w : w > 0.0 ? 1.0 / w : 0.0;
+}
+
+bool stores_its_values(const hbil_config *config, plane_id id,
+                       const placement *p) {
+  return p->component == HBIL_FLOAT32 && !is_octahedral(config, id) &&
+         !is_hardware_depth(config, id);
 }
 
 void store_pixel(const hbil_config *config, const hbil_frame *frame,

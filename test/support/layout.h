@@ -5,6 +5,7 @@
 #ifndef HBIL_TEST_LAYOUT_H
 #define HBIL_TEST_LAYOUT_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -57,6 +58,9 @@ placement place_plane(const hbil_config *config, plane_id id,
                       const plane_layout *layout);
 /* The first byte of a component. */
 size_t placement_of(const placement *p, int channel, size_t x, size_t y);
+/* Whether the components of an input are floats that mean themselves. */
+bool stores_its_values(const hbil_config *config, plane_id id,
+                       const placement *p);
 /* Stores an input's channels in a pixel's bytes, and replaces them by what
  * these mean: normals by directions, hardware depth by planar depth. */
 void store_pixel(const hbil_config *config, const hbil_frame *frame,

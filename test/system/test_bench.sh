@@ -391,10 +391,10 @@ done
 # shellcheck disable=SC2086
 figures_of rsm "$work/lamp" $views --far rsm --light-view '{scene}/views/light.exr'
 near "error of rsm" "$(first rsm "$work/results/far.json")" "$(over_floor rsm)"
-figures_of near "$work/lamp" --no-cache --environment none
+figures_of near "$work/lamp" --far none
 near "error of the near field alone" \
   "$(first near "$work/results/far.json")" "$(over_floor near)"
-figures_of environment "$work/lamp" --no-cache
+figures_of environment "$work/lamp" --far environment
 near "error of the environment" \
   "$(first environment "$work/results/far.json")" "$(over_floor environment)"
 near "mean of the environment" \
@@ -403,7 +403,7 @@ near "mean of the environment" \
 
 # A mean over scenes is geometric, and that of rsm is over those with a light.
 # The other place has the truth of one without views.
-process dim-truth --no-cache --slices 8
+process dim-truth --far environment --slices 8
 cp "$work/dim-truth/$last" "$work/dim/truth_avg_0002.exr"
 rm -f "$work/results"/far.*
 says "--far is far" '^| lamp | ' "$BENCH" --far --no-times -o "$work/results" \

@@ -32,18 +32,18 @@ all=$frames/frame_####.exr
 
 # --- the pre-roll ---
 
-works "a whole sequence" quiet --no-cache -o "$work/whole" "$all"
-works "a chunk" quiet --no-cache --frames 4-6 -o "$work/alone" "$all"
+works "a whole sequence" quiet --far environment -o "$work/whole" "$all"
+works "a chunk" quiet --far environment --frames 4-6 -o "$work/alone" "$all"
 differs "begins with other light" "$HBIL" compare --max-rmse 1e-4 \
   "$work/alone/frame_0004.exr:indirect" "$work/whole/frame_0004.exr:indirect"
 works "a chunk with frames before it" \
-  quiet --no-cache --frames 4-6 --pre-roll 99 -o "$work/chunk" "$all"
+  quiet --far environment --frames 4-6 --pre-roll 99 -o "$work/chunk" "$all"
 holds "writes none of those" "$work/chunk" frame_0004.exr frame_0005.exr frame_0006.exr
 for n in 4 5 6; do
   same "frame $n has the bits of the whole job's" \
     "$work/chunk/frame_000$n.exr" "$work/whole/frame_000$n.exr"
 done
-run process --no-cache --frames 5-6 --pre-roll 2 -o "$work/short" "$all"
+run process --far environment --frames 5-6 --pre-roll 2 -o "$work/short" "$all"
 test $status -eq 0 && test "$(grep -c '^\[pre-roll [12]/2\] .*frame_000[34].exr$' "$work/err")" -eq 2 &&
   test "$(grep -c '^\[[12]/2\] .*short/frame_000[56].exr$' "$work/err")" -eq 2
 ok $? "only as many as asked for, which are told"
@@ -52,20 +52,20 @@ test $? -eq 1
 ok $? "without codes for a terminal"
 differs "are nearer to it than none, if not the same" "$HBIL" compare --max-rmse 0 \
   "$work/short/frame_0005.exr:indirect" "$work/whole/frame_0005.exr:indirect"
-run process --no-cache --dry-run --frames 2-6x2 --pre-roll 3 -o "$work/none" "$all"
+run process --far environment --dry-run --frames 2-6x2 --pre-roll 3 -o "$work/none" "$all"
 test $status -eq 0 && ! grep -q 'pre-roll' "$work/out"
 ok $? "every second frame has every second one before it: here none"
 says "and here one" 'frame_0002.exr .*(pre-roll, not written)' \
-  process --no-cache --dry-run --frames 4-6x2 --pre-roll 3 -o "$work/none" "$all"
+  process --far environment --dry-run --frames 4-6x2 --pre-roll 3 -o "$work/none" "$all"
 grep -q '^2 of 2 frames would be written' "$work/out" &&
   test "$(grep -c 'pre-roll' "$work/out")" -eq 1
 ok $? "which isn't counted"
 works "the beginning of the sequence has none" \
-  quiet --no-cache --frames 1-3 --pre-roll 5 -o "$work/chunk" "$all"
+  quiet --far environment --frames 1-3 --pre-roll 5 -o "$work/chunk" "$all"
 same "and is that of the whole job" "$work/chunk/frame_0003.exr" "$work/whole/frame_0003.exr"
 rejected "--pre-roll without --frames" 'pre-roll: --frames .* is needed' \
   quiet --pre-roll 2 -o "$work/none" "$all"
-works "previews and a contact sheet" quiet --no-cache --layers ao --frames 5-6 --pre-roll 2 \
+works "previews and a contact sheet" quiet --far environment --layers ao --frames 5-6 --pre-roll 2 \
   --preview --contact-sheet "$work/sheet.png" -o "$work/pictures" "$all"
 holds "are of the chunk alone" "$work/pictures" frame_0005.ao.png frame_0005.exr \
   frame_0006.ao.png frame_0006.exr
@@ -80,17 +80,17 @@ cp "$frames/frame_0001.json" "$work/dark.json"
 decided() {
   sed -n 's/^hbil: \(light of\|emission\)/\1/p' "$work/err"
 }
-run process --no-cache --frames 4-6 -o "$work/d1" "$all"
+run process --far environment --frames 4-6 -o "$work/d1" "$all"
 decided >"$work/own"
-run process --no-cache --frames 4-6 --decide-by "$frames/frame_0001.exr" -o "$work/d2" "$all"
+run process --far environment --frames 4-6 --decide-by "$frames/frame_0001.exr" -o "$work/d2" "$all"
 test $status -eq 0 && decided >"$work/first" && test -s "$work/first"
 ok $? "--decide-by a frame"
-run process --no-cache --frames 4-6 --decide-by "$work/dark.exr" -o "$work/d3" "$all"
+run process --far environment --frames 4-6 --decide-by "$work/dark.exr" -o "$work/d3" "$all"
 decided >"$work/without"
 test $status -eq 0 && grep -q '^emission' "$work/first" && ! grep -q '^emission' "$work/without"
 ok $? "which alone decides"
-works "a chunk of which the first frame decides" quiet --no-cache --frames 1 -o "$work/d4" "$all"
-works "the same, decided by it" quiet --no-cache --frames 1 \
+works "a chunk of which the first frame decides" quiet --far environment --frames 1 -o "$work/d4" "$all"
+works "the same, decided by it" quiet --far environment --frames 1 \
   --decide-by "$frames/frame_0001.exr" -o "$work/d5" "$all"
 same "is the same" "$work/d4/frame_0001.exr" "$work/d5/frame_0001.exr"
 rejected "a frame that isn't there" 'gone.exr: cannot be read' \
@@ -100,21 +100,21 @@ absent "leaves nothing" "$work/none"
 # --- chunks in one folder ---
 
 one=$work/folder
-works "a first chunk" quiet --no-cache --frames 1-3 -o "$one" "$all"
+works "a first chunk" quiet --far environment --frames 1-3 -o "$one" "$all"
 : >"$one/.hbil-light.frame_0004"
 : >"$one/frame_0005.exr.tmp999999999"
 : >"$one/frame_0002.exr.tmp999999999"
 works "a chunk that is resumed beside another" \
-  quiet --no-cache --resume --frames 1-3 -o "$one" "$all"
+  quiet --far environment --resume --frames 1-3 -o "$one" "$all"
 holds "leaves the other one's files, and removes its own" "$one" .hbil-light.frame_0004 \
   frame_0001.exr frame_0002.exr frame_0003.exr frame_0005.exr.tmp999999999
 rm "$one"/.hbil-light.frame_0004 "$one"/*.tmp999999999
 works "a second chunk, whose pre-roll is there" \
-  quiet --no-cache --frames 4-6 --pre-roll 3 -o "$one" "$all"
+  quiet --far environment --frames 4-6 --pre-roll 3 -o "$one" "$all"
 run diff -r "$work/whole" "$one"
 ok $status "together they are the whole sequence"
 rm "$one/frame_0005.exr"
-run process --no-cache --resume --frames 4-6 --pre-roll 3 -o "$one" "$all"
+run process --far environment --resume --frames 4-6 --pre-roll 3 -o "$one" "$all"
 test $status -eq 0 && test "$(grep -c 'is there already$' "$work/err")" -eq 2
 ok $? "a result that is gone"
 run diff -r "$work/whole" "$one"
@@ -123,10 +123,10 @@ ok $status "comes back with the same bits"
 rm -rf "$one"
 mkdir -p "$one/frame_0005.exr"
 rejected "a chunk that is broken off says so in a line" 'frame_0005.exr: cannot be written' \
-  quiet --no-cache --overwrite --frames 4-6 --pre-roll 3 -o "$one" "$all"
+  quiet --far environment --overwrite --frames 4-6 --pre-roll 3 -o "$one" "$all"
 rmdir "$one/frame_0005.exr"
 holds "it has left its light" "$one" .hbil-light.frame_0004 frame_0004.exr
-works "resumed" quiet --no-cache --resume --frames 4-6 --pre-roll 3 -o "$one" "$all"
+works "resumed" quiet --far environment --resume --frames 4-6 --pre-roll 3 -o "$one" "$all"
 for n in 4 5 6; do
   same "frame $n is as if nothing had happened" \
     "$one/frame_000$n.exr" "$work/whole/frame_000$n.exr"
@@ -179,7 +179,7 @@ chmod +x "$work/bin"/*
 PATH=$work/bin:$PATH
 six() {
   sed "s/shot\./frame_/g; s/seq 1 25 100/seq 1 3 6/; s/\* 25 + 1/* 3 + 1/
-    s/+ 24/+ 2/g; s/--pre-roll 8/--pre-roll 3 --no-cache --quiet $fast/"
+    s/+ 24/+ 2/g; s/--pre-roll 8/--pre-roll 3 --far environment --quiet $fast/"
 }
 block '**GNU parallel**' | six >"$work/parallel.sh"
 grep -q '^seq 1 3 6 | parallel' "$work/parallel.sh" && grep -q -e '--pre-roll 3' "$work/parallel.sh"

@@ -16,7 +16,7 @@ exact() {
     --quality reference --slices 64 --warm-up 0 "$@"
 }
 dense() {
-  process --no-cache --slices 32 --steps-per-side 256 --step-growth 0 \
+  process --far environment --slices 32 --steps-per-side 256 --step-growth 0 \
     --unfiltered --warm-up 0 "$@"
 }
 # agrees NAME LAYER LIMIT: the second frame, which has what the first carries.
@@ -75,7 +75,7 @@ for range in 2,100 2,inf; do
   agrees "exact agrees, reversed depth, $range: AO" ao 0.012
   agrees "exact agrees, reversed depth, $range: near" near_irradiance 0.03
 done
-works "few samples" process --no-cache --relative-thickness inf --environment frame \
+works "few samples" process --far environment --relative-thickness inf --environment frame \
   --steps-per-side 4 -o "$work/few" "$first" "$second"
 differs "are told from it" compare --max-rmse 0.03 \
   "$work/exact/frame_0002.exr:ao" "$work/few/frame_0002.exr"

@@ -285,7 +285,7 @@ absent "what was rejected left nothing" "$out"
 # all frames first, so with one, a frame that can't be read ends the job before
 # its first result.
 works "a sequence" process -o "$work/whole" "$frames"/*.exr
-works "a sequence by scatter" process --no-cache -o "$work/scatter" "$frames"/*.exr
+works "a sequence by scatter" process --far environment -o "$work/scatter" "$frames"/*.exr
 works "a sequence by motion, with previews" exact --reprojection motion \
   --preview -o "$work/motion" "$frames"/*.exr
 absent "after the last frame there is no carried light" \
@@ -324,7 +324,7 @@ for way in scatter motion; do
   rm -rf "$work/resumed"
   again() {
     if test $way = scatter; then
-      process --no-cache -o "$work/resumed" "$@"
+      process --far environment -o "$work/resumed" "$@"
     else
       exact --reprojection motion --preview -o "$work/resumed" "$@"
     fi
@@ -336,7 +336,7 @@ for way in scatter motion; do
 done
 # The temporal filter's history is carried as well, and the pattern's index.
 filtered() {
-  process --no-cache --max-history-frames 8 "$@"
+  process --far environment --max-history-frames 8 "$@"
 }
 for mode in hbil gtao; do
   rm -rf "$work/resumed"

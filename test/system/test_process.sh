@@ -5,7 +5,7 @@
 
 # Frames are lit as if they were alone: test_world.sh is about the radiance cache.
 process() {
-  "$HBIL" process --quiet --overwrite --no-cache "$@"
+  "$HBIL" process --quiet --overwrite --far environment "$@"
 }
 compare() {
   "$HBIL" compare "$@"
@@ -50,7 +50,7 @@ guessed() {
     "$work/err"
 }
 warned='^hbil: warning: most of the indirect light is a guess, .*--environment'
-run "$HBIL" process --overwrite --no-cache --warm-up 0 --environment frame \
+run "$HBIL" process --overwrite --far environment --warm-up 0 --environment frame \
   --timings --json -o "$work/guess" "$one" "$two"
 test $status -eq 0 && test "$(guessed | wc -l)" -eq 1 &&
   ! grep -q "$warned" "$work/err" &&
@@ -61,7 +61,7 @@ ok $? "the share of light that is a guess is printed once, and in JSON"
 rejected "its layer is written on request alone" 'no layer unknown' \
   compare "$work/guess/frame_0001.exr:unknown" "$work/guess/frame_0001.exr"
 # shellcheck disable=SC2086
-run "$HBIL" process --overwrite --no-cache $fast --warm-up 0 --environment frame \
+run "$HBIL" process --overwrite --far environment $fast --warm-up 0 --environment frame \
   --layers unknown,ao -o "$work/share" "$one" "$two"
 test $status -eq 0 && test -n "$(guessed)"
 ok $? "--layers unknown"
@@ -71,7 +71,7 @@ works "has a value everywhere" compare --max-rmse 0 \
 works "which is that of ao in a room" compare --max-rmse 1e-6 --mask "$one" \
   "$work/share/frame_0001.exr:unknown" "$work/share/frame_0001.exr:ao"
 # shellcheck disable=SC2086
-run "$HBIL" process --overwrite --no-cache $fast --warm-up 0 --environment frame \
+run "$HBIL" process --overwrite --far environment $fast --warm-up 0 --environment frame \
   --radius 0.1 -o "$work/guess" "$one" "$two"
 test $status -eq 0 && test "$(grep -c "$warned" "$work/err")" -eq 1
 ok $? "a warning says once that most of the light is a guess"

@@ -6,7 +6,8 @@
 
 here=$PWD
 build=$here/test/sanitized
-flags='-g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all'
+# lines for reports, but no variables for debuggers
+flags='-g1 -O1 -fsanitize=address,undefined -fno-sanitize-recover=all'
 tests='test/unit/test_status test/unit/test_lifetimes test/unit/test_messages test/property/test_faults test/unit/test_suggest test/property/test_guards'
 
 # What PoCL and its compiler allocate for the whole process is theirs; other
@@ -48,7 +49,8 @@ checked() {
 }
 make_all() {
   test -f "$build/Makefile" ||
-    sanitized "$srcdir/configure" -q CFLAGS="$flags" CXXFLAGS="$flags" || return
+    sanitized "$srcdir/configure" -q --disable-static CFLAGS="$flags" \
+      CXXFLAGS="$flags" || return
   # shellcheck disable=SC2086
   sanitized make -s hbil hbil-formats.la hbil-bench $tests
 }

@@ -34,7 +34,7 @@ for camera in perspective orthographic; do
   works "$camera: a demo" "$HBIL" demo $flag --frames 2 --size 80x45 -o "$work/$camera"
   first=$work/$camera/gbuffer/frame_0001.exr
   second=$work/$camera/gbuffer/frame_0002.exr
-  works "$camera: processed" "$HBIL" process --quiet --no-cache \
+  works "$camera: processed" "$HBIL" process --quiet --far environment \
     -o "$work/$camera-default" "$first" "$second"
   finite "$camera: finite in every layer" "$work/$camera-default"/frame_*.exr
   works "$camera: the exact integral" "$HBIL" process --quiet --quality reference \

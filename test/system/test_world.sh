@@ -50,9 +50,9 @@ ok $? "a camera that moves makes a cache, which one line tells"
 run process -o "$work/default" "$one" "$two"
 told '^hbil: radiance cache: 64 x 64 x 64 voxels'
 ok $? "of 64 voxels each way by default"
-run process --overwrite --no-cache -o "$work/none" "$frames"/*.exr
+run process --overwrite --far environment -o "$work/none" "$frames"/*.exr
 test $status -eq 0 && ! grep -q 'radiance cache' "$work/err"
-ok $? "--no-cache makes none"
+ok $? "--far environment makes none"
 differs "and the light is another" "$HBIL" compare --max-rmse 1e-4 \
   "$work/none/frame_0004.exr:indirect" "$work/moving/frame_0004.exr:indirect"
 run process -o "$work/one" "$one"
@@ -86,8 +86,15 @@ for option in "--view $two" "--view-light direct" --learn "--cache-size 32" \
   "--light-view $two"; do
   word=${option%% *}
   # shellcheck disable=SC2086
-  rejected "$word and --no-cache" "^hbil: $word: not with --no-cache" \
-    process $option --no-cache -o "$out" "$one"
+  test "$word" = --far || for far in environment none; do
+    # shellcheck disable=SC2086
+    rejected "$word and --far $far" \
+      "^hbil: $word: not with --far $far, which leaves the radiance cache out" \
+      process $option --far $far -o "$out" "$one"
+    # shellcheck disable=SC2086
+    rejected "--far $far and $word" "^hbil: $word: not with --far $far" \
+      process --far $far $option -o "$out" "$one"
+  done
   # shellcheck disable=SC2086
   rejected "$word and the exact integral" \
     "^hbil: $word: not with --quality reference, which has no radiance cache" \
@@ -111,7 +118,7 @@ for size in 0 15 48 512 many; do
     process --cache-size $size -o "$out" "$one"
 done
 
-rejected "an unknown --far" '^hbil: --far nix: one of rays, cones, lpv, rsm is needed' \
+rejected "an unknown --far" '^hbil: --far nix: one of rays, cones, lpv, rsm, environment, none is needed' \
   process --far nix -o "$out" "$one"
 rejected "--far rsm without a light" '^hbil: --far rsm: --light-view FILE is needed' \
   process --far rsm -o "$out" "$one"
@@ -137,6 +144,43 @@ for far in cones lpv "rsm --light-view $two"; do
     "$work/far-$word/$(basename "$one")" "$work/far-rays/$(basename "$one")"
 done
 
+# --- far light without a cache ---
+
+plain() {
+  process --quiet --overwrite "$@"
+}
+works "--far none" plain --far none -o "$work/far-none" "$one" "$two"
+works "no cache and no environment" plain --far environment --environment none \
+  -o "$work/far-spelled" "$one" "$two"
+same "--far none is both" "$work/far-none" "$work/far-spelled"
+works "--far none behind its environment" plain --environment none --far none \
+  -o "$work/far-spelled" "$one" "$two"
+same "is --far none" "$work/far-none" "$work/far-spelled"
+works "an environment that a model overrules is none" plain --dry-run \
+  --environment frame --model paper --far none -o "$out" "$one"
+for environment in frame 1,1,1 "$work/sky.exr"; do
+  rejected "--far none and --environment ${environment##*/}" \
+    "^hbil: --environment $environment: not with --far none, which leaves far light out" \
+    process --far none --environment "$environment" -o "$out" "$one"
+  rejected "the same in another order" "^hbil: --environment $environment: not with --far none" \
+    process --environment "$environment" --far none -o "$out" "$one"
+done
+works "--far environment and its light" plain --far environment --environment 1,1,1 \
+  -o "$work/far-given" "$one"
+differs "which shows" "$HBIL" compare --max-rmse 1e-4 \
+  "$work/far-given/$(basename "$one")" "$work/far-none/$(basename "$one")"
+works "the last --far counts" plain --far rays --far none -o "$work/far-last" "$one" "$two"
+same "even behind another" "$work/far-none" "$work/far-last"
+for with in "--mode gtao" "--mode hbao" "--model paper"; do
+  # shellcheck disable=SC2086
+  works "--far none with $with" plain $with --far none -o "$work/far-none-with" "$one"
+  # shellcheck disable=SC2086
+  works "$with alone" plain $with --environment none -o "$work/far-with" "$one"
+  same "is the same" "$work/far-none-with" "$work/far-with"
+done
+works "--far none with the exact integral" "$HBIL" process --quiet --overwrite \
+  --quality reference --slices 1 --warm-up 0 --far none -o "$work/far-exact" "$one"
+
 # --- the contact sheet ---
 
 # pixels FILE: "WIDTH HEIGHT" of a PNG.
@@ -150,7 +194,7 @@ works "a contact sheet" quiet --layers ao --contact-sheet "$work/sheet.png" \
 # two tiles of 160 x 90 with gaps of 8; four rows with a line of 22 above
 test "$(pixels "$work/sheet.png")" = "344 502"
 ok $? "has a column for the cache"
-works "without one" process --quiet --no-cache --layers ao \
+works "without one" process --quiet --far environment --layers ao \
   --contact-sheet "$work/bare.png" -o "$work/bare" "$frames"/*.exr
 test "$(pixels "$work/bare.png")" = "176 502"
 ok $? "it has none"
@@ -334,8 +378,8 @@ sed 's/^\(.*"fx": \)\([0-9]\)/\11\2/' "$work/views/v.9.json" >"$work/odd/far.jso
 cp "$work/views/v.9.exr" "$work/odd/far.exr"
 test "$(stays --cache-size 16 --view "$work/odd/far.exr" "$one")" -eq 0
 ok $? "and so does another camera of it"
-test "$(stays "$one")" -eq 0 && test "$(stays --no-cache "$one")" -eq 1
-ok $? "and no view, where --no-cache changes nothing"
+test "$(stays "$one")" -eq 0 && test "$(stays --far environment "$one")" -eq 1
+ok $? "and no view, where --far environment changes nothing"
 test "$(stays --cache-size 16 --learn "$one")" -eq 0
 ok $? "and --learn"
 

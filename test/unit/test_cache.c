@@ -125,17 +125,19 @@ static void an_empty_cache_changes_no_far_field(void **state) {
       check_empty((hbil_far_field)far_field, 1, flat);
 }
 
-/* The far field of the frame has the longest kernels, and the others follow in
- * the long form (make stress). */
+/* The far field of the frame has the longest kernels, and each width takes one
+ * projection, of which the kernels know by a few branches.  All combinations
+ * follow in the long form (make stress). */
 static void an_empty_cache_changes_no_vector_width(void **state) {
   static const cl_uint widths[] = {4, 8, 16};
-  const int first =
-      getenv("HBIL_STRESS_SECONDS") ? HBIL_FAR_NONE : HBIL_FAR_FRAME;
+  const bool all = getenv("HBIL_STRESS_SECONDS") != NULL;
+  const int first = all ? HBIL_FAR_NONE : HBIL_FAR_FRAME;
   (void)state;
   for (int far_field = first; far_field <= HBIL_FAR_FRAME; ++far_field)
     for (int i = 0; i < 3; ++i)
       for (int flat = 0; flat < 2; ++flat)
-        check_empty((hbil_far_field)far_field, widths[i], flat);
+        if (all || flat == (i & 1))
+          check_empty((hbil_far_field)far_field, widths[i], flat);
 }
 
 /* ------------------------------------------------------------------------ */

@@ -68,7 +68,8 @@ static void check_colours(hbil_component component, cl_uint stride,
                word ? scattered((uint32_t)i)
                     : (uint32_t)i * (2u * (uint32_t)c + 1u));
   buffer_write(s.device, s.frame.emission.buffer, 0, size, bytes);
-  setup_run(&s, hbil_enqueue_frame);
+  /* the only pass that shows what it reads; others would have to be compiled */
+  setup_run(&s, hbil_enqueue_composite);
   exact_planes out = outputs_read(&s);
   for (int c = 0; c < 3; ++c)
     for (int y = 0; y < out.height; ++y)
