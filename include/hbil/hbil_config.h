@@ -382,7 +382,8 @@ typedef struct hbil_sampling {
    * filter fills in the others from neighbours whose surfaces lie in the same
    * plane; needs the filter.  With more slices and steps a frame takes less
    * time for the same error (doc/measurements.md, "Sampling error and time"),
-   * but details of a pixel or two may be lost.  Default CL_FALSE */
+   * but details of a pixel or two may be lost, so small pictures are better
+   * without it.  Default CL_FALSE */
   cl_bool half_resolution;
   cl_bool unfiltered;   /* CL_TRUE: recompose has no filter; default CL_FALSE */
   hbil_storage storage; /* default PACKED */
@@ -391,8 +392,8 @@ typedef struct hbil_sampling {
 /* Named presets of the sampling.  They differ in sampling error and time, of
  * which doc/measurements.md has the figures ("Sampling error and time"). */
 typedef enum hbil_quality {
-  HBIL_QUALITY_FAST = 0,     /* half resolution, 2 slices, 32 steps per side */
-  HBIL_QUALITY_BALANCED = 1, /* half resolution, 2 slices, 64 steps per side */
+  HBIL_QUALITY_FAST = 0,     /* half resolution, 1 slice, 32 steps per side */
+  HBIL_QUALITY_BALANCED = 1, /* half resolution, 2 slices, 48 steps per side */
   HBIL_QUALITY_HIGH = 2,     /* 2 slices, 64 steps per side */
   /* 32 slices, 256 equal steps per side, full resolution, unfiltered, float32:
    * the densest settings, for comparisons */

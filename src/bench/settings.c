@@ -39,8 +39,8 @@ static const sweep sweeps[] = {
     {DEFAULT, 2, 2, 0, {4, 16, 48, 96}},
     {DEFAULT, 4, 2, 0, {8, 16, 32}},
     /* half of the resolution */
-    {DEFAULT, 1, 2, HALF, {16, 32, 64}},
-    {DEFAULT, 2, 2, HALF, {16, 24, 96}},
+    {DEFAULT, 1, 2, HALF, {8, 16, 64}},
+    {DEFAULT, 2, 2, HALF, {16, 32, 64, 96}},
     {DEFAULT, 4, 2, HALF, {32, 64}},
     /* samples in the pixel's own layer */
     {DEFAULT, 1, 2, LAYER, {8, 32, 64}},

@@ -77,9 +77,9 @@ static const struct {
   hbil_sample_grid sample_grid;
   cl_bool half_resolution, unfiltered;
 } qualities[] = {
-    [HBIL_QUALITY_FAST] = {"fast", 2, 32, 2.0f, HBIL_GRID_FULL_RESOLUTION,
+    [HBIL_QUALITY_FAST] = {"fast", 1, 32, 2.0f, HBIL_GRID_FULL_RESOLUTION,
                            CL_TRUE, CL_FALSE},
-    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 64, 2.0f,
+    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 48, 2.0f,
                                HBIL_GRID_FULL_RESOLUTION, CL_TRUE, CL_FALSE},
     [HBIL_QUALITY_HIGH] = {"high", 2, 64, 2.0f, HBIL_GRID_FULL_RESOLUTION,
                            CL_FALSE, CL_FALSE},
