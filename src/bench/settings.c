@@ -33,8 +33,8 @@ static const sweep sweeps[] = {
     {PAPER, 2, 0, LAYER | QUICK, {8}},
     {PAPER, 2, 2, 0, {8, 32}},
     /* steps, with one, two and four slices */
-    {DEFAULT, 1, 2, QUICK, {8}},
-    {DEFAULT, 1, 2, 0, {4, 16, 32, 64}},
+    {DEFAULT, 1, 2, QUICK, {8, 32}},
+    {DEFAULT, 1, 2, 0, {4, 16, 64}},
     {DEFAULT, 2, 2, QUICK, {8, 32}},
     {DEFAULT, 2, 2, 0, {4, 16, 48, 96}},
     {DEFAULT, 4, 2, 0, {8, 16, 32}},
