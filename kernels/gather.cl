@@ -91,8 +91,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   const hbil_layer_args in = args.split;
   const int x = (int)get_global_id(0) * (SPAN_VECTORS * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
-  const int part = (int)get_global_id(2);
-  const int layer = hbil_gathered_layer(part, GATHERED);
+  const int gathered_index = (int)get_global_id(2);
+  const int layer = hbil_gathered_layer(gathered_index, GATHERED);
   const int site = hbil_site(layer, y, GATHERED);
   if (x >= in.width || y >= in.height ||
       (args.is_static && !flags[HBIL_FLAG_CHANGED]))
@@ -132,9 +132,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   cache_cursor cache[SPAN_VECTORS];
   if (CACHE_HORIZONS)
     for (uint v = 0u; v < SPAN_VECTORS; ++v)
-      cache[v] =
-          cache_at(args.cache, whole_cache,
-                   first_vector(args.cache, args.spans, part, y, span_x) + v);
+      cache[v] = cache_at(
+          args.cache, whole_cache,
+          first_vector(args.cache, args.spans, gathered_index, y, span_x) + v);
 #if GATHER_RADIANCE && FALLBACK_LAST_ACCEPTED
   if (!skips_all)
     for (int v = 0; v < SPAN_VECTORS; ++v)

@@ -3,18 +3,8 @@
  *
  * Each pixel of a 4x4 block has gathered along its own directions.  A joint
  * bilateral filter over the 5x5 pixels around it combines them, guided by
- * depth and normal (lib/filter_weight.clh).
- *
- * All layers that are gathered have the same total weight.  Nine of 16 occur
- * once around the pixel.  Those of the outer ring occur twice and count half.
- * The layer of the corners occurs four times; two opposite corners are used,
- * which leaves the centre of mass at the pixel.
- *
- * At half resolution only 4 layers are gathered, and the pattern has 4x8 pixels
- * (hbil_site()), so 5x9 are read.  Which of these are gathered depends on the
- * pixel's own layer.  Whatever pixel is in the middle, the gathered ones are of
- * all 8 sites, and each site has the same total weight, as those of the outer
- * rows and columns count half.
+ * depth and normal (lib/filter_weight.clh); lib/neighbours.clh has the pixels.
+ * At half resolution the filter has 5x9 pixels.
  *
  * With a single slice per pixel, slices weigh J A(theta_t), as they do within
  * a pixel: AO and light are quotients of sums over the neighbourhood.  Means
@@ -41,6 +31,7 @@
 #include "lib/glossy_args.h"
 #include "lib/interleave.clh"
 #include "lib/layers.clh"
+#include "lib/neighbours.clh"
 #include "lib/span.clh"
 #include "lib/split_planes.clh"
 #include "lib/unseen_light.clh"
@@ -116,9 +107,6 @@ typedef struct sums {
   realv glossy[HBIL_GATHERED_GLOSSY_PLANES];
 #endif
 } sums;
-
-/* Whether the pixel (4 x + i, 4 y + j) is gathered, whatever x and y are. */
-#define IS_GATHERED(i, j) hbil_is_gathered(4 * ((j)&3) + ((i)&3), GATHERED)
 
 INLINE void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
                      global const float *split, global const float *light,
@@ -338,35 +326,8 @@ INLINE void finish(sums *s, global const float *estimate) {
 #endif
 }
 
-/* do_this(i, j, share) for the neighbours that the filter reads. */
-#if GATHERED == HBIL_LAYERS
-#define EACH_NEIGHBOUR(do_this)                                                \
-  do_this(-2, -2, 0.5f) do_this(-1, -2, 0.5f) do_this(0, -2, 0.5f)             \
-      do_this(1, -2, 0.5f) do_this(-2, -1, 0.5f) do_this(-1, -1, 1.0f)         \
-          do_this(0, -1, 1.0f) do_this(1, -1, 1.0f) do_this(2, -1, 0.5f)       \
-              do_this(-2, 0, 0.5f) do_this(-1, 0, 1.0f) do_this(1, 0, 1.0f)    \
-                  do_this(2, 0, 0.5f) do_this(-2, 1, 0.5f)                     \
-                      do_this(-1, 1, 1.0f) do_this(0, 1, 1.0f)                 \
-                          do_this(1, 1, 1.0f) do_this(2, 1, 0.5f)              \
-                              do_this(-1, 2, 0.5f) do_this(0, 2, 0.5f)         \
-                                  do_this(1, 2, 0.5f) do_this(2, 2, 0.5f)
-#else
-#define NEIGHBOURS_OF_ROW(do_this, j, share)                                   \
-  do_this(-2, j, 0.5f * share) do_this(-1, j, share) do_this(0, j, share)      \
-      do_this(1, j, share) do_this(2, j, 0.5f * share)
-#define EACH_NEIGHBOUR(do_this)                                                \
-  NEIGHBOURS_OF_ROW(do_this, -4, 0.5f)                                         \
-  NEIGHBOURS_OF_ROW(do_this, -3, 1.0f) NEIGHBOURS_OF_ROW(do_this, -2, 1.0f)    \
-      NEIGHBOURS_OF_ROW(do_this, -1, 1.0f) do_this(-2, 0, 0.5f)                \
-          do_this(-1, 0, 1.0f) do_this(1, 0, 1.0f) do_this(2, 0, 0.5f)         \
-              NEIGHBOURS_OF_ROW(do_this, 1, 1.0f)                              \
-                  NEIGHBOURS_OF_ROW(do_this, 2, 1.0f)                          \
-                      NEIGHBOURS_OF_ROW(do_this, 3, 1.0f)                      \
-                          NEIGHBOURS_OF_ROW(do_this, 4, 0.5f)
-#endif
-
 /* Sums for the pixels (4 x + column, 4 y + row) and every fourth to their
- * right.  rows: the unpacked rows around them.  place_x, place_y: a layer
+ * right.  rows: the unpacked rows around them.  odd_x, odd_y: a layer
  * whose neighbours are gathered in the same places.  They are constants, so
  * nothing is left of the neighbours that aren't. */
 #if HBIL_WIDTH == 1
@@ -381,9 +342,8 @@ INLINE void finish(sums *s, global const float *estimate) {
 INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
                    const hbil_layer_args lit, global const float *split,
                    global const float *light, const float *const *rows,
-                   int column, int row, int x, int y, int place_x,
-                   int place_y) {
-  const bool is_gathered = IS_GATHERED(place_x, place_y);
+                   int column, int row, int x, int y, int odd_x, int odd_y) {
+  const bool is_gathered = IS_GATHERED(odd_x, odd_y);
 #if HBIL_WIDTH == 1
   float loaded[TAP_PLANES];
 #endif
@@ -410,36 +370,32 @@ INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
     add_light(&s, self, (realv)1.0f);
 #if !UNFILTERED
   const middle m = middle_of(view, s.w, s.n, 4 * x + column, 4 * y + row);
-  /* A pixel that isn't gathered takes the mean of the nearest ones that are, if
-   * none of them shows the same surface. */
-#define IS_NEAR(i) ((i) > -2 && (i) < 2)
-#define LEAST_WEIGHT(i, j)                                                     \
-  (!is_gathered && IS_NEAR(i) && IS_NEAR(j) ? HBIL_LEAST_WEIGHT : 0.0f)
 #define ADD_NEIGHBOUR(i, j, share)                                             \
-  if (IS_GATHERED(place_x + (i), place_y + (j)))                               \
-    add_tap(&s, &m, NEIGHBOUR(i, j), i, j, share, LEAST_WEIGHT(i, j));
+  if (IS_GATHERED(odd_x + (i), odd_y + (j)))                                   \
+    add_tap(&s, &m, NEIGHBOUR(i, j), i, j, share,                              \
+            LEAST_WEIGHT(is_gathered, i, j));
   EACH_NEIGHBOUR(ADD_NEIGHBOUR)
 #endif
   return s;
 }
 
 /* The same, with the constants that belong to the column and the row. */
-INLINE sums filter_place(const hbil_view_args view, const hbil_layer_args in,
-                         const hbil_layer_args lit, global const float *split,
-                         global const float *light, const float *const *rows,
-                         int column, int row, int x, int y) {
-#define FILTER_AT(place_x, place_y)                                            \
-  return filter(view, in, lit, split, light, rows, column, row, x, y, place_x, \
-                place_y)
+INLINE sums filter_at(const hbil_view_args view, const hbil_layer_args in,
+                      const hbil_layer_args lit, global const float *split,
+                      global const float *light, const float *const *rows,
+                      int column, int row, int x, int y) {
+#define FILTER(odd_x, odd_y)                                                   \
+  return filter(view, in, lit, split, light, rows, column, row, x, y, odd_x,   \
+                odd_y)
 #if GATHERED < HBIL_LAYERS
   if (column & row & 1)
-    FILTER_AT(1, 1);
+    FILTER(1, 1);
   if (column & 1)
-    FILTER_AT(1, 0);
+    FILTER(1, 0);
   if (row & 1)
-    FILTER_AT(0, 1);
+    FILTER(0, 1);
 #endif
-  FILTER_AT(0, 0);
+  FILTER(0, 0);
 }
 
 /* Pixels of four layers, in the order of the image. */
@@ -467,7 +423,7 @@ INLINE void resolve(const hbil_view_args view, const hbil_layer_args in,
                     const hbil_error_args errors) {
   sums value[4];
   for (int i = 0; i < 4; ++i)
-    value[i] = filter_place(view, in, lit, split, light, rows, i, row, x, y);
+    value[i] = filter_at(view, in, lit, split, light, rows, i, row, x, y);
 #if OUT_ERROR
   realv ao[4], near_irradiance[4];
 #endif

@@ -69,14 +69,15 @@ kernel void regather(const hbil_gather_args args, global const float *split,
   const hbil_layer_args in = args.split;
   const int x = (int)get_global_id(0) * (SPAN_VECTORS * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
-  const int part = (int)get_global_id(2);
-  const int layer = hbil_gathered_layer(part, GATHERED);
+  const int gathered_index = (int)get_global_id(2);
+  const int layer = hbil_gathered_layer(gathered_index, GATHERED);
   if (x >= in.width || y >= (int)args.cache.rows || !flags[HBIL_FLAG_CHANGED])
     return;
   const uint span = (uint)(x / (SPAN_VECTORS * HBIL_WIDTH));
   if (spans[(uint)(layer * in.height + y) * args.spans + span])
     return;
-  const uint first = first_vector(args.cache, args.spans, part, y, span);
+  const uint first =
+      first_vector(args.cache, args.spans, gathered_index, y, span);
   split += (uint)y * in.row + (uint)x;
   light += (uint)layer * args.light.layer + args.light.origin +
            (uint)y * args.light.row + (uint)x;

@@ -130,9 +130,9 @@ enum {
  *   bent      three snorm: 11 bits x, lowest, 11 bits y, 10 bits z; scaled to
  *             fit where a component is above 1
  * Light is rounded to the nearest.  The unknown share and bent normals are
- * dithered by the pixel's layer, so that the mean of the 16 layers is off by at
- * most 1/32 of a step.  Values above the largest of a format become the
- * largest. */
+ * dithered by the pixel's site in the pattern, so that the mean of all n sites
+ * (16, or 8 at half resolution) is off by at most 1/(2 n) of a step.  Values
+ * above the largest of a format become the largest. */
 enum {
   HBIL_PACKED_NORMAL = 1,
   HBIL_PACKED_RADIANCE = 2,

@@ -378,12 +378,12 @@ typedef struct hbil_sampling {
   /* g: the last step is (1+g)^2 times the first one; 0..64; default 2 */
   float step_growth;
   hbil_sample_grid sample_grid; /* default FULL_RESOLUTION */
-  /* CL_TRUE: the gather computes every second pixel in x and y alone, and the
-   * filter fills in the others from neighbours whose surfaces lie in the same
-   * plane; needs the filter.  With more slices and steps a frame takes less
-   * time for the same error (doc/measurements.md, "Sampling error and time"),
-   * but details of a pixel or two may be lost, so small pictures are better
-   * without it.  Default CL_FALSE */
+  /* CL_TRUE: the gather computes only every second pixel in x and in y, a
+   * quarter of them all, and the filter fills in the others from neighbours
+   * whose surfaces lie in the same plane; needs the filter.  With more slices
+   * and steps a frame takes less time for the same error (doc/measurements.md,
+   * "Sampling error and time"), but details of a pixel or two may be lost, so
+   * small pictures are better without it.  Default CL_FALSE */
   cl_bool half_resolution;
   cl_bool unfiltered;   /* CL_TRUE: recompose has no filter; default CL_FALSE */
   hbil_storage storage; /* default PACKED */

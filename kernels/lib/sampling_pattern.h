@@ -34,11 +34,11 @@ static inline hbil_int hbil_level(hbil_float reach, hbil_float need,
  */
 static inline hbil_int hbil_is_gathered(hbil_int layer, hbil_int gathered) {
   hbil_int x = layer & 3, y = layer >> 2;
-  return gathered == 16 || !((x | y) & 1);
+  return gathered == HBIL_LAYERS || !((x | y) & 1);
 }
 /* The i-th of them, 0..gathered-1. */
 static inline hbil_int hbil_gathered_layer(hbil_int i, hbil_int gathered) {
-  return gathered == 16 ? i : 8 * (i >> 1) + 2 * (i & 1);
+  return gathered == HBIL_LAYERS ? i : 8 * (i >> 1) + 2 * (i & 1);
 }
 
 /*
@@ -48,14 +48,15 @@ static inline hbil_int hbil_gathered_layer(hbil_int i, hbil_int gathered) {
  */
 static inline hbil_int hbil_site(hbil_int layer, hbil_int row,
                                  hbil_int gathered) {
-  return gathered == 16 ? layer : layer + 16 * (row & 1);
+  return gathered == HBIL_LAYERS ? layer : layer + 16 * (row & 1);
 }
-/* All of them, and as many as are gathered: 16 or 8, in different places. */
+/* hbil_sites(): how many there are, which the table of steps has rows for;
+ * hbil_gathered_sites(): how many of them are gathered. */
 static inline hbil_int hbil_sites(hbil_int gathered) {
-  return gathered == 16 ? 16 : 32;
+  return gathered == HBIL_LAYERS ? 16 : 32;
 }
-static inline hbil_int hbil_places(hbil_int gathered) {
-  return gathered == 16 ? 16 : 8;
+static inline hbil_int hbil_gathered_sites(hbil_int gathered) {
+  return gathered == HBIL_LAYERS ? 16 : 8;
 }
 
 /* 4x4 Bayer matrix: interleaves the bits of (x xor y) and y, most significant
@@ -71,24 +72,25 @@ static inline hbil_int hbil_bayer(hbil_int x, hbil_int y) {
  * along the slice (the same matrix, mirrored and turned, so that direction and
  * shift are not tied to each other).
  */
-static inline hbil_int hbil_direction_place(hbil_int site, hbil_int gathered) {
+static inline hbil_int hbil_direction_order(hbil_int site, hbil_int gathered) {
   hbil_int order = hbil_bayer(site & 3, site >> 2 & 3);
-  return gathered == 16 ? order : ((order & 3) << 1) | (site >> 4);
+  return gathered == HBIL_LAYERS ? order : ((order & 3) << 1) | (site >> 4);
 }
-static inline hbil_int hbil_shift_place(hbil_int site, hbil_int gathered) {
+static inline hbil_int hbil_shift_order(hbil_int site, hbil_int gathered) {
   hbil_int order = hbil_bayer(3 - (site >> 2 & 3), site & 3) * 5 + 3;
-  return gathered == 16 ? order & 15 : ((order & 3) << 1) | (site >> 4);
+  return gathered == HBIL_LAYERS ? order & 15
+                                 : ((order & 3) << 1) | (site >> 4);
 }
 
-/* Places as numbers between 0 and 1 that are 1/2 on average. */
+/* The orders as numbers between 0 and 1 that are 1/2 on average. */
 static inline hbil_float hbil_direction_share(hbil_int site,
                                               hbil_int gathered) {
-  return ((hbil_float)hbil_direction_place(site, gathered) + 0.5f) /
-         (hbil_float)hbil_places(gathered);
+  return ((hbil_float)hbil_direction_order(site, gathered) + 0.5f) /
+         (hbil_float)hbil_gathered_sites(gathered);
 }
 static inline hbil_float hbil_shift_share(hbil_int site, hbil_int gathered) {
-  return ((hbil_float)hbil_shift_place(site, gathered) + 0.5f) /
-         (hbil_float)hbil_places(gathered);
+  return ((hbil_float)hbil_shift_order(site, gathered) + 0.5f) /
+         (hbil_float)hbil_gathered_sites(gathered);
 }
 
 /*
@@ -200,9 +202,9 @@ static inline hbil_int hbil_sample_subsets(hbil_int site, hbil_int gathered,
                                            hbil_int k, hbil_int samples,
                                            hbil_int before, hbil_int after) {
   hbil_int met = k + 1 < samples ? 2 : 1;
-  /* (place + 1/2) / places of the sites lie above the share that is met */
-  if ((2 * hbil_shift_place(site, gathered) + 1) * (after - before) <
-      2 * hbil_places(gathered) * met)
+  /* (order + 1/2) / sites of them lie above the share that is met */
+  if ((2 * hbil_shift_order(site, gathered) + 1) * (after - before) <
+      2 * hbil_gathered_sites(gathered) * met)
     return HBIL_SUBSET_EVEN | HBIL_SUBSET_ODD;
   return k & 1 ? HBIL_SUBSET_ODD : HBIL_SUBSET_EVEN;
 }

@@ -17,7 +17,7 @@
 #define PLAIN BENCH_NOT_EXTRAPOLATED
 #define FP32 BENCH_FLOAT32
 #define QUICK BENCH_QUICK
-#define HALF BENCH_HALF
+#define HALF BENCH_HALF_RESOLUTION
 
 /* The same setting with several numbers of steps, up to the first 0. */
 typedef struct sweep {
@@ -38,7 +38,7 @@ static const sweep sweeps[] = {
     {DEFAULT, 2, 2, QUICK, {8, 32}},
     {DEFAULT, 2, 2, 0, {4, 16, 48, 96}},
     {DEFAULT, 4, 2, 0, {8, 16, 32}},
-    /* half of the resolution */
+    /* half resolution */
     {DEFAULT, 1, 2, HALF, {8, 16, 64}},
     {DEFAULT, 2, 2, HALF, {16, 32, 64, 96}},
     {DEFAULT, 4, 2, HALF, {32, 64}},
@@ -168,7 +168,8 @@ void bench_setting_label(const bench_setting *s, char text[BENCH_LABEL]) {
            s->model == DEFAULT ? "" : " ", s->preset ? s->preset : "",
            s->preset ? " " : "", (unsigned)s->slices, (unsigned)s->steps,
            (double)s->growth, s->flags & LAYER ? " same-layer" : "",
-           s->flags & HALF ? " half" : "", s->flags & RAW ? " unfiltered" : "",
+           s->flags & HALF ? " half-resolution" : "",
+           s->flags & RAW ? " unfiltered" : "",
            s->flags & PLAIN ? " not extrapolated" : "",
            s->flags & FP32 ? " fp32" : "");
 }

@@ -24,7 +24,7 @@ enum {
   BENCH_NOT_EXTRAPOLATED = 4,
   BENCH_FLOAT32 = 8, /* storage of the layers; packed else */
   BENCH_QUICK = 16,  /* also part of the short list */
-  BENCH_HALF = 32    /* of the resolution is gathered */
+  BENCH_HALF_RESOLUTION = 32
 };
 
 typedef struct bench_setting {

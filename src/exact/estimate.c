@@ -59,8 +59,7 @@ static void polynomials(vec3 d, double p[9]) {
 
 /* The mean AO of the four pixels of a row that a pixel belongs to, as far as
  * they show a surface and are gathered.  A single pixel looks along few
- * directions, and what
- * exact_unlit_part() makes of its noise isn't its mean. */
+ * directions, and what exact_unlit_part() makes of its noise isn't its mean. */
 static double open_row(const exact_frame *frame, const exact_planes *split,
                        const exact_planes *gathered, int x, int y) {
   const bool weighs =

@@ -29,12 +29,12 @@ static march march_along(const receiver *r, const sampling *how, double ux,
 static void gather_pixel(const gather *g, int x, int y) {
   const hbil_config *config = g->frame->config;
   const coverage_kind kind = exact_coverage_kind(config, COVERAGE_SECTORS);
-  const receiver r = exact_receiver(g->frame, g->split, x, y, kind, NULL);
   hemisphere sum = {0};
   if (!exact_is_gathered(config, x, y)) {
     exact_planes_clear(g->gathered, x, y);
     return;
   }
+  const receiver r = exact_receiver(g->frame, g->split, x, y, kind, NULL);
   if (!r.s.is) {
     exact_store_sky(&r, g->gathered);
     return;

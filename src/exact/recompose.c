@@ -1,6 +1,7 @@
 /*
  * Recompose: a 5x5 filter that brings the slice directions of a 4x4 block
- * together, without blurring across edges.
+ * together, without blurring across edges; at half resolution a 5x9 filter of
+ * a 4x8 block.
  *
  * A neighbour's weight is spatial times guide.  Spatial: a 5x5 window holds the
  * layers of its outer rows and columns twice, so they count half there; of the

@@ -7,8 +7,8 @@
  * each.  An angle a lies at the sector position
  *   A(a) / A(tangent plane) HBIL_SECTORS + dither,
  * rounded down, and an occluder sets the bits between the positions of its
- * front and its back.  The dither is different in each of the 16 layers, so
- * that the mean over a 4x4 block has no steps.
+ * front and its back.  The dither is different at each site of the pattern
+ * (hbil_site()), so that the mean over all of them has no steps.
  */
 #include "exact/sectors.h"
 

@@ -321,8 +321,9 @@ static hbil_status check_values(hbil_context *context,
         (double)config->model.facing_fade[1]);
   if (config->sampling.half_resolution && config->sampling.unfiltered)
     return fail(context, HBIL_INVALID_CONFIG,
-                "sampling.half_resolution: with sampling.unfiltered; only the "
-                "filter fills in pixels, so one of the two must be CL_FALSE");
+                "sampling.half_resolution: set with sampling.unfiltered, but "
+                "only the filter fills in the other pixels; one of the two "
+                "must be CL_FALSE");
   const cl_uint width = config->execution.vector_width;
   if (width != 0 && width != 1 && width != 4 && width != 8 && width != 16)
     return fail(

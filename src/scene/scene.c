@@ -28,6 +28,7 @@ typedef struct lens {
   hbil_projection projection;
   double fov, size; /* 0: the scene's default */
   int face;         /* 1 + that of scene_render_face(); 0: none */
+  bool at_light;    /* seen by scene_render_from_light() */
 } lens;
 
 static double focal_length(const world *w, const lens *l, uint32_t width,
@@ -54,11 +55,15 @@ static hbil_camera camera_of(const world *w, uint32_t width, uint32_t height,
 static void view_init(view *v, scene_kind kind, uint32_t width, uint32_t height,
                       const lens *through, uint32_t index) {
   world_build(kind, through->projection, index, &v->now);
-  world_build(kind, through->projection,
-              index > 0 && !through->face ? index - 1 : index, &v->before);
+  const bool moves = index > 0 && !through->face && !through->at_light;
+  world_build(kind, through->projection, moves ? index - 1 : index, &v->before);
   if (through->face) {
     world_face(&v->now, through->face - 1);
     world_face(&v->before, through->face - 1);
+  }
+  if (through->at_light) {
+    world_from_light(&v->now, through->projection);
+    world_from_light(&v->before, through->projection);
   }
   v->camera = camera_of(&v->now, width, height, through);
   v->parallel = through->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
@@ -245,6 +250,14 @@ int scene_render_orthographic(scene_kind kind, uint32_t width, uint32_t height,
 int scene_render_face(scene_kind kind, uint32_t size, int face, uint32_t index,
                       scene_frame *out) {
   const lens l = {.projection = HBIL_PROJECTION_PERSPECTIVE, .face = face + 1};
+  return render(kind, size, size, &l, index, out);
+}
+
+int scene_render_from_light(scene_kind kind, uint32_t size, uint32_t index,
+                            scene_frame *out) {
+  const lens l = {.projection = kind == SCENE_SKY ? HBIL_PROJECTION_ORTHOGRAPHIC
+                                                  : HBIL_PROJECTION_PERSPECTIVE,
+                  .at_light = true};
   return render(kind, size, size, &l, index, out);
 }
 

@@ -59,6 +59,13 @@ int scene_render_orthographic(scene_kind kind, uint32_t width, uint32_t height,
 enum { SCENE_FACES = 6 };
 int scene_render_face(scene_kind kind, uint32_t size, int face, uint32_t index,
                       scene_frame *out);
+/*
+ * Renders what the scene's light shines at, in frame `index`: a square picture
+ * from the middle of the lamp, or along the rays of the sun in SCENE_SKY.
+ * Motion is 0.
+ */
+int scene_render_from_light(scene_kind kind, uint32_t size, uint32_t index,
+                            scene_frame *out);
 /* Frees the planes and zeroes the struct.  NULL is allowed. */
 void scene_free(scene_frame *frame);
 

@@ -259,6 +259,19 @@ void world_face(world *w, int face) {
   w->down = vec_cross(w->forward, w->right);
 }
 
+void world_from_light(world *w, hbil_projection projection) {
+  const world_light *l = &w->light;
+  const bool sun = projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  w->forward = l->normal;
+  w->right = vec_unit(l->u);
+  w->down = vec_cross(w->forward, w->right);
+  /* nearly all that a lamp sheds: 1 - cos^2 of 69 degrees is .87 */
+  w->fov = 2.4;
+  w->size = 24.0;
+  w->eye = sun ? vec_sub(vec(0, 6, 1), vec_scale(l->normal, 50.0))
+               : vec_add(l->centre, vec_scale(l->normal, 0.02));
+}
+
 void world_build(scene_kind kind, hbil_projection projection, uint32_t index,
                  world *out) {
   *out = (world){.count = 0};

@@ -34,6 +34,10 @@ typedef struct world {
 /* Turns the camera along x, -x, y, -y, z or -z, with 90 degrees each way. */
 void world_face(world *w, int face);
 
+/* Puts the camera into the middle of the lamp; or, for an orthographic picture,
+ * far above the middle of the scene, where it looks along the sun's rays. */
+void world_from_light(world *w, hbil_projection projection);
+
 /* Builds frame `index` of a scene. */
 void world_build(scene_kind kind, hbil_projection projection, uint32_t index,
                  world *out);

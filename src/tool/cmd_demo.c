@@ -28,13 +28,13 @@
 #include <sys/stat.h>
 
 enum { GBUFFER_PLANES = 18, SKY_WIDTH = 64, SKY_HEIGHT = 32 };
-enum { FACE_SIZE = 160 }; /* of a view, pixels */
+enum { FACE_SIZE = 160, LIGHT_VIEW_SIZE = 256 }; /* of a view, pixels */
 
 static const char *const scene_names[] = {"room", "sky", "corner", NULL};
 
 typedef struct demo_options {
   unsigned frames, width, height;
-  int scene, orthographic, views;
+  int scene, orthographic, views, light_view;
   const char *output;
   const char *device;
 } demo_options;
@@ -54,6 +54,9 @@ static void usage(void) {
       "      --views        also traces six pictures of what surrounds the\n"
       "                     camera, which light the frames, too (the views\n"
       "                     of `hbil process`)\n"
+      "      --light-view   also traces a picture from where the light is; it\n"
+      "                     lights the frames by reflective shadow maps\n"
+      "                     (--far rsm --light-view of `hbil process`)\n"
       "      --orthographic seen by parallel rays\n"
       "      --device NAME  number in `hbil devices`, or part of a name\n"
       "  -h, --help         this text");
@@ -202,6 +205,21 @@ static int trace_views(const demo_options *o, const char *folder,
   return 0;
 }
 
+/* Fills file with the malloc'd path of the light view. */
+static int trace_light_view(const demo_options *o, const char *folder,
+                            char **file, image_error *error) {
+  scene_frame f;
+  if (!o->light_view)
+    return 0;
+  *file = join(folder, "light_view.exr", error);
+  if (*file == NULL)
+    return -1;
+  if (scene_render_from_light((scene_kind)o->scene, LIGHT_VIEW_SIZE, 0, &f) !=
+      0)
+    return image_no_memory(error, *file);
+  return store_frame(&f, *file, error);
+}
+
 /* Fills files with the malloc'd paths of the frames. */
 static int trace_frames(const demo_options *o, const char *folder, char **files,
                         image_error *error) {
@@ -253,6 +271,7 @@ static int read_options(int argc, char **argv, demo_options *o,
       {"scene", required_argument, NULL, 'c'},
       {"orthographic", no_argument, NULL, 'p'},
       {"views", no_argument, NULL, 'v'},
+      {"light-view", no_argument, NULL, 'l'},
       {"output", required_argument, NULL, 'o'},
       {"device", required_argument, NULL, 'd'},
       {"help", no_argument, NULL, 'h'},
@@ -276,6 +295,9 @@ static int read_options(int argc, char **argv, demo_options *o,
     case 'v':
       o->views = 1;
       break;
+    case 'l':
+      o->light_view = 1;
+      break;
     case 'o':
       o->output = optarg;
       break;
@@ -293,6 +315,9 @@ static int read_options(int argc, char **argv, demo_options *o,
                         "demo: %s: no files are taken; see hbil demo "
                         "--help",
                         argv[optind]);
+  if (failed == 0 && o->views && o->light_view)
+    failed = image_fail(error, "demo: --views and --light-view light the "
+                               "frames in two ways; one of them is needed");
   return failed;
 }
 
@@ -309,7 +334,7 @@ static void name_results(const demo_options *o, const char *folder) {
 }
 
 static int process(const demo_options *o, const char *sky, char **files,
-                   char **views, image_error *error) {
+                   char **views, char **light_view, image_error *error) {
   process_settings s;
   process_settings_init(&s);
   s.output = o->output;
@@ -320,6 +345,9 @@ static int process(const demo_options *o, const char *sky, char **files,
                                              : "0.12,0.11,0.1";
   s.views = views;
   s.view_count = o->views ? SCENE_FACES : 0;
+  s.light_views = light_view;
+  s.light_view_count = o->light_view ? 1 : 0;
+  s.far = o->light_view ? HBIL_PROVIDER_RSM : 0;
   s.preview = s.timings = s.overwrite = 1;
   s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
   return process_run(&s, files, (int)o->frames, error);
@@ -336,14 +364,15 @@ static int check_device(const demo_options *o, image_error *error) {
 
 /* Makes the folders and the G-buffers and computes their light. */
 static int run(const demo_options *o, const char *folder, const char *sky,
-               char **files, char **views) {
+               char **files, char **views, char **light_view) {
   image_error error;
   if (check_device(o, &error) != 0 || make_folder(o->output, &error) != 0 ||
       make_folder(folder, &error) != 0 ||
       trace_frames(o, folder, files, &error) != 0 ||
       trace_views(o, folder, views, &error) != 0 ||
+      trace_light_view(o, folder, light_view, &error) != 0 ||
       (o->scene == SCENE_SKY && write_sky(sky, &error) != 0) ||
-      process(o, sky, files, views, &error) != 0)
+      process(o, sky, files, views, light_view, &error) != 0)
     return report_error(&error);
   name_results(o, folder);
   return STATUS_OK;
@@ -359,18 +388,19 @@ int cmd_demo(int argc, char **argv) {
   char *folder = join(o.output, "gbuffer", &error);
   char *sky = join(o.output, "sky.exr", &error);
   char **files = calloc(o.frames, sizeof *files);
-  char *views[SCENE_FACES] = {NULL};
+  char *views[SCENE_FACES] = {NULL}, *light_view = NULL;
   int status;
   if (folder == NULL || sky == NULL || files == NULL) {
     image_no_memory(&error, o.output);
     status = report_error(&error);
   } else {
-    status = run(&o, folder, sky, files, views);
+    status = run(&o, folder, sky, files, views, &light_view);
   }
   for (unsigned i = 0; files != NULL && i < o.frames; ++i)
     free(files[i]);
   for (int i = 0; i < SCENE_FACES; ++i)
     free(views[i]);
+  free(light_view);
   free(files);
   free(sky);
   free(folder);

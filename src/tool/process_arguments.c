@@ -301,8 +301,9 @@ static int check_horizon_cache(const hbil_config *c, image_error *error) {
   return 0;
 }
 
-/* Two words of --far ask nothing of a cache, so they go with everything that
- * has none.  And none is also --environment none, and contradicts any other. */
+/* `--far environment` and `--far none` switch the cache off, so they are
+ * allowed with options and modes that have none.  `--far none` also sets
+ * --environment none, and is rejected with another environment. */
 static int apply_far(request *r, image_error *error) {
   process_settings *s = &r->arguments->settings;
   if (s->no_cache)

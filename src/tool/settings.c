@@ -16,7 +16,6 @@ void process_settings_init(process_settings *settings) {
   settings->warm_up = model_warm_up(HBIL_MODEL_DEFAULT);
   settings->repeat = 1;
   settings->horizon_cache = HORIZON_CACHE_CHOOSE;
-  /* lossless as zip is; of layers of light its files are smaller by a sixth,
-   * and are written in half the time */
+  /* lossless as zip is; light takes less space and less time to write */
   settings->compression = EXR_COMPRESSION_OF_PIZ;
 }

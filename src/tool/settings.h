@@ -28,7 +28,7 @@ typedef struct process_settings {
   int far;                    /* hbil_provider; 0: not given, or no_cache */
   int learn;                  /* 1: it sees all frames first */
   int no_cache;               /* 1: frames have none */
-  int no_far_light;           /* 1: nor far light; environment is "none" */
+  int no_far_light;           /* 1: --far none; environment is "none" */
   unsigned cache_voxels;      /* across a level; 0: the library's default */
   const char *cache_load;     /* the file that it begins with, or NULL */
   int cache_fixed;            /* 1: frames don't change the loaded cache */

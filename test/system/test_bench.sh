@@ -336,8 +336,10 @@ fi
 
 # --- far ---
 
-# Two places of the demo, one of which has a view from the light; any view will do.
+# Two places of the demo, one of which has a view from the light.
 "$HBIL" demo --scene corner --views --frames 2 --size 64x48 -o "$work/corner" \
+  >"$work/out" 2>"$work/err"
+"$HBIL" demo --scene corner --light-view --frames 1 --size 64x48 -o "$work/shone" \
   >"$work/out" 2>"$work/err"
 gbuffer=$work/corner/gbuffer
 works "a place with views" process corner-truth --slices 8 \
@@ -351,7 +353,7 @@ for n in 1 2 3 4 5 6; do
 done
 cp -r "$work/dim" "$work/lamp"
 for kind in exr json; do
-  cp "$gbuffer/view_0003.$kind" "$work/lamp/views/light.$kind"
+  cp "$work/shone/gbuffer/light_view.$kind" "$work/lamp/views/light.$kind"
 done
 # figures_of NAME SCENE OPTION...: what truth says of it, in $work/results.
 figures_of() {

@@ -246,6 +246,7 @@ grep -E '^(build/)?hbil-bench [a-z]' "$work/code" | sed 's/^.*hbil-bench //' |
     test -s "$work/bench-$question.help" || echo "hbil-bench $question"
     for word in $words; do
       case $word in
+      --) break ;; # what follows is for hbil process
       --*) grep -q -e "$word " "$work/bench-$question.help" ||
         echo "hbil-bench $question $word" ;;
       esac

@@ -22,6 +22,18 @@ works "the demo makes a sequence and lights it" \
   "$HBIL" demo --frames 2 --size 64x48 -o "$work/demo"
 works "a second demo, of another size" \
   "$HBIL" demo --frames 1 --size 33x17 -o "$work/other"
+# A lamp that the camera doesn't see lights the frame by what it shines at.
+for scene in corner sky; do
+  works "a demo with a view from the light of $scene" "$HBIL" demo --scene $scene \
+    --light-view --frames 1 --size 64x48 -o "$work/$scene"
+  works "the same without that view" "$HBIL" demo --scene $scene \
+    --frames 1 --size 64x48 -o "$work/$scene-dim"
+  differs "its light arrives in $scene" "$HBIL" compare --max-rmse .01 \
+    "$work/$scene/frame_0001.exr:far_irradiance" \
+    "$work/$scene-dim/frame_0001.exr:far_irradiance"
+done
+rejected "two kinds of views in one demo" '--views and --light-view' \
+  "$HBIL" demo --views --light-view -o "$work/both"
 one=$work/demo/gbuffer/frame_0001.exr
 two=$work/demo/gbuffer/frame_0002.exr
 other=$work/other/gbuffer/frame_0001.exr

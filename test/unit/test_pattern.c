@@ -53,7 +53,7 @@ static int site_of(int i, int gathered) {
 static double unevenness(int slices, int gathered, float turn) {
   double angle[16 * 32], worst = 0.0;
   hbil_pattern_args p = make_pattern(slices, 8, 1, 3.0f);
-  const int places = hbil_places(gathered), count = places * slices;
+  const int places = hbil_gathered_sites(gathered), count = places * slices;
   p.turn = turn;
   p.gathered = gathered;
   for (int i = 0; i < count; ++i) {
@@ -83,11 +83,11 @@ static void directions_of_a_block_are_equally_spaced(void **state) {
 static void places_are_permutations(void **state) {
   (void)state;
   for (int gathered = 4; gathered <= 16; gathered *= 4) {
-    const int places = hbil_places(gathered);
+    const int places = hbil_gathered_sites(gathered);
     unsigned directions = 0, shifts = 0;
     for (int i = 0; i < places; ++i) {
-      directions |= 1u << hbil_direction_place(site_of(i, gathered), gathered);
-      shifts |= 1u << hbil_shift_place(site_of(i, gathered), gathered);
+      directions |= 1u << hbil_direction_order(site_of(i, gathered), gathered);
+      shifts |= 1u << hbil_shift_order(site_of(i, gathered), gathered);
     }
     assert_int_equal(directions, (1u << places) - 1u);
     assert_int_equal(shifts, (1u << places) - 1u);
