@@ -2,14 +2,13 @@
  * recompose: layers -> full resolution.
  *
  * Each pixel of a 4x4 block has gathered along its own directions.  A joint
- * bilateral filter over the 5x5 pixels around it combines them, guided by
- * depth and normal (lib/filter_weight.clh); lib/neighbours.clh has the pixels.
- * At half resolution the filter has 5x9 pixels.
+ * bilateral filter over the 5x5 pixels around it (lib/neighbours.clh) combines
+ * them, guided by depth and normal (lib/filter_weight.clh).
  *
  * With a single slice per pixel, slices weigh J A(theta_t), as they do within
  * a pixel: AO and light are quotients of sums over the neighbourhood.  Means
- * of quotients would favour slices that cover little of the hemisphere.
- * WEIGHT_PLANE is the plane of the weights, or 0.
+ * of quotients would favour slices that cover little of the hemisphere.  Their
+ * weights are in WEIGHT_PLANE; it is 0 with more slices.
  *
  * The spread of the neighbours' light tells how far their mean may be off
  * (hbil_config.error_estimate).  ERROR_PLANE is the plane where the errors
@@ -48,7 +47,6 @@
 #if !defined(UNKNOWN_PLANE) || (UNKNOWN_PLANE && !FALLBACK_FRAME_MEAN)
 #error UNKNOWN_PLANE must be 0 without FALLBACK_FRAME_MEAN
 #endif
-
 #if !defined(OUT_GLOSSY) || OUT_GLOSSY < 0 || OUT_GLOSSY > 1
 #error OUT_GLOSSY must be 0..1
 #endif
