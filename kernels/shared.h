@@ -45,11 +45,11 @@ typedef cl_float hbil_float;
 #define HBIL_SIDE 4
 #define HBIL_LAYERS 16
 
-/* A span: neighbouring pixels of a layer's row that share one radius of
- * influence in pixels.  On CPUs one work-item of the gather takes a span.  The
- * padding left and right of each layer row is as long, so that a load of a span
- * that begins anywhere in [-32, width rounded up to 32] stays inside the row.
- * Narrow pictures have shorter spans (layout.c). */
+/* A span: neighbouring pixels of a layer's row with one radius of influence in
+ * pixels; a work-item of the gather on CPUs.  The padding left and right of
+ * each layer row is as long, so that a load of a span that begins anywhere in
+ * [-32, width rounded up to 32] stays inside.  Narrow pictures have shorter
+ * ones. */
 #define HBIL_SPAN 32
 
 /* Rows that one work-item of recompose takes on CPUs; a multiple of 4. */
@@ -86,12 +86,6 @@ typedef cl_float hbil_float;
 /* ... nor to one whose normal has a cosine with the pixel's normal of 1 minus
  * this or less (33 degrees).  Both: measured, doc/measurements.md. */
 #define HBIL_TURN_TOLERANCE 0.16f
-/* If the gather leaves out the pixel, the nearest surfaces have at least this
- * weight: too little to count unless no neighbour shows the same surface. */
-#define HBIL_LEAST_WEIGHT 1e-4f
-/* A surface that no gathered one is next to is open: AO 1 has this weight, far
- * below HBIL_LEAST_WEIGHT times the smallest weight of a slice, 1e-6. */
-#define HBIL_ALONE_WEIGHT 1e-16f
 
 /* Sectors of a half-slice where occluders have a thickness.  One less than a
  * word has bits, so that 1 << HBIL_SECTORS is still a bit. */
@@ -130,9 +124,9 @@ enum {
  *   bent      three snorm: 11 bits x, lowest, 11 bits y, 10 bits z; scaled to
  *             fit where a component is above 1
  * Light is rounded to the nearest.  The unknown share and bent normals are
- * dithered by the pixel's site in the pattern, so that the mean of all n sites
- * (16, or 8 at half resolution) is off by at most 1/(2 n) of a step.  Values
- * above the largest of a format become the largest. */
+ * dithered from site to site (hbil_site()), so their mean over n sites is off
+ * by at most 1/(2 n) of a step.  Values that are too large become the largest.
+ */
 enum {
   HBIL_PACKED_NORMAL = 1,
   HBIL_PACKED_RADIANCE = 2,

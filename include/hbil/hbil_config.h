@@ -1,7 +1,6 @@
 /*
- * hbil: the configuration of a plan, in groups: what the inputs are, what is
- * asked for, the model, the sampling, what passes from frame to frame, and how
- * it runs.  Programs include hbil/hbil.h.
+ * hbil: the configuration of a plan, in groups: inputs, outputs, model,
+ * sampling, history and execution.  Programs include hbil/hbil.h.
  */
 #ifndef HBIL_HBIL_CONFIG_H
 #define HBIL_HBIL_CONFIG_H
@@ -16,9 +15,9 @@ extern "C" {
 /* Formats: how the pixels of a plane lie in memory                          */
 
 /* What a component is.  Kernels read every format directly, without a copy,
- * except for images.
- * The colours are albedo, f0, direct and emission.  What depends on the plane
- * is beside its member in hbil_inputs.  All bytes are in the device's order. */
+ * except for images.  The colours are albedo, f0, direct and emission.  What
+ * depends on the plane is beside its member in hbil_inputs.  All bytes are in
+ * the device's order. */
 typedef enum hbil_component {
   HBIL_NONE = 0,    /* the plane does not exist */
   HBIL_FLOAT32 = 1, /* 4 bytes; all inputs and outputs */
@@ -378,31 +377,25 @@ typedef struct hbil_sampling {
   /* g: the last step is (1+g)^2 times the first one; 0..64; default 2 */
   float step_growth;
   hbil_sample_grid sample_grid; /* default FULL_RESOLUTION */
-  /* CL_TRUE: the gather computes only every second pixel in x and in y, a
-   * quarter of them all, and the filter fills in the others from neighbours
-   * whose surfaces lie in the same plane; needs the filter.  With more slices
-   * and steps a frame takes less time for the same error (doc/measurements.md,
-   * "Sampling error and time"), but details of a pixel or two may be lost, so
-   * small pictures are better without it.  Default CL_FALSE */
+  /* CL_TRUE: only every second pixel in x and in y is gathered.  The filter,
+   * which this needs, fills in the others; default CL_FALSE */
   cl_bool half_resolution;
   cl_bool unfiltered;   /* CL_TRUE: recompose has no filter; default CL_FALSE */
   hbil_storage storage; /* default PACKED */
 } hbil_sampling;
 
-/* Named presets of the sampling.  They differ in sampling error and time, of
- * which doc/measurements.md has the figures ("Sampling error and time"). */
+/* Presets; doc/measurements.md, "Sampling error and time", has their figures.
+ */
 typedef enum hbil_quality {
   HBIL_QUALITY_FAST = 0,     /* half resolution, 1 slice, 32 steps per side */
   HBIL_QUALITY_BALANCED = 1, /* half resolution, 2 slices, 48 steps per side */
   HBIL_QUALITY_HIGH = 2,     /* 2 slices, 64 steps per side */
-  /* 32 slices, 256 equal steps per side, full resolution, unfiltered, float32:
-   * the densest settings, for comparisons */
+  /* 32 slices, 256 equal steps per side, unfiltered, float32: the densest */
   HBIL_QUALITY_REFERENCE = 3
 } hbil_quality;
 
-/* Sets slices, steps_per_side, step_growth, sample_grid, half_resolution,
- * unfiltered and storage.  Returns HBIL_INVALID_ARGUMENT if sampling is null or
- * quality is not in the list. */
+/* Sets all of hbil_sampling.  Returns HBIL_INVALID_ARGUMENT if sampling is null
+ * or quality is not in the list. */
 HBIL_API hbil_status hbil_sampling_set(hbil_sampling *sampling,
                                        hbil_quality quality);
 

@@ -41,6 +41,13 @@ static inline hbil_int hbil_gathered_layer(hbil_int i, hbil_int gathered) {
   return gathered == HBIL_LAYERS ? i : 8 * (i >> 1) + 2 * (i & 1);
 }
 
+/* If the gather leaves out the pixel, the nearest surfaces have at least this
+ * weight: too little to count unless no neighbour shows the same surface. */
+#define HBIL_LEAST_WEIGHT 1e-4f
+/* A surface that no gathered one is next to is open: AO 1 has this weight, far
+ * below HBIL_LEAST_WEIGHT times the smallest weight of a slice, 1e-6. */
+#define HBIL_ALONE_WEIGHT 1e-16f
+
 /*
  * Where a pixel stands in the pattern.  At full resolution the pattern has 4x4
  * pixels, one of each layer.  At half resolution it has 4x8, which are 2x4 that

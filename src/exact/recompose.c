@@ -25,6 +25,7 @@
 #include "exact/planes.h"
 #include "exact/settings.h"
 #include "exact/surface.h"
+#include "lib/sampling_pattern.h"
 
 /* At half resolution the pattern has 4x8 pixels, so the window has 5x9. */
 static int rows_below(const exact_frame *frame) {
