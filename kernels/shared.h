@@ -44,7 +44,6 @@ typedef cl_float hbil_float;
 /* The image is split into 4x4 interleaved layers (Mayaux 2018, 3.3). */
 #define HBIL_SIDE 4
 #define HBIL_LAYERS 16
-
 /* A span: neighbouring pixels of a layer's row with one radius of influence in
  * pixels; a work-item of the gather on CPUs.  The padding left and right of
  * each layer row is as long, so that a load of a span that begins anywhere in
