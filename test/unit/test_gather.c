@@ -184,6 +184,19 @@ static void every_vector_width_matches(void **state) {
   }
 }
 
+/* Even and odd rows of a layer have different directions. */
+static void half_resolution_matches(void **state) {
+  (void)state;
+  for (int i = 0; i < 4; ++i) {
+    setup s;
+    setup_scene(&s, SCENE_ROOM, 97, 54, 0);
+    s.config.sampling.half_resolution = CL_TRUE;
+    s.config.execution.vector_width = i & 1 ? 1 : 0;
+    s.config.model.radius = i & 2 ? 1.0f : INFINITY;
+    check_gather(&s);
+  }
+}
+
 static void half_float_depth_matches(void **state) {
   setup s;
   (void)state;
@@ -396,6 +409,7 @@ int main(void) {
       cmocka_unit_test(a_large_image_matches),
       cmocka_unit_test(every_setting_matches),
       cmocka_unit_test(every_vector_width_matches),
+      cmocka_unit_test(half_resolution_matches),
       cmocka_unit_test(half_float_depth_matches),
       cmocka_unit_test(equal_and_growing_steps_match),
       cmocka_unit_test(occluders_as_thick_as_they_are_told_match),
