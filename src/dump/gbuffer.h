@@ -18,9 +18,9 @@ void gbuffer_free(gbuffer *g);
 /* Channel i of a role, width*height floats; NULL if there is none. */
 float *gbuffer_plane(const gbuffer *g, role r, size_t i);
 
-/* Looks all planes up by their names, so that gbuffer_plane() need not, which
- * is called for single pixels.  To be called when planes were added: the pixels
- * of a plane stay where they are. */
+/* Looks all planes up by their names, so that gbuffer_plane(), which is called
+ * for single pixels, need not.  To be called when all planes are there; their
+ * pixels stay where they are. */
 void gbuffer_index(gbuffer *g);
 
 size_t gbuffer_pixels(const gbuffer *g);

@@ -166,12 +166,8 @@ int gbuffer_read(const char *path, const channel_map *map, unsigned roles,
   for (int r = 0; r < ROLE_COUNT; r++)
     if (!(read >> r & 1))
       out->map.count[r] = 0;
-  if (read_files(path, read, map, out, error) != 0) {
-    gbuffer_free(out);
-    return -1;
-  }
-  gbuffer_index(out);
-  if (convert_planes(path, out, error) != 0) {
+  if (read_files(path, read, map, out, error) != 0 ||
+      convert_planes(path, out, error) != 0) {
     gbuffer_free(out);
     return -1;
   }

@@ -119,11 +119,15 @@ static exr_result_t decode_tiles(decoder *d) {
   return result;
 }
 
+static void decoder_close(decoder *d) {
+  if (d->started)
+    exr_decoding_destroy(d->file->context, &d->pipeline);
+}
+
 static exr_result_t decode_part(decoder *d, exr_storage_t storage) {
   const exr_result_t result =
       storage == EXR_STORAGE_TILED ? decode_tiles(d) : decode_scanlines(d);
-  if (d->started)
-    exr_decoding_destroy(d->file->context, &d->pipeline);
+  decoder_close(d);
   return result;
 }
 
@@ -159,8 +163,7 @@ static void *decode_some(void *user) {
     if (decode_lines(&m->decoder, y) != EXR_ERR_SUCCESS)
       atomic_store(&m->team->has_failed, 1);
   }
-  if (m->decoder.started)
-    exr_decoding_destroy(f->context, &m->decoder.pipeline);
+  decoder_close(&m->decoder);
   budget_select(NULL);
   return NULL;
 }

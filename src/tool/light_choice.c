@@ -51,13 +51,14 @@ static int remove_sky(const gbuffer *g, lamp_planes *out) {
     const float *sky = g->map.emission_is_sky
                            ? emission
                            : gbuffer_plane(g, ROLE_BACKGROUND, c);
-    float *lamps = sky ? malloc(pixels * sizeof *lamps) : NULL;
-    if (sky && !lamps)
+    if (!sky)
+      continue;
+    float *lamps = out->channel[c] = malloc(pixels * sizeof *lamps);
+    if (!lamps)
       return -1;
-    for (size_t i = 0; sky && i < pixels; i++)
+    for (size_t i = 0; i < pixels; i++)
       lamps[i] =
           surface_is_shown(&s, depth[i]) ? emission[i] - sky[i] : emission[i];
-    out->channel[c] = lamps;
   }
   return 0;
 }
