@@ -23,6 +23,7 @@
  */
 #include "lib/depth.clh"
 #include "lib/probe_light.clh"
+#include "lib/radiance.clh"
 #include "lib/sanitize.clh"
 #include "lib/sh_light.clh"
 #include "lib/sky_share.clh"
@@ -110,7 +111,7 @@ enum {
   PENDING_INDIRECT = PENDING_FAR + 3 * OUT_FAR,
   PENDING_BEAUTY = PENDING_INDIRECT + 3 * OUT_INDIRECT,
   PENDING_HISTORY = PENDING_BEAUTY + 3 * OUT_BEAUTY,
-  PENDING_COUNT = PENDING_HISTORY + HISTORY * HBIL_HISTORY_PLANES
+  PENDING_COUNT = PENDING_HISTORY + HISTORY * HISTORY_PLANES
 };
 
 /* Whether reflected light is needed, and with it the inputs that make it. */
@@ -210,11 +211,11 @@ INLINE void count_sanitized(const intv *usable, intv solid,
 
 /* Computes the outputs of a channel and stores them in part `part` of the
  * collected planes.  near_light: E_near, far: E_far, both of the channel;
- * behind: what the sky shows. */
-INLINE void compose_channel(const hbil_composite_args args, const inputs *in,
-                            realv near_light, realv far, realv behind,
-                            intv solid, int c, int x, int y, int count,
-                            intv *usable, realv pending[][PARTS], int part) {
+ * behind: what the sky shows.  Returns the light that is carried over. */
+INLINE realv compose_channel(const hbil_composite_args args, const inputs *in,
+                             realv near_light, realv far, realv behind,
+                             intv solid, int c, int x, int y, int count,
+                             intv *usable, realv pending[][PARTS], int part) {
   realv albedo = 1.0f, diffuse = 1.0f, irradiance = 0.0f, emitted = 0.0f;
 #if HAS_ALBEDO && REFLECTED
   albedo =
@@ -248,13 +249,10 @@ INLINE void compose_channel(const hbil_composite_args args, const inputs *in,
   if (OUT_BEAUTY)
     pending[PENDING_BEAUTY + c][part] =
         select(behind, reflected + emitted, solid);
-  if (HISTORY) {
-    const realv carried = !FEEDBACK_RADIANCE ? light
-                          : GATHER_EMISSION  ? reflected + emitted
-                                             : reflected;
-    pending[PENDING_HISTORY + HBIL_HISTORY_RED + c][part] =
-        select((realv)0.0f, carried, solid);
-  }
+  const realv carried = !FEEDBACK_RADIANCE ? light
+                        : GATHER_EMISSION  ? reflected + emitted
+                                           : reflected;
+  return select((realv)0.0f, carried, solid);
 }
 
 /* Collects all planes of the pixels from (x, y) on. */
@@ -330,10 +328,19 @@ INLINE void compose(const hbil_composite_args args,
 #endif
   intv usable[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
                                       TRUE_LANES};
+  realv carried[3];
 #pragma unroll
   for (int c = 0; c < 3; ++c)
-    compose_channel(args, in, near_light[c], select((realv)0.0f, far[c], solid),
-                    behind[c], solid, c, x, y, count, usable, pending, part);
+    carried[c] = compose_channel(args, in, near_light[c],
+                                 select((realv)0.0f, far[c], solid), behind[c],
+                                 solid, c, x, y, count, usable, pending, part);
+#if HISTORY
+  realv value[RADIANCE_PLANES];
+  pack_radiance(carried, value);
+#pragma unroll
+  for (int p = 0; p < RADIANCE_PLANES; ++p)
+    pending[PENDING_HISTORY + HBIL_HISTORY_RED + p][part] = value[p];
+#endif
   if (COUNT_SURFACE || COUNT_F0 || COUNT_EMISSION)
     count_sanitized(usable, solid, sanitized + HBIL_SANITIZED_LATE);
 }
@@ -381,7 +388,7 @@ kernel void composite(
 #if HISTORY
   history +=
       hbil_history_origin(args.planes) + (uint)y * args.planes.row + (uint)x0;
-  for (int p = 0; p < HBIL_HISTORY_PLANES; ++p)
+  for (int p = 0; p < HISTORY_PLANES; ++p)
     for (int part = 0; part < parts; ++part)
       STREAMV(pending[PENDING_HISTORY + p][part],
               history + (uint)p * args.planes.plane + part * HBIL_WIDTH);

@@ -11,10 +11,10 @@
  * levels are not read.
  *
  * Launch: x = vectors of HBIL_WIDTH texels of the level that is written
- * (find_holes: read), y = its rows.  Planes per level: RGB and weight, rows
- * padded to 4 HBIL_WIDEST.
+ * (find_holes: read), y = its rows.  Planes per level: light (lib/radiance.clh)
+ * and weight, rows padded to 4 HBIL_WIDEST.
  */
-#include "lib/vectors.clh"
+#include "lib/radiance.clh"
 
 #if HBIL_WIDTH == 1
 #define PAIRS(p, left, right)                                                  \
@@ -37,7 +37,7 @@ kernel void find_holes(const hbil_push_pull_args args,
   if (x >= finest.width || y >= finest.height)
     return;
   const realv weight =
-      LOADV(chain + finest.offset + HBIL_CARRIED_WEIGHT * finest.plane +
+      LOADV(chain + finest.offset + CARRIED_WEIGHT * finest.plane +
             (uint)y * finest.row + (uint)x);
   if (ANY((weight == 0.0f) & (x + EACH_LANE < finest.width)))
     flags[HBIL_FLAG_HOLES] = 1u; /* all work-items write the same value */
@@ -57,8 +57,8 @@ kernel void push(const hbil_push_pull_args args, global float *chain,
       2 * y + 1 < fine.height ? children + fine.row : children;
   const float there = 2 * y + 1 < fine.height ? 1.0f : 0.0f;
   realv weight[4];
-  PAIRS(children + HBIL_CARRIED_WEIGHT * fine.plane, weight[0], weight[1]);
-  PAIRS(below + HBIL_CARRIED_WEIGHT * fine.plane, weight[2], weight[3]);
+  PAIRS(children + CARRIED_WEIGHT * fine.plane, weight[0], weight[1]);
+  PAIRS(below + CARRIED_WEIGHT * fine.plane, weight[2], weight[3]);
 #pragma unroll
   for (int i = 0; i < 4; ++i)
     weight[i] = max(weight[i], (realv)0.0f);
@@ -68,19 +68,63 @@ kernel void push(const hbil_push_pull_args args, global float *chain,
   weight[3] = select((realv)0.0f, weight[3] * there, inside);
   const realv total = weight[0] + weight[1] + weight[2] + weight[3];
   chain += coarse.offset + (uint)y * coarse.row + (uint)x;
+  realv child[4][RADIANCE_PLANES], light[4][3], mean[3];
+#pragma unroll
+  for (int p = 0; p < RADIANCE_PLANES; ++p) {
+    PAIRS(children + p * fine.plane, child[0][p], child[1][p]);
+    PAIRS(below + p * fine.plane, child[2][p], child[3][p]);
+    child[1][p] = select((realv)0.0f, child[1][p], inside);
+    child[3][p] = select((realv)0.0f, child[3][p], inside);
+  }
+#pragma unroll
+  for (int i = 0; i < 4; ++i)
+    unpack_radiance(child[i], light[i]);
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
-    realv child[4];
-    PAIRS(children + c * fine.plane, child[0], child[1]);
-    PAIRS(below + c * fine.plane, child[2], child[3]);
-    realv sum = weight[0] * child[0];
-    sum = fma(weight[1], select((realv)0.0f, child[1], inside), sum);
-    sum = fma(weight[2], child[2], sum);
-    sum = fma(weight[3], select((realv)0.0f, child[3], inside), sum);
-    STOREV(select((realv)0.0f, sum / total, total > 0.0f),
-           chain + c * coarse.plane);
+    realv sum = weight[0] * light[0][c];
+#pragma unroll
+    for (int i = 1; i < 4; ++i)
+      sum = fma(weight[i], light[i][c], sum);
+    mean[c] = select((realv)0.0f, sum / total, total > 0.0f);
   }
-  STOREV(total * 0.25f, chain + HBIL_CARRIED_WEIGHT * coarse.plane);
+  pack_radiance(mean, child[0]);
+#pragma unroll
+  for (int p = 0; p < RADIANCE_PLANES; ++p)
+    STOREV(child[0][p], chain + p * coarse.plane);
+  STOREV(total * 0.25f, chain + CARRIED_WEIGHT * coarse.plane);
+}
+
+/* The four texels of the coarser level about those of `holes`, plane by plane.
+ * The nearest one comes first, then its neighbours in x, in y and in both. */
+INLINE void coarser_texels(const hbil_chain_args coarse,
+                           global const float *chain, intv holes, int x, int y,
+                           realv texel[4][CARRIED_PLANES]) {
+  float lanes[4][CARRIED_PLANES][HBIL_WIDTH] = {{{0.0f}}};
+  int is_hole[HBIL_WIDTH];
+  STORE_INTV(holes, is_hole);
+  const int y1 = y >> 1;
+  const int y0 = clamp((y & 1) ? y1 + 1 : y1 - 1, 0, coarse.height - 1);
+  for (int i = 0; i < HBIL_WIDTH; ++i) {
+    if (!is_hole[i])
+      continue;
+    const int x1 = (x + i) >> 1;
+    const int x0 = clamp(((x + i) & 1) ? x1 + 1 : x1 - 1, 0, coarse.width - 1);
+    for (int t = 0; t < 4; ++t)
+      for (int p = 0; p < CARRIED_PLANES; ++p)
+        lanes[t][p][i] =
+            chain[coarse.offset + (uint)p * coarse.plane +
+                  (uint)(t & 2 ? y0 : y1) * coarse.row + (t & 1 ? x0 : x1)];
+  }
+#pragma unroll
+  for (int t = 0; t < 4; ++t)
+#pragma unroll
+    for (int p = 0; p < CARRIED_PLANES; ++p)
+      texel[t][p] = LOADV(lanes[t][p]);
+}
+
+INLINE realv bilinear(realv nearest, realv across, realv down, realv diagonal) {
+  return 0.75f * (0.75f * nearest + 0.25f * across) +
+         0.25f * (0.75f * down + 0.25f * diagonal);
 }
 
 /* Fills the finer level in place. */
@@ -90,24 +134,27 @@ kernel void pull(const hbil_push_pull_args args, global float *chain,
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= fine.width || y >= fine.height || !flags[HBIL_FLAG_HOLES])
     return;
-  global float *texel = chain + fine.offset + (uint)y * fine.row + (uint)x;
-  const realv valid = LOADV(texel + HBIL_CARRIED_WEIGHT * fine.plane);
-  if (!ANY((valid == 0.0f) & (x + EACH_LANE < fine.width)))
+  global float *const out = chain + fine.offset + (uint)y * fine.row + (uint)x;
+  const realv valid = LOADV(out + CARRIED_WEIGHT * fine.plane);
+  const intv holes = (valid == 0.0f) & (x + EACH_LANE < fine.width);
+  if (!ANY(holes))
     return;
-  const int y1 = y >> 1;
-  const int y0 = clamp((y & 1) ? y1 + 1 : y1 - 1, 0, coarse.height - 1);
-  for (int i = 0; i < HBIL_WIDTH && x + i < fine.width; ++i) {
-    if (texel[HBIL_CARRIED_WEIGHT * fine.plane + i] != 0.0f)
-      continue;
-    const int x1 = (x + i) >> 1;
-    const int x0 = clamp(((x + i) & 1) ? x1 + 1 : x1 - 1, 0, coarse.width - 1);
-    for (int c = 0; c < HBIL_CARRIED_PLANES; ++c) {
-      global const float *plane = chain + coarse.offset + c * coarse.plane;
-      global const float *close = plane + (uint)y1 * coarse.row;
-      global const float *distant = plane + (uint)y0 * coarse.row;
-      texel[c * fine.plane + i] =
-          0.75f * (0.75f * close[x1] + 0.25f * close[x0]) +
-          0.25f * (0.75f * distant[x1] + 0.25f * distant[x0]);
-    }
-  }
+  realv texel[4][CARRIED_PLANES], light[4][3], mean[3];
+  coarser_texels(coarse, chain, holes, x, y, texel);
+#pragma unroll
+  for (int t = 0; t < 4; ++t)
+    unpack_radiance(texel[t], light[t]);
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    mean[c] = bilinear(light[0][c], light[1][c], light[2][c], light[3][c]);
+  pack_radiance(mean, texel[0]);
+#pragma unroll
+  for (int p = 0; p < RADIANCE_PLANES; ++p)
+    STOREV(select(LOADV(out + p * fine.plane), texel[0][p], holes),
+           out + p * fine.plane);
+  STOREV(select(valid,
+                bilinear(texel[0][CARRIED_WEIGHT], texel[1][CARRIED_WEIGHT],
+                         texel[2][CARRIED_WEIGHT], texel[3][CARRIED_WEIGHT]),
+                holes),
+         out + CARRIED_WEIGHT * fine.plane);
 }

@@ -138,8 +138,19 @@ enum {
   HBIL_PACKED_LIGHT_PLANES = 3
 };
 
-enum { HBIL_HISTORY_W = 0, HBIL_HISTORY_RED = 1, HBIL_HISTORY_PLANES = 4 };
-enum { HBIL_CARRIED_RED = 0, HBIL_CARRIED_WEIGHT = 3, HBIL_CARRIED_PLANES = 4 };
+/* In packed storage, a word of radiance replaces red, green and blue. */
+enum {
+  HBIL_HISTORY_W = 0,
+  HBIL_HISTORY_RED = 1,
+  HBIL_HISTORY_PLANES = 4,
+  HBIL_PACKED_HISTORY_PLANES = 2
+};
+enum {
+  HBIL_CARRIED_RED = 0,
+  HBIL_CARRIED_WEIGHT = 3,
+  HBIL_CARRIED_PLANES = 4,
+  HBIL_PACKED_CARRIED_PLANES = 2
+};
 
 /* What the temporal filter stores of a frame: what a pixel shows, the number of
  * frames that its light is the mean of (0: none), and the light planes.  The
@@ -304,39 +315,17 @@ typedef struct hbil_clear_args {
 } hbil_clear_args;
 HBIL_ASSERT_LAYOUT(hbil_clear_args, nothing, 8, 9)
 
-/* Scatter on CPUs: the number of pixels of a row of the last frame that form a
- * run. */
-#define HBIL_RUN 64
-/* row: runs of a row, a multiple of HBIL_WIDEST with empty ones at the end;
- * band: rows of this frame that one work-item owns. */
-typedef struct hbil_runs_args {
-  hbil_int row, band;
-} hbil_runs_args;
-HBIL_ASSERT_LAYOUT(hbil_runs_args, band, 1, 2)
-
-/* from, to: the last frame's view and this one's; motion: between them. */
-typedef struct hbil_scatter_args {
-  hbil_view_args from, to;
-  hbil_transform_args motion;
-  hbil_plane_args planes; /* of history and carried light */
-  hbil_runs_args runs;
-  hbil_external_plane_args depth;
-  hbil_depth_args decode;
-  hbil_float disocclusion_threshold; /* as in hbil_config */
-} hbil_scatter_args;
-HBIL_ASSERT_LAYOUT(hbil_scatter_args, disocclusion_threshold, 40, 41)
-
-/* back: from this view to the last frame's. */
-typedef struct hbil_follow_motion_args {
-  hbil_view_args view;
+/* view: this frame's; before: the last one's; back: from this view to it. */
+typedef struct hbil_reproject_args {
+  hbil_view_args view, before;
   hbil_transform_args back;
   hbil_plane_args planes; /* of history and carried light */
   hbil_external_plane_args depth, motion;
   hbil_float motion_scale[2];
   hbil_depth_args decode;
   hbil_float disocclusion_threshold; /* as in hbil_config */
-} hbil_follow_motion_args;
-HBIL_ASSERT_LAYOUT(hbil_follow_motion_args, disocclusion_threshold, 36, 37)
+} hbil_reproject_args;
+HBIL_ASSERT_LAYOUT(hbil_reproject_args, disocclusion_threshold, 44, 45)
 
 /* One level of the push/pull chain: where its planes lie, and its size. */
 typedef struct hbil_chain_args {

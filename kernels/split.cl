@@ -94,8 +94,8 @@ INLINE intv face_the_eye(realv n[3], realv rx, float ry, intv *usable) {
 
 /* --- the radiance that a pixel sends -------------------------------------- */
 
-/* The caller's planes, and what was carried over from the last frame: its red
- * plane, or null where there is none, and its weights. */
+/* The caller's planes, and what was carried over from the last frame: its light
+ * (lib/radiance.clh), or null where there is none, and its weights. */
 typedef struct surface_inputs {
   global const void *albedo, *f0, *direct, *emission;
   global const float *history, *weight;
@@ -125,6 +125,11 @@ INLINE realv reflectance_of(const hbil_split_args args, const surface_inputs *s,
 INLINE void radiance_of(const hbil_split_args args, const surface_inputs *s,
                         int x, int y, int count, uint at, realv light[3],
                         intv *usable) {
+  realv carried[3] = {0.0f, 0.0f, 0.0f};
+  if (s->history) {
+    READ_AHEAD(s->history + at);
+    load_radiance(s->history + at, args.planes.plane, carried);
+  }
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     realv irradiance = 0.0f, emitted = 0.0f;
@@ -142,13 +147,9 @@ INLINE void radiance_of(const hbil_split_args args, const surface_inputs *s,
 #if FEEDBACK_RADIANCE
     light[c] = fma(reflectance, irradiance, emitted);
     if (s->history)
-      light[c] =
-          select(light[c], READV(s->history + c * args.planes.plane + at),
-                 READV(s->weight + at) > 0.0f);
+      light[c] = select(light[c], carried[c], READV(s->weight + at) > 0.0f);
 #else
-    if (s->history)
-      irradiance += READV(s->history + c * args.planes.plane + at);
-    light[c] = fma(reflectance, irradiance, emitted);
+    light[c] = fma(reflectance, irradiance + carried[c], emitted);
 #endif
   }
 }
@@ -213,7 +214,7 @@ kernel void split(const hbil_split_args args, global float *layers,
       direct,
       emission,
       args.has_history ? carried + HBIL_CARRIED_RED * args.planes.plane : 0,
-      carried + HBIL_CARRIED_WEIGHT * args.planes.plane};
+      carried + CARRIED_WEIGHT * args.planes.plane};
   intv used = 0, unusable = 0;
   uint away = 0u;
   realv value[SPLIT_PLANES][4];

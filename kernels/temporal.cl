@@ -23,17 +23,12 @@
  * Out: resolved light, the history of this frame, whose bent normals have any
  * length.
  */
-#include "lib/external_planes.clh"
 #include "lib/glossy_args.h"
 #include "lib/guides.clh"
-#include "lib/plane_addressing.clh"
-#include "lib/camera.clh"
-#include "lib/sanitize.clh"
+#include "lib/light_planes.clh"
+#include "lib/past_place.clh"
 #include "lib/split_planes.clh"
 
-#if !defined(REPROJECT_MOTION) || REPROJECT_MOTION < 0 || REPROJECT_MOTION > 1
-#error REPROJECT_MOTION must be 0..1
-#endif
 #if !defined(DISOCCLUSION) || DISOCCLUSION < 0 || DISOCCLUSION > 1
 #error DISOCCLUSION must be 0..1
 #endif
@@ -58,52 +53,11 @@
 #define AVERAGED_PLANES HBIL_LIGHT_PLANES
 #endif
 
-#if REPROJECT_MOTION
-LOADER(motion, MOTION_TYPE, MOTION_STRIDE)
-#endif
-
-/* --- where they were ----------------------------------------------------- */
-
-/* A position in the last frame, in pixels, 0 at the centre of the first one;
- * the depth and the normal that are expected there. */
+/* A place in the last frame, and the normal that is expected there. */
 typedef struct past {
-  realv u, v, z, n[3];
+  past_place place;
+  realv n[3];
 } past;
-
-#if REPROJECT_MOTION
-/* Where motion is not finite, u or v isn't either. */
-INLINE past past_of(const hbil_view_args before, const hbil_transform_args back,
-                    const realv p[3], realv mx, realv my, int x, int y) {
-  past then;
-  realv there[3];
-  rotate_direction(back, p, there);
-  then.z = there[2] + back.m[11];
-  then.u = TO_REALV(x + EACH_LANE) + mx;
-  then.v = (float)y + my;
-  return then;
-}
-#else
-INLINE past past_of(const hbil_view_args before, const hbil_transform_args back,
-                    const realv p[3]) {
-  past then;
-  realv there[3];
-  rotate_direction(back, p, there);
-  then.z = there[2] + back.m[11];
-  const realv inv_z = 1.0f / spread_at(then.z);
-  then.u =
-      fma(before.fx * (there[0] + back.m[3]), inv_z, (realv)before.cx - 0.5f);
-  then.v =
-      fma(before.fy * (there[1] + back.m[7]), inv_z, (realv)before.cy - 0.5f);
-  return then;
-}
-#endif
-
-/* Rounds to 1/256 of a pixel, as texture units do.  The roundings of a
- * projection into an image of 8192 pixels are less than half of that, so what
- * has not moved is found in one pixel, not in four. */
-INLINE realv to_subpixel(realv v) {
-  return rint(v * 256.0f) * (1.0f / 256.0f);
-}
 
 /* --- what is there ------------------------------------------------------- */
 
@@ -112,31 +66,6 @@ INLINE realv to_subpixel(realv v) {
 typedef struct past_light {
   realv frames, value[AVERAGED_PLANES];
 } past_light;
-
-/* How the positions of a vector are read: four pixels around each from a
- * window; one pixel each, if nothing has moved; or run by run. */
-enum { READ_FOUR, READ_ONE, READ_RUNS };
-typedef struct addresses {
-  window fit;
-  runs run;
-} addresses;
-
-/* A plane's values at the four pixels; READ_ONE: at the first. */
-INLINE void load_taps(global const float *plane, const addresses *from, int how,
-                      uint row, realv tap[4]) {
-  if (how == READ_FOUR) {
-    FETCH_WINDOW(plane, &from->fit, 1, 6 * HBIL_WIDEST);
-    load_four_window(plane, &from->fit, tap);
-    return;
-  }
-  if (how == READ_ONE) {
-    FETCH_WINDOW(plane, &from->fit, 0, 6 * HBIL_WIDEST);
-    tap[0] = load_window(plane, &from->fit);
-    tap[1] = tap[2] = tap[3] = 0.0f;
-    return;
-  }
-  load_four_runs(plane, &from->run, row, tap);
-}
 
 /* The past light at `four`, from those pixels that show what `then` expects. */
 INLINE past_light recall_from(const hbil_view_args before, const past *then,
@@ -153,7 +82,7 @@ INLINE past_light recall_from(const hbil_view_args before, const past *then,
   const realv step_x = then->n[0] * before.inv_fx;
   const realv step_y = then->n[1] * before.inv_fy;
   const realv limit =
-      disocclusion * depth_unit(before, then->z) * fabs(then->n[2]);
+      disocclusion * depth_unit(before, then->place.z) * fabs(then->n[2]);
 #elif DISOCCLUSION
   /* The plane n.P = n.(r z) through the expected point has inverse depth
    * n.r_tap / (z n.r) at another ray. */
@@ -163,7 +92,7 @@ INLINE past_light recall_from(const hbil_view_args before, const past *then,
   const realv ry = (TO_REALV(four->top) + 0.5f - before.cy) * before.inv_fy;
   const realv first = fma(then->n[0], rx, fma(then->n[1], ry, then->n[2]));
   const realv scale =
-      then->z * fma(step_x, four->a, fma(step_y, four->b, first));
+      then->place.z * fma(step_x, four->a, fma(step_y, four->b, first));
 #endif
 #define LOAD_TAPS(p)                                                           \
   load_taps(history + (p)*planes.plane, from, how, planes.row, tap);
@@ -175,7 +104,7 @@ INLINE past_light recall_from(const hbil_view_args before, const past *then,
 #if DISOCCLUSION && ORTHOGRAPHIC
     const realv away =
         fma(step_x, (float)i - four->a, step_y * ((float)j - four->b));
-    same[t] &= fabs(fma(tap[t] + then->z, -then->n[2], away)) <= limit;
+    same[t] &= fabs(fma(tap[t] + then->place.z, -then->n[2], away)) <= limit;
 #elif DISOCCLUSION
     const realv plane = fma((realv)i, step_x, fma((realv)j, step_y, first));
     same[t] &= fabs(fma(tap[t], scale, -plane)) <= disocclusion * fabs(plane);
@@ -216,7 +145,6 @@ INLINE past_light recall_from(const hbil_view_args before, const past *then,
 INLINE past_light recall(const hbil_view_args before, const past *then,
                          const corners *four, global const float *history,
                          const hbil_plane_args planes, float disocclusion) {
-  const intv position = four->top * (int)planes.row + four->left;
   addresses from;
   if (!ANY(four->inside)) {
     past_light nothing;
@@ -225,16 +153,12 @@ INLINE past_light recall(const hbil_view_args before, const past *then,
     EACH_AVERAGED(FORGET)
     return nothing;
   }
-  if (find_window(position, four->inside, planes.row, &from.fit)) {
-    if (!ANY(four->inside & ((four->a > 0.0f) | (four->b > 0.0f))))
-      return recall_from(before, then, four, history, planes, disocclusion,
-                         &from, READ_ONE);
-    return recall_from(before, then, four, history, planes, disocclusion, &from,
-                       READ_FOUR);
-  }
-  from.run = find_runs(position, four->inside);
-  return recall_from(before, then, four, history, planes, disocclusion, &from,
-                     READ_RUNS);
+#define RECALL_FROM(how)                                                       \
+  recall_from(before, then, four, history, planes, disocclusion, &from, how)
+  const int how = find_addresses(four, planes.row, &from);
+  return how == READ_ONE    ? RECALL_FROM(READ_ONE)
+         : how == READ_FOUR ? RECALL_FROM(READ_FOUR)
+                            : RECALL_FROM(READ_RUNS);
 }
 
 /* --- the mean ----------------------------------------------------------------
@@ -309,30 +233,15 @@ kernel void temporal(const hbil_temporal_args args, global const float *split,
     const realv p[3] = {plane_x(view, x, 1) * spread, plane_y(view, y) * spread,
                         z};
     const intv known = args.has_before ? solid : (intv)0;
+    realv move[2] = {0.0f, 0.0f};
 #if REPROJECT_MOTION
-    realv mx = 0.0f, my = 0.0f;
-    if (args.has_before) {
-      const int count = view.width - x;
-      mx = load_motion(motion_buffer, args.motion, x, y, 0, count) *
-           args.motion_scale[0];
-      my = load_motion(motion_buffer, args.motion, x, y, 1, count) *
-           args.motion_scale[1];
-#if !HISTORY
-      /* with a history the reprojection has counted them */
-      add_sanitized(sanitized + HBIL_SANITIZED_MOTION,
-                    count_lanes(solid & !((fabs(mx) < INFINITY) &
-                                          (fabs(my) < INFINITY))));
+    if (args.has_before)
+      motion_of(motion_buffer, args.motion, args.motion_scale, x, y,
+                view.width - x, solid, HISTORY ? 0 : sanitized, move);
 #endif
-    }
-    past then = past_of(before, back, p, mx, my, x, y);
-#else
-    past then = past_of(before, back, p);
-#endif
+    past then = {past_place_of(before, back, p, move, x, y)};
     rotate_direction(back, n, then.n);
-    const corners four =
-        corners_about(to_subpixel(then.u), to_subpixel(then.v),
-                      known & (then.z > 0.0f) & (then.z < INFINITY),
-                      before.width, before.height);
+    const corners four = past_corners(&then.place, known, before);
     const past_light m = recall(before, &then, &four, history_before, planes,
                                 args.disocclusion_threshold);
     blend(&m, w[i], n, solid, args.most_frames, history + pixel,

@@ -364,11 +364,11 @@ typedef enum hbil_sample_grid {
  * 32-bit float in both.  PACKED is faster wherever memory limits the speed, and
  * its error is far below that of sampling (doc/measurements.md, "Storage"). */
 typedef enum hbil_storage {
-  /* 3 words of 32 bits for the G-buffer and 3 for its light, up to a radiance
-   * of 1e30.  The three channels of a colour share an exponent, so a channel
-   * below 1/500 of the brightest one is lost.  See hbil_stages.h. */
+  /* 3 words of 32 bits for the G-buffer, 3 for its light, 2 for what is carried
+   * over (hbil_stages.h), up to a radiance of 1e30.  Channels of a colour share
+   * an exponent, so one below 1/500 of the brightest is lost. */
   HBIL_STORAGE_PACKED = 0,
-  HBIL_STORAGE_FLOAT32 = 1 /* 7 floats, and 7 or 8 for the light */
+  HBIL_STORAGE_FLOAT32 = 1 /* 7 floats, 7 or 8, and 4 */
 } hbil_storage;
 
 typedef struct hbil_sampling {
@@ -407,13 +407,13 @@ HBIL_API const char *hbil_quality_name(hbil_quality quality);
 
 /* How light is carried over from the last frame. */
 typedef enum hbil_reprojection {
-  HBIL_REPROJECTION_NONE = 0,    /* not at all: a single bounce */
-  HBIL_REPROJECTION_SCATTER = 1, /* by the cameras; the nearest surface wins */
-  HBIL_REPROJECTION_MOTION = 2   /* by motion vectors */
+  HBIL_REPROJECTION_NONE = 0,   /* not at all: a single bounce */
+  HBIL_REPROJECTION_CAMERA = 1, /* by the cameras */
+  HBIL_REPROJECTION_MOTION = 2  /* by motion vectors */
 } hbil_reprojection;
 
 typedef struct hbil_history {
-  hbil_reprojection reprojection; /* default SCATTER */
+  hbil_reprojection reprojection; /* default CAMERA */
   /* Light is not carried over to pixels whose depth differs by more than this
    * share.  > 0; infinity: no limit; default 0.05 */
   float disocclusion_threshold;

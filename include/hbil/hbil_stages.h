@@ -56,7 +56,9 @@ extern "C" {
  * TEMPORAL_HISTORY alternates between two buffers, and so does HISTORY if an
  * output is an HBIL_IMAGE.  Call hbil_plan_buffer() again after every frame.
  *
- * With HBIL_STORAGE_PACKED, SPLIT and GATHERED are planes of 32-bit words:
+ * With HBIL_STORAGE_PACKED, some stages are planes of 32-bit words:
+ *   HISTORY    2: inverse depth (a float); light, as SPLIT's radiance
+ *   CARRIED    2: light, as SPLIT's radiance; weight (a float)
  *   SPLIT      3: inverse depth (a float); normal; radiance
  *   GATHERED   3: AO; E_near; bent normal
  *

@@ -27,7 +27,7 @@ typedef struct job {
 } job;
 
 /* The default, with motion vectors and in other models, which have kernels of
- * their own; and many samples. */
+ * their own; and half resolution. */
 static void choose_cases(job *j) {
   bench_setting s[CASES];
   for (int i = 0; i < CASES; i++)
@@ -36,6 +36,7 @@ static void choose_cases(job *j) {
   s[3].model = BENCH_MODEL_ENDLESS;
   s[4].model = BENCH_MODEL_GTAO;
   s[5].steps = 32;
+  s[5].flags |= BENCH_HALF_RESOLUTION;
   for (int i = 0; i < CASES; i++) {
     char label[BENCH_LABEL];
     bench_setting_label(&s[i], label);
@@ -148,11 +149,11 @@ static double input_channels(const job *j, bench_input input) {
 
 /*
  * Bytes that a pass must move at least, with each plane read or written once:
- *   reproject   by motion: depth, 2 of motion, 4 of history in; 4 of carried
+ *   reproject   by motion: depth, 2 of motion, 2 of history in; 2 of carried
  *               light out
- *   push_pull   RGB and weight, in all levels (4/3 of the finest), in and out
- *   split       inputs and 3 of carried light in; 7 out
- *   composite   inputs and 7 of resolved planes in; 17 outputs and 4 of history
+ *   push_pull   light and weight, in all levels (4/3 of the finest), in and out
+ *   split       inputs and 2 of carried light in; 3 out
+ *   composite   inputs and 7 of resolved planes in; 17 outputs and 2 of history
  *               out
  */
 static double least_bytes(const job *j, hbil_pass pass) {
@@ -160,11 +161,11 @@ static double least_bytes(const job *j, hbil_pass pass) {
                          input_channels(j, BENCH_ALBEDO) +
                          input_channels(j, BENCH_DIRECT);
   const double planes =
-      pass == HBIL_PASS_REPROJECT   ? 1.0 + 2.0 + 4.0 + 4.0
-      : pass == HBIL_PASS_PUSH_PULL ? 2.0 * 4.0 * 4.0 / 3.0
+      pass == HBIL_PASS_REPROJECT   ? 1.0 + 2.0 + 2.0 + 2.0
+      : pass == HBIL_PASS_PUSH_PULL ? 2.0 * 2.0 * 4.0 / 3.0
       : pass == HBIL_PASS_SPLIT
-          ? surface + input_channels(j, BENCH_NORMAL) + 3.0 + 7.0
-          : surface + input_channels(j, BENCH_EMISSION) + 7.0 + 17.0 + 4.0;
+          ? surface + input_channels(j, BENCH_NORMAL) + 2.0 + 3.0
+          : surface + input_channels(j, BENCH_EMISSION) + 7.0 + 17.0 + 2.0;
   return planes * (double)bench_pixels(&j->content) * sizeof(float);
 }
 

@@ -45,7 +45,8 @@ static void add_texel(const exact_cache *cache, const exact_cache_view *light,
                       double sum[3][4]) {
   if (x < 0 || y < 0 || x >= light->width || y >= light->height)
     return;
-  const exact_texel *texel = light->texel + (size_t)y * (size_t)light->width + x;
+  const exact_texel *texel =
+      light->texel + (size_t)y * (size_t)light->width + x;
   if (!(texel->depth > 0.0))
     return;
   const texel_surface s = surface_of(cache, light, x, y, texel);

@@ -49,8 +49,7 @@ size_t cache_buffer_bytes(const hbil_cache_config *config, int buffer) {
     return sizeof(cl_uint) * voxels;
   case CACHE_PYRAMID:
     return cache_has(config, HBIL_PROVIDER_CONES)
-               ? HBIL_MIP_FLOATS * sizeof(cl_float) *
-                     pyramid_texels(config)
+               ? HBIL_MIP_FLOATS * sizeof(cl_float) * pyramid_texels(config)
                : 0;
   case CACHE_SOURCES:
     return volume_bytes(config, 12);

@@ -39,7 +39,7 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .model.gather_emission = CL_TRUE,
       .model.unseen_light = 0.76f,
       .model.roughness = 0.5f,
-      .history.reprojection = HBIL_REPROJECTION_SCATTER,
+      .history.reprojection = HBIL_REPROJECTION_CAMERA,
       .history.disocclusion_threshold = 0.05f,
       .execution.skip = HBIL_SKIP_ALL,
   };

@@ -118,6 +118,20 @@ static cl_uint row_of_plane(const hbil_config *config, cl_uint width) {
                                           : 4 * config->execution.vector_width);
 }
 
+/* Numbers of planes of the stages, which hold words of 32 bits.  split: without
+ * radiance (guides) and with it.  gathered: with AO, with E_near too, with the
+ * bent normal too. */
+static const struct {
+  cl_uint history, carried, guides, split, ao, near_irradiance, bent;
+} stored[] = {
+    [HBIL_STORAGE_PACKED] = {HBIL_PACKED_HISTORY_PLANES,
+                             HBIL_PACKED_CARRIED_PLANES, HBIL_PACKED_RADIANCE,
+                             HBIL_PACKED_SPLIT_PLANES, HBIL_PACKED_NEAR,
+                             HBIL_PACKED_BENT, HBIL_PACKED_LIGHT_PLANES},
+    [HBIL_STORAGE_FLOAT32] = {HBIL_HISTORY_PLANES, HBIL_CARRIED_PLANES,
+                              HBIL_SPLIT_RED, HBIL_SPLIT_PLANES, HBIL_LIGHT_RED,
+                              HBIL_LIGHT_BENT, HBIL_LIGHT_PLANES}};
+
 static void lay_out_planes(const hbil_config *config, layout *out) {
   out->planes.row = row_of_plane(config, config->width);
   out->planes.plane = out->planes.row * config->height;
@@ -150,11 +164,12 @@ static void lay_out_staged(const hbil_config *config, layout *out) {
 /* Composite is the last command of a frame, unless outputs are copied to images
  * after it.  The history must survive if such a copy can't be enqueued, so
  * composite then writes to a second buffer. */
-static void lay_out_history(layout *out) {
+static void lay_out_history(const hbil_config *config, layout *out) {
   const unsigned inputs = PLANE_BIT(PLANE_FIRST_OUTPUT) - 1;
   const size_t bytes =
-      sizeof(cl_float) * (HBIL_HISTORY_PLANES * (size_t)out->planes.plane +
-                          2 * (size_t)hbil_history_origin(out->planes));
+      sizeof(cl_float) *
+      (stored[config->sampling.storage].history * (size_t)out->planes.plane +
+       2 * (size_t)hbil_history_origin(out->planes));
   out->bytes[BUFFER_HISTORY] = bytes;
   if (out->staged.planes & ~inputs)
     out->bytes[BUFFER_HISTORY_NEXT] = bytes;
@@ -182,6 +197,7 @@ static size_t layers_size(const hbil_layer_args *l) {
 static size_t lay_out_chain(const hbil_config *config, layout *out) {
   cl_uint width = config->width, height = config->height;
   size_t end = 0;
+  out->carried_planes = stored[config->sampling.storage].carried;
   for (out->chain_count = 0; out->chain_count < MAX_CHAIN;) {
     hbil_chain_args *level = &out->chain[out->chain_count++];
     level->width = (cl_int)width;
@@ -189,7 +205,7 @@ static size_t lay_out_chain(const hbil_config *config, layout *out) {
     level->row = row_of_plane(config, width);
     level->plane = level->row * height;
     level->offset = (cl_uint)end;
-    end += (size_t)HBIL_CARRIED_PLANES * level->plane;
+    end += (size_t)out->carried_planes * level->plane;
     if (width == 1 && height == 1)
       break;
     width = (width + 1) / 2;
@@ -208,18 +224,6 @@ static cl_uint light_planes(const layout *l) {
 static cl_uint averaged_planes(const layout *l) {
   return light_planes(l) + (l->glossy ? HBIL_GLOSSY_PLANES : 0);
 }
-
-/* Numbers of planes of the layered stages, which hold words of 32 bits.  split:
- * without radiance (guides) and with it.  gathered: with AO, with E_near too,
- * with the bent normal too. */
-static const struct {
-  cl_uint guides, split, ao, near_irradiance, bent;
-} stored[] = {
-    [HBIL_STORAGE_PACKED] = {HBIL_PACKED_RADIANCE, HBIL_PACKED_SPLIT_PLANES,
-                             HBIL_PACKED_NEAR, HBIL_PACKED_BENT,
-                             HBIL_PACKED_LIGHT_PLANES},
-    [HBIL_STORAGE_FLOAT32] = {HBIL_SPLIT_RED, HBIL_SPLIT_PLANES, HBIL_LIGHT_RED,
-                              HBIL_LIGHT_BENT, HBIL_LIGHT_PLANES}};
 
 static cl_uint split_planes(const hbil_config *config, const layout *l) {
   return l->radiance ? stored[config->sampling.storage].split
@@ -300,20 +304,6 @@ static size_t lay_out_horizon_cache(const hbil_config *config, layout *out) {
   return (size_t)(row * f->rows);
 }
 
-bool layout_has_bands(const hbil_config *config) {
-  return config->execution.vector_width > 1;
-}
-
-/* There are enough bands for any CPU, and so few that searching for the runs of
- * each takes no time compared with the pixels. */
-static void lay_out_runs(const hbil_config *config, layout *out) {
-  const cl_uint bands = 64, least = 16;
-  const cl_uint band = (config->height + bands - 1) / bands;
-  const cl_uint runs = (config->width + HBIL_RUN - 1) / HBIL_RUN;
-  out->runs.row = (cl_int)rounded_up(runs, HBIL_WIDEST);
-  out->runs.band = (cl_int)(band < least ? least : band);
-}
-
 /* The pixels of a cache line of the outputs, of half floats if there are any,
  * because storing less than a line past the caches is slow. */
 static cl_uint composed_line(const hbil_config *config) {
@@ -329,8 +319,6 @@ static cl_uint composed_line(const hbil_config *config) {
 bool layout_is_scratch(int buffer) {
   switch (buffer) {
   case BUFFER_CARRIED:
-  case BUFFER_NEAREST:
-  case BUFFER_LANDING:
   case BUFFER_SPLIT:
   case BUFFER_LIGHT:
   case BUFFER_RESOLVED:
@@ -365,21 +353,12 @@ void layout_compute(const hbil_config *config, const staging *staged,
   decide_skips(config, out);
   lay_out_planes(config, out);
   lay_out_staged(config, out);
-  lay_out_runs(config, out);
   out->line = composed_line(config);
   const size_t chain = lay_out_chain(config, out);
   const size_t real = sizeof(cl_float);
-  const size_t pixels = (size_t)config->width * config->height;
   if (out->history) {
-    lay_out_history(out);
+    lay_out_history(config, out);
     out->bytes[BUFFER_CARRIED] = chain * real;
-    if (config->history.reprojection == HBIL_REPROJECTION_SCATTER) {
-      if (layout_has_bands(config))
-        out->bytes[BUFFER_LANDING] =
-            2 * sizeof(cl_int) * (size_t)out->runs.row * config->height;
-      else
-        out->bytes[BUFFER_NEAREST] = 2 * sizeof(cl_uint) * pixels;
-    }
   }
   lay_out_spans(config, out);
   lay_out_layers(config, out->span, split_planes(config, out), &out->split);

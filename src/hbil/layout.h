@@ -17,8 +17,6 @@ enum {
   BUFFER_HISTORY,
   BUFFER_HISTORY_NEXT, /* the same of the other frame; see lay_out_history() */
   BUFFER_CARRIED, /* level 0 of the push/pull chain, then all coarser ones */
-  BUFFER_NEAREST, /* scatter's depths and sources, without bands */
-  BUFFER_LANDING, /* rows at which runs of the last frame land */
   BUFFER_FLAGS,   /* HBIL_FLAG_: what kernels tell later ones */
   BUFFER_SPLIT,
   BUFFER_LIGHT,
@@ -55,7 +53,6 @@ typedef struct layout {
   size_t at[BUFFER_COUNT];    /* where scratch buffers begin in the caller's */
   hbil_memory memory;
   hbil_plane_args planes; /* full-resolution planes */
-  hbil_runs_args runs;    /* of scatter's bands */
   hbil_layer_args split, light;
   int chain_count;
   hbil_chain_args chain[MAX_CHAIN];
@@ -73,6 +70,7 @@ typedef struct layout {
   hbil_far_field far_field;  /* NONE if no output shows it */
   hbil_pattern_args pattern; /* without turn, shift, reach */
   cl_uint line;              /* pixels that one work-item of composite takes */
+  cl_uint carried_planes;    /* of CARRIED */
   cl_uint resolved_planes;   /* of RESOLVED */
   cl_uint error_plane;       /* of RESOLVED: where errors begin */
   cl_uint unknown_plane;     /* of RESOLVED: the share `unknown`; 0: none */
@@ -83,13 +81,10 @@ typedef struct layout {
   staging staged;
 } layout;
 
-/* Whether scatter needs no atomics: CPUs.  Here and below, config.vector_width
- * must not be 0. */
-bool layout_has_bands(const hbil_config *config);
 /* Whether a buffer has nothing that outlives a frame. */
 bool layout_is_scratch(int buffer);
-/* config has the formats that the passes see.  alignment: of buffers on the
- * device, in bytes. */
+/* config has the formats that the passes see, and a vector_width above 0.
+ * alignment: of buffers on the device, in bytes. */
 void layout_compute(const hbil_config *config, const staging *staged,
                     size_t alignment, layout *out);
 

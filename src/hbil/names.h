@@ -51,7 +51,6 @@
 #define launch hbil_internal_launch
 #define launch_rows hbil_internal_launch_rows
 #define layout_compute hbil_internal_layout_compute
-#define layout_has_bands hbil_internal_layout_has_bands
 #define layout_is_scratch hbil_internal_layout_is_scratch
 #define memory_limits hbil_internal_memory_limits
 #define memory_read hbil_internal_memory_read

@@ -17,8 +17,7 @@
 /* --- programs and kernels --- */
 
 static const program_kind programs[PROGRAM_COUNT] = {
-    [PROGRAM_SCATTER] = {"scatter", .defines = ""},
-    [PROGRAM_FOLLOW_MOTION] = {"follow_motion", .defines = ""},
+    [PROGRAM_REPROJECT] = {"reproject", .defines = ""},
     [PROGRAM_PUSH_PULL] = {"push_pull", .defines = ""},
     [PROGRAM_LAYERS] = {"layers", .defines = ""},
     [PROGRAM_SPLIT] = {"split", .defines = ""},
@@ -42,12 +41,7 @@ static const program_kind programs[PROGRAM_COUNT] = {
 };
 
 static const kernel_kind kernels[KERNEL_COUNT] = {
-    [KERNEL_SCATTER_ROWS] = {"scatter_rows", PROGRAM_SCATTER},
-    [KERNEL_SCATTER_BANDS] = {"scatter_bands", PROGRAM_SCATTER},
-    [KERNEL_SCATTER_DEPTH] = {"scatter_depth", PROGRAM_SCATTER},
-    [KERNEL_SCATTER_INDEX] = {"scatter_index", PROGRAM_SCATTER},
-    [KERNEL_SCATTER_FETCH] = {"scatter_fetch", PROGRAM_SCATTER},
-    [KERNEL_FOLLOW_MOTION] = {"follow_motion", PROGRAM_FOLLOW_MOTION},
+    [KERNEL_REPROJECT] = {"reproject", PROGRAM_REPROJECT},
     [KERNEL_FIND_HOLES] = {"find_holes", PROGRAM_PUSH_PULL},
     [KERNEL_PUSH] = {"push", PROGRAM_PUSH_PULL},
     [KERNEL_PULL] = {"pull", PROGRAM_PUSH_PULL},
@@ -85,13 +79,8 @@ static const kernel_table table = {programs, kernels, PROGRAM_COUNT,
 static bool program_needed(const hbil_plan *plan, int program) {
   const layout *l = &plan->layout;
   const unsigned inputs = PLANE_BIT(PLANE_FIRST_OUTPUT) - 1;
-  const bool motion =
-      plan->config.history.reprojection == HBIL_REPROJECTION_MOTION;
   switch (program) {
-  case PROGRAM_SCATTER:
-    return l->history && !motion;
-  case PROGRAM_FOLLOW_MOTION:
-    return l->history && motion;
+  case PROGRAM_REPROJECT:
   case PROGRAM_PUSH_PULL:
     return l->history;
   case PROGRAM_ESTIMATE:
@@ -130,11 +119,6 @@ static bool kernel_needed(const hbil_plan *plan, int kernel) {
     return plan->layout.history && plan->layout.skip & HBIL_SKIP_STATIC;
   if (kernel == KERNEL_BOUND_CELLS || kernel == KERNEL_BOUND_QUADRANTS)
     return plan->layout.bytes[BUFFER_BOUNDS] > 0;
-  const bool bands = layout_has_bands(&plan->config);
-  if (kernel == KERNEL_SCATTER_ROWS || kernel == KERNEL_SCATTER_BANDS)
-    return bands;
-  if (kernels[kernel].program == PROGRAM_SCATTER)
-    return !bands;
   return true;
 }
 
@@ -364,6 +348,6 @@ hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
       (cl_uint)((l->bytes[buffer] / sizeof(cl_float) - 2 * out->origin) /
                 out->plane_pitch);
   if (stage == HBIL_STAGE_CARRIED) /* coarser levels follow */
-    out->values = HBIL_CARRIED_PLANES;
+    out->values = l->carried_planes;
   return HBIL_SUCCESS;
 }

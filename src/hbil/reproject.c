@@ -4,74 +4,25 @@
 #include "camera.h"
 #include "planes.h"
 
-/* On CPUs each band of this frame is projected by itself.  On GPUs the nearest
- * source of each pixel is found first, among all pixels of the last frame at
- * once; then it is read. */
-static hbil_status scatter(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
-  const layout *l = &plan->layout;
-  const size_t x = vectors_across(plan), y = plan->config.height;
-  const size_t band = (size_t)l->runs.band;
-  hbil_scatter_args args = {
-      .from = camera_view(&plan->history_camera, &plan->config),
-      .to = camera_view(&frame->camera, &plan->config),
-      .motion = camera_between(&plan->history_camera, &frame->camera),
-      .planes = l->planes,
-      .runs = l->runs,
-      .decode = depth_args(&plan->config, frame),
-      .disocclusion_threshold = plan->config.history.disocclusion_threshold};
-  const cl_mem depth =
-      plane_bind(&plan->config, frame, PLANE_DEPTH, &args.depth);
-  const argument rows[] = {ARG(args),
-                           BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
-                           BUFFER_ARG(plan, BUFFER_LANDING)};
-  const argument bands[] = {ARG(args),
-                            BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
-                            BUFFER_ARG(plan, BUFFER_CARRIED),
-                            ARG(depth),
-                            BUFFER_ARG(plan, BUFFER_FLAGS),
-                            BUFFER_ARG(plan, BUFFER_LANDING)};
-  const argument nearest[] = {ARG(args),
-                              BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
-                              BUFFER_ARG(plan, BUFFER_NEAREST)};
-  const argument fetch[] = {ARG(args),
-                            BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
-                            BUFFER_ARG(plan, BUFFER_CARRIED),
-                            BUFFER_ARG(plan, BUFFER_NEAREST),
-                            ARG(depth),
-                            BUFFER_ARG(plan, BUFFER_FLAGS)};
-  hbil_status status;
-  if (layout_has_bands(&plan->config)) {
-    status =
-        LAUNCH(chain, KERNEL_SCATTER_ROWS, rows, (size_t)l->runs.row, y, 1);
-    return status == HBIL_SUCCESS ? LAUNCH(chain, KERNEL_SCATTER_BANDS, bands,
-                                           1, (y + band - 1) / band, 1)
-                                  : status;
-  }
-  status = enqueue_fill(chain, BUFFER_NEAREST, 0xffffffffu);
-  if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, KERNEL_SCATTER_DEPTH, nearest, x, y, 1);
-  if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, KERNEL_SCATTER_INDEX, nearest, x, y, 1);
-  return status == HBIL_SUCCESS
-             ? LAUNCH(chain, KERNEL_SCATTER_FETCH, fetch, x, y, 1)
-             : status;
+static bool follows_motion(const hbil_config *config) {
+  return config->history.reprojection == HBIL_REPROJECTION_MOTION;
 }
 
-static hbil_status follow_motion(commands *chain, const hbil_frame *frame) {
+hbil_status enqueue_reproject(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
-  hbil_follow_motion_args args = {
-      .view = camera_view(&frame->camera, &plan->config),
+  if (!plan->has_history || is_static(plan, frame))
+    return leave_out(chain);
+  const hbil_config *c = &plan->config;
+  hbil_reproject_args args = {
+      .view = camera_view(&frame->camera, c),
+      .before = camera_view(&plan->history_camera, c),
       .back = camera_between(&frame->camera, &plan->history_camera),
       .planes = plan->layout.planes,
-      .motion_scale = {plan->config.inputs.motion_scale[0],
-                       plan->config.inputs.motion_scale[1]},
-      .decode = depth_args(&plan->config, frame),
-      .disocclusion_threshold = plan->config.history.disocclusion_threshold};
-  const cl_mem depth =
-      plane_bind(&plan->config, frame, PLANE_DEPTH, &args.depth);
-  const cl_mem motion =
-      plane_bind(&plan->config, frame, PLANE_MOTION, &args.motion);
+      .motion_scale = {c->inputs.motion_scale[0], c->inputs.motion_scale[1]},
+      .decode = depth_args(c, frame),
+      .disocclusion_threshold = c->history.disocclusion_threshold};
+  const cl_mem depth = plane_bind(c, frame, PLANE_DEPTH, &args.depth);
+  const cl_mem motion = plane_bind(c, frame, PLANE_MOTION, &args.motion);
   const argument list[] = {ARG(args),
                            BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
                            BUFFER_ARG(plan, BUFFER_CARRIED),
@@ -79,24 +30,13 @@ static hbil_status follow_motion(commands *chain, const hbil_frame *frame) {
                            ARG(motion),
                            BUFFER_ARG(plan, BUFFER_FLAGS),
                            BUFFER_ARG(plan, BUFFER_SANITIZED)};
-  const hbil_status status = clear_counts(chain, HBIL_SANITIZED_MOTION, 1);
-  return status == HBIL_SUCCESS
-             ? LAUNCH(chain, KERNEL_FOLLOW_MOTION, list, vectors_across(plan),
-                      plan->config.height, 1)
-             : status;
-}
-
-hbil_status enqueue_reproject(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
-  if (!plan->has_history || is_static(plan, frame))
-    return leave_out(chain);
-  const hbil_status status = set_flag(chain, HBIL_FLAG_HOLES, 0);
-  if (status != HBIL_SUCCESS)
-    return status;
+  hbil_status status = set_flag(chain, HBIL_FLAG_HOLES, 0);
+  if (status == HBIL_SUCCESS && follows_motion(c))
+    status = clear_counts(chain, HBIL_SANITIZED_MOTION, 1);
   chain->reprojected = true;
-  return plan->config.history.reprojection == HBIL_REPROJECTION_MOTION
-             ? follow_motion(chain, frame)
-             : scatter(chain, frame);
+  return status == HBIL_SUCCESS ? LAUNCH(chain, KERNEL_REPROJECT, list,
+                                         vectors_across(plan), c->height, 1)
+                                : status;
 }
 
 /* Raises HBIL_FLAG_HOLES if there are holes.  The reprojections do that

@@ -83,7 +83,7 @@ static const char *cost(role r) {
                       "occlusion needs none",
       [ROLE_EMISSION] = "lamps and sky are black in beauty",
       [ROLE_BACKGROUND] = "nothing is lost if emission contains the sky",
-      [ROLE_MOTION] = "--reprojection scatter is possible, motion is not",
+      [ROLE_MOTION] = "--reprojection camera is possible, motion is not",
       [ROLE_POSITION] = "only the normals check depth and camera",
       [ROLE_INDIRECT] = "only --view-light radiance needs it",
       [ROLE_COVERAGE] = "edges may be a mixture"};

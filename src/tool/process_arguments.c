@@ -42,7 +42,7 @@ static const char *const storages[] = {"packed", "float32", NULL};
 static const char *const fallbacks[] = {"last-accepted", "black", "frame-mean",
                                         NULL};
 static const char *const view_lights[] = {"direct", "radiance", NULL};
-static const char *const reprojections[] = {"none", "scatter", "motion", NULL};
+static const char *const reprojections[] = {"none", "camera", "motion", NULL};
 
 #define AT(field) offsetof(process_arguments, field)
 #define SETTING(field) AT(settings.field)

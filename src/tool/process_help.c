@@ -245,11 +245,11 @@ static void print_model(const hbil_config *defaults) {
       "                        emission lights neighbours, too (yes if the\n"
       "                        first frame's direct light cannot contain what\n"
       "                        its lamps emit)\n"
-      "  --reprojection none|scatter|motion\n"
+      "  --reprojection none|camera|motion\n"
       "                        how light is carried to the next frame: not at\n"
       "                        all, by the camera's movement, by motion "
       "vectors\n"
-      "                        (scatter)");
+      "                        (camera)");
   printf("  --disocclusion-threshold S\n"
          "                        drop carried light if its depth differs by\n"
          "                        more than this share of the depth, or of an\n"

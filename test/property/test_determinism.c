@@ -15,8 +15,7 @@
 #define HEIGHT 67
 #define FRAMES 3
 
-/* Every pass in every form that vector widths select: scatter uses atomics
- * with single pixels only. */
+/* Every pass in every form that vector widths select. */
 typedef struct kind {
   const char *name;
   hbil_reprojection reprojection;
@@ -24,29 +23,29 @@ typedef struct kind {
 } kind;
 
 static const kind kinds[] = {
-    {"scatter", HBIL_REPROJECTION_SCATTER, 0},
-    {"scatter, a pixel a work-item", HBIL_REPROJECTION_SCATTER, 1},
+    {"camera", HBIL_REPROJECTION_CAMERA, 0},
+    {"camera, a pixel a work-item", HBIL_REPROJECTION_CAMERA, 1},
     {"motion", HBIL_REPROJECTION_MOTION, 0},
     {"motion, a pixel a work-item", HBIL_REPROJECTION_MOTION, 1},
     /* for work-groups alone */
     {"no history, a pixel a work-item", HBIL_REPROJECTION_NONE, 1},
-    {"scatter, 4 pixels a work-item", HBIL_REPROJECTION_SCATTER, 4},
-    {"scatter, 16 pixels a work-item", HBIL_REPROJECTION_SCATTER, 16},
+    {"camera, 4 pixels a work-item", HBIL_REPROJECTION_CAMERA, 4},
+    {"camera, 16 pixels a work-item", HBIL_REPROJECTION_CAMERA, 16},
 };
 enum {
-  SCATTER,
-  SCATTER_1,
+  CAMERA,
+  CAMERA_1,
   MOTION,
   MOTION_1,
   KINDS,
   NONE_1 = KINDS,
-  SCATTER_4,
-  SCATTER_16
+  CAMERA_4,
+  CAMERA_16
 };
 
 static void start(setup *s, const kind *k) {
   setup_every_pass(s, k->reprojection, k->vector_width, WIDTH, HEIGHT);
-  /* the filter takes longest to compile; scatter covers it */
+  /* the filter takes longest to compile; the others cover it */
   s->config.sampling.unfiltered =
       k->reprojection == HBIL_REPROJECTION_MOTION || k->vector_width > 1;
   /* all but the plans that cache horizons */
@@ -154,10 +153,9 @@ static void one_thread_and_two_give_the_same_bits(void **state) {
 static const struct {
   int kind;
   size_t group[2];
-} groupings[] = {
-    {SCATTER_1, {16, 1}}, {SCATTER_1, {32, 4}}, {SCATTER_1, {7, 3}},
-    {MOTION_1, {32, 4}},  {NONE_1, {7, 3}},     {SCATTER, {7, 3}},
-    {SCATTER_4, {5, 2}},  {SCATTER_16, {3, 4}}, {MOTION, {7, 3}}};
+} groupings[] = {{CAMERA_1, {16, 1}}, {CAMERA_1, {32, 4}}, {CAMERA_1, {7, 3}},
+                 {MOTION_1, {32, 4}}, {NONE_1, {7, 3}},    {CAMERA, {7, 3}},
+                 {CAMERA_4, {5, 2}},  {CAMERA_16, {3, 4}}, {MOTION, {7, 3}}};
 enum { SHORT = 5, GROUPINGS = sizeof groupings / sizeof *groupings };
 
 static void every_work_group_gives_the_same_bits(void **state) {

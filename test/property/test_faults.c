@@ -126,7 +126,7 @@ static void contexts_leave_nothing(void **state) {
 /* Width 1 compiles and loads fastest; with profiling, every command has an
  * event. */
 static void prepare(setup *s) {
-  setup_every_pass(s, HBIL_REPROJECTION_SCATTER, 1, WIDTH, HEIGHT);
+  setup_every_pass(s, HBIL_REPROJECTION_CAMERA, 1, WIDTH, HEIGHT);
   s->config.execution.profiling = CL_TRUE;
   s->config.execution.horizon_cache_bytes = SIZE_MAX;
 }

@@ -49,14 +49,14 @@ static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
 static void vectors_stay_inside(void **state) {
   (void)state;
   for (size_t i = 0; i < SIZES; ++i)
-    check_size(HBIL_REPROJECTION_SCATTER, 0, sizes[i][0], sizes[i][1],
+    check_size(HBIL_REPROJECTION_CAMERA, 0, sizes[i][0], sizes[i][1],
                SIZE_MAX);
 }
 
 static void single_pixels_stay_inside(void **state) {
   (void)state;
   for (size_t i = 0; i < SIZES; ++i)
-    check_size(HBIL_REPROJECTION_SCATTER, 1, sizes[i][0], sizes[i][1],
+    check_size(HBIL_REPROJECTION_CAMERA, 1, sizes[i][0], sizes[i][1],
                SIZE_MAX);
 }
 
@@ -72,9 +72,9 @@ static void caches_of_some_rows_stay_inside(void **state) {
   (void)state;
   for (int w = 0; w < 2; ++w) {
     setup s;
-    setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, widths[w], 67, 35);
+    setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, widths[w], 67, 35);
     setup_cache_rows(&s, 3, 9);
-    check_size(HBIL_REPROJECTION_SCATTER, widths[w], 67, 35,
+    check_size(HBIL_REPROJECTION_CAMERA, widths[w], 67, 35,
                s.config.execution.horizon_cache_bytes);
     setup_free(&s);
   }

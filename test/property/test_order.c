@@ -43,7 +43,7 @@ static cl_command_queue make_queue(cl_command_queue_properties properties) {
 
 static void start(order *o, cl_command_queue_properties first,
                   cl_command_queue_properties second) {
-  setup_every_pass(&o->s, HBIL_REPROJECTION_SCATTER, 0, WIDTH, HEIGHT);
+  setup_every_pass(&o->s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   o->s.config.history.max_frames = 4;
   setup_start(&o->s);
   o->queues[0] = make_queue(first);
@@ -393,7 +393,7 @@ static void timings_are_of_both_queues(void **state) {
   double ms[HBIL_PASS_COUNT];
   order o;
   (void)state;
-  setup_every_pass(&o.s, HBIL_REPROJECTION_SCATTER, 0, WIDTH, HEIGHT);
+  setup_every_pass(&o.s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   o.s.config.execution.profiling = CL_TRUE;
   setup_start(&o.s);
   o.queues[0] = make_queue(profiling);

@@ -465,7 +465,7 @@ static void irradiance_outputs_need_it(void **state) {
 
 static void room_with_history(setup *s) {
   pair_wall(s);
-  s->config.history.reprojection = HBIL_REPROJECTION_SCATTER;
+  s->config.history.reprojection = HBIL_REPROJECTION_CAMERA;
   s->config.model.far_field = HBIL_FAR_FRAME;
 }
 

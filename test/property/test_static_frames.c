@@ -33,7 +33,7 @@ static void picture_alone(setup *s) {
 
 static void room_with_history(setup *s) {
   pair_wall(s);
-  s->config.history.reprojection = HBIL_REPROJECTION_SCATTER;
+  s->config.history.reprojection = HBIL_REPROJECTION_CAMERA;
   s->config.model.far_field = HBIL_FAR_FRAME;
 }
 
@@ -152,7 +152,7 @@ static void cache_of_parallel_rays(setup *s) {
 /* Surfaces that show no irradiance have no horizons in the cache. */
 static void cache_of_a_picture(setup *s) {
   picture_alone(s);
-  s->config.history.reprojection = HBIL_REPROJECTION_SCATTER;
+  s->config.history.reprojection = HBIL_REPROJECTION_CAMERA;
   s->config.model.feedback = HBIL_FEEDBACK_RADIANCE;
   s->config.execution.horizon_cache_bytes = SIZE_MAX;
 }

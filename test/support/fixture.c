@@ -37,7 +37,7 @@ static void use_plain_model(hbil_config *c) {
   c->model.facing_fade[1] = 0.0f;
   c->model.back_facing_fallback = HBIL_FALLBACK_LAST_ACCEPTED;
   c->model.gather_emission = CL_TRUE;
-  c->history.reprojection = HBIL_REPROJECTION_SCATTER;
+  c->history.reprojection = HBIL_REPROJECTION_CAMERA;
   c->model.feedback = HBIL_FEEDBACK_IRRADIANCE;
   c->history.disocclusion_threshold = 0.05f;
   c->model.far_field = HBIL_FAR_NONE;

@@ -88,23 +88,60 @@ static void decode_bent(uint32_t word, double b[3]) {
   b[2] = signed_bits(word, 22, 10) / 511.0;
 }
 
+static double decode_float(uint32_t word) {
+  float value;
+  memcpy(&value, &word, sizeof(value));
+  return (double)value;
+}
+
+static uint32_t encode_float(double value) {
+  const float rounded = (float)value;
+  uint32_t word;
+  memcpy(&word, &rounded, sizeof(word));
+  return word;
+}
+
+static void decode_radiance(uint32_t word, double light[3]) {
+  decode_light(word, 8, word >> 24, light);
+}
+
+static uint32_t encode_radiance(const double light[3]) {
+  uint32_t exponent;
+  const uint32_t word = encode_light(light, 8, &exponent);
+  return word | exponent << 24;
+}
+
 void decode_split(packed_pixel *p) {
-  const uint32_t radiance = p->word[HBIL_PACKED_RADIANCE];
-  float w;
-  memcpy(&w, p->word, sizeof(w));
-  p->value[HBIL_SPLIT_W] = (double)w;
+  p->value[HBIL_SPLIT_W] = decode_float(p->word[HBIL_SPLIT_W]);
   decode_normal(p->word[HBIL_PACKED_NORMAL], p->value + HBIL_SPLIT_NORMAL);
-  decode_light(radiance, 8, radiance >> 24, p->value + HBIL_SPLIT_RED);
+  decode_radiance(p->word[HBIL_PACKED_RADIANCE], p->value + HBIL_SPLIT_RED);
 }
 
 void encode_split(packed_pixel *p) {
-  float w = (float)p->value[HBIL_SPLIT_W];
-  uint32_t exponent;
-  memcpy(p->word, &w, sizeof(w));
+  p->word[HBIL_SPLIT_W] = encode_float(p->value[HBIL_SPLIT_W]);
   p->word[HBIL_PACKED_NORMAL] = encode_normal(p->value + HBIL_SPLIT_NORMAL);
-  p->word[HBIL_PACKED_RADIANCE] =
-      encode_light(p->value + HBIL_SPLIT_RED, 8, &exponent);
-  p->word[HBIL_PACKED_RADIANCE] |= exponent << 24;
+  p->word[HBIL_PACKED_RADIANCE] = encode_radiance(p->value + HBIL_SPLIT_RED);
+}
+
+void decode_history(packed_pixel *p) {
+  p->value[HBIL_HISTORY_W] = decode_float(p->word[HBIL_HISTORY_W]);
+  decode_radiance(p->word[HBIL_HISTORY_RED], p->value + HBIL_HISTORY_RED);
+}
+
+void encode_history(packed_pixel *p) {
+  p->word[HBIL_HISTORY_W] = encode_float(p->value[HBIL_HISTORY_W]);
+  p->word[HBIL_HISTORY_RED] = encode_radiance(p->value + HBIL_HISTORY_RED);
+}
+
+/* The weight is behind the word of light. */
+void decode_carried(packed_pixel *p) {
+  decode_radiance(p->word[HBIL_CARRIED_RED], p->value + HBIL_CARRIED_RED);
+  p->value[HBIL_CARRIED_WEIGHT] = decode_float(p->word[HBIL_CARRIED_RED + 1]);
+}
+
+void encode_carried(packed_pixel *p) {
+  p->word[HBIL_CARRIED_RED] = encode_radiance(p->value + HBIL_CARRIED_RED);
+  p->word[HBIL_CARRIED_RED + 1] = encode_float(p->value[HBIL_CARRIED_WEIGHT]);
 }
 
 void decode_gathered(packed_pixel *p) {
@@ -127,4 +164,38 @@ void encode_gathered(packed_pixel *p, int x, int y) {
           << 16 |
       exponent << 24;
   p->word[HBIL_PACKED_BENT] = encode_bent(p->value + HBIL_LIGHT_BENT, dither);
+}
+
+static double most_of(const exact_planes *planes, int first, int x, int y) {
+  return fmax(*exact_at(planes, first, x, y),
+              fmax(*exact_at(planes, first + 1, x, y),
+                   *exact_at(planes, first + 2, x, y)));
+}
+
+/* Half a step of the largest channel's unit.  That channel itself loses half a
+ * unit of its own, also where rounding it up to the next power of two gives the
+ * other channels twice that unit.  bits: of the mantissas. */
+static double loss_of(int bits, double value, double most) {
+  if (!(most > 0.0))
+    return 0.0;
+  const double own = ldexp(1.0, (int)fmax(ilogb(most) + 1 - bits, -126));
+  return 0.5 * (value < most ? packed_unit(most, bits) : own);
+}
+
+double packed_losses(const exact_planes *got, const exact_planes *want,
+                     int first, int bits, double before) {
+  double worst = 0.0;
+  for (int y = 0; y < got->height; ++y)
+    for (int x = 0; x < got->width; ++x) {
+      double most = most_of(want, first, x, y);
+      for (int c = 0; c < 3; ++c) {
+        double value = *exact_at(want, first + c, x, y);
+        double off = fabs(*exact_at(got, first + c, x, y) - value);
+        if (!(off <= before)) /* loss_of() is 0 where there is no light */
+          worst = fmax(worst, isfinite(off)
+                                  ? (off - before) / loss_of(bits, value, most)
+                                  : INFINITY);
+      }
+    }
+  return worst;
 }

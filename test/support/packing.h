@@ -16,6 +16,19 @@ void decode_normal(uint32_t word, double n[3]);
  * largest channel. */
 double packed_unit(double most, int bits);
 
+/* The largest error of light, in planes from `first` on, relative to what its
+ * words may lose, with mantissas of `bits` bits.  Errors of up to `before` are
+ * those of passes before it, and don't count. */
+double packed_losses(const exact_planes *got, const exact_planes *want,
+                     int first, int bits, double before);
+
+/* Derived: 1, and what fp32 rounds of a mantissa of 10 bits before it is
+ * rounded to the nearest: 2^-14 of half a step. */
+#define PACKED_LOSS_LIMIT (1.0 + 1e-4)
+
+/* Bits of the mantissas of packed radiance. */
+#define PACKED_RADIANCE_BITS 8
+
 /* A pixel's words, and the values that HBIL_STORAGE_FLOAT32 has in their
  * place. */
 typedef struct packed_pixel {
@@ -25,6 +38,10 @@ typedef struct packed_pixel {
 
 void decode_split(packed_pixel *p);
 void encode_split(packed_pixel *p);
+void decode_history(packed_pixel *p);
+void encode_history(packed_pixel *p);
+void decode_carried(packed_pixel *p);
+void encode_carried(packed_pixel *p);
 void decode_gathered(packed_pixel *p);
 /* The pixel's place decides its dither. */
 void encode_gathered(packed_pixel *p, int x, int y);

@@ -68,11 +68,15 @@ static float *stage_at(const stage_bytes *t, int plane, int x, int y) {
 
 static bool is_packed(const setup *s, hbil_stage stage) {
   return s->config.sampling.storage != HBIL_STORAGE_FLOAT32 &&
-         (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED);
+         stage != HBIL_STAGE_RESOLVED && stage != HBIL_STAGE_TEMPORAL_HISTORY;
 }
 
 /* The number of planes that FLOAT32 would have in place of so many words. */
 static int plain_planes(const setup *s, hbil_stage stage, int words) {
+  if (stage == HBIL_STAGE_HISTORY)
+    return HBIL_HISTORY_PLANES;
+  if (stage == HBIL_STAGE_CARRIED)
+    return HBIL_CARRIED_PLANES;
   if (stage == HBIL_STAGE_SPLIT)
     return words > HBIL_PACKED_RADIANCE ? HBIL_SPLIT_PLANES : HBIL_SPLIT_RED;
   if (words == 1)
@@ -86,11 +90,36 @@ static packed_pixel packed_at(const stage_bytes *t, int x, int y) {
   packed_pixel p = {{0, 0, 0, 0}, {0.0}};
   for (int i = 0; i < (int)t->b.values; ++i)
     memcpy(p.word + i, stage_at(t, i, x, y), sizeof(*p.word));
-  if (t->stage == HBIL_STAGE_SPLIT)
+  switch (t->stage) {
+  case HBIL_STAGE_HISTORY:
+    decode_history(&p);
+    break;
+  case HBIL_STAGE_CARRIED:
+    decode_carried(&p);
+    break;
+  case HBIL_STAGE_SPLIT:
     decode_split(&p);
-  else
+    break;
+  default:
     decode_gathered(&p);
+  }
   return p;
+}
+
+static void encode(hbil_stage stage, int x, int y, packed_pixel *p) {
+  switch (stage) {
+  case HBIL_STAGE_HISTORY:
+    encode_history(p);
+    break;
+  case HBIL_STAGE_CARRIED:
+    encode_carried(p);
+    break;
+  case HBIL_STAGE_SPLIT:
+    encode_split(p);
+    break;
+  default:
+    encode_gathered(p, x, y);
+  }
 }
 
 static void read_packed(const stage_bytes *t, const exact_planes *out) {
@@ -108,10 +137,7 @@ static void write_packed(const stage_bytes *t, const exact_planes *planes) {
       packed_pixel p = packed_at(t, x, y);
       for (int i = 0; i < planes->count && i < HBIL_GATHERED_PLANES; ++i)
         p.value[i] = *exact_at(planes, i, x, y);
-      if (t->stage == HBIL_STAGE_SPLIT)
-        encode_split(&p);
-      else
-        encode_gathered(&p, x, y);
+      encode(t->stage, x, y, &p);
       for (int i = 0; i < (int)t->b.values; ++i)
         memcpy(stage_at(t, i, x, y), p.word + i, sizeof(*p.word));
     }

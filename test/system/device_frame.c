@@ -5,8 +5,8 @@
  *   device_frame PLAN OUT          writes the outputs
  *   device_frame PLAN OUT WITH     and holds them against another device's
  *
- * PLAN: scatter or motion, two plans with hardly a kernel in common; or
- * static, scatter's with two static frames more, of which the first fills a
+ * PLAN: camera or motion, two plans with hardly a kernel in common; or
+ * static, camera's with two static frames more, of which the first fills a
  * horizon cache of some rows, and the second uses it.
  * The width is 1 everywhere: the form that all devices can run.
  */
@@ -15,10 +15,10 @@
 
 #include <stdio.h>
 
-/* Motion's ends within a work-item's pixels; scatter's with them, since
+/* Motion's ends within a work-item's pixels; camera's with them, since
  * oclgrind looks for what nothing has set: beyond the end it is read, and
  * masked. */
-enum { WIDTH_OF_MOTION = 29, WIDTH_OF_SCATTER = 32, HEIGHT = 18 };
+enum { WIDTH_OF_MOTION = 29, WIDTH_OF_CAMERA = 32, HEIGHT = 18 };
 
 /* RMSE of an output over its mean that another device's roundings may make: the
  * requirement. */
@@ -67,7 +67,7 @@ static void configure(setup *s, bool motion) {
   if (motion)
     setup_every_pass(s, HBIL_REPROJECTION_MOTION, 1, WIDTH_OF_MOTION, HEIGHT);
   else
-    setup_every_pass(s, HBIL_REPROJECTION_SCATTER, 1, WIDTH_OF_SCATTER, HEIGHT);
+    setup_every_pass(s, HBIL_REPROJECTION_CAMERA, 1, WIDTH_OF_CAMERA, HEIGHT);
   s->config.sampling.storage = HBIL_STORAGE_FLOAT32;
   if (!motion)
     return;
@@ -123,7 +123,7 @@ static void frames(void **state) {
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(frames)};
   if (argc < 3 || argc > 4) {
-    fprintf(stderr, "usage: device_frame scatter|motion|static OUT [WITH]\n");
+    fprintf(stderr, "usage: device_frame camera|motion|static OUT [WITH]\n");
     return 2;
   }
   plan = argv[1];

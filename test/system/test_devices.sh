@@ -38,7 +38,7 @@ on_rusticl() {
   fi
 }
 
-for plan in scatter motion static; do
+for plan in camera motion static; do
   rm -f "$work"/*
   on_pocl
   if command -v oclgrind >/dev/null; then

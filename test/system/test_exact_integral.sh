@@ -32,7 +32,7 @@ second=$work/small/gbuffer/frame_0002.exr
 # only 64 slices for all pixels against 32 that turn from pixel to pixel, and
 # samples that are snapped to pixels are left: .002 of AO is measured.  E_near
 # and the bent normal deviate as much, E_near times some radiance (here .015).
-for way in scatter motion; do
+for way in camera motion; do
   works "exact, no device, by $way" exact --relative-thickness inf \
     --environment frame --reprojection $way -o "$work/exact" "$first" "$second"
   works "densest, by $way" dense --relative-thickness inf \

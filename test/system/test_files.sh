@@ -285,11 +285,11 @@ absent "what was rejected left nothing" "$out"
 # all frames first, so with one, a frame that can't be read ends the job before
 # its first result.
 works "a sequence" process -o "$work/whole" "$frames"/*.exr
-works "a sequence by scatter" process --far environment -o "$work/scatter" "$frames"/*.exr
+works "a sequence by the camera" process --far environment -o "$work/camera" "$frames"/*.exr
 works "a sequence by motion, with previews" exact --reprojection motion \
   --preview -o "$work/motion" "$frames"/*.exr
 absent "after the last frame there is no carried light" \
-  "$work/scatter/.hbil-light.frame_0001"
+  "$work/camera/.hbil-light.frame_0001"
 
 # kill -9 as soon as the second result is there.
 killed() { # COMMAND...
@@ -304,8 +304,8 @@ killed() { # COMMAND...
 }
 rm -rf "$work/killed"
 killed "$HBIL" process --quiet
-cp "$work/scatter/frame_0001.exr" "$work/killed/frame_0004.exr.tmp1"
-cp "$work/scatter/frame_0001.exr" "$work/killed/frame_0004.exr.tmp999999999"
+cp "$work/camera/frame_0001.exr" "$work/killed/frame_0004.exr.tmp1"
+cp "$work/camera/frame_0001.exr" "$work/killed/frame_0004.exr.tmp999999999"
 run "$HBIL" process --resume -o "$work/killed" "$frames"/*.exr
 test $status -eq 0 &&
   test "$(grep -c 'frame_000[12].exr is there already$' "$work/err")" -eq 2
@@ -320,10 +320,10 @@ head -c 3000 "$frames/frame_0003.exr" >"$work/broken/frame_0003.exr"
 rejected "with a radiance cache: told before the first result" \
   'frame_0003.exr: truncated' process -o "$work/early" "$work/broken"/*.exr
 absent "with a radiance cache: nothing is left" "$work/early"
-for way in scatter motion; do
+for way in camera motion; do
   rm -rf "$work/resumed"
   again() {
-    if test $way = scatter; then
+    if test $way = camera; then
       process --far environment -o "$work/resumed" "$@"
     else
       exact --reprojection motion --preview -o "$work/resumed" "$@"
@@ -348,7 +348,7 @@ for mode in hbil gtao; do
     filtered --mode $mode --resume -o "$work/resumed" "$frames"/*.exr
   same "$mode: as without interruption" "$work/$mode" "$work/resumed"
 done
-run cmp "$work/hbil/frame_0004.exr" "$work/scatter/frame_0004.exr"
+run cmp "$work/hbil/frame_0004.exr" "$work/camera/frame_0004.exr"
 test $status -ne 0
 ok $? "a mean is not a single frame"
 rm -rf "$work/resumed"

@@ -127,15 +127,15 @@ works "three runs of it" \
   process $fast --reprojection none --repeat 3 -o "$work/repeated" "$one"
 works "are the same" compare --max-rmse 0 "$work/single/frame_0001.exr" \
   "$work/repeated/frame_0001.exr"
-for way in scatter motion; do
+for way in camera motion; do
   # shellcheck disable=SC2086
   works "three runs by $way" \
     process $fast --reprojection $way --repeat 3 -o "$work/$way" "$one"
   differs "add bounces" compare --max-rmse 0 \
     "$work/single/frame_0001.exr:near_irradiance" "$work/$way/frame_0001.exr"
 done
-works "a static frame is the same by scatter and by motion" \
-  compare --max-rmse 1e-3 "$work/scatter/frame_0001.exr:near_irradiance" \
+works "a static frame is the same by the camera and by motion" \
+  compare --max-rmse 1e-3 "$work/camera/frame_0001.exr:near_irradiance" \
   "$work/motion/frame_0001.exr"
 
 # --- the horizon cache ---

@@ -78,7 +78,7 @@ out=$work/none
 rejected "no output folder" '-o DIR' process "$one"
 rejected "no frame" 'FRAME.exr' process -o "$out"
 rejected "a bad number" '--radius' process -o "$out" --radius two "$one"
-rejected "a bad word" 'none, scatter, motion' \
+rejected "a bad word" 'none, camera, motion' \
   process -o "$out" --reprojection never "$one"
 rejected "a bad setting" '.' process -o "$out" --radius=-1 "$one"
 rejected "an unknown layer" '--layers' process -o "$out" --layers glow "$one"

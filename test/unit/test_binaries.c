@@ -141,7 +141,7 @@ static void a_second_context_builds_nothing(void **state) {
   (void)state;
   for (int i = 0; i < 2; ++i) {
     setup s;
-    setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 0, 40, 24);
+    setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, 40, 24);
     s.config.execution.horizon_cache_bytes = SIZE_MAX;
     out[i] = run_plan(&s, &m);
     assert_in_range(m.count, 10, MOST_ENTRIES);

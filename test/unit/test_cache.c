@@ -56,7 +56,7 @@ static void prepare_empty(setup *s, hbil_far_field far_field, cl_uint width,
   s->config.model.provider = HBIL_PROVIDER_NONE;
   s->config.model.radius = INFINITY;
   s->config.model.relative_thickness = 1.0f;
-  s->config.history.reprojection = HBIL_REPROJECTION_SCATTER;
+  s->config.history.reprojection = HBIL_REPROJECTION_CAMERA;
   s->config.execution.vector_width = width;
   s->config.sampling.slices = 1;
   s->config.sampling.steps_per_side = 4;

@@ -52,11 +52,11 @@ static void check(setup *s) {
   setup_free(s);
 }
 
-static void scatter_with_a_cache_of_some_rows(void **state) {
+static void camera_with_a_cache_of_some_rows(void **state) {
   setup s;
   (void)state;
   skip_unless_pocl();
-  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 0, 40, 24);
+  setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, 40, 24);
   setup_cache_rows(&s, 3, 6);
   check(&s);
 }
@@ -75,7 +75,7 @@ static void vectors_of_one_with_a_whole_cache(void **state) {
   setup s;
   (void)state;
   skip_unless_pocl();
-  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 1, 70, 11);
+  setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 1, 70, 11);
   s.config.execution.horizon_cache_bytes = SIZE_MAX;
   s.config.execution.skip &= ~(cl_uint)HBIL_SKIP_HOLES;
   check(&s);
@@ -117,7 +117,7 @@ static void caches_and_their_frames(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(scatter_with_a_cache_of_some_rows),
+      cmocka_unit_test(camera_with_a_cache_of_some_rows),
       cmocka_unit_test(motion_with_averages),
       cmocka_unit_test(vectors_of_one_with_a_whole_cache),
       cmocka_unit_test(caches_and_their_frames)};

@@ -454,7 +454,7 @@ static void all_passes_decode_hardware_depth(void **state) {
   (void)state;
   for (int i = 0; i < 4; ++i) {
     const hbil_reprojection how =
-        i & 1 ? HBIL_REPROJECTION_MOTION : HBIL_REPROJECTION_SCATTER;
+        i & 1 ? HBIL_REPROJECTION_MOTION : HBIL_REPROJECTION_CAMERA;
     exact_planes want = moving_frames(HBIL_DEPTH_PLANAR, CLIP_1_0, how, i & 2);
     exact_planes got = moving_frames(HBIL_DEPTH_HARDWARE,
                                      i & 2 ? CLIP_0_1 : CLIP_1_0, how, i & 2);

@@ -30,7 +30,7 @@ static void even_sky(setup *s) {
     s->frame.environment[0][c] = 0.5f + (float)c;
 }
 
-static void scattered_sequences_match(void **state) {
+static void sequences_that_follow_the_camera_match(void **state) {
   setup s;
   (void)state;
   setup_scene(&s, SCENE_ROOM, 160, 90, 0);
@@ -374,7 +374,7 @@ static void another_plan_adopts_a_history(void **state) {
   setup s[2];
   (void)state;
   for (int i = 0; i < 2; ++i) {
-    setup_every_pass(&s[i], HBIL_REPROJECTION_SCATTER, 0, 64, 48);
+    setup_every_pass(&s[i], HBIL_REPROJECTION_CAMERA, 0, 64, 48);
     s[i].config.history.max_frames = 8;
     setup_start(&s[i]);
   }
@@ -495,7 +495,7 @@ static void timings_are_told_pass_by_pass(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(scattered_sequences_match),
+      cmocka_unit_test(sequences_that_follow_the_camera_match),
       cmocka_unit_test(sequences_that_follow_motion_match),
       cmocka_unit_test(sequences_without_history_match),
       cmocka_unit_test(orthographic_sequences_match),

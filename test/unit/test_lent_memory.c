@@ -87,7 +87,7 @@ static void compare_plans(setup *s, size_t before, bool in_sub_buffer) {
 }
 
 static void overwritten_memory_changes_nothing(void **state) {
-  static const hbil_reprojection reprojections[] = {HBIL_REPROJECTION_SCATTER,
+  static const hbil_reprojection reprojections[] = {HBIL_REPROJECTION_CAMERA,
                                                     HBIL_REPROJECTION_MOTION,
                                                     HBIL_REPROJECTION_NONE};
   (void)state;
@@ -114,7 +114,7 @@ static void floats_live_there_as_well(void **state) {
 static void normals_from_depth_live_there(void **state) {
   setup s;
   (void)state;
-  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 0, WIDTH, HEIGHT);
+  setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   s.config.inputs.normal.component = HBIL_NONE;
   compare_plans(&s, 0, false);
   setup_free(&s);
@@ -123,7 +123,7 @@ static void normals_from_depth_live_there(void **state) {
 static void a_sub_buffer_will_do(void **state) {
   setup s;
   (void)state;
-  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 0, WIDTH, HEIGHT);
+  setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   compare_plans(&s, 1 << 16, true);
   setup_free(&s);
 }
@@ -135,7 +135,7 @@ static void plans_share_one_buffer(void **state) {
   size_t bytes = 0;
   (void)state;
   for (int i = 0; i < 2; ++i) {
-    setup_every_pass(&s[i], HBIL_REPROJECTION_SCATTER, 0, WIDTH << i,
+    setup_every_pass(&s[i], HBIL_REPROJECTION_CAMERA, 0, WIDTH << i,
                      HEIGHT + 20 * i);
     setup_start(&s[i]);
     if (memory_of(&s[i]).scratch > bytes)
@@ -165,7 +165,7 @@ static void creating_a_plan_writes_nothing(void **state) {
   setup s;
   hbil_plan *plan;
   (void)state;
-  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 0, WIDTH, HEIGHT);
+  setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   s.config.inputs.normal.component = HBIL_NONE;
   const size_t bytes = memory_of(&s).scratch;
   unsigned char *seen = malloc(bytes);
@@ -192,7 +192,7 @@ static void static_frames_rest_there(void **state) {
   setup s;
   hbil_plan *lent;
   (void)state;
-  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 0, WIDTH, HEIGHT);
+  setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   setup_start(&s);
   cl_mem scratch = make_scratch(&s, CL_MEM_READ_WRITE, memory_of(&s).scratch);
   assert_success(
@@ -228,7 +228,7 @@ static void check_rejected(setup *s, cl_mem scratch, const char *words) {
 static void unfit_memory_is_rejected(void **state) {
   setup s;
   (void)state;
-  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 0, WIDTH, HEIGHT);
+  setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   const size_t bytes = memory_of(&s).scratch;
   check_rejected(&s, NULL, "scratch");
   check_rejected(&s, make_scratch(&s, CL_MEM_READ_WRITE, bytes - 1),
@@ -242,7 +242,7 @@ static void planes_in_scratch_memory_are_rejected(void **state) {
   setup s;
   hbil_plan *lent;
   (void)state;
-  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 0, WIDTH, HEIGHT);
+  setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   setup_start(&s);
   const size_t scratch_bytes = memory_of(&s).scratch;
   const size_t plane = sizeof(float) * WIDTH * HEIGHT;

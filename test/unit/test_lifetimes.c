@@ -20,7 +20,7 @@ typedef struct family {
 
 static void start(family *f) {
   setup s;
-  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 1, WIDTH, HEIGHT);
+  setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 1, WIDTH, HEIGHT);
   f->before = shim_references();
   assert_int_equal(
       hbil_context_create(shared_device.context, shared_device.id, &f->context),
@@ -108,7 +108,7 @@ static void frames_outlive_context_and_plan(void **state) {
     cl_int error;
     cl_event event = NULL;
     device_fixture own = shared_device;
-    setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 1, WIDTH, HEIGHT);
+    setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 1, WIDTH, HEIGHT);
     s.device = &own;
     assert_int_equal(hbil_context_create(own.context, own.id, &own.hbil),
                      HBIL_SUCCESS);

@@ -241,9 +241,9 @@ static void the_callback_gets_warnings_of_kernels(void **state) {
   setup s;
   (void)state;
   skip_unless_pocl(); /* rusticl 22.3 has no log of a build that succeeded */
-  setup_every_pass(&s, HBIL_REPROJECTION_SCATTER, 1, WIDTH, HEIGHT);
+  setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 1, WIDTH, HEIGHT);
   assert_non_null(mkdtemp(folder));
-  snprintf(path, sizeof path, "%s/scatter.cl", folder);
+  snprintf(path, sizeof path, "%s/reproject.cl", folder);
   FILE *file = fopen(path, "w");
   assert_non_null(file);
   assert_true(fputs("#warning light is dim\n", file) >= 0);

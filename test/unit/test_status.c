@@ -63,7 +63,7 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(c.model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN);
   assert_true(c.model.gather_emission == CL_TRUE &&
               c.model.extrapolate == CL_TRUE);
-  assert_true(c.history.reprojection == HBIL_REPROJECTION_SCATTER);
+  assert_true(c.history.reprojection == HBIL_REPROJECTION_CAMERA);
   assert_true(c.model.feedback == HBIL_FEEDBACK_IRRADIANCE);
   assert_true(c.history.disocclusion_threshold == 0.05f);
   assert_true(c.model.far_field == HBIL_FAR_NONE);

@@ -12,8 +12,8 @@
 
 static const cl_uint widths[] = {1, 4, 8, 16};
 
-/* Bits of the mantissas of packed radiance and of packed E_near. */
-enum { RADIANCE_BITS = 8, NEAR_BITS = 10 };
+/* Bits of the mantissas of packed E_near. */
+enum { NEAR_BITS = 10 };
 
 /* Derived: half a step in u and in v moves a point of the octahedron by up to
  * sqrt(6)/2 steps within its face.  The middle of a face is nearest to the
@@ -27,46 +27,6 @@ enum { RADIANCE_BITS = 8, NEAR_BITS = 10 };
 #define WEIGHT_LIMIT SEARCH_LIMIT
 /* Derived: one step of 8 bits, dithered. */
 #define UNKNOWN_LIMIT (1.0 / 255.0 + SEARCH_LIMIT)
-
-static double most_of(const exact_planes *planes, int first, int x, int y) {
-  return fmax(*exact_at(planes, first, x, y),
-              fmax(*exact_at(planes, first + 1, x, y),
-                   *exact_at(planes, first + 2, x, y)));
-}
-
-/* Half a step of the largest channel's unit.  That channel itself loses half a
- * unit of its own, also where rounding it up to the next power of two gives the
- * other channels twice that unit.  bits: of the mantissas. */
-static double loss_of(int bits, double value, double most) {
-  if (!(most > 0.0))
-    return 0.0;
-  const double own = ldexp(1.0, (int)fmax(ilogb(most) + 1 - bits, -126));
-  return 0.5 * (value < most ? packed_unit(most, bits) : own);
-}
-
-/* The largest error of light relative to what its words may lose.  Errors of up
- * to `before` are those of the search, and don't count. */
-static double losses(const exact_planes *got, const exact_planes *want,
-                     int first, int bits, double before) {
-  double worst = 0.0;
-  for (int y = 0; y < got->height; ++y)
-    for (int x = 0; x < got->width; ++x) {
-      double most = most_of(want, first, x, y);
-      for (int c = 0; c < 3; ++c) {
-        double value = *exact_at(want, first + c, x, y);
-        double off = fabs(*exact_at(got, first + c, x, y) - value);
-        if (!(off <= before)) /* loss_of() is 0 where there is no light */
-          worst = fmax(worst, isfinite(off)
-                                  ? (off - before) / loss_of(bits, value, most)
-                                  : INFINITY);
-      }
-    }
-  return worst;
-}
-
-/* Derived: 1, and what fp32 rounds of a mantissa of 10 bits before it is
- * rounded to the nearest: 2^-14 of half a step. */
-#define LOSS_LIMIT (1.0 + 1e-4)
 
 /* ------------------------------------------------------------------------ */
 /* split                                                                     */
@@ -108,9 +68,10 @@ static void check_split(void (*prepare)(setup *), cl_uint vector_width) {
   exact_planes got = split_in(HBIL_STORAGE_PACKED, prepare, vector_width);
   assert_int_equal(got.count, want.count);
   check_guides(&got, &want);
-  check_at_most("radiance, losses",
-                losses(&got, &want, HBIL_SPLIT_RED, RADIANCE_BITS, 0.0),
-                LOSS_LIMIT);
+  check_at_most(
+      "radiance, losses",
+      packed_losses(&got, &want, HBIL_SPLIT_RED, PACKED_RADIANCE_BITS, 0.0),
+      PACKED_LOSS_LIMIT);
   exact_planes_free(&want);
   exact_planes_free(&got);
 }
@@ -269,8 +230,8 @@ static void check_light(const exact_planes *got, const exact_planes *want) {
     check_at_most("weight", relative_rmse(got, want, HBIL_LIGHT_WEIGHT, 1),
                   WEIGHT_LIMIT);
   check_at_most("E_near, losses",
-                losses(got, want, HBIL_LIGHT_RED, NEAR_BITS, before),
-                LOSS_LIMIT);
+                packed_losses(got, want, HBIL_LIGHT_RED, NEAR_BITS, before),
+                PACKED_LOSS_LIMIT);
   check_at_most("bent", largest_bent_off(got, want), BENT_LIMIT);
 }
 
