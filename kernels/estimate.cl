@@ -264,7 +264,9 @@ kernel void estimate_part(const hbil_estimate_args args,
       sum[i][k] = 0.0f;
   split += (uint)layer * in.layer + in.origin;
   light += (uint)layer * args.light.layer + args.light.origin;
-  for (int y = hbil_estimate_row(part); y < in.height; y += 4)
+  /* the first layer of a row is gathered if any of them is */
+  const int end = hbil_is_gathered(layer, GATHERED) ? in.height : 0;
+  for (int y = hbil_estimate_row(part); y < end; y += 4)
     for (int x = 0; x < in.width; x += HBIL_WIDTH) {
       const row_place at = {4 * x, 4 * y + layer / 4, layer % 4, args.width};
       /* what lies right of the picture is sky */
