@@ -13,8 +13,8 @@ extern "C" {
  * with NULL. */
 extern const char *const exr_compressions[];
 enum {
+  EXR_COMPRESSION_OF_NONE = 0,
   EXR_COMPRESSION_OF_ZIP = 3,
-  EXR_COMPRESSION_OF_PIZ = 4,
   EXR_COMPRESSION_OF_INPUT = 10
 };
 
