@@ -264,7 +264,7 @@ kernel void estimate_part(const hbil_estimate_args args,
       sum[i][k] = 0.0f;
   split += (uint)layer * in.layer + in.origin;
   light += (uint)layer * args.light.layer + args.light.origin;
-  /* the first layer of a row is gathered if any of them is */
+  /* of these COLUMNS layers the first one is gathered if any of them is */
   const int end = hbil_is_gathered(layer, GATHERED) ? in.height : 0;
   for (int y = hbil_estimate_row(part); y < end; y += 4)
     for (int x = 0; x < in.width; x += HBIL_WIDTH) {

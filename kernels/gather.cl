@@ -69,6 +69,18 @@ INLINE void gather_slice(const hbil_gather_args args, const receiver *c,
   }
 }
 
+/* The same for a span above which nothing rises, as far as it matters: how much
+ * of the hemisphere the slice stands for. */
+INLINE void weigh_slice(const receiver *c, global const hbil_step *steps,
+                        totals *t) {
+  for (int v = 0; v < SPAN_VECTORS; ++v) {
+    const slice s = slice_along(&c[v], steps->ux, steps->uy);
+    const half_slice along = half_of(&c[v], &s, 0);
+    const half_slice against = half_of(&c[v], &s, 1);
+    t[v].whole = fma(s.jacobian, along.start + against.start, t[v].whole);
+  }
+}
+
 /* The table of steps of this site, at the level whose reach covers the radius
  * around the span's nearest pixel. */
 INLINE global const hbil_step *steps_of(const hbil_gather_args args,
@@ -147,16 +159,20 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   if (is_dark)
     found.quadrants = 0u;
   const span_march how = {split + (uint)y * in.row + (uint)x,
-                          is_dark ? 0u : in.plane, x, y,
-                          /* slices have weights even if nothing was searched */
-                          WEIGHTS_COUNT && skips_all ? 0 : args.steps,
-                          span.reach, hbil_shift_share(site, GATHERED), found};
-  const int slices = !skips_all                                    ? args.slices
-                     : WEIGHTS_COUNT && !(skipped & HBIL_SPAN_SKY) ? args.slices
-                                                                   : 0;
+                          is_dark ? 0u : in.plane,
+                          x,
+                          y,
+                          skips_all ? 0 : args.steps,
+                          span.reach,
+                          hbil_shift_share(site, GATHERED),
+                          found};
   steps = steps_of(args, steps, nearest, site);
+  const int slices = skipped & HBIL_SPAN_SKY ? 0 : args.slices;
   for (int i = 0; i < slices; ++i) {
-    gather_slice(args, c, steps, args.steps + 1, &how, t, untouched, cache);
+    if (!skips_all || OUT_GLOSSY) /* whole lobes are summed up in any case */
+      gather_slice(args, c, steps, args.steps + 1, &how, t, untouched, cache);
+    else if (WEIGHT_PLANE)
+      weigh_slice(c, steps, t);
     steps += 2 * (args.steps + 1);
   }
   for (int v = 0; v < SPAN_VECTORS; ++v)

@@ -29,7 +29,7 @@
 
 /* Raises HBIL_FLAG_HOLES, which the host has cleared, where a texel of the
  * finest level has no weight.  It is for carried light that a caller's own pass
- * wrote; the reprojections raise the flag themselves. */
+ * wrote; the kernel reproject raises the flag itself. */
 kernel void find_holes(const hbil_push_pull_args args,
                        global const float *chain, global uint *flags) {
   const hbil_chain_args finest = args.fine;

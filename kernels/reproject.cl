@@ -3,14 +3,15 @@
  * 3.2).
  *
  * The paper projects each pixel of the last frame into this one.  Here each
- * pixel of this frame looks up where its surface was in the last one, which
- * needs neither a depth buffer nor atomics, and leaves no cracks where surfaces
- * come nearer.  The light of the nearest pixel there counts, as it is, if that
+ * pixel of this frame looks up where its surface was in the last one, so
+ * no two sources compete for a pixel, and no cracks open where surfaces come
+ * nearer.  The light of the nearest pixel there counts, as it is, if that
  * pixel is at the depth that is expected.
  *
  * Launch: x = vectors of HBIL_WIDTH pixels, y = rows.
  * In: history planes; the depth of this frame; its motion, with
- * REPROJECT_MOTION.  Out: carried planes, and whether there are holes.
+ * REPROJECT_MOTION.  Out: carried planes, whether there are holes,
+ * and how many pixels have motion that isn't finite.
  */
 #include "lib/depth.clh"
 #include "lib/past_place.clh"
@@ -50,7 +51,7 @@ INLINE intv recall(global const float *history, const hbil_plane_args planes,
 #pragma unroll
     for (uint p = 0; p < HISTORY_PLANES; ++p) {
       global const float *plane = history + p * planes.plane;
-      FETCH_WINDOW(plane, &from, 0, 6 * HBIL_WIDEST);
+      FETCH_WINDOW(plane, &from, 0);
       value[p] = load_window(plane, &from);
     }
   } else if (ANY(at.inside)) {

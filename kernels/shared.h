@@ -138,7 +138,8 @@ enum {
   HBIL_PACKED_LIGHT_PLANES = 3
 };
 
-/* In packed storage, a word of radiance replaces red, green and blue. */
+/* In packed storage, a word of radiance replaces red, green and blue, and the
+ * weight is the second plane (CARRIED_WEIGHT of lib/radiance.clh). */
 enum {
   HBIL_HISTORY_W = 0,
   HBIL_HISTORY_RED = 1,

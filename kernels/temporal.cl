@@ -235,7 +235,7 @@ kernel void temporal(const hbil_temporal_args args, global const float *split,
     const intv known = args.has_before ? solid : (intv)0;
     realv move[2] = {0.0f, 0.0f};
 #if REPROJECT_MOTION
-    if (args.has_before)
+    if (args.has_before) /* with a history, reproject has counted them */
       motion_of(motion_buffer, args.motion, args.motion_scale, x, y,
                 view.width - x, solid, HISTORY ? 0 : sanitized, move);
 #endif

@@ -360,15 +360,15 @@ typedef enum hbil_sample_grid {
   HBIL_GRID_FULL_RESOLUTION = 1 /* all */
 } hbil_sample_grid;
 
-/* How the planes between the passes split and recompose are stored.  Depth is a
- * 32-bit float in both.  PACKED is faster wherever memory limits the speed, and
- * its error is far below that of sampling (doc/measurements.md, "Storage"). */
+/* How planes between the passes are stored.  Depth is a 32-bit float in both.
+ * PACKED is faster wherever memory limits the speed, and its error is far below
+ * that of sampling (doc/measurements.md, "Storage"). */
 typedef enum hbil_storage {
-  /* 3 words of 32 bits for the G-buffer, 3 for its light, 2 for what is carried
-   * over (hbil_stages.h), up to a radiance of 1e30.  Channels of a colour share
+  /* Per pixel 3 words of 32 bits for the G-buffer, 3 for its light, 2 each for
+   * HISTORY and CARRIED (hbil_stages.h); radiance up to 1e30.  Channels share
    * an exponent, so one below 1/500 of the brightest is lost. */
   HBIL_STORAGE_PACKED = 0,
-  HBIL_STORAGE_FLOAT32 = 1 /* 7 floats, 7 or 8, and 4 */
+  HBIL_STORAGE_FLOAT32 = 1 /* in floats: 7; 7 or 8; 4 each */
 } hbil_storage;
 
 typedef struct hbil_sampling {
@@ -414,18 +414,18 @@ typedef enum hbil_reprojection {
 
 typedef struct hbil_history {
   hbil_reprojection reprojection; /* default CAMERA */
-  /* Light is not carried over to pixels whose depth differs by more than this
-   * share.  > 0; infinity: no limit; default 0.05 */
+  /* Light is carried over if the old pixel's depth is off by at most this share
+   * from what is expected there (orthographic: of the picture's width).  > 0;
+   * infinity: no limit; default 0.05 */
   float disocclusion_threshold;
   /* Averages AO, E_near and the bent normal over up to this many frames, which
-   * reduces noise; 0..1024; 0 (default): off.  Use 2 for moving cameras
-   * and 8 or more for static ones, and increase hbil_frame.frame_index by 1 in
-   * every frame, static ones included.  The newest frame weighs
-   * 1/max_frames, and older ones fade out.  HBIL_REPROJECTION_MOTION
-   * follows surfaces by motion vectors, the others by the cameras.  A pixel
-   * starts anew if disocclusion_threshold or a change of its normal by 33
-   * degrees tells that another surface was there.  Changes of light lag behind
-   * by some frames. */
+   * reduces noise; 0..1024; 0 (default): off.  Use 2 for moving cameras and 8
+   * or more for static ones, and increase hbil_frame.frame_index by 1 in every
+   * frame, static ones included.  The newest frame weighs 1/max_frames, and
+   * older ones fade out.  HBIL_REPROJECTION_MOTION follows surfaces by motion
+   * vectors, the others by the cameras.  A pixel starts anew if
+   * disocclusion_threshold or a change of its normal by 33 degrees tells that
+   * another surface was there.  Changes of light lag behind by some frames. */
   cl_uint max_frames;
 } hbil_history;
 

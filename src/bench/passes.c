@@ -26,8 +26,8 @@ typedef struct job {
   bench_fixture *fixture[2]; /* [1]: for the second set of kernels */
 } job;
 
-/* The default, with motion vectors and in other models, which have kernels of
- * their own; and half resolution. */
+/* The default; the paper's setting; motion vectors and two other models, which
+ * have kernels of their own; half resolution. */
 static void choose_cases(job *j) {
   bench_setting s[CASES];
   for (int i = 0; i < CASES; i++)

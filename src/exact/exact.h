@@ -7,8 +7,8 @@
  *
  * It is written for clarity, not speed: directions and angles where the kernels
  * have slopes, full-resolution planes where the kernels have 4x4 layers.  Only
- * the two reprojections are in single precision, because their roundings are
- * part of their specification.  Compile with -ffp-contract=off.
+ * reprojection is in single precision, because its roundings are part of its
+ * specification.  Compile with -ffp-contract=off.
  *
  * Nothing here prints or ends the process.  A function that can fail returns an
  * exact_status; what it was to fill then holds no result.  No function needs an

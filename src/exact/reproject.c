@@ -88,8 +88,8 @@ static bool shows_surface(const exact_frame *frame, const exact_planes *history,
          fabsf(fmaf(w, z, -1.0f)) <= w * depth_tolerance(frame, &view, z);
 }
 
-/* Where the pixel's surface, whose point in the old view is q, was: in pixels
- * from the first one's centre. */
+/* Where the pixel's surface was in the old frame, in pixels from the centre of
+ * the first one.  q: its point in the old view. */
 static void past_place(const exact_frame *frame, float3 q, int x, int y,
                        float place[2]) {
   const hbil_config *config = frame->config;

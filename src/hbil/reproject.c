@@ -39,8 +39,8 @@ hbil_status enqueue_reproject(commands *chain, const hbil_frame *frame) {
                                 : status;
 }
 
-/* Raises HBIL_FLAG_HOLES if there are holes.  The reprojections do that
- * themselves; this is for callers who replaced them by a pass of their own. */
+/* Raises HBIL_FLAG_HOLES if there are holes.  The kernel reproject does
+ * that itself; this is for callers who replaced it by a pass of their own. */
 static hbil_status find_holes(commands *chain) {
   hbil_plan *plan = chain->plan;
   const hbil_push_pull_args args = {.fine = plan->layout.chain[0]};

@@ -18,12 +18,12 @@ double packed_unit(double most, int bits);
 
 /* The largest error of light, in planes from `first` on, relative to what its
  * words may lose, with mantissas of `bits` bits.  Errors of up to `before` are
- * those of passes before it, and don't count. */
+ * those of earlier passes, and don't count. */
 double packed_losses(const exact_planes *got, const exact_planes *want,
                      int first, int bits, double before);
 
-/* Derived: 1, and what fp32 rounds of a mantissa of 10 bits before it is
- * rounded to the nearest: 2^-14 of half a step. */
+/* Derived: 1 is all that rounding to the nearest may lose.  Computing a
+ * mantissa of 10 bits in fp32 adds up to 2^-14 of half a step. */
 #define PACKED_LOSS_LIMIT (1.0 + 1e-4)
 
 /* Bits of the mantissas of packed radiance. */

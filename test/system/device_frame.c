@@ -5,7 +5,7 @@
  *   device_frame PLAN OUT          writes the outputs
  *   device_frame PLAN OUT WITH     and holds them against another device's
  *
- * PLAN: camera or motion, two plans with hardly a kernel in common; or
+ * PLAN: camera or motion, two plans that share hardly a compiled kernel; or
  * static, camera's with two static frames more, of which the first fills a
  * horizon cache of some rows, and the second uses it.
  * The width is 1 everywhere: the form that all devices can run.
@@ -15,9 +15,9 @@
 
 #include <stdio.h>
 
-/* Motion's ends within a work-item's pixels; camera's with them, since
- * oclgrind looks for what nothing has set: beyond the end it is read, and
- * masked. */
+/* The picture of `motion` ends in the middle of a work-item's pixels, that of
+ * `camera` at their end, since oclgrind reports reads of what nothing has set,
+ * and pixels beyond the end are read and masked. */
 enum { WIDTH_OF_MOTION = 29, WIDTH_OF_CAMERA = 32, HEIGHT = 18 };
 
 /* RMSE of an output over its mean that another device's roundings may make: the

@@ -105,9 +105,9 @@ static void words_are_carried_over_as_they_are(void **state) {
 /* ------------------------------------------------------------------------ */
 /* push/pull                                                                 */
 
-/* Derived: means of up to 6 levels down and 6 up, each of which rounds by half
- * a step of 2^-8 of the brightest channel at most. */
-#define FILL_LIMIT (12.0 * 0x1p-9 * 2.0)
+/* Derived: 6 levels down and 6 up, each rounded once by up to half a step.  A
+ * step is at most 2^-7 of the brightest channel. */
+#define FILL_LIMIT (12.0 * 0x1p-8)
 
 static void holes_are_filled(void **state) {
   static const double valid[] = {0.9, 0.05};
