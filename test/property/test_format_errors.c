@@ -75,6 +75,10 @@ static void prepare(setup *s, const form *f) {
   if (!f)
     return;
   *plane_format(&s->config, f->id) = (hbil_plane_format){f->component, 0};
+  /* Single pixels compile fastest.  Vectors of these are read in test_formats,
+   * of colours here. */
+  if (f->id == PLANE_NORMAL || f->id == PLANE_DEPTH)
+    s->config.execution.vector_width = 1;
   s->config.inputs.normal_encoding = f->encoding;
   if (f->depth == PLANAR)
     return;

@@ -5,10 +5,12 @@
 #
 # PoCL's cache on disk breaks when two processes write to it at once.  So each
 # test locks one of a few caches for as long as it runs, and test/pocl-cache has
-# one more, "shared", which no test writes to: before a test, kernels that are
-# missing are linked from there into the test's cache, and after it the new ones
-# are linked back.  Links cost no time and no space.  Without flock (util-linux)
-# each test has a cache of its own.
+# one more, "shared", which no test writes to: kernels that are missing are
+# linked from there into the test's cache, and new ones are linked back, before
+# the test, after it, and every few seconds, so that tests that run beside each
+# other don't compile the same.  Links cost no time and no space, and what PoCL
+# has finished appears under its name at once.  Without flock (util-linux) each
+# test has a cache of its own.
 #
 # A test fails whose kernels cause a compiler's warning.  The log ends with the
 # seconds that the test took: wall, and CPU of the test and its children.
@@ -31,17 +33,30 @@ fi
 export POCL_CACHE_DIR
 mkdir -p "$POCL_CACHE_DIR"
 
-# share FROM TO: links the files that TO lacks, one test at a time.
+# share FROM TO: links the files that TO lacks, one test at a time.  Files that
+# PoCL is writing have other names.
 share() {
-  test -z "$slot" ||
-    flock "$caches/shared.lock" cp -rln "$1/." "$2" 2>/dev/null || :
+  test -z "$slot" || (
+    cd "$1" && flock "$caches/shared.lock" \
+      find . \( -name program.bc -o -name '*.so' ! -name 'tempfile*' \) \
+      -exec cp -ln --parents -t "$2" {} + 2>/dev/null
+  ) || :
 }
 
 share "$caches/shared" "$POCL_CACHE_DIR"
+exchange=
+if test -n "$slot"; then
+  while sleep 3; do
+    share "$POCL_CACHE_DIR" "$caches/shared"
+    share "$caches/shared" "$POCL_CACHE_DIR"
+  done >/dev/null 2>&1 9>&- &
+  exchange=$!
+fi
 errors=$caches/$name.stderr
 begun=$(date +%s)
 "$@" 2>"$errors"
 status=$?
+test -z "$exchange" || kill "$exchange"
 cat "$errors" >&2
 # PoCL prints warnings when a kernel is launched for the first time
 if grep -q 'warnings\{0,1\} generated' "$errors"; then

@@ -1,6 +1,6 @@
 /* See shim.h.  The dynamic linker prefers a program's own definitions of the
  * OpenCL functions to those of libOpenCL, also for the calls of libhbil. */
-#define _GNU_SOURCE /* RTLD_NEXT */
+#define _GNU_SOURCE /* RTLD_NEXT, setenv */
 #include "test/support/shim.h"
 
 #include "test/support/shim_programs.h"
@@ -147,7 +147,11 @@ static cl_int device_info(cl_device_id device, cl_device_info what, size_t room,
 static const size_t *group_size;
 static const char *launched_only;
 
+/* PoCL would compile each kernel for each size of groups, and twice for that:
+ * for rows of groups that begin at 0, and for others.  So it is told to compile
+ * kernels that take any size, once. */
 void shim_use_groups(const size_t *group) {
+  setenv("POCL_WORK_GROUP_SPECIALIZATION", group ? "0" : "1", 1);
   group_size = group;
 }
 

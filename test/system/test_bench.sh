@@ -80,14 +80,15 @@ fi
 # --- the other questions ---
 
 # At some sizes, 64x48 for one, packed light alternates between two roundings
-# and never settles.
+# and never settles.  Widths here are multiples of 64 where they can be, so that
+# all have the same kernels.
 says "skips tells what is left out" '^| upper half is sky .*sky 50.0 %' \
-  tiny skips --size 96x64
+  tiny skips --size 128x64
 grep -q '^| a wall seen straight on .*open 100.0 % of pixels' "$work/out" &&
   grep -q '^| static, light has settled .*no gather, no recompose' "$work/out"
 ok $? "skips has open walls and static frames"
 valid "skips' JSON can be read" "$work/results/skips.json"
-says "scaling has sizes" '^| 384 x 288 | [0-9]' tiny scaling
+says "scaling has sizes" '^| 384 x 288 | [0-9]' tiny scaling --size 128x96
 grep -q '^| first frame | [0-9]' "$work/out" &&
   grep -q '^| 128 | [0-9]' "$work/out"
 ok $? "scaling has first frames and samples"

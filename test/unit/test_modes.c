@@ -63,7 +63,9 @@ static void check_view(hbil_mode mode, hbil_falloff falloff, int i) {
   s.config.model.falloff = falloff;
   s.config.model.radius = radii[i % 3];
   s.config.execution.vector_width = widths[i / 3 % 4];
-  s.config.sampling.slices = 1 + (cl_uint)i % 3;
+  /* a single slice is weighed: in either mode by two of the widths */
+  const bool single = (mode == HBIL_MODE_GTAO) == (i / 3 & 1);
+  s.config.sampling.slices = i % 3 ? 1 + (cl_uint)i % 3 : single ? 1 : 4;
   s.config.sampling.steps_per_side = i & 2 ? 8 : 21;
   s.config.sampling.sample_grid =
       i & 4 ? HBIL_GRID_SAME_LAYER : HBIL_GRID_FULL_RESOLUTION;
