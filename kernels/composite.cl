@@ -255,6 +255,26 @@ INLINE realv compose_channel(const hbil_composite_args args, const inputs *in,
   return select((realv)0.0f, carried, solid);
 }
 
+INLINE void read_near_light(global const float *at, uint plane,
+                            realv near_light[3]) {
+#pragma unroll
+  for (int c = 0; c < 3; ++c) {
+    /* A sum of differences of angles may round to just below 0.  NaN remains
+     * NaN, so that it can be seen. */
+    const realv light = READV(at + (HBIL_LIGHT_RED + c) * plane);
+    near_light[c] = select(light, (realv)0.0f, light < 0.0f);
+  }
+}
+
+INLINE void collect_carried(const realv carried[3], realv pending[][PARTS],
+                            int part) {
+  realv value[RADIANCE_PLANES];
+  pack_radiance(carried, value);
+#pragma unroll
+  for (int p = 0; p < RADIANCE_PLANES; ++p)
+    pending[PENDING_HISTORY + HBIL_HISTORY_RED + p][part] = value[p];
+}
+
 /* Collects all planes of the pixels from (x, y) on. */
 INLINE void compose(const hbil_composite_args args,
                     global const float *resolved, global const float *estimate,
@@ -301,15 +321,8 @@ INLINE void compose(const hbil_composite_args args,
       pending[PENDING_BENT + c][part] = BENT_IS_WORLD ? axis[c] : bent[c];
   }
   realv near_light[3] = {0.0f, 0.0f, 0.0f}, far[3], behind[3], unlit;
-  if (GATHER_RADIANCE) {
-#pragma unroll
-    for (int c = 0; c < 3; ++c) {
-      /* A sum of differences of angles may round to just below 0.  NaN remains
-       * NaN, so that it can be seen. */
-      near_light[c] = READV(at + (HBIL_LIGHT_RED + c) * plane);
-      near_light[c] = select(near_light[c], (realv)0.0f, near_light[c] < 0.0f);
-    }
-  }
+  if (GATHER_RADIANCE)
+    read_near_light(at, plane, near_light);
   probe_light cached = {{0.0f, 0.0f, 0.0f}, 0.0f};
 #if PROBES
   if (args.probes.columns > 0)
@@ -334,13 +347,8 @@ INLINE void compose(const hbil_composite_args args,
     carried[c] = compose_channel(args, in, near_light[c],
                                  select((realv)0.0f, far[c], solid), behind[c],
                                  solid, c, x, y, count, usable, pending, part);
-#if HISTORY
-  realv value[RADIANCE_PLANES];
-  pack_radiance(carried, value);
-#pragma unroll
-  for (int p = 0; p < RADIANCE_PLANES; ++p)
-    pending[PENDING_HISTORY + HBIL_HISTORY_RED + p][part] = value[p];
-#endif
+  if (HISTORY)
+    collect_carried(carried, pending, part);
   if (COUNT_SURFACE || COUNT_F0 || COUNT_EMISSION)
     count_sanitized(usable, solid, sanitized + HBIL_SANITIZED_LATE);
 }
