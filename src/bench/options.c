@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "bench/command.h"
 #include "hbil/hbil.h"
+#include "image/clock.h"
 
 typedef struct description {
   const char *name, *value; /* value: NULL for a flag */
@@ -244,9 +244,7 @@ int bench_options_parse(const bench_command *command, int argc, char **argv,
 }
 
 double bench_clock(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
+  return 1e3 * seconds_now();
 }
 
 void bench_progress(const char *what, size_t done, size_t count) {

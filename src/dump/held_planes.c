@@ -1,23 +1,15 @@
 /* The planes of a frame's own file, held from one reading of it to the next. */
-#define _POSIX_C_SOURCE 200809L
 #include "dump/held_planes.h"
 
+#include "image/clock.h"
 #include "image/image_read.h"
 
 #include <string.h>
-#include <time.h>
 
 void held_planes_free(held_planes *h) {
   image_free(&h->planes);
   h->is_read = 0;
   h->is_over = 1;
-}
-
-/* Seconds since some fixed time. */
-static double now(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 /* Reads all that the map names.  If that fails, because of a channel that
@@ -28,9 +20,9 @@ static void fill(held_planes *h, const char *path, const channel_map *map) {
   for (int r = 0; r < ROLE_COUNT; r++)
     for (size_t c = 0; !map->files[r] && c < map->count[r]; c++)
       names[count++] = map->names[r][c];
-  const double start = now();
+  const double start = seconds_now();
   h->is_read = image_read(path, names, count, &h->planes, NULL) == 0;
-  h->seconds += now() - start;
+  h->seconds += seconds_now() - start;
   h->is_over = !h->is_read;
 }
 

@@ -3,7 +3,7 @@
 #include "tool/first_frame.h"
 
 #include "dump/read_gbuffer.h"
-#include "tool/progress.h"
+#include "image/clock.h"
 
 #include <string.h>
 
@@ -25,11 +25,11 @@ static void adopt(first_frame *f, job *j) {
 
 static int read_adopted(first_frame *f, image_error *error) {
   const unsigned roles = frame_roles(f->job) | 1u << ROLE_POSITION;
-  const double start = progress_clock();
+  const double start = seconds_now();
   f->failed =
       gbuffer_read(f->job->frames[0].path, &f->map, roles, &f->g, error);
   f->is_read = !f->failed;
-  f->seconds = progress_clock() - start;
+  f->seconds = seconds_now() - start;
   return f->failed;
 }
 

@@ -2,8 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/pipeline.h"
 
+#include "image/clock.h"
 #include "image/error.h"
-#include "tool/progress.h"
 
 #include <pthread.h>
 #include <string.h>
@@ -60,9 +60,9 @@ static void work(run *r, int stage) {
   image_error error;
   int failed = 0;
   for (size_t i = 0; i < p->items && !failed && begin(r, stage, i); i++) {
-    const double start = progress_clock();
+    const double start = seconds_now();
     failed = p->stages[stage](p->user, i, &error);
-    p->seconds[i][stage] = progress_clock() - start;
+    p->seconds[i][stage] = seconds_now() - start;
     end(r, stage, i, failed ? &error : NULL);
   }
 }

@@ -1,12 +1,12 @@
 /* Does a job from its settings to the last file. */
 #include "tool/process.h"
 
+#include "image/clock.h"
 #include "image/error.h"
 #include "tool/first_frame.h"
 #include "tool/job_light.h"
 #include "tool/paths.h"
 #include "tool/prepare_job.h"
-#include "tool/progress.h"
 #include "tool/report.h"
 #include "tool/run_frames.h"
 #include "tool/timings.h"
@@ -19,13 +19,13 @@ typedef struct process {
   lighting lighting;
   resume resume;
   frame_times times;
-  double begun, lap; /* progress_clock(), and that of the last part's end */
+  double begun, lap; /* seconds_now(), and that of the last part's end */
   double parts[TIMING_PARTS];
 } process;
 
 /* What happened since the last call was this part of the job. */
 static void end_part(process *p, timing_part part) {
-  const double now = progress_clock();
+  const double now = seconds_now();
   p->parts[part] += now - p->lap;
   p->lap = now;
 }
@@ -74,7 +74,7 @@ static int print_timings(const process *p, image_error *error) {
                       ? 1e3 * world_learning_seconds(p->lighting.world)
                       : -1.0,
       .parts = p->parts,
-      .total = progress_clock() - p->begun,
+      .total = seconds_now() - p->begun,
   };
   if (!s->quiet)
     unknown_report(report.rows, report.count);
@@ -131,7 +131,7 @@ static int open_all(process *p, const process_settings *settings,
 
 /* Computes and writes what is missing. */
 static int run_job(process *p, image_error *error) {
-  p->lap = progress_clock();
+  p->lap = seconds_now();
   if (resume_uses_cache(&p->resume) && lighting_learn(&p->lighting, error) != 0)
     return -1;
   end_part(p, TIMING_LEARN);
@@ -152,7 +152,7 @@ static int run(process *p, image_error *error) {
 
 int process_run(const process_settings *settings, char *const *files, int count,
                 image_error *error) {
-  process p = {.job = {.settings = settings}, .begun = progress_clock()};
+  process p = {.job = {.settings = settings}, .begun = seconds_now()};
   p.lap = p.begun;
   const int failed =
       open_all(&p, settings, files, count, error) != 0 || run(&p, error) != 0;

@@ -2,10 +2,11 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/progress.h"
 
+#include "image/clock.h"
+
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
-#include <time.h>
 #include <unistd.h>
 
 /* Seconds between two changes of the line. */
@@ -31,12 +32,6 @@ void progress_clear(void) {
   progress_line_end();
 }
 
-double progress_clock(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 void progress_duration(double seconds, char *text, size_t size) {
   const double whole = fmin(fmax(seconds, 0.0), 1e12) + 0.5;
   const long long s = (long long)whole;
@@ -54,7 +49,7 @@ void progress_start(progress *p, const char *what, double expected, int quiet) {
   *p = (progress){.what = what,
                   .quiet = quiet,
                   .terminal = isatty(STDERR_FILENO),
-                  .start = progress_clock(),
+                  .start = seconds_now(),
                   .expected = expected,
                   .shown = -PACE};
 }
@@ -62,13 +57,13 @@ void progress_start(progress *p, const char *what, double expected, int quiet) {
 /* The expected time loses weight against the measured time as the job goes on.
  */
 static double time_left(const progress *p, double done) {
-  const double elapsed = progress_clock() - p->start;
+  const double elapsed = seconds_now() - p->start;
   return (1.0 - done) * (elapsed + (1.0 - done) * p->expected);
 }
 
 /* Whether it is time to change the line. */
 static int is_due(progress *p) {
-  const double elapsed = progress_clock() - p->start;
+  const double elapsed = seconds_now() - p->start;
   if (elapsed < p->shown + PACE)
     return 0;
   p->shown = elapsed;
@@ -111,7 +106,7 @@ void progress_show(progress *p, double done) {
 void progress_frames(progress *p, size_t done, size_t count) {
   enum { WIDTH = 24 };
   char bar[WIDTH + 1], left[32];
-  const double elapsed = progress_clock() - p->start;
+  const double elapsed = seconds_now() - p->start;
   if (done == 0 || done > count || !is_due(p))
     return;
   const size_t filled = done * WIDTH / count;

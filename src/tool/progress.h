@@ -12,9 +12,6 @@ typedef struct progress {
   double start, expected, shown; /* seconds */
 } progress;
 
-/* Seconds since some fixed time. */
-double progress_clock(void);
-
 /* "3 min 20 s". */
 void progress_duration(double seconds, char *text, size_t size);
 

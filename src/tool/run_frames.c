@@ -1,6 +1,7 @@
 /* Takes the frames of a job through reading, computing and writing. */
 #include "tool/run_frames.h"
 
+#include "image/clock.h"
 #include "image/error.h"
 #include "image/image.h"
 #include "image/window.h"
@@ -178,9 +179,9 @@ static int run_all(run *r, frame_times *times, image_error *error) {
                            .seconds = times->stages};
   if (encoder_open(&r->encoder, error) != 0)
     return -1;
-  const double start = progress_clock();
+  const double start = seconds_now();
   const int failed = pipeline_run(&stages, error);
-  times->wall = progress_clock() - start;
+  times->wall = seconds_now() - start;
   times->computed = r->encoder.needed;
   progress_clear();
   return failed != 0                 ? failed

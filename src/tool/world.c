@@ -2,6 +2,7 @@
 #include "tool/world.h"
 
 #include "dump/read_gbuffer.h"
+#include "image/clock.h"
 #include "tool/extent.h"
 #include "tool/formats.h"
 #include "tool/progress.h"
@@ -294,7 +295,7 @@ static int learn_lights(world *w, image_error *error) {
 
 int world_learn(world *w, image_error *error) {
   const process_settings *s = w->job->settings;
-  const double start = progress_clock();
+  const double start = seconds_now();
   /* The bounces of a loaded cache were computed before it was saved. */
   const unsigned rounds =
       s->cache_load && !s->view_count && !s->learn ? 0 : ROUNDS_AT_FIRST;
@@ -303,7 +304,7 @@ int world_learn(world *w, image_error *error) {
       update(w, rounds, STEPS_AT_FIRST, error) != 0)
     return -1;
   const cl_int status = clFinish(w->device->queue);
-  w->seconds = progress_clock() - start;
+  w->seconds = seconds_now() - start;
   return status == CL_SUCCESS ? 0 : opencl_failed(w, status, "learning", error);
 }
 
