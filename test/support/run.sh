@@ -46,7 +46,7 @@ share() {
 share "$caches/shared" "$POCL_CACHE_DIR"
 exchange=
 if test -n "$slot"; then
-  while sleep 3; do
+  while sleep 3 && kill -0 $$; do # as long as this shell lives
     share "$POCL_CACHE_DIR" "$caches/shared"
     share "$caches/shared" "$POCL_CACHE_DIR"
   done >/dev/null 2>&1 9>&- &
