@@ -219,7 +219,8 @@ kernel void split(const hbil_split_args args, global float *layers,
   uint away = 0u;
   realv value[SPLIT_PLANES][4];
   const float ry = ray_y(view, y);
-#pragma unroll
+  /* Rolled up it takes 5 % less time, and half as long to compile. */
+#pragma unroll 1
   for (int part = 0; part < 4; ++part) {
     const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
     const realv rx = ray_x(view, x, 1);
@@ -321,7 +322,7 @@ kernel void relight(const hbil_split_args args, global float *layers,
       args.has_history ? history + HBIL_HISTORY_RED * args.planes.plane : 0,
       history + HBIL_HISTORY_W * args.planes.plane};
   realv value[RADIANCE_PLANES][4], w[4];
-#pragma unroll
+#pragma unroll 1
   for (int part = 0; part < 4; ++part) {
     const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
     const intv solid =

@@ -38,7 +38,8 @@ mkdir -p "$POCL_CACHE_DIR"
 share() {
   test -z "$slot" || (
     cd "$1" && flock "$caches/shared.lock" \
-      find . \( -name program.bc -o -name '*.so' ! -name 'tempfile*' \) \
+      find . \( -name program.bc -o -name build.log -o \
+        -name '*.so' ! -name 'tempfile*' \) \
       -exec cp -ln --parents -t "$2" {} + 2>/dev/null
   ) || :
 }
