@@ -26,13 +26,8 @@
  */
 
 #include "lib/filter_weight.clh"
-#include "lib/gathered_planes.clh"
-#include "lib/glossy_args.h"
 #include "lib/interleave.clh"
-#include "lib/layers.clh"
-#include "lib/neighbours.clh"
-#include "lib/span.clh"
-#include "lib/split_planes.clh"
+#include "lib/unpacked_rows.clh"
 #include "lib/unseen_light.clh"
 
 #if !defined(UNFILTERED) || UNFILTERED < 0 || UNFILTERED > 1
@@ -47,51 +42,12 @@
 #if !defined(UNKNOWN_PLANE) || (UNKNOWN_PLANE && !FALLBACK_FRAME_MEAN)
 #error UNKNOWN_PLANE must be 0 without FALLBACK_FRAME_MEAN
 #endif
-#if !defined(OUT_GLOSSY) || OUT_GLOSSY < 0 || OUT_GLOSSY > 1
-#error OUT_GLOSSY must be 0..1
-#endif
 
 #define PI 3.14159265f
 #define INV_PI 0.318309886f
 
-/* On CPUs a work-item takes a span of layer pixels in all layers, and goes down
- * many rows.  It holds the rows around the present one unpacked, so that hardly
- * a pixel is unpacked twice. */
-#define TAP_ROWS (2 * FILTER_DOWN + 1)
-#if HBIL_WIDTH == 1
-#define ROWS 1
-#define TAP_SPAN 1
-#else
-#define ROWS HBIL_RECOMPOSE_ROWS
-/* a span, and a pixel more on the side where a layer needs one, in whole
- * vectors */
-#define TAP_SPAN ((SPAN_VECTORS + 1) * HBIL_WIDTH)
-#endif
-
-/* Pixels as the filters around them see them: planes, TAP_SPAN apart. */
-enum {
-  TAP_W = 0,
-  TAP_NORMAL = 1, /* x, 2: y, 3: z */
-  TAP_LIGHT = 4,
-#if FALLBACK_FRAME_MEAN
-  TAP_WEIGHT = TAP_LIGHT + HBIL_LIGHT_UNKNOWN + 1,
-#else
-  TAP_WEIGHT = TAP_LIGHT + HBIL_LIGHT_PLANES,
-#endif
-#if WEIGHT_PLANE
-  TAP_GLOSSY = TAP_WEIGHT + 1,
-#else
-  TAP_GLOSSY = TAP_WEIGHT,
-#endif
-#if OUT_GLOSSY
-  TAP_PLANES = TAP_GLOSSY + HBIL_GATHERED_GLOSSY_PLANES
-#else
-  TAP_PLANES = TAP_GLOSSY
-#endif
-};
-#define TAP(t, p) LOADV((t) + (p)*TAP_SPAN)
-#define TAP_LAYER (TAP_PLANES * TAP_SPAN)
-#define TAP_ROW (HBIL_SIDE * TAP_LAYER)
+/* The rows of a work-item. */
+#define ROWS (HBIL_WIDTH == 1 ? 1 : HBIL_RECOMPOSE_ROWS)
 
 /* Weighted sums of a pixel's neighbourhood, and what it takes to finish them:
  * its own inverse depth and normal. */
@@ -105,80 +61,6 @@ typedef struct sums {
   realv glossy[HBIL_GATHERED_GLOSSY_PLANES];
 #endif
 } sums;
-
-INLINE void load_tap(const hbil_layer_args in, const hbil_layer_args lit,
-                     global const float *split, global const float *light,
-                     int i, int j, int x, int y, float *t) {
-  realv normal[3], value[HBIL_GATHERED_PLANES];
-  split += layer_address(in, i, j, x, y);
-  STOREV(LOADV(split), t + TAP_W * TAP_SPAN);
-  split_normal(split, in.plane, normal);
-#pragma unroll
-  for (int c = 0; c < 3; ++c)
-    STOREV(normal[c], t + (TAP_NORMAL + c) * TAP_SPAN);
-  if (!IS_GATHERED(i, j))
-    return;
-  light += layer_address(lit, i, j, x, y);
-  gathered_light(light, lit.plane, value);
-#define STORE_TAP(p) STOREV(value[p], t + (TAP_LIGHT + p) * TAP_SPAN);
-  EACH_GATHERED(STORE_TAP)
-#if WEIGHT_PLANE
-  STOREV(value[HBIL_LIGHT_WEIGHT], t + TAP_WEIGHT * TAP_SPAN);
-#endif
-#if OUT_GLOSSY
-#pragma unroll
-  for (int p = 0; p < HBIL_GATHERED_GLOSSY_PLANES; ++p)
-    STOREV(LOADV(light + (uint)(GLOSSY_PLANE + p) * lit.plane),
-           t + (TAP_GLOSSY + p) * TAP_SPAN);
-#endif
-}
-
-#if HBIL_WIDTH > 1
-/* Where a layer's unpacked pixels begin, from the span's first one on.  The
- * filter reads the first two layers a pixel further to the right, and the last
- * two a pixel further to the left.  A whole vector more on that side leaves all
- * that is unpacked aligned. */
-INLINE int first_tap(int layer) {
-  return layer < HBIL_SIDE / 2 ? 0 : -HBIL_WIDTH;
-}
-
-/* Where the pixel 4 x + column is in an unpacked row of the span at x. */
-INLINE int tap_offset(int column) {
-  const int layer = column & 3;
-  return layer * TAP_LAYER - first_tap(layer) + (column >> 2);
-}
-
-/* Unpacks row 4 y + j of the span at x. */
-INLINE void unpack_row(const hbil_layer_args in, const hbil_layer_args lit,
-                       global const float *split, global const float *light,
-                       int j, int x, int y, float *row) {
-  for (int i = 0; i < HBIL_SIDE; ++i)
-    for (int v = 0; v < TAP_SPAN; v += HBIL_WIDTH)
-      load_tap(in, lit, split, light, i, j, x + first_tap(i) + v, y,
-               row + i * TAP_LAYER + v);
-}
-
-/* Prefetches the lines of a span in `planes` planes. */
-INLINE void fetch_span(global const float *at, uint plane, uint planes) {
-  for (uint p = 0; p < planes; ++p)
-    for (uint line = 0; line < TAP_SPAN; line += 16)
-      FETCH_LINE(at + p * plane + line);
-}
-
-/* Prefetches what unpack_row() will read. */
-INLINE void fetch_row(const hbil_layer_args in, const hbil_layer_args lit,
-                      global const float *split, global const float *light,
-                      int j, int x, int y) {
-  for (int i = 0; i < HBIL_SIDE; ++i) {
-    const int from = x + first_tap(i);
-    fetch_span(split + layer_address(in, i, j, from, y), in.plane,
-               RADIANCE_PLANE);
-    if (IS_GATHERED(i, j))
-      fetch_span(light + layer_address(lit, i, j, from, y), lit.plane,
-                 lit.layer / lit.plane);
-  }
-}
-#endif
 
 #if OUT_ERROR
 INLINE void add_squares(sums *s, const float *t, realv weight) {

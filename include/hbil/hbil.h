@@ -71,6 +71,7 @@
 #define HBIL_HBIL_H
 
 #include <hbil/hbil_base.h>
+#include <hbil/hbil_formats.h>
 #include <hbil/hbil_config.h>
 #include <hbil/hbil_cache.h>
 #include <hbil/hbil_frame.h>
@@ -329,7 +330,7 @@ typedef struct hbil_count {
 } hbil_count;
 
 /* What the last frame left out.  Pixels and spans outside the picture are not
- * counted, nor are those that sampling.half_resolution leaves out.  All counts
+ * counted, nor are those that half resolution leaves out.  All counts
  * but `all` are 0 if the gather did not run. */
 typedef struct hbil_statistics {
   hbil_count all;    /* the picture, as far as it is gathered */

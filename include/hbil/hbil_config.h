@@ -5,72 +5,11 @@
 #ifndef HBIL_HBIL_CONFIG_H
 #define HBIL_HBIL_CONFIG_H
 
-#include <hbil/hbil_base.h>
+#include <hbil/hbil_formats.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* ------------------------------------------------------------------------ */
-/* Formats: how the pixels of a plane lie in memory                          */
-
-/* What a component is.  Kernels read every format directly, without a copy,
- * except for images.  The colours are albedo, f0, direct and emission.  What
- * depends on the plane is beside its member in hbil_inputs.  All bytes are in
- * the device's order. */
-typedef enum hbil_component {
-  HBIL_NONE = 0,    /* the plane does not exist */
-  HBIL_FLOAT32 = 1, /* 4 bytes; all inputs and outputs */
-  HBIL_FLOAT16 = 2, /* 2 bytes, IEEE half; all inputs and outputs */
-  HBIL_UNORM8 = 3,  /* 1 byte, 0..255 for 0..1; colours, normals */
-  /* 2 bytes, 0..65535 for 0..1; colours, normals, hardware depth */
-  HBIL_UNORM16 = 4,
-  /* 1 byte, -127..127 for -1..1, and -128 is -1, too; normals */
-  HBIL_SNORM8 = 5,
-  /* 2 bytes, -32767..32767 for -1..1, and -32768 is -1, too; normals, motion */
-  HBIL_SNORM16 = 6,
-  /* The low 24 bits of a word of 32 bits, for 0..1; hardware depth.  The high 8
-   * bits may hold anything, such as a stencil: D24_UNORM_S8_UINT of DXGI and
-   * Vulkan, X8_D24_UNORM_PACK32.  GL_UNSIGNED_INT_24_8 has the stencil in the
-   * low bits and can't be read. */
-  HBIL_UNORM24 = 7,
-  /* Words of 32 bits that hold all channels of a pixel; stride counts words.
-   * 3 x 10 bits, red lowest, for 0..1, and 2 more that are not read;
-   * A2B10G10R10 in Vulkan; colours, HBIL_NORMAL_XYZ */
-  HBIL_RGB10A2_UNORM = 8,
-  /* Floats without a sign, 11, 11 and 10 bits, red lowest, up to 65024 and
-   * 64512; 6 and 5 bits of mantissa; B10G11R11 in Vulkan; colours */
-  HBIL_R11G11B10_FLOAT = 9,
-  /* 3 mantissas of 9 bits, red lowest, and the exponent that they share in the
-   * highest 5 bits: a channel is mantissa 2^(exponent - 24), up to 65408;
-   * E5B9G9R9 in Vulkan; colours */
-  HBIL_RGB9E5_FLOAT = 10,
-  /* The plane is an image2d_t of the frame's size; all inputs and outputs.
-   * hbil_plane.buffer is the image.  The plan copies it from or to planes of
-   * floats of its own (HBIL_PASS_IMPORT, HBIL_PASS_EXPORT), so it takes as much
-   * memory as HBIL_FLOAT32, and a little time.  The image has the plane's
-   * channels or more, from red on, and the type UNORM, SNORM, HALF_FLOAT or
-   * FLOAT; depth has HALF_FLOAT, FLOAT or, if it is hardware depth,
-   * UNORM_INT16.  Normals and bent normals in a UNORM image are (n+1)/2.
-   * Channels that an output does not have become 0, and alpha becomes 1.  If
-   * an output is an image and light is carried over, the plan has memory for
-   * the light of two frames. */
-  HBIL_IMAGE = 11
-} hbil_component;
-
-/* How the pixels of a plane lie in its buffer.  The formats are fixed per plan,
- * because the kernels are compiled for them.
- * stride is the distance from a pixel to its right-hand neighbour, in
- * components.  1 means planar: each channel is an image of its own.  The number
- * of channels or more, up to 64, means interleaved: the channels of a pixel are
- * adjacent, and further components are neither read nor changed.  0 means the
- * number of channels.  A word that holds all channels counts as one component
- * of one channel: 1 or 0 means that the words of a row are adjacent.
- * HBIL_IMAGE ignores the stride. */
-typedef struct hbil_plane_format {
-  hbil_component component;
-  cl_uint stride;
-} hbil_plane_format;
 
 /* ------------------------------------------------------------------------ */
 /* Inputs: the planes of the G-buffer, and how they are read                 */
@@ -360,6 +299,20 @@ typedef enum hbil_sample_grid {
   HBIL_GRID_FULL_RESOLUTION = 1 /* all */
 } hbil_sample_grid;
 
+/* Which pixels are gathered. */
+typedef enum hbil_resolution {
+  /* HALF from HBIL_HALF_RESOLUTION_PIXELS on, unless unfiltered; else FULL.
+   * Smaller pictures have more edges and take little time anyway. */
+  HBIL_RESOLUTION_AUTO = 0,
+  HBIL_RESOLUTION_FULL = 1, /* all */
+  /* Every second one in x and in y.  The filter, which this needs, fills in the
+   * others. */
+  HBIL_RESOLUTION_HALF = 2
+} hbil_resolution;
+
+/* width * height; doc/measurements.md, "Half resolution" */
+#define HBIL_HALF_RESOLUTION_PIXELS 400000
+
 /* How planes between the passes are stored.  Depth is a 32-bit float in both.
  * PACKED is faster wherever memory limits the speed, and its error is far below
  * that of sampling (doc/measurements.md, "Storage"). */
@@ -372,14 +325,12 @@ typedef enum hbil_storage {
 } hbil_storage;
 
 typedef struct hbil_sampling {
-  cl_uint slices;         /* per pixel, 1..32; default 1 */
+  cl_uint slices;         /* per pixel, 1..32; default 3 */
   cl_uint steps_per_side; /* samples per side of a slice, 1..256; default 64 */
   /* g: the last step is (1+g)^2 times the first one; 0..64; default 2 */
   float step_growth;
   hbil_sample_grid sample_grid; /* default FULL_RESOLUTION */
-  /* CL_TRUE: only every second pixel in x and in y is gathered.  The filter,
-   * which this needs, fills in the others; default CL_FALSE */
-  cl_bool half_resolution;
+  hbil_resolution resolution;   /* default AUTO */
   cl_bool unfiltered;   /* CL_TRUE: recompose has no filter; default CL_FALSE */
   hbil_storage storage; /* default PACKED */
 } hbil_sampling;
@@ -387,9 +338,9 @@ typedef struct hbil_sampling {
 /* Presets; doc/measurements.md, "Sampling error and time", has their figures.
  */
 typedef enum hbil_quality {
-  HBIL_QUALITY_FAST = 0,     /* half resolution, 1 slice, 32 steps per side */
-  HBIL_QUALITY_BALANCED = 1, /* half resolution, 2 slices, 48 steps per side */
-  HBIL_QUALITY_HIGH = 2,     /* 2 slices, 64 steps per side */
+  HBIL_QUALITY_FAST = 0,     /* 1 slice, 32 steps per side */
+  HBIL_QUALITY_BALANCED = 1, /* 2 slices, 48 steps per side */
+  HBIL_QUALITY_HIGH = 2,     /* 4 slices, 96 steps per side */
   /* 32 slices, 256 equal steps per side, unfiltered, float32: the densest */
   HBIL_QUALITY_REFERENCE = 3
 } hbil_quality;
@@ -492,6 +443,10 @@ typedef struct hbil_config {
 HBIL_API void hbil_config_init_sized(hbil_config *config, size_t struct_size);
 #define hbil_config_init(config)                                               \
   hbil_config_init_sized((config), sizeof(hbil_config))
+
+/* Returns sampling.resolution: what it is with config's size, if it is AUTO.
+ * AUTO if config is null. */
+HBIL_API hbil_resolution hbil_config_resolution(const hbil_config *config);
 
 #ifdef __cplusplus
 }

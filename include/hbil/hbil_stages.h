@@ -91,8 +91,9 @@ extern "C" {
  * SPLIT and GATHERED are layered.  Pixel (x,y) lies in layer 4 (y mod 4) +
  * (x mod 4), with this index:
  *   p * plane_pitch + layer * layer_pitch + (y/4) * row_pitch + x/4 + origin
- * The layers of SPLIT have padding around them that holds "no surface".  With
- * sampling.half_resolution, GATHERED has values only where x and y are even.
+ * The layers of SPLIT have padding around them that holds "no surface".  At
+ * half resolution (hbil_config_resolution()), GATHERED has values only where x
+ * and y are even.
  */
 typedef enum hbil_stage {
   HBIL_STAGE_HISTORY = 0,

@@ -127,7 +127,7 @@ static int report_notes(const job *j, image_error *error) {
 
 /* Frames of one plan ask the cache, those of the other don't. */
 static int open_plans(job *j, image_error *error) {
-  const bench_setting standard = bench_setting_default();
+  const bench_setting standard = bench_setting_default(&j->content);
   hbil_config config;
   bench_setting_apply(&standard, &j->content, &config);
   return bench_trial_open(j->fixture, &config, NULL, &j->without, error) != 0 ||

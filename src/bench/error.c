@@ -125,10 +125,11 @@ static int measure_rows(job *j, image_error *error) {
 
 static int measure(job *j, image_error *error) {
   const bench_model paper = BENCH_MODEL_PAPER;
-  j->count = bench_settings(j->options->quick, j->list);
-  return bench_content_load(j->options, 2, 0, &j->content, error) != 0 ||
-                 bench_integrals_make(j->options, &j->content, j->list,
-                                      j->count, &j->integrals, error) != 0 ||
+  if (bench_content_load(j->options, 2, 0, &j->content, error) != 0)
+    return -1;
+  j->count = bench_settings(j->options->quick, &j->content, j->list);
+  return bench_integrals_make(j->options, &j->content, j->list, j->count,
+                              &j->integrals, error) != 0 ||
                  bench_baseline_measure(
                      j->device, &j->content, j->options->runs,
                      j->integrals.ao[paper], j->integrals.light[paper],
@@ -224,7 +225,7 @@ static void report_notes(const job *j, bench_report *report) {
 }
 
 static int draw(const job *j, image_error *error) {
-  const bench_setting standard = bench_setting_default();
+  const bench_setting standard = bench_setting_default(&j->content);
   bench_point points[BENCH_MAX_SETTINGS + 1];
   int made = 0;
   for (size_t i = 0; i < j->count; i++) {

@@ -34,7 +34,7 @@ typedef struct job {
 /* --- caches and plans --- */
 
 static int open_plans(job *j, image_error *error) {
-  const bench_setting standard = bench_setting_default();
+  const bench_setting standard = bench_setting_default(j->content);
   hbil_config config;
   bench_setting_apply(&standard, j->content, &config);
   if (bench_trial_open(j->fixture, &config, NULL, &j->environment, error) != 0)

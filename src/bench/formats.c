@@ -239,9 +239,9 @@ static int measure_all(job *j, int quick, image_error *error) {
 static int run(const bench_options *options, const bench_device *device,
                bench_report *report, image_error *error) {
   job j = {.device = device, .report = report};
-  const bench_setting setting = bench_setting_default();
   if (bench_content_load(options, 1, 0, &j.content, error) != 0)
     return -1;
+  const bench_setting setting = bench_setting_default(&j.content);
   const size_t pixels = bench_pixels(&j.content);
   bench_report_subject(report, j.content.name, j.content.width,
                        j.content.height, options->runs);

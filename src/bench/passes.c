@@ -27,16 +27,15 @@ typedef struct job {
 } job;
 
 /* The default; the paper's setting; motion vectors and two other models, which
- * have kernels of their own; half resolution. */
+ * have kernels of their own; the other resolution. */
 static void choose_cases(job *j) {
   bench_setting s[CASES];
   for (int i = 0; i < CASES; i++)
-    s[i] = bench_setting_default();
+    s[i] = bench_setting_default(&j->content);
   s[1] = bench_setting_paper();
   s[3].model = BENCH_MODEL_ENDLESS;
   s[4].model = BENCH_MODEL_GTAO;
-  s[5].steps = 32;
-  s[5].flags |= BENCH_HALF_RESOLUTION;
+  s[5].flags ^= BENCH_HALF_RESOLUTION;
   for (int i = 0; i < CASES; i++) {
     char label[BENCH_LABEL];
     bench_setting_label(&s[i], label);

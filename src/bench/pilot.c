@@ -32,7 +32,7 @@ static int first_frames(bench_fixture *f, const bench_device *device,
 static int measure(const bench_options *options, const bench_device *device,
                    const bench_content *content, bench_pilot_times *out,
                    image_error *error) {
-  const bench_setting standard = bench_setting_default();
+  const bench_setting standard = bench_setting_default(content);
   bench_turn turn = {.fixture = NULL};
   bench_timing timing;
   bench_setting_apply(&standard, content, &turn.config);

@@ -38,13 +38,14 @@ typedef struct job {
 
 static int open_room(const job *j, uint32_t width, uint32_t height, room *out,
                      image_error *error) {
-  const bench_setting standard = bench_setting_default();
   bench_options options = *j->options;
   options.width = width;
   options.height = height;
   memset(out, 0, sizeof *out);
   if (bench_content_load(&options, 2, 0, &out->content, error) != 0)
     return -1;
+  /* of the first room's size, so that all rooms have the same setting */
+  const bench_setting standard = bench_setting_default(&j->base.content);
   bench_setting_apply(&standard, &out->content, &out->turn.config);
   const int failed =
       bench_fixture_open(j->device, &out->content, &out->turn.fixture, error);
@@ -266,7 +267,7 @@ static void report_threads(const job *j, const processes *p) {
 /* --- all --- */
 
 static int measure(const job *j, image_error *error) {
-  const bench_setting standard = bench_setting_default();
+  const bench_setting standard = bench_setting_default(&j->base.content);
   char label[BENCH_LABEL];
   processes p;
   bench_setting_label(&standard, label);

@@ -36,12 +36,14 @@ static const sweep sweeps[] = {
     {DEFAULT, 1, 2, QUICK, {8, 32}},
     {DEFAULT, 1, 2, 0, {4, 16, 64}},
     {DEFAULT, 2, 2, QUICK, {8, 32}},
-    {DEFAULT, 2, 2, 0, {4, 16, 48, 96}},
+    {DEFAULT, 2, 2, 0, {4, 16, 48, 64, 96}},
+    {DEFAULT, 3, 2, 0, {64}},
     {DEFAULT, 4, 2, 0, {8, 16, 32}},
     /* half resolution */
-    {DEFAULT, 1, 2, HALF, {8, 16, 64}},
-    {DEFAULT, 2, 2, HALF, {16, 32, 64, 96}},
-    {DEFAULT, 4, 2, HALF, {32, 64}},
+    {DEFAULT, 1, 2, HALF, {8, 16, 32, 64}},
+    {DEFAULT, 2, 2, HALF, {16, 32, 48, 64, 96}},
+    {DEFAULT, 3, 2, HALF, {64, 96}},
+    {DEFAULT, 4, 2, HALF, {32, 64, 96, 128}},
     /* samples in the pixel's own layer */
     {DEFAULT, 1, 2, LAYER, {8, 32, 64}},
     {DEFAULT, 2, 2, LAYER, {8, 16, 32, 64, 128}},
@@ -86,7 +88,8 @@ int bench_setting_same(const bench_setting *a, const bench_setting *b) {
          !(a->growth > b->growth) && (a->flags & known) == (b->flags & known);
 }
 
-/* The sampling of a configuration, in the default model. */
+/* The sampling of a configuration, which knows its size, in the default model.
+ */
 static bench_setting setting_of(const hbil_config *config) {
   return (bench_setting){
       .model = DEFAULT,
@@ -96,7 +99,7 @@ static bench_setting setting_of(const hbil_config *config) {
       .flags =
           (config->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? LAYER : 0u) |
           (config->sampling.unfiltered ? RAW : 0u) |
-          (config->sampling.half_resolution ? HALF : 0u) |
+          (hbil_config_resolution(config) == HBIL_RESOLUTION_HALF ? HALF : 0u) |
           (config->model.extrapolate ? 0u : PLAIN) |
           (config->sampling.storage == HBIL_STORAGE_FLOAT32 ? (unsigned)FP32
                                                             : 0u)};
@@ -106,9 +109,17 @@ bench_setting bench_setting_paper(void) {
   return setting_at(&sweeps[0], 0);
 }
 
-bench_setting bench_setting_default(void) {
+/* The defaults, with the content's size. */
+static hbil_config default_config(const bench_content *content) {
   hbil_config config;
   hbil_config_init(&config);
+  config.width = content->width;
+  config.height = content->height;
+  return config;
+}
+
+bench_setting bench_setting_default(const bench_content *content) {
+  const hbil_config config = default_config(content);
   return setting_of(&config);
 }
 
@@ -122,7 +133,8 @@ static size_t add(bench_setting *list, size_t count, const bench_setting *s) {
   return at < count || count == BENCH_MAX_SETTINGS ? count : count + 1;
 }
 
-size_t bench_settings(int quick, bench_setting out[BENCH_MAX_SETTINGS]) {
+size_t bench_settings(int quick, const bench_content *content,
+                      bench_setting out[BENCH_MAX_SETTINGS]) {
   bench_setting s;
   size_t count = 0, chosen = 0;
   for (size_t i = 0; i < SWEEPS; i++)
@@ -130,12 +142,11 @@ size_t bench_settings(int quick, bench_setting out[BENCH_MAX_SETTINGS]) {
       s = setting_at(&sweeps[i], k);
       count = add(out, count, &s);
     }
-  s = bench_setting_default();
+  s = bench_setting_default(content);
   s.flags |= QUICK;
   count = add(out, count, &s);
   for (int q = 0; q < HBIL_QUALITY_REFERENCE; q++) {
-    hbil_config config;
-    hbil_config_init(&config);
+    hbil_config config = default_config(content);
     hbil_sampling_set(&config.sampling, (hbil_quality)q);
     s = setting_of(&config);
     s.preset = hbil_quality_name((hbil_quality)q);
@@ -213,7 +224,8 @@ void bench_setting_apply(const bench_setting *s, const bench_content *content,
   config->sampling.step_growth = s->growth;
   config->sampling.sample_grid =
       s->flags & LAYER ? HBIL_GRID_SAME_LAYER : HBIL_GRID_FULL_RESOLUTION;
-  config->sampling.half_resolution = s->flags & HALF ? CL_TRUE : CL_FALSE;
+  config->sampling.resolution =
+      s->flags & HALF ? HBIL_RESOLUTION_HALF : HBIL_RESOLUTION_FULL;
   config->sampling.unfiltered = s->flags & RAW ? CL_TRUE : CL_FALSE;
   config->model.extrapolate =
       s->flags & PLAIN || s->model == PAPER ? CL_FALSE : CL_TRUE;

@@ -37,12 +37,14 @@ typedef struct bench_setting {
 
 enum { BENCH_MAX_SETTINGS = 80, BENCH_LABEL = 80 };
 
-/* All settings, or those of the short list; returns how many. */
-size_t bench_settings(int quick, bench_setting out[BENCH_MAX_SETTINGS]);
+/* All settings, or those of the short list, for pictures as large as the
+ * content; returns how many. */
+size_t bench_settings(int quick, const bench_content *content,
+                      bench_setting out[BENCH_MAX_SETTINGS]);
 /* The paper's setting, which times are told as multiples of. */
 bench_setting bench_setting_paper(void);
-/* The default model with the default sampling. */
-bench_setting bench_setting_default(void);
+/* The default model with the default sampling of the content's size. */
+bench_setting bench_setting_default(const bench_content *content);
 int bench_setting_same(const bench_setting *a, const bench_setting *b);
 
 /* "default", "paper", "thin", ... */

@@ -75,7 +75,7 @@ static void report_row(const job *j, const char *name, double milliseconds,
 
 /* The default setting on the content as it is. */
 static bench_turn whole_frame(const job *j) {
-  const bench_setting standard = bench_setting_default();
+  const bench_setting standard = bench_setting_default(&j->content);
   bench_turn turn = {.fixture = j->fixture};
   bench_setting_apply(&standard, &j->content, &turn.config);
   return turn;
@@ -134,7 +134,7 @@ static int static_second(const job *j, image_error *error) {
 }
 
 static int ao_alone(const job *j, image_error *error) {
-  bench_setting gtao = bench_setting_default();
+  bench_setting gtao = bench_setting_default(&j->content);
   bench_turn less = {.fixture = j->fixture};
   gtao.model = BENCH_MODEL_GTAO;
   bench_setting_apply(&gtao, &j->content, &less.config);

@@ -175,13 +175,12 @@ static void report_notes(const job *j) {
 
 static int run(const bench_options *options, const bench_device *device,
                bench_report *report, image_error *error) {
-  job j = {.options = options,
-           .list = {bench_setting_default(), bench_setting_default()},
-           .report = report};
-  j.list[1].steps = 48;
+  job j = {.options = options, .report = report};
   if (bench_content_load(options, options->quick ? QUICK_FRAMES : ROOM_FRAMES,
                          1, &j.content, error) != 0)
     return -1;
+  j.list[0] = j.list[1] = bench_setting_default(&j.content);
+  j.list[1].steps = 48;
   bench_report_subject(report, j.content.name, j.content.width,
                        j.content.height, options->runs);
   j.planes = malloc(3 * bench_pixels(&j.content) * sizeof *j.planes);

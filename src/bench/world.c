@@ -45,7 +45,7 @@ static int choose_extent(bench_world *w, image_error *error) {
 
 static int open_plan(bench_world *w, bench_fixture *fixture,
                      hbil_provider provider, image_error *error) {
-  const bench_setting standard = bench_setting_default();
+  const bench_setting standard = bench_setting_default(w->content);
   hbil_config config;
   bench_setting_apply(&standard, w->content, &config);
   hbil_model_set(&config.model, HBIL_MODEL_WORLD);

@@ -105,7 +105,7 @@ exact_status exact_run_frame_dense(exact_state *state, exact_frame *frame,
   exact_status status = prepare(state, frame);
   exact_frame own = *frame;
   unfiltered.sampling.unfiltered = CL_TRUE;
-  unfiltered.sampling.half_resolution = CL_FALSE;
+  unfiltered.sampling.resolution = HBIL_RESOLUTION_FULL;
   own.config = &unfiltered;
   if (status == EXACT_SUCCESS)
     status = exact_gather_dense(&own, &state->split, how, &state->gathered);

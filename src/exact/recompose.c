@@ -29,11 +29,11 @@
 
 /* At half resolution the pattern has 4x8 pixels, so the window has 5x9. */
 static int rows_below(const exact_frame *frame) {
-  return frame->config->sampling.half_resolution ? 4 : 2;
+  return exact_gathered_layers(frame->config) == HBIL_LAYERS ? 2 : 4;
 }
 
 static double spatial_weight(const exact_frame *frame, int dx, int dy) {
-  if (frame->config->sampling.half_resolution)
+  if (exact_gathered_layers(frame->config) < HBIL_LAYERS)
     return (abs(dx) == 2 ? 0.5 : 1.0) * (abs(dy) == 4 ? 0.5 : 1.0);
   const bool outer_x = abs(dx) == 2, outer_y = abs(dy) == 2;
   if (outer_x && outer_y)

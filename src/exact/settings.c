@@ -19,7 +19,8 @@ bool exact_fills_unknown(const hbil_config *config) {
 }
 
 int exact_gathered_layers(const hbil_config *config) {
-  return config->sampling.half_resolution ? 4 : HBIL_LAYERS;
+  return hbil_config_resolution(config) == HBIL_RESOLUTION_HALF ? 4
+                                                                : HBIL_LAYERS;
 }
 
 bool exact_is_gathered(const hbil_config *config, int x, int y) {

@@ -32,7 +32,7 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .inputs.depth_scale = 1.0f,
       .inputs.normal_scale = {1.0f, 1.0f, 1.0f},
       .model.radius = INFINITY,
-      .sampling.slices = 1,
+      .sampling.slices = 3,
       .sampling.steps_per_side = 64,
       .sampling.step_growth = 2.0f,
       .sampling.sample_grid = HBIL_GRID_FULL_RESOLUTION,
@@ -74,17 +74,12 @@ static const struct {
   const char *name;
   cl_uint slices, steps_per_side;
   float step_growth;
-  hbil_sample_grid sample_grid;
-  cl_bool half_resolution, unfiltered;
+  cl_bool unfiltered;
 } qualities[] = {
-    [HBIL_QUALITY_FAST] = {"fast", 1, 32, 2.0f, HBIL_GRID_FULL_RESOLUTION,
-                           CL_TRUE, CL_FALSE},
-    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 48, 2.0f,
-                               HBIL_GRID_FULL_RESOLUTION, CL_TRUE, CL_FALSE},
-    [HBIL_QUALITY_HIGH] = {"high", 2, 64, 2.0f, HBIL_GRID_FULL_RESOLUTION,
-                           CL_FALSE, CL_FALSE},
-    [HBIL_QUALITY_REFERENCE] = {"reference", 32, 256, 0.0f,
-                                HBIL_GRID_FULL_RESOLUTION, CL_FALSE, CL_TRUE},
+    [HBIL_QUALITY_FAST] = {"fast", 1, 32, 2.0f, CL_FALSE},
+    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 48, 2.0f, CL_FALSE},
+    [HBIL_QUALITY_HIGH] = {"high", 4, 96, 2.0f, CL_FALSE},
+    [HBIL_QUALITY_REFERENCE] = {"reference", 32, 256, 0.0f, CL_TRUE},
 };
 
 hbil_status hbil_sampling_set(hbil_sampling *sampling, hbil_quality quality) {
@@ -97,13 +92,24 @@ hbil_status hbil_sampling_set(hbil_sampling *sampling, hbil_quality quality) {
   sampling->slices = qualities[quality].slices;
   sampling->steps_per_side = qualities[quality].steps_per_side;
   sampling->step_growth = qualities[quality].step_growth;
-  sampling->sample_grid = qualities[quality].sample_grid;
-  sampling->half_resolution = qualities[quality].half_resolution;
+  sampling->sample_grid = HBIL_GRID_FULL_RESOLUTION;
+  sampling->resolution = HBIL_RESOLUTION_AUTO;
   sampling->unfiltered = qualities[quality].unfiltered;
   /* packed storage dithers over the layers, so it needs the filter */
   sampling->storage = qualities[quality].unfiltered ? HBIL_STORAGE_FLOAT32
                                                     : HBIL_STORAGE_PACKED;
   return HBIL_SUCCESS;
+}
+
+hbil_resolution hbil_config_resolution(const hbil_config *config) {
+  if (!config)
+    return HBIL_RESOLUTION_AUTO;
+  if (config->sampling.resolution != HBIL_RESOLUTION_AUTO)
+    return config->sampling.resolution;
+  const bool large =
+      (uint64_t)config->width * config->height >= HBIL_HALF_RESOLUTION_PIXELS;
+  return large && !config->sampling.unfiltered ? HBIL_RESOLUTION_HALF
+                                               : HBIL_RESOLUTION_FULL;
 }
 
 const char *hbil_quality_name(hbil_quality quality) {
@@ -319,11 +325,12 @@ static hbil_status check_values(hbil_context *context,
         "model.facing_fade: %g, %g; the first must not be above the second",
         (double)config->model.facing_fade[0],
         (double)config->model.facing_fade[1]);
-  if (config->sampling.half_resolution && config->sampling.unfiltered)
+  if (config->sampling.resolution == HBIL_RESOLUTION_HALF &&
+      config->sampling.unfiltered)
     return fail(context, HBIL_INVALID_CONFIG,
-                "sampling.half_resolution: set with sampling.unfiltered, but "
-                "only the filter fills in the other pixels; one of the two "
-                "must be CL_FALSE");
+                "sampling.resolution: HALF with sampling.unfiltered, but only "
+                "the filter fills in the other pixels; resolution must be "
+                "another, or unfiltered CL_FALSE");
   const cl_uint width = config->execution.vector_width;
   if (width != 0 && width != 1 && width != 4 && width != 8 && width != 16)
     return fail(
@@ -365,7 +372,8 @@ static hbil_status config_check(hbil_context *context,
       {"sampling.step_growth", (double)config->sampling.step_growth, 0, 64},
       {"sampling.sample_grid", (double)config->sampling.sample_grid, 0,
        HBIL_GRID_FULL_RESOLUTION},
-      {"sampling.half_resolution", config->sampling.half_resolution, 0, 1},
+      {"sampling.resolution", (double)config->sampling.resolution, 0,
+       HBIL_RESOLUTION_HALF},
       {"model.extrapolate", config->model.extrapolate, 0, 1},
       {"model.facing_fade[0]", (double)config->model.facing_fade[0], -1, 1},
       {"model.facing_fade[1]", (double)config->model.facing_fade[1], -1, 1},

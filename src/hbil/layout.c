@@ -399,7 +399,8 @@ void layout_compute(const hbil_config *config, const staging *staged,
   out->pattern.grid =
       config->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
   out->pattern.growth = config->sampling.step_growth;
-  out->pattern.gathered = config->sampling.half_resolution ? 4 : HBIL_LAYERS;
+  out->pattern.gathered =
+      hbil_config_resolution(config) == HBIL_RESOLUTION_HALF ? 4 : HBIL_LAYERS;
   out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * (size_t)out->pattern.levels *
                              (size_t)hbil_sites(out->pattern.gathered) * 2 *
                              config->sampling.slices *

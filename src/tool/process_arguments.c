@@ -35,6 +35,7 @@ typedef struct row {
   const char *const *words;
 } row;
 
+static const char *const resolutions[] = {"auto", "full", "half", NULL};
 static const char *const no_yes[] = {"no", "yes", NULL};
 static const char *const sample_grids[] = {"same-layer", "full-resolution",
                                            NULL};
@@ -93,7 +94,7 @@ static const row rows[] = {
     {"steps-per-side", NUMBER, CONFIG(sampling.steps_per_side), 1, 256, NULL},
     {"step-growth", FLOATS, CONFIG(sampling.step_growth), 1, 0, NULL},
     {"sample-grid", CHOICE, CONFIG(sampling.sample_grid), 0, 0, sample_grids},
-    {"half-resolution", CHOICE, CONFIG(sampling.half_resolution), 0, 0, no_yes},
+    {"resolution", CHOICE, CONFIG(sampling.resolution), 0, 0, resolutions},
     {"extrapolate", CHOICE, CONFIG(model.extrapolate), 0, 0, no_yes},
     {"no-skip", SPECIAL_FLAG, 0, 0, 0, NULL},
     {"storage", CHOICE, CONFIG(sampling.storage), 0, 0, storages},
@@ -249,7 +250,7 @@ static int check_exact(const request *r, image_error *error) {
       {"step-growth", "which looks at every pixel"},
       {"extrapolate", "which looks at every pixel"},
       {"sample-grid", "which looks at every pixel"},
-      {"half-resolution", "which computes every pixel"},
+      {"resolution", "which computes every pixel"},
       {"horizon-cache", "which caches nothing"},
       {"view", "which has no radiance cache"},
       {"light-view", "which has no radiance cache"},

@@ -86,7 +86,8 @@ static void any_sampling(hbil_config *c, random_state *r) {
   c->sampling.sample_grid = (hbil_sample_grid)below(r, 2);
   c->sampling.unfiltered = maybe(r, 0.2);
   if (!c->sampling.unfiltered)
-    c->sampling.half_resolution = maybe(r, 0.5);
+    c->sampling.resolution =
+        maybe(r, 0.5) ? HBIL_RESOLUTION_HALF : HBIL_RESOLUTION_AUTO;
   c->sampling.storage =
       maybe(r, 0.5) ? HBIL_STORAGE_PACKED : HBIL_STORAGE_FLOAT32;
   c->execution.vector_width = ANY_OF(r, widths);
@@ -114,7 +115,7 @@ static void tell_settings(uint64_t seed, const hbil_config *c,
       (int)c->model.feedback, (double)c->history.disocclusion_threshold,
       (int)c->model.far_field, c->sampling.slices, c->sampling.steps_per_side,
       (double)c->sampling.step_growth, (int)c->sampling.sample_grid,
-      (int)c->sampling.half_resolution, (int)c->sampling.unfiltered,
+      (int)c->sampling.resolution, (int)c->sampling.unfiltered,
       (int)c->sampling.storage, c->execution.vector_width, c->execution.skip,
       (int)c->inputs.depth.component, c->inputs.depth.stride,
       (int)c->inputs.depth_kind, (int)c->inputs.normal.component,

@@ -64,12 +64,12 @@ static void glossy_thick(setup *s) {
 
 static void half_resolution(setup *s) {
   single_slice(s);
-  s->config.sampling.half_resolution = CL_TRUE;
+  s->config.sampling.resolution = HBIL_RESOLUTION_HALF;
 }
 
 static void half_resolution_pixels(setup *s) {
   limited_pixels(s);
-  s->config.sampling.half_resolution = CL_TRUE;
+  s->config.sampling.resolution = HBIL_RESOLUTION_HALF;
 }
 
 static size_t gathered_pixels(const setup *s) {

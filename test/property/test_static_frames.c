@@ -171,14 +171,14 @@ static void cache_of_some_pixels(setup *s) {
 
 static void cache_at_half_resolution(setup *s) {
   cache_all(s);
-  s->config.sampling.half_resolution = CL_TRUE;
+  s->config.sampling.resolution = HBIL_RESOLUTION_HALF;
   s->config.model.relative_thickness = 0.1f;
   setup_cache_rows(s, 12, 18);
 }
 
 static void cache_of_every_second_pixel(setup *s) {
   cache_by_pixels(s);
-  s->config.sampling.half_resolution = CL_TRUE;
+  s->config.sampling.resolution = HBIL_RESOLUTION_HALF;
 }
 
 /* Light goes on spreading through cached horizons. */

@@ -120,8 +120,6 @@ static cl_uint rgb9e5_of(const hit *at) {
 static void draw_pixel(scene *out, int pixel, const hit *at) {
   const bool sky = at->surface == SKY;
   out->sky_pixels += sky;
-  out->even_sky_pixels +=
-      sky && pixel % WIDTH % 2 == 0 && pixel / WIDTH % 2 == 0;
   out->depth[pixel][0] = (float)(NEAR_PLANE / at->distance);
   out->direct_rgb9e5[pixel] = rgb9e5_of(at);
   for (int i = 0; i < 3; ++i) {

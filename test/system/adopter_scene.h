@@ -42,7 +42,6 @@ typedef struct scene {
   cl_uint albedo_rgb8[PIXELS];
   cl_uint direct_rgb9e5[PIXELS];
   size_t sky_pixels;
-  size_t even_sky_pixels; /* those with even x and y */
 } scene;
 
 void scene_draw(scene *out, const pose *from);

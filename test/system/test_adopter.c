@@ -72,9 +72,8 @@ static void check_reset(lighting *l) {
   hbil_plan_reset(l->plan);
   run_frames(l, 1);
   check(shows(&sequence[0]), "after a reset comes the first frame");
-  /* at half resolution, which the preset has */
-  check(l->statistics.all.pixels == PIXELS / 4 &&
-            l->statistics.sky.pixels == drawn.even_sky_pixels &&
+  check(l->statistics.all.pixels == PIXELS &&
+            l->statistics.sky.pixels == drawn.sky_pixels &&
             l->statistics.not_run[HBIL_PASS_REPROJECT],
         "statistics of a first frame, %zu pixels of sky",
         l->statistics.sky.pixels);

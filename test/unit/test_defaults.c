@@ -66,7 +66,7 @@ static const member members[] = {
     MEMBER(sampling.steps_per_side),
     MEMBER(sampling.step_growth),
     MEMBER(sampling.sample_grid),
-    MEMBER(sampling.half_resolution),
+    MEMBER(sampling.resolution),
     MEMBER(sampling.unfiltered),
     MEMBER(sampling.storage),
     MEMBER(history.reprojection),

@@ -190,7 +190,7 @@ static void half_resolution_matches(void **state) {
   for (int i = 0; i < 4; ++i) {
     setup s;
     setup_scene(&s, SCENE_ROOM, 97, 54, 0);
-    s.config.sampling.half_resolution = CL_TRUE;
+    s.config.sampling.resolution = HBIL_RESOLUTION_HALF;
     s.config.execution.vector_width = i & 1 ? 1 : 0;
     s.config.model.radius = i & 2 ? 1.0f : INFINITY;
     check_gather(&s);

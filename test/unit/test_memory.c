@@ -47,11 +47,11 @@ VARIANT(whole_horizon_cache, (c->execution.horizon_cache_bytes = SIZE_MAX,
                               c->sampling.steps_per_side = 3))
 VARIANT(small_horizon_cache, (c->execution.horizon_cache_bytes = 1 << 16,
                               c->sampling.steps_per_side = 1))
-VARIANT(half_resolution, (c->sampling.half_resolution = CL_TRUE,
+VARIANT(half_resolution, (c->sampling.resolution = HBIL_RESOLUTION_HALF,
                           c->execution.horizon_cache_bytes = SIZE_MAX,
                           c->sampling.steps_per_side = 3))
-VARIANT(half_resolution_in_ones,
-        (c->sampling.half_resolution = CL_TRUE, c->execution.vector_width = 1))
+VARIANT(half_resolution_in_ones, (c->sampling.resolution = HBIL_RESOLUTION_HALF,
+                                  c->execution.vector_width = 1))
 VARIANT(thick_in_ones,
         (c->model.thickness = 0.2f, c->model.relative_thickness = 0.08f,
          c->execution.vector_width = 1, c->execution.profiling = CL_TRUE))

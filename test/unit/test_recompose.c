@@ -98,7 +98,7 @@ static void left_out_pixels_are_filled_in(void **state) {
     setup s;
     setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, sizes[i / 4][0],
                 sizes[i / 4][1], 0);
-    s.config.sampling.half_resolution = CL_TRUE;
+    s.config.sampling.resolution = HBIL_RESOLUTION_HALF;
     s.config.sampling.slices = 1 + (cl_uint)i / 2 % 2;
     check_setup(&s);
   }
@@ -115,7 +115,7 @@ static void lonely_pixels_are_filled_in(void **state) {
     for (int p = 0; p < 67 * 41; ++p)
       s.input[EXACT_DEPTH][p] =
           random_unit(&r) < 0.5 ? 0.0f : 1.0f + 9.0f * (float)random_unit(&r);
-    s.config.sampling.half_resolution = CL_TRUE;
+    s.config.sampling.resolution = HBIL_RESOLUTION_HALF;
     s.config.sampling.slices = slices;
     check_setup(&s);
   }
@@ -140,7 +140,8 @@ static void check_even_light(cl_uint slices, bool half) {
   exact_planes light, got;
   setup_scene(&s, SCENE_ROOM, 64, 37, 0);
   s.config.sampling.slices = slices;
-  s.config.sampling.half_resolution = half;
+  s.config.sampling.resolution =
+      half ? HBIL_RESOLUTION_HALF : HBIL_RESOLUTION_FULL;
   setup_start(&s);
   setup_run(&s, hbil_enqueue_split);
   light = checked_planes(64, 37, HBIL_GATHERED_PLANES);

@@ -54,9 +54,10 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(c.inputs.depth.component == HBIL_NONE);
   assert_true(isinf(c.inputs.sky_depth) && isinf(c.model.radius));
   assert_true(c.inputs.direct_scale == 1.0f);
-  assert_true(c.sampling.slices == 1 && c.sampling.steps_per_side == 64 &&
+  assert_true(c.sampling.slices == 3 && c.sampling.steps_per_side == 64 &&
               c.sampling.step_growth == 2.0f);
   assert_true(c.sampling.sample_grid == HBIL_GRID_FULL_RESOLUTION);
+  assert_true(c.sampling.resolution == HBIL_RESOLUTION_AUTO);
   assert_true(isinf(c.model.thickness) && c.model.relative_thickness == 0.06f);
   assert_true(c.model.facing_fade[0] == -1.0f &&
               c.model.facing_fade[1] == -1.0f);
@@ -169,9 +170,9 @@ SPOIL(direct_component, c->inputs.direct.component = (hbil_component)99)
 SPOIL(ao_unorm, c->outputs.ao.component = HBIL_UNORM8)
 SPOIL(motion_missing, (c->history.reprojection = HBIL_REPROJECTION_MOTION,
                        c->inputs.motion.component = HBIL_NONE))
-SPOIL(half_2, c->sampling.half_resolution = 2)
-SPOIL(half_unfiltered,
-      c->sampling.half_resolution = c->sampling.unfiltered = CL_TRUE)
+SPOIL(half_2, c->sampling.resolution = (hbil_resolution)3)
+SPOIL(half_unfiltered, (c->sampling.resolution = HBIL_RESOLUTION_HALF,
+                        c->sampling.unfiltered = CL_TRUE))
 SPOIL(grid_unknown, c->sampling.sample_grid = (hbil_sample_grid)7)
 SPOIL(fallback_unknown,
       c->model.back_facing_fallback = (hbil_back_facing_fallback)7)
@@ -224,8 +225,8 @@ static const bad_config bad_configs[] = {
     {"direct", direct_component},
     {"ao", ao_unorm},
     {"motion", motion_missing},
-    {"half_resolution", half_2},
-    {"half_resolution", half_unfiltered},
+    {"sampling.resolution", half_2},
+    {"sampling.resolution", half_unfiltered},
     {"sample_grid", grid_unknown},
     {"back_facing_fallback", fallback_unknown},
     {"far_field", far_unknown},
@@ -285,12 +286,43 @@ static void presets_set_the_sampling_alone(void **state) {
     before.sampling.steps_per_side = s.config.sampling.steps_per_side;
     before.sampling.step_growth = s.config.sampling.step_growth;
     before.sampling.sample_grid = s.config.sampling.sample_grid;
-    before.sampling.half_resolution = s.config.sampling.half_resolution;
+    before.sampling.resolution = s.config.sampling.resolution;
     before.sampling.unfiltered = s.config.sampling.unfiltered;
     before.sampling.storage = s.config.sampling.storage;
     assert_memory_equal(&before, &s.config, sizeof before);
     setup_free(&s);
   }
+}
+
+static size_t bytes_at(setup *s, hbil_resolution resolution) {
+  hbil_memory memory;
+  s->config.sampling.resolution = resolution;
+  assert_int_equal(hbil_plan_memory(shared_device.hbil, &s->config, &memory),
+                   HBIL_SUCCESS);
+  return memory.persistent + memory.scratch;
+}
+
+/* The tables of steps differ in size, so the memory tells what a plan does. */
+static void large_pictures_are_gathered_at_half_resolution(void **state) {
+  const int heights[] = {499, 500};
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    setup s;
+    setup_init(&s, 800, heights[i]);
+    setup_all_outputs(&s);
+    const hbil_resolution want =
+        i ? HBIL_RESOLUTION_HALF : HBIL_RESOLUTION_FULL;
+    const size_t half = bytes_at(&s, HBIL_RESOLUTION_HALF);
+    const size_t full = bytes_at(&s, HBIL_RESOLUTION_FULL);
+    assert_int_equal(hbil_config_resolution(&s.config), HBIL_RESOLUTION_FULL);
+    assert_true(half != full);
+    assert_int_equal(bytes_at(&s, HBIL_RESOLUTION_AUTO), i ? half : full);
+    assert_int_equal(hbil_config_resolution(&s.config), want);
+    s.config.sampling.unfiltered = CL_TRUE;
+    assert_int_equal(hbil_config_resolution(&s.config), HBIL_RESOLUTION_FULL);
+    setup_free(&s);
+  }
+  assert_int_equal(hbil_config_resolution(NULL), HBIL_RESOLUTION_AUTO);
 }
 
 static void unknown_presets_are_rejected(void **state) {
@@ -510,6 +542,7 @@ int main(void) {
       cmocka_unit_test(models_set_what_the_header_says),
       cmocka_unit_test(bad_configurations_are_rejected_by_name),
       cmocka_unit_test(presets_set_the_sampling_alone),
+      cmocka_unit_test(large_pictures_are_gathered_at_half_resolution),
       cmocka_unit_test(unknown_presets_are_rejected),
       cmocka_unit_test(bad_frames_are_rejected_by_name),
       cmocka_unit_test(rejected_frames_write_nothing),
