@@ -22,7 +22,8 @@ def load_hbil():
         ["pkg-config", "--variable=includedir", "hbil"],
         check=True, capture_output=True, text=True).stdout.rstrip()
     text = ""
-    for name in ("hbil_base", "hbil_config", "hbil_frame", "hbil"):
+    for name in ("hbil_base", "hbil_formats", "hbil_config", "hbil_frame",
+                 "hbil"):
         with open(f"{include}/hbil/{name}.h", encoding="utf-8") as header:
             part = re.sub(r"/\*.*?\*/", "", header.read(), flags=re.DOTALL)
         text += part.split('extern "C" {')[1].rsplit("#ifdef __cplusplus")[0]

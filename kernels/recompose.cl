@@ -123,8 +123,8 @@ INLINE void add_light(sums *s, const float *t, realv weight) {
 #endif
 }
 
-/* Adds a neighbour t.  plane: the plane of the pixel in the middle there,
- * least: the least weight of a surface. */
+/* Adds a neighbour t.  plane: plane_beside() there; least: the least weight of
+ * a surface. */
 INLINE void add_tap(sums *s, const middle *m, const float *t, realv plane,
                     float share, float least) {
   const realv w = TAP(t, TAP_W);
@@ -213,10 +213,11 @@ INLINE void finish(sums *s, global const float *estimate) {
 }
 
 /* Sums for the pixels (4 x + column, 4 y + row) and every fourth to their
- * right.  rows: the unpacked rows around them.  odd_x: a layer whose neighbours
- * are gathered in the same columns.  It is a constant, so nothing is left of
- * the columns that aren't.  The rows are a loop that isn't unrolled: unrolled
- * it ran 2 to 5 % faster, but took 1 to 2 s longer to compile. */
+ * right.  rows: the unpacked rows around them.  odd_x: 1 in odd columns at
+ * half resolution, otherwise 0.  Callers pass a constant, so the compiler
+ * removes the columns that aren't gathered.  The loop over rows is not
+ * unrolled: unrolling made it 2 to 5 % faster, and compiling took 1 to 2 s
+ * longer. */
 #if HBIL_WIDTH == 1
 #define NEIGHBOUR(i, j)                                                        \
   (load_tap(in, lit, split, light, column + (i), row + (j), x, y, loaded),     \
@@ -261,6 +262,7 @@ INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
     add_light(&s, self, (realv)1.0f);
 #if !UNFILTERED
   const middle m = middle_of(view, s.w, s.n, 4 * x + column, 4 * y + row);
+  /* FILTER_DOWN is even, so the first row is gathered */
 #pragma unroll 1
   for (int j = odd_y - FILTER_DOWN; j <= FILTER_DOWN; j += GATHERED_ROWS) {
     const realv plane = plane_below(&m, j);

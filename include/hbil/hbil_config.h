@@ -128,9 +128,9 @@ typedef struct hbil_outputs {
    * HBIL_FAR_CONSTANT or HBIL_FAR_SH, else 0. */
   hbil_plane_format beauty;
   /* 2 channels: estimates of the sampling errors of ao and of E_near (per
-   * channel, irradiance), which 95 % of the pixels don't exceed.  They hold for
-   * infinite thickness and are too small for any other (doc/method.md, section
-   * 18).  The second is 0 if no E_near is computed. */
+   * channel, irradiance), which 95 % of the pixels don't exceed in most scenes
+   * (doc/method.md, section 19).  Both are 0 with sampling.unfiltered, and the
+   * second also if no E_near is computed. */
   hbil_plane_format error_estimate;
   /* 1 channel: the share of the hemisphere, cosine weighted, whose light is a
    * guess because the screen does not show it; 0: all is known .. 1: all is
@@ -301,8 +301,9 @@ typedef enum hbil_sample_grid {
 
 /* Which pixels are gathered. */
 typedef enum hbil_resolution {
-  /* HALF from HBIL_HALF_RESOLUTION_PIXELS on, unless unfiltered; else FULL.
-   * Smaller pictures have more edges and take little time anyway. */
+  /* HALF for frames of HBIL_HALF_RESOLUTION_PIXELS and more that are filtered,
+   * otherwise FULL.  Smaller pictures have more edges and take little time
+   * anyway. */
   HBIL_RESOLUTION_AUTO = 0,
   HBIL_RESOLUTION_FULL = 1, /* all */
   /* Every second one in x and in y.  The filter, which this needs, fills in the
@@ -310,7 +311,8 @@ typedef enum hbil_resolution {
   HBIL_RESOLUTION_HALF = 2
 } hbil_resolution;
 
-/* width * height; doc/measurements.md, "Half resolution" */
+/* AUTO is HALF from this width * height on; doc/measurements.md, "Half
+ * resolution" */
 #define HBIL_HALF_RESOLUTION_PIXELS 400000
 
 /* How planes between the passes are stored.  Depth is a 32-bit float in both.
@@ -444,8 +446,9 @@ HBIL_API void hbil_config_init_sized(hbil_config *config, size_t struct_size);
 #define hbil_config_init(config)                                               \
   hbil_config_init_sized((config), sizeof(hbil_config))
 
-/* Returns sampling.resolution: what it is with config's size, if it is AUTO.
- * AUTO if config is null. */
+/* Returns the resolution that a plan of this configuration has.  If
+ * sampling.resolution is AUTO, width, height and unfiltered decide between FULL
+ * and HALF.  Returns AUTO if config is null.  Doesn't check config. */
 HBIL_API hbil_resolution hbil_config_resolution(const hbil_config *config);
 
 #ifdef __cplusplus

@@ -11,6 +11,9 @@
 extern "C" {
 #endif
 
+/* ------------------------------------------------------------------------ */
+/* Formats: how the pixels of a plane lie in memory                          */
+
 /* What a component is.  Kernels read every format directly, without a copy,
  * except for images.  The colours are albedo, f0, direct and emission.  What
  * depends on the plane is beside its member in hbil_inputs.  All bytes are in

@@ -30,7 +30,7 @@ static inline hbil_int hbil_level(hbil_float reach, hbil_float need,
 
 /*
  * The layers that are gathered: all 16 of them, or the 4 of every second pixel
- * in x and y (hbil_config.sampling.half_resolution).
+ * in x and y at half resolution (hbil_config.sampling.resolution).
  */
 static inline hbil_int hbil_is_gathered(hbil_int layer, hbil_int gathered) {
   hbil_int x = layer & 3, y = layer >> 2;

@@ -38,7 +38,8 @@ static const plane_fields outputs[BENCH_OUTPUTS] = {
     [BENCH_FAR] = FIELDS(outputs, far_irradiance, 3),
     [BENCH_BENT_NORMAL] = FIELDS(outputs, bent_normal, 3),
     [BENCH_CONE_COSINE] = FIELDS(outputs, cone_cosine, 1),
-    [BENCH_BEAUTY] = FIELDS(outputs, beauty, 3)};
+    [BENCH_BEAUTY] = FIELDS(outputs, beauty, 3),
+    [BENCH_ERROR_ESTIMATE] = FIELDS(outputs, error_estimate, 2)};
 
 static hbil_plane_format *format_at(hbil_config *config, size_t offset) {
   return (hbil_plane_format *)((char *)config + offset);
@@ -123,6 +124,8 @@ static int reads(const bench_trial *t, int input) {
 }
 
 static int writes(const bench_trial *t, int output) {
+  if (output == BENCH_ERROR_ESTIMATE)
+    return t->config.outputs.error_estimate.component != HBIL_NONE;
   return output == BENCH_AO || t->config.model.mode == HBIL_MODE_HBIL;
 }
 

@@ -11,7 +11,7 @@
 #include "hbil/hbil.h"
 
 /* The outputs that plans write: all of them with HBIL_MODE_HBIL, AO alone
- * else. */
+ * else.  The estimate only if the configuration has a format for it. */
 typedef enum bench_output {
   BENCH_AO = 0,
   BENCH_NEAR, /* near_irradiance */
@@ -20,6 +20,7 @@ typedef enum bench_output {
   BENCH_BENT_NORMAL,
   BENCH_CONE_COSINE,
   BENCH_BEAUTY,
+  BENCH_ERROR_ESTIMATE,
   BENCH_OUTPUTS
 } bench_output;
 

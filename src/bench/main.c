@@ -11,7 +11,7 @@
 static const bench_command *const commands[] = {
     &bench_error,  &bench_skips, &bench_scaling, &bench_temporal,
     &bench_passes, &bench_pilot, &bench_formats, &bench_truth,
-    &bench_cache,  &bench_far};
+    &bench_cache,  &bench_far,   &bench_estimate};
 
 enum {
   COMMANDS = sizeof commands / sizeof *commands,

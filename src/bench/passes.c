@@ -27,7 +27,8 @@ typedef struct job {
 } job;
 
 /* The default; the paper's setting; motion vectors and two other models, which
- * have kernels of their own; the other resolution. */
+ * have kernels of their own; half resolution, or full where half is the
+ * default. */
 static void choose_cases(job *j) {
   bench_setting s[CASES];
   for (int i = 0; i < CASES; i++)

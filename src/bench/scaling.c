@@ -20,7 +20,7 @@ enum {
   SAMPLINGS = sizeof step_counts / sizeof *step_counts,
   PROCESSES = 5,
   /* Floats a pixel of all inputs of two frames, and of the outputs. */
-  PLANES = 2 * 15 + 17
+  PLANES = 2 * 15 + 19
 };
 
 /* The room in one size, on the device. */

@@ -32,7 +32,7 @@ static const sweep sweeps[] = {
     /* the paper's own setting, which comes first */
     {PAPER, 2, 0, LAYER | QUICK, {8}},
     {PAPER, 2, 2, 0, {8, 32}},
-    /* steps, with one, two and four slices */
+    /* steps, with one to four slices */
     {DEFAULT, 1, 2, QUICK, {8, 32}},
     {DEFAULT, 1, 2, 0, {4, 16, 64}},
     {DEFAULT, 2, 2, QUICK, {8, 32}},
@@ -64,6 +64,10 @@ static const sweep sweeps[] = {
     {THICK, 2, 2, 0, {8, 32}},
     {ENDLESS, 2, 2, QUICK, {8}},
     {ENDLESS, 2, 2, 0, {32}},
+    {ENDLESS, 1, 2, HALF, {32}},
+    {ENDLESS, 2, 2, HALF, {48}},
+    {ENDLESS, 3, 2, HALF, {64}},
+    {ENDLESS, 4, 2, HALF, {64, 96}},
     {GTAO, 2, 2, QUICK, {8}},
     {HBAO, 2, 2, QUICK, {8}},
 };
@@ -88,8 +92,8 @@ int bench_setting_same(const bench_setting *a, const bench_setting *b) {
          !(a->growth > b->growth) && (a->flags & known) == (b->flags & known);
 }
 
-/* The sampling of a configuration, which knows its size, in the default model.
- */
+/* The sampling of a configuration whose width and height are set, in the
+ * default model. */
 static bench_setting setting_of(const hbil_config *config) {
   return (bench_setting){
       .model = DEFAULT,

@@ -43,7 +43,8 @@ size_t bench_settings(int quick, const bench_content *content,
                       bench_setting out[BENCH_MAX_SETTINGS]);
 /* The paper's setting, which times are told as multiples of. */
 bench_setting bench_setting_paper(void);
-/* The default model with the default sampling of the content's size. */
+/* The default model with the sampling that is the default for pictures of the
+ * content's size. */
 bench_setting bench_setting_default(const bench_content *content);
 int bench_setting_same(const bench_setting *a, const bench_setting *b);
 

@@ -327,10 +327,11 @@ static hbil_status check_values(hbil_context *context,
         (double)config->model.facing_fade[1]);
   if (config->sampling.resolution == HBIL_RESOLUTION_HALF &&
       config->sampling.unfiltered)
-    return fail(context, HBIL_INVALID_CONFIG,
-                "sampling.resolution: HALF with sampling.unfiltered, but only "
-                "the filter fills in the other pixels; resolution must be "
-                "another, or unfiltered CL_FALSE");
+    return fail(
+        context, HBIL_INVALID_CONFIG,
+        "sampling.resolution: HALF needs the filter, which fills in the "
+        "other pixels; set FULL or AUTO, or sampling.unfiltered to "
+        "CL_FALSE");
   const cl_uint width = config->execution.vector_width;
   if (width != 0 && width != 1 && width != 4 && width != 8 && width != 16)
     return fail(

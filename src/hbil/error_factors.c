@@ -5,38 +5,56 @@
 
 /*
  * The standard deviation of the light that recompose averages, times this
- * factor, is an error that 95 % of the pixels don't exceed.  The factors were
- * measured with two slices; for each number of steps, the worst of five scenes
- * was taken (doc/method.md, section 19).
+ * factor, is an error that 95 % of the pixels don't exceed.  These are the
+ * factors for two slices; error_factors() scales them for more.  Each is the
+ * largest that any of twelve scenes needed with two to four slices, rounded up
+ * (doc/method.md, section 19).  single: for E_near with one slice; it differs
+ * only at half resolution, where one slice may miss small bright things
+ * altogether.
  */
-static const struct {
-  int steps;
-  float ao, near_irradiance;
-} measured[] = {{8, 1.40f, 3.20f},  {12, 1.05f, 2.20f}, {16, 0.85f, 1.90f},
-                {24, 0.62f, 1.50f}, {32, 0.60f, 1.45f}, {48, 0.60f, 1.25f},
-                {64, 0.60f, 1.20f}, {96, 0.60f, 1.05f}, {128, 0.60f, 1.00f},
-                {192, 0.60f, 0.90f}};
-enum { MEASURED = sizeof measured / sizeof *measured };
+typedef struct factors {
+  float ao, near_irradiance, single;
+} factors;
 
-/* The logarithm is interpolated linearly between the measured numbers of steps,
- * and extrapolated below the first one; above the last one it is constant. */
+static const int step_counts[] = {8, 16, 32, 64, 96, 128};
+enum { STEP_COUNTS = sizeof step_counts / sizeof *step_counts };
+
+static const factors endless_full[STEP_COUNTS] = {
+    {1.45f, 3.60f, 3.60f}, {0.90f, 2.35f, 2.35f}, {0.65f, 1.55f, 1.55f},
+    {0.60f, 1.10f, 1.10f}, {0.60f, 0.85f, 0.85f}, {0.60f, 0.75f, 0.75f}};
+static const factors endless_half[STEP_COUNTS] = {
+    {2.05f, 5.10f, 30.0f}, {1.40f, 2.80f, 6.30f}, {1.35f, 1.95f, 3.80f},
+    {1.35f, 1.95f, 3.70f}, {1.35f, 1.80f, 3.70f}, {1.35f, 1.70f, 3.70f}};
+static const factors finite_full[STEP_COUNTS] = {
+    {2.60f, 3.00f, 3.00f}, {1.50f, 1.75f, 1.75f}, {1.40f, 1.15f, 1.15f},
+    {0.90f, 0.90f, 0.90f}, {0.70f, 0.80f, 0.80f}, {0.65f, 0.70f, 0.70f}};
+static const factors finite_half[STEP_COUNTS] = {
+    {3.50f, 4.10f, 17.0f}, {1.80f, 2.55f, 3.60f}, {1.65f, 1.80f, 2.15f},
+    {1.35f, 1.60f, 1.85f}, {1.25f, 1.60f, 1.75f}, {1.25f, 1.60f, 1.75f}};
+
+/* The logarithm is interpolated linearly between the measured numbers of steps.
+ * It is extrapolated down to half of the first one; beyond that, and above the
+ * last one, it is constant. */
 static float between(float a, float b, float t) {
-  return a * powf(b / a, fminf(t, 1.0f));
+  return a * powf(b / a, fmaxf(fminf(t, 1.0f), -1.0f));
 }
 
-hbil_error_args error_factors(int slices, int steps) {
+hbil_error_args error_factors(int slices, int steps, bool finite_thickness,
+                              bool half_resolution) {
+  const factors *f = finite_thickness
+                         ? (half_resolution ? finite_half : finite_full)
+                         : (half_resolution ? endless_half : endless_full);
   int i = 0;
-  while (i + 2 < MEASURED && measured[i + 1].steps < steps)
+  while (i + 2 < STEP_COUNTS && step_counts[i + 1] < steps)
     ++i;
-  const float from = (float)measured[i].steps;
-  const float to = (float)measured[i + 1].steps;
+  const float from = (float)step_counts[i], to = (float)step_counts[i + 1];
   const float t = logf((float)steps / from) / logf(to / from);
   /* The spread falls with the root of the number of slices, but the error that
    * they all share doesn't. */
   const float more = sqrtf(fmaxf(0.5f * (float)slices, 1.0f));
-  const hbil_error_args factors = {
-      more * between(measured[i].ao, measured[i + 1].ao, t),
-      more * between(measured[i].near_irradiance,
-                     measured[i + 1].near_irradiance, t)};
-  return factors;
+  const float near_irradiance =
+      slices == 1 ? between(f[i].single, f[i + 1].single, t)
+                  : between(f[i].near_irradiance, f[i + 1].near_irradiance, t);
+  return (hbil_error_args){more * between(f[i].ao, f[i + 1].ao, t),
+                           more * near_irradiance};
 }

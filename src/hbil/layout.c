@@ -405,7 +405,9 @@ void layout_compute(const hbil_config *config, const staging *staged,
                              (size_t)hbil_sites(out->pattern.gathered) * 2 *
                              config->sampling.slices *
                              (config->sampling.steps_per_side + 1);
-  out->errors = error_factors(out->pattern.slices, out->pattern.steps);
+  out->errors = error_factors(out->pattern.slices, out->pattern.steps,
+                              config_has_thickness(config),
+                              out->pattern.gathered < HBIL_LAYERS);
   if (out->history && out->skip & HBIL_SKIP_STATIC &&
       !config->history.max_frames && !out->glossy)
     out->bytes[BUFFER_HORIZON_CACHE] = lay_out_horizon_cache(config, out);

@@ -7,7 +7,8 @@
 /* The words of --model, in the order of the enum; ends with NULL. */
 extern const char *const model_words[];
 
-/* hbil_model_set() and the number of samples that goes with the model.
+/* hbil_model_set(), and the sampling that goes with the model: slices, steps
+ * and resolution.
  * The far field is not part of it: the paper has none, the default chooses one
  * by the first frame. */
 void model_set(hbil_config *config, hbil_model_name model);

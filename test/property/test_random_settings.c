@@ -87,7 +87,7 @@ static void any_sampling(hbil_config *c, random_state *r) {
   c->sampling.unfiltered = maybe(r, 0.2);
   if (!c->sampling.unfiltered)
     c->sampling.resolution =
-        maybe(r, 0.5) ? HBIL_RESOLUTION_HALF : HBIL_RESOLUTION_AUTO;
+        (hbil_resolution)below(r, HBIL_RESOLUTION_HALF + 1);
   c->sampling.storage =
       maybe(r, 0.5) ? HBIL_STORAGE_PACKED : HBIL_STORAGE_FLOAT32;
   c->execution.vector_width = ANY_OF(r, widths);
@@ -102,7 +102,7 @@ static void tell_settings(uint64_t seed, const hbil_config *c,
       "thickness %g %g "
       "facing fade %g %g fallback %d gather_emission %d reprojection %d "
       "feedback %d "
-      "disocclusion %g far_field %d, %u x %u growth %g grid %d half %d "
+      "disocclusion %g far_field %d, %u x %u growth %g grid %d resolution %d "
       "unfiltered %d "
       "storage %d width %u skip %u, depth %d/%u kind %d, normal %d/%u in %d, "
       "direct_scale %g, field of view %g, off centre %g, %g, pixels 1 : %g",

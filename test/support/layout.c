@@ -97,7 +97,7 @@ size_t placement_of(const placement *p, int channel, size_t x, size_t y) {
 }
 
 /* ------------------------------------------------------------------------ */
-/* Values of codes, from their definitions in hbil_config.h                  */
+/* Values of codes, from their definitions in hbil_formats.h                 */
 
 static double snorm_value(int code, int largest) {
   return fmax((double)code / largest, -1.0);

@@ -40,7 +40,7 @@ assert r["machine"]["device"] and r["date"] and r["tables"] and r["hbil"]' \
 }
 
 says "the program lists its questions" '^  passes ' "$BENCH" --help
-for question in error skips scaling temporal passes pilot formats cache truth far; do
+for question in error skips scaling temporal passes pilot formats cache truth far estimate; do
   says "$question has help" "^usage: hbil-bench $question" \
     "$BENCH" $question --help
 done
@@ -93,9 +93,11 @@ grep -q '^| first frame | [0-9]' "$work/out" &&
   grep -q '^| 128 | [0-9]' "$work/out"
 ok $? "scaling has first frames and samples"
 valid "scaling's JSON can be read" "$work/results/scaling.json"
-says "temporal has means over frames" '^| 1x64 g2 | 4 | 0\.' \
+says "temporal has means over frames" '^| 3x64 g2 | 4 | 0\.' \
   tiny temporal --pixels 40
 valid "temporal's JSON can be read" "$work/results/temporal.json"
+says "estimate has quotients" '^| endless 2x64 g2 | [0-9.]* | [0-9.]* |' \
+  tiny estimate --pixels 40
 says "formats has the error of each format" '| FLOAT16 | 48 | 0\.' \
   tiny formats --pixels 40
 says "cache has what a view costs" '^| inject a view | [0-9]' \
@@ -103,7 +105,7 @@ says "cache has what a view costs" '^| inject a view | [0-9]' \
 grep -q '^| rays | [0-9.]* | | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out" &&
   grep -q '^| lpv | [0-9.]* | [-0-9.]* | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out"
 ok $? "and each provider"
-says "passes has the time of each pass" '^| 1x64 g2, motion vectors | [0-9]' \
+says "passes has the time of each pass" '^| 3x64 g2, motion vectors | [0-9]' \
   tiny passes
 works "passes compares kernels" tiny passes --name kernels --json \
   --kernels "$srcdir/kernels" --kernels "$srcdir/kernels"

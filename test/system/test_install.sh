@@ -116,6 +116,8 @@ works "make install" make -s install "DESTDIR=$root"
 lib=$(find "$root" -name libhbil.so.1 -exec dirname {} \;)
 share=$(find "$root" -name kernels -exec dirname {} \; | sed 's|/hbil$||')
 prefix=${share%/share}
+find "$share/man" -type f -size 0 >"$work/empty"
+ok $(($(wc -l <"$work/empty") > 0)) "no manual page is empty"
 files "$prefix" | grep -v '^share/man/man3/' >"$work/installed"
 sort >"$work/expected" <<END
 bin/hbil

@@ -1,5 +1,5 @@
 /*
- * Every format of the inputs is read as hbil_config.h defines it: codes on the
+ * Every format of the inputs is read as hbil_formats.h defines it: codes on the
  * device against their values in double precision, all of them or a dense
  * sweep.
  */

@@ -170,7 +170,7 @@ SPOIL(direct_component, c->inputs.direct.component = (hbil_component)99)
 SPOIL(ao_unorm, c->outputs.ao.component = HBIL_UNORM8)
 SPOIL(motion_missing, (c->history.reprojection = HBIL_REPROJECTION_MOTION,
                        c->inputs.motion.component = HBIL_NONE))
-SPOIL(half_2, c->sampling.resolution = (hbil_resolution)3)
+SPOIL(resolution_3, c->sampling.resolution = (hbil_resolution)3)
 SPOIL(half_unfiltered, (c->sampling.resolution = HBIL_RESOLUTION_HALF,
                         c->sampling.unfiltered = CL_TRUE))
 SPOIL(grid_unknown, c->sampling.sample_grid = (hbil_sample_grid)7)
@@ -225,7 +225,7 @@ static const bad_config bad_configs[] = {
     {"direct", direct_component},
     {"ao", ao_unorm},
     {"motion", motion_missing},
-    {"sampling.resolution", half_2},
+    {"sampling.resolution", resolution_3},
     {"sampling.resolution", half_unfiltered},
     {"sample_grid", grid_unknown},
     {"back_facing_fallback", fallback_unknown},
