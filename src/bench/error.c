@@ -209,7 +209,8 @@ static void report_notes(const job *j, bench_report *report) {
   bench_report_note(
       report,
       "A setting is slices x steps per side of a slice; g is the growth of the "
-      "steps.  Where no model is named it is the default one; thin, thick and "
+      "steps; half: at half resolution.  Where no model is named it is the "
+      "default one; thin, thick and "
       "endless occluders are 2 %%, 30 %% and infinitely thick; gtao and hbao "
       "(radius %.3g) compute AO alone.",
       (double)j->content.radius);

@@ -183,7 +183,7 @@ void bench_setting_label(const bench_setting *s, char text[BENCH_LABEL]) {
            s->model == DEFAULT ? "" : " ", s->preset ? s->preset : "",
            s->preset ? " " : "", (unsigned)s->slices, (unsigned)s->steps,
            (double)s->growth, s->flags & LAYER ? " same-layer" : "",
-           s->flags & HALF ? " half-resolution" : "",
+           s->flags & HALF ? " half" : "",
            s->flags & RAW ? " unfiltered" : "",
            s->flags & PLAIN ? " not extrapolated" : "",
            s->flags & FP32 ? " fp32" : "");
