@@ -176,6 +176,7 @@ const bench_command bench_cache = {
         "and what its probes add to a frame?  Frames with and without it are\n"
         "timed in turns.  The second table has the same of each provider of\n"
         "far light (hbil process --far).\n",
-    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_FRAMES,
+    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_TIMES |
+               BENCH_TAKES_FRAMES,
     .runs = 9,
     .run = run};

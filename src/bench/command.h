@@ -23,9 +23,10 @@ enum {
   BENCH_TAKES_TRUTH = 4,    /* --truth */
   BENCH_TAKES_KERNELS = 8,  /* --kernels */
   BENCH_TAKES_REPORT = 16,  /* --output, --name, --markdown, --json */
-  BENCH_TAKES_ROOM = 32,    /* --size, --runs; with a report --quick, too */
+  BENCH_TAKES_ROOM = 32,    /* --size; with a report --quick, too */
   BENCH_TAKES_FOLDERS = 64, /* FOLDER..., -- OPTIONS, --runs of the light */
-  BENCH_TAKES_SCENES = 128  /* FOLDER..., --no-times */
+  BENCH_TAKES_SCENES = 128, /* FOLDER..., --no-times */
+  BENCH_TAKES_TIMES = 256   /* --runs */
 };
 
 typedef struct bench_options {
@@ -53,7 +54,7 @@ typedef struct bench_options {
 typedef struct bench_command {
   const char *name, *about; /* one word; one line for the list of commands */
   const char *details;      /* the help's paragraph, with line ends */
-  unsigned accepts, runs;   /* runs: default of --runs */
+  unsigned accepts, runs;   /* runs: default of --runs; 0: times nothing */
   /* report: NULL where BENCH_TAKES_REPORT is missing. */
   int (*run)(const bench_options *options, const struct bench_device *device,
              struct bench_report *report, image_error *error);

@@ -296,7 +296,7 @@ const bench_command bench_error = {
         "Errors are taken against the exact integral, which takes the CPU a\n"
         "while at first.  Also writes NAME.dat and NAME.gnuplot, and NAME.png\n"
         "where gnuplot is installed.\n",
-    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_FRAMES |
-               BENCH_TAKES_ERRORS | BENCH_TAKES_TRUTH,
+    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_TIMES |
+               BENCH_TAKES_FRAMES | BENCH_TAKES_ERRORS | BENCH_TAKES_TRUTH,
     .runs = 9,
     .run = run};

@@ -8,6 +8,7 @@
 #include "bench/integrals.h"
 #include "bench/report.h"
 #include "bench/settings.h"
+#include "bench/statistics.h"
 
 static const bench_model models[] = {BENCH_MODEL_DEFAULT, BENCH_MODEL_ENDLESS};
 static const unsigned resolutions[] = {0, BENCH_HALF_RESOLUTION};
@@ -71,11 +72,6 @@ static double error_of(const float *a, const float *b, size_t pixels,
   return most;
 }
 
-static int ascending(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* Reports the share of pixels whose errors are beyond their estimates, and the
  * quotient error / estimate that 95 % don't exceed.  tolerance: errors up to
  * this are rounding. */
@@ -92,12 +88,10 @@ static void report_quotients(const job *j, const float *exact,
         fmax(off - tolerance, 0.0) / fmax((double)estimate[i], 1e-30);
     beyond += j->quotient[count++] > 1.0;
   }
-  qsort(j->quotient, count, sizeof *j->quotient, ascending);
   /* a picture of sky has none */
   bench_report_number(j->report,
                       count ? 100.0 * (double)beyond / (double)count : NAN);
-  bench_report_number(
-      j->report, count ? j->quotient[(size_t)(0.95 * (double)count)] : NAN);
+  bench_report_number(j->report, bench_quantile(j->quotient, count, 0.95));
 }
 
 static double mean_light(const job *j, const float *light) {
@@ -166,7 +160,7 @@ static int run(const bench_options *options, const bench_device *device,
   if (bench_content_load(options, 1, 0, &j.content, error) != 0)
     return -1;
   bench_report_subject(report, j.content.name, j.content.width,
-                       j.content.height, options->runs);
+                       j.content.height, 0);
   j.planes = malloc(5 * bench_pixels(&j.content) * sizeof *j.planes);
   j.quotient = malloc(bench_pixels(&j.content) * sizeof *j.quotient);
   int failed =
@@ -192,5 +186,4 @@ const bench_command bench_estimate = {
         "says, and by what factor?  It is meant to be exceeded by 5 %.\n",
     .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_FRAMES |
                BENCH_TAKES_ERRORS,
-    .runs = 1,
     .run = run};

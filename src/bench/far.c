@@ -213,6 +213,7 @@ const bench_command bench_far = {
         "Times are those of the procedural room.  NAME.png shows error "
         "against\n"
         "time, if gnuplot is installed.\n",
-    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_SCENES,
+    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_TIMES |
+               BENCH_TAKES_SCENES,
     .runs = 9,
     .run = run};

@@ -244,7 +244,7 @@ static int run(const bench_options *options, const bench_device *device,
   const bench_setting setting = bench_setting_default(&j.content);
   const size_t pixels = bench_pixels(&j.content);
   bench_report_subject(report, j.content.name, j.content.width,
-                       j.content.height, options->runs);
+                       j.content.height, 0);
   bench_setting_apply(&setting, &j.content, &j.config);
   find_depths(&j);
   float *planes = malloc(8 * pixels * sizeof *planes);
@@ -275,5 +275,4 @@ const bench_command bench_formats = {
         "room.\n",
     .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_FRAMES |
                BENCH_TAKES_ERRORS,
-    .runs = 1,
     .run = run};

@@ -49,7 +49,7 @@ static const description table[] = {
     {"device", "NAME", 'D', 0,
      "index or part of a name, as in hbil devices (the\n"
      "                      first GPU, else the first device)"},
-    {"runs", "N", 'r', BENCH_TAKES_ROOM,
+    {"runs", "N", 'r', BENCH_TAKES_TIMES,
      "counted runs of each setting, 1..1000"},
     {"runs", "N", 'r', BENCH_TAKES_FOLDERS,
      "also shows whether light grows: the mean of the last\n"

@@ -288,7 +288,7 @@ const bench_command bench_passes = {
         "How long does each pass take, in a few settings, and how far is that\n"
         "from a plain copy of the same bytes?  With --kernels: what does a\n"
         "change of the kernels bring, pass by pass?\n",
-    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_FRAMES |
-               BENCH_TAKES_KERNELS,
+    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_TIMES |
+               BENCH_TAKES_FRAMES | BENCH_TAKES_KERNELS,
     .runs = 9,
     .run = run};

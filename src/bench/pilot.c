@@ -72,7 +72,7 @@ const bench_command bench_pilot = {
         "How long do a new plan and its first three frames take?  Prints one\n"
         "line of milliseconds.  hbil-bench scaling starts this several "
         "times.\n",
-    .accepts = BENCH_TAKES_ROOM,
+    .accepts = BENCH_TAKES_ROOM | BENCH_TAKES_TIMES,
     .runs = 9,
     .run = run};
 

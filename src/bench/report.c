@@ -94,8 +94,10 @@ void bench_report_subject(bench_report *r, const char *content, uint32_t width,
   set(r, r->document, "content", json_string(content));
   set(r, r->document, "width", json_integer(width));
   set(r, r->document, "height", json_integer(height));
-  set(r, r->document, "warm_up_runs", json_integer(BENCH_WARM_UP));
-  set(r, r->document, "runs", json_integer(runs));
+  if (runs) {
+    set(r, r->document, "warm_up_runs", json_integer(BENCH_WARM_UP));
+    set(r, r->document, "runs", json_integer(runs));
+  }
 }
 
 void bench_report_table(bench_report *r, const char *key, const char *title,
@@ -206,17 +208,15 @@ static int number_of(const json_t *object, const char *key) {
   return (int)json_integer_value(json_object_get(object, key));
 }
 
-/* Where times were measured, there is a subject. */
 static void print_subject(const json_t *document, FILE *out) {
-  const int timed = json_object_get(document, "runs") != NULL;
-  if (timed)
+  if (json_object_get(document, "runs"))
     fprintf(out,
             "Times are device times: medians of %d runs after %d runs of "
             "warm-up.\n",
             number_of(document, "runs"), (int)BENCH_WARM_UP);
   fprintf(out, "\nMeasured on %s with hbil %s", text_of(document, "date"),
           text_of(document, "hbil"));
-  if (timed)
+  if (json_object_get(document, "content"))
     fprintf(out, ": %s, %d x %d pixels", text_of(document, "content"),
             number_of(document, "width"), number_of(document, "height"));
   fputc(',', out);

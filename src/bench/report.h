@@ -28,8 +28,9 @@ bench_report *bench_report_new(const bench_command *command,
                                const bench_device *device);
 void bench_report_free(bench_report *r);
 
-/* Whose times were measured: "procedural room", 1280 x 720 pixels, so many
- * runs.  Without it, the report says nothing of times. */
+/* What was measured: "procedural room", 1280 x 720 pixels.  runs: of which
+ * times are medians; with 0, or without a subject, the report says nothing of
+ * times. */
 void bench_report_subject(bench_report *r, const char *content, uint32_t width,
                           uint32_t height, unsigned runs);
 /* Begins a table of at most BENCH_TABLES; columns must outlive the report. */

@@ -303,6 +303,6 @@ const bench_command bench_scaling = {
         "How do time and memory grow with pixels, samples and threads, and\n"
         "what does the first frame of a process cost?  The size of --size is\n"
         "the base that 1/2, 3/2, 3 and 6 times its edges are compared to.\n",
-    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM,
+    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_TIMES,
     .runs = 9,
     .run = run};

@@ -250,6 +250,7 @@ const bench_command bench_skips = {
         "What does a frame cost that needs less: sky, open walls, darkness,\n"
         "nothing that moves, AO alone?  Each is timed in turns with a whole\n"
         "frame.\n",
-    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_FRAMES,
+    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_TIMES |
+               BENCH_TAKES_FRAMES,
     .runs = 9,
     .run = run};

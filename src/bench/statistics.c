@@ -1,6 +1,7 @@
-/* Medians of times. */
+/* Medians of times, and shares of other values. */
 #include "bench/statistics.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "bench/command.h"
@@ -16,6 +17,13 @@ bench_spread bench_spread_of(double *values, unsigned count) {
                             0.5 * (values[(count - 1) / 2] + values[count / 2]),
                         .low = values[0],
                         .high = values[count - 1]};
+}
+
+double bench_quantile(double *values, size_t count, double share) {
+  if (!count)
+    return NAN;
+  qsort(values, count, sizeof *values, ascending);
+  return values[(size_t)(share * (double)(count - 1))];
 }
 
 double bench_median_ratio(const double *numerators, const double *denominators,

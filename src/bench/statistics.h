@@ -1,6 +1,8 @@
-/* Medians of times, and nothing else. */
+/* Medians of times, and shares of other values. */
 #ifndef HBIL_BENCH_STATISTICS_H
 #define HBIL_BENCH_STATISTICS_H
+
+#include <stddef.h>
 
 /* Runs before the first that is counted. */
 enum { BENCH_WARM_UP = 2 };
@@ -11,6 +13,10 @@ typedef struct bench_spread {
 
 /* count: at least 1.  Sorts values. */
 bench_spread bench_spread_of(double *values, unsigned count);
+
+/* The value that a share of them, 0..1, doesn't exceed.  Sorts values; NAN if
+ * there are none. */
+double bench_quantile(double *values, size_t count, double share);
 
 /* The median of numerators[i] / denominators[i].  Both were measured in the
  * same turn, so whatever slows the machine for a while slows both.

@@ -207,7 +207,7 @@ const bench_command bench_temporal = {
         "with a static camera and with a moving one, and what does it cost?\n"
         "FRAME.exr... are a sequence whose last frame is measured; without\n"
         "any, the camera moves through the room.\n",
-    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_FRAMES |
-               BENCH_TAKES_ERRORS,
+    .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_TIMES |
+               BENCH_TAKES_FRAMES | BENCH_TAKES_ERRORS,
     .runs = 9,
     .run = run};

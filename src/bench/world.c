@@ -17,24 +17,18 @@ static int check(const bench_world *w, hbil_status status, image_error *error) {
 
 /* --- the cache --- */
 
-static int ascending(const void *a, const void *b) {
-  const float x = *(const float *)a, y = *(const float *)b;
-  return (x > y) - (x < y);
-}
-
 /* A cube about the eye that holds nearly all surfaces. */
 static int choose_extent(bench_world *w, image_error *error) {
   const size_t pixels = bench_pixels(w->content);
   const bench_frame *frame = w->content->frame;
-  float *depths = malloc(pixels * sizeof *depths);
+  double *depths = malloc(pixels * sizeof *depths);
   size_t count = 0;
   if (!depths)
     return image_no_memory(error, "depths");
   for (size_t i = 0; i < pixels; i++)
     if (bench_is_surface(w->content, i))
-      depths[count++] = frame->plane[BENCH_DEPTH][i];
-  qsort(depths, count, sizeof *depths, ascending);
-  const double radius = count ? (double)depths[(count - 1) * 199 / 200] : 1.0;
+      depths[count++] = (double)frame->plane[BENCH_DEPTH][i];
+  const double radius = count ? bench_quantile(depths, count, 0.995) : 1.0;
   free(depths);
   w->config.voxel_size = radius / (0.5 * w->config.voxels - 2.0) /
                          ldexp(1.0, (int)w->config.levels - 1);

@@ -10,6 +10,7 @@ tiny() {
   shift
   case $question in
   truth) ;;
+  formats | estimate) set -- --size 64x48 --quick "$@" ;;
   *) set -- --size 64x48 --runs 1 --quick "$@" ;;
   esac
   "$BENCH" "$question" -o "$work/results" "$@"
@@ -96,6 +97,7 @@ valid "scaling's JSON can be read" "$work/results/scaling.json"
 says "temporal has means over frames" '^| 3x64 g2 | 4 | 0\.' \
   tiny temporal --pixels 40
 valid "temporal's JSON can be read" "$work/results/temporal.json"
+rejected "runs where nothing is timed" 'runs' "$BENCH" estimate --runs 3
 says "estimate has quotients" '^| endless 2x64 g2 | [0-9.]* | [0-9.]* |' \
   tiny estimate --pixels 40
 says "formats has the error of each format" '| FLOAT16 | 48 | 0\.' \
