@@ -148,7 +148,7 @@ static int measure(const job *j, image_error *error) {
       "Errors are those of one bounce against the exact integral (%d slices) "
       "at %zu pixels; of E_near, of the channel that is off most.  error / "
       "estimate: not exceeded by 95 %% of the pixels, so an ideal estimate has "
-      "1.",
+      "1.  endless: infinitely thick occluders; half: at half resolution.",
       j->integrals.slices, j->content.compared_count);
   return 0;
 }
