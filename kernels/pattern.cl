@@ -12,6 +12,16 @@
  */
 #include "lib/sampling_pattern.h"
 
+/* Floats from x + y * row to the pixel that lies (x, y) from that pixel of the
+ * layer, which may be in another layer. */
+static inline int offset_of(const hbil_layer_args layout, int layer, int x,
+                            int y) {
+  const int to_x = (layer & 3) + x, to_y = (layer >> 2) + y;
+  return (int)(((uint)(to_y & 3) * 4u + (uint)(to_x & 3)) * layout.layer +
+               layout.origin) +
+         (to_y >> 2) * (int)layout.row + (to_x >> 2);
+}
+
 /* |e| of an offset in pixels, in units of ray slope. */
 static inline float length_of(const hbil_view_args view, int x, int y) {
   const float ex = (float)x * view.inv_fx, ey = (float)y * view.inv_fy;
@@ -38,37 +48,21 @@ kernel void make_pattern(const hbil_make_pattern_args args,
   steps += (get_global_id(0) * (uint)(2 * pattern.slices) + (uint)half_slice) *
            (uint)(pattern.steps + 1);
   /* the receiver itself, which is what comes before the first sample */
-  const hbil_step direction = {
-      (int)((uint)layer * layout.layer + layout.origin),
-      0,
-      0,
-      0.0f,
-      0.0f,
-      0.0f,
-      ux,
-      uy,
-      0,
-      0.0f,
-      0.0f,
-      0.0f};
+  hbil_step direction = {0};
+  direction.ux = ux;
+  direction.uy = uy;
   *steps++ = direction;
   int x, y, before = 0;
-  float nearer = 0.0f;
   hbil_sample_offset(site, 0, level, ux, uy, view, pattern, &x, &y);
   for (int k = 0; k < pattern.steps; ++k) {
     int next_x = x, next_y = y;
     if (k + 1 < pattern.steps)
       hbil_sample_offset(site, k + 1, level, ux, uy, view, pattern, &next_x,
                          &next_y);
-    /* pixel offset -> the layer it lands in, and the offset there */
-    const int to_x = (layer & 3) + x, to_y = (layer >> 2) + y;
     hbil_step step;
-    step.dx = to_x >> 2;
-    step.dy = to_y >> 2;
-    step.offset =
-        (int)(((uint)(to_y & 3) * 4u + (uint)(to_x & 3)) * layout.layer +
-              layout.origin) +
-        step.dy * (int)layout.row + step.dx;
+    step.dx = ((layer & 3) + x) >> 2;
+    step.dy = ((layer >> 2) + y) >> 2;
+    step.offset = offset_of(layout, layer, x, y);
     step.ex = (float)x * view.inv_fx;
     step.ey = (float)y * view.inv_fy;
     const float e = length_of(view, x, y);
@@ -79,15 +73,25 @@ kernel void make_pattern(const hbil_make_pattern_args args,
     const int after = hbil_offset_length(next_x, next_y);
     step.subsets = hbil_sample_subsets(site, pattern.gathered, k, pattern.steps,
                                        before, after);
-    step.spread =
-        hbil_half_step(k, pattern.steps, before, length, after) * step.inv_e;
-    step.to_before = e / (e - nearer);
-    step.to_next = k + 1 < pattern.steps
-                       ? e / (length_of(view, next_x, next_y) - e)
-                       : 1.0f;
+    /* what follows the last sample is taken to be as far as what is before */
+    const int gap = length - before;
+    const int next_gap = k + 1 < pattern.steps ? after - length : gap;
+    const float near = hbil_half_gap(gap, length) * e;
+    const float far = hbil_half_gap(next_gap, length) * e;
+    int slope_x, slope_y;
+    hbil_slope_offset(x, y, length, gap + next_gap, &slope_x, &slope_y);
+    const float per_slope = 1.0f / fma((float)slope_x * view.inv_fx, step.ux,
+                                       (float)slope_y * view.inv_fy * step.uy);
+    step.nearer = offset_of(layout, layer, x - slope_x, y - slope_y);
+    step.farther = offset_of(layout, layer, x + slope_x, y + slope_y);
+    step.farther_dx = ((layer & 3) + x + slope_x) >> 2;
+    step.farther_dy = ((layer >> 2) + y + slope_y) >> 2;
+    step.to_near = near * per_slope;
+    step.to_far = far * per_slope;
+    step.inv_near = 1.0f / (e - near);
+    step.inv_far = 1.0f / (e + far);
     steps[k] = step;
     before = length;
-    nearer = e;
     x = next_x;
     y = next_y;
   }

@@ -235,13 +235,16 @@ typedef struct hbil_step {
   hbil_float inv_e;  /* 1 / |e| */
   hbil_float ux, uy; /* e / |e| */
   hbil_int subsets;  /* of HBIL_SUBSET_ */
-  /* half the width of the step, hbil_half_step(), over |e| */
-  hbil_float spread;
-  /* |e| over the distances in |e| to the sample before and to the next one; 1
-   * at the last one */
-  hbil_float to_before, to_next;
+  /* Of occluders of finite thickness, which stand for their whole steps: the
+   * same as `offset` for the pixels nearer and farther by hbil_slope_offset(),
+   * which tell the sample's slope; how far the step goes on either side, over
+   * the distance of these pixels; 1 / |e| of both ends of the step. */
+  hbil_int nearer, farther;
+  hbil_int farther_dx, farther_dy; /* as dx and dy */
+  hbil_float to_near, to_far;
+  hbil_float inv_near, inv_far;
 } hbil_step;
-HBIL_ASSERT_LAYOUT(hbil_step, to_next, 11, 12)
+HBIL_ASSERT_LAYOUT(hbil_step, inv_far, 16, 17)
 
 /* Words of the plan's flags: what kernels of a frame tell later ones. */
 enum {

@@ -185,16 +185,32 @@ static inline hbil_int hbil_offset_length(hbil_int x, hbil_int y) {
 }
 
 /*
- * Half the width of sample k's step, over its distance: how much of the line on
- * either side of it no sample meets, apart from the pixel itself.  Arguments as
- * for hbil_sample_subsets(); length: hbil_offset_length() of the sample.
+ * A sample's step reaches half-way to the samples on either side.  Returns how
+ * far that is, over the sample's distance.  gap: the pixels to the other
+ * sample; those between them are what no sample meets.  length:
+ * hbil_offset_length() of the sample.
  */
-static inline hbil_float hbil_half_step(hbil_int k, hbil_int samples,
-                                        hbil_int before, hbil_int length,
-                                        hbil_int after) {
-  hbil_float steps = k + 1 < samples ? 2.0f : 1.0f;
-  hbil_float width = (hbil_float)(after - before) / steps - 1.0f;
-  return 0.5f * (width > 0.0f ? width : 0.0f) / (hbil_float)length;
+static inline hbil_float hbil_half_gap(hbil_int gap, hbil_int length) {
+  return gap > 1 ? 0.5f * (hbil_float)(gap - 1) / (hbil_float)length : 0.0f;
+}
+
+/*
+ * The pixels that tell the slope of the surface at a sample lie a quarter of
+ * its step before and behind it, and at least a pixel.  Writes the way to them.
+ * Nearer pixels would tell more of the rounding of depths, and farther ones
+ * more of other surfaces (doc/measurements.md, "Between the samples").  (x, y):
+ * the sample's offset, of `length`.  both_gaps: the sum of the pixels to the
+ * samples on either side.
+ */
+static inline void hbil_slope_offset(hbil_int x, hbil_int y, hbil_int length,
+                                     hbil_int both_gaps, hbil_int *slope_x,
+                                     hbil_int *slope_y) {
+  hbil_int reach = (both_gaps + 4) / 8;
+  reach = reach < 1 ? 1 : reach < length ? reach : length;
+  /* x * reach / length and y * reach / length to the nearest, halves outwards
+   */
+  *slope_x = (2 * x * reach + (x < 0 ? -length : length)) / (2 * length);
+  *slope_y = (2 * y * reach + (y < 0 ? -length : length)) / (2 * length);
 }
 
 /*

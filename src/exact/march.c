@@ -16,10 +16,11 @@
  * another inverse depth, and so another excess at the same |e|.
  *
  * Samples of finite thickness that overlap are joined and covered together
- * (COVERAGE_SECTORS).  A sample then stands for half a step on either side, on
- * a plane whose slope along the half-slice is the smaller one of those to its
- * neighbours.  Its light weighs by what it adds to the joined angles: by the
- * derivative of A after the cotangent, times the cotangents that it adds.
+ * (COVERAGE_SECTORS).  A sample then stands for half the way to the samples on
+ * either side, on a plane whose slope along the half-slice is the minmod of
+ * those to two pixels beside it.  Its light weighs by what it adds to the
+ * joined angles: by the derivative of A after the cotangent, times the
+ * cotangents that it adds.
  */
 #include "exact/march.h"
 
@@ -84,19 +85,25 @@ typedef struct occluder {
   double range;    /* |to| */
   double distance; /* along the half-slice, in units of the ray's slope */
   double excess;   /* of its front */
-  double spread;   /* what that changes by in half a step */
 } occluder;
 
-static double excess_of_back(const exact_frame *frame, const occluder *o) {
+/* The share of its inverse depth that an occluder's back is below its front; in
+ * orthographic views, the thickness. */
+static double back_share(const exact_frame *frame, const occluder *o) {
   const hbil_config *c = frame->config;
   const double z = exact_depth_of_w(c, o->s.w);
+  const double unit = exact_depth_unit(c, &frame->camera, z);
   const double thickness =
       fmin((double)c->model.thickness / vec_length(o->s.ray),
-           (double)c->model.relative_thickness *
-               exact_depth_unit(c, &frame->camera, z));
-  return fmax(o->excess +
-                  (exact_w_of_depth(c, z + thickness) - o->s.w) / o->distance,
-              0.0);
+           (double)c->model.relative_thickness * unit);
+  return exact_is_orthographic(c) ? thickness : thickness / (z + thickness);
+}
+
+/* The excess of the back of a front, which has the inverse depth w. */
+static double excess_of_back(const exact_frame *frame, double share, double w,
+                             double distance, double front) {
+  const double unit = exact_is_orthographic(frame->config) ? 1.0 : w;
+  return front - unit * share / distance;
 }
 
 /* Weight of an occluder at distance r (hbil_falloff). */
@@ -136,29 +143,50 @@ static void add_light(const receiver *r, march *m, const occluder *o,
   got->unknown += (1.0 - t) * fresh;
 }
 
-/* The inverse depth of a pixel, or `none` where it has no surface. */
-static double w_at(const receiver *r, const int at[2], double none) {
-  const double w = *exact_at(r->split, HBIL_SPLIT_W, at[0], at[1]);
-  return exact_is_surface(r->frame->config, w) ? w : none;
+/* The inverse depth of a pixel, or NAN where there is no surface. */
+static double w_at(const receiver *r, int x, int y) {
+  if (!exact_planes_contain(r->split, x, y))
+    return NAN;
+  const double w = *exact_at(r->split, HBIL_SPLIT_W, x, y);
+  return exact_is_surface(r->frame->config, w) ? w : NAN;
 }
 
-static double distance_of(const receiver *r, const int at[2]) {
-  return hypot((at[0] - r->x) * r->pixel_x, (at[1] - r->y) * r->pixel_y);
+/* The change of inverse depth per |e| at an occluder. */
+static double slope_at(const receiver *r, const occluder *o,
+                       const sample_step *step) {
+  const int sx = step->slope[0], sy = step->slope[1];
+  const double ex = (o->x - r->x) * r->pixel_x, ey = (o->y - r->y) * r->pixel_y;
+  const double along =
+      (sx * r->pixel_x * ex + sy * r->pixel_y * ey) / o->distance;
+  const double before = o->s.w - w_at(r, o->x - sx, o->y - sy);
+  const double behind = w_at(r, o->x + sx, o->y + sy) - o->s.w;
+  const double a = isnan(before) ? behind : before;
+  const double b = isnan(behind) ? before : behind;
+  if (isnan(a) || (a > 0.0) != (b > 0.0))
+    return 0.0;
+  return (fabs(a) < fabs(b) ? a : b) / along;
 }
 
-static double spread_of(const receiver *r, const occluder *o,
-                        const neighbours *near) {
-  const double before = w_at(r, near->before, NAN);
-  const double next = near->has_next ? w_at(r, near->next, NAN) : NAN;
-  const double e = o->distance;
-  const double to_before =
-      (o->s.w - before) * e / (e - distance_of(r, near->before));
-  const double to_next = (next - o->s.w) * e / (distance_of(r, near->next) - e);
-  const double a = isnan(to_before) ? to_next : to_before;
-  const double b = isnan(to_next) ? to_before : to_next;
-  const double slope =
-      (a > 0.0) == (b > 0.0) && !isnan(a) ? (fabs(a) < fabs(b) ? a : b) : 0.0;
-  return fabs(o->s.w - slope - r->s.w) * near->half_step / e;
+/* The excesses of an occluder that stands for a step: of its front and its
+ * back. */
+static void extent_of(const receiver *r, const occluder *o,
+                      const sample_step *step, double *front, double *back) {
+  const double e = o->distance, share = back_share(r->frame, o);
+  const double slope = step ? slope_at(r, o, step) : 0.0;
+  const double end[2] = {step ? e - step->near * e : e,
+                         step ? e + step->far * e : e};
+  /* the same for all samples of the half-slice, but for the rounding to pixels
+   */
+  const double plane = o->excess - (o->s.w * r->w_scale - r->s.w) / e;
+  *front = -INFINITY;
+  *back = INFINITY;
+  for (int i = 0; i < 2; ++i) {
+    const double w = o->s.w + slope * (end[i] - e);
+    const double x = (w * r->w_scale - r->s.w) / end[i] + plane;
+    *front = fmax(*front, x);
+    *back = fmin(*back, excess_of_back(r->frame, share, w, end[i], x));
+  }
+  *back = fmax(*back, 0.0);
 }
 
 /* Covers what is joined, with its light. */
@@ -190,11 +218,9 @@ static double lobe_at(const half_slice *h, angle a) {
 
 /* Joins an occluder, and returns its weight; that of its lobe goes to `lobe`.
  */
-static double join(march *m, const occluder *o, double back, double *lobe) {
+static double join(march *m, double front, double back, double *lobe) {
   const half_slice *h = &m->h;
   joined *j = &m->joined;
-  const double front = o->excess + o->spread;
-  back = fmax(back - o->spread, 0.0);
   if (back > j->high || front < j->low) {
     cover_joined(m);
     j->low = j->high = front;
@@ -220,27 +246,25 @@ static double join(march *m, const occluder *o, double back, double *lobe) {
 }
 
 static void meet(const receiver *r, march *m, occluder *o,
-                 const neighbours *near) {
+                 const sample_step *step) {
   const hbil_config *c = r->frame->config;
   o->s = exact_surface_at(r->frame, r->split, o->x, o->y);
   o->to = vec_add(o->s.at, -1.0, r->s.at);
   o->range = vec_length(o->to);
   if (!isinf(c->model.radius) && !(o->range <= (double)c->model.radius))
     return;
-  const double back =
-      r->kind == COVERAGE_HORIZON ? 0.0 : excess_of_back(r->frame, o);
+  double front = o->excess, back = 0.0;
+  if (r->kind != COVERAGE_HORIZON)
+    extent_of(r, o, c->model.extrapolate ? step : NULL, &front, &back);
   if (r->kind == COVERAGE_SECTORS) {
-    if (near && c->model.extrapolate)
-      o->spread = spread_of(r, o, near);
     double lobe;
-    const double weight = join(m, o, back, &lobe);
+    const double weight = join(m, front, back, &lobe);
     m->joined.blocked += falloff(c, o->range) * weight;
     if (exact_gathers_light(c) && weight > 0.0)
       add_light(r, m, o, weight, lobe, &m->joined.got);
     return;
   }
-  const double fresh =
-      exact_cover(&m->covers, &m->h, o->distance, o->excess, back);
+  const double fresh = exact_cover(&m->covers, &m->h, o->distance, front, back);
   m->covered += fresh;
   m->blocked += falloff(c, o->range) * fresh;
   if (exact_gathers_light(c) && fresh > 0.0)
@@ -248,7 +272,7 @@ static void meet(const receiver *r, march *m, occluder *o,
 }
 
 void exact_march_visit(const receiver *r, march *m, int x, int y,
-                       const neighbours *near) {
+                       const sample_step *step) {
   const double w = *exact_at(r->split, HBIL_SPLIT_W, x, y);
   const double ex = (x - r->x) * r->pixel_x, ey = (y - r->y) * r->pixel_y;
   const double above =
@@ -263,8 +287,7 @@ void exact_march_visit(const receiver *r, march *m, int x, int y,
   o.y = y;
   o.distance = sqrt(e2);
   o.excess = above / o.distance;
-  o.spread = 0.0;
-  meet(r, m, &o, near);
+  meet(r, m, &o, step);
 }
 
 /* ------------------------------------------------------------------------ */

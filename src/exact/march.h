@@ -22,12 +22,13 @@ typedef struct receiver {
 receiver exact_receiver(const exact_frame *frame, const exact_planes *split,
                         int x, int y, coverage_kind kind, interval *list);
 
-/* The samples beside one, as pixels.  half_step: hbil_half_step(). */
-typedef struct neighbours {
-  int before[2], next[2];
-  bool has_next;
-  double half_step;
-} neighbours;
+/* What a sample stands for: from |e| - near |e| to |e| + far |e|
+ * (hbil_half_gap()).  slope: from its pixel to the one behind it that tells the
+ * slope (hbil_slope_offset()). */
+typedef struct sample_step {
+  int slope[2];
+  double near, far;
+} sample_step;
 
 /* Sums over what is covered: radiance times measure, and the measure whose
  * light is not known.  The same of the lobe of glossy light, but what is known.
@@ -61,10 +62,10 @@ typedef struct march {
 
 /* The receiver is pointed at. */
 march exact_march_begin(const receiver *r, double ux, double uy);
-/* Takes the pixel (x, y), which is in the picture, as a sample.  near: its
- * neighbours; NULL where every pixel is visited. */
+/* Takes the pixel (x, y), which is in the picture, as a sample.  step: NULL
+ * where every pixel is visited, so that each stands for itself. */
 void exact_march_visit(const receiver *r, march *m, int x, int y,
-                       const neighbours *near);
+                       const sample_step *step);
 /* After the last sample.  The receiver's list is free again. */
 void exact_march_end(march *m);
 

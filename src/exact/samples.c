@@ -72,7 +72,6 @@ void exact_visit_samples(const receiver *r, const sampling *how, int subsets,
   const float ux = (float)m->h.u.x, uy = (float)m->h.u.y;
   const int samples = how->pattern.steps;
   int x, y, before = 0;
-  neighbours near = {.before = {r->x, r->y}};
   hbil_sample_offset(how->site, 0, how->level, ux, uy, how->view, how->pattern,
                      &x, &y);
   for (int k = 0; k < samples; ++k) {
@@ -82,17 +81,16 @@ void exact_visit_samples(const receiver *r, const sampling *how, int subsets,
                          how->pattern, &next_x, &next_y);
     const int length = hbil_offset_length(x, y);
     const int after = hbil_offset_length(next_x, next_y);
-    near.half_step = (double)hbil_half_step(k, samples, before, length, after);
-    near.next[0] = r->x + next_x;
-    near.next[1] = r->y + next_y;
-    near.has_next = k + 1 < samples &&
-                    exact_planes_contain(r->split, near.next[0], near.next[1]);
+    const int gap = length - before;
+    const int next_gap = k + 1 < samples ? after - length : gap;
+    sample_step step = {.near = (double)hbil_half_gap(gap, length),
+                        .far = (double)hbil_half_gap(next_gap, length)};
+    hbil_slope_offset(x, y, length, gap + next_gap, &step.slope[0],
+                      &step.slope[1]);
     if (subsets & hbil_sample_subsets(how->site, how->pattern.gathered, k,
                                       samples, before, after) &&
         exact_planes_contain(r->split, r->x + x, r->y + y))
-      exact_march_visit(r, m, r->x + x, r->y + y, &near);
-    near.before[0] = r->x + x;
-    near.before[1] = r->y + y;
+      exact_march_visit(r, m, r->x + x, r->y + y, &step);
     before = length;
     x = next_x;
     y = next_y;
