@@ -12,20 +12,16 @@
  */
 #include "lib/sampling_pattern.h"
 
-/* Floats from x + y * row to the pixel that lies (x, y) from that pixel of the
- * layer, which may be in another layer. */
+/* Writes the offset (dx, dy) within the layer, in layer pixels, to the pixel
+ * that lies (x, y) from a pixel of `layer`.  It may be in another layer.
+ * Returns the floats to it from x + y * row. */
 static inline int offset_of(const hbil_layer_args layout, int layer, int x,
-                            int y) {
+                            int y, int *dx, int *dy) {
   const int to_x = (layer & 3) + x, to_y = (layer >> 2) + y;
+  *dx = to_x >> 2;
+  *dy = to_y >> 2;
   return (int)(((uint)(to_y & 3) * 4u + (uint)(to_x & 3)) * layout.layer +
-               layout.origin) +
-         (to_y >> 2) * (int)layout.row + (to_x >> 2);
-}
-
-/* |e| of an offset in pixels, in units of ray slope. */
-static inline float length_of(const hbil_view_args view, int x, int y) {
-  const float ex = (float)x * view.inv_fx, ey = (float)y * view.inv_fy;
-  return sqrt(fma(ex, ex, ey * ey));
+               layout.origin + (uint)*dy * layout.row + (uint)*dx);
 }
 
 kernel void make_pattern(const hbil_make_pattern_args args,
@@ -47,7 +43,6 @@ kernel void make_pattern(const hbil_make_pattern_args args,
   }
   steps += (get_global_id(0) * (uint)(2 * pattern.slices) + (uint)half_slice) *
            (uint)(pattern.steps + 1);
-  /* the receiver itself, which is what comes before the first sample */
   hbil_step direction = {0};
   direction.ux = ux;
   direction.uy = uy;
@@ -60,12 +55,10 @@ kernel void make_pattern(const hbil_make_pattern_args args,
       hbil_sample_offset(site, k + 1, level, ux, uy, view, pattern, &next_x,
                          &next_y);
     hbil_step step;
-    step.dx = ((layer & 3) + x) >> 2;
-    step.dy = ((layer >> 2) + y) >> 2;
-    step.offset = offset_of(layout, layer, x, y);
+    step.offset = offset_of(layout, layer, x, y, &step.dx, &step.dy);
     step.ex = (float)x * view.inv_fx;
     step.ey = (float)y * view.inv_fy;
-    const float e = length_of(view, x, y);
+    const float e = sqrt(fma(step.ex, step.ex, step.ey * step.ey));
     step.inv_e = 1.0f / e;
     step.ux = step.ex * step.inv_e;
     step.uy = step.ey * step.inv_e;
@@ -73,19 +66,17 @@ kernel void make_pattern(const hbil_make_pattern_args args,
     const int after = hbil_offset_length(next_x, next_y);
     step.subsets = hbil_sample_subsets(site, pattern.gathered, k, pattern.steps,
                                        before, after);
-    /* what follows the last sample is taken to be as far as what is before */
-    const int gap = length - before;
-    const int next_gap = k + 1 < pattern.steps ? after - length : gap;
-    const float near = hbil_half_gap(gap, length) * e;
-    const float far = hbil_half_gap(next_gap, length) * e;
-    int slope_x, slope_y;
-    hbil_slope_offset(x, y, length, gap + next_gap, &slope_x, &slope_y);
+    const hbil_extent extent =
+        hbil_sample_extent(x, y, k, pattern.steps, before, length, after);
+    const float near = extent.near * e, far = extent.far * e;
+    const int slope_x = extent.slope_x, slope_y = extent.slope_y;
     const float per_slope = 1.0f / fma((float)slope_x * view.inv_fx, step.ux,
                                        (float)slope_y * view.inv_fy * step.uy);
-    step.nearer = offset_of(layout, layer, x - slope_x, y - slope_y);
-    step.farther = offset_of(layout, layer, x + slope_x, y + slope_y);
-    step.farther_dx = ((layer & 3) + x + slope_x) >> 2;
-    step.farther_dy = ((layer >> 2) + y + slope_y) >> 2;
+    int nearer_dx, nearer_dy; /* lies in the picture wherever the sample does */
+    step.nearer = offset_of(layout, layer, x - slope_x, y - slope_y, &nearer_dx,
+                            &nearer_dy);
+    step.farther = offset_of(layout, layer, x + slope_x, y + slope_y,
+                             &step.farther_dx, &step.farther_dy);
     step.to_near = near * per_slope;
     step.to_far = far * per_slope;
     step.inv_near = 1.0f / (e - near);

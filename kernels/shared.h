@@ -235,14 +235,15 @@ typedef struct hbil_step {
   hbil_float inv_e;  /* 1 / |e| */
   hbil_float ux, uy; /* e / |e| */
   hbil_int subsets;  /* of HBIL_SUBSET_ */
-  /* Of occluders of finite thickness, which stand for their whole steps: the
-   * same as `offset` for the pixels nearer and farther by hbil_slope_offset(),
-   * which tell the sample's slope; how far the step goes on either side, over
-   * the distance of these pixels; 1 / |e| of both ends of the step. */
-  hbil_int nearer, farther;
+  /* for occluders of finite thickness, which stand for their steps
+   * (hbil_sample_extent()) */
+  hbil_int nearer,
+      farther; /* as offset, to the two pixels that tell the slope */
   hbil_int farther_dx, farther_dy; /* as dx and dy */
+  /* both parts of the step, over the distance of these pixels from the sample
+   */
   hbil_float to_near, to_far;
-  hbil_float inv_near, inv_far;
+  hbil_float inv_near, inv_far; /* 1 / |e| at both ends of the step */
 } hbil_step;
 HBIL_ASSERT_LAYOUT(hbil_step, inv_far, 16, 17)
 

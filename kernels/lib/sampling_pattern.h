@@ -1,6 +1,6 @@
 /*
- * The sampling pattern: slice directions, sample offsets, and which samples
- * stand for half of all.
+ * The sampling pattern: slice directions, sample offsets, how far a sample's
+ * step extends, and which samples belong to each half of all.
  *
  * Host C and OpenCL C compile the same expressions, with every rounding spelled
  * out (HBIL_FMA, no contraction elsewhere).  The double-precision passes of
@@ -185,32 +185,46 @@ static inline hbil_int hbil_offset_length(hbil_int x, hbil_int y) {
 }
 
 /*
- * A sample's step reaches half-way to the samples on either side.  Returns how
- * far that is, over the sample's distance.  gap: the pixels to the other
- * sample; those between them are what no sample meets.  length:
- * hbil_offset_length() of the sample.
+ * What sample k of finite thickness stands for: its step.  If n pixels lie
+ * between two samples, the step of each extends n / 2 pixels towards the other.
+ * Before the first sample, the receiver takes the place of a sample; the last
+ * step extends as far outwards as inwards.
+ *
+ * near, far: how far the step extends inwards and outwards, over the sample's
+ * distance.  slope_x, slope_y: the offset from the sample to the pixel behind
+ * it that tells the slope of its surface, a quarter of the step away and at
+ * least one pixel.  The pixel before it lies at the opposite offset, and never
+ * beyond the receiver.  With nearer pixels, rounding of depths makes the slope
+ * less exact; farther ones lie on other surfaces more often.
  */
+typedef struct hbil_extent {
+  hbil_float near, far;
+  hbil_int slope_x, slope_y;
+} hbil_extent;
+
+/* Half of the pixels between two samples that are `gap` pixels apart, over the
+ * distance of one of them, `length` pixels. */
 static inline hbil_float hbil_half_gap(hbil_int gap, hbil_int length) {
   return gap > 1 ? 0.5f * (hbil_float)(gap - 1) / (hbil_float)length : 0.0f;
 }
 
-/*
- * The pixels that tell the slope of the surface at a sample lie a quarter of
- * its step before and behind it, and at least a pixel.  Writes the way to them.
- * Nearer pixels would tell more of the rounding of depths, and farther ones
- * more of other surfaces (doc/measurements.md, "Between the samples").  (x, y):
- * the sample's offset, of `length`.  both_gaps: the sum of the pixels to the
- * samples on either side.
- */
-static inline void hbil_slope_offset(hbil_int x, hbil_int y, hbil_int length,
-                                     hbil_int both_gaps, hbil_int *slope_x,
-                                     hbil_int *slope_y) {
-  hbil_int reach = (both_gaps + 4) / 8;
-  reach = reach < 1 ? 1 : reach < length ? reach : length;
-  /* x * reach / length and y * reach / length to the nearest, halves outwards
-   */
-  *slope_x = (2 * x * reach + (x < 0 ? -length : length)) / (2 * length);
-  *slope_y = (2 * y * reach + (y < 0 ? -length : length)) / (2 * length);
+/* (x, y): the sample's offset, `length` pixels; before, after: the lengths of
+ * the samples before and behind it, as for hbil_sample_subsets(). */
+static inline hbil_extent hbil_sample_extent(hbil_int x, hbil_int y, hbil_int k,
+                                             hbil_int samples, hbil_int before,
+                                             hbil_int length, hbil_int after) {
+  hbil_int gap = length - before;
+  hbil_int next_gap = k + 1 < samples ? after - length : gap;
+  hbil_extent e;
+  /* a step is (gap + next_gap) / 2 wide */
+  hbil_int quarter = (gap + next_gap + 4) / 8;
+  quarter = quarter < 1 ? 1 : quarter < length ? quarter : length;
+  e.near = hbil_half_gap(gap, length);
+  e.far = hbil_half_gap(next_gap, length);
+  /* x * quarter / length and y * quarter / length, rounded to the nearest */
+  e.slope_x = (2 * x * quarter + (x < 0 ? -length : length)) / (2 * length);
+  e.slope_y = (2 * y * quarter + (y < 0 ? -length : length)) / (2 * length);
+  return e;
 }
 
 /*

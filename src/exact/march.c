@@ -16,11 +16,11 @@
  * another inverse depth, and so another excess at the same |e|.
  *
  * Samples of finite thickness that overlap are joined and covered together
- * (COVERAGE_SECTORS).  A sample then stands for half the way to the samples on
- * either side, on a plane whose slope along the half-slice is the minmod of
- * those to two pixels beside it.  Its light weighs by what it adds to the
- * joined angles: by the derivative of A after the cotangent, times the
- * cotangents that it adds.
+ * (COVERAGE_SECTORS).  With model.extrapolate, a sample stands for its step
+ * (hbil_sample_extent()), on a plane whose slope along the half-slice is the
+ * minmod of those to a pixel before it and a pixel behind it.  Its light weighs
+ * by what it adds to the joined angles: by the derivative of A after the
+ * cotangent, times the cotangents that it adds.
  */
 #include "exact/march.h"
 
@@ -84,11 +84,11 @@ typedef struct occluder {
   vec3 to;         /* from the receiver's point */
   double range;    /* |to| */
   double distance; /* along the half-slice, in units of the ray's slope */
-  double excess;   /* of its front */
+  double excess;   /* of its front, at the pixel itself */
 } occluder;
 
-/* The share of its inverse depth that an occluder's back is below its front; in
- * orthographic views, the thickness. */
+/* How much smaller the inverse depth of an occluder's back is than that of its
+ * front, as a share of the latter; in orthographic views, the thickness. */
 static double back_share(const exact_frame *frame, const occluder *o) {
   const hbil_config *c = frame->config;
   const double z = exact_depth_of_w(c, o->s.w);
@@ -99,7 +99,8 @@ static double back_share(const exact_frame *frame, const occluder *o) {
   return exact_is_orthographic(c) ? thickness : thickness / (z + thickness);
 }
 
-/* The excess of the back of a front, which has the inverse depth w. */
+/* The excess of an occluder's back, where its front has the inverse depth w and
+ * the excess `front`. */
 static double excess_of_back(const exact_frame *frame, double share, double w,
                              double distance, double front) {
   const double unit = exact_is_orthographic(frame->config) ? 1.0 : w;
@@ -153,8 +154,8 @@ static double w_at(const receiver *r, int x, int y) {
 
 /* The change of inverse depth per |e| at an occluder. */
 static double slope_at(const receiver *r, const occluder *o,
-                       const sample_step *step) {
-  const int sx = step->slope[0], sy = step->slope[1];
+                       const hbil_extent *step) {
+  const int sx = step->slope_x, sy = step->slope_y;
   const double ex = (o->x - r->x) * r->pixel_x, ey = (o->y - r->y) * r->pixel_y;
   const double along =
       (sx * r->pixel_x * ex + sy * r->pixel_y * ey) / o->distance;
@@ -167,14 +168,14 @@ static double slope_at(const receiver *r, const occluder *o,
   return (fabs(a) < fabs(b) ? a : b) / along;
 }
 
-/* The excesses of an occluder that stands for a step: of its front and its
- * back. */
+/* The excesses of an occluder's front and back.  step: NULL if it stands for
+ * its pixel alone. */
 static void extent_of(const receiver *r, const occluder *o,
-                      const sample_step *step, double *front, double *back) {
+                      const hbil_extent *step, double *front, double *back) {
   const double e = o->distance, share = back_share(r->frame, o);
   const double slope = step ? slope_at(r, o, step) : 0.0;
-  const double end[2] = {step ? e - step->near * e : e,
-                         step ? e + step->far * e : e};
+  const double end[2] = {step ? e - (double)step->near * e : e,
+                         step ? e + (double)step->far * e : e};
   /* the same for all samples of the half-slice, but for the rounding to pixels
    */
   const double plane = o->excess - (o->s.w * r->w_scale - r->s.w) / e;
@@ -246,7 +247,7 @@ static double join(march *m, double front, double back, double *lobe) {
 }
 
 static void meet(const receiver *r, march *m, occluder *o,
-                 const sample_step *step) {
+                 const hbil_extent *step) {
   const hbil_config *c = r->frame->config;
   o->s = exact_surface_at(r->frame, r->split, o->x, o->y);
   o->to = vec_add(o->s.at, -1.0, r->s.at);
@@ -272,7 +273,7 @@ static void meet(const receiver *r, march *m, occluder *o,
 }
 
 void exact_march_visit(const receiver *r, march *m, int x, int y,
-                       const sample_step *step) {
+                       const hbil_extent *step) {
   const double w = *exact_at(r->split, HBIL_SPLIT_W, x, y);
   const double ex = (x - r->x) * r->pixel_x, ey = (y - r->y) * r->pixel_y;
   const double above =

@@ -3,6 +3,7 @@
 #define HBIL_EXACT_MARCH_H
 
 #include "exact/coverage.h"
+#include "lib/sampling_pattern.h"
 
 /* A pixel that receives light. */
 typedef struct receiver {
@@ -21,14 +22,6 @@ typedef struct receiver {
 /* list: see exact_coverage().  Where the pixel is sky only s is of use. */
 receiver exact_receiver(const exact_frame *frame, const exact_planes *split,
                         int x, int y, coverage_kind kind, interval *list);
-
-/* What a sample stands for: from |e| - near |e| to |e| + far |e|
- * (hbil_half_gap()).  slope: from its pixel to the one behind it that tells the
- * slope (hbil_slope_offset()). */
-typedef struct sample_step {
-  int slope[2];
-  double near, far;
-} sample_step;
 
 /* Sums over what is covered: radiance times measure, and the measure whose
  * light is not known.  The same of the lobe of glossy light, but what is known.
@@ -65,7 +58,7 @@ march exact_march_begin(const receiver *r, double ux, double uy);
 /* Takes the pixel (x, y), which is in the picture, as a sample.  step: NULL
  * where every pixel is visited, so that each stands for itself. */
 void exact_march_visit(const receiver *r, march *m, int x, int y,
-                       const sample_step *step);
+                       const hbil_extent *step);
 /* After the last sample.  The receiver's list is free again. */
 void exact_march_end(march *m);
 

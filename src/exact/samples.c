@@ -1,7 +1,7 @@
 /*
  * The samples that the kernels take along a half-slice.
  *
- * Direction and offsets of the samples come from kernels/shared.h, which
+ * Direction and offsets of the samples come from sampling_pattern.h, which
  * host and kernels compile from the same text, so both look at the same pixels.
  * They depend on the pixel's layer, its position modulo 4 in x and y, and,
  * where the radius is limited, on a level: each level halves the reach.  The
@@ -81,12 +81,8 @@ void exact_visit_samples(const receiver *r, const sampling *how, int subsets,
                          how->pattern, &next_x, &next_y);
     const int length = hbil_offset_length(x, y);
     const int after = hbil_offset_length(next_x, next_y);
-    const int gap = length - before;
-    const int next_gap = k + 1 < samples ? after - length : gap;
-    sample_step step = {.near = (double)hbil_half_gap(gap, length),
-                        .far = (double)hbil_half_gap(next_gap, length)};
-    hbil_slope_offset(x, y, length, gap + next_gap, &step.slope[0],
-                      &step.slope[1]);
+    const hbil_extent step =
+        hbil_sample_extent(x, y, k, samples, before, length, after);
     if (subsets & hbil_sample_subsets(how->site, how->pattern.gathered, k,
                                       samples, before, after) &&
         exact_planes_contain(r->split, r->x + x, r->y + y))

@@ -199,8 +199,8 @@ static void equal_weights_are_wrong_in_the_corners(void **state) {
 }
 
 /* Errors of few samples without extrapolation and with it. */
-static void extrapolate(float thickness, cl_uint samples, deviation *before,
-                        deviation *after) {
+static void measure_extrapolation(float thickness, cl_uint samples,
+                                  deviation *before, deviation *after) {
   const effort e = {32, samples, 1};
   exact_planes want = exact(60.0, thickness, 256, true);
   exact_planes plain = kernels(60.0, thickness, 32, samples, 1, false);
@@ -214,24 +214,24 @@ static void extrapolate(float thickness, cl_uint samples, deviation *before,
   exact_planes_free(&more);
 }
 
-/* The jackknife of few samples is nearer to all of them. */
+/* With few samples the jackknife is nearer to the exact integral. */
 static void extrapolation_gets_nearer(void **state) {
   (void)state;
   for (cl_uint samples = 4; samples <= 8; samples *= 2) {
     deviation before, after;
-    extrapolate(INFINITY, samples, &before, &after);
-    /* measured: .69 and .80, .92 and .96 */
+    measure_extrapolation(INFINITY, samples, &before, &after);
+    /* measured, with 4 and 8 samples: AO .69 and .80, E_near .92 and .96 */
     assert_true(after.ao < 0.85 * before.ao && after.light < before.light);
   }
 }
 
-/* Samples of finite thickness that stand for their steps leave hardly a gap. */
+/* So are samples of finite thickness that stand for their steps. */
 static void steps_get_nearer_than_samples(void **state) {
   (void)state;
   for (cl_uint samples = 4; samples <= 8; samples *= 2) {
     deviation before, after;
-    extrapolate(0.06f, samples, &before, &after);
-    /* measured: .33 and .32, .52 and .49 */
+    measure_extrapolation(0.06f, samples, &before, &after);
+    /* measured, with 4 and 8 samples: AO .33 and .32, E_near .52 and .49 */
     assert_true(after.ao < 0.45 * before.ao &&
                 after.light < 0.65 * before.light);
   }
@@ -239,12 +239,15 @@ static void steps_get_nearer_than_samples(void **state) {
 
 /* When the samples meet all pixels, extrapolation changes no bit. */
 static void all_pixels_leave_nothing_to_extrapolate(void **state) {
-  exact_planes plain = kernels(60.0, INFINITY, 4, WIDTH, 1, false);
-  exact_planes more = kernels(60.0, INFINITY, 4, WIDTH, 1, true);
+  const float thickness[] = {INFINITY, 0.06f};
   (void)state;
-  assert_int_equal(count_different(&plain, &more), 0);
-  exact_planes_free(&plain);
-  exact_planes_free(&more);
+  for (int i = 0; i < 2; ++i) {
+    exact_planes plain = kernels(60.0, thickness[i], 4, WIDTH, 1, false);
+    exact_planes more = kernels(60.0, thickness[i], 4, WIDTH, 1, true);
+    assert_int_equal(count_different(&plain, &more), 0);
+    exact_planes_free(&plain);
+    exact_planes_free(&more);
+  }
 }
 
 int main(void) {

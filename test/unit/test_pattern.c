@@ -214,6 +214,54 @@ static void as_many_samples_are_in_both_halves_as_pixels_are_met(void **state) {
   }
 }
 
+/* The steps of neighbouring samples end a pixel apart, as pixels do.  What
+ * tells a sample's slope lies a quarter of its step away, on the line to the
+ * receiver but for rounding, and never beyond the receiver. */
+static void check_extents(float ux, float uy, const hbil_view_args v,
+                          const hbil_pattern_args p) {
+  int x, y, before = 0;
+  double end = 0.5; /* of the receiver's own pixel */
+  hbil_sample_offset(3, 0, 0, ux, uy, v, p, &x, &y);
+  for (int k = 0; k < p.steps; ++k) {
+    int next_x = x, next_y = y;
+    if (k + 1 < p.steps)
+      hbil_sample_offset(3, k + 1, 0, ux, uy, v, p, &next_x, &next_y);
+    const int length = hbil_offset_length(x, y);
+    const int after = hbil_offset_length(next_x, next_y);
+    const hbil_extent e =
+        hbil_sample_extent(x, y, k, p.steps, before, length, after);
+    const double from = length * (1.0 - (double)e.near) - 0.5;
+    const int quarter = hbil_offset_length(e.slope_x, e.slope_y);
+    const double wide =
+        k + 1 < p.steps ? (after - before) / 2.0 : (double)(length - before);
+    /* the receiver isn't a step's middle, so the first one begins behind it */
+    if (k > 0)
+      assert_true(fabs(from - end) < 1e-3);
+    assert_true(from > 0.0 && (double)e.far >= 0.0);
+    assert_true(quarter >= 1 && quarter <= length);
+    assert_true(quarter == 1 || fabs(quarter - wide / 4.0) <= 0.5);
+    assert_true(fabs((double)e.slope_x * y - (double)e.slope_y * x) <=
+                0.5 * length + 1e-9);
+    assert_true(e.slope_x * x >= 0 && e.slope_y * y >= 0);
+    end = length * (1.0 + (double)e.far) + 0.5;
+    before = length;
+    x = next_x;
+    y = next_y;
+  }
+}
+
+static void steps_touch_and_slopes_are_told_beside_them(void **state) {
+  const hbil_view_args v = make_view(16384, 9000);
+  const float growth[] = {0.0f, 2.0f};
+  (void)state;
+  for (int steps = 1; steps <= 256; steps *= 2)
+    for (int i = 0; i < 32; ++i) {
+      const hbil_pattern_args p = make_pattern(1, steps, 1, growth[i & 1]);
+      const double angle = 2.0 * PI * i / 32.0 + 0.1;
+      check_extents((float)cos(angle), (float)sin(angle), v, p);
+    }
+}
+
 static void the_level_is_the_smallest_that_covers(void **state) {
   random_state r = {7};
   (void)state;
@@ -238,6 +286,7 @@ int main(void) {
       cmocka_unit_test(samples_are_distinct_and_ever_farther),
       cmocka_unit_test(the_last_sample_gets_to_the_edge),
       cmocka_unit_test(as_many_samples_are_in_both_halves_as_pixels_are_met),
+      cmocka_unit_test(steps_touch_and_slopes_are_told_beside_them),
       cmocka_unit_test(the_level_is_the_smallest_that_covers)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
