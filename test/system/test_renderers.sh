@@ -44,14 +44,16 @@ layer() {
   oiiotool "$1" --chnames indirect.R,indirect.G,indirect.B -o "$2"
 }
 
-# --- Mitsuba: RMSE of the constant mean .0402 and .1321, measured .0314 and .077
+# --- Mitsuba: RMSE of the constant mean .0402 and .1321, measured .0363 and .077.
+# Without any sampling error (16 x 256) the first is .0367, so its limit is
+# between that and the constant mean.
 for frame in cbox cbox_hide sky sky_hide; do
   quiet "Mitsuba, $frame: understood" "$mitsuba/$frame.exr"
 done
 if command -v oiiotool >/dev/null; then
   for scene in cbox sky; do
     layer "$mitsuba/${scene}_truth.exr" "$work/$scene.exr"
-    most=0.036
+    most=0.038
     test $scene = cbox || most=0.119
     for frame in $scene ${scene}_hide; do
       near "Mitsuba, $frame" "$most" "$work/$scene.exr:indirect" \
