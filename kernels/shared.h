@@ -237,8 +237,7 @@ typedef struct hbil_step {
   hbil_int subsets;  /* of HBIL_SUBSET_ */
   /* for occluders of finite thickness, which stand for their steps
    * (hbil_sample_extent()) */
-  hbil_int nearer,
-      farther; /* as offset, to the two pixels that tell the slope */
+  hbil_int nearer, farther; /* as offset: the pixels that tell the slope */
   hbil_int farther_dx, farther_dy; /* as dx and dy */
   /* both parts of the step, over the distance of these pixels from the sample
    */

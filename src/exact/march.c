@@ -144,12 +144,12 @@ static void add_light(const receiver *r, march *m, const occluder *o,
   got->unknown += (1.0 - t) * fresh;
 }
 
-/* The inverse depth of a pixel, or -INFINITY where there is no surface. */
+/* The inverse depth of a pixel, or NAN where there is no surface. */
 static double w_at(const receiver *r, int x, int y) {
   if (!exact_planes_contain(r->split, x, y))
-    return -INFINITY;
+    return NAN;
   const double w = *exact_at(r->split, HBIL_SPLIT_W, x, y);
-  return exact_is_surface(r->frame->config, w) ? w : -INFINITY;
+  return exact_is_surface(r->frame->config, w) ? w : NAN;
 }
 
 /* The change of inverse depth per |e| at an occluder. */
@@ -159,8 +159,12 @@ static double slope_at(const receiver *r, const occluder *o,
   const double ex = (o->x - r->x) * r->pixel_x, ey = (o->y - r->y) * r->pixel_y;
   const double along =
       (sx * r->pixel_x * ex + sy * r->pixel_y * ey) / o->distance;
-  const double a = o->s.w - w_at(r, o->x - sx, o->y - sy);
-  const double b = w_at(r, o->x + sx, o->y + sy) - o->s.w;
+  const double before = o->s.w - w_at(r, o->x - sx, o->y - sy);
+  const double behind = w_at(r, o->x + sx, o->y + sy) - o->s.w;
+  if (isnan(before) && isnan(behind))
+    return 0.0;
+  const double a = isnan(before) ? behind : before;
+  const double b = isnan(behind) ? before : behind;
   return (fmax(fmin(a, b), 0.0) + fmin(fmax(a, b), 0.0)) / along;
 }
 
