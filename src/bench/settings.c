@@ -127,6 +127,15 @@ bench_setting bench_setting_default(const bench_content *content) {
   return setting_of(&config);
 }
 
+bench_setting bench_setting_preset(const bench_content *content,
+                                   hbil_quality quality) {
+  hbil_config config = default_config(content);
+  hbil_sampling_set(&config.sampling, quality);
+  bench_setting s = setting_of(&config);
+  s.preset = hbil_quality_name(quality);
+  return s;
+}
+
 /* Takes the place of a setting that is the same, or becomes a new one. */
 static size_t add(bench_setting *list, size_t count, const bench_setting *s) {
   size_t at = 0;
@@ -150,10 +159,7 @@ size_t bench_settings(int quick, const bench_content *content,
   s.flags |= QUICK;
   count = add(out, count, &s);
   for (int q = 0; q < HBIL_QUALITY_REFERENCE; q++) {
-    hbil_config config = default_config(content);
-    hbil_sampling_set(&config.sampling, (hbil_quality)q);
-    s = setting_of(&config);
-    s.preset = hbil_quality_name((hbil_quality)q);
+    s = bench_setting_preset(content, (hbil_quality)q);
     s.flags |= QUICK;
     count = add(out, count, &s);
   }
@@ -183,8 +189,7 @@ void bench_setting_label(const bench_setting *s, char text[BENCH_LABEL]) {
            s->model == DEFAULT ? "" : " ", s->preset ? s->preset : "",
            s->preset ? " " : "", (unsigned)s->slices, (unsigned)s->steps,
            (double)s->growth, s->flags & LAYER ? " same-layer" : "",
-           s->flags & HALF ? " half" : "",
-           s->flags & RAW ? " unfiltered" : "",
+           s->flags & HALF ? " half" : "", s->flags & RAW ? " unfiltered" : "",
            s->flags & PLAIN ? " not extrapolated" : "",
            s->flags & FP32 ? " fp32" : "");
 }
