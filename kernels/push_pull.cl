@@ -27,6 +27,20 @@
   right = (realv)(LOADV(p).odd, LOADV((p) + HBIL_WIDTH).odd)
 #endif
 
+/* Of v, which begins one before the parent of a vector's first texel: the
+ * parents, each for two texels, and those beside the parents, on the left of
+ * one texel and on the right of the next. */
+#if HBIL_WIDTH == 4
+#define PARENTS(v) v.s1122
+#define BESIDE_PARENTS(v) v.s0213
+#elif HBIL_WIDTH == 8
+#define PARENTS(v) v.s11223344
+#define BESIDE_PARENTS(v) v.s02132435
+#elif HBIL_WIDTH == 16
+#define PARENTS(v) v.s1122334455667788
+#define BESIDE_PARENTS(v) v.s0213243546576879
+#endif
+
 /* Raises HBIL_FLAG_HOLES, which the host has cleared, where a texel of the
  * finest level has no weight.  It is for carried light that a caller's own pass
  * wrote; the kernel reproject raises the flag itself. */
@@ -94,32 +108,39 @@ kernel void push(const hbil_push_pull_args args, global float *chain,
   STOREV(total * 0.25f, chain + CARRIED_WEIGHT * coarse.plane);
 }
 
-/* The four texels of the coarser level about those of `holes`, plane by plane.
- * The nearest one comes first, then its neighbours in x, in y and in both. */
+/* Of a row of the coarser level: the texels that those from x on lie in, and
+ * the ones beside these, on the nearer side but none beyond the border. */
+INLINE void coarser_row(global const float *row, int columns, int x,
+                        realv *nearest, realv *beside) {
+#if HBIL_WIDTH == 1
+  const int parent = x >> 1;
+  *nearest = row[parent];
+  *beside = row[clamp(x & 1 ? parent + 1 : parent - 1, 0, columns - 1)];
+#else
+  /* from the texel left of the first parent, which is inside of the chain,
+   * since a finer level comes before */
+  const realv v = LOADV(row + (x >> 1) - 1);
+  const intv border = (x + EACH_LANE == 0) | (x + EACH_LANE == 2 * columns - 1);
+  *nearest = PARENTS(v);
+  *beside = select(BESIDE_PARENTS(v), *nearest, border);
+#endif
+}
+
+/* The four texels of the coarser level about those from (x, y) on, plane by
+ * plane: the nearest one, its neighbours in x, in y and in both. */
 INLINE void coarser_texels(const hbil_chain_args coarse,
-                           global const float *chain, intv holes, int x, int y,
+                           global const float *chain, int x, int y,
                            realv texel[4][CARRIED_PLANES]) {
-  float lanes[4][CARRIED_PLANES][HBIL_WIDTH] = {{{0.0f}}};
-  int is_hole[HBIL_WIDTH];
-  STORE_INTV(holes, is_hole);
   const int y1 = y >> 1;
-  const int y0 = clamp((y & 1) ? y1 + 1 : y1 - 1, 0, coarse.height - 1);
-  for (int i = 0; i < HBIL_WIDTH; ++i) {
-    if (!is_hole[i])
-      continue;
-    const int x1 = (x + i) >> 1;
-    const int x0 = clamp(((x + i) & 1) ? x1 + 1 : x1 - 1, 0, coarse.width - 1);
-    for (int t = 0; t < 4; ++t)
-      for (int p = 0; p < CARRIED_PLANES; ++p)
-        lanes[t][p][i] =
-            chain[coarse.offset + (uint)p * coarse.plane +
-                  (uint)(t & 2 ? y0 : y1) * coarse.row + (t & 1 ? x0 : x1)];
+  const int y0 = clamp(y & 1 ? y1 + 1 : y1 - 1, 0, coarse.height - 1);
+  chain += coarse.offset;
+#pragma unroll
+  for (uint p = 0u; p < CARRIED_PLANES; ++p) {
+    coarser_row(chain + p * coarse.plane + (uint)y1 * coarse.row, coarse.width,
+                x, &texel[0][p], &texel[1][p]);
+    coarser_row(chain + p * coarse.plane + (uint)y0 * coarse.row, coarse.width,
+                x, &texel[2][p], &texel[3][p]);
   }
-#pragma unroll
-  for (int t = 0; t < 4; ++t)
-#pragma unroll
-    for (int p = 0; p < CARRIED_PLANES; ++p)
-      texel[t][p] = LOADV(lanes[t][p]);
 }
 
 INLINE realv bilinear(realv nearest, realv across, realv down, realv diagonal) {
@@ -140,7 +161,7 @@ kernel void pull(const hbil_push_pull_args args, global float *chain,
   if (!ANY(holes))
     return;
   realv texel[4][CARRIED_PLANES], light[4][3], mean[3];
-  coarser_texels(coarse, chain, holes, x, y, texel);
+  coarser_texels(coarse, chain, x, y, texel);
 #pragma unroll
   for (int t = 0; t < 4; ++t)
     unpack_radiance(texel[t], light[t]);
