@@ -36,6 +36,8 @@ LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
 LOADER(f0, F0_TYPE, F0_STRIDE)
 LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
 LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
+FETCHER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
+FETCHER(direct, DIRECT_TYPE, DIRECT_STRIDE)
 
 #define INV_PI 0.318309886f
 
@@ -102,6 +104,27 @@ typedef struct surface {
    * of the three channels; 0 without a sky */
   realv sky_light;
 } surface;
+
+/* Prefetches what nearly every frame has of them, all lines at once.  Blocks
+ * lie too far apart for a CPU to find them by itself, and it waited for one
+ * after the other. */
+INLINE void fetch_surfaces(const hbil_estimate_args args, const inputs *in,
+                           row_place at) {
+#if HBIL_WIDTH > 1
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+#pragma unroll
+    for (int i = 0; i < COLUMNS; ++i) {
+      const int x = at.x + i * HBIL_WIDTH;
+#if HAS_ALBEDO
+      fetch_albedo(in->albedo, args.albedo, x, at.y, c);
+#endif
+#if HAS_DIRECT
+      fetch_direct(in->direct, args.direct, x, at.y, c);
+#endif
+    }
+#endif
+}
 
 /* Those of the layers of a row_place. */
 INLINE void load_surfaces(const hbil_estimate_args args, const inputs *in,
@@ -227,6 +250,7 @@ INLINE void add_layers(const hbil_estimate_args args, const inputs *in,
                        row_place at, realv (*sum)[HBIL_ESTIMATE_SUMS]) {
   const int layer = 4 * (at.y & 3) + at.column;
   surface surfaces[COLUMNS];
+  fetch_surfaces(args, in, at);
   intv solid = LOADV(split) > SKY;
   for (int i = 1; i < COLUMNS; ++i)
     solid |= LOADV(split + (uint)i * args.split.layer) > SKY;
