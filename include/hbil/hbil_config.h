@@ -328,7 +328,7 @@ typedef enum hbil_storage {
 
 typedef struct hbil_sampling {
   cl_uint slices;         /* per pixel, 1..32; default 3 */
-  cl_uint steps_per_side; /* samples per side of a slice, 1..256; default 48 */
+  cl_uint steps_per_side; /* samples per side of a slice, 1..256; default 56 */
   /* g: the last step is (1+g)^2 times the first one; 0..64; default 2 */
   float step_growth;
   hbil_sample_grid sample_grid; /* default FULL_RESOLUTION */
@@ -341,8 +341,8 @@ typedef struct hbil_sampling {
  */
 typedef enum hbil_quality {
   HBIL_QUALITY_FAST = 0,     /* 1 slice, 20 steps per side */
-  HBIL_QUALITY_BALANCED = 1, /* 2 slices, 36 steps per side */
-  HBIL_QUALITY_HIGH = 2,     /* 3 slices, 64 steps per side */
+  HBIL_QUALITY_BALANCED = 1, /* 2 slices, 48 steps per side */
+  HBIL_QUALITY_HIGH = 2,     /* 3 slices, 76 steps per side */
   /* 32 slices, 256 equal steps per side, unfiltered, float32: the densest */
   HBIL_QUALITY_REFERENCE = 3
 } hbil_quality;

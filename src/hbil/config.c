@@ -33,7 +33,7 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .inputs.normal_scale = {1.0f, 1.0f, 1.0f},
       .model.radius = INFINITY,
       .sampling.slices = 3,
-      .sampling.steps_per_side = 48,
+      .sampling.steps_per_side = 56,
       .sampling.step_growth = 2.0f,
       .sampling.sample_grid = HBIL_GRID_FULL_RESOLUTION,
       .model.gather_emission = CL_TRUE,
@@ -77,8 +77,8 @@ static const struct {
   cl_bool unfiltered;
 } qualities[] = {
     [HBIL_QUALITY_FAST] = {"fast", 1, 20, 2.0f, CL_FALSE},
-    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 36, 2.0f, CL_FALSE},
-    [HBIL_QUALITY_HIGH] = {"high", 3, 64, 2.0f, CL_FALSE},
+    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 48, 2.0f, CL_FALSE},
+    [HBIL_QUALITY_HIGH] = {"high", 3, 76, 2.0f, CL_FALSE},
     [HBIL_QUALITY_REFERENCE] = {"reference", 32, 256, 0.0f, CL_TRUE},
 };
 

@@ -94,7 +94,7 @@ grep -q '^| first frame | [0-9]' "$work/out" &&
   grep -q '^| 128 | [0-9]' "$work/out"
 ok $? "scaling has first frames and samples"
 valid "scaling's JSON can be read" "$work/results/scaling.json"
-says "temporal has means over frames" '^| 3x48 g2 | 4 | 0\.' \
+says "temporal has means over frames" '^| 3x56 g2 | 4 | 0\.' \
   tiny temporal --pixels 40
 valid "temporal's JSON can be read" "$work/results/temporal.json"
 rejected "runs where nothing is timed" 'runs' "$BENCH" estimate --runs 3
@@ -107,7 +107,7 @@ says "cache has what a view costs" '^| inject a view | [0-9]' \
 grep -q '^| rays | [0-9.]* | | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out" &&
   grep -q '^| lpv | [0-9.]* | [-0-9.]* | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out"
 ok $? "and each provider"
-says "passes has the time of each pass" '^| 3x48 g2, motion vectors | [0-9]' \
+says "passes has the time of each pass" '^| 3x56 g2, motion vectors | [0-9]' \
   tiny passes
 works "passes compares kernels" tiny passes --name kernels --json \
   --kernels "$srcdir/kernels" --kernels "$srcdir/kernels"
