@@ -180,7 +180,7 @@ static int run(const bench_options *options, const bench_device *device,
                          1, &j.content, error) != 0)
     return -1;
   j.list[0] = j.list[1] = bench_setting_default(&j.content);
-  j.list[1].steps = 48;
+  j.list[1].steps /= 2;
   bench_report_subject(report, j.content.name, j.content.width,
                        j.content.height, options->runs);
   j.planes = malloc(3 * bench_pixels(&j.content) * sizeof *j.planes);
