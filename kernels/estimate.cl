@@ -105,9 +105,10 @@ typedef struct surface {
   realv sky_light;
 } surface;
 
-/* Prefetches what nearly every frame has of them, all lines at once.  Blocks
- * lie too far apart for a CPU to find them by itself, and it waited for one
- * after the other. */
+/* Prefetches albedo and direct light, which nearly every frame has, before any
+ * of it is loaded.  Blocks lie so far apart that a CPU doesn't prefetch them by
+ * itself; without this it waits for each line in turn.  Of interleaved planes
+ * only the first line of each vector is requested. */
 INLINE void fetch_surfaces(const hbil_estimate_args args, const inputs *in,
                            row_place at) {
 #if HBIL_WIDTH > 1

@@ -27,9 +27,9 @@
   right = (realv)(LOADV(p).odd, LOADV((p) + HBIL_WIDTH).odd)
 #endif
 
-/* Of v, which begins one before the parent of a vector's first texel: the
- * parents, each for two texels, and those beside the parents, on the left of
- * one texel and on the right of the next. */
+/* v holds coarser texels, from the one left of the first texel's parent on.
+ * PARENTS gives each texel's parent, BESIDE_PARENTS the parent's neighbour on
+ * the side that the texel lies on: left for even texels, right for odd ones. */
 #if HBIL_WIDTH == 4
 #define PARENTS(v) v.s1122
 #define BESIDE_PARENTS(v) v.s0213
@@ -108,8 +108,9 @@ kernel void push(const hbil_push_pull_args args, global float *chain,
   STOREV(total * 0.25f, chain + CARRIED_WEIGHT * coarse.plane);
 }
 
-/* Of a row of the coarser level: the texels that those from x on lie in, and
- * the ones beside these, on the nearer side but none beyond the border. */
+/* In a row of the coarser level: the parents of the texels from x on, and for
+ * each the parent's neighbour that is nearer to the texel.  At the border,
+ * where there is none, that is the parent itself. */
 INLINE void coarser_row(global const float *row, int columns, int x,
                         realv *nearest, realv *beside) {
 #if HBIL_WIDTH == 1
@@ -117,8 +118,10 @@ INLINE void coarser_row(global const float *row, int columns, int x,
   *nearest = row[parent];
   *beside = row[clamp(x & 1 ? parent + 1 : parent - 1, 0, columns - 1)];
 #else
-  /* from the texel left of the first parent, which is inside of the chain,
-   * since a finer level comes before */
+  /* The load begins one texel left of the first parent and may run past the
+   * row's end.  Both are inside of the chain: a finer level comes before, and
+   * other rows or levels follow, except for the coarsest level, whose row is
+   * long enough.  What belongs to other rows is never used. */
   const realv v = LOADV(row + (x >> 1) - 1);
   const intv border = (x + EACH_LANE == 0) | (x + EACH_LANE == 2 * columns - 1);
   *nearest = PARENTS(v);
@@ -126,8 +129,8 @@ INLINE void coarser_row(global const float *row, int columns, int x,
 #endif
 }
 
-/* The four texels of the coarser level about those from (x, y) on, plane by
- * plane: the nearest one, its neighbours in x, in y and in both. */
+/* For each texel from (x, y) on, the four nearest ones of the coarser level,
+ * plane by plane: its parent, then the neighbours in x, in y and in both. */
 INLINE void coarser_texels(const hbil_chain_args coarse,
                            global const float *chain, int x, int y,
                            realv texel[4][CARRIED_PLANES]) {

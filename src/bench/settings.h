@@ -46,7 +46,8 @@ bench_setting bench_setting_paper(void);
 /* The default model with the sampling that is the default for pictures of the
  * content's size. */
 bench_setting bench_setting_default(const bench_content *content);
-/* The default model with the sampling of a preset, as `hbil --quality` has it.
+/* The default model with the sampling of a preset, as `hbil process --quality`
+ * has it.
  */
 bench_setting bench_setting_preset(const bench_content *content,
                                    hbil_quality quality);

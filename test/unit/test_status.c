@@ -54,7 +54,7 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(c.inputs.depth.component == HBIL_NONE);
   assert_true(isinf(c.inputs.sky_depth) && isinf(c.model.radius));
   assert_true(c.inputs.direct_scale == 1.0f);
-  assert_true(c.sampling.slices == 3 && c.sampling.steps_per_side == 48 &&
+  assert_true(c.sampling.slices == 3 && c.sampling.steps_per_side == 56 &&
               c.sampling.step_growth == 2.0f);
   assert_true(c.sampling.sample_grid == HBIL_GRID_FULL_RESOLUTION);
   assert_true(c.sampling.resolution == HBIL_RESOLUTION_AUTO);
@@ -334,7 +334,7 @@ static void unknown_presets_are_rejected(void **state) {
   assert_int_equal(hbil_sampling_set(NULL, HBIL_QUALITY_FAST),
                    HBIL_INVALID_ARGUMENT);
   assert_null(hbil_quality_name((hbil_quality)4));
-  assert_int_equal(c.sampling.steps_per_side, 48);
+  assert_int_equal(c.sampling.steps_per_side, 56);
 }
 
 /* ------------------------------------------------------------------------ */
