@@ -46,9 +46,7 @@ bench_setting bench_setting_paper(void);
 /* The default model with the sampling that is the default for pictures of the
  * content's size. */
 bench_setting bench_setting_default(const bench_content *content);
-/* The default model with the sampling of a preset, as `hbil process --quality`
- * has it.
- */
+/* The default model with the sampling of a preset. */
 bench_setting bench_setting_preset(const bench_content *content,
                                    hbil_quality quality);
 int bench_setting_same(const bench_setting *a, const bench_setting *b);
