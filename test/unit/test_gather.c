@@ -24,24 +24,37 @@ static void gather_both(setup *s, exact_planes *got, exact_planes *want) {
   exact_planes_free(&split);
 }
 
-/* Whether two samples of finite thickness overlap may be a matter of a
+/*
+ * Whether two samples of finite thickness overlap may be a matter of a
  * rounding. If not, each of them weighs alone, which changes the light of this
- * pixel by up to a tenth: one pixel of 97 x 54 is 1.4e-3 of the RMSE.  The
- * requirement is 1e-3.  Measured: 1.4e-4 where this happens, and 3e-7
- * elsewhere. */
-#define JOINED_LIMIT 1e-3
+ * pixel by up to a tenth.  So one pixel of each image may be as far off
+ * (measured: .11, in one of ten images); the others are held to the limits
+ * above.  Only the bent normal is less exact here: with one thick sample a
+ * side, 3e-5 in one image.
+ */
+#define JOINED_LIMIT 0.2
+#define JOINED_BENT_LIMIT 1e-4
+
+static void check_light(const char *what, const exact_planes *got,
+                        const exact_planes *want, int first, int count,
+                        bool joined, double limit) {
+  double one, rest = relative_rmse_but_one(got, want, first, count, &one);
+  if (joined)
+    check_at_most(what, one, JOINED_LIMIT);
+  else
+    rest = relative_rmse(got, want, first, count);
+  check_at_most(what, rest, limit);
+}
 
 static void check_gather(setup *s) {
   exact_planes got, want;
   gather_both(s, &got, &want);
   const bool joined = !isinf(s->config.model.thickness) ||
                       !isinf(s->config.model.relative_thickness);
-  check_at_most("AO", relative_rmse(&got, &want, HBIL_LIGHT_AO, 1),
-                joined ? JOINED_LIMIT : AO_LIMIT);
-  check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3),
-                joined ? JOINED_LIMIT : LIGHT_LIMIT);
-  check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3),
-                joined ? JOINED_LIMIT : BENT_LIMIT);
+  check_light("AO", &got, &want, HBIL_LIGHT_AO, 1, joined, AO_LIMIT);
+  check_light("E_near", &got, &want, HBIL_LIGHT_RED, 3, joined, LIGHT_LIMIT);
+  check_light("bent", &got, &want, HBIL_LIGHT_BENT, 3, joined,
+              joined ? JOINED_BENT_LIMIT : BENT_LIMIT);
   if (exact_weighs_slices(&s->config))
     check_at_most("weight", relative_rmse(&got, &want, HBIL_LIGHT_WEIGHT, 1),
                   WEIGHT_LIMIT);
