@@ -157,6 +157,18 @@ static hbil_status append_file(hbil_context *context, source *s,
   return status;
 }
 
+/* Replaces comments by spaces.  So what they name is no define that a program
+ * reads, and a comment that changes compiles no kernel anew. */
+static void blank_comments(char *text) {
+  for (char *at = strstr(text, "/*"); at; at = strstr(at, "/*")) {
+    const char *end = strstr(at + 2, "*/");
+    end = end ? end + 2 : at + strlen(at);
+    for (; at < end; ++at)
+      if (*at != '\n')
+        *at = ' ';
+  }
+}
+
 /* --- defines --- */
 
 static bool in_name(char c) {
@@ -293,8 +305,10 @@ hbil_status program_build(hbil_context *context, const program_kind *kind,
   hbil_status status = append(context, &s, first, sizeof first - 1);
   if (status == HBIL_SUCCESS)
     status = append_file(context, &s, file);
-  if (status == HBIL_SUCCESS)
+  if (status == HBIL_SUCCESS) {
+    blank_comments(s.text);
     status = build_text(context, kind, s.text, defines, out, identity);
+  }
   free(s.text);
   return status;
 }

@@ -70,6 +70,24 @@ static void motion_with_averages(void **state) {
   check(&s);
 }
 
+/* Only composite writes AO, so only composite is compiled for another format of
+ * it. */
+static void passes_share_what_they_do_not_read(void **state) {
+  setup s;
+  (void)state;
+  skip_unless_pocl();
+  setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, 40, 24);
+  s.config.outputs.ao.component = HBIL_FLOAT32;
+  setup_start_compiled(&s);
+  setup_free(&s);
+  const int before = count_variants();
+  setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, 40, 24);
+  s.config.outputs.ao.component = HBIL_FLOAT16;
+  setup_start_compiled(&s);
+  setup_free(&s);
+  assert_int_equal(count_variants(), before + 1);
+}
+
 /* The kernels of GPUs, in a picture of more columns than one work-group. */
 static void vectors_of_one_with_a_whole_cache(void **state) {
   setup s;
@@ -119,6 +137,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(camera_with_a_cache_of_some_rows),
       cmocka_unit_test(motion_with_averages),
+      cmocka_unit_test(passes_share_what_they_do_not_read),
       cmocka_unit_test(vectors_of_one_with_a_whole_cache),
       cmocka_unit_test(caches_and_their_frames)};
   folder_make(cache);
