@@ -187,9 +187,8 @@ static inline hbil_int hbil_offset_length(hbil_int x, hbil_int y) {
 /*
  * What sample k of finite thickness stands for: its step.  If n pixels lie
  * between two samples, the step of each extends n / 2 pixels towards the other,
- * and a tenth more.
- * Before the first sample, the receiver takes the place of a sample; the last
- * step extends as far outwards as inwards.
+ * and a tenth more.  Before the first sample, the receiver takes the place of a
+ * sample; the last step extends as far outwards as inwards.
  *
  * near, far: how far the step extends inwards and outwards, over the sample's
  * distance.  slope_x, slope_y: the offset from the sample to the pixel behind
@@ -204,8 +203,8 @@ typedef struct hbil_extent {
 } hbil_extent;
 
 /* How much wider steps are than from sample to sample.  Without it too much
- * stays open, as things between the samples are missed.  Chosen on five scenes,
- * judged on eight others (doc/measurements.md, "Between the samples"). */
+ * stays open, as things between the samples are missed.  Chosen on five scenes
+ * and measured on eight others (doc/measurements.md, "Between the samples"). */
 #define HBIL_STEP_OVERLAP 1.1f
 
 /* How far a step extends into the pixels between two samples that are `gap`
