@@ -7,8 +7,8 @@
 # test locks one of a few caches for as long as it runs, and test/pocl-cache has
 # one more, "shared", which no test writes to: kernels that are missing are
 # linked from there into the test's cache, and new ones are linked back, before
-# the test, after it, and every few seconds, so that tests that run beside each
-# other don't compile the same.  Links cost no time and no space, and what PoCL
+# the test, after it, and every ten seconds, so that tests that run beside each
+# other don't compile the same.  Links cost no space, and what PoCL
 # has finished appears under its name at once.  Without flock (util-linux) each
 # test has a cache of its own.
 #
@@ -47,7 +47,8 @@ share() {
 share "$caches/shared" "$POCL_CACHE_DIR"
 exchange=
 if test -n "$slot"; then
-  while sleep 3 && kill -0 $$; do # as long as this shell lives
+  # not more often: each time takes .2 s of CPU
+  while sleep 10 && kill -0 $$; do # as long as this shell lives
     share "$POCL_CACHE_DIR" "$caches/shared"
     share "$caches/shared" "$POCL_CACHE_DIR"
   done >/dev/null 2>&1 9>&- &
