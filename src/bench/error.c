@@ -210,8 +210,9 @@ static void report_notes(const job *j, bench_report *report) {
       report,
       "A setting is slices x steps per side of a slice; g is the growth of the "
       "steps; half: at half resolution.  Where no model is named it is the "
-      "default one; thin, thick and "
-      "endless occluders are 2 %%, 30 %% and infinitely thick; gtao and hbao "
+      "default one; paper is that of the paper, extrapolated as ours unless it "
+      "says otherwise; thin, thick and endless occluders are 2 %%, 30 %% and "
+      "infinitely thick; gtao and hbao "
       "(radius %.3g) compute AO alone.",
       (double)j->content.radius);
   bench_report_note(report, "front: no setting of the same model is faster "
@@ -225,6 +226,14 @@ static void report_notes(const job *j, bench_report *report) {
     bench_report_note(report, "%s", j->content.note);
 }
 
+/* The paper doesn't extrapolate, though its model may be. */
+static bench_kind kind_of(const bench_setting *s) {
+  const int plain = (s->flags & BENCH_NOT_EXTRAPOLATED) != 0;
+  return s->model == BENCH_MODEL_DEFAULT          ? BENCH_KIND_DEFAULT
+         : s->model == BENCH_MODEL_PAPER && plain ? BENCH_KIND_PAPER
+                                                  : BENCH_KIND_OTHER;
+}
+
 static int draw(const job *j, image_error *error) {
   const bench_setting standard = bench_setting_default(&j->content);
   bench_point points[BENCH_MAX_SETTINGS + 1];
@@ -232,15 +241,13 @@ static int draw(const job *j, image_error *error) {
   for (size_t i = 0; i < j->count; i++) {
     const bench_setting *s = &j->list[i];
     const row *r = &j->rows[i];
-    points[i] = (bench_point){
-        .milliseconds = r->timing.total.median,
-        .error = {r->light, r->ao},
-        .front = {r->front[0], r->front[1]},
-        .kind = s->model == BENCH_MODEL_DEFAULT ? BENCH_KIND_DEFAULT
-                : s->model == BENCH_MODEL_PAPER ? BENCH_KIND_PAPER
-                                                : BENCH_KIND_OTHER,
-        .important = i == 0 || s->preset || bench_setting_same(s, &standard),
-        .label = r->label};
+    points[i] = (bench_point){.milliseconds = r->timing.total.median,
+                              .error = {r->light, r->ao},
+                              .front = {r->front[0], r->front[1]},
+                              .kind = kind_of(s),
+                              .important = i == 0 || s->preset ||
+                                           bench_setting_same(s, &standard),
+                              .label = r->label};
   }
   points[j->count] =
       (bench_point){.milliseconds = j->baseline.milliseconds.median,

@@ -30,8 +30,14 @@ typedef struct sweep {
 
 static const sweep sweeps[] = {
     /* the paper's own setting, which comes first */
-    {PAPER, 2, 0, LAYER | QUICK, {8}},
-    {PAPER, 2, 2, 0, {8, 32}},
+    {PAPER, 2, 0, LAYER | PLAIN | QUICK, {8}},
+    {PAPER, 2, 2, PLAIN, {8, 32}},
+    /* its model with the presets' sampling, and with as much as takes as long
+     */
+    {PAPER, 1, 2, HALF, {20, 32}},
+    {PAPER, 2, 2, HALF, {48}},
+    {PAPER, 3, 2, HALF, {56, 76}},
+    {PAPER, 4, 2, HALF, {96}},
     /* steps, with one to four slices */
     {DEFAULT, 1, 2, QUICK, {8, 32}},
     {DEFAULT, 1, 2, 0, {4, 16, 64}},
@@ -236,8 +242,7 @@ void bench_setting_apply(const bench_setting *s, const bench_content *content,
   config->sampling.resolution =
       s->flags & HALF ? HBIL_RESOLUTION_HALF : HBIL_RESOLUTION_FULL;
   config->sampling.unfiltered = s->flags & RAW ? CL_TRUE : CL_FALSE;
-  config->model.extrapolate =
-      s->flags & PLAIN || s->model == PAPER ? CL_FALSE : CL_TRUE;
+  config->model.extrapolate = s->flags & PLAIN ? CL_FALSE : CL_TRUE;
   config->sampling.storage =
       s->flags & FP32 ? HBIL_STORAGE_FLOAT32 : HBIL_STORAGE_PACKED;
 }
