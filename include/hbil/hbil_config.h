@@ -329,7 +329,7 @@ typedef enum hbil_storage {
 typedef struct hbil_sampling {
   cl_uint slices;         /* per pixel, 1..32; default 3 */
   cl_uint steps_per_side; /* samples per side of a slice, 1..256; default 56 */
-  /* g: the last step is (1+g)^2 times the first one; 0..64; default 2 */
+  /* g: the last step is (1+g)^2 times the first one; 0..64; default 3 */
   float step_growth;
   hbil_sample_grid sample_grid; /* default FULL_RESOLUTION */
   hbil_resolution resolution;   /* default AUTO */

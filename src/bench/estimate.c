@@ -57,7 +57,7 @@ static size_t choose_settings(int quick, bench_setting *list) {
             list[count++] = (bench_setting){.model = models[m],
                                             .slices = slice_counts[s],
                                             .steps = step_counts[k],
-                                            .growth = 2.0f,
+                                            .growth = 3.0f,
                                             .flags = resolutions[r]};
   return count;
 }

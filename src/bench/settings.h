@@ -55,7 +55,7 @@ int bench_setting_same(const bench_setting *a, const bench_setting *b);
 const char *bench_model_name(bench_model model);
 /* Whether the model computes AO and no light. */
 int bench_model_is_ao(bench_model model);
-/* "fast 1x16 g2 same-layer": model (unless default), preset, slices x steps,
+/* "fast 1x16 g3 same-layer": model (unless default), preset, slices x steps,
  * growth and flags. */
 void bench_setting_label(const bench_setting *s, char text[BENCH_LABEL]);
 /* The content's configuration with a setting. */

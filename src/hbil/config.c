@@ -34,7 +34,7 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .model.radius = INFINITY,
       .sampling.slices = 3,
       .sampling.steps_per_side = 56,
-      .sampling.step_growth = 2.0f,
+      .sampling.step_growth = 3.0f,
       .sampling.sample_grid = HBIL_GRID_FULL_RESOLUTION,
       .model.gather_emission = CL_TRUE,
       .model.unseen_light = 0.76f,
@@ -76,9 +76,9 @@ static const struct {
   float step_growth;
   cl_bool unfiltered;
 } qualities[] = {
-    [HBIL_QUALITY_FAST] = {"fast", 1, 20, 2.0f, CL_FALSE},
-    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 48, 2.0f, CL_FALSE},
-    [HBIL_QUALITY_HIGH] = {"high", 3, 76, 2.0f, CL_FALSE},
+    [HBIL_QUALITY_FAST] = {"fast", 1, 20, 3.0f, CL_FALSE},
+    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 48, 3.0f, CL_FALSE},
+    [HBIL_QUALITY_HIGH] = {"high", 3, 76, 3.0f, CL_FALSE},
     [HBIL_QUALITY_REFERENCE] = {"reference", 32, 256, 0.0f, CL_TRUE},
 };
 

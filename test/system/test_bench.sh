@@ -61,12 +61,12 @@ has "error writes its table, its data and JSON" "$work/results/error.md" \
   "$work/results/error.dat" "$work/results/error.gnuplot" \
   "$work/results/error.json"
 valid "error's JSON can be read" "$work/results/error.json"
-for row in 'fast 1x20 g2' '2x8 g2 fp32' 'endless 2x8 g2' \
+for row in 'fast 1x20 g3' '2x8 g3 fp32' 'endless 2x8 g3' \
   'the paper as one plain kernel'; do
   grep -q "^| $row | [0-9]" "$work/results/error.md"
   ok $? "error has the row $row"
 done
-grep -q '^| gtao 2x8 g2 | [0-9. |]* | | 0\.[0-9]* | AO |' \
+grep -q '^| gtao 2x8 g3 | [0-9. |]* | | 0\.[0-9]* | AO |' \
   "$work/results/error.md"
 ok $? "AO alone has no error of light"
 grep -q '^before$' "$work/page.md" && grep -q '^after$' "$work/page.md" &&
@@ -94,11 +94,11 @@ grep -q '^| first frame | [0-9]' "$work/out" &&
   grep -q '^| 128 | [0-9]' "$work/out"
 ok $? "scaling has first frames and samples"
 valid "scaling's JSON can be read" "$work/results/scaling.json"
-says "temporal has means over frames" '^| 3x56 g2 | 4 | 0\.' \
+says "temporal has means over frames" '^| 3x56 g3 | 4 | 0\.' \
   tiny temporal --pixels 40
 valid "temporal's JSON can be read" "$work/results/temporal.json"
 rejected "runs where nothing is timed" 'runs' "$BENCH" estimate --runs 3
-says "estimate has quotients" '^| endless 2x64 g2 | [0-9.]* | [0-9.]* |' \
+says "estimate has quotients" '^| endless 2x64 g3 | [0-9.]* | [0-9.]* |' \
   tiny estimate --pixels 40
 says "formats has the error of each format" '| FLOAT16 | 48 | 0\.' \
   tiny formats --pixels 40
@@ -107,7 +107,7 @@ says "cache has what a view costs" '^| inject a view | [0-9]' \
 grep -q '^| rays | [0-9.]* | | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out" &&
   grep -q '^| lpv | [0-9.]* | [-0-9.]* | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out"
 ok $? "and each provider"
-says "passes has the time of each pass" '^| 3x56 g2, motion vectors | [0-9]' \
+says "passes has the time of each pass" '^| 3x56 g3, motion vectors | [0-9]' \
   tiny passes
 works "passes compares kernels" tiny passes --name kernels --json \
   --kernels "$srcdir/kernels" --kernels "$srcdir/kernels"

@@ -55,7 +55,7 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(isinf(c.inputs.sky_depth) && isinf(c.model.radius));
   assert_true(c.inputs.direct_scale == 1.0f);
   assert_true(c.sampling.slices == 3 && c.sampling.steps_per_side == 56 &&
-              c.sampling.step_growth == 2.0f);
+              c.sampling.step_growth == 3.0f);
   assert_true(c.sampling.sample_grid == HBIL_GRID_FULL_RESOLUTION);
   assert_true(c.sampling.resolution == HBIL_RESOLUTION_AUTO);
   assert_true(isinf(c.model.thickness) && c.model.relative_thickness == 0.06f);
