@@ -5,6 +5,7 @@
 
 #include "cache_config.h"
 #include "kernel_table.h"
+#include "memory.h"
 
 /* --- programs and kernels --- */
 
@@ -79,8 +80,7 @@ static hbil_status allocate_buffers(hbil_cache *cache) {
     const size_t bytes = cache_buffer_bytes(&cache->config, i);
     if (!bytes)
       continue;
-    cache->buffers[i] = clCreateBuffer(cache->context->context,
-                                       CL_MEM_READ_WRITE, bytes, NULL, &error);
+    cache->buffers[i] = memory_create(cache->context, bytes, &error);
     if (!cache->buffers[i])
       return fail_cl(cache->context, error, "clCreateBuffer");
   }

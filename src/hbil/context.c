@@ -195,9 +195,9 @@ static hbil_status read_limits(hbil_context *context) {
   context->exact_divide = (fp & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
   /* A row of work-items, whose loads are contiguous.  CPUs: one row a group,
    * which measured best. */
-  const bool cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
-  context->group[0] = cpu ? 16 : 32;
-  context->group[1] = cpu ? 1 : 4;
+  context->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
+  context->group[0] = context->is_cpu ? 16 : 32;
+  context->group[1] = context->is_cpu ? 1 : 4;
   if (compiler && version >= 102)
     return HBIL_SUCCESS;
   return fail(NULL, HBIL_UNSUPPORTED_DEVICE,

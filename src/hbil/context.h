@@ -14,6 +14,7 @@ struct hbil_context {
   char *message;                  /* NULL: none */
   hbil_message_callback callback; /* NULL: none */
   void *user;                     /* the callback's */
+  bool is_cpu;                    /* the device is a CPU */
   cl_uint vector_width;           /* of the kernels, chosen for the device */
   size_t group[2];                /* work-group of every kernel */
   bool exact_divide;              /* CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT */

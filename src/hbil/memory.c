@@ -1,6 +1,8 @@
 /* The plan's buffers, and scratch memory that the caller lends. */
 #include "memory.h"
 
+#include "huge_pages.h"
+
 cl_int memory_read(cl_mem buffer, memory_info *info) {
   const struct {
     cl_mem_info what;
@@ -66,11 +68,19 @@ hbil_status check_lent(hbil_context *context, cl_mem scratch, size_t needed,
   return HBIL_SUCCESS;
 }
 
+cl_mem memory_create(const hbil_context *context, size_t bytes, cl_int *error) {
+  cl_mem buffer = NULL;
+  if (context->is_cpu)
+    buffer = create_on_huge_pages(context->context, bytes);
+  return buffer ? buffer
+                : clCreateBuffer(context->context, CL_MEM_READ_WRITE, bytes,
+                                 NULL, error);
+}
+
 static cl_mem create_buffer(const hbil_plan *plan, int buffer, cl_int *error) {
   const size_t bytes = plan->layout.bytes[buffer];
   if (!plan->lent.memory || !layout_is_scratch(buffer))
-    return clCreateBuffer(plan->context->context, CL_MEM_READ_WRITE, bytes,
-                          NULL, error);
+    return memory_create(plan->context, bytes, error);
   const cl_buffer_region part = {plan->lent.start + plan->layout.at[buffer],
                                  bytes};
   return clCreateSubBuffer(plan->lent.memory, CL_MEM_READ_WRITE,

@@ -28,6 +28,10 @@ hbil_status memory_limits(hbil_context *context, buffer_limits *limits);
 hbil_status check_lent(hbil_context *context, cl_mem scratch, size_t needed,
                        memory_range *lent);
 
+/* Makes a buffer that the device reads and writes; NULL and an error if there
+ * is no memory for it. */
+cl_mem memory_create(const hbil_context *context, size_t bytes, cl_int *error);
+
 /* Makes the plan's buffers. */
 hbil_status allocate(hbil_plan *plan);
 

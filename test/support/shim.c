@@ -7,6 +7,7 @@
 
 #include <dlfcn.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -111,7 +112,7 @@ long shim_events_made(void) {
 static shim_buffers created_buffers;
 
 void shim_start_counting(void) {
-  created_buffers = (shim_buffers){0, 0};
+  created_buffers = (shim_buffers){0, 0, 0};
 }
 
 shim_buffers shim_created(void) {
@@ -492,8 +493,46 @@ CL_API_ENTRY cl_mem CL_API_CALL clCreateBuffer(cl_context context,
     add_reference(buffer);
     created_buffers.bytes += size;
     created_buffers.count++;
+    created_buffers.hosted += host != NULL;
   }
   return buffer;
+}
+
+/* A callback that is yet to come. */
+typedef struct destructor {
+  void(CL_CALLBACK *call)(cl_mem, void *);
+  void *user;
+} destructor;
+
+static atomic_long destructors;
+
+long shim_destructors(void) {
+  return destructors;
+}
+
+static void CL_CALLBACK destroyed(cl_mem object, void *user) {
+  const destructor d = *(destructor *)user;
+  free(user);
+  d.call(object, d.user);
+  --destructors;
+}
+
+CL_API_ENTRY cl_int CL_API_CALL clSetMemObjectDestructorCallback(
+    cl_mem object, void(CL_CALLBACK *call)(cl_mem, void *), void *user) {
+  const cl_int failure = planned_failure("clSetMemObjectDestructorCallback");
+  destructor *d = malloc(sizeof *d);
+  if (!d)
+    shim_give_up("no memory");
+  *d = (destructor){call, user};
+  const cl_int status =
+      failure != CL_SUCCESS
+          ? failure
+          : NEXT(clSetMemObjectDestructorCallback)(object, destroyed, d);
+  if (status == CL_SUCCESS)
+    ++destructors;
+  else
+    free(d);
+  return status;
 }
 
 RETAIN(clRetainContext, cl_context)

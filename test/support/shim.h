@@ -67,8 +67,11 @@ void shim_under_oclgrind(bool is_oclgrind);
 typedef struct shim_buffers {
   size_t bytes;
   int count;
+  int hosted; /* those in memory of the caller's */
 } shim_buffers;
 void shim_start_counting(void);
 shim_buffers shim_created(void);
+/* Destructors of memory objects that are yet to be called. */
+long shim_destructors(void);
 
 #endif

@@ -337,6 +337,75 @@ static void narrow_pictures_take_little_memory(void **state) {
   }
 }
 
+/* ------------------------------------------------------------------------ */
+/* Huge pages                                                                */
+
+/* Whether plans for such a device have any. */
+static bool gives_huge_pages(void) {
+#ifdef __linux__
+  cl_device_type type = 0;
+  assert_int_equal(clGetDeviceInfo(shared_device.id, CL_DEVICE_TYPE,
+                                   sizeof type, &type, NULL),
+                   CL_SUCCESS);
+  return (type & CL_DEVICE_TYPE_CPU) != 0;
+#else
+  return false;
+#endif
+}
+
+/* The split of 1280 x 720 pixels is large enough, and nothing of 33 x 18. */
+static void large_buffers_of_cpus_are_freed_with_their_plan(void **state) {
+  setup s;
+  hbil_plan *plan;
+  (void)state;
+  for (int large = 0; large < 2; ++large) {
+    prepare(&s, large ? 1280 : 33, large ? 720 : 18);
+    shim_start_counting();
+    assert_int_equal(hbil_plan_create(shared_device.hbil, &s.config, &plan),
+                     HBIL_SUCCESS);
+    const int hosted = shim_created().hosted;
+    assert_true(hosted == 0 || (large && hosted < shim_created().count));
+    assert_true(hosted > 0 || !large || !gives_huge_pages());
+    assert_int_equal(shim_destructors(), hosted);
+    hbil_plan_destroy(plan);
+    assert_int_equal(shim_destructors(), 0);
+    setup_free(&s);
+  }
+}
+
+/* The first calls of a plan that fail, one after another, up to the last one
+ * that is about huge pages. */
+static void plans_do_without_huge_pages(void **state) {
+  setup s;
+  hbil_plan *plan;
+  int managed = 0;
+  (void)state;
+  if (!gives_huge_pages())
+    skip();
+  prepare(&s, 1280, 720);
+  const long references = shim_references();
+  for (int call = 1;; ++call) {
+    plan = NULL;
+    shim_fail(call, CL_OUT_OF_RESOURCES);
+    const hbil_status status =
+        hbil_plan_create(shared_device.hbil, &s.config, &plan);
+    const char *failed = shim_failed();
+    shim_fail(0, CL_SUCCESS);
+    managed += failed && status == HBIL_SUCCESS &&
+               !strcmp(failed, "clSetMemObjectDestructorCallback");
+    if (failed && status != HBIL_SUCCESS)
+      assert_string_not_equal(failed, "clSetMemObjectDestructorCallback");
+    if (plan)
+      hbil_plan_destroy(plan);
+    assert_int_equal(shim_destructors(), 0);
+    assert_int_equal(shim_references(), references);
+    if (!failed)
+      break;
+  }
+  assert_true(managed > 0);
+  setup_free(&s);
+}
+
 /* Creating a plan is all that these tests do with it: no kernel is needed. */
 static int skip_builds(void **state) {
   (void)state;
@@ -362,6 +431,8 @@ int main(void) {
       cmocka_unit_test(the_query_rejects_what_create_rejects),
       cmocka_unit_test(narrow_pictures_take_little_memory),
       WITHOUT_KERNELS(padding_is_at_most_a_quarter),
-      WITHOUT_KERNELS(packed_padding_is_at_most_a_quarter)};
+      WITHOUT_KERNELS(packed_padding_is_at_most_a_quarter),
+      WITHOUT_KERNELS(large_buffers_of_cpus_are_freed_with_their_plan),
+      WITHOUT_KERNELS(plans_do_without_huge_pages)};
   return RUN_WITH_DEVICE(tests);
 }
