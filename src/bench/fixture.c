@@ -123,19 +123,29 @@ static int reads(const bench_trial *t, int input) {
           t->config.history.reprojection == HBIL_REPROJECTION_MOTION);
 }
 
+/* A configuration that asks for none of the outputs but the estimate of errors
+ * gets all that its model has. */
 static int writes(const bench_trial *t, int output) {
-  if (output == BENCH_ERROR_ESTIMATE)
-    return t->config.outputs.error_estimate.component != HBIL_NONE;
-  return output == BENCH_AO || t->config.model.mode == HBIL_MODE_HBIL;
+  hbil_config config = t->config;
+  int asked = 0;
+  for (int o = 0; o < BENCH_OUTPUTS; o++)
+    if (o != BENCH_ERROR_ESTIMATE)
+      asked |= format_at(&config, outputs[o].format)->component != HBIL_NONE;
+  if (asked || output == BENCH_ERROR_ESTIMATE)
+    return format_at(&config, outputs[output].format)->component != HBIL_NONE;
+  return output == BENCH_AO || config.model.mode == HBIL_MODE_HBIL;
 }
 
 static void set_formats(bench_trial *t) {
   const hbil_plane_format floats = {HBIL_FLOAT32, 1};
+  int written[BENCH_OUTPUTS];
+  for (int o = 0; o < BENCH_OUTPUTS; o++)
+    written[o] = writes(t, o);
   for (int i = 0; i < BENCH_INPUTS; i++)
     if (reads(t, i) && !format_at(&t->config, inputs[i].format)->component)
       *format_at(&t->config, inputs[i].format) = floats;
   for (int o = 0; o < BENCH_OUTPUTS; o++)
-    if (writes(t, o))
+    if (written[o])
       *format_at(&t->config, outputs[o].format) = floats;
 }
 

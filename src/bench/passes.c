@@ -10,7 +10,7 @@
 #include "bench/settings.h"
 
 /* What is measured; CASES[0] is what the others are compared to. */
-enum { CASES = 7, FOLLOWED = 2 };
+enum { CASES = 8, FOLLOWED = 2, ALONE = 7 };
 
 typedef struct variant {
   char label[BENCH_LABEL + 32];
@@ -28,7 +28,8 @@ typedef struct job {
 
 /* The default; the paper's setting; motion vectors and two other models, which
  * have kernels of their own; half resolution, or full where half is the
- * default; the fastest preset. */
+ * default; the fastest preset; `indirect` alone, where the others have every
+ * output. */
 static void choose_cases(job *j) {
   bench_setting s[CASES];
   for (int i = 0; i < CASES; i++)
@@ -43,8 +44,12 @@ static void choose_cases(job *j) {
     bench_setting_label(&s[i], label);
     bench_setting_apply(&s[i], &j->content, &j->cases[i].config);
     snprintf(j->cases[i].label, sizeof j->cases[i].label, "%s%s", label,
-             i == FOLLOWED ? ", motion vectors" : "");
+             i == FOLLOWED ? ", motion vectors"
+             : i == ALONE  ? ", indirect alone"
+                           : "");
   }
+  j->cases[ALONE].config.outputs.indirect =
+      (hbil_plane_format){HBIL_FLOAT32, 1};
   if (j->content.frame[0].plane[BENCH_MOTION])
     j->cases[FOLLOWED].config.history.reprojection = HBIL_REPROJECTION_MOTION;
 }
