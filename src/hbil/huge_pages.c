@@ -24,7 +24,7 @@ cl_mem create_on_huge_pages(cl_context context, size_t bytes) {
   cl_int error = CL_SUCCESS;
   if (bytes < least_bytes || posix_memalign(&pages, huge_page, bytes))
     return NULL;
-  /* A system without huge pages refuses, and small pages do as well. */
+  /* It fails on systems without huge pages, where small ones will do. */
   (void)madvise(pages, bytes - bytes % huge_page, MADV_HUGEPAGE);
   cl_mem buffer = clCreateBuffer(
       context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, pages, &error);
