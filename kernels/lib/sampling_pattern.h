@@ -186,9 +186,9 @@ static inline hbil_int hbil_offset_length(hbil_int x, hbil_int y) {
 
 /*
  * What sample k of finite thickness stands for: its step.  If n pixels lie
- * between two samples, the step of each extends n / 2 pixels towards the other,
- * and a tenth more.  Before the first sample, the receiver takes the place of a
- * sample; the last step extends as far outwards as inwards.
+ * between two samples, the step of each extends 0.55 n pixels towards the
+ * other.  Before the first sample, the receiver takes the place of a sample;
+ * the last step extends as far outwards as inwards.
  *
  * near, far: how far the step extends inwards and outwards, over the sample's
  * distance.  slope_x, slope_y: the offset from the sample to the pixel behind
@@ -202,15 +202,16 @@ typedef struct hbil_extent {
   hbil_int slope_x, slope_y;
 } hbil_extent;
 
-/* How much wider steps are than from sample to sample.  Without it too much
- * stays open, as things between the samples are missed.  Chosen on five scenes
- * and measured on eight others (doc/measurements.md, "Between the samples"). */
-#define HBIL_STEP_OVERLAP 1.1f
+/* Factor on how far a step extends towards its neighbours; 1: half-way.  With 1
+ * too much would stay open, as things between the samples are missed.  Chosen
+ * on five scenes and measured on eight others (doc/measurements.md, "Between
+ * the samples"). */
+#define HBIL_STEP_WIDENING 1.1f
 
 /* How far a step extends into the pixels between two samples that are `gap`
  * pixels apart, over the distance of one of them, `length` pixels. */
-static inline hbil_float hbil_half_gap(hbil_int gap, hbil_int length) {
-  return gap > 1 ? 0.5f * HBIL_STEP_OVERLAP * (hbil_float)(gap - 1) /
+static inline hbil_float hbil_reach_into_gap(hbil_int gap, hbil_int length) {
+  return gap > 1 ? 0.5f * HBIL_STEP_WIDENING * (hbil_float)(gap - 1) /
                        (hbil_float)length
                  : 0.0f;
 }
@@ -223,11 +224,11 @@ static inline hbil_extent hbil_sample_extent(hbil_int x, hbil_int y, hbil_int k,
   hbil_int gap = length - before;
   hbil_int next_gap = k + 1 < samples ? after - length : gap;
   hbil_extent e;
-  /* a step is (gap + next_gap) / 2 wide */
+  /* from half-way to half-way a step is (gap + next_gap) / 2 wide */
   hbil_int quarter = (gap + next_gap + 4) / 8;
   quarter = quarter < 1 ? 1 : quarter < length ? quarter : length;
-  e.near = hbil_half_gap(gap, length);
-  e.far = hbil_half_gap(next_gap, length);
+  e.near = hbil_reach_into_gap(gap, length);
+  e.far = hbil_reach_into_gap(next_gap, length);
   /* x * quarter / length and y * quarter / length, rounded to the nearest */
   e.slope_x = (2 * x * quarter + (x < 0 ? -length : length)) / (2 * length);
   e.slope_y = (2 * y * quarter + (y < 0 ? -length : length)) / (2 * length);

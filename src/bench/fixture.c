@@ -123,8 +123,8 @@ static int reads(const bench_trial *t, int input) {
           t->config.history.reprojection == HBIL_REPROJECTION_MOTION);
 }
 
-/* A configuration that asks for none of the outputs but the estimate of errors
- * gets all that its model has. */
+/* A configuration that asks for none of the outputs, but for the estimate of
+ * errors perhaps, gets all others of its model. */
 static int writes(const bench_trial *t, int output) {
   hbil_config config = t->config;
   int asked = 0;

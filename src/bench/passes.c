@@ -28,8 +28,8 @@ typedef struct job {
 
 /* The default; the paper's setting; motion vectors and two other models, which
  * have kernels of their own; half resolution, or full where half is the
- * default; the fastest preset; `indirect` alone, where the others have every
- * output. */
+ * default; the fastest preset; `indirect` alone, where the others have all
+ * outputs of their model. */
 static void choose_cases(job *j) {
   bench_setting s[CASES];
   for (int i = 0; i < CASES; i++)

@@ -10,7 +10,7 @@
 #include "bench/settings.h"
 
 enum {
-  /* Static frames until light no longer changes by a bit: 23 in the room. */
+  /* Static frames before one that is timed as a late one. */
   SETTLE = 80,
   SECOND = 60 /* frames */
 };
@@ -120,8 +120,8 @@ static int static_frames(const job *j, const char *name, unsigned settle,
   return compare(j, name, whole_frame(j), less, error);
 }
 
-/* Light spreads at first, then nothing changes: the mean of a second's frames,
- * which have no common median. */
+/* Light spreads at first, and may stop changing then: the mean of a second's
+ * frames, which have no common median. */
 static int static_second(const job *j, image_error *error) {
   bench_turn turns[2] = {whole_frame(j), whole_frame(j)};
   bench_timing t[2];
@@ -213,7 +213,7 @@ static int measure(job *j, image_error *error) {
                  static_frames(j, "static, light spreads", 0, 0, error) != 0 ||
                  static_frames(j, "the same with a horizon cache", 0, SIZE_MAX,
                                error) != 0 ||
-                 static_frames(j, "static, light has settled", SETTLE, 0,
+                 static_frames(j, "static, after 80 frames", SETTLE, 0,
                                error) != 0 ||
                  static_second(j, error) != 0 || ao_alone(j, error) != 0
              ? -1
@@ -235,8 +235,8 @@ static int run(const bench_options *options, const bench_device *device,
   bench_report_note(report,
                     "Each frame is timed in turns with the whole one, in which "
                     "all the work is done.  The row of a second has means of "
-                    "%d frames.  Light has settled after %d static frames if "
-                    "no gather runs then.",
+                    "%d frames.  The late static frame comes after %d others.  "
+                    "Its gather is left out if light no longer changes then.",
                     (int)SECOND, (int)SETTLE);
   bench_fixture_close(j.fixture);
   bench_content_free(&j.content);

@@ -10,8 +10,8 @@
  * the buffer is too small to gain by it; then clCreateBuffer() does it alone.
  *
  * The gather reads from everywhere in the picture.  With pages of 4 KiB it
- * would wait for their addresses: at 3840 x 2160 a frame would take 2 to 17 %
- * longer (doc/measurements.md, "Scaling"). */
+ * would often wait for misses of the TLB: at 3840 x 2160 a frame would take 2
+ * to 17 % longer (doc/measurements.md, "Scaling"). */
 cl_mem create_on_huge_pages(cl_context context, size_t bytes);
 
 #endif

@@ -157,8 +157,10 @@ static hbil_status append_file(hbil_context *context, source *s,
   return status;
 }
 
-/* Replaces comments by spaces.  So what they name is no define that a program
- * reads, and a comment that changes compiles no kernel anew. */
+/* Replaces comments by spaces, since a program gets the defines that its text
+ * names, and a comment may name one that the code doesn't use.  Line numbers
+ * stay as they are.  Kernels have no comment of several lines in a #define, no
+ * comments that begin with two slashes, and no strings. */
 static void blank_comments(char *text) {
   for (char *at = strstr(text, "/*"); at; at = strstr(at, "/*")) {
     const char *end = strstr(at + 2, "*/");

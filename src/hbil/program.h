@@ -18,11 +18,12 @@ enum { MOST_DEFINES = 4096 };
 
 /* Builds the program of one pass.  `defines` has all defines of the plan as
  * "-DNAME=VALUE" with spaces between; the program gets those that its text
- * names.  So plans that differ in nothing that a program reads share it in the
- * driver's cache.  #include "..." lines of the kernel files are expanded here,
- * each file once.  Therefore a file that is included under a condition must not
- * be the first to include another one.  If the context has a store of programs,
- * what that has is used; identity is for binary_store(). */
+ * names outside of comments.  So plans that differ in nothing that a program
+ * reads share it in the driver's cache.  #include "..." lines of the kernel
+ * files are expanded here, each file once.  Therefore a file that is included
+ * under a condition must not be the first to include another one.  If the
+ * context has a store of programs, what that has is used; identity is for
+ * binary_store(). */
 hbil_status program_build(hbil_context *context, const program_kind *kind,
                           const char *defines, cl_program *out,
                           binary_identity *identity);

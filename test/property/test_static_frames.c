@@ -89,7 +89,7 @@ static void carried_radiance(setup *s) {
 
 static void static_frames_are_the_same(void **state) {
   (void)state;
-  /* packed light settles to the last bit */
+  /* in this room, packed light settles to the last bit */
   assert_in_range(static_frames(room_with_history, 40), 2, 39);
   static_frames(carried_radiance, 3);
   /* at once where no light is carried over */

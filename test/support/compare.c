@@ -50,9 +50,8 @@ double relative_rmse_but_one(const exact_planes *got, const exact_planes *want,
     if (!isfinite(pixel))
       off = INFINITY;
   }
-  const double unit = size > 0.0 ? size : 1.0;
-  *one = sqrt(farthest * (double)pixels / unit);
-  return sqrt(off / unit);
+  *one = size > 0.0 ? sqrt(farthest * (double)pixels / size) : sqrt(farthest);
+  return size > 0.0 ? sqrt(off / size) : sqrt(off);
 }
 
 double largest_error(const exact_planes *got, const exact_planes *want,

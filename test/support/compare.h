@@ -30,7 +30,8 @@ void check_at_most(const char *what, double value, double limit);
 double relative_rmse(const exact_planes *got, const exact_planes *want,
                      int first, int count);
 /* The same without the pixel that is farthest off; *one: how far off that one
- * is, relative to the root mean square of `want` over pixels. */
+ * is, relative to the root mean square of `want` over pixels.  Where a value is
+ * not finite the result is infinite. */
 double relative_rmse_but_one(const exact_planes *got, const exact_planes *want,
                              int first, int count, double *one);
 /* Largest difference; infinite when one is not finite. */

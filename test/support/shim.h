@@ -49,9 +49,9 @@ void shim_argument(const char *kernel, cl_uint index, size_t size, void *value);
  * `value`, which must stay valid; NULL: it answers all by itself. */
 void shim_answer(cl_device_info what, const void *value, size_t size);
 
-/* true: from now on buffers are created with guard bytes before and behind
- * them, and everything in them is a not-a-number at first.  A buffer's guards
- * stay until it is released. */
+/* true: from now on buffers, but for those in memory of the caller's, are
+ * created with guard bytes before and behind them, and everything in them is a
+ * not-a-number at first.  A buffer's guards stay until it is released. */
 void shim_guard_buffers(bool guard);
 /* Number of guard bytes that have changed. */
 size_t shim_overwritten(cl_command_queue queue);
@@ -67,7 +67,7 @@ void shim_under_oclgrind(bool is_oclgrind);
 typedef struct shim_buffers {
   size_t bytes;
   int count;
-  int hosted; /* those in memory of the caller's */
+  int hosted; /* those that were given a pointer of the caller's */
 } shim_buffers;
 void shim_start_counting(void);
 shim_buffers shim_created(void);

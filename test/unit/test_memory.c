@@ -340,7 +340,7 @@ static void narrow_pictures_take_little_memory(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Huge pages                                                                */
 
-/* Whether plans for such a device have any. */
+/* Whether plans for the tests' device have buffers on huge pages. */
 static bool gives_huge_pages(void) {
 #ifdef __linux__
   cl_device_type type = 0;
@@ -373,8 +373,8 @@ static void large_buffers_of_cpus_are_freed_with_their_plan(void **state) {
   }
 }
 
-/* The first calls of a plan that fail, one after another, up to the last one
- * that is about huge pages. */
+/* Each call of OpenCL that creating a plan makes fails once.  If one that is
+ * about huge pages fails, the plan must do without; and nothing may leak. */
 static void plans_do_without_huge_pages(void **state) {
   setup s;
   hbil_plan *plan;
