@@ -20,8 +20,7 @@ typedef struct mapping {
 } mapping;
 
 static void unmap(mapping *m) {
-  if (m->start != MAP_FAILED)
-    munmap(m->start, m->bytes);
+  munmap(m->start, m->bytes);
   free(m);
 }
 
@@ -39,7 +38,7 @@ static mapping *map(size_t bytes, char **aligned) {
   m->start = mmap(NULL, m->bytes, PROT_READ | PROT_WRITE,
                   MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (m->start == MAP_FAILED) {
-    unmap(m);
+    free(m);
     return NULL;
   }
   *aligned = (char *)m->start + (huge_page - (size_t)m->start % huge_page);

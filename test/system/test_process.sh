@@ -243,7 +243,8 @@ differs "is not the default" compare --max-rmse 1e-3 \
   "$work/paper/frame_0001.exr:near_irradiance" "$work/a/frame_0001.exr"
 works "has no far field" process --model paper --layers ao,far_irradiance \
   -o "$work/paper-far" "$one"
-works "and 8 steps a side" process --model paper --steps-per-side 8 --warm-up 0 \
+works "and 8 equal steps a side" process --model paper --steps-per-side 8 \
+  --step-growth 0 --warm-up 0 \
   --relative-thickness inf -o "$work/paper8" "$one"
 works "which are its defaults" compare --max-rmse 0 "$work/paper/frame_0001.exr" \
   "$work/paper8/frame_0001.exr"
