@@ -354,8 +354,9 @@ typedef struct hbil_split_args {
   hbil_depth_args decode;
   hbil_float direct_scale; /* as in hbil_config */
   hbil_int has_history;
+  hbil_int steady; /* relight: light doesn't fall by a rounding any more */
 } hbil_split_args;
-HBIL_ASSERT_LAYOUT(hbil_split_args, has_history, 61, 62)
+HBIL_ASSERT_LAYOUT(hbil_split_args, steady, 62, 63)
 
 /* Each cell of the coarse grid covers across x down cells of the fine one. */
 typedef struct hbil_bound_cells_args {

@@ -346,19 +346,26 @@ kernel void relight(const hbil_split_args args, global float *layers,
   global float *out = layers +
                       layer_address(args.layers, 0, y & 3, x0 >> 2, y >> 2) +
                       RADIANCE_PLANE * args.layers.plane;
+  realv column[RADIANCE_PLANES][4];
   for (int p = 0; p < RADIANCE_PLANES; ++p) {
-    realv column[4];
-    intv changed = 0;
-    DEINTERLEAVE(value[p], column);
-#pragma unroll
-    for (int i = 0; i < 4; ++i) {
-      global float *to =
-          out + p * args.layers.plane + (uint)i * args.layers.layer;
-      changed |= AS_INTV(LOADV(to)) != AS_INTV(column[i]);
-      STOREV(column[i], to);
-    }
-    if (ANY(changed))
-      flags[HBIL_FLAG_CHANGED] = 1u; /* all work-items write the same value */
+    DEINTERLEAVE(value[p], column[p]);
   }
+  intv changed = 0;
+#pragma unroll
+  for (int i = 0; i < 4; ++i, out += args.layers.layer) {
+    realv was[RADIANCE_PLANES], is[RADIANCE_PLANES];
+    for (int p = 0; p < RADIANCE_PLANES; ++p) {
+      was[p] = LOADV(out + p * args.layers.plane);
+      is[p] = column[p][i];
+    }
+    if (args.steady)
+      ignore_small_falls(was, is);
+    for (int p = 0; p < RADIANCE_PLANES; ++p) {
+      changed |= AS_INTV(was[p]) != AS_INTV(is[p]);
+      STOREV(is[p], out + p * args.layers.plane);
+    }
+  }
+  if (ANY(changed))
+    flags[HBIL_FLAG_CHANGED] = 1u; /* all work-items write the same value */
 }
 #endif

@@ -388,7 +388,8 @@ typedef struct hbil_history {
 /* Work that the library leaves out because it cannot change the outputs;
  * hbil_execution.skip is a sum of these.  The device decides in every frame
  * what to leave out, and the host reads nothing back.  The outputs have the
- * same bits with and without (test_skip). */
+ * same bits with and without (test_skip), but for HBIL_SKIP_STATIC in the long
+ * run. */
 typedef enum hbil_skip {
   HBIL_SKIP_SKY = 1,  /* gather: spans of pixels that are all sky */
   HBIL_SKIP_OPEN = 2, /* gather: spans where nothing rises above the surface */
@@ -402,7 +403,9 @@ typedef enum hbil_skip {
   HBIL_SKIP_UNUSED = 8,
   HBIL_SKIP_RADIUS = 16, /* gather: samples certainly beyond the radius */
   HBIL_SKIP_HOLES = 32,  /* push_pull: frames without holes */
-  HBIL_SKIP_STATIC = 64, /* all passes: what a static frame does not change */
+  /* all passes: what a static frame does not change; after 32 static frames,
+   * falls of light by a rounding, too (hbil_frame.static_frame) */
+  HBIL_SKIP_STATIC = 64,
   HBIL_SKIP_ALL = 127
 } hbil_skip;
 

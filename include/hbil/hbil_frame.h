@@ -136,10 +136,11 @@ typedef struct hbil_frame {
    * environment, frame_index and the contents of all inputs are the same, and
    * motion is 0; camera and frame_index are checked.  Only the carried light is
    * updated.  If it stops changing, bit for bit, nothing is gathered or
-   * filtered any more.  With history.max_frames, frame_index may differ, and
-   * all frames are gathered.  Ignored in a plan's first frame.  Callers who
-   * write to a plan's stages, or to scratch memory that they lent it, must not
-   * set it. */
+   * filtered any more.  Roundings don't prevent that: after 32 static
+   * frames, light no longer falls by as little as one.  With
+   * history.max_frames, frame_index may differ, and all frames are gathered.
+   * Ignored in a plan's first frame.  Callers who write to a plan's stages, or
+   * to scratch memory that they lent it, must not set it. */
   cl_bool static_frame;
   /* With HBIL_DEPTH_HARDWARE: A and B of this frame's projection;
    * hbil_camera_from_matrices() computes both.  The value of
