@@ -8,7 +8,7 @@
 #include "bench/integrals.h"
 #include "bench/report.h"
 #include "bench/settings.h"
-#include "bench/statistics.h"
+#include "image/quantile.h"
 
 static const bench_model models[] = {BENCH_MODEL_DEFAULT, BENCH_MODEL_ENDLESS};
 static const unsigned resolutions[] = {0, BENCH_HALF_RESOLUTION};
@@ -91,7 +91,7 @@ static void report_quotients(const job *j, const float *exact,
   /* a picture of sky has none */
   bench_report_number(j->report,
                       count ? 100.0 * (double)beyond / (double)count : NAN);
-  bench_report_number(j->report, bench_quantile(j->quotient, count, 0.95));
+  bench_report_number(j->report, quantile(j->quotient, count, 0.95));
 }
 
 static double mean_light(const job *j, const float *light) {

@@ -14,10 +14,6 @@ typedef struct bench_spread {
 /* count: at least 1.  Sorts values. */
 bench_spread bench_spread_of(double *values, unsigned count);
 
-/* The value that a share of them, 0..1, doesn't exceed.  Sorts values; NAN if
- * there are none. */
-double bench_quantile(double *values, size_t count, double share);
-
 /* The median of numerators[i] / denominators[i].  Both were measured in the
  * same turn, so whatever slows the machine for a while slows both.
  * count: 1..BENCH_MAX_RUNS. */

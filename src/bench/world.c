@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "bench/settings.h"
+#include "image/quantile.h"
 
 static int check(const bench_world *w, hbil_status status, image_error *error) {
   return status == HBIL_SUCCESS
@@ -28,7 +29,7 @@ static int choose_extent(bench_world *w, image_error *error) {
   for (size_t i = 0; i < pixels; i++)
     if (bench_is_surface(w->content, i))
       depths[count++] = (double)frame->plane[BENCH_DEPTH][i];
-  const double radius = count ? bench_quantile(depths, count, 0.995) : 1.0;
+  const double radius = count ? quantile(depths, count, 0.995) : 1.0;
   free(depths);
   w->config.voxel_size = radius / (0.5 * w->config.voxels - 2.0) /
                          ldexp(1.0, (int)w->config.levels - 1);

@@ -3,6 +3,7 @@
 
 #include "dump/eigen.h"
 #include "dump/matrix3.h"
+#include "image/quantile.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -39,19 +40,14 @@ void camera_fit_points(const gbuffer *g, fit_points *out) {
   }
 }
 
-static int ascending(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-/* The value that this share of the points does not exceed. */
+/* The value that this share of the points does not exceed; infinite if there
+ * are none, or no memory. */
 static double percentile(const double *values, size_t count, double share) {
   double *sorted = malloc(sizeof *sorted * (count + 1));
   if (!sorted || !count)
     return free(sorted), INFINITY;
   memcpy(sorted, values, count * sizeof *sorted);
-  qsort(sorted, count, sizeof *sorted, ascending);
-  const double out = sorted[(size_t)(share * (double)(count - 1))];
+  const double out = quantile(sorted, count, share);
   free(sorted);
   return out;
 }

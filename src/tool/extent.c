@@ -3,6 +3,7 @@
 
 #include "dump/read_gbuffer.h"
 #include "dump/surface_points.h"
+#include "image/quantile.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -53,16 +54,8 @@ int extent_add(extent *e, const gbuffer *g, image_error *error) {
   return 0;
 }
 
-static int ascending(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 double extent_radius(extent *e) {
-  if (!e->count)
-    return 0.0;
-  qsort(e->distances, e->count, sizeof *e->distances, ascending);
-  return e->distances[(size_t)(most_surfaces * (double)(e->count - 1))];
+  return e->count ? quantile(e->distances, e->count, most_surfaces) : 0.0;
 }
 
 void extent_free(extent *e) {
