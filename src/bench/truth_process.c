@@ -88,7 +88,8 @@ int truth_settings_read(const bench_options *options, const char *folder,
   s->layers = 1u << LAYER_INDIRECT | 1u << LAYER_FAR_IRRADIANCE;
   s->quiet = 1;
   s->overwrite = 1;
-  s->no_cache |= paper;
+  if (paper && !settings_without_cache(s))
+    s->far = FAR_IS_ENVIRONMENT;
   return 0;
 }
 

@@ -44,7 +44,8 @@ static int wants_cache(const job *j) {
   for (int i = 1; i < j->count && !moves; i++)
     moves = memcmp(&j->frames[i].map.camera, &j->frames[0].map.camera,
                    sizeof j->frames[0].map.camera) != 0;
-  if (s->no_cache || s->exact || j->config.model.mode != HBIL_MODE_HBIL)
+  if (settings_without_cache(s) || s->exact ||
+      j->config.model.mode != HBIL_MODE_HBIL)
     return 0;
   return asks_for_cache(s) ||
          (moves && !s->paper && !j->frames[0].map.how.from_depth);

@@ -166,15 +166,12 @@ static int set_model(const char *text, process_settings *s,
 
 /* The providers, in the enum's order, then what there is without a cache. */
 static int set_far(const char *text, process_settings *s, image_error *error) {
-  enum { ENVIRONMENT = HBIL_PROVIDER_RSM + 1 - HBIL_PROVIDER_RAYS, NONE };
   static const char *const words[] = {"rays",        "cones", "lpv", "rsm",
                                       "environment", "none",  NULL};
   int value;
   if (option_choice("--far", text, words, &value, error) != 0)
     return -1;
-  s->far = value < ENVIRONMENT ? HBIL_PROVIDER_RAYS + value : 0;
-  s->no_cache = value >= ENVIRONMENT;
-  s->no_far_light = value == NONE;
+  s->far = HBIL_PROVIDER_RAYS + value;
   return 0;
 }
 
@@ -307,9 +304,9 @@ static int check_horizon_cache(const hbil_config *c, image_error *error) {
  * --environment none, and is rejected with another environment. */
 static int apply_far(request *r, image_error *error) {
   process_settings *s = &r->arguments->settings;
-  if (s->no_cache)
+  if (settings_without_cache(s))
     r->given[row_index("far")] = 0;
-  if (!s->no_far_light)
+  if (s->far != FAR_IS_NONE)
     return 0;
   if (s->environment && strcmp(s->environment, "none") != 0)
     return image_fail(error,
@@ -330,11 +327,12 @@ static int check_cache(const request *r, image_error *error) {
   for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
     if (!is_given(r, names[i]))
       continue;
-    if (s->no_cache)
+    if (settings_without_cache(s))
       return image_fail(error,
                         "--%s: not with --far %s, which leaves the radiance "
                         "cache out; one or the other is needed",
-                        names[i], s->no_far_light ? "none" : "environment");
+                        names[i],
+                        s->far == FAR_IS_NONE ? "none" : "environment");
     if (no_light)
       return image_fail(error,
                         "--%s: not with --mode %s, which looks at no light and "

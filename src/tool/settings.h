@@ -9,6 +9,13 @@
  * "choose". */
 enum { HORIZON_CACHE_MOST = 1 << 20, HORIZON_CACHE_CHOOSE };
 
+/* `--far environment` and `--far none`: frames have no radiance cache.  With
+ * the second, process_settings.environment is "none". */
+typedef enum far_without_cache {
+  FAR_IS_ENVIRONMENT = HBIL_PROVIDER_RSM + 1,
+  FAR_IS_NONE
+} far_without_cache;
+
 typedef struct process_settings {
   const char *output;      /* folder of the results; must be given */
   const char *camera;      /* camera of all frames; NULL: each has its own */
@@ -25,10 +32,9 @@ typedef struct process_settings {
   char *const *light_views; /* files of reflective shadow maps */
   unsigned light_view_count;
   hbil_view_light view_light; /* what the views hold */
-  int far;                    /* hbil_provider; 0: not given, or no_cache */
+  int far;                    /* hbil_provider, or a far_without_cache; 0: not
+                                 given */
   int learn;                  /* 1: it sees all frames first */
-  int no_cache;               /* 1: frames have none */
-  int no_far_light;           /* 1: --far none; environment is "none" */
   unsigned cache_voxels;      /* across a level; 0: the library's default */
   const char *cache_load;     /* the file that it begins with, or NULL */
   int cache_fixed;            /* 1: frames don't change the loaded cache */
@@ -52,6 +58,11 @@ typedef struct process_settings {
   int exact;          /* 1: the exact integral instead of the library */
   hbil_config config; /* formats and size are filled in later */
 } process_settings;
+
+/* Whether --far leaves the radiance cache out. */
+static inline int settings_without_cache(const process_settings *s) {
+  return s->far >= FAR_IS_ENVIRONMENT;
+}
 
 /* The defaults: all layers, the library's settings, the default model's
  * warm-up. */
