@@ -220,15 +220,13 @@ INLINE void finish(sums *s, global const float *estimate) {
  * longer. */
 #if HBIL_WIDTH == 1
 #define NEIGHBOUR(i, j)                                                        \
-  (load_tap(in, lit, split, light, column + (i), row + (j), x, y, loaded),     \
-   loaded)
+  (load_tap(from, column + (i), row + (j), x, y, loaded), loaded)
 #else
 #define NEIGHBOUR(i, j) (rows[(j) + FILTER_DOWN] + beside[(i) + FILTER_ACROSS])
 #endif
-INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
-                   const hbil_layer_args lit, global const float *split,
-                   global const float *light, const float *const *rows,
-                   int column, int row, int x, int y, int odd_x) {
+INLINE sums filter(const hbil_view_args view, const tap_source *from,
+                   const float *const *rows, int column, int row, int x, int y,
+                   int odd_x) {
   const int odd_y = row & (GATHERED_ROWS - 1);
   const bool is_gathered = IS_GATHERED(odd_x, odd_y);
 #if HBIL_WIDTH == 1
@@ -279,15 +277,14 @@ INLINE sums filter(const hbil_view_args view, const hbil_layer_args in,
 }
 
 /* The same, with the constant that belongs to the column. */
-INLINE sums filter_at(const hbil_view_args view, const hbil_layer_args in,
-                      const hbil_layer_args lit, global const float *split,
-                      global const float *light, const float *const *rows,
-                      int column, int row, int x, int y) {
+INLINE sums filter_at(const hbil_view_args view, const tap_source *from,
+                      const float *const *rows, int column, int row, int x,
+                      int y) {
 #if GATHERED < HBIL_LAYERS
   if (column & 1)
-    return filter(view, in, lit, split, light, rows, column, row, x, y, 1);
+    return filter(view, from, rows, column, row, x, y, 1);
 #endif
-  return filter(view, in, lit, split, light, rows, column, row, x, y, 0);
+  return filter(view, from, rows, column, row, x, y, 0);
 }
 
 /* Pixels of four layers, in the order of the image. */
@@ -307,15 +304,13 @@ INLINE void store_plane(const sums *value, int p, global float *to) {
 
 /* 4*HBIL_WIDTH pixels of row 4 y + row.  The loop over columns is not unrolled,
  * because that would need four times the registers. */
-INLINE void resolve(const hbil_view_args view, const hbil_layer_args in,
-                    const hbil_layer_args lit, global const float *split,
-                    global const float *light, global const float *estimate,
-                    const float *const *rows, int row, int x, int y,
-                    global float *resolved, const hbil_plane_args out,
-                    const hbil_error_args errors) {
+INLINE void resolve(const hbil_view_args view, const tap_source *from,
+                    global const float *estimate, const float *const *rows,
+                    int row, int x, int y, global float *resolved,
+                    const hbil_plane_args out, const hbil_error_args errors) {
   sums value[4];
   for (int i = 0; i < 4; ++i)
-    value[i] = filter_at(view, in, lit, split, light, rows, i, row, x, y);
+    value[i] = filter_at(view, from, rows, i, row, x, y);
 #if OUT_ERROR
   realv ao[4], near_irradiance[4];
 #endif
@@ -351,7 +346,7 @@ kernel void recompose(const hbil_recompose_args args, global const float *split,
                       global const float *light, global const float *estimate,
                       global float *resolved, global const uint *flags) {
   const hbil_view_args view = args.view;
-  const hbil_layer_args in = args.split, lit = args.light;
+  const tap_source from = {split, light, args.split, args.light};
   const hbil_plane_args out = args.planes;
   const hbil_error_args errors = args.errors;
   const int x = (int)get_global_id(0) * SPAN_VECTORS * HBIL_WIDTH;
@@ -360,15 +355,14 @@ kernel void recompose(const hbil_recompose_args args, global const float *split,
       (args.is_static && !flags[HBIL_FLAG_CHANGED]))
     return;
 #if HBIL_WIDTH == 1
-  resolve(view, in, lit, split, light, estimate, 0, top & 3, x, y, resolved,
-          out, errors);
+  resolve(view, &from, estimate, 0, top & 3, x, y, resolved, out, errors);
 #else
   realv memory[TAP_ROWS * TAP_ROW / HBIL_WIDTH];
   float *rows[TAP_ROWS];
   for (int k = 0; k < TAP_ROWS; ++k) {
     rows[k] = (float *)memory + k * TAP_ROW;
     if (k > 0)
-      unpack_row(in, lit, split, light, k - FILTER_DOWN - 1, x, y, rows[k]);
+      unpack_row(&from, k - FILTER_DOWN - 1, x, y, rows[k]);
   }
   const int last = min(ROWS, view.height - top) - 1;
   const int right = min(SPAN_VECTORS * HBIL_WIDTH, (view.width + 3) / 4 - x);
@@ -378,16 +372,16 @@ kernel void recompose(const hbil_recompose_args args, global const float *split,
     for (int k = 0; k < TAP_ROWS - 1; ++k)
       rows[k] = rows[k + 1];
     rows[TAP_ROWS - 1] = oldest;
-    unpack_row(in, lit, split, light, row + FILTER_DOWN, x, y, oldest);
+    unpack_row(&from, row + FILTER_DOWN, x, y, oldest);
     if (row < last)
-      fetch_row(in, lit, split, light, row + FILTER_DOWN + 1, x, y);
+      fetch_row(&from, row + FILTER_DOWN + 1, x, y);
     for (int v = 0; v < right; v += HBIL_WIDTH) {
       const float *around[TAP_ROWS];
 #pragma unroll
       for (int k = 0; k < TAP_ROWS; ++k)
         around[k] = rows[k] + v;
-      resolve(view, in, lit, split, light, estimate, around, row & 3, x + v,
-              y + (row >> 2), resolved, out, errors);
+      resolve(view, &from, estimate, around, row & 3, x + v, y + (row >> 2),
+              resolved, out, errors);
     }
   }
 #endif
