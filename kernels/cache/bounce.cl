@@ -161,10 +161,10 @@ INLINE void bounce_voxel(const hbil_cache_bounce_args args,
 }
 
 kernel void bounce(const hbil_cache_bounce_args args, global const uint *states,
-                   global const uint *ways, global const uint *bricks,
-                   global float *voxels, global const uint *radiance,
-                   global const float *means, global uchar *unlit_codes) {
-  const cache_map map = {args.cache, states, ways, bricks, voxels};
+                   global const uchar *ways, global float *voxels,
+                   global const uint *radiance, global const float *means,
+                   global uchar *unlit_codes) {
+  const cache_map map = {args.cache, ways, voxels};
   uint word;
   if (!word_of_item(args.cache, &word))
     return;

@@ -31,29 +31,27 @@ typedef struct sample {
   float size; /* of the voxel or texel, in voxels of level 0 */
 } sample;
 
-/* The finest voxel at p, of that size. */
+/* The number of the voxel of a level at p. */
+INLINE uint number_at(const cache_map *map, int level, float3 p) {
+  const float3 cell = floor(p * (1.0f / (float)(1 << level)));
+  return (uint)voxel_number(map->cache, level, (int)cell.x, (int)cell.y,
+                            (int)cell.z);
+}
+
+/* The finest voxel at p, of the size of that level. */
 INLINE sample sample_voxel(const cache_map *map, global const uint *radiance,
                            int level, float3 p, float3 d) {
-  sample s = {0.0f, 0.0f, 0.0f, 0.0f, (float)(1 << level)};
-  for (int l = level; l < map->cache.levels; ++l) {
-    const float3 cell = floor(p * (1.0f / (float)(1 << l)));
-    const uint number = (uint)voxel_number(map->cache, l, (int)cell.x,
-                                           (int)cell.y, (int)cell.z);
-    if (l == level) {
-      const uint way = state_in_word(map->ways[number >> 4], number);
-      s.unseen = way == HBIL_VOXEL_UNKNOWN ? 1.0f : 0.0f;
-      s.sky = way == HBIL_VOXEL_SKY ? 1.0f : 0.0f;
-      if (way != HBIL_VOXEL_SURFACE)
-        return s;
-    }
-    if (state_in_word(map->states[number >> 4], number) != HBIL_VOXEL_SURFACE)
-      continue;
-    if (dot(vload3(0, map->voxels + HBIL_VOXEL_FLOATS * (size_t)number), d) <
-        0.0f) {
-      s.light = light_of_word(radiance[number]);
-      s.opacity = VOXEL_OPACITY;
-    }
+  const uint way = map->ways[number_at(map, level, p)];
+  const uint state = WAY_STATE(way);
+  sample s = {0.0f, 0.0f, state == HBIL_VOXEL_UNKNOWN ? 1.0f : 0.0f,
+              state == HBIL_VOXEL_SKY ? 1.0f : 0.0f, (float)(1 << level)};
+  if (state != HBIL_VOXEL_SURFACE)
     return s;
+  const uint number = number_at(map, level + (int)WAY_ABOVE(way), p);
+  if (dot(vload3(0, map->voxels + HBIL_VOXEL_FLOATS * (size_t)number), d) <
+      0.0f) {
+    s.light = light_of_word(radiance[number]);
+    s.opacity = VOXEL_OPACITY;
   }
   return s;
 }
@@ -161,10 +159,10 @@ INLINE cone follow_cone(const hbil_probes_args args, global const float *split,
 }
 
 kernel void probe_cones(const hbil_probes_args args, global const float *split,
-                        global const uint *states, global const uint *ways,
-                        global const float *voxels, global const uint *radiance,
+                        global const uchar *ways, global const float *voxels,
+                        global const uint *radiance,
                         global const float *pyramid, global float *probes) {
-  const cache_map map = {args.cache, states, ways, NULL, voxels};
+  const cache_map map = {args.cache, ways, voxels};
   probe_place probe;
   float4 mean[FUNCTIONS];
   if (!place_of_item(args, split, &probe))

@@ -59,10 +59,9 @@ INLINE void trace(const hbil_probes_args args, global const float *split,
 }
 
 kernel void probe_glossy(const hbil_probes_args args, global const float *split,
-                         global const uint *states, global const uint *ways,
-                         global const uint *bricks, global const float *voxels,
+                         global const uchar *ways, global const float *voxels,
                          global const uint *radiance, global float *probes) {
-  const cache_map map = {args.cache, states, ways, bricks, voxels};
+  const cache_map map = {args.cache, ways, voxels};
   probe_place probe;
   probe_lobe lobe = {0.0f, 0.0f, 0.0f};
   probe_finds sum = {0.0f, 0.0f, {0.0f, 0.0f, 0.0f}};

@@ -2,17 +2,31 @@
  * ways: what rays read of the states of voxels, so that they ask once a step,
  * and cross what is all alike in one step.
  *
- * resolve: what a level has not seen has the state of the next coarser level
- * there.  Levels are done one after the other, the coarsest one first.
- * brick: the state of a cube of voxels, if all have the same.
+ * resolve: the states of ways: what a level has not seen has the state of the
+ * next coarser level there.  Levels are done one after the other, the coarsest
+ * one first.
+ * clear_along_x, clear_along: clearances.  A voxel's cube is all alike if so
+ * are the squares of the voxels before and behind, which are so if rows are:
+ * along each axis, the least of what was found along those before, and the
+ * distance to the next voxel of another state.  Neighbours are those in memory,
+ * which wraps around.  So cubes at the border of a level are too small at most,
+ * never too large within it, and rays stop at the border.
  *
  * Launch: resolve: x = words of a row of voxels, y = rows, z = slices, of one
- * level; brick: x = bricks of a row, y = rows, z = slices, of all levels.
+ * level; clear_along_x, clear_along: x = rows, y = slices of all levels.
  */
 #include "lib/cache_voxels.clh"
 
+/* The states of a word's voxels, a byte each. */
+INLINE uchar16 states_of_word(uint word) {
+  const uint16 shift =
+      (uint16)(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+  return convert_uchar16(((uint16)(word) >> shift) & 3u);
+}
+
 kernel void resolve(const hbil_cache_args cache, const int level,
-                    global const uint *states, global uint *ways) {
+                    global const uint *states, global uchar *all_ways) {
+  global uchar *ways = all_ways;
   const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
   const uint z = (uint)get_global_id(2), n = (uint)cache.voxels;
   if (x >= n / WORD_VOXELS || y >= n || z >= n)
@@ -22,45 +36,92 @@ kernel void resolve(const hbil_cache_args cache, const int level,
         << cache.log2_voxels) >>
        4) |
       x;
-  uint way = states[word];
-  const uint unknown = ~(way | (way >> 1)) & 0x55555555u;
-  if (unknown && level + 1 < cache.levels) {
-    const int up_y = cell_at(cache, level, 1, (int)y) >> 1;
-    const int up_z = cell_at(cache, level, 2, (int)z) >> 1;
-    /* neighbours share the coarser voxel, as levels move by whole ones */
-    for (uint i = 0; i < WORD_VOXELS; i += 2) {
-      const uint pair = (unknown >> (2u * i)) & 5u;
-      if (!pair)
-        continue;
-      const int up_x =
-          cell_at(cache, level, 0, (int)(x * WORD_VOXELS + i)) >> 1;
-      const uint number =
-          (uint)voxel_number(cache, level + 1, up_x, up_y, up_z);
-      way |= (state_in_word(ways[number >> 4], number) * pair) << (2u * i);
-    }
+  const uint own = states[word];
+  const uint unknown = ~(own | (own >> 1)) & 0x55555555u;
+  ways += WORD_VOXELS * word;
+  vstore16(states_of_word(own), 0, ways);
+  if (!unknown || level + 1 == cache.levels)
+    return;
+  const int up_y = cell_at(cache, level, 1, (int)y) >> 1;
+  const int up_z = cell_at(cache, level, 2, (int)z) >> 1;
+  /* neighbours share the coarser voxel, as levels move by whole ones */
+  for (uint i = 0; i < WORD_VOXELS; i += 2) {
+    const uint pair = unknown >> (2u * i);
+    if (!(pair & 5u))
+      continue;
+    const int up_x = cell_at(cache, level, 0, (int)(x * WORD_VOXELS + i)) >> 1;
+    uint way = all_ways[(uint)voxel_number(cache, level + 1, up_x, up_y, up_z)];
+    if (WAY_STATE(way) == HBIL_VOXEL_SURFACE)
+      way += 1u << 2; /* a level more above */
+    if (pair & 1u)
+      ways[i] = (uchar)way;
+    if (pair & 4u)
+      ways[i + 1] = (uchar)way;
   }
-  ways[word] = way;
 }
 
-kernel void brick(const hbil_cache_args cache, global const uint *ways,
-                  global uint *bricks) {
-  const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
-  const uint z = (uint)get_global_id(2);
-  const uint n = (uint)cache.voxels, across = n / HBIL_BRICK;
-  if (x >= across || y >= across || z >= across * (uint)cache.levels)
+/* --- clearance --- */
+
+INLINE char16 is_same_state(uchar16 a, uchar16 b) {
+  return ((a ^ b) & (uchar)3) == (uchar)0;
+}
+
+INLINE char16 is_no_surface(uchar16 way) {
+  return (way & (uchar)3) != (uchar)HBIL_VOXEL_SURFACE;
+}
+
+/* The first voxel of a work-item's row of a level.  false: there is none. */
+INLINE bool row_of_item(const hbil_cache_args c, uint *first) {
+  const uint y = (uint)get_global_id(0), z = (uint)get_global_id(1);
+  *first = ((z << c.log2_voxels) | y) << c.log2_voxels;
+  return y < (uint)c.voxels && z < (uint)(c.voxels * c.levels);
+}
+
+kernel void clear_along_x(const hbil_cache_args cache, global const uchar *in,
+                          global uchar *out) {
+  uint row;
+  if (!row_of_item(cache, &row))
     return;
-  const uint corner =
-      ((((z * HBIL_BRICK << cache.log2_voxels) | (y * HBIL_BRICK))
-        << cache.log2_voxels) |
-       (x * HBIL_BRICK));
-  const uint first = state_in_word(ways[corner >> 4], corner);
-  uint other = first == HBIL_VOXEL_SURFACE;
-  for (uint k = 0; k < HBIL_BRICK; ++k)
-    for (uint j = 0; j < HBIL_BRICK; ++j) {
-      const uint row =
-          corner + (((k << cache.log2_voxels) + j) << cache.log2_voxels);
-      other |=
-          ((ways[row >> 4] >> (2u * (row & 15u))) & 255u) ^ (first * 0x55u);
+  const int words = cache.voxels / WORD_VOXELS;
+  /* the row, and a word more at both ends */
+  uchar around[HBIL_CACHE_MOST_VOXELS + 2 * WORD_VOXELS];
+  for (int i = 0; i < words + 2; ++i)
+    vstore16(vload16((i + words - 1) & (words - 1), in + row), i, around);
+  for (int i = 1; i <= words; ++i) {
+    const uchar *at = around + WORD_VOXELS * i;
+    const uchar16 own = vload16(0, at);
+    uchar16 clear = 0;
+    char16 alike = is_no_surface(own);
+    for (int r = 1; r <= HBIL_MOST_CLEARANCE && any(alike); ++r) {
+      alike &= is_same_state(own, vload16(0, at - r)) &
+               is_same_state(own, vload16(0, at + r));
+      clear += as_uchar16(alike) & (uchar)1;
     }
-  bricks[((z * across) + y) * across + x] = other ? HBIL_BRICK_MIXED : first;
+    vstore16(own | (clear << (uchar)2), i - 1, out + row);
+  }
+}
+
+/* Along y (shift = log2_voxels) or z (twice that). */
+kernel void clear_along(const hbil_cache_args cache, const int shift,
+                        global const uchar *in, global uchar *out) {
+  uint row;
+  if (!row_of_item(cache, &row))
+    return;
+  const uint mask = (uint)cache.voxels - 1u, place = (row >> shift) & mask;
+  for (uint i = row; i < row + (uint)cache.voxels; i += WORD_VOXELS) {
+    global const uchar *axis = in + (i - (place << shift));
+    const uchar16 own = vload16(0, in + i);
+    uchar16 least = own >> (uchar)2, clear = 0;
+    char16 alike = is_no_surface(own);
+    for (uint r = 1; r <= HBIL_MOST_CLEARANCE && any(alike); ++r) {
+      const uchar16 before = vload16(0, axis + (((place - r) & mask) << shift));
+      const uchar16 after = vload16(0, axis + (((place + r) & mask) << shift));
+      least = min(least, min(before >> (uchar)2, after >> (uchar)2));
+      alike &= is_same_state(own, before) & is_same_state(own, after) &
+               (least >= (uchar)r);
+      clear += as_uchar16(alike) & (uchar)1;
+    }
+    const uchar16 cleared = (own & (uchar)3) | (clear << (uchar)2);
+    vstore16(select(cleared, own, !is_no_surface(own)), 0, out + i);
+  }
 }

@@ -12,7 +12,7 @@
 
 #include "shared.h"
 
-enum { HBIL_CACHE_MAX_LEVELS = 4 };
+enum { HBIL_CACHE_MAX_LEVELS = 4, HBIL_CACHE_MOST_VOXELS = 256 };
 
 /* What is known of a voxel: two bits each, sixteen voxels of a row to a word,
  * all of level 0 first. */
@@ -23,13 +23,14 @@ enum {
   HBIL_VOXEL_SKY = 3 /* a view looked through it and saw the sky behind it */
 };
 
-/* What rays read: the ways.  The same as states, but what a level has not seen
- * has the state of the coarser level there, so HBIL_VOXEL_SURFACE may be a
- * surface of a coarser level.  Bricks are cubes of voxels that lie together in
- * memory, a word each: the state that all of them have, or HBIL_BRICK_MIXED,
- * which is also that of surfaces. */
-#define HBIL_BRICK 4
-enum { HBIL_BRICK_MIXED = HBIL_VOXEL_SURFACE };
+/* What rays read: the ways, a byte a voxel.  The lower two bits are the state,
+ * but what a level has not seen has the state of the coarser level there, so
+ * HBIL_VOXEL_SURFACE may be a surface of a coarser level: the upper bits tell
+ * how many levels above.  Those of all others are the clearance: so many voxels
+ * away in each direction, along the axes and between them, all have the same
+ * state.  With a most of 3 the rays of bounces take 4 % longer, with 15 they
+ * take 1 % less. */
+#define HBIL_MOST_CLEARANCE 7
 
 /* The floats of a voxel, a cache line: means over the views that saw it, and
  * what has been gathered since. */

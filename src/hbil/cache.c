@@ -37,10 +37,9 @@ size_t cache_buffer_bytes(const hbil_cache_config *config, int buffer) {
   const size_t voxels = cache_voxel_count(config);
   switch (buffer) {
   case CACHE_STATES: /* two bits each */
-  case CACHE_WAYS:
     return voxels / 4;
-  case CACHE_BRICKS:
-    return sizeof(cl_uint) * voxels / (HBIL_BRICK * HBIL_BRICK * HBIL_BRICK);
+  case CACHE_WAYS:
+  case CACHE_WAYS_PART:
   case CACHE_UNLIT:
     return voxels;
   case CACHE_VOXELS:

@@ -26,7 +26,8 @@ enum {
   CACHE_KERNEL_INJECT,
   CACHE_KERNEL_INJECT_FLAT,
   CACHE_KERNEL_RESOLVE,
-  CACHE_KERNEL_BRICK,
+  CACHE_KERNEL_CLEAR_ALONG_X,
+  CACHE_KERNEL_CLEAR_ALONG,
   CACHE_KERNEL_MEAN_PART,
   CACHE_KERNEL_MEAN_SUM,
   CACHE_KERNEL_BOUNCE,
@@ -43,14 +44,14 @@ enum {
 _Static_assert((int)CACHE_KERNEL_COUNT <= (int)KERNEL_COUNT, "KERNEL_COUNT");
 
 enum {
-  CACHE_STATES,   /* two bits a voxel */
-  CACHE_WAYS,     /* as states: what rays read */
-  CACHE_BRICKS,   /* a word a brick */
-  CACHE_VOXELS,   /* HBIL_VOXEL_FLOATS floats a voxel */
-  CACHE_RADIANCE, /* a word a voxel: what it sends */
-  CACHE_UNLIT,    /* a byte a voxel: how much of the open is no sky */
-  CACHE_MEANS,    /* mean radiance and unlit part; then sums of parts */
-  CACHE_TEXELS,   /* of the view that is being injected */
+  CACHE_STATES,    /* two bits a voxel */
+  CACHE_WAYS,      /* a byte a voxel: what rays read */
+  CACHE_WAYS_PART, /* the same, with clearances along some axes */
+  CACHE_VOXELS,    /* HBIL_VOXEL_FLOATS floats a voxel */
+  CACHE_RADIANCE,  /* a word a voxel: what it sends */
+  CACHE_UNLIT,     /* a byte a voxel: how much of the open is no sky */
+  CACHE_MEANS,     /* mean radiance and unlit part; then sums of parts */
+  CACHE_TEXELS,    /* of the view that is being injected */
   /* for other providers than rays */
   CACHE_PYRAMID,      /* HBIL_MIP_FLOATS floats a texel (lib/pyramid.clh) */
   CACHE_SOURCES,      /* 12 planes a volume (lib/volumes.clh) */

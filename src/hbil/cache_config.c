@@ -50,7 +50,7 @@ void hbil_cache_update_init_sized(hbil_cache_update *update,
 static hbil_status check_ranges(hbil_context *context,
                                 const hbil_cache_config *c) {
   const cl_uint n = c->voxels;
-  if (n < 16 || n > 256 || (n & (n - 1)))
+  if (n < 16 || n > HBIL_CACHE_MOST_VOXELS || (n & (n - 1)))
     return fail(context, HBIL_INVALID_CONFIG,
                 "voxels: %u; must be 16, 32, 64, 128 or 256", (unsigned)n);
   if (c->levels < 1 || c->levels > HBIL_CACHE_MAX_LEVELS)

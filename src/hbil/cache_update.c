@@ -12,20 +12,27 @@
 /* Brings what rays read up to date with the states. */
 static hbil_status resolve(commands *chain, hbil_cache *cache) {
   const hbil_cache_args args = cache_args(cache);
-  const size_t n = cache->config.voxels, bricks = n / HBIL_BRICK;
-  const argument brick[] = {ARG(args), ARG(cache->buffers[CACHE_WAYS]),
-                            ARG(cache->buffers[CACHE_BRICKS])};
-  for (cl_int level = args.levels - 1; level >= 0; --level) {
+  const size_t n = cache->config.voxels, slices = n * cache->config.levels;
+  const cl_int along_y = args.log2_voxels, along_z = 2 * along_y;
+  const cl_mem ways = cache->buffers[CACHE_WAYS];
+  const cl_mem part = cache->buffers[CACHE_WAYS_PART];
+  const argument x[] = {ARG(args), ARG(part), ARG(ways)};
+  const argument y[] = {ARG(args), ARG(along_y), ARG(ways), ARG(part)};
+  const argument z[] = {ARG(args), ARG(along_z), ARG(part), ARG(ways)};
+  hbil_status status = HBIL_SUCCESS;
+  for (cl_int level = args.levels - 1; level >= 0 && status == HBIL_SUCCESS;
+       --level) {
     const argument list[] = {ARG(args), ARG(level),
-                             ARG(cache->buffers[CACHE_STATES]),
-                             ARG(cache->buffers[CACHE_WAYS])};
-    const hbil_status status =
-        LAUNCH(chain, CACHE_KERNEL_RESOLVE, list, n / 16, n, n);
-    if (status != HBIL_SUCCESS)
-      return status;
+                             ARG(cache->buffers[CACHE_STATES]), ARG(part)};
+    status = LAUNCH(chain, CACHE_KERNEL_RESOLVE, list, n / 16, n, n);
   }
-  return LAUNCH(chain, CACHE_KERNEL_BRICK, brick, bricks, bricks,
-                bricks * cache->config.levels);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, CACHE_KERNEL_CLEAR_ALONG_X, x, n, slices, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, CACHE_KERNEL_CLEAR_ALONG, y, n, slices, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, CACHE_KERNEL_CLEAR_ALONG, z, n, slices, 1);
+  return status;
 }
 
 /* --- bounces --- */
@@ -65,7 +72,6 @@ static hbil_status bounce(commands *chain, hbil_cache *cache,
   const argument list[] = {ARG(args),
                            ARG(cache->buffers[CACHE_STATES]),
                            ARG(cache->buffers[CACHE_WAYS]),
-                           ARG(cache->buffers[CACHE_BRICKS]),
                            ARG(cache->buffers[CACHE_VOXELS]),
                            ARG(cache->buffers[CACHE_RADIANCE]),
                            ARG(cache->buffers[CACHE_MEANS]),

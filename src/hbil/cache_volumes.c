@@ -45,7 +45,6 @@ hbil_status spread_light(commands *chain, hbil_cache *cache,
   const hbil_environment_args environment =
       far_radiance_args(update->far_field, update->environment);
   const argument sources[] = {ARG(args),
-                              ARG(cache->buffers[CACHE_STATES]),
                               ARG(cache->buffers[CACHE_WAYS]),
                               ARG(cache->buffers[CACHE_VOXELS]),
                               ARG(cache->buffers[CACHE_RADIANCE]),

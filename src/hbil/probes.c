@@ -53,14 +53,11 @@ typedef hbil_status provider(commands *chain, const hbil_cache *cache,
 static hbil_status cast_rays(commands *chain, const hbil_cache *cache,
                              const hbil_probes_args *args, int kernel,
                              int probes) {
-  const cl_mem states = of_cache(cache, CACHE_STATES);
   const cl_mem ways = of_cache(cache, CACHE_WAYS);
-  const cl_mem bricks = of_cache(cache, CACHE_BRICKS);
   const cl_mem voxels = of_cache(cache, CACHE_VOXELS);
   const cl_mem radiance = of_cache(cache, CACHE_RADIANCE);
   const argument list[] = {ARG(*args),    BUFFER_ARG(chain->plan, BUFFER_SPLIT),
-                           ARG(states),   ARG(ways),
-                           ARG(bricks),   ARG(voxels),
+                           ARG(ways),     ARG(voxels),
                            ARG(radiance), BUFFER_ARG(chain->plan, probes)};
   return LAUNCH_PROBES(chain, kernel, list, args);
 }
@@ -72,16 +69,17 @@ static hbil_status ask_rays(commands *chain, const hbil_cache *cache,
 
 static hbil_status ask_cones(commands *chain, const hbil_cache *cache,
                              const hbil_probes_args *args) {
-  const cl_mem states = of_cache(cache, CACHE_STATES);
   const cl_mem ways = of_cache(cache, CACHE_WAYS);
   const cl_mem voxels = of_cache(cache, CACHE_VOXELS);
   const cl_mem radiance = of_cache(cache, CACHE_RADIANCE);
   const cl_mem pyramid = of_cache(cache, CACHE_PYRAMID);
-  const argument list[] = {
-      ARG(*args),   BUFFER_ARG(chain->plan, BUFFER_SPLIT),
-      ARG(states),  ARG(ways),
-      ARG(voxels),  ARG(radiance),
-      ARG(pyramid), BUFFER_ARG(chain->plan, BUFFER_PROBES)};
+  const argument list[] = {ARG(*args),
+                           BUFFER_ARG(chain->plan, BUFFER_SPLIT),
+                           ARG(ways),
+                           ARG(voxels),
+                           ARG(radiance),
+                           ARG(pyramid),
+                           BUFFER_ARG(chain->plan, BUFFER_PROBES)};
   return LAUNCH_PROBES(chain, KERNEL_PROBE_CONES, list, args);
 }
 

@@ -152,10 +152,10 @@ static const struct {
   const char *kernel;
   cl_uint index;
 } taken[CACHE_BUFFERS] = {
-    [CACHE_STATES] = {"publish", 1},   [CACHE_WAYS] = {"resolve", 3},
-    [CACHE_BRICKS] = {"brick", 2},     [CACHE_VOXELS] = {"publish", 2},
-    [CACHE_RADIANCE] = {"publish", 3}, [CACHE_UNLIT] = {"mean_part", 3},
-    [CACHE_MEANS] = {"mean_sum", 0},   [CACHE_TEXELS] = {"read_view", 1}};
+    [CACHE_STATES] = {"publish", 1},  [CACHE_WAYS] = {"clear_along_x", 2},
+    [CACHE_VOXELS] = {"publish", 2},  [CACHE_RADIANCE] = {"publish", 3},
+    [CACHE_UNLIT] = {"mean_part", 3}, [CACHE_MEANS] = {"mean_sum", 0},
+    [CACHE_TEXELS] = {"read_view", 1}};
 
 cl_mem cache_memory(cache_buffer which) {
   cl_mem buffer;

@@ -16,7 +16,6 @@
 typedef enum cache_buffer {
   CACHE_STATES,
   CACHE_WAYS,
-  CACHE_BRICKS,
   CACHE_VOXELS,
   CACHE_RADIANCE,
   CACHE_UNLIT,

@@ -219,48 +219,61 @@ static void what_stays_inside_has_its_values(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Ways                                                                      */
 
-/* What all voxels of a brick are for rays, HBIL_BRICK_MIXED where they differ.
- * A brick is a cube in memory. */
-static uint32_t expected_brick(const exact_cache *cache, size_t x, size_t y,
-                               size_t z) {
+/* The state of a voxel for rays, given where it is in memory. */
+static int way_at(const exact_cache *cache, const size_t at[4]) {
   const size_t n = (size_t)cache->voxels;
-  uint32_t all = 0;
-  for (size_t i = 0; i < HBIL_BRICK * HBIL_BRICK * HBIL_BRICK; ++i) {
-    const size_t at[3] = {HBIL_BRICK * x + i % HBIL_BRICK,
-                          HBIL_BRICK * y + i / HBIL_BRICK % HBIL_BRICK,
-                          HBIL_BRICK * z + i / HBIL_BRICK / HBIL_BRICK};
-    exact_place place =
-        exact_cache_place(cache, (at[2] * n + at[1]) * n + at[0]);
-    all |= 1u << exact_cache_way(cache, &place);
+  exact_place place = exact_cache_place(
+      cache, ((at[3] * n + at[2] % n) * n + at[1] % n) * n + at[0] % n);
+  return exact_cache_way(cache, &place);
+}
+
+/* Whether all voxels that are r away from a voxel, along an axis at least and
+ * at most along the others, have its state. */
+static bool is_alike(const exact_cache *cache, const size_t at[4], size_t r) {
+  const size_t n = (size_t)cache->voxels, side = 2 * r + 1;
+  const int state = way_at(cache, at);
+  for (size_t i = 0; i < side * side * side; ++i) {
+    const size_t by[3] = {i % side, i / side % side, i / side / side};
+    const bool is_shell =
+        by[0] % (2 * r) == 0 || by[1] % (2 * r) == 0 || by[2] % (2 * r) == 0;
+    if (is_shell &&
+        way_at(cache, (size_t[4]){at[0] + n + by[0] - r, at[1] + n + by[1] - r,
+                                  at[2] + n + by[2] - r, at[3]}) != state)
+      return false;
   }
-  for (uint32_t s = HBIL_VOXEL_UNKNOWN; s <= HBIL_VOXEL_SKY; ++s)
-    if (all == 1u << s)
-      return s;
-  return HBIL_BRICK_MIXED;
+  return true;
+}
+
+/* How far around a voxel all have its state. */
+static int clearance_at(const exact_cache *cache, const size_t at[4]) {
+  int clear = 0;
+  while (clear < HBIL_MOST_CLEARANCE && is_alike(cache, at, (size_t)clear + 1))
+    ++clear;
+  return clear;
 }
 
 static void check_ways(exact_cache *cache) {
-  const size_t across = (size_t)cache->voxels / HBIL_BRICK;
-  size_t count, mixed = 0;
+  const size_t n = (size_t)cache->voxels;
+  size_t count, clear = 0, above = 0;
   cache_import(cache);
-  uint32_t *ways = cache_read(CACHE_WAYS, NULL);
-  uint32_t *bricks = cache_read(CACHE_BRICKS, &count);
-  for (size_t i = 0; i < exact_cache_count(cache); ++i) {
-    exact_place place = exact_cache_place(cache, i);
-    assert_int_equal(ways[i / 16] >> (2 * (i % 16)) & 3u,
-                     exact_cache_way(cache, &place));
-  }
-  count /= sizeof *bricks;
-  assert_int_equal(count, across * across * across * (size_t)cache->levels);
+  unsigned char *ways = cache_read(CACHE_WAYS, &count);
+  assert_int_equal(count, exact_cache_count(cache));
   for (size_t i = 0; i < count; ++i) {
-    assert_int_equal(bricks[i],
-                     expected_brick(cache, i % across, i / across % across,
-                                    i / across / across));
-    mixed += bricks[i] == HBIL_BRICK_MIXED;
+    const size_t at[4] = {i % n, i / n % n, i / n / n % n, i / n / n / n};
+    exact_place place = exact_cache_place(cache, i);
+    const int own = place.level;
+    assert_int_equal(ways[i] & 3, exact_cache_way(cache, &place));
+    const int upper = ways[i] >> 2;
+    if ((ways[i] & 3) == HBIL_VOXEL_SURFACE) {
+      assert_int_equal(upper, place.level - own);
+      above += upper > 0;
+    } else if (i % 7 == 0) { /* as each looks at up to 3374 others */
+      assert_int_equal(upper, clearance_at(cache, at));
+      clear += upper > 0;
+    }
   }
-  assert_true(mixed > 0 && mixed < count);
+  assert_true(clear > count / 70 && above > 0);
   free(ways);
-  free(bricks);
 }
 
 static void ways_are_the_finest_state_that_is_known(void **state) {

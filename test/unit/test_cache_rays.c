@@ -16,12 +16,11 @@ enum { UNKNOWN_END = -2, SKY_END = -1 };
 
 static const char follow_source[] =
     "#include \"lib/cache_rays.clh\"\n"
-    "kernel void follow(const hbil_cache_args cache, global const uint *states,"
-    " global const uint *ways, global const uint *bricks,"
+    "kernel void follow(const hbil_cache_args cache, global const uchar *ways,"
     " global const float *voxels, global const float *origins,"
     " global const float *directions, global int *voxel,"
     " global float *distance) {\n"
-    "  const cache_map map = {cache, states, ways, bricks, voxels};\n"
+    "  const cache_map map = {cache, ways, voxels};\n"
     "  const int o = (int)get_global_id(0);\n"
     "  const float4 origin = vload4(o, origins);\n"
     "  for (int i = 0; i < 16; i += HBIL_WIDTH) {\n"
@@ -121,17 +120,17 @@ static void follow(cl_uint width, bundle *b) {
       buffer_new(&shared_device, sizeof b->direction, b->direction),
       buffer_new(&shared_device, rays, NULL),
       buffer_new(&shared_device, rays, NULL)};
-  static const cache_buffer which[] = {CACHE_STATES, CACHE_WAYS, CACHE_BRICKS,
-                                       CACHE_VOXELS};
-  shim_argument("brick", 0, sizeof args, &args);
+  static const cache_buffer which[] = {CACHE_WAYS, CACHE_VOXELS};
+  shim_argument("resolve", 0, sizeof args, &args);
   assert_int_equal(clSetKernelArg(kernel, 0, sizeof args, &args), CL_SUCCESS);
-  for (cl_uint i = 0; i < 4; ++i) {
+  for (cl_uint i = 0; i < 2; ++i) {
     const cl_mem buffer = cache_memory(which[i]);
     assert_int_equal(clSetKernelArg(kernel, 1 + i, sizeof buffer, &buffer),
                      CL_SUCCESS);
-    assert_int_equal(clSetKernelArg(kernel, 5 + i, sizeof own[i], &own[i]),
-                     CL_SUCCESS);
   }
+  for (cl_uint i = 0; i < 4; ++i)
+    assert_int_equal(clSetKernelArg(kernel, 3 + i, sizeof own[i], &own[i]),
+                     CL_SUCCESS);
   assert_int_equal(clEnqueueNDRangeKernel(shared_device.queue, kernel, 1, NULL,
                                           &items, &group, 0, NULL, NULL),
                    CL_SUCCESS);

@@ -72,7 +72,7 @@ static void check_pyramid(cl_uint voxels) {
   cache_fixture f;
   exact_cache cache;
   filled(&f, &cache, HBIL_PROVIDER_CONES, 8, voxels);
-  float *texels = floats_of("level_step", 6);
+  float *texels = floats_of("level_step", 5);
   const exact_pyramid got = pyramid_of(texels, &cache);
   exact_pyramid want = pyramid_of(texels, &cache);
   int surfaces = 0;
@@ -302,7 +302,7 @@ static void cones_match(void **state) {
         i == 2 ? HBIL_PROJECTION_ORTHOGRAPHIC : HBIL_PROJECTION_PERSPECTIVE,
         i == 2 ? HBIL_FAR_CONSTANT : HBIL_FAR_SH);
     exact_planes split = start_probes(&l);
-    float *texels = floats_of("probe_cones", 6);
+    float *texels = floats_of("probe_cones", 5);
     exact_pyramid pyramid = pyramid_of(texels, &l.cache);
     exact_probes want = lit_no_probes(&l.s);
     exact_probe_cones(&l.s.job, &l.cache, &pyramid, &split, &want);
