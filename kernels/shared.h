@@ -354,7 +354,7 @@ typedef struct hbil_split_args {
   hbil_depth_args decode;
   hbil_float direct_scale; /* as in hbil_config */
   hbil_int has_history;
-  hbil_int steady; /* relight: light doesn't fall by a rounding any more */
+  hbil_int steady; /* relight: ignore falls by a rounding */
 } hbil_split_args;
 HBIL_ASSERT_LAYOUT(hbil_split_args, steady, 62, 63)
 

@@ -388,8 +388,8 @@ typedef struct hbil_history {
 /* Work that the library leaves out because it cannot change the outputs;
  * hbil_execution.skip is a sum of these.  The device decides in every frame
  * what to leave out, and the host reads nothing back.  The outputs have the
- * same bits with and without (test_skip), but for HBIL_SKIP_STATIC in the long
- * run. */
+ * same bits with and without (test_skip).  One exception: HBIL_SKIP_STATIC,
+ * after HBIL_EXACT_STATIC_FRAMES static frames in a row. */
 typedef enum hbil_skip {
   HBIL_SKIP_SKY = 1,  /* gather: spans of pixels that are all sky */
   HBIL_SKIP_OPEN = 2, /* gather: spans where nothing rises above the surface */
@@ -403,8 +403,8 @@ typedef enum hbil_skip {
   HBIL_SKIP_UNUSED = 8,
   HBIL_SKIP_RADIUS = 16, /* gather: samples certainly beyond the radius */
   HBIL_SKIP_HOLES = 32,  /* push_pull: frames without holes */
-  /* all passes: what a static frame does not change; after 32 static frames,
-   * falls of light by a rounding, too (hbil_frame.static_frame) */
+  /* all passes: what a static frame does not change; after
+   * HBIL_EXACT_STATIC_FRAMES of them also light that is lower by a rounding */
   HBIL_SKIP_STATIC = 64,
   HBIL_SKIP_ALL = 127
 } hbil_skip;

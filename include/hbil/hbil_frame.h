@@ -111,6 +111,11 @@ HBIL_API hbil_status hbil_camera_from_matrices(
     hbil_camera *camera, double hardware_depth[2], const hbil_config *config,
     const double projection[16], const double view[16], cl_uint conventions);
 
+/* So many static frames in a row have the same bits as other frames.  By then
+ * light has changed by most of what it will; what goes on for ever is roundings
+ * (hbil_frame.static_frame). */
+#define HBIL_EXACT_STATIC_FRAMES 32
+
 typedef struct hbil_frame {
   size_t struct_size; /* set by hbil_frame_init(); see hbil_config */
   hbil_camera camera;
@@ -136,9 +141,10 @@ typedef struct hbil_frame {
    * environment, frame_index and the contents of all inputs are the same, and
    * motion is 0; camera and frame_index are checked.  Only the carried light is
    * updated.  If it stops changing, bit for bit, nothing is gathered or
-   * filtered any more.  Roundings don't prevent that: after 32 static
-   * frames, light no longer falls by as little as one.  With
-   * history.max_frames, frame_index may differ, and all frames are gathered.
+   * filtered any more.  After HBIL_EXACT_STATIC_FRAMES of them in a row, light
+   * that is lower than before by no more than a rounding counts as unchanged,
+   * so that roundings don't prevent this.  With history.max_frames, frame_index
+   * may differ, and all frames are gathered.
    * Ignored in a plan's first frame.  Callers who write to a plan's stages, or
    * to scratch memory that they lent it, must not set it. */
   cl_bool static_frame;

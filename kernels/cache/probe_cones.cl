@@ -38,7 +38,8 @@ INLINE uint number_at(const cache_map *map, int level, float3 p) {
                             (int)cell.z);
 }
 
-/* The finest voxel at p, of the size of that level. */
+/* What the finest level from `level` on tells of p; the sample has the size of
+ * a voxel of `level`. */
 INLINE sample sample_voxel(const cache_map *map, global const uint *radiance,
                            int level, float3 p, float3 d) {
   const uint way = map->ways[number_at(map, level, p)];

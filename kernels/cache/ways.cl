@@ -5,12 +5,13 @@
  * resolve: the states of ways: what a level has not seen has the state of the
  * next coarser level there.  Levels are done one after the other, the coarsest
  * one first.
- * clear_along_x, clear_along: clearances.  A voxel's cube is all alike if so
- * are the squares of the voxels before and behind, which are so if rows are:
- * along each axis, the least of what was found along those before, and the
- * distance to the next voxel of another state.  Neighbours are those in memory,
- * which wraps around.  So cubes at the border of a level are too small at most,
- * never too large within it, and rays stop at the border.
+ * clear_along_x, clear_along: clearances.  The first finds how far a voxel's
+ * row has its state, to both sides.  The second does the same along y, then
+ * along z: r is allowed if all voxels up to r away along the axis have the same
+ * state, and r or more as their own result so far.  This gives squares, then
+ * cubes.  Neighbours are those in memory, which wraps around: at the border of
+ * a level a cube may be too small because of the opposite side.  Never is one
+ * too large, as rays stop at the border.
  *
  * Launch: resolve: x = words of a row of voxels, y = rows, z = slices, of one
  * level; clear_along_x, clear_along: x = rows, y = slices of all levels.

@@ -25,11 +25,11 @@ enum {
 
 /* What rays read: the ways, a byte a voxel.  The lower two bits are the state,
  * but what a level has not seen has the state of the coarser level there, so
- * HBIL_VOXEL_SURFACE may be a surface of a coarser level: the upper bits tell
- * how many levels above.  Those of all others are the clearance: so many voxels
- * away in each direction, along the axes and between them, all have the same
- * state.  With a most of 3 the rays of bounces take 4 % longer, with 15 they
- * take 1 % less. */
+ * HBIL_VOXEL_SURFACE may be a surface of a coarser level.  The upper six bits:
+ * of a surface, how many levels above this one it is; of all others the
+ * clearance r: all voxels up to r away along each axis, so a cube of 2 r + 1,
+ * have the same state.  With HBIL_MOST_CLEARANCE 3, rays of bounces take 4 %
+ * longer; with 15, 1 % less. */
 #define HBIL_MOST_CLEARANCE 7
 
 /* The floats of a voxel, a cache line: means over the views that saw it, and

@@ -219,9 +219,11 @@ static void report_notes(const job *j, bench_report *report) {
       "(radius %.3g) compute AO alone.",
       (double)j->content.radius);
   bench_report_note(
-      report, "front: no setting of the same model has a lower error and "
-              "takes less of the paper's time, which is measured in turns "
-              "with each setting's.");
+      report,
+      "front: no setting of the same model has a lower error and is faster.  "
+      "Times are compared as multiples of the paper's, which is timed in turns "
+      "with each setting; the plot shows these multiples of the paper's "
+      "median.");
   if (j->content.truth)
     bench_report_note(report,
                       "The truth is path traced; the result is compared after "

@@ -1,4 +1,4 @@
-/* Medians of times, and shares of other values. */
+/* Medians of times, and of their ratios. */
 #include "bench/statistics.h"
 
 #include "bench/command.h"

@@ -1,4 +1,4 @@
-/* Medians of times, and shares of other values. */
+/* Medians of times, and of their ratios. */
 #ifndef HBIL_BENCH_STATISTICS_H
 #define HBIL_BENCH_STATISTICS_H
 

@@ -107,7 +107,7 @@ struct hbil_plan {
   hbil_camera temporal_camera;
   /* the last frame that was composed */
   bool has_last;
-  cl_uint static_frames; /* since the last one that was not, if is_static() */
+  cl_uint static_frames; /* in a row so far, up to HBIL_EXACT_STATIC_FRAMES */
   hbil_camera last_camera;
   cl_uint last_index;
   /* passes of the frame that is being enqueued: whether the host left them out,

@@ -70,19 +70,14 @@ static hbil_split_args split_args(const hbil_plan *plan,
   return args;
 }
 
-/* Light has spread by then: 0.9^32 is .034.  What still goes up and down are
- * roundings, of pixels that light each other, for instance: each takes the
- * other's value of the last frame in turns. */
-enum { SPREADING_FRAMES = 32 };
-
 /* Static frames: nothing but light is new. */
 static hbil_status relight(commands *chain, const hbil_frame *frame) {
   hbil_plan *plan = chain->plan;
   hbil_split_args args = split_args(plan, frame);
   const inputs in = bind_inputs(plan, frame, &args);
-  plan->static_frames += plan->static_frames < SPREADING_FRAMES;
   args.steady =
-      may_rest(plan, frame) && plan->static_frames == SPREADING_FRAMES;
+      may_rest(plan, frame) && plan->static_frames == HBIL_EXACT_STATIC_FRAMES;
+  plan->static_frames += plan->static_frames < HBIL_EXACT_STATIC_FRAMES;
   const argument list[] = {ARG(args),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
                            BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),

@@ -22,9 +22,10 @@ struct sequence {
   size_t channels[INPUTS]; /* 0: this input is not used */
   cl_mem input[INPUTS];
   cl_mem output[LAYER_COUNT];
-  world *world;  /* NULL: none */
-  uint64_t last; /* hash of the previous frame's inputs and camera; 0: none */
-  cl_uint index; /* of the next run */
+  world *world;   /* NULL: none */
+  uint64_t last;  /* hash of the previous frame's inputs and camera; 0: none */
+  cl_uint index;  /* of the next run */
+  unsigned still; /* static runs in a row so far */
 };
 
 static hbil_plane *plane_at(hbil_frame *frame, size_t offset) {
@@ -168,8 +169,18 @@ static int clear_motion(sequence *s, image_error *error) {
   return 0;
 }
 
+/* From some number of static runs on, their light depends on how many there
+ * were.  A resumed job doesn't know that of frames before it, so such numbers
+ * are reached within one frame alone. */
+static void count_static_runs(sequence *s, hbil_frame *frame, unsigned repeat) {
+  if (s->still + repeat > HBIL_EXACT_STATIC_FRAMES)
+    frame->static_frame = CL_FALSE;
+  s->still = frame->static_frame ? s->still + repeat : repeat - 1;
+}
+
 static int run_passes(sequence *s, hbil_frame *frame, unsigned repeat,
                       image_error *error) {
+  count_static_runs(s, frame, repeat);
   for (unsigned run = 0; run < repeat; run++) {
     if (run == 1 && clear_motion(s, error) != 0)
       return -1;

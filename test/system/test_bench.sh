@@ -80,9 +80,8 @@ fi
 
 # --- the other questions ---
 
-# At some sizes, 64x48 for one, packed light alternates between two roundings
-# and never settles.  Widths here are multiples of 64 where they can be, so that
-# all have the same kernels.
+# Widths here are multiples of 64 where they can be, so that all have the same
+# kernels.
 says "skips tells what is left out" '^| upper half is sky .*sky 50.0 %' \
   tiny skips --size 128x64
 grep -q '^| a wall seen straight on .*open 100.0 % of pixels' "$work/out" &&

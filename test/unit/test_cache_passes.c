@@ -227,8 +227,8 @@ static int way_at(const exact_cache *cache, const size_t at[4]) {
   return exact_cache_way(cache, &place);
 }
 
-/* Whether all voxels that are r away from a voxel, along an axis at least and
- * at most along the others, have its state. */
+/* Whether all voxels at the distance r, the largest of those along the three
+ * axes, have the state of a voxel. */
 static bool is_alike(const exact_cache *cache, const size_t at[4], size_t r) {
   const size_t n = (size_t)cache->voxels, side = 2 * r + 1;
   const int state = way_at(cache, at);
