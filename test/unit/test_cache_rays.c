@@ -214,6 +214,38 @@ static void rays_end_where_exact_rays_end(void **state) {
   free(b);
 }
 
+/* Of each other level, all has been looked through: what a ray meets there is
+ * known to the finest level alone, which it must not pass in a large step. */
+static void rays_enter_the_finest_level(void **state) {
+  cache_fixture f;
+  setup s;
+  hbil_cache_update none;
+  size_t bytes;
+  bundle *b = calloc(1, sizeof *b);
+  (void)state;
+  assert_non_null(b);
+  hbil_cache_update_init(&none);
+  none.rounds = 0;
+  cache_prepare(&f, 16);
+  exact_cache cache = checked_cache(&f);
+  cache_fill(&f, &cache, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
+  cache_update(&f, &none);
+  unsigned char *states = cache_read(CACHE_STATES, &bytes);
+  const size_t finest = bytes / (size_t)cache.levels;
+  memset(states + finest, HBIL_VOXEL_EMPTY * 0x55, bytes - finest);
+  buffer_write(&shared_device, cache_memory(CACHE_STATES), 0, bytes, states);
+  cache_update(&f, &none);
+  cache_import(&cache);
+  make_rays(&cache, false, b);
+  follow(16, b);
+  compare(&cache, b, false);
+  free(states);
+  setup_free(&s);
+  cache_free(&f);
+  exact_cache_free(&cache);
+  free(b);
+}
+
 /* ------------------------------------------------------------------------ */
 /* Saved caches                                                              */
 
@@ -281,6 +313,7 @@ static void saved_bytes_hold_the_same_surfaces(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(rays_end_where_exact_rays_end),
+      cmocka_unit_test(rays_enter_the_finest_level),
       cmocka_unit_test(saved_bytes_hold_the_same_surfaces)};
   return RUN_WITH_DEVICE(tests);
 }
