@@ -164,15 +164,15 @@ static void settles(prepare_function *prepare, float before, double tolerance) {
       assert_same_outputs(&told, &plain);
   }
   assert_in_range(settled, HBIL_EXACT_STATIC_FRAMES + 1, FRAMES);
-  assert_true(largest_difference(&told, &plain) < tolerance);
+  check_at_most("light at rest", largest_difference(&told, &plain), tolerance);
   setup_free(&told);
   setup_free(&plain);
 }
 
 static void light_settles(void **state) {
   (void)state;
-  settles(room_with_history, 0.0f, 0x1p-9);
-  settles(room_of_floats, 0.0f, 2e-6);
+  settles(room_with_history, 1.0f, 0x1p-9);
+  settles(room_of_floats, 1.0f, 2e-6);
   settles(room_with_history, 10.0f, 0x1p-9);
   settles(room_of_floats, 10.0f, 2e-5);
 }
