@@ -176,11 +176,10 @@ HBIL_API hbil_status hbil_enqueue_rsm(hbil_cache *cache, cl_command_queue queue,
 typedef struct hbil_cache_update {
   size_t struct_size; /* set by hbil_cache_update_init(); see hbil_config */
   /* Bounces to compute, 0..1024; default 1.  Some 16 follow a first injection;
-   * one a frame follows changes. */
+   * four a frame follow changes.  An update traces the rays of each surface
+   * once and uses them in all its bounces, so further ones cost little. */
   cl_uint rounds;
-  /* Rays of a surface and round, 1..256; default 16 */
-  cl_uint rays;
-  /* A round does the voxels whose number is the round's modulo share; 1..4096;
+  /* An update does one voxel in `share`, others in the next one; 1..4096;
    * default 1 */
   cl_uint share;
   /* The frames' far field: hbil_model.far_field, and environment of hbil_frame.

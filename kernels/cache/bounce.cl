@@ -3,15 +3,16 @@
  *
  * mean_part, mean_sum: the mean radiance of the coarsest level's surfaces,
  * which stands for what no view has seen.
- * bounce: rays from voxels; their irradiance becomes a running mean.
+ * bounce: what arrives at voxels along their links (cache/links.cl).
  * publish: the radiance that each voxel sends, which rays read.  It is apart
- * from bounce, so that all rays of a round see the light of the round before,
+ * from bounce, so that all voxels of a round see the light of the round before,
  * in any order of work-items.
  *
- * Launch: bounce, publish: x = words of a row of voxels, y = rows, z = slices,
- * of all levels; mean_part: x = HBIL_CACHE_PARTS; mean_sum: one work-item.
+ * Launch: publish: x = words of a row of voxels, y = rows, z = slices, of all
+ * levels; mean_part: x = HBIL_CACHE_PARTS; mean_sum: one work-item; bounce: any
+ * x.
  */
-#include "lib/cache_rays.clh"
+#include "lib/cache_links.clh"
 #include "lib/sky_light.clh"
 
 /* The largest reflectance that bounces count with, so that light in a closed
@@ -77,6 +78,15 @@ INLINE float sky_light_of(const hbil_cache_bounce_args args,
   return largest;
 }
 
+/* The first lanes are links of one surface; there are more behind the last. */
+INLINE uintv load_links(global const uint *from) {
+#if HBIL_WIDTH == 1
+  return *from;
+#else
+  return HBIL_PASTE(vload, HBIL_WIDTH)(0, from);
+#endif
+}
+
 /* What a voxel's rays have brought. */
 typedef struct gathered_rays {
   float light[3];
@@ -84,35 +94,22 @@ typedef struct gathered_rays {
 } gathered_rays;
 
 INLINE gathered_rays gather_rays(const hbil_cache_bounce_args args,
-                                 const cache_map *map,
-                                 global const uint *radiance, uint number) {
-  const hbil_cache_args cache = args.cache;
-  const uint mask = (uint)cache.voxels - 1u;
-  const int level = (int)(number >> (3 * cache.log2_voxels));
-  const float size = (float)(1 << level);
-  const float4 plane =
-      vload4(0, map->voxels + HBIL_VOXEL_FLOATS * (size_t)number);
-  const float3 n = plane.xyz * (1.0f / sqrt(dot(plane.xyz, plane.xyz)));
-  /* scalars of a vector function: any lane */
-  float cell[3][HBIL_WIDTH];
-#pragma unroll
-  for (int i = 0; i < 3; ++i)
-    STOREV(TO_REALV(cell_at(
-               cache, level, i,
-               (intv)(int)((number >> (i * cache.log2_voxels)) & mask))),
-           cell[i]);
-  const float3 centre =
-      ((float3)(cell[0][0], cell[1][0], cell[2][0]) + 0.5f) * size;
-  const float3 origin = centre + n * fma(HBIL_CACHE_LIFT, size, plane.w);
-  const uint turn = mixed(number + mixed(args.round));
+                                 global const float *voxel,
+                                 global const uint *radiance,
+                                 global const uint *links, uint number,
+                                 int rays) {
+  const float3 plane = vload3(0, voxel + HBIL_VOXEL_NORMAL);
+  const float3 n = plane * (1.0f / sqrt(dot(plane, plane)));
   realv sum[3] = {0.0f, 0.0f, 0.0f}, open = 0.0f, unknown = 0.0f;
-  for (int i = 0; i < args.rays; i += HBIL_WIDTH) {
-    const intv is = i + EACH_LANE < args.rays;
-    realv u, v, light[3];
-    ray_places(i, args.rays, turn, &u, &v);
-    const points d = about_normal(n, sqrt(max(1.0f - u, (realv)0.0f)), v);
-    const ray_ends ends =
-        follow_rays(map, origin, d, (realv)(HBIL_CACHE_START * size), is);
+  for (int i = 0; i < rays; i += HBIL_WIDTH) {
+    const intv is = i + EACH_LANE < rays;
+    const uintv link = load_links(links + i);
+    ray_ends ends = {is & (link < LINK_SKY), is & (link == LINK_SKY),
+                     AS_INTV(link), 0.0f, 0.0f};
+    points d = {0.0f, 0.0f, 0.0f};
+    realv light[3];
+    if (ANY(ends.sky))
+      d = link_directions(i, rays, number, n);
     light_of_rays(&ends, radiance, args.environment, d, light);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
@@ -120,7 +117,7 @@ INLINE gathered_rays gather_rays(const hbil_cache_bounce_args args,
     open += select((realv)0.0f, (realv)1.0f, is & !ends.hit);
     unknown += select((realv)0.0f, (realv)1.0f, is & !ends.hit & !ends.sky);
   }
-  const float inv = 1.0f / (float)args.rays;
+  const float inv = 1.0f / (float)rays;
   const gathered_rays g = {{lanes_sum(sum[0]) * inv, lanes_sum(sum[1]) * inv,
                             lanes_sum(sum[2]) * inv},
                            lanes_sum(open) * inv,
@@ -134,44 +131,42 @@ INLINE float first_lane(realv v) {
   return lane[0];
 }
 
-INLINE void bounce_voxel(const hbil_cache_bounce_args args,
-                         const cache_map *map, global float *voxels,
-                         global const uint *radiance, global const float *means,
-                         global uchar *unlit_codes, uint number) {
-  global float *voxel = voxels + HBIL_VOXEL_FLOATS * (size_t)number;
-  /* finished radiance has all bounces */
-  if (voxel[HBIL_VOXEL_LIGHT_WEIGHT] < 0.0f)
-    return;
-  const gathered_rays g = gather_rays(args, map, radiance, number);
+INLINE void bounce_voxel(const hbil_cache_bounce_args args, global float *voxel,
+                         const gathered_rays g, global const float *means,
+                         global uchar *unlit_code) {
   realv lit_by_other;
   const float own = first_lane(unlit_part((realv)sky_light_of(args, voxel),
                                           (realv)g.open, &lit_by_other));
   const float lit = first_lane(lit_by_other);
   const float unlit = min(fma(lit, means[3], own) * g.open, g.unknown);
   /* what others may learn from it; 0: nothing */
-  unlit_codes[number] =
+  *unlit_code =
       g.open > 0.0f && lit == 0.0f ? (uchar)(1.5f + 254.0f * own) : (uchar)0;
-  const float4 before = vload4(0, voxel + HBIL_VOXEL_INDIRECT);
-  const float rounds = min(before.w + 1.0f, HBIL_CACHE_MOST_ROUNDS);
-  const float3 mean =
+  const float3 light =
       (float3)(g.light[0], g.light[1], g.light[2]) +
       unlit * args.unseen_light * (float3)(means[0], means[1], means[2]);
-  vstore4((float4)(before.xyz + (mean - before.xyz) / rounds, rounds), 0,
-          voxel + HBIL_VOXEL_INDIRECT);
+  vstore3(light, 0, voxel + HBIL_VOXEL_INDIRECT);
 }
 
-kernel void bounce(const hbil_cache_bounce_args args, global const uint *states,
-                   global const uchar *ways, global float *voxels,
+kernel void bounce(const hbil_cache_bounce_args args, global const uint *list,
+                   global const uint *links, global float *voxels,
                    global const uint *radiance, global const float *means,
                    global uchar *unlit_codes) {
-  const cache_map map = {args.cache, ways, voxels};
-  uint word;
-  if (!word_of_item(args.cache, &word))
+  uint place;
+  if (get_global_id(1) > 0 || args.cache.voxels < 1)
     return;
-  for (uint left = surfaces_of_word(states[word]); left; left &= left - 1u) {
-    const uint number = first_surface(word, left);
-    if (number % (uint)max(args.share, 1) == (uint)args.phase)
-      bounce_voxel(args, &map, voxels, radiance, means, unlit_codes, number);
+  const int rays = links_each(args.cache, list[0]);
+  const uint end = places_of_item(list[0], &place);
+  for (; place < end; ++place) {
+    const uint number = list[HBIL_LIST_HEAD + place];
+    global float *voxel = voxels + HBIL_VOXEL_FLOATS * (size_t)number;
+    /* finished radiance has all bounces */
+    if (voxel[HBIL_VOXEL_LIGHT_WEIGHT] < 0.0f)
+      continue;
+    const gathered_rays g =
+        gather_rays(args, voxel, radiance, links + (size_t)place * (uint)rays,
+                    number, rays);
+    bounce_voxel(args, voxel, g, means, unlit_codes + number);
   }
 }
 

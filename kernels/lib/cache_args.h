@@ -42,20 +42,25 @@ enum {
   HBIL_VOXEL_SENT = 8,        /* radiance of the first bounce, or finished; 3 */
   HBIL_VOXEL_LIGHT_WEIGHT = 11, /* the same as a weight; -: finished radiance */
   HBIL_VOXEL_INDIRECT = 12,     /* irradiance over pi; 3 */
-  HBIL_VOXEL_ROUNDS = 15,       /* of rays that it is the mean of */
-  HBIL_VOXEL_FLOATS = 16
+  HBIL_VOXEL_FLOATS = 16        /* one is not used */
 };
 
-/* Means follow changes: older views fade out beyond so many ... */
+/* Means follow changes: older views fade out beyond so many. */
 #define HBIL_CACHE_MOST_VIEWS 16.0f
-/* ... and older rays beyond so many rounds. */
-#define HBIL_CACHE_MOST_ROUNDS 4.0f
 
 /* The outermost texel that a view's footprint of a voxel reaches. */
 #define HBIL_CACHE_FOOTPRINT 3
 
 /* Parts of the sums over the cache. */
 #define HBIL_CACHE_PARTS 64
+
+/* Rays of a surface in an update.  64 make the light of eight scenes no more
+ * exact (doc/measurements.md). */
+#define HBIL_CACHE_RAYS 16
+/* Words of the list of surfaces before the first surface, and of links for each
+ * voxel that there is (lib/cache_links.clh). */
+#define HBIL_LIST_HEAD 80
+#define HBIL_CACHE_LINKS 4
 
 /* A ray hits a voxel's plane if it crosses it within this many voxels of the
  * centre, along each axis.  Planes of neighbours then overlap by half a voxel,
@@ -114,17 +119,22 @@ typedef struct hbil_cache_inject_args {
 } hbil_cache_inject_args;
 HBIL_ASSERT_LAYOUT(hbil_cache_inject_args, finished, 38, 39)
 
+/* cache/links.cl.  The update does the voxels whose number is `phase` modulo
+ * `share`. */
+typedef struct hbil_cache_list_args {
+  hbil_cache_args cache;
+  hbil_int share, phase;
+} hbil_cache_list_args;
+HBIL_ASSERT_LAYOUT(hbil_cache_list_args, phase, 7, 8)
+
 /* cache/bounce.cl.  environment: as in composite, for radiance. */
 typedef struct hbil_cache_bounce_args {
   hbil_cache_args cache;
   hbil_environment_args environment;
   hbil_float sky[3]; /* radiance of the sky that direct light contains */
   hbil_float unseen_light;
-  hbil_int rays;
-  hbil_int share, phase; /* voxels whose number is `phase` modulo `share` */
-  hbil_uint round;       /* turns the rays */
 } hbil_cache_bounce_args;
-HBIL_ASSERT_LAYOUT(hbil_cache_bounce_args, round, 40, 41)
+HBIL_ASSERT_LAYOUT(hbil_cache_bounce_args, unseen_light, 36, 37)
 
 /* cache/move.cl */
 typedef struct hbil_cache_move_args {
@@ -222,7 +232,7 @@ HBIL_ASSERT_LAYOUT(hbil_probes_args, lobe, 78, 79)
  * its unlit part, and the floats of voxels follow. */
 typedef struct hbil_cache_saved_head {
   char magic[16]; /* with the version */
-  cl_uint voxels, levels, round, unused;
+  cl_uint voxels, levels, updates, unused;
   double voxel_size; /* world units across a voxel of level 0 */
   cl_long middle[3]; /* in voxels of the coarsest level */
   cl_ulong hash; /* of all bytes behind the head, and of the head without it */

@@ -154,11 +154,12 @@ typedef struct exact_cache_mean {
 } exact_cache_mean;
 exact_cache_mean exact_cache_mean_of(const exact_cache *cache);
 
-/* One round, on the voxels that it does: `after` gets their indirect light and
- * their unlit part.  before and after: the same places. */
+/* One round, on the voxels whose number is `phase` modulo update->share:
+ * `after` gets their indirect light and their unlit part.  before and after:
+ * the same places. */
 void exact_cache_bounce(const exact_cache *before,
                         const hbil_cache_update *update, double unseen_light,
-                        uint32_t round, const exact_cache_mean *mean,
+                        uint32_t phase, const exact_cache_mean *mean,
                         exact_cache *after);
 
 /* ------------------------------------------------------------------------ */

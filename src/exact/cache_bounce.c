@@ -1,10 +1,10 @@
 /*
  * Light that surfaces of the radiance cache send each other.
  *
- * A round sends rays from each voxel, spread by the cosine, and their mean
- * joins the mean of the rounds before.  Rays into what no view has seen get a
- * share of the mean radiance of the cache's surfaces, as far as direct light
- * doesn't tell that they end in the sky.
+ * A round sends rays from each voxel, spread by the cosine, in the same
+ * directions in every round, and takes their mean.  Rays into what no view has
+ * seen get a share of the mean radiance of the cache's surfaces, as far as
+ * direct light doesn't tell that they end in the sky.
  */
 #include "exact/cache.h"
 #include "exact/sky_light.h"
@@ -66,7 +66,8 @@ typedef struct gathered {
 } gathered;
 
 static gathered gather(const exact_cache *cache, const exact_place *place,
-                       const hbil_cache_update *update, uint32_t turn) {
+                       const hbil_cache_update *update, int rays,
+                       uint32_t turn) {
   const exact_voxel *voxel = exact_cache_at(cache, place);
   const double *v = voxel->value;
   const double size = ldexp(1.0, place->level);
@@ -76,7 +77,6 @@ static gathered gather(const exact_cache *cache, const exact_place *place,
   const vec3 origin =
       vec_add(exact_cache_centre(place),
               v[HBIL_VOXEL_OFFSET] + (double)HBIL_CACHE_LIFT * size, n);
-  const int rays = (int)update->rays;
   gathered g = {{0.0, 0.0, 0.0}, 0.0, 0.0};
   for (int i = 0; i < rays; ++i) {
     double a, b;
@@ -98,10 +98,10 @@ static gathered gather(const exact_cache *cache, const exact_place *place,
 
 static void bounce(const exact_cache *before, const exact_place *place,
                    const hbil_cache_update *update, double unseen_light,
-                   uint32_t turn, const exact_cache_mean *mean,
+                   int rays, uint32_t turn, const exact_cache_mean *mean,
                    exact_voxel *after) {
   const exact_voxel *voxel = exact_cache_at(before, place);
-  const gathered g = gather(before, place, update, turn);
+  const gathered g = gather(before, place, update, rays, turn);
   double lit;
   const double own =
       exact_unlit_part(sky_light_of(voxel, update), g.open, &lit);
@@ -109,28 +109,43 @@ static void bounce(const exact_cache *before, const exact_place *place,
   double *v = after->value;
   /* where another light shines, it does not tell */
   after->unlit = g.open > 0.0 && lit == 0.0 ? own : -1.0;
-  v[HBIL_VOXEL_ROUNDS] = fmin(voxel->value[HBIL_VOXEL_ROUNDS] + 1.0,
-                              (double)HBIL_CACHE_MOST_ROUNDS);
-  for (int c = 0; c < 3; ++c) {
-    const double old = voxel->value[HBIL_VOXEL_INDIRECT + c];
-    const double light = g.light[c] + unlit * unseen_light * mean->radiance[c];
-    v[HBIL_VOXEL_INDIRECT + c] = old + (light - old) / v[HBIL_VOXEL_ROUNDS];
-  }
+  for (int c = 0; c < 3; ++c)
+    v[HBIL_VOXEL_INDIRECT + c] =
+        g.light[c] + unlit * unseen_light * mean->radiance[c];
+}
+
+/* Whether an update does a voxel. */
+static bool is_listed(const exact_cache *cache, size_t number,
+                      const hbil_cache_update *update, uint32_t phase) {
+  const exact_place place = exact_cache_place(cache, number);
+  return exact_cache_at(cache, &place)->state == HBIL_VOXEL_SURFACE &&
+         number % update->share == phase;
+}
+
+/* Rays of a surface: fewer where the links wouldn't fit. */
+static int rays_of(const exact_cache *cache, const hbil_cache_update *update,
+                   uint32_t phase) {
+  const size_t count = exact_cache_count(cache);
+  size_t listed = 0;
+  int rays = HBIL_CACHE_RAYS;
+  for (size_t i = 0; i < count; ++i)
+    listed += is_listed(cache, i, update, phase);
+  while (listed * (size_t)rays > HBIL_CACHE_LINKS * count)
+    rays /= 2;
+  return rays;
 }
 
 void exact_cache_bounce(const exact_cache *before,
                         const hbil_cache_update *update, double unseen_light,
-                        uint32_t round, const exact_cache_mean *mean,
+                        uint32_t phase, const exact_cache_mean *mean,
                         exact_cache *after) {
+  const int rays = rays_of(before, update, phase);
   for (size_t i = 0; i < exact_cache_count(before); ++i) {
     const exact_place place = exact_cache_place(before, i);
     const exact_voxel *voxel = exact_cache_at(before, &place);
-    if (voxel->state != HBIL_VOXEL_SURFACE ||
-        voxel->value[HBIL_VOXEL_LIGHT_WEIGHT] < 0.0 ||
-        i % update->share != round % update->share)
-      continue;
-    bounce(before, &place, update, unseen_light,
-           exact_mixed((uint32_t)i + exact_mixed(round)), mean,
-           exact_cache_at(after, &place));
+    if (is_listed(before, i, update, phase) &&
+        voxel->value[HBIL_VOXEL_LIGHT_WEIGHT] >= 0.0)
+      bounce(before, &place, update, unseen_light, rays,
+             exact_mixed((uint32_t)i), mean, exact_cache_at(after, &place));
   }
 }

@@ -46,6 +46,10 @@ size_t cache_buffer_bytes(const hbil_cache_config *config, int buffer) {
     return HBIL_VOXEL_FLOATS * sizeof(cl_float) * voxels;
   case CACHE_RADIANCE:
     return sizeof(cl_uint) * voxels;
+  case CACHE_LIST:
+    return sizeof(cl_uint) * (HBIL_LIST_HEAD + voxels);
+  case CACHE_LINKS: /* vectors are read, so some more behind the last */
+    return sizeof(cl_uint) * (HBIL_CACHE_LINKS * voxels + HBIL_WIDEST);
   case CACHE_PYRAMID:
     return cache_has(config, HBIL_PROVIDER_CONES)
                ? HBIL_MIP_FLOATS * sizeof(cl_float) * pyramid_texels(config)

@@ -12,6 +12,7 @@ enum {
   CACHE_PROGRAM_INJECT,
   CACHE_PROGRAM_INJECT_FLAT,
   CACHE_PROGRAM_WAYS,
+  CACHE_PROGRAM_LINKS,
   CACHE_PROGRAM_BOUNCE,
   CACHE_PROGRAM_MOVE,
   CACHE_PROGRAM_PYRAMID,
@@ -28,6 +29,9 @@ enum {
   CACHE_KERNEL_RESOLVE,
   CACHE_KERNEL_CLEAR_ALONG_X,
   CACHE_KERNEL_CLEAR_ALONG,
+  CACHE_KERNEL_LIST_PARTS,
+  CACHE_KERNEL_LIST_SURFACES,
+  CACHE_KERNEL_TRACE,
   CACHE_KERNEL_MEAN_PART,
   CACHE_KERNEL_MEAN_SUM,
   CACHE_KERNEL_BOUNCE,
@@ -52,6 +56,8 @@ enum {
   CACHE_UNLIT,     /* a byte a voxel: how much of the open is no sky */
   CACHE_MEANS,     /* mean radiance and unlit part; then sums of parts */
   CACHE_TEXELS,    /* of the view that is being injected */
+  CACHE_LIST,      /* the surfaces of an update (lib/cache_links.clh) ... */
+  CACHE_LINKS,     /* ... and where their rays end */
   /* for other providers than rays */
   CACHE_PYRAMID,      /* HBIL_MIP_FLOATS floats a texel (lib/pyramid.clh) */
   CACHE_SOURCES,      /* 12 planes a volume (lib/volumes.clh) */
@@ -72,7 +78,7 @@ struct hbil_cache {
   cl_mem buffers[CACHE_BUFFER_COUNT];
   timeline line;
   cl_long middle[3]; /* in voxels of the coarsest level */
-  cl_uint round;     /* of bounces so far, which turns their rays */
+  cl_uint updates;   /* with bounces so far, which choose the voxels */
   struct {
     hbil_camera camera;
     hbil_view_args texels; /* lengths in voxels of level 0 */

@@ -37,7 +37,7 @@ void hbil_view_init_sized(hbil_view *view, size_t struct_size) {
 void hbil_cache_update_init_sized(hbil_cache_update *update,
                                   size_t struct_size) {
   static const hbil_cache_update defaults = {
-      .rounds = 1, .rays = 16, .share = 1, .steps = 16};
+      .rounds = 1, .share = 1, .steps = 16};
   init_sized(update, struct_size, &defaults, sizeof defaults);
 }
 
@@ -174,7 +174,6 @@ hbil_status cache_update_take(hbil_context *context,
     const char *field;
     cl_uint value, least, most;
   } ranges[] = {{"rounds", own->rounds, 0, 1024},
-                {"rays", own->rays, 1, 256},
                 {"share", own->share, 1, 4096},
                 {"steps", own->steps, 0, 1024},
                 {"far_field", (cl_uint)own->far_field, 0, HBIL_FAR_FRAME}};

@@ -20,6 +20,7 @@ static const program_kind programs[CACHE_PROGRAM_COUNT] = {
     [CACHE_PROGRAM_INJECT_FLAT] = {"cache/inject",
                                    .defines = "-DORTHOGRAPHIC=1"},
     [CACHE_PROGRAM_WAYS] = {"cache/ways", .defines = "-DHBIL_WIDTH=1"},
+    [CACHE_PROGRAM_LINKS] = {"cache/links", .defines = ""},
     [CACHE_PROGRAM_BOUNCE] = {"cache/bounce", true, ""},
     [CACHE_PROGRAM_MOVE] = {"cache/move", .defines = "-DHBIL_WIDTH=1"},
     [CACHE_PROGRAM_PYRAMID] = {"cache/pyramid", .defines = "-DHBIL_WIDTH=1"},
@@ -35,6 +36,9 @@ static const kernel_kind kernels[CACHE_KERNEL_COUNT] = {
     [CACHE_KERNEL_RESOLVE] = {"resolve", CACHE_PROGRAM_WAYS},
     [CACHE_KERNEL_CLEAR_ALONG_X] = {"clear_along_x", CACHE_PROGRAM_WAYS},
     [CACHE_KERNEL_CLEAR_ALONG] = {"clear_along", CACHE_PROGRAM_WAYS},
+    [CACHE_KERNEL_LIST_PARTS] = {"list_parts", CACHE_PROGRAM_LINKS},
+    [CACHE_KERNEL_LIST_SURFACES] = {"list_surfaces", CACHE_PROGRAM_LINKS},
+    [CACHE_KERNEL_TRACE] = {"trace", CACHE_PROGRAM_LINKS},
     [CACHE_KERNEL_MEAN_PART] = {"mean_part", CACHE_PROGRAM_BOUNCE},
     [CACHE_KERNEL_MEAN_SUM] = {"mean_sum", CACHE_PROGRAM_BOUNCE},
     [CACHE_KERNEL_BOUNCE] = {"bounce", CACHE_PROGRAM_BOUNCE},
@@ -113,7 +117,7 @@ static hbil_status try_kernels(hbil_cache *cache, cl_command_queue queue) {
     status = update_cache(&chain, cache, &update);
   if (status == HBIL_SUCCESS)
     status = forget_outside(&chain, cache, moved);
-  cache->round = 0;
+  cache->updates = 0;
   return status;
 }
 

@@ -82,7 +82,7 @@ static hbil_cache_saved_head head_of(const hbil_cache *cache) {
   snprintf(head.magic, sizeof head.magic, "hbil %s", hbil_version());
   head.voxels = cache->config.voxels;
   head.levels = cache->config.levels;
-  head.round = cache->round;
+  head.updates = cache->updates;
   head.voxel_size = cache->config.voxel_size;
   memcpy(head.middle, cache->middle, sizeof head.middle);
   return head;
@@ -163,7 +163,7 @@ static hbil_status write_buffer(const commands *chain, cl_mem buffer,
 
 hbil_status hbil_cache_load(hbil_cache *cache, cl_command_queue queue,
                             const void *bytes, size_t size) {
-  static const hbil_cache_update no_rounds = {.rays = 1, .share = 1};
+  static const hbil_cache_update no_rounds = {.share = 1};
   commands chain;
   const unsigned char *at = bytes;
   hbil_status status = begin(__func__, cache, queue, bytes, size, &chain);
@@ -180,7 +180,7 @@ hbil_status hbil_cache_load(hbil_cache *cache, cl_command_queue queue,
   }
   if (status == HBIL_SUCCESS) {
     memcpy(cache->middle, head.middle, sizeof head.middle);
-    cache->round = head.round;
+    cache->updates = head.updates;
     status = empty_volumes(&chain, cache);
   }
   if (status == HBIL_SUCCESS)

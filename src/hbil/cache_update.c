@@ -57,27 +57,54 @@ static hbil_status publish(commands *chain, hbil_cache *cache) {
   return status;
 }
 
+/* Work-items among which listed surfaces are divided.  How many surfaces there
+ * are, the device alone knows.  On CPUs: enough to keep all cores busy to the
+ * end. */
+static size_t items(const hbil_cache *cache) {
+  return cache->context->is_cpu ? 1024 : cache_voxel_count(&cache->config) / 16;
+}
+
+/* Lists the surfaces that this update does, and traces their rays. */
+static hbil_status trace(commands *chain, hbil_cache *cache,
+                         const hbil_cache_update *update) {
+  const hbil_cache_args where = cache_args(cache);
+  const hbil_cache_list_args args = {
+      .cache = where,
+      .share = (cl_int)update->share,
+      .phase = (cl_int)(cache->updates % update->share)};
+  const argument list[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
+                           ARG(cache->buffers[CACHE_LIST])};
+  const argument rays[] = {ARG(where), ARG(cache->buffers[CACHE_WAYS]),
+                           ARG(cache->buffers[CACHE_VOXELS]),
+                           ARG(cache->buffers[CACHE_LIST]),
+                           ARG(cache->buffers[CACHE_LINKS])};
+  ++cache->updates;
+  hbil_status status =
+      LAUNCH(chain, CACHE_KERNEL_LIST_PARTS, list, HBIL_CACHE_PARTS, 1, 1);
+  if (status == HBIL_SUCCESS)
+    status =
+        LAUNCH(chain, CACHE_KERNEL_LIST_SURFACES, list, HBIL_CACHE_PARTS, 1, 1);
+  return status == HBIL_SUCCESS
+             ? LAUNCH(chain, CACHE_KERNEL_TRACE, rays, items(cache), 1, 1)
+             : status;
+}
+
 static hbil_status bounce(commands *chain, hbil_cache *cache,
                           const hbil_cache_update *update) {
   hbil_cache_bounce_args args = {
       .cache = cache_args(cache),
       .environment = far_radiance_args(update->far_field, update->environment),
-      .unseen_light = cache->config.unseen_light,
-      .rays = (cl_int)update->rays,
-      .share = (cl_int)update->share,
-      .phase = (cl_int)(cache->round % update->share),
-      .round = cache->round};
+      .unseen_light = cache->config.unseen_light};
   for (int c = 0; update->far_field == HBIL_FAR_FRAME && c < 3; ++c)
     args.sky[c] = update->environment[0][c];
   const argument list[] = {ARG(args),
-                           ARG(cache->buffers[CACHE_STATES]),
-                           ARG(cache->buffers[CACHE_WAYS]),
+                           ARG(cache->buffers[CACHE_LIST]),
+                           ARG(cache->buffers[CACHE_LINKS]),
                            ARG(cache->buffers[CACHE_VOXELS]),
                            ARG(cache->buffers[CACHE_RADIANCE]),
                            ARG(cache->buffers[CACHE_MEANS]),
                            ARG(cache->buffers[CACHE_UNLIT])};
-  ++cache->round;
-  return LAUNCH_WORDS(chain, cache, CACHE_KERNEL_BOUNCE, list);
+  return LAUNCH(chain, CACHE_KERNEL_BOUNCE, list, items(cache), 1, 1);
 }
 
 hbil_status update_cache(commands *chain, hbil_cache *cache,
@@ -85,6 +112,8 @@ hbil_status update_cache(commands *chain, hbil_cache *cache,
   hbil_status status = resolve(chain, cache);
   if (status == HBIL_SUCCESS)
     status = publish(chain, cache);
+  if (status == HBIL_SUCCESS && update->rounds > 0)
+    status = trace(chain, cache, update);
   for (cl_uint i = 0; i < update->rounds && status == HBIL_SUCCESS; ++i) {
     status = bounce(chain, cache, update);
     if (status == HBIL_SUCCESS)
@@ -183,7 +212,7 @@ hbil_status forget_all(commands *chain, hbil_cache *cache) {
     status = empty_volumes(chain, cache);
   if (status == HBIL_SUCCESS)
     status = build_pyramid(chain, cache);
-  cache->round = 0;
+  cache->updates = 0;
   cache->lights = 0;
   return status;
 }

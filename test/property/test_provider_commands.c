@@ -58,7 +58,6 @@ static hbil_status show(const scene *t) {
   const cl_command_queue queue = shared_device.queue;
   hbil_cache_update update;
   hbil_cache_update_init(&update);
-  update.rays = 4; /* these tests are about commands, not about noise */
   hbil_status status =
       hbil_enqueue_cache_inject(cache, queue, t->views, WALLS, 0, NULL, NULL);
   if (status == HBIL_SUCCESS && t->provider == HBIL_PROVIDER_RSM)
