@@ -78,15 +78,6 @@ INLINE float sky_light_of(const hbil_cache_bounce_args args,
   return largest;
 }
 
-/* The first lanes are links of one surface; there are more behind the last. */
-INLINE uintv load_links(global const uint *from) {
-#if HBIL_WIDTH == 1
-  return *from;
-#else
-  return HBIL_PASTE(vload, HBIL_WIDTH)(0, from);
-#endif
-}
-
 /* What a voxel's rays have brought. */
 typedef struct gathered_rays {
   float light[3];
@@ -103,13 +94,14 @@ INLINE gathered_rays gather_rays(const hbil_cache_bounce_args args,
   realv sum[3] = {0.0f, 0.0f, 0.0f}, open = 0.0f, unknown = 0.0f;
   for (int i = 0; i < rays; i += HBIL_WIDTH) {
     const intv is = i + EACH_LANE < rays;
-    const uintv link = load_links(links + i);
+    /* there are more behind the last */
+    const uintv link = LOADV(links + i);
     ray_ends ends = {is & (link < LINK_SKY), is & (link == LINK_SKY),
                      AS_INTV(link), 0.0f, 0.0f};
     points d = {0.0f, 0.0f, 0.0f};
     realv light[3];
     if (ANY(ends.sky))
-      d = link_directions(i, rays, number, n);
+      d = link_directions(i + EACH_LANE, rays, number, all_at(n));
     light_of_rays(&ends, radiance, args.environment, d, light);
 #pragma unroll
     for (int c = 0; c < 3; ++c)

@@ -65,38 +65,126 @@ kernel void list_surfaces(const hbil_cache_list_args args,
 
 /* --- rays ----------------------------------------------------------------- */
 
-INLINE void trace_surface(const cache_map *map, uint number, int rays,
-                          global uint *links) {
-  const hbil_cache_args cache = map->cache;
-  const uint mask = (uint)cache.voxels - 1u;
-  const int level = (int)(number >> (3 * cache.log2_voxels));
-  const float size = (float)(1 << level);
-  const float4 plane =
-      vload4(0, map->voxels + HBIL_VOXEL_FLOATS * (size_t)number);
-  const float3 n = plane.xyz * (1.0f / sqrt(dot(plane.xyz, plane.xyz)));
-  /* scalars of a vector function: any lane */
-  float cell[3][HBIL_WIDTH];
+/* Rays of the surfaces of a work-item, numbered one after the other.  Each lane
+ * follows one; when half of the lanes have come to an end, these begin the next
+ * ones.  In step with the slowest of 16 rays, fewer than half of the lanes
+ * would work on average. */
+typedef struct queue {
+  global const uint *surfaces;
+  global uint *links;
+  int log2_rays, rays; /* of a surface */
+  int next, end;
+} queue;
+
+/* Stores what the rays `ray` end at, where it isn't negative. */
+INLINE void store_links(const queue *q, intv ray, const ray_ends *ends) {
+  int to[HBIL_WIDTH];
+  uint link[HBIL_WIDTH];
+  const uintv open =
+      select((uintv)LINK_UNKNOWN, (uintv)LINK_SKY, AS_UINTV(ends->sky));
+  STORE_INTV(AS_INTV(select(open, AS_UINTV(ends->voxel), AS_UINTV(ends->hit))),
+             link);
+  STORE_INTV(ray, to);
+  for (int i = 0; i < HBIL_WIDTH; ++i)
+    if (to[i] >= 0)
+      q->links[to[i]] = link[i];
+}
+
+/* The next rays, for these lanes; -1 where there is none. */
+INLINE intv next_rays(queue *q, intv wanted) {
+  int ray[HBIL_WIDTH];
+  STORE_INTV(LANE_MASK(wanted), ray);
+  for (int i = 0; i < HBIL_WIDTH; ++i)
+    ray[i] = ray[i] && q->next < q->end ? q->next++ : -1;
+  return LOADV(ray);
+}
+
+/* Lanes whose voxels have direct light: finished radiance has all bounces. */
+INLINE intv direct_light(global const float *voxels, intv number) {
+  int at[HBIL_WIDTH];
+  float weight[HBIL_WIDTH];
+  STORE_INTV(number, at);
 #pragma unroll
-  for (int i = 0; i < 3; ++i)
-    STOREV(TO_REALV(cell_at(
-               cache, level, i,
-               (intv)(int)((number >> (i * cache.log2_voxels)) & mask))),
-           cell[i]);
-  const float3 centre =
-      ((float3)(cell[0][0], cell[1][0], cell[2][0]) + 0.5f) * size;
-  const float3 origin = centre + n * fma(HBIL_CACHE_LIFT, size, plane.w);
-  for (int i = 0; i < rays; i += HBIL_WIDTH) {
-    uint link[HBIL_WIDTH];
-    const ray_ends ends =
-        follow_rays(map, origin, link_directions(i, rays, number, n),
-                    (realv)(HBIL_CACHE_START * size), i + EACH_LANE < rays);
-    const uintv open =
-        select((uintv)LINK_UNKNOWN, (uintv)LINK_SKY, AS_UINTV(ends.sky));
-    STORE_INTV(AS_INTV(select(open, AS_UINTV(ends.voxel), AS_UINTV(ends.hit))),
-               link);
-    for (int k = 0; k < min(HBIL_WIDTH, rays - i); ++k)
-      links[i + k] = link[k];
+  for (int i = 0; i < HBIL_WIDTH; ++i)
+    weight[i] =
+        voxels[HBIL_VOXEL_FLOATS * (size_t)at[i] + HBIL_VOXEL_LIGHT_WEIGHT];
+  return LOADV(weight) >= 0.0f;
+}
+
+/* Begins rays that aren't negative. */
+INLINE ray_states begin(const queue *q, const cache_map *map, intv ray) {
+  const hbil_cache_args cache = map->cache;
+  const int mask = cache.voxels - 1, k = cache.log2_voxels;
+  const intv is = ray >= 0;
+  const intv place = select((intv)0, ray, is) >> q->log2_rays;
+  const intv number = AS_INTV(gather_words(q->surfaces, place));
+  points n;
+  realv offset;
+  gather_planes(map->voxels, number, TRUE_LANES, &n, &offset);
+  const realv shorter = 1.0f / sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
+  n.x *= shorter;
+  n.y *= shorter;
+  n.z *= shorter;
+  const intv level = number >> (3 * k);
+  const realv size = AS_REALV((level + 127) << 23);
+  const realv lift = fma((realv)HBIL_CACHE_LIFT, size, offset);
+  const points origin = {
+      fma(TO_REALV(cell_at(cache, level, 0, number & mask)) + 0.5f, size,
+          n.x * lift),
+      fma(TO_REALV(cell_at(cache, level, 1, (number >> k) & mask)) + 0.5f, size,
+          n.y * lift),
+      fma(TO_REALV(cell_at(cache, level, 2, (number >> 2 * k) & mask)) + 0.5f,
+          size, n.z * lift)};
+  return begin_rays(
+      cache, origin,
+      link_directions(ray & (q->rays - 1), q->rays, AS_UINTV(number), n),
+      HBIL_CACHE_START * size, is & direct_light(map->voxels, number));
+}
+
+/* Rays `by` in place of others, where `is`. */
+INLINE void replace_rays(const hbil_cache_args c, ray_states *r, intv is,
+                         const ray_states *by) {
+#define REPLACE(member) r->member = select(r->member, by->member, is)
+  REPLACE(origin.x);
+  REPLACE(origin.y);
+  REPLACE(origin.z);
+  REPLACE(d.x);
+  REPLACE(d.y);
+  REPLACE(d.z);
+  REPLACE(inverse.x);
+  REPLACE(inverse.y);
+  REPLACE(inverse.z);
+  REPLACE(t);
+  for (int l = 0; l + 1 < c.levels; ++l)
+    REPLACE(entries[l]);
+  REPLACE(unseen);
+  REPLACE(last);
+  REPLACE(active);
+#undef REPLACE
+}
+
+INLINE void follow_all(queue *q, const cache_map *map) {
+  const hbil_cache_args cache = map->cache;
+  const points nowhere = {0.0f, 0.0f, 0.0f};
+  ray_states r = begin_rays(cache, nowhere, nowhere, 0.0f, 0);
+  ray_ends ends = {0, 0, 0, 0.0f, 0.0f};
+  intv ray = -1;
+  for (int steps = q->end * most_steps(cache); steps > 0; --steps) {
+    if (q->next < q->end && lanes_true(r.active) <= HBIL_WIDTH / 2) {
+      const intv done = !r.active;
+      store_links(q, select((intv)-1, ray, done), &ends);
+      const intv more = next_rays(q, done);
+      const ray_states fresh = begin(q, map, more);
+      replace_rays(cache, &r, done, &fresh);
+      ray = select(ray, more, done);
+      ends.hit &= !done;
+      ends.sky &= !done;
+    } else if (!ANY(r.active))
+      break;
+    if (ANY(r.active))
+      step_rays(map, &r, &ends);
   }
+  store_links(q, ray, &ends);
 }
 
 kernel void trace(const hbil_cache_args cache, global const uchar *ways,
@@ -106,13 +194,15 @@ kernel void trace(const hbil_cache_args cache, global const uchar *ways,
   uint place;
   if (get_global_id(1) > 0 || cache.voxels < 1)
     return;
-  const int rays = links_each(cache, list[0]);
   const uint end = places_of_item(list[0], &place);
-  for (; place < end; ++place) {
-    const uint number = list[HBIL_LIST_HEAD + place];
-    /* finished radiance has all bounces */
-    if (voxels[HBIL_VOXEL_FLOATS * (size_t)number + HBIL_VOXEL_LIGHT_WEIGHT] >=
-        0.0f)
-      trace_surface(&map, number, rays, links + (size_t)place * (uint)rays);
-  }
+  const int rays = links_each(cache, list[0]);
+  if (place == end)
+    return;
+  queue q = {list + HBIL_LIST_HEAD + place,
+             links + (size_t)place * (uint)rays,
+             31 - (int)clz((uint)rays),
+             rays,
+             0,
+             (int)(end - place) * rays};
+  follow_all(&q, &map);
 }

@@ -178,7 +178,7 @@ kernel void probe_cones(const hbil_probes_args args, global const float *split,
   for (int i = 0; i < count && probe.is; ++i) {
     float u, v;
     ray_places(i, count, mixed(probe.number), &u, &v);
-    const points way = about_normal(probe.n, u, v);
+    const points way = about_normal(all_at(probe.n), u, v);
     const float3 d = (float3)(way.x, way.y, way.z);
     const cone c = follow_cone(args, split, &map, radiance, pyramid, origin, d,
                                spread, HBIL_CONE_START * probe.size);

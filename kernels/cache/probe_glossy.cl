@@ -36,15 +36,15 @@ INLINE void trace(const hbil_probes_args args, global const float *split,
                   const cache_map *map, global const uint *radiance,
                   const probe_place *probe, const probe_lobe *lobe,
                   probe_finds *sum) {
-  const uint turn = mixed(probe->number);
+  const uintv turn = mixed((uintv)probe->number);
   const float3 n = probe->n;
   for (int i = 0; i < HBIL_GLOSSY_RAYS; i += HBIL_WIDTH) {
     realv u, v;
-    ray_places(i, HBIL_GLOSSY_RAYS, turn, &u, &v);
+    ray_places(i + EACH_LANE, HBIL_GLOSSY_RAYS, turn, &u, &v);
     /* The share u of the lobe lies about its axis as far as this. */
     const realv cosine =
         1.0f - 2.0f * u / fma(2.0f * lobe->k, 1.0f - u, (realv)1.0f);
-    const points d = about_normal(lobe->r, cosine, v);
+    const points d = about_normal(all_at(lobe->r), cosine, v);
     const intv is =
         (i + EACH_LANE < HBIL_GLOSSY_RAYS) &
         (fma(d.x, (realv)n.x, fma(d.y, (realv)n.y, d.z * n.z)) > 0.0f);

@@ -36,12 +36,12 @@ INLINE float4 mean_of_rays(const rays_sum *sum, int count) {
 INLINE void trace(const hbil_probes_args args, global const float *split,
                   const cache_map *map, global const uint *radiance,
                   const probe_place *probe, rays_sum sum[FUNCTIONS]) {
-  const uint turn = mixed(probe->number);
-  const float3 n = probe->n;
+  const uintv turn = mixed((uintv)probe->number);
+  const points n = all_at(probe->n);
   for (int i = 0; i < args.rays; i += HBIL_WIDTH) {
     const intv is = i + EACH_LANE < args.rays;
     realv u, v;
-    ray_places(i, args.rays, turn, &u, &v);
+    ray_places(i + EACH_LANE, args.rays, turn, &u, &v);
     const points d = about_normal(n, u, v);
     const probe_finds found =
         finds_of_rays(args, split, map, radiance, probe, d, is);

@@ -58,10 +58,10 @@ static hbil_status publish(commands *chain, hbil_cache *cache) {
 }
 
 /* Work-items among which listed surfaces are divided.  How many surfaces there
- * are, the device alone knows.  On CPUs: enough to keep all cores busy to the
- * end. */
+ * are, the device alone knows.  On CPUs: so many that no core waits long for the
+ * last ones. */
 static size_t items(const hbil_cache *cache) {
-  return cache->context->is_cpu ? 1024 : cache_voxel_count(&cache->config) / 16;
+  return cache->context->is_cpu ? 256 : cache_voxel_count(&cache->config) / 16;
 }
 
 /* Lists the surfaces that this update does, and traces their rays. */
