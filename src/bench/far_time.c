@@ -11,8 +11,8 @@
 enum {
   ROUNDS_AT_FIRST = 16,
   STEPS_AT_FIRST = 64,
-  STEPS_OF_A_FRAME = 8,
-  SHARE = 16 /* of the voxels, in an update of each frame */
+  ROUNDS_OF_A_FRAME = 4,
+  STEPS_OF_A_FRAME = 8
 };
 
 /* Times of one provider, run by run. */
@@ -84,7 +84,7 @@ static int time_cache(const job *j, unsigned run, double *out,
   const bench_world *w = &j->worlds[FAR_RAYS];
   const double before = bench_clock();
   if (bench_world_inject(w, run % j->content->frames, error) != 0 ||
-      bench_world_update(w, 1, SHARE, 0, error) != 0 ||
+      bench_world_update(w, ROUNDS_OF_A_FRAME, 1, 0, error) != 0 ||
       bench_world_finish(w, error) != 0)
     return -1;
   *out = bench_clock() - before;
@@ -183,15 +183,15 @@ static const bench_column columns[] = {
 void far_times_note(bench_report *report) {
   bench_report_note(
       report,
-      "cache: injection of the frame, and a round of bounces of every %dth "
-      "voxel, for the providers that read the cache.  build: the provider's "
+      "cache: injection of the frame, and an update of %d rounds, for the "
+      "providers that read the cache.  build: the provider's "
       "own share of an update, which is the pyramid of cones, or sources and "
       "%d steps of lpv; for rsm, reading a light view of the frame's size.  "
       "use: what probes and composite take beside the near field alone.  "
       "frame: the whole frame, use included; whole: with cache and build.  "
       "memory: the cache with the provider's part.  "
       "cache and build are wall-clock times.",
-      SHARE, STEPS_OF_A_FRAME);
+      ROUNDS_OF_A_FRAME, STEPS_OF_A_FRAME);
 }
 
 void far_times_report(const far_time times[FAR_PROVIDERS],

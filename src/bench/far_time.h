@@ -8,7 +8,7 @@
 
 /* Medians in milliseconds; NAN where the provider has no such part. */
 typedef struct far_time {
-  double cache;  /* a frame's injection, and a round of every 16th voxel */
+  double cache;  /* a frame's injection and update, as in hbil process */
   double build;  /* what the provider adds to an update of the cache, or reading
                     the light view */
   double use;    /* what it adds to the frame: probes, and their light */

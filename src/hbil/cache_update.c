@@ -58,8 +58,8 @@ static hbil_status publish(commands *chain, hbil_cache *cache) {
 }
 
 /* Work-items among which listed surfaces are divided.  How many surfaces there
- * are, the device alone knows.  On CPUs: so many that no core waits long for the
- * last ones. */
+ * are, the device alone knows.  On CPUs: so many that no core waits long for
+ * the last ones. */
 static size_t items(const hbil_cache *cache) {
   return cache->context->is_cpu ? 256 : cache_voxel_count(&cache->config) / 16;
 }
