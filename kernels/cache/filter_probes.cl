@@ -1,29 +1,17 @@
 /*
  * filter_probes: each probe's functions become means with those around it, on
- * surfaces alike, so that a probe has the rays of up to nine.
+ * surfaces alike, so that a probe has the rays of up to twenty-five.
  *
  * Launch: x = columns of probes, y = rows.  In and out: HBIL_PROBE_FLOATS
  * floats a probe.
  */
-#include "lib/cache_args.h"
-#include "lib/camera.clh"
+#include "lib/probe_likeness.clh"
 
-/* How much a probe is like another: its place is near the other's plane, and it
- * faces the same way. */
-INLINE float likeness(const hbil_view_args view, global const float *probe,
-                      global const float *other) {
-  const float3 p = vload3(0, probe + HBIL_PROBE_POSITION);
-  const float3 n = vload3(0, probe + HBIL_PROBE_NORMAL);
-  const float3 m = vload3(0, other + HBIL_PROBE_NORMAL);
-  const float unit =
-      ORTHOGRAPHIC ? (float)view.width * view.inv_fx : max(p.z, FLT_MIN);
-  const float off = dot(vload3(0, other + HBIL_PROBE_POSITION) - p, n) /
-                    (HBIL_PROBE_TOLERANCE * unit);
-  const float near = 1.0f / fma(off, off, 1.0f);
-  float facing = max(dot(n, m), 0.0f);
-  facing *= facing;
-  facing *= facing;
-  return other[HBIL_PROBE_VALID] * facing * facing * near * near;
+/* The weight of a probe that is so far away in the grid. */
+INLINE float tent(int columns, int rows) {
+  const float reach = 1.0f / (float)HBIL_PROBE_TILE;
+  return (1.0f - reach * (float)abs(columns)) *
+         (1.0f - reach * (float)abs(rows));
 }
 
 kernel void filter_probes(const hbil_probes_args args,
@@ -32,19 +20,26 @@ kernel void filter_probes(const hbil_probes_args args,
   const int column = (int)get_global_id(0), row = (int)get_global_id(1);
   if (column >= grid.columns || row >= grid.rows)
     return;
+  const int reach = HBIL_PROBE_TILE - 1;
   const int number = row * grid.columns + column;
   global const float *probe = probes + HBIL_PROBE_FLOATS * number;
   global float *to = filtered + HBIL_PROBE_FLOATS * number;
   const float4 place = vload4(0, probe), normal = vload4(1, probe);
   float4 sum[5] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
   float total = 0.0f;
-  for (int j = max(row - 1, 0); j <= min(row + 1, grid.rows - 1); ++j)
-    for (int i = max(column - 1, 0); i <= min(column + 1, grid.columns - 1);
-         ++i) {
+  for (int j = max(row - reach, 0); j <= min(row + reach, grid.rows - 1); ++j)
+    for (int i = max(column - reach, 0);
+         i <= min(column + reach, grid.columns - 1); ++i) {
       global const float *other =
           probes + HBIL_PROBE_FLOATS * (j * grid.columns + i);
+      /* the probe itself counts, whatever its normal */
+      const float alike = i == column && j == row
+                              ? 1.0f
+                              : likeness(args.view, place.xyz, normal.xyz,
+                                         vload3(0, other + HBIL_PROBE_POSITION),
+                                         vload3(0, other + HBIL_PROBE_NORMAL));
       const float weight =
-          i == column && j == row ? place.w : likeness(args.view, probe, other);
+          other[HBIL_PROBE_VALID] * alike * tent(i - column, j - row);
       total += weight;
       for (int k = 0; k < 5; ++k)
         sum[k] += weight * vload4(2 + k, other);

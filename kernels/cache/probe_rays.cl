@@ -11,6 +11,7 @@
  * In: split planes, the cache.  Out: HBIL_PROBE_FLOATS floats a probe.
  */
 #include "lib/cache_rays.clh"
+#include "lib/probe_likeness.clh"
 #include "lib/probe_place.clh"
 #include "lib/shown_rays.clh"
 
@@ -33,24 +34,56 @@ INLINE float4 mean_of_rays(const rays_sum *sum, int count) {
          (1.0f / (float)count);
 }
 
-INLINE void trace(const hbil_probes_args args, global const float *split,
-                  const cache_map *map, global const uint *radiance,
-                  const probe_place *probe, rays_sum sum[FUNCTIONS]) {
-  const uintv turn = mixed((uintv)probe->number);
-  const points n = all_at(probe->n);
-  for (int i = 0; i < args.rays; i += HBIL_WIDTH) {
-    const intv is = i + EACH_LANE < args.rays;
-    realv u, v;
-    ray_places(i + EACH_LANE, args.rays, turn, &u, &v);
-    const points d = about_normal(n, u, v);
-    const probe_finds found =
-        finds_of_rays(args, split, map, radiance, probe, d, is);
+/* Rays of a probe: twice or four times as many where few of the eight probes
+ * around it stand on the same surface, so that the filter has little to average
+ * over. */
+INLINE int rays_of_probe(const hbil_probes_args args, global const float *split,
+                         const probe_place *probe) {
+  const int spacing = args.grid.spacing;
+  const int x0 = (int)get_global_id(0) * spacing;
+  const int y0 = (int)get_global_id(1) * spacing;
+  int alike = 0;
+  for (int i = 0; i < 9; ++i) {
+    const int x = x0 + (i % 3 - 1) * spacing, y = y0 + (i / 3 - 1) * spacing;
+    if (i == 4 || x < 0 || y < 0 || x >= args.view.width ||
+        y >= args.view.height)
+      continue;
+    const pixel p = read_pixel(args.split, split, x, y);
+    alike += p.w > SKY && likeness(args.view, probe->position, probe->normal,
+                                   point_at(args.view, x, y, p.w), p.n) > 0.5f;
+  }
+  return args.rays * (alike < 3 ? 4 : alike < 5 ? 2 : 1);
+}
+
+/* Nine neighbouring probes share a sequence of directions: this one has every
+ * ninth of them. */
+INLINE points ray_directions(intv i, int rays, const probe_place *probe) {
+  const int tile = HBIL_PROBE_TILE;
+  const int first =
+      (int)get_global_id(0) % tile + (int)get_global_id(1) % tile * tile;
+  realv u, v;
+  /* from the middles of strata: none is level */
+  ray_places(i * (tile * tile) + first, rays * (tile * tile),
+             (uintv)0x80000000u, &u, &v);
+  return about_normal(all_at(probe->n), u, v);
+}
+
+/* Returns how many rays there were. */
+INLINE int trace(const hbil_probes_args args, global const float *split,
+                 const cache_map *map, global const uint *radiance,
+                 const probe_place *probe, rays_sum sum[FUNCTIONS]) {
+  const int rays = rays_of_probe(args, split, probe);
+  for (int i = 0; i < rays; i += HBIL_WIDTH) {
+    const points d = ray_directions(i + EACH_LANE, rays, probe);
+    const probe_finds found = finds_of_rays(args, split, map, radiance, probe,
+                                            d, i + EACH_LANE < rays);
     add_rays(&sum[KNOWN], found.known, d);
     add_rays(&sum[UNKNOWN], found.unknown, d);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       add_rays(&sum[RED + c], found.light[c], d);
   }
+  return rays;
 }
 
 kernel void probe_rays(const hbil_probes_args args, global const float *split,
@@ -64,9 +97,10 @@ kernel void probe_rays(const hbil_probes_args args, global const float *split,
     return;
   for (int i = 0; i < FUNCTIONS; ++i)
     sum[i].even = sum[i].x = sum[i].y = sum[i].z = 0.0f;
+  int rays = 1;
   if (probe.is)
-    trace(args, split, &map, radiance, &probe, sum);
+    rays = trace(args, split, &map, radiance, &probe, sum);
   for (int i = 0; i < FUNCTIONS; ++i)
-    mean[i] = mean_of_rays(&sum[i], max(args.rays, 1));
+    mean[i] = mean_of_rays(&sum[i], rays);
   store_probe(args, &probe, mean, probes);
 }

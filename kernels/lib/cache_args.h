@@ -197,8 +197,12 @@ HBIL_ASSERT_LAYOUT(hbil_light_views_args, light, 1, 85)
  * of the depth. */
 #define HBIL_PROBE_TOLERANCE 0.02f
 
-/* Rays of a probe. */
+/* Rays of a probe, where most of the probes around it are alike. */
 #define HBIL_PROBE_RAYS 32
+/* So many probes across, and down, share one sequence of directions.  The
+ * filter is a tent, zero at this distance, so it has all of the sequence in
+ * equal shares. */
+#define HBIL_PROBE_TILE 3
 
 /* Rays of a probe for the output `glossy`, and the floats of such a probe.
  * Position, validity and normal are those of HBIL_PROBE_. */

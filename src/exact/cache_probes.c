@@ -106,15 +106,18 @@ exact_stand exact_probe_stand(const exact_frame *frame,
   return s;
 }
 
+/* `first`: of its directions, every HBIL_PROBE_TILE^2-th of a sequence. */
 static void trace(const exact_frame *frame, const exact_cache *cache,
-                  const exact_planes *split, uint32_t turn, exact_probe *p) {
+                  const exact_planes *split, int rays, int first,
+                  exact_probe *p) {
+  const int probes = HBIL_PROBE_TILE * HBIL_PROBE_TILE;
   const exact_stand s = exact_probe_stand(frame, cache, p);
   const vec3 origin = vec_add(s.at, (double)HBIL_CACHE_LIFT * s.size, s.n);
   const double radius = (double)frame->config->model.radius / cache->voxel_size;
-  const double share = 1.0 / HBIL_PROBE_RAYS;
-  for (int i = 0; i < HBIL_PROBE_RAYS; ++i) {
+  const double share = 1.0 / rays;
+  for (int i = 0; i < rays; ++i) {
     double u, v;
-    exact_ray_place(i, HBIL_PROBE_RAYS, turn, &u, &v);
+    exact_ray_place(probes * i + first, probes * rays, 0x80000000u, &u, &v);
     const vec3 d = exact_about_normal(s.n, u, v);
     const exact_ray_end end =
         exact_cache_follow(cache, origin, d, (double)HBIL_CACHE_START * s.size);
@@ -177,16 +180,6 @@ void exact_place_probes(const exact_frame *frame, const exact_planes *split,
   }
 }
 
-void exact_make_probes(const exact_frame *frame, const exact_cache *cache,
-                       const exact_planes *split, exact_probes *probes) {
-  exact_place_probes(frame, split, probes);
-  for (int i = 0; i < probes->columns * probes->rows; ++i)
-    if (probes->probe[i].valid)
-      trace(frame, cache, split, exact_mixed((uint32_t)i), probes->probe + i);
-}
-
-/* --- the filter --- */
-
 /* How much another probe is like one: how near it is to its plane, and whether
  * it faces the same way. */
 static double likeness(const exact_frame *frame, const exact_probe *p,
@@ -199,6 +192,39 @@ static double likeness(const exact_frame *frame, const exact_probe *p,
   return pow(facing, 8.0) / pow(1.0 + off * off, 2.0);
 }
 
+/* Where few of the probes around stand on the same surface, there are more
+ * rays. */
+static int rays_of_probe(const exact_frame *frame, const exact_planes *split,
+                         const exact_probes *probes, int column, int row) {
+  const exact_probe *p = probes->probe + row * probes->columns + column;
+  int alike = 0;
+  for (int i = 0; i < 9; ++i) {
+    const int x = (column + i % 3 - 1) * probes->spacing;
+    const int y = (row + i / 3 - 1) * probes->spacing;
+    if (i == 4 || x < 0 || y < 0 || x >= split->width || y >= split->height)
+      continue;
+    const surface s = exact_surface_at(frame, split, x, y);
+    const exact_probe other = {.place = s.at, .normal = s.normal};
+    alike += s.is && likeness(frame, p, &other) > 0.5;
+  }
+  return HBIL_PROBE_RAYS * (alike < 3 ? 4 : alike < 5 ? 2 : 1);
+}
+
+void exact_make_probes(const exact_frame *frame, const exact_cache *cache,
+                       const exact_planes *split, exact_probes *probes) {
+  exact_place_probes(frame, split, probes);
+  for (int i = 0; i < probes->columns * probes->rows; ++i) {
+    const int column = i % probes->columns, row = i / probes->columns;
+    if (probes->probe[i].valid)
+      trace(frame, cache, split,
+            rays_of_probe(frame, split, probes, column, row),
+            column % HBIL_PROBE_TILE + row % HBIL_PROBE_TILE * HBIL_PROBE_TILE,
+            probes->probe + i);
+  }
+}
+
+/* --- the filter --- */
+
 static void add_function(double sum[4], double weight, const double f[4]) {
   for (int i = 0; i < 4; ++i)
     sum[i] += weight * f[i];
@@ -207,6 +233,7 @@ static void add_function(double sum[4], double weight, const double f[4]) {
 static void filter_probe(const exact_frame *frame, const exact_probes *probes,
                          int column, int row, exact_probe *out) {
   const exact_probe *p = probes->probe + row * probes->columns + column;
+  const int tile = HBIL_PROBE_TILE;
   double total = 0.0;
   memset(out, 0, sizeof *out);
   out->valid = p->valid;
@@ -216,14 +243,17 @@ static void filter_probe(const exact_frame *frame, const exact_probes *probes,
     return;
   /* the sum of the weights first, then shares of it */
   for (int pass = 0; pass < 2; ++pass)
-    for (int j = row - 1; j <= row + 1; ++j)
-      for (int i = column - 1; i <= column + 1; ++i) {
+    for (int j = row - tile + 1; j < row + tile; ++j)
+      for (int i = column - tile + 1; i < column + tile; ++i) {
         if (i < 0 || j < 0 || i >= probes->columns || j >= probes->rows)
           continue;
         const exact_probe *other = probes->probe + j * probes->columns + i;
         if (!other->valid)
           continue;
-        const double weight = other == p ? 1.0 : likeness(frame, p, other);
+        const double tent = (1.0 - abs(i - column) / (double)tile) *
+                            (1.0 - abs(j - row) / (double)tile);
+        const double weight =
+            tent * (other == p ? 1.0 : likeness(frame, p, other));
         if (pass == 0) {
           total += weight;
           continue;
