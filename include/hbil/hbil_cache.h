@@ -84,7 +84,7 @@ typedef struct hbil_cache_config {
    * hbil_model.gather_emission. */
   cl_bool gather_emission;
   /* Radiance of what no view has seen, over the mean radiance of the cache's
-   * surfaces, in bounces between these; 0..1; default 0.9
+   * surfaces, in bounces between these; 0..1; default 0.8
    * (doc/measurements.md)
    */
   float unseen_light;

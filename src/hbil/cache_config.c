@@ -25,7 +25,7 @@ void hbil_cache_config_init_sized(hbil_cache_config *config,
                                       .levels = 2,
                                       .inputs = inputs.inputs,
                                       .gather_emission = CL_TRUE,
-                                      .unseen_light = 0.9f};
+                                      .unseen_light = 0.8f};
   init_sized(config, struct_size, &defaults, sizeof defaults);
 }
 
