@@ -161,7 +161,6 @@ int main(void) {
   hbil_cache_update bounces;
   hbil_cache_update_init(&bounces);
   bounces.far_field = config.model.far_field;
-  bounces.rounds = 4;
   double light[2], dark[2];
   for (cl_uint i = 0; i < FRAMES; ++i) {
     double m[16];

@@ -175,12 +175,13 @@ HBIL_API hbil_status hbil_enqueue_rsm(hbil_cache *cache, cl_command_queue queue,
 
 typedef struct hbil_cache_update {
   size_t struct_size; /* set by hbil_cache_update_init(); see hbil_config */
-  /* Bounces to compute, 0..1024; default 1.  Some 16 follow a first injection;
-   * four a frame follow changes.  An update traces the rays of each surface
-   * once and uses them in all its bounces, so further ones cost little. */
+  /* Rounds of bounces to compute, 0..1024; default 4, a good number for each
+   * frame.  Some 16 should follow a first injection.  An update traces the rays
+   * of each surface once and uses them in all its rounds, so further ones cost
+   * little. */
   cl_uint rounds;
-  /* An update does one voxel in `share`, others in the next one; 1..4096;
-   * default 1 */
+  /* An update handles every share-th voxel, in all its rounds; the next update
+   * handles others, so `share` updates handle all.  1..4096; default 1 */
   cl_uint share;
   /* The frames' far field: hbil_model.far_field, and environment of hbil_frame.
    * Rays that leave the cache into the sky get it; with HBIL_FAR_FRAME they get

@@ -94,7 +94,8 @@ INLINE gathered_rays gather_rays(const hbil_cache_bounce_args args,
   realv sum[3] = {0.0f, 0.0f, 0.0f}, open = 0.0f, unknown = 0.0f;
   for (int i = 0; i < rays; i += HBIL_WIDTH) {
     const intv is = i + EACH_LANE < rays;
-    /* there are more behind the last */
+    /* may read beyond this surface's links: the next one's, or the spare words
+     * at the end */
     const uintv link = LOADV(links + i);
     ray_ends ends = {is & (link < LINK_SKY), is & (link == LINK_SKY),
                      AS_INTV(link), 0.0f, 0.0f};

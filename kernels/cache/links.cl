@@ -1,7 +1,8 @@
 /*
  * links: where light comes from to surfaces of the cache.
  *
- * list_parts, list_surfaces: the surfaces of an update, in rising order.
+ * list_parts, list_surfaces: the surfaces that an update handles, in rising
+ * order.
  * trace: rays from each of them; a link says what a ray ends at.  All bounces
  * of an update follow the same links, so that rays are traced once for all of
  * them.
@@ -12,7 +13,7 @@
 
 /* --- the surfaces of an update -------------------------------------------- */
 
-/* The surfaces of a word that the update does, as surfaces_of_word(). */
+/* The surfaces of a word that the update handles, as surfaces_of_word(). */
 INLINE uint listed_of_word(const hbil_cache_list_args args,
                            global const uint *states, uint word) {
   uint listed = surfaces_of_word(states[word]);
@@ -66,9 +67,9 @@ kernel void list_surfaces(const hbil_cache_list_args args,
 /* --- rays ----------------------------------------------------------------- */
 
 /* Rays of the surfaces of a work-item, numbered one after the other.  Each lane
- * follows one; when half of the lanes have come to an end, these begin the next
- * ones.  In step with the slowest of 16 rays, fewer than half of the lanes
- * would work on average. */
+ * follows one.  As soon as half of the rays have ended, their lanes begin the
+ * next ones.  If all lanes waited for the slowest ray, fewer than half would be
+ * at work on average. */
 typedef struct queue {
   global const uint *surfaces;
   global uint *links;
@@ -93,7 +94,7 @@ INLINE void store_links(const queue *q, intv ray, const ray_ends *ends) {
 /* The next rays, for these lanes; -1 where there is none. */
 INLINE intv next_rays(queue *q, intv wanted) {
   int ray[HBIL_WIDTH];
-  STORE_INTV(LANE_MASK(wanted), ray);
+  STORE_INTV(wanted, ray);
   for (int i = 0; i < HBIL_WIDTH; ++i)
     ray[i] = ray[i] && q->next < q->end ? q->next++ : -1;
   return LOADV(ray);
@@ -116,7 +117,7 @@ INLINE ray_states begin(const queue *q, const cache_map *map, intv ray) {
   const hbil_cache_args cache = map->cache;
   const int mask = cache.voxels - 1, k = cache.log2_voxels;
   const intv is = ray >= 0;
-  const intv place = select((intv)0, ray, is) >> q->log2_rays;
+  const intv place = max(ray, 0) >> q->log2_rays;
   const intv number = AS_INTV(gather_words(q->surfaces, place));
   points n;
   realv offset;
@@ -169,7 +170,8 @@ INLINE void follow_all(queue *q, const cache_map *map) {
   ray_states r = begin_rays(cache, nowhere, nowhere, 0.0f, 0);
   ray_ends ends = {0, 0, 0, 0.0f, 0.0f};
   intv ray = -1;
-  for (int steps = q->end * most_steps(cache); steps > 0; --steps) {
+  for (ulong steps = (ulong)q->end * (ulong)most_steps(cache); steps > 0;
+       --steps) {
     if (q->next < q->end && lanes_true(r.active) <= HBIL_WIDTH / 2) {
       const intv done = !r.active;
       store_links(q, select((intv)-1, ray, done), &ends);

@@ -39,20 +39,20 @@ INLINE float4 mean_of_rays(const rays_sum *sum, int count) {
  * over. */
 INLINE int rays_of_probe(const hbil_probes_args args, global const float *split,
                          const probe_place *probe) {
-  const int spacing = args.grid.spacing;
-  const int x0 = (int)get_global_id(0) * spacing;
-  const int y0 = (int)get_global_id(1) * spacing;
   int alike = 0;
   for (int i = 0; i < 9; ++i) {
-    const int x = x0 + (i % 3 - 1) * spacing, y = y0 + (i / 3 - 1) * spacing;
-    if (i == 4 || x < 0 || y < 0 || x >= args.view.width ||
-        y >= args.view.height)
+    const int column = (int)get_global_id(0) + i % 3 - 1;
+    const int row = (int)get_global_id(1) + i / 3 - 1;
+    if (i == 4 || column < 0 || row < 0 || column >= args.grid.columns ||
+        row >= args.grid.rows)
       continue;
+    int x, y;
+    pixel_of_probe(args, column, row, &x, &y);
     const pixel p = read_pixel(args.split, split, x, y);
     alike += p.w > SKY && likeness(args.view, probe->position, probe->normal,
                                    point_at(args.view, x, y, p.w), p.n) > 0.5f;
   }
-  return args.rays * (alike < 3 ? 4 : alike < 5 ? 2 : 1);
+  return HBIL_PROBE_RAYS * (alike < 3 ? 4 : alike < 5 ? 2 : 1);
 }
 
 /* Nine neighbouring probes share a sequence of directions: this one has every

@@ -54,13 +54,13 @@ enum {
 /* Parts of the sums over the cache. */
 #define HBIL_CACHE_PARTS 64
 
-/* Rays of a surface in an update.  64 make the light of eight scenes no more
- * exact (doc/measurements.md). */
+/* Rays of a surface in an update.  With 64, of which each update traces a
+ * quarter, four walks are no nearer to the truth (doc/measurements.md). */
 #define HBIL_CACHE_RAYS 16
 /* Words of the list of surfaces before the first surface, and of links for each
  * voxel that there is (lib/cache_links.clh). */
-#define HBIL_LIST_HEAD 80
-#define HBIL_CACHE_LINKS 4
+#define HBIL_LIST_HEAD (HBIL_CACHE_PARTS + 16)
+#define HBIL_CACHE_LINKS 2
 
 /* A ray hits a voxel's plane if it crosses it within this many voxels of the
  * centre, along each axis.  Planes of neighbours then overlap by half a voxel,
@@ -119,7 +119,7 @@ typedef struct hbil_cache_inject_args {
 } hbil_cache_inject_args;
 HBIL_ASSERT_LAYOUT(hbil_cache_inject_args, finished, 38, 39)
 
-/* cache/links.cl.  The update does the voxels whose number is `phase` modulo
+/* cache/links.cl.  The update handles the voxels whose number is `phase` modulo
  * `share`. */
 typedef struct hbil_cache_list_args {
   hbil_cache_args cache;
@@ -226,10 +226,9 @@ typedef struct hbil_probes_args {
   hbil_environment_args environment;
   hbil_float scale;  /* voxels of level 0 per world unit */
   hbil_float radius; /* of the near field, in voxels of level 0 */
-  hbil_int rays;
   hbil_float lobe; /* as in hbil_gather_args */
 } hbil_probes_args;
-HBIL_ASSERT_LAYOUT(hbil_probes_args, lobe, 78, 79)
+HBIL_ASSERT_LAYOUT(hbil_probes_args, lobe, 77, 78)
 
 #ifndef __OPENCL_VERSION__
 /* What the bytes of hbil_cache_save() begin with.  States, a byte a voxel for

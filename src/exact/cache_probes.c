@@ -199,11 +199,12 @@ static int rays_of_probe(const exact_frame *frame, const exact_planes *split,
   const exact_probe *p = probes->probe + row * probes->columns + column;
   int alike = 0;
   for (int i = 0; i < 9; ++i) {
-    const int x = (column + i % 3 - 1) * probes->spacing;
-    const int y = (row + i / 3 - 1) * probes->spacing;
-    if (i == 4 || x < 0 || y < 0 || x >= split->width || y >= split->height)
+    const int x = column + i % 3 - 1, y = row + i / 3 - 1;
+    if (i == 4 || x < 0 || y < 0 || x >= probes->columns || y >= probes->rows)
       continue;
-    const surface s = exact_surface_at(frame, split, x, y);
+    const surface s = exact_surface_at(
+        frame, split, inside(x * probes->spacing, split->width),
+        inside(y * probes->spacing, split->height));
     const exact_probe other = {.place = s.at, .normal = s.normal};
     alike += s.is && likeness(frame, p, &other) > 0.5;
   }

@@ -37,7 +37,7 @@ void hbil_view_init_sized(hbil_view *view, size_t struct_size) {
 void hbil_cache_update_init_sized(hbil_cache_update *update,
                                   size_t struct_size) {
   static const hbil_cache_update defaults = {
-      .rounds = 1, .share = 1, .steps = 16};
+      .rounds = 4, .share = 1, .steps = 16};
   init_sized(update, struct_size, &defaults, sizeof defaults);
 }
 

@@ -57,14 +57,16 @@ static hbil_status publish(commands *chain, hbil_cache *cache) {
   return status;
 }
 
-/* Work-items among which listed surfaces are divided.  How many surfaces there
- * are, the device alone knows.  On CPUs: so many that no core waits long for
- * the last ones. */
+/* Work-items among which listed surfaces are divided.  Only the device knows
+ * how many surfaces there are.  CPUs: eight groups for each core, so that none
+ * waits long for the others, and each work-item has many rays for its lanes. */
 static size_t items(const hbil_cache *cache) {
-  return cache->context->is_cpu ? 256 : cache_voxel_count(&cache->config) / 16;
+  const hbil_context *c = cache->context;
+  return c->is_cpu ? 8 * c->group[0] * c->compute_units
+                   : cache_voxel_count(&cache->config) / 16;
 }
 
-/* Lists the surfaces that this update does, and traces their rays. */
+/* Lists the surfaces that this update handles, and traces their rays. */
 static hbil_status trace(commands *chain, hbil_cache *cache,
                          const hbil_cache_update *update) {
   const hbil_cache_args where = cache_args(cache);

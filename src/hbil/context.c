@@ -187,6 +187,10 @@ static hbil_status read_limits(hbil_context *context) {
     error = clGetDeviceInfo(device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof fp, &fp,
                             NULL);
   if (error == CL_SUCCESS)
+    error = clGetDeviceInfo(device, CL_DEVICE_MAX_COMPUTE_UNITS,
+                            sizeof context->compute_units,
+                            &context->compute_units, NULL);
+  if (error == CL_SUCCESS)
     error = read_version(device, text, &version);
   if (error == CL_SUCCESS)
     error = read_width(device, type, &context->vector_width);

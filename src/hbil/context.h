@@ -15,9 +15,10 @@ struct hbil_context {
   hbil_message_callback callback; /* NULL: none */
   void *user;                     /* the callback's */
   bool is_cpu;                    /* the device is a CPU */
-  cl_uint vector_width;           /* of the kernels, chosen for the device */
-  size_t group[2];                /* work-group of every kernel */
-  bool exact_divide;              /* CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT */
+  cl_uint compute_units;
+  cl_uint vector_width; /* of the kernels, chosen for the device */
+  size_t group[2];      /* work-group of every kernel */
+  bool exact_divide;    /* CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT */
   /* where built programs are stored (binary.h) */
   struct {
     hbil_program_load load; /* NULL: nowhere, and no store either */

@@ -23,7 +23,6 @@ static hbil_probes_args probes_args(const hbil_plan *plan,
       .view = camera_view(&frame->camera, c),
       .split = plan->layout.split,
       .environment = far_radiance_args(c->model.far_field, frame->environment),
-      .rays = HBIL_PROBE_RAYS,
       .lobe = glossy_lobe(c)};
   if (cache) {
     double centre[3];

@@ -13,8 +13,8 @@
 /* Probes and their filter                                                   */
 
 /* Rays that end elsewhere (test_cache_rays), or whose ends another pixel of the
- * frame shows, change a probe.  Measured: 1 %, of
- * probes of 32 rays */
+ * frame shows, change a probe.  Measured: 1.3 %, of probes of 32 to 128
+ * rays. */
 #define MOST_DIFFERENT 0.02
 
 static void check_probes(lit_frame *l, const exact_planes *split) {

@@ -116,9 +116,9 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_memory_equal(c.centre, room_middle, sizeof room_middle);
   assert_memory_equal(&c.inputs, &plan.inputs, sizeof c.inputs);
   assert_int_equal(c.gather_emission, CL_TRUE);
-  assert_true(c.unseen_light == 0.9f);
+  assert_true(c.unseen_light == 0.8f);
   hbil_cache_update_init(&u);
-  assert_int_equal(u.rounds, 1);
+  assert_int_equal(u.rounds, 4);
   assert_int_equal(u.share, 1);
   assert_int_equal(u.far_field, HBIL_FAR_NONE);
   hbil_view_init(&v);
