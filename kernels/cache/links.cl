@@ -66,10 +66,10 @@ kernel void list_surfaces(const hbil_cache_list_args args,
 
 /* --- rays ----------------------------------------------------------------- */
 
-/* Rays of the surfaces of a work-item, numbered one after the other.  Each lane
- * follows one.  As soon as half of the rays have ended, their lanes begin the
- * next ones.  If all lanes waited for the slowest ray, fewer than half would be
- * at work on average. */
+/* The rays of a work-item, numbered as their links are.  Each lane follows one.
+ * As soon as half of the rays have ended, their lanes begin the next ones.  If
+ * all lanes waited for the slowest ray, fewer than half would be at work on
+ * average. */
 typedef struct queue {
   global const uint *surfaces;
   global uint *links;
@@ -170,8 +170,8 @@ INLINE void follow_all(queue *q, const cache_map *map) {
   ray_states r = begin_rays(cache, nowhere, nowhere, 0.0f, 0);
   ray_ends ends = {0, 0, 0, 0.0f, 0.0f};
   intv ray = -1;
-  for (ulong steps = (ulong)q->end * (ulong)most_steps(cache); steps > 0;
-       --steps) {
+  for (ulong steps = (ulong)(q->end - q->next) * (ulong)most_steps(cache);
+       steps > 0; --steps) {
     if (q->next < q->end && lanes_true(r.active) <= HBIL_WIDTH / 2) {
       const intv done = !r.active;
       store_links(q, select((intv)-1, ray, done), &ends);
@@ -193,18 +193,18 @@ kernel void trace(const hbil_cache_args cache, global const uchar *ways,
                   global const float *voxels, global const uint *list,
                   global uint *links) {
   const cache_map map = {cache, ways, voxels};
-  uint place;
+  uint first;
   if (get_global_id(1) > 0 || cache.voxels < 1)
     return;
-  const uint end = places_of_item(list[0], &place);
-  const int rays = links_each(cache, list[0]);
-  if (place == end)
+  const uint rays = (uint)links_each(cache, list[0]);
+  const uint end = part_of_item(list[0] * rays, &first);
+  if (first == end)
     return;
-  queue q = {list + HBIL_LIST_HEAD + place,
-             links + (size_t)place * (uint)rays,
-             31 - (int)clz((uint)rays),
-             rays,
-             0,
-             (int)(end - place) * rays};
+  queue q = {list + HBIL_LIST_HEAD,
+             links,
+             31 - (int)clz(rays),
+             (int)rays,
+             (int)first,
+             (int)end};
   follow_all(&q, &map);
 }
