@@ -29,7 +29,7 @@ extern "C" {
  *      = HBIL_CACHE_NEAR_VOXELS times voxel_size, before hbil_plan_create().
  *   3. For every frame: hbil_enqueue_cache_inject() with the frame itself, or
  *      with any other views; hbil_enqueue_cache_update(), which lets light
- *      bounce once more between the cache's surfaces; and
+ *      bounce between the cache's surfaces, four times by default; and
  *      hbil_enqueue_frame() with hbil_frame.cache set.
  *   4. When the camera moves: hbil_enqueue_cache_move().
  *

@@ -149,7 +149,7 @@ kernel void bounce(const hbil_cache_bounce_args args, global const uint *list,
   if (get_global_id(1) > 0 || args.cache.voxels < 1)
     return;
   const int rays = links_each(args.cache, list[0]);
-  const uint end = part_of_item(list[0], &place);
+  const uint end = part_of_item(list[0], 1u, &place);
   for (; place < end; ++place) {
     const uint number = list[HBIL_LIST_HEAD + place];
     global float *voxel = voxels + HBIL_VOXEL_FLOATS * (size_t)number;

@@ -197,7 +197,7 @@ kernel void trace(const hbil_cache_args cache, global const uchar *ways,
   if (get_global_id(1) > 0 || cache.voxels < 1)
     return;
   const uint rays = (uint)links_each(cache, list[0]);
-  const uint end = part_of_item(list[0] * rays, &first);
+  const uint end = part_of_item(list[0] * rays, HBIL_WIDTH, &first);
   if (first == end)
     return;
   queue q = {list + HBIL_LIST_HEAD,

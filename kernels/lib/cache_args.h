@@ -55,11 +55,12 @@ enum {
 #define HBIL_CACHE_PARTS 64
 
 /* Rays of a surface in an update.  With 64, of which each update traces a
- * quarter, four walks are no nearer to the truth (doc/measurements.md). */
+ * quarter, four walks are no nearer to the truth on average
+ * (doc/measurements.md). */
 #define HBIL_CACHE_RAYS 16
-/* Words of the list of surfaces before the first surface, and of links for each
- * voxel that there is (lib/cache_links.clh). */
+/* Words of the list of surfaces before the first one (lib/cache_links.clh). */
 #define HBIL_LIST_HEAD (HBIL_CACHE_PARTS + 16)
+/* Links that there is memory for, per voxel. */
 #define HBIL_CACHE_LINKS 2
 
 /* A ray hits a voxel's plane if it crosses it within this many voxels of the
@@ -226,7 +227,7 @@ typedef struct hbil_probes_args {
   hbil_environment_args environment;
   hbil_float scale;  /* voxels of level 0 per world unit */
   hbil_float radius; /* of the near field, in voxels of level 0 */
-  hbil_float lobe; /* as in hbil_gather_args */
+  hbil_float lobe;   /* as in hbil_gather_args */
 } hbil_probes_args;
 HBIL_ASSERT_LAYOUT(hbil_probes_args, lobe, 77, 78)
 

@@ -59,7 +59,7 @@ static hbil_status publish(commands *chain, hbil_cache *cache) {
 
 /* Work-items among which listed surfaces are divided.  Only the device knows
  * how many surfaces there are.  CPUs: eight groups for each core, so that none
- * waits long for the others, and each work-item has many rays for its lanes. */
+ * waits long for the others. */
 static size_t items(const hbil_cache *cache) {
   const hbil_context *c = cache->context;
   return c->is_cpu ? 8 * c->group[0] * c->compute_units
