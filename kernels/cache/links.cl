@@ -73,7 +73,7 @@ kernel void list_surfaces(const hbil_cache_list_args args,
 typedef struct queue {
   global const uint *surfaces;
   global uint *links;
-  int log2_rays, rays; /* of a surface */
+  int log2_rays; /* of a surface */
   int next, end;
 } queue;
 
@@ -116,6 +116,7 @@ INLINE intv direct_light(global const float *voxels, intv number) {
 INLINE ray_states begin(const queue *q, const cache_map *map, intv ray) {
   const hbil_cache_args cache = map->cache;
   const int mask = cache.voxels - 1, k = cache.log2_voxels;
+  const int rays = 1 << q->log2_rays;
   const intv is = ray >= 0;
   const intv place = max(ray, 0) >> q->log2_rays;
   const intv number = AS_INTV(gather_words(q->surfaces, place));
@@ -138,7 +139,7 @@ INLINE ray_states begin(const queue *q, const cache_map *map, intv ray) {
           size, n.z * lift)};
   return begin_rays(
       cache, origin,
-      link_directions(ray & (q->rays - 1), q->rays, AS_UINTV(number), n),
+      link_directions(ray & (rays - 1), rays, AS_UINTV(number), n),
       HBIL_CACHE_START * size, is & direct_light(map->voxels, number));
 }
 
@@ -200,11 +201,7 @@ kernel void trace(const hbil_cache_args cache, global const uchar *ways,
   const uint end = part_of_item(list[0] * rays, HBIL_WIDTH, &first);
   if (first == end)
     return;
-  queue q = {list + HBIL_LIST_HEAD,
-             links,
-             31 - (int)clz(rays),
-             (int)rays,
-             (int)first,
+  queue q = {list + HBIL_LIST_HEAD, links, 31 - (int)clz(rays), (int)first,
              (int)end};
   follow_all(&q, &map);
 }

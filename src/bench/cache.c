@@ -6,11 +6,8 @@
 #include "bench/settings.h"
 #include "bench/world.h"
 
-enum {
-  ROUNDS = 16,           /* before anything is timed, so that there is light */
-  ROUNDS_OF_A_FRAME = 4, /* as hbil process has them */
-  SHARE = 16             /* of the voxels, where time is scarce */
-};
+/* Of the voxels, in an update where time is scarce. */
+enum { SHARE = 16 };
 
 typedef struct job {
   const bench_options *options;
@@ -59,7 +56,7 @@ static int update_all(job *j, unsigned run, image_error *error) {
 
 static int update_frame(job *j, unsigned run, image_error *error) {
   (void)run;
-  return bench_world_update(&j->world, ROUNDS_OF_A_FRAME, 1, 0, error);
+  return bench_world_update(&j->world, BENCH_ROUNDS_OF_A_FRAME, 1, 0, error);
 }
 
 /* Wall-clock time of a call and its commands. */
@@ -103,7 +100,7 @@ static int measure(job *j, image_error *error) {
   for (unsigned i = 0; i < j->content.frames; i++)
     if (inject(j, i, error) != 0)
       return -1;
-  if (bench_world_update(&j->world, ROUNDS, 1, 0, error) != 0)
+  if (bench_world_update(&j->world, BENCH_ROUNDS_AT_FIRST, 1, 0, error) != 0)
     return -1;
   return time_call(j, "inject a view", inject, error) != 0 ||
                  time_call(j, "update: one round of every 16th voxel",

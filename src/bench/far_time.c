@@ -8,12 +8,7 @@
 #include "bench/world.h"
 
 /* As hbil process has them. */
-enum {
-  ROUNDS_AT_FIRST = 16,
-  STEPS_AT_FIRST = 64,
-  ROUNDS_OF_A_FRAME = 4,
-  STEPS_OF_A_FRAME = 8
-};
+enum { STEPS_AT_FIRST = 64, STEPS_OF_A_FRAME = 8 };
 
 /* Times of one provider, run by run. */
 typedef struct run_times {
@@ -53,7 +48,8 @@ static int open_world(job *j, far_provider p, image_error *error) {
   if (!failed && p == FAR_RSM)
     failed = bench_world_light(w, 0, error);
   if (!failed)
-    failed = bench_world_update(w, ROUNDS_AT_FIRST, 1, STEPS_AT_FIRST, error);
+    failed =
+        bench_world_update(w, BENCH_ROUNDS_AT_FIRST, 1, STEPS_AT_FIRST, error);
   return failed;
 }
 
@@ -84,7 +80,7 @@ static int time_cache(const job *j, unsigned run, double *out,
   const bench_world *w = &j->worlds[FAR_RAYS];
   const double before = bench_clock();
   if (bench_world_inject(w, run % j->content->frames, error) != 0 ||
-      bench_world_update(w, ROUNDS_OF_A_FRAME, 1, 0, error) != 0 ||
+      bench_world_update(w, BENCH_ROUNDS_OF_A_FRAME, 1, 0, error) != 0 ||
       bench_world_finish(w, error) != 0)
     return -1;
   *out = bench_clock() - before;
@@ -191,7 +187,7 @@ void far_times_note(bench_report *report) {
       "frame: the whole frame, use included; whole: with cache and build.  "
       "memory: the cache with the provider's part.  "
       "cache and build are wall-clock times.",
-      ROUNDS_OF_A_FRAME, STEPS_OF_A_FRAME);
+      BENCH_ROUNDS_OF_A_FRAME, STEPS_OF_A_FRAME);
 }
 
 void far_times_report(const far_time times[FAR_PROVIDERS],

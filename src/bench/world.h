@@ -6,6 +6,10 @@
 #include "bench/fixture.h"
 #include "bench/opencl.h"
 
+/* Rounds of bounces before anything is timed, and of a frame's update, as hbil
+ * process has them. */
+enum { BENCH_ROUNDS_AT_FIRST = 16, BENCH_ROUNDS_OF_A_FRAME = 4 };
+
 /* All members are read alone. */
 typedef struct bench_world {
   const bench_device *device;
