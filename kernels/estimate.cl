@@ -45,8 +45,12 @@ FETCHER(direct, DIRECT_TYPE, DIRECT_STRIDE)
  * the caller's planes.  GPUs have no registers for so many sums. */
 #if HBIL_WIDTH == 1
 #define COLUMNS 1
+#define PART_LANES HBIL_ESTIMATE_LANES
+#define PART_ACROSS HBIL_ESTIMATE_BLOCK
 #else
 #define COLUMNS 4
+#define PART_LANES 1
+#define PART_ACROSS 1
 #endif
 
 /* A vector of each of those layers: every fourth one of the picture's pixels
@@ -269,7 +273,8 @@ INLINE void add_layers(const hbil_estimate_args args, const inputs *in,
                  sum[i]);
 }
 
-/* Launch: x = HBIL_ESTIMATE_PARTS work-items. */
+/* Launch: x = lanes of a part, HBIL_ESTIMATE_LANES of them if HBIL_WIDTH is 1,
+ * otherwise one; y = HBIL_ESTIMATE_PARTS. */
 kernel void estimate_part(const hbil_estimate_args args,
                           global const float *split, global const float *light,
                           global const void *albedo, global const void *f0,
@@ -277,8 +282,9 @@ kernel void estimate_part(const hbil_estimate_args args,
                           global const void *emission, global const uint *flags,
                           global float *estimate) {
   const hbil_layer_args in = args.split;
-  const int part = (int)get_global_id(0), layer = part % HBIL_LAYERS;
-  if (part >= HBIL_ESTIMATE_PARTS || part % COLUMNS > 0 || get_global_id(1) > 0)
+  const int lane = (int)get_global_id(0);
+  const int part = (int)get_global_id(1), layer = part % HBIL_LAYERS;
+  if (lane >= PART_LANES || part >= HBIL_ESTIMATE_PARTS || part % COLUMNS > 0)
     return;
   if (args.is_static && !flags[HBIL_FLAG_CHANGED])
     return;
@@ -291,8 +297,10 @@ kernel void estimate_part(const hbil_estimate_args args,
   light += (uint)layer * args.light.layer + args.light.origin;
   /* of these COLUMNS layers the first one is gathered if any of them is */
   const int end = hbil_is_gathered(layer, GATHERED) ? in.height : 0;
-  for (int y = hbil_estimate_row(part); y < end; y += 4)
-    for (int x = 0; x < in.width; x += HBIL_WIDTH) {
+  const int row = hbil_estimate_row(part) + 4 * (lane / PART_ACROSS);
+  const int column = lane % PART_ACROSS * HBIL_WIDTH;
+  for (int y = row; y < end; y += 4 * (PART_LANES / PART_ACROSS))
+    for (int x = column; x < in.width; x += PART_ACROSS * HBIL_WIDTH) {
       const row_place at = {4 * x, 4 * y + layer / 4, layer % 4, args.width};
       /* what lies right of the picture is sky */
       if (at.y < args.height && at.x < args.width &&
@@ -300,11 +308,32 @@ kernel void estimate_part(const hbil_estimate_args args,
         add_layers(args, &planes, split + (uint)y * in.row + (uint)x,
                    light + (uint)y * args.light.row + (uint)x, at, sum);
     }
+#if HBIL_WIDTH == 1
+  estimate +=
+      HBIL_ESTIMATE_SIZE + (part * PART_LANES + lane) * HBIL_ESTIMATE_SUMS;
+#else
   estimate += HBIL_FILL_SIZE + (part + 1) * HBIL_ESTIMATE_SUMS;
+#endif
   for (int i = 0; i < COLUMNS; ++i)
     for (int k = 0; k < HBIL_ESTIMATE_SUMS; ++k)
       estimate[i * HBIL_ESTIMATE_SUMS + k] = lanes_sum(sum[i][k]);
 }
+
+#if HBIL_WIDTH == 1
+/* Adds up the lanes of each part, in their order.
+ * Launch: x = HBIL_ESTIMATE_SUMS, y = HBIL_ESTIMATE_PARTS work-items. */
+kernel void estimate_lanes(global float *estimate) {
+  const int k = (int)get_global_id(0), part = (int)get_global_id(1);
+  if (k >= HBIL_ESTIMATE_SUMS || part >= HBIL_ESTIMATE_PARTS)
+    return;
+  global const float *lanes = estimate + HBIL_ESTIMATE_SIZE +
+                              part * (PART_LANES * HBIL_ESTIMATE_SUMS) + k;
+  float sum = 0.0f;
+  for (int lane = 0; lane < PART_LANES; ++lane)
+    sum += lanes[lane * HBIL_ESTIMATE_SUMS];
+  estimate[HBIL_FILL_SIZE + (part + 1) * HBIL_ESTIMATE_SUMS + k] = sum;
+}
+#endif
 
 /* --- the sums of all parts ------------------------------------------------ */
 

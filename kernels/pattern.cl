@@ -8,7 +8,7 @@
  * where half = 2 slice + (0: along u, 1: along -u).  Entry 0 has only the
  * direction, in ux and uy; the samples follow.
  *
- * Launch: x = level * sites + site (hbil_site()), y = half-slice.
+ * Launch: x = level * sites + site (hbil_site()), y = half-slice, z = entry.
  */
 #include "lib/sampling_pattern.h"
 
@@ -24,16 +24,71 @@ static inline int offset_of(const hbil_layer_args layout, int layer, int x,
                layout.origin + (uint)*dy * layout.row + (uint)*dx);
 }
 
-kernel void make_pattern(const hbil_make_pattern_args args,
-                         global hbil_step *steps) {
+/* The direction of a half-slice. */
+static inline hbil_step direction_step(float ux, float uy) {
+  hbil_step step = {0};
+  step.ux = ux;
+  step.uy = uy;
+  return step;
+}
+
+/* Sample k of a half-slice. */
+static inline hbil_step sample_step(const hbil_make_pattern_args args,
+                                    int level, int site, int k, float ux,
+                                    float uy) {
   const hbil_view_args view = args.view;
   const hbil_pattern_args pattern = args.pattern;
   const hbil_layer_args layout = args.split;
+  const int layer = site & 15;
+  int x, y, x_before = 0, y_before = 0;
+  hbil_sample_offset(site, k, level, ux, uy, view, pattern, &x, &y);
+  int next_x = x, next_y = y;
+  if (k > 0)
+    hbil_sample_offset(site, k - 1, level, ux, uy, view, pattern, &x_before,
+                       &y_before);
+  if (k + 1 < pattern.steps)
+    hbil_sample_offset(site, k + 1, level, ux, uy, view, pattern, &next_x,
+                       &next_y);
+  hbil_step step = {0};
+  step.offset = offset_of(layout, layer, x, y, &step.dx, &step.dy);
+  step.ex = (float)x * view.inv_fx;
+  step.ey = (float)y * view.inv_fy;
+  const float e = sqrt(fma(step.ex, step.ex, step.ey * step.ey));
+  step.inv_e = 1.0f / e;
+  step.ux = step.ex * step.inv_e;
+  step.uy = step.ey * step.inv_e;
+  const int before = k > 0 ? hbil_offset_length(x_before, y_before) : 0;
+  const int length = hbil_offset_length(x, y);
+  const int after = hbil_offset_length(next_x, next_y);
+  step.subsets = hbil_sample_subsets(site, pattern.gathered, k, pattern.steps,
+                                     before, after);
+  const hbil_extent extent =
+      hbil_sample_extent(x, y, k, pattern.steps, before, length, after);
+  const float near = extent.near * e, far = extent.far * e;
+  const int slope_x = extent.slope_x, slope_y = extent.slope_y;
+  const float per_slope = 1.0f / fma((float)slope_x * view.inv_fx, step.ux,
+                                     (float)slope_y * view.inv_fy * step.uy);
+  int nearer_dx, nearer_dy; /* lies in the picture wherever the sample does */
+  step.nearer = offset_of(layout, layer, x - slope_x, y - slope_y, &nearer_dx,
+                          &nearer_dy);
+  step.farther = offset_of(layout, layer, x + slope_x, y + slope_y,
+                           &step.farther_dx, &step.farther_dy);
+  step.to_near = near * per_slope;
+  step.to_far = far * per_slope;
+  step.inv_near = 1.0f / (e - near);
+  step.inv_far = 1.0f / (e + far);
+  return step;
+}
+
+kernel void make_pattern(const hbil_make_pattern_args args,
+                         global hbil_step *steps) {
+  const hbil_pattern_args pattern = args.pattern;
   const int sites = hbil_sites(pattern.gathered);
   const int level = (int)get_global_id(0) / sites;
-  const int site = (int)get_global_id(0) % sites, layer = site & 15;
-  const int half_slice = (int)get_global_id(1);
-  if (level >= pattern.levels || half_slice >= 2 * pattern.slices)
+  const int site = (int)get_global_id(0) % sites;
+  const int half_slice = (int)get_global_id(1), entry = (int)get_global_id(2);
+  if (level >= pattern.levels || half_slice >= 2 * pattern.slices ||
+      entry > pattern.steps)
     return;
   float ux, uy;
   hbil_slice_direction(site, half_slice >> 1, pattern, &ux, &uy);
@@ -43,47 +98,6 @@ kernel void make_pattern(const hbil_make_pattern_args args,
   }
   steps += (get_global_id(0) * (uint)(2 * pattern.slices) + (uint)half_slice) *
            (uint)(pattern.steps + 1);
-  hbil_step direction = {0};
-  direction.ux = ux;
-  direction.uy = uy;
-  *steps++ = direction;
-  int x, y, before = 0;
-  hbil_sample_offset(site, 0, level, ux, uy, view, pattern, &x, &y);
-  for (int k = 0; k < pattern.steps; ++k) {
-    int next_x = x, next_y = y;
-    if (k + 1 < pattern.steps)
-      hbil_sample_offset(site, k + 1, level, ux, uy, view, pattern, &next_x,
-                         &next_y);
-    hbil_step step;
-    step.offset = offset_of(layout, layer, x, y, &step.dx, &step.dy);
-    step.ex = (float)x * view.inv_fx;
-    step.ey = (float)y * view.inv_fy;
-    const float e = sqrt(fma(step.ex, step.ex, step.ey * step.ey));
-    step.inv_e = 1.0f / e;
-    step.ux = step.ex * step.inv_e;
-    step.uy = step.ey * step.inv_e;
-    const int length = hbil_offset_length(x, y);
-    const int after = hbil_offset_length(next_x, next_y);
-    step.subsets = hbil_sample_subsets(site, pattern.gathered, k, pattern.steps,
-                                       before, after);
-    const hbil_extent extent =
-        hbil_sample_extent(x, y, k, pattern.steps, before, length, after);
-    const float near = extent.near * e, far = extent.far * e;
-    const int slope_x = extent.slope_x, slope_y = extent.slope_y;
-    const float per_slope = 1.0f / fma((float)slope_x * view.inv_fx, step.ux,
-                                       (float)slope_y * view.inv_fy * step.uy);
-    int nearer_dx, nearer_dy; /* lies in the picture wherever the sample does */
-    step.nearer = offset_of(layout, layer, x - slope_x, y - slope_y, &nearer_dx,
-                            &nearer_dy);
-    step.farther = offset_of(layout, layer, x + slope_x, y + slope_y,
-                             &step.farther_dx, &step.farther_dy);
-    step.to_near = near * per_slope;
-    step.to_far = far * per_slope;
-    step.inv_near = 1.0f / (e - near);
-    step.inv_far = 1.0f / (e + far);
-    steps[k] = step;
-    before = length;
-    x = next_x;
-    y = next_y;
-  }
+  steps[entry] = entry == 0 ? direction_step(ux, uy)
+                            : sample_step(args, level, site, entry - 1, ux, uy);
 }

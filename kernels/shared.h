@@ -15,6 +15,8 @@ typedef float hbil_float;
 #define HBIL_FMA(a, b, c) fma((a), (b), (c))
 #define HBIL_RINT(a) rint(a)
 #define HBIL_FABS(a) fabs(a)
+/* For structs whose size is a multiple of 16 bytes; only kernels need it. */
+#define HBIL_ALIGNED_16 __attribute__((aligned(16)))
 /* An array of negative size stops the compiler. */
 #define HBIL_ASSERT_LAYOUT(type, last, last_word, words)                       \
   typedef char                                                                 \
@@ -33,6 +35,7 @@ typedef cl_float hbil_float;
 #define HBIL_FMA(a, b, c) fmaf((a), (b), (c))
 #define HBIL_RINT(a) rintf(a)
 #define HBIL_FABS(a) fabsf(a)
+#define HBIL_ALIGNED_16
 #define HBIL_ASSERT_LAYOUT(type, last, last_word, words)                       \
   _Static_assert(sizeof(type) == 4 * (words) &&                                \
                      offsetof(type, last) == 4 * (last_word),                  \
@@ -227,14 +230,14 @@ HBIL_ASSERT_LAYOUT(hbil_layer_args, height, 6, 7)
  * belong to both (lib/sampling_pattern.h, gather/between.clh). */
 enum { HBIL_SUBSET_EVEN = 1, HBIL_SUBSET_ODD = 2 };
 
-/* One sample of a half-slice, common to all pixels of a layer at one level. */
+/* One sample of a half-slice, common to all pixels of a layer at one level.
+ * What is read together is 16 bytes, which GPUs read at once. */
 typedef struct hbil_step {
   hbil_int offset;   /* floats from x + y * row to the sample of pixel (x,y) */
   hbil_int dx, dy;   /* offset within the layer, in layer pixels */
-  hbil_float ex, ey; /* offset from pixel to pixel, in units of ray slope */
   hbil_float inv_e;  /* 1 / |e| */
   hbil_float ux, uy; /* e / |e| */
-  hbil_int subsets;  /* of HBIL_SUBSET_ */
+  hbil_float ex, ey; /* offset from pixel to pixel, in units of ray slope */
   /* for occluders of finite thickness, which stand for their steps
    * (hbil_sample_extent()) */
   hbil_int nearer, farther; /* as offset: the pixels that tell the slope */
@@ -243,8 +246,10 @@ typedef struct hbil_step {
    */
   hbil_float to_near, to_far;
   hbil_float inv_near, inv_far; /* 1 / |e| at both ends of the step */
-} hbil_step;
-HBIL_ASSERT_LAYOUT(hbil_step, inv_far, 16, 17)
+  hbil_int subsets;             /* of HBIL_SUBSET_ */
+  hbil_int unused[3];
+} HBIL_ALIGNED_16 hbil_step;
+HBIL_ASSERT_LAYOUT(hbil_step, unused, 17, 20)
 
 /* Words of the plan's flags: what kernels of a frame tell later ones. */
 enum {
@@ -277,6 +282,8 @@ enum {
 
 /* A cell is 64x64 pixels: so many of a layer, a multiple of HBIL_WIDEST. */
 #define HBIL_CELL 16
+/* Rows of a strip, in pixels; a divisor of a cell's. */
+#define HBIL_STRIP 4
 /* Cells to a block, each way. */
 #define HBIL_BLOCK 4
 

@@ -39,8 +39,13 @@ hbil_status enqueue_estimate(commands *chain, const hbil_frame *frame) {
                            BUFFER_ARG(plan, BUFFER_ESTIMATE)};
   const argument sum[] = {BUFFER_ARG(plan, BUFFER_ESTIMATE)};
   const argument fill[] = {ARG(args), BUFFER_ARG(plan, BUFFER_ESTIMATE)};
+  const bool has_lanes = plan->layout.estimate_lanes > 1;
   hbil_status status =
-      LAUNCH(chain, KERNEL_ESTIMATE_PART, part, HBIL_ESTIMATE_PARTS, 1, 1);
+      LAUNCH(chain, KERNEL_ESTIMATE_PART, part, plan->layout.estimate_lanes,
+             HBIL_ESTIMATE_PARTS, 1);
+  if (status == HBIL_SUCCESS && has_lanes)
+    status = LAUNCH(chain, KERNEL_ESTIMATE_LANES, sum, HBIL_ESTIMATE_SUMS,
+                    HBIL_ESTIMATE_PARTS, 1);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_ESTIMATE_SUM, sum, HBIL_ESTIMATE_SUMS, 1, 1);
   if (status == HBIL_SUCCESS)

@@ -38,7 +38,7 @@ static hbil_status make_pattern(commands *chain, const hbil_view_args *view,
   const hbil_status status =
       LAUNCH(chain, KERNEL_PATTERN, list,
              (size_t)(pattern->levels * hbil_sites(pattern->gathered)),
-             (size_t)pattern->slices * 2, 1);
+             (size_t)pattern->slices * 2, (size_t)pattern->steps + 1);
   plan->has_steps = status == HBIL_SUCCESS;
   plan->steps_view = *view;
   plan->steps_pattern = *pattern;

@@ -93,7 +93,7 @@ static cl_int divided_up(cl_int n, cl_int by) {
 /* Returns the words of all grids. */
 static size_t lay_out_bounds(const hbil_config *config,
                              const hbil_layer_args *layers,
-                             hbil_bounds_args *out) {
+                             hbil_bounds_args *out, hbil_grid_args *strip) {
   size_t end = 0;
   const cl_uint group = HBIL_SIDE * config->execution.vector_width;
   const cl_int across = divided_up(layers->width, HBIL_CELL);
@@ -101,6 +101,8 @@ static size_t lay_out_bounds(const hbil_config *config,
   out->group = grid(&end, divided_up((cl_int)config->width, (cl_int)group),
                     (cl_int)config->height);
   out->cell = grid(&end, across, down);
+  if (config->execution.vector_width == 1)
+    *strip = grid(&end, across, divided_up((cl_int)config->height, HBIL_STRIP));
   out->block =
       grid(&end, divided_up(across, HBIL_BLOCK), divided_up(down, HBIL_BLOCK));
   out->whole = grid(&end, 1, 1);
@@ -380,13 +382,18 @@ void layout_compute(const hbil_config *config, const staging *staged,
         real * ((HBIL_TEMPORAL_LIGHT + averaged_planes(out)) *
                     (size_t)out->planes.plane +
                 2 * (size_t)hbil_history_origin(out->planes));
+  out->estimate_lanes =
+      config->execution.vector_width == 1 ? HBIL_ESTIMATE_LANES : 1;
   if (out->estimate)
-    out->bytes[BUFFER_ESTIMATE] = HBIL_ESTIMATE_SIZE * real;
+    out->bytes[BUFFER_ESTIMATE] =
+        real * (HBIL_ESTIMATE_SIZE +
+                (out->estimate_lanes > 1 ? HBIL_ESTIMATE_LANES_SIZE : 0));
   out->bytes[BUFFER_SANITIZED] = HBIL_SANITIZED_WORDS * sizeof(cl_uint);
   out->bytes[BUFFER_FLAGS] = HBIL_FLAGS * sizeof(cl_uint);
   if (out->skip & (HBIL_SKIP_OPEN | HBIL_SKIP_DARK))
     out->bytes[BUFFER_BOUNDS] =
-        sizeof(cl_uint) * lay_out_bounds(config, &out->split, &out->bounds);
+        sizeof(cl_uint) *
+        lay_out_bounds(config, &out->split, &out->bounds, &out->strip);
   const size_t width = config->execution.vector_width;
   if (out->skip & HBIL_SKIP_UNUSED)
     out->bytes[BUFFER_USES] = sizeof(cl_uint) * config->height *

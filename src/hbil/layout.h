@@ -57,10 +57,13 @@ typedef struct layout {
   int chain_count;
   hbil_chain_args chain[MAX_CHAIN];
   /* what must be computed; unknown: the share that back-facing samples block */
+  cl_uint estimate_lanes; /* work-items of each part of the estimate */
   bool radiance, bent, history, unknown, estimate, probes, glossy;
   bool late_counts; /* composite shows inputs that split does not read */
   cl_uint skip;     /* the bits of hbil_config.skip that can have an effect */
   hbil_bounds_args bounds;
+  hbil_grid_args strip; /* groups side by side in a cell, HBIL_STRIP rows of
+                           them; only without vectors, else of no width */
   hbil_probe_grid_args probe_grid;
   bool quadrants; /* whether the gather reads the quadrants of the bounds */
   hbil_horizon_cache_args cache;

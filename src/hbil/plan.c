@@ -51,6 +51,7 @@ static const kernel_kind kernels[KERNEL_COUNT] = {
     [KERNEL_BOUND_CELLS] = {"bound_cells", PROGRAM_LAYERS},
     [KERNEL_BOUND_QUADRANTS] = {"bound_quadrants", PROGRAM_LAYERS},
     [KERNEL_ESTIMATE_PART] = {"estimate_part", PROGRAM_ESTIMATE},
+    [KERNEL_ESTIMATE_LANES] = {"estimate_lanes", PROGRAM_ESTIMATE},
     [KERNEL_ESTIMATE_SUM] = {"estimate_sum", PROGRAM_ESTIMATE},
     [KERNEL_ESTIMATE_FILL] = {"estimate_fill", PROGRAM_ESTIMATE},
     [KERNEL_PATTERN] = {"make_pattern", PROGRAM_LAYERS},
@@ -117,6 +118,8 @@ static bool kernel_needed(const hbil_plan *plan, int kernel) {
     return false;
   if (kernel == KERNEL_RELIGHT)
     return plan->layout.history && plan->layout.skip & HBIL_SKIP_STATIC;
+  if (kernel == KERNEL_ESTIMATE_LANES)
+    return plan->layout.estimate_lanes > 1;
   if (kernel == KERNEL_BOUND_CELLS || kernel == KERNEL_BOUND_QUADRANTS)
     return plan->layout.bytes[BUFFER_BOUNDS] > 0;
   return true;
