@@ -171,6 +171,20 @@ static cl_int read_width(cl_device_id device, cl_device_type type,
   return error;
 }
 
+/* Whether the device's list of extensions, of any length, has this one. */
+static cl_int read_extension(cl_device_id device, const char *name, bool *has) {
+  size_t size = 0;
+  cl_int error = clGetDeviceInfo(device, CL_DEVICE_EXTENSIONS, 0, NULL, &size);
+  if (error != CL_SUCCESS)
+    return error;
+  char *list = calloc(1, size + 1);
+  error = list ? clGetDeviceInfo(device, CL_DEVICE_EXTENSIONS, size, list, NULL)
+               : CL_OUT_OF_HOST_MEMORY;
+  *has = error == CL_SUCCESS && strstr(list, name);
+  free(list);
+  return error;
+}
+
 static hbil_status read_limits(hbil_context *context) {
   const cl_device_id device = context->device;
   cl_device_type type = 0;
@@ -194,6 +208,9 @@ static hbil_status read_limits(hbil_context *context) {
     error = read_version(device, text, &version);
   if (error == CL_SUCCESS)
     error = read_width(device, type, &context->vector_width);
+  if (error == CL_SUCCESS)
+    error = read_extension(device, "cl_nv_compiler_options",
+                           &context->takes_registers);
   if (error != CL_SUCCESS)
     return fail_cl(NULL, error, "hbil_context_create: clGetDeviceInfo");
   context->exact_divide = (fp & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;

@@ -19,6 +19,7 @@ struct hbil_context {
   cl_uint vector_width; /* of the kernels, chosen for the device */
   size_t group[2];      /* work-group of every kernel */
   bool exact_divide;    /* CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT */
+  bool takes_registers; /* the compiler can be told how many to use at most */
   /* where built programs are stored (binary.h) */
   struct {
     hbil_program_load load; /* NULL: nowhere, and no store either */

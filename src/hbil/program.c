@@ -265,12 +265,16 @@ static hbil_status build(hbil_context *context, cl_program program,
 static hbil_status build_text(hbil_context *context, const program_kind *kind,
                               const char *text, const char *defines,
                               cl_program *out, binary_identity *identity) {
-  char options[MOST_DEFINES + 128];
+  char options[MOST_DEFINES + 128], registers[48] = "";
   cl_int error = CL_SUCCESS;
-  snprintf(options, sizeof options, "-cl-std=CL1.2%s",
+  if (kind->registers && context->takes_registers)
+    snprintf(registers, sizeof registers, " -cl-nv-maxrregcount=%d",
+             kind->registers);
+  snprintf(options, sizeof options, "-cl-std=CL1.2%s%s",
            kind->relaxed           ? " -cl-fast-relaxed-math"
            : context->exact_divide ? " -cl-fp32-correctly-rounded-divide-sqrt"
-                                   : "");
+                                   : "",
+           registers);
   hbil_status status =
       add_defines(context, text, kind->defines, "", options, sizeof options);
   if (status == HBIL_SUCCESS)

@@ -11,6 +11,8 @@ typedef struct program_kind {
   bool relaxed;        /* relaxed arithmetic: results may differ in rounding */
   const char *defines; /* of its own, beside the plan's or instead of them; ""
                           if none */
+  int registers;       /* the most of a work-item where the compiler takes a
+                          limit; 0: as many as it likes */
 } program_kind;
 
 /* The most characters that the defines of a plan take. */
