@@ -30,30 +30,30 @@ static int is_mark(FILE *file, const unsigned char *head, uint32_t length) {
 }
 
 /* Goes through the chunks of a file of `size` bytes. */
-static int is_marked_and_whole(FILE *file, off_t size) {
+static png_state look(FILE *file, off_t size) {
   unsigned char head[HEAD];
+  png_state out = {0, 0};
   off_t at = SIGNATURE;
-  int marked = 0;
-  while (fseeko(file, at, SEEK_SET) == 0 &&
+  while (!out.whole && fseeko(file, at, SEEK_SET) == 0 &&
          fread(head, sizeof head, 1, file) == 1) {
     const uint32_t length = (uint32_t)head[0] << 24 | (uint32_t)head[1] << 16 |
                             (uint32_t)head[2] << 8 | head[3];
-    marked |= is_mark(file, head, length);
+    out.marked |= is_mark(file, head, length);
     at += HEAD + (off_t)length + CHECKSUM;
-    if (memcmp(head + 4, "IEND", 4) == 0)
-      return marked && at == size;
+    out.whole = memcmp(head + 4, "IEND", 4) == 0 && at == size;
   }
-  return 0;
+  return out;
 }
 
-int png_is_marked(const char *path) {
+png_state png_look(const char *path) {
   struct stat info;
+  png_state out = {0, 0};
   if (stat(path, &info) != 0 || !S_ISREG(info.st_mode))
-    return 0;
+    return out;
   FILE *file = fopen(path, "rb");
-  const int yes =
-      file && has_signature(file) && is_marked_and_whole(file, info.st_size);
+  if (file && has_signature(file))
+    out = look(file, info.st_size);
   if (file)
     fclose(file);
-  return yes;
+  return out;
 }

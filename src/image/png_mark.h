@@ -12,9 +12,14 @@ extern "C" {
 #define PNG_MARK_NAME "Software"
 #define PNG_MARK "hbil"
 
-/* Whether the file is a PNG that png_write() wrote and is there to its last
- * chunk.  Pixels are not read. */
-int png_is_marked(const char *path);
+typedef struct png_state {
+  int marked; /* 1: png_write() wrote the file */
+  int whole;  /* 1: the file is there to its last chunk */
+} png_state;
+
+/* Looks at a file without reading its pixels.  Both members are 0 if it is no
+ * PNG. */
+png_state png_look(const char *path);
 
 #ifdef __cplusplus
 }

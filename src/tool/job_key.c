@@ -134,6 +134,10 @@ int job_key_begin(const job *j, const char *device, uint64_t *key,
   return hash_cache(j, key, error);
 }
 
+int job_key_is_valid(const char *text) {
+  return strlen(text) == 16 && strspn(text, "0123456789abcdef") == 16;
+}
+
 void job_key_sign(image *result, uint64_t key) {
   snprintf(result->key, sizeof result->key, "%016" PRIx64, key);
 }

@@ -23,6 +23,9 @@ int job_key_begin(const job *j, const char *device, uint64_t *key,
  * files, how they are read, and its camera.  0, or -1 with `error` filled. */
 int job_key_next(const job_frame *f, uint64_t *key, image_error *error);
 
+/* Whether a text is the key of a result. */
+int job_key_is_valid(const char *text);
+
 /* Stores the key in a result that is about to be written. */
 void job_key_sign(image *result, uint64_t key);
 

@@ -1,0 +1,134 @@
+#!/bin/sh
+# What hbil promises about files (doc/guide.md): commands lose no file that they
+# read, replace nothing but what is theirs, and believe no damaged file.
+#
+# Speaks TAP.
+srcdir=${srcdir:-$(dirname "$0")/../..}
+. "$srcdir/test/support/tap.sh"
+
+process() {
+  "$HBIL" process --quiet "$@"
+}
+# The exact integral of few slices: no device, so no kernels to be compiled.
+exact() {
+  process --quality reference --slices 1 --warm-up 0 "$@"
+}
+# keeps NAME FILE PATTERN COMMAND...: the command is rejected with the pattern,
+# and the file has the same bytes as before.
+keeps() {
+  name=$1 file=$2 pattern=$3
+  shift 3
+  cp "$file" "$work/kept"
+  rejected "$name" "$pattern" "$@"
+  run cmp "$work/kept" "$file"
+  ok $status "$name: the file stays as it is"
+}
+
+works "a demo" "$HBIL" demo --frames 2 --size 32x18 -o "$work/demo"
+in=$work/in out=$work/out.d
+cp -r "$work/demo/gbuffer" "$in"
+one=$in/frame_0001.exr
+two=$in/frame_0002.exr
+
+# --- files that a job reads ---
+
+overwritten='would overwrite'
+keeps "--cache-save, whose name was forgotten before a pattern" "$one" \
+  'frame_0001.exr: is not a radiance cache, and --cache-save replaces nothing else' \
+  process --overwrite -o "$out" --cache-save "$one" "$two"
+keeps "--contact-sheet, whose name was forgotten" "$one" \
+  'frame_0001.exr: is not a picture that hbil wrote' \
+  process --overwrite -o "$out" --contact-sheet "$one" "$two"
+keeps "a cache in place of the frame" "$one" "$overwritten the frame" \
+  process --overwrite -o "$out" --cache-save "$one" "$one"
+keeps "the same with --resume" "$one" "$overwritten the frame" \
+  process --resume -o "$out" --cache-save "$one" "$one"
+keeps "a contact sheet in place of a camera" "$in/frame_0001.json" \
+  "$overwritten the camera file" \
+  process --overwrite -o "$out" --contact-sheet "$in/frame_0001.json" "$one"
+keeps "or of the camera of all frames" "$in/frame_0002.json" \
+  "$overwritten the camera file" process --overwrite -o "$out" \
+  --camera "$in/frame_0002.json" --contact-sheet "$in/frame_0002.json" "$one"
+keeps "or of a view's camera" "$in/frame_0002.json" "$overwritten the camera file" \
+  process --overwrite -o "$out" --view "$two" --contact-sheet "$in/frame_0002.json" "$one"
+keeps "a cache in place of a view" "$two" "$overwritten the view" \
+  process --overwrite -o "$out" --view "$two" --cache-save "$two" "$one"
+keeps "or of a view from a light" "$two" "$overwritten the light view" process \
+  --overwrite -o "$out" --far rsm --light-view "$two" --cache-save "$two" "$one"
+keeps "a contact sheet in place of a pass" "$two" "$overwritten the pass" \
+  process --overwrite -o "$out" --map albedo=frame_0002.exr:albedo \
+  --contact-sheet "$two" "$one"
+mkdir "$work/results"
+cp "$one" "$work/results"
+cp "$in/frame_0001.json" "$work/results"
+map=$work/results/frame_0001.exr
+keeps "a result in place of the environment map" "$map" "$overwritten the environment map" \
+  exact --overwrite -o "$work/results" --environment "$map" "$one"
+keeps "or of the frame that decides" "$map" "$overwritten the frame of --decide-by" \
+  exact --overwrite -o "$work/results" --decide-by "$map" "$one"
+keeps "or of the frame itself, which --overwrite doesn't help" "$one" \
+  "$overwritten the frame" exact -o "$in" "$one"
+printf 'hbilcac1' >"$work/cache"
+keeps "a contact sheet in place of a cache" "$work/cache" 'no radiance cache' \
+  process --overwrite -o "$out" --cache-load "$work/cache" \
+  --contact-sheet "$work/cache" "$one"
+
+# --- other names of the same file ---
+
+ln -s "$one" "$work/link"
+ln "$one" "$work/hard"
+ln -s "$in" "$work/linked"
+for name in "$work/link" "$work/hard" "$work/linked/frame_0001.exr" \
+  "$work/demo/../in/./frame_0001.exr"; do
+  keeps "a cache named ${name#"$work"}" "$one" "$overwritten the frame" \
+    process --overwrite -o "$out" --cache-save "$name" "$one"
+done
+keeps "a frame by another name" "$one" "$overwritten the frame" \
+  process --overwrite -o "$out" --cache-save "$one" "$work/linked/frame_0001.exr"
+keeps "an output folder that is spelled through one that is made" "$one" \
+  "$overwritten the frame" exact --overwrite -o "$work/new/../in" "$one"
+rm "$work/link" "$work/hard"
+
+# --- what a job writes, twice ---
+
+rejected "a cache in place of a result that isn't there yet" \
+  "--cache-save $overwritten the result of .*/frame_0001.exr;" process \
+  --overwrite -o "$out" --cache-save "$out/./frame_0001.exr" "$one"
+rejected "the same in a dry run, without the folder" \
+  "--cache-save $overwritten the result of .*/frame_0001.exr;" process --dry-run \
+  -o "$out/deeper" --cache-save "$out/x/../deeper/frame_0001.exr" "$one"
+rejected "a contact sheet in place of a preview" "$overwritten a preview of" exact \
+  --preview -o "$out" --contact-sheet "$out/frame_0001.ao.png" "$one"
+rejected "or of the light that is carried on" "$overwritten the light to carry on" \
+  exact -o "$out" --contact-sheet "$out/.hbil-light.frame_0001" "$one"
+ln -s "$work/later" "$work/link"
+rejected "a cache and a contact sheet of one name, through a link" \
+  "--cache-save $overwritten --contact-sheet; another name is needed" process \
+  -o "$out" --contact-sheet "$work/later" --cache-save "$work/link" "$one"
+absent "what was rejected left nothing" "$out"
+
+# --- what else is there ---
+
+echo "my own" >"$work/text"
+for option in --contact-sheet --cache-save; do
+  for how in --overwrite --resume; do
+    keeps "$option $how in place of a text" "$work/text" "$option replaces nothing else" \
+      process $how -o "$out" $option "$work/text" "$one"
+  done
+done
+LC_ALL=C sed 's/Software/Zoftware/' "$work/demo/frame_0001.ao.png" >"$work/other.png"
+keeps "a contact sheet in place of another program's picture" "$work/other.png" \
+  'is not a picture that hbil wrote' \
+  exact --overwrite -o "$out" --contact-sheet "$work/other.png" "$one"
+: >"$work/sheet.png"
+works "a contact sheet in place of an empty file" exact --overwrite -o "$out" \
+  --contact-sheet "$work/sheet.png" "$one"
+works "and of an older one" exact --overwrite -o "$out" \
+  --contact-sheet "$work/sheet.png" "$one"
+rm -r "$out"
+mkdir "$out"
+echo "my own" >"$out/frame_0001.ao.png"
+keeps "a preview that isn't the job's" "$out/frame_0001.ao.png" 'is there already' \
+  exact --preview --layers ao -o "$out" "$one"
+
+echo "1..$count"
