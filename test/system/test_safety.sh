@@ -131,4 +131,32 @@ echo "my own" >"$out/frame_0001.ao.png"
 keeps "a preview that isn't the job's" "$out/frame_0001.ao.png" 'is there already' \
   exact --preview --layers ao -o "$out" "$one"
 
+# --- other commands ---
+
+a=$work/demo/frame_0001.ao.png b=$work/demo/frame_0002.ao.png
+keeps "a heat map in place of an image" "$a" "--heatmap $overwritten the image" \
+  "$HBIL" compare --heatmap "$a" "$a" "$b"
+keeps "or of the mask" "$one" "$overwritten the mask" "$HBIL" compare \
+  --heatmap "$one" --mask-depth "$one" "$a" "$b"
+keeps "or of any other file" "$work/text" '--heatmap replaces nothing else' \
+  "$HBIL" compare --heatmap "$work/text" "$a" "$b"
+demo() {
+  "$HBIL" demo --frames 2 --size 32x18 -o "$@"
+}
+works "a demo again, in place of the first one" demo "$work/demo"
+rm -r "$out"
+exact -o "$out" "$one" >"$work/out" 2>"$work/err"
+keeps "a demo in a folder of results" "$out/frame_0001.exr" 'no earlier demo wrote it' \
+  demo "$out"
+mkdir "$out/gbuffer"
+exact --copy-channels -o "$out/gbuffer" "$two" >"$work/out" 2>"$work/err"
+rm "$out/frame_0001.exr"
+keeps "or of G-buffers" "$out/gbuffer/frame_0002.exr" 'no earlier demo wrote it' \
+  demo "$out"
+rm "$out/gbuffer/frame_0002.exr"
+cp "$in/frame_0001.json" "$out/gbuffer"
+keeps "or of cameras" "$out/gbuffer/frame_0001.json" 'no earlier demo wrote it' \
+  demo "$out"
+rm -r "$out"
+
 echo "1..$count"
