@@ -131,6 +131,114 @@ echo "my own" >"$out/frame_0001.ao.png"
 keeps "a preview that isn't the job's" "$out/frame_0001.ao.png" 'is there already' \
   exact --preview --layers ao -o "$out" "$one"
 
+# --- what --resume replaces ---
+
+rm -r "$out"
+mkdir "$out"
+result=$out/frame_0001.exr
+refused='frame_0001.exr: is not a result of hbil, .*--overwrite, which would replace'
+echo "my own" >"$result"
+keeps "--resume in place of a text" "$result" "$refused" exact --resume -o "$out" "$one"
+cp "$one" "$result"
+keeps "or of a G-buffer of a demo" "$result" "$refused" exact --resume -o "$out" "$one"
+LC_ALL=C sed 's/hbilKey/hbilKez/' "$one" >"$result"
+keeps "or of an EXR without a key" "$result" "$refused" exact --resume -o "$out" "$one"
+works "--overwrite replaces it" exact --overwrite -o "$out" "$one"
+rm "$result"
+cp "$work/other.png" "$out/frame_0001.ao.png"
+keeps "or of another program's picture" "$out/frame_0001.ao.png" \
+  'frame_0001.ao.png: is not a picture that hbil wrote' \
+  exact --preview --layers ao --resume -o "$out" "$one"
+rm "$out/frame_0001.ao.png"
+: >"$result"
+works "an empty file has nothing to lose" exact --resume -o "$out" "$one"
+has "and becomes the result" "$result"
+
+# --- what --resume believes ---
+
+# again OPTIONS...: resumes, and says what is there and what is damaged.
+again() {
+  run "$HBIL" process --quality reference --slices 1 --warm-up 0 --resume "$@"
+}
+# heals NAME LINE FOLDER FOLDER OPTIONS...: the second folder becomes like the
+# first one, and one line says what was damaged.
+heals() {
+  name=$1 line=$2 whole=$3 folder=$4
+  shift 4
+  again -o "$folder" "$@" "$one" "$two"
+  test $status -eq 0 && test "$(grep -c "$line" "$work/err")" -eq 1 &&
+    test "$(grep -c 'is damaged' "$work/err")" -eq 1 &&
+    diff -r "$whole" "$folder" >>"$work/err"
+  ok $? "$name"
+}
+# change FILE PLACE: eight bytes become others.
+change() {
+  dd if="$1" of="$work/bytes" bs=1 skip="$2" count=8 2>/dev/null
+  LC_ALL=C tr '\000-\377' '\001-\377\000' <"$work/bytes" |
+    dd of="$1" bs=1 seek="$2" conv=notrunc 2>/dev/null
+}
+works "two frames" exact --preview -o "$work/whole" "$one" "$two"
+mkdir "$work/cut"
+head -c 3000 "$two" >"$work/cut/frame_0002.exr"
+cp "$in/frame_0002.json" "$work/cut"
+rejected "a job that breaks off" 'frame_0002.exr: truncated' \
+  exact --preview -o "$work/stopped" "$one" "$work/cut/frame_0002.exr"
+light=.hbil-light.frame_0001
+size=$(wc -c <"$work/stopped/$light")
+for damage in none zeros nan byte short long key version; do
+  rm -rf "$work/resumed"
+  cp -r "$work/stopped" "$work/resumed"
+  file=$work/resumed/$light
+  case $damage in
+  zeros) dd if=/dev/zero of="$file" bs=1 seek=400 count=800 conv=notrunc ;;
+  nan)
+    { head -c 40 "$work/stopped/$light" &&
+      tail -c +41 "$work/stopped/$light" | LC_ALL=C tr '\000-\377' '[\377*]'; } >"$file"
+    ;;
+  byte) change "$file" $((size / 2)) ;;
+  short) head -c $((size - 1)) "$work/stopped/$light" >"$file" ;;
+  long) echo >>"$file" ;;
+  key) change "$file" 8 ;;
+  version) printf 1 | dd of="$file" bs=1 seek=7 conv=notrunc ;;
+  esac 2>/dev/null
+  if test $damage = none; then
+    again --preview -o "$work/resumed" "$one" "$two"
+    test $status -eq 0 && ! grep -q damaged "$work/err" &&
+      diff -r "$work/whole" "$work/resumed" >>"$work/err"
+    ok $? "the light to carry on is used where it is whole"
+  else
+    heals "and not where it is damaged: $damage" "$light: is damaged or of another version" \
+      "$work/whole" "$work/resumed" --preview
+  fi
+done
+
+damaged='frame_0001.exr: is damaged or has no checksum'
+for compression in none zip pxr24 b44 dwaa; do
+  exact --half --compression $compression -o "$work/$compression" "$one" "$two" \
+    >"$work/out" 2>"$work/err"
+  rm -rf "$work/resumed"
+  cp -r "$work/$compression" "$work/resumed"
+  again --half --compression $compression -o "$work/resumed" "$one" "$two"
+  test $status -eq 0 && test "$(grep -c 'is there already$' "$work/err")" -eq 2 &&
+    ! grep -q damaged "$work/err"
+  ok $? "$compression: whole results stay"
+  file=$work/resumed/frame_0001.exr
+  change "$file" $(($(wc -c <"$file") - 100))
+  heals "$compression: eight bytes of a result" "$damaged; it is computed again" \
+    "$work/$compression" "$work/resumed" --half --compression $compression
+done
+rm -rf "$work/resumed"
+cp -r "$work/whole" "$work/resumed"
+LC_ALL=C sed 's/hbilChecksum/hbilChecksun/' "$work/whole/frame_0001.exr" \
+  >"$work/resumed/frame_0001.exr"
+change "$work/resumed/frame_0002.exr" 3000
+heals "a result without a checksum, and another one" "$damaged, like 1 other; it is" \
+  "$work/whole" "$work/resumed" --preview
+file=$work/resumed/frame_0002.ao.png
+head -c 200 "$work/whole/frame_0002.ao.png" >"$file"
+heals "a preview that is cut off" 'frame_0002.ao.png: is damaged' "$work/whole" \
+  "$work/resumed" --preview
+
 # --- other commands ---
 
 a=$work/demo/frame_0001.ao.png b=$work/demo/frame_0002.ao.png
