@@ -58,6 +58,12 @@ static int check_size(job *j, const job_frame *f, image_error *error) {
   if (f == j->frames)
     j->window = f->map.data;
   j->window = image_window_union(j->window, f->map.data);
+  if (j->window.width > HBIL_MAX_SIZE || j->window.height > HBIL_MAX_SIZE)
+    return image_fail(error,
+                      "%s: its data window makes that of all frames %u x %u "
+                      "pixels; at most %d x %d are possible",
+                      f->path, j->window.width, j->window.height, HBIL_MAX_SIZE,
+                      HBIL_MAX_SIZE);
   if (own->width != first->width || own->height != first->height)
     return image_fail(error,
                       "%s: %u x %u pixels, but %s has %u x %u; frames of one "
