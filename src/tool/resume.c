@@ -19,7 +19,7 @@ int resume_find_key(resume *r, size_t item, image_error *error) {
   return job_key_next(&r->job->frames[item], &r->keys[item], error);
 }
 
-/* Keeps the name of the first damaged file, malloc'd, and counts it. */
+/* Stores the name of the first damaged file, malloc'd, and counts it. */
 static void add_damaged(resume *r, const char *path) {
   if (!r->damaged++)
     r->first_damaged = strdup(path);

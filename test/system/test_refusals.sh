@@ -1,5 +1,5 @@
 #!/bin/sh
-# Whatever the library refuses, the tool's user reads which option, which file or
+# Whatever the library rejects, the tool's user reads which option, which file or
 # which limit of the device is the reason, for each status of hbil_base.h.
 #
 # Speaks TAP.
@@ -46,7 +46,7 @@ while read -r status_name; do
   HBIL_INVALID_ARGUMENT)
     # Null pointers, wait lists, queues and sizes that are the tool's own: no
     # command can make them wrong.  A cache file whose bytes the library would
-    # refuse has another checksum, so the tool rejects it before, by name
+    # reject has another checksum, so the tool rejects it before, by name
     # (test_world).
     ;;
   HBIL_INVALID_CONFIG)

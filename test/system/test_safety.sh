@@ -1,5 +1,5 @@
 #!/bin/sh
-# What hbil promises about files (doc/guide.md): commands lose no file that they
+# Your files (doc/guide.md): commands lose no file that they
 # read, replace nothing but what is theirs, and believe no damaged file.
 #
 # Speaks TAP.
@@ -13,14 +13,14 @@ process() {
 exact() {
   process --quality reference --slices 1 --warm-up 0 "$@"
 }
-# keeps NAME FILE PATTERN COMMAND...: the command is rejected with the pattern,
+# spares NAME FILE PATTERN COMMAND...: the command is rejected with the pattern,
 # and the file has the same bytes as before.
-keeps() {
+spares() {
   name=$1 file=$2 pattern=$3
   shift 3
-  cp "$file" "$work/kept"
+  cp "$file" "$work/original"
   rejected "$name" "$pattern" "$@"
-  run cmp "$work/kept" "$file"
+  run cmp "$work/original" "$file"
   ok $status "$name: the file stays as it is"
 }
 
@@ -33,43 +33,43 @@ two=$in/frame_0002.exr
 # --- files that a job reads ---
 
 overwritten='would overwrite'
-keeps "--cache-save, whose name was forgotten before a pattern" "$one" \
+spares "--cache-save, whose name was forgotten before a pattern" "$one" \
   'frame_0001.exr: is not a radiance cache, and --cache-save replaces nothing else' \
   process --overwrite -o "$out" --cache-save "$one" "$two"
-keeps "--contact-sheet, whose name was forgotten" "$one" \
+spares "--contact-sheet, whose name was forgotten" "$one" \
   'frame_0001.exr: is not a picture that hbil wrote' \
   process --overwrite -o "$out" --contact-sheet "$one" "$two"
-keeps "a cache in place of the frame" "$one" "$overwritten the frame" \
+spares "a cache in place of the frame" "$one" "$overwritten the frame" \
   process --overwrite -o "$out" --cache-save "$one" "$one"
-keeps "the same with --resume" "$one" "$overwritten the frame" \
+spares "the same with --resume" "$one" "$overwritten the frame" \
   process --resume -o "$out" --cache-save "$one" "$one"
-keeps "a contact sheet in place of a camera" "$in/frame_0001.json" \
+spares "a contact sheet in place of a camera" "$in/frame_0001.json" \
   "$overwritten the camera file" \
   process --overwrite -o "$out" --contact-sheet "$in/frame_0001.json" "$one"
-keeps "or of the camera of all frames" "$in/frame_0002.json" \
+spares "or of the camera of all frames" "$in/frame_0002.json" \
   "$overwritten the camera file" process --overwrite -o "$out" \
   --camera "$in/frame_0002.json" --contact-sheet "$in/frame_0002.json" "$one"
-keeps "or of a view's camera" "$in/frame_0002.json" "$overwritten the camera file" \
+spares "or of a view's camera" "$in/frame_0002.json" "$overwritten the camera file" \
   process --overwrite -o "$out" --view "$two" --contact-sheet "$in/frame_0002.json" "$one"
-keeps "a cache in place of a view" "$two" "$overwritten the view" \
+spares "a cache in place of a view" "$two" "$overwritten the view" \
   process --overwrite -o "$out" --view "$two" --cache-save "$two" "$one"
-keeps "or of a view from a light" "$two" "$overwritten the light view" process \
+spares "or of a view from a light" "$two" "$overwritten the light view" process \
   --overwrite -o "$out" --far rsm --light-view "$two" --cache-save "$two" "$one"
-keeps "a contact sheet in place of a pass" "$two" "$overwritten the pass" \
+spares "a contact sheet in place of a pass" "$two" "$overwritten the pass" \
   process --overwrite -o "$out" --map albedo=frame_0002.exr:albedo \
   --contact-sheet "$two" "$one"
 mkdir "$work/results"
 cp "$one" "$work/results"
 cp "$in/frame_0001.json" "$work/results"
 map=$work/results/frame_0001.exr
-keeps "a result in place of the environment map" "$map" "$overwritten the environment map" \
+spares "a result in place of the environment map" "$map" "$overwritten the environment map" \
   exact --overwrite -o "$work/results" --environment "$map" "$one"
-keeps "or of the frame that decides" "$map" "$overwritten the frame of --decide-by" \
+spares "or of the frame that decides" "$map" "$overwritten the frame of --decide-by" \
   exact --overwrite -o "$work/results" --decide-by "$map" "$one"
-keeps "or of the frame itself, which --overwrite doesn't help" "$one" \
+spares "or of the frame itself, which --overwrite doesn't help" "$one" \
   "$overwritten the frame" exact -o "$in" "$one"
 printf 'hbilcac1' >"$work/cache"
-keeps "a contact sheet in place of a cache" "$work/cache" 'no radiance cache' \
+spares "a contact sheet in place of a cache" "$work/cache" 'no radiance cache' \
   process --overwrite -o "$out" --cache-load "$work/cache" \
   --contact-sheet "$work/cache" "$one"
 
@@ -80,12 +80,12 @@ ln "$one" "$work/hard"
 ln -s "$in" "$work/linked"
 for name in "$work/link" "$work/hard" "$work/linked/frame_0001.exr" \
   "$work/demo/../in/./frame_0001.exr"; do
-  keeps "a cache named ${name#"$work"}" "$one" "$overwritten the frame" \
+  spares "a cache named ${name#"$work"}" "$one" "$overwritten the frame" \
     process --overwrite -o "$out" --cache-save "$name" "$one"
 done
-keeps "a frame by another name" "$one" "$overwritten the frame" \
+spares "a frame by another name" "$one" "$overwritten the frame" \
   process --overwrite -o "$out" --cache-save "$one" "$work/linked/frame_0001.exr"
-keeps "an output folder that is spelled through one that is made" "$one" \
+spares "an output folder that is spelled through one that is made" "$one" \
   "$overwritten the frame" exact --overwrite -o "$work/new/../in" "$one"
 rm "$work/link" "$work/hard"
 
@@ -112,12 +112,12 @@ absent "what was rejected left nothing" "$out"
 echo "my own" >"$work/text"
 for option in --contact-sheet --cache-save; do
   for how in --overwrite --resume; do
-    keeps "$option $how in place of a text" "$work/text" "$option replaces nothing else" \
+    spares "$option $how in place of a text" "$work/text" "$option replaces nothing else" \
       process $how -o "$out" $option "$work/text" "$one"
   done
 done
 LC_ALL=C sed 's/Software/Zoftware/' "$work/demo/frame_0001.ao.png" >"$work/other.png"
-keeps "a contact sheet in place of another program's picture" "$work/other.png" \
+spares "a contact sheet in place of another program's picture" "$work/other.png" \
   'is not a picture that hbil wrote' \
   exact --overwrite -o "$out" --contact-sheet "$work/other.png" "$one"
 : >"$work/sheet.png"
@@ -128,7 +128,7 @@ works "and of an older one" exact --overwrite -o "$out" \
 rm -r "$out"
 mkdir "$out"
 echo "my own" >"$out/frame_0001.ao.png"
-keeps "a preview that isn't the job's" "$out/frame_0001.ao.png" 'is there already' \
+spares "a preview that isn't the job's" "$out/frame_0001.ao.png" 'is there already' \
   exact --preview --layers ao -o "$out" "$one"
 
 # --- what --resume replaces ---
@@ -136,17 +136,17 @@ keeps "a preview that isn't the job's" "$out/frame_0001.ao.png" 'is there alread
 rm -r "$out"
 mkdir "$out"
 result=$out/frame_0001.exr
-refused='frame_0001.exr: is not a result of hbil, .*--overwrite, which would replace'
+not_own='frame_0001.exr: is not a result of hbil, .*--overwrite, which would replace'
 echo "my own" >"$result"
-keeps "--resume in place of a text" "$result" "$refused" exact --resume -o "$out" "$one"
+spares "--resume in place of a text" "$result" "$not_own" exact --resume -o "$out" "$one"
 cp "$one" "$result"
-keeps "or of a G-buffer of a demo" "$result" "$refused" exact --resume -o "$out" "$one"
+spares "or of a G-buffer of a demo" "$result" "$not_own" exact --resume -o "$out" "$one"
 LC_ALL=C sed 's/hbilKey/hbilKez/' "$one" >"$result"
-keeps "or of an EXR without a key" "$result" "$refused" exact --resume -o "$out" "$one"
+spares "or of an EXR without a key" "$result" "$not_own" exact --resume -o "$out" "$one"
 works "--overwrite replaces it" exact --overwrite -o "$out" "$one"
 rm "$result"
 cp "$work/other.png" "$out/frame_0001.ao.png"
-keeps "or of another program's picture" "$out/frame_0001.ao.png" \
+spares "or of another program's picture" "$out/frame_0001.ao.png" \
   'frame_0001.ao.png: is not a picture that hbil wrote' \
   exact --preview --layers ao --resume -o "$out" "$one"
 rm "$out/frame_0001.ao.png"
@@ -242,11 +242,11 @@ heals "a preview that is cut off" 'frame_0002.ao.png: is damaged' "$work/whole" 
 # --- other commands ---
 
 a=$work/demo/frame_0001.ao.png b=$work/demo/frame_0002.ao.png
-keeps "a heat map in place of an image" "$a" "--heatmap $overwritten the image" \
+spares "a heat map in place of an image" "$a" "--heatmap $overwritten the image" \
   "$HBIL" compare --heatmap "$a" "$a" "$b"
-keeps "or of the mask" "$one" "$overwritten the mask" "$HBIL" compare \
+spares "or of the mask" "$one" "$overwritten the mask" "$HBIL" compare \
   --heatmap "$one" --mask-depth "$one" "$a" "$b"
-keeps "or of any other file" "$work/text" '--heatmap replaces nothing else' \
+spares "or of any other file" "$work/text" '--heatmap replaces nothing else' \
   "$HBIL" compare --heatmap "$work/text" "$a" "$b"
 demo() {
   "$HBIL" demo --frames 2 --size 32x18 -o "$@"
@@ -254,16 +254,16 @@ demo() {
 works "a demo again, in place of the first one" demo "$work/demo"
 rm -r "$out"
 exact -o "$out" "$one" >"$work/out" 2>"$work/err"
-keeps "a demo in a folder of results" "$out/frame_0001.exr" 'no earlier demo wrote it' \
+spares "a demo in a folder of results" "$out/frame_0001.exr" 'no earlier demo wrote it' \
   demo "$out"
 mkdir "$out/gbuffer"
 exact --copy-channels -o "$out/gbuffer" "$two" >"$work/out" 2>"$work/err"
 rm "$out/frame_0001.exr"
-keeps "or of G-buffers" "$out/gbuffer/frame_0002.exr" 'no earlier demo wrote it' \
+spares "or of G-buffers" "$out/gbuffer/frame_0002.exr" 'no earlier demo wrote it' \
   demo "$out"
 rm "$out/gbuffer/frame_0002.exr"
 cp "$in/frame_0001.json" "$out/gbuffer"
-keeps "or of cameras" "$out/gbuffer/frame_0001.json" 'no earlier demo wrote it' \
+spares "or of cameras" "$out/gbuffer/frame_0001.json" 'no earlier demo wrote it' \
   demo "$out"
 rm -r "$out"
 
