@@ -348,7 +348,7 @@ static int check_device(const demo_options *o, image_error *error) {
 /* Makes the folders and the G-buffers and computes their light. */
 static int run(const demo_options *o, const demo_files *files,
                image_error *error) {
-  if (check_device(o, error) != 0 || demo_files_check(files, error) != 0 ||
+  if (demo_files_check(files, error) != 0 || check_device(o, error) != 0 ||
       make_folder(o->output, error) != 0 ||
       make_folder(files->folder, error) != 0 ||
       trace_frames(o, files, error) != 0 || trace_views(o, files, error) != 0 ||
