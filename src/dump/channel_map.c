@@ -34,6 +34,19 @@ static int check_depth(const channel_map *map, const char *path,
                     path);
 }
 
+/* The library's limit, which holds for all that is done with a frame. */
+static int check_size(const channel_map *map, const char *path,
+                      image_error *error) {
+  const image_window *w = &map->data;
+  return w->width <= HBIL_MAX_SIZE && w->height <= HBIL_MAX_SIZE
+             ? 0
+             : image_fail(error,
+                          "%s: %u x %u pixels; a picture of at most %d x %d is "
+                          "needed",
+                          path, w->width, w->height, HBIL_MAX_SIZE,
+                          HBIL_MAX_SIZE);
+}
+
 int channel_map_check(const channel_map *map, const char *path,
                       image_error *error) {
   if (map->unnamed && !map->count[ROLE_DEPTH] && !map->count[ROLE_POSITION])
@@ -44,7 +57,7 @@ int channel_map_check(const channel_map *map, const char *path,
         "depth=ch03,normal=ch07,ch08,ch09,... in the order of the "
         "integrator's AOVs, is needed",
         path);
-  if (check_depth(map, path, error) != 0)
+  if (check_depth(map, path, error) != 0 || check_size(map, path, error) != 0)
     return -1;
   if (!map->count[ROLE_NORMAL] && !map->how.from_depth)
     return image_fail(error,

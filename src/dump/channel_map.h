@@ -41,8 +41,9 @@ void channel_map_init(channel_map *out, dump_kind kind);
 /* Frees what the map owns.  It may be called twice. */
 void channel_map_free(channel_map *map);
 
-/* Whether the map has what the computation cannot do without: depth, and
- * normals unless they are rebuilt from it.  0, or -1 with `error` filled. */
+/* Whether the map has what the computation cannot do without: depth, normals
+ * unless they are rebuilt from it, and no more pixels than the library takes.
+ * 0, or -1 with `error` filled. */
 int channel_map_check(const channel_map *map, const char *path,
                       image_error *error);
 

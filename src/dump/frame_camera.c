@@ -70,11 +70,15 @@ static int from_positions(const char *frame, const channel_map *map,
                               : "its positions tell no camera");
 }
 
+static int is_fitted(const char *override) {
+  return override && strcmp(override, "positions") == 0;
+}
+
 static int find(const char *frame, const char *beside, const image *header,
                 const channel_map *map, const char *override,
                 const source_options *o, frame_camera *out,
                 image_error *error) {
-  if (override && strcmp(override, "positions") == 0)
+  if (is_fitted(override))
     return from_positions(frame, map, out, error);
   if (override)
     return from_json(override, "--camera", out, error);
@@ -139,6 +143,23 @@ static char *camera_beside(const char *frame, const image *header,
   }
   free(both);
   return own;
+}
+
+int frame_camera_file(const char *frame, const image *header,
+                      const char *override, const source_options *options,
+                      char **out, image_error *error) {
+  *out = NULL;
+  if (is_fitted(override))
+    return 0;
+  char *file =
+      override ? strdup(override) : camera_beside(frame, header, options);
+  if (!file)
+    return image_no_memory(error, frame);
+  if (override || access(file, F_OK) == 0)
+    *out = file;
+  else
+    free(file);
+  return 0;
 }
 
 int frame_camera_read(const char *frame, const image *header,

@@ -1,4 +1,5 @@
 #include "image/exr_header.hpp"
+#include "image/exr_checksum.h"
 #include "image/exr_key.h"
 #include "image/signature.h"
 
@@ -32,7 +33,8 @@ bool is_storage(const std::string &name) {
                                       "multiView",
                                       "preview",
                                       "acesImageContainerFlag",
-                                      EXR_KEY};
+                                      EXR_KEY,
+                                      EXR_CHECKSUM};
   return std::find(std::begin(names), std::end(names), name) != std::end(names);
 }
 
@@ -104,8 +106,10 @@ Imf::Header exr_header(const image &img, const unsigned char *half,
   if (img.view_count)
     header.insert("multiView", Imf::StringVectorAttribute(Imf::StringVector(
                                    img.views, img.views + img.view_count)));
-  if (img.key[0])
+  if (img.key[0]) {
     header.insert(EXR_KEY, Imf::StringAttribute(img.key));
+    header.insert(EXR_CHECKSUM, Imf::StringAttribute(EXR_CHECKSUM_ROOM));
+  }
   for (size_t i = 0; i < img.count; i++)
     header.channels().insert(img.planes[i].name,
                              stored_type(img.planes[i], half && half[i]));

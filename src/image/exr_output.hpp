@@ -5,6 +5,8 @@
 #ifndef HBIL_IMAGE_EXR_OUTPUT_HPP
 #define HBIL_IMAGE_EXR_OUTPUT_HPP
 
+#include "image/exr_checksum.h"
+
 #include <OpenEXR/ImfIO.h>
 
 #include <cstdint>
@@ -19,6 +21,10 @@ public:
   uint64_t tellp() override;
   void seekp(uint64_t position) override;
 
+  // From here on, all that is written is added to a checksum, which must live
+  // as long as the stream; but what is written in front of this place isn't.
+  void hash_into(exr_checksum *checksum);
+
   // Why the first write that failed did so; empty if none failed.
   const std::string &failure() const;
 
@@ -27,6 +33,8 @@ private:
 
   const int fd;
   uint64_t at = 0;
+  exr_checksum *checksum = nullptr;
+  uint64_t hashed = 0; // the end of what is hashed
   std::string message;
 };
 

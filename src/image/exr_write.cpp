@@ -2,6 +2,7 @@
 // compress DWA and uses one CPU only.
 #include "image/exr_write.h"
 #include "image/catch_exceptions.hpp"
+#include "image/exr_checksum.h"
 #include "image/exr_header.hpp"
 #include "image/exr_output.hpp"
 #include "image/temporary.h"
@@ -21,6 +22,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <deque>
+#include <memory>
 #include <thread>
 #include <vector>
 
@@ -75,16 +77,24 @@ int compression_threads() {
 int write_file(const char *path, int fd, const image &img,
                const unsigned char *half, const exr_style &style,
                image_error *error) {
+  const std::unique_ptr<exr_checksum, decltype(&exr_checksum_free)> checksum(
+      img.key[0] ? exr_checksum_new() : nullptr, exr_checksum_free);
+  if (img.key[0] && !checksum)
+    return image_no_memory(error, path);
   ExrOutput stream(path, fd);
+  uint64_t chunks;
   {
     Imf::OutputFile file(stream, exr_header(img, half, style),
                          compression_threads());
+    chunks = stream.tellp();
+    stream.hash_into(checksum.get());
     write_pixels(img, file);
   } // the destructor writes the table of chunks
-  if (stream.failure().empty())
-    return 0;
-  return image_fail(error, "%s: cannot be written: %s", path,
-                    stream.failure().c_str());
+  if (!stream.failure().empty())
+    return image_fail(error, "%s: cannot be written: %s", path,
+                      stream.failure().c_str());
+  return checksum ? exr_checksum_store(checksum.get(), fd, chunks, path, error)
+                  : 0;
 }
 
 } // namespace

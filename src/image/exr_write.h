@@ -14,7 +14,8 @@ extern "C" {
 
 /*
  * Writes all planes, the windows, the matrices, the views and the key as a file
- * of scanlines.  The file appears complete or not at all.
+ * of scanlines.  If there is a key, the file also gets a checksum
+ * (exr_checksum.h).  The file appears complete or not at all.
  *
  * half[i] says whether plane i is stored as half (1) or in its own type (0);
  * NULL: all in their own types.  Finite values that a half can't hold are

@@ -12,7 +12,8 @@
 extern "C" {
 #endif
 
-/* Writes width*height sRGB pixels of 3 bytes each, the top row first.  The file
+/* Writes width*height sRGB pixels of 3 bytes each, the top row first, and the
+ * mark by which png_look() recognises the file (png_mark.h).  The file
  * appears complete or not at all. */
 int png_write(const char *path, const unsigned char *rgb, uint32_t width,
               uint32_t height, image_error *error);

@@ -1,4 +1,5 @@
 #include "image/catch_exceptions.hpp"
+#include "image/png_mark.h"
 #include "image/temporary.h"
 #include "oiio/module.hpp"
 
@@ -15,6 +16,7 @@ int write_file(const char *path, const char *temporary,
                       OIIO::geterror().c_str());
   OIIO::ImageSpec spec(int(width), int(height), 3, OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", "sRGB");
+  spec.attribute(PNG_MARK_NAME, PNG_MARK);
   if (!out->open(temporary, spec) ||
       !out->write_image(OIIO::TypeDesc::UINT8, rgb) || !out->close())
     return image_fail(error, "%s: cannot be written: %s", path,

@@ -20,6 +20,7 @@ typedef struct head {
 } head;
 _Static_assert(sizeof(head) == 88, "no padding");
 
+/* The last character counts up when the format changes. */
 static const char file_magic[8] = {'h', 'b', 'i', 'l', 'c', 'a', 'c', '1'};
 
 /* The hash of a file; that in its head counts as 0. */
@@ -68,6 +69,16 @@ static int read_head(const char *path, FILE *file, head *out,
   if ((uint64_t)info.st_size != sizeof *out + out->file.size)
     return reject(path, "is truncated or damaged", error);
   return 0;
+}
+
+int cache_file_recognise(const char *path) {
+  char start[sizeof file_magic];
+  FILE *file = fopen(path, "rb");
+  const int is_one = file && fread(start, sizeof start, 1, file) == 1 &&
+                     memcmp(start, file_magic, sizeof start - 1) == 0;
+  if (file)
+    fclose(file);
+  return is_one;
 }
 
 int cache_file_read(const char *path, cache_file *out, image_error *error) {

@@ -16,6 +16,10 @@ typedef struct cache_file {
   uint64_t hash; /* of everything in the file */
 } cache_file;
 
+/* Whether a file begins like a radiance cache, of any version and damaged or
+ * not. */
+int cache_file_recognise(const char *path);
+
 /* Reads what the file says of its cache, and checks that it is complete, was
  * written by this version, and says something possible.  0, or -1 with `error`
  * filled. */

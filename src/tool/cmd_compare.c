@@ -5,6 +5,7 @@
 #include "tool/commands.h"
 #include "tool/compare_blocks.h"
 #include "tool/compare_measure.h"
+#include "tool/file_uses.h"
 #include "tool/heatmap.h"
 #include "tool/options.h"
 #include "tool/report.h"
@@ -50,7 +51,9 @@ static void usage(void) {
       "last letter.\n"
       "\n"
       "  --heatmap PNG      picture of the error: black is none, white the\n"
-      "                     limit that is printed\n"
+      "                     limit that is printed; replaces only pictures "
+      "that\n"
+      "                     hbil wrote\n"
       "  --max-rmse X       exit status 1 if the RMSE is above X or a value "
       "is\n"
       "                     not finite\n"
@@ -136,12 +139,32 @@ static int measure(const compare_options *o, const compare_side *a,
   return failed;
 }
 
+/* Whether the heat map replaces nothing but a picture of hbil that is not
+ * compared. */
+static int check_heatmap(const compare_options *o, const char *mask,
+                         const compare_side *a, const compare_side *b,
+                         image_error *error) {
+  file_uses uses = {0};
+  const int failed =
+      file_uses_read(&uses, a->path, "the image", error) != 0 ||
+      file_uses_read(&uses, b->path, "the image", error) != 0 ||
+      (mask && file_uses_read(&uses, mask, "the mask", error) != 0) ||
+      file_uses_write(&uses, o->heatmap, "--heatmap", "another name is",
+                      FILE_PICTURE, error) != 0 ||
+      file_uses_check(&uses, error) != 0 ||
+      file_use_may_replace(&uses.list[uses.count - 1], file_kind_of(o->heatmap),
+                           error) != 0;
+  file_uses_free(&uses);
+  return failed ? -1 : 0;
+}
+
 static int compare(const compare_options *o, char **arguments, compare_side *a,
                    compare_side *b, compare_result *out, image_error *error) {
   const char *mask = o->mask ? o->mask : o->mask_depth;
   compare_mask m;
   if ((o->heatmap && formats_check(error) != 0) ||
-      compare_sides_read(arguments[0], arguments[1], a, b, error) != 0)
+      compare_sides_read(arguments[0], arguments[1], a, b, error) != 0 ||
+      (o->heatmap && check_heatmap(o, mask, a, b, error) != 0))
     return -1;
   int failed = compare_mask_read(mask, o->mask != NULL, &a->planes, &m, error);
   if (!failed && o->blocks > 1)

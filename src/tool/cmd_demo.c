@@ -12,9 +12,10 @@
 #include "image/image.h"
 #include "scene/scene.h"
 #include "tool/commands.h"
+#include "tool/demo_files.h"
 #include "tool/device.h"
+#include "tool/file_kind.h"
 #include "tool/options.h"
-#include "tool/paths.h"
 #include "tool/process.h"
 #include "tool/progress.h"
 #include "tool/report.h"
@@ -64,14 +65,6 @@ static void usage(void) {
 
 /* ------------------------------------------------------------------------ */
 /* Files                                                                     */
-
-/* FOLDER/NAME, malloc'd; NULL with `error` filled if memory runs out. */
-static char *join(const char *folder, const char *name, image_error *error) {
-  char *path = path_join(folder, "/", name);
-  if (path == NULL)
-    image_no_memory(error, folder);
-  return path;
-}
 
 static int make_folder(const char *path, image_error *error) {
   struct stat info;
@@ -131,7 +124,8 @@ static image gbuffer_image(const scene_frame *f,
   return (image){.width = f->width,
                  .height = f->height,
                  .count = GBUFFER_PLANES,
-                 .planes = planes};
+                 .planes = planes,
+                 .key = FILE_DEMO_KEY};
 }
 
 /* JSON cameras have OpenGL's convention: y up, looking along -z.  Adding 0
@@ -187,49 +181,35 @@ static int trace_frame(const demo_options *o, unsigned index, const char *path,
   return store_frame(&f, path, error);
 }
 
-/* Fills files with the malloc'd paths of the views. */
-static int trace_views(const demo_options *o, const char *folder,
-                       char *files[SCENE_FACES], image_error *error) {
-  for (int i = 0; o->views && i < SCENE_FACES; ++i) {
-    char name[32];
+static int trace_views(const demo_options *o, const demo_files *files,
+                       image_error *error) {
+  for (unsigned i = 0; i < files->view_count; ++i) {
     scene_frame f;
-    snprintf(name, sizeof name, "view_%04d.exr", i + 1);
-    files[i] = join(folder, name, error);
-    if (files[i] == NULL)
-      return -1;
-    if (scene_render_face((scene_kind)o->scene, FACE_SIZE, i, 0, &f) != 0)
-      return image_no_memory(error, files[i]);
-    if (store_frame(&f, files[i], error) != 0)
+    if (scene_render_face((scene_kind)o->scene, FACE_SIZE, (int)i, 0, &f) != 0)
+      return image_no_memory(error, files->views[i]);
+    if (store_frame(&f, files->views[i], error) != 0)
       return -1;
   }
   return 0;
 }
 
-/* Fills file with the malloc'd path of the light view. */
-static int trace_light_view(const demo_options *o, const char *folder,
-                            char **file, image_error *error) {
+static int trace_light_view(const demo_options *o, const demo_files *files,
+                            image_error *error) {
   scene_frame f;
-  if (!o->light_view)
+  if (!files->light_view)
     return 0;
-  *file = join(folder, "light_view.exr", error);
-  if (*file == NULL)
-    return -1;
   if (scene_render_from_light((scene_kind)o->scene, LIGHT_VIEW_SIZE, 0, &f) !=
       0)
-    return image_no_memory(error, *file);
-  return store_frame(&f, *file, error);
+    return image_no_memory(error, files->light_view);
+  return store_frame(&f, files->light_view, error);
 }
 
-/* Fills files with the malloc'd paths of the frames. */
-static int trace_frames(const demo_options *o, const char *folder, char **files,
+static int trace_frames(const demo_options *o, const demo_files *files,
                         image_error *error) {
   const char *tracing = "tracing G-buffers";
   for (unsigned i = 0; i < o->frames; ++i) {
-    char name[32];
     progress_count(tracing, i, o->frames);
-    snprintf(name, sizeof name, "frame_%04u.exr", i + 1);
-    files[i] = join(folder, name, error);
-    if (files[i] == NULL || trace_frame(o, i, files[i], error) != 0)
+    if (trace_frame(o, i, files->frames[i], error) != 0)
       return -1;
   }
   progress_count(tracing, o->frames, o->frames);
@@ -254,8 +234,11 @@ static int write_sky(const char *path, image_error *error) {
     for (int k = 0; k < 3; ++k)
       pixels[k][i] = rgb[k];
   }
-  image img = {
-      .width = SKY_WIDTH, .height = SKY_HEIGHT, .count = 3, .planes = planes};
+  image img = {.width = SKY_WIDTH,
+               .height = SKY_HEIGHT,
+               .count = 3,
+               .planes = planes,
+               .key = FILE_DEMO_KEY};
   return exr_write(path, &img, NULL, error);
 }
 
@@ -333,24 +316,24 @@ static void name_results(const demo_options *o, const char *folder) {
          folder, last);
 }
 
-static int process(const demo_options *o, const char *sky, char **files,
-                   char **views, char **light_view, image_error *error) {
+static int process(const demo_options *o, const demo_files *files,
+                   image_error *error) {
   process_settings s;
   process_settings_init(&s);
   s.output = o->output;
   s.device = o->device;
   /* what the walls outside the picture may send into the room */
-  s.environment = o->scene == SCENE_SKY      ? sky
+  s.environment = files->sky                 ? files->sky
                   : o->scene == SCENE_CORNER ? "frame"
                                              : "0.12,0.11,0.1";
-  s.views = views;
-  s.view_count = o->views ? SCENE_FACES : 0;
-  s.light_views = light_view;
-  s.light_view_count = o->light_view ? 1 : 0;
-  s.far = o->light_view ? HBIL_PROVIDER_RSM : 0;
+  s.views = files->views;
+  s.view_count = files->view_count;
+  s.light_views = (char *const *)&files->light_view;
+  s.light_view_count = files->light_view ? 1 : 0;
+  s.far = files->light_view ? HBIL_PROVIDER_RSM : 0;
   s.preview = s.timings = s.overwrite = 1;
   s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
-  return process_run(&s, files, (int)o->frames, error);
+  return process_run(&s, files->frames, (int)o->frames, error);
 }
 
 /* Before a sequence is traced for which there is no device. */
@@ -363,46 +346,34 @@ static int check_device(const demo_options *o, image_error *error) {
 }
 
 /* Makes the folders and the G-buffers and computes their light. */
-static int run(const demo_options *o, const char *folder, const char *sky,
-               char **files, char **views, char **light_view) {
-  image_error error;
-  if (check_device(o, &error) != 0 || make_folder(o->output, &error) != 0 ||
-      make_folder(folder, &error) != 0 ||
-      trace_frames(o, folder, files, &error) != 0 ||
-      trace_views(o, folder, views, &error) != 0 ||
-      trace_light_view(o, folder, light_view, &error) != 0 ||
-      (o->scene == SCENE_SKY && write_sky(sky, &error) != 0) ||
-      process(o, sky, files, views, light_view, &error) != 0)
-    return report_error(&error);
-  name_results(o, folder);
-  return STATUS_OK;
+static int run(const demo_options *o, const demo_files *files,
+               image_error *error) {
+  if (demo_files_check(files, error) != 0 || check_device(o, error) != 0 ||
+      make_folder(o->output, error) != 0 ||
+      make_folder(files->folder, error) != 0 ||
+      trace_frames(o, files, error) != 0 || trace_views(o, files, error) != 0 ||
+      trace_light_view(o, files, error) != 0 ||
+      (files->sky && write_sky(files->sky, error) != 0) ||
+      process(o, files, error) != 0)
+    return -1;
+  name_results(o, files->folder);
+  return 0;
 }
 
 int cmd_demo(int argc, char **argv) {
   demo_options o = {
       .frames = 8, .width = 640, .height = 360, .output = "./demo"};
+  demo_files files;
   image_error error;
-  int read = read_options(argc, argv, &o, &error);
+  const int read = read_options(argc, argv, &o, &error);
   if (read != 0)
     return read > 0 ? STATUS_OK : report_error(&error);
-  char *folder = join(o.output, "gbuffer", &error);
-  char *sky = join(o.output, "sky.exr", &error);
-  char **files = calloc(o.frames, sizeof *files);
-  char *views[SCENE_FACES] = {NULL}, *light_view = NULL;
-  int status;
-  if (folder == NULL || sky == NULL || files == NULL) {
-    image_no_memory(&error, o.output);
-    status = report_error(&error);
-  } else {
-    status = run(&o, folder, sky, files, views, &light_view);
-  }
-  for (unsigned i = 0; files != NULL && i < o.frames; ++i)
-    free(files[i]);
-  for (int i = 0; i < SCENE_FACES; ++i)
-    free(views[i]);
-  free(light_view);
-  free(files);
-  free(sky);
-  free(folder);
-  return status;
+  const demo_content content = {.frames = o.frames,
+                                .views = o.views ? SCENE_FACES : 0,
+                                .light_view = o.light_view,
+                                .sky = o.scene == SCENE_SKY};
+  const int failed = demo_files_name(o.output, &content, &files, &error) != 0 ||
+                     run(&o, &files, &error) != 0;
+  demo_files_free(&files);
+  return failed ? report_error(&error) : STATUS_OK;
 }

@@ -6,24 +6,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-void job_free(job *j) {
-  for (int i = 0; j->frames && i < j->count; i++) {
-    free(j->frames[i].stem);
-    channel_map_free(&j->frames[i].map);
+static void free_frames(job_frame *list, int count) {
+  for (int i = 0; list && i < count; i++) {
+    free(list[i].camera_path);
+    free(list[i].stem);
+    channel_map_free(&list[i].map);
   }
+  free(list);
+}
+
+void job_free(job *j) {
+  free_frames(j->frames, j->count);
+  free_frames(j->views, j->view_count);
+  free_frames(j->lights, j->light_count);
+  free_frames(j->decider, 1);
   held_planes_free(&j->held);
-  for (int i = 0; j->views && i < j->view_count; i++)
-    channel_map_free(&j->views[i].map);
-  for (int i = 0; j->lights && i < j->light_count; i++)
-    channel_map_free(&j->lights[i].map);
-  free(j->lights);
-  if (j->decider)
-    channel_map_free(&j->decider->map);
-  free(j->decider);
-  j->decider = NULL;
-  free(j->views);
-  free(j->frames);
-  j->lights = j->views = j->frames = NULL;
+  j->lights = j->views = j->frames = j->decider = NULL;
 }
 
 char *job_result_path(const job_frame *f) {

@@ -15,13 +15,11 @@
 #include "image/window.h"
 
 #include <stdint.h>
-#include <sys/types.h>
 
 typedef struct job_frame {
   const char *path;
-  dev_t disk; /* with inode: which file it is, whatever its name */
-  ino_t inode;
-  char *stem; /* DIR/NAME of its results, without an ending */
+  char *camera_path; /* its camera's JSON file; NULL: none is read */
+  char *stem;        /* DIR/NAME of its results, without an ending */
   channel_map map;
   frame_camera seen;
   camera_file camera; /* fitted to the pixels that are computed */

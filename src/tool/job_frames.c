@@ -14,7 +14,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* The library's kernels are built for the channels of the first frame. */
 static int check_roles(const job *j, const job_frame *f, image_error *error) {
@@ -41,6 +40,17 @@ static int check_roles(const job *j, const job_frame *f, image_error *error) {
   return 0;
 }
 
+int job_frame_read_camera(job_frame *f, const image *header,
+                          const char *override, const source_options *source,
+                          image_error *error) {
+  return frame_camera_file(f->path, header, override, source, &f->camera_path,
+                           error) != 0 ||
+                 frame_camera_read(f->path, header, &f->map, override, source,
+                                   &f->seen, error) != 0
+             ? -1
+             : 0;
+}
+
 /* The data windows of frames may differ, but not the picture. */
 static int check_size(job *j, const job_frame *f, image_error *error) {
   const image_window *first = &j->frames[0].map.display;
@@ -48,6 +58,12 @@ static int check_size(job *j, const job_frame *f, image_error *error) {
   if (f == j->frames)
     j->window = f->map.data;
   j->window = image_window_union(j->window, f->map.data);
+  if (j->window.width > HBIL_MAX_SIZE || j->window.height > HBIL_MAX_SIZE)
+    return image_fail(error,
+                      "%s: its data window makes that of all frames %u x %u "
+                      "pixels; at most %d x %d are possible",
+                      f->path, j->window.width, j->window.height, HBIL_MAX_SIZE,
+                      HBIL_MAX_SIZE);
   if (own->width != first->width || own->height != first->height)
     return image_fail(error,
                       "%s: %u x %u pixels, but %s has %u x %u; frames of one "
@@ -67,54 +83,12 @@ static int check_header(job *j, job_frame *f, image_error *error) {
       channel_map_check(&f->map, f->path, error) != 0 ||
       check_roles(j, f, error) != 0;
   f->map.held = f == j->frames ? &j->held : NULL;
-  failed = failed ||
-           frame_camera_read(f->path, &header, &f->map, s->camera, &s->source,
-                             &f->seen, error) != 0 ||
-           check_size(j, f, error) != 0;
+  failed =
+      failed ||
+      job_frame_read_camera(f, &header, s->camera, &s->source, error) != 0 ||
+      check_size(j, f, error) != 0;
   image_free(&header);
   return failed ? -1 : 0;
-}
-
-/* A result's name is taken: by an input, which nothing replaces, or by a
- * result. */
-static int check_present(const job *j, const job_frame *f, const char *result,
-                         const struct stat *status, image_error *error) {
-  for (int i = 0; i < j->count; i++)
-    if (j->frames[i].disk == status->st_dev &&
-        j->frames[i].inode == status->st_ino)
-      return image_fail(error,
-                        "%s: its result would overwrite %s; another output "
-                        "folder is needed",
-                        f->path, j->frames[i].path);
-  if (!j->settings->overwrite && !j->settings->resume)
-    return image_fail(error,
-                      "%s: is there already; --overwrite to replace it, "
-                      "--resume to continue an interrupted job, or another "
-                      "output folder is needed",
-                      result);
-  return 0;
-}
-
-/* No result may replace an input or another result, nor, unasked, an existing
- * file. */
-static int check_name(job *j, job_frame *f, image_error *error) {
-  struct stat status;
-  f->stem = path_stem_in(j->settings->output, f->path);
-  char *result = f->stem ? job_result_path(f) : NULL;
-  if (!result)
-    return image_no_memory(error, f->path);
-  const int written = !job_is_pre_roll(j, (int)(f - j->frames));
-  int failed = written && stat(result, &status) == 0
-                   ? check_present(j, f, result, &status, error)
-                   : 0;
-  for (const job_frame *before = j->frames; before < f && !failed; before++)
-    if (strcmp(before->stem, f->stem) == 0)
-      failed = image_fail(error,
-                          "%s: its result would overwrite that of %s; "
-                          "different file names are needed",
-                          f->path, before->path);
-  free(result);
-  return failed;
 }
 
 /* Fits the cameras to the pixels that are computed.  Pixels outside the picture
@@ -168,8 +142,7 @@ static int read_decider(job *j, image_error *error) {
   int failed =
       channel_map_read(f->path, &header, &s->source, &f->map, error) != 0 ||
       channel_map_check(&f->map, f->path, error) != 0 ||
-      frame_camera_read(f->path, &header, &f->map, s->camera, &s->source,
-                        &f->seen, error) != 0;
+      job_frame_read_camera(f, &header, s->camera, &s->source, error) != 0;
   f->map.window = f->map.data;
   if (!failed && f->map.kind != j->frames[0].map.kind)
     failed =
@@ -211,22 +184,16 @@ static void warn_without_light(const job *j) {
                 "black");
 }
 
-static void identify(job_frame *f, const char *path) {
-  struct stat status;
-  f->path = path;
-  if (stat(path, &status) == 0) {
-    f->disk = status.st_dev;
-    f->inode = status.st_ino;
-  }
-}
-
 int job_frames_check(job *j, char *const *files, image_error *error) {
-  for (int i = 0; i < j->count; i++)
-    identify(&j->frames[i], files[i]);
-  for (int i = 0; i < j->count; i++)
-    if (check_header(j, &j->frames[i], error) != 0 ||
-        check_name(j, &j->frames[i], error) != 0)
+  for (int i = 0; i < j->count; i++) {
+    job_frame *f = &j->frames[i];
+    f->path = files[i];
+    f->stem = path_stem_in(j->settings->output, f->path);
+    if (!f->stem)
+      return image_no_memory(error, f->path);
+    if (check_header(j, f, error) != 0)
       return -1;
+  }
   warn_without_light(j);
   tell_fitted_camera(j);
   return aim_cameras(j, error) != 0 || read_decider(j, error) != 0 ||

@@ -3,6 +3,7 @@
 
 #include "image/camera_json.h"
 #include "image/error.h"
+#include "image/exr_checksum.h"
 #include "image/exr_read.h"
 #include "image/image.h"
 
@@ -134,31 +135,22 @@ int job_key_begin(const job *j, const char *device, uint64_t *key,
   return hash_cache(j, key, error);
 }
 
+int job_key_is_valid(const char *text) {
+  return strlen(text) == 16 && strspn(text, "0123456789abcdef") == 16;
+}
+
 void job_key_sign(image *result, uint64_t key) {
   snprintf(result->key, sizeof result->key, "%016" PRIx64, key);
 }
 
-/* Reads the whole file, which may have been copied only in part. */
-static int is_whole(const char *path, const image *header) {
-  const char **names = calloc(header->count + 1, sizeof *names);
-  image planes;
-  for (size_t i = 0; names && i < header->count; i++)
-    names[i] = header->planes[i].name;
-  const int whole =
-      names && exr_read(path, names, header->count, &planes, NULL) == 0;
-  if (whole)
-    image_free(&planes);
-  free(names);
-  return whole;
-}
-
-int job_key_is_finished(const char *result, uint64_t key) {
+result_state job_key_look(const char *result, uint64_t key) {
   image header, wanted;
   if (exr_read_header(result, &header, NULL) != 0)
-    return 0;
+    return RESULT_MISSING;
   job_key_sign(&wanted, key);
-  const int finished =
-      strcmp(header.key, wanted.key) == 0 && is_whole(result, &header);
+  const int same = strcmp(header.key, wanted.key) == 0;
   image_free(&header);
-  return finished;
+  return !same                                             ? RESULT_MISSING
+         : exr_checksum_look(result) == EXR_CHECKSUM_RIGHT ? RESULT_FINISHED
+                                                           : RESULT_DAMAGED;
 }

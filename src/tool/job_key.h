@@ -23,10 +23,22 @@ int job_key_begin(const job *j, const char *device, uint64_t *key,
  * files, how they are read, and its camera.  0, or -1 with `error` filled. */
 int job_key_next(const job_frame *f, uint64_t *key, image_error *error);
 
+/* Whether a text is the key of a result. */
+int job_key_is_valid(const char *text);
+
 /* Stores the key in a result that is about to be written. */
 void job_key_sign(image *result, uint64_t key);
 
-/* Whether that file exists, is whole, and has this key. */
-int job_key_is_finished(const char *result, uint64_t key);
+typedef enum result_state {
+  RESULT_MISSING = 0, /* no such file, or it has another key */
+  RESULT_DAMAGED,     /* it has this key, and its bytes are not those that were
+                       * written; or nothing tells whether they are, since an
+                       * older version wrote no checksum */
+  RESULT_FINISHED     /* it has this key and is whole */
+} result_state;
+
+/* Looks at the file of a result.  Its bytes are read, its pixels not decoded.
+ */
+result_state job_key_look(const char *result, uint64_t key);
 
 #endif

@@ -5,6 +5,7 @@
 #include "image/formats_rgb.h"
 #include "tool/light_choice.h"
 #include "tool/options.h"
+#include "tool/refusal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -33,7 +34,7 @@ static int load_map(job *j, image_error *error) {
       rgb, width, height, 0, NULL, j->far.environment);
   free(rgb);
   if (status != HBIL_SUCCESS)
-    return image_fail(error, "%s: %s", path, hbil_status_string(status));
+    return refusal(NULL, path, status, NULL, error);
   j->config.model.far_field = HBIL_FAR_SH;
   return 0;
 }

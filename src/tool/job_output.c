@@ -71,24 +71,12 @@ static int prepare_folder(job *j, image_error *error) {
   return try_to_write(folder, error);
 }
 
-/* Checks the name of a file that the job writes beside the results; NULL is
+/* Checks the folder of a file that the job writes beside the results; NULL is
  * allowed. */
-static int check_file(const job *j, const char *path, image_error *error) {
+static int check_parent(const job *j, const char *path, image_error *error) {
   const process_settings *s = j->settings;
-  struct stat info;
   if (!path)
     return 0;
-  const int there = stat(path, &info) == 0;
-  if (there && !S_ISREG(info.st_mode))
-    return image_fail(error,
-                      "%s: cannot be written: not a regular file; another name "
-                      "is needed",
-                      path);
-  if (there && !s->overwrite && !s->resume)
-    return image_fail(error,
-                      "%s: is there already; --overwrite or another name is "
-                      "needed",
-                      path);
   /* its folder may be the one that a dry run doesn't make */
   if (s->dry_run && access(s->output, F_OK) != 0)
     return 0;
@@ -109,8 +97,8 @@ int job_output_prepare(job *j, image_error *error) {
   if ((s->preview || s->contact_sheet) && formats_check(error) != 0)
     return -1;
   return prepare_folder(j, error) != 0 ||
-                 check_file(j, j->settings->contact_sheet, error) != 0 ||
-                 check_file(j, j->settings->cache_save, error) != 0
+                 check_parent(j, s->contact_sheet, error) != 0 ||
+                 check_parent(j, s->cache_save, error) != 0
              ? -1
              : 0;
 }

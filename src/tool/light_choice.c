@@ -3,6 +3,7 @@
 
 #include "dump/read_gbuffer.h"
 #include "dump/surface_points.h"
+#include "tool/refusal.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -90,10 +91,7 @@ int light_choice_by(const char *path, const gbuffer *g, hbil_config *config,
   lamp_planes_free(&lamps);
   if (no_memory)
     return image_no_memory(error, path);
-  return status == HBIL_SUCCESS
-             ? 0
-             : image_fail(error, "%s: the first look at it: %s", path,
-                          hbil_status_string(status));
+  return status == HBIL_SUCCESS ? 0 : refusal(NULL, path, status, NULL, error);
 }
 
 int light_choice_make(const char *path, const channel_map *map,

@@ -96,8 +96,9 @@ int lighting_learn(lighting *l, image_error *error) {
   return l->world ? world_learn(l->world, error) : 0;
 }
 
-int lighting_see(lighting *l, const gbuffer *g, image_error *error) {
-  return l->world ? world_see_frame(l->world, g, NULL, error) : 0;
+int lighting_see(lighting *l, const char *path, const gbuffer *g,
+                 image_error *error) {
+  return l->world ? world_see_frame(l->world, path, g, NULL, error) : 0;
 }
 
 int lighting_cache_bytes(lighting *l, void **bytes, size_t *size,

@@ -36,7 +36,8 @@ size_t lighting_memory(const lighting *l);
 /* world_learn(), world_see_frame() and world_save(), if there is a radiance
  * cache. */
 int lighting_learn(lighting *l, image_error *error);
-int lighting_see(lighting *l, const gbuffer *g, image_error *error);
+int lighting_see(lighting *l, const char *path, const gbuffer *g,
+                 image_error *error);
 int lighting_save(lighting *l, image_error *error);
 /* world_bytes(); there must be a radiance cache. */
 int lighting_cache_bytes(lighting *l, void **bytes, size_t *size,

@@ -2,6 +2,7 @@
 #include "tool/prepare_job.h"
 
 #include "image/error.h"
+#include "tool/job_files.h"
 #include "tool/job_frames.h"
 #include "tool/job_light.h"
 #include "tool/job_output.h"
@@ -102,12 +103,17 @@ int job_prepare(job *j, const process_settings *settings, char *const *files,
     return image_no_memory(error, files[0]);
   j->count = count;
   if (choose_layers(j, error) != 0 || job_frames_check(j, files, error) != 0 ||
-      job_environment_read(j, error) != 0 || job_output_prepare(j, error) != 0)
+      job_environment_read(j, error) != 0)
     return -1;
   if (settings->exact && j->frames[0].map.how.from_depth)
     return image_fail(error,
                       "--normals from-depth: not with --quality reference, "
                       "whose exact integral needs normals");
   configure(j);
-  return prepare_world(j, error);
+  /* names are compared when the output folder exists, which may be spelled
+   * through others that are made with it */
+  return prepare_world(j, error) != 0 || job_output_prepare(j, error) != 0 ||
+                 job_files_check(j, error) != 0
+             ? -1
+             : 0;
 }

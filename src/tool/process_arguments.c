@@ -384,6 +384,17 @@ static int check_together(const request *r, image_error *error) {
                       "needed");
   if (s->exact)
     return check_exact(r, error);
+  if (s->config.sampling.resolution == HBIL_RESOLUTION_HALF &&
+      s->config.sampling.unfiltered)
+    return image_fail(error,
+                      "--resolution half: not with --unfiltered, since the "
+                      "filter fills in the other pixels; one or the other is "
+                      "needed");
+  if (s->layers >> LAYER_GLOSSY & 1 && s->far > HBIL_PROVIDER_RAYS &&
+      !settings_without_cache(s))
+    return image_fail(
+        error, "--layers glossy: not with --far cones, lpv or rsm, which "
+               "know no reflected light; one or the other is needed");
   if (check_cache(r, error) != 0)
     return -1;
   if (s->config.sampling.slices > SLICES_MOST)

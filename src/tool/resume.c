@@ -3,7 +3,9 @@
 #include "tool/resume.h"
 
 #include "image/error.h"
+#include "image/png_mark.h"
 #include "tool/job_key.h"
+#include "tool/report.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,11 +19,21 @@ int resume_find_key(resume *r, size_t item, image_error *error) {
   return job_key_next(&r->job->frames[item], &r->keys[item], error);
 }
 
-static int has_previews(const job *j, const job_frame *f) {
+/* Stores the name of the first damaged file, malloc'd, and counts it. */
+static void add_damaged(resume *r, const char *path) {
+  if (!r->damaged++)
+    r->first_damaged = strdup(path);
+}
+
+/* Whether all previews of a frame are there. */
+static int has_previews(resume *r, const job_frame *f) {
+  const job *j = r->job;
   int all = 1;
   for (int l = 0; l < LAYER_COUNT && all; l++) {
     char *path = j->layers >> l & 1 ? job_preview_path(f, (layer)l) : NULL;
-    all = !(j->layers >> l & 1) || (path && access(path, F_OK) == 0);
+    all = !(j->layers >> l & 1) || (path && png_look(path).whole);
+    if (path && !all && access(path, F_OK) == 0)
+      add_damaged(r, path);
     free(path);
   }
   return all;
@@ -33,12 +45,30 @@ static int look_for_result(resume *r, int item, image_error *error) {
   if (!path)
     return image_no_memory(error, f->path);
   const int failed = resume_find_key(r, (size_t)item, error);
-  /* nothing is written of a pre-roll */
-  r->finished[item] = job_is_pre_roll(r->job, item) ||
-                      (!failed && job_key_is_finished(path, r->keys[item]) &&
-                       (!r->job->settings->preview || has_previews(r->job, f)));
+  result_state state = RESULT_FINISHED; /* nothing is written of a pre-roll */
+  if (!failed && !job_is_pre_roll(r->job, item))
+    state = job_key_look(path, r->keys[item]);
+  if (state == RESULT_DAMAGED)
+    add_damaged(r, path);
+  r->finished[item] = state == RESULT_FINISHED &&
+                      (job_is_pre_roll(r->job, item) ||
+                       !r->job->settings->preview || has_previews(r, f));
   free(path);
   return failed;
+}
+
+/* "hbil: lit/frame_0002.exr: is damaged or has no checksum, like 2 others; it
+ * is computed again" */
+static void tell_damaged(const resume *r) {
+  char text[160], others[48] = "";
+  if (!r->first_damaged || r->job->settings->quiet)
+    return;
+  if (r->damaged > 1)
+    snprintf(others, sizeof others, ", like %d other%s", r->damaged - 1,
+             r->damaged > 2 ? "s" : "");
+  snprintf(text, sizeof text,
+           "is damaged or has no checksum%s; it is computed again", others);
+  report_note(r->first_damaged, "", text);
 }
 
 /* Restores the saved history if it is that of a frame before the first missing
@@ -46,7 +76,12 @@ static int look_for_result(resume *r, int item, image_error *error) {
 static int restore_history(resume *r, int missing, lighting *l,
                            saved_history *h, image_error *error) {
   int from = missing - 1;
-  if (!saved_history_read(r->history_path, h))
+  const saved_state state = saved_history_read(r->history_path, h);
+  if (state == SAVED_DAMAGED && !r->job->settings->quiet)
+    report_note(r->history_path, "",
+                "is damaged or of another version; earlier frames are lit "
+                "again");
+  if (state != SAVED_WHOLE)
     return 0;
   while (from >= 0 && r->keys[from] != h->key)
     from--;
@@ -93,6 +128,7 @@ static int look_for_results(resume *r, lighting *l, image_error *error) {
     r->end = i + 1;
     missing = i < missing ? i : missing;
   }
+  tell_damaged(r);
   if (find_history(r, missing, l, error) != 0)
     return -1;
   tell_what_is_left(r, l);
@@ -121,6 +157,7 @@ int resume_open(resume *r, const job *j, lighting *l, image_error *error) {
 void resume_close(resume *r) {
   free(r->keys);
   free(r->history_path);
+  free(r->first_damaged);
   free(r->finished);
   memset(r, 0, sizeof *r);
 }

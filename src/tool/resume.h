@@ -19,6 +19,8 @@ typedef struct resume {
   char *history_path;      /* of the saved history */
   size_t history_size;     /* bytes; 0: frames hand on nothing */
   float exposure;          /* of all previews; 0: not known yet */
+  int damaged;             /* files that are computed again therefore */
+  char *first_damaged;     /* the name of the first one; NULL: none */
 } resume;
 
 /* Without --resume, nothing is finished.  With it, looks at the results that

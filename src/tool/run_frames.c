@@ -125,7 +125,7 @@ static int compute(void *user, size_t item, image_error *error) {
     failed = compute_frame(r, item, s, error) != 0 ||
              take_history(r, item, s, error) != 0;
   else if (resume_is_seen(r->resume, item))
-    failed = lighting_see(r->lighting, &s->g, error);
+    failed = lighting_see(r->lighting, r->job->frames[item].path, &s->g, error);
   gbuffer_free(&s->g);
   return failed ? -1 : 0;
 }

@@ -6,6 +6,7 @@
 #include "image/image.h"
 #include "tool/formats.h"
 #include "tool/layers.h"
+#include "tool/refusal.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -32,17 +33,15 @@ static hbil_plane *plane_at(hbil_frame *frame, size_t offset) {
   return (hbil_plane *)((char *)frame + offset);
 }
 
-static int library_failed(const sequence *s, hbil_status status,
-                          image_error *error) {
-  const char *message = s->context ? hbil_context_message(s->context) : "";
-  return image_fail(error, "device %s: %s", s->device->name,
-                    *message ? message : hbil_status_string(status));
+/* path: the frame, or NULL. */
+static int library_failed(const sequence *s, const char *path,
+                          hbil_status status, image_error *error) {
+  return refusal(s->device, path, status, s->context, error);
 }
 
 static int opencl_failed(const sequence *s, cl_int status, const char *doing,
                          image_error *error) {
-  return image_fail(error, "device %s: OpenCL error %d while %s",
-                    s->device->name, (int)status, doing);
+  return refusal_of_opencl(s->device, NULL, status, doing, error);
 }
 
 static int make_buffer(sequence *s, cl_mem_flags flags, size_t channels,
@@ -75,7 +74,7 @@ static int open_plan(sequence *s, image_error *error) {
     status = hbil_plan_memory(s->context, &s->config, &s->memory);
   if (status == HBIL_SUCCESS)
     status = hbil_plan_create(s->context, &s->config, &s->plan);
-  return status == HBIL_SUCCESS ? 0 : library_failed(s, status, error);
+  return status == HBIL_SUCCESS ? 0 : library_failed(s, NULL, status, error);
 }
 
 int sequence_open(const device *d, const hbil_config *config,
@@ -178,8 +177,8 @@ static void count_static_runs(sequence *s, hbil_frame *frame, unsigned repeat) {
   s->still = frame->static_frame ? s->still + repeat : repeat - 1;
 }
 
-static int run_passes(sequence *s, hbil_frame *frame, unsigned repeat,
-                      image_error *error) {
+static int run_passes(sequence *s, const char *path, hbil_frame *frame,
+                      unsigned repeat, image_error *error) {
   count_static_runs(s, frame, repeat);
   for (unsigned run = 0; run < repeat; run++) {
     if (run == 1 && clear_motion(s, error) != 0)
@@ -192,7 +191,7 @@ static int run_passes(sequence *s, hbil_frame *frame, unsigned repeat,
     const hbil_status status =
         hbil_enqueue_frame(s->plan, s->device->queue, frame, 0, NULL, NULL);
     if (status != HBIL_SUCCESS)
-      return library_failed(s, status, error);
+      return library_failed(s, path, status, error);
   }
   return 0;
 }
@@ -242,11 +241,11 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
   hbil_frame frame;
   fill_frame(s, &g->map, far, &frame);
   frame.static_frame = is_same(s, hash, &frame);
-  int failed =
-      upload(s, g, error) != 0 ||
-      (s->world && world_see_frame(s->world, g, s->input, error) != 0) ||
-      run_passes(s, &frame, repeat, error) != 0 ||
-      download(s, result, hidden, error) != 0;
+  int failed = upload(s, g, error) != 0 ||
+               (s->world && world_see_frame(s->world, row->frame, g, s->input,
+                                            error) != 0) ||
+               run_passes(s, row->frame, &frame, repeat, error) != 0 ||
+               download(s, result, hidden, error) != 0;
   if (failed) {
     clFinish(s->device->queue); /* it may still read the planes */
     return -1;
@@ -259,7 +258,7 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
     if (status == HBIL_SUCCESS)
       status = hbil_plan_sanitized(s->plan, queue, &row->sanitized);
     if (status != HBIL_SUCCESS)
-      return library_failed(s, status, error);
+      return library_failed(s, row->frame, status, error);
   }
   return 0;
 }
@@ -354,5 +353,5 @@ int sequence_history_restore(sequence *s, const channel_map *map,
   s->index = then.index;
   const hbil_status status =
       hbil_plan_adopt_history(s->plan, &frame.camera, then.bounces);
-  return status == HBIL_SUCCESS ? 0 : library_failed(s, status, error);
+  return status == HBIL_SUCCESS ? 0 : library_failed(s, NULL, status, error);
 }

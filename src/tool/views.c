@@ -1,16 +1,15 @@
 /* The views of a job. */
-#define _POSIX_C_SOURCE 200809L
 #include "tool/views.h"
 
 #include "dump/read_channel_map.h"
 #include "dump/read_gbuffer.h"
 #include "dump/settle.h"
 #include "image/image_read.h"
+#include "tool/job_frames.h"
 #include "tool/report.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* What the cache reads of a view as it reads the frames: one set of formats. */
 static int check_conventions(const job *j, const job_frame *v,
@@ -66,8 +65,7 @@ static int read_header(const job *j, job_frame *v, image_error *error) {
   int failed =
       channel_map_read(v->path, &header, source, &v->map, error) != 0 ||
       check_roles(j, v, error) != 0 ||
-      frame_camera_read(v->path, &header, &v->map, NULL, source, &v->seen,
-                        error) != 0;
+      job_frame_read_camera(v, &header, NULL, source, error) != 0;
   image_free(&header);
   if (!failed && !v->seen.placed)
     failed = image_fail(error,
@@ -95,29 +93,8 @@ static int settle(const job *j, job_frame *v, image_error *error) {
   return conventions_settle(v->path, &v->map, &found, error);
 }
 
-/* No result may replace a view. */
-static int check_results(const job *j, const job_frame *v, image_error *error) {
-  struct stat view, other;
-  int failed = 0;
-  if (stat(v->path, &view) != 0)
-    return 0; /* its reader says so */
-  for (int i = 0; i < j->count && !failed; i++) {
-    char *result = job_result_path(&j->frames[i]);
-    if (!result)
-      return image_no_memory(error, v->path);
-    if (stat(result, &other) == 0 && other.st_dev == view.st_dev &&
-        other.st_ino == view.st_ino)
-      failed = image_fail(error,
-                          "%s: its result would overwrite the view %s; another "
-                          "output folder is needed",
-                          j->frames[i].path, v->path);
-    free(result);
-  }
-  return failed;
-}
-
 static int check_view(job *j, job_frame *v, image_error *error) {
-  if (read_header(j, v, error) != 0 || check_results(j, v, error) != 0)
+  if (read_header(j, v, error) != 0)
     return -1;
   v->map.window = v->map.data;
   if (frame_camera_aim(v->path, &v->seen, &v->map, &v->camera, error) != 0 ||
@@ -140,7 +117,7 @@ static int check_views(job *j, char *const *files, unsigned count,
     job_frame *v = &(*list)[*done];
     v->path = files[*done];
     if (check_view(j, v, error) != 0) {
-      channel_map_free(&v->map);
+      ++*done; /* what it owns is freed as that of the others */
       return -1;
     }
   }

@@ -6,6 +6,7 @@
 #include "tool/extent.h"
 #include "tool/formats.h"
 #include "tool/progress.h"
+#include "tool/refusal.h"
 #include "tool/report.h"
 
 #include <math.h>
@@ -41,17 +42,15 @@ static const unsigned roles = 1u << ROLE_DEPTH | 1u << ROLE_NORMAL |
                               1u << ROLE_ALBEDO | 1u << ROLE_DIRECT |
                               1u << ROLE_EMISSION | 1u << ROLE_INDIRECT;
 
-static int library_failed(const world *w, hbil_status status,
+/* path: the frame or view, or NULL. */
+static int library_failed(const world *w, const char *path, hbil_status status,
                           image_error *error) {
-  const char *message = hbil_context_message(w->context);
-  return image_fail(error, "device %s: %s", w->device->name,
-                    *message ? message : hbil_status_string(status));
+  return refusal(w->device, path, status, w->context, error);
 }
 
 static int opencl_failed(const world *w, cl_int status, const char *doing,
                          image_error *error) {
-  return image_fail(error, "device %s: OpenCL error %d while %s",
-                    w->device->name, (int)status, doing);
+  return refusal_of_opencl(w->device, NULL, status, doing, error);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -158,14 +157,15 @@ static int view_of(world *w, const gbuffer *g, const cl_mem *given,
   return 0;
 }
 
-static int inject(world *w, const gbuffer *g, const cl_mem *given,
-                  hbil_view_light light, image_error *error) {
+static int inject(world *w, const char *path, const gbuffer *g,
+                  const cl_mem *given, hbil_view_light light,
+                  image_error *error) {
   hbil_view view;
   if (view_of(w, g, given, light, &w->views, &view, error) != 0)
     return -1;
   const hbil_status status = hbil_enqueue_cache_inject(
       w->cache, w->device->queue, &view, 1, 0, NULL, NULL);
-  return status == HBIL_SUCCESS ? 0 : library_failed(w, status, error);
+  return status == HBIL_SUCCESS ? 0 : library_failed(w, path, status, error);
 }
 
 static int update(world *w, unsigned rounds, unsigned steps,
@@ -178,14 +178,14 @@ static int update(world *w, unsigned rounds, unsigned steps,
   memcpy(how.environment, w->job->far.environment, sizeof how.environment);
   const hbil_status status = hbil_enqueue_cache_update(
       w->cache, w->device->queue, &how, 0, NULL, NULL);
-  return status == HBIL_SUCCESS ? 0 : library_failed(w, status, error);
+  return status == HBIL_SUCCESS ? 0 : library_failed(w, NULL, status, error);
 }
 
-int world_see_frame(world *w, const gbuffer *g, const cl_mem *given,
-                    image_error *error) {
+int world_see_frame(world *w, const char *path, const gbuffer *g,
+                    const cl_mem *given, image_error *error) {
   if (w->job->settings->learn || w->job->settings->cache_fixed)
     return 0;
-  const int failed = inject(w, g, given, HBIL_VIEW_DIRECT, error) != 0 ||
+  const int failed = inject(w, path, g, given, HBIL_VIEW_DIRECT, error) != 0 ||
                      update(w, ROUNDS_OF_A_FRAME, STEPS_OF_A_FRAME, error) != 0;
   return finish_upload(w, failed ? NULL : error) != 0 || failed ? -1 : 0;
 }
@@ -207,7 +207,8 @@ static int load(world *w, image_error *error) {
   if (!failed) {
     const hbil_status status =
         hbil_cache_load(w->cache, w->device->queue, bytes, file->size);
-    failed = status == HBIL_SUCCESS ? 0 : library_failed(w, status, error);
+    failed =
+        status == HBIL_SUCCESS ? 0 : library_failed(w, path, status, error);
   }
   free(bytes);
   return failed;
@@ -248,18 +249,17 @@ static int learn_pictures(world *w, image_error *error) {
   progress_start(&shown, "radiance cache", 0.0, j->settings->quiet);
   for (int i = 0; i < count && !failed; i++) {
     const int is_view = i < j->view_count;
+    const job_frame *f = is_view ? &j->views[i] : &j->frames[i - j->view_count];
     const hbil_view_light light =
         is_view ? j->settings->view_light : HBIL_VIEW_DIRECT;
-    failed =
-        read_picture(w, is_view ? &j->views[i] : &j->frames[i - j->view_count],
-                     light, &next, error);
+    failed = read_picture(w, f, light, &next, error);
     if (failed)
       break;
     failed = finish_upload(w, error);
     gbuffer_free(&taken);
     taken = next;
     if (!failed)
-      failed = inject(w, &taken, NULL, light, error);
+      failed = inject(w, f->path, &taken, NULL, light, error);
     if (!failed)
       progress_show(&shown, (double)(i + 1) / count);
   }
@@ -290,7 +290,9 @@ static int learn_lights(world *w, image_error *error) {
   const hbil_status status =
       hbil_enqueue_rsm(w->cache, w->device->queue, views,
                        (cl_uint)j->light_count, 0, NULL, NULL);
-  return status == HBIL_SUCCESS ? 0 : library_failed(w, status, error);
+  return status == HBIL_SUCCESS
+             ? 0
+             : library_failed(w, j->lights[0].path, status, error);
 }
 
 int world_learn(world *w, image_error *error) {
@@ -322,7 +324,7 @@ int world_bytes(world *w, void **bytes, size_t *size, image_error *error) {
   if (status == HBIL_SUCCESS)
     return 0;
   free(*bytes);
-  return library_failed(w, status, error);
+  return library_failed(w, NULL, status, error);
 }
 
 int world_save(world *w, image_error *error) {
@@ -407,7 +409,7 @@ static int make_cache(world *w, image_error *error) {
   hbil_status status = hbil_cache_memory(w->context, &w->config, &w->memory);
   if (status == HBIL_SUCCESS)
     status = hbil_cache_create(w->context, &w->config, &w->cache);
-  return status == HBIL_SUCCESS ? 0 : library_failed(w, status, error);
+  return status == HBIL_SUCCESS ? 0 : library_failed(w, NULL, status, error);
 }
 
 /* "hbil: radiance cache: 64 x 64 x 64 voxels of 0.1 and 0.2 units, 43.1 MiB; 6

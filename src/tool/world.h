@@ -33,11 +33,11 @@ int world_learn(world *w, image_error *error);
 double world_learning_seconds(const world *w);
 
 /* Injects a frame before its light is computed, and lets light bounce.  Nothing
- * if it has been learnt already.  given: INPUTS buffers, of those inputs that
- * are on the device already, the others NULL; or NULL.  0, or -1 with `error`
- * filled. */
-int world_see_frame(world *w, const gbuffer *g, const cl_mem *given,
-                    image_error *error);
+ * if it has been learnt already.  path: its file, for messages.  given: INPUTS
+ * buffers, of those inputs that are on the device already, the others NULL; or
+ * NULL.  0, or -1 with `error` filled. */
+int world_see_frame(world *w, const char *path, const gbuffer *g,
+                    const cl_mem *given, image_error *error);
 
 /* What hbil_cache_save() gives, which the caller frees.  0, or -1 with `error`
  * filled. */

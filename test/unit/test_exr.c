@@ -11,8 +11,10 @@
 #include <math.h>
 #include <openexr.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <unistd.h>
 
+#include "image/exr_checksum.h"
 #include "image/exr_key.h"
 #include "image/exr_read.h"
 #include "image/exr_write.h"
@@ -268,6 +270,61 @@ static void what_would_be_untrue_is_not(void **state) {
   image_free(&source);
 }
 
+/* The bytes of the result; malloc'd. */
+static unsigned char *result_bytes(size_t *size) {
+  FILE *file = fopen(result_path, "rb");
+  assert_non_null(file);
+  assert_int_equal(fseek(file, 0, SEEK_END), 0);
+  *size = (size_t)ftell(file);
+  rewind(file);
+  unsigned char *bytes = malloc(*size);
+  assert_non_null(bytes);
+  assert_int_equal(fread(bytes, 1, *size, file), *size);
+  fclose(file);
+  return bytes;
+}
+
+static exr_checksum_state state_of(const unsigned char *bytes, size_t size) {
+  FILE *file = fopen(result_path, "wb");
+  assert_non_null(file);
+  assert_int_equal(fwrite(bytes, 1, size, file), size);
+  fclose(file);
+  return exr_checksum_look(result_path);
+}
+
+/* Every byte of the header and many of the others: a file with one changed, or
+ * that ends early or late, isn't taken for what was written. */
+static void a_checksum_covers_every_byte(void **state) {
+  size_t size;
+  (void)state;
+  write_frame(EXR_COMPRESSION_ZIP);
+  image source = read_frame();
+  for (int c = 0; c < EXR_COMPRESSION_OF_INPUT; c += 3) {
+    snprintf(source.key, sizeof source.key, "ours");
+    write_result(&source, c, frame_path);
+    assert_int_equal(exr_checksum_look(result_path), EXR_CHECKSUM_RIGHT);
+    unsigned char *bytes = result_bytes(&size);
+    for (size_t i = 0; i < size; i += i < 1500 ? 1 : 197) {
+      bytes[i] ^= 0x10;
+      assert_int_not_equal(state_of(bytes, size), EXR_CHECKSUM_RIGHT);
+      bytes[i] ^= 0x10;
+    }
+    for (size_t end = 0; end < size; end += end < 1500 ? 97 : 977)
+      assert_int_not_equal(state_of(bytes, end), EXR_CHECKSUM_RIGHT);
+    bytes = realloc(bytes, size + 1);
+    assert_non_null(bytes);
+    bytes[size] = 0;
+    assert_int_equal(state_of(bytes, size + 1), EXR_CHECKSUM_WRONG);
+    assert_int_equal(state_of(bytes, size), EXR_CHECKSUM_RIGHT);
+    free(bytes);
+  }
+  source.key[0] = '\0';
+  write_result(&source, EXR_COMPRESSION_OF_ZIP, frame_path);
+  assert_int_equal(exr_checksum_look(result_path), EXR_CHECKSUM_MISSING);
+  assert_int_equal(exr_checksum_look("/"), EXR_CHECKSUM_MISSING);
+  image_free(&source);
+}
+
 static void a_file_of_another_kind_has_no_attributes(void **state) {
   char other[sizeof result_path + 4];
   (void)state;
@@ -400,6 +457,7 @@ int main(void) {
       cmocka_unit_test(the_compression_can_be_that_of_the_frame),
       cmocka_unit_test(attributes_are_taken_over),
       cmocka_unit_test(what_would_be_untrue_is_not),
+      cmocka_unit_test(a_checksum_covers_every_byte),
       cmocka_unit_test(a_file_of_another_kind_has_no_attributes),
       cmocka_unit_test(finite_values_stay_finite_as_halves),
   };

@@ -1,0 +1,126 @@
+/* The files that a command reads and those that it writes. */
+#define _POSIX_C_SOURCE 200809L
+#include "tool/file_uses.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static int make_room(file_uses *uses) {
+  if (uses->count < uses->room)
+    return 0;
+  const size_t room = 2 * uses->room + 16;
+  file_use *list = realloc(uses->list, room * sizeof *list);
+  if (!list)
+    return -1;
+  uses->list = list;
+  uses->room = room;
+  return 0;
+}
+
+int file_uses_add(file_uses *uses, file_use use, image_error *error) {
+  use.place = (file_place){0};
+  if (!use.path || make_room(uses) != 0 ||
+      file_place_find(use.path, &use.place) != 0) {
+    file_place_free(&use.place);
+    free(use.path);
+    return image_no_memory(error, use.what);
+  }
+  use.index = uses->count;
+  uses->list[uses->count++] = use;
+  return 0;
+}
+
+int file_uses_read(file_uses *uses, const char *path, const char *what,
+                   image_error *error) {
+  return file_uses_add(uses, (file_use){.path = strdup(path), .what = what},
+                       error);
+}
+
+int file_uses_write(file_uses *uses, const char *path, const char *option,
+                    const char *need, file_kind kind, image_error *error) {
+  return file_uses_add(
+      uses,
+      (file_use){
+          .path = strdup(path), .what = option, .need = need, .kind = kind},
+      error);
+}
+
+int file_use_may_replace(const file_use *use, file_kind there,
+                         image_error *error) {
+  if (there == FILE_ABSENT || there == FILE_BLANK || there == use->kind)
+    return 0;
+  if (there == FILE_IRREGULAR)
+    return image_fail(error,
+                      "%s: cannot be written: not a regular file; another name "
+                      "is needed",
+                      use->path);
+  return image_fail(error,
+                    "%s: is not %s, and %s replaces nothing else; %s needed",
+                    use->path, file_kind_name(use->kind), use->what, use->need);
+}
+
+void file_uses_free(file_uses *uses) {
+  for (size_t i = 0; i < uses->count; i++) {
+    file_place_free(&uses->list[i].place);
+    free(uses->list[i].path);
+  }
+  free(uses->list);
+  memset(uses, 0, sizeof *uses);
+}
+
+static int compare_indices(const void *a, const void *b) {
+  const file_use *x = a, *y = b;
+  return x->index < y->index ? -1 : x->index > y->index;
+}
+
+/* By places; those of one place as they were added. */
+static int compare_places(const void *a, const void *b) {
+  const file_use *x = a, *y = b;
+  const int order = file_place_compare(&x->place, &y->place);
+  return order ? order : compare_indices(a, b);
+}
+
+/* "b.exr: the result of b.exr would overwrite the view b.exr; another output
+ * folder is needed" */
+static int report(const file_use *written, const file_use *other,
+                  image_error *error) {
+  const int two_frames = written->of && other->of;
+  const char *name = other->of ? other->of : other->need ? "" : other->path;
+  return image_fail(error, "%s: %s%s%s would overwrite %s%s%s; %s needed",
+                    written->path, written->what, written->of ? " of " : "",
+                    written->of ? written->of : "", other->what,
+                    other->of     ? " of "
+                    : other->need ? ""
+                                  : " ",
+                    name,
+                    two_frames ? "different file names are" : written->need);
+}
+
+/* The first written file, in the order in which they were added, that has the
+ * place of an earlier one, *other; NULL: there is none.  The list is sorted by
+ * places. */
+static const file_use *find_clash(const file_uses *uses,
+                                  const file_use **other) {
+  const file_use *written = NULL;
+  for (size_t i = 1, first = 0; i < uses->count; i++) {
+    const file_use *use = &uses->list[i];
+    if (file_place_compare(&use->place, &uses->list[first].place) != 0)
+      first = i;
+    else if (use->need && (!written || use->index < written->index)) {
+      written = use;
+      *other = &uses->list[first];
+    }
+  }
+  return written;
+}
+
+int file_uses_check(file_uses *uses, image_error *error) {
+  const file_use *other = NULL;
+  if (!uses->count)
+    return 0;
+  qsort(uses->list, uses->count, sizeof *uses->list, compare_places);
+  const file_use *written = find_clash(uses, &other);
+  const int failed = written ? report(written, other, error) : 0;
+  qsort(uses->list, uses->count, sizeof *uses->list, compare_indices);
+  return failed;
+}

@@ -1,0 +1,54 @@
+/* The files that a command reads and those that it writes, and whether it would
+ * lose one of them. */
+#ifndef HBIL_TOOL_FILE_USES_H
+#define HBIL_TOOL_FILE_USES_H
+
+#include "image/error.h"
+#include "tool/file_kind.h"
+#include "tool/file_place.h"
+
+#include <stddef.h>
+
+typedef struct file_use {
+  char *path;       /* owned */
+  const char *what; /* "the frame"; "the result"; "--cache-save" */
+  const char *of;   /* of what is written: the frame it is made of; or NULL */
+  const char *need; /* of what is written: what else would do, with a verb, such
+                     * as "another name is"; NULL: it is read */
+  file_kind kind; /* of what is written; FILE_ABSENT: the name is hbil's own */
+  size_t index;   /* in the order in which files were added */
+  file_place place;
+} file_use;
+
+typedef struct file_uses {
+  file_use *list;
+  size_t count, room;
+} file_uses;
+
+/* Appends a file, and takes over use->path, malloc'd; NULL means that memory
+ * ran out.  The other texts must outlive the list.  All files that are read
+ * come before those that are written.  0, or -1 with `error` filled. */
+int file_uses_add(file_uses *uses, file_use use, image_error *error);
+
+/* The same for a file that is read.  The path is copied. */
+int file_uses_read(file_uses *uses, const char *path, const char *what,
+                   image_error *error);
+
+/* The same for a file that is written because an option names it.  The path is
+ * copied. */
+int file_uses_write(file_uses *uses, const char *path, const char *option,
+                    const char *need, file_kind kind, image_error *error);
+
+/* Whether a file that an option names may replace what is there: only its own
+ * kind, or nothing.  0, or -1 with `error` filled. */
+int file_use_may_replace(const file_use *use, file_kind there,
+                         image_error *error);
+
+/* Whether each written file has a place that no other one of the list has.
+ * 0, or -1 with `error` filled. */
+int file_uses_check(file_uses *uses, image_error *error);
+
+/* It may be called on a zeroed list. */
+void file_uses_free(file_uses *uses);
+
+#endif
