@@ -71,6 +71,7 @@
 #define staged_frame hbil_internal_staged_frame
 #define status_of hbil_internal_status_of
 #define try_import hbil_internal_try_import
+#define voxels_repair hbil_internal_voxels_repair
 #define warn hbil_internal_warn
 
 #endif
