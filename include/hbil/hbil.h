@@ -90,7 +90,8 @@ extern "C" {
  * atomics are not used.  On failure
  * *out is NULL, and hbil_context_message(NULL) says why.  If the environment
  * variable HBIL_KERNEL_DIR names a folder, plans read the kernels from there;
- * this is meant for work on the kernels. */
+ * this is meant for work on the kernels.  Programs that run with other rights
+ * than their user's (setuid) ignore it. */
 HBIL_API hbil_status hbil_context_create(cl_context context,
                                          cl_device_id device,
                                          hbil_context **out);

@@ -1,4 +1,5 @@
 #include "image/camera_json.h"
+#include "image/regular_file.h"
 #include "image/temporary.h"
 
 #include <jansson.h>
@@ -184,18 +185,18 @@ static int parse(const parser *p, camera_file *out) {
              : 0;
 }
 
-static int fail_to_read(const char *path, image_error *error) {
+static int fail_to_read(const char *path, const char *why, image_error *error) {
   return image_fail(error,
                     "%s: camera cannot be read: %s; a JSON file with "
                     "camera_to_world, fx, fy, cx, cy is needed",
-                    path, strerror(errno));
+                    path, why);
 }
 
 static int read_limited(FILE *file, const char *path, char *text, size_t *size,
                         image_error *error) {
   *size = fread(text, 1, CAMERA_FILE_MOST + 1, file);
   if (ferror(file))
-    return fail_to_read(path, error);
+    return fail_to_read(path, strerror(errno), error);
   if (*size > CAMERA_FILE_MOST)
     return image_fail(error,
                       "%s: larger than %d KiB; a camera file with "
@@ -208,9 +209,10 @@ static int read_limited(FILE *file, const char *path, char *text, size_t *size,
  * reads files itself, but without a limit of size, and its errors give only a
  * position from which last_field() finds the field. */
 static char *read_text(const char *path, size_t *size, image_error *error) {
-  FILE *file = fopen(path, "rb");
+  const char *why;
+  FILE *file = regular_file_stream(path, &why);
   if (!file) {
-    fail_to_read(path, error);
+    fail_to_read(path, why, error);
     return NULL;
   }
   char *text = malloc(CAMERA_FILE_MOST + 1);

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/cache_file.h"
 
+#include "image/regular_file.h"
 #include "image/temporary.h"
 
 #include <errno.h>
@@ -28,8 +29,8 @@ static uint64_t hash_of(head h, const void *bytes) {
   return XXH3_64bits_withSeed(bytes, h.file.size, XXH3_64bits(&h, sizeof h));
 }
 
-static int cannot_read(const char *path, image_error *error) {
-  return image_fail(error, "%s: cannot be read: %s", path, strerror(errno));
+static int cannot_read(const char *path, const char *why, image_error *error) {
+  return image_fail(error, "%s: cannot be read: %s", path, why);
 }
 
 static int reject(const char *path, const char *what, image_error *error) {
@@ -54,7 +55,7 @@ static int read_head(const char *path, FILE *file, head *out,
   errno = 0;
   const int complete = fread(out, sizeof *out, 1, file) == 1;
   if (ferror(file) || fstat(fileno(file), &info) != 0)
-    return cannot_read(path, error);
+    return cannot_read(path, strerror(errno), error);
   if (!complete || memcmp(out->magic, file_magic, sizeof file_magic) != 0)
     return reject(path, "is no radiance cache", error);
   out->version[sizeof out->version - 1] = '\0';
@@ -72,9 +73,10 @@ static int read_head(const char *path, FILE *file, head *out,
 
 int cache_file_read(const char *path, cache_file *out, image_error *error) {
   head h;
-  FILE *file = fopen(path, "rb");
+  const char *why;
+  FILE *file = regular_file_stream(path, &why);
   if (!file)
-    return cannot_read(path, error);
+    return cannot_read(path, why, error);
   const int failed = read_head(path, file, &h, error);
   fclose(file);
   if (!failed)
@@ -85,15 +87,16 @@ int cache_file_read(const char *path, cache_file *out, image_error *error) {
 int cache_file_read_bytes(const char *path, const cache_file *expected,
                           void *bytes, image_error *error) {
   head h;
-  FILE *file = fopen(path, "rb");
+  const char *why;
+  FILE *file = regular_file_stream(path, &why);
   if (!file)
-    return cannot_read(path, error);
+    return cannot_read(path, why, error);
   int failed = read_head(path, file, &h, error);
   if (!failed &&
       (h.file.hash != expected->hash || h.file.size != expected->size))
     failed = image_fail(error, "%s: has changed meanwhile", path);
   if (!failed && fread(bytes, h.file.size, 1, file) != 1)
-    failed = cannot_read(path, error);
+    failed = cannot_read(path, strerror(errno), error);
   fclose(file);
   return !failed && h.file.hash != hash_of(h, bytes)
              ? reject(path, "is damaged", error)

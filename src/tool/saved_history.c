@@ -3,6 +3,7 @@
 #include "tool/saved_history.h"
 
 #include "image/error.h"
+#include "image/regular_file.h"
 #include "image/temporary.h"
 
 #include <ctype.h>
@@ -50,7 +51,8 @@ int saved_history_write(const char *path, const saved_history *h,
 
 int saved_history_read(const char *path, saved_history *h) {
   preface head;
-  FILE *file = fopen(path, "rb");
+  const char *why;
+  FILE *file = regular_file_stream(path, &why);
   const int found = file && fread(&head, sizeof head, 1, file) == 1 &&
                     !memcmp(head.magic, file_magic, sizeof head.magic) &&
                     head.size == h->size &&

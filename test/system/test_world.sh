@@ -240,7 +240,7 @@ rejected "a view that isn't there" 'w.exr: cannot be' \
 
 # A view that is no picture of the place.
 mkdir "$work/odd"
-rejected "a folder as view" 'odd: not a regular file' \
+rejected "a folder as view" 'odd: cannot be read: Is a directory' \
   small --view "$work/odd" -o "$out" "$one"
 rejected "a PNG as view" 'frame_0001.ao.png: no depth channel' \
   small --view "$work/demo/frame_0001.ao.png" -o "$out" "$one"
