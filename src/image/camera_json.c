@@ -282,25 +282,29 @@ static json_t *camera_object(const camera_file *camera) {
                    camera->orthographic ? "orthographic" : NULL);
 }
 
+static int write_json(const temporary *t, const char *path, const json_t *root,
+                      image_error *error) {
+  FILE *file = temporary_stream(t);
+  int failed = !file || json_dumpf(root, file, JSON_INDENT(2)) != 0;
+  if (file && fclose(file) != 0)
+    failed = 1;
+  return failed ? image_fail(error, "%s: cannot be written: %s", path,
+                             strerror(errno))
+                : 0;
+}
+
 int camera_write(const char *path, const camera_file *camera,
                  image_error *error) {
-  char *temporary = temporary_name(path, error);
-  if (!temporary)
-    return -1;
+  temporary t;
   json_t *root = camera_object(camera);
-  if (!root) {
-    free(temporary);
+  if (!root)
     return image_fail(error,
                       "%s: camera cannot be written: its numbers must "
                       "be finite",
                       path);
-  }
-  const int failed = json_dump_file(root, temporary, JSON_INDENT(2));
+  int failed = temporary_open(path, &t, error);
+  if (!failed && (failed = write_json(&t, path, root, error)) != 0)
+    temporary_discard(&t);
   json_decref(root);
-  if (failed) {
-    temporary_discard(temporary);
-    return image_fail(error, "%s: cannot be written: %s", path,
-                      strerror(errno));
-  }
-  return temporary_commit(temporary, path, error);
+  return failed ? -1 : temporary_commit(&t, path, EXISTING_REPLACED, error);
 }

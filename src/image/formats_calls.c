@@ -52,7 +52,8 @@ int formats_read_rgb(const char *path, float **rgb, uint32_t *width,
 }
 
 int png_write(const char *path, const unsigned char *rgb, uint32_t width,
-              uint32_t height, image_error *error) {
+              uint32_t height, existing_file existing, image_error *error) {
   const formats_table *module = formats_module(error);
-  return module ? module->write_png(path, rgb, width, height, error) : -1;
+  return module ? module->write_png(path, rgb, width, height, existing, error)
+                : -1;
 }

@@ -3,7 +3,6 @@
 #include "tool/cache_file.h"
 
 #include "image/regular_file.h"
-#include "image/temporary.h"
 
 #include <errno.h>
 #include <math.h>
@@ -103,9 +102,9 @@ int cache_file_read_bytes(const char *path, const cache_file *expected,
              : failed;
 }
 
-static int write_file(const char *name, const char *path, const head *h,
+static int write_file(const temporary *t, const char *path, const head *h,
                       const void *bytes, image_error *error) {
-  FILE *file = fopen(name, "wb");
+  FILE *file = temporary_stream(t);
   int failed = !file || fwrite(h, sizeof *h, 1, file) != 1 ||
                fwrite(bytes, h->file.size, 1, file) != 1;
   const int why = errno;
@@ -119,18 +118,18 @@ static int write_file(const char *name, const char *path, const head *h,
 }
 
 int cache_file_write(const char *path, cache_file *file, const void *bytes,
-                     image_error *error) {
+                     existing_file existing, image_error *error) {
   head h;
+  temporary t;
   memset(&h, 0, sizeof h);
   memcpy(h.magic, file_magic, sizeof h.magic);
   snprintf(h.version, sizeof h.version, "%s", hbil_version());
   h.file = *file;
   h.file.hash = file->hash = hash_of(h, bytes);
-  char *name = temporary_name(path, error);
-  if (!name)
+  if (temporary_open(path, &t, error) != 0)
     return -1;
-  if (write_file(name, path, &h, bytes, error) == 0)
-    return temporary_commit(name, path, error);
-  temporary_discard(name);
+  if (write_file(&t, path, &h, bytes, error) == 0)
+    return temporary_commit(&t, path, existing, error);
+  temporary_discard(&t);
   return -1;
 }

@@ -10,6 +10,7 @@
 #include "image/error.h"
 #include "image/exr_write.h"
 #include "image/image.h"
+#include "image/temporary_sweep.h"
 #include "scene/scene.h"
 #include "tool/commands.h"
 #include "tool/device.h"
@@ -78,8 +79,10 @@ static int make_folder(const char *path, image_error *error) {
   if (mkdir(path, 0777) == 0)
     return 0;
   int reason = errno;
-  if (reason == EEXIST && stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+  if (reason == EEXIST && stat(path, &info) == 0 && S_ISDIR(info.st_mode)) {
+    temporary_sweep(path);
     return 0;
+  }
   return image_fail(error,
                     "%s: cannot be made: %s; a folder that can be written "
                     "is needed",

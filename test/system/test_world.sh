@@ -388,7 +388,7 @@ ok $? "and --learn"
 works "--cache-save" quiet --view "$work/views/v.#.exr" \
   --cache-save "$work/saved" -o "$work/from" "$one"
 same "changes nothing" "$work/views-3" "$work/from"
-ls "$work"/saved.tmp* >"$work/out" 2>"$work/err"
+ls "$work"/.hbil-*.tmp >"$work/out" 2>"$work/err"
 test $? -ne 0
 ok $? "and leaves nothing but the file"
 run process --cache-load "$work/saved" -o "$work/loaded" "$one"
