@@ -361,6 +361,8 @@ static int check_device(const demo_options *o, image_error *error) {
   device d;
   if (device_open(o->device, 1, &d, error) != 0)
     return -1;
+  if (d.note)
+    report_note(d.name, "", d.note);
   device_close(&d);
   return 0;
 }
