@@ -18,7 +18,7 @@
 #define MOST_SENT (2.0f * HBIL_BRIGHTEST)
 /* The series of all bounces is at most 20 times the first one (bounce.cl). */
 #define MOST_INDIRECT (50.0f * HBIL_BRIGHTEST)
-/* Means of unit normals; inject.cl keeps none whose square is below 1e-4. */
+/* Means of unit normals; inject.cl stores none whose square is below 1e-4. */
 #define LEAST_NORMAL 0.9e-4f
 #define MOST_NORMAL 1.1f
 /* Means of reflectances up to 1, with their roundings. */

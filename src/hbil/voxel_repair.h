@@ -8,7 +8,7 @@
 
 /* Replaces what no view and no bounce can have left in these voxels of
  * HBIL_VOXEL_FLOATS floats, as unusable values of a view are replaced
- * (hbil_config.h).  All else keeps its bits. */
+ * (hbil_config.h).  The bits of all else stay. */
 void voxels_repair(float *voxels, size_t count);
 
 #endif

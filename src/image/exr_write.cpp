@@ -99,7 +99,7 @@ extern "C" int exr_write_as(const char *path, const image *img,
     style = &plain;
   if (temporary_open(path, &file, error) != 0)
     return -1;
-  // closing a copy tells of errors that come late, and keeps the lock
+  // closing a copy tells of errors that come late; the lock stays
   const int fd = fcntl(file.fd, F_DUPFD_CLOEXEC, 0);
   int failed = catch_exceptions(path, "written", error, [&] {
     return write_file(path, fd, *img, half, *style, error);

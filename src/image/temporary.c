@@ -32,7 +32,7 @@ int temporary_open(const char *path, temporary *out, image_error *error) {
     return image_no_memory(error, path);
   do {
     temporary_name_draw(out->name);
-    /* O_EXCL also refuses a symbolic link, wherever that leads */
+    /* O_EXCL: not even a symbolic link may have the name */
     out->fd = open(out->name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (out->fd >= 0 && lock(out->fd))
       return 0;
@@ -71,10 +71,10 @@ void temporary_discard(temporary *t) {
 
 int temporary_commit(temporary *t, const char *path, existing_file existing,
                      image_error *error) {
-  const int failed = existing == EXISTING_KEPT ? rename_new(t->name, path)
-                                               : rename(t->name, path);
+  const int failed = existing == EXISTING_STAYS ? rename_new(t->name, path)
+                                                : rename(t->name, path);
   if (failed) {
-    if (existing == EXISTING_KEPT && errno == EEXIST)
+    if (existing == EXISTING_STAYS && errno == EEXIST)
       image_fail(error,
                  "%s: is there already: another job has written it meanwhile, "
                  "and it is left alone; another output folder is needed",

@@ -32,7 +32,7 @@ typedef struct temporary {
 /* What becomes of a file that has the name already. */
 typedef enum existing_file {
   EXISTING_REPLACED = 0,
-  EXISTING_KEPT /* the new file is given up, which is an error */
+  EXISTING_STAYS /* the new file is given up, which is an error */
 } existing_file;
 
 /* Creates the file beside `path`.  0, or -1 with `error` filled. */
@@ -42,9 +42,9 @@ int temporary_open(const char *path, temporary *out, image_error *error);
  * errno set on failure. */
 FILE *temporary_stream(const temporary *t);
 
-/* Renames the file to `path`; two jobs that keep what exists can't both succeed
- * with the same name.  Removes the file if that fails.  0, or -1 with `error`
- * filled. */
+/* Renames the file to `path`.  If several jobs want one name and replace
+ * nothing, exactly one of them gets it.  Removes the file if that fails.  0, or
+ * -1 with `error` filled. */
 int temporary_commit(temporary *t, const char *path, existing_file existing,
                      image_error *error);
 

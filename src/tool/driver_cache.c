@@ -1,4 +1,4 @@
-/* The folder in which PoCL keeps compiled kernels. */
+/* PoCL's folder for compiled kernels. */
 #define _POSIX_C_SOURCE 200809L
 #include "tool/driver_cache.h"
 

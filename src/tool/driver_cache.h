@@ -1,4 +1,4 @@
-/* The folder in which PoCL keeps compiled kernels. */
+/* PoCL's folder for compiled kernels. */
 #ifndef HBIL_TOOL_DRIVER_CACHE_H
 #define HBIL_TOOL_DRIVER_CACHE_H
 

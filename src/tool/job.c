@@ -56,7 +56,7 @@ char *job_history_path(const job *j, int index) {
 
 existing_file job_existing(const job *j) {
   return j->settings->overwrite || j->settings->resume ? EXISTING_REPLACED
-                                                       : EXISTING_KEPT;
+                                                       : EXISTING_STAYS;
 }
 
 job_frame *job_first(const job *j) {

@@ -193,7 +193,7 @@ static void names_of_255_bytes_work(void **state) {
   name[255] = '\0';
   const char *path = path_in(name);
   temporary t = open_file(path, "pixels");
-  assert_int_equal(temporary_commit(&t, path, EXISTING_KEPT, NULL), 0);
+  assert_int_equal(temporary_commit(&t, path, EXISTING_STAYS, NULL), 0);
   check_text(path, "pixels");
 }
 
@@ -210,7 +210,7 @@ static void files_without_a_name_are_not_used(void **state) {
   swept_before_lock = name;
   temporary t = open_file(path, "pixels");
   assert_null(swept_before_lock);
-  assert_int_equal(temporary_commit(&t, path, EXISTING_KEPT, NULL), 0);
+  assert_int_equal(temporary_commit(&t, path, EXISTING_STAYS, NULL), 0);
   check_text(path, "pixels");
   free(name);
 }
@@ -223,9 +223,9 @@ static void check_one_wins(const char *how) {
   image_error error = {""};
   temporary a = open_file(path, "the first job's");
   temporary b = open_file(path, "the other's");
-  if (temporary_commit(&a, path, EXISTING_KEPT, &error) != 0)
+  if (temporary_commit(&a, path, EXISTING_STAYS, &error) != 0)
     fail_msg("%s: %s", how, error.text);
-  if (temporary_commit(&b, path, EXISTING_KEPT, &error) == 0)
+  if (temporary_commit(&b, path, EXISTING_STAYS, &error) == 0)
     fail_msg("%s: both jobs have succeeded", how);
   check_text(path, "the first job's");
   assert_non_null(strstr(error.text, "frame.exr: is there already"));
@@ -254,7 +254,7 @@ static void a_link_whose_answer_got_lost_counts(void **state) {
   no_renameat2 = EINVAL;
   answer_gets_lost = 1;
   temporary t = open_file(path, "pixels");
-  assert_int_equal(temporary_commit(&t, path, EXISTING_KEPT, NULL), 0);
+  assert_int_equal(temporary_commit(&t, path, EXISTING_STAYS, NULL), 0);
   check_text(path, "pixels");
   assert_int_equal(folder_count(folder, ""), 1);
 }
@@ -309,7 +309,7 @@ static void files_of_living_jobs_are_not_swept(void **state) {
   temporary t = open_file(path, "pixels");
   temporary_sweep(folder);
   assert_true(is_there(t.name));
-  assert_int_equal(temporary_commit(&t, path, EXISTING_KEPT, NULL), 0);
+  assert_int_equal(temporary_commit(&t, path, EXISTING_STAYS, NULL), 0);
   check_text(path, "pixels");
 }
 
@@ -347,7 +347,7 @@ static void age_decides_where_locks_do_not_work(void **state) {
   make_old(left);
   temporary_sweep(folder);
   assert_false(is_there(left));
-  assert_int_equal(temporary_commit(&t, path, EXISTING_KEPT, NULL), 0);
+  assert_int_equal(temporary_commit(&t, path, EXISTING_STAYS, NULL), 0);
   check_text(path, "pixels");
   free(left);
 }
