@@ -56,6 +56,7 @@ typedef struct sums {
   realv w, n[3];
 #if OUT_ERROR
   realv square_ao, square_near; /* of AO, of the channels of E_near */
+  realv square_bright; /* of those above BRIGHT, in units of it */
 #endif
 #if OUT_GLOSSY
   realv glossy[HBIL_GATHERED_GLOSSY_PLANES];
@@ -63,14 +64,23 @@ typedef struct sums {
 } sums;
 
 #if OUT_ERROR
+/* The square of light can overflow, or underflow, although the light itself
+ * does neither (HBIL_BRIGHTEST).  So there are two sums, and the light of one
+ * of them is scaled down by this power of two. */
+#define BRIGHT 0x1p50f
+
 INLINE void add_squares(sums *s, const float *t, realv weight) {
   const realv ao = TAP(t, TAP_LIGHT + HBIL_LIGHT_AO);
   s->square_ao = fma(weight * ao, ao, s->square_ao);
 #if GATHER_RADIANCE
 #pragma unroll
   for (int p = HBIL_LIGHT_RED; p < HBIL_LIGHT_BENT; ++p) {
-    const realv light = TAP(t, TAP_LIGHT + p);
-    s->square_near = fma(weight * light, light, s->square_near);
+    const realv light = TAP(t, TAP_LIGHT + p), zero = 0.0f;
+    const intv is_bright = light > BRIGHT;
+    const realv dim = select(light, zero, is_bright);
+    const realv bright = select(zero, light * (1.0f / BRIGHT), is_bright);
+    s->square_near = fma(weight * dim, dim, s->square_near);
+    s->square_bright = fma(weight * bright, bright, s->square_bright);
   }
 #endif
 }
@@ -82,14 +92,21 @@ INLINE void errors_of(const sums *s, const hbil_error_args errors, realv *ao,
   const realv inv_total = 1.0f / s->total, zero = 0.0f;
   const realv open = s->plane[HBIL_LIGHT_AO];
   *ao = errors.ao * sqrt(max(fma(-open, open, s->square_ao * inv_total), zero));
-  realv square = s->square_near * inv_total;
+  /* in units of BRIGHT if anything in the neighbourhood is that bright */
+  const intv is_bright = s->square_bright > 0.0f;
+  const realv unit = select((realv)1.0f, (realv)BRIGHT, is_bright);
+  const realv units = select((realv)1.0f, (realv)(1.0f / BRIGHT), is_bright);
+  realv square =
+      fma(s->square_near * units, units, s->square_bright) * inv_total;
 #if GATHER_RADIANCE
 #pragma unroll
-  for (int p = HBIL_LIGHT_RED; p < HBIL_LIGHT_BENT; ++p)
-    square = fma(-s->plane[p], s->plane[p], square);
+  for (int p = HBIL_LIGHT_RED; p < HBIL_LIGHT_BENT; ++p) {
+    const realv mean = s->plane[p] * units;
+    square = fma(-mean, mean, square);
+  }
 #endif
   *near_irradiance =
-      errors.near_irradiance * sqrt(max(square * (1.0f / 3.0f), zero));
+      errors.near_irradiance * sqrt(max(square * (1.0f / 3.0f), zero)) * unit;
   const intv sky = s->w <= SKY;
   *ao = select(*ao, zero, sky);
   *near_irradiance = select(*near_irradiance, zero, sky);
@@ -245,7 +262,7 @@ INLINE sums filter(const hbil_view_args view, const tap_source *from,
 #define START_PLANE(p) s.plane[p] = 0.0f;
   EACH_GATHERED(START_PLANE)
 #if OUT_ERROR
-  s.square_ao = s.square_near = 0.0f;
+  s.square_ao = s.square_near = s.square_bright = 0.0f;
 #endif
 #if OUT_GLOSSY
 #pragma unroll

@@ -34,6 +34,15 @@
  *   Only one thread at a time may use a context and its plans, and destroy
  *   them.  Different contexts are independent, even on the same cl_context.
  *
+ * PROCESSES
+ *   The library starts no threads and has no state outside its objects, but
+ *   OpenCL drivers have threads, and these don't exist in a child after fork().
+ *   The child must not use or destroy contexts, plans and caches that were
+ *   created before; it may call exec or _exit(), and the functions that take
+ *   none of them.  The parent goes on as if nothing had happened.  If a process
+ *   forks before it calls OpenCL for the first time, parent and child may both
+ *   create contexts of their own.
+ *
  * BLOCKING
  *   The hbil_enqueue_* functions never wait for commands on the device and
  *   allocate no memory.  They may call clFlush().  hbil_plan_create() builds
@@ -90,7 +99,8 @@ extern "C" {
  * atomics are not used.  On failure
  * *out is NULL, and hbil_context_message(NULL) says why.  If the environment
  * variable HBIL_KERNEL_DIR names a folder, plans read the kernels from there;
- * this is meant for work on the kernels. */
+ * this is meant for work on the kernels.  Programs that run with other rights
+ * than their user's (setuid) ignore it. */
 HBIL_API hbil_status hbil_context_create(cl_context context,
                                          cl_device_id device,
                                          hbil_context **out);

@@ -2,6 +2,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench/files.h"
 
+#include "image/temporary.h"
+#include "image/temporary_sweep.h"
+
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +16,8 @@ int bench_folder_make(const char *path, image_error *error) {
   int reason = mkdir(path, 0777) == 0 ? 0 : errno;
   if (reason == EEXIST && stat(path, &info) == 0 && S_ISDIR(info.st_mode))
     reason = access(path, W_OK | X_OK) == 0 ? 0 : errno;
+  if (reason == 0)
+    temporary_sweep(path);
   return reason == 0
              ? 0
              : image_fail(error, "%s: no results can be written here: %s", path,
@@ -36,23 +41,21 @@ char *bench_result_path(const char *folder, const char *name,
 
 int bench_file_write(const char *path, bench_writer *write, const void *context,
                      image_error *error) {
-  char *temporary = join(path, ".new", "", "", "");
-  if (!temporary)
-    return image_no_memory(error, path);
-  FILE *out = fopen(temporary, "w");
+  temporary t;
+  if (temporary_open(path, &t, error) != 0)
+    return -1;
+  FILE *out = temporary_stream(&t);
   int failed = out == NULL;
   if (out) {
     write(context, out);
     failed = ferror(out) != 0;
     failed = fclose(out) != 0 || failed;
-    failed = failed || rename(temporary, path) != 0;
   }
-  if (failed) {
-    image_fail(error, "%s: cannot be written: %s", path, strerror(errno));
-    unlink(temporary);
-  }
-  free(temporary);
-  return failed ? -1 : 0;
+  if (!failed)
+    return temporary_commit(&t, path, EXISTING_REPLACED, error);
+  image_fail(error, "%s: cannot be written: %s", path, strerror(errno));
+  temporary_discard(&t);
+  return -1;
 }
 
 /* --- sections --- */

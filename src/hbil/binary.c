@@ -108,6 +108,10 @@ typedef struct header {
 } header;
 static const char magic[8] = {'h', 'b', 'i', 'l', 'p', 'r', 'o', 'g'};
 
+/* More bytes than any driver's binary of one of these programs has.  What is
+ * larger is not even read. */
+#define MOST_STORED ((size_t)64 << 20)
+
 /* The header that belongs in front of `size` bytes of a binary. */
 static header make_header(const binary_identity *identity,
                           const unsigned char *binary, size_t size) {
@@ -139,12 +143,12 @@ cl_program binary_load(hbil_context *context, const char *options,
     return NULL;
   void *const user = context->programs.user;
   const size_t size = context->programs.load(user, identity->key, NULL, 0);
-  unsigned char *data = size ? malloc(size) : NULL;
+  const bool is_possible = size > sizeof(header) && size <= MOST_STORED;
+  unsigned char *data = is_possible ? malloc(size) : NULL;
   cl_program program = NULL;
-  if (!data)
+  if (!size || (is_possible && !data))
     return NULL;
-  if (size > sizeof(header) &&
-      context->programs.load(user, identity->key, data, size) == size) {
+  if (data && context->programs.load(user, identity->key, data, size) == size) {
     const unsigned char *binary = data + sizeof(header);
     const header want = make_header(identity, binary, size - sizeof(header));
     if (!memcmp(data, &want, sizeof want))

@@ -43,10 +43,6 @@ void hbil_cache_update_init_sized(hbil_cache_update *update,
 
 /* --- a cache --- */
 
-/* The farthest that anything may be, in voxels of the coarsest level: numbers
- * of voxels stay far from the ends of 64 bits. */
-#define FARTHEST_MIDDLE 0x1p52
-
 static hbil_status check_ranges(hbil_context *context,
                                 const hbil_cache_config *c) {
   const cl_uint n = c->voxels;
@@ -62,7 +58,7 @@ static hbil_status check_ranges(hbil_context *context,
                 "a voxel of the first level)",
                 c->voxel_size);
   for (int i = 0; i < 3; ++i)
-    if (!(fabs(c->centre[i]) / c->voxel_size < FARTHEST_MIDDLE))
+    if (!(fabs(c->centre[i]) / c->voxel_size < CACHE_FARTHEST_MIDDLE))
       return fail(context, HBIL_INVALID_CONFIG,
                   "centre[%d]: %g; must be finite and less than 2^52 voxels "
                   "away",

@@ -6,6 +6,10 @@
 
 #include <stdbool.h>
 
+/* The farthest that anything may be, in voxels of the coarsest level: numbers
+ * of voxels stay far from the ends of 64 bits. */
+#define CACHE_FARTHEST_MIDDLE 0x1p52
+
 /* See config_take().  views: a configuration whose inputs are those of the
  * views, as the passes see them, of pictures of one pixel. */
 hbil_status cache_config_take(hbil_context *context,

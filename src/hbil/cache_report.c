@@ -1,9 +1,13 @@
 /* Reads back what a cache knows, as counts or whole. */
 #include "cache.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "cache_config.h"
+#include "voxel_repair.h"
 
 /* --- counts --- */
 
@@ -148,17 +152,42 @@ static hbil_status check_saved(hbil_cache *cache, const unsigned char *bytes,
                 (unsigned)own.voxels, (unsigned)own.levels, own.voxel_size);
   if (head.hash != hash_of_saved(bytes, size))
     return fail(cache->context, HBIL_INVALID_ARGUMENT, "bytes: damaged");
+  for (int i = 0; i < 3; ++i)
+    if (!(fabs((double)head.middle[i]) < CACHE_FARTHEST_MIDDLE))
+      return fail(cache->context, HBIL_INVALID_ARGUMENT,
+                  "bytes: a cache 2^52 voxels away or more");
   return HBIL_SUCCESS;
 }
 
 static hbil_status write_buffer(const commands *chain, cl_mem buffer,
-                                size_t bytes, const void *in) {
+                                size_t offset, size_t bytes, const void *in) {
   const cl_int error =
-      clEnqueueWriteBuffer(chain->queue, buffer, CL_TRUE, 0, bytes, in,
+      clEnqueueWriteBuffer(chain->queue, buffer, CL_TRUE, offset, bytes, in,
                            chain->wait_count, chain->wait_list, NULL);
   return error == CL_SUCCESS
              ? HBIL_SUCCESS
              : fail_cl(chain->context, error, "clEnqueueWriteBuffer");
+}
+
+/* Writes voxels, repaired in a copy of some of them at a time. */
+static hbil_status write_voxels(const commands *chain, cl_mem buffer,
+                                size_t bytes, const unsigned char *in) {
+  enum { BLOCK = 1 << 14 }; /* voxels */
+  const size_t voxel = HBIL_VOXEL_FLOATS * sizeof(cl_float);
+  hbil_status status = HBIL_SUCCESS;
+  float *copy = malloc(BLOCK * voxel);
+  if (!copy)
+    return fail(chain->context, HBIL_OUT_OF_HOST_MEMORY,
+                "no memory to load a cache in");
+  for (size_t at = 0; at < bytes && status == HBIL_SUCCESS;
+       at += BLOCK * voxel) {
+    const size_t part = bytes - at < BLOCK * voxel ? bytes - at : BLOCK * voxel;
+    memcpy(copy, in + at, part);
+    voxels_repair(copy, part / voxel);
+    status = write_buffer(chain, buffer, at, part, copy);
+  }
+  free(copy);
+  return status;
 }
 
 hbil_status hbil_cache_load(hbil_cache *cache, cl_command_queue queue,
@@ -175,7 +204,10 @@ hbil_status hbil_cache_load(hbil_cache *cache, cl_command_queue queue,
   size_t offset = sizeof head;
   for (int i = 0; i < SAVED && status == HBIL_SUCCESS; ++i) {
     const size_t part = cache_buffer_bytes(&cache->config, saved[i]);
-    status = write_buffer(&chain, cache->buffers[saved[i]], part, at + offset);
+    const cl_mem buffer = cache->buffers[saved[i]];
+    status = saved[i] == CACHE_VOXELS
+                 ? write_voxels(&chain, buffer, part, at + offset)
+                 : write_buffer(&chain, buffer, 0, part, at + offset);
     offset += part;
   }
   if (status == HBIL_SUCCESS) {

@@ -179,7 +179,7 @@ hbil_status hbil_enqueue_cache_move(hbil_cache *cache, cl_command_queue queue,
   if (cache && !centre)
     return fail_null(cache->context, __func__, "centre");
   for (int i = 0; cache && i < 3; ++i)
-    if (!(fabs(centre[i]) / cache->config.voxel_size < 0x1p52))
+    if (!(fabs(centre[i]) / cache->config.voxel_size < CACHE_FARTHEST_MIDDLE))
       return fail(cache->context, HBIL_INVALID_ARGUMENT,
                   "centre[%d]: %g; must be finite and less than 2^52 voxels "
                   "away",

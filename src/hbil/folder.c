@@ -6,6 +6,7 @@
 #include <time.h>
 
 #include "context.h"
+#include "regular_file.h"
 
 /* FOLDER/KEY and an ending, malloc'd; NULL without memory. */
 static char *path_of(const hbil_context *context, const char *key,
@@ -20,16 +21,15 @@ static char *path_of(const hbil_context *context, const char *key,
 
 static size_t load_file(void *user, const char *key, void *data, size_t room) {
   char *path = path_of(user, key, ".bin");
-  FILE *file = path ? fopen(path, "rb") : NULL;
-  long size = 0;
+  size_t size = 0;
+  FILE *file = path ? open_regular_file(path, &size) : NULL;
   free(path);
   if (!file)
     return 0;
-  if (fseek(file, 0, SEEK_END) || (size = ftell(file)) < 0 ||
-      fseek(file, 0, SEEK_SET) || (room && fread(data, 1, room, file) != room))
+  if (room && fread(data, 1, room, file) != room)
     size = 0;
   fclose(file);
-  return (size_t)size;
+  return size;
 }
 
 /* Opens a file that nobody else has, beside `path`.  The name in `temporary`

@@ -54,6 +54,7 @@
 #define layout_is_scratch hbil_internal_layout_is_scratch
 #define memory_limits hbil_internal_memory_limits
 #define memory_read hbil_internal_memory_read
+#define open_regular_file hbil_internal_open_regular_file
 #define plane_bind hbil_internal_plane_bind
 #define plane_components hbil_internal_plane_components
 #define plane_components_allowed hbil_internal_plane_components_allowed
@@ -71,6 +72,7 @@
 #define staged_frame hbil_internal_staged_frame
 #define status_of hbil_internal_status_of
 #define try_import hbil_internal_try_import
+#define voxels_repair hbil_internal_voxels_repair
 #define warn hbil_internal_warn
 
 #endif

@@ -1,10 +1,14 @@
 /* OpenCL programs: one per pass, from the embedded sources or, while working on
  * them, from the folder that HBIL_KERNEL_DIR names. */
+#define _GNU_SOURCE /* secure_getenv() */
 #include "program.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+#include "regular_file.h"
 
 /* --- the text of a file --- */
 
@@ -17,22 +21,28 @@ static const char *embedded(const char *name) {
 
 /* The whole of a file as a malloc'd string; NULL if it cannot be read. */
 static char *read_text(const char *path) {
-  FILE *file = fopen(path, "rb");
-  char *text = NULL;
-  long size = -1;
+  size_t size;
+  FILE *file = open_regular_file(path, &size);
   if (!file)
     return NULL;
-  if (!fseek(file, 0, SEEK_END) && (size = ftell(file)) >= 0 &&
-      !fseek(file, 0, SEEK_SET) && (text = malloc((size_t)size + 1))) {
-    text[fread(text, 1, (size_t)size, file)] = '\0';
-  }
+  char *text = malloc(size + 1);
+  if (text)
+    text[fread(text, 1, size, file)] = '\0';
   fclose(file);
   return text;
 }
 
-/* The folder of kernels that replace the embedded ones; NULL: none. */
+/* The folder of kernels that replace the embedded ones; NULL: none.  Whoever
+ * runs a program that has more rights than they have (setuid) must not choose
+ * its code. */
 static const char *kernel_folder(void) {
-  const char *folder = getenv("HBIL_KERNEL_DIR");
+  static const char name[] = "HBIL_KERNEL_DIR";
+#ifdef HBIL_HAS_SECURE_GETENV
+  const char *folder = secure_getenv(name);
+#else
+  const char *folder =
+      getuid() == geteuid() && getgid() == getegid() ? getenv(name) : NULL;
+#endif
   return folder && *folder ? folder : NULL;
 }
 

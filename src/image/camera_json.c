@@ -1,4 +1,5 @@
 #include "image/camera_json.h"
+#include "image/regular_file.h"
 #include "image/temporary.h"
 
 #include <jansson.h>
@@ -184,18 +185,18 @@ static int parse(const parser *p, camera_file *out) {
              : 0;
 }
 
-static int fail_to_read(const char *path, image_error *error) {
+static int fail_to_read(const char *path, const char *why, image_error *error) {
   return image_fail(error,
                     "%s: camera cannot be read: %s; a JSON file with "
                     "camera_to_world, fx, fy, cx, cy is needed",
-                    path, strerror(errno));
+                    path, why);
 }
 
 static int read_limited(FILE *file, const char *path, char *text, size_t *size,
                         image_error *error) {
   *size = fread(text, 1, CAMERA_FILE_MOST + 1, file);
   if (ferror(file))
-    return fail_to_read(path, error);
+    return fail_to_read(path, strerror(errno), error);
   if (*size > CAMERA_FILE_MOST)
     return image_fail(error,
                       "%s: larger than %d KiB; a camera file with "
@@ -208,9 +209,10 @@ static int read_limited(FILE *file, const char *path, char *text, size_t *size,
  * reads files itself, but without a limit of size, and its errors give only a
  * position from which last_field() finds the field. */
 static char *read_text(const char *path, size_t *size, image_error *error) {
-  FILE *file = fopen(path, "rb");
+  const char *why;
+  FILE *file = regular_file_stream(path, &why);
   if (!file) {
-    fail_to_read(path, error);
+    fail_to_read(path, why, error);
     return NULL;
   }
   char *text = malloc(CAMERA_FILE_MOST + 1);
@@ -280,25 +282,29 @@ static json_t *camera_object(const camera_file *camera) {
                    camera->orthographic ? "orthographic" : NULL);
 }
 
+static int write_json(const temporary *t, const char *path, const json_t *root,
+                      image_error *error) {
+  FILE *file = temporary_stream(t);
+  int failed = !file || json_dumpf(root, file, JSON_INDENT(2)) != 0;
+  if (file && fclose(file) != 0)
+    failed = 1;
+  return failed ? image_fail(error, "%s: cannot be written: %s", path,
+                             strerror(errno))
+                : 0;
+}
+
 int camera_write(const char *path, const camera_file *camera,
                  image_error *error) {
-  char *temporary = temporary_name(path, error);
-  if (!temporary)
-    return -1;
+  temporary t;
   json_t *root = camera_object(camera);
-  if (!root) {
-    free(temporary);
+  if (!root)
     return image_fail(error,
                       "%s: camera cannot be written: its numbers must "
                       "be finite",
                       path);
-  }
-  const int failed = json_dump_file(root, temporary, JSON_INDENT(2));
+  int failed = temporary_open(path, &t, error);
+  if (!failed && (failed = write_json(&t, path, root, error)) != 0)
+    temporary_discard(&t);
   json_decref(root);
-  if (failed) {
-    temporary_discard(temporary);
-    return image_fail(error, "%s: cannot be written: %s", path,
-                      strerror(errno));
-  }
-  return temporary_commit(temporary, path, error);
+  return failed ? -1 : temporary_commit(&t, path, EXISTING_REPLACED, error);
 }

@@ -1,9 +1,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "image/exr_stream.h"
+#include "image/regular_file.h"
 #include "image/signature.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -12,10 +12,6 @@
 
 static int check_format(const exr_stream *s, image_error *error) {
   char start[SIGNATURE_SIZE];
-  struct stat status;
-  if (fstat(s->fd, &status) != 0 || !S_ISREG(status.st_mode))
-    return image_fail(
-        error, "%s: not a regular file; an OpenEXR file is needed", s->path);
   const ssize_t size = pread(s->fd, start, sizeof start, 0);
   if (size < 0 || signature_format(start, (size_t)size) != FILE_FORMAT_EXR)
     return image_fail(error,
@@ -26,14 +22,14 @@ static int check_format(const exr_stream *s, image_error *error) {
 }
 
 int exr_stream_open(exr_stream *s, const char *path, image_error *error) {
+  const char *why;
   s->path = path;
   s->message[0] = '\0';
   s->is_mute = 0;
-  s->fd = open(path, O_RDONLY);
+  s->fd = regular_file_open(path, &why);
   if (s->fd < 0)
-    return image_fail(error,
-                      "%s: cannot be read: %s; an OpenEXR file is needed", path,
-                      strerror(errno));
+    return image_fail(
+        error, "%s: cannot be read: %s; an OpenEXR file is needed", path, why);
   return check_format(s, error);
 }
 

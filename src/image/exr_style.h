@@ -1,8 +1,11 @@
 /*
- * How an OpenEXR file is stored: its compression and its further attributes.
+ * How an OpenEXR file is stored: its compression, its further attributes, and
+ * whether it may replace another file.
  */
 #ifndef HBIL_IMAGE_EXR_STYLE_H
 #define HBIL_IMAGE_EXR_STYLE_H
+
+#include "image/temporary.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -23,6 +26,7 @@ typedef struct exr_style {
   const char *like; /* a file whose header attributes are copied, except those
                      * that describe its storage, or NULL.  Only the first part
                      * counts.  A file of another format has no attributes. */
+  existing_file existing; /* a file that has the name already */
 } exr_style;
 
 #ifdef __cplusplus

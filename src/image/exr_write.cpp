@@ -102,25 +102,24 @@ int write_file(const char *path, int fd, const image &img,
 extern "C" int exr_write_as(const char *path, const image *img,
                             const unsigned char *half, const exr_style *style,
                             image_error *error) {
-  static const exr_style plain = {EXR_COMPRESSION_OF_ZIP, nullptr};
-  char *temporary = temporary_name(path, error);
-  if (!temporary)
+  static const exr_style plain = {EXR_COMPRESSION_OF_ZIP, nullptr,
+                                  EXISTING_REPLACED};
+  temporary file;
+  if (!style)
+    style = &plain;
+  if (temporary_open(path, &file, error) != 0)
     return -1;
-  const int fd = open(temporary, O_RDWR | O_CREAT | O_TRUNC, 0666);
-  if (fd < 0) {
-    image_fail(error, "%s: cannot be written: %s", path, std::strerror(errno));
-    std::free(temporary);
-    return -1;
-  }
+  // closing a copy tells of errors that come late; the lock stays
+  const int fd = fcntl(file.fd, F_DUPFD_CLOEXEC, 0);
   int failed = catch_exceptions(path, "written", error, [&] {
-    return write_file(path, fd, *img, half, style ? *style : plain, error);
+    return write_file(path, fd, *img, half, *style, error);
   });
   if (close(fd) != 0 && !failed)
     failed = image_fail(error, "%s: cannot be written: %s", path,
                         std::strerror(errno));
   if (!failed)
-    return temporary_commit(temporary, path, error);
-  temporary_discard(temporary);
+    return temporary_commit(&file, path, style->existing, error);
+  temporary_discard(&file);
   return -1;
 }
 

@@ -10,6 +10,7 @@
 #include "image/error.h"
 #include "image/image.h"
 #include "image/picture.h"
+#include "image/temporary.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -28,7 +29,7 @@ typedef struct formats_table {
   int (*read_rgb)(const char *path, float **rgb, uint32_t *width,
                   uint32_t *height, image_error *error);
   int (*write_png)(const char *path, const unsigned char *rgb, uint32_t width,
-                   uint32_t height, image_error *error);
+                   uint32_t height, existing_file existing, image_error *error);
   int (*draw_tile)(picture *to, const picture_window *at, const picture *tile);
   int (*draw_text)(picture *to, int x, int y, int size, picture_align align,
                    const char *text);

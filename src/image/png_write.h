@@ -5,6 +5,7 @@
 #define HBIL_IMAGE_PNG_WRITE_H
 
 #include "image/error.h"
+#include "image/temporary.h"
 
 #include <stdint.h>
 
@@ -16,7 +17,7 @@ extern "C" {
  * mark by which png_look() recognises the file (png_mark.h).  The file
  * appears complete or not at all. */
 int png_write(const char *path, const unsigned char *rgb, uint32_t width,
-              uint32_t height, image_error *error);
+              uint32_t height, existing_file existing, image_error *error);
 
 #ifdef __cplusplus
 }

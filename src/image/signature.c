@@ -2,6 +2,7 @@
  * and Imf::isOpenExrFile() know OpenEXR only, and OpenImageIO tries all of its
  * readers, video decoders included. */
 #include "image/signature.h"
+#include "image/regular_file.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -27,7 +28,8 @@ file_format signature_format(const char *start, size_t size) {
 
 file_format signature_of_file(const char *path) {
   char start[SIGNATURE_SIZE];
-  FILE *file = fopen(path, "rb");
+  const char *why;
+  FILE *file = regular_file_stream(path, &why);
   if (!file)
     return FILE_FORMAT_OTHER;
   const size_t size = fread(start, 1, sizeof start, file);

@@ -1,38 +1,89 @@
-#define _POSIX_C_SOURCE 200809L
+#define _DEFAULT_SOURCE 1 /* flock() */
 #include "image/temporary.h"
+#include "image/rename_new.h"
+#include "image/temporary_name.h"
 
 #include <errno.h>
-#include <stdio.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-/* The process id separates two processes that write the same file.  mkstemp()
- * would do that too, but only the id shows whether the file is still being
- * written or was left behind by a process that died. */
-char *temporary_name(const char *path, image_error *error) {
-  const size_t size = strlen(path) + 32;
-  char *name = malloc(size);
-  if (!name) {
-    image_no_memory(error, path);
-    return NULL;
-  }
-  snprintf(name, size, "%s.tmp%ld", path, (long)getpid());
-  return name;
+/* How often a name is drawn. */
+enum { MOST_TRIES = 100 };
+
+/* Locks the file.  A job that sweeps may have found it before it was locked,
+ * and then holds the lock and removes it.  Returns whether the file still has
+ * its name.  Where locks don't work, temporary_sweep() goes by age. */
+static int lock(int fd) {
+  struct stat status;
+  while (flock(fd, LOCK_EX) != 0 && errno == EINTR)
+    ;
+  return fstat(fd, &status) == 0 && status.st_nlink > 0;
 }
 
-void temporary_discard(char *name) {
-  if (name)
-    unlink(name);
-  free(name);
+int temporary_open(const char *path, temporary *out, image_error *error) {
+  int tries = 0;
+  out->fd = -1;
+  out->name = temporary_name_new(path);
+  if (!out->name)
+    return image_no_memory(error, path);
+  do {
+    temporary_name_draw(out->name);
+    /* O_EXCL: not even a symbolic link may have the name */
+    out->fd = open(out->name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (out->fd >= 0 && lock(out->fd))
+      return 0;
+    if (out->fd >= 0) {
+      close(out->fd);
+      errno = EEXIST;
+    }
+  } while (errno == EEXIST && ++tries < MOST_TRIES);
+  image_fail(error, "%s: cannot be written: %s", path, strerror(errno));
+  free(out->name);
+  return -1;
 }
 
-int temporary_commit(char *name, const char *path, image_error *error) {
-  if (rename(name, path) != 0) {
-    image_fail(error, "%s: cannot be written: %s", path, strerror(errno));
-    temporary_discard(name);
+FILE *temporary_stream(const temporary *t) {
+  const int copy = fcntl(t->fd, F_DUPFD_CLOEXEC, 0);
+  FILE *file = copy < 0 ? NULL : fdopen(copy, "wb");
+  const int why = errno;
+  if (copy >= 0 && !file)
+    close(copy);
+  errno = why;
+  return file;
+}
+
+/* The lock ends after the temporary name does, so no job sweeps it. */
+static void close_all(temporary *t) {
+  close(t->fd);
+  free(t->name);
+  t->name = NULL;
+  t->fd = -1;
+}
+
+void temporary_discard(temporary *t) {
+  unlink(t->name);
+  close_all(t);
+}
+
+int temporary_commit(temporary *t, const char *path, existing_file existing,
+                     image_error *error) {
+  const int failed = existing == EXISTING_STAYS ? rename_new(t->name, path)
+                                                : rename(t->name, path);
+  if (failed) {
+    if (existing == EXISTING_STAYS && errno == EEXIST)
+      image_fail(error,
+                 "%s: is there already: another job has written it meanwhile, "
+                 "and it is left alone; another output folder is needed",
+                 path);
+    else
+      image_fail(error, "%s: cannot be written: %s", path, strerror(errno));
+    temporary_discard(t);
     return -1;
   }
-  free(name);
+  close_all(t);
   return 0;
 }

@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tool/cache_file.h"
 
-#include "image/temporary.h"
+#include "image/regular_file.h"
 
 #include <errno.h>
 #include <math.h>
@@ -29,8 +29,8 @@ static uint64_t hash_of(head h, const void *bytes) {
   return XXH3_64bits_withSeed(bytes, h.file.size, XXH3_64bits(&h, sizeof h));
 }
 
-static int cannot_read(const char *path, image_error *error) {
-  return image_fail(error, "%s: cannot be read: %s", path, strerror(errno));
+static int cannot_read(const char *path, const char *why, image_error *error) {
+  return image_fail(error, "%s: cannot be read: %s", path, why);
 }
 
 static int reject(const char *path, const char *what, image_error *error) {
@@ -55,7 +55,7 @@ static int read_head(const char *path, FILE *file, head *out,
   errno = 0;
   const int complete = fread(out, sizeof *out, 1, file) == 1;
   if (ferror(file) || fstat(fileno(file), &info) != 0)
-    return cannot_read(path, error);
+    return cannot_read(path, strerror(errno), error);
   if (!complete || memcmp(out->magic, file_magic, sizeof file_magic) != 0)
     return reject(path, "is no radiance cache", error);
   out->version[sizeof out->version - 1] = '\0';
@@ -83,9 +83,10 @@ int cache_file_recognise(const char *path) {
 
 int cache_file_read(const char *path, cache_file *out, image_error *error) {
   head h;
-  FILE *file = fopen(path, "rb");
+  const char *why;
+  FILE *file = regular_file_stream(path, &why);
   if (!file)
-    return cannot_read(path, error);
+    return cannot_read(path, why, error);
   const int failed = read_head(path, file, &h, error);
   fclose(file);
   if (!failed)
@@ -96,24 +97,25 @@ int cache_file_read(const char *path, cache_file *out, image_error *error) {
 int cache_file_read_bytes(const char *path, const cache_file *expected,
                           void *bytes, image_error *error) {
   head h;
-  FILE *file = fopen(path, "rb");
+  const char *why;
+  FILE *file = regular_file_stream(path, &why);
   if (!file)
-    return cannot_read(path, error);
+    return cannot_read(path, why, error);
   int failed = read_head(path, file, &h, error);
   if (!failed &&
       (h.file.hash != expected->hash || h.file.size != expected->size))
     failed = image_fail(error, "%s: has changed meanwhile", path);
   if (!failed && fread(bytes, h.file.size, 1, file) != 1)
-    failed = cannot_read(path, error);
+    failed = cannot_read(path, strerror(errno), error);
   fclose(file);
   return !failed && h.file.hash != hash_of(h, bytes)
              ? reject(path, "is damaged", error)
              : failed;
 }
 
-static int write_file(const char *name, const char *path, const head *h,
+static int write_file(const temporary *t, const char *path, const head *h,
                       const void *bytes, image_error *error) {
-  FILE *file = fopen(name, "wb");
+  FILE *file = temporary_stream(t);
   int failed = !file || fwrite(h, sizeof *h, 1, file) != 1 ||
                fwrite(bytes, h->file.size, 1, file) != 1;
   const int why = errno;
@@ -127,18 +129,18 @@ static int write_file(const char *name, const char *path, const head *h,
 }
 
 int cache_file_write(const char *path, cache_file *file, const void *bytes,
-                     image_error *error) {
+                     existing_file existing, image_error *error) {
   head h;
+  temporary t;
   memset(&h, 0, sizeof h);
   memcpy(h.magic, file_magic, sizeof h.magic);
   snprintf(h.version, sizeof h.version, "%s", hbil_version());
   h.file = *file;
   h.file.hash = file->hash = hash_of(h, bytes);
-  char *name = temporary_name(path, error);
-  if (!name)
+  if (temporary_open(path, &t, error) != 0)
     return -1;
-  if (write_file(name, path, &h, bytes, error) == 0)
-    return temporary_commit(name, path, error);
-  temporary_discard(name);
+  if (write_file(&t, path, &h, bytes, error) == 0)
+    return temporary_commit(&t, path, existing, error);
+  temporary_discard(&t);
   return -1;
 }

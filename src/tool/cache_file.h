@@ -4,6 +4,7 @@
 
 #include "hbil/hbil.h"
 #include "image/error.h"
+#include "image/temporary.h"
 
 #include <stdint.h>
 
@@ -34,6 +35,6 @@ int cache_file_read_bytes(const char *path, const cache_file *file, void *bytes,
 /* Writes the file, which appears complete or not at all.  file->hash is filled
  * in.  0, or -1 with `error` filled. */
 int cache_file_write(const char *path, cache_file *file, const void *bytes,
-                     image_error *error);
+                     existing_file existing, image_error *error);
 
 #endif

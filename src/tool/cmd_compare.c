@@ -2,12 +2,14 @@
 #include "image/error.h"
 #include "image/formats.h"
 #include "image/image.h"
+#include "image/temporary_sweep.h"
 #include "tool/commands.h"
 #include "tool/compare_blocks.h"
 #include "tool/compare_measure.h"
 #include "tool/file_uses.h"
 #include "tool/heatmap.h"
 #include "tool/options.h"
+#include "tool/paths.h"
 #include "tool/report.h"
 
 #include <getopt.h>
@@ -112,6 +114,10 @@ static int write_heatmap(const compare_options *o, const float *heat,
                          const image *like, image_error *error) {
   const size_t pixels = (size_t)like->width * like->height;
   float limit = 0.0f;
+  char *folder = path_parent(o->heatmap);
+  if (folder)
+    temporary_sweep(folder);
+  free(folder);
   if (compare_heat_limit(heat, pixels, &limit) != 0)
     return image_no_memory(error, o->heatmap);
   if (heatmap_write(o->heatmap, heat, like->width, like->height, limit,

@@ -10,6 +10,7 @@
 #include "image/error.h"
 #include "image/exr_write.h"
 #include "image/image.h"
+#include "image/temporary_sweep.h"
 #include "scene/scene.h"
 #include "tool/commands.h"
 #include "tool/demo_files.h"
@@ -71,8 +72,10 @@ static int make_folder(const char *path, image_error *error) {
   if (mkdir(path, 0777) == 0)
     return 0;
   int reason = errno;
-  if (reason == EEXIST && stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+  if (reason == EEXIST && stat(path, &info) == 0 && S_ISDIR(info.st_mode)) {
+    temporary_sweep(path);
     return 0;
+  }
   return image_fail(error,
                     "%s: cannot be made: %s; a folder that can be written "
                     "is needed",
@@ -341,6 +344,8 @@ static int check_device(const demo_options *o, image_error *error) {
   device d;
   if (device_open(o->device, 1, &d, error) != 0)
     return -1;
+  if (d.note)
+    report_note(d.name, "", d.note);
   device_close(&d);
   return 0;
 }

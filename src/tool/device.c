@@ -2,6 +2,8 @@
 #include "tool/device.h"
 
 #include "image/error.h"
+#include "tool/driver_cache.h"
+#include "tool/last_words.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -16,13 +18,28 @@ typedef struct device_entry {
 typedef struct device_entries {
   size_t count;
   device_entry *list;
+  char *note; /* see driver_cache_prepare() */
 } device_entries;
+
+static void free_entries(device_entries *entries) {
+  free(entries->list);
+  free(entries->note);
+  last_words_driver(NULL);
+}
 
 /* What the loader and the platforms answered that have no device. */
 typedef struct answers {
-  char text[512];
+  char text[2048];
   size_t length;
 } answers;
+
+static void add_text(answers *all, const char *who, const char *what) {
+  const size_t room = sizeof all->text - all->length;
+  const int length = snprintf(all->text + all->length, room, "%s%s: %s",
+                              all->length ? ", " : "", who, what);
+  if (length > 0)
+    all->length += (size_t)length < room ? (size_t)length : room - 1;
+}
 
 static void add_answer(answers *all, const char *who, cl_int status) {
   char what[32] = "no device";
@@ -31,11 +48,7 @@ static void add_answer(answers *all, const char *who, cl_int status) {
     snprintf(what, sizeof what, "no platform");
   else if (status != CL_SUCCESS && status != CL_DEVICE_NOT_FOUND)
     snprintf(what, sizeof what, "OpenCL error %d", (int)status);
-  const size_t room = sizeof all->text - all->length;
-  const int length = snprintf(all->text + all->length, room, "%s%s: %s",
-                              all->length ? ", " : "", who, what);
-  if (length > 0)
-    all->length += (size_t)length < room ? (size_t)length : room - 1;
+  add_text(all, who, what);
 }
 
 static void platform_name(cl_platform_id platform, char name[256]) {
@@ -45,15 +58,22 @@ static void platform_name(cl_platform_id platform, char name[256]) {
   name[255] = '\0';
 }
 
+static int is_pocl(const char *platform) {
+  return strcmp(platform, "Portable Computing Language") == 0;
+}
+
 static int add_platform(device_entries *entries, cl_platform_id platform,
-                        answers *none) {
+                        const image_error *no_cache, answers *none) {
   cl_uint count = 0;
+  char name[256];
+  platform_name(platform, name);
   const cl_int status =
       clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, NULL, &count);
   if (status != CL_SUCCESS || count == 0) {
-    char name[256];
-    platform_name(platform, name);
-    add_answer(none, name, status);
+    if (no_cache->text[0] && is_pocl(name))
+      add_text(none, name, no_cache->text);
+    else
+      add_answer(none, name, status);
     return 0;
   }
   cl_device_id *ids = calloc(count, sizeof *ids);
@@ -78,7 +98,11 @@ static int find_devices(device_entries *out, image_error *error) {
   cl_uint count = 0;
   int failed = 0;
   answers none = {"", 0};
+  image_error no_cache = {""};
   memset(out, 0, sizeof *out);
+  last_words_driver("listed its devices");
+  /* PoCL looks at it already when the loader finds it */
+  driver_cache_prepare(&out->note, &no_cache);
   cl_int status = clGetPlatformIDs(0, NULL, &count);
   if (status != CL_SUCCESS)
     count = 0;
@@ -91,7 +115,7 @@ static int find_devices(device_entries *out, image_error *error) {
     add_answer(&none, "OpenCL's loader", status);
   else
     for (cl_uint i = 0; i < count && !failed; i++)
-      failed = add_platform(out, platforms[i], &none);
+      failed = add_platform(out, platforms[i], &no_cache, &none);
   free(platforms);
   if (failed)
     image_no_memory(error, "devices");
@@ -101,7 +125,7 @@ static int find_devices(device_entries *out, image_error *error) {
                         "example Debian's pocl-opencl-icd",
                         none.text);
   if (failed)
-    free(out->list);
+    free_entries(out);
   return failed;
 }
 
@@ -150,7 +174,7 @@ int device_list(image_error *error) {
            type_name(device_type(id)), platform, version, units,
            device_memory(id) >> 20);
   }
-  free(entries.list);
+  free_entries(&entries);
   return 0;
 }
 
@@ -230,7 +254,15 @@ int device_open(const char *wanted, int profiling, device *out,
                        "--device %s: no such device; an index or a part of a "
                        "name that hbil devices lists is needed",
                        wanted);
-  free(entries.list);
+  if (!failed) {
+    char name[256];
+    platform_name(entries.list[chosen].platform, name);
+    out->note = is_pocl(name) ? entries.note : NULL;
+    if (out->note)
+      entries.note = NULL;
+  }
+  free_entries(&entries);
+  last_words_driver(failed ? NULL : "was opened");
   return failed;
 }
 
@@ -239,5 +271,7 @@ void device_close(device *d) {
     clReleaseCommandQueue(d->queue);
   if (d->context)
     clReleaseContext(d->context);
+  free(d->note);
+  last_words_driver(NULL);
   memset(d, 0, sizeof *d);
 }

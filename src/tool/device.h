@@ -10,6 +10,7 @@ typedef struct device {
   cl_context context;
   cl_command_queue queue; /* in order */
   char name[256], driver[256];
+  char *note; /* on its driver's folder for compiled kernels, or NULL; owned */
 } device;
 
 /* wanted: an index in the list, a part of a name, or NULL for the first GPU or

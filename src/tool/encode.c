@@ -25,9 +25,9 @@
 static int write_preview(const encoder *e, const job_frame *f,
                          const image *result, layer l, image_error *error) {
   char *path = job_preview_path(f, l);
-  const int failed =
-      path ? preview_write(path, result, l, e->resume->exposure, error)
-           : image_no_memory(error, f->path);
+  const int failed = path ? preview_write(path, result, l, e->resume->exposure,
+                                          job_existing(e->job), error)
+                          : image_no_memory(error, f->path);
   free(path);
   return failed;
 }
@@ -130,7 +130,8 @@ static void remove_copied(image *result, size_t layers) {
 static int write_planes(const encoder *e, size_t item, const char *path,
                         image *result, image *copied, image_error *error) {
   const job_frame *f = &e->job->frames[item];
-  const exr_style style = {e->job->settings->compression, f->path};
+  const exr_style style = {e->job->settings->compression, f->path,
+                           job_existing(e->job)};
   const size_t layers = result->count;
   job_key_sign(result, e->resume->keys[item]);
   for (size_t i = 0; i < layers; i++)
@@ -152,6 +153,9 @@ static int write_result(encoder *e, size_t item, image *result, image *copied,
   int failed = e->resume->finished[item]
                    ? 0
                    : write_planes(e, item, path, result, copied, error);
+  /* of two jobs, the one whose result it is writes the previews, too */
+  if (!failed && e->job->settings->preview && !e->resume->finished[item])
+    failed = write_previews(e, f, result, error);
   if (!failed)
     failed = show_frame(e, item, path, result, error);
   if (!failed)
@@ -172,9 +176,6 @@ int encode_frame(encoder *e, size_t item, image *result, image *copied,
     e->done++;
     if (item == e->job->settings->pre_roll && preview)
       e->resume->exposure = preview_exposure(result);
-    if (preview && !e->resume->finished[item] &&
-        write_previews(e, &e->job->frames[item], result, error) != 0)
-      return -1;
   }
   return write_result(e, item, result, copied, error);
 }
@@ -225,7 +226,7 @@ int encoder_finish(encoder *e, image_error *error) {
   if (e->sheet.unlabelled)
     heatmap_warn_without_font();
   return png_write(e->job->settings->contact_sheet, sheet->rgb, sheet->width,
-                   sheet->height, error);
+                   sheet->height, job_existing(e->job), error);
 }
 
 void encoder_close(encoder *e) {

@@ -79,7 +79,8 @@ int heatmap_write(const char *path, const float *values, uint32_t width,
   picture p;
   if (draw_heatmap(values, width, height, limit, &p) != 0)
     return image_no_memory(error, path);
-  const int failed = png_write(path, p.rgb, p.width, p.height, error);
+  const int failed =
+      png_write(path, p.rgb, p.width, p.height, EXISTING_REPLACED, error);
   picture_free(&p);
   return failed;
 }

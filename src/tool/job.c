@@ -3,8 +3,10 @@
 
 #include "tool/paths.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 static void free_frames(job_frame *list, int count) {
   for (int i = 0; list && i < count; i++) {
@@ -35,10 +37,24 @@ char *job_preview_path(const job_frame *f, layer l) {
   return path;
 }
 
-char *job_history_path(const job *j) {
-  const char *stem = j->frames[j->settings->pre_roll].stem;
-  const char *slash = strrchr(stem, '/');
-  return path_join(j->settings->output, "/.hbil-light.", slash + 1);
+/* Longer names would lead beyond the 255 bytes of most file systems, and a
+ * number stands for them. */
+enum { LONGEST_NAME = 200 };
+
+char *job_history_path(const job *j, int index) {
+  const char *name = strrchr(j->frames[index].stem, '/') + 1;
+  char number[17];
+  if (strlen(name) > LONGEST_NAME) {
+    snprintf(number, sizeof number, "%016llx",
+             (unsigned long long)XXH3_64bits(name, strlen(name)));
+    name = number;
+  }
+  return path_join(j->settings->output, "/.hbil-light.", name);
+}
+
+existing_file job_existing(const job *j) {
+  return j->settings->overwrite || j->settings->resume ? EXISTING_REPLACED
+                                                       : EXISTING_STAYS;
 }
 
 job_frame *job_first(const job *j) {

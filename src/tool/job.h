@@ -12,6 +12,7 @@
 #include "tool/layers.h"
 #include "tool/settings.h"
 #include "image/camera_json.h"
+#include "image/temporary.h"
 #include "image/window.h"
 
 #include <stdint.h>
@@ -55,9 +56,13 @@ void job_free(job *j);
 char *job_result_path(const job_frame *f);
 char *job_preview_path(const job_frame *f, layer l);
 
-/* The file for what the last frame hands on, while the job runs.  Chunks in one
- * folder have their own.  malloc'd, NULL if memory runs out. */
-char *job_history_path(const job *j);
+/* The file for what the last frame hands on, while a job runs whose first
+ * written frame has this index.  Chunks in one folder have their own. malloc'd,
+ * NULL if memory runs out. */
+char *job_history_path(const job *j, int index);
+
+/* What becomes of files that have the names of what the job writes. */
+existing_file job_existing(const job *j);
 
 /* The frame that decides what no option says. */
 job_frame *job_first(const job *j);

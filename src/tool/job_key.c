@@ -6,6 +6,7 @@
 #include "image/exr_checksum.h"
 #include "image/exr_read.h"
 #include "image/image.h"
+#include "image/regular_file.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -59,7 +60,8 @@ static uint64_t hash_map(uint64_t hash, const channel_map *map) {
 static int hash_file(const char *path, uint64_t *hash, image_error *error) {
   enum { BLOCK = 1 << 16 };
   size_t read = BLOCK;
-  FILE *file = fopen(path, "rb");
+  const char *why = NULL;
+  FILE *file = regular_file_stream(path, &why);
   char *block = file ? malloc(BLOCK) : NULL;
   while (block && read == BLOCK) {
     read = fread(block, 1, BLOCK, file);
@@ -67,7 +69,8 @@ static int hash_file(const char *path, uint64_t *hash, image_error *error) {
   }
   const int failed = !block || ferror(file);
   if (failed)
-    image_fail(error, "%s: cannot be read: %s", path, strerror(errno));
+    image_fail(error, "%s: cannot be read: %s", path,
+               why ? why : strerror(errno));
   if (file)
     fclose(file);
   free(block);

@@ -4,10 +4,11 @@
 
 #include "image/error.h"
 #include "image/formats.h"
+#include "image/temporary.h"
+#include "image/temporary_sweep.h"
 #include "tool/paths.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,25 +39,21 @@ static int look_at_folder(const char *folder, image_error *error) {
 /* Writes a file and removes it.  Permissions alone don't show read-only and
  * special file systems. */
 static int try_to_write(const char *folder, image_error *error) {
-  char name[48];
-  snprintf(name, sizeof name, "/.hbil-test%ld", (long)getpid());
-  char *path = path_join(folder, "", name);
+  temporary t;
+  char *path = path_join(folder, "/", "result");
   if (!path)
     return image_no_memory(error, folder);
-  const int fd = open(path, O_WRONLY | O_CREAT | O_EXCL, 0600);
+  const int failed = temporary_open(path, &t, NULL);
   const int why = errno;
-  if (fd >= 0) {
-    close(fd);
-    unlink(path);
-  }
+  if (!failed)
+    temporary_discard(&t);
   free(path);
-  /* there it is if another machine tries at this moment */
-  if (fd >= 0 || why == EEXIST)
-    return 0;
-  return image_fail(error,
-                    "%s: output folder cannot be written: %s; a folder in "
-                    "which you may write is needed",
-                    folder, strerror(why));
+  return failed
+             ? image_fail(error,
+                          "%s: output folder cannot be written: %s; a folder "
+                          "in which you may write is needed",
+                          folder, strerror(why))
+             : 0;
 }
 
 static int prepare_folder(job *j, image_error *error) {
@@ -92,13 +89,66 @@ static int check_parent(const job *j, const char *path, image_error *error) {
                                path, strerror(errno));
 }
 
+/* What killed jobs have left where this one writes. */
+static void sweep(const job *j) {
+  const process_settings *s = j->settings;
+  const char *const files[] = {s->contact_sheet, s->cache_save};
+  temporary_sweep(s->output);
+  for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+    char *folder = files[i] ? path_parent(files[i]) : NULL;
+    if (folder)
+      temporary_sweep(folder);
+    free(folder);
+  }
+}
+
+/* File systems have a limit for names, mostly 255 bytes.  What a job adds to a
+ * frame's name may lead beyond it. */
+static int check_length(const job *j, const char *path, image_error *error) {
+  const long limit = pathconf(j->settings->output, _PC_NAME_MAX);
+  const size_t length = strlen(strrchr(path, '/') + 1);
+  return limit < 0 || length <= (size_t)limit
+             ? 0
+             : image_fail(error,
+                          "%s: cannot be written: its name has %zu bytes; a "
+                          "frame's name with which it has at most %ld is "
+                          "needed",
+                          path, length, limit);
+}
+
+/* A frame's files. */
+static int check_frame(const job *j, const job_frame *f, image_error *error) {
+  char *path = job_result_path(f);
+  int failed =
+      path ? check_length(j, path, error) : image_no_memory(error, f->path);
+  free(path);
+  for (int l = 0; l < LAYER_COUNT && j->settings->preview && !failed; l++) {
+    if (!(j->layers >> l & 1))
+      continue;
+    path = job_preview_path(f, (layer)l);
+    failed =
+        path ? check_length(j, path, error) : image_no_memory(error, f->path);
+    free(path);
+  }
+  return failed ? -1 : 0;
+}
+
+static int check_frames(const job *j, image_error *error) {
+  for (int i = (int)j->settings->pre_roll; i < j->count; i++)
+    if (check_frame(j, &j->frames[i], error) != 0)
+      return -1;
+  return 0;
+}
+
 int job_output_prepare(job *j, image_error *error) {
   const process_settings *s = j->settings;
   if ((s->preview || s->contact_sheet) && formats_check(error) != 0)
     return -1;
-  return prepare_folder(j, error) != 0 ||
-                 check_parent(j, s->contact_sheet, error) != 0 ||
-                 check_parent(j, s->cache_save, error) != 0
-             ? -1
-             : 0;
+  if (prepare_folder(j, error) != 0 || check_frames(j, error) != 0 ||
+      check_parent(j, s->contact_sheet, error) != 0 ||
+      check_parent(j, s->cache_save, error) != 0)
+    return -1;
+  if (!s->dry_run)
+    sweep(j);
+  return 0;
 }

@@ -6,16 +6,22 @@
 #include "image/error.h"
 #include "image/image.h"
 #include "tool/exact.h"
+#include "tool/last_words.h"
+#include "tool/report.h"
 
 #include <stdint.h>
 #include <string.h>
 #include <sys/resource.h>
 
 int lighting_prepare(lighting *l, const job *j, image_error *error) {
-  return j->settings->exact
-             ? exact_sequence_check(&j->config, error)
-             : device_open(j->settings->device, j->settings->timings,
-                           &l->device, error);
+  if (j->settings->exact)
+    return exact_sequence_check(&j->config, error);
+  if (device_open(j->settings->device, j->settings->timings, &l->device,
+                  error) != 0)
+    return -1;
+  if (l->device.note && !j->settings->quiet)
+    report_note(l->device.name, "", l->device.note);
+  return 0;
 }
 
 static int open_exact(lighting *l, const job *j, image_error *error) {
@@ -67,6 +73,7 @@ static int open_world(lighting *l, const job *j, image_error *error) {
 int lighting_open(lighting *l, job *j, image_error *error) {
   if (j->settings->exact)
     return open_exact(l, j, error);
+  last_words_driver("built kernels");
   j->config.execution.horizon_cache_bytes = horizon_cache_bytes(l, j);
   if (open_sequence(l, j, error) == 0)
     return open_world(l, j, error);
@@ -93,7 +100,10 @@ size_t lighting_memory(const lighting *l) {
 }
 
 int lighting_learn(lighting *l, image_error *error) {
-  return l->world ? world_learn(l->world, error) : 0;
+  if (!l->world)
+    return 0;
+  last_words_driver("filled the radiance cache");
+  return world_learn(l->world, error);
 }
 
 int lighting_see(lighting *l, const char *path, const gbuffer *g,
@@ -119,11 +129,12 @@ int lighting_run(lighting *l, const job *j, size_t item, const gbuffer *g,
                  image_error *error) {
   const job_frame *f = &j->frames[item];
   const unsigned runs = job_runs(j, (int)item);
-  if (!l->exact)
-    return sequence_run(l->sequence, g, hash, &j->far, runs, result, hidden,
-                        row, error);
-  return exact_sequence_run(l->exact, g, &f->camera, &j->far, runs, result,
-                            hidden, error);
+  if (l->exact)
+    return exact_sequence_run(l->exact, g, &f->camera, &j->far, runs, result,
+                              hidden, error);
+  last_words_driver("lit frames");
+  return sequence_run(l->sequence, g, hash, &j->far, runs, result, hidden, row,
+                      error);
 }
 
 size_t lighting_history_size(const lighting *l) {

@@ -3,6 +3,7 @@
 #include "hbil/hbil.h"
 #include "image/error.h"
 #include "tool/commands.h"
+#include "tool/last_words.h"
 #include "tool/report.h"
 
 #include <errno.h>
@@ -67,6 +68,7 @@ int main(int argc, char **argv) {
   }
   /* writing beyond the limit of a file's size is then an error like others */
   signal(SIGXFSZ, SIG_IGN);
+  last_words_prepare();
   for (int i = 0; i < COMMANDS; i++)
     if (strcmp(argv[1], commands[i].name) == 0)
       return finish(commands[i].run(argc - 1, argv + 1));

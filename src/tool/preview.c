@@ -97,11 +97,11 @@ int preview_picture(const image *result, layer l, float exposure,
 }
 
 int preview_write(const char *path, const image *result, layer l,
-                  float exposure, image_error *error) {
+                  float exposure, existing_file existing, image_error *error) {
   picture p;
   if (preview_picture(result, l, exposure, &p) != 0)
     return image_no_memory(error, path);
-  const int failed = png_write(path, p.rgb, p.width, p.height, error);
+  const int failed = png_write(path, p.rgb, p.width, p.height, existing, error);
   picture_free(&p);
   return failed;
 }

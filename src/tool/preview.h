@@ -6,6 +6,7 @@
 #include "image/error.h"
 #include "image/image.h"
 #include "image/picture.h"
+#include "image/temporary.h"
 
 /* One exposure for all layers of light, from the layers of one frame. */
 float preview_exposure(const image *result);
@@ -20,6 +21,6 @@ int preview_picture(const image *result, layer l, float exposure, picture *out);
 
 /* The same as a file.  0, or -1 with `error` filled. */
 int preview_write(const char *path, const image *result, layer l,
-                  float exposure, image_error *error);
+                  float exposure, existing_file existing, image_error *error);
 
 #endif

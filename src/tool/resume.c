@@ -117,8 +117,6 @@ static void tell_what_is_left(const resume *r, lighting *l) {
 static int look_for_results(resume *r, lighting *l, image_error *error) {
   const job *j = r->job;
   int missing = j->count;
-  if (!j->settings->dry_run)
-    saved_history_sweep(j);
   r->end = 0;
   for (int i = 0; i < j->count; i++) {
     if (look_for_result(r, i, error) != 0)
@@ -144,7 +142,7 @@ int resume_open(resume *r, const job *j, lighting *l, image_error *error) {
   r->history_size = lighting_history_size(l);
   r->keys = calloc((size_t)j->count, sizeof *r->keys);
   r->finished = calloc((size_t)j->count, sizeof *r->finished);
-  r->history_path = job_history_path(j);
+  r->history_path = job_history_path(j, (int)j->settings->pre_roll);
   for (int i = 0; r->finished && job_is_pre_roll(j, i); i++)
     r->finished[i] = 1;
   if (!r->keys || !r->finished || !r->history_path)

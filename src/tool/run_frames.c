@@ -189,6 +189,17 @@ static int run_all(run *r, frame_times *times, image_error *error) {
                                      : encoder_finish(&r->encoder, error);
 }
 
+/* With all frames done, nothing is to be continued: neither this job nor one
+ * that was killed and began with another of these frames. */
+static void remove_histories(const job *j) {
+  for (int i = (int)j->settings->pre_roll; i < j->count; i++) {
+    char *path = job_history_path(j, i);
+    if (path)
+      saved_history_remove(path);
+    free(path);
+  }
+}
+
 int run_frames(const job *j, first_frame *first, lighting *l, resume *r,
                frame_times *times, image_error *error) {
   memset(times, 0, sizeof *times);
@@ -204,8 +215,8 @@ int run_frames(const job *j, first_frame *first, lighting *l, resume *r,
              .rows = times->rows};
   const int failed = run_all(&all, times, error);
   release(&all);
-  if (failed == 0 && r->history_size)
-    saved_history_remove(r->history_path);
+  if (failed == 0)
+    remove_histories(j);
   return failed;
 }
 

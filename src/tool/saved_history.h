@@ -35,9 +35,4 @@ saved_state saved_history_read(const char *path, saved_history *h);
 /* Removes the file. */
 void saved_history_remove(const char *path);
 
-/* Removes half-written files of this job's frames, if the processes that wrote
- * them no longer run.  Those of other frames may belong to a chunk that runs on
- * another machine. */
-void saved_history_sweep(const job *j);
-
 #endif

@@ -338,7 +338,8 @@ int world_save(world *w, image_error *error) {
   if (world_bytes(w, &bytes, &size, error) != 0)
     return -1;
   file.size = size;
-  const int failed = cache_file_write(path, &file, bytes, error);
+  const int failed =
+      cache_file_write(path, &file, bytes, job_existing(w->job), error);
   free(bytes);
   return failed;
 }

@@ -135,10 +135,62 @@ static void errors_are_within_their_estimates_at_half_resolution(void **state) {
   check_resolution(*state, HBIL_RESOLUTION_HALF);
 }
 
+/* The estimate of E_near of a frame whose light is multiplied by 2^exponent. */
+static float *bright_estimate(int exponent) {
+  const size_t size = 2 * PIXELS * sizeof(float);
+  setup s;
+  setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
+  s.config.history.reprojection = HBIL_REPROJECTION_NONE;
+  s.config.outputs.error_estimate = one_float;
+  for (int i = 0; i < PIXELS; ++i)
+    for (int c = 0; c < 3; ++c) {
+      s.input[EXACT_DIRECT + c][i] =
+          ldexpf(s.input[EXACT_DIRECT + c][i], exponent);
+      s.input[EXACT_EMISSION + c][i] =
+          ldexpf(s.input[EXACT_EMISSION + c][i], exponent);
+    }
+  setup_start(&s);
+  s.frame.error_estimate.buffer = buffer_new(s.device, size, NULL);
+  setup_run(&s, hbil_enqueue_frame);
+  float *estimate = (float *)(void *)buffer_bytes(
+      s.device, s.frame.error_estimate.buffer, NULL);
+  clReleaseMemObject(s.frame.error_estimate.buffer);
+  setup_free(&s);
+  return estimate;
+}
+
+/* The squares of light of 2e19 and more are not finite floats, those of 1e-19
+ * and less are 0, and a neighbourhood may have both kinds of light. */
+static void bright_light_has_estimates_in_proportion(void **state) {
+  static const int exponents[] = {20, 49, 52, 55, 64, 80, 94};
+  float *want = bright_estimate(0);
+  double mean = 0.0;
+  (void)state;
+  for (int i = PIXELS; i < 2 * PIXELS; ++i)
+    mean += (double)want[i] / PIXELS;
+  assert_true(mean > 1e-3);
+  for (size_t k = 0; k < sizeof exponents / sizeof *exponents; ++k) {
+    float *got = bright_estimate(exponents[k]);
+    double most = 0.0;
+    for (int i = 0; i < 2 * PIXELS; ++i) {
+      const double value = (double)got[i];
+      const double scaled = i < PIXELS ? value : ldexp(value, -exponents[k]);
+      if (!isfinite(got[i]))
+        fail_msg("light of 2^%d: value %d is %g", exponents[k], i, value);
+      most = fmax(most, fabs(scaled - (double)want[i]) / mean);
+    }
+    /* differences of squares: see errors_of() */
+    check_at_most("change of the estimate over its mean", most, 0x1p-9);
+    free(got);
+  }
+  free(want);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(errors_are_within_their_estimates),
-      cmocka_unit_test(errors_are_within_their_estimates_at_half_resolution)};
+      cmocka_unit_test(errors_are_within_their_estimates_at_half_resolution),
+      cmocka_unit_test(bright_light_has_estimates_in_proportion)};
   shared_device = device_open();
   return device_finish(cmocka_run_group_tests(tests, make_exact, free_exact));
 }

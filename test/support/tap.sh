@@ -20,6 +20,12 @@ fi
 
 count=0
 
+# What a job that was killed on this machine leaves: a temporary file that nobody
+# has locked (src/image/temporary_name.c).  Elsewhere: what one of another
+# machine leaves.
+left_here=.hbil-$(head -c 8 /proc/sys/kernel/random/boot_id)-0123456789abcdef.tmp
+left_elsewhere=.hbil-00000000-0123456789abcdef.tmp
+
 # ok STATUS NAME: one result; what the command said follows a failure.
 ok() {
   count=$((count + 1))

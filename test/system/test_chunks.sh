@@ -102,13 +102,13 @@ absent "leaves nothing" "$work/none"
 one=$work/folder
 works "a first chunk" quiet --far environment --frames 1-3 -o "$one" "$all"
 : >"$one/.hbil-light.frame_0004"
-: >"$one/frame_0005.exr.tmp999999999"
-: >"$one/frame_0002.exr.tmp999999999"
+: >"$one/$left_here"
+: >"$one/$left_elsewhere"
 works "a chunk that is resumed beside another" \
   quiet --far environment --resume --frames 1-3 -o "$one" "$all"
-holds "leaves the other one's files, and removes its own" "$one" .hbil-light.frame_0004 \
-  frame_0001.exr frame_0002.exr frame_0003.exr frame_0005.exr.tmp999999999
-rm "$one"/.hbil-light.frame_0004 "$one"/*.tmp999999999
+holds "leaves what may be the other one's, and removes what is nobody's" "$one" \
+  "$left_elsewhere" .hbil-light.frame_0004 frame_0001.exr frame_0002.exr frame_0003.exr
+rm "$one/.hbil-light.frame_0004" "$one/$left_elsewhere"
 works "a second chunk, whose pre-roll is there" \
   quiet --far environment --frames 4-6 --pre-roll 3 -o "$one" "$all"
 run diff -r "$work/whole" "$one"

@@ -217,6 +217,48 @@ camera_with "a camera at the end of the world" 'field camera_to_world is wrong' 
 camera_with "a resolution below zero" 'field resolution is wrong' \
   resolution '[-40,30]'
 
+# --- what is no file ---
+
+# To open a FIFO waits for a writer.  timeout's exit status isn't 2.
+mkfifo "$work/pipe" "$work/pipe.exr"
+waits_for_none() { # NAME PATTERN COMMAND...
+  name=$1 pattern=$2
+  shift 2
+  rejected "$name" "$pattern" timeout 30 "$@"
+}
+no_file='not a regular file'
+plain="--quality reference --slices 2 --warm-up 0 -o $out"
+waits_for_none "a FIFO: info" "pipe.exr: cannot be read: $no_file" \
+  "$HBIL" info "$work/pipe.exr"
+waits_for_none "a FIFO: compare" "pipe.exr: cannot be read: $no_file" \
+  "$HBIL" compare "$one" "$work/pipe.exr"
+# shellcheck disable=SC2086
+for option in --camera --environment --decide-by; do
+  waits_for_none "a FIFO: $option" "pipe: .*cannot be read: $no_file" \
+    "$HBIL" process $plain $option "$work/pipe" "$one"
+done
+for option in --view --cache-load "--far rsm --light-view"; do
+  waits_for_none "a FIFO: $option" "pipe: cannot be read: $no_file" \
+    "$HBIL" process -o "$out" $option "$work/pipe" "$one"
+done
+# shellcheck disable=SC2086
+waits_for_none "a FIFO: a frame" "pipe.exr: cannot be read: $no_file" \
+  "$HBIL" process $plain "$work/pipe.exr"
+mkdir "$work/beside"
+cp "$one" "$work/beside"
+mkfifo "$work/beside/frame_0001.json"
+# shellcheck disable=SC2086
+waits_for_none "a FIFO: a camera beside its frame" "cannot be read: $no_file" \
+  "$HBIL" process $plain "$work/beside/frame_0001.exr"
+# shellcheck disable=SC2086
+waits_for_none "a device without an end" "zero: cannot be read: $no_file" \
+  "$HBIL" process $plain --environment /dev/zero "$one"
+mkdir "$work/resume"
+mkfifo "$work/resume/frame_0001.exr" "$work/resume/.hbil-light.frame_0001"
+works "a FIFO in a result's place is no result" timeout 60 "$HBIL" process --quiet \
+  --quality reference --slices 2 --warm-up 0 --resume -o "$work/resume" "$one"
+absent "what was rejected left nothing behind" "$out"
+
 # --- numbers ---
 
 for value in slices=99999999999999999999 slices=18446744073709551617 slices=-1 \
@@ -304,13 +346,11 @@ killed() { # COMMAND...
 }
 rm -rf "$work/killed"
 killed "$HBIL" process --quiet
-cp "$work/camera/frame_0001.exr" "$work/killed/frame_0004.exr.tmp1"
-cp "$work/camera/frame_0001.exr" "$work/killed/frame_0004.exr.tmp999999999"
+cp "$work/camera/frame_0001.exr" "$work/killed/$left_here"
 run "$HBIL" process --resume -o "$work/killed" "$frames"/*.exr
 test $status -eq 0 &&
   test "$(grep -c 'frame_000[12].exr is there already$' "$work/err")" -eq 2
 ok $? "after kill -9: what is there is left alone"
-rm "$work/killed/frame_0004.exr.tmp1" # process 1 lives
 same "and the rest is as without it" "$work/whole" "$work/killed"
 
 # A frame that can't be read in the middle, then another in its place: the
@@ -413,7 +453,7 @@ END
   mounted sh "$work/full"
   test "$(cat "$work/status")" -eq 2 && test "$(wc -l <"$work/err")" -eq 1 &&
     grep -q 'cannot be written: No space left' "$work/err" &&
-    ! grep -q tmp "$work/out"
+    ! grep -q '[.]tmp$' "$work/out"
   ok $? "a full disk: one line, and whole files only"
 else
   skip "a full disk: one line, and whole files only" "no right to mount one"

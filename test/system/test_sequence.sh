@@ -110,13 +110,13 @@ absent "writes nothing" "$out"
 rm -rf "$work/all"
 cp -r "$work/before" "$work/all"
 rm "$work/all/frame_0004.exr"
-: >"$work/all/frame_0001.exr.tmp999999999"
+: >"$work/all/$left_here"
 says "--dry-run and --resume" '^1 of 5 frames would be written' \
   exact --dry-run --resume -o "$work/all" "$frames/frame_####.exr"
 grep -q 'frame_0003.exr (is there already)$' "$work/out" &&
   grep -q 'frame_0004.exr$' "$work/out"
 ok $? "tell which"
-test -e "$work/all/frame_0001.exr.tmp999999999" &&
+test -e "$work/all/$left_here" &&
   test ! -e "$work/all/frame_0004.exr"
 ok $? "and write and sweep nothing"
 says "--dry-run and a folder without a parent" '^1 of 1 frames would' \

@@ -240,7 +240,7 @@ rejected "a view that isn't there" 'w.exr: cannot be' \
 
 # A view that is no picture of the place.
 mkdir "$work/odd"
-rejected "a folder as view" 'odd: not a regular file' \
+rejected "a folder as view" 'odd: cannot be read: Is a directory' \
   small --view "$work/odd" -o "$out" "$one"
 rejected "a PNG as view" 'frame_0001.ao.png: no depth channel' \
   small --view "$work/demo/frame_0001.ao.png" -o "$out" "$one"
@@ -388,7 +388,7 @@ ok $? "and --learn"
 works "--cache-save" quiet --view "$work/views/v.#.exr" \
   --cache-save "$work/saved" -o "$work/from" "$one"
 same "changes nothing" "$work/views-3" "$work/from"
-ls "$work"/saved.tmp* >"$work/out" 2>"$work/err"
+ls "$work"/.hbil-*.tmp >"$work/out" 2>"$work/err"
 test $? -ne 0
 ok $? "and leaves nothing but the file"
 run process --cache-load "$work/saved" -o "$work/loaded" "$one"

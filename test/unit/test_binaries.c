@@ -2,13 +2,16 @@
  * Stored programs: a later context builds nothing, and what the store has is
  * used only if it is whole and of the same program, device and version.
  */
-#define _POSIX_C_SOURCE 200112L /* setenv */
+#define _POSIX_C_SOURCE 200809L /* setenv, symlink */
 #include "test/support/fixture.h"
 #include "test/support/folder.h"
 #include "test/support/shim.h"
 
+#include <dirent.h>
 #include <stdio.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 /* ------------------------------------------------------------------------ */
 /* A store in memory                                                         */
@@ -26,6 +29,7 @@ typedef struct memory {
   int count;
   int loaded, stored; /* by the plan at hand */
   bool mixed_up;      /* gives the data of another key */
+  size_t claimed;     /* unless 0: the size that it says */
   int warnings;
 } memory;
 
@@ -47,7 +51,7 @@ static size_t load(void *user, const char *key, void *data, size_t size) {
   if (data)
     memcpy(data, e->data, size < e->size ? size : e->size);
   m->loaded += data != NULL;
-  return e->size;
+  return m->claimed ? m->claimed : e->size;
 }
 
 static void store(void *user, const char *key, const void *data, size_t size) {
@@ -199,6 +203,20 @@ static void truncated_binaries_are_found(void **state) {
     e->data[e->size++] = 0;
   }
   check_plan(&s.config, &m, m.count, m.count);
+  setup_free(&s);
+  memory_free(&m);
+}
+
+/* What is too large to be a binary isn't asked for at all. */
+static void sizes_are_looked_at_first(void **state) {
+  memory m = {.count = 0};
+  setup s;
+  (void)state;
+  ao_alone(&s);
+  assert_int_equal(make_plan(&s.config, &m), HBIL_SUCCESS);
+  m.claimed = 3000000000u;
+  check_plan(&s.config, &m, m.count, m.count);
+  assert_int_equal(m.loaded, 0);
   setup_free(&s);
   memory_free(&m);
 }
@@ -395,6 +413,71 @@ static void another_process_compiles_nothing(void **state) {
   folder_remove(empty);
 }
 
+/* Puts something else in the place of every stored program. */
+typedef void replacement(const char *path);
+static void put_fifo(const char *path) {
+  assert_int_equal(remove(path), 0);
+  assert_int_equal(mkfifo(path, 0666), 0);
+}
+static void put_endless_device(const char *path) {
+  assert_int_equal(remove(path), 0);
+  assert_int_equal(symlink("/dev/zero", path), 0);
+}
+static void put_large_file(const char *path) {
+  assert_int_equal(truncate(path, 3000000000l), 0);
+}
+static void put_folder(const char *path) {
+  assert_int_equal(remove(path), 0);
+  assert_int_equal(mkdir(path, 0777), 0);
+}
+
+static int replace_all(const char *folder, replacement *put) {
+  DIR *entries = opendir(folder);
+  int count = 0;
+  assert_non_null(entries);
+  for (struct dirent *e; (e = readdir(entries));)
+    if (e->d_name[0] != '.') {
+      char path[2 * MOST_PATH];
+      snprintf(path, sizeof path, "%s/%s", folder, e->d_name);
+      put(path);
+      count++;
+    }
+  closedir(entries);
+  return count;
+}
+
+/* Nothing is waited for and nothing endless is read, programs are built and
+ * stored in place of what was there. */
+static void only_regular_files_are_programs(void **state) {
+  static replacement *const all[] = {put_fifo, put_endless_device,
+                                     put_large_file, put_folder};
+  char folder[MOST_PATH];
+  setup s;
+  (void)state;
+  folder_make(folder);
+  ao_alone(&s);
+  for (size_t i = 0; i <= sizeof all / sizeof *all; ++i) {
+    hbil_plan *plan = NULL;
+    use_folder(folder);
+    alarm(120); /* the process ends where it would wait for ever */
+    assert_int_equal(hbil_plan_create(shared_device.hbil, &s.config, &plan),
+                     HBIL_SUCCESS);
+    alarm(0);
+    hbil_plan_destroy(plan);
+    const int programs = folder_count(folder, ".bin");
+    assert_in_range(programs, 4, 10);
+    assert_int_equal(folder_count(folder, ""), programs);
+    /* that a file is damaged is told; what is none isn't there */
+    assert_int_equal(count_warnings,
+                     i && all[i - 1] == put_large_file ? programs : 0);
+    use_no_folder();
+    if (i < sizeof all / sizeof *all)
+      assert_int_equal(replace_all(folder, all[i]), programs);
+  }
+  folder_remove(folder);
+  setup_free(&s);
+}
+
 static void folders_may_be_missing(void **state) {
   setup s;
   (void)state;
@@ -412,11 +495,13 @@ int main(int argc, char **argv) {
       cmocka_unit_test(a_second_context_builds_nothing),
       cmocka_unit_test(damaged_bytes_are_found),
       cmocka_unit_test(truncated_binaries_are_found),
+      cmocka_unit_test(sizes_are_looked_at_first),
       cmocka_unit_test(other_programs_are_not_used),
       cmocka_unit_test(keys_tell_programs_apart),
       cmocka_unit_test(failures_cost_at_most_the_binary),
       cmocka_unit_test(a_store_has_two_functions),
       cmocka_unit_test(another_process_compiles_nothing),
+      cmocka_unit_test(only_regular_files_are_programs),
       cmocka_unit_test(folders_may_be_missing)};
   (void)argc;
   program = argv[0];

@@ -5,6 +5,8 @@
 #include "test/support/room.h"
 #include "test/support/shim.h"
 
+#include "lib/cache_args.h"
+
 /* ------------------------------------------------------------------------ */
 /* Odd views                                                                 */
 
@@ -326,6 +328,101 @@ static void damaged_bytes_change_nothing(void **state) {
   room_stop(&t);
 }
 
+/* As hash_of_saved() of the library: anyone can make a file with a right hash.
+ */
+static void sign(saved *v) {
+  cl_ulong hash = 0xcbf29ce484222325u, word;
+  hbil_cache_saved_head head;
+  memcpy(&head, v->bytes, sizeof head);
+  head.hash = 0;
+  memcpy(v->bytes, &head, sizeof head);
+  for (size_t at = 0; at < v->size; at += sizeof word) {
+    memcpy(&word, v->bytes + at, sizeof word);
+    hash = (hash ^ word) * 0x100000001b3u;
+    hash ^= hash >> 29;
+  }
+  head.hash = hash;
+  memcpy(v->bytes, &head, sizeof head);
+}
+
+static void check_forged(room_scene *t, const saved *v, float value,
+                         int member) {
+  assert_success(&t->s, hbil_cache_load(t->s.frame.cache, shared_device.queue,
+                                        v->bytes, v->size));
+  for (int k = 0; k < 3; ++k) {
+    exact_planes out = room_outputs(&t->s);
+    for (size_t i = 0; i < count_values(&out); ++i)
+      if (!isfinite(out.values[i]))
+        fail_msg("float %d is %g: value %zu of the outputs is %g", member,
+                 (double)value, i, out.values[i]);
+    exact_planes_free(&out);
+    update_once(&t->s, t->s.frame.cache); /* and its bounces */
+  }
+}
+
+/* Another plan for the same cache, which has every output that asks it. */
+static void ask_for_all_outputs(room_scene *t) {
+  const double eye[3] = {0.1, 0.2, -1.0};
+  hbil_cache *const cache = t->s.frame.cache;
+  const room r = room_lit();
+  const hbil_camera camera =
+      room_camera(eye, AHEAD, ROOM_WIDTH, ROOM_HEIGHT, 75.0);
+  setup_free(&t->s);
+  room_setup(&t->s, &r, &camera, ROOM_WIDTH, ROOM_HEIGHT);
+  setup_all_outputs(&t->s);
+  t->s.config.outputs.glossy = three_floats;
+  t->s.config.sampling.slices = 1;
+  t->s.config.sampling.steps_per_side = 4;
+  setup_start(&t->s);
+  t->s.frame.cache = cache;
+}
+
+/* Every float of every voxel in turn is nonsense, and one time all voxels are
+ * said to be surfaces. */
+static void forged_bytes_leave_frames_finite(void **state) {
+  static const float nonsense[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f};
+  const size_t voxels = (size_t)32 * 32 * 32 * 2;
+  room_scene t;
+  (void)state;
+  room_start(&t);
+  ask_for_all_outputs(&t);
+  saved v = save(&t.s);
+  unsigned char *floats = v.bytes + v.size - 64 * voxels;
+  unsigned char *plain = malloc(v.size);
+  assert_non_null(plain);
+  memcpy(plain, v.bytes, v.size);
+  for (int member = 0; member < HBIL_VOXEL_FLOATS; ++member)
+    for (size_t k = 0; k < sizeof nonsense / sizeof *nonsense; ++k) {
+      memcpy(v.bytes, plain, v.size);
+      for (size_t i = 0; i < voxels; ++i)
+        memcpy(floats + 64 * i + 4 * (size_t)member, &nonsense[k], 4);
+      if (member % 2)
+        memset(v.bytes + sizeof(hbil_cache_saved_head), 0xaa, voxels / 4);
+      sign(&v);
+      check_forged(&t, &v, nonsense[k], member);
+    }
+  free(plain);
+  free(v.bytes);
+  room_stop(&t);
+}
+
+/* A middle near the end of 64 bits would overflow in the next move. */
+static void bytes_from_beyond_are_rejected(void **state) {
+  room_scene t;
+  (void)state;
+  room_start(&t);
+  saved v = save(&t.s);
+  hbil_cache_saved_head head;
+  memcpy(&head, v.bytes, sizeof head);
+  head.middle[1] = INT64_MIN;
+  memcpy(v.bytes, &head, sizeof head);
+  sign(&v);
+  reject_bytes(&t, &v, "2^52 voxels away");
+  room_same_bits(&t.s, &t.want, "after bytes from beyond");
+  free(v.bytes);
+  room_stop(&t);
+}
+
 static void bytes_of_other_caches_change_nothing(void **state) {
   room_scene t;
   (void)state;
@@ -360,6 +457,8 @@ int main(void) {
       cmocka_unit_test(saved_bytes_have_what_bounces_need),
       cmocka_unit_test(saved_bytes_hold_nothing_else),
       cmocka_unit_test(damaged_bytes_change_nothing),
+      cmocka_unit_test(forged_bytes_leave_frames_finite),
+      cmocka_unit_test(bytes_from_beyond_are_rejected),
       cmocka_unit_test(bytes_of_other_caches_change_nothing)};
   return RUN_WITH_DEVICE(tests);
 }

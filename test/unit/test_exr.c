@@ -130,7 +130,7 @@ static image read_frame(void) {
 }
 
 static void write_result(const image *img, int compression, const char *like) {
-  const exr_style style = {compression, like};
+  const exr_style style = {compression, like, EXISTING_REPLACED};
   image_error error;
   if (exr_write_as(result_path, img, NULL, &style, &error) != 0)
     fail_msg("%s", error.text);
@@ -395,7 +395,7 @@ enum { WIDE = 640, HIGH = 500, WIDE_PIXELS = WIDE * HIGH };
 
 static void write_wide(image *img) {
   image_error error;
-  const exr_style style = {EXR_COMPRESSION_OF_ZIP, NULL};
+  const exr_style style = {EXR_COMPRESSION_OF_ZIP, NULL, EXISTING_REPLACED};
   img->width = WIDE;
   img->height = HIGH;
   for (int c = 0; c < 2; c++) {

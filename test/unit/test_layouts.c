@@ -369,7 +369,8 @@ static void reads_one_file_a_pass(void **state) {
                                           : 1.055 * pow(v, 1 / 2.4) - 0.055) +
                                0.5);
   }
-  assert_int_equal(png_write(png, bytes, WIDTH, HEIGHT, &error), 0);
+  assert_int_equal(
+      png_write(png, bytes, WIDTH, HEIGHT, EXISTING_REPLACED, &error), 0);
   dump_add_vectors(&d, "N", letters_xyz, d.s.normal, AXES_WORLD, 0);
   d.options.map = "depth=z.#.exr:Z,albedo=paint_####.png";
   dump_write(&d);

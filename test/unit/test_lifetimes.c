@@ -1,12 +1,18 @@
 /*
  * Contexts and plans are destroyed in any order, also while commands are under
- * way: nothing leaks, and a plan works without the handle of its context.
+ * way: nothing leaks, and a plan works without the handle of its context. Child
+ * processes leave all of it alone.
  * test_valgrind and test_sanitize see what is used after it was freed.
  */
+#define _POSIX_C_SOURCE 200809L /* fork() */
 #include "hbil/hbil_stages.h"
 
 #include "test/support/fixture.h"
 #include "test/support/shim.h"
+
+#include <stdio.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #define WIDTH 40
 #define HEIGHT 24
@@ -132,6 +138,48 @@ static void frames_outlive_context_and_plan(void **state) {
   }
 }
 
+/* ------------------------------------------------------------------------ */
+/* Processes                                                                 */
+
+/* A child that leaves the parent's objects alone, at every moment between two
+ * frames. */
+static void frames_are_not_disturbed_by_children(void **state) {
+  exact_planes out[2];
+  (void)state;
+  for (int forks = 0; forks < 2; ++forks) {
+    setup s;
+    setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 1, WIDTH, HEIGHT);
+    setup_start(&s);
+    for (int i = 0; i < 3; ++i) {
+      const pid_t child = forks ? fork() : 0;
+      if (forks && child == 0) {
+        hbil_config config;
+        hbil_config_init(&config);
+        _exit(hbil_status_string(HBIL_SUCCESS)[0] == '\0');
+      }
+      setup_run(&s, hbil_enqueue_frame);
+      int status = 0;
+      if (forks)
+        assert_int_equal(waitpid(child, &status, 0), child);
+      assert_int_equal(status, 0);
+    }
+    out[forks] = outputs_read(&s);
+    setup_free(&s);
+  }
+  assert_int_equal(count_different(&out[0], &out[1]), 0);
+  exact_planes_free(&out[0]);
+  exact_planes_free(&out[1]);
+}
+
+/* The status of a child that was there before OpenCL was called, and had a
+ * context and plans of its own. */
+static int first_child;
+static void early_children_have_contexts_of_their_own(void **state) {
+  (void)state;
+  assert_true(WIFEXITED(first_child));
+  assert_int_equal(WEXITSTATUS(first_child), 0);
+}
+
 /* Under valgrind, kernels would be compiled for its own idea of a processor:
  * most tests here need none. */
 static int skip_builds(void **state) {
@@ -154,7 +202,17 @@ int main(int argc, char **argv) {
       WITHOUT_KERNELS(any_order_is_safe),
       WITHOUT_KERNELS(a_failed_plan_keeps_no_context),
       WITHOUT_KERNELS(a_plan_fails_without_its_context),
-      cmocka_unit_test(frames_outlive_context_and_plan)};
+      cmocka_unit_test(frames_outlive_context_and_plan),
+      cmocka_unit_test(frames_are_not_disturbed_by_children),
+      cmocka_unit_test(early_children_have_contexts_of_their_own)};
+  const struct CMUnitTest of_child[] = {WITHOUT_KERNELS(any_order_is_safe)};
+  const pid_t child = fork();
+  if (child == 0) { /* its results are no results of this process */
+    if (!freopen("/dev/null", "w", stdout))
+      return 1;
+    return RUN_WITH_DEVICE(of_child);
+  }
+  waitpid(child, &first_child, 0);
   if (argc > 1) /* names of tests to leave out, as a pattern */
     cmocka_set_skip_filter(argv[1]);
   return RUN_WITH_DEVICE(tests);

@@ -266,6 +266,38 @@ static void the_callback_gets_warnings_of_kernels(void **state) {
   setup_free(&s);
 }
 
+#ifdef HBIL_HAS_SECURE_GETENV
+/* In place of the C library's: a program with other rights than its user's has
+ * no such variables. */
+static bool is_setuid;
+char *secure_getenv(const char *name);
+char *secure_getenv(const char *name) {
+  return is_setuid ? NULL : getenv(name);
+}
+
+static void setuid_programs_have_their_own_kernels(void **state) {
+  hbil_plan *plan = NULL;
+  listener l;
+  setup s;
+  (void)state;
+  setup_init(&s, WIDTH, HEIGHT);
+  setenv("HBIL_KERNEL_DIR", "/no such folder", 1);
+  listen(&l);
+  assert_int_equal(hbil_plan_create(shared_device.hbil, &s.config, &plan),
+                   HBIL_BUILD_FAILED);
+  is_setuid = true;
+  const hbil_status status =
+      hbil_plan_create(shared_device.hbil, &s.config, &plan);
+  is_setuid = false;
+  unsetenv("HBIL_KERNEL_DIR");
+  stop_listening();
+  assert_int_equal(status, HBIL_SUCCESS);
+  assert_int_equal(l.count, 2); /* both of the first plan */
+  hbil_plan_destroy(plan);
+  setup_free(&s);
+}
+#endif
+
 /* Frames go on without an event that only timings need. */
 static void the_callback_gets_warnings_of_timings(void **state) {
   double ms[HBIL_PASS_COUNT];
@@ -314,6 +346,9 @@ int main(void) {
       cmocka_unit_test(each_thread_has_its_own),
       cmocka_unit_test(a_context_keeps_its_own),
       cmocka_unit_test(the_callback_gets_errors),
+#ifdef HBIL_HAS_SECURE_GETENV
+      cmocka_unit_test(setuid_programs_have_their_own_kernels),
+#endif
       cmocka_unit_test(the_callback_gets_warnings_of_kernels),
       cmocka_unit_test(the_callback_gets_warnings_of_timings)};
   return RUN_WITH_DEVICE(tests);
