@@ -242,8 +242,7 @@ typedef struct hbil_step {
    * (hbil_sample_extent()) */
   hbil_int nearer, farther; /* as offset: the pixels that tell the slope */
   hbil_int farther_dx, farther_dy; /* as dx and dy */
-  /* both parts of the step, over the distance of these pixels from the sample
-   */
+  /* both parts of the step, over these pixels' distance from the sample */
   hbil_float to_near, to_far;
   hbil_float inv_near, inv_far; /* 1 / |e| at both ends of the step */
   hbil_int subsets;             /* of HBIL_SUBSET_ */
@@ -282,8 +281,8 @@ enum {
 
 /* A cell is 64x64 pixels: so many of a layer, a multiple of HBIL_WIDEST. */
 #define HBIL_CELL 16
-/* Rows of a strip, in pixels; a divisor of a cell's. */
-#define HBIL_STRIP 4
+/* Rows of a row block, in pixels; a divisor of a cell's. */
+#define HBIL_ROW_BLOCK 4
 /* Cells to a block, each way. */
 #define HBIL_BLOCK 4
 

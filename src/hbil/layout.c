@@ -93,7 +93,7 @@ static cl_int divided_up(cl_int n, cl_int by) {
 /* Returns the words of all grids. */
 static size_t lay_out_bounds(const hbil_config *config,
                              const hbil_layer_args *layers,
-                             hbil_bounds_args *out, hbil_grid_args *strip) {
+                             hbil_bounds_args *out, hbil_grid_args *row_block) {
   size_t end = 0;
   const cl_uint group = HBIL_SIDE * config->execution.vector_width;
   const cl_int across = divided_up(layers->width, HBIL_CELL);
@@ -102,7 +102,8 @@ static size_t lay_out_bounds(const hbil_config *config,
                     (cl_int)config->height);
   out->cell = grid(&end, across, down);
   if (config->execution.vector_width == 1)
-    *strip = grid(&end, across, divided_up((cl_int)config->height, HBIL_STRIP));
+    *row_block =
+        grid(&end, across, divided_up((cl_int)config->height, HBIL_ROW_BLOCK));
   out->block =
       grid(&end, divided_up(across, HBIL_BLOCK), divided_up(down, HBIL_BLOCK));
   out->whole = grid(&end, 1, 1);
@@ -393,7 +394,7 @@ void layout_compute(const hbil_config *config, const staging *staged,
   if (out->skip & (HBIL_SKIP_OPEN | HBIL_SKIP_DARK))
     out->bytes[BUFFER_BOUNDS] =
         sizeof(cl_uint) *
-        lay_out_bounds(config, &out->split, &out->bounds, &out->strip);
+        lay_out_bounds(config, &out->split, &out->bounds, &out->row_block);
   const size_t width = config->execution.vector_width;
   if (out->skip & HBIL_SKIP_UNUSED)
     out->bytes[BUFFER_USES] = sizeof(cl_uint) * config->height *

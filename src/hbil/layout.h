@@ -62,8 +62,9 @@ typedef struct layout {
   bool late_counts; /* composite shows inputs that split does not read */
   cl_uint skip;     /* the bits of hbil_config.skip that can have an effect */
   hbil_bounds_args bounds;
-  hbil_grid_args strip; /* groups side by side in a cell, HBIL_STRIP rows of
-                           them; only without vectors, else of no width */
+  hbil_grid_args
+      row_block; /* groups side by side in a cell, HBIL_ROW_BLOCK rows of
+                them; only without vectors, else of no width */
   hbil_probe_grid_args probe_grid;
   bool quadrants; /* whether the gather reads the quadrants of the bounds */
   hbil_horizon_cache_args cache;

@@ -6,23 +6,24 @@
 #include "planes.h"
 
 /* A cell has up to 1024 groups without vectors, which would be too many for one
- * work-item of a GPU.  So strips are summed up first. */
+ * work-item of a GPU.  So row blocks are summed up first. */
 static hbil_status bound(commands *chain, cl_int unchanged_is_done) {
   hbil_plan *plan = chain->plan;
   const hbil_bounds_args *b = &plan->layout.bounds;
-  const hbil_grid_args *strip = &plan->layout.strip;
+  const hbil_grid_args *row_block = &plan->layout.row_block;
   const cl_int across = HBIL_CELL / (cl_int)plan->config.execution.vector_width;
   const cl_int down = HBIL_CELL * HBIL_SIDE;
-  const bool strips = strip->width > 0;
+  const bool row_blocks = row_block->width > 0;
   const hbil_bound_cells_args levels[] = {
-      {b->group, *strip, across, HBIL_STRIP, unchanged_is_done},
-      {strips ? *strip : b->group, b->cell, strips ? 1 : across,
-       strips ? down / HBIL_STRIP : down, unchanged_is_done},
+      {b->group, *row_block, across, HBIL_ROW_BLOCK, unchanged_is_done},
+      {row_blocks ? *row_block : b->group, b->cell, row_blocks ? 1 : across,
+       row_blocks ? down / HBIL_ROW_BLOCK : down, unchanged_is_done},
       {b->cell, b->block, HBIL_BLOCK, HBIL_BLOCK, unchanged_is_done},
       {b->block, b->whole, b->block.width, b->block.height, unchanged_is_done}};
   const size_t count = sizeof levels / sizeof *levels;
   hbil_status status = HBIL_SUCCESS;
-  for (size_t i = strips ? 0 : 1; i < count && status == HBIL_SUCCESS; ++i) {
+  for (size_t i = row_blocks ? 0 : 1; i < count && status == HBIL_SUCCESS;
+       ++i) {
     const argument list[] = {ARG(levels[i]), BUFFER_ARG(plan, BUFFER_BOUNDS),
                              BUFFER_ARG(plan, BUFFER_FLAGS)};
     status =
