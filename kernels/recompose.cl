@@ -117,7 +117,6 @@ INLINE void add_light(sums *s, const float *t, realv weight) {
   s->total += weight;
   EACH_GATHERED(ADD_PLANE)
 #endif
-  COMPUTE_HERE(s->total);
 #if OUT_ERROR
   add_squares(s, t, weight);
 #endif
