@@ -137,7 +137,7 @@ INLINE past_light recall_from(const hbil_view_args before, const past *then,
   size += fabs(m.value[p]);
   EACH_AVERAGED(RECALL)
   /* false for NaN */
-  m.frames = select((realv)0.0f, m.frames, size < INFINITY);
+  m.frames = select((realv)0.0f, m.frames, size <= FLT_MAX);
   return m;
 }
 
@@ -199,7 +199,7 @@ INLINE void blend(const past_light *m, realv w, const realv n[3], intv solid,
   STREAMV(w, history + HBIL_TEMPORAL_W * planes.plane);
   STREAMV(AS_REALV(AS_INTV(pack_normal(n[0], n[1], n[2]))),
           history + HBIL_TEMPORAL_NORMAL * planes.plane);
-  STREAMV(select((realv)0.0f, frames, solid & (size < INFINITY)),
+  STREAMV(select((realv)0.0f, frames, solid & (size <= FLT_MAX)),
           history + HBIL_TEMPORAL_FRAMES * planes.plane);
 #if GATHER_BENT
   normalize_bent(mean);
