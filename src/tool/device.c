@@ -2,6 +2,7 @@
 #include "tool/device.h"
 
 #include "image/error.h"
+#include "tool/drivers.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -18,11 +19,21 @@ typedef struct device_entries {
   device_entry *list;
 } device_entries;
 
-/* What the loader and the platforms answered that have no device. */
+/* What the loader and the platforms answered that have no device; or which
+ * drivers can't be loaded, and why. */
 typedef struct answers {
-  char text[512];
+  char text[2048];
   size_t length;
 } answers;
+
+static void add_text(void *user, const char *who, const char *what) {
+  answers *all = user;
+  const size_t room = sizeof all->text - all->length;
+  const int length = snprintf(all->text + all->length, room, "%s%s: %s",
+                              all->length ? ", " : "", who, what);
+  if (length > 0)
+    all->length += (size_t)length < room ? (size_t)length : room - 1;
+}
 
 static void add_answer(answers *all, const char *who, cl_int status) {
   char what[32] = "no device";
@@ -31,11 +42,20 @@ static void add_answer(answers *all, const char *who, cl_int status) {
     snprintf(what, sizeof what, "no platform");
   else if (status != CL_SUCCESS && status != CL_DEVICE_NOT_FOUND)
     snprintf(what, sizeof what, "OpenCL error %d", (int)status);
-  const size_t room = sizeof all->text - all->length;
-  const int length = snprintf(all->text + all->length, room, "%s%s: %s",
-                              all->length ? ", " : "", who, what);
-  if (length > 0)
-    all->length += (size_t)length < room ? (size_t)length : room - 1;
+  add_text(all, who, what);
+}
+
+static int no_device(const answers *none, image_error *error) {
+  answers failures = {"", 0};
+  drivers_check(add_text, &failures);
+  return failures.length
+             ? image_fail(error,
+                          "no OpenCL device (%s); a driver can't be loaded: %s",
+                          none->text, failures.text)
+             : image_fail(error,
+                          "no OpenCL device (%s); a driver is needed, for "
+                          "example Debian's pocl-opencl-icd",
+                          none->text);
 }
 
 static void platform_name(cl_platform_id platform, char name[256]) {
@@ -96,10 +116,7 @@ static int find_devices(device_entries *out, image_error *error) {
   if (failed)
     image_no_memory(error, "devices");
   else if (out->count == 0)
-    failed = image_fail(error,
-                        "no OpenCL device (%s); a driver is needed, for "
-                        "example Debian's pocl-opencl-icd",
-                        none.text);
+    failed = no_device(&none, error);
   if (failed)
     free(out->list);
   return failed;
