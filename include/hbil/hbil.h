@@ -150,15 +150,16 @@ HBIL_API hbil_status hbil_context_set_callback(hbil_context *context,
 /* ------------------------------------------------------------------------ */
 /* Programs: what is built once and stored                                   */
 
-/* Creating a plan builds up to sixteen OpenCL programs, which takes seconds.  A
- * store has the driver's binaries of programs that were built before, by a key:
- * a file name of at most 47 letters, digits, "-" and "_".  The key depends on
- * the device, its driver, this library's version, the kernels' text and all
- * settings that kernels are built with.  What the store has is used only if it
- * is whole and was made by this library for the same program and device;
- * whatever else it may have, the program is built from its text and stored
- * again, with a warning to the callback.  It must come from where nobody else
- * may write, because binaries are executed. */
+/* Creating a plan builds up to sixteen OpenCL programs, and creating a radiance
+ * cache up to eleven, which takes seconds.  A store has the driver's binaries
+ * of programs that were built before, by a key: a file name of at most 47
+ * letters, digits, "-" and "_".  The key depends on the device, its driver,
+ * this library's version, the kernels' text and all settings that kernels are
+ * built with.  What the store has is used only if it is whole and was made by
+ * this library for the same program and device; whatever else it may have, the
+ * program is built from its text and stored again, with a warning to the
+ * callback.  It must come from where nobody else may write, because binaries
+ * are executed. */
 
 /* Copies what is stored under a key to `data`, `size` bytes, and returns how
  * many bytes are stored, 0 for none.  If `size` is 0, `data` is NULL. */
@@ -171,10 +172,10 @@ typedef void (*hbil_program_store)(void *user, const char *key,
                                    const void *data, size_t size);
 
 /* Gives a context a store; if both functions are NULL, it has none, as at
- * first.  hbil_plan_create() calls them, on its thread; they must not call
- * functions of this library.  They and user must stay valid until the context
- * is destroyed or has another store.  Binaries are stored after
- * hbil_plan_create() has launched the kernels.  With PoCL they have the kernels
+ * first.  hbil_plan_create() and hbil_cache_create() call them, on their
+ * thread; they must not call functions of this library.  They and user must
+ * stay valid until the context is destroyed or has another store.  Binaries are
+ * stored after the kernels have been launched.  With PoCL they have the kernels
  * for the plan's work-groups, so that nothing is compiled in the next run
  * (test_binaries), and PoCL compiles each kernel once more for a binary's sake,
  * when it is stored. */
@@ -185,9 +186,9 @@ HBIL_API hbil_status hbil_context_set_program_store(hbil_context *context,
 
 /* The same with a folder as the store: a file KEY.bin for each program.  Files
  * appear whole or not at all, so any number of processes may share the folder.
- * They are never removed.  It is used when plans are created.  While it
- * doesn't exist, programs are built as without it, and a warning says
- * that they can't be stored. */
+ * They are never removed.  It is used when plans and radiance caches are
+ * created.  While it doesn't exist, programs are built as without it, and a
+ * warning says that they can't be stored. */
 HBIL_API hbil_status hbil_context_set_program_folder(hbil_context *context,
                                                      const char *folder);
 

@@ -94,6 +94,9 @@ void binary_identify(const hbil_context *context, const char *name,
     return;
   snprintf(out->key, sizeof out->key, "%s-%016llx", name,
            (unsigned long long)hash_program(context, start, text, options));
+  /* a key is no path, unlike the names of the radiance cache's programs */
+  for (char *at = strchr(out->key, '/'); at; at = strchr(at, '/'))
+    *at = '-';
   out->identity = hash_program(context, other_start, text, options);
 }
 

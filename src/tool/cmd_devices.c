@@ -2,6 +2,7 @@
 #include "image/error.h"
 #include "tool/commands.h"
 #include "tool/device.h"
+#include "tool/drivers.h"
 #include "tool/options.h"
 #include "tool/report.h"
 
@@ -12,6 +13,20 @@ static const struct option options[] = {
     {"help", no_argument, NULL, 'h'},
     {NULL, 0, NULL, 0},
 };
+
+static void tell(void *user, const char *file, const char *why) {
+  (void)user;
+  report_note(file, "", why);
+}
+
+/* What is not in the list, although its driver is installed, is told, too. */
+static int list(void) {
+  image_error error;
+  if (device_list(&error) != 0)
+    return report_error(&error);
+  drivers_check(tell, NULL);
+  return STATUS_OK;
+}
 
 int cmd_devices(int argc, char **argv) {
   image_error error;
@@ -25,6 +40,6 @@ int cmd_devices(int argc, char **argv) {
   case '?':
     return report_error(&error);
   default:
-    return device_list(&error) == 0 ? STATUS_OK : report_error(&error);
+    return list();
   }
 }

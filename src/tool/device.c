@@ -3,6 +3,7 @@
 
 #include "image/error.h"
 #include "tool/driver_cache.h"
+#include "tool/drivers.h"
 #include "tool/last_words.h"
 
 #include <ctype.h>
@@ -27,13 +28,15 @@ static void free_entries(device_entries *entries) {
   last_words_driver(NULL);
 }
 
-/* What the loader and the platforms answered that have no device. */
+/* What the loader and the platforms answered that have no device; or which
+ * drivers can't be loaded, and why. */
 typedef struct answers {
   char text[2048];
   size_t length;
 } answers;
 
-static void add_text(answers *all, const char *who, const char *what) {
+static void add_text(void *user, const char *who, const char *what) {
+  answers *all = user;
   const size_t room = sizeof all->text - all->length;
   const int length = snprintf(all->text + all->length, room, "%s%s: %s",
                               all->length ? ", " : "", who, what);
@@ -49,6 +52,19 @@ static void add_answer(answers *all, const char *who, cl_int status) {
   else if (status != CL_SUCCESS && status != CL_DEVICE_NOT_FOUND)
     snprintf(what, sizeof what, "OpenCL error %d", (int)status);
   add_text(all, who, what);
+}
+
+static int no_device(const answers *none, image_error *error) {
+  answers failures = {"", 0};
+  drivers_check(add_text, &failures);
+  return failures.length
+             ? image_fail(error,
+                          "no OpenCL device (%s); a driver can't be loaded: %s",
+                          none->text, failures.text)
+             : image_fail(error,
+                          "no OpenCL device (%s); a driver is needed, for "
+                          "example Debian's pocl-opencl-icd",
+                          none->text);
 }
 
 static void platform_name(cl_platform_id platform, char name[256]) {
@@ -120,10 +136,7 @@ static int find_devices(device_entries *out, image_error *error) {
   if (failed)
     image_no_memory(error, "devices");
   else if (out->count == 0)
-    failed = image_fail(error,
-                        "no OpenCL device (%s); a driver is needed, for "
-                        "example Debian's pocl-opencl-icd",
-                        none.text);
+    failed = no_device(&none, error);
   if (failed)
     free_entries(out);
   return failed;

@@ -153,6 +153,44 @@ if test -e $pocl; then
 else
   skip "devices: a platform without any" "no PoCL"
 fi
+# A driver that can't be loaded is told with what it lacks, once for each way to
+# name it, and beside those that can be loaded.
+vendors=$work/vendors
+mkdir "$vendors"
+echo "$work/libdriver.so" >"$vendors/driver.icd"
+lacks() { # WHAT NAME
+  rejected "a driver lacks $1: $2" \
+    "no platform); a driver can't be loaded: .*$missing: cannot open shared object file" \
+    "$HBIL" devices
+}
+missing=$work/libdriver.so
+for OCL_ICD_VENDORS in "$vendors" "$vendors/driver.icd" "$missing"; do
+  lacks "its library" "${OCL_ICD_VENDORS#"$work/"}"
+done
+echo 'void needed(void); void needed(void) {}' >"$work/needed.c"
+echo 'void needed(void); void driver(void); void driver(void) { needed(); }' >"$work/driver.c"
+if $CC -shared -fPIC -o "$work/libneeded.so" "$work/needed.c" 2>"$work/err" &&
+  $CC -shared -fPIC -o "$work/libdriver.so" "$work/driver.c" -L"$work" -lneeded 2>"$work/err"; then
+  rm "$work/libneeded.so"
+  missing=libneeded.so OCL_ICD_VENDORS=$vendors
+  lacks "a library of another package" vendors
+else
+  skip "a driver lacks a library of another package: vendors" "no shared libraries"
+fi
+: >"$vendors/empty.icd"
+rejected "a driver's file without a name" 'empty.icd: it names no library' "$HBIL" devices
+rm "$vendors/empty.icd"
+name="devices: what is there, and the driver that is not"
+if test -e $pocl; then
+  cp $pocl "$vendors"
+  OCL_ICD_VENDORS=$vendors
+  run "$HBIL" devices
+  test $status -eq 0 && grep -q '^0  ' "$work/out" &&
+    test "$(cut -d : -f 1-2 "$work/err")" = "hbil: $vendors/driver.icd"
+  ok $? "$name"
+else
+  skip "$name" "no PoCL"
+fi
 unset OCL_ICD_VENDORS
 
 rejected "a file in place of the output folder" 'text.exr: output folder' \

@@ -5,6 +5,7 @@
 #define _POSIX_C_SOURCE 200809L /* setenv, symlink */
 #include "test/support/fixture.h"
 #include "test/support/folder.h"
+#include "test/support/room.h"
 #include "test/support/shim.h"
 
 #include <dirent.h>
@@ -54,13 +55,20 @@ static size_t load(void *user, const char *key, void *data, size_t size) {
   return m->claimed ? m->claimed : e->size;
 }
 
+static void check_key(const char *key) {
+  static const char allowed[] = "abcdefghijklmnopqrstuvwxyz"
+                                "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
+  assert_in_range(strlen(key), 1, 47);
+  assert_int_equal(strspn(key, allowed), strlen(key));
+}
+
 static void store(void *user, const char *key, const void *data, size_t size) {
   memory *m = user;
   entry *e = find(m, key);
+  check_key(key);
   if (!e) {
     assert_in_range(m->count, 0, MOST_ENTRIES - 1);
     e = &m->entries[m->count++];
-    assert_in_range(strlen(key), 1, 47);
     snprintf(e->key, sizeof e->key, "%s", key);
   }
   free(e->data);
@@ -156,6 +164,25 @@ static void a_second_context_builds_nothing(void **state) {
   assert_int_equal(count_different(&out[0], &out[1]), 0);
   exact_planes_free(&out[0]);
   exact_planes_free(&out[1]);
+  memory_free(&m);
+}
+
+static void a_second_radiance_cache_builds_nothing(void **state) {
+  memory m = {.count = 0};
+  const hbil_cache_config config = room_cache_config();
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    hbil_cache *cache = NULL;
+    hbil_context *context = new_context(&m);
+    m.loaded = m.stored = m.warnings = 0;
+    assert_int_equal(hbil_cache_create(context, &config, &cache), HBIL_SUCCESS);
+    assert_in_range(m.count, 6, MOST_ENTRIES);
+    assert_int_equal(m.loaded, i ? m.count : 0);
+    assert_int_equal(m.stored, i ? 0 : m.count);
+    assert_int_equal(m.warnings, 0);
+    hbil_cache_destroy(cache);
+    hbil_context_destroy(context);
+  }
   memory_free(&m);
 }
 
@@ -493,6 +520,7 @@ int main(int argc, char **argv) {
   const struct CMUnitTest child[] = {cmocka_unit_test(create_plan)};
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_second_context_builds_nothing),
+      cmocka_unit_test(a_second_radiance_cache_builds_nothing),
       cmocka_unit_test(damaged_bytes_are_found),
       cmocka_unit_test(truncated_binaries_are_found),
       cmocka_unit_test(sizes_are_looked_at_first),
