@@ -21,7 +21,7 @@ static const program_kind programs[CACHE_PROGRAM_COUNT] = {
                                    .defines = "-DORTHOGRAPHIC=1"},
     [CACHE_PROGRAM_WAYS] = {"cache/ways", .defines = "-DHBIL_WIDTH=1"},
     [CACHE_PROGRAM_LINKS] = {"cache/links", .defines = ""},
-    [CACHE_PROGRAM_BOUNCE] = {"cache/bounce", true, ""},
+    [CACHE_PROGRAM_BOUNCE] = {"cache/bounce", .relaxed = true, .defines = ""},
     [CACHE_PROGRAM_MOVE] = {"cache/move", .defines = "-DHBIL_WIDTH=1"},
     [CACHE_PROGRAM_PYRAMID] = {"cache/pyramid", .defines = "-DHBIL_WIDTH=1"},
     [CACHE_PROGRAM_VOLUMES] = {"cache/volumes", .defines = "-DHBIL_WIDTH=1"},
