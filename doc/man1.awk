@@ -61,5 +61,13 @@ function at_end() {
   print ".SH ENVIRONMENT\n.TP\n.B HBIL_KERNEL_DIR"
   print "folder from which the kernels are read in place of those that the"
   print "library has inside; for work on them."
+  print ".TP\n.B HBIL_PROGRAM_DIR"
+  print "folder in which built programs are stored for later runs, with any"
+  print "driver; if it is empty, none are stored."
+  print ".SH FILES\n.TP\n.I $XDG_CACHE_HOME/hbil, $HOME/.cache/hbil"
+  print "built programs, if HBIL_PROGRAM_DIR isn\\(aqt set and the driver doesn\\(aqt"
+  print "store them itself.  The folder must belong to the user, and nobody else"
+  print "may have the right to write there.  It has at most 256 MiB; it may be"
+  print "deleted at any time."
   print ".SH SEE ALSO\n.BR hbil (3),\n.BR clinfo (1),\n.BR oiiotool (1)"
 }

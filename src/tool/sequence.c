@@ -6,6 +6,7 @@
 #include "image/image.h"
 #include "tool/formats.h"
 #include "tool/layers.h"
+#include "tool/program_cache.h"
 #include "tool/refusal.h"
 
 #include <stdlib.h>
@@ -15,6 +16,7 @@
 struct sequence {
   const device *device;
   hbil_context *context;
+  program_folder *programs; /* NULL: none */
   hbil_plan *plan;
   hbil_config config;
   hbil_memory memory; /* of the plan */
@@ -71,6 +73,8 @@ static int open_plan(sequence *s, image_error *error) {
   hbil_status status =
       hbil_context_create(s->device->context, s->device->id, &s->context);
   if (status == HBIL_SUCCESS)
+    s->programs = program_cache_open(s->context, s->device->id);
+  if (status == HBIL_SUCCESS)
     status = hbil_plan_memory(s->context, &s->config, &s->memory);
   if (status == HBIL_SUCCESS)
     status = hbil_plan_create(s->context, &s->config, &s->plan);
@@ -110,6 +114,7 @@ void sequence_close(sequence *s) {
       clReleaseMemObject(s->output[l]);
   hbil_plan_destroy(s->plan);
   hbil_context_destroy(s->context);
+  program_folder_close(s->programs);
   free(s);
 }
 

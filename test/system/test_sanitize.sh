@@ -61,6 +61,7 @@ done
 HBIL=$build/hbil
 works "nor in a demo" "$HBIL" demo --frames 2 --size 64x48 -o "$work/demo"
 set -- "$work"/demo/gbuffer/frame_*.exr
+export HBIL_PROGRAM_DIR="$work/programs" # the first job stores, the second one loads
 works "nor in a job with all there is" checked "$HBIL" process --quiet \
   --overwrite --preview --timings --json --copy-channels --half \
   --compression dwaa --contact-sheet "$work/sheet.png" \
