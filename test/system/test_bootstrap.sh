@@ -9,22 +9,22 @@ cp "$srcdir/bootstrap" "$work/tree"
 
 # The system: packages that are installed, one a line; words of those that it
 # doesn't have, and of those that cannot be installed.
-stub() { # NAME: its text comes from standard input
+fake_command() { # NAME: its text comes from standard input
   { echo '#!/bin/sh' && cat; } >"$work/bin/$1"
   chmod +x "$work/bin/$1"
 }
-stub dpkg-query <<'END'
+fake_command dpkg-query <<'END'
 for last; do :; done
 grep -q -x -e "$last" "$system/installed" && echo 'install ok installed'
 END
-stub apt-cache <<'END'
+fake_command apt-cache <<'END'
 shift
 for package; do
   case " $absent " in *" $package "*) continue ;; esac
   printf '%s:\n  Installed: (none)\n  Candidate: 1.0-1\n' "$package"
 done
 END
-stub apt-get <<'END'
+fake_command apt-get <<'END'
 echo "$*" >>"$system/calls"
 case $1 in indextargets) echo Packages ;; esac
 test "$1" = install || exit 0
@@ -34,16 +34,16 @@ for package; do
 done
 printf '%s\n' "$@" >>"$system/installed"
 END
-stub configure </dev/null
+fake_command configure </dev/null
 mv "$work/bin/configure" "$work/tree"
 # is newer, so nothing is configured
 touch "$work/tree/build/config.status"
-stub make <<'END'
+fake_command make <<'END'
 echo '# PASS:  3' >build/test-suite.log
 END
-echo 'exit 1' | stub sudo
+echo 'exit 1' | fake_command sudo
 # shellcheck disable=SC2016
-echo 'echo "$user"' | stub id
+echo 'echo "$user"' | fake_command id
 system=$work user=0
 export system absent failing user
 
