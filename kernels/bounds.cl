@@ -5,8 +5,10 @@
  * kernels compute the largest inverse depth, and whether there is light.  From
  * these a span of the gather knows that nothing in its reach rises above its
  * tangent planes, or that nothing there sends light (gather/skip.clh).  A cell
- * counts as dark if at least a quarter of its groups are dark.  With fewer,
- * asking every sample whether it sends light costs as much as it saves.
+ * counts as dark if at least a quarter of the groups are dark of which it is
+ * made; in kernels of single pixels, a quarter of its row blocks, each of which
+ * is dark by the same rule.  With fewer, asking every sample whether it sends
+ * light costs as much as it saves.
  *
  * For each block they compute in which of the quadrants around it there is
  * light.  Half-slices in the other quadrants gather no light.

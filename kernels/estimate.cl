@@ -13,9 +13,10 @@
  * With the mean reflectance, the mean share s of the hemisphere whose light is
  * shown and the share u whose light is guessed, the gain of a bounce is
  * g = reflectance (s + unseen_light u), and the radiance after all bounces is
- * L / (1 - g), in closed form.  Light that has been carried over n times has
- * 1 - g (reflectance s)^n of that.  So the guess hardly depends on how many
- * frames there were before, and can't grow.
+ * L / (1 - g), in closed form.  After n frames of carried light, near light has
+ * reached the share 1 - g (reflectance s)^n of this limit; the estimate adds
+ * what is missing. So the result hardly depends on the number of earlier
+ * frames, and can't grow.
  *
  * In: split planes, gathered light, the caller's planes.  Out: the values of
  * HBIL_FILL_*, which unseen_light.clh and sky_light.clh read.

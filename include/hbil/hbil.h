@@ -35,11 +35,15 @@
  *   them.  Different contexts are independent, even on the same cl_context.
  *
  * PROCESSES
- *   The library starts no threads and has no state outside its objects, but
- *   OpenCL drivers have threads, and these don't exist in a child after fork().
- *   The child must not use or destroy contexts, plans and caches that were
- *   created before; it may call exec or _exit(), and the functions that take
- *   none of them.  The parent goes on as if nothing had happened.  If a process
+ *   The library starts no threads. Its only state outside its objects is the
+ *   text of hbil_context_message(NULL), which each thread has of its own.
+ *   OpenCL drivers do start threads, and a child has none of these after fork()
+ *   (test_lifetimes).
+ *   A child that was forked after the first OpenCL call must not create, use or
+ *   destroy contexts, plans or caches. It may call exec or _exit(), and the
+ *   functions that use no OpenCL, such as hbil_config_init() and
+ *   hbil_status_string().
+ *   The parent goes on as if nothing had happened.  If a process
  *   forks before it calls OpenCL for the first time, parent and child may both
  *   create contexts of their own.
  *

@@ -56,9 +56,7 @@ static void store_file(void *user, const char *key, const void *data,
   if (file) {
     stored = fwrite(data, 1, size, file) == size;
     stored = !fclose(file) && stored;
-    /* where rename() replaces nothing, the old file has to go first */
-    stored = stored && (!rename(temporary, path) ||
-                        (!remove(path) && !rename(temporary, path)));
+    stored = stored && !rename(temporary, path);
     if (!stored)
       remove(temporary);
   }

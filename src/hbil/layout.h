@@ -24,7 +24,7 @@ enum {
   BUFFER_TEMPORAL,      /* history of the temporal filter, of one frame */
   BUFFER_TEMPORAL_NEXT, /* the same of the other frame */
   BUFFER_STEPS,
-  BUFFER_ESTIMATE, /* the estimate of unseen light, then its sums */
+  BUFFER_ESTIMATE, /* the estimate of unseen light, its sums, those of lanes */
   BUFFER_PROBES,   /* HBIL_PROBE_FLOATS floats each */
   BUFFER_FILTERED_PROBES,
   BUFFER_GLOSSY_PROBES, /* HBIL_GLOSSY_PROBE_FLOATS floats each */
@@ -56,8 +56,8 @@ typedef struct layout {
   hbil_layer_args split, light;
   int chain_count;
   hbil_chain_args chain[MAX_CHAIN];
-  /* what must be computed; unknown: the share that back-facing samples block */
   cl_uint estimate_lanes; /* work-items of each part of the estimate */
+  /* what must be computed; unknown: the share that back-facing samples block */
   bool radiance, bent, history, unknown, estimate, probes, glossy;
   bool late_counts; /* composite shows inputs that split does not read */
   cl_uint skip;     /* the bits of hbil_config.skip that can have an effect */

@@ -5,8 +5,9 @@
 #include "memory.h"
 #include "planes.h"
 
-/* A cell has up to 1024 groups without vectors, which would be too many for one
- * work-item of a GPU.  So row blocks are summed up first. */
+/* In kernels of single pixels a group is 4 pixels, so a cell of 64 x 64 pixels
+ * has 1024 groups. That is too many for one work-item of a GPU, so the groups
+ * of every 4 rows (a row block) are combined first. */
 static hbil_status bound(commands *chain, cl_int unchanged_is_done) {
   hbil_plan *plan = chain->plan;
   const hbil_bounds_args *b = &plan->layout.bounds;

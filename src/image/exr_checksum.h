@@ -1,8 +1,8 @@
 /*
- * A checksum of an OpenEXR file, in its own header: of all its bytes but those
- * of the checksum.  It is of bytes and not of pixels, because compressions that
- * lose something give back other pixels than were written, and so that it can
- * be compared without decoding anything.
+ * The checksum of an OpenEXR file, stored in the file's header. It covers all
+ * bytes of the file except its own digits. It covers bytes rather than pixels
+ * because lossy compression changes the pixels that were written, and because
+ * bytes can be checked without decoding.
  */
 #ifndef HBIL_IMAGE_EXR_CHECKSUM_H
 #define HBIL_IMAGE_EXR_CHECKSUM_H

@@ -77,7 +77,7 @@ int temporary_commit(temporary *t, const char *path, existing_file existing,
     if (existing == EXISTING_STAYS && errno == EEXIST)
       image_fail(error,
                  "%s: is there already: another job has written it meanwhile, "
-                 "and it is left alone; another output folder is needed",
+                 "and it is left alone; another name or output folder is needed",
                  path);
     else
       image_fail(error, "%s: cannot be written: %s", path, strerror(errno));

@@ -18,8 +18,9 @@ void temporary_name_draw(char *name);
 /* Whether a file in a folder is called so. */
 int temporary_name_is(const char *name);
 
-/* Whether it was created on this machine since that has started.  Containers
- * of one machine are one machine here, since they share its locks. */
+/* Whether the file was created on this machine since its last boot (without a
+ * boot id: on a host of this name). Containers count as the machine that they
+ * run on, since they share its locks. */
 int temporary_name_is_local(const char *name);
 
 #ifdef __cplusplus

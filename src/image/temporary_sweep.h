@@ -7,10 +7,11 @@ extern "C" {
 #endif
 
 /*
- * Removes the temporary files of a folder whose jobs have ended, whatever jobs
- * they were.  A living job holds a lock on its file.  Locks of other machines
- * may not show, so files of other machines, and files where locks don't work,
- * must also be unchanged for an hour.  What can't be removed stays.
+ * Removes a folder's temporary files that no living job is writing, no matter
+ * which job made them. A living job holds a lock on its file. Locks that other
+ * machines hold may be invisible here. So files of other machines, files from
+ * before a restart, and files where locks don't work must also be unchanged for
+ * an hour.  What can't be removed stays.
  */
 void temporary_sweep(const char *folder);
 

@@ -6,11 +6,12 @@
 
 /*
  * PoCL has no device if it can't write there, and ends the process if the disk
- * is full.  So another folder, of this user alone, takes its place
- * (POCL_CACHE_DIR of this process) where it can't be written or lacks room.
- * PoCL must not have been asked for devices yet.  *note: a sentence on that,
- * malloc'd, or NULL if all is well.  0, or -1 with `error` filled if no folder
- * can be written.
+ * is full.  If that folder can't be written or lacks room, this function sets
+ * POCL_CACHE_DIR of this process to a folder that belongs to this user alone.
+ * Call it before PoCL is asked for devices. *note: a sentence about the new
+ * folder, malloc'd, or NULL if the old one stays. Returns 0, also if the old
+ * folder lacks room and stays because no other can be made; -1 with `error`
+ * filled if no folder can be written.
  */
 int driver_cache_prepare(char **note, image_error *error);
 

@@ -66,21 +66,32 @@ static int find_by_link(const char *path, const char *target, int links,
   return failed;
 }
 
+/* What a link names, malloc'd; NULL if `path` is no link.  Not on the stack:
+ * find() calls itself for every folder that is missing. */
+static char *read_link(const char *path) {
+  char *target = malloc(LONGEST_LINK);
+  const ssize_t length = target ? readlink(path, target, LONGEST_LINK - 1) : -1;
+  if (length > 0) {
+    target[length] = '\0';
+    return target;
+  }
+  free(target);
+  return NULL;
+}
+
 static int find(const char *path, int links, file_place *out) {
   struct stat info;
-  char target[LONGEST_LINK];
   if (stat(path, &info) == 0) {
     out->disk = info.st_dev;
     out->inode = info.st_ino;
     out->rest = strdup("");
     return out->rest ? 0 : -1;
   }
-  const ssize_t length =
-      links < MOST_LINKS ? readlink(path, target, sizeof target - 1) : -1;
-  if (length <= 0)
-    return find_by_folder(path, links, out);
-  target[length] = '\0';
-  return find_by_link(path, target, links, out);
+  char *target = links < MOST_LINKS ? read_link(path) : NULL;
+  const int failed = target ? find_by_link(path, target, links, out)
+                            : find_by_folder(path, links, out);
+  free(target);
+  return failed;
 }
 
 int file_place_find(const char *path, file_place *out) {

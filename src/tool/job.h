@@ -56,9 +56,9 @@ void job_free(job *j);
 char *job_result_path(const job_frame *f);
 char *job_preview_path(const job_frame *f, layer l);
 
-/* The file for what the last frame hands on, while a job runs whose first
- * written frame has this index.  Chunks in one folder have their own. malloc'd,
- * NULL if memory runs out. */
+/* The file of the light to carry on, for a job whose first written frame has
+ * this index.  Chunks in one folder have their own.  malloc'd, NULL if memory
+ * runs out. */
 char *job_history_path(const job *j, int index);
 
 /* What becomes of files that have the names of what the job writes. */

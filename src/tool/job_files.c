@@ -34,7 +34,8 @@ static int add_read(const job *j, file_uses *uses, image_error *error) {
       (j->decider &&
        read_frame(uses, j->decider, "the frame of --decide-by", error) != 0))
     return -1;
-  /* only a map has spherical harmonics before the first frame is looked at */
+  /* the environment is a file exactly if its far field is HBIL_FAR_SH; the
+   * first frame may change that later */
   if (j->config.model.far_field == HBIL_FAR_SH &&
       file_uses_read(uses, s->environment, "the environment map", error) != 0)
     return -1;

@@ -1,8 +1,8 @@
 /*
- * One line on standard error where something ends the process that is not ours
- * to catch: OpenCL drivers abort, or exit, without memory and without room on
- * the disk.  The line says what was being done, and the exit status is
- * STATUS_BAD_INPUT.  It costs no process and no time.
+ * Prints one line on standard error when an OpenCL driver or a crash ends the
+ * process. Drivers abort or exit when memory or disk space runs out. The line
+ * says what the driver was doing, and the exit status is STATUS_BAD_INPUT.
+ * Signal handlers do this, so no second process is needed.
  */
 #ifndef HBIL_TOOL_LAST_WORDS_H
 #define HBIL_TOOL_LAST_WORDS_H

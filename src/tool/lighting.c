@@ -41,7 +41,7 @@ static int memory_is_unlimited(void) {
 
 /* Bytes for the horizon cache.  The first run of a frame may have moved, the
  * second one fills the cache, and later ones gain time; allocating the memory
- * takes as long as three of them gain (HACKING.md). */
+ * takes as long as three of them gain (doc/measurements.md). */
 static size_t horizon_cache_bytes(const lighting *l, const job *j) {
   const unsigned long long mebibyte = 1u << 20, enough = 1024;
   const process_settings *s = j->settings;

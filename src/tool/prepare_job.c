@@ -110,8 +110,7 @@ int job_prepare(job *j, const process_settings *settings, char *const *files,
                       "--normals from-depth: not with --quality reference, "
                       "whose exact integral needs normals");
   configure(j);
-  /* names are compared when the output folder exists, which may be spelled
-   * through others that are made with it */
+  /* after the output folder is made: in a/../b, a may be missing until then */
   return prepare_world(j, error) != 0 || job_output_prepare(j, error) != 0 ||
                  job_files_check(j, error) != 0
              ? -1

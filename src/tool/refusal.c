@@ -107,7 +107,7 @@ int refusal(const device *d, const char *path, hbil_status status,
     return report_memory(status == HBIL_OUT_OF_DEVICE_MEMORY ? d : NULL, place,
                          message, error);
   const char *kernels = getenv("HBIL_KERNEL_DIR");
-  if (status == HBIL_BUILD_FAILED && kernels)
+  if (status == HBIL_BUILD_FAILED && kernels && *kernels)
     return image_fail(error, "%s: HBIL_KERNEL_DIR %s: %s", place, kernels,
                       message);
   return image_fail(error, "%s: %s", place, message);

@@ -41,20 +41,20 @@ static int has_previews(resume *r, const job_frame *f) {
 
 static int look_for_result(resume *r, int item, image_error *error) {
   const job_frame *f = &r->job->frames[item];
+  if (resume_find_key(r, (size_t)item, error) != 0)
+    return -1;
+  if (job_is_pre_roll(r->job, item))
+    return 0; /* finished already, since nothing of it is written */
   char *path = job_result_path(f);
   if (!path)
     return image_no_memory(error, f->path);
-  const int failed = resume_find_key(r, (size_t)item, error);
-  result_state state = RESULT_FINISHED; /* nothing is written of a pre-roll */
-  if (!failed && !job_is_pre_roll(r->job, item))
-    state = job_key_look(path, r->keys[item]);
+  const result_state state = job_key_look(path, r->keys[item]);
   if (state == RESULT_DAMAGED)
     add_damaged(r, path);
   r->finished[item] = state == RESULT_FINISHED &&
-                      (job_is_pre_roll(r->job, item) ||
-                       !r->job->settings->preview || has_previews(r, f));
+                      (!r->job->settings->preview || has_previews(r, f));
   free(path);
-  return failed;
+  return 0;
 }
 
 /* "hbil: lit/frame_0002.exr: is damaged or has no checksum, like 2 others; it

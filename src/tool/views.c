@@ -117,7 +117,7 @@ static int check_views(job *j, char *const *files, unsigned count,
     job_frame *v = &(*list)[*done];
     v->path = files[*done];
     if (check_view(j, v, error) != 0) {
-      ++*done; /* what it owns is freed as that of the others */
+      ++*done; /* counted, so that job_free() frees it */
       return -1;
     }
   }

@@ -548,7 +548,7 @@ static double schlick_term(double cosine) {
   return sum / (steps * steps);
 }
 
-/* HACKING.md, "Far field". */
+/* doc/method.md, section on far light. */
 static void the_dropped_schlick_term_is_as_small_as_stated(void **state) {
   const double stated[][2] = {
       {1.0, 1e-4}, {0.76, 1e-3}, {0.36, 9e-3}, {0.07, 2.3e-2}};

@@ -6,7 +6,7 @@
 
 here=$PWD
 documents="README.md HACKING.md NEWS examples/README.md doc/guide.md
-  doc/method.md doc/measurements.md"
+  doc/method.md doc/measurements.md doc/drivers.md"
 
 # --- what the documents say ---
 
@@ -31,7 +31,7 @@ grep -v '^ok \|^not ok ' "$work/all" | sed 's/  *#.*//; s/ *$//' | sort -u >"$wo
 prose() {
   for document in $documents; do cat "$srcdir/$document"; done
 }
-for document in README.md HACKING.md doc/guide.md doc/measurements.md; do
+for document in README.md doc/guide.md doc/measurements.md doc/drivers.md; do
   code_of "$document" | grep -E '^([A-Z_]*=[^ ]* )?(build/)?hbil(-bench)? [a-z]' \
     >"$work/out"
   test -s "$work/out"
