@@ -45,8 +45,10 @@ int far_plot_write(const bench_options *options,
   char *data = bench_result_path(options->output, p.name, "dat");
   char *script = bench_result_path(options->output, p.name, "gnuplot");
   int failed = data && script ? 0 : image_no_memory(error, "the plot");
-  failed = failed || bench_file_write(data, write_data, &p, error) != 0 ||
-           bench_file_write(script, write_script, &p, error) != 0;
+  failed =
+      failed ||
+      temporary_write(data, EXISTING_REPLACED, write_data, &p, error) != 0 ||
+      temporary_write(script, EXISTING_REPLACED, write_script, &p, error) != 0;
   if (!failed)
     *made = bench_plot_draw(options->output, strrchr(script, '/') + 1);
   free(data);

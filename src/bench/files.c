@@ -2,7 +2,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench/files.h"
 
-#include "image/temporary.h"
 #include "image/temporary_sweep.h"
 
 #include <errno.h>
@@ -39,25 +38,6 @@ char *bench_result_path(const char *folder, const char *name,
   return join(folder, "/", name, ".", suffix);
 }
 
-int bench_file_write(const char *path, bench_writer *write, const void *context,
-                     image_error *error) {
-  temporary t;
-  if (temporary_open(path, &t, error) != 0)
-    return -1;
-  FILE *out = temporary_stream(&t);
-  int failed = out == NULL;
-  if (out) {
-    write(context, out);
-    failed = ferror(out) != 0;
-    failed = fclose(out) != 0 || failed;
-  }
-  if (!failed)
-    return temporary_commit(&t, path, EXISTING_REPLACED, error);
-  image_fail(error, "%s: cannot be written: %s", path, strerror(errno));
-  temporary_discard(&t);
-  return -1;
-}
-
 /* --- sections --- */
 
 /* A file around one of its sections. */
@@ -65,7 +45,7 @@ typedef struct section {
   char *text;        /* the whole file; owned */
   size_t before;     /* bytes up to and with the line of its beginning */
   const char *after; /* from the line of its end on */
-  bench_writer *write;
+  file_writer *write;
   const void *context;
 } section;
 
@@ -129,14 +109,15 @@ static void write_around(const void *context, FILE *out) {
 }
 
 int bench_section_replace(const char *path, const char *name,
-                          bench_writer *write, const void *context,
+                          file_writer *write, const void *context,
                           image_error *error) {
   section s;
   if (find_section(path, name, &s, error) != 0)
     return -1;
   s.write = write;
   s.context = context;
-  const int failed = bench_file_write(path, write_around, &s, error);
+  const int failed =
+      temporary_write(path, EXISTING_REPLACED, write_around, &s, error);
   free(s.text);
   return failed;
 }

@@ -1,14 +1,8 @@
-/* Files of results: folders, complete files, and sections of a Markdown file.
- */
+/* Files of results: folders, names, and sections of a Markdown file. */
 #ifndef HBIL_BENCH_FILES_H
 #define HBIL_BENCH_FILES_H
 
-#include <stdio.h>
-
-#include "image/error.h"
-
-/* Prints a file's content; what goes wrong is left in `out`'s error flag. */
-typedef void bench_writer(const void *context, FILE *out);
+#include "image/temporary.h"
 
 /* Makes a folder that need not exist, and checks that files can be made in it.
  */
@@ -16,16 +10,13 @@ int bench_folder_make(const char *path, image_error *error);
 /* DIR/NAME.SUFFIX; malloc'd, NULL when out of memory. */
 char *bench_result_path(const char *folder, const char *name,
                         const char *suffix);
-/* Writes under a temporary name and renames: a file that exists is complete. */
-int bench_file_write(const char *path, bench_writer *write, const void *context,
-                     image_error *error);
 
 /* Whether the file has the lines <!-- hbil-bench NAME --> and, behind it,
  * <!-- end -->. */
 int bench_section_check(const char *path, const char *name, image_error *error);
 /* Replaces what stands between those two lines. */
 int bench_section_replace(const char *path, const char *name,
-                          bench_writer *write, const void *context,
+                          file_writer *write, const void *context,
                           image_error *error);
 
 #endif

@@ -257,12 +257,12 @@ int bench_report_check(const bench_options *options, image_error *error) {
 }
 
 static int write_result(const bench_report *r, const bench_options *options,
-                        const char *suffix, bench_writer *write,
+                        const char *suffix, file_writer *write,
                         image_error *error) {
   char *path = bench_result_path(options->output, options->name, suffix);
   if (!path)
     return image_no_memory(error, options->output);
-  const int failed = bench_file_write(path, write, r, error);
+  const int failed = temporary_write(path, EXISTING_REPLACED, write, r, error);
   free(path);
   return failed;
 }

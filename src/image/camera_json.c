@@ -282,29 +282,20 @@ static json_t *camera_object(const camera_file *camera) {
                    camera->orthographic ? "orthographic" : NULL);
 }
 
-static int write_json(const temporary *t, const char *path, const json_t *root,
-                      image_error *error) {
-  FILE *file = temporary_stream(t);
-  int failed = !file || json_dumpf(root, file, JSON_INDENT(2)) != 0;
-  if (file && fclose(file) != 0)
-    failed = 1;
-  return failed ? image_fail(error, "%s: cannot be written: %s", path,
-                             strerror(errno))
-                : 0;
+static void write_json(const void *root, FILE *out) {
+  json_dumpf(root, out, JSON_INDENT(2));
 }
 
 int camera_write(const char *path, const camera_file *camera,
                  image_error *error) {
-  temporary t;
   json_t *root = camera_object(camera);
   if (!root)
     return image_fail(error,
                       "%s: camera cannot be written: its numbers must "
                       "be finite",
                       path);
-  int failed = temporary_open(path, &t, error);
-  if (!failed && (failed = write_json(&t, path, root, error)) != 0)
-    temporary_discard(&t);
+  const int failed =
+      temporary_write(path, EXISTING_REPLACED, write_json, root, error);
   json_decref(root);
-  return failed ? -1 : temporary_commit(&t, path, EXISTING_REPLACED, error);
+  return failed;
 }

@@ -75,10 +75,11 @@ int temporary_commit(temporary *t, const char *path, existing_file existing,
                                                 : rename(t->name, path);
   if (failed) {
     if (existing == EXISTING_STAYS && errno == EEXIST)
-      image_fail(error,
-                 "%s: is there already: another job has written it meanwhile, "
-                 "and it is left alone; another name or output folder is needed",
-                 path);
+      image_fail(
+          error,
+          "%s: is there already: another job has written it meanwhile, "
+          "and it is left alone; another name or output folder is needed",
+          path);
     else
       image_fail(error, "%s: cannot be written: %s", path, strerror(errno));
     temporary_discard(t);
@@ -86,4 +87,28 @@ int temporary_commit(temporary *t, const char *path, existing_file existing,
   }
   close_all(t);
   return 0;
+}
+
+int temporary_write(const char *path, existing_file existing,
+                    file_writer *write, const void *content,
+                    image_error *error) {
+  temporary t;
+  if (temporary_open(path, &t, error) != 0)
+    return -1;
+  FILE *out = temporary_stream(&t);
+  int failed = out == NULL;
+  if (out) {
+    write(content, out);
+    failed = fflush(out) != 0 || ferror(out) != 0;
+    const int why = errno;
+    if (fclose(out) != 0)
+      failed = 1;
+    else
+      errno = why;
+  }
+  if (!failed)
+    return temporary_commit(&t, path, existing, error);
+  image_fail(error, "%s: cannot be written: %s", path, strerror(errno));
+  temporary_discard(&t);
+  return -1;
 }

@@ -1,6 +1,7 @@
 /*
  * Files that appear complete or not at all: they are written under a temporary
- * name in the same folder and then renamed.
+ * name in the same folder and then renamed.  temporary_write() does all of it,
+ * for what a stream can take; for other writers,
  *
  *   temporary t;
  *   if (temporary_open(path, &t, error) != 0) ...
@@ -50,6 +51,15 @@ int temporary_commit(temporary *t, const char *path, existing_file existing,
 
 /* Removes the file. */
 void temporary_discard(temporary *t);
+
+/* Writes a file's content.  Failures are those of the stream. */
+typedef void file_writer(const void *content, FILE *out);
+
+/* All of the above: a file of what `write` writes.  0, or -1 with `error`
+ * filled. */
+int temporary_write(const char *path, existing_file existing,
+                    file_writer *write, const void *content,
+                    image_error *error);
 
 #ifdef __cplusplus
 }

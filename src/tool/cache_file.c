@@ -113,34 +113,25 @@ int cache_file_read_bytes(const char *path, const cache_file *expected,
              : failed;
 }
 
-static int write_file(const temporary *t, const char *path, const head *h,
-                      const void *bytes, image_error *error) {
-  FILE *file = temporary_stream(t);
-  int failed = !file || fwrite(h, sizeof *h, 1, file) != 1 ||
-               fwrite(bytes, h->file.size, 1, file) != 1;
-  const int why = errno;
-  if (file && fclose(file) != 0 && !failed)
-    failed = 1;
-  else if (failed)
-    errno = why;
-  return failed ? image_fail(error, "%s: cannot be written: %s", path,
-                             strerror(errno))
-                : 0;
+typedef struct content {
+  head head;
+  const void *bytes;
+} content;
+
+static void write_content(const void *content_, FILE *out) {
+  const content *c = content_;
+  fwrite(&c->head, sizeof c->head, 1, out);
+  fwrite(c->bytes, c->head.file.size, 1, out);
 }
 
 int cache_file_write(const char *path, cache_file *file, const void *bytes,
                      existing_file existing, image_error *error) {
-  head h;
-  temporary t;
-  memset(&h, 0, sizeof h);
-  memcpy(h.magic, file_magic, sizeof h.magic);
-  snprintf(h.version, sizeof h.version, "%s", hbil_version());
-  h.file = *file;
-  h.file.hash = file->hash = hash_of(h, bytes);
-  if (temporary_open(path, &t, error) != 0)
-    return -1;
-  if (write_file(&t, path, &h, bytes, error) == 0)
-    return temporary_commit(&t, path, existing, error);
-  temporary_discard(&t);
-  return -1;
+  content c;
+  memset(&c, 0, sizeof c);
+  memcpy(c.head.magic, file_magic, sizeof c.head.magic);
+  snprintf(c.head.version, sizeof c.head.version, "%s", hbil_version());
+  c.head.file = *file;
+  c.head.file.hash = file->hash = hash_of(c.head, bytes);
+  c.bytes = bytes;
+  return temporary_write(path, existing, write_content, &c, error);
 }

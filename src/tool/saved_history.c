@@ -32,30 +32,18 @@ static uint64_t hash_of(preface head, const void *bytes) {
                               XXH3_64bits(&head, sizeof head));
 }
 
-static int write_file(const temporary *t, const char *path,
-                      const saved_history *h, image_error *error) {
+static void write_history(const void *history, FILE *out) {
+  const saved_history *h = history;
   preface head = {.key = h->key, .size = h->size, .exposure = h->exposure};
   memcpy(head.magic, file_magic, sizeof head.magic);
   head.hash = hash_of(head, h->bytes);
-  FILE *file = temporary_stream(t);
-  int failed = !file || fwrite(&head, sizeof head, 1, file) != 1 ||
-               fwrite(h->bytes, h->size, 1, file) != 1;
-  if (file && fclose(file) != 0)
-    failed = 1;
-  return failed ? image_fail(error, "%s: cannot be written: %s", path,
-                             strerror(errno))
-                : 0;
+  fwrite(&head, sizeof head, 1, out);
+  fwrite(h->bytes, h->size, 1, out);
 }
 
 int saved_history_write(const char *path, const saved_history *h,
                         image_error *error) {
-  temporary t;
-  if (temporary_open(path, &t, error) != 0)
-    return -1;
-  if (write_file(&t, path, h, error) == 0)
-    return temporary_commit(&t, path, EXISTING_REPLACED, error);
-  temporary_discard(&t);
-  return -1;
+  return temporary_write(path, EXISTING_REPLACED, write_history, h, error);
 }
 
 static saved_state read_file(FILE *file, saved_history *h) {
