@@ -56,7 +56,10 @@ static void store_file(void *user, const char *key, const void *data,
   if (file) {
     stored = fwrite(data, 1, size, file) == size;
     stored = !fclose(file) && stored;
-    stored = stored && !rename(temporary, path);
+    /* an empty folder of that name is in the way */
+    stored = stored &&
+             (!rename(temporary, path) ||
+              (errno == EISDIR && !remove(path) && !rename(temporary, path)));
     if (!stored)
       remove(temporary);
   }
