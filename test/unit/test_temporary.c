@@ -12,12 +12,14 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -259,6 +261,39 @@ static void a_link_whose_answer_got_lost_counts(void **state) {
   assert_int_equal(folder_count(folder, ""), 1);
 }
 
+/* More than a buffer of a stream, so that writing fails before the end, too. */
+static void write_bytes(const void *bytes, FILE *out) {
+  for (int i = 0; i < *(const int *)bytes; ++i)
+    putc('x', out);
+}
+
+/* A limit on the size of files stands for a full disk. */
+static void what_cannot_be_written_leaves_the_old_file(void **state) {
+  static const int sizes[] = {1100, 100000};
+  struct rlimit all, little;
+  (void)state;
+  write_plain(path_in("frame.exr"), "old");
+  assert_int_equal(getrlimit(RLIMIT_FSIZE, &all), 0);
+  little = all;
+  little.rlim_cur = 1024;
+  signal(SIGXFSZ, SIG_IGN);
+  for (int i = 0; i < 2; ++i) {
+    image_error error;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &little), 0);
+    const int status = temporary_write(path_in("frame.exr"), EXISTING_REPLACED,
+                                       write_bytes, &sizes[i], &error);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &all), 0);
+    assert_int_equal(status, -1);
+    assert_non_null(strstr(error.text, "File too large"));
+    check_text(path_in("frame.exr"), "old");
+    assert_int_equal(folder_count(folder, ""), 1);
+    assert_int_equal(temporary_write(path_in("new"), EXISTING_REPLACED,
+                                     write_bytes, &sizes[i], &error),
+                     0);
+    assert_int_equal(unlink(path_in("new")), 0);
+  }
+}
+
 static void what_cannot_be_renamed_is_removed(void **state) {
   const char *path = path_in("frame.exr");
   image_error error;
@@ -395,6 +430,7 @@ int main(void) {
       TEST(files_without_a_name_are_not_used),
       TEST(one_of_two_jobs_gets_a_name),
       TEST(a_link_whose_answer_got_lost_counts),
+      TEST(what_cannot_be_written_leaves_the_old_file),
       TEST(what_cannot_be_renamed_is_removed),
       TEST(files_of_killed_jobs_are_swept),
       TEST(files_of_living_jobs_are_not_swept),
