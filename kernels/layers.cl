@@ -7,6 +7,6 @@
  * Inputs, outputs, build defines and launch shapes are those of the three
  * files.
  */
-#include "clear.cl"
+#include "clear_padding.cl"
 #include "bounds.cl"
 #include "pattern.cl"

@@ -317,7 +317,7 @@ enum {
 
 /* --- the passes ----------------------------------------------------------- */
 
-/* Padding of the layers (clear.cl).  nothing: what its first plane holds. */
+/* clear_padding.cl.  nothing: what the first plane of the padding holds. */
 typedef struct hbil_clear_args {
   hbil_layer_args layers;
   hbil_uint span; /* columns of padding, left and right */

@@ -3,16 +3,16 @@
  *
  * mean_part, mean_sum: the mean radiance of the coarsest level's surfaces,
  * which stands for what no view has seen.
- * bounce: what arrives at voxels along their links (cache/links.cl).
- * publish: the radiance that each voxel sends, which rays read.  It is apart
- * from bounce, so that all voxels of a round see the light of the round before,
- * in any order of work-items.
+ * bounce: what arrives at voxels along their rays (cache/ray_hits.cl).
+ * update_radiance: the radiance that each voxel sends, which rays read.  It is
+ * apart from bounce, so that all voxels of a round see the light of the round
+ * before, in any order of work-items.
  *
- * Launch: publish: x = words of a row of voxels, y = rows, z = slices, of all
- * levels; mean_part: x = HBIL_CACHE_PARTS; mean_sum: one work-item; bounce: any
- * x.
+ * Launch: update_radiance: x = words of a row of voxels, y = rows, z = slices,
+ * of all levels; mean_part: x = HBIL_CACHE_PARTS; mean_sum: one work-item;
+ * bounce: any x.
  */
-#include "lib/cache_links.clh"
+#include "lib/ray_hits.clh"
 #include "lib/sky_light.clh"
 
 /* The largest reflectance that bounces count with, so that light in a closed
@@ -87,28 +87,28 @@ typedef struct gathered_rays {
 INLINE gathered_rays gather_rays(const hbil_cache_bounce_args args,
                                  global const float *voxel,
                                  global const uint *radiance,
-                                 global const uint *links, uint number,
+                                 global const uint *hits, uint number,
                                  int rays) {
   const float3 plane = vload3(0, voxel + HBIL_VOXEL_NORMAL);
   const float3 n = plane * (1.0f / sqrt(dot(plane, plane)));
   realv sum[3] = {0.0f, 0.0f, 0.0f}, open = 0.0f, unknown = 0.0f;
   for (int i = 0; i < rays; i += HBIL_WIDTH) {
-    const intv is = i + EACH_LANE < rays;
-    /* may read beyond this surface's links: the next one's, or the spare words
+    const intv is_ray = i + EACH_LANE < rays;
+    /* may read beyond this surface's hits: the next one's, or the spare words
      * at the end */
-    const uintv link = LOADV(links + i);
-    ray_ends ends = {is & (link < LINK_SKY), is & (link == LINK_SKY),
-                     AS_INTV(link), 0.0f, 0.0f};
+    const uintv hit = LOADV(hits + i);
+    ray_ends ends = {is_ray & (hit < HIT_SKY), is_ray & (hit == HIT_SKY),
+                     AS_INTV(hit), 0.0f, 0.0f};
     points d = {0.0f, 0.0f, 0.0f};
     realv light[3];
     if (ANY(ends.sky))
-      d = link_directions(i + EACH_LANE, rays, number, all_at(n));
+      d = surface_ray_directions(i + EACH_LANE, rays, number, all_at(n));
     light_of_rays(&ends, radiance, args.environment, d, light);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       sum[c] += light[c];
-    open += select((realv)0.0f, (realv)1.0f, is & !ends.hit);
-    unknown += select((realv)0.0f, (realv)1.0f, is & !ends.hit & !ends.sky);
+    open += select((realv)0.0f, (realv)1.0f, is_ray & !ends.hit);
+    unknown += select((realv)0.0f, (realv)1.0f, is_ray & !ends.hit & !ends.sky);
   }
   const float inv = 1.0f / (float)rays;
   const gathered_rays g = {{lanes_sum(sum[0]) * inv, lanes_sum(sum[1]) * inv,
@@ -142,13 +142,13 @@ INLINE void bounce_voxel(const hbil_cache_bounce_args args, global float *voxel,
 }
 
 kernel void bounce(const hbil_cache_bounce_args args, global const uint *list,
-                   global const uint *links, global float *voxels,
+                   global const uint *hits, global float *voxels,
                    global const uint *radiance, global const float *means,
                    global uchar *unlit_codes) {
   uint place;
   if (get_global_id(1) > 0 || args.cache.voxels < 1)
     return;
-  const int rays = links_each(args.cache, list[0]);
+  const int rays = rays_of_each(args.cache, list[0]);
   const uint end = part_of_item(list[0], 1u, &place);
   for (; place < end; ++place) {
     const uint number = list[HBIL_LIST_HEAD + place];
@@ -156,17 +156,17 @@ kernel void bounce(const hbil_cache_bounce_args args, global const uint *list,
     /* finished radiance has all bounces */
     if (voxel[HBIL_VOXEL_LIGHT_WEIGHT] < 0.0f)
       continue;
-    const gathered_rays g =
-        gather_rays(args, voxel, radiance, links + (size_t)place * (uint)rays,
-                    number, rays);
+    const gathered_rays g = gather_rays(
+        args, voxel, radiance, hits + (size_t)place * (uint)rays, number, rays);
     bounce_voxel(args, voxel, g, means, unlit_codes + number);
   }
 }
 
 /* --- what voxels send ----------------------------------------------------- */
 
-kernel void publish(const hbil_cache_args cache, global const uint *states,
-                    global const float *voxels, global uint *radiance) {
+kernel void update_radiance(const hbil_cache_args cache,
+                            global const uint *states,
+                            global const float *voxels, global uint *radiance) {
   uint word;
   if (!word_of_item(cache, &word))
     return;

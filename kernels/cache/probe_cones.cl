@@ -42,13 +42,13 @@ INLINE uint number_at(const cache_map *map, int level, float3 p) {
  * a voxel of `level`. */
 INLINE sample sample_voxel(const cache_map *map, global const uint *radiance,
                            int level, float3 p, float3 d) {
-  const uint way = map->ways[number_at(map, level, p)];
-  const uint state = WAY_STATE(way);
+  const uint code = map->clearance[number_at(map, level, p)];
+  const uint state = CODE_STATE(code);
   sample s = {0.0f, 0.0f, state == HBIL_VOXEL_UNKNOWN ? 1.0f : 0.0f,
               state == HBIL_VOXEL_SKY ? 1.0f : 0.0f, (float)(1 << level)};
   if (state != HBIL_VOXEL_SURFACE)
     return s;
-  const uint number = number_at(map, level + (int)WAY_ABOVE(way), p);
+  const uint number = number_at(map, level + (int)CODE_LEVELS_ABOVE(code), p);
   if (dot(vload3(0, map->voxels + HBIL_VOXEL_FLOATS * (size_t)number), d) <
       0.0f) {
     s.light = light_of_word(radiance[number]);
@@ -160,10 +160,10 @@ INLINE cone follow_cone(const hbil_probes_args args, global const float *split,
 }
 
 kernel void probe_cones(const hbil_probes_args args, global const float *split,
-                        global const uchar *ways, global const float *voxels,
-                        global const uint *radiance,
+                        global const uchar *clearance,
+                        global const float *voxels, global const uint *radiance,
                         global const float *pyramid, global float *probes) {
-  const cache_map map = {args.cache, ways, voxels};
+  const cache_map map = {args.cache, clearance, voxels};
   probe_place probe;
   float4 mean[FUNCTIONS];
   if (!place_of_item(args, split, &probe))

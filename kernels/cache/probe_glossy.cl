@@ -59,9 +59,10 @@ INLINE void trace(const hbil_probes_args args, global const float *split,
 }
 
 kernel void probe_glossy(const hbil_probes_args args, global const float *split,
-                         global const uchar *ways, global const float *voxels,
+                         global const uchar *clearance,
+                         global const float *voxels,
                          global const uint *radiance, global float *probes) {
-  const cache_map map = {args.cache, ways, voxels};
+  const cache_map map = {args.cache, clearance, voxels};
   probe_place probe;
   probe_lobe lobe = {0.0f, 0.0f, 0.0f};
   probe_finds sum = {0.0f, 0.0f, {0.0f, 0.0f, 0.0f}};

@@ -87,9 +87,10 @@ INLINE int trace(const hbil_probes_args args, global const float *split,
 }
 
 kernel void probe_rays(const hbil_probes_args args, global const float *split,
-                       global const uchar *ways, global const float *voxels,
-                       global const uint *radiance, global float *probes) {
-  const cache_map map = {args.cache, ways, voxels};
+                       global const uchar *clearance,
+                       global const float *voxels, global const uint *radiance,
+                       global float *probes) {
+  const cache_map map = {args.cache, clearance, voxels};
   probe_place probe;
   rays_sum sum[FUNCTIONS];
   float4 mean[FUNCTIONS];

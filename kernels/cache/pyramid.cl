@@ -35,8 +35,9 @@ INLINE void store_texel(const parts *p, global float *texel) {
 }
 
 kernel void level_step(const hbil_cache_args cache, const int level,
-                       global const uchar *ways, global const float *voxels,
-                       global const uint *radiance, global float *pyramid) {
+                       global const uchar *clearance,
+                       global const float *voxels, global const uint *radiance,
+                       global float *pyramid) {
   const int x = (int)get_global_id(0), y = (int)get_global_id(1);
   const int z = (int)get_global_id(2), middle = cache.voxels / 2;
   if (x >= middle || y >= middle || z >= middle)
@@ -51,8 +52,8 @@ kernel void level_step(const hbil_cache_args cache, const int level,
       set_texel(&p, k, cache, pyramid, level - 1, 2 * x + (k & 1) - quarter,
                 2 * y + ((k >> 1) & 1) - quarter, 2 * z + (k >> 2) - quarter);
   } else {
-    p = parts_of_voxels(cache, ways, voxels, radiance, level, 2 * x - middle,
-                        2 * y - middle, 2 * z - middle);
+    p = parts_of_voxels(cache, clearance, voxels, radiance, level,
+                        2 * x - middle, 2 * y - middle, 2 * z - middle);
   }
   store_texel(&p, pyramid + HBIL_MIP_FLOATS *
                                 (size_t)texel_number(cache, level, x, y, z));

@@ -19,7 +19,8 @@
 #define SLOPE (1.5f * 0.159154943f * FRONT_FACE)
 
 kernel void volume_sources(const hbil_cache_args cache,
-                           global const uchar *ways, global const float *voxels,
+                           global const uchar *clearance,
+                           global const float *voxels,
                            global const uint *radiance, global float *sources,
                            global float *opacities) {
   const int middle = cache.voxels / 2;
@@ -31,7 +32,7 @@ kernel void volume_sources(const hbil_cache_args cache,
   const uint plane = volume_plane(cache);
   const float size = (float)(2 << level);
   const parts p =
-      parts_of_voxels(cache, ways, voxels, radiance, level, 2 * x - middle,
+      parts_of_voxels(cache, clearance, voxels, radiance, level, 2 * x - middle,
                       2 * y - middle, 2 * z - middle);
   global float *source = sources + cell_address(cache, 12u, level, x, y, z);
   global float *opacity = opacities + cell_address(cache, 6u, level, x, y, z);

@@ -23,12 +23,12 @@ enum {
   HBIL_VOXEL_SKY = 3 /* a view looked through it and saw the sky behind it */
 };
 
-/* What rays read: the ways, a byte a voxel.  The lower two bits are the state,
- * but what a level has not seen has the state of the coarser level there, so
- * HBIL_VOXEL_SURFACE may be a surface of a coarser level.  The upper six bits:
- * of a surface, how many levels above this one it is; of all others the
- * clearance r: all voxels up to r away along each axis, so a cube of 2 r + 1,
- * have the same state.  With HBIL_MOST_CLEARANCE 3, rays of bounces take 4 %
+/* What rays read, to skip empty space: a byte a voxel.  The lower two bits are
+ * the state, but what a level has not seen has the state of the coarser level
+ * there, so HBIL_VOXEL_SURFACE may be a surface of a coarser level.  The upper
+ * six bits: of a surface, how many levels above this one it is; of all others
+ * the clearance r: all voxels up to r away along each axis, so a cube of 2 r +
+ * 1, have the same state.  With HBIL_MOST_CLEARANCE 3, rays of bounces take 4 %
  * longer; with 15, 1 % less. */
 #define HBIL_MOST_CLEARANCE 7
 
@@ -58,10 +58,10 @@ enum {
  * quarter, four walks are no nearer to the truth on average
  * (doc/measurements.md). */
 #define HBIL_CACHE_RAYS 16
-/* Words of the list of surfaces before the first one (lib/cache_links.clh). */
+/* Words of the list of surfaces before the first one (lib/ray_hits.clh). */
 #define HBIL_LIST_HEAD (HBIL_CACHE_PARTS + 16)
-/* Links that there is memory for, per voxel. */
-#define HBIL_CACHE_LINKS 2
+/* Hits of rays that there is memory for, per voxel. */
+#define HBIL_CACHE_RAY_HITS 2
 
 /* A ray hits a voxel's plane if it crosses it within this many voxels of the
  * centre, along each axis.  Planes of neighbours then overlap by half a voxel,
@@ -120,8 +120,8 @@ typedef struct hbil_cache_inject_args {
 } hbil_cache_inject_args;
 HBIL_ASSERT_LAYOUT(hbil_cache_inject_args, finished, 38, 39)
 
-/* cache/links.cl.  The update handles the voxels whose number is `phase` modulo
- * `share`. */
+/* cache/ray_hits.cl.  The update handles the voxels whose number is `phase`
+ * modulo `share`. */
 typedef struct hbil_cache_list_args {
   hbil_cache_args cache;
   hbil_int share, phase;

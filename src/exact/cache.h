@@ -102,7 +102,7 @@ void exact_cache_inject(exact_cache *cache, const exact_cache_view *view,
 /* The state of a place as rays see it: that of the finest level from the
  * place's own on that has seen it.  place: becomes that level's place; the
  * coarsest one's if none has. */
-int exact_cache_way(const exact_cache *cache, exact_place *place);
+int exact_cache_state_for_rays(const exact_cache *cache, exact_place *place);
 
 typedef enum exact_ray_kind {
   EXACT_RAY_UNKNOWN = 0, /* it ends in what no view has seen */
@@ -145,7 +145,7 @@ double exact_environment(hbil_far_field far_field,
 /* Bounces (cache_bounce.c)                                                  */
 
 /* What a voxel sends: its radiance from its values. */
-void exact_cache_publish(exact_voxel *voxel);
+void exact_cache_update_radiance(exact_voxel *voxel);
 
 /* Means over the surfaces of the coarsest level. */
 typedef struct exact_cache_mean {

@@ -12,7 +12,7 @@
 /* The largest reflectance that bounces count with. */
 #define MOST_REFLECTANCE 0.95
 
-void exact_cache_publish(exact_voxel *voxel) {
+void exact_cache_update_radiance(exact_voxel *voxel) {
   const double *v = voxel->value;
   for (int c = 0; c < 3; ++c) {
     const double reflectance =
@@ -122,7 +122,7 @@ static bool is_listed(const exact_cache *cache, size_t number,
          number % update->share == phase;
 }
 
-/* Rays of a surface: fewer where the links wouldn't fit. */
+/* Rays of a surface: fewer where the hits wouldn't fit. */
 static int rays_of(const exact_cache *cache, const hbil_cache_update *update,
                    uint32_t phase) {
   const size_t count = exact_cache_count(cache);
@@ -130,7 +130,7 @@ static int rays_of(const exact_cache *cache, const hbil_cache_update *update,
   int rays = HBIL_CACHE_RAYS;
   for (size_t i = 0; i < count; ++i)
     listed += is_listed(cache, i, update, phase);
-  while (listed * (size_t)rays > HBIL_CACHE_LINKS * count)
+  while (listed * (size_t)rays > HBIL_CACHE_RAY_HITS * count)
     rays /= 2;
   return rays;
 }

@@ -90,9 +90,9 @@ static exact_mip mip_of_voxel(const exact_cache *cache,
   exact_place found = *place;
   exact_mip mip;
   memset(&mip, 0, sizeof mip);
-  const int way = exact_cache_way(cache, &found);
-  mip.unseen = way == HBIL_VOXEL_UNKNOWN;
-  mip.sky = way == HBIL_VOXEL_SKY;
+  const int state = exact_cache_state_for_rays(cache, &found);
+  mip.unseen = state == HBIL_VOXEL_UNKNOWN;
+  mip.sky = state == HBIL_VOXEL_SKY;
   const double *n = voxel->value + HBIL_VOXEL_NORMAL;
   const double most = fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2])));
   for (int i = 0; i < 6 && voxel->state == HBIL_VOXEL_SURFACE; ++i) {
@@ -162,10 +162,10 @@ static sample sample_voxel(const exact_cache *cache, int level, vec3 p,
   exact_place place = {level,
                        {(int)floor(p.x / s.size), (int)floor(p.y / s.size),
                         (int)floor(p.z / s.size)}};
-  const int way = exact_cache_way(cache, &place);
-  s.unseen = way == HBIL_VOXEL_UNKNOWN;
-  s.sky = way == HBIL_VOXEL_SKY;
-  if (way != HBIL_VOXEL_SURFACE)
+  const int state = exact_cache_state_for_rays(cache, &place);
+  s.unseen = state == HBIL_VOXEL_UNKNOWN;
+  s.sky = state == HBIL_VOXEL_SKY;
+  if (state != HBIL_VOXEL_SURFACE)
     return s;
   const exact_voxel *voxel = exact_cache_at(cache, &place);
   const double *n = voxel->value + HBIL_VOXEL_NORMAL;

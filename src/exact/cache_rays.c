@@ -9,7 +9,7 @@
 #include "exact/cache.h"
 #include "exact/passes.h"
 
-int exact_cache_way(const exact_cache *cache, exact_place *place) {
+int exact_cache_state_for_rays(const exact_cache *cache, exact_place *place) {
   int state = exact_cache_at(cache, place)->state;
   while (state == HBIL_VOXEL_UNKNOWN && place->level + 1 < cache->levels) {
     ++place->level;
@@ -72,7 +72,7 @@ exact_ray_end exact_cache_follow(const exact_cache *cache, vec3 origin,
   double t = start;
   while (exact_cache_find(cache, vec_add(origin, t, direction), &place)) {
     exact_place seen = place;
-    last = exact_cache_way(cache, &seen);
+    last = exact_cache_state_for_rays(cache, &seen);
     if (last == HBIL_VOXEL_SURFACE &&
         exact_cache_hits(exact_cache_at(cache, &seen)->value, &seen, origin,
                          direction, &end.distance)) {

@@ -28,8 +28,8 @@ exact_status exact_saved_open(const void *bytes, size_t size,
              : EXACT_BAD_ARGUMENT;
 }
 
-/* As exact_cache_way(). */
-static int way_at(const exact_saved_cache *saved, exact_place *place) {
+/* As exact_cache_state_for_rays(). */
+static int state_at(const exact_saved_cache *saved, exact_place *place) {
   for (;; ++place->level) {
     const size_t number = exact_cache_number(&saved->where, place);
     const int state = saved->states[number / 4] >> 2 * (number % 4) & 3;
@@ -61,11 +61,11 @@ exact_ray_kind exact_saved_follow(const exact_saved_cache *saved, vec3 origin,
       exact_cache_find(&saved->where, vec_add(origin, t, direction), &place)) {
     exact_place seen = place;
     exact_voxel voxel;
-    last = way_at(saved, &seen);
+    last = state_at(saved, &seen);
     if (last == HBIL_VOXEL_SURFACE) {
       read_voxel(saved, &seen, &voxel);
       if (exact_cache_hits(voxel.value, &seen, origin, direction, &distance)) {
-        exact_cache_publish(&voxel);
+        exact_cache_update_radiance(&voxel);
         memcpy(radiance, voxel.radiance, sizeof voxel.radiance);
         return EXACT_RAY_HIT;
       }

@@ -38,8 +38,8 @@ size_t cache_buffer_bytes(const hbil_cache_config *config, int buffer) {
   switch (buffer) {
   case CACHE_STATES: /* two bits each */
     return voxels / 4;
-  case CACHE_WAYS:
-  case CACHE_WAYS_PART:
+  case CACHE_CLEARANCE:
+  case CACHE_CLEARANCE_PART:
   case CACHE_UNLIT:
     return voxels;
   case CACHE_VOXELS:
@@ -48,8 +48,8 @@ size_t cache_buffer_bytes(const hbil_cache_config *config, int buffer) {
     return sizeof(cl_uint) * voxels;
   case CACHE_LIST:
     return sizeof(cl_uint) * (HBIL_LIST_HEAD + voxels);
-  case CACHE_LINKS: /* vectors are read, so some more behind the last */
-    return sizeof(cl_uint) * (HBIL_CACHE_LINKS * voxels + HBIL_WIDEST);
+  case CACHE_RAY_HITS: /* vectors are read, so some more behind the last */
+    return sizeof(cl_uint) * (HBIL_CACHE_RAY_HITS * voxels + HBIL_WIDEST);
   case CACHE_PYRAMID:
     return cache_has(config, HBIL_PROVIDER_CONES)
                ? HBIL_MIP_FLOATS * sizeof(cl_float) * pyramid_texels(config)

@@ -11,8 +11,8 @@ enum {
   CACHE_PROGRAM_VIEW_FLAT,
   CACHE_PROGRAM_INJECT,
   CACHE_PROGRAM_INJECT_FLAT,
-  CACHE_PROGRAM_WAYS,
-  CACHE_PROGRAM_LINKS,
+  CACHE_PROGRAM_CLEARANCE,
+  CACHE_PROGRAM_RAY_HITS,
   CACHE_PROGRAM_BOUNCE,
   CACHE_PROGRAM_MOVE,
   CACHE_PROGRAM_PYRAMID,
@@ -26,16 +26,16 @@ enum {
   CACHE_KERNEL_READ_VIEW_FLAT,
   CACHE_KERNEL_INJECT,
   CACHE_KERNEL_INJECT_FLAT,
-  CACHE_KERNEL_RESOLVE,
-  CACHE_KERNEL_CLEAR_ALONG_X,
-  CACHE_KERNEL_CLEAR_ALONG,
+  CACHE_KERNEL_RESOLVE_STATES,
+  CACHE_KERNEL_CLEARANCE_ALONG_X,
+  CACHE_KERNEL_CLEARANCE_ALONG,
   CACHE_KERNEL_LIST_PARTS,
   CACHE_KERNEL_LIST_SURFACES,
-  CACHE_KERNEL_TRACE,
+  CACHE_KERNEL_TRACE_RAYS,
   CACHE_KERNEL_MEAN_PART,
   CACHE_KERNEL_MEAN_SUM,
   CACHE_KERNEL_BOUNCE,
-  CACHE_KERNEL_PUBLISH,
+  CACHE_KERNEL_UPDATE_RADIANCE,
   CACHE_KERNEL_FORGET,
   CACHE_KERNEL_LEVEL_STEP,
   CACHE_KERNEL_NEXT_STEP,
@@ -49,15 +49,15 @@ _Static_assert((int)CACHE_KERNEL_COUNT <= (int)KERNEL_COUNT, "KERNEL_COUNT");
 
 enum {
   CACHE_STATES,    /* two bits a voxel */
-  CACHE_WAYS,      /* a byte a voxel: what rays read */
-  CACHE_WAYS_PART, /* the same, with clearances along some axes */
-  CACHE_VOXELS,    /* HBIL_VOXEL_FLOATS floats a voxel */
-  CACHE_RADIANCE,  /* a word a voxel: what it sends */
-  CACHE_UNLIT,     /* a byte a voxel: how much of the open is no sky */
-  CACHE_MEANS,     /* mean radiance and unlit part; then sums of parts */
-  CACHE_TEXELS,    /* of the view that is being injected */
-  CACHE_LIST,      /* the surfaces of an update (lib/cache_links.clh) ... */
-  CACHE_LINKS,     /* ... and where their rays end */
+  CACHE_CLEARANCE, /* a byte a voxel: what rays read (cache/clearance.cl) */
+  CACHE_CLEARANCE_PART, /* the same, with clearances along some axes */
+  CACHE_VOXELS,         /* HBIL_VOXEL_FLOATS floats a voxel */
+  CACHE_RADIANCE,       /* a word a voxel: what it sends */
+  CACHE_UNLIT,          /* a byte a voxel: how much of the open is no sky */
+  CACHE_MEANS,          /* mean radiance and unlit part; then sums of parts */
+  CACHE_TEXELS,         /* of the view that is being injected */
+  CACHE_LIST,           /* the surfaces of an update (lib/ray_hits.clh) ... */
+  CACHE_RAY_HITS,       /* ... and where their rays end */
   /* for other providers than rays */
   CACHE_PYRAMID,      /* HBIL_MIP_FLOATS floats a texel (lib/pyramid.clh) */
   CACHE_SOURCES,      /* 12 planes a volume (lib/volumes.clh) */

@@ -12,7 +12,7 @@ hbil_status build_pyramid(commands *chain, hbil_cache *cache) {
   for (cl_int step = 0; step < levels && status == HBIL_SUCCESS; ++step) {
     const argument level[] = {ARG(args),
                               ARG(step),
-                              ARG(cache->buffers[CACHE_WAYS]),
+                              ARG(cache->buffers[CACHE_CLEARANCE]),
                               ARG(cache->buffers[CACHE_VOXELS]),
                               ARG(cache->buffers[CACHE_RADIANCE]),
                               ARG(cache->buffers[CACHE_PYRAMID])};

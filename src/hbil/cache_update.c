@@ -7,38 +7,38 @@
 #include "cache_config.h"
 #include "far_field.h"
 
-/* --- ways --- */
+/* --- clearance --- */
 
 /* Brings what rays read up to date with the states. */
-static hbil_status resolve(commands *chain, hbil_cache *cache) {
+static hbil_status update_clearance(commands *chain, hbil_cache *cache) {
   const hbil_cache_args args = cache_args(cache);
   const size_t n = cache->config.voxels, slices = n * cache->config.levels;
   const cl_int along_y = args.log2_voxels, along_z = 2 * along_y;
-  const cl_mem ways = cache->buffers[CACHE_WAYS];
-  const cl_mem part = cache->buffers[CACHE_WAYS_PART];
-  const argument x[] = {ARG(args), ARG(part), ARG(ways)};
-  const argument y[] = {ARG(args), ARG(along_y), ARG(ways), ARG(part)};
-  const argument z[] = {ARG(args), ARG(along_z), ARG(part), ARG(ways)};
+  const cl_mem clearance = cache->buffers[CACHE_CLEARANCE];
+  const cl_mem part = cache->buffers[CACHE_CLEARANCE_PART];
+  const argument x[] = {ARG(args), ARG(part), ARG(clearance)};
+  const argument y[] = {ARG(args), ARG(along_y), ARG(clearance), ARG(part)};
+  const argument z[] = {ARG(args), ARG(along_z), ARG(part), ARG(clearance)};
   hbil_status status = HBIL_SUCCESS;
   for (cl_int level = args.levels - 1; level >= 0 && status == HBIL_SUCCESS;
        --level) {
     const argument list[] = {ARG(args), ARG(level),
                              ARG(cache->buffers[CACHE_STATES]), ARG(part)};
-    status = LAUNCH(chain, CACHE_KERNEL_RESOLVE, list, n / 16, n, n);
+    status = LAUNCH(chain, CACHE_KERNEL_RESOLVE_STATES, list, n / 16, n, n);
   }
   if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, CACHE_KERNEL_CLEAR_ALONG_X, x, n, slices, 1);
+    status = LAUNCH(chain, CACHE_KERNEL_CLEARANCE_ALONG_X, x, n, slices, 1);
   if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, CACHE_KERNEL_CLEAR_ALONG, y, n, slices, 1);
+    status = LAUNCH(chain, CACHE_KERNEL_CLEARANCE_ALONG, y, n, slices, 1);
   if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, CACHE_KERNEL_CLEAR_ALONG, z, n, slices, 1);
+    status = LAUNCH(chain, CACHE_KERNEL_CLEARANCE_ALONG, z, n, slices, 1);
   return status;
 }
 
 /* --- bounces --- */
 
 /* What each voxel sends, and the mean. */
-static hbil_status publish(commands *chain, hbil_cache *cache) {
+static hbil_status update_radiance(commands *chain, hbil_cache *cache) {
   const hbil_cache_args args = cache_args(cache);
   const argument sent[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
                            ARG(cache->buffers[CACHE_VOXELS]),
@@ -48,7 +48,8 @@ static hbil_status publish(commands *chain, hbil_cache *cache) {
                            ARG(cache->buffers[CACHE_UNLIT]),
                            ARG(cache->buffers[CACHE_MEANS])};
   const argument sum[] = {ARG(cache->buffers[CACHE_MEANS])};
-  hbil_status status = LAUNCH_WORDS(chain, cache, CACHE_KERNEL_PUBLISH, sent);
+  hbil_status status =
+      LAUNCH_WORDS(chain, cache, CACHE_KERNEL_UPDATE_RADIANCE, sent);
   if (status == HBIL_SUCCESS)
     status =
         LAUNCH(chain, CACHE_KERNEL_MEAN_PART, part, HBIL_CACHE_PARTS, 1, 1);
@@ -67,8 +68,8 @@ static size_t items(const hbil_cache *cache) {
 }
 
 /* Lists the surfaces that this update handles, and traces their rays. */
-static hbil_status trace(commands *chain, hbil_cache *cache,
-                         const hbil_cache_update *update) {
+static hbil_status trace_rays(commands *chain, hbil_cache *cache,
+                              const hbil_cache_update *update) {
   const hbil_cache_args where = cache_args(cache);
   const hbil_cache_list_args args = {
       .cache = where,
@@ -76,10 +77,10 @@ static hbil_status trace(commands *chain, hbil_cache *cache,
       .phase = (cl_int)(cache->updates % update->share)};
   const argument list[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
                            ARG(cache->buffers[CACHE_LIST])};
-  const argument rays[] = {ARG(where), ARG(cache->buffers[CACHE_WAYS]),
+  const argument rays[] = {ARG(where), ARG(cache->buffers[CACHE_CLEARANCE]),
                            ARG(cache->buffers[CACHE_VOXELS]),
                            ARG(cache->buffers[CACHE_LIST]),
-                           ARG(cache->buffers[CACHE_LINKS])};
+                           ARG(cache->buffers[CACHE_RAY_HITS])};
   ++cache->updates;
   hbil_status status =
       LAUNCH(chain, CACHE_KERNEL_LIST_PARTS, list, HBIL_CACHE_PARTS, 1, 1);
@@ -87,7 +88,7 @@ static hbil_status trace(commands *chain, hbil_cache *cache,
     status =
         LAUNCH(chain, CACHE_KERNEL_LIST_SURFACES, list, HBIL_CACHE_PARTS, 1, 1);
   return status == HBIL_SUCCESS
-             ? LAUNCH(chain, CACHE_KERNEL_TRACE, rays, items(cache), 1, 1)
+             ? LAUNCH(chain, CACHE_KERNEL_TRACE_RAYS, rays, items(cache), 1, 1)
              : status;
 }
 
@@ -101,7 +102,7 @@ static hbil_status bounce(commands *chain, hbil_cache *cache,
     args.sky[c] = update->environment[0][c];
   const argument list[] = {ARG(args),
                            ARG(cache->buffers[CACHE_LIST]),
-                           ARG(cache->buffers[CACHE_LINKS]),
+                           ARG(cache->buffers[CACHE_RAY_HITS]),
                            ARG(cache->buffers[CACHE_VOXELS]),
                            ARG(cache->buffers[CACHE_RADIANCE]),
                            ARG(cache->buffers[CACHE_MEANS]),
@@ -111,15 +112,15 @@ static hbil_status bounce(commands *chain, hbil_cache *cache,
 
 hbil_status update_cache(commands *chain, hbil_cache *cache,
                          const hbil_cache_update *update) {
-  hbil_status status = resolve(chain, cache);
+  hbil_status status = update_clearance(chain, cache);
   if (status == HBIL_SUCCESS)
-    status = publish(chain, cache);
+    status = update_radiance(chain, cache);
   if (status == HBIL_SUCCESS && update->rounds > 0)
-    status = trace(chain, cache, update);
+    status = trace_rays(chain, cache, update);
   for (cl_uint i = 0; i < update->rounds && status == HBIL_SUCCESS; ++i) {
     status = bounce(chain, cache, update);
     if (status == HBIL_SUCCESS)
-      status = publish(chain, cache);
+      status = update_radiance(chain, cache);
   }
   if (status == HBIL_SUCCESS)
     status = build_pyramid(chain, cache);
@@ -165,7 +166,7 @@ hbil_status forget_outside(commands *chain, hbil_cache *cache,
   if (status == HBIL_SUCCESS)
     status = empty_volumes(chain, cache);
   if (status == HBIL_SUCCESS)
-    status = resolve(chain, cache);
+    status = update_clearance(chain, cache);
   /* whose texels are counted from the cache's corner */
   return status == HBIL_SUCCESS ? build_pyramid(chain, cache) : status;
 }

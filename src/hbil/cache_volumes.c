@@ -45,7 +45,7 @@ hbil_status spread_light(commands *chain, hbil_cache *cache,
   const hbil_environment_args environment =
       far_radiance_args(update->far_field, update->environment);
   const argument sources[] = {ARG(args),
-                              ARG(cache->buffers[CACHE_WAYS]),
+                              ARG(cache->buffers[CACHE_CLEARANCE]),
                               ARG(cache->buffers[CACHE_VOXELS]),
                               ARG(cache->buffers[CACHE_RADIANCE]),
                               ARG(cache->buffers[CACHE_SOURCES]),

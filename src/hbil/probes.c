@@ -52,12 +52,13 @@ typedef hbil_status provider(commands *chain, const hbil_cache *cache,
 static hbil_status cast_rays(commands *chain, const hbil_cache *cache,
                              const hbil_probes_args *args, int kernel,
                              int probes) {
-  const cl_mem ways = of_cache(cache, CACHE_WAYS);
+  const cl_mem clearance = of_cache(cache, CACHE_CLEARANCE);
   const cl_mem voxels = of_cache(cache, CACHE_VOXELS);
   const cl_mem radiance = of_cache(cache, CACHE_RADIANCE);
-  const argument list[] = {ARG(*args),    BUFFER_ARG(chain->plan, BUFFER_SPLIT),
-                           ARG(ways),     ARG(voxels),
-                           ARG(radiance), BUFFER_ARG(chain->plan, probes)};
+  const argument list[] = {
+      ARG(*args),     BUFFER_ARG(chain->plan, BUFFER_SPLIT),
+      ARG(clearance), ARG(voxels),
+      ARG(radiance),  BUFFER_ARG(chain->plan, probes)};
   return LAUNCH_PROBES(chain, kernel, list, args);
 }
 
@@ -68,13 +69,13 @@ static hbil_status ask_rays(commands *chain, const hbil_cache *cache,
 
 static hbil_status ask_cones(commands *chain, const hbil_cache *cache,
                              const hbil_probes_args *args) {
-  const cl_mem ways = of_cache(cache, CACHE_WAYS);
+  const cl_mem clearance = of_cache(cache, CACHE_CLEARANCE);
   const cl_mem voxels = of_cache(cache, CACHE_VOXELS);
   const cl_mem radiance = of_cache(cache, CACHE_RADIANCE);
   const cl_mem pyramid = of_cache(cache, CACHE_PYRAMID);
   const argument list[] = {ARG(*args),
                            BUFFER_ARG(chain->plan, BUFFER_SPLIT),
-                           ARG(ways),
+                           ARG(clearance),
                            ARG(voxels),
                            ARG(radiance),
                            ARG(pyramid),

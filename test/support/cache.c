@@ -151,11 +151,13 @@ void cache_fill(cache_fixture *f, exact_cache *cache, scene_kind kind,
 static const struct {
   const char *kernel;
   cl_uint index;
-} taken[CACHE_BUFFERS] = {
-    [CACHE_STATES] = {"publish", 1},  [CACHE_WAYS] = {"clear_along_x", 2},
-    [CACHE_VOXELS] = {"publish", 2},  [CACHE_RADIANCE] = {"publish", 3},
-    [CACHE_UNLIT] = {"mean_part", 3}, [CACHE_MEANS] = {"mean_sum", 0},
-    [CACHE_TEXELS] = {"read_view", 1}};
+} taken[CACHE_BUFFERS] = {[CACHE_STATES] = {"update_radiance", 1},
+                          [CACHE_CLEARANCE] = {"clearance_along_x", 2},
+                          [CACHE_VOXELS] = {"update_radiance", 2},
+                          [CACHE_RADIANCE] = {"update_radiance", 3},
+                          [CACHE_UNLIT] = {"mean_part", 3},
+                          [CACHE_MEANS] = {"mean_sum", 0},
+                          [CACHE_TEXELS] = {"read_view", 1}};
 
 cl_mem cache_memory(cache_buffer which) {
   cl_mem buffer;

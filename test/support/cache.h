@@ -15,7 +15,7 @@
 /* The cache's buffers. */
 typedef enum cache_buffer {
   CACHE_STATES,
-  CACHE_WAYS,
+  CACHE_CLEARANCE,
   CACHE_VOXELS,
   CACHE_RADIANCE,
   CACHE_UNLIT,

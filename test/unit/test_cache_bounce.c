@@ -17,7 +17,7 @@ static void check_radiance(const exact_cache *cache) {
     exact_voxel want = *got;
     if (got->state != HBIL_VOXEL_SURFACE)
       continue;
-    exact_cache_publish(&want);
+    exact_cache_update_radiance(&want);
     const double *l = want.radiance;
     const double unit = packed_unit(fmax(l[0], fmax(l[1], l[2])), 8);
     for (int c = 0; c < 3 && unit > 0.0; ++c)
@@ -209,7 +209,7 @@ static void rounds_are_like_updates(void **state) {
   free(at_once);
 }
 
-/* --- more surfaces than links --- */
+/* --- more surfaces than hits --- */
 
 /* Makes this share of the voxels surfaces, at random. */
 static void crowd(const exact_cache *cache, double share) {

@@ -1,7 +1,7 @@
 /*
  * Each pass of the radiance cache matches the exact one, on what the device had
- * before it: views, injection, moves, ways and rays.  Bounces, probes and their
- * light are in test_cache_light.c.
+ * before it: views, injection, moves, codes and rays.  Bounces, probes and
+ * their light are in test_cache_light.c.
  */
 #include "test/support/cache.h"
 #include "test/support/packing.h"
@@ -224,7 +224,7 @@ static int way_at(const exact_cache *cache, const size_t at[4]) {
   const size_t n = (size_t)cache->voxels;
   exact_place place = exact_cache_place(
       cache, ((at[3] * n + at[2] % n) * n + at[1] % n) * n + at[0] % n);
-  return exact_cache_way(cache, &place);
+  return exact_cache_state_for_rays(cache, &place);
 }
 
 /* Whether all voxels at the distance r, the largest of those along the three
@@ -256,15 +256,15 @@ static void check_ways(exact_cache *cache) {
   const size_t n = (size_t)cache->voxels;
   size_t count, clear = 0, above = 0;
   cache_import(cache);
-  unsigned char *ways = cache_read(CACHE_WAYS, &count);
+  unsigned char *codes = cache_read(CACHE_CLEARANCE, &count);
   assert_int_equal(count, exact_cache_count(cache));
   for (size_t i = 0; i < count; ++i) {
     const size_t at[4] = {i % n, i / n % n, i / n / n % n, i / n / n / n};
     exact_place place = exact_cache_place(cache, i);
     const int own = place.level;
-    assert_int_equal(ways[i] & 3, exact_cache_way(cache, &place));
-    const int upper = ways[i] >> 2;
-    if ((ways[i] & 3) == HBIL_VOXEL_SURFACE) {
+    assert_int_equal(codes[i] & 3, exact_cache_state_for_rays(cache, &place));
+    const int upper = codes[i] >> 2;
+    if ((codes[i] & 3) == HBIL_VOXEL_SURFACE) {
       assert_int_equal(upper, place.level - own);
       above += upper > 0;
     } else if (i % 7 == 0) { /* as each looks at up to 3374 others */
@@ -273,7 +273,7 @@ static void check_ways(exact_cache *cache) {
     }
   }
   assert_true(clear > count / 70 && above > 0);
-  free(ways);
+  free(codes);
 }
 
 static void ways_are_the_finest_state_that_is_known(void **state) {

@@ -16,11 +16,11 @@ enum { UNKNOWN_END = -2, SKY_END = -1 };
 
 static const char follow_source[] =
     "#include \"lib/cache_rays.clh\"\n"
-    "kernel void follow(const hbil_cache_args cache, global const uchar *ways,"
+    "kernel void follow(const hbil_cache_args cache, global const uchar *codes,"
     " global const float *voxels, global const float *origins,"
     " global const float *directions, global int *voxel,"
     " global float *distance) {\n"
-    "  const cache_map map = {cache, ways, voxels};\n"
+    "  const cache_map map = {cache, codes, voxels};\n"
     "  const int o = (int)get_global_id(0);\n"
     "  const float4 origin = vload4(o, origins);\n"
     "  for (int i = 0; i < 16; i += HBIL_WIDTH) {\n"
@@ -120,8 +120,8 @@ static void follow(cl_uint width, bundle *b) {
       buffer_new(&shared_device, sizeof b->direction, b->direction),
       buffer_new(&shared_device, rays, NULL),
       buffer_new(&shared_device, rays, NULL)};
-  static const cache_buffer which[] = {CACHE_WAYS, CACHE_VOXELS};
-  shim_argument("resolve", 0, sizeof args, &args);
+  static const cache_buffer which[] = {CACHE_CLEARANCE, CACHE_VOXELS};
+  shim_argument("resolve_states", 0, sizeof args, &args);
   assert_int_equal(clSetKernelArg(kernel, 0, sizeof args, &args), CL_SUCCESS);
   for (cl_uint i = 0; i < 2; ++i) {
     const cl_mem buffer = cache_memory(which[i]);
@@ -268,7 +268,7 @@ static void compare_saved(const exact_saved_cache *saved,
       assert_int_equal(got == EXACT_RAY_HIT, want.kind == EXACT_RAY_HIT);
       if (want.kind == EXACT_RAY_HIT) {
         exact_voxel voxel = *exact_cache_at(cache, &want.place);
-        exact_cache_publish(&voxel);
+        exact_cache_update_radiance(&voxel);
         assert_memory_equal(radiance, voxel.radiance, sizeof radiance);
       } else if (want.kind == EXACT_RAY_SKY)
         assert_int_equal(got, EXACT_RAY_SKY);

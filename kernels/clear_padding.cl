@@ -1,5 +1,5 @@
 /*
- * clear: the padding of layers.
+ * clear_padding: the padding of layers.
  *
  * Launch: x = rows of layers, from the one above the first to the one below the
  * last.  Out: split or gathered planes.  What the picture's pixels have may

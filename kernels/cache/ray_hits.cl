@@ -1,15 +1,15 @@
 /*
- * links: where light comes from to surfaces of the cache.
+ * ray_hits: what rays from surfaces of the cache end at.
  *
  * list_parts, list_surfaces: the surfaces that an update handles, in rising
  * order.
- * trace: rays from each of them; a link says what a ray ends at.  All bounces
- * of an update follow the same links, so that rays are traced once for all of
+ * trace_rays: follows rays from each of them and stores what each ray ends at.
+ * All bounces of an update read these hits, so rays are traced once for all of
  * them.
  *
- * Launch: list_parts, list_surfaces: x = HBIL_CACHE_PARTS.  trace: any x.
+ * Launch: list_parts, list_surfaces: x = HBIL_CACHE_PARTS.  trace_rays: any x.
  */
-#include "lib/cache_links.clh"
+#include "lib/ray_hits.clh"
 
 /* --- the surfaces of an update -------------------------------------------- */
 
@@ -30,9 +30,9 @@ INLINE uint words_of_part(const hbil_cache_args cache, uint *word) {
   const uint part = (uint)get_global_id(0);
   const uint words = ((uint)cache.levels << (3 * cache.log2_voxels)) /
                      WORD_VOXELS / HBIL_CACHE_PARTS;
-  const bool is = part < HBIL_CACHE_PARTS && get_global_id(1) == 0;
-  *word = is ? part * words : 0u;
-  return is ? *word + words : 0u;
+  const bool is_part = part < HBIL_CACHE_PARTS && get_global_id(1) == 0;
+  *word = is_part ? part * words : 0u;
+  return is_part ? *word + words : 0u;
 }
 
 kernel void list_parts(const hbil_cache_list_args args,
@@ -66,29 +66,29 @@ kernel void list_surfaces(const hbil_cache_list_args args,
 
 /* --- rays ----------------------------------------------------------------- */
 
-/* The rays of a work-item, numbered as their links are.  Each lane follows one.
+/* The rays of a work-item, numbered as their hits are.  Each lane follows one.
  * As soon as half of the rays have ended, their lanes begin the next ones.  If
  * all lanes waited for the slowest ray, fewer than half would be at work on
  * average. */
 typedef struct queue {
   global const uint *surfaces;
-  global uint *links;
+  global uint *hits;
   int log2_rays; /* of a surface */
   int next, end;
 } queue;
 
 /* Stores what the rays `ray` end at, where it isn't negative. */
-INLINE void store_links(const queue *q, intv ray, const ray_ends *ends) {
-  int to[HBIL_WIDTH];
-  uint link[HBIL_WIDTH];
+INLINE void store_hits(const queue *q, intv ray, const ray_ends *ends) {
+  int number[HBIL_WIDTH];
+  uint hit[HBIL_WIDTH];
   const uintv open =
-      select((uintv)LINK_UNKNOWN, (uintv)LINK_SKY, AS_UINTV(ends->sky));
+      select((uintv)HIT_UNKNOWN, (uintv)HIT_SKY, AS_UINTV(ends->sky));
   STORE_INTV(AS_INTV(select(open, AS_UINTV(ends->voxel), AS_UINTV(ends->hit))),
-             link);
-  STORE_INTV(ray, to);
+             hit);
+  STORE_INTV(ray, number);
   for (int i = 0; i < HBIL_WIDTH; ++i)
-    if (to[i] >= 0)
-      q->links[to[i]] = link[i];
+    if (number[i] >= 0)
+      q->hits[number[i]] = hit[i];
 }
 
 /* The next rays, for these lanes; -1 where there is none. */
@@ -102,13 +102,13 @@ INLINE intv next_rays(queue *q, intv wanted) {
 
 /* Lanes whose voxels have direct light: finished radiance has all bounces. */
 INLINE intv direct_light(global const float *voxels, intv number) {
-  int at[HBIL_WIDTH];
+  int voxel[HBIL_WIDTH];
   float weight[HBIL_WIDTH];
-  STORE_INTV(number, at);
+  STORE_INTV(number, voxel);
 #pragma unroll
   for (int i = 0; i < HBIL_WIDTH; ++i)
     weight[i] =
-        voxels[HBIL_VOXEL_FLOATS * (size_t)at[i] + HBIL_VOXEL_LIGHT_WEIGHT];
+        voxels[HBIL_VOXEL_FLOATS * (size_t)voxel[i] + HBIL_VOXEL_LIGHT_WEIGHT];
   return LOADV(weight) >= 0.0f;
 }
 
@@ -117,7 +117,7 @@ INLINE ray_states begin(const queue *q, const cache_map *map, intv ray) {
   const hbil_cache_args cache = map->cache;
   const int mask = cache.voxels - 1, k = cache.log2_voxels;
   const int rays = 1 << q->log2_rays;
-  const intv is = ray >= 0;
+  const intv is_ray = ray >= 0;
   const intv place = max(ray, 0) >> q->log2_rays;
   const intv number = AS_INTV(gather_words(q->surfaces, place));
   points n;
@@ -139,14 +139,14 @@ INLINE ray_states begin(const queue *q, const cache_map *map, intv ray) {
           size, n.z * lift)};
   return begin_rays(
       cache, origin,
-      link_directions(ray & (rays - 1), rays, AS_UINTV(number), n),
-      HBIL_CACHE_START * size, is & direct_light(map->voxels, number));
+      surface_ray_directions(ray & (rays - 1), rays, AS_UINTV(number), n),
+      HBIL_CACHE_START * size, is_ray & direct_light(map->voxels, number));
 }
 
-/* Rays `by` in place of others, where `is`. */
-INLINE void replace_rays(const hbil_cache_args c, ray_states *r, intv is,
-                         const ray_states *by) {
-#define REPLACE(member) r->member = select(r->member, by->member, is)
+/* Replaces the rays of some lanes. */
+INLINE void replace_rays(const hbil_cache_args c, ray_states *r, intv lanes,
+                         const ray_states *fresh) {
+#define REPLACE(member) r->member = select(r->member, fresh->member, lanes)
   REPLACE(origin.x);
   REPLACE(origin.y);
   REPLACE(origin.z);
@@ -175,7 +175,7 @@ INLINE void follow_all(queue *q, const cache_map *map) {
        steps > 0; --steps) {
     if (q->next < q->end && lanes_true(r.active) <= HBIL_WIDTH / 2) {
       const intv done = !r.active;
-      store_links(q, select((intv)-1, ray, done), &ends);
+      store_hits(q, select((intv)-1, ray, done), &ends);
       const intv more = next_rays(q, done);
       const ray_states fresh = begin(q, map, more);
       replace_rays(cache, &r, done, &fresh);
@@ -187,21 +187,22 @@ INLINE void follow_all(queue *q, const cache_map *map) {
     if (ANY(r.active))
       step_rays(map, &r, &ends);
   }
-  store_links(q, ray, &ends);
+  store_hits(q, ray, &ends);
 }
 
-kernel void trace(const hbil_cache_args cache, global const uchar *ways,
-                  global const float *voxels, global const uint *list,
-                  global uint *links) {
-  const cache_map map = {cache, ways, voxels};
+kernel void trace_rays(const hbil_cache_args cache,
+                       global const uchar *clearance,
+                       global const float *voxels, global const uint *list,
+                       global uint *hits) {
+  const cache_map map = {cache, clearance, voxels};
   uint first;
   if (get_global_id(1) > 0 || cache.voxels < 1)
     return;
-  const uint rays = (uint)links_each(cache, list[0]);
+  const uint rays = (uint)rays_of_each(cache, list[0]);
   const uint end = part_of_item(list[0] * rays, HBIL_WIDTH, &first);
   if (first == end)
     return;
-  queue q = {list + HBIL_LIST_HEAD, links, 31 - (int)clz(rays), (int)first,
+  queue q = {list + HBIL_LIST_HEAD, hits, 31 - (int)clz(rays), (int)first,
              (int)end};
   follow_all(&q, &map);
 }

@@ -1,20 +1,23 @@
 /*
- * ways: what rays read of the states of voxels, so that they ask once a step,
- * and cross what is all alike in one step.
+ * clearance: a byte for each voxel that lets rays skip empty space.  It holds
+ * the voxel's state and how far around it all voxels have that state
+ * (lib/cache_args.h), so a ray reads one byte a step and crosses what is all
+ * alike in one step.
  *
- * resolve: the states of ways: what a level has not seen has the state of the
+ * resolve_states: the states.  What a level has not seen gets the state of the
  * next coarser level there.  Levels are done one after the other, the coarsest
  * one first.
- * clear_along_x, clear_along: clearances.  The first finds how far a voxel's
- * row has its state, to both sides.  The second does the same along y, then
- * along z: r is allowed if all voxels up to r away along the axis have the same
- * state, and r or more as their own result so far.  This gives squares, then
- * cubes.  Neighbours are those in memory, which wraps around: at the border of
- * a level a cube may be too small because of the opposite side.  Never is one
- * too large, as rays stop at the border.
+ * clearance_along_x, clearance_along: the clearances.  The first finds how far
+ * a voxel's row has its state, to both sides.  The second does the same along
+ * y, then along z: r is allowed if all voxels up to r away along the axis have
+ * the same state, and r or more as their own result so far.  This gives
+ * squares, then cubes.  Neighbours are those in memory, which wraps around, so
+ * at the border of a level a cube may be too small because of the opposite
+ * side.  It is never too large, because rays stop at the border.
  *
- * Launch: resolve: x = words of a row of voxels, y = rows, z = slices, of one
- * level; clear_along_x, clear_along: x = rows, y = slices of all levels.
+ * Launch: resolve_states: x = words of a row of voxels, y = rows, z = slices,
+ * of one level; clearance_along_x, clearance_along: x = rows, y = slices of all
+ * levels.
  */
 #include "lib/cache_voxels.clh"
 
@@ -25,9 +28,8 @@ INLINE uchar16 states_of_word(uint word) {
   return convert_uchar16(((uint16)(word) >> shift) & 3u);
 }
 
-kernel void resolve(const hbil_cache_args cache, const int level,
-                    global const uint *states, global uchar *all_ways) {
-  global uchar *ways = all_ways;
+kernel void resolve_states(const hbil_cache_args cache, const int level,
+                           global const uint *states, global uchar *clearance) {
   const uint x = (uint)get_global_id(0), y = (uint)get_global_id(1);
   const uint z = (uint)get_global_id(2), n = (uint)cache.voxels;
   if (x >= n / WORD_VOXELS || y >= n || z >= n)
@@ -39,8 +41,8 @@ kernel void resolve(const hbil_cache_args cache, const int level,
       x;
   const uint own = states[word];
   const uint unknown = ~(own | (own >> 1)) & 0x55555555u;
-  ways += WORD_VOXELS * word;
-  vstore16(states_of_word(own), 0, ways);
+  global uchar *codes = clearance + WORD_VOXELS * word;
+  vstore16(states_of_word(own), 0, codes);
   if (!unknown || level + 1 == cache.levels)
     return;
   const int up_y = cell_at(cache, level, 1, (int)y) >> 1;
@@ -51,13 +53,14 @@ kernel void resolve(const hbil_cache_args cache, const int level,
     if (!(pair & 5u))
       continue;
     const int up_x = cell_at(cache, level, 0, (int)(x * WORD_VOXELS + i)) >> 1;
-    uint way = all_ways[(uint)voxel_number(cache, level + 1, up_x, up_y, up_z)];
-    if (WAY_STATE(way) == HBIL_VOXEL_SURFACE)
-      way += 1u << 2; /* a level more above */
+    uint code =
+        clearance[(uint)voxel_number(cache, level + 1, up_x, up_y, up_z)];
+    if (CODE_STATE(code) == HBIL_VOXEL_SURFACE)
+      code += 1u << 2; /* a level more above */
     if (pair & 1u)
-      ways[i] = (uchar)way;
+      codes[i] = (uchar)code;
     if (pair & 4u)
-      ways[i + 1] = (uchar)way;
+      codes[i + 1] = (uchar)code;
   }
 }
 
@@ -67,8 +70,8 @@ INLINE char16 is_same_state(uchar16 a, uchar16 b) {
   return ((a ^ b) & (uchar)3) == (uchar)0;
 }
 
-INLINE char16 is_no_surface(uchar16 way) {
-  return (way & (uchar)3) != (uchar)HBIL_VOXEL_SURFACE;
+INLINE char16 is_no_surface(uchar16 codes) {
+  return (codes & (uchar)3) != (uchar)HBIL_VOXEL_SURFACE;
 }
 
 /* The first voxel of a work-item's row of a level.  false: there is none. */
@@ -78,8 +81,8 @@ INLINE bool row_of_item(const hbil_cache_args c, uint *first) {
   return y < (uint)c.voxels && z < (uint)(c.voxels * c.levels);
 }
 
-kernel void clear_along_x(const hbil_cache_args cache, global const uchar *in,
-                          global uchar *out) {
+kernel void clearance_along_x(const hbil_cache_args cache,
+                              global const uchar *in, global uchar *out) {
   uint row;
   if (!row_of_item(cache, &row))
     return;
@@ -91,20 +94,20 @@ kernel void clear_along_x(const hbil_cache_args cache, global const uchar *in,
   for (int i = 1; i <= words; ++i) {
     const uchar *at = around + WORD_VOXELS * i;
     const uchar16 own = vload16(0, at);
-    uchar16 clear = 0;
+    uchar16 clearances = 0;
     char16 alike = is_no_surface(own);
     for (int r = 1; r <= HBIL_MOST_CLEARANCE && any(alike); ++r) {
       alike &= is_same_state(own, vload16(0, at - r)) &
                is_same_state(own, vload16(0, at + r));
-      clear += as_uchar16(alike) & (uchar)1;
+      clearances += as_uchar16(alike) & (uchar)1;
     }
-    vstore16(own | (clear << (uchar)2), i - 1, out + row);
+    vstore16(own | (clearances << (uchar)2), i - 1, out + row);
   }
 }
 
 /* Along y (shift = log2_voxels) or z (twice that). */
-kernel void clear_along(const hbil_cache_args cache, const int shift,
-                        global const uchar *in, global uchar *out) {
+kernel void clearance_along(const hbil_cache_args cache, const int shift,
+                            global const uchar *in, global uchar *out) {
   uint row;
   if (!row_of_item(cache, &row))
     return;
@@ -112,7 +115,7 @@ kernel void clear_along(const hbil_cache_args cache, const int shift,
   for (uint i = row; i < row + (uint)cache.voxels; i += WORD_VOXELS) {
     global const uchar *axis = in + (i - (place << shift));
     const uchar16 own = vload16(0, in + i);
-    uchar16 least = own >> (uchar)2, clear = 0;
+    uchar16 least = own >> (uchar)2, clearances = 0;
     char16 alike = is_no_surface(own);
     for (uint r = 1; r <= HBIL_MOST_CLEARANCE && any(alike); ++r) {
       const uchar16 before = vload16(0, axis + (((place - r) & mask) << shift));
@@ -120,9 +123,9 @@ kernel void clear_along(const hbil_cache_args cache, const int shift,
       least = min(least, min(before >> (uchar)2, after >> (uchar)2));
       alike &= is_same_state(own, before) & is_same_state(own, after) &
                (least >= (uchar)r);
-      clear += as_uchar16(alike) & (uchar)1;
+      clearances += as_uchar16(alike) & (uchar)1;
     }
-    const uchar16 cleared = (own & (uchar)3) | (clear << (uchar)2);
-    vstore16(select(cleared, own, !is_no_surface(own)), 0, out + i);
+    const uchar16 codes = (own & (uchar)3) | (clearances << (uchar)2);
+    vstore16(select(codes, own, !is_no_surface(own)), 0, out + i);
   }
 }
