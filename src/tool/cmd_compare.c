@@ -18,69 +18,50 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum {
-  OPTION_HEATMAP = 256,
-  OPTION_MAX_RMSE,
-  OPTION_MASK,
-  OPTION_MASK_DEPTH,
-  OPTION_BLOCKS,
-  OPTION_JSON
-};
-
-static const struct option options[] = {
-    {"heatmap", required_argument, NULL, OPTION_HEATMAP},
-    {"max-rmse", required_argument, NULL, OPTION_MAX_RMSE},
-    {"mask", required_argument, NULL, OPTION_MASK},
-    {"mask-depth", required_argument, NULL, OPTION_MASK_DEPTH},
-    {"blocks", required_argument, NULL, OPTION_BLOCKS},
-    {"json", no_argument, NULL, OPTION_JSON},
-    {"help", no_argument, NULL, 'h'},
-    {NULL, 0, NULL, 0},
-};
-
-static void usage(void) {
-  puts(
-      "usage: hbil compare [options] A[:LAYER] B[:LAYER]\n"
-      "\n"
-      "Measures how far A is from B, files of EXR, TIFF, HDR or PNG; sRGB is\n"
-      "made linear.  LAYER is the part of the channels' names in front of the\n"
-      "last dot, such as indirect or ViewLayer.DiffInd, or as much of it as\n"
-      "fits no other layer, such as DiffInd; or one channel, such as ao.V.  A\n"
-      "colon with nothing behind it stands for the channels without a layer.\n"
-      "Without LAYER all channels are compared, by name.  If one file alone\n"
-      "has a LAYER, it is meant for both; the other one's channels without a\n"
-      "layer are taken if it has no such layer.  Channels are paired by their\n"
-      "last letter.\n"
-      "\n"
-      "  --heatmap PNG      picture of the error: black is none, white the\n"
-      "                     limit that is printed; replaces only pictures "
-      "that\n"
-      "                     hbil wrote\n"
-      "  --max-rmse X       exit status 1 if the RMSE is above X or a value "
-      "is\n"
-      "                     not finite\n"
-      "  --mask FRAME.exr   compare only where the G-buffer FRAME has a\n"
-      "                     surface and, channel by channel, an albedo above\n"
-      "                     0.02\n"
-      "  --mask-depth FRAME.exr\n"
-      "                     compare only where FRAME has a surface\n"
-      "  --blocks N         compare means over blocks of N x N pixels, "
-      "1..256:\n"
-      "                     what is left of the error is not noise (1)\n"
-      "  --json             print the numbers as JSON\n"
-      "\n"
-      "relative MSE: mean of (a-b)^2 / (b^2 + 0.01).  PSNR: against the\n"
-      "largest value of B.  95 % within: of the pixels, by the channel that\n"
-      "differs most.  Values that are not finite are counted and otherwise\n"
-      "ignored.");
-}
-
 typedef struct compare_options {
   const char *heatmap, *mask, *mask_depth;
   float max_rmse;
   unsigned blocks;
   int json;
 } compare_options;
+
+#define AT(field) offsetof(compare_options, field)
+
+static const option_row rows[] = {
+    {ROW_TEXT("heatmap", AT(heatmap), "PNG"),
+     .help = "picture of the error: black is none, white the limit that is "
+             "printed; replaces only pictures that hbil wrote"},
+    {ROW_FLOATS("max-rmse", AT(max_rmse), 1, "X"),
+     .help = "exit status 1 if the RMSE is above X or a value is not finite"},
+    {ROW_TEXT("mask", AT(mask), "FRAME.exr"),
+     .help = "compare only where the G-buffer FRAME has a surface and, channel "
+             "by channel, an albedo above 0.02"},
+    {ROW_TEXT("mask-depth", AT(mask_depth), "FRAME.exr"),
+     .help = "compare only where FRAME has a surface"},
+    {ROW_NUMBER("blocks", AT(blocks), 1, 256, "N"),
+     .help = "compare means over blocks of N x N pixels, 1..256: what is left "
+             "of the error is not noise ({})"},
+    {ROW_FLAG("json", AT(json)), .help = "print the numbers as JSON"}};
+static const option_group group = {.rows = rows,
+                                   .count = sizeof rows / sizeof *rows};
+static const option_command command = {
+    .usage =
+        "usage: hbil compare [options] A[:LAYER] B[:LAYER]\n\nMeasures how far "
+        "A is from B, files of EXR, TIFF, HDR or PNG; sRGB is made linear.  "
+        "LAYER is the part of the channels' names in front of the last dot, "
+        "such as indirect or ViewLayer.DiffInd, or as much of it as fits no "
+        "other layer, such as DiffInd; or one channel, such as ao.V.  A colon "
+        "with nothing behind it stands for the channels without a layer.  "
+        "Without LAYER all channels are compared, by name.  If one file alone "
+        "has a LAYER, it is meant for both; the other one's channels without a "
+        "layer are taken if it has no such layer.  Channels are paired by "
+        "their last letter.",
+    .groups = &group,
+    .group_count = 1,
+    .notes = "relative MSE: mean of (a-b)^2 / (b^2 + 0.01).  PSNR: against the "
+             "largest value of B.  95 % within: of the pixels, by the channel "
+             "that differs most.  Values that are not finite are counted and "
+             "otherwise ignored."};
 
 static void print_text(const compare_result *r) {
   printf("RMSE           %.6g\n"
@@ -201,42 +182,18 @@ static int run(const compare_options *o, char **arguments) {
   return over ? STATUS_DIFFERS : STATUS_OK;
 }
 
-static int set_option(int option, compare_options *o, image_error *error) {
-  switch (option) {
-  case OPTION_HEATMAP:
-    o->heatmap = optarg;
-    return 0;
-  case OPTION_MASK:
-    o->mask = optarg;
-    return 0;
-  case OPTION_MASK_DEPTH:
-    o->mask_depth = optarg;
-    return 0;
-  case OPTION_JSON:
-    o->json = 1;
-    return 0;
-  case OPTION_BLOCKS:
-    return option_unsigned("--blocks", optarg, 1, 256, &o->blocks, error);
-  default:
-    return option_floats("--max-rmse", optarg, &o->max_rmse, 1, error);
-  }
-}
-
 int cmd_compare(int argc, char **argv) {
   compare_options o = {.max_rmse = INFINITY, .blocks = 1};
+  options_given given;
   image_error error;
-  int option;
-  while ((option = option_next(argc, argv, ":h", options, &error)) != -1) {
-    if (option == 'h') {
-      usage();
-      return STATUS_OK;
-    }
-    if (option == '?' || set_option(option, &o, &error) != 0)
-      return report_error(&error);
+  const int read = options_read(&command, argc, argv, &o, &given, &error);
+  if (read > 0) {
+    options_help(&command, &o);
+    return STATUS_OK;
   }
-  if (argc - optind != 2) {
+  if (read == 0 && argc - optind == 2)
+    return run(&o, argv + optind);
+  if (read == 0)
     image_fail(&error, "compare: %d files; two are needed", argc - optind);
-    return report_error(&error);
-  }
-  return run(&o, argv + optind);
+  return report_error(&error);
 }

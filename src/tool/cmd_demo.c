@@ -41,28 +41,42 @@ typedef struct demo_options {
   const char *device;
 } demo_options;
 
-static void usage(void) {
-  puts(
-      "usage: hbil demo [options]\n"
-      "\n"
-      "Traces a short sequence of G-buffers, runs them through `hbil process`\n"
-      "and says where the pictures are.\n"
-      "\n"
-      "  -o, --output DIR   where everything goes (./demo)\n"
-      "      --frames N     length of the sequence (8)\n"
-      "      --size WxH     pixels (640x360)\n"
-      "      --scene NAME   room: furnished, under a lamp; sky: in the open;\n"
-      "                     corner: with a lamp behind the camera (room)\n"
-      "      --views        also traces six pictures of what surrounds the\n"
-      "                     camera, which light the frames, too (the views\n"
-      "                     of `hbil process`)\n"
-      "      --light-view   also traces a picture from where the light is; it\n"
-      "                     lights the frames by reflective shadow maps\n"
-      "                     (--far rsm --light-view of `hbil process`)\n"
-      "      --orthographic seen by parallel rays\n"
-      "      --device NAME  number in `hbil devices`, or part of a name\n"
-      "  -h, --help         this text");
-}
+#define AT(field) offsetof(demo_options, field)
+
+static const option_row rows[] = {
+    {ROW_TEXT("output", AT(output), "DIR"), .letter = 'o',
+     .help = "where everything goes ({})"},
+    {ROW_NUMBER("frames", AT(frames), 1, 9999, "N"),
+     .help = "length of the sequence ({})"},
+    {.name = "size",
+     .kind = OPTION_SIZE,
+     .member = AT(width),
+     .value = "WxH",
+     .help = "pixels ({})"},
+    {ROW_CHOICE("scene", AT(scene), scene_names),
+     .help = "room: furnished, under a lamp; sky: in the open; corner: with a "
+             "lamp behind the camera ({})"},
+    {ROW_FLAG("views", AT(views)),
+     .help = "also traces six pictures of what surrounds the camera, which "
+             "light the frames, too (the views of `hbil process`)",
+     .relations = {NOT_WITH(AT(light_view),
+                            "which lights the frames in another way")}},
+    {ROW_FLAG("light-view", AT(light_view)),
+     .help = "also traces a picture from where the light is; it lights the "
+             "frames by reflective shadow maps (--far rsm --light-view of "
+             "`hbil process`)"},
+    {ROW_FLAG("orthographic", AT(orthographic)),
+     .help = "seen by parallel rays"},
+    {ROW_TEXT("device", AT(device), "NAME"),
+     .help = "number in `hbil devices`, or part of a name"}};
+static const option_group group = {.rows = rows,
+                                   .count = sizeof rows / sizeof *rows};
+static const option_command command = {
+    .usage =
+        "usage: hbil demo [options]\n\nTraces a short sequence of G-buffers, "
+        "runs them through `hbil process` and says where the pictures are.",
+    .groups = &group,
+    .group_count = 1};
 
 /* ------------------------------------------------------------------------ */
 /* Files                                                                     */
@@ -248,65 +262,6 @@ static int write_sky(const char *path, image_error *error) {
 /* ------------------------------------------------------------------------ */
 /* The command                                                               */
 
-/* Returns 0, 1 if help was wanted, or -1 with `error` filled. */
-static int read_options(int argc, char **argv, demo_options *o,
-                        image_error *error) {
-  static const struct option options[] = {
-      {"frames", required_argument, NULL, 'n'},
-      {"size", required_argument, NULL, 's'},
-      {"scene", required_argument, NULL, 'c'},
-      {"orthographic", no_argument, NULL, 'p'},
-      {"views", no_argument, NULL, 'v'},
-      {"light-view", no_argument, NULL, 'l'},
-      {"output", required_argument, NULL, 'o'},
-      {"device", required_argument, NULL, 'd'},
-      {"help", no_argument, NULL, 'h'},
-      {NULL, 0, NULL, 0}};
-  int letter, failed = 0;
-  while (failed == 0 &&
-         (letter = option_next(argc, argv, ":o:h", options, error)) != -1)
-    switch (letter) {
-    case 'n':
-      failed = option_unsigned("--frames", optarg, 1, 9999, &o->frames, error);
-      break;
-    case 's':
-      failed = option_size("--size", optarg, &o->width, &o->height, error);
-      break;
-    case 'c':
-      failed = option_choice("--scene", optarg, scene_names, &o->scene, error);
-      break;
-    case 'p':
-      o->orthographic = 1;
-      break;
-    case 'v':
-      o->views = 1;
-      break;
-    case 'l':
-      o->light_view = 1;
-      break;
-    case 'o':
-      o->output = optarg;
-      break;
-    case 'd':
-      o->device = optarg;
-      break;
-    case 'h':
-      usage();
-      return 1;
-    default:
-      return -1;
-    }
-  if (failed == 0 && optind < argc)
-    failed = image_fail(error,
-                        "demo: %s: no files are taken; see hbil demo "
-                        "--help",
-                        argv[optind]);
-  if (failed == 0 && o->views && o->light_view)
-    failed = image_fail(error, "demo: --views and --light-view light the "
-                               "frames in two ways; one of them is needed");
-  return failed;
-}
-
 static void name_results(const demo_options *o, const char *folder) {
   unsigned last = o->frames;
   printf("\nlook at, of the last frame:\n"
@@ -369,10 +324,18 @@ int cmd_demo(int argc, char **argv) {
   demo_options o = {
       .frames = 8, .width = 640, .height = 360, .output = "./demo"};
   demo_files files;
+  options_given given;
   image_error error;
-  const int read = read_options(argc, argv, &o, &error);
-  if (read != 0)
-    return read > 0 ? STATUS_OK : report_error(&error);
+  const int read = options_read(&command, argc, argv, &o, &given, &error);
+  if (read > 0) {
+    options_help(&command, &o);
+    return STATUS_OK;
+  }
+  if (read == 0 && optind < argc)
+    image_fail(&error, "demo: %s: no files are taken; see hbil demo --help",
+               argv[optind]);
+  if (read < 0 || optind < argc)
+    return report_error(&error);
   const demo_content content = {.frames = o.frames,
                                 .views = o.views ? SCENE_FACES : 0,
                                 .light_view = o.light_view,

@@ -6,13 +6,15 @@
 #include "tool/options.h"
 #include "tool/report.h"
 
-#include <getopt.h>
 #include <stdio.h>
 
-static const struct option options[] = {
-    {"help", no_argument, NULL, 'h'},
-    {NULL, 0, NULL, 0},
-};
+static const option_group none = {.count = 0};
+static const option_command command = {
+    .usage = "usage: hbil devices\n\nLists the OpenCL devices: index, name, "
+             "kind.  --device of the other commands takes the index or a part "
+             "of the name.",
+    .groups = &none,
+    .group_count = 1};
 
 static void tell(void *user, const char *file, const char *why) {
   (void)user;
@@ -30,16 +32,9 @@ static int list(void) {
 
 int cmd_devices(int argc, char **argv) {
   image_error error;
-  switch (option_next(argc, argv, ":h", options, &error)) {
-  case 'h':
-    puts("usage: hbil devices\n"
-         "\n"
-         "Lists the OpenCL devices: index, name, kind.  --device of the other\n"
-         "commands takes the index or a part of the name.");
-    return STATUS_OK;
-  case '?':
-    return report_error(&error);
-  default:
-    return list();
-  }
+  options_given given;
+  const int read = options_read(&command, argc, argv, NULL, &given, &error);
+  if (read > 0)
+    options_help(&command, NULL);
+  return read < 0 ? report_error(&error) : read > 0 ? STATUS_OK : list();
 }

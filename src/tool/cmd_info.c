@@ -34,22 +34,24 @@ typedef struct usable {
   size_t count;
 } usable;
 
-static void usage(void) {
-  puts("usage: hbil info [options] FRAME.exr...\n"
-       "\n"
-       "Tells which channels were understood as what, and their ranges; what\n"
-       "is missing; then checks that depth, camera, positions and normals fit\n"
-       "together, and names the option that helps where they don't.  At the\n"
-       "end, the size of the radiance cache that hbil process would have for\n"
-       "all these frames.\n"
-       "\n"
-       "  --camera FILE         JSON camera (FRAME.json beside FRAME.exr, or\n"
-       "                        else the header's, or else one that fits the\n"
-       "                        positions, as `positions` in place of FILE)");
-  source_usage();
-  puts("\n"
-       "Exit status: 0 if hbil process can use the files, else 2.");
-}
+static const option_row camera_rows[] = {
+    {ROW_TEXT("camera", offsetof(info_options, camera), "FILE"),
+     .help = "JSON camera (FRAME.json beside FRAME.exr, or else the header's, "
+             "or else one that fits the positions, as `positions` in place of "
+             "FILE)"}};
+static const option_group groups[] = {
+    {.rows = camera_rows, .count = 1},
+    SOURCE_GROUP(offsetof(info_options, source))};
+static const option_command command = {
+    .usage =
+        "usage: hbil info [options] FRAME.exr...\n\nTells which channels were "
+        "understood as what, and their ranges; what is missing; then checks "
+        "that depth, camera, positions and normals fit together, and names the "
+        "option that helps where they don't.  At the end, the size of the "
+        "radiance cache that hbil process would have for all these frames.",
+    .groups = groups,
+    .group_count = 2,
+    .notes = "Exit status: 0 if hbil process can use the files, else 2."};
 
 /* ------------------------------------------------------------------------ */
 /* What the file has                                                         */
@@ -365,35 +367,19 @@ static int print_files(char *const *files, size_t count, const info_options *o,
   return status;
 }
 
-static int read_options(int argc, char **argv, info_options *o,
-                        image_error *error) {
-  struct option table[SOURCE_OPTION_COUNT + 3] = {
-      {"camera", required_argument, NULL, 'c'},
-      {"help", no_argument, NULL, 'h'}};
-  int option;
-  memcpy(table + 2, source_option_rows, sizeof source_option_rows);
-  while ((option = option_next(argc, argv, ":h", table, error)) != -1) {
-    if (option == 'h') {
-      usage();
-      return 1;
-    }
-    if (option == 'c')
-      o->camera = optarg;
-    else if (option == '?' ||
-             source_option(option, optarg, &o->source, error) != 0)
-      return -1;
-  }
-  return optind < argc
-             ? 0
-             : image_fail(error, "no file; one FRAME.exr or more is needed");
-}
-
 int cmd_info(int argc, char **argv) {
   image_error error;
   info_options o = {.camera = NULL};
+  options_given given;
   source_options_init(&o.source);
-  const int read = read_options(argc, argv, &o, &error);
-  if (read != 0)
-    return read > 0 ? STATUS_OK : report_error(&error);
-  return print_files(argv + optind, (size_t)(argc - optind), &o, &error);
+  const int read = options_read(&command, argc, argv, &o, &given, &error);
+  if (read > 0)
+    options_help(&command, &o);
+  if (read == 0 && optind == argc)
+    image_fail(&error, "no file; one FRAME.exr or more is needed");
+  if (read < 0 || (read == 0 && optind == argc))
+    return report_error(&error);
+  return read > 0
+             ? STATUS_OK
+             : print_files(argv + optind, (size_t)(argc - optind), &o, &error);
 }

@@ -4,7 +4,6 @@
 #include "tool/frame_list.h"
 #include "tool/process.h"
 #include "tool/process_arguments.h"
-#include "tool/process_help.h"
 #include "tool/report.h"
 
 int cmd_process(int argc, char **argv) {

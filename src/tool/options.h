@@ -1,5 +1,12 @@
-/* Reads command lines: options, and values that are numbers or words.  Messages
- * say what was given and what would be right. */
+/*
+ * Options of a command line.  A row describes one option: its name, the member
+ * that it sets, its range or words, its help, and which other options it needs
+ * or excludes.  The parser, the checks and the help read the rows; manual and
+ * completion come from the help (doc/help.awk).
+ *
+ * The members are those of a struct of the command, its arguments.  An option
+ * is known by its member: by the offset of that in the arguments.
+ */
 #ifndef HBIL_TOOL_OPTIONS_H
 #define HBIL_TOOL_OPTIONS_H
 
@@ -7,26 +14,130 @@
 
 #include <stddef.h>
 
-struct option;
+typedef enum option_kind {
+  OPTION_OTHER = 0, /* only row.set reads it */
+  OPTION_TEXT,      /* const char * */
+  OPTION_FLAG,      /* no value; an int becomes 1 */
+  OPTION_CLEAR,     /* no value; an int becomes 0 */
+  OPTION_NUMBER,    /* unsigned: a whole number from `low` to `high` */
+  OPTION_FLOATS,    /* float: `high` numbers with commas between them */
+  OPTION_ABOVE,     /* the same; they are finite and above `low` */
+  OPTION_SIZE,      /* two unsigned: WIDTHxHEIGHT */
+  OPTION_CHOICE,    /* an enum: `low` + the index in `words`.  Choices from
+                     * `high` on switch something off, if it isn't 0 */
+  OPTION_MORE       /* no option: more help about the one before */
+} option_kind;
 
-/* getopt_long() with messages of our own; letters begins with ':'.  argv[0] is
- * the command's name.  Returns -1 at the end, and '?' with `error` filled for
- * an option that is unknown or lacks its value. */
-int option_next(int argc, char **argv, const char *letters,
-                const struct option *options, image_error *error);
+/* What an option needs or excludes.  why is NULL behind the last one. */
+typedef struct option_relation {
+  size_t other;    /* the other option */
+  int choice;      /* only that choice of it; OPTION_ANY: whatever it is */
+  int needed;      /* 1: it is needed; 0: it is excluded */
+  const char *why; /* excluded: "which has no ..."; needed: what the message
+                    * says behind its name, "" or " FILE" */
+} option_relation;
 
-/* The functions below return 0, or -1 with `error` filled (NULL is allowed).
- * option: the option's name, for the message. */
+enum { OPTION_ANY = -1, OPTION_RELATIONS = 8, OPTIONS_MOST = 96 };
+
+/* Reads a value, or does what follows from one that has been stored.  text:
+ * NULL for options without a value.  arguments: the struct with the row's
+ * member.  0, or -1 with `error` filled. */
+typedef int option_setter(const char *text, void *arguments,
+                          image_error *error);
+
+typedef struct option_row {
+  const char *name; /* without dashes */
+  option_kind kind;
+  size_t member; /* its offset in the arguments */
+  unsigned low, high;
+  const char *const *words; /* of a choice; ends with NULL */
+  const char *value;        /* its name in the help; NULL: the words */
+  char letter;              /* its short form, or 0 */
+  unsigned of;      /* commands take it whose `accepts` has all of these bits */
+  const char *help; /* without line ends; see option_value */
+  option_setter *set;  /* NULL: there is nothing more to do */
+  const char *library; /* the library's names of the member, with spaces between
+                        * them: its messages begin with one of them */
+  option_relation relations[OPTION_RELATIONS];
+} option_row;
+
+/* The designators of a row. */
+#define ROW_OTHER(option, at, setter, text)                                    \
+  .name = option, .member = at, .set = setter, .value = text
+#define ROW_TEXT(option, at, text)                                             \
+  .name = option, .kind = OPTION_TEXT, .member = at, .value = text
+#define ROW_FLAG(option, at) .name = option, .kind = OPTION_FLAG, .member = at
+#define ROW_NUMBER(option, at, least, most, text)                              \
+  .name = option, .kind = OPTION_NUMBER, .member = at, .low = least,           \
+  .high = most, .value = text
+#define ROW_FLOATS(option, at, count, text)                                    \
+  .name = option, .kind = OPTION_FLOATS, .member = at, .high = count,          \
+  .value = text
+#define ROW_CHOICE(option, at, list)                                           \
+  .name = option, .kind = OPTION_CHOICE, .member = at, .words = list
+#define ROW_MORE(option, text)                                                 \
+  .name = option, .kind = OPTION_MORE, .value = text
+
+/* Relations of a row. */
+#define NOT_WITH(option, because)                                              \
+  { option, OPTION_ANY, 0, because }
+#define NOT_WITH_CHOICE(option, word, because)                                 \
+  { option, word, 0, because }
+#define NEEDS(option, what)                                                    \
+  { option, OPTION_ANY, 1, what }
+#define NEEDS_CHOICE(option, word)                                             \
+  { option, word, 1, "" }
+
+/* Rows below one heading. */
+typedef struct option_group {
+  const char *about;   /* a paragraph in front of the heading, or NULL */
+  const char *heading; /* NULL: none */
+  const option_row *rows;
+  size_t count;
+  size_t base; /* offset in the arguments of the struct with the members */
+} option_group;
+
+/* A number that help texts name in braces, such as {levels}.  {} stands for the
+ * option's default. */
+typedef struct option_value {
+  const char *name;
+  double value;
+} option_value;
+
+typedef struct option_command {
+  const char *usage; /* the help in front of the options: "usage: ..." */
+  const option_group *groups;
+  size_t group_count;
+  const char *notes; /* the help behind the options, or NULL */
+  const option_value *values;
+  size_t value_count;
+  unsigned accepts; /* see option_row.of */
+} option_command;
+
+/* Which options were given. */
+typedef struct options_given {
+  size_t members[OPTIONS_MOST], count;
+} options_given;
+
+int options_have(const options_given *given, size_t member);
+
+/* Reads a command line into `arguments`, which have the defaults, and checks
+ * that the options fit together.  argv[0] is the command's name; optind is then
+ * the index of the first argument that is no option.  Returns 0, 1 if help is
+ * wanted, or -1 with `error` filled. */
+int options_read(const option_command *c, int argc, char **argv,
+                 void *arguments, options_given *given, image_error *error);
+
+/* Prints the help.  defaults: arguments that nothing has changed. */
+void options_help(const option_command *c, const void *defaults);
+
+/* Single values.  0, or -1 with `error` filled (NULL is allowed).  option: its
+ * name with dashes, for the message. */
 
 /* Exactly `count` numbers, separated by commas.  "inf" is a number; "nan" and
  * what is too large for a float are not. */
 int option_floats(const char *option, const char *text, float *out,
                   size_t count, image_error *error);
-int option_unsigned(const char *option, const char *text, unsigned low,
-                    unsigned high, unsigned *out, image_error *error);
-/* WIDTHxHEIGHT, each from 1 to HBIL_MAX_SIZE. */
-int option_size(const char *option, const char *text, unsigned *width,
-                unsigned *height, image_error *error);
 /* The index of text in a list of words that ends with NULL. */
 int option_choice(const char *option, const char *text,
                   const char *const *words, int *out, image_error *error);

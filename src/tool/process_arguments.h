@@ -8,10 +8,12 @@
 
 typedef struct process_arguments {
   process_settings settings;
+  hbil_quality quality; /* the last one that was given, if any was */
+  hbil_model_name model;
   const char *frames; /* the numbers for patterns (frame_list.h), or NULL */
   char *const *files; /* the arguments behind the options */
   int count;
-  frame_list views; /* settings.views, owned */
+  frame_list views;       /* settings.views, owned */
   frame_list light_views; /* likewise */
 } process_arguments;
 
@@ -21,5 +23,8 @@ typedef struct process_arguments {
 int process_arguments_read(int argc, char **argv, process_arguments *out,
                            image_error *error);
 void process_arguments_free(process_arguments *a);
+
+/* Prints the help. */
+void process_help(void);
 
 #endif

@@ -1,6 +1,8 @@
 /* Refusals of the library and of OpenCL. */
 #include "tool/refusal.h"
 
+#include "tool/process_options.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,53 +10,14 @@
 /* ------------------------------------------------------------------------ */
 /* The option                                                                */
 
-/* The library's messages begin with the member that is wrong.  Members that no
- * option sets are not here. */
-static const struct {
-  const char *member, *option;
-} options[] = {
-    {"inputs.sky_depth", "--sky-depth"},
-    {"inputs.depth_scale", "--unit-scale"},
-    {"inputs.motion_scale", "--motion-scale"},
-    {"inputs.motion", "--reprojection"},
-    {"outputs", "--layers"},
-    {"model.radius", "--radius"},
-    {"model.thickness", "--thickness"},
-    {"model.relative_thickness", "--relative-thickness"},
-    {"model.facing_fade", "--facing-fade"},
-    {"model.unseen_light", "--unseen-light"},
-    {"model.roughness", "--roughness"},
-    {"model.far_field", "--environment"},
-    {"model.provider", "--far"},
-    {"sampling.slices", "--slices"},
-    {"sampling.steps_per_side", "--steps-per-side"},
-    {"sampling.step_growth", "--step-growth"},
-    {"sampling.resolution", "--resolution"},
-    {"history.disocclusion_threshold", "--disocclusion-threshold"},
-    {"history.max_frames", "--max-history-frames"},
-    {"execution.horizon_cache_bytes", "--horizon-cache"},
-    {"environment", "--environment"},
-    {"voxels", "--cache-size"},
-};
-
-/* Whether a message begins with a member: behind its name comes an index, a
- * colon, or another name. */
-static int begins_with(const char *message, const char *member) {
-  const size_t length = strlen(member);
-  return strncmp(message, member, length) == 0 && message[length] &&
-         strchr("[:,.", message[length]) != NULL;
-}
-
 /* "model.radius: -1; must be positive" becomes "--radius: -1; must be
  * positive".  Returns 0 if no option is meant. */
 static int report_option(const char *message, image_error *error) {
   const char *colon = strchr(message, ':');
-  for (size_t i = 0; colon && i < sizeof options / sizeof *options; i++)
-    if (begins_with(message, options[i].member)) {
-      image_fail(error, "%s%s", options[i].option, colon);
-      return 1;
-    }
-  return 0;
+  const char *option = colon ? process_option_of(message) : NULL;
+  if (option)
+    image_fail(error, "--%s%s", option, colon);
+  return option != NULL;
 }
 
 /* ------------------------------------------------------------------------ */

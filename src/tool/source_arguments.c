@@ -1,47 +1,30 @@
 /* The options that say how dumps are to be read. */
 #include "tool/source_arguments.h"
 
+#include "dump/source.h"
 #include "image/error.h"
-#include "tool/options.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define ROW(name, value)                                                       \
-  { name, required_argument, NULL, value }
-
-const struct option source_option_rows[SOURCE_OPTION_COUNT] = {
-    ROW("source", SOURCE_OPTION),
-    ROW("map", SOURCE_MAP),
-    ROW("view-layer", SOURCE_VIEW_LAYER),
-    ROW("eye", SOURCE_EYE),
-    ROW("depth", SOURCE_DEPTH),
-    ROW("normals", SOURCE_NORMALS),
-    ROW("positions", SOURCE_POSITIONS),
-    ROW("direct", SOURCE_DIRECT),
-    ROW("colours", SOURCE_COLOURS),
-    ROW("flip", SOURCE_FLIP),
-    ROW("unit-scale", SOURCE_UNIT),
-    ROW("sky-depth", SOURCE_SKY_DEPTH),
-    ROW("clip", SOURCE_CLIP),
-    ROW("fov", SOURCE_FOV),
-    ROW("orthographic", SOURCE_ORTHOGRAPHIC),
-    ROW("motion-scale", SOURCE_MOTION),
-};
-
-static const char *const colour_words[] = {"linear", "srgb", NULL};
+static int set_source(const char *text, void *arguments, image_error *error) {
+  source_options *o = arguments;
+  (void)text, (void)error;
+  if (o->source == DUMP_KINDS) /* auto */
+    o->source = -1;
+  return 0;
+}
 
 /* A space, "encoded", or both; or "from-depth". */
-static int read_normals(const char *text, source_options *out,
-                        image_error *error) {
+static int set_normals(const char *text, void *arguments, image_error *error) {
   static const char *const words[] = {"world", "camera", "encoded",
                                       "from-depth", NULL};
+  source_options *out = arguments;
   char word[16];
-  for (const char *at = text;; at++) {
-    const size_t length = strcspn(at, ",");
+  for (const char *next = text;; next++) {
+    const size_t length = strcspn(next, ",");
     int value;
-    snprintf(word, sizeof word, "%.*s", length < 15 ? (int)length : 15, at);
+    snprintf(word, sizeof word, "%.*s", length < 15 ? (int)length : 15, next);
     if (option_choice("--normals", word, words, &value, error) != 0)
       return -1;
     if (value == 3)
@@ -52,170 +35,97 @@ static int read_normals(const char *text, source_options *out,
       out->normals = value;
       out->encoded = out->encoded > 0;
     }
-    at += length;
-    if (!*at)
+    next += length;
+    if (!*next)
       return 0;
   }
 }
 
-static int read_flips(const char *text, source_options *out,
-                      image_error *error) {
-  for (const char *at = text; *at; at++) {
-    if (*at >= 'x' && *at <= 'z')
-      out->flips |= 1u << (*at - 'x');
-    else if (*at != ',')
+static int set_flips(const char *text, void *arguments, image_error *error) {
+  source_options *out = arguments;
+  for (const char *axis = text; *axis; axis++) {
+    if (*axis >= 'x' && *axis <= 'z')
+      out->flips |= 1u << (*axis - 'x');
+    else if (*axis != ',')
       return image_fail(error, "--flip %s: some of x, y, z are needed", text);
   }
   return 0;
 }
 
-/* `count` finite numbers above a bound. */
-static int read_above(const char *option, const char *text, float bound,
-                      float *out, size_t count, image_error *error) {
-  if (option_floats(option, text, out, count, error) != 0)
-    return -1;
-  for (size_t i = 0; i < count; i++)
-    if (!(out[i] > bound) || isinf(out[i]))
-      return image_fail(error, "%s %s: finite numbers above %g are needed",
-                        option, text, (double)bound);
-  return 0;
-}
-
-static int read_clip(const char *text, source_options *out,
-                     image_error *error) {
-  if (option_floats("--clip", text, out->clip, 2, error) != 0)
-    return -1;
-  if (out->clip[0] >= 0.0f && out->clip[1] > out->clip[0])
-    return 0;
-  return image_fail(
-      error, "--clip %s: NEAR,FAR are needed, with 0 <= NEAR < FAR", text);
-}
-
-static int check_lens(const source_options *o, image_error *error) {
-  return o->fov > 0.0f && o->orthographic > 0.0f
-             ? image_fail(
+static int check_clip(const char *text, void *arguments, image_error *error) {
+  const source_options *o = arguments;
+  return o->clip[0] >= 0.0f && o->clip[1] > o->clip[0]
+             ? 0
+             : image_fail(
                    error,
-                   "--fov and --orthographic: one of both is needed; they "
-                   "exclude each other")
-             : 0;
+                   "--clip %s: NEAR,FAR are needed, with 0 <= NEAR < FAR",
+                   text);
 }
 
-static int read_fov(const char *text, source_options *out, image_error *error) {
-  if (read_above("--fov", text, 0.0f, &out->fov, 1, error) != 0)
-    return -1;
-  if (out->fov < 180.0f)
-    return check_lens(out, error);
-  return image_fail(error,
-                    "--fov %s: the angle across the picture's width is needed, "
-                    "below 180 degrees",
-                    text);
+static int check_fov(const char *text, void *arguments, image_error *error) {
+  const source_options *o = arguments;
+  return o->fov < 180.0f
+             ? 0
+             : image_fail(error,
+                          "--fov %s: the angle across the picture's width is "
+                          "needed, below 180 degrees",
+                          text);
 }
 
-static int read_orthographic(const char *text, source_options *out,
-                             image_error *error) {
-  return read_above("--orthographic", text, 0.0f, &out->orthographic, 1,
-                    error) != 0
-             ? -1
-             : check_lens(out, error);
-}
+static const char *const colours[] = {"linear", "srgb", NULL};
 
-int source_option(int option, const char *text, source_options *out,
-                  image_error *error) {
-  switch (option) {
-  case SOURCE_OPTION:
-    if (option_choice("--source", text, source_words, &out->source, error))
-      return -1;
-    if (out->source == DUMP_KINDS)
-      out->source = -1;
-    return 0;
-  case SOURCE_MAP:
-    out->map = text;
-    return 0;
-  case SOURCE_VIEW_LAYER:
-    out->view_layer = text;
-    return 0;
-  case SOURCE_EYE:
-    out->eye = text;
-    return 0;
-  case SOURCE_DEPTH:
-    return option_choice("--depth", text, depth_words, &out->depth, error);
-  case SOURCE_NORMALS:
-    return read_normals(text, out, error);
-  case SOURCE_POSITIONS:
-    return option_choice("--positions", text, space_words, &out->positions,
-                         error);
-  case SOURCE_DIRECT:
-    return option_choice("--direct", text, direct_words, &out->direct, error);
-  case SOURCE_COLOURS:
-    return option_choice("--colours", text, colour_words, &out->gamma, error);
-  case SOURCE_FLIP:
-    return read_flips(text, out, error);
-  case SOURCE_UNIT:
-    return read_above("--unit-scale", text, 0.0f, &out->unit, 1, error);
-  case SOURCE_SKY_DEPTH:
-    return option_floats("--sky-depth", text, &out->sky_depth, 1, error);
-  case SOURCE_CLIP:
-    return read_clip(text, out, error);
-  case SOURCE_FOV:
-    return read_fov(text, out, error);
-  case SOURCE_ORTHOGRAPHIC:
-    return read_orthographic(text, out, error);
-  default:
-    return option_floats("--motion-scale", text, out->motion_scale, 2, error);
-  }
-}
+#define AT(field) offsetof(source_options, field)
+#define ROW_ABOVE_0(option, at, text)                                          \
+  .name = option, .kind = OPTION_ABOVE, .member = at, .high = 1, .value = text
 
-void source_usage(void) {
-  puts("\n"
-       "Where frames come from; what isn't said is guessed (hbil info tells):\n"
-       "  --source "
-       "auto|blender|pbrt|mitsuba|luxcore|arnold|vray|renderman|unreal|"
-       "generic\n"
-       "                        names and meanings of the channels (auto)\n"
-       "  --map ROLE=[FILE:]LAYER,...\n"
-       "                        layer or channel of a role: depth, normal,\n"
-       "                        albedo, direct, emission, background, motion,\n"
-       "                        position, indirect, coverage.  FILE (EXR,\n"
-       "                        TIFF, PNG, HDR) lies beside FRAME; # stands\n"
-       "                        for FRAME's number.  ROLE= leaves the role\n"
-       "                        out; ROLE=C1,C2,C3 takes single channels\n"
-       "  --view-layer NAME     which of several view layers in one file (the "
-       "one\n"
-       "                        with the most passes)\n"
-       "  --eye NAME            which eye of a multi-view file, such as left "
-       "(the\n"
-       "                        first); its camera is FRAME.NAME.json, or "
-       "else\n"
-       "                        FRAME.json\n"
-       "  --depth planar|ray|position|device|reversed\n"
-       "                        distance along the camera's axis, distance "
-       "from\n"
-       "                        the eye, computed from positions, 0..1, 1..0\n"
-       "                        (the last two with --clip)\n"
-       "  --normals world|camera|encoded|from-depth\n"
-       "                        space (camera: y up, z backwards); encoded:\n"
-       "                        stored as (n+1)/2; two words with a comma;\n"
-       "                        from-depth: none are read, they are rebuilt\n"
-       "  --positions world|camera\n"
-       "                        their space\n"
-       "  --direct irradiance|light|radiance\n"
-       "                        direct light is E, E/pi or E albedo/pi\n"
-       "  --colours linear|srgb\n"
-       "                        encoding of albedo, direct, emission and\n"
-       "                        background (as their file says, or linear)");
-  puts("  --flip x,y,z          change the sign of these axes of normals and\n"
-       "                        positions\n"
-       "  --unit-scale F        camera units in a unit of depth and position "
-       "(1)\n"
-       "  --sky-depth VALUE     depths from VALUE on are sky; a depth of 0\n"
-       "                        always is\n"
-       "  --clip NEAR,FAR       clipping planes\n"
-       "  --fov DEGREES         angle across the picture's width; also for\n"
-       "                        frames without a camera whose normals are in\n"
-       "                        camera space\n"
-       "  --orthographic WIDTH  the same for parallel rays: camera units "
-       "across\n"
-       "                        the picture's width\n"
-       "  --motion-scale X,Y    pixels, right and down, in a unit of motion\n"
-       "                        towards the previous frame");
-}
+const option_row source_rows[SOURCE_ROWS] = {
+    {ROW_CHOICE("source", AT(source), source_words), .set = set_source,
+     .help = "names and meanings of the channels (auto)"},
+    {ROW_TEXT("map", AT(map), "ROLE=[FILE:]LAYER,..."),
+     .help =
+         "layer or channel of a role: depth, normal, albedo, direct, emission, "
+         "background, motion, position, indirect, coverage.  FILE (EXR, TIFF, "
+         "PNG, HDR) lies beside FRAME; # stands for FRAME's number.  ROLE= "
+         "leaves the role out; ROLE=C1,C2,C3 takes single channels"},
+    {ROW_TEXT("view-layer", AT(view_layer), "NAME"),
+     .help = "which of several view layers in one file (the one with the most "
+             "passes)"},
+    {ROW_TEXT("eye", AT(eye), "NAME"),
+     .help = "which eye of a multi-view file, such as left (the first); its "
+             "camera is FRAME.NAME.json, or else FRAME.json"},
+    {ROW_CHOICE("depth", AT(depth), depth_words),
+     .help = "distance along the camera's axis, distance from the eye, "
+             "computed from positions, 0..1, 1..0 (the last two with --clip)"},
+    {ROW_OTHER("normals", AT(normals), set_normals,
+               "world|camera|encoded|from-depth"),
+     .help =
+         "space (camera: y up, z backwards); encoded: stored as (n+1)/2; two "
+         "words with a comma; from-depth: none are read, they are rebuilt"},
+    {ROW_CHOICE("positions", AT(positions), space_words),
+     .help = "their space"},
+    {ROW_CHOICE("direct", AT(direct), direct_words),
+     .help = "direct light is E, E/pi or E albedo/pi"},
+    {ROW_CHOICE("colours", AT(gamma), colours),
+     .help = "encoding of albedo, direct, emission and background (as their "
+             "file says, or linear)"},
+    {ROW_OTHER("flip", AT(flips), set_flips, "x,y,z"),
+     .help = "change the sign of these axes of normals and positions"},
+    {ROW_ABOVE_0("unit-scale", AT(unit), "F"), .library = "inputs.depth_scale",
+     .help = "camera units in a unit of depth and position (1)"},
+    {ROW_FLOATS("sky-depth", AT(sky_depth), 1, "VALUE"),
+     .library = "inputs.sky_depth",
+     .help = "depths from VALUE on are sky; a depth of 0 always is"},
+    {ROW_FLOATS("clip", AT(clip), 2, "NEAR,FAR"), .set = check_clip,
+     .help = "clipping planes"},
+    {ROW_ABOVE_0("fov", AT(fov), "DEGREES"), .set = check_fov,
+     .help = "angle across the picture's width; also for frames without a "
+             "camera whose normals are in camera space",
+     .relations = {NOT_WITH(AT(orthographic), "whose rays are parallel")}},
+    {ROW_ABOVE_0("orthographic", AT(orthographic), "WIDTH"),
+     .help =
+         "the same for parallel rays: camera units across the picture's width"},
+    {ROW_FLOATS("motion-scale", AT(motion_scale), 2, "X,Y"),
+     .library = "inputs.motion_scale",
+     .help = "pixels, right and down, in a unit of motion towards the previous "
+             "frame"},
+};

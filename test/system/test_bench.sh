@@ -296,7 +296,7 @@ rejected "a truth without light" 'box_truth.exr: no indirect light' \
 cp "$work/single/box.exr" "$work/single/more_truth.exr"
 rejected "several truths" '2 files NAME_truth.exr; FOLDER/NAME' \
   tiny truth "$work/single"
-rejected "options that hbil process has not" '-- *: --fast is not understood' \
+rejected "options that hbil process has not" '-- *: --fast is not an option' \
   tiny truth "$work/exact-scene" -- --fast
 rejected "options of what is written" '--dry-run: not here' \
   tiny truth "$work/exact-scene" -- --dry-run

@@ -91,7 +91,7 @@ oiiotool "$one" --ch depth.Z,normal.X,normal.Y,normal.Z,albedo.R,albedo.G,albedo
   -o "$work/alone.exr"
 rejected "no camera for normals of the world" 'how the camera is turned' \
   process --fov 60 -o "$out" "$work/alone.exr"
-rejected "two lenses" '--fov and --orthographic: one of both' \
+rejected "two lenses" '--fov: not with --orthographic' \
   process --fov 60 --orthographic 3 -o "$out" "$one"
 rejected "a picture of no size" '--orthographic 0: ' \
   process --orthographic 0 -o "$out" "$one"
