@@ -34,7 +34,7 @@ static int read_map(const char *path, const char *camera, channel_map *map,
   const int failed = channel_map_read(path, &header, &guess, map, error) != 0 ||
                      channel_map_check(map, path, error) != 0 ||
                      frame_camera_read(path, &header, map, camera, &guess,
-                                       &seen, error) != 0 ||
+                                       &seen, NULL, error) != 0 ||
                      frame_camera_aim(path, &seen, map, out, error) != 0;
   image_free(&header);
   return failed ? -1 : 0;

@@ -74,16 +74,13 @@ static int is_fitted(const char *override) {
   return override && strcmp(override, "positions") == 0;
 }
 
+/* Where no JSON file has the camera.  beside: the file that might have had it.
+ * fitted: only positions may tell it. */
 static int find(const char *frame, const char *beside, const image *header,
-                const channel_map *map, const char *override,
-                const source_options *o, frame_camera *out,
-                image_error *error) {
-  if (is_fitted(override))
+                const channel_map *map, int fitted, const source_options *o,
+                frame_camera *out, image_error *error) {
+  if (fitted)
     return from_positions(frame, map, out, error);
-  if (override)
-    return from_json(override, "--camera", out, error);
-  if (access(beside, F_OK) == 0)
-    return from_json(beside, "the JSON file beside it", out, error);
   if (from_header(header, o->unit > 0.0f ? (double)o->unit : 1, out) == 0)
     return 0;
   if (fitted_camera_read(frame, map, out, error) != 0)
@@ -145,34 +142,25 @@ static char *camera_beside(const char *frame, const image *header,
   return own;
 }
 
-int frame_camera_file(const char *frame, const image *header,
-                      const char *override, const source_options *options,
-                      char **out, image_error *error) {
-  *out = NULL;
-  if (is_fitted(override))
-    return 0;
-  char *file =
-      override ? strdup(override) : camera_beside(frame, header, options);
-  if (!file)
-    return image_no_memory(error, frame);
-  if (override || access(file, F_OK) == 0)
-    *out = file;
-  else
-    free(file);
-  return 0;
-}
-
 int frame_camera_read(const char *frame, const image *header,
                       const channel_map *map, const char *override,
                       const source_options *options, frame_camera *out,
-                      image_error *error) {
-  char *beside = camera_beside(frame, header, options);
+                      char **file, image_error *error) {
+  const int fitted = is_fitted(override);
+  char *json = override && !fitted ? strdup(override)
+                                   : camera_beside(frame, header, options);
   memset(out, 0, sizeof *out);
-  if (!beside)
+  if (!json)
     return image_no_memory(error, frame);
+  const int is_read = override ? !fitted : access(json, F_OK) == 0;
   const int failed =
-      find(frame, beside, header, map, override, options, out, error);
-  free(beside);
+      is_read ? from_json(json, override ? "--camera" : "the JSON file beside it",
+                          out, error)
+              : find(frame, json, header, map, fitted, options, out, error);
+  if (file && is_read && !failed)
+    *file = json;
+  else
+    free(json);
   if (failed)
     return -1;
   choose_lens(options, image_display_window(header).width, &out->file);

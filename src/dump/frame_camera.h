@@ -25,25 +25,18 @@ char *camera_file_beside(const char *frame);
 void camera_file_to_hbil(const camera_file *file, hbil_camera *out);
 
 /*
- * The JSON file that frame_camera_read() reads for these arguments, malloc'd in
- * *out; NULL if it reads none.  Returns 0, or -1 with `error` filled if memory
- * runs out.
- */
-int frame_camera_file(const char *frame, const image *header,
-                      const char *override, const source_options *options,
-                      char **out, image_error *error);
-
-/*
  * Finds the camera of a frame: the JSON file `override` if it is not NULL, else
  * FRAME.EYE.json for an eye of a multi-view file, else FRAME.json, else the
  * header's matrices, else the one that the map's positions tell (also if
  * `override` is "positions"), else the options --fov and --orthographic, which
- * also replace the lens of any other.  Returns 0, or -1 with `error` filled.
+ * also replace the lens of any other.  *file: NULL before; it becomes the JSON
+ * file that was read, malloc'd, if one was (file may be NULL).  Returns 0, or -1
+ * with `error` filled.
  */
 int frame_camera_read(const char *frame, const image *header,
                       const channel_map *map, const char *override,
                       const source_options *options, frame_camera *out,
-                      image_error *error);
+                      char **file, image_error *error);
 
 /*
  * Fits the camera to the pixels of the map's window (*out) and stores it in the

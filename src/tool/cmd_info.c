@@ -290,7 +290,7 @@ static int print_understood(const char *path, const image *header,
   print_window(map);
   if (print_roles(path, map, error) != 0 ||
       channel_map_check(map, path, error) != 0 ||
-      frame_camera_read(path, header, map, o->camera, &o->source, &seen,
+      frame_camera_read(path, header, map, o->camera, &o->source, &seen, NULL,
                         error) != 0 ||
       frame_camera_aim(path, &seen, map, &camera, error) != 0 ||
       conventions_settle(path, map, &guessed, error) != 0)

@@ -30,7 +30,7 @@ static int map_mask(const char *path, channel_map *map, image_error *error) {
     map->window = image_window_common(map->data, map->display);
   if (!failed && map->count[ROLE_DEPTH] &&
       !conventions_depth_is_planar(&map->how))
-    failed = frame_camera_read(path, &header, map, NULL, &guess, &seen,
+    failed = frame_camera_read(path, &header, map, NULL, &guess, &seen, NULL,
                                error) != 0 ||
              frame_camera_aim(path, &seen, map, &camera, error) != 0;
   image_free(&header);

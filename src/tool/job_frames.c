@@ -40,17 +40,6 @@ static int check_roles(const job *j, const job_frame *f, image_error *error) {
   return 0;
 }
 
-int job_frame_read_camera(job_frame *f, const image *header,
-                          const char *override, const source_options *source,
-                          image_error *error) {
-  return frame_camera_file(f->path, header, override, source, &f->camera_path,
-                           error) != 0 ||
-                 frame_camera_read(f->path, header, &f->map, override, source,
-                                   &f->seen, error) != 0
-             ? -1
-             : 0;
-}
-
 /* The data windows of frames may differ, but not the picture. */
 static int check_size(job *j, const job_frame *f, image_error *error) {
   const image_window *first = &j->frames[0].map.display;
@@ -85,7 +74,7 @@ static int check_header(job *j, job_frame *f, image_error *error) {
   f->map.held = f == j->frames ? &j->held : NULL;
   failed =
       failed ||
-      job_frame_read_camera(f, &header, s->camera, &s->source, error) != 0 ||
+      frame_camera_read(f->path, &header, &f->map, s->camera, &s->source, &f->seen, &f->camera_path, error) != 0 ||
       check_size(j, f, error) != 0;
   image_free(&header);
   return failed ? -1 : 0;
@@ -142,7 +131,7 @@ static int read_decider(job *j, image_error *error) {
   int failed =
       channel_map_read(f->path, &header, &s->source, &f->map, error) != 0 ||
       channel_map_check(&f->map, f->path, error) != 0 ||
-      job_frame_read_camera(f, &header, s->camera, &s->source, error) != 0;
+      frame_camera_read(f->path, &header, &f->map, s->camera, &s->source, &f->seen, &f->camera_path, error) != 0;
   f->map.window = f->map.data;
   if (!failed && f->map.kind != j->frames[0].map.kind)
     failed =

@@ -65,7 +65,7 @@ static int read_header(const job *j, job_frame *v, image_error *error) {
   int failed =
       channel_map_read(v->path, &header, source, &v->map, error) != 0 ||
       check_roles(j, v, error) != 0 ||
-      job_frame_read_camera(v, &header, NULL, source, error) != 0;
+      frame_camera_read(v->path, &header, &v->map, NULL, source, &v->seen, &v->camera_path, error) != 0;
   image_free(&header);
   if (!failed && !v->seen.placed)
     failed = image_fail(error,

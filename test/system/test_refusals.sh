@@ -89,7 +89,7 @@ for option in thickness=0 relative-thickness=-1 unit-scale=1e9 step-growth=65 \
   # shellcheck disable=SC2086
   rejected "--$option" "^hbil: --${option%%=*}: .*[0-9]" process --$option "$one"
 done
-rejected "half resolution without the filter" '--resolution half: not with --unfiltered' \
+rejected "half resolution without the filter" '--unfiltered: not with --resolution half' \
   process --resolution half --unfiltered "$one"
 rejected "glossy light of cones" '--layers glossy: not with --far cones' \
   process --far cones --layers glossy "$one"

@@ -32,7 +32,7 @@ for scene in corner sky; do
     "$work/$scene/frame_0001.exr:far_irradiance" \
     "$work/$scene-dim/frame_0001.exr:far_irradiance"
 done
-rejected "two kinds of views in one demo" '--views and --light-view' \
+rejected "two kinds of views in one demo" '--views: not with --light-view' \
   "$HBIL" demo --views --light-view -o "$work/both"
 one=$work/demo/gbuffer/frame_0001.exr
 two=$work/demo/gbuffer/frame_0002.exr
