@@ -5,7 +5,7 @@
 #include <stddef.h>
 
 #include "image/error.h"
-#include "tool/compare_mask.h"
+#include "tool/compare_measure.h"
 #include "tool/compare_sides.h"
 
 typedef struct truth_figures {

@@ -13,7 +13,6 @@
 #include "bench/colour.h"
 #include "tool/layers.h"
 #include "tool/paths.h"
-#include "tool/prepare_job.h"
 #include "tool/process.h"
 
 /* --- settings --- */

@@ -154,9 +154,10 @@ int frame_camera_read(const char *frame, const image *header,
     return image_no_memory(error, frame);
   const int is_read = override ? !fitted : access(json, F_OK) == 0;
   const int failed =
-      is_read ? from_json(json, override ? "--camera" : "the JSON file beside it",
-                          out, error)
-              : find(frame, json, header, map, fitted, options, out, error);
+      is_read
+          ? from_json(json, override ? "--camera" : "the JSON file beside it",
+                      out, error)
+          : find(frame, json, header, map, fitted, options, out, error);
   if (file && is_read && !failed)
     *file = json;
   else

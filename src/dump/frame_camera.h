@@ -30,8 +30,8 @@ void camera_file_to_hbil(const camera_file *file, hbil_camera *out);
  * header's matrices, else the one that the map's positions tell (also if
  * `override` is "positions"), else the options --fov and --orthographic, which
  * also replace the lens of any other.  *file: NULL before; it becomes the JSON
- * file that was read, malloc'd, if one was (file may be NULL).  Returns 0, or -1
- * with `error` filled.
+ * file that was read, malloc'd, if one was (file may be NULL).  Returns 0, or
+ * -1 with `error` filled.
  */
 int frame_camera_read(const char *frame, const image *header,
                       const channel_map *map, const char *override,

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "image/exr_checksum.h"
 
+#include "image/regular_file.h"
 #include "image/signature.h"
 
 #include <errno.h>
@@ -200,8 +201,9 @@ exr_checksum_state exr_checksum_look(const char *path) {
   struct stat info;
   exr_checksum_state out = EXR_CHECKSUM_MISSING;
   exr_checksum *c = exr_checksum_new();
-  const int fd = open(path, O_RDONLY | O_NONBLOCK); /* a pipe doesn't wait */
-  if (c && fd >= 0 && fstat(fd, &info) == 0 && S_ISREG(info.st_mode))
+  const char *why;
+  const int fd = regular_file_open(path, &why);
+  if (c && fd >= 0 && fstat(fd, &info) == 0)
     out = compare(c, fd, info.st_size);
   if (fd >= 0)
     close(fd);

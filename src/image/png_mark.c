@@ -1,6 +1,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "image/png_mark.h"
 
+#include "image/regular_file.h"
+
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -48,10 +50,9 @@ static png_state look(FILE *file, off_t size) {
 png_state png_look(const char *path) {
   struct stat info;
   png_state out = {0, 0};
-  if (stat(path, &info) != 0 || !S_ISREG(info.st_mode))
-    return out;
-  FILE *file = fopen(path, "rb");
-  if (file && has_signature(file))
+  const char *why;
+  FILE *file = regular_file_stream(path, &why);
+  if (file && fstat(fileno(file), &info) == 0 && has_signature(file))
     out = look(file, info.st_size);
   if (file)
     fclose(file);

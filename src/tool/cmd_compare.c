@@ -4,7 +4,6 @@
 #include "image/image.h"
 #include "image/temporary_sweep.h"
 #include "tool/commands.h"
-#include "tool/compare_blocks.h"
 #include "tool/compare_measure.h"
 #include "tool/file_uses.h"
 #include "tool/heatmap.h"
@@ -149,9 +148,10 @@ static int compare(const compare_options *o, char **arguments, compare_side *a,
                    compare_side *b, compare_result *out, image_error *error) {
   const char *mask = o->mask ? o->mask : o->mask_depth;
   compare_mask m;
-  if ((o->heatmap && formats_check(error) != 0) ||
-      compare_sides_read(arguments[0], arguments[1], a, b, error) != 0 ||
-      (o->heatmap && check_heatmap(o, mask, a, b, error) != 0))
+  if (compare_sides_name(arguments[0], arguments[1], a, b, error) != 0 ||
+      (o->heatmap && (formats_check(error) != 0 ||
+                      check_heatmap(o, mask, a, b, error) != 0)) ||
+      compare_sides_read(a, b, error) != 0)
     return -1;
   int failed = compare_mask_read(mask, o->mask != NULL, &a->planes, &m, error);
   if (!failed && o->blocks > 1)

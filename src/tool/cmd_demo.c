@@ -18,7 +18,6 @@
 #include "tool/file_kind.h"
 #include "tool/options.h"
 #include "tool/process.h"
-#include "tool/progress.h"
 #include "tool/report.h"
 
 #include <errno.h>

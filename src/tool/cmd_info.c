@@ -11,7 +11,7 @@
 #include "image/window.h"
 #include "tool/commands.h"
 #include "tool/extent.h"
-#include "tool/light_choice.h"
+#include "tool/job_light.h"
 #include "tool/options.h"
 #include "tool/report.h"
 #include "tool/source_arguments.h"

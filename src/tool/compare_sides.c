@@ -1,20 +1,177 @@
-/* The two images of `hbil compare`. */
+/* The two images of `hbil compare`, and which of their channels are compared.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "tool/compare_sides.h"
 
-#include "image/error.h"
-#include "image/image.h"
 #include "image/image_read.h"
 #include "image/srgb.h"
-#include "tool/compare_layer.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+/* ------------------------------------------------------------------------ */
+/* Which channels the name of a layer stands for                             */
+
+/* How well a name fits, the best last. */
+typedef enum fit { FIT_NONE = 0, FIT_PART, FIT_END, FIT_WHOLE } fit;
+
+/* A layer or a channel: the first `length` characters of a channel's name. */
+typedef struct unit {
+  const char *name;
+  size_t length;
+} unit;
+
+const char *channel_letter(const char *channel) {
+  const char *dot = strrchr(channel, '.');
+  return dot ? dot + 1 : channel;
+}
+
+/* The layer of a channel; length 0: it has none. */
+static unit layer_of(const char *channel) {
+  const char *dot = strrchr(channel, '.');
+  return (unit){channel, dot ? (size_t)(dot - channel) : 0};
+}
+
+static int is_same(unit a, unit b) {
+  return a.length == b.length && memcmp(a.name, b.name, a.length) == 0;
+}
+
+/* Parts end at dots. */
+static fit fit_of(unit u, const char *wanted) {
+  const size_t own = strlen(wanted);
+  fit best = FIT_NONE;
+  for (size_t at = 0; own && at + own <= u.length; at++) {
+    const size_t end = at + own;
+    if ((at > 0 && u.name[at - 1] != '.') ||
+        (end < u.length && u.name[end] != '.') ||
+        memcmp(u.name + at, wanted, own) != 0)
+      continue;
+    const fit found = end < u.length ? FIT_PART : at > 0 ? FIT_END : FIT_WHOLE;
+    best = found > best ? found : best;
+  }
+  return best;
+}
+
+/* What of a channel the name fits: its layer, or else the channel itself, of
+ * which the end must fit. */
+static fit fit_of_channel(const char *channel, const char *wanted, unit *out) {
+  const unit whole = {channel, strlen(channel)};
+  const fit layer = fit_of(layer_of(channel), wanted);
+  const fit own = fit_of(whole, wanted);
+  const int alone = own >= FIT_END && own > layer;
+  *out = alone ? whole : layer_of(channel);
+  return alone ? own : layer;
+}
+
+static fit best_fit(const image *header, const char *wanted) {
+  fit best = FIT_NONE;
+  for (size_t i = 0; i < header->count; i++) {
+    unit u;
+    const fit found = fit_of_channel(header->planes[i].name, wanted, &u);
+    best = found > best ? found : best;
+  }
+  return best;
+}
+
+/* Adds a name to a list with commas; it ends in "..." where there is no more
+ * room. */
+static void add_name(char *list, size_t size, unit u) {
+  const size_t used = strlen(list);
+  if (used + u.length + sizeof ", ..., " < size)
+    snprintf(list + used, size - used, "%s%.*s", used ? ", " : "",
+             (int)u.length, u.name);
+  else if (used >= 3 && strcmp(list + used - 3, "...") != 0)
+    snprintf(list + used, size - used, ", ...");
+}
+
+/* What of the i-th channel belongs to a list of names: its layer, or the whole
+ * channel if it has none, unless a channel before had the same. */
+static int is_new(const image *header, size_t i, unit *out) {
+  const char *name = header->planes[i].name;
+  *out = layer_of(name);
+  for (size_t k = 0; k < i && out->length; k++)
+    if (is_same(layer_of(header->planes[k].name), *out))
+      return 0;
+  if (!out->length)
+    out->length = strlen(name);
+  return 1;
+}
+
+static int report_missing(const char *path, const image *header,
+                          const char *wanted, image_error *error) {
+  char there[1024] = "";
+  unit u;
+  for (size_t i = 0; i < header->count; i++)
+    if (is_new(header, i, &u))
+      add_name(there, sizeof there, u);
+  return *wanted ? image_fail(error, "%s: has no layer %s; one of %s is needed",
+                              path, wanted, there)
+                 : image_fail(error,
+                              "%s: has no channels without a layer; one of %s "
+                              "is needed",
+                              path, there);
+}
+
+/* Takes the channels of one unit.  Returns -1 if there are several, and lists
+ * them. */
+static int take(const image *header, const char *wanted, fit best,
+                const char **out, size_t *count, char *several, size_t size) {
+  unit first = {NULL, 0}, last = {NULL, 0};
+  int failed = 0;
+  for (size_t i = 0; i < header->count; i++) {
+    const char *name = header->planes[i].name;
+    unit u;
+    if (fit_of_channel(name, wanted, &u) != best)
+      continue;
+    if (!first.name)
+      first = u;
+    if (!last.name || !is_same(last, u))
+      add_name(several, size, u);
+    last = u;
+    failed |= !is_same(first, u);
+    /* a channel that is named itself may be an alpha */
+    if (u.length == strlen(name) || strcmp(channel_letter(name), "A") != 0)
+      out[(*count)++] = name;
+  }
+  return failed ? -1 : 0;
+}
+
+int compare_layer_select(const char *path, const image *header,
+                         const char *wanted, const char **out, size_t *count,
+                         image_error *error) {
+  char several[512] = "";
+  *count = 0;
+  for (size_t i = 0; i < header->count && (!wanted || !*wanted); i++) {
+    const char *name = header->planes[i].name;
+    if (!wanted || (!strchr(name, '.') && strcmp(name, "A") != 0))
+      out[(*count)++] = name;
+  }
+  if (!wanted && *count == 0)
+    return image_fail(error, "%s: has no channels", path);
+  if (wanted && *wanted) {
+    const fit best = best_fit(header, wanted);
+    if (best != FIT_NONE &&
+        take(header, wanted, best, out, count, several, sizeof several) != 0)
+      return image_fail(error,
+                        "%s: %s is the name of several layers; one of %s is "
+                        "needed",
+                        path, wanted, several);
+  }
+  return *count ? 0 : report_missing(path, header, wanted, error);
+}
+
+int compare_layer_exists(const image *header, const char *wanted) {
+  return best_fit(header, wanted) != FIT_NONE;
+}
+
+/* ------------------------------------------------------------------------ */
+/* The two images                                                            */
+
 /* An existing file is taken as it is, even if its name has a colon. */
-static int parse_side(const char *argument, compare_side *out,
-                      image_error *error) {
+static int name_side(const char *argument, compare_side *out,
+                     image_error *error) {
   const char *colon = strrchr(argument, ':');
   out->path = strdup(argument);
   if (!out->path)
@@ -23,7 +180,16 @@ static int parse_side(const char *argument, compare_side *out,
     out->path[colon - argument] = '\0';
     out->layer = colon + 1;
   }
-  return image_read_header(out->path, &out->header, error);
+  return 0;
+}
+
+int compare_sides_name(const char *first, const char *second, compare_side *a,
+                       compare_side *b, image_error *error) {
+  memset(a, 0, sizeof *a);
+  memset(b, 0, sizeof *b);
+  return name_side(first, a, error) != 0 || name_side(second, b, error) != 0
+             ? -1
+             : 0;
 }
 
 void compare_side_free(compare_side *s) {
@@ -110,7 +276,10 @@ static void share_layer(compare_side *a, compare_side *b) {
                        : "";
 }
 
-static int read_planes(compare_side *a, compare_side *b, image_error *error) {
+int compare_sides_read(compare_side *a, compare_side *b, image_error *error) {
+  if (image_read_header(a->path, &a->header, error) != 0 ||
+      image_read_header(b->path, &b->header, error) != 0)
+    return -1;
   const char **selected =
       calloc(a->header.count + b->header.count + 1, sizeof *selected);
   if (!selected)
@@ -120,13 +289,4 @@ static int read_planes(compare_side *a, compare_side *b, image_error *error) {
       read_side(a, selected, error) != 0 || read_side(b, selected, error) != 0;
   free(selected);
   return failed ? -1 : check_fit(a, b, error);
-}
-
-int compare_sides_read(const char *first, const char *second, compare_side *a,
-                       compare_side *b, image_error *error) {
-  memset(a, 0, sizeof *a);
-  memset(b, 0, sizeof *b);
-  return parse_side(first, a, error) != 0 || parse_side(second, b, error) != 0
-             ? -1
-             : read_planes(a, b, error);
 }

@@ -1,15 +1,33 @@
-/* A contact sheet: frames and their layers side by side in one picture, with
- * the layers in columns, the radiance cache in the last one, and at most eight
- * frames in rows. */
+/* Pictures side by side: layers of frames, and what a radiance cache knows. */
 #ifndef HBIL_TOOL_CONTACT_SHEET_H
 #define HBIL_TOOL_CONTACT_SHEET_H
 
-#include "tool/layers.h"
+#include "exact/saved_cache.h"
 #include "image/image.h"
 #include "image/picture.h"
+#include "image/window.h"
+#include "tool/job.h"
+#include "tool/layers.h"
 
 #include <stddef.h>
 #include <stdint.h>
+
+/* ------------------------------------------------------------------------ */
+/* What a radiance cache knows                                               */
+
+/*
+ * Makes a picture of the pixels of f that are in `shown`, width x height pixels
+ * large: the radiance of the voxel that a pixel's ray meets, tone-mapped with
+ * this exposure; grey where it leaves the cache through what views have seen;
+ * dark stripes where it passes through what no view has seen.  0, or -1 if
+ * memory runs out.
+ */
+int cache_picture(const exact_saved_cache *cache, const job_frame *f,
+                  const image_window *shown, uint32_t width, uint32_t height,
+                  float exposure, picture *out);
+
+/* ------------------------------------------------------------------------ */
+/* The sheet                                                                 */
 
 typedef struct contact_sheet {
   unsigned layers; /* a set (layers.h) */

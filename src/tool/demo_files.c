@@ -3,7 +3,7 @@
 
 #include "dump/frame_camera.h"
 #include "tool/file_kind.h"
-#include "tool/layers.h"
+#include "tool/job.h"
 #include "tool/paths.h"
 
 #include <stdio.h>
@@ -13,18 +13,14 @@
 /* ------------------------------------------------------------------------ */
 /* Names                                                                     */
 
-static char *numbered(const char *folder, const char *word, unsigned number,
-                      const char *ending) {
-  char name[64];
-  snprintf(name, sizeof name, "%s_%04u%s", word, number, ending);
-  return path_join(folder, "/", name);
-}
-
 /* FOLDER/WORD_0001.exr and so on; NULL if memory runs out. */
 static char **name_list(const char *folder, const char *word, unsigned count) {
   char **list = calloc(count + 1, sizeof *list);
-  for (unsigned i = 0; list && i < count; i++)
-    list[i] = numbered(folder, word, i + 1, ".exr");
+  for (unsigned i = 0; list && i < count; i++) {
+    char name[64];
+    snprintf(name, sizeof name, "%s_%04u.exr", word, i + 1);
+    list[i] = path_join(folder, "/", name);
+  }
   return list;
 }
 
@@ -101,24 +97,28 @@ static int check_traced(const char *path, image_error *error) {
   return failed;
 }
 
+/* Takes over the malloc'd path; NULL means that memory ran out. */
+static int check_written(char *path, file_kind expected, image_error *error) {
+  const int failed = path ? check(path, file_kind_of(path), expected, error)
+                          : image_no_memory(error, "demo");
+  free(path);
+  return failed;
+}
+
 /* was_demo: whether the folder is that of an earlier demo.  In others, results
  * are those of another job. */
-static int check_result(const demo_files *files, unsigned number, int was_demo,
+static int check_result(const demo_files *files, unsigned index, int was_demo,
                         image_error *error) {
-  char *path = numbered(files->output, "frame", number, ".exr");
-  int failed = path ? check(path, file_kind_of(path),
-                            was_demo ? FILE_RESULT : FILE_ABSENT, error)
-                    : image_no_memory(error, files->output);
-  free(path);
-  for (int l = 0; l < LAYER_COUNT && !failed; l++) {
-    char ending[48];
-    snprintf(ending, sizeof ending, ".%s.png", layer_table[l].name);
-    path = numbered(files->output, "frame", number, ending);
-    failed = path ? check(path, file_kind_of(path),
-                          was_demo ? FILE_PICTURE : FILE_ABSENT, error)
-                  : image_no_memory(error, files->output);
-    free(path);
-  }
+  const job_frame f = {.stem =
+                           path_stem_in(files->output, files->frames[index])};
+  int failed = f.stem
+                   ? check_written(job_result_path(&f),
+                                   was_demo ? FILE_RESULT : FILE_ABSENT, error)
+                   : image_no_memory(error, files->output);
+  for (int l = 0; l < LAYER_COUNT && !failed; l++)
+    failed = check_written(job_preview_path(&f, (layer)l),
+                           was_demo ? FILE_PICTURE : FILE_ABSENT, error);
+  free(f.stem);
   return failed;
 }
 
@@ -127,7 +127,7 @@ int demo_files_check(const demo_files *files, image_error *error) {
   int failed = 0;
   for (unsigned i = 0; i < files->frame_count && !failed; i++)
     failed = check_traced(files->frames[i], error) != 0 ||
-             check_result(files, i + 1, was_demo, error) != 0;
+             check_result(files, i, was_demo, error) != 0;
   for (unsigned i = 0; i < files->view_count && !failed; i++)
     failed = check_traced(files->views[i], error);
   if (!failed && files->light_view)

@@ -2,7 +2,6 @@
 #include "tool/device.h"
 
 #include "image/error.h"
-#include "tool/driver_cache.h"
 #include "tool/drivers.h"
 #include "tool/last_words.h"
 
@@ -269,7 +268,7 @@ int device_open(const char *wanted, int profiling, device *out,
                        wanted);
   if (!failed) {
     char name[256];
-    platform_name(entries.list[chosen].platform, name);
+    device_platform(out->id, name);
     out->note = is_pocl(name) ? entries.note : NULL;
     if (out->note)
       entries.note = NULL;
@@ -277,6 +276,12 @@ int device_open(const char *wanted, int profiling, device *out,
   free_entries(&entries);
   last_words_driver(failed ? NULL : "was opened");
   return failed;
+}
+
+void device_platform(cl_device_id id, char name[256]) {
+  cl_platform_id platform = NULL;
+  clGetDeviceInfo(id, CL_DEVICE_PLATFORM, sizeof platform, &platform, NULL);
+  platform_name(platform, name);
 }
 
 void device_close(device *d) {

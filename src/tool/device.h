@@ -21,6 +21,9 @@ int device_open(const char *wanted, int profiling, device *out,
 /* It may be called on a zeroed device. */
 void device_close(device *d);
 
+/* The name of the device's platform. */
+void device_platform(cl_device_id id, char name[256]);
+
 /* Bytes of the device's global memory; 0: unknown. */
 unsigned long long device_memory(cl_device_id id);
 

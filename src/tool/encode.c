@@ -9,7 +9,7 @@
 #include "image/picture.h"
 #include "image/png_write.h"
 #include "image/window.h"
-#include "tool/cache_picture.h"
+#include "tool/contact_sheet.h"
 #include "tool/heatmap.h"
 #include "tool/job_key.h"
 #include "tool/preview.h"
@@ -190,7 +190,7 @@ int encoder_open(encoder *e, image_error *error) {
   progress_start(&e->progress, "frames", 0.0, j->settings->quiet);
   if (!j->settings->contact_sheet)
     return 0;
-  return contact_sheet_open(&e->sheet, j->layers, j->world,
+  return contact_sheet_open(&e->sheet, j->layers, j->has_cache,
                             (size_t)j->count - j->settings->pre_roll,
                             j->shown.width, j->shown.height) == 0
              ? 0

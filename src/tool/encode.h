@@ -4,7 +4,7 @@
 #define HBIL_TOOL_ENCODE_H
 
 #include "tool/contact_sheet.h"
-#include "tool/progress.h"
+#include "tool/report.h"
 #include "tool/resume.h"
 #include "image/error.h"
 #include "image/image.h"

@@ -5,9 +5,8 @@
 #include "image/camera_json.h"
 #include "image/error.h"
 #include "image/image.h"
-#include "tool/formats.h"
 #include "tool/layers.h"
-#include "tool/progress.h"
+#include "tool/report.h"
 
 #include <stdio.h>
 #include <stdlib.h>

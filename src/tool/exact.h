@@ -11,7 +11,7 @@
 #include "image/camera_json.h"
 #include "image/error.h"
 #include "image/image.h"
-#include "tool/far_light.h"
+#include "tool/layers.h"
 
 /* The amount of work, from which the time is predicted. */
 typedef struct exact_work {

@@ -4,6 +4,7 @@
 
 #include "image/exr_read.h"
 #include "image/png_mark.h"
+#include "image/regular_file.h"
 #include "image/signature.h"
 #include "tool/cache_file.h"
 #include "tool/job_key.h"
@@ -20,7 +21,8 @@ enum { LOOKED_AT = 4096 };
 
 static int is_blank(const char *path) {
   unsigned char start[LOOKED_AT];
-  FILE *file = fopen(path, "rb");
+  const char *why;
+  FILE *file = regular_file_stream(path, &why);
   if (!file)
     return 0;
   const size_t size = fread(start, 1, sizeof start, file);

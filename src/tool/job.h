@@ -8,7 +8,6 @@
 #include "dump/frame_camera.h"
 #include "dump/held_planes.h"
 #include "tool/cache_file.h"
-#include "tool/far_light.h"
 #include "tool/layers.h"
 #include "tool/settings.h"
 #include "image/camera_json.h"
@@ -40,7 +39,7 @@ typedef struct job {
   int view_count;
   job_frame *lights; /* likewise, from where lights are */
   int light_count;
-  int world;               /* 1: frames ask a radiance cache */
+  int has_cache;           /* 1: frames ask a radiance cache */
   hbil_cache_config cache; /* of that; without formats */
   cache_file loaded;       /* what it begins with, if settings->cache_load */
   image_window window;     /* computed pixels: all that any frame has */

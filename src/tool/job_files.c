@@ -1,7 +1,103 @@
 /* All files that a job reads and writes. */
+#define _POSIX_C_SOURCE 200809L
 #include "tool/job_files.h"
 
+#include "image/formats.h"
+#include "image/temporary.h"
+#include "image/temporary_sweep.h"
 #include "tool/file_uses.h"
+#include "tool/paths.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ------------------------------------------------------------------------ */
+/* Folders                                                                   */
+
+/* Whether the results could be written, without leaving a trace. */
+static int look_at_folder(const char *folder, image_error *error) {
+  if (path_is_writable(folder))
+    return 0;
+  const char *why = strerror(errno);
+  return image_fail(error,
+                    "%s: output folder cannot be %s: %s; a folder in which you "
+                    "may write is needed",
+                    folder, access(folder, F_OK) == 0 ? "written" : "created",
+                    why);
+}
+
+/* Writes a file and removes it.  Permissions alone don't show read-only and
+ * special file systems. */
+static int try_to_write(const char *folder, image_error *error) {
+  temporary t;
+  char *path = path_join(folder, "/", "result");
+  if (!path)
+    return image_no_memory(error, folder);
+  const int failed = temporary_open(path, &t, NULL);
+  const int why = errno;
+  if (!failed)
+    temporary_discard(&t);
+  free(path);
+  return failed
+             ? image_fail(error,
+                          "%s: output folder cannot be written: %s; a folder "
+                          "in which you may write is needed",
+                          folder, strerror(why))
+             : 0;
+}
+
+static int prepare_folder(job *j, image_error *error) {
+  const char *folder = j->settings->output;
+  if (j->settings->dry_run)
+    return look_at_folder(folder, error);
+  if (path_make_folders(folder, &j->folders_made) != 0)
+    return image_fail(error,
+                      "%s: output folder cannot be created: %s; a folder in "
+                      "which you may write is needed",
+                      folder, strerror(errno));
+  return try_to_write(folder, error);
+}
+
+/* Checks the folder of a file that the job writes beside the results; NULL is
+ * allowed. */
+static int check_parent(const job *j, const char *path, image_error *error) {
+  const process_settings *s = j->settings;
+  if (!path)
+    return 0;
+  /* its folder may be the one that a dry run doesn't make */
+  if (s->dry_run && access(s->output, F_OK) != 0)
+    return 0;
+  char *parent = path_parent(path);
+  if (!parent)
+    return image_no_memory(error, path);
+  const int writable = access(parent, W_OK | X_OK) == 0;
+  free(parent);
+  return writable ? 0
+                  : image_fail(error,
+                               "%s: cannot be written: %s; a folder in which "
+                               "you may write is needed",
+                               path, strerror(errno));
+}
+
+/* What killed jobs have left where this one writes. */
+static void sweep(const job *j) {
+  const process_settings *s = j->settings;
+  const char *const files[] = {s->contact_sheet, s->cache_save};
+  temporary_sweep(s->output);
+  for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+    char *folder = files[i] ? path_parent(files[i]) : NULL;
+    if (folder)
+      temporary_sweep(folder);
+    free(folder);
+  }
+}
+
+/* ------------------------------------------------------------------------ */
+/* Files                                                                     */
 
 /* ------------------------------------------------------------------------ */
 /* What is read                                                              */
@@ -153,12 +249,48 @@ static int check_present(const process_settings *s, const file_uses *uses,
   return failed;
 }
 
-int job_files_check(const job *j, image_error *error) {
+/* File systems have a limit for names, mostly 255 bytes.  What a job adds to a
+ * frame's name may lead beyond it. */
+static int check_lengths(const job *j, const file_uses *uses,
+                         image_error *error) {
+  const long limit = pathconf(j->settings->output, _PC_NAME_MAX);
+  for (size_t i = 0; limit >= 0 && i < uses->count; i++) {
+    const char *path = uses->list[i].path;
+    const size_t length =
+        strlen(strrchr(path, '/') ? strrchr(path, '/') + 1 : path);
+    if (uses->list[i].of && length > (size_t)limit)
+      return image_fail(error,
+                        "%s: cannot be written: its name has %zu bytes; a "
+                        "frame's name with which it has at most %ld is needed",
+                        path, length, limit);
+  }
+  return 0;
+}
+
+/* ------------------------------------------------------------------------ */
+/* All of it                                                                 */
+
+static int check_all(const job *j, file_uses *uses, image_error *error) {
+  const process_settings *s = j->settings;
+  if (add_read(j, uses, error) != 0 || add_written(j, uses, error) != 0 ||
+      check_lengths(j, uses, error) != 0 ||
+      check_parent(j, s->contact_sheet, error) != 0 ||
+      check_parent(j, s->cache_save, error) != 0)
+    return -1;
+  if (!s->dry_run)
+    sweep(j);
+  return file_uses_check(uses, error) != 0 || check_present(s, uses, error) != 0
+             ? -1
+             : 0;
+}
+
+int job_files_prepare(job *j, image_error *error) {
+  const process_settings *s = j->settings;
   file_uses uses = {0};
-  const int failed = add_read(j, &uses, error) != 0 ||
-                     add_written(j, &uses, error) != 0 ||
-                     file_uses_check(&uses, error) != 0 ||
-                     check_present(j->settings, &uses, error) != 0;
+  if (((s->preview || s->contact_sheet) && formats_check(error) != 0) ||
+      prepare_folder(j, error) != 0)
+    return -1;
+  const int failed = check_all(j, &uses, error);
   file_uses_free(&uses);
-  return failed ? -1 : 0;
+  return failed;
 }

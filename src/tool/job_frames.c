@@ -1,10 +1,10 @@
-/* Checks the frames of a job. */
+/* Checks the frames and the views of a job. */
 #define _POSIX_C_SOURCE 200809L
 #include "tool/job_frames.h"
 
 #include "dump/read_channel_map.h"
+#include "dump/read_gbuffer.h"
 #include "dump/settle.h"
-#include "image/error.h"
 #include "image/image.h"
 #include "image/image_read.h"
 #include "image/window.h"
@@ -14,6 +14,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ------------------------------------------------------------------------ */
+/* Frames                                                                    */
 
 /* The library's kernels are built for the channels of the first frame. */
 static int check_roles(const job *j, const job_frame *f, image_error *error) {
@@ -72,10 +75,10 @@ static int check_header(job *j, job_frame *f, image_error *error) {
       channel_map_check(&f->map, f->path, error) != 0 ||
       check_roles(j, f, error) != 0;
   f->map.held = f == j->frames ? &j->held : NULL;
-  failed =
-      failed ||
-      frame_camera_read(f->path, &header, &f->map, s->camera, &s->source, &f->seen, &f->camera_path, error) != 0 ||
-      check_size(j, f, error) != 0;
+  failed = failed ||
+           frame_camera_read(f->path, &header, &f->map, s->camera, &s->source,
+                             &f->seen, &f->camera_path, error) != 0 ||
+           check_size(j, f, error) != 0;
   image_free(&header);
   return failed ? -1 : 0;
 }
@@ -131,7 +134,8 @@ static int read_decider(job *j, image_error *error) {
   int failed =
       channel_map_read(f->path, &header, &s->source, &f->map, error) != 0 ||
       channel_map_check(&f->map, f->path, error) != 0 ||
-      frame_camera_read(f->path, &header, &f->map, s->camera, &s->source, &f->seen, &f->camera_path, error) != 0;
+      frame_camera_read(f->path, &header, &f->map, s->camera, &s->source,
+                        &f->seen, &f->camera_path, error) != 0;
   f->map.window = f->map.data;
   if (!failed && f->map.kind != j->frames[0].map.kind)
     failed =
@@ -187,6 +191,134 @@ int job_frames_check(job *j, char *const *files, image_error *error) {
   tell_fitted_camera(j);
   return aim_cameras(j, error) != 0 || read_decider(j, error) != 0 ||
                  settle_conventions(j, error) != 0
+             ? -1
+             : 0;
+}
+
+/* ------------------------------------------------------------------------ */
+/* Views: pictures of the place, for the radiance cache                      */
+
+/* What the cache reads of a view as it reads the frames: one set of formats. */
+static int check_view_conventions(const job *j, const job_frame *v,
+                                  image_error *error) {
+  hbil_config frames, views;
+  hbil_config_init(&frames);
+  hbil_config_init(&views);
+  channel_map_configure(&j->frames[0].map, &frames);
+  channel_map_configure(&v->map, &views);
+  const hbil_inputs *a = &frames.inputs, *b = &views.inputs;
+  const char *what = a->depth_kind != b->depth_kind       ? "kind of depth"
+                     : a->normal_space != b->normal_space ? "space of normals"
+                     : a->direct_scale != b->direct_scale
+                         ? "unit of direct light"
+                     : a->depth_scale != b->depth_scale ||
+                             a->normal_scale[0] != b->normal_scale[0] ||
+                             a->normal_scale[1] != b->normal_scale[1] ||
+                             a->normal_scale[2] != b->normal_scale[2]
+                         ? "direction of axes"
+                         : NULL;
+  if (!what && v->seen.mirrored == j->frames[0].seen.mirrored)
+    return 0;
+  return image_fail(error,
+                    "%s: another %s than that of %s; a view of the same "
+                    "renderer and conventions is needed",
+                    v->path, what ? what : "handedness", j->frames[0].path);
+}
+
+/* Whether the view has all that the cache reads. */
+static int check_view_roles(const job *j, const job_frame *v,
+                            image_error *error) {
+  const size_t *const count = v->map.count;
+  const int finished = j->settings->view_light == HBIL_VIEW_FINISHED;
+  if (channel_map_check(&v->map, v->path, error) != 0)
+    return -1;
+  if (finished && !(count[ROLE_DIRECT] && count[ROLE_INDIRECT]))
+    return image_fail(error,
+                      "%s: no %s light; --view-light radiance needs direct and "
+                      "indirect light (Blender's DiffDir and DiffInd)",
+                      v->path, count[ROLE_DIRECT] ? "indirect" : "direct");
+  if (!count[ROLE_DIRECT] && !count[ROLE_EMISSION])
+    return image_fail(error,
+                      "%s: no direct light and no emission; a view needs one "
+                      "of them",
+                      v->path);
+  return 0;
+}
+
+static int read_view_header(const job *j, job_frame *v, image_error *error) {
+  const source_options *source = &j->settings->source;
+  image header;
+  if (image_read_header(v->path, &header, error) != 0)
+    return -1;
+  int failed =
+      channel_map_read(v->path, &header, source, &v->map, error) != 0 ||
+      check_view_roles(j, v, error) != 0 ||
+      frame_camera_read(v->path, &header, &v->map, NULL, source, &v->seen,
+                        &v->camera_path, error) != 0;
+  image_free(&header);
+  if (!failed && !v->seen.placed)
+    failed = image_fail(error,
+                        "%s: the place of its camera is unknown (%s); a view "
+                        "needs FILE.json beside it, or a camera in its header",
+                        v->path, v->seen.from);
+  return failed ? -1 : 0;
+}
+
+/* What the first frame's pixels have decided counts for views of the same
+ * renderer, too, since a view may show too little to decide it. */
+static int settle_view(const job *j, job_frame *v, image_error *error) {
+  const conventions *first = &j->frames[0].map.how;
+  conventions *how = &v->map.how;
+  findings found;
+  if (v->map.kind == j->frames[0].map.kind) {
+    how->normals = first->normals;
+    how->encoded = first->encoded;
+    how->backwards = first->backwards;
+    how->sky_depth = first->sky_depth;
+    how->lamps_from = first->lamps_from;
+    if (how->depth == DEPTH_PLANAR && first->depth == DEPTH_RAY)
+      how->depth = DEPTH_RAY;
+  }
+  return conventions_settle(v->path, &v->map, &found, error);
+}
+
+static int check_view(job *j, job_frame *v, image_error *error) {
+  if (read_view_header(j, v, error) != 0)
+    return -1;
+  v->map.window = v->map.data;
+  if (frame_camera_aim(v->path, &v->seen, &v->map, &v->camera, error) != 0 ||
+      settle_view(j, v, error) != 0)
+    return -1;
+  if (v->seen.fitted && !j->settings->quiet)
+    report_note(v->path, "", "its camera is fitted to the positions");
+  return check_view_conventions(j, v, error);
+}
+
+/* Checks so many files, and appends them to a list. */
+static int check_views(job *j, char *const *files, unsigned count,
+                       job_frame **list, int *done, image_error *error) {
+  if (!count)
+    return 0;
+  *list = calloc(count, sizeof **list);
+  if (!*list)
+    return image_no_memory(error, files[0]);
+  for (; *done < (int)count; ++*done) {
+    job_frame *v = &(*list)[*done];
+    v->path = files[*done];
+    if (check_view(j, v, error) != 0) {
+      ++*done; /* counted, so that job_free() frees it */
+      return -1;
+    }
+  }
+  return 0;
+}
+
+int views_check(job *j, image_error *error) {
+  const process_settings *s = j->settings;
+  return check_views(j, s->views, s->view_count, &j->views, &j->view_count,
+                     error) != 0 ||
+                 check_views(j, s->light_views, s->light_view_count, &j->lights,
+                             &j->light_count, error) != 0
              ? -1
              : 0;
 }

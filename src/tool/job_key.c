@@ -104,7 +104,7 @@ static int hash_cache(const job *j, uint64_t *hash, image_error *error) {
   const double where[] = {c->voxel_size, c->centre[0], c->centre[1],
                           c->centre[2], (double)c->unseen_light};
   int failed = 0;
-  if (!j->world)
+  if (!j->has_cache)
     return 0;
   *hash = hash_bytes(*hash, how, sizeof how);
   *hash = hash_bytes(*hash, where, sizeof where);

@@ -1,13 +1,18 @@
-/* Layers: the results that the program writes, and their channels. */
+/* Layers, which are the results that the program writes, and the inputs of the
+ * library. */
 #ifndef HBIL_TOOL_LAYERS_H
 #define HBIL_TOOL_LAYERS_H
 
+#include "dump/channel_map.h"
 #include "hbil/hbil.h"
 #include "image/error.h"
 #include "image/image.h"
 
 #include <stddef.h>
 #include <stdint.h>
+
+/* ------------------------------------------------------------------------ */
+/* Layers                                                                    */
 
 typedef enum layer {
   LAYER_NEAR_IRRADIANCE = 0,
@@ -60,5 +65,35 @@ float *layers_plane(const image *img, layer l, size_t i);
 
 /* The same of the first image that has it. */
 float *layers_plane_of(const image *one, const image *other, layer l, size_t i);
+
+/* ------------------------------------------------------------------------ */
+/* Inputs                                                                    */
+
+typedef struct input_info {
+  role role;
+  size_t format, image; /* offsets in hbil_config and hbil_frame */
+} input_info;
+
+enum { INPUTS = 6 }; /* the last one is motion */
+extern const input_info input_table[INPUTS];
+
+/* The number of channels of an input that these settings use; 0: none. */
+size_t formats_channels(const hbil_config *config, const channel_map *map,
+                        int input);
+
+/* Fills in the formats of the inputs that are used and of a set of layers
+ * (layers.h). */
+void formats_choose(hbil_config *config, const channel_map *map,
+                    unsigned layers);
+
+/* ------------------------------------------------------------------------ */
+/* Far light                                                                 */
+
+/* The members of hbil_frame with these names.  All have four bytes, so there is
+ * no padding, and jobs hash it (job_key.c). */
+typedef struct far_light {
+  float environment[9][3];
+  float sky_share;
+} far_light;
 
 #endif

@@ -60,13 +60,13 @@ static int open_sequence(lighting *l, const job *j, image_error *error) {
                        j->layers | j->hidden, &l->sequence, error);
 }
 
-static int open_world(lighting *l, const job *j, image_error *error) {
-  if (!j->world)
+static int open_cache(lighting *l, const job *j, image_error *error) {
+  if (!j->has_cache)
     return 0;
-  if (world_open(&l->device, sequence_context(l->sequence), j, &l->world,
-                 error) != 0)
+  if (job_cache_open(&l->device, sequence_context(l->sequence), j, &l->cache,
+                     error) != 0)
     return -1;
-  sequence_set_world(l->sequence, l->world);
+  sequence_set_cache(l->sequence, l->cache);
   return 0;
 }
 
@@ -76,17 +76,17 @@ int lighting_open(lighting *l, job *j, image_error *error) {
   last_words_driver("built kernels");
   j->config.execution.horizon_cache_bytes = horizon_cache_bytes(l, j);
   if (open_sequence(l, j, error) == 0)
-    return open_world(l, j, error);
+    return open_cache(l, j, error);
   /* a cache that nobody asked for must not make the job fail */
   if (!j->config.execution.horizon_cache_bytes ||
       j->settings->horizon_cache != HORIZON_CACHE_CHOOSE)
     return -1;
   j->config.execution.horizon_cache_bytes = 0;
-  return open_sequence(l, j, error) != 0 ? -1 : open_world(l, j, error);
+  return open_sequence(l, j, error) != 0 ? -1 : open_cache(l, j, error);
 }
 
 void lighting_close(lighting *l) {
-  world_close(l->world);
+  job_cache_close(l->cache);
   sequence_close(l->sequence);
   exact_sequence_close(l->exact);
   device_close(&l->device);
@@ -96,28 +96,28 @@ void lighting_close(lighting *l) {
 size_t lighting_memory(const lighting *l) {
   return l->exact ? 0
                   : sequence_memory(l->sequence) +
-                        (l->world ? world_memory(l->world) : 0);
+                        (l->cache ? job_cache_memory(l->cache) : 0);
 }
 
 int lighting_learn(lighting *l, image_error *error) {
-  if (!l->world)
+  if (!l->cache)
     return 0;
   last_words_driver("filled the radiance cache");
-  return world_learn(l->world, error);
+  return job_cache_learn(l->cache, error);
 }
 
 int lighting_see(lighting *l, const char *path, const gbuffer *g,
                  image_error *error) {
-  return l->world ? world_see_frame(l->world, path, g, NULL, error) : 0;
+  return l->cache ? job_cache_see_frame(l->cache, path, g, NULL, error) : 0;
 }
 
 int lighting_cache_bytes(lighting *l, void **bytes, size_t *size,
                          image_error *error) {
-  return world_bytes(l->world, bytes, size, error);
+  return job_cache_bytes(l->cache, bytes, size, error);
 }
 
 int lighting_save(lighting *l, image_error *error) {
-  return l->world ? world_save(l->world, error) : 0;
+  return l->cache ? job_cache_save(l->cache, error) : 0;
 }
 
 uint64_t lighting_hash(const lighting *l, const gbuffer *g) {

@@ -15,7 +15,7 @@ struct exact_sequence;
 typedef struct lighting {
   device device;                /* of the library */
   sequence *sequence;           /* either this */
-  world *world;                 /* with it; NULL: no radiance cache */
+  job_cache *cache;             /* with it; NULL: no radiance cache */
   struct exact_sequence *exact; /* or that */
 } lighting;
 
@@ -33,13 +33,13 @@ void lighting_close(lighting *l);
 /* Bytes of device memory; 0 for the exact integral. */
 size_t lighting_memory(const lighting *l);
 
-/* world_learn(), world_see_frame() and world_save(), if there is a radiance
- * cache. */
+/* job_cache_learn(), job_cache_see_frame() and job_cache_save(), if there is a
+ * radiance cache. */
 int lighting_learn(lighting *l, image_error *error);
 int lighting_see(lighting *l, const char *path, const gbuffer *g,
                  image_error *error);
 int lighting_save(lighting *l, image_error *error);
-/* world_bytes(); there must be a radiance cache. */
+/* job_cache_bytes(); there must be a radiance cache. */
 int lighting_cache_bytes(lighting *l, void **bytes, size_t *size,
                          image_error *error);
 

@@ -96,3 +96,18 @@ char *path_existing(const char *folder) {
   }
   return at;
 }
+
+int path_is_writable(const char *folder) {
+  struct stat status;
+  char *there = path_existing(folder);
+  int usable = there && stat(there, &status) == 0;
+  if (usable && !S_ISDIR(status.st_mode)) {
+    usable = 0;
+    errno = ENOTDIR;
+  }
+  usable = usable && access(there, W_OK | X_OK) == 0;
+  const int why = errno;
+  free(there);
+  errno = why;
+  return usable;
+}

@@ -19,6 +19,10 @@ int path_make_folders(const char *folder, unsigned *made);
 /* Removes a folder and its parents, `made` in all, as far as they are empty. */
 void path_remove_folders(const char *folder, unsigned made);
 
+/* Whether files can be written in a folder or, if it doesn't exist, in the
+ * nearest of its parents that does; if not, errno says why. */
+int path_is_writable(const char *folder);
+
 /* The folder, or the nearest of its parents that exists.  malloc'd; NULL if
  * memory runs out. */
 char *path_existing(const char *folder);

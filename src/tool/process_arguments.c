@@ -46,13 +46,13 @@ void process_help(void) {
   hbil_cache_config cache;
   set_defaults(&defaults);
   hbil_cache_config_init(&cache);
-  hbil_model world = defaults.settings.config.model;
-  hbil_model_set(&world, HBIL_MODEL_WORLD);
+  hbil_model with_cache = defaults.settings.config.model;
+  hbil_model_set(&with_cache, HBIL_MODEL_WORLD);
   const option_value values[] = {
       {"levels", cache.levels},
       {"voxels", cache.voxels},
       {"near_voxels", HBIL_CACHE_NEAR_VOXELS},
-      {"thickness_with_cache", (double)world.relative_thickness}};
+      {"thickness_with_cache", (double)with_cache.relative_thickness}};
   option_command c = command;
   c.values = values;
   c.value_count = sizeof values / sizeof *values;

@@ -3,7 +3,7 @@
 
 #include "image/exr_style.h"
 #include "tool/layers.h"
-#include "tool/model.h"
+#include "tool/settings.h"
 #include "tool/process_arguments.h"
 #include "tool/source_arguments.h"
 

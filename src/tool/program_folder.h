@@ -1,29 +1,27 @@
 /*
- * A folder of built programs that belongs to the user.  It is a store for
- * hbil_context_set_program_store(), with a limit to its size.  Whatever goes
- * wrong, a program is built from its text, and nothing is reported.
+ * Stores built programs between runs where the driver doesn't, in a folder that
+ * belongs to the user.  Whatever goes wrong, a program is built from its text,
+ * and nothing is reported.
  */
 #ifndef HBIL_TOOL_PROGRAM_FOLDER_H
 #define HBIL_TOOL_PROGRAM_FOLDER_H
 
-#include <stddef.h>
+#include "hbil/hbil.h"
 
 typedef struct program_folder program_folder;
 
-/* Opens the folder and makes it if its parent exists.  Returns NULL if it can't
- * be used: programs are executed, so it must belong to the user, and nobody
- * else may have the right to write there. */
-program_folder *program_folder_open(const char *path);
+/*
+ * Gives a context the folder of its device's platform: HBIL_PROGRAM_DIR, which
+ * may be empty for none.  If it isn't set: none if the driver stores its
+ * programs itself, else $XDG_CACHE_HOME/hbil or $HOME/.cache/hbil, whose
+ * parents are made.  It must stay open until the context is destroyed.  Returns
+ * NULL if there is none, or if others may write there.
+ */
+program_folder *program_folder_of_device(hbil_context *context,
+                                         cl_device_id id);
 
-/* Deletes those programs that were not used for longest while all together have
- * more than 256 MiB, if any was stored.  NULL is allowed. */
+/* If any program was stored, deletes those that were not used for longest while
+ * all together have more than 256 MiB.  NULL is allowed. */
 void program_folder_close(program_folder *folder);
-
-/* The functions of the store; `user` is the program_folder.  Stored programs
- * are regular files, of which other processes see all or nothing. */
-size_t program_folder_load(void *user, const char *key, void *data,
-                           size_t size);
-void program_folder_store(void *user, const char *key, const void *data,
-                          size_t size);
 
 #endif

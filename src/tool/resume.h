@@ -1,14 +1,44 @@
-/* Bookkeeping of a job: which results exist already, which frames are still to
- * be computed, and with which history the computation begins. */
+/* Which results of an interrupted job stay, and the light that the next frame
+ * needs. */
 #ifndef HBIL_TOOL_RESUME_H
 #define HBIL_TOOL_RESUME_H
 
+#include "image/error.h"
 #include "tool/job.h"
 #include "tool/lighting.h"
-#include "tool/saved_history.h"
-#include "image/error.h"
 
+#include <stddef.h>
 #include <stdint.h>
+
+/* ------------------------------------------------------------------------ */
+/* The history of the last frame, in a file                                  */
+
+typedef struct saved_history {
+  uint64_t key;   /* of the frame whose history it is (job_key.h) */
+  float exposure; /* of all previews */
+  size_t size;    /* of bytes; 0: there is no history */
+  void *bytes;    /* see lighting_history_save(); owned by the caller */
+} saved_history;
+
+/* Writes the file (job_history_path()).  0, or -1 with `error` filled. */
+int saved_history_write(const char *path, const saved_history *h,
+                        image_error *error);
+
+typedef enum saved_state {
+  SAVED_NOTHING = 0, /* no such file, or a whole one of another size */
+  SAVED_DAMAGED,     /* its bytes are not those that this version wrote */
+  SAVED_WHOLE
+} saved_state;
+
+/* Reads the file if its size is h->size, and compares it with its checksum:
+ * fills in key, exposure and bytes if it is whole. */
+saved_state saved_history_read(const char *path, saved_history *h);
+
+/* Removes the file. */
+void saved_history_remove(const char *path);
+
+/* ------------------------------------------------------------------------ */
+/* Results                                                                   */
 
 typedef struct resume {
   const job *job;

@@ -7,7 +7,7 @@
 #include "image/window.h"
 #include "tool/encode.h"
 #include "tool/frame_source.h"
-#include "tool/progress.h"
+#include "tool/report.h"
 #include "tool/unknown.h"
 
 #include <stdlib.h>

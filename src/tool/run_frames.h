@@ -2,7 +2,7 @@
 #ifndef HBIL_TOOL_RUN_FRAMES_H
 #define HBIL_TOOL_RUN_FRAMES_H
 
-#include "tool/first_frame.h"
+#include "tool/frame_source.h"
 #include "tool/job.h"
 #include "tool/lighting.h"
 #include "tool/pipeline.h"

@@ -4,9 +4,8 @@
 #include "hbil/hbil_stages.h"
 #include "image/error.h"
 #include "image/image.h"
-#include "tool/formats.h"
 #include "tool/layers.h"
-#include "tool/program_cache.h"
+#include "tool/program_folder.h"
 #include "tool/refusal.h"
 
 #include <stdlib.h>
@@ -25,7 +24,7 @@ struct sequence {
   size_t channels[INPUTS]; /* 0: this input is not used */
   cl_mem input[INPUTS];
   cl_mem output[LAYER_COUNT];
-  world *world;   /* NULL: none */
+  job_cache *cache; /* NULL: none */
   uint64_t last;  /* hash of the previous frame's inputs and camera; 0: none */
   cl_uint index;  /* of the next run */
   unsigned still; /* static runs in a row so far */
@@ -73,7 +72,7 @@ static int open_plan(sequence *s, image_error *error) {
   hbil_status status =
       hbil_context_create(s->device->context, s->device->id, &s->context);
   if (status == HBIL_SUCCESS)
-    s->programs = program_cache_open(s->context, s->device->id);
+    s->programs = program_folder_of_device(s->context, s->device->id);
   if (status == HBIL_SUCCESS)
     status = hbil_plan_memory(s->context, &s->config, &s->memory);
   if (status == HBIL_SUCCESS)
@@ -122,8 +121,8 @@ hbil_context *sequence_context(const sequence *s) {
   return s->context;
 }
 
-void sequence_set_world(sequence *s, world *w) {
-  s->world = w;
+void sequence_set_cache(sequence *s, job_cache *cache) {
+  s->cache = cache;
 }
 
 size_t sequence_memory(const sequence *s) {
@@ -151,7 +150,7 @@ static void fill_frame(const sequence *s, const channel_map *map,
   channel_map_hardware_depth(map, frame->hardware_depth);
   memcpy(frame->environment, far->environment, sizeof frame->environment);
   frame->sky_share = far->sky_share;
-  frame->cache = s->world ? world_cache(s->world) : NULL;
+  frame->cache = s->cache ? job_cache_of(s->cache) : NULL;
   for (int i = 0; i < INPUTS; i++)
     plane_at(frame, input_table[i].image)->buffer = s->input[i];
   for (int l = 0; l < LAYER_COUNT; l++)
@@ -247,8 +246,8 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
   fill_frame(s, &g->map, far, &frame);
   frame.static_frame = is_same(s, hash, &frame);
   int failed = upload(s, g, error) != 0 ||
-               (s->world && world_see_frame(s->world, row->frame, g, s->input,
-                                            error) != 0) ||
+               (s->cache && job_cache_see_frame(s->cache, row->frame, g,
+                                                s->input, error) != 0) ||
                run_passes(s, row->frame, &frame, repeat, error) != 0 ||
                download(s, result, hidden, error) != 0;
   if (failed) {

@@ -5,8 +5,8 @@
 
 #include "dump/gbuffer.h"
 #include "tool/device.h"
-#include "tool/far_light.h"
-#include "tool/world.h"
+#include "tool/layers.h"
+#include "tool/job_cache.h"
 #include "image/error.h"
 #include "image/image.h"
 
@@ -26,7 +26,7 @@ void sequence_close(sequence *s); /* NULL is allowed */
 hbil_context *sequence_context(const sequence *s);
 /* The radiance cache that the frames ask from now on; NULL: none.  It stays the
  * caller's. */
-void sequence_set_world(sequence *s, world *w);
+void sequence_set_cache(sequence *s, job_cache *cache);
 
 /* Bytes of device memory of the plan. */
 size_t sequence_memory(const sequence *s);

@@ -5,6 +5,24 @@
 #include "dump/source.h"
 #include "hbil/hbil.h"
 
+/* ------------------------------------------------------------------------ */
+/* Models: named sets of what is computed                                    */
+
+/* The words of --model, in the order of the enum; ends with NULL. */
+extern const char *const model_words[];
+
+/* hbil_model_set(), and the sampling that goes with the model: slices, steps
+ * and resolution.
+ * The far field is not part of it: the paper has none, the default chooses one
+ * by the first frame. */
+void model_set(hbil_config *config, hbil_model_name model);
+
+/* How often a first frame is run once more before its result is taken. */
+unsigned model_warm_up(hbil_model_name model);
+
+/* ------------------------------------------------------------------------ */
+/* Settings                                                                  */
+
 /* MiB that --horizon-cache takes at most, and the value that stands for
  * "choose". */
 enum { HORIZON_CACHE_MOST = 1 << 20, HORIZON_CACHE_CHOOSE };

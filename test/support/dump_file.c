@@ -246,8 +246,8 @@ int dump_try_reading(const dump *d, reading *r, image_error *error) {
   int failed =
       channel_map_read(d->path, &header, &d->options, &r->map, error) != 0 ||
       channel_map_check(&r->map, d->path, error) != 0 ||
-      frame_camera_read(d->path, &header, &r->map, NULL, &d->options, &r->seen, NULL,
-                        error) != 0 ||
+      frame_camera_read(d->path, &header, &r->map, NULL, &d->options, &r->seen,
+                        NULL, error) != 0 ||
       frame_camera_aim(d->path, &r->seen, &r->map, &r->camera, error) != 0 ||
       conventions_settle(d->path, &r->map, &r->guessed, error) != 0 ||
       gbuffer_read(d->path, &r->map, ~0u, &r->g, error) != 0;

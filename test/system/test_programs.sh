@@ -185,18 +185,22 @@ unchanged "a fourth one loads all of them"
 # --- the limit ---
 
 old=gather-0123456789abcdef
-truncate -s 200M "$programs/$old.bin" "$programs/$old.1-2.tmp"
-touch -d 2000-01-01 "$programs/$old.bin"
-touch -d 2000-01-02 "$programs/$old.1-2.tmp"
+younger=gather-0123456789abcdee
+left=$programs/.hbil-00000000-0123456789abcdef.tmp
+truncate -s 200M "$programs/$old.bin" "$programs/$younger.bin"
+: >"$left"
+touch -d 2000-01-01 "$programs/$old.bin" "$left"
+touch -d 2000-01-02 "$programs/$younger.bin"
 truncate -s 300M "$programs/notes.bin"
 here "a folder of more than 256 MiB"
 true_that "a run that stores nothing deletes nothing" test -e "$programs/$old.bin"
 rm "$programs"/split-*.bin
 here "one of its programs is missing"
 true_that "what was not used for longest is deleted" test ! -e "$programs/$old.bin"
-true_that "what is left is small enough, and stays" test -e "$programs/$old.1-2.tmp"
+true_that "what is left is small enough, and stays" test -e "$programs/$younger.bin"
+true_that "what a killed run has left is removed" test ! -e "$left"
 true_that "files of others stay" test -e "$programs/notes.bin"
-rm "$programs/notes.bin" "$programs/$old.1-2.tmp"
+rm "$programs/notes.bin" "$programs/$younger.bin"
 true_that "the programs of this run stay" stored "$programs"
 
 # --- folders that can't be used ---

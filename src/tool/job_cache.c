@@ -1,13 +1,12 @@
 /* The radiance cache of a job. */
-#include "tool/world.h"
+#include "tool/job_cache.h"
 
 #include "dump/read_gbuffer.h"
 #include "image/clock.h"
 #include "tool/extent.h"
-#include "tool/formats.h"
-#include "tool/progress.h"
-#include "tool/refusal.h"
+#include "tool/layers.h"
 #include "tool/report.h"
+#include "tool/refusal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -26,7 +25,7 @@ typedef struct planes {
   size_t room[INPUTS]; /* bytes of each */
 } planes;
 
-struct world {
+struct job_cache {
   const device *device;
   hbil_context *context;
   const job *job;
@@ -43,14 +42,14 @@ static const unsigned roles = 1u << ROLE_DEPTH | 1u << ROLE_NORMAL |
                               1u << ROLE_EMISSION | 1u << ROLE_INDIRECT;
 
 /* path: the frame or view, or NULL. */
-static int library_failed(const world *w, const char *path, hbil_status status,
-                          image_error *error) {
-  return refusal(w->device, path, status, w->context, error);
+static int library_failed(const job_cache *jc, const char *path,
+                          hbil_status status, image_error *error) {
+  return refusal(jc->device, path, status, jc->context, error);
 }
 
-static int opencl_failed(const world *w, cl_int status, const char *doing,
+static int opencl_failed(const job_cache *jc, cl_int status, const char *doing,
                          image_error *error) {
-  return refusal_of_opencl(w->device, NULL, status, doing, error);
+  return refusal_of_opencl(jc->device, NULL, status, doing, error);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -58,8 +57,8 @@ static int opencl_failed(const world *w, cl_int status, const char *doing,
 
 /* The channels of an input that the cache reads: those that frames or some view
  * have; 0: none. */
-static size_t channels_of(const world *w, int input) {
-  const job *j = w->job;
+static size_t channels_of(const job_cache *jc, int input) {
+  const job *j = jc->job;
   const role r = input_table[input].role;
   size_t channels = j->frames[0].map.count[r];
   if (r == ROLE_MOTION ||
@@ -71,39 +70,39 @@ static size_t channels_of(const world *w, int input) {
 }
 
 /* Waits until the host may change or free what was being uploaded. */
-static int finish_upload(world *w, image_error *error) {
-  if (!w->written)
+static int finish_upload(job_cache *jc, image_error *error) {
+  if (!jc->written)
     return 0;
-  const cl_int status = clWaitForEvents(1, &w->written);
-  clReleaseEvent(w->written);
-  w->written = NULL;
+  const cl_int status = clWaitForEvents(1, &jc->written);
+  clReleaseEvent(jc->written);
+  jc->written = NULL;
   return status == CL_SUCCESS
              ? 0
-             : opencl_failed(w, status, "writing a buffer", error);
+             : opencl_failed(jc, status, "writing a buffer", error);
 }
 
 /* Begins to write a plane, which must stay until finish_upload().  The queue is
  * in order, so its last command ends last. */
-static cl_int write_plane(world *w, cl_mem to, size_t offset, size_t bytes,
+static cl_int write_plane(job_cache *jc, cl_mem to, size_t offset, size_t bytes,
                           const float *from) {
   cl_event written;
   const cl_int status = clEnqueueWriteBuffer(
-      w->device->queue, to, CL_FALSE, offset, bytes, from, 0, NULL, &written);
+      jc->device->queue, to, CL_FALSE, offset, bytes, from, 0, NULL, &written);
   if (status != CL_SUCCESS)
     return status;
-  if (w->written)
-    clReleaseEvent(w->written);
-  w->written = written;
+  if (jc->written)
+    clReleaseEvent(jc->written);
+  jc->written = written;
   return CL_SUCCESS;
 }
 
 /* Brings a plane's channels to the device.  Without albedo surfaces are white,
  * as those of frames are; other roles that the picture hasn't are zeros.  The
  * buffer grows where a picture is larger than those before. */
-static int upload(world *w, const gbuffer *g, int input, planes *p,
+static int upload(job_cache *jc, const gbuffer *g, int input, planes *p,
                   image_error *error) {
   const size_t plane = gbuffer_pixels(g) * sizeof(float);
-  const size_t channels = channels_of(w, input);
+  const size_t channels = channels_of(jc, input);
   const role r = input_table[input].role;
   const float missing = r == ROLE_ALBEDO ? 1.0f : 0.0f;
   cl_int status = CL_SUCCESS;
@@ -111,29 +110,29 @@ static int upload(world *w, const gbuffer *g, int input, planes *p,
     if (p->input[input])
       clReleaseMemObject(p->input[input]);
     p->room[input] = 0;
-    p->input[input] = clCreateBuffer(w->device->context, CL_MEM_READ_ONLY,
+    p->input[input] = clCreateBuffer(jc->device->context, CL_MEM_READ_ONLY,
                                      channels * plane, NULL, &status);
     if (status != CL_SUCCESS)
-      return opencl_failed(w, status, "making a buffer", error);
+      return opencl_failed(jc, status, "making a buffer", error);
     p->room[input] = channels * plane;
   }
   for (size_t c = 0; c < channels && status == CL_SUCCESS; c++) {
     const float *from = gbuffer_plane(g, r, c);
     const cl_mem to = p->input[input];
-    status = from ? write_plane(w, to, c * plane, plane, from)
-                  : clEnqueueFillBuffer(w->device->queue, to, &missing,
+    status = from ? write_plane(jc, to, c * plane, plane, from)
+                  : clEnqueueFillBuffer(jc->device->queue, to, &missing,
                                         sizeof missing, c * plane, plane, 0,
                                         NULL, NULL);
   }
   return status == CL_SUCCESS
              ? 0
-             : opencl_failed(w, status, "writing a buffer", error);
+             : opencl_failed(jc, status, "writing a buffer", error);
 }
 
 /* The picture must stay until finish_upload(), whether or not this fails.
  * given: buffers that hold planes of it already; NULL, or NULL for an input:
  * none does. */
-static int view_of(world *w, const gbuffer *g, const cl_mem *given,
+static int view_of(job_cache *jc, const gbuffer *g, const cl_mem *given,
                    hbil_view_light light, planes *p, hbil_view *view,
                    image_error *error) {
   hbil_plane *const planes_of[] = {&view->depth,    &view->normal,
@@ -147,9 +146,9 @@ static int view_of(world *w, const gbuffer *g, const cl_mem *given,
   view->light = light;
   channel_map_hardware_depth(&g->map, view->hardware_depth);
   for (int i = 0; i < INPUTS; i++) {
-    if (!channels_of(w, i))
+    if (!channels_of(jc, i))
       continue;
-    if (!(given && given[i]) && upload(w, g, i, p, error) != 0)
+    if (!(given && given[i]) && upload(jc, g, i, p, error) != 0)
       return -1;
     if (planes_of[i])
       planes_of[i]->buffer = given && given[i] ? given[i] : p->input[i];
@@ -157,58 +156,59 @@ static int view_of(world *w, const gbuffer *g, const cl_mem *given,
   return 0;
 }
 
-static int inject(world *w, const char *path, const gbuffer *g,
+static int inject(job_cache *jc, const char *path, const gbuffer *g,
                   const cl_mem *given, hbil_view_light light,
                   image_error *error) {
   hbil_view view;
-  if (view_of(w, g, given, light, &w->views, &view, error) != 0)
+  if (view_of(jc, g, given, light, &jc->views, &view, error) != 0)
     return -1;
   const hbil_status status = hbil_enqueue_cache_inject(
-      w->cache, w->device->queue, &view, 1, 0, NULL, NULL);
-  return status == HBIL_SUCCESS ? 0 : library_failed(w, path, status, error);
+      jc->cache, jc->device->queue, &view, 1, 0, NULL, NULL);
+  return status == HBIL_SUCCESS ? 0 : library_failed(jc, path, status, error);
 }
 
-static int update(world *w, unsigned rounds, unsigned steps,
+static int update(job_cache *jc, unsigned rounds, unsigned steps,
                   image_error *error) {
   hbil_cache_update how;
   hbil_cache_update_init(&how);
   how.rounds = rounds;
   how.steps = steps;
-  how.far_field = w->job->config.model.far_field;
-  memcpy(how.environment, w->job->far.environment, sizeof how.environment);
+  how.far_field = jc->job->config.model.far_field;
+  memcpy(how.environment, jc->job->far.environment, sizeof how.environment);
   const hbil_status status = hbil_enqueue_cache_update(
-      w->cache, w->device->queue, &how, 0, NULL, NULL);
-  return status == HBIL_SUCCESS ? 0 : library_failed(w, NULL, status, error);
+      jc->cache, jc->device->queue, &how, 0, NULL, NULL);
+  return status == HBIL_SUCCESS ? 0 : library_failed(jc, NULL, status, error);
 }
 
-int world_see_frame(world *w, const char *path, const gbuffer *g,
-                    const cl_mem *given, image_error *error) {
-  if (w->job->settings->learn || w->job->settings->cache_fixed)
+int job_cache_see_frame(job_cache *jc, const char *path, const gbuffer *g,
+                        const cl_mem *given, image_error *error) {
+  if (jc->job->settings->learn || jc->job->settings->cache_fixed)
     return 0;
-  const int failed = inject(w, path, g, given, HBIL_VIEW_DIRECT, error) != 0 ||
-                     update(w, ROUNDS_OF_A_FRAME, STEPS_OF_A_FRAME, error) != 0;
-  return finish_upload(w, failed ? NULL : error) != 0 || failed ? -1 : 0;
+  const int failed =
+      inject(jc, path, g, given, HBIL_VIEW_DIRECT, error) != 0 ||
+      update(jc, ROUNDS_OF_A_FRAME, STEPS_OF_A_FRAME, error) != 0;
+  return finish_upload(jc, failed ? NULL : error) != 0 || failed ? -1 : 0;
 }
 
 /* ------------------------------------------------------------------------ */
 /* Learning                                                                  */
 
-static int load(world *w, image_error *error) {
-  const char *path = w->job->settings->cache_load;
-  const cache_file *file = &w->job->loaded;
-  if (file->size != hbil_cache_size(w->cache))
+static int load(job_cache *jc, image_error *error) {
+  const char *path = jc->job->settings->cache_load;
+  const cache_file *file = &jc->job->loaded;
+  if (file->size != hbil_cache_size(jc->cache))
     return image_fail(error, "%s: %llu bytes of a cache that has %zu", path,
                       (unsigned long long)file->size,
-                      hbil_cache_size(w->cache));
+                      hbil_cache_size(jc->cache));
   void *bytes = malloc(file->size);
   if (!bytes)
     return image_no_memory(error, path);
   int failed = cache_file_read_bytes(path, file, bytes, error);
   if (!failed) {
     const hbil_status status =
-        hbil_cache_load(w->cache, w->device->queue, bytes, file->size);
+        hbil_cache_load(jc->cache, jc->device->queue, bytes, file->size);
     failed =
-        status == HBIL_SUCCESS ? 0 : library_failed(w, path, status, error);
+        status == HBIL_SUCCESS ? 0 : library_failed(jc, path, status, error);
   }
   free(bytes);
   return failed;
@@ -229,19 +229,19 @@ static void finish_radiance(const gbuffer *g, float direct_scale) {
   }
 }
 
-static int read_picture(const world *w, const job_frame *f,
+static int read_picture(const job_cache *jc, const job_frame *f,
                         hbil_view_light light, gbuffer *g, image_error *error) {
   if (gbuffer_read(f->path, &f->map, roles, g, error) != 0)
     return -1;
   if (light == HBIL_VIEW_FINISHED)
-    finish_radiance(g, w->config.inputs.direct_scale);
+    finish_radiance(g, jc->config.inputs.direct_scale);
   return 0;
 }
 
 /* Injects the views and, with --learn, all frames.  While the device takes a
  * picture, the next one is read. */
-static int learn_pictures(world *w, image_error *error) {
-  const job *j = w->job;
+static int learn_pictures(job_cache *jc, image_error *error) {
+  const job *j = jc->job;
   const int count = j->view_count + (j->settings->learn ? j->count : 0);
   gbuffer taken = {0}, next;
   progress shown;
@@ -252,18 +252,18 @@ static int learn_pictures(world *w, image_error *error) {
     const job_frame *f = is_view ? &j->views[i] : &j->frames[i - j->view_count];
     const hbil_view_light light =
         is_view ? j->settings->view_light : HBIL_VIEW_DIRECT;
-    failed = read_picture(w, f, light, &next, error);
+    failed = read_picture(jc, f, light, &next, error);
     if (failed)
       break;
-    failed = finish_upload(w, error);
+    failed = finish_upload(jc, error);
     gbuffer_free(&taken);
     taken = next;
     if (!failed)
-      failed = inject(w, f->path, &taken, NULL, light, error);
+      failed = inject(jc, f->path, &taken, NULL, light, error);
     if (!failed)
       progress_show(&shown, (double)(i + 1) / count);
   }
-  if (finish_upload(w, failed ? NULL : error) != 0)
+  if (finish_upload(jc, failed ? NULL : error) != 0)
     failed = -1;
   gbuffer_free(&taken);
   progress_clear();
@@ -271,75 +271,78 @@ static int learn_pictures(world *w, image_error *error) {
 }
 
 /* The views of lights become the cache's reflective shadow maps. */
-static int learn_lights(world *w, image_error *error) {
-  const job *j = w->job;
+static int learn_lights(job_cache *jc, image_error *error) {
+  const job *j = jc->job;
   hbil_view views[HBIL_MAX_LIGHT_VIEWS];
   for (int i = 0; i < j->light_count; i++) {
     gbuffer g;
     if (gbuffer_read(j->lights[i].path, &j->lights[i].map, roles, &g, error) !=
         0)
       return -1;
-    int failed =
-        view_of(w, &g, NULL, HBIL_VIEW_DIRECT, &w->lights[i], &views[i], error);
-    if (finish_upload(w, failed ? NULL : error) != 0)
+    int failed = view_of(jc, &g, NULL, HBIL_VIEW_DIRECT, &jc->lights[i],
+                         &views[i], error);
+    if (finish_upload(jc, failed ? NULL : error) != 0)
       failed = -1;
     gbuffer_free(&g);
     if (failed)
       return -1;
   }
   const hbil_status status =
-      hbil_enqueue_rsm(w->cache, w->device->queue, views,
+      hbil_enqueue_rsm(jc->cache, jc->device->queue, views,
                        (cl_uint)j->light_count, 0, NULL, NULL);
   return status == HBIL_SUCCESS
              ? 0
-             : library_failed(w, j->lights[0].path, status, error);
+             : library_failed(jc, j->lights[0].path, status, error);
 }
 
-int world_learn(world *w, image_error *error) {
-  const process_settings *s = w->job->settings;
+int job_cache_learn(job_cache *jc, image_error *error) {
+  const process_settings *s = jc->job->settings;
   const double start = seconds_now();
   /* The bounces of a loaded cache were computed before it was saved. */
   const unsigned rounds =
       s->cache_load && !s->view_count && !s->learn ? 0 : ROUNDS_AT_FIRST;
-  if ((s->cache_load && load(w, error) != 0) || learn_pictures(w, error) != 0 ||
-      (w->job->light_count && learn_lights(w, error) != 0) ||
-      update(w, rounds, STEPS_AT_FIRST, error) != 0)
+  if ((s->cache_load && load(jc, error) != 0) ||
+      learn_pictures(jc, error) != 0 ||
+      (jc->job->light_count && learn_lights(jc, error) != 0) ||
+      update(jc, rounds, STEPS_AT_FIRST, error) != 0)
     return -1;
-  const cl_int status = clFinish(w->device->queue);
-  w->seconds = seconds_now() - start;
-  return status == CL_SUCCESS ? 0 : opencl_failed(w, status, "learning", error);
+  const cl_int status = clFinish(jc->device->queue);
+  jc->seconds = seconds_now() - start;
+  return status == CL_SUCCESS ? 0
+                              : opencl_failed(jc, status, "learning", error);
 }
 
-double world_learning_seconds(const world *w) {
-  return w->seconds;
+double job_cache_learning_seconds(const job_cache *jc) {
+  return jc->seconds;
 }
 
-int world_bytes(world *w, void **bytes, size_t *size, image_error *error) {
-  *size = hbil_cache_size(w->cache);
+int job_cache_bytes(job_cache *jc, void **bytes, size_t *size,
+                    image_error *error) {
+  *size = hbil_cache_size(jc->cache);
   *bytes = malloc(*size);
   if (!*bytes)
     return image_no_memory(error, "radiance cache");
   const hbil_status status =
-      hbil_cache_save(w->cache, w->device->queue, *bytes, *size);
+      hbil_cache_save(jc->cache, jc->device->queue, *bytes, *size);
   if (status == HBIL_SUCCESS)
     return 0;
   free(*bytes);
-  return library_failed(w, NULL, status, error);
+  return library_failed(jc, NULL, status, error);
 }
 
-int world_save(world *w, image_error *error) {
-  const hbil_cache_config *c = &w->config;
-  const char *path = w->job->settings->cache_save;
+int job_cache_save(job_cache *jc, image_error *error) {
+  const hbil_cache_config *c = &jc->config;
+  const char *path = jc->job->settings->cache_save;
   cache_file file = {
       .voxels = c->voxels, .levels = c->levels, .voxel_size = c->voxel_size};
   void *bytes;
   size_t size;
   memcpy(file.centre, c->centre, sizeof file.centre);
-  if (world_bytes(w, &bytes, &size, error) != 0)
+  if (job_cache_bytes(jc, &bytes, &size, error) != 0)
     return -1;
   file.size = size;
   const int failed =
-      cache_file_write(path, &file, bytes, job_existing(w->job), error);
+      cache_file_write(path, &file, bytes, job_existing(jc->job), error);
   free(bytes);
   return failed;
 }
@@ -369,9 +372,9 @@ static int choose_by_pictures(job *j, image_error *error) {
   return failed;
 }
 
-int world_choose(job *j, image_error *error) {
+int job_cache_choose(job *j, image_error *error) {
   const process_settings *s = j->settings;
-  if (!j->world)
+  if (!j->has_cache)
     return 0;
   hbil_cache_config_init(&j->cache);
   if (s->cache_voxels)
@@ -386,39 +389,39 @@ int world_choose(job *j, image_error *error) {
   return 0;
 }
 
-static int make_cache(world *w, image_error *error) {
+static int make_cache(job_cache *jc, image_error *error) {
   const hbil_plane_format planes_of_floats = {HBIL_FLOAT32, 1};
-  w->config = w->job->cache;
-  w->config.inputs = w->job->config.inputs;
-  w->config.gather_emission = w->job->config.model.gather_emission;
-  w->config.providers = HBIL_PROVIDER_BIT(w->job->config.model.provider);
+  jc->config = jc->job->cache;
+  jc->config.inputs = jc->job->config.inputs;
+  jc->config.gather_emission = jc->job->config.model.gather_emission;
+  jc->config.providers = HBIL_PROVIDER_BIT(jc->job->config.model.provider);
   hbil_plane_format *const formats[] = {
-      &w->config.inputs.depth, &w->config.inputs.normal,
-      &w->config.inputs.albedo, &w->config.inputs.direct,
-      &w->config.inputs.emission};
+      &jc->config.inputs.depth, &jc->config.inputs.normal,
+      &jc->config.inputs.albedo, &jc->config.inputs.direct,
+      &jc->config.inputs.emission};
   for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
-    if (channels_of(w, (int)i))
+    if (channels_of(jc, (int)i))
       *formats[i] = planes_of_floats;
   /* a view may show a sky, whose depth counts for all, where no frame does */
-  for (int i = 0; i < w->job->view_count; i++) {
+  for (int i = 0; i < jc->job->view_count; i++) {
     hbil_config view;
     hbil_config_init(&view);
-    channel_map_configure(&w->job->views[i].map, &view);
-    w->config.inputs.sky_depth =
-        fminf(w->config.inputs.sky_depth, view.inputs.sky_depth);
+    channel_map_configure(&jc->job->views[i].map, &view);
+    jc->config.inputs.sky_depth =
+        fminf(jc->config.inputs.sky_depth, view.inputs.sky_depth);
   }
-  hbil_status status = hbil_cache_memory(w->context, &w->config, &w->memory);
+  hbil_status status = hbil_cache_memory(jc->context, &jc->config, &jc->memory);
   if (status == HBIL_SUCCESS)
-    status = hbil_cache_create(w->context, &w->config, &w->cache);
-  return status == HBIL_SUCCESS ? 0 : library_failed(w, NULL, status, error);
+    status = hbil_cache_create(jc->context, &jc->config, &jc->cache);
+  return status == HBIL_SUCCESS ? 0 : library_failed(jc, NULL, status, error);
 }
 
 /* "hbil: radiance cache: 64 x 64 x 64 voxels of 0.1 and 0.2 units, 43.1 MiB; 6
  * views" */
-static void tell(const world *w) {
-  const job *j = w->job;
+static void tell(const job_cache *jc) {
+  const job *j = jc->job;
   const process_settings *s = j->settings;
-  const hbil_cache_config *c = &w->config;
+  const hbil_cache_config *c = &jc->config;
   const char *before = "; ";
   fprintf(stderr, "hbil: radiance cache: %u x %u x %u voxels of %.3g",
           (unsigned)c->voxels, (unsigned)c->voxels, (unsigned)c->voxels,
@@ -426,7 +429,7 @@ static void tell(const world *w) {
   for (unsigned l = 1; l < c->levels; l++)
     fprintf(stderr, "%s%.3g", l + 1 < c->levels ? ", " : " and ",
             ldexp(c->voxel_size, (int)l));
-  fprintf(stderr, " units, %.1f MiB", (double)w->memory / 1048576.0);
+  fprintf(stderr, " units, %.1f MiB", (double)jc->memory / 1048576.0);
   if (s->cache_load) {
     fputs(before, stderr);
     report_text(s->cache_load, stderr);
@@ -444,22 +447,22 @@ static void tell(const world *w) {
   fputc('\n', stderr);
 }
 
-int world_open(const device *d, hbil_context *context, const job *j,
-               world **out, image_error *error) {
-  world *w = calloc(1, sizeof *w);
+int job_cache_open(const device *d, hbil_context *context, const job *j,
+                   job_cache **out, image_error *error) {
+  job_cache *jc = calloc(1, sizeof *jc);
   *out = NULL;
-  if (!w)
-    return image_no_memory(error, "world");
-  w->device = d;
-  w->context = context;
-  w->job = j;
-  if (make_cache(w, error) != 0) {
-    world_close(w);
+  if (!jc)
+    return image_no_memory(error, "the radiance cache");
+  jc->device = d;
+  jc->context = context;
+  jc->job = j;
+  if (make_cache(jc, error) != 0) {
+    job_cache_close(jc);
     return -1;
   }
   if (!j->settings->quiet)
-    tell(w);
-  *out = w;
+    tell(jc);
+  *out = jc;
   return 0;
 }
 
@@ -469,20 +472,20 @@ static void free_planes(const planes *p) {
       clReleaseMemObject(p->input[i]);
 }
 
-void world_close(world *w) {
-  if (!w)
+void job_cache_close(job_cache *jc) {
+  if (!jc)
     return;
-  free_planes(&w->views);
+  free_planes(&jc->views);
   for (int i = 0; i < HBIL_MAX_LIGHT_VIEWS; i++)
-    free_planes(&w->lights[i]);
-  hbil_cache_destroy(w->cache);
-  free(w);
+    free_planes(&jc->lights[i]);
+  hbil_cache_destroy(jc->cache);
+  free(jc);
 }
 
-hbil_cache *world_cache(const world *w) {
-  return w->cache;
+hbil_cache *job_cache_of(const job_cache *jc) {
+  return jc->cache;
 }
 
-size_t world_memory(const world *w) {
-  return w->memory;
+size_t job_cache_memory(const job_cache *jc) {
+  return jc->memory;
 }
