@@ -274,8 +274,9 @@ INLINE void add_layers(const hbil_estimate_args args, const inputs *in,
                  sum[i]);
 }
 
-/* Launch: x = lanes of a part, HBIL_ESTIMATE_LANES of them if HBIL_WIDTH is 1,
- * otherwise one; y = HBIL_ESTIMATE_PARTS. */
+/* Launch: x = lanes of a part, one unless HBIL_WIDTH is 1;
+ * y = HBIL_ESTIMATE_PARTS.  Layers with few rows need fewer lanes than
+ * HBIL_ESTIMATE_LANES. */
 kernel void estimate_part(const hbil_estimate_args args,
                           global const float *split, global const float *light,
                           global const void *albedo, global const void *f0,
@@ -321,17 +322,17 @@ kernel void estimate_part(const hbil_estimate_args args,
 }
 
 #if HBIL_WIDTH == 1
-/* Adds up the lanes of each part, in their order.
+/* Adds up the lanes of each part that were launched, in their order.
  * Launch: x = HBIL_ESTIMATE_SUMS, y = HBIL_ESTIMATE_PARTS work-items. */
-kernel void estimate_lanes(global float *estimate) {
+kernel void estimate_lanes(const int lanes, global float *estimate) {
   const int k = (int)get_global_id(0), part = (int)get_global_id(1);
   if (k >= HBIL_ESTIMATE_SUMS || part >= HBIL_ESTIMATE_PARTS)
     return;
-  global const float *lanes = estimate + HBIL_ESTIMATE_SIZE +
-                              part * (PART_LANES * HBIL_ESTIMATE_SUMS) + k;
+  global const float *sums = estimate + HBIL_ESTIMATE_SIZE +
+                             part * (PART_LANES * HBIL_ESTIMATE_SUMS) + k;
   float sum = 0.0f;
-  for (int lane = 0; lane < PART_LANES; ++lane)
-    sum += lanes[lane * HBIL_ESTIMATE_SUMS];
+  for (int lane = 0; lane < min(lanes, PART_LANES); ++lane)
+    sum += sums[lane * HBIL_ESTIMATE_SUMS];
   estimate[HBIL_FILL_SIZE + (part + 1) * HBIL_ESTIMATE_SUMS + k] = sum;
 }
 #endif

@@ -68,8 +68,8 @@ enum {
   HBIL_ESTIMATE_PARTS = 64,
   HBIL_ESTIMATE_BLOCK = 16, /* pixels of a layer's row that are used or not */
   /* Work-items of a part in kernels of single pixels: 16 pixels of each of 16
-   * rows at a time.  With vectors it is one work-item, which writes the part's
-   * sums itself. */
+   * rows at a time.  Fewer where there are fewer rows.  With vectors it is one
+   * work-item, which writes the part's sums itself. */
   HBIL_ESTIMATE_LANES = 256,
   HBIL_ESTIMATE_SIZE =
       HBIL_FILL_SIZE + HBIL_ESTIMATE_SUMS * (1 + HBIL_ESTIMATE_PARTS),

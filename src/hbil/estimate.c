@@ -37,14 +37,15 @@ hbil_status enqueue_estimate(commands *chain, const hbil_frame *frame) {
                            ARG(emission),
                            BUFFER_ARG(plan, BUFFER_FLAGS),
                            BUFFER_ARG(plan, BUFFER_ESTIMATE)};
+  const cl_int lane_count = (cl_int)plan->layout.estimate_lanes;
+  const argument lanes[] = {ARG(lane_count), BUFFER_ARG(plan, BUFFER_ESTIMATE)};
   const argument sum[] = {BUFFER_ARG(plan, BUFFER_ESTIMATE)};
   const argument fill[] = {ARG(args), BUFFER_ARG(plan, BUFFER_ESTIMATE)};
-  const bool has_lanes = plan->layout.estimate_lanes > 1;
   hbil_status status =
       LAUNCH(chain, KERNEL_ESTIMATE_PART, part, plan->layout.estimate_lanes,
              HBIL_ESTIMATE_PARTS, 1);
-  if (status == HBIL_SUCCESS && has_lanes)
-    status = LAUNCH(chain, KERNEL_ESTIMATE_LANES, sum, HBIL_ESTIMATE_SUMS,
+  if (status == HBIL_SUCCESS && lane_count > 1)
+    status = LAUNCH(chain, KERNEL_ESTIMATE_LANES, lanes, HBIL_ESTIMATE_SUMS,
                     HBIL_ESTIMATE_PARTS, 1);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_ESTIMATE_SUM, sum, HBIL_ESTIMATE_SUMS, 1, 1);

@@ -307,6 +307,14 @@ static size_t lay_out_horizon_cache(const hbil_config *config, layout *out) {
   return (size_t)(row * f->rows);
 }
 
+/* Lanes of each part of the estimate: as many as the layers have rows for,
+ * since the sums of the others are zero. */
+static cl_uint estimate_lanes(const hbil_layer_args *layers) {
+  const cl_uint rows = ((cl_uint)layers->height + 3) / 4;
+  const cl_uint lanes = HBIL_ESTIMATE_BLOCK * rows;
+  return lanes < HBIL_ESTIMATE_LANES ? lanes : HBIL_ESTIMATE_LANES;
+}
+
 /* The pixels of a cache line of the outputs, of half floats if there are any,
  * because storing less than a line past the caches is slow. */
 static cl_uint composed_line(const hbil_config *config) {
@@ -384,7 +392,7 @@ void layout_compute(const hbil_config *config, const staging *staged,
                     (size_t)out->planes.plane +
                 2 * (size_t)hbil_history_origin(out->planes));
   out->estimate_lanes =
-      config->execution.vector_width == 1 ? HBIL_ESTIMATE_LANES : 1;
+      config->execution.vector_width == 1 ? estimate_lanes(&out->split) : 1;
   if (out->estimate)
     out->bytes[BUFFER_ESTIMATE] =
         real * (HBIL_ESTIMATE_SIZE +
