@@ -1,13 +1,13 @@
 /*
- * A fixed pair of frames through every pass, on whatever device there is: for
+ * A few frames through every pass, on whatever device there is: for
  * test_devices.sh, which runs it under other implementations of OpenCL.
  *
  *   device_frame PLAN OUT          writes the outputs
  *   device_frame PLAN OUT WITH     and holds them against another device's
  *
- * PLAN: camera or motion, two plans that share hardly a compiled kernel; or
- * static, camera's with two static frames more, of which the first fills a
- * horizon cache of some rows, and the second uses it.
+ * PLAN: camera or motion, two plans that share hardly a compiled kernel.  Each
+ * lights two frames.  camera then lights two static ones, of which the first
+ * fills a horizon cache of some rows, and the second uses it.
  * The width is 1 everywhere: the form that all devices can run.
  */
 #include "test/support/fixture.h"
@@ -18,38 +18,43 @@
 /* The picture of `motion` ends in the middle of a work-item's pixels, that of
  * `camera` at their end, since oclgrind reports reads of what nothing has set,
  * and pixels beyond the end are read and masked. */
-enum { WIDTH_OF_MOTION = 29, WIDTH_OF_CAMERA = 32, HEIGHT = 18 };
+enum { WIDTH_OF_MOTION = 13, WIDTH_OF_CAMERA = 16, HEIGHT = 10 };
 
 /* RMSE of an output over its mean that another device's roundings may make: the
  * requirement. */
 #define LIMIT 1e-4
 
-static void write_planes(const char *path, const exact_planes *planes) {
-  const size_t count =
-      (size_t)planes->count * (size_t)(planes->width * planes->height);
-  FILE *file = fopen(path, "wb");
-  assert_non_null(file);
-  assert_int_equal(fwrite(planes->values, sizeof(double), count, file), count);
-  assert_int_equal(fclose(file), 0);
+static size_t values_of(const exact_planes *planes) {
+  return (size_t)planes->count * (size_t)(planes->width * planes->height);
 }
 
-static exact_planes read_planes(const char *path, int width) {
-  exact_planes planes = checked_planes(width, HEIGHT, EXACT_OUTPUT_PLANES);
-  const size_t count = (size_t)(EXACT_OUTPUT_PLANES * width * HEIGHT);
-  FILE *file = fopen(path, "rb");
+static FILE *open_file(const char *path, const char *mode) {
+  FILE *file = fopen(path, mode);
   assert_non_null(file);
-  assert_int_equal(fread(planes.values, sizeof(double), count, file), count);
-  fclose(file);
-  return planes;
+  return file;
 }
 
-static void compare(const exact_planes *got, const char *path) {
-  exact_planes want = read_planes(path, got->width);
+static void compare(const exact_planes *got, FILE *with) {
+  exact_planes want =
+      checked_planes(got->width, got->height, EXACT_OUTPUT_PLANES);
+  const size_t count = values_of(&want);
+  assert_int_equal(fread(want.values, sizeof(double), count, with), count);
   for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     check_at_most(
         plane_name(id),
         relative_rmse(got, &want, plane_first(id), plane_channels(id)), LIMIT);
   exact_planes_free(&want);
+}
+
+/* Writes the outputs to one file, and holds them against the next in the
+ * other. */
+static void keep_outputs(setup *s, FILE *out, FILE *with) {
+  exact_planes planes = outputs_read(s);
+  const size_t count = values_of(&planes);
+  assert_int_equal(fwrite(planes.values, sizeof(double), count, out), count);
+  if (with)
+    compare(&planes, with);
+  exact_planes_free(&planes);
 }
 
 static void name_device(void) {
@@ -64,14 +69,15 @@ static void name_device(void) {
 /* Nothing that a rounding may tip over to another step: no dither, no sample
  * whose light is the last one's. */
 static void configure(setup *s, bool motion) {
-  if (motion)
-    setup_every_pass(s, HBIL_REPROJECTION_MOTION, 1, WIDTH_OF_MOTION, HEIGHT);
-  else
-    setup_every_pass(s, HBIL_REPROJECTION_CAMERA, 1, WIDTH_OF_CAMERA, HEIGHT);
+  setup_every_pass(s,
+                   motion ? HBIL_REPROJECTION_MOTION : HBIL_REPROJECTION_CAMERA,
+                   1, motion ? WIDTH_OF_MOTION : WIDTH_OF_CAMERA, HEIGHT);
   s->config.sampling.storage = HBIL_STORAGE_FLOAT32;
-  if (!motion)
+  if (!motion) {
+    setup_cache_rows(s, 2, 3);
     return;
-  /* static frames of the other plan have a horizon cache */
+  }
+  /* plans with a glossy output have no horizon cache */
   s->config.outputs.glossy = three_floats;
   s->config.model.back_facing_fallback = HBIL_FALLBACK_BLACK;
   s->config.model.far_field = HBIL_FAR_SH;
@@ -98,32 +104,33 @@ static void run_static_frames(setup *s) {
 static const char *plan, *out_path, *with_path;
 
 static void frames(void **state) {
+  const bool motion = strcmp(plan, "motion") == 0;
+  FILE *out = open_file(out_path, "wb");
+  FILE *with = with_path ? open_file(with_path, "rb") : NULL;
   setup s;
-  exact_planes out;
   (void)state;
   name_device();
-  configure(&s, strcmp(plan, "motion") == 0);
-  if (strcmp(plan, "static") == 0)
-    setup_cache_rows(&s, 3, 5);
+  configure(&s, motion);
   setup_start(&s);
   setup_run(&s, hbil_enqueue_frame);
   setup_load_scene(&s, SCENE_ROOM, 1);
   setup_upload(&s);
   setup_run(&s, hbil_enqueue_frame);
-  if (strcmp(plan, "static") == 0)
+  keep_outputs(&s, out, with);
+  if (!motion) {
     run_static_frames(&s);
-  out = outputs_read(&s);
-  write_planes(out_path, &out);
-  if (with_path)
-    compare(&out, with_path);
-  exact_planes_free(&out);
+    keep_outputs(&s, out, with);
+  }
   setup_free(&s);
+  assert_int_equal(fclose(out), 0);
+  if (with)
+    fclose(with);
 }
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(frames)};
   if (argc < 3 || argc > 4) {
-    fprintf(stderr, "usage: device_frame camera|motion|static OUT [WITH]\n");
+    fprintf(stderr, "usage: device_frame camera|motion OUT [WITH]\n");
     return 2;
   }
   plan = argv[1];
