@@ -2,10 +2,10 @@
 #include "cache.h"
 
 #include <math.h>
+#include <string.h>
 
-#include "cache_config.h"
+#include "buffers.h"
 #include "checks.h"
-#include "memory.h"
 
 /* --- memory --- */
 
@@ -33,59 +33,24 @@ static size_t volume_bytes(const hbil_cache_config *config, size_t planes) {
              : 0;
 }
 
-size_t cache_buffer_bytes(const hbil_cache_config *config, int buffer) {
-  const size_t voxels = cache_voxel_count(config);
-  switch (buffer) {
-  case CACHE_STATES: /* two bits each */
-    return voxels / 4;
-  case CACHE_CLEARANCE:
-  case CACHE_CLEARANCE_PART:
-  case CACHE_UNLIT:
-    return voxels;
-  case CACHE_VOXELS:
-    return HBIL_VOXEL_FLOATS * sizeof(cl_float) * voxels;
-  case CACHE_RADIANCE:
-    return sizeof(cl_uint) * voxels;
-  case CACHE_LIST:
-    return sizeof(cl_uint) * (HBIL_LIST_HEAD + voxels);
-  case CACHE_RAY_HITS: /* vectors are read, so some more behind the last */
-    return sizeof(cl_uint) * (HBIL_CACHE_RAY_HITS * voxels + HBIL_WIDEST);
-  case CACHE_PYRAMID:
-    return cache_has(config, HBIL_PROVIDER_CONES)
-               ? HBIL_MIP_FLOATS * sizeof(cl_float) * pyramid_texels(config)
-               : 0;
-  case CACHE_SOURCES:
-    return volume_bytes(config, 12);
-  case CACHE_OPACITIES:
-    return volume_bytes(config, 6);
-  case CACHE_VOLUMES:
-  case CACHE_VOLUMES_NEXT:
-    return volume_bytes(config, HBIL_VOLUME_PLANES);
-  case CACHE_LIGHT_VIEWS:
-    return cache_has(config, HBIL_PROVIDER_RSM)
-               ? sizeof(cl_uint) * HBIL_MAX_LIGHT_VIEWS * HBIL_TEXEL_WORDS *
-                     (size_t)HBIL_LIGHT_MOST_TEXELS
-               : 0;
-  case CACHE_MEANS:
-    return 8 * sizeof(cl_float) * (1 + HBIL_CACHE_PARTS);
-  default:
-    return HBIL_TEXEL_WORDS * sizeof(cl_uint) * (size_t)HBIL_CACHE_MOST_TEXELS;
-  }
-}
-
-hbil_status cache_check_memory(hbil_context *context,
-                               const hbil_cache_config *config) {
+hbil_status cache_sizes(hbil_context *context, const hbil_cache_config *c,
+                        size_t bytes[CACHE_BUFFER_COUNT]) {
+  const size_t voxels = cache_voxel_count(c);
+#define SIZE(id, size) [id] = (size),
+  const size_t sizes[] = {CACHE_BUFFERS(SIZE)};
+#undef SIZE
   buffer_limits limits;
   const hbil_status status = memory_limits(context, &limits);
   if (status != HBIL_SUCCESS)
     return status;
   for (int i = 0; i < CACHE_BUFFER_COUNT; ++i)
-    if (cache_buffer_bytes(config, i) > limits.largest)
+    if (sizes[i] > limits.largest)
       return fail(context, HBIL_OUT_OF_DEVICE_MEMORY,
                   "voxels, levels: %u, %u need a buffer of %zu bytes, the "
                   "device allows %zu",
-                  (unsigned)config->voxels, (unsigned)config->levels,
-                  cache_buffer_bytes(config, i), limits.largest);
+                  (unsigned)c->voxels, (unsigned)c->levels, sizes[i],
+                  limits.largest);
+  memcpy(bytes, sizes, sizeof sizes);
   return HBIL_SUCCESS;
 }
 
@@ -93,6 +58,7 @@ hbil_status hbil_cache_memory(hbil_context *context,
                               const hbil_cache_config *config, size_t *bytes) {
   hbil_cache_config own;
   hbil_config views;
+  size_t sizes[CACHE_BUFFER_COUNT];
   if (!context || !config || !bytes)
     return fail_null(context, __func__,
                      !context  ? "context"
@@ -100,12 +66,12 @@ hbil_status hbil_cache_memory(hbil_context *context,
                                : "bytes");
   hbil_status status = cache_config_take(context, config, &own, &views);
   if (status == HBIL_SUCCESS)
-    status = cache_check_memory(context, &own);
+    status = cache_sizes(context, &own, sizes);
   if (status != HBIL_SUCCESS)
     return status;
   *bytes = 0;
   for (int i = 0; i < CACHE_BUFFER_COUNT; ++i)
-    *bytes += cache_buffer_bytes(&own, i);
+    *bytes += sizes[i];
   return HBIL_SUCCESS;
 }
 
@@ -147,7 +113,7 @@ hbil_cache_args cache_args(const hbil_cache *cache) {
 
 commands commands_of_cache(hbil_cache *cache, cl_command_queue queue) {
   return (commands){.context = cache->context,
-                    .kernels = cache->kernels,
+                    .kernels = &cache->kernels,
                     .line = {&cache->line, NULL},
                     .queue = queue};
 }
@@ -163,7 +129,7 @@ hbil_status begin_cache_commands(const char *function, hbil_cache *cache,
   hbil_status status =
       check_wait_list(cache->context, function, wait_count, wait_list);
   if (status == HBIL_SUCCESS)
-    status = check_queue(&cache->views, queue, &chain->in_order);
+    status = check_queue(cache->context, queue, false, &chain->in_order);
   if (status != HBIL_SUCCESS)
     return status;
   chain->events = with_event || !chain->in_order;

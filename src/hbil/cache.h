@@ -2,80 +2,121 @@
 #ifndef HBIL_CACHE_H
 #define HBIL_CACHE_H
 
-#include "commands.h"
+#include "cache_config.h"
 #include "lib/cache_args.h"
+#include "timeline.h"
 
-enum {
-  /* each also for orthographic views, behind the one for perspective views */
-  CACHE_PROGRAM_VIEW,
-  CACHE_PROGRAM_VIEW_FLAT,
-  CACHE_PROGRAM_INJECT,
-  CACHE_PROGRAM_INJECT_FLAT,
-  CACHE_PROGRAM_CLEARANCE,
-  CACHE_PROGRAM_RAY_HITS,
-  CACHE_PROGRAM_BOUNCE,
-  CACHE_PROGRAM_MOVE,
-  CACHE_PROGRAM_PYRAMID,
-  CACHE_PROGRAM_VOLUMES,
-  CACHE_PROGRAM_PROPAGATE,
-  CACHE_PROGRAM_COUNT
-};
+/*
+ * The programs and kernels of a cache (kernel_set.h).  c is its config.
+ *
+ * Views are read pixel by pixel, because these may be far apart, and moves are
+ * rare.  What is for orthographic views is behind the same for perspective
+ * ones.
+ */
+#define CACHE_PROGRAMS(X)                                                      \
+  X(CACHE_PROGRAM_VIEW, "cache/view", true,                                    \
+    .defines = "-DORTHOGRAPHIC=0 -DHBIL_WIDTH=1")                              \
+  X(CACHE_PROGRAM_VIEW_FLAT, "cache/view", true,                               \
+    .defines = "-DORTHOGRAPHIC=1 -DHBIL_WIDTH=1")                              \
+  X(CACHE_PROGRAM_INJECT, "cache/inject", true, .defines = "-DORTHOGRAPHIC=0") \
+  X(CACHE_PROGRAM_INJECT_FLAT, "cache/inject", true,                           \
+    .defines = "-DORTHOGRAPHIC=1")                                             \
+  X(CACHE_PROGRAM_CLEARANCE, "cache/clearance", true,                          \
+    .defines = "-DHBIL_WIDTH=1")                                               \
+  X(CACHE_PROGRAM_RAY_HITS, "cache/ray_hits", true, .relaxed = false)          \
+  X(CACHE_PROGRAM_BOUNCE, "cache/bounce", true, .relaxed = true)               \
+  X(CACHE_PROGRAM_MOVE, "cache/move", true, .defines = "-DHBIL_WIDTH=1")       \
+  X(CACHE_PROGRAM_PYRAMID, "cache/pyramid", cache_has(c, HBIL_PROVIDER_CONES), \
+    .defines = "-DHBIL_WIDTH=1")                                               \
+  X(CACHE_PROGRAM_VOLUMES, "cache/volumes", cache_has(c, HBIL_PROVIDER_LPV),   \
+    .defines = "-DHBIL_WIDTH=1")                                               \
+  X(CACHE_PROGRAM_PROPAGATE, "cache/propagate",                                \
+    cache_has(c, HBIL_PROVIDER_LPV), .relaxed = false)
 
-enum {
-  CACHE_KERNEL_READ_VIEW, /* likewise */
-  CACHE_KERNEL_READ_VIEW_FLAT,
-  CACHE_KERNEL_INJECT,
-  CACHE_KERNEL_INJECT_FLAT,
-  CACHE_KERNEL_RESOLVE_STATES,
-  CACHE_KERNEL_CLEARANCE_ALONG_X,
-  CACHE_KERNEL_CLEARANCE_ALONG,
-  CACHE_KERNEL_LIST_PARTS,
-  CACHE_KERNEL_LIST_SURFACES,
-  CACHE_KERNEL_TRACE_RAYS,
-  CACHE_KERNEL_MEAN_PART,
-  CACHE_KERNEL_MEAN_SUM,
-  CACHE_KERNEL_BOUNCE,
-  CACHE_KERNEL_UPDATE_RADIANCE,
-  CACHE_KERNEL_FORGET,
-  CACHE_KERNEL_LEVEL_STEP,
-  CACHE_KERNEL_NEXT_STEP,
-  CACHE_KERNEL_VOLUME_SOURCES,
-  CACHE_KERNEL_VOLUME_BORDER,
-  CACHE_KERNEL_PROPAGATE,
-  CACHE_KERNEL_COUNT
-};
-/* trial launches are counted by kernel */
-_Static_assert((int)CACHE_KERNEL_COUNT <= (int)KERNEL_COUNT, "KERNEL_COUNT");
+#define CACHE_KERNELS(X)                                                       \
+  X(CACHE_KERNEL_READ_VIEW, "read_view", CACHE_PROGRAM_VIEW, true)             \
+  X(CACHE_KERNEL_READ_VIEW_FLAT, "read_view", CACHE_PROGRAM_VIEW_FLAT, true)   \
+  X(CACHE_KERNEL_INJECT, "inject", CACHE_PROGRAM_INJECT, true)                 \
+  X(CACHE_KERNEL_INJECT_FLAT, "inject", CACHE_PROGRAM_INJECT_FLAT, true)       \
+  X(CACHE_KERNEL_RESOLVE_STATES, "resolve_states", CACHE_PROGRAM_CLEARANCE,    \
+    true)                                                                      \
+  X(CACHE_KERNEL_CLEARANCE_ALONG_X, "clearance_along_x",                       \
+    CACHE_PROGRAM_CLEARANCE, true)                                             \
+  X(CACHE_KERNEL_CLEARANCE_ALONG, "clearance_along", CACHE_PROGRAM_CLEARANCE,  \
+    true)                                                                      \
+  X(CACHE_KERNEL_LIST_PARTS, "list_parts", CACHE_PROGRAM_RAY_HITS, true)       \
+  X(CACHE_KERNEL_LIST_SURFACES, "list_surfaces", CACHE_PROGRAM_RAY_HITS, true) \
+  X(CACHE_KERNEL_TRACE_RAYS, "trace_rays", CACHE_PROGRAM_RAY_HITS, true)       \
+  X(CACHE_KERNEL_MEAN_PART, "mean_part", CACHE_PROGRAM_BOUNCE, true)           \
+  X(CACHE_KERNEL_MEAN_SUM, "mean_sum", CACHE_PROGRAM_BOUNCE, true)             \
+  X(CACHE_KERNEL_BOUNCE, "bounce", CACHE_PROGRAM_BOUNCE, true)                 \
+  X(CACHE_KERNEL_UPDATE_RADIANCE, "update_radiance", CACHE_PROGRAM_BOUNCE,     \
+    true)                                                                      \
+  X(CACHE_KERNEL_FORGET, "forget", CACHE_PROGRAM_MOVE, true)                   \
+  X(CACHE_KERNEL_LEVEL_STEP, "level_step", CACHE_PROGRAM_PYRAMID, true)        \
+  X(CACHE_KERNEL_NEXT_STEP, "next_step", CACHE_PROGRAM_PYRAMID, true)          \
+  X(CACHE_KERNEL_VOLUME_SOURCES, "volume_sources", CACHE_PROGRAM_VOLUMES,      \
+    true)                                                                      \
+  X(CACHE_KERNEL_VOLUME_BORDER, "volume_border", CACHE_PROGRAM_PROPAGATE,      \
+    true)                                                                      \
+  X(CACHE_KERNEL_PROPAGATE, "propagate", CACHE_PROGRAM_PROPAGATE, true)
 
-enum {
-  CACHE_STATES,    /* two bits a voxel */
-  CACHE_CLEARANCE, /* a byte a voxel: what rays read (cache/clearance.cl) */
-  CACHE_CLEARANCE_PART, /* the same, with clearances along some axes */
-  CACHE_VOXELS,         /* HBIL_VOXEL_FLOATS floats a voxel */
-  CACHE_RADIANCE,       /* a word a voxel: what it sends */
-  CACHE_UNLIT,          /* a byte a voxel: how much of the open is no sky */
-  CACHE_MEANS,          /* mean radiance and unlit part; then sums of parts */
-  CACHE_TEXELS,         /* of the view that is being injected */
-  CACHE_LIST,           /* the surfaces of an update (lib/ray_hits.clh) ... */
-  CACHE_RAY_HITS,       /* ... and where their rays end */
-  /* for other providers than rays */
-  CACHE_PYRAMID,      /* HBIL_MIP_FLOATS floats a texel (lib/pyramid.clh) */
-  CACHE_SOURCES,      /* 12 planes a volume (lib/volumes.clh) */
-  CACHE_OPACITIES,    /* 6 planes a volume */
-  CACHE_VOLUMES,      /* HBIL_VOLUME_PLANES planes a volume ... */
-  CACHE_VOLUMES_NEXT, /* ... and the same after a step */
-  CACHE_LIGHT_VIEWS,  /* HBIL_LIGHT_MOST_TEXELS texels each */
-  CACHE_BUFFER_COUNT
-};
+/*
+ * The buffers of a cache: enumerator and bytes.  voxels is their number in all
+ * levels, c the cache's config.
+ */
+#define CACHE_BUFFERS(X)                                                       \
+  /* two bits a voxel */                                                       \
+  X(CACHE_STATES, voxels / 4)                                                  \
+  /* a byte a voxel: what rays read; the same with clearances along some axes  \
+   */                                                                          \
+  X(CACHE_CLEARANCE, voxels)                                                   \
+  X(CACHE_CLEARANCE_PART, voxels)                                              \
+  X(CACHE_VOXELS, HBIL_VOXEL_FLOATS * sizeof(cl_float) * voxels)               \
+  /* a word a voxel: what it sends */                                          \
+  X(CACHE_RADIANCE, sizeof(cl_uint) * voxels)                                  \
+  /* a byte a voxel: how much of the open is no sky */                         \
+  X(CACHE_UNLIT, voxels)                                                       \
+  /* mean radiance and unlit part; then sums of parts */                       \
+  X(CACHE_MEANS, 8 * sizeof(cl_float) * (1 + HBIL_CACHE_PARTS))                \
+  /* of the view that is being injected */                                     \
+  X(CACHE_TEXELS,                                                              \
+    HBIL_TEXEL_WORDS * sizeof(cl_uint) * (size_t)HBIL_CACHE_MOST_TEXELS)       \
+  /* the surfaces of an update (lib/ray_hits.clh), and where their rays        \
+     end; vectors are read, so some more behind the last */                    \
+  X(CACHE_LIST, sizeof(cl_uint) * (HBIL_LIST_HEAD + voxels))                   \
+  X(CACHE_RAY_HITS,                                                            \
+    sizeof(cl_uint) * (HBIL_CACHE_RAY_HITS * voxels + HBIL_WIDEST))            \
+  /* HBIL_MIP_FLOATS floats a texel (lib/pyramid.clh) */                       \
+  X(CACHE_PYRAMID,                                                             \
+    cache_has(c, HBIL_PROVIDER_CONES)                                          \
+        ? HBIL_MIP_FLOATS * sizeof(cl_float) * pyramid_texels(c)               \
+        : 0)                                                                   \
+  /* planes of volumes (lib/volumes.clh); the last ones after a step */        \
+  X(CACHE_SOURCES, volume_bytes(c, 12))                                        \
+  X(CACHE_OPACITIES, volume_bytes(c, 6))                                       \
+  X(CACHE_VOLUMES, volume_bytes(c, HBIL_VOLUME_PLANES))                        \
+  X(CACHE_VOLUMES_NEXT, volume_bytes(c, HBIL_VOLUME_PLANES))                   \
+  /* HBIL_LIGHT_MOST_TEXELS texels each */                                     \
+  X(CACHE_LIGHT_VIEWS,                                                         \
+    cache_has(c, HBIL_PROVIDER_RSM)                                            \
+        ? sizeof(cl_uint) * HBIL_MAX_LIGHT_VIEWS *HBIL_TEXEL_WORDS *(          \
+                                size_t)HBIL_LIGHT_MOST_TEXELS                  \
+        : 0)
+
+enum { CACHE_PROGRAMS(LISTED_ENUMERATOR) CACHE_PROGRAM_COUNT };
+enum { CACHE_KERNELS(LISTED_ENUMERATOR) CACHE_KERNEL_COUNT };
+enum { CACHE_BUFFERS(LISTED_ENUMERATOR) CACHE_BUFFER_COUNT };
+_Static_assert((int)CACHE_PROGRAM_COUNT <= (int)MOST_PROGRAMS, "MOST_PROGRAMS");
+_Static_assert((int)CACHE_KERNEL_COUNT <= (int)MOST_KERNELS, "MOST_KERNELS");
 
 struct hbil_cache {
   hbil_context *context;
   hbil_cache_config config;
-  hbil_plan views; /* holds the views' formats, for checks; it has no device
-                      memory and no kernels */
-  cl_program programs[CACHE_PROGRAM_COUNT];
-  cl_kernel kernels[CACHE_KERNEL_COUNT];
+  hbil_config views; /* formats of views, with the size of one pixel */
+  kernel_set kernels;
   cl_mem buffers[CACHE_BUFFER_COUNT];
+  size_t bytes[CACHE_BUFFER_COUNT]; /* of these */
   timeline line;
   cl_long middle[3]; /* in voxels of the coarsest level */
   cl_uint updates;   /* with bounces so far, which choose the voxels */
@@ -94,11 +135,9 @@ size_t cache_voxel_count(const hbil_cache_config *config);
   LAUNCH(chain, kernel, args, (cache)->config.voxels / 16,                     \
          (cache)->config.voxels,                                               \
          (size_t)(cache)->config.voxels * (cache)->config.levels)
-/* Rejects a cache whose buffers the device can't have. */
-hbil_status cache_check_memory(hbil_context *context,
-                               const hbil_cache_config *config);
-/* Bytes of a buffer. */
-size_t cache_buffer_bytes(const hbil_cache_config *config, int buffer);
+/* Bytes of each buffer; fails if the device can't have one of them. */
+hbil_status cache_sizes(hbil_context *context, const hbil_cache_config *config,
+                        size_t bytes[CACHE_BUFFER_COUNT]);
 
 /* Where the cache is, as kernels take it; the middle in the world; voxels of
  * level 0 per world unit. */

@@ -2,97 +2,38 @@
 #include "cache.h"
 
 #include <stdlib.h>
+#include <string.h>
 
-#include "cache_config.h"
-#include "kernel_table.h"
-#include "memory.h"
+#include "buffers.h"
+#include "defines.h"
 
 /* --- programs and kernels --- */
 
-/* Views are read pixel by pixel, because these may be far apart, and moves
- * are rare. */
-static const program_kind programs[CACHE_PROGRAM_COUNT] = {
-    [CACHE_PROGRAM_VIEW] = {"cache/view",
-                            .defines = "-DORTHOGRAPHIC=0 -DHBIL_WIDTH=1"},
-    [CACHE_PROGRAM_VIEW_FLAT] = {"cache/view",
-                                 .defines = "-DORTHOGRAPHIC=1 -DHBIL_WIDTH=1"},
-    [CACHE_PROGRAM_INJECT] = {"cache/inject", .defines = "-DORTHOGRAPHIC=0"},
-    [CACHE_PROGRAM_INJECT_FLAT] = {"cache/inject",
-                                   .defines = "-DORTHOGRAPHIC=1"},
-    [CACHE_PROGRAM_CLEARANCE] = {"cache/clearance",
-                                 .defines = "-DHBIL_WIDTH=1"},
-    [CACHE_PROGRAM_RAY_HITS] = {"cache/ray_hits", .defines = ""},
-    [CACHE_PROGRAM_BOUNCE] = {"cache/bounce", .relaxed = true, .defines = ""},
-    [CACHE_PROGRAM_MOVE] = {"cache/move", .defines = "-DHBIL_WIDTH=1"},
-    [CACHE_PROGRAM_PYRAMID] = {"cache/pyramid", .defines = "-DHBIL_WIDTH=1"},
-    [CACHE_PROGRAM_VOLUMES] = {"cache/volumes", .defines = "-DHBIL_WIDTH=1"},
-    [CACHE_PROGRAM_PROPAGATE] = {"cache/propagate", .defines = ""},
-};
-
-static const kernel_kind kernels[CACHE_KERNEL_COUNT] = {
-    [CACHE_KERNEL_READ_VIEW] = {"read_view", CACHE_PROGRAM_VIEW},
-    [CACHE_KERNEL_READ_VIEW_FLAT] = {"read_view", CACHE_PROGRAM_VIEW_FLAT},
-    [CACHE_KERNEL_INJECT] = {"inject", CACHE_PROGRAM_INJECT},
-    [CACHE_KERNEL_INJECT_FLAT] = {"inject", CACHE_PROGRAM_INJECT_FLAT},
-    [CACHE_KERNEL_RESOLVE_STATES] = {"resolve_states", CACHE_PROGRAM_CLEARANCE},
-    [CACHE_KERNEL_CLEARANCE_ALONG_X] = {"clearance_along_x",
-                                        CACHE_PROGRAM_CLEARANCE},
-    [CACHE_KERNEL_CLEARANCE_ALONG] = {"clearance_along",
-                                      CACHE_PROGRAM_CLEARANCE},
-    [CACHE_KERNEL_LIST_PARTS] = {"list_parts", CACHE_PROGRAM_RAY_HITS},
-    [CACHE_KERNEL_LIST_SURFACES] = {"list_surfaces", CACHE_PROGRAM_RAY_HITS},
-    [CACHE_KERNEL_TRACE_RAYS] = {"trace_rays", CACHE_PROGRAM_RAY_HITS},
-    [CACHE_KERNEL_MEAN_PART] = {"mean_part", CACHE_PROGRAM_BOUNCE},
-    [CACHE_KERNEL_MEAN_SUM] = {"mean_sum", CACHE_PROGRAM_BOUNCE},
-    [CACHE_KERNEL_BOUNCE] = {"bounce", CACHE_PROGRAM_BOUNCE},
-    [CACHE_KERNEL_UPDATE_RADIANCE] = {"update_radiance", CACHE_PROGRAM_BOUNCE},
-    [CACHE_KERNEL_FORGET] = {"forget", CACHE_PROGRAM_MOVE},
-    [CACHE_KERNEL_LEVEL_STEP] = {"level_step", CACHE_PROGRAM_PYRAMID},
-    [CACHE_KERNEL_NEXT_STEP] = {"next_step", CACHE_PROGRAM_PYRAMID},
-    [CACHE_KERNEL_VOLUME_SOURCES] = {"volume_sources", CACHE_PROGRAM_VOLUMES},
-    [CACHE_KERNEL_VOLUME_BORDER] = {"volume_border", CACHE_PROGRAM_PROPAGATE},
-    [CACHE_KERNEL_PROPAGATE] = {"propagate", CACHE_PROGRAM_PROPAGATE},
-};
-
+static const program_kind programs[] = {CACHE_PROGRAMS(LISTED_PROGRAM)};
+static const kernel_kind kernels[] = {CACHE_KERNELS(LISTED_KERNEL)};
 static const kernel_table table = {programs, kernels, CACHE_PROGRAM_COUNT,
                                    CACHE_KERNEL_COUNT};
 
-/* Some kernels are for one provider only. */
-static bool kernel_needed(const hbil_cache *cache, int kernel) {
-  switch (kernels[kernel].program) {
-  case CACHE_PROGRAM_PYRAMID:
-    return cache_has(&cache->config, HBIL_PROVIDER_CONES);
-  case CACHE_PROGRAM_VOLUMES:
-  case CACHE_PROGRAM_PROPAGATE:
-    return cache_has(&cache->config, HBIL_PROVIDER_LPV);
-  }
-  return true;
+static hbil_status build_kernels(hbil_cache *cache) {
+  const hbil_cache_config *c = &cache->config;
+  const bool needed_programs[] = {CACHE_PROGRAMS(PROGRAM_NEEDED)};
+  const bool needed_kernels[] = {CACHE_KERNELS(KERNEL_NEEDED)};
+  char defines[MOST_DEFINES];
+  const hbil_status status = write_view_defines(cache->context, &cache->views,
+                                                defines, sizeof defines);
+  return status == HBIL_SUCCESS
+             ? kernels_build(cache->context, &table, needed_programs,
+                             needed_kernels, defines, &cache->kernels)
+             : status;
 }
 
-static hbil_status build_kernels(hbil_cache *cache,
-                                 binary_identity identity[]) {
-  const hbil_plan *like = &cache->views;
-  bool needed[CACHE_KERNEL_COUNT];
-  for (int i = 0; i < CACHE_KERNEL_COUNT; ++i)
-    needed[i] = kernel_needed(cache, i);
-  return kernels_build(cache->context, &table, needed, &like->config,
-                       &like->layout, cache->programs, cache->kernels,
-                       identity);
-}
-
-/* --- buffers --- */
-
-static hbil_status allocate_buffers(hbil_cache *cache) {
-  for (int i = 0; i < CACHE_BUFFER_COUNT; ++i) {
-    cl_int error = CL_SUCCESS;
-    const size_t bytes = cache_buffer_bytes(&cache->config, i);
-    if (!bytes)
-      continue;
-    cache->buffers[i] = memory_create(cache->context, bytes, &error);
-    if (!cache->buffers[i])
-      return fail_cl(cache->context, error, "clCreateBuffer");
-  }
-  return HBIL_SUCCESS;
+static hbil_status allocate(hbil_cache *cache) {
+  hbil_status status = HBIL_SUCCESS;
+  for (int i = 0; i < CACHE_BUFFER_COUNT && status == HBIL_SUCCESS; ++i)
+    if (cache->bytes[i])
+      status =
+          buffer_create(cache->context, cache->bytes[i], &cache->buffers[i]);
+  return status;
 }
 
 /* --- the first commands --- */
@@ -140,7 +81,7 @@ hbil_status hbil_cache_create(hbil_context *context,
                               hbil_cache **out) {
   hbil_cache_config own;
   hbil_config views;
-  binary_identity identity[CACHE_PROGRAM_COUNT];
+  size_t bytes[CACHE_BUFFER_COUNT];
   if (out)
     *out = NULL;
   if (!context || !config || !out)
@@ -150,7 +91,7 @@ hbil_status hbil_cache_create(hbil_context *context,
                                : "out");
   hbil_status status = cache_config_take(context, config, &own, &views);
   if (status == HBIL_SUCCESS)
-    status = cache_check_memory(context, &own);
+    status = cache_sizes(context, &own, bytes);
   if (status != HBIL_SUCCESS)
     return status;
   hbil_cache *cache = calloc(1, sizeof *cache);
@@ -159,19 +100,17 @@ hbil_status hbil_cache_create(hbil_context *context,
   cache->context = context;
   context_retain(context);
   cache->config = own;
-  cache->views.context = context;
-  cache->views.config = views;
-  cache->views.config.execution.vector_width = context->vector_width;
-  cache->views.layout.span = HBIL_SPAN;
-  cache->views.layout.line = HBIL_WIDEST;
+  cache->views = views;
+  cache->views.execution.vector_width = context->vector_width;
+  memcpy(cache->bytes, bytes, sizeof bytes);
   cache_middle(&own, own.centre, cache->middle);
-  if ((status = build_kernels(cache, identity)) != HBIL_SUCCESS ||
-      (status = allocate_buffers(cache)) != HBIL_SUCCESS ||
+  if ((status = build_kernels(cache)) != HBIL_SUCCESS ||
+      (status = allocate(cache)) != HBIL_SUCCESS ||
       (status = run_first_commands(context, prepare, cache)) != HBIL_SUCCESS) {
     hbil_cache_destroy(cache);
     return status;
   }
-  kernels_store(context, &table, cache->programs, identity);
+  kernels_store(context, &cache->kernels);
   *out = cache;
   return HBIL_SUCCESS;
 }
@@ -180,10 +119,8 @@ void hbil_cache_destroy(hbil_cache *cache) {
   if (!cache)
     return;
   timeline_end(&cache->line);
-  kernels_release(&table, cache->programs, cache->kernels);
-  for (int i = 0; i < CACHE_BUFFER_COUNT; ++i)
-    if (cache->buffers[i])
-      clReleaseMemObject(cache->buffers[i]);
+  kernels_release(&cache->kernels);
+  buffers_release(cache->buffers, CACHE_BUFFER_COUNT);
   context_release(cache->context);
   free(cache);
 }

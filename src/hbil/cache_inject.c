@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "cache_config.h"
 #include "camera.h"
 #include "checks.h"
 #include "planes.h"
@@ -25,11 +24,14 @@ static hbil_frame frame_of_view(const hbil_view *view) {
   return frame;
 }
 
-/* The configuration of a plan whose frames are like this view. */
-static void describe(hbil_cache *cache, const hbil_view *view) {
-  cache->views.config.width = view->width;
-  cache->views.config.height = view->height;
-  cache->views.config.inputs.projection = view->projection;
+/* The formats of a plan whose frames are like this view. */
+static hbil_config config_of_view(const hbil_cache *cache,
+                                  const hbil_view *view) {
+  hbil_config config = cache->views;
+  config.width = view->width;
+  config.height = view->height;
+  config.inputs.projection = view->projection;
+  return config;
 }
 
 /* A caller's view, whose header may have a smaller struct: views are as far
@@ -47,13 +49,17 @@ hbil_status check_view(hbil_cache *cache, const hbil_view *views, cl_uint i) {
                 "views[%u].struct_size: %zu, that of views[0] is %zu; call "
                 "hbil_view_init() for each",
                 (unsigned)i, given->struct_size, views->struct_size);
-  const hbil_status status = view_take(cache->context, given, &view);
+  hbil_status status = view_take(cache->context, given, &view);
   if (status != HBIL_SUCCESS)
     return status;
   const hbil_frame frame = frame_of_view(&view);
-  const unsigned inputs = PLANE_BIT(PLANE_FIRST_OUTPUT) - 1;
-  describe(cache, &view);
-  return check_frame(&cache->views, &frame, inputs);
+  const hbil_config config = config_of_view(cache, &view);
+  const staging staged = {0, 0};
+  const plane_rules rules = {
+      .context = cache->context, .config = &config, .staged = &staged};
+  status = camera_check(cache->context, &view.camera);
+  return status == HBIL_SUCCESS ? check_planes(&rules, &frame, INPUT_PLANES)
+                                : status;
 }
 
 /* Every `stride`th pixel and row fit into a table of so many texels. */
@@ -67,9 +73,9 @@ static cl_uint stride_of(const hbil_view *view, cl_uint most) {
 }
 
 static hbil_cache_view_args view_args(const hbil_cache *cache,
+                                      const hbil_config *config,
                                       const hbil_view *view,
                                       const hbil_frame *frame, cl_uint most) {
-  const hbil_config *config = &cache->views.config;
   const cl_uint stride = stride_of(view, most);
   return (hbil_cache_view_args){
       .view = camera_view(&view->camera, config),
@@ -89,8 +95,7 @@ static hbil_cache_view_args view_args(const hbil_cache *cache,
 static hbil_view_args texel_view(const hbil_cache *cache, const hbil_view *view,
                                  const hbil_cache_view_args *table) {
   const double stride = table->stride;
-  const bool flat =
-      cache->views.config.inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  const bool flat = view->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
   const double unit = stride * (flat ? cache_scale(cache) : 1.0);
   hbil_view_args v = {.width = table->width,
                       .height = table->height,
@@ -106,19 +111,21 @@ static hbil_view_args texel_view(const hbil_cache *cache, const hbil_view *view,
 hbil_status read_texels(commands *chain, hbil_cache *cache,
                         const hbil_view *view, int buffer, cl_uint first,
                         cl_uint most, hbil_view_args *of_texels) {
-  const hbil_config *config = &cache->views.config;
+  const hbil_config config = config_of_view(cache, view);
   const int flat = view->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
   const hbil_frame frame = frame_of_view(view);
-  describe(cache, view);
-  hbil_cache_view_args table = view_args(cache, view, &frame, most);
+  hbil_cache_view_args table = view_args(cache, &config, view, &frame, most);
   table.first = (cl_int)first;
-  const cl_mem depth = plane_bind(config, &frame, PLANE_DEPTH, &table.depth);
-  const cl_mem normal = plane_bind(config, &frame, PLANE_NORMAL, &table.normal);
-  const cl_mem albedo = plane_bind(config, &frame, PLANE_ALBEDO, &table.albedo);
-  const cl_mem f0 = plane_bind(config, &frame, PLANE_F0, &table.f0);
-  const cl_mem direct = plane_bind(config, &frame, PLANE_DIRECT, &table.direct);
+  const cl_mem depth = plane_bind(&config, &frame, PLANE_DEPTH, &table.depth);
+  const cl_mem normal =
+      plane_bind(&config, &frame, PLANE_NORMAL, &table.normal);
+  const cl_mem albedo =
+      plane_bind(&config, &frame, PLANE_ALBEDO, &table.albedo);
+  const cl_mem f0 = plane_bind(&config, &frame, PLANE_F0, &table.f0);
+  const cl_mem direct =
+      plane_bind(&config, &frame, PLANE_DIRECT, &table.direct);
   const cl_mem emission =
-      plane_bind(config, &frame, PLANE_EMISSION, &table.emission);
+      plane_bind(&config, &frame, PLANE_EMISSION, &table.emission);
   const argument read[] = {ARG(table),  ARG(cache->buffers[buffer]),
                            ARG(depth),  ARG(normal),
                            ARG(albedo), ARG(f0),

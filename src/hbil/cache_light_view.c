@@ -1,7 +1,6 @@
 /* Reflective shadow maps: views from where lights are. */
 #include "cache.h"
 
-#include "cache_config.h"
 #include "camera.h"
 
 _Static_assert((int)HBIL_LIGHT_VIEWS == HBIL_MAX_LIGHT_VIEWS, "light views");

@@ -1,6 +1,5 @@
 /* The pyramid, which cones read. */
 #include "cache.h"
-#include "cache_config.h"
 
 hbil_status build_pyramid(commands *chain, hbil_cache *cache) {
   if (!cache_has(&cache->config, HBIL_PROVIDER_CONES))

@@ -6,20 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cache_config.h"
 #include "voxel_repair.h"
 
 /* --- counts --- */
-
-static hbil_status read_buffer(const commands *chain, cl_mem buffer,
-                               size_t bytes, void *out) {
-  const cl_int error =
-      clEnqueueReadBuffer(chain->queue, buffer, CL_TRUE, 0, bytes, out,
-                          chain->wait_count, chain->wait_list, NULL);
-  return error == CL_SUCCESS
-             ? HBIL_SUCCESS
-             : fail_cl(chain->context, error, "clEnqueueReadBuffer");
-}
 
 hbil_status hbil_cache_statistics_read(hbil_cache *cache,
                                        cl_command_queue queue,
@@ -31,10 +20,10 @@ hbil_status hbil_cache_statistics_read(hbil_cache *cache,
       begin_cache_commands(__func__, cache, queue, 0, NULL, false, &chain);
   if (status != HBIL_SUCCESS)
     return status;
-  const size_t bytes = cache_buffer_bytes(&cache->config, CACHE_STATES);
+  const size_t bytes = cache->bytes[CACHE_STATES];
   unsigned char *states = malloc(bytes);
   status =
-      states ? read_buffer(&chain, cache->buffers[CACHE_STATES], bytes, states)
+      states ? read_memory(&chain, cache->buffers[CACHE_STATES], bytes, states)
              : fail(cache->context, HBIL_OUT_OF_HOST_MEMORY,
                     "no memory to count in");
   if (status == HBIL_SUCCESS) {
@@ -95,7 +84,7 @@ static hbil_cache_saved_head head_of(const hbil_cache *cache) {
 size_t hbil_cache_size(const hbil_cache *cache) {
   size_t size = sizeof(hbil_cache_saved_head);
   for (int i = 0; cache && i < SAVED; ++i)
-    size += cache_buffer_bytes(&cache->config, saved[i]);
+    size += cache->bytes[saved[i]];
   return cache ? size : 0;
 }
 
@@ -122,8 +111,8 @@ hbil_status hbil_cache_save(hbil_cache *cache, cl_command_queue queue,
   hbil_cache_saved_head head = head_of(cache);
   size_t offset = sizeof head;
   for (int i = 0; i < SAVED && status == HBIL_SUCCESS; ++i) {
-    const size_t part = cache_buffer_bytes(&cache->config, saved[i]);
-    status = read_buffer(&chain, cache->buffers[saved[i]], part, at + offset);
+    const size_t part = cache->bytes[saved[i]];
+    status = read_memory(&chain, cache->buffers[saved[i]], part, at + offset);
     offset += part;
   }
   end_commands(&chain);
@@ -203,7 +192,7 @@ hbil_status hbil_cache_load(hbil_cache *cache, cl_command_queue queue,
   memcpy(&head, at, sizeof head);
   size_t offset = sizeof head;
   for (int i = 0; i < SAVED && status == HBIL_SUCCESS; ++i) {
-    const size_t part = cache_buffer_bytes(&cache->config, saved[i]);
+    const size_t part = cache->bytes[saved[i]];
     const cl_mem buffer = cache->buffers[saved[i]];
     status = saved[i] == CACHE_VOXELS
                  ? write_voxels(&chain, buffer, part, at + offset)

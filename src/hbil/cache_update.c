@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "cache_config.h"
 #include "far_field.h"
 
 /* --- clearance --- */
@@ -209,8 +208,7 @@ hbil_status forget_all(commands *chain, hbil_cache *cache) {
   hbil_status status = HBIL_SUCCESS;
   /* voxels, too, so that saved bytes tell nothing of what was before */
   for (int i = 0; i < CACHE_TEXELS && status == HBIL_SUCCESS; ++i)
-    status = fill_memory(chain, cache->buffers[i], 0, 0,
-                         cache_buffer_bytes(&cache->config, i));
+    status = fill_memory(chain, cache->buffers[i], 0, 0, cache->bytes[i]);
   if (status == HBIL_SUCCESS)
     status = empty_volumes(chain, cache);
   if (status == HBIL_SUCCESS)

@@ -1,6 +1,5 @@
 /* Light propagation volumes: light spreads from cell to cell. */
 #include "cache.h"
-#include "cache_config.h"
 
 #include "far_field.h"
 
@@ -11,8 +10,7 @@ hbil_status empty_volumes(commands *chain, hbil_cache *cache) {
   for (int i = CACHE_SOURCES;
        i <= CACHE_VOLUMES_NEXT && cache->buffers[i] && status == HBIL_SUCCESS;
        ++i)
-    status = fill_memory(chain, cache->buffers[i], 0, 0,
-                         cache_buffer_bytes(&cache->config, i));
+    status = fill_memory(chain, cache->buffers[i], 0, 0, cache->bytes[i]);
   return status;
 }
 

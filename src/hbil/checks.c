@@ -4,11 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "cache.h"
-#include "cache_config.h"
-#include "camera.h"
-#include "import.h"
-#include "memory.h"
+#include "buffers.h"
 #include "overlap.h"
 
 /* That kernels can take the buffer or image for this plane. */
@@ -70,13 +66,14 @@ static hbil_status check_extent(hbil_context *context, const char *name,
 }
 
 /* Finds out as well where the plane lies, if it exists. */
-static hbil_status check_plane(hbil_plan *plan, const hbil_frame *frame,
-                               int plane, plane_region *region) {
-  hbil_context *context = plan->context;
+static hbil_status check_plane(const plane_rules *rules,
+                               const hbil_frame *frame, int plane,
+                               plane_region *region) {
+  hbil_context *context = rules->context;
   const char *name = plane_kinds[plane].name;
   const hbil_plane *given = frame_plane(frame, plane);
-  const hbil_plane_format *format = plane_format(&plan->config, plane);
-  const staging *staged = &plan->layout.staged;
+  const hbil_plane_format *format = plane_format(rules->config, plane);
+  const staging *staged = rules->staged;
   const bool is_image = staged->images & PLANE_BIT(plane);
   const bool is_rebuilt = !is_image && staged->planes & PLANE_BIT(plane);
   if (format->component == HBIL_NONE || is_rebuilt)
@@ -100,16 +97,17 @@ static hbil_status check_plane(hbil_plan *plan, const hbil_frame *frame,
                 "%s: offset, row_pitch and plane_pitch must be multiples of "
                 "%zu bytes",
                 name, size);
-  const plane_shape shape = plane_shape_of(&plan->config, plane, given);
+  const plane_shape shape = plane_shape_of(rules->config, plane, given);
   if (shape.row < plane_row_extent(&shape))
     return fail(context, HBIL_INVALID_FRAME,
                 "%s.row_pitch: %zu bytes are less than a row of %u pixels",
-                name, shape.row, (unsigned)plan->config.width);
+                name, shape.row, (unsigned)rules->config->width);
   memory_info memory;
   hbil_status status =
       check_memory(context, plane, given->buffer, is_image, &memory);
   if (status == HBIL_SUCCESS)
-    status = is_image ? check_image(plan, plane, given->buffer)
+    status = is_image ? check_image(context, rules->config, staged, plane,
+                                    given->buffer)
                       : check_extent(context, name, size, given->offset, &shape,
                                      memory.bytes);
   region->memory = memory.parent ? memory.parent : given->buffer;
@@ -119,15 +117,15 @@ static hbil_status check_plane(hbil_plan *plan, const hbil_frame *frame,
 }
 
 /* That no plane lies in scratch memory of the caller's. */
-static hbil_status check_scratch(const hbil_plan *plan,
+static hbil_status check_scratch(const plane_rules *rules,
                                  const plane_region regions[PLANE_COUNT]) {
-  const memory_range *scratch = &plan->lent;
+  const memory_range *scratch = &rules->lent;
   for (int i = 0; i < PLANE_COUNT && scratch->memory; ++i)
     if (regions[i].memory == scratch->memory &&
         regions[i].start < scratch->start + scratch->bytes &&
         scratch->start < regions[i].start + plane_extent(&regions[i].shape))
       return fail(
-          plan->context, HBIL_INVALID_FRAME,
+          rules->context, HBIL_INVALID_FRAME,
           "%s: lies in the plan's scratch memory, which frames overwrite",
           plane_kinds[i].name);
   return HBIL_SUCCESS;
@@ -165,95 +163,32 @@ static hbil_status check_overlaps(hbil_context *context,
   return HBIL_SUCCESS;
 }
 
-static hbil_status check_environment(hbil_plan *plan, const hbil_frame *frame) {
-  const bool sh = plan->config.model.far_field == HBIL_FAR_SH;
-  const int count = plan->config.model.far_field == HBIL_FAR_NONE ? 0
-                    : sh                                          ? 9
-                                                                  : 1;
-  for (int i = 0; i < count; ++i)
-    for (int c = 0; c < 3; ++c) {
-      const float v = frame->environment[i][c];
-      if (!isfinite(v) || (!sh && v < 0.0f))
-        return fail(plan->context, HBIL_INVALID_FRAME,
-                    "environment[%d][%d]: %g; must be %s", i, c, (double)v,
-                    sh ? "finite" : "finite and not negative");
-    }
-  if (plan->config.model.far_field == HBIL_FAR_FRAME &&
-      !(frame->sky_share >= 0.0f && frame->sky_share <= 1.0f))
-    return fail(plan->context, HBIL_INVALID_FRAME,
-                "sky_share: %g; must be in 0 .. 1", (double)frame->sky_share);
-  return HBIL_SUCCESS;
-}
-
-static hbil_status check_hardware_depth(hbil_plan *plan,
+static hbil_status check_hardware_depth(const plane_rules *rules,
                                         const hbil_frame *frame) {
   const double a = frame->hardware_depth[0], b = frame->hardware_depth[1];
   /* the kernels' quotients of both are floats */
-  if (plan->config.inputs.depth_kind != HBIL_DEPTH_HARDWARE ||
+  if (rules->config->inputs.depth_kind != HBIL_DEPTH_HARDWARE ||
       (isfinite((float)a) && isnormal((float)b)))
     return HBIL_SUCCESS;
-  return fail(plan->context, HBIL_INVALID_FRAME,
+  return fail(rules->context, HBIL_INVALID_FRAME,
               "hardware_depth: A = %g, B = %g; HBIL_DEPTH_HARDWARE needs those "
               "of the projection, finite, and B not 0 "
               "(hbil_camera_from_matrices())",
               a, b);
 }
 
-/* What can be checked of static_frame. */
-static hbil_status check_still(hbil_plan *plan, const hbil_frame *frame) {
-  if (!frame->static_frame || !plan->has_last)
-    return HBIL_SUCCESS;
-  if (memcmp(&frame->camera, &plan->last_camera, sizeof frame->camera))
-    return fail(
-        plan->context, HBIL_INVALID_FRAME,
-        "static_frame: CL_TRUE, but camera is not that of the frame before");
-  if (frame->frame_index != plan->last_index &&
-      !plan->config.history.max_frames)
-    return fail(plan->context, HBIL_INVALID_FRAME,
-                "static_frame: CL_TRUE, but frame_index is %u, that of the "
-                "frame before was "
-                "%u; one pattern is needed",
-                (unsigned)frame->frame_index, (unsigned)plan->last_index);
-  return HBIL_SUCCESS;
-}
-
-static hbil_status check_cache(hbil_plan *plan, const hbil_frame *frame) {
-  if (frame->cache && !plan->config.model.provider)
-    return fail(plan->context, HBIL_INVALID_FRAME,
-                "cache: given, but the plan was made without "
-                "model.provider");
-  if (frame->cache &&
-      !cache_has(&frame->cache->config, plan->config.model.provider))
-    return fail(plan->context, HBIL_INVALID_FRAME,
-                "cache: made without the plan's model.provider, %d, in "
-                "hbil_cache_config.providers",
-                (int)plan->config.model.provider);
-  if (frame->cache && frame->cache->context != plan->context)
-    return fail(plan->context, HBIL_INVALID_FRAME,
-                "cache: not of the plan's context");
-  return HBIL_SUCCESS;
-}
-
-hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
-                        unsigned planes) {
-  hbil_status status = camera_check(plan->context, &frame->camera);
-  if (status == HBIL_SUCCESS)
-    status = check_cache(plan, frame);
-  if (status == HBIL_SUCCESS)
-    status = check_still(plan, frame);
-  if (status == HBIL_SUCCESS)
-    status = check_environment(plan, frame);
-  if (status == HBIL_SUCCESS)
-    status = check_hardware_depth(plan, frame);
+hbil_status check_planes(const plane_rules *rules, const hbil_frame *frame,
+                         unsigned planes) {
+  hbil_status status = check_hardware_depth(rules, frame);
   plane_region regions[PLANE_COUNT];
   memset(regions, 0, sizeof regions);
   for (int i = 0; i < PLANE_COUNT && status == HBIL_SUCCESS; ++i)
     if (planes & PLANE_BIT(i))
-      status = check_plane(plan, frame, i, &regions[i]);
+      status = check_plane(rules, frame, i, &regions[i]);
   if (status == HBIL_SUCCESS)
-    status = check_scratch(plan, regions);
+    status = check_scratch(rules, regions);
   if (status == HBIL_SUCCESS)
-    status = check_overlaps(plan->context, regions);
+    status = check_overlaps(rules->context, regions);
   return status;
 }
 
@@ -272,13 +207,13 @@ hbil_status check_wait_list(hbil_context *context, const char *function,
   return HBIL_SUCCESS;
 }
 
-hbil_status check_queue(hbil_plan *plan, cl_command_queue queue,
-                        bool *in_order) {
-  cl_context context = NULL;
+hbil_status check_queue(hbil_context *context, cl_command_queue queue,
+                        bool profiling, bool *in_order) {
+  cl_context of_queue = NULL;
   cl_device_id device = NULL;
   cl_command_queue_properties properties = 0;
-  cl_int error = clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof context,
-                                       &context, NULL);
+  cl_int error = clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof of_queue,
+                                       &of_queue, NULL);
   if (error == CL_SUCCESS)
     error = clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof device,
                                   &device, NULL);
@@ -286,13 +221,12 @@ hbil_status check_queue(hbil_plan *plan, cl_command_queue queue,
     error = clGetCommandQueueInfo(queue, CL_QUEUE_PROPERTIES, sizeof properties,
                                   &properties, NULL);
   if (error != CL_SUCCESS)
-    return fail_cl(plan->context, error, "clGetCommandQueueInfo");
-  if (context != plan->context->context || device != plan->context->device)
-    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+    return fail_cl(context, error, "clGetCommandQueueInfo");
+  if (of_queue != context->context || device != context->device)
+    return fail(context, HBIL_INVALID_ARGUMENT,
                 "queue: not of the plan's OpenCL context and device");
-  if (plan->config.execution.profiling &&
-      !(properties & CL_QUEUE_PROFILING_ENABLE))
-    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+  if (profiling && !(properties & CL_QUEUE_PROFILING_ENABLE))
+    return fail(context, HBIL_INVALID_ARGUMENT,
                 "queue: profiling needs CL_QUEUE_PROFILING_ENABLE");
   *in_order = !(properties & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
   return HBIL_SUCCESS;

@@ -35,6 +35,6 @@ hbil_composite_args composite_args(const hbil_plan *plan,
       [PLANE_ERROR] = &args.error_estimate,
       [PLANE_UNKNOWN] = &args.unknown};
   for (int i = 0; i < PLANE_COUNT; ++i)
-    plane[i] = plane_args[i] ? plane_bind(c, frame, i, plane_args[i]) : NULL;
+    plane[i] = plane_args[i] ? bind_plane(plan, frame, i, plane_args[i]) : NULL;
   return args;
 }

@@ -129,6 +129,13 @@ static void define_work(const hbil_config *c, const layout *l, text *t) {
     define(t, skips[i].name, (l->skip & skips[i].bit) != 0);
 }
 
+static hbil_status end(hbil_context *context, const text *t) {
+  return t->length < t->size
+             ? HBIL_SUCCESS
+             : fail(context, HBIL_BUILD_FAILED,
+                    "the build defines don't fit into %zu characters", t->size);
+}
+
 hbil_status write_defines(hbil_context *context, const hbil_config *config,
                           const layout *l, char *chars, size_t size) {
   text t = {.chars = chars, .size = size};
@@ -136,8 +143,14 @@ hbil_status write_defines(hbil_context *context, const hbil_config *config,
   define_inputs(config, &t);
   define_model(config, l, &t);
   define_work(config, l, &t);
-  return t.length < t.size
-             ? HBIL_SUCCESS
-             : fail(context, HBIL_BUILD_FAILED,
-                    "the build defines don't fit into %zu characters", size);
+  return end(context, &t);
+}
+
+hbil_status write_view_defines(hbil_context *context, const hbil_config *config,
+                               char *chars, size_t size) {
+  text t = {.chars = chars, .size = size};
+  define_planes(config, &t);
+  define_inputs(config, &t);
+  define(&t, "HBIL_WIDTH", (int)config->execution.vector_width);
+  return end(context, &t);
 }

@@ -1,4 +1,4 @@
-/* The build defines of a plan's kernels. */
+/* The build defines of the kernels of plans and caches. */
 #ifndef HBIL_DEFINES_H
 #define HBIL_DEFINES_H
 
@@ -9,5 +9,9 @@
  * fails where that doesn't fit into `size` characters. */
 hbil_status write_defines(hbil_context *context, const hbil_config *config,
                           const layout *l, char *text, size_t size);
+
+/* The same for a cache, whose views have these formats. */
+hbil_status write_view_defines(hbil_context *context, const hbil_config *config,
+                               char *text, size_t size);
 
 #endif

@@ -6,8 +6,8 @@
 #include "lib/estimate_args.h"
 #include "planes.h"
 
-hbil_status enqueue_estimate(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
+hbil_status enqueue_estimate(hbil_plan *plan, commands *chain,
+                             const hbil_frame *frame) {
   const hbil_config *c = &plan->config;
   if (!plan->layout.estimate)
     return HBIL_SUCCESS;
@@ -24,10 +24,11 @@ hbil_status enqueue_estimate(commands *chain, const hbil_frame *frame) {
     for (int i = 0; i < 3; ++i)
       args.sky[i] = frame->environment[0][i];
   }
-  const cl_mem albedo = plane_bind(c, frame, PLANE_ALBEDO, &args.albedo);
-  const cl_mem f0 = plane_bind(c, frame, PLANE_F0, &args.f0);
-  const cl_mem direct = plane_bind(c, frame, PLANE_DIRECT, &args.direct);
-  const cl_mem emission = plane_bind(c, frame, PLANE_EMISSION, &args.emission);
+  const cl_mem albedo = bind_plane(plan, frame, PLANE_ALBEDO, &args.albedo);
+  const cl_mem f0 = bind_plane(plan, frame, PLANE_F0, &args.f0);
+  const cl_mem direct = bind_plane(plan, frame, PLANE_DIRECT, &args.direct);
+  const cl_mem emission =
+      bind_plane(plan, frame, PLANE_EMISSION, &args.emission);
   const argument part[] = {ARG(args),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
                            BUFFER_ARG(plan, BUFFER_LIGHT),

@@ -1,43 +1,85 @@
-/* The order of the passes. */
+/* Enqueues the passes of a frame, after checks of what the caller hands in. */
+#include <math.h>
+#include <string.h>
+
 #include "cache.h"
+#include "cache_config.h"
+#include "camera.h"
 #include "checks.h"
 #include "config.h"
-#include "import.h"
 #include "passes.h"
-#include "planes.h"
 
-/* The planes that each pass reads or writes. */
-enum {
-  READ_BY_REPROJECT = PLANE_BIT(PLANE_DEPTH) | PLANE_BIT(PLANE_MOTION),
-  SURFACE = PLANE_BIT(PLANE_DEPTH) | PLANE_BIT(PLANE_ALBEDO) |
-            PLANE_BIT(PLANE_F0) | PLANE_BIT(PLANE_DIRECT) |
-            PLANE_BIT(PLANE_EMISSION),
-  OUTPUTS = PLANE_BIT(PLANE_NEAR) | PLANE_BIT(PLANE_FAR) | PLANE_BIT(PLANE_AO) |
-            PLANE_BIT(PLANE_BENT) | PLANE_BIT(PLANE_CONE) |
-            PLANE_BIT(PLANE_INDIRECT) | PLANE_BIT(PLANE_BEAUTY) |
-            PLANE_BIT(PLANE_ERROR) | PLANE_BIT(PLANE_UNKNOWN) |
-            PLANE_BIT(PLANE_GLOSSY)
-};
+/* --- checks --- */
 
-static const struct {
-  pass_function *enqueue;
-  unsigned planes;
-} passes[HBIL_PASS_COUNT] = {
-    [HBIL_PASS_REPROJECT] = {enqueue_reproject, READ_BY_REPROJECT},
-    [HBIL_PASS_PUSH_PULL] = {enqueue_push_pull, 0},
-    [HBIL_PASS_SPLIT] = {enqueue_split, SURFACE | PLANE_BIT(PLANE_NORMAL)},
-    [HBIL_PASS_GATHER] = {enqueue_gather, SURFACE & ~PLANE_BIT(PLANE_DEPTH)},
-    [HBIL_PASS_RECOMPOSE] = {enqueue_recompose, 0},
-    [HBIL_PASS_TEMPORAL] = {enqueue_temporal, PLANE_BIT(PLANE_MOTION)},
-    [HBIL_PASS_COMPOSITE] = {enqueue_composite, SURFACE | OUTPUTS},
-};
+static hbil_status check_environment(const hbil_plan *plan,
+                                     const hbil_frame *frame) {
+  const bool sh = plan->config.model.far_field == HBIL_FAR_SH;
+  const int count = plan->config.model.far_field == HBIL_FAR_NONE ? 0
+                    : sh                                          ? 9
+                                                                  : 1;
+  for (int i = 0; i < count; ++i)
+    for (int c = 0; c < 3; ++c) {
+      const float v = frame->environment[i][c];
+      if (!isfinite(v) || (!sh && v < 0.0f))
+        return fail(plan->context, HBIL_INVALID_FRAME,
+                    "environment[%d][%d]: %g; must be %s", i, c, (double)v,
+                    sh ? "finite" : "finite and not negative");
+    }
+  if (plan->config.model.far_field == HBIL_FAR_FRAME &&
+      !(frame->sky_share >= 0.0f && frame->sky_share <= 1.0f))
+    return fail(plan->context, HBIL_INVALID_FRAME,
+                "sky_share: %g; must be in 0 .. 1", (double)frame->sky_share);
+  return HBIL_SUCCESS;
+}
 
-/* Drops the events of the last frame, when a frame's first pass begins. */
-static void forget_timings(hbil_plan *plan) {
-  for (int i = 0; i < plan->launches; ++i)
-    clReleaseEvent(plan->events[i]);
-  plan->launches = 0;
-  plan->events_error = CL_SUCCESS;
+/* What can be checked of static_frame. */
+static hbil_status check_still(const hbil_plan *plan, const hbil_frame *frame) {
+  if (!frame->static_frame || !plan->has_last)
+    return HBIL_SUCCESS;
+  if (memcmp(&frame->camera, &plan->last_camera, sizeof frame->camera))
+    return fail(
+        plan->context, HBIL_INVALID_FRAME,
+        "static_frame: CL_TRUE, but camera is not that of the frame before");
+  if (frame->frame_index != plan->last_index &&
+      !plan->config.history.max_frames)
+    return fail(plan->context, HBIL_INVALID_FRAME,
+                "static_frame: CL_TRUE, but frame_index is %u, that of the "
+                "frame before was "
+                "%u; one pattern is needed",
+                (unsigned)frame->frame_index, (unsigned)plan->last_index);
+  return HBIL_SUCCESS;
+}
+
+static hbil_status check_cache(const hbil_plan *plan, const hbil_frame *frame) {
+  if (frame->cache && !plan->config.model.provider)
+    return fail(plan->context, HBIL_INVALID_FRAME,
+                "cache: given, but the plan was made without "
+                "model.provider");
+  if (frame->cache &&
+      !cache_has(&frame->cache->config, plan->config.model.provider))
+    return fail(plan->context, HBIL_INVALID_FRAME,
+                "cache: made without the plan's model.provider, %d, in "
+                "hbil_cache_config.providers",
+                (int)plan->config.model.provider);
+  if (frame->cache && frame->cache->context != plan->context)
+    return fail(plan->context, HBIL_INVALID_FRAME,
+                "cache: not of the plan's context");
+  return HBIL_SUCCESS;
+}
+
+/* The frame and those of its planes. */
+static hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
+                               unsigned planes) {
+  const plane_rules rules = {plan->context, &plan->config, &plan->layout.staged,
+                             plan->lent};
+  hbil_status status = camera_check(plan->context, &frame->camera);
+  if (status == HBIL_SUCCESS)
+    status = check_cache(plan, frame);
+  if (status == HBIL_SUCCESS)
+    status = check_still(plan, frame);
+  if (status == HBIL_SUCCESS)
+    status = check_environment(plan, frame);
+  return status == HBIL_SUCCESS ? check_planes(&rules, frame, planes) : status;
 }
 
 /* What is wrong with the arguments of `function`, before OpenCL is asked. */
@@ -62,38 +104,28 @@ static hbil_status enqueue(const char *function, hbil_plan *plan,
                            cl_command_queue queue, const hbil_frame *given,
                            cl_uint wait_count, const cl_event *wait_list,
                            cl_event *event, pass_range range) {
-  unsigned planes = 0;
-  for (int i = (int)range.first; i <= (int)range.last; ++i)
-    planes |= passes[i].planes;
-  hbil_frame frame, staged;
+  hbil_frame frame;
   hbil_status status =
       check_arguments(plan, function, queue, given, wait_count, wait_list);
   if (status != HBIL_SUCCESS)
     return status;
   commands chain = commands_of_plan(plan, queue);
-  status = check_queue(plan, queue, &chain.in_order);
+  status = check_queue(plan->context, queue, plan->config.execution.profiling,
+                       &chain.in_order);
   if (status == HBIL_SUCCESS)
     status = frame_take(plan->context, given, &frame);
   if (status == HBIL_SUCCESS)
-    status = check_frame(plan, &frame, planes);
+    status =
+        check_frame(plan, &frame, planes_of_passes(range.first, range.last));
   if (status != HBIL_SUCCESS)
     return status;
-  chain.events = event || !chain.in_order || plan->config.execution.profiling;
+  chain.events = event || !chain.in_order || chain.times;
   chain.line[1] = frame.cache ? &frame.cache->line : NULL;
   if (range.first == HBIL_PASS_REPROJECT)
-    forget_timings(plan);
-  staged = staged_frame(plan, &frame);
+    forget_times(&plan->times);
   status = begin_commands(&chain, wait_count, wait_list);
   if (status == HBIL_SUCCESS)
-    status = enqueue_import(&chain, &frame, &staged, planes);
-  for (int i = (int)range.first; i <= (int)range.last && status == HBIL_SUCCESS;
-       ++i) {
-    chain.pass = (hbil_pass)i;
-    plan->left_out[i] = plan->may_leave_out[i] = false;
-    status = passes[i].enqueue(&chain, &staged);
-  }
-  if (status == HBIL_SUCCESS)
-    status = enqueue_export(&chain, &frame, planes);
+    status = enqueue_passes(plan, &chain, &frame, range.first, range.last);
   if (status != HBIL_SUCCESS)
     plan->has_last = false; /* buffers may hold parts of a failed frame */
   else if (range.last == HBIL_PASS_COMPOSITE)

@@ -27,9 +27,9 @@ static hbil_pattern_args pattern_of(const hbil_plan *plan,
 }
 
 /* Makes the table of steps, unless it exists already. */
-static hbil_status make_pattern(commands *chain, const hbil_view_args *view,
+static hbil_status make_pattern(hbil_plan *plan, commands *chain,
+                                const hbil_view_args *view,
                                 const hbil_pattern_args *pattern) {
-  hbil_plan *plan = chain->plan;
   if (plan->has_steps && !memcmp(view, &plan->steps_view, sizeof *view) &&
       !memcmp(pattern, &plan->steps_pattern, sizeof *pattern))
     return HBIL_SUCCESS;
@@ -143,9 +143,9 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
 
 /* Searches horizons in the rows of a layer from `top` to `bottom`.  Fills the
  * horizon cache with them if `fill_cache`. */
-static hbil_status search(commands *chain, const hbil_gather_args *args,
-                          size_t top, size_t bottom, bool fill_cache) {
-  hbil_plan *plan = chain->plan;
+static hbil_status search(hbil_plan *plan, commands *chain,
+                          const hbil_gather_args *args, size_t top,
+                          size_t bottom, bool fill_cache) {
   const argument list[] = {ARG(*args),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
                            BUFFER_ARG(plan, BUFFER_STEPS),
@@ -163,8 +163,8 @@ static hbil_status search(commands *chain, const hbil_gather_args *args,
 }
 
 /* Computes light from the horizon cache. */
-static hbil_status regather(commands *chain, const hbil_gather_args *args) {
-  hbil_plan *plan = chain->plan;
+static hbil_status regather(hbil_plan *plan, commands *chain,
+                            const hbil_gather_args *args) {
   const argument list[] = {ARG(*args),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
                            BUFFER_ARG(plan, BUFFER_LIGHT),
@@ -180,18 +180,17 @@ static hbil_status regather(commands *chain, const hbil_gather_args *args) {
  * horizon cache, for as many rows as have memory, whether or not its light has
  * changed.  It is the first frame after which further static ones are likely.
  * Later static frames read the cache. */
-static hbil_status gather_all(commands *chain, hbil_gather_args *args,
-                              bool rest) {
-  hbil_plan *plan = chain->plan;
+static hbil_status gather_all(hbil_plan *plan, commands *chain,
+                              hbil_gather_args *args, bool rest) {
   const layout *l = &plan->layout;
   const size_t cached = rest ? l->cache.rows : 0;
   const bool filled = cached && plan->cache_filled;
   args->is_static = CL_FALSE;
-  hbil_status status =
-      filled ? regather(chain, args) : search(chain, args, 0, cached, true);
+  hbil_status status = filled ? regather(plan, chain, args)
+                              : search(plan, chain, args, 0, cached, true);
   args->is_static = rest;
   if (status == HBIL_SUCCESS)
-    status = search(chain, args, cached, (size_t)l->split.height, false);
+    status = search(plan, chain, args, cached, (size_t)l->split.height, false);
   plan->cache_used = filled;
   /* a static frame never follows one that failed */
   plan->cache_filled = cached > 0;
@@ -199,16 +198,16 @@ static hbil_status gather_all(commands *chain, hbil_gather_args *args,
   return status;
 }
 
-hbil_status enqueue_gather(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
+hbil_status enqueue_gather(hbil_plan *plan, commands *chain,
+                           const hbil_frame *frame) {
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
   const hbil_pattern_args pattern = pattern_of(plan, frame, &view);
   const bool rest = may_rest(plan, frame);
   if (rest && !plan->layout.history)
-    return leave_out(chain);
+    return leave_out(plan, HBIL_PASS_GATHER);
   hbil_gather_args args = gather_args(plan, frame, &view, &pattern);
-  hbil_status status = make_pattern(chain, &view, &pattern);
+  hbil_status status = make_pattern(plan, chain, &view, &pattern);
   if (status == HBIL_SUCCESS)
-    status = gather_all(chain, &args, rest);
-  return status == HBIL_SUCCESS ? enqueue_estimate(chain, frame) : status;
+    status = gather_all(plan, chain, &args, rest);
+  return status == HBIL_SUCCESS ? enqueue_estimate(plan, chain, frame) : status;
 }

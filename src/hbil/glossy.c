@@ -24,15 +24,15 @@ void glossy_bands(float lobe, float bands[2]) {
   bands[1] = (float)(1 - 3 * x + 1.5 * x2);
 }
 
-hbil_status enqueue_glossy(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
+hbil_status enqueue_glossy(hbil_plan *plan, commands *chain,
+                           const hbil_frame *frame) {
   const hbil_config *c = &plan->config;
   cl_mem plane[PLANE_COUNT];
   if (!plan->layout.glossy)
     return HBIL_SUCCESS;
   const hbil_composite_args args = composite_args(plan, frame, plane);
   hbil_glossy_args own = {.split = plan->layout.split, .lobe = glossy_lobe(c)};
-  const cl_mem glossy = plane_bind(c, frame, PLANE_GLOSSY, &own.glossy);
+  const cl_mem glossy = bind_plane(plan, frame, PLANE_GLOSSY, &own.glossy);
   glossy_bands(own.lobe, own.bands);
   const argument list[] = {ARG(args),
                            ARG(own),

@@ -168,13 +168,12 @@ static void lay_out_staged(const hbil_config *config, layout *out) {
  * after it.  The history must survive if such a copy can't be enqueued, so
  * composite then writes to a second buffer. */
 static void lay_out_history(const hbil_config *config, layout *out) {
-  const unsigned inputs = PLANE_BIT(PLANE_FIRST_OUTPUT) - 1;
   const size_t bytes =
       sizeof(cl_float) *
       (stored[config->sampling.storage].history * (size_t)out->planes.plane +
        2 * (size_t)hbil_history_origin(out->planes));
   out->bytes[BUFFER_HISTORY] = bytes;
-  if (out->staged.planes & ~inputs)
+  if (out->staged.planes & ~INPUT_PLANES)
     out->bytes[BUFFER_HISTORY_NEXT] = bytes;
 }
 

@@ -9,8 +9,8 @@
 #include "lib/cache_args.h"
 #include "lib/glossy_args.h"
 #include "names.h"
-#include "planes.h"
 #include "shared.h"
+#include "staging.h"
 
 /* The device buffers of a plan. */
 enum {
@@ -40,13 +40,6 @@ enum {
 /* log2(HBIL_MAX_SIZE) + 1: levels of the largest push/pull chain. */
 enum { MAX_CHAIN = 15 };
 _Static_assert(1 << (MAX_CHAIN - 1) == HBIL_MAX_SIZE, "MAX_CHAIN");
-
-/* Planes that the passes read and write in buffers of the plan (import.h), as
- * sets of bits. */
-typedef struct staging {
-  unsigned planes; /* all of them */
-  unsigned images; /* those that are the caller's images */
-} staging;
 
 typedef struct layout {
   size_t bytes[BUFFER_COUNT]; /* 0: not needed */

@@ -3,10 +3,12 @@
 #ifndef HBIL_PASSES_H
 #define HBIL_PASSES_H
 
-#include "commands.h"
+#include "plan.h"
 
-typedef hbil_status pass_function(commands *chain, const hbil_frame *frame);
+typedef hbil_status pass_function(hbil_plan *plan, commands *chain,
+                                  const hbil_frame *frame);
 
+pass_function enqueue_import, enqueue_export;       /* import.c */
 pass_function enqueue_reproject, enqueue_push_pull; /* reproject.c */
 pass_function enqueue_split;                        /* split.c */
 pass_function enqueue_gather;                       /* gather.c */
@@ -14,22 +16,30 @@ pass_function enqueue_gather;                       /* gather.c */
 pass_function enqueue_estimate;
 pass_function enqueue_recompose, enqueue_temporal,
     enqueue_composite; /* resolve.c */
-
 /* probes.c: before composite, in the same pass */
 pass_function enqueue_probes;
-
 /* glossy.c: behind the probes, in the same pass */
 pass_function enqueue_glossy;
+
+/* The caller's planes that the passes from `first` to `last` read or write, as
+ * a set of bits. */
+unsigned planes_of_passes(hbil_pass first, hbil_pass last);
+
+/* Enqueues the passes from `first` to `last`, with import before them and
+ * export behind them. */
+hbil_status enqueue_passes(hbil_plan *plan, commands *chain,
+                           const hbil_frame *frame, hbil_pass first,
+                           hbil_pass last);
+
+/* split.c: clears what kernels read around the pixels of layers, but do not
+ * write. */
+hbil_status clear_padding(const hbil_plan *plan, commands *chain);
 
 /* composite_args.c: what composite takes of a frame, and the buffers of its
  * planes; null where there is none. */
 hbil_composite_args composite_args(const hbil_plan *plan,
                                    const hbil_frame *frame,
                                    cl_mem plane[PLANE_COUNT]);
-
-/* Makes the frame the plan's last one, after composite and the export of its
- * outputs. */
-void remember_frame(hbil_plan *plan, const hbil_frame *frame); /* resolve.c */
 
 /* Vectors of pixels across the image. */
 static inline size_t vectors_across(const hbil_plan *plan) {
@@ -50,9 +60,9 @@ static inline bool may_rest(const hbil_plan *plan, const hbil_frame *frame) {
   return is_static(plan, frame) && !plan->config.history.max_frames;
 }
 
-/* Notes that the host leaves the present pass out. */
-static inline hbil_status leave_out(commands *chain) {
-  chain->plan->left_out[chain->pass] = true;
+/* Notes that the host leaves a pass out. */
+static inline hbil_status leave_out(hbil_plan *plan, hbil_pass pass) {
+  plan->left_out[pass] = true;
   return HBIL_SUCCESS;
 }
 

@@ -3,99 +3,105 @@
 #ifndef HBIL_PLAN_H
 #define HBIL_PLAN_H
 
-#include "context.h"
+#include "buffers.h"
 #include "layout.h"
+#include "timeline.h"
 
-enum {
-  PROGRAM_REPROJECT,
-  PROGRAM_PUSH_PULL,
-  PROGRAM_LAYERS,
-  PROGRAM_SPLIT,
-  PROGRAM_ESTIMATE,
-  PROGRAM_GATHER,
-  PROGRAM_GATHER_AND_CACHE,
-  PROGRAM_REGATHER,
-  PROGRAM_RECOMPOSE,
-  PROGRAM_TEMPORAL,
-  PROGRAM_PROBE_RAYS,
-  PROGRAM_PROBE_CONES,
-  PROGRAM_PROBE_LPV,
-  PROGRAM_PROBE_RSM,
-  PROGRAM_FILTER_PROBES,
-  PROGRAM_PROBE_GLOSSY,
-  PROGRAM_GLOSSY,
-  PROGRAM_COMPOSITE,
-  PROGRAM_IMPORT,
-  PROGRAM_EXPORT,
-  PROGRAM_NORMALS_FROM_DEPTH,
-  PROGRAM_COUNT
-};
+/*
+ * The programs and kernels of a plan (kernel_set.h).  l is the plan's layout,
+ * and the other names in the conditions are those of build_kernels().
+ *
+ * The gather waits for its samples, so many work-items that spill some of their
+ * registers are faster than few that spill none: 1.00 ms with 64 on an H200,
+ * 1.03 with 80, 1.09 with 96 and 1.23 with 110, which it would take.
+ */
+#define PLAN_PROGRAMS(X)                                                       \
+  X(PROGRAM_REPROJECT, "reproject", l->history, .relaxed = false)              \
+  X(PROGRAM_PUSH_PULL, "push_pull", l->history, .relaxed = false)              \
+  X(PROGRAM_LAYERS, "layers", true, .relaxed = false)                          \
+  X(PROGRAM_SPLIT, "split", true, .relaxed = false)                            \
+  X(PROGRAM_ESTIMATE, "estimate", l->estimate, .relaxed = false)               \
+  X(PROGRAM_GATHER, "gather", true, .relaxed = true,                           \
+    .defines = "-DCACHE_HORIZONS=0", .registers = 64)                          \
+  X(PROGRAM_GATHER_AND_CACHE, "gather", caches_horizons, .relaxed = true,      \
+    .defines = "-DCACHE_HORIZONS=1", .registers = 64)                          \
+  X(PROGRAM_REGATHER, "regather", caches_horizons, .relaxed = true)            \
+  X(PROGRAM_RECOMPOSE, "recompose", true, .relaxed = true)                     \
+  X(PROGRAM_TEMPORAL, "temporal", averages, .relaxed = false)                  \
+  X(PROGRAM_PROBE_RAYS, "cache/probe_rays", provider == HBIL_PROVIDER_RAYS,    \
+    .relaxed = true)                                                           \
+  X(PROGRAM_PROBE_CONES, "cache/probe_cones", provider == HBIL_PROVIDER_CONES, \
+    .relaxed = true, .defines = "-DHBIL_WIDTH=1")                              \
+  X(PROGRAM_PROBE_LPV, "cache/probe_lpv", provider == HBIL_PROVIDER_LPV,       \
+    .relaxed = false, .defines = "-DHBIL_WIDTH=1")                             \
+  X(PROGRAM_PROBE_RSM, "cache/probe_rsm", provider == HBIL_PROVIDER_RSM,       \
+    .relaxed = true, .defines = "-DHBIL_WIDTH=1")                              \
+  X(PROGRAM_FILTER_PROBES, "cache/filter_probes", l->probes, .relaxed = true)  \
+  X(PROGRAM_PROBE_GLOSSY, "cache/probe_glossy", l->probes && l->glossy,        \
+    .relaxed = true)                                                           \
+  X(PROGRAM_GLOSSY, "glossy", l->glossy, .relaxed = false)                     \
+  X(PROGRAM_COMPOSITE, "composite", true, .relaxed = false)                    \
+  X(PROGRAM_IMPORT, "import", imports, .relaxed = false)                       \
+  X(PROGRAM_EXPORT, "export", exports, .relaxed = false)                       \
+  X(PROGRAM_NORMALS_FROM_DEPTH, "normals_from_depth", rebuilds_normals,        \
+    .relaxed = false)
 
-enum {
-  KERNEL_REPROJECT,
-  KERNEL_FIND_HOLES,
-  KERNEL_PUSH,
-  KERNEL_PULL,
-  KERNEL_CLEAR_PADDING,
-  KERNEL_SPLIT,
-  KERNEL_RELIGHT,
-  KERNEL_BOUND_CELLS,
-  KERNEL_BOUND_QUADRANTS,
-  KERNEL_ESTIMATE_PART,
-  KERNEL_ESTIMATE_LANES,
-  KERNEL_ESTIMATE_SUM,
-  KERNEL_ESTIMATE_FILL,
-  KERNEL_PATTERN,
-  KERNEL_GATHER,
-  KERNEL_GATHER_AND_CACHE,
-  KERNEL_REGATHER,
-  KERNEL_RECOMPOSE,
-  KERNEL_TEMPORAL,
-  KERNEL_PROBE_RAYS,
-  KERNEL_PROBE_CONES,
-  KERNEL_PROBE_LPV,
-  KERNEL_PROBE_RSM,
-  KERNEL_FILTER_PROBES,
-  KERNEL_PROBE_GLOSSY,
-  KERNEL_GLOSSY,
-  KERNEL_COMPOSITE,
-  KERNEL_IMPORT_IMAGE,
-  KERNEL_EXPORT_IMAGE,
-  KERNEL_NORMALS_FROM_DEPTH,
-  KERNEL_COUNT
-};
+#define PLAN_KERNELS(X)                                                        \
+  X(KERNEL_REPROJECT, "reproject", PROGRAM_REPROJECT, true)                    \
+  X(KERNEL_FIND_HOLES, "find_holes", PROGRAM_PUSH_PULL, true)                  \
+  X(KERNEL_PUSH, "push", PROGRAM_PUSH_PULL, true)                              \
+  X(KERNEL_PULL, "pull", PROGRAM_PUSH_PULL, true)                              \
+  X(KERNEL_CLEAR_PADDING, "clear_padding", PROGRAM_LAYERS, true)               \
+  X(KERNEL_SPLIT, "split", PROGRAM_SPLIT, true)                                \
+  X(KERNEL_RELIGHT, "relight", PROGRAM_SPLIT, relights)                        \
+  X(KERNEL_BOUND_CELLS, "bound_cells", PROGRAM_LAYERS, bounds)                 \
+  X(KERNEL_BOUND_QUADRANTS, "bound_quadrants", PROGRAM_LAYERS, bounds)         \
+  X(KERNEL_ESTIMATE_PART, "estimate_part", PROGRAM_ESTIMATE, true)             \
+  X(KERNEL_ESTIMATE_LANES, "estimate_lanes", PROGRAM_ESTIMATE,                 \
+    l->estimate_lanes > 1)                                                     \
+  X(KERNEL_ESTIMATE_SUM, "estimate_sum", PROGRAM_ESTIMATE, true)               \
+  X(KERNEL_ESTIMATE_FILL, "estimate_fill", PROGRAM_ESTIMATE, true)             \
+  X(KERNEL_PATTERN, "make_pattern", PROGRAM_LAYERS, true)                      \
+  X(KERNEL_GATHER, "gather", PROGRAM_GATHER, true)                             \
+  X(KERNEL_GATHER_AND_CACHE, "gather", PROGRAM_GATHER_AND_CACHE, true)         \
+  X(KERNEL_REGATHER, "regather", PROGRAM_REGATHER, true)                       \
+  X(KERNEL_RECOMPOSE, "recompose", PROGRAM_RECOMPOSE, true)                    \
+  X(KERNEL_TEMPORAL, "temporal", PROGRAM_TEMPORAL, true)                       \
+  X(KERNEL_PROBE_RAYS, "probe_rays", PROGRAM_PROBE_RAYS, true)                 \
+  X(KERNEL_PROBE_CONES, "probe_cones", PROGRAM_PROBE_CONES, true)              \
+  X(KERNEL_PROBE_LPV, "probe_lpv", PROGRAM_PROBE_LPV, true)                    \
+  X(KERNEL_PROBE_RSM, "probe_rsm", PROGRAM_PROBE_RSM, true)                    \
+  X(KERNEL_FILTER_PROBES, "filter_probes", PROGRAM_FILTER_PROBES, true)        \
+  X(KERNEL_PROBE_GLOSSY, "probe_glossy", PROGRAM_PROBE_GLOSSY, true)           \
+  X(KERNEL_GLOSSY, "glossy", PROGRAM_GLOSSY, true)                             \
+  X(KERNEL_COMPOSITE, "composite", PROGRAM_COMPOSITE, true)                    \
+  X(KERNEL_IMPORT_IMAGE, "import_image", PROGRAM_IMPORT, true)                 \
+  X(KERNEL_EXPORT_IMAGE, "export_image", PROGRAM_EXPORT, true)                 \
+  X(KERNEL_NORMALS_FROM_DEPTH, "normals_from_depth",                           \
+    PROGRAM_NORMALS_FROM_DEPTH, true)
 
-/* The most commands of a frame, for the profiling events: two for each level of
- * the push/pull chain, one for each staged plane, and the others. */
-enum { MAX_LAUNCHES = 2 * MAX_CHAIN + PLANE_COUNT + 30 };
+enum { PLAN_PROGRAMS(LISTED_ENUMERATOR) PROGRAM_COUNT };
+enum { PLAN_KERNELS(LISTED_ENUMERATOR) KERNEL_COUNT };
+_Static_assert((int)PROGRAM_COUNT <= (int)MOST_PROGRAMS, "MOST_PROGRAMS");
+_Static_assert((int)KERNEL_COUNT <= (int)MOST_KERNELS, "MOST_KERNELS");
 
-/* A part of a buffer that is nobody's sub-buffer. */
-typedef struct memory_range {
-  cl_mem memory;
-  size_t start, bytes;
-} memory_range;
-
-/* The commands on one object, which run one after the other, whatever queues
- * they go to.  The next one waits for `tail`; NULL: for all that is in `queue`
- * so far. */
-typedef struct timeline {
-  cl_command_queue queue; /* of the last command, retained; NULL: none yet */
-  bool in_order;          /* that queue */
-  cl_event tail;
-} timeline;
+/* A frame has two commands for each level of the push/pull chain, one for each
+ * staged plane, and some 30 others. */
+_Static_assert(2 * MAX_CHAIN + (int)PLANE_COUNT + 30 <= (int)MOST_TIMED,
+               "MOST_TIMED");
 
 /* The light of more bounces differs by less than a rounding: 0.9^n < 2^-24. */
 enum { MOST_BOUNCES = 256 };
 
 struct hbil_plan {
   hbil_context *context;
-  hbil_config config; /* formats: as the passes see them (import.h) */
+  hbil_config config; /* formats: as the passes see them (staging.h) */
   layout layout;
   cl_mem buffers[BUFFER_COUNT];
   memory_range lent; /* the caller's scratch memory; memory is null: none */
-  cl_program programs[PROGRAM_COUNT];
-  cl_kernel kernels[KERNEL_COUNT];
-  timeline line; /* of the plan's commands */
+  kernel_set kernels;
+  timeline line;       /* of the plan's commands */
+  command_times times; /* of the last frame's passes, with profiling */
   /* light of the last frame, and where it was seen from */
   bool has_history;
   cl_uint bounces; /* that this light has had, 1 .. MOST_BOUNCES */
@@ -114,6 +120,10 @@ struct hbil_plan {
   /* passes of the frame that is being enqueued: whether the host left them out,
    * and whether the device may have */
   bool left_out[HBIL_PASS_COUNT], may_leave_out[HBIL_PASS_COUNT];
+  /* of the call that enqueues them: the caller's planes that they use, and
+   * whether reproject is among them */
+  unsigned planes_in_use;
+  bool reprojected;
   /* whether the last gather has filled the horizon cache, and whether that of
    * the frame that is being enqueued reads it */
   bool cache_filled, cache_used;
@@ -123,11 +133,31 @@ struct hbil_plan {
   bool has_steps;
   hbil_view_args steps_view;
   hbil_pattern_args steps_pattern;
-  /* profiling */
-  int launches;
-  cl_event events[MAX_LAUNCHES];
-  cl_int events_error; /* why some are missing */
-  hbil_pass event_pass[MAX_LAUNCHES];
 };
+
+/* A chain for a plan's commands in a queue. */
+commands commands_of_plan(hbil_plan *plan, cl_command_queue queue);
+
+/* A buffer of the plan, as an argument of a kernel. */
+#define BUFFER_ARG(plan, i) ARG((plan)->buffers[i])
+
+/* A plane of the frame as a kernel takes it: plane_bind(), or the plan's own
+ * buffer where the plane is staged. */
+cl_mem bind_plane(const hbil_plan *plan, const hbil_frame *frame, int plane,
+                  hbil_external_plane_args *args);
+
+/* Sets one of HBIL_FLAG_. */
+hbil_status set_flag(const hbil_plan *plan, commands *chain, int flag,
+                     cl_uint value);
+
+/* Clears `words` counts of sanitized pixels from `first` on. */
+hbil_status clear_counts(const hbil_plan *plan, commands *chain, int first,
+                         int words);
+
+/* The buffer of the history that composite writes. */
+int next_history(const hbil_plan *plan);
+
+/* Makes the frame the plan's last one, when all its passes are enqueued. */
+void remember_frame(hbil_plan *plan, const hbil_frame *frame);
 
 #endif

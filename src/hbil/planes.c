@@ -44,7 +44,7 @@ const component_kind component_kinds[COMPONENT_COUNT] = {
                             ROUNDING_OF_BITS(10)},
     [HBIL_R11G11B10_FLOAT] = {"HBIL_R11G11B10_FLOAT", "f11", 4, true, 0.0f},
     [HBIL_RGB9E5_FLOAT] = {"HBIL_RGB9E5_FLOAT", "e5", 4, true, 0.0f},
-    /* staged (import.h), so kernels never see it */
+    /* staged (staging.h), so kernels never see it */
     [HBIL_IMAGE] = {"HBIL_IMAGE", "none", 1, false, 0.0f},
 };
 

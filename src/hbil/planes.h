@@ -34,6 +34,7 @@ enum {
 
 /* A set of planes has a bit for each. */
 #define PLANE_BIT(plane) (1u << (plane))
+#define INPUT_PLANES (PLANE_BIT(PLANE_FIRST_OUTPUT) - 1)
 
 typedef struct plane_kind {
   const char *name;   /* as in hbil_config and hbil_frame */

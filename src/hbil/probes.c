@@ -40,7 +40,8 @@ static hbil_probes_args probes_args(const hbil_plan *plan,
 
 /* --- providers --- */
 
-typedef hbil_status provider(commands *chain, const hbil_cache *cache,
+typedef hbil_status provider(const hbil_plan *plan, commands *chain,
+                             const hbil_cache *cache,
                              const hbil_probes_args *args);
 
 /* Launches a provider's kernel for all probes. */
@@ -49,57 +50,60 @@ typedef hbil_status provider(commands *chain, const hbil_cache *cache,
          (size_t)(args)->grid.rows, 1)
 
 /* Launches a kernel of rays.  probes: the buffer that it fills. */
-static hbil_status cast_rays(commands *chain, const hbil_cache *cache,
+static hbil_status cast_rays(const hbil_plan *plan, commands *chain,
+                             const hbil_cache *cache,
                              const hbil_probes_args *args, int kernel,
                              int probes) {
   const cl_mem clearance = of_cache(cache, CACHE_CLEARANCE);
   const cl_mem voxels = of_cache(cache, CACHE_VOXELS);
   const cl_mem radiance = of_cache(cache, CACHE_RADIANCE);
-  const argument list[] = {
-      ARG(*args),     BUFFER_ARG(chain->plan, BUFFER_SPLIT),
-      ARG(clearance), ARG(voxels),
-      ARG(radiance),  BUFFER_ARG(chain->plan, probes)};
+  const argument list[] = {ARG(*args),     BUFFER_ARG(plan, BUFFER_SPLIT),
+                           ARG(clearance), ARG(voxels),
+                           ARG(radiance),  BUFFER_ARG(plan, probes)};
   return LAUNCH_PROBES(chain, kernel, list, args);
 }
 
-static hbil_status ask_rays(commands *chain, const hbil_cache *cache,
+static hbil_status ask_rays(const hbil_plan *plan, commands *chain,
+                            const hbil_cache *cache,
                             const hbil_probes_args *args) {
-  return cast_rays(chain, cache, args, KERNEL_PROBE_RAYS, BUFFER_PROBES);
+  return cast_rays(plan, chain, cache, args, KERNEL_PROBE_RAYS, BUFFER_PROBES);
 }
 
-static hbil_status ask_cones(commands *chain, const hbil_cache *cache,
+static hbil_status ask_cones(const hbil_plan *plan, commands *chain,
+                             const hbil_cache *cache,
                              const hbil_probes_args *args) {
   const cl_mem clearance = of_cache(cache, CACHE_CLEARANCE);
   const cl_mem voxels = of_cache(cache, CACHE_VOXELS);
   const cl_mem radiance = of_cache(cache, CACHE_RADIANCE);
   const cl_mem pyramid = of_cache(cache, CACHE_PYRAMID);
   const argument list[] = {ARG(*args),
-                           BUFFER_ARG(chain->plan, BUFFER_SPLIT),
+                           BUFFER_ARG(plan, BUFFER_SPLIT),
                            ARG(clearance),
                            ARG(voxels),
                            ARG(radiance),
                            ARG(pyramid),
-                           BUFFER_ARG(chain->plan, BUFFER_PROBES)};
+                           BUFFER_ARG(plan, BUFFER_PROBES)};
   return LAUNCH_PROBES(chain, KERNEL_PROBE_CONES, list, args);
 }
 
-static hbil_status ask_lpv(commands *chain, const hbil_cache *cache,
+static hbil_status ask_lpv(const hbil_plan *plan, commands *chain,
+                           const hbil_cache *cache,
                            const hbil_probes_args *args) {
   const cl_mem volumes = of_cache(cache, CACHE_VOLUMES);
-  const argument list[] = {ARG(*args), BUFFER_ARG(chain->plan, BUFFER_SPLIT),
-                           ARG(volumes),
-                           BUFFER_ARG(chain->plan, BUFFER_PROBES)};
+  const argument list[] = {ARG(*args), BUFFER_ARG(plan, BUFFER_SPLIT),
+                           ARG(volumes), BUFFER_ARG(plan, BUFFER_PROBES)};
   return LAUNCH_PROBES(chain, KERNEL_PROBE_LPV, list, args);
 }
 
-static hbil_status ask_rsm(commands *chain, const hbil_cache *cache,
+static hbil_status ask_rsm(const hbil_plan *plan, commands *chain,
+                           const hbil_cache *cache,
                            const hbil_probes_args *args) {
   const hbil_light_views_args lights =
       cache ? light_views_args(cache) : (hbil_light_views_args){0};
   const cl_mem texels = of_cache(cache, CACHE_LIGHT_VIEWS);
-  const argument list[] = {ARG(*args), BUFFER_ARG(chain->plan, BUFFER_SPLIT),
+  const argument list[] = {ARG(*args), BUFFER_ARG(plan, BUFFER_SPLIT),
                            ARG(lights), ARG(texels),
-                           BUFFER_ARG(chain->plan, BUFFER_PROBES)};
+                           BUFFER_ARG(plan, BUFFER_PROBES)};
   return LAUNCH_PROBES(chain, KERNEL_PROBE_RSM, list, args);
 }
 
@@ -108,17 +112,17 @@ static provider *const providers[] = {[HBIL_PROVIDER_RAYS] = ask_rays,
                                       [HBIL_PROVIDER_LPV] = ask_lpv,
                                       [HBIL_PROVIDER_RSM] = ask_rsm};
 
-hbil_status enqueue_probes(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
+hbil_status enqueue_probes(hbil_plan *plan, commands *chain,
+                           const hbil_frame *frame) {
   if (!plan->layout.probes || !(frame->cache || chain->trial))
     return HBIL_SUCCESS;
   const hbil_probes_args args = probes_args(plan, frame);
   const argument filter[] = {ARG(args), BUFFER_ARG(plan, BUFFER_PROBES),
                              BUFFER_ARG(plan, BUFFER_FILTERED_PROBES)};
   hbil_status status =
-      providers[plan->config.model.provider](chain, frame->cache, &args);
+      providers[plan->config.model.provider](plan, chain, frame->cache, &args);
   if (status == HBIL_SUCCESS && plan->layout.glossy)
-    status = cast_rays(chain, frame->cache, &args, KERNEL_PROBE_GLOSSY,
+    status = cast_rays(plan, chain, frame->cache, &args, KERNEL_PROBE_GLOSSY,
                        BUFFER_GLOSSY_PROBES);
   return status == HBIL_SUCCESS
              ? LAUNCH_PROBES(chain, KERNEL_FILTER_PROBES, filter, &args)

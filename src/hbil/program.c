@@ -275,6 +275,7 @@ static hbil_status build(hbil_context *context, cl_program program,
 static hbil_status build_text(hbil_context *context, const program_kind *kind,
                               const char *text, const char *defines,
                               cl_program *out, binary_identity *identity) {
+  const char *own = kind->defines ? kind->defines : "";
   char options[MOST_DEFINES + 128], registers[48] = "";
   cl_int error = CL_SUCCESS;
   if (kind->registers && context->takes_registers)
@@ -286,10 +287,9 @@ static hbil_status build_text(hbil_context *context, const program_kind *kind,
                                    : "",
            registers);
   hbil_status status =
-      add_defines(context, text, kind->defines, "", options, sizeof options);
+      add_defines(context, text, own, "", options, sizeof options);
   if (status == HBIL_SUCCESS)
-    status = add_defines(context, text, defines, kind->defines, options,
-                         sizeof options);
+    status = add_defines(context, text, defines, own, options, sizeof options);
   if (status != HBIL_SUCCESS)
     return status;
   binary_identify(context, kind->name, text, options, identity);

@@ -9,16 +9,17 @@
 typedef struct program_kind {
   const char *name;    /* of its file, without .cl */
   bool relaxed;        /* relaxed arithmetic: results may differ in rounding */
-  const char *defines; /* of its own, beside the plan's or instead of them; ""
-                          if none */
+  const char *defines; /* of its own, beside the owner's or instead of them;
+                          NULL: none */
   int registers;       /* the most of a work-item where the compiler takes a
                           limit; 0: as many as it likes */
 } program_kind;
 
-/* The most characters that the defines of a plan take. */
+/* The most characters that the defines of an owner take. */
 enum { MOST_DEFINES = 4096 };
 
-/* Builds the program of one pass.  `defines` has all defines of the plan as
+/* Builds the program of one pass.  `defines` has all defines of a plan or a
+ * cache as
  * "-DNAME=VALUE" with spaces between; the program gets those that its text
  * names outside of comments.  So plans that differ in nothing that a program
  * reads share it in the driver's cache.  #include "..." lines of the kernel

@@ -1,5 +1,5 @@
 /* Reads back a frame's timings, statistics and counts of sanitized pixels. */
-#include "commands.h"
+#include "plan.h"
 #include "lib/sampling_pattern.h"
 
 #include <stdlib.h>
@@ -35,22 +35,11 @@ static hbil_status begin_reading(const char *function, hbil_plan *plan,
   return status;
 }
 
-static hbil_status read_bytes(const commands *chain, int buffer, size_t bytes,
-                              void *out) {
-  hbil_plan *plan = chain->plan;
-  const cl_int error = clEnqueueReadBuffer(
-      chain->queue, plan->buffers[buffer], CL_TRUE, 0, bytes, out,
-      chain->wait_count, chain->wait_list, NULL);
-  return error == CL_SUCCESS
-             ? HBIL_SUCCESS
-             : fail_cl(plan->context, error, "clEnqueueReadBuffer");
-}
-
-static hbil_status read_passes(const commands *chain, hbil_statistics *out) {
-  const hbil_plan *plan = chain->plan;
+static hbil_status read_passes(const hbil_plan *plan, const commands *chain,
+                               hbil_statistics *out) {
   cl_uint flags[HBIL_FLAGS];
   const hbil_status status =
-      read_bytes(chain, BUFFER_FLAGS, sizeof flags, flags);
+      read_memory(chain, plan->buffers[BUFFER_FLAGS], sizeof flags, flags);
   if (status != HBIL_SUCCESS)
     return status;
   for (int p = 0; p < HBIL_PASS_COUNT; ++p) {
@@ -106,15 +95,15 @@ static void count_spans(const hbil_plan *plan, const unsigned char *spans,
   }
 }
 
-static hbil_status read_spans(const commands *chain, hbil_statistics *out) {
-  hbil_plan *plan = chain->plan;
+static hbil_status read_spans(const hbil_plan *plan, const commands *chain,
+                              hbil_statistics *out) {
   const size_t bytes = plan->layout.bytes[BUFFER_SPAN_STATES];
   unsigned char *spans = malloc(bytes);
   if (!spans)
     return fail(plan->context, HBIL_OUT_OF_HOST_MEMORY,
                 "no memory to count in");
   const hbil_status status =
-      read_bytes(chain, BUFFER_SPAN_STATES, bytes, spans);
+      read_memory(chain, plan->buffers[BUFFER_SPAN_STATES], bytes, spans);
   if (status == HBIL_SUCCESS)
     count_spans(plan, spans, out);
   free(spans);
@@ -129,9 +118,9 @@ hbil_status hbil_plan_statistics(hbil_plan *plan, cl_command_queue queue,
   hbil_status status = begin_reading(__func__, plan, queue, out, &chain);
   if (status != HBIL_SUCCESS)
     return status;
-  status = read_passes(&chain, out);
+  status = read_passes(plan, &chain, out);
   if (status == HBIL_SUCCESS)
-    status = read_spans(&chain, out);
+    status = read_spans(plan, &chain, out);
   end_commands(&chain);
   if (status == HBIL_SUCCESS && out->not_run[HBIL_PASS_GATHER])
     out->sky = out->open = out->dark = out->unused = out->from_cache =
@@ -148,7 +137,8 @@ hbil_status hbil_plan_sanitized(hbil_plan *plan, cl_command_queue queue,
   hbil_status status = begin_reading(__func__, plan, queue, out, &chain);
   if (status != HBIL_SUCCESS)
     return status;
-  status = read_bytes(&chain, BUFFER_SANITIZED, sizeof words, words);
+  status =
+      read_memory(&chain, plan->buffers[BUFFER_SANITIZED], sizeof words, words);
   end_commands(&chain);
   if (status != HBIL_SUCCESS)
     return status;
@@ -172,9 +162,10 @@ hbil_status hbil_plan_sanitized(hbil_plan *plan, cl_command_queue queue,
 }
 
 /* Adds one command's time to its pass. */
-static hbil_status add_time(hbil_plan *plan, int launch, double *milliseconds) {
+static hbil_status add_time(const hbil_plan *plan, int command,
+                            double *milliseconds) {
   cl_ulong start = 0, end = 0;
-  const cl_event event = plan->events[launch];
+  const cl_event event = plan->times.events[command];
   cl_int error = clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START,
                                          sizeof start, &start, NULL);
   if (error == CL_SUCCESS)
@@ -182,7 +173,7 @@ static hbil_status add_time(hbil_plan *plan, int launch, double *milliseconds) {
                                     &end, NULL);
   if (error != CL_SUCCESS)
     return fail_cl(plan->context, error, "clGetEventProfilingInfo");
-  milliseconds[plan->event_pass[launch]] += (double)(end - start) * 1e-6;
+  milliseconds[plan->times.owner[command]] += (double)(end - start) * 1e-6;
   return HBIL_SUCCESS;
 }
 
@@ -195,15 +186,16 @@ hbil_status hbil_plan_timings(hbil_plan *plan,
   if (!plan->config.execution.profiling)
     return fail(plan->context, HBIL_INVALID_CONFIG,
                 "execution.profiling: CL_FALSE; timings need CL_TRUE");
-  if (plan->events_error != CL_SUCCESS)
-    return fail_cl(plan->context, plan->events_error, "clRetainEvent");
-  if (!plan->launches)
+  if (plan->times.error != CL_SUCCESS)
+    return fail_cl(plan->context, plan->times.error, "clRetainEvent");
+  if (!plan->times.count)
     return HBIL_SUCCESS;
-  const cl_int error = clWaitForEvents((cl_uint)plan->launches, plan->events);
+  const cl_int error =
+      clWaitForEvents((cl_uint)plan->times.count, plan->times.events);
   if (error != CL_SUCCESS)
     return fail_cl(plan->context, error, "clWaitForEvents");
   hbil_status status = HBIL_SUCCESS;
-  for (int i = 0; i < plan->launches && status == HBIL_SUCCESS; ++i)
+  for (int i = 0; i < plan->times.count && status == HBIL_SUCCESS; ++i)
     status = add_time(plan, i, milliseconds);
   return status;
 }

@@ -8,10 +8,10 @@ static bool follows_motion(const hbil_config *config) {
   return config->history.reprojection == HBIL_REPROJECTION_MOTION;
 }
 
-hbil_status enqueue_reproject(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
+hbil_status enqueue_reproject(hbil_plan *plan, commands *chain,
+                              const hbil_frame *frame) {
   if (!plan->has_history || is_static(plan, frame))
-    return leave_out(chain);
+    return leave_out(plan, HBIL_PASS_REPROJECT);
   const hbil_config *c = &plan->config;
   hbil_reproject_args args = {
       .view = camera_view(&frame->camera, c),
@@ -21,8 +21,8 @@ hbil_status enqueue_reproject(commands *chain, const hbil_frame *frame) {
       .motion_scale = {c->inputs.motion_scale[0], c->inputs.motion_scale[1]},
       .decode = depth_args(c, frame),
       .disocclusion_threshold = c->history.disocclusion_threshold};
-  const cl_mem depth = plane_bind(c, frame, PLANE_DEPTH, &args.depth);
-  const cl_mem motion = plane_bind(c, frame, PLANE_MOTION, &args.motion);
+  const cl_mem depth = bind_plane(plan, frame, PLANE_DEPTH, &args.depth);
+  const cl_mem motion = bind_plane(plan, frame, PLANE_MOTION, &args.motion);
   const argument list[] = {ARG(args),
                            BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
                            BUFFER_ARG(plan, BUFFER_CARRIED),
@@ -30,10 +30,10 @@ hbil_status enqueue_reproject(commands *chain, const hbil_frame *frame) {
                            ARG(motion),
                            BUFFER_ARG(plan, BUFFER_FLAGS),
                            BUFFER_ARG(plan, BUFFER_SANITIZED)};
-  hbil_status status = set_flag(chain, HBIL_FLAG_HOLES, 0);
+  hbil_status status = set_flag(plan, chain, HBIL_FLAG_HOLES, 0);
   if (status == HBIL_SUCCESS && follows_motion(c))
-    status = clear_counts(chain, HBIL_SANITIZED_MOTION, 1);
-  chain->reprojected = true;
+    status = clear_counts(plan, chain, HBIL_SANITIZED_MOTION, 1);
+  plan->reprojected = true;
   return status == HBIL_SUCCESS ? LAUNCH(chain, KERNEL_REPROJECT, list,
                                          vectors_across(plan), c->height, 1)
                                 : status;
@@ -41,31 +41,30 @@ hbil_status enqueue_reproject(commands *chain, const hbil_frame *frame) {
 
 /* Raises HBIL_FLAG_HOLES if there are holes.  The kernel reproject does
  * that itself; this is for callers who replaced it by a pass of their own. */
-static hbil_status find_holes(commands *chain) {
-  hbil_plan *plan = chain->plan;
+static hbil_status find_holes(hbil_plan *plan, commands *chain) {
   const hbil_push_pull_args args = {.fine = plan->layout.chain[0]};
   const argument list[] = {ARG(args), BUFFER_ARG(plan, BUFFER_CARRIED),
                            BUFFER_ARG(plan, BUFFER_FLAGS)};
   if (!(plan->layout.skip & HBIL_SKIP_HOLES))
-    return set_flag(chain, HBIL_FLAG_HOLES, 1);
+    return set_flag(plan, chain, HBIL_FLAG_HOLES, 1);
   plan->may_leave_out[HBIL_PASS_PUSH_PULL] = true;
-  if (chain->reprojected)
+  if (plan->reprojected)
     return HBIL_SUCCESS;
-  const hbil_status status = set_flag(chain, HBIL_FLAG_HOLES, 0);
+  const hbil_status status = set_flag(plan, chain, HBIL_FLAG_HOLES, 0);
   return status == HBIL_SUCCESS
              ? LAUNCH(chain, KERNEL_FIND_HOLES, list, vectors_across(plan),
                       plan->config.height, 1)
              : status;
 }
 
-hbil_status enqueue_push_pull(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
+hbil_status enqueue_push_pull(hbil_plan *plan, commands *chain,
+                              const hbil_frame *frame) {
   const hbil_chain_args *levels = plan->layout.chain;
   const int last = plan->layout.chain_count - 1;
   const size_t width = plan->config.execution.vector_width;
   if (!plan->has_history || is_static(plan, frame))
-    return leave_out(chain);
-  hbil_status status = find_holes(chain);
+    return leave_out(plan, HBIL_PASS_PUSH_PULL);
+  hbil_status status = find_holes(plan, chain);
   /* from the finest level to the coarsest, and back */
   for (int step = 0; step < 2 * last && status == HBIL_SUCCESS; ++step) {
     const bool down = step < last;

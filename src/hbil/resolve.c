@@ -6,13 +6,13 @@
 #include "camera.h"
 #include "planes.h"
 
-hbil_status enqueue_recompose(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
+hbil_status enqueue_recompose(hbil_plan *plan, commands *chain,
+                              const hbil_frame *frame) {
   const layout *l = &plan->layout;
   const bool rest = may_rest(plan, frame);
   plan->temporal_written = false; /* by a frame that was broken off */
   if (rest && !l->history)
-    return leave_out(chain);
+    return leave_out(plan, HBIL_PASS_RECOMPOSE);
   plan->may_leave_out[HBIL_PASS_RECOMPOSE] = rest;
   const hbil_recompose_args args = {camera_view(&frame->camera, &plan->config),
                                     l->split,
@@ -35,8 +35,8 @@ hbil_status enqueue_recompose(commands *chain, const hbil_frame *frame) {
 
 /* Writes the new history to the other buffer.  composite makes it the plan's
  * history, so that a frame which fails leaves none. */
-hbil_status enqueue_temporal(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
+hbil_status enqueue_temporal(hbil_plan *plan, commands *chain,
+                             const hbil_frame *frame) {
   const hbil_config *c = &plan->config;
   if (!c->history.max_frames)
     return HBIL_SUCCESS;
@@ -53,7 +53,7 @@ hbil_status enqueue_temporal(commands *chain, const hbil_frame *frame) {
       .most_frames = (cl_float)c->history.max_frames,
       /* a mean over one frame is that frame */
       .has_before = plan->has_temporal && c->history.max_frames > 1};
-  const cl_mem motion = plane_bind(c, frame, PLANE_MOTION, &args.motion);
+  const cl_mem motion = bind_plane(plan, frame, PLANE_MOTION, &args.motion);
   const argument list[] = {ARG(args),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
                            BUFFER_ARG(plan, BUFFER_RESOLVED),
@@ -61,9 +61,10 @@ hbil_status enqueue_temporal(commands *chain, const hbil_frame *frame) {
                            BUFFER_ARG(plan, BUFFER_TEMPORAL + !plan->temporal),
                            ARG(motion),
                            BUFFER_ARG(plan, BUFFER_SANITIZED)};
-  hbil_status status = plan->layout.history
-                           ? HBIL_SUCCESS
-                           : clear_counts(chain, HBIL_SANITIZED_MOTION, 1);
+  hbil_status status =
+      plan->layout.history
+          ? HBIL_SUCCESS
+          : clear_counts(plan, chain, HBIL_SANITIZED_MOTION, 1);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_TEMPORAL, list,
                     (vectors_across(plan) + 3) / 4, c->height, 1);
@@ -71,34 +72,8 @@ hbil_status enqueue_temporal(commands *chain, const hbil_frame *frame) {
   return status;
 }
 
-/* The buffer of the history that composite writes. */
-static int next_history(const hbil_plan *plan) {
-  return plan->layout.bytes[BUFFER_HISTORY_NEXT]
-             ? BUFFER_HISTORY + !plan->history
-             : BUFFER_HISTORY;
-}
-
-void remember_frame(hbil_plan *plan, const hbil_frame *frame) {
-  plan->has_last = true;
-  plan->last_camera = frame->camera;
-  plan->last_index = frame->frame_index;
-  if (plan->layout.history) {
-    const cl_uint bounces = hbil_plan_bounces(plan);
-    plan->bounces = bounces < MOST_BOUNCES ? bounces + 1 : MOST_BOUNCES;
-    plan->has_history = true;
-    plan->history = next_history(plan) - BUFFER_HISTORY;
-    plan->history_camera = frame->camera;
-  }
-  if (plan->temporal_written) {
-    plan->temporal_written = false;
-    plan->temporal = !plan->temporal;
-    plan->has_temporal = true;
-    plan->temporal_camera = frame->camera;
-  }
-}
-
-hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
+hbil_status enqueue_composite(hbil_plan *plan, commands *chain,
+                              const hbil_frame *frame) {
   const hbil_config *c = &plan->config;
   cl_mem plane[PLANE_COUNT];
   const hbil_composite_args args = composite_args(plan, frame, plane);
@@ -123,11 +98,12 @@ hbil_status enqueue_composite(commands *chain, const hbil_frame *frame) {
                            BUFFER_ARG(plan, BUFFER_FILTERED_PROBES),
                            BUFFER_ARG(plan, BUFFER_SANITIZED)};
   const cl_uint line = plan->layout.line;
-  hbil_status status = enqueue_probes(chain, frame);
+  hbil_status status = enqueue_probes(plan, chain, frame);
   if (status == HBIL_SUCCESS)
-    status = enqueue_glossy(chain, frame);
+    status = enqueue_glossy(plan, chain, frame);
   if (status == HBIL_SUCCESS && plan->layout.late_counts)
-    status = clear_counts(chain, HBIL_SANITIZED_LATE, HBIL_SURFACE_INPUTS);
+    status =
+        clear_counts(plan, chain, HBIL_SANITIZED_LATE, HBIL_SURFACE_INPUTS);
   return status == HBIL_SUCCESS
              ? LAUNCH(chain, KERNEL_COMPOSITE, list,
                       (c->width + line - 1) / line, c->height, 1)

@@ -2,14 +2,13 @@
 #include "passes.h"
 
 #include "camera.h"
-#include "memory.h"
 #include "planes.h"
 
 /* In kernels of single pixels a group is 4 pixels, so a cell of 64 x 64 pixels
  * has 1024 groups. That is too many for one work-item of a GPU, so the groups
  * of every 4 rows (a row block) are combined first. */
-static hbil_status bound(commands *chain, cl_int unchanged_is_done) {
-  hbil_plan *plan = chain->plan;
+static hbil_status bound(hbil_plan *plan, commands *chain,
+                         cl_int unchanged_is_done) {
   const hbil_bounds_args *b = &plan->layout.bounds;
   const hbil_grid_args *row_block = &plan->layout.row_block;
   const cl_int across = HBIL_CELL / (cl_int)plan->config.execution.vector_width;
@@ -41,9 +40,30 @@ static hbil_status bound(commands *chain, cl_int unchanged_is_done) {
 }
 
 /* Bounds of the layers, where skips need them. */
-static hbil_status sum_up(commands *chain, cl_int unchanged_is_done) {
-  return chain->plan->buffers[BUFFER_BOUNDS] ? bound(chain, unchanged_is_done)
-                                             : HBIL_SUCCESS;
+static hbil_status sum_up(hbil_plan *plan, commands *chain,
+                          cl_int unchanged_is_done) {
+  return plan->buffers[BUFFER_BOUNDS] ? bound(plan, chain, unchanged_is_done)
+                                      : HBIL_SUCCESS;
+}
+
+/* --- the padding --- */
+
+static hbil_status clear_layers(const hbil_plan *plan, commands *chain,
+                                int buffer, const hbil_layer_args *layers,
+                                float nothing) {
+  const hbil_clear_args args = {*layers, plan->layout.span, nothing};
+  const argument list[] = {ARG(args), BUFFER_ARG(plan, buffer)};
+  const size_t rows = HBIL_LAYERS * ((size_t)layers->height + 2);
+  return LAUNCH(chain, KERNEL_CLEAR_PADDING, list, rows, 1, 1);
+}
+
+hbil_status clear_padding(const hbil_plan *plan, commands *chain) {
+  const layout *l = &plan->layout;
+  const hbil_status status =
+      clear_layers(plan, chain, BUFFER_SPLIT, &l->split, HBIL_NOTHING);
+  return status == HBIL_SUCCESS
+             ? clear_layers(plan, chain, BUFFER_LIGHT, &l->light, 0.0f)
+             : status;
 }
 
 /* --- the layers --- */
@@ -55,13 +75,12 @@ typedef struct inputs {
 
 static inputs bind_inputs(const hbil_plan *plan, const hbil_frame *frame,
                           hbil_split_args *args) {
-  const hbil_config *c = &plan->config;
-  const inputs in = {plane_bind(c, frame, PLANE_DEPTH, &args->depth),
-                     plane_bind(c, frame, PLANE_NORMAL, &args->normal),
-                     plane_bind(c, frame, PLANE_ALBEDO, &args->albedo),
-                     plane_bind(c, frame, PLANE_F0, &args->f0),
-                     plane_bind(c, frame, PLANE_DIRECT, &args->direct),
-                     plane_bind(c, frame, PLANE_EMISSION, &args->emission)};
+  const inputs in = {bind_plane(plan, frame, PLANE_DEPTH, &args->depth),
+                     bind_plane(plan, frame, PLANE_NORMAL, &args->normal),
+                     bind_plane(plan, frame, PLANE_ALBEDO, &args->albedo),
+                     bind_plane(plan, frame, PLANE_F0, &args->f0),
+                     bind_plane(plan, frame, PLANE_DIRECT, &args->direct),
+                     bind_plane(plan, frame, PLANE_EMISSION, &args->emission)};
   return in;
 }
 
@@ -80,8 +99,8 @@ static hbil_split_args split_args(const hbil_plan *plan,
 }
 
 /* Static frames: nothing but light is new. */
-static hbil_status relight(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
+static hbil_status relight(hbil_plan *plan, commands *chain,
+                           const hbil_frame *frame) {
   hbil_split_args args = split_args(plan, frame);
   const inputs in = bind_inputs(plan, frame, &args);
   args.steady =
@@ -97,17 +116,18 @@ static hbil_status relight(commands *chain, const hbil_frame *frame) {
                            ARG(in.emission),
                            BUFFER_ARG(plan, BUFFER_FLAGS),
                            BUFFER_ARG(plan, BUFFER_BOUNDS)};
-  hbil_status status = set_flag(chain, HBIL_FLAG_CHANGED, 0);
+  hbil_status status = set_flag(plan, chain, HBIL_FLAG_CHANGED, 0);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_RELIGHT, list, (vectors_across(plan) + 3) / 4,
                     plan->config.height, 1);
-  return status == HBIL_SUCCESS ? sum_up(chain, CL_TRUE) : status;
+  return status == HBIL_SUCCESS ? sum_up(plan, chain, CL_TRUE) : status;
 }
 
-hbil_status enqueue_split(commands *chain, const hbil_frame *frame) {
-  hbil_plan *plan = chain->plan;
+hbil_status enqueue_split(hbil_plan *plan, commands *chain,
+                          const hbil_frame *frame) {
   if (is_static(plan, frame))
-    return plan->layout.history ? relight(chain, frame) : leave_out(chain);
+    return plan->layout.history ? relight(plan, chain, frame)
+                                : leave_out(plan, HBIL_PASS_SPLIT);
   plan->cache_filled = false; /* with other shapes */
   plan->static_frames = 0;
   hbil_split_args args = split_args(plan, frame);
@@ -124,12 +144,12 @@ hbil_status enqueue_split(commands *chain, const hbil_frame *frame) {
                            BUFFER_ARG(plan, BUFFER_USES),
                            BUFFER_ARG(plan, BUFFER_SANITIZED),
                            BUFFER_ARG(plan, BUFFER_BOUNDS)};
-  hbil_status status = clear_counts(chain, HBIL_SANITIZED_DEPTH,
+  hbil_status status = clear_counts(plan, chain, HBIL_SANITIZED_DEPTH,
                                     HBIL_SANITIZED_LATE - HBIL_SANITIZED_DEPTH);
   if (status == HBIL_SUCCESS && plan->lent.memory)
-    status = clear_padding(chain);
+    status = clear_padding(plan, chain);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_SPLIT, list, (vectors_across(plan) + 3) / 4,
                     plan->config.height, 1);
-  return status == HBIL_SUCCESS ? sum_up(chain, CL_FALSE) : status;
+  return status == HBIL_SUCCESS ? sum_up(plan, chain, CL_FALSE) : status;
 }

@@ -32,10 +32,3 @@ const char *hbil_version(void) {
   return TEXT(HBIL_VERSION_MAJOR) "." TEXT(HBIL_VERSION_MINOR) "." TEXT(
       HBIL_VERSION_PATCH);
 }
-
-const char *hbil_pass_name(hbil_pass pass) {
-  static const char *const names[HBIL_PASS_COUNT] = {
-      "reproject", "push_pull", "split",  "gather", "recompose",
-      "temporal",  "composite", "import", "export"};
-  return (unsigned)pass < HBIL_PASS_COUNT ? names[pass] : NULL;
-}

@@ -50,6 +50,31 @@ else
   done
 fi
 
+# The house inside: which object uses functions of which other one.
+archive=.libs/libhbil.a
+upper='plan|plan_create|cache|cache_create|cache_inject|cache_update|cache_volumes|cache_pyramid|cache_light_view|cache_report|probes|passes|frame|report'
+if test -f "$archive"; then
+  nm -A -g "$archive" | sed 's/.*libhbil_la-\([a-z0-9_]*\)\.o:/\1 /' >"$work/symbols"
+  awk '$(NF - 1) != "U" && $NF !~ /^hbil_/' "$work/symbols" >"$work/out"
+  test ! -s "$work/out"
+  ok $? 'all names in the static library begin with hbil_'
+  awk 'NR == FNR { if ($(NF - 1) != "U") owner[$NF] = $1; next }
+       $(NF - 1) == "U" && $NF in owner && owner[$NF] != $1 {
+         print $1, owner[$NF] }' "$work/symbols" "$work/symbols" | sort -u >"$work/uses"
+  tsort "$work/uses" >"$work/out" 2>"$work/err" && test -s "$work/out"
+  ok $? 'no files of the library need each other'
+  grep -E "^(kernel_set|buffers|timeline|program|binary|staging|checks|planes|layout|defines) ($upper)\$" \
+    "$work/uses" >"$work/out"
+  test ! -s "$work/out"
+  ok $? 'what plans and caches are made of knows neither'
+else
+  for name in 'all names in the static library begin with hbil_' \
+    'no files of the library need each other' \
+    'what plans and caches are made of knows neither'; do
+    skip "$name" "no static library"
+  done
+fi
+
 includes="-I$srcdir/include $(pkg-config --cflags OpenCL)"
 
 # The documents' examples in C, each in a function that has the variables that

@@ -1,14 +1,5 @@
-/* The commands of one call: a chain, each waiting for the one before, and the
- * first for earlier calls on the same objects. */
-#include "commands.h"
-
-commands commands_of_plan(hbil_plan *plan, cl_command_queue queue) {
-  return (commands){.context = plan->context,
-                    .plan = plan,
-                    .kernels = plan->kernels,
-                    .line = {&plan->line, NULL},
-                    .queue = queue};
-}
+/* See timeline.h. */
+#include "timeline.h"
 
 /* --- the order of calls --- */
 
@@ -136,24 +127,30 @@ static void follow(commands *chain, cl_event event) {
   }
 }
 
-/* follow() for a command whose time belongs to a pass. */
+/* follow() for a command whose time somebody may ask for. */
 static void follow_timed(commands *chain, cl_event event) {
-  hbil_plan *plan = chain->plan;
+  command_times *times = chain->times;
   follow(chain, event);
-  if (!event || !plan || !plan->config.execution.profiling ||
-      plan->launches == MAX_LAUNCHES)
+  if (!event || !times || times->count == MOST_TIMED)
     return;
   /* the command runs all the same: timings alone are lost */
   const cl_int error = clRetainEvent(event);
   if (error != CL_SUCCESS) {
-    plan->events_error = error;
-    warn(plan->context,
+    times->error = error;
+    warn(chain->context,
          "clRetainEvent: %s (%d); hbil_plan_timings() will fail for this frame",
          cl_error_name(error), (int)error);
     return;
   }
-  plan->events[plan->launches] = event;
-  plan->event_pass[plan->launches++] = chain->pass;
+  times->events[times->count] = event;
+  times->owner[times->count++] = chain->owner;
+}
+
+void forget_times(command_times *times) {
+  for (int i = 0; i < times->count; ++i)
+    clReleaseEvent(times->events[i]);
+  times->count = 0;
+  times->error = CL_SUCCESS;
 }
 
 hbil_status enqueue_marker(commands *chain) {
@@ -189,15 +186,11 @@ static size_t groups_up(size_t n, size_t group) {
 
 static hbil_status fail_kernel(const commands *chain, cl_int error,
                                const char *call, int kernel) {
-  char name[64] = "";
-  if (clGetKernelInfo(chain->kernels[kernel], CL_KERNEL_FUNCTION_NAME,
-                      sizeof name, name, NULL) != CL_SUCCESS)
-    name[0] = '\0';
-  return fail_cl(chain->context, error, "%s(%s)", call, name);
+  return fail_cl(chain->context, error, "%s(%s)", call,
+                 chain->kernels->table->kernels[kernel].name);
 }
 
-/* Sets the arguments of a kernel.  In trial launches all values are 0: pictures
- * have no pixels, so no work-item has anything to do. */
+/* Sets the arguments of a kernel. */
 static hbil_status set_arguments(const commands *chain, int kernel,
                                  const argument *args, cl_uint count) {
   /* every device of OpenCL 1.2 has room for so many bytes of arguments */
@@ -207,7 +200,7 @@ static hbil_status set_arguments(const commands *chain, int kernel,
     const cl_int error =
         is_zero && args[i].size > sizeof zeros
             ? CL_INVALID_ARG_SIZE
-            : clSetKernelArg(chain->kernels[kernel], i, args[i].size,
+            : clSetKernelArg(chain->kernels->kernels[kernel], i, args[i].size,
                              is_zero ? zeros : args[i].value);
     if (error != CL_SUCCESS)
       return fail_kernel(chain, error, "clSetKernelArg", kernel);
@@ -238,7 +231,7 @@ hbil_status launch_rows(commands *chain, int kernel, const argument *args,
   if (status != HBIL_SUCCESS)
     return status;
   const cl_int error = clEnqueueNDRangeKernel(
-      chain->queue, chain->kernels[kernel], 3, offset, global, local,
+      chain->queue, chain->kernels->kernels[kernel], 3, offset, global, local,
       chain->wait_count, chain->wait_list, chain->events ? &event : NULL);
   if (error != CL_SUCCESS)
     return fail_kernel(chain, error, "clEnqueueNDRangeKernel", kernel);
@@ -260,21 +253,29 @@ hbil_status fill_memory(commands *chain, cl_mem memory, cl_uint word,
   return HBIL_SUCCESS;
 }
 
-static hbil_status fill_part(commands *chain, int buffer, cl_uint word,
-                             size_t offset, size_t bytes) {
-  return fill_memory(chain, chain->plan->buffers[buffer], word, offset, bytes);
+hbil_status read_memory(const commands *chain, cl_mem memory, size_t bytes,
+                        void *out) {
+  const cl_int error =
+      clEnqueueReadBuffer(chain->queue, memory, CL_TRUE, 0, bytes, out,
+                          chain->wait_count, chain->wait_list, NULL);
+  return error == CL_SUCCESS
+             ? HBIL_SUCCESS
+             : fail_cl(chain->context, error, "clEnqueueReadBuffer");
 }
 
-hbil_status enqueue_fill(commands *chain, int buffer, cl_uint word) {
-  return fill_part(chain, buffer, word, 0, chain->plan->layout.bytes[buffer]);
-}
+/* --- first commands --- */
 
-hbil_status set_flag(commands *chain, int flag, cl_uint value) {
-  return fill_part(chain, BUFFER_FLAGS, value, (size_t)flag * sizeof value,
-                   sizeof value);
-}
-
-hbil_status clear_counts(commands *chain, int first, int words) {
-  return fill_part(chain, BUFFER_SANITIZED, 0, (size_t)first * sizeof(cl_uint),
-                   (size_t)words * sizeof(cl_uint));
+hbil_status run_first_commands(hbil_context *context, first_commands *enqueue,
+                               void *object) {
+  cl_int error = CL_SUCCESS;
+  cl_command_queue queue =
+      clCreateCommandQueue(context->context, context->device, 0, &error);
+  if (!queue)
+    return fail_cl(context, error, "clCreateCommandQueue");
+  const hbil_status status = enqueue(object, queue);
+  error = clFinish(queue);
+  clReleaseCommandQueue(queue);
+  return status == HBIL_SUCCESS && error != CL_SUCCESS
+             ? fail_cl(context, error, "clFinish")
+             : status;
 }

@@ -1,5 +1,5 @@
-/* The plan's buffers, and scratch memory that the caller lends. */
-#include "memory.h"
+/* See buffers.h. */
+#include "buffers.h"
 
 #include "huge_pages.h"
 
@@ -68,53 +68,28 @@ hbil_status check_lent(hbil_context *context, cl_mem scratch, size_t needed,
   return HBIL_SUCCESS;
 }
 
-cl_mem memory_create(const hbil_context *context, size_t bytes, cl_int *error) {
-  cl_mem buffer = NULL;
+hbil_status buffer_create(hbil_context *context, size_t bytes, cl_mem *out) {
+  cl_int error = CL_SUCCESS;
+  *out = NULL;
   if (context->is_cpu)
-    buffer = create_on_huge_pages(context->context, bytes);
-  return buffer ? buffer
-                : clCreateBuffer(context->context, CL_MEM_READ_WRITE, bytes,
-                                 NULL, error);
+    *out = create_on_huge_pages(context->context, bytes);
+  if (!*out)
+    *out = clCreateBuffer(context->context, CL_MEM_READ_WRITE, bytes, NULL,
+                          &error);
+  return *out ? HBIL_SUCCESS : fail_cl(context, error, "clCreateBuffer");
 }
 
-static cl_mem create_buffer(const hbil_plan *plan, int buffer, cl_int *error) {
-  const size_t bytes = plan->layout.bytes[buffer];
-  if (!plan->lent.memory || !layout_is_scratch(buffer))
-    return memory_create(plan->context, bytes, error);
-  const cl_buffer_region part = {plan->lent.start + plan->layout.at[buffer],
-                                 bytes};
-  return clCreateSubBuffer(plan->lent.memory, CL_MEM_READ_WRITE,
-                           CL_BUFFER_CREATE_TYPE_REGION, &part, error);
+hbil_status buffer_create_in(hbil_context *context, const memory_range *lent,
+                             size_t start, size_t bytes, cl_mem *out) {
+  const cl_buffer_region part = {lent->start + start, bytes};
+  cl_int error = CL_SUCCESS;
+  *out = clCreateSubBuffer(lent->memory, CL_MEM_READ_WRITE,
+                           CL_BUFFER_CREATE_TYPE_REGION, &part, &error);
+  return *out ? HBIL_SUCCESS : fail_cl(context, error, "clCreateSubBuffer");
 }
 
-hbil_status allocate(hbil_plan *plan) {
-  for (int i = 0; i < BUFFER_COUNT; ++i) {
-    cl_int error = CL_SUCCESS;
-    if (!plan->layout.bytes[i])
-      continue;
-    plan->buffers[i] = create_buffer(plan, i, &error);
-    if (!plan->buffers[i])
-      return fail_cl(plan->context, error,
-                     plan->lent.memory ? "clCreateSubBuffer"
-                                       : "clCreateBuffer");
-  }
-  return HBIL_SUCCESS;
-}
-
-static hbil_status clear_layers(commands *chain, int buffer,
-                                const hbil_layer_args *layers, float nothing) {
-  hbil_plan *plan = chain->plan;
-  const hbil_clear_args args = {*layers, plan->layout.span, nothing};
-  const argument list[] = {ARG(args), BUFFER_ARG(plan, buffer)};
-  const size_t rows = HBIL_LAYERS * ((size_t)layers->height + 2);
-  return LAUNCH(chain, KERNEL_CLEAR_PADDING, list, rows, 1, 1);
-}
-
-hbil_status clear_padding(commands *chain) {
-  const layout *l = &chain->plan->layout;
-  const hbil_status status =
-      clear_layers(chain, BUFFER_SPLIT, &l->split, HBIL_NOTHING);
-  return status == HBIL_SUCCESS
-             ? clear_layers(chain, BUFFER_LIGHT, &l->light, 0.0f)
-             : status;
+void buffers_release(cl_mem const buffers[], int count) {
+  for (int i = 0; i < count; ++i)
+    if (buffers[i])
+      clReleaseMemObject(buffers[i]);
 }

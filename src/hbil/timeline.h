@@ -1,24 +1,41 @@
-/* The commands of one call: a chain, each waiting for the one before, and the
- * first for earlier calls on the same objects. */
-#ifndef HBIL_COMMANDS_H
-#define HBIL_COMMANDS_H
+/* Commands in OpenCL queues.  Those of one call are a chain: each waits for the
+ * one before, and the first for earlier calls on the same objects. */
+#ifndef HBIL_TIMELINE_H
+#define HBIL_TIMELINE_H
 
-#include "plan.h"
+#include "kernel_set.h"
 
-/* The kernels that have had a trial launch: without and with an offset of their
- * rows, which compilers may tell apart. */
-typedef struct trial_launches {
-  bool launched[KERNEL_COUNT][2];
-} trial_launches;
+/* The commands on one object, which run one after the other, whatever queues
+ * they go to.  The next one waits for `tail`; NULL: for all that is in `queue`
+ * so far. */
+typedef struct timeline {
+  cl_command_queue queue; /* of the last command, retained; NULL: none yet */
+  bool in_order;          /* that queue */
+  cl_event tail;
+} timeline;
 
 /* The objects whose order a chain follows: a plan, and the cache that its frame
  * uses; or a cache alone. */
 enum { LINES = 2 };
 
+/* The events of commands whose times somebody asks for. */
+enum { MOST_TIMED = 80 };
+typedef struct command_times {
+  int count;
+  cl_event events[MOST_TIMED];
+  int owner[MOST_TIMED]; /* commands.owner */
+  cl_int error;          /* why some are missing */
+} command_times;
+
+/* The kernels that have had a trial launch: without and with an offset of their
+ * rows, which compilers may tell apart. */
+typedef struct trial_launches {
+  bool launched[MOST_KERNELS][2];
+} trial_launches;
+
 typedef struct commands {
   hbil_context *context;
-  hbil_plan *plan; /* NULL: commands of a cache */
-  cl_kernel *kernels;
+  const kernel_set *kernels;
   timeline *line[LINES]; /* NULL: none */
   cl_command_queue queue;
   cl_uint wait_count; /* what the next command waits for */
@@ -27,20 +44,17 @@ typedef struct commands {
   bool events;          /* every command makes an event */
   bool enqueued;        /* a command has been */
   bool retained[LINES]; /* `queue`, for this call */
-  bool reprojected;     /* by this call */
-  hbil_pass pass;
-  cl_event last; /* of the last command; owned */
+  command_times *times; /* NULL: nobody asks */
+  int owner;            /* whose times the next commands' are */
+  cl_event last;        /* of the last command; owned */
   /* the wait list of the first command, if it isn't the caller's own: the tails
    * of the timelines, and a marker after the caller's list; the marker is owned
    */
   cl_uint befores;
   cl_event before[LINES + 1], marker;
-  /* NULL except for trial launches (trial.h), which it counts */
+  /* NULL except for trial launches, which it counts */
   trial_launches *trial;
 } commands;
-
-/* A chain for a plan's commands in a queue. */
-commands commands_of_plan(hbil_plan *plan, cl_command_queue queue);
 
 /* Begins a chain whose queue and in_order are set: its first command will wait
  * for the caller's list and for earlier commands of the timelines.  Nothing is
@@ -73,11 +87,12 @@ typedef struct argument {
 
 #define ARG(x)                                                                 \
   { sizeof(x), &(x), _Generic((x), cl_mem : true, default : false) }
-/* A buffer of the plan. */
-#define BUFFER_ARG(plan, i) ARG((plan)->buffers[i])
-
 /* Enqueues a kernel with x * y * z work-items, rounded up to whole groups,
- * which kernels ignore; rows of work-items from `top` on. */
+ * which kernels ignore; rows of work-items from `top` on.
+ *
+ * In trial launches each kernel is enqueued once, so that drivers compile it
+ * which do so at the first launch.  Their values are all 0: pictures have no
+ * pixels, so no work-item has anything to do. */
 hbil_status launch_rows(commands *chain, int kernel, const argument *args,
                         cl_uint count, size_t top, size_t x, size_t y,
                         size_t z);
@@ -92,13 +107,18 @@ hbil_status launch_rows(commands *chain, int kernel, const argument *args,
 hbil_status fill_memory(commands *chain, cl_mem memory, cl_uint word,
                         size_t offset, size_t bytes);
 
-/* Fills a buffer of the plan with copies of a word. */
-hbil_status enqueue_fill(commands *chain, int buffer, cl_uint word);
+/* Reads `bytes` of a buffer to the host, and waits for that. */
+hbil_status read_memory(const commands *chain, cl_mem memory, size_t bytes,
+                        void *out);
 
-/* Sets one of HBIL_FLAG_. */
-hbil_status set_flag(commands *chain, int flag, cl_uint value);
+/* Drops the events, when another frame begins. */
+void forget_times(command_times *times);
 
-/* Clears `words` counts of sanitized pixels from `first` on. */
-hbil_status clear_counts(commands *chain, int first, int words);
+/* Enqueues the first commands of an object in a queue, which is in order. */
+typedef hbil_status first_commands(void *object, cl_command_queue queue);
+
+/* Runs them in a queue of their own, and waits. */
+hbil_status run_first_commands(hbil_context *context, first_commands *enqueue,
+                               void *object);
 
 #endif
