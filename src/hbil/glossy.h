@@ -2,6 +2,7 @@
 #ifndef HBIL_GLOSSY_H
 #define HBIL_GLOSSY_H
 
+#include "names.h"
 #include "hbil/hbil.h"
 
 /* k of its lobe at normal view. */

@@ -2,6 +2,7 @@
 #ifndef HBIL_HUGE_PAGES_H
 #define HBIL_HUGE_PAGES_H
 
+#include "names.h"
 #include "hbil/hbil.h"
 
 /* Makes a buffer that a CPU device can read and write, in memory that lies on

@@ -1,39 +1,68 @@
 /*
  * Prefixes for what the library's files share.  In the static library such
- * names would otherwise meet those of the programs that link it.
+ * names would otherwise meet those of the programs that link it (test_library).
  */
 #ifndef HBIL_NAMES_H
 #define HBIL_NAMES_H
 
-#define allocate hbil_internal_allocate
+#define begin_cache_commands hbil_internal_begin_cache_commands
 #define begin_commands hbil_internal_begin_commands
+#define binary_identify hbil_internal_binary_identify
+#define binary_load hbil_internal_binary_load
+#define binary_store hbil_internal_binary_store
+#define bind_plane hbil_internal_bind_plane
+#define buffer_create hbil_internal_buffer_create
+#define buffer_create_in hbil_internal_buffer_create_in
+#define buffers_release hbil_internal_buffers_release
+#define build_pyramid hbil_internal_build_pyramid
+#define cache_args hbil_internal_cache_args
+#define cache_centre hbil_internal_cache_centre
+#define cache_config_take hbil_internal_cache_config_take
+#define cache_has hbil_internal_cache_has
+#define cache_middle hbil_internal_cache_middle
+#define cache_scale hbil_internal_cache_scale
+#define cache_sizes hbil_internal_cache_sizes
+#define cache_update_take hbil_internal_cache_update_take
+#define cache_voxel_count hbil_internal_cache_voxel_count
 #define camera_between hbil_internal_camera_between
 #define camera_check hbil_internal_camera_check
-#define camera_view_from_normals hbil_internal_camera_view_from_normals
+#define camera_from_cache hbil_internal_camera_from_cache
+#define camera_to_cache hbil_internal_camera_to_cache
 #define camera_to_world hbil_internal_camera_to_world
 #define camera_view hbil_internal_camera_view
-#define check_frame hbil_internal_check_frame
+#define camera_view_from_normals hbil_internal_camera_view_from_normals
 #define check_image hbil_internal_check_image
 #define check_lent hbil_internal_check_lent
+#define check_planes hbil_internal_check_planes
 #define check_queue hbil_internal_check_queue
+#define check_view hbil_internal_check_view
+#define check_wait_list hbil_internal_check_wait_list
 #define cl_error_name hbil_internal_cl_error_name
 #define clear_counts hbil_internal_clear_counts
 #define clear_padding hbil_internal_clear_padding
+#define commands_of_cache hbil_internal_commands_of_cache
+#define commands_of_plan hbil_internal_commands_of_plan
 #define component_kinds hbil_internal_component_kinds
 #define component_size hbil_internal_component_size
+#define composite_args hbil_internal_composite_args
 #define config_has_thickness hbil_internal_config_has_thickness
 #define config_rejects_back_faces hbil_internal_config_rejects_back_faces
 #define config_take hbil_internal_config_take
 #define context_release hbil_internal_context_release
 #define context_retain hbil_internal_context_retain
+#define create_on_huge_pages hbil_internal_create_on_huge_pages
 #define depth_args hbil_internal_depth_args
+#define empty_volumes hbil_internal_empty_volumes
 #define end_commands hbil_internal_end_commands
 #define enqueue_composite hbil_internal_enqueue_composite
+#define enqueue_estimate hbil_internal_enqueue_estimate
 #define enqueue_export hbil_internal_enqueue_export
-#define enqueue_fill hbil_internal_enqueue_fill
 #define enqueue_gather hbil_internal_enqueue_gather
+#define enqueue_glossy hbil_internal_enqueue_glossy
 #define enqueue_import hbil_internal_enqueue_import
 #define enqueue_marker hbil_internal_enqueue_marker
+#define enqueue_passes hbil_internal_enqueue_passes
+#define enqueue_probes hbil_internal_enqueue_probes
 #define enqueue_push_pull hbil_internal_enqueue_push_pull
 #define enqueue_recompose hbil_internal_enqueue_recompose
 #define enqueue_reproject hbil_internal_enqueue_reproject
@@ -44,16 +73,31 @@
 #define fail_cl hbil_internal_fail_cl
 #define fail_null hbil_internal_fail_null
 #define far_field_args hbil_internal_far_field_args
+#define far_radiance_args hbil_internal_far_radiance_args
+#define fill_memory hbil_internal_fill_memory
+#define finish_commands hbil_internal_finish_commands
+#define forget_all hbil_internal_forget_all
+#define forget_outside hbil_internal_forget_outside
+#define forget_times hbil_internal_forget_times
 #define format_stride hbil_internal_format_stride
 #define frame_plane hbil_internal_frame_plane
 #define frame_take hbil_internal_frame_take
+#define glossy_bands hbil_internal_glossy_bands
+#define glossy_lobe hbil_internal_glossy_lobe
+#define init_sized hbil_internal_init_sized
+#define inject_view hbil_internal_inject_view
 #define kernel_sources hbil_internal_kernel_sources
-#define launch hbil_internal_launch
+#define kernels_build hbil_internal_kernels_build
+#define kernels_release hbil_internal_kernels_release
+#define kernels_store hbil_internal_kernels_store
 #define launch_rows hbil_internal_launch_rows
 #define layout_compute hbil_internal_layout_compute
 #define layout_is_scratch hbil_internal_layout_is_scratch
+#define light_views_args hbil_internal_light_views_args
 #define memory_limits hbil_internal_memory_limits
 #define memory_read hbil_internal_memory_read
+#define next_history hbil_internal_next_history
+#define normal_rounding hbil_internal_normal_rounding
 #define open_regular_file hbil_internal_open_regular_file
 #define plane_bind hbil_internal_plane_bind
 #define plane_components hbil_internal_plane_components
@@ -64,15 +108,28 @@
 #define plane_overlaps_itself hbil_internal_plane_overlaps_itself
 #define plane_row_extent hbil_internal_plane_row_extent
 #define plane_shape_of hbil_internal_plane_shape_of
+#define planes_of_passes hbil_internal_planes_of_passes
 #define planes_overlap hbil_internal_planes_overlap
 #define program_build hbil_internal_program_build
 #define program_report_folder hbil_internal_program_report_folder
+#define read_light_view hbil_internal_read_light_view
+#define read_memory hbil_internal_read_memory
+#define read_texels hbil_internal_read_texels
+#define remember_frame hbil_internal_remember_frame
+#define run_first_commands hbil_internal_run_first_commands
 #define set_flag hbil_internal_set_flag
+#define spread_light hbil_internal_spread_light
 #define stage_planes hbil_internal_stage_planes
-#define staged_frame hbil_internal_staged_frame
 #define status_of hbil_internal_status_of
-#define try_import hbil_internal_try_import
+#define take_sized hbil_internal_take_sized
+#define texel_type_of hbil_internal_texel_type_of
+#define timeline_end hbil_internal_timeline_end
+#define update_cache hbil_internal_update_cache
+#define view_at hbil_internal_view_at
+#define view_take hbil_internal_view_take
 #define voxels_repair hbil_internal_voxels_repair
 #define warn hbil_internal_warn
+#define write_defines hbil_internal_write_defines
+#define write_view_defines hbil_internal_write_view_defines
 
 #endif
