@@ -152,6 +152,6 @@ hbil_status write_view_defines(hbil_context *context, const hbil_config *config,
   define_planes(config, &t);
   define_inputs(config, &t);
   define(&t, "HBIL_WIDTH", (int)config->execution.vector_width);
-  define(&t, "GATHER_EMISSION", 1); /* of all that a cache knows */
+  define(&t, "GATHER_EMISSION", config->model.gather_emission != 0);
   return end(context, &t);
 }
