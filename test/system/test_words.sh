@@ -148,7 +148,7 @@ none "no header includes itself, by whatever way"
 # --- files that need each other ---
 
 cd "$here" || exit 99
-name="no two files of src need each other's functions"
+name="no files of src need each other's functions, by whatever way"
 # Objects of the libraries and programs, once each.
 find src -name '*.o' ! -path '*/.libs/*' 2>/dev/null >"$work/objects"
 if command -v nm >/dev/null && test -s "$work/objects"; then
@@ -164,13 +164,7 @@ if command -v nm >/dev/null && test -s "$work/objects"; then
       for (i = 1; i <= n; i++)
         if (of[i] != $3) print $3, of[i], $2
     }' "$work/symbols" "$work/symbols" >"$work/uses"
-  awk '
-    { uses[$1, $2] = $3 }
-    END { for (pair in uses) {
-      split(pair, file, SUBSEP)
-      if (file[1] < file[2] && (file[2], file[1]) in uses)
-        print file[1], "and", file[2] ":", uses[pair], uses[file[2], file[1]]
-    } }' "$work/uses" >"$work/out"
+  cut -d ' ' -f 1,2 "$work/uses" | tsort >"$work/order" 2>"$work/out"
   none "$name"
 else
   skip "$name" "no nm, or no objects"
