@@ -1,10 +1,9 @@
-/* hbil-bench cache: what a radiance cache costs, beside the plan without. */
+/* hbil-bench cache: what a radiance cache costs, and each far-field method. */
 #include "bench/content.h"
-#include "bench/far_time.h"
+#include "bench/far_methods.h"
 #include "bench/fixture.h"
+#include "bench/radiance_cache.h"
 #include "bench/report.h"
-#include "bench/settings.h"
-#include "bench/world.h"
 
 /* Of the voxels, in an update where time is scarce. */
 enum { SHARE = 16 };
@@ -14,8 +13,7 @@ typedef struct job {
   const bench_device *device;
   bench_content content;
   bench_fixture *fixture;
-  bench_world world;
-  bench_trial without;
+  bench_radiance_cache cache;
   bench_report *report;
 } job;
 
@@ -41,22 +39,23 @@ static void report_row(const job *j, const char *name, double *times) {
 /* --- commands --- */
 
 static int inject(job *j, unsigned run, image_error *error) {
-  return bench_world_inject(&j->world, run % j->content.frames, error);
+  return bench_radiance_cache_inject(&j->cache, run % j->content.frames, error);
 }
 
 static int update_share(job *j, unsigned run, image_error *error) {
   (void)run;
-  return bench_world_update(&j->world, 1, SHARE, 0, error);
+  return bench_radiance_cache_update(&j->cache, 1, SHARE, 0, error);
 }
 
 static int update_all(job *j, unsigned run, image_error *error) {
   (void)run;
-  return bench_world_update(&j->world, 1, 1, 0, error);
+  return bench_radiance_cache_update(&j->cache, 1, 1, 0, error);
 }
 
 static int update_frame(job *j, unsigned run, image_error *error) {
   (void)run;
-  return bench_world_update(&j->world, BENCH_ROUNDS_OF_A_FRAME, 1, 0, error);
+  return bench_radiance_cache_update(&j->cache, BENCH_ROUNDS_OF_A_FRAME, 1, 0,
+                                     error);
 }
 
 /* Wall-clock time of a call and its commands. */
@@ -66,7 +65,8 @@ static int time_call(job *j, const char *name,
   double times[BENCH_MAX_RUNS];
   for (unsigned i = 0; i < BENCH_WARM_UP + j->options->runs; i++) {
     const double before = bench_clock();
-    if (call(j, i, error) != 0 || bench_world_finish(&j->world, error) != 0)
+    if (call(j, i, error) != 0 ||
+        bench_radiance_cache_finish(&j->cache, error) != 0)
       return -1;
     times[i < BENCH_WARM_UP ? 0 : i - BENCH_WARM_UP] = bench_clock() - before;
   }
@@ -74,33 +74,12 @@ static int time_call(job *j, const char *name,
   return 0;
 }
 
-/* Both plans in turns: what probes and their light add to composite, and the
- * whole frames. */
-static int time_frames(job *j, image_error *error) {
-  double added[BENCH_MAX_RUNS], whole[2][BENCH_MAX_RUNS];
-  double pass[2][HBIL_PASS_COUNT];
-  for (unsigned i = 0; i < BENCH_WARM_UP + j->options->runs; i++) {
-    const unsigned slot = i < BENCH_WARM_UP ? 0 : i - BENCH_WARM_UP;
-    for (int k = 0; k < 2; k++) {
-      const bench_trial *t = k ? &j->world.trial : &j->without;
-      if (bench_trial_run(t, (i + 1) % j->content.frames, 0, 0, error) != 0 ||
-          bench_trial_passes(t, pass[k], &whole[k][slot], error) != 0)
-        return -1;
-    }
-    added[slot] = pass[1][HBIL_PASS_COMPOSITE] - pass[0][HBIL_PASS_COMPOSITE];
-  }
-  report_row(j, "probes, and their light in composite", added);
-  report_row(j, "a frame without a cache", whole[0]);
-  report_row(j, "a frame that asks the cache, with its smaller radius",
-             whole[1]);
-  return 0;
-}
-
 static int measure(job *j, image_error *error) {
   for (unsigned i = 0; i < j->content.frames; i++)
     if (inject(j, i, error) != 0)
       return -1;
-  if (bench_world_update(&j->world, BENCH_ROUNDS_AT_FIRST, 1, 0, error) != 0)
+  if (bench_radiance_cache_update(&j->cache, BENCH_ROUNDS_AT_FIRST, 1, 0,
+                                  error) != 0)
     return -1;
   return time_call(j, "inject a view", inject, error) != 0 ||
                  time_call(j, "update: one round of every 16th voxel",
@@ -108,14 +87,13 @@ static int measure(job *j, image_error *error) {
                  time_call(j, "update: one round of all voxels", update_all,
                            error) != 0 ||
                  time_call(j, "update: four rounds, as hbil process does",
-                           update_frame, error) != 0 ||
-                 time_frames(j, error) != 0
+                           update_frame, error) != 0
              ? -1
              : 0;
 }
 
 static int report_notes(const job *j, image_error *error) {
-  const bench_world *w = &j->world;
+  const bench_radiance_cache *w = &j->cache;
   hbil_cache_statistics known;
   if (hbil_cache_statistics_read(w->cache, j->device->queue, &known) !=
       HBIL_SUCCESS)
@@ -123,29 +101,15 @@ static int report_notes(const job *j, image_error *error) {
   bench_report_note(
       j->report,
       "The cache has %u levels of %u voxels each way, %.1f MiB on the device; "
-      "its views show %zu surfaces and %zu empty voxels.  Frames are timed in "
-      "turns.",
+      "its views show %zu surfaces and %zu empty voxels.",
       (unsigned)w->config.levels, (unsigned)w->config.voxels,
       (double)w->memory / 1048576.0, known.surfaces, known.empty);
   return 0;
 }
 
-/* Frames of one plan ask the cache, those of the other don't. */
-static int open_plans(job *j, image_error *error) {
-  const bench_setting standard = bench_setting_default(&j->content);
-  hbil_config config;
-  bench_setting_apply(&standard, &j->content, &config);
-  return bench_trial_open(j->fixture, &config, NULL, &j->without, error) != 0 ||
-                 bench_world_open(j->device, &j->content, j->fixture,
-                                  HBIL_PROVIDER_RAYS, &j->world, error) != 0
-             ? -1
-             : 0;
-}
-
 static int run(const bench_options *options, const bench_device *device,
                bench_report *report, image_error *error) {
   job j = {.options = options, .device = device, .report = report};
-  far_time times[FAR_PROVIDERS];
   if (bench_content_load(options, 2, 0, &j.content, error) != 0)
     return -1;
   bench_report_subject(report, j.content.name, j.content.width,
@@ -153,34 +117,25 @@ static int run(const bench_options *options, const bench_device *device,
   bench_report_table(report, "cache", "A radiance cache", columns,
                      sizeof columns / sizeof *columns);
   int failed = bench_fixture_open(device, &j.content, &j.fixture, error);
-  if (!failed)
-    failed = open_plans(&j, error);
-  if (!failed)
-    failed = measure(&j, error);
-  if (!failed)
-    failed = report_notes(&j, error);
-  bench_world_close(&j.world);
-  bench_trial_close(&j.without);
-  /* the providers have caches of their own */
-  if (!failed)
-    failed =
-        far_times_measure(options, device, &j.content, j.fixture, times, error);
-  if (!failed)
-    far_times_report(times, report);
+  failed =
+      failed ||
+      bench_radiance_cache_open(device, &j.content, j.fixture,
+                                HBIL_PROVIDER_RAYS, &j.cache, error) != 0 ||
+      measure(&j, error) != 0 || report_notes(&j, error) != 0;
+  bench_radiance_cache_close(&j.cache);
+  failed = failed || bench_far_methods(options, device, &j.content, j.fixture,
+                                       report, error) != 0;
   bench_fixture_close(j.fixture);
   bench_content_free(&j.content);
-  return failed;
+  return failed ? -1 : 0;
 }
 
 const bench_command bench_cache = {
     .name = "cache",
-    .about = "what a radiance cache costs: views, bounces and probes",
+    .about = "what a radiance cache and each far-field method cost",
     .details =
-        "What does a radiance cache cost: injecting a view, a round of "
-        "bounces,\n"
-        "and what its probes add to a frame?  Frames with and without it are\n"
-        "timed in turns.  The second table has the same of each provider of\n"
-        "far light (hbil process --far).\n",
+        "What do a view and a bounce of a radiance cache cost, and what does\n"
+        "each far-field method (hbil process --far) add to a frame?\n",
     .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_TIMES |
                BENCH_TAKES_FRAMES,
     .runs = 9,

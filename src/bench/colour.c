@@ -8,8 +8,6 @@
 
 #include "image/exr_read.h"
 
-const char *const bench_indirect_pass[] = {"DiffInd", "Diffuse Indirect", NULL};
-
 static const char *const letters[3] = {"R", "G", "B"};
 
 /* Whether a channel is that letter of a layer. */

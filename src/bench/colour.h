@@ -11,9 +11,6 @@
  * layer in any view layer, too: "DiffInd" for "ViewLayer.DiffInd".  "" is for
  * channels R, G, B without a layer. */
 
-/* Blender's diffuse indirect pass. */
-extern const char *const bench_indirect_pass[];
-
 /* The channels of the first layer of which all three are there.  Returns 1, or
  * 0 if there is none.  The names are the header's. */
 int bench_colour_find(const image *header, const char *const *layers,

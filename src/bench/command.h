@@ -20,13 +20,11 @@ enum { BENCH_MAX_RUNS = 1000, BENCH_MAX_KERNELS = 2 };
 enum {
   BENCH_TAKES_FRAMES = 1,   /* --dump, --camera, FRAME.exr... */
   BENCH_TAKES_ERRORS = 2,   /* --pixels */
-  BENCH_TAKES_TRUTH = 4,    /* --truth */
-  BENCH_TAKES_KERNELS = 8,  /* --kernels */
-  BENCH_TAKES_REPORT = 16,  /* --output, --name, --markdown, --json */
-  BENCH_TAKES_ROOM = 32,    /* --size; with a report --quick, too */
-  BENCH_TAKES_FOLDERS = 64, /* FOLDER..., -- OPTIONS, --runs of the light */
-  BENCH_TAKES_SCENES = 128, /* FOLDER..., --no-times */
-  BENCH_TAKES_TIMES = 256   /* --runs */
+  BENCH_TAKES_KERNELS = 4,  /* --kernels */
+  BENCH_TAKES_REPORT = 8,   /* --output, --name, --markdown, --json */
+  BENCH_TAKES_ROOM = 16,    /* --size; with a report --quick, too */
+  BENCH_TAKES_FOLDERS = 32, /* FOLDER..., -- OPTIONS */
+  BENCH_TAKES_TIMES = 64    /* --runs */
 };
 
 typedef struct bench_options {
@@ -37,17 +35,15 @@ typedef struct bench_options {
   char **process;         /* the words behind -- */
   int process_count;
   const char *camera;   /* JSON of every dump's camera; NULL: beside each */
-  const char *truth;    /* path-traced indirect light of the dump, or NULL */
   const char *device;   /* see bench_device_open() */
   const char *output;   /* folder of the results */
   const char *name;     /* of the result files and of the Markdown section */
   const char *markdown; /* file with a section to replace, or NULL */
   const char *kernels[BENCH_MAX_KERNELS]; /* folders; NULL: embedded kernels */
   unsigned kernel_count;
-  unsigned runs;   /* counted runs of every setting; of truth: of a frame */
+  unsigned runs;   /* counted runs of every setting */
   unsigned pixels; /* most pixels to measure errors at; 0: the default */
   int quick;       /* a short list and a small room */
-  int no_times;    /* errors alone */
   int json;        /* prints JSON in place of Markdown */
 } bench_options;
 
@@ -61,8 +57,7 @@ typedef struct bench_command {
 } bench_command;
 
 extern const bench_command bench_error, bench_skips, bench_scaling,
-    bench_temporal, bench_passes, bench_pilot, bench_formats, bench_truth,
-    bench_cache, bench_far, bench_estimate;
+    bench_temporal, bench_passes, bench_pilot, bench_truth, bench_cache;
 
 /* Reads argv[1...], where argv[0] is the command's name.  Returns 1 when help
  * was asked for and printed.  The caller frees out->frames in every case. */

@@ -29,7 +29,6 @@ void bench_content_drop_planes(bench_content *content) {
 void bench_content_free(bench_content *content) {
   bench_content_drop_planes(content);
   free(content->frame);
-  free(content->truth);
   free(content->compared);
   memset(content, 0, sizeof *content);
 }

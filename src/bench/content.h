@@ -34,7 +34,6 @@ typedef struct bench_content {
   float environment[9][3]; /* of that far field */
   float sky_share;         /* as hbil_frame has it */
   float radius;            /* world units that suit HBAO */
-  float *truth;            /* path-traced indirect light, RGB; or NULL */
   /* One byte a pixel: whether the sampling error is measured there.  Each of
    * the 16 interleaved layers has as many of these pixels. */
   unsigned char *compared;
@@ -85,8 +84,5 @@ double bench_ao_error(const bench_content *content, const float *ao,
                       const float *exact);
 double bench_light_error(const bench_content *content, const float *light,
                          const float *exact);
-/* RMSE of indirect light (RGB) against the path-traced truth, at surfaces and
- * channels whose albedo is above 0.02; indirect: NULL for zero light. */
-double bench_model_error(const bench_content *content, const float *indirect);
 
 #endif

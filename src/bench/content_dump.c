@@ -1,17 +1,15 @@
-/* Captured frames as content, and their path-traced truth.  This is the one
- * file of the bench that knows dumps. */
+/* Captured frames as content.  This is the one file of the bench that knows
+ * dumps. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench/colour.h"
 #include "bench/content.h"
 #include "dump/frame_camera.h"
 #include "dump/read_channel_map.h"
 #include "dump/read_gbuffer.h"
 #include "dump/surface_points.h"
-#include "image/exr_read.h"
 #include "image/image.h"
 #include "image/image_read.h"
 
@@ -142,52 +140,6 @@ static int load_frame(const bench_options *options, unsigned index,
   return failed ? -1 : 0;
 }
 
-/* --- the truth --- */
-
-static int find_truth(const char *path, const image *header,
-                      const bench_content *content, const char *names[3],
-                      image_error *error) {
-  if (!bench_colour_find(header, bench_indirect_pass, names))
-    return image_fail(error,
-                      "%s: no indirect light; the channels DiffInd.{R,G,B} "
-                      "of Blender's diffuse indirect pass are needed",
-                      path);
-  if (header->width == content->width && header->height == content->height)
-    return 0;
-  return image_fail(error,
-                    "%s: %u x %u pixels, but the dump has %u x %u; the truth "
-                    "of this frame is needed",
-                    path, header->width, header->height, content->width,
-                    content->height);
-}
-
-static int copy_truth(const char *path, const image *from,
-                      const char *const names[3], bench_content *out,
-                      image_error *error) {
-  const size_t pixels = bench_pixels(out);
-  out->truth = malloc(3 * pixels * sizeof *out->truth);
-  if (!out->truth)
-    return image_no_memory(error, path);
-  for (size_t c = 0; c < 3; c++)
-    memcpy(out->truth + c * pixels, image_find(from, names[c])->pixels,
-           pixels * sizeof *out->truth);
-  return 0;
-}
-
-static int load_truth(const char *path, bench_content *out,
-                      image_error *error) {
-  image header, planes = {0};
-  const char *names[3];
-  if (exr_read_header(path, &header, error) != 0)
-    return -1;
-  const int failed = find_truth(path, &header, out, names, error) != 0 ||
-                     exr_read(path, names, 3, &planes, error) != 0 ||
-                     copy_truth(path, &planes, names, out, error) != 0;
-  image_free(&planes);
-  image_free(&header);
-  return failed ? -1 : 0;
-}
-
 /* --- all frames --- */
 
 /* A quarter of the surfaces' mean depth, because a dump's unit of length may be
@@ -215,5 +167,5 @@ int bench_content_load_dumps(const bench_options *options, bench_content *out,
     if (load_frame(options, i, out, error) != 0)
       return -1;
   out->radius = fitting_radius(out);
-  return options->truth ? load_truth(options->truth, out, error) : 0;
+  return 0;
 }

@@ -11,15 +11,11 @@
 #include "bench/report.h"
 #include "bench/settings.h"
 
-/* Static frames before the result is compared with a path-traced truth. */
-enum { BOUNCES = 4 };
-
 typedef struct row {
   char label[BENCH_LABEL];
   bench_timing timing; /* ratios: over the paper's setting, in turns */
   double paper;        /* milliseconds of the paper's setting in these turns */
   double light, ao;    /* sampling errors; NAN where there is none */
-  double model;        /* error against the truth, or NAN */
   int front[BENCH_PANELS];
 } row;
 
@@ -55,21 +51,6 @@ static int measure_sampling(job *j, const bench_trial *t, bench_model model,
   return 0;
 }
 
-/* Goes on from there with further bounces of the same frame. */
-static int measure_model(job *j, const bench_trial *t, bench_model model,
-                         row *out, image_error *error) {
-  out->model = NAN;
-  if (!j->content.truth || bench_model_is_ao(model))
-    return 0;
-  for (int i = 1; i < BOUNCES; i++)
-    if (bench_trial_run(t, j->content.measured, 0, 0, error) != 0)
-      return -1;
-  if (bench_trial_read(t, BENCH_INDIRECT, j->planes, error) != 0)
-    return -1;
-  out->model = bench_model_error(&j->content, j->planes);
-  return 0;
-}
-
 static int measure_row(job *j, const bench_setting *s, row *out,
                        image_error *error) {
   const bench_setting paper = bench_setting_paper();
@@ -81,8 +62,7 @@ static int measure_row(job *j, const bench_setting *s, row *out,
   bench_setting_apply(s, &j->content, &turns[1].config);
   const int failed = bench_trial_open(j->fixture, &turns[1].config, NULL,
                                       &trial, error) != 0 ||
-                     measure_sampling(j, &trial, s->model, out, error) != 0 ||
-                     measure_model(j, &trial, s->model, out, error) != 0;
+                     measure_sampling(j, &trial, s->model, out, error) != 0;
   bench_trial_close(&trial);
   if (failed ||
       bench_time_turns(turns, 2, j->options->runs, timing, error) != 0)
@@ -156,7 +136,6 @@ static const bench_column columns[] = {
     {"host_ms", NULL, 3},
     {"light_error", "E_near, RMSE / mean", 4},
     {"ao_error", "AO, RMSE", 4},
-    {"model_error", "indirect against truth, RMSE", 4},
     {"front", "front", BENCH_TEXT},
     {"memory_mib", "MiB", 1},
     {"model", NULL, BENCH_TEXT},
@@ -177,7 +156,6 @@ static void report_row(const bench_setting *s, const row *r,
   bench_report_number(report, r->timing.host.median);
   bench_report_number(report, r->light);
   bench_report_number(report, r->ao);
-  bench_report_number(report, r->model);
   bench_report_text(
       report,
       fronts[r->front[BENCH_PANEL_LIGHT] + 2 * r->front[BENCH_PANEL_AO]]);
@@ -224,11 +202,6 @@ static void report_notes(const job *j, bench_report *report) {
       "Times are compared as multiples of the paper's, which is timed in turns "
       "with each setting; the plot shows these multiples of the paper's "
       "median.");
-  if (j->content.truth)
-    bench_report_note(report,
-                      "The truth is path traced; the result is compared after "
-                      "%d bounces.  Zero light has an RMSE of %.4g.",
-                      (int)BOUNCES, bench_model_error(&j->content, NULL));
   if (j->content.note[0])
     bench_report_note(report, "%s", j->content.note);
 }
@@ -257,19 +230,20 @@ static int draw(const job *j, image_error *error) {
   for (size_t i = 0; i < j->count; i++) {
     const bench_setting *s = &j->list[i];
     const row *r = &j->rows[i];
-    points[i] = (bench_point){.milliseconds = paper * r->timing.total_ratio,
-                              .error = {r->light, r->ao},
-                              .front = {r->front[0], r->front[1]},
-                              .kind = kind_of(s),
-                              .important = i == 0 || s->preset ||
-                                           bench_setting_same(s, &standard),
-                              .label = r->label};
+    points[i] =
+        (bench_point){.milliseconds = paper * r->timing.total_ratio,
+                      .error = {r->light, r->ao},
+                      .front = {r->front[0], r->front[1]},
+                      .kind = kind_of(s),
+                      .label = s->preset ? s->preset
+                               : i == 0  ? "paper 2 x 8"
+                               : bench_setting_same(s, &standard) ? "default"
+                                                                  : NULL};
   }
   points[j->count] =
       (bench_point){.milliseconds = j->baseline.milliseconds.median,
                     .error = {j->baseline.light_error, j->baseline.ao_error},
                     .kind = BENCH_KIND_BASELINE,
-                    .important = 1,
                     .label = baseline_label};
   if (bench_plot_write(j->options, points, j->count + 1, &made, error) != 0)
     return -1;
@@ -320,6 +294,6 @@ const bench_command bench_error = {
         "while at first.  Also writes NAME.dat and NAME.gnuplot, and NAME.png\n"
         "where gnuplot is installed.\n",
     .accepts = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM | BENCH_TAKES_TIMES |
-               BENCH_TAKES_FRAMES | BENCH_TAKES_ERRORS | BENCH_TAKES_TRUTH,
+               BENCH_TAKES_FRAMES | BENCH_TAKES_ERRORS,
     .runs = 9,
     .run = run};

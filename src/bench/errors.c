@@ -1,11 +1,7 @@
-/* How far results are off: from the exact integral, and from the path-traced
- * truth. */
+/* How far results are off from the exact integral. */
 #include <math.h>
 
 #include "bench/content.h"
-
-/* A channel whose albedo is lower shows no diffuse light. */
-static const float least_albedo = 0.02f;
 
 /* RMSE over the compared surfaces; relative: divided by the mean of b.  A value
  * that is not finite makes the result so. */
@@ -36,21 +32,4 @@ double bench_ao_error(const bench_content *content, const float *ao,
 double bench_light_error(const bench_content *content, const float *light,
                          const float *exact) {
   return surface_error(content, light, exact, 3, 1);
-}
-
-double bench_model_error(const bench_content *content, const float *indirect) {
-  const size_t pixels = bench_pixels(content);
-  const float *albedo = content->frame[content->measured].plane[BENCH_ALBEDO];
-  const float *truth = content->truth;
-  double square = 0.0, count = 0.0;
-  for (size_t at = 0; at < 3 * pixels; at++) {
-    if (!bench_is_surface(content, at % pixels) || !isfinite(truth[at]) ||
-        (albedo && !(albedo[at] > least_albedo)))
-      continue;
-    const double off =
-        (indirect ? (double)indirect[at] : 0.0) - (double)truth[at];
-    square += off * off;
-    count += 1.0;
-  }
-  return sqrt(square / count);
 }

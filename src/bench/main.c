@@ -10,8 +10,7 @@
 
 static const bench_command *const commands[] = {
     &bench_error,  &bench_skips, &bench_scaling, &bench_temporal,
-    &bench_passes, &bench_pilot, &bench_formats, &bench_truth,
-    &bench_cache,  &bench_far,   &bench_estimate};
+    &bench_passes, &bench_pilot, &bench_truth,   &bench_cache};
 
 enum {
   COMMANDS = sizeof commands / sizeof *commands,
@@ -32,7 +31,6 @@ static void usage(void) {
   for (int i = 0; i < COMMANDS; i++)
     printf("  %-9s %s\n", commands[i]->name, commands[i]->about);
   puts("\n"
-       "  --truth    another spelling of truth, as --far is of far\n"
        "  --help     this text; after a command, the options of that command\n"
        "  --version  the version\n"
        "\n"
@@ -88,8 +86,6 @@ int main(int argc, char **argv) {
     printf("hbil-bench %s\n", hbil_version());
     return STATUS_OK;
   }
-  if (strcmp(argv[1], "--truth") == 0 || strcmp(argv[1], "--far") == 0)
-    argv[1] += strlen("--");
   for (int i = 0; i < COMMANDS; i++)
     if (strcmp(argv[1], commands[i]->name) == 0)
       return run_command(commands[i], argc, argv);

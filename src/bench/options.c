@@ -56,9 +56,6 @@ static const option_row rows[] = {
      .help = "measures on this captured frame instead of the room"},
     {ROW_TEXT("camera", AT(camera), "FILE"), .of = BENCH_TAKES_FRAMES,
      .help = "JSON camera of the frames (FRAME.json beside each)"},
-    {ROW_TEXT("truth", AT(truth), "FILE.exr"), .of = BENCH_TAKES_TRUTH,
-     .help = "path-traced DiffInd.{R,G,B} of the dump; adds the error of the "
-             "model itself"},
     {ROW_NUMBER("pixels", AT(pixels), 16, 1u << 28, "N"),
      .of = BENCH_TAKES_ERRORS,
      .help = "most pixels to measure errors at (8000; 1000 with --quick); at "
@@ -67,19 +64,12 @@ static const option_row rows[] = {
      .of = BENCH_TAKES_KERNELS,
      .help = "times the kernel files of this folder in turns with the embedded "
              "ones; given twice: with each other"},
-    {ROW_FLAG("no-times", AT(no_times)), .of = BENCH_TAKES_SCENES,
-     .help = "errors alone, for a machine that is busy; no plot"},
     {ROW_TEXT("device", AT(device), "NAME"),
      .help = "index or part of a name, as in hbil devices (the first GPU, else "
              "the first device)"},
     {ROW_NUMBER("runs", AT(runs), 1, BENCH_MAX_RUNS, "N"),
      .of = BENCH_TAKES_TIMES,
-     .help = "counted runs of each setting, 1..1000 ({})"},
-    {ROW_NUMBER("runs", AT(runs), 1, BENCH_MAX_RUNS, "N"),
-     .of = BENCH_TAKES_FOLDERS,
-     .help = "also shows whether light grows: the mean of the last frame's "
-             "indirect light after 1, 2, 4, 10, 50, 200 runs of it alone, up "
-             "to N of them (1..1000)"}};
+     .help = "counted runs of each setting, 1..1000 ({})"}};
 static const option_group group = {.rows = rows,
                                    .count = sizeof rows / sizeof *rows};
 
@@ -91,7 +81,6 @@ static void print_help(const bench_command *command, const option_command *c,
            command->name,
            command->accepts & BENCH_TAKES_FRAMES    ? " [FRAME.exr...]"
            : command->accepts & BENCH_TAKES_FOLDERS ? " FOLDER... [-- OPTIONS]"
-           : command->accepts & BENCH_TAKES_SCENES  ? " FOLDER..."
                                                     : "",
            command->details);
   with_usage.usage = usage;
@@ -100,20 +89,18 @@ static void print_help(const bench_command *command, const option_command *c,
 
 static int check(const bench_command *command, const bench_options *o,
                  image_error *error) {
-  const unsigned folders = BENCH_TAKES_FOLDERS | BENCH_TAKES_SCENES;
-  if (!o->frame_count && command->accepts & folders)
+  if (!o->frame_count && command->accepts & BENCH_TAKES_FOLDERS)
     return image_fail(error,
                       "%s: no folder; FOLDER... is needed, see hbil-bench %s "
                       "--help",
                       command->name, command->name);
-  if (o->frame_count && !(command->accepts & (BENCH_TAKES_FRAMES | folders)))
+  if (o->frame_count &&
+      !(command->accepts & (BENCH_TAKES_FRAMES | BENCH_TAKES_FOLDERS)))
     return image_fail(error, "%s: %s: no file is needed here", command->name,
                       o->frames[0]);
   if (o->frame_count && o->width && command->accepts & BENCH_TAKES_FRAMES)
     return image_fail(error, "--size: a dump has its own size; this option is "
                              "for the procedural room");
-  if (o->frame_count != 1 && o->truth)
-    return image_fail(error, "--truth: one --dump FRAME.exr is needed with it");
   if (!o->frame_count && o->camera)
     return image_fail(error, "--camera: --dump FRAME.exr is needed with it");
   return 0;

@@ -21,17 +21,12 @@ typedef struct bench_point {
   double milliseconds, error[BENCH_PANELS]; /* not finite or 0: not drawn */
   int front[BENCH_PANELS]; /* on the Pareto front of its kind */
   bench_kind kind;
-  int important; /* its label has the first choice of positions */
-  const char *label;
+  const char *label; /* NULL: none */
 } bench_point;
 
 /* Writes DIR/NAME.dat and NAME.gnuplot, and NAME.png by gnuplot.  Sorts points
  * by time.  *made: 0 where gnuplot is missing or fails, which is no error. */
 int bench_plot_write(const bench_options *options, bench_point *points,
                      size_t count, int *made, image_error *error);
-
-/* Runs gnuplot on a script in a folder, there.  Returns 0 where it is missing
- * or fails. */
-int bench_plot_draw(const char *folder, const char *script);
 
 #endif

@@ -33,7 +33,7 @@ static const sweep sweeps[] = {
     {PAPER, 2, 0, LAYER | PLAIN | QUICK, {8}},
     {PAPER, 2, 3, PLAIN, {8, 32}},
     /* its model, extrapolated */
-    {PAPER, 1, 3, HALF, {20, 32}},
+    {PAPER, 1, 3, HALF, {20}},
     {PAPER, 2, 3, HALF, {48}},
     {PAPER, 3, 3, HALF, {56}},
     {PAPER, 4, 3, HALF, {96}},
@@ -41,29 +41,24 @@ static const sweep sweeps[] = {
     {DEFAULT, 1, 3, QUICK, {8, 32}},
     {DEFAULT, 1, 3, 0, {4, 16, 64}},
     {DEFAULT, 2, 3, QUICK, {8, 32}},
-    {DEFAULT, 2, 3, 0, {4, 16, 48, 64, 96}},
+    {DEFAULT, 2, 3, 0, {16, 48, 96}},
     {DEFAULT, 3, 3, 0, {48}},
-    {DEFAULT, 4, 3, 0, {8, 16, 32}},
+    {DEFAULT, 4, 3, 0, {32}},
     /* half resolution */
     {DEFAULT, 1, 3, HALF, {8, 16, 32, 64}},
-    {DEFAULT, 2, 3, HALF, {16, 24, 48, 64, 96}},
+    {DEFAULT, 2, 3, HALF, {16, 24, 64, 96}},
     {DEFAULT, 3, 3, HALF, {32, 96}},
     {DEFAULT, 4, 3, HALF, {32, 64, 96, 128}},
-    /* samples in the pixel's own layer */
-    {DEFAULT, 1, 3, LAYER, {8, 32, 64}},
-    {DEFAULT, 2, 3, LAYER, {8, 32, 128}},
-    {DEFAULT, 4, 3, LAYER, {32}},
-    /* how the steps grow */
-    {DEFAULT, 2, 0, 0, {8, 32}},
+    /* samples in the pixel's own layer; how the steps grow */
+    {DEFAULT, 2, 3, LAYER, {32}},
+    {DEFAULT, 2, 0, 0, {32}},
     {DEFAULT, 2, 2, 0, {32}},
     {DEFAULT, 2, 5, 0, {32}},
     {DEFAULT, 3, 2, HALF, {56}},
     {DEFAULT, 3, 4, HALF, {56}},
-    {DEFAULT, 2, 0, LAYER, {8, 32}},
-    {DEFAULT, 2, 5, LAYER, {32}},
     /* without the filter, without extrapolation, with fp32 layers */
     {DEFAULT, 2, 3, RAW, {8}},
-    {DEFAULT, 2, 3, PLAIN, {8, 32, 64}},
+    {DEFAULT, 2, 3, PLAIN, {8, 32}},
     {DEFAULT, 2, 3, FP32 | QUICK, {8}},
     {DEFAULT, 2, 3, FP32, {48}},
     /* thickness, and AO alone */
@@ -71,10 +66,9 @@ static const sweep sweeps[] = {
     {THICK, 2, 3, 0, {8, 32}},
     {ENDLESS, 2, 3, QUICK, {8}},
     {ENDLESS, 2, 3, 0, {32}},
-    {ENDLESS, 1, 3, HALF, {32}},
     {ENDLESS, 2, 3, HALF, {48}},
-    {ENDLESS, 3, 3, HALF, {48, 64}},
-    {ENDLESS, 4, 3, HALF, {64, 96}},
+    {ENDLESS, 3, 3, HALF, {64}},
+    {ENDLESS, 4, 3, HALF, {96}},
     {GTAO, 2, 3, QUICK, {8}},
     {HBAO, 2, 3, QUICK, {8}},
 };

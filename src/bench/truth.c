@@ -9,10 +9,6 @@
 #include "bench/truth_scene.h"
 #include "tool/paths.h"
 
-/* Runs after which the light of a frame is looked at. */
-static const unsigned looks[] = {1, 2, 4, 10, 50, 200};
-enum { LOOKS = sizeof looks / sizeof *looks };
-
 /* Of a scene, in the order of the table's columns. */
 typedef enum figure {
   FLOOR,
@@ -35,8 +31,6 @@ typedef struct row {
   truth_scene scene;
   truth_settings ours, paper;
   double figure[FIGURES];
-  double grown[LOOKS];   /* mean light over the truth's after so many runs */
-  double guessed[LOOKS]; /* mean E_far, most of which is a guess */
 } row;
 
 typedef struct job {
@@ -65,68 +59,21 @@ static const bench_column columns[] = {
 _Static_assert(sizeof columns / sizeof *columns == FIGURES + 1,
                "a column for each figure");
 
-static const bench_column growth_columns[] = {
-    {"scene", "scene", BENCH_TEXT},
-    {"runs_1", "1 run", 4},
-    {"runs_2", "2", 4},
-    {"runs_4", "4", 4},
-    {"runs_10", "10", 4},
-    {"runs_50", "50", 4},
-    {"runs_200", "200", 4},
-    {"guess_1", "E_far after 1 run", 4},
-    {"last_mean_ratio", "the last, of the truth's", 3}};
-
 /* --- measuring --- */
-
-static void show_pass(job *j) {
-  bench_progress("passes of the pipeline", ++j->done, j->passes);
-}
-
-/* Measures a layer of the last result. */
-static int look(const process_settings *settings, const char *file,
-                const char *name, const compare_side *truth,
-                const compare_mask *mask, truth_figures *out,
-                image_error *error) {
-  compare_side answer;
-  int failed = truth_process_read(settings, file, name, &answer, error);
-  if (!failed)
-    failed = truth_measure(&answer, truth, mask, out, error);
-  compare_side_free(&answer);
-  return failed;
-}
 
 static int light(job *j, const process_settings *settings, char *const *files,
                  size_t count, const compare_side *truth,
                  const compare_mask *mask, truth_figures *out,
                  image_error *error) {
+  compare_side answer = {.path = NULL};
   int failed = truth_process(settings, files, count, error);
   if (!failed)
-    failed =
-        look(settings, files[count - 1], "indirect", truth, mask, out, error);
-  show_pass(j);
+    failed = truth_process_read(settings, files[count - 1], &answer, error);
+  if (!failed)
+    failed = truth_measure(&answer, truth, mask, out, error);
+  compare_side_free(&answer);
+  bench_progress("passes of the pipeline", ++j->done, j->passes);
   return failed;
-}
-
-/* The last frame alone, so many times. */
-static int grow(job *j, row *r, const compare_side *truth,
-                const compare_mask *mask, double mean, image_error *error) {
-  process_settings settings = r->ours.settings;
-  char *const *last = &r->scene.frames[r->scene.count - 1];
-  truth_figures all, guess;
-  settings.warm_up = 0;
-  for (int i = 0; i < LOOKS; i++) {
-    r->grown[i] = r->guessed[i] = NAN;
-    if (looks[i] > j->options->runs)
-      continue;
-    settings.repeat = looks[i];
-    if (light(j, &settings, last, 1, truth, mask, &all, error) != 0 ||
-        look(&settings, *last, "far_irradiance", truth, mask, &guess, error) !=
-            0)
-      return -1;
-    r->grown[i] = all.mean / mean;
-    r->guessed[i] = guess.mean;
-  }
-  return 0;
 }
 
 static int compare(job *j, row *r, const compare_side *truth,
@@ -159,7 +106,7 @@ static int compare(job *j, row *r, const compare_side *truth,
                                    [NOT_FINITE] = (double)ours.not_finite};
   for (int i = 0; i < FIGURES; i++)
     r->figure[i] = figures[i];
-  return grow(j, r, truth, mask, constant.mean, error);
+  return 0;
 }
 
 static int measure(job *j, row *r, image_error *error) {
@@ -238,8 +185,6 @@ static int prepare(job *j, image_error *error) {
       return -1;
   }
   j->passes = 2 * j->count;
-  for (int i = 0; i < LOOKS; i++)
-    j->passes += looks[i] <= j->options->runs ? j->count : 0;
   return 0;
 }
 
@@ -306,24 +251,6 @@ static void report_scenes(const job *j, bench_report *report) {
   report_summary(j, "worst", worst, report);
 }
 
-static void report_growth(const job *j, bench_report *report) {
-  int last = 0;
-  while (last + 1 < LOOKS && looks[last + 1] <= j->options->runs)
-    last++;
-  bench_report_table(report, "growth", "Light of the last frame after N runs",
-                     growth_columns,
-                     sizeof growth_columns / sizeof *growth_columns);
-  for (size_t i = 0; i < j->count; i++) {
-    const row *r = &j->rows[i];
-    bench_report_row(report);
-    bench_report_text(report, r->scene.name);
-    for (int k = 0; k < LOOKS; k++)
-      bench_report_number(report, r->grown[k] / r->grown[last]);
-    bench_report_number(report, r->guessed[0] / r->guessed[last]);
-    bench_report_number(report, r->grown[last]);
-  }
-}
-
 static void report_notes(const job *j, bench_report *report) {
   double not_finite = 0.0;
   char words[512] = "";
@@ -342,11 +269,6 @@ static void report_notes(const job *j, bench_report *report) {
       "off by the largest factor.");
   bench_report_note(report, "Options of hbil process:%s.",
                     *words ? words : " none");
-  if (j->options->runs)
-    bench_report_note(report,
-                      "Means after N runs are over those after the most runs.  "
-                      "E_far holds what is guessed, which should not depend on "
-                      "the runs.");
   if (not_finite > 0.0)
     bench_report_note(report,
                       "%.0f values of ours are not finite; they are "
@@ -361,8 +283,6 @@ static int run(const bench_options *options, const bench_device *device,
   const int failed = measure_all(&j, error);
   if (!failed) {
     report_scenes(&j, report);
-    if (options->runs)
-      report_growth(&j, report);
     report_notes(&j, report);
   }
   for (size_t i = 0; i < j.count; i++)
@@ -379,11 +299,10 @@ const bench_command bench_truth = {
         "How far is the light of hbil process from that of a path tracer, and\n"
         "how far are trivial answers?  FOLDER is one of\n"
         "  a folder of frame_NNNN.exr with cameras, and truth_avg_NNNN.exr of\n"
-        "  the last one; without that file, the light in that frame, or its\n"
-        "  mean with that in seedB_NNNN.exr, is the truth; without any, the\n"
-        "  last truth_avg_NNNN.exr in the folder above, if frame_NNNN there "
-        "has\n"
-        "  the camera of the last one;\n"
+        "  the last one; without that file, the light in that frame is the\n"
+        "  truth; without any, the last truth_avg_NNNN.exr in the folder "
+        "above,\n"
+        "  if frame_NNNN there has the camera of the last one;\n"
         "  a folder with NAME.exr, its camera and NAME_truth.exr;\n"
         "  FOLDER/NAME of such a NAME.exr.  If there is no NAME_truth.exr,\n"
         "  NAME loses parts from the last _ on until there is one.\n"
@@ -393,6 +312,7 @@ const bench_command bench_truth = {
         "as\n"
         "  hbil-bench truth FOLDER... -- --environment none\n"
         "  hbil-bench truth FOLDER... -- --view '{scene}/views/face_*.exr'\n"
+        "  hbil-bench truth FOLDER... -- --far cones --view 'views/*.exr'\n"
         "{scene} stands for the scene's folder.  Behind --view, *, ? and "
         "[...]\n"
         "match names as in a shell; here alone, not in hbil process.\n"

@@ -84,7 +84,7 @@ int truth_settings_read(const bench_options *options, const char *folder,
   process_settings *s = &out->settings;
   *s = out->arguments.settings;
   s->device = options->device;
-  s->layers = 1u << LAYER_INDIRECT | 1u << LAYER_FAR_IRRADIANCE;
+  s->layers = 1u << LAYER_INDIRECT;
   s->quiet = 1;
   s->overwrite = 1;
   if (paper && !settings_without_cache(s))
@@ -150,9 +150,8 @@ int truth_process(const process_settings *settings, char *const *files,
 }
 
 int truth_process_read(const process_settings *settings, const char *file,
-                       const char *name, compare_side *out,
-                       image_error *error) {
-  const char *const layers[] = {name, NULL};
+                       compare_side *out, image_error *error) {
+  const char *const layers[] = {"indirect", NULL};
   memset(out, 0, sizeof *out);
   char *stem = path_stem_in(settings->output, file);
   char *path = stem ? path_join(stem, "", ".exr") : NULL;

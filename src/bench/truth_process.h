@@ -46,9 +46,9 @@ int truth_process_check(const process_settings *settings, char *const *files,
 int truth_process(const process_settings *settings, char *const *files,
                   size_t count, image_error *error);
 
-/* Reads a layer of the result of `file`: "indirect" or "far_irradiance".  0, or
- * -1 with `error` filled; compare_side_free() frees it in both cases. */
+/* Reads the layer "indirect" of the result of `file`.  0, or -1 with `error`
+ * filled; compare_side_free() frees it in both cases. */
 int truth_process_read(const process_settings *settings, const char *file,
-                       const char *name, compare_side *out, image_error *error);
+                       compare_side *out, image_error *error);
 
 #endif

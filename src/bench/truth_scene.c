@@ -98,20 +98,12 @@ static int has_indirect(const char *path, int *out, image_error *error) {
   return 0;
 }
 
-/* The frame was traced itself, and perhaps once more. */
+/* The frame was traced itself. */
 static int take_own_truth(const char *folder, truth_scene *out,
                           image_error *error) {
-  const char *last = out->frames[out->count - 1];
   free(out->truth);
-  out->truth = strdup(last);
-  out->second = beside_last(out, folder, "seedB");
-  if (!out->truth || !out->second)
-    return image_no_memory(error, folder);
-  if (!is_there(out->second)) {
-    free(out->second);
-    out->second = NULL;
-  }
-  return 0;
+  out->truth = strdup(out->frames[out->count - 1]);
+  return out->truth ? 0 : image_no_memory(error, folder);
 }
 
 /* --- the truth of the folder above --- */
@@ -339,35 +331,13 @@ void truth_scene_free(truth_scene *s) {
   free(s->frames);
   free(s->name);
   free(s->truth);
-  free(s->second);
   memset(s, 0, sizeof *s);
 }
 
 /* --- its light --- */
 
-static int add_second(const char *path, compare_side *first,
-                      image_error *error) {
-  compare_side second;
-  int failed = bench_colour_read(path, own_layers, &second, error);
-  const image *a = &first->planes, *b = &second.planes;
-  if (!failed && (a->width != b->width || a->height != b->height))
-    failed =
-        image_fail(error,
-                   "%s: %u x %u pixels, but %s has %u x %u; the truth of "
-                   "one frame is needed",
-                   path, b->width, b->height, first->path, a->width, a->height);
-  for (size_t c = 0; !failed && c < 3; c++)
-    for (size_t i = 0; i < (size_t)a->width * a->height; i++)
-      a->planes[c].pixels[i] =
-          0.5f * (a->planes[c].pixels[i] + b->planes[c].pixels[i]);
-  compare_side_free(&second);
-  return failed;
-}
-
 int truth_scene_read(const truth_scene *s, compare_side *out,
                      image_error *error) {
   const int own = strcmp(s->truth, s->frames[s->count - 1]) == 0;
-  if (bench_colour_read(s->truth, own ? own_layers : layers, out, error) != 0)
-    return -1;
-  return s->second ? add_second(s->second, out, error) : 0;
+  return bench_colour_read(s->truth, own ? own_layers : layers, out, error);
 }

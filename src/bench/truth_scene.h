@@ -14,16 +14,14 @@ typedef struct truth_scene {
   char **frames; /* files, in order; the last one is compared */
   size_t count;  /* of frames, at least 1 */
   char *truth;   /* a file with its light; it may be that frame */
-  char *second;  /* traced independently: the mean of both is the truth; or
-                    NULL */
 } truth_scene;
 
 /*
  * Finds the files of an argument, which is one of
  *   a folder with frame_NNNN.exr, and truth_avg_NNNN.exr of the last one; or
- *     else the last one has the light itself, and so may seedB_NNNN.exr; or
- *     else the folder above has it: its last truth_avg_NNNN.exr, whose
- *     frame_NNNN.json must be the camera of the last frame;
+ *     else the last one has the light itself; or else the folder above has
+ *     it: its last truth_avg_NNNN.exr, whose frame_NNNN.json must be the camera
+ *     of the last frame;
  *   a folder with one NAME_truth.exr, and NAME.exr;
  *   FOLDER/NAME of FOLDER/NAME.exr.  Its truth is NAME_truth.exr, where NAME
  *     loses parts that begin with an underscore until there is such a file.

@@ -10,7 +10,6 @@ tiny() {
   shift
   case $question in
   truth) ;;
-  formats | estimate) set -- --size 64x48 --quick "$@" ;;
   *) set -- --size 64x48 --runs 1 --quick "$@" ;;
   esac
   "$BENCH" "$question" -o "$work/results" "$@"
@@ -41,7 +40,7 @@ assert r["machine"]["device"] and r["date"] and r["tables"] and r["hbil"]' \
 }
 
 says "the program lists its questions" '^  passes ' "$BENCH" --help
-for question in error skips scaling temporal passes pilot formats cache truth far estimate; do
+for question in error skips scaling temporal passes pilot cache truth; do
   says "$question has help" "^usage: hbil-bench $question" \
     "$BENCH" $question --help
 done
@@ -96,16 +95,12 @@ valid "scaling's JSON can be read" "$work/results/scaling.json"
 says "temporal has means over frames" '^| 3x56 g3 | 4 | 0\.' \
   tiny temporal --pixels 40
 valid "temporal's JSON can be read" "$work/results/temporal.json"
-rejected "runs where nothing is timed" 'runs' "$BENCH" estimate --runs 3
-says "estimate has quotients" '^| endless 2x64 g3 | [0-9.]* | [0-9.]* |' \
-  tiny estimate --pixels 40
-says "formats has the error of each format" '| FLOAT16 | 48 | 0\.' \
-  tiny formats --pixels 40
+rejected "runs where nothing is timed" 'runs' "$BENCH" truth --runs 3 "$work"
 says "cache has what a view costs" '^| inject a view | [0-9]' \
   tiny cache
 grep -q '^| rays | [0-9.]* | | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out" &&
   grep -q '^| lpv | [0-9.]* | [-0-9.]* | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out"
-ok $? "and each provider"
+ok $? "and each far-field method"
 says "passes has the time of each pass" '^| 3x56 g3, motion vectors | [0-9]' \
   tiny passes
 works "passes compares kernels" tiny passes --name kernels --json \
@@ -123,8 +118,6 @@ works "error takes a dump" "$BENCH" error --quick --runs 1 --pixels 16 \
   -o "$work/results" --name dump --dump "$1"
 grep -q "frame_0001.exr, 64 x 48 pixels" "$work/results/dump.md"
 ok $? "and names it"
-rejected "a truth without a dump" '--truth: one --dump' \
-  "$BENCH" error --truth "$1"
 rejected "a dump has its own size" '--size: a dump has' \
   "$BENCH" error --size 64x48 "$1"
 
@@ -178,8 +171,8 @@ process ours && process paper --model paper &&
 exact=$work/exact/$last:indirect
 says "truth has a row for each scene" \
   '^| exact-scene | 0\.[0-9]* | [0-9.]* | 1 | [0-9.]* | [0-9.]* |' \
-  tiny truth "$work/exact-scene" "$work/exact-scene/" --runs 5
-test "$(grep -c '^| exact-scene | 0\.' "$work/out")" -eq 4 &&
+  tiny truth "$work/exact-scene" "$work/exact-scene/"
+test "$(grep -c '^| exact-scene | 0\.' "$work/out")" -eq 2 &&
   grep -q '^| geometric mean | ' "$work/out" && grep -q '^| worst | ' "$work/out"
 ok $? "and rows of all"
 valid "truth's JSON can be read" "$work/results/truth.json"
@@ -203,22 +196,11 @@ near "the floor is the constant mean's" "$(figure floor)" \
   "$(cut -d ' ' -f 1 "$work/trivial")"
 near "zero is over it" "$(figure zero)" "$(cut -d ' ' -f 2 "$work/trivial")"
 
-# The frame alone, once and four times.
-for runs in 1 4; do
-  "$HBIL" process --quiet --warm-up 0 --repeat $runs --layers indirect \
-    -o "$work/runs-$runs" "$gbuffer/$last"
-done
-near "light after one run is that of one bounce" "$(figure runs_1)" "$(awk \
-  -v a="$(compared mean "$exact" "$work/runs-1/$last:indirect")" \
-  -v b="$(compared mean "$exact" "$work/runs-4/$last:indirect")" \
-  'BEGIN { print a / b }')"
-near "and relative to the last that is within --runs" "$(figure runs_4)" 1
-
 # Far light of one colour on open surfaces: its chromaticity is (1, 2, 3) / 6, and
 # that of white a third each, so they are sqrt(2) / 6 apart.
 far='--mode gtao --environment'
 # shellcheck disable=SC2086
-process coloured $far 1,2,3 && process bright $far 3,3,3 &&
+process coloured $far 1,2,3 &&
   process dark $far 1,1,1 --copy-channels
 scene coloured-scene "$work/coloured/$last"
 # shellcheck disable=SC2086
@@ -232,18 +214,14 @@ works "brightness is none" tiny truth "$work/coloured-scene" -- $far 2,4,6
 near "of chroma" "$(figure chroma)" 0
 near "but twice the mean" "$(figure mean_ratio)" 2
 
-# A frame that holds its own truth, alone and with an independent one.
+# A frame that holds its own truth.
 mkdir "$work/own"
 cp "$gbuffer"/frame_*.exr "$gbuffer"/frame_*.json "$work/own"
 cp "$work/dark/$last" "$work/own/$last"
 # shellcheck disable=SC2086
 works "truth takes the light of the last frame" tiny truth "$work/own" \
   -- $far 2,2,2
-near "alone" "$(figure mean_ratio)" 2
-cp "$work/bright/$last" "$work/own/seedB_0002.exr"
-# shellcheck disable=SC2086
-works "or the mean" tiny truth "$work/own" -- $far 2,2,2
-near "with an independent one" "$(figure mean_ratio)" 1
+near "which is half as bright" "$(figure mean_ratio)" 2
 
 # Single files, whose truth may be that of a name with fewer parts.
 mkdir "$work/single"
@@ -252,8 +230,8 @@ cp "$gbuffer/frame_0002.json" "$work/single/box.json"
 cp "$gbuffer/$last" "$work/single/box_other_view.exr"
 cp "$gbuffer/frame_0002.json" "$work/single/box_other_view.json"
 cp "$work/exact/$last" "$work/single/box_truth.exr"
-says "--truth is truth, of a folder with NAME_truth.exr" '^| single | 0\.' \
-  "$BENCH" --truth "$work/single" -o "$work/results" --name single
+says "truth takes a folder with NAME_truth.exr" '^| single | 0\.' \
+  tiny truth "$work/single" --name single
 says "FOLDER/NAME takes the truth of a shorter name" '^| box_other_view | 0\.' \
   tiny truth "$work/single/box_other_view"
 ls "$work/temporary" >"$work/left"
@@ -337,103 +315,6 @@ else
     skip "$what" "no files $single.*"
   done
 fi
-
-# --- far ---
-
-# Two places of the demo, one of which has a view from the light.
-"$HBIL" demo --scene corner --views --frames 2 --size 64x48 -o "$work/corner" \
-  >"$work/out" 2>"$work/err"
-"$HBIL" demo --scene corner --light-view --frames 1 --size 64x48 -o "$work/shone" \
-  >"$work/out" 2>"$work/err"
-gbuffer=$work/corner/gbuffer
-works "a place with views" process corner-truth --slices 8 \
-  --view "$gbuffer/view_####.exr"
-scene dim "$work/corner-truth/$last"
-mkdir "$work/dim/views"
-for n in 1 2 3 4 5 6; do
-  for kind in exr json; do
-    cp "$gbuffer/view_000$n.$kind" "$work/dim/views/face_$n.$kind"
-  done
-done
-cp -r "$work/dim" "$work/lamp"
-for kind in exr json; do
-  cp "$work/shone/gbuffer/light_view.$kind" "$work/lamp/views/light.$kind"
-done
-# figures_of NAME SCENE OPTION...: what truth says of it, in $work/results.
-figures_of() {
-  name=$1 place=$2
-  shift 2
-  tiny truth "$place" --name "$name" -- "$@" >"$work/out" 2>"$work/err"
-}
-# over_floor FILE: RMSE over the floor, of truth.
-over_floor() {
-  first ours "$work/results/$1.json"
-}
-says "far has a row for each provider" '^| cones | [0-9.]* | [0-9.]* | [0-9.]* |' \
-  tiny far "$work/lamp"
-for provider in 'near field alone' environment rays lpv rsm; do
-  grep -q "^| $provider | [0-9]" "$work/out"
-  ok $? "far has $provider"
-done
-digits='[-0-9.][0-9.]*'
-grep -q "^| cones .* | $digits | $digits | $digits | $digits | $digits | $digits |\$" \
-  "$work/out" &&
-  grep -q "^| rays .* | $digits | | $digits | $digits | $digits | $digits |\$" "$work/out"
-ok $? "with times to build and to use, and memory"
-valid "far's JSON can be read" "$work/results/far.json"
-if command -v gnuplot >"$work/out" 2>&1; then
-  has "gnuplot draws far.png" "$work/results/far.png"
-else
-  skip "gnuplot draws far.png" "no gnuplot"
-fi
-# Each provider's error is that of hbil process with its options.
-views="--view {scene}/views/face_*.exr"
-for provider in rays cones lpv; do
-  # shellcheck disable=SC2086
-  figures_of $provider "$work/lamp" $views --far $provider
-  near "error of $provider" "$(first $provider "$work/results/far.json")" \
-    "$(over_floor $provider)"
-done
-# shellcheck disable=SC2086
-figures_of rsm "$work/lamp" $views --far rsm --light-view '{scene}/views/light.exr'
-near "error of rsm" "$(first rsm "$work/results/far.json")" "$(over_floor rsm)"
-figures_of near "$work/lamp" --far none
-near "error of the near field alone" \
-  "$(first near "$work/results/far.json")" "$(over_floor near)"
-figures_of environment "$work/lamp" --far environment
-near "error of the environment" \
-  "$(first environment "$work/results/far.json")" "$(over_floor environment)"
-near "mean of the environment" \
-  "$(first environment_mean "$work/results/far.json")" \
-  "$(first mean_ratio "$work/results/environment.json")"
-
-# A mean over scenes is geometric, and that of rsm is over those with a light.
-# The other place has the truth of one without views.
-process dim-truth --far environment --slices 8
-cp "$work/dim-truth/$last" "$work/dim/truth_avg_0002.exr"
-rm -f "$work/results"/far.*
-says "--far is far" '^| lamp | ' "$BENCH" --far --no-times -o "$work/results" \
-  "$work/dim" "$work/lamp/"
-cp "$work/out" "$work/far.md"
-grep -q '^| dim | .* | [0-9.]* | [0-9.]* | | |$' "$work/far.md" &&
-  grep -q '^| rsm | | | [0-9][0-9.]* | [0-9.]* |$' "$work/far.md"
-ok $? "a scene without a light view has no rsm"
-near "other scenes don't count for scenes with a light view" \
-  "$(first rmse_lights "$work/results/far.json")" "$(over_floor near)"
-near "and a mean over all scenes is geometric" \
-  "$(first rmse "$work/results/far.json")" "$(
-    sed -n 's/^ *"near": \([0-9.e+-]*\),$/\1/p' "$work/results/far.json" |
-      awk '{ sum += log($1) } END { print exp(sum / NR) }')"
-! grep -q ' ms ' "$work/far.md" && ! test -e "$work/results/far.png"
-ok $? "--no-times has no times and no plot"
-ls "$work/temporary" >"$work/left"
-test ! -s "$work/left"
-ok $? "far leaves no result"
-rejected "far without a folder" 'far: no folder' tiny far
-rejected "a scene without views" 'exact-scene: no views; views/face_' \
-  tiny far "$work/lamp" "$work/exact-scene"
-rejected "options of hbil process for far" '--far: no such folder' \
-  "$BENCH" far "$work/lamp" -- --far rays
 
 # --- mistakes ---
 

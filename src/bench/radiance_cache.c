@@ -1,5 +1,5 @@
 /* A radiance cache on the content. */
-#include "bench/world.h"
+#include "bench/radiance_cache.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,7 +8,8 @@
 #include "bench/settings.h"
 #include "image/quantile.h"
 
-static int check(const bench_world *w, hbil_status status, image_error *error) {
+static int check(const bench_radiance_cache *w, hbil_status status,
+                 image_error *error) {
   return status == HBIL_SUCCESS
              ? 0
              : image_fail(error, "device %s: %s", w->device->name,
@@ -19,7 +20,7 @@ static int check(const bench_world *w, hbil_status status, image_error *error) {
 /* --- the cache --- */
 
 /* A cube about the eye that holds nearly all surfaces. */
-static int choose_extent(bench_world *w, image_error *error) {
+static int choose_extent(bench_radiance_cache *w, image_error *error) {
   const size_t pixels = bench_pixels(w->content);
   const bench_frame *frame = w->content->frame;
   double *depths = malloc(pixels * sizeof *depths);
@@ -38,7 +39,7 @@ static int choose_extent(bench_world *w, image_error *error) {
   return 0;
 }
 
-static int open_plan(bench_world *w, bench_fixture *fixture,
+static int open_plan(bench_radiance_cache *w, bench_fixture *fixture,
                      hbil_provider provider, image_error *error) {
   const bench_setting standard = bench_setting_default(w->content);
   hbil_config config;
@@ -49,7 +50,7 @@ static int open_plan(bench_world *w, bench_fixture *fixture,
   return bench_trial_open(fixture, &config, NULL, &w->trial, error);
 }
 
-static int open_cache(bench_world *w, hbil_provider provider,
+static int open_cache(bench_radiance_cache *w, hbil_provider provider,
                       image_error *error) {
   hbil_context *context = bench_fixture_context(w->trial.fixture);
   w->config.inputs = w->trial.config.inputs;
@@ -62,10 +63,11 @@ static int open_cache(bench_world *w, hbil_provider provider,
   return check(w, status, error);
 }
 
-int bench_world_open(const bench_device *device, const bench_content *content,
-                     bench_fixture *fixture, hbil_provider provider,
-                     bench_world *out, image_error *error) {
-  *out = (bench_world){.device = device, .content = content};
+int bench_radiance_cache_open(const bench_device *device,
+                              const bench_content *content,
+                              bench_fixture *fixture, hbil_provider provider,
+                              bench_radiance_cache *out, image_error *error) {
+  *out = (bench_radiance_cache){.device = device, .content = content};
   hbil_cache_config_init(&out->config);
   return choose_extent(out, error) != 0 ||
                  open_plan(out, fixture, provider, error) != 0 ||
@@ -74,7 +76,7 @@ int bench_world_open(const bench_device *device, const bench_content *content,
              : 0;
 }
 
-void bench_world_close(bench_world *w) {
+void bench_radiance_cache_close(bench_radiance_cache *w) {
   bench_trial_close(&w->trial);
   hbil_cache_destroy(w->cache);
   w->cache = NULL;
@@ -82,8 +84,8 @@ void bench_world_close(bench_world *w) {
 
 /* --- commands --- */
 
-int bench_world_inject(const bench_world *w, unsigned frame,
-                       image_error *error) {
+int bench_radiance_cache_inject(const bench_radiance_cache *w, unsigned frame,
+                                image_error *error) {
   hbil_view view;
   bench_trial_view(&w->trial, frame, &view);
   return check(w,
@@ -92,8 +94,8 @@ int bench_world_inject(const bench_world *w, unsigned frame,
                error);
 }
 
-int bench_world_light(const bench_world *w, unsigned frame,
-                      image_error *error) {
+int bench_radiance_cache_light(const bench_radiance_cache *w, unsigned frame,
+                               image_error *error) {
   hbil_view view;
   bench_trial_view(&w->trial, frame, &view);
   return check(
@@ -101,8 +103,9 @@ int bench_world_light(const bench_world *w, unsigned frame,
       error);
 }
 
-int bench_world_update(const bench_world *w, cl_uint rounds, cl_uint share,
-                       cl_uint steps, image_error *error) {
+int bench_radiance_cache_update(const bench_radiance_cache *w, cl_uint rounds,
+                                cl_uint share, cl_uint steps,
+                                image_error *error) {
   hbil_cache_update how;
   hbil_cache_update_init(&how);
   how.rounds = rounds;
@@ -116,7 +119,8 @@ int bench_world_update(const bench_world *w, cl_uint rounds, cl_uint share,
                error);
 }
 
-int bench_world_finish(const bench_world *w, image_error *error) {
+int bench_radiance_cache_finish(const bench_radiance_cache *w,
+                                image_error *error) {
   const cl_int status = clFinish(w->device->queue);
   return status == CL_SUCCESS
              ? 0
