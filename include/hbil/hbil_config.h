@@ -256,11 +256,11 @@ typedef struct hbil_model {
   cl_bool gather_emission;
   hbil_feedback feedback;   /* model */
   hbil_far_field far_field; /* default NONE */
-  /* Where light is guessed from the frame's own surfaces (HBIL_FAR_FRAME,
-   * HBIL_FALLBACK_FRAME_MEAN): the radiance of surfaces that the picture
-   * doesn't show over that of those which it shows.  0..1; 1 is for places that
-   * are alike on all sides; default 0.76, chosen by its error on path-traced
-   * scenes (doc/measurements.md) */
+  /* HBIL_FAR_FRAME and HBIL_FALLBACK_FRAME_MEAN guess the radiance of surfaces
+   * that the picture doesn't show: it is this many times the mean radiance of
+   * the surfaces that it shows.  0..1; 1 is for places that are alike on all
+   * sides; default 0.76, chosen by its error on path-traced scenes
+   * (doc/measurements.md) */
   float unseen_light;
   /* Frames may have a radiance cache (hbil_frame.cache), and open directions
    * get the light that it knows (hbil_cache.h), found in this way.  For

@@ -56,9 +56,9 @@ typedef struct hbil_camera {
   double cx, cy; /* principal point, pixels from the top left corner */
   /* The camera's position and axes in the world: x towards the next column, y
    * towards the next row, z forward.  The axes must have length 1 and be at
-   * right angles, to 1e-3.  A determinant of -1 is right where either the world
-   * is left-handed or the rows go upwards, and then world space (normals, bent
-   * normals, environment) is the caller's own all the same. */
+   * right angles, to 1e-3.  The determinant is 1 in a right-handed world.  It
+   * may be -1, for a left-handed world or for rows that go upwards.  Normals,
+   * bent normals and the environment are in the caller's world either way. */
   double world_from_view[16];
 } hbil_camera;
 

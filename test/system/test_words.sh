@@ -65,6 +65,24 @@ grep -I -n -E -e \
   $code $prose "$work/help.txt" >"$work/out"
 none "no option by its former name"
 
+# --- the glossary ---
+
+# Rows of doc/method.md: | word, word | meaning | words that it replaces |.
+sed -n '/^## Glossary/,/^## /s/^| //p' doc/method.md | grep -v '^word \|^---' \
+  >"$work/glossary"
+test "$(wc -l <"$work/glossary")" -ge 20
+ok $? "the glossary has words"
+cut -d '|' -f 1 "$work/glossary" | tr ',' '\n' | sed 's/^ *//; s/ *$//' |
+  sort | uniq -d >"$work/out"
+none "none of them twice"
+cut -d '|' -f 3 "$work/glossary" | tr ',' '\n' | sed 's/^ *//; s/ *$//' |
+  grep . >"$work/replaced"
+for document in $(find . -maxdepth 1 -name '*.md') doc/*.md examples/*.md; do
+  sed '/^## Glossary/,/^## /d; s/`[^`]*`//g; /^    /d' "$document" |
+    tr '\n' ' ' | grep -o -i -w -F -f "$work/replaced" | sed "s|^|$document: |"
+done >"$work/out"
+none "no document has a word that the glossary replaces"
+
 # --- lengths ---
 
 # longer LIMIT FILE...: those with more lines.
@@ -79,6 +97,11 @@ longer() {
   longer 800 $(echo "$code" | grep '^test/')
 } >"$work/out"
 none "no file is longer than 500 lines; a test than 800"
+{
+  longer 150 README.md
+  longer 350 HACKING.md
+} >"$work/out"
+none "README has at most 150 lines, HACKING 350"
 
 # clang-format puts a function's closing brace, and nothing else, in column 1.
 # shellcheck disable=SC2046,SC2086
