@@ -1,7 +1,7 @@
 /*
  * The passes of a frame, one by one, with one of them replaced.  A kernel of
  * this program reverses the 4x4 interleaving and filters the result, in place
- * of hbil_enqueue_recompose().
+ * of the pass recompose.
  *
  * Then the frame is computed again with the library's filter.  Both results
  * must agree on average.
@@ -159,10 +159,9 @@ static void enqueue_passes(hbil_plan *plan, const hbil_context *hbil,
                            cl_kernel filter) {
   cl_int sizes[3] = {0, WIDTH, HEIGHT};
   const size_t items[2] = {WIDTH, HEIGHT};
-  check(hbil_enqueue_reproject(plan, queue, frame, 0, NULL, NULL), hbil);
-  check(hbil_enqueue_push_pull(plan, queue, frame, 0, NULL, NULL), hbil);
-  check(hbil_enqueue_split(plan, queue, frame, 0, NULL, NULL), hbil);
-  check(hbil_enqueue_gather(plan, queue, frame, 0, NULL, NULL), hbil);
+  check(hbil_enqueue_passes(plan, queue, frame, HBIL_PASS_REPROJECT,
+                            HBIL_PASS_GATHER, 0, NULL, NULL),
+        hbil);
   set_stage(filter, 0, plan, hbil, HBIL_STAGE_SPLIT);
   set_stage(filter, 2, plan, hbil, HBIL_STAGE_GATHERED);
   sizes[0] = set_stage(filter, 4, plan, hbil, HBIL_STAGE_RESOLVED);
@@ -172,7 +171,9 @@ static void enqueue_passes(hbil_plan *plan, const hbil_context *hbil,
   check_cl(clEnqueueNDRangeKernel(queue, filter, 2, NULL, items, NULL, 0, NULL,
                                   NULL),
            "clEnqueueNDRangeKernel");
-  check(hbil_enqueue_composite(plan, queue, frame, 0, NULL, NULL), hbil);
+  check(hbil_enqueue_passes(plan, queue, frame, HBIL_PASS_COMPOSITE,
+                            HBIL_PASS_COMPOSITE, 0, NULL, NULL),
+        hbil);
 }
 
 static void read_back(cl_command_queue queue, const hbil_frame *frame,

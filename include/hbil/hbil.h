@@ -251,9 +251,9 @@ HBIL_API void hbil_plan_destroy(hbil_plan *plan);
 HBIL_API void hbil_plan_reset(hbil_plan *plan);
 
 /* ------------------------------------------------------------------------ */
-/* Enqueue: a whole frame or single passes                                   */
+/* Enqueue: a frame                                                          */
 
-/* hbil_enqueue_frame() enqueues all passes of a frame, in this order:
+/* Enqueues all passes of a frame, in this order:
  *   reproject   history -> carried light of this frame, with holes
  *   push_pull   fills the holes from coarser levels
  *   split       G-buffer -> 4x4 interleaved layers
@@ -262,14 +262,9 @@ HBIL_API void hbil_plan_reset(hbil_plan *plan);
  *   temporal    averages with the frames before (history)
  *   composite   far light; writes the outputs and the history
  * Images are copied before the first pass and after composite (HBIL_IMAGE), and
- * normals are rebuilt before the first pass if inputs.normal is HBIL_NONE.  The
- * functions of single passes do the same with the planes that they use.
- * The other functions enqueue one pass each, for callers who replace passes by
- * their own.  Such callers enqueue the passes in the same order, and access the
- * data between the passes with hbil_plan_buffer() of hbil_stages.h.  A pass of
- * their own waits for the event of the pass before it, and the pass after it
- * for theirs, unless one in-order queue has all of them.
- * hbil_enqueue_composite() makes the frame the plan's last frame.
+ * normals are rebuilt before the first pass if inputs.normal is HBIL_NONE.
+ * Callers who replace passes by their own enqueue the others by
+ * hbil_enqueue_passes() (hbil_stages.h).
  *
  * The queue must belong to the plan's context and device; it may be in-order or
  * out-of-order, and another one at each call.  The commands wait for those of
@@ -278,39 +273,14 @@ HBIL_API void hbil_plan_reset(hbil_plan *plan);
  * that queue; if that is an in-order queue, it waits for everything in it.  A
  * plan retains the queue that it used last.
  *
- * If event is not NULL, it receives an event that completes when the pass or
- * the frame is done; the caller releases it.  A pass with nothing to do, such
- * as reproject without a history, gives an event that follows the wait list,
- * and the passes after it follow the wait list, too.  If the call fails, event
- * is not written.  frame is read during the call only. */
+ * If event is not NULL, it receives an event that completes when the frame is
+ * done; the caller releases it.  If the call fails, event is not written.
+ * frame is read during the call only. */
 HBIL_API hbil_status hbil_enqueue_frame(hbil_plan *plan, cl_command_queue queue,
                                         const hbil_frame *frame,
                                         cl_uint wait_count,
                                         const cl_event *wait_list,
                                         cl_event *event);
-HBIL_API hbil_status hbil_enqueue_reproject(
-    hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
-    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
-HBIL_API hbil_status hbil_enqueue_push_pull(
-    hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
-    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
-HBIL_API hbil_status hbil_enqueue_split(hbil_plan *plan, cl_command_queue queue,
-                                        const hbil_frame *frame,
-                                        cl_uint wait_count,
-                                        const cl_event *wait_list,
-                                        cl_event *event);
-HBIL_API hbil_status hbil_enqueue_gather(
-    hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
-    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
-HBIL_API hbil_status hbil_enqueue_recompose(
-    hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
-    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
-HBIL_API hbil_status hbil_enqueue_temporal(
-    hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
-    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
-HBIL_API hbil_status hbil_enqueue_composite(
-    hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
-    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
 
 /* ------------------------------------------------------------------------ */
 /* Figures: timings, statistics and sanitized pixels of the last frame       */

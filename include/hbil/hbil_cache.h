@@ -23,13 +23,12 @@ extern "C" {
  * earlier frame of a sequence, or a picture that was made for this purpose.
  *
  * HOW A PROGRAM USES IT
- *   1. hbil_cache_config_init(), set voxel_size, centre and the formats of the
- *      views; hbil_cache_create().
- *   2. Plans: hbil_model_set(&config.model, HBIL_MODEL_WORLD), and model.radius
- *      = HBIL_CACHE_NEAR_VOXELS times voxel_size, before hbil_plan_create().
- *   3. For every frame: hbil_enqueue_cache_inject() with the frame itself, or
- *      with any other views; hbil_enqueue_cache_update(), which lets light
- *      bounce between the cache's surfaces, four times by default; and
+ *   1. hbil_cache_config_init(); set voxel_size and centre.
+ *   2. hbil_config_use_cache() with the configuration of the plan, which makes
+ *      both fit each other; then hbil_cache_create() and hbil_plan_create().
+ *   3. For every frame: hbil_view_from_frame() and hbil_enqueue_cache_inject(),
+ *      or any other views; hbil_enqueue_cache_update(), which lets light bounce
+ *      between the cache's surfaces, four times by default; and
  *      hbil_enqueue_frame() with hbil_frame.cache set.
  *   4. When the camera moves: hbil_enqueue_cache_move().
  *
@@ -40,7 +39,7 @@ extern "C" {
  *   the sky behind the last voxel.  What the frame shows itself within
  *   model.radius is left out, because E_near has it.  What no view has seen
  *   gets what it gets without a cache.  So an empty cache changes nothing, bit
- *   for bit (test_cache).  That is so with rays and cones (hbil_provider);
+ *   for bit (test_cache).  That is so with rays and cones (hbil_cache_method);
  *   volumes and reflective shadow maps don't tell what has not been seen, and
  *   their light is all that open directions get.
  *
@@ -59,8 +58,6 @@ typedef struct hbil_cache hbil_cache;
 /* A good radius of the near field beside a cache, in voxels of the first level:
  * what is farther away, the cache knows better (doc/measurements.md). */
 #define HBIL_CACHE_NEAR_VOXELS 4.0
-
-#define HBIL_PROVIDER_BIT(provider) (1u << (provider))
 
 typedef struct hbil_cache_config {
   size_t struct_size; /* set by hbil_cache_config_init(); see hbil_config */
@@ -88,10 +85,9 @@ typedef struct hbil_cache_config {
    * (doc/measurements.md)
    */
   float unseen_light;
-  /* Which providers plans may ask it by (hbil_model.provider): bits of
-   * HBIL_PROVIDER_BIT(); default 0.  HBIL_PROVIDER_RAYS needs none.  The others
-   * need memory and time in every update. */
-  cl_uint providers;
+  /* How plans find its light; default HBIL_CACHE_METHOD_RAYS.  The others need
+   * memory and time of their own in every update. */
+  hbil_cache_method method;
 } hbil_cache_config;
 
 /* Sets the defaults.  Use the macro. */
@@ -99,6 +95,15 @@ HBIL_API void hbil_cache_config_init_sized(hbil_cache_config *config,
                                            size_t struct_size);
 #define hbil_cache_config_init(config)                                         \
   hbil_cache_config_init_sized((config), sizeof(hbil_cache_config))
+
+/* Makes the configurations of a plan and of a cache fit each other, before
+ * either is created.  The cache gets the plan's inputs and gather_emission, for
+ * views that are like the plan's frames.  The plan gets the cache's method, and
+ * what is best beside a cache: a radius of HBIL_CACHE_NEAR_VOXELS voxels, and a
+ * relative_thickness of 0.02 if that was the default, 0.06.  All of it can be
+ * changed afterwards.  HBIL_INVALID_ARGUMENT if one of them is null. */
+HBIL_API hbil_status hbil_config_use_cache(hbil_config *config,
+                                           hbil_cache_config *cache);
 
 /* Computes how much device memory hbil_cache_create() would allocate, in bytes.
  * Rejects what that rejects before it builds anything. */
@@ -145,6 +150,16 @@ typedef struct hbil_view {
 HBIL_API void hbil_view_init_sized(hbil_view *view, size_t struct_size);
 #define hbil_view_init(view) hbil_view_init_sized((view), sizeof(hbil_view))
 
+/* Makes a view of what a frame shows: its camera, its inputs, and the size and
+ * projection of its plan's configuration.  `light` is HBIL_VIEW_DIRECT.  Use
+ * the macro.  HBIL_INVALID_ARGUMENT if one of them is null. */
+HBIL_API hbil_status hbil_view_from_frame_sized(hbil_view *view,
+                                                size_t struct_size,
+                                                const hbil_config *config,
+                                                const hbil_frame *frame);
+#define hbil_view_from_frame(view, config, frame)                              \
+  hbil_view_from_frame_sized((view), sizeof(hbil_view), (config), (frame))
+
 /* Enqueues the injection of `count` views.  Their order doesn't matter, bit for
  * bit, unless two of them have the same camera, size and kind of light.  Of
  * views with more than 2^17 pixels every n-th pixel of every n-th row is read.
@@ -160,18 +175,17 @@ HBIL_API hbil_status hbil_enqueue_cache_inject(
 /* Reflective shadow maps of a cache at most. */
 #define HBIL_MAX_LIGHT_VIEWS 4
 
-/* With HBIL_PROVIDER_RSM: enqueues that these views become the cache's
+/* With HBIL_CACHE_METHOD_RSM: enqueues that these views become the cache's
  * reflective shadow maps, in place of all earlier ones: pictures from where
  * lights are (perspective from a spot, orthographic along the sun's rays),
  * whose surfaces light the frames.  `direct` must be that light's alone, or
  * surfaces count twice that several views show.  Of views with more than 2^16
  * pixels every n-th pixel of every n-th row is read.  All else is as in
  * hbil_enqueue_cache_inject(), which takes the same views. */
-HBIL_API hbil_status hbil_enqueue_rsm(hbil_cache *cache, cl_command_queue queue,
-                                      const hbil_view *views, cl_uint count,
-                                      cl_uint wait_count,
-                                      const cl_event *wait_list,
-                                      cl_event *event);
+HBIL_API hbil_status hbil_enqueue_cache_light_views(
+    hbil_cache *cache, cl_command_queue queue, const hbil_view *views,
+    cl_uint count, cl_uint wait_count, const cl_event *wait_list,
+    cl_event *event);
 
 typedef struct hbil_cache_update {
   size_t struct_size; /* set by hbil_cache_update_init(); see hbil_config */
@@ -188,7 +202,8 @@ typedef struct hbil_cache_update {
    * none, because `direct` contains the sky.  Default HBIL_FAR_NONE */
   hbil_far_field far_field;
   float environment[9][3];
-  /* With HBIL_PROVIDER_LPV: steps of light from cell to cell, 0..1024; default
+  /* With HBIL_CACHE_METHOD_LPV: steps of light from cell to cell, 0..1024;
+   * default
    * 16.  Light needs as many steps as its way is long in cells, which are two
    * voxels wide; after changes a few a frame follow them.  Moves, resets and
    * hbil_cache_load() empty the cells. */
@@ -223,14 +238,14 @@ HBIL_API hbil_status hbil_enqueue_cache_reset(hbil_cache *cache,
 
 /* Numbers of voxels, of all levels; `empty` has those with sky behind them,
  * too. */
-typedef struct hbil_cache_statistics {
+typedef struct hbil_cache_counts {
   size_t unseen, empty, surfaces;
-} hbil_cache_statistics;
+} hbil_cache_counts;
 
 /* Counts them.  The call waits for the cache's commands. */
-HBIL_API hbil_status hbil_cache_statistics_read(hbil_cache *cache,
-                                                cl_command_queue queue,
-                                                hbil_cache_statistics *out);
+HBIL_API hbil_status hbil_cache_statistics(hbil_cache *cache,
+                                           cl_command_queue queue,
+                                           hbil_cache_counts *out);
 
 /* Copies all that a cache knows to `size` bytes of memory, or back from there.
  * hbil_cache_size() is that size.  The bytes begin with the library's version,

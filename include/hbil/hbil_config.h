@@ -144,7 +144,7 @@ typedef struct hbil_outputs {
   hbil_plane_format unknown;
   /* 3 channels: the mean indirect radiance that a mirror of model.roughness
    * reflects to the eye, without its colour.  For HBIL_MODE_HBIL and the
-   * providers NONE and RAYS; excludes horizon_cache_bytes (doc/method.md,
+   * cache methods NONE and RAYS; excludes horizon_cache_bytes (doc/method.md,
    * section 23). */
   hbil_plane_format glossy;
 
@@ -214,24 +214,24 @@ typedef enum hbil_back_facing_fallback {
   HBIL_FALLBACK_FRAME_MEAN = 2
 } hbil_back_facing_fallback;
 
-/* How a plan finds the light of a radiance cache (hbil_cache.h), at probes all
- * over the picture.  Their errors and times are in doc/measurements.md. */
-typedef enum hbil_provider {
-  HBIL_PROVIDER_NONE = 0, /* frames have no cache */
+/* How the light of a radiance cache (hbil_cache.h) is found, at probes all over
+ * the picture.  Their errors and times are in doc/measurements.md. */
+typedef enum hbil_cache_method {
+  HBIL_CACHE_METHOD_NONE = 0, /* frames have no cache */
   /* Rays from surface to surface: the most accurate one */
-  HBIL_PROVIDER_RAYS = 1,
+  HBIL_CACHE_METHOD_RAYS = 1,
   /* Cones through coarser and coarser means of the cache (Crassin and others
    * 2011, "Interactive Indirect Illumination Using Voxel Cone Tracing") */
-  HBIL_PROVIDER_CONES = 2,
+  HBIL_CACHE_METHOD_CONES = 2,
   /* Light propagation volumes: light spreads from the cache's surfaces from
    * cell to cell (Kaplanyan and Dachsbacher 2010, "Cascaded Light Propagation
    * Volumes for Real-Time Indirect Illumination") */
-  HBIL_PROVIDER_LPV = 3,
+  HBIL_CACHE_METHOD_LPV = 3,
   /* Reflective shadow maps: the first bounce of the lights whose views are
-   * given to hbil_enqueue_rsm(), without occlusion (Dachsbacher and Stamminger
-   * 2005, "Reflective Shadow Maps") */
-  HBIL_PROVIDER_RSM = 4
-} hbil_provider;
+   * given to hbil_enqueue_cache_light_views(), without occlusion (Dachsbacher
+   * and Stamminger 2005, "Reflective Shadow Maps") */
+  HBIL_CACHE_METHOD_RSM = 4
+} hbil_cache_method;
 
 typedef struct hbil_model {
   hbil_mode mode;       /* default HBIL */
@@ -262,10 +262,10 @@ typedef struct hbil_model {
    * sides; default 0.76, chosen by its error on path-traced scenes
    * (doc/measurements.md) */
   float unseen_light;
-  /* Frames may have a radiance cache (hbil_frame.cache), and open directions
-   * get the light that it knows (hbil_cache.h), found in this way.  For
-   * HBIL_MODE_HBIL; default HBIL_PROVIDER_NONE; model */
-  hbil_provider provider;
+  /* Frames may have a radiance cache of this method (hbil_frame.cache), and
+   * open directions get the light that it knows.  For HBIL_MODE_HBIL;
+   * hbil_config_use_cache() sets it.  Default HBIL_CACHE_METHOD_NONE */
+  hbil_cache_method cache_method;
   /* Of outputs.glossy: the root of GGX's alpha; 0.3..1; default 0.5 */
   float roughness;
 } hbil_model;
@@ -278,15 +278,11 @@ typedef enum hbil_model_name {
   HBIL_MODEL_DEFAULT = 0,
   /* The paper: both thicknesses infinite, facing_fade -0.1, 0,
    * HBIL_FALLBACK_LAST_ACCEPTED, HBIL_FEEDBACK_RADIANCE, extrapolate off */
-  HBIL_MODEL_PAPER = 1,
-  /* The default for frames with a radiance cache, which knows what is behind
-   * thin things: as HBIL_MODEL_DEFAULT, but relative_thickness 0.02 and
-   * HBIL_PROVIDER_RAYS */
-  HBIL_MODEL_WORLD = 2
+  HBIL_MODEL_PAPER = 1
 } hbil_model_name;
 
 /* Sets thickness, relative_thickness, facing_fade, back_facing_fallback,
- * feedback, extrapolate and provider.  Returns HBIL_INVALID_ARGUMENT if
+ * feedback and extrapolate.  Returns HBIL_INVALID_ARGUMENT if
  * model is null or name is not in the list. */
 HBIL_API hbil_status hbil_model_set(hbil_model *model, hbil_model_name name);
 

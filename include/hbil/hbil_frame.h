@@ -172,7 +172,7 @@ typedef struct hbil_frame {
    * The far end, d = 1, or d = 0 where depth is reversed, is what a cleared
    * depth buffer holds.  It is sky, and so is everything beyond. */
   double hardware_depth[2];
-  /* With hbil_model.provider: the radiance cache that this frame asks, of
+  /* With hbil_model.cache_method: the radiance cache that this frame uses, of
    * the plan's context, or NULL for none (hbil_cache.h). */
   struct hbil_cache *cache;
 } hbil_frame;

@@ -2,11 +2,11 @@
  * hbil_stages.h: the buffers between the passes of a frame.
  *
  * Only callers who replace a pass by one of their own need this header.  They
- * enqueue the other passes one by one, with hbil_enqueue_reproject() and so on,
- * in the order that hbil_enqueue_frame() has.  Their own pass reads and writes
- * the buffers that hbil_plan_buffer() returns.  On other queues than in-order
- * ones it waits for the event of the pass before it, and the pass after it for
- * its event.  examples/03_single_passes.c shows this.
+ * enqueue the passes before it and those after it with hbil_enqueue_passes().
+ * Their own pass reads and writes the buffers that hbil_plan_buffer() returns.
+ * On other queues than in-order ones it waits for the event of the passes before
+ * it, and the passes after it wait for its event.  examples/03_single_passes.c
+ * shows this.
  */
 #ifndef HBIL_HBIL_STAGES_H
 #define HBIL_HBIL_STAGES_H
@@ -114,6 +114,19 @@ typedef struct hbil_buffer {
  * HBIL_INVALID_ARGUMENT if the plan has no such stage. */
 HBIL_API hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
                                       hbil_buffer *out);
+
+/* Enqueues the passes of a frame from `first` to `last`, of HBIL_PASS_REPROJECT
+ * to HBIL_PASS_COMPOSITE, in their order.  All else is as in
+ * hbil_enqueue_frame(), which enqueues all of them.  Images are copied, and
+ * normals rebuilt, as far as these passes use them.  Only the planes that they
+ * use are checked.  With HBIL_PASS_COMPOSITE, the frame becomes the plan's last
+ * one.  Passes that have nothing to do, such as reproject without a history,
+ * give an event that follows the wait list, and what comes after them follows
+ * it, too.  HBIL_INVALID_ARGUMENT if `first` and `last` are no such passes. */
+HBIL_API hbil_status hbil_enqueue_passes(
+    hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,
+    hbil_pass first, hbil_pass last, cl_uint wait_count,
+    const cl_event *wait_list, cl_event *event);
 
 /* Returns how many bounces the light of HISTORY has had: 1 after a first frame,
  * at most 256; 0 without a history.  The guess of unseen light depends on it

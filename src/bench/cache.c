@@ -94,8 +94,8 @@ static int measure(job *j, image_error *error) {
 
 static int report_notes(const job *j, image_error *error) {
   const bench_radiance_cache *w = &j->cache;
-  hbil_cache_statistics known;
-  if (hbil_cache_statistics_read(w->cache, j->device->queue, &known) !=
+  hbil_cache_counts known;
+  if (hbil_cache_statistics(w->cache, j->device->queue, &known) !=
       HBIL_SUCCESS)
     return library_failed(j, error);
   bench_report_note(
@@ -120,7 +120,7 @@ static int run(const bench_options *options, const bench_device *device,
   failed =
       failed ||
       bench_radiance_cache_open(device, &j.content, j.fixture,
-                                HBIL_PROVIDER_RAYS, &j.cache, error) != 0 ||
+                                HBIL_CACHE_METHOD_RAYS, &j.cache, error) != 0 ||
       measure(&j, error) != 0 || report_notes(&j, error) != 0;
   bench_radiance_cache_close(&j.cache);
   failed = failed || bench_far_methods(options, device, &j.content, j.fixture,

@@ -20,13 +20,13 @@ typedef enum method {
 /* Words of hbil process --far, but for the first. */
 static const struct {
   const char *name;
-  hbil_provider provider;
-} methods[METHODS] = {[NEAR] = {"near field alone", HBIL_PROVIDER_NONE},
-                      [ENVIRONMENT] = {"environment", HBIL_PROVIDER_NONE},
-                      [RAYS] = {"rays", HBIL_PROVIDER_RAYS},
-                      [CONES] = {"cones", HBIL_PROVIDER_CONES},
-                      [LPV] = {"lpv", HBIL_PROVIDER_LPV},
-                      [RSM] = {"rsm", HBIL_PROVIDER_RSM}};
+  hbil_cache_method provider;
+} methods[METHODS] = {[NEAR] = {"near field alone", HBIL_CACHE_METHOD_NONE},
+                      [ENVIRONMENT] = {"environment", HBIL_CACHE_METHOD_NONE},
+                      [RAYS] = {"rays", HBIL_CACHE_METHOD_RAYS},
+                      [CONES] = {"cones", HBIL_CACHE_METHOD_CONES},
+                      [LPV] = {"lpv", HBIL_CACHE_METHOD_LPV},
+                      [RSM] = {"rsm", HBIL_CACHE_METHOD_RSM}};
 
 /* As hbil process has them. */
 enum { STEPS_AT_FIRST = 64, STEPS_OF_A_FRAME = 8 };

@@ -40,22 +40,17 @@ static int choose_extent(bench_radiance_cache *w, image_error *error) {
 }
 
 static int open_plan(bench_radiance_cache *w, bench_fixture *fixture,
-                     hbil_provider provider, image_error *error) {
+                     hbil_cache_method provider, image_error *error) {
   const bench_setting standard = bench_setting_default(w->content);
   hbil_config config;
   bench_setting_apply(&standard, w->content, &config);
-  hbil_model_set(&config.model, HBIL_MODEL_WORLD);
-  config.model.radius = (float)(HBIL_CACHE_NEAR_VOXELS * w->config.voxel_size);
-  config.model.provider = provider;
+  w->config.method = provider;
+  hbil_config_use_cache(&config, &w->config);
   return bench_trial_open(fixture, &config, NULL, &w->trial, error);
 }
 
-static int open_cache(bench_radiance_cache *w, hbil_provider provider,
-                      image_error *error) {
+static int open_cache(bench_radiance_cache *w, image_error *error) {
   hbil_context *context = bench_fixture_context(w->trial.fixture);
-  w->config.inputs = w->trial.config.inputs;
-  w->config.gather_emission = w->trial.config.model.gather_emission;
-  w->config.providers = HBIL_PROVIDER_BIT(provider);
   hbil_status status = hbil_cache_memory(context, &w->config, &w->memory);
   if (status == HBIL_SUCCESS)
     status = hbil_cache_create(context, &w->config, &w->cache);
@@ -65,13 +60,13 @@ static int open_cache(bench_radiance_cache *w, hbil_provider provider,
 
 int bench_radiance_cache_open(const bench_device *device,
                               const bench_content *content,
-                              bench_fixture *fixture, hbil_provider provider,
+                              bench_fixture *fixture, hbil_cache_method provider,
                               bench_radiance_cache *out, image_error *error) {
   *out = (bench_radiance_cache){.device = device, .content = content};
   hbil_cache_config_init(&out->config);
   return choose_extent(out, error) != 0 ||
                  open_plan(out, fixture, provider, error) != 0 ||
-                 open_cache(out, provider, error) != 0
+                 open_cache(out, error) != 0
              ? -1
              : 0;
 }
@@ -98,9 +93,10 @@ int bench_radiance_cache_light(const bench_radiance_cache *w, unsigned frame,
                                image_error *error) {
   hbil_view view;
   bench_trial_view(&w->trial, frame, &view);
-  return check(
-      w, hbil_enqueue_rsm(w->cache, w->device->queue, &view, 1, 0, NULL, NULL),
-      error);
+  return check(w,
+               hbil_enqueue_cache_light_views(w->cache, w->device->queue, &view,
+                                              1, 0, NULL, NULL),
+               error);
 }
 
 int bench_radiance_cache_update(const bench_radiance_cache *w, cl_uint rounds,

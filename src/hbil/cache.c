@@ -26,7 +26,7 @@ static size_t pyramid_texels(const hbil_cache_config *config) {
 /* Of all levels' volumes of so many planes, with room for a vector behind. */
 static size_t volume_bytes(const hbil_cache_config *config, size_t planes) {
   const size_t across = config->voxels / 2 + 2;
-  return cache_has(config, HBIL_PROVIDER_LPV)
+  return config->method == HBIL_CACHE_METHOD_LPV
              ? sizeof(cl_float) *
                    (planes * across * across * across * config->levels +
                     HBIL_WIDEST)

@@ -26,12 +26,12 @@
   X(CACHE_PROGRAM_RAY_HITS, "cache/ray_hits", true, .relaxed = false)          \
   X(CACHE_PROGRAM_BOUNCE, "cache/bounce", true, .relaxed = true)               \
   X(CACHE_PROGRAM_MOVE, "cache/move", true, .defines = "-DHBIL_WIDTH=1")       \
-  X(CACHE_PROGRAM_PYRAMID, "cache/pyramid", cache_has(c, HBIL_PROVIDER_CONES), \
-    .defines = "-DHBIL_WIDTH=1")                                               \
-  X(CACHE_PROGRAM_VOLUMES, "cache/volumes", cache_has(c, HBIL_PROVIDER_LPV),   \
-    .defines = "-DHBIL_WIDTH=1")                                               \
+  X(CACHE_PROGRAM_PYRAMID, "cache/pyramid",                                    \
+    c->method == HBIL_CACHE_METHOD_CONES, .defines = "-DHBIL_WIDTH=1")         \
+  X(CACHE_PROGRAM_VOLUMES, "cache/volumes",                                    \
+    c->method == HBIL_CACHE_METHOD_LPV, .defines = "-DHBIL_WIDTH=1")           \
   X(CACHE_PROGRAM_PROPAGATE, "cache/propagate",                                \
-    cache_has(c, HBIL_PROVIDER_LPV), .relaxed = false)
+    c->method == HBIL_CACHE_METHOD_LPV, .relaxed = false)
 
 #define CACHE_KERNELS(X)                                                       \
   X(CACHE_KERNEL_READ_VIEW, "read_view", CACHE_PROGRAM_VIEW, true)             \
@@ -89,7 +89,7 @@
     sizeof(cl_uint) * (HBIL_CACHE_RAY_HITS * voxels + HBIL_WIDEST))            \
   /* HBIL_MIP_FLOATS floats a texel (lib/pyramid.clh) */                       \
   X(CACHE_PYRAMID,                                                             \
-    cache_has(c, HBIL_PROVIDER_CONES)                                          \
+    c->method == HBIL_CACHE_METHOD_CONES                                       \
         ? HBIL_MIP_FLOATS * sizeof(cl_float) * pyramid_texels(c)               \
         : 0)                                                                   \
   /* planes of volumes (lib/volumes.clh); the last ones after a step */        \
@@ -98,11 +98,11 @@
   X(CACHE_VOLUMES, volume_bytes(c, HBIL_VOLUME_PLANES))                        \
   X(CACHE_VOLUMES_NEXT, volume_bytes(c, HBIL_VOLUME_PLANES))                   \
   /* HBIL_LIGHT_MOST_TEXELS texels each */                                     \
-  X(CACHE_LIGHT_VIEWS,                                                         \
-    cache_has(c, HBIL_PROVIDER_RSM)                                            \
-        ? sizeof(cl_uint) * HBIL_MAX_LIGHT_VIEWS *HBIL_TEXEL_WORDS *(          \
-                                size_t)HBIL_LIGHT_MOST_TEXELS                  \
-        : 0)
+  X(CACHE_LIGHT_VIEWS, c->method == HBIL_CACHE_METHOD_RSM                      \
+                           ? sizeof(cl_uint) * HBIL_MAX_LIGHT_VIEWS *          \
+                                 HBIL_TEXEL_WORDS *                            \
+                                 (size_t)HBIL_LIGHT_MOST_TEXELS                \
+                           : 0)
 
 enum { CACHE_PROGRAMS(LISTED_ENUMERATOR) CACHE_PROGRAM_COUNT };
 enum { CACHE_KERNELS(LISTED_ENUMERATOR) CACHE_KERNEL_COUNT };

@@ -10,7 +10,7 @@
 
 /* Bytes in version 0.1 (sized.h). */
 enum {
-  FIRST_CACHE_CONFIG_SIZE = SIZE_UP_TO(hbil_cache_config, providers),
+  FIRST_CACHE_CONFIG_SIZE = SIZE_UP_TO(hbil_cache_config, method),
   FIRST_VIEW_SIZE = SIZE_UP_TO(hbil_view, hardware_depth),
   FIRST_UPDATE_SIZE = SIZE_UP_TO(hbil_cache_update, steps)
 };
@@ -25,7 +25,8 @@ void hbil_cache_config_init_sized(hbil_cache_config *config,
                                       .levels = 2,
                                       .inputs = inputs.inputs,
                                       .gather_emission = CL_TRUE,
-                                      .unseen_light = 0.8f};
+                                      .unseen_light = 0.8f,
+                                      .method = HBIL_CACHE_METHOD_RAYS};
   init_sized(config, struct_size, &defaults, sizeof defaults);
 }
 
@@ -70,11 +71,11 @@ static hbil_status check_ranges(hbil_context *context,
   if (!(c->unseen_light >= 0.0f && c->unseen_light <= 1.0f))
     return fail(context, HBIL_INVALID_CONFIG,
                 "unseen_light: %g is outside 0 .. 1", (double)c->unseen_light);
-  const cl_uint all = HBIL_PROVIDER_BIT(HBIL_PROVIDER_RSM + 1) - 1;
-  if (c->providers & ~all)
+  if (c->method < HBIL_CACHE_METHOD_RAYS || c->method > HBIL_CACHE_METHOD_RSM)
     return fail(context, HBIL_INVALID_CONFIG,
-                "providers: 0x%x; must be bits of HBIL_PROVIDER_BIT()",
-                (unsigned)c->providers);
+                "method: %d; must be one of hbil_cache_method, and not "
+                "HBIL_CACHE_METHOD_NONE",
+                (int)c->method);
   return HBIL_SUCCESS;
 }
 
@@ -112,9 +113,19 @@ hbil_status cache_config_take(hbil_context *context,
   return status;
 }
 
-bool cache_has(const hbil_cache_config *config, hbil_provider provider) {
-  return provider == HBIL_PROVIDER_RAYS ||
-         (config->providers & HBIL_PROVIDER_BIT(provider)) != 0;
+hbil_status hbil_config_use_cache(hbil_config *config,
+                                  hbil_cache_config *cache) {
+  if (!config || !cache)
+    return fail_null(NULL, __func__, config ? "cache" : "config");
+  hbil_model *model = &config->model;
+  cache->inputs = config->inputs;
+  cache->gather_emission = model->gather_emission;
+  model->cache_method = cache->method;
+  model->radius = (float)(HBIL_CACHE_NEAR_VOXELS * cache->voxel_size);
+  /* the cache knows what is behind thin things */
+  if (model->relative_thickness == DEFAULT_RELATIVE_THICKNESS)
+    model->relative_thickness = 0.02f;
+  return HBIL_SUCCESS;
 }
 
 /* --- a view --- */
@@ -138,6 +149,31 @@ hbil_status view_take(hbil_context *context, const hbil_view *given,
   if ((unsigned)own->light > HBIL_VIEW_FINISHED)
     return fail(context, HBIL_INVALID_FRAME,
                 "light: %d; must be one of hbil_view_light", (int)own->light);
+  return HBIL_SUCCESS;
+}
+
+hbil_status hbil_view_from_frame_sized(hbil_view *view, size_t struct_size,
+                                       const hbil_config *config,
+                                       const hbil_frame *frame) {
+  if (!view || !config || !frame)
+    return fail_null(NULL, __func__,
+                     !view     ? "view"
+                     : !config ? "config"
+                               : "frame");
+  const hbil_view filled = {
+      .width = config->width,
+      .height = config->height,
+      .projection = config->inputs.projection,
+      .camera = frame->camera,
+      .depth = frame->depth,
+      .normal = frame->normal,
+      .albedo = frame->albedo,
+      .f0 = frame->f0,
+      .direct = frame->direct,
+      .emission = frame->emission,
+      .light = HBIL_VIEW_DIRECT,
+      .hardware_depth = {frame->hardware_depth[0], frame->hardware_depth[1]}};
+  init_sized(view, struct_size, &filled, sizeof filled);
   return HBIL_SUCCESS;
 }
 

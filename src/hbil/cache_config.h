@@ -15,8 +15,6 @@
 hbil_status cache_config_take(hbil_context *context,
                               const hbil_cache_config *given,
                               hbil_cache_config *own, hbil_config *views);
-/* Whether plans may ask a cache by this provider. */
-bool cache_has(const hbil_cache_config *config, hbil_provider provider);
 hbil_status view_take(hbil_context *context, const hbil_view *given,
                       hbil_view *own);
 hbil_status cache_update_take(hbil_context *context,

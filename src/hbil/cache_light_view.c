@@ -28,18 +28,21 @@ hbil_light_views_args light_views_args(const hbil_cache *cache) {
   return args;
 }
 
-hbil_status hbil_enqueue_rsm(hbil_cache *cache, cl_command_queue queue,
-                             const hbil_view *views, cl_uint count,
-                             cl_uint wait_count, const cl_event *wait_list,
-                             cl_event *event) {
+hbil_status hbil_enqueue_cache_light_views(hbil_cache *cache,
+                                           cl_command_queue queue,
+                                           const hbil_view *views,
+                                           cl_uint count, cl_uint wait_count,
+                                           const cl_event *wait_list,
+                                           cl_event *event) {
   commands chain;
   hbil_view view;
   if (cache && !views && count)
     return fail_null(cache->context, __func__, "views");
-  if (cache && !cache_has(&cache->config, HBIL_PROVIDER_RSM))
+  if (cache && cache->config.method != HBIL_CACHE_METHOD_RSM)
     return fail(cache->context, HBIL_INVALID_ARGUMENT,
-                "cache: made without HBIL_PROVIDER_RSM in "
-                "hbil_cache_config.providers");
+                "cache: its method is %d; light views need "
+                "HBIL_CACHE_METHOD_RSM",
+                (int)cache->config.method);
   if (cache && count > HBIL_MAX_LIGHT_VIEWS)
     return fail(cache->context, HBIL_INVALID_ARGUMENT,
                 "count: %u; a cache has %d light views at most",

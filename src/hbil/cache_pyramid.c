@@ -2,7 +2,7 @@
 #include "cache.h"
 
 hbil_status build_pyramid(commands *chain, hbil_cache *cache) {
-  if (!cache_has(&cache->config, HBIL_PROVIDER_CONES))
+  if (cache->config.method != HBIL_CACHE_METHOD_CONES)
     return HBIL_SUCCESS;
   const hbil_cache_args args = cache_args(cache);
   const cl_int levels = (cl_int)cache->config.levels;

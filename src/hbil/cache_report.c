@@ -10,9 +10,8 @@
 
 /* --- counts --- */
 
-hbil_status hbil_cache_statistics_read(hbil_cache *cache,
-                                       cl_command_queue queue,
-                                       hbil_cache_statistics *out) {
+hbil_status hbil_cache_statistics(hbil_cache *cache, cl_command_queue queue,
+                                  hbil_cache_counts *out) {
   commands chain;
   if (cache && !out)
     return fail_null(cache->context, __func__, "out");

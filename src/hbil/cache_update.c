@@ -123,7 +123,7 @@ hbil_status update_cache(commands *chain, hbil_cache *cache,
   }
   if (status == HBIL_SUCCESS)
     status = build_pyramid(chain, cache);
-  if (status == HBIL_SUCCESS && cache_has(&cache->config, HBIL_PROVIDER_LPV))
+  if (status == HBIL_SUCCESS && cache->config.method == HBIL_CACHE_METHOD_LPV)
     status = spread_light(chain, cache, update);
   return status;
 }

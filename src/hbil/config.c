@@ -50,21 +50,19 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
 hbil_status hbil_model_set(hbil_model *model, hbil_model_name name) {
   if (!model)
     return fail_null(NULL, __func__, "model");
-  if ((unsigned)name > HBIL_MODEL_WORLD)
+  if ((unsigned)name > HBIL_MODEL_PAPER)
     return fail(NULL, HBIL_INVALID_ARGUMENT,
                 "hbil_model_set: name: %d; must be one of hbil_model_name",
                 (int)name);
   const bool paper = name == HBIL_MODEL_PAPER;
-  const bool world = name == HBIL_MODEL_WORLD;
   model->thickness = INFINITY;
-  model->relative_thickness = paper ? INFINITY : world ? 0.02f : 0.06f;
+  model->relative_thickness = paper ? INFINITY : DEFAULT_RELATIVE_THICKNESS;
   model->facing_fade[0] = paper ? -0.1f : -1.0f;
   model->facing_fade[1] = paper ? 0.0f : -1.0f;
   model->back_facing_fallback =
       paper ? HBIL_FALLBACK_LAST_ACCEPTED : HBIL_FALLBACK_FRAME_MEAN;
   model->feedback = paper ? HBIL_FEEDBACK_RADIANCE : HBIL_FEEDBACK_IRRADIANCE;
   model->extrapolate = paper ? CL_FALSE : CL_TRUE;
-  model->provider = world ? HBIL_PROVIDER_RAYS : HBIL_PROVIDER_NONE;
   return HBIL_SUCCESS;
 }
 
@@ -253,17 +251,18 @@ static hbil_status check_mode(hbil_context *context,
         context, HBIL_INVALID_CONFIG,
         "model.far_field: HBIL_FAR_FRAME; HBIL_MODE_%s reads no radiance",
         mode);
-  if (config->model.provider > HBIL_PROVIDER_RAYS &&
+  if (config->model.cache_method > HBIL_CACHE_METHOD_RAYS &&
       plane_format(config, PLANE_GLOSSY)->component != HBIL_NONE)
     return fail(
         context, HBIL_INVALID_CONFIG,
-        "outputs.glossy.component: must be HBIL_NONE, or model.provider "
-        "HBIL_PROVIDER_NONE or HBIL_PROVIDER_RAYS");
-  if (config->model.mode != HBIL_MODE_HBIL && config->model.provider)
-    return fail(context, HBIL_INVALID_CONFIG,
-                "model.provider: %d; must be HBIL_PROVIDER_NONE, HBIL_MODE_%s "
-                "reads no radiance",
-                (int)config->model.provider, mode);
+        "outputs.glossy.component: must be HBIL_NONE, or model.cache_method "
+        "HBIL_CACHE_METHOD_NONE or HBIL_CACHE_METHOD_RAYS");
+  if (config->model.mode != HBIL_MODE_HBIL && config->model.cache_method)
+    return fail(
+        context, HBIL_INVALID_CONFIG,
+        "model.cache_method: %d; must be HBIL_CACHE_METHOD_NONE, HBIL_MODE_%s "
+        "reads no radiance",
+        (int)config->model.cache_method, mode);
   if (config->model.mode == HBIL_MODE_HBAO &&
       config->model.far_field == HBIL_FAR_SH)
     return fail(
@@ -382,7 +381,8 @@ static hbil_status config_check(hbil_context *context,
        0, HBIL_FALLBACK_FRAME_MEAN},
       {"model.gather_emission", config->model.gather_emission, 0, 1},
       {"model.unseen_light", (double)config->model.unseen_light, 0, 1},
-      {"model.provider", (double)config->model.provider, 0, HBIL_PROVIDER_RSM},
+      {"model.cache_method", (double)config->model.cache_method, 0,
+       HBIL_CACHE_METHOD_RSM},
       /* as floats: 0.3f is above 0.3 */
       {"model.roughness", (double)config->model.roughness, (double)0.3f, 1},
       {"history.max_frames", config->history.max_frames, 0, 1024},

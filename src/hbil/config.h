@@ -16,6 +16,9 @@ hbil_status config_take(hbil_context *context, const hbil_config *given,
 hbil_status frame_take(hbil_context *context, const hbil_frame *given,
                        hbil_frame *own);
 
+/* hbil_model.relative_thickness of HBIL_MODEL_DEFAULT. */
+#define DEFAULT_RELATIVE_THICKNESS 0.06f
+
 /* Whether the light of any sample may be rejected because it faces away. */
 bool config_rejects_back_faces(const hbil_config *config);
 

@@ -7,6 +7,7 @@
 #include "camera.h"
 #include "checks.h"
 #include "config.h"
+#include "hbil/hbil_stages.h"
 #include "passes.h"
 
 /* --- checks --- */
@@ -51,17 +52,19 @@ static hbil_status check_still(const hbil_plan *plan, const hbil_frame *frame) {
 }
 
 static hbil_status check_cache(const hbil_plan *plan, const hbil_frame *frame) {
-  if (frame->cache && !plan->config.model.provider)
+  const hbil_cache_method method = plan->config.model.cache_method;
+  if (!frame->cache)
+    return HBIL_SUCCESS;
+  if (method == HBIL_CACHE_METHOD_NONE)
     return fail(plan->context, HBIL_INVALID_FRAME,
                 "cache: given, but the plan was made without "
-                "model.provider");
-  if (frame->cache &&
-      !cache_has(&frame->cache->config, plan->config.model.provider))
+                "model.cache_method (hbil_config_use_cache())");
+  /* every cache has what rays need */
+  if (method != HBIL_CACHE_METHOD_RAYS && method != frame->cache->config.method)
     return fail(plan->context, HBIL_INVALID_FRAME,
-                "cache: made without the plan's model.provider, %d, in "
-                "hbil_cache_config.providers",
-                (int)plan->config.model.provider);
-  if (frame->cache && frame->cache->context != plan->context)
+                "cache: of method %d; the plan's model.cache_method is %d",
+                (int)frame->cache->config.method, (int)method);
+  if (frame->cache->context != plan->context)
     return fail(plan->context, HBIL_INVALID_FRAME,
                 "cache: not of the plan's context");
   return HBIL_SUCCESS;
@@ -144,19 +147,18 @@ hbil_status hbil_enqueue_frame(hbil_plan *plan, cl_command_queue queue,
                  all);
 }
 
-#define PASS_FUNCTION(name, pass)                                              \
-  hbil_status hbil_enqueue_##name(                                             \
-      hbil_plan *plan, cl_command_queue queue, const hbil_frame *frame,        \
-      cl_uint wait_count, const cl_event *wait_list, cl_event *event) {        \
-    const pass_range one = {pass, pass};                                       \
-    return enqueue(__func__, plan, queue, frame, wait_count, wait_list, event, \
-                   one);                                                       \
-  }
-
-PASS_FUNCTION(reproject, HBIL_PASS_REPROJECT)
-PASS_FUNCTION(push_pull, HBIL_PASS_PUSH_PULL)
-PASS_FUNCTION(split, HBIL_PASS_SPLIT)
-PASS_FUNCTION(gather, HBIL_PASS_GATHER)
-PASS_FUNCTION(recompose, HBIL_PASS_RECOMPOSE)
-PASS_FUNCTION(temporal, HBIL_PASS_TEMPORAL)
-PASS_FUNCTION(composite, HBIL_PASS_COMPOSITE)
+hbil_status hbil_enqueue_passes(hbil_plan *plan, cl_command_queue queue,
+                                const hbil_frame *frame, hbil_pass first,
+                                hbil_pass last, cl_uint wait_count,
+                                const cl_event *wait_list, cl_event *event) {
+  const pass_range range = {first, last};
+  if (plan && ((unsigned)first > (unsigned)last ||
+               (unsigned)last > HBIL_PASS_COMPOSITE))
+    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                "first, last: %d, %d; must be passes from HBIL_PASS_REPROJECT, "
+                "%d, to HBIL_PASS_COMPOSITE, %d, in this order",
+                (int)first, (int)last, (int)HBIL_PASS_REPROJECT,
+                (int)HBIL_PASS_COMPOSITE);
+  return enqueue(__func__, plan, queue, frame, wait_count, wait_list, event,
+                 range);
+}

@@ -38,7 +38,7 @@ static void decide_work(const hbil_config *config, layout *out) {
   out->far_field = sums || out->radiance || has(config, PLANE_FAR)
                        ? config->model.far_field
                        : HBIL_FAR_NONE;
-  out->probes = config->model.provider != HBIL_PROVIDER_NONE &&
+  out->probes = config->model.cache_method != HBIL_CACHE_METHOD_NONE &&
                 (sums || out->radiance || has(config, PLANE_FAR));
   out->bent = has(config, PLANE_BENT) || out->glossy ||
               out->far_field == HBIL_FAR_SH ||

@@ -18,7 +18,6 @@
 #define cache_args hbil_internal_cache_args
 #define cache_centre hbil_internal_cache_centre
 #define cache_config_take hbil_internal_cache_config_take
-#define cache_has hbil_internal_cache_has
 #define cache_middle hbil_internal_cache_middle
 #define cache_scale hbil_internal_cache_scale
 #define cache_sizes hbil_internal_cache_sizes

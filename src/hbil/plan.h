@@ -28,13 +28,14 @@
   X(PROGRAM_REGATHER, "regather", caches_horizons, .relaxed = true)            \
   X(PROGRAM_RECOMPOSE, "recompose", true, .relaxed = true)                     \
   X(PROGRAM_TEMPORAL, "temporal", averages, .relaxed = false)                  \
-  X(PROGRAM_PROBE_RAYS, "cache/probe_rays", provider == HBIL_PROVIDER_RAYS,    \
+  X(PROGRAM_PROBE_RAYS, "cache/probe_rays", method == HBIL_CACHE_METHOD_RAYS,  \
     .relaxed = true)                                                           \
-  X(PROGRAM_PROBE_CONES, "cache/probe_cones", provider == HBIL_PROVIDER_CONES, \
-    .relaxed = true, .defines = "-DHBIL_WIDTH=1")                              \
-  X(PROGRAM_PROBE_LPV, "cache/probe_lpv", provider == HBIL_PROVIDER_LPV,       \
+  X(PROGRAM_PROBE_CONES, "cache/probe_cones",                                  \
+    method == HBIL_CACHE_METHOD_CONES, .relaxed = true,                        \
+    .defines = "-DHBIL_WIDTH=1")                                               \
+  X(PROGRAM_PROBE_LPV, "cache/probe_lpv", method == HBIL_CACHE_METHOD_LPV,     \
     .relaxed = false, .defines = "-DHBIL_WIDTH=1")                             \
-  X(PROGRAM_PROBE_RSM, "cache/probe_rsm", provider == HBIL_PROVIDER_RSM,       \
+  X(PROGRAM_PROBE_RSM, "cache/probe_rsm", method == HBIL_CACHE_METHOD_RSM,     \
     .relaxed = true, .defines = "-DHBIL_WIDTH=1")                              \
   X(PROGRAM_FILTER_PROBES, "cache/filter_probes", l->probes, .relaxed = true)  \
   X(PROGRAM_PROBE_GLOSSY, "cache/probe_glossy", l->probes && l->glossy,        \

@@ -21,8 +21,8 @@ static const kernel_table table = {programs, kernels, PROGRAM_COUNT,
 static hbil_status build_kernels(hbil_plan *plan) {
   const hbil_config *c = &plan->config;
   const layout *l = &plan->layout;
-  const hbil_provider provider =
-      l->probes ? c->model.provider : HBIL_PROVIDER_NONE;
+  const hbil_cache_method method =
+      l->probes ? c->model.cache_method : HBIL_CACHE_METHOD_NONE;
   const bool caches_horizons = l->bytes[BUFFER_HORIZON_CACHE] > 0;
   const bool bounds = l->bytes[BUFFER_BOUNDS] > 0;
   const bool averages = c->history.max_frames > 0;

@@ -13,7 +13,7 @@ static cl_mem of_cache(const hbil_cache *cache, int buffer) {
   return cache ? cache->buffers[buffer] : NULL;
 }
 
-/* What all providers need of a frame. */
+/* What all methods need of a frame. */
 static hbil_probes_args probes_args(const hbil_plan *plan,
                                     const hbil_frame *frame) {
   const hbil_config *c = &plan->config;
@@ -38,13 +38,13 @@ static hbil_probes_args probes_args(const hbil_plan *plan,
   return args;
 }
 
-/* --- providers --- */
+/* --- methods --- */
 
-typedef hbil_status provider(const hbil_plan *plan, commands *chain,
-                             const hbil_cache *cache,
-                             const hbil_probes_args *args);
+typedef hbil_status method(const hbil_plan *plan, commands *chain,
+                           const hbil_cache *cache,
+                           const hbil_probes_args *args);
 
-/* Launches a provider's kernel for all probes. */
+/* Launches a method's kernel for all probes. */
 #define LAUNCH_PROBES(chain, kernel, list, args)                               \
   LAUNCH(chain, kernel, list, (size_t)(args)->grid.columns,                    \
          (size_t)(args)->grid.rows, 1)
@@ -63,15 +63,15 @@ static hbil_status cast_rays(const hbil_plan *plan, commands *chain,
   return LAUNCH_PROBES(chain, kernel, list, args);
 }
 
-static hbil_status ask_rays(const hbil_plan *plan, commands *chain,
-                            const hbil_cache *cache,
-                            const hbil_probes_args *args) {
+static hbil_status probe_by_rays(const hbil_plan *plan, commands *chain,
+                                 const hbil_cache *cache,
+                                 const hbil_probes_args *args) {
   return cast_rays(plan, chain, cache, args, KERNEL_PROBE_RAYS, BUFFER_PROBES);
 }
 
-static hbil_status ask_cones(const hbil_plan *plan, commands *chain,
-                             const hbil_cache *cache,
-                             const hbil_probes_args *args) {
+static hbil_status probe_by_cones(const hbil_plan *plan, commands *chain,
+                                  const hbil_cache *cache,
+                                  const hbil_probes_args *args) {
   const cl_mem clearance = of_cache(cache, CACHE_CLEARANCE);
   const cl_mem voxels = of_cache(cache, CACHE_VOXELS);
   const cl_mem radiance = of_cache(cache, CACHE_RADIANCE);
@@ -86,18 +86,18 @@ static hbil_status ask_cones(const hbil_plan *plan, commands *chain,
   return LAUNCH_PROBES(chain, KERNEL_PROBE_CONES, list, args);
 }
 
-static hbil_status ask_lpv(const hbil_plan *plan, commands *chain,
-                           const hbil_cache *cache,
-                           const hbil_probes_args *args) {
+static hbil_status probe_by_lpv(const hbil_plan *plan, commands *chain,
+                                const hbil_cache *cache,
+                                const hbil_probes_args *args) {
   const cl_mem volumes = of_cache(cache, CACHE_VOLUMES);
   const argument list[] = {ARG(*args), BUFFER_ARG(plan, BUFFER_SPLIT),
                            ARG(volumes), BUFFER_ARG(plan, BUFFER_PROBES)};
   return LAUNCH_PROBES(chain, KERNEL_PROBE_LPV, list, args);
 }
 
-static hbil_status ask_rsm(const hbil_plan *plan, commands *chain,
-                           const hbil_cache *cache,
-                           const hbil_probes_args *args) {
+static hbil_status probe_by_rsm(const hbil_plan *plan, commands *chain,
+                                const hbil_cache *cache,
+                                const hbil_probes_args *args) {
   const hbil_light_views_args lights =
       cache ? light_views_args(cache) : (hbil_light_views_args){0};
   const cl_mem texels = of_cache(cache, CACHE_LIGHT_VIEWS);
@@ -107,10 +107,10 @@ static hbil_status ask_rsm(const hbil_plan *plan, commands *chain,
   return LAUNCH_PROBES(chain, KERNEL_PROBE_RSM, list, args);
 }
 
-static provider *const providers[] = {[HBIL_PROVIDER_RAYS] = ask_rays,
-                                      [HBIL_PROVIDER_CONES] = ask_cones,
-                                      [HBIL_PROVIDER_LPV] = ask_lpv,
-                                      [HBIL_PROVIDER_RSM] = ask_rsm};
+static method *const methods[] = {[HBIL_CACHE_METHOD_RAYS] = probe_by_rays,
+                                  [HBIL_CACHE_METHOD_CONES] = probe_by_cones,
+                                  [HBIL_CACHE_METHOD_LPV] = probe_by_lpv,
+                                  [HBIL_CACHE_METHOD_RSM] = probe_by_rsm};
 
 hbil_status enqueue_probes(hbil_plan *plan, commands *chain,
                            const hbil_frame *frame) {
@@ -119,8 +119,8 @@ hbil_status enqueue_probes(hbil_plan *plan, commands *chain,
   const hbil_probes_args args = probes_args(plan, frame);
   const argument filter[] = {ARG(args), BUFFER_ARG(plan, BUFFER_PROBES),
                              BUFFER_ARG(plan, BUFFER_FILTERED_PROBES)};
-  hbil_status status =
-      providers[plan->config.model.provider](plan, chain, frame->cache, &args);
+  hbil_status status = methods[plan->config.model.cache_method](
+      plan, chain, frame->cache, &args);
   if (status == HBIL_SUCCESS && plan->layout.glossy)
     status = cast_rays(plan, chain, frame->cache, &args, KERNEL_PROBE_GLOSSY,
                        BUFFER_GLOSSY_PROBES);

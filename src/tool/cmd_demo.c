@@ -287,7 +287,7 @@ static int process(const demo_options *o, const demo_files *files,
   s.view_count = files->view_count;
   s.light_views = (char *const *)&files->light_view;
   s.light_view_count = files->light_view ? 1 : 0;
-  s.far = files->light_view ? HBIL_PROVIDER_RSM : 0;
+  s.far = files->light_view ? HBIL_CACHE_METHOD_RSM : 0;
   s.preview = s.timings = s.overwrite = 1;
   s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
   return process_run(&s, files->frames, (int)o->frames, error);

@@ -288,8 +288,8 @@ static int learn_lights(job_cache *jc, image_error *error) {
       return -1;
   }
   const hbil_status status =
-      hbil_enqueue_rsm(jc->cache, jc->device->queue, views,
-                       (cl_uint)j->light_count, 0, NULL, NULL);
+      hbil_enqueue_cache_light_views(jc->cache, jc->device->queue, views,
+                                     (cl_uint)j->light_count, 0, NULL, NULL);
   return status == HBIL_SUCCESS
              ? 0
              : library_failed(jc, j->lights[0].path, status, error);
@@ -394,7 +394,7 @@ static int make_cache(job_cache *jc, image_error *error) {
   jc->config = jc->job->cache;
   jc->config.inputs = jc->job->config.inputs;
   jc->config.gather_emission = jc->job->config.model.gather_emission;
-  jc->config.providers = HBIL_PROVIDER_BIT(jc->job->config.model.provider);
+  jc->config.method = jc->job->config.model.cache_method;
   hbil_plane_format *const formats[] = {
       &jc->config.inputs.depth, &jc->config.inputs.normal,
       &jc->config.inputs.albedo, &jc->config.inputs.direct,

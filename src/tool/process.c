@@ -76,7 +76,8 @@ static void configure(job *j) {
 /* Decides whether there is a radiance cache, and the settings beside it. */
 static int prepare_cache(job *j, image_error *error) {
   const process_settings *s = j->settings;
-  hbil_model with_cache = j->config.model;
+  hbil_config with_cache = j->config;
+  hbil_cache_config cache;
   j->has_cache = wants_cache(j);
   if (!j->has_cache)
     return 0;
@@ -85,11 +86,12 @@ static int prepare_cache(job *j, image_error *error) {
                       "--normals from-depth: not with --view, --learn, "
                       "--cache-load or --cache-save, whose radiance cache "
                       "needs normals");
-  hbil_model_set(&with_cache, HBIL_MODEL_WORLD);
-  j->config.model.provider =
-      s->far ? (hbil_provider)s->far : HBIL_PROVIDER_RAYS;
+  hbil_cache_config_init(&cache);
+  hbil_config_use_cache(&with_cache, &cache);
+  j->config.model.cache_method =
+      s->far ? (hbil_cache_method)s->far : HBIL_CACHE_METHOD_RAYS;
   if (!s->thickness_given && !s->paper)
-    j->config.model.relative_thickness = with_cache.relative_thickness;
+    j->config.model.relative_thickness = with_cache.model.relative_thickness;
   return views_check(j, error) != 0 ||
                  (s->cache_load &&
                   cache_file_read(s->cache_load, &j->loaded, error) != 0)

@@ -46,13 +46,13 @@ void process_help(void) {
   hbil_cache_config cache;
   set_defaults(&defaults);
   hbil_cache_config_init(&cache);
-  hbil_model with_cache = defaults.settings.config.model;
-  hbil_model_set(&with_cache, HBIL_MODEL_WORLD);
+  hbil_config with_cache = defaults.settings.config;
+  hbil_config_use_cache(&with_cache, &cache);
   const option_value values[] = {
       {"levels", cache.levels},
       {"voxels", cache.voxels},
       {"near_voxels", HBIL_CACHE_NEAR_VOXELS},
-      {"thickness_with_cache", (double)with_cache.relative_thickness}};
+      {"thickness_with_cache", (double)with_cache.model.relative_thickness}};
   option_command c = command;
   c.values = values;
   c.value_count = sizeof values / sizeof *values;
@@ -77,12 +77,12 @@ static int apply_far(process_settings *s, image_error *error) {
 static int check(const process_settings *s, image_error *error) {
   if (s->exact)
     return 0;
-  if (s->layers >> LAYER_GLOSSY & 1 && s->far > HBIL_PROVIDER_RAYS &&
+  if (s->layers >> LAYER_GLOSSY & 1 && s->far > HBIL_CACHE_METHOD_RAYS &&
       !settings_without_cache(s))
     return image_fail(
         error, "--layers glossy: not with --far cones, lpv or rsm, which "
                "know no reflected light; one or the other is needed");
-  if (s->far == HBIL_PROVIDER_RSM && !s->light_view_count)
+  if (s->far == HBIL_CACHE_METHOD_RSM && !s->light_view_count)
     return image_fail(error, "--far rsm: --light-view FILE is needed with it");
   if (s->light_view_count > HBIL_MAX_LIGHT_VIEWS)
     return image_fail(error, "--light-view: %u files; %d at most can be used",

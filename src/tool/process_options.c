@@ -225,8 +225,8 @@ static const option_row cache_rows[] = {
     {ROW_TEXT("cache-save", SETTING(cache_save), "FILE"),
      .help = "write the cache to a file at the end; replaces only caches",
      .relations = {OF_CACHE}},
-    {ROW_CHOICE("far", SETTING(far), far_words), .low = HBIL_PROVIDER_RAYS,
-     .high = FAR_IS_ENVIRONMENT, .library = "model.provider",
+    {ROW_CHOICE("far", SETTING(far), far_words), .low = HBIL_CACHE_METHOD_RAYS,
+     .high = FAR_IS_ENVIRONMENT, .library = "model.cache_method",
      .help = "where light from beyond the near field comes from.  From the "
              "cache: by rays (the default and the most accurate), by cones, or "
              "by light propagation volumes.  In place of the cache: from "
@@ -237,7 +237,8 @@ static const option_row cache_rows[] = {
      .help =
          "with --far rsm: a picture as for --view, from where a light is, with "
          "the direct light of that light alone; up to four, or a pattern",
-     .relations = {OF_CACHE, NEEDS_CHOICE(SETTING(far), HBIL_PROVIDER_RSM)}},
+     .relations = {OF_CACHE,
+                   NEEDS_CHOICE(SETTING(far), HBIL_CACHE_METHOD_RSM)}},
     {ROW_CHOICE("view-light", SETTING(view_light), view_lights),
      .help = "what views hold: direct light, to which the cache adds the "
              "bounces, or also indirect light (Blender's DiffInd), which is "

@@ -30,7 +30,7 @@ enum { HORIZON_CACHE_MOST = 1 << 20, HORIZON_CACHE_CHOOSE };
 /* `--far environment` and `--far none`: frames have no radiance cache.  With
  * the second, process_settings.environment is "none". */
 typedef enum far_without_cache {
-  FAR_IS_ENVIRONMENT = HBIL_PROVIDER_RSM + 1,
+  FAR_IS_ENVIRONMENT = HBIL_CACHE_METHOD_RSM + 1,
   FAR_IS_NONE
 } far_without_cache;
 
@@ -50,13 +50,13 @@ typedef struct process_settings {
   char *const *light_views; /* files of reflective shadow maps */
   unsigned light_view_count;
   hbil_view_light view_light; /* what the views hold */
-  int far;                    /* hbil_provider, or a far_without_cache; 0: not
-                                 given */
-  int learn;                  /* 1: it sees all frames first */
-  unsigned cache_voxels;      /* across a level; 0: the library's default */
-  const char *cache_load;     /* the file that it begins with, or NULL */
-  int cache_fixed;            /* 1: frames don't change the loaded cache */
-  const char *cache_save;     /* the file that it is written to, or NULL */
+  int far;                /* hbil_cache_method, or a far_without_cache; 0: not
+                             given */
+  int learn;              /* 1: it sees all frames first */
+  unsigned cache_voxels;  /* across a level; 0: the library's default */
+  const char *cache_load; /* the file that it begins with, or NULL */
+  int cache_fixed;        /* 1: frames don't change the loaded cache */
+  const char *cache_save; /* the file that it is written to, or NULL */
   int radius_given, thickness_given; /* 1: so are model.radius and
                                         model.relative_thickness */
   int emission_given;    /* 1: config.gather_emission is the user's choice */

@@ -286,8 +286,8 @@ static void invalid_light_does_not_enter_the_history(void **state) {
   *exact_at(&fresh, HBIL_LIGHT_RED, 30, 20) = NAN;
   stage_write(&s, HBIL_STAGE_RESOLVED, &fresh);
   exact_planes_free(&fresh);
-  setup_run(&s, hbil_enqueue_temporal);
-  setup_run(&s, hbil_enqueue_composite);
+  setup_run(&s, enqueue_temporal);
+  setup_run(&s, enqueue_composite);
   history h = history_read(&s);
   assert_true(history_value(&h, HISTORY_FRAMES, 30, 20) == 0.0);
   free(h.bytes);
@@ -334,7 +334,7 @@ static void runs_have_the_same_bits(void **state) {
       averaging_load(&s, 11, 7);
       for (size_t i = 0; i < 5; ++i)
         setup_run(&s, passes_before_filter[i]);
-      setup_run(&s, hbil_enqueue_temporal);
+      setup_run(&s, enqueue_temporal);
     }
     run_moving(&s, 3, 4);
     got = outputs_read(&s);

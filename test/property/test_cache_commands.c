@@ -378,7 +378,7 @@ static hbil_status every_command(room_scene *t, cl_command_queue queue,
                                  void *bytes) {
   static const double away[3] = {0.25, 0.0, 0.0};
   hbil_cache *cache = t->s.frame.cache;
-  hbil_cache_statistics n;
+  hbil_cache_counts n;
   hbil_cache_update update;
   cl_event event = NULL;
   hbil_cache_update_init(&update);
@@ -396,7 +396,7 @@ static hbil_status every_command(room_scene *t, cl_command_queue queue,
   if (status == HBIL_SUCCESS)
     status = hbil_enqueue_cache_move(cache, queue, away, 0, NULL, NULL);
   if (status == HBIL_SUCCESS)
-    status = hbil_cache_statistics_read(cache, queue, &n);
+    status = hbil_cache_statistics(cache, queue, &n);
   if (status == HBIL_SUCCESS)
     status = hbil_cache_save(cache, queue, bytes, hbil_cache_size(cache));
   if (status == HBIL_SUCCESS)

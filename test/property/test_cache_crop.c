@@ -29,8 +29,8 @@ static void prepare(setup *s, int width, int height) {
   s->config.inputs.motion.component = HBIL_NONE;
   s->config.inputs.emission.component = HBIL_NONE;
   s->config.inputs.normal_space = HBIL_SPACE_WORLD;
-  assert_int_equal(hbil_model_set(&s->config.model, HBIL_MODEL_WORLD),
-                   HBIL_SUCCESS);
+  s->config.model.cache_method = HBIL_CACHE_METHOD_RAYS;
+  s->config.model.relative_thickness = 0.02f;
   s->config.history.reprojection = HBIL_REPROJECTION_NONE;
   s->config.execution.vector_width = 1;
   s->config.sampling.slices = 16;

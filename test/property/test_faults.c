@@ -463,8 +463,8 @@ static void frames_of_images_can_be_repeated(void **state) {
 /* The same if composite was enqueued by itself, and is enqueued again. */
 static void composite_to_images_can_be_repeated(void **state) {
   static enqueue_function *const passes[] = {
-      hbil_enqueue_reproject, hbil_enqueue_push_pull, hbil_enqueue_split,
-      hbil_enqueue_gather,    hbil_enqueue_recompose, hbil_enqueue_temporal};
+      enqueue_reproject, enqueue_push_pull, enqueue_split,
+      enqueue_gather,    enqueue_recompose, enqueue_temporal};
   outcome o = {0, "", HBIL_SUCCESS};
   image_step t;
   (void)state;
@@ -474,7 +474,7 @@ static void composite_to_images_can_be_repeated(void **state) {
     assert_success(&t.s, image_frame(&t, false, hbil_enqueue_frame));
     for (size_t i = 0; i < sizeof passes / sizeof *passes; ++i)
       assert_success(&t.s, image_frame(&t, true, passes[i]));
-    o = ATTEMPT(n, errors[0], image_frame(&t, true, hbil_enqueue_composite));
+    o = ATTEMPT(n, errors[0], image_frame(&t, true, enqueue_composite));
     check_outcome(shared_device.hbil, &o, 0);
     if (o.status != HBIL_SUCCESS)
       assert_success(&t.s, image_frame(&t, true, hbil_enqueue_frame));

@@ -28,13 +28,13 @@ static void clear_sky(const setup *s, exact_planes *carried) {
 
 static void measure_history(setup *s, const exact_planes *history,
                             deviation *all) {
-  exact_planes got = passed(s, hbil_enqueue_reproject, HBIL_STAGE_CARRIED);
+  exact_planes got = passed(s, enqueue_reproject, HBIL_STAGE_CARRIED);
   exact_planes want = checked_planes(WIDTH, HEIGHT, HBIL_CARRIED_PLANES);
   checked_reproject(&s->job, history, &want);
   add_deviation(all, REPROJECT, &got, 0, &want, 0, HBIL_CARRIED_PLANES);
   checked_push_pull(&want);
   exact_planes_free(&got);
-  got = passed(s, hbil_enqueue_push_pull, HBIL_STAGE_CARRIED);
+  got = passed(s, enqueue_push_pull, HBIL_STAGE_CARRIED);
   clear_sky(s, &got);
   clear_sky(s, &want);
   add_deviation(all, PUSH_PULL, &got, 0, &want, 0, 3);
@@ -69,7 +69,7 @@ static void measure_composite(setup *s, const exact_planes *resolved,
                               deviation *all) {
   exact_planes want = checked_planes(WIDTH, HEIGHT, EXACT_OUTPUT_PLANES);
   exact_planes history = checked_planes(WIDTH, HEIGHT, HBIL_HISTORY_PLANES);
-  setup_run(s, hbil_enqueue_composite);
+  setup_run(s, enqueue_composite);
   exact_planes got = outputs_read(s);
   exact_composite(&s->job, resolved, &want, &history);
   add_deviation(all, COMPOSITE_FAR, &got, EXACT_FAR_IRRADIANCE, &want,
@@ -97,17 +97,17 @@ static void measure_frame(setup *s, bool has_history, deviation *all) {
     carried = stage_read(s, HBIL_STAGE_CARRIED);
   } else {
     /* has nothing to do, which the statistics then tell */
-    setup_run(s, hbil_enqueue_reproject);
+    setup_run(s, enqueue_reproject);
   }
-  split = passed(s, hbil_enqueue_split, HBIL_STAGE_SPLIT);
+  split = passed(s, enqueue_split, HBIL_STAGE_SPLIT);
   measure_split(s, has_history ? &carried : NULL, &split, all);
-  gathered = passed(s, hbil_enqueue_gather, HBIL_STAGE_GATHERED);
+  gathered = passed(s, enqueue_gather, HBIL_STAGE_GATHERED);
   exact_estimate_frame(&s->job, &split, &gathered);
   exact_planes want = checked_planes(WIDTH, HEIGHT, HBIL_GATHERED_PLANES);
   checked_gather(&s->job, &split, &want);
   add_light_deviation(all, GATHER_AO, &gathered, &want, true, true);
   exact_planes_free(&want);
-  resolved = passed(s, hbil_enqueue_recompose, HBIL_STAGE_RESOLVED);
+  resolved = passed(s, enqueue_recompose, HBIL_STAGE_RESOLVED);
   want = checked_planes(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
   exact_recompose(&s->job, &split, &gathered, &want);
   add_light_deviation(all, RECOMPOSE_AO, &resolved, &want, true, true);

@@ -7,23 +7,23 @@
 #include "test/support/room.h"
 #include "test/support/shim.h"
 
-static const hbil_provider first_provider = HBIL_PROVIDER_RAYS,
-                           last_provider = HBIL_PROVIDER_RSM;
+static const hbil_cache_method first_provider = HBIL_CACHE_METHOD_RAYS,
+                               last_provider = HBIL_CACHE_METHOD_RSM;
 
 /* A frame of a lit room, a cache of the provider, and the room's views. */
 typedef struct scene {
-  hbil_provider provider;
+  hbil_cache_method provider;
   setup s; /* s.frame.cache is the cache */
   hbil_view views[WALLS];
 } scene;
 
-static hbil_cache_config config_for(hbil_provider provider) {
+static hbil_cache_config config_for(hbil_cache_method provider) {
   hbil_cache_config config = room_cache_config();
-  config.providers = HBIL_PROVIDER_BIT(provider);
+  config.method = provider;
   return config;
 }
 
-static hbil_cache *cache_for(hbil_provider provider) {
+static hbil_cache *cache_for(hbil_cache_method provider) {
   const hbil_cache_config config = config_for(provider);
   hbil_cache *cache = NULL;
   if (hbil_cache_create(shared_device.hbil, &config, &cache) != HBIL_SUCCESS)
@@ -31,13 +31,13 @@ static hbil_cache *cache_for(hbil_provider provider) {
   return cache;
 }
 
-static void start(scene *t, hbil_provider provider, int width, int height) {
+static void start(scene *t, hbil_cache_method provider, int width, int height) {
   const double eye[3] = {0.1, 0.2, -1.0};
   const room r = room_lit();
   const hbil_camera camera = room_camera(eye, AHEAD, width, height, 75.0);
   t->provider = provider;
   room_setup(&t->s, &r, &camera, width, height);
-  t->s.config.model.provider = provider;
+  t->s.config.model.cache_method = provider;
   t->s.config.sampling.slices = 1;
   t->s.config.sampling.steps_per_side = 4;
   t->s.config.sampling.unfiltered = CL_TRUE;
@@ -60,9 +60,9 @@ static hbil_status show(const scene *t) {
   hbil_cache_update_init(&update);
   hbil_status status =
       hbil_enqueue_cache_inject(cache, queue, t->views, WALLS, 0, NULL, NULL);
-  if (status == HBIL_SUCCESS && t->provider == HBIL_PROVIDER_RSM)
-    status =
-        hbil_enqueue_rsm(cache, queue, t->views + BEHIND, 2, 0, NULL, NULL);
+  if (status == HBIL_SUCCESS && t->provider == HBIL_CACHE_METHOD_RSM)
+    status = hbil_enqueue_cache_light_views(cache, queue, t->views + BEHIND, 2,
+                                            0, NULL, NULL);
   if (status == HBIL_SUCCESS)
     status = hbil_enqueue_cache_update(cache, queue, &update, 0, NULL, NULL);
   return status;
@@ -94,7 +94,7 @@ static void move(const scene *t, double x) {
 static void every_run_has_the_same_bits(void **state) {
   static const size_t groups[][2] = {{1, 1}, {3, 2}, {7, 5}};
   (void)state;
-  for (hbil_provider p = first_provider; p <= last_provider; ++p) {
+  for (hbil_cache_method p = first_provider; p <= last_provider; ++p) {
     scene t;
     start(&t, p, 97, 61);
     exact_planes want = lit_outputs(&t);
@@ -116,7 +116,7 @@ static void every_run_has_the_same_bits(void **state) {
  * unseen places, and have no light. */
 static void an_empty_cache_tells_nothing(void **state) {
   (void)state;
-  for (hbil_provider p = first_provider; p <= last_provider; ++p) {
+  for (hbil_cache_method p = first_provider; p <= last_provider; ++p) {
     scene t;
     shim_guard_buffers(true); /* what isn't written is no number */
     start(&t, p, 97, 61);
@@ -124,7 +124,7 @@ static void an_empty_cache_tells_nothing(void **state) {
     hbil_cache *cache = t.s.frame.cache;
     exact_planes first = room_outputs(&t.s);
     t.s.frame.cache = NULL;
-    if (p <= HBIL_PROVIDER_CONES)
+    if (p <= HBIL_CACHE_METHOD_CONES)
       room_same_bits(&t.s, &first, "without a cache");
     t.s.frame.cache = cache;
     exact_planes lit = lit_outputs(&t);
@@ -141,7 +141,7 @@ static void an_empty_cache_tells_nothing(void **state) {
  * light doesn't spread from cell to cell. */
 static void moves_leave_the_world_in_its_place(void **state) {
   (void)state;
-  for (hbil_provider p = first_provider; p <= last_provider; ++p) {
+  for (hbil_cache_method p = first_provider; p <= last_provider; ++p) {
     hbil_cache_update update;
     scene t;
     start(&t, p, 97, 61);
@@ -153,7 +153,7 @@ static void moves_leave_the_world_in_its_place(void **state) {
     assert_success(&t.s, hbil_enqueue_cache_update(t.s.frame.cache,
                                                    shared_device.queue, &update,
                                                    0, NULL, NULL));
-    if (p != HBIL_PROVIDER_LPV)
+    if (p != HBIL_CACHE_METHOD_LPV)
       room_same_bits(&t.s, &moved, "an update after a move");
     /* back again, from nothing */
     move(&t, 0.0);
@@ -169,7 +169,7 @@ static void moves_leave_the_world_in_its_place(void **state) {
 /* Whatever a cache held before, a saved one replaces it. */
 static void loaded_caches_have_no_past(void **state) {
   (void)state;
-  for (hbil_provider p = first_provider; p <= HBIL_PROVIDER_LPV; ++p) {
+  for (hbil_cache_method p = first_provider; p <= HBIL_CACHE_METHOD_LPV; ++p) {
     scene t;
     start(&t, p, 97, 61);
     exact_planes lit = lit_outputs(&t);
@@ -190,7 +190,7 @@ static void loaded_caches_have_no_past(void **state) {
                                          bytes, size));
     room_same_bits(&t.s, &got, "loaded into another cache");
     hbil_cache_destroy(cache);
-    if (p != HBIL_PROVIDER_LPV)
+    if (p != HBIL_CACHE_METHOD_LPV)
       room_same_bits(&t.s, &lit, "loaded");
     free(bytes);
     exact_planes_free(&lit);
@@ -205,16 +205,16 @@ static void loaded_caches_have_no_past(void **state) {
 static void caches_take_the_announced_memory(void **state) {
   (void)state;
   shim_skip_builds(true);
-  for (cl_uint bits = 0; bits < HBIL_PROVIDER_BIT(last_provider + 1); ++bits)
+  for (hbil_cache_method p = first_provider; p <= last_provider; ++p)
     for (cl_uint levels = 1; levels <= 4; levels += 3) {
       hbil_cache_config config = room_cache_config();
       hbil_cache *cache;
       size_t bytes = 0, bare = 0;
       config.levels = levels;
-      config.providers = 0;
+      config.method = HBIL_CACHE_METHOD_RAYS;
       assert_int_equal(hbil_cache_memory(shared_device.hbil, &config, &bare),
                        HBIL_SUCCESS);
-      config.providers = bits;
+      config.method = p;
       shim_start_counting();
       assert_int_equal(hbil_cache_memory(shared_device.hbil, &config, &bytes),
                        HBIL_SUCCESS);
@@ -222,7 +222,7 @@ static void caches_take_the_announced_memory(void **state) {
       assert_int_equal(hbil_cache_create(shared_device.hbil, &config, &cache),
                        HBIL_SUCCESS);
       assert_int_equal(shim_created().bytes, bytes);
-      assert_int_equal(bytes > bare, bits >= HBIL_PROVIDER_BIT(2));
+      assert_int_equal(bytes > bare, p != HBIL_CACHE_METHOD_RAYS);
       hbil_cache_destroy(cache);
     }
   shim_skip_builds(false);
@@ -231,7 +231,7 @@ static void caches_take_the_announced_memory(void **state) {
 static void nothing_is_written_outside_of_buffers(void **state) {
   static const int sizes[][2] = {{1, 1}, {97, 61}};
   (void)state;
-  for (hbil_provider p = first_provider; p <= last_provider; ++p)
+  for (hbil_cache_method p = first_provider; p <= last_provider; ++p)
     for (int i = 0; i < 2; ++i) {
       scene t;
       shim_guard_buffers(true);
@@ -273,7 +273,7 @@ static bool check_attempt(hbil_status status, int nth, int e) {
 
 static void failed_caches_leave_nothing(void **state) {
   (void)state;
-  for (hbil_provider p = HBIL_PROVIDER_CONES; p <= last_provider; ++p) {
+  for (hbil_cache_method p = HBIL_CACHE_METHOD_CONES; p <= last_provider; ++p) {
     const hbil_cache_config config = config_for(p);
     const long held = shim_references();
     int n = 0;
@@ -295,7 +295,7 @@ static void failed_caches_leave_nothing(void **state) {
 /* After a failure, the same commands from a reset on give the same bits. */
 static void failed_commands_can_be_repeated(void **state) {
   (void)state;
-  for (hbil_provider p = HBIL_PROVIDER_CONES; p <= last_provider; ++p) {
+  for (hbil_cache_method p = HBIL_CACHE_METHOD_CONES; p <= last_provider; ++p) {
     scene t;
     start(&t, p, ROOM_WIDTH, ROOM_HEIGHT);
     exact_planes want = lit_outputs(&t);
@@ -330,20 +330,25 @@ static void failed_commands_can_be_repeated(void **state) {
 static void bad_arguments_are_rejected_by_name(void **state) {
   scene t;
   (void)state;
-  start(&t, HBIL_PROVIDER_RSM, 97, 61);
+  start(&t, HBIL_CACHE_METHOD_RSM, 97, 61);
   hbil_cache *cache = t.s.frame.cache;
   const cl_command_queue queue = shared_device.queue;
   exact_planes want = lit_outputs(&t);
-  room_rejected(hbil_enqueue_rsm(cache, queue, t.views, 5, 0, NULL, NULL),
-                HBIL_INVALID_ARGUMENT, "count");
-  room_rejected(hbil_enqueue_rsm(cache, queue, NULL, 1, 0, NULL, NULL),
-                HBIL_INVALID_ARGUMENT, "views");
-  room_rejected(hbil_enqueue_rsm(cache, NULL, t.views, 1, 0, NULL, NULL),
-                HBIL_INVALID_ARGUMENT, "queue");
-  room_rejected(hbil_enqueue_rsm(cache, queue, t.views, 1, 1, NULL, NULL),
-                HBIL_INVALID_ARGUMENT, "wait");
-  assert_int_equal(hbil_enqueue_rsm(NULL, queue, t.views, 1, 0, NULL, NULL),
-                   HBIL_INVALID_ARGUMENT);
+  room_rejected(
+      hbil_enqueue_cache_light_views(cache, queue, t.views, 5, 0, NULL, NULL),
+      HBIL_INVALID_ARGUMENT, "count");
+  room_rejected(
+      hbil_enqueue_cache_light_views(cache, queue, NULL, 1, 0, NULL, NULL),
+      HBIL_INVALID_ARGUMENT, "views");
+  room_rejected(
+      hbil_enqueue_cache_light_views(cache, NULL, t.views, 1, 0, NULL, NULL),
+      HBIL_INVALID_ARGUMENT, "queue");
+  room_rejected(
+      hbil_enqueue_cache_light_views(cache, queue, t.views, 1, 1, NULL, NULL),
+      HBIL_INVALID_ARGUMENT, "wait");
+  assert_int_equal(
+      hbil_enqueue_cache_light_views(NULL, queue, t.views, 1, 0, NULL, NULL),
+      HBIL_INVALID_ARGUMENT);
   /* a queue of another context */
   cl_int error;
   cl_context other =
@@ -352,26 +357,31 @@ static void bad_arguments_are_rejected_by_name(void **state) {
   cl_command_queue foreign =
       clCreateCommandQueue(other, shared_device.id, 0, &error);
   assert_int_equal(error, CL_SUCCESS);
-  room_rejected(hbil_enqueue_rsm(cache, foreign, t.views, 1, 0, NULL, NULL),
-                HBIL_INVALID_ARGUMENT, "queue");
+  room_rejected(
+      hbil_enqueue_cache_light_views(cache, foreign, t.views, 1, 0, NULL, NULL),
+      HBIL_INVALID_ARGUMENT, "queue");
   clReleaseCommandQueue(foreign);
   clReleaseContext(other);
   hbil_view views[2] = {t.views[0], t.views[1]};
   views[1].width = 0;
-  room_rejected(hbil_enqueue_rsm(cache, queue, views, 2, 0, NULL, NULL),
-                HBIL_INVALID_FRAME, "width");
+  room_rejected(
+      hbil_enqueue_cache_light_views(cache, queue, views, 2, 0, NULL, NULL),
+      HBIL_INVALID_FRAME, "width");
   views[1] = t.views[1];
   views[1].direct.buffer = NULL;
-  room_rejected(hbil_enqueue_rsm(cache, queue, views, 2, 0, NULL, NULL),
-                HBIL_INVALID_FRAME, "direct");
+  room_rejected(
+      hbil_enqueue_cache_light_views(cache, queue, views, 2, 0, NULL, NULL),
+      HBIL_INVALID_FRAME, "direct");
   views[1] = t.views[1];
   views[1].camera.fx = NAN;
-  room_rejected(hbil_enqueue_rsm(cache, queue, views, 2, 0, NULL, NULL),
-                HBIL_INVALID_FRAME, "camera");
+  room_rejected(
+      hbil_enqueue_cache_light_views(cache, queue, views, 2, 0, NULL, NULL),
+      HBIL_INVALID_FRAME, "camera");
   /* none of these has changed the light */
   room_same_bits(&t.s, &want, "after rejected views");
   /* no view at all is allowed, and takes the light away */
-  assert_success(&t.s, hbil_enqueue_rsm(cache, queue, NULL, 0, 0, NULL, NULL));
+  assert_success(&t.s, hbil_enqueue_cache_light_views(cache, queue, NULL, 0, 0,
+                                                      NULL, NULL));
   exact_planes dark = room_outputs(&t.s);
   assert_true(largest_value(&dark, EXACT_FAR_IRRADIANCE, 3) == 0.0);
   exact_planes_free(&dark);
@@ -382,10 +392,10 @@ static void bad_arguments_are_rejected_by_name(void **state) {
 static void plans_need_their_provider_in_the_cache(void **state) {
   (void)state;
   shim_skip_builds(true);
-  for (hbil_provider p = first_provider; p <= last_provider; ++p)
-    for (hbil_provider q = first_provider; q <= last_provider; ++q) {
+  for (hbil_cache_method p = first_provider; p <= last_provider; ++p)
+    for (hbil_cache_method q = first_provider; q <= last_provider; ++q) {
       scene t;
-      if (q == p || p == HBIL_PROVIDER_RAYS)
+      if (q == p || p == HBIL_CACHE_METHOD_RAYS)
         continue;
       start(&t, p, 8, 8);
       hbil_cache *own = t.s.frame.cache;
@@ -393,10 +403,10 @@ static void plans_need_their_provider_in_the_cache(void **state) {
       room_rejected(hbil_enqueue_frame(t.s.plan, shared_device.queue,
                                        &t.s.frame, 0, NULL, NULL),
                     HBIL_INVALID_FRAME, "cache");
-      if (q != HBIL_PROVIDER_RSM)
-        room_rejected(hbil_enqueue_rsm(other, shared_device.queue, t.views, 1,
-                                       0, NULL, NULL),
-                      HBIL_INVALID_ARGUMENT, "HBIL_PROVIDER_RSM");
+      if (q != HBIL_CACHE_METHOD_RSM)
+        room_rejected(hbil_enqueue_cache_light_views(other, shared_device.queue,
+                                                     t.views, 1, 0, NULL, NULL),
+                      HBIL_INVALID_ARGUMENT, "HBIL_CACHE_METHOD_RSM");
       t.s.frame.cache = own;
       hbil_cache_destroy(other);
       stop(&t);
@@ -405,21 +415,22 @@ static void plans_need_their_provider_in_the_cache(void **state) {
 }
 
 static void bad_settings_are_rejected_by_name(void **state) {
-  static const cl_uint unknown[] = {1u << 5, 1u << 31, 0xffffffffu};
+  static const int unknown[] = {-1, HBIL_CACHE_METHOD_NONE,
+                                HBIL_CACHE_METHOD_RSM + 1};
   (void)state;
   for (int i = 0; i < 3; ++i) {
     hbil_cache_config config = room_cache_config();
     hbil_cache *cache = (hbil_cache *)&config;
     size_t bytes = 77;
-    config.providers = unknown[i];
+    config.method = (hbil_cache_method)unknown[i];
     room_rejected(hbil_cache_create(shared_device.hbil, &config, &cache),
-                  HBIL_INVALID_CONFIG, "providers");
+                  HBIL_INVALID_CONFIG, "method");
     assert_null(cache);
     room_rejected(hbil_cache_memory(shared_device.hbil, &config, &bytes),
-                  HBIL_INVALID_CONFIG, "providers");
+                  HBIL_INVALID_CONFIG, "method");
     assert_int_equal(bytes, 77);
   }
-  hbil_cache *cache = cache_for(HBIL_PROVIDER_LPV);
+  hbil_cache *cache = cache_for(HBIL_CACHE_METHOD_LPV);
   hbil_cache_update update;
   hbil_cache_update_init(&update);
   assert_int_equal(update.steps, 16);
@@ -431,9 +442,9 @@ static void bad_settings_are_rejected_by_name(void **state) {
   setup s;
   hbil_plan *plan = NULL;
   setup_init(&s, 8, 8);
-  s.config.model.provider = (hbil_provider)(last_provider + 1);
+  s.config.model.cache_method = (hbil_cache_method)(last_provider + 1);
   room_rejected(hbil_plan_create(shared_device.hbil, &s.config, &plan),
-                HBIL_INVALID_CONFIG, "model.provider");
+                HBIL_INVALID_CONFIG, "model.cache_method");
   assert_null(plan);
   setup_free(&s);
 }

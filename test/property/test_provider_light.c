@@ -8,11 +8,11 @@
 
 #include "exact/providers.h"
 
-static hbil_cache *cache_with(hbil_provider provider, cl_uint levels) {
+static hbil_cache *cache_with(hbil_cache_method provider, cl_uint levels) {
   hbil_cache_config config = room_cache_config();
   hbil_cache *cache = NULL;
   config.levels = levels;
-  config.providers = HBIL_PROVIDER_BIT(provider);
+  config.method = provider;
   const hbil_status status =
       hbil_cache_create(shared_device.hbil, &config, &cache);
   if (status != HBIL_SUCCESS)
@@ -137,7 +137,7 @@ static void facing_frame(setup *s, double distance) {
   const hbil_camera camera = room_flat_camera(eye, AHEAD, WIDTH, HEIGHT, 1e-3);
   room_setup(s, &r, &camera, WIDTH, HEIGHT);
   s->config.inputs.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
-  s->config.model.provider = HBIL_PROVIDER_RSM;
+  s->config.model.cache_method = HBIL_CACHE_METHOD_RSM;
   room_load(s, &r, &camera);
   setup_start(s);
 }
@@ -153,9 +153,10 @@ static void check_disc(const double eye[3], bool flat, cl_uint count,
   setup s;
   double sum[3][4] = {{0.0}}, mean = 0.0;
   facing_frame(&s, distance);
-  s.frame.cache = cache_with(HBIL_PROVIDER_RSM, 2);
-  assert_success(&s, hbil_enqueue_rsm(s.frame.cache, shared_device.queue, views,
-                                      count, 0, NULL, NULL));
+  s.frame.cache = cache_with(HBIL_CACHE_METHOD_RSM, 2);
+  assert_success(&s, hbil_enqueue_cache_light_views(s.frame.cache,
+                                                    shared_device.queue, views,
+                                                    count, 0, NULL, NULL));
   setup_run(&s, hbil_enqueue_frame);
   exact_probes probes = lit_probes(&s, "filter_probes", 1);
   const int number = probes.columns * probes.rows;
@@ -255,7 +256,7 @@ static int flux_of(double flux[3]) {
 static void flux_stays_in_an_empty_volume(void **state) {
   const exact_intensity light[3] = {
       {0.25, {0.5, 0.0, 0.0}}, {1.0, {0.0, 0.0, 0.0}}, {0.5, {-0.6, 0.7, 0.4}}};
-  hbil_cache *cache = cache_with(HBIL_PROVIDER_LPV, 1);
+  hbil_cache *cache = cache_with(HBIL_CACHE_METHOD_LPV, 1);
   double flux[3];
   (void)state;
   update(cache, HBIL_FAR_NONE, 0.0f, 1);
@@ -280,13 +281,13 @@ static void flux_stays_in_an_empty_volume(void **state) {
 /* Even environments                                                         */
 
 /* A frame of the room with a provider, and radiance from everywhere. */
-static void room_frame(setup *s, hbil_provider provider, const room *r,
+static void room_frame(setup *s, hbil_cache_method provider, const room *r,
                        const double eye[3], float radiance) {
   const hbil_camera camera = room_camera(eye, AHEAD, 160, 96, 90.0);
   room_setup(s, r, &camera, 160, 96);
   s->config.sampling.slices = 4;
   s->config.sampling.steps_per_side = 16;
-  s->config.model.provider = provider;
+  s->config.model.cache_method = provider;
   s->config.model.far_field = HBIL_FAR_CONSTANT;
   for (int c = 0; c < 3; ++c)
     s->frame.environment[0][c] = (float)(1 << c) * radiance;
@@ -301,8 +302,8 @@ static void volumes_read_out_an_even_environment(void **state) {
   for (cl_uint levels = 1; levels <= 3; ++levels) {
     setup s;
     double worst[2] = {0.0, 0.0};
-    room_frame(&s, HBIL_PROVIDER_LPV, &r, inner_eye, 0.5f);
-    s.frame.cache = cache_with(HBIL_PROVIDER_LPV, levels);
+    room_frame(&s, HBIL_CACHE_METHOD_LPV, &r, inner_eye, 0.5f);
+    s.frame.cache = cache_with(HBIL_CACHE_METHOD_LPV, levels);
     update(s.frame.cache, HBIL_FAR_CONSTANT, 0.5f, 1000);
     setup_run(&s, hbil_enqueue_frame);
     exact_probes probes = lit_probes(&s, "filter_probes", 1);
@@ -345,8 +346,8 @@ static void cones_fill_the_hemisphere(void **state) {
   setup s;
   double mean = 0.0, solid = 0.0, cosine = 0.0, light = 0.0;
   (void)state;
-  room_frame(&s, HBIL_PROVIDER_CONES, &r, inner_eye, 1.0f);
-  s.frame.cache = cache_with(HBIL_PROVIDER_CONES, 2);
+  room_frame(&s, HBIL_CACHE_METHOD_CONES, &r, inner_eye, 1.0f);
+  s.frame.cache = cache_with(HBIL_CACHE_METHOD_CONES, 2);
   see_sky(s.frame.cache);
   setup_run(&s, hbil_enqueue_frame);
   exact_probes probes = lit_probes(&s, "filter_probes", 1);
@@ -388,7 +389,7 @@ static const double furnaces[][3] = {
 enum { FURNACES = sizeof furnaces / sizeof *furnaces };
 
 /* A closed room whose walls all send 1. */
-static furnace_light light_of_furnace(hbil_provider provider,
+static furnace_light light_of_furnace(hbil_cache_method provider,
                                       const double half[3], float sky) {
   room r = {.half = {half[0], half[1], half[2]}};
   hbil_view views[WALLS];
@@ -401,10 +402,10 @@ static furnace_light light_of_furnace(hbil_provider provider,
   room_views(&shared_device, &r, room_middle, 64, HBIL_VIEW_FINISHED, views);
   room_inject(&shared_device, s.frame.cache, views, WALLS, 0);
   update(s.frame.cache, HBIL_FAR_NONE, 0.0f, 200);
-  if (provider == HBIL_PROVIDER_RSM)
-    assert_success(&s,
-                   hbil_enqueue_rsm(s.frame.cache, shared_device.queue, views,
-                                    HBIL_MAX_LIGHT_VIEWS, 0, NULL, NULL));
+  if (provider == HBIL_CACHE_METHOD_RSM)
+    assert_success(&s, hbil_enqueue_cache_light_views(
+                           s.frame.cache, shared_device.queue, views,
+                           HBIL_MAX_LIGHT_VIEWS, 0, NULL, NULL));
   exact_planes out = room_outputs(&s);
   for (int i = 0; i < out.width * out.height; ++i) {
     const int x = i % out.width, y = i / out.width;
@@ -427,13 +428,13 @@ static furnace_light light_of_furnace(hbil_provider provider,
 static void no_provider_is_brighter_than_the_furnace(void **state) {
   static const struct {
     const char *name;
-    hbil_provider provider;
+    hbil_cache_method provider;
     double brighter;
-  } rows[] = {{"rays, brighter", HBIL_PROVIDER_RAYS, 1e-5},
-              {"cones, brighter", HBIL_PROVIDER_CONES, 1e-5},
-              {"RSM, brighter", HBIL_PROVIDER_RSM, 0.0},
+  } rows[] = {{"rays, brighter", HBIL_CACHE_METHOD_RAYS, 1e-5},
+              {"cones, brighter", HBIL_CACHE_METHOD_CONES, 1e-5},
+              {"RSM, brighter", HBIL_CACHE_METHOD_RSM, 0.0},
               /* (measured: -0.025) */
-              {"LPV, brighter", HBIL_PROVIDER_LPV, 0.0}};
+              {"LPV, brighter", HBIL_CACHE_METHOD_LPV, 0.0}};
   (void)state;
   for (size_t i = 0; i < sizeof rows / sizeof *rows * 2 * FURNACES; ++i) {
     const size_t row = i / (2 * FURNACES);
@@ -441,11 +442,11 @@ static void no_provider_is_brighter_than_the_furnace(void **state) {
     const furnace_light got = light_of_furnace(
         rows[row].provider, furnaces[i / 2 % FURNACES], (float)sky);
     check_at_most(rows[row].name, got.greatest - 1.0, rows[row].brighter);
-    if (rows[row].provider == HBIL_PROVIDER_CONES && sky)
+    if (rows[row].provider == HBIL_CACHE_METHOD_CONES && sky)
       check_at_most("cones, darker", 1.0 - got.least, 0.05);
     /* ways along the room's edges end at what no view has seen (measured:
      * 0.032 to 0.039; rays: 0.041 to 0.052) */
-    if (rows[row].provider == HBIL_PROVIDER_CONES && !sky)
+    if (rows[row].provider == HBIL_CACHE_METHOD_CONES && !sky)
       check_at_most("cones, leak", 1.0 - got.mean, 0.05);
     assert_true(got.mean > 0.5);
   }

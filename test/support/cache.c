@@ -63,17 +63,8 @@ static void check(const cache_fixture *f, hbil_status status) {
 
 hbil_view cache_view(const setup *s, hbil_view_light light) {
   hbil_view view;
-  hbil_view_init(&view);
-  view.width = s->config.width;
-  view.height = s->config.height;
-  view.projection = s->config.inputs.projection;
-  view.camera = s->frame.camera;
-  view.depth = s->frame.depth;
-  view.normal = s->frame.normal;
-  view.albedo = s->frame.albedo;
-  view.f0 = s->frame.f0;
-  view.direct = s->frame.direct;
-  view.emission = s->frame.emission;
+  assert_int_equal(hbil_view_from_frame(&view, &s->config, &s->frame),
+                   HBIL_SUCCESS);
   view.light = light;
   return view;
 }

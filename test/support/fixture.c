@@ -1,4 +1,6 @@
 #include "test/support/fixture.h"
+
+#include "hbil/hbil_stages.h"
 #include "test/support/shim.h"
 
 const hbil_plane_format one_float = {HBIL_FLOAT32, 1};
@@ -308,6 +310,22 @@ void setup_free(setup *s) {
   for (int p = 0; p < EXACT_INPUT_PLANES; ++p)
     free(s->input[p]);
 }
+
+#define PASS_FUNCTION(name, pass)                                              \
+  hbil_status enqueue_##name(hbil_plan *plan, cl_command_queue queue,          \
+                             const hbil_frame *frame, cl_uint wait_count,      \
+                             const cl_event *wait_list, cl_event *event) {     \
+    return hbil_enqueue_passes(plan, queue, frame, pass, pass, wait_count,     \
+                               wait_list, event);                              \
+  }
+
+PASS_FUNCTION(reproject, HBIL_PASS_REPROJECT)
+PASS_FUNCTION(push_pull, HBIL_PASS_PUSH_PULL)
+PASS_FUNCTION(split, HBIL_PASS_SPLIT)
+PASS_FUNCTION(gather, HBIL_PASS_GATHER)
+PASS_FUNCTION(recompose, HBIL_PASS_RECOMPOSE)
+PASS_FUNCTION(temporal, HBIL_PASS_TEMPORAL)
+PASS_FUNCTION(composite, HBIL_PASS_COMPOSITE)
 
 void setup_run(setup *s, enqueue_function *pass) {
   assert_success(s, pass(s->plan, s->device->queue, &s->frame, 0, NULL, NULL));

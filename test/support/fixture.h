@@ -94,6 +94,9 @@ void setup_free(setup *s);
 typedef hbil_status enqueue_function(hbil_plan *, cl_command_queue,
                                      const hbil_frame *, cl_uint,
                                      const cl_event *, cl_event *);
+/* One pass each, as hbil_enqueue_frame() enqueues all of them. */
+enqueue_function enqueue_reproject, enqueue_push_pull, enqueue_split,
+    enqueue_gather, enqueue_recompose, enqueue_temporal, enqueue_composite;
 /* Enqueues a pass or a frame and waits; must succeed. */
 void setup_run(setup *s, enqueue_function *pass);
 /* Fails with the context's message unless `status` is HBIL_SUCCESS. */

@@ -12,14 +12,14 @@ void lit_environment(setup *s) {
           (float)(i ? random_unit(&r) - 0.5 : 2.0 + random_unit(&r));
 }
 
-void lit_prepare(lit_frame *l, hbil_provider provider, cl_uint width,
+void lit_prepare(lit_frame *l, hbil_cache_method provider, cl_uint width,
                  scene_kind kind, hbil_projection projection,
                  hbil_far_field far_field) {
   setup last;
   hbil_cache_update update;
   hbil_cache_update_init(&update);
   cache_prepare(&l->f, width);
-  l->f.config.providers = HBIL_PROVIDER_BIT(provider);
+  l->f.config.method = provider;
   l->cache = checked_cache(&l->f);
   cache_fill(&l->f, &l->cache, kind, HBIL_VIEW_DIRECT, &last);
   setup_free(&last);
@@ -30,7 +30,7 @@ void lit_prepare(lit_frame *l, hbil_provider provider, cl_uint width,
   l->device.hbil = l->f.context;
   l->s.device = &l->device;
   l->s.frame.cache = l->f.cache;
-  l->s.config.model.provider = provider;
+  l->s.config.model.cache_method = provider;
   l->s.config.model.far_field = far_field;
   l->s.config.model.radius =
       (float)(HBIL_CACHE_NEAR_VOXELS * l->f.config.voxel_size);
@@ -47,10 +47,10 @@ void lit_free(lit_frame *l) {
 /* --- probes on the device --- */
 
 /* The kernels that make probes. */
-static const char *const makers[] = {[HBIL_PROVIDER_RAYS] = "probe_rays",
-                                     [HBIL_PROVIDER_CONES] = "probe_cones",
-                                     [HBIL_PROVIDER_LPV] = "probe_lpv",
-                                     [HBIL_PROVIDER_RSM] = "probe_rsm"};
+static const char *const makers[] = {[HBIL_CACHE_METHOD_RAYS] = "probe_rays",
+                                     [HBIL_CACHE_METHOD_CONES] = "probe_cones",
+                                     [HBIL_CACHE_METHOD_LPV] = "probe_lpv",
+                                     [HBIL_CACHE_METHOD_RSM] = "probe_rsm"};
 
 exact_probes lit_no_probes(const setup *s) {
   exact_probes probes;
@@ -66,7 +66,7 @@ exact_probes lit_probes(const setup *s, const char *kernel, cl_uint index) {
   exact_probes probes = lit_no_probes(s);
   hbil_probes_args args;
   cl_mem buffer;
-  shim_argument(makers[s->config.model.provider], 0, sizeof args, &args);
+  shim_argument(makers[s->config.model.cache_method], 0, sizeof args, &args);
   assert_int_equal(args.grid.spacing, probes.spacing);
   assert_int_equal(args.grid.columns, probes.columns);
   assert_int_equal(args.grid.rows, probes.rows);

@@ -21,7 +21,7 @@ typedef struct lit_frame {
 
 /* A cache that has seen the scene, whose kernels have vectors of that width,
  * and a frame of it with all outputs, whose camera the cache has not had. */
-void lit_prepare(lit_frame *l, hbil_provider provider, cl_uint width,
+void lit_prepare(lit_frame *l, hbil_cache_method provider, cl_uint width,
                  scene_kind kind, hbil_projection projection,
                  hbil_far_field far_field);
 void lit_free(lit_frame *l);

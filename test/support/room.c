@@ -115,9 +115,8 @@ void room_setup(setup *s, const room *r, const hbil_camera *camera, int width,
   s->config.outputs.ao = one_float;
   s->config.inputs.motion.component = HBIL_NONE;
   s->config.inputs.normal_space = HBIL_SPACE_WORLD;
-  assert_int_equal(hbil_model_set(&s->config.model, HBIL_MODEL_WORLD),
-                   HBIL_SUCCESS);
-  s->config.model.radius = (float)(HBIL_CACHE_NEAR_VOXELS * ROOM_VOXEL);
+  hbil_cache_config cache = room_cache_config();
+  assert_int_equal(hbil_config_use_cache(&s->config, &cache), HBIL_SUCCESS);
   s->config.history.reprojection = HBIL_REPROJECTION_NONE;
   s->config.execution.vector_width = 1;
   room_load(s, r, camera);
@@ -230,10 +229,9 @@ void room_inject(const device_fixture *d, hbil_cache *cache,
   must(d, hbil_enqueue_cache_update(cache, d->queue, &update, 0, NULL, NULL));
 }
 
-hbil_cache_statistics room_statistics(const device_fixture *d,
-                                      hbil_cache *cache) {
-  hbil_cache_statistics out = {0, 0, 0};
-  must(d, hbil_cache_statistics_read(cache, d->queue, &out));
+hbil_cache_counts room_statistics(const device_fixture *d, hbil_cache *cache) {
+  hbil_cache_counts out = {0, 0, 0};
+  must(d, hbil_cache_statistics(cache, d->queue, &out));
   return out;
 }
 

@@ -59,7 +59,7 @@ void room_views_free(hbil_view *views, int count);
 /* Injects and updates, and must succeed; rounds: bounces. */
 void room_inject(const device_fixture *d, hbil_cache *cache,
                  const hbil_view *views, cl_uint count, cl_uint rounds);
-hbil_cache_statistics room_statistics(const device_fixture *d,
+hbil_cache_counts room_statistics(const device_fixture *d,
                                       hbil_cache *cache);
 /* --- a frame, a cache and its views --- */
 

@@ -208,17 +208,17 @@ void stage_write(setup *s, hbil_stage stage, const exact_planes *planes) {
 }
 
 exact_planes stage_gathered(setup *s) {
-  setup_run(s, hbil_enqueue_split);
-  setup_run(s, hbil_enqueue_gather);
+  setup_run(s, enqueue_split);
+  setup_run(s, enqueue_gather);
   return stage_read(s, HBIL_STAGE_GATHERED);
 }
 
 exact_planes stage_gathered_mean(setup *s, int frames) {
   exact_planes sum = {0, 0, 0, NULL};
-  setup_run(s, hbil_enqueue_split);
+  setup_run(s, enqueue_split);
   for (int frame = 0; frame < frames; ++frame) {
     s->frame.frame_index = (cl_uint)frame;
-    setup_run(s, hbil_enqueue_gather);
+    setup_run(s, enqueue_gather);
     exact_planes one = stage_read(s, HBIL_STAGE_GATHERED);
     if (frame == 0)
       sum = checked_planes(one.width, one.height, one.count);

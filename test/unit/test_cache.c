@@ -53,7 +53,7 @@ static void prepare_empty(setup *s, hbil_far_field far_field, cl_uint width,
       flat ? HBIL_PROJECTION_ORTHOGRAPHIC : HBIL_PROJECTION_PERSPECTIVE;
   setup_load_scene(s, SCENE_ROOM, 0);
   s->config.model.far_field = far_field;
-  s->config.model.provider = HBIL_PROVIDER_NONE;
+  s->config.model.cache_method = HBIL_CACHE_METHOD_NONE;
   s->config.model.radius = INFINITY;
   s->config.model.relative_thickness = 1.0f;
   s->config.history.reprojection = HBIL_REPROJECTION_CAMERA;
@@ -90,7 +90,7 @@ static void check_empty(hbil_far_field far_field, cl_uint width, bool flat) {
   setup without, with;
   prepare_empty(&without, far_field, width, flat);
   prepare_empty(&with, far_field, width, flat);
-  with.config.model.provider = HBIL_PROVIDER_RAYS;
+  with.config.model.cache_method = HBIL_CACHE_METHOD_RAYS;
   setup_start(&without);
   setup_start(&with);
   exact_planes want = two_frames(&without);
@@ -324,7 +324,7 @@ static void every_work_group_gives_the_same_bits(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Statistics                                                                */
 
-static size_t voxels_of(const hbil_cache_statistics *n) {
+static size_t voxels_of(const hbil_cache_counts *n) {
   return n->unseen + n->empty + n->surfaces;
 }
 
@@ -336,7 +336,7 @@ static void a_view_of_a_wall_shows_surfaces_and_empty_space(void **state) {
   const room r = lit_room();
   const hbil_camera camera = room_camera(middle, AHEAD, 64, 64, 90.0);
   hbil_cache *cache = room_cache(&shared_device);
-  hbil_cache_statistics n = room_statistics(&shared_device, cache);
+  hbil_cache_counts n = room_statistics(&shared_device, cache);
   (void)state;
   assert_int_equal(n.unseen, ALL_VOXELS);
   assert_int_equal(n.empty + n.surfaces, 0);
@@ -352,7 +352,7 @@ static void a_view_of_a_wall_shows_surfaces_and_empty_space(void **state) {
   assert_in_range(n.empty, 1500, 6000);
   assert_true(n.unseen > ALL_VOXELS * 3 / 4);
   room_inject(&shared_device, cache, &view, 1, 0);
-  const hbil_cache_statistics again = room_statistics(&shared_device, cache);
+  const hbil_cache_counts again = room_statistics(&shared_device, cache);
   assert_memory_equal(&again, &n, sizeof n);
   room_view_free(&view);
   hbil_cache_destroy(cache);
@@ -409,7 +409,7 @@ static void a_move_and_back_keeps_what_stayed_inside(void **state) {
   (void)state;
   exact_planes want = start_with_views(&s);
   const double coarsest = 2.0 * ROOM_VOXEL;
-  const hbil_cache_statistics before =
+  const hbil_cache_counts before =
       room_statistics(&shared_device, s.frame.cache);
   /* all of the room stays in the finer level: 1.6 of 2, less 0.25 */
   move_to(&s, coarsest, 0.0, 0.0);
@@ -419,7 +419,7 @@ static void a_move_and_back_keeps_what_stayed_inside(void **state) {
                 MOVED_LIMIT);
   exact_planes_free(&moved);
   move_to(&s, 0.0, 0.0, 0.0);
-  const hbil_cache_statistics after =
+  const hbil_cache_counts after =
       room_statistics(&shared_device, s.frame.cache);
   assert_int_equal(voxels_of(&after), ALL_VOXELS);
   assert_int_equal(after.surfaces, before.surfaces);
@@ -427,14 +427,12 @@ static void a_move_and_back_keeps_what_stayed_inside(void **state) {
   /* half of the finer level is forgotten, and nothing of the room in the
    * coarser one */
   move_to(&s, 8 * coarsest, 0.0, 0.0);
-  const hbil_cache_statistics away =
-      room_statistics(&shared_device, s.frame.cache);
+  const hbil_cache_counts away = room_statistics(&shared_device, s.frame.cache);
   assert_int_equal(voxels_of(&away), ALL_VOXELS);
   assert_true(away.surfaces < before.surfaces * 3 / 4);
   assert_true(away.surfaces > before.surfaces / 4);
   move_to(&s, 0.0, 0.0, 0.0);
-  const hbil_cache_statistics back =
-      room_statistics(&shared_device, s.frame.cache);
+  const hbil_cache_counts back = room_statistics(&shared_device, s.frame.cache);
   assert_memory_equal(&back, &away, sizeof back);
   end_with_views(&s, &want);
 }
@@ -447,8 +445,7 @@ static void a_move_by_more_than_the_width_forgets_all(void **state) {
     setup s;
     exact_planes want = start_with_views(&s);
     move_to(&s, places[i][0], places[i][1], places[i][2]);
-    const hbil_cache_statistics n =
-        room_statistics(&shared_device, s.frame.cache);
+    const hbil_cache_counts n = room_statistics(&shared_device, s.frame.cache);
     assert_int_equal(n.unseen, ALL_VOXELS);
     end_with_views(&s, &want);
   }

@@ -22,7 +22,7 @@ static void assert_finite(setup *s, const char *what) {
 
 static void inject_odd(room_scene *t, const hbil_view *view, const char *what) {
   room_inject(&shared_device, t->s.frame.cache, view, 1, 1);
-  const hbil_cache_statistics n =
+  const hbil_cache_counts n =
       room_statistics(&shared_device, t->s.frame.cache);
   assert_int_equal(n.unseen + n.empty + n.surfaces, (size_t)32 * 32 * 32 * 2);
   assert_finite(&t->s, what);

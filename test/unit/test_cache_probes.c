@@ -65,10 +65,10 @@ static void check_filter(lit_frame *l) {
 static void check_making(cl_uint width, scene_kind kind,
                          hbil_projection projection, hbil_far_field far) {
   lit_frame l;
-  lit_prepare(&l, HBIL_PROVIDER_RAYS, width, kind, projection, far);
+  lit_prepare(&l, HBIL_CACHE_METHOD_RAYS, width, kind, projection, far);
   setup_start(&l.s);
-  setup_run(&l.s, hbil_enqueue_split);
-  setup_run(&l.s, hbil_enqueue_composite);
+  setup_run(&l.s, enqueue_split);
+  setup_run(&l.s, enqueue_composite);
   exact_planes split = stage_read(&l.s, HBIL_STAGE_SPLIT);
   check_probes(&l, &split);
   check_filter(&l);
@@ -157,11 +157,11 @@ static void check_outputs(const exact_planes *got, const exact_planes *want) {
 static void check_join(cl_uint width, hbil_far_field far,
                        hbil_projection projection, bool planted) {
   lit_frame l;
-  lit_prepare(&l, HBIL_PROVIDER_RAYS, width, SCENE_SKY, projection, far);
+  lit_prepare(&l, HBIL_CACHE_METHOD_RAYS, width, SCENE_SKY, projection, far);
   setup_start(&l.s);
-  setup_run(&l.s, hbil_enqueue_split);
-  setup_run(&l.s, hbil_enqueue_gather);
-  setup_run(&l.s, hbil_enqueue_recompose);
+  setup_run(&l.s, enqueue_split);
+  setup_run(&l.s, enqueue_gather);
+  setup_run(&l.s, enqueue_recompose);
   exact_planes split = stage_read(&l.s, HBIL_STAGE_SPLIT);
   exact_planes gathered = stage_read(&l.s, HBIL_STAGE_GATHERED);
   exact_planes resolved = stage_read(&l.s, HBIL_STAGE_RESOLVED);
@@ -170,12 +170,12 @@ static void check_join(cl_uint width, hbil_far_field far,
   exact_planes history =
       checked_planes(LIT_WIDTH, LIT_HEIGHT, HBIL_HISTORY_PLANES);
   plant_ao(&l, &resolved);
-  setup_run(&l.s, hbil_enqueue_composite);
+  setup_run(&l.s, enqueue_composite);
   exact_probes probes = lit_probes(&l.s, "composite", 18);
   if (planted) {
     plant_probes(&l, &probes);
     shim_launch_only("composite");
-    setup_run(&l.s, hbil_enqueue_composite);
+    setup_run(&l.s, enqueue_composite);
     shim_launch_only(NULL);
   }
   exact_planes got = outputs_read(&l.s);

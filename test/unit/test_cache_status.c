@@ -334,10 +334,10 @@ static void frames_reject_caches_that_are_not_theirs(void **state) {
   room_same_bits(&t.s, &t.want, "after a cache of another context");
   const room r = room_lit();
   room_setup(&plain, &r, &t.s.frame.camera, ROOM_WIDTH, ROOM_HEIGHT);
-  plain.config.model.provider = HBIL_PROVIDER_NONE;
+  plain.config.model.cache_method = HBIL_CACHE_METHOD_NONE;
   setup_start(&plain);
   plain.frame.cache = own;
-  reject_frame(&plain, "provider");
+  reject_frame(&plain, "cache_method");
   setup_free(&plain);
   room_stop(&t);
 }
@@ -351,9 +351,9 @@ static void other_modes_have_no_cache(void **state) {
     hbil_plan *plan = NULL;
     setup_init(&s, ROOM_WIDTH, ROOM_HEIGHT);
     setup_mode(&s, modes[i]);
-    s.config.model.provider = HBIL_PROVIDER_RAYS;
+    s.config.model.cache_method = HBIL_CACHE_METHOD_RAYS;
     room_rejected(hbil_plan_create(shared_device.hbil, &s.config, &plan),
-                  HBIL_INVALID_CONFIG, "provider");
+                  HBIL_INVALID_CONFIG, "cache_method");
     setup_free(&s);
   }
 }
@@ -367,7 +367,7 @@ static void null_arguments_are_rejected(void **state) {
   const hbil_cache_config config = room_cache_config();
   hbil_context *const context = shared_device.hbil;
   const cl_command_queue queue = shared_device.queue;
-  hbil_cache_statistics n;
+  hbil_cache_counts n;
   hbil_cache *none = NULL;
   size_t bytes;
   room_scene t;
@@ -393,9 +393,9 @@ static void null_arguments_are_rejected(void **state) {
   INVALID(hbil_enqueue_cache_reset(NULL, queue, 0, NULL, NULL));
   INVALID(hbil_enqueue_cache_reset(cache, NULL, 0, NULL, NULL));
   INVALID(hbil_enqueue_cache_reset(cache, queue, 1, NULL, NULL));
-  INVALID(hbil_cache_statistics_read(NULL, queue, &n));
-  INVALID(hbil_cache_statistics_read(cache, NULL, &n));
-  INVALID(hbil_cache_statistics_read(cache, queue, NULL));
+  INVALID(hbil_cache_statistics(NULL, queue, &n));
+  INVALID(hbil_cache_statistics(cache, NULL, &n));
+  INVALID(hbil_cache_statistics(cache, queue, NULL));
   INVALID(hbil_cache_save(NULL, queue, &n, sizeof n));
   INVALID(hbil_cache_save(cache, queue, NULL, hbil_cache_size(cache)));
   INVALID(hbil_cache_save(cache, queue, &n, sizeof n));

@@ -76,9 +76,9 @@ static void assert_rejected(setup *s, enqueue_function *enqueue, plane_id plane,
 static void assert_plane_rejected(setup *s, plane_id plane, const char *part) {
   assert_rejected(s, hbil_enqueue_frame, plane, part);
   if (plane < PLANE_FIRST_OUTPUT)
-    assert_rejected(s, hbil_enqueue_split, plane, part);
+    assert_rejected(s, enqueue_split, plane, part);
   if (plane != PLANE_NORMAL)
-    assert_rejected(s, hbil_enqueue_composite, plane, part);
+    assert_rejected(s, enqueue_composite, plane, part);
 }
 
 /* With `memory` for the plane's buffer, the frame is rejected. */
@@ -423,8 +423,8 @@ static void passes_check_their_own_planes(void **state) {
   const hbil_frame own = s.frame;
   s.frame.normal.buffer = s.frame.near_irradiance.buffer;
   assert_rejected(&s, hbil_enqueue_frame, PLANE_NEAR, ": overlaps normal");
-  setup_run(&s, hbil_enqueue_split);
-  setup_run(&s, hbil_enqueue_composite);
+  setup_run(&s, enqueue_split);
+  setup_run(&s, enqueue_composite);
   s.frame = own;
   setup_free(&s);
 }
@@ -503,7 +503,7 @@ static void check_random_places(const hbil_plane_format formats[SHOWN],
   for (int i = 0; i < 1000; ++i) {
     const bool same_rows = draw_places(&s, &r, pixel * (size_t)width, rows);
     const bool overlap = bytes_overlap(&s);
-    const hbil_status status = hbil_enqueue_composite(s.plan, s.device->queue,
+    const hbil_status status = enqueue_composite(s.plan, s.device->queue,
                                                       &s.frame, 0, NULL, NULL);
     if (overlap)
       assert_int_equal(status, HBIL_INVALID_FRAME);

@@ -25,9 +25,9 @@ static void run(setup *s) {
  * single passes. */
 static void run_frames(setup *s) {
   static enqueue_function *const passes[] = {
-      hbil_enqueue_reproject, hbil_enqueue_push_pull, hbil_enqueue_split,
-      hbil_enqueue_gather,    hbil_enqueue_recompose, hbil_enqueue_temporal,
-      hbil_enqueue_composite};
+      enqueue_reproject, enqueue_push_pull, enqueue_split,
+      enqueue_gather,    enqueue_recompose, enqueue_temporal,
+      enqueue_composite};
   run(s);
   setup_load_scene(s, SCENE_ROOM, 1);
   setup_upload(s);

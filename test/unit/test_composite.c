@@ -59,9 +59,9 @@ static void run_both(setup *s, exact_planes *got, exact_planes *want,
   exact_planes light;
   setup_start(s);
   if (s->config.outputs.glossy.component) /* composite itself reads no layers */
-    setup_run(s, hbil_enqueue_split);
+    setup_run(s, enqueue_split);
   light = plant_resolved(s);
-  setup_run(s, hbil_enqueue_composite);
+  setup_run(s, enqueue_composite);
   *got = outputs_read(s);
   *want = checked_planes(got->width, got->height, EXACT_OUTPUT_PLANES);
   *history = checked_planes(got->width, got->height, HBIL_HISTORY_PLANES);
@@ -285,7 +285,7 @@ static void near_light_that_is_no_number_stays_none(void **state) {
     exact_planes light = plant_resolved(&s);
     spoil_near_light(&s, &light);
     stage_write(&s, HBIL_STAGE_RESOLVED, &light);
-    setup_run(&s, hbil_enqueue_composite);
+    setup_run(&s, enqueue_composite);
     exact_planes out = outputs_read(&s);
     for (int i = 0; i < WIDTH * HEIGHT; ++i) {
       const int x = i % WIDTH, y = i / WIDTH;

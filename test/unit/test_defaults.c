@@ -60,7 +60,7 @@ static const member members[] = {
     MEMBER(model.feedback),
     MEMBER(model.far_field),
     MEMBER(model.unseen_light),
-    MEMBER(model.provider),
+    MEMBER(model.cache_method),
     MEMBER(model.roughness),
     MEMBER(sampling.slices),
     MEMBER(sampling.steps_per_side),

@@ -69,7 +69,7 @@ static void check_colours(hbil_component component, cl_uint stride,
                     : (uint32_t)i * (2u * (uint32_t)c + 1u));
   buffer_write(s.device, s.frame.emission.buffer, 0, size, bytes);
   /* the only pass that shows what it reads; others would have to be compiled */
-  setup_run(&s, hbil_enqueue_composite);
+  setup_run(&s, enqueue_composite);
   exact_planes out = outputs_read(&s);
   for (int c = 0; c < 3; ++c)
     for (int y = 0; y < out.height; ++y)
@@ -180,7 +180,7 @@ static void check_normals(hbil_component component,
   unsigned char *bytes = input_bytes(&s, PLANE_NORMAL, &p, &size);
   store_normals(&s, &p, bytes);
   buffer_write(s.device, s.frame.normal.buffer, 0, size, bytes);
-  setup_run(&s, hbil_enqueue_split);
+  setup_run(&s, enqueue_split);
   exact_planes got = stage_read(&s, HBIL_STAGE_SPLIT);
   for (int y = 0; y < 256; ++y)
     for (int x = 0; x < 256; ++x) {
@@ -302,7 +302,7 @@ static void check_depths(hbil_component component, projection p, cl_uint stride,
         bytes + placement_of(&place, 0, i % s.config.width, i / s.config.width),
         depth_code(component, p, i));
   buffer_write(s.device, s.frame.depth.buffer, 0, size, bytes);
-  setup_run(&s, hbil_enqueue_split);
+  setup_run(&s, enqueue_split);
   exact_planes split = stage_read(&s, HBIL_STAGE_SPLIT);
   for (int y = 0; y < 256; ++y)
     for (int x = 0; x < width; ++x) {
@@ -366,7 +366,7 @@ static void check_far_plane(bool reversed) {
                 bytes + placement_of(&place, 0, i % SIZE, i / SIZE));
   }
   buffer_write(s.device, s.frame.depth.buffer, 0, size, bytes);
-  setup_run(&s, hbil_enqueue_split);
+  setup_run(&s, enqueue_split);
   exact_planes split = stage_read(&s, HBIL_STAGE_SPLIT);
   for (size_t i = 0; i < SIZE * SIZE; ++i) {
     const size_t x = i % SIZE, y = i / SIZE;

@@ -156,8 +156,8 @@ static void frame_at_once(setup *s) {
 }
 
 static enqueue_function *const passes[] = {
-    hbil_enqueue_reproject, hbil_enqueue_push_pull, hbil_enqueue_split,
-    hbil_enqueue_gather,    hbil_enqueue_recompose, hbil_enqueue_composite};
+    enqueue_reproject, enqueue_push_pull, enqueue_split,
+    enqueue_gather,    enqueue_recompose, enqueue_composite};
 #define PASSES (sizeof(passes) / sizeof(*passes))
 
 static void pass_by_pass(setup *s) {

@@ -212,7 +212,7 @@ static void recompose_matches(void **state) {
     if (i & 1) /* the kernels of whole frames below */
       s.config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
     setup_start(&s);
-    setup_run(&s, hbil_enqueue_split);
+    setup_run(&s, enqueue_split);
     exact_planes split = stage_read(&s, HBIL_STAGE_SPLIT);
     exact_planes want = checked_planes(WIDTH, HEIGHT, EXACT_GLOSSY_RESOLVED);
     /* the exact gather, because eight on the device would have to be compiled
@@ -227,7 +227,7 @@ static void recompose_matches(void **state) {
                             : 0.0;
     stage_write(&s, HBIL_STAGE_GATHERED, &light);
     exact_recompose(&s.job, &split, &light, &want);
-    setup_run(&s, hbil_enqueue_recompose);
+    setup_run(&s, enqueue_recompose);
     exact_planes got = stage_read(&s, HBIL_STAGE_RESOLVED);
     /* as of other light in test_recompose */
     check_at_most(
@@ -378,7 +378,7 @@ static void check_probes(lit_frame *l, const exact_planes *split,
 static void check_cached_frame(cl_uint width, hbil_far_field far,
                                hbil_projection projection) {
   lit_frame l;
-  lit_prepare(&l, HBIL_PROVIDER_RAYS, width, SCENE_SKY, projection, far);
+  lit_prepare(&l, HBIL_CACHE_METHOD_RAYS, width, SCENE_SKY, projection, far);
   ask_for_glossy(&l.s, 0.5f);
   /* the filter, whose light is read from the device, takes longest to compile
    */

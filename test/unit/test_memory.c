@@ -37,7 +37,7 @@ VARIANT(far_constant, c->model.far_field = HBIL_FAR_CONSTANT)
 VARIANT(far_sh, c->model.far_field = HBIL_FAR_SH)
 VARIANT(far_frame, c->model.far_field = HBIL_FAR_FRAME)
 VARIANT(radius, c->model.radius = 1.5f)
-VARIANT(world_cache, c->model.provider = HBIL_PROVIDER_RAYS)
+VARIANT(world_cache, c->model.cache_method = HBIL_CACHE_METHOD_RAYS)
 VARIANT(many_samples, (c->sampling.slices = 7, c->sampling.steps_per_side = 33))
 VARIANT(one_unfiltered_sample,
         (c->sampling.slices = c->sampling.steps_per_side = 1,

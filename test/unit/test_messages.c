@@ -62,8 +62,10 @@ static void null_arguments_of_a_plan(void **state) {
              "frame must");
   CHECK_NULL(context, hbil_enqueue_frame,
              (s.plan, queue, &s.frame, 1, NULL, NULL), "wait_list");
-  CHECK_NULL(context, hbil_enqueue_gather,
-             (s.plan, queue, &s.frame, 0, &event, NULL), "wait_list");
+  CHECK_NULL(context, hbil_enqueue_passes,
+             (s.plan, queue, &s.frame, HBIL_PASS_GATHER, HBIL_PASS_GATHER, 0,
+              &event, NULL),
+             "wait_list");
   CHECK_NULL(context, hbil_plan_buffer, (s.plan, HBIL_STAGE_SPLIT, NULL),
              "out");
   CHECK_NULL(context, hbil_plan_timings, (s.plan, NULL), "milliseconds");
@@ -92,6 +94,8 @@ static void failures_without_a_context(void **state) {
   hbil_context *context = NULL;
   hbil_plan *plan = NULL;
   hbil_config config;
+  hbil_cache_config cache;
+  hbil_view view;
   hbil_frame frame;
   hbil_buffer buffer;
   hbil_statistics statistics;
@@ -103,6 +107,7 @@ static void failures_without_a_context(void **state) {
   (void)state;
   hbil_config_init(&config);
   hbil_frame_init(&frame);
+  hbil_cache_config_init(&cache);
   CHECK_NULL(NULL, hbil_context_create, (NULL, shared_device.id, &context),
              "context must");
   CHECK_NULL(NULL, hbil_context_create, (shared_device.context, NULL, &context),
@@ -110,12 +115,22 @@ static void failures_without_a_context(void **state) {
   CHECK_NULL(NULL, hbil_context_create,
              (shared_device.context, shared_device.id, NULL), "out");
   CHECK_NULL(NULL, hbil_context_set_callback, (NULL, NULL, NULL), "context");
+  CHECK_NULL(NULL, hbil_config_use_cache, (NULL, &cache), "config");
+  CHECK_NULL(NULL, hbil_config_use_cache, (&config, NULL), "cache");
+  CHECK_NULL(NULL, hbil_view_from_frame_sized,
+             (NULL, sizeof(hbil_view), &config, &frame), "view");
+  CHECK_NULL(NULL, hbil_view_from_frame_sized,
+             (&view, sizeof view, NULL, &frame), "config");
+  CHECK_NULL(NULL, hbil_view_from_frame_sized,
+             (&view, sizeof view, &config, NULL), "frame");
   CHECK_NULL(NULL, hbil_plan_memory, (NULL, &config, &memory), "context");
   CHECK_NULL(NULL, hbil_plan_create, (NULL, &config, &plan), "context");
   CHECK_NULL(NULL, hbil_enqueue_frame, (NULL, queue, &frame, 0, NULL, NULL),
              "plan");
-  CHECK_NULL(NULL, hbil_enqueue_split, (NULL, queue, &frame, 0, NULL, NULL),
-             "plan");
+  CHECK_NULL(
+      NULL, hbil_enqueue_passes,
+      (NULL, queue, &frame, HBIL_PASS_SPLIT, HBIL_PASS_SPLIT, 0, NULL, NULL),
+      "plan");
   CHECK_NULL(NULL, hbil_plan_buffer, (NULL, HBIL_STAGE_SPLIT, &buffer), "plan");
   CHECK_NULL(NULL, hbil_plan_timings, (NULL, ms), "plan");
   CHECK_NULL(NULL, hbil_plan_statistics, (NULL, queue, &statistics), "plan");

@@ -24,7 +24,7 @@ static void prepare(setup *s, int variant, int width, int height) {
 /* Runs the split.  The caller frees the planes. */
 static exact_planes split_of(setup *s) {
   setup_start(s);
-  setup_run(s, hbil_enqueue_split);
+  setup_run(s, enqueue_split);
   return stage_read(s, HBIL_STAGE_SPLIT);
 }
 

@@ -35,7 +35,7 @@ static exact_planes written_history(hbil_storage storage, cl_uint vector_width,
   if (!resolved->values)
     *resolved = stage_read(&s, HBIL_STAGE_RESOLVED);
   stage_write(&s, HBIL_STAGE_RESOLVED, resolved);
-  setup_run(&s, hbil_enqueue_composite);
+  setup_run(&s, enqueue_composite);
   exact_planes history = stage_read(&s, HBIL_STAGE_HISTORY);
   setup_free(&s);
   return history;
@@ -77,7 +77,7 @@ static void words_are_carried_over_as_they_are(void **state) {
     exact_planes history = stage_read(&s, HBIL_STAGE_HISTORY);
     exact_planes want = checked_planes(WIDTH, HEIGHT, HBIL_CARRIED_PLANES);
     checked_reproject(&s.job, &history, &want);
-    setup_run(&s, hbil_enqueue_reproject);
+    setup_run(&s, enqueue_reproject);
     exact_planes got = stage_read(&s, HBIL_STAGE_CARRIED);
     assert_int_equal(count_different(&got, &want), 0);
     exact_planes_free(&history);
@@ -115,7 +115,7 @@ static exact_planes split_with(hbil_storage storage, cl_uint vector_width,
     exact_planes_free(carried);
     *carried = stage_read(&s, HBIL_STAGE_CARRIED);
   }
-  setup_run(&s, hbil_enqueue_split);
+  setup_run(&s, enqueue_split);
   exact_planes split = stage_read(&s, HBIL_STAGE_SPLIT);
   setup_free(&s);
   return split;

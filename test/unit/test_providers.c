@@ -19,13 +19,13 @@ static float *floats_of(const char *kernel, cl_uint index) {
 }
 
 /* A cache that has seen a scene, with a provider; cache: what it holds. */
-static void filled(cache_fixture *f, exact_cache *cache, hbil_provider provider,
-                   cl_uint width, cl_uint voxels) {
+static void filled(cache_fixture *f, exact_cache *cache,
+                   hbil_cache_method provider, cl_uint width, cl_uint voxels) {
   setup last;
   hbil_cache_update update;
   hbil_cache_update_init(&update);
   cache_prepare(f, width);
-  f->config.providers = HBIL_PROVIDER_BIT(provider);
+  f->config.method = provider;
   f->config.voxels = voxels;
   *cache = checked_cache(f);
   cache_fill(f, cache, SCENE_SKY, HBIL_VIEW_DIRECT, &last);
@@ -71,7 +71,7 @@ static void mip_difference(const exact_mip *a, const exact_mip *b, double most,
 static void check_pyramid(cl_uint voxels) {
   cache_fixture f;
   exact_cache cache;
-  filled(&f, &cache, HBIL_PROVIDER_CONES, 8, voxels);
+  filled(&f, &cache, HBIL_CACHE_METHOD_CONES, 8, voxels);
   float *texels = floats_of("level_step", 5);
   const exact_pyramid got = pyramid_of(texels, &cache);
   exact_pyramid want = pyramid_of(texels, &cache);
@@ -191,7 +191,7 @@ static void check_volumes(cl_uint width, cl_uint voxels,
   hbil_cache_update update;
   setup sky;
   double off[2];
-  filled(&f, &cache, HBIL_PROVIDER_LPV, width, voxels);
+  filled(&f, &cache, HBIL_CACHE_METHOD_LPV, width, voxels);
   lit_environment(&sky);
   hbil_cache_update_init(&update);
   update.rounds = 0;
@@ -246,8 +246,8 @@ static void volumes_match(void **state) {
 
 static exact_planes start_probes(lit_frame *l) {
   setup_start(&l->s);
-  setup_run(&l->s, hbil_enqueue_split);
-  setup_run(&l->s, hbil_enqueue_composite);
+  setup_run(&l->s, enqueue_split);
+  setup_run(&l->s, enqueue_composite);
   return stage_read(&l->s, HBIL_STAGE_SPLIT);
 }
 
@@ -298,7 +298,7 @@ static void cones_match(void **state) {
   for (int i = 0; i < 4; ++i) {
     lit_frame l;
     lit_prepare(
-        &l, HBIL_PROVIDER_CONES, widths[i], i & 1 ? SCENE_SKY : SCENE_ROOM,
+        &l, HBIL_CACHE_METHOD_CONES, widths[i], i & 1 ? SCENE_SKY : SCENE_ROOM,
         i == 2 ? HBIL_PROJECTION_ORTHOGRAPHIC : HBIL_PROJECTION_PERSPECTIVE,
         i == 2 ? HBIL_FAR_CONSTANT : HBIL_FAR_SH);
     exact_planes split = start_probes(&l);
@@ -322,7 +322,7 @@ static void volumes_at_probes_match(void **state) {
     lit_frame l;
     hbil_cache_update update;
     lit_prepare(
-        &l, HBIL_PROVIDER_LPV, widths[i], i & 1 ? SCENE_SKY : SCENE_ROOM,
+        &l, HBIL_CACHE_METHOD_LPV, widths[i], i & 1 ? SCENE_SKY : SCENE_ROOM,
         i == 2 ? HBIL_PROJECTION_ORTHOGRAPHIC : HBIL_PROJECTION_PERSPECTIVE,
         HBIL_FAR_SH);
     hbil_cache_update_init(&update);
@@ -381,8 +381,9 @@ static void light_up(lit_frame *l, scene_kind kind,
                            .width = (sizes[i][0] + stride - 1) / stride,
                            .height = (sizes[i][1] + stride - 1) / stride};
   }
-  assert_success(&l->s, hbil_enqueue_rsm(l->f.cache, shared_device.queue, views,
-                                         LIGHTS, 0, NULL, NULL));
+  assert_success(&l->s,
+                 hbil_enqueue_cache_light_views(l->f.cache, shared_device.queue,
+                                                views, LIGHTS, 0, NULL, NULL));
   assert_int_equal(clFinish(shared_device.queue), CL_SUCCESS);
   for (int i = 0; i < LIGHTS; ++i)
     setup_free(&s[i]);
@@ -399,7 +400,7 @@ static void lights_match(void **state) {
     lit_frame l;
     exact_cache_view lights[LIGHTS];
     const scene_kind kind = i ? SCENE_SKY : SCENE_ROOM;
-    lit_prepare(&l, HBIL_PROVIDER_RSM, widths[i], kind,
+    lit_prepare(&l, HBIL_CACHE_METHOD_RSM, widths[i], kind,
                 i ? HBIL_PROJECTION_ORTHOGRAPHIC : HBIL_PROJECTION_PERSPECTIVE,
                 HBIL_FAR_NONE);
     light_up(&l, kind, lights);

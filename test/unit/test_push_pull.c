@@ -19,7 +19,7 @@ static void prepare(setup *s, const int size[2]) {
 static void start(setup *s) {
   setup_start(s);
   setup_run(s, hbil_enqueue_frame);
-  setup_run(s, hbil_enqueue_reproject);
+  setup_run(s, enqueue_reproject);
 }
 
 /* Shares of the pixels: valid, and of the others those that are sky. */
@@ -42,7 +42,7 @@ static exact_planes random_light(const setup *s, double valid, double sky) {
 
 static exact_planes filled(setup *s, const exact_planes *carried) {
   stage_write(s, HBIL_STAGE_CARRIED, carried);
-  setup_run(s, hbil_enqueue_push_pull);
+  setup_run(s, enqueue_push_pull);
   return stage_read(s, HBIL_STAGE_CARRIED);
 }
 

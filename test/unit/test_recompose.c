@@ -35,12 +35,12 @@ static void check_setup(setup *setup_of_scene) {
   exact_planes split, light, got, want;
   const int width = (int)s.config.width, height = (int)s.config.height;
   setup_start(&s);
-  setup_run(&s, hbil_enqueue_split);
+  setup_run(&s, enqueue_split);
   light = plant_light(&s);
   split = stage_read(&s, HBIL_STAGE_SPLIT);
   want = checked_planes(width, height, HBIL_LIGHT_PLANES);
   exact_recompose(&s.job, &split, &light, &want);
-  setup_run(&s, hbil_enqueue_recompose);
+  setup_run(&s, enqueue_recompose);
   got = stage_read(&s, HBIL_STAGE_RESOLVED);
   /* measured: 2.7e-6 and 1.2e-6 */
   check_at_most("AO, E_near", largest_error(&got, &want, 0, HBIL_LIGHT_BENT),
@@ -143,7 +143,7 @@ static void check_even_light(cl_uint slices, bool half) {
   s.config.sampling.resolution =
       half ? HBIL_RESOLUTION_HALF : HBIL_RESOLUTION_FULL;
   setup_start(&s);
-  setup_run(&s, hbil_enqueue_split);
+  setup_run(&s, enqueue_split);
   light = checked_planes(64, 37, HBIL_GATHERED_PLANES);
   for (int i = 0; i < 64 * 37 * HBIL_LIGHT_BENT; ++i)
     light.values[i] = 0.625;
@@ -151,7 +151,7 @@ static void check_even_light(cl_uint slices, bool half) {
     *exact_at(&light, HBIL_LIGHT_WEIGHT, i % 64, i / 64) =
         (double)(0.05f + (float)random_unit(&r));
   stage_write(&s, HBIL_STAGE_GATHERED, &light);
-  setup_run(&s, hbil_enqueue_recompose);
+  setup_run(&s, enqueue_recompose);
   got = stage_read(&s, HBIL_STAGE_RESOLVED);
   for (int y = 0; y < 37; ++y)
     for (int x = 0; x < 64; ++x)

@@ -49,7 +49,7 @@ static exact_planes expected(setup *s) {
 }
 
 static exact_planes reprojected(setup *s) {
-  setup_run(s, hbil_enqueue_reproject);
+  setup_run(s, enqueue_reproject);
   return stage_read(s, HBIL_STAGE_CARRIED);
 }
 

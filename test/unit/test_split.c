@@ -11,7 +11,7 @@ static const hbil_plane_format rgba32 = {HBIL_FLOAT32, 4};
 static const hbil_plane_format planar16 = {HBIL_FLOAT16, 1};
 
 static exact_planes split_of(setup *s) {
-  setup_run(s, hbil_enqueue_split);
+  setup_run(s, enqueue_split);
   return stage_read(s, HBIL_STAGE_SPLIT);
 }
 

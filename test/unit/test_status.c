@@ -77,7 +77,7 @@ static void defaults_are_those_of_the_header(void **state) {
 }
 
 static void models_set_what_the_header_says(void **state) {
-  hbil_config paper, world, again;
+  hbil_config paper, again;
   (void)state;
   hbil_config_init(&paper);
   hbil_config_init(&again);
@@ -94,20 +94,6 @@ static void models_set_what_the_header_says(void **state) {
   assert_int_equal(hbil_model_set(&paper.model, HBIL_MODEL_DEFAULT),
                    HBIL_SUCCESS);
   assert_memory_equal(&paper, &again, sizeof paper);
-  /* and the one for caches is the default with two changes */
-  world = again;
-  assert_int_equal(hbil_model_set(&world.model, HBIL_MODEL_WORLD),
-                   HBIL_SUCCESS);
-  assert_true(world.model.relative_thickness == 0.02f);
-  assert_int_equal(world.model.provider, HBIL_PROVIDER_RAYS);
-  world.model.relative_thickness = again.model.relative_thickness;
-  world.model.provider = HBIL_PROVIDER_NONE;
-  assert_memory_equal(&world, &again, sizeof world);
-  assert_int_equal(hbil_model_set(&world.model, HBIL_MODEL_WORLD),
-                   HBIL_SUCCESS);
-  assert_int_equal(hbil_model_set(&world.model, HBIL_MODEL_DEFAULT),
-                   HBIL_SUCCESS);
-  assert_memory_equal(&world, &again, sizeof world);
   assert_int_equal(hbil_model_set(NULL, HBIL_MODEL_PAPER),
                    HBIL_INVALID_ARGUMENT);
   assert_int_equal(hbil_model_set(&paper.model, (hbil_model_name)3),
@@ -154,12 +140,12 @@ SPOIL(roughness_low, c->model.roughness = 0.299f)
 SPOIL(roughness_high, c->model.roughness = 1.01f)
 SPOIL(roughness_nan, c->model.roughness = NAN)
 SPOIL(glossy_lpv, (c->outputs.glossy = c->outputs.beauty,
-                   c->model.provider = HBIL_PROVIDER_LPV))
+                   c->model.cache_method = HBIL_CACHE_METHOD_LPV))
 SPOIL(glossy_gtao, (c->outputs.glossy = c->outputs.beauty,
                     c->outputs.near_irradiance.component = HBIL_NONE,
                     c->outputs.unknown.component = HBIL_NONE,
                     c->model.mode = HBIL_MODE_GTAO))
-SPOIL(provider_5, c->model.provider = (hbil_provider)5)
+SPOIL(provider_5, c->model.cache_method = (hbil_cache_method)5)
 SPOIL(disocclusion_0, c->history.disocclusion_threshold = 0.0f)
 SPOIL(disocclusion_nan, c->history.disocclusion_threshold = NAN)
 SPOIL(depth_missing, c->inputs.depth.component = HBIL_NONE)
@@ -216,7 +202,7 @@ static const bad_config bad_configs[] = {
     {"roughness", roughness_nan},
     {"glossy", glossy_lpv},
     {"glossy", glossy_gtao},
-    {"provider", provider_5},
+    {"cache_method", provider_5},
     {"disocclusion_threshold", disocclusion_0},
     {"disocclusion_threshold", disocclusion_nan},
     {"depth", depth_missing},
@@ -477,9 +463,8 @@ static void null_arguments_are_rejected(void **state) {
 }
 
 static enqueue_function *const passes[] = {
-    hbil_enqueue_frame,    hbil_enqueue_reproject, hbil_enqueue_push_pull,
-    hbil_enqueue_split,    hbil_enqueue_gather,    hbil_enqueue_recompose,
-    hbil_enqueue_composite};
+    hbil_enqueue_frame, enqueue_reproject, enqueue_push_pull, enqueue_split,
+    enqueue_gather,     enqueue_recompose, enqueue_composite};
 
 static void every_pass_checks_its_arguments(void **state) {
   setup s;
@@ -498,6 +483,24 @@ static void every_pass_checks_its_arguments(void **state) {
         passes[i](s.plan, shared_device.queue, &s.frame, 1, NULL, NULL),
         HBIL_INVALID_ARGUMENT);
   }
+  setup_free(&s);
+}
+
+static void passes_are_a_range(void **state) {
+  static const int wrong[][2] = {{HBIL_PASS_GATHER, HBIL_PASS_SPLIT},
+                                 {HBIL_PASS_SPLIT, HBIL_PASS_IMPORT},
+                                 {HBIL_PASS_EXPORT, HBIL_PASS_EXPORT},
+                                 {-1, HBIL_PASS_SPLIT},
+                                 {HBIL_PASS_SPLIT, HBIL_PASS_COUNT}};
+  setup s;
+  (void)state;
+  start(&s);
+  for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
+    assert_int_equal(hbil_enqueue_passes(s.plan, shared_device.queue, &s.frame,
+                                         (hbil_pass)wrong[i][0],
+                                         (hbil_pass)wrong[i][1], 0, NULL, NULL),
+                     HBIL_INVALID_ARGUMENT);
+  assert_non_null(strstr(hbil_context_message(shared_device.hbil), "first"));
   setup_free(&s);
 }
 
@@ -548,6 +551,7 @@ int main(void) {
       cmocka_unit_test(rejected_frames_write_nothing),
       cmocka_unit_test(null_arguments_are_rejected),
       cmocka_unit_test(every_pass_checks_its_arguments),
+      cmocka_unit_test(passes_are_a_range),
       cmocka_unit_test(announced_memory_covers_the_buffers)};
   return RUN_WITH_DEVICE(tests);
 }

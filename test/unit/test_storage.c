@@ -39,7 +39,7 @@ static exact_planes split_in(hbil_storage storage, void (*prepare)(setup *),
   s.config.sampling.storage = storage;
   s.config.execution.vector_width = vector_width;
   setup_start(&s);
-  setup_run(&s, hbil_enqueue_split);
+  setup_run(&s, enqueue_split);
   out = stage_read(&s, HBIL_STAGE_SPLIT);
   setup_free(&s);
   return out;
@@ -442,7 +442,7 @@ static void check_recompose(scene_kind kind, bool unfiltered,
   plant_light(&s);
   light = stage_read(&s, HBIL_STAGE_GATHERED);
   exact_recompose(&s.job, &split, &light, &want);
-  setup_run(&s, hbil_enqueue_recompose);
+  setup_run(&s, enqueue_recompose);
   got = stage_read(&s, HBIL_STAGE_RESOLVED);
   check_at_most("AO", largest_error(&got, &want, 0, 1), 1e-5);
   check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3), 1e-5);

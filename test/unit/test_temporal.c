@@ -51,7 +51,7 @@ static void the_filter_takes_two_buffers(void **state) {
       HBIL_INVALID_ARGUMENT);
   assert_non_null(strstr(hbil_context_message(s.device->hbil),
                          "TEMPORAL_HISTORY (history.max_frames"));
-  setup_run(&s, hbil_enqueue_temporal); /* nothing to do, and no error */
+  setup_run(&s, enqueue_temporal); /* nothing to do, and no error */
   setup_free(&s);
   averaging_init(&s, WIDTH, HEIGHT, 8);
   shim_start_counting();
@@ -312,9 +312,9 @@ static void check_frame(setup *s, const hbil_camera *before, tally *t) {
     setup_run(s, passes_before_filter[i]);
   exact_planes split = stage_read(s, HBIL_STAGE_SPLIT);
   exact_planes fresh = stage_read(s, HBIL_STAGE_RESOLVED);
-  setup_run(s, hbil_enqueue_temporal);
+  setup_run(s, enqueue_temporal);
   exact_planes got = stage_read(s, HBIL_STAGE_RESOLVED);
-  setup_run(s, hbil_enqueue_composite);
+  setup_run(s, enqueue_composite);
   anew = history_read(s);
   for (int y = 0; y < HEIGHT; ++y)
     for (int x = 0; x < WIDTH; ++x) {
