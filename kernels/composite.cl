@@ -22,58 +22,31 @@
  * split does not read.
  */
 #include "lib/depth.clh"
+#include "lib/far_light.clh"
+#include "lib/flags.clh"
 #include "lib/probe_light.clh"
 #include "lib/radiance.clh"
 #include "lib/sanitize.clh"
-#include "lib/sh_light.clh"
-#include "lib/sky_share.clh"
-#include "lib/unseen_light.clh"
 
-#if !defined(FAR) || FAR < 0 || FAR > 3
-#error FAR must be 0 (none), 1 (constant), 2 (SH) or 3 (the frame's estimate)
-#endif
-#if !defined(LINE) || LINE < HBIL_WIDTH || LINE % HBIL_WIDTH
+FLAG(GATHER_RADIANCE)
+FLAG(GATHER_BENT)
+FLAG(GATHER_EMISSION)
+FLAG(PROBES)
+FLAG(HISTORY)
+FLAG(FEEDBACK_RADIANCE)
+FLAG(BENT_IS_WORLD)
+FLAG(HAS_ALBEDO)
+FLAG(HAS_F0)
+FLAG(HAS_EMISSION)
+
+#if LINE < HBIL_WIDTH || LINE % HBIL_WIDTH
 #error LINE must be a multiple of HBIL_WIDTH
 #endif
-#if OUT_ERROR && (!defined(ERROR_PLANE) || ERROR_PLANE < 1)
+#if OUT_ERROR && ERROR_PLANE < 1
 #error ERROR_PLANE must be the first plane behind the light
 #endif
 #if !defined(UNKNOWN_PLANE) || (UNKNOWN_PLANE && !OUT_UNKNOWN)
 #error UNKNOWN_PLANE must be 0 without OUT_UNKNOWN
-#endif
-#if !defined(GATHER_RADIANCE) || GATHER_RADIANCE < 0 || GATHER_RADIANCE > 1
-#error GATHER_RADIANCE must be 0..1
-#endif
-#if !defined(GATHER_BENT) || GATHER_BENT < 0 || GATHER_BENT > 1
-#error GATHER_BENT must be 0..1
-#endif
-#if !defined(GATHER_EMISSION) || GATHER_EMISSION < 0 || GATHER_EMISSION > 1
-#error GATHER_EMISSION must be 0..1
-#endif
-#if !defined(PROBES) || PROBES < 0 || PROBES > 1
-#error PROBES must be 0..1
-#endif
-#if !defined(HISTORY) || HISTORY < 0 || HISTORY > 1
-#error HISTORY must be 0..1
-#endif
-#if !defined(FEEDBACK_RADIANCE) || FEEDBACK_RADIANCE < 0 ||                    \
-    FEEDBACK_RADIANCE > 1
-#error FEEDBACK_RADIANCE must be 0..1
-#endif
-#if !defined(BENT_IS_WORLD) || BENT_IS_WORLD < 0 || BENT_IS_WORLD > 1
-#error BENT_IS_WORLD must be 0..1
-#endif
-#if !defined(HAS_ALBEDO) || HAS_ALBEDO < 0 || HAS_ALBEDO > 1
-#error HAS_ALBEDO must be 0..1
-#endif
-#if !defined(HAS_F0) || HAS_F0 < 0 || HAS_F0 > 1
-#error HAS_F0 must be 0..1
-#endif
-#if !defined(HAS_DIRECT) || HAS_DIRECT < 0 || HAS_DIRECT > 1
-#error HAS_DIRECT must be 0..1
-#endif
-#if !defined(HAS_EMISSION) || HAS_EMISSION < 0 || HAS_EMISSION > 1
-#error HAS_EMISSION must be 0..1
 #endif
 
 LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
@@ -88,8 +61,6 @@ STORER(indirect, INDIRECT_TYPE, INDIRECT_STRIDE)
 STORER(beauty, BEAUTY_TYPE, BEAUTY_STRIDE)
 STORER(error_estimate, ERROR_TYPE, ERROR_STRIDE)
 STORER(unknown, UNKNOWN_TYPE, UNKNOWN_STRIDE)
-
-#define PI 3.14159265f
 
 /* Vectors of a row that a work-item takes; on CPUs they make a cache line of
  * the outputs.  The work-item collects its results and stores them plane by
@@ -117,70 +88,69 @@ enum {
 /* Whether reflected light is needed, and with it the inputs that make it. */
 #define REFLECTED (OUT_BEAUTY || (HISTORY && FEEDBACK_RADIANCE))
 
-/* The caller's inputs. */
+/* What all pixels are composed of: planes of the passes before, and the
+ * caller's. */
 typedef struct inputs {
-  global const void *albedo, *f0, *direct, *emission;
+  global const float *resolved, *probes;
+  global const void *albedo, *f0, *emission;
+  far_inputs far;
 } inputs;
 
 /* --- far light ------------------------------------------------------------ */
 
-/* Far irradiance of the three channels, and the radiance that shows where there
- * is no surface.  unlit: the share of the hemisphere, of `ao`, whose radiance
- * is estimated.  cached: what the radiance cache knows of the open directions;
- * the others get what they get without it.  near_light: E_near.  axis, bent:
- * the bent normal in world and view space; (rx, ry, 1): the ray. */
-INLINE void far_light(const hbil_composite_args args,
-                      global const float *estimate, const inputs *in,
-                      global const void *depth, realv z, realv ao, realv t,
-                      realv t2, const realv near_light[3], const realv bent[3],
-                      const realv axis[3], realv rx, float ry, int x, int y,
-                      const probe_light *cached, realv light[3],
-                      realv behind[3], realv *unlit) {
-  const realv other = 1.0f - cached->share;
-  *unlit = 0.0f;
-#if FAR == 1 || FAR == 2
-  /* not indexed as an argument: see rotate_direction() */
-  const hbil_sh_args far[3] = {args.environment.channel[0],
-                               args.environment.channel[1],
-                               args.environment.channel[2]};
-#endif
-#if FAR == 2
-  const realv aperture[3] = {ao, fma(-t2, t, (realv)1.0f),
-                             3.0f * fma(-t2, t2, (realv)1.0f) - 2.0f * ao};
-  const realv unscaled[3] = {SH_RADIANCE_0, SH_RADIANCE_1, SH_RADIANCE_2};
-  const realv ray[3] = {rx, ry, 1.0f};
-  realv sky[3];
-  rotate_direction(args.to_world, ray, sky);
-  const realv inv_r = 1.0f / sqrt(fma(rx, rx, (realv)fma(ry, ry, 1.0f)));
-#pragma unroll
-  for (int c = 0; c < 3; ++c)
-    sky[c] *= inv_r;
-#elif FAR == 3
-  realv frame[3];
-  frame_light(estimate, bent[0], bent[1], bent[2], frame);
-  *unlit = min(other * ao,
-               unlit_share(estimate,
-                           mean_sky_light(args, in->direct, depth, z, x, y), ao,
-                           args.sky_share));
-#endif
+/* What a cone of t = cos(alpha) leaves of the orders of an environment. */
+INLINE void cone_orders(realv ao, realv t, realv t2, realv orders[3]) {
+  orders[0] = FAR == 1 ? PI * ao : ao;
+  orders[1] = fma(-t2, t, (realv)1.0f);
+  orders[2] = 3.0f * fma(-t2, t2, (realv)1.0f) - 2.0f * ao;
+}
+
+INLINE void set_known_light(far_receiver *r, const realv near_light[3],
+                            const probe_light *cached) {
+  r->shown_share = 1.0f - r->ao;
+  r->cached_share = r->ao * cached->share;
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
-    light[c] = behind[c] = 0.0f;
-#if FAR == 1
-    behind[c] = far[c].sh[0];
-    light[c] = other * (PI * ao * behind[c]);
-#elif FAR == 2
-    behind[c] = sh_light(far[c], sky, unscaled);
-    light[c] = other * sh_light(far[c], axis, aperture);
-#elif FAR == 3
-    light[c] = PI * *unlit *
-               unseen_light(estimate, c, frame[c], near_light[c] * INV_PI,
-                            1.0f - ao, cached->light[c], ao * cached->share);
+    r->shown[c] = near_light[c] * INV_PI;
+    r->cached[c] = cached->light[c];
+  }
+}
+
+/* Far irradiance of a pixel from its open directions: from those that the cache
+ * knows, and from the others.  Returns the share of the hemisphere whose
+ * radiance is guessed. */
+INLINE realv far_irradiance(const hbil_composite_args args, const inputs *in,
+                            const far_receiver *r, const probe_light *cached,
+                            realv irradiance[3]) {
+  realv others = 1.0f - cached->share, guessed = 0.0f;
+#if FAR == 3
+  guessed = min(others * r->ao, guessed_share(args, &in->far, r));
+  others = PI * guessed;
 #endif
+  far_light(args, &in->far, r, irradiance);
+#pragma unroll
+  for (int c = 0; c < 3; ++c) {
+    irradiance[c] *= others;
 #if PROBES
-    light[c] += PI * cached->light[c];
+    irradiance[c] += PI * cached->light[c];
 #endif
   }
+  return guessed;
+}
+
+/* What shows where there is no surface, along the rays (rx, ry, 1). */
+INLINE void sky_behind(const hbil_composite_args args, realv rx, float ry,
+                       realv radiance[3]) {
+  const realv orders[3] = {FAR == 1 ? 1.0f : SH_RADIANCE_0, SH_RADIANCE_1,
+                           SH_RADIANCE_2};
+  const realv ray[3] = {rx, ry, 1.0f};
+  const realv inv_r = 1.0f / sqrt(fma(rx, rx, (realv)fma(ry, ry, 1.0f)));
+  realv direction[3];
+  rotate_direction(args.to_world, ray, direction);
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    direction[c] *= inv_r;
+  environment_light(args.environment, direction, orders, radiance);
 }
 
 /* --- counts of sanitized pixels ------------------------------------------- */
@@ -227,9 +197,10 @@ INLINE realv compose_channel(const hbil_composite_args args, const inputs *in,
                                 usable + HBIL_SURFACE_F0);
 #endif
 #if HAS_DIRECT && REFLECTED
-  irradiance = usable_light(
-      args.direct_scale * load_direct(in->direct, args.direct, x, y, c, count),
-      usable + HBIL_SURFACE_DIRECT);
+  irradiance =
+      usable_light(args.direct_scale *
+                       load_direct(in->far.direct, args.direct, x, y, c, count),
+                   usable + HBIL_SURFACE_DIRECT);
 #endif
 #if HAS_EMISSION && REFLECTED
   emitted =
@@ -255,13 +226,13 @@ INLINE realv compose_channel(const hbil_composite_args args, const inputs *in,
   return select((realv)0.0f, carried, solid);
 }
 
-INLINE void read_near_light(global const float *at, uint plane,
+INLINE void read_near_light(global const float *resolved, uint plane,
                             realv near_light[3]) {
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     /* A sum of differences of angles may round to just below 0.  NaN remains
      * NaN, so that it can be seen. */
-    const realv light = READV(at + (HBIL_LIGHT_RED + c) * plane);
+    const realv light = READV(resolved + (HBIL_LIGHT_RED + c) * plane);
     near_light[c] = select(light, (realv)0.0f, light < 0.0f);
   }
 }
@@ -276,24 +247,21 @@ INLINE void collect_carried(const realv carried[3], realv pending[][PARTS],
 }
 
 /* Collects all planes of the pixels from (x, y) on. */
-INLINE void compose(const hbil_composite_args args,
-                    global const float *resolved, global const float *estimate,
-                    global const void *depth_buffer, const inputs *in,
-                    global const float *probes, int x, int y,
-                    realv pending[][PARTS], int part,
+INLINE void compose(const hbil_composite_args args, const inputs *in, int x,
+                    int y, realv pending[][PARTS], int part,
                     volatile global uint *sanitized) {
   const hbil_view_args view = args.view;
   const uint plane = args.planes.plane;
   const int count = view.width - x;
-  global const float *at = resolved + (uint)y * args.planes.row + (uint)x;
+  global const float *here = in->resolved + (uint)y * args.planes.row + (uint)x;
   const realv rx = ray_x(view, x, 1);
   const float ry = ray_y(view, y);
   const realv z = planar_depth(
-      stored_depth(depth_buffer, args.depth, args.decode, x, y, count), rx, ry,
+      stored_depth(in->far.depth, args.depth, args.decode, x, y, count), rx, ry,
       args.decode);
   const intv solid = z > 0.0f;
   /* a mean of values up to 1 may round to just above it */
-  const realv ao = clamp(READV(at), 0.0f, 1.0f);
+  const realv ao = clamp(READV(here), 0.0f, 1.0f);
   const realv t2 = 1.0f - ao;
   const realv t = select((realv)0.0f, sqrt(t2), solid);
   if (OUT_AO)
@@ -301,39 +269,43 @@ INLINE void compose(const hbil_composite_args args,
   if (OUT_CONE)
     pending[PENDING_CONE][part] = t;
 #if OUT_ERROR
-  pending[PENDING_ERROR][part] = READV(at + ERROR_PLANE * plane);
+  pending[PENDING_ERROR][part] = READV(here + ERROR_PLANE * plane);
   pending[PENDING_ERROR + 1][part] =
-      GATHER_RADIANCE ? READV(at + (ERROR_PLANE + 1) * plane) : (realv)0.0f;
+      GATHER_RADIANCE ? READV(here + (ERROR_PLANE + 1) * plane) : (realv)0.0f;
 #endif
   if (HISTORY)
     pending[PENDING_HISTORY + HBIL_HISTORY_W][part] =
         select((realv)0.0f, 1.0f / z, solid);
-  realv bent[3] = {0.0f, 0.0f, 0.0f}, axis[3] = {0.0f, 0.0f, 0.0f};
+  far_receiver r = {.x = x, .y = y, .z = z, .ao = ao};
   if (GATHER_BENT) {
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      bent[c] = READV(at + (HBIL_LIGHT_BENT + c) * plane);
-    rotate_direction(args.to_world, bent, axis);
+      r.view_axis[c] = READV(here + (HBIL_LIGHT_BENT + c) * plane);
+    rotate_direction(args.to_world, r.view_axis, r.world_axis);
   }
   if (OUT_BENT) {
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      pending[PENDING_BENT + c][part] = BENT_IS_WORLD ? axis[c] : bent[c];
+      pending[PENDING_BENT + c][part] =
+          BENT_IS_WORLD ? r.world_axis[c] : r.view_axis[c];
   }
-  realv near_light[3] = {0.0f, 0.0f, 0.0f}, far[3], behind[3], unlit;
+  realv near_light[3] = {0.0f, 0.0f, 0.0f}, far[3], behind[3];
   if (GATHER_RADIANCE)
-    read_near_light(at, plane, near_light);
+    read_near_light(here, plane, near_light);
   probe_light cached = {{0.0f, 0.0f, 0.0f}, 0.0f};
 #if PROBES
   if (args.probes.columns > 0)
-    cached = light_of_probes(args.probes, view, probes, x, y, z, ao, t, bent);
+    cached = light_of_probes(args.probes, view, in->probes, x, y, z, ao, t,
+                             r.view_axis);
 #endif
-  far_light(args, estimate, in, depth_buffer, z, ao, t, t2, near_light, bent,
-            axis, rx, ry, x, y, &cached, far, behind, &unlit);
+  cone_orders(ao, t, t2, r.orders);
+  set_known_light(&r, near_light, &cached);
+  const realv guessed = far_irradiance(args, in, &r, &cached, far);
+  sky_behind(args, rx, ry, behind);
 #if OUT_UNKNOWN
-  realv unknown = unlit;
+  realv unknown = guessed;
 #if UNKNOWN_PLANE
-  unknown += READV(at + UNKNOWN_PLANE * plane);
+  unknown += READV(here + UNKNOWN_PLANE * plane);
 #endif
   /* both shares are rounded, and a packed one is dithered */
   pending[PENDING_UNKNOWN][part] =
@@ -377,13 +349,13 @@ kernel void composite(
   const int y = (int)get_global_id(1);
   if (x0 >= args.view.width || y >= args.view.height)
     return;
-  const inputs in = {albedo, f0, direct, emission};
+  const inputs in = {resolved, probes,   albedo,
+                     f0,       emission, {estimate, depth, direct}};
   const int parts =
       min(PARTS, (args.view.width - x0 + HBIL_WIDTH - 1) / HBIL_WIDTH);
   realv pending[PENDING_COUNT][PARTS];
   for (int part = 0; part < parts; ++part)
-    compose(args, resolved, estimate, depth, &in, probes,
-            x0 + part * HBIL_WIDTH, y, pending, part, sanitized);
+    compose(args, &in, x0 + part * HBIL_WIDTH, y, pending, part, sanitized);
   STORE_CHANNELS(ao, OUT_AO, PENDING_AO)
   STORE_CHANNELS(cone_cosine, OUT_CONE, PENDING_CONE)
   STORE_CHANNELS(error_estimate, 2 * OUT_ERROR, PENDING_ERROR)

@@ -23,15 +23,14 @@
  */
 #include "lib/camera.clh"
 #include "lib/external_planes.clh"
+#include "lib/flags.clh"
 #include "lib/gathered_planes.clh"
 #include "lib/interleave.clh"
 #include "lib/sanitize.clh"
 #include "lib/sky_light.clh"
 #include "lib/split_planes.clh"
 
-#if !defined(GATHER_EMISSION) || GATHER_EMISSION < 0 || GATHER_EMISSION > 1
-#error GATHER_EMISSION must be 0..1
-#endif
+FLAG(GATHER_EMISSION)
 
 LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
 LOADER(f0, F0_TYPE, F0_STRIDE)
@@ -39,8 +38,6 @@ LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
 LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
 FETCHER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
 FETCHER(direct, DIRECT_TYPE, DIRECT_STRIDE)
-
-#define INV_PI 0.318309886f
 
 /* Neighbouring layers of a row are done together, as their pixels alternate in
  * the caller's planes.  GPUs have no registers for so many sums. */

@@ -9,20 +9,12 @@
  * glossy probes; direct light and depth of the caller, for the sky's share.
  * Out: the caller's plane `glossy`.
  */
-#include "lib/depth.clh"
+#include "lib/far_light.clh"
+#include "lib/flags.clh"
 #include "lib/glossy_probes.clh"
 #include "lib/guides.clh"
-#include "lib/lobe.clh"
-#include "lib/sh_light.clh"
-#include "lib/sky_share.clh"
-#include "lib/unseen_light.clh"
 
-#if !defined(FAR) || FAR < 0 || FAR > 3
-#error FAR must be 0 (none), 1 (constant), 2 (SH) or 3 (the frame's estimate)
-#endif
-#if !defined(PROBES) || PROBES < 0 || PROBES > 1
-#error PROBES must be 0..1
-#endif
+FLAG(PROBES)
 
 STORER(glossy, GLOSSY_TYPE, GLOSSY_STRIDE)
 
@@ -55,48 +47,21 @@ INLINE mirror mirror_at(const hbil_view_args view, float lobe, realv w,
   return m;
 }
 
-/* Radiance of the part of the lobe that no surface is known in.  open: that
- * part of the lobe; shown, known: sum of radiance and part of the lobe that are
- * known from the screen; ao: of the pixel. */
-INLINE void far_glossy(const hbil_composite_args args,
-                       const hbil_glossy_args own, global const float *estimate,
-                       global const void *direct, global const void *depth,
-                       const mirror *m, realv open, const realv shown[3],
-                       realv known, realv ao, const glossy_light *cached, int x,
-                       int y, realv light[3]) {
-  const realv other = 1.0f - cached->share;
-#if FAR == 1 || FAR == 2
-  /* not indexed as an argument: see rotate_direction() */
-  const hbil_sh_args far[3] = {args.environment.channel[0],
-                               args.environment.channel[1],
-                               args.environment.channel[2]};
+/* Radiance of the open part of the lobe, which no surface on the screen is
+ * known in: from the directions that the cache knows, and from the others. */
+INLINE void far_glossy(const hbil_composite_args args, const far_inputs *in,
+                       const far_receiver *r, realv open,
+                       const probe_light *cached, realv light[3]) {
+  realv others = 1.0f - cached->share, far[3];
+#if FAR == 3
+  others = min(others, guessed_share(args, in, r) / max(r->ao, (realv)1e-6f));
 #endif
-#if FAR == 2
-  const realv bands[3] = {SH_RADIANCE_0, own.bands[0] * SH_RADIANCE_1,
-                          own.bands[1] * SH_RADIANCE_2};
-  realv axis[3];
-  rotate_direction(args.to_world, m->r, axis);
-#elif FAR == 3
-  realv frame[3];
-  frame_light(estimate, m->r[0], m->r[1], m->r[2], frame);
-  const realv unlit =
-      unlit_share(estimate, mean_sky_light(args, direct, depth, m->z, x, y), ao,
-                  args.sky_share);
-  const realv share = min(other, unlit / max(ao, (realv)1e-6f));
-#endif
+  far_light(args, in, r, far);
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     light[c] = open * cached->light[c];
-#if FAR == 1
-    light[c] = fma(open * other, (realv)far[c].sh[0], light[c]);
-#elif FAR == 2
-    light[c] = fma(open * other, sh_light(far[c], axis, bands), light[c]);
-#elif FAR == 3
-    light[c] = fma(open * share,
-                   unseen_light(estimate, c, frame[c], shown[c], known,
-                                light[c], open * cached->share),
-                   light[c]);
-#endif
+    if (FAR)
+      light[c] = fma(open * others, far[c], light[c]);
   }
 }
 
@@ -110,6 +75,7 @@ kernel void glossy(const hbil_composite_args args, const hbil_glossy_args own,
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
     return;
+  const far_inputs in = {estimate, depth, direct};
   realv w[4], normals[3][4];
   load_guides(own.split, split, x0, y, w, normals);
   for (int i = 0; i < 4; ++i) {
@@ -117,30 +83,42 @@ kernel void glossy(const hbil_composite_args args, const hbil_glossy_args own,
     if (x >= view.width)
       return;
     const uint plane = args.planes.plane;
-    global const float *at = resolved + (uint)y * args.planes.row + (uint)x;
-    global const float *lobe = at + GLOSSY_RESOLVED * plane;
+    global const float *here = resolved + (uint)y * args.planes.row + (uint)x;
+    global const float *lobe = here + GLOSSY_RESOLVED * plane;
     const realv n[3] = {normals[0][i], normals[1][i], normals[2][i]};
     const intv solid = w[i] > SKY;
     const mirror m =
         mirror_at(view, own.lobe, select((realv)1.0f, w[i], solid), n, x, y);
     const realv known =
         clamp(READV(lobe + HBIL_GLOSSY_KNOWN * plane), 0.0f, 1.0f);
-    const realv ao = clamp(READV(at), 0.0f, 1.0f);
-    realv shown[3], far[3];
-#pragma unroll
-    for (int c = 0; c < 3; ++c)
-      shown[c] = READV(lobe + (HBIL_GLOSSY_RED + c) * plane);
-    glossy_light cached = {{0.0f, 0.0f, 0.0f}, 0.0f};
+    const realv open = 1.0f - known;
+    probe_light cached = {{0.0f, 0.0f, 0.0f}, 0.0f};
 #if PROBES
     if (args.probes.columns > 0)
       cached = glossy_of_probes(args.probes, view, probes, x, y, m.p, m.n, m.r,
                                 m.k, solid);
 #endif
-    far_glossy(args, own, estimate, direct, depth, &m, 1.0f - known, shown,
-               known, ao, &cached, x, y, far);
+    far_receiver r = {.x = x,
+                      .y = y,
+                      .z = m.z,
+                      .ao = clamp(READV(here), 0.0f, 1.0f),
+                      .view_axis = {m.r[0], m.r[1], m.r[2]},
+                      .orders = {FAR == 1 ? 1.0f : SH_RADIANCE_0,
+                                 own.bands[0] * SH_RADIANCE_1,
+                                 own.bands[1] * SH_RADIANCE_2},
+                      .shown_share = known,
+                      .cached_share = open * cached.share};
+    rotate_direction(args.to_world, m.r, r.world_axis);
+#pragma unroll
+    for (int c = 0; c < 3; ++c) {
+      r.shown[c] = READV(lobe + (HBIL_GLOSSY_RED + c) * plane);
+      r.cached[c] = open * cached.light[c];
+    }
+    realv far[3];
+    far_glossy(args, &in, &r, open, &cached, far);
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      store_glossy(select((realv)0.0f, shown[c] + far[c], solid), glossy,
+      store_glossy(select((realv)0.0f, r.shown[c] + far[c], solid), glossy,
                    own.glossy, x, y, c, view.width - x);
   }
 }

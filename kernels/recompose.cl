@@ -26,25 +26,20 @@
  */
 
 #include "lib/filter_weight.clh"
+#include "lib/flags.clh"
 #include "lib/interleave.clh"
 #include "lib/unpacked_rows.clh"
 #include "lib/unseen_light.clh"
 
-#if !defined(UNFILTERED) || UNFILTERED < 0 || UNFILTERED > 1
-#error UNFILTERED must be 0..1
-#endif
-#if !defined(OUT_ERROR) || OUT_ERROR < 0 || OUT_ERROR > 1
-#error OUT_ERROR must be 0..1
-#endif
+FLAG(UNFILTERED)
+FLAG(OUT_ERROR)
+
 #if OUT_ERROR && (!defined(ERROR_PLANE) || ERROR_PLANE < 1)
 #error ERROR_PLANE must be the first plane behind the light
 #endif
 #if !defined(UNKNOWN_PLANE) || (UNKNOWN_PLANE && !FALLBACK_FRAME_MEAN)
 #error UNKNOWN_PLANE must be 0 without FALLBACK_FRAME_MEAN
 #endif
-
-#define PI 3.14159265f
-#define INV_PI 0.318309886f
 
 /* The rows of a work-item. */
 #define ROWS (HBIL_WIDTH == 1 ? 1 : HBIL_RECOMPOSE_ROWS)
@@ -56,7 +51,7 @@ typedef struct sums {
   realv w, n[3];
 #if OUT_ERROR
   realv square_ao, square_near; /* of AO, of the channels of E_near */
-  realv square_bright; /* of those above BRIGHT, in units of it */
+  realv square_bright;          /* of those above BRIGHT, in units of it */
 #endif
 #if OUT_GLOSSY
   realv glossy[HBIL_GATHERED_GLOSSY_PLANES];

@@ -7,13 +7,13 @@
  * In: split planes, horizon cache, the work that was left out for each span.
  * Out: E_near in the light planes.
  */
+#include "lib/flags.clh"
 #include "lib/gathered_planes.clh"
 #include "lib/horizon_cache.clh"
 #include "lib/light_sum.clh"
 
-#if !defined(EXTRAPOLATE) || EXTRAPOLATE < 0 || EXTRAPOLATE > 1
-#error EXTRAPOLATE must be 0..1
-#endif
+FLAG(EXTRAPOLATE)
+
 #if !defined(FINITE) || FINITE < 0 || FINITE > 3
 #error FINITE must be 0..3
 #endif

@@ -14,12 +14,11 @@
  * and how many pixels have motion that isn't finite.
  */
 #include "lib/depth.clh"
+#include "lib/flags.clh"
 #include "lib/past_place.clh"
 #include "lib/radiance.clh"
 
-#if !defined(DISOCCLUSION) || DISOCCLUSION < 0 || DISOCCLUSION > 1
-#error DISOCCLUSION must be 0..1
-#endif
+FLAG(DISOCCLUSION)
 
 /* Stores carried light with weight 1, holes with weight 0, and the sky, which
  * all pixels right of the image are, with weight -1.  A hole raises

@@ -11,29 +11,21 @@
  */
 #include "lib/bounds.clh"
 #include "lib/depth.clh"
+#include "lib/flags.clh"
 #include "lib/interleave.clh"
 #include "lib/layers.clh"
 #include "lib/sanitize.clh"
 #include "lib/split_planes.clh"
 #include "lib/surface_normal.clh"
 
-#if !defined(FEEDBACK_RADIANCE) || FEEDBACK_RADIANCE < 0 ||                    \
-    FEEDBACK_RADIANCE > 1
-#error FEEDBACK_RADIANCE must be 0..1
-#endif
-#if !defined(GATHER_EMISSION) || GATHER_EMISSION < 0 || GATHER_EMISSION > 1
-#error GATHER_EMISSION must be 0..1
-#endif
-#if !defined(SKIP_UNUSED) || SKIP_UNUSED < 0 || SKIP_UNUSED > 1
-#error SKIP_UNUSED must be 0..1
-#endif
+FLAG(FEEDBACK_RADIANCE)
+FLAG(GATHER_EMISSION)
+FLAG(SKIP_UNUSED)
 
 LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
 LOADER(f0, F0_TYPE, F0_STRIDE)
 LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
 LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
-
-#define INV_PI 0.318309886f
 
 /* --- normals -------------------------------------------------------------- */
 

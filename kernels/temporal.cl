@@ -23,21 +23,16 @@
  * Out: resolved light, the history of this frame, whose bent normals have any
  * length.
  */
+#include "lib/flags.clh"
 #include "lib/glossy_args.h"
 #include "lib/guides.clh"
 #include "lib/light_planes.clh"
 #include "lib/past_place.clh"
 #include "lib/split_planes.clh"
 
-#if !defined(DISOCCLUSION) || DISOCCLUSION < 0 || DISOCCLUSION > 1
-#error DISOCCLUSION must be 0..1
-#endif
-#if !defined(OUT_GLOSSY) || OUT_GLOSSY < 0 || OUT_GLOSSY > 1
-#error OUT_GLOSSY must be 0..1
-#endif
-#if !defined(HISTORY) || HISTORY < 0 || HISTORY > 1
-#error HISTORY must be 0..1
-#endif
+FLAG(DISOCCLUSION)
+FLAG(OUT_GLOSSY)
+FLAG(HISTORY)
 
 /* The planes that are averaged: those of each configuration, and behind the
  * bent normal those of glossy light. */

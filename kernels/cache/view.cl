@@ -8,19 +8,16 @@
 #include "lib/cache_args.h"
 #include "lib/cache_voxels.clh"
 #include "lib/depth.clh"
+#include "lib/flags.clh"
 #include "lib/sanitize.clh"
 #include "lib/surface_normal.clh"
 
-#if !defined(GATHER_EMISSION) || GATHER_EMISSION < 0 || GATHER_EMISSION > 1
-#error GATHER_EMISSION must be 0..1
-#endif
+FLAG(GATHER_EMISSION)
 
 LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
 LOADER(f0, F0_TYPE, F0_STRIDE)
 LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
 LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
-
-#define INV_PI 0.318309886f
 
 /* The planes of a view. */
 typedef struct view_planes {
