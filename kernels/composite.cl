@@ -26,7 +26,7 @@
 #include "lib/flags.clh"
 #include "lib/probe_light.clh"
 #include "lib/radiance.clh"
-#include "lib/sanitize.clh"
+#include "lib/surface_inputs.clh"
 
 FLAG(GATHER_RADIANCE)
 FLAG(GATHER_BENT)
@@ -35,9 +35,6 @@ FLAG(PROBES)
 FLAG(HISTORY)
 FLAG(FEEDBACK_RADIANCE)
 FLAG(BENT_IS_WORLD)
-FLAG(HAS_ALBEDO)
-FLAG(HAS_F0)
-FLAG(HAS_EMISSION)
 
 #if LINE < HBIL_WIDTH || LINE % HBIL_WIDTH
 #error LINE must be a multiple of HBIL_WIDTH
@@ -49,9 +46,6 @@ FLAG(HAS_EMISSION)
 #error UNKNOWN_PLANE must be 0 without OUT_UNKNOWN
 #endif
 
-LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
-LOADER(f0, F0_TYPE, F0_STRIDE)
-LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
 STORER(near_irradiance, NEAR_TYPE, NEAR_STRIDE)
 STORER(far_irradiance, FAR_TYPE, FAR_STRIDE)
 STORER(ao, AO_TYPE, AO_STRIDE)
@@ -92,7 +86,7 @@ enum {
  * caller's. */
 typedef struct inputs {
   global const float *resolved, *probes;
-  global const void *albedo, *f0, *emission;
+  surface_inputs surface;
   far_inputs far;
 } inputs;
 
@@ -186,27 +180,20 @@ INLINE realv compose_channel(const hbil_composite_args args, const inputs *in,
                              realv near_light, realv far, realv behind,
                              intv solid, int c, int x, int y, int count,
                              intv *usable, realv pending[][PARTS], int part) {
+  const hbil_surface_args surface = args.surface;
   realv albedo = 1.0f, diffuse = 1.0f, irradiance = 0.0f, emitted = 0.0f;
-#if HAS_ALBEDO && REFLECTED
-  albedo =
-      usable_reflectance(load_albedo(in->albedo, args.albedo, x, y, c, count),
-                         usable + HBIL_SURFACE_ALBEDO);
-#endif
-#if HAS_F0 && (REFLECTED || OUT_INDIRECT)
-  diffuse -= usable_reflectance(load_f0(in->f0, args.f0, x, y, c, count),
-                                usable + HBIL_SURFACE_F0);
-#endif
-#if HAS_DIRECT && REFLECTED
-  irradiance =
-      usable_light(args.direct_scale *
-                       load_direct(in->far.direct, args.direct, x, y, c, count),
-                   usable + HBIL_SURFACE_DIRECT);
-#endif
-#if HAS_EMISSION && REFLECTED
-  emitted =
-      usable_light(load_emission(in->emission, args.emission, x, y, c, count),
-                   usable + HBIL_SURFACE_EMISSION);
-  behind = emitted;
+  if (REFLECTED || OUT_INDIRECT)
+    diffuse = surface_diffuse(surface, &in->surface, c, x, y, count,
+                              usable + HBIL_SURFACE_F0);
+#if REFLECTED
+  albedo = surface_albedo(surface, &in->surface, c, x, y, count,
+                          usable + HBIL_SURFACE_ALBEDO);
+  irradiance = direct_light(surface, in->surface.direct, c, x, y, count,
+                            usable + HBIL_SURFACE_DIRECT);
+  emitted = surface_emission(surface, &in->surface, c, x, y, count,
+                             usable + HBIL_SURFACE_EMISSION);
+  if (HAS_EMISSION)
+    behind = emitted;
 #endif
   const realv light = near_light + far;
   const realv indirect = diffuse * INV_PI * light;
@@ -349,8 +336,10 @@ kernel void composite(
   const int y = (int)get_global_id(1);
   if (x0 >= args.view.width || y >= args.view.height)
     return;
-  const inputs in = {resolved, probes,   albedo,
-                     f0,       emission, {estimate, depth, direct}};
+  const inputs in = {.resolved = resolved,
+                     .probes = probes,
+                     .surface = {albedo, f0, direct, emission},
+                     .far = {estimate, depth, direct}};
   const int parts =
       min(PARTS, (args.view.width - x0 + HBIL_WIDTH - 1) / HBIL_WIDTH);
   realv pending[PENDING_COUNT][PARTS];

@@ -26,16 +26,12 @@
 #include "lib/flags.clh"
 #include "lib/gathered_planes.clh"
 #include "lib/interleave.clh"
-#include "lib/sanitize.clh"
 #include "lib/sky_light.clh"
 #include "lib/split_planes.clh"
+#include "lib/surface_inputs.clh"
 
 FLAG(GATHER_EMISSION)
 
-LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
-LOADER(f0, F0_TYPE, F0_STRIDE)
-LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
-LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
 FETCHER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
 FETCHER(direct, DIRECT_TYPE, DIRECT_STRIDE)
 
@@ -93,11 +89,6 @@ COLUMN_LOADER(direct)
 COLUMN_LOADER(emission)
 #endif
 
-/* The caller's planes. */
-typedef struct inputs {
-  global const void *albedo, *f0, *direct, *emission;
-} inputs;
-
 /* What the caller's planes tell of a vector of pixels. */
 typedef struct surface {
   realv reflectance[3]; /* diffuse */
@@ -111,8 +102,8 @@ typedef struct surface {
  * of it is loaded.  Blocks lie so far apart that a CPU doesn't prefetch them by
  * itself; without this it waits for each line in turn.  Of interleaved planes
  * only the first line of each vector is requested. */
-INLINE void fetch_surfaces(const hbil_estimate_args args, const inputs *in,
-                           row_place at) {
+INLINE void fetch_surfaces(const hbil_estimate_args args,
+                           const surface_inputs *in, row_place at) {
 #if HBIL_WIDTH > 1
 #pragma unroll
   for (int c = 0; c < 3; ++c)
@@ -120,18 +111,19 @@ INLINE void fetch_surfaces(const hbil_estimate_args args, const inputs *in,
     for (int i = 0; i < COLUMNS; ++i) {
       const int x = at.x + i * HBIL_WIDTH;
 #if HAS_ALBEDO
-      fetch_albedo(in->albedo, args.albedo, x, at.y, c);
+      fetch_albedo(in->albedo, args.surface.albedo, x, at.y, c);
 #endif
 #if HAS_DIRECT
-      fetch_direct(in->direct, args.direct, x, at.y, c);
+      fetch_direct(in->direct, args.surface.direct, x, at.y, c);
 #endif
     }
 #endif
 }
 
 /* Those of the layers of a row_place. */
-INLINE void load_surfaces(const hbil_estimate_args args, const inputs *in,
-                          row_place at, surface *surfaces) {
+INLINE void load_surfaces(const hbil_estimate_args args,
+                          const surface_inputs *in, row_place at,
+                          surface *surfaces) {
   intv usable = TRUE_LANES;
   for (int i = 0; i < COLUMNS; ++i)
     surfaces[i].sky_light = 0.0f;
@@ -143,19 +135,20 @@ INLINE void load_surfaces(const hbil_estimate_args args, const inputs *in,
       irradiance[i] = 0.0f;
     }
 #if HAS_ALBEDO
-    columns_albedo(in->albedo, args.albedo, at, c, values);
+    columns_albedo(in->albedo, args.surface.albedo, at, c, values);
     for (int i = 0; i < COLUMNS; ++i)
       share[i] = usable_reflectance(values[i], &usable);
 #endif
 #if HAS_F0
-    columns_f0(in->f0, args.f0, at, c, values);
+    columns_f0(in->f0, args.surface.f0, at, c, values);
     for (int i = 0; i < COLUMNS; ++i)
       share[i] *= 1.0f - usable_reflectance(values[i], &usable);
 #endif
 #if HAS_DIRECT
-    columns_direct(in->direct, args.direct, at, c, values);
+    columns_direct(in->direct, args.surface.direct, at, c, values);
     for (int i = 0; i < COLUMNS; ++i)
-      irradiance[i] = usable_light(args.direct_scale * values[i], &usable);
+      irradiance[i] =
+          usable_light(args.surface.direct_scale * values[i], &usable);
 #endif
     for (int i = 0; i < COLUMNS; ++i) {
       surfaces[i].reflectance[c] = share[i];
@@ -165,7 +158,7 @@ INLINE void load_surfaces(const hbil_estimate_args args, const inputs *in,
             max(surfaces[i].sky_light, INV_PI / args.sky[c] * irradiance[i]);
     }
 #if HAS_EMISSION && GATHER_EMISSION
-    columns_emission(in->emission, args.emission, at, c, values);
+    columns_emission(in->emission, args.surface.emission, at, c, values);
     for (int i = 0; i < COLUMNS; ++i)
       surfaces[i].sent[c] += usable_light(values[i], &usable);
 #endif
@@ -248,7 +241,7 @@ INLINE void add_pixels(const hbil_estimate_args args, global const float *split,
 
 /* Adds a vector of each of the layers from `split` and `light` on, as far as
  * they are gathered. */
-INLINE void add_layers(const hbil_estimate_args args, const inputs *in,
+INLINE void add_layers(const hbil_estimate_args args, const surface_inputs *in,
                        global const float *split, global const float *light,
                        row_place at, realv (*sum)[HBIL_ESTIMATE_SUMS]) {
   const int layer = 4 * (at.y & 3) + at.column;
@@ -287,7 +280,7 @@ kernel void estimate_part(const hbil_estimate_args args,
     return;
   if (args.is_static && !flags[HBIL_FLAG_CHANGED])
     return;
-  const inputs planes = {albedo, f0, direct, emission};
+  const surface_inputs planes = {albedo, f0, direct, emission};
   realv sum[COLUMNS][HBIL_ESTIMATE_SUMS];
   for (int i = 0; i < COLUMNS; ++i)
     for (int k = 0; k < HBIL_ESTIMATE_SUMS; ++k)

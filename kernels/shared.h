@@ -175,6 +175,13 @@ typedef struct hbil_external_plane_args {
 } hbil_external_plane_args;
 HBIL_ASSERT_LAYOUT(hbil_external_plane_args, unused, 3, 4)
 
+/* The caller's planes that tell what surfaces send. */
+typedef struct hbil_surface_args {
+  hbil_external_plane_args albedo, f0, direct, emission;
+  hbil_float direct_scale; /* as in hbil_config */
+} hbil_surface_args;
+HBIL_ASSERT_LAYOUT(hbil_surface_args, direct_scale, 16, 17)
+
 /* How values of the depth input are read (lib/depth.clh).  Planar depth and
  * distances from the eye: `scale` times the value.  Hardware depth:
  * w is base + scale (value - end), orthographic: base + scale value; `end` is
@@ -356,9 +363,9 @@ typedef struct hbil_split_args {
   hbil_layer_args layers;
   hbil_plane_args planes; /* of carried light; relight: of the history */
   hbil_grid_args groups;  /* of the bounds */
-  hbil_external_plane_args depth, normal, albedo, f0, direct, emission;
+  hbil_external_plane_args depth, normal;
+  hbil_surface_args surface;
   hbil_depth_args decode;
-  hbil_float direct_scale; /* as in hbil_config */
   hbil_int has_history;
   hbil_int steady; /* relight: ignore falls by a rounding */
 } hbil_split_args;
@@ -480,21 +487,5 @@ typedef struct hbil_probe_grid_args {
   hbil_int spacing, columns, rows;
 } hbil_probe_grid_args;
 HBIL_ASSERT_LAYOUT(hbil_probe_grid_args, rows, 2, 3)
-
-typedef struct hbil_composite_args {
-  hbil_view_args view;
-  hbil_transform_args to_world;
-  hbil_plane_args planes; /* of the resolved light and the history */
-  hbil_environment_args environment;
-  hbil_external_plane_args depth, albedo, f0, direct, emission;
-  hbil_external_plane_args near_irradiance, far_irradiance, ao, bent_normal;
-  hbil_external_plane_args cone_cosine, indirect, beauty, error_estimate;
-  hbil_external_plane_args unknown;
-  hbil_depth_args decode;
-  hbil_float direct_scale; /* as in hbil_config */
-  hbil_float sky_share;    /* as in hbil_frame */
-  hbil_probe_grid_args probes;
-} hbil_composite_args;
-HBIL_ASSERT_LAYOUT(hbil_composite_args, probes, 111, 114)
 
 #endif

@@ -7,25 +7,21 @@
  * Launch: x = groups of 4*HBIL_WIDTH pixels of a row, y = rows.
  * In: the caller's inputs, carried light (relight: history).  Out: split
  * planes; for each group, bounds and whether the outputs show its light
- * (`uses`); counts of sanitized pixels (relight: whether anything has changed).
+ * (`used_groups`); counts of sanitized pixels (relight: whether anything has
+ * changed).
  */
 #include "lib/bounds.clh"
 #include "lib/depth.clh"
 #include "lib/flags.clh"
 #include "lib/interleave.clh"
 #include "lib/layers.clh"
-#include "lib/sanitize.clh"
 #include "lib/split_planes.clh"
+#include "lib/surface_inputs.clh"
 #include "lib/surface_normal.clh"
 
 FLAG(FEEDBACK_RADIANCE)
 FLAG(GATHER_EMISSION)
 FLAG(SKIP_UNUSED)
-
-LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
-LOADER(f0, F0_TYPE, F0_STRIDE)
-LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
-LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
 
 /* --- normals -------------------------------------------------------------- */
 
@@ -88,62 +84,64 @@ INLINE intv face_the_eye(realv n[3], realv rx, float ry, intv *usable) {
 
 /* The caller's planes, and what was carried over from the last frame: its light
  * (lib/radiance.clh), or null where there is none, and its weights. */
-typedef struct surface_inputs {
-  global const void *albedo, *f0, *direct, *emission;
+typedef struct inputs {
+  surface_inputs surface;
+  global const void *depth, *normal; /* relight: no normal */
   global const float *history, *weight;
-} surface_inputs;
+} inputs;
 
 /* Diffuse reflectance over pi of channel c, (1-F0) albedo/pi.  usable: of each
  * input. */
-INLINE realv reflectance_of(const hbil_split_args args, const surface_inputs *s,
-                            int c, int x, int y, int count, intv *usable) {
-  realv reflectance = INV_PI;
-#if HAS_ALBEDO
-  reflectance *=
-      usable_reflectance(load_albedo(s->albedo, args.albedo, x, y, c, count),
-                         usable + HBIL_SURFACE_ALBEDO);
-#endif
-#if HAS_F0
-  reflectance *=
-      1.0f - usable_reflectance(load_f0(s->f0, args.f0, x, y, c, count),
-                                usable + HBIL_SURFACE_F0);
-#endif
-  return reflectance;
+INLINE realv reflectance_of(const hbil_split_args args, const inputs *in, int c,
+                            int x, int y, int count, intv *usable) {
+  return INV_PI *
+         surface_albedo(args.surface, &in->surface, c, x, y, count,
+                        usable + HBIL_SURFACE_ALBEDO) *
+         surface_diffuse(args.surface, &in->surface, c, x, y, count,
+                         usable + HBIL_SURFACE_F0);
 }
 
 #if GATHER_RADIANCE
-/* Radiance that pixels from (x, y) on send.  `at` is their place in the carried
- * planes.  Pixels of the sky get any value. */
-INLINE void radiance_of(const hbil_split_args args, const surface_inputs *s,
-                        int x, int y, int count, uint at, realv light[3],
-                        intv *usable) {
+/* Radiance that pixels from (x, y) on send.  Pixels of the sky get any value.
+ */
+INLINE void radiance_of(const hbil_split_args args, const inputs *in, int x,
+                        int y, int count, realv light[3], intv *usable) {
+  const uint here = (uint)y * args.planes.row + (uint)x;
   realv carried[3] = {0.0f, 0.0f, 0.0f};
-  if (s->history) {
-    READ_AHEAD(s->history + at);
-    load_radiance(s->history + at, args.planes.plane, carried);
+  if (in->history) {
+    READ_AHEAD(in->history + here);
+    load_radiance(in->history + here, args.planes.plane, carried);
   }
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
-    realv irradiance = 0.0f, emitted = 0.0f;
-    const realv reflectance = reflectance_of(args, s, c, x, y, count, usable);
-#if HAS_DIRECT
-    irradiance = usable_light(
-        args.direct_scale * load_direct(s->direct, args.direct, x, y, c, count),
-        usable + HBIL_SURFACE_DIRECT);
-#endif
-#if HAS_EMISSION && GATHER_EMISSION
-    emitted =
-        usable_light(load_emission(s->emission, args.emission, x, y, c, count),
-                     usable + HBIL_SURFACE_EMISSION);
-#endif
+    const realv reflectance = reflectance_of(args, in, c, x, y, count, usable);
+    const realv irradiance =
+        direct_light(args.surface, in->surface.direct, c, x, y, count,
+                     usable + HBIL_SURFACE_DIRECT);
+    realv emitted = 0.0f;
+    if (GATHER_EMISSION)
+      emitted = surface_emission(args.surface, &in->surface, c, x, y, count,
+                                 usable + HBIL_SURFACE_EMISSION);
 #if FEEDBACK_RADIANCE
     light[c] = fma(reflectance, irradiance, emitted);
-    if (s->history)
-      light[c] = select(light[c], carried[c], READV(s->weight + at) > 0.0f);
+    if (in->history)
+      light[c] = select(light[c], carried[c], READV(in->weight + here) > 0.0f);
 #else
     light[c] = fma(reflectance, irradiance + carried[c], emitted);
 #endif
   }
+}
+
+/* Puts it into part `part` of the planes of radiance; 0 at the sky. */
+INLINE void collect_radiance(const hbil_split_args args, const inputs *in,
+                             int x, int y, intv solid, intv *usable,
+                             realv planes[][4], int part) {
+  realv light[3];
+  radiance_of(args, in, x, y, args.view.width - x, light, usable);
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    light[c] = select((realv)0.0f, light[c], solid);
+  pack_split_radiance(light, planes, part);
 }
 #endif
 
@@ -151,21 +149,18 @@ INLINE void radiance_of(const hbil_split_args args, const surface_inputs *s,
 
 /* Counts the inputs that could not be used, in the work-item's 4 HBIL_WIDTH
  * pixels.  It reads them again, because there is rarely anything to count. */
-INLINE void count_sanitized(const hbil_split_args args,
-                            const surface_inputs *inputs,
-                            global const void *depth_buffer,
-                            global const void *normal_buffer, int x0, int y,
-                            volatile global uint *sanitized) {
+INLINE void count_sanitized(const hbil_split_args args, const inputs *in,
+                            int x0, int y, volatile global uint *sanitized) {
   const hbil_view_args view = args.view;
   uint depths = 0u, normals = 0u, surface[HBIL_SURFACE_INPUTS] = {0u};
   for (int x = x0; x < min(x0 + 4 * HBIL_WIDTH, view.width); x += HBIL_WIDTH) {
     const int count = view.width - x;
     const realv depth =
-        stored_depth(depth_buffer, args.depth, args.decode, x, y, count);
+        stored_depth(in->depth, args.depth, args.decode, x, y, count);
     const intv solid = planar_depth(depth, ray_x(view, x, 1), ray_y(view, y),
                                     args.decode) > 0.0f;
     realv n[3];
-    view_normal(normal_buffer, args.normal, args.to_view, x, y, count, n);
+    view_normal(in->normal, args.normal, args.to_view, x, y, count, n);
     depths += count_lanes(!is_usable_depth(depth, args.decode));
     normals += count_lanes(solid & !is_usable_normal(squared_length(n)));
 #if GATHER_RADIANCE
@@ -173,9 +168,9 @@ INLINE void count_sanitized(const hbil_split_args args,
     intv usable[HBIL_SURFACE_INPUTS];
     for (int i = 0; i < HBIL_SURFACE_INPUTS; ++i)
       usable[i] = TRUE_LANES;
-    surface_inputs without_history = *inputs;
+    inputs without_history = *in;
     without_history.history = 0;
-    radiance_of(args, &without_history, x, y, count, 0u, light, usable);
+    radiance_of(args, &without_history, x, y, count, light, usable);
     for (int i = 0; i < HBIL_SURFACE_INPUTS; ++i)
       surface[i] += count_lanes(
           (i == HBIL_SURFACE_EMISSION ? TRUE_LANES : solid) & !usable[i]);
@@ -190,21 +185,20 @@ INLINE void count_sanitized(const hbil_split_args args,
 /* --- the kernels ---------------------------------------------------------- */
 
 kernel void split(const hbil_split_args args, global float *layers,
-                  global const float *carried, global const void *depth_buffer,
-                  global const void *normal_buffer, global const void *albedo,
+                  global const float *carried, global const void *depth,
+                  global const void *normal, global const void *albedo,
                   global const void *f0, global const void *direct,
-                  global const void *emission, global uint *uses,
+                  global const void *emission, global uint *used_groups,
                   volatile global uint *sanitized, global uint *bounds) {
   const hbil_view_args view = args.view;
   const int x0 = (int)get_global_id(0) * (4 * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
     return;
-  const surface_inputs inputs = {
-      albedo,
-      f0,
-      direct,
-      emission,
+  const inputs in = {
+      {albedo, f0, direct, emission},
+      depth,
+      normal,
       args.has_history ? carried + HBIL_CARRIED_RED * args.planes.plane : 0,
       carried + CARRIED_WEIGHT * args.planes.plane};
   intv used = 0, unusable = 0;
@@ -216,17 +210,17 @@ kernel void split(const hbil_split_args args, global float *layers,
   for (int part = 0; part < 4; ++part) {
     const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
     const realv rx = ray_x(view, x, 1);
-    const realv depth =
-        stored_depth(depth_buffer, args.depth, args.decode, x, y, count);
-    const realv z = planar_depth(depth, rx, ry, args.decode);
+    const realv stored =
+        stored_depth(depth, args.depth, args.decode, x, y, count);
+    const realv z = planar_depth(stored, rx, ry, args.decode);
     const intv solid = z > 0.0f;
-    const realv w = w_of_depth(depth, z, args.decode);
+    const realv w = w_of_depth(stored, z, args.decode);
     /* The normal shares the mask of albedo.  Emission that cannot be used
      * counts at the sky, too; the others count only on surfaces. */
     intv usable[HBIL_SURFACE_INPUTS] = {TRUE_LANES, TRUE_LANES, TRUE_LANES,
                                         TRUE_LANES};
     realv n[3];
-    view_normal(normal_buffer, args.normal, args.to_view, x, y, count, n);
+    view_normal(normal, args.normal, args.to_view, x, y, count, n);
     const intv is_away = solid & face_the_eye(n, rx, ry, usable);
     if (ANY(is_away))
       away += count_lanes(is_away);
@@ -236,32 +230,27 @@ kernel void split(const hbil_split_args args, global float *layers,
       n[c] = select((realv)0.0f, n[c], solid);
     pack_split_normal(n, value + HBIL_SPLIT_NORMAL, part);
 #if GATHER_RADIANCE
-    realv light[3];
-    radiance_of(args, &inputs, x, y, count, (uint)y * args.planes.row + (uint)x,
-                light, usable);
-#pragma unroll
-    for (int c = 0; c < 3; ++c)
-      light[c] = select((realv)0.0f, light[c], solid);
-    pack_split_radiance(light, value + RADIANCE_PLANE, part);
+    collect_radiance(args, &in, x, y, solid, usable, value + RADIANCE_PLANE,
+                     part);
 #endif
 #if SKIP_UNUSED
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      used |= solid &
-              (reflectance_of(args, &inputs, c, x, y, count, usable) > 0.0f);
+      used |=
+          solid & (reflectance_of(args, &in, c, x, y, count, usable) > 0.0f);
 #endif
     unusable |=
-        !is_usable_depth(depth, args.decode) | !usable[HBIL_SURFACE_EMISSION] |
+        !is_usable_depth(stored, args.decode) | !usable[HBIL_SURFACE_EMISSION] |
         (solid & !(usable[HBIL_SURFACE_ALBEDO] & usable[HBIL_SURFACE_F0] &
                    usable[HBIL_SURFACE_DIRECT]));
   }
   add_sanitized(sanitized + HBIL_SANITIZED_AWAY, away);
   if (ANY(unusable))
-    count_sanitized(args, &inputs, depth_buffer, normal_buffer, x0, y,
-                    sanitized);
+    count_sanitized(args, &in, x0, y, sanitized);
 #if SKIP_UNUSED
-  uses[(uint)y * (uint)((view.width + 4 * HBIL_WIDTH - 1) / (4 * HBIL_WIDTH)) +
-       (uint)get_global_id(0)] = ANY(used);
+  used_groups[(uint)y *
+                  (uint)((view.width + 4 * HBIL_WIDTH - 1) / (4 * HBIL_WIDTH)) +
+              (uint)get_global_id(0)] = ANY(used);
 #endif
 #if HAS_BOUNDS
   bounds = group_bounds(args.groups, bounds, y);
@@ -294,11 +283,10 @@ kernel void split(const hbil_split_args args, global float *layers,
  * cleared, if anything differs from the layers.
  */
 kernel void relight(const hbil_split_args args, global float *layers,
-                    global const float *history,
-                    global const void *depth_buffer, global const void *albedo,
-                    global const void *f0, global const void *direct,
-                    global const void *emission, global uint *flags,
-                    global uint *bounds) {
+                    global const float *history, global const void *depth,
+                    global const void *albedo, global const void *f0,
+                    global const void *direct, global const void *emission,
+                    global uint *flags, global uint *bounds) {
   const hbil_view_args view = args.view;
   const int x0 = (int)get_global_id(0) * (4 * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
@@ -306,30 +294,23 @@ kernel void relight(const hbil_split_args args, global float *layers,
     return;
   history += hbil_history_origin(args.planes);
   /* A surface's inverse depth is above 0, as a weight must be. */
-  const surface_inputs inputs = {
-      albedo,
-      f0,
-      direct,
-      emission,
+  const inputs in = {
+      {albedo, f0, direct, emission},
+      depth,
+      0,
       args.has_history ? history + HBIL_HISTORY_RED * args.planes.plane : 0,
       history + HBIL_HISTORY_W * args.planes.plane};
   realv value[RADIANCE_PLANES][4], w[4];
 #pragma unroll 1
   for (int part = 0; part < 4; ++part) {
-    const int x = x0 + part * HBIL_WIDTH, count = view.width - x;
+    const int x = x0 + part * HBIL_WIDTH;
     const intv solid =
         planar_depth(
-            stored_depth(depth_buffer, args.depth, args.decode, x, y, count),
+            stored_depth(depth, args.depth, args.decode, x, y, view.width - x),
             ray_x(view, x, 1), ray_y(view, y), args.decode) > 0.0f;
     /* split has counted what isn't usable */
     intv usable[HBIL_SURFACE_INPUTS] = {0};
-    realv light[3];
-    radiance_of(args, &inputs, x, y, count, (uint)y * args.planes.row + (uint)x,
-                light, usable);
-#pragma unroll
-    for (int c = 0; c < 3; ++c)
-      light[c] = select((realv)0.0f, light[c], solid);
-    pack_split_radiance(light, value, part);
+    collect_radiance(args, &in, x, y, solid, usable, value, part);
     w[part] = select((realv)HBIL_NOTHING, (realv)1.0f, solid);
   }
 #if HAS_BOUNDS
@@ -345,16 +326,16 @@ kernel void relight(const hbil_split_args args, global float *layers,
   intv changed = 0;
 #pragma unroll
   for (int i = 0; i < 4; ++i, out += args.layers.layer) {
-    realv was[RADIANCE_PLANES], is[RADIANCE_PLANES];
+    realv before[RADIANCE_PLANES], now[RADIANCE_PLANES];
     for (int p = 0; p < RADIANCE_PLANES; ++p) {
-      was[p] = LOADV(out + p * args.layers.plane);
-      is[p] = column[p][i];
+      before[p] = LOADV(out + p * args.layers.plane);
+      now[p] = column[p][i];
     }
     if (args.steady)
-      ignore_small_falls(was, is);
+      ignore_small_falls(before, now);
     for (int p = 0; p < RADIANCE_PLANES; ++p) {
-      changed |= AS_INTV(was[p]) != AS_INTV(is[p]);
-      STOREV(is[p], out + p * args.layers.plane);
+      changed |= AS_INTV(before[p]) != AS_INTV(now[p]);
+      STOREV(now[p], out + p * args.layers.plane);
     }
   }
   if (ANY(changed))

@@ -9,58 +9,34 @@
 #include "lib/cache_voxels.clh"
 #include "lib/depth.clh"
 #include "lib/flags.clh"
-#include "lib/sanitize.clh"
+#include "lib/surface_inputs.clh"
 #include "lib/surface_normal.clh"
 
 FLAG(GATHER_EMISSION)
 
-LOADER(albedo, ALBEDO_TYPE, ALBEDO_STRIDE)
-LOADER(f0, F0_TYPE, F0_STRIDE)
-LOADER(direct, DIRECT_TYPE, DIRECT_STRIDE)
-LOADER(emission, EMISSION_TYPE, EMISSION_STRIDE)
-
-/* The planes of a view. */
-typedef struct view_planes {
-  global const void *albedo, *f0, *direct, *emission;
-} view_planes;
-
 /* Diffuse reflectance, and the radiance of the first bounce or, in finished
  * views, of all. */
 INLINE void surface_light(const hbil_cache_view_args args,
-                          const view_planes *in, int x, int y,
+                          const surface_inputs *in, int x, int y,
                           float reflectance[3], float sent[3]) {
   int usable = TRUE_LANES;
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
-    float share = 1.0f, light = 0.0f;
-#if HAS_ALBEDO
-    share = usable_reflectance(load_albedo(in->albedo, args.albedo, x, y, c, 1),
-                               &usable);
-#endif
-#if HAS_F0
-    share *= 1.0f -
-             usable_reflectance(load_f0(in->f0, args.f0, x, y, c, 1), &usable);
-#endif
-#if HAS_DIRECT
-    light = usable_light((args.finished ? 1.0f : args.direct_scale) *
-                             load_direct(in->direct, args.direct, x, y, c, 1),
-                         &usable);
-#endif
-    reflectance[c] = share;
-    sent[c] = args.finished ? light : INV_PI * share * light;
-#if HAS_EMISSION && GATHER_EMISSION
-    if (!args.finished)
-      sent[c] += usable_light(
-          load_emission(in->emission, args.emission, x, y, c, 1), &usable);
-#endif
+    reflectance[c] = surface_albedo(args.surface, in, c, x, y, 1, &usable) *
+                     surface_diffuse(args.surface, in, c, x, y, 1, &usable);
+    const float light =
+        direct_light(args.surface, in->direct, c, x, y, 1, &usable);
+    sent[c] = args.finished ? light : INV_PI * reflectance[c] * light;
+    if (GATHER_EMISSION && !args.finished)
+      sent[c] += surface_emission(args.surface, in, c, x, y, 1, &usable);
   }
 }
 
-INLINE uint pack_reflectance(const float share[3]) {
+INLINE uint pack_reflectance(const float reflectance[3]) {
   uint word = 0u;
 #pragma unroll
   for (uint c = 0; c < 3; ++c)
-    word |= (uint)rint(1023.0f * share[c]) << (10u * c);
+    word |= (uint)rint(1023.0f * reflectance[c]) << (10u * c);
   return word;
 }
 
@@ -78,7 +54,7 @@ kernel void read_view(const hbil_cache_view_args args, global uint *texels,
                    ry, args.decode);
   uint4 texel = 0u;
   if (z > 0.0f) {
-    const view_planes planes = {albedo, f0, direct, emission};
+    const surface_inputs planes = {albedo, f0, direct, emission};
     float n[3], reflectance[3], sent[3];
     view_normal(normal, args.normal, args.normals, x, y, 1, n);
     /* surfaces whose normal can't be used face the eye, as in split */

@@ -104,9 +104,9 @@ typedef struct hbil_cache_view_args {
   hbil_float scale;               /* voxels of level 0 per world unit */
   hbil_transform_args normals; /* from where normals are stored to view space */
   hbil_transform_args to_world;
-  hbil_external_plane_args depth, normal, albedo, f0, direct, emission;
+  hbil_external_plane_args depth, normal;
+  hbil_surface_args surface; /* direct_scale: 1 if finished */
   hbil_depth_args decode;
-  hbil_float direct_scale;
   hbil_int first; /* texels of the buffer before the table */
 } hbil_cache_view_args;
 HBIL_ASSERT_LAYOUT(hbil_cache_view_args, first, 66, 67)

@@ -94,8 +94,7 @@ static inline hbil_int hbil_estimate_uses(hbil_int block, hbil_int y) {
 typedef struct hbil_estimate_args {
   hbil_layer_args split, light;
   hbil_int width, height; /* of the picture */
-  hbil_external_plane_args albedo, f0, direct, emission;
-  hbil_float direct_scale; /* as in hbil_config */
+  hbil_surface_args surface;
   hbil_float sky[3];       /* radiance of the sky that `direct` contains */
   hbil_float sky_share;    /* as in hbil_frame */
   hbil_float unseen_light; /* as in hbil_config */

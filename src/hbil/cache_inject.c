@@ -87,7 +87,9 @@ static hbil_cache_view_args view_args(const hbil_cache *cache,
       .normals = camera_view_from_normals(&view->camera, config),
       .to_world = camera_to_world(&view->camera),
       .decode = depth_args(config, frame),
-      .direct_scale = config->inputs.direct_scale};
+      .surface.direct_scale = view->light == HBIL_VIEW_FINISHED
+                                  ? 1.0f
+                                  : config->inputs.direct_scale};
 }
 
 /* The view of the texels, whose lengths are in voxels: pixel x is texel
@@ -120,12 +122,12 @@ hbil_status read_texels(commands *chain, hbil_cache *cache,
   const cl_mem normal =
       plane_bind(&config, &frame, PLANE_NORMAL, &table.normal);
   const cl_mem albedo =
-      plane_bind(&config, &frame, PLANE_ALBEDO, &table.albedo);
-  const cl_mem f0 = plane_bind(&config, &frame, PLANE_F0, &table.f0);
+      plane_bind(&config, &frame, PLANE_ALBEDO, &table.surface.albedo);
+  const cl_mem f0 = plane_bind(&config, &frame, PLANE_F0, &table.surface.f0);
   const cl_mem direct =
-      plane_bind(&config, &frame, PLANE_DIRECT, &table.direct);
+      plane_bind(&config, &frame, PLANE_DIRECT, &table.surface.direct);
   const cl_mem emission =
-      plane_bind(&config, &frame, PLANE_EMISSION, &table.emission);
+      plane_bind(&config, &frame, PLANE_EMISSION, &table.surface.emission);
   const argument read[] = {ARG(table),  ARG(cache->buffers[buffer]),
                            ARG(depth),  ARG(normal),
                            ARG(albedo), ARG(f0),

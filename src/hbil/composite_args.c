@@ -15,16 +15,16 @@ hbil_composite_args composite_args(const hbil_plan *plan,
                               .environment =
                                   far_field_args(c, frame->environment),
                               .decode = depth_args(c, frame),
-                              .direct_scale = c->inputs.direct_scale,
+                              .surface.direct_scale = c->inputs.direct_scale,
                               .sky_share = frame->sky_share};
   if (frame->cache)
     args.probes = plan->layout.probe_grid;
   hbil_external_plane_args *const plane_args[PLANE_COUNT] = {
       [PLANE_DEPTH] = &args.depth,
-      [PLANE_ALBEDO] = &args.albedo,
-      [PLANE_F0] = &args.f0,
-      [PLANE_DIRECT] = &args.direct,
-      [PLANE_EMISSION] = &args.emission,
+      [PLANE_ALBEDO] = &args.surface.albedo,
+      [PLANE_F0] = &args.surface.f0,
+      [PLANE_DIRECT] = &args.surface.direct,
+      [PLANE_EMISSION] = &args.surface.emission,
       [PLANE_NEAR] = &args.near_irradiance,
       [PLANE_FAR] = &args.far_irradiance,
       [PLANE_AO] = &args.ao,

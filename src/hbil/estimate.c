@@ -15,7 +15,7 @@ hbil_status enqueue_estimate(hbil_plan *plan, commands *chain,
                              .light = plan->layout.light,
                              .width = (cl_int)c->width,
                              .height = (cl_int)c->height,
-                             .direct_scale = c->inputs.direct_scale,
+                             .surface.direct_scale = c->inputs.direct_scale,
                              .unseen_light = c->model.unseen_light,
                              .is_static = may_rest(plan, frame),
                              .bounces = (cl_int)hbil_plan_bounces(plan)};
@@ -24,11 +24,13 @@ hbil_status enqueue_estimate(hbil_plan *plan, commands *chain,
     for (int i = 0; i < 3; ++i)
       args.sky[i] = frame->environment[0][i];
   }
-  const cl_mem albedo = bind_plane(plan, frame, PLANE_ALBEDO, &args.albedo);
-  const cl_mem f0 = bind_plane(plan, frame, PLANE_F0, &args.f0);
-  const cl_mem direct = bind_plane(plan, frame, PLANE_DIRECT, &args.direct);
+  const cl_mem albedo =
+      bind_plane(plan, frame, PLANE_ALBEDO, &args.surface.albedo);
+  const cl_mem f0 = bind_plane(plan, frame, PLANE_F0, &args.surface.f0);
+  const cl_mem direct =
+      bind_plane(plan, frame, PLANE_DIRECT, &args.surface.direct);
   const cl_mem emission =
-      bind_plane(plan, frame, PLANE_EMISSION, &args.emission);
+      bind_plane(plan, frame, PLANE_EMISSION, &args.surface.emission);
   const argument part[] = {ARG(args),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
                            BUFFER_ARG(plan, BUFFER_LIGHT),

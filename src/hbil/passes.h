@@ -3,6 +3,7 @@
 #ifndef HBIL_PASSES_H
 #define HBIL_PASSES_H
 
+#include "lib/composite_args.h"
 #include "plan.h"
 
 typedef hbil_status pass_function(hbil_plan *plan, commands *chain,

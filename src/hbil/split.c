@@ -75,12 +75,13 @@ typedef struct inputs {
 
 static inputs bind_inputs(const hbil_plan *plan, const hbil_frame *frame,
                           hbil_split_args *args) {
-  const inputs in = {bind_plane(plan, frame, PLANE_DEPTH, &args->depth),
-                     bind_plane(plan, frame, PLANE_NORMAL, &args->normal),
-                     bind_plane(plan, frame, PLANE_ALBEDO, &args->albedo),
-                     bind_plane(plan, frame, PLANE_F0, &args->f0),
-                     bind_plane(plan, frame, PLANE_DIRECT, &args->direct),
-                     bind_plane(plan, frame, PLANE_EMISSION, &args->emission)};
+  const inputs in = {
+      bind_plane(plan, frame, PLANE_DEPTH, &args->depth),
+      bind_plane(plan, frame, PLANE_NORMAL, &args->normal),
+      bind_plane(plan, frame, PLANE_ALBEDO, &args->surface.albedo),
+      bind_plane(plan, frame, PLANE_F0, &args->surface.f0),
+      bind_plane(plan, frame, PLANE_DIRECT, &args->surface.direct),
+      bind_plane(plan, frame, PLANE_EMISSION, &args->surface.emission)};
   return in;
 }
 
@@ -93,7 +94,7 @@ static hbil_split_args split_args(const hbil_plan *plan,
       .planes = plan->layout.planes,
       .groups = plan->layout.bounds.group,
       .decode = depth_args(&plan->config, frame),
-      .direct_scale = plan->config.inputs.direct_scale,
+      .surface.direct_scale = plan->config.inputs.direct_scale,
       .has_history = plan->has_history};
   return args;
 }
