@@ -9,7 +9,7 @@
  * Launch: x = spans of a layer's row (single pixels if HBIL_WIDTH is 1), y =
  * layer rows, z = gathered layers.
  * In: split planes; the table of steps; bounds; which pixels' light the outputs
- * show (`uses`); whether a static frame's light has changed (`flags`).
+ * show (`used_groups`); whether a static frame's light has changed (`flags`).
  * Out: light planes, in the layout of the split planes; for
  * hbil_plan_statistics(), which work was left out; the horizon cache.
  */
@@ -97,7 +97,7 @@ INLINE global const hbil_step *steps_of(const hbil_gather_args args,
 
 kernel void gather(const hbil_gather_args args, global const float *split,
                    global const hbil_step *steps, global float *light,
-                   global const uint *bounds, global const uint *uses,
+                   global const uint *bounds, global const uint *used_groups,
                    global uchar *span_states, global const uint *flags,
                    global float *whole_cache) {
   const hbil_layer_args in = args.split;
@@ -132,8 +132,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   const float nearest = nearest_of(c, split + at, x);
   span_bounds span = bounds_of_span(args, nearest, x, y, layer);
   light_reach found = {LIGHT_ALL, HBIL_ALL_QUADRANTS};
-  const uint skipped =
-      skipped_of(args, c, &span, ANY(solid), bounds, uses, x, y, layer, &found);
+  const uint skipped = skipped_of(args, c, &span, ANY(solid), bounds,
+                                  used_groups, x, y, layer, &found);
   const bool skips_all = skipped & ~HBIL_SPAN_DARK;
   const uint span_x = (uint)(x / (SPAN_VECTORS * HBIL_WIDTH));
   span_states += (uint)(layer * in.height + y) * args.spans + span_x;

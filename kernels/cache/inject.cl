@@ -173,17 +173,17 @@ kernel void inject(const hbil_cache_inject_args args, global const uint *texels,
     if (!ANY(inside))
       continue;
     float x[HBIL_WIDTH], y[HBIL_WIDTH], z[HBIL_WIDTH], c[3][HBIL_WIDTH];
-    float is[HBIL_WIDTH];
+    float is_inside[HBIL_WIDTH];
     STOREV(px, x);
     STOREV(py, y);
     STOREV(q.z, z);
     STOREV(centre.x, c[0]);
     STOREV(centre.y, c[1]);
     STOREV(centre.z, c[2]);
-    STOREV(select((realv)0.0f, (realv)1.0f, inside), is);
+    STOREV(select((realv)0.0f, (realv)1.0f, inside), is_inside);
     for (int i = 0; i < HBIL_WIDTH; ++i) {
       const uint voxel = (uint)(part + i);
-      if (is[i] == 0.0f)
+      if (is_inside[i] == 0.0f)
         continue;
       const uint state = state_in_word(before, voxel);
       const uint now = inject_voxel(

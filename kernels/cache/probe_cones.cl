@@ -150,12 +150,12 @@ INLINE cone follow_cone(const hbil_probes_args args, global const float *split,
   }
   const float open = through * clear * sky;
   const hbil_environment_args e = args.environment;
-  const points way = {d.x, d.y, d.z};
+  const points direction = {d.x, d.y, d.z};
   c.known += open;
   c.unknown = through - open;
-  c.light += open * (float3)(sky_channel(e.channel[0], way),
-                             sky_channel(e.channel[1], way),
-                             sky_channel(e.channel[2], way));
+  c.light += open * (float3)(sky_channel(e.channel[0], direction),
+                             sky_channel(e.channel[1], direction),
+                             sky_channel(e.channel[2], direction));
   return c;
 }
 
@@ -174,12 +174,13 @@ kernel void probe_cones(const hbil_probes_args args, global const float *split,
   const int count = HBIL_CONES;
   const float cosine = 1.0f - 1.0f / (float)count;
   const float spread = 2.0f * sqrt(1.0f - cosine * cosine) / cosine;
-  const float3 origin = probe.at + probe.n * (HBIL_CACHE_LIFT * probe.size);
-  for (int i = 0; i < count && probe.is; ++i) {
+  const float3 origin = probe.cache_position +
+                        probe.cache_normal * (HBIL_CACHE_LIFT * probe.size);
+  for (int i = 0; i < count && probe.exists; ++i) {
     float u, v;
     ray_places(i, count, mixed(probe.number), &u, &v);
-    const points way = about_normal(all_at(probe.n), u, v);
-    const float3 d = (float3)(way.x, way.y, way.z);
+    const points direction = about_normal(all_at(probe.cache_normal), u, v);
+    const float3 d = (float3)(direction.x, direction.y, direction.z);
     const cone c = follow_cone(args, split, &map, radiance, pyramid, origin, d,
                                spread, HBIL_CONE_START * probe.size);
     const float4 share = (float4)(1.0f, d) * (1.0f / (float)count);

@@ -37,7 +37,7 @@ INLINE void trace(const hbil_probes_args args, global const float *split,
                   const probe_place *probe, const probe_lobe *lobe,
                   probe_finds *sum) {
   const uintv turn = mixed((uintv)probe->number);
-  const float3 n = probe->n;
+  const float3 n = probe->cache_normal;
   for (int i = 0; i < HBIL_GLOSSY_RAYS; i += HBIL_WIDTH) {
     realv u, v;
     ray_places(i + EACH_LANE, HBIL_GLOSSY_RAYS, turn, &u, &v);
@@ -45,11 +45,11 @@ INLINE void trace(const hbil_probes_args args, global const float *split,
     const realv cosine =
         1.0f - 2.0f * u / fma(2.0f * lobe->k, 1.0f - u, (realv)1.0f);
     const points d = about_normal(all_at(lobe->r), cosine, v);
-    const intv is =
+    const intv wanted =
         (i + EACH_LANE < HBIL_GLOSSY_RAYS) &
         (fma(d.x, (realv)n.x, fma(d.y, (realv)n.y, d.z * n.z)) > 0.0f);
     const probe_finds found =
-        finds_of_rays(args, split, map, radiance, probe, d, is);
+        finds_of_rays(args, split, map, radiance, probe, d, wanted);
     sum->known += found.known;
     sum->unknown += found.unknown;
 #pragma unroll
@@ -68,13 +68,13 @@ kernel void probe_glossy(const hbil_probes_args args, global const float *split,
   probe_finds sum = {0.0f, 0.0f, {0.0f, 0.0f, 0.0f}};
   if (!place_of_item(args, split, &probe))
     return;
-  if (probe.is) {
+  if (probe.exists) {
     lobe = lobe_of_probe(args, &probe);
     trace(args, split, &map, radiance, &probe, &lobe, &sum);
   }
   const float mean = 1.0f / HBIL_GLOSSY_RAYS;
   global float *to = probes + HBIL_GLOSSY_PROBE_FLOATS * probe.number;
-  vstore4((float4)(probe.position, probe.is ? 1.0f : 0.0f), 0, to);
+  vstore4((float4)(probe.position, probe.exists ? 1.0f : 0.0f), 0, to);
   vstore4((float4)(probe.normal, 0.0f), 1, to);
   vstore4((float4)(lobe.axis, mean * lanes_sum(sum.known)), 2, to);
   vstore4(

@@ -51,14 +51,15 @@ kernel void probe_lpv(const hbil_probes_args args, global const float *split,
     return;
   for (int i = 0; i < FUNCTIONS; ++i)
     mean[i] = 0.0f;
-  if (probe.is) {
+  if (probe.exists) {
     /* over a hemisphere the mean of d is n/2, and that of d d^T is 1/3 */
-    const float3 n = probe.n;
+    const float3 n = probe.cache_normal;
     const int level = min((int)log2(probe.size), args.cache.levels - 1);
     const float size = 2.0f * probe.size; /* of a cell */
     float4 value[3];
     /* half a cell away from the surface, as sources are */
-    read_volumes(args.cache, volumes, level, probe.at + 0.5f * size * n, value);
+    read_volumes(args.cache, volumes, level,
+                 probe.cache_position + 0.5f * size * n, value);
     mean[KNOWN] = (float4)(1.0f, 0.5f * n);
     for (int c = 0; c < 3; ++c) {
       const float4 light = value[c] * (1.0f / (1.5f * size * size));

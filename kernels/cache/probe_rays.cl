@@ -65,7 +65,7 @@ INLINE points ray_directions(intv i, int rays, const probe_place *probe) {
   /* from the middles of strata: none is level */
   ray_places(i * (tile * tile) + first, rays * (tile * tile),
              (uintv)0x80000000u, &u, &v);
-  return about_normal(all_at(probe->n), u, v);
+  return about_normal(all_at(probe->cache_normal), u, v);
 }
 
 /* Returns how many rays there were. */
@@ -99,7 +99,7 @@ kernel void probe_rays(const hbil_probes_args args, global const float *split,
   for (int i = 0; i < FUNCTIONS; ++i)
     sum[i].even = sum[i].x = sum[i].y = sum[i].z = 0.0f;
   int rays = 1;
-  if (probe.is)
+  if (probe.exists)
     rays = trace(args, split, &map, radiance, &probe, sum);
   for (int i = 0; i < FUNCTIONS; ++i)
     mean[i] = mean_of_rays(&sum[i], rays);

@@ -61,20 +61,21 @@ INLINE void add_light(const hbil_light_view_args light,
 }
 
 kernel void probe_rsm(const hbil_probes_args args, global const float *split,
-                      const hbil_light_views_args lights,
-                      global const uint *texels, global float *probes) {
+                      global const uint *texels, global float *probes,
+                      const hbil_light_views_args lights) {
   probe_place probe;
   float4 mean[FUNCTIONS], sum[3] = {0.0f, 0.0f, 0.0f};
   if (!place_of_item(args, split, &probe))
     return;
   for (int i = 0; i < FUNCTIONS; ++i)
     mean[i] = 0.0f;
-  if (probe.is) {
+  if (probe.exists) {
     for (int i = 0; i < lights.count; ++i)
       add_light(lights.light[i],
                 texels + HBIL_TEXEL_WORDS * HBIL_LIGHT_MOST_TEXELS * i,
-                probe.at, probe.n, mixed(probe.number + mixed((uint)i)), sum);
-    mean[KNOWN] = (float4)(1.0f, 0.5f * probe.n);
+                probe.cache_position, probe.cache_normal,
+                mixed(probe.number + mixed((uint)i)), sum);
+    mean[KNOWN] = (float4)(1.0f, 0.5f * probe.cache_normal);
     for (int c = 0; c < 3; ++c) /* over the hemisphere's 2 pi */
       mean[RED + c] = 0.159154943f * sum[c];
   }

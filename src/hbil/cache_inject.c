@@ -86,10 +86,7 @@ static hbil_cache_view_args view_args(const hbil_cache *cache,
       .scale = (cl_float)cache_scale(cache),
       .normals = camera_view_from_normals(&view->camera, config),
       .to_world = camera_to_world(&view->camera),
-      .decode = depth_args(config, frame),
-      .surface.direct_scale = view->light == HBIL_VIEW_FINISHED
-                                  ? 1.0f
-                                  : config->inputs.direct_scale};
+      .decode = depth_args(config, frame)};
 }
 
 /* The view of the texels, whose lengths are in voxels: pixel x is texel
@@ -128,6 +125,8 @@ hbil_status read_texels(commands *chain, hbil_cache *cache,
       plane_bind(&config, &frame, PLANE_DIRECT, &table.surface.direct);
   const cl_mem emission =
       plane_bind(&config, &frame, PLANE_EMISSION, &table.surface.emission);
+  table.surface.direct_scale =
+      table.finished ? 1.0f : config.inputs.direct_scale;
   const argument read[] = {ARG(table),  ARG(cache->buffers[buffer]),
                            ARG(depth),  ARG(normal),
                            ARG(albedo), ARG(f0),

@@ -15,7 +15,6 @@ hbil_status enqueue_estimate(hbil_plan *plan, commands *chain,
                              .light = plan->layout.light,
                              .width = (cl_int)c->width,
                              .height = (cl_int)c->height,
-                             .surface.direct_scale = c->inputs.direct_scale,
                              .unseen_light = c->model.unseen_light,
                              .is_static = may_rest(plan, frame),
                              .bounces = (cl_int)hbil_plan_bounces(plan)};
@@ -24,20 +23,14 @@ hbil_status enqueue_estimate(hbil_plan *plan, commands *chain,
     for (int i = 0; i < 3; ++i)
       args.sky[i] = frame->environment[0][i];
   }
-  const cl_mem albedo =
-      bind_plane(plan, frame, PLANE_ALBEDO, &args.surface.albedo);
-  const cl_mem f0 = bind_plane(plan, frame, PLANE_F0, &args.surface.f0);
-  const cl_mem direct =
-      bind_plane(plan, frame, PLANE_DIRECT, &args.surface.direct);
-  const cl_mem emission =
-      bind_plane(plan, frame, PLANE_EMISSION, &args.surface.emission);
+  const surface_buffers in = bind_surface(plan, frame, &args.surface);
   const argument part[] = {ARG(args),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
                            BUFFER_ARG(plan, BUFFER_LIGHT),
-                           ARG(albedo),
-                           ARG(f0),
-                           ARG(direct),
-                           ARG(emission),
+                           ARG(in.albedo),
+                           ARG(in.f0),
+                           ARG(in.direct),
+                           ARG(in.emission),
                            BUFFER_ARG(plan, BUFFER_FLAGS),
                            BUFFER_ARG(plan, BUFFER_ESTIMATE)};
   const cl_int lane_count = (cl_int)plan->layout.estimate_lanes;

@@ -151,7 +151,7 @@ static hbil_status search(hbil_plan *plan, commands *chain,
                            BUFFER_ARG(plan, BUFFER_STEPS),
                            BUFFER_ARG(plan, BUFFER_LIGHT),
                            BUFFER_ARG(plan, BUFFER_BOUNDS),
-                           BUFFER_ARG(plan, BUFFER_USES),
+                           BUFFER_ARG(plan, BUFFER_USED_GROUPS),
                            BUFFER_ARG(plan, BUFFER_SPAN_STATES),
                            BUFFER_ARG(plan, BUFFER_FLAGS),
                            BUFFER_ARG(plan, BUFFER_HORIZON_CACHE)};

@@ -336,7 +336,7 @@ bool layout_is_scratch(int buffer) {
   case BUFFER_FILTERED_PROBES:
   case BUFFER_GLOSSY_PROBES:
   case BUFFER_BOUNDS:
-  case BUFFER_USES:
+  case BUFFER_USED_GROUPS:
     return true;
   }
   return buffer >= BUFFER_STAGED;
@@ -404,8 +404,9 @@ void layout_compute(const hbil_config *config, const staging *staged,
         lay_out_bounds(config, &out->split, &out->bounds, &out->row_block);
   const size_t width = config->execution.vector_width;
   if (out->skip & HBIL_SKIP_UNUSED)
-    out->bytes[BUFFER_USES] = sizeof(cl_uint) * config->height *
-                              ((config->width + 4 * width - 1) / (4 * width));
+    out->bytes[BUFFER_USED_GROUPS] =
+        sizeof(cl_uint) * config->height *
+        ((config->width + 4 * width - 1) / (4 * width));
   out->bytes[BUFFER_SPAN_STATES] =
       2 * out->spans * (size_t)out->split.height * HBIL_LAYERS;
   out->pattern.slices = (cl_int)config->sampling.slices;

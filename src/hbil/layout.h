@@ -29,7 +29,7 @@ enum {
   BUFFER_FILTERED_PROBES,
   BUFFER_GLOSSY_PROBES, /* HBIL_GLOSSY_PROBE_FLOATS floats each */
   BUFFER_BOUNDS,        /* grids of largest inverse depths and of light */
-  BUFFER_USES,          /* where outputs show light */
+  BUFFER_USED_GROUPS,   /* where outputs show light */
   BUFFER_SPAN_STATES,   /* the work that the gather left out */
   BUFFER_SANITIZED,     /* HBIL_SANITIZED_: counts of unusable inputs */
   BUFFER_HORIZON_CACHE, /* of a static frame (lib/horizon_cache.clh) */

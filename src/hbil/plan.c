@@ -26,6 +26,16 @@ cl_mem bind_plane(const hbil_plan *plan, const hbil_frame *frame, int plane,
   return plan->buffers[BUFFER_STAGED + plane];
 }
 
+surface_buffers bind_surface(const hbil_plan *plan, const hbil_frame *frame,
+                             hbil_surface_args *args) {
+  args->direct_scale = plan->config.inputs.direct_scale;
+  return (surface_buffers){
+      bind_plane(plan, frame, PLANE_ALBEDO, &args->albedo),
+      bind_plane(plan, frame, PLANE_F0, &args->f0),
+      bind_plane(plan, frame, PLANE_DIRECT, &args->direct),
+      bind_plane(plan, frame, PLANE_EMISSION, &args->emission)};
+}
+
 hbil_status set_flag(const hbil_plan *plan, commands *chain, int flag,
                      cl_uint value) {
   return fill_memory(chain, plan->buffers[BUFFER_FLAGS], value,

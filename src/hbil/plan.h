@@ -147,6 +147,13 @@ commands commands_of_plan(hbil_plan *plan, cl_command_queue queue);
 cl_mem bind_plane(const hbil_plan *plan, const hbil_frame *frame, int plane,
                   hbil_external_plane_args *args);
 
+/* The planes that tell what surfaces send, in the same way. */
+typedef struct surface_buffers {
+  cl_mem albedo, f0, direct, emission;
+} surface_buffers;
+surface_buffers bind_surface(const hbil_plan *plan, const hbil_frame *frame,
+                             hbil_surface_args *args);
+
 /* Sets one of HBIL_FLAG_. */
 hbil_status set_flag(const hbil_plan *plan, commands *chain, int flag,
                      cl_uint value);

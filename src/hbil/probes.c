@@ -8,11 +8,6 @@
 #include "far_field.h"
 #include "glossy.h"
 
-/* A buffer of the cache; in trial launches there is none. */
-static cl_mem of_cache(const hbil_cache *cache, int buffer) {
-  return cache ? cache->buffers[buffer] : NULL;
-}
-
 /* What all methods need of a frame. */
 static hbil_probes_args probes_args(const hbil_plan *plan,
                                     const hbil_frame *frame) {
@@ -38,79 +33,50 @@ static hbil_probes_args probes_args(const hbil_plan *plan,
   return args;
 }
 
-/* --- methods --- */
+/* --- the kernels that fill probes --- */
 
-typedef hbil_status method(const hbil_plan *plan, commands *chain,
-                           const hbil_cache *cache,
-                           const hbil_probes_args *args);
+enum { MOST_READ = 4, MOST_ARGUMENTS = MOST_READ + 4 };
 
-/* Launches a method's kernel for all probes. */
-#define LAUNCH_PROBES(chain, kernel, list, args)                               \
-  LAUNCH(chain, kernel, list, (size_t)(args)->grid.columns,                    \
-         (size_t)(args)->grid.rows, 1)
+/* A kernel, and the buffers of the cache that it reads. */
+typedef struct probe_kernel {
+  int kernel, count, read[MOST_READ];
+} probe_kernel;
 
-/* Launches a kernel of rays.  probes: the buffer that it fills. */
-static hbil_status cast_rays(const hbil_plan *plan, commands *chain,
-                             const hbil_cache *cache,
-                             const hbil_probes_args *args, int kernel,
-                             int probes) {
-  const cl_mem clearance = of_cache(cache, CACHE_CLEARANCE);
-  const cl_mem voxels = of_cache(cache, CACHE_VOXELS);
-  const cl_mem radiance = of_cache(cache, CACHE_RADIANCE);
-  const argument list[] = {ARG(*args),     BUFFER_ARG(plan, BUFFER_SPLIT),
-                           ARG(clearance), ARG(voxels),
-                           ARG(radiance),  BUFFER_ARG(plan, probes)};
-  return LAUNCH_PROBES(chain, kernel, list, args);
-}
+static const probe_kernel methods[] = {
+    [HBIL_CACHE_METHOD_RAYS] =
+        {KERNEL_PROBE_RAYS, 3, {CACHE_CLEARANCE, CACHE_VOXELS, CACHE_RADIANCE}},
+    [HBIL_CACHE_METHOD_CONES] = {KERNEL_PROBE_CONES,
+                                 4,
+                                 {CACHE_CLEARANCE, CACHE_VOXELS, CACHE_RADIANCE,
+                                  CACHE_PYRAMID}},
+    [HBIL_CACHE_METHOD_LPV] = {KERNEL_PROBE_LPV, 1, {CACHE_VOLUMES}},
+    [HBIL_CACHE_METHOD_RSM] = {KERNEL_PROBE_RSM, 1, {CACHE_LIGHT_VIEWS}}};
 
-static hbil_status probe_by_rays(const hbil_plan *plan, commands *chain,
-                                 const hbil_cache *cache,
-                                 const hbil_probes_args *args) {
-  return cast_rays(plan, chain, cache, args, KERNEL_PROBE_RAYS, BUFFER_PROBES);
-}
+static const probe_kernel glossy = {
+    KERNEL_PROBE_GLOSSY, 3, {CACHE_CLEARANCE, CACHE_VOXELS, CACHE_RADIANCE}};
 
-static hbil_status probe_by_cones(const hbil_plan *plan, commands *chain,
-                                  const hbil_cache *cache,
-                                  const hbil_probes_args *args) {
-  const cl_mem clearance = of_cache(cache, CACHE_CLEARANCE);
-  const cl_mem voxels = of_cache(cache, CACHE_VOXELS);
-  const cl_mem radiance = of_cache(cache, CACHE_RADIANCE);
-  const cl_mem pyramid = of_cache(cache, CACHE_PYRAMID);
-  const argument list[] = {ARG(*args),
-                           BUFFER_ARG(plan, BUFFER_SPLIT),
-                           ARG(clearance),
-                           ARG(voxels),
-                           ARG(radiance),
-                           ARG(pyramid),
-                           BUFFER_ARG(plan, BUFFER_PROBES)};
-  return LAUNCH_PROBES(chain, KERNEL_PROBE_CONES, list, args);
-}
-
-static hbil_status probe_by_lpv(const hbil_plan *plan, commands *chain,
-                                const hbil_cache *cache,
-                                const hbil_probes_args *args) {
-  const cl_mem volumes = of_cache(cache, CACHE_VOLUMES);
-  const argument list[] = {ARG(*args), BUFFER_ARG(plan, BUFFER_SPLIT),
-                           ARG(volumes), BUFFER_ARG(plan, BUFFER_PROBES)};
-  return LAUNCH_PROBES(chain, KERNEL_PROBE_LPV, list, args);
-}
-
-static hbil_status probe_by_rsm(const hbil_plan *plan, commands *chain,
-                                const hbil_cache *cache,
-                                const hbil_probes_args *args) {
+/* Fills the buffer `probes`.  In trial launches there is no cache. */
+static hbil_status fill_probes(const hbil_plan *plan, commands *chain,
+                               const hbil_cache *cache,
+                               const hbil_probes_args *args,
+                               const probe_kernel *kind, int probes) {
   const hbil_light_views_args lights =
       cache ? light_views_args(cache) : (hbil_light_views_args){0};
-  const cl_mem texels = of_cache(cache, CACHE_LIGHT_VIEWS);
-  const argument list[] = {ARG(*args), BUFFER_ARG(plan, BUFFER_SPLIT),
-                           ARG(lights), ARG(texels),
-                           BUFFER_ARG(plan, BUFFER_PROBES)};
-  return LAUNCH_PROBES(chain, KERNEL_PROBE_RSM, list, args);
+  cl_mem read[MOST_READ];
+  argument list[MOST_ARGUMENTS];
+  cl_uint count = 0;
+  list[count++] = (argument)ARG(*args);
+  list[count++] = (argument)BUFFER_ARG(plan, BUFFER_SPLIT);
+  for (int i = 0; i < kind->count; ++i) {
+    read[i] = cache ? cache->buffers[kind->read[i]] : NULL;
+    list[count++] = (argument)ARG(read[i]);
+  }
+  list[count++] = (argument)BUFFER_ARG(plan, probes);
+  if (kind->kernel == KERNEL_PROBE_RSM)
+    list[count++] = (argument)ARG(lights);
+  return launch_rows(chain, kind->kernel, list, count, 0,
+                     (size_t)args->grid.columns, (size_t)args->grid.rows, 1);
 }
-
-static method *const methods[] = {[HBIL_CACHE_METHOD_RAYS] = probe_by_rays,
-                                  [HBIL_CACHE_METHOD_CONES] = probe_by_cones,
-                                  [HBIL_CACHE_METHOD_LPV] = probe_by_lpv,
-                                  [HBIL_CACHE_METHOD_RSM] = probe_by_rsm};
 
 hbil_status enqueue_probes(hbil_plan *plan, commands *chain,
                            const hbil_frame *frame) {
@@ -119,12 +85,14 @@ hbil_status enqueue_probes(hbil_plan *plan, commands *chain,
   const hbil_probes_args args = probes_args(plan, frame);
   const argument filter[] = {ARG(args), BUFFER_ARG(plan, BUFFER_PROBES),
                              BUFFER_ARG(plan, BUFFER_FILTERED_PROBES)};
-  hbil_status status = methods[plan->config.model.cache_method](
-      plan, chain, frame->cache, &args);
+  hbil_status status =
+      fill_probes(plan, chain, frame->cache, &args,
+                  &methods[plan->config.model.cache_method], BUFFER_PROBES);
   if (status == HBIL_SUCCESS && plan->layout.glossy)
-    status = cast_rays(plan, chain, frame->cache, &args, KERNEL_PROBE_GLOSSY,
-                       BUFFER_GLOSSY_PROBES);
+    status = fill_probes(plan, chain, frame->cache, &args, &glossy,
+                         BUFFER_GLOSSY_PROBES);
   return status == HBIL_SUCCESS
-             ? LAUNCH_PROBES(chain, KERNEL_FILTER_PROBES, filter, &args)
+             ? LAUNCH(chain, KERNEL_FILTER_PROBES, filter,
+                      (size_t)args.grid.columns, (size_t)args.grid.rows, 1)
              : status;
 }

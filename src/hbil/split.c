@@ -70,19 +70,15 @@ hbil_status clear_padding(const hbil_plan *plan, commands *chain) {
 
 /* The inputs, as split and relight take them. */
 typedef struct inputs {
-  cl_mem depth, normal, albedo, f0, direct, emission;
+  cl_mem depth, normal;
+  surface_buffers surface;
 } inputs;
 
 static inputs bind_inputs(const hbil_plan *plan, const hbil_frame *frame,
                           hbil_split_args *args) {
-  const inputs in = {
-      bind_plane(plan, frame, PLANE_DEPTH, &args->depth),
-      bind_plane(plan, frame, PLANE_NORMAL, &args->normal),
-      bind_plane(plan, frame, PLANE_ALBEDO, &args->surface.albedo),
-      bind_plane(plan, frame, PLANE_F0, &args->surface.f0),
-      bind_plane(plan, frame, PLANE_DIRECT, &args->surface.direct),
-      bind_plane(plan, frame, PLANE_EMISSION, &args->surface.emission)};
-  return in;
+  return (inputs){bind_plane(plan, frame, PLANE_DEPTH, &args->depth),
+                  bind_plane(plan, frame, PLANE_NORMAL, &args->normal),
+                  bind_surface(plan, frame, &args->surface)};
 }
 
 static hbil_split_args split_args(const hbil_plan *plan,
@@ -94,7 +90,6 @@ static hbil_split_args split_args(const hbil_plan *plan,
       .planes = plan->layout.planes,
       .groups = plan->layout.bounds.group,
       .decode = depth_args(&plan->config, frame),
-      .surface.direct_scale = plan->config.inputs.direct_scale,
       .has_history = plan->has_history};
   return args;
 }
@@ -111,10 +106,10 @@ static hbil_status relight(hbil_plan *plan, commands *chain,
                            BUFFER_ARG(plan, BUFFER_SPLIT),
                            BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
                            ARG(in.depth),
-                           ARG(in.albedo),
-                           ARG(in.f0),
-                           ARG(in.direct),
-                           ARG(in.emission),
+                           ARG(in.surface.albedo),
+                           ARG(in.surface.f0),
+                           ARG(in.surface.direct),
+                           ARG(in.surface.emission),
                            BUFFER_ARG(plan, BUFFER_FLAGS),
                            BUFFER_ARG(plan, BUFFER_BOUNDS)};
   hbil_status status = set_flag(plan, chain, HBIL_FLAG_CHANGED, 0);
@@ -138,11 +133,11 @@ hbil_status enqueue_split(hbil_plan *plan, commands *chain,
                            BUFFER_ARG(plan, BUFFER_CARRIED),
                            ARG(in.depth),
                            ARG(in.normal),
-                           ARG(in.albedo),
-                           ARG(in.f0),
-                           ARG(in.direct),
-                           ARG(in.emission),
-                           BUFFER_ARG(plan, BUFFER_USES),
+                           ARG(in.surface.albedo),
+                           ARG(in.surface.f0),
+                           ARG(in.surface.direct),
+                           ARG(in.surface.emission),
+                           BUFFER_ARG(plan, BUFFER_USED_GROUPS),
                            BUFFER_ARG(plan, BUFFER_SANITIZED),
                            BUFFER_ARG(plan, BUFFER_BOUNDS)};
   hbil_status status = clear_counts(plan, chain, HBIL_SANITIZED_DEPTH,

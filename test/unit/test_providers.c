@@ -350,7 +350,7 @@ enum { LIGHTS = 3 };
 
 /* The device's texels of a light's view, as the kernel takes them. */
 static exact_texel *light_texels(int number, int count) {
-  uint32_t *words = (uint32_t *)floats_of("probe_rsm", 3);
+  uint32_t *words = (uint32_t *)floats_of("probe_rsm", 2);
   exact_texel *texels = calloc((size_t)count, sizeof *texels);
   assert_non_null(texels);
   for (int i = 0; i < count; ++i)
