@@ -11,37 +11,21 @@
 #   at_end()
 #
 # A help text begins with "usage: ".  Prose and headings begin in the first
-# column.  Options and commands are indented, and their descriptions begin in one
-# column.
+# column.  Options and commands are indented, and their descriptions begin in
+# column 25, on the next line if the option is long (options_help.c).
 
 function trimmed(text) {
   gsub(/^ +| +$/, "", text)
   return text
 }
 
-# The column in which the descriptions of options begin, found from a line that
-# continues one; 0 if there is none.
-function text_column(    i) {
-  for (i = 1; i <= lines; i++)
-    if (match(line[i], /^          +/))
-      return RLENGTH + 1
-  return 0
-}
-
 # Splits an option's line into `head` and `tail`.
-function split_option(text, column) {
-  match(text, /^ +/)
-  if (column && length(text) >= column && substr(text, column - 1, 1) == " " &&
-      substr(text, column, 1) != " ") {
-    head = substr(text, 1, column - 2)
-    tail = substr(text, column)
-  } else if (match(substr(text, RLENGTH + 1), /  +/)) {
-    sub(/^ +/, "", text)
-    head = substr(text, 1, RSTART - 1)
-    tail = substr(text, RSTART + RLENGTH)
-  } else {
-    head = text
-    tail = ""
+function split_option(text) {
+  head = text
+  tail = ""
+  if (length(text) > 24 && substr(text, 24, 1) == " ") {
+    head = substr(text, 1, 24)
+    tail = substr(text, 25)
   }
   head = trimmed(head)
 }
@@ -63,8 +47,7 @@ function hand_over_option(    flags, value, word, words, count, i) {
     at_option(flags, value, tail)
 }
 
-function hand_over(    i, column, open) {
-  column = text_column()
+function hand_over(    i, open) {
   open = 0
   for (i = 1; i <= lines; i++) {
     if (open && line[i] ~ /^          +/) {
@@ -77,7 +60,7 @@ function hand_over(    i, column, open) {
     if (line[i] ~ /^usage: /)
       at_usage(substr(line[i], 8))
     else if (line[i] ~ /^ +[^ ]/) {
-      split_option(line[i], column)
+      split_option(line[i])
       open = 1
     } else if (line[i] ~ /^[^ ].*:$/ && line[i - 1] == "" && line[i + 1] ~ /^ /)
       at_heading(substr(line[i], 1, length(line[i]) - 1))

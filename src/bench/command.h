@@ -66,8 +66,5 @@ int bench_options_parse(const bench_command *command, int argc, char **argv,
 
 /* Milliseconds since an arbitrary moment. */
 double bench_clock(void);
-/* "WHAT: 3 of 8" on standard error, if that is a terminal; the line ends when
- * done equals count. */
-void bench_progress(const char *what, size_t done, size_t count);
 
 #endif

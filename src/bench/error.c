@@ -10,6 +10,7 @@
 #include "bench/plot.h"
 #include "bench/report.h"
 #include "bench/settings.h"
+#include "tool/report.h"
 
 typedef struct row {
   char label[BENCH_LABEL];
@@ -94,11 +95,11 @@ static int measure_rows(job *j, image_error *error) {
   if (!j->planes)
     return image_no_memory(error, j->content.name);
   for (size_t i = 0; i < j->count; i++) {
-    bench_progress("settings", i, j->count);
+    progress_count("settings", i, j->count);
     if (measure_row(j, &j->list[i], &j->rows[i], error) != 0)
       return -1;
   }
-  bench_progress("settings", j->count, j->count);
+  progress_count("settings", j->count, j->count);
   for (size_t i = 0; i < j->count; i++)
     for (int panel = 0; panel < BENCH_PANELS; panel++)
       j->rows[i].front[panel] = is_on_front(j, i, panel);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "exact/exact.h"
+#include "tool/report.h"
 
 /* 64 slices differ from 1024 by .001 of AO. */
 enum { SLICES = 128, QUICK_SLICES = 64 };
@@ -85,11 +86,11 @@ int bench_integrals_make(const bench_options *options,
   for (size_t i = 0; i < count; i++)
     used[list[i].model] = 1;
   for (size_t m = 0; m < BENCH_MODELS && !failed; m++) {
-    bench_progress("exact integral of each model", m, BENCH_MODELS);
+    progress_count("exact integral of each model", m, BENCH_MODELS);
     if (used[m])
       failed = make_one(content, (bench_model)m, out, error);
   }
-  bench_progress("exact integral of each model", BENCH_MODELS, BENCH_MODELS);
+  progress_count("exact integral of each model", BENCH_MODELS, BENCH_MODELS);
   return failed;
 }
 

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "bench/command.h"
 #include "image/clock.h"
@@ -35,40 +34,41 @@ static int add_kernels(const char *folder, void *options, image_error *error) {
 
 static const option_row rows[] = {
     {ROW_TEXT("output", AT(output), "DIR"), .letter = 'o',
-     .of = BENCH_TAKES_REPORT, .help = "folder of the result files ({})"},
-    {ROW_TEXT("name", AT(name), "NAME"), .of = BENCH_TAKES_REPORT,
+     .only_for = BENCH_TAKES_REPORT, .help = "folder of the result files ({})"},
+    {ROW_TEXT("name", AT(name), "NAME"), .only_for = BENCH_TAKES_REPORT,
      .help = "name of the files and of the section (the command's)"},
-    {ROW_TEXT("markdown", AT(markdown), "FILE"), .of = BENCH_TAKES_REPORT,
+    {ROW_TEXT("markdown", AT(markdown), "FILE"), .only_for = BENCH_TAKES_REPORT,
      .help = "also replaces what stands in FILE between the lines <!-- "
              "hbil-bench NAME --> and <!-- end -->"},
-    {ROW_FLAG("json", AT(json)), .of = BENCH_TAKES_REPORT,
+    {ROW_FLAG("json", AT(json)), .only_for = BENCH_TAKES_REPORT,
      .help = "prints JSON in place of Markdown"},
-    {ROW_FLAG("quick", AT(quick)), .of = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM,
+    {ROW_FLAG("quick", AT(quick)),
+     .only_for = BENCH_TAKES_REPORT | BENCH_TAKES_ROOM,
      .help = "a short list, and a room of 320x180 pixels"},
     {.name = "size",
      .kind = OPTION_SIZE,
      .member = AT(width),
      .value = "WxH",
-     .of = BENCH_TAKES_ROOM,
+     .only_for = BENCH_TAKES_ROOM,
      .help = "pixels of the procedural room (1280x720)"},
     {ROW_OTHER("dump", AT(frames), add_frame, "FRAME.exr"),
-     .of = BENCH_TAKES_FRAMES,
+     .only_for = BENCH_TAKES_FRAMES,
      .help = "measures on this captured frame instead of the room"},
-    {ROW_TEXT("camera", AT(camera), "FILE"), .of = BENCH_TAKES_FRAMES,
+    {ROW_TEXT("camera", AT(camera), "FILE"), .only_for = BENCH_TAKES_FRAMES,
      .help = "JSON camera of the frames (FRAME.json beside each)"},
     {ROW_NUMBER("pixels", AT(pixels), 16, 1u << 28, "N"),
-     .of = BENCH_TAKES_ERRORS,
+     .only_for = BENCH_TAKES_ERRORS,
      .help = "most pixels to measure errors at (8000; 1000 with --quick); at "
              "most one of each 4x4 block is used"},
     {ROW_OTHER("kernels", AT(kernels), add_kernels, "DIR"),
-     .of = BENCH_TAKES_KERNELS,
+     .only_for = BENCH_TAKES_KERNELS,
      .help = "times the kernel files of this folder in turns with the embedded "
              "ones; given twice: with each other"},
     {ROW_TEXT("device", AT(device), "NAME"),
      .help = "index or part of a name, as in hbil devices (the first GPU, else "
              "the first device)"},
     {ROW_NUMBER("runs", AT(runs), 1, BENCH_MAX_RUNS, "N"),
-     .of = BENCH_TAKES_TIMES,
+     .only_for = BENCH_TAKES_TIMES,
      .help = "counted runs of each setting, 1..1000 ({})"}};
 static const option_group group = {.rows = rows,
                                    .count = sizeof rows / sizeof *rows};
@@ -144,10 +144,4 @@ int bench_options_parse(const bench_command *command, int argc, char **argv,
 
 double bench_clock(void) {
   return 1e3 * seconds_now();
-}
-
-void bench_progress(const char *what, size_t done, size_t count) {
-  if (isatty(STDERR_FILENO))
-    fprintf(stderr, "\r%s: %zu of %zu\033[K%s", what, done, count,
-            done == count ? "\n" : "");
 }

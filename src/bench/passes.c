@@ -8,6 +8,7 @@
 #include "bench/fixture.h"
 #include "bench/report.h"
 #include "bench/settings.h"
+#include "tool/report.h"
 
 /* What is measured; CASES[0] is what the others are compared to. */
 enum { CASES = 8, FOLLOWED = 2, ALONE = 7 };
@@ -240,7 +241,7 @@ static int compare_kernels(const job *j, image_error *error) {
   for (int i = 0; i < CASES; i++) {
     bench_turn turns[2];
     bench_timing t[2];
-    bench_progress("kernels", (size_t)i, CASES);
+    progress_count("kernels", (size_t)i, CASES);
     for (int k = 0; k < 2; k++)
       turns[k] = (bench_turn){.fixture = j->fixture[k],
                               .config = j->cases[i].config,
@@ -253,7 +254,7 @@ static int compare_kernels(const job *j, image_error *error) {
     report_pair(j, j->cases[i].label, "frame", t[0].total, t[1].total,
                 t[1].total_ratio);
   }
-  bench_progress("kernels", CASES, CASES);
+  progress_count("kernels", CASES, CASES);
   bench_report_note(j->report, "first: kernels in %s; second: %s%s.",
                     kernels[0], kernels[1] ? "kernels in " : "",
                     kernels[1] ? kernels[1] : "those of the library");

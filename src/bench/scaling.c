@@ -9,6 +9,7 @@
 #include "bench/pilot.h"
 #include "bench/report.h"
 #include "bench/settings.h"
+#include "tool/report.h"
 
 /* Twice the factors of the base's edges: of 1280x720 they make 360p, 720p,
  * 1080p, 2160p and 4320p. */
@@ -120,7 +121,7 @@ static int measure_sizes(const job *j, image_error *error) {
   for (size_t i = 0; i < SIZES; i++) {
     const uint32_t width = (base->width * edges[i] + 1) / 2;
     const uint32_t height = (base->height * edges[i] + 1) / 2;
-    bench_progress("sizes", i, SIZES);
+    progress_count("sizes", i, SIZES);
     if (i != BASE)
       measure_size(j, width, height);
     else if (bench_time_turns(&j->base.turn, 1, j->options->runs, &t, error) !=
@@ -129,7 +130,7 @@ static int measure_sizes(const job *j, image_error *error) {
     else
       report_size(j, width, height, &t, "");
   }
-  bench_progress("sizes", SIZES, SIZES);
+  progress_count("sizes", SIZES, SIZES);
   return 0;
 }
 
@@ -201,7 +202,7 @@ static int start_processes(const job *j, processes *p, image_error *error) {
                         BENCH_PILOT_USUAL, &p->all[0], error) != 0)
     return -1;
   for (unsigned i = 0; i < p->count; i++) {
-    bench_progress("processes", i, p->count);
+    progress_count("processes", i, p->count);
     if (bench_pilot_start(options, base->width, base->height, options->runs,
                           BENCH_PILOT_USUAL, &p->all[i], error) != 0 ||
         (p->compared &&
@@ -210,7 +211,7 @@ static int start_processes(const job *j, processes *p, image_error *error) {
       return -1;
     p->compared = p->compared && p->one[i].units == 1;
   }
-  bench_progress("processes", p->count, p->count);
+  progress_count("processes", p->count, p->count);
   return 0;
 }
 

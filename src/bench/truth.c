@@ -8,6 +8,7 @@
 #include "bench/truth_process.h"
 #include "bench/truth_scene.h"
 #include "tool/paths.h"
+#include "tool/report.h"
 
 /* Of a scene, in the order of the table's columns. */
 typedef enum figure {
@@ -72,7 +73,7 @@ static int light(job *j, const process_settings *settings, char *const *files,
   if (!failed)
     failed = truth_measure(&answer, truth, mask, out, error);
   compare_side_free(&answer);
-  bench_progress("passes of the pipeline", ++j->done, j->passes);
+  progress_count("passes of the pipeline", ++j->done, j->passes);
   return failed;
 }
 

@@ -29,6 +29,13 @@ typedef enum picture_align {
 /* R, G and B of a new picture. */
 enum { PICTURE_GREY = 32 };
 
+/* 0..1 as a byte; what lies outside becomes 0 or 255, and NaN 0. */
+static inline unsigned char picture_byte(float value) {
+  if (!(value > 0.0f))
+    return 0;
+  return (unsigned char)(value < 1.0f ? value * 255.0f + 0.5f : 255.0f);
+}
+
 /* The functions below return 0, or -1 if memory runs out. */
 
 int picture_new(uint32_t width, uint32_t height, picture *out);

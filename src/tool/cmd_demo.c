@@ -58,7 +58,7 @@ static const option_row rows[] = {
     {ROW_FLAG("views", AT(views)),
      .help = "also traces six pictures of what surrounds the camera, which "
              "light the frames, too (the views of `hbil process`)",
-     .relations = {NOT_WITH(AT(light_view),
+     .relations = {NOT_WITH(AT(light_view), 0,
                             "which lights the frames in another way")}},
     {ROW_FLAG("light-view", AT(light_view)),
      .help = "also traces a picture from where the light is; it lights the "

@@ -23,8 +23,8 @@
 #include <string.h>
 
 typedef struct info_options {
-  const char *camera;
   source_options source;
+  const char *camera;
 } info_options;
 
 /* The files that hbil process can use. */
@@ -39,9 +39,8 @@ static const option_row camera_rows[] = {
      .help = "JSON camera (FRAME.json beside FRAME.exr, or else the header's, "
              "or else one that fits the positions, as `positions` in place of "
              "FILE)"}};
-static const option_group groups[] = {
-    {.rows = camera_rows, .count = 1},
-    SOURCE_GROUP(offsetof(info_options, source))};
+static const option_group groups[] = {{.rows = camera_rows, .count = 1},
+                                      SOURCE_GROUP};
 static const option_command command = {
     .usage =
         "usage: hbil info [options] FRAME.exr...\n\nTells which channels were "
@@ -108,7 +107,8 @@ static void print_role(const channel_map *map, const gbuffer *g, role r) {
     printf("  %-10s not in the file: %s\n", role_name(r), cost(r));
   for (size_t c = 0; c < map->count[r]; c++) {
     printf("  %-10s ", c ? "" : role_name(r));
-    for (int at = report_text(map->names[r][c], stdout); at < 28; at++)
+    for (int column = report_text(map->names[r][c], stdout); column < 28;
+         column++)
       putchar(' ');
     if (g->map.count[r])
       print_range(g, r, c);

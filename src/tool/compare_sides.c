@@ -42,13 +42,15 @@ static int is_same(unit a, unit b) {
 static fit fit_of(unit u, const char *wanted) {
   const size_t own = strlen(wanted);
   fit best = FIT_NONE;
-  for (size_t at = 0; own && at + own <= u.length; at++) {
-    const size_t end = at + own;
-    if ((at > 0 && u.name[at - 1] != '.') ||
+  for (size_t begin = 0; own && begin + own <= u.length; begin++) {
+    const size_t end = begin + own;
+    if ((begin > 0 && u.name[begin - 1] != '.') ||
         (end < u.length && u.name[end] != '.') ||
-        memcmp(u.name + at, wanted, own) != 0)
+        memcmp(u.name + begin, wanted, own) != 0)
       continue;
-    const fit found = end < u.length ? FIT_PART : at > 0 ? FIT_END : FIT_WHOLE;
+    const fit found = end < u.length ? FIT_PART
+                      : begin > 0    ? FIT_END
+                                     : FIT_WHOLE;
     best = found > best ? found : best;
   }
   return best;

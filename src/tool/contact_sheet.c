@@ -141,10 +141,10 @@ int contact_sheet_add(contact_sheet *s, const char *name, const image *result,
     picture tile = {0};
     if (!(s->layers >> l & 1))
       continue;
-    const picture_window at = {column_x(s, column++), y + LINE, s->tile_width,
-                               s->tile_height};
+    const picture_window place = {column_x(s, column++), y + LINE,
+                                  s->tile_width, s->tile_height};
     failed = preview_picture(result, (layer)l, exposure, &tile) != 0 ||
-             picture_tile(&s->picture, &at, &tile) != 0;
+             picture_tile(&s->picture, &place, &tile) != 0;
     picture_free(&tile);
   }
   return failed ? -1 : 0;
@@ -159,8 +159,8 @@ size_t contact_sheet_frame(const contact_sheet *s, size_t row) {
 }
 
 int contact_sheet_add_cache(contact_sheet *s, size_t row, const picture *tile) {
-  const picture_window at = {s->picture.width - GAP - s->tile_width,
-                             row_y(s, row) + LINE, s->tile_width,
-                             s->tile_height};
-  return picture_tile(&s->picture, &at, tile);
+  const picture_window place = {s->picture.width - GAP - s->tile_width,
+                                row_y(s, row) + LINE, s->tile_width,
+                                s->tile_height};
+  return picture_tile(&s->picture, &place, tile);
 }

@@ -1,6 +1,7 @@
 /* How large a place is. */
 #include "tool/extent.h"
 
+#include "dump/gbuffer.h"
 #include "dump/read_gbuffer.h"
 #include "dump/surface_points.h"
 #include "image/quantile.h"
@@ -8,6 +9,13 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Distances from a centre. */
+typedef struct extent {
+  double centre[3];
+  double *distances; /* owned */
+  size_t count, room;
+} extent;
 
 /* Pixels of a picture, about, that are looked at, and frames at most. */
 enum { LOOKS = 4096, FRAMES_MEASURED = 8 };
@@ -28,7 +36,9 @@ static int make_room(extent *e, size_t more) {
   return 0;
 }
 
-int extent_add(extent *e, const gbuffer *g, image_error *error) {
+/* Adds surfaces of a frame, some thousand of them.  0, or -1 with `error`
+ * filled. */
+static int extent_add(extent *e, const gbuffer *g, image_error *error) {
   const hbil_camera *camera = &g->map.camera;
   const surface_points points = surface_points_of(g, camera);
   const double *m = camera->world_from_view;
@@ -44,9 +54,9 @@ int extent_add(extent *e, const gbuffer *g, image_error *error) {
         continue;
       surface_point(&points, x, y, 0, p);
       for (int r = 0; r < 3; r++) {
-        const double at =
+        const double turned =
             m[4 * r] * p[0] + m[4 * r + 1] * p[1] + m[4 * r + 2] * p[2];
-        farthest = fmax(farthest, fabs(at + m[4 * r + 3] - e->centre[r]));
+        farthest = fmax(farthest, fabs(turned + m[4 * r + 3] - e->centre[r]));
       }
       if (isfinite(farthest))
         e->distances[e->count++] = farthest;
@@ -54,11 +64,13 @@ int extent_add(extent *e, const gbuffer *g, image_error *error) {
   return 0;
 }
 
-double extent_radius(extent *e) {
+/* Half the width of a cube about the centre that holds nearly all surfaces; 0:
+ * there are none. */
+static double extent_radius(extent *e) {
   return e->count ? quantile(e->distances, e->count, most_surfaces) : 0.0;
 }
 
-void extent_free(extent *e) {
+static void extent_free(extent *e) {
   free(e->distances);
   e->distances = NULL;
   e->count = e->room = 0;

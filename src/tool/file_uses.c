@@ -197,12 +197,14 @@ static int compare_places(const void *a, const void *b) {
  * folder is needed" */
 static int report(const file_use *written, const file_use *other,
                   image_error *error) {
-  const int two_frames = written->of && other->of;
-  const char *name = other->of ? other->of : other->need ? "" : other->path;
+  const int two_frames = written->frame && other->frame;
+  const char *name = other->frame  ? other->frame
+                     : other->need ? ""
+                                   : other->path;
   return image_fail(error, "%s: %s%s%s would overwrite %s%s%s; %s needed",
-                    written->path, written->what, written->of ? " of " : "",
-                    written->of ? written->of : "", other->what,
-                    other->of     ? " of "
+                    written->path, written->what, written->frame ? " of " : "",
+                    written->frame ? written->frame : "", other->what,
+                    other->frame  ? " of "
                     : other->need ? ""
                                   : " ",
                     name,

@@ -31,12 +31,12 @@ int file_place_compare(const file_place *a, const file_place *b);
 /* Files that are read and written                                           */
 
 typedef struct file_use {
-  char *path;       /* owned */
-  const char *what; /* "the frame"; "the result"; "--cache-save" */
-  const char *of;   /* of what is written: the frame it is made of; or NULL */
-  const char *need; /* of what is written: what the error message asks for,
-                     * in front of its word "needed", such as "another name
-                     * is"; NULL: it is read */
+  char *path;        /* owned */
+  const char *what;  /* "the frame"; "the result"; "--cache-save" */
+  const char *frame; /* of what is written: the frame it is made of; or NULL */
+  const char *need;  /* of what is written: what the error message asks for,
+                      * in front of its word "needed", such as "another name
+                      * is"; NULL: it is read */
   file_kind kind; /* of what is written; FILE_ABSENT: the name is hbil's own */
   size_t index;   /* in the order in which files were added */
   file_place place;

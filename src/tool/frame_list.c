@@ -33,15 +33,15 @@ typedef struct pattern {
 
 /* The length of %d or %0Nd at p, or 0. */
 static size_t percent_length(const char *p, unsigned *width) {
-  const char *at = p + 1;
+  const char *next = p + 1;
   *width = 1;
-  if (*at == '0') {
-    at++;
-    if (frame_number_read(&at, width) != 0 || *width < 1 ||
+  if (*next == '0') {
+    next++;
+    if (frame_number_read(&next, width) != 0 || *width < 1 ||
         *width > FRAME_DIGITS)
       return 0;
   }
-  return *at == 'd' ? (size_t)(at - p) + 1 : 0;
+  return *next == 'd' ? (size_t)(next - p) + 1 : 0;
 }
 
 static int find_pattern(const char *text, pattern *out) {
@@ -82,12 +82,12 @@ static int match(const pattern *p, const char *prefix, const char *name,
   const size_t front = strlen(prefix);
   if (strncmp(name, prefix, front) != 0)
     return 0;
-  const char *at = name + front;
-  const char *digits = at;
-  if (frame_number_read(&at, number) != 0 ||
-      strcmp(at, p->text + p->behind) != 0)
+  const char *next = name + front;
+  const char *digits = next;
+  if (frame_number_read(&next, number) != 0 ||
+      strcmp(next, p->text + p->behind) != 0)
     return 0;
-  const size_t count = (size_t)(at - digits);
+  const size_t count = (size_t)(next - digits);
   return count == p->width || (count > p->width && *digits != '0');
 }
 
@@ -124,13 +124,13 @@ static int exists(const char *file) {
 }
 
 static int report_missing(const pattern *p, const frame_numbers *missing,
-                          size_t of, image_error *error) {
+                          size_t all, image_error *error) {
   char text[256];
   frame_numbers_name(missing, text, sizeof text);
   return image_fail(error,
                     "%s: %zu of %zu frames %s missing: %s; --frames with those "
                     "that are there is needed",
-                    p->text, missing->count, of,
+                    p->text, missing->count, all,
                     missing->count == 1 ? "is" : "are", text);
 }
 
@@ -140,7 +140,7 @@ static int check_holes(const pattern *p, const frame_numbers *there,
   frame_numbers missing = {NULL, 0, 0};
   unsigned step = FRAME_LAST;
   int failed = 0;
-  size_t of = there->count;
+  size_t all = there->count;
   for (size_t i = 1; i < there->count; i++)
     if (there->values[i] - there->values[i - 1] < step)
       step = there->values[i] - there->values[i - 1];
@@ -151,7 +151,7 @@ static int check_holes(const pattern *p, const frame_numbers *there,
   if (failed)
     failed = image_no_memory(error, p->text);
   else if (missing.count)
-    failed = report_missing(p, &missing, of + missing.count, error);
+    failed = report_missing(p, &missing, all + missing.count, error);
   frame_numbers_free(&missing);
   return failed;
 }

@@ -39,29 +39,29 @@ void frame_numbers_free(frame_numbers *n) {
   memset(n, 0, sizeof *n);
 }
 
-int frame_number_read(const char **at, unsigned *out) {
+int frame_number_read(const char **next, unsigned *out) {
   size_t digits = 0;
-  for (*out = 0; isdigit((unsigned char)**at); ++*at, digits++)
+  for (*out = 0; isdigit((unsigned char)**next); ++*next, digits++)
     if (digits < FRAME_DIGITS)
-      *out = 10 * *out + (unsigned)(**at - '0');
+      *out = 10 * *out + (unsigned)(**next - '0');
   return digits > 0 && digits <= FRAME_DIGITS ? 0 : -1;
 }
 
 /* FIRST, FIRST-LAST or FIRST-LASTxSTEP.  (OpenImageIO's enumerate_sequence()
  * also takes "3-1", "1-2x0" and "-1", and turns 99999999999999 into 2^31-1,
  * without an error.) */
-static int read_range(const char **at, frame_numbers *out) {
+static int read_range(const char **next, frame_numbers *out) {
   unsigned first, last, step = 1;
-  if (frame_number_read(at, &first) != 0)
+  if (frame_number_read(next, &first) != 0)
     return -1;
   last = first;
-  if (**at == '-') {
-    ++*at;
-    if (frame_number_read(at, &last) != 0)
+  if (**next == '-') {
+    ++*next;
+    if (frame_number_read(next, &last) != 0)
       return -1;
-    if (**at == 'x') {
-      ++*at;
-      if (frame_number_read(at, &step) != 0)
+    if (**next == 'x') {
+      ++*next;
+      if (frame_number_read(next, &step) != 0)
         return -1;
     }
   }
@@ -75,13 +75,13 @@ static int read_range(const char **at, frame_numbers *out) {
 
 int frame_numbers_read(const char *text, frame_numbers *out,
                        image_error *error) {
-  const char *at = text;
-  int failed = read_range(&at, out);
-  while (!failed && *at == ',') {
-    at++;
-    failed = read_range(&at, out);
+  const char *next = text;
+  int failed = read_range(&next, out);
+  while (!failed && *next == ',') {
+    next++;
+    failed = read_range(&next, out);
   }
-  if (!failed && !*at)
+  if (!failed && !*next)
     return 0;
   return image_fail(error,
                     "--frames %s: FIRST-LAST, FIRST-LASTxSTEP or several of "

@@ -22,9 +22,9 @@ void frame_numbers_sort(frame_numbers *n);
 /* It may be called on a zeroed list. */
 void frame_numbers_free(frame_numbers *n);
 
-/* Reads the digits at *at, which moves behind them.  -1 if there are none or
+/* Reads the digits at *next, which moves behind them.  -1 if there are none or
  * too many. */
-int frame_number_read(const char **at, unsigned *out);
+int frame_number_read(const char **next, unsigned *out);
 
 /* Reads the value of --frames, such as "1-240x2,300", into a zeroed list.  0,
  * or -1 with `error` filled. */

@@ -8,12 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 
-static unsigned char byte(float value) {
-  if (!(value > 0.0f))
-    return 0;
-  return (unsigned char)(value < 1.0f ? value * 255.0f + 0.5f : 255.0f);
-}
-
 /* Black, purple, red, orange, white: a smaller value is always darker. */
 static void heat_colour(float t, unsigned char out[3]) {
   static const float stops[5][3] = {{0.0f, 0.0f, 0.0f},
@@ -24,8 +18,8 @@ static void heat_colour(float t, unsigned char out[3]) {
   const float x = 4.0f * fminf(fmaxf(t, 0.0f), 1.0f);
   const int i = x < 3.0f ? (int)x : 3;
   for (int c = 0; c < 3; c++)
-    out[c] =
-        byte(stops[i][c] + (x - (float)i) * (stops[i + 1][c] - stops[i][c]));
+    out[c] = picture_byte(stops[i][c] +
+                          (x - (float)i) * (stops[i + 1][c] - stops[i][c]));
 }
 
 /* Pixels.  Wide pictures have five numbers below them, narrow ones three. */

@@ -151,7 +151,7 @@ static int write_previews(const job *j, const job_frame *f, file_uses *uses,
       failed = file_uses_add(uses,
                              (file_use){.path = job_preview_path(f, (layer)l),
                                         .what = "a preview",
-                                        .of = f->path,
+                                        .frame = f->path,
                                         .need = "another output folder is",
                                         .kind = FILE_PICTURE},
                              error);
@@ -163,7 +163,7 @@ static int write_frame(const job *j, const job_frame *f, file_uses *uses,
   return file_uses_add(uses,
                        (file_use){.path = job_result_path(f),
                                   .what = "the result",
-                                  .of = f->path,
+                                  .frame = f->path,
                                   .need = "another output folder is",
                                   .kind = FILE_RESULT},
                        error) != 0
@@ -244,7 +244,7 @@ static int check_present(const process_settings *s, const file_uses *uses,
   for (size_t i = 0; i < uses->count && !failed; i++) {
     const file_use *use = &uses->list[i];
     if (use->kind != FILE_ABSENT)
-      failed = (use->of ? check_result : check_other)(s, use, error);
+      failed = (use->frame ? check_result : check_other)(s, use, error);
   }
   return failed;
 }
@@ -258,7 +258,7 @@ static int check_lengths(const job *j, const file_uses *uses,
     const char *path = uses->list[i].path;
     const size_t length =
         strlen(strrchr(path, '/') ? strrchr(path, '/') + 1 : path);
-    if (uses->list[i].of && length > (size_t)limit)
+    if (uses->list[i].frame && length > (size_t)limit)
       return image_fail(error,
                         "%s: cannot be written: its name has %zu bytes; a "
                         "frame's name with which it has at most %ld is needed",

@@ -72,9 +72,9 @@ static int find_layer(const char *name, size_t length) {
 int layers_parse(const char *text, unsigned *out, image_error *error) {
   char names[160];
   *out = 0;
-  for (const char *at = text;; at++) {
-    const size_t length = strcspn(at, ",");
-    const int found = find_layer(at, length);
+  for (const char *next = text;; next++) {
+    const size_t length = strcspn(next, ",");
+    const int found = find_layer(next, length);
     if (found < 0) {
       layers_names((1u << LAYER_COUNT) - 1u, names, sizeof names);
       return image_fail(
@@ -82,8 +82,8 @@ int layers_parse(const char *text, unsigned *out, image_error *error) {
           text, names);
     }
     *out |= 1u << found;
-    at += length;
-    if (!*at)
+    next += length;
+    if (!*next)
       return 0;
   }
 }

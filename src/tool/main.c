@@ -33,10 +33,11 @@ static void usage(void) {
        "Near-field indirect light, ambient occlusion and bent cones from\n"
        "G-buffers, through OpenCL.\n");
   for (int i = 0; i < COMMANDS; i++)
-    printf("  %-9s %s\n", commands[i].name, commands[i].about);
+    printf("  %-21s %s\n", commands[i].name, commands[i].about);
   puts("\n"
-       "  --help    this text; after a command, that command's options\n"
-       "  --version the version\n"
+       "  --help                this text; after a command, that command's "
+       "options\n"
+       "  --version             the version\n"
        "\n"
        "Exit status: 0 if all was done; 1 if hbil compare found more than\n"
        "--max-rmse; 2 for bad input and whatever else went wrong, after one\n"

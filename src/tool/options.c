@@ -1,4 +1,5 @@
 /* Reads command lines by tables of options, and checks them. */
+#define _DEFAULT_SOURCE 1 /* ffs() */
 #include "tool/options.h"
 
 #include "hbil/hbil.h"
@@ -10,14 +11,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* getopt's value of the first option. */
 enum { FIRST_OPTION = 256 };
 
-/* The options that a command has, with the offsets of their structs. */
+/* The options that a command has. */
 typedef struct option_list {
   const option_row *rows[OPTIONS_MOST];
-  size_t bases[OPTIONS_MOST], count;
+  size_t count;
 } option_list;
 
 static option_list list_options(const option_command *c) {
@@ -25,11 +27,10 @@ static option_list list_options(const option_command *c) {
   for (size_t g = 0; g < c->group_count; g++)
     for (size_t i = 0; i < c->groups[g].count; i++) {
       const option_row *row = &c->groups[g].rows[i];
-      if (row->kind == OPTION_MORE || (c->accepts & row->of) != row->of ||
-          l.count == OPTIONS_MOST)
-        continue;
-      l.rows[l.count] = row;
-      l.bases[l.count++] = c->groups[g].base;
+      if (row->kind != OPTION_MORE &&
+          (c->accepts & row->only_for) == row->only_for &&
+          l.count < OPTIONS_MOST)
+        l.rows[l.count++] = row;
     }
   return l;
 }
@@ -106,21 +107,11 @@ int option_choice(const char *option, const char *text,
   return image_fail(error, "%s %s: one of %s is needed", option, text, list);
 }
 
-static int read_choice(const char *option, const char *text,
-                       const option_row *row, int *out, image_error *error) {
-  int index = 0;
-  if (option_choice(option, text, row->words, &index, error) != 0)
-    return -1;
-  *out = (int)row->low + index;
-  return 0;
-}
-
-/* arguments: the struct that has the row's member. */
 static int read_value(const option_row *row, const char *text, void *arguments,
                       image_error *error) {
   void *member = (char *)arguments + row->member;
   char option[64];
-  int failed = 0;
+  int failed = 0, index = 0;
   snprintf(option, sizeof option, "--%s", row->name);
   switch (row->kind) {
   case OPTION_TEXT:
@@ -143,7 +134,8 @@ static int read_value(const option_row *row, const char *text, void *arguments,
     failed = read_size(option, text, member, error);
     break;
   case OPTION_CHOICE:
-    failed = read_choice(option, text, row, member, error);
+    failed = option_choice(option, text, row->words, &index, error);
+    *(int *)member = (int)row->low + index;
     break;
   default:
     break;
@@ -154,68 +146,69 @@ static int read_value(const option_row *row, const char *text, void *arguments,
 /* ------------------------------------------------------------------------ */
 /* Options that fit together                                                 */
 
-int options_have(const options_given *given, size_t member) {
-  for (size_t i = 0; i < given->count; i++)
-    if (given->members[i] == member)
-      return 1;
-  return 0;
+/* The words and the state of a command line. */
+typedef struct request {
+  option_list options;
+  const char *arguments;
+  const options_given *given;
+} request;
+
+static int value_of(const request *r, const option_row *row) {
+  int value;
+  memcpy(&value, r->arguments + row->member, sizeof value);
+  return value;
 }
 
 /* Whether an option was given and asks for something: 0 and some choices
- * don't.  choice: OPTION_ANY, or the choice that it must be. */
-static int is_asked(const option_row *row, size_t base, const void *arguments,
-                    const options_given *given, int choice) {
-  const size_t member = base + row->member;
-  if (!options_have(given, member))
+ * don't.  choices: 0, or those that it must be one of. */
+static int is_asked(const request *r, const option_row *row, unsigned choices) {
+  if (!r->given->member[row->member])
     return 0;
-  if (row->kind != OPTION_NUMBER && row->kind != OPTION_CHOICE)
+  if (row->kind == OPTION_NUMBER)
+    return value_of(r, row) != 0;
+  if (row->kind != OPTION_CHOICE)
     return 1;
-  int value;
-  memcpy(&value, (const char *)arguments + member, sizeof value);
-  if (choice != OPTION_ANY)
-    return value == choice;
-  return row->kind == OPTION_NUMBER ? value != 0
-                                    : !row->high || value < (int)row->high;
+  return choices     ? (int)(choices >> value_of(r, row) & 1)
+         : row->high ? value_of(r, row) < (int)row->high
+                     : 1;
 }
 
-static int report(const option_row *row, const option_row *other,
-                  const option_relation *r, image_error *error) {
-  const int chosen = r->choice != OPTION_ANY;
-  const char *word = chosen ? other->words[r->choice - (int)other->low] : "";
-  return r->needed
+static int report(const request *r, const option_row *row,
+                  const option_row *other, const option_relation *relation,
+                  image_error *error) {
+  const int choice = relation->needed    ? ffs((int)relation->choices) - 1
+                     : relation->choices ? value_of(r, other)
+                                         : 0;
+  const char *word =
+      relation->choices ? other->words[choice - (int)other->low] : "";
+  const char *space = *word ? " " : "";
+  return relation->needed
              ? image_fail(error, "--%s: --%s%s%s%s is needed with it",
-                          row->name, other->name, chosen ? " " : "", word,
-                          r->why)
+                          row->name, other->name, space, word, relation->why)
              : image_fail(error,
                           "--%s: not with --%s%s%s, %s; one or the other is "
                           "needed",
-                          row->name, other->name, chosen ? " " : "", word,
-                          r->why);
+                          row->name, other->name, space, word, relation->why);
 }
 
-static int check_relation(const option_list *l, size_t i,
-                          const option_relation *r, const void *arguments,
-                          const options_given *given, image_error *error) {
-  const size_t other = l->bases[i] + r->other;
-  size_t k = 0;
-  while (k < l->count && l->bases[k] + l->rows[k]->member != other)
-    k++;
-  if (k == l->count || is_asked(l->rows[k], l->bases[k], arguments, given,
-                                r->choice) == r->needed)
-    return 0;
-  return report(l->rows[i], l->rows[k], r, error);
+static int check_row(const request *r, const option_row *row,
+                     image_error *error) {
+  const option_relation *relation = row->relations;
+  for (int i = 0; i < OPTION_RELATIONS && relation[i].why; i++)
+    for (size_t k = 0; k < r->options.count; k++) {
+      const option_row *other = r->options.rows[k];
+      if (other->member == relation[i].other &&
+          is_asked(r, other, relation[i].choices) != relation[i].needed)
+        return report(r, row, other, &relation[i], error);
+    }
+  return 0;
 }
 
-static int check(const option_list *l, const void *arguments,
-                 const options_given *given, image_error *error) {
-  for (size_t i = 0; i < l->count; i++) {
-    const option_relation *r = l->rows[i]->relations;
-    if (!is_asked(l->rows[i], l->bases[i], arguments, given, OPTION_ANY))
-      continue;
-    for (; r < l->rows[i]->relations + OPTION_RELATIONS && r->why; r++)
-      if (check_relation(l, i, r, arguments, given, error) != 0)
-        return -1;
-  }
+static int check(const request *r, image_error *error) {
+  for (size_t i = 0; i < r->options.count; i++)
+    if (is_asked(r, r->options.rows[i], 0) &&
+        check_row(r, r->options.rows[i], error) != 0)
+      return -1;
   return 0;
 }
 
@@ -248,34 +241,29 @@ static int take(const option_list *l, int found, void *arguments,
   size_t i = found >= FIRST_OPTION ? (size_t)(found - FIRST_OPTION) : 0;
   while (found < FIRST_OPTION && l->rows[i]->letter != found)
     i++;
-  const size_t member = l->bases[i] + l->rows[i]->member;
-  if (!options_have(given, member))
-    given->members[given->count++] = member;
-  return read_value(l->rows[i], optarg, (char *)arguments + l->bases[i], error);
+  given->member[l->rows[i]->member] = 1;
+  return read_value(l->rows[i], optarg, arguments, error);
 }
 
 int options_read(const option_command *c, int argc, char **argv,
                  void *arguments, options_given *given, image_error *error) {
-  const option_list l = list_options(c);
+  const request r = {list_options(c), arguments, given};
   struct option table[OPTIONS_MOST + 2];
   char letters[2 * OPTIONS_MOST + 3];
   int found, last = optind;
-  given->count = 0;
+  memset(given, 0, sizeof *given);
   opterr = 0;
-  make_getopt_table(&l, table, letters);
+  make_getopt_table(&r.options, table, letters);
   while ((found = getopt_long(argc, argv, letters, table, NULL)) != -1) {
     if (found == 'h')
       return 1;
-    if (found == ':')
-      return image_fail(error, "%s: %s needs a value; --help lists the options",
-                        argv[0], argv[optind - 1]);
-    if (found == '?')
-      return image_fail(error,
-                        "%s: %s is not an option; --help lists the options",
-                        argv[0], argv[optind > last ? optind - 1 : last]);
-    if (take(&l, found, arguments, given, error) != 0)
+    if (found == ':' || found == '?')
+      return image_fail(error, "%s: %s %s; --help lists the options", argv[0],
+                        argv[optind > last ? optind - 1 : last],
+                        found == ':' ? "needs a value" : "is not an option");
+    if (take(&r.options, found, arguments, given, error) != 0)
       return -1;
     last = optind;
   }
-  return check(&l, arguments, given, error);
+  return check(&r, error);
 }

@@ -4,8 +4,9 @@
  * or excludes.  The parser, the checks and the help read the rows; manual and
  * completion come from the help (doc/help.awk).
  *
- * The members are those of a struct of the command, its arguments.  An option
- * is known by its member: by the offset of that in the arguments.
+ * The members are those of a struct of the command, its arguments, which is
+ * smaller than OPTION_ARGUMENTS.  An option is known by its member: by the
+ * offset of that in the arguments.
  */
 #ifndef HBIL_TOOL_OPTIONS_H
 #define HBIL_TOOL_OPTIONS_H
@@ -30,18 +31,17 @@ typedef enum option_kind {
 
 /* What an option needs or excludes.  why is NULL behind the last one. */
 typedef struct option_relation {
-  size_t other;    /* the other option */
-  int choice;      /* only that choice of it; OPTION_ANY: whatever it is */
-  int needed;      /* 1: it is needed; 0: it is excluded */
-  const char *why; /* excluded: "which has no ..."; needed: what the message
-                    * says behind its name, "" or " FILE" */
+  size_t other;     /* the other option */
+  unsigned choices; /* only these of it, 1 << choice each; 0: whatever it is */
+  int needed;       /* 1: it is needed; 0: it is excluded */
+  const char *why;  /* excluded: "which has no ..."; needed: what the message
+                     * says behind its name, "" or " FILE" */
 } option_relation;
 
-enum { OPTION_ANY = -1, OPTION_RELATIONS = 8, OPTIONS_MOST = 96 };
+enum { OPTION_RELATIONS = 6, OPTIONS_MOST = 96, OPTION_ARGUMENTS = 2048 };
 
 /* Reads a value, or does what follows from one that has been stored.  text:
- * NULL for options without a value.  arguments: the struct with the row's
- * member.  0, or -1 with `error` filled. */
+ * NULL for options without a value.  0, or -1 with `error` filled. */
 typedef int option_setter(const char *text, void *arguments,
                           image_error *error);
 
@@ -53,7 +53,8 @@ typedef struct option_row {
   const char *const *words; /* of a choice; ends with NULL */
   const char *value;        /* its name in the help; NULL: the words */
   char letter;              /* its short form, or 0 */
-  unsigned of;      /* commands take it whose `accepts` has all of these bits */
+  unsigned
+      only_for;     /* commands take it whose `accepts` has all of these bits */
   const char *help; /* without line ends; see option_value */
   option_setter *set;  /* NULL: there is nothing more to do */
   const char *library; /* the library's names of the member, with spaces between
@@ -62,31 +63,28 @@ typedef struct option_row {
 } option_row;
 
 /* The designators of a row. */
-#define ROW_OTHER(option, at, setter, text)                                    \
-  .name = option, .member = at, .set = setter, .value = text
-#define ROW_TEXT(option, at, text)                                             \
-  .name = option, .kind = OPTION_TEXT, .member = at, .value = text
-#define ROW_FLAG(option, at) .name = option, .kind = OPTION_FLAG, .member = at
-#define ROW_NUMBER(option, at, least, most, text)                              \
-  .name = option, .kind = OPTION_NUMBER, .member = at, .low = least,           \
+#define ROW_OTHER(option, offset, setter, text)                                \
+  .name = option, .member = offset, .set = setter, .value = text
+#define ROW_TEXT(option, offset, text)                                         \
+  .name = option, .kind = OPTION_TEXT, .member = offset, .value = text
+#define ROW_FLAG(option, offset)                                               \
+  .name = option, .kind = OPTION_FLAG, .member = offset
+#define ROW_NUMBER(option, offset, least, most, text)                          \
+  .name = option, .kind = OPTION_NUMBER, .member = offset, .low = least,       \
   .high = most, .value = text
-#define ROW_FLOATS(option, at, count, text)                                    \
-  .name = option, .kind = OPTION_FLOATS, .member = at, .high = count,          \
+#define ROW_FLOATS(option, offset, count, text)                                \
+  .name = option, .kind = OPTION_FLOATS, .member = offset, .high = count,      \
   .value = text
-#define ROW_CHOICE(option, at, list)                                           \
-  .name = option, .kind = OPTION_CHOICE, .member = at, .words = list
+#define ROW_CHOICE(option, offset, list)                                       \
+  .name = option, .kind = OPTION_CHOICE, .member = offset, .words = list
 #define ROW_MORE(option, text)                                                 \
   .name = option, .kind = OPTION_MORE, .value = text
 
 /* Relations of a row. */
-#define NOT_WITH(option, because)                                              \
-  { option, OPTION_ANY, 0, because }
-#define NOT_WITH_CHOICE(option, word, because)                                 \
-  { option, word, 0, because }
-#define NEEDS(option, what)                                                    \
-  { option, OPTION_ANY, 1, what }
-#define NEEDS_CHOICE(option, word)                                             \
-  { option, word, 1, "" }
+#define NOT_WITH(option, choices, because)                                     \
+  { option, choices, 0, because }
+#define NEEDS(option, choices, what)                                           \
+  { option, choices, 1, what }
 
 /* Rows below one heading. */
 typedef struct option_group {
@@ -94,7 +92,6 @@ typedef struct option_group {
   const char *heading; /* NULL: none */
   const option_row *rows;
   size_t count;
-  size_t base; /* offset in the arguments of the struct with the members */
 } option_group;
 
 /* A number that help texts name in braces, such as {levels}.  {} stands for the
@@ -111,15 +108,13 @@ typedef struct option_command {
   const char *notes; /* the help behind the options, or NULL */
   const option_value *values;
   size_t value_count;
-  unsigned accepts; /* see option_row.of */
+  unsigned accepts; /* see option_row.only_for */
 } option_command;
 
-/* Which options were given. */
+/* Which options were given, by the offsets of their members. */
 typedef struct options_given {
-  size_t members[OPTIONS_MOST], count;
+  char member[OPTION_ARGUMENTS];
 } options_given;
-
-int options_have(const options_given *given, size_t member);
 
 /* Reads a command line into `arguments`, which have the defaults, and checks
  * that the options fit together.  argv[0] is the command's name; optind is then

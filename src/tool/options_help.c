@@ -1,91 +1,73 @@
 /* Prints the help of a command. */
+#define _POSIX_C_SOURCE 200809L
 #include "tool/options.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Columns: where the texts of options begin, and the last one of a line. */
-enum { TEXT_COLUMN = 24, LAST_COLUMN = 73, TEXT_SIZE = 2048 };
+enum { TEXT_COLUMN = 24, LAST_COLUMN = 73 };
 
-/* Text that grows. */
-typedef struct text {
-  char at[TEXT_SIZE];
-  size_t used;
-} text;
-
-static void add(text *t, const char *begin, size_t length) {
-  if (length > sizeof t->at - 1 - t->used)
-    length = sizeof t->at - 1 - t->used;
-  memcpy(t->at + t->used, begin, length);
-  t->used += length;
-  t->at[t->used] = '\0';
-}
-
-static void add_text(text *t, const char *more) {
-  add(t, more, strlen(more));
-}
-
-static void add_number(text *t, double number) {
-  char digits[32];
-  snprintf(digits, sizeof digits, "%g", number);
-  add_text(t, digits);
-}
-
-/* The value of an option that isn't given.  defaults: the struct with the
- * row's member. */
-static void add_default(text *t, const option_row *row, const void *defaults) {
+/* The value of an option that isn't given. */
+static void write_default(const option_row *row, const void *defaults,
+                          FILE *out) {
   const void *member = (const char *)defaults + row->member;
+  const unsigned *whole = member;
   const float *numbers = member;
   switch (row->kind) {
   case OPTION_TEXT:
-    add_text(t, *(const char *const *)member);
+    fputs(*(const char *const *)member, out);
     break;
   case OPTION_NUMBER:
-    add_number(t, *(const unsigned *)member);
+    fprintf(out, "%u", *whole);
     break;
   case OPTION_SIZE:
-    add_number(t, ((const unsigned *)member)[0]);
-    add_text(t, "x");
-    add_number(t, ((const unsigned *)member)[1]);
+    fprintf(out, "%ux%u", whole[0], whole[1]);
     break;
   case OPTION_CHOICE:
-    add_text(t, row->words[*(const int *)member - (int)row->low]);
+    fputs(row->words[*whole - row->low], out);
     break;
   default:
-    for (unsigned i = 0; i < row->high; i++) {
-      add_text(t, i ? "," : "");
-      add_number(t, (double)numbers[i]);
-    }
+    for (unsigned i = 0; i < row->high; i++)
+      fprintf(out, "%s%g", i ? "," : "", (double)numbers[i]);
   }
 }
 
-/* Whether braces hold what a number replaces. */
-static int add_value(text *t, const option_command *c, const char *name,
-                     size_t length) {
+/* Writes what stands for a name in braces.  Returns whether there is such a
+ * name; other braces belong to the text. */
+static int write_value(const option_command *c, const char *name, size_t length,
+                       FILE *out) {
   for (size_t i = 0; i < c->value_count; i++)
     if (strlen(c->values[i].name) == length &&
-        strncmp(c->values[i].name, name, length) == 0) {
-      add_number(t, c->values[i].value);
-      return 1;
-    }
+        strncmp(c->values[i].name, name, length) == 0)
+      return fprintf(out, "%g", c->values[i].value) > 0;
   return 0;
 }
 
-static void add_help(text *t, const option_command *c, const option_row *row,
-                     const void *defaults) {
-  for (const char *next = row->help; *next;) {
-    const size_t plain = strcspn(next, "{");
-    add(t, next, plain);
-    next += plain;
-    const size_t inner = *next ? strcspn(next + 1, "}") : 0;
-    if (*next && inner == 0)
-      add_default(t, row, defaults);
-    else if (*next && !add_value(t, c, next + 1, inner)) {
-      add(t, next++, 1); /* braces of the text */
+static void write_help(const option_command *c, const option_row *row,
+                       const void *defaults, FILE *out) {
+  for (const char *next = row->help; *next; next++) {
+    const size_t inner = *next == '{' ? strcspn(next + 1, "}") : 0;
+    if (strncmp(next, "{}", 2) == 0)
+      write_default(row, defaults, out);
+    else if (!inner || !write_value(c, next + 1, inner, out)) {
+      putc(*next, out);
       continue;
     }
-    next += *next ? inner + 2 : 0;
+    next += inner + 1;
   }
+}
+
+/* "-o, --output DIR" */
+static void write_head(const option_row *row, FILE *out) {
+  if (row->letter)
+    fprintf(out, "-%c, ", row->letter);
+  fprintf(out, "--%s", row->name);
+  if (row->value)
+    fprintf(out, " %s", row->value);
+  for (size_t i = 0; !row->value && row->words && row->words[i]; i++)
+    fprintf(out, "%c%s", i ? '|' : ' ', row->words[i]);
 }
 
 /* Prints a text that begins in `column`.  Each further line is indented by
@@ -112,32 +94,25 @@ static void print_wrapped(const char *words, size_t column, size_t indent) {
   putchar('\n');
 }
 
-/* "  -o, --output DIR      ", or a line of its own if it is long. */
+/* The text is on lines of its own if the head is long. */
 static void print_row(const option_command *c, const option_row *row,
                       const void *defaults) {
-  text head = {.used = 0}, help = {.used = 0};
-  add_text(&head, "  ");
-  if (row->letter) {
-    add(&head, "-", 1);
-    add(&head, &row->letter, 1);
-    add_text(&head, ", ");
+  char *text = NULL;
+  size_t size, head;
+  FILE *out = open_memstream(&text, &size);
+  if (!out)
+    return;
+  write_head(row, out);
+  head = (size_t)ftell(out);
+  putc('\0', out);
+  write_help(c, row, defaults, out);
+  if (fclose(out) == 0) {
+    printf("  %-*s", TEXT_COLUMN - 2, text);
+    if (head + 2 >= TEXT_COLUMN)
+      printf("\n%*s", TEXT_COLUMN, "");
+    print_wrapped(text + head + 1, TEXT_COLUMN, TEXT_COLUMN);
   }
-  add_text(&head, "--");
-  add_text(&head, row->name);
-  if (row->value || row->words)
-    add_text(&head, " ");
-  for (size_t i = 0; !row->value && row->words && row->words[i]; i++) {
-    add_text(&head, i ? "|" : "");
-    add_text(&head, row->words[i]);
-  }
-  if (row->value)
-    add_text(&head, row->value);
-  add_help(&help, c, row, defaults);
-  printf("%-*s", TEXT_COLUMN - 1, head.at);
-  if (head.used >= TEXT_COLUMN)
-    printf("\n%*s", TEXT_COLUMN - 1, "");
-  putchar(' ');
-  print_wrapped(help.at, TEXT_COLUMN, TEXT_COLUMN);
+  free(text);
 }
 
 static void print_group(const option_command *c, const option_group *group,
@@ -149,8 +124,8 @@ static void print_group(const option_command *c, const option_group *group,
   if (group->heading)
     printf("\n%s:\n", group->heading);
   for (size_t i = 0; i < group->count; i++)
-    if ((c->accepts & group->rows[i].of) == group->rows[i].of)
-      print_row(c, &group->rows[i], (const char *)defaults + group->base);
+    if ((c->accepts & group->rows[i].only_for) == group->rows[i].only_for)
+      print_row(c, &group->rows[i], defaults);
 }
 
 void options_help(const option_command *c, const void *defaults) {

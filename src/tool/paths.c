@@ -67,34 +67,34 @@ int path_make_folders(const char *folder, unsigned *made) {
 }
 
 void path_remove_folders(const char *folder, unsigned made) {
-  char *at = made ? strdup(folder) : NULL;
-  while (at && made) {
-    const int removed = rmdir(at) == 0;
+  char *there = made ? strdup(folder) : NULL;
+  while (there && made) {
+    const int removed = rmdir(there) == 0;
     if (!removed && errno != ENOENT)
       break;
     made -= (unsigned)removed;
-    char *parent = path_parent(at);
-    if (parent && strcmp(parent, at) == 0)
+    char *parent = path_parent(there);
+    if (parent && strcmp(parent, there) == 0)
       made = 0;
-    free(at);
-    at = parent;
+    free(there);
+    there = parent;
   }
-  free(at);
+  free(there);
 }
 
 char *path_existing(const char *folder) {
   struct stat status;
-  char *at = strdup(folder);
-  while (at && stat(at, &status) != 0 &&
+  char *there = strdup(folder);
+  while (there && stat(there, &status) != 0 &&
          (errno == ENOENT || errno == ENOTDIR)) {
-    char *parent = path_parent(at);
-    const int same = parent && strcmp(parent, at) == 0;
-    free(at);
-    at = parent;
+    char *parent = path_parent(there);
+    const int same = parent && strcmp(parent, there) == 0;
+    free(there);
+    there = parent;
     if (same)
       break;
   }
-  return at;
+  return there;
 }
 
 int path_is_writable(const char *folder) {

@@ -53,20 +53,14 @@ float preview_exposure(const image *result) {
   return 1.0f;
 }
 
-static unsigned char byte(float value) {
-  if (!(value > 0.0f))
-    return 0;
-  return (unsigned char)(value < 1.0f ? value * 255.0f + 0.5f : 255.0f);
-}
-
 /* Reinhard's curve with white at 16 times the mean (0.25), then sRGB. */
 unsigned char preview_light(float value) {
   if (!(value > 0.0f))
     return 0;
   const float v = fminf(value, 1e6f);
   const float c = fminf(v * (1.0f + v / 16.0f) / (1.0f + v), 1.0f);
-  return byte(c <= 0.0031308f ? 12.92f * c
-                              : 1.055f * powf(c, 1.0f / 2.4f) - 0.055f);
+  return picture_byte(c <= 0.0031308f ? 12.92f * c
+                                      : 1.055f * powf(c, 1.0f / 2.4f) - 0.055f);
 }
 
 static unsigned char layer_byte(layer l, float value, float exposure) {
@@ -74,9 +68,9 @@ static unsigned char layer_byte(layer l, float value, float exposure) {
   case LAYER_AO:
   case LAYER_CONE_COSINE:
   case LAYER_UNKNOWN:
-    return byte(value);
+    return picture_byte(value);
   case LAYER_BENT_NORMAL:
-    return byte(0.5f * value + 0.5f);
+    return picture_byte(0.5f * value + 0.5f);
   default:
     return preview_light(exposure * light_scale(l) * value);
   }

@@ -96,7 +96,10 @@ static int check(const process_settings *s, image_error *error) {
 }
 
 #define GIVEN(field)                                                           \
-  options_have(&given, offsetof(process_arguments, settings.config.field))
+  given.member[offsetof(process_arguments, settings.config.field)]
+_Static_assert(offsetof(process_arguments, settings.source) == 0 &&
+                   sizeof(process_arguments) < OPTION_ARGUMENTS,
+               "see source_rows and options.h");
 
 int process_arguments_read(int argc, char **argv, process_arguments *out,
                            image_error *error) {

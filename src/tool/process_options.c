@@ -18,19 +18,19 @@ enum { SLICES_MOST_EXACT = 4096, SLICES_EXACT = 256 };
 #define CONFIG(field) SETTING(config.field), .library = #field
 
 /* What the exact integral doesn't use. */
-#define NOT_EXACT(why) NOT_WITH_CHOICE(AT(quality), HBIL_QUALITY_REFERENCE, why)
+#define NOT_EXACT(why) NOT_WITH(AT(quality), 1u << HBIL_QUALITY_REFERENCE, why)
 #define EVERY_PIXEL NOT_EXACT("which looks at every pixel")
 
-/* What is about the radiance cache. */
+/* What has no light, and what is about the radiance cache. */
+#define MODE SETTING(config.model.mode)
+#define DARK_MODES (1u << HBIL_MODE_GTAO | 1u << HBIL_MODE_HBAO)
 #define NO_NEW_LIGHT "where later runs of a frame bring no new light"
-#define NO_CACHE "which leaves the radiance cache out"
-#define NO_LIGHT "which looks at no light and has no radiance cache"
 #define OF_CACHE                                                               \
   NOT_EXACT("which has no radiance cache"),                                    \
-      NOT_WITH_CHOICE(SETTING(far), FAR_IS_ENVIRONMENT, NO_CACHE),             \
-      NOT_WITH_CHOICE(SETTING(far), FAR_IS_NONE, NO_CACHE),                    \
-      NOT_WITH_CHOICE(SETTING(config.model.mode), HBIL_MODE_GTAO, NO_LIGHT),   \
-      NOT_WITH_CHOICE(SETTING(config.model.mode), HBIL_MODE_HBAO, NO_LIGHT)
+      NOT_WITH(SETTING(far), 1u << FAR_IS_ENVIRONMENT | 1u << FAR_IS_NONE,     \
+               "which leaves the radiance cache out"),                         \
+      NOT_WITH(MODE, DARK_MODES,                                               \
+               "which looks at no light and has no radiance cache")
 
 /* ------------------------------------------------------------------------ */
 /* What is more than a value                                                 */
@@ -108,7 +108,7 @@ static const option_row job_rows[] = {
      .help = "light as many as N frames before the first of --frames, for the "
              "light that they hand on, and write none of them: for chunks of a "
              "sequence ({})",
-     .relations = {NEEDS(AT(frames), " with the frames that are written")}},
+     .relations = {NEEDS(AT(frames), 0, " with the frames that are written")}},
     {ROW_TEXT("decide-by", SETTING(decide_by), "FRAME.exr"),
      .help = "the frame whose pixels decide what no option says (far light, "
              "emission, kinds of depth and normals): the same one for all "
@@ -150,11 +150,11 @@ static const option_row job_rows[] = {
              "the same frames, settings, device and version stay; the others "
              "get the same bits as without the interruption.  Replaces only "
              "files that hbil wrote",
-     .relations = {NOT_WITH(SETTING(timings), "which needs every frame to run"),
-                   NOT_WITH(SETTING(json), "which needs every frame to run"),
-                   NOT_WITH(
-                       SETTING(overwrite),
-                       "which replaces the results that --resume leaves")}},
+     .relations =
+         {NOT_WITH(SETTING(timings), 0, "which needs every frame to run"),
+          NOT_WITH(SETTING(json), 0, "which needs every frame to run"),
+          NOT_WITH(SETTING(overwrite), 0,
+                   "which replaces the results that --resume leaves")}},
     {ROW_FLAG("dry-run", SETTING(dry_run)),
      .help =
          "check everything, print what would be written, and write nothing"},
@@ -171,15 +171,12 @@ static const option_row job_rows[] = {
          "or a quarter of the device's memory, when a frame runs eight times "
          "or more; otherwise, and where ulimit limits memory, 0)",
      .relations = {NOT_EXACT("which caches nothing"),
-                   NOT_WITH(SETTING(config.history.max_frames),
+                   NOT_WITH(SETTING(config.history.max_frames), 0,
                             "where each run of a frame has other samples"),
-                   NOT_WITH_CHOICE(SETTING(config.model.mode), HBIL_MODE_GTAO,
-                                   NO_NEW_LIGHT),
-                   NOT_WITH_CHOICE(SETTING(config.model.mode), HBIL_MODE_HBAO,
-                                   NO_NEW_LIGHT),
-                   NOT_WITH_CHOICE(SETTING(config.history.reprojection),
-                                   HBIL_REPROJECTION_NONE, NO_NEW_LIGHT),
-                   NOT_WITH(SETTING(config.execution.skip),
+                   NOT_WITH(MODE, DARK_MODES, NO_NEW_LIGHT),
+                   NOT_WITH(SETTING(config.history.reprojection),
+                            1u << HBIL_REPROJECTION_NONE, NO_NEW_LIGHT),
+                   NOT_WITH(SETTING(config.execution.skip), 0,
                             "which makes later runs of a frame do all work")}},
     {ROW_FLAG("preview", SETTING(preview)),
      .help = "also write DIR/FRAME.LAYER.png"},
@@ -219,8 +216,8 @@ static const option_row cache_rows[] = {
     {ROW_FLAG("cache-fixed", SETTING(cache_fixed)),
      .help = "the frames don't change the loaded cache, so that each is lit by "
              "it alone, whatever came before",
-     .relations = {OF_CACHE, NEEDS(SETTING(cache_load), " FILE"),
-                   NOT_WITH(SETTING(learn),
+     .relations = {OF_CACHE, NEEDS(SETTING(cache_load), 0, " FILE"),
+                   NOT_WITH(SETTING(learn), 0,
                             "by which the cache sees the frames")}},
     {ROW_TEXT("cache-save", SETTING(cache_save), "FILE"),
      .help = "write the cache to a file at the end; replaces only caches",
@@ -238,18 +235,18 @@ static const option_row cache_rows[] = {
          "with --far rsm: a picture as for --view, from where a light is, with "
          "the direct light of that light alone; up to four, or a pattern",
      .relations = {OF_CACHE,
-                   NEEDS_CHOICE(SETTING(far), HBIL_CACHE_METHOD_RSM)}},
+                   NEEDS(SETTING(far), 1u << HBIL_CACHE_METHOD_RSM, "")}},
     {ROW_CHOICE("view-light", SETTING(view_light), view_lights),
      .help = "what views hold: direct light, to which the cache adds the "
              "bounces, or also indirect light (Blender's DiffInd), which is "
              "the radiance of surfaces after all bounces ({})",
-     .relations = {OF_CACHE, NEEDS(AT(views), " FILE")}},
+     .relations = {OF_CACHE, NEEDS(AT(views), 0, " FILE")}},
     {ROW_CHOICE("cache-size", SETTING(cache_voxels), cache_sizes), .value = "N",
      .set = set_voxels, .library = "voxels",
      .help = "voxels across each of its {levels} levels, 16, 32, 64, 128 or "
              "256; twice as many take eight times the memory ({voxels})",
      .relations = {OF_CACHE,
-                   NOT_WITH(SETTING(cache_load), "whose file has a size")}},
+                   NOT_WITH(SETTING(cache_load), 0, "whose file has a size")}},
 };
 
 static const option_row sampling_rows[] = {
@@ -296,10 +293,9 @@ static const option_row sampling_rows[] = {
      .help = "only undo the 4x4 interleaving, without the filter; not with "
              "--resolution half; auto is full then",
      .relations = {NOT_EXACT("which filters nothing"),
-                   NOT_WITH_CHOICE(
-                       SETTING(config.sampling.resolution),
-                       HBIL_RESOLUTION_HALF,
-                       "where the filter fills in the other pixels")}},
+                   NOT_WITH(SETTING(config.sampling.resolution),
+                            1u << HBIL_RESOLUTION_HALF,
+                            "where the filter fills in the other pixels")}},
     {ROW_NUMBER("max-history-frames", CONFIG(history.max_frames), 0, 1024, "N"),
      .help = "average the last N frames, each sampled with a rotated pattern, "
              "which reduces noise.  Use 2 to 4 for moving cameras and 8 or "
@@ -322,7 +318,8 @@ static const option_row model_rows[] = {
     {ROW_CHOICE("falloff", CONFIG(model.falloff), falloff_words),
      .help = "weight of an occluder at distance r within radius R, for hbao: "
              "1-r/R, 1-r/(3R), 1 ({})",
-     .relations = {NEEDS_CHOICE(SETTING(config.model.mode), HBIL_MODE_HBAO)}},
+     .relations = {NEEDS(SETTING(config.model.mode), 1u << HBIL_MODE_HBAO,
+                         "")}},
     {ROW_FLOATS("radius", CONFIG(model.radius), 1, "R"),
      .help = "world units, or inf ({}; with a radiance cache, {near_voxels} of "
              "its voxels)"},
@@ -374,7 +371,7 @@ const option_group process_groups[PROCESS_GROUPS] = {
      GROUP(cache_rows)},
     {.heading = "How well", GROUP(sampling_rows)},
     {.heading = "The method", GROUP(model_rows)},
-    SOURCE_GROUP(SETTING(source)),
+    SOURCE_GROUP,
 };
 
 /* ------------------------------------------------------------------------ */

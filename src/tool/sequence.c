@@ -337,10 +337,10 @@ static int copy_histories(sequence *s, unsigned char **bytes, int to_plan,
 
 int sequence_history_save(sequence *s, void *bytes, image_error *error) {
   const progress now = {s->index, hbil_plan_bounces(s->plan)};
-  unsigned char *at = bytes;
-  if (copy_histories(s, &at, 0, error) != 0)
+  unsigned char *next = bytes;
+  if (copy_histories(s, &next, 0, error) != 0)
     return -1;
-  memcpy(at, &now, sizeof now);
+  memcpy(next, &now, sizeof now);
   return 0;
 }
 
@@ -349,11 +349,11 @@ int sequence_history_restore(sequence *s, const channel_map *map,
                              image_error *error) {
   hbil_frame frame;
   progress then;
-  unsigned char *at = bytes;
+  unsigned char *next = bytes;
   fill_frame(s, map, far, &frame);
-  if (copy_histories(s, &at, 1, error) != 0)
+  if (copy_histories(s, &next, 1, error) != 0)
     return -1;
-  memcpy(&then, at, sizeof then);
+  memcpy(&then, next, sizeof then);
   s->index = then.index;
   const hbil_status status =
       hbil_plan_adopt_history(s->plan, &frame.camera, then.bounces);

@@ -35,9 +35,9 @@ typedef enum far_without_cache {
 } far_without_cache;
 
 typedef struct process_settings {
+  source_options source;   /* how frames are read */
   const char *output;      /* folder of the results; must be given */
   const char *camera;      /* camera of all frames; NULL: each has its own */
-  source_options source;   /* how frames are read */
   const char *environment; /* "R,G,B", "none", "frame", an image file, or NULL:
                               chosen by the first frame */
   const char *device;      /* see device_open() */

@@ -75,8 +75,9 @@ static int check_fov(const char *text, void *arguments, image_error *error) {
 static const char *const colours[] = {"linear", "srgb", NULL};
 
 #define AT(field) offsetof(source_options, field)
-#define ROW_ABOVE_0(option, at, text)                                          \
-  .name = option, .kind = OPTION_ABOVE, .member = at, .high = 1, .value = text
+#define ROW_ABOVE_0(option, offset, text)                                      \
+  .name = option, .kind = OPTION_ABOVE, .member = offset, .high = 1,           \
+  .value = text
 
 const option_row source_rows[SOURCE_ROWS] = {
     {ROW_CHOICE("source", AT(source), source_words), .set = set_source,
@@ -120,7 +121,7 @@ const option_row source_rows[SOURCE_ROWS] = {
     {ROW_ABOVE_0("fov", AT(fov), "DEGREES"), .set = check_fov,
      .help = "angle across the picture's width; also for frames without a "
              "camera whose normals are in camera space",
-     .relations = {NOT_WITH(AT(orthographic), "whose rays are parallel")}},
+     .relations = {NOT_WITH(AT(orthographic), 0, "whose rays are parallel")}},
     {ROW_ABOVE_0("orthographic", AT(orthographic), "WIDTH"),
      .help =
          "the same for parallel rays: camera units across the picture's width"},

@@ -6,16 +6,15 @@
 
 enum { SOURCE_ROWS = 16 };
 
-/* Their members are those of source_options. */
+/* Their members are those of a source_options with which the arguments of the
+ * command begin. */
 extern const option_row source_rows[SOURCE_ROWS];
 
-/* These rows as a group of a command's options.  options: the offset of the
- * source_options in its arguments. */
-#define SOURCE_GROUP(options)                                                  \
+#define SOURCE_GROUP                                                           \
   {                                                                            \
     .heading = "Where frames come from; what isn't said is guessed (hbil "     \
                "info tells)",                                                  \
-    .rows = source_rows, .count = SOURCE_ROWS, .base = options                 \
+    .rows = source_rows, .count = SOURCE_ROWS                                  \
   }
 
 #endif

@@ -9,8 +9,8 @@
 /* ------------------------------------------------------------------------ */
 /* The library's statistics of a frame                                       */
 
-static double percent(size_t part, size_t of) {
-  return of ? 100.0 * (double)part / (double)of : 0.0;
+static double percent(size_t part, size_t whole) {
+  return whole ? 100.0 * (double)part / (double)whole : 0.0;
 }
 
 void statistics_print(const hbil_statistics *s, FILE *out) {

@@ -67,7 +67,7 @@ static void options_choose_the_lens(void **state) {
 
 static void one_lens_is_given(void **state) {
   (void)state;
-  static const option_group group = SOURCE_GROUP(0);
+  static const option_group group = SOURCE_GROUP;
   const option_command command = {.groups = &group, .group_count = 1};
   char *argv[] = {(char[]){"test"}, (char[]){"--fov=60"},
                   (char[]){"--orthographic=2"}, NULL};
