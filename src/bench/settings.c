@@ -197,38 +197,28 @@ void bench_setting_label(const bench_setting *s, char text[BENCH_LABEL]) {
 
 /* --- configurations --- */
 
-/* Every field is set that a model decides, whatever the library's defaults
- * are. */
-static void set_model(bench_model model, const bench_content *content,
-                      hbil_config *config) {
-  config->model.mode = HBIL_MODE_HBIL;
-  config->model.radius = config->model.thickness = INFINITY;
-  config->model.relative_thickness = model == THIN      ? 0.02f
-                                     : model == THICK   ? 0.3f
-                                     : model == DEFAULT ? 0.06f
-                                                        : INFINITY;
-  config->model.facing_fade[0] = config->model.facing_fade[1] = -1.0f;
-  config->model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-  if (model == PAPER) {
-    config->model.facing_fade[0] = -0.1f;
-    config->model.facing_fade[1] = 0.0f;
-    config->model.back_facing_fallback = HBIL_FALLBACK_LAST_ACCEPTED;
-    config->model.feedback = HBIL_FEEDBACK_RADIANCE;
-    config->model.far_field = HBIL_FAR_NONE;
+static void set_model(bench_model name, const bench_content *content,
+                      hbil_model *model) {
+  hbil_model_set(model, name == PAPER ? HBIL_MODEL_PAPER : HBIL_MODEL_DEFAULT);
+  model->mode = HBIL_MODE_HBIL;
+  model->radius = name == HBAO ? content->radius : INFINITY;
+  if (name != DEFAULT)
+    model->relative_thickness = name == THIN    ? 0.02f
+                                : name == THICK ? 0.3f
+                                                : INFINITY;
+  if (name == PAPER)
+    model->far_field = HBIL_FAR_NONE;
+  if (bench_model_is_ao(name)) {
+    model->mode = name == GTAO ? HBIL_MODE_GTAO : HBIL_MODE_HBAO;
+    model->back_facing_fallback = HBIL_FALLBACK_BLACK;
+    model->far_field = HBIL_FAR_NONE;
   }
-  if (bench_model_is_ao(model)) {
-    config->model.mode = model == GTAO ? HBIL_MODE_GTAO : HBIL_MODE_HBAO;
-    config->model.back_facing_fallback = HBIL_FALLBACK_BLACK;
-    config->model.far_field = HBIL_FAR_NONE;
-  }
-  if (model == HBAO)
-    config->model.radius = content->radius;
 }
 
 void bench_setting_apply(const bench_setting *s, const bench_content *content,
                          hbil_config *config) {
   *config = content->config;
-  set_model(s->model, content, config);
+  set_model(s->model, content, &config->model);
   config->sampling.slices = s->slices;
   config->sampling.steps_per_side = s->steps;
   config->sampling.step_growth = s->growth;
