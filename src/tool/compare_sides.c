@@ -140,9 +140,14 @@ static int take(const image *header, const char *wanted, fit best,
   return failed ? -1 : 0;
 }
 
-int compare_layer_select(const char *path, const image *header,
-                         const char *wanted, const char **out, size_t *count,
-                         image_error *error) {
+/* Writes the names of the channels that `wanted` stands for
+ * (compare_side.layer) to out, which has room for header->count, and their
+ * number to *count.  The alpha of a layer is coverage, and left out.  Returns
+ * 0, or -1 with `error` filled if the name stands for nothing or for several
+ * layers. */
+static int select_layer(const char *path, const image *header,
+                        const char *wanted, const char **out, size_t *count,
+                        image_error *error) {
   char several[512] = "";
   *count = 0;
   for (size_t i = 0; i < header->count && (!wanted || !*wanted); i++) {
@@ -162,10 +167,6 @@ int compare_layer_select(const char *path, const image *header,
                         path, wanted, several);
   }
   return *count ? 0 : report_missing(path, header, wanted, error);
-}
-
-int compare_layer_exists(const image *header, const char *wanted) {
-  return best_fit(header, wanted) != FIT_NONE;
 }
 
 /* ------------------------------------------------------------------------ */
@@ -213,8 +214,8 @@ static void make_linear(image *planes) {
 static int read_side(compare_side *s, const char **selected,
                      image_error *error) {
   size_t count;
-  if (compare_layer_select(s->path, &s->header, s->layer, selected, &count,
-                           error) != 0 ||
+  if (select_layer(s->path, &s->header, s->layer, selected, &count, error) !=
+          0 ||
       image_read(s->path, selected, count, &s->planes, error) != 0)
     return -1;
   if (s->header.gamma)
@@ -272,7 +273,7 @@ static void share_layer(compare_side *a, compare_side *b) {
   const char *layer = a->layer ? a->layer : b->layer;
   if (!a->layer == !b->layer)
     return;
-  without->layer = compare_layer_exists(&without->header, layer) ||
+  without->layer = best_fit(&without->header, layer) != FIT_NONE ||
                            !has_root(&without->header)
                        ? layer
                        : "";

@@ -97,17 +97,21 @@ static int find(const char *path, int links, file_place *out) {
   return failed;
 }
 
-int file_place_find(const char *path, file_place *out) {
+/* Follows links, also one to a file that doesn't exist.  Two paths have the
+ * same place if a file written to one of them is found at the other.  0, or -1
+ * if memory runs out; file_place_free() frees the place in both cases. */
+static int file_place_find(const char *path, file_place *out) {
   memset(out, 0, sizeof *out);
   return find(path, 0, out);
 }
 
-void file_place_free(file_place *place) {
+static void file_place_free(file_place *place) {
   free(place->rest);
   place->rest = NULL;
 }
 
-int file_place_compare(const file_place *a, const file_place *b) {
+/* An order of places: negative, 0 for the same place, or positive. */
+static int file_place_compare(const file_place *a, const file_place *b) {
   if (a->disk != b->disk)
     return a->disk < b->disk ? -1 : 1;
   if (a->inode != b->inode)

@@ -14,7 +14,8 @@
 /* ------------------------------------------------------------------------ */
 /* The first frame                                                           */
 
-unsigned frame_roles(const job *j) {
+/* The roles of a frame, a bit mask, that the computation uses. */
+static unsigned frame_roles(const job *j) {
   const unsigned always = 1u << ROLE_DEPTH | 1u << ROLE_NORMAL |
                           1u << ROLE_ALBEDO | 1u << ROLE_DIRECT |
                           1u << ROLE_EMISSION | 1u << ROLE_BACKGROUND;
@@ -69,8 +70,11 @@ static void wait_for(first_frame *f) {
   f->runs = 0;
 }
 
-int first_frame_take(first_frame *f, gbuffer *out, frame_check *check,
-                     int *checked, image_error *error) {
+/* Waits for the thread and hands the frame over, which the caller frees, and
+ * what the check found; *checked: whether there was one.  Returns 1 for a
+ * frame, 0 if the frame has to be read, or -1 with `error` filled. */
+static int first_frame_take(first_frame *f, gbuffer *out, frame_check *check,
+                            int *checked, image_error *error) {
   wait_for(f);
   *checked = f->is_checked;
   if (f->failed) {

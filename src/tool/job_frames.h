@@ -14,12 +14,6 @@
  * with `error` filled. */
 int job_frames_check(job *j, char *const *files, image_error *error);
 
-/* frame_camera_read() for a frame or view whose map is known; f->camera_path is
- * filled in.  0, or -1 with `error` filled. */
-int job_frame_read_camera(job_frame *f, const image *header,
-                          const char *override, const source_options *source,
-                          image_error *error);
-
 /* ------------------------------------------------------------------------ */
 /* Views: pictures of the place, for the radiance cache                      */
 

@@ -87,9 +87,13 @@ static hbil_status suggest(const gbuffer *g, const lamp_planes *lamps,
   return hbil_config_suggest(&planes, config, frame, found);
 }
 
-int light_choice_by(const char *path, const gbuffer *g, hbil_config *config,
-                    hbil_frame *frame, hbil_sources *found,
-                    image_error *error) {
+/* Lets the library decide by a frame (hbil_suggest.h), of which depth, normals,
+ * direct light, emission and background count.  Of config, model.mode counts;
+ * config and frame receive the decision.  Returns 0, or -1 with `error` filled.
+ */
+static int light_choice_by(const char *path, const gbuffer *g,
+                           hbil_config *config, hbil_frame *frame,
+                           hbil_sources *found, image_error *error) {
   lamp_planes lamps;
   const int no_memory = remove_sky(g, &lamps);
   const hbil_status status = no_memory

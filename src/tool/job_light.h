@@ -13,13 +13,6 @@
 /* ------------------------------------------------------------------------ */
 /* What the first frame's pixels decide                                      */
 
-/* Lets the library decide by a frame (hbil_suggest.h), of which depth, normals,
- * direct light, emission and background count.  Of config, model.mode counts;
- * config and frame receive the decision.  Returns 0, or -1 with `error` filled.
- */
-int light_choice_by(const char *path, const gbuffer *g, hbil_config *config,
-                    hbil_frame *frame, hbil_sources *found, image_error *error);
-
 /* Reads the frame and does the same. */
 int light_choice_make(const char *path, const channel_map *map,
                       hbil_config *config, hbil_frame *frame,

@@ -51,6 +51,12 @@ int saved_history_write(const char *path, const saved_history *h,
   return temporary_write(path, EXISTING_REPLACED, write_history, h, error);
 }
 
+typedef enum saved_state {
+  SAVED_NOTHING = 0, /* no such file, or a whole one of another size */
+  SAVED_DAMAGED,     /* its bytes are not those that this version wrote */
+  SAVED_WHOLE
+} saved_state;
+
 static saved_state read_file(FILE *file, saved_history *h) {
   preface head;
   struct stat info;
@@ -69,7 +75,9 @@ static saved_state read_file(FILE *file, saved_history *h) {
   return SAVED_WHOLE;
 }
 
-saved_state saved_history_read(const char *path, saved_history *h) {
+/* Reads the file if its size is h->size, and compares it with its checksum:
+ * fills in key, exposure and bytes if it is whole. */
+static saved_state saved_history_read(const char *path, saved_history *h) {
   const char *why;
   FILE *file = regular_file_stream(path, &why);
   if (!file)

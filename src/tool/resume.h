@@ -24,16 +24,6 @@ typedef struct saved_history {
 int saved_history_write(const char *path, const saved_history *h,
                         image_error *error);
 
-typedef enum saved_state {
-  SAVED_NOTHING = 0, /* no such file, or a whole one of another size */
-  SAVED_DAMAGED,     /* its bytes are not those that this version wrote */
-  SAVED_WHOLE
-} saved_state;
-
-/* Reads the file if its size is h->size, and compares it with its checksum:
- * fills in key, exposure and bytes if it is whole. */
-saved_state saved_history_read(const char *path, saved_history *h);
-
 /* Removes the file. */
 void saved_history_remove(const char *path);
 

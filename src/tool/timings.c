@@ -13,7 +13,8 @@ static double percent(size_t part, size_t whole) {
   return whole ? 100.0 * (double)part / (double)whole : 0.0;
 }
 
-void statistics_print(const hbil_statistics *s, FILE *out) {
+/* What a frame left out, without an end of line. */
+static void statistics_print(const hbil_statistics *s, FILE *out) {
   const struct {
     const char *name;
     const hbil_count *share;
@@ -43,7 +44,9 @@ static json_t *count_json(const hbil_count *s) {
                    (json_int_t)s->spans);
 }
 
-json_t *statistics_json(const hbil_statistics *s) {
+/* The same as an object: "all", "sky", "open", "dark", "unused" and "cached",
+ * each with "pixels" and "spans", and the list "not_run" of passes. */
+static json_t *statistics_json(const hbil_statistics *s) {
   json_t *passes = json_array();
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     if (s->not_run[p])
@@ -72,7 +75,11 @@ static void list_sanitized(const hbil_sanitized *s,
   memcpy(out, inputs, sizeof inputs);
 }
 
-int sanitized_print(const hbil_sanitized *s, const char *before, FILE *out) {
+/* "depth 3, motion 1": inputs with pixels that were sanitized, without an end
+ * of line.  Prints `before` first if there are any; returns whether there are.
+ */
+static int sanitized_print(const hbil_sanitized *s, const char *before,
+                           FILE *out) {
   sanitized_input inputs[SANITIZED_INPUTS];
   int some = 0;
   list_sanitized(s, inputs);
@@ -86,7 +93,8 @@ int sanitized_print(const hbil_sanitized *s, const char *before, FILE *out) {
   return some;
 }
 
-json_t *sanitized_json(const hbil_sanitized *s) {
+/* The number of sanitized pixels of each input, as an object. */
+static json_t *sanitized_json(const hbil_sanitized *s) {
   sanitized_input inputs[SANITIZED_INPUTS];
   json_t *object = json_object();
   list_sanitized(s, inputs);
