@@ -1,6 +1,6 @@
 /*
  * One set of defaults: without options, the tool computes with the settings of
- * hbil_config_init().
+ * hbil_config_init().  The rows of its options fit together.
  */
 #include "test/support/compare.h"
 
@@ -8,6 +8,7 @@
 
 #include "image/error.h"
 #include "tool/process_arguments.h"
+#include "tool/process_options.h"
 
 /* Every member of hbil_config behind its size, in order. */
 typedef struct member {
@@ -136,10 +137,60 @@ static void the_default_model_sets_nothing_else(void **state) {
   compare(&s.config);
 }
 
+/* The option whose member has this offset, and how many options have it. */
+static const option_row *option_of(size_t offset, int *count) {
+  const option_row *found = NULL;
+  *count = 0;
+  for (size_t g = 0; g < PROCESS_GROUPS; ++g)
+    for (size_t i = 0; i < process_groups[g].count; ++i) {
+      const option_row *row = &process_groups[g].rows[i];
+      if (row->kind == OPTION_MORE || row->member != offset)
+        continue;
+      found = row;
+      ++*count;
+    }
+  return found;
+}
+
+static void check_relation(const option_row *row, const option_relation *r) {
+  int count;
+  const option_row *other = option_of(r->other, &count);
+  if (!other)
+    fail_msg("--%s needs or excludes what is no option", row->name);
+  if (r->choices && other->kind != OPTION_CHOICE)
+    fail_msg("--%s: --%s has no choices", row->name, other->name);
+  unsigned possible = 0;
+  for (unsigned w = 0; r->choices && other->words[w]; ++w)
+    possible |= 1u << (other->low + w);
+  if (r->choices & ~possible)
+    fail_msg("--%s: --%s has no such choice", row->name, other->name);
+}
+
+/* The parser passes over relations to options that there are not. */
+static void options_need_and_exclude_options(void **state) {
+  int relations = 0, count;
+  (void)state;
+  for (size_t g = 0; g < PROCESS_GROUPS; ++g)
+    for (size_t i = 0; i < process_groups[g].count; ++i) {
+      const option_row *row = &process_groups[g].rows[i];
+      if (row->kind == OPTION_MORE)
+        continue;
+      option_of(row->member, &count);
+      if (count != 1)
+        fail_msg("--%s has the member of another option", row->name);
+      for (int k = 0; k < OPTION_RELATIONS && row->relations[k].why; ++k) {
+        check_relation(row, &row->relations[k]);
+        relations++;
+      }
+    }
+  assert_true(relations > 30);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(all_members_are_compared),
       cmocka_unit_test(without_options_they_are_the_librarys),
-      cmocka_unit_test(the_default_model_sets_nothing_else)};
+      cmocka_unit_test(the_default_model_sets_nothing_else),
+      cmocka_unit_test(options_need_and_exclude_options)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
