@@ -77,12 +77,13 @@ static void print_help(const bench_command *command, const option_command *c,
                        const bench_options *defaults) {
   option_command with_usage = *c;
   char usage[4096];
-  snprintf(usage, sizeof usage, "usage: hbil-bench %s [options]%s\n\n%s",
+  const size_t length = strlen(command->details) - 1; /* without a line's end */
+  snprintf(usage, sizeof usage, "usage: hbil-bench %s [options]%s\n\n%.*s",
            command->name,
            command->accepts & BENCH_TAKES_FRAMES    ? " [FRAME.exr...]"
            : command->accepts & BENCH_TAKES_FOLDERS ? " FOLDER... [-- OPTIONS]"
                                                     : "",
-           command->details);
+           (int)length, command->details);
   with_usage.usage = usage;
   options_help(&with_usage, defaults);
 }
