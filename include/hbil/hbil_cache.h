@@ -199,7 +199,8 @@ typedef struct hbil_cache_update {
   cl_uint share;
   /* The frames' far field: hbil_model.far_field, and environment of hbil_frame.
    * Rays that leave the cache into the sky get it; with HBIL_FAR_FRAME they get
-   * none, because `direct` contains the sky.  Default HBIL_FAR_NONE */
+   * none, because `direct` contains the sky.  HBIL_FAR_AUTO (default) is the latter.
+   */
   hbil_far_field far_field;
   float environment[9][3];
   /* With HBIL_CACHE_METHOD_LPV: steps of light from cell to cell, 0..1024;

@@ -192,7 +192,7 @@ typedef enum hbil_far_field {
   HBIL_FAR_NONE = 0,     /* 0 */
   HBIL_FAR_CONSTANT = 1, /* the same from all directions */
   HBIL_FAR_SH = 2,       /* order-2 spherical harmonics, 9 coefficients */
-  /* An estimate for places that continue outside the picture: unseen_light
+  /* An estimate for places that continue outside the picture: offscreen_light
    * times the mean of what the frame's own surfaces send towards the bent
    * normal, after all bounces, so a first frame has nearly the same.  It
    * is mixed with the mean of what the pixel itself sees.  If
@@ -200,7 +200,10 @@ typedef enum hbil_far_field {
    * directions that the sky does not light get the estimate.  If the picture
    * does not show that sky, use hbil_frame.sky_share (doc/method.md, section
    * 11). */
-  HBIL_FAR_FRAME = 3
+  HBIL_FAR_FRAME = 3,
+  /* What hbil_config_suggest() chooses for a frame that shows no sky:
+   * HBIL_FAR_FRAME with HBIL_MODE_HBIL, else HBIL_FAR_NONE */
+  HBIL_FAR_AUTO = 4
 } hbil_far_field;
 
 /* The light of directions that are blocked by a surface facing away, whose
@@ -255,13 +258,13 @@ typedef struct hbil_model {
    * because `direct` contains that light already. */
   cl_bool gather_emission;
   hbil_feedback feedback;   /* model */
-  hbil_far_field far_field; /* default NONE */
+  hbil_far_field far_field; /* default AUTO; model */
   /* HBIL_FAR_FRAME and HBIL_FALLBACK_FRAME_MEAN guess the radiance of surfaces
    * that the picture doesn't show: it is this many times the mean radiance of
    * the surfaces that it shows.  0..1; 1 is for places that are alike on all
    * sides; default 0.76, chosen by its error on path-traced scenes
    * (doc/measurements.md) */
-  float unseen_light;
+  float offscreen_light;
   /* Frames may have a radiance cache of this method (hbil_frame.cache), and
    * open directions get the light that it knows.  For HBIL_MODE_HBIL;
    * hbil_config_use_cache() sets it.  Default HBIL_CACHE_METHOD_NONE */
@@ -274,15 +277,16 @@ typedef struct hbil_model {
 typedef enum hbil_model_name {
   /* The default, chosen by its error on four path-traced scenes: infinite
    * thickness, relative_thickness 0.06, facing_fade -1, -1, extrapolate on,
-   * HBIL_FALLBACK_FRAME_MEAN, HBIL_FEEDBACK_IRRADIANCE */
+   * HBIL_FALLBACK_FRAME_MEAN, HBIL_FEEDBACK_IRRADIANCE, HBIL_FAR_AUTO */
   HBIL_MODEL_DEFAULT = 0,
   /* The paper: both thicknesses infinite, facing_fade -0.1, 0,
-   * HBIL_FALLBACK_LAST_ACCEPTED, HBIL_FEEDBACK_RADIANCE, extrapolate off */
+   * HBIL_FALLBACK_LAST_ACCEPTED, HBIL_FEEDBACK_RADIANCE, extrapolate off,
+   * HBIL_FAR_NONE */
   HBIL_MODEL_PAPER = 1
 } hbil_model_name;
 
 /* Sets thickness, relative_thickness, facing_fade, back_facing_fallback,
- * feedback and extrapolate.  Returns HBIL_INVALID_ARGUMENT if
+ * feedback, extrapolate and far_field.  Returns HBIL_INVALID_ARGUMENT if
  * model is null or name is not in the list. */
 HBIL_API hbil_status hbil_model_set(hbil_model *model, hbil_model_name name);
 

@@ -8,7 +8,7 @@
 #include "shared.h"
 
 /* Weight of the frame's mean radiance, in hemispheres, relative to what a pixel
- * sees itself.  Chosen with hbil_model.unseen_light (doc/measurements.md). */
+ * sees itself.  Chosen with hbil_model.offscreen_light (doc/measurements.md). */
 #define HBIL_UNSEEN_PRIOR 1.0f
 /* What is added to the weight of each surface, of about 1, in the mean for a
  * receiver, which makes it positive everywhere. */
@@ -46,7 +46,7 @@ enum {
                             three channels */
   HBIL_FILL_UNLIT = 39,  /* of open directions, where the sun shines */
   HBIL_FILL_SUN = 40,    /* 0: no sun .. 1: it shines */
-  HBIL_FILL_UNSEEN = 41, /* unseen_light of hbil_config */
+  HBIL_FILL_UNSEEN = 41, /* offscreen_light of hbil_config */
   HBIL_FILL_SIZE = 42
 };
 enum {
@@ -97,7 +97,7 @@ typedef struct hbil_estimate_args {
   hbil_surface_args surface;
   hbil_float sky[3];       /* radiance of the sky that `direct` contains */
   hbil_float sky_share;    /* as in hbil_frame */
-  hbil_float unseen_light; /* as in hbil_config */
+  hbil_float unseen_light; /* offscreen_light of hbil_config */
   hbil_int bounces;        /* as hbil_plan_bounces() has it */
   hbil_int is_static;      /* reuse the sums unless HBIL_FLAG_CHANGED is set */
 } hbil_estimate_args;

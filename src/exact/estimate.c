@@ -172,7 +172,7 @@ void exact_estimate_frame(exact_frame *frame, const exact_planes *split,
   exact_estimate *e = &frame->estimate;
   const sums t = sums_of_frame(frame, split, gathered);
   const double surfaces = fmax(t.weight[0], 1.0);
-  const double unseen = (double)frame->config->model.unseen_light;
+  const double unseen = (double)frame->config->model.offscreen_light;
   const double shown = fmax(0.0, 1.0 - (t.open + t.behind) / surfaces);
   memset(e, 0, sizeof(*e));
   if (!(t.weight[0] > 0.0))
@@ -243,7 +243,7 @@ double exact_unseen_radiance(const exact_frame *frame, int channel, vec3 normal,
                              double shown, double share, double cached,
                              double cached_share) {
   const double prior = (double)HBIL_UNSEEN_PRIOR;
-  const double weight = prior * (double)frame->config->model.unseen_light;
+  const double weight = prior * (double)frame->config->model.offscreen_light;
   return (shown + share * frame->estimate.lacks[channel] + cached +
           weight * frame_radiance(frame, channel, normal)) /
          (share + cached_share + prior);

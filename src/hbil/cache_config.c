@@ -38,7 +38,7 @@ void hbil_view_init_sized(hbil_view *view, size_t struct_size) {
 void hbil_cache_update_init_sized(hbil_cache_update *update,
                                   size_t struct_size) {
   static const hbil_cache_update defaults = {
-      .rounds = 4, .share = 1, .steps = 16};
+      .rounds = 4, .share = 1, .far_field = HBIL_FAR_AUTO, .steps = 16};
   init_sized(update, struct_size, &defaults, sizeof defaults);
 }
 
@@ -208,7 +208,7 @@ hbil_status cache_update_take(hbil_context *context,
   } ranges[] = {{"rounds", own->rounds, 0, 1024},
                 {"share", own->share, 1, 4096},
                 {"steps", own->steps, 0, 1024},
-                {"far_field", (cl_uint)own->far_field, 0, HBIL_FAR_FRAME}};
+                {"far_field", (cl_uint)own->far_field, 0, HBIL_FAR_AUTO}};
   for (size_t i = 0;
        i < sizeof ranges / sizeof *ranges && status == HBIL_SUCCESS; ++i)
     if (ranges[i].value < ranges[i].least || ranges[i].value > ranges[i].most)
@@ -216,5 +216,7 @@ hbil_status cache_update_take(hbil_context *context,
           fail(context, HBIL_INVALID_ARGUMENT, "%s: %u is outside %u .. %u",
                ranges[i].field, (unsigned)ranges[i].value,
                (unsigned)ranges[i].least, (unsigned)ranges[i].most);
+  if (own->far_field == HBIL_FAR_AUTO)
+    own->far_field = HBIL_FAR_FRAME;
   return status == HBIL_SUCCESS ? check_environment(context, own) : status;
 }

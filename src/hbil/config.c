@@ -37,7 +37,7 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .sampling.step_growth = 3.0f,
       .sampling.sample_grid = HBIL_GRID_FULL_RESOLUTION,
       .model.gather_emission = CL_TRUE,
-      .model.unseen_light = 0.76f,
+      .model.offscreen_light = 0.76f,
       .model.roughness = 0.5f,
       .history.reprojection = HBIL_REPROJECTION_CAMERA,
       .history.disocclusion_threshold = 0.05f,
@@ -55,6 +55,7 @@ hbil_status hbil_model_set(hbil_model *model, hbil_model_name name) {
                 "hbil_model_set: name: %d; must be one of hbil_model_name",
                 (int)name);
   const bool paper = name == HBIL_MODEL_PAPER;
+  model->far_field = paper ? HBIL_FAR_NONE : HBIL_FAR_AUTO;
   model->thickness = INFINITY;
   model->relative_thickness = paper ? INFINITY : DEFAULT_RELATIVE_THICKNESS;
   model->facing_fade[0] = paper ? -0.1f : -1.0f;
@@ -380,7 +381,7 @@ static hbil_status config_check(hbil_context *context,
       {"model.back_facing_fallback", (double)config->model.back_facing_fallback,
        0, HBIL_FALLBACK_FRAME_MEAN},
       {"model.gather_emission", config->model.gather_emission, 0, 1},
-      {"model.unseen_light", (double)config->model.unseen_light, 0, 1},
+      {"model.offscreen_light", (double)config->model.offscreen_light, 0, 1},
       {"model.cache_method", (double)config->model.cache_method, 0,
        HBIL_CACHE_METHOD_RSM},
       /* as floats: 0.3f is above 0.3 */
@@ -390,7 +391,7 @@ static hbil_status config_check(hbil_context *context,
        HBIL_REPROJECTION_MOTION},
       {"model.feedback", (double)config->model.feedback, 0,
        HBIL_FEEDBACK_RADIANCE},
-      {"model.far_field", (double)config->model.far_field, 0, HBIL_FAR_FRAME},
+      {"model.far_field", (double)config->model.far_field, 0, HBIL_FAR_AUTO},
       {"sampling.unfiltered", config->sampling.unfiltered, 0, 1},
       {"execution.skip", config->execution.skip, 0, HBIL_SKIP_ALL},
       {"sampling.storage", (double)config->sampling.storage, 0,
@@ -413,8 +414,12 @@ static hbil_status config_check(hbil_context *context,
 hbil_status config_take(hbil_context *context, const hbil_config *given,
                         hbil_config *own) {
   hbil_config_init(own);
-  const hbil_status status =
-      take_sized(context, HBIL_INVALID_CONFIG, "hbil_config", given,
-                 FIRST_CONFIG_SIZE, own);
-  return status == HBIL_SUCCESS ? config_check(context, own) : status;
+  hbil_status status = take_sized(context, HBIL_INVALID_CONFIG, "hbil_config",
+                                  given, FIRST_CONFIG_SIZE, own);
+  if (status == HBIL_SUCCESS)
+    status = config_check(context, own);
+  if (own->model.far_field == HBIL_FAR_AUTO)
+    own->model.far_field = own->model.mode == HBIL_MODE_HBIL ? HBIL_FAR_FRAME
+                                                             : HBIL_FAR_NONE;
+  return status;
 }

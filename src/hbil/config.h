@@ -10,7 +10,8 @@
  * against an older header passes a smaller struct; the missing members get
  * their defaults.  Every public function that takes a config or a frame calls
  * these first. They reject sizes that no header has had; config_take() also
- * rejects values out of range, by the name of the field and its range. */
+ * rejects values out of range, by the name of the field and its range, and
+ * replaces HBIL_FAR_AUTO by what it stands for. */
 hbil_status config_take(hbil_context *context, const hbil_config *given,
                         hbil_config *own);
 hbil_status frame_take(hbil_context *context, const hbil_frame *given,

@@ -15,7 +15,7 @@ hbil_status enqueue_estimate(hbil_plan *plan, commands *chain,
                              .light = plan->layout.light,
                              .width = (cl_int)c->width,
                              .height = (cl_int)c->height,
-                             .unseen_light = c->model.unseen_light,
+                             .unseen_light = c->model.offscreen_light,
                              .is_static = may_rest(plan, frame),
                              .bounces = (cl_int)hbil_plan_bounces(plan)};
   if (plan->layout.far_field == HBIL_FAR_FRAME) {

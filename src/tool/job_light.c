@@ -156,6 +156,8 @@ static int read_environment(job *j, image_error *error) {
     j->config.model.far_field = HBIL_FAR_FRAME;
     return 0;
   }
+  if (text && !strcmp(text, "none"))
+    j->config.model.far_field = HBIL_FAR_NONE;
   if (!text || !strcmp(text, "none"))
     return 0;
   if (option_floats("", text, constant, 3, NULL) == 0) {

@@ -336,7 +336,7 @@ static const option_row model_rows[] = {
      .low = HBIL_FALLBACK_LAST_ACCEPTED,
      .help = "light of samples that face away: that of the last sample before, "
              "none, or the mean radiance of the frame ({})"},
-    {ROW_FLOATS("unseen-light", CONFIG(model.unseen_light), 1, "SHARE"),
+    {ROW_FLOATS("offscreen-light", CONFIG(model.offscreen_light), 1, "SHARE"),
      .help = "radiance of surfaces outside the picture, over that of those in "
              "it, 0..1, where light is guessed from the frame ({})"},
     {ROW_FLOATS("roughness", CONFIG(model.roughness), 1, "R"),

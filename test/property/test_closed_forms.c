@@ -462,7 +462,7 @@ static void check_furnace(scene_kind kind, hbil_back_facing_fallback fallback) {
   exact_planes out;
   double worst = 0.0;
   setup_scene(&s, kind, 97, 54, 0);
-  s.config.model.unseen_light = 1.0f;
+  s.config.model.offscreen_light = 1.0f;
   s.config.history.reprojection = HBIL_REPROJECTION_NONE;
   s.config.model.back_facing_fallback = fallback;
   s.config.model.far_field = HBIL_FAR_CONSTANT;

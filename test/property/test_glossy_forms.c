@@ -42,7 +42,7 @@ static void check_furnace(int i) {
   setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, WIDTH, HEIGHT, 0);
   ask_for_glossy(&s, i < 4 ? 0.3f : 0.8f);
   s.config.model.relative_thickness = i & 2 ? 0.08f : INFINITY;
-  s.config.model.unseen_light = 1.0f;
+  s.config.model.offscreen_light = 1.0f;
   s.config.model.extrapolate = CL_TRUE;
   s.config.model.back_facing_fallback =
       i & 1 ? HBIL_FALLBACK_FRAME_MEAN : HBIL_FALLBACK_LAST_ACCEPTED;

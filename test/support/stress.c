@@ -62,7 +62,7 @@ static void configure(setup *s, plan_kind kind) {
   }
   s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s->config.model.far_field = HBIL_FAR_FRAME;
-  s->config.model.unseen_light = 1.0f; /* or a furnace loses light */
+  s->config.model.offscreen_light = 1.0f; /* or a furnace loses light */
   s->config.history.reprojection = HBIL_REPROJECTION_MOTION;
 }
 

@@ -170,6 +170,7 @@ lighting usual(void) {
   c->outputs.near_irradiance = c->outputs.ao = c->outputs.beauty = floats;
   c->inputs.depth_kind = HBIL_DEPTH_HARDWARE;
   c->inputs.normal_space = HBIL_SPACE_WORLD;
+  c->model.far_field = HBIL_FAR_NONE; /* near light is all there is */
   succeed(hbil_sampling_set(&c->sampling, HBIL_QUALITY_FAST),
           "hbil_sampling_set");
   use_usual_frame(&l);

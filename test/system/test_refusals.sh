@@ -84,7 +84,7 @@ done <"$work/statuses"
 # --- every option that the library checks ---
 
 for option in thickness=0 relative-thickness=-1 unit-scale=1e9 step-growth=65 \
-  facing-fade=-2,0 facing-fade=1,0 unseen-light=2 roughness=0.1 \
+  facing-fade=-2,0 facing-fade=1,0 offscreen-light=2 roughness=0.1 \
   disocclusion-threshold=0 'motion-scale=1e7,1 --reprojection motion'; do
   # shellcheck disable=SC2086
   rejected "--$option" "^hbil: --${option%%=*}: .*[0-9]" process --$option "$one"

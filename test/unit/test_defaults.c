@@ -60,7 +60,7 @@ static const member members[] = {
     MEMBER(model.gather_emission),
     MEMBER(model.feedback),
     MEMBER(model.far_field),
-    MEMBER(model.unseen_light),
+    MEMBER(model.offscreen_light),
     MEMBER(model.cache_method),
     MEMBER(model.roughness),
     MEMBER(sampling.slices),

@@ -122,7 +122,7 @@ static void start_random(setup *s) {
   from_the_frame(s);
   s->config.history.reprojection = HBIL_REPROJECTION_NONE;
   s->config.inputs.direct.component = s->config.inputs.f0.component = HBIL_NONE;
-  s->config.model.unseen_light = 1.0f;
+  s->config.model.offscreen_light = 1.0f;
   s->config.outputs.far_irradiance = three_floats;
   for (int i = 0; i < WIDTH * HEIGHT; ++i) {
     bool sky = random_unit(&r) < 0.1;

@@ -67,7 +67,7 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(c.history.reprojection == HBIL_REPROJECTION_CAMERA);
   assert_true(c.model.feedback == HBIL_FEEDBACK_IRRADIANCE);
   assert_true(c.history.disocclusion_threshold == 0.05f);
-  assert_true(c.model.far_field == HBIL_FAR_NONE);
+  assert_true(c.model.far_field == HBIL_FAR_AUTO);
   assert_true(c.inputs.depth_scale == 1.0f && c.inputs.normal_scale[0] == 1.0f);
   assert_true(c.inputs.normal_scale[1] == 1.0f &&
               c.inputs.normal_scale[2] == 1.0f);
