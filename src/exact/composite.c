@@ -15,11 +15,12 @@
  */
 #include "exact/camera.h"
 #include "exact/far_field.h"
-#include "exact/sky_light.h"
+#include "exact/glossy.h"
 #include "exact/input.h"
 #include "exact/passes.h"
 #include "exact/planes.h"
 #include "exact/settings.h"
+#include "exact/sky_light.h"
 
 static void composite_sky(const exact_frame *frame, int x, int y,
                           exact_planes *out) {
@@ -81,6 +82,9 @@ static void composite_pixel(const exact_frame *frame,
     *exact_at(out, EXACT_CONE_COSINE, x, y) = sqrt(fmax(0.0, 1.0 - ao));
   *exact_at(out, EXACT_UNKNOWN, x, y) =
       unknown_share(frame, resolved, x, y, ao, &cached);
+  for (int i = 0; i < 2 && resolved->count >= EXACT_RESOLVED_PLANES; ++i)
+    *exact_at(out, EXACT_ERROR_ESTIMATE + i, x, y) =
+        *exact_at(resolved, EXACT_RESOLVED_ERRORS + i, x, y);
   store_bent_normal(frame, bent, x, y, out);
   for (int c = 0; c < 3; ++c) {
     const double near_irradiance =

@@ -78,9 +78,10 @@ enum {
   EXACT_CONE_COSINE = 10,
   EXACT_INDIRECT = 11,
   EXACT_BEAUTY = 14,
-  EXACT_UNKNOWN = 17,
-  EXACT_GLOSSY = 18,
-  EXACT_OUTPUT_PLANES = 21
+  EXACT_ERROR_ESTIMATE = 17, /* of AO, 18: of E_near */
+  EXACT_UNKNOWN = 19,
+  EXACT_GLOSSY = 20,
+  EXACT_OUTPUT_PLANES = 23
 };
 
 /* What the frame's surfaces send on average (estimate.c): sums over an eighth
@@ -110,6 +111,9 @@ typedef struct exact_frame {
   const float *input[EXACT_INPUT_PLANES];
   float environment[9][3]; /* as hbil_frame has it */
   float sky_share;         /* as hbil_frame has it */
+  /* Of AO and E_near: error_estimate over the standard deviation of what
+   * recompose averages.  They are measured figures of the library. */
+  double error_factors[2];
   unsigned frame_index;    /* rotates the sampling pattern */
   exact_estimate estimate; /* exact_run_frame() sets it, and `bounces`: how */
   unsigned bounces;        /* often the carried light was carried over */

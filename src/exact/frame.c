@@ -21,7 +21,7 @@ exact_status exact_state_create(exact_state *state, int width, int height) {
               {&state->carried, HBIL_CARRIED_PLANES},
               {&state->split, HBIL_SPLIT_PLANES},
               {&state->gathered, EXACT_GLOSSY_GATHERED},
-              {&state->resolved, EXACT_GLOSSY_RESOLVED},
+              {&state->resolved, EXACT_RESOLVED_PLANES},
               {&state->out, EXACT_OUTPUT_PLANES}};
   exact_status status = EXACT_SUCCESS;
   memset(state, 0, sizeof(*state));

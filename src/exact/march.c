@@ -41,16 +41,28 @@ static double depth_tolerance(const hbil_config *c) {
                                                    : ldexp(1.0, -22);
 }
 
+/* The unit roundoff of a normal's components, with a margin of eight.  An error
+ * in octahedral coordinates turns the normal by sqrt(18) times as much at most.
+ */
+static double normal_tolerance(const hbil_config *c) {
+  static const int bits[] = {
+      [HBIL_FLOAT16] = 10, [HBIL_UNORM8] = 7,   [HBIL_SNORM8] = 7,
+      [HBIL_UNORM16] = 15, [HBIL_SNORM16] = 15, [HBIL_RGB10A2_UNORM] = 9,
+      [HBIL_IMAGE] = 0};
+  const int exponent = bits[c->inputs.normal.component];
+  const double input = exponent ? ldexp(1.0, -exponent) : 0.0;
+  const double octahedral =
+      c->inputs.normal_encoding == HBIL_NORMAL_OCTAHEDRAL ? 4.0 : 1.0;
+  const double stored =
+      ldexp(1.0, c->sampling.storage != HBIL_STORAGE_FLOAT32 ? -13 : -21);
+  return fmax(input * octahedral, stored);
+}
+
 /* What the rounding of the normal alone may raise a sample of the receiver's
- * own plane by: eight times the normal's unit roundoff, in the plane's
- * gradient. */
+ * own plane by, in the plane's gradient. */
 static double least_excess(const hbil_config *c, const surface *s) {
   const double cosine = -vec_dot(s->normal, s->ray) / vec_length(s->ray);
-  const double unit =
-      ldexp(1.0, c->inputs.normal.component == HBIL_FLOAT16    ? -10
-                 : c->sampling.storage != HBIL_STORAGE_FLOAT32 ? -13
-                                                               : -21);
-  return unit * s->unit / (cosine * cosine * vec_length(s->ray));
+  return normal_tolerance(c) * s->unit / (cosine * cosine * vec_length(s->ray));
 }
 
 receiver exact_receiver(const exact_frame *frame, const exact_planes *split,

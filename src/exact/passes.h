@@ -51,7 +51,8 @@ exact_status exact_gather_dense(const exact_frame *frame,
 bool exact_weighs_slices(const hbil_config *config);
 
 /* SPLIT, GATHERED -> RESOLVED.  RESOLVED has HBIL_LIGHT_PLANES or more planes;
- * HBIL_LIGHT_UNKNOWN is written where it is there and the settings use it. */
+ * HBIL_LIGHT_UNKNOWN is written where it is there and the settings use it, and
+ * so are the planes of exact/glossy.h. */
 void exact_recompose(const exact_frame *frame, const exact_planes *split,
                      const exact_planes *gathered, exact_planes *resolved);
 /* RESOLVED -> outputs and the next frame's HISTORY.  Without HBIL_LIGHT_UNKNOWN

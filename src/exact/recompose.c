@@ -114,6 +114,48 @@ static double add_lobe(const exact_planes *gathered, double weight, int x,
                             x + dx, y + dy);
 }
 
+/* Weighted squares of AO and of the channels of E_near, about their means;
+ * these must be known. */
+static void add_spread(const exact_planes *gathered, double ratio, int x, int y,
+                       const double mean[HBIL_LIGHT_BENT], double square[2]) {
+  for (int p = 0; p < HBIL_LIGHT_BENT; ++p) {
+    const double off = *exact_at(gathered, p, x, y) - mean[p];
+    square[p >= HBIL_LIGHT_RED] += ratio * off * off;
+  }
+}
+
+/* A neighbour's weight in what is a ratio: AO and irradiance. */
+static double ratio_weight(const exact_frame *frame,
+                           const exact_planes *gathered, double weight, int x,
+                           int y) {
+  return exact_weighs_slices(frame->config)
+             ? weight * *exact_at(gathered, HBIL_LIGHT_WEIGHT, x, y)
+             : weight;
+}
+
+/* The errors of the means that `resolved` has, whose weights sum up to total.
+ */
+static void estimate_errors(const exact_frame *frame, const surface *s,
+                            const exact_planes *split,
+                            const exact_planes *gathered, double total, int x,
+                            int y, exact_planes *resolved) {
+  const int down = rows_below(frame);
+  double mean[HBIL_LIGHT_BENT], square[2] = {0.0, 0.0};
+  for (int p = 0; p < HBIL_LIGHT_BENT; ++p)
+    mean[p] = *exact_at(resolved, p, x, y);
+  for (int tap = 0; tap < 5 * (2 * down + 1); ++tap) {
+    const int dx = tap % 5 - 2, dy = tap / 5 - down;
+    const double weight = tap_weight(frame, s, split, x, y, dx, dy);
+    if (weight > 0.0)
+      add_spread(gathered,
+                 ratio_weight(frame, gathered, weight, x + dx, y + dy), x + dx,
+                 y + dy, mean, square);
+  }
+  for (int i = 0; i < 2; ++i)
+    *exact_at(resolved, EXACT_RESOLVED_ERRORS + i, x, y) =
+        frame->error_factors[i] * sqrt(square[i] / (total * (i ? 3.0 : 1.0)));
+}
+
 static void recompose_pixel(const exact_frame *frame, const exact_planes *split,
                             const exact_planes *gathered, int x, int y,
                             exact_planes *resolved) {
@@ -134,9 +176,7 @@ static void recompose_pixel(const exact_frame *frame, const exact_planes *split,
     const double weight = tap_weight(frame, &s, split, x, y, dx, dy);
     if (!(weight > 0.0))
       continue;
-    double ratio = weight; /* of what is a ratio: AO and irradiance */
-    if (exact_weighs_slices(frame->config))
-      ratio *= *exact_at(gathered, HBIL_LIGHT_WEIGHT, x + dx, y + dy);
+    const double ratio = ratio_weight(frame, gathered, weight, x + dx, y + dy);
     total += ratio;
     for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
       *exact_at(resolved, p, x, y) += (p < HBIL_LIGHT_BENT ? ratio : weight) *
@@ -151,6 +191,8 @@ static void recompose_pixel(const exact_frame *frame, const exact_planes *split,
     *exact_at(resolved, p, x, y) /= fmax(whole_lobe, DBL_MIN);
   for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
     *exact_at(resolved, p, x, y) /= total;
+  if (resolved->count >= EXACT_RESOLVED_PLANES)
+    estimate_errors(frame, &s, split, gathered, total, x, y, resolved);
   if (fills)
     fill_unknown(frame, &s, unknown / total, x, y, resolved);
   if (fills && resolved->count > HBIL_LIGHT_UNKNOWN)

@@ -5,31 +5,11 @@
 #include <stdbool.h>
 #include <string.h>
 
-#define KIND(group, field, define, channels)                                   \
-  {                                                                            \
-#field, define, channels, offsetof(hbil_config, group.field),              \
-        offsetof(hbil_frame, field)                                            \
-  }
+#define KIND(id, group, field, channels)                                       \
+  {#field, #id, channels, offsetof(hbil_config, group.field),                  \
+   offsetof(hbil_frame, field)},
 
-const plane_kind plane_kinds[PLANE_COUNT] = {
-    [PLANE_DEPTH] = KIND(inputs, depth, "DEPTH", 1),
-    [PLANE_NORMAL] = KIND(inputs, normal, "NORMAL", 3),
-    [PLANE_ALBEDO] = KIND(inputs, albedo, "ALBEDO", 3),
-    [PLANE_F0] = KIND(inputs, f0, "F0", 3),
-    [PLANE_DIRECT] = KIND(inputs, direct, "DIRECT", 3),
-    [PLANE_EMISSION] = KIND(inputs, emission, "EMISSION", 3),
-    [PLANE_MOTION] = KIND(inputs, motion, "MOTION", 2),
-    [PLANE_NEAR] = KIND(outputs, near_irradiance, "NEAR", 3),
-    [PLANE_FAR] = KIND(outputs, far_irradiance, "FAR", 3),
-    [PLANE_AO] = KIND(outputs, ao, "AO", 1),
-    [PLANE_BENT] = KIND(outputs, bent_normal, "BENT", 3),
-    [PLANE_CONE] = KIND(outputs, cone_cosine, "CONE", 1),
-    [PLANE_INDIRECT] = KIND(outputs, indirect, "INDIRECT", 3),
-    [PLANE_BEAUTY] = KIND(outputs, beauty, "BEAUTY", 3),
-    [PLANE_ERROR] = KIND(outputs, error_estimate, "ERROR", 2),
-    [PLANE_UNKNOWN] = KIND(outputs, unknown, "UNKNOWN", 1),
-    [PLANE_GLOSSY] = KIND(outputs, glossy, "GLOSSY", 3),
-};
+const plane_kind plane_kinds[PLANE_COUNT] = {PLANE_LIST(KIND)};
 
 const component_kind component_kinds[COMPONENT_COUNT] = {
     [HBIL_NONE] = {"HBIL_NONE", "none", 1, false, 0.0f},

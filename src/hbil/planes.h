@@ -7,30 +7,8 @@
 
 #include "hbil/hbil.h"
 #include "names.h"
+#include "plane_list.h"
 #include "shared.h"
-
-/* Planes of a frame, inputs first. */
-enum {
-  PLANE_DEPTH,
-  PLANE_NORMAL,
-  PLANE_ALBEDO,
-  PLANE_F0,
-  PLANE_DIRECT,
-  PLANE_EMISSION,
-  PLANE_MOTION,
-  PLANE_NEAR,
-  PLANE_FAR,
-  PLANE_AO,
-  PLANE_BENT,
-  PLANE_CONE,
-  PLANE_INDIRECT,
-  PLANE_BEAUTY,
-  PLANE_ERROR,
-  PLANE_UNKNOWN,
-  PLANE_GLOSSY,
-  PLANE_COUNT,
-  PLANE_FIRST_OUTPUT = PLANE_NEAR
-};
 
 /* A set of planes has a bit for each. */
 #define PLANE_BIT(plane) (1u << (plane))

@@ -65,19 +65,18 @@ static double error_of(const exact_planes *a, const exact_planes *b, int first,
 /* At most 5 % of the surfaces' pixels have larger errors than estimated; what
  * the filter can't tell from rounding, 1e-3, is allowed.  If more than 95 % had
  * less than a twentieth, the bound would be too wide to be of use. */
-static void check_estimates(setup *s, const float *estimate,
-                            const exact_planes *want) {
+static void check_estimates(setup *s, const exact_planes *want) {
   exact_planes got = outputs_read(s);
+  const double *estimate = got.values + EXACT_ERROR_ESTIMATE * PIXELS;
   const double mean = mean_light(want, s->input[EXACT_DEPTH]);
   int count = 0, ao = 0, light = 0, tiny_ao = 0, tiny_light = 0;
   for (int i = 0; i < PIXELS; ++i) {
     if (!(s->input[EXACT_DEPTH][i] > 0.0f)) {
-      assert_true(estimate[i] == 0.0f && estimate[PIXELS + i] == 0.0f);
+      assert_true(estimate[i] == 0.0 && estimate[PIXELS + i] == 0.0);
       continue;
     }
     ++count;
-    const double of_ao = (double)estimate[i];
-    const double of_light = (double)estimate[PIXELS + i];
+    const double of_ao = estimate[i], of_light = estimate[PIXELS + i];
     const double off = error_of(&got, want, EXACT_AO, 1, i);
     const double light_off = error_of(&got, want, EXACT_NEAR_IRRADIANCE, 3, i);
     ao += off > of_ao + 1e-3;
@@ -100,7 +99,6 @@ static void check_estimates(setup *s, const float *estimate,
 static void check_sampling(float thickness, hbil_resolution resolution,
                            cl_uint slices, cl_uint steps,
                            const exact_planes *want) {
-  const size_t size = 2 * PIXELS * sizeof(float);
   setup s;
   prepare(&s, thickness);
   s.config.sampling.slices = slices;
@@ -108,13 +106,8 @@ static void check_sampling(float thickness, hbil_resolution resolution,
   s.config.sampling.resolution = resolution;
   s.config.outputs.error_estimate = one_float;
   setup_start(&s);
-  s.frame.error_estimate.buffer = buffer_new(s.device, size, NULL);
   setup_run(&s, hbil_enqueue_frame);
-  float *estimate = (float *)(void *)buffer_bytes(
-      s.device, s.frame.error_estimate.buffer, NULL);
-  check_estimates(&s, estimate, want);
-  free(estimate);
-  clReleaseMemObject(s.frame.error_estimate.buffer);
+  check_estimates(&s, want);
   setup_free(&s);
 }
 
@@ -135,9 +128,8 @@ static void errors_are_within_their_estimates_at_half_resolution(void **state) {
   check_resolution(*state, HBIL_RESOLUTION_HALF);
 }
 
-/* The estimate of E_near of a frame whose light is multiplied by 2^exponent. */
-static float *bright_estimate(int exponent) {
-  const size_t size = 2 * PIXELS * sizeof(float);
+/* The outputs of a frame whose light is multiplied by 2^exponent. */
+static exact_planes bright_frame(int exponent) {
   setup s;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   s.config.history.reprojection = HBIL_REPROJECTION_NONE;
@@ -150,40 +142,38 @@ static float *bright_estimate(int exponent) {
           ldexpf(s.input[EXACT_EMISSION + c][i], exponent);
     }
   setup_start(&s);
-  s.frame.error_estimate.buffer = buffer_new(s.device, size, NULL);
   setup_run(&s, hbil_enqueue_frame);
-  float *estimate = (float *)(void *)buffer_bytes(
-      s.device, s.frame.error_estimate.buffer, NULL);
-  clReleaseMemObject(s.frame.error_estimate.buffer);
+  exact_planes out = outputs_read(&s);
   setup_free(&s);
-  return estimate;
+  return out;
 }
 
 /* The squares of light of 2e19 and more are not finite floats, those of 1e-19
  * and less are 0, and a neighbourhood may have both kinds of light. */
 static void bright_light_has_estimates_in_proportion(void **state) {
   static const int exponents[] = {20, 49, 52, 55, 64, 80, 94};
-  float *want = bright_estimate(0);
+  exact_planes dim = bright_frame(0);
+  const double *want = dim.values + EXACT_ERROR_ESTIMATE * PIXELS;
   double mean = 0.0;
   (void)state;
   for (int i = PIXELS; i < 2 * PIXELS; ++i)
-    mean += (double)want[i] / PIXELS;
+    mean += want[i] / PIXELS;
   assert_true(mean > 1e-3);
   for (size_t k = 0; k < sizeof exponents / sizeof *exponents; ++k) {
-    float *got = bright_estimate(exponents[k]);
+    exact_planes bright = bright_frame(exponents[k]);
+    const double *got = bright.values + EXACT_ERROR_ESTIMATE * PIXELS;
     double most = 0.0;
     for (int i = 0; i < 2 * PIXELS; ++i) {
-      const double value = (double)got[i];
-      const double scaled = i < PIXELS ? value : ldexp(value, -exponents[k]);
+      const double scaled = i < PIXELS ? got[i] : ldexp(got[i], -exponents[k]);
       if (!isfinite(got[i]))
-        fail_msg("light of 2^%d: value %d is %g", exponents[k], i, value);
-      most = fmax(most, fabs(scaled - (double)want[i]) / mean);
+        fail_msg("light of 2^%d: value %d is %g", exponents[k], i, got[i]);
+      most = fmax(most, fabs(scaled - want[i]) / mean);
     }
     /* differences of squares: see errors_of() */
     check_at_most("change of the estimate over its mean", most, 0x1p-9);
-    free(got);
+    exact_planes_free(&bright);
   }
-  free(want);
+  exact_planes_free(&dim);
 }
 
 int main(void) {

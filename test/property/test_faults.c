@@ -4,98 +4,14 @@
  * as if nothing had happened.
  */
 #define _POSIX_C_SOURCE 200809L /* mkdtemp, setenv */
-#include "test/support/fixture.h"
-#include "test/support/shim.h"
+#include "test/support/fault.h"
 
-#include <ctype.h>
 #include <stdio.h>
 #include <unistd.h>
 
 /* Small: the number of calls decides how long this takes. Two rows of spans. */
 #define WIDTH 40
 #define HEIGHT 24
-
-static const cl_int errors[] = {CL_OUT_OF_RESOURCES,
-                                CL_MEM_OBJECT_ALLOCATION_FAILURE,
-                                CL_OUT_OF_HOST_MEMORY, CL_INVALID_OPERATION};
-static const hbil_status statuses[] = {
-    HBIL_OUT_OF_DEVICE_MEMORY, HBIL_OUT_OF_DEVICE_MEMORY,
-    HBIL_OUT_OF_HOST_MEMORY, HBIL_OPENCL_ERROR};
-static const char *const names[] = {
-    "CL_OUT_OF_RESOURCES", "CL_MEM_OBJECT_ALLOCATION_FAILURE",
-    "CL_OUT_OF_HOST_MEMORY", "CL_INVALID_OPERATION"};
-/* Frames make many calls, and are tested with the first two errors. */
-enum { ERRORS = sizeof errors / sizeof *errors, FRAME_ERRORS = 2 };
-
-/* The result of an attempt in which call `nth` should fail. */
-typedef struct outcome {
-  int nth;
-  const char *failed; /* NULL: it made fewer calls */
-  hbil_status status;
-} outcome;
-
-/* The status that must follow from a failing call. A failed release can't be
- * repaired, so it is ignored. A missing event costs nothing but timings. A
- * build that fails for another reason than memory is a compiler error. */
-static hbil_status follows(const char *call, hbil_status error) {
-  if (!call || strncmp(call, "clRelease", 9) == 0 ||
-      strcmp(call, "clRetainEvent") == 0)
-    return HBIL_SUCCESS;
-  return error == HBIL_OPENCL_ERROR && strcmp(call, "clBuildProgram") == 0
-             ? HBIL_BUILD_FAILED
-             : error;
-}
-
-static void check_status(const outcome *o, int e) {
-  const hbil_status want = follows(o->failed, statuses[e]);
-  if (o->status != want)
-    fail_msg("call %d, %s: \"%s\", expected \"%s\"", o->nth,
-             o->failed ? o->failed : "none", hbil_status_string(o->status),
-             hbil_status_string(want));
-}
-
-/* Calls whose messages name a kernel, as in "clCreateKernel(split): ...". */
-static bool names_kernel(const char *call, const char *message) {
-  static const char *const calls[] = {
-      "clCreateProgramWithSource", "clBuildProgram", "clCreateKernel",
-      "clSetKernelArg", "clEnqueueNDRangeKernel"};
-  const size_t length = strlen(call);
-  for (size_t i = 0; i < sizeof calls / sizeof *calls; ++i)
-    if (!strcmp(call, calls[i]))
-      return !strncmp(message, call, length) && message[length] == '(' &&
-             isalpha((unsigned char)message[length + 1]);
-  return true;
-}
-
-/* Checks status and message of an attempt in which errors[e] was returned.
- * context: NULL if there was none yet. */
-static void check_outcome(const hbil_context *context, const outcome *o,
-                          int e) {
-  const char *message = hbil_context_message(context);
-  check_status(o, e);
-  if (o->status != HBIL_SUCCESS && !strstr(message, names[e]))
-    fail_msg("call %d, %s: %s is not named in the message \"%s\"", o->nth,
-             o->failed, names[e], message);
-  if (o->status != HBIL_SUCCESS && !names_kernel(o->failed, message))
-    fail_msg("call %d, %s: no kernel is named in the message \"%s\"", o->nth,
-             o->failed, message);
-}
-
-static void check_held(const outcome *o, long want) {
-  if (shim_references() != want)
-    fail_msg("call %d, %s: %ld references are held, expected %ld", o->nth,
-             o->failed ? o->failed : "none", shim_references(), want);
-}
-
-/* `statement` with a fault in it. */
-#define ATTEMPT(n, error, statement)                                           \
-  (shim_fail((n), (error)), attempted((n), (statement)))
-
-static outcome attempted(int nth, hbil_status status) {
-  const outcome o = {nth, shim_failed(), status};
-  shim_fail(0, CL_SUCCESS);
-  return o;
-}
 
 /* ------------------------------------------------------------------------ */
 /* Creating and destroying                                                   */
@@ -111,11 +27,11 @@ static hbil_status make_context(void) {
 
 static void contexts_leave_nothing(void **state) {
   (void)state;
-  for (int e = 0; e < ERRORS; ++e) {
+  for (int e = 0; e < FAULTS; ++e) {
     const long held = shim_references();
     outcome o = {0, "", HBIL_SUCCESS};
     for (int n = 1; o.failed; ++n) {
-      o = ATTEMPT(n, errors[e], make_context());
+      o = ATTEMPT(n, faults[e], make_context());
       check_outcome(NULL, &o, e);
       check_held(&o, held);
     }
@@ -144,11 +60,11 @@ static void plans_leave_nothing(void **state) {
   setup s;
   (void)state;
   prepare(&s);
-  for (int e = 0; e < ERRORS; ++e) {
+  for (int e = 0; e < FAULTS; ++e) {
     const long held = shim_references();
     outcome o = {0, "", HBIL_SUCCESS};
     for (int n = 1; o.failed; ++n) {
-      o = ATTEMPT(n, errors[e], make_plan(&s.config));
+      o = ATTEMPT(n, faults[e], make_plan(&s.config));
       check_outcome(shared_device.hbil, &o, e);
       check_held(&o, held);
     }
@@ -231,13 +147,13 @@ static void frames_can_be_repeated(void **state) {
   load(&t, 0);
   setup_run(&t.plain, hbil_enqueue_frame);
   setup_run(&t.faulty, hbil_enqueue_frame);
-  for (int e = 0; e < FRAME_ERRORS; ++e) {
+  for (int e = 0; e < MEMORY_FAULTS; ++e) {
     outcome o = {0, "", HBIL_SUCCESS};
     for (int n = 1; o.failed; ++n) {
       hbil_statistics skipped;
       load(&t, n % 2 ? 3 : 0);
       setup_run(&t.plain, hbil_enqueue_frame);
-      o = ATTEMPT(n, errors[e], frame(&t.faulty));
+      o = ATTEMPT(n, faults[e], frame(&t.faulty));
       check_outcome(shared_device.hbil, &o, e);
       if (o.status != HBIL_SUCCESS)
         setup_run(&t.faulty, hbil_enqueue_frame);
@@ -449,7 +365,7 @@ static void frames_of_images_can_be_repeated(void **state) {
   for (int n = 1; o.failed; ++n) {
     load_images(&t, n % 2 ? 3 : 0);
     assert_success(&t.s, image_frame(&t, false, hbil_enqueue_frame));
-    o = ATTEMPT(n, errors[0], image_frame(&t, true, hbil_enqueue_frame));
+    o = ATTEMPT(n, faults[0], image_frame(&t, true, hbil_enqueue_frame));
     check_outcome(shared_device.hbil, &o, 0);
     if (o.status != HBIL_SUCCESS)
       assert_success(&t.s, image_frame(&t, true, hbil_enqueue_frame));
@@ -474,7 +390,7 @@ static void composite_to_images_can_be_repeated(void **state) {
     assert_success(&t.s, image_frame(&t, false, hbil_enqueue_frame));
     for (size_t i = 0; i < sizeof passes / sizeof *passes; ++i)
       assert_success(&t.s, image_frame(&t, true, passes[i]));
-    o = ATTEMPT(n, errors[0], image_frame(&t, true, enqueue_composite));
+    o = ATTEMPT(n, faults[0], image_frame(&t, true, enqueue_composite));
     check_outcome(shared_device.hbil, &o, 0);
     if (o.status != HBIL_SUCCESS)
       assert_success(&t.s, image_frame(&t, true, hbil_enqueue_frame));
@@ -506,11 +422,11 @@ static void questions_can_be_asked_again(void **state) {
   start_step(&t);
   setup_run(&t.faulty, hbil_enqueue_frame);
   for (size_t q = 0; q < sizeof questions / sizeof *questions; ++q)
-    for (int e = 0; e < ERRORS; ++e) {
+    for (int e = 0; e < FAULTS; ++e) {
       const long held = shim_references();
       outcome o = {0, "", HBIL_SUCCESS};
       for (int n = 1; o.failed; ++n) {
-        o = ATTEMPT(n, errors[e], questions[q](&t));
+        o = ATTEMPT(n, faults[e], questions[q](&t));
         check_outcome(shared_device.hbil, &o, e);
         check_held(&o, held);
       }

@@ -1,167 +1,12 @@
 /*
- * The kernels' fp32 is near double precision, pass by pass, for contents and
- * cameras from extremes, and horizons are right from the tangent plane to the
- * zenith.
+ * Horizons are right from the tangent plane to the zenith.
  */
 #include "test/support/contents.h"
-#include "test/support/deviation.h"
 #include "test/support/stress.h"
 
 #include <stdio.h>
 
 #include "lib/sampling_pattern.h"
-
-/* A pass, and the stage it writes. */
-static exact_planes passed(setup *s, enqueue_function *pass, hbil_stage stage) {
-  setup_run(s, pass);
-  return stage_read(s, stage);
-}
-
-/* Light that is carried to the sky has no use: it is set to 0. */
-static void clear_sky(const setup *s, exact_planes *carried) {
-  for (int p = 0; p < carried->count; ++p)
-    for (int i = 0; i < PIXELS; ++i)
-      if (!(s->input[EXACT_DEPTH][i] > 0.0f &&
-            s->input[EXACT_DEPTH][i] < 1e15f))
-        carried->values[p * PIXELS + i] = 0.0;
-}
-
-static void measure_history(setup *s, const exact_planes *history,
-                            deviation *all) {
-  exact_planes got = passed(s, enqueue_reproject, HBIL_STAGE_CARRIED);
-  exact_planes want = checked_planes(WIDTH, HEIGHT, HBIL_CARRIED_PLANES);
-  checked_reproject(&s->job, history, &want);
-  add_deviation(all, REPROJECT, &got, 0, &want, 0, HBIL_CARRIED_PLANES);
-  checked_push_pull(&want);
-  exact_planes_free(&got);
-  got = passed(s, enqueue_push_pull, HBIL_STAGE_CARRIED);
-  clear_sky(s, &got);
-  clear_sky(s, &want);
-  add_deviation(all, PUSH_PULL, &got, 0, &want, 0, 3);
-  exact_planes_free(&got);
-  exact_planes_free(&want);
-}
-
-static void measure_split(setup *s, const exact_planes *carried,
-                          const exact_planes *got, deviation *all) {
-  exact_planes want = checked_planes(WIDTH, HEIGHT, HBIL_SPLIT_PLANES);
-  exact_split(&s->job, carried, &want);
-  for (int y = 0; y < HEIGHT; ++y)
-    for (int x = 0; x < WIDTH; ++x) { /* each w in units of itself */
-      const double w = fabs(*exact_at(&want, HBIL_SPLIT_W, x, y));
-      const double off = fabs(*exact_at(got, HBIL_SPLIT_W, x, y) /
-                                  *exact_at(&want, HBIL_SPLIT_W, x, y) -
-                              1.0);
-      deviation *f = all + SPLIT_W;
-      f->largest = fmax(f->largest, off);
-      f->sum += off;
-      f->squares += off * off;
-      f->count += w > 0.0;
-    }
-  add_deviation(all, SPLIT_NORMAL, got, HBIL_SPLIT_NORMAL, &want,
-                HBIL_SPLIT_NORMAL, 3);
-  add_deviation(all, SPLIT_LIGHT, got, HBIL_SPLIT_RED, &want, HBIL_SPLIT_RED,
-                3);
-  exact_planes_free(&want);
-}
-
-static void measure_composite(setup *s, const exact_planes *resolved,
-                              deviation *all) {
-  exact_planes want = checked_planes(WIDTH, HEIGHT, EXACT_OUTPUT_PLANES);
-  exact_planes history = checked_planes(WIDTH, HEIGHT, HBIL_HISTORY_PLANES);
-  setup_run(s, enqueue_composite);
-  exact_planes got = outputs_read(s);
-  exact_composite(&s->job, resolved, &want, &history);
-  add_deviation(all, COMPOSITE_FAR, &got, EXACT_FAR_IRRADIANCE, &want,
-                EXACT_FAR_IRRADIANCE, 3);
-  add_deviation(all, COMPOSITE_CONE, &got, EXACT_CONE_COSINE, &want,
-                EXACT_CONE_COSINE, 1);
-  add_deviation(all, COMPOSITE_INDIRECT, &got, EXACT_INDIRECT, &want,
-                EXACT_INDIRECT, 3);
-  add_deviation(all, COMPOSITE_BEAUTY, &got, EXACT_BEAUTY, &want, EXACT_BEAUTY,
-                3);
-  exact_planes_free(&got);
-  exact_planes_free(&want);
-  exact_planes_free(&history);
-}
-
-/* Runs a frame pass by pass, and compares each pass with double precision on
- * the same input: what the device's earlier passes wrote. */
-static void measure_frame(setup *s, bool has_history, deviation *all) {
-  exact_planes carried = {0}, split, gathered, resolved;
-  setup_upload(s);
-  if (has_history) {
-    exact_planes history = stage_read(s, HBIL_STAGE_HISTORY);
-    measure_history(s, &history, all);
-    exact_planes_free(&history);
-    carried = stage_read(s, HBIL_STAGE_CARRIED);
-  } else {
-    /* has nothing to do, which the statistics then tell */
-    setup_run(s, enqueue_reproject);
-  }
-  split = passed(s, enqueue_split, HBIL_STAGE_SPLIT);
-  measure_split(s, has_history ? &carried : NULL, &split, all);
-  gathered = passed(s, enqueue_gather, HBIL_STAGE_GATHERED);
-  exact_estimate_frame(&s->job, &split, &gathered);
-  exact_planes want = checked_planes(WIDTH, HEIGHT, HBIL_GATHERED_PLANES);
-  checked_gather(&s->job, &split, &want);
-  add_light_deviation(all, GATHER_AO, &gathered, &want, true, true);
-  exact_planes_free(&want);
-  resolved = passed(s, enqueue_recompose, HBIL_STAGE_RESOLVED);
-  want = checked_planes(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
-  exact_recompose(&s->job, &split, &gathered, &want);
-  add_light_deviation(all, RECOMPOSE_AO, &resolved, &want, true, true);
-  measure_composite(s, &resolved, all);
-  exact_planes_free(&want);
-  exact_planes_free(&resolved);
-  exact_planes_free(&gathered);
-  exact_planes_free(&split);
-  exact_planes_free(&carried);
-  s->job.previous = s->frame.camera;
-}
-
-static void check_content(plan_kind kind, content what, const camera_view *v) {
-  deviation all[DEVIATIONS] = {{0}};
-  random_state r = {stress_effort.seed};
-  setup *s = stress_begin(kind);
-  STRESS_CASE(
-      "%s, %s, seed %llu, field of view %g, off centre %g, %g, pixels 1 : %g",
-      stress_plan_names[kind], content_names[what],
-      (unsigned long long)stress_effort.seed, v ? v->fov : 0.0,
-      v ? v->off_x : 0.0, v ? v->off_y : 0.0, v ? v->pixel : 1.0);
-  for (uint32_t i = 0; i < 2; ++i) {
-    if (what == ROOM) {
-      stress_load_room(s, i);
-    } else {
-      if (v)
-        set_view(s, v);
-      load_content(s, what, i, &r);
-    }
-    s->frame.environment[0][0] = s->frame.environment[2][1] = 1.0f;
-    measure_frame(s, i > 0, all);
-    check_sane(s);
-  }
-  /* roundings of a normal and its ray over HBIL_MIN_COSINE: 1e-3 of a gradient
-   * where fewer digits are lost it is 1e-5 (measured: 3e-5 over all pixels) */
-  check_deviations(all, what == AWAY ? 10.0 : 1.0);
-}
-
-static void kernels_are_near_double(void **state) {
-  (void)state;
-  for (plan_kind kind = 0; kind < PACKED_SH; ++kind)
-    for (content what = 0; what < CONTENTS && stress_tries(kind); ++what)
-      check_content(kind, what, NULL);
-}
-
-static void cameras_of_all_kinds_are_near_double(void **state) {
-  (void)state;
-  for (plan_kind kind = 0; kind < PACKED_SH; ++kind)
-    for (size_t i = 0; i < VIEWS && stress_tries(kind); ++i)
-      check_content(kind, NOISE, &views[i]);
-}
-
-/* ------------------------------------------------------------------------ */
-/* Horizons at the zenith and at the tangent plane, in long double           */
 
 typedef long double real;
 
@@ -284,10 +129,7 @@ static void horizons_from_the_tangent_plane_to_the_zenith(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(kernels_are_near_double),
-      cmocka_unit_test(cameras_of_all_kinds_are_near_double),
-      cmocka_unit_test(horizons_from_the_tangent_plane_to_the_zenith),
-  };
+      cmocka_unit_test(horizons_from_the_tangent_plane_to_the_zenith)};
   stress_read_effort();
   return RUN_WITH_DEVICE(tests);
 }

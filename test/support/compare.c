@@ -31,27 +31,49 @@ double relative_rmse(const exact_planes *got, const exact_planes *want,
   return size > 0.0 ? sqrt(off / size) : sqrt(off);
 }
 
-double relative_rmse_but_one(const exact_planes *got, const exact_planes *want,
-                             int first, int count, double *one) {
+static int ascending(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Sum of the squared differences; infinite where one is not finite. */
+static double squares_but_few(const exact_planes *got, const exact_planes *want,
+                              int first, int count, int few) {
   const size_t pixels = (size_t)want->width * (size_t)want->height;
   size_t total, start = range_of(want, first, count, &total);
-  double off = 0.0, size = 0.0, farthest = 0.0;
-  for (size_t p = start; p < start + pixels; ++p) {
-    double pixel = 0.0;
-    for (size_t i = p; i < p + total; i += pixels) {
-      double d = got->values[i] - want->values[i];
-      pixel += d * d;
-      size += want->values[i] * want->values[i];
-    }
-    /* the sum leaves out the farthest so far: the difference of two sums would
-     * cancel */
-    off += fmin(pixel, farthest);
-    farthest = fmax(pixel, farthest);
-    if (!isfinite(pixel))
-      off = INFINITY;
+  double *off = calloc(pixels, sizeof *off), sum = 0.0;
+  assert_non_null(off);
+  for (size_t i = start; i < start + total; ++i) {
+    const double d = got->values[i] - want->values[i];
+    off[(i - start) % pixels] += isfinite(d) ? d * d : HUGE_VAL;
   }
-  *one = size > 0.0 ? sqrt(farthest * (double)pixels / size) : sqrt(farthest);
+  qsort(off, pixels, sizeof *off, ascending);
+  for (size_t i = 0; i + (size_t)few < pixels; ++i)
+    sum += off[i];
+  if (off[pixels - 1] == HUGE_VAL)
+    sum = HUGE_VAL;
+  free(off);
+  return sum;
+}
+
+double relative_rmse_but_few(const exact_planes *got, const exact_planes *want,
+                             int first, int count, int few) {
+  size_t total, start = range_of(want, first, count, &total);
+  const double off = squares_but_few(got, want, first, count, few);
+  double size = 0.0;
+  for (size_t i = start; i < start + total; ++i)
+    size += want->values[i] * want->values[i];
   return size > 0.0 ? sqrt(off / size) : sqrt(off);
+}
+
+double rms_over_largest(const exact_planes *got, const exact_planes *want,
+                        int first, int count, int few) {
+  size_t total;
+  range_of(want, first, count, &total);
+  const double most = largest_value(want, first, count);
+  const double rms =
+      sqrt(squares_but_few(got, want, first, count, few) / (double)total);
+  return most > 0.0 ? rms / most : rms;
 }
 
 double largest_error(const exact_planes *got, const exact_planes *want,

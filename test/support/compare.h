@@ -29,11 +29,14 @@ void check_at_most(const char *what, double value, double limit);
  * `want`; infinite when `got` holds a value that is not finite. */
 double relative_rmse(const exact_planes *got, const exact_planes *want,
                      int first, int count);
-/* The same without the pixel that is farthest off; *one: how far off that one
- * is, relative to the root mean square of `want` over pixels.  Where a value is
- * not finite the result is infinite. */
-double relative_rmse_but_one(const exact_planes *got, const exact_planes *want,
-                             int first, int count, double *one);
+/* The same without the `few` pixels that are farthest off; where a value is not
+ * finite the result is infinite. */
+double relative_rmse_but_few(const exact_planes *got, const exact_planes *want,
+                             int first, int count, int few);
+/* The root of the mean squared difference relative to the largest value, also
+ * without these. */
+double rms_over_largest(const exact_planes *got, const exact_planes *want,
+                        int first, int count, int few);
 /* Largest difference; infinite when one is not finite. */
 double largest_error(const exact_planes *got, const exact_planes *want,
                      int first, int count);

@@ -21,7 +21,7 @@ static const float odd_normals[][3] = {
     {0, 0, -INFINITY}, {1, 0, 0},          {0, -5e-9f, 0},   {NAN, NAN, NAN}};
 
 /* Replaces a value with some probability. */
-#define SPOIL(r, share, value, values)                                         \
+#define SPOIL_VALUE(r, share, value, values)                                   \
   do                                                                           \
     if (random_unit(r) < (share))                                              \
       (value) = ANY_OF(r, values);                                             \
@@ -30,20 +30,20 @@ static const float odd_normals[][3] = {
 void spoil(setup *s, random_state *r, double share) {
   const size_t pixels = (size_t)s->config.width * s->config.height;
   for (size_t i = 0; i < pixels; ++i) {
-    SPOIL(r, share, s->input[EXACT_DEPTH][i], odd_depths);
+    SPOIL_VALUE(r, share, s->input[EXACT_DEPTH][i], odd_depths);
     if (random_unit(r) < share) {
       const float *n = ANY_OF(r, odd_normals);
       for (int c = 0; c < 3; ++c)
         s->input[EXACT_NORMAL + c][i] = n[c];
     }
     for (int c = 0; c < 3; ++c) {
-      SPOIL(r, share, s->input[EXACT_ALBEDO + c][i], odd_shares);
-      SPOIL(r, share, s->input[EXACT_F0 + c][i], odd_shares);
-      SPOIL(r, share, s->input[EXACT_DIRECT + c][i], odd_light);
-      SPOIL(r, share, s->input[EXACT_EMISSION + c][i], odd_light);
+      SPOIL_VALUE(r, share, s->input[EXACT_ALBEDO + c][i], odd_shares);
+      SPOIL_VALUE(r, share, s->input[EXACT_F0 + c][i], odd_shares);
+      SPOIL_VALUE(r, share, s->input[EXACT_DIRECT + c][i], odd_light);
+      SPOIL_VALUE(r, share, s->input[EXACT_EMISSION + c][i], odd_light);
     }
     for (int c = 0; c < 2; ++c)
-      SPOIL(r, share, s->input[EXACT_MOTION + c][i], odd_motion);
+      SPOIL_VALUE(r, share, s->input[EXACT_MOTION + c][i], odd_motion);
   }
 }
 

@@ -1,6 +1,6 @@
 #include "test/support/fixture.h"
-
 #include "hbil/hbil_stages.h"
+#include "shared.h"
 #include "test/support/shim.h"
 
 const hbil_plane_format one_float = {HBIL_FLOAT32, 1};
@@ -108,7 +108,8 @@ void setup_mode(setup *s, hbil_mode mode) {
             s->config.outputs.glossy.component = HBIL_NONE;
   if (mode == HBIL_MODE_HBAO)
     s->config.outputs.bent_normal.component =
-        s->config.outputs.cone_cosine.component = HBIL_NONE;
+        s->config.outputs.cone_cosine.component =
+            s->config.outputs.error_estimate.component = HBIL_NONE;
 }
 
 size_t setup_memory(const setup *s) {
@@ -327,9 +328,20 @@ PASS_FUNCTION(recompose, HBIL_PASS_RECOMPOSE)
 PASS_FUNCTION(temporal, HBIL_PASS_TEMPORAL)
 PASS_FUNCTION(composite, HBIL_PASS_COMPOSITE)
 
+/* The library measured these, so the exact passes take them over. */
+static void take_error_factors(setup *s) {
+  hbil_recompose_args args;
+  if (!has_plane(s, PLANE_ERROR) || !shim_has_argument("recompose", 0))
+    return;
+  shim_argument("recompose", 0, sizeof args, &args);
+  s->job.error_factors[0] = (double)args.errors.ao;
+  s->job.error_factors[1] = (double)args.errors.near_irradiance;
+}
+
 void setup_run(setup *s, enqueue_function *pass) {
   assert_success(s, pass(s->plan, s->device->queue, &s->frame, 0, NULL, NULL));
   assert_int_equal(clFinish(s->device->queue), CL_SUCCESS);
+  take_error_factors(s);
 }
 
 /* ------------------------------------------------------------------------ */

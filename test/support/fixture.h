@@ -14,6 +14,16 @@
 
 #include "scene/scene.h"
 
+/* In a function that spoils a struct in the way `which`, an int, and returns
+ * the field that a message must name: one way. */
+#define SPOIL(field, statement)                                                \
+  do                                                                           \
+    if (which-- == 0) {                                                        \
+      statement;                                                               \
+      return field;                                                            \
+    }                                                                          \
+  while (0)
+
 /* Formats of planes of floats. */
 extern const hbil_plane_format one_float, three_floats;
 

@@ -4,37 +4,18 @@
 #include <string.h>
 
 #include "scene/store.h"
-#include "test/support/checked_exact.h"
 
 typedef struct plane_info {
   const char *name;
-  int channels, first;
+  int channels;
   size_t format, slot; /* offsets in hbil_config and hbil_frame */
 } plane_info;
 
-#define PLANE(group, field, channels, first)                                   \
-  {                                                                            \
-#field, channels, first, offsetof(hbil_config, group.field),               \
-        offsetof(hbil_frame, field)                                            \
-  }
+#define INFO(id, group, field, channels)                                       \
+  {#field, channels, offsetof(hbil_config, group.field),                       \
+   offsetof(hbil_frame, field)},
 
-static const plane_info infos[PLANE_COUNT] = {
-    PLANE(inputs, depth, 1, EXACT_DEPTH),
-    PLANE(inputs, normal, 3, EXACT_NORMAL),
-    PLANE(inputs, albedo, 3, EXACT_ALBEDO),
-    PLANE(inputs, f0, 3, EXACT_F0),
-    PLANE(inputs, direct, 3, EXACT_DIRECT),
-    PLANE(inputs, emission, 3, EXACT_EMISSION),
-    PLANE(inputs, motion, 2, EXACT_MOTION),
-    PLANE(outputs, near_irradiance, 3, EXACT_NEAR_IRRADIANCE),
-    PLANE(outputs, far_irradiance, 3, EXACT_FAR_IRRADIANCE),
-    PLANE(outputs, ao, 1, EXACT_AO),
-    PLANE(outputs, bent_normal, 3, EXACT_BENT_NORMAL),
-    PLANE(outputs, cone_cosine, 1, EXACT_CONE_COSINE),
-    PLANE(outputs, indirect, 3, EXACT_INDIRECT),
-    PLANE(outputs, beauty, 3, EXACT_BEAUTY),
-    PLANE(outputs, unknown, 1, EXACT_UNKNOWN),
-    PLANE(outputs, glossy, 3, EXACT_GLOSSY)};
+static const plane_info infos[PLANE_COUNT] = {PLANE_LIST(INFO)};
 
 const char *plane_name(plane_id id) {
   return infos[id].name;
@@ -45,7 +26,11 @@ int plane_channels(plane_id id) {
 }
 
 int plane_first(plane_id id) {
-  return infos[id].first;
+  int first = 0;
+  for (plane_id i = id < PLANE_FIRST_OUTPUT ? 0 : PLANE_FIRST_OUTPUT; i < id;
+       ++i)
+    first += infos[i].channels;
+  return first;
 }
 
 hbil_plane_format *plane_format(hbil_config *config, plane_id id) {

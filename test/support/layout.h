@@ -10,35 +10,13 @@
 #include <stdint.h>
 
 #include "hbil/hbil.h"
-
-/* In the order of the members of hbil_config. */
-typedef enum plane_id {
-  PLANE_DEPTH,
-  PLANE_NORMAL,
-  PLANE_ALBEDO,
-  PLANE_F0,
-  PLANE_DIRECT,
-  PLANE_EMISSION,
-  PLANE_MOTION,
-  PLANE_NEAR,
-  PLANE_FAR,
-  PLANE_AO,
-  PLANE_BENT,
-  PLANE_CONE,
-  PLANE_INDIRECT,
-  PLANE_BEAUTY,
-  PLANE_UNKNOWN,
-  PLANE_GLOSSY,
-  PLANE_COUNT
-} plane_id;
-
-#define PLANE_FIRST_OUTPUT PLANE_NEAR
+#include "hbil/plane_list.h"
 
 /* The name of the member of hbil_config. */
 const char *plane_name(plane_id id);
 int plane_channels(plane_id id);
 /* The first of its channels among all inputs (EXACT_DEPTH...) or all outputs
- * (EXACT_NEAR_IRRADIANCE...). */
+ * (EXACT_NEAR_IRRADIANCE...), whose order is the list's. */
 int plane_first(plane_id id);
 hbil_plane_format *plane_format(hbil_config *config, plane_id id);
 hbil_plane *plane_slot(hbil_frame *frame, plane_id id);

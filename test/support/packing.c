@@ -182,20 +182,26 @@ static double loss_of(int bits, double value, double most) {
   return 0.5 * (value < most ? packed_unit(most, bits) : own);
 }
 
+double packed_loss(const exact_planes *got, const exact_planes *want, int first,
+                   int bits, double before, int x, int y) {
+  const double most = most_of(want, first, x, y);
+  double worst = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    const double value = *exact_at(want, first + c, x, y);
+    const double off = fabs(*exact_at(got, first + c, x, y) - value);
+    if (!(off <= before)) /* loss_of() is 0 where there is no light */
+      worst = fmax(worst, isfinite(off)
+                              ? (off - before) / loss_of(bits, value, most)
+                              : HUGE_VAL);
+  }
+  return worst;
+}
+
 double packed_losses(const exact_planes *got, const exact_planes *want,
                      int first, int bits, double before) {
   double worst = 0.0;
   for (int y = 0; y < got->height; ++y)
-    for (int x = 0; x < got->width; ++x) {
-      double most = most_of(want, first, x, y);
-      for (int c = 0; c < 3; ++c) {
-        double value = *exact_at(want, first + c, x, y);
-        double off = fabs(*exact_at(got, first + c, x, y) - value);
-        if (!(off <= before)) /* loss_of() is 0 where there is no light */
-          worst = fmax(worst, isfinite(off)
-                                  ? (off - before) / loss_of(bits, value, most)
-                                  : INFINITY);
-      }
-    }
+    for (int x = 0; x < got->width; ++x)
+      worst = fmax(worst, packed_loss(got, want, first, bits, before, x, y));
   return worst;
 }

@@ -16,9 +16,12 @@ void decode_normal(uint32_t word, double n[3]);
  * largest channel. */
 double packed_unit(double most, int bits);
 
-/* The largest error of light, in planes from `first` on, relative to what its
- * words may lose, with mantissas of `bits` bits.  Errors of up to `before` are
- * those of earlier passes, and don't count. */
+/* The largest error of a pixel's light, in planes from `first` on, relative to
+ * what its words may lose, with mantissas of `bits` bits.  Errors of up to
+ * `before` are those of earlier passes, and don't count. */
+double packed_loss(const exact_planes *got, const exact_planes *want, int first,
+                   int bits, double before, int x, int y);
+/* The largest one. */
 double packed_losses(const exact_planes *got, const exact_planes *want,
                      int first, int bits, double before);
 

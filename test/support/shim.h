@@ -44,6 +44,8 @@ void shim_launch_only(const char *kernel);
  * a test gets at buffers that the library doesn't show, and at what it computes
  * for a kernel.  Fails the program unless the value has that size. */
 void shim_argument(const char *kernel, cl_uint index, size_t size, void *value);
+/* Whether it was ever set. */
+bool shim_has_argument(const char *kernel, cl_uint index);
 
 /* From now on clGetDeviceInfo() answers one question by `size` bytes at
  * `value`, which must stay valid; NULL: it answers all by itself. */

@@ -185,6 +185,13 @@ static void keep_argument(cl_kernel kernel, cl_uint index, size_t size,
   pthread_mutex_unlock(&lock);
 }
 
+bool shim_has_argument(const char *kernel, cl_uint index) {
+  pthread_mutex_lock(&lock);
+  const bool has = find_argument(kernel, index)->size > 0;
+  pthread_mutex_unlock(&lock);
+  return has;
+}
+
 void shim_argument(const char *kernel, cl_uint index, size_t size,
                    void *value) {
   pthread_mutex_lock(&lock);

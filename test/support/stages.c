@@ -5,17 +5,18 @@
 #include "exact/settings.h"
 #include "test/support/packing.h"
 
+enum { MOST_VALUES = EXACT_RESOLVED_PLANES + 3 };
+
 /* A stage's buffer, copied to the host. */
 typedef struct stage_bytes {
   hbil_buffer b;
   hbil_stage stage;
   size_t size;
   float *floats;
-  /* The plane that lies behind all others, wherever these end: its index (0:
-   * there is none), and which one of exact planes it is. */
-  int last, last_is;
-  /* Planes of glossy light: the first one, and how many there are. */
-  int glossy, glossy_count;
+  int plain; /* values from the first on that are those of exact planes 0.., or
+                words that hold these */
+  /* Which exact plane each value is, and how many planes there are. */
+  int plane[MOST_VALUES], planes;
 } stage_bytes;
 
 /* Whether the share that back-facing samples block is known. */
@@ -24,30 +25,63 @@ static bool has_unknown(const setup *s) {
          s->config.model.facing_fade[1] > -1.0f;
 }
 
+/* The last `count` values that aren't taken yet are exact planes from `first`
+ * on. */
+static void take(stage_bytes *t, int count, int first) {
+  for (int i = count - 1; i >= 0; --i)
+    t->plane[--t->plain] = first + i;
+  if (t->planes < first + count)
+    t->planes = first + count;
+}
+
+static void take_resolved(const setup *s, stage_bytes *t) {
+  const hbil_outputs *outputs = &s->config.outputs;
+  if (has_unknown(s) && outputs->unknown.component)
+    take(t, 1, HBIL_LIGHT_UNKNOWN);
+  if (outputs->error_estimate.component)
+    take(t, gathers_light(s) ? 2 : 1, EXACT_RESOLVED_ERRORS);
+  if (outputs->glossy.component)
+    take(t, HBIL_GLOSSY_PLANES, EXACT_GLOSSY_PLANES);
+}
+
+static void take_gathered(const setup *s, stage_bytes *t) {
+  if (s->config.outputs.glossy.component)
+    take(t, HBIL_GATHERED_GLOSSY_PLANES, EXACT_GLOSSY_PLANES);
+  if (exact_weighs_slices(&s->config))
+    take(t, 1, HBIL_LIGHT_WEIGHT);
+}
+
+bool gathers_light(const setup *s) {
+  hbil_buffer split;
+  assert_success(s, hbil_plan_buffer(s->plan, HBIL_STAGE_SPLIT, &split));
+  return split.values > (s->config.sampling.storage == HBIL_STORAGE_FLOAT32
+                             ? HBIL_SPLIT_RED
+                             : HBIL_PACKED_RADIANCE);
+}
+
+static bool is_packed(const setup *s, hbil_stage stage) {
+  return s->config.sampling.storage != HBIL_STORAGE_FLOAT32 &&
+         stage != HBIL_STAGE_RESOLVED && stage != HBIL_STAGE_TEMPORAL_HISTORY;
+}
+
+static int plain_planes(const setup *s, hbil_stage stage, int words);
+
 static stage_bytes stage_open(setup *s, hbil_stage stage) {
-  stage_bytes t;
+  stage_bytes t = {.stage = stage};
   assert_success(s, hbil_plan_buffer(s->plan, stage, &t.b));
-  t.stage = stage;
-  t.last = t.last_is = t.glossy = t.glossy_count = 0;
-  if (s->config.outputs.glossy.component && stage == HBIL_STAGE_GATHERED) {
-    t.glossy_count = HBIL_GATHERED_GLOSSY_PLANES;
-    t.glossy = (int)(t.b.values -= HBIL_GATHERED_GLOSSY_PLANES);
-  }
-  if (s->config.outputs.glossy.component && stage == HBIL_STAGE_RESOLVED) {
-    t.glossy_count = HBIL_GLOSSY_PLANES;
-    t.glossy = HBIL_LIGHT_PLANES;
-  }
-  if (stage == HBIL_STAGE_GATHERED && exact_weighs_slices(&s->config))
-    t.last_is = HBIL_LIGHT_WEIGHT;
-  if (stage == HBIL_STAGE_RESOLVED && has_unknown(s) &&
-      s->config.outputs.unknown.component)
-    t.last_is = HBIL_LIGHT_UNKNOWN;
-  if (t.last_is)
-    t.last = (int)--t.b.values;
-  if (t.glossy_count && t.b.values > HBIL_LIGHT_PLANES &&
-      stage == HBIL_STAGE_RESOLVED)
-    t.b.values = HBIL_LIGHT_PLANES;
+  t.plain = (int)t.b.values;
+  assert_true(t.plain <= MOST_VALUES);
+  if (stage == HBIL_STAGE_GATHERED)
+    take_gathered(s, &t);
+  if (stage == HBIL_STAGE_RESOLVED)
+    take_resolved(s, &t);
+  const int plain =
+      is_packed(s, stage) ? plain_planes(s, stage, t.plain) : t.plain;
+  if (t.planes < plain)
+    t.planes = plain;
   t.floats = (float *)(void *)buffer_bytes(s->device, t.b.buffer, &t.size);
+  for (int i = 0; i < t.plain; ++i)
+    t.plane[i] = i;
   return t;
 }
 
@@ -66,11 +100,6 @@ static float *stage_at(const stage_bytes *t, int plane, int x, int y) {
 /* ------------------------------------------------------------------------ */
 /* Packed stages                                                             */
 
-static bool is_packed(const setup *s, hbil_stage stage) {
-  return s->config.sampling.storage != HBIL_STORAGE_FLOAT32 &&
-         stage != HBIL_STAGE_RESOLVED && stage != HBIL_STAGE_TEMPORAL_HISTORY;
-}
-
 /* The number of planes that FLOAT32 would have in place of so many words. */
 static int plain_planes(const setup *s, hbil_stage stage, int words) {
   if (stage == HBIL_STAGE_HISTORY)
@@ -88,7 +117,7 @@ static int plain_planes(const setup *s, hbil_stage stage, int words) {
 
 static packed_pixel packed_at(const stage_bytes *t, int x, int y) {
   packed_pixel p = {{0, 0, 0, 0}, {0.0}};
-  for (int i = 0; i < (int)t->b.values; ++i)
+  for (int i = 0; i < t->plain; ++i)
     memcpy(p.word + i, stage_at(t, i, x, y), sizeof(*p.word));
   switch (t->stage) {
   case HBIL_STAGE_HISTORY:
@@ -138,7 +167,7 @@ static void write_packed(const stage_bytes *t, const exact_planes *planes) {
       for (int i = 0; i < planes->count && i < HBIL_GATHERED_PLANES; ++i)
         p.value[i] = *exact_at(planes, i, x, y);
       encode(t->stage, x, y, &p);
-      for (int i = 0; i < (int)t->b.values; ++i)
+      for (int i = 0; i < t->plain; ++i)
         memcpy(stage_at(t, i, x, y), p.word + i, sizeof(*p.word));
     }
 }
@@ -155,30 +184,15 @@ static void clear_left_out(const setup *s, exact_planes *gathered) {
 
 exact_planes stage_read(setup *s, hbil_stage stage) {
   stage_bytes t = stage_open(s, stage);
-  int count = (int)t.b.values;
-  exact_planes out;
-  if (is_packed(s, stage))
-    count = plain_planes(s, stage, count);
-  if (t.last)
-    count = t.last_is + 1;
-  if (t.glossy_count)
-    count = EXACT_GLOSSY_PLANES + t.glossy_count;
-  out = checked_planes((int)s->config.width, (int)s->config.height, count);
-  if (is_packed(s, stage))
+  exact_planes out =
+      checked_planes((int)s->config.width, (int)s->config.height, t.planes);
+  const bool packed = is_packed(s, stage);
+  if (packed)
     read_packed(&t, &out);
-  else
-    for (int p = 0; p < (int)t.b.values; ++p)
-      for (int y = 0; y < out.height; ++y)
-        for (int x = 0; x < out.width; ++x)
-          *exact_at(&out, p, x, y) = (double)*stage_at(&t, p, x, y);
-  for (int y = 0; t.last && y < out.height; ++y)
-    for (int x = 0; x < out.width; ++x)
-      *exact_at(&out, t.last_is, x, y) = (double)*stage_at(&t, t.last, x, y);
-  for (int p = 0; p < t.glossy_count; ++p)
+  for (int i = packed ? t.plain : 0; i < (int)t.b.values; ++i)
     for (int y = 0; y < out.height; ++y)
       for (int x = 0; x < out.width; ++x)
-        *exact_at(&out, EXACT_GLOSSY_PLANES + p, x, y) =
-            (double)*stage_at(&t, t.glossy + p, x, y);
+        *exact_at(&out, t.plane[i], x, y) = (double)*stage_at(&t, i, x, y);
   if (stage == HBIL_STAGE_GATHERED)
     clear_left_out(s, &out);
   free(t.floats);
@@ -187,24 +201,28 @@ exact_planes stage_read(setup *s, hbil_stage stage) {
 
 void stage_write(setup *s, hbil_stage stage, const exact_planes *planes) {
   stage_bytes t = stage_open(s, stage);
-  int count = planes->count < (int)t.b.values ? planes->count : (int)t.b.values;
-  if (is_packed(s, stage))
+  const bool packed = is_packed(s, stage);
+  if (packed)
     write_packed(&t, planes);
-  else
-    for (int p = 0; p < count; ++p)
-      for (int y = 0; y < planes->height; ++y)
-        for (int x = 0; x < planes->width; ++x)
-          *stage_at(&t, p, x, y) = (float)*exact_at(planes, p, x, y);
-  for (int y = 0; t.last && y < planes->height; ++y)
-    for (int x = 0; x < planes->width; ++x)
-      *stage_at(&t, t.last, x, y) = (float)*exact_at(planes, t.last_is, x, y);
-  for (int p = 0; p < t.glossy_count; ++p)
-    for (int y = 0; y < planes->height; ++y)
+  for (int i = packed ? t.plain : 0; i < (int)t.b.values; ++i)
+    for (int y = 0; t.plane[i] < planes->count && y < planes->height; ++y)
       for (int x = 0; x < planes->width; ++x)
-        *stage_at(&t, t.glossy + p, x, y) =
-            (float)*exact_at(planes, EXACT_GLOSSY_PLANES + p, x, y);
+        *stage_at(&t, i, x, y) = (float)*exact_at(planes, t.plane[i], x, y);
   buffer_write(s->device, t.b.buffer, 0, t.size, t.floats);
   free(t.floats);
+}
+
+bool stage_has(setup *s, hbil_stage stage, int plane) {
+  hbil_buffer b;
+  if (hbil_plan_buffer(s->plan, stage, &b) != HBIL_SUCCESS)
+    return false;
+  stage_bytes t = stage_open(s, stage);
+  free(t.floats);
+  bool has =
+      plane < (is_packed(s, stage) ? plain_planes(s, stage, t.plain) : t.plain);
+  for (int i = t.plain; i < (int)t.b.values; ++i)
+    has |= t.plane[i] == plane;
+  return has;
 }
 
 exact_planes stage_gathered(setup *s) {

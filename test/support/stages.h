@@ -10,13 +10,19 @@
 #include "test/support/fixture.h"
 
 /* Reads a stage.  Packed words are decoded: the planes are those of
- * HBIL_STORAGE_FLOAT32, whatever the plan's storage.  Those of glossy light are
- * where exact/glossy.h has them.  In GATHERED, pixels that the settings leave
- * out are 0. */
+ * HBIL_STORAGE_FLOAT32, whatever the plan's storage.  Those of glossy light and
+ * of errors are where exact/glossy.h has them.  In GATHERED, pixels that the
+ * settings leave out are 0. */
 exact_planes stage_read(setup *s, hbil_stage stage);
+/* Whether the plan has that stage, and that plane in it. */
+bool stage_has(setup *s, hbil_stage stage, int plane);
 /* Writes a stage and leaves its padding alone; packed storage is encoded.
  * Planes that the plan doesn't have are ignored. */
 void stage_write(setup *s, hbil_stage stage, const exact_planes *planes);
+
+/* Whether the plan gathers light; if not, its planes of E_near are undefined.
+ */
+bool gathers_light(const setup *s);
 
 /* Runs split and gather, and reads HBIL_STAGE_GATHERED. */
 exact_planes stage_gathered(setup *s);

@@ -73,8 +73,7 @@ bool stress_tries(plan_kind kind) {
          kind == PACKED_ESTIMATE;
 }
 
-/* World-space normals to view space. */
-static void normals_to_view(setup *s) {
+void stress_normals_to_view(setup *s) {
   const double *m = s->frame.camera.world_from_view;
   const size_t pixels = (size_t)s->config.width * s->config.height;
   for (size_t i = 0; i < pixels; ++i) {
@@ -90,7 +89,7 @@ static void normals_to_view(setup *s) {
 
 void stress_load_room(setup *s, uint32_t index) {
   setup_load_scene(s, SCENE_ROOM, index);
-  normals_to_view(s);
+  stress_normals_to_view(s);
   for (int c = 0; c < 3; ++c)
     setup_fill(s, EXACT_F0 + c, 0.04f);
   s->frame.frame_index = index;
@@ -170,13 +169,6 @@ static double most_light(setup *s, plane_id id, double radiance) {
   return PI * radiance * (1.0 + (coarse ? 0x1p-9 : 1e-5));
 }
 
-bool gathers_light(setup *s) {
-  exact_planes split = stage_read(s, HBIL_STAGE_SPLIT);
-  const bool light = split.count > HBIL_SPLIT_RED;
-  exact_planes_free(&split);
-  return light;
-}
-
 static void check_stage(setup *s, hbil_stage stage, const char *name) {
   const bool undefined_light =
       (stage == HBIL_STAGE_GATHERED || stage == HBIL_STAGE_RESOLVED) &&
@@ -220,6 +212,7 @@ void check_sane(setup *s) {
   check_range("far_irradiance", &out, EXACT_FAR_IRRADIANCE, 3, 0.0,
               sh ? INFINITY : most_light(s, PLANE_FAR, radiance));
   check_range("unknown", &out, EXACT_UNKNOWN, 1, 0.0, 1.0);
+  check_range("error_estimate", &out, EXACT_ERROR_ESTIMATE, 2, 0.0, INFINITY);
   check_range("cone", &out, EXACT_CONE_COSINE, 1, 0.0, 1.0);
   check_range("indirect", &out, EXACT_INDIRECT, 3, 0.0, INFINITY);
   check_range("radiance", &out, EXACT_BEAUTY, 3, 0.0, INFINITY);

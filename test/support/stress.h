@@ -56,6 +56,8 @@ void stress_one_sample(setup *s);
  */
 setup *stress_begin(plan_kind kind);
 void stress_load_room(setup *s, uint32_t index);
+/* Turns the input's normals from world space into view space. */
+void stress_normals_to_view(setup *s);
 /* Uploads and runs a frame. */
 void stress_run(setup *s);
 
@@ -64,8 +66,5 @@ void stress_run(setup *s);
 /* Everything that holds for any frame: outputs are finite and in range, and so
  * are the stages. */
 void check_sane(setup *s);
-/* Whether the plan gathers light; if not, its planes of E_near are undefined.
- */
-bool gathers_light(setup *s);
 
 #endif

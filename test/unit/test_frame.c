@@ -53,48 +53,6 @@ static void sequences_that_follow_motion_match(void **state) {
   check_sequence(&s, SCENE_SKY, 4);
 }
 
-static void sequences_without_history_match(void **state) {
-  setup s;
-  (void)state;
-  setup_scene(&s, SCENE_SKY, 160, 90, 0);
-  s.config.history.reprojection = HBIL_REPROJECTION_NONE;
-  s.config.model.radius = 2.0f;
-  even_sky(&s);
-  check_sequence(&s, SCENE_SKY, 2);
-}
-
-/* Through every pass. */
-static void orthographic_sequences_match(void **state) {
-  (void)state;
-  for (int i = 0; i < 3; ++i) {
-    setup s;
-    setup_scene(&s, i ? SCENE_ROOM : SCENE_SKY, 97, 54, 0);
-    s.config.inputs.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
-    if (i == 1) {
-      s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
-      s.config.model.far_field = HBIL_FAR_FRAME;
-      s.config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-    }
-    if (i == 2) {
-      s.config.execution.vector_width = 1;
-      s.config.history.disocclusion_threshold = 0.3f;
-      s.config.model.far_field = HBIL_FAR_SH;
-      for (int k = 0; k < 9; ++k)
-        s.frame.environment[k][k % 3] = 1.0f / (float)(1 + k);
-    }
-    check_sequence(&s, i ? SCENE_ROOM : SCENE_SKY, 3);
-  }
-}
-
-static void tiny_images_match(void **state) {
-  (void)state;
-  for (int i = 0; i < 2; ++i) {
-    setup s;
-    setup_scene(&s, SCENE_ROOM, i ? 3 : 1, i ? 5 : 1, 0);
-    check_sequence(&s, SCENE_ROOM, 3);
-  }
-}
-
 /* ------------------------------------------------------------------------ */
 /* The same bits whichever way it is enqueued                                */
 
@@ -497,9 +455,6 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(sequences_that_follow_the_camera_match),
       cmocka_unit_test(sequences_that_follow_motion_match),
-      cmocka_unit_test(sequences_without_history_match),
-      cmocka_unit_test(orthographic_sequences_match),
-      cmocka_unit_test(tiny_images_match),
       cmocka_unit_test(signs_of_other_view_spaces_make_no_difference),
       cmocka_unit_test(a_second_run_gives_the_same_bits),
       cmocka_unit_test(passes_one_by_one_give_the_same_bits),

@@ -1,7 +1,7 @@
 /*
- * Glossy light, pass by pass: the lobe's integral is what quadrature gives, and
- * the gather, recompose, the history filter, the probes and the join match the
- * exact passes.
+ * Glossy light beside what test_kernels compares: the lobe's integral is what
+ * quadrature gives, the history filter averages it, and the probes and the join
+ * of frames with a radiance cache match the exact passes.
  */
 #include "exact/glossy.h"
 #include "exact/lobe.h"
@@ -82,69 +82,8 @@ static void the_lobe_is_ggx_seen_from_above(void **state) {
   }
 }
 
-/* ------------------------------------------------------------------------ */
-/* Gather                                                                    */
-
-typedef struct gather_case {
-  cl_uint slices, steps;
-  float relative_thickness, facing[2], roughness;
-  hbil_back_facing_fallback fallback;
-  hbil_storage storage;
-  cl_bool extrapolate;
-} gather_case;
-
-static const gather_case gather_cases[] = {
-    {2, 8, INFINITY, {-1, -1}, 0.3f, 0, HBIL_STORAGE_FLOAT32, CL_FALSE},
-    {1, 16, 0.08f, {-1, -1}, 0.5f, 0, HBIL_STORAGE_FLOAT32, CL_TRUE},
-    {3,
-     12,
-     0.2f,
-     {-0.1f, 0.2f},
-     0.8f,
-     HBIL_FALLBACK_FRAME_MEAN,
-     HBIL_STORAGE_FLOAT32,
-     CL_TRUE},
-    {2,
-     12,
-     INFINITY,
-     {-0.1f, 0.2f},
-     0.4f,
-     HBIL_FALLBACK_FRAME_MEAN,
-     HBIL_STORAGE_FLOAT32,
-     CL_FALSE},
-    {2,
-     12,
-     INFINITY,
-     {-0.1f, 0.2f},
-     1.0f,
-     HBIL_FALLBACK_BLACK,
-     HBIL_STORAGE_FLOAT32,
-     CL_TRUE},
-    {2,
-     8,
-     0.08f,
-     {-0.1f, 0.0f},
-     0.6f,
-     HBIL_FALLBACK_LAST_ACCEPTED,
-     HBIL_STORAGE_FLOAT32,
-     CL_FALSE},
-    {1, 8, 0.08f, {-1, -1}, 0.3f, 0, HBIL_STORAGE_PACKED, CL_TRUE}};
-
-static void prepare_gather(setup *s, const gather_case *g) {
-  s->config.sampling.slices = g->slices;
-  s->config.sampling.steps_per_side = g->steps;
-  s->config.sampling.storage = g->storage;
-  s->config.model.relative_thickness = g->relative_thickness;
-  s->config.model.facing_fade[0] = g->facing[0];
-  s->config.model.facing_fade[1] = g->facing[1];
-  s->config.model.back_facing_fallback = g->fallback;
-  s->config.model.extrapolate = g->extrapolate;
-  ask_for_glossy(s, g->roughness);
-}
-
 /* Derived: a lobe's terms are up to sqrt(k) / 2 = 12 times as large as their
  * sum, so it loses four bits.  Measured: 5.1e-7 */
-#define LOBE_LIMIT 5e-6
 /* An interval that is narrower than a sector takes none of it or all, up to
  * 3000 times as much as it has, and its roundings as often.  Near the tangent
  * plane A has few digits, and so has the factor by which it is extrapolated;
@@ -152,95 +91,9 @@ static void prepare_gather(setup *s, const gather_case *g) {
  * rounding may decide whether two samples overlap, and so how their light
  * weighs: a few percent of a pixel's, of which there are 3465. Measured: 1.3e-3
  */
-#define SHARE_LIMIT 5e-3
-
-static void check_gather(scene_kind kind, const gather_case *g, cl_uint width,
-                         hbil_projection projection) {
-  setup s;
-  setup_init(&s, WIDTH, HEIGHT);
-  s.config.inputs.projection = projection;
-  s.config.inputs.normal_space = HBIL_SPACE_WORLD;
-  setup_load_scene(&s, kind, 0);
-  prepare_gather(&s, g);
-  s.config.execution.vector_width = width;
-  setup_start(&s);
-  exact_planes got = stage_gathered(&s);
-  exact_planes split = stage_read(&s, HBIL_STAGE_SPLIT);
-  exact_planes want = checked_planes(WIDTH, HEIGHT, EXACT_GLOSSY_GATHERED);
-  assert_int_equal(got.count, EXACT_GLOSSY_GATHERED);
-  checked_gather(&s.job, &split, &want);
-  const int first = EXACT_GLOSSY_PLANES;
-  const double limit = isinf(g->relative_thickness) && !g->extrapolate
-                           ? LOBE_LIMIT
-                           : SHARE_LIMIT;
-  assert_true(largest_value(&want, first, 1) > 0.01);
-  assert_true(largest_value(&want, first + HBIL_GLOSSY_KNOWN, 1) > 0.05);
-  check_at_most("glossy light", relative_rmse(&got, &want, first, 3), limit);
-  check_at_most("known lobe",
-                relative_rmse(&got, &want, first + HBIL_GLOSSY_KNOWN, 1),
-                limit);
-  check_at_most("whole lobe",
-                relative_rmse(&got, &want, first + HBIL_GLOSSY_WHOLE, 1),
-                LOBE_LIMIT);
-  exact_planes_free(&got);
-  exact_planes_free(&want);
-  exact_planes_free(&split);
-  setup_free(&s);
-}
-
-static void the_gather_matches(void **state) {
-  (void)state;
-  for (size_t i = 0; i < sizeof gather_cases / sizeof *gather_cases; ++i)
-    check_gather(i & 1 ? SCENE_SKY : SCENE_ROOM, gather_cases + i,
-                 widths[i % 4], HBIL_PROJECTION_PERSPECTIVE);
-  check_gather(SCENE_ROOM, gather_cases, 8, HBIL_PROJECTION_ORTHOGRAPHIC);
-}
 
 /* ------------------------------------------------------------------------ */
-/* Recompose and the history filter                                          */
-
-static void recompose_matches(void **state) {
-  (void)state;
-  for (int i = 0; i < 8; ++i) {
-    setup s;
-    random_state r = {19};
-    setup_scene(&s, i & 1 ? SCENE_SKY : SCENE_ROOM, WIDTH, HEIGHT, 0);
-    ask_for_glossy(&s, 0.5f);
-    s.config.execution.vector_width = widths[i / 2];
-    s.config.sampling.unfiltered = i == 3;
-    s.config.sampling.slices = 1 + (cl_uint)i % 2;
-    if (i & 1) /* the kernels of whole frames below */
-      s.config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-    setup_start(&s);
-    setup_run(&s, enqueue_split);
-    exact_planes split = stage_read(&s, HBIL_STAGE_SPLIT);
-    exact_planes want = checked_planes(WIDTH, HEIGHT, EXACT_GLOSSY_RESOLVED);
-    /* the exact gather, because eight on the device would have to be compiled
-     */
-    exact_planes light = checked_planes(WIDTH, HEIGHT, EXACT_GLOSSY_GATHERED);
-    checked_gather(&s.job, &split, &light);
-    const size_t pixels = WIDTH * HEIGHT;
-    for (size_t k = EXACT_GLOSSY_PLANES * pixels;
-         k < EXACT_GLOSSY_GATHERED * pixels; ++k)
-      light.values[k] = s.input[EXACT_DEPTH][k % pixels] > 0.0f
-                            ? (double)(float)(0.01 + random_unit(&r))
-                            : 0.0;
-    stage_write(&s, HBIL_STAGE_GATHERED, &light);
-    exact_recompose(&s.job, &split, &light, &want);
-    setup_run(&s, enqueue_recompose);
-    exact_planes got = stage_read(&s, HBIL_STAGE_RESOLVED);
-    /* as of other light in test_recompose */
-    check_at_most(
-        "glossy light",
-        relative_rmse(&got, &want, EXACT_GLOSSY_PLANES, HBIL_GLOSSY_PLANES),
-        1e-5);
-    exact_planes_free(&light);
-    exact_planes_free(&split);
-    exact_planes_free(&want);
-    exact_planes_free(&got);
-    setup_free(&s);
-  }
-}
+/* The history filter                                                        */
 
 /* The mean of three frames of a camera that stands still is that of what each
  * of them resolves. */
@@ -276,51 +129,6 @@ static void the_history_filter_averages(void **state) {
     exact_planes_free(&one[k]);
   setup_free(&s[0]);
   setup_free(&s[1]);
-}
-
-/* ------------------------------------------------------------------------ */
-/* Whole frames                                                              */
-
-static void check_frame(cl_uint width, hbil_far_field far,
-                        hbil_projection projection) {
-  setup s;
-  exact_state want;
-  setup_init(&s, WIDTH, HEIGHT);
-  s.config.inputs.projection = projection;
-  s.config.inputs.normal_space = HBIL_SPACE_WORLD;
-  setup_load_scene(&s, SCENE_SKY, 0);
-  lit_environment(&s);
-  ask_for_glossy(&s, 0.4f);
-  /* a rounding decides which radiance was the last accepted one */
-  s.config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-  s.config.model.far_field = far;
-  s.config.execution.vector_width = width;
-  setup_start(&s);
-  checked_state(&want, WIDTH, HEIGHT);
-  for (uint32_t i = 0; i < 2; ++i) {
-    setup_load_scene(&s, SCENE_SKY, i);
-    lit_environment(&s);
-    setup_upload(&s);
-    setup_run(&s, hbil_enqueue_frame);
-    checked_run_frame(&want, &s.job);
-  }
-  exact_planes got = outputs_read(&s);
-  assert_true(largest_value(&want.out, EXACT_GLOSSY, 3) > 0.1);
-  /* E_near is off by 8.4e-5 here, by samples that rise from the tangent plane
-   * by a rounding.  A lobe has no cosine that makes them count less. Measured:
-   * 2e-4 */
-  check_at_most("glossy", relative_rmse(&got, &want.out, EXACT_GLOSSY, 3),
-                1e-3);
-  exact_planes_free(&got);
-  exact_state_free(&want);
-  setup_free(&s);
-}
-
-static void frames_match(void **state) {
-  (void)state;
-  for (int i = 0; i < 4; ++i)
-    check_frame(widths[i], (hbil_far_field)i, HBIL_PROJECTION_PERSPECTIVE);
-  check_frame(8, HBIL_FAR_SH, HBIL_PROJECTION_ORTHOGRAPHIC);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -425,10 +233,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_integral_is_that_of_quadrature),
       cmocka_unit_test(the_lobe_is_ggx_seen_from_above),
-      cmocka_unit_test(the_gather_matches),
-      cmocka_unit_test(recompose_matches),
       cmocka_unit_test(the_history_filter_averages),
-      cmocka_unit_test(frames_match),
       cmocka_unit_test(cached_frames_match)};
   return RUN_WITH_DEVICE(tests);
 }
