@@ -1,8 +1,10 @@
-# hbil(1) from the tool's help texts.
+# hbil(1) from the tool's help texts, and examples: paragraphs of text, and
+# indented commands.
 # help2man (1.49) was tried: it makes a page of one --help, so the sub-commands have
 # no place in it, and it writes no completion.
 #
-#   help.sh ./hbil | awk -v version=V -f roff.awk -f help.awk -f man1.awk
+#   help.sh ./hbil |
+#     awk -v version=V -v examples=FILE -f roff.awk -f help.awk -f man1.awk
 
 function at_command(name, about) {
   if (name == "") {
@@ -57,7 +59,26 @@ function at_option(flags, value, text) {
   paragraph = 0
 }
 
+function write_examples(    line, is_code, was_code) {
+  print ".SH EXAMPLES"
+  while ((getline line <examples) > 0) {
+    is_code = sub(/^    /, "", line)
+    if (is_code && !was_code)
+      print ".PP\n.RS\n.nf"
+    if (!is_code && was_code)
+      print ".fi\n.RE\n.PP"
+    if (is_code)
+      print code_line(line)
+    else if (line != "")
+      print prose_line(line)
+    was_code = is_code
+  }
+  if (was_code)
+    print ".fi\n.RE"
+}
+
 function at_end() {
+  write_examples()
   print ".SH ENVIRONMENT\n.TP\n.B HBIL_KERNEL_DIR"
   print "folder from which the kernels are read in place of those that the"
   print "library has inside; for work on them."

@@ -82,11 +82,11 @@ static int measure(job *j, image_error *error) {
                                   error) != 0)
     return -1;
   return time_call(j, "inject a view", inject, error) != 0 ||
-                 time_call(j, "update: one round of every 16th voxel",
+                 time_call(j, "update: one bounce, every 16th voxel",
                            update_share, error) != 0 ||
-                 time_call(j, "update: one round of all voxels", update_all,
+                 time_call(j, "update: one bounce, all voxels", update_all,
                            error) != 0 ||
-                 time_call(j, "update: four rounds, as hbil process does",
+                 time_call(j, "update: four bounces, as hbil process does",
                            update_frame, error) != 0
              ? -1
              : 0;

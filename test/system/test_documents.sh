@@ -6,7 +6,7 @@
 
 here=$PWD
 documents="README.md HACKING.md NEWS examples/README.md doc/guide.md
-  doc/method.md doc/measurements.md doc/drivers.md"
+  doc/method.md doc/measurements.md doc/drivers.md doc/man1_examples.txt"
 
 # --- what the documents say ---
 
