@@ -20,7 +20,7 @@ typedef enum method {
 /* Words of hbil process --far, but for the first. */
 static const struct {
   const char *name;
-  hbil_cache_method provider;
+  hbil_cache_method method;
 } methods[METHODS] = {[NEAR] = {"near field alone", HBIL_CACHE_METHOD_NONE},
                       [ENVIRONMENT] = {"environment", HBIL_CACHE_METHOD_NONE},
                       [RAYS] = {"rays", HBIL_CACHE_METHOD_RAYS},
@@ -63,7 +63,7 @@ static int open_plans(job *j, image_error *error) {
 static int open_cache(job *j, method p, image_error *error) {
   bench_radiance_cache *w = &j->caches[p];
   int failed = bench_radiance_cache_open(j->device, j->content, j->fixture,
-                                         methods[p].provider, w, error);
+                                         methods[p].method, w, error);
   for (unsigned i = 0; i < j->content->frames && !failed; i++)
     failed = bench_radiance_cache_inject(w, i, error);
   if (!failed && p == RSM)

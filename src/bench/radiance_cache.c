@@ -40,17 +40,18 @@ static int choose_extent(bench_radiance_cache *w, image_error *error) {
 }
 
 static int open_plan(bench_radiance_cache *w, bench_fixture *fixture,
-                     hbil_cache_method provider, image_error *error) {
+                     hbil_cache_method method, image_error *error) {
   const bench_setting standard = bench_setting_default(w->content);
   hbil_config config;
   bench_setting_apply(&standard, w->content, &config);
-  w->config.method = provider;
+  w->config.method = method;
   hbil_config_use_cache(&config, &w->config);
   return bench_trial_open(fixture, &config, NULL, &w->trial, error);
 }
 
 static int open_cache(bench_radiance_cache *w, image_error *error) {
   hbil_context *context = bench_fixture_context(w->trial.fixture);
+  w->config.inputs = w->trial.config.inputs; /* with the fixture's formats */
   hbil_status status = hbil_cache_memory(context, &w->config, &w->memory);
   if (status == HBIL_SUCCESS)
     status = hbil_cache_create(context, &w->config, &w->cache);
@@ -60,12 +61,12 @@ static int open_cache(bench_radiance_cache *w, image_error *error) {
 
 int bench_radiance_cache_open(const bench_device *device,
                               const bench_content *content,
-                              bench_fixture *fixture, hbil_cache_method provider,
+                              bench_fixture *fixture, hbil_cache_method method,
                               bench_radiance_cache *out, image_error *error) {
   *out = (bench_radiance_cache){.device = device, .content = content};
   hbil_cache_config_init(&out->config);
   return choose_extent(out, error) != 0 ||
-                 open_plan(out, fixture, provider, error) != 0 ||
+                 open_plan(out, fixture, method, error) != 0 ||
                  open_cache(out, error) != 0
              ? -1
              : 0;

@@ -25,13 +25,14 @@ typedef struct bench_radiance_cache {
  * frees it in all cases. */
 int bench_radiance_cache_open(const bench_device *device,
                               const bench_content *content,
-                              bench_fixture *fixture, hbil_cache_method provider,
+                              bench_fixture *fixture, hbil_cache_method method,
                               bench_radiance_cache *out, image_error *error);
 void bench_radiance_cache_close(
     bench_radiance_cache *w); /* allowed on a zeroed one */
 
 /* Enqueue: the injection of a frame of the content; that frame as the only
- * light view (HBIL_CACHE_METHOD_RSM); an update with the content's far field. */
+ * light view (HBIL_CACHE_METHOD_RSM); an update with the content's far field.
+ */
 int bench_radiance_cache_inject(const bench_radiance_cache *w, unsigned frame,
                                 image_error *error);
 int bench_radiance_cache_light(const bench_radiance_cache *w, unsigned frame,
