@@ -59,7 +59,7 @@ int main(void) {
   hbil_config_init(&config);
   config.width = WIDTH;
   config.height = HEIGHT;
-  const hbil_plane_format floats = {HBIL_FLOAT32, 1};
+  const hbil_plane_format floats = {HBIL_FLOAT32, 4};
   config.inputs.depth = config.inputs.normal = config.outputs.ao = floats;
   hbil_context *hbil = NULL;
   hbil_plan *plan = NULL;

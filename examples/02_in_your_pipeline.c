@@ -175,13 +175,13 @@ static hbil_plan *plan_create(hbil_context *hbil) {
   hbil_config_init(&config);
   config.width = WIDTH;
   config.height = HEIGHT;
-  config.inputs.depth = (hbil_plane_format){HBIL_FLOAT32, 4};
-  config.inputs.normal = (hbil_plane_format){HBIL_FLOAT32, 4};
+  config.inputs.depth = (hbil_plane_format){HBIL_FLOAT32, 16};
+  config.inputs.normal = (hbil_plane_format){HBIL_FLOAT32, 16};
   config.inputs.albedo = (hbil_plane_format){HBIL_UNORM8, 4};
-  config.inputs.direct = (hbil_plane_format){HBIL_FLOAT16, 4};
+  config.inputs.direct = (hbil_plane_format){HBIL_FLOAT16, 8};
   config.inputs.direct_scale = 3.14159265f; /* `direct` holds irradiance / pi */
-  config.outputs.near_irradiance = (hbil_plane_format){HBIL_FLOAT16, 4};
-  config.outputs.ao = (hbil_plane_format){HBIL_FLOAT16, 4};
+  config.outputs.near_irradiance = (hbil_plane_format){HBIL_FLOAT16, 8};
+  config.outputs.ao = (hbil_plane_format){HBIL_FLOAT16, 8};
   hbil_memory bytes;
   check(hbil_plan_memory(hbil, &config, &bytes), hbil);
   printf("hbil takes %.1f MiB of device memory, %.1f of them only during a "

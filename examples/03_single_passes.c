@@ -257,7 +257,7 @@ int main(void) {
   config.height = HEIGHT;
   config.inputs.depth = config.inputs.normal = config.inputs.direct =
       config.outputs.ao = config.outputs.near_irradiance =
-          config.outputs.bent_normal = (hbil_plane_format){HBIL_FLOAT32, 1};
+          config.outputs.bent_normal = (hbil_plane_format){HBIL_FLOAT32, 4};
   hbil_context *hbil = NULL;
   hbil_plan *plan = NULL;
   check(hbil_context_create(context, device, &hbil), hbil);

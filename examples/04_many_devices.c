@@ -122,7 +122,7 @@ static bool open_worker(worker *w, cl_device_id device) {
   config.height = HEIGHT;
   config.model.mode = HBIL_MODE_GTAO;
   config.inputs.depth = config.inputs.normal = config.outputs.ao =
-      (hbil_plane_format){HBIL_FLOAT32, 1};
+      (hbil_plane_format){HBIL_FLOAT32, 4};
   if (w->queue == NULL ||
       hbil_context_create(w->context, device, &w->hbil) != HBIL_SUCCESS)
     return false;

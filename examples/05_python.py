@@ -122,7 +122,7 @@ def main():
     direct = np.ones((3, HEIGHT, WIDTH), np.float32)
     near_irradiance, ao = np.empty_like(direct), np.empty_like(depth)
 
-    planes = (lib.HBIL_FLOAT32, 1)  # component, stride
+    planes = (lib.HBIL_FLOAT32, 4)  # component, bytes from a pixel to the next: planar
     plan = hbil.plan(
         width=WIDTH, height=HEIGHT,
         inputs={"depth": planes, "normal": planes, "direct": planes},

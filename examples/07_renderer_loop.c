@@ -151,7 +151,7 @@ int main(void) {
   config.height = HEIGHT;
   config.inputs.depth = config.inputs.albedo = config.inputs.direct = format;
   config.inputs.motion = config.outputs.indirect = format;
-  config.inputs.normal = (hbil_plane_format){HBIL_RGB10A2_UNORM, 1};
+  config.inputs.normal = (hbil_plane_format){HBIL_RGB10A2_UNORM, 4};
   config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
   config.inputs.normal_space = HBIL_SPACE_WORLD;
   config.history.reprojection = HBIL_REPROJECTION_MOTION;

@@ -137,9 +137,9 @@ void run() {
   hbil_config_init(&config);
   config.width = width;
   config.height = height;
-  config.inputs.depth = {HBIL_FLOAT32, 1};
-  config.inputs.normal = config.inputs.albedo = {HBIL_FLOAT32, 3};
-  config.inputs.direct = config.outputs.near_irradiance = {HBIL_FLOAT32, 3};
+  config.inputs.depth = {HBIL_FLOAT32, 4};
+  config.inputs.normal = config.inputs.albedo = {HBIL_FLOAT32, 12};
+  config.inputs.direct = config.outputs.near_irradiance = {HBIL_FLOAT32, 12};
   const context_ptr hbil = make_context(context, device);
   const plan_ptr plan = make_plan(hbil.get(), config);
 

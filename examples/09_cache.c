@@ -52,11 +52,11 @@ int main(void) {
   check(hbil_context_create(context, device, &hbil) == HBIL_SUCCESS);
 
   /* Once: a plan, and a cache for it whose coarse level is 12.8 m wide. */
-  const hbil_plane_format rgba = {HBIL_FLOAT32, 4};
+  const hbil_plane_format rgba = {HBIL_FLOAT32, 16};
   hbil_config config;
   hbil_config_init(&config);
   config.width = WIDTH, config.height = HEIGHT;
-  config.inputs.depth = (hbil_plane_format){HBIL_FLOAT32, 1};
+  config.inputs.depth = (hbil_plane_format){HBIL_FLOAT32, 4};
   config.inputs.normal = config.inputs.albedo = config.inputs.direct = rgba;
   config.inputs.normal_space = HBIL_SPACE_WORLD;
   config.outputs.indirect = rgba;

@@ -34,7 +34,7 @@ typedef enum hbil_component {
    * Vulkan, X8_D24_UNORM_PACK32.  GL_UNSIGNED_INT_24_8 has the stencil in the
    * low bits and can't be read. */
   HBIL_UNORM24 = 7,
-  /* Words of 32 bits that hold all channels of a pixel; stride counts words.
+  /* Words of 32 bits that hold all channels of a pixel.
    * 3 x 10 bits, red lowest, for 0..1, and 2 more that are not read;
    * A2B10G10R10 in Vulkan; colours, HBIL_NORMAL_XYZ */
   HBIL_RGB10A2_UNORM = 8,
@@ -60,16 +60,16 @@ typedef enum hbil_component {
 
 /* How the pixels of a plane lie in its buffer.  The formats are fixed per plan,
  * because the kernels are compiled for them.
- * stride is the distance from a pixel to its right-hand neighbour, in
- * components.  1 means planar: each channel is an image of its own.  The number
- * of channels or more, up to 64, means interleaved: the channels of a pixel are
- * adjacent, and further components are neither read nor changed.  0 means the
- * number of channels.  A word that holds all channels counts as one component
- * of one channel: 1 or 0 means that the words of a row are adjacent.
- * HBIL_IMAGE ignores the stride. */
+ * pixel_pitch is the distance from a pixel to its right-hand neighbour, in
+ * bytes, a multiple of the component's size.  The size of one component means
+ * planar: each channel is an image of its own.  The size of all channels or
+ * more, up to 64 components, means interleaved: the channels of a pixel are
+ * adjacent, and further bytes are neither read nor changed.  0 means the size of
+ * all channels.  A word that holds all channels counts as one component of one
+ * channel.  HBIL_IMAGE ignores it. */
 typedef struct hbil_plane_format {
   hbil_component component;
-  cl_uint stride;
+  cl_uint pixel_pitch;
 } hbil_plane_format;
 
 #ifdef __cplusplus

@@ -18,7 +18,7 @@ extern "C" {
 /* A plane in a buffer, which remains the caller's.  The frame's commands use it
  * until the frame's event completes.
  * offset, row_pitch and plane_pitch are in bytes and must be multiples of the
- * component's size.  A row_pitch of 0 means width * stride components.
+ * component's size.  A row_pitch of 0 means width * pixel_pitch.
  * plane_pitch is the distance between the channels of planar formats; 0 means
  * row_pitch * height.
  *

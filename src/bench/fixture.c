@@ -137,7 +137,7 @@ static int writes(const bench_trial *t, int output) {
 }
 
 static void set_formats(bench_trial *t) {
-  const hbil_plane_format floats = {HBIL_FLOAT32, 1};
+  const hbil_plane_format floats = {HBIL_FLOAT32, 4};
   int written[BENCH_OUTPUTS];
   for (int o = 0; o < BENCH_OUTPUTS; o++)
     written[o] = writes(t, o);

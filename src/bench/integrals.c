@@ -17,7 +17,7 @@ static void use_input(const bench_content *content, bench_input input,
   const float *plane = content->frame[content->measured].plane[input];
   if (!plane)
     return;
-  *format = (hbil_plane_format){HBIL_FLOAT32, 1};
+  *format = (hbil_plane_format){HBIL_FLOAT32, 4};
   for (size_t c = 0; c < bench_input_channels(input); c++)
     frame->input[(size_t)first + c] = plane + c * bench_pixels(content);
 }
@@ -37,7 +37,7 @@ static void fill_frame(const bench_content *content, bench_model model,
   use_input(content, BENCH_DIRECT, EXACT_DIRECT, &config->inputs.direct, frame);
   use_input(content, BENCH_EMISSION, EXACT_EMISSION, &config->inputs.emission,
             frame);
-  config->outputs.ao = (hbil_plane_format){HBIL_FLOAT32, 1};
+  config->outputs.ao = (hbil_plane_format){HBIL_FLOAT32, 4};
   if (!bench_model_is_ao(model))
     config->outputs.near_irradiance = config->outputs.ao;
 }

@@ -50,7 +50,7 @@ static void choose_cases(job *j) {
                            : "");
   }
   j->cases[ALONE].config.outputs.indirect =
-      (hbil_plane_format){HBIL_FLOAT32, 1};
+      (hbil_plane_format){HBIL_FLOAT32, 4};
   if (j->content.frame[0].plane[BENCH_MOTION])
     j->cases[FOLLOWED].config.history.reprojection = HBIL_REPROJECTION_MOTION;
 }

@@ -34,7 +34,7 @@ size_t gbuffer_pixels(const gbuffer *g) {
 }
 
 static hbil_host_plane host_plane(const gbuffer *g, role r) {
-  hbil_host_plane plane = {.stride = 1};
+  hbil_host_plane plane = {.pixel_pitch = sizeof(float)};
   for (size_t c = 0; c < role_channels(r); c++)
     plane.channel[c] = gbuffer_plane(g, r, c);
   return plane;

@@ -140,7 +140,7 @@ static hbil_status overlapping(hbil_context *context, int plane, int other,
               "%s: overlaps %s%s; an output needs bytes of its own",
               plane_kinds[plane].name, plane_kinds[other].name,
               alike ? ""
-                    : ", or alternates with it at another stride or "
+                    : ", or alternates with it at another pixel_pitch or "
                       "row_pitch");
 }
 

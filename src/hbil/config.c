@@ -183,20 +183,19 @@ static hbil_status check_format(hbil_context *context,
     return wrong_component(context, config, plane, allowed);
   if (format->component == HBIL_IMAGE)
     return HBIL_SUCCESS;
+  const cl_uint size = (cl_uint)component_size(format->component);
   const cl_uint stride = format_stride(config, plane);
   const cl_uint components = plane_components(config, plane);
-  if (components == 1 && stride > 64)
+  if (format->pixel_pitch % size || stride > 64 ||
+      (stride != 1 && stride < components))
     return fail(context, HBIL_INVALID_CONFIG,
-                "%s.%s.stride: %u; must be 1 .. 64 values from a pixel to the "
-                "next one",
+                "%s.%s.pixel_pitch: %u bytes; must be %u%s%u .. %u%s, a "
+                "multiple of %u",
                 plane >= PLANE_FIRST_OUTPUT ? "outputs" : "inputs",
-                plane_kinds[plane].name, (unsigned)stride);
-  if (stride > 64 || (stride != 1 && stride < components))
-    return fail(
-        context, HBIL_INVALID_CONFIG,
-        "%s.%s.stride: %u; must be 1 (planar) or %u .. 64 (interleaved)",
-        plane >= PLANE_FIRST_OUTPUT ? "outputs" : "inputs",
-        plane_kinds[plane].name, (unsigned)stride, (unsigned)components);
+                plane_kinds[plane].name, (unsigned)format->pixel_pitch,
+                (unsigned)size, components > 1 ? " (planar) or " : " or ",
+                (unsigned)(components * size), (unsigned)(64 * size),
+                components > 1 ? " (interleaved)" : "", (unsigned)size);
   return HBIL_SUCCESS;
 }
 

@@ -80,8 +80,10 @@ cl_uint plane_components(const hbil_config *config, int plane) {
 }
 
 cl_uint format_stride(const hbil_config *config, int plane) {
-  const cl_uint stride = plane_format(config, plane)->stride;
-  return stride ? stride : plane_components(config, plane);
+  const hbil_plane_format *format = plane_format(config, plane);
+  return format->pixel_pitch
+             ? format->pixel_pitch / (cl_uint)component_size(format->component)
+             : plane_components(config, plane);
 }
 
 size_t component_size(hbil_component component) {

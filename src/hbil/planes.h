@@ -48,7 +48,7 @@ cl_uint plane_components(const hbil_config *config, int plane);
 const hbil_plane_format *plane_format(const hbil_config *config, int plane);
 const hbil_plane *frame_plane(const hbil_frame *frame, int plane);
 
-/* Components from a pixel to the next: the stride, or its default. */
+/* Components from a pixel to the next: pixel_pitch, or its default. */
 cl_uint format_stride(const hbil_config *config, int plane);
 
 /* Bytes of a component; 1 for HBIL_NONE. */

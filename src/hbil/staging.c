@@ -23,7 +23,7 @@ static hbil_status check_device(hbil_context *context, int plane) {
 
 hbil_status stage_planes(hbil_context *context, hbil_config *config,
                          staging *out) {
-  static const hbil_plane_format planar = {HBIL_FLOAT32, 1};
+  static const hbil_plane_format planar = {HBIL_FLOAT32, 4};
   out->images = out->planes = 0;
   for (int i = 0; i < PLANE_COUNT; ++i)
     if (plane_format(config, i)->component == HBIL_IMAGE) {

@@ -31,7 +31,7 @@ static const double pi = 3.14159265358979323846;
 
 /* A frame that is looked at. */
 typedef struct look {
-  hbil_host_planes planes; /* with the defaults of stride and row_pitch */
+  hbil_host_planes planes; /* with the defaults of the pitches */
   const hbil_config *config;
   const hbil_frame *frame;
   size_t pixels;
@@ -46,8 +46,8 @@ static double value(const look *l, const hbil_host_plane *plane, size_t c,
                     size_t i) {
   const size_t x = i % l->config->width, y = i / l->config->width;
   const float *first = plane->channel[c] ? plane->channel[c] : *plane->channel;
-  return (
-      double)first[y * (plane->row_pitch / sizeof *first) + x * plane->stride];
+  return (double)first[y * (plane->row_pitch / sizeof *first) +
+                       x * (plane->pixel_pitch / sizeof *first)];
 }
 
 /* The same of light: 0 if the plane is missing, negative or not finite. */
@@ -392,13 +392,14 @@ static bool complete(hbil_host_plane *plane, size_t width, size_t channels,
   for (size_t c = 1; c < channels; ++c)
     if (!plane->channel[c])
       return false;
-  if (plane->stride == 0)
-    plane->stride = 1;
+  if (plane->pixel_pitch == 0)
+    plane->pixel_pitch = sizeof(float);
   /* of a row, up to its last float */
-  const size_t least = ((width - 1) * plane->stride + 1) * sizeof(float);
+  const size_t least = (width - 1) * plane->pixel_pitch + sizeof(float);
   if (plane->row_pitch == 0)
-    plane->row_pitch = width * plane->stride * sizeof(float);
-  return plane->row_pitch >= least && plane->row_pitch % sizeof(float) == 0;
+    plane->row_pitch = width * plane->pixel_pitch;
+  return plane->row_pitch >= least && plane->row_pitch % sizeof(float) == 0 &&
+         plane->pixel_pitch % sizeof(float) == 0;
 }
 
 /* Returns the name of a plane that can't be read, or NULL. */

@@ -390,7 +390,7 @@ int job_cache_choose(job *j, image_error *error) {
 }
 
 static int make_cache(job_cache *jc, image_error *error) {
-  const hbil_plane_format planes_of_floats = {HBIL_FLOAT32, 1};
+  const hbil_plane_format planes_of_floats = {HBIL_FLOAT32, 4};
   jc->config = jc->job->cache;
   jc->config.inputs = jc->job->config.inputs;
   jc->config.gather_emission = jc->job->config.model.gather_emission;

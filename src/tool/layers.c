@@ -151,7 +151,7 @@ size_t formats_channels(const hbil_config *config, const channel_map *map,
 
 void formats_choose(hbil_config *config, const channel_map *map,
                     unsigned layers) {
-  const hbil_plane_format planes_of_floats = {HBIL_FLOAT32, 1};
+  const hbil_plane_format planes_of_floats = {HBIL_FLOAT32, 4};
   for (int i = 0; i < INPUTS; i++)
     if (formats_channels(config, map, i))
       *format_at(config, input_table[i].format) = planes_of_floats;

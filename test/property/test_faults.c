@@ -222,6 +222,9 @@ static void both(step *t, cl_bool still) {
 static void fail_with_cache(step *t, bool filled) {
   outcome o = {0, "", HBIL_SUCCESS};
   hbil_statistics skipped;
+  /* light that came to rest before would need no cache */
+  hbil_plan_reset(t->plain.plan);
+  hbil_plan_reset(t->faulty.plan);
   for (int n = 1; o.failed; ++n) {
     load(t, n % 2 ? 3 : 0);
     both(t, CL_FALSE);

@@ -34,14 +34,15 @@ static hbil_plane_format any_format(plane_id id, random_state *r) {
   const cl_uint channels =
       scene_is_word(component) ? 1 : (cl_uint)plane_channels(id);
   const cl_uint strides[] = {0, 1, channels, 4};
-  return (hbil_plane_format){component, ANY_OF(r, strides)};
+  return pitched_format(component, ANY_OF(r, strides));
 }
 
 /* Room around planes, and between their rows and channels. */
 static plane_layout any_layout(plane_id id, const hbil_plane_format *f,
                                random_state *r) {
   plane_layout layout = {random_below(r, 9), random_below(r, 5), 0};
-  if (plane_channels(id) > 1 && f->stride == 1 && !scene_is_word(f->component))
+  if (plane_channels(id) > 1 && !scene_is_word(f->component) &&
+      f->pixel_pitch == scene_component_size(f->component))
     layout.plane_extra = random_below(r, 13);
   return layout;
 }
@@ -284,7 +285,7 @@ void draw_tell(const setup *s, const drawn *d) {
     hbil_config copy = *c;
     const hbil_plane_format *f = plane_format(&copy, id);
     snprintf(formats + strlen(formats), 40, "%s %d/%u, ", plane_name(id),
-             (int)f->component, f->stride);
+             (int)f->component, f->pixel_pitch);
   }
   STRESS_CASE(
       "HBIL_STRESS_CASE=%llu: %s in units of %g, %.3g of it spoiled, "

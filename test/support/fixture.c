@@ -3,8 +3,8 @@
 #include "shared.h"
 #include "test/support/shim.h"
 
-const hbil_plane_format one_float = {HBIL_FLOAT32, 1};
-const hbil_plane_format three_floats = {HBIL_FLOAT32, 3};
+const hbil_plane_format one_float = {HBIL_FLOAT32, 4};
+const hbil_plane_format three_floats = {HBIL_FLOAT32, 12};
 
 /* ------------------------------------------------------------------------ */
 /* Preparing                                                                 */

@@ -55,6 +55,11 @@ static int stored_channels(const hbil_config *config, plane_id id) {
   return is_octahedral(config, id) ? 2 : infos[id].channels;
 }
 
+hbil_plane_format pitched_format(hbil_component component, cl_uint stride) {
+  return (hbil_plane_format){component,
+                             stride * (cl_uint)scene_component_size(component)};
+}
+
 placement place_plane(const hbil_config *config, plane_id id,
                       const plane_layout *layout) {
   hbil_config copy = *config;
@@ -62,18 +67,17 @@ placement place_plane(const hbil_config *config, plane_id id,
   size_t components = scene_is_word(format->component)
                           ? 1
                           : (size_t)stored_channels(config, id);
-  size_t stride = format->stride ? format->stride : components;
   placement p;
   p.component = format->component;
   p.size = scene_component_size(format->component);
   p.offset = layout->offset * p.size;
-  p.pixel = stride * p.size;
+  p.pixel = format->pixel_pitch ? format->pixel_pitch : components * p.size;
   p.row = config->width * p.pixel + layout->row_extra * p.size;
   p.plane = p.size;
-  if (stride == 1)
+  if (p.pixel == p.size)
     p.plane = p.row * config->height + layout->plane_extra * p.size;
   p.end = p.offset + p.row * config->height +
-          (stride == 1 ? p.plane * (components - 1) : 0);
+          (p.pixel == p.size ? p.plane * (components - 1) : 0);
   return p;
 }
 

@@ -26,6 +26,9 @@ typedef struct plane_layout {
   size_t offset, row_extra, plane_extra;
 } plane_layout;
 
+/* A format whose pixels are `stride` components apart; 0: without gaps. */
+hbil_plane_format pitched_format(hbil_component component, cl_uint stride);
+
 /* Where a plane's components lie, in bytes. */
 typedef struct placement {
   hbil_component component;

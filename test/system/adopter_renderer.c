@@ -158,7 +158,7 @@ static void use_usual_frame(lighting *l) {
 }
 
 lighting usual(void) {
-  const hbil_plane_format floats = {HBIL_FLOAT32, 4};
+  const hbil_plane_format floats = {HBIL_FLOAT32, 16};
   lighting l;
   memset(&l, 0, sizeof l);
   hbil_config *c = &l.config;

@@ -239,7 +239,7 @@ static void check_picture(void) {
 static void check_packed_formats(void) {
   lighting l = usual();
   l.config.inputs.normal = (hbil_plane_format){HBIL_RGB10A2_UNORM, 0};
-  l.config.inputs.albedo.component = HBIL_UNORM8;
+  l.config.inputs.albedo = (hbil_plane_format){HBIL_UNORM8, 4};
   l.config.inputs.direct = (hbil_plane_format){HBIL_RGB9E5_FLOAT, 0};
   l.frame.normal.buffer = self.normal_rgb10;
   l.frame.albedo.buffer = self.albedo_rgb8;
@@ -706,7 +706,7 @@ static void check_adoption(void) {
 /* --- settings that the first frame decides --- */
 
 static hbil_host_plane host_plane(plane from, int channels) {
-  hbil_host_plane out = {.stride = 4};
+  hbil_host_plane out = {.pixel_pitch = 16};
   for (int i = 0; i < channels; ++i)
     out.channel[i] = &from[0][i];
   return out;

@@ -169,7 +169,8 @@ static void use_cycles_conventions(hbil_config *config) {
 static void use_planar_images(hbil_config *config) {
   for (plane_id id = 0; id < PLANE_COUNT; ++id)
     if (plane_format(config, id)->component != HBIL_NONE)
-      plane_format(config, id)->stride = 1;
+      *plane_format(config, id) =
+          pitched_format(plane_format(config, id)->component, 1);
 }
 
 static void use_defaults(hbil_config *config) {

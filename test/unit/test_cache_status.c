@@ -29,7 +29,7 @@ static const char *spoil_config(hbil_cache_config *c, int which) {
   SPOIL("inputs.direct", c->inputs.direct.component = HBIL_IMAGE);
   SPOIL("inputs.depth", c->inputs.depth.component = HBIL_NONE);
   SPOIL("inputs.normal", c->inputs.normal.component = HBIL_NONE);
-  SPOIL("albedo", c->inputs.albedo.stride = 2);
+  SPOIL("albedo", c->inputs.albedo.pixel_pitch = 8);
   SPOIL("emission", c->inputs.emission.component = (hbil_component)99);
   SPOIL("depth_scale", c->inputs.depth_scale = 0.0f);
   SPOIL("normal_scale[1]", c->inputs.normal_scale[1] = NAN);
@@ -83,7 +83,7 @@ static void defaults_are_those_of_the_header(void **state) {
   hbil_cache_update_init(&u);
   assert_int_equal(u.rounds, 4);
   assert_int_equal(u.share, 1);
-  assert_int_equal(u.far_field, HBIL_FAR_NONE);
+  assert_int_equal(u.far_field, HBIL_FAR_AUTO);
   hbil_view_init(&v);
   assert_int_equal(v.struct_size, sizeof v);
   assert_int_equal(v.light, HBIL_VIEW_DIRECT);

@@ -23,8 +23,8 @@ static void start(setup *s) {
   s->config.history.reprojection = HBIL_REPROJECTION_NONE;
   s->config.inputs.motion.component = HBIL_NONE;
   s->config.outputs.near_irradiance = s->config.outputs.bent_normal =
-      (hbil_plane_format){HBIL_FLOAT32, 4};
-  s->config.outputs.ao = (hbil_plane_format){HBIL_FLOAT16, 8};
+      (hbil_plane_format){HBIL_FLOAT32, 16};
+  s->config.outputs.ao = (hbil_plane_format){HBIL_FLOAT16, 16};
   setup_start(s);
 }
 
@@ -503,8 +503,8 @@ static void check_random_places(const hbil_plane_format formats[SHOWN],
   for (int i = 0; i < 1000; ++i) {
     const bool same_rows = draw_places(&s, &r, pixel * (size_t)width, rows);
     const bool overlap = bytes_overlap(&s);
-    const hbil_status status = enqueue_composite(s.plan, s.device->queue,
-                                                      &s.frame, 0, NULL, NULL);
+    const hbil_status status =
+        enqueue_composite(s.plan, s.device->queue, &s.frame, 0, NULL, NULL);
     if (overlap)
       assert_int_equal(status, HBIL_INVALID_FRAME);
     else if (same_rows && common_pixel(&s))
@@ -526,7 +526,7 @@ static void check_random_places(const hbil_plane_format formats[SHOWN],
 
 static void interleaved_planes_are_told_apart(void **state) {
   const hbil_plane_format formats[SHOWN] = {
-      {HBIL_FLOAT16, 14}, {HBIL_FLOAT32, 7}, {HBIL_FLOAT32, 7}};
+      {HBIL_FLOAT16, 28}, {HBIL_FLOAT32, 28}, {HBIL_FLOAT32, 28}};
   (void)state;
   check_random_places(formats, 28, 3, WIDTH, HEIGHT);
   check_random_places(formats, 28, 3, WIDTH, 1);
@@ -535,7 +535,7 @@ static void interleaved_planes_are_told_apart(void **state) {
 
 static void planar_planes_are_told_apart(void **state) {
   const hbil_plane_format formats[SHOWN] = {
-      {HBIL_FLOAT32, 1}, {HBIL_FLOAT32, 1}, {HBIL_FLOAT32, 1}};
+      {HBIL_FLOAT32, 4}, {HBIL_FLOAT32, 4}, {HBIL_FLOAT32, 4}};
   (void)state;
   check_random_places(formats, 4, 60, WIDTH, HEIGHT);
   check_random_places(formats, 4, 60, WIDTH, 1);
@@ -543,7 +543,7 @@ static void planar_planes_are_told_apart(void **state) {
 
 static void planes_of_several_kinds_are_told_apart(void **state) {
   const hbil_plane_format formats[SHOWN] = {
-      {HBIL_FLOAT16, 14}, {HBIL_FLOAT32, 1}, {HBIL_FLOAT32, 5}};
+      {HBIL_FLOAT16, 28}, {HBIL_FLOAT32, 4}, {HBIL_FLOAT32, 20}};
   (void)state;
   check_random_places(formats, 28, 8, WIDTH, HEIGHT);
 }

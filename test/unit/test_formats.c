@@ -46,7 +46,7 @@ static void start_sky(setup *s, hbil_component component, cl_uint stride,
   setup_init(s, width, 256);
   setup_no_outputs(s);
   s->config.outputs.beauty = three_floats;
-  s->config.inputs.emission = (hbil_plane_format){component, stride};
+  s->config.inputs.emission = pitched_format(component, stride);
   s->config.execution.vector_width = vector_width;
   setup_start(s);
 }
@@ -93,8 +93,8 @@ static void every_code_of_a_colour_is_read(void **state) {
   const struct {
     hbil_component component;
     double roundings;
-  } all[] = {{HBIL_UNORM8, 2},          {HBIL_UNORM16, 2},
-             {HBIL_FLOAT16, 0},         {HBIL_RGB10A2_UNORM, 2},
+  } all[] = {{HBIL_UNORM8, 2},          {HBIL_UNORM16, 4},
+             {HBIL_FLOAT16, 0},         {HBIL_RGB10A2_UNORM, 8},
              {HBIL_R11G11B10_FLOAT, 0}, {HBIL_RGB9E5_FLOAT, 0}};
   const cl_uint lanes[] = {16, 1, 4, 8};
   (void)state;
@@ -168,7 +168,7 @@ static void check_normals(hbil_component component,
   setup_init(&s, 256, 256);
   setup_flatten(&s, 4.0); /* all rays are along z */
   setup_fill(&s, EXACT_DEPTH, 3.0f);
-  s.config.inputs.normal = (hbil_plane_format){component, stride};
+  s.config.inputs.normal = pitched_format(component, stride);
   s.config.inputs.normal_encoding = encoding;
   s.config.execution.vector_width = vector_width;
   if (turned) {
@@ -291,7 +291,7 @@ static void check_depths(hbil_component component, projection p, cl_uint stride,
   set_projection(&s.frame, p);
   /* as in whole frames below, so that both have the same kernels */
   s.config.inputs.normal_space = HBIL_SPACE_WORLD;
-  s.config.inputs.depth = (hbil_plane_format){component, stride};
+  s.config.inputs.depth = pitched_format(component, stride);
   s.config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
   s.config.execution.vector_width = vector_width;
   setup_start(&s);
@@ -478,7 +478,7 @@ static exact_planes moved_light(hbil_component component) {
   setup s;
   setup_scene(&s, SCENE_ROOM, 61, 43, 0);
   s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
-  s.config.inputs.motion = (hbil_plane_format){component, 2};
+  s.config.inputs.motion = pitched_format(component, 2);
   s.config.inputs.motion_scale[0] = s.config.inputs.motion_scale[1] = 64.0f;
   setup_start(&s);
   for (uint32_t frame = 0; frame < 2; ++frame) {

@@ -96,12 +96,12 @@ static void ao_alone(hbil_config *c) {
 
 static void ao_and_bent(hbil_config *c) {
   ao_alone(c);
-  c->outputs.bent_normal = (hbil_plane_format){HBIL_FLOAT16, 3};
+  c->outputs.bent_normal = (hbil_plane_format){HBIL_FLOAT16, 6};
 }
 
 static void light_alone(hbil_config *c) {
   no_outputs(c);
-  c->outputs.near_irradiance = (hbil_plane_format){HBIL_FLOAT16, 4};
+  c->outputs.near_irradiance = (hbil_plane_format){HBIL_FLOAT16, 8};
 }
 
 static void far_alone(hbil_config *c) {
@@ -305,13 +305,13 @@ static void padding_is_at_most_a_quarter(void **state) {
   setup s;
   (void)state;
   prepare(&s, 1280, 720);
-  check_planes(&s.config, (plane_counts){4, 4, 7, 7, 7});
+  check_planes(&s.config, (plane_counts){4, 4, 7, 7, 9});
   s.config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s.config.model.far_field = HBIL_FAR_FRAME;
   s.config.sampling.steps_per_side = 48;
-  check_planes(&s.config, (plane_counts){4, 4, 7, 8, 7});
+  check_planes(&s.config, (plane_counts){4, 4, 7, 8, 9});
   s.config.history.reprojection = HBIL_REPROJECTION_NONE;
-  check_planes(&s.config, (plane_counts){0, 0, 7, 8, 7});
+  check_planes(&s.config, (plane_counts){0, 0, 7, 8, 9});
   ao_alone(&s.config);
   s.config.model.far_field = HBIL_FAR_NONE;
   check_planes(&s.config, (plane_counts){0, 0, 4, 1, 1});
@@ -323,11 +323,11 @@ static void packed_padding_is_at_most_a_quarter(void **state) {
   (void)state;
   prepare(&s, 1280, 720);
   s.config.sampling.storage = HBIL_STORAGE_PACKED;
-  check_planes(&s.config, (plane_counts){2, 2, 3, 3, 7});
+  check_planes(&s.config, (plane_counts){2, 2, 3, 3, 9});
   s.config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
   s.config.model.far_field = HBIL_FAR_FRAME;
   s.config.history.reprojection = HBIL_REPROJECTION_NONE;
-  check_planes(&s.config, (plane_counts){0, 0, 3, 3, 7});
+  check_planes(&s.config, (plane_counts){0, 0, 3, 3, 9});
   ao_alone(&s.config);
   s.config.model.far_field = HBIL_FAR_NONE;
   check_planes(&s.config, (plane_counts){0, 0, 2, 1, 1});

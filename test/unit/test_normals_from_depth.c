@@ -283,7 +283,7 @@ static void every_form_of_depth_is_read(void **state) {
       s.frame.hardware_depth[1] = 1.0;
     }
     if (form == 2) {
-      s.config.inputs.depth.stride = 3;
+      s.config.inputs.depth = pitched_format(HBIL_FLOAT32, 3);
       s.layout[PLANE_DEPTH] = (plane_layout){5, 7, 0};
     }
     for (int p = 0; p < WIDTH * HEIGHT; ++p) {

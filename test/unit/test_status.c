@@ -143,7 +143,8 @@ static const char *spoil_config(hbil_config *c, int which) {
   SPOIL("depth", c->inputs.depth.component = HBIL_NONE);
   SPOIL("normal", (c->inputs.normal.component = HBIL_NONE,
                    c->inputs.depth.component = HBIL_FLOAT16));
-  SPOIL("albedo", c->inputs.albedo.stride = 2);
+  SPOIL("albedo", c->inputs.albedo.pixel_pitch = 8);
+  SPOIL("albedo", c->inputs.albedo.pixel_pitch = 13);
   SPOIL("direct", c->inputs.direct.component = (hbil_component)99);
   SPOIL("ao", c->outputs.ao.component = HBIL_UNORM8);
   SPOIL("motion", (c->history.reprojection = HBIL_REPROJECTION_MOTION,

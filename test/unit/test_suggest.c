@@ -351,7 +351,7 @@ static void layout_and_kind_of_depth_change_nothing(void **state) {
   hbil_host_plane *planes[] = {&f->planes.normal, &f->planes.direct,
                                &f->planes.emission, &f->planes.depth};
   for (int i = 0; i < 4; ++i) {
-    planes[i]->stride = STRIDE;
+    planes[i]->pixel_pitch = STRIDE * sizeof(float);
     planes[i]->row_pitch = PITCH * sizeof(float);
     for (int c = 0; c < 3; ++c)
       planes[i]->channel[c] = packed[i % 3] + (i == 3 ? 3 : c);
