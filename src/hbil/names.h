@@ -11,6 +11,7 @@
 #define binary_load hbil_internal_binary_load
 #define binary_store hbil_internal_binary_store
 #define bind_plane hbil_internal_bind_plane
+#define bind_surface hbil_internal_bind_surface
 #define buffer_create hbil_internal_buffer_create
 #define buffer_create_in hbil_internal_buffer_create_in
 #define buffers_release hbil_internal_buffers_release
