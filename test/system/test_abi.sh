@@ -29,7 +29,7 @@ done
   sed '/^static hbil_status config_check/,/{/ s|{|{ if (config->later[1] != 7) \
     return fail(context, HBIL_INVALID_CONFIG, "no default");|' \
     "$work/defaults.c" >"$later/config.c"
-  grown checks.c '/^hbil_status check_frame/,/{/' 'if (frame->later[1]) \
+  grown frame.c '/^static hbil_status check_frame/,/{/' 'if (frame->later[1]) \
     return fail(plan->context, HBIL_INVALID_FRAME, "no default");'
 } 2>"$work/missing"
 sources=src/hbil/kernel_sources.c
@@ -46,7 +46,7 @@ run ${CC:-cc} -std=c11 -O0 -fPIC -shared -Wl,-soname,libhbil.so.1 \
   "-I$srcdir/include" $sources $opencl -lm
 test $status -eq 0 && test "$(grep -c 'later\[1\]' "$later/config.c")" = 1 &&
   test "$(grep -c 'later = {7' "$later/config.c")" = 1 &&
-  test "$(grep -c 'later\[1\]' "$later/checks.c")" = 1 &&
+  test "$(grep -c 'later\[1\]' "$later/frame.c")" = 1 &&
   test "$(cat "$later"/hbil/*.h | grep -c 'later\[2\]')" = 2
 ok $? "a library is made whose structs have grown by 16 bytes"
 # shellcheck disable=SC2086
