@@ -189,17 +189,18 @@ HBIL_API hbil_status hbil_enqueue_cache_light_views(
 
 typedef struct hbil_cache_update {
   size_t struct_size; /* set by hbil_cache_update_init(); see hbil_config */
-  /* Rounds of bounces to compute, 0..1024; default 4, a good number for each
+  /* Bounces of light to compute, 0..1024; default 4, a good number for each
    * frame.  Some 16 should follow a first injection.  An update traces the rays
-   * of each surface once and uses them in all its rounds, so further ones cost
+   * of each surface once and uses them in all its bounces, so further ones cost
    * little. */
-  cl_uint rounds;
-  /* An update handles every share-th voxel, in all its rounds; the next update
-   * handles others, so `share` updates handle all.  1..4096; default 1 */
-  cl_uint share;
+  cl_uint bounces;
+  /* An update handles every n-th voxel, in all its bounces, and the next update
+   * handles others, so n updates handle all: 1..4096; default 1 */
+  cl_uint phases;
   /* The frames' far field: hbil_model.far_field, and environment of hbil_frame.
    * Rays that leave the cache into the sky get it; with HBIL_FAR_FRAME they get
-   * none, because `direct` contains the sky.  HBIL_FAR_AUTO (default) is the latter.
+   * none, because `direct` contains the sky.  HBIL_FAR_AUTO (default) is the
+   * latter.
    */
   hbil_far_field far_field;
   float environment[9][3];
@@ -218,8 +219,8 @@ HBIL_API void hbil_cache_update_init_sized(hbil_cache_update *update,
   hbil_cache_update_init_sized((update), sizeof(hbil_cache_update))
 
 /* Enqueues bounces of light between the cache's surfaces.  An update must come
- * between an injection and the frames that shall see it; 0 rounds suffice. NULL
- * stands for the defaults.  A wrong member is HBIL_INVALID_ARGUMENT. */
+ * between an injection and the frames that shall see it; 0 bounces suffice.
+ * NULL stands for the defaults.  A wrong member is HBIL_INVALID_ARGUMENT. */
 HBIL_API hbil_status hbil_enqueue_cache_update(
     hbil_cache *cache, cl_command_queue queue, const hbil_cache_update *update,
     cl_uint wait_count, const cl_event *wait_list, cl_event *event);

@@ -17,9 +17,9 @@
 INLINE uint listed_of_word(const hbil_cache_list_args args,
                            global const uint *states, uint word) {
   uint listed = surfaces_of_word(states[word]);
-  if (args.share > 1)
+  if (args.phases > 1)
     for (uint left = listed; left; left &= left - 1u)
-      if (first_surface(word, left) % (uint)args.share != (uint)args.phase)
+      if (first_surface(word, left) % (uint)args.phases != (uint)args.phase)
         listed &= ~(left & -left);
   return listed;
 }

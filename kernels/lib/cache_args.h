@@ -121,10 +121,10 @@ typedef struct hbil_cache_inject_args {
 HBIL_ASSERT_LAYOUT(hbil_cache_inject_args, finished, 38, 39)
 
 /* cache/ray_hits.cl.  The update handles the voxels whose number is `phase`
- * modulo `share`. */
+ * modulo `phases`. */
 typedef struct hbil_cache_list_args {
   hbil_cache_args cache;
-  hbil_int share, phase;
+  hbil_int phases, phase;
 } hbil_cache_list_args;
 HBIL_ASSERT_LAYOUT(hbil_cache_list_args, phase, 7, 8)
 

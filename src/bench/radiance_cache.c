@@ -100,13 +100,13 @@ int bench_radiance_cache_light(const bench_radiance_cache *w, unsigned frame,
                error);
 }
 
-int bench_radiance_cache_update(const bench_radiance_cache *w, cl_uint rounds,
-                                cl_uint share, cl_uint steps,
+int bench_radiance_cache_update(const bench_radiance_cache *w, cl_uint bounces,
+                                cl_uint phases, cl_uint steps,
                                 image_error *error) {
   hbil_cache_update how;
   hbil_cache_update_init(&how);
-  how.rounds = rounds;
-  how.share = share;
+  how.bounces = bounces;
+  how.phases = phases;
   how.steps = steps;
   how.far_field = w->trial.config.model.far_field;
   memcpy(how.environment, w->content->environment, sizeof how.environment);

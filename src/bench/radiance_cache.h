@@ -37,8 +37,8 @@ int bench_radiance_cache_inject(const bench_radiance_cache *w, unsigned frame,
                                 image_error *error);
 int bench_radiance_cache_light(const bench_radiance_cache *w, unsigned frame,
                                image_error *error);
-int bench_radiance_cache_update(const bench_radiance_cache *w, cl_uint rounds,
-                                cl_uint share, cl_uint steps,
+int bench_radiance_cache_update(const bench_radiance_cache *w, cl_uint bounces,
+                                cl_uint phases, cl_uint steps,
                                 image_error *error);
 
 /* Waits for what was enqueued. */

@@ -154,7 +154,7 @@ typedef struct exact_cache_mean {
 } exact_cache_mean;
 exact_cache_mean exact_cache_mean_of(const exact_cache *cache);
 
-/* One round, on the voxels whose number is `phase` modulo update->share:
+/* One round, on the voxels whose number is `phase` modulo update->phases:
  * `after` gets their indirect light and their unlit part.  before and after:
  * the same places. */
 void exact_cache_bounce(const exact_cache *before,

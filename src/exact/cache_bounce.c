@@ -119,7 +119,7 @@ static bool is_listed(const exact_cache *cache, size_t number,
                       const hbil_cache_update *update, uint32_t phase) {
   const exact_place place = exact_cache_place(cache, number);
   return exact_cache_at(cache, &place)->state == HBIL_VOXEL_SURFACE &&
-         number % update->share == phase;
+         number % update->phases == phase;
 }
 
 /* Rays of a surface: fewer where the hits wouldn't fit. */

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "exact/providers.h"
+#include "exact/cache_methods.h"
 
 /* --- the pyramid --- */
 

@@ -9,7 +9,7 @@
 
 #include "exact/camera.h"
 #include "exact/passes.h"
-#include "exact/providers.h"
+#include "exact/cache_methods.h"
 #include "exact/surface.h"
 
 /* A probe every 8 pixels, or a multiple of that by a power of two, so that

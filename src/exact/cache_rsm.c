@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "exact/camera.h"
-#include "exact/providers.h"
+#include "exact/cache_methods.h"
 
 /* The least cosine between a texel's normal and the light's ray that its area
  * is computed with (kernels/lib/light_view.clh). */

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 #include "exact/passes.h"
-#include "exact/providers.h"
+#include "exact/cache_methods.h"
 
 /* --- cells --- */
 

@@ -18,7 +18,7 @@
 #include "exact/lobe.h"
 #include "exact/passes.h"
 #include "exact/planes.h"
-#include "exact/providers.h"
+#include "exact/cache_methods.h"
 #include "exact/sky_light.h"
 #include "exact/surface.h"
 

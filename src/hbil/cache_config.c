@@ -38,7 +38,7 @@ void hbil_view_init_sized(hbil_view *view, size_t struct_size) {
 void hbil_cache_update_init_sized(hbil_cache_update *update,
                                   size_t struct_size) {
   static const hbil_cache_update defaults = {
-      .rounds = 4, .share = 1, .far_field = HBIL_FAR_AUTO, .steps = 16};
+      .bounces = 4, .phases = 1, .far_field = HBIL_FAR_AUTO, .steps = 16};
   init_sized(update, struct_size, &defaults, sizeof defaults);
 }
 
@@ -205,8 +205,8 @@ hbil_status cache_update_take(hbil_context *context,
   const struct {
     const char *field;
     cl_uint value, least, most;
-  } ranges[] = {{"rounds", own->rounds, 0, 1024},
-                {"share", own->share, 1, 4096},
+  } ranges[] = {{"bounces", own->bounces, 0, 1024},
+                {"phases", own->phases, 1, 4096},
                 {"steps", own->steps, 0, 1024},
                 {"far_field", (cl_uint)own->far_field, 0, HBIL_FAR_AUTO}};
   for (size_t i = 0;

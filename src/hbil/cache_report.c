@@ -180,7 +180,7 @@ static hbil_status write_voxels(const commands *chain, cl_mem buffer,
 
 hbil_status hbil_cache_load(hbil_cache *cache, cl_command_queue queue,
                             const void *bytes, size_t size) {
-  static const hbil_cache_update no_rounds = {.share = 1};
+  static const hbil_cache_update no_bounces = {.phases = 1};
   commands chain;
   const unsigned char *at = bytes;
   hbil_status status = begin(__func__, cache, queue, bytes, size, &chain);
@@ -204,7 +204,7 @@ hbil_status hbil_cache_load(hbil_cache *cache, cl_command_queue queue,
     status = empty_volumes(&chain, cache);
   }
   if (status == HBIL_SUCCESS)
-    status = update_cache(&chain, cache, &no_rounds);
+    status = update_cache(&chain, cache, &no_bounces);
   end_commands(&chain);
   return status;
 }

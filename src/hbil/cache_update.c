@@ -72,8 +72,8 @@ static hbil_status trace_rays(commands *chain, hbil_cache *cache,
   const hbil_cache_args where = cache_args(cache);
   const hbil_cache_list_args args = {
       .cache = where,
-      .share = (cl_int)update->share,
-      .phase = (cl_int)(cache->updates % update->share)};
+      .phases = (cl_int)update->phases,
+      .phase = (cl_int)(cache->updates % update->phases)};
   const argument list[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
                            ARG(cache->buffers[CACHE_LIST])};
   const argument rays[] = {ARG(where), ARG(cache->buffers[CACHE_CLEARANCE]),
@@ -114,9 +114,9 @@ hbil_status update_cache(commands *chain, hbil_cache *cache,
   hbil_status status = update_clearance(chain, cache);
   if (status == HBIL_SUCCESS)
     status = update_radiance(chain, cache);
-  if (status == HBIL_SUCCESS && update->rounds > 0)
+  if (status == HBIL_SUCCESS && update->bounces > 0)
     status = trace_rays(chain, cache, update);
-  for (cl_uint i = 0; i < update->rounds && status == HBIL_SUCCESS; ++i) {
+  for (cl_uint i = 0; i < update->bounces && status == HBIL_SUCCESS; ++i) {
     status = bounce(chain, cache, update);
     if (status == HBIL_SUCCESS)
       status = update_radiance(chain, cache);

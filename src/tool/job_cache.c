@@ -167,11 +167,11 @@ static int inject(job_cache *jc, const char *path, const gbuffer *g,
   return status == HBIL_SUCCESS ? 0 : library_failed(jc, path, status, error);
 }
 
-static int update(job_cache *jc, unsigned rounds, unsigned steps,
+static int update(job_cache *jc, unsigned bounces, unsigned steps,
                   image_error *error) {
   hbil_cache_update how;
   hbil_cache_update_init(&how);
-  how.rounds = rounds;
+  how.bounces = bounces;
   how.steps = steps;
   how.far_field = jc->job->config.model.far_field;
   memcpy(how.environment, jc->job->far.environment, sizeof how.environment);
@@ -299,12 +299,12 @@ int job_cache_learn(job_cache *jc, image_error *error) {
   const process_settings *s = jc->job->settings;
   const double start = seconds_now();
   /* The bounces of a loaded cache were computed before it was saved. */
-  const unsigned rounds =
+  const unsigned bounces =
       s->cache_load && !s->view_count && !s->learn ? 0 : ROUNDS_AT_FIRST;
   if ((s->cache_load && load(jc, error) != 0) ||
       learn_pictures(jc, error) != 0 ||
       (jc->job->light_count && learn_lights(jc, error) != 0) ||
-      update(jc, rounds, STEPS_AT_FIRST, error) != 0)
+      update(jc, bounces, STEPS_AT_FIRST, error) != 0)
     return -1;
   const cl_int status = clFinish(jc->device->queue);
   jc->seconds = seconds_now() - start;

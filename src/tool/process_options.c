@@ -83,7 +83,7 @@ static int set_voxels(const char *text, void *arguments, image_error *error) {
 static const char *const no_yes[] = {"no", "yes", NULL};
 static const char *const view_lights[] = {"direct", "radiance", NULL};
 static const char *const cache_sizes[] = {"16", "32", "64", "128", "256", NULL};
-/* The providers, in the enum's order, then what there is without a cache. */
+/* The methods, in the enum's order, then what there is without a cache. */
 static const char *const far_words[] = {"rays",        "cones", "lpv", "rsm",
                                         "environment", "none",  NULL};
 static const char *const qualities[] = {"fast", "balanced", "high", "reference",

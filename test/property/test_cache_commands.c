@@ -90,7 +90,7 @@ static void run_sequence(order *o, cl_event gate) {
   const bool chained = !gate;
   hbil_cache_update update;
   hbil_cache_update_init(&update);
-  update.rounds = 2;
+  update.bounces = 2;
   assert_success(s, hbil_enqueue_cache_reset(o->cache, next_queue(o, chained),
                                              gate ? 1 : 0, gate ? &gate : NULL,
                                              NULL));

@@ -123,7 +123,7 @@ static void inject(hbil_cache *cache, const setup *whole) {
   view.albedo = whole->frame.albedo;
   view.direct = whole->frame.direct;
   hbil_cache_update_init(&update);
-  update.rounds = 0;
+  update.bounces = 0;
   assert_success(whole, hbil_enqueue_cache_inject(cache, shared_device.queue,
                                                   &view, 1, 0, NULL, NULL));
   assert_success(whole, hbil_enqueue_cache_update(cache, shared_device.queue,

@@ -291,8 +291,8 @@ static void bounces_come_to_their_sum(void **state) {
 }
 
 /* The mean of a frame after more bounces, and its largest value. */
-static double mean_after(setup *s, cl_uint rounds, double *largest) {
-  room_inject(&shared_device, s->frame.cache, NULL, 0, rounds);
+static double mean_after(setup *s, cl_uint bounces, double *largest) {
+  room_inject(&shared_device, s->frame.cache, NULL, 0, bounces);
   exact_planes out = room_outputs(s);
   const double mean = mean_of(&out);
   *largest = fmax(*largest, largest_value(&out, EXACT_NEAR_IRRADIANCE, 6));

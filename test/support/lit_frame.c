@@ -12,14 +12,14 @@ void lit_environment(setup *s) {
           (float)(i ? random_unit(&r) - 0.5 : 2.0 + random_unit(&r));
 }
 
-void lit_prepare(lit_frame *l, hbil_cache_method provider, cl_uint width,
+void lit_prepare(lit_frame *l, hbil_cache_method method, cl_uint width,
                  scene_kind kind, hbil_projection projection,
                  hbil_far_field far_field) {
   setup last;
   hbil_cache_update update;
   hbil_cache_update_init(&update);
   cache_prepare(&l->f, width);
-  l->f.config.method = provider;
+  l->f.config.method = method;
   l->cache = checked_cache(&l->f);
   cache_fill(&l->f, &l->cache, kind, HBIL_VIEW_DIRECT, &last);
   setup_free(&last);
@@ -30,7 +30,7 @@ void lit_prepare(lit_frame *l, hbil_cache_method provider, cl_uint width,
   l->device.hbil = l->f.context;
   l->s.device = &l->device;
   l->s.frame.cache = l->f.cache;
-  l->s.config.model.cache_method = provider;
+  l->s.config.model.cache_method = method;
   l->s.config.model.far_field = far_field;
   l->s.config.model.radius =
       (float)(HBIL_CACHE_NEAR_VOXELS * l->f.config.voxel_size);

@@ -21,7 +21,7 @@ typedef struct lit_frame {
 
 /* A cache that has seen the scene, whose kernels have vectors of that width,
  * and a frame of it with all outputs, whose camera the cache has not had. */
-void lit_prepare(lit_frame *l, hbil_cache_method provider, cl_uint width,
+void lit_prepare(lit_frame *l, hbil_cache_method method, cl_uint width,
                  scene_kind kind, hbil_projection projection,
                  hbil_far_field far_field);
 void lit_free(lit_frame *l);
@@ -30,7 +30,7 @@ void lit_environment(setup *s);
 
 /* Probes of the frame, all zero. */
 exact_probes lit_no_probes(const setup *s);
-/* The probes in an argument of a kernel, of a provider's frame. */
+/* The probes in an argument of a kernel, of a method's frame. */
 exact_probes lit_probes(const setup *s, const char *kernel, cl_uint index);
 /* The largest differences of places and normals, of shares, and of light. */
 void probe_difference(const exact_probe *a, const exact_probe *b,

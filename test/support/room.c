@@ -220,10 +220,10 @@ void room_views_free(hbil_view *views, int count) {
 }
 
 void room_inject(const device_fixture *d, hbil_cache *cache,
-                 const hbil_view *views, cl_uint count, cl_uint rounds) {
+                 const hbil_view *views, cl_uint count, cl_uint bounces) {
   hbil_cache_update update;
   hbil_cache_update_init(&update);
-  update.rounds = rounds;
+  update.bounces = bounces;
   must(d,
        hbil_enqueue_cache_inject(cache, d->queue, views, count, 0, NULL, NULL));
   must(d, hbil_enqueue_cache_update(cache, d->queue, &update, 0, NULL, NULL));

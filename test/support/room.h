@@ -56,11 +56,10 @@ void room_views(const device_fixture *d, const room *r, const double eye[3],
                 int size, hbil_view_light light, hbil_view views[WALLS]);
 void room_views_free(hbil_view *views, int count);
 
-/* Injects and updates, and must succeed; rounds: bounces. */
+/* Injects and updates, and must succeed. */
 void room_inject(const device_fixture *d, hbil_cache *cache,
-                 const hbil_view *views, cl_uint count, cl_uint rounds);
-hbil_cache_counts room_statistics(const device_fixture *d,
-                                      hbil_cache *cache);
+                 const hbil_view *views, cl_uint count, cl_uint bounces);
+hbil_cache_counts room_statistics(const device_fixture *d, hbil_cache *cache);
 /* --- a frame, a cache and its views --- */
 
 extern const double room_middle[3];

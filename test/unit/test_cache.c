@@ -224,7 +224,7 @@ static uint64_t hash_of_sequence(setup *s, const hbil_view views[MIXED]) {
   uint64_t hash = 0xcbf29ce484222325u;
   hbil_cache_update update;
   hbil_cache_update_init(&update);
-  update.share = 3;
+  update.phases = 3;
   assert_success(s, hbil_enqueue_cache_move(s->frame.cache, s->device->queue,
                                             middle, 0, NULL, NULL));
   assert_success(s, hbil_enqueue_cache_reset(s->frame.cache, s->device->queue,

@@ -1,6 +1,6 @@
 /*
  * Light between the cache's surfaces matches the exact passes, on what the
- * device had before: what voxels send, its mean, and rounds of bounces.
+ * device had before: what voxels send, its mean, and bounces.
  */
 #include "test/support/cache.h"
 #include "test/support/packing.h"
@@ -45,7 +45,7 @@ static void check_mean(const exact_cache *cache) {
   check_at_most("mean unlit part", fabs(got.unlit - want.unlit), 5e-7);
 }
 
-/* --- rounds --- */
+/* --- bounces --- */
 
 /* Shares of rays that end elsewhere than the exact ones and so change their
  * voxel, at most: 1.9e-4 of them do (test_cache_rays), or 6e-4 in a crowd of
@@ -97,7 +97,7 @@ static int check_round(cache_fixture *f, exact_cache *cache,
     if (to->state != HBIL_VOXEL_SURFACE)
       continue;
     check_rest(got, to);
-    surfaces += i % update->share == (size_t)args.phase;
+    surfaces += i % update->phases == (size_t)args.phase;
     different += !agrees(got, to);
   }
   assert_true(surfaces > 300);
@@ -125,7 +125,7 @@ static exact_cache filled(cache_fixture *f, cl_uint width, scene_kind kind,
   cache_prepare(f, width);
   exact_cache cache = checked_cache(f);
   cache_fill(f, &cache, kind, light, s);
-  none.rounds = 0;
+  none.bounces = 0;
   cache_update(f, &none);
   cache_import(&cache);
   check_radiance(&cache);
@@ -142,11 +142,11 @@ static void check_rounds(cl_uint width, scene_kind kind, hbil_view_light light,
   int phases = 0;
   hbil_cache_update_init(&update);
   exact_cache cache = filled(&f, width, kind, light, &s);
-  update.rounds = 1;
+  update.bounces = 1;
   update.far_field = far;
   set_environment(&update);
   for (int i = 0; i < 4; ++i) {
-    update.share = i ? 3 : 1;
+    update.phases = i ? 3 : 1;
     const int phase =
         check_round(&f, &cache, &update, FEW_RAYS * HBIL_CACHE_RAYS);
     phases |= i ? 1 << phase : 0;
@@ -175,10 +175,10 @@ static void finished_radiance_is_sent_as_it_is(void **state) {
   check_rounds(8, SCENE_ROOM, HBIL_VIEW_FINISHED, HBIL_FAR_NONE);
 }
 
-/* --- several rounds --- */
+/* --- several bounces --- */
 
-/* What `rounds` rounds in each of some updates leave: the voxels' bytes. */
-static float *after_rounds(cl_uint rounds, int updates, size_t *bytes) {
+/* What so many bounces in each of some updates leave: the voxels' bytes. */
+static float *after_bounces(cl_uint bounces, int updates, size_t *bytes) {
   cache_fixture f;
   setup s;
   hbil_cache_update update;
@@ -186,7 +186,7 @@ static float *after_rounds(cl_uint rounds, int updates, size_t *bytes) {
   exact_cache cache = filled(&f, 4, SCENE_SKY, HBIL_VIEW_DIRECT, &s);
   update.far_field = HBIL_FAR_FRAME;
   set_environment(&update);
-  update.rounds = rounds;
+  update.bounces = bounces;
   for (int i = 0; i < updates; ++i)
     cache_update(&f, &update);
   float *voxels = cache_read(CACHE_VOXELS, bytes);
@@ -196,12 +196,13 @@ static float *after_rounds(cl_uint rounds, int updates, size_t *bytes) {
   return voxels;
 }
 
-/* The rays of an update serve all its rounds. */
+/* The rays of an update serve all its bounces. */
 static void rounds_are_like_updates(void **state) {
   size_t bytes;
   (void)state;
-  float *one = after_rounds(1, 1, &bytes), *three = after_rounds(1, 3, &bytes);
-  float *at_once = after_rounds(3, 1, &bytes);
+  float *one = after_bounces(1, 1, &bytes),
+        *three = after_bounces(1, 3, &bytes);
+  float *at_once = after_bounces(3, 1, &bytes);
   assert_memory_equal(at_once, three, bytes);
   assert_true(memcmp(one, three, bytes) != 0);
   free(one);
@@ -259,9 +260,9 @@ static void many_surfaces_have_fewer_rays(void **state) {
     exact_cache cache =
         filled(&f, cases[i].width, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
     crowd(&cache, cases[i].share);
-    update.rounds = 0;
+    update.bounces = 0;
     cache_update(&f, &update);
-    update.rounds = 1;
+    update.bounces = 1;
     check_round(&f, &cache, &update, CROWDED_RAYS * cases[i].rays);
     setup_free(&s);
     cache_free(&f);

@@ -22,8 +22,7 @@ static void assert_finite(setup *s, const char *what) {
 
 static void inject_odd(room_scene *t, const hbil_view *view, const char *what) {
   room_inject(&shared_device, t->s.frame.cache, view, 1, 1);
-  const hbil_cache_counts n =
-      room_statistics(&shared_device, t->s.frame.cache);
+  const hbil_cache_counts n = room_statistics(&shared_device, t->s.frame.cache);
   assert_int_equal(n.unseen + n.empty + n.surfaces, (size_t)32 * 32 * 32 * 2);
   assert_finite(&t->s, what);
 }
@@ -78,7 +77,7 @@ static void views_of_other_places_change_nothing(void **state) {
     assert_success(&t.s, room_try(&t, &view, 1, NULL));
     hbil_cache_update u;
     hbil_cache_update_init(&u);
-    u.rounds = 0;
+    u.bounces = 0;
     assert_success(&t.s, hbil_enqueue_cache_update(t.s.frame.cache,
                                                    shared_device.queue, &u, 0,
                                                    NULL, NULL));
@@ -242,7 +241,7 @@ static void saved_bytes_have_what_bounces_need(void **state) {
   hbil_cache_update_init(&u);
   u.far_field = HBIL_FAR_FRAME;
   u.environment[0][0] = u.environment[0][1] = u.environment[0][2] = 0.5f;
-  u.rounds = 3;
+  u.bounces = 3;
   assert_success(&t.s, hbil_enqueue_cache_reset(first, shared_device.queue, 0,
                                                 NULL, NULL));
   room_inject(&shared_device, first, t.views, 2, 0);

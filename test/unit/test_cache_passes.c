@@ -281,7 +281,7 @@ static void ways_are_the_finest_state_that_is_known(void **state) {
   for (int kind = 0; kind < SCENE_KINDS; ++kind) {
     cache_fixture f;
     setup s;
-    const hbil_cache_update none = {.struct_size = sizeof none, .share = 1};
+    const hbil_cache_update none = {.struct_size = sizeof none, .phases = 1};
     cache_prepare(&f, 4);
     exact_cache cache = checked_cache(&f);
     cache_fill(&f, &cache, (scene_kind)kind, HBIL_VIEW_DIRECT, &s);

@@ -196,7 +196,7 @@ static void rays_end_where_exact_rays_end(void **state) {
     setup s;
     hbil_cache_update none;
     hbil_cache_update_init(&none);
-    none.rounds = 0;
+    none.bounces = 0;
     cache_prepare(&f, 8);
     exact_cache cache = checked_cache(&f);
     cache_fill(&f, &cache, (scene_kind)kind, HBIL_VIEW_DIRECT, &s);
@@ -225,7 +225,7 @@ static void rays_enter_the_finest_level(void **state) {
   (void)state;
   assert_non_null(b);
   hbil_cache_update_init(&none);
-  none.rounds = 0;
+  none.bounces = 0;
   cache_prepare(&f, 16);
   exact_cache cache = checked_cache(&f);
   cache_fill(&f, &cache, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);

@@ -81,8 +81,8 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_int_equal(c.gather_emission, CL_TRUE);
   assert_true(c.unseen_light == 0.8f);
   hbil_cache_update_init(&u);
-  assert_int_equal(u.rounds, 4);
-  assert_int_equal(u.share, 1);
+  assert_int_equal(u.bounces, 4);
+  assert_int_equal(u.phases, 1);
   assert_int_equal(u.far_field, HBIL_FAR_AUTO);
   hbil_view_init(&v);
   assert_int_equal(v.struct_size, sizeof v);
@@ -188,9 +188,9 @@ static void planes_of_other_contexts_are_rejected(void **state) {
 /* Updates, moves and frames                                                 */
 
 static const char *spoil_update(hbil_cache_update *u, int which) {
-  SPOIL("rounds", u->rounds = 1025);
-  SPOIL("share", u->share = 0);
-  SPOIL("share", u->share = 4097);
+  SPOIL("bounces", u->bounces = 1025);
+  SPOIL("phases", u->phases = 0);
+  SPOIL("phases", u->phases = 4097);
   SPOIL("far_field", u->far_field = (hbil_far_field)7);
   SPOIL("environment[0][1]",
         (u->far_field = HBIL_FAR_CONSTANT, u->environment[0][1] = -1.0f));

@@ -1,18 +1,18 @@
 /*
- * Light of the providers against closed forms: a disc that a light shines on,
+ * Light of the methods against closed forms: a disc that a light shines on,
  * flux that stays, an even environment, and furnaces.
  */
 #include "test/support/lit_frame.h"
 #include "test/support/room.h"
 #include "test/support/shim.h"
 
-#include "exact/providers.h"
+#include "exact/cache_methods.h"
 
-static hbil_cache *cache_with(hbil_cache_method provider, cl_uint levels) {
+static hbil_cache *cache_with(hbil_cache_method method, cl_uint levels) {
   hbil_cache_config config = room_cache_config();
   hbil_cache *cache = NULL;
   config.levels = levels;
-  config.method = provider;
+  config.method = method;
   const hbil_status status =
       hbil_cache_create(shared_device.hbil, &config, &cache);
   if (status != HBIL_SUCCESS)
@@ -198,7 +198,7 @@ static void update(hbil_cache *cache, hbil_far_field far_field, float radiance,
                    cl_uint steps) {
   hbil_cache_update u;
   hbil_cache_update_init(&u);
-  u.rounds = 0;
+  u.bounces = 0;
   u.steps = steps;
   u.far_field = far_field;
   for (int c = 0; c < 3; ++c)
@@ -280,14 +280,14 @@ static void flux_stays_in_an_empty_volume(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Even environments                                                         */
 
-/* A frame of the room with a provider, and radiance from everywhere. */
-static void room_frame(setup *s, hbil_cache_method provider, const room *r,
+/* A frame of the room with a method, and radiance from everywhere. */
+static void room_frame(setup *s, hbil_cache_method method, const room *r,
                        const double eye[3], float radiance) {
   const hbil_camera camera = room_camera(eye, AHEAD, 160, 96, 90.0);
   room_setup(s, r, &camera, 160, 96);
   s->config.sampling.slices = 4;
   s->config.sampling.steps_per_side = 16;
-  s->config.model.cache_method = provider;
+  s->config.model.cache_method = method;
   s->config.model.far_field = HBIL_FAR_CONSTANT;
   for (int c = 0; c < 3; ++c)
     s->frame.environment[0][c] = (float)(1 << c) * radiance;
@@ -389,7 +389,7 @@ static const double furnaces[][3] = {
 enum { FURNACES = sizeof furnaces / sizeof *furnaces };
 
 /* A closed room whose walls all send 1. */
-static furnace_light light_of_furnace(hbil_cache_method provider,
+static furnace_light light_of_furnace(hbil_cache_method method,
                                       const double half[3], float sky) {
   room r = {.half = {half[0], half[1], half[2]}};
   hbil_view views[WALLS];
@@ -397,12 +397,12 @@ static furnace_light light_of_furnace(hbil_cache_method provider,
   furnace_light got = {INFINITY, 0.0, 0.0};
   for (int i = 0; i < WALLS; ++i)
     r.direct[i] = r.emission[i] = 1.0f;
-  room_frame(&s, provider, &r, inner_eye, sky);
-  s.frame.cache = cache_with(provider, 2);
+  room_frame(&s, method, &r, inner_eye, sky);
+  s.frame.cache = cache_with(method, 2);
   room_views(&shared_device, &r, room_middle, 64, HBIL_VIEW_FINISHED, views);
   room_inject(&shared_device, s.frame.cache, views, WALLS, 0);
   update(s.frame.cache, HBIL_FAR_NONE, 0.0f, 200);
-  if (provider == HBIL_CACHE_METHOD_RSM)
+  if (method == HBIL_CACHE_METHOD_RSM)
     assert_success(&s, hbil_enqueue_cache_light_views(
                            s.frame.cache, shared_device.queue, views,
                            HBIL_MAX_LIGHT_VIEWS, 0, NULL, NULL));
@@ -425,10 +425,10 @@ static furnace_light light_of_furnace(hbil_cache_method provider,
 
 /* What no view has seen is dark, or as bright as the walls.  Reflective shadow
  * maps have four of the six walls, by a few texels a probe. */
-static void no_provider_is_brighter_than_the_furnace(void **state) {
+static void no_method_is_brighter_than_the_furnace(void **state) {
   static const struct {
     const char *name;
-    hbil_cache_method provider;
+    hbil_cache_method method;
     double brighter;
   } rows[] = {{"rays, brighter", HBIL_CACHE_METHOD_RAYS, 1e-5},
               {"cones, brighter", HBIL_CACHE_METHOD_CONES, 1e-5},
@@ -440,13 +440,13 @@ static void no_provider_is_brighter_than_the_furnace(void **state) {
     const size_t row = i / (2 * FURNACES);
     const bool sky = i % 2;
     const furnace_light got = light_of_furnace(
-        rows[row].provider, furnaces[i / 2 % FURNACES], (float)sky);
+        rows[row].method, furnaces[i / 2 % FURNACES], (float)sky);
     check_at_most(rows[row].name, got.greatest - 1.0, rows[row].brighter);
-    if (rows[row].provider == HBIL_CACHE_METHOD_CONES && sky)
+    if (rows[row].method == HBIL_CACHE_METHOD_CONES && sky)
       check_at_most("cones, darker", 1.0 - got.least, 0.05);
     /* ways along the room's edges end at what no view has seen (measured:
      * 0.032 to 0.039; rays: 0.041 to 0.052) */
-    if (rows[row].provider == HBIL_CACHE_METHOD_CONES && !sky)
+    if (rows[row].method == HBIL_CACHE_METHOD_CONES && !sky)
       check_at_most("cones, leak", 1.0 - got.mean, 0.05);
     assert_true(got.mean > 0.5);
   }
@@ -458,6 +458,6 @@ int main(void) {
       cmocka_unit_test(flux_stays_in_an_empty_volume),
       cmocka_unit_test(volumes_read_out_an_even_environment),
       cmocka_unit_test(cones_fill_the_hemisphere),
-      cmocka_unit_test(no_provider_is_brighter_than_the_furnace)};
+      cmocka_unit_test(no_method_is_brighter_than_the_furnace)};
   return RUN_WITH_DEVICE(tests);
 }

@@ -1,5 +1,5 @@
 /*
- * Each pass of the providers of far light but rays matches the exact one, on
+ * Each pass of the methods of far light but rays matches the exact one, on
  * what the device had before it: the pyramid, the volumes' sources, borders and
  * steps, and the probes of each.
  */
@@ -7,7 +7,7 @@
 #include "test/support/shim.h"
 #include "test/support/stages.h"
 
-#include "exact/providers.h"
+#include "exact/cache_methods.h"
 
 static const cl_uint widths[] = {1, 4, 8, 16};
 
@@ -18,14 +18,14 @@ static float *floats_of(const char *kernel, cl_uint index) {
   return (float *)buffer_bytes(&shared_device, buffer, NULL);
 }
 
-/* A cache that has seen a scene, with a provider; cache: what it holds. */
+/* A cache that has seen a scene, with a method; cache: what it holds. */
 static void filled(cache_fixture *f, exact_cache *cache,
-                   hbil_cache_method provider, cl_uint width, cl_uint voxels) {
+                   hbil_cache_method method, cl_uint width, cl_uint voxels) {
   setup last;
   hbil_cache_update update;
   hbil_cache_update_init(&update);
   cache_prepare(f, width);
-  f->config.method = provider;
+  f->config.method = method;
   f->config.voxels = voxels;
   *cache = checked_cache(f);
   cache_fill(f, cache, SCENE_SKY, HBIL_VIEW_DIRECT, &last);
@@ -194,7 +194,7 @@ static void check_volumes(cl_uint width, cl_uint voxels,
   filled(&f, &cache, HBIL_CACHE_METHOD_LPV, width, voxels);
   lit_environment(&sky);
   hbil_cache_update_init(&update);
-  update.rounds = 0;
+  update.bounces = 0;
   update.far_field = far_field;
   memcpy(update.environment, sky.frame.environment, sizeof update.environment);
   update.steps = 7;
@@ -251,7 +251,7 @@ static exact_planes start_probes(lit_frame *l) {
   return stage_read(&l->s, HBIL_STAGE_SPLIT);
 }
 
-/* What a provider's probes may be off by: shares, and light relative to the
+/* What a method's probes may be off by: shares, and light relative to the
  * brightest probe's; and how many probes may be off by more. */
 typedef struct tolerance {
   double share, light, different;

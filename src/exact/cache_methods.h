@@ -1,10 +1,10 @@
 /*
- * Providers of far light other than rays, pass by pass in double precision:
+ * Methods of a cache other than rays, pass by pass in double precision:
  * cones (cache_cones.c), light propagation volumes (cache_volumes.c) and
  * reflective shadow maps (cache_rsm.c).  Cache space is that of exact/cache.h.
  */
-#ifndef HBIL_EXACT_PROVIDERS_H
-#define HBIL_EXACT_PROVIDERS_H
+#ifndef HBIL_EXACT_CACHE_METHODS_H
+#define HBIL_EXACT_CACHE_METHODS_H
 
 #include "exact/cache.h"
 

@@ -1,5 +1,5 @@
 /*
- * Commands of a cache and frames, for each provider: the same bits in every run
+ * Commands of a cache and frames, for each method: the same bits in every run
  * and with work-groups of any shape, nothing outside of buffers, the announced
  * memory, moves, resets, saved caches, frames of a pixel, OpenCL calls that
  * fail, and what is rejected.
@@ -7,42 +7,42 @@
 #include "test/support/fault.h"
 #include "test/support/room.h"
 
-static const hbil_cache_method first_provider = HBIL_CACHE_METHOD_RAYS,
-                               last_provider = HBIL_CACHE_METHOD_RSM;
+static const hbil_cache_method first_method = HBIL_CACHE_METHOD_RAYS,
+                               last_method = HBIL_CACHE_METHOD_RSM;
 
-/* A frame of a lit room, a cache of the provider, and the room's views. */
+/* A frame of a lit room, a cache of the method, and the room's views. */
 typedef struct scene {
-  hbil_cache_method provider;
+  hbil_cache_method method;
   setup s; /* s.frame.cache is the cache */
   hbil_view views[WALLS];
 } scene;
 
-static hbil_cache_config config_for(hbil_cache_method provider) {
+static hbil_cache_config config_for(hbil_cache_method method) {
   hbil_cache_config config = room_cache_config();
-  config.method = provider;
+  config.method = method;
   return config;
 }
 
-static hbil_cache *cache_for(hbil_cache_method provider) {
-  const hbil_cache_config config = config_for(provider);
+static hbil_cache *cache_for(hbil_cache_method method) {
+  const hbil_cache_config config = config_for(method);
   hbil_cache *cache = NULL;
   if (hbil_cache_create(shared_device.hbil, &config, &cache) != HBIL_SUCCESS)
     fail_msg("%s", hbil_context_message(shared_device.hbil));
   return cache;
 }
 
-static void start(scene *t, hbil_cache_method provider, int width, int height) {
+static void start(scene *t, hbil_cache_method method, int width, int height) {
   const double eye[3] = {0.1, 0.2, -1.0};
   const room r = room_lit();
   const hbil_camera camera = room_camera(eye, AHEAD, width, height, 75.0);
-  t->provider = provider;
+  t->method = method;
   room_setup(&t->s, &r, &camera, width, height);
-  t->s.config.model.cache_method = provider;
+  t->s.config.model.cache_method = method;
   t->s.config.sampling.slices = 1;
   t->s.config.sampling.steps_per_side = 4;
   t->s.config.sampling.unfiltered = CL_TRUE;
   setup_start(&t->s);
-  t->s.frame.cache = cache_for(provider);
+  t->s.frame.cache = cache_for(method);
   room_views(&shared_device, &r, room_middle, 32, HBIL_VIEW_DIRECT, t->views);
 }
 
@@ -60,7 +60,7 @@ static hbil_status show(const scene *t) {
   hbil_cache_update_init(&update);
   hbil_status status =
       hbil_enqueue_cache_inject(cache, queue, t->views, WALLS, 0, NULL, NULL);
-  if (status == HBIL_SUCCESS && t->provider == HBIL_CACHE_METHOD_RSM)
+  if (status == HBIL_SUCCESS && t->method == HBIL_CACHE_METHOD_RSM)
     status = hbil_enqueue_cache_light_views(cache, queue, t->views + BEHIND, 2,
                                             0, NULL, NULL);
   if (status == HBIL_SUCCESS)
@@ -94,7 +94,7 @@ static void move(const scene *t, double x) {
 static void every_run_has_the_same_bits(void **state) {
   static const size_t groups[][2] = {{1, 1}, {3, 2}, {7, 5}};
   (void)state;
-  for (hbil_cache_method p = first_provider; p <= last_provider; ++p) {
+  for (hbil_cache_method p = first_method; p <= last_method; ++p) {
     scene t;
     start(&t, p, 97, 61);
     exact_planes want = lit_outputs(&t);
@@ -116,7 +116,7 @@ static void every_run_has_the_same_bits(void **state) {
  * unseen places, and have no light. */
 static void an_empty_cache_tells_nothing(void **state) {
   (void)state;
-  for (hbil_cache_method p = first_provider; p <= last_provider; ++p) {
+  for (hbil_cache_method p = first_method; p <= last_method; ++p) {
     scene t;
     shim_guard_buffers(true); /* what isn't written is no number */
     start(&t, p, 97, 61);
@@ -141,7 +141,7 @@ static void an_empty_cache_tells_nothing(void **state) {
  * light doesn't spread from cell to cell. */
 static void moves_leave_the_world_in_its_place(void **state) {
   (void)state;
-  for (hbil_cache_method p = first_provider; p <= last_provider; ++p) {
+  for (hbil_cache_method p = first_method; p <= last_method; ++p) {
     hbil_cache_update update;
     scene t;
     start(&t, p, 97, 61);
@@ -149,7 +149,7 @@ static void moves_leave_the_world_in_its_place(void **state) {
     move(&t, 0.5);
     exact_planes moved = room_outputs(&t.s);
     hbil_cache_update_init(&update);
-    update.rounds = 0;
+    update.bounces = 0;
     assert_success(&t.s, hbil_enqueue_cache_update(t.s.frame.cache,
                                                    shared_device.queue, &update,
                                                    0, NULL, NULL));
@@ -169,7 +169,7 @@ static void moves_leave_the_world_in_its_place(void **state) {
 /* Whatever a cache held before, a saved one replaces it. */
 static void loaded_caches_have_no_past(void **state) {
   (void)state;
-  for (hbil_cache_method p = first_provider; p <= HBIL_CACHE_METHOD_LPV; ++p) {
+  for (hbil_cache_method p = first_method; p <= HBIL_CACHE_METHOD_LPV; ++p) {
     scene t;
     start(&t, p, 97, 61);
     exact_planes lit = lit_outputs(&t);
@@ -225,9 +225,9 @@ static void check_memory(hbil_cache_config *config) {
 static void caches_take_the_announced_memory(void **state) {
   (void)state;
   shim_skip_builds(true);
-  for (hbil_cache_method p = first_provider; p <= last_provider; ++p)
+  for (hbil_cache_method p = first_method; p <= last_method; ++p)
     for (cl_uint levels = 1; levels <= 4; ++levels)
-      for (cl_uint voxels = 16; voxels <= (p == first_provider ? 128u : 32u);
+      for (cl_uint voxels = 16; voxels <= (p == first_method ? 128u : 32u);
            voxels *= 2) {
         hbil_cache_config config = room_cache_config();
         config.voxels = voxels;
@@ -241,7 +241,7 @@ static void caches_take_the_announced_memory(void **state) {
 static void nothing_is_written_outside_of_buffers(void **state) {
   static const int sizes[][2] = {{1, 1}, {97, 61}};
   (void)state;
-  for (hbil_cache_method p = first_provider; p <= last_provider; ++p)
+  for (hbil_cache_method p = first_method; p <= last_method; ++p)
     for (int i = 0; i < 2; ++i) {
       scene t;
       shim_guard_buffers(true);
@@ -264,8 +264,8 @@ static void nothing_is_written_outside_of_buffers(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Failures                                                                  */
 
-static hbil_status make_cache(hbil_cache_method provider) {
-  const hbil_cache_config config = config_for(provider);
+static hbil_status make_cache(hbil_cache_method method) {
+  const hbil_cache_config config = config_for(method);
   hbil_cache *cache = NULL;
   const hbil_status status =
       hbil_cache_create(shared_device.hbil, &config, &cache);
@@ -276,12 +276,12 @@ static hbil_status make_cache(hbil_cache_method provider) {
 
 static void failed_caches_leave_nothing(void **state) {
   (void)state;
-  for (hbil_cache_method p = first_provider; p <= last_provider; ++p) {
+  for (hbil_cache_method p = first_method; p <= last_method; ++p) {
     const long held = shim_references();
     outcome o = {0, "", HBIL_SUCCESS};
     for (int n = 1; o.failed; ++n)
       /* both faults of each call where nothing else is built, else in turn */
-      for (int e = 0; e < (p == first_provider ? MEMORY_FAULTS : 1); ++e) {
+      for (int e = 0; e < (p == first_method ? MEMORY_FAULTS : 1); ++e) {
         const int fault = (n + e) % MEMORY_FAULTS;
         o = ATTEMPT(n, faults[fault], make_cache(p));
         check_outcome(shared_device.hbil, &o, fault);
@@ -298,7 +298,7 @@ static hbil_status every_command(scene *t, cl_command_queue queue,
   hbil_cache *cache = t->s.frame.cache;
   const size_t size = hbil_cache_size(cache);
   /* rays need the light behind the camera, others all that lies around it */
-  const cl_uint first = t->provider == HBIL_CACHE_METHOD_RAYS ? BEHIND : 0;
+  const cl_uint first = t->method == HBIL_CACHE_METHOD_RAYS ? BEHIND : 0;
   hbil_cache_counts n;
   hbil_cache_update update;
   cl_event event = NULL;
@@ -322,10 +322,10 @@ static hbil_status every_command(scene *t, cl_command_queue queue,
     status = hbil_cache_save(cache, queue, bytes, size);
   if (status == HBIL_SUCCESS)
     status = hbil_cache_load(cache, queue, bytes, size);
-  if (status == HBIL_SUCCESS && t->provider == HBIL_CACHE_METHOD_RSM)
+  if (status == HBIL_SUCCESS && t->method == HBIL_CACHE_METHOD_RSM)
     status = hbil_enqueue_cache_light_views(cache, queue, t->views + BEHIND, 2,
                                             0, NULL, NULL);
-  update.rounds = 0;
+  update.bounces = 0;
   if (status == HBIL_SUCCESS)
     status = hbil_enqueue_cache_update(cache, queue, &update, 0, NULL, NULL);
   if (status == HBIL_SUCCESS)
@@ -343,10 +343,10 @@ static exact_planes light_of_commands(scene *t, cl_command_queue queue,
 /* After a failure, the same commands from a reset on give the same bits, and no
  * reference leaks but that of an event that could not be released.  step: every
  * so many calls fail. */
-static void check_failures(hbil_cache_method provider, cl_command_queue queue,
+static void check_failures(hbil_cache_method method, cl_command_queue queue,
                            int step) {
   scene t;
-  start(&t, provider, ROOM_WIDTH, ROOM_HEIGHT);
+  start(&t, method, ROOM_WIDTH, ROOM_HEIGHT);
   void *bytes = malloc(hbil_cache_size(t.s.frame.cache));
   assert_non_null(bytes);
   exact_planes want = light_of_commands(&t, queue, bytes);
@@ -373,8 +373,8 @@ static void check_failures(hbil_cache_method provider, cl_command_queue queue,
 
 static void failed_commands_can_be_repeated(void **state) {
   (void)state;
-  for (hbil_cache_method p = first_provider; p <= last_provider; ++p)
-    check_failures(p, shared_device.queue, p == first_provider ? 1 : 3);
+  for (hbil_cache_method p = first_method; p <= last_method; ++p)
+    check_failures(p, shared_device.queue, p == first_method ? 1 : 3);
 }
 
 static void failed_commands_of_any_order_can_be_repeated(void **state) {
@@ -387,7 +387,7 @@ static void failed_commands_of_any_order_can_be_repeated(void **state) {
   if (error == CL_INVALID_QUEUE_PROPERTIES)
     skip();
   assert_int_equal(error, CL_SUCCESS);
-  check_failures(first_provider, queue, 5); /* all kinds of calls */
+  check_failures(first_method, queue, 5); /* all kinds of calls */
   clReleaseCommandQueue(queue);
 }
 
@@ -456,11 +456,11 @@ static void bad_arguments_are_rejected_by_name(void **state) {
   stop(&t);
 }
 
-static void plans_need_their_provider_in_the_cache(void **state) {
+static void plans_need_their_method_in_the_cache(void **state) {
   (void)state;
   shim_skip_builds(true);
-  for (hbil_cache_method p = first_provider; p <= last_provider; ++p)
-    for (hbil_cache_method q = first_provider; q <= last_provider; ++q) {
+  for (hbil_cache_method p = first_method; p <= last_method; ++p)
+    for (hbil_cache_method q = first_method; q <= last_method; ++q) {
       scene t;
       if (q == p || p == HBIL_CACHE_METHOD_RAYS)
         continue;
@@ -509,7 +509,7 @@ static void bad_settings_are_rejected_by_name(void **state) {
   setup s;
   hbil_plan *plan = NULL;
   setup_init(&s, 8, 8);
-  s.config.model.cache_method = (hbil_cache_method)(last_provider + 1);
+  s.config.model.cache_method = (hbil_cache_method)(last_method + 1);
   room_rejected(hbil_plan_create(shared_device.hbil, &s.config, &plan),
                 HBIL_INVALID_CONFIG, "model.cache_method");
   assert_null(plan);
@@ -528,7 +528,7 @@ int main(void) {
       cmocka_unit_test(failed_commands_can_be_repeated),
       cmocka_unit_test(failed_commands_of_any_order_can_be_repeated),
       cmocka_unit_test(bad_arguments_are_rejected_by_name),
-      cmocka_unit_test(plans_need_their_provider_in_the_cache),
+      cmocka_unit_test(plans_need_their_method_in_the_cache),
       cmocka_unit_test(bad_settings_are_rejected_by_name)};
   return RUN_WITH_DEVICE(tests);
 }
