@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 stress_settings stress_effort = {1, 0.0};
-char stress_case[1024];
+char stress_case[2048];
 
 void stress_read_effort(void) {
   const char *seed = getenv("HBIL_STRESS_SEED");

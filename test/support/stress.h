@@ -29,7 +29,7 @@ extern stress_settings stress_effort;
 void stress_read_effort(void);
 
 /* The case that is being tried, for the message of a failure. */
-extern char stress_case[1024];
+extern char stress_case[2048];
 #define STRESS_CASE(...) snprintf(stress_case, sizeof stress_case, __VA_ARGS__)
 /* check_at_most(), and prints the case on failure. */
 void check_case(const char *what, double value, double limit);
