@@ -118,7 +118,7 @@ wanted=$(sed -n "/^test_packages='/,/'\$/p" "$srcdir/bootstrap" |
 works_there "packages for tests: all but oclgrind" apt-get install -s -qq $wanted
 
 programs=
-for test in gather estimate cache binaries messages; do
+for test in kernels gather estimate cache binaries messages; do
   programs="$programs test/unit/test_$test"
 done
 # shellcheck disable=SC2086
