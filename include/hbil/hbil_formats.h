@@ -64,9 +64,9 @@ typedef enum hbil_component {
  * bytes, a multiple of the component's size.  The size of one component means
  * planar: each channel is an image of its own.  The size of all channels or
  * more, up to 64 components, means interleaved: the channels of a pixel are
- * adjacent, and further bytes are neither read nor changed.  0 means the size of
- * all channels.  A word that holds all channels counts as one component of one
- * channel.  HBIL_IMAGE ignores it. */
+ * adjacent, and further bytes are neither read nor changed.  0 means the size
+ * of all channels.  A word that holds all channels counts as one component of
+ * one channel.  HBIL_IMAGE ignores it. */
 typedef struct hbil_plane_format {
   hbil_component component;
   cl_uint pixel_pitch;

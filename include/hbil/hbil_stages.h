@@ -4,9 +4,9 @@
  * Only callers who replace a pass by one of their own need this header.  They
  * enqueue the passes before it and those after it with hbil_enqueue_passes().
  * Their own pass reads and writes the buffers that hbil_plan_buffer() returns.
- * On other queues than in-order ones it waits for the event of the passes before
- * it, and the passes after it wait for its event.  examples/03_single_passes.c
- * shows this.
+ * On other queues than in-order ones it waits for the event of the passes
+ * before it, and the passes after it wait for its event.
+ * examples/03_single_passes.c shows this.
  */
 #ifndef HBIL_HBIL_STAGES_H
 #define HBIL_HBIL_STAGES_H

@@ -23,8 +23,8 @@ extern "C" {
 /* A plane in host memory, of floats. */
 typedef struct hbil_host_plane {
   /* The first pixel of each channel; all NULL: the plane does not exist.
-   * Interleaved RGB is p, p + 1, p + 2 with a pixel_pitch of 12.  Grey light has one
-   * channel, and the others are NULL. */
+   * Interleaved RGB is p, p + 1, p + 2 with a pixel_pitch of 12.  Grey light
+   * has one channel, and the others are NULL. */
   const float *channel[3];
   size_t pixel_pitch; /* bytes from a pixel to its right neighbour; 0: 4 */
   size_t row_pitch;   /* bytes from a row to the next; 0: width * pixel_pitch */
@@ -85,10 +85,10 @@ typedef struct hbil_sources {
  * The function runs on the host, needs no device and no context, and takes
  * about as long as reading the planes three times.  Any thread may call it.
  * Returns HBIL_INVALID_ARGUMENT if config, frame or planes is null, if a plane
- * or channel is missing, or if a row_pitch is too small, or a pitch not a multiple
- * of four; HBIL_INVALID_CONFIG if width, height or depth_kind is out of range; and
- * HBIL_INVALID_FRAME if the camera's fx or fy is not positive or hardware_depth
- * is needed and invalid.  Then nothing is changed. */
+ * or channel is missing, or if a row_pitch is too small, or a pitch not a
+ * multiple of four; HBIL_INVALID_CONFIG if width, height or depth_kind is out
+ * of range; and HBIL_INVALID_FRAME if the camera's fx or fy is not positive or
+ * hardware_depth is needed and invalid.  Then nothing is changed. */
 HBIL_API hbil_status hbil_config_suggest(const hbil_host_planes *planes,
                                          hbil_config *config, hbil_frame *frame,
                                          hbil_sources *sources);
