@@ -95,8 +95,7 @@ static int measure(job *j, image_error *error) {
 static int report_notes(const job *j, image_error *error) {
   const bench_radiance_cache *w = &j->cache;
   hbil_cache_counts known;
-  if (hbil_cache_statistics(w->cache, j->device->queue, &known) !=
-      HBIL_SUCCESS)
+  if (hbil_cache_statistics(w->cache, j->device->queue, &known) != HBIL_SUCCESS)
     return library_failed(j, error);
   bench_report_note(
       j->report,

@@ -418,7 +418,7 @@ hbil_status config_take(hbil_context *context, const hbil_config *given,
   if (status == HBIL_SUCCESS)
     status = config_check(context, own);
   if (own->model.far_field == HBIL_FAR_AUTO)
-    own->model.far_field = own->model.mode == HBIL_MODE_HBIL ? HBIL_FAR_FRAME
-                                                             : HBIL_FAR_NONE;
+    own->model.far_field =
+        own->model.mode == HBIL_MODE_HBIL ? HBIL_FAR_FRAME : HBIL_FAR_NONE;
   return status;
 }

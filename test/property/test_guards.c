@@ -49,15 +49,13 @@ static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
 static void vectors_stay_inside(void **state) {
   (void)state;
   for (size_t i = 0; i < SIZES; ++i)
-    check_size(HBIL_REPROJECTION_CAMERA, 0, sizes[i][0], sizes[i][1],
-               SIZE_MAX);
+    check_size(HBIL_REPROJECTION_CAMERA, 0, sizes[i][0], sizes[i][1], SIZE_MAX);
 }
 
 static void single_pixels_stay_inside(void **state) {
   (void)state;
   for (size_t i = 0; i < SIZES; ++i)
-    check_size(HBIL_REPROJECTION_CAMERA, 1, sizes[i][0], sizes[i][1],
-               SIZE_MAX);
+    check_size(HBIL_REPROJECTION_CAMERA, 1, sizes[i][0], sizes[i][1], SIZE_MAX);
 }
 
 static void motion_stays_inside(void **state) {

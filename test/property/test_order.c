@@ -81,9 +81,8 @@ static void open_gate(const order *o, cl_event gate) {
 /* --- sequences --- */
 
 static enqueue_function *const passes[] = {
-    enqueue_reproject, enqueue_push_pull, enqueue_split,
-    enqueue_gather,    enqueue_recompose, enqueue_temporal,
-    enqueue_composite};
+    enqueue_reproject, enqueue_push_pull, enqueue_split,    enqueue_gather,
+    enqueue_recompose, enqueue_temporal,  enqueue_composite};
 enum { PASSES = sizeof passes / sizeof *passes };
 static enqueue_function *const whole_frame[] = {hbil_enqueue_frame};
 

@@ -50,5 +50,5 @@ void history_normal(const history *h, int x, int y, double n[3]) {
 }
 
 enqueue_function *const passes_before_filter[] = {
-    enqueue_reproject, enqueue_push_pull, enqueue_split,
-    enqueue_gather, enqueue_recompose};
+    enqueue_reproject, enqueue_push_pull, enqueue_split, enqueue_gather,
+    enqueue_recompose};

@@ -123,8 +123,7 @@ int main(int count, char **words) {
   for (int i = 0; i < PIXELS; ++i)
     sum += (double)ao[i];
   printf("%zu %zu\n%zu bytes, sum %.9g\n", config_bytes, frame_bytes,
-         memory.persistent + memory.scratch,
-         sum);
+         memory.persistent + memory.scratch, sum);
   hbil_plan_destroy(plan);
   hbil_context_destroy(hbil);
   return 0;

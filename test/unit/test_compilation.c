@@ -25,9 +25,8 @@ static void run(setup *s) {
  * single passes. */
 static void run_frames(setup *s) {
   static enqueue_function *const passes[] = {
-      enqueue_reproject, enqueue_push_pull, enqueue_split,
-      enqueue_gather,    enqueue_recompose, enqueue_temporal,
-      enqueue_composite};
+      enqueue_reproject, enqueue_push_pull, enqueue_split,    enqueue_gather,
+      enqueue_recompose, enqueue_temporal,  enqueue_composite};
   run(s);
   setup_load_scene(s, SCENE_ROOM, 1);
   setup_upload(s);

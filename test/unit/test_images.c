@@ -267,9 +267,8 @@ static void special_values_give_the_same_bits(void **state) {
 
 static void passes_one_by_one_give_the_same_bits(void **state) {
   static enqueue_function *const passes[] = {
-      enqueue_reproject, enqueue_push_pull, enqueue_split,
-      enqueue_gather,    enqueue_recompose, enqueue_temporal,
-      enqueue_composite};
+      enqueue_reproject, enqueue_push_pull, enqueue_split,    enqueue_gather,
+      enqueue_recompose, enqueue_temporal,  enqueue_composite};
   pair p;
   (void)state;
   pair_begin(&p, &floats, &floats);
