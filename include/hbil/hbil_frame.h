@@ -139,12 +139,15 @@ typedef struct hbil_frame {
   cl_uint frame_index;
   /* CL_TRUE: nothing has moved since the plan's last frame.  Camera,
    * environment, frame_index and the contents of all inputs are the same, and
-   * motion is 0; camera and frame_index are checked.  Only the carried light is
-   * updated.  If it stops changing, bit for bit, nothing is gathered or
-   * filtered any more.  After HBIL_EXACT_STATIC_FRAMES of them in a row, light
-   * that is lower than before by no more than a rounding counts as unchanged,
-   * so that roundings don't prevent this.  With history.max_frames, frame_index
-   * may differ, and all frames are gathered.
+   * motion is 0.  Only the carried light is updated.  If it stops changing, bit
+   * for bit, nothing is gathered or filtered any more.  After
+   * HBIL_EXACT_STATIC_FRAMES of them in a row, light that is lower than before
+   * by no more than a rounding counts as unchanged, so that roundings don't
+   * prevent this.  With history.max_frames, frame_index may differ, and all
+   * frames are gathered.
+   * Camera and frame_index are checked, bit by bit.  This only saves work: in a
+   * frame whose camera differs by a rounding, leave it CL_FALSE, and light
+   * differs by a rounding.
    * Ignored in a plan's first frame.  Callers who write to a plan's stages, or
    * to scratch memory that they lent it, must not set it. */
   cl_bool static_frame;

@@ -3,6 +3,7 @@
 
 #include "image/clock.h"
 #include "tool/frame_source.h"
+#include "tool/job_camera.h"
 #include "tool/job_files.h"
 #include "tool/job_frames.h"
 #include "tool/job_light.h"
@@ -44,20 +45,20 @@ static int asks_for_cache(const process_settings *s) {
          s->cache_load || s->cache_save;
 }
 
-/* Whether frames have a radiance cache.  Unasked, they have one if it can know
- * more than a frame itself, because the camera moves.  Only one mode has light,
- * and the paper has no cache. */
-static int wants_cache(const job *j) {
+/* Decides whether frames have a radiance cache.  Unasked, they have one if it
+ * can know more than a frame itself, because the camera moves.  Only one mode
+ * has light, and the paper has no cache.  Returns 0, or -1 with `error` filled.
+ */
+static int decide_about_cache(job *j, image_error *error) {
   const process_settings *s = j->settings;
-  int moves = 0;
-  for (int i = 1; i < j->count && !moves; i++)
-    moves = memcmp(&j->frames[i].map.camera, &j->frames[0].map.camera,
-                   sizeof j->frames[0].map.camera) != 0;
+  j->has_cache = 0;
   if (settings_without_cache(s) || s->exact ||
       j->config.model.mode != HBIL_MODE_HBIL)
     return 0;
-  return asks_for_cache(s) ||
-         (moves && !s->paper && !j->frames[0].map.how.from_depth);
+  j->has_cache = asks_for_cache(s);
+  return j->has_cache || s->paper || j->frames[0].map.how.from_depth
+             ? 0
+             : job_camera_moves(j, &j->has_cache, error);
 }
 
 static void configure(job *j) {
@@ -78,7 +79,8 @@ static int prepare_cache(job *j, image_error *error) {
   const process_settings *s = j->settings;
   hbil_config with_cache = j->config;
   hbil_cache_config cache;
-  j->has_cache = wants_cache(j);
+  if (decide_about_cache(j, error) != 0)
+    return -1;
   if (!j->has_cache)
     return 0;
   if (j->frames[0].map.how.from_depth)

@@ -362,9 +362,11 @@ const option_group process_groups[PROCESS_GROUPS] = {
     {.about =
          "What the frames don't show: a radiance cache in world space holds "
          "what views of the place have shown, and lights the directions that a "
-         "frame leaves open.  There is one if the camera moves between frames, "
-         "which are then views for those behind them, or if one of the first "
-         "six options asks for it.  --model paper has one only if an option "
+         "frame leaves open.  There is one if the camera moves between frames "
+         "by more than 0.01 pixels, or its centre by a pixel, which jitter "
+         "doesn't; the frames are then views for those behind them.  Or one of "
+         "the first six options asks for it.  --model paper has one only if an "
+         "option "
          "asks.  --far environment, --far none, --quality reference and modes "
          "other than hbil have none.",
      .heading = "Radiance cache",

@@ -58,9 +58,56 @@ differs "and the light is another" "$HBIL" compare --max-rmse 1e-4 \
 run process -o "$work/one" "$one"
 test $status -eq 0 && ! grep -q 'radiance cache' "$work/err"
 ok $? "a single frame makes none"
-run process --camera "${one%.exr}.json" -o "$work/still" "$one" "$two"
-test $status -eq 0 && ! grep -q 'radiance cache' "$work/err"
-ok $? "nor does a camera that stands still"
+# pair NAME NUMBER VALUE: one frame twice in $work/NAME; the second one's camera
+# has another number: so many from its matrix on, which is followed by fx, fy,
+# cx, cy.
+pair() {
+  mkdir "$work/$1"
+  for n in 1 2; do
+    cp "$one" "$work/$1/f_$n.exr"
+  done
+  cp "${one%.exr}.json" "$work/$1/f_1.json"
+  awk -v number="$2" -v value="$3" '
+    /camera_to_world/ { counts = 1 }
+    counts && /[0-9]/ && ++n == number { sub(/-?[0-9][-+0-9.e]*/, value) }
+    { print }' "${one%.exr}.json" >"$work/$1/f_2.json"
+}
+pair equal 0 0
+pair noise 4 1e-7
+pair jitter 19 40.31
+pair move 4 0.2
+still='^hbil: the camera stands still'
+run process -o "$work/equal-lit" "$work/equal"/*.exr
+told "$still: no radiance cache (--far rays makes one)\$" &&
+  test "$(grep -c 'radiance cache' "$work/err")" -eq 1
+ok $? "nor does a camera that stands still, which one line tells"
+run process -o "$work/noise-lit" "$work/noise"/*.exr
+told "$still: no radiance cache" && ! grep -q 'radiance cache:' "$work/err"
+ok $? "nor one that moves by roundings"
+for layer in ao bent_normal near_irradiance indirect; do
+  works "whose $layer is that of the one that stands still" "$HBIL" compare \
+    --max-rmse 1e-3 "$work/equal-lit/f_2.exr:$layer" "$work/noise-lit/f_2.exr:$layer"
+done
+rm -r "$work/noise-lit/f_2.exr"
+cp -r "$work/noise-lit" "$work/noise-resumed"
+works "one frame of it is made" process --resume -o "$work/noise-lit" \
+  "$work/noise"/*.exr
+works "and once more" process --resume -o "$work/noise-resumed" "$work/noise"/*.exr
+same "with the same bits" "$work/noise-lit" "$work/noise-resumed"
+run process -o "$work/jitter-lit" "$work/jitter"/*.exr
+told "$still but for a jitter of 0.31 pixels: no radiance cache" &&
+  ! grep -q 'radiance cache:' "$work/err"
+ok $? "nor one that jitters"
+run process --overwrite --far rays --cache-size 16 -o "$work/jitter-lit" \
+  "$work/jitter"/*.exr
+told "$line" && ! grep -q "$still" "$work/err"
+ok $? "unless it is asked for"
+run small -o "$work/move-lit" "$work/move"/*.exr
+told "$line" && ! grep -q "$still" "$work/err"
+ok $? "one that moves has it"
+run process --quiet -o "$work/quiet-lit" "$work/jitter"/*.exr
+test $status -eq 0 && test ! -s "$work/err"
+ok $? "--quiet says nothing of it"
 run process --model paper -o "$work/paper" "$one" "$two"
 test $status -eq 0 && ! grep -q 'radiance cache' "$work/err"
 ok $? "nor the paper's model"

@@ -1,0 +1,14 @@
+/* Whether a job's camera moves. */
+#ifndef HBIL_TOOL_JOB_CAMERA_H
+#define HBIL_TOOL_JOB_CAMERA_H
+
+#include "image/error.h"
+#include "tool/job.h"
+
+/* Decides once for all frames whether they are seen by a camera that moves
+ * (camera_motion.h), by all their cameras and by the depths of the first frame
+ * that shows a surface.  Tells it unless it moves, which the line about the
+ * radiance cache tells.  Returns 0, or -1 with `error` filled. */
+int job_camera_moves(const job *j, int *moves, image_error *error);
+
+#endif
