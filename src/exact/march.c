@@ -164,9 +164,12 @@ static double w_at(const receiver *r, int x, int y) {
   return exact_is_surface(r->frame->config, w) ? w : NAN;
 }
 
-/* The change of inverse depth per |e| at an occluder. */
+/* The change of inverse depth per |e| at an occluder; back: how much smaller
+ * that of its back is.  Where only one of the pixels before and behind it shows
+ * a surface, a step of more than `back` to it counts less, and one of twice
+ * that not at all, because it leads to another surface. */
 static double slope_at(const receiver *r, const occluder *o,
-                       const hbil_extent *step) {
+                       const hbil_extent *step, double back) {
   const int sx = step->slope_x, sy = step->slope_y;
   const double ex = (o->x - r->x) * r->pixel_x, ey = (o->y - r->y) * r->pixel_y;
   const double along =
@@ -177,7 +180,10 @@ static double slope_at(const receiver *r, const occluder *o,
     return 0.0;
   const double a = isnan(before) ? behind : before;
   const double b = isnan(behind) ? before : behind;
-  return (fmax(fmin(a, b), 0.0) + fmin(fmax(a, b), 0.0)) / along;
+  const double slope = fmax(fmin(a, b), 0.0) + fmin(fmax(a, b), 0.0);
+  const double most = fmax(2.0 * back - fabs(slope), 0.0);
+  return (isnan(before) || isnan(behind) ? clamp(slope, -most, most) : slope) /
+         along;
 }
 
 /* The excesses of an occluder's front and back.  step: NULL if it stands for
@@ -185,7 +191,8 @@ static double slope_at(const receiver *r, const occluder *o,
 static void extent_of(const receiver *r, const occluder *o,
                       const hbil_extent *step, double *front, double *back) {
   const double e = o->distance, share = back_share(r->frame, o);
-  const double slope = step ? slope_at(r, o, step) : 0.0;
+  const double unit = exact_is_orthographic(r->frame->config) ? 1.0 : o->s.w;
+  const double slope = step ? slope_at(r, o, step, share * unit) : 0.0;
   const double end[2] = {step ? e - (double)step->near * e : e,
                          step ? e + (double)step->far * e : e};
   /* the same for all samples of the half-slice, but for the rounding to pixels

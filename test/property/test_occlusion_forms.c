@@ -1,6 +1,7 @@
 /*
  * Occlusion with a known answer, in every mode: walls that the screen shows in
- * part, walls within a radius, and a ring that light passes behind.
+ * part, walls within a radius, a ring that light passes behind, and a board at
+ * the picture's border.
  */
 #include "test/support/stages.h"
 #include "test/support/vectors.h"
@@ -433,12 +434,65 @@ static void light_passes_behind_rings(void **state) {
   free(wanted);
 }
 
+/* ------------------------------------------------------------------------ */
+/* A board at the border                                                     */
+
+/*
+ * Three boards face the camera: a back wall, in front of it a slab, and between
+ * both the edge of a third one, two pixels wide, at the right border.  Samples
+ * on that edge have the slab before them and no pixel behind them.  The jump
+ * from the slab is not the slope of their surface, with which they would hide
+ * almost everything that the slab leaves open.
+ */
+#define SLAB_AT 100
+#define EDGE_AT (SIDE - 2)
+
+static void set_boards(setup *s) {
+  for (int i = 0; i < SIDE * SIDE; ++i) {
+    const int x = i % SIDE;
+    s->input[EXACT_DEPTH][i] = x < SLAB_AT ? 3.0f : x < EDGE_AT ? 1.0f : 2.0f;
+    s->input[EXACT_NORMAL + 2][i] = -1.0f;
+  }
+}
+
+static void a_jump_at_the_border_is_no_slope(void **state) {
+  const exact_dense how = {.slices = 64, .mask = some_pixels()};
+  double sum = 0.0, count = 0.0;
+  setup s;
+  (void)state;
+  setup_init(&s, SIDE, SIDE);
+  setup_camera(&s, 90.0);
+  setup_mode(&s, HBIL_MODE_GTAO);
+  s.config.model.relative_thickness = 0.06f;
+  s.config.model.extrapolate = CL_TRUE;
+  s.config.sampling.slices = 4;
+  s.config.sampling.steps_per_side = 24;
+  s.config.sampling.step_growth = 3.0f;
+  set_boards(&s);
+  setup_start(&s);
+  exact_planes want = expected_gathered_densely(&s, &how);
+  exact_planes got = stage_gathered(&s);
+  for (int i = 0; i < SIDE * SIDE; i += 7)
+    if (i % SIDE < SLAB_AT - 10) {
+      sum += pow(*exact_at(&got, HBIL_LIGHT_AO, i % SIDE, i / SIDE) -
+                     *exact_at(&want, HBIL_LIGHT_AO, i % SIDE, i / SIDE),
+                 2.0);
+      ++count;
+    }
+  /* measured: .0076; with the jump as the slope, .033 */
+  check_at_most("AO", sqrt(sum / count), 0.012);
+  exact_planes_free(&want);
+  exact_planes_free(&got);
+  setup_free(&s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_formulas_give_half_for_an_endless_wall),
       cmocka_unit_test(walls_hide_their_visible_part),
       cmocka_unit_test(very_thick_occluders_have_no_end),
       cmocka_unit_test(walls_within_a_radius_hide_their_share),
-      cmocka_unit_test(light_passes_behind_rings)};
+      cmocka_unit_test(light_passes_behind_rings),
+      cmocka_unit_test(a_jump_at_the_border_is_no_slope)};
   return RUN_WITH_DEVICE(tests);
 }
