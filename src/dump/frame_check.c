@@ -4,6 +4,7 @@
 #include "dump/check_colours.h"
 #include "dump/check_normals.h"
 #include "dump/check_positions.h"
+#include "dump/check_surfaces.h"
 #include "dump/normal_fit.h"
 #include "dump/pixel_ray.h"
 
@@ -97,6 +98,7 @@ void frame_check_run(const gbuffer *g, const hbil_config *config,
   else if (has_normals)
     out->agreement = check_normals(&s, out->high, others);
   out->positions = check_positions(&s, others);
+  check_surfaces(&s, other_camera || others->count > 0, &out->found);
   check_radius(&s, &e, config->model.radius, &out->found);
   check_colours(&s, &out->found);
 }

@@ -9,9 +9,12 @@
 /* Pixels across and down that are compared. */
 enum { GRID = 9 };
 
-/* A point of a ray, from * z + along, or, at infinity, a direction. */
+/* An end of what a pixel's ray may show, in view space.  With perspective it is
+ * divided by its depth, so that infinity is an end like any other. */
 typedef struct ray_end {
-  double from[3], to_place; /* to_place: 0 at infinity */
+  double from[3];
+  double to_place; /* what a step of the camera is multiplied with; 0: nothing,
+                    * as infinity is a direction */
 } ray_end;
 
 /* Where a camera that stands at `to` sees a point of the view space of `from`,
@@ -43,7 +46,6 @@ static ray_end end_of(const camera_path *path, const pixel_ray *ray,
     out.from[c] = parallel
                       ? ray->from[c] + (isfinite(z) ? z : 0.0) * ray->along[c]
                       : ray->along[c];
-  /* scaled by 1/z, so that the nearest and the farthest are alike */
   out.to_place = parallel ? 1.0 : farther || !isfinite(z) ? 0.0 : 1.0 / z;
   return out;
 }

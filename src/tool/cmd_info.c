@@ -45,8 +45,11 @@ static const option_command command = {
     .usage =
         "usage: hbil info [options] FRAME.exr...\n\nTells which channels were "
         "understood as what, and their ranges; what is missing; then checks "
-        "that depth, camera, positions and normals fit together, and names the "
-        "option that helps where they don't.  At the end, the size of the "
+        "that depth, camera, positions and normals fit together, names the "
+        "option that helps where they don't, and tells depths that aren't "
+        "those "
+        "of surfaces: means over edges, motion blur, depth of field.  At the "
+        "end, the size of the "
         "radiance cache that hbil process would have for all these frames.",
     .groups = groups,
     .group_count = 2,

@@ -1,0 +1,200 @@
+/*
+ * Depths that aren't those of surfaces are told in one line: means over edges,
+ * samples that are beside the middle of their pixels, as motion blur and depth
+ * of field leave them, and positions that are elsewhere.  Sound frames say
+ * nothing, whatever is thin or curved in them.
+ */
+#include "dump/check_surfaces.h"
+
+#include "test/support/dump_file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Twice the size of other dumps: more edges. */
+enum { ACROSS = 2 * WIDTH, DOWN = 2 * HEIGHT };
+
+static const char mean_text[] = "depth is a mean over edges: at ";
+static const char scatter_text[] = "depths scatter about their surfaces, half ";
+static const char blur_text[] = "positions are up to ";
+
+static dump begin(scene_kind kind) {
+  dump d = dump_begin_sized(kind, ACROSS, DOWN, 0);
+  dump_add_depth(&d, "depth", "Z", 1, 0);
+  dump_add_vectors(&d, "normal", letters_xyz, d.s.normal, AXES_WORLD, 0);
+  return d;
+}
+
+/* Reads the dump and measures it. */
+static surface_check measure(dump *d, reading *r) {
+  surface_check c;
+  dump_write(d);
+  *r = dump_read(d);
+  const surface_points s = surface_points_of(&r->g, &r->map.camera);
+  assert_int_equal(surface_check_measure(&s, &c), 0);
+  if (getenv("HBIL_TEST_VERBOSE"))
+    print_message("%zu edges, mixed %.3f, scatter %.2g, blur %.2g\n", c.edges,
+                  c.mixed, c.scatter, c.blur);
+  return c;
+}
+
+/* The frame has this finding alone. */
+static void assert_finding(const reading *r, const char *text) {
+  const findings *found = &r->check.found;
+  if (found->count != 1 || strncmp(found->text[0], text, strlen(text)) != 0)
+    fail_msg("%d findings, %s", found->count,
+             found->count ? found->text[0] : "");
+}
+
+/* Each value becomes the mean of 2 x 2, which a filter of a renderer, or half
+ * the resolution, makes of it. */
+static void filter(float *plane) {
+  for (size_t y = 0; y + 1 < DOWN; y++)
+    for (size_t x = 0; x + 1 < ACROSS; x++) {
+      float *p = plane + y * ACROSS + x;
+      if (p[0] > 0 && p[1] > 0 && p[ACROSS] > 0 && p[ACROSS + 1] > 0)
+        p[0] = (p[0] + p[1] + p[ACROSS] + p[ACROSS + 1]) / 4;
+    }
+}
+
+/* Each value is that of a pixel at most `far` away, or at its own place if the
+ * picture ends. */
+static void scatter(float *plane, size_t far) {
+  float *from = malloc(sizeof *from * ACROSS * DOWN);
+  unsigned seed = 1;
+  assert_non_null(from);
+  memcpy(from, plane, sizeof *from * ACROSS * DOWN);
+  for (size_t y = far; y + far < DOWN; y++)
+    for (size_t x = far; x + far < ACROSS; x++) {
+      seed = seed * 1664525u + 1013904223u;
+      const size_t to_x = (seed >> 8) % (2 * far + 1);
+      const size_t to_y = (seed >> 20) % (2 * far + 1);
+      plane[y * ACROSS + x] = from[(y + to_y - far) * ACROSS + x + to_x - far];
+    }
+  free(from);
+}
+
+static void sound_frames(void **state) {
+  (void)state;
+  for (int scene = 0; scene < SCENE_KINDS; scene++) {
+    dump d = begin((scene_kind)scene);
+    dump_add_vectors(&d, "position", letters_xyz, d.s.position, AXES_WORLD, 1);
+    reading r;
+    const surface_check c = measure(&d, &r);
+    /* measured: at most .012, 1.7e-5 and 7.6e-6 */
+    assert_true(c.mixed < 0.05);
+    assert_true(c.scatter < 1e-4);
+    assert_true(c.blur < 1e-4);
+    assert_no_findings(&r);
+    reading_free(&r);
+    dump_end(&d);
+  }
+}
+
+static void means_over_edges(void **state) {
+  (void)state;
+  for (int scene = 0; scene < SCENE_KINDS; scene++) {
+    dump d = begin((scene_kind)scene);
+    filter(dump_plane(&d, "depth.Z"));
+    reading r;
+    const surface_check c = measure(&d, &r);
+    assert_true(c.edges > 100);
+    assert_true(c.mixed > 0.7);
+    assert_finding(&r, mean_text);
+    reading_free(&r);
+    dump_end(&d);
+  }
+}
+
+/* Without normals, depth alone tells it. */
+static void means_without_normals(void **state) {
+  (void)state;
+  for (int spoilt = 0; spoilt < 2; spoilt++) {
+    dump d = dump_begin_sized(SCENE_ROOM, ACROSS, DOWN, 0);
+    dump_add_depth(&d, "depth", "Z", 1, 0);
+    d.options.from_depth = 1;
+    if (spoilt)
+      filter(dump_plane(&d, "depth.Z"));
+    reading r;
+    measure(&d, &r);
+    if (spoilt)
+      assert_finding(&r, mean_text);
+    else
+      assert_no_findings(&r);
+    reading_free(&r);
+    dump_end(&d);
+  }
+}
+
+static void scattered_depths(void **state) {
+  (void)state;
+  for (int scene = 0; scene < SCENE_KINDS; scene++) {
+    dump d = begin((scene_kind)scene);
+    scatter(dump_plane(&d, "depth.Z"), 2);
+    reading r;
+    const surface_check c = measure(&d, &r);
+    assert_true(c.scatter > 0.15);
+    assert_finding(&r, scatter_text);
+    reading_free(&r);
+    dump_end(&d);
+  }
+}
+
+/* Rounding to half floats is no scatter. */
+static void halves(void **state) {
+  (void)state;
+  dump d = begin(SCENE_ROOM);
+  float *depth = dump_plane(&d, "depth.Z");
+  for (size_t i = 0; i < (size_t)ACROSS * DOWN; i++) {
+    unsigned bits;
+    memcpy(&bits, &depth[i], sizeof bits);
+    bits = (bits + 0x1000u) & ~0x1fffu;
+    memcpy(&depth[i], &bits, sizeof bits);
+  }
+  reading r;
+  measure(&d, &r);
+  assert_no_findings(&r);
+  reading_free(&r);
+  dump_end(&d);
+}
+
+/* Positions are those of pixels to the left, as if the camera had turned while
+ * they were sampled. */
+static void blurred_positions(void **state) {
+  static const size_t shifts[] = {1, 2};
+  (void)state;
+  for (size_t k = 0; k < 2; k++) {
+    dump d = begin(SCENE_ROOM);
+    dump_add_vectors(&d, "position", letters_xyz, d.s.position, AXES_WORLD, 1);
+    for (size_t c = 0; c < 3; c++) {
+      char name[16] = "position.X";
+      name[9] = letters_xyz[c][0];
+      float *p = dump_plane(&d, name);
+      for (size_t i = (size_t)ACROSS * DOWN - 1; i > 0; i--)
+        if (i % 3 && i % ACROSS >= shifts[k])
+          p[i] = p[i - shifts[k]];
+    }
+    reading r;
+    const surface_check c = measure(&d, &r);
+    assert_true(fabs(c.blur - (double)shifts[k]) < 0.1);
+    if (k)
+      assert_finding(&r, blur_text);
+    else
+      assert_no_findings(&r);
+    reading_free(&r);
+    dump_end(&d);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      WITH_BOTH_CAMERAS(sound_frames),
+      WITH_BOTH_CAMERAS(means_over_edges),
+      WITH_BOTH_CAMERAS(means_without_normals),
+      WITH_BOTH_CAMERAS(scattered_depths),
+      cmocka_unit_test(halves),
+      cmocka_unit_test(blurred_positions),
+  };
+  return RUN_WITH_DUMPS(tests);
+}
