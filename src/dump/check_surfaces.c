@@ -30,7 +30,7 @@ typedef struct depth_lines {
 
 /* Rows and columns of larger pictures are left out, so that about so many
  * pixels are measured in either. */
-enum { PIXELS_MEASURED = 1 << 20 };
+enum { PIXELS_MEASURED = 1 << 17 };
 
 /* Widths of a pixel that lie between both sides of an edge, at least. */
 static const double edge_depth = 6.0;

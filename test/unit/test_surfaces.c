@@ -19,11 +19,15 @@ static const char mean_text[] = "depth is a mean over edges: at ";
 static const char scatter_text[] = "depths scatter about their surfaces, half ";
 static const char blur_text[] = "positions are up to ";
 
-static dump begin(scene_kind kind) {
-  dump d = dump_begin_sized(kind, ACROSS, DOWN, 0);
+static dump begin_sized(scene_kind kind, uint32_t width, uint32_t height) {
+  dump d = dump_begin_sized(kind, width, height, 0);
   dump_add_depth(&d, "depth", "Z", 1, 0);
   dump_add_vectors(&d, "normal", letters_xyz, d.s.normal, AXES_WORLD, 0);
   return d;
+}
+
+static dump begin(scene_kind kind) {
+  return begin_sized(kind, ACROSS, DOWN);
 }
 
 /* Reads the dump and measures it. */
@@ -49,12 +53,13 @@ static void assert_finding(const reading *r, const char *text) {
 
 /* Each value becomes the mean of 2 x 2, which a filter of a renderer, or half
  * the resolution, makes of it. */
-static void filter(float *plane) {
-  for (size_t y = 0; y + 1 < DOWN; y++)
-    for (size_t x = 0; x + 1 < ACROSS; x++) {
-      float *p = plane + y * ACROSS + x;
-      if (p[0] > 0 && p[1] > 0 && p[ACROSS] > 0 && p[ACROSS + 1] > 0)
-        p[0] = (p[0] + p[1] + p[ACROSS] + p[ACROSS + 1]) / 4;
+static void filter(dump *d) {
+  const size_t width = d->s.width;
+  for (size_t y = 0; y + 1 < d->s.height; y++)
+    for (size_t x = 0; x + 1 < width; x++) {
+      float *p = dump_plane(d, "depth.Z") + y * width + x;
+      if (p[0] > 0 && p[1] > 0 && p[width] > 0 && p[width + 1] > 0)
+        p[0] = (p[0] + p[1] + p[width] + p[width + 1]) / 4;
     }
 }
 
@@ -96,7 +101,7 @@ static void means_over_edges(void **state) {
   (void)state;
   for (int scene = 0; scene < SCENE_KINDS; scene++) {
     dump d = begin((scene_kind)scene);
-    filter(dump_plane(&d, "depth.Z"));
+    filter(&d);
     reading r;
     const surface_check c = measure(&d, &r);
     assert_true(c.edges > 100);
@@ -107,6 +112,25 @@ static void means_over_edges(void **state) {
   }
 }
 
+/* Of a larger picture every second row and column is measured. */
+static void large_pictures(void **state) {
+  size_t edges[2];
+  (void)state;
+  for (unsigned size = 1; size <= 2; size++) {
+    dump d = begin_sized(SCENE_ROOM, 256 * size, 144 * size + 1);
+    filter(&d);
+    reading r;
+    const surface_check c = measure(&d, &r);
+    edges[size - 1] = c.edges;
+    assert_true(c.mixed > 0.7);
+    assert_finding(&r, mean_text);
+    reading_free(&r);
+    dump_end(&d);
+  }
+  /* about as many edges, not twice: measured 706 and 797 */
+  assert_true(3 * edges[1] < 4 * edges[0] && 4 * edges[1] > 3 * edges[0]);
+}
+
 /* Without normals, depth alone tells it. */
 static void means_without_normals(void **state) {
   (void)state;
@@ -115,7 +139,7 @@ static void means_without_normals(void **state) {
     dump_add_depth(&d, "depth", "Z", 1, 0);
     d.options.from_depth = 1;
     if (spoilt)
-      filter(dump_plane(&d, "depth.Z"));
+      filter(&d);
     reading r;
     measure(&d, &r);
     if (spoilt)
@@ -193,6 +217,7 @@ int main(void) {
       WITH_BOTH_CAMERAS(means_over_edges),
       WITH_BOTH_CAMERAS(means_without_normals),
       WITH_BOTH_CAMERAS(scattered_depths),
+      cmocka_unit_test(large_pictures),
       cmocka_unit_test(halves),
       cmocka_unit_test(blurred_positions),
   };
