@@ -46,21 +46,42 @@ static void tell(const camera_motion *m) {
           how);
 }
 
+/* The camera of the frame that decides for a whole sequence, of which the job's
+ * frames may be a part.  Its pixels are counted from its own window. */
+static hbil_camera deciding_camera(const job *j) {
+  const channel_map *map = &j->decider->map;
+  hbil_camera out = map->camera;
+  out.cx += (double)map->window.x - (double)j->window.x;
+  out.cy += (double)map->window.y - (double)j->window.y;
+  return out;
+}
+
+/* Whether there is such a frame, and its pixels are those of the job's. */
+static int has_deciding_camera(const job *j) {
+  const image_window *own = &j->frames[0].map.display;
+  return j->decider && j->decider->map.display.width == own->width &&
+         j->decider->map.display.height == own->height &&
+         j->decider->map.projection == j->frames[0].map.projection;
+}
+
 int job_camera_moves(const job *j, int *moves, image_error *error) {
-  const hbil_camera **cameras = malloc((size_t)j->count * sizeof *cameras);
-  const camera_path path = {cameras, (size_t)j->count,
-                            j->frames[0].map.projection, j->width, j->height};
+  const size_t count = (size_t)j->count, more = (size_t)has_deciding_camera(j);
+  const hbil_camera first = more ? deciding_camera(j) : j->frames[0].map.camera;
+  const hbil_camera **cameras = malloc((count + 1) * sizeof *cameras);
+  const camera_path path = {cameras, count + more, j->frames[0].map.projection,
+                            j->width, j->height};
   depth_range depths = {INFINITY, -INFINITY};
   if (!cameras)
     return image_no_memory(error, j->frames[0].path);
-  for (int i = 0; i < j->count; i++)
-    cameras[i] = &j->frames[i].map.camera;
+  cameras[0] = &first;
+  for (size_t i = 0; i < count; i++)
+    cameras[i + more] = &j->frames[i].map.camera;
   const int failed =
       camera_motion_needs_depths(&path) ? read_depths(j, &depths, error) : 0;
   const camera_motion found = camera_motion_find(&path, depths);
   free(cameras);
   *moves = found.kind == CAMERA_MOVES;
-  if (!failed && !*moves && !j->settings->quiet && j->count > 1)
+  if (!failed && !*moves && !j->settings->quiet && path.count > 1)
     tell(&found);
   return failed;
 }

@@ -6,9 +6,10 @@
 #include "tool/job.h"
 
 /* Decides once for all frames whether they are seen by a camera that moves
- * (camera_motion.h), by all their cameras and by the depths of the first frame
- * that shows a surface.  Tells it unless it moves, which the line about the
- * radiance cache tells.  Returns 0, or -1 with `error` filled. */
+ * (camera_motion.h), by all their cameras, that of the frame of --decide-by,
+ * and the depths of the first frame that shows a surface.  Tells it unless it
+ * moves, which the line about the radiance cache tells.  Returns 0, or -1 with
+ * `error` filled. */
 int job_camera_moves(const job *j, int *moves, image_error *error);
 
 #endif

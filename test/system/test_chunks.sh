@@ -93,6 +93,12 @@ works "a chunk of which the first frame decides" quiet --far environment --frame
 works "the same, decided by it" quiet --far environment --frames 1 \
   --decide-by "$frames/frame_0001.exr" -o "$work/d5" "$all"
 same "is the same" "$work/d4/frame_0001.exr" "$work/d5/frame_0001.exr"
+run process --dry-run --frames 6 -o "$work/none" "$all"
+test $status -eq 0 && ! grep -q 'radiance cache' "$work/err"
+ok $? "a chunk of one frame has no cache"
+run process --dry-run --frames 6 --decide-by "$frames/frame_0001.exr" -o "$work/none" "$all"
+test $status -eq 0 && grep -q '^hbil: radiance cache: ' "$work/err"
+ok $? "unless the camera of the frame that decides is elsewhere"
 rejected "a frame that isn't there" 'gone.exr: cannot be read' \
   quiet --decide-by "$work/gone.exr" -o "$work/none" "$all"
 absent "leaves nothing" "$work/none"
