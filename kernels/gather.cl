@@ -29,35 +29,28 @@ INLINE void gather_slice(const hbil_gather_args args, const receiver *c,
   for (int side = 0; side < 2; ++side) {
     half_slice h[SPAN_VECTORS];
     march m[SPAN_VECTORS];
-    highest top;
+    realv top[SPAN_VECTORS]; /* the highest excess */
     for (int v = 0; v < SPAN_VECTORS; ++v) {
       h[v] = half_of(&c[v], &s[v], side);
       m[v] = start_march(&c[v], &s[v], &h[v]);
-      start_highest(&top, v, c[v].least_excess);
+      top[v] = c[v].least_excess;
       if (CACHE_HORIZONS)
         cache_list(&cache[v]);
     }
     const uint quadrant =
         hbil_quadrant((ux > 0.0f) != side, (uy > 0.0f) != side);
-    march_half_slice(args, c, s, h, m, &top, quadrant, steps + 1, how, cache);
+    march_half_slice(args, c, s, h, m, top, quadrant, steps + 1, how, cache);
     for (int v = 0; v < SPAN_VECTORS; ++v) {
-      realv more = 1.0f, less = 1.0f;
-      end_march(&c[v], &s[v], &h[v], &m[v], &top, v, how->dither, &cache[v],
-                &more, &less);
-      if (CACHE_HORIZONS && JACKKNIFE)
-        cache_float(&cache[v], more);
-      if (HBAO) {
-        m[v].a = fma(-more, m[v].blocked, h[v].start);
-        less = 1.0f;
-      }
+      end_march(&c[v], &s[v], &h[v], &m[v], top[v], how->dither, &cache[v]);
+      if (HBAO)
+        m[v].a = h[v].start - m[v].blocked;
       if (EACH_RISE_COUNTS)
         untouched[v] &= m[v].a == h[v].start;
       else
-        untouched[v] &= top.all[v] <= c[v].least_excess;
-      add_side(&s[v], &m[v], h[v].start, more, less, side ? -1.0f : 1.0f);
+        untouched[v] &= top[v] <= c[v].least_excess;
+      add_side(&s[v], &m[v], h[v].start, side ? -1.0f : 1.0f);
 #if OUT_GLOSSY
-      add_glossy_side(&t[v].glossy, &m[v].glossy, &m[v].lobe, s[v].jacobian,
-                      more);
+      add_glossy_side(&t[v].glossy, &m[v].glossy, &m[v].lobe, s[v].jacobian);
 #endif
     }
     steps += side_steps;

@@ -60,8 +60,6 @@ static inline hbil_step sample_step(const hbil_make_pattern_args args,
   const int before = k > 0 ? hbil_offset_length(x_before, y_before) : 0;
   const int length = hbil_offset_length(x, y);
   const int after = hbil_offset_length(next_x, next_y);
-  step.subsets = hbil_sample_subsets(site, pattern.gathered, k, pattern.steps,
-                                     before, after);
   const hbil_extent extent =
       hbil_sample_extent(x, y, k, pattern.steps, before, length, after);
   const float near = extent.near * e, far = extent.far * e;

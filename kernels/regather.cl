@@ -12,8 +12,6 @@
 #include "lib/horizon_cache.clh"
 #include "lib/light_sum.clh"
 
-FLAG(EXTRAPOLATE)
-
 #if !defined(FINITE) || FINITE < 0 || FINITE > 3
 #error FINITE must be 0..3
 #endif
@@ -94,13 +92,9 @@ kernel void regather(const hbil_gather_args args, global const float *split,
       realv both[3] = {0.0f, 0.0f, 0.0f};
       for (int side = 0; side < 2; ++side) {
         const light_sum s = half_slice_light(&cache, own, from, in.plane);
-        realv more = 1.0f;
-#if EXTRAPOLATE && !FINITE
-        more = cached_float(&cache);
-#endif
-        both[0] = fma(more, s.red, both[0]);
-        both[1] = fma(more, s.green, both[1]);
-        both[2] = fma(more, s.blue, both[2]);
+        both[0] += s.red;
+        both[1] += s.green;
+        both[2] += s.blue;
       }
       const realv jacobian = cached_float(&cache);
 #pragma unroll

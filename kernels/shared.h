@@ -233,10 +233,6 @@ typedef struct hbil_layer_args {
 } hbil_layer_args;
 HBIL_ASSERT_LAYOUT(hbil_layer_args, height, 6, 7)
 
-/* Every other sample of a half-slice belongs to one half or the other; some
- * belong to both (lib/sampling_pattern.h, gather/between.clh). */
-enum { HBIL_SUBSET_EVEN = 1, HBIL_SUBSET_ODD = 2 };
-
 /* One sample of a half-slice, common to all pixels of a layer at one level.
  * What is read together is 16 bytes, which GPUs read at once. */
 typedef struct hbil_step {
@@ -252,10 +248,8 @@ typedef struct hbil_step {
   /* both parts of the step, over these pixels' distance from the sample */
   hbil_float to_near, to_far;
   hbil_float inv_near, inv_far; /* 1 / |e| at both ends of the step */
-  hbil_int subsets;             /* of HBIL_SUBSET_ */
-  hbil_int unused[3];
 } HBIL_ALIGNED_16 hbil_step;
-HBIL_ASSERT_LAYOUT(hbil_step, unused, 17, 20)
+HBIL_ASSERT_LAYOUT(hbil_step, inv_far, 15, 16)
 
 /* Words of the plan's flags: what kernels of a frame tell later ones. */
 enum {

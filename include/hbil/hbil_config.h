@@ -244,9 +244,9 @@ typedef struct hbil_model {
    * The smaller one counts.  Infinity: occluders have no back; model */
   float thickness;
   float relative_thickness;
-  /* CL_TRUE: finds what lies between the samples (doc/method.md, section 7).  A
-   * sample of an occluder that has a thickness stands for its whole step; else
-   * AO and E_near are corrected by what half of the samples miss; model */
+  /* CL_TRUE: finds what lies between the samples (doc/method.md, section 7): a
+   * sample stands for its whole step.  Without effect where both thicknesses
+   * are infinite; model */
   cl_bool extrapolate;
   /* The radiance of a sample fades in as the cosine between its normal and the
    * direction to the pixel rises from the first to the second value;

@@ -217,7 +217,8 @@ static inline hbil_float hbil_reach_into_gap(hbil_int gap, hbil_int length) {
 }
 
 /* (x, y): the sample's offset, `length` pixels; before, after: the lengths of
- * the samples before and behind it, as for hbil_sample_subsets(). */
+ * the samples before and behind it; 0 before the first one, its own after the
+ * last one. */
 static inline hbil_extent hbil_sample_extent(hbil_int x, hbil_int y, hbil_int k,
                                              hbil_int samples, hbil_int before,
                                              hbil_int length, hbil_int after) {
@@ -233,25 +234,6 @@ static inline hbil_extent hbil_sample_extent(hbil_int x, hbil_int y, hbil_int k,
   e.slope_x = (2 * x * quarter + (x < 0 ? -length : length)) / (2 * length);
   e.slope_y = (2 * y * quarter + (y < 0 ? -length : length)) / (2 * length);
   return e;
-}
-
-/*
- * The subsets that sample k belongs to.  before, after: hbil_offset_length() of
- * the samples on either side of it; 0 before the first one, its own after the
- * last one.  If the share f of the pixels around a sample is met, the
- * correction for missed occluders must be multiplied by 1 - f.  So in the share
- * f of the gathered sites the sample belongs to both subsets, which adds
- * nothing there.
- */
-static inline hbil_int hbil_sample_subsets(hbil_int site, hbil_int gathered,
-                                           hbil_int k, hbil_int samples,
-                                           hbil_int before, hbil_int after) {
-  hbil_int met = k + 1 < samples ? 2 : 1;
-  /* (order + 1/2) / sites of them lie above the share that is met */
-  if ((2 * hbil_shift_order(site, gathered) + 1) * (after - before) <
-      2 * hbil_gathered_sites(gathered) * met)
-    return HBIL_SUBSET_EVEN | HBIL_SUBSET_ODD;
-  return k & 1 ? HBIL_SUBSET_ODD : HBIL_SUBSET_EVEN;
 }
 
 #endif

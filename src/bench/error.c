@@ -191,9 +191,8 @@ static void report_notes(const job *j, bench_report *report) {
       report,
       "A setting is slices x steps per side of a slice; g is the growth of the "
       "steps; half: at half resolution.  Where no model is named it is the "
-      "default one; paper is the paper's, which is extrapolated unless the "
-      "setting "
-      "says otherwise; thin, thick and endless occluders are 2 %%, 30 %% and "
+      "default one; paper is the paper's; thin, thick and endless occluders "
+      "are 2 %%, 30 %% and "
       "infinitely thick; gtao and hbao "
       "(radius %.3g) compute AO alone.",
       (double)j->content.radius);
@@ -207,12 +206,10 @@ static void report_notes(const job *j, bench_report *report) {
     bench_report_note(report, "%s", j->content.note);
 }
 
-/* Only settings without extrapolation are the paper's own. */
 static bench_kind kind_of(const bench_setting *s) {
-  const int plain = (s->flags & BENCH_NOT_EXTRAPOLATED) != 0;
-  return s->model == BENCH_MODEL_DEFAULT          ? BENCH_KIND_DEFAULT
-         : s->model == BENCH_MODEL_PAPER && plain ? BENCH_KIND_PAPER
-                                                  : BENCH_KIND_OTHER;
+  return s->model == BENCH_MODEL_DEFAULT ? BENCH_KIND_DEFAULT
+         : s->model == BENCH_MODEL_PAPER ? BENCH_KIND_PAPER
+                                         : BENCH_KIND_OTHER;
 }
 
 /* Milliseconds of the paper's setting, over all turns. */

@@ -30,9 +30,9 @@ typedef struct sweep {
 
 static const sweep sweeps[] = {
     /* the paper's own setting, which comes first */
-    {PAPER, 2, 0, LAYER | PLAIN | QUICK, {8}},
-    {PAPER, 2, 3, PLAIN, {8, 32}},
-    /* its model, extrapolated */
+    {PAPER, 2, 0, LAYER | QUICK, {8}},
+    {PAPER, 2, 3, 0, {8, 32}},
+    /* its model at half resolution */
     {PAPER, 1, 3, HALF, {20}},
     {PAPER, 2, 3, HALF, {48}},
     {PAPER, 3, 3, HALF, {56}},

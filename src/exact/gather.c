@@ -3,10 +3,10 @@
  * slices, in directions that differ between the 16 pixels of a 4x4 block, and
  * steps_per_side samples on each half-slice.
  */
-#include "exact/extrapolate.h"
 #include "exact/hemisphere.h"
 #include "exact/passes.h"
 #include "exact/planes.h"
+#include "exact/samples.h"
 #include "exact/settings.h"
 #include "exact/threads.h"
 
@@ -19,9 +19,7 @@ typedef struct gather {
 static march march_along(const receiver *r, const sampling *how, double ux,
                          double uy) {
   march m = exact_march_begin(r, ux, uy);
-  exact_visit_samples(r, how, HBIL_SUBSET_EVEN | HBIL_SUBSET_ODD, &m);
-  if (r->frame->config->model.extrapolate && r->kind == COVERAGE_HORIZON)
-    exact_extrapolate(r, how, &m);
+  exact_visit_samples(r, how, &m);
   exact_march_end(&m);
   return m;
 }

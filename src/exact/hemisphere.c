@@ -31,10 +31,9 @@ static void add_arcs(hemisphere *sum, const march *ahead, const march *behind) {
   const double size = sqrt(h->nx * h->nx + h->ny * h->ny);
   const double gamma = atan2(h->nx, h->ny);
   sum->whole += h->weight * size * (arc(gamma, PI) + arc(gamma, -PI));
-  sum->open +=
-      h->weight * size *
-      (ahead->open_scale * arc(gamma, ahead->covers.horizon.top.theta) +
-       behind->open_scale * arc(gamma, -behind->covers.horizon.top.theta));
+  sum->open += h->weight * size *
+               (arc(gamma, ahead->covers.horizon.top.theta) +
+                arc(gamma, -behind->covers.horizon.top.theta));
 }
 
 static void add_openness(hemisphere *sum, const march *m) {

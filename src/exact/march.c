@@ -322,7 +322,6 @@ march exact_march_begin(const receiver *r, double ux, double uy) {
                             (double)hbil_shift_share(exact_site(c, r->x, r->y),
                                                      exact_gathered_layers(c)),
                             r->list);
-  m.open_scale = 1.0;
   m.joined.high = r->least;
   if (exact_is_glossy(c)) {
     m.covers.glossy = true;
@@ -343,5 +342,5 @@ void exact_march_end(march *m) {
   m->got.lobe_known *= most;
   for (int i = 0; i < 3; ++i)
     m->got.lobe_light[i] *= most;
-  m->open_bent = vec_scale(m->open_scale, exact_open_bent(&m->covers, &m->h));
+  m->open_bent = exact_open_bent(&m->covers, &m->h);
 }

@@ -49,7 +49,6 @@ typedef struct march {
   received got;      /* of the covered part */
   double last[3];    /* radiance accepted last */
   double lobe_whole; /* the lobe */
-  double open_scale; /* factor of the open part, by extrapolation; else 1 */
   vec3 open_bent;    /* exact_march_end() sets it */
 } march;
 

@@ -67,8 +67,7 @@ void exact_slice_direction(const sampling *how, int slice, double *ux,
   *uy = (double)y;
 }
 
-void exact_visit_samples(const receiver *r, const sampling *how, int subsets,
-                         march *m) {
+void exact_visit_samples(const receiver *r, const sampling *how, march *m) {
   const float ux = (float)m->h.u.x, uy = (float)m->h.u.y;
   const int samples = how->pattern.steps;
   int x, y, before = 0;
@@ -83,9 +82,7 @@ void exact_visit_samples(const receiver *r, const sampling *how, int subsets,
     const int after = hbil_offset_length(next_x, next_y);
     const hbil_extent step =
         hbil_sample_extent(x, y, k, samples, before, length, after);
-    if (subsets & hbil_sample_subsets(how->site, how->pattern.gathered, k,
-                                      samples, before, after) &&
-        exact_planes_contain(r->split, r->x + x, r->y + y))
+    if (exact_planes_contain(r->split, r->x + x, r->y + y))
       exact_march_visit(r, m, r->x + x, r->y + y, &step);
     before = length;
     x = next_x;

@@ -16,9 +16,7 @@ sampling exact_sampling(const receiver *r);
 /* The unit direction of a slice in the image plane. */
 void exact_slice_direction(const sampling *how, int slice, double *ux,
                            double *uy);
-/* Visits the samples of a march that belong to any of the subsets
- * (HBIL_SUBSET_), from the nearest to the farthest. */
-void exact_visit_samples(const receiver *r, const sampling *how, int subsets,
-                         march *m);
+/* Visits the samples of a march, from the nearest to the farthest. */
+void exact_visit_samples(const receiver *r, const sampling *how, march *m);
 
 #endif

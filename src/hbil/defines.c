@@ -92,7 +92,7 @@ static void define_model(const hbil_config *c, const layout *l, text *t) {
          rejects &&
              c->model.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED);
   define(t, "FALLBACK_FRAME_MEAN", l->unknown);
-  define(t, "EXTRAPOLATE", c->model.extrapolate != 0);
+  define(t, "EXTRAPOLATE", c->model.extrapolate && (relative | absolute));
   define(t, "GATHER_EMISSION", c->model.gather_emission != 0);
   define(t, "FEEDBACK_RADIANCE", c->model.feedback == HBIL_FEEDBACK_RADIANCE);
   define(t, "REPROJECT_MOTION",

@@ -20,11 +20,11 @@ static const int step_counts[] = {8, 16, 32, 64, 96, 128};
 enum { STEP_COUNTS = sizeof step_counts / sizeof *step_counts };
 
 static const factors endless_full[STEP_COUNTS] = {
-    {1.45f, 3.60f, 3.60f}, {0.90f, 2.35f, 2.35f}, {0.65f, 1.55f, 1.55f},
-    {0.60f, 1.10f, 1.10f}, {0.60f, 0.85f, 0.85f}, {0.60f, 0.75f, 0.75f}};
+    {2.30f, 4.45f, 4.45f}, {1.60f, 2.55f, 2.55f}, {1.05f, 1.70f, 1.70f},
+    {0.75f, 1.20f, 1.20f}, {0.65f, 0.85f, 0.85f}, {0.65f, 0.75f, 0.75f}};
 static const factors endless_half[STEP_COUNTS] = {
-    {2.05f, 5.10f, 30.0f}, {1.40f, 2.80f, 6.30f}, {1.35f, 1.95f, 3.80f},
-    {1.35f, 1.95f, 3.70f}, {1.35f, 1.80f, 3.70f}, {1.35f, 1.70f, 3.70f}};
+    {3.15f, 6.55f, 38.5f}, {2.25f, 3.00f, 6.95f}, {1.65f, 2.00f, 3.95f},
+    {1.40f, 2.00f, 3.75f}, {1.35f, 1.80f, 3.70f}, {1.35f, 1.70f, 3.70f}};
 static const factors finite_full[STEP_COUNTS] = {
     {2.60f, 3.00f, 3.00f}, {1.50f, 1.75f, 1.75f}, {1.40f, 1.15f, 1.15f},
     {0.90f, 0.90f, 0.90f}, {0.70f, 0.80f, 0.80f}, {0.65f, 0.70f, 0.70f}};

@@ -292,10 +292,8 @@ static size_t lay_out_horizon_cache(const hbil_config *config, layout *out) {
   const bool intervals = config_has_thickness(config);
   const cl_uint samples = config->sampling.steps_per_side;
   const cl_uint of_sample = (last ? 2 : 1) + intervals;
-  const cl_uint of_side =
-      samples * of_sample + (config->model.extrapolate && !intervals);
   hbil_horizon_cache_args *f = &out->cache;
-  f->floats = sides * of_side + config->sampling.slices + 1;
+  f->floats = sides * samples * of_sample + config->sampling.slices + 1;
   f->entries = sides * (samples * (1 + intervals) + 1);
   const cl_ulong row = sizeof(cl_float) * (cl_ulong)across *
                        ((cl_ulong)f->floats * width + f->entries);

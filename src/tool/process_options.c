@@ -278,7 +278,8 @@ static const option_row sampling_rows[] = {
              "surface; auto: half for pictures of 400000 pixels and more ({})",
      .relations = {NOT_EXACT("which computes every pixel")}},
     {ROW_CHOICE("extrapolate", CONFIG(model.extrapolate), no_yes),
-     .help = "find what lies between the samples ({})",
+     .help = "find what lies between the samples of occluders that have a "
+             "thickness ({})",
      .relations = {EVERY_PIXEL}},
     {.name = "no-skip",
      .kind = OPTION_CLEAR,

@@ -398,13 +398,10 @@ static void check_split(under_way *u) {
 
 /* Derived: a lobe's terms are up to sqrt(k) / 2 = 12 times as large as their
  * sum, so it loses four bits.  Measured: 5.1e-7.  An interval that is narrower
- * than a sector takes none of it or all, up to 3000 times as much as it has;
- * near the tangent plane A has few digits, and so has the factor by which it is
- * extrapolated, but the lobe isn't small there.  Measured: 1.3e-3. */
+ * than a sector takes none of it or all, up to 3000 times as much as it has.
+ * Measured: 1.3e-3. */
 static double lobe_limit(const hbil_model *m) {
-  return isinf(m->thickness) && isinf(m->relative_thickness) && !m->extrapolate
-             ? 5e-6
-             : 5e-3;
+  return isinf(m->thickness) && isinf(m->relative_thickness) ? 5e-6 : 5e-3;
 }
 
 static void check_lobes(const under_way *u, const exact_planes *want) {

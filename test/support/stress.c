@@ -42,7 +42,6 @@ void stress_one_sample(setup *s) {
   s->config.outputs.beauty = s->config.inputs.f0 = three_floats;
   s->config.execution.skip = 0;
   s->config.execution.vector_width = 1;
-  s->config.model.extrapolate = CL_FALSE; /* the horizons themselves */
 }
 
 static void configure(setup *s, plan_kind kind) {

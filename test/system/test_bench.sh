@@ -54,7 +54,7 @@ old table
 <!-- end -->
 after
 END
-says "error has a table" '^| paper 2x8 g0 same-layer not extrapolated | [0-9.]* |' \
+says "error has a table" '^| paper 2x8 g0 same-layer | [0-9.]* |' \
   tiny error --pixels 40 --markdown "$work/page.md"
 has "error writes its table, its data and JSON" "$work/results/error.md" \
   "$work/results/error.dat" "$work/results/error.gnuplot" \

@@ -112,7 +112,7 @@ static exact_planes room_as_thick_as(float share) {
   exact_planes out;
   setup_scene(&s, SCENE_ROOM, 97, 54, 0);
   set_thickness(&s, INFINITY, share);
-  /* what lies between the samples is found in different ways */
+  /* a sample of an occluder without a back doesn't stand for its step */
   s.config.model.extrapolate = CL_FALSE;
   setup_start(&s);
   out = stage_gathered(&s);

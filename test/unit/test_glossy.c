@@ -82,16 +82,6 @@ static void the_lobe_is_ggx_seen_from_above(void **state) {
   }
 }
 
-/* Derived: a lobe's terms are up to sqrt(k) / 2 = 12 times as large as their
- * sum, so it loses four bits.  Measured: 5.1e-7 */
-/* An interval that is narrower than a sector takes none of it or all, up to
- * 3000 times as much as it has, and its roundings as often.  Near the tangent
- * plane A has few digits, and so has the factor by which it is extrapolated;
- * the lobe isn't small there.  Measured: 1.3e-4.  With finite thickness a
- * rounding may decide whether two samples overlap, and so how their light
- * weighs: a few percent of a pixel's, of which there are 3465. Measured: 1.3e-3
- */
-
 /* ------------------------------------------------------------------------ */
 /* The history filter                                                        */
 

@@ -169,51 +169,6 @@ static void the_last_sample_gets_to_the_edge(void **state) {
   }
 }
 
-static int span_of(int layer, int k, const hbil_view_args *v,
-                   hbil_pattern_args p) {
-  int x = 0, y = 0;
-  if (k >= 0)
-    hbil_sample_offset(layer, k < p.steps ? k : k - 1, 0, 1.0f, 0.0f, *v, p, &x,
-                       &y);
-  return hbil_offset_length(x, y);
-}
-
-/* Share of a direction's samples that are in both subsets, over the 16 places
- * that they may have along it; checks that no sample is in none. */
-static double shared_samples(const hbil_view_args *v, hbil_pattern_args p) {
-  int both = 0;
-  for (int layer = 0; layer < HBIL_LAYERS; ++layer)
-    for (int k = 0; k < p.steps; ++k) {
-      int subsets = hbil_sample_subsets(layer, p.gathered, k, p.steps,
-                                        span_of(layer, k - 1, v, p),
-                                        span_of(layer, k + 1, v, p));
-      int own = k & 1 ? HBIL_SUBSET_ODD : HBIL_SUBSET_EVEN;
-      assert_true(subsets & own);
-      both += subsets != own;
-    }
-  return (double)both / (HBIL_LAYERS * p.steps);
-}
-
-/* Equal steps of 640 / samples pixels: of 1, all samples are in both subsets;
- * of more, the share of the pixels that are met. */
-static void as_many_samples_are_in_both_halves_as_pixels_are_met(void **state) {
-  const int samples[] = {640, 320, 128, 16};
-  (void)state;
-  for (int i = 0; i < 4; ++i) {
-    hbil_view_args v = make_view(640, 360);
-    hbil_pattern_args p = make_pattern(1, samples[i], 1, 0.0f);
-    double met = samples[i] / 640.0;
-    double shared = shared_samples(&v, p);
-    if (samples[i] == 640)
-      assert_true(shared == 1.0);
-    /* derived: a step is a pixel off at either end at most, two steps 2 of 2
-     * 640 / samples; a sixteenth for the layers; and the first step, which is
-     * shorter, one sample */
-    check_at_most("share", fabs(shared - met),
-                  met * met + 1.0 / 16.0 + 1.0 / samples[i]);
-  }
-}
-
 /* The steps of neighbouring samples meet in the middle of the pixels between
  * them, and overlap by a tenth of these.  What tells a sample's slope lies a
  * quarter of its step away, on the line to the receiver but for rounding, and
@@ -286,7 +241,6 @@ int main(void) {
       cmocka_unit_test(gathered_layers_are_listed),
       cmocka_unit_test(samples_are_distinct_and_ever_farther),
       cmocka_unit_test(the_last_sample_gets_to_the_edge),
-      cmocka_unit_test(as_many_samples_are_in_both_halves_as_pixels_are_met),
       cmocka_unit_test(steps_overlap_and_slopes_are_told_beside_them),
       cmocka_unit_test(the_level_is_the_smallest_that_covers)};
   return cmocka_run_group_tests(tests, NULL, NULL);
