@@ -60,7 +60,6 @@
 #define enqueue_gather hbil_internal_enqueue_gather
 #define enqueue_glossy hbil_internal_enqueue_glossy
 #define enqueue_import hbil_internal_enqueue_import
-#define enqueue_marker hbil_internal_enqueue_marker
 #define enqueue_passes hbil_internal_enqueue_passes
 #define enqueue_probes hbil_internal_enqueue_probes
 #define enqueue_push_pull hbil_internal_enqueue_push_pull

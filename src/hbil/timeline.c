@@ -153,7 +153,8 @@ void forget_times(command_times *times) {
   times->error = CL_SUCCESS;
 }
 
-hbil_status enqueue_marker(commands *chain) {
+/* Later commands wait for what the chain waits for. */
+static hbil_status enqueue_marker(commands *chain) {
   cl_event event = NULL;
   const cl_int error = clEnqueueMarkerWithWaitList(
       chain->queue, chain->wait_count, chain->wait_list,

@@ -70,9 +70,6 @@ void end_commands(commands *chain);
 /* Releases what a timeline holds. */
 void timeline_end(timeline *line);
 
-/* Enqueues a marker: later commands wait for what the chain waits for. */
-hbil_status enqueue_marker(commands *chain);
-
 /* Gives the caller the last command's event.  Passes that had nothing to do
  * enqueue a marker, so that the event and what comes later follow the wait
  * list.  event may be NULL. */
