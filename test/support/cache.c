@@ -38,6 +38,7 @@ void cache_prepare(cache_fixture *f, cl_uint vector_width) {
 void cache_start(cache_fixture *f, const setup *like) {
   hbil_status status;
   f->config.inputs = like->config.inputs;
+  f->config.gather_emission = like->config.model.gather_emission;
   shim_answer(CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT, &f->vector_width,
               sizeof f->vector_width);
   status =

@@ -90,8 +90,66 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_null(v.depth.buffer);
 }
 
+/* What a plan and a cache take from each other; a thickness that isn't the
+ * default one is the caller's. */
+static void a_plan_uses_a_cache(void **state) {
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    hbil_cache_config c = room_cache_config();
+    hbil_config plan;
+    hbil_config_init(&plan);
+    c.voxel_size = 0.25;
+    c.method = HBIL_CACHE_METHOD_CONES;
+    plan.inputs.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
+    plan.inputs.depth_kind = HBIL_DEPTH_RAY;
+    plan.model.gather_emission = CL_FALSE;
+    if (i)
+      plan.model.relative_thickness = 0.1f;
+    assert_int_equal(hbil_config_use_cache(&plan, &c), HBIL_SUCCESS);
+    assert_memory_equal(&c.inputs, &plan.inputs, sizeof c.inputs);
+    assert_int_equal(c.gather_emission, CL_FALSE);
+    assert_int_equal(plan.model.cache_method, HBIL_CACHE_METHOD_CONES);
+    assert_true(plan.model.radius == 1.0f); /* four voxels */
+    assert_true(plan.model.relative_thickness == (i ? 0.1f : 0.02f));
+    assert_true(isinf(plan.model.thickness));
+  }
+}
+
 /* ------------------------------------------------------------------------ */
 /* Views                                                                     */
+
+/* All that a frame and its plan say of a view. */
+static void a_frame_is_a_view(void **state) {
+  hbil_config plan;
+  hbil_frame frame;
+  hbil_view view;
+  (void)state;
+  hbil_config_init(&plan);
+  hbil_frame_init(&frame);
+  plan.width = 320;
+  plan.height = 200;
+  plan.inputs.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
+  frame.camera = room_camera(room_middle, BEHIND, 320, 200, 70.0);
+  frame.hardware_depth[0] = 3.0;
+  frame.hardware_depth[1] = 4.0;
+  hbil_plane *const from[] = {&frame.depth, &frame.normal, &frame.albedo,
+                              &frame.f0,    &frame.direct, &frame.emission};
+  const hbil_plane *const to[] = {&view.depth, &view.normal, &view.albedo,
+                                  &view.f0,    &view.direct, &view.emission};
+  for (size_t i = 0; i < sizeof to / sizeof *to; ++i)
+    from[i]->offset = 64 * (i + 1);
+  memset(&view, 0xff, sizeof view);
+  assert_int_equal(hbil_view_from_frame(&view, &plan, &frame), HBIL_SUCCESS);
+  assert_int_equal(view.struct_size, sizeof view);
+  assert_true(view.width == 320 && view.height == 200);
+  assert_int_equal(view.projection, HBIL_PROJECTION_ORTHOGRAPHIC);
+  assert_memory_equal(&view.camera, &frame.camera, sizeof view.camera);
+  for (size_t i = 0; i < sizeof to / sizeof *to; ++i)
+    assert_memory_equal(to[i], from[i], sizeof *to[i]);
+  assert_int_equal(view.light, HBIL_VIEW_DIRECT);
+  assert_memory_equal(view.hardware_depth, frame.hardware_depth,
+                      sizeof view.hardware_depth);
+}
 
 static const char *spoil_view(hbil_view *v, int which) {
   SPOIL("width", v->width = 0);
@@ -359,6 +417,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(bad_configurations_are_rejected_by_name),
       cmocka_unit_test(defaults_are_those_of_the_header),
+      cmocka_unit_test(a_plan_uses_a_cache),
+      cmocka_unit_test(a_frame_is_a_view),
       cmocka_unit_test(bad_views_are_rejected_by_name),
       cmocka_unit_test(planes_of_other_contexts_are_rejected),
       cmocka_unit_test(bad_updates_and_moves_are_rejected),

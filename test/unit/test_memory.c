@@ -334,6 +334,29 @@ static void packed_padding_is_at_most_a_quarter(void **state) {
   setup_free(&s);
 }
 
+static size_t memory_with(hbil_mode mode, hbil_far_field far_field) {
+  setup s;
+  setup_init(&s, 160, 90);
+  setup_mode(&s, mode);
+  s.config.outputs.far_irradiance = three_floats;
+  s.config.model.far_field = far_field;
+  const size_t bytes = setup_memory(&s);
+  setup_free(&s);
+  return bytes;
+}
+
+/* HBIL_FAR_AUTO is the frame's estimate, which has planes of its own, where
+ * there is light, and none where there is occlusion alone. */
+static void the_default_far_field_depends_on_the_mode(void **state) {
+  (void)state;
+  const size_t none = memory_with(HBIL_MODE_HBIL, HBIL_FAR_NONE);
+  assert_true(memory_with(HBIL_MODE_HBIL, HBIL_FAR_FRAME) > none);
+  assert_int_equal(memory_with(HBIL_MODE_HBIL, HBIL_FAR_AUTO),
+                   memory_with(HBIL_MODE_HBIL, HBIL_FAR_FRAME));
+  assert_int_equal(memory_with(HBIL_MODE_GTAO, HBIL_FAR_AUTO),
+                   memory_with(HBIL_MODE_GTAO, HBIL_FAR_NONE));
+}
+
 /* A column of pixels: what bounds its memory are three vectors in each row of
  * each plane of 16 layers, two planes to split and one gathered, in a quarter
  * of the rows; and four vectors in each row of the plane of resolved AO.  A
@@ -447,6 +470,7 @@ int main(void) {
       cmocka_unit_test(frames_create_no_buffers),
       cmocka_unit_test(the_query_creates_no_buffers),
       cmocka_unit_test(the_query_rejects_what_create_rejects),
+      cmocka_unit_test(the_default_far_field_depends_on_the_mode),
       cmocka_unit_test(narrow_pictures_take_little_memory),
       WITHOUT_KERNELS(padding_is_at_most_a_quarter),
       WITHOUT_KERNELS(packed_padding_is_at_most_a_quarter),
