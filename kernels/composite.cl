@@ -13,6 +13,9 @@
  *   E = (1-t^2) s0 + (1-t^3) s1 . Y1 + (3 (1-t^4) - 2 (1-t^2)) s2 . Y2
  * with Y1 = (y, z, x), Y2 = (xy, yz, 3z^2-1, zx, x^2-y^2).
  *
+ * Where no near light is computed, a factor may stand in for what occluders
+ * reflect (lib/ao_bounces.clh).
+ *
  * Fresnel: the share 1 - F0 of the light is reflected diffusely (Mayaux 2018,
  * 2.3.3).
  *
@@ -21,6 +24,7 @@
  * the caller's outputs, history planes, counts of the sanitized inputs that
  * split does not read.
  */
+#include "lib/ao_bounces.clh"
 #include "lib/depth.clh"
 #include "lib/far_light.clh"
 #include "lib/flags.clh"
@@ -81,6 +85,10 @@ enum {
 
 /* Whether reflected light is needed, and with it the inputs that make it. */
 #define REFLECTED (OUT_BEAUTY || (HISTORY && FEEDBACK_RADIANCE))
+
+#if AO_BOUNCES && GATHER_RADIANCE
+#error AO_BOUNCES must be 0 where near light is computed
+#endif
 
 /* What all pixels are composed of: planes of the passes before, and the
  * caller's. */
@@ -150,19 +158,20 @@ INLINE void sky_behind(const hbil_composite_args args, realv rx, float ry,
 /* --- counts of sanitized pixels ------------------------------------------- */
 
 /* Inputs that are shown, but that split has not read. */
-#define COUNT_SURFACE (!GATHER_RADIANCE && OUT_BEAUTY)
+#define COUNT_ALBEDO (!GATHER_RADIANCE && (OUT_BEAUTY || AO_BOUNCES == 2))
+#define COUNT_DIRECT (!GATHER_RADIANCE && OUT_BEAUTY)
 #define COUNT_F0 (!GATHER_RADIANCE && (OUT_BEAUTY || OUT_INDIRECT))
 #define COUNT_EMISSION (!(GATHER_RADIANCE && GATHER_EMISSION) && OUT_BEAUTY)
 
 /* Counts them.  usable: a mask of pixels for each input. */
 INLINE void count_sanitized(const intv *usable, intv solid,
                             volatile global uint *sanitized) {
-  if (COUNT_SURFACE) {
+  if (COUNT_ALBEDO)
     add_sanitized(sanitized + HBIL_SURFACE_ALBEDO,
                   count_lanes(solid & !usable[HBIL_SURFACE_ALBEDO]));
+  if (COUNT_DIRECT)
     add_sanitized(sanitized + HBIL_SURFACE_DIRECT,
                   count_lanes(solid & !usable[HBIL_SURFACE_DIRECT]));
-  }
   if (COUNT_F0)
     add_sanitized(sanitized + HBIL_SURFACE_F0,
                   count_lanes(solid & !usable[HBIL_SURFACE_F0]));
@@ -174,20 +183,25 @@ INLINE void count_sanitized(const intv *usable, intv solid,
 /* --- a vector of pixels --------------------------------------------------- */
 
 /* Computes the outputs of a channel and stores them in part `part` of the
- * collected planes.  near_light: E_near, far: E_far, both of the channel;
- * behind: what the sky shows.  Returns the light that is carried over. */
+ * collected planes.  near_light: E_near, far: E_far without the light that
+ * occluders reflect, both of the channel; behind: what the sky shows; t: the
+ * cone's cosine.  Returns the light that is carried over. */
 INLINE realv compose_channel(const hbil_composite_args args, const inputs *in,
-                             realv near_light, realv far, realv behind,
-                             intv solid, int c, int x, int y, int count,
-                             intv *usable, realv pending[][PARTS], int part) {
+                             realv near_light, realv far, realv behind, realv t,
+                             intv solid, int c, const far_receiver *r,
+                             int count, intv *usable, realv pending[][PARTS],
+                             int part) {
+  const int x = r->x, y = r->y;
   const hbil_surface_args surface = args.surface;
   realv albedo = 1.0f, diffuse = 1.0f, irradiance = 0.0f, emitted = 0.0f;
   if (REFLECTED || OUT_INDIRECT)
     diffuse = surface_diffuse(surface, &in->surface, c, x, y, count,
                               usable + HBIL_SURFACE_F0);
-#if REFLECTED
+#if REFLECTED || AO_BOUNCES == 2
   albedo = surface_albedo(surface, &in->surface, c, x, y, count,
                           usable + HBIL_SURFACE_ALBEDO);
+#endif
+#if REFLECTED
   irradiance = direct_light(surface, in->surface.direct, c, x, y, count,
                             usable + HBIL_SURFACE_DIRECT);
   emitted = surface_emission(surface, &in->surface, c, x, y, count,
@@ -195,6 +209,8 @@ INLINE realv compose_channel(const hbil_composite_args args, const inputs *in,
   if (HAS_EMISSION)
     behind = emitted;
 #endif
+  if (AO_BOUNCES)
+    far *= ao_bounces(r->ao, t, albedo);
   const realv light = near_light + far;
   const realv indirect = diffuse * INV_PI * light;
   const realv reflected = albedo * fma(diffuse * INV_PI, irradiance, indirect);
@@ -305,10 +321,10 @@ INLINE void compose(const hbil_composite_args args, const inputs *in, int x,
   for (int c = 0; c < 3; ++c)
     carried[c] = compose_channel(args, in, near_light[c],
                                  select((realv)0.0f, far[c], solid), behind[c],
-                                 solid, c, x, y, count, usable, pending, part);
+                                 t, solid, c, &r, count, usable, pending, part);
   if (HISTORY)
     collect_carried(carried, pending, part);
-  if (COUNT_SURFACE || COUNT_F0 || COUNT_EMISSION)
+  if (COUNT_ALBEDO || COUNT_DIRECT || COUNT_F0 || COUNT_EMISSION)
     count_sanitized(usable, solid, sanitized + HBIL_SANITIZED_LATE);
 }
 

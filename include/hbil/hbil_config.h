@@ -236,6 +236,22 @@ typedef enum hbil_cache_method {
   HBIL_CACHE_METHOD_RSM = 4
 } hbil_cache_method;
 
+/* Stand-ins for the light that occluders reflect, where no near light is
+ * computed: the far irradiance, which knows only the open share AO, is
+ * multiplied by F / AO. */
+typedef enum hbil_ao_bounces {
+  HBIL_AO_BOUNCES_NONE = 0, /* F = AO: occluders are black */
+  /* F0(AO) = AO (1 + (1 - AO)^0.75 / 2), whatever the albedo (Mayaux 2018,
+   * "Horizon-Based Indirect Lighting", 2.2.3); up to 1.0062, where AO is .98 */
+  HBIL_AO_BOUNCES_PAPER = 1,
+  /* F = max(AO, ((a AO + b) AO + c) AO) for each channel of the pixel's own
+   * albedo r: a = 2.0404 r - 0.3324, b = -4.7951 r + 0.6417, c = 2.7552 r +
+   * 0.6903 (Jimenez, Wu, Pesce and Jarabo 2016, "Practical Realtime Strategies
+   * for Accurate Indirect Occlusion", a fit to path tracing where all surfaces
+   * have that albedo).  Without the input albedo, r is 1. */
+  HBIL_AO_BOUNCES_ALBEDO = 2
+} hbil_ao_bounces;
+
 typedef struct hbil_model {
   hbil_mode mode;       /* default HBIL */
   hbil_falloff falloff; /* for HBIL_MODE_HBAO only; default LINEAR */
@@ -271,6 +287,12 @@ typedef struct hbil_model {
   hbil_cache_method cache_method;
   /* Of outputs.glossy: the root of GGX's alpha; 0.3..1; default 0.5 */
   float roughness;
+  /* Changes far_irradiance, indirect and beauty; `ao` stays as it is.  Near
+   * light has these bounces, so NONE is needed where it is computed: for
+   * HBIL_MODE_HBIL, unless of all outputs only far_irradiance, ao, bent_normal,
+   * cone_cosine and error_estimate are asked for, and far_field isn't
+   * HBIL_FAR_FRAME.  Default NONE */
+  hbil_ao_bounces ao_bounces;
 } hbil_model;
 
 /* Named models of light and occluders. */

@@ -7,6 +7,9 @@
  * radiance that surfaces send: beauty, with emission as far as it lights
  * others.
  *
+ * Where no near light is computed, model.ao_bounces multiplies E_far by a
+ * factor of AO and the albedo.
+ *
  * With a radiance cache, E_far has what that knows of the open directions.
  *
  * unknown is the share of the hemisphere whose light is estimated: open
@@ -50,6 +53,21 @@ static void composite_channel(const exact_frame *frame, int c, int x, int y,
           : diffuse + exact_gathered_emission(frame, c, x, y);
 }
 
+/* F(AO) / AO, what occluders reflect of far light: Mayaux 2018, 2.2.3, or the
+ * fit of Jimenez and others 2016, "Practical Realtime Strategies for Accurate
+ * Indirect Occlusion". */
+static double bounces(const exact_frame *frame, int c, int x, int y,
+                      double ao) {
+  const hbil_ao_bounces kind = frame->config->model.ao_bounces;
+  const double r = exact_albedo(frame, c, x, y);
+  if (kind == HBIL_AO_BOUNCES_PAPER)
+    return 1.0 + pow(fmax(0.0, 1.0 - ao), 0.75) / 2.0;
+  if (kind == HBIL_AO_BOUNCES_ALBEDO)
+    return fmax(1.0, (2.0404 * r - 0.3324) * ao * ao +
+                         (-4.7951 * r + 0.6417) * ao + 2.7552 * r + 0.6903);
+  return 1.0;
+}
+
 static void store_bent_normal(const exact_frame *frame, vec3 bent, int x, int y,
                               exact_planes *out) {
   if (frame->config->outputs.bent_normal_space == HBIL_SPACE_WORLD)
@@ -89,8 +107,10 @@ static void composite_pixel(const exact_frame *frame,
   for (int c = 0; c < 3; ++c) {
     const double near_irradiance =
         *exact_at(resolved, HBIL_LIGHT_RED + c, x, y);
-    const double far_irradiance = exact_far_irradiance(
-        frame, c, x, y, ao, bent, near_irradiance, &cached);
+    const double far_irradiance =
+        bounces(frame, c, x, y, ao) *
+        exact_far_irradiance(frame, c, x, y, ao, bent, near_irradiance,
+                             &cached);
     composite_channel(frame, c, x, y, near_irradiance, far_irradiance, out,
                       history);
   }

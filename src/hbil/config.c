@@ -385,6 +385,8 @@ static hbil_status config_check(hbil_context *context,
        HBIL_CACHE_METHOD_RSM},
       /* as floats: 0.3f is above 0.3 */
       {"model.roughness", (double)config->model.roughness, (double)0.3f, 1},
+      {"model.ao_bounces", (double)config->model.ao_bounces, 0,
+       HBIL_AO_BOUNCES_ALBEDO},
       {"history.max_frames", config->history.max_frames, 0, 1024},
       {"history.reprojection", (double)config->history.reprojection, 0,
        HBIL_REPROJECTION_MOTION},

@@ -100,6 +100,7 @@ static void define_model(const hbil_config *c, const layout *l, text *t) {
   define(t, "DISOCCLUSION", !isinf(c->history.disocclusion_threshold));
   define(t, "FAR", (int)l->far_field);
   define(t, "PROBES", l->probes);
+  define(t, "AO_BOUNCES", (int)l->ao_bounces);
   define(t, "UNFILTERED", c->sampling.unfiltered != 0);
 }
 

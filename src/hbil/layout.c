@@ -40,6 +40,8 @@ static void decide_work(const hbil_config *config, layout *out) {
                        : HBIL_FAR_NONE;
   out->probes = config->model.cache_method != HBIL_CACHE_METHOD_NONE &&
                 (sums || out->radiance || has(config, PLANE_FAR));
+  out->ao_bounces = out->far_field || out->probes ? config->model.ao_bounces
+                                                  : HBIL_AO_BOUNCES_NONE;
   out->bent = has(config, PLANE_BENT) || out->glossy ||
               out->far_field == HBIL_FAR_SH ||
               out->far_field == HBIL_FAR_FRAME || out->probes;
@@ -47,7 +49,9 @@ static void decide_work(const hbil_config *config, layout *out) {
   out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
   out->history =
       out->radiance && config->history.reprojection != HBIL_REPROJECTION_NONE;
-  out->late_counts = sums && !(out->radiance && config->model.gather_emission);
+  out->late_counts =
+      (sums && !(out->radiance && config->model.gather_emission)) ||
+      out->ao_bounces == HBIL_AO_BOUNCES_ALBEDO;
 }
 
 /* Whether all outputs are 0 times the irradiance where a surface reflects

@@ -75,6 +75,7 @@ typedef struct layout {
   cl_uint glossy_plane;      /* of GATHERED: where glossy sums begin; 0: none */
   cl_uint glossy_resolved;   /* of RESOLVED: where glossy means begin */
   hbil_error_args errors;
+  hbil_ao_bounces ao_bounces; /* NONE if no output shows far light */
   staging staged;
 } layout;
 

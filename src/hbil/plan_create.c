@@ -159,6 +159,12 @@ static hbil_status lay_out(hbil_context *context, const hbil_config *given,
   resolved->inputs.sky_depth =
       fminf(resolved->inputs.sky_depth, HBIL_FARTHEST_DEPTH);
   layout_compute(resolved, &staged, limits.alignment, sizes);
+  if (resolved->model.ao_bounces && sizes->radiance)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "model.ao_bounces: %d; must be HBIL_AO_BOUNCES_NONE where near "
+                "light is computed, which has these bounces (HBIL_MODE_GTAO "
+                "computes none)",
+                (int)resolved->model.ao_bounces);
   for (int i = 0; i < BUFFER_COUNT; ++i)
     if (sizes->bytes[i] > limits.largest)
       return fail(context, HBIL_OUT_OF_DEVICE_MEMORY,

@@ -21,6 +21,19 @@
 /* ------------------------------------------------------------------------ */
 /* Making a job from settings and files                                      */
 
+/* Near light has the bounces that this option stands in for. */
+static int check_bounces(const job *j, image_error *error) {
+  const hbil_ao_bounces bounces = j->config.model.ao_bounces;
+  return bounces == HBIL_AO_BOUNCES_NONE ||
+                 j->config.model.mode != HBIL_MODE_HBIL
+             ? 0
+             : image_fail(error,
+                          "--ao-bounces %s: not with --mode hbil, whose near "
+                          "light has these bounces; --mode gtao or hbao is "
+                          "needed",
+                          ao_bounces_words[bounces]);
+}
+
 static int choose_layers(job *j, image_error *error) {
   const process_settings *s = j->settings;
   const hbil_mode mode = j->config.model.mode;
@@ -114,7 +127,8 @@ int job_prepare(job *j, const process_settings *settings, char *const *files,
   if (!j->frames)
     return image_no_memory(error, files[0]);
   j->count = count;
-  if (choose_layers(j, error) != 0 || job_frames_check(j, files, error) != 0 ||
+  if (check_bounces(j, error) != 0 || choose_layers(j, error) != 0 ||
+      job_frames_check(j, files, error) != 0 ||
       job_environment_read(j, error) != 0)
     return -1;
   if (settings->exact && j->frames[0].map.how.from_depth)

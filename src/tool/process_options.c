@@ -342,6 +342,12 @@ static const option_row model_rows[] = {
              "it, 0..1, where light is guessed from the frame ({})"},
     {ROW_FLOATS("roughness", CONFIG(model.roughness), 1, "R"),
      .help = "of the layer glossy, as Blender has it, 0.3..1 ({})"},
+    {ROW_CHOICE("ao-bounces", CONFIG(model.ao_bounces), ao_bounces_words),
+     .help =
+         "what occluders reflect of far light, which is multiplied by F in "
+         "place of the open share AO: nothing; the paper's F = AO (1 + (1 "
+         "- AO)^.75 / 2); GTAO's fit with the surface's albedo.  For --mode "
+         "gtao and hbao, because near light has these bounces ({})"},
     {ROW_CHOICE("gather-emission", CONFIG(model.gather_emission), no_yes),
      .help = "emission lights neighbours, too (yes if the first frame's direct "
              "light cannot contain what its lamps emit)"},

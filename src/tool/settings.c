@@ -36,6 +36,7 @@ unsigned model_warm_up(hbil_model_name model) {
 
 const char *const mode_words[] = {"hbil", "gtao", "hbao", NULL};
 const char *const falloff_words[] = {"linear", "soft", "none", NULL};
+const char *const ao_bounces_words[] = {"none", "paper", "albedo", NULL};
 
 void process_settings_init(process_settings *settings) {
   memset(settings, 0, sizeof *settings);

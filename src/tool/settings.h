@@ -86,9 +86,10 @@ static inline int settings_without_cache(const process_settings *s) {
  * warm-up. */
 void process_settings_init(process_settings *settings);
 
-/* The words of --mode and --falloff, in the enums' order; they end with NULL.
- */
+/* The words of --mode, --falloff and --ao-bounces, in the enums' order; they
+ * end with NULL. */
 extern const char *const mode_words[];
 extern const char *const falloff_words[];
+extern const char *const ao_bounces_words[];
 
 #endif

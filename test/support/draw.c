@@ -197,6 +197,9 @@ void draw_case(setup *s, drawn *d, uint64_t seed) {
   any_formats(s, r);
   any_model(s, d->kind, r);
   any_sampling(&s->config, r);
+  /* not by `r`: the other settings of a seed stay as they were */
+  if (s->config.model.mode != HBIL_MODE_HBIL)
+    s->config.model.ao_bounces = (hbil_ao_bounces)(seed % 3);
   any_units(&s->config.inputs, d->kind, r);
   s->frame.hardware_depth[0] = 0.0;
   s->frame.hardware_depth[1] = HARDWARE_NEAR;
@@ -292,7 +295,8 @@ void draw_tell(const setup *s, const drawn *d) {
       "field of view %g, off centre %g, %g, pixels 1 : %g\n"
       "%u x %u, projection %d mode %d falloff %d radius %g thickness %g %g "
       "facing_fade %g %g fallback %d extrapolate %d gather_emission %d "
-      "feedback %d far_field %d roughness %g, reprojection %d disocclusion %g\n"
+      "feedback %d far_field %d roughness %g ao_bounces %d, reprojection %d "
+      "disocclusion %g\n"
       "%u x %u growth %g grid %d resolution %d unfiltered %d storage %d "
       "width %u skip %u\n%s"
       "depth_kind %d scale %g, sky_depth %g, normal_encoding %d space %d scale "
@@ -305,7 +309,7 @@ void draw_tell(const setup *s, const drawn *d) {
       (double)m->facing_fade[0], (double)m->facing_fade[1],
       (int)m->back_facing_fallback, (int)m->extrapolate,
       (int)m->gather_emission, (int)m->feedback, (int)m->far_field,
-      (double)m->roughness, (int)c->history.reprojection,
+      (double)m->roughness, (int)m->ao_bounces, (int)c->history.reprojection,
       (double)c->history.disocclusion_threshold, c->sampling.slices,
       c->sampling.steps_per_side, (double)c->sampling.step_growth,
       (int)c->sampling.sample_grid, (int)c->sampling.resolution,

@@ -141,6 +141,14 @@ static bool guesses(setup *s) {
          s->config.model.back_facing_fallback == HBIL_FALLBACK_FRAME_MEAN;
 }
 
+/* The most that model.ao_bounces makes of a far field: F0(AO) is 1.00614 where
+ * AO is .983, and the fit with an albedo of 1 is 1.0001 where AO is 1. */
+static double most_bounces(const hbil_model *m) {
+  return m->ao_bounces == HBIL_AO_BOUNCES_PAPER    ? 1.00615
+         : m->ao_bounces == HBIL_AO_BOUNCES_ALBEDO ? 1.00011
+                                                   : 1.0;
+}
+
 /* The largest radiance of the surfaces and of a constant far field.  A guess
  * can be 1 / (1 - HBIL_UNSEEN_GAIN) times the radiance of the first bounce. */
 static double brightest(setup *s) {
@@ -155,7 +163,8 @@ static double brightest(setup *s) {
   }
   if (s->config.model.far_field == HBIL_FAR_CONSTANT)
     for (int c = 0; c < 3; ++c)
-      most = fmax(most, (double)s->frame.environment[0][c]);
+      most = fmax(most, (double)s->frame.environment[0][c] *
+                            most_bounces(&s->config.model));
   return most;
 }
 

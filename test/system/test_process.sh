@@ -232,6 +232,15 @@ differs "falloffs differ" compare --max-rmse 1e-3 \
   "$work/falloff-linear/frame_0001.exr:ao" "$work/falloff-none/frame_0001.exr"
 rejected "a falloff needs hbao" '--mode hbao is needed' \
   process --falloff soft -o "$work/never" "$one"
+for bounces in none albedo; do
+  works "gtao, bounces $bounces" process --mode gtao --environment 1,1,1 \
+    --ao-bounces $bounces -o "$work/bounces-$bounces" "$one"
+done
+works "bounces leave the occlusion" compare --max-rmse 0 \
+  "$work/bounces-albedo/frame_0001.exr:ao" "$work/bounces-none/frame_0001.exr"
+differs "bounces change the light" compare --max-rmse 1e-2 \
+  "$work/bounces-albedo/frame_0001.exr:indirect" \
+  "$work/bounces-none/frame_0001.exr"
 rejected "an unknown mode" 'one of hbil, gtao, hbao' \
   process --mode ssao -o "$work/never" "$one"
 

@@ -63,6 +63,7 @@ static const member members[] = {
     MEMBER(model.offscreen_light),
     MEMBER(model.cache_method),
     MEMBER(model.roughness),
+    MEMBER(model.ao_bounces),
     MEMBER(sampling.slices),
     MEMBER(sampling.steps_per_side),
     MEMBER(sampling.step_growth),

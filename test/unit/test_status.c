@@ -138,6 +138,7 @@ static const char *spoil_config(hbil_config *c, int which) {
                    c->outputs.unknown.component = HBIL_NONE,
                    c->model.mode = HBIL_MODE_GTAO));
   SPOIL("cache_method", c->model.cache_method = (hbil_cache_method)5);
+  SPOIL("ao_bounces", c->model.ao_bounces = (hbil_ao_bounces)3);
   SPOIL("disocclusion_threshold", c->history.disocclusion_threshold = 0.0f);
   SPOIL("disocclusion_threshold", c->history.disocclusion_threshold = NAN);
   SPOIL("depth", c->inputs.depth.component = HBIL_NONE);
@@ -230,6 +231,32 @@ static void what_a_mode_lacks_is_rejected(void **state) {
       *plane_format(&s.config, lacks[i].output) = three_floats;
     assert_bad(&s.config,
                lacks[i].output ? plane_name(lacks[i].output) : "far_field");
+    setup_free(&s);
+  }
+}
+
+/* Near light has the bounces that ao_bounces stands in for.  What needs no near
+ * light may have them in any mode. */
+static void bounces_of_far_light_need_a_plan_without_near_light(void **state) {
+  (void)state;
+  for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id) {
+    const bool near_light = id == PLANE_NEAR || id == PLANE_INDIRECT ||
+                            id == PLANE_BEAUTY || id == PLANE_GLOSSY;
+    setup s;
+    hbil_memory memory;
+    setup_init(&s, WIDTH, HEIGHT);
+    setup_no_outputs(&s);
+    *plane_format(&s.config, id) = three_floats;
+    s.config.model.far_field = HBIL_FAR_CONSTANT;
+    s.config.model.ao_bounces = HBIL_AO_BOUNCES_PAPER;
+    if (near_light)
+      assert_bad(&s.config, "ao_bounces");
+    else
+      assert_success(&s,
+                     hbil_plan_memory(shared_device.hbil, &s.config, &memory));
+    s.config.model.far_field = HBIL_FAR_FRAME;
+    if (id == PLANE_FAR || id == PLANE_UNKNOWN)
+      assert_bad(&s.config, "ao_bounces");
     setup_free(&s);
   }
 }
@@ -499,6 +526,7 @@ int main(void) {
       cmocka_unit_test(models_set_what_the_header_says),
       cmocka_unit_test(bad_configurations_are_rejected_by_name),
       cmocka_unit_test(what_a_mode_lacks_is_rejected),
+      cmocka_unit_test(bounces_of_far_light_need_a_plan_without_near_light),
       cmocka_unit_test(presets_set_the_sampling_alone),
       cmocka_unit_test(large_pictures_are_gathered_at_half_resolution),
       cmocka_unit_test(unknown_presets_are_rejected),
