@@ -55,14 +55,16 @@ for plan in camera motion; do
 done
 
 # Binaries and images are where drivers differ most.  The tests skip by name
-# what rusticl 22.3 does not have.
+# what rusticl 22.3 does not have.  Of binaries, what is damaged or fails is up
+# to the library, on any driver.
 for test in test_binaries test_images; do
   name="$test on rusticl's llvmpipe"
   if ! test -e $icd; then
     skip "$name" "no rusticl"
     continue
   fi
-  run env OCL_ICD_VENDORS=$icd RUSTICL_ENABLE=llvmpipe test/unit/$test
+  run env OCL_ICD_VENDORS=$icd RUSTICL_ENABLE=llvmpipe \
+    HBIL_TEST_FILTER='*builds_nothing' test/unit/$test
   if test $status -ne 0 && grep -q 'no OpenCL' "$work/err" "$work/out"; then
     skip "$name" "rusticl offers no device"
   else

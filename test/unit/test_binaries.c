@@ -533,6 +533,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(folders_may_be_missing)};
   (void)argc;
   program = argv[0];
+  cmocka_set_test_filter(getenv("HBIL_TEST_FILTER"));
   return getenv(FOLDER_VARIABLE) ? RUN_WITH_DEVICE(child)
                                  : RUN_WITH_DEVICE(tests);
 }
