@@ -33,7 +33,7 @@ INLINE void gather_slice(const hbil_gather_args args, const receiver *c,
     for (int v = 0; v < SPAN_VECTORS; ++v) {
       h[v] = half_of(&c[v], &s[v], side);
       m[v] = start_march(&c[v], &s[v], &h[v]);
-      top[v] = c[v].least_excess;
+      top[v] = h[v].least;
       if (CACHE_HORIZONS)
         cache_list(&cache[v]);
     }
@@ -47,7 +47,7 @@ INLINE void gather_slice(const hbil_gather_args args, const receiver *c,
       if (EACH_RISE_COUNTS)
         untouched[v] &= m[v].a == h[v].start;
       else
-        untouched[v] &= top[v] <= c[v].least_excess;
+        untouched[v] &= top[v] <= h[v].least;
       add_side(&s[v], &m[v], h[v].start, side ? -1.0f : 1.0f);
 #if OUT_GLOSSY
       add_glossy_side(&t[v].glossy, &m[v].glossy, &m[v].lobe, s[v].jacobian);
@@ -113,8 +113,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   totals t[SPAN_VECTORS];
   intv solid = 0, sky = 0, untouched[SPAN_VECTORS];
   for (int v = 0; v < SPAN_VECTORS; ++v) {
-    c[v] =
-        receiver_at(args, here + v * HBIL_WIDTH, x + v * HBIL_WIDTH, y, layer);
+    c[v] = receiver_at(args, split, x + v * HBIL_WIDTH, y, layer);
     t[v] = no_totals();
     untouched[v] = TRUE_LANES;
     solid |= c[v].w > SKY;

@@ -5,20 +5,17 @@
  * On a plane, w (lib/camera.clh) is affine in pixel coordinates, so its
  * gradient (a, b) per unit of ray slope gives the plane: with the pixel's ray
  * (rx, ry, 1) the normal is along (a, b, w - a rx - b ry), and along (a, b, 1)
- * in orthographic views (doc/method.md, section 21).  Along each axis the
- * gradient is the difference to one neighbour: to the one on the side where the
- * surface goes on, which is where the second difference of w is smaller.  So an
- * edge beside a pixel does not bend its normal.
+ * in orthographic views (doc/method.md, section 21).
  *
  * Launch: x = groups of HBIL_WIDTH pixels of a row, y = rows.
  * In: the caller's depth.  Out: three planes, 0 at the sky.
  */
 #include "lib/depth.clh"
 #include "lib/import_args.h"
+#include "lib/surface_slope.clh"
 
-/* Neighbours that are looked at, each way, and the vectors that hold them. */
-#define REACH 2
-#define BESIDE ((REACH + HBIL_WIDTH - 1) / HBIL_WIDTH)
+/* The vectors that hold the neighbours to one side. */
+#define BESIDE ((SLOPE_REACH + HBIL_WIDTH - 1) / HBIL_WIDTH)
 
 /* w of the pixels from (x, y) on, x a multiple of HBIL_WIDTH; HBIL_NOTHING at
  * the sky and outside the picture. */
@@ -35,26 +32,6 @@ INLINE realv w_of_pixels(const hbil_normals_args args,
                 z > 0.0f);
 }
 
-/* The gradient along one axis, per pixel, of the surfaces with w[REACH];
- * w: of pixels one after the other.  A second neighbour that shows no surface
- * counts as equal to the first.  Without a neighbour the gradient is
- * `otherwise`. */
-INLINE realv gradient(const realv w[2 * REACH + 1], realv otherwise) {
-  realv step[2], bend[2];
-  intv solid[2];
-#pragma unroll
-  for (int side = 0; side < 2; ++side) {
-    const int sign = side ? 1 : -1;
-    const realv first = w[REACH + sign], second = w[REACH + 2 * sign];
-    solid[side] = first > SKY;
-    step[side] = first - w[REACH];
-    bend[side] =
-        fabs(select((realv)0.0f, second - first, second > SKY) - step[side]);
-  }
-  const intv right = solid[1] & (!solid[0] | (bend[1] < bend[0]));
-  return select(select(otherwise, -step[0], solid[0]), step[1], right);
-}
-
 kernel void normals_from_depth(const hbil_normals_args args,
                                global const void *depth,
                                global float *normals) {
@@ -64,23 +41,24 @@ kernel void normals_from_depth(const hbil_normals_args args,
   if (x >= view.width || y >= view.height)
     return;
   float row[(2 * BESIDE + 1) * HBIL_WIDTH];
-  realv across[2 * REACH + 1], down[2 * REACH + 1];
+  realv across[2 * SLOPE_REACH + 1], down[2 * SLOPE_REACH + 1];
 #pragma unroll
   for (int i = -BESIDE; i <= BESIDE; ++i)
     STOREV(w_of_pixels(args, depth, x + i * HBIL_WIDTH, y),
            row + (BESIDE + i) * HBIL_WIDTH);
 #pragma unroll
-  for (int i = -REACH; i <= REACH; ++i) {
-    across[REACH + i] = LOADV(row + BESIDE * HBIL_WIDTH + i);
-    down[REACH + i] = i ? w_of_pixels(args, depth, x, y + i) : across[REACH];
+  for (int i = -SLOPE_REACH; i <= SLOPE_REACH; ++i) {
+    across[SLOPE_REACH + i] = LOADV(row + BESIDE * HBIL_WIDTH + i);
+    down[SLOPE_REACH + i] =
+        i ? w_of_pixels(args, depth, x, y + i) : across[SLOPE_REACH];
   }
   /* Where an axis has no neighbour, the plane is at right angles to the ray as
    * seen along that axis.  In orthographic views rx and ry are 0. */
-  const realv w = across[REACH], rx = ray_x(view, x, 1);
+  const realv w = across[SLOPE_REACH], rx = ray_x(view, x, 1);
   const float ry = ray_y(view, y);
   const realv eye = w / fma(rx, rx, (realv)fma(ry, ry, 1.0f));
-  const realv a = gradient(across, eye * rx * view.inv_fx) * view.fx;
-  const realv b = gradient(down, eye * ry * view.inv_fy) * view.fy;
+  const realv a = slope_along(across, eye * rx * view.inv_fx) * view.fx;
+  const realv b = slope_along(down, eye * ry * view.inv_fy) * view.fy;
   const realv c =
       ORTHOGRAPHIC ? (realv)1.0f : fma(-a, rx, fma(-b, (realv)ry, w));
   /* The largest component becomes 1, so that no scale is too small or too large

@@ -51,12 +51,12 @@ static inline hbil_step sample_step(const hbil_make_pattern_args args,
                        &next_y);
   hbil_step step = {0};
   step.offset = offset_of(layout, layer, x, y, &step.dx, &step.dy);
-  step.ex = (float)x * view.inv_fx;
-  step.ey = (float)y * view.inv_fy;
-  const float e = sqrt(fma(step.ex, step.ex, step.ey * step.ey));
+  const float ex = (float)x * view.inv_fx, ey = (float)y * view.inv_fy;
+  const float e = sqrt(fma(ex, ex, ey * ey));
+  step.e = e;
   step.inv_e = 1.0f / e;
-  step.ux = step.ex * step.inv_e;
-  step.uy = step.ey * step.inv_e;
+  step.ux = ex * step.inv_e;
+  step.uy = ey * step.inv_e;
   const int before = k > 0 ? hbil_offset_length(x_before, y_before) : 0;
   const int length = hbil_offset_length(x, y);
   const int after = hbil_offset_length(next_x, next_y);
@@ -75,6 +75,7 @@ static inline hbil_step sample_step(const hbil_make_pattern_args args,
   step.to_far = far * per_slope;
   step.inv_near = 1.0f / (e - near);
   step.inv_far = 1.0f / (e + far);
+  step.beside = extent.beside;
   return step;
 }
 

@@ -270,7 +270,8 @@ INLINE sums filter(const hbil_view_args view, const tap_source *from,
   if (is_gathered)
     add_light(&s, self, (realv)1.0f);
 #if !UNFILTERED
-  const middle m = middle_of(view, s.w, s.n, 4 * x + column, 4 * y + row);
+  const middle m = middle_of(view, from->split_args, from->split, s.w, s.n,
+                             column, row, x, y);
   /* FILTER_DOWN is even, so the first row is gathered */
 #pragma unroll 1
   for (int j = odd_y - FILTER_DOWN; j <= FILTER_DOWN; j += GATHERED_ROWS) {

@@ -236,11 +236,11 @@ HBIL_ASSERT_LAYOUT(hbil_layer_args, height, 6, 7)
 /* One sample of a half-slice, common to all pixels of a layer at one level.
  * What is read together is 16 bytes, which GPUs read at once. */
 typedef struct hbil_step {
-  hbil_int offset;   /* floats from x + y * row to the sample of pixel (x,y) */
-  hbil_int dx, dy;   /* offset within the layer, in layer pixels */
-  hbil_float inv_e;  /* 1 / |e| */
-  hbil_float ux, uy; /* e / |e| */
-  hbil_float ex, ey; /* offset from pixel to pixel, in units of ray slope */
+  hbil_int offset; /* floats from x + y * row to the sample of pixel (x,y) */
+  hbil_int dx, dy; /* offset within the layer, in layer pixels */
+  /* e, the offset from pixel to pixel in units of ray slope: |e|, 1 / |e| and
+   * e / |e| */
+  hbil_float e, inv_e, ux, uy;
   /* for occluders of finite thickness, which stand for their steps
    * (hbil_sample_extent()) */
   hbil_int nearer, farther; /* as offset: the pixels that tell the slope */
@@ -248,8 +248,9 @@ typedef struct hbil_step {
   /* both parts of the step, over these pixels' distance from the sample */
   hbil_float to_near, to_far;
   hbil_float inv_near, inv_far; /* 1 / |e| at both ends of the step */
+  hbil_float beside;            /* pixels of the step on either side */
 } HBIL_ALIGNED_16 hbil_step;
-HBIL_ASSERT_LAYOUT(hbil_step, inv_far, 15, 16)
+HBIL_ASSERT_LAYOUT(hbil_step, beside, 15, 16)
 
 /* Words of the plan's flags: what kernels of a frame tell later ones. */
 enum {

@@ -1,6 +1,6 @@
 /*
  * The sampling pattern: slice directions, sample offsets, how far a sample's
- * step extends, and which samples belong to each half of all.
+ * step extends.
  *
  * Host C and OpenCL C compile the same expressions, with every rounding spelled
  * out (HBIL_FMA, no contraction elsewhere).  The double-precision passes of
@@ -191,14 +191,16 @@ static inline hbil_int hbil_offset_length(hbil_int x, hbil_int y) {
  * the last step extends as far outwards as inwards.
  *
  * near, far: how far the step extends inwards and outwards, over the sample's
- * distance.  slope_x, slope_y: the offset from the sample to the pixel behind
- * it that tells the slope of its surface, a quarter of the step away and at
- * least one pixel.  The pixel before it lies at the opposite offset, and never
- * beyond the receiver.  With nearer pixels, rounding of depths makes the slope
- * less exact; farther ones lie on other surfaces more often.
+ * distance.  beside: how many pixels of the step lie on either side of the
+ * sample, on average.  slope_x, slope_y: the offset from the sample to the
+ * pixel behind it that tells the slope of its surface, a quarter of the step
+ * away and at least one pixel.  The pixel before it lies at the opposite
+ * offset, and never beyond the receiver.  With nearer pixels, rounding of
+ * depths makes the slope less exact; farther ones lie on other surfaces more
+ * often.
  */
 typedef struct hbil_extent {
-  hbil_float near, far;
+  hbil_float near, far, beside;
   hbil_int slope_x, slope_y;
 } hbil_extent;
 
@@ -230,6 +232,7 @@ static inline hbil_extent hbil_sample_extent(hbil_int x, hbil_int y, hbil_int k,
   quarter = quarter < 1 ? 1 : quarter < length ? quarter : length;
   e.near = hbil_reach_into_gap(gap, length);
   e.far = hbil_reach_into_gap(next_gap, length);
+  e.beside = 0.5f * (hbil_float)length * (e.near + e.far);
   /* x * quarter / length and y * quarter / length, rounded to the nearest */
   e.slope_x = (2 * x * quarter + (x < 0 ? -length : length)) / (2 * length);
   e.slope_y = (2 * y * quarter + (y < 0 ? -length : length)) / (2 * length);

@@ -125,6 +125,9 @@ typedef struct exact_dense {
   int slices;         /* 1 or more; 256 or more for an exact result */
   bool equal_weights; /* weighs all slices alike, which is a bias at wide fields
                          of view; for a test that shows it */
+  bool at_centres;    /* samples are the centres of pixels, beside the line of
+                         the slice: what a plan comes to with ever more steps,
+                         however few pixels there are */
   int threads;        /* 0: one for each CPU */
   /* One byte per pixel; pixels whose byte is 0 are left out, and their values
    * stay as they are.  NULL: every pixel. */

@@ -5,8 +5,8 @@
  * each crosses every pixel of its line: in every column, or in every row where
  * the line is steep, the one pixel whose centre is nearest.  So each pixel of a
  * column owns the directions through its own cell; none is left out and none
- * counts twice.  A pixel is taken at its centre, at its true offset from the
- * receiver.  Occluders of finite thickness cover intervals, not sectors.
+ * counts twice.  The sample lies on the line, to which the pixel's surface goes
+ * on.  Occluders of finite thickness cover intervals, not sectors.
  *
  * With a radius, the walk ends where nothing farther along the line can be
  * within it.  The distance from the receiver's point to the ray of a pixel is a
@@ -51,7 +51,8 @@ static int steps_within_radius(const receiver *r, double sx, double sy) {
   return near + 2; /* pixels lie up to half a pixel off the line */
 }
 
-static march march_along(const receiver *r, double ux, double uy) {
+static march march_along(const receiver *r, bool at_centres, double ux,
+                         double uy) {
   const hbil_camera *camera = &r->frame->camera;
   march m = exact_march_begin(r, ux, uy);
   const double px = m.h.u.x * camera->fx, py = m.h.u.y * camera->fy;
@@ -60,11 +61,15 @@ static march march_along(const receiver *r, double ux, double uy) {
   const int sign_x = px < 0.0 ? -1 : 1, sign_y = py < 0.0 ? -1 : 1;
   const int steps = steps_within_radius(r, px / major, py / major);
   for (int k = 1; k <= steps; ++k) {
-    const int x = r->x + sign_x * (int)(k * slope_x + 0.5);
-    const int y = r->y + sign_y * (int)(k * slope_y + 0.5);
-    if (!exact_planes_contain(r->split, x, y))
+    const double x = r->x + sign_x * k * slope_x;
+    const double y = r->y + sign_y * k * slope_y;
+    const int near_x = (int)floor(x + 0.5), near_y = (int)floor(y + 0.5);
+    if (!exact_planes_contain(r->split, near_x, near_y))
       break;
-    exact_march_visit(r, &m, x, y, NULL);
+    if (at_centres)
+      exact_march_visit(r, &m, near_x, near_y, NULL);
+    else
+      exact_march_cross(r, &m, x, y);
   }
   exact_march_end(&m);
   return m;
@@ -84,8 +89,8 @@ static void gather_pixel(const dense_gather *g, int x, int y, interval *list) {
     const double psi = (slice + 0.5) / g->how->slices * PI;
     const double ux = cos(psi), uy = sin(psi);
     /* one after the other, because both use the same list */
-    const march ahead = march_along(&r, ux, uy);
-    const march behind = march_along(&r, -ux, -uy);
+    const march ahead = march_along(&r, g->how->at_centres, ux, uy);
+    const march behind = march_along(&r, g->how->at_centres, -ux, -uy);
     exact_add_slice(&sum, config, &ahead, &behind);
   }
   exact_store_gathered(&r, &sum, g->how->slices, g->gathered);

@@ -2,11 +2,19 @@
  * One half-slice, walked outwards from a pixel.
  *
  * A sample at the ray offset e, |e| along the half-slice, with inverse depth
- * w', is compared with the tangent plane's inverse depth there: excess = (w' -
- * w0 - grad.e) / |e|. It is 0 on the plane at any tilt, and the larger it is,
- * the nearer to wo the sample's direction lies.  So most samples are dismissed
- * without a root or an angle: only an excess above the coverage's threshold can
- * hide anything.
+ * w', is compared with the inverse depth that the receiver's own surface would
+ * have there, if it went on as a plane: excess = (w' - w0 - slope.e) / |e|.  It
+ * is 0 on that plane at any tilt, and the larger it is, the nearer to wo the
+ * sample's direction lies.  So most samples are dismissed without a root or an
+ * angle: only an excess above the coverage's threshold can hide anything.
+ *
+ * The plane is that of the surface and not the tangent plane of the shading
+ * normal, because samples lie up to half a pixel beside the line of the
+ * half-slice, and e is their true offset.  A plane of the same slope as the
+ * surface carries them to the line; one of another slope would lift samples of
+ * the surface itself above it.  The threshold begins at the excess of the
+ * tangent plane (slice.h).  Samples of the exact gather lie on the line, so for
+ * them any plane will do.
  *
  * What a sample newly hides takes the sample's radiance, as far as the sample
  * faces the receiver: the facing fade is a smoothstep of the cosine between its
@@ -18,7 +26,9 @@
  * Samples of finite thickness that overlap are joined and covered together
  * (COVERAGE_SECTORS).  With model.extrapolate, a sample stands for its step
  * (hbil_sample_extent()), on a plane whose slope along the half-slice is the
- * minmod of those to a pixel before it and a pixel behind it.  Its light weighs
+ * minmod of those to a pixel before it and a pixel behind it.  Each pixel of
+ * the step covers what its own thickness can, so that thin occluders, which
+ * leave gaps between the pixels, don't cover the whole step.  Its light weighs
  * by what it adds to the joined angles: by the derivative of A after the
  * cotangent, times the cotangents that it adds.
  */
@@ -80,8 +90,10 @@ receiver exact_receiver(const exact_frame *frame, const exact_planes *split,
   r.pixel_y = 1.0 / frame->camera.fy;
   r.w_scale = 1.0 - (exact_is_orthographic(config) ? -1.0 : 1.0) *
                         depth_tolerance(config);
-  if (r.s.is)
+  if (r.s.is) {
     r.least = least_excess(config, &r.s);
+    exact_surface_slope(frame, split, x, y, &r.s);
+  }
   r.list = list;
   return r;
 }
@@ -95,15 +107,16 @@ typedef struct occluder {
   int x, y;
   vec3 to;         /* from the receiver's point */
   double range;    /* |to| */
+  double w;        /* on the line of the half-slice */
   double distance; /* along the half-slice, in units of the ray's slope */
-  double excess;   /* of its front, at the pixel itself */
+  double excess;   /* of its front, where it lies */
 } occluder;
 
 /* How much smaller the inverse depth of an occluder's back is than that of its
  * front, as a share of the latter; in orthographic views, the thickness. */
 static double back_share(const exact_frame *frame, const occluder *o) {
   const hbil_config *c = frame->config;
-  const double z = exact_depth_of_w(c, o->s.w);
+  const double z = exact_depth_of_w(c, o->w);
   const double unit = exact_depth_unit(c, &frame->camera, z);
   const double thickness =
       fmin((double)c->model.thickness / vec_length(o->s.ray),
@@ -156,14 +169,6 @@ static void add_light(const receiver *r, march *m, const occluder *o,
   got->unknown += (1.0 - t) * fresh;
 }
 
-/* The inverse depth of a pixel, or NAN where there is no surface. */
-static double w_at(const receiver *r, int x, int y) {
-  if (!exact_planes_contain(r->split, x, y))
-    return NAN;
-  const double w = *exact_at(r->split, HBIL_SPLIT_W, x, y);
-  return exact_is_surface(r->frame->config, w) ? w : NAN;
-}
-
 /* The change of inverse depth per |e| at an occluder; back: how much smaller
  * that of its back is.  Where only one of the pixels before and behind it shows
  * a surface, a step of more than `back` to it counts less, and one of twice
@@ -174,8 +179,10 @@ static double slope_at(const receiver *r, const occluder *o,
   const double ex = (o->x - r->x) * r->pixel_x, ey = (o->y - r->y) * r->pixel_y;
   const double along =
       (sx * r->pixel_x * ex + sy * r->pixel_y * ey) / o->distance;
-  const double before = o->s.w - w_at(r, o->x - sx, o->y - sy);
-  const double behind = w_at(r, o->x + sx, o->y + sy) - o->s.w;
+  const double before =
+      o->s.w - exact_w_at(r->frame, r->split, o->x - sx, o->y - sy);
+  const double behind =
+      exact_w_at(r->frame, r->split, o->x + sx, o->y + sy) - o->s.w;
   if (isnan(before) && isnan(behind))
     return 0.0;
   const double a = isnan(before) ? behind : before;
@@ -188,25 +195,31 @@ static double slope_at(const receiver *r, const occluder *o,
 
 /* The excesses of an occluder's front and back.  step: NULL if it stands for
  * its pixel alone. */
-static void extent_of(const receiver *r, const occluder *o,
+static void extent_of(const receiver *r, const half_slice *h, const occluder *o,
                       const hbil_extent *step, double *front, double *back) {
   const double e = o->distance, share = back_share(r->frame, o);
-  const double unit = exact_is_orthographic(r->frame->config) ? 1.0 : o->s.w;
+  const double unit = exact_is_orthographic(r->frame->config) ? 1.0 : o->w;
   const double slope = step ? slope_at(r, o, step, share * unit) : 0.0;
   const double end[2] = {step ? e - (double)step->near * e : e,
                          step ? e + (double)step->far * e : e};
   /* the same for all samples of the half-slice, but for the rounding to pixels
    */
-  const double plane = o->excess - (o->s.w * r->w_scale - r->s.w) / e;
+  const double plane = o->excess - (o->w * r->w_scale - r->s.w) / e;
   *front = -INFINITY;
   *back = INFINITY;
   for (int i = 0; i < 2; ++i) {
-    const double w = o->s.w + slope * (end[i] - e);
+    const double w = o->w + slope * (end[i] - e);
     const double x = (w * r->w_scale - r->s.w) / end[i] + plane;
     *front = fmax(*front, x);
     *back = fmin(*back, excess_of_back(r->frame, share, w, end[i], x));
   }
-  *back = fmax(*back, 0.0);
+  if (step) {
+    const double own = excess_of_back(r->frame, share, o->w, e, o->excess);
+    const double beside = (double)step->beside * (o->excess - own);
+    *front = fmin(*front, o->excess + beside);
+    *back = fmax(*back, own - beside);
+  }
+  *back = fmax(*back, h->tangent);
 }
 
 /* Covers what is joined, with its light. */
@@ -275,7 +288,7 @@ static void meet(const receiver *r, march *m, occluder *o,
     return;
   double front = o->excess, back = 0.0;
   if (r->kind != COVERAGE_HORIZON)
-    extent_of(r, o, c->model.extrapolate ? step : NULL, &front, &back);
+    extent_of(r, &m->h, o, c->model.extrapolate ? step : NULL, &front, &back);
   if (r->kind == COVERAGE_SECTORS) {
     double lobe;
     const double weight = join(m, front, back, &lobe);
@@ -291,23 +304,36 @@ static void meet(const receiver *r, march *m, occluder *o,
     add_light(r, m, o, fresh, m->covers.lobe, &m->got);
 }
 
+/* A sample at the offset (ex, ey); the occluder has x, y and w, NAN where there
+ * is no surface. */
+static void visit(const receiver *r, march *m, occluder *o, double ex,
+                  double ey, const hbil_extent *step) {
+  const double above =
+      o->w * r->w_scale - r->s.w - r->s.slope_x * ex - r->s.slope_y * ey;
+  o->distance = sqrt(ex * ex + ey * ey);
+  if (!(above > m->covers.threshold * o->distance))
+    return;
+  o->excess = above / o->distance;
+  meet(r, m, o, step);
+}
+
 void exact_march_visit(const receiver *r, march *m, int x, int y,
                        const hbil_extent *step) {
-  const double w = *exact_at(r->split, HBIL_SPLIT_W, x, y);
-  const double ex = (x - r->x) * r->pixel_x, ey = (y - r->y) * r->pixel_y;
-  const double above =
-      w * r->w_scale - r->s.w - r->s.grad_x * ex - r->s.grad_y * ey;
-  const double e2 = ex * ex + ey * ey, threshold = m->covers.threshold;
-  /* above / |e| > threshold, squared */
-  if (!(exact_is_surface(r->frame->config, w) && above > 0.0 &&
-        above * above > threshold * threshold * e2))
+  occluder o = {.x = x, .y = y, .w = exact_w_at(r->frame, r->split, x, y)};
+  visit(r, m, &o, (x - r->x) * r->pixel_x, (y - r->y) * r->pixel_y, step);
+}
+
+void exact_march_cross(const receiver *r, march *m, double x, double y) {
+  occluder o = {.x = (int)floor(x + 0.5), .y = (int)floor(y + 0.5)};
+  const double dx = x - o.x, dy = y - o.y; /* one of them is 0 */
+  o.w = exact_w_at(r->frame, r->split, o.x, o.y);
+  if (isnan(o.w))
     return;
-  occluder o;
-  o.x = x;
-  o.y = y;
-  o.distance = sqrt(e2);
-  o.excess = above / o.distance;
-  meet(r, m, &o, step);
+  if (dx != 0.0)
+    o.w += dx * exact_slope_along(r->frame, r->split, o.x, o.y, 1, 0, 0.0);
+  else if (dy != 0.0)
+    o.w += dy * exact_slope_along(r->frame, r->split, o.x, o.y, 0, 1, 0.0);
+  visit(r, m, &o, (x - r->x) * r->pixel_x, (y - r->y) * r->pixel_y, NULL);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -318,11 +344,12 @@ march exact_march_begin(const receiver *r, double ux, double uy) {
   memset(&m, 0, sizeof(m));
   m.h = exact_half_slice(&r->s, ux, uy, c->model.mode == HBIL_MODE_HBAO,
                          r->equal_weights);
-  m.covers = exact_coverage(r->kind, &m.h, r->least,
+  m.covers = exact_coverage(r->kind, &m.h, m.h.tangent + r->least,
                             (double)hbil_shift_share(exact_site(c, r->x, r->y),
                                                      exact_gathered_layers(c)),
                             r->list);
-  m.joined.high = r->least;
+  m.joined.low = m.h.tangent;
+  m.joined.high = m.h.tangent + r->least;
   if (exact_is_glossy(c)) {
     m.covers.glossy = true;
     m.h.lobe = exact_lobe(c, m.h.ny);

@@ -55,9 +55,13 @@ typedef struct march {
 /* The receiver is pointed at. */
 march exact_march_begin(const receiver *r, double ux, double uy);
 /* Takes the pixel (x, y), which is in the picture, as a sample.  step: NULL
- * where every pixel is visited, so that each stands for itself. */
+ * where it stands for itself alone. */
 void exact_march_visit(const receiver *r, march *m, int x, int y,
                        const hbil_extent *step);
+/* Takes the position (x, y) on the line of the half-slice, one of which is
+ * whole, as a sample that stands for itself alone.  There the surface of the
+ * nearest pixel goes on to the line. */
+void exact_march_cross(const receiver *r, march *m, double x, double y);
 /* After the last sample.  The receiver's list is free again. */
 void exact_march_end(march *m);
 

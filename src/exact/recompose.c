@@ -49,7 +49,7 @@ static double guide_weight(const exact_frame *frame, const surface *s,
   if (!other.is)
     return 0.0;
   const double plane =
-      s->w + s->grad_x * dx / camera->fx + s->grad_y * dy / camera->fy;
+      s->w + s->slope_x * dx / camera->fx + s->slope_y * dy / camera->fy;
   const double off =
       fabs(other.w - plane) / ((double)HBIL_PLANE_TOLERANCE *
                                exact_depth_unit(frame->config, camera, s->w));
@@ -162,7 +162,7 @@ static void recompose_pixel(const exact_frame *frame, const exact_planes *split,
   const bool fills = exact_fills_unknown(frame->config);
   const bool glossy = exact_is_glossy(frame->config) &&
                       resolved->count >= EXACT_GLOSSY_RESOLVED;
-  const surface s = exact_surface_at(frame, split, x, y);
+  surface s = exact_surface_at(frame, split, x, y);
   double total =
       exact_is_gathered(frame->config, x, y) ? 0.0 : (double)HBIL_ALONE_WEIGHT;
   double unknown = 0.0, whole_lobe = 0.0;
@@ -170,6 +170,7 @@ static void recompose_pixel(const exact_frame *frame, const exact_planes *split,
   *exact_at(resolved, HBIL_LIGHT_AO, x, y) = s.is ? total : 1.0;
   if (!s.is)
     return;
+  exact_surface_slope(frame, split, x, y, &s);
   const int down = rows_below(frame);
   for (int tap = 0; tap < 5 * (2 * down + 1); ++tap) {
     const int dx = tap % 5 - 2, dy = tap / 5 - down;

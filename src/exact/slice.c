@@ -42,6 +42,8 @@ half_slice exact_half_slice(const surface *point, double ux, double uy,
   const double u_wo = vec_dot(h.u, h.wo);
   h.weight = equal_weights ? 1.0 : fabs(h.wo.z) / (1.0 - u_wo * u_wo);
   h.uniform = uniform;
+  h.tangent = (point->grad_x - point->slope_x) * ux +
+              (point->grad_y - point->slope_y) * uy;
   h.start = angle_of(h.ny, -h.nx);
   h.whole = exact_measure(&h, h.start);
   return h;
@@ -55,7 +57,7 @@ half_slice exact_half_slice(const surface *point, double ux, double uy,
 angle exact_horizon(const half_slice *h, double distance, double excess) {
   const surface *s = h->point;
   const double rise =
-      (s->grad_x * h->u.x + s->grad_y * h->u.y + excess) * distance;
+      (s->slope_x * h->u.x + s->slope_y * h->u.y + excess) * distance;
   const vec3 to = vec_add(vec_scale(distance * s->unit, h->u), -rise, s->ray);
   return angle_of(vec_dot(to, h->along), vec_dot(to, h->wo));
 }

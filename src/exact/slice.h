@@ -17,9 +17,12 @@ typedef struct half_slice {
   double nx, ny;     /* the normal's components along D and wo */
   double weight;     /* J: slices are not equally spaced about wo */
   bool uniform;      /* directions count alike (HBAO), not by their cosine */
-  angle start;       /* of the tangent plane */
-  double whole;      /* measure up to it */
-  double lobe;       /* k of exact/lobe.h */
+  /* The excess of the tangent plane over the surface (exact/march.c): 0 where
+   * the shading normal is the surface's own. */
+  double tangent;
+  angle start;  /* of the tangent plane */
+  double whole; /* measure up to it */
+  double lobe;  /* k of exact/lobe.h */
 } half_slice;
 
 /* `point` is pointed at, not copied. */
@@ -36,7 +39,7 @@ static inline double exact_measure(const half_slice *h, angle a) {
  * azimuth: the unnormalized bent normal. */
 vec3 exact_bent_integral(const half_slice *h, angle a);
 /* The angle of a point `distance` along u, in units of the ray's slope, whose w
- * is `excess` times that above the tangent plane. */
+ * is `excess` times that above the surface. */
 angle exact_horizon(const half_slice *h, double distance, double excess);
 
 #endif

@@ -14,10 +14,13 @@
 #include "exact/settings.h"
 #include "shared.h"
 
+#include <string.h>
+
 surface exact_surface_at(const exact_frame *frame, const exact_planes *split,
                          int x, int y) {
   const bool parallel = exact_is_orthographic(frame->config);
-  surface s = {false, 0.0, 0.0, 0.0, 0.0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  surface s;
+  memset(&s, 0, sizeof(s));
   s.w = exact_planes_contain(split, x, y) ? *exact_at(split, HBIL_SPLIT_W, x, y)
                                           : (double)HBIL_NOTHING;
   s.is = exact_is_surface(frame->config, s.w);
@@ -33,4 +36,36 @@ surface exact_surface_at(const exact_frame *frame, const exact_planes *split,
   s.grad_x = s.normal.x / to_plane;
   s.grad_y = s.normal.y / to_plane;
   return s;
+}
+
+double exact_w_at(const exact_frame *frame, const exact_planes *split, int x,
+                  int y) {
+  if (!exact_planes_contain(split, x, y))
+    return NAN;
+  const double w = *exact_at(split, HBIL_SPLIT_W, x, y);
+  return exact_is_surface(frame->config, w) ? w : NAN;
+}
+
+double exact_slope_along(const exact_frame *frame, const exact_planes *split,
+                         int x, int y, int dx, int dy, double otherwise) {
+  const double w = exact_w_at(frame, split, x, y);
+  double step[2], bend[2];
+  for (int side = 0; side < 2; ++side) {
+    const int sx = side ? dx : -dx, sy = side ? dy : -dy;
+    const double first = exact_w_at(frame, split, x + sx, y + sy);
+    const double second = exact_w_at(frame, split, x + 2 * sx, y + 2 * sy);
+    step[side] = first - w;
+    bend[side] = fabs((isnan(second) ? 0.0 : second - first) - step[side]);
+  }
+  if (isnan(step[0]) && isnan(step[1]))
+    return otherwise;
+  const bool right = isnan(step[0]) || (!isnan(step[1]) && bend[1] < bend[0]);
+  return right ? step[1] : -step[0];
+}
+
+void exact_surface_slope(const exact_frame *frame, const exact_planes *split,
+                         int x, int y, surface *s) {
+  const double fx = frame->camera.fx, fy = frame->camera.fy;
+  s->slope_x = fx * exact_slope_along(frame, split, x, y, 1, 0, s->grad_x / fx);
+  s->slope_y = fy * exact_slope_along(frame, split, x, y, 0, 1, s->grad_y / fy);
 }
