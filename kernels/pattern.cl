@@ -32,6 +32,10 @@ static inline hbil_step direction_step(float ux, float uy) {
   return step;
 }
 
+static inline float inverse_length(float x, float y) {
+  return 1.0f / sqrt(fma(x, x, y * y));
+}
+
 /* Sample k of a half-slice. */
 static inline hbil_step sample_step(const hbil_make_pattern_args args,
                                     int level, int site, int k, float ux,
@@ -49,12 +53,14 @@ static inline hbil_step sample_step(const hbil_make_pattern_args args,
   if (k + 1 < pattern.steps)
     hbil_sample_offset(site, k + 1, level, ux, uy, view, pattern, &next_x,
                        &next_y);
+  int dx, dy, nearer_dx, nearer_dy, farther_dx, farther_dy;
   hbil_step step = {0};
-  step.offset = offset_of(layout, layer, x, y, &step.dx, &step.dy);
+  step.offset = offset_of(layout, layer, x, y, &dx, &dy);
+  step.dx = (short)dx;
+  step.dy = (short)dy;
   const float ex = (float)x * view.inv_fx, ey = (float)y * view.inv_fy;
-  const float e = sqrt(fma(ex, ex, ey * ey));
-  step.e = e;
-  step.inv_e = 1.0f / e;
+  step.e = sqrt(fma(ex, ex, ey * ey));
+  step.inv_e = 1.0f / step.e;
   step.ux = ex * step.inv_e;
   step.uy = ey * step.inv_e;
   const int before = k > 0 ? hbil_offset_length(x_before, y_before) : 0;
@@ -62,19 +68,24 @@ static inline hbil_step sample_step(const hbil_make_pattern_args args,
   const int after = hbil_offset_length(next_x, next_y);
   const hbil_extent extent =
       hbil_sample_extent(x, y, k, pattern.steps, before, length, after);
-  const float near = extent.near * e, far = extent.far * e;
   const int slope_x = extent.slope_x, slope_y = extent.slope_y;
-  const float per_slope = 1.0f / fma((float)slope_x * view.inv_fx, step.ux,
-                                     (float)slope_y * view.inv_fy * step.uy);
-  int nearer_dx, nearer_dy; /* lies in the picture wherever the sample does */
+  step.slope_x = (float)slope_x * view.inv_fx;
+  step.slope_y = (float)slope_y * view.inv_fy;
+  const float slopes =
+      step.e / fma(step.slope_x, step.ux, step.slope_y * step.uy);
+  /* the nearer pixel lies in the picture wherever the sample does */
   step.nearer = offset_of(layout, layer, x - slope_x, y - slope_y, &nearer_dx,
                           &nearer_dy);
-  step.farther = offset_of(layout, layer, x + slope_x, y + slope_y,
-                           &step.farther_dx, &step.farther_dy);
-  step.to_near = near * per_slope;
-  step.to_far = far * per_slope;
-  step.inv_near = 1.0f / (e - near);
-  step.inv_far = 1.0f / (e + far);
+  step.farther = offset_of(layout, layer, x + slope_x, y + slope_y, &farther_dx,
+                           &farther_dy);
+  step.farther_dx = (short)farther_dx;
+  step.farther_dy = (short)farther_dy;
+  step.to_near = extent.near * slopes;
+  step.to_far = extent.far * slopes;
+  step.inv_near = inverse_length(fma(-step.to_near, step.slope_x, ex),
+                                 fma(-step.to_near, step.slope_y, ey));
+  step.inv_far = inverse_length(fma(step.to_far, step.slope_x, ex),
+                                fma(step.to_far, step.slope_y, ey));
   step.beside = extent.beside;
   return step;
 }

@@ -2,7 +2,8 @@
  * What host C and OpenCL C both read: the constants of the data layouts, the
  * order of the planes, and one struct of arguments for each pass.
  *
- * Every member is a 32-bit word, so that both compilers lay a struct out alike;
+ * Every member is a 32-bit word, or one of two halves of a word, so that both
+ * compilers lay a struct out alike;
  * HBIL_ASSERT_LAYOUT checks that in both.
  */
 #ifndef HBIL_SHARED_H
@@ -10,6 +11,7 @@
 
 #ifdef __OPENCL_VERSION__
 typedef int hbil_int;
+typedef short hbil_short;
 typedef uint hbil_uint;
 typedef float hbil_float;
 #define HBIL_FMA(a, b, c) fma((a), (b), (c))
@@ -30,6 +32,7 @@ typedef float hbil_float;
 #include <math.h>
 #include <stddef.h>
 typedef cl_int hbil_int;
+typedef cl_short hbil_short;
 typedef cl_uint hbil_uint;
 typedef cl_float hbil_float;
 #define HBIL_FMA(a, b, c) fmaf((a), (b), (c))
@@ -236,17 +239,17 @@ HBIL_ASSERT_LAYOUT(hbil_layer_args, height, 6, 7)
 /* One sample of a half-slice, common to all pixels of a layer at one level.
  * What is read together is 16 bytes, which GPUs read at once. */
 typedef struct hbil_step {
-  hbil_int offset; /* floats from x + y * row to the sample of pixel (x,y) */
-  hbil_int dx, dy; /* offset within the layer, in layer pixels */
+  hbil_int offset;   /* floats from x + y * row to the sample of pixel (x,y) */
+  hbil_short dx, dy; /* offset within the layer, in layer pixels */
   /* e, the offset from pixel to pixel in units of ray slope: |e|, 1 / |e| and
    * e / |e| */
   hbil_float e, inv_e, ux, uy;
   /* for occluders of finite thickness, which stand for their steps
    * (hbil_sample_extent()) */
   hbil_int nearer, farther; /* as offset: the pixels that tell the slope */
-  hbil_int farther_dx, farther_dy; /* as dx and dy */
-  /* both parts of the step, over these pixels' distance from the sample */
-  hbil_float to_near, to_far;
+  hbil_short farther_dx, farther_dy; /* as dx and dy */
+  hbil_float slope_x, slope_y; /* as e: from the sample to the farther one */
+  hbil_float to_near, to_far;  /* how many of these offsets each part is long */
   hbil_float inv_near, inv_far; /* 1 / |e| at both ends of the step */
   hbil_float beside;            /* pixels of the step on either side */
 } HBIL_ALIGNED_16 hbil_step;

@@ -75,6 +75,24 @@ static double least_excess(const hbil_config *c, const surface *s) {
   return normal_tolerance(c) * s->unit / (cosine * cosine * vec_length(s->ray));
 }
 
+/* Where rounding explains what the surface's slope differs from the tangent
+ * plane's, it is that. */
+static void ignore_rounding(receiver *r) {
+  surface *s = &r->s;
+  const double share = depth_tolerance(r->frame->config);
+  const double flat_x = s->grad_x * r->pixel_x;
+  const double flat_y = s->grad_y * r->pixel_y;
+  const double off_x =
+      share * (fabs(s->w) + fabs(flat_x)) + r->least * r->pixel_x;
+  const double off_y =
+      share * (fabs(s->w) + fabs(flat_y)) + r->least * r->pixel_y;
+  if (fabs(s->slope_x * r->pixel_x - flat_x) <= off_x &&
+      fabs(s->slope_y * r->pixel_y - flat_y) <= off_y) {
+    s->slope_x = s->grad_x;
+    s->slope_y = s->grad_y;
+  }
+}
+
 receiver exact_receiver(const exact_frame *frame, const exact_planes *split,
                         int x, int y, coverage_kind kind, interval *list) {
   const hbil_config *config = frame->config;
@@ -93,6 +111,7 @@ receiver exact_receiver(const exact_frame *frame, const exact_planes *split,
   if (r.s.is) {
     r.least = least_excess(config, &r.s);
     exact_surface_slope(frame, split, x, y, &r.s);
+    ignore_rounding(&r);
   }
   r.list = list;
   return r;
@@ -169,28 +188,43 @@ static void add_light(const receiver *r, march *m, const occluder *o,
   got->unknown += (1.0 - t) * fresh;
 }
 
-/* The change of inverse depth per |e| at an occluder; back: how much smaller
- * that of its back is.  Where only one of the pixels before and behind it shows
- * a surface, a step of more than `back` to it counts less, and one of twice
- * that not at all, because it leads to another surface. */
+/* The change of inverse depth from an occluder to the pixel behind it; back:
+ * how much smaller that of its back is.  Where only one of the pixels before
+ * and behind it shows a surface, a step to it of more than `back` a pixel
+ * counts less, and one of twice that not at all, because it leads to another
+ * surface.
+ */
 static double slope_at(const receiver *r, const occluder *o,
                        const hbil_extent *step, double back) {
   const int sx = step->slope_x, sy = step->slope_y;
-  const double ex = (o->x - r->x) * r->pixel_x, ey = (o->y - r->y) * r->pixel_y;
-  const double along =
-      (sx * r->pixel_x * ex + sy * r->pixel_y * ey) / o->distance;
   const double before =
-      o->s.w - exact_w_at(r->frame, r->split, o->x - sx, o->y - sy);
+      o->w - exact_w_at(r->frame, r->split, o->x - sx, o->y - sy);
   const double behind =
-      exact_w_at(r->frame, r->split, o->x + sx, o->y + sy) - o->s.w;
+      exact_w_at(r->frame, r->split, o->x + sx, o->y + sy) - o->w;
   if (isnan(before) && isnan(behind))
     return 0.0;
   const double a = isnan(before) ? behind : before;
   const double b = isnan(behind) ? before : behind;
   const double slope = fmax(fmin(a, b), 0.0) + fmin(fmax(a, b), 0.0);
-  const double most = fmax(2.0 * back - fabs(slope), 0.0);
-  return (isnan(before) || isnan(behind) ? clamp(slope, -most, most) : slope) /
-         along;
+  const double pixels = fmax(abs(sx), abs(sy));
+  const double most = fmax(2.0 * back * pixels - fabs(slope), 0.0);
+  return isnan(before) || isnan(behind) ? clamp(slope, -most, most) : slope;
+}
+
+/* Widens the excesses to what the occluder covers at an end of its step: `away`
+ * times the way to the pixel that tells its slope. */
+static void widen_to(const receiver *r, const occluder *o,
+                     const hbil_extent *step, double share, double slope,
+                     double away, double *front, double *back) {
+  const double x = (o->x - r->x + away * step->slope_x) * r->pixel_x;
+  const double y = (o->y - r->y + away * step->slope_y) * r->pixel_y;
+  const double w = o->w + away * slope, e = sqrt(x * x + y * y);
+  /* what its front may be off by stays the same in w */
+  const double above = o->excess * o->distance + away * slope -
+                       away * (step->slope_x * r->pixel_x * r->s.slope_x +
+                               step->slope_y * r->pixel_y * r->s.slope_y);
+  *front = fmax(*front, above / e);
+  *back = fmin(*back, excess_of_back(r->frame, share, w, e, above / e));
 }
 
 /* The excesses of an occluder's front and back.  step: NULL if it stands for
@@ -198,24 +232,22 @@ static double slope_at(const receiver *r, const occluder *o,
 static void extent_of(const receiver *r, const half_slice *h, const occluder *o,
                       const hbil_extent *step, double *front, double *back) {
   const double e = o->distance, share = back_share(r->frame, o);
-  const double unit = exact_is_orthographic(r->frame->config) ? 1.0 : o->w;
-  const double slope = step ? slope_at(r, o, step, share * unit) : 0.0;
-  const double end[2] = {step ? e - (double)step->near * e : e,
-                         step ? e + (double)step->far * e : e};
-  /* the same for all samples of the half-slice, but for the rounding to pixels
-   */
-  const double plane = o->excess - (o->w * r->w_scale - r->s.w) / e;
-  *front = -INFINITY;
-  *back = INFINITY;
-  for (int i = 0; i < 2; ++i) {
-    const double w = o->w + slope * (end[i] - e);
-    const double x = (w * r->w_scale - r->s.w) / end[i] + plane;
-    *front = fmax(*front, x);
-    *back = fmin(*back, excess_of_back(r->frame, share, w, end[i], x));
-  }
+  const double own = excess_of_back(r->frame, share, o->w, e, o->excess);
+  *front = o->excess;
+  *back = own;
   if (step) {
-    const double own = excess_of_back(r->frame, share, o->w, e, o->excess);
+    const double unit = exact_is_orthographic(r->frame->config) ? 1.0 : o->w;
+    const double slope = slope_at(r, o, step, share * unit);
+    const double x = step->slope_x * r->pixel_x, y = step->slope_y * r->pixel_y;
+    const double along =
+        (x * (o->x - r->x) * r->pixel_x + y * (o->y - r->y) * r->pixel_y) / e;
     const double beside = (double)step->beside * (o->excess - own);
+    *front = -INFINITY;
+    *back = INFINITY;
+    widen_to(r, o, step, share, slope, -(double)step->near * e / along, front,
+             back);
+    widen_to(r, o, step, share, slope, (double)step->far * e / along, front,
+             back);
     *front = fmin(*front, o->excess + beside);
     *back = fmax(*back, own - beside);
   }

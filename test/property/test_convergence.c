@@ -103,7 +103,8 @@ static exact_planes kernels(double fov, float thickness, cl_uint slices,
 
 static exact_planes exact(double fov, float thickness, int slices,
                           bool jacobian) {
-  const exact_dense how = {.slices = slices, .equal_weights = !jacobian};
+  const exact_dense how = {
+      .slices = slices, .equal_weights = !jacobian, .at_centres = true};
   setup s;
   exact_planes split, want = checked_planes(WIDTH, HEIGHT, HBIL_LIGHT_PLANES);
   start(&s, fov, thickness, 2, 8, false);
