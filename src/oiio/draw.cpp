@@ -11,9 +11,17 @@ namespace {
 namespace algo = OIIO::ImageBufAlgo;
 
 // OpenImageIO can choose a font itself, but looks for names that Debian does
-// not have.
-const char *const fonts[] = {"DejaVuSans", "LiberationSans-Regular", "FreeSans",
-                             "NotoSans-Regular", "Arial"};
+// not have; and versions from 2.5 on don't find names in folders of
+// /usr/share/fonts, where Debian, Fedora and Arch have them.
+const char *const fonts[] = {
+    "DejaVuSans",
+    "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+    "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+    "/usr/share/fonts/TTF/DejaVuSans.ttf",
+    "LiberationSans-Regular",
+    "FreeSans",
+    "NotoSans-Regular",
+    "Arial"};
 
 OIIO::ImageBuf wrap(unsigned char *rgb, uint32_t width, uint32_t height) {
   return OIIO::ImageBuf(
@@ -26,10 +34,14 @@ int draw_text(picture &to, int x, int y, int size, picture_align align,
                                            algo::TextAlignX::Center,
                                            algo::TextAlignX::Right};
   OIIO::ImageBuf buffer = wrap(to.rgb, to.width, to.height);
-  for (const char *font : fonts)
-    if (algo::render_text(buffer, x, y, text, size, font, 1.0f, sides[align],
-                          algo::TextAlignY::Baseline, 0, {}, 1))
+  for (const char *font : fonts) {
+    const bool drawn =
+        algo::render_text(buffer, x, y, text, size, font, 1.0f, sides[align],
+                          algo::TextAlignY::Baseline, 0, {}, 1);
+    buffer.geterror(); // which it would print at its end
+    if (drawn)
       return 0;
+  }
   return -1;
 }
 
