@@ -24,7 +24,8 @@ enum {
   BENCH_TAKES_REPORT = 8,   /* --output, --name, --markdown, --json */
   BENCH_TAKES_ROOM = 16,    /* --size; with a report --quick, too */
   BENCH_TAKES_FOLDERS = 32, /* FOLDER..., -- OPTIONS */
-  BENCH_TAKES_TIMES = 64    /* --runs */
+  BENCH_TAKES_TIMES = 64,   /* --runs */
+  BENCH_TAKES_WINDOW = 128  /* --window */
 };
 
 typedef struct bench_options {
@@ -41,10 +42,12 @@ typedef struct bench_options {
   const char *markdown; /* file with a section to replace, or NULL */
   const char *kernels[BENCH_MAX_KERNELS]; /* folders; NULL: embedded kernels */
   unsigned kernel_count;
-  unsigned runs;   /* counted runs of every setting */
-  unsigned pixels; /* most pixels to measure errors at; 0: the default */
-  int quick;       /* a short list and a small room */
-  int json;        /* prints JSON in place of Markdown */
+  unsigned runs;      /* counted runs of every setting */
+  unsigned pixels;    /* most pixels to measure errors at; 0: the default */
+  uint32_t window[4]; /* x, y, width, height of where errors are measured; width
+                       * 0: at pixels all over the picture */
+  int quick;          /* a short list and a small room */
+  int json;           /* prints JSON in place of Markdown */
 } bench_options;
 
 typedef struct bench_command {
@@ -57,7 +60,8 @@ typedef struct bench_command {
 } bench_command;
 
 extern const bench_command bench_error, bench_skips, bench_scaling,
-    bench_temporal, bench_passes, bench_pilot, bench_truth, bench_cache;
+    bench_temporal, bench_passes, bench_pilot, bench_truth, bench_cache,
+    bench_thickness;
 
 /* Reads argv[1...], where argv[0] is the command's name.  Returns 1 when help
  * was asked for and printed.  The caller frees out->frames in every case. */

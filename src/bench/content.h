@@ -38,6 +38,7 @@ typedef struct bench_content {
    * the 16 interleaved layers has as many of these pixels. */
   unsigned char *compared;
   size_t compared_count;
+  uint32_t window[4]; /* as in bench_options: these pixels are compared */
 } bench_content;
 
 /* frames: of the room, if that is what options ask for; captured frames are all
@@ -78,11 +79,19 @@ int bench_content_load_dumps(const bench_options *options, bench_content *out,
 
 /* --- errors.c: how far results are off in the measured frame --- */
 
+/* Mean of AO over the compared surfaces. */
+double bench_ao_mean(const bench_content *content, const float *ao);
 /* RMSE of AO, and of E_near (RGB) over the mean of `exact`, at the compared
  * surfaces; NAN where a value is not finite. */
 double bench_ao_error(const bench_content *content, const float *ao,
                       const float *exact);
 double bench_light_error(const bench_content *content, const float *light,
                          const float *exact);
+/* RMSE of AO's error in the band of structures that an eye sees: the error
+ * blurred by a Gaussian of 1.5 pixels, without what one of 8 pixels leaves of
+ * it.  Both blurs are of the window's surfaces alone.  NAN without a window, or
+ * where a value is not finite. */
+double bench_ao_band(const bench_content *content, const float *ao,
+                     const float *exact);
 
 #endif

@@ -2,6 +2,7 @@
  * chooses the pixels at which errors are measured. */
 #include "bench/content.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -79,6 +80,25 @@ static uint32_t block_step(const bench_content *content, size_t most) {
   return step;
 }
 
+/* All pixels of a rectangle. */
+static int choose_window(const uint32_t window[4], bench_content *out,
+                         image_error *error) {
+  const uint32_t x = window[0], y = window[1], width = window[2];
+  const uint32_t height = window[3];
+  if (x >= out->width || width > out->width - x || y >= out->height ||
+      height > out->height - y)
+    return image_fail(error,
+                      "--window %" PRIu32 "x%" PRIu32 "+%" PRIu32 "+%" PRIu32
+                      ": it must lie in the picture's %" PRIu32 " x %" PRIu32
+                      " pixels",
+                      width, height, x, y, out->width, out->height);
+  memcpy(out->window, window, sizeof out->window);
+  for (uint32_t row = 0; row < height; row++)
+    memset(out->compared + (size_t)(y + row) * out->width + x, 1, width);
+  out->compared_count = (size_t)width * height;
+  return 0;
+}
+
 /* One pixel of each used block.  Its position goes through all sixteen along
  * every row and column of blocks, so that each layer is measured alike. */
 static int choose_compared(const bench_options *options, bench_content *out,
@@ -89,6 +109,8 @@ static int choose_compared(const bench_options *options, bench_content *out,
   out->compared = calloc(bench_pixels(out), 1);
   if (!out->compared)
     return image_no_memory(error, out->name);
+  if (options->window[2])
+    return choose_window(options->window, out, error);
   for (uint32_t by = 0; step * by < out->height; by++)
     for (uint32_t bx = 0; step * bx < out->width; bx++) {
       const uint32_t position = (5 * bx + 7 * by) % 16;

@@ -22,11 +22,9 @@ static void use_input(const bench_content *content, bench_input input,
     frame->input[(size_t)first + c] = plane + c * bench_pixels(content);
 }
 
-static void fill_frame(const bench_content *content, bench_model model,
+static void fill_frame(const bench_content *content, int has_light,
                        hbil_config *config, exact_frame *frame) {
-  const bench_setting any = {.model = model, .slices = 1, .steps = 1};
   memset(frame, 0, sizeof *frame);
-  bench_setting_apply(&any, content, config);
   frame->config = config;
   frame->camera = content->frame[content->measured].camera;
   memcpy(frame->environment, content->environment, sizeof frame->environment);
@@ -38,7 +36,7 @@ static void fill_frame(const bench_content *content, bench_model model,
   use_input(content, BENCH_EMISSION, EXACT_EMISSION, &config->inputs.emission,
             frame);
   config->outputs.ao = (hbil_plane_format){HBIL_FLOAT32, 4};
-  if (!bench_model_is_ao(model))
+  if (has_light)
     config->outputs.near_irradiance = config->outputs.ao;
 }
 
@@ -52,22 +50,23 @@ static float *copy_planes(const exact_planes *from, int first, size_t count) {
   return to;
 }
 
-static int make_one(const bench_content *content, bench_model model,
-                    bench_integrals *out, image_error *error) {
-  const exact_dense how = {.slices = out->slices, .mask = content->compared};
-  hbil_config config;
+int bench_integral_make(const bench_content *content, const hbil_config *config,
+                        int slices, float **ao, float **light,
+                        image_error *error) {
+  const exact_dense how = {.slices = slices, .mask = content->compared};
+  hbil_config own = *config;
   exact_frame frame;
   exact_state state;
-  fill_frame(content, model, &config, &frame);
+  fill_frame(content, light != NULL, &own, &frame);
   exact_status status =
       exact_state_create(&state, (int)content->width, (int)content->height);
   if (status == EXACT_SUCCESS)
     status = exact_run_frame_dense(&state, &frame, &how);
   if (status == EXACT_SUCCESS) {
-    out->ao[model] = copy_planes(&state.out, EXACT_AO, 1);
-    if (!bench_model_is_ao(model))
-      out->light[model] = copy_planes(&state.out, EXACT_NEAR_IRRADIANCE, 3);
-    if (!out->ao[model] || (!bench_model_is_ao(model) && !out->light[model]))
+    *ao = copy_planes(&state.out, EXACT_AO, 1);
+    if (light)
+      *light = copy_planes(&state.out, EXACT_NEAR_IRRADIANCE, 3);
+    if (!*ao || (light && !*light))
       status = EXACT_OUT_OF_MEMORY;
   }
   exact_state_free(&state);
@@ -76,13 +75,27 @@ static int make_one(const bench_content *content, bench_model model,
                                               exact_status_text(status));
 }
 
+int bench_integral_slices(const bench_options *options) {
+  return options->quick ? QUICK_SLICES : SLICES;
+}
+
+static int make_one(const bench_content *content, bench_model model,
+                    bench_integrals *out, image_error *error) {
+  const bench_setting any = {.model = model, .slices = 1, .steps = 1};
+  hbil_config config;
+  bench_setting_apply(&any, content, &config);
+  return bench_integral_make(
+      content, &config, out->slices, &out->ao[model],
+      bench_model_is_ao(model) ? NULL : &out->light[model], error);
+}
+
 int bench_integrals_make(const bench_options *options,
                          const bench_content *content,
                          const bench_setting *list, size_t count,
                          bench_integrals *out, image_error *error) {
   int used[BENCH_MODELS] = {0}, failed = 0;
   memset(out, 0, sizeof *out);
-  out->slices = options->quick ? QUICK_SLICES : SLICES;
+  out->slices = bench_integral_slices(options);
   for (size_t i = 0; i < count; i++)
     used[list[i].model] = 1;
   for (size_t m = 0; m < BENCH_MODELS && !failed; m++) {

@@ -18,6 +18,12 @@ int bench_integrals_make(const bench_options *options,
                          const bench_content *content,
                          const bench_setting *list, size_t count,
                          bench_integrals *out, image_error *error);
+/* Of one configuration of the content, with bench_integral_slices(): planes
+ * of AO, and of E_near unless light is NULL.  The caller frees both. */
+int bench_integral_make(const bench_content *content, const hbil_config *config,
+                        int slices, float **ao, float **light,
+                        image_error *error);
+int bench_integral_slices(const bench_options *options);
 void bench_integrals_free(bench_integrals *integrals);
 
 #endif

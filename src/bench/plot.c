@@ -1,4 +1,5 @@
-/* The scatter of error against time, which error.gnuplot draws. */
+/* Plots: the files of any of them, and the scatter of error against time, which
+ * error.gnuplot draws. */
 #define _POSIX_C_SOURCE 200809L
 #include "bench/plot.h"
 
@@ -7,11 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench/files.h"
 #include "bench/opencl.h"
 
 typedef struct plot {
-  const char *name;
   const bench_point *points;
   size_t count;
 } plot;
@@ -66,11 +65,15 @@ static void write_data(const void *context, FILE *out) {
   }
 }
 
+typedef struct commands {
+  const char *name, *source;
+} commands;
+
 /* The script of the source tree behind the variables that it uses. */
 static void write_script(const void *context, FILE *out) {
-  const plot *p = context;
-  fprintf(out, "data = \"%s.dat\"\npicture = \"%s.png\"\n", p->name, p->name);
-  fputs(bench_source_text("error.gnuplot"), out);
+  const commands *s = context;
+  fprintf(out, "data = \"%s.dat\"\npicture = \"%s.png\"\n", s->name, s->name);
+  fputs(bench_source_text(s->source), out);
 }
 
 /* --- files --- */
@@ -84,6 +87,27 @@ static int draw(const char *folder, const char *script) {
                 "gnuplot \"./$HBIL_BENCH_SCRIPT\"") == 0;
 }
 
+int bench_plot_files(const bench_options *options, const char *source,
+                     file_writer *write, const void *context,
+                     image_error *error) {
+  const commands drawing = {.name = options->name, .source = source};
+  char *data = bench_result_path(options->output, options->name, "dat");
+  char *script = bench_result_path(options->output, options->name, "gnuplot");
+  const int failed =
+      !data || !script
+          ? image_no_memory(error, "the plot")
+          : temporary_write(data, EXISTING_REPLACED, write, context, error) ||
+                temporary_write(script, EXISTING_REPLACED, write_script,
+                                &drawing, error);
+  if (!failed && !draw(options->output, strrchr(script, '/') + 1))
+    fputs("hbil-bench: no plot was drawn: gnuplot (Debian's gnuplot-nox) is "
+          "needed for it\n",
+          stderr);
+  free(data);
+  free(script);
+  return failed ? -1 : 0;
+}
+
 static int by_time(const void *a, const void *b) {
   const double x = ((const bench_point *)a)->milliseconds;
   const double y = ((const bench_point *)b)->milliseconds;
@@ -91,19 +115,8 @@ static int by_time(const void *a, const void *b) {
 }
 
 int bench_plot_write(const bench_options *options, bench_point *points,
-                     size_t count, int *made, image_error *error) {
-  const plot p = {.name = options->name, .points = points, .count = count};
-  char *data = bench_result_path(options->output, p.name, "dat");
-  char *script = bench_result_path(options->output, p.name, "gnuplot");
-  int failed = data && script ? 0 : image_no_memory(error, "the plot");
+                     size_t count, image_error *error) {
+  const plot p = {.points = points, .count = count};
   qsort(points, count, sizeof *points, by_time);
-  failed =
-      failed ||
-      temporary_write(data, EXISTING_REPLACED, write_data, &p, error) != 0 ||
-      temporary_write(script, EXISTING_REPLACED, write_script, &p, error) != 0;
-  if (!failed)
-    *made = draw(options->output, strrchr(script, '/') + 1);
-  free(data);
-  free(script);
-  return failed ? -1 : 0;
+  return bench_plot_files(options, "error.gnuplot", write_data, &p, error);
 }

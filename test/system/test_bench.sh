@@ -10,6 +10,7 @@ tiny() {
   shift
   case $question in
   truth) ;;
+  thickness) set -- --size 64x48 --quick "$@" ;;
   *) set -- --size 64x48 --runs 1 --quick "$@" ;;
   esac
   "$BENCH" "$question" -o "$work/results" "$@"
@@ -40,7 +41,7 @@ assert r["machine"]["device"] and r["date"] and r["tables"] and r["hbil"]' \
 }
 
 says "the program lists its questions" '^  passes ' "$BENCH" --help
-for question in error skips scaling temporal passes pilot cache truth; do
+for question in error thickness skips scaling temporal passes pilot cache truth; do
   says "$question has help" "^usage: hbil-bench $question" \
     "$BENCH" $question --help
 done
@@ -76,6 +77,29 @@ if command -v gnuplot >"$work/out" 2>&1; then
 else
   skip "gnuplot draws error.png" "no gnuplot"
 fi
+
+says "with a window, error has a band" '^| 2x8 g3 fp32 | .* | 0\.[0-9]* | 0\.[0-9]* |' \
+  tiny error --window 40x30+8+4
+grep -q 'These pixels are the window of 40 x 30 at (8, 4)' "$work/out" &&
+  grep -q '"ao_band": 0\.[0-9]' "$work/results/error.json"
+ok $? "of the window that it names"
+for window in 40x30 0x4+1+1 40x30+1+1x -1x4+0+0; do
+  rejected "no window: $window" 'WIDTHxHEIGHT+X+Y' \
+    "$BENCH" error --quick "--window=$window"
+done
+rejected "a window outside of the picture" 'must lie in the picture' \
+  tiny error --window 40x30+25+4
+
+# --- thickness ---
+
+says "thickness has a table" '^| 1e-06 | [0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |' \
+  tiny thickness --pixels 40
+grep -q '^| infinite | 0\.[0-9]* | 0\.[0-9]* | 0\.[0-9]* | [0-9.]* |' \
+  "$work/results/thickness.md"
+ok $? "up to an infinite one"
+has "thickness writes its plot's data and JSON" "$work/results/thickness.dat" \
+  "$work/results/thickness.gnuplot" "$work/results/thickness.json"
+valid "thickness' JSON can be read" "$work/results/thickness.json"
 
 # --- the other questions ---
 
