@@ -20,9 +20,10 @@
  * 2.3.3).
  *
  * Launch: x = groups of LINE pixels of a row, y = rows.
- * In: resolved light, the estimate of unseen light, the caller's inputs.  Out:
- * the caller's outputs, history planes, counts of the sanitized inputs that
- * split does not read.
+ * In: resolved light, with AO_SEARCH also that of the search for the outputs,
+ * the estimate of unseen light, the caller's inputs.  Out: the caller's
+ * outputs, history planes, counts of the sanitized inputs that split does not
+ * read.
  */
 #include "lib/ao_bounces.clh"
 #include "lib/depth.clh"
@@ -32,6 +33,9 @@
 #include "lib/radiance.clh"
 #include "lib/surface_inputs.clh"
 
+/* 1: ao, bent_normal, cone_cosine and the error of AO are of another search
+ * than light; AO_ERROR_PLANE is where the latter is */
+FLAG(AO_SEARCH)
 FLAG(GATHER_RADIANCE)
 FLAG(GATHER_BENT)
 FLAG(GATHER_EMISSION)
@@ -93,7 +97,7 @@ enum {
 /* What all pixels are composed of: planes of the passes before, and the
  * caller's. */
 typedef struct inputs {
-  global const float *resolved, *probes;
+  global const float *resolved, *ao_search, *probes;
   surface_inputs surface;
   far_inputs far;
 } inputs;
@@ -249,6 +253,39 @@ INLINE void collect_carried(const realv carried[3], realv pending[][PARTS],
     pending[PENDING_HISTORY + HBIL_HISTORY_RED + p][part] = value[p];
 }
 
+/* Reads the bent cone of the light planes at `at`, with its axis if there is
+ * one.  Returns the cosine of its half-angle. */
+INLINE realv read_cone(const hbil_composite_args args, global const float *at,
+                       intv solid, bool bent, far_receiver *r) {
+  /* a mean of values up to 1 may round to just above it */
+  r->ao = clamp(READV(at), 0.0f, 1.0f);
+  if (bent) {
+#pragma unroll
+    for (int c = 0; c < 3; ++c)
+      r->view_axis[c] = READV(at + (HBIL_LIGHT_BENT + c) * args.planes.plane);
+    rotate_direction(args.to_world, r->view_axis, r->world_axis);
+  }
+  return select((realv)0.0f, sqrt(1.0f - r->ao), solid);
+}
+
+/* Collects the outputs that show such a cone. */
+INLINE void collect_cone(const far_receiver *r, realv t,
+                         global const float *error, realv pending[][PARTS],
+                         int part) {
+  if (OUT_AO)
+    pending[PENDING_AO][part] = r->ao;
+  if (OUT_CONE)
+    pending[PENDING_CONE][part] = t;
+  if (OUT_ERROR)
+    pending[PENDING_ERROR][part] = READV(error);
+  if (OUT_BENT) {
+#pragma unroll
+    for (int c = 0; c < 3; ++c)
+      pending[PENDING_BENT + c][part] =
+          BENT_IS_WORLD ? r->world_axis[c] : r->view_axis[c];
+  }
+}
+
 /* Collects all planes of the pixels from (x, y) on. */
 INLINE void compose(const hbil_composite_args args, const inputs *in, int x,
                     int y, realv pending[][PARTS], int part,
@@ -263,45 +300,33 @@ INLINE void compose(const hbil_composite_args args, const inputs *in, int x,
       stored_depth(in->far.depth, args.depth, args.decode, x, y, count), rx, ry,
       args.decode);
   const intv solid = z > 0.0f;
-  /* a mean of values up to 1 may round to just above it */
-  const realv ao = clamp(READV(here), 0.0f, 1.0f);
-  const realv t2 = 1.0f - ao;
-  const realv t = select((realv)0.0f, sqrt(t2), solid);
-  if (OUT_AO)
-    pending[PENDING_AO][part] = ao;
-  if (OUT_CONE)
-    pending[PENDING_CONE][part] = t;
+  far_receiver r = {.x = x, .y = y, .z = z};
+  const realv t = read_cone(args, here, solid, GATHER_BENT, &r);
+#if AO_SEARCH
+  global const float *const shown = in->ao_search + (here - in->resolved);
+  far_receiver open = {.x = x, .y = y, .z = z};
+  const realv open_t = read_cone(args, shown, solid, OUT_BENT, &open);
+  collect_cone(&open, open_t, shown + AO_ERROR_PLANE * plane, pending, part);
+#else
+  collect_cone(&r, t, here + ERROR_PLANE * plane, pending, part);
+#endif
 #if OUT_ERROR
-  pending[PENDING_ERROR][part] = READV(here + ERROR_PLANE * plane);
   pending[PENDING_ERROR + 1][part] =
       GATHER_RADIANCE ? READV(here + (ERROR_PLANE + 1) * plane) : (realv)0.0f;
 #endif
   if (HISTORY)
     pending[PENDING_HISTORY + HBIL_HISTORY_W][part] =
         select((realv)0.0f, 1.0f / z, solid);
-  far_receiver r = {.x = x, .y = y, .z = z, .ao = ao};
-  if (GATHER_BENT) {
-#pragma unroll
-    for (int c = 0; c < 3; ++c)
-      r.view_axis[c] = READV(here + (HBIL_LIGHT_BENT + c) * plane);
-    rotate_direction(args.to_world, r.view_axis, r.world_axis);
-  }
-  if (OUT_BENT) {
-#pragma unroll
-    for (int c = 0; c < 3; ++c)
-      pending[PENDING_BENT + c][part] =
-          BENT_IS_WORLD ? r.world_axis[c] : r.view_axis[c];
-  }
   realv near_light[3] = {0.0f, 0.0f, 0.0f}, far[3], behind[3];
   if (GATHER_RADIANCE)
     read_near_light(here, plane, near_light);
   probe_light cached = {{0.0f, 0.0f, 0.0f}, 0.0f};
 #if PROBES
   if (args.probes.columns > 0)
-    cached = light_of_probes(args.probes, view, in->probes, x, y, z, ao, t,
+    cached = light_of_probes(args.probes, view, in->probes, x, y, z, r.ao, t,
                              r.view_axis);
 #endif
-  cone_orders(ao, t, t2, r.orders);
+  cone_orders(r.ao, t, 1.0f - r.ao, r.orders);
   set_known_light(&r, near_light, &cached);
   const realv guessed = far_irradiance(args, in, &r, &cached, far);
   sky_behind(args, rx, ry, behind);
@@ -339,20 +364,23 @@ INLINE void compose(const hbil_composite_args args, const inputs *in, int x,
 
 /* The planes are the caller's and each may be a buffer of its own, so there are
  * more arguments than in other passes. */
-kernel void composite(
-    const hbil_composite_args args, global const float *resolved,
-    global const float *estimate, global float *history,
-    global const void *depth, global const void *albedo, global const void *f0,
-    global const void *direct, global const void *emission,
-    global void *near_irradiance, global void *far_irradiance, global void *ao,
-    global void *bent_normal, global void *cone_cosine, global void *indirect,
-    global void *beauty, global void *error_estimate, global void *unknown,
-    global const float *probes, volatile global uint *sanitized) {
+kernel void
+composite(const hbil_composite_args args, global const float *resolved,
+          global const float *ao_search, global const float *estimate,
+          global float *history, global const void *depth,
+          global const void *albedo, global const void *f0,
+          global const void *direct, global const void *emission,
+          global void *near_irradiance, global void *far_irradiance,
+          global void *ao, global void *bent_normal, global void *cone_cosine,
+          global void *indirect, global void *beauty,
+          global void *error_estimate, global void *unknown,
+          global const float *probes, volatile global uint *sanitized) {
   const int x0 = (int)get_global_id(0) * (PARTS * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
   if (x0 >= args.view.width || y >= args.view.height)
     return;
   const inputs in = {.resolved = resolved,
+                     .ao_search = ao_search,
                      .probes = probes,
                      .surface = {albedo, f0, direct, emission},
                      .far = {estimate, depth, direct}};

@@ -32,7 +32,8 @@
 
 FLAG(DISOCCLUSION)
 FLAG(OUT_GLOSSY)
-FLAG(HISTORY)
+/* 1: counts unusable motion vectors, as no other pass does */
+FLAG(COUNTS_MOTION)
 
 /* The planes that are averaged: those of each configuration, and behind the
  * bent normal those of glossy light. */
@@ -230,9 +231,9 @@ kernel void temporal(const hbil_temporal_args args, global const float *split,
     const intv known = args.has_before ? solid : (intv)0;
     realv move[2] = {0.0f, 0.0f};
 #if REPROJECT_MOTION
-    if (args.has_before) /* with a history, reproject has counted them */
+    if (args.has_before)
       motion_of(motion_buffer, args.motion, args.motion_scale, x, y,
-                view.width - x, solid, HISTORY ? 0 : sanitized, move);
+                view.width - x, solid, COUNTS_MOTION ? sanitized : 0, move);
 #endif
     past then = {past_place_of(before, back, p, move, x, y)};
     rotate_direction(back, n, then.n);

@@ -100,8 +100,9 @@ HBIL_API void hbil_cache_config_init_sized(hbil_cache_config *config,
  * either is created and after their own members are set.  The cache gets the
  * plan's inputs and gather_emission, for views that are like the plan's frames.
  * The plan gets the cache's method, and what is best beside a cache: a radius
- * of HBIL_CACHE_NEAR_VOXELS voxels, and a relative_thickness of 0.02 if that
- * was the default, 0.06.  All of it can be changed afterwards.
+ * of HBIL_CACHE_NEAR_VOXELS voxels, and a near_relative_thickness of 0.02 if
+ * relative_thickness is the default, 0.06.  All of it can be changed
+ * afterwards.
  * HBIL_INVALID_ARGUMENT if one of them is null. */
 HBIL_API hbil_status hbil_config_use_cache(hbil_config *config,
                                            hbil_cache_config *cache);

@@ -116,9 +116,12 @@ typedef struct hbil_outputs {
   /* Formats: HBIL_FLOAT32, HBIL_FLOAT16 or HBIL_IMAGE, at least one.  What
    * is HBIL_NONE is computed only if another output needs it.  At the sky ao is
    * 1 and the others are 0, except for beauty. */
-  hbil_plane_format near_irradiance; /* 3 channels: E_near */
-  hbil_plane_format far_irradiance;  /* 3 channels: E_far */
-  hbil_plane_format ao;              /* 1 channel: 1 is open, 0 is closed */
+  /* 3 channels each: light of surfaces within model.radius that the screen
+   * shows, E_near; and light through all other directions, E_far */
+  hbil_plane_format near_irradiance, far_irradiance;
+  /* Of occluders within model.ao_radius, whatever model.radius is.
+   * 1 channel: 1 is open, 0 is closed */
+  hbil_plane_format ao;
   /* 3 channels: unit vector, 0 if nothing is open; see bent_normal_space */
   hbil_plane_format bent_normal;
   hbil_plane_format cone_cosine; /* 1: cosine of the half-angle, sqrt(1-AO) */
@@ -255,7 +258,9 @@ typedef enum hbil_ao_bounces {
 typedef struct hbil_model {
   hbil_mode mode;       /* default HBIL */
   hbil_falloff falloff; /* for HBIL_MODE_HBAO only; default LINEAR */
-  float radius;         /* of the search, world units, > 0; default infinity */
+  /* Of the near field, world units, > 0; default infinity.  Farther surfaces
+   * send no near light and block no far light. */
+  float radius;
   /* Thickness of occluders in world units, and as a share of their depth; > 0.
    * The smaller one counts.  Infinity: occluders have no back; model */
   float thickness;
@@ -293,6 +298,15 @@ typedef struct hbil_model {
    * cone_cosine and error_estimate are asked for, and far_field isn't
    * HBIL_FAR_FRAME.  Default NONE */
   hbil_ao_bounces ao_bounces;
+  /* Of the occluders that outputs.ao, bent_normal and cone_cosine count, world
+   * units, > 0; default infinity.  Where radius or near_relative_thickness
+   * make the near field another one, and these outputs or error_estimate are
+   * asked for beside light, they need a search of their own (time:
+   * doc/measurements.md).  HBIL_MODE_HBAO has `radius` in its place. */
+  float ao_radius;
+  /* relative_thickness of the near field where that is larger; > 0; default
+   * infinity.  hbil_config_use_cache() sets it.  Not for HBIL_MODE_HBAO */
+  float near_relative_thickness;
 } hbil_model;
 
 /* Named models of light and occluders. */

@@ -53,6 +53,14 @@ extern "C" {
  * known, and the whole lobe.  In RESOLVED and TEMPORAL_HISTORY, the first four
  * over the fifth follow the bent normal.
  *
+ * AO and the bent normal are those of the near field.  Where the outputs show
+ * others (hbil_model.ao_radius), gather, recompose and temporal write three
+ * stages more, which have the values and the layouts of their namesakes without
+ * E_near, unknown and glossy values:
+ *   AO_GATHERED, AO_RESOLVED, AO_TEMPORAL_HISTORY
+ * Who replaces one of these passes writes both of its stages.  Of
+ * error_estimate AO_RESOLVED has the first value.
+ *
  * TEMPORAL_HISTORY alternates between two buffers, and so does HISTORY if an
  * output is an HBIL_IMAGE.  Call hbil_plan_buffer() again after every frame.
  *
@@ -101,7 +109,10 @@ typedef enum hbil_stage {
   HBIL_STAGE_SPLIT = 2,
   HBIL_STAGE_GATHERED = 3,
   HBIL_STAGE_RESOLVED = 4,
-  HBIL_STAGE_TEMPORAL_HISTORY = 5
+  HBIL_STAGE_TEMPORAL_HISTORY = 5,
+  HBIL_STAGE_AO_GATHERED = 6,
+  HBIL_STAGE_AO_RESOLVED = 7,
+  HBIL_STAGE_AO_TEMPORAL_HISTORY = 8
 } hbil_stage;
 
 typedef struct hbil_buffer {
@@ -133,7 +144,8 @@ HBIL_API hbil_status hbil_enqueue_passes(
  * (HBIL_FAR_FRAME). */
 HBIL_API cl_uint hbil_plan_bounces(const hbil_plan *plan);
 
-/* Says that HISTORY, and TEMPORAL_HISTORY with history.max_frames, hold data
+/* Says that HISTORY, and with history.max_frames TEMPORAL_HISTORY and
+ * AO_TEMPORAL_HISTORY, as far as the plan has them, hold data
  * of a frame seen by `camera`, for instance from an earlier process, and that
  * its light has had `bounces` bounces (0: HISTORY holds nothing; above 256
  * counts as 256).  The

@@ -68,6 +68,12 @@ static double bounces(const exact_frame *frame, int c, int x, int y,
   return 1.0;
 }
 
+static vec3 bent_normal(const exact_planes *resolved, int x, int y) {
+  return vec(*exact_at(resolved, HBIL_LIGHT_BENT, x, y),
+             *exact_at(resolved, HBIL_LIGHT_BENT + 1, x, y),
+             *exact_at(resolved, HBIL_LIGHT_BENT + 2, x, y));
+}
+
 static void store_bent_normal(const exact_frame *frame, vec3 bent, int x, int y,
                               exact_planes *out) {
   if (frame->config->outputs.bent_normal_space == HBIL_SPACE_WORLD)
@@ -75,6 +81,19 @@ static void store_bent_normal(const exact_frame *frame, vec3 bent, int x, int y,
   *exact_at(out, EXACT_BENT_NORMAL, x, y) = bent.x;
   *exact_at(out, EXACT_BENT_NORMAL + 1, x, y) = bent.y;
   *exact_at(out, EXACT_BENT_NORMAL + 2, x, y) = bent.z;
+}
+
+/* AO and the bent cone: ao, its error, bent_normal and cone_cosine. */
+static void store_cone(const exact_frame *frame, const exact_planes *resolved,
+                       int x, int y, exact_planes *out) {
+  const double ao = *exact_at(resolved, HBIL_LIGHT_AO, x, y);
+  *exact_at(out, EXACT_AO, x, y) = ao;
+  if (exact_has_bent_normal(frame->config))
+    *exact_at(out, EXACT_CONE_COSINE, x, y) = sqrt(fmax(0.0, 1.0 - ao));
+  if (resolved->count >= EXACT_RESOLVED_PLANES)
+    *exact_at(out, EXACT_ERROR_ESTIMATE, x, y) =
+        *exact_at(resolved, EXACT_RESOLVED_ERRORS, x, y);
+  store_bent_normal(frame, bent_normal(resolved, x, y), x, y, out);
 }
 
 static double unknown_share(const exact_frame *frame,
@@ -91,19 +110,14 @@ static void composite_pixel(const exact_frame *frame,
                             const exact_planes *resolved, int x, int y,
                             exact_planes *out, exact_planes *history) {
   const double ao = *exact_at(resolved, HBIL_LIGHT_AO, x, y);
-  const vec3 bent = vec(*exact_at(resolved, HBIL_LIGHT_BENT, x, y),
-                        *exact_at(resolved, HBIL_LIGHT_BENT + 1, x, y),
-                        *exact_at(resolved, HBIL_LIGHT_BENT + 2, x, y));
+  const vec3 bent = bent_normal(resolved, x, y);
   const exact_probe_light cached = exact_light_of_probes(frame, x, y, ao, bent);
-  *exact_at(out, EXACT_AO, x, y) = ao;
-  if (exact_has_bent_normal(frame->config))
-    *exact_at(out, EXACT_CONE_COSINE, x, y) = sqrt(fmax(0.0, 1.0 - ao));
+  store_cone(frame, resolved, x, y, out);
   *exact_at(out, EXACT_UNKNOWN, x, y) =
       unknown_share(frame, resolved, x, y, ao, &cached);
-  for (int i = 0; i < 2 && resolved->count >= EXACT_RESOLVED_PLANES; ++i)
-    *exact_at(out, EXACT_ERROR_ESTIMATE + i, x, y) =
-        *exact_at(resolved, EXACT_RESOLVED_ERRORS + i, x, y);
-  store_bent_normal(frame, bent, x, y, out);
+  if (resolved->count >= EXACT_RESOLVED_PLANES)
+    *exact_at(out, EXACT_ERROR_ESTIMATE + 1, x, y) =
+        *exact_at(resolved, EXACT_RESOLVED_ERRORS + 1, x, y);
   for (int c = 0; c < 3; ++c) {
     const double near_irradiance =
         *exact_at(resolved, HBIL_LIGHT_RED + c, x, y);
@@ -128,4 +142,12 @@ void exact_composite(const exact_frame *frame, const exact_planes *resolved,
       else
         composite_pixel(frame, resolved, x, y, out, history);
     }
+}
+
+void exact_composite_ao(const exact_frame *frame, const exact_planes *resolved,
+                        exact_planes *out) {
+  for (int y = 0; y < out->height; ++y)
+    for (int x = 0; x < out->width; ++x)
+      if (!exact_is_sky(frame, x, y))
+        store_cone(frame, resolved, x, y, out);
 }

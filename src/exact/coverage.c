@@ -10,13 +10,14 @@
 #include "exact/coverage.h"
 
 #include "exact/lobe.h"
+#include "exact/settings.h"
 
 #include <string.h>
 
 coverage_kind exact_coverage_kind(const hbil_config *config,
                                   coverage_kind finite) {
   return isinf(config->model.thickness) &&
-                 isinf(config->model.relative_thickness)
+                 isinf(exact_relative_thickness(config))
              ? COVERAGE_HORIZON
              : finite;
 }

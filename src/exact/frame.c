@@ -5,6 +5,8 @@
  *   inputs, CARRIED -split-> SPLIT -gather-> GATHERED
  *   inputs, SPLIT, GATHERED -estimate-> what the frame's surfaces send
  *   GATHERED -recompose-> RESOLVED -composite-> outputs, HISTORY
+ * ao, bent_normal and cone_cosine may have a gather and a recompose of their
+ * own.
  */
 #include <string.h>
 
@@ -12,6 +14,7 @@
 #include "exact/lobe.h"
 #include "exact/passes.h"
 #include "exact/planes.h"
+#include "exact/settings.h"
 
 exact_status exact_state_create(exact_state *state, int width, int height) {
   const struct {
@@ -77,8 +80,36 @@ static exact_status prepare(exact_state *state, exact_frame *frame) {
   return EXACT_SUCCESS;
 }
 
-/* Everything after it. */
-static void finish(exact_state *state, exact_frame *frame) {
+/* The outputs of a search of their own.  how: NULL: at the kernels' samples. */
+static exact_status finish_ao(exact_state *state, const exact_frame *frame,
+                              const exact_dense *how) {
+  hbil_config ao;
+  exact_frame own = *frame;
+  exact_planes gathered = {0}, resolved = {0};
+  const int width = state->out.width, height = state->out.height;
+  if (!exact_searches_ao(frame->config, &ao))
+    return EXACT_SUCCESS;
+  own.config = &ao;
+  exact_status status =
+      exact_planes_create(&gathered, width, height, HBIL_GATHERED_PLANES);
+  if (status == EXACT_SUCCESS)
+    status =
+        exact_planes_create(&resolved, width, height, EXACT_RESOLVED_PLANES);
+  if (status == EXACT_SUCCESS)
+    status = how ? exact_gather_dense(&own, &state->split, how, &gathered)
+                 : exact_gather(&own, &state->split, &gathered);
+  if (status == EXACT_SUCCESS) {
+    exact_recompose(&own, &state->split, &gathered, &resolved);
+    exact_composite_ao(&own, &resolved, &state->out);
+  }
+  exact_planes_free(&gathered);
+  exact_planes_free(&resolved);
+  return status;
+}
+
+/* Everything after the gather. */
+static exact_status finish(exact_state *state, exact_frame *frame,
+                           const exact_dense *how) {
   exact_estimate_frame(frame, &state->split, &state->gathered);
   exact_recompose(frame, &state->split, &state->gathered, &state->resolved);
   exact_composite(frame, &state->resolved, &state->out, &state->history);
@@ -88,6 +119,7 @@ static void finish(exact_state *state, exact_frame *frame) {
   state->bounces = frame->bounces + 1;
   state->has_history =
       frame->config->history.reprojection != HBIL_REPROJECTION_NONE;
+  return finish_ao(state, frame, how);
 }
 
 exact_status exact_run_frame(exact_state *state, exact_frame *frame) {
@@ -95,7 +127,7 @@ exact_status exact_run_frame(exact_state *state, exact_frame *frame) {
   if (status == EXACT_SUCCESS)
     status = exact_gather(frame, &state->split, &state->gathered);
   if (status == EXACT_SUCCESS)
-    finish(state, frame);
+    status = finish(state, frame, NULL);
   return status;
 }
 
@@ -110,6 +142,6 @@ exact_status exact_run_frame_dense(exact_state *state, exact_frame *frame,
   if (status == EXACT_SUCCESS)
     status = exact_gather_dense(&own, &state->split, how, &state->gathered);
   if (status == EXACT_SUCCESS)
-    finish(state, &own);
+    status = finish(state, &own, how);
   return status;
 }

@@ -17,6 +17,7 @@
 #include "exact/hemisphere.h"
 #include "exact/passes.h"
 #include "exact/planes.h"
+#include "exact/settings.h"
 #include "exact/threads.h"
 
 typedef struct dense_gather {
@@ -37,7 +38,7 @@ static double least_distance(const receiver *r, double x, double y) {
 
 /* The number of steps (sx, sy) beyond which nothing is within the radius. */
 static int steps_within_radius(const receiver *r, double sx, double sy) {
-  const double radius = (double)r->frame->config->model.radius;
+  const double radius = exact_radius(r->frame->config);
   int near = 0, far = r->split->width + r->split->height;
   if (isinf(radius))
     return far;

@@ -139,7 +139,7 @@ static double back_share(const exact_frame *frame, const occluder *o) {
   const double unit = exact_depth_unit(c, &frame->camera, z);
   const double thickness =
       fmin((double)c->model.thickness / vec_length(o->s.ray),
-           (double)c->model.relative_thickness * unit);
+           exact_relative_thickness(c) * unit);
   return exact_is_orthographic(c) ? thickness : thickness / (z + thickness);
 }
 
@@ -153,7 +153,7 @@ static double excess_of_back(const exact_frame *frame, double share, double w,
 
 /* Weight of an occluder at distance r (hbil_falloff). */
 static double falloff(const hbil_config *c, double r) {
-  const double share = r / (double)c->model.radius; /* 0 where unlimited */
+  const double share = r / exact_radius(c); /* 0 where unlimited */
   if (c->model.mode != HBIL_MODE_HBAO || c->model.falloff == HBIL_FALLOFF_NONE)
     return 1.0;
   return c->model.falloff == HBIL_FALLOFF_LINEAR ? fmax(0.0, 1.0 - share)
@@ -316,7 +316,7 @@ static void meet(const receiver *r, march *m, occluder *o,
   o->s = exact_surface_at(r->frame, r->split, o->x, o->y);
   o->to = vec_add(o->s.at, -1.0, r->s.at);
   o->range = vec_length(o->to);
-  if (!isinf(c->model.radius) && !(o->range <= (double)c->model.radius))
+  if (!(o->range <= exact_radius(c)))
     return;
   double front = o->excess, back = 0.0;
   if (r->kind != COVERAGE_HORIZON)

@@ -59,6 +59,10 @@ void exact_recompose(const exact_frame *frame, const exact_planes *split,
  * in RESOLVED, that share counts as 0. */
 void exact_composite(const exact_frame *frame, const exact_planes *resolved,
                      exact_planes *out, exact_planes *history);
+/* RESOLVED of a search of its own (exact_searches_ao()) -> ao, its error,
+ * bent_normal and cone_cosine.  To be called behind exact_composite(). */
+void exact_composite_ao(const exact_frame *frame, const exact_planes *resolved,
+                        exact_planes *out);
 
 /* The real orthonormal spherical harmonics of bands 0 to 2 at a unit direction,
  * in the order of hbil_frame.environment. */

@@ -8,6 +8,7 @@
 #include <time.h>
 
 #include "exact/passes.h"
+#include "exact/settings.h"
 
 /* Pixels of the pilot run, about: seconds where a frame takes hours. */
 enum { PILOT_PIXELS = 400 };
@@ -38,6 +39,8 @@ static size_t mark_pixels(unsigned char *mask, int width, int height,
 
 /* Seconds that the gather of the marked pixels takes; 0: it failed. */
 static double time_gather(const exact_frame *frame, const exact_dense *how) {
+  hbil_config ao;
+  exact_frame second = *frame;
   const int width = (int)frame->config->width;
   const int height = (int)frame->config->height;
   exact_planes split = {0}, gathered = {0};
@@ -48,7 +51,12 @@ static double time_gather(const exact_frame *frame, const exact_dense *how) {
           EXACT_SUCCESS) {
     exact_split(frame, NULL, &split);
     const double before = seconds_now();
-    if (exact_gather_dense(frame, &split, how, &gathered) == EXACT_SUCCESS)
+    exact_status status = exact_gather_dense(frame, &split, how, &gathered);
+    if (status == EXACT_SUCCESS && exact_searches_ao(frame->config, &ao)) {
+      second.config = &ao;
+      status = exact_gather_dense(&second, &split, how, &gathered);
+    }
+    if (status == EXACT_SUCCESS)
       seconds = seconds_now() - before;
   }
   exact_planes_free(&split);

@@ -21,7 +21,7 @@ hbil_pattern_args exact_pattern(const exact_frame *frame) {
   hbil_pattern_args p;
   p.slices = (int)c->sampling.slices;
   p.steps = (int)c->sampling.steps_per_side;
-  p.levels = isinf(c->model.radius) ? 1 : HBIL_MAX_LEVELS;
+  p.levels = isinf(exact_radius(c)) ? 1 : HBIL_MAX_LEVELS;
   p.grid = c->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
   p.reach = fmaxf((float)v.width / v.fx, (float)v.height / v.fy);
   p.growth = c->sampling.step_growth;
@@ -46,7 +46,8 @@ static int level_at(const receiver *r, const hbil_pattern_args *pattern) {
   }
   if (exact_is_orthographic(r->frame->config))
     nearest = 1.0f;
-  return hbil_level(pattern->reach, r->frame->config->model.radius * nearest,
+  return hbil_level(pattern->reach,
+                    (float)exact_radius(r->frame->config) * nearest,
                     pattern->levels);
 }
 

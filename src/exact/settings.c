@@ -1,6 +1,8 @@
 /* What follows from the settings. */
 #include "exact/settings.h"
 
+#include <math.h>
+
 #include "exact/passes.h"
 #include "lib/sampling_pattern.h"
 
@@ -34,4 +36,57 @@ int exact_site(const hbil_config *config, int x, int y) {
 
 bool exact_weighs_slices(const hbil_config *config) {
   return config->sampling.slices == 1 && !config->sampling.unfiltered;
+}
+
+static bool is_asked(hbil_plane_format format) {
+  return format.component != HBIL_NONE;
+}
+
+static bool shows_occlusion(const hbil_outputs *o) {
+  return is_asked(o->ao) || is_asked(o->bent_normal) ||
+         is_asked(o->cone_cosine) || is_asked(o->error_estimate);
+}
+
+/* Without a far field, the modes without near light have no light. */
+static bool shows_light(const hbil_config *config) {
+  const hbil_outputs *o = &config->outputs;
+  const bool far = config->model.far_field == HBIL_FAR_CONSTANT ||
+                   config->model.far_field == HBIL_FAR_SH;
+  return (exact_gathers_light(config) || far) &&
+         (is_asked(o->near_irradiance) || is_asked(o->far_irradiance) ||
+          is_asked(o->indirect) || is_asked(o->beauty) ||
+          is_asked(o->unknown) || is_asked(o->glossy));
+}
+
+/* Whether a search is that of the outputs. */
+static bool is_of_ao(const hbil_config *config) {
+  return config->model.mode != HBIL_MODE_HBAO &&
+         shows_occlusion(&config->outputs) && !shows_light(config);
+}
+
+double exact_radius(const hbil_config *config) {
+  return (double)(is_of_ao(config) ? config->model.ao_radius
+                                   : config->model.radius);
+}
+
+double exact_relative_thickness(const hbil_config *config) {
+  const hbil_model *m = &config->model;
+  return m->mode == HBIL_MODE_HBAO || is_of_ao(config)
+             ? (double)m->relative_thickness
+             : fmin((double)m->relative_thickness,
+                    (double)m->near_relative_thickness);
+}
+
+bool exact_searches_ao(const hbil_config *config, hbil_config *ao) {
+  const hbil_outputs *o = &config->outputs;
+  *ao = *config;
+  ao->model.mode = HBIL_MODE_GTAO;
+  ao->outputs = (hbil_outputs){.ao = o->ao,
+                               .bent_normal = o->bent_normal,
+                               .cone_cosine = o->cone_cosine,
+                               .error_estimate = o->error_estimate,
+                               .bent_normal_space = o->bent_normal_space};
+  return config->model.mode != HBIL_MODE_HBAO && shows_occlusion(o) &&
+         (exact_radius(config) != exact_radius(ao) ||
+          exact_relative_thickness(config) != exact_relative_thickness(ao));
 }

@@ -20,5 +20,12 @@ bool exact_is_gathered(const hbil_config *config, int x, int y);
 int exact_site(const hbil_config *config, int x, int y);
 /* Whether light of back-facing samples is replaced by the frame's mean. */
 bool exact_fills_unknown(const hbil_config *config);
+/* Limits of the search that a configuration has: those of the near field, or,
+ * where its outputs show what is blocked and no light, those of ao. */
+double exact_radius(const hbil_config *config);
+double exact_relative_thickness(const hbil_config *config);
+/* Whether ao, bent_normal and cone_cosine need a search of their own.  *ao: a
+ * configuration that has that search. */
+bool exact_searches_ao(const hbil_config *config, hbil_config *ao);
 
 #endif

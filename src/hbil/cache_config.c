@@ -124,7 +124,7 @@ hbil_status hbil_config_use_cache(hbil_config *config,
   model->radius = (float)(HBIL_CACHE_NEAR_VOXELS * cache->voxel_size);
   /* the cache knows what is behind thin things */
   if (model->relative_thickness == DEFAULT_RELATIVE_THICKNESS)
-    model->relative_thickness = 0.02f;
+    model->near_relative_thickness = 0.02f;
   return HBIL_SUCCESS;
 }
 

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "planes.h"
+#include "searches.h"
 #include "sized.h"
 
 #include <math.h>
@@ -14,7 +15,7 @@ bool config_rejects_back_faces(const hbil_config *config) {
 
 bool config_has_thickness(const hbil_config *config) {
   return !isinf(config->model.thickness) ||
-         !isinf(config->model.relative_thickness);
+         !isinf(near_thickness_share(config));
 }
 
 /* Bytes in version 0.1, the least that a caller's struct may have.  Fields of
@@ -32,6 +33,8 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .inputs.depth_scale = 1.0f,
       .inputs.normal_scale = {1.0f, 1.0f, 1.0f},
       .model.radius = INFINITY,
+      .model.ao_radius = INFINITY,
+      .model.near_relative_thickness = INFINITY,
       .sampling.slices = 3,
       .sampling.steps_per_side = 56,
       .sampling.step_growth = 3.0f,
@@ -282,6 +285,9 @@ static hbil_status check_limits(hbil_context *context,
       {"model.radius", (double)config->model.radius},
       {"model.thickness", (double)config->model.thickness},
       {"model.relative_thickness", (double)config->model.relative_thickness},
+      {"model.ao_radius", (double)config->model.ao_radius},
+      {"model.near_relative_thickness",
+       (double)config->model.near_relative_thickness},
       {"inputs.sky_depth", (double)config->inputs.sky_depth},
       {"history.disocclusion_threshold",
        (double)config->history.disocclusion_threshold},

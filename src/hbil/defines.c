@@ -8,6 +8,7 @@
 
 #include "config.h"
 #include "planes.h"
+#include "searches.h"
 
 typedef struct text {
   char *chars;
@@ -80,7 +81,7 @@ static void define_inputs(const hbil_config *c, text *t) {
 
 static void define_model(const hbil_config *c, const layout *l, text *t) {
   const bool rejects = config_rejects_back_faces(c);
-  const int relative = isinf(c->model.relative_thickness) ? 0 : 1;
+  const int relative = isinf(near_thickness_share(c)) ? 0 : 1;
   const int absolute = isinf(c->model.thickness) ? 0 : 2;
   define(t, "HBAO", c->model.mode == HBIL_MODE_HBAO);
   define(t, "LIMITED", !isinf(c->model.radius));
@@ -120,7 +121,10 @@ static void define_work(const hbil_config *c, const layout *l, text *t) {
   define(t, "GATHER_RADIANCE", l->radiance);
   define(t, "GATHER_BENT", l->bent);
   define(t, "HISTORY", l->history);
+  define(t, "COUNTS_MOTION", l->counts_motion);
   define(t, "ERROR_PLANE", (int)l->error_plane);
+  define(t, "AO_SEARCH", l->ao_search);
+  define(t, "AO_ERROR_PLANE", (int)l->ao_error_plane);
   define(t, "UNKNOWN_PLANE", (int)l->unknown_plane);
   define(t, "WEIGHT_PLANE", (int)l->weight_plane);
   define(t, "GLOSSY_PLANE", (int)l->glossy_plane);

@@ -10,6 +10,7 @@
 #include "glossy.h"
 #include "lib/sampling_pattern.h"
 #include "planes.h"
+#include "searches.h"
 
 /* The rotation and the shift of frame `frame_index`, in slices and in steps:
  * multiples of the fractional parts of sqrt(7) (the paper's demo) and of the
@@ -125,7 +126,7 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
                               FLT_MIN)},
       /* finite, since the gather is built without infinities */
       .thickness = fminf(c->model.thickness, 1e30f),
-      .relative_thickness = fminf(c->model.relative_thickness, 1e30f),
+      .relative_thickness = fminf(near_thickness_share(c), 1e30f),
       .falloff = falloff_slope(c),
       .longest = longest_ray(view, orthographic),
       .bounds = plan->layout.bounds,

@@ -7,6 +7,7 @@
 #include "lib/estimate_args.h"
 #include "lib/sampling_pattern.h"
 #include "planes.h"
+#include "searches.h"
 
 #include <math.h>
 #include <string.h>
@@ -42,13 +43,14 @@ static void decide_work(const hbil_config *config, layout *out) {
                 (sums || out->radiance || has(config, PLANE_FAR));
   out->ao_bounces = out->far_field || out->probes ? config->model.ao_bounces
                                                   : HBIL_AO_BOUNCES_NONE;
-  out->bent = has(config, PLANE_BENT) || out->glossy ||
+  out->bent = (has(config, PLANE_BENT) && !out->ao_search) || out->glossy ||
               out->far_field == HBIL_FAR_SH ||
               out->far_field == HBIL_FAR_FRAME || out->probes;
   out->unknown = out->radiance && estimates_back_faces(config);
   out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
   out->history =
       out->radiance && config->history.reprojection != HBIL_REPROJECTION_NONE;
+  out->counts_motion = !out->history;
   out->late_counts =
       (sums && !(out->radiance && config->model.gather_emission)) ||
       out->ao_bounces == HBIL_AO_BOUNCES_ALBEDO;
@@ -334,6 +336,8 @@ bool layout_is_scratch(int buffer) {
   case BUFFER_SPLIT:
   case BUFFER_LIGHT:
   case BUFFER_RESOLVED:
+  case BUFFER_AO_LIGHT:
+  case BUFFER_AO_RESOLVED:
   case BUFFER_PROBES:
   case BUFFER_FILTERED_PROBES:
   case BUFFER_GLOSSY_PROBES:
@@ -357,10 +361,57 @@ static void lay_out_memory(size_t alignment, layout *out) {
   }
 }
 
+static void lay_out_steps(const hbil_config *config, layout *out) {
+  out->pattern.slices = (cl_int)config->sampling.slices;
+  out->pattern.steps = (cl_int)config->sampling.steps_per_side;
+  /* one table has what both searches need */
+  out->pattern.levels =
+      isinf(config->model.radius) &&
+              (!out->ao_search || isinf(config->model.ao_radius))
+          ? 1
+          : HBIL_MAX_LEVELS;
+  out->pattern.grid =
+      config->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
+  out->pattern.growth = config->sampling.step_growth;
+  out->pattern.gathered =
+      hbil_config_resolution(config) == HBIL_RESOLUTION_HALF ? 4 : HBIL_LAYERS;
+  out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * (size_t)out->pattern.levels *
+                             (size_t)hbil_sites(out->pattern.gathered) * 2 *
+                             config->sampling.slices *
+                             (config->sampling.steps_per_side + 1);
+}
+
+/* All its buffers have the sizes of the plan's own; it makes no table of steps,
+ * reads the plan's layers, and counts nothing twice. */
+void layout_of_ao_search(const hbil_config *ao, const layout *whole,
+                         layout *out) {
+  layout_compute(ao, &whole->staged, 1, out);
+  out->split = whole->split;
+  out->bounds = whole->bounds;
+  out->pattern.levels = whole->pattern.levels;
+  out->counts_motion = false;
+}
+
+static void lay_out_ao_search(const hbil_config *ao, layout *out) {
+  static const int buffers[][2] = {
+      {BUFFER_AO_LIGHT, BUFFER_LIGHT},
+      {BUFFER_AO_RESOLVED, BUFFER_RESOLVED},
+      {BUFFER_AO_TEMPORAL, BUFFER_TEMPORAL},
+      {BUFFER_AO_TEMPORAL_NEXT, BUFFER_TEMPORAL_NEXT},
+      {BUFFER_AO_SPAN_STATES, BUFFER_SPAN_STATES}};
+  layout search;
+  layout_of_ao_search(ao, out, &search);
+  out->ao_error_plane = search.error_plane;
+  for (size_t i = 0; i < sizeof buffers / sizeof *buffers; ++i)
+    out->bytes[buffers[i][0]] = search.bytes[buffers[i][1]];
+}
+
 void layout_compute(const hbil_config *config, const staging *staged,
                     size_t alignment, layout *out) {
+  hbil_config ao_config;
   memset(out, 0, sizeof *out);
   out->staged = *staged;
+  out->ao_search = searches_differ(config, &ao_config);
   decide_work(config, out);
   decide_skips(config, out);
   lay_out_planes(config, out);
@@ -411,23 +462,14 @@ void layout_compute(const hbil_config *config, const staging *staged,
         ((config->width + 4 * width - 1) / (4 * width));
   out->bytes[BUFFER_SPAN_STATES] =
       2 * out->spans * (size_t)out->split.height * HBIL_LAYERS;
-  out->pattern.slices = (cl_int)config->sampling.slices;
-  out->pattern.steps = (cl_int)config->sampling.steps_per_side;
-  out->pattern.levels = isinf(config->model.radius) ? 1 : HBIL_MAX_LEVELS;
-  out->pattern.grid =
-      config->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
-  out->pattern.growth = config->sampling.step_growth;
-  out->pattern.gathered =
-      hbil_config_resolution(config) == HBIL_RESOLUTION_HALF ? 4 : HBIL_LAYERS;
-  out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * (size_t)out->pattern.levels *
-                             (size_t)hbil_sites(out->pattern.gathered) * 2 *
-                             config->sampling.slices *
-                             (config->sampling.steps_per_side + 1);
+  lay_out_steps(config, out);
   out->errors = error_factors(out->pattern.slices, out->pattern.steps,
                               config_has_thickness(config),
                               out->pattern.gathered < HBIL_LAYERS);
   if (out->history && out->skip & HBIL_SKIP_STATIC &&
       !config->history.max_frames && !out->glossy)
     out->bytes[BUFFER_HORIZON_CACHE] = lay_out_horizon_cache(config, out);
+  if (out->ao_search)
+    lay_out_ao_search(&ao_config, out);
   lay_out_memory(alignment, out);
 }

@@ -31,6 +31,11 @@ enum {
   BUFFER_BOUNDS,        /* grids of largest inverse depths and of light */
   BUFFER_USED_GROUPS,   /* where outputs show light */
   BUFFER_SPAN_STATES,   /* the work that the gather left out */
+  BUFFER_AO_LIGHT,      /* of the search for the outputs (ao_search.c): LIGHT */
+  BUFFER_AO_RESOLVED,
+  BUFFER_AO_TEMPORAL,
+  BUFFER_AO_TEMPORAL_NEXT,
+  BUFFER_AO_SPAN_STATES,
   BUFFER_SANITIZED,     /* HBIL_SANITIZED_: counts of unusable inputs */
   BUFFER_HORIZON_CACHE, /* of a static frame (lib/horizon_cache.clh) */
   BUFFER_STAGED,        /* one for each plane, where it is staged */
@@ -52,8 +57,10 @@ typedef struct layout {
   cl_uint estimate_lanes; /* work-items of each part of the estimate */
   /* what must be computed; unknown: the share that back-facing samples block */
   bool radiance, bent, history, unknown, estimate, probes, glossy;
-  bool late_counts; /* composite shows inputs that split does not read */
-  cl_uint skip;     /* the bits of hbil_config.skip that can have an effect */
+  bool late_counts;   /* composite shows inputs that split does not read */
+  bool ao_search;     /* outputs show another search than the near field's */
+  bool counts_motion; /* temporal counts unusable motion vectors */
+  cl_uint skip;       /* the bits of hbil_config.skip that can have an effect */
   hbil_bounds_args bounds;
   hbil_grid_args
       row_block; /* groups side by side in a cell, HBIL_ROW_BLOCK rows of
@@ -70,6 +77,7 @@ typedef struct layout {
   cl_uint carried_planes;    /* of CARRIED */
   cl_uint resolved_planes;   /* of RESOLVED */
   cl_uint error_plane;       /* of RESOLVED: where errors begin */
+  cl_uint ao_error_plane;    /* the same of AO_RESOLVED */
   cl_uint unknown_plane;     /* of RESOLVED: the share `unknown`; 0: none */
   cl_uint weight_plane;      /* of GATHERED: weights of slices; 0: none */
   cl_uint glossy_plane;      /* of GATHERED: where glossy sums begin; 0: none */
@@ -78,6 +86,11 @@ typedef struct layout {
   hbil_ao_bounces ao_bounces; /* NONE if no output shows far light */
   staging staged;
 } layout;
+
+/* The layout of the search for the outputs: ao is what searches_differ() made
+ * of the plan's configuration, and whole is the plan's layout. */
+void layout_of_ao_search(const hbil_config *ao, const layout *whole,
+                         layout *out);
 
 /* Whether a buffer has nothing that outlives a frame. */
 bool layout_is_scratch(int buffer);

@@ -15,6 +15,7 @@
 #define buffer_create hbil_internal_buffer_create
 #define buffer_create_in hbil_internal_buffer_create_in
 #define buffers_release hbil_internal_buffers_release
+#define build_ao_search hbil_internal_build_ao_search
 #define build_pyramid hbil_internal_build_pyramid
 #define cache_args hbil_internal_cache_args
 #define cache_centre hbil_internal_cache_centre
@@ -54,6 +55,7 @@
 #define depth_args hbil_internal_depth_args
 #define empty_volumes hbil_internal_empty_volumes
 #define end_commands hbil_internal_end_commands
+#define enqueue_ao_search hbil_internal_enqueue_ao_search
 #define enqueue_composite hbil_internal_enqueue_composite
 #define enqueue_estimate hbil_internal_enqueue_estimate
 #define enqueue_export hbil_internal_enqueue_export
@@ -92,9 +94,11 @@
 #define launch_rows hbil_internal_launch_rows
 #define layout_compute hbil_internal_layout_compute
 #define layout_is_scratch hbil_internal_layout_is_scratch
+#define layout_of_ao_search hbil_internal_layout_of_ao_search
 #define light_views_args hbil_internal_light_views_args
 #define memory_limits hbil_internal_memory_limits
 #define memory_read hbil_internal_memory_read
+#define near_thickness_share hbil_internal_near_thickness_share
 #define next_history hbil_internal_next_history
 #define normal_rounding hbil_internal_normal_rounding
 #define open_regular_file hbil_internal_open_regular_file
@@ -116,6 +120,8 @@
 #define read_texels hbil_internal_read_texels
 #define remember_frame hbil_internal_remember_frame
 #define run_first_commands hbil_internal_run_first_commands
+#define searches_differ hbil_internal_searches_differ
+#define searches_settle hbil_internal_searches_settle
 #define set_flag hbil_internal_set_flag
 #define spread_light hbil_internal_spread_light
 #define stage_planes hbil_internal_stage_planes

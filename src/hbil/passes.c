@@ -14,19 +14,22 @@ static const struct {
   const char *name;
   pass_function *enqueue;
   unsigned planes;
+  bool searches; /* a part of both searches (searches.h) */
 } passes[HBIL_PASS_COUNT] = {
-    {HBIL_PASS_IMPORT, "import", enqueue_import, 0},
+    {HBIL_PASS_IMPORT, "import", enqueue_import, 0, false},
     {HBIL_PASS_REPROJECT, "reproject", enqueue_reproject,
-     PLANE_BIT(PLANE_DEPTH) | PLANE_BIT(PLANE_MOTION)},
-    {HBIL_PASS_PUSH_PULL, "push_pull", enqueue_push_pull, 0},
-    {HBIL_PASS_SPLIT, "split", enqueue_split,
-     SURFACE | PLANE_BIT(PLANE_NORMAL)},
+     PLANE_BIT(PLANE_DEPTH) | PLANE_BIT(PLANE_MOTION), false},
+    {HBIL_PASS_PUSH_PULL, "push_pull", enqueue_push_pull, 0, false},
+    {HBIL_PASS_SPLIT, "split", enqueue_split, SURFACE | PLANE_BIT(PLANE_NORMAL),
+     false},
     {HBIL_PASS_GATHER, "gather", enqueue_gather,
-     SURFACE & ~PLANE_BIT(PLANE_DEPTH)},
-    {HBIL_PASS_RECOMPOSE, "recompose", enqueue_recompose, 0},
-    {HBIL_PASS_TEMPORAL, "temporal", enqueue_temporal, PLANE_BIT(PLANE_MOTION)},
-    {HBIL_PASS_COMPOSITE, "composite", enqueue_composite, SURFACE | OUTPUTS},
-    {HBIL_PASS_EXPORT, "export", enqueue_export, 0},
+     SURFACE & ~PLANE_BIT(PLANE_DEPTH), true},
+    {HBIL_PASS_RECOMPOSE, "recompose", enqueue_recompose, 0, true},
+    {HBIL_PASS_TEMPORAL, "temporal", enqueue_temporal, PLANE_BIT(PLANE_MOTION),
+     true},
+    {HBIL_PASS_COMPOSITE, "composite", enqueue_composite, SURFACE | OUTPUTS,
+     false},
+    {HBIL_PASS_EXPORT, "export", enqueue_export, 0, false},
 };
 
 const char *hbil_pass_name(hbil_pass pass) {
@@ -62,6 +65,8 @@ hbil_status enqueue_passes(hbil_plan *plan, commands *chain,
     chain->owner = (int)pass;
     plan->left_out[pass] = plan->may_leave_out[pass] = false;
     status = passes[i].enqueue(plan, chain, frame);
+    if (status == HBIL_SUCCESS && passes[i].searches)
+      status = enqueue_ao_search(plan, chain, frame, passes[i].enqueue);
   }
   return status;
 }

@@ -22,6 +22,12 @@ pass_function enqueue_probes;
 /* glossy.c: behind the probes, in the same pass */
 pass_function enqueue_glossy;
 
+/* ao_search.c: one of gather, recompose and temporal once more, for the outputs
+ * that show another search than the near field's; and its kernels. */
+hbil_status enqueue_ao_search(const hbil_plan *plan, commands *chain,
+                              const hbil_frame *frame, pass_function *pass);
+hbil_status build_ao_search(hbil_plan *plan);
+
 /* The caller's planes that the passes from `first` to `last` read or write, as
  * a set of bits. */
 unsigned planes_of_passes(hbil_pass first, hbil_pass last);

@@ -105,32 +105,44 @@ hbil_status hbil_plan_adopt_history(hbil_plan *plan, const hbil_camera *camera,
 
 hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
                              hbil_buffer *out) {
-  static const int of_stage[] = {BUFFER_HISTORY,  BUFFER_CARRIED,
-                                 BUFFER_SPLIT,    BUFFER_LIGHT,
-                                 BUFFER_RESOLVED, BUFFER_TEMPORAL};
+  static const int of_stage[] = {
+      [HBIL_STAGE_HISTORY] = BUFFER_HISTORY,
+      [HBIL_STAGE_CARRIED] = BUFFER_CARRIED,
+      [HBIL_STAGE_SPLIT] = BUFFER_SPLIT,
+      [HBIL_STAGE_GATHERED] = BUFFER_LIGHT,
+      [HBIL_STAGE_RESOLVED] = BUFFER_RESOLVED,
+      [HBIL_STAGE_TEMPORAL_HISTORY] = BUFFER_TEMPORAL,
+      [HBIL_STAGE_AO_GATHERED] = BUFFER_AO_LIGHT,
+      [HBIL_STAGE_AO_RESOLVED] = BUFFER_AO_RESOLVED,
+      [HBIL_STAGE_AO_TEMPORAL_HISTORY] = BUFFER_AO_TEMPORAL};
   if (!plan || !out)
     return fail_null(plan ? plan->context : NULL, __func__,
                      plan ? "out" : "plan");
-  if ((unsigned)stage > HBIL_STAGE_TEMPORAL_HISTORY)
+  if ((unsigned)stage > HBIL_STAGE_AO_TEMPORAL_HISTORY)
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
                 "stage: %d; must be one of hbil_stage, 0 to %d", (int)stage,
-                (int)HBIL_STAGE_TEMPORAL_HISTORY);
-  const layout *l = &plan->layout;
+                (int)HBIL_STAGE_AO_TEMPORAL_HISTORY);
+  const bool of_ao = stage >= HBIL_STAGE_AO_GATHERED;
+  const bool averaged = stage == HBIL_STAGE_TEMPORAL_HISTORY ||
+                        stage == HBIL_STAGE_AO_TEMPORAL_HISTORY;
+  const layout *l = of_ao ? &plan->ao.layout : &plan->layout;
   const int buffer =
-      of_stage[stage] + (stage == HBIL_STAGE_TEMPORAL_HISTORY ? plan->temporal
-                         : stage == HBIL_STAGE_HISTORY        ? plan->history
-                                                              : 0);
+      of_stage[stage] + (averaged                      ? plan->temporal
+                         : stage == HBIL_STAGE_HISTORY ? plan->history
+                                                       : 0);
   memset(out, 0, sizeof *out);
   if (!plan->buffers[buffer])
-    return fail(plan->context, HBIL_INVALID_ARGUMENT,
-                "stage: this plan has no %s",
-                stage == HBIL_STAGE_TEMPORAL_HISTORY
-                    ? "HBIL_STAGE_TEMPORAL_HISTORY (history.max_frames is 0)"
-                : stage == HBIL_STAGE_CARRIED
-                    ? "HBIL_STAGE_CARRIED (no light is carried over)"
-                    : "HBIL_STAGE_HISTORY (no light is carried over)");
+    return fail(
+        plan->context, HBIL_INVALID_ARGUMENT, "stage: this plan has no %s",
+        of_ao && !plan->layout.ao_search
+            ? "search of its own for ao, bent_normal and cone_cosine"
+        : averaged ? "HBIL_STAGE_TEMPORAL_HISTORY (history.max_frames is 0)"
+        : stage == HBIL_STAGE_CARRIED
+            ? "HBIL_STAGE_CARRIED (no light is carried over)"
+            : "HBIL_STAGE_HISTORY (no light is carried over)");
   out->buffer = plan->buffers[buffer];
-  if (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED) {
+  if (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED ||
+      stage == HBIL_STAGE_AO_GATHERED) {
     const hbil_layer_args *layers =
         stage == HBIL_STAGE_SPLIT ? &l->split : &l->light;
     out->plane_pitch = layers->plane;
@@ -142,15 +154,15 @@ hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
   }
   out->plane_pitch = l->planes.plane;
   out->row_pitch = l->planes.row;
-  if (stage == HBIL_STAGE_RESOLVED) {
+  if (stage == HBIL_STAGE_RESOLVED || stage == HBIL_STAGE_AO_RESOLVED) {
     out->values = l->resolved_planes;
     return HBIL_SUCCESS;
   }
   if (stage != HBIL_STAGE_CARRIED)
     out->origin = hbil_history_origin(l->planes);
-  out->values =
-      (cl_uint)((l->bytes[buffer] / sizeof(cl_float) - 2 * out->origin) /
-                out->plane_pitch);
+  out->values = (cl_uint)((plan->layout.bytes[buffer] / sizeof(cl_float) -
+                           2 * out->origin) /
+                          out->plane_pitch);
   if (stage == HBIL_STAGE_CARRIED) /* coarser levels follow */
     out->values = l->carried_planes;
   return HBIL_SUCCESS;

@@ -94,6 +94,14 @@ _Static_assert(2 * MAX_CHAIN + (int)PLANE_COUNT + 30 <= (int)MOST_TIMED,
 /* The light of more bounces differs by less than a rounding: 0.9^n < 2^-24. */
 enum { MOST_BOUNCES = 256 };
 
+/* The search for ao, bent_normal and cone_cosine where the plan has one of its
+ * own (ao_search.c).  Its buffers are the plan's. */
+typedef struct ao_search {
+  hbil_config config;
+  layout layout;
+  kernel_set kernels;
+} ao_search;
+
 struct hbil_plan {
   hbil_context *context;
   hbil_config config; /* formats: as the passes see them (staging.h) */
@@ -101,6 +109,7 @@ struct hbil_plan {
   cl_mem buffers[BUFFER_COUNT];
   memory_range lent; /* the caller's scratch memory; memory is null: none */
   kernel_set kernels;
+  ao_search ao;        /* if layout.ao_search */
   timeline line;       /* of the plan's commands */
   command_times times; /* of the last frame's passes, with profiling */
   /* light of the last frame, and where it was seen from */

@@ -9,6 +9,7 @@
 #include "config.h"
 #include "defines.h"
 #include "passes.h"
+#include "searches.h"
 #include "staging.h"
 
 /* --- programs and kernels --- */
@@ -158,6 +159,7 @@ static hbil_status lay_out(hbil_context *context, const hbil_config *given,
     resolved->execution.horizon_cache_bytes = limits.largest;
   resolved->inputs.sky_depth =
       fminf(resolved->inputs.sky_depth, HBIL_FARTHEST_DEPTH);
+  searches_settle(resolved);
   layout_compute(resolved, &staged, limits.alignment, sizes);
   if (resolved->model.ao_bounces && sizes->radiance)
     return fail(context, HBIL_INVALID_CONFIG,
@@ -210,12 +212,14 @@ static hbil_status create(hbil_context *context, const hbil_config *config,
   plan->layout = sizes;
   plan->lent = lent;
   if ((status = build_kernels(plan)) != HBIL_SUCCESS ||
+      (status = build_ao_search(plan)) != HBIL_SUCCESS ||
       (status = allocate(plan)) != HBIL_SUCCESS ||
       (status = run_first_commands(context, prepare, plan)) != HBIL_SUCCESS) {
     hbil_plan_destroy(plan);
     return status;
   }
   kernels_store(context, &plan->kernels);
+  kernels_store(context, &plan->ao.kernels);
   *out = plan;
   return HBIL_SUCCESS;
 }
@@ -251,6 +255,7 @@ void hbil_plan_destroy(hbil_plan *plan) {
     return;
   forget_times(&plan->times);
   kernels_release(&plan->kernels);
+  kernels_release(&plan->ao.kernels);
   buffers_release(plan->buffers, BUFFER_COUNT);
   timeline_end(&plan->line);
   context_release(plan->context);

@@ -61,10 +61,9 @@ hbil_status enqueue_temporal(hbil_plan *plan, commands *chain,
                            BUFFER_ARG(plan, BUFFER_TEMPORAL + !plan->temporal),
                            ARG(motion),
                            BUFFER_ARG(plan, BUFFER_SANITIZED)};
-  hbil_status status =
-      plan->layout.history
-          ? HBIL_SUCCESS
-          : clear_counts(plan, chain, HBIL_SANITIZED_MOTION, 1);
+  hbil_status status = plan->layout.counts_motion
+                           ? clear_counts(plan, chain, HBIL_SANITIZED_MOTION, 1)
+                           : HBIL_SUCCESS;
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_TEMPORAL, list,
                     (vectors_across(plan) + 3) / 4, c->height, 1);
@@ -79,6 +78,7 @@ hbil_status enqueue_composite(hbil_plan *plan, commands *chain,
   const hbil_composite_args args = composite_args(plan, frame, plane);
   const argument list[] = {ARG(args),
                            BUFFER_ARG(plan, BUFFER_RESOLVED),
+                           BUFFER_ARG(plan, BUFFER_AO_RESOLVED),
                            BUFFER_ARG(plan, BUFFER_ESTIMATE),
                            BUFFER_ARG(plan, next_history(plan)),
                            ARG(plane[PLANE_DEPTH]),

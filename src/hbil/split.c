@@ -59,10 +59,13 @@ static hbil_status clear_layers(const hbil_plan *plan, commands *chain,
 
 hbil_status clear_padding(const hbil_plan *plan, commands *chain) {
   const layout *l = &plan->layout;
-  const hbil_status status =
+  hbil_status status =
       clear_layers(plan, chain, BUFFER_SPLIT, &l->split, HBIL_NOTHING);
-  return status == HBIL_SUCCESS
-             ? clear_layers(plan, chain, BUFFER_LIGHT, &l->light, 0.0f)
+  if (status == HBIL_SUCCESS)
+    status = clear_layers(plan, chain, BUFFER_LIGHT, &l->light, 0.0f);
+  return status == HBIL_SUCCESS && l->ao_search
+             ? clear_layers(plan, chain, BUFFER_AO_LIGHT,
+                            &plan->ao.layout.light, 0.0f)
              : status;
 }
 

@@ -51,6 +51,7 @@ static int check_positive(const char *option, float value, image_error *error) {
 int exact_sequence_check(const hbil_config *c, image_error *error) {
   const float low = c->model.facing_fade[0], high = c->model.facing_fade[1];
   if (check_positive("--radius", c->model.radius, error) != 0 ||
+      check_positive("--ao-radius", c->model.ao_radius, error) != 0 ||
       check_positive("--thickness", c->model.thickness, error) != 0 ||
       check_positive("--relative-thickness", c->model.relative_thickness,
                      error) != 0 ||

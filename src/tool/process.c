@@ -106,7 +106,8 @@ static int prepare_cache(job *j, image_error *error) {
   j->config.model.cache_method =
       s->far ? (hbil_cache_method)s->far : HBIL_CACHE_METHOD_RAYS;
   if (!s->thickness_given && !s->paper)
-    j->config.model.relative_thickness = with_cache.model.relative_thickness;
+    j->config.model.near_relative_thickness =
+        with_cache.model.near_relative_thickness;
   return views_check(j, error) != 0 ||
                  (s->cache_load &&
                   cache_file_read(s->cache_load, &j->loaded, error) != 0)

@@ -52,7 +52,8 @@ void process_help(void) {
       {"levels", cache.levels},
       {"voxels", cache.voxels},
       {"near_voxels", HBIL_CACHE_NEAR_VOXELS},
-      {"thickness_with_cache", (double)with_cache.model.relative_thickness}};
+      {"thickness_with_cache",
+       (double)with_cache.model.near_relative_thickness}};
   option_command c = command;
   c.values = values;
   c.value_count = sizeof values / sizeof *values;

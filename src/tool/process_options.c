@@ -322,14 +322,21 @@ static const option_row model_rows[] = {
      .relations = {NEEDS(SETTING(config.model.mode), 1u << HBIL_MODE_HBAO,
                          "")}},
     {ROW_FLOATS("radius", CONFIG(model.radius), 1, "R"),
-     .help = "world units, or inf ({}; with a radiance cache, {near_voxels} of "
-             "its voxels)"},
+     .help = "of the near field, world units or inf: farther surfaces send no "
+             "near light and block no far light ({}; with a radiance cache, "
+             "{near_voxels} of its voxels)"},
+    {ROW_FLOATS("ao-radius", CONFIG(model.ao_radius), 1, "R"),
+     .help = "of the occluders in the layers ao, bent_normal and cone_cosine, "
+             "world units or inf; hbao has --radius in its place ({})",
+     .relations = {NOT_WITH(SETTING(config.model.mode), 1u << HBIL_MODE_HBAO,
+                            "whose --radius it is")}},
     {ROW_FLOATS("thickness", CONFIG(model.thickness), 1, "T"),
      .help = "of occluders, world units ({})"},
     {ROW_FLOATS("relative-thickness", CONFIG(model.relative_thickness), 1, "T"),
      .help =
          "the same as a share of their depth, or of an orthographic picture's "
-         "width ({}; with a radiance cache, {thickness_with_cache})"},
+         "width ({}; with a radiance cache, that of near light is "
+         "{thickness_with_cache})"},
     {ROW_FLOATS("facing-fade", CONFIG(model.facing_fade), 2, "A,B"),
      .help = "cosines between which the light of a sample fades in ({})"},
     {ROW_CHOICE("back-facing-fallback", CONFIG(model.back_facing_fallback),

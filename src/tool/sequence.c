@@ -271,7 +271,8 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
 /* History                                                                   */
 
 static const hbil_stage history_stages[] = {HBIL_STAGE_HISTORY,
-                                            HBIL_STAGE_TEMPORAL_HISTORY};
+                                            HBIL_STAGE_TEMPORAL_HISTORY,
+                                            HBIL_STAGE_AO_TEMPORAL_HISTORY};
 enum { HISTORIES = sizeof history_stages / sizeof *history_stages };
 
 /* Where a history lies in its buffer, in bytes, without the padding around its

@@ -29,6 +29,8 @@ static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
   plain.config.outputs.glossy = guarded.config.outputs.glossy = three_floats;
   plain.config.execution.horizon_cache_bytes =
       guarded.config.execution.horizon_cache_bytes = horizon_cache_bytes;
+  if (reprojection == HBIL_REPROJECTION_MOTION) /* ao has its own search */
+    plain.config.model.radius = guarded.config.model.radius = 2.0f;
   setup_start_compiled(&plain);
   shim_guard_buffers(true);
   setup_start_compiled(&guarded);

@@ -279,7 +279,7 @@ static void the_light_of_two_lamps_is_their_sum(void **state) {
 static exact_planes room_in_units(float size, float radius) {
   setup s;
   setup_scene(&s, SCENE_ROOM, 61, 37, 0);
-  s.config.model.radius = radius * size;
+  s.config.model.radius = s.config.model.ao_radius = radius * size;
   for (size_t i = 0; i < setup_pixels(&s); ++i)
     s.input[EXACT_DEPTH][i] *= size;
   setup_start(&s);

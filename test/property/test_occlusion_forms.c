@@ -279,7 +279,7 @@ static void start_corner(setup *s, const corner *k, hbil_mode mode,
   setup_camera(s, 110.0);
   setup_mode(s, mode);
   s->config.model.falloff = falloff;
-  s->config.model.radius = 1.0f;
+  s->config.model.radius = s->config.model.ao_radius = 1.0f;
   s->config.sampling.slices = 32;
   s->config.sampling.steps_per_side = 192;
   s->config.sampling.step_growth = 0.0f;

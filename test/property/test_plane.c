@@ -100,7 +100,7 @@ static void check_mode(hbil_mode mode, float radius, float thickness) {
   setup s;
   setup_init(&s, WIDTH, HEIGHT);
   setup_mode(&s, mode);
-  s.config.model.radius = radius;
+  s.config.model.radius = s.config.model.ao_radius = radius;
   s.config.model.thickness = thickness;
   check_planes(&s, &limit);
 }

@@ -107,6 +107,14 @@ static void any_lengths(hbil_model *m, hardness kind, random_state *r) {
     m->relative_thickness = kind == WILD && maybe(r, 0.3) ? 1e-6f : 0.08f;
 }
 
+/* Limits of the search for the outputs: half of the cases have one search. */
+static void any_search(hbil_model *m, uint64_t seed) {
+  static const float radii[] = {INFINITY, 0.5f, 2.0f};
+  m->ao_radius = seed / 3 % 2 ? m->radius : radii[seed / 6 % 3];
+  if (seed / 3 % 2 == 0 && seed / 18 % 2 && !isinf(m->relative_thickness))
+    m->near_relative_thickness = 0.02f;
+}
+
 static void any_facing(hbil_model *m, random_state *r) {
   static const float fades[][2] = {{-1.0f, -1.0f}, {-0.1f, 0.0f}, {-0.5f, 0.5f},
                                    {0.2f, 0.2f},   {0.0f, 1.0f},  {1.0f, 1.0f}};
@@ -200,13 +208,14 @@ void draw_case(setup *s, drawn *d, uint64_t seed) {
   /* not by `r`: the other settings of a seed stay as they were */
   if (s->config.model.mode != HBIL_MODE_HBIL)
     s->config.model.ao_bounces = (hbil_ao_bounces)(seed % 3);
+  any_search(&s->config.model, seed);
   any_units(&s->config.inputs, d->kind, r);
   s->frame.hardware_depth[0] = 0.0;
   s->frame.hardware_depth[1] = HARDWARE_NEAR;
 }
 
 /* What decides about build defines and about paths of the kernels. */
-enum { FEATURES = 30, VALUES = 16, CANDIDATES = 64 };
+enum { FEATURES = 32, VALUES = 16, CANDIDATES = 64 };
 
 static void features_of(const setup *s, const drawn *d, int f[FEATURES]) {
   const hbil_config *c = &s->config;
@@ -218,6 +227,8 @@ static void features_of(const setup *s, const drawn *d, int f[FEATURES]) {
       d->kind,
       c->inputs.projection,
       isinf(m->radius),
+      m->ao_radius == m->radius ? 0 : 1 + isinf(m->ao_radius),
+      isinf(m->near_relative_thickness),
       !isinf(m->thickness) + 2 * !isinf(m->relative_thickness),
       m->facing_fade[1] <= -1.0f ? 0
                                  : 1 + (m->facing_fade[0] < m->facing_fade[1]),
@@ -293,7 +304,8 @@ void draw_tell(const setup *s, const drawn *d) {
   STRESS_CASE(
       "HBIL_STRESS_CASE=%llu: %s in units of %g, %.3g of it spoiled, "
       "field of view %g, off centre %g, %g, pixels 1 : %g\n"
-      "%u x %u, projection %d mode %d falloff %d radius %g thickness %g %g "
+      "%u x %u, projection %d mode %d falloff %d radius %g ao_radius %g "
+      "thickness %g %g near %g "
       "facing_fade %g %g fallback %d extrapolate %d gather_emission %d "
       "feedback %d far_field %d roughness %g ao_bounces %d, reprojection %d "
       "disocclusion %g\n"
@@ -305,7 +317,8 @@ void draw_tell(const setup *s, const drawn *d) {
       d->kind == SCENES ? "scenes" : content_names[d->what], d->scale,
       d->spoiled, v->fov, v->off_x, v->off_y, v->pixel, c->width, c->height,
       (int)c->inputs.projection, (int)m->mode, (int)m->falloff,
-      (double)m->radius, (double)m->thickness, (double)m->relative_thickness,
+      (double)m->radius, (double)m->ao_radius, (double)m->thickness,
+      (double)m->relative_thickness, (double)m->near_relative_thickness,
       (double)m->facing_fade[0], (double)m->facing_fade[1],
       (int)m->back_facing_fallback, (int)m->extrapolate,
       (int)m->gather_emission, (int)m->feedback, (int)m->far_field,

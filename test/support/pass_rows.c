@@ -285,11 +285,15 @@ static void check_parts(const under_way *u, const char *pass, hbil_stage stage,
                         const part *parts, int count, const exact_planes *got,
                         const exact_planes *want) {
   const bool packed = u->s->config.sampling.storage != HBIL_STORAGE_FLOAT32 &&
-                      stage != HBIL_STAGE_RESOLVED;
+                      stage != HBIL_STAGE_RESOLVED &&
+                      stage != HBIL_STAGE_AO_RESOLVED;
   for (int i = 0; i < count; ++i)
     if (has_part(u, stage, parts + i))
       check_part(u, pass, parts + i, packed,
-                 stage == HBIL_STAGE_GATHERED ? few_pixels(u) : 0, got, want);
+                 stage == HBIL_STAGE_GATHERED || stage == HBIL_STAGE_AO_GATHERED
+                     ? few_pixels(u)
+                     : 0,
+                 got, want);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -307,7 +311,10 @@ static exact_planes read_stage(const under_way *u, hbil_stage stage) {
                                [HBIL_STAGE_CARRIED] = HBIL_CARRIED_PLANES,
                                [HBIL_STAGE_SPLIT] = HBIL_SPLIT_PLANES,
                                [HBIL_STAGE_GATHERED] = EXACT_GLOSSY_GATHERED,
-                               [HBIL_STAGE_RESOLVED] = EXACT_RESOLVED_PLANES};
+                               [HBIL_STAGE_RESOLVED] = EXACT_RESOLVED_PLANES,
+                               [HBIL_STAGE_AO_GATHERED] = EXACT_GLOSSY_GATHERED,
+                               [HBIL_STAGE_AO_RESOLVED] =
+                                   EXACT_RESOLVED_PLANES};
   exact_planes all = no_planes(u, counts[stage]);
   exact_planes some = stage_read(u->s, stage);
   memcpy(all.values, some.values, count_values(&some) * sizeof *all.values);
@@ -507,6 +514,43 @@ static void check_recompose(under_way *u) {
     exact_planes_free(&light);
 }
 
+/* The search for the outputs, where it is one of its own: gather and recompose
+ * have run it behind that of light.  Writes the outputs that show it. */
+static void check_ao_search(const under_way *u, exact_planes *out) {
+  hbil_config config;
+  setup s = *u->s;
+  under_way ao = *u;
+  hbil_buffer b;
+  const bool searches = exact_searches_ao(&u->s->config, &config);
+  assert_int_equal(searches,
+                   hbil_plan_buffer(u->s->plan, HBIL_STAGE_AO_GATHERED, &b) ==
+                       HBIL_SUCCESS);
+  if (!searches)
+    return;
+  s.config = config;
+  s.job.config = &config;
+  ao.s = &s;
+  exact_planes want = no_planes(u, EXACT_GLOSSY_GATHERED);
+  checked_gather(&s.job, &u->split, &want);
+  exact_planes got = read_stage(&ao, HBIL_STAGE_AO_GATHERED);
+  if (exact_weighs_slices(&config))
+    forget_unseen(&want, &got);
+  check_parts(&ao, "gather of ao", HBIL_STAGE_AO_GATHERED,
+              PARTS(gathered_parts), &got, &want);
+  exact_planes_free(&want);
+  want = no_planes(u, EXACT_RESOLVED_PLANES);
+  exact_recompose(&s.job, &u->split, &got, &want);
+  exact_planes resolved = read_stage(&ao, HBIL_STAGE_AO_RESOLVED);
+  exact_composite_ao(&s.job, &resolved, out);
+  to_variances(&ao, &got, &resolved);
+  to_variances(&ao, &got, &want);
+  check_parts(&ao, "recompose of ao", HBIL_STAGE_AO_RESOLVED,
+              PARTS(resolved_parts), &resolved, &want);
+  exact_planes_free(&got);
+  exact_planes_free(&want);
+  exact_planes_free(&resolved);
+}
+
 /* Derived: half floats round by 2^-11, and have no larger value than 65504;
  * else a dozen fp32 roundings, and of glossy light some thirty and those of the
  * lobe's 1 - cosine, of 2^-24, times k of 75. */
@@ -534,6 +578,7 @@ static void check_composite(under_way *u) {
                           random_light(u, EXACT_RESOLVED_PLANES, false));
   setup_run(u->s, enqueue_composite);
   exact_composite(&u->s->job, &u->resolved, &want, &history);
+  check_ao_search(u, &want);
   if (u->s->config.outputs.glossy.component)
     exact_glossy(&u->s->job, &u->split, &u->resolved, NULL, &want);
   exact_planes got = outputs_read(u->s);

@@ -53,13 +53,24 @@ static void take_gathered(const setup *s, stage_bytes *t) {
 
 bool gathers_light(const setup *s) {
   hbil_buffer split;
+  if (s->config.model.mode != HBIL_MODE_HBIL)
+    return false;
   assert_success(s, hbil_plan_buffer(s->plan, HBIL_STAGE_SPLIT, &split));
   return split.values > (s->config.sampling.storage == HBIL_STORAGE_FLOAT32
                              ? HBIL_SPLIT_RED
                              : HBIL_PACKED_RADIANCE);
 }
 
+/* The stage whose values and layout a stage has. */
+static hbil_stage like(hbil_stage stage) {
+  return stage == HBIL_STAGE_AO_GATHERED           ? HBIL_STAGE_GATHERED
+         : stage == HBIL_STAGE_AO_RESOLVED         ? HBIL_STAGE_RESOLVED
+         : stage == HBIL_STAGE_AO_TEMPORAL_HISTORY ? HBIL_STAGE_TEMPORAL_HISTORY
+                                                   : stage;
+}
+
 static bool is_packed(const setup *s, hbil_stage stage) {
+  stage = like(stage);
   return s->config.sampling.storage != HBIL_STORAGE_FLOAT32 &&
          stage != HBIL_STAGE_RESOLVED && stage != HBIL_STAGE_TEMPORAL_HISTORY;
 }
@@ -67,8 +78,9 @@ static bool is_packed(const setup *s, hbil_stage stage) {
 static int plain_planes(const setup *s, hbil_stage stage, int words);
 
 static stage_bytes stage_open(setup *s, hbil_stage stage) {
-  stage_bytes t = {.stage = stage};
+  stage_bytes t = {.stage = like(stage)};
   assert_success(s, hbil_plan_buffer(s->plan, stage, &t.b));
+  stage = t.stage;
   t.plain = (int)t.b.values;
   assert_true(t.plain <= MOST_VALUES);
   if (stage == HBIL_STAGE_GATHERED)
@@ -193,7 +205,7 @@ exact_planes stage_read(setup *s, hbil_stage stage) {
     for (int y = 0; y < out.height; ++y)
       for (int x = 0; x < out.width; ++x)
         *exact_at(&out, t.plane[i], x, y) = (double)*stage_at(&t, i, x, y);
-  if (stage == HBIL_STAGE_GATHERED)
+  if (like(stage) == HBIL_STAGE_GATHERED)
     clear_left_out(s, &out);
   free(t.floats);
   return out;

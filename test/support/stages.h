@@ -12,7 +12,8 @@
 /* Reads a stage.  Packed words are decoded: the planes are those of
  * HBIL_STORAGE_FLOAT32, whatever the plan's storage.  Those of glossy light and
  * of errors are where exact/glossy.h has them.  In GATHERED, pixels that the
- * settings leave out are 0. */
+ * settings leave out are 0.  Stages of a search of their own (AO_) need a setup
+ * whose configuration is that search's (exact_searches_ao()). */
 exact_planes stage_read(setup *s, hbil_stage stage);
 /* Whether the plan has that stage, and that plane in it. */
 bool stage_has(setup *s, hbil_stage stage, int plane);

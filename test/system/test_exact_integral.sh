@@ -106,6 +106,8 @@ for useless in '--steps-per-side 8' '--step-growth 1' '--sample-grid full-resolu
 done
 rejected "the exact integral with too many slices" 'from 1 to 4096' \
   exact --slices 5000 -o "$work/never" "$first"
+rejected "the exact integral with a bad radius of ao" '--ao-radius -1: a positive' \
+  exact --ao-radius=-1 -o "$work/never" "$first"
 rejected "the exact integral with a bad radius" '--radius -1: a positive' \
   exact --radius=-1 -o "$work/never" "$first"
 rejected "the exact integral with a bad facing" '--facing-fade 1,0' \

@@ -91,6 +91,8 @@ for option in thickness=0 relative-thickness=-1 unit-scale=1e9 step-growth=65 \
 done
 rejected "half resolution without the filter" '--unfiltered: not with --resolution half' \
   process --resolution half --unfiltered "$one"
+rejected "hbao's other radius" '--ao-radius.*--mode hbao' \
+  process --mode hbao --ao-radius 1 "$one"
 rejected "bounces beside near light" '--ao-bounces paper: not with --mode hbil' \
   process --ao-bounces paper "$one"
 rejected "glossy light of cones" '--layers glossy: not with --far cones' \

@@ -110,7 +110,8 @@ static void a_plan_uses_a_cache(void **state) {
     assert_int_equal(c.gather_emission, CL_FALSE);
     assert_int_equal(plan.model.cache_method, HBIL_CACHE_METHOD_CONES);
     assert_true(plan.model.radius == 1.0f); /* four voxels */
-    assert_true(plan.model.relative_thickness == (i ? 0.1f : 0.02f));
+    assert_true(plan.model.relative_thickness == (i ? 0.1f : 0.06f));
+    assert_true(plan.model.near_relative_thickness == (i ? INFINITY : 0.02f));
     assert_true(isinf(plan.model.thickness));
   }
 }

@@ -64,6 +64,8 @@ static const member members[] = {
     MEMBER(model.cache_method),
     MEMBER(model.roughness),
     MEMBER(model.ao_bounces),
+    MEMBER(model.ao_radius),
+    MEMBER(model.near_relative_thickness),
     MEMBER(sampling.slices),
     MEMBER(sampling.steps_per_side),
     MEMBER(sampling.step_growth),

@@ -53,6 +53,8 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(c.width == 0 && c.height == 0);
   assert_true(c.inputs.depth.component == HBIL_NONE);
   assert_true(isinf(c.inputs.sky_depth) && isinf(c.model.radius));
+  assert_true(isinf(c.model.ao_radius) &&
+              isinf(c.model.near_relative_thickness));
   assert_true(c.inputs.direct_scale == 1.0f);
   assert_true(c.sampling.slices == 3 && c.sampling.steps_per_side == 56 &&
               c.sampling.step_growth == 3.0f);
@@ -114,6 +116,10 @@ static const char *spoil_config(hbil_config *c, int which) {
   SPOIL("radius", c->model.radius = NAN);
   SPOIL("radius", c->model.radius = 0.0f);
   SPOIL("radius", c->model.radius = -1.0f);
+  SPOIL("ao_radius", c->model.ao_radius = NAN);
+  SPOIL("ao_radius", c->model.ao_radius = 0.0f);
+  SPOIL("near_relative_thickness", c->model.near_relative_thickness = NAN);
+  SPOIL("near_relative_thickness", c->model.near_relative_thickness = -1.0f);
   SPOIL("thickness", c->model.thickness = -0.1f);
   SPOIL("thickness", c->model.thickness = NAN);
   SPOIL("relative_thickness", c->model.relative_thickness = 0.0f);

@@ -1,0 +1,331 @@
+/*
+ * One meaning a layer: ao, bent_normal, cone_cosine and the error of AO are
+ * those of occluders within model.ao_radius, whatever the near field is and
+ * whether or not there is a radiance cache.  Light doesn't depend on them.
+ */
+#include "test/support/lit_frame.h"
+#include "test/support/stages.h"
+
+#define WIDTH 96
+#define HEIGHT 60
+#define NEAR 0.4f
+
+/* The outputs that show occlusion, and those that show light. */
+static const plane_id shown[] = {PLANE_AO, PLANE_BENT, PLANE_CONE};
+static const plane_id lit[] = {PLANE_NEAR,   PLANE_FAR,     PLANE_INDIRECT,
+                               PLANE_BEAUTY, PLANE_UNKNOWN, PLANE_GLOSSY};
+#define COUNT(list) (sizeof(list) / sizeof *(list))
+
+/* The largest difference of an output. */
+static double difference(const exact_planes *a, const exact_planes *b,
+                         plane_id id) {
+  const size_t plane = (size_t)a->width * (size_t)a->height;
+  const size_t channels = (size_t)plane_channels(id);
+  const size_t start = plane * (size_t)plane_first(id);
+  double most = 0.0;
+  for (size_t i = start; i < start + plane * channels; ++i)
+    most = fmax(most, fabs(a->values[i] - b->values[i]));
+  return most;
+}
+
+/* How far a layer may be off.  Variants of the gather for vectors divide by
+ * estimates, and the compiler makes others where light is gathered beside
+ * occlusion.  Bent normals have few digits where what is open cancels, and
+ * errors are roots of differences of squares, times up to 2.6.  Measured in
+ * floats: 1.5e-6, 6.5e-5, 3e-6.  Packed, a rounding may become a step of 16
+ * bits, or of 10 in a bent normal; measured: 0, with one cache 6.2e-6. */
+typedef struct limits {
+  double ao, bent, squared_error;
+} limits;
+static const limits packed = {0x1p-16, 1e-3, 1e-5}, floats = {3e-6, 1e-4, 1e-5};
+
+static void check_occlusion(const exact_planes *got, const exact_planes *want,
+                            const limits *most) {
+  double off = 0.0;
+  for (size_t i = 0; i < COUNT(shown); ++i)
+    check_at_most(plane_name(shown[i]), difference(got, want, shown[i]),
+                  shown[i] == PLANE_BENT ? most->bent : most->ao);
+  for (int i = 0; i < got->width * got->height; ++i) {
+    const int x = i % got->width, y = i / got->width;
+    off =
+        fmax(off, fabs(pow(*exact_at(got, EXACT_ERROR_ESTIMATE, x, y), 2.0) -
+                       pow(*exact_at(want, EXACT_ERROR_ESTIMATE, x, y), 2.0)));
+  }
+  check_at_most("squared error of AO", off, most->squared_error);
+}
+
+static void check_light(const exact_planes *got, const exact_planes *want) {
+  for (size_t i = 0; i < COUNT(lit); ++i)
+    check_at_most(plane_name(lit[i]), difference(got, want, lit[i]), 0.0);
+}
+
+/* A frame of a furnished room with everything in it. */
+typedef struct kind {
+  const char *what;
+  bool packed, thick, orthographic;
+  cl_uint slices, width;
+  hbil_resolution resolution;
+} kind;
+
+static const kind kinds[] = {
+    {"default", true, false, false, 3, 0, HBIL_RESOLUTION_FULL},
+    {"half resolution, a slice", true, false, false, 1, 4,
+     HBIL_RESOLUTION_HALF},
+    {"single pixels, floats", false, false, true, 2, 1, HBIL_RESOLUTION_FULL},
+    {"infinite thickness", false, true, false, 2, 8, HBIL_RESOLUTION_HALF},
+};
+
+static void prepare(setup *s, const kind *k) {
+  setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
+  if (k->orthographic) {
+    s->config.inputs.projection = HBIL_PROJECTION_ORTHOGRAPHIC;
+    setup_load_scene(s, SCENE_ROOM, 0);
+  }
+  setup_all_outputs(s);
+  s->config.outputs.glossy = three_floats;
+  s->config.sampling.storage =
+      k->packed ? HBIL_STORAGE_PACKED : HBIL_STORAGE_FLOAT32;
+  s->config.sampling.slices = k->slices;
+  s->config.sampling.resolution = k->resolution;
+  s->config.execution.vector_width = k->width;
+  s->config.model.relative_thickness = k->thick ? INFINITY : 0.06f;
+  s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
+  s->config.model.far_field = HBIL_FAR_FRAME;
+}
+
+static void without_occlusion(hbil_config *config) {
+  for (size_t k = 0; k < COUNT(shown); ++k)
+    plane_format(config, shown[k])->component = HBIL_NONE;
+  config->outputs.error_estimate.component = HBIL_NONE;
+}
+
+static exact_planes run(setup *s) {
+  setup_start(s);
+  setup_run(s, hbil_enqueue_frame);
+  return outputs_read(s);
+}
+
+/* Occlusion is that of a frame whose near field reaches as far. */
+static void it_counts_within_ao_radius(void **state) {
+  static const float radii[] = {INFINITY, 1.0f};
+  (void)state;
+  for (size_t i = 0; i < COUNT(kinds); ++i)
+    for (size_t k = 0; k < COUNT(radii); ++k) {
+      setup same, nearer;
+      print_message("%s, ao_radius %g\n", kinds[i].what, (double)radii[k]);
+      prepare(&same, kinds + i);
+      same.config.model.radius = same.config.model.ao_radius = radii[k];
+      exact_planes want = run(&same);
+      prepare(&nearer, kinds + i);
+      nearer.config.model.radius = k ? INFINITY : NEAR;
+      nearer.config.model.ao_radius = radii[k];
+      nearer.config.model.near_relative_thickness = 0.02f;
+      exact_planes got = run(&nearer);
+      check_occlusion(&got, &want, kinds[i].packed ? &packed : &floats);
+      assert_true(difference(&got, &want, PLANE_NEAR) > 1e-3);
+      exact_planes_free(&got);
+      exact_planes_free(&want);
+      setup_free(&same);
+      setup_free(&nearer);
+    }
+}
+
+/* Light has the bits that it has where nobody asks for occlusion, or for that
+ * of the near field. */
+static void light_does_not_depend_on_it(void **state) {
+  (void)state;
+  for (size_t i = 0; i < COUNT(kinds); ++i) {
+    setup alone, both;
+    prepare(&alone, kinds + i);
+    alone.config.model.radius = NEAR;
+    if (i % 2)
+      without_occlusion(&alone.config);
+    else
+      alone.config.model.ao_radius = NEAR;
+    exact_planes want = run(&alone);
+    prepare(&both, kinds + i);
+    both.config.model.radius = NEAR;
+    exact_planes got = run(&both);
+    check_light(&got, &want);
+    for (int p = 0; p < WIDTH * HEIGHT && i % 2 == 0; ++p)
+      assert_true(
+          *exact_at(&got, EXACT_ERROR_ESTIMATE + 1, p % WIDTH, p / WIDTH) ==
+          *exact_at(&want, EXACT_ERROR_ESTIMATE + 1, p % WIDTH, p / WIDTH));
+    exact_planes_free(&got);
+    exact_planes_free(&want);
+    setup_free(&alone);
+    setup_free(&both);
+  }
+}
+
+/* Where no light is shown there is one search, that of the outputs: with the
+ * memory and the bits of a plan whose radius it is. */
+static void occlusion_alone_has_one_search(void **state) {
+  (void)state;
+  for (int mode = HBIL_MODE_HBIL; mode <= HBIL_MODE_GTAO; ++mode) {
+    setup s[2];
+    exact_planes out[2];
+    for (int i = 0; i < 2; ++i) {
+      prepare(s + i, kinds);
+      setup_no_outputs(s + i);
+      s[i].config.model.mode = (hbil_mode)mode;
+      s[i].config.model.far_field =
+          mode == HBIL_MODE_HBIL ? HBIL_FAR_FRAME : HBIL_FAR_NONE;
+      s[i].config.outputs.ao = one_float;
+      s[i].config.outputs.bent_normal = three_floats;
+      s[i].config.model.ao_radius = 1.0f;
+      s[i].config.model.radius = i ? 1.0f : NEAR;
+      out[i] = run(s + i);
+    }
+    assert_int_equal(setup_memory(s), setup_memory(s + 1));
+    assert_memory_equal(out[0].values, out[1].values,
+                        count_values(out) * sizeof *out->values);
+    for (int i = 0; i < 2; ++i) {
+      exact_planes_free(out + i);
+      setup_free(s + i);
+    }
+  }
+}
+
+/* A second search takes memory only where it is made. */
+static void memory_is_taken_where_needed(void **state) {
+  setup s;
+  (void)state;
+  prepare(&s, kinds);
+  const size_t one = setup_memory(&s);
+  s.config.model.radius = s.config.model.ao_radius = NEAR;
+  const size_t limited = setup_memory(&s);
+  assert_true(limited > one); /* the table of steps */
+  s.config.model.ao_radius = INFINITY;
+  assert_true(setup_memory(&s) > limited);
+  without_occlusion(&s.config);
+  assert_true(setup_memory(&s) < limited);
+  setup_free(&s);
+}
+
+/* GTAO: far light goes through the near field's cone. */
+static void gtao_has_both(void **state) {
+  setup s[3];
+  exact_planes out[3];
+  (void)state;
+  for (int i = 0; i < 3; ++i) {
+    prepare(s + i, kinds);
+    setup_mode(s + i, HBIL_MODE_GTAO);
+    s[i].config.model.far_field = HBIL_FAR_SH;
+    s[i].config.model.radius = i ? NEAR : INFINITY;
+    s[i].config.model.ao_radius = i == 1 ? NEAR : INFINITY;
+    lit_environment(s + i);
+    out[i] = run(s + i);
+  }
+  check_occlusion(out + 2, out, &packed);
+  check_light(out + 2, out + 1);
+  assert_true(difference(out + 2, out, PLANE_FAR) > 1e-3);
+  for (int i = 0; i < 3; ++i) {
+    exact_planes_free(out + i);
+    setup_free(s + i);
+  }
+}
+
+/* HBAO counts within `radius`. */
+static void hbao_has_none(void **state) {
+  setup s[2];
+  exact_planes out[2];
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    prepare(s + i, kinds);
+    setup_mode(s + i, HBIL_MODE_HBAO);
+    s[i].config.model.far_field = HBIL_FAR_NONE;
+    s[i].config.model.radius = 1.0f;
+    s[i].config.model.ao_radius = i ? 0.1f : INFINITY;
+    s[i].config.model.near_relative_thickness = i ? 0.01f : INFINITY;
+    out[i] = run(s + i);
+  }
+  assert_memory_equal(out[0].values, out[1].values,
+                      count_values(out) * sizeof *out->values);
+  for (int i = 0; i < 2; ++i) {
+    exact_planes_free(out + i);
+    setup_free(s + i);
+  }
+}
+
+/* Frames in a row: averaged over frames, static, and pass by pass. */
+static void sequences_agree(void **state) {
+  (void)state;
+  for (cl_uint frames = 0; frames <= 4; frames += 4) {
+    setup same, nearer;
+    prepare(&same, kinds);
+    prepare(&nearer, kinds);
+    same.config.history.max_frames = nearer.config.history.max_frames = frames;
+    same.config.outputs.glossy.component =
+        nearer.config.outputs.glossy.component = HBIL_NONE;
+    nearer.config.model.radius = NEAR;
+    nearer.config.execution.horizon_cache_bytes = frames ? 0 : 1 << 24;
+    setup_start(&same);
+    setup_start(&nearer);
+    for (cl_uint i = 0; i < 5; ++i) {
+      same.frame.frame_index = nearer.frame.frame_index = frames ? i : 0;
+      same.frame.static_frame = nearer.frame.static_frame = i > 1;
+      setup_run(&same, hbil_enqueue_frame);
+      if (i % 2)
+        setup_run(&nearer, hbil_enqueue_frame);
+      else
+        for (hbil_pass p = HBIL_PASS_REPROJECT; p <= HBIL_PASS_COMPOSITE; ++p)
+          assert_success(
+              &nearer, hbil_enqueue_passes(nearer.plan, nearer.device->queue,
+                                           &nearer.frame, p, p, 0, NULL, NULL));
+      exact_planes want = outputs_read(&same), got = outputs_read(&nearer);
+      check_occlusion(&got, &want, &packed);
+      exact_planes_free(&got);
+      exact_planes_free(&want);
+    }
+    setup_free(&same);
+    setup_free(&nearer);
+  }
+}
+
+/* A radiance cache, with the settings that hbil_config_use_cache() gives; the
+ * default model. */
+static void a_cache_changes_nothing(void **state) {
+  (void)state;
+  for (int storage = HBIL_STORAGE_PACKED; storage <= HBIL_STORAGE_FLOAT32;
+       ++storage) {
+    lit_frame l;
+    setup without;
+    lit_prepare(&l, HBIL_CACHE_METHOD_RAYS, 0, SCENE_ROOM,
+                HBIL_PROJECTION_PERSPECTIVE, HBIL_FAR_FRAME);
+    view_prepare(&without, SCENE_ROOM, LIT_WIDTH, LIT_HEIGHT, 3,
+                 HBIL_PROJECTION_PERSPECTIVE);
+    setup_all_outputs(&without);
+    hbil_cache_config cache = l.f.config;
+    hbil_config *const configs[] = {&l.s.config, &without.config};
+    for (int i = 0; i < 2; ++i) {
+      configs[i]->sampling.storage = (hbil_storage)storage;
+      assert_success(&l.s,
+                     hbil_model_set(&configs[i]->model, HBIL_MODEL_DEFAULT));
+    }
+    assert_success(&l.s, hbil_config_use_cache(&l.s.config, &cache));
+    assert_true(l.s.config.model.radius < INFINITY &&
+                l.s.config.model.relative_thickness == 0.06f &&
+                l.s.config.model.near_relative_thickness == 0.02f);
+    exact_planes got = run(&l.s), want = run(&without);
+    check_occlusion(&got, &want,
+                    storage == HBIL_STORAGE_PACKED ? &packed : &floats);
+    exact_planes_free(&got);
+    exact_planes_free(&want);
+    setup_free(&without);
+    lit_free(&l);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(it_counts_within_ao_radius),
+      cmocka_unit_test(light_does_not_depend_on_it),
+      cmocka_unit_test(occlusion_alone_has_one_search),
+      cmocka_unit_test(memory_is_taken_where_needed),
+      cmocka_unit_test(gtao_has_both),
+      cmocka_unit_test(hbao_has_none),
+      cmocka_unit_test(sequences_agree),
+      cmocka_unit_test(a_cache_changes_nothing)};
+  return RUN_WITH_DEVICE(tests);
+}
