@@ -50,8 +50,8 @@ static extent measure(const surface_points *s) {
   return e;
 }
 
-static void check_radius(const surface_points *s, const extent *e, float radius,
-                         findings *out) {
+static void check_radius(const surface_points *s, const extent *e,
+                         const char *option, float radius, findings *out) {
   double diagonal = 0.0;
   for (int c = 0; c < 3; c++)
     diagonal += (e->high[c] - e->low[c]) * (e->high[c] - e->low[c]);
@@ -61,14 +61,14 @@ static void check_radius(const surface_points *s, const extent *e, float radius,
   if (isfinite(radius) && (double)radius > diagonal)
     findings_add(out,
                  "a radius of %g is larger than all that is seen, %.3g: metres "
-                 "against centimetres? --radius, --unit-scale",
-                 (double)radius, diagonal);
+                 "against centimetres? %s, --unit-scale",
+                 (double)radius, diagonal, option);
   if ((double)radius < pixel)
     findings_add(
         out,
         "a radius of %g is less than a pixel, %.3g where it is nearest: "
-        "metres against centimetres? --radius, --unit-scale",
-        (double)radius, pixel);
+        "metres against centimetres? %s, --unit-scale",
+        (double)radius, pixel, option);
 }
 
 void frame_check_run(const gbuffer *g, const hbil_config *config,
@@ -99,6 +99,9 @@ void frame_check_run(const gbuffer *g, const hbil_config *config,
     out->agreement = check_normals(&s, out->high, others);
   out->positions = check_positions(&s, others);
   check_surfaces(&s, other_camera || others->count > 0, &out->found);
-  check_radius(&s, &e, config->model.radius, &out->found);
+  const hbil_model *model = &config->model;
+  check_radius(&s, &e, "--radius", model->radius, &out->found);
+  if (model->ao_radius != model->radius)
+    check_radius(&s, &e, "--ao-radius", model->ao_radius, &out->found);
   check_colours(&s, &out->found);
 }

@@ -43,6 +43,13 @@ static int read_matrix(const exr_file *f, const char *name, double out[16]) {
   return 1;
 }
 
+static float read_float(const exr_file *f, const char *name) {
+  float value = 0.0f;
+  return exr_attr_get_float(f->context, 0, name, &value) == EXR_ERR_SUCCESS
+             ? value
+             : 0.0f;
+}
+
 static void append_origin(image *out, const char *word, int length) {
   const size_t used = strlen(out->origin);
   snprintf(out->origin + used, sizeof out->origin - used, "%s%.*s",
@@ -94,6 +101,8 @@ void exr_attributes_describe(exr_file *f, image *out) {
   const char *key = read_string(f, EXR_KEY, &length);
   if (key)
     snprintf(out->key, sizeof out->key, "%.*s", length, key);
+  out->near_radius = read_float(f, EXR_NEAR_RADIUS);
+  out->ao_radius = read_float(f, EXR_AO_RADIUS);
   m->has_camera = read_matrix(f, "worldToCamera", m->world_to_camera);
   m->has_ndc = read_matrix(f, "worldToNDC", m->world_to_ndc);
   read_origin(f, out);

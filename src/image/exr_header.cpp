@@ -4,6 +4,7 @@
 #include "image/signature.h"
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStdIO.h>
 #include <OpenEXR/ImfStringAttribute.h>
@@ -34,6 +35,8 @@ bool is_storage(const std::string &name) {
                                       "preview",
                                       "acesImageContainerFlag",
                                       EXR_KEY,
+                                      EXR_NEAR_RADIUS,
+                                      EXR_AO_RADIUS,
                                       EXR_CHECKSUM};
   return std::find(std::begin(names), std::end(names), name) != std::end(names);
 }
@@ -110,6 +113,10 @@ Imf::Header exr_header(const image &img, const unsigned char *half,
     header.insert(EXR_KEY, Imf::StringAttribute(img.key));
     header.insert(EXR_CHECKSUM, Imf::StringAttribute(EXR_CHECKSUM_ROOM));
   }
+  if (img.near_radius > 0.0f)
+    header.insert(EXR_NEAR_RADIUS, Imf::FloatAttribute(img.near_radius));
+  if (img.ao_radius > 0.0f)
+    header.insert(EXR_AO_RADIUS, Imf::FloatAttribute(img.ao_radius));
   for (size_t i = 0; i < img.count; i++)
     header.channels().insert(img.planes[i].name,
                              stored_type(img.planes[i], half && half[i]));

@@ -46,6 +46,11 @@ typedef struct image {
   int gamma;    /* 1: colours are encoded as sRGB; 0: they are linear */
   char key[32]; /* identifies what the image was computed from (see
                  * exr_key.h); "" if the file has no such attribute */
+  /* Of hbil's layers, in world units: near_irradiance is light of surfaces
+   * within the first one and far_irradiance light of what is beyond it; ao,
+   * bent_normal and cone_cosine count occluders within the second one.  0: the
+   * file doesn't say */
+  float near_radius, ao_radius;
 } image;
 
 /* Frees the planes and zeroes the image.  A zeroed image and NULL are allowed.

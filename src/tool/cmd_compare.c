@@ -2,6 +2,7 @@
 #include "image/error.h"
 #include "image/formats.h"
 #include "image/image.h"
+#include "image/image_read.h"
 #include "image/temporary_sweep.h"
 #include "tool/commands.h"
 #include "tool/compare_measure.h"
@@ -164,11 +165,36 @@ static int compare(const compare_options *o, char **arguments, compare_side *a,
   return failed ? -1 : 0;
 }
 
+/* Layers of hbil whose surfaces are within other radii show other things. */
+static void print_radii(const image *a, const image *b) {
+  const struct {
+    const char *what;
+    float a, b;
+  } list[] = {{"near field    ", a->near_radius, b->near_radius},
+              {"radius of ao  ", a->ao_radius, b->ao_radius}};
+  for (size_t i = 0; i < sizeof list / sizeof *list; i++)
+    if (list[i].a > 0.0f && list[i].b > 0.0f && list[i].a != list[i].b)
+      printf("%s %g in A, %g in B\n", list[i].what, (double)list[i].a,
+             (double)list[i].b);
+}
+
+static void tell_radii(const char *a, const char *b) {
+  image headers[2] = {{0}, {0}};
+  image_error error;
+  if (image_read_header(a, headers, &error) == 0 &&
+      image_read_header(b, headers + 1, &error) == 0)
+    print_radii(headers, headers + 1);
+  image_free(headers);
+  image_free(headers + 1);
+}
+
 static int run(const compare_options *o, char **arguments) {
   compare_side a, b;
   image_error error;
   compare_result r = {0};
   int failed = compare(o, arguments, &a, &b, &r, &error) != 0;
+  if (!failed && !o->json)
+    tell_radii(a.path, b.path);
   compare_side_free(&a);
   compare_side_free(&b);
   if (!failed && o->json)

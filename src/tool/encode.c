@@ -133,7 +133,11 @@ static int write_planes(const encoder *e, size_t item, const char *path,
   const exr_style style = {e->job->settings->compression, f->path,
                            job_existing(e->job)};
   const size_t layers = result->count;
+  const hbil_model *model = &e->job->config.model;
   job_key_sign(result, e->resume->keys[item]);
+  result->near_radius = model->radius;
+  result->ao_radius =
+      model->mode == HBIL_MODE_HBAO ? model->radius : model->ao_radius;
   for (size_t i = 0; i < layers; i++)
     result->planes[i].type = e->job->settings->half ? IMAGE_HALF : IMAGE_FLOAT;
   const int failed = add_copied(result, copied) != 0

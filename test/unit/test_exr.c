@@ -246,6 +246,15 @@ static void attributes_are_taken_over(void **state) {
   works(exr_finish(&file));
 }
 
+/* What the result says about its layers. */
+static void check_radii(float near, float ao) {
+  image result;
+  image_error error;
+  assert_int_equal(exr_read_header(result_path, &result, &error), 0);
+  assert_true(result.near_radius == near && result.ao_radius == ao);
+  image_free(&result);
+}
+
 static void what_would_be_untrue_is_not(void **state) {
   const char *text = NULL;
   int32_t length, flag;
@@ -253,8 +262,12 @@ static void what_would_be_untrue_is_not(void **state) {
   write_frame(EXR_COMPRESSION_ZIP);
   image source = read_frame();
   snprintf(source.key, sizeof source.key, "ours");
+  source.near_radius = 0.25f;
+  source.ao_radius = INFINITY;
   write_result(&source, EXR_COMPRESSION_OF_ZIP, frame_path);
+  check_radii(0.25f, INFINITY);
   source.key[0] = '\0';
+  source.near_radius = source.ao_radius = 0.0f;
   exr_context_t file = open_result();
   works(exr_attr_get_string(file, 0, EXR_KEY, &length, &text));
   assert_string_equal(text, "ours");
@@ -263,6 +276,7 @@ static void what_would_be_untrue_is_not(void **state) {
       EXR_ERR_SUCCESS);
   works(exr_finish(&file));
   write_result(&source, EXR_COMPRESSION_OF_ZIP, frame_path);
+  check_radii(0.0f, 0.0f);
   file = open_result();
   assert_int_not_equal(exr_attr_get_string(file, 0, EXR_KEY, &length, &text),
                        EXR_ERR_SUCCESS);

@@ -161,6 +161,11 @@ static void finds_a_radius_of_other_units(void **state) {
     if (cases[i].text)
       assert_non_null(strstr(r.check.found.text[0], cases[i].text));
   }
+  r.config.model.radius = INFINITY;
+  r.config.model.ao_radius = 100.0f;
+  frame_check_run(&r.g, &r.config, &r.map.camera, &r.check);
+  assert_int_equal(r.check.found.count, 1);
+  assert_non_null(strstr(r.check.found.text[0], "--ao-radius"));
   reading_free(&r);
   dump_end(&d);
 }
