@@ -248,38 +248,47 @@ static void hbao_has_none(void **state) {
   }
 }
 
-/* Frames in a row: averaged over frames, static, and pass by pass. */
+static void run_frame(setup *s, cl_uint i, bool pass_by_pass) {
+  const cl_uint averaged = s->config.history.max_frames;
+  s->frame.frame_index = averaged ? i : 0;
+  s->frame.static_frame = i > 1;
+  if (!pass_by_pass)
+    setup_run(s, hbil_enqueue_frame);
+  for (hbil_pass p = HBIL_PASS_REPROJECT;
+       pass_by_pass && p <= HBIL_PASS_COMPOSITE; ++p)
+    assert_success(s, hbil_enqueue_passes(s->plan, s->device->queue, &s->frame,
+                                          p, p, 0, NULL, NULL));
+}
+
+/* Frames in a row: averaged over frames, static with and without a horizon
+ * cache, and pass by pass.  The second plan has two searches, the others one,
+ * whose occlusion and whose light it has. */
 static void sequences_agree(void **state) {
   (void)state;
   for (cl_uint frames = 0; frames <= 4; frames += 4) {
-    setup same, nearer;
-    prepare(&same, kinds);
-    prepare(&nearer, kinds);
-    same.config.history.max_frames = nearer.config.history.max_frames = frames;
-    same.config.outputs.glossy.component =
-        nearer.config.outputs.glossy.component = HBIL_NONE;
-    nearer.config.model.radius = NEAR;
-    nearer.config.execution.horizon_cache_bytes = frames ? 0 : 1 << 24;
-    setup_start(&same);
-    setup_start(&nearer);
-    for (cl_uint i = 0; i < 5; ++i) {
-      same.frame.frame_index = nearer.frame.frame_index = frames ? i : 0;
-      same.frame.static_frame = nearer.frame.static_frame = i > 1;
-      setup_run(&same, hbil_enqueue_frame);
-      if (i % 2)
-        setup_run(&nearer, hbil_enqueue_frame);
-      else
-        for (hbil_pass p = HBIL_PASS_REPROJECT; p <= HBIL_PASS_COMPOSITE; ++p)
-          assert_success(
-              &nearer, hbil_enqueue_passes(nearer.plan, nearer.device->queue,
-                                           &nearer.frame, p, p, 0, NULL, NULL));
-      exact_planes want = outputs_read(&same), got = outputs_read(&nearer);
-      check_occlusion(&got, &want, &packed);
-      exact_planes_free(&got);
-      exact_planes_free(&want);
+    setup s[3];
+    exact_planes out[3];
+    for (int i = 0; i < 3; ++i) {
+      prepare(s + i, kinds);
+      s[i].config.history.max_frames = frames;
+      s[i].config.outputs.glossy.component = HBIL_NONE;
+      s[i].config.model.radius = i ? NEAR : INFINITY;
+      s[i].config.model.ao_radius = i == 2 ? NEAR : INFINITY;
+      s[i].config.execution.horizon_cache_bytes = frames ? 0 : 1 << 24;
+      setup_start(s + i);
     }
-    setup_free(&same);
-    setup_free(&nearer);
+    for (cl_uint k = 0; k < 5; ++k) {
+      for (int i = 0; i < 3; ++i) {
+        run_frame(s + i, k, i == 1 && k % 2 == 0);
+        out[i] = outputs_read(s + i);
+      }
+      check_occlusion(out + 1, out, &packed);
+      check_light(out + 1, out + 2);
+      for (int i = 0; i < 3; ++i)
+        exact_planes_free(out + i);
+    }
+    for (int i = 0; i < 3; ++i)
+      setup_free(s + i);
   }
 }
 
