@@ -64,13 +64,14 @@ static march march_along(const receiver *r, bool at_centres, double ux,
   for (int k = 1; k <= steps; ++k) {
     const double x = r->x + sign_x * k * slope_x;
     const double y = r->y + sign_y * k * slope_y;
-    const int near_x = (int)floor(x + 0.5), near_y = (int)floor(y + 0.5);
+    const int near_x = r->x + sign_x * (int)(k * slope_x + 0.5);
+    const int near_y = r->y + sign_y * (int)(k * slope_y + 0.5);
     if (!exact_planes_contain(r->split, near_x, near_y))
       break;
     if (at_centres)
       exact_march_visit(r, &m, near_x, near_y, NULL);
     else
-      exact_march_cross(r, &m, x, y);
+      exact_march_cross(r, &m, near_x, near_y, x, y);
   }
   exact_march_end(&m);
   return m;

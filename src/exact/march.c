@@ -355,8 +355,9 @@ void exact_march_visit(const receiver *r, march *m, int x, int y,
   visit(r, m, &o, (x - r->x) * r->pixel_x, (y - r->y) * r->pixel_y, step);
 }
 
-void exact_march_cross(const receiver *r, march *m, double x, double y) {
-  occluder o = {.x = (int)floor(x + 0.5), .y = (int)floor(y + 0.5)};
+void exact_march_cross(const receiver *r, march *m, int near_x, int near_y,
+                       double x, double y) {
+  occluder o = {.x = near_x, .y = near_y};
   const double dx = x - o.x, dy = y - o.y; /* one of them is 0 */
   o.w = exact_w_at(r->frame, r->split, o.x, o.y);
   if (isnan(o.w))

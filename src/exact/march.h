@@ -59,9 +59,10 @@ march exact_march_begin(const receiver *r, double ux, double uy);
 void exact_march_visit(const receiver *r, march *m, int x, int y,
                        const hbil_extent *step);
 /* Takes the position (x, y) on the line of the half-slice, one of which is
- * whole, as a sample that stands for itself alone.  There the surface of the
- * nearest pixel goes on to the line. */
-void exact_march_cross(const receiver *r, march *m, double x, double y);
+ * whole, as a sample that stands for itself alone.  The surface of the nearest
+ * pixel, at (near_x, near_y), goes on to the line there. */
+void exact_march_cross(const receiver *r, march *m, int near_x, int near_y,
+                       double x, double y);
 /* After the last sample.  The receiver's list is free again. */
 void exact_march_end(march *m);
 

@@ -57,10 +57,11 @@ double exact_slope_along(const exact_frame *frame, const exact_planes *split,
     step[side] = first - w;
     bend[side] = fabs((isnan(second) ? 0.0 : second - first) - step[side]);
   }
-  if (isnan(step[0]) && isnan(step[1]))
-    return otherwise;
-  const bool right = isnan(step[0]) || (!isnan(step[1]) && bend[1] < bend[0]);
-  return right ? step[1] : -step[0];
+  if (isnan(step[0]) || isnan(step[1]))
+    return !isnan(step[0]) ? -step[0] : !isnan(step[1]) ? step[1] : otherwise;
+  if (fabs(bend[0] - bend[1]) <= ldexp(bend[0] + bend[1], -16))
+    return 0.5 * (step[1] - step[0]);
+  return bend[1] < bend[0] ? step[1] : -step[0];
 }
 
 void exact_surface_slope(const exact_frame *frame, const exact_planes *split,

@@ -24,8 +24,9 @@ double exact_w_at(const exact_frame *frame, const exact_planes *split, int x,
                   int y);
 /* The change of w from the surface at (x, y) to (x + dx, y + dy), its
  * neighbour: the difference to the neighbour on the side where the surface goes
- * on, which is where the second difference is smaller.  A second neighbour that
- * shows no surface counts as 0.  otherwise: without a neighbour. */
+ * on, which is where the second difference is smaller; the mean of both sides
+ * where they are alike.  A second neighbour that shows no surface counts as 0.
+ * otherwise: without a neighbour. */
 double exact_slope_along(const exact_frame *frame, const exact_planes *split,
                          int x, int y, int dx, int dy, double otherwise);
 /* Finds the slope of a surface from the pixels about it. */

@@ -6,6 +6,7 @@
 
 #include <stdio.h>
 
+#include "exact/march.h"
 #include "lib/sampling_pattern.h"
 
 typedef long double real;
@@ -23,8 +24,8 @@ static real measure(real nx, real ny, real along, real up) {
 typedef struct cut {
   real wo[3], r, w;
   real ud, nx, ny; /* u.D; the normal along D and wo */
-  real gx, gy;     /* the plane's gradient of inverse depth */
-  real b;          /* cot(theta) of no slope at all */
+  real gx, gy;     /* the tangent plane's gradient of inverse depth */
+  real sx, sy;     /* the same of the surface's plane */
 } cut;
 
 static cut cut_of(const setup *s, const exact_planes *split, int x, int y,
@@ -47,7 +48,10 @@ static cut cut_of(const setup *s, const exact_planes *split, int x, int y,
   c.nx = (n_u - u_wo * c.ny) / c.ud;
   c.gx = n[0] * c.w / n_r;
   c.gy = n[1] * c.w / n_r;
-  c.b = u_wo / c.ud;
+  const receiver here =
+      exact_receiver(&s->job, split, x, y, COVERAGE_HORIZON, NULL);
+  c.sx = here.s.slope_x;
+  c.sy = here.s.slope_y;
   return c;
 }
 
@@ -73,7 +77,9 @@ static double one_sample_ao(const setup *s, const exact_planes *split, int x,
     const real ex = dx / (real)view.fx, ey = dy / (real)view.fy;
     const real e = sqrtl(ex * ex + ey * ey);
     const real w1 = *exact_at(split, HBIL_SPLIT_W, x + dx, y + dy);
-    const real excess = (w1 - c.w - c.gx * ex - c.gy * ey) / e;
+    /* above the tangent plane, on the slice's line */
+    const real excess = (w1 - c.w - c.sx * ex - c.sy * ey) / e +
+                        (c.sx - c.gx) * ux + (c.sy - c.gy) * uy;
     /* cot(theta) is the tangent plane's, or what the sample adds to it */
     const real cot = -c.nx / c.ny + fmaxl(excess, 0) * c.r / (c.ud * c.w);
     open += measure(c.nx, c.ny, 1, cot);
