@@ -11,10 +11,10 @@
 #include "tool/report.h"
 
 /* What is measured; CASES[0] is what the others are compared to. */
-enum { CASES = 8, FOLLOWED = 2, ALONE = 7 };
+enum { CASES = 10, FOLLOWED = 2, ALONE = 7, NEAR = 8, NEAR_AND_AO = 9 };
 
 typedef struct variant {
-  char label[BENCH_LABEL + 32];
+  char label[BENCH_LABEL + 40];
   hbil_config config;
 } variant;
 
@@ -30,7 +30,8 @@ typedef struct job {
 /* The default; the paper's setting; motion vectors and two other models, which
  * have kernels of their own; half resolution, or full where half is the
  * default; the fastest preset; `indirect` alone, where the others have all
- * outputs of their model. */
+ * outputs of their model; a near field as beside a radiance cache, with its own
+ * occlusion as output and with that of all that the screen shows. */
 static void choose_cases(job *j) {
   bench_setting s[CASES];
   for (int i = 0; i < CASES; i++)
@@ -45,12 +46,19 @@ static void choose_cases(job *j) {
     bench_setting_label(&s[i], label);
     bench_setting_apply(&s[i], &j->content, &j->cases[i].config);
     snprintf(j->cases[i].label, sizeof j->cases[i].label, "%s%s", label,
-             i == FOLLOWED ? ", motion vectors"
-             : i == ALONE  ? ", indirect alone"
-                           : "");
+             i == FOLLOWED      ? ", motion vectors"
+             : i == ALONE       ? ", indirect alone"
+             : i == NEAR        ? ", near field and ao of a radius"
+             : i == NEAR_AND_AO ? ", near field of a radius, ao of all"
+                                : "");
   }
   j->cases[ALONE].config.outputs.indirect =
       (hbil_plane_format){HBIL_FLOAT32, 4};
+  for (int i = NEAR; i <= NEAR_AND_AO; i++) {
+    hbil_model *model = &j->cases[i].config.model;
+    model->radius = (float)j->content.radius;
+    model->ao_radius = i == NEAR ? model->radius : INFINITY;
+  }
   if (j->content.frame[0].plane[BENCH_MOTION])
     j->cases[FOLLOWED].config.history.reprojection = HBIL_REPROJECTION_MOTION;
 }
