@@ -34,10 +34,10 @@ sanitized() {
 }
 # Once more where the leak sanitizer itself has broken down, at the end of a
 # process whose threads are ending: that says nothing of the process.  Nothing
-# takes minutes, but a sanitizer may wait for itself.
+# takes longer than a few minutes, but a sanitizer may wait for itself.
 checked() {
   for try in 1 2 3; do
-    sanitized timeout 300 "$@" >"$work/checked" 2>&1
+    sanitized timeout 900 "$@" >"$work/checked" 2>&1
     outcome=$?
     test $outcome -ne 0 || break
     { test $outcome -eq 124 ||
