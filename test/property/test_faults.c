@@ -43,6 +43,7 @@ static void contexts_leave_nothing(void **state) {
  * event. */
 static void prepare(setup *s) {
   setup_every_pass(s, HBIL_REPROJECTION_CAMERA, 1, WIDTH, HEIGHT);
+  s->config.model.radius = 2.0f; /* ao has its own search */
   s->config.execution.profiling = CL_TRUE;
   s->config.execution.horizon_cache_bytes = SIZE_MAX;
 }
