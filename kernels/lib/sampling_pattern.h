@@ -186,7 +186,7 @@ static inline hbil_int hbil_offset_length(hbil_int x, hbil_int y) {
 
 /*
  * What sample k of finite thickness stands for: its step.  If n pixels lie
- * between two samples, the step of each extends 0.55 n pixels towards the
+ * between two samples, the step of each extends 0.6 n pixels towards the
  * other.  Before the first sample, the receiver takes the place of a sample;
  * the last step extends as far outwards as inwards.
  *
@@ -205,10 +205,9 @@ typedef struct hbil_extent {
 } hbil_extent;
 
 /* Factor on how far a step extends towards its neighbours; 1: half-way.  With 1
- * too much would stay open, as things between the samples are missed.  Chosen
- * on five scenes and measured on eight others (doc/measurements.md, "Between
- * the samples"). */
-#define HBIL_STEP_WIDENING 1.1f
+ * too much would stay open, as things between the samples are missed
+ * (doc/measurements.md, "How defaults were chosen"). */
+#define HBIL_STEP_WIDENING 1.2f
 
 /* How far a step extends into the pixels between two samples that are `gap`
  * pixels apart, over the distance of one of them, `length` pixels. */

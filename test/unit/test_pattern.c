@@ -192,7 +192,7 @@ static void check_extents(float ux, float uy, const hbil_view_args v,
         k + 1 < p.steps ? (after - before) / 2.0 : (double)(length - before);
     /* the receiver isn't a step's middle, so the first one begins behind it */
     if (k > 0)
-      assert_true(fabs(end - from - 0.1 * (length - before - 1)) < 1e-3);
+      assert_true(fabs(end - from - 0.2 * (length - before - 1)) < 1e-3);
     assert_true(from > 0.0 && (double)e.far >= 0.0);
     assert_true(quarter >= 1 && quarter <= length);
     assert_true(quarter == 1 || fabs(quarter - wide / 4.0) <= 0.5);
