@@ -34,6 +34,8 @@ void lit_prepare(lit_frame *l, hbil_cache_method method, cl_uint width,
   l->s.config.model.far_field = far_field;
   l->s.config.model.radius =
       (float)(HBIL_CACHE_NEAR_VOXELS * l->f.config.voxel_size);
+  /* one search serves light and outputs; test_ao_radius has two */
+  l->s.config.model.ao_radius = l->s.config.model.radius;
   setup_all_outputs(&l->s);
   lit_environment(&l->s);
 }

@@ -129,7 +129,7 @@ static void plant_probes(lit_frame *l, exact_probes *probes) {
         v[HBIL_PROBE_LIGHT + 4 * c + k] = (float)p->light[c][k];
     }
   }
-  shim_argument("composite", 18, sizeof buffer, &buffer);
+  shim_argument("composite", 19, sizeof buffer, &buffer);
   buffer_write(&l->device, buffer, 0,
                sizeof *values * HBIL_PROBE_FLOATS * (size_t)count, values);
   free(values);
@@ -171,7 +171,7 @@ static void check_join(cl_uint width, hbil_far_field far,
       checked_planes(LIT_WIDTH, LIT_HEIGHT, HBIL_HISTORY_PLANES);
   plant_ao(&l, &resolved);
   setup_run(&l.s, enqueue_composite);
-  exact_probes probes = lit_probes(&l.s, "composite", 18);
+  exact_probes probes = lit_probes(&l.s, "composite", 19);
   if (planted) {
     plant_probes(&l, &probes);
     shim_launch_only("composite");

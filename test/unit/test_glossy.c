@@ -189,7 +189,7 @@ static void check_cached_frame(cl_uint width, hbil_far_field far,
   exact_planes got = outputs_read(&l.s);
   exact_planes want =
       checked_planes(LIT_WIDTH, LIT_HEIGHT, EXACT_OUTPUT_PLANES);
-  exact_probes probes = lit_probes(&l.s, "composite", 18);
+  exact_probes probes = lit_probes(&l.s, "composite", 19);
   exact_glossy_probe *glossy = probes_on_device(
       &l, "probe_glossy", 5, (size_t)probes.columns * (size_t)probes.rows);
   check_probes(&l, &split, &probes, glossy);
