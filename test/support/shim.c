@@ -200,7 +200,7 @@ static cl_int run_kernel(cl_command_queue queue, cl_kernel kernel,
  * the pictures in the tests. */
 #define GUARD_BYTES 4096
 #define GUARD 0xff
-enum { MOST_GUARDED = 64 };
+enum { MOST_GUARDED = 128 };
 
 static bool guarding;
 static struct {

@@ -30,18 +30,20 @@ first=$work/small/gbuffer/frame_0001.exr
 second=$work/small/gbuffer/frame_0002.exr
 # Occluders without end: 256 steps a side meet every pixel of a row of 40, so
 # only 64 slices for all pixels against 32 that turn from pixel to pixel, and
-# samples that are snapped to pixels are left: .002 of AO is measured.  E_near
-# and the bent normal deviate as much, E_near times some radiance (here .015).
+# samples that are snapped to pixels beside the slice's line are left.  With so
+# few pixels the latter matter most: .0055 of AO is measured, .002 if exact
+# samples are snapped as well.  E_near and the bent normal deviate as much,
+# E_near times some radiance (here .015).
 for way in camera motion; do
   works "exact, no device, by $way" exact --relative-thickness inf \
     --environment frame --reprojection $way -o "$work/exact" "$first" "$second"
   works "densest, by $way" dense --relative-thickness inf \
     --environment frame --reprojection $way -o "$work/dense" "$first" "$second"
-  agrees "exact agrees, by $way: AO" ao 0.004
+  agrees "exact agrees, by $way: AO" ao 0.008
   agrees "exact agrees, by $way: near" near_irradiance 0.03
   agrees "exact agrees, by $way: far" far_irradiance 0.01
   agrees "exact agrees, by $way: indirect" indirect 0.012
-  agrees "exact agrees, by $way: bent" bent_normal 0.007
+  agrees "exact agrees, by $way: bent" bent_normal 0.013
   agrees "exact agrees, by $way: beauty" beauty 0.008
 done
 # Parallel rays see a room from above, with more edges that some of so many
@@ -72,7 +74,7 @@ for range in 2,100 2,inf; do
   works "densest, reversed depth, $range" dense --relative-thickness inf \
     --environment frame --depth reversed --clip $range -o "$work/dense" \
     "$first" "$second"
-  agrees "exact agrees, reversed depth, $range: AO" ao 0.012
+  agrees "exact agrees, reversed depth, $range: AO" ao 0.018
   agrees "exact agrees, reversed depth, $range: near" near_irradiance 0.03
 done
 # with the kernels of the densest ones
@@ -87,13 +89,13 @@ test $status -eq 0 && grep -q 'exact integral of 2 frames, 2 runs.*expected to t
   "$work/err" && grep -q 'exact integral: 100 %' "$work/err"
 ok $? "the exact integral tells how long it takes and how far it is"
 works "densest, thick occluders" dense -o "$work/dense" "$first" "$second"
-agrees "exact agrees, thick occluders: AO" ao 0.013
+agrees "exact agrees, thick occluders: AO" ao 0.03
 agrees "exact agrees, thick occluders: near" near_irradiance 0.013
 works "exact hbao" exact --mode hbao --relative-thickness inf --radius 2 \
   -o "$work/exact" "$second"
 works "densest hbao" dense --mode hbao --relative-thickness inf --radius 2 \
   -o "$work/dense" "$second"
-agrees "exact agrees: hbao" ao 0.006
+agrees "exact agrees: hbao" ao 0.018
 run exact --quiet -o "$work/exact" "$first"
 test $status -eq 0 && test ! -s "$work/err"
 ok $? "the exact integral is quiet if asked to"
