@@ -25,8 +25,8 @@ double exact_w_at(const exact_frame *frame, const exact_planes *split, int x,
 /* The change of w from the surface at (x, y) to (x + dx, y + dy), its
  * neighbour: the difference to the neighbour on the side where the surface goes
  * on, which is where the second difference is smaller; the mean of both sides
- * where they are alike.  A second neighbour that shows no surface counts as 0.
- * otherwise: without a neighbour. */
+ * where they are alike.  A second neighbour that shows no surface counts as
+ * equal to the first.  otherwise: without a neighbour. */
 double exact_slope_along(const exact_frame *frame, const exact_planes *split,
                          int x, int y, int dx, int dy, double otherwise);
 /* Finds the slope of a surface from the pixels about it. */
