@@ -1,0 +1,147 @@
+"""Frames in order, with and without a radiance cache."""
+import numpy as np
+import pytest
+
+import hbil
+import hbil.demo
+
+from conftest import HEIGHT, WIDTH, same
+
+SMALL = {"voxel_size": 0.5, "centre": (0, 0, 2), "voxels": 16}
+
+
+def test_without_a_cache_the_first_frame_is_that_of_process(room, lit):
+    with hbil.Sequence(cache=False) as sequence:
+        same(sequence.process(*room), lit)
+        # one bounce more
+        more = sequence.process(*room)["indirect"]
+        assert lit["indirect"].mean() < more.mean() < 1.1 * lit["indirect"].mean()
+        sequence.reset()
+        once = sequence.process(*room)["indirect"]
+    assert once.mean() < lit["indirect"].mean()
+
+
+def test_frames_may_be_static(room):
+    wanted, found = hbil.Sequence(cache=False), hbil.Sequence(cache=False)
+    for static in False, True, True:
+        same(found.process(*room, static=static), wanted.process(*room))
+
+
+def test_the_cache_lights_what_the_frame_does_not_show(room):
+    depth, normal, albedo, direct, camera = room
+    left = slice(0, WIDTH // 2)
+    half = dict(camera)
+    crop = [a[:, left] for a in (depth, normal, albedo, direct)]
+    alone = hbil.Sequence(cache=False).process(*crop, half)
+    view = hbil.View(depth, normal, albedo, direct, camera)
+    with_view = hbil.Sequence(views=[view]).process(*crop, half)
+    assert (with_view["ao"] == alone["ao"]).all()
+    assert (with_view["far_irradiance"] != alone["far_irradiance"]).any()
+    # the green wall is in the view alone
+    green = with_view["indirect"][..., 1] / with_view["indirect"][..., 0]
+    before = alone["indirect"][..., 1] / alone["indirect"][..., 0]
+    assert np.median(green) > np.median(before)
+
+
+def test_the_size_of_the_cache_is_that_of_the_room(room):
+    with hbil.Sequence() as sequence:
+        sequence.process(*room)
+        saved = sequence.save_cache()
+    width = saved["voxels"] * saved["voxel_size"] * 2 ** (saved["levels"] - 1)
+    # 5 units to the back wall, from the camera
+    assert 10 < width < 10 * 64 / 60 + 0.01
+    assert saved["centre"] == (0, 0, 0)
+
+
+def test_what_is_saved_is_what_is_loaded(room):
+    depth, normal, albedo, direct, camera = room
+    view = hbil.View(depth, normal, albedo, direct, camera)
+    first = hbil.Sequence(cache=SMALL, views=[view], learn=False)
+    wanted = first.process(*room)
+    saved = first.save_cache()
+    assert saved["voxels"] == 16 and len(saved["bytes"]) > 1000
+    same(hbil.Sequence(cache=saved, learn=False).process(*room), wanted)
+    with pytest.raises(hbil.Error):
+        hbil.Sequence(cache={**saved, "voxel_size": 0.4}).process(*room)
+
+
+def test_views_before_and_after_the_first_frame(room):
+    view = hbil.View(*room)
+    before = hbil.Sequence(cache=SMALL, learn=False)
+    before.add_views([view])
+    wanted = before.process(*room)
+    after = hbil.Sequence(cache=SMALL, learn=False)
+    empty = after.process(*room)
+    assert (empty["indirect"] != wanted["indirect"]).any()
+    after.add_views([view])
+    after.reset()
+    before.reset()
+    same(after.process(*room), before.process(*room))
+    after.reset_cache()
+    after.move_cache((0, 0, 3))
+    after.process(*room)
+
+
+def test_views_have_their_own_size_types_and_light(room):
+    depth, normal, albedo, direct, camera = room
+    small = {name: value / 2 for name, value in camera.items()}
+    view = hbil.View(depth[::2, ::2].astype(np.float64), normal[::2, ::2], 0.5,
+                     np.zeros((HEIGHT // 2, WIDTH // 2, 3)), small)
+    hbil.Sequence(cache=SMALL, views=[view]).process(*room)
+    for light in "direct", "finished":
+        shown = hbil.View(depth, normal, albedo, direct, camera, light=light)
+        found = hbil.Sequence(cache=SMALL, views=[shown], learn=False).process(
+            depth, normal, albedo, 0 * direct, camera)
+        assert found["far_irradiance"].mean() > 0.01
+
+
+def test_maps_from_lights(room):
+    sequence = hbil.Sequence(cache=SMALL, cache_method="rsm",
+                             light_views=[hbil.View(*room)])
+    assert sequence.process(*room)["far_irradiance"].mean() > 0.01
+
+
+def test_motion_and_shared_slices(room):
+    still = np.zeros((HEIGHT, WIDTH, 2))
+    sequence = hbil.Sequence(cache=False, reprojection="motion", slice_frames=3)
+    for _ in range(3):
+        found = sequence.process(*room, motion=still)
+    assert np.isfinite(found["indirect"]).all()
+
+
+def test_figures(room):
+    sequence = hbil.Sequence(cache=False, profiling=True)
+    with pytest.raises(ValueError, match="no frame"):
+        sequence.sanitized()
+    depth, normal, albedo, direct, camera = room
+    broken = albedo.copy()
+    broken[0, :3] = np.nan
+    sequence.process(depth, normal, broken, direct, camera)
+    assert sequence.sanitized()["albedo"] == 3
+    assert sequence.timings()["gather"] > 0
+
+
+def test_messages_name_the_argument(room):
+    depth, normal, albedo, direct, camera = room
+    sequence = hbil.Sequence(cache=False)
+    sequence.process(*room)
+    with pytest.raises(ValueError, match="^depth: 24 x 32 pixels; 48 x 32"):
+        sequence.process(*[a[:, ::2] for a in room[:4]], camera)
+    with pytest.raises(ValueError, match="^albedo: all frames need it or none"):
+        sequence.process(depth, normal, None, direct, camera)
+    with pytest.raises(ValueError, match="no radiance cache"):
+        sequence.save_cache()
+    for cache, kind, message in (
+            ({"size": 1}, ValueError, "^cache: 'size'; of"),
+            ({"voxels": "many"}, TypeError, "^cache voxels: 'many'"),
+            ({"voxel_size": -1}, hbil.Error, "voxel_size")):
+        with pytest.raises(kind, match=message):
+            hbil.Sequence(cache=cache).process(*room)
+    view = hbil.View(depth, normal[:5], albedo, direct, camera)
+    with pytest.raises(ValueError, match=r"^views\[0\] normal: 48 x 5 pixels"):
+        hbil.Sequence(views=[view]).process(*room)
+    view = hbil.View(*room, emission=1.0)
+    with pytest.raises(ValueError, match=r"^views\[0\] emission: frames have"):
+        hbil.Sequence(views=[view]).process(*room)
+    # a failure leaves the sequence as it was
+    assert sequence.process(*room)["ao"].shape == (HEIGHT, WIDTH)
