@@ -6,6 +6,10 @@
 # readline's own completion, which handles spaces and tildes.
 function value_action(name, flag,    action) {
   action = ""
+  if (kind_of[name, flag] == "list")
+    return " _hbil_list '" words_of[name, flag] "' \"$2\";"
+  if (kind_of[name, flag] == "device")
+    return " _hbil_words \"$(\"$1\" devices 2>/dev/null | sed -n 's/^ *\\([0-9]*\\)  .*/\\1/p')\" \"$2\";"
   if (words_of[name, flag] != "")
     action = " _hbil_words '" words_of[name, flag] "' \"$2\";"
   if (kind_of[name, flag] == "file")
@@ -19,6 +23,12 @@ function write_completion(    i, j, count, flag_count, name, flag) {
   print "# Completion of hbil for bash; written by the build from its help texts."
   print "_hbil_words() {"
   print "  mapfile -t COMPREPLY < <(compgen -W \"$1\" -- \"$2\")\n}"
+  print "# The words of a list that begin like what is behind its last comma."
+  print "_hbil_list() {"
+  print "  local before="
+  print "  [[ $2 == *,* ]] && before=${2%,*},"
+  print "  mapfile -t COMPREPLY < <(compgen -P \"$before\" -W \"$1\" -- \"${2##*,}\")"
+  print "  compopt -o nospace\n}"
   print "_hbil() {"
   print "  local command=${COMP_WORDS[1]}"
   print "  COMPREPLY=()"

@@ -4,7 +4,8 @@
 #   names, abouts[name]            commands, in order, with spaces between
 #   flags_of[name]                 all flags of a command
 #   words_of[name, flag]           words that a flag takes
-#   kind_of[name, flag]            "": no value; "word", "file", "folder", "other"
+#   kind_of[name, flag]            "": no value; "word", "list" (of words, with
+#                                  commas), "device", "file", "folder", "other"
 #   about_of[name, flag]           the first line about it
 #   operands_of[name]              1 if the command takes files
 
@@ -24,7 +25,8 @@ function at_prose(text) {}
 function at_item(name, text) {}
 
 # A value is a choice of words if its name is like yes|no, or one word in small
-# letters.  All other names stand for values of another kind.
+# letters.  A list's words are in its name, like x,y,z, or at the beginning of its
+# text.  All other names stand for values of another kind.
 function at_option(flags, value, text,    flag, count, i, kind, words) {
   words = ""
   if (value == "")
@@ -33,7 +35,17 @@ function at_option(flags, value, text,    flag, count, i, kind, words) {
     kind = "word"
     words = value
     gsub(/\|/, " ", words)
-  } else if (value ~ /DIR/)
+  } else if (value ~ /^[a-z](,[a-z])+$/ || (value == "LIST" && text ~ /^of /)) {
+    kind = "list"
+    words = value
+    if (value == "LIST") {
+      words = substr(text, 4)
+      sub(/ \(.*/, "", words)
+    }
+    gsub(/, */, " ", words)
+  } else if (flags ~ /--device/ && value == "NAME")
+    kind = "device"
+  else if (value ~ /DIR/)
     kind = "folder"
   else if (value ~ /FILE|PNG|\.exr/)
     kind = "file"

@@ -17,6 +17,10 @@ function argument(name, flag,    kind, action) {
   action = ""
   if (kind == "word" || (kind == "other" && words_of[name, flag] != ""))
     action = ":value:(" words_of[name, flag] ")"
+  else if (kind == "list")
+    action = ":list:_sequence compadd - " words_of[name, flag]
+  else if (kind == "device")
+    action = ":device:_hbil_devices"
   else if (kind == "folder")
     action = ":folder:_files -/"
   else if (kind == "file")
@@ -29,6 +33,11 @@ function argument(name, flag,    kind, action) {
 function write_completion(    i, j, count, flag_count, name, flag) {
   print "#compdef hbil"
   print "# Completion of hbil for zsh; written by the build from its help texts."
+  print "_hbil_devices() {"
+  print "  compadd -- ${(f)\"$($_hbil_program devices 2>/dev/null |" \
+    " sed -n 's/^ *\\([0-9]*\\)  .*/\\1/p')\"}"
+  print "}"
+  print "local _hbil_program=$words[1]"
   print "if ((CURRENT == 2)); then"
   print "  local -a commands=("
   count = split(names, name, " ")

@@ -1,8 +1,7 @@
 #!/bin/sh
 # Makes one picture of a sequence that Blender has rendered.  It has a row for
 # each of at most eight frames, with ambient occlusion, indirect light and the
-# lit picture.  None has the noise of path tracing, and the average over frames
-# (--max-history-frames) removes that of the sampling.
+# lit picture, without the noise of path tracing.
 #
 #   06_contact_sheet.sh SHEET.png FRAME.exr...
 #
@@ -22,5 +21,5 @@ trap 'rm -rf "$work"' EXIT
 trap 'exit 2' HUP INT TERM
 
 # light is carried from frame to frame, so all frames must be of one shot
-"${HBIL:-hbil}" process --quiet --max-history-frames 8 --layers ao,indirect,beauty \
+"${HBIL:-hbil}" process --quiet --slices 8 --layers ao,indirect,beauty \
   --contact-sheet "$sheet" -o "$work/lit" "$@"

@@ -155,7 +155,10 @@ int main(void) {
   config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
   config.inputs.normal_space = HBIL_SPACE_WORLD;
   config.history.reprojection = HBIL_REPROJECTION_MOTION;
-  config.history.max_frames = 4;
+  /* the default's error in motion, in less time */
+  config.sampling.slices = 4;
+  config.sampling.steps_per_side = 40;
+  config.sampling.slice_frames = 2;
   hbil_context *hbil = NULL;
   hbil_plan *plan = NULL;
   check_hbil(hbil_context_create(context, device, &hbil), NULL);
@@ -175,7 +178,6 @@ int main(void) {
     double m[32];
     look((int)i, m);
     draw(queue, kernel, (int)i, planes);
-    frame.frame_index = i;
     check_hbil(hbil_camera_from_matrices(
                    &frame.camera, frame.hardware_depth, &config, m, m + 16,
                    HBIL_MATRIX_COLUMN_MAJOR | HBIL_MATRIX_REVERSED_DEPTH |

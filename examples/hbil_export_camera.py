@@ -31,13 +31,14 @@ bl_info = {
 import json
 import math
 import os
+import struct
 import sys
 
 import bpy
 from bpy.app.handlers import persistent
 from mathutils import Matrix, Vector
 
-PASSES = ("z", "normal", "position", "vector", "diffuse_direct",
+PASSES = ("combined", "z", "normal", "position", "vector", "diffuse_direct",
           "diffuse_indirect", "diffuse_color", "emit", "environment")
 
 
@@ -56,19 +57,40 @@ def switch_on_passes(scene):
         settings.exr_codec = "ZIP"
 
 
+def tell_of_blur(scene):
+    """What mixes several places in one pixel, which no depth describes."""
+    blurs = []
+    if scene.render.use_motion_blur:
+        blurs.append("motion blur")
+    if scene.camera and scene.camera.data.dof.use_dof:
+        blurs.append("depth of field")
+    if blurs:
+        print("hbil: warning: %s is on: passes then hold several places in one "
+              "pixel, and with motion blur Vector is 0; switch it off for "
+              "these frames" % " and ".join(blurs), file=sys.stderr)
+    return blurs
+
+
 def picture_size(render):
-    """Pixels of the whole picture."""
-    share = render.resolution_percentage / 100
-    return int(render.resolution_x * share), int(render.resolution_y * share)
+    """Pixels of the whole picture, in whole numbers as Blender computes it."""
+    share = render.resolution_percentage
+    return render.resolution_x * share // 100, render.resolution_y * share // 100
+
+
+def edge(border, pixels):
+    """Where a border lies, in pixels.  Blender multiplies floats: .699999988 of
+    320 pixels is 224, where doubles would make it 223."""
+    (product,) = struct.unpack("f", struct.pack("f", border * pixels))
+    return int(product)
 
 
 def cropped(render, width, height):
     """The left and upper edge and the size of what is written, in pixels."""
     if not (render.use_border and render.use_crop_to_border):
         return 0, 0, width, height
-    left, right = (int(b * width) for b in
+    left, right = (edge(b, width) for b in
                    (render.border_min_x, render.border_max_x))
-    low, high = (int(b * height) for b in
+    low, high = (edge(b, height) for b in
                  (render.border_min_y, render.border_max_y))
     return left, height - high, right - left, high - low
 
@@ -286,6 +308,7 @@ def render_views(scene, folder):
 def main(words):
     scene = bpy.context.scene
     switch_on_passes(scene)
+    tell_of_blur(scene)
     if words[:1] == ["--views"] and len(words) == 2:
         register()
         render_views(scene, words[1])

@@ -206,8 +206,9 @@ INLINE realv compose_channel(const hbil_composite_args args, const inputs *in,
                           usable + HBIL_SURFACE_ALBEDO);
 #endif
 #if REFLECTED
-  irradiance = direct_light(surface, in->surface.direct, c, x, y, count,
-                            usable + HBIL_SURFACE_DIRECT);
+  irradiance = irradiance_of(direct_light(surface, in->surface.direct, c, x, y,
+                                          count, usable + HBIL_SURFACE_DIRECT),
+                             albedo);
   emitted = surface_emission(surface, &in->surface, c, x, y, count,
                              usable + HBIL_SURFACE_EMISSION);
   if (HAS_EMISSION)
@@ -244,10 +245,14 @@ INLINE void read_near_light(global const float *resolved, uint plane,
   }
 }
 
-INLINE void collect_carried(const realv carried[3], realv pending[][PARTS],
+INLINE void collect_carried(const hbil_composite_args args,
+                            const realv carried[3], realv pending[][PARTS],
                             int part) {
+  const realv scale = args.per_exposure;
+  const realv light[3] = {scale * carried[0], scale * carried[1],
+                          scale * carried[2]};
   realv value[RADIANCE_PLANES];
-  pack_radiance(carried, value);
+  pack_radiance(light, value);
 #pragma unroll
   for (int p = 0; p < RADIANCE_PLANES; ++p)
     pending[PENDING_HISTORY + HBIL_HISTORY_RED + p][part] = value[p];
@@ -324,7 +329,7 @@ INLINE void compose(const hbil_composite_args args, const inputs *in, int x,
 #if PROBES
   if (args.probes.columns > 0)
     cached = light_of_probes(args.probes, view, in->probes, x, y, z, r.ao, t,
-                             r.view_axis);
+                             r.view_axis, args.exposure);
 #endif
   cone_orders(r.ao, t, 1.0f - r.ao, r.orders);
   set_known_light(&r, near_light, &cached);
@@ -348,7 +353,7 @@ INLINE void compose(const hbil_composite_args args, const inputs *in, int x,
                                  select((realv)0.0f, far[c], solid), behind[c],
                                  t, solid, c, &r, count, usable, pending, part);
   if (HISTORY)
-    collect_carried(carried, pending, part);
+    collect_carried(args, carried, pending, part);
   if (COUNT_ALBEDO || COUNT_DIRECT || COUNT_F0 || COUNT_EMISSION)
     count_sanitized(usable, solid, sanitized + HBIL_SANITIZED_LATE);
 }
@@ -383,7 +388,7 @@ composite(const hbil_composite_args args, global const float *resolved,
                      .ao_search = ao_search,
                      .probes = probes,
                      .surface = {albedo, f0, direct, emission},
-                     .far = {estimate, depth, direct}};
+                     .far = {estimate, depth, albedo, direct}};
   const int parts =
       min(PARTS, (args.view.width - x0 + HBIL_WIDTH - 1) / HBIL_WIDTH);
   realv pending[PENDING_COUNT][PARTS];

@@ -139,16 +139,17 @@ INLINE void load_surfaces(const hbil_estimate_args args,
     for (int i = 0; i < COLUMNS; ++i)
       share[i] = usable_reflectance(values[i], &usable);
 #endif
+#if HAS_DIRECT
+    columns_direct(in->direct, args.surface.direct, at, c, values);
+    for (int i = 0; i < COLUMNS; ++i)
+      irradiance[i] = irradiance_of(
+          usable_light(args.surface.direct_scale * values[i], &usable),
+          share[i]);
+#endif
 #if HAS_F0
     columns_f0(in->f0, args.surface.f0, at, c, values);
     for (int i = 0; i < COLUMNS; ++i)
       share[i] *= 1.0f - usable_reflectance(values[i], &usable);
-#endif
-#if HAS_DIRECT
-    columns_direct(in->direct, args.surface.direct, at, c, values);
-    for (int i = 0; i < COLUMNS; ++i)
-      irradiance[i] =
-          usable_light(args.surface.direct_scale * values[i], &usable);
 #endif
     for (int i = 0; i < COLUMNS; ++i) {
       surfaces[i].reflectance[c] = share[i];

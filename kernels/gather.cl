@@ -12,8 +12,14 @@
  * show (`used_groups`); whether a static frame's light has changed (`flags`).
  * Out: light planes, in the layout of the split planes; for
  * hbil_plan_statistics(), which work was left out; the horizon cache.
+ * Where frames share slices (gather/past_slices.clh): In: what the last frame
+ * found, motion vectors.  Out: the same for the next frame.
  */
 #include "gather/hemisphere.clh"
+
+#if SLICE_FRAMES > 1
+#include "gather/past_slices.clh"
+#endif
 
 /* One slice of a span: both sides, added to the totals.  steps: an entry
  * with the direction of the first side, then the side's samples; then the same
@@ -88,11 +94,86 @@ INLINE global const hbil_step *steps_of(const hbil_gather_args args,
   return steps + (uint)(level * hbil_sites(GATHERED) + site) * pattern;
 }
 
+#if SLICE_FRAMES > 1
+/* Where a span is, and what its search leaves out. */
+typedef struct span_place {
+  int x, y, layer, site;
+  bool sky, skips_all;
+} span_place;
+
+/* What every SLICE_FRAMES-th slice from `first` on finds. */
+INLINE void search_set(const hbil_gather_args args, const receiver *c,
+                       global const hbil_step *table, int first,
+                       const span_march *how, const span_place *at,
+                       cache_cursor *cache, slice_set *set) {
+  const uint slice = 2u * (uint)(args.steps + 1);
+  totals t[SPAN_VECTORS];
+  intv untouched[SPAN_VECTORS];
+  for (int v = 0; v < SPAN_VECTORS; ++v) {
+    t[v] = no_totals();
+    untouched[v] = TRUE_LANES;
+  }
+  for (int i = first; i < args.slices && !at->sky; i += SLICE_FRAMES) {
+    global const hbil_step *steps = table + (uint)i * slice;
+    if (at->skips_all)
+      weigh_slice(c, steps, t);
+    else
+      gather_slice(args, c, steps, args.steps + 1, how, t, untouched, cache);
+  }
+  for (int v = 0; v < SPAN_VECTORS; ++v) {
+    finish_totals(&c[v], &t[v], untouched[v],
+                  (float)(args.slices / SLICE_FRAMES), &cache[v], set[v].value);
+    set[v].known = TRUE_LANES;
+  }
+}
+
+/* Gathers a span by this frame's slices and those of the last frames; by all
+ * slices, where too many pixels have no others.  past, next: the whole buffers.
+ */
+INLINE void gather_shared(const hbil_gather_args args, const receiver *c,
+                          global const hbil_step *table, const span_march *how,
+                          const span_place *at, cache_cursor *cache,
+                          global const float *past, global const void *motion,
+                          global float *light, global float *next) {
+  slice_set sets[SLICE_FRAMES * SPAN_VECTORS];
+  int shown = 0, missing = 0, turn = 0; /* turn: of frames */
+  if (args.has_past)
+    turn = ((int)past[0] + 1) % SLICE_FRAMES;
+  for (int v = 0; v < SPAN_VECTORS; ++v) {
+    const intv solid = c[v].w > SKY;
+    for (int age = 1; age < SLICE_FRAMES; ++age)
+      sets[age * SPAN_VECTORS + v].known = 0;
+    shown += lanes_true(solid);
+    missing += lanes_true(
+        args.has_past && ANY(solid)
+            ? solid & ~recall_sets(args, &c[v], at->x + v * HBIL_WIDTH, at->y,
+                                   at->layer, past, motion, sets + v)
+            : solid);
+  }
+  const int ages = MOST_MISSING * missing > shown ? SLICE_FRAMES : 1;
+  const int first = turn + hbil_direction_order(at->site, GATHERED);
+  for (int age = 0; age < ages; ++age)
+    search_set(args, c, table, (first + SLICE_FRAMES - age) % SLICE_FRAMES, how,
+               at, cache, sets + age * SPAN_VECTORS);
+  if (at->x == 0 && at->y == 0 && at->layer == 0)
+    next[0] = (float)turn;
+  next += (uint)at->layer * args.past.layer + args.past.origin +
+          (uint)at->y * args.past.row + (uint)at->x;
+  for (int v = 0; v < SPAN_VECTORS; ++v) {
+    realv value[HBIL_GATHERED_PLANES];
+    hand_on(args, &c[v], sets + v, at->site, next + v * HBIL_WIDTH);
+    join_sets(sets + v, (float)args.slices, value);
+    store_gathered(value, at->site, light + v * HBIL_WIDTH, args.light.plane);
+  }
+}
+#endif
+
 kernel void gather(const hbil_gather_args args, global const float *split,
                    global const hbil_step *steps, global float *light,
                    global const uint *bounds, global const uint *used_groups,
                    global uchar *span_states, global const uint *flags,
-                   global float *whole_cache) {
+                   global float *whole_cache, global const float *past,
+                   global float *next, global const void *motion) {
   const hbil_layer_args in = args.split;
   const int x = (int)get_global_id(0) * (SPAN_VECTORS * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
@@ -159,6 +240,11 @@ kernel void gather(const hbil_gather_args args, global const float *split,
                           hbil_shift_share(site, GATHERED),
                           found};
   steps = steps_of(args, steps, nearest, site);
+#if SLICE_FRAMES > 1
+  const span_place place = {x,        y, layer, site, skipped & HBIL_SPAN_SKY,
+                            skips_all};
+  gather_shared(args, c, steps, &how, &place, cache, past, motion, light, next);
+#else
   const int slices = skipped & HBIL_SPAN_SKY ? 0 : args.slices;
   for (int i = 0; i < slices; ++i) {
     if (!skips_all || OUT_GLOSSY) /* whole lobes are summed up in any case */
@@ -170,4 +256,5 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   for (int v = 0; v < SPAN_VECTORS; ++v)
     store_totals(&c[v], &t[v], untouched[v], args.slices, site,
                  light + v * HBIL_WIDTH, args.light.plane, &cache[v]);
+#endif
 }

@@ -68,14 +68,14 @@ INLINE void far_glossy(const hbil_composite_args args, const far_inputs *in,
 kernel void glossy(const hbil_composite_args args, const hbil_glossy_args own,
                    global const float *split, global const float *resolved,
                    global const float *estimate, global const void *depth,
-                   global const void *direct, global const float *probes,
-                   global void *glossy) {
+                   global const void *albedo, global const void *direct,
+                   global const float *probes, global void *glossy) {
   const hbil_view_args view = args.view;
   const int x0 = (int)get_global_id(0) * 4 * HBIL_WIDTH;
   const int y = (int)get_global_id(1);
   if (x0 >= view.width || y >= view.height)
     return;
-  const far_inputs in = {estimate, depth, direct};
+  const far_inputs in = {estimate, depth, albedo, direct};
   realv w[4], normals[3][4];
   load_guides(own.split, split, x0, y, w, normals);
   for (int i = 0; i < 4; ++i) {
@@ -96,7 +96,7 @@ kernel void glossy(const hbil_composite_args args, const hbil_glossy_args own,
 #if PROBES
     if (args.probes.columns > 0)
       cached = glossy_of_probes(args.probes, view, probes, x, y, m.p, m.n, m.r,
-                                m.k, solid);
+                                m.k, solid, args.exposure);
 #endif
     far_receiver r = {.x = x,
                       .y = y,

@@ -32,8 +32,18 @@ static inline hbil_step direction_step(float ux, float uy) {
   return step;
 }
 
-static inline float inverse_length(float x, float y) {
-  return 1.0f / sqrt(fma(x, x, y * y));
+static inline float length_of(float x, float y) {
+  return sqrt(fma(x, x, y * y));
+}
+
+/* An end of a step, `slopes` times (slope_x, slope_y) farther than its sample
+ * at (ex, ey). */
+static inline void end_step(float ex, float ey, float slopes,
+                            const hbil_step *step, float *gain, float *reach) {
+  const float e =
+      length_of(fma(slopes, step->slope_x, ex), fma(slopes, step->slope_y, ey));
+  *gain = (step->e - e) / e;
+  *reach = slopes / e;
 }
 
 /* Sample k of a half-slice. */
@@ -59,7 +69,7 @@ static inline hbil_step sample_step(const hbil_make_pattern_args args,
   step.dx = (short)dx;
   step.dy = (short)dy;
   const float ex = (float)x * view.inv_fx, ey = (float)y * view.inv_fy;
-  step.e = sqrt(fma(ex, ex, ey * ey));
+  step.e = length_of(ex, ey);
   step.inv_e = 1.0f / step.e;
   step.ux = ex * step.inv_e;
   step.uy = ey * step.inv_e;
@@ -80,12 +90,9 @@ static inline hbil_step sample_step(const hbil_make_pattern_args args,
                            &farther_dy);
   step.farther_dx = (short)farther_dx;
   step.farther_dy = (short)farther_dy;
-  step.to_near = extent.near * slopes;
-  step.to_far = extent.far * slopes;
-  step.inv_near = inverse_length(fma(-step.to_near, step.slope_x, ex),
-                                 fma(-step.to_near, step.slope_y, ey));
-  step.inv_far = inverse_length(fma(step.to_far, step.slope_x, ex),
-                                fma(step.to_far, step.slope_y, ey));
+  end_step(ex, ey, -extent.near * slopes, &step, &step.near_gain,
+           &step.near_reach);
+  end_step(ex, ey, extent.far * slopes, &step, &step.far_gain, &step.far_reach);
   step.beside = extent.beside;
   return step;
 }

@@ -35,6 +35,18 @@ INLINE void store_carried(const realv light[RADIANCE_PLANES], intv found,
     flags[HBIL_FLAG_HOLES] = 1u; /* all work-items write the same value */
 }
 
+#if REPROJECT_MOTION
+/* Motion is in pixels of this frame, and the last one may have had others
+ * (hbil_plan_follow()).  Frames of one size get the place as it is, without the
+ * roundings. */
+INLINE void scale_place(past_place *then, const float ratio[2]) {
+  if (ratio[0] != 1.0f)
+    then->u = fma(then->u + 0.5f, (realv)ratio[0], (realv)-0.5f);
+  if (ratio[1] != 1.0f)
+    then->v = fma(then->v + 0.5f, (realv)ratio[1], (realv)-0.5f);
+}
+#endif
+
 /* Reads all planes of the last frame at the pixels that `then` lies in. Returns
  * which of these are in the image. */
 INLINE intv recall(global const float *history, const hbil_plane_args planes,
@@ -50,7 +62,7 @@ INLINE intv recall(global const float *history, const hbil_plane_args planes,
 #pragma unroll
     for (uint p = 0; p < HISTORY_PLANES; ++p) {
       global const float *plane = history + p * planes.plane;
-      FETCH_WINDOW(plane, &from, 0);
+      FETCH_WINDOW(plane, &from);
       value[p] = load_window(plane, &from);
     }
   } else if (ANY(at.inside)) {
@@ -68,7 +80,7 @@ kernel void reproject(const hbil_reproject_args args,
                       global const void *motion_buffer, global uint *flags,
                       volatile global uint *sanitized) {
   const hbil_view_args view = args.view;
-  const hbil_plane_args planes = args.planes;
+  const hbil_plane_args planes = args.planes, past = args.history;
   const int x = (int)get_global_id(0) * HBIL_WIDTH, y = (int)get_global_id(1);
   if (x >= view.width || y >= view.height)
     return;
@@ -85,10 +97,13 @@ kernel void reproject(const hbil_reproject_args args,
   motion_of(motion_buffer, args.motion, args.motion_scale, x, y, count, solid,
             sanitized, move);
 #endif
-  const past_place then = past_place_of(args.before, args.back, p, move, x, y);
+  past_place then = past_place_of(args.before, args.back, p, move, x, y, 1);
+#if REPROJECT_MOTION
+  scale_place(&then, args.ratio);
+#endif
   realv value[HISTORY_PLANES];
-  intv found = recall(history + hbil_history_origin(planes), planes,
-                      args.before, &then, solid, value);
+  intv found = recall(history + hbil_history_origin(past), past, args.before,
+                      &then, solid, value);
   const realv w = value[HBIL_HISTORY_W];
   found &= w > 0.0f;
 #if DISOCCLUSION

@@ -79,6 +79,10 @@ typedef cl_float hbil_float;
  * are finite floats. */
 #define HBIL_BRIGHTEST 1e30f
 
+/* Radiance of surfaces with less albedo tells nothing of the light on them: the
+ * least half float above 0, below the least code of any other format. */
+#define HBIL_LEAST_ALBEDO 0x1p-24f
+
 /* A normal that faces away from the eye is turned back until its cosine with
  * the view direction is this.  It leaves planes up to 89.99 degrees alone; the
  * fp32 rounding of a normal (6e-8) is below 1e-3 of it, and a packed normal
@@ -113,7 +117,8 @@ enum {
    * unknown; resolved: behind the other planes, only if it is an output */
   HBIL_LIGHT_UNKNOWN = 7,
   /* gathered with a single slice only, behind all other planes: how much of the
-   * hemisphere the slice stands for, 1 on average */
+   * hemisphere the slice stands for, 1 on average; or the same of all slices
+   * that are known, over their number, where frames share them */
   HBIL_LIGHT_WEIGHT = 8,
   HBIL_GATHERED_PLANES = 9
 };
@@ -159,15 +164,10 @@ enum {
   HBIL_PACKED_CARRIED_PLANES = 2
 };
 
-/* What the temporal filter stores of a frame: what a pixel shows, the number of
- * frames that its light is the mean of (0: none), and the light planes.  The
+/* What the gather hands on to the next frame where frames share slices: what a
+ * pixel shows, and the light of sets of slices, each with its weight.  The
  * normal is a word of 2 x 16 bits, as in packed planes. */
-enum {
-  HBIL_TEMPORAL_W = 0,
-  HBIL_TEMPORAL_NORMAL = 1,
-  HBIL_TEMPORAL_FRAMES = 2,
-  HBIL_TEMPORAL_LIGHT = 3
-};
+enum { HBIL_PAST_W = 0, HBIL_PAST_NORMAL = 1, HBIL_PAST_SETS = 2 };
 
 /* --- what several passes take --------------------------------------------- */
 
@@ -249,9 +249,10 @@ typedef struct hbil_step {
   hbil_int nearer, farther; /* as offset: the pixels that tell the slope */
   hbil_short farther_dx, farther_dy; /* as dx and dy */
   hbil_float slope_x, slope_y; /* as e: from the sample to the farther one */
-  hbil_float to_near, to_far;  /* how many of these offsets each part is long */
-  hbil_float inv_near, inv_far; /* 1 / |e| at both ends of the step */
-  hbil_float beside;            /* pixels of the step on either side */
+  /* of a plane through the sample, at the ends of the step: (1 + gain) times
+   * its excess, and reach times what it rises along this offset */
+  hbil_float near_gain, near_reach, far_gain, far_reach;
+  hbil_float beside; /* pixels of the step on either side */
 } HBIL_ALIGNED_16 hbil_step;
 HBIL_ASSERT_LAYOUT(hbil_step, beside, 15, 16)
 
@@ -334,13 +335,14 @@ HBIL_ASSERT_LAYOUT(hbil_clear_args, nothing, 8, 9)
 typedef struct hbil_reproject_args {
   hbil_view_args view, before;
   hbil_transform_args back;
-  hbil_plane_args planes; /* of history and carried light */
+  hbil_plane_args planes, history; /* of carried light, and of the history */
   hbil_external_plane_args depth, motion;
   hbil_float motion_scale[2];
+  hbil_float ratio[2]; /* pixels of the last frame to one of this, x and y */
   hbil_depth_args decode;
   hbil_float disocclusion_threshold; /* as in hbil_config */
 } hbil_reproject_args;
-HBIL_ASSERT_LAYOUT(hbil_reproject_args, disocclusion_threshold, 44, 45)
+HBIL_ASSERT_LAYOUT(hbil_reproject_args, disocclusion_threshold, 48, 49)
 
 /* One level of the push/pull chain: where its planes lie, and its size. */
 typedef struct hbil_chain_args {
@@ -364,10 +366,11 @@ typedef struct hbil_split_args {
   hbil_external_plane_args depth, normal;
   hbil_surface_args surface;
   hbil_depth_args decode;
+  hbil_float exposure; /* as in hbil_frame, not 0 */
   hbil_int has_history;
   hbil_int steady; /* relight: ignore falls by a rounding */
 } hbil_split_args;
-HBIL_ASSERT_LAYOUT(hbil_split_args, steady, 62, 63)
+HBIL_ASSERT_LAYOUT(hbil_split_args, steady, 63, 64)
 
 /* Each cell of the coarse grid covers across x down cells of the fine one. */
 typedef struct hbil_bound_cells_args {
@@ -434,8 +437,19 @@ typedef struct hbil_gather_args {
   hbil_int is_static;     /* leave at once unless HBIL_FLAG_CHANGED is set */
   hbil_horizon_cache_args cache;
   hbil_float lobe; /* k of the output `glossy` at normal view */
+  /* where frames share slices: the last frame's view; from this view to it, and
+   * from it; the buffer that frames hand on; hbil_frame.exposure and its
+   * inverse; whether there is a last frame */
+  hbil_view_args before;
+  hbil_transform_args back, forth;
+  hbil_layer_args past;
+  hbil_external_plane_args motion;
+  hbil_float motion_scale[2];
+  hbil_float disocclusion_threshold;
+  hbil_float exposure, per_exposure;
+  hbil_int has_past;
 } hbil_gather_args;
-HBIL_ASSERT_LAYOUT(hbil_gather_args, lobe, 54, 55)
+HBIL_ASSERT_LAYOUT(hbil_gather_args, has_past, 103, 104)
 
 /* Factors that turn the standard deviation of the light that recompose brings
  * together into an error that 95 % of the pixels don't exceed. */
@@ -452,20 +466,6 @@ typedef struct hbil_recompose_args {
   hbil_int is_static; /* leave at once unless HBIL_FLAG_CHANGED is set */
 } hbil_recompose_args;
 HBIL_ASSERT_LAYOUT(hbil_recompose_args, is_static, 26, 27)
-
-/* before: the last frame's view; back: from this view to it. */
-typedef struct hbil_temporal_args {
-  hbil_view_args view, before;
-  hbil_transform_args back;
-  hbil_layer_args split;
-  hbil_plane_args planes;
-  hbil_external_plane_args motion;
-  hbil_float motion_scale[2];
-  hbil_float disocclusion_threshold; /* hbil_config's */
-  hbil_float most_frames;            /* hbil_config.max_frames */
-  hbil_int has_before;               /* 0 in a first frame */
-} hbil_temporal_args;
-HBIL_ASSERT_LAYOUT(hbil_temporal_args, has_before, 45, 46)
 
 /* Far field: SH coefficients, already multiplied by the constants of the basis
  * functions and by sqrt(4 pi / (2l+1)) (composite.cl); a constant radiance in

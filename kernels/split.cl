@@ -111,13 +111,18 @@ INLINE void radiance_of(const hbil_split_args args, const inputs *in, int x,
   if (in->history) {
     READ_AHEAD(in->history + here);
     load_radiance(in->history + here, args.planes.plane, carried);
+#pragma unroll
+    for (int c = 0; c < 3; ++c)
+      carried[c] *= args.exposure;
   }
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     const realv reflectance = reflectance_of(args, in, c, x, y, count, usable);
     const realv irradiance =
-        direct_light(args.surface, in->surface.direct, c, x, y, count,
-                     usable + HBIL_SURFACE_DIRECT);
+        irradiance_of(direct_light(args.surface, in->surface.direct, c, x, y,
+                                   count, usable + HBIL_SURFACE_DIRECT),
+                      surface_albedo(args.surface, &in->surface, c, x, y, count,
+                                     usable + HBIL_SURFACE_ALBEDO));
     realv emitted = 0.0f;
     if (GATHER_EMISSION)
       emitted = surface_emission(args.surface, &in->surface, c, x, y, count,

@@ -155,7 +155,11 @@ HBIL_API hbil_status hbil_context_set_callback(hbil_context *context,
 /* Programs: what is built once and stored                                   */
 
 /* Creating a plan builds up to sixteen OpenCL programs, and creating a radiance
- * cache up to eleven, which takes seconds.  A store has the driver's binaries
+ * cache up to eleven, which takes seconds.  A context holds the last 64 of them
+ * that were built, and later plans and caches that need the same ones build
+ * none: another size needs none or a few (test_binaries).
+ *
+ * A store is for other processes.  It has the driver's binaries
  * of programs that were built before, by a key: a file name of at most 47
  * letters, digits, "-" and "_".  The key depends on the device, its driver,
  * this library's version, the kernels' text and all settings that kernels are
@@ -250,6 +254,31 @@ HBIL_API void hbil_plan_destroy(hbil_plan *plan);
  * are under way are not affected. */
 HBIL_API void hbil_plan_reset(hbil_plan *plan);
 
+/*
+ * Lets the next frame of `plan` continue after the last frame of another plan:
+ * it reprojects that plan's light as if it were its own.  With it, resolution
+ * may change from frame to frame: make a plan for each size beforehand, which
+ * share their programs, and may share scratch memory if they run in turn
+ * (hbil_plan_create_in()).  Where sizes change, the plan of the new size
+ * follows that of the old one.  The call allocates, enqueues and waits for
+ * nothing.
+ *
+ * The plans may differ in size, sampling and outputs.  If they differ in
+ * nothing, the frame has the bits that `last` itself would have given.  Each
+ * pixel takes the light of that pixel of the last frame in which its surface
+ * was; motion vectors are in pixels of the new frame.  What several frames make
+ * together (sampling.slice_frames, the light of a radiance cache) begins anew,
+ * and the next frame can't be static.
+ *
+ * `last` must live, and run no frame, until that frame is enqueued.  A frame
+ * that is a rectangle of larger planes has these planes' offset and row_pitch
+ * (hbil_plane).  HBIL_INVALID_ARGUMENT if one of both is null, or their light
+ * isn't of one kind (another context, projection, storage or feedback, or one
+ * of them has no history), or `last` has had no frame since it followed another
+ * plan; `plan` is then as before.
+ */
+HBIL_API hbil_status hbil_plan_follow(hbil_plan *plan, hbil_plan *last);
+
 /* ------------------------------------------------------------------------ */
 /* Enqueue: a frame                                                          */
 
@@ -259,7 +288,6 @@ HBIL_API void hbil_plan_reset(hbil_plan *plan);
  *   split       G-buffer -> 4x4 interleaved layers
  *   gather      horizon search: layers -> AO, E_near and bent normal, in layers
  *   recompose   layers -> full resolution, filtered
- *   temporal    averages with the frames before (history)
  *   composite   far light; writes the outputs and the history
  * Images are copied before the first pass and after composite (HBIL_IMAGE), and
  * normals are rebuilt before the first pass if inputs.normal is HBIL_NONE.
@@ -291,11 +319,10 @@ typedef enum hbil_pass {
   HBIL_PASS_SPLIT = 2,
   HBIL_PASS_GATHER = 3,
   HBIL_PASS_RECOMPOSE = 4,
-  HBIL_PASS_TEMPORAL = 5,
-  HBIL_PASS_COMPOSITE = 6,
-  HBIL_PASS_IMPORT = 7, /* before the others; see HBIL_IMAGE, inputs.normal */
-  HBIL_PASS_EXPORT = 8, /* after the others; see HBIL_IMAGE */
-  HBIL_PASS_COUNT = 9
+  HBIL_PASS_COMPOSITE = 5,
+  HBIL_PASS_IMPORT = 6, /* before the others; see HBIL_IMAGE, inputs.normal */
+  HBIL_PASS_EXPORT = 7, /* after the others; see HBIL_IMAGE */
+  HBIL_PASS_COUNT = 8
 } hbil_pass;
 
 /* Returns "reproject", "push_pull" and so on, NULL for any other number. */

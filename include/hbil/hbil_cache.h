@@ -42,16 +42,23 @@ extern "C" {
  *   for bit (test_cache).  That is so with rays and cones (hbil_cache_method);
  *   volumes and reflective shadow maps don't tell what has not been seen, and
  *   their light is all that open directions get.
+ *   What the cache's light adds to a frame is a mean over four frames, which
+ *   follows the surfaces by the cameras and begins anew where it has changed by
+ *   a third.  Nothing is averaged with HBIL_REPROJECTION_NONE.
  *
  * ORDER
  *   Commands of a cache run in the order of the calls, like those of a plan,
  *   and frames that use the cache are among them, whatever queues they are in.
  *   Any number of plans of its context may use a cache.
  *
- * Results have the same bits in every run (test_cache).  Surfaces that have
- * moved away stay until hbil_enqueue_cache_reset().  A voxel is the mean of the
- * views that saw it, in which a new one counts 1/16 or more, so within 16 views
- * two thirds of a change of light have arrived.
+ * Results have the same bits in every run (test_cache).  A surface that has
+ * moved away stays until a view looks through its place, or until
+ * hbil_enqueue_cache_reset().  A voxel is the mean of the views that saw it, in
+ * which a new one counts 1/16 or more.  Light that is less than half or more
+ * than twice of what it was replaces that mean at once.  Where views since the
+ * last update agree that there is less light, by a tenth or more, what they
+ * don't see is dimmed by as much, region by region (a quarter of the extent
+ * across); it is never brightened.
  */
 typedef struct hbil_cache hbil_cache;
 
@@ -127,8 +134,8 @@ HBIL_API void hbil_cache_destroy(hbil_cache *cache);
 
 /* What the plane `direct` of a view holds. */
 typedef enum hbil_view_light {
-  /* Irradiance of direct light.  The cache adds the bounces itself
-   * (hbil_enqueue_cache_update()). */
+  /* Direct light, as inputs.direct_kind says.  The cache adds the bounces
+   * itself (hbil_enqueue_cache_update()). */
   HBIL_VIEW_DIRECT = 0,
   /* The radiance that surfaces send after all bounces, emission included.  It
    * is used as it is, without inputs.direct_scale, and replaces direct light of
@@ -146,15 +153,18 @@ typedef struct hbil_view {
   hbil_plane depth, normal, albedo, f0, direct, emission;
   hbil_view_light light;
   double hardware_depth[2]; /* as in hbil_frame */
+  /* Of this view's light, as in hbil_frame; 0 (default) stands for 1 */
+  float exposure;
 } hbil_view;
 
 /* Sets struct_size, and all other members to 0.  Use the macro. */
 HBIL_API void hbil_view_init_sized(hbil_view *view, size_t struct_size);
 #define hbil_view_init(view) hbil_view_init_sized((view), sizeof(hbil_view))
 
-/* Makes a view of what a frame shows: its camera, its inputs, and the size and
- * projection of its plan's configuration.  `light` is HBIL_VIEW_DIRECT.  Use
- * the macro.  HBIL_INVALID_ARGUMENT if one of them is null. */
+/* Makes a view of what a frame shows: its camera, its inputs with their
+ * exposure, and the size and projection of its plan's configuration.  `light`
+ * is HBIL_VIEW_DIRECT.  Use the macro.  HBIL_INVALID_ARGUMENT if one of them is
+ * null. */
 HBIL_API hbil_status hbil_view_from_frame_sized(hbil_view *view,
                                                 size_t struct_size,
                                                 const hbil_config *config,
@@ -212,6 +222,8 @@ typedef struct hbil_cache_update {
    * voxels wide; after changes a few a frame follow them.  Moves, resets and
    * hbil_cache_load() empty the cells. */
   cl_uint steps;
+  /* Of `environment`, as in hbil_frame; 0 (default) stands for 1 */
+  float exposure;
 } hbil_cache_update;
 
 /* Sets the defaults.  Use the macro. */

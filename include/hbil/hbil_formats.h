@@ -16,13 +16,15 @@ extern "C" {
 
 /* What a component is.  Kernels read every format directly, without a copy,
  * except for images.  The colours are albedo, f0, direct and emission.  What
- * depends on the plane is beside its member in hbil_inputs.  All bytes are in
- * the device's order. */
+ * depends on the plane is beside its member in hbil_inputs.  All colours are
+ * linear light but for HBIL_SRGB8.  All bytes are in the device's order. */
 typedef enum hbil_component {
   HBIL_NONE = 0,    /* the plane does not exist */
   HBIL_FLOAT32 = 1, /* 4 bytes; all inputs and outputs */
   HBIL_FLOAT16 = 2, /* 2 bytes, IEEE half; all inputs and outputs */
-  HBIL_UNORM8 = 3,  /* 1 byte, 0..255 for 0..1; colours, normals */
+  /* 1 byte, 0..255 for 0..1; normals, and colours that are linear.  Textures of
+   * albedo mostly are not: those are HBIL_SRGB8. */
+  HBIL_UNORM8 = 3,
   /* 2 bytes, 0..65535 for 0..1; colours, normals, hardware depth */
   HBIL_UNORM16 = 4,
   /* 1 byte, -127..127 for -1..1, and -128 is -1, too; normals */
@@ -55,7 +57,11 @@ typedef enum hbil_component {
    * Channels that an output does not have become 0, and alpha becomes 1.  If
    * an output is an image and light is carried over, the plan has memory for
    * the light of two frames. */
-  HBIL_IMAGE = 11
+  HBIL_IMAGE = 11,
+  /* 1 byte, 0..255 for 0..1 with the curve of sRGB (IEC 61966-2-1), decoded to
+   * linear light to 1e-6 of it: R8G8B8A8_SRGB of DXGI and Vulkan,
+   * GL_SRGB8_ALPHA8; colours */
+  HBIL_SRGB8 = 12
 } hbil_component;
 
 /* How the pixels of a plane lie in its buffer.  The formats are fixed per plan,
@@ -71,6 +77,27 @@ typedef struct hbil_plane_format {
   hbil_component component;
   cl_uint pixel_pitch;
 } hbil_plane_format;
+
+/* What the input `depth` holds. */
+typedef enum hbil_depth_kind {
+  HBIL_DEPTH_PLANAR = 0, /* z, along the camera's axis */
+  HBIL_DEPTH_RAY = 1,    /* distance from the eye */
+  /* The value d of a depth buffer, of any projection; see
+   * hbil_frame.hardware_depth, which describes the projection. */
+  HBIL_DEPTH_HARDWARE = 2
+} hbil_depth_kind;
+
+/* What the input `direct` holds. */
+typedef enum hbil_direct_kind {
+  HBIL_DIRECT_IRRADIANCE = 0, /* E_direct / direct_scale */
+  /* The radiance of direct light that surfaces reflect diffusely, without
+   * emission: albedo E_direct / pi / direct_scale, which engines call lit
+   * radiance.  The library divides it by the albedo, if there is such an input,
+   * and multiplies it by pi.  Where the albedo is below 2^-24, the least half
+   * float, surfaces count as unlit: what they reflect tells nothing of the
+   * light, and they send none.  An f0 input must not have dimmed it. */
+  HBIL_DIRECT_RADIANCE = 1
+} hbil_direct_kind;
 
 #ifdef __cplusplus
 }

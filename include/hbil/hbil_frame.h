@@ -134,20 +134,18 @@ typedef struct hbil_frame {
    * the share of the open directions that ends in it.  0..1: 0 in rooms, near 1
    * in the open. hbil_config_suggest() sets it. */
   float sky_share;
-  /* Rotates the sampling pattern.  Use the number of the frame with
-   * history.max_frames, else one constant, which avoids flicker. */
+  /* Rotates the sampling pattern.  One constant avoids flicker. */
   cl_uint frame_index;
   /* CL_TRUE: nothing has moved since the plan's last frame.  Camera,
-   * environment, frame_index and the contents of all inputs are the same, and
-   * motion is 0.  Only the carried light is updated.  If it stops changing, bit
-   * for bit, nothing is gathered or filtered any more.  After
+   * environment, exposure, frame_index and the contents of all inputs are the
+   * same, and motion is 0.  Only the carried light is updated.  If it stops
+   * changing, bit for bit, nothing is gathered or filtered any more.  After
    * HBIL_EXACT_STATIC_FRAMES of them in a row, light that is lower than before
    * by no more than a rounding counts as unchanged, so that roundings don't
-   * prevent this.  With history.max_frames, frame_index may differ, and all
-   * frames are gathered.
-   * Camera and frame_index are checked, bit by bit.  This only saves work: in a
-   * frame whose camera differs by a rounding, leave it CL_FALSE, and light
-   * differs by a rounding.
+   * prevent this.  With sampling.slice_frames above 1, all frames are gathered.
+   * Camera, exposure and frame_index are checked, bit by bit.  This only saves
+   * work: in a frame whose camera differs by a rounding, leave it CL_FALSE, and
+   * light differs by a rounding.
    * Ignored in a plan's first frame.  Callers who write to a plan's stages, or
    * to scratch memory that they lent it, must not set it. */
   cl_bool static_frame;
@@ -178,6 +176,12 @@ typedef struct hbil_frame {
   /* With hbil_model.cache_method: the radiance cache that this frame uses, of
    * the plan's context, or NULL for none (hbil_cache.h). */
   struct hbil_cache *cache;
+  /* What this frame's light is multiplied by before it is written to planes, as
+   * engines do: `direct`, `emission` and `environment` have this factor, and so
+   * have the outputs.  The history and the radiance cache hold light without
+   * it, so that it may differ from frame to frame: light is then as it would be
+   * had it always been so.  1e-12..1e12, or 0 (default), which stands for 1. */
+  float exposure;
 } hbil_frame;
 
 /* Sets struct_size, and all other members to 0.  The camera must be set by the

@@ -33,36 +33,46 @@ extern "C" {
  *   GATHERED          7: AO; E_near RGB; bent normal XYZ in view space, of any
  *                        length.  Up to two more values follow, see below
  *   RESOLVED          7: the same at full resolution, with a bent normal of
- *                        length 1 or 0; averaged after the temporal pass.  AO
- *                        may be a rounding above 1 here; the output is not
- *   TEMPORAL_HISTORY 10: of the last frame: inverse depth (0 or less: sky);
- *                        normal, as a word of packed SPLIT; number of averaged
- *                        frames (0: the pixel does not count); then the values
- *                        of RESOLVED, with a bent normal of any length
+ *                        length 1 or 0.  AO may be a rounding above 1 here; the
+ *                        output is not
  *
- * In orthographic views SPLIT and TEMPORAL_HISTORY have -z in place of the
- * inverse depth, and there is no surface below -5e29.
+ * Light of HISTORY, CARRIED, SLICES and PROBE_HISTORY is divided by the
+ * exposure of its frame (hbil_frame.exposure); all other light is not.
+ *
+ * In orthographic views SPLIT has -z in place of the inverse depth, and there
+ * is no surface below -5e29.
  *
  * GATHERED has two optional values.  The share of the hemisphere whose light is
  * unknown is stored with HBIL_FALLBACK_FRAME_MEAN, unless facing_fade[1] is -1;
  * recompose fills this light in.  The weight of the slice, 1 on average, is
- * stored behind it with a single slice and the filter.  It is always a float.
+ * stored behind it with a single slice and the filter; with
+ * sampling.slice_frames above 1, that of all slices that are known, over their
+ * number.  It is always a float.
  *
  * With the output glossy, GATHERED ends with five floats, sums over the lobes
  * of the pixel's half-slices: radiance RGB, the part of the lobe whose light is
- * known, and the whole lobe.  In RESOLVED and TEMPORAL_HISTORY, the first four
- * over the fifth follow the bent normal.
+ * known, and the whole lobe.  In RESOLVED, the first four over the fifth
+ * follow the bent normal.
  *
  * AO and the bent normal are those of the near field.  Where the outputs show
- * others (hbil_model.ao_radius), gather, recompose and temporal write three
- * stages more, which have the values and the layouts of their namesakes without
- * E_near, unknown and glossy values:
- *   AO_GATHERED, AO_RESOLVED, AO_TEMPORAL_HISTORY
+ * others (hbil_model.ao_radius), gather and recompose write three stages more,
+ * which have the values and the layouts of their namesakes without E_near,
+ * unknown and glossy values:
+ *   AO_GATHERED, AO_RESOLVED, AO_SLICES
  * Who replaces one of these passes writes both of its stages.  Of
  * error_estimate AO_RESOLVED has the first value.
  *
- * TEMPORAL_HISTORY alternates between two buffers, and so does HISTORY if an
- * output is an HBIL_IMAGE.  Call hbil_plan_buffer() again after every frame.
+ * PROBE_HISTORY, of plans that have a cache_method, is what the light of the
+ * radiance cache is averaged with in the next frame: plane_pitch floats in all,
+ * row_pitch for each row of probes, in an order of their own.  It is copied as
+ * a whole.
+ *
+ * SLICES, of plans with sampling.slice_frames above 1, is what the slices of
+ * the last frames found.  It is copied as a whole, too: plane_pitch floats.
+ *
+ * SLICES and PROBE_HISTORY alternate between two buffers, and so does HISTORY
+ * if an output is an HBIL_IMAGE.  Call hbil_plan_buffer() again after every
+ * frame.
  *
  * With HBIL_STORAGE_PACKED, some stages are planes of 32-bit words:
  *   HISTORY    2: inverse depth (a float); light, as SPLIT's radiance
@@ -85,7 +95,6 @@ extern "C" {
  *   SPLIT               4 without radiance (packed: 2)
  *   GATHERED, RESOLVED  4 without bent normals (packed GATHERED: 2), and 1 with
  *                       AO alone (packed GATHERED: 1)
- *   TEMPORAL_HISTORY    3 more than RESOLVED
  * The weight of a single slice and glossy light come on top, as do the 1 or 2
  * values of error_estimate in RESOLVED.  If GATHERED has the unknown share and
  * there is an output `unknown`, RESOLVED ends with that share, filtered.
@@ -109,10 +118,11 @@ typedef enum hbil_stage {
   HBIL_STAGE_SPLIT = 2,
   HBIL_STAGE_GATHERED = 3,
   HBIL_STAGE_RESOLVED = 4,
-  HBIL_STAGE_TEMPORAL_HISTORY = 5,
+  HBIL_STAGE_SLICES = 5,
   HBIL_STAGE_AO_GATHERED = 6,
   HBIL_STAGE_AO_RESOLVED = 7,
-  HBIL_STAGE_AO_TEMPORAL_HISTORY = 8
+  HBIL_STAGE_AO_SLICES = 8,
+  HBIL_STAGE_PROBE_HISTORY = 9
 } hbil_stage;
 
 typedef struct hbil_buffer {
@@ -144,15 +154,14 @@ HBIL_API hbil_status hbil_enqueue_passes(
  * (HBIL_FAR_FRAME). */
 HBIL_API cl_uint hbil_plan_bounces(const hbil_plan *plan);
 
-/* Says that HISTORY, and with history.max_frames TEMPORAL_HISTORY and
- * AO_TEMPORAL_HISTORY, as far as the plan has them, hold data
- * of a frame seen by `camera`, for instance from an earlier process, and that
- * its light has had `bounces` bounces (0: HISTORY holds nothing; above 256
- * counts as 256).  The
- * caller writes them into the buffers that hbil_plan_buffer() returns, before
- * or after this call; the next frame starts from them.  The next frame can't
- * be static.  Returns HBIL_INVALID_ARGUMENT if plan or camera is null, and
- * HBIL_INVALID_FRAME if the camera is; then the plan is as before. */
+/* Says that HISTORY, PROBE_HISTORY, SLICES and AO_SLICES, as far as the plan
+ * has them, hold data of a frame seen by `camera`, for instance from an
+ * earlier process, and that its light has had `bounces` bounces (0: HISTORY
+ * holds nothing; above 256 counts as 256).  The caller writes them into the
+ * buffers that hbil_plan_buffer() returns, before or after this call; the next
+ * frame starts from them.  The next frame can't be static.  Returns
+ * HBIL_INVALID_ARGUMENT if plan or camera is null, and HBIL_INVALID_FRAME if
+ * the camera is; then the plan is as before. */
 HBIL_API hbil_status hbil_plan_adopt_history(hbil_plan *plan,
                                              const hbil_camera *camera,
                                              cl_uint bounces);

@@ -3,8 +3,10 @@
  *
  * Every voxel looks at itself in the view (a pull: no atomics, and the same
  * bits in any order of work-items).  If the view shows surfaces in the voxel,
- * their means join the voxel's.  If the view shows only what is behind it, the
- * voxel is empty.  If something is in front of it, nothing is learnt.
+ * their means join the voxel's; light that has changed replaces its light.  If
+ * the view shows only what is behind it, the voxel is empty.  A voxel that
+ * holds a surface is empty only if the view looks through that surface and all
+ * around it.  If something is in front of it, nothing is learnt.
  *
  * Launch: x = words of a row of voxels, y = rows, z = slices, of all levels.
  * In: texels (cache/view.cl).  In and out: states, voxels.  Out: what new
@@ -30,6 +32,17 @@ INLINE float3 reflectance_of(uint word) {
          (1.0f / 1023.0f);
 }
 
+/* The point that a texel of depth z shows. */
+INLINE float3 shown_point(const hbil_cache_inject_args args, int x, int y,
+                          float z) {
+  const float spread = ORTHOGRAPHIC ? 1.0f : z;
+  return transformed(
+      args.to_cache,
+      (float3)(((float)x + 0.5f - args.view.cx) * args.view.inv_fx * spread,
+               ((float)y + 0.5f - args.view.cy) * args.view.inv_fy * spread,
+               z));
+}
+
 /* A surface is in the voxel if its point is less than a voxel from the centre
  * along each axis, and its plane crosses the voxel. */
 INLINE void look(const hbil_cache_inject_args args, global const uint *texels,
@@ -44,13 +57,7 @@ INLINE void look(const hbil_cache_inject_args args, global const uint *texels,
     ++s->sky;
     return;
   }
-  const float spread = ORTHOGRAPHIC ? 1.0f : z;
-  const float3 p = transformed(
-      args.to_cache,
-      (float3)(((float)x + 0.5f - args.view.cx) * args.view.inv_fx * spread,
-               ((float)y + 0.5f - args.view.cy) * args.view.inv_fy * spread,
-               z));
-  const float3 to = p - centre, off = fabs(to);
+  const float3 to = shown_point(args, x, y, z) - centre, off = fabs(to);
   if (max(off.x, max(off.y, off.z)) <= size) {
     const float3 n = normal_of_word(texel.y), lean = fabs(n);
     const float along = dot(n, to);
@@ -71,6 +78,24 @@ INLINE float3 joined(float3 mean, float3 value, float share) {
   return fma(value - mean, (float3)(share), mean);
 }
 
+INLINE float largest(float3 v) {
+  return max(max(v.x, v.y), v.z);
+}
+
+/* HBIL_VOXEL_CHANGE */
+INLINE float change_of(float3 held, float3 seen) {
+  const float before = held.x + held.y + held.z;
+  const float most = HBIL_CACHE_MOST_CHANGE;
+  return before > 0.0f
+             ? clamp((seen.x + seen.y + seen.z) / before, 1.0f / most, most)
+             : -1.0f;
+}
+
+INLINE bool is_other_light(float3 held, float3 seen) {
+  return largest(fabs(held - seen)) >
+         HBIL_CACHE_LIGHT_CHANGED * max(largest(held), largest(seen));
+}
+
 /* Joins the means of a view to those of the voxel. */
 INLINE void add_surface(global float *voxel, bool is_new, int finished,
                         const shown *s) {
@@ -82,6 +107,7 @@ INLINE void add_surface(global float *voxel, bool is_new, int finished,
   } else
     vstore4((float4)(0.0f), 0, voxel + HBIL_VOXEL_INDIRECT);
   const float inv = 1.0f / s->surfaces;
+  const float3 sent = s->sent * inv;
   const float views = min(surface.w + 1.0f, HBIL_CACHE_MOST_VIEWS);
   const float share = 1.0f / views;
   plane.xyz = joined(plane.xyz, s->normal * inv, share);
@@ -92,16 +118,58 @@ INLINE void add_surface(global float *voxel, bool is_new, int finished,
   vstore4(plane, 0, voxel + HBIL_VOXEL_NORMAL);
   vstore4((float4)(joined(surface.xyz, s->reflectance * inv, share), views), 0,
           voxel + HBIL_VOXEL_REFLECTANCE);
+  const bool like = finished ? light.w < 0.0f : light.w > 0.0f;
+  voxel[HBIL_VOXEL_CHANGE] = like ? change_of(light.xyz, sent) : -1.0f;
   /* finished radiance replaces light of the first bounce, never the other way
    * round */
   if (light.w < 0.0f && !finished)
     return;
-  const bool anew = finished && light.w > 0.0f;
+  const bool anew =
+      (finished && light.w > 0.0f) || is_other_light(light.xyz, sent);
   const float count =
       anew ? 1.0f : min(fabs(light.w) + 1.0f, HBIL_CACHE_MOST_VIEWS);
-  vstore4((float4)(joined(light.xyz, s->sent * inv, 1.0f / count),
+  vstore4((float4)(joined(light.xyz, sent, 1.0f / count),
                    finished ? -count : count),
           0, voxel + HBIL_VOXEL_SENT);
+}
+
+/* Whether the view looks through the surface that a voxel holds: the texels
+ * around its point, `around` each way, all show what is more than a voxel
+ * behind it, and off its plane by as much (which a floor seen at a grazing
+ * angle is not).  All of them: a thing that is thinner than the voxel must not
+ * be overlooked.  *sky: they show the sky. */
+INLINE bool looks_through(const hbil_cache_inject_args args,
+                          global const uint *texels, global const float *voxel,
+                          float3 centre, float size, int around, bool *sky) {
+  const hbil_view_args view = args.view;
+  const float4 plane = vload4(0, voxel + HBIL_VOXEL_NORMAL);
+  const float3 n = plane.xyz * (1.0f / sqrt(dot(plane.xyz, plane.xyz)));
+  const float3 p = centre + n * plane.w;
+  const float3 q = transformed(args.to_view, p);
+  if (!ORTHOGRAPHIC && !(q.z > 0.3f * size))
+    return false;
+  const float shrink = ORTHOGRAPHIC ? 1.0f : 1.0f / q.z;
+  const float px = fma(view.fx * q.x, shrink, view.cx);
+  const float py = fma(view.fy * q.y, shrink, view.cy);
+  if (!(px >= 0.0f && py >= 0.0f && px < (float)view.width &&
+        py < (float)view.height))
+    return false;
+  *sky = true;
+  for (int y = max((int)py - around, 0);
+       y <= min((int)py + around, view.height - 1); ++y)
+    for (int x = max((int)px - around, 0);
+         x <= min((int)px + around, view.width - 1); ++x) {
+      const float z =
+          as_float(texels[HBIL_TEXEL_WORDS *
+                          ((size_t)y * (size_t)view.width + (size_t)x)]);
+      if (!(z > 0.0f))
+        continue;
+      *sky = false;
+      if (!(z > q.z + size) ||
+          fabs(dot(n, shown_point(args, x, y, z) - p)) < size)
+        return false;
+    }
+  return true;
 }
 
 /* Looks at a voxel whose centre is at (px, py) in the view.  Returns its new
@@ -129,7 +197,13 @@ INLINE uint inject_voxel(const hbil_cache_inject_args args,
     add_surface(voxel, state != HBIL_VOXEL_SURFACE, args.finished, &s);
     return HBIL_VOXEL_SURFACE;
   }
-  if (s.behind < s.taps || state == HBIL_VOXEL_SURFACE)
+  if (state == HBIL_VOXEL_SURFACE) {
+    bool sky;
+    return !looks_through(args, texels, voxel, centre, size, step, &sky) ? state
+           : sky ? HBIL_VOXEL_SKY
+                 : HBIL_VOXEL_EMPTY;
+  }
+  if (s.behind < s.taps)
     return state;
   return s.sky == s.taps               ? HBIL_VOXEL_SKY
          : state == HBIL_VOXEL_UNKNOWN ? HBIL_VOXEL_EMPTY

@@ -22,13 +22,17 @@ INLINE void surface_light(const hbil_cache_view_args args,
   int usable = TRUE_LANES;
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
-    reflectance[c] = surface_albedo(args.surface, in, c, x, y, 1, &usable) *
-                     surface_diffuse(args.surface, in, c, x, y, 1, &usable);
+    const float albedo = surface_albedo(args.surface, in, c, x, y, 1, &usable);
+    reflectance[c] =
+        albedo * surface_diffuse(args.surface, in, c, x, y, 1, &usable);
     const float light =
         direct_light(args.surface, in->direct, c, x, y, 1, &usable);
-    sent[c] = args.finished ? light : INV_PI * reflectance[c] * light;
+    sent[c] = args.finished
+                  ? light
+                  : INV_PI * reflectance[c] * irradiance_of(light, albedo);
     if (GATHER_EMISSION && !args.finished)
       sent[c] += surface_emission(args.surface, in, c, x, y, 1, &usable);
+    sent[c] *= args.per_exposure;
   }
 }
 

@@ -42,11 +42,33 @@ enum {
   HBIL_VOXEL_SENT = 8,        /* radiance of the first bounce, or finished; 3 */
   HBIL_VOXEL_LIGHT_WEIGHT = 11, /* the same as a weight; -: finished radiance */
   HBIL_VOXEL_INDIRECT = 12,     /* irradiance over pi; 3 */
-  HBIL_VOXEL_FLOATS = 16        /* one is not used */
+  /* 0: no view has seen it since the last update; else by what factor the
+   * newest view has changed its light, or -1 if there was none */
+  HBIL_VOXEL_CHANGE = 15,
+  HBIL_VOXEL_FLOATS = 16
 };
 
 /* Means follow changes: older views fade out beyond so many. */
 #define HBIL_CACHE_MOST_VIEWS 16.0f
+
+/* Light that a view shows replaces a voxel's mean, and doesn't join it, if it
+ * is so far from it, in parts of the larger one of both, in the channel that
+ * changes most (cache/inject.cl).  Means of noise differ by less. */
+#define HBIL_CACHE_LIGHT_CHANGED 0.5f
+
+/* Factors of changes are at most so far from 1 (HBIL_VOXEL_CHANGE). */
+#define HBIL_CACHE_MOST_CHANGE 50.0f
+
+/* Regions of the cache that follow changes of light, and along an axis
+ * (cache/change.cl). */
+enum { HBIL_CACHE_REGIONS_ACROSS = 4, HBIL_CACHE_REGIONS = 64 };
+/* They do if there is so much less light, if so much of all changes of single
+ * voxels is towards less, and if there are so many of these, by their weight.
+ * Noise of voxels cancels in regions; a box that moves or a cloud's edge has
+ * both signs. */
+#define HBIL_CHANGE_LEAST 0.1f
+#define HBIL_CHANGE_AGREEMENT 0.7f
+#define HBIL_CHANGE_VOXELS 25.0f
 
 /* The outermost texel that a view's footprint of a voxel reaches. */
 #define HBIL_CACHE_FOOTPRINT 3
@@ -107,9 +129,10 @@ typedef struct hbil_cache_view_args {
   hbil_external_plane_args depth, normal;
   hbil_surface_args surface; /* direct_scale: 1 if finished */
   hbil_depth_args decode;
-  hbil_int first; /* texels of the buffer before the table */
+  hbil_float per_exposure; /* 1 over hbil_view's */
+  hbil_int first;          /* texels of the buffer before the table */
 } hbil_cache_view_args;
-HBIL_ASSERT_LAYOUT(hbil_cache_view_args, first, 66, 67)
+HBIL_ASSERT_LAYOUT(hbil_cache_view_args, first, 67, 68)
 
 /* cache/inject.cl.  view: of texels; lengths in voxels of level 0. */
 typedef struct hbil_cache_inject_args {
@@ -147,12 +170,13 @@ HBIL_ASSERT_LAYOUT(hbil_cache_move_args, moved, 6, 9)
 /* Floats of a probe.  Sums over its rays of values, and of three times values
  * times the direction, in view space: order-1 functions of a direction. */
 enum {
-  HBIL_PROBE_POSITION = 0, /* view space; 3 */
-  HBIL_PROBE_VALID = 3,    /* 1: there is a surface */
-  HBIL_PROBE_NORMAL = 4,   /* view space; 3 */
-  HBIL_PROBE_KNOWN = 8,    /* rays whose light is known, not shown; 4 */
-  HBIL_PROBE_UNKNOWN = 12, /* rays into what no view has seen; 4 */
-  HBIL_PROBE_LIGHT = 16,   /* radiance of the known ones; 4 a channel */
+  HBIL_PROBE_POSITION = 0,  /* view space; 3 */
+  HBIL_PROBE_VALID = 3,     /* 1: there is a surface */
+  HBIL_PROBE_NORMAL = 4,    /* view space; 3 */
+  HBIL_PROBE_FRAMES_AT = 7, /* after follow_probes: frames that it stands for */
+  HBIL_PROBE_KNOWN = 8,     /* rays whose light is known, not shown; 4 */
+  HBIL_PROBE_UNKNOWN = 12,  /* rays into what no view has seen; 4 */
+  HBIL_PROBE_LIGHT = 16,    /* radiance of the known ones; 4 a channel */
   HBIL_PROBE_FLOATS = 28
 };
 
@@ -198,12 +222,27 @@ HBIL_ASSERT_LAYOUT(hbil_light_views_args, light, 1, 85)
  * of the depth. */
 #define HBIL_PROBE_TOLERANCE 0.02f
 
+/* Directions about a normal are in one of two bases, by its z.  Walls that
+ * stand upright have a z of plus or minus a rounding, so the bases change where
+ * few surfaces do; below -1 no division would be left. */
+#define HBIL_BASIS_TURNS (-0.3f)
+
 /* Rays of a probe, where most of the probes around it are alike. */
 #define HBIL_PROBE_RAYS 32
 /* So many probes across, and down, share one sequence of directions.  The
  * filter is a tent, zero at this distance, so it has all of the sequence in
  * equal shares. */
 #define HBIL_PROBE_TILE 3
+
+/* So many frames of probes are averaged, unless something of a probe differs by
+ * more than this from its past (doc/measurements.md, "Light that stands
+ * still"). */
+#define HBIL_PROBE_FRAMES 4
+#define HBIL_PROBE_CHANGE 0.35f
+/* A place has no past where the probes around it in the last frame are less
+ * like it than this, together.  One that is as far from its plane as the
+ * tolerance counts a quarter, so these are on other surfaces. */
+#define HBIL_PROBE_LEAST_LIKENESS 0.05f
 
 /* Rays of a probe for the output `glossy`, and the floats of such a probe.
  * Position, validity and normal are those of HBIL_PROBE_. */
@@ -230,6 +269,16 @@ typedef struct hbil_probes_args {
   hbil_float lobe;   /* as in hbil_gather_args */
 } hbil_probes_args;
 HBIL_ASSERT_LAYOUT(hbil_probes_args, lobe, 77, 78)
+
+/* cache/follow_probes.cl */
+typedef struct hbil_follow_args {
+  hbil_probe_grid_args grid;
+  hbil_view_args before;     /* the last frame's */
+  hbil_transform_args back;  /* from this view space to the last frame's */
+  hbil_transform_args forth; /* the other way round */
+  hbil_int has_before;
+} hbil_follow_args;
+HBIL_ASSERT_LAYOUT(hbil_follow_args, has_before, 35, 36)
 
 #ifndef __OPENCL_VERSION__
 /* What the bytes of hbil_cache_save() begin with.  States, a byte a voxel for

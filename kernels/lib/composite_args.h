@@ -18,8 +18,10 @@ typedef struct hbil_composite_args {
   hbil_external_plane_args unknown;
   hbil_depth_args decode;
   hbil_float sky_share; /* as in hbil_frame */
+  /* the frame's light over that of the history and the cache, and 1 over it */
+  hbil_float exposure, per_exposure;
   hbil_probe_grid_args probes;
 } hbil_composite_args;
-HBIL_ASSERT_LAYOUT(hbil_composite_args, probes, 111, 114)
+HBIL_ASSERT_LAYOUT(hbil_composite_args, probes, 113, 116)
 
 #endif

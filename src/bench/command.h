@@ -61,7 +61,7 @@ typedef struct bench_command {
 
 extern const bench_command bench_error, bench_skips, bench_scaling,
     bench_temporal, bench_passes, bench_pilot, bench_truth, bench_cache,
-    bench_thickness;
+    bench_thickness, bench_flicker;
 
 /* Reads argv[1...], where argv[0] is the command's name.  Returns 1 when help
  * was asked for and printed.  The caller frees out->frames in every case. */

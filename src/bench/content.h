@@ -6,6 +6,7 @@
 
 #include "bench/command.h"
 #include "hbil/hbil.h"
+#include "scene/scene.h"
 
 typedef enum bench_input {
   BENCH_DEPTH = 0,
@@ -46,6 +47,10 @@ typedef struct bench_content {
 int bench_content_load(const bench_options *options, unsigned frames,
                        int measure_last, bench_content *out,
                        image_error *error);
+/* Frames of a procedural scene, whatever frames the options name. */
+int bench_content_load_scene(const bench_options *options, scene_kind kind,
+                             unsigned frames, bench_content *out,
+                             image_error *error);
 /* Frees the planes of the frames and nothing else, once they are on the
  * device. */
 void bench_content_drop_planes(bench_content *content);

@@ -21,14 +21,18 @@ enum {
   QUICK_COMPARED = 1000
 };
 
-/* --- the room --- */
+/* --- procedural scenes --- */
 
-static int load_room_frame(bench_content *out, unsigned index,
-                           image_error *error) {
+static const char *const scene_names[SCENE_KINDS] = {
+    [SCENE_ROOM] = "the procedural room",
+    [SCENE_SKY] = "the procedural ground under open sky",
+    [SCENE_CORNER] = "the procedural corner"};
+
+static int load_scene_frame(scene_kind kind, bench_content *out, unsigned index,
+                            image_error *error) {
   bench_frame *frame = &out->frame[index];
   scene_frame scene;
-  if (scene_render(SCENE_ROOM, out->width, out->height, 0.0, index, &scene) !=
-      0)
+  if (scene_render(kind, out->width, out->height, 0.0, index, &scene) != 0)
     return image_no_memory(error, out->name);
   const float *const planes[BENCH_INPUTS][3] = {
       [BENCH_DEPTH] = {scene.depth},
@@ -47,9 +51,9 @@ static int load_room_frame(bench_content *out, unsigned index,
   return failed ? -1 : 0;
 }
 
-static int load_room(const bench_options *options, unsigned frames,
-                     bench_content *out, image_error *error) {
-  snprintf(out->name, sizeof out->name, "the procedural room");
+static int load_scene(const bench_options *options, scene_kind kind,
+                      unsigned frames, bench_content *out, image_error *error) {
+  snprintf(out->name, sizeof out->name, "%s", scene_names[kind]);
   out->width = options->width   ? options->width
                : options->quick ? QUICK_WIDTH
                                 : ROOM_WIDTH;
@@ -64,7 +68,7 @@ static int load_room(const bench_options *options, unsigned frames,
     return image_no_memory(error, out->name);
   out->frames = frames;
   for (unsigned i = 0; i < frames; i++)
-    if (load_room_frame(out, i, error) != 0)
+    if (load_scene_frame(kind, out, i, error) != 0)
       return -1;
   return 0;
 }
@@ -126,9 +130,8 @@ static int choose_compared(const bench_options *options, bench_content *out,
 
 /* --- all content --- */
 
-int bench_content_load(const bench_options *options, unsigned frames,
-                       int measure_last, bench_content *out,
-                       image_error *error) {
+static int load(const bench_options *options, scene_kind kind, unsigned frames,
+                int measure_last, bench_content *out, image_error *error) {
   memset(out, 0, sizeof *out);
   hbil_config_init(&out->config);
   /* The direct light of renderers holds what lamps in the picture send. */
@@ -136,7 +139,7 @@ int bench_content_load(const bench_options *options, unsigned frames,
   out->config.execution.profiling = CL_TRUE;
   int failed = options->frame_count
                    ? bench_content_load_dumps(options, out, error)
-                   : load_room(options, frames, out, error);
+                   : load_scene(options, kind, frames, out, error);
   out->config.width = out->width;
   out->config.height = out->height;
   out->measured = measure_last ? out->frames - 1 : 0;
@@ -145,4 +148,18 @@ int bench_content_load(const bench_options *options, unsigned frames,
   if (failed)
     bench_content_free(out);
   return failed;
+}
+
+int bench_content_load(const bench_options *options, unsigned frames,
+                       int measure_last, bench_content *out,
+                       image_error *error) {
+  return load(options, SCENE_ROOM, frames, measure_last, out, error);
+}
+
+int bench_content_load_scene(const bench_options *options, scene_kind kind,
+                             unsigned frames, bench_content *out,
+                             image_error *error) {
+  bench_options own = *options;
+  own.frame_count = 0;
+  return load(&own, kind, frames, 0, out, error);
 }

@@ -96,7 +96,7 @@ typedef struct bench_timing {
   size_t memory;              /* of the plan, bytes */
 } bench_timing;
 
-enum { BENCH_MAX_TURNS = 10 };
+enum { BENCH_MAX_TURNS = 12 };
 
 /* Runs a frame of each plan in turn, `runs` times after the warm-up.  What
  * slows the machine down for a while then slows all of them, and their ratios

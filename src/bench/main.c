@@ -9,8 +9,9 @@
 #include "hbil/hbil.h"
 
 static const bench_command *const commands[] = {
-    &bench_error, &bench_skips, &bench_scaling, &bench_temporal, &bench_passes,
-    &bench_pilot, &bench_truth, &bench_cache,   &bench_thickness};
+    &bench_error,     &bench_skips,  &bench_scaling, &bench_temporal,
+    &bench_passes,    &bench_pilot,  &bench_truth,   &bench_cache,
+    &bench_thickness, &bench_flicker};
 
 enum {
   COMMANDS = sizeof commands / sizeof *commands,

@@ -72,7 +72,6 @@ static const bench_column columns[] = {
     {"split_ms", "split", 3},
     {"gather_ms", "gather", 3},
     {"recompose_ms", "recompose", 3},
-    {"temporal_ms", NULL, 3},
     {"composite_ms", "composite", 3},
     {"import_ms", NULL, 3},
     {"export_ms", NULL, 3},

@@ -86,11 +86,16 @@ static bench_setting setting_at(const sweep *s, size_t step) {
                          .flags = s->flags};
 }
 
+static cl_uint frames_of(const bench_setting *s) {
+  return s->slice_frames ? s->slice_frames : 1;
+}
+
 int bench_setting_same(const bench_setting *a, const bench_setting *b) {
   const unsigned known = ~(unsigned)QUICK;
   return a->model == b->model && a->slices == b->slices &&
-         a->steps == b->steps && !(a->growth < b->growth) &&
-         !(a->growth > b->growth) && (a->flags & known) == (b->flags & known);
+         a->steps == b->steps && frames_of(a) == frames_of(b) &&
+         !(a->growth < b->growth) && !(a->growth > b->growth) &&
+         (a->flags & known) == (b->flags & known);
 }
 
 /* The sampling of a configuration whose width and height are set, in the
@@ -99,6 +104,7 @@ static bench_setting setting_of(const hbil_config *config) {
   return (bench_setting){
       .model = DEFAULT,
       .slices = config->sampling.slices,
+      .slice_frames = config->sampling.slice_frames,
       .steps = config->sampling.steps_per_side,
       .growth = config->sampling.step_growth,
       .flags =
@@ -185,11 +191,14 @@ int bench_model_is_ao(bench_model model) {
 }
 
 void bench_setting_label(const bench_setting *s, char text[BENCH_LABEL]) {
-  snprintf(text, BENCH_LABEL, "%s%s%s%s%ux%u g%g%s%s%s%s%s",
+  char frames[16] = "";
+  if (s->slice_frames > 1)
+    snprintf(frames, sizeof frames, "/%u", (unsigned)s->slice_frames);
+  snprintf(text, BENCH_LABEL, "%s%s%s%s%ux%u%s g%g%s%s%s%s%s",
            s->model == DEFAULT ? "" : bench_model_name(s->model),
            s->model == DEFAULT ? "" : " ", s->preset ? s->preset : "",
            s->preset ? " " : "", (unsigned)s->slices, (unsigned)s->steps,
-           (double)s->growth, s->flags & LAYER ? " same-layer" : "",
+           frames, (double)s->growth, s->flags & LAYER ? " same-layer" : "",
            s->flags & HALF ? " half" : "", s->flags & RAW ? " unfiltered" : "",
            s->flags & PLAIN ? " not extrapolated" : "",
            s->flags & FP32 ? " fp32" : "");
@@ -220,6 +229,7 @@ void bench_setting_apply(const bench_setting *s, const bench_content *content,
   *config = content->config;
   set_model(s->model, content, &config->model);
   config->sampling.slices = s->slices;
+  config->sampling.slice_frames = frames_of(s);
   config->sampling.steps_per_side = s->steps;
   config->sampling.step_growth = s->growth;
   config->sampling.sample_grid =

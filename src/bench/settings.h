@@ -32,7 +32,8 @@ typedef struct bench_setting {
   cl_uint slices, steps; /* steps: per side of a slice */
   float growth;          /* hbil_config.step_growth */
   unsigned flags;
-  const char *preset; /* its name, or NULL */
+  const char *preset;   /* its name, or NULL */
+  cl_uint slice_frames; /* hbil_config.sampling's; 0: 1 */
 } bench_setting;
 
 enum { BENCH_MAX_SETTINGS = 80, BENCH_LABEL = 80 };
@@ -56,7 +57,7 @@ const char *bench_model_name(bench_model model);
 /* Whether the model computes AO and no light. */
 int bench_model_is_ao(bench_model model);
 /* "fast 1x16 g3 same-layer": model (unless default), preset, slices x steps,
- * growth and flags. */
+ * growth and flags; "3x56/3": slices that three frames share. */
 void bench_setting_label(const bench_setting *s, char text[BENCH_LABEL]);
 /* The content's configuration with a setting. */
 void bench_setting_apply(const bench_setting *s, const bench_content *content,

@@ -51,7 +51,7 @@ static void describe(const hbil_statistics *s, char *text, size_t size) {
           shares[i].name,
           100.0 * (double)shares[i].pixels / (double)s->all.pixels);
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
-    if (s->not_run[p] && p != HBIL_PASS_TEMPORAL && used < size)
+    if (s->not_run[p] && used < size)
       used += (size_t)snprintf(text + used, size - used, "%sno %s",
                                used ? ", " : "", hbil_pass_name((hbil_pass)p));
 }

@@ -26,6 +26,7 @@ typedef struct channel_map {
   int is_beauty;      /* 1: by its name, direct light is a finished image */
   hbil_camera camera; /* for conversions; fx 0: unknown */
   hbil_projection projection; /* of the camera */
+  double exposure;            /* light in the files has this factor; 0: none */
   int mirrored;      /* 1: the dump's world is left-handed, and z of world space
                         changes its sign (see frame_camera.h) */
   image_window data; /* where the file has pixels */

@@ -155,13 +155,31 @@ static int has_other_units(const camera_file *given, const camera_file *fitted,
   return turn < same_turn && fabs(log(factor)) > log(2.0);
 }
 
+/* A picture that no camera of the library shows. */
+static int name_projection(const fit_points *p, const camera_file *given,
+                           findings *out) {
+  const double *m = given->camera_to_world;
+  const double eye[3] = {m[3], m[7], m[11]};
+  const char *kind = camera_fit_name_projection(p, eye);
+  if (kind)
+    findings_add(out,
+                 "the picture is %s by its positions, and is taken for %s one: "
+                 "several perspective or orthographic pictures that show the "
+                 "same are needed",
+                 kind,
+                 given->orthographic ? "an orthographic" : "a perspective");
+  return kind != NULL;
+}
+
 int check_camera(const fit_points *p, const camera_file *given, findings *out) {
   static const int same[3] = {0, 1, 2}, plus[3] = {1, 1, 1};
   const double error = camera_fit_error(p, given);
   if (error < CAMERA_FITS)
     return 0;
   const camera_fit f = camera_fit_find(p);
-  if (!f.found || !(2 * f.error < error))
+  if (!f.found)
+    return name_projection(p, given, out);
+  if (!(2 * f.error < error))
     return 0;
   if (f.camera.orthographic != given->orthographic) {
     findings_add(out, "the camera is %s, but the positions are seen by %s%s",

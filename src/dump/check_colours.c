@@ -79,11 +79,14 @@ static void check_black(const surface_points *s, findings *out) {
       surfaces++;
       black += !(emission > 0.0f) && !reflects(g, i, 1e-3f);
     }
-  if (black > surfaces / 100)
+  const int replaced =
+      g->map.count[ROLE_PICTURE] && g->map.count[ROLE_INDIRECT];
+  if (black > surfaces / 100 && !replaced)
     findings_add(out,
                  "%.0f %% of the surfaces have no diffuse albedo, as metal and "
                  "glass, and are black in beauty: add the renderer's glossy "
-                 "and transmission passes to it",
+                 "and transmission passes to it, or put its picture and its "
+                 "diffuse indirect light into the file (--beauty)",
                  100.0 * (double)black / (double)surfaces);
 }
 

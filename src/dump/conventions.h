@@ -56,6 +56,8 @@ typedef struct conventions {
                         multiplied with the coverage */
   int shows_sources; /* 1: direct light also shows lamps and the sky, which
                         are taken out of it (light_sources.h) */
+  int clips;      /* 1: nothing beyond the far plane is shown, and the sky may
+                     lie there */
   unsigned flips; /* axes of normals and positions whose sign changes: 1 x, 2 y,
                      4 z */
   unsigned unsure;

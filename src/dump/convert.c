@@ -15,12 +15,11 @@
 /* Colours                                                                   */
 
 static void decode_colours(gbuffer *g) {
-  static const role colours[] = {ROLE_ALBEDO, ROLE_DIRECT, ROLE_EMISSION,
-                                 ROLE_BACKGROUND};
-  for (size_t k = 0; k < sizeof colours / sizeof *colours; k++)
-    for (size_t c = 0; g->map.gamma[colours[k]] && c < g->map.count[colours[k]];
+  for (int r = 0; r < ROLE_COUNT; r++)
+    for (size_t c = 0;
+         role_is_colour((role)r) && g->map.gamma[r] && c < g->map.count[r];
          c++) {
-      float *v = gbuffer_plane(g, colours[k], c);
+      float *v = gbuffer_plane(g, (role)r, c);
       for (size_t i = 0; i < gbuffer_pixels(g); i++)
         v[i] = linear_of_srgb(v[i]);
     }

@@ -10,9 +10,4 @@
 int fitted_camera_read(const char *frame, const channel_map *map,
                        frame_camera *out, image_error *error);
 
-/* 0, or -1 with `error` filled if the positions tell that the picture is a
- * fisheye or a panorama.  The map's camera is known. */
-int fitted_camera_check(const char *frame, const channel_map *map,
-                        image_error *error);
-
 #endif

@@ -142,6 +142,29 @@ static char *camera_beside(const char *frame, const image *header,
   return own;
 }
 
+/* The header's number of that name replaces what the camera file says. */
+static int choose_exposure(const char *frame, const image *header,
+                           const char *name, camera_file *out,
+                           image_error *error) {
+  size_t i = 0;
+  if (!name)
+    return 0;
+  while (i < header->number_count && strcmp(header->numbers[i].name, name) != 0)
+    i++;
+  if (i == header->number_count)
+    return image_fail(
+        error, "%s: --exposure %s: its header has no such number; %s", frame,
+        name, i ? "`hbil info` lists those that it has" : "it has none at all");
+  out->exposure = header->numbers[i].value;
+  return out->exposure >= CAMERA_LEAST_EXPOSURE &&
+                 out->exposure <= CAMERA_MOST_EXPOSURE
+             ? 0
+             : image_fail(error,
+                          "%s: --exposure %s: %g in its header; a factor of "
+                          "1e-12 to 1e12 is needed",
+                          frame, name, out->exposure);
+}
+
 int frame_camera_read(const char *frame, const image *header,
                       const channel_map *map, const char *override,
                       const source_options *options, frame_camera *out,
@@ -165,7 +188,7 @@ int frame_camera_read(const char *frame, const image *header,
   if (failed)
     return -1;
   choose_lens(options, image_display_window(header).width, &out->file);
-  return 0;
+  return choose_exposure(frame, header, options->exposure, &out->file, error);
 }
 
 int frame_camera_same_projection(const char *frame, const camera_file *camera,
@@ -214,6 +237,16 @@ static int can_use_clipping_planes(const channel_map *map) {
              : map->how.near > 0.0;
 }
 
+/* How far before the far plane the sky begins, as a share of it.  EEVEE stores
+ * 1000.07 for a plane at 1000. */
+static const double before_far = 1e-3;
+
+static void clip_sky(conventions *how) {
+  const double far = how->far * (1.0 - before_far) / how->unit;
+  if (how->clips && how->far > 0.0 && far < (double)how->sky_depth)
+    how->sky_depth = (float)far;
+}
+
 /* Whether all that conversions need to know about the camera is known. */
 static int check_needs(const char *frame, const frame_camera *v,
                        const channel_map *map, image_error *error) {
@@ -255,12 +288,14 @@ int frame_camera_aim(const char *frame, const frame_camera *v, channel_map *map,
   out->width = map->window.width;
   out->height = map->window.height;
   map->mirrored = v->mirrored;
+  map->exposure = v->file.exposure;
   map->projection = out->orthographic ? HBIL_PROJECTION_ORTHOGRAPHIC
                                       : HBIL_PROJECTION_PERSPECTIVE;
   if (!(map->how.far > 0.0)) {
     map->how.near = out->near;
     map->how.far = out->far;
   }
+  clip_sky(&map->how);
   camera_file_to_hbil(out, &map->camera);
   return check_needs(frame, v, map, error);
 }

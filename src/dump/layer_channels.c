@@ -90,6 +90,15 @@ int layer_channels_take_ending(const image *header, const char *ending, role r,
   return 0;
 }
 
+int layer_channels_take_alpha(const image *header, const char *group,
+                              channel_map *out) {
+  char name[256];
+  const int length =
+      snprintf(name, sizeof name, "%s%sA", group, *group ? "." : "");
+  return length < (int)sizeof name &&
+         layer_channels_take_one(header, name, ROLE_ALPHA, out);
+}
+
 int layer_channels_take_with_alpha(const image *header, role r,
                                    channel_map *out) {
   for (size_t i = 0; i < header->count; i++) {

@@ -23,6 +23,10 @@ int layer_channels_take_one(const image *header, const char *name, role r,
 int layer_channels_take_ending(const image *header, const char *ending, role r,
                                channel_map *out);
 
+/* The channel A of a layer, or that without a layer, as ROLE_ALPHA. */
+int layer_channels_take_alpha(const image *header, const char *layer,
+                              channel_map *out);
+
 /* The first layer, with a name, that has the channels R, G, B and A. */
 int layer_channels_take_with_alpha(const image *header, role r,
                                    channel_map *out);

@@ -15,14 +15,17 @@
 #include <strings.h>
 
 /* Takes the channels of a pass in a view layer, with the eye's name behind it
- * or without. */
+ * or without.  Alpha is the channel A beside a pass's colours. */
 static int take_pass(const image *header, const view_layer *from,
                      const char *eye, const pass_name *pass, channel_map *out) {
   char group[256];
   const int length =
       snprintf(group, sizeof group, "%s%s%s", from->before, pass->pass, eye);
-  return length < (int)sizeof group &&
-         layer_channels_take(header, group, pass->role, out);
+  if (length >= (int)sizeof group)
+    return 0;
+  return pass->role == ROLE_ALPHA
+             ? layer_channels_take_alpha(header, group, out)
+             : layer_channels_take(header, group, pass->role, out);
 }
 
 /* Takes the first pass of the list that the file has, for each role. */
@@ -55,15 +58,34 @@ static void background_as_emission(channel_map *map) {
   map->emission_is_sky = 1;
 }
 
-/* Whether a text contains one of the usual names of finished images. */
-static int names_beauty(const char *text) {
-  static const char *const words[] = {"combined", "beauty", "finalimage",
-                                      "rgba", NULL};
-  for (; *text; text++)
+static int is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+/* Whether one of the words of a text, up to `end`, is a usual name of finished
+ * images. */
+static int names_beauty(const char *text, const char *end) {
+  static const char *const words[] = {
+      "combined", "beauty", "finalimage", "finalimagemovierenderqueue",
+      "rgba",     NULL};
+  while (text < end) {
+    const char *from = text;
+    while (text < end && is_letter(*text))
+      text++;
+    const size_t length = (size_t)(text - from);
     for (const char *const *word = words; *word; word++)
-      if (strncasecmp(text, *word, strlen(*word)) == 0)
+      if (strlen(*word) == length && strncasecmp(from, *word, length) == 0)
         return 1;
+    text++;
+  }
   return 0;
+}
+
+/* Whether a channel's layer is a finished image by its name.  Blender puts the
+ * name of the view layer in front, which says nothing. */
+static int layer_is_beauty(const char *channel) {
+  const char *first = strchr(channel, '.'), *last = strrchr(channel, '.');
+  return last && names_beauty(first < last ? first + 1 : channel, last);
 }
 
 /* Whether the pass of direct light is a finished image, by its name or because
@@ -76,9 +98,9 @@ static int is_beauty(const channel_map *map) {
     return 0;
   if (map->how.shows_sources)
     return 0; /* its source writes direct light there (light_sources.h) */
-  if (file && names_beauty(slash ? slash + 1 : file))
+  if (file && names_beauty(slash ? slash + 1 : file, file + strlen(file)))
     return 1;
-  return names_beauty(name) || (!file && !strchr(name, '.'));
+  return layer_is_beauty(name) || (!file && !strchr(name, '.'));
 }
 
 /* Mitsuba's ending of distances along the ray, whatever else is known. */
@@ -130,6 +152,14 @@ static int find_passes(const char *path, const image *header,
                        image_error *error) {
   const source_info *source = &source_table[out->kind];
   view_layer from;
+  if (options->source < 0 && !options->map && out->kind == DUMP_PLAIN &&
+      recognise_karma(header))
+    return image_fail(error,
+                      "%s: is of Houdini's Karma, whose names and units hbil "
+                      "doesn't know; --map depth=LAYER,normal=LAYER,"
+                      "albedo=LAYER,direct=directdiffuse and --direct radiance "
+                      "are needed",
+                      path);
   if (source->in_files)
     return output_files_take(path, header, source->passes, out, error);
   if (options->source < 0 && out->kind == DUMP_PLAIN &&

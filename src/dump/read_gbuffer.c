@@ -5,6 +5,7 @@
 #include "dump/held_planes.h"
 #include "image/error.h"
 #include "image/image.h"
+#include "image/image_memory.h"
 #include "image/image_read.h"
 #include "image/window.h"
 
@@ -63,6 +64,7 @@ static int take_plane(gbuffer *g, image *from, image_window at,
     image_place(source->pixels, at, plane->pixels, to);
   else {
     plane->pixels = source->pixels;
+    plane->is_lent = source->is_lent;
     source->pixels = NULL;
   }
   return 0;
@@ -151,6 +153,38 @@ static int read_files(const char *path, unsigned roles, const channel_map *map,
   return 0;
 }
 
+/* All frames' light is in one unit. */
+static void remove_exposure(gbuffer *g) {
+  static const role light[] = {ROLE_DIRECT, ROLE_EMISSION, ROLE_INDIRECT,
+                               ROLE_PICTURE};
+  const size_t pixels = gbuffer_pixels(g);
+  const float factor = (float)(1.0 / g->map.exposure);
+  if (!(g->map.exposure > 0.0))
+    return;
+  for (size_t r = 0; r < sizeof light / sizeof *light; r++)
+    for (size_t c = 0; c < g->map.count[light[r]]; c++) {
+      float *plane = gbuffer_plane(g, light[r], c);
+      for (size_t i = 0; plane && i < pixels; i++)
+        plane[i] *= factor;
+    }
+}
+
+size_t gbuffer_read_bytes(const channel_map *map, unsigned roles) {
+  const unsigned read = needed(map, roles);
+  const image_window *window = &map->window, *data = &map->data;
+  const size_t plane =
+      image_memory_plane(sizeof(float) * window->width * window->height);
+  const size_t cut =
+      memcmp(window, data, sizeof *window) == 0
+          ? 0
+          : image_memory_plane(sizeof(float) * data->width * data->height);
+  size_t bytes = map->how.depth == DEPTH_POSITION ? plane : 0;
+  for (int r = 0; r < ROLE_COUNT; r++)
+    if (read >> r & 1)
+      bytes += map->count[r] * (plane + cut);
+  return bytes;
+}
+
 int gbuffer_read(const char *path, const channel_map *map, unsigned roles,
                  gbuffer *out, image_error *error) {
   const unsigned read = needed(map, roles);
@@ -173,6 +207,7 @@ int gbuffer_read(const char *path, const channel_map *map, unsigned roles,
   }
   gbuffer_index(out);
   add_background(out);
+  remove_exposure(out);
   return 0;
 }
 
@@ -181,6 +216,7 @@ int gbuffer_read_as_stored(const char *path, const channel_map *map,
   channel_map stored = *map;
   stored.how = conventions_as_stored();
   stored.mirrored = 0;
+  stored.exposure = 0.0;
   memset(stored.gamma, 0, sizeof stored.gamma);
   if (map->how.depth == DEPTH_POSITION)
     stored.count[ROLE_DEPTH] = 0;

@@ -18,4 +18,7 @@ int gbuffer_read(const char *path, const channel_map *map, unsigned roles,
 int gbuffer_read_as_stored(const char *path, const channel_map *map,
                            unsigned roles, gbuffer *out, image_error *error);
 
+/* Bytes that the planes take in an image_memory while they are read. */
+size_t gbuffer_read_bytes(const channel_map *map, unsigned roles);
+
 #endif

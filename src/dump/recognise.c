@@ -29,6 +29,17 @@ int recognise_own_channels(const image *header) {
   return 0;
 }
 
+/* The pass of its direct diffuse light has this name by default, and those of
+ * other programs that have it are written with capitals (RenderMan). */
+int recognise_karma(const image *header) {
+  if (strstr(header->origin, "Karma") || strstr(header->origin, "karma"))
+    return 1;
+  for (size_t i = 0; i < header->count; i++)
+    if (strncmp(header->planes[i].name, "directdiffuse", 13) == 0)
+      return 1;
+  return 0;
+}
+
 /* Marks come first: the pass names of other programs may also be hbil's. */
 dump_kind recognise_source(const char *path, const image *header) {
   for (int k = DUMP_CYCLES; k < DUMP_KINDS; k++)

@@ -12,4 +12,8 @@ dump_kind recognise_source(const char *path, const image *header);
 /* Whether the file has channels that hbil itself writes. */
 int recognise_own_channels(const image *header);
 
+/* Whether Houdini's Karma wrote the file.  It has no row in the table of
+ * sources. */
+int recognise_karma(const image *header);
+
 #endif

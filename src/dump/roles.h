@@ -18,6 +18,8 @@ typedef enum role {
   ROLE_POSITION,
   ROLE_INDIRECT, /* radiance of diffuse indirect light, without albedo */
   ROLE_COVERAGE, /* share of a pixel that surfaces fill, 0 .. 1 */
+  ROLE_PICTURE,  /* radiance of the finished picture */
+  ROLE_ALPHA,    /* its opacity, 0 .. 1 */
   ROLE_COUNT
 } role;
 

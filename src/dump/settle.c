@@ -1,7 +1,6 @@
 /* Decides by the pixels of a first frame what its names left unsure. */
 #include "dump/settle.h"
 
-#include "dump/fitted_camera.h"
 #include "dump/lamps.h"
 #include "dump/normal_fit.h"
 #include "dump/read_gbuffer.h"
@@ -111,8 +110,6 @@ int conventions_settle(const char *path, channel_map *map, findings *out,
   const unsigned unsure = map->how.unsure;
   gbuffer stored;
   memset(out, 0, sizeof *out);
-  if (fitted_camera_check(path, map, error) != 0)
-    return -1;
   for (size_t i = 0; i < sizeof map->picked / sizeof *map->picked; i++)
     if (map->picked[i][0])
       findings_add(out, "%s", map->picked[i]);

@@ -19,6 +19,7 @@ static const pass_name cycles_passes[] = {
     {ROLE_BACKGROUND, "Env"},   {ROLE_BACKGROUND, "Environment"},
     {ROLE_MOTION, "Vector"},    {ROLE_POSITION, "Position"},
     {ROLE_INDIRECT, "DiffInd"}, {ROLE_INDIRECT, "Diffuse Indirect"},
+    {ROLE_PICTURE, "Combined"}, {ROLE_ALPHA, "Combined"},
     {ROLE_COUNT, NULL},
 };
 
@@ -38,7 +39,8 @@ static const pass_name plain_passes[] = {
     {ROLE_EMISSION, "emissive"}, {ROLE_BACKGROUND, "background"},
     {ROLE_MOTION, "Motion"},     {ROLE_MOTION, "velocity"},
     {ROLE_POSITION, "Position"}, {ROLE_POSITION, "P"},
-    {ROLE_INDIRECT, "indirect"}, {ROLE_COUNT, NULL},
+    {ROLE_INDIRECT, "indirect"}, {ROLE_PICTURE, "picture"},
+    {ROLE_ALPHA, "picture"},     {ROLE_COUNT, NULL},
 };
 
 /* Ns is the shading normal, N the geometric normal. */
@@ -88,6 +90,9 @@ static const pass_name arnold_passes[] = {
     {ROLE_EMISSION, "emission"},
     {ROLE_BACKGROUND, "background"},
     {ROLE_MOTION, "motionvector"},
+    {ROLE_INDIRECT, "diffuse_indirect"},
+    {ROLE_PICTURE, ""},
+    {ROLE_ALPHA, ""},
     {ROLE_COUNT, NULL},
 };
 
@@ -112,14 +117,25 @@ static const pass_name vray_passes[] = {
     {ROLE_BACKGROUND, "VRayBackground"},
     {ROLE_MOTION, "velocity"},
     {ROLE_MOTION, "VRayVelocity"},
+    {ROLE_INDIRECT, "GI"},
+    {ROLE_INDIRECT, "VRayGlobalIllumination"},
+    {ROLE_PICTURE, ""},
+    {ROLE_ALPHA, ""},
     {ROLE_COUNT, NULL},
 };
 
 static const pass_name renderman_passes[] = {
-    {ROLE_DEPTH, "z"},           {ROLE_DEPTH, "__depth"},
-    {ROLE_NORMAL, "__Nworld"},   {ROLE_POSITION, "__Pworld"},
-    {ROLE_ALBEDO, "albedo"},     {ROLE_DIRECT, "directDiffuse"},
-    {ROLE_EMISSION, "emissive"}, {ROLE_MOTION, "motionBack"},
+    {ROLE_DEPTH, "z"},
+    {ROLE_DEPTH, "__depth"},
+    {ROLE_NORMAL, "__Nworld"},
+    {ROLE_POSITION, "__Pworld"},
+    {ROLE_ALBEDO, "albedo"},
+    {ROLE_DIRECT, "directDiffuse"},
+    {ROLE_EMISSION, "emissive"},
+    {ROLE_MOTION, "motionBack"},
+    {ROLE_INDIRECT, "indirectDiffuse"},
+    {ROLE_PICTURE, ""},
+    {ROLE_ALPHA, ""},
     {ROLE_COUNT, NULL},
 };
 
@@ -159,8 +175,8 @@ const source_info source_table[DUMP_KINDS] = {
                     NULL,
                     0,
                     {ALWAYS, .motion_scale = {1, 1}, .unsure = UNSURE_ALL}},
-    /* Depth is 1e10 where there is nothing.  DiffDir is irradiance divided by
-     * pi.  The y of Vector points up. */
+    /* Depth is 1e10 where there is nothing; in EEVEE it is the far plane's.
+     * DiffDir is irradiance divided by pi.  The y of Vector points up. */
     [DUMP_CYCLES] = {"blender",
                      "Blender Cycles passes",
                      cycles_passes,
@@ -168,6 +184,7 @@ const source_info source_table[DUMP_KINDS] = {
                      0,
                      {.unit = 1.0,
                       .sky_depth = 1e9f,
+                      .clips = 1,
                       .direct = DIRECT_LIGHT,
                       .motion_scale = {1, -1}}},
     [DUMP_PBRT] = {"pbrt",
@@ -261,6 +278,7 @@ conventions source_conventions(dump_kind kind, const source_options *o) {
     how.unit = (double)o->unit;
   if (!isnan(o->sky_depth)) {
     how.sky_depth = o->sky_depth != 0.0f ? fabsf(o->sky_depth) : INFINITY;
+    how.clips = 0;
     how.unsure &= ~(unsigned)UNSURE_SKY;
   }
   how.near = (double)o->clip[0];

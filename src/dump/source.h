@@ -60,6 +60,7 @@ typedef struct source_options {
   const char *map; /* the value of --map, or NULL; see chosen_passes.h */
   const char *view_layer; /* NULL: see view_layer.h */
   const char *eye;        /* the same */
+  const char *exposure;   /* the header's number that is it; NULL: not said */
   unsigned flips;         /* as in conventions */
   float fov;              /* degrees across the picture's width; 0: not said */
   float orthographic;     /* camera units across the picture's width; 0 */

@@ -63,6 +63,16 @@ static int add(candidates *c, const char *channel, size_t before, role r) {
   return 0;
 }
 
+/* Blender's "Composite" is a finished picture and no view layer. */
+static void drop_pictures(candidates *c) {
+  const unsigned picture = 1u << ROLE_PICTURE | 1u << ROLE_ALPHA;
+  size_t count = 0;
+  for (size_t i = 0; i < c->count; i++)
+    if (c->list[i].roles & ~picture)
+      c->list[count++] = c->list[i];
+  c->count = count;
+}
+
 /* All view layers of the file.  Returns -1 if memory runs out. */
 static int find(const image *header, const pass_name *passes, candidates *out) {
   size_t before = 0;
@@ -75,6 +85,7 @@ static int find(const image *header, const pass_name *passes, candidates *out) {
           add(out, channel, before, p->role) != 0)
         return -1;
   }
+  drop_pictures(out);
   return 0;
 }
 

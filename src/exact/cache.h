@@ -96,6 +96,10 @@ typedef struct exact_cache_view {
 void exact_cache_inject(exact_cache *cache, const exact_cache_view *view,
                         double *margin);
 
+/* Voxels that no view has seen since the last update are dimmed as those that
+ * were (cache_change.c). */
+void exact_cache_follow_change(exact_cache *cache);
+
 /* ------------------------------------------------------------------------ */
 /* Rays (cache_rays.c)                                                       */
 
@@ -173,6 +177,7 @@ typedef struct exact_probe {
   double known[4];    /* share of rays whose light is known, not shown */
   double unknown[4];  /* share of rays into what no view has seen */
   double light[3][4]; /* radiance of the known ones */
+  double frames;      /* after exact_follow_probes(): that it stands for */
 } exact_probe;
 
 typedef struct exact_probes {
@@ -191,6 +196,13 @@ void exact_make_probes(const exact_frame *frame, const exact_cache *cache,
 /* Each becomes a mean with those around it. */
 void exact_filter_probes(const exact_frame *frame, const exact_probes *probes,
                          exact_probes *filtered);
+
+/* Joins filtered probes with those that the last frame left, which `before`
+ * saw.
+ */
+void exact_follow_probes(const exact_frame *frame, const hbil_camera *before,
+                         const exact_probes *filtered, const exact_probes *past,
+                         exact_probes *followed);
 
 /* What the cache knows of a pixel's open directions. */
 typedef struct exact_probe_light {

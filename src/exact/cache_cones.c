@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "exact/cache_methods.h"
+#include "exact/input.h"
 
 /* --- the pyramid --- */
 
@@ -271,7 +272,8 @@ static void follow_cone(const exact_frame *frame, const exact_cache *cache,
     exact_probe_add(frame, probe->light[c],
                     share * open *
                         exact_environment(frame->config->model.far_field,
-                                          frame->environment, c, d),
+                                          frame->environment, c, d) /
+                        exact_exposure(frame),
                     d);
 }
 

@@ -91,6 +91,29 @@ static void join(double *mean, double value, double share) {
   *mean += share * (value - *mean);
 }
 
+static bool is_other_light(const double *held, const shown *s, decisions *d) {
+  double change = 0.0, most = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    const double seen = s->sent[c] / s->surfaces;
+    change = fmax(change, fabs(held[c] - seen));
+    most = fmax(most, fmax(held[c], seen));
+  }
+  /* in parts of the light, as roundings are */
+  return most > 0.0 &&
+         !decide(d, (double)HBIL_CACHE_LIGHT_CHANGED - change / most);
+}
+
+/* HBIL_VOXEL_CHANGE */
+static double change_of(const double *held, const shown *s) {
+  const double most = (double)HBIL_CACHE_MOST_CHANGE;
+  double before = 0.0, seen = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    before += held[c];
+    seen += s->sent[c] / s->surfaces;
+  }
+  return before > 0.0 ? fmin(fmax(seen / before, 1.0 / most), most) : -1.0;
+}
+
 /* Joins the means of a view to the voxel's. */
 static void add_surface(exact_voxel *voxel, bool finished, const shown *s,
                         decisions *d) {
@@ -119,9 +142,12 @@ static void add_surface(exact_voxel *voxel, bool finished, const shown *s,
     v[HBIL_VOXEL_OFFSET] = s->offset / s->surfaces;
   }
   double *weight = v + HBIL_VOXEL_LIGHT_WEIGHT;
+  v[HBIL_VOXEL_CHANGE] = (finished ? *weight < 0.0 : *weight > 0.0)
+                             ? change_of(v + HBIL_VOXEL_SENT, s)
+                             : -1.0;
   if (*weight < 0.0 && !finished)
     return;
-  if (*weight > 0.0 && finished)
+  if ((*weight > 0.0 && finished) || is_other_light(v + HBIL_VOXEL_SENT, s, d))
     *weight = 0.0;
   const double views = fmin(fabs(*weight) + 1.0, most);
   for (int c = 0; c < 3; ++c)
@@ -165,6 +191,47 @@ static bool find_footprint(const exact_cache *cache,
   return true;
 }
 
+/* Whether the view looks through the surface that a voxel holds, and all around
+ * it. */
+static bool looks_through(const exact_cache *cache,
+                          const exact_cache_view *view,
+                          const exact_voxel *voxel, vec3 centre, double size,
+                          int around, decisions *d, bool *sky) {
+  const double *v = voxel->value;
+  const hbil_camera *c = &view->camera;
+  const vec3 plane = vec(v[HBIL_VOXEL_NORMAL], v[HBIL_VOXEL_NORMAL + 1],
+                         v[HBIL_VOXEL_NORMAL + 2]);
+  const vec3 n = vec_scale(1.0 / sqrt(vec_dot(plane, plane)), plane);
+  const vec3 p = vec_add(centre, v[HBIL_VOXEL_OFFSET], n);
+  const vec3 q = to_view(c, exact_cache_to_world(cache, p));
+  const double depth = q.z / cache->voxel_size, stride = view->stride;
+  if (!view->orthographic && !decide(d, depth - 0.3 * size))
+    return false;
+  const double shrink = view->orthographic ? 1.0 : 1.0 / q.z;
+  const double px = (c->fx * q.x * shrink + c->cx - 0.5) / stride + 0.5;
+  const double py = (c->fy * q.y * shrink + c->cy - 0.5) / stride + 0.5;
+  if (!decide(d, px) || !decide(d, py) || decide(d, px - view->width) ||
+      decide(d, py - view->height))
+    return false;
+  decide_floor(d, px);
+  decide_floor(d, py);
+  *sky = true;
+  for (int y = (int)py - around; y <= (int)py + around; ++y)
+    for (int x = (int)px - around; x <= (int)px + around; ++x) {
+      if (x < 0 || y < 0 || x >= view->width || y >= view->height)
+        continue;
+      const double z = view->texel[(size_t)y * (size_t)view->width + x].depth;
+      if (!(z > 0.0))
+        continue;
+      *sky = false;
+      const vec3 off = vec_add(point_of(cache, view, x, y, z), -1.0, p);
+      if (decide(d, depth + size - z) ||
+          decide(d, size - fabs(vec_dot(n, off))))
+        return false;
+    }
+  return true;
+}
+
 static void inject_voxel(const exact_cache *cache, const exact_cache_view *view,
                          const exact_place *place, decisions *d) {
   exact_voxel *voxel = exact_cache_at(cache, place);
@@ -183,7 +250,11 @@ static void inject_voxel(const exact_cache *cache, const exact_cache_view *view,
   if (s.surfaces > 0) {
     add_surface(voxel, view->finished, &s, d);
     voxel->state = HBIL_VOXEL_SURFACE;
-  } else if (s.behind == s.taps && voxel->state != HBIL_VOXEL_SURFACE) {
+  } else if (voxel->state == HBIL_VOXEL_SURFACE) {
+    bool sky;
+    if (looks_through(cache, view, voxel, centre, size, f.step, d, &sky))
+      voxel->state = sky ? HBIL_VOXEL_SKY : HBIL_VOXEL_EMPTY;
+  } else if (s.behind == s.taps) {
     if (s.sky == s.taps)
       voxel->state = HBIL_VOXEL_SKY;
     else if (voxel->state == HBIL_VOXEL_UNKNOWN)

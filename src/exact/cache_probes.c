@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "exact/camera.h"
+#include "exact/input.h"
 #include "exact/passes.h"
 #include "exact/cache_methods.h"
 #include "exact/surface.h"
@@ -136,7 +137,8 @@ static void trace(const exact_frame *frame, const exact_cache *cache,
           share * (end.kind == EXACT_RAY_HIT
                        ? exact_cache_at(cache, &end.place)->radiance[c]
                        : exact_environment(frame->config->model.far_field,
-                                           frame->environment, c, d)),
+                                           frame->environment, c, d) /
+                             exact_exposure(frame)),
           d);
   }
 }
@@ -271,4 +273,119 @@ void exact_filter_probes(const exact_frame *frame, const exact_probes *probes,
   for (int i = 0; i < probes->columns * probes->rows; ++i)
     filter_probe(frame, probes, i % probes->columns, i / probes->columns,
                  filtered->probe + i);
+}
+
+/* --- the history --- */
+
+/* From one view to another; w: 1 for points, 0 for directions. */
+static vec3 between(const hbil_camera *from, const hbil_camera *to, vec3 p,
+                    double w) {
+  const double *f = from->world_from_view, *t = to->world_from_view;
+  const vec3 world = exact_to_world(from, p);
+  return exact_to_view(to, vec(world.x + w * (f[3] - t[3]),
+                               world.y + w * (f[7] - t[7]),
+                               world.z + w * (f[11] - t[11])));
+}
+
+static void scale_probe(exact_probe *p, double factor) {
+  p->frames *= factor;
+  for (int k = 0; k < 4; ++k) {
+    p->known[k] *= factor;
+    p->unknown[k] *= factor;
+    for (int c = 0; c < 3; ++c)
+      p->light[c][k] *= factor;
+  }
+}
+
+static void add_probe(exact_probe *sum, double weight, const exact_probe *p) {
+  sum->frames += weight * p->frames;
+  add_function(sum->known, weight, p->known);
+  add_function(sum->unknown, weight, p->unknown);
+  for (int c = 0; c < 3; ++c)
+    add_function(sum->light[c], weight, p->light[c]);
+}
+
+/* The mean of the last frame's probes around a place that stand on its surface;
+ * p: place and normal in that frame's view.  Of 0 frames: there are none. */
+static exact_probe find_past(const exact_frame *last, const exact_probes *past,
+                             const exact_probe *p) {
+  const hbil_camera *camera = &last->camera;
+  exact_probe sum = {.valid = false};
+  const double z = exact_is_orthographic(last->config) ? 1.0 : p->place.z;
+  if (!(z > 0.0))
+    return sum;
+  /* pixels to 1/256, as the device has them, so that what rests stays in place
+   */
+  const double u =
+      rint(256.0 * (camera->fx * p->place.x / z + camera->cx - 0.5)) / 256.0 /
+      past->spacing;
+  const double v =
+      rint(256.0 * (camera->fy * p->place.y / z + camera->cy - 0.5)) / 256.0 /
+      past->spacing;
+  double total = 0.0;
+  for (int y = 0; y < past->rows; ++y)
+    for (int x = 0; x < past->columns; ++x) {
+      const exact_probe *other = past->probe + y * past->columns + x;
+      const double corner =
+          fmax(0.0, 1.0 - fabs(u - x)) * fmax(0.0, 1.0 - fabs(v - y));
+      if (!(corner > 0.0) || !other->valid)
+        continue;
+      const double weight = corner * likeness(last, p, other);
+      total += weight;
+      add_probe(&sum, weight, other);
+    }
+  scale_probe(&sum,
+              total >= (double)HBIL_PROBE_LEAST_LIKENESS ? 1.0 / total : 0.0);
+  return sum;
+}
+
+static void turn_function(const hbil_camera *from, const hbil_camera *to,
+                          double f[4]) {
+  const vec3 d = between(from, to, vec(f[1], f[2], f[3]), 0.0);
+  f[1] = d.x;
+  f[2] = d.y;
+  f[3] = d.z;
+}
+
+/* The largest difference of a share, or of all light over the brighter one. */
+static double change(const exact_probe *a, const exact_probe *b) {
+  double light[2] = {0.0, 0.0};
+  for (int c = 0; c < 3; ++c) {
+    light[0] += a->light[c][0];
+    light[1] += b->light[c][0];
+  }
+  const double brighter = fmax(light[0], light[1]);
+  const double shares = fmax(fabs(a->known[0] - b->known[0]),
+                             fabs(a->unknown[0] - b->unknown[0]));
+  return brighter > 0.0 ? fmax(shares, fabs(light[0] - light[1]) / brighter)
+                        : shares;
+}
+
+void exact_follow_probes(const exact_frame *frame, const hbil_camera *before,
+                         const exact_probes *filtered, const exact_probes *past,
+                         exact_probes *followed) {
+  exact_frame last = *frame;
+  last.camera = *before;
+  for (int i = 0; i < filtered->columns * filtered->rows; ++i) {
+    const exact_probe now = filtered->probe[i];
+    exact_probe *out = followed->probe + i, there = now;
+    *out = now;
+    out->frames = 1.0;
+    if (!now.valid)
+      continue;
+    there.place = between(&frame->camera, before, now.place, 1.0);
+    there.normal = between(&frame->camera, before, now.normal, 0.0);
+    exact_probe then = find_past(&last, past, &there);
+    turn_function(before, &frame->camera, then.known);
+    turn_function(before, &frame->camera, then.unknown);
+    for (int c = 0; c < 3; ++c)
+      turn_function(before, &frame->camera, then.light[c]);
+    if (!(then.frames > 0.0) || change(&now, &then) > (double)HBIL_PROBE_CHANGE)
+      continue;
+    const double frames = fmin(then.frames + 1.0, HBIL_PROBE_FRAMES);
+    then.frames = 0.0;
+    scale_probe(out, 1.0 / frames);
+    add_probe(out, (frames - 1.0) / frames, &then);
+    out->frames = frames;
+  }
 }

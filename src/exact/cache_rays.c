@@ -107,7 +107,7 @@ void exact_ray_place(int i, int count, uint32_t turn, double *u, double *v) {
 
 vec3 exact_about_normal(vec3 n, double z, double v) {
   /* an orthonormal basis (Duff and others 2017) */
-  const double sign = n.z < 0.0 ? -1.0 : 1.0;
+  const double sign = n.z < (double)HBIL_BASIS_TURNS ? -1.0 : 1.0;
   const double a = -1.0 / (sign + n.z), b = n.x * n.y * a;
   const vec3 s = vec(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
   const vec3 t = vec(b, sign + n.y * n.y * a, -n.y);

@@ -32,10 +32,11 @@ exact_texel exact_cache_texel(const exact_frame *frame,
   for (int c = 0; c < 3; ++c) {
     texel.reflectance[c] =
         exact_albedo(frame, c, x, y) * exact_transmittance(frame, c, x, y);
-    texel.sent[c] =
+    const double sent =
         finished ? exact_light(frame, EXACT_DIRECT + c, x, y)
                  : texel.reflectance[c] / PI * exact_direct(frame, c, x, y) +
                        exact_gathered_emission(frame, c, x, y);
+    texel.sent[c] = sent / exact_exposure(frame);
   }
   return texel;
 }

@@ -47,10 +47,12 @@ static void composite_channel(const exact_frame *frame, int c, int x, int y,
   *exact_at(out, EXACT_INDIRECT + c, x, y) = indirect;
   *exact_at(out, EXACT_BEAUTY + c, x, y) =
       diffuse + exact_light(frame, EXACT_EMISSION + c, x, y);
-  *exact_at(history, HBIL_HISTORY_RED + c, x, y) =
+  const double carried =
       frame->config->model.feedback == HBIL_FEEDBACK_IRRADIANCE
           ? near_irradiance + far_irradiance
           : diffuse + exact_gathered_emission(frame, c, x, y);
+  *exact_at(history, HBIL_HISTORY_RED + c, x, y) =
+      carried / exact_exposure(frame);
 }
 
 /* F(AO) / AO, what occluders reflect of far light: Mayaux 2018, 2.2.3, or the

@@ -63,7 +63,7 @@ enum {
   EXACT_NORMAL = 1,    /* x, 2: y, 3: z */
   EXACT_ALBEDO = 4,    /* red, 5: green, 6: blue; so are those that follow */
   EXACT_F0 = 7,        /* reflectance at normal incidence */
-  EXACT_DIRECT = 10,   /* irradiance of direct light, before direct_scale */
+  EXACT_DIRECT = 10,   /* direct light, before direct_scale */
   EXACT_EMISSION = 13, /* radiance */
   EXACT_MOTION = 16,   /* x, 17: y, before motion_scale */
   EXACT_INPUT_PLANES = 18
@@ -111,6 +111,7 @@ typedef struct exact_frame {
   const float *input[EXACT_INPUT_PLANES];
   float environment[9][3]; /* as hbil_frame has it */
   float sky_share;         /* as hbil_frame has it */
+  float exposure;          /* as hbil_frame has it */
   /* Of AO and E_near: error_estimate over the standard deviation of what
    * recompose averages.  They are measured figures of the library. */
   double error_factors[2];

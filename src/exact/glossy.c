@@ -15,6 +15,7 @@
 #include "exact/camera.h"
 #include "exact/estimate.h"
 #include "exact/far_field.h"
+#include "exact/input.h"
 #include "exact/lobe.h"
 #include "exact/passes.h"
 #include "exact/planes.h"
@@ -63,7 +64,8 @@ static void cast(const exact_frame *frame, const exact_cache *cache,
           share * (end.kind == EXACT_RAY_HIT
                        ? exact_cache_at(cache, &end.place)->radiance[c]
                        : exact_environment(frame->config->model.far_field,
-                                           frame->environment, c, d));
+                                           frame->environment, c, d) /
+                             exact_exposure(frame));
   }
 }
 
@@ -120,7 +122,7 @@ static exact_probe_light light_of_probes(const exact_frame *frame,
     return light;
   light.share = known / (known + unknown);
   for (int c = 0; c < 3; ++c)
-    light.light[c] = sent[c] / (known + unknown);
+    light.light[c] = exact_exposure(frame) * sent[c] / (known + unknown);
   return light;
 }
 

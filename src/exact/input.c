@@ -54,8 +54,19 @@ double exact_transmittance(const exact_frame *frame, int channel, int x,
 }
 
 double exact_direct(const exact_frame *frame, int channel, int x, int y) {
-  return scaled_light(frame, EXACT_DIRECT + channel, x, y,
-                      frame->config->inputs.direct_scale);
+  const hbil_inputs *in = &frame->config->inputs;
+  const double light =
+      scaled_light(frame, EXACT_DIRECT + channel, x, y, in->direct_scale);
+  if (in->direct_kind == HBIL_DIRECT_IRRADIANCE)
+    return light;
+  const double albedo = exact_albedo(frame, channel, x, y);
+  return albedo >= (double)HBIL_LEAST_ALBEDO
+             ? fmin(PI * light / albedo, (double)HBIL_BRIGHTEST)
+             : 0.0;
+}
+
+double exact_exposure(const exact_frame *frame) {
+  return frame->exposure > 0.0f ? (double)frame->exposure : 1.0;
 }
 
 double exact_gathered_emission(const exact_frame *frame, int channel, int x,

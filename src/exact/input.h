@@ -20,6 +20,8 @@ double exact_albedo(const exact_frame *frame, int channel, int x, int y);
 double exact_transmittance(const exact_frame *frame, int channel, int x, int y);
 /* Irradiance of direct light. */
 double exact_direct(const exact_frame *frame, int channel, int x, int y);
+/* hbil_frame.exposure, 1 where it is 0. */
+double exact_exposure(const exact_frame *frame);
 /* The part of the emitted radiance that lights other surfaces. */
 double exact_gathered_emission(const exact_frame *frame, int channel, int x,
                                int y);

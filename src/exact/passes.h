@@ -18,8 +18,8 @@
 hbil_pattern_args exact_pattern(const exact_frame *frame);
 hbil_view_args exact_view(const hbil_config *config, const hbil_camera *camera);
 
-/* HISTORY of the previous frame -> CARRIED, by the cameras or by motion vectors
- * as configured.  Writes every pixel. */
+/* HISTORY of the previous frame, of any size, -> CARRIED, by the cameras or by
+ * motion vectors as configured.  Writes every pixel. */
 exact_status exact_reproject(const exact_frame *frame,
                              const exact_planes *history,
                              exact_planes *carried);

@@ -78,6 +78,6 @@ exact_probe_light exact_light_of_probes(const exact_frame *frame, int x, int y,
     return light;
   light.share = known / all;
   for (int c = 0; c < 3; ++c)
-    light.light[c] = ao * fmax(0.0, sent[c]) / all;
+    light.light[c] = exact_exposure(frame) * ao * fmax(0.0, sent[c]) / all;
   return light;
 }

@@ -78,27 +78,44 @@ static float depth_tolerance(const exact_frame *frame, const hbil_view_args *v,
   return frame->config->history.disocclusion_threshold * unit;
 }
 
+/* The last frame has the history's size. */
+static hbil_view_args old_view(const exact_frame *frame,
+                               const exact_planes *history) {
+  hbil_view_args view = exact_view(frame->config, &frame->previous);
+  view.width = history->width;
+  view.height = history->height;
+  return view;
+}
+
 /* Whether an old pixel shows the surface that was at depth z. */
 static bool shows_surface(const exact_frame *frame, const exact_planes *history,
                           int x, int y, float z) {
-  const hbil_view_args view = exact_view(frame->config, &frame->previous);
+  const hbil_view_args view = old_view(frame, history);
   const float w = (float)*exact_at(history, HBIL_HISTORY_W, x, y);
   /* |1/w - z| <= tolerance, times w */
   return w > 0.0f &&
          fabsf(fmaf(w, z, -1.0f)) <= w * depth_tolerance(frame, &view, z);
 }
 
+/* A place in pixels of this frame, in those of the last one. */
+static float scaled(float place, int then, cl_uint now) {
+  const float ratio = (float)then / (float)now;
+  return ratio == 1.0f ? place : fmaf(place + 0.5f, ratio, -0.5f);
+}
+
 /* Where the pixel's surface was in the old frame, in pixels from the centre of
  * the first one.  q: its point in the old view. */
-static void past_place(const exact_frame *frame, float3 q, int x, int y,
-                       float place[2]) {
+static void past_place(const exact_frame *frame, const exact_planes *history,
+                       float3 q, int x, int y, float place[2]) {
   const hbil_config *config = frame->config;
   if (config->history.reprojection == HBIL_REPROJECTION_MOTION) {
     const float *scale = config->inputs.motion_scale;
     place[0] = (float)x + exact_input(frame, EXACT_MOTION, x, y) * scale[0];
     place[1] = (float)y + exact_input(frame, EXACT_MOTION + 1, x, y) * scale[1];
+    place[0] = scaled(place[0], history->width, config->width);
+    place[1] = scaled(place[1], history->height, config->height);
   } else {
-    const hbil_view_args old = exact_view(config, &frame->previous);
+    const hbil_view_args old = old_view(frame, history);
     const float inv_z = 1.0f / spread_at(config, q.z);
     place[0] = fmaf(old.fx * q.x, inv_z, old.cx - 0.5f);
     place[1] = fmaf(old.fy * q.y, inv_z, old.cy - 0.5f);
@@ -112,11 +129,11 @@ static void reproject_pixel(const exact_frame *frame,
   const float z = planar_depth(frame, &now, x, y);
   const float3 q = transform(m, point_at(frame->config, &now, x, y, z));
   float place[2];
-  past_place(frame, q, x, y, place);
+  past_place(frame, history, q, x, y, place);
   const float u = place[0] + 0.5f, v = place[1] + 0.5f;
   /* false for NaN, too */
-  if (!(q.z > 0.0f && q.z < INFINITY && u >= 0.0f && u < (float)now.width &&
-        v >= 0.0f && v < (float)now.height) ||
+  if (!(q.z > 0.0f && q.z < INFINITY && u >= 0.0f &&
+        u < (float)history->width && v >= 0.0f && v < (float)history->height) ||
       !shows_surface(frame, history, (int)u, (int)v, q.z))
     return;
   for (int c = 0; c < 3; ++c)
@@ -131,7 +148,9 @@ exact_status exact_reproject(const exact_frame *frame,
                              const exact_planes *history,
                              exact_planes *carried) {
   const cl_uint width = frame->config->width, height = frame->config->height;
-  if (!exact_planes_fit(history, width, height, HBIL_HISTORY_PLANES) ||
+  if (!history ||
+      !exact_planes_fit(history, (cl_uint)history->width,
+                        (cl_uint)history->height, HBIL_HISTORY_PLANES) ||
       !exact_planes_fit(carried, width, height, HBIL_CARRIED_PLANES) ||
       !frame->input[EXACT_DEPTH])
     return EXACT_BAD_ARGUMENT;

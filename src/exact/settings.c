@@ -35,7 +35,8 @@ int exact_site(const hbil_config *config, int x, int y) {
 }
 
 bool exact_weighs_slices(const hbil_config *config) {
-  return config->sampling.slices == 1 && !config->sampling.unfiltered;
+  return config->sampling.slice_frames > 1 ||
+         (config->sampling.slices == 1 && !config->sampling.unfiltered);
 }
 
 static bool is_asked(hbil_plane_format format) {

@@ -1,5 +1,5 @@
 /* The search for ao, bent_normal and cone_cosine where light goes by another
- * one (searches.h): gather, recompose and temporal once more, without light,
+ * one (searches.h): gather, recompose once more, without light,
  * into buffers of their own. */
 #include "passes.h"
 
@@ -9,12 +9,9 @@
 hbil_status build_ao_search(hbil_plan *plan) {
   ao_search *s = &plan->ao;
   const bool programs[PROGRAM_COUNT] = {
-      [PROGRAM_GATHER] = true,
-      [PROGRAM_RECOMPOSE] = true,
-      [PROGRAM_TEMPORAL] = plan->config.history.max_frames > 0};
-  const bool kernels[KERNEL_COUNT] = {[KERNEL_GATHER] = true,
-                                      [KERNEL_RECOMPOSE] = true,
-                                      [KERNEL_TEMPORAL] = true};
+      [PROGRAM_GATHER] = true, [PROGRAM_RECOMPOSE] = true};
+  const bool kernels[KERNEL_COUNT] = {
+      [KERNEL_GATHER] = true, [KERNEL_RECOMPOSE] = true};
   char defines[MOST_DEFINES];
   if (!searches_differ(&plan->config, &s->config))
     return HBIL_SUCCESS;
@@ -34,8 +31,8 @@ static hbil_plan view_of(const hbil_plan *plan) {
   view.layout = plan->ao.layout;
   view.buffers[BUFFER_LIGHT] = plan->buffers[BUFFER_AO_LIGHT];
   view.buffers[BUFFER_RESOLVED] = plan->buffers[BUFFER_AO_RESOLVED];
-  view.buffers[BUFFER_TEMPORAL] = plan->buffers[BUFFER_AO_TEMPORAL];
-  view.buffers[BUFFER_TEMPORAL_NEXT] = plan->buffers[BUFFER_AO_TEMPORAL_NEXT];
+  view.buffers[BUFFER_SLICES] = plan->buffers[BUFFER_AO_SLICES];
+  view.buffers[BUFFER_SLICES_NEXT] = plan->buffers[BUFFER_AO_SLICES_NEXT];
   view.buffers[BUFFER_SPAN_STATES] = plan->buffers[BUFFER_AO_SPAN_STATES];
   return view;
 }

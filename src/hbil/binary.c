@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "shared_programs.h"
+
 /* --- hashes --- */
 
 /* FNV-1a.  Each step is a bijection of the hash, so a single byte that differs
@@ -90,8 +92,6 @@ void binary_identify(const hbil_context *context, const char *name,
                      binary_identity *out) {
   memset(out, 0, sizeof *out);
   out->is_new = true;
-  if (!context->programs.load)
-    return;
   snprintf(out->key, sizeof out->key, "%s-%016llx", name,
            (unsigned long long)hash_program(context, start, text, options));
   /* a key is no path, unlike the names of the radiance cache's programs */
@@ -237,6 +237,8 @@ hbil_status hbil_context_set_program_store(hbil_context *context,
                    "clGetDeviceInfo");
   free(context->programs.folder);
   context->programs.folder = NULL;
+  /* the new store must get them, too */
+  forget_shared_programs(context);
   context->programs.device = device;
   context->programs.load = load;
   context->programs.store = store;

@@ -25,6 +25,7 @@
     .defines = "-DHBIL_WIDTH=1")                                               \
   X(CACHE_PROGRAM_RAY_HITS, "cache/ray_hits", true, .relaxed = false)          \
   X(CACHE_PROGRAM_BOUNCE, "cache/bounce", true, .relaxed = true)               \
+  X(CACHE_PROGRAM_CHANGE, "cache/change", true, .defines = "-DHBIL_WIDTH=1")   \
   X(CACHE_PROGRAM_MOVE, "cache/move", true, .defines = "-DHBIL_WIDTH=1")       \
   X(CACHE_PROGRAM_PYRAMID, "cache/pyramid",                                    \
     c->method == HBIL_CACHE_METHOD_CONES, .defines = "-DHBIL_WIDTH=1")         \
@@ -52,6 +53,10 @@
   X(CACHE_KERNEL_BOUNCE, "bounce", CACHE_PROGRAM_BOUNCE, true)                 \
   X(CACHE_KERNEL_UPDATE_RADIANCE, "update_radiance", CACHE_PROGRAM_BOUNCE,     \
     true)                                                                      \
+  X(CACHE_KERNEL_CHANGE_PART, "change_part", CACHE_PROGRAM_CHANGE, true)       \
+  X(CACHE_KERNEL_CHANGE_REGION, "change_region", CACHE_PROGRAM_CHANGE, true)   \
+  X(CACHE_KERNEL_CHANGE_RATIO, "change_ratio", CACHE_PROGRAM_CHANGE, true)     \
+  X(CACHE_KERNEL_FOLLOW_CHANGE, "follow_change", CACHE_PROGRAM_CHANGE, true)   \
   X(CACHE_KERNEL_FORGET, "forget", CACHE_PROGRAM_MOVE, true)                   \
   X(CACHE_KERNEL_LEVEL_STEP, "level_step", CACHE_PROGRAM_PYRAMID, true)        \
   X(CACHE_KERNEL_NEXT_STEP, "next_step", CACHE_PROGRAM_PYRAMID, true)          \
@@ -79,6 +84,10 @@
   X(CACHE_UNLIT, voxels)                                                       \
   /* mean radiance and unlit part; then sums of parts */                       \
   X(CACHE_MEANS, 8 * sizeof(cl_float) * (1 + HBIL_CACHE_PARTS))                \
+  /* sums of regions, then of parts and regions; factors of regions */         \
+  X(CACHE_CHANGES,                                                             \
+    4 * sizeof(cl_float) * HBIL_CACHE_REGIONS * (1 + HBIL_CACHE_PARTS))        \
+  X(CACHE_RATIOS, sizeof(cl_float) * HBIL_CACHE_REGIONS)                       \
   /* of the view that is being injected */                                     \
   X(CACHE_TEXELS,                                                              \
     HBIL_TEXEL_WORDS * sizeof(cl_uint) * (size_t)HBIL_CACHE_MOST_TEXELS)       \

@@ -3,7 +3,9 @@
 
 #include <math.h>
 
+#include "checks.h"
 #include "config.h"
+#include "far_field.h"
 #include "lib/cache_args.h"
 #include "planes.h"
 #include "sized.h"
@@ -11,8 +13,8 @@
 /* Bytes in version 0.1 (sized.h). */
 enum {
   FIRST_CACHE_CONFIG_SIZE = SIZE_UP_TO(hbil_cache_config, method),
-  FIRST_VIEW_SIZE = SIZE_UP_TO(hbil_view, hardware_depth),
-  FIRST_UPDATE_SIZE = SIZE_UP_TO(hbil_cache_update, steps)
+  FIRST_VIEW_SIZE = SIZE_UP_TO(hbil_view, exposure),
+  FIRST_UPDATE_SIZE = SIZE_UP_TO(hbil_cache_update, exposure)
 };
 
 /* --- defaults --- */
@@ -172,6 +174,7 @@ hbil_status hbil_view_from_frame_sized(hbil_view *view, size_t struct_size,
       .direct = frame->direct,
       .emission = frame->emission,
       .light = HBIL_VIEW_DIRECT,
+      .exposure = frame->exposure,
       .hardware_depth = {frame->hardware_depth[0], frame->hardware_depth[1]}};
   init_sized(view, struct_size, &filled, sizeof filled);
   return HBIL_SUCCESS;
@@ -218,5 +221,10 @@ hbil_status cache_update_take(hbil_context *context,
                (unsigned)ranges[i].least, (unsigned)ranges[i].most);
   if (own->far_field == HBIL_FAR_AUTO)
     own->far_field = HBIL_FAR_FRAME;
-  return status == HBIL_SUCCESS ? check_environment(context, own) : status;
+  if (status == HBIL_SUCCESS)
+    status = check_exposure(context, HBIL_INVALID_ARGUMENT, own->exposure);
+  if (status == HBIL_SUCCESS)
+    status = check_environment(context, own);
+  remove_exposure(own->exposure, own->environment);
+  return status;
 }

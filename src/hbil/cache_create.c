@@ -110,7 +110,7 @@ hbil_status hbil_cache_create(hbil_context *context,
     hbil_cache_destroy(cache);
     return status;
   }
-  kernels_store(context, &cache->kernels);
+  kernels_share(context, &cache->kernels);
   *out = cache;
   return HBIL_SUCCESS;
 }

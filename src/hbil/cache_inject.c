@@ -58,6 +58,8 @@ hbil_status check_view(hbil_cache *cache, const hbil_view *views, cl_uint i) {
   const plane_rules rules = {
       .context = cache->context, .config = &config, .staged = &staged};
   status = camera_check(cache->context, &view.camera);
+  if (status == HBIL_SUCCESS)
+    status = check_exposure(cache->context, HBIL_INVALID_FRAME, view.exposure);
   return status == HBIL_SUCCESS ? check_planes(&rules, &frame, INPUT_PLANES)
                                 : status;
 }
@@ -86,7 +88,8 @@ static hbil_cache_view_args view_args(const hbil_cache *cache,
       .scale = (cl_float)cache_scale(cache),
       .normals = camera_view_from_normals(&view->camera, config),
       .to_world = camera_to_world(&view->camera),
-      .decode = depth_args(config, frame)};
+      .decode = depth_args(config, frame),
+      .per_exposure = 1.0f / light_exposure(view->exposure)};
 }
 
 /* The view of the texels, whose lengths are in voxels: pixel x is texel

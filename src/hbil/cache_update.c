@@ -57,6 +57,30 @@ static hbil_status update_radiance(commands *chain, hbil_cache *cache) {
   return status;
 }
 
+/* What no view sees any more follows what views see. */
+static hbil_status follow_change(commands *chain, hbil_cache *cache) {
+  const hbil_cache_args args = cache_args(cache);
+  const cl_mem changes = cache->buffers[CACHE_CHANGES];
+  const cl_mem ratios = cache->buffers[CACHE_RATIOS];
+  const argument part[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
+                           ARG(cache->buffers[CACHE_VOXELS]), ARG(changes)};
+  const argument region[] = {ARG(changes)};
+  const argument ratio[] = {ARG(changes), ARG(ratios)};
+  const argument follow[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
+                             ARG(ratios), ARG(cache->buffers[CACHE_VOXELS])};
+  hbil_status status =
+      LAUNCH(chain, CACHE_KERNEL_CHANGE_PART, part, HBIL_CACHE_PARTS, 1, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, CACHE_KERNEL_CHANGE_REGION, region,
+                    HBIL_CACHE_REGIONS, 1, 1);
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, CACHE_KERNEL_CHANGE_RATIO, ratio, HBIL_CACHE_REGIONS,
+                    1, 1);
+  return status == HBIL_SUCCESS
+             ? LAUNCH_WORDS(chain, cache, CACHE_KERNEL_FOLLOW_CHANGE, follow)
+             : status;
+}
+
 /* Work-items among which listed surfaces are divided.  Only the device knows
  * how many surfaces there are.  CPUs: eight groups for each core, so that none
  * waits long for the others. */
@@ -112,6 +136,8 @@ static hbil_status bounce(commands *chain, hbil_cache *cache,
 hbil_status update_cache(commands *chain, hbil_cache *cache,
                          const hbil_cache_update *update) {
   hbil_status status = update_clearance(chain, cache);
+  if (status == HBIL_SUCCESS)
+    status = follow_change(chain, cache);
   if (status == HBIL_SUCCESS)
     status = update_radiance(chain, cache);
   if (status == HBIL_SUCCESS && update->bounces > 0)

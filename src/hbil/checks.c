@@ -192,6 +192,15 @@ hbil_status check_planes(const plane_rules *rules, const hbil_frame *frame,
   return status;
 }
 
+hbil_status check_exposure(hbil_context *context, hbil_status wrong,
+                           float exposure) {
+  const double e = (double)exposure;
+  return e == 0.0 || (e >= LEAST_EXPOSURE && e <= MOST_EXPOSURE)
+             ? HBIL_SUCCESS
+             : fail(context, wrong, "exposure: %g; must be 0, for 1, or %g..%g",
+                    e, LEAST_EXPOSURE, MOST_EXPOSURE);
+}
+
 hbil_status check_wait_list(hbil_context *context, const char *function,
                             cl_uint wait_count, const cl_event *wait_list) {
   for (cl_uint i = 0; wait_list && i < wait_count; ++i)

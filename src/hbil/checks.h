@@ -19,6 +19,20 @@ typedef struct plane_rules {
 hbil_status check_planes(const plane_rules *rules, const hbil_frame *frame,
                          unsigned planes);
 
+/* Exposures that callers may give, beside 0.  With these, light from 1e-20 to
+ * 1e20 remains far from the ends of floats. */
+#define LEAST_EXPOSURE 1e-12
+#define MOST_EXPOSURE 1e12
+
+/* The exposure of a frame, a view or an update. */
+hbil_status check_exposure(hbil_context *context, hbil_status wrong,
+                           float exposure);
+
+/* The factor that a caller's exposure stands for. */
+static inline float light_exposure(float given) {
+  return given > 0.0f ? given : 1.0f;
+}
+
 /* A wait list of a public function. */
 hbil_status check_wait_list(hbil_context *context, const char *function,
                             cl_uint wait_count, const cl_event *wait_list);

@@ -2,6 +2,7 @@
 #include "passes.h"
 
 #include "camera.h"
+#include "checks.h"
 #include "far_field.h"
 #include "planes.h"
 
@@ -9,14 +10,16 @@ hbil_composite_args composite_args(const hbil_plan *plan,
                                    const hbil_frame *frame,
                                    cl_mem plane[PLANE_COUNT]) {
   const hbil_config *c = &plan->config;
-  hbil_composite_args args = {.view = camera_view(&frame->camera, c),
-                              .to_world = camera_to_world(&frame->camera),
-                              .planes = plan->layout.planes,
-                              .environment =
-                                  far_field_args(c, frame->environment),
-                              .decode = depth_args(c, frame),
-                              .surface.direct_scale = c->inputs.direct_scale,
-                              .sky_share = frame->sky_share};
+  hbil_composite_args args = {
+      .view = camera_view(&frame->camera, c),
+      .to_world = camera_to_world(&frame->camera),
+      .planes = plan->layout.planes,
+      .environment = far_field_args(c, frame->environment),
+      .decode = depth_args(c, frame),
+      .surface.direct_scale = c->inputs.direct_scale,
+      .sky_share = frame->sky_share,
+      .exposure = light_exposure(frame->exposure),
+      .per_exposure = 1.0f / light_exposure(frame->exposure)};
   if (frame->cache)
     args.probes = plan->layout.probe_grid;
   hbil_external_plane_args *const plane_args[PLANE_COUNT] = {

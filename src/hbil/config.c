@@ -22,7 +22,7 @@ bool config_has_thickness(const hbil_config *config) {
  * later versions follow these (configure.ac has the rules). */
 enum {
   FIRST_CONFIG_SIZE = SIZE_UP_TO(hbil_config, execution),
-  FIRST_FRAME_SIZE = SIZE_UP_TO(hbil_frame, cache)
+  FIRST_FRAME_SIZE = SIZE_UP_TO(hbil_frame, exposure)
 };
 
 void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
@@ -36,6 +36,7 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .model.ao_radius = INFINITY,
       .model.near_relative_thickness = INFINITY,
       .sampling.slices = 3,
+      .sampling.slice_frames = 1,
       .sampling.steps_per_side = 56,
       .sampling.step_growth = 3.0f,
       .sampling.sample_grid = HBIL_GRID_FULL_RESOLUTION,
@@ -92,6 +93,7 @@ hbil_status hbil_sampling_set(hbil_sampling *sampling, hbil_quality quality) {
                 "hbil_sampling_set: quality: %d; must be one of hbil_quality",
                 (int)quality);
   sampling->slices = qualities[quality].slices;
+  sampling->slice_frames = 1;
   sampling->steps_per_side = qualities[quality].steps_per_side;
   sampling->step_growth = qualities[quality].step_growth;
   sampling->sample_grid = HBIL_GRID_FULL_RESOLUTION;
@@ -367,6 +369,8 @@ static hbil_status config_check(hbil_context *context,
       {"outputs.bent_normal_space", (double)config->outputs.bent_normal_space,
        0, HBIL_SPACE_WORLD},
       {"inputs.direct_scale", (double)config->inputs.direct_scale, 0, 1e30},
+      {"inputs.direct_kind", (double)config->inputs.direct_kind, 0,
+       HBIL_DIRECT_RADIANCE},
       {"inputs.motion_scale[0]", (double)config->inputs.motion_scale[0], -1e6,
        1e6},
       {"inputs.motion_scale[1]", (double)config->inputs.motion_scale[1], -1e6,
@@ -374,6 +378,7 @@ static hbil_status config_check(hbil_context *context,
       {"model.mode", (double)config->model.mode, 0, HBIL_MODE_HBAO},
       {"model.falloff", (double)config->model.falloff, 0, HBIL_FALLOFF_NONE},
       {"sampling.slices", config->sampling.slices, 1, 32},
+      {"sampling.slice_frames", config->sampling.slice_frames, 1, 4},
       {"sampling.steps_per_side", config->sampling.steps_per_side, 1, 256},
       {"sampling.step_growth", (double)config->sampling.step_growth, 0, 64},
       {"sampling.sample_grid", (double)config->sampling.sample_grid, 0,
@@ -393,7 +398,6 @@ static hbil_status config_check(hbil_context *context,
       {"model.roughness", (double)config->model.roughness, (double)0.3f, 1},
       {"model.ao_bounces", (double)config->model.ao_bounces, 0,
        HBIL_AO_BOUNCES_ALBEDO},
-      {"history.max_frames", config->history.max_frames, 0, 1024},
       {"history.reprojection", (double)config->history.reprojection, 0,
        HBIL_REPROJECTION_MOTION},
       {"model.feedback", (double)config->model.feedback, 0,
@@ -415,6 +419,12 @@ static hbil_status config_check(hbil_context *context,
       (status = check_limits(context, config)) != HBIL_SUCCESS ||
       (status = check_formats(context, config)) != HBIL_SUCCESS)
     return status;
+  if (config->sampling.slices % config->sampling.slice_frames)
+    return fail(context, HBIL_INVALID_CONFIG,
+                "sampling.slice_frames: %u; sampling.slices, %u, must be a "
+                "multiple of it",
+                (unsigned)config->sampling.slice_frames,
+                (unsigned)config->sampling.slices);
   return check_mode(context, config);
 }
 

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "shared_programs.h"
+
 const char *cl_error_name(cl_int error) {
 #define NAME(e)                                                                \
   case e:                                                                      \
@@ -273,6 +275,7 @@ void context_retain(hbil_context *context) {
 void context_release(hbil_context *context) {
   if (!context || --context->references)
     return;
+  forget_shared_programs(context);
   clReleaseDevice(context->device);
   clReleaseContext(context->context);
   free(context->programs.folder);

@@ -7,6 +7,17 @@
 #include "hbil/hbil.h"
 #include "names.h"
 
+/* What a program was built of. */
+typedef struct binary_identity {
+  char key[48];      /* in the store: the program's name and a hash */
+  cl_ulong identity; /* another hash, which is stored with the binary */
+  bool is_new;       /* neither from the store nor shared */
+} binary_identity;
+
+/* Programs that a context holds for later plans and caches: those of about two
+ * plans with a cache each, which have up to 19 and 11. */
+enum { MOST_SHARED = 64 };
+
 struct hbil_context {
   int references; /* of the caller and of each plan */
   cl_context context;
@@ -28,6 +39,12 @@ struct hbil_context {
     char *folder;    /* of folder.c; NULL: a store of the caller's */
     cl_ulong device; /* a hash of what the binaries depend on */
   } programs;
+  /* shared_programs.h; without gaps from the start until all are taken */
+  struct {
+    cl_program programs[MOST_SHARED]; /* NULL: none */
+    binary_identity identity[MOST_SHARED];
+    int next; /* the next one to be replaced */
+  } shared;
 };
 
 void context_retain(hbil_context *context);

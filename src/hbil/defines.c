@@ -73,6 +73,8 @@ static void define_inputs(const hbil_config *c, text *t) {
   define(t, "WHOLE_GROUPS", c->width % (4 * c->execution.vector_width) == 0);
   define(t, "DEPTH_IS_RAY", c->inputs.depth_kind == HBIL_DEPTH_RAY);
   define(t, "DEPTH_IS_HARDWARE", c->inputs.depth_kind == HBIL_DEPTH_HARDWARE);
+  define(t, "DIRECT_IS_RADIANCE",
+         c->inputs.direct_kind == HBIL_DIRECT_RADIANCE);
   define(t, "NORMAL_IS_OCTAHEDRAL",
          c->inputs.normal_encoding == HBIL_NORMAL_OCTAHEDRAL);
   define(t, "NORMAL_IS_VIEW", normals_are_in_view(c));
@@ -118,10 +120,10 @@ static void define_work(const hbil_config *c, const layout *l, text *t) {
   define(t, "SPAN", (int)l->span);
   define(t, "STORAGE", (int)c->sampling.storage);
   define(t, "GATHERED", (int)l->pattern.gathered);
+  define(t, "SLICE_FRAMES", (int)l->slice_frames);
   define(t, "GATHER_RADIANCE", l->radiance);
   define(t, "GATHER_BENT", l->bent);
   define(t, "HISTORY", l->history);
-  define(t, "COUNTS_MOTION", l->counts_motion);
   define(t, "ERROR_PLANE", (int)l->error_plane);
   define(t, "AO_SEARCH", l->ao_search);
   define(t, "AO_ERROR_PLANE", (int)l->ao_error_plane);

@@ -1,6 +1,7 @@
 /* Far light: spherical harmonics of order 2. */
 #include "far_field.h"
 
+#include "checks.h"
 #include "context.h"
 
 #include <math.h>
@@ -39,6 +40,13 @@ hbil_environment_args far_field_args(const hbil_config *config,
         args.channel[c].sh[i] = (float)(order * basis[i] * environment[i][c]);
     }
   return args;
+}
+
+void remove_exposure(float exposure, float environment[9][3]) {
+  const float per_exposure = 1.0f / light_exposure(exposure);
+  for (int i = 0; i < 9; ++i)
+    for (int c = 0; c < 3; ++c)
+      environment[i][c] *= per_exposure;
 }
 
 hbil_environment_args far_radiance_args(hbil_far_field far_field,

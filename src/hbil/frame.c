@@ -41,8 +41,13 @@ static hbil_status check_still(const hbil_plan *plan, const hbil_frame *frame) {
     return fail(
         plan->context, HBIL_INVALID_FRAME,
         "static_frame: CL_TRUE, but camera is not that of the frame before");
-  if (frame->frame_index != plan->last_index &&
-      !plan->config.history.max_frames)
+  if (light_exposure(frame->exposure) != plan->last_exposure)
+    return fail(plan->context, HBIL_INVALID_FRAME,
+                "static_frame: CL_TRUE, but exposure is %g, that of the frame "
+                "before was %g",
+                (double)light_exposure(frame->exposure),
+                (double)plan->last_exposure);
+  if (frame->frame_index != plan->last_index)
     return fail(plan->context, HBIL_INVALID_FRAME,
                 "static_frame: CL_TRUE, but frame_index is %u, that of the "
                 "frame before was "
@@ -78,6 +83,8 @@ static hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
   hbil_status status = camera_check(plan->context, &frame->camera);
   if (status == HBIL_SUCCESS)
     status = check_cache(plan, frame);
+  if (status == HBIL_SUCCESS)
+    status = check_exposure(plan->context, HBIL_INVALID_FRAME, frame->exposure);
   if (status == HBIL_SUCCESS)
     status = check_still(plan, frame);
   if (status == HBIL_SUCCESS)
@@ -124,6 +131,7 @@ static hbil_status enqueue(const char *function, hbil_plan *plan,
     return status;
   chain.events = event || !chain.in_order || chain.times;
   chain.line[1] = frame.cache ? &frame.cache->line : NULL;
+  chain.line[2] = plan->followed ? &plan->followed->line : NULL;
   if (range.first == HBIL_PASS_REPROJECT)
     forget_times(&plan->times);
   status = begin_commands(&chain, wait_count, wait_list);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "camera.h"
+#include "checks.h"
 #include "glossy.h"
 #include "lib/sampling_pattern.h"
 #include "planes.h"
@@ -134,7 +135,18 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
       .slices = pattern->slices,
       .steps = pattern->steps,
       .cache = plan->layout.cache,
-      .lobe = glossy_lobe(c)};
+      .lobe = glossy_lobe(c),
+      .past = plan->layout.past,
+      .motion_scale = {c->inputs.motion_scale[0], c->inputs.motion_scale[1]},
+      .disocclusion_threshold = c->history.disocclusion_threshold,
+      .exposure = light_exposure(frame->exposure),
+      .per_exposure = 1.0f / light_exposure(frame->exposure),
+      .has_past = plan->slices.has};
+  const hbil_camera *last =
+      plan->slices.has ? &plan->slices.camera : &frame->camera;
+  args.before = camera_view(last, c);
+  args.back = camera_between(&frame->camera, last);
+  args.forth = camera_between(last, &frame->camera);
   if (orthographic)
     args.thickness =
         fminf(args.thickness,
@@ -143,10 +155,13 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
 }
 
 /* Searches horizons in the rows of a layer from `top` to `bottom`.  Fills the
- * horizon cache with them if `fill_cache`. */
+ * horizon cache with them if `fill_cache`.  Where frames share slices, what
+ * this one finds goes to the other of two buffers.  composite makes it the
+ * plan's, so that a frame which fails leaves none. */
 static hbil_status search(hbil_plan *plan, commands *chain,
-                          const hbil_gather_args *args, size_t top,
-                          size_t bottom, bool fill_cache) {
+                          const hbil_frame *frame, hbil_gather_args *args,
+                          size_t top, size_t bottom, bool fill_cache) {
+  const cl_mem motion = bind_plane(plan, frame, PLANE_MOTION, &args->motion);
   const argument list[] = {ARG(*args),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
                            BUFFER_ARG(plan, BUFFER_STEPS),
@@ -155,7 +170,10 @@ static hbil_status search(hbil_plan *plan, commands *chain,
                            BUFFER_ARG(plan, BUFFER_USED_GROUPS),
                            BUFFER_ARG(plan, BUFFER_SPAN_STATES),
                            BUFFER_ARG(plan, BUFFER_FLAGS),
-                           BUFFER_ARG(plan, BUFFER_HORIZON_CACHE)};
+                           BUFFER_ARG(plan, BUFFER_HORIZON_CACHE),
+                           BUFFER_ARG(plan, BUFFER_SLICES + plan->slices.last),
+                           BUFFER_ARG(plan, BUFFER_SLICES + !plan->slices.last),
+                           ARG(motion)};
   if (top == bottom)
     return HBIL_SUCCESS;
   return LAUNCH_ROWS(
@@ -182,16 +200,20 @@ static hbil_status regather(hbil_plan *plan, commands *chain,
  * changed.  It is the first frame after which further static ones are likely.
  * Later static frames read the cache. */
 static hbil_status gather_all(hbil_plan *plan, commands *chain,
-                              hbil_gather_args *args, bool rest) {
+                              const hbil_frame *frame, hbil_gather_args *args,
+                              bool rest) {
   const layout *l = &plan->layout;
   const size_t cached = rest ? l->cache.rows : 0;
   const bool filled = cached && plan->cache_filled;
   args->is_static = CL_FALSE;
-  hbil_status status = filled ? regather(plan, chain, args)
-                              : search(plan, chain, args, 0, cached, true);
+  hbil_status status = filled
+                           ? regather(plan, chain, args)
+                           : search(plan, chain, frame, args, 0, cached, true);
   args->is_static = rest;
   if (status == HBIL_SUCCESS)
-    status = search(plan, chain, args, cached, (size_t)l->split.height, false);
+    status = search(plan, chain, frame, args, cached, (size_t)l->split.height,
+                    false);
+  plan->slices.written = l->slice_frames > 1 && status == HBIL_SUCCESS;
   plan->cache_used = filled;
   /* a static frame never follows one that failed */
   plan->cache_filled = cached > 0;
@@ -209,6 +231,6 @@ hbil_status enqueue_gather(hbil_plan *plan, commands *chain,
   hbil_gather_args args = gather_args(plan, frame, &view, &pattern);
   hbil_status status = make_pattern(plan, chain, &view, &pattern);
   if (status == HBIL_SUCCESS)
-    status = gather_all(plan, chain, &args, rest);
+    status = gather_all(plan, chain, frame, &args, rest);
   return status == HBIL_SUCCESS ? enqueue_estimate(plan, chain, frame) : status;
 }

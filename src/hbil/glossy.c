@@ -40,6 +40,7 @@ hbil_status enqueue_glossy(hbil_plan *plan, commands *chain,
                            BUFFER_ARG(plan, BUFFER_RESOLVED),
                            BUFFER_ARG(plan, BUFFER_ESTIMATE),
                            ARG(plane[PLANE_DEPTH]),
+                           ARG(plane[PLANE_ALBEDO]),
                            ARG(plane[PLANE_DIRECT]),
                            BUFFER_ARG(plan, BUFFER_GLOSSY_PROBES),
                            ARG(glossy)};

@@ -1,6 +1,8 @@
 /* The programs and kernels of one owner: a plan or a cache. */
 #include "kernel_set.h"
 
+#include "shared_programs.h"
+
 hbil_status kernels_build(hbil_context *context, const kernel_table *table,
                           const bool needed_programs[],
                           const bool needed_kernels[], const char *defines,
@@ -24,10 +26,12 @@ hbil_status kernels_build(hbil_context *context, const kernel_table *table,
   return status;
 }
 
-void kernels_store(hbil_context *context, const kernel_set *set) {
+void kernels_share(hbil_context *context, const kernel_set *set) {
   for (int i = 0; i < MOST_PROGRAMS; ++i)
-    if (set->programs[i])
+    if (set->programs[i]) {
       binary_store(context, set->programs[i], &set->identity[i]);
+      share_program(context, set->programs[i], &set->identity[i]);
+    }
 }
 
 void kernels_release(const kernel_set *set) {

@@ -53,9 +53,10 @@ hbil_status kernels_build(hbil_context *context, const kernel_table *table,
                           const bool needed_kernels[], const char *defines,
                           kernel_set *set);
 
-/* Stores the programs that were built.  To be called after the trial launches,
- * because binaries may hold what was compiled for these. */
-void kernels_store(hbil_context *context, const kernel_set *set);
+/* Stores the programs that were built, and shares all with later owners.  To be
+ * called after the trial launches, because binaries may hold what was compiled
+ * for these. */
+void kernels_share(hbil_context *context, const kernel_set *set);
 
 void kernels_release(const kernel_set *set);
 

@@ -50,7 +50,7 @@ static void decide_work(const hbil_config *config, layout *out) {
   out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
   out->history =
       out->radiance && config->history.reprojection != HBIL_REPROJECTION_NONE;
-  out->counts_motion = !out->history;
+  out->slice_frames = out->glossy ? 1 : config->sampling.slice_frames;
   out->late_counts =
       (sums && !(out->radiance && config->model.gather_emission)) ||
       out->ao_bounces == HBIL_AO_BOUNCES_ALBEDO;
@@ -79,7 +79,8 @@ static void decide_skips(const hbil_config *config, layout *out) {
     out->skip &= ~(cl_uint)HBIL_SKIP_DARK;
   if (isinf(config->model.radius))
     out->skip &= ~(cl_uint)HBIL_SKIP_RADIUS;
-  if (!irradiance_is_hidden(config, out))
+  /* a frame that leaves pixels out hands nothing of them on */
+  if (!irradiance_is_hidden(config, out) || out->slice_frames > 1)
     out->skip &= ~(cl_uint)HBIL_SKIP_UNUSED;
   /* with a radius, spans test this themselves (gather.cl, light_in_reach) */
   out->quadrants = out->skip & HBIL_SKIP_DARK && isinf(config->model.radius) &&
@@ -228,11 +229,6 @@ static cl_uint light_planes(const layout *l) {
                        : HBIL_LIGHT_RED;
 }
 
-/* The light, and glossy light behind it: what the temporal filter averages. */
-static cl_uint averaged_planes(const layout *l) {
-  return light_planes(l) + (l->glossy ? HBIL_GLOSSY_PLANES : 0);
-}
-
 static cl_uint split_planes(const hbil_config *config, const layout *l) {
   return l->radiance ? stored[config->sampling.storage].split
                      : stored[config->sampling.storage].guides;
@@ -264,8 +260,9 @@ static void lay_out_probes(const hbil_config *config, layout *out) {
   g->columns = divided_up((cl_int)config->width - 1, g->spacing) + 1;
   g->rows = divided_up((cl_int)config->height - 1, g->spacing) + 1;
   out->bytes[BUFFER_PROBES] = out->bytes[BUFFER_FILTERED_PROBES] =
-      sizeof(cl_float) * HBIL_PROBE_FLOATS * (size_t)g->columns *
-      (size_t)g->rows;
+      out->bytes[BUFFER_PROBE_HISTORY] = out->bytes[BUFFER_PROBE_HISTORY_NEXT] =
+          sizeof(cl_float) * HBIL_PROBE_FLOATS * (size_t)g->columns *
+          (size_t)g->rows;
   if (out->glossy)
     out->bytes[BUFFER_GLOSSY_PROBES] = sizeof(cl_float) *
                                        HBIL_GLOSSY_PROBE_FLOATS *
@@ -277,7 +274,7 @@ static void lay_out_resolved(const hbil_config *config, layout *out) {
   const cl_uint errors = !has(config, PLANE_ERROR) ? 0 : out->radiance ? 2 : 1;
   const bool unknown = out->unknown && has(config, PLANE_UNKNOWN);
   out->glossy_resolved = light_planes(out);
-  out->error_plane = averaged_planes(out);
+  out->error_plane = light_planes(out) + (out->glossy ? HBIL_GLOSSY_PLANES : 0);
   out->resolved_planes = out->error_plane + errors + unknown;
   out->unknown_plane = unknown ? out->resolved_planes - 1 : 0;
   out->bytes[BUFFER_RESOLVED] =
@@ -382,23 +379,21 @@ static void lay_out_steps(const hbil_config *config, layout *out) {
 }
 
 /* All its buffers have the sizes of the plan's own; it makes no table of steps,
- * reads the plan's layers, and counts nothing twice. */
+ * and reads the plan's layers. */
 void layout_of_ao_search(const hbil_config *ao, const layout *whole,
                          layout *out) {
   layout_compute(ao, &whole->staged, 1, out);
   out->split = whole->split;
   out->bounds = whole->bounds;
   out->pattern.levels = whole->pattern.levels;
-  out->counts_motion = false;
 }
 
 static void lay_out_ao_search(const hbil_config *ao, layout *out) {
-  static const int buffers[][2] = {
-      {BUFFER_AO_LIGHT, BUFFER_LIGHT},
-      {BUFFER_AO_RESOLVED, BUFFER_RESOLVED},
-      {BUFFER_AO_TEMPORAL, BUFFER_TEMPORAL},
-      {BUFFER_AO_TEMPORAL_NEXT, BUFFER_TEMPORAL_NEXT},
-      {BUFFER_AO_SPAN_STATES, BUFFER_SPAN_STATES}};
+  static const int buffers[][2] = {{BUFFER_AO_LIGHT, BUFFER_LIGHT},
+                                   {BUFFER_AO_RESOLVED, BUFFER_RESOLVED},
+                                   {BUFFER_AO_SLICES, BUFFER_SLICES},
+                                   {BUFFER_AO_SLICES_NEXT, BUFFER_SLICES_NEXT},
+                                   {BUFFER_AO_SPAN_STATES, BUFFER_SPAN_STATES}};
   layout search;
   layout_of_ao_search(ao, out, &search);
   out->ao_error_plane = search.error_plane;
@@ -427,22 +422,25 @@ void layout_compute(const hbil_config *config, const staging *staged,
   lay_out_layers(config, out->span, split_planes(config, out), &out->split);
   const cl_uint gathered = gathered_planes(config, out);
   const bool weighted =
-      config->sampling.slices == 1 && !config->sampling.unfiltered;
+      out->slice_frames > 1 ||
+      (config->sampling.slices == 1 && !config->sampling.unfiltered);
   out->weight_plane = weighted ? gathered : 0;
   out->glossy_plane = out->glossy ? gathered + weighted : 0;
   lay_out_layers(config, out->span,
                  gathered + weighted +
                      (out->glossy ? HBIL_GATHERED_GLOSSY_PLANES : 0),
                  &out->light);
+  if (out->slice_frames > 1) {
+    lay_out_layers(config, out->span,
+                   HBIL_PAST_SETS + (out->slice_frames - 1) * (gathered + 1),
+                   &out->past);
+    out->bytes[BUFFER_SLICES] = out->bytes[BUFFER_SLICES_NEXT] =
+        layers_size(&out->past);
+  }
   out->bytes[BUFFER_SPLIT] = layers_size(&out->split);
   out->bytes[BUFFER_LIGHT] = layers_size(&out->light);
   lay_out_resolved(config, out);
   lay_out_probes(config, out);
-  if (config->history.max_frames)
-    out->bytes[BUFFER_TEMPORAL] = out->bytes[BUFFER_TEMPORAL_NEXT] =
-        real * ((HBIL_TEMPORAL_LIGHT + averaged_planes(out)) *
-                    (size_t)out->planes.plane +
-                2 * (size_t)hbil_history_origin(out->planes));
   out->estimate_lanes =
       config->execution.vector_width == 1 ? estimate_lanes(&out->split) : 1;
   if (out->estimate)
@@ -466,8 +464,8 @@ void layout_compute(const hbil_config *config, const staging *staged,
   out->errors = error_factors(out->pattern.slices, out->pattern.steps,
                               config_has_thickness(config),
                               out->pattern.gathered < HBIL_LAYERS);
-  if (out->history && out->skip & HBIL_SKIP_STATIC &&
-      !config->history.max_frames && !out->glossy)
+  if (out->history && out->skip & HBIL_SKIP_STATIC && out->slice_frames == 1 &&
+      !out->glossy)
     out->bytes[BUFFER_HORIZON_CACHE] = lay_out_horizon_cache(config, out);
   if (out->ao_search)
     lay_out_ao_search(&ao_config, out);

@@ -21,20 +21,22 @@ enum {
   BUFFER_SPLIT,
   BUFFER_LIGHT,
   BUFFER_RESOLVED,
-  BUFFER_TEMPORAL,      /* history of the temporal filter, of one frame */
-  BUFFER_TEMPORAL_NEXT, /* the same of the other frame */
+  BUFFER_SLICES,      /* what slices found, of one frame, and of the other */
+  BUFFER_SLICES_NEXT, /* (gather/past_slices.clh) */
   BUFFER_STEPS,
   BUFFER_ESTIMATE, /* the estimate of unseen light, its sums, those of lanes */
   BUFFER_PROBES,   /* HBIL_PROBE_FLOATS floats each */
   BUFFER_FILTERED_PROBES,
+  BUFFER_PROBE_HISTORY, /* of one frame, and of the other one */
+  BUFFER_PROBE_HISTORY_NEXT,
   BUFFER_GLOSSY_PROBES, /* HBIL_GLOSSY_PROBE_FLOATS floats each */
   BUFFER_BOUNDS,        /* grids of largest inverse depths and of light */
   BUFFER_USED_GROUPS,   /* where outputs show light */
   BUFFER_SPAN_STATES,   /* the work that the gather left out */
   BUFFER_AO_LIGHT,      /* of the search for the outputs (ao_search.c): LIGHT */
   BUFFER_AO_RESOLVED,
-  BUFFER_AO_TEMPORAL,
-  BUFFER_AO_TEMPORAL_NEXT,
+  BUFFER_AO_SLICES,
+  BUFFER_AO_SLICES_NEXT,
   BUFFER_AO_SPAN_STATES,
   BUFFER_SANITIZED,     /* HBIL_SANITIZED_: counts of unusable inputs */
   BUFFER_HORIZON_CACHE, /* of a static frame (lib/horizon_cache.clh) */
@@ -52,6 +54,8 @@ typedef struct layout {
   hbil_memory memory;
   hbil_plane_args planes; /* full-resolution planes */
   hbil_layer_args split, light;
+  cl_uint slice_frames; /* that share the slices of a pixel; 1: none do */
+  hbil_layer_args past; /* of SLICES */
   int chain_count;
   hbil_chain_args chain[MAX_CHAIN];
   cl_uint estimate_lanes; /* work-items of each part of the estimate */
@@ -59,7 +63,6 @@ typedef struct layout {
   bool radiance, bent, history, unknown, estimate, probes, glossy;
   bool late_counts;   /* composite shows inputs that split does not read */
   bool ao_search;     /* outputs show another search than the near field's */
-  bool counts_motion; /* temporal counts unusable motion vectors */
   cl_uint skip;       /* the bits of hbil_config.skip that can have an effect */
   hbil_bounds_args bounds;
   hbil_grid_args

@@ -15,14 +15,13 @@ pass_function enqueue_split;                        /* split.c */
 pass_function enqueue_gather;                       /* gather.c */
 /* estimate.c: behind the gather, in the same pass */
 pass_function enqueue_estimate;
-pass_function enqueue_recompose, enqueue_temporal,
-    enqueue_composite; /* resolve.c */
+pass_function enqueue_recompose, enqueue_composite; /* resolve.c */
 /* probes.c: before composite, in the same pass */
 pass_function enqueue_probes;
 /* glossy.c: behind the probes, in the same pass */
 pass_function enqueue_glossy;
 
-/* ao_search.c: one of gather, recompose and temporal once more, for the outputs
+/* ao_search.c: gather or recompose once more, for the outputs
  * that show another search than the near field's; and its kernels. */
 hbil_status enqueue_ao_search(const hbil_plan *plan, commands *chain,
                               const hbil_frame *frame, pass_function *pass);
@@ -61,10 +60,9 @@ static inline bool is_static(const hbil_plan *plan, const hbil_frame *frame) {
 }
 
 /* Whether gather and recompose may leave at once where no light has changed.
- * With a temporal filter even a static frame is gathered anew, by another
- * pattern. */
+ * Frames that share slices search others in each frame. */
 static inline bool may_rest(const hbil_plan *plan, const hbil_frame *frame) {
-  return is_static(plan, frame) && !plan->config.history.max_frames;
+  return is_static(plan, frame) && plan->layout.slice_frames == 1;
 }
 
 /* Notes that the host leaves a pass out. */

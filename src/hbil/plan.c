@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "camera.h"
+#include "checks.h"
 #include "hbil/hbil_stages.h"
 
 /* --- what passes use of it --- */
@@ -57,28 +58,88 @@ int next_history(const hbil_plan *plan) {
              : BUFFER_HISTORY;
 }
 
+/* Whether a frame may have anything of the last one. */
+static bool carries_over(const hbil_plan *plan) {
+  return plan->config.history.reprojection != HBIL_REPROJECTION_NONE;
+}
+
+/* needed: a frame without it has no history either. */
+static void alternate(alternating *a, const hbil_frame *frame, bool needed) {
+  if (a->written) {
+    a->last = !a->last;
+    a->has = true;
+    a->camera = frame->camera;
+  }
+  a->has &= needed;
+  a->written = false;
+}
+
+static void adopt(alternating *a, const hbil_camera *camera, bool has) {
+  a->has = has;
+  a->written = false;
+  a->camera = *camera;
+}
+
 void remember_frame(hbil_plan *plan, const hbil_frame *frame) {
   plan->has_last = true;
   plan->last_camera = frame->camera;
   plan->last_index = frame->frame_index;
+  plan->last_exposure = light_exposure(frame->exposure);
   if (plan->layout.history) {
     const cl_uint bounces = hbil_plan_bounces(plan);
     plan->bounces = bounces < MOST_BOUNCES ? bounces + 1 : MOST_BOUNCES;
     plan->has_history = true;
     plan->history = next_history(plan) - BUFFER_HISTORY;
     plan->history_camera = frame->camera;
+    plan->followed = NULL;
   }
-  if (plan->temporal_written) {
-    plan->temporal_written = false;
-    plan->temporal = !plan->temporal;
-    plan->has_temporal = true;
-    plan->temporal_camera = frame->camera;
-  }
+  alternate(&plan->slices, frame, true);
+  alternate(&plan->probes, frame, frame->cache && carries_over(plan));
 }
 
 void hbil_plan_reset(hbil_plan *plan) {
-  if (plan)
-    plan->has_history = plan->has_last = plan->has_temporal = false;
+  if (!plan)
+    return;
+  plan->has_history = plan->has_last = plan->slices.has = plan->probes.has =
+      false;
+  plan->followed = NULL;
+}
+
+/* Why a plan's light means nothing to another plan; NULL: it does. */
+static const char *difference(const hbil_plan *plan, const hbil_plan *last) {
+  const hbil_config *a = &plan->config, *b = &last->config;
+  return plan->context != last->context                 ? "contexts"
+         : a->inputs.projection != b->inputs.projection ? "inputs.projection"
+         : a->sampling.storage != b->sampling.storage   ? "sampling.storage"
+         : a->model.feedback != b->model.feedback       ? "model.feedback"
+         : plan->layout.history != last->layout.history
+             ? "history.reprojection, or outputs that show light"
+             : NULL;
+}
+
+hbil_status hbil_plan_follow(hbil_plan *plan, hbil_plan *last) {
+  if (!plan || !last)
+    return fail_null(plan ? plan->context : NULL, __func__,
+                     plan ? "last" : "plan");
+  const char *differs = difference(plan, last);
+  if (differs)
+    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                "last: a plan of other %s; plans that differ in size, sampling "
+                "and outputs can follow one another",
+                differs);
+  if (plan == last)
+    return HBIL_SUCCESS;
+  if (last->followed)
+    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                "last: has had no frame since it followed a plan itself");
+  hbil_plan_reset(plan);
+  if (last->has_history) {
+    plan->has_history = true;
+    plan->bounces = last->bounces;
+    plan->history_camera = last->history_camera;
+    plan->followed = last;
+  }
+  return HBIL_SUCCESS;
 }
 
 cl_uint hbil_plan_bounces(const hbil_plan *plan) {
@@ -97,49 +158,75 @@ hbil_status hbil_plan_adopt_history(hbil_plan *plan, const hbil_camera *camera,
   plan->has_history = plan->layout.history && bounces > 0;
   plan->bounces = bounces < MOST_BOUNCES ? bounces : MOST_BOUNCES;
   plan->history_camera = *camera;
-  plan->has_temporal = plan->config.history.max_frames > 0;
-  plan->temporal_written = false;
-  plan->temporal_camera = *camera;
+  adopt(&plan->slices, camera, plan->layout.slice_frames > 1);
+  adopt(&plan->probes, camera, plan->layout.probes && carries_over(plan));
   return HBIL_SUCCESS;
+}
+
+static int buffer_of_stage(const hbil_plan *plan, hbil_stage stage) {
+  static const int first[] = {[HBIL_STAGE_HISTORY] = BUFFER_HISTORY,
+                              [HBIL_STAGE_CARRIED] = BUFFER_CARRIED,
+                              [HBIL_STAGE_SPLIT] = BUFFER_SPLIT,
+                              [HBIL_STAGE_GATHERED] = BUFFER_LIGHT,
+                              [HBIL_STAGE_RESOLVED] = BUFFER_RESOLVED,
+                              [HBIL_STAGE_SLICES] = BUFFER_SLICES,
+                              [HBIL_STAGE_AO_GATHERED] = BUFFER_AO_LIGHT,
+                              [HBIL_STAGE_AO_RESOLVED] = BUFFER_AO_RESOLVED,
+                              [HBIL_STAGE_AO_SLICES] = BUFFER_AO_SLICES,
+                              [HBIL_STAGE_PROBE_HISTORY] =
+                                  BUFFER_PROBE_HISTORY};
+  switch (stage) {
+  case HBIL_STAGE_HISTORY:
+    return first[stage] + plan->history;
+  case HBIL_STAGE_SLICES:
+  case HBIL_STAGE_AO_SLICES:
+    return first[stage] + plan->slices.last;
+  case HBIL_STAGE_PROBE_HISTORY:
+    return first[stage] + plan->probes.last;
+  default:
+    return first[stage];
+  }
+}
+
+/* What a plan must have for the stage. */
+static const char *missing_stage(const hbil_plan *plan, hbil_stage stage) {
+  const bool of_ao = stage == HBIL_STAGE_AO_GATHERED ||
+                     stage == HBIL_STAGE_AO_RESOLVED ||
+                     stage == HBIL_STAGE_AO_SLICES;
+  if (of_ao && !plan->layout.ao_search)
+    return "search of its own for ao, bent_normal and cone_cosine";
+  switch (stage) {
+  case HBIL_STAGE_SLICES:
+  case HBIL_STAGE_AO_SLICES:
+    return "HBIL_STAGE_SLICES (sampling.slice_frames is 1, or glossy an "
+           "output)";
+  case HBIL_STAGE_PROBE_HISTORY:
+    return "HBIL_STAGE_PROBE_HISTORY (no light of a radiance cache is shown)";
+  case HBIL_STAGE_CARRIED:
+    return "HBIL_STAGE_CARRIED (no light is carried over)";
+  default:
+    return "HBIL_STAGE_HISTORY (no light is carried over)";
+  }
 }
 
 hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
                              hbil_buffer *out) {
-  static const int of_stage[] = {
-      [HBIL_STAGE_HISTORY] = BUFFER_HISTORY,
-      [HBIL_STAGE_CARRIED] = BUFFER_CARRIED,
-      [HBIL_STAGE_SPLIT] = BUFFER_SPLIT,
-      [HBIL_STAGE_GATHERED] = BUFFER_LIGHT,
-      [HBIL_STAGE_RESOLVED] = BUFFER_RESOLVED,
-      [HBIL_STAGE_TEMPORAL_HISTORY] = BUFFER_TEMPORAL,
-      [HBIL_STAGE_AO_GATHERED] = BUFFER_AO_LIGHT,
-      [HBIL_STAGE_AO_RESOLVED] = BUFFER_AO_RESOLVED,
-      [HBIL_STAGE_AO_TEMPORAL_HISTORY] = BUFFER_AO_TEMPORAL};
   if (!plan || !out)
     return fail_null(plan ? plan->context : NULL, __func__,
                      plan ? "out" : "plan");
-  if ((unsigned)stage > HBIL_STAGE_AO_TEMPORAL_HISTORY)
+  if ((unsigned)stage > HBIL_STAGE_PROBE_HISTORY)
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
                 "stage: %d; must be one of hbil_stage, 0 to %d", (int)stage,
-                (int)HBIL_STAGE_AO_TEMPORAL_HISTORY);
-  const bool of_ao = stage >= HBIL_STAGE_AO_GATHERED;
-  const bool averaged = stage == HBIL_STAGE_TEMPORAL_HISTORY ||
-                        stage == HBIL_STAGE_AO_TEMPORAL_HISTORY;
-  const layout *l = of_ao ? &plan->ao.layout : &plan->layout;
-  const int buffer =
-      of_stage[stage] + (averaged                      ? plan->temporal
-                         : stage == HBIL_STAGE_HISTORY ? plan->history
-                                                       : 0);
+                (int)HBIL_STAGE_PROBE_HISTORY);
+  const layout *l =
+      stage == HBIL_STAGE_AO_GATHERED || stage == HBIL_STAGE_AO_RESOLVED
+          ? &plan->ao.layout
+          : &plan->layout;
+  const int buffer = buffer_of_stage(plan, stage);
   memset(out, 0, sizeof *out);
   if (!plan->buffers[buffer])
-    return fail(
-        plan->context, HBIL_INVALID_ARGUMENT, "stage: this plan has no %s",
-        of_ao && !plan->layout.ao_search
-            ? "search of its own for ao, bent_normal and cone_cosine"
-        : averaged ? "HBIL_STAGE_TEMPORAL_HISTORY (history.max_frames is 0)"
-        : stage == HBIL_STAGE_CARRIED
-            ? "HBIL_STAGE_CARRIED (no light is carried over)"
-            : "HBIL_STAGE_HISTORY (no light is carried over)");
+    return fail(plan->context, HBIL_INVALID_ARGUMENT,
+                "stage: this plan has no %s", missing_stage(plan, stage));
   out->buffer = plan->buffers[buffer];
   if (stage == HBIL_STAGE_SPLIT || stage == HBIL_STAGE_GATHERED ||
       stage == HBIL_STAGE_AO_GATHERED) {
@@ -150,6 +237,19 @@ hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
     out->layer_pitch = layers->layer;
     out->origin = layers->origin;
     out->values = layers->layer / layers->plane;
+    return HBIL_SUCCESS;
+  }
+  if (stage == HBIL_STAGE_SLICES || stage == HBIL_STAGE_AO_SLICES) {
+    out->plane_pitch = out->row_pitch =
+        plan->layout.bytes[buffer] / sizeof(cl_float);
+    out->values = 1;
+    return HBIL_SUCCESS;
+  }
+  if (stage == HBIL_STAGE_PROBE_HISTORY) {
+    const hbil_probe_grid_args *grid = &l->probe_grid;
+    out->row_pitch = HBIL_PROBE_FLOATS * (size_t)grid->columns;
+    out->plane_pitch = out->row_pitch * (size_t)grid->rows;
+    out->values = 1;
     return HBIL_SUCCESS;
   }
   out->plane_pitch = l->planes.plane;

@@ -27,7 +27,6 @@
     .defines = "-DCACHE_HORIZONS=1", .registers = 64)                          \
   X(PROGRAM_REGATHER, "regather", caches_horizons, .relaxed = true)            \
   X(PROGRAM_RECOMPOSE, "recompose", true, .relaxed = true)                     \
-  X(PROGRAM_TEMPORAL, "temporal", averages, .relaxed = false)                  \
   X(PROGRAM_PROBE_RAYS, "cache/probe_rays", method == HBIL_CACHE_METHOD_RAYS,  \
     .relaxed = true)                                                           \
   X(PROGRAM_PROBE_CONES, "cache/probe_cones",                                  \
@@ -38,6 +37,8 @@
   X(PROGRAM_PROBE_RSM, "cache/probe_rsm", method == HBIL_CACHE_METHOD_RSM,     \
     .relaxed = true, .defines = "-DHBIL_WIDTH=1")                              \
   X(PROGRAM_FILTER_PROBES, "cache/filter_probes", l->probes, .relaxed = true)  \
+  X(PROGRAM_FOLLOW_PROBES, "cache/follow_probes", l->probes, .relaxed = true,  \
+    .defines = "-DHBIL_WIDTH=1")                                               \
   X(PROGRAM_PROBE_GLOSSY, "cache/probe_glossy", l->probes && l->glossy,        \
     .relaxed = true)                                                           \
   X(PROGRAM_GLOSSY, "glossy", l->glossy, .relaxed = false)                     \
@@ -67,12 +68,12 @@
   X(KERNEL_GATHER_AND_CACHE, "gather", PROGRAM_GATHER_AND_CACHE, true)         \
   X(KERNEL_REGATHER, "regather", PROGRAM_REGATHER, true)                       \
   X(KERNEL_RECOMPOSE, "recompose", PROGRAM_RECOMPOSE, true)                    \
-  X(KERNEL_TEMPORAL, "temporal", PROGRAM_TEMPORAL, true)                       \
   X(KERNEL_PROBE_RAYS, "probe_rays", PROGRAM_PROBE_RAYS, true)                 \
   X(KERNEL_PROBE_CONES, "probe_cones", PROGRAM_PROBE_CONES, true)              \
   X(KERNEL_PROBE_LPV, "probe_lpv", PROGRAM_PROBE_LPV, true)                    \
   X(KERNEL_PROBE_RSM, "probe_rsm", PROGRAM_PROBE_RSM, true)                    \
   X(KERNEL_FILTER_PROBES, "filter_probes", PROGRAM_FILTER_PROBES, true)        \
+  X(KERNEL_FOLLOW_PROBES, "follow_probes", PROGRAM_FOLLOW_PROBES, true)        \
   X(KERNEL_PROBE_GLOSSY, "probe_glossy", PROGRAM_PROBE_GLOSSY, true)           \
   X(KERNEL_GLOSSY, "glossy", PROGRAM_GLOSSY, true)                             \
   X(KERNEL_COMPOSITE, "composite", PROGRAM_COMPOSITE, true)                    \
@@ -102,6 +103,14 @@ typedef struct ao_search {
   kernel_set kernels;
 } ao_search;
 
+/* A history of the last frame in one of two buffers.  A frame writes the other
+ * one, which composite makes the history, so a frame that fails leaves none. */
+typedef struct alternating {
+  bool has, written;  /* there is one; the other buffer has been written */
+  int last;           /* which buffer it is in */
+  hbil_camera camera; /* that saw it */
+} alternating;
+
 struct hbil_plan {
   hbil_context *context;
   hbil_config config; /* formats: as the passes see them (staging.h) */
@@ -117,16 +126,15 @@ struct hbil_plan {
   cl_uint bounces; /* that this light has had, 1 .. MOST_BOUNCES */
   hbil_camera history_camera;
   int history; /* which of its buffers holds the last frame */
-  /* the temporal filter: which of its two buffers holds the last frame, and
-   * whether the other one has been written since the last composite */
-  bool has_temporal, temporal_written;
-  int temporal;
-  hbil_camera temporal_camera;
+  /* the plan whose history the next frame reads; NULL: its own */
+  hbil_plan *followed;
+  alternating slices, probes;
   /* the last frame that was composed */
   bool has_last;
   cl_uint static_frames; /* in a row so far, up to HBIL_EXACT_STATIC_FRAMES */
   hbil_camera last_camera;
   cl_uint last_index;
+  float last_exposure;
   /* passes of the frame that is being enqueued: whether the host left them out,
    * and whether the device may have */
   bool left_out[HBIL_PASS_COUNT], may_leave_out[HBIL_PASS_COUNT];

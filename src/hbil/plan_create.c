@@ -26,7 +26,6 @@ static hbil_status build_kernels(hbil_plan *plan) {
       l->probes ? c->model.cache_method : HBIL_CACHE_METHOD_NONE;
   const bool caches_horizons = l->bytes[BUFFER_HORIZON_CACHE] > 0;
   const bool bounds = l->bytes[BUFFER_BOUNDS] > 0;
-  const bool averages = c->history.max_frames > 0;
   const bool relights = l->history && l->skip & HBIL_SKIP_STATIC;
   const bool imports = l->staged.images & INPUT_PLANES;
   const bool exports = l->staged.images & ~INPUT_PLANES;
@@ -60,10 +59,24 @@ static hbil_status allocate(hbil_plan *plan) {
 
 /* --- the first commands --- */
 
+/* Clears the padding of what frames hand on to each other. */
+static hbil_status clear_slices(const hbil_plan *plan, commands *chain) {
+  static const int buffers[] = {BUFFER_SLICES, BUFFER_SLICES_NEXT,
+                                BUFFER_AO_SLICES, BUFFER_AO_SLICES_NEXT};
+  hbil_status status = HBIL_SUCCESS;
+  for (size_t i = 0; i < sizeof buffers / sizeof *buffers; ++i)
+    if (plan->buffers[buffers[i]] && status == HBIL_SUCCESS)
+      status = fill_memory(chain, plan->buffers[buffers[i]], 0, 0,
+                           plan->layout.bytes[buffers[i]]);
+  return status;
+}
+
 /* Writes what no kernel writes: counts of inputs that this plan never reads,
  * and the padding, which frames clear in scratch memory of the caller's. */
 static hbil_status write_first(hbil_plan *plan, commands *chain) {
-  const hbil_status status = clear_counts(plan, chain, 0, HBIL_SANITIZED_WORDS);
+  hbil_status status = clear_counts(plan, chain, 0, HBIL_SANITIZED_WORDS);
+  if (status == HBIL_SUCCESS)
+    status = clear_slices(plan, chain);
   return status == HBIL_SUCCESS && !plan->lent.memory
              ? clear_padding(plan, chain)
              : status;
@@ -218,8 +231,8 @@ static hbil_status create(hbil_context *context, const hbil_config *config,
     hbil_plan_destroy(plan);
     return status;
   }
-  kernels_store(context, &plan->kernels);
-  kernels_store(context, &plan->ao.kernels);
+  kernels_share(context, &plan->kernels);
+  kernels_share(context, &plan->ao.kernels);
   *out = plan;
   return HBIL_SUCCESS;
 }

@@ -24,6 +24,7 @@ const component_kind component_kinds[COMPONENT_COUNT] = {
                             ROUNDING_OF_BITS(10)},
     [HBIL_R11G11B10_FLOAT] = {"HBIL_R11G11B10_FLOAT", "f11", 4, true, 0.0f},
     [HBIL_RGB9E5_FLOAT] = {"HBIL_RGB9E5_FLOAT", "e5", 4, true, 0.0f},
+    [HBIL_SRGB8] = {"HBIL_SRGB8", "srgb8", 1, false, ROUNDING_OF_BITS(8)},
     /* staged (staging.h), so kernels never see it */
     [HBIL_IMAGE] = {"HBIL_IMAGE", "none", 1, false, 0.0f},
 };
@@ -50,7 +51,7 @@ unsigned plane_components_allowed(const hbil_config *config, int plane) {
     return floats | BIT(HBIL_SNORM16);
   default: /* colours */
     return floats | unorms | BIT(HBIL_RGB10A2_UNORM) |
-           BIT(HBIL_R11G11B10_FLOAT) | BIT(HBIL_RGB9E5_FLOAT);
+           BIT(HBIL_R11G11B10_FLOAT) | BIT(HBIL_RGB9E5_FLOAT) | BIT(HBIL_SRGB8);
   }
 }
 

@@ -29,7 +29,7 @@ extern const plane_kind plane_kinds[PLANE_COUNT];
 #define ROUNDING_OF_BITS(n) (2.0f / (float)(1u << (n)))
 #define ROUNDING_OF_HALF 0x1p-10f
 
-enum { COMPONENT_COUNT = HBIL_IMAGE + 1 };
+enum { COMPONENT_COUNT = HBIL_SRGB8 + 1 };
 typedef struct component_kind {
   const char *name;
   const char *type; /* in kernels/lib/components.clh */

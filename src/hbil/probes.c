@@ -2,6 +2,7 @@
 #include "passes.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "cache.h"
 #include "camera.h"
@@ -13,11 +14,14 @@ static hbil_probes_args probes_args(const hbil_plan *plan,
                                     const hbil_frame *frame) {
   const hbil_config *c = &plan->config;
   const hbil_cache *cache = frame->cache;
+  float environment[9][3];
+  memcpy(environment, frame->environment, sizeof environment);
+  remove_exposure(frame->exposure, environment);
   hbil_probes_args args = {
       .grid = plan->layout.probe_grid,
       .view = camera_view(&frame->camera, c),
       .split = plan->layout.split,
-      .environment = far_radiance_args(c->model.far_field, frame->environment),
+      .environment = far_radiance_args(c->model.far_field, environment),
       .lobe = glossy_lobe(c)};
   if (cache) {
     double centre[3];
@@ -78,8 +82,30 @@ static hbil_status fill_probes(const hbil_plan *plan, commands *chain,
                      (size_t)args->grid.columns, (size_t)args->grid.rows, 1);
 }
 
+/* Joins the filtered probes with those of the last frame. */
+static hbil_status follow_probes(hbil_plan *plan, commands *chain,
+                                 const hbil_frame *frame) {
+  alternating *past = &plan->probes;
+  const hbil_camera *last = past->has ? &past->camera : &frame->camera;
+  const hbil_follow_args args = {.grid = plan->layout.probe_grid,
+                                 .before = camera_view(last, &plan->config),
+                                 .back = camera_between(&frame->camera, last),
+                                 .forth = camera_between(last, &frame->camera),
+                                 .has_before = past->has};
+  const argument list[] = {
+      ARG(args), BUFFER_ARG(plan, BUFFER_FILTERED_PROBES),
+      BUFFER_ARG(plan, BUFFER_PROBE_HISTORY + past->last),
+      BUFFER_ARG(plan, BUFFER_PROBE_HISTORY + !past->last)};
+  const hbil_status status =
+      LAUNCH(chain, KERNEL_FOLLOW_PROBES, list, (size_t)args.grid.columns,
+             (size_t)args.grid.rows, 1);
+  past->written = status == HBIL_SUCCESS;
+  return status;
+}
+
 hbil_status enqueue_probes(hbil_plan *plan, commands *chain,
                            const hbil_frame *frame) {
+  plan->probes.written = false; /* by a frame that was broken off */
   if (!plan->layout.probes || !(frame->cache || chain->trial))
     return HBIL_SUCCESS;
   const hbil_probes_args args = probes_args(plan, frame);
@@ -91,8 +117,8 @@ hbil_status enqueue_probes(hbil_plan *plan, commands *chain,
   if (status == HBIL_SUCCESS && plan->layout.glossy)
     status = fill_probes(plan, chain, frame->cache, &args, &glossy,
                          BUFFER_GLOSSY_PROBES);
-  return status == HBIL_SUCCESS
-             ? LAUNCH(chain, KERNEL_FILTER_PROBES, filter,
-                      (size_t)args.grid.columns, (size_t)args.grid.rows, 1)
-             : status;
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH(chain, KERNEL_FILTER_PROBES, filter,
+                    (size_t)args.grid.columns, (size_t)args.grid.rows, 1);
+  return status == HBIL_SUCCESS ? follow_probes(plan, chain, frame) : status;
 }

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "regular_file.h"
+#include "shared_programs.h"
 
 /* --- the text of a file --- */
 
@@ -79,7 +80,7 @@ static const char *source_text(hbil_context *context, const char *name,
 /* --- expanding #include lines --- */
 
 /* A program's text so far, and the files that are in it. */
-enum { MOST_FILES = 40, MOST_NAME = 64 };
+enum { MOST_FILES = 48, MOST_NAME = 64 };
 typedef struct source {
   char *text;
   size_t length, room;
@@ -293,7 +294,9 @@ static hbil_status build_text(hbil_context *context, const program_kind *kind,
   if (status != HBIL_SUCCESS)
     return status;
   binary_identify(context, kind->name, text, options, identity);
-  *out = binary_load(context, options, identity);
+  *out = shared_program(context, identity);
+  if (!*out)
+    *out = binary_load(context, options, identity);
   identity->is_new = !*out;
   if (*out)
     return HBIL_SUCCESS;

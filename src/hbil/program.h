@@ -25,8 +25,8 @@ enum { MOST_DEFINES = 4096 };
  * reads share it in the driver's cache.  #include "..." lines of the kernel
  * files are expanded here, each file once.  Therefore a file that is included
  * under a condition must not be the first to include another one.  If the
- * context has a store of programs, what that has is used; identity is for
- * binary_store(). */
+ * context shares this program or has it stored, that is used; identity is for
+ * kernels_share(). */
 hbil_status program_build(hbil_context *context, const program_kind *kind,
                           const char *defines, cl_program *out,
                           binary_identity *identity);

@@ -153,10 +153,8 @@ hbil_status hbil_plan_sanitized(hbil_plan *plan, cl_command_queue queue,
   for (int i = 0; i < HBIL_SURFACE_INPUTS; ++i)
     *surface[i] =
         words[HBIL_SANITIZED_SURFACE + i] + words[HBIL_SANITIZED_LATE + i];
-  /* A first frame and a static one read no motion.  Where no light is carried
-   * over, the temporal filter has read it. */
-  if (!plan->left_out[HBIL_PASS_REPROJECT] ||
-      (plan->config.history.max_frames && !plan->layout.history))
+  /* a first frame and a static one read no motion */
+  if (!plan->left_out[HBIL_PASS_REPROJECT])
     out->motion = words[HBIL_SANITIZED_MOTION];
   return HBIL_SUCCESS;
 }

@@ -13,18 +13,23 @@ hbil_status enqueue_reproject(hbil_plan *plan, commands *chain,
   if (!plan->has_history || is_static(plan, frame))
     return leave_out(plan, HBIL_PASS_REPROJECT);
   const hbil_config *c = &plan->config;
+  const hbil_plan *last = plan->followed ? plan->followed : plan;
+  const hbil_config *past = &last->config;
   hbil_reproject_args args = {
       .view = camera_view(&frame->camera, c),
-      .before = camera_view(&plan->history_camera, c),
+      .before = camera_view(&plan->history_camera, past),
       .back = camera_between(&frame->camera, &plan->history_camera),
       .planes = plan->layout.planes,
+      .history = last->layout.planes,
+      .ratio = {(float)past->width / (float)c->width,
+                (float)past->height / (float)c->height},
       .motion_scale = {c->inputs.motion_scale[0], c->inputs.motion_scale[1]},
       .decode = depth_args(c, frame),
       .disocclusion_threshold = c->history.disocclusion_threshold};
   const cl_mem depth = bind_plane(plan, frame, PLANE_DEPTH, &args.depth);
   const cl_mem motion = bind_plane(plan, frame, PLANE_MOTION, &args.motion);
   const argument list[] = {ARG(args),
-                           BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
+                           BUFFER_ARG(last, BUFFER_HISTORY + last->history),
                            BUFFER_ARG(plan, BUFFER_CARRIED),
                            ARG(depth),
                            ARG(motion),

@@ -1,16 +1,16 @@
-/* recompose, temporal, composite: from layers to the caller's outputs. */
+/* recompose, composite: from layers to the caller's outputs. */
 #include "passes.h"
 
 #include "hbil/hbil_stages.h"
 
 #include "camera.h"
+#include "checks.h"
 #include "planes.h"
 
 hbil_status enqueue_recompose(hbil_plan *plan, commands *chain,
                               const hbil_frame *frame) {
   const layout *l = &plan->layout;
   const bool rest = may_rest(plan, frame);
-  plan->temporal_written = false; /* by a frame that was broken off */
   if (rest && !l->history)
     return leave_out(plan, HBIL_PASS_RECOMPOSE);
   plan->may_leave_out[HBIL_PASS_RECOMPOSE] = rest;
@@ -33,70 +33,33 @@ hbil_status enqueue_recompose(hbil_plan *plan, commands *chain,
                 (plan->config.height + rows - 1) / rows, 1);
 }
 
-/* Writes the new history to the other buffer.  composite makes it the plan's
- * history, so that a frame which fails leaves none. */
-hbil_status enqueue_temporal(hbil_plan *plan, commands *chain,
-                             const hbil_frame *frame) {
-  const hbil_config *c = &plan->config;
-  if (!c->history.max_frames)
-    return HBIL_SUCCESS;
-  const hbil_camera *last =
-      plan->has_temporal ? &plan->temporal_camera : &frame->camera;
-  hbil_temporal_args args = {
-      .view = camera_view(&frame->camera, c),
-      .before = camera_view(last, c),
-      .back = camera_between(&frame->camera, last),
-      .split = plan->layout.split,
-      .planes = plan->layout.planes,
-      .motion_scale = {c->inputs.motion_scale[0], c->inputs.motion_scale[1]},
-      .disocclusion_threshold = c->history.disocclusion_threshold,
-      .most_frames = (cl_float)c->history.max_frames,
-      /* a mean over one frame is that frame */
-      .has_before = plan->has_temporal && c->history.max_frames > 1};
-  const cl_mem motion = bind_plane(plan, frame, PLANE_MOTION, &args.motion);
-  const argument list[] = {ARG(args),
-                           BUFFER_ARG(plan, BUFFER_SPLIT),
-                           BUFFER_ARG(plan, BUFFER_RESOLVED),
-                           BUFFER_ARG(plan, BUFFER_TEMPORAL + plan->temporal),
-                           BUFFER_ARG(plan, BUFFER_TEMPORAL + !plan->temporal),
-                           ARG(motion),
-                           BUFFER_ARG(plan, BUFFER_SANITIZED)};
-  hbil_status status = plan->layout.counts_motion
-                           ? clear_counts(plan, chain, HBIL_SANITIZED_MOTION, 1)
-                           : HBIL_SUCCESS;
-  if (status == HBIL_SUCCESS)
-    status = LAUNCH(chain, KERNEL_TEMPORAL, list,
-                    (vectors_across(plan) + 3) / 4, c->height, 1);
-  plan->temporal_written = status == HBIL_SUCCESS;
-  return status;
-}
-
 hbil_status enqueue_composite(hbil_plan *plan, commands *chain,
                               const hbil_frame *frame) {
   const hbil_config *c = &plan->config;
   cl_mem plane[PLANE_COUNT];
   const hbil_composite_args args = composite_args(plan, frame, plane);
-  const argument list[] = {ARG(args),
-                           BUFFER_ARG(plan, BUFFER_RESOLVED),
-                           BUFFER_ARG(plan, BUFFER_AO_RESOLVED),
-                           BUFFER_ARG(plan, BUFFER_ESTIMATE),
-                           BUFFER_ARG(plan, next_history(plan)),
-                           ARG(plane[PLANE_DEPTH]),
-                           ARG(plane[PLANE_ALBEDO]),
-                           ARG(plane[PLANE_F0]),
-                           ARG(plane[PLANE_DIRECT]),
-                           ARG(plane[PLANE_EMISSION]),
-                           ARG(plane[PLANE_NEAR]),
-                           ARG(plane[PLANE_FAR]),
-                           ARG(plane[PLANE_AO]),
-                           ARG(plane[PLANE_BENT]),
-                           ARG(plane[PLANE_CONE]),
-                           ARG(plane[PLANE_INDIRECT]),
-                           ARG(plane[PLANE_BEAUTY]),
-                           ARG(plane[PLANE_ERROR]),
-                           ARG(plane[PLANE_UNKNOWN]),
-                           BUFFER_ARG(plan, BUFFER_FILTERED_PROBES),
-                           BUFFER_ARG(plan, BUFFER_SANITIZED)};
+  const argument list[] = {
+      ARG(args),
+      BUFFER_ARG(plan, BUFFER_RESOLVED),
+      BUFFER_ARG(plan, BUFFER_AO_RESOLVED),
+      BUFFER_ARG(plan, BUFFER_ESTIMATE),
+      BUFFER_ARG(plan, next_history(plan)),
+      ARG(plane[PLANE_DEPTH]),
+      ARG(plane[PLANE_ALBEDO]),
+      ARG(plane[PLANE_F0]),
+      ARG(plane[PLANE_DIRECT]),
+      ARG(plane[PLANE_EMISSION]),
+      ARG(plane[PLANE_NEAR]),
+      ARG(plane[PLANE_FAR]),
+      ARG(plane[PLANE_AO]),
+      ARG(plane[PLANE_BENT]),
+      ARG(plane[PLANE_CONE]),
+      ARG(plane[PLANE_INDIRECT]),
+      ARG(plane[PLANE_BEAUTY]),
+      ARG(plane[PLANE_ERROR]),
+      ARG(plane[PLANE_UNKNOWN]),
+      BUFFER_ARG(plan, BUFFER_PROBE_HISTORY + !plan->probes.last),
+      BUFFER_ARG(plan, BUFFER_SANITIZED)};
   const cl_uint line = plan->layout.line;
   hbil_status status = enqueue_probes(plan, chain, frame);
   if (status == HBIL_SUCCESS)

@@ -2,6 +2,7 @@
 #include "passes.h"
 
 #include "camera.h"
+#include "checks.h"
 #include "planes.h"
 
 /* In kernels of single pixels a group is 4 pixels, so a cell of 64 x 64 pixels
@@ -93,6 +94,7 @@ static hbil_split_args split_args(const hbil_plan *plan,
       .planes = plan->layout.planes,
       .groups = plan->layout.bounds.group,
       .decode = depth_args(&plan->config, frame),
+      .exposure = light_exposure(frame->exposure),
       .has_history = plan->has_history};
   return args;
 }

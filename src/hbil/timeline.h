@@ -14,9 +14,9 @@ typedef struct timeline {
   cl_event tail;
 } timeline;
 
-/* The objects whose order a chain follows: a plan, and the cache that its frame
- * uses; or a cache alone. */
-enum { LINES = 2 };
+/* The objects whose order a chain follows: a plan, the cache that its frame
+ * uses, and the plan that it follows; or a cache alone. */
+enum { LINES = 3 };
 
 /* The events of commands whose times somebody asks for. */
 enum { MOST_TIMED = 80 };

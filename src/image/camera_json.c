@@ -131,6 +131,16 @@ static int read_clipping(const parser *p, camera_file *out) {
   return 0;
 }
 
+/* This field is optional. */
+static int read_exposure(const parser *p, camera_file *out) {
+  const json_t *field = json_object_get(p->root, "exposure");
+  return !field || (finite_number(field, &out->exposure) &&
+                    out->exposure >= CAMERA_LEAST_EXPOSURE &&
+                    out->exposure <= CAMERA_MOST_EXPOSURE)
+             ? 0
+             : fail_field(p, "exposure", "a factor of 1e-12 to 1e12");
+}
+
 /* This field is optional; the default is perspective. */
 static int read_projection(const parser *p, camera_file *out) {
   const json_t *field = json_object_get(p->root, "projection");
@@ -180,7 +190,7 @@ static int parse(const parser *p, camera_file *out) {
                  read_lens(p, out) != 0 ||
                  read_centre(p, "cx", &out->cx) != 0 ||
                  read_centre(p, "cy", &out->cy) != 0 ||
-                 read_clipping(p, out) != 0
+                 read_clipping(p, out) != 0 || read_exposure(p, out) != 0
              ? -1
              : 0;
 }
@@ -274,12 +284,16 @@ static json_t *camera_object(const camera_file *camera) {
   json_t *matrix = json_pack("[[f,f,f,f],[f,f,f,f],[f,f,f,f],[f,f,f,f]]", m[0],
                              m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8],
                              m[9], m[10], m[11], m[12], m[13], m[14], m[15]);
-  /* s* leaves out a NULL string, o fails for a NULL object. */
-  return json_pack("{s:[i,i], s:o, s:f, s:f, s:f, s:f, s:s*}", "resolution",
-                   (int)camera->width, (int)camera->height, "camera_to_world",
-                   matrix, "fx", camera->fx, "fy", camera->fy, "cx", camera->cx,
-                   "cy", camera->cy, "projection",
-                   camera->orthographic ? "orthographic" : NULL);
+  const int clips = camera->far > 0.0;
+  /* s* and o* leave out what is NULL, o fails for a NULL object. */
+  return json_pack("{s:[i,i], s:o, s:f, s:f, s:f, s:f, s:s*, s:o*, s:o*, s:o*}",
+                   "resolution", (int)camera->width, (int)camera->height,
+                   "camera_to_world", matrix, "fx", camera->fx, "fy",
+                   camera->fy, "cx", camera->cx, "cy", camera->cy, "projection",
+                   camera->orthographic ? "orthographic" : NULL, "near",
+                   clips ? json_real(camera->near) : NULL, "far",
+                   clips ? json_real(camera->far) : NULL, "exposure",
+                   camera->exposure > 0.0 ? json_real(camera->exposure) : NULL);
 }
 
 static void write_json(const void *root, FILE *out) {

@@ -1,7 +1,9 @@
 #include "image/exr_attributes.h"
 #include "image/exr_key.h"
 
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 void exr_attributes_windows(const exr_file *f, image *out) {
@@ -95,6 +97,48 @@ static void read_views(const exr_file *f, image *out) {
              (int)names->strings[i].length, names->strings[i].str);
 }
 
+/* A number, or a text that is one; NaN: neither. */
+static double number_of(const exr_attribute_t *attribute) {
+  char text[32], *end;
+  if (attribute->type == EXR_ATTR_FLOAT)
+    return (double)attribute->f;
+  if (attribute->type == EXR_ATTR_DOUBLE)
+    return attribute->d;
+  if (attribute->type == EXR_ATTR_INT)
+    return attribute->i;
+  if (attribute->type != EXR_ATTR_STRING || attribute->string->length <= 0 ||
+      attribute->string->length >= (int32_t)sizeof text)
+    return (double)NAN;
+  snprintf(text, sizeof text, "%.*s", (int)attribute->string->length,
+           attribute->string->str);
+  const double value = strtod(text, &end);
+  return *end ? (double)NAN : value;
+}
+
+static void read_numbers(const exr_file *f, image *out) {
+  int32_t count = 0;
+  exr_get_attribute_count(f->context, 0, &count);
+  out->numbers = count > 0 ? calloc(IMAGE_NUMBERS, sizeof *out->numbers) : NULL;
+  for (int32_t i = 0;
+       out->numbers && i < count && out->number_count < IMAGE_NUMBERS; i++) {
+    const exr_attribute_t *attribute = NULL;
+    if (exr_get_attribute_by_index(f->context, 0, EXR_ATTR_LIST_FILE_ORDER, i,
+                                   &attribute) != EXR_ERR_SUCCESS)
+      return;
+    const double value = number_of(attribute);
+    image_number *number = &out->numbers[out->number_count];
+    /* every file has the two, and hbil's own aren't for others */
+    if (!isfinite(value) || strlen(attribute->name) >= sizeof number->name ||
+        strncmp(attribute->name, "hbil", 4) == 0 ||
+        strcmp(attribute->name, "pixelAspectRatio") == 0 ||
+        strcmp(attribute->name, "screenWindowWidth") == 0)
+      continue;
+    strcpy(number->name, attribute->name);
+    number->value = value;
+    out->number_count++;
+  }
+}
+
 void exr_attributes_describe(exr_file *f, image *out) {
   image_matrices *m = &out->matrices;
   int length = 0;
@@ -107,6 +151,7 @@ void exr_attributes_describe(exr_file *f, image *out) {
   m->has_ndc = read_matrix(f, "worldToNDC", m->world_to_ndc);
   read_origin(f, out);
   read_views(f, out);
+  read_numbers(f, out);
   /* The library has reported each attribute that is missing, which is no
    * mistake of the file. */
   f->stream.message[0] = '\0';

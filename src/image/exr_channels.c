@@ -15,6 +15,12 @@ static void qualified_name(const exr_file *f, int part, const char *channel,
   snprintf(name, NAME_SIZE, "%s.%s", part_name, channel);
 }
 
+static image_type type_of(const exr_attr_chlist_entry_t *entry) {
+  return entry->pixel_type == EXR_PIXEL_UINT   ? IMAGE_UINT
+         : entry->pixel_type == EXR_PIXEL_HALF ? IMAGE_HALF
+                                               : IMAGE_FLOAT;
+}
+
 static int list_part(const exr_file *f, int part, image *out) {
   const exr_attr_chlist_t *channels = exr_file_channels(f, part);
   for (int i = 0; channels && i < channels->num_channels; i++) {
@@ -23,8 +29,12 @@ static int list_part(const exr_file *f, int part, image *out) {
     snprintf(name, sizeof name, "%s", plain);
     if (image_find(out, name) || (part > 0 && !strchr(plain, '.')))
       qualified_name(f, part, plain, name);
-    if (!image_find(out, name) && !image_declare(out, name))
+    if (image_find(out, name))
+      continue;
+    image_plane *plane = image_declare(out, name);
+    if (!plane)
       return image_no_memory(f->error, f->stream.path);
+    plane->type = type_of(&channels->entries[i]);
   }
   return 0;
 }
@@ -34,12 +44,6 @@ int exr_channels_list(const exr_file *f, image *out) {
   for (int part = 0; part < f->parts && !failed; part++)
     failed = list_part(f, part, out);
   return failed;
-}
-
-static image_type type_of(const exr_attr_chlist_entry_t *entry) {
-  return entry->pixel_type == EXR_PIXEL_UINT   ? IMAGE_UINT
-         : entry->pixel_type == EXR_PIXEL_HALF ? IMAGE_HALF
-                                               : IMAGE_FLOAT;
 }
 
 /* Returns the index of the channel in the part's list, or -1. */

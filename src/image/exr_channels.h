@@ -22,7 +22,7 @@ typedef struct exr_source {
   image_type type;
 } exr_source;
 
-/* Declares a plane without pixels for every channel. */
+/* Declares a plane without pixels, of the channel's type, for every channel. */
 int exr_channels_list(const exr_file *f, image *out);
 
 /* Finds a channel by its own name or by PART.NAME.  Reports an error if there

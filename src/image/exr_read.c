@@ -44,7 +44,7 @@ static int read_planes(exr_file *f, const char *const *names, size_t count,
       continue;
     if (exr_channels_find(f, names[i], &sources[out->count]) != 0)
       return -1;
-    image_plane *plane = image_add(out, names[i]);
+    image_plane *plane = image_add_unset(out, names[i]);
     if (!plane)
       return image_no_memory(f->error, f->stream.path);
     plane->type = as_is ? sources[out->count - 1].type : IMAGE_FLOAT;

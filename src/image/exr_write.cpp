@@ -50,7 +50,9 @@ void write_pixels(const image &img, Imf::OutputFile &file) {
     const Imf::PixelType type = header.channels()[img.planes[i].name].type;
     const size_t size = type == Imf::HALF ? sizeof(half) : sizeof(float);
     const void *from = img.planes[i].pixels;
-    if (type == Imf::HALF) {
+    if (img.planes[i].halves)
+      from = img.planes[i].halves;
+    else if (type == Imf::HALF) {
       halves.push_back(to_half(img.planes[i].pixels, pixels));
       from = halves.back().data();
     }

@@ -1,4 +1,5 @@
 #include "image/image.h"
+#include "image/image_memory.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,8 +9,12 @@ void image_free(image *img) {
   if (!img)
     return;
   for (size_t i = 0; i < img->count; i++)
-    free(img->planes[i].pixels);
+    if (!img->planes[i].is_lent) {
+      free(img->planes[i].pixels);
+      free(img->planes[i].halves);
+    }
   free(img->planes);
+  free(img->numbers);
   memset(img, 0, sizeof *img);
 }
 
@@ -32,15 +37,42 @@ image_plane *image_declare(image *img, const char *name) {
   return plane;
 }
 
+/* Adds a plane with memory that is lent, or else malloc'd. */
+static image_plane *add(image *img, const char *name, size_t element,
+                        void **memory) {
+  const size_t bytes = (size_t)img->width * img->height * element;
+  void *lent = image_memory_take(bytes);
+  *memory = lent ? lent : malloc(bytes + 1);
+  image_plane *plane = *memory ? image_declare(img, name) : NULL;
+  if (!plane && !lent)
+    free(*memory);
+  if (plane)
+    plane->is_lent = lent != NULL;
+  return plane;
+}
+
+image_plane *image_add_unset(image *img, const char *name) {
+  void *memory;
+  image_plane *plane = add(img, name, sizeof *plane->pixels, &memory);
+  if (plane)
+    plane->pixels = memory;
+  return plane;
+}
+
 image_plane *image_add(image *img, const char *name) {
-  const size_t pixels = (size_t)img->width * img->height;
-  float *zeros = calloc(pixels ? pixels : 1, sizeof *zeros);
-  image_plane *plane = zeros ? image_declare(img, name) : NULL;
-  if (!plane) {
-    free(zeros);
-    return NULL;
+  image_plane *plane = image_add_unset(img, name);
+  if (plane)
+    memset(plane->pixels, 0, sizeof *plane->pixels * img->width * img->height);
+  return plane;
+}
+
+image_plane *image_add_halves(image *img, const char *name) {
+  void *memory;
+  image_plane *plane = add(img, name, sizeof *plane->halves, &memory);
+  if (plane) {
+    plane->halves = memory;
+    plane->type = IMAGE_HALF;
   }
-  plane->pixels = zeros;
   return plane;
 }
 

@@ -8,6 +8,7 @@
 size_t scene_component_size(hbil_component component) {
   switch (component) {
   case HBIL_UNORM8:
+  case HBIL_SRGB8:
   case HBIL_SNORM8:
     return 1;
   case HBIL_FLOAT16:
@@ -33,6 +34,11 @@ static uint32_t unorm(double v, double largest) {
 
 static uint32_t snorm(double v, double largest) {
   return (uint32_t)lrint(fmin(fmax(v, -1.0), 1.0) * largest);
+}
+
+/* The curve of sRGB (IEC 61966-2-1). */
+static double srgb_curve(double v) {
+  return v > 0.0031308 ? 1.055 * pow(v, 1.0 / 2.4) - 0.055 : 12.92 * v;
 }
 
 /* A float without sign: 5 bits of exponent, so many of mantissa. */
@@ -84,6 +90,8 @@ static uint32_t component_code(hbil_component component, double v) {
     return half_float(v);
   case HBIL_UNORM8:
     return unorm(v, 255.0);
+  case HBIL_SRGB8:
+    return unorm(srgb_curve(v), 255.0);
   case HBIL_UNORM16:
     return unorm(v, 65535.0);
   case HBIL_UNORM24:

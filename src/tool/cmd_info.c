@@ -89,8 +89,11 @@ static const char *cost(role r) {
       [ROLE_BACKGROUND] = "nothing is lost if emission contains the sky",
       [ROLE_MOTION] = "--reprojection camera is possible, motion is not",
       [ROLE_POSITION] = "only the normals check depth and camera",
-      [ROLE_INDIRECT] = "only --view-light radiance needs it",
-      [ROLE_COVERAGE] = "edges may be a mixture"};
+      [ROLE_INDIRECT] = "only --view-light radiance and --beauty replace need "
+                        "it",
+      [ROLE_COVERAGE] = "edges may be a mixture",
+      [ROLE_PICTURE] = "beauty is diffuse light and emission alone",
+      [ROLE_ALPHA] = "beauty has no alpha"};
   return costs[r];
 }
 
@@ -119,9 +122,7 @@ static void print_role(const channel_map *map, const gbuffer *g, role r) {
       fputs(" in ", stdout);
       report_text(map->files[r], stdout);
     }
-    puts(map->gamma[r] && r >= ROLE_ALBEDO && r <= ROLE_BACKGROUND
-             ? ", sRGB, made linear"
-             : "");
+    puts(map->gamma[r] && role_is_colour(r) ? ", sRGB, made linear" : "");
   }
 }
 
@@ -182,6 +183,9 @@ static void print_camera(const frame_camera *seen, const channel_map *map) {
          camera->world_from_view[3], camera->world_from_view[7],
          camera->world_from_view[11],
          seen->mirrored ? ", its world mirrored" : "");
+  if (map->exposure > 0.0)
+    printf("  exposure   %g; results have it, too (--exposure)\n",
+           map->exposure);
 }
 
 static void print_check(const gbuffer *g, const frame_check *k) {
@@ -257,12 +261,14 @@ static int print_light(const char *path, const channel_map *map,
                        image_error *error) {
   hbil_config config;
   hbil_frame frame;
-  hbil_sources found;
+  hbil_sources found = {.sky = HBIL_SOURCE_NOT_SEEN};
+  char text[LIGHT_TEXT_SIZE];
   hbil_config_init(&config);
   if (light_choice_make(path, map, &config, &frame, &found, error) != 0)
     return -1;
   const char *emission = light_choice_emission_text(&found);
-  printf("  far light  %s (--environment)\n", light_choice_far_text(&found));
+  light_choice_far_text(&found, frame.sky_share, text);
+  printf("  far light  %s (--environment)\n", text);
   if (emission)
     printf("  emission   %s (--gather-emission)\n", emission);
   return 0;
@@ -284,6 +290,17 @@ static int check_frame(const char *path, const channel_map *map,
   return print_light(path, map, error);
 }
 
+/* Those that a renderer has written of its own accord; see --exposure. */
+static void print_numbers(const image *header) {
+  for (size_t i = 0; i < header->number_count; i++) {
+    fputs(i ? ", " : "  numbers    ", stdout);
+    report_text(header->numbers[i].name, stdout);
+    printf(" %g", header->numbers[i].value);
+  }
+  if (header->number_count)
+    puts(" in the header");
+}
+
 static int print_understood(const char *path, const image *header,
                             const info_options *o, channel_map *map,
                             image_error *error) {
@@ -291,6 +308,7 @@ static int print_understood(const char *path, const image *header,
   camera_file camera;
   findings guessed;
   print_window(map);
+  print_numbers(header);
   if (print_roles(path, map, error) != 0 ||
       channel_map_check(map, path, error) != 0 ||
       frame_camera_read(path, header, map, o->camera, &o->source, &seen, NULL,

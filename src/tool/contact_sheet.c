@@ -68,8 +68,9 @@ int cache_picture(const exact_saved_cache *cache, const job_frame *f,
 /* Pixels. */
 enum { LEAST_TILE = 160, MOST_TILE = 320, GAP = 8, LINE = 22, TEXT = 15 };
 
-/* Longer sequences are shown by equally spaced frames. */
-enum { MOST_ROWS = 8 };
+/* Longer sequences are shown by equally spaced frames.  More tiles than columns
+ * go on below: four of the widest fill a screen of 1280 pixels. */
+enum { MOST_ROWS = 8, MOST_COLUMNS = 4 };
 
 static size_t rows_of(size_t frames) {
   return frames < MOST_ROWS ? frames : MOST_ROWS;
@@ -81,13 +82,31 @@ static size_t frame_of(const contact_sheet *s, size_t row) {
   return rows < 2 ? 0 : row * (s->frames - 1) / (rows - 1);
 }
 
-static uint32_t column_x(const contact_sheet *s, uint32_t column) {
-  return GAP + column * (s->tile_width + GAP);
+/* Tiles of a frame: its layers in their order, then the cache's. */
+static uint32_t tiles_of(const contact_sheet *s) {
+  uint32_t tiles = s->cache ? 1 : 0;
+  for (int l = 0; l < LAYER_COUNT; l++)
+    tiles += s->layers >> l & 1;
+  return tiles;
 }
 
-/* The top of a row's label; its tiles lie below that. */
-static uint32_t row_y(const contact_sheet *s, size_t row) {
-  return LINE + (uint32_t)row * (LINE + s->tile_height + GAP);
+/* Every tile has a line of text above it. */
+static uint32_t line_height(const contact_sheet *s) {
+  return LINE + s->tile_height + GAP;
+}
+
+/* A row has a line with the frame's name, then its tiles. */
+static uint32_t row_height(const contact_sheet *s) {
+  const uint32_t lines = (tiles_of(s) + MOST_COLUMNS - 1) / MOST_COLUMNS;
+  return LINE + lines * line_height(s);
+}
+
+static picture_window tile_place(const contact_sheet *s, size_t row,
+                                 uint32_t tile) {
+  return (picture_window){GAP + tile % MOST_COLUMNS * (s->tile_width + GAP),
+                          (uint32_t)row * row_height(s) + 2 * LINE +
+                              tile / MOST_COLUMNS * line_height(s),
+                          s->tile_width, s->tile_height};
 }
 
 static void write_text(contact_sheet *s, uint32_t x, uint32_t y,
@@ -99,7 +118,6 @@ static void write_text(contact_sheet *s, uint32_t x, uint32_t y,
 
 int contact_sheet_open(contact_sheet *s, unsigned layers, int cache,
                        size_t frames, uint32_t width, uint32_t height) {
-  uint32_t columns = 0;
   *s = (contact_sheet){.layers = layers, .cache = cache, .frames = frames};
   s->tile_width = width < LEAST_TILE  ? LEAST_TILE
                   : width > MOST_TILE ? MOST_TILE
@@ -108,18 +126,10 @@ int contact_sheet_open(contact_sheet *s, unsigned layers, int cache,
       (uint32_t)(((uint64_t)height * s->tile_width + width / 2) / width);
   if (s->tile_height < 1)
     s->tile_height = 1;
-  for (int l = 0; l < LAYER_COUNT; l++)
-    columns += layers >> l & 1;
-  if (picture_new(column_x(s, columns + (cache ? 1 : 0)),
-                  row_y(s, rows_of(frames)), &s->picture) != 0)
-    return -1;
-  columns = 0;
-  for (int l = 0; l < LAYER_COUNT; l++)
-    if (layers >> l & 1)
-      write_text(s, column_x(s, columns++), 2, layer_table[l].name);
-  if (cache)
-    write_text(s, column_x(s, columns), 2, "radiance cache");
-  return 0;
+  const uint32_t tiles = tiles_of(s);
+  const uint32_t columns = tiles < MOST_COLUMNS ? tiles : MOST_COLUMNS;
+  return picture_new(GAP + columns * (s->tile_width + GAP),
+                     (uint32_t)rows_of(frames) * row_height(s), &s->picture);
 }
 
 void contact_sheet_close(contact_sheet *s) {
@@ -131,20 +141,26 @@ int contact_sheet_shows(const contact_sheet *s, size_t frame) {
          frame_of(s, s->row) == frame;
 }
 
+/* Writes a tile and its name above it. */
+static int add_tile(contact_sheet *s, size_t row, uint32_t number,
+                    const char *name, const picture *tile) {
+  const picture_window place = tile_place(s, row, number);
+  write_text(s, place.x, place.y - LINE, name);
+  return picture_tile(&s->picture, &place, tile);
+}
+
 int contact_sheet_add(contact_sheet *s, const char *name, const image *result,
                       float exposure) {
-  const uint32_t y = row_y(s, s->row++);
-  uint32_t column = 0;
+  const size_t row = s->row++;
+  uint32_t tiles = 0;
   int failed = 0;
-  write_text(s, GAP, y, name);
+  write_text(s, GAP, (uint32_t)row * row_height(s), name);
   for (int l = 0; l < LAYER_COUNT && !failed; l++) {
     picture tile = {0};
     if (!(s->layers >> l & 1))
       continue;
-    const picture_window place = {column_x(s, column++), y + LINE,
-                                  s->tile_width, s->tile_height};
     failed = preview_picture(result, (layer)l, exposure, &tile) != 0 ||
-             picture_tile(&s->picture, &place, &tile) != 0;
+             add_tile(s, row, tiles++, layer_table[l].name, &tile) != 0;
     picture_free(&tile);
   }
   return failed ? -1 : 0;
@@ -159,8 +175,5 @@ size_t contact_sheet_frame(const contact_sheet *s, size_t row) {
 }
 
 int contact_sheet_add_cache(contact_sheet *s, size_t row, const picture *tile) {
-  const picture_window place = {s->picture.width - GAP - s->tile_width,
-                                row_y(s, row) + LINE, s->tile_width,
-                                s->tile_height};
-  return picture_tile(&s->picture, &place, tile);
+  return add_tile(s, row, tiles_of(s) - 1, "radiance cache", tile);
 }

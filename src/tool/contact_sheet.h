@@ -31,7 +31,7 @@ int cache_picture(const exact_saved_cache *cache, const job_frame *f,
 
 typedef struct contact_sheet {
   unsigned layers; /* a set (layers.h) */
-  int cache;       /* 1: the last column shows the radiance cache */
+  int cache;       /* 1: the last tile shows the radiance cache */
   size_t frames;   /* of the whole sequence */
   size_t row;      /* that comes next */
   uint32_t tile_width, tile_height;

@@ -235,6 +235,7 @@ static int open_queue(const device_entry *entry, int profiling, device *out,
   cl_int status;
   out->id = entry->id;
   device_text(entry->id, CL_DEVICE_NAME, out->name, sizeof out->name);
+  out->uses_host_memory = (device_type(entry->id) & CL_DEVICE_TYPE_CPU) != 0;
   device_text(entry->id, CL_DRIVER_VERSION, out->driver, sizeof out->driver);
   out->context =
       clCreateContext(properties, 1, &entry->id, NULL, NULL, &status);

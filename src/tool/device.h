@@ -9,6 +9,8 @@ typedef struct device {
   cl_device_id id;
   cl_context context;
   cl_command_queue queue; /* in order */
+  int uses_host_memory;   /* 1: kernels work in the host's memory, as those of
+                             CPUs do */
   char name[256], driver[256];
   char *note; /* on its driver's folder for compiled kernels, or NULL; owned */
 } device;

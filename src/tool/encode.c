@@ -46,7 +46,7 @@ static int read_result(const job *j, const char *path, image *out,
                        image_error *error) {
   const char *names[LAYER_COUNT * 3];
   image layers;
-  if (layers_image(j->layers, 0, 0, &layers) != 0)
+  if (layers_image(j->layers, 0, 0, 0, &layers) != 0)
     return image_no_memory(error, path);
   for (size_t i = 0; i < layers.count; i++)
     names[i] = layers.planes[i].name;
@@ -71,7 +71,8 @@ static int show_frame(encoder *e, size_t item, const char *path,
                       const image *result, image_error *error) {
   const job_frame *f = &e->job->frames[item];
   image existing = {0};
-  if (!contact_sheet_shows(&e->sheet, item - e->job->settings->pre_roll))
+  if (!contact_sheet_shows(&e->sheet,
+                           (size_t)e->job->before + item - e->whole->pre_roll))
     return 0;
   if (resume_is_needed(e->resume, item))
     return add_row(e, f, result, error);
@@ -86,7 +87,8 @@ static int show_frame(encoder *e, size_t item, const char *path,
 
 /* Prints "[3/8] DIR/frame.exr", or shows a bar on a terminal. */
 static void print_line(encoder *e, size_t item, const char *path) {
-  const int pre_roll = (int)e->job->settings->pre_roll;
+  const int pre_roll = (int)e->whole->pre_roll;
+  const int number = e->job->before + (int)item + 1;
   if (e->job->settings->quiet)
     return;
   if (e->progress.terminal && !e->lines) {
@@ -94,13 +96,12 @@ static void print_line(encoder *e, size_t item, const char *path) {
     return;
   }
   progress_line_begin();
-  if ((int)item < pre_roll) {
-    fprintf(stderr, "[pre-roll %d/%d] ", (int)item + 1, pre_roll);
+  if (number <= pre_roll) {
+    fprintf(stderr, "[pre-roll %d/%d] ", number, pre_roll);
     report_text(e->job->frames[item].path, stderr);
     fputc('\n', stderr);
   } else {
-    fprintf(stderr, "[%d/%d] ", (int)item + 1 - pre_roll,
-            e->job->count - pre_roll);
+    fprintf(stderr, "[%d/%d] ", number - pre_roll, e->whole->count - pre_roll);
     report_text(path, stderr);
     fputs(e->resume->finished[item] ? " is there already\n" : "\n", stderr);
   }
@@ -139,7 +140,7 @@ static int write_planes(const encoder *e, size_t item, const char *path,
   result->ao_radius =
       model->mode == HBIL_MODE_HBAO ? model->radius : model->ao_radius;
   for (size_t i = 0; i < layers; i++)
-    result->planes[i].type = e->job->settings->half ? IMAGE_HALF : IMAGE_FLOAT;
+    result->planes[i].type = e->job->half ? IMAGE_HALF : IMAGE_FLOAT;
   const int failed = add_copied(result, copied) != 0
                          ? image_no_memory(error, f->path)
                          : exr_write_as(path, result, NULL, &style, error);
@@ -178,7 +179,7 @@ int encode_frame(encoder *e, size_t item, image *result, image *copied,
   }
   if (resume_is_needed(e->resume, item)) {
     e->done++;
-    if (item == e->job->settings->pre_roll && preview)
+    if (item == e->job->pre_roll && preview)
       e->resume->exposure = preview_exposure(result);
   }
   return write_result(e, item, result, copied, error);
@@ -187,18 +188,22 @@ int encode_frame(encoder *e, size_t item, image *result, image *copied,
 /* ------------------------------------------------------------------------ */
 /* All frames                                                                */
 
-int encoder_open(encoder *e, image_error *error) {
-  const job *j = e->job;
+int encoder_begin(encoder *e, const job *j, resume *r, image_error *error) {
+  const char *sheet = j->settings->contact_sheet;
+  const int is_first = !e->job;
+  e->job = j;
+  e->resume = r;
   for (int i = 0; i < j->count; i++)
-    e->needed += resume_is_needed(e->resume, (size_t)i) ? 1u : 0u;
-  progress_start(&e->progress, "frames", 0.0, j->settings->quiet);
-  if (!j->settings->contact_sheet)
+    e->needed += resume_is_needed(r, (size_t)i) ? 1u : 0u;
+  if (!is_first)
     return 0;
-  return contact_sheet_open(&e->sheet, j->layers, j->has_cache,
-                            (size_t)j->count - j->settings->pre_roll,
-                            j->shown.width, j->shown.height) == 0
+  progress_start(&e->progress, "frames", 0.0, j->settings->quiet);
+  return !sheet || contact_sheet_open(&e->sheet, j->layers, j->has_cache,
+                                      (size_t)e->whole->count -
+                                          e->whole->pre_roll,
+                                      j->shown.width, j->shown.height) == 0
              ? 0
-             : image_no_memory(error, j->settings->contact_sheet);
+             : image_no_memory(error, sheet);
 }
 
 int encoder_shows_cache(const encoder *e) {
@@ -212,8 +217,12 @@ int encoder_show_cache(encoder *e, const void *bytes, size_t size,
   exact_saved_cache cache;
   int failed = exact_saved_open(bytes, size, &cache) != EXACT_SUCCESS;
   for (size_t row = 0; row < contact_sheet_rows(sheet) && !failed; row++) {
-    const job_frame *f = &j->frames[contact_sheet_frame(sheet, row)];
+    const long at = (long)contact_sheet_frame(sheet, row) +
+                    (long)e->whole->pre_roll - j->before;
+    const job_frame *f = &j->frames[at];
     picture tile = {0};
+    if (at < 0 || at >= j->count) /* of another place */
+      continue;
     failed =
         cache_picture(&cache, f, &j->shown, sheet->tile_width,
                       sheet->tile_height, e->resume->exposure, &tile) != 0 ||
@@ -229,8 +238,8 @@ int encoder_finish(encoder *e, image_error *error) {
     return 0;
   if (e->sheet.unlabelled)
     heatmap_warn_without_font();
-  return png_write(e->job->settings->contact_sheet, sheet->rgb, sheet->width,
-                   sheet->height, job_existing(e->job), error);
+  return png_write(e->whole->settings->contact_sheet, sheet->rgb, sheet->width,
+                   sheet->height, job_existing(e->whole), error);
 }
 
 void encoder_close(encoder *e) {

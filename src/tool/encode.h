@@ -10,16 +10,17 @@
 #include "image/image.h"
 
 typedef struct encoder {
-  const job *job;
-  resume *resume; /* its exposure is set here */
+  const job *whole; /* of all places; set before encoder_begin() */
+  const job *job;   /* of the place whose frames come; NULL: none yet */
+  resume *resume;   /* its exposure is set here */
   contact_sheet sheet;
   progress progress;
   int lines;           /* 1: a line for each frame, even on a terminal */
   size_t needed, done; /* frames that are computed */
 } encoder;
 
-/* Before the first frame.  0, or -1 with `error` filled. */
-int encoder_open(encoder *e, image_error *error);
+/* Before the first frame of a place.  0, or -1 with `error` filled. */
+int encoder_begin(encoder *e, const job *j, resume *r, image_error *error);
 
 /*
  * Writes the files of a frame, unless they exist, and prints its line.  result:
@@ -30,9 +31,9 @@ int encoder_open(encoder *e, image_error *error);
 int encode_frame(encoder *e, size_t item, image *result, image *copied,
                  image_error *error);
 
-/* Whether the contact sheet has tiles of the radiance cache.  Fills them, after
- * the last frame: bytes are what hbil_cache_save() gives.  0, or -1 with
- * `error` filled. */
+/* Whether the contact sheet has tiles of the radiance cache.  Fills those of a
+ * place, after its last frame: bytes are what hbil_cache_save() gives.  0, or
+ * -1 with `error` filled. */
 int encoder_shows_cache(const encoder *e);
 int encoder_show_cache(encoder *e, const void *bytes, size_t size,
                        image_error *error);

@@ -90,7 +90,7 @@ int exact_sequence_open(const hbil_config *config, const channel_map *map,
     exact_sequence_close(e);
     return fail(status, error);
   }
-  formats_choose(&e->config, map, layers);
+  formats_choose(&e->config, map, layers, 0);
   for (int i = 0; i < INPUTS; i++)
     e->channels[i] = formats_channels(&e->config, map, i);
   *out = e;

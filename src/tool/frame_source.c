@@ -6,6 +6,7 @@
 #include "dump/surface_points.h"
 #include "image/clock.h"
 #include "image/exr_read.h"
+#include "tool/job_camera.h"
 #include "tool/report.h"
 
 #include <stdlib.h>
@@ -20,7 +21,10 @@ static unsigned frame_roles(const job *j) {
                           1u << ROLE_ALBEDO | 1u << ROLE_DIRECT |
                           1u << ROLE_EMISSION | 1u << ROLE_BACKGROUND;
   const int moved = j->config.history.reprojection == HBIL_REPROJECTION_MOTION;
-  return always | (moved ? 1u << ROLE_MOTION : 0u);
+  const unsigned picture =
+      1u << ROLE_PICTURE | 1u << ROLE_ALPHA | 1u << ROLE_INDIRECT;
+  return always | (moved ? 1u << ROLE_MOTION : 0u) |
+         (j->replaces ? picture : 0u);
 }
 
 /* Takes the way to the file's planes, which nobody else reads from now on. */
@@ -117,6 +121,34 @@ static void warn(frame_source *s, const job_frame *f, const gbuffer *g,
   s->warned = found->count > 0;
 }
 
+static int is_zero(const gbuffer *g, role r) {
+  for (size_t c = 0; c < g->map.count[r]; c++)
+    for (size_t i = 0; i < gbuffer_pixels(g); i++)
+      if (gbuffer_plane(g, r, c)[i] != 0.0f)
+        return 0;
+  return 1;
+}
+
+/* Warns of a second frame without motion under a camera that has moved since
+ * the first one.  Blender writes that with motion blur. */
+static void check_motion(const frame_source *s, const gbuffer *g) {
+  const job *j = s->job;
+  const hbil_camera *two[] = {&j->frames[0].map.camera,
+                              &j->frames[1].map.camera};
+  const camera_path path = {two, 2, j->config.inputs.projection, j->width,
+                            j->height};
+  if (j->settings->quiet || !g->map.count[ROLE_MOTION] ||
+      !is_zero(g, ROLE_MOTION) ||
+      camera_motion_find(&path, job_camera_depths(g)).kind != CAMERA_MOVES)
+    return;
+  progress_line_begin();
+  report_note(j->frames[1].path, "warning: ",
+              "its motion vectors are all 0 though the camera moves, as with "
+              "motion blur in Blender: render without it, or take "
+              "--reprojection camera");
+  progress_line_end();
+}
+
 /* Takes what has been read already, or reads the frame. */
 static int take_or_read(frame_source *s, size_t item, gbuffer *out,
                         image_error *error) {
@@ -132,16 +164,41 @@ static int take_or_read(frame_source *s, size_t item, gbuffer *out,
       (!taken && gbuffer_read(f->path, &f->map, roles, out, error) != 0))
     return -1;
   warn(s, f, out, checked ? &check : NULL);
+  if (item == 1)
+    check_motion(s, out);
   return 0;
 }
 
-int frame_source_read(frame_source *s, size_t item, gbuffer *out,
-                      image_error *error) {
-  if (take_or_read(s, item, out, error) != 0)
-    return -1;
-  if (s->job->settings->exact) /* knows no depth buffers */
+/* Nobody else needs the positions of the first frame. */
+static void drop_positions(gbuffer *g) {
+  for (size_t c = 0; c < g->map.count[ROLE_POSITION]; c++) {
+    image_plane *plane = image_find(&g->planes, g->map.names[ROLE_POSITION][c]);
+    if (plane && !plane->is_lent) {
+      free(plane->pixels);
+      plane->pixels = NULL;
+    }
+  }
+  g->map.count[ROLE_POSITION] = 0;
+}
+
+size_t frame_source_bytes(const job *j, size_t item) {
+  return gbuffer_read_bytes(&j->frames[item].map, frame_roles(j));
+}
+
+int frame_source_read(frame_source *s, size_t item, image_memory *memory,
+                      gbuffer *out, image_error *error) {
+  image_memory_empty(memory, frame_source_bytes(s->job, item));
+  image_memory_select(memory);
+  const int failed = take_or_read(s, item, out, error);
+  if (!failed) {
+    drop_positions(out);
+    image_memory_move(&out->planes);
+    gbuffer_index(out);
+  }
+  image_memory_select(NULL);
+  if (!failed && s->job->settings->exact) /* knows no depth buffers */
     surface_depths_make_planar(out);
-  return 0;
+  return failed;
 }
 
 int frame_source_read_copied(const frame_source *s, size_t item, image *out,
@@ -152,7 +209,7 @@ int frame_source_read_copied(const frame_source *s, size_t item, image *out,
     return -1;
   const char **names = calloc(header.count + 1, sizeof *names);
   size_t count = 0;
-  int failed = !names || layers_image(s->job->layers, 0, 0, &layers) != 0
+  int failed = !names || layers_image(s->job->layers, 0, 0, 0, &layers) != 0
                    ? image_no_memory(error, path)
                    : 0;
   for (size_t i = 0; !failed && i < header.count; i++)

@@ -6,6 +6,7 @@
 #include "dump/gbuffer.h"
 #include "image/error.h"
 #include "image/image.h"
+#include "image/image_memory.h"
 #include "tool/job.h"
 
 #include <pthread.h>
@@ -46,11 +47,15 @@ typedef struct frame_source {
   int warned; /* 1: a frame's mistakes were told; other frames are alike */
 } frame_source;
 
+/* Bytes of memory that the planes of a frame take. */
+size_t frame_source_bytes(const job *j, size_t item);
+
 /* Reads the planes that the computation uses, and warns if they don't fit
- * together.  Frames are read one after the other.  Returns 0 and a G-buffer
- * that gbuffer_free() frees, or -1 with `error` filled. */
-int frame_source_read(frame_source *s, size_t item, gbuffer *out,
-                      image_error *error);
+ * together.  Frames are read one after the other.  memory: for the planes; it
+ * is emptied, and must stay until the G-buffer is freed.  Returns 0 and a
+ * G-buffer that gbuffer_free() frees, or -1 with `error` filled. */
+int frame_source_read(frame_source *s, size_t item, image_memory *memory,
+                      gbuffer *out, image_error *error);
 
 /* Reads the frame's channels that no layer of the result replaces, in their own
  * types.  Returns 0 and an image that image_free() frees, or -1. */

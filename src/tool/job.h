@@ -25,14 +25,25 @@ typedef struct job_frame {
   camera_file camera; /* fitted to the pixels that are computed */
 } job_frame;
 
+/* The frames from one cut to the next, which show one place. */
+typedef struct job_place {
+  int first, count;
+} job_place;
+
 typedef struct job {
   const process_settings *settings;
   hbil_config config; /* those of the settings, with all choices made */
   unsigned layers;    /* a set (layers.h) */
   unsigned hidden;    /* layers that are computed, but not written */
+  int half;           /* 1: layers are stored as half floats */
+  int replaces;       /* 1: beauty is the frame's picture (beauty.h) */
   far_light far;
   job_frame *frames;
   int count;
+  int before;        /* frames of earlier places */
+  unsigned pre_roll; /* of the frames, the first ones, which aren't written */
+  job_place *places; /* see job_cuts.h; owned by the whole job */
+  int place_count;
   held_planes held;   /* of the first frame's file, until that is read */
   job_frame *decider; /* the frame of --decide-by, without a stem; or NULL */
   job_frame *views;   /* without stems */
@@ -44,9 +55,14 @@ typedef struct job {
   cache_file loaded;       /* what it begins with, if settings->cache_load */
   image_window window;     /* computed pixels: all that any frame has */
   image_window shown;      /* written pixels */
+  image_window display;    /* of the results: the picture, or --crop's part */
   uint32_t width, height;  /* of window */
   unsigned folders_made;   /* the output folder and parents that were missing */
 } job;
+
+/* The job of a place alone, as if it had no other frames.  It has the frames,
+ * views and files of the whole job, which frees them. */
+job job_of_place(const job *whole, int place);
 
 /* Frees what the job owns.  It may be called on a zeroed job. */
 void job_free(job *j);
@@ -69,6 +85,13 @@ job_frame *job_first(const job *j);
 /* Whether the frame with this index is lit for the sake of those behind it, and
  * not written. */
 int job_is_pre_roll(const job *j, int index);
+
+/* The layers that light is computed for, a set. */
+unsigned job_lit_layers(const job *j);
+
+/* The layers that the device makes halves of, a set: none where the program
+ * itself looks at their floats, or changes them. */
+unsigned job_halves(const job *j);
 
 /* How often the frame with this index runs. */
 unsigned job_runs(const job *j, int index);

@@ -3,7 +3,6 @@
 
 #include "dump/read_gbuffer.h"
 #include "image/clock.h"
-#include "tool/extent.h"
 #include "tool/layers.h"
 #include "tool/report.h"
 #include "tool/refusal.h"
@@ -132,7 +131,7 @@ static int upload(job_cache *jc, const gbuffer *g, int input, planes *p,
 /* The picture must stay until finish_upload(), whether or not this fails.
  * given: buffers that hold planes of it already; NULL, or NULL for an input:
  * none does. */
-static int view_of(job_cache *jc, const gbuffer *g, const cl_mem *given,
+static int view_of(job_cache *jc, const gbuffer *g, const device_plane *given,
                    hbil_view_light light, planes *p, hbil_view *view,
                    image_error *error) {
   hbil_plane *const planes_of[] = {&view->depth,    &view->normal,
@@ -148,16 +147,19 @@ static int view_of(job_cache *jc, const gbuffer *g, const cl_mem *given,
   for (int i = 0; i < INPUTS; i++) {
     if (!channels_of(jc, i))
       continue;
-    if (!(given && given[i]) && upload(jc, g, i, p, error) != 0)
+    const int is_given = given && given[i].buffer;
+    if (!is_given && upload(jc, g, i, p, error) != 0)
       return -1;
     if (planes_of[i])
-      planes_of[i]->buffer = given && given[i] ? given[i] : p->input[i];
+      *planes_of[i] = is_given ? (hbil_plane){.buffer = given[i].buffer,
+                                              .plane_pitch = given[i].pitch}
+                               : (hbil_plane){.buffer = p->input[i]};
   }
   return 0;
 }
 
 static int inject(job_cache *jc, const char *path, const gbuffer *g,
-                  const cl_mem *given, hbil_view_light light,
+                  const device_plane *given, hbil_view_light light,
                   image_error *error) {
   hbil_view view;
   if (view_of(jc, g, given, light, &jc->views, &view, error) != 0)
@@ -181,8 +183,8 @@ static int update(job_cache *jc, unsigned bounces, unsigned steps,
 }
 
 int job_cache_see_frame(job_cache *jc, const char *path, const gbuffer *g,
-                        const cl_mem *given, image_error *error) {
-  if (jc->job->settings->learn || jc->job->settings->cache_fixed)
+                        const device_plane *given, image_error *error) {
+  if (jc->job->settings->cache_fixed)
     return 0;
   const int failed =
       inject(jc, path, g, given, HBIL_VIEW_DIRECT, error) != 0 ||
@@ -238,8 +240,18 @@ static int read_picture(const job_cache *jc, const job_frame *f,
   return 0;
 }
 
-/* Injects the views and, with --learn, all frames.  While the device takes a
- * picture, the next one is read. */
+/* Injects a picture that is learnt, and lets what it doesn't show follow it. */
+static int learn_picture(job_cache *jc, const char *path, const gbuffer *g,
+                         hbil_view_light light, image_error *error) {
+  return inject(jc, path, g, NULL, light, error) != 0 ||
+                 update(jc, 0, 0, error) != 0
+             ? -1
+             : 0;
+}
+
+/* Injects the views and, with --learn, all frames: the last one first, so that
+ * in the end the cache is at the time of the first one.  While the device takes
+ * a picture, the next one is read. */
 static int learn_pictures(job_cache *jc, image_error *error) {
   const job *j = jc->job;
   const int count = j->view_count + (j->settings->learn ? j->count : 0);
@@ -249,7 +261,7 @@ static int learn_pictures(job_cache *jc, image_error *error) {
   progress_start(&shown, "radiance cache", 0.0, j->settings->quiet);
   for (int i = 0; i < count && !failed; i++) {
     const int is_view = i < j->view_count;
-    const job_frame *f = is_view ? &j->views[i] : &j->frames[i - j->view_count];
+    const job_frame *f = is_view ? &j->views[i] : &j->frames[count - 1 - i];
     const hbil_view_light light =
         is_view ? j->settings->view_light : HBIL_VIEW_DIRECT;
     failed = read_picture(jc, f, light, &next, error);
@@ -259,7 +271,7 @@ static int learn_pictures(job_cache *jc, image_error *error) {
     gbuffer_free(&taken);
     taken = next;
     if (!failed)
-      failed = inject(jc, f->path, &taken, NULL, light, error);
+      failed = learn_picture(jc, f->path, &taken, light, error);
     if (!failed)
       progress_show(&shown, (double)(i + 1) / count);
   }
@@ -349,45 +361,6 @@ int job_cache_save(job_cache *jc, image_error *error) {
 
 /* ------------------------------------------------------------------------ */
 /* The cache                                                                 */
-
-static void choose_by_file(job *j) {
-  j->cache.voxels = j->loaded.voxels;
-  j->cache.levels = j->loaded.levels;
-  j->cache.voxel_size = j->loaded.voxel_size;
-  memcpy(j->cache.centre, j->loaded.centre, sizeof j->cache.centre);
-}
-
-static int choose_by_pictures(job *j, image_error *error) {
-  const size_t count = (size_t)j->count, views = (size_t)j->view_count;
-  extent_picture *all = calloc(count + views, sizeof *all);
-  if (!all)
-    return image_no_memory(error, j->frames[0].path);
-  for (size_t i = 0; i < count + views; i++) {
-    const job_frame *f = i < count ? &j->frames[i] : &j->views[i - count];
-    all[i] = (extent_picture){f->path, &f->map};
-  }
-  const int failed =
-      extent_choose(all, count, all + count, views, &j->cache, error);
-  free(all);
-  return failed;
-}
-
-int job_cache_choose(job *j, image_error *error) {
-  const process_settings *s = j->settings;
-  if (!j->has_cache)
-    return 0;
-  hbil_cache_config_init(&j->cache);
-  if (s->cache_voxels)
-    j->cache.voxels = s->cache_voxels;
-  if (s->cache_load)
-    choose_by_file(j);
-  else if (choose_by_pictures(j, error) != 0)
-    return -1;
-  if (!s->radius_given)
-    j->config.model.radius =
-        (float)(HBIL_CACHE_NEAR_VOXELS * j->cache.voxel_size);
-  return 0;
-}
 
 static int make_cache(job_cache *jc, image_error *error) {
   const hbil_plane_format planes_of_floats = {HBIL_FLOAT32, 4};

@@ -4,6 +4,7 @@
 #define HBIL_TOOL_JOB_CACHE_H
 
 #include "tool/device.h"
+#include "tool/device_plane.h"
 #include "dump/gbuffer.h"
 #include "tool/job.h"
 #include "image/error.h"
@@ -33,11 +34,11 @@ int job_cache_learn(job_cache *jc, image_error *error);
 double job_cache_learning_seconds(const job_cache *jc);
 
 /* Injects a frame before its light is computed, and lets light bounce.  Nothing
- * if it has been learnt already.  path: its file, for messages.  given: INPUTS
+ * with settings->cache_fixed.  path: its file, for messages.  given: INPUTS
  * buffers, of those inputs that are on the device already, the others NULL; or
  * NULL.  0, or -1 with `error` filled. */
 int job_cache_see_frame(job_cache *jc, const char *path, const gbuffer *g,
-                        const cl_mem *given, image_error *error);
+                        const device_plane *given, image_error *error);
 
 /* What hbil_cache_save() gives, which the caller frees.  0, or -1 with `error`
  * filled. */

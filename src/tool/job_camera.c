@@ -9,8 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Of a frame whose depth is read. */
-static depth_range range_of(const gbuffer *g) {
+depth_range job_camera_depths(const gbuffer *g) {
   const surface_points s = surface_points_of(g, &g->map.camera);
   const size_t width = g->planes.width;
   depth_range out = {INFINITY, -INFINITY};
@@ -30,7 +29,7 @@ static int read_depths(const job *j, depth_range *out, image_error *error) {
     gbuffer g;
     if (gbuffer_read(f->path, &f->map, 1u << ROLE_DEPTH, &g, error) != 0)
       return -1;
-    *out = range_of(&g);
+    *out = job_camera_depths(&g);
     gbuffer_free(&g);
   }
   return 0;

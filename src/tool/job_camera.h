@@ -2,8 +2,13 @@
 #ifndef HBIL_TOOL_JOB_CAMERA_H
 #define HBIL_TOOL_JOB_CAMERA_H
 
+#include "dump/gbuffer.h"
 #include "image/error.h"
+#include "tool/camera_motion.h"
 #include "tool/job.h"
+
+/* The depths of a frame whose depth is read. */
+depth_range job_camera_depths(const gbuffer *g);
 
 /* Decides once for all frames whether they are seen by a camera that moves
  * (camera_motion.h), by all their cameras, that of the frame of --decide-by,

@@ -181,7 +181,7 @@ static int write_others(const job *j, file_uses *uses, image_error *error) {
                 {s->cache_save, "--cache-save", FILE_CACHE}};
   int failed = file_uses_add(
       uses,
-      (file_use){.path = job_history_path(j, (int)j->settings->pre_roll),
+      (file_use){.path = job_history_path(j, (int)j->pre_roll),
                  .what = "the light to carry on",
                  .need = "another output folder is",
                  .kind = FILE_ABSENT},
@@ -195,7 +195,7 @@ static int write_others(const job *j, file_uses *uses, image_error *error) {
 
 static int add_written(const job *j, file_uses *uses, image_error *error) {
   int failed = 0;
-  for (int i = (int)j->settings->pre_roll; i < j->count && !failed; i++)
+  for (int i = (int)j->pre_roll; i < j->count && !failed; i++)
     failed = write_frame(j, &j->frames[i], uses, error);
   return failed ? -1 : write_others(j, uses, error);
 }

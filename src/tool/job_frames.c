@@ -11,6 +11,7 @@
 #include "tool/paths.h"
 #include "tool/report.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,7 +25,8 @@ static int check_roles(const job *j, const job_frame *f, image_error *error) {
   const float *scale = f->map.how.motion_scale;
   for (int r = 0; r < ROLE_COUNT; r++)
     if (j->frames[0].map.count[r] && !f->map.count[r] && r != ROLE_POSITION &&
-        r != ROLE_INDIRECT && r != ROLE_COVERAGE)
+        r != ROLE_INDIRECT && r != ROLE_COVERAGE && r != ROLE_PICTURE &&
+        r != ROLE_ALPHA)
       return image_fail(error,
                         "%s: has no %s, which %s has; the same channels in "
                         "every frame are needed",
@@ -83,16 +85,45 @@ static int check_header(job *j, job_frame *f, image_error *error) {
   return failed ? -1 : 0;
 }
 
+/* What the results show: the picture, or the part of it that is asked for. */
+static int find_display(job *j, image_error *error) {
+  const float *c = j->settings->crop;
+  const image_window *all = &j->frames[0].map.display;
+  int fits = c[2] >= 1.0f && c[3] >= 1.0f;
+  j->display = *all;
+  if (c[0] == 0.0f && c[1] == 0.0f && c[2] == 0.0f && c[3] == 0.0f)
+    return 0;
+  for (int i = 0; i < 2; i++)
+    fits = fits && c[i] >= 0.0f && c[i] == floorf(c[i]) &&
+           c[2 + i] == floorf(c[2 + i]) &&
+           c[i] + c[2 + i] <= (float)(i ? all->height : all->width);
+  if (!fits)
+    return image_fail(error,
+                      "--crop %g,%g,%g,%g: no part of %s, whose picture has "
+                      "%u x %u pixels; x and y of the first pixel, width and "
+                      "height are needed",
+                      (double)c[0], (double)c[1], (double)c[2], (double)c[3],
+                      j->frames[0].path, all->width, all->height);
+  j->display = (image_window){.x = all->x + (int32_t)c[0],
+                              .y = all->y + (int32_t)c[1],
+                              .width = (uint32_t)c[2],
+                              .height = (uint32_t)c[3]};
+  return 0;
+}
+
 /* Fits the cameras to the pixels that are computed.  Pixels outside the picture
  * send light into it and are not written. */
 static int aim_cameras(job *j, image_error *error) {
   j->width = j->window.width;
   j->height = j->window.height;
-  j->shown = image_window_common(j->window, j->frames[0].map.display);
+  if (find_display(j, error) != 0)
+    return -1;
+  j->shown = image_window_common(j->window, j->display);
   if (!j->shown.width)
     return image_fail(error,
-                      "%s: none of its pixels lie in its display window; a "
-                      "data window that overlaps it is needed",
+                      "%s: none of its pixels lie in its display window, or "
+                      "in what --crop takes of it; a data window that overlaps "
+                      "it is needed",
                       j->frames[0].path);
   for (job_frame *f = j->frames; f < j->frames + j->count; f++) {
     f->map.window = j->window;

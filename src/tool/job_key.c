@@ -54,6 +54,7 @@ static uint64_t hash_map(uint64_t hash, const channel_map *map) {
   for (int r = 0; r < ROLE_COUNT; r++)
     for (size_t c = 0; c < map->count[r]; c++)
       hash = hash_text(hash, map->names[r][c]);
+  hash = hash_bytes(hash, &map->exposure, sizeof map->exposure);
   return hash_bytes(hash, map->gamma, sizeof map->gamma);
 }
 
@@ -128,12 +129,14 @@ int job_key_begin(const job *j, const char *device, uint64_t *key,
                            (unsigned)s->exact,
                            (unsigned)s->preview,
                            (unsigned)s->copy_channels,
-                           (unsigned)s->half,
+                           (unsigned)j->half,
+                           (unsigned)j->replaces,
                            (unsigned)s->compression};
   uint64_t hash = hash_text(0, hbil_version());
   hash = hash_text(hash, device);
   hash = hash_config(hash, &j->config);
   hash = hash_bytes(hash, more, sizeof more);
+  hash = hash_bytes(hash, &j->shown, sizeof j->shown);
   *key = hash_bytes(hash, &j->far, sizeof j->far);
   return hash_cache(j, key, error);
 }

@@ -13,16 +13,29 @@
 #include <string.h>
 
 /* ------------------------------------------------------------------------ */
-/* What the first frame's pixels decide                                      */
+/* What the pixels of frames and views decide                                */
+
+/* Pictures that decide, besides the first frame, of each kind: a place shows
+ * itself in fewer, and reading a film a third time would take long. */
+enum { MOST_PICTURES = 64 };
 
 static const char *const far_texts[] = {
-    [HBIL_SOURCE_NOT_SEEN] =
-        "the mean radiance of the frame's surfaces: no bright sky is visible",
+    [HBIL_SOURCE_NOT_SEEN] = "the mean radiance of the frame's surfaces",
     [HBIL_SOURCE_IN_DIRECT] =
         ("the mean radiance of the frame's surfaces, where direct light is "
          "weaker than that of the visible sky"),
     [HBIL_SOURCE_NOT_IN_DIRECT] =
         "the radiance of the visible sky, which direct light does not contain",
+};
+static const char *const place_texts[] = {
+    [HBIL_PLACE_SKY_SEEN] = "",
+    [HBIL_PLACE_EMPTY] = "what lies behind the surfaces is black",
+    [HBIL_PLACE_OPEN] =
+        "lit ground, with no ceiling and no walls around, is in the open",
+    [HBIL_PLACE_DARK] = "no sky is visible, and none lights the shadows",
+    [HBIL_PLACE_ENCLOSED] =
+        "no sky is visible, but a ceiling, or walls that face each other",
+    [HBIL_PLACE_NO_GROUND] = "no sky is visible, and too little ground",
 };
 static const char *const emission_texts[] = {
     [HBIL_SOURCE_NOT_SEEN] = NULL,
@@ -30,8 +43,15 @@ static const char *const emission_texts[] = {
     [HBIL_SOURCE_NOT_IN_DIRECT] = "gathered: direct light does not contain it",
 };
 
-const char *light_choice_far_text(const hbil_sources *found) {
-  return far_texts[found->sky];
+void light_choice_far_text(const hbil_sources *found, float sky_share,
+                           char out[LIGHT_TEXT_SIZE]) {
+  const char *why = place_texts[found->place];
+  int end = snprintf(out, LIGHT_TEXT_SIZE, "%s", far_texts[found->sky]);
+  if (sky_share > 0.0f)
+    end += snprintf(out + end, LIGHT_TEXT_SIZE - (size_t)end,
+                    ", but nothing in %.0f %% of them", 100.0 * sky_share);
+  snprintf(out + end, LIGHT_TEXT_SIZE - (size_t)end, "%s%s", *why ? ": " : "",
+           why);
 }
 
 const char *light_choice_emission_text(const hbil_sources *found) {
@@ -200,12 +220,32 @@ static int choose(job *j, first_frame *first, hbil_config *config,
              : light_choice_by(f->path, &first->g, config, frame, found, error);
 }
 
-/* Takes what the user left open from the first frame. */
-static int look_at_first(job *j, first_frame *first, hbil_sources *found,
-                         image_error *error) {
+/* Lets some of these pictures, evenly spread, decide with those before. */
+static int look_at(const job *j, const job_frame *pictures, int count,
+                   hbil_config *config, hbil_frame *frame, hbil_sources *found,
+                   image_error *error) {
+  const int looks = count < MOST_PICTURES ? count : MOST_PICTURES;
+  for (int i = 0; i < looks; i++) {
+    const job_frame *f = pictures + (long)i * count / looks;
+    if (f != job_first(j) &&
+        light_choice_make(f->path, &f->map, config, frame, found, error) != 0)
+      return -1;
+  }
+  return 0;
+}
+
+/* Takes what the user left open from all that is known of the place before the
+ * first frame is lit: a frame, views, and frames that are learnt from.  Chunks
+ * that one frame decides for learn from different ones, and must decide alike.
+ */
+static int look_around(job *j, first_frame *first, hbil_sources *found,
+                       image_error *error) {
+  const int learnt = j->settings->learn && !j->decider ? j->count : 0;
   hbil_config config = j->config;
   hbil_frame frame;
-  if (choose(j, first, &config, &frame, found, error) != 0)
+  if (choose(j, first, &config, &frame, found, error) != 0 ||
+      look_at(j, j->views, j->view_count, &config, &frame, found, error) != 0 ||
+      look_at(j, j->frames, learnt, &config, &frame, found, error) != 0)
     return -1;
   if (!j->settings->environment) {
     j->config.model.far_field = config.model.far_field;
@@ -217,31 +257,35 @@ static int look_at_first(job *j, first_frame *first, hbil_sources *found,
   return 0;
 }
 
-/* The share that is a guess is told, even if its layer isn't written.  A job
+/* Beauty that replaces light needs it, and
+ * the share that is a guess is told, even if its layer isn't written.  A job
  * for `beauty` alone that may leave out light which doesn't show
  * (HBIL_SKIP_UNUSED) still may: asking for the share, too, would forbid it. */
 static unsigned hidden_layers(const job *j) {
   const unsigned unknown = 1u << LAYER_UNKNOWN;
+  const unsigned light = j->replaces ? 1u << LAYER_INDIRECT : 0u;
   const int may_skip =
-      j->layers == 1u << LAYER_BEAUTY &&
+      j->layers == 1u << LAYER_BEAUTY && !j->replaces &&
       (j->config.history.reprojection == HBIL_REPROJECTION_NONE ||
        j->config.model.feedback == HBIL_FEEDBACK_RADIANCE);
-  return !may_skip && layers_show_guesses(j->layers, &j->config)
-             ? unknown & ~j->layers
-             : 0u;
+  return (light |
+          (!may_skip && layers_show_guesses(j->layers, &j->config) ? unknown
+                                                                   : 0u)) &
+         ~j->layers;
 }
 
 int job_light_decide(job *j, first_frame *first, image_error *error) {
   const process_settings *s = j->settings;
   const int looks = j->config.model.mode == HBIL_MODE_HBIL;
-  hbil_sources found = {HBIL_SOURCE_NOT_SEEN, HBIL_SOURCE_NOT_SEEN};
+  hbil_sources found = {.sky = HBIL_SOURCE_NOT_SEEN};
+  char text[LIGHT_TEXT_SIZE] = "none: this --mode looks at no light";
   if (looks && !(s->environment && s->emission_given) &&
-      look_at_first(j, first, &found, error) != 0)
+      look_around(j, first, &found, error) != 0)
     return -1;
+  if (looks)
+    light_choice_far_text(&found, j->far.sky_share, text);
   if (!s->quiet && !s->environment)
-    fprintf(stderr, "hbil: light of unblocked directions: %s\n",
-            looks ? light_choice_far_text(&found)
-                  : "none: this --mode looks at no light");
+    fprintf(stderr, "hbil: light of unblocked directions: %s\n", text);
   const char *emission = light_choice_emission_text(&found);
   if (!s->quiet && !s->emission_given && emission)
     fprintf(stderr, "hbil: emission: %s\n", emission);

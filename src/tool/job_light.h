@@ -11,15 +11,20 @@
 #include "tool/job.h"
 
 /* ------------------------------------------------------------------------ */
-/* What the first frame's pixels decide                                      */
+/* What the pixels of frames and views decide                                */
 
-/* Reads the frame and does the same. */
+enum { LIGHT_TEXT_SIZE = 256 };
+
+/* Reads the frame or view and lets it decide with all that `found` has seen
+ * before, which starts zeroed (hbil_suggest.h).  Of config, model.mode counts;
+ * config and frame receive the decision.  0, or -1 with `error` filled. */
 int light_choice_make(const char *path, const channel_map *map,
                       hbil_config *config, hbil_frame *frame,
                       hbil_sources *found, image_error *error);
 
-/* What the decision says about unblocked directions. */
-const char *light_choice_far_text(const hbil_sources *found);
+/* What the decision says about unblocked directions, and why. */
+void light_choice_far_text(const hbil_sources *found, float sky_share,
+                           char out[LIGHT_TEXT_SIZE]);
 
 /* The same about emission; NULL if there is nothing to say. */
 const char *light_choice_emission_text(const hbil_sources *found);
@@ -31,10 +36,11 @@ const char *light_choice_emission_text(const hbil_sources *found);
  * or -1 with `error` filled. */
 int job_environment_read(job *j, image_error *error);
 
-/* Decides by the first frame what the user left open (hbil_config_suggest()),
- * and prints a line for each decision.  Sets j->hidden, which follows from it.
- * Reads the frame, if it decides anything, and leaves it in `first`.  0, or -1
- * with `error` filled. */
+/* Decides what the user left open (hbil_config_suggest()) for all frames, by
+ * the first one or that of --decide-by, by the views and, with --learn, by the
+ * other frames; prints a line for each decision.  Sets j->hidden, which follows
+ * from it.  Leaves the first frame in `first`, if it is read.  0, or -1 with
+ * `error` filled. */
 int job_light_decide(job *j, first_frame *first, image_error *error);
 
 #endif

@@ -1,5 +1,6 @@
 /* The results that the program writes, and which planes feed the library. */
 #include "tool/layers.h"
+#include "image/image_memory.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -13,13 +14,19 @@
         offsetof(hbil_frame, field)                                            \
   }
 
-const layer_info layer_table[LAYER_COUNT] = {
+const layer_info layer_table[LAYERS_WRITTEN] = {
     LAYER(near_irradiance, "RGB"), LAYER(far_irradiance, "RGB"),
     LAYER(indirect, "RGB"),        LAYER(ao, "V"),
     LAYER(bent_normal, "XYZ"),     LAYER(cone_cosine, "V"),
     LAYER(beauty, "RGB"),          LAYER(unknown, "V"),
     LAYER(glossy, "RGB"),          LAYER(error_estimate, "XY"),
+    {"beauty", "A", 0, 0},
 };
+
+int layers_is_light(layer l, size_t i) {
+  return strcmp(layer_table[l].components, "RGB") == 0 ||
+         (l == LAYER_ERROR_ESTIMATE && i == 1);
+}
 
 unsigned layers_of_mode(hbil_mode mode) {
   /* Another plane of floats costs some percent of a file and of the time to
@@ -93,29 +100,54 @@ static void plane_name(layer l, size_t i, char *name, size_t size) {
            layer_table[l].components[i]);
 }
 
-int layers_image(unsigned layers, uint32_t width, uint32_t height, image *out) {
+static const image_plane *add_plane(image *out, layer l, size_t i, int halves) {
+  char name[32];
+  plane_name(l, i, name, sizeof name);
+  return halves ? image_add_halves(out, name) : image_add(out, name);
+}
+
+int layers_image(unsigned layers, unsigned halves, uint32_t width,
+                 uint32_t height, image *out) {
   memset(out, 0, sizeof *out);
   out->width = width;
   out->height = height;
-  for (int l = 0; l < LAYER_COUNT; l++)
-    for (size_t i = 0; layers >> l & 1 && layer_table[l].components[i]; i++) {
-      char name[32];
-      plane_name((layer)l, i, name, sizeof name);
-      if (!image_add(out, name)) {
+  for (int l = 0; l < LAYERS_WRITTEN; l++)
+    for (size_t i = 0; layers >> l & 1 && layer_table[l].components[i]; i++)
+      if (!add_plane(out, (layer)l, i, halves >> l & 1)) {
         image_free(out);
         return -1;
       }
-    }
   return 0;
 }
 
-float *layers_plane(const image *img, layer l, size_t i) {
+size_t layers_bytes(unsigned layers, unsigned halves, uint32_t width,
+                    uint32_t height) {
+  const size_t pixels = (size_t)width * height;
+  size_t bytes = 0;
+  for (int l = 0; l < LAYERS_WRITTEN; l++)
+    if (layers >> l & 1)
+      bytes += strlen(layer_table[l].components) *
+               image_memory_plane(pixels * (halves >> l & 1 ? sizeof(uint16_t)
+                                                            : sizeof(float)));
+  return bytes;
+}
+
+static const image_plane *find_plane(const image *img, layer l, size_t i) {
   char name[32];
   if (i >= strlen(layer_table[l].components))
     return NULL;
   plane_name(l, i, name, sizeof name);
-  image_plane *plane = image_find(img, name);
+  return image_find(img, name);
+}
+
+float *layers_plane(const image *img, layer l, size_t i) {
+  const image_plane *plane = find_plane(img, l, i);
   return plane ? plane->pixels : NULL;
+}
+
+uint16_t *layers_halves(const image *img, layer l, size_t i) {
+  const image_plane *plane = find_plane(img, l, i);
+  return plane ? plane->halves : NULL;
 }
 
 float *layers_plane_of(const image *one, const image *other, layer l,
@@ -150,12 +182,14 @@ size_t formats_channels(const hbil_config *config, const channel_map *map,
 }
 
 void formats_choose(hbil_config *config, const channel_map *map,
-                    unsigned layers) {
+                    unsigned layers, unsigned halves) {
   const hbil_plane_format planes_of_floats = {HBIL_FLOAT32, 4};
+  const hbil_plane_format planes_of_halves = {HBIL_FLOAT16, 2};
   for (int i = 0; i < INPUTS; i++)
     if (formats_channels(config, map, i))
       *format_at(config, input_table[i].format) = planes_of_floats;
   for (int l = 0; l < LAYER_COUNT; l++)
     if (layers >> l & 1)
-      *format_at(config, layer_table[l].format) = planes_of_floats;
+      *format_at(config, layer_table[l].format) =
+          halves >> l & 1 ? planes_of_halves : planes_of_floats;
 }

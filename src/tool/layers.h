@@ -26,7 +26,10 @@ typedef enum layer {
   LAYER_UNKNOWN,
   LAYER_GLOSSY,
   LAYER_ERROR_ESTIMATE,
-  LAYER_COUNT
+  LAYER_COUNT,
+  /* the alpha of beauty, which comes from the frame; nobody asks for it */
+  LAYER_ALPHA = LAYER_COUNT,
+  LAYERS_WRITTEN
 } layer;
 
 /* A set of layers is a bit mask of 1 << layer. */
@@ -37,7 +40,7 @@ typedef struct layer_info {
   size_t format, image;   /* offsets in hbil_config and hbil_frame */
 } layer_info;
 
-extern const layer_info layer_table[LAYER_COUNT];
+extern const layer_info layer_table[LAYERS_WRITTEN];
 
 /* What a mode writes without a request. */
 unsigned layers_of_mode(hbil_mode mode);
@@ -56,12 +59,21 @@ void layers_names(unsigned layers, char *text, size_t size);
 /* The set for "ao,indirect".  0, or -1 with `error` filled. */
 int layers_parse(const char *text, unsigned *out, image_error *error);
 
-/* A zeroed image with the planes of these layers, in the table's order.  0, or
- * -1 if memory runs out. */
-int layers_image(unsigned layers, uint32_t width, uint32_t height, image *out);
+/* An image with the planes of these layers, in the table's order, of halves for
+ * those in `halves` and of floats for the others.  Bytes of its pixels, in an
+ * image_memory.  0, or -1 if memory runs out. */
+int layers_image(unsigned layers, unsigned halves, uint32_t width,
+                 uint32_t height, image *out);
+size_t layers_bytes(unsigned layers, unsigned halves, uint32_t width,
+                    uint32_t height);
 
-/* The plane of channel i of a layer, or NULL. */
+/* The plane of channel i of a layer, or NULL; NULL for halves. */
 float *layers_plane(const image *img, layer l, size_t i);
+/* The same for halves; NULL for floats. */
+uint16_t *layers_halves(const image *img, layer l, size_t i);
+
+/* Whether that plane holds light, to which exposure applies. */
+int layers_is_light(layer l, size_t i);
 
 /* The same of the first image that has it. */
 float *layers_plane_of(const image *one, const image *other, layer l, size_t i);
@@ -82,9 +94,9 @@ size_t formats_channels(const hbil_config *config, const channel_map *map,
                         int input);
 
 /* Fills in the formats of the inputs that are used and of a set of layers
- * (layers.h). */
+ * (layers.h), of which some are of halves. */
 void formats_choose(hbil_config *config, const channel_map *map,
-                    unsigned layers);
+                    unsigned layers, unsigned halves);
 
 /* ------------------------------------------------------------------------ */
 /* Far light                                                                 */

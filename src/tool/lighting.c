@@ -29,7 +29,7 @@ static int open_exact(lighting *l, const job *j, image_error *error) {
   for (int i = 0; i < j->count; i++)
     work.runs += job_runs(j, i);
   return exact_sequence_open(&j->config, &j->frames[0].map,
-                             j->layers | j->hidden, &work, &l->exact, error);
+                             job_lit_layers(j), &work, &l->exact, error);
 }
 
 /* Whether the process may use any amount of memory.  PoCL allocates a buffer
@@ -57,7 +57,8 @@ static size_t horizon_cache_bytes(const lighting *l, const job *j) {
 
 static int open_sequence(lighting *l, const job *j, image_error *error) {
   return sequence_open(&l->device, &j->config, &j->frames[0].map,
-                       j->layers | j->hidden, &l->sequence, error);
+                       job_lit_layers(j), job_halves(j), &l->sequence,
+                       error);
 }
 
 static int open_cache(lighting *l, const job *j, image_error *error) {
@@ -85,10 +86,17 @@ int lighting_open(lighting *l, job *j, image_error *error) {
   return open_sequence(l, j, error) != 0 ? -1 : open_cache(l, j, error);
 }
 
-void lighting_close(lighting *l) {
+void lighting_end(lighting *l) {
   job_cache_close(l->cache);
   sequence_close(l->sequence);
   exact_sequence_close(l->exact);
+  l->cache = NULL;
+  l->sequence = NULL;
+  l->exact = NULL;
+}
+
+void lighting_close(lighting *l) {
+  lighting_end(l);
   device_close(&l->device);
   memset(l, 0, sizeof *l);
 }

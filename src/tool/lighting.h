@@ -27,6 +27,10 @@ int lighting_prepare(lighting *l, const job *j, image_error *error);
  * filled. */
 int lighting_open(lighting *l, job *j, image_error *error);
 
+/* Frees what lighting_open() made, so that it may be called for another place.
+ */
+void lighting_end(lighting *l);
+
 /* It may be called on a zeroed lighting and whatever the others returned. */
 void lighting_close(lighting *l);
 

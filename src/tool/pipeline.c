@@ -23,8 +23,9 @@ typedef struct worker {
 } worker;
 
 static int is_ready(const run *r, int stage, size_t item) {
-  return stage > 0 ? item < r->done[stage - 1]
-                   : item < r->done[PIPELINE_STAGES - 1] + PIPELINE_SLOTS;
+  return (stage == 0 || item < r->done[stage - 1]) &&
+         (stage == PIPELINE_STAGES - 1 ||
+          item < r->done[stage + 1] + r->pipeline->depth);
 }
 
 /* Waits for an item.  Returns 0 if it is not to be done. */

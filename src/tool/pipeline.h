@@ -7,13 +7,16 @@
 
 #include <stddef.h>
 
-#include <stddef.h>
+/* How far a stage may be ahead of the next one: its item may begin when that
+ * has done with the item `depth` before.  With 2, a stage works while the next
+ * one does, and what it hands on has two places: item i may use i % depth of
+ * them.  With 1 there is one place, so neighbours work in turns, and the first
+ * stage while the last one does. */
+enum { PIPELINE_STAGES = 3, PIPELINE_DEPTH = 2 };
 
-/* How many items are in the pipeline at most: one in each stage and one that
- * waits, so that a stage whose time varies doesn't stop the next one.  Item i
- * may use slot i % PIPELINE_SLOTS of a caller's array; no other item uses it
- * meanwhile. */
-enum { PIPELINE_STAGES = 3, PIPELINE_SLOTS = PIPELINE_STAGES + 1 };
+/* How many items are in the pipeline at most.  What an item has from the first
+ * stage to the last may be in place i % PIPELINE_SLOTS. */
+enum { PIPELINE_SLOTS = 2 * PIPELINE_DEPTH };
 
 /* Returns 0, or -1 with `error` filled. */
 typedef int pipeline_stage(void *user, size_t item, image_error *error);
@@ -22,6 +25,7 @@ typedef struct pipeline {
   pipeline_stage *stages[PIPELINE_STAGES];
   void *user; /* handed to the stages */
   size_t items;
+  size_t depth;                       /* 1..PIPELINE_DEPTH */
   double (*seconds)[PIPELINE_STAGES]; /* of each item; filled in */
 } pipeline;
 

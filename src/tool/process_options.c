@@ -91,6 +91,8 @@ static const char *const qualities[] = {"fast", "balanced", "high", "reference",
 static const char *const sample_grids[] = {"same-layer", "full-resolution",
                                            NULL};
 static const char *const resolutions[] = {"auto", "full", "half", NULL};
+static const char *const precisions[] = {"auto", "half", "float", NULL};
+static const char *const beauties[] = {"auto", "replace", "diffuse", NULL};
 static const char *const storages[] = {"packed", "float32", NULL};
 static const char *const fallbacks[] = {"last-accepted", "black", "frame-mean",
                                         NULL};
@@ -118,14 +120,25 @@ static const option_row job_rows[] = {
      .help = "of near_irradiance, far_irradiance, indirect, ao, bent_normal, "
              "cone_cosine, beauty, unknown, glossy, error_estimate (all that "
              "the mode has, without the last three)"},
+    {ROW_CHOICE("beauty", SETTING(beauty), beauties),
+     .help = "what beauty is.  diffuse: diffuse light and emission.  replace: "
+             "the frame's own picture (Blender's Combined, with its alpha), "
+             "with hbil's light in place of its diffuse indirect light, so "
+             "that glass, gloss and smoke stay; auto: replace if all frames "
+             "have the picture, its diffuse indirect light and albedo ({})"},
+    {ROW_FLOATS("crop", SETTING(crop), 4, "X,Y,W,H"),
+     .help = "write this part of the picture alone; what lies around it takes "
+             "part in the search, as pixels beyond a display window do"},
     {ROW_FLAG("copy-channels", SETTING(copy_channels)),
      .help = "also put the frame's own channels into its result"},
     {ROW_CHOICE("compression", SETTING(compression), exr_compressions),
      .value = "NAME",
      .help = "none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab, or "
              "input for that of the frame ({}, which is written fastest)"},
-    {ROW_FLAG("half", SETTING(half)),
-     .help = "store the layers as half floats"},
+    {ROW_CHOICE("precision", SETTING(precision), precisions),
+     .help = "layers as 32-bit floats or as half floats, which take half the "
+             "space; auto: half if the colours of the first frame are half "
+             "floats ({})"},
     {ROW_TEXT("camera", SETTING(camera), "FILE"),
      .help = "JSON camera of all frames (FRAME.json beside each FRAME.exr, or "
              "else the header's, or else one that fits the positions, as "
@@ -137,7 +150,8 @@ static const option_row job_rows[] = {
      .help = "far light, a latitude-longitude map"},
     {ROW_MORE("environment", "none|frame"),
      .help = "no far light, or the mean radiance of the frame's own surfaces "
-             "(chosen by the sky and the direct light of the first frame)"},
+             "(chosen by sky, light and surfaces of the first frame, of "
+             "views and of frames that --learn reads)"},
     {ROW_TEXT("device", SETTING(device), "NAME"),
      .help = "index or part of a name, see hbil devices (the first GPU, or "
              "else the first device)",
@@ -171,7 +185,7 @@ static const option_row job_rows[] = {
          "or a quarter of the device's memory, when a frame runs eight times "
          "or more; otherwise, and where ulimit limits memory, 0)",
      .relations = {NOT_EXACT("which caches nothing"),
-                   NOT_WITH(SETTING(config.history.max_frames), 0,
+                   NOT_WITH(SETTING(config.sampling.slice_frames), 0,
                             "where each run of a frame has other samples"),
                    NOT_WITH(MODE, DARK_MODES, NO_NEW_LIGHT),
                    NOT_WITH(SETTING(config.history.reprojection),
@@ -206,9 +220,22 @@ static const option_row cache_rows[] = {
      .relations = {OF_CACHE}},
     {ROW_FLAG("learn", SETTING(learn)),
      .help =
-         "the cache sees all frames before the first one is lit, so each is "
-         "lit by all; without it, by those before it.  Reads every frame twice",
+         "the cache sees all frames, the last one first, before the first one "
+         "is lit, and each again in its turn, so each is lit by all; without "
+         "it, by those before it.  Reads every frame twice",
      .relations = {OF_CACHE}},
+    {ROW_TEXT("cuts", SETTING(cuts), "N,..."),
+     .help = "numbers of the frames with which another place begins, or none. "
+             "Each place is a job of its own, with its own radiance cache and "
+             "its own choice of light.  By default cuts are found where the "
+             "camera leaps so far that one cache would be too coarse for both "
+             "sides; but not with views, --cache-load, --cache-save or "
+             "--decide-by, which tell of one place",
+     .relations = {NOT_EXACT("which knows one place"),
+                   NOT_WITH(SETTING(cache_load), 0, "which is of one place"),
+                   NOT_WITH(SETTING(cache_save), 0, "which is of one place"),
+                   NOT_WITH(SETTING(decide_by), 0,
+                            "by which chunks of one place agree")}},
     {ROW_TEXT("cache-load", SETTING(cache_load), "FILE"),
      .help = "begin with the cache in a file of --cache-save, which also says "
              "its size and place",
@@ -261,6 +288,11 @@ static const option_row sampling_rows[] = {
              "minutes to hours; compare with it to see the sampling error"},
     {ROW_NUMBER("slices", CONFIG(sampling.slices), 1, SLICES_MOST_EXACT, "N"),
      .help = "slices per pixel, 1..32 ({})"},
+    {ROW_NUMBER("slice-frames", CONFIG(sampling.slice_frames), 1, 4, "N"),
+     .help = "search 1/N of the slices in each frame and take the others from "
+             "the frames before, which is faster; --slices is a multiple of N, "
+             "1..4 ({})",
+     .relations = {NOT_EXACT("which takes all from one frame")}},
     {ROW_NUMBER("steps-per-side", CONFIG(sampling.steps_per_side), 1, 256, "N"),
      .help = "samples on each side of a slice, 1..256 ({})",
      .relations = {EVERY_PIXEL}},
@@ -297,11 +329,6 @@ static const option_row sampling_rows[] = {
                    NOT_WITH(SETTING(config.sampling.resolution),
                             1u << HBIL_RESOLUTION_HALF,
                             "where the filter fills in the other pixels")}},
-    {ROW_NUMBER("max-history-frames", CONFIG(history.max_frames), 0, 1024, "N"),
-     .help = "average the last N frames, each sampled with a rotated pattern, "
-             "which reduces noise.  Use 2 to 4 for moving cameras and 8 or "
-             "more for still ones; 0..1024 (0: off)",
-     .relations = {NOT_EXACT("which has no noise")}},
 };
 
 static const option_row model_rows[] = {

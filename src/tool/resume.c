@@ -224,7 +224,7 @@ int resume_open(resume *r, const job *j, lighting *l, image_error *error) {
   r->history_size = lighting_history_size(l);
   r->keys = calloc((size_t)j->count, sizeof *r->keys);
   r->finished = calloc((size_t)j->count, sizeof *r->finished);
-  r->history_path = job_history_path(j, (int)j->settings->pre_roll);
+  r->history_path = job_history_path(j, (int)j->pre_roll);
   for (int i = 0; r->finished && job_is_pre_roll(j, i); i++)
     r->finished[i] = 1;
   if (!r->keys || !r->finished || !r->history_path)
@@ -247,7 +247,7 @@ int resume_is_needed(const resume *r, size_t item) {
   return !r->finished[i] ||
          (i >= r->first && i < r->end &&
           (r->history_size || (r->job->settings->preview &&
-                               i == (int)r->job->settings->pre_roll)));
+                               i == (int)r->job->pre_roll)));
 }
 
 /* Files that are made of what the cache knows in the end. */
@@ -262,7 +262,7 @@ int resume_uses_cache(const resume *r) {
 
 int resume_is_seen(const resume *r, size_t item) {
   const process_settings *s = r->job->settings;
-  return r->job->has_cache && !s->learn && !s->cache_fixed &&
+  return r->job->has_cache && !s->cache_fixed &&
          ((int)item < r->end || needs_whole_cache(s));
 }
 

@@ -4,6 +4,7 @@
 #include "hbil/hbil_stages.h"
 #include "image/error.h"
 #include "image/image.h"
+#include "tool/device_plane.h"
 #include "tool/layers.h"
 #include "tool/program_folder.h"
 #include "tool/refusal.h"
@@ -20,10 +21,10 @@ struct sequence {
   hbil_config config;
   hbil_memory memory; /* of the plan */
   size_t plane;       /* bytes of one channel */
-  unsigned layers;
+  unsigned layers, halves;
   size_t channels[INPUTS]; /* 0: this input is not used */
-  cl_mem input[INPUTS];
-  cl_mem output[LAYER_COUNT];
+  device_plane input[INPUTS];
+  device_plane output[LAYER_COUNT];
   job_cache *cache; /* NULL: none */
   uint64_t last;  /* hash of the previous frame's inputs and camera; 0: none */
   cl_uint index;  /* of the next run */
@@ -45,29 +46,6 @@ static int opencl_failed(const sequence *s, cl_int status, const char *doing,
   return refusal_of_opencl(s->device, NULL, status, doing, error);
 }
 
-static int make_buffer(sequence *s, cl_mem_flags flags, size_t channels,
-                       cl_mem *out, image_error *error) {
-  cl_int status;
-  *out = clCreateBuffer(s->device->context, flags, channels * s->plane, NULL,
-                        &status);
-  return status == CL_SUCCESS
-             ? 0
-             : opencl_failed(s, status, "making a buffer", error);
-}
-
-static int make_buffers(sequence *s, image_error *error) {
-  for (int i = 0; i < INPUTS; i++)
-    if (s->channels[i] && make_buffer(s, CL_MEM_READ_ONLY, s->channels[i],
-                                      &s->input[i], error) != 0)
-      return -1;
-  for (int l = 0; l < LAYER_COUNT; l++)
-    if (s->layers >> l & 1 &&
-        make_buffer(s, CL_MEM_WRITE_ONLY, strlen(layer_table[l].components),
-                    &s->output[l], error) != 0)
-      return -1;
-  return 0;
-}
-
 static int open_plan(sequence *s, image_error *error) {
   hbil_status status =
       hbil_context_create(s->device->context, s->device->id, &s->context);
@@ -81,8 +59,8 @@ static int open_plan(sequence *s, image_error *error) {
 }
 
 int sequence_open(const device *d, const hbil_config *config,
-                  const channel_map *map, unsigned layers, sequence **out,
-                  image_error *error) {
+                  const channel_map *map, unsigned layers, unsigned halves,
+                  sequence **out, image_error *error) {
   sequence *s = calloc(1, sizeof *s);
   *out = NULL;
   if (!s)
@@ -90,11 +68,12 @@ int sequence_open(const device *d, const hbil_config *config,
   s->device = d;
   s->config = *config;
   s->layers = layers;
+  s->halves = halves;
   s->plane = (size_t)config->width * config->height * sizeof(float);
-  formats_choose(&s->config, map, layers);
+  formats_choose(&s->config, map, layers, halves);
   for (int i = 0; i < INPUTS; i++)
     s->channels[i] = formats_channels(&s->config, map, i);
-  if (open_plan(s, error) != 0 || make_buffers(s, error) != 0) {
+  if (open_plan(s, error) != 0) {
     sequence_close(s);
     return -1;
   }
@@ -106,11 +85,9 @@ void sequence_close(sequence *s) {
   if (!s)
     return;
   for (int i = 0; i < INPUTS; i++)
-    if (s->input[i])
-      clReleaseMemObject(s->input[i]);
+    device_plane_close(&s->input[i]);
   for (int l = 0; l < LAYER_COUNT; l++)
-    if (s->output[l])
-      clReleaseMemObject(s->output[l]);
+    device_plane_close(&s->output[l]);
   hbil_plan_destroy(s->plan);
   hbil_context_destroy(s->context);
   program_folder_close(s->programs);
@@ -129,18 +106,58 @@ size_t sequence_memory(const sequence *s) {
   return s->memory.persistent + s->memory.scratch;
 }
 
-/* The writes don't block.  The planes stay valid until the reads at the end of
- * the frame, which do. */
+/* The planes stay as they are until the end of the frame. */
 static int upload(sequence *s, const gbuffer *g, image_error *error) {
-  for (int i = 0; i < INPUTS; i++)
-    for (size_t c = 0; c < s->channels[i]; c++) {
-      const cl_int status = clEnqueueWriteBuffer(
-          s->device->queue, s->input[i], CL_FALSE, c * s->plane, s->plane,
-          gbuffer_plane(g, input_table[i].role, c), 0, NULL, NULL);
-      if (status != CL_SUCCESS)
-        return opencl_failed(s, status, "writing a buffer", error);
-    }
+  for (int i = 0; i < INPUTS; i++) {
+    host_channels from = {.count = s->channels[i], .bytes = s->plane};
+    if (!from.count)
+      continue;
+    for (size_t c = 0; c < from.count; c++)
+      from.channel[c] = gbuffer_plane(g, input_table[i].role, c);
+    const cl_int status = device_plane_write(s->device, &from, &s->input[i]);
+    if (status != CL_SUCCESS)
+      return opencl_failed(s, status, "writing a buffer", error);
+  }
   return 0;
+}
+
+static host_channels channels_of(const sequence *s, const image *result,
+                                 const image *hidden, layer l) {
+  host_channels out = {.count = strlen(layer_table[l].components),
+                       .bytes = s->plane};
+  const int halves = s->halves >> l & 1;
+  if (halves)
+    out.bytes = s->plane / sizeof(float) * sizeof(uint16_t);
+  for (size_t c = 0; c < out.count; c++)
+    out.channel[c] = halves ? (void *)layers_halves(result, l, c)
+                            : (void *)layers_plane_of(result, hidden, l, c);
+  return out;
+}
+
+static int open_outputs(sequence *s, const image *result, const image *hidden,
+                        image_error *error) {
+  for (int l = 0; l < LAYER_COUNT; l++) {
+    if (!(s->layers >> l & 1))
+      continue;
+    const host_channels to = channels_of(s, result, hidden, (layer)l);
+    const cl_int status = device_plane_open(s->device, &to, &s->output[l]);
+    if (status != CL_SUCCESS)
+      return opencl_failed(s, status, "making a buffer", error);
+  }
+  return 0;
+}
+
+static void end_planes(sequence *s) {
+  for (int i = 0; i < INPUTS; i++)
+    device_plane_end(s->device, &s->input[i]);
+  for (int l = 0; l < LAYER_COUNT; l++)
+    device_plane_end(s->device, &s->output[l]);
+}
+
+static void set_plane(hbil_frame *frame, size_t offset, const device_plane *p) {
+  hbil_plane *plane = plane_at(frame, offset);
+  plane->buffer = p->buffer;
+  plane->plane_pitch = p->pitch;
 }
 
 static void fill_frame(const sequence *s, const channel_map *map,
@@ -152,23 +169,23 @@ static void fill_frame(const sequence *s, const channel_map *map,
   frame->sky_share = far->sky_share;
   frame->cache = s->cache ? job_cache_of(s->cache) : NULL;
   for (int i = 0; i < INPUTS; i++)
-    plane_at(frame, input_table[i].image)->buffer = s->input[i];
+    set_plane(frame, input_table[i].image, &s->input[i]);
   for (int l = 0; l < LAYER_COUNT; l++)
-    plane_at(frame, layer_table[l].image)->buffer = s->output[l];
+    set_plane(frame, layer_table[l].image, &s->output[l]);
 }
 
 /* When a frame is repeated, nothing has moved since the previous run. */
 static int clear_motion(sequence *s, image_error *error) {
   const float zero = 0.0f;
-  for (int i = 0; i < INPUTS; i++) {
-    if (input_table[i].role != ROLE_MOTION || !s->channels[i])
-      continue;
-    const cl_int status =
-        clEnqueueFillBuffer(s->device->queue, s->input[i], &zero, sizeof zero,
-                            0, s->channels[i] * s->plane, 0, NULL, NULL);
-    if (status != CL_SUCCESS)
-      return opencl_failed(s, status, "clearing a buffer", error);
-  }
+  for (int i = 0; i < INPUTS; i++)
+    for (size_t c = 0; input_table[i].role == ROLE_MOTION && c < s->channels[i];
+         c++) {
+      const cl_int status = clEnqueueFillBuffer(
+          s->device->queue, s->input[i].buffer, &zero, sizeof zero,
+          c * s->input[i].pitch, s->plane, 0, NULL, NULL);
+      if (status != CL_SUCCESS)
+        return opencl_failed(s, status, "clearing a buffer", error);
+    }
   return 0;
 }
 
@@ -189,9 +206,6 @@ static int run_passes(sequence *s, const char *path, hbil_frame *frame,
       return -1;
     if (run == 1)
       frame->static_frame = CL_TRUE;
-    /* only the temporal filter averages a rotating pattern */
-    frame->frame_index = s->config.history.max_frames ? s->index : 0;
-    s->index++;
     const hbil_status status =
         hbil_enqueue_frame(s->plan, s->device->queue, frame, 0, NULL, NULL);
     if (status != HBIL_SUCCESS)
@@ -200,16 +214,16 @@ static int run_passes(sequence *s, const char *path, hbil_frame *frame,
   return 0;
 }
 
-static int download(sequence *s, image *result, image *hidden,
+static int download(sequence *s, const image *result, const image *hidden,
                     image_error *error) {
-  for (int l = 0; l < LAYER_COUNT; l++)
-    for (size_t c = 0; s->output[l] && layer_table[l].components[c]; c++) {
-      const cl_int status = clEnqueueReadBuffer(
-          s->device->queue, s->output[l], CL_TRUE, c * s->plane, s->plane,
-          layers_plane_of(result, hidden, (layer)l, c), 0, NULL, NULL);
-      if (status != CL_SUCCESS)
-        return opencl_failed(s, status, "reading a buffer", error);
-    }
+  for (int l = 0; l < LAYER_COUNT; l++) {
+    if (!(s->layers >> l & 1))
+      continue;
+    const host_channels to = channels_of(s, result, hidden, (layer)l);
+    const cl_int status = device_plane_read(s->device, &to, &s->output[l]);
+    if (status != CL_SUCCESS)
+      return opencl_failed(s, status, "reading a buffer", error);
+  }
   return 0;
 }
 
@@ -243,17 +257,20 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
                  const far_light *far, unsigned repeat, image *result,
                  image *hidden, timing_row *row, image_error *error) {
   hbil_frame frame;
-  fill_frame(s, &g->map, far, &frame);
-  frame.static_frame = is_same(s, hash, &frame);
-  int failed = upload(s, g, error) != 0 ||
-               (s->cache && job_cache_see_frame(s->cache, row->frame, g,
-                                                s->input, error) != 0) ||
-               run_passes(s, row->frame, &frame, repeat, error) != 0 ||
-               download(s, result, hidden, error) != 0;
-  if (failed) {
-    clFinish(s->device->queue); /* it may still read the planes */
-    return -1;
+  int failed =
+      upload(s, g, error) != 0 || open_outputs(s, result, hidden, error) != 0;
+  if (!failed) {
+    fill_frame(s, &g->map, far, &frame);
+    frame.static_frame = is_same(s, hash, &frame);
+    failed = (s->cache && job_cache_see_frame(s->cache, row->frame, g, s->input,
+                                              error) != 0) ||
+             run_passes(s, row->frame, &frame, repeat, error) != 0 ||
+             download(s, result, hidden, error) != 0;
   }
+  clFinish(s->device->queue); /* until then it uses the planes */
+  end_planes(s);
+  if (failed)
+    return -1;
   if (s->config.execution.profiling) {
     const cl_command_queue queue = s->device->queue;
     hbil_status status = hbil_plan_timings(s->plan, row->milliseconds);
@@ -270,9 +287,9 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
 /* ------------------------------------------------------------------------ */
 /* History                                                                   */
 
-static const hbil_stage history_stages[] = {HBIL_STAGE_HISTORY,
-                                            HBIL_STAGE_TEMPORAL_HISTORY,
-                                            HBIL_STAGE_AO_TEMPORAL_HISTORY};
+static const hbil_stage history_stages[] = {
+    HBIL_STAGE_HISTORY, HBIL_STAGE_SLICES, HBIL_STAGE_AO_SLICES,
+    HBIL_STAGE_PROBE_HISTORY};
 enum { HISTORIES = sizeof history_stages / sizeof *history_stages };
 
 /* Where a history lies in its buffer, in bytes, without the padding around its
@@ -286,8 +303,9 @@ static history history_of(const sequence *s, hbil_stage stage) {
   hbil_buffer b;
   if (hbil_plan_buffer(s->plan, stage, &b) != HBIL_SUCCESS)
     return (history){.buffer = NULL};
-  const size_t row = s->config.width * sizeof(float);
-  const size_t rows = s->config.height;
+  const int whole = stage != HBIL_STAGE_HISTORY;
+  const size_t row = (whole ? b.row_pitch : s->config.width) * sizeof(float);
+  const size_t rows = whole ? b.plane_pitch / b.row_pitch : s->config.height;
   return (history){.buffer = b.buffer,
                    .from = {b.origin * sizeof(float), 0, 0},
                    .size = {row, rows, b.values},
@@ -296,18 +314,12 @@ static history history_of(const sequence *s, hbil_stage stage) {
                    .bytes = row * rows * b.values};
 }
 
-/* What a plan's histories don't tell of themselves. */
-typedef struct progress {
-  cl_uint index; /* of the next run */
-  cl_uint bounces;
-} progress;
-
-/* The histories, one after the other, then the progress. */
+/* The histories, one after the other, then the number of bounces. */
 size_t sequence_history_size(const sequence *s) {
   size_t all = 0;
   for (int i = 0; i < HISTORIES; i++)
     all += history_of(s, history_stages[i]).bytes;
-  return all ? all + sizeof(progress) : 0;
+  return all ? all + sizeof(cl_uint) : 0;
 }
 
 static cl_int copy_planes(sequence *s, const history *c, void *bytes,
@@ -337,11 +349,11 @@ static int copy_histories(sequence *s, unsigned char **bytes, int to_plan,
 }
 
 int sequence_history_save(sequence *s, void *bytes, image_error *error) {
-  const progress now = {s->index, hbil_plan_bounces(s->plan)};
+  const cl_uint bounces = hbil_plan_bounces(s->plan);
   unsigned char *next = bytes;
   if (copy_histories(s, &next, 0, error) != 0)
     return -1;
-  memcpy(next, &now, sizeof now);
+  memcpy(next, &bounces, sizeof bounces);
   return 0;
 }
 
@@ -349,14 +361,13 @@ int sequence_history_restore(sequence *s, const channel_map *map,
                              const far_light *far, void *bytes,
                              image_error *error) {
   hbil_frame frame;
-  progress then;
+  cl_uint bounces;
   unsigned char *next = bytes;
   fill_frame(s, map, far, &frame);
   if (copy_histories(s, &next, 1, error) != 0)
     return -1;
-  memcpy(&then, next, sizeof then);
-  s->index = then.index;
+  memcpy(&bounces, next, sizeof bounces);
   const hbil_status status =
-      hbil_plan_adopt_history(s->plan, &frame.camera, then.bounces);
+      hbil_plan_adopt_history(s->plan, &frame.camera, bounces);
   return status == HBIL_SUCCESS ? 0 : library_failed(s, NULL, status, error);
 }

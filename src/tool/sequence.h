@@ -15,11 +15,12 @@
 typedef struct sequence sequence;
 
 /* config: the settings; formats are filled in from the map and the set of
- * layers (layers.h).  The device must outlive the sequence.  Returns 0, or -1
+ * layers (layers.h), of which results have those in `halves` as halves.  The
+ * device must outlive the sequence.  Returns 0, or -1
  * with `error` filled and *out NULL. */
 int sequence_open(const device *d, const hbil_config *config,
-                  const channel_map *map, unsigned layers, sequence **out,
-                  image_error *error);
+                  const channel_map *map, unsigned layers, unsigned halves,
+                  sequence **out, image_error *error);
 void sequence_close(sequence *s); /* NULL is allowed */
 
 /* The library on the device. */

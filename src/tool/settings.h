@@ -34,6 +34,20 @@ typedef enum far_without_cache {
   FAR_IS_NONE
 } far_without_cache;
 
+/* How layers are stored; in the order of the option's words. */
+typedef enum layer_precision {
+  PRECISION_OF_FRAME = 0, /* halves if the colours of the first frame are */
+  PRECISION_HALF,
+  PRECISION_FLOAT
+} layer_precision;
+
+/* What the layer beauty is; in the order of the option's words. */
+typedef enum beauty_kind {
+  BEAUTY_OF_FRAME = 0, /* BEAUTY_REPLACE where the frames can */
+  BEAUTY_REPLACE,      /* the frame's picture with other indirect light */
+  BEAUTY_DIFFUSE       /* diffuse light and emission */
+} beauty_kind;
+
 typedef struct process_settings {
   source_options source;   /* how frames are read */
   const char *output;      /* folder of the results; must be given */
@@ -41,6 +55,10 @@ typedef struct process_settings {
   const char *environment; /* "R,G,B", "none", "frame", an image file, or NULL:
                               chosen by the first frame */
   const char *device;      /* see device_open() */
+  float crop[4];           /* x, y, width and height of what is written, in
+                              pixels of the picture; width 0: all of it */
+  const char *cuts;        /* frames that begin another place, "none", or
+                              NULL: found */
   const char *contact_sheet; /* a PNG of frames and layers, or NULL */
   unsigned layers;           /* a set (layers.h); 0: all that the mode has */
   int paper;                 /* 1: the model is that of the paper */
@@ -69,8 +87,9 @@ typedef struct process_settings {
   int preview, timings, json, quiet; /* flags */
   int resume;    /* 1: results of the same settings and frames stay */
   int overwrite; /* 1: existing results are replaced; 0: they are an error */
-  int copy_channels;  /* 1: results also get the frames' own channels */
-  int half;           /* 1: layers are stored as half floats */
+  int copy_channels;         /* 1: results also get the frames' own channels */
+  layer_precision precision; /* of the layers in the results */
+  beauty_kind beauty;
   int compression;    /* of the results, an index of exr_compressions */
   int dry_run;        /* 1: only print what would be done */
   int exact;          /* 1: the exact integral instead of the library */

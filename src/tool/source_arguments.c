@@ -94,6 +94,10 @@ const option_row source_rows[SOURCE_ROWS] = {
     {ROW_TEXT("eye", AT(eye), "NAME"),
      .help = "which eye of a multi-view file, such as left (the first); its "
              "camera is FRAME.NAME.json, or else FRAME.json"},
+    {ROW_TEXT("exposure", AT(exposure), "ATTRIBUTE"),
+     .help = "the number in each frame's header by which its light has been "
+             "multiplied; results have the same factor (`exposure` of the "
+             "camera file, or else none)"},
     {ROW_CHOICE("depth", AT(depth), depth_words),
      .help = "distance along the camera's axis, distance from the eye, "
              "computed from positions, 0..1, 1..0 (the last two with --clip)"},

@@ -4,7 +4,7 @@
 
 #include "tool/options.h"
 
-enum { SOURCE_ROWS = 16 };
+enum { SOURCE_ROWS = 17 };
 
 /* Their members are those of a source_options with which the arguments of the
  * command begin. */

@@ -290,7 +290,7 @@ static void start_images(image_step *t) {
   prepare(&t->s);
   setup_no_outputs(&t->s);
   t->s.config.execution.profiling = CL_FALSE;
-  t->s.config.history.max_frames = 4;
+  t->s.config.sampling.slices = t->s.config.sampling.slice_frames = 2;
   t->frame = t->s.frame;
   for (plane_id id = 0; id < PLANE_FIRST_OUTPUT; ++id)
     if (plane_format(&t->s.config, id)->component != HBIL_NONE) {
@@ -382,9 +382,9 @@ static void frames_of_images_can_be_repeated(void **state) {
 
 /* The same if composite was enqueued by itself, and is enqueued again. */
 static void composite_to_images_can_be_repeated(void **state) {
-  static enqueue_function *const passes[] = {
-      enqueue_reproject, enqueue_push_pull, enqueue_split,
-      enqueue_gather,    enqueue_recompose, enqueue_temporal};
+  static enqueue_function *const passes[] = {enqueue_reproject,
+                                             enqueue_push_pull, enqueue_split,
+                                             enqueue_gather, enqueue_recompose};
   outcome o = {0, "", HBIL_SUCCESS};
   image_step t;
   (void)state;

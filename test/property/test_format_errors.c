@@ -46,6 +46,7 @@ static const form forms[] = {
     {"1..0 FLOAT16", PLANE_DEPTH, HBIL_FLOAT16, 0, REVERSED, 0},
     {"1..0 UNORM24", PLANE_DEPTH, HBIL_UNORM24, 0, REVERSED, 0},
     {"albedo UNORM8", PLANE_ALBEDO, HBIL_UNORM8, 0, 0, 0},
+    {"albedo SRGB8", PLANE_ALBEDO, HBIL_SRGB8, 0, 0, 0},
     {"albedo UNORM16", PLANE_ALBEDO, HBIL_UNORM16, 0, 0, 0},
     {"albedo RGB10A2", PLANE_ALBEDO, HBIL_RGB10A2_UNORM, 0, 0, 0},
     {"direct FLOAT16", PLANE_DIRECT, HBIL_FLOAT16, 0, 0, 0},

@@ -374,7 +374,7 @@ static void check_failures(hbil_cache_method method, cl_command_queue queue,
 static void failed_commands_can_be_repeated(void **state) {
   (void)state;
   for (hbil_cache_method p = first_method; p <= last_method; ++p)
-    check_failures(p, shared_device.queue, p == first_method ? 1 : 3);
+    check_failures(p, shared_device.queue, p == first_method ? 2 : 5);
 }
 
 static void failed_commands_of_any_order_can_be_repeated(void **state) {

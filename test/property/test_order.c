@@ -44,7 +44,7 @@ static cl_command_queue make_queue(cl_command_queue_properties properties) {
 static void start(order *o, cl_command_queue_properties first,
                   cl_command_queue_properties second) {
   setup_every_pass(&o->s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
-  o->s.config.history.max_frames = 4;
+  o->s.config.sampling.slices = o->s.config.sampling.slice_frames = 2;
   setup_start(&o->s);
   o->queues[0] = make_queue(first);
   o->queues[1] = make_queue(second);
@@ -81,8 +81,8 @@ static void open_gate(const order *o, cl_event gate) {
 /* --- sequences --- */
 
 static enqueue_function *const passes[] = {
-    enqueue_reproject, enqueue_push_pull, enqueue_split,    enqueue_gather,
-    enqueue_recompose, enqueue_temporal,  enqueue_composite};
+    enqueue_reproject, enqueue_push_pull, enqueue_split,
+    enqueue_gather,    enqueue_recompose, enqueue_composite};
 enum { PASSES = sizeof passes / sizeof *passes };
 static enqueue_function *const whole_frame[] = {hbil_enqueue_frame};
 
@@ -402,7 +402,7 @@ static void timings_are_of_both_queues(void **state) {
                                             &o.s.frame, 0, NULL, NULL));
   assert_success(&o.s, hbil_plan_timings(o.s.plan, ms));
   for (int i = 0; i < PASSES; ++i)
-    assert_true(i == HBIL_PASS_TEMPORAL || ms[i] > 0.0);
+    assert_true(ms[i] > 0.0);
   stop(&o);
 }
 

@@ -212,13 +212,6 @@ static void cache_of_frame(setup *s) {
   s->config.model.radius = 2.0f;
 }
 
-static void cache_of_a_slice(setup *s) {
-  cache_all(s);
-  s->config.sampling.slices = 1;
-  s->config.sampling.steps_per_side = 80; /* more than one block of samples */
-  s->config.model.radius = 0.5f;
-}
-
 static void cache_of_radiance(setup *s) {
   carried_radiance(s);
   s->config.execution.horizon_cache_bytes = SIZE_MAX;
@@ -273,7 +266,6 @@ static void cached_horizons_give_the_same_light(void **state) {
                                              cache_of_all_light,
                                              cache_of_black,
                                              cache_of_frame,
-                                             cache_of_a_slice,
                                              cache_of_a_step,
                                              cache_of_parallel_rays,
                                              cache_of_radiance,

@@ -210,6 +210,8 @@ void draw_case(setup *s, drawn *d, uint64_t seed) {
     s->config.model.ao_bounces = (hbil_ao_bounces)(seed % 3);
   any_search(&s->config.model, seed);
   any_units(&s->config.inputs, d->kind, r);
+  /* nor by `r`, as above */
+  s->config.inputs.direct_kind = (hbil_direct_kind)(seed / 5 % 3 == 0);
   s->frame.hardware_depth[0] = 0.0;
   s->frame.hardware_depth[1] = HARDWARE_NEAR;
 }
@@ -312,7 +314,7 @@ void draw_tell(const setup *s, const drawn *d) {
       "%u x %u growth %g grid %d resolution %d unfiltered %d storage %d "
       "width %u skip %u\n%s"
       "depth_kind %d scale %g, sky_depth %g, normal_encoding %d space %d scale "
-      "%g %g %g, direct_scale %g, motion_scale %g",
+      "%g %g %g, direct_kind %d scale %g, motion_scale %g",
       (unsigned long long)d->seed,
       d->kind == SCENES ? "scenes" : content_names[d->what], d->scale,
       d->spoiled, v->fov, v->off_x, v->off_y, v->pixel, c->width, c->height,
@@ -332,7 +334,8 @@ void draw_tell(const setup *s, const drawn *d) {
       (double)c->inputs.sky_depth, (int)c->inputs.normal_encoding,
       (int)c->inputs.normal_space, (double)c->inputs.normal_scale[0],
       (double)c->inputs.normal_scale[1], (double)c->inputs.normal_scale[2],
-      (double)c->inputs.direct_scale, (double)c->inputs.motion_scale[0]);
+      (int)c->inputs.direct_kind, (double)c->inputs.direct_scale,
+      (double)c->inputs.motion_scale[0]);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -383,6 +386,8 @@ void draw_frame(setup *s, drawn *d, uint32_t index) {
   for (int c = 0; c < 3 && d->kind != SCENES; ++c)
     s->frame.camera.world_from_view[4 * c + 3] += 0.1 * index * d->scale;
   scale_inputs(s, d->scale);
+  if (index % 2)
+    s->frame.exposure = (float)exp2(8.0 * random_unit(&d->r) - 4.0);
   spoil(s, &d->r, d->spoiled);
   setup_upload(s);
 }

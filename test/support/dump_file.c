@@ -220,7 +220,9 @@ void dump_write(dump *d) {
                         .fx = c->fx,
                         .fy = c->fy,
                         .cx = c->cx,
-                        .cy = c->cy};
+                        .cy = c->cy,
+                        .near = d->near,
+                        .far = d->far};
   for (int i = 0; i < 16; i++)
     camera.camera_to_world[i] =
         c->world_from_view[i] * (i % 4 == 1 || i % 4 == 2 ? -1 : 1);

@@ -35,7 +35,8 @@ typedef struct dump {
   image img;
   source_options options;
   char path[128];
-  int json; /* whether a camera file is written beside it */
+  int json;         /* whether a camera file is written beside it */
+  double near, far; /* the camera file's clipping planes; 0: it has none */
 } dump;
 
 /* The folder of all dumps, which RUN_WITH_DUMPS creates and removes. */

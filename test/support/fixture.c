@@ -43,7 +43,7 @@ static void use_plain_model(hbil_config *c) {
   c->model.feedback = HBIL_FEEDBACK_IRRADIANCE;
   c->history.disocclusion_threshold = 0.05f;
   c->model.far_field = HBIL_FAR_NONE;
-  c->history.max_frames = 0;
+  c->sampling.slice_frames = 1;
   c->execution.horizon_cache_bytes = 0;
   c->execution.skip = HBIL_SKIP_ALL;
 }
@@ -293,6 +293,7 @@ void setup_upload(setup *s) {
   s->job.frame_index = s->frame.frame_index;
   memcpy(s->job.environment, s->frame.environment, sizeof(s->job.environment));
   s->job.sky_share = s->frame.sky_share;
+  s->job.exposure = s->frame.exposure;
   for (plane_id id = 0; id < PLANE_FIRST_OUTPUT; ++id) {
     bool has = has_plane(s, id);
     if (has)
@@ -325,7 +326,6 @@ PASS_FUNCTION(push_pull, HBIL_PASS_PUSH_PULL)
 PASS_FUNCTION(split, HBIL_PASS_SPLIT)
 PASS_FUNCTION(gather, HBIL_PASS_GATHER)
 PASS_FUNCTION(recompose, HBIL_PASS_RECOMPOSE)
-PASS_FUNCTION(temporal, HBIL_PASS_TEMPORAL)
 PASS_FUNCTION(composite, HBIL_PASS_COMPOSITE)
 
 /* The library measured these, so the exact passes take them over. */

@@ -106,7 +106,7 @@ typedef hbil_status enqueue_function(hbil_plan *, cl_command_queue,
                                      const cl_event *, cl_event *);
 /* One pass each, as hbil_enqueue_frame() enqueues all of them. */
 enqueue_function enqueue_reproject, enqueue_push_pull, enqueue_split,
-    enqueue_gather, enqueue_recompose, enqueue_temporal, enqueue_composite;
+    enqueue_gather, enqueue_recompose, enqueue_composite;
 /* Enqueues a pass or a frame and waits; must succeed. */
 void setup_run(setup *s, enqueue_function *pass);
 /* Fails with the context's message unless `status` is HBIL_SUCCESS. */

@@ -132,6 +132,9 @@ double component_value(hbil_component component, const unsigned char *at,
     return half_value(two);
   case HBIL_UNORM8:
     return *at / 255.0;
+  case HBIL_SRGB8:
+    return *at <= 10 ? *at / 255.0 / 12.92
+                     : pow((*at / 255.0 + 0.055) / 1.055, 2.4);
   case HBIL_UNORM16:
     return two / 65535.0;
   case HBIL_UNORM24:

@@ -80,6 +80,7 @@ exact_probes lit_probes(const setup *s, const char *kernel, cl_uint index) {
     p->valid = v[HBIL_PROBE_VALID] != 0.0f;
     p->place = vec_of(v + HBIL_PROBE_POSITION);
     p->normal = vec_of(v + HBIL_PROBE_NORMAL);
+    p->frames = (double)v[HBIL_PROBE_FRAMES_AT];
     for (int k = 0; k < 4; ++k) {
       p->known[k] = (double)v[HBIL_PROBE_KNOWN + k];
       p->unknown[k] = (double)v[HBIL_PROBE_UNKNOWN + k];

@@ -65,12 +65,13 @@ static const part filled_parts[] = {
     {"weight", HBIL_CARRIED_WEIGHT, 1, {ALL, 1e-6}, {ALL, 1e-6}, 1e-6},
 };
 /* Derived: four roundings; a rotation, a length and a product with roundings
- * of 6e-8 each, and six of decoding; those of sums.  Packed normals: half a
- * step of 1/32767 in u and v is sqrt(18)/2 steps in the middle of a face. */
+ * of 6e-8 each, and six of decoding, or 12 of sRGB; those of sums.  Packed
+ * normals: half a step of 1/32767 in u and v is sqrt(18)/2 steps in the middle
+ * of a face. */
 static const part split_parts[] = {
     {"inverse depth", HBIL_SPLIT_W, 1, {OWN, 5e-7}, {OWN, 5e-7}, 1e-6},
     {"normal", HBIL_SPLIT_NORMAL, 3, {ALL, 1e-6}, {BENT, 6.6e-5}, 1e-6},
-    {"radiance", HBIL_SPLIT_RED, 3, {LARGEST, 1e-6}, {LOST8, 1e-6}, 1e-6},
+    {"radiance", HBIL_SPLIT_RED, 3, {LARGEST, 2e-6}, {LOST8, 2e-6}, 2e-6},
 };
 /* Measured: AO 1.3e-7, E_near 4.8e-7, bent normals 1.9e-7 (the requirement is
  * 1e-3).  Packed: half a step of 16 bits, a dithered one of 8 bits, and units

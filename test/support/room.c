@@ -67,7 +67,7 @@ static sight look(const room *r, const double from[3], const double d[3]) {
     if (leaves < s.depth)
       s = (sight){leaves, (wall)(2 * i + (d[i] > 0.0))};
   }
-  if (!(s.depth > entry))
+  if (!(s.depth > entry) || (r->roofless && s.hit == CEILING))
     s.depth = 0.0;
   return s;
 }

@@ -18,6 +18,7 @@ typedef struct room {
   float albedo;
   float direct[WALLS]; /* irradiance, or what else the plane holds */
   float emission[WALLS];
+  bool roofless; /* there is sky in place of the ceiling */
 } room;
 
 /* Size that fits into a cache of room_cache_config(). */

@@ -535,6 +535,22 @@ CL_API_ENTRY cl_int CL_API_CALL clSetMemObjectDestructorCallback(
   return status;
 }
 
+static bool shares_programs;
+
+void shim_share_programs(bool share) {
+  shares_programs = share;
+}
+
+/* The library retains programs for sharing alone. */
+CL_API_ENTRY cl_int CL_API_CALL clRetainProgram(cl_program program) {
+  const cl_int failure = shares_programs ? planned_failure("clRetainProgram")
+                                         : CL_OUT_OF_RESOURCES;
+  if (failure != CL_SUCCESS)
+    return failure;
+  add_reference(program);
+  return NEXT(clRetainProgram)(program);
+}
+
 RETAIN(clRetainContext, cl_context)
 RETAIN(clRetainDevice, cl_device_id)
 RETAIN(clRetainEvent, cl_event)

@@ -31,6 +31,11 @@ long shim_events_made(void);
  * nothing.  Plans can be created within milliseconds, but not run. */
 void shim_skip_builds(bool skip);
 
+/* true: from now on plans and caches of a context share programs, as they do
+ * without the shim.  Else each builds its own, so that what a test sees doesn't
+ * depend on what was created before it. */
+void shim_share_programs(bool share);
+
 /* From now on kernels run in work-groups of this size, in x and y, and rows of
  * work-groups run from the last to the first.  Rounding up to whole groups adds
  * work-items, which kernels must ignore.  NULL: the library's own groups. */

@@ -63,16 +63,15 @@ bool gathers_light(const setup *s) {
 
 /* The stage whose values and layout a stage has. */
 static hbil_stage like(hbil_stage stage) {
-  return stage == HBIL_STAGE_AO_GATHERED           ? HBIL_STAGE_GATHERED
-         : stage == HBIL_STAGE_AO_RESOLVED         ? HBIL_STAGE_RESOLVED
-         : stage == HBIL_STAGE_AO_TEMPORAL_HISTORY ? HBIL_STAGE_TEMPORAL_HISTORY
-                                                   : stage;
+  return stage == HBIL_STAGE_AO_GATHERED   ? HBIL_STAGE_GATHERED
+         : stage == HBIL_STAGE_AO_RESOLVED ? HBIL_STAGE_RESOLVED
+                                           : stage;
 }
 
 static bool is_packed(const setup *s, hbil_stage stage) {
   stage = like(stage);
   return s->config.sampling.storage != HBIL_STORAGE_FLOAT32 &&
-         stage != HBIL_STAGE_RESOLVED && stage != HBIL_STAGE_TEMPORAL_HISTORY;
+         stage != HBIL_STAGE_RESOLVED;
 }
 
 static int plain_planes(const setup *s, hbil_stage stage, int words);

@@ -21,7 +21,7 @@ scene.cycles.use_denoising = False
 scene.cycles.pixel_filter_type = "GAUSSIAN"
 scene.cycles.filter_width = 0.01
 render.resolution_x, render.resolution_y = 200, 100
-render.resolution_percentage = 24
+render.resolution_percentage = 57  # whole numbers: 114 x 57, by doubles 113
 bpy.ops.mesh.primitive_plane_add(size=20)
 bpy.ops.mesh.primitive_cube_add(size=2, location=(0, 0, 1))
 bpy.ops.object.light_add(type="POINT", location=(2, -3, 5))
@@ -39,6 +39,10 @@ camera = scene.camera = new_camera("one", (1, -7, 4), (1.1, 0.1, 0.2))
 lens = camera.data
 export.switch_on_passes(scene)
 assert all(layer.use_pass_position for layer in scene.view_layers)
+assert export.tell_of_blur(scene) == []
+render.use_motion_blur = lens.dof.use_dof = True
+assert export.tell_of_blur(scene) == ["motion blur", "depth of field"]
+render.use_motion_blur = lens.dof.use_dof = False
 export.register()
 
 
@@ -56,9 +60,12 @@ lens.type, lens.ortho_scale = "ORTHO", 9
 single("parallel")
 lens.type, lens.sensor_fit = "PERSP", "AUTO"
 render.use_border = render.use_crop_to_border = True
+# on whole pixels as floats, and just below them as doubles
+render.resolution_percentage = 50
 (render.border_min_x, render.border_max_x, render.border_min_y,
- render.border_max_y) = 0.11, 0.63, 0.35, 0.97
+ render.border_max_y) = 0.11, 0.63, 0.32, 0.7
 single("crop")
+render.resolution_percentage = 57
 render.use_border = False
 render.use_multiview = True
 render.views_format = "STEREO_3D"

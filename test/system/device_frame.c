@@ -14,6 +14,7 @@
 #include "test/support/shim.h"
 
 #include <stdio.h>
+#include <unistd.h>
 
 /* The picture of `motion` ends in the middle of a work-item's pixels, that of
  * `camera` at their end, since oclgrind reports reads of what nothing has set,
@@ -57,13 +58,16 @@ static void keep_outputs(setup *s, FILE *out, FILE *with) {
   exact_planes_free(&planes);
 }
 
+static bool under_oclgrind;
+
 static void name_device(void) {
   char name[256] = "";
   clGetDeviceInfo(shared_device.id, CL_DEVICE_NAME, sizeof name - 1, name,
                   NULL);
   printf("%s\n", name);
   fflush(stdout);
-  shim_under_oclgrind(strstr(name, "Oclgrind") != NULL);
+  under_oclgrind = strstr(name, "Oclgrind") != NULL;
+  shim_under_oclgrind(under_oclgrind);
 }
 
 /* Nothing that a rounding may tip over to another step: no dither, no sample
@@ -127,6 +131,19 @@ static void frames(void **state) {
     fclose(with);
 }
 
+/* In one of four runs glibc finds oclgrind 21.10's heap damaged when oclgrind
+ * frees its LLVM context, and aborts.  AddressSanitizer, which then looks at
+ * what the library and this program do, has nothing to say.  So the process
+ * ends before. */
+static int finish(int failures) {
+  if (!under_oclgrind)
+    return device_finish(failures);
+  clFinish(shared_device.queue);
+  hbil_context_destroy(shared_device.hbil);
+  fflush(NULL);
+  _exit(failures);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(frames)};
   if (argc < 3 || argc > 4) {
@@ -136,5 +153,6 @@ int main(int argc, char **argv) {
   plan = argv[1];
   out_path = argv[2];
   with_path = argv[3];
-  return RUN_WITH_DEVICE(tests);
+  shared_device = device_open();
+  return finish(cmocka_run_group_tests(tests, NULL, NULL));
 }

@@ -661,9 +661,9 @@ static void check_stages(void) {
   check(same_ao, "HBIL_STAGE_RESOLVED has the last frame's ao");
   check(same_depth, "HBIL_STAGE_HISTORY has its inverse depths");
   const hbil_status got =
-      hbil_plan_buffer(l.plan, HBIL_STAGE_TEMPORAL_HISTORY, &none);
+      hbil_plan_buffer(l.plan, HBIL_STAGE_SLICES, &none);
   check(fails(got, HBIL_INVALID_ARGUMENT, self.hbil,
-              "HBIL_STAGE_TEMPORAL_HISTORY"),
+              "HBIL_STAGE_SLICES"),
         "a stage that a plan doesn't have is named");
   free_plan(&l);
 }
@@ -675,14 +675,14 @@ static void check_stages(void) {
 static void check_adoption(void) {
   static picture third;
   lighting first = usual();
-  first.config.history.max_frames = 4;
+  first.config.sampling.slices = first.config.sampling.slice_frames = 2;
   first.config.model.far_field = HBIL_FAR_FRAME;
   lighting second = first;
   make_plan(&first);
   make_plan(&second);
   run_frames(&first, 2);
   copy_stage(&first, &second, HBIL_STAGE_HISTORY);
-  copy_stage(&first, &second, HBIL_STAGE_TEMPORAL_HISTORY);
+  copy_stage(&first, &second, HBIL_STAGE_SLICES);
   succeed(hbil_plan_adopt_history(second.plan, &first.frame.camera,
                                   hbil_plan_bounces(first.plan)),
           "hbil_plan_adopt_history");
@@ -737,7 +737,7 @@ static void check_suggestions(void) {
                                      .direct = host_plane(*cases[i].direct, 3),
                                      .emission =
                                          host_plane(*cases[i].emission, 3)};
-    hbil_sources found;
+    hbil_sources found = {.sky = not_seen};
     lighting l = usual();
     succeed(hbil_config_suggest(&planes, &l.config, &l.frame, &found),
             "hbil_config_suggest");

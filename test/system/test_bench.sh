@@ -10,7 +10,7 @@ tiny() {
   shift
   case $question in
   truth) ;;
-  thickness) set -- --size 64x48 --quick "$@" ;;
+  thickness | flicker) set -- --size 64x48 --quick "$@" ;;
   *) set -- --size 64x48 --runs 1 --quick "$@" ;;
   esac
   "$BENCH" "$question" -o "$work/results" "$@"
@@ -41,7 +41,7 @@ assert r["machine"]["device"] and r["date"] and r["tables"] and r["hbil"]' \
 }
 
 says "the program lists its questions" '^  passes ' "$BENCH" --help
-for question in error thickness skips scaling temporal passes pilot cache truth; do
+for question in error thickness skips scaling temporal passes pilot cache truth flicker; do
   says "$question has help" "^usage: hbil-bench $question" \
     "$BENCH" $question --help
 done
@@ -116,7 +116,7 @@ grep -q '^| first frame | [0-9]' "$work/out" &&
   grep -q '^| 128 | [0-9]' "$work/out"
 ok $? "scaling has first frames and samples"
 valid "scaling's JSON can be read" "$work/results/scaling.json"
-says "temporal has means over frames" '^| 3x56 g3 | 4 | 0\.' \
+says "temporal has frames that share slices" '^| 4x56/2 g3 | 0\.' \
   tiny temporal --pixels 40
 valid "temporal's JSON can be read" "$work/results/temporal.json"
 rejected "runs where nothing is timed" 'runs' "$BENCH" truth --runs 3 "$work"
@@ -125,6 +125,12 @@ says "cache has what a view costs" '^| inject a view | [0-9]' \
 grep -q '^| rays | [0-9.]* | | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out" &&
   grep -q '^| lpv | [0-9.]* | [-0-9.]* | [-0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$' "$work/out"
 ok $? "and each far-field method"
+says "flicker has both scenes, with and without a cache" \
+  '^| the procedural room | cache | 0\.[0-9]* | 0\.[0-9]* | 0\.[0-9]* | 0\.[0-9]* |' \
+  tiny flicker
+test "$(grep -c '^| the procedural corner | .*cache' "$work/out")" -eq 4
+ok $? "and with shared slices"
+valid "flicker's JSON can be read" "$work/results/flicker.json"
 says "passes has the time of each pass" '^| 3x56 g3, motion vectors | [0-9]' \
   tiny passes
 works "passes compares kernels" tiny passes --name kernels --json \
@@ -142,6 +148,10 @@ works "error takes a dump" "$BENCH" error --quick --runs 1 --pixels 16 \
   -o "$work/results" --name dump --dump "$1"
 grep -q "frame_0001.exr, 64 x 48 pixels" "$work/results/dump.md"
 ok $? "and names it"
+rejected "flicker needs a second frame" 'a second frame is needed' \
+  "$BENCH" flicker "$1"
+says "flicker takes captured frames" 'frame_0002.exr | cache | ' \
+  "$BENCH" flicker --quick -o "$work/results" "$@" "${1%1.exr}2.exr"
 rejected "a dump has its own size" '--size: a dump has' \
   "$BENCH" error --size 64x48 "$1"
 

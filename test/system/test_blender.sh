@@ -60,13 +60,15 @@ run cmp "$out/walk_0001.json" "$out/walk_0002.json"
 test $status -eq 1
 ok $? "which moves"
 says "all passes are there" 'direct  *[A-Za-z]*[.]DiffDir[.]R' "$HBIL" info "$out/plain.exr"
-for pass in normal albedo emission position indirect motion; do
+for pass in normal albedo emission position indirect motion picture alpha; do
   grep -q "^  $pass  *[A-Z]" "$work/out"
   ok $? "pass: $pass"
 done
 # one frame, little sampling: what the recipe says comes out
-works "the guide's recipe lights the animation" "$HBIL" process --quiet \
+works "the guide's recipe lights the animation" "$HBIL" process \
   --quality reference --slices 2 --warm-up 0 -o "$work/lit" "$out/walk_####.exr"
+grep -q 'beauty is the file.s picture (ViewLayer.Combined.R)' "$work/err"
+ok $? "and Blender's picture"
 has "both frames" "$work/lit/walk_0001.exr" "$work/lit/walk_0002.exr"
 
 echo "1..$count"

@@ -3,6 +3,7 @@
 # chunk has the bits of the whole job, decisions and a cache can be shared, chunks
 # write into one folder and are resumed there, and the guide's recipes run.
 . "$srcdir/test/support/tap.sh"
+. "$srcdir/test/support/slurm.sh"
 
 fast='--slices 1 --steps-per-side 6 --warm-up 1'
 process() {
@@ -222,6 +223,25 @@ for task in 0 1; do
 done
 run diff -r "$work/whole" lit
 ok $status "which together are the sequence"
+
+# And by a Slurm, with its own srun.
+rm "$work/bin/srun"
+rm -rf lit
+if without=$(slurm_missing); then
+  skip "Slurm lights the sequence" "$without"
+  skip "as one job would" "$without"
+elif ! slurm_start "$work/slurm" >"$work/out" 2>"$work/err"; then
+  slurm_stop "$work/slurm"
+  skip "Slurm lights the sequence" "Slurm doesn't start: $(tail -n 1 "$work/err")"
+  skip "as one job would" "Slurm doesn't start"
+else
+  run sbatch --wait --array=0-1 --output="$work/task%a" "$work/array.sh"
+  test $status -eq 0
+  ok $? "Slurm lights the sequence"
+  run diff -r "$work/whole" lit
+  ok $status "as one job would"
+  slurm_stop "$work/slurm"
+fi
 cd / || exit 99
 
 echo "1..$count"

@@ -118,13 +118,13 @@ wanted=$(sed -n "/^test_packages='/,/'\$/p" "$srcdir/bootstrap" |
 works_there "packages for tests: all but oclgrind" apt-get install -s -qq $wanted
 
 programs=
-for test in kernels gather estimate cache binaries messages; do
+for test in kernels gather binaries messages; do
   programs="$programs test/unit/test_$test"
 done
 # shellcheck disable=SC2086
 works_there "programs of tests" make -s -C build -j "$(nproc)" $programs
 for program in $programs; do
-  works_there "$(basename "$program")" "build/$program"
+  works_there "$(basename "$program")" env HBIL_STRESS_CASE=1 "build/$program"
 done
 works_there "make install" make -s -C build install
 works_there "the installed example" make -s -C build installcheck

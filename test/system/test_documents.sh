@@ -50,7 +50,7 @@ none_missing() {
 (cd "$srcdir" && find . -type f ! -path './.git/*' ! -path './build/*' |
   sed 's|^\./||') >"$work/files"
 # every word of the sources, and of what autotools make of them
-(cd "$srcdir" && find src kernels include test examples doc Makefile.am \
+(cd "$srcdir" && find src kernels include test examples python doc Makefile.am \
   configure.ac configure bootstrap -type f ! -name '*.md' \
   ! -name 'test_documents.sh' -exec cat {} +) |
   tr -c 'A-Za-z0-9_\n' '\n' | sort -u >"$work/words"
@@ -69,7 +69,7 @@ ok $? "both programs list what they can do"
 # parallel and Blender
 printf '%s\n' --cflags --libs --include --tool --uninitialized --data-races \
   --help --version --disable-tool --enable-werror --array --halt --job-name \
-  --cpus-per-task --python >"$work/known"
+  --cpus-per-task --python --no-build-isolation --no-index >"$work/known"
 for option in --disable-tool --enable-werror; do
   grep -q -e "$option\$\|$option " "$srcdir/configure" || echo "$option"
 done >"$work/out"
@@ -197,6 +197,7 @@ complete() {
 options=$(grep -e '^--[a-z-]*[ =][^ ]' -e '^--timings$' "$work/code" | small |
   grep -v -e '|\|\.\.\.\|--map\|^--quality reference\|^--horizon-cache' \
     -e '^--device' -e '^--eye' -e '^--view-layer' -e '^--cache-load' -e '^--cache-fixed' \
+    -e '^--cuts' -e '^--slice-frames' \
     -e '[ =][A-Z][A-Z,]*$' |
   while read -r option words; do
     ! grep -q -e "^ *\(-[a-z], \)\{0,1\}${option%%=*} " "$work/process.help" ||
@@ -209,7 +210,8 @@ ok $? "there are options that stand alone"
   grep -e '^--quality reference\|^--horizon-cache [^ ]' "$work/code" |
     sed 's/^/hbil process /' | small
   grep -e '^--heatmap\|^--max-rmse' "$work/code" | sed 's/^/hbil compare /' | small
-  echo "hbil process $options --model default --max-history-frames 0"
+  echo "hbil process $options --model default"
+  echo "hbil process --slice-frames 3"
 } | sort -u >"$work/commands"
 test "$(wc -l <"$work/commands")" -ge 10
 ok $? "there are commands to run"
@@ -289,6 +291,7 @@ elsewhere() { # COMMAND FILE
 }
 elsewhere './bootstrap demo' .ci/run
 elsewhere './bootstrap check' .ci/run
+elsewhere 'sbatch .*--array' test/system/test_chunks.sh
 for part in distcheck installcheck uninstall 'dpkg-buildpackage -us -uc' \
   'autoreconf -fi'; do
   elsewhere "$part" test/system/test_install.sh
@@ -304,7 +307,7 @@ sed 's/^\([A-Z_]*=[^ ]* \)*//' "$work/code" | grep '^[A-Za-z./_-]* [^=]' |
     case $program in
     hbil | build/hbil | build/hbil-bench | hbil-bench | make | cc | objdump | \
       autoreconf | dpkg-buildpackage | man | ./bootstrap | valgrind | apt-get | \
-      blender | --* | */*) ;;
+      blender | pip | sbatch | --* | */*) ;;
     *) case $words in '->'* | '='*) ;; *)
       ! command -v "$program" >/dev/null || echo "$program $words" ;;
     esac ;;

@@ -269,8 +269,8 @@ for value in slices=99999999999999999999 slices=18446744073709551617 slices=-1 \
   facing-fade=nan,nan facing-fade=1e400,0 facing-fade=0.1 facing-fade=0,0,0; do
   rejected "--$value" "^hbil: --${value%%=*} " process -o "$out" "--$value" "$one"
 done
-rejected "the horizon cache of frames that differ" 'horizon-cache: not with --max-history-frames' \
-  process -o "$out" --horizon-cache 9 --max-history-frames 4 "$one"
+rejected "the horizon cache of frames that differ" 'horizon-cache: not with --slice-frames' \
+  process -o "$out" --horizon-cache 9 --slice-frames 4 "$one"
 for none in '--mode gtao' '--reprojection none' --no-skip; do
   rejected "the horizon cache of no use with $none" "horizon-cache: not with $none" \
     process -o "$out" --horizon-cache 9 $none "$one"
@@ -374,23 +374,23 @@ for way in camera motion; do
   works "$way: resumed" again --resume "$frames"/*.exr
   same "$way: as without interruption" "$work/$way" "$work/resumed"
 done
-# The temporal filter's history is carried as well, and the pattern's index.
-filtered() {
-  process --far environment --max-history-frames 8 "$@"
+# What the slices of the last frames found is carried as well.
+shared() {
+  process --far environment --slice-frames 3 "$@"
 }
 for mode in hbil gtao; do
   rm -rf "$work/resumed"
-  works "$mode: a mean over frames" filtered --mode $mode -o "$work/$mode" \
+  works "$mode: shared slices" shared --mode $mode -o "$work/$mode" \
     "$frames"/*.exr
   rejected "$mode: broken off" 'frame_0003.exr: truncated' \
-    filtered --mode $mode -o "$work/resumed" "$work/broken"/*.exr
+    shared --mode $mode -o "$work/resumed" "$work/broken"/*.exr
   works "$mode: resumed" \
-    filtered --mode $mode --resume -o "$work/resumed" "$frames"/*.exr
+    shared --mode $mode --resume -o "$work/resumed" "$frames"/*.exr
   same "$mode: as without interruption" "$work/$mode" "$work/resumed"
 done
 run cmp "$work/hbil/frame_0004.exr" "$work/camera/frame_0004.exr"
 test $status -ne 0
-ok $? "a mean is not a single frame"
+ok $? "frames that share slices differ"
 rm -rf "$work/resumed"
 exact --reprojection motion --preview -o "$work/resumed" "$frames"/*.exr
 run "$HBIL" process --quality reference --slices 2 --warm-up 0 --preview \

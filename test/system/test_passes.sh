@@ -100,6 +100,42 @@ rejected "rays of another kind" 'field projection is wrong; "perspective" or' \
   process --camera "$work/flat.json" -o "$out" "$one"
 absent "and nothing is written" "$out"
 
+# --- beauty, if the file has a finished picture ---
+
+# A result is a frame with a picture, its indirect light and something for alpha.
+pass=$work/pass.exr
+works "a picture of other light" process --copy-channels --environment .2,.3,.4 \
+  --layers beauty,indirect,ao -o "$work/picture" "$one"
+cp "$work/picture/frame_0001.exr" "$pass"
+cp "$camera" "$work/pass.json"
+picture='picture=beauty,alpha=ao,indirect=indirect'
+lit="--environment 1,.5,2 --layers beauty"
+# shellcheck disable=SC2086
+works "diffuse light" process $lit -o "$work/diffuse" "$one"
+# shellcheck disable=SC2086
+run process $lit --map "$picture" -o "$work/replace" "$pass"
+test $status -eq 0 && grep -q 'beauty is the file.s picture (beauty.R)' "$work/err"
+ok $? "its own light replaces it, which is said"
+# sums of floats of a picture with values of up to 4
+works "which is the same" "$HBIL" compare --max-rmse 1e-6 \
+  "$work/replace/pass.exr:beauty" "$work/diffuse/frame_0001.exr"
+works "alpha is the frame's" "$HBIL" compare --max-rmse 0 \
+  "$work/replace/pass.exr:beauty.A" "$pass:ao.V"
+# shellcheck disable=SC2086
+works "--beauty diffuse" process $lit --beauty diffuse --map "$picture" \
+  -o "$work/asked" "$pass"
+same "has neither" "$work/asked/pass.exr" "$work/diffuse/frame_0001.exr"
+# shellcheck disable=SC2086
+run process --resume $lit --map "$picture" -o "$work/asked" "$pass"
+test $status -eq 0 && ! grep -q 'is there already' "$work/err"
+ok $? "another beauty is computed again"
+rejected "a picture without its light" \
+  'pass.exr: has no picture; --beauty replace needs' \
+  process --beauty replace -o "$work/none" "$pass"
+rejected "a picture that isn't written" '--layers is without beauty' \
+  process --beauty replace --layers ao --map "$picture" -o "$work/none" "$pass"
+absent "and nothing is written then" "$work/none"
+
 # --- parallel rays ---
 
 works "a demo of parallel rays" \
@@ -197,6 +233,34 @@ rejected "an environment that is cut off" 'cut.tif: truncated' \
 rejected "a pass of another size" '8 x 8 pixels, but .* has 60 x 44' \
   process --map "$map,albedo=small.png" -o "$out" "$passes/frame_0001.exr"
 
+# Houdini's Karma: no row of the table, so it is named.
+oiiotool "$one" --ch depth.Z,normal.X,normal.Y,normal.Z,albedo.R,albedo.G,albedo.B,direct.R,direct.G,direct.B \
+  --chnames Pz,N.X,N.Y,N.Z,albedo.R,albedo.G,albedo.B,directdiffuse.R,directdiffuse.G,directdiffuse.B \
+  -o "$passes/karma.exr"
+cp "$camera" "$passes/karma.json"
+rejected "Karma's passes" 'Karma.*--map depth=LAYER.*direct=directdiffuse' \
+  process -o "$out" "$passes/karma.exr"
+works "but what is said of them is taken" process --layers ao --direct radiance \
+  --map depth=Pz,normal=N,albedo=albedo,direct=directdiffuse -o "$work/karma" "$passes/karma.exr"
+
+# Motion blur in Blender leaves no motion vectors.
+names=depth.Z,normal.X,normal.Y,normal.Z,albedo.R,albedo.G,albedo.B,direct.R,direct.G,direct.B
+for frame in 0001 0002; do
+  oiiotool "$frames/frame_$frame.exr" --ch $names,motion.X=0,motion.Y=0 -o "$passes/blur_$frame.exr"
+  cp "$frames/frame_$frame.json" "$passes/blur_$frame.json"
+done
+warns "motion vectors that are all 0 under a moving camera" 'motion vectors are all 0' \
+  process --layers ao --reprojection motion -o "$work/blur" "$passes/blur_0001.exr" "$passes/blur_0002.exr"
+# the first one's camera but for a rounding of its x, the fourth number of its matrix
+awk '/camera_to_world/ { n = 1 }
+  n && /^ *-?[0-9]/ && ++k == 4 { printf "%.17g\n", $1 + 1e-7; next } { print }' \
+  "$passes/blur_0001.json" >"$passes/blur_0002.json"
+run process --layers ao --reprojection motion --overwrite -o "$work/blur" \
+  "$passes/blur_0001.exr" "$passes/blur_0002.exr"
+test $status -eq 0 && ! grep -q 'motion vectors' "$work/err" &&
+  ! cmp -s "$passes/blur_0001.json" "$passes/blur_0002.json"
+ok $? "but not while it stands, to a rounding"
+
 # Several parts, each a layer, whose channels are plain.
 oiiotool "$one" --ch direct.R,direct.G,direct.B --chnames R,G,B \
   --attrib oiio:subimagename direct \
@@ -233,6 +297,22 @@ ok $? "and the windows are those of the picture"
 says "info tells the windows" 'at 0, 0 of a picture of 40 x 30 at 10, 7' \
   "$HBIL" info "$work/wide/frame_0001.exr"
 
+# The same of a picture that doesn't tell where its overscan begins.
+works "--crop" process --layers ao,bent_normal,near_irradiance --crop 10,7,40,30 \
+  -o "$work/cropped" "$one" "$two"
+for frame in 0001 0002; do
+  same "has the part of the whole, frame $frame" "$work/c/frame_$frame.exr" \
+    "$work/cropped/frame_$frame.exr"
+done
+oiiotool --info -v "$work/cropped/frame_0002.exr" >"$work/cropped.txt"
+grep -q 'full/display size: 40 x 30' "$work/cropped.txt" &&
+  grep -q 'pixel data origin: x=10, y=7' "$work/cropped.txt"
+ok $? "and its windows"
+for crop in 30,0,31,44 0,0,40.5,30 0,-1,4,4 5,5,0,0; do
+  rejected "--crop $crop" "crop $crop: .* 60 x 44 pixels; x and y" \
+    process --crop "$crop" -o "$work/never" "$one"
+done
+
 # What lies beyond a smaller data window is nothing; each frame has its own.
 oiiotool "$two" --crop 30x20+20+10 -o "$work/wide/frame_0002.exr"
 works "windows of several sizes" process --layers ao -o "$work/d" \
@@ -245,6 +325,45 @@ oiiotool "$one" --origin +500+0 --fullsize 60x44+0+0 -o "$work/alone.exr"
 cp "$camera" "$work/alone.json"
 rejected "a picture without pixels" 'none of its pixels lie in its display' \
   process -o "$out" "$work/alone.exr"
+# --- exposure ---
+
+# exposed FRAME: its light times eight, which the header says.
+exposed() {
+  oiiotool "$1" --mulc 1,1,1,1,8,8,8,8,8,8,1,1,1,1,1,1,1,1 \
+    --attrib:type=float studio:factor 8 -o "$work/bright/frame_0002.exr"
+}
+# eight_times NAME FOLDER: indirect light of the second frame against $work/a.
+eight_times() {
+  for folder in a "$2"; do
+    oiiotool "$work/$folder/frame_0002.exr" --ch indirect.R,indirect.G,indirect.B \
+      -o "$work/$folder.light.exr"
+  done
+  oiiotool "$work/a.light.exr" --mulc 8 -o "$work/a.light.exr"
+  same "$1" "$work/a.light.exr" "$work/$2.light.exr"
+}
+mkdir "$work/bright"
+oiiotool "$one" --attrib:type=float studio:factor 1 -o "$work/bright/frame_0001.exr"
+exposed "$two"
+cp "$camera" "${two%.exr}.json" "$work/bright"
+works "light without exposure" process --layers indirect --overwrite -o "$work/a" \
+  "$one" "$two"
+works "a jump of exposure that the header tells" process --layers indirect \
+  --exposure studio:factor -o "$work/e" "$work"/bright/frame_000?.exr
+eight_times "is a jump in that very frame, by the same factor" e
+says "info tells numbers of the header" 'numbers .*studio:factor 8 ' \
+  "$HBIL" info "$work/bright/frame_0002.exr"
+says "and what is taken for exposure" 'exposure   8; .*(--exposure)' \
+  "$HBIL" info --exposure studio:factor "$work/bright/frame_0002.exr"
+rejected "a number that isn't there" '0002.exr: --exposure no: .* no such number; .*info' \
+  process --layers indirect --exposure no -o "$out" "$work/bright/frame_0002.exr"
+sed '$s/}/,"exposure":8}/' "${two%.exr}.json" >"$work/bright/frame_0002.json"
+works "a jump that the camera file tells" process --layers indirect \
+  -o "$work/f" "$work"/bright/frame_000?.exr
+eight_times "is the same" f
+sed '$s/}/,"exposure":-8}/' "${two%.exr}.json" >"$work/bright/frame_0002.json"
+rejected "an exposure that none is" 'frame_0002.json: .*exposure.*1e-12 to 1e12' \
+  process --layers indirect -o "$out" "$work/bright/frame_0002.exr"
+
 absent "and after all that nothing is written" "$out"
 
 echo "1..$count"

@@ -32,6 +32,16 @@ works "the same sequence once more" process -o "$work/b" "$one" "$two"
 works "two runs give the same bits" \
   compare --max-rmse 0 "$work/a/frame_0002.exr" "$work/b/frame_0002.exr"
 
+# The device makes the halves unless the program needs floats for pictures.
+works "halves from the device" process --precision half -o "$work/h" "$one" "$two"
+works "halves from the program" process --precision half --preview -o "$work/p" "$one" "$two"
+works "are the same" compare --max-rmse 0 "$work/h/frame_0002.exr" "$work/p/frame_0002.exr"
+works "and those of the floats, rounded" compare --max-rmse 2.5e-4 \
+  "$work/h/frame_0002.exr:ao" "$work/a/frame_0002.exr:ao"
+cmp -s "$work/h/frame_0001.exr" "$work/a/frame_0001.exr"
+test $? -ne 0
+ok $? "which they are not"
+
 works "only some layers" \
   process --layers ao,near_irradiance -o "$work/some" --preview "$one"
 # Another variant of the gather: roundings, and sectors that they move.
@@ -89,7 +99,7 @@ ok $? "without a guess there is no such line"
 # --- timings ---
 
 says "timings have a column for each pass" \
-  'reproject *push_pull *split *gather *recompose *temporal *composite' \
+  'reproject *push_pull *split *gather *recompose *composite' \
   process --timings -o "$work/t" "$one"
 run process --timings --json -o "$work/t" "$one" "$two"
 missing=$status

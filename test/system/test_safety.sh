@@ -214,18 +214,18 @@ done
 
 damaged='frame_0001.exr: is damaged or has no checksum'
 for compression in none zip pxr24 b44 dwaa; do
-  exact --half --compression $compression -o "$work/$compression" "$one" "$two" \
+  exact --precision half --compression $compression -o "$work/$compression" "$one" "$two" \
     >"$work/out" 2>"$work/err"
   rm -rf "$work/resumed"
   cp -r "$work/$compression" "$work/resumed"
-  again --half --compression $compression -o "$work/resumed" "$one" "$two"
+  again --precision half --compression $compression -o "$work/resumed" "$one" "$two"
   test $status -eq 0 && test "$(grep -c 'is there already$' "$work/err")" -eq 2 &&
     ! grep -q damaged "$work/err"
   ok $? "$compression: whole results stay"
   file=$work/resumed/frame_0001.exr
   change "$file" $(($(wc -c <"$file") - 100))
   heals "$compression: eight bytes of a result" "$damaged; it is computed again" \
-    "$work/$compression" "$work/resumed" --half --compression $compression
+    "$work/$compression" "$work/resumed" --precision half --compression $compression
 done
 rm -rf "$work/resumed"
 cp -r "$work/whole" "$work/resumed"

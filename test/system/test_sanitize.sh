@@ -63,7 +63,7 @@ works "nor in a demo" "$HBIL" demo --frames 2 --size 64x48 -o "$work/demo"
 set -- "$work"/demo/gbuffer/frame_*.exr
 export HBIL_PROGRAM_DIR="$work/programs" # the first job stores, the second one loads
 works "nor in a job with all there is" checked "$HBIL" process --quiet \
-  --overwrite --preview --timings --json --copy-channels --half \
+  --overwrite --preview --timings --json --copy-channels --precision half \
   --compression dwaa --contact-sheet "$work/sheet.png" \
   --reprojection motion -o "$work/job" "$@"
 works "nor in a job that is done already" checked \

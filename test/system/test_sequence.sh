@@ -240,7 +240,7 @@ works "a result can be a frame again" \
   "$work/copied/frame_0001.exr"
 works "--copy-channels and --resume" exact --copy-channels --layers ao,near_irradiance --resume \
   -o "$work/copied" "$one"
-works "--half" exact --half --layers ao -o "$work/half" "$one"
+works "--precision half" exact --precision half --layers ao -o "$work/half" "$one"
 # halves have 11 bits: 2^-12 of a value up to 1
 works "loses little" "$HBIL" compare --max-rmse 2.5e-4 \
   "$work/half/frame_0001.exr:ao" "$work/before/frame_0001.exr:ao"
@@ -256,12 +256,24 @@ ok $? "no compression is the default"
 size=$(wc -c <"$work/none/frame_0001.exr")
 test "$size" -gt "$(wc -c <"$work/zips/frame_0001.exr")"
 ok $? "none is larger than zips"
-exact --half --layers ao --compression none -o "$work/half-none" "$one"
+exact --precision half --layers ao --compression none -o "$work/half-none" "$one"
 test $((size - $(wc -c <"$work/half-none/frame_0001.exr"))) -eq $((40 * 30 * 2))
 ok $? "floats have four bytes, halves two"
+# Colours that are halves decide that layers are: here those of a result.
+exact --precision half --layers near_irradiance --copy-channels -o "$work/mixed" "$one"
+for how in auto half float; do
+  works "--precision $how, of a frame with halves" exact --precision $how --layers ao \
+    --map direct=near_irradiance --camera "${one%.exr}.json" -o "$work/of-$how" \
+    "$work/mixed/frame_0001.exr"
+done
+cmp -s "$work/of-auto/frame_0001.exr" "$work/of-half/frame_0001.exr"
+ok $? "halves are the default there"
+test $(($(wc -c <"$work/of-float/frame_0001.exr") - \
+  $(wc -c <"$work/of-half/frame_0001.exr"))) -eq $((40 * 30 * 2))
+ok $? "and floats are not"
 rejected "an unknown compression" 'none, rle, zips, zip, piz' \
   exact --compression lzma -o "$out" "$one"
-run "$HBIL" process --quality reference --slices 1 --warm-up 0 --half --resume \
+run "$HBIL" process --quality reference --slices 1 --warm-up 0 --precision half --resume \
   --layers ao --compression zips -o "$work/zips" "$one"
 test $status -eq 0 && ! grep -q 'is there already$' "$work/err"
 ok $? "floats are not the halves that are asked for"
@@ -307,9 +319,10 @@ pixels() {
 }
 works "--contact-sheet" exact --contact-sheet "$work/sheet.png" \
   -o "$work/sheet" "$frames/frame_####.exr"
-# seven tiles of 160 x 120 with gaps of 8; five rows with a line of 22 above
-test "$(pixels "$work/sheet.png")" = "1184 772"
-ok $? "has layers in columns, frames in rows"
+# four tiles of 160 x 120 and three below, with gaps of 8 and a line of 22 above each,
+# and one for the name of each of five frames
+test "$(pixels "$work/sheet.png")" = "680 1610"
+ok $? "has layers in lines of four, frames below each other"
 works "from results that are there" exact --resume \
   --contact-sheet "$work/sheet2.png" -o "$work/sheet" "$frames/frame_####.exr"
 run cmp "$work/sheet.png" "$work/sheet2.png"
@@ -327,7 +340,7 @@ while test $i -lt 11; do
 done
 works "of a long sequence" exact --layers ao --contact-sheet "$work/long.png" \
   -o "$work/long" "$work/shot/many.##.exr"
-test "$(pixels "$work/long.png")" = "176 1222"
+test "$(pixels "$work/long.png")" = "176 1376"
 ok $? "it shows eight frames"
 # looks FRAME: whether another picture there changes the sheet.
 looks() {

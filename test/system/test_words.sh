@@ -7,8 +7,8 @@
 
 here=$PWD
 cd "$srcdir" || exit 99
-generated='src/hbil/kernel_sources\.c|src/bench/bench_texts\.c'
-code=$(find src kernels include examples test -type f \
+generated='src/hbil/kernel_sources\.c|src/bench/bench_texts\.c|python/build/.*'
+code=$(find src kernels include examples python test -type f \
   -regex '.*\.\(c\|h\|cl\|clh\|cpp\|hpp\|sh\|awk\|py\|am\|map\)' |
   grep -v -E "^($generated|test/system/test_words\.sh)\$" | sort)
 prose="README.md HACKING.md NEWS $(find doc examples -name '*.md' | sort)

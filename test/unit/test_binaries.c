@@ -187,6 +187,73 @@ static void a_second_radiance_cache_builds_nothing(void **state) {
 }
 
 /* ------------------------------------------------------------------------ */
+/* Plans of one context                                                      */
+
+static void plans_share_programs(void **state) {
+  memory m = {.count = 0};
+  exact_planes out[2];
+  device_fixture device = shared_device;
+  const long held = shim_references();
+  (void)state;
+  shim_share_programs(true);
+  device.hbil = new_context(&m);
+  for (int i = 0; i < 4; ++i) {
+    setup s;
+    /* the second plan is a smaller one; with the last, the store is new */
+    setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, i == 1 ? 24 : 40, 24);
+    s.device = &device;
+    if (i == 3)
+      assert_int_equal(
+          hbil_context_set_program_store(device.hbil, load, store, &m),
+          HBIL_SUCCESS);
+    m.loaded = m.stored = 0;
+    setup_start_compiled(&s);
+    setup_run(&s, hbil_enqueue_frame);
+    assert_int_equal(m.stored, i ? 0 : m.count);
+    assert_int_equal(m.loaded, i == 3 ? m.count : 0);
+    if (i % 2 == 0)
+      out[i / 2] = outputs_read(&s);
+    setup_free(&s);
+  }
+  assert_int_equal(count_different(&out[0], &out[1]), 0);
+  hbil_context_destroy(device.hbil);
+  shim_share_programs(false);
+  assert_int_equal(shim_references(), held);
+  exact_planes_free(&out[0]);
+  exact_planes_free(&out[1]);
+  memory_free(&m);
+}
+
+/* Any number of kinds of plans, one after the other: no more than 64 programs
+ * are held. */
+static void few_programs_are_held(void **state) {
+  hbil_context *context = NULL;
+  setup s;
+  (void)state;
+  ao_alone(&s);
+  shim_share_programs(true);
+  shim_skip_builds(true);
+  const long held = shim_references();
+  assert_int_equal(
+      hbil_context_create(shared_device.context, shared_device.id, &context),
+      HBIL_SUCCESS);
+  const long begun = shim_references();
+  for (cl_uint pitch = 4; pitch <= 256; pitch += 4) {
+    hbil_plan *plan = NULL;
+    s.config.outputs.ao.pixel_pitch = pitch;
+    assert_int_equal(hbil_plan_create(context, &s.config, &plan), HBIL_SUCCESS);
+    hbil_plan_destroy(plan);
+    assert_in_range(shim_references() - begun, 4, 64);
+  }
+  assert_int_equal(shim_references() - begun, 64);
+  hbil_context_destroy(context);
+  assert_int_equal(shim_references(), held);
+  shim_skip_builds(false);
+  shim_share_programs(false);
+  setup_free(&s);
+}
+
+/* ------------------------------------------------------------------------ */
 /* What must not be used                                                     */
 
 /* A byte of every member of the header, and three of the binary. */
@@ -521,6 +588,8 @@ int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_second_context_builds_nothing),
       cmocka_unit_test(a_second_radiance_cache_builds_nothing),
+      cmocka_unit_test(plans_share_programs),
+      cmocka_unit_test(few_programs_are_held),
       cmocka_unit_test(damaged_bytes_are_found),
       cmocka_unit_test(truncated_binaries_are_found),
       cmocka_unit_test(sizes_are_looked_at_first),

@@ -175,6 +175,64 @@ static void finished_radiance_is_sent_as_it_is(void **state) {
   check_rounds(8, SCENE_ROOM, HBIL_VIEW_FINISHED, HBIL_FAR_NONE);
 }
 
+/* --- light that has changed --- */
+
+/* What views since the last update have shown dims what they haven't, region by
+ * region, as the exact pass does it. */
+static void check_change(cl_uint width, float factor, bool dims) {
+  cache_fixture f;
+  setup s;
+  hbil_cache_update none;
+  int dimmed = 0, seen = 0;
+  double worst = 0.0;
+  hbil_cache_update_init(&none);
+  none.bounces = 0;
+  exact_cache cache = filled(&f, width, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
+  for (int k = EXACT_DIRECT; k < EXACT_DIRECT + 3; ++k)
+    for (size_t i = 0; i < setup_pixels(&s); ++i)
+      s.input[k][i] *= factor;
+  setup_upload(&s);
+  cache_inject(&f, &s, HBIL_VIEW_DIRECT);
+  cache_import(&cache);
+  exact_cache want = checked_cache(&f);
+  memcpy(want.middle, cache.middle, sizeof want.middle);
+  cache_import(&want);
+  exact_cache_follow_change(&want);
+  cache_update(&f, &none);
+  exact_cache got = checked_cache(&f);
+  memcpy(got.middle, cache.middle, sizeof got.middle);
+  cache_import(&got);
+  for (size_t i = 0; i < exact_cache_count(&want); ++i) {
+    const exact_place place = exact_cache_place(&want, i);
+    const exact_voxel *w = exact_cache_at(&want, &place);
+    const double *before = exact_cache_at(&cache, &place)->value;
+    const double *v = exact_cache_at(&got, &place)->value;
+    if (w->state != HBIL_VOXEL_SURFACE)
+      continue;
+    seen += before[HBIL_VOXEL_CHANGE] != 0.0;
+    dimmed += v[HBIL_VOXEL_SENT] < before[HBIL_VOXEL_SENT];
+    for (int c = 0; c < HBIL_VOXEL_FLOATS; ++c)
+      worst = fmax(worst, fabs(v[c] - w->value[c]) / fmax(fabs(v[c]), 1e-3));
+  }
+  /* a factor is a quotient of sums over some hundred voxels */
+  check_at_most("dimmed light, relative", worst, 1e-5);
+  assert_true(seen > 300);
+  assert_true(dims ? dimmed > 100 : dimmed == 0);
+  exact_cache_free(&got);
+  exact_cache_free(&want);
+  exact_cache_free(&cache);
+  setup_free(&s);
+  cache_free(&f);
+}
+
+static void what_is_not_seen_follows_what_is(void **state) {
+  (void)state;
+  check_change(8, 0.4f, true);
+  check_change(1, 0.4f, true);
+  check_change(8, 0.95f, false); /* noise */
+  check_change(8, 3.0f, false);
+}
+
 /* --- several bounces --- */
 
 /* What so many bounces in each of some updates leave: the voxels' bytes. */
@@ -274,6 +332,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(rounds_match_at_every_width),
       cmocka_unit_test(rounds_match_with_every_far_field),
+      cmocka_unit_test(what_is_not_seen_follows_what_is),
       cmocka_unit_test(finished_radiance_is_sent_as_it_is),
       cmocka_unit_test(rounds_are_like_updates),
       cmocka_unit_test(many_surfaces_have_fewer_rays)};

@@ -73,7 +73,8 @@ static void compare_voxel(const exact_voxel *got, const exact_voxel *want,
       d->plane = fmax(d->plane, off);
     else if (k < HBIL_VOXEL_WEIGHT)
       d->share = fmax(d->share, off);
-    else if (k >= HBIL_VOXEL_SENT && k < HBIL_VOXEL_LIGHT_WEIGHT)
+    else if ((k >= HBIL_VOXEL_SENT && k < HBIL_VOXEL_LIGHT_WEIGHT) ||
+             k == HBIL_VOXEL_CHANGE)
       d->light = fmax(d->light, off / fmax(fabs(want->value[k]), 1e-3));
     else
       assert_true(got->value[k] == want->value[k]);
@@ -128,7 +129,8 @@ static void check_injection(cache_fixture *f, exact_cache *cache,
 /* The lamp of the room is in sight; that of a renderer whose direct light
  * contains what it emits doesn't count again. */
 static void check_views(cl_uint width, scene_kind kind,
-                        hbil_projection projection, cl_bool gather_emission) {
+                        hbil_projection projection, cl_bool gather_emission,
+                        hbil_direct_kind direct_kind) {
   static const hbil_view_light light[] = {HBIL_VIEW_DIRECT, HBIL_VIEW_DIRECT,
                                           HBIL_VIEW_FINISHED, HBIL_VIEW_DIRECT};
   cache_fixture f;
@@ -138,6 +140,7 @@ static void check_views(cl_uint width, scene_kind kind,
     setup s;
     view_start(&s, kind, 160, 90, 3 * i, projection);
     s.config.model.gather_emission = gather_emission;
+    s.config.inputs.direct_kind = direct_kind;
     if (i == 0)
       cache_start(&f, &s);
     check_injection(&f, &cache, &s, light[i]);
@@ -150,11 +153,15 @@ static void check_views(cl_uint width, scene_kind kind,
 static void views_tell_voxels_what_they_show(void **state) {
   (void)state;
   for (int i = 0; i < 4; ++i) {
-    check_views(widths[i], SCENE_ROOM, HBIL_PROJECTION_PERSPECTIVE, i & 1);
-    check_views(widths[i], SCENE_SKY, HBIL_PROJECTION_ORTHOGRAPHIC, CL_TRUE);
+    check_views(widths[i], SCENE_ROOM, HBIL_PROJECTION_PERSPECTIVE, i & 1,
+                HBIL_DIRECT_IRRADIANCE);
+    check_views(widths[i], SCENE_SKY, HBIL_PROJECTION_ORTHOGRAPHIC, CL_TRUE,
+                HBIL_DIRECT_RADIANCE);
   }
-  check_views(1, SCENE_SKY, HBIL_PROJECTION_PERSPECTIVE, CL_TRUE);
-  check_views(1, SCENE_ROOM, HBIL_PROJECTION_ORTHOGRAPHIC, CL_TRUE);
+  check_views(1, SCENE_SKY, HBIL_PROJECTION_PERSPECTIVE, CL_TRUE,
+              HBIL_DIRECT_IRRADIANCE);
+  check_views(1, SCENE_ROOM, HBIL_PROJECTION_ORTHOGRAPHIC, CL_TRUE,
+              HBIL_DIRECT_IRRADIANCE);
 }
 
 /* 1024 x 600 pixels are more than fit into the table. */

@@ -205,8 +205,8 @@ static void bad_views_are_rejected_by_name(void **state) {
   assert_success(
       &t.s, hbil_enqueue_cache_update(
                 t.s.frame.cache, shared_device.queue,
-                &(hbil_cache_update){
-                    sizeof(hbil_cache_update), 0, 1, HBIL_FAR_NONE, {{0}}, 0},
+                &(hbil_cache_update){.struct_size = sizeof(hbil_cache_update),
+                                     .phases = 1},
                 0, NULL, NULL));
   room_same_bits(&t.s, &t.want, "after rejected views");
   /* the good one is one that would have been seen */

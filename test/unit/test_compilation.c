@@ -16,27 +16,22 @@ static int count_variants(void) {
   return folder_count(cache, ".so");
 }
 
-static void run(setup *s) {
-  setup_run(s, hbil_enqueue_frame);
-  s->frame.frame_index += s->config.history.max_frames > 0;
-}
-
 /* A first frame, one of another camera, static ones, a reset, and a frame in
  * single passes. */
 static void run_frames(setup *s) {
   static enqueue_function *const passes[] = {
-      enqueue_reproject, enqueue_push_pull, enqueue_split,    enqueue_gather,
-      enqueue_recompose, enqueue_temporal,  enqueue_composite};
-  run(s);
+      enqueue_reproject, enqueue_push_pull, enqueue_split,
+      enqueue_gather,    enqueue_recompose, enqueue_composite};
+  setup_run(s, hbil_enqueue_frame);
   setup_load_scene(s, SCENE_ROOM, 1);
   setup_upload(s);
-  run(s);
+  setup_run(s, hbil_enqueue_frame);
   s->frame.static_frame = CL_TRUE;
   for (int i = 0; i < 3; ++i)
-    run(s);
+    setup_run(s, hbil_enqueue_frame);
   s->frame.static_frame = CL_FALSE;
   hbil_plan_reset(s->plan);
-  run(s);
+  setup_run(s, hbil_enqueue_frame);
   for (size_t i = 0; i < sizeof passes / sizeof *passes; ++i)
     setup_run(s, passes[i]);
 }
@@ -60,12 +55,12 @@ static void camera_with_a_cache_of_some_rows(void **state) {
   check(&s);
 }
 
-static void motion_with_averages(void **state) {
+static void motion_with_shared_slices(void **state) {
   setup s;
   (void)state;
   skip_unless_pocl();
   setup_every_pass(&s, HBIL_REPROJECTION_MOTION, 0, 40, 24);
-  s.config.history.max_frames = 4;
+  s.config.sampling.slices = s.config.sampling.slice_frames = 2;
   check(&s);
 }
 
@@ -135,7 +130,7 @@ static void caches_and_their_frames(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(camera_with_a_cache_of_some_rows),
-      cmocka_unit_test(motion_with_averages),
+      cmocka_unit_test(motion_with_shared_slices),
       cmocka_unit_test(passes_share_what_they_do_not_read),
       cmocka_unit_test(vectors_of_one_with_a_whole_cache),
       cmocka_unit_test(caches_and_their_frames)};

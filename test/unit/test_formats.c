@@ -59,7 +59,7 @@ static void check_colours(hbil_component component, cl_uint stride,
   size_t size, wrong = 0;
   start_sky(&s, component, stride, vector_width, width);
   unsigned char *bytes = input_bytes(&s, PLANE_EMISSION, &p, &size);
-  const bool word = component >= HBIL_RGB10A2_UNORM;
+  const bool word = scene_is_word(component);
   for (size_t i = 0; i < setup_pixels(&s); ++i)
     for (int c = 0; c < (word ? 1 : 3); ++c)
       put_code(&p,
@@ -89,13 +89,15 @@ static void check_colours(hbil_component component, cl_uint stride,
 /* 256 x 256 pixels have all codes of 16 bits. */
 static void every_code_of_a_colour_is_read(void **state) {
   /* derived: the roundings of a reciprocal and of a product; the parts of a
-   * float are taken over exactly */
+   * float are taken over exactly.  sRGB: what the header of
+   * decode_srgb8() says */
   const struct {
     hbil_component component;
     double roundings;
   } all[] = {{HBIL_UNORM8, 2},          {HBIL_UNORM16, 4},
              {HBIL_FLOAT16, 0},         {HBIL_RGB10A2_UNORM, 8},
-             {HBIL_R11G11B10_FLOAT, 0}, {HBIL_RGB9E5_FLOAT, 0}};
+             {HBIL_R11G11B10_FLOAT, 0}, {HBIL_RGB9E5_FLOAT, 0},
+             {HBIL_SRGB8, 12.5}};
   const cl_uint lanes[] = {16, 1, 4, 8};
   (void)state;
   /* in each layout, by each width of vectors, though not in all combinations */
@@ -524,13 +526,14 @@ static unsigned allowed(plane_id id, bool hardware, bool octahedral) {
     return floats | 1u << HBIL_SNORM16;
   return id < PLANE_FIRST_OUTPUT
              ? floats | unorms | 1u << HBIL_RGB10A2_UNORM |
-                   1u << HBIL_R11G11B10_FLOAT | 1u << HBIL_RGB9E5_FLOAT
+                   1u << HBIL_R11G11B10_FLOAT | 1u << HBIL_RGB9E5_FLOAT |
+                   1u << HBIL_SRGB8
              : floats;
 }
 
 static void every_plane_has_its_formats(void **state) {
   /* those of buffers; test_images is about HBIL_IMAGE */
-  const int components = HBIL_RGB9E5_FLOAT + 1;
+  const int components = HBIL_SRGB8 + 1;
   (void)state;
   for (int i = 0; i < 4 * PLANE_COUNT * components; ++i) {
     setup s;
@@ -540,7 +543,7 @@ static void every_plane_has_its_formats(void **state) {
     const hbil_component component = (hbil_component)(i % components);
     const bool hardware = i / components / PLANE_COUNT & 1,
                octahedral = i / components / PLANE_COUNT & 2;
-    if (component == HBIL_NONE)
+    if (component == HBIL_NONE || component == HBIL_IMAGE)
       continue;
     setup_init(&s, 8, 8);
     s.config.inputs.depth_kind =

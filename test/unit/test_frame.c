@@ -333,7 +333,7 @@ static void another_plan_adopts_a_history(void **state) {
   (void)state;
   for (int i = 0; i < 2; ++i) {
     setup_every_pass(&s[i], HBIL_REPROJECTION_CAMERA, 0, 64, 48);
-    s[i].config.history.max_frames = 8;
+    s[i].config.sampling.slices = s[i].config.sampling.slice_frames = 2;
     setup_start(&s[i]);
   }
   for (uint32_t frame = 0; frame < 3; ++frame) {
@@ -346,7 +346,7 @@ static void another_plan_adopts_a_history(void **state) {
     assert_int_equal(hbil_plan_bounces(s[0].plan), frame);
     if (frame == 2) {
       copy_stage(&s[0], &s[1], HBIL_STAGE_HISTORY);
-      copy_stage(&s[0], &s[1], HBIL_STAGE_TEMPORAL_HISTORY);
+      copy_stage(&s[0], &s[1], HBIL_STAGE_SLICES);
       assert_success(&s[1], hbil_plan_adopt_history(s[1].plan, &before, 2));
       setup_run(&s[1], hbil_enqueue_frame);
     }
@@ -442,11 +442,10 @@ static void timings_are_told_pass_by_pass(void **state) {
   assert_true(ms[HBIL_PASS_REPROJECT] == 0.0 && ms[HBIL_PASS_PUSH_PULL] == 0.0);
   setup_run(&s, hbil_enqueue_frame);
   assert_success(&s, hbil_plan_timings(s.plan, ms));
-  /* without max_frames there is no temporal pass, and all planes are buffers */
+  /* all planes are buffers */
   for (int i = 0; i < HBIL_PASS_COUNT; ++i)
-    assert_true(i == HBIL_PASS_TEMPORAL || i > HBIL_PASS_COMPOSITE
-                    ? ms[i] == 0.0
-                    : ms[i] > 0.0 && ms[i] < 1e5);
+    assert_true(i > HBIL_PASS_COMPOSITE ? ms[i] == 0.0
+                                        : ms[i] > 0.0 && ms[i] < 1e5);
   setup_free(&s);
   clReleaseCommandQueue(profiled.queue);
 }

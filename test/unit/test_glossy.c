@@ -1,7 +1,7 @@
 /*
  * Glossy light beside what test_kernels compares: the lobe's integral is what
- * quadrature gives, the history filter averages it, and the probes and the join
- * of frames with a radiance cache match the exact passes.
+ * quadrature gives, and the probes and the join of frames with a radiance cache
+ * match the exact passes.
  */
 #include "exact/glossy.h"
 #include "exact/lobe.h"
@@ -80,45 +80,6 @@ static void the_lobe_is_ggx_seen_from_above(void **state) {
       assert_true(fabs(1.0 / pow(1.0 + k * (1.0 - cosine), 2.0) - ggx) < 1e-12);
     }
   }
-}
-
-/* ------------------------------------------------------------------------ */
-/* The history filter                                                        */
-
-/* The mean of three frames of a camera that stands still is that of what each
- * of them resolves. */
-static void the_history_filter_averages(void **state) {
-  setup s[2];
-  exact_planes one[3], mean;
-  (void)state;
-  for (int i = 0; i < 2; ++i) {
-    setup_scene(&s[i], SCENE_ROOM, WIDTH, HEIGHT, 0);
-    ask_for_glossy(&s[i], 0.5f);
-    s[i].config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-    s[i].config.history.reprojection = HBIL_REPROJECTION_NONE;
-    s[i].config.history.max_frames = i ? 0 : 8;
-    setup_start(&s[i]);
-    for (cl_uint k = 0; k < 3; ++k) {
-      s[i].frame.frame_index = k;
-      setup_run(&s[i], hbil_enqueue_frame);
-      if (i)
-        one[k] = stage_read(&s[i], HBIL_STAGE_RESOLVED);
-    }
-  }
-  mean = stage_read(&s[0], HBIL_STAGE_RESOLVED);
-  const int first = EXACT_GLOSSY_PLANES;
-  for (size_t k = 0; k < count_values(&mean); ++k)
-    one[0].values[k] =
-        (one[0].values[k] + one[1].values[k] + one[2].values[k]) / 3.0;
-  assert_true(largest_error(&one[1], &one[2], first, 3) > 1e-3);
-  /* derived: four roundings of a mean */
-  check_at_most("mean", largest_error(&mean, &one[0], first, 4),
-                0x1p-22 * fmax(1.0, largest_value(&mean, first, 4)));
-  exact_planes_free(&mean);
-  for (int k = 0; k < 3; ++k)
-    exact_planes_free(&one[k]);
-  setup_free(&s[0]);
-  setup_free(&s[1]);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -223,7 +184,6 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_integral_is_that_of_quadrature),
       cmocka_unit_test(the_lobe_is_ggx_seen_from_above),
-      cmocka_unit_test(the_history_filter_averages),
       cmocka_unit_test(cached_frames_match)};
   return RUN_WITH_DEVICE(tests);
 }

@@ -5,6 +5,7 @@
 #include "test/support/dump_file.h"
 
 #include "dump/held_planes.h"
+#include "image/image_memory.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -88,10 +89,72 @@ static void who_wants_no_missing_channel_reads_on(void **state) {
   dump_end(&d);
 }
 
+static void assert_lies_at(const image *img, size_t plane,
+                           const image_memory *m, size_t place) {
+  const size_t bytes = image_memory_plane(sizeof(float) * PIXELS);
+  assert_true(img->planes[plane].is_lent);
+  assert_ptr_equal(img->planes[plane].pixels, m->bytes + place * bytes);
+}
+
+/* Frame after frame, planes are in the same memory, one behind the other, and
+ * those that find no room are elsewhere. */
+static void planes_lie_in_lent_memory(void **state) {
+  const unsigned few = 1u << ROLE_NORMAL | 1u << ROLE_DEPTH;
+  dump d = write_frame();
+  reading r = dump_read(&d);
+  gbuffer plain = read_roles(&d, &r.map, few);
+  image_memory m = {.bytes = NULL};
+  (void)state;
+  assert_int_equal(gbuffer_read_bytes(&r.map, few),
+                   4 * image_memory_plane(sizeof(float) * PIXELS));
+  for (size_t room = 4; room > 1; room--) {
+    image_memory_free(&m);
+    image_memory_empty(&m, room * image_memory_plane(sizeof(float) * PIXELS));
+    m.size = room *
+             image_memory_plane(sizeof(float) * PIXELS); /* it was rounded up */
+    image_memory_select(&m);
+    gbuffer lent = read_roles(&d, &r.map, few);
+    image_memory_select(NULL);
+    for (size_t i = 0; i < room; i++)
+      assert_lies_at(&lent.planes, i, &m, i);
+    for (size_t i = room; i < 4; i++)
+      assert_false(lent.planes.planes[i].is_lent);
+    assert_same(&plain, lent);
+  }
+  image_memory_free(&m);
+  gbuffer_free(&plain);
+  reading_free(&r);
+  dump_end(&d);
+}
+
+/* What was read before moves to where the others are. */
+static void planes_move_into_lent_memory(void **state) {
+  dump d = write_frame();
+  reading r = dump_read(&d);
+  gbuffer plain = read_roles(&d, &r.map, ALL);
+  gbuffer moved = read_roles(&d, &r.map, ALL);
+  image_memory m = {.bytes = NULL};
+  (void)state;
+  image_memory_empty(&m, moved.planes.count *
+                             image_memory_plane(sizeof(float) * PIXELS));
+  image_memory_select(&m);
+  image_memory_move(&moved.planes);
+  image_memory_select(NULL);
+  for (size_t i = 0; i < moved.planes.count; i++)
+    assert_lies_at(&moved.planes, i, &m, i);
+  assert_same(&plain, moved);
+  image_memory_free(&m);
+  gbuffer_free(&plain);
+  reading_free(&r);
+  dump_end(&d);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_file_is_read_once),
       cmocka_unit_test(who_wants_no_missing_channel_reads_on),
+      cmocka_unit_test(planes_lie_in_lent_memory),
+      cmocka_unit_test(planes_move_into_lent_memory),
   };
   return RUN_WITH_DUMPS(tests);
 }

@@ -234,11 +234,11 @@ static void float_images_give_the_same_bits(void **state) {
   frames_have_the_same_bits(&p);
 }
 
-static void so_they_do_with_averaging(void **state) {
+static void so_they_do_with_shared_slices(void **state) {
   pair p;
   (void)state;
   pair_begin(&p, &floats, &floats);
-  p.s.config.history.max_frames = 8;
+  p.s.config.sampling.slice_frames = 2;
   frames_have_the_same_bits(&p);
 }
 
@@ -267,8 +267,8 @@ static void special_values_give_the_same_bits(void **state) {
 
 static void passes_one_by_one_give_the_same_bits(void **state) {
   static enqueue_function *const passes[] = {
-      enqueue_reproject, enqueue_push_pull, enqueue_split,    enqueue_gather,
-      enqueue_recompose, enqueue_temporal,  enqueue_composite};
+      enqueue_reproject, enqueue_push_pull, enqueue_split,
+      enqueue_gather,    enqueue_recompose, enqueue_composite};
   pair p;
   (void)state;
   pair_begin(&p, &floats, &floats);
@@ -522,7 +522,7 @@ static void other_objects_are_rejected_by_name(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(float_images_give_the_same_bits),
-      cmocka_unit_test(so_they_do_with_averaging),
+      cmocka_unit_test(so_they_do_with_shared_slices),
       cmocka_unit_test(special_values_give_the_same_bits),
       cmocka_unit_test(passes_one_by_one_give_the_same_bits),
       cmocka_unit_test(inputs_of_half_images_are_those_of_half_planes),

@@ -15,7 +15,7 @@
 #include <time.h>
 
 /* Frames of each case: without a history, with it, and with planted stages. */
-enum { FRAMES = 3, CASES = 20 };
+enum { FRAMES = 3, CASES = 12 };
 
 static void check(setup *s, drawn *d) {
   draw_tell(s, d);

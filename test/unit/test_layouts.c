@@ -53,6 +53,31 @@ static void reads_blender(void **state) {
   }
 }
 
+/* EEVEE's sky has the depth of the far plane, a little more. */
+static void the_far_plane_of_eevee_is_sky(void **state) {
+  const double far = 1000;
+  (void)state;
+  for (int said = 0; said < 2; said++) {
+    dump d = dump_begin(SCENE_SKY);
+    dump_add_depth(&d, "ViewLayer.Depth", "Z", 1, 1000.0725f);
+    dump_add_vectors(&d, "ViewLayer.Normal", letters_xyz, d.s.normal,
+                     AXES_WORLD, 0);
+    d.near = 0.1;
+    d.far = far;
+    if (said)
+      d.options.sky_depth = 1e9f;
+    dump_write(&d);
+    reading r = dump_read(&d);
+    assert_int_equal(r.map.kind, DUMP_CYCLES);
+    assert_true(fabs((double)r.config.inputs.sky_depth -
+                     (said ? 1e9 : far * (1 - 1e-3))) <= 1e-4 * far);
+    if (!said)
+      assert_same_geometry(&d, &r, ROUNDING);
+    reading_free(&r);
+    dump_end(&d);
+  }
+}
+
 /* Positions in camera space with z forwards; a left-handed world; matrices for
  * column vectors, with the same scale for width and height. */
 static void reads_pbrt(void **state) {
@@ -467,6 +492,7 @@ static void reads_off_centre_cameras(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       WITH_BOTH_CAMERAS(reads_blender),
+      WITH_BOTH_CAMERAS(the_far_plane_of_eevee_is_sky),
       WITH_BOTH_CAMERAS(reads_pbrt),
       WITH_BOTH_CAMERAS(reads_mitsuba),
       WITH_BOTH_CAMERAS(reads_arnold),

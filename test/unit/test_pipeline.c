@@ -20,8 +20,11 @@ typedef struct watch {
   size_t done[PIPELINE_STAGES];   /* items */
   size_t fails[PIPELINE_STAGES];  /* the item at which a stage fails */
   unsigned slow[PIPELINE_STAGES]; /* microseconds an item takes there */
-  size_t slots[PIPELINE_SLOTS];   /* the item that each holds */
-  size_t most;                    /* items under way at once */
+  size_t depth;
+  size_t slots[PIPELINE_SLOTS]; /* the item that each holds */
+  /* the item that is in each place behind a stage, from its beginning on */
+  size_t places[PIPELINE_STAGES][PIPELINE_DEPTH];
+  size_t most; /* items under way at once */
   pthread_t threads[PIPELINE_STAGES];
   int wrong; /* an item out of turn */
 } watch;
@@ -33,11 +36,16 @@ static void work_for(unsigned microseconds) {
 
 static int pass(watch *w, int stage, size_t item, image_error *error) {
   size_t *slot = &w->slots[item % PIPELINE_SLOTS];
+  const size_t place = item % w->depth;
+  pthread_mutex_lock(&w->lock);
+  w->places[stage][place] = item;
+  pthread_mutex_unlock(&w->lock);
   work_for(w->slow[stage]);
   pthread_mutex_lock(&w->lock);
   w->threads[stage] = pthread_self();
   w->wrong |= item != w->done[stage];
-  w->wrong |= stage > 0 && (item >= w->done[stage - 1] || *slot != item);
+  w->wrong |= stage > 0 && (item >= w->done[stage - 1] || *slot != item ||
+                            w->places[stage - 1][place] != item);
   if (stage == 0)
     *slot = item;
   const int failed = item == w->fails[stage];
@@ -62,6 +70,7 @@ static int third(void *user, size_t item, image_error *error) {
 
 static watch quiet_watch(void) {
   return (watch){.lock = PTHREAD_MUTEX_INITIALIZER,
+                 .depth = PIPELINE_DEPTH,
                  .fails = {NONE, NONE, NONE}};
 }
 
@@ -70,25 +79,32 @@ static int run(watch *w, double (*seconds)[PIPELINE_STAGES],
   const pipeline p = {.stages = {first, second, third},
                       .user = w,
                       .items = ITEMS,
+                      .depth = w->depth,
                       .seconds = seconds};
   return pipeline_run(&p, error);
 }
 
+static void pass_every_stage(size_t depth, int slow) {
+  watch w = quiet_watch();
+  double seconds[ITEMS][PIPELINE_STAGES] = {{0.0}};
+  image_error error;
+  w.depth = depth;
+  w.slow[slow] = 500;
+  assert_int_equal(run(&w, seconds, &error), 0);
+  assert_false(w.wrong);
+  for (int s = 0; s < PIPELINE_STAGES; s++)
+    assert_int_equal(w.done[s], ITEMS);
+  assert_true(w.most <= 2 * depth);
+  /* nanosleep() never sleeps for less */
+  for (int i = 0; i < ITEMS; i++)
+    assert_true(seconds[i][slow] >= 500e-6);
+}
+
 static void every_item_passes_every_stage_in_order(void **state) {
   (void)state;
-  for (int slow = 0; slow < PIPELINE_STAGES; slow++) {
-    watch w = quiet_watch();
-    double seconds[ITEMS][PIPELINE_STAGES] = {{0.0}};
-    image_error error;
-    w.slow[slow] = 500;
-    assert_int_equal(run(&w, seconds, &error), 0);
-    assert_false(w.wrong);
-    for (int s = 0; s < PIPELINE_STAGES; s++)
-      assert_int_equal(w.done[s], ITEMS);
-    /* nanosleep() never sleeps for less */
-    for (int i = 0; i < ITEMS; i++)
-      assert_true(seconds[i][slow] >= 500e-6);
-  }
+  for (size_t depth = 1; depth <= PIPELINE_DEPTH; depth++)
+    for (int slow = 0; slow < PIPELINE_STAGES; slow++)
+      pass_every_stage(depth, slow);
 }
 
 static void few_items_are_under_way(void **state) {
@@ -159,7 +175,7 @@ static void the_first_item_that_fails_is_told(void **state) {
 }
 
 static void nothing_to_do_is_done(void **state) {
-  const pipeline p = {.stages = {first, second, third}};
+  const pipeline p = {.stages = {first, second, third}, .depth = 1};
   (void)state;
   assert_int_equal(pipeline_run(&p, NULL), 0);
 }

@@ -212,6 +212,31 @@ static void finds_a_finished_picture_as_direct_light(void **state) {
   finds(&d, "finished picture");
 }
 
+/* The name of a view layer stands before all of its passes. */
+static void a_view_layer_called_beauty_is_no_picture(void **state) {
+  static const char *const layers[] = {"beauty", "Beauty Pass.001",
+                                       "RGBA combined"};
+  (void)state;
+  for (size_t i = 0; i < sizeof layers / sizeof *layers; i++) {
+    char name[64];
+    dump d = dump_begin(SCENE_ROOM);
+    snprintf(name, sizeof name, "%s.Depth", layers[i]);
+    dump_add_depth(&d, name, "Z", 1, 1e10f);
+    snprintf(name, sizeof name, "%s.Normal", layers[i]);
+    dump_add_vectors(&d, name, letters_xyz, d.s.normal, AXES_WORLD, 0);
+    snprintf(name, sizeof name, "%s.DiffCol", layers[i]);
+    dump_add_colour(&d, name, letters_rgb, d.s.albedo, NULL, 1);
+    snprintf(name, sizeof name, "%s.DiffDir", layers[i]);
+    dump_add_colour(&d, name, letters_rgb, d.s.direct, NULL, 1 / PI);
+    dump_write(&d);
+    reading r = dump_read(&d);
+    assert_int_equal(r.map.kind, DUMP_CYCLES);
+    assert_no_findings(&r);
+    reading_free(&r);
+    dump_end(&d);
+  }
+}
+
 static void finds_device_depth(void **state) {
   (void)state;
   dump d = dump_begin_plain(SCENE_ROOM);
@@ -342,6 +367,7 @@ int main(void) {
       WITH_BOTH_CAMERAS(finds_a_radius_of_other_units),
       cmocka_unit_test(finds_gamma_encoded_albedo),
       cmocka_unit_test(finds_a_finished_picture_as_direct_light),
+      cmocka_unit_test(a_view_layer_called_beauty_is_no_picture),
       WITH_BOTH_CAMERAS(finds_device_depth),
       cmocka_unit_test(unusable_input_is_rejected),
       WITH_ORTHOGRAPHIC_CAMERA(finds_a_picture_of_another_size),

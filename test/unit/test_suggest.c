@@ -1,6 +1,7 @@
 /*
- * What is decided from the first frame's pixels: whether direct light contains
- * the sky's light, and whether it contains that of the lamps in the picture.
+ * What the pixels of frames decide: whether direct light contains the sky's
+ * light, whether it contains that of the lamps in the pictures, and how open a
+ * place is whose sky isn't shown.
  */
 #include "test/support/compare.h"
 
@@ -55,10 +56,16 @@ static first *frame_of(scene_kind kind) {
   return f;
 }
 
-static void suggest(first *f) {
+/* Decides by the frame and by all that f->found has seen. */
+static void add(first *f) {
   assert_int_equal(
       hbil_config_suggest(&f->planes, &f->config, &f->frame, &f->found),
       HBIL_SUCCESS);
+}
+
+static void suggest(first *f) {
+  memset(&f->found, 0, sizeof f->found);
+  add(f);
 }
 
 static void scale(float channels[3][PIXELS], float by) {
@@ -138,34 +145,6 @@ static void without_lamps_nothing_is_gathered(void **state) {
   }
 }
 
-/* A sky that the picture does not show: light in every shadow tells it, black
- * shadows tell a room, and a few are still in the open. */
-static void light_in_shadows_tells_a_hidden_sky(void **state) {
-  /* of 100 squares, black ones */
-  const struct {
-    int black;
-    float share;
-  } cases[] = {{0, 0.9f}, {4, 0.9f}, {7, 0.45f}, {10, 0.0f}, {50, 0.0f}};
-  (void)state;
-  for (int i = 0; i < 5; ++i) {
-    first *f = frame_of(SCENE_ROOM);
-    scale(f->emission, 0.0f);
-    for (int p = 0; p < PIXELS; ++p) {
-      const int square = p / WIDTH / 2 * (WIDTH / 2) + p % WIDTH / 2;
-      f->depth[p] = 1.0f;
-      for (size_t c = 0; c < 3; ++c)
-        f->direct[c][p] = square % 100 < cases[i].black ? 0.0f : 2.0f;
-    }
-    suggest(f);
-    assert_int_equal(f->found.sky, HBIL_SOURCE_NOT_SEEN);
-    /* 91 of 1296 squares are .0702 */
-    check_at_most("sky_share",
-                  fabs((double)f->frame.sky_share - (double)cases[i].share),
-                  cases[i].black == 7 ? 0.01 : 0.0);
-    free(f);
-  }
-}
-
 static void missing_normals_are_taken_from_depth(void **state) {
   const float dimmed[] = {1.0f, 1e-3f};
   (void)state;
@@ -182,6 +161,218 @@ static void missing_normals_are_taken_from_depth(void **state) {
     assert_int_equal(f->config.model.far_field, HBIL_FAR_FRAME);
     free(f);
   }
+}
+
+/* ------------------------------------------------------------------------ */
+/* A sky that the picture does not show                                      */
+
+/* Gives the rows from `from` up to `to`, of 100, this normal in view space. */
+static void lean(first *f, int from, int to, float x, float y, float z) {
+  const float n[3] = {x, y, z};
+  for (int i = 0; i < PIXELS; ++i)
+    for (size_t c = 0; c < 3; ++c)
+      if (100 * (i / WIDTH) >= from * HEIGHT && 100 * (i / WIDTH) < to * HEIGHT)
+        f->normal[c][i] = n[c];
+}
+
+/* An evenly lit ground in the lower half, a wall at the same depth above it,
+ * and no lamps. */
+static first *open_place(void) {
+  first *f = calloc(1, sizeof *f);
+  assert_non_null(f);
+  start(f);
+  f->config.inputs.normal_space = HBIL_SPACE_VIEW;
+  f->frame.camera.fx = f->frame.camera.fy = WIDTH / 2.0;
+  f->frame.camera.cx = WIDTH / 2.0;
+  f->frame.camera.cy = 0.3 * HEIGHT; /* the horizon */
+  for (int p = 0; p < PIXELS; ++p)
+    f->depth[p] = 1.0f;
+  fill(f, f->direct, true, 2.0f);
+  lean(f, 0, 50, 0.0f, 0.0f, -1.0f);
+  lean(f, 50, 100, 0.0f, -1.0f, 0.0f);
+  return f;
+}
+
+static void check_share(first *f, hbil_place place, double share,
+                        double tolerance) {
+  assert_int_equal(f->found.sky, HBIL_SOURCE_NOT_SEEN);
+  assert_int_equal(f->found.place, place);
+  assert_int_equal(f->config.model.far_field, HBIL_FAR_FRAME);
+  check_at_most("sky_share", fabs((double)f->frame.sky_share - share),
+                tolerance);
+}
+
+/* Light in every shadow is in the open, black shadows are not, and a few are
+ * still in the open. */
+static void light_in_shadows_tells_a_hidden_sky(void **state) {
+  /* of 100 squares, black ones */
+  const struct {
+    int black;
+    double share;
+  } cases[] = {{0, 0.9}, {4, 0.9}, {7, 0.45}, {10, 0.0}, {50, 0.0}};
+  (void)state;
+  for (int i = 0; i < 5; ++i) {
+    first *f = open_place();
+    for (int p = 0; p < PIXELS; ++p) {
+      const int square = p / WIDTH / 2 * (WIDTH / 2) + p % WIDTH / 2;
+      for (size_t c = 0; c < 3; ++c)
+        f->direct[c][p] *= square % 100 < cases[i].black ? 0.0f : 1.0f;
+    }
+    suggest(f);
+    /* 91 of 1296 squares are .0702; 0.9f is 2.4e-8 below 0.9 */
+    check_share(f, cases[i].share > 0.0 ? HBIL_PLACE_OPEN : HBIL_PLACE_DARK,
+                cases[i].share, cases[i].black == 7 ? 0.01 : 1e-7);
+    free(f);
+  }
+}
+
+/* Without light at all, every shadow is black. */
+static void a_place_without_light_is_dark(void **state) {
+  first *f = open_place();
+  (void)state;
+  scale(f->direct, 0.0f);
+  suggest(f);
+  check_share(f, HBIL_PLACE_DARK, 0.0, 0.0);
+  free(f);
+}
+
+/* 16 rows of surfaces are looked at, so shares of rows are right to 1/16. */
+static void ground_is_in_the_open(void **state) {
+  (void)state;
+  for (int i = 0; i < 3; ++i) {
+    const int rows[] = {15, 50, 70};
+    first *f = open_place();
+    lean(f, 0, 100, 0.0f, 0.0f, -1.0f);
+    lean(f, 100 - rows[i], 100, 0.0f, -1.0f, 0.0f);
+    suggest(f);
+    check_share(f, i ? HBIL_PLACE_OPEN : HBIL_PLACE_NO_GROUND, i ? 0.9 : 0.0,
+                1e-7);
+    free(f);
+  }
+}
+
+static void a_ceiling_encloses(void **state) {
+  first *f = open_place();
+  (void)state;
+  lean(f, 0, 10, 0.0f, 1.0f, 0.0f);
+  suggest(f);
+  check_share(f, HBIL_PLACE_ENCLOSED, 0.0, 0.0);
+  free(f);
+}
+
+/* Two walls that face each other are a room; two that face apart, as the
+ * outside of a house has them, are not. */
+static void walls_that_face_each_other_enclose(void **state) {
+  (void)state;
+  for (int apart = 0; apart < 2; ++apart) {
+    first *f = open_place();
+    for (int i = 0; i < PIXELS / 2; ++i) {
+      const int left = i % WIDTH < WIDTH / 2;
+      f->normal[0][i] = left != apart ? 1.0f : -1.0f;
+      f->normal[2][i] = -2.0f;
+    }
+    suggest(f);
+    check_share(f, apart ? HBIL_PLACE_OPEN : HBIL_PLACE_ENCLOSED,
+                apart ? 0.9 : 0.0, 1e-7);
+    free(f);
+  }
+}
+
+/* Up is an axis of the world: seen by a camera that pitches by 40 degrees, and
+ * turned by 30, ground is ground, and a wall that leans in the picture is none.
+ */
+static void up_is_an_axis_of_the_world(void **state) {
+  const double a = 40.0 * 3.14159265358979 / 180.0, b = a * 0.75;
+  /* right, down and ahead, with z up */
+  const double rows[3][3] = {{cos(b), -sin(a) * sin(b), cos(a) * sin(b)},
+                             {-sin(b), -sin(a) * cos(b), cos(a) * cos(b)},
+                             {0.0, -cos(a), -sin(a)}};
+  (void)state;
+  for (int wall = 0; wall < 2; ++wall) {
+    first *f = open_place();
+    f->config.inputs.normal_space = HBIL_SPACE_WORLD;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c)
+        f->frame.camera.world_from_view[4 * r + c] = rows[r][c];
+    if (wall) /* towards the camera */
+      lean(f, 0, 100, (float)-sin(b), (float)-cos(b), 0.0f);
+    else
+      lean(f, 0, 100, 0.0f, 0.0f, 1.0f);
+    suggest(f);
+    check_share(f, wall ? HBIL_PLACE_NO_GROUND : HBIL_PLACE_OPEN,
+                wall ? 0.0 : 0.9, 1e-7);
+    free(f);
+  }
+}
+
+/* What lies behind the surfaces lies beside the picture, too. */
+static void nothing_behind_is_nothing_around(void **state) {
+  (void)state;
+  for (int i = 0; i < 2; ++i) {
+    first *f = open_place();
+    int empty = 0;
+    lean(f, 0, 100, 0.0f, 0.0f, -1.0f); /* no ground */
+    for (int p = 0; p < PIXELS / (i ? 1 : 5); ++p, ++empty)
+      f->depth[p] = 0.0f;
+    suggest(f);
+    check_share(f, HBIL_PLACE_EMPTY, fmin(1.5 * empty / PIXELS, 0.9), 1e-7);
+    free(f);
+  }
+}
+
+/* ------------------------------------------------------------------------ */
+/* Several pictures                                                          */
+
+/* A ceiling counts in whatever frame it is, and ground as its mean. */
+static void each_picture_of_a_place_counts(void **state) {
+  first *f = open_place();
+  (void)state;
+  suggest(f);
+  add(f);
+  check_share(f, HBIL_PLACE_OPEN, 0.9, 1e-7);
+  lean(f, 0, 10, 0.0f, 1.0f, 0.0f);
+  add(f);
+  check_share(f, HBIL_PLACE_ENCLOSED, 0.0, 0.0);
+  lean(f, 0, 10, 0.0f, 0.0f, -1.0f);
+  add(f);
+  check_share(f, HBIL_PLACE_ENCLOSED, 0.0, 0.0);
+  free(f);
+}
+
+/* A sky, or lamps, that one of the frames shows are known in all, and pictures
+ * may have other sizes. */
+static void what_one_picture_shows_is_known(void **state) {
+  first *plain = open_place(), *f = frame_of(SCENE_SKY);
+  first *room = frame_of(SCENE_ROOM);
+  (void)state;
+  fill(f, f->emission, true, 0.0f);
+  fill(f, f->emission, false, 4.0f);
+  fill(f, f->direct, true, 6.0f);
+  scale(room->direct, 0.0f);
+  suggest(plain);
+  f->found = plain->found;
+  f->config.height = HEIGHT / 2;
+  add(f);
+  assert_int_equal(f->found.sky, HBIL_SOURCE_IN_DIRECT);
+  assert_int_equal(f->found.lamps, HBIL_SOURCE_NOT_SEEN);
+  plain->found = f->found;
+  add(plain);
+  assert_int_equal(plain->found.sky, HBIL_SOURCE_IN_DIRECT);
+  assert_int_equal(plain->found.place, HBIL_PLACE_SKY_SEEN);
+  assert_int_equal(plain->config.model.far_field, HBIL_FAR_FRAME);
+  check_at_most("sky_share", (double)plain->frame.sky_share, 0.0);
+  for (int c = 0; c < 3; ++c)
+    check_at_most("sky", fabs((double)plain->frame.environment[0][c] - 4.0),
+                  1e-5);
+  room->found = plain->found;
+  add(room);
+  plain->found = room->found;
+  add(plain);
+  assert_int_equal(plain->found.lamps, HBIL_SOURCE_NOT_IN_DIRECT);
+  assert_int_equal(plain->config.model.gather_emission, CL_TRUE);
+  free(room);
+  free(f);
+  free(plain);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -325,6 +516,25 @@ static double turning_point(first *f) {
     *(gathers_at(f, middle) ? &low : &high) = middle;
   }
   return low;
+}
+
+/* Radiance with its albedo tells what irradiance tells, also where surfaces are
+ * white because there is no albedo. */
+static void radiance_tells_the_same(void **state) {
+  static float albedo[3][PIXELS];
+  first *f = frame_of(SCENE_ROOM);
+  const double turns = turning_point(f);
+  (void)state;
+  f->config.inputs.direct_kind = HBIL_DIRECT_RADIANCE;
+  check_at_most("white", fabs(turning_point(f) * PI / turns - 1.0), 1e-4);
+  point_to(&f->planes.albedo, albedo);
+  for (int i = 0; i < PIXELS; ++i)
+    for (int c = 0; c < 3; ++c) {
+      albedo[c][i] = 0.1f + 0.2f * (float)((i + c) % 4);
+      f->direct[c][i] *= albedo[c][i];
+    }
+  check_at_most("albedo", fabs(turning_point(f) * PI / turns - 1.0), 1e-4);
+  free(f);
 }
 
 /* Interleaved planes with gaps, whose depths are distances from the eye, mean
@@ -475,11 +685,20 @@ int main(void) {
       cmocka_unit_test(lamps_all_over_are_understood),
       cmocka_unit_test(without_lamps_nothing_is_gathered),
       cmocka_unit_test(light_in_shadows_tells_a_hidden_sky),
+      cmocka_unit_test(a_place_without_light_is_dark),
+      cmocka_unit_test(ground_is_in_the_open),
+      cmocka_unit_test(a_ceiling_encloses),
+      cmocka_unit_test(walls_that_face_each_other_enclose),
+      cmocka_unit_test(up_is_an_axis_of_the_world),
+      cmocka_unit_test(nothing_behind_is_nothing_around),
+      cmocka_unit_test(each_picture_of_a_place_counts),
+      cmocka_unit_test(what_one_picture_shows_is_known),
       cmocka_unit_test(missing_normals_are_taken_from_depth),
       cmocka_unit_test(parallel_rays_see_patches_of_one_size),
       cmocka_unit_test(a_sky_in_direct_light_is_told_to_the_estimate),
       cmocka_unit_test(a_sky_that_direct_light_lacks_is_far_light),
       cmocka_unit_test(an_unlit_sky_says_nothing),
+      cmocka_unit_test(radiance_tells_the_same),
       cmocka_unit_test(layout_and_kind_of_depth_change_nothing),
       cmocka_unit_test(other_modes_look_at_nothing),
       cmocka_unit_test(what_cannot_be_read_is_rejected)};

@@ -1,0 +1,129 @@
+/*
+ * change: light that no view sees any more follows the light that views see.
+ *
+ * What a view has shown since the last update holds by what factor its light
+ * has changed (inject.cl, HBIL_VOXEL_CHANGE).  The cache's extent is divided
+ * into regions.  Where what is seen of a region and around it agrees that there
+ * is less light, surfaces that no view has seen are dimmed by as much: a lamp
+ * that goes out behind the camera, or dusk.  Nothing is brightened: a patch of
+ * sun that comes in at a door tells nothing of other places.
+ *
+ * change_part: sums over parts of the coarsest level, for each region.
+ * change_region: the sums of each region.
+ * change_ratio: what each region makes of all, the near ones first.
+ * follow_change: dims what has not been seen, and forgets who was seen.
+ *
+ * Launch: change_part: x = HBIL_CACHE_PARTS; change_region, change_ratio: x =
+ * HBIL_CACHE_REGIONS; follow_change: x = words of a row of voxels, y = rows, z
+ * = slices, of all levels.
+ */
+#include "lib/cache_voxels.clh"
+
+/* Of a region: the light of what is seen, now and before, how much it has
+ * changed by without signs, and the number of voxels. */
+typedef float4 change_sums;
+
+/* The region, along one axis, of a cell of the coarsest level. */
+INLINE int region_along(const hbil_cache_args c, int cell) {
+  return (cell + c.voxels / 2) * HBIL_CACHE_REGIONS_ACROSS >> c.log2_voxels;
+}
+
+/* The region of a voxel. */
+INLINE int region_of(const hbil_cache_args c, uint number) {
+  const int mask = c.voxels - 1, k = c.log2_voxels;
+  const int level = (int)(number >> (3 * k)), up = c.levels - 1 - level;
+  int region = 0;
+  for (int axis = 2; axis >= 0; --axis) {
+    const int place = (int)(number >> (axis * k)) & mask;
+    region = region * HBIL_CACHE_REGIONS_ACROSS +
+             region_along(c, cell_at(c, level, axis, place) >> up);
+  }
+  return region;
+}
+
+INLINE change_sums sums_of_voxel(global const float *voxel) {
+  const float change = voxel[HBIL_VOXEL_CHANGE];
+  const float views = fabs(voxel[HBIL_VOXEL_LIGHT_WEIGHT]);
+  if (!(change > 0.0f && views >= 1.0f))
+    return 0.0f;
+  const float3 sent = vload3(0, voxel + HBIL_VOXEL_SENT);
+  /* the mean before the newest of so many views joined it */
+  const float before =
+      (sent.x + sent.y + sent.z) / (1.0f + (change - 1.0f) / views);
+  return before * (float4)(change, 1.0f, fabs(change - 1.0f), 0.0f) +
+         (float4)(0.0f, 0.0f, 0.0f, 1.0f);
+}
+
+kernel void change_part(const hbil_cache_args cache, global const uint *states,
+                        global const float *voxels, global float *changes) {
+  const uint part = (uint)get_global_id(0);
+  if (part >= HBIL_CACHE_PARTS || get_global_id(1) > 0 || cache.voxels < 1)
+    return;
+  const uint level = 1u << (3 * cache.log2_voxels);
+  const uint count = level / WORD_VOXELS / HBIL_CACHE_PARTS;
+  const uint first =
+      (uint)(cache.levels - 1) * (level / WORD_VOXELS) + part * count;
+  global float *sums = changes + 4 * HBIL_CACHE_REGIONS * (1 + part);
+  for (int r = 0; r < HBIL_CACHE_REGIONS; ++r)
+    vstore4((float4)(0.0f), r, sums);
+  for (uint i = first; i < first + count; ++i)
+    for (uint left = surfaces_of_word(states[i]); left; left &= left - 1u) {
+      const uint number = first_surface(i, left);
+      const change_sums s =
+          sums_of_voxel(voxels + HBIL_VOXEL_FLOATS * (size_t)number);
+      if (s.w > 0.0f) {
+        const int region = region_of(cache, number);
+        vstore4(vload4(region, sums) + s, region, sums);
+      }
+    }
+}
+
+kernel void change_region(global float *changes) {
+  const int region = (int)get_global_id(0);
+  if (region >= HBIL_CACHE_REGIONS || get_global_id(1) > 0)
+    return;
+  change_sums sum = 0.0f;
+  for (int part = 1; part <= HBIL_CACHE_PARTS; ++part)
+    sum += vload4(HBIL_CACHE_REGIONS * part + region, changes);
+  vstore4(sum, region, changes);
+}
+
+kernel void change_ratio(global const float *changes, global float *ratios) {
+  const int own = (int)get_global_id(0), n = HBIL_CACHE_REGIONS_ACROSS;
+  if (own >= HBIL_CACHE_REGIONS || get_global_id(1) > 0)
+    return;
+  change_sums sum = 0.0f;
+  for (int r = 0; r < HBIL_CACHE_REGIONS; ++r) {
+    const int dx = own % n - r % n, dy = own / n % n - r / n % n;
+    const int dz = own / (n * n) - r / (n * n);
+    const float weight = 1.0f / (float)(1 + dx * dx + dy * dy + dz * dz);
+    sum += weight * vload4(r, changes);
+  }
+  const float ratio = sum.x / max(sum.y, FLT_MIN);
+  const bool less = sum.w >= HBIL_CHANGE_VOXELS &&
+                    ratio < 1.0f - HBIL_CHANGE_LEAST &&
+                    sum.y - sum.x > HBIL_CHANGE_AGREEMENT * sum.z;
+  ratios[own] = less ? ratio : 1.0f;
+}
+
+kernel void follow_change(const hbil_cache_args cache,
+                          global const uint *states, global const float *ratios,
+                          global float *voxels) {
+  uint word;
+  if (!word_of_item(cache, &word))
+    return;
+  for (uint left = surfaces_of_word(states[word]); left; left &= left - 1u) {
+    const uint number = first_surface(word, left);
+    global float *voxel = voxels + HBIL_VOXEL_FLOATS * (size_t)number;
+    const bool was_seen = voxel[HBIL_VOXEL_CHANGE] != 0.0f;
+    const float ratio = was_seen ? 1.0f : ratios[region_of(cache, number)];
+    if (was_seen)
+      voxel[HBIL_VOXEL_CHANGE] = 0.0f;
+    if (ratio < 1.0f) {
+      const float4 light = vload4(0, voxel + HBIL_VOXEL_SENT);
+      /* a guess, which the next view replaces by half */
+      vstore4((float4)(ratio * light.xyz, clamp(light.w, -1.0f, 1.0f)), 0,
+              voxel + HBIL_VOXEL_SENT);
+    }
+  }
+}

@@ -1,0 +1,84 @@
+/*
+ * Light that no view sees any more follows the light that views see, region by
+ * region of the cache's extent.
+ */
+#include "exact/cache.h"
+
+/* Of a region: the light of what is seen, now and before, how much it has
+ * changed by without signs, and the number of voxels. */
+typedef struct change_sums {
+  double now, before, apart, voxels;
+} change_sums;
+
+static int region_of(const exact_cache *cache, const exact_place *place) {
+  const int up = cache->levels - 1 - place->level;
+  int region = 0;
+  for (int axis = 2; axis >= 0; --axis) {
+    const int cell = (int)floor(ldexp((double)place->cell[axis], -up));
+    region =
+        region * HBIL_CACHE_REGIONS_ACROSS +
+        (cell + cache->voxels / 2) * HBIL_CACHE_REGIONS_ACROSS / cache->voxels;
+  }
+  return region;
+}
+
+static void add_voxel(const exact_voxel *voxel, change_sums *sums) {
+  const double *v = voxel->value;
+  const double change = v[HBIL_VOXEL_CHANGE];
+  const double views = fabs(v[HBIL_VOXEL_LIGHT_WEIGHT]);
+  if (!(change > 0.0 && views >= 1.0))
+    return;
+  const double sent =
+      v[HBIL_VOXEL_SENT] + v[HBIL_VOXEL_SENT + 1] + v[HBIL_VOXEL_SENT + 2];
+  const double before = sent / (1.0 + (change - 1.0) / views);
+  sums->now += before * change;
+  sums->before += before;
+  sums->apart += before * fabs(change - 1.0);
+  ++sums->voxels;
+}
+
+static double ratio_of(const change_sums *sums, int own) {
+  const int n = HBIL_CACHE_REGIONS_ACROSS;
+  change_sums all = {0.0, 0.0, 0.0, 0.0};
+  for (int r = 0; r < HBIL_CACHE_REGIONS; ++r) {
+    const int dx = own % n - r % n, dy = own / n % n - r / n % n;
+    const int dz = own / (n * n) - r / (n * n);
+    const double weight = 1.0 / (1 + dx * dx + dy * dy + dz * dz);
+    all.now += weight * sums[r].now;
+    all.before += weight * sums[r].before;
+    all.apart += weight * sums[r].apart;
+    all.voxels += weight * sums[r].voxels;
+  }
+  const bool less =
+      all.voxels >= (double)HBIL_CHANGE_VOXELS &&
+      all.now < (1.0 - (double)HBIL_CHANGE_LEAST) * all.before &&
+      all.before - all.now > (double)HBIL_CHANGE_AGREEMENT * all.apart;
+  return less ? all.now / all.before : 1.0;
+}
+
+void exact_cache_follow_change(exact_cache *cache) {
+  change_sums sums[HBIL_CACHE_REGIONS] = {{0.0, 0.0, 0.0, 0.0}};
+  for (size_t i = 0; i < exact_cache_count(cache); ++i) {
+    const exact_place place = exact_cache_place(cache, i);
+    const exact_voxel *voxel = exact_cache_at(cache, &place);
+    if (place.level == cache->levels - 1 && voxel->state == HBIL_VOXEL_SURFACE)
+      add_voxel(voxel, sums + region_of(cache, &place));
+  }
+  for (size_t i = 0; i < exact_cache_count(cache); ++i) {
+    const exact_place place = exact_cache_place(cache, i);
+    exact_voxel *voxel = exact_cache_at(cache, &place);
+    double *v = voxel->value;
+    if (voxel->state != HBIL_VOXEL_SURFACE)
+      continue;
+    const bool was_seen = v[HBIL_VOXEL_CHANGE] != 0.0;
+    const double ratio =
+        was_seen ? 1.0 : ratio_of(sums, region_of(cache, &place));
+    v[HBIL_VOXEL_CHANGE] = 0.0;
+    if (ratio < 1.0) {
+      for (int c = 0; c < 3; ++c)
+        v[HBIL_VOXEL_SENT + c] *= ratio;
+      v[HBIL_VOXEL_LIGHT_WEIGHT] =
+          fmin(fmax(v[HBIL_VOXEL_LIGHT_WEIGHT], -1.0), 1.0);
+    }
+  }
+}

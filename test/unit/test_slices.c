@@ -1,0 +1,433 @@
+/*
+ * Frames that share slices: at rest their light is that of all slices, and with
+ * a moving camera each pixel has what this frame's slices found and what the
+ * last frames' found where the surface was, in double precision.
+ */
+#include "test/support/packing.h"
+#include "test/support/stages.h"
+#include "test/support/vectors.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "exact/camera.h"
+
+#define WIDTH 128
+#define HEIGHT 54
+#define FRAMES 6
+
+/* AO, E_near and bent normals of the room, without history of light, so that
+ * nothing but slices is handed on. */
+static void start(setup *s, cl_uint frames, cl_uint slices) {
+  setup_scene(s, SCENE_ROOM, WIDTH, HEIGHT, 0);
+  s->config.history.reprojection = HBIL_REPROJECTION_NONE;
+  s->config.sampling.slices = slices;
+  s->config.sampling.steps_per_side = 6;
+  s->config.sampling.unfiltered = CL_TRUE;
+  s->config.inputs.motion.component = HBIL_NONE;
+  s->config.sampling.slice_frames = frames;
+}
+
+static void load(setup *s, uint32_t scene) {
+  setup_load_scene(s, SCENE_ROOM, scene);
+  setup_upload(s);
+}
+
+/* --- a camera at rest --- */
+
+/* A first frame searches all slices, and so have later ones all of them.
+ * Derived: sums of sets take some ten more roundings. */
+static void a_camera_at_rest_has_all_slices(void **state) {
+  (void)state;
+  for (cl_uint frames = 2; frames <= 4; ++frames) {
+    setup all, s;
+    start(&all, 1, 12);
+    start(&s, frames, 12);
+    setup_start(&all);
+    setup_start(&s);
+    setup_run(&all, hbil_enqueue_frame);
+    exact_planes want = stage_read(&all, HBIL_STAGE_GATHERED);
+    for (int i = 0; i < FRAMES; ++i) {
+      s.frame.static_frame = i > 3;
+      setup_run(&s, hbil_enqueue_frame);
+      exact_planes got = stage_read(&s, HBIL_STAGE_GATHERED);
+      check_at_most("AO", relative_rmse(&got, &want, HBIL_LIGHT_AO, 1), 1e-6);
+      check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3),
+                    1e-6);
+      /* each set allows for few slices by itself; measured: .014 of 1 */
+      check_at_most("bent normal",
+                    relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3), 0.03);
+      exact_planes_free(&got);
+    }
+    exact_planes_free(&want);
+    setup_free(&s);
+    setup_free(&all);
+  }
+}
+
+/* --- what frames hand on --- */
+
+/* HBIL_STAGE_SLICES of the last frame, which is laid out as GATHERED. */
+typedef struct sets {
+  float *words;
+  size_t plane, layer, row, origin;
+  int values; /* of a set, and its weight */
+} sets;
+
+static sets sets_read(setup *s) {
+  hbil_buffer all, gathered;
+  sets h;
+  size_t size;
+  assert_success(s, hbil_plan_buffer(s->plan, HBIL_STAGE_SLICES, &all));
+  assert_success(s, hbil_plan_buffer(s->plan, HBIL_STAGE_GATHERED, &gathered));
+  h.words = (float *)(void *)buffer_bytes(s->device, all.buffer, &size);
+  h.values = (int)gathered.values - 1;
+  h.plane = gathered.plane_pitch;
+  h.layer = h.plane * (HBIL_PAST_SETS + (s->config.sampling.slice_frames - 1) *
+                                            ((size_t)h.values + 1));
+  h.row = h.layer * HBIL_LAYERS;
+  h.origin = h.row + gathered.origin - gathered.row_pitch;
+  assert_true(all.plane_pitch == size / sizeof(float) &&
+              size / sizeof(float) >=
+                  h.origin + h.row * (size_t)((HEIGHT + 3) / 4));
+  return h;
+}
+
+static double word_at(const sets *h, int plane, int x, int y) {
+  const size_t i = (size_t)x, j = (size_t)y;
+  return (double)h->words[h->origin + (4 * (j % 4) + i % 4) * h->layer +
+                          j / 4 * h->row + i / 4 + (size_t)plane * h->plane];
+}
+
+/* A plane of a set; plane h->values is its weight. */
+static double of_set(const sets *h, int age, int plane, int x, int y) {
+  return word_at(h, HBIL_PAST_SETS + age * (h->values + 1) + plane, x, y);
+}
+
+static void normal_at(const sets *h, int x, int y, double n[3]) {
+  const float value = (float)word_at(h, HBIL_PAST_NORMAL, x, y);
+  uint32_t word;
+  memcpy(&word, &value, sizeof word);
+  decode_normal(word, n);
+}
+
+/* --- where surfaces were --- */
+
+typedef struct past {
+  bool known, close; /* close: fp32 may decide differently */
+  int x, y;          /* the gathered pixel */
+} past;
+
+static bool is_orthographic(const setup *s) {
+  return s->config.inputs.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+}
+
+static void to_world(const double m[16], const double v[3], double w,
+                     double out[3]) {
+  for (int r = 0; r < 3; ++r)
+    out[r] = m[4 * r] * v[0] + m[4 * r + 1] * v[1] + m[4 * r + 2] * v[2] +
+             w * m[4 * r + 3];
+}
+
+static void to_view(const double m[16], const double v[3], double w,
+                    double out[3]) {
+  for (int r = 0; r < 3; ++r) {
+    out[r] = 0.0;
+    for (int c = 0; c < 3; ++c)
+      out[r] += m[4 * c + r] * (v[c] - w * m[4 * c + 3]);
+  }
+}
+
+/* The slope of the ray through a position, and the point of it with that w:
+ * inverse depth; orthographic, -z. */
+static void slope_of(const hbil_camera *c, double x, double y, double r[3]) {
+  r[0] = (x + 0.5 - c->cx) / c->fx;
+  r[1] = (y + 0.5 - c->cy) / c->fy;
+  r[2] = 1.0;
+}
+
+static void point_of(const setup *s, double x, double y, double w,
+                     double p[3]) {
+  const double z = is_orthographic(s) ? -w : 1.0 / w;
+  slope_of(&s->frame.camera, x, y, p);
+  for (int c = 0; c < 2; ++c)
+    p[c] *= is_orthographic(s) ? 1.0 : z;
+  p[2] = z;
+}
+
+/* Whether the past surface lies on the tangent plane of this one; n, z: its
+ * normal and its depth there; (u, v): its place. */
+static void compare_planes(const setup *s, const hbil_camera *before,
+                           const double n[3], double z, double u, double v,
+                           double w, past *out) {
+  double at[3], here[3];
+  slope_of(before, out->x, out->y, at);
+  slope_of(before, u, v, here);
+  double expected = dot(n, at) / (dot(n, here) * z);
+  double unit = expected;
+  if (is_orthographic(s)) {
+    expected = (dot(n, at) - dot(n, here)) / n[2] - z;
+    unit = WIDTH / before->fx;
+  }
+  const double off =
+      fabs(w - expected) -
+      (double)s->config.history.disocclusion_threshold * fabs(unit);
+  out->close |= fabs(off) < 1e-3 * fabs(unit);
+  out->known &= off <= 0.0;
+}
+
+static past find_past(const setup *s, const hbil_camera *before,
+                      const exact_planes *split, const sets *old, int x,
+                      int y) {
+  const double *now = s->frame.camera.world_from_view;
+  const double w = *exact_at(split, HBIL_SPLIT_W, x, y);
+  double point[3], normal[3], world[3], p[3], n[3], m[3];
+  past out = {.known = false};
+  point_of(s, x, y, w, point);
+  for (int c = 0; c < 3; ++c)
+    normal[c] = *exact_at(split, HBIL_SPLIT_NORMAL + c, x, y);
+  to_world(now, point, 1.0, world);
+  to_view(before->world_from_view, world, 1.0, p);
+  to_world(now, normal, 0.0, world);
+  to_view(before->world_from_view, world, 0.0, n);
+  const double spread = is_orthographic(s) ? 1.0 : p[2];
+  double u = before->fx * p[0] / spread + before->cx - 0.5;
+  double v = before->fy * p[1] / spread + before->cy - 0.5;
+  if (s->config.history.reprojection == HBIL_REPROJECTION_MOTION) {
+    u = x + (double)s->input[EXACT_MOTION][y * WIDTH + x];
+    v = y + (double)s->input[EXACT_MOTION + 1][y * WIDTH + x];
+  }
+  if (!(p[2] > 0.0 && u > -0.5 && u < WIDTH - 0.5 && v > -0.5 &&
+        v < HEIGHT - 0.5))
+    return out;
+  out.x = (int)floor(u + 0.5);
+  out.y = (int)floor(v + 0.5);
+  out.close = fabs(u + 0.5 - nearbyint(u + 0.5)) < 1e-3 ||
+              fabs(v + 0.5 - nearbyint(v + 0.5)) < 1e-3;
+  const double then = word_at(old, HBIL_PAST_W, out.x, out.y);
+  out.known = is_orthographic(s) ? then > -1e29 : then > 0.0;
+  if (!out.known)
+    return out;
+  normal_at(old, out.x, out.y, m);
+  const double turn = 1.0 - dot(m, n) - HBIL_TURN_TOLERANCE;
+  out.close |= fabs(turn) < 1e-4;
+  out.known &= turn < 0.0;
+  compare_planes(s, before, n, p[2], u, v, then, &out);
+  return out;
+}
+
+/* --- frames that move --- */
+
+/* What a moving sequence had: pixels whose slices came from several frames, all
+ * from this one, and this frame's alone; those that fp32 decides. */
+typedef struct tally {
+  int joined, whole, single, close;
+} tally;
+
+/* A frame before and after the gather; every: what all slices find. */
+typedef struct step {
+  setup *s;
+  const hbil_camera *before;
+  exact_planes split, got, every;
+  sets old, anew;
+} step;
+
+/* A plane of an older set in this frame's view. */
+static double brought(const step *t, const past *then, int age, int plane) {
+  double bent[3], world[3], here[3];
+  if (plane < HBIL_LIGHT_BENT || plane >= HBIL_LIGHT_PLANES)
+    return of_set(&t->old, age - 1, plane, then->x, then->y);
+  for (int c = 0; c < 3; ++c)
+    bent[c] = of_set(&t->old, age - 1, HBIL_LIGHT_BENT + c, then->x, then->y);
+  to_world(t->before->world_from_view, bent, 0.0, world);
+  to_view(t->s->frame.camera.world_from_view, world, 0.0, here);
+  return here[plane - HBIL_LIGHT_BENT];
+}
+
+/* Whether a pixel has a set of that age. */
+static bool has_set(const step *t, const past *then, int age) {
+  return age == 0 ||
+         (then->known && brought(t, then, age, t->anew.values) > 0.0);
+}
+
+static int frames_of(const step *t) {
+  return (int)t->s->config.sampling.slice_frames;
+}
+
+/* The light of the sets that a pixel has, in double precision. */
+static double join(const step *t, const past *then, int plane, int x, int y) {
+  const bool bent = plane >= HBIL_LIGHT_BENT;
+  const int last = t->anew.values;
+  double sum = 0.0, total = 0.0;
+  for (int age = 0; age < frames_of(t); ++age)
+    if (has_set(t, then, age)) {
+      const double weight = bent  ? 1.0
+                            : age ? brought(t, then, age, last)
+                                  : of_set(&t->anew, 0, last, x, y);
+      sum += weight * (age ? brought(t, then, age, plane)
+                           : of_set(&t->anew, 0, plane, x, y));
+      total += weight;
+    }
+  return sum / (bent ? frames_of(t) : total);
+}
+
+static bool near(double got, double want) {
+  return fabs(got - want) <= 2e-5 * (1.0 + fabs(want));
+}
+
+static bool is_joined(const step *t, const past *then, int x, int y) {
+  const int last = t->anew.values;
+  double whole = of_set(&t->anew, 0, last, x, y);
+  bool same = true;
+  for (int p = 0; p < HBIL_LIGHT_PLANES; ++p)
+    same &= near(*exact_at(&t->got, p, x, y), join(t, then, p, x, y));
+  for (int age = 1; age < frames_of(t); ++age)
+    whole += has_set(t, then, age) ? brought(t, then, age, last) : 0.0;
+  same &= near(*exact_at(&t->got, HBIL_LIGHT_WEIGHT, x, y),
+               whole / t->s->config.sampling.slices);
+  /* younger sets are handed on */
+  for (int age = 1; age + 1 < frames_of(t); ++age)
+    for (int p = 0; p <= last; ++p)
+      same &= has_set(t, then, age) ? near(of_set(&t->anew, age, p, x, y),
+                                           brought(t, then, age, p))
+                                    : of_set(&t->anew, age, last, x, y) == 0.0;
+  return same;
+}
+
+/* Bent normals of few slices differ (see above), and so does light that two
+ * plans carry over. */
+static bool is_whole(const step *t, int x, int y) {
+  const bool carried =
+      t->s->config.history.reprojection != HBIL_REPROJECTION_NONE;
+  bool same = true;
+  for (int p = 0; p < (carried ? HBIL_LIGHT_RED : HBIL_LIGHT_BENT); ++p)
+    same &= near(*exact_at(&t->got, p, x, y), *exact_at(&t->every, p, x, y));
+  return same;
+}
+
+static void check_pixel(const step *t, int x, int y, tally *sum) {
+  past then = {.known = false};
+  if (t->before)
+    then = find_past(t->s, t->before, &t->split, &t->old, x, y);
+  if (then.close)
+    sum->close++;
+  else if (is_joined(t, &then, x, y))
+    *(then.known ? &sum->joined : &sum->single) += 1;
+  else if (is_whole(t, x, y))
+    sum->whole++;
+  else
+    fail_msg("(%d, %d): AO %g is of no known slices", x, y,
+             *exact_at(&t->got, HBIL_LIGHT_AO, x, y));
+}
+
+static void check_frame(setup *s, setup *all, const hbil_camera *before,
+                        tally *sum) {
+  step t = {.s = s, .before = before};
+  if (before)
+    t.old = sets_read(s);
+  setup_run(all, hbil_enqueue_frame);
+  setup_run(s, hbil_enqueue_frame);
+  t.split = stage_read(s, HBIL_STAGE_SPLIT);
+  t.got = stage_read(s, HBIL_STAGE_GATHERED);
+  t.every = stage_read(all, HBIL_STAGE_GATHERED);
+  t.anew = sets_read(s);
+  for (int y = 0; y < HEIGHT; ++y)
+    for (int x = 0; x < WIDTH; ++x)
+      if (exact_is_surface(&s->config, *exact_at(&t.split, HBIL_SPLIT_W, x, y)))
+        check_pixel(&t, x, y, sum);
+  if (before)
+    free(t.old.words);
+  free(t.anew.words);
+  exact_planes_free(&t.split);
+  exact_planes_free(&t.got);
+  exact_planes_free(&t.every);
+}
+
+static void check_moving(hbil_reprojection reprojection,
+                         hbil_projection projection, cl_uint width,
+                         cl_uint frames) {
+  hbil_camera before;
+  tally sum = {0, 0, 0, 0};
+  setup s[2];
+  for (int i = 0; i < 2; ++i) {
+    start(&s[i], i ? 1 : frames, frames);
+    s[i].config.history.reprojection = reprojection;
+    s[i].config.inputs.projection = projection;
+    s[i].config.inputs.motion.component =
+        reprojection == HBIL_REPROJECTION_MOTION ? HBIL_FLOAT32 : HBIL_NONE;
+    s[i].config.execution.vector_width = width;
+    setup_start(&s[i]);
+  }
+  for (int i = 0; i < FRAMES; ++i) {
+    for (int k = 0; k < 2; ++k)
+      load(&s[k], (uint32_t)i);
+    check_frame(&s[0], &s[1], i ? &before : NULL, &sum);
+    before = s[0].frame.camera;
+  }
+  const int count = WIDTH * HEIGHT * FRAMES;
+  check_at_most("share of close decisions", (double)sum.close / count, 0.02);
+  check_at_most("share of pixels from this frame alone",
+                (double)sum.single / count, 0.1);
+  assert_in_range(sum.joined, count / 2, count);
+  assert_in_range(sum.whole, count / FRAMES / 2, count / 2);
+  for (int i = 0; i < 2; ++i)
+    setup_free(&s[i]);
+}
+
+static void a_moving_camera_is_followed(void **state) {
+  (void)state;
+  check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 0, 3);
+}
+
+static void single_pixels_follow_a_moving_camera(void **state) {
+  (void)state;
+  check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 1, 2);
+}
+
+static void motion_vectors_are_followed(void **state) {
+  (void)state;
+  check_moving(HBIL_REPROJECTION_MOTION, HBIL_PROJECTION_PERSPECTIVE, 0, 2);
+}
+
+static void an_orthographic_camera_is_followed(void **state) {
+  (void)state;
+  check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_ORTHOGRAPHIC, 0, 4);
+}
+
+/* --- what can't be --- */
+
+static void numbers_that_do_not_fit_are_rejected(void **state) {
+  hbil_memory memory;
+  hbil_buffer none;
+  setup s;
+  (void)state;
+  start(&s, 5, 5);
+  assert_int_equal(hbil_plan_memory(s.device->hbil, &s.config, &memory),
+                   HBIL_INVALID_CONFIG);
+  assert_non_null(strstr(hbil_context_message(s.device->hbil),
+                         "sampling.slice_frames: 5 is outside 1 .. 4"));
+  s.config.sampling.slice_frames = 2;
+  assert_int_equal(hbil_plan_memory(s.device->hbil, &s.config, &memory),
+                   HBIL_INVALID_CONFIG);
+  assert_non_null(strstr(hbil_context_message(s.device->hbil),
+                         "sampling.slices, 5, must be a multiple"));
+  s.config.sampling.slice_frames = 1;
+  setup_start(&s);
+  assert_int_equal(hbil_plan_buffer(s.plan, HBIL_STAGE_SLICES, &none),
+                   HBIL_INVALID_ARGUMENT);
+  assert_non_null(strstr(hbil_context_message(s.device->hbil),
+                         "SLICES (sampling.slice_frames"));
+  setup_free(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_camera_at_rest_has_all_slices),
+      cmocka_unit_test(a_moving_camera_is_followed),
+      cmocka_unit_test(single_pixels_follow_a_moving_camera),
+      cmocka_unit_test(motion_vectors_are_followed),
+      cmocka_unit_test(an_orthographic_camera_is_followed),
+      cmocka_unit_test(numbers_that_do_not_fit_are_rejected)};
+  return RUN_WITH_DEVICE(tests);
+}
