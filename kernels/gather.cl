@@ -17,7 +17,7 @@
  */
 #include "gather/hemisphere.clh"
 
-#if SLICE_FRAMES > 1
+#if SHARES_SLICES
 #include "gather/past_slices.clh"
 #endif
 
@@ -94,7 +94,7 @@ INLINE global const hbil_step *steps_of(const hbil_gather_args args,
   return steps + (uint)(level * hbil_sites(GATHERED) + site) * pattern;
 }
 
-#if SLICE_FRAMES > 1
+#if SHARES_SLICES
 /* Where a span is, and what its search leaves out. */
 typedef struct span_place {
   int x, y, layer, site;
@@ -151,9 +151,8 @@ INLINE void gather_shared(const hbil_gather_args args, const receiver *c,
             : solid);
   }
   const int ages = MOST_MISSING * missing > shown ? SLICE_FRAMES : 1;
-  const int first = turn + hbil_direction_order(at->site, GATHERED);
   for (int age = 0; age < ages; ++age)
-    search_set(args, c, table, (first + SLICE_FRAMES - age) % SLICE_FRAMES, how,
+    search_set(args, c, table, (turn + SLICE_FRAMES - age) % SLICE_FRAMES, how,
                at, cache, sets + age * SPAN_VECTORS);
   if (at->x == 0 && at->y == 0 && at->layer == 0)
     next[0] = (float)turn;
@@ -240,7 +239,7 @@ kernel void gather(const hbil_gather_args args, global const float *split,
                           hbil_shift_share(site, GATHERED),
                           found};
   steps = steps_of(args, steps, nearest, site);
-#if SLICE_FRAMES > 1
+#if SHARES_SLICES
   const span_place place = {x,        y, layer, site, skipped & HBIL_SPAN_SKY,
                             skips_all};
   gather_shared(args, c, steps, &how, &place, cache, past, motion, light, next);

@@ -375,7 +375,8 @@ typedef struct hbil_sampling {
    * before, or show another surface by history.disocclusion_threshold or a
    * change of the normal by 33 degrees, a frame searches all slices, as in a
    * first frame.  HBIL_REPROJECTION_MOTION follows surfaces by motion vectors,
-   * the others by the cameras.  Without effect with the output glossy. */
+   * the others by the cameras.  Static frames search all slices, and so does
+   * the frame behind them.  Without effect with the output glossy. */
   cl_uint slice_frames;
 } hbil_sampling;
 
@@ -455,8 +456,8 @@ typedef struct hbil_execution {
    * Later ones only add up light, which is faster and gives the same bits.  The
    * cache never takes more than all rows need, nor more than the device's
    * largest buffer; rows that don't fit are gathered as usual.  There is no
-   * cache with sampling.slice_frames above 1, without HBIL_SKIP_STATIC, or if
-   * no light is carried over.  hbil_plan_memory() includes it. */
+   * cache without HBIL_SKIP_STATIC, or if no light is carried over.
+   * hbil_plan_memory() includes it. */
   size_t horizon_cache_bytes;
 } hbil_execution;
 

@@ -142,7 +142,7 @@ typedef struct hbil_frame {
    * changing, bit for bit, nothing is gathered or filtered any more.  After
    * HBIL_EXACT_STATIC_FRAMES of them in a row, light that is lower than before
    * by no more than a rounding counts as unchanged, so that roundings don't
-   * prevent this.  With sampling.slice_frames above 1, all frames are gathered.
+   * prevent this.  Where frames share slices, static ones search all of them.
    * Camera, exposure and frame_index are checked, bit by bit.  This only saves
    * work: in a frame whose camera differs by a rounding, leave it CL_FALSE, and
    * light differs by a rounding.

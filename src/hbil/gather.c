@@ -154,13 +154,13 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
   return args;
 }
 
-/* Searches horizons in the rows of a layer from `top` to `bottom`.  Fills the
- * horizon cache with them if `fill_cache`.  Where frames share slices, what
- * this one finds goes to the other of two buffers.  composite makes it the
- * plan's, so that a frame which fails leaves none. */
+/* Searches horizons in the rows of a layer from `top` to `bottom`, with one of
+ * the kernels of gather.cl.  Where frames share slices, what this one finds
+ * goes to the other of two buffers.  composite makes it the plan's, so that a
+ * frame which fails leaves none. */
 static hbil_status search(hbil_plan *plan, commands *chain,
                           const hbil_frame *frame, hbil_gather_args *args,
-                          size_t top, size_t bottom, bool fill_cache) {
+                          size_t top, size_t bottom, int kernel) {
   const cl_mem motion = bind_plane(plan, frame, PLANE_MOTION, &args->motion);
   const argument list[] = {ARG(*args),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
@@ -176,9 +176,8 @@ static hbil_status search(hbil_plan *plan, commands *chain,
                            ARG(motion)};
   if (top == bottom)
     return HBIL_SUCCESS;
-  return LAUNCH_ROWS(
-      chain, fill_cache ? KERNEL_GATHER_AND_CACHE : KERNEL_GATHER, list, top,
-      plan->layout.spans, bottom - top, (size_t)plan->layout.pattern.gathered);
+  return LAUNCH_ROWS(chain, kernel, list, top, plan->layout.spans, bottom - top,
+                     (size_t)plan->layout.pattern.gathered);
 }
 
 /* Computes light from the horizon cache. */
@@ -194,26 +193,29 @@ static hbil_status regather(hbil_plan *plan, commands *chain,
                 plan->layout.cache.rows, (size_t)plan->layout.pattern.gathered);
 }
 
-/* Gathers all pixels.  rest: this is a static frame, which may be left out
- * where no light has changed (may_rest()).  The first static frame fills the
- * horizon cache, for as many rows as have memory, whether or not its light has
- * changed.  It is the first frame after which further static ones are likely.
- * Later static frames read the cache. */
+/* Gathers all pixels.  The first static frame fills the horizon cache, for as
+ * many rows as have memory, whether or not its light has changed.  It is the
+ * first frame after which further static ones are likely.  Later static frames
+ * read the cache.  rest: this is one which may be left out where no light has
+ * changed (may_rest()). */
 static hbil_status gather_all(hbil_plan *plan, commands *chain,
                               const hbil_frame *frame, hbil_gather_args *args,
                               bool rest) {
   const layout *l = &plan->layout;
-  const size_t cached = rest ? l->cache.rows : 0;
+  const bool shares = shares_slices(plan, frame);
+  const size_t cached = is_static(plan, frame) ? l->cache.rows : 0;
   const bool filled = cached && plan->cache_filled;
   args->is_static = CL_FALSE;
-  hbil_status status = filled
-                           ? regather(plan, chain, args)
-                           : search(plan, chain, frame, args, 0, cached, true);
+  hbil_status status = filled ? regather(plan, chain, args)
+                              : search(plan, chain, frame, args, 0, cached,
+                                       KERNEL_GATHER_AND_CACHE);
   args->is_static = rest;
   if (status == HBIL_SUCCESS)
     status = search(plan, chain, frame, args, cached, (size_t)l->split.height,
-                    false);
-  plan->slices.written = l->slice_frames > 1 && status == HBIL_SUCCESS;
+                    l->slice_frames > 1 && !shares ? KERNEL_GATHER_ALL
+                                                   : KERNEL_GATHER);
+  plan->slices.written = shares && status == HBIL_SUCCESS;
+  plan->searched_all = !shares;
   plan->cache_used = filled;
   /* a static frame never follows one that failed */
   plan->cache_filled = cached > 0;

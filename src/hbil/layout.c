@@ -464,8 +464,7 @@ void layout_compute(const hbil_config *config, const staging *staged,
   out->errors = error_factors(out->pattern.slices, out->pattern.steps,
                               config_has_thickness(config),
                               out->pattern.gathered < HBIL_LAYERS);
-  if (out->history && out->skip & HBIL_SKIP_STATIC && out->slice_frames == 1 &&
-      !out->glossy)
+  if (out->history && out->skip & HBIL_SKIP_STATIC && !out->glossy)
     out->bytes[BUFFER_HORIZON_CACHE] = lay_out_horizon_cache(config, out);
   if (out->ao_search)
     lay_out_ao_search(&ao_config, out);

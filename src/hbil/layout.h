@@ -61,9 +61,9 @@ typedef struct layout {
   cl_uint estimate_lanes; /* work-items of each part of the estimate */
   /* what must be computed; unknown: the share that back-facing samples block */
   bool radiance, bent, history, unknown, estimate, probes, glossy;
-  bool late_counts;   /* composite shows inputs that split does not read */
-  bool ao_search;     /* outputs show another search than the near field's */
-  cl_uint skip;       /* the bits of hbil_config.skip that can have an effect */
+  bool late_counts; /* composite shows inputs that split does not read */
+  bool ao_search;   /* outputs show another search than the near field's */
+  cl_uint skip;     /* the bits of hbil_config.skip that can have an effect */
   hbil_bounds_args bounds;
   hbil_grid_args
       row_block; /* groups side by side in a cell, HBIL_ROW_BLOCK rows of

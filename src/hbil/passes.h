@@ -54,15 +54,26 @@ static inline size_t vectors_across(const hbil_plan *plan) {
 }
 
 /* Whether this frame is the last one again, except for its light. */
-static inline bool is_static(const hbil_plan *plan, const hbil_frame *frame) {
-  return frame->static_frame && plan->has_last &&
-         plan->layout.skip & HBIL_SKIP_STATIC;
+static inline bool is_still(const hbil_plan *plan, const hbil_frame *frame) {
+  return frame->static_frame && plan->has_last;
 }
 
-/* Whether gather and recompose may leave at once where no light has changed.
- * Frames that share slices search others in each frame. */
+/* Whether it leaves out what is known from the last one. */
+static inline bool is_static(const hbil_plan *plan, const hbil_frame *frame) {
+  return is_still(plan, frame) && plan->layout.skip & HBIL_SKIP_STATIC;
+}
+
+/* Whether this frame searches a part of its slices.  Static ones search all, so
+ * that what they find is the same in each of them. */
+static inline bool shares_slices(const hbil_plan *plan,
+                                 const hbil_frame *frame) {
+  return plan->layout.slice_frames > 1 && !is_still(plan, frame);
+}
+
+/* Whether gather and recompose may leave at once where no light has changed:
+ * not in the first static frame behind one that shared slices. */
 static inline bool may_rest(const hbil_plan *plan, const hbil_frame *frame) {
-  return is_static(plan, frame) && plan->layout.slice_frames == 1;
+  return is_static(plan, frame) && plan->last_searched_all;
 }
 
 /* Notes that the host leaves a pass out. */

@@ -82,6 +82,7 @@ static void adopt(alternating *a, const hbil_camera *camera, bool has) {
 
 void remember_frame(hbil_plan *plan, const hbil_frame *frame) {
   plan->has_last = true;
+  plan->last_searched_all = plan->searched_all;
   plan->last_camera = frame->camera;
   plan->last_index = frame->frame_index;
   plan->last_exposure = light_exposure(frame->exposure);
@@ -93,7 +94,7 @@ void remember_frame(hbil_plan *plan, const hbil_frame *frame) {
     plan->history_camera = frame->camera;
     plan->followed = NULL;
   }
-  alternate(&plan->slices, frame, true);
+  alternate(&plan->slices, frame, !plan->searched_all);
   alternate(&plan->probes, frame, frame->cache && carries_over(plan));
 }
 

@@ -22,9 +22,11 @@
   X(PROGRAM_SPLIT, "split", true, .relaxed = false)                            \
   X(PROGRAM_ESTIMATE, "estimate", l->estimate, .relaxed = false)               \
   X(PROGRAM_GATHER, "gather", true, .relaxed = true,                           \
-    .defines = "-DCACHE_HORIZONS=0", .registers = 64)                          \
+    .defines = "-DCACHE_HORIZONS=0 -DALL_SLICES=0", .registers = 64)           \
+  X(PROGRAM_GATHER_ALL, "gather", l->slice_frames > 1, .relaxed = true,        \
+    .defines = "-DCACHE_HORIZONS=0 -DALL_SLICES=1", .registers = 64)           \
   X(PROGRAM_GATHER_AND_CACHE, "gather", caches_horizons, .relaxed = true,      \
-    .defines = "-DCACHE_HORIZONS=1", .registers = 64)                          \
+    .defines = "-DCACHE_HORIZONS=1 -DALL_SLICES=1", .registers = 64)           \
   X(PROGRAM_REGATHER, "regather", caches_horizons, .relaxed = true)            \
   X(PROGRAM_RECOMPOSE, "recompose", true, .relaxed = true)                     \
   X(PROGRAM_PROBE_RAYS, "cache/probe_rays", method == HBIL_CACHE_METHOD_RAYS,  \
@@ -65,6 +67,7 @@
   X(KERNEL_ESTIMATE_FILL, "estimate_fill", PROGRAM_ESTIMATE, true)             \
   X(KERNEL_PATTERN, "make_pattern", PROGRAM_LAYERS, true)                      \
   X(KERNEL_GATHER, "gather", PROGRAM_GATHER, true)                             \
+  X(KERNEL_GATHER_ALL, "gather", PROGRAM_GATHER_ALL, true)                     \
   X(KERNEL_GATHER_AND_CACHE, "gather", PROGRAM_GATHER_AND_CACHE, true)         \
   X(KERNEL_REGATHER, "regather", PROGRAM_REGATHER, true)                       \
   X(KERNEL_RECOMPOSE, "recompose", PROGRAM_RECOMPOSE, true)                    \
@@ -135,6 +138,9 @@ struct hbil_plan {
   hbil_camera last_camera;
   cl_uint last_index;
   float last_exposure;
+  /* whether GATHERED is the light of all slices, where frames share them: now,
+   * and after the last frame */
+  bool searched_all, last_searched_all;
   /* passes of the frame that is being enqueued: whether the host left them out,
    * and whether the device may have */
   bool left_out[HBIL_PASS_COUNT], may_leave_out[HBIL_PASS_COUNT];

@@ -185,8 +185,6 @@ static const option_row job_rows[] = {
          "or a quarter of the device's memory, when a frame runs eight times "
          "or more; otherwise, and where ulimit limits memory, 0)",
      .relations = {NOT_EXACT("which caches nothing"),
-                   NOT_WITH(SETTING(config.sampling.slice_frames), 0,
-                            "where each run of a frame has other samples"),
                    NOT_WITH(MODE, DARK_MODES, NO_NEW_LIGHT),
                    NOT_WITH(SETTING(config.history.reprojection),
                             1u << HBIL_REPROJECTION_NONE, NO_NEW_LIGHT),

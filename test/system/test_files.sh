@@ -269,8 +269,6 @@ for value in slices=99999999999999999999 slices=18446744073709551617 slices=-1 \
   facing-fade=nan,nan facing-fade=1e400,0 facing-fade=0.1 facing-fade=0,0,0; do
   rejected "--$value" "^hbil: --${value%%=*} " process -o "$out" "--$value" "$one"
 done
-rejected "the horizon cache of frames that differ" 'horizon-cache: not with --slice-frames' \
-  process -o "$out" --horizon-cache 9 --slice-frames 4 "$one"
 for none in '--mode gtao' '--reprojection none' --no-skip; do
   rejected "the horizon cache of no use with $none" "horizon-cache: not with $none" \
     process -o "$out" --horizon-cache 9 $none "$one"
