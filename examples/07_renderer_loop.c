@@ -155,10 +155,6 @@ int main(void) {
   config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
   config.inputs.normal_space = HBIL_SPACE_WORLD;
   config.history.reprojection = HBIL_REPROJECTION_MOTION;
-  /* the default's error in motion, in less time */
-  config.sampling.slices = 4;
-  config.sampling.steps_per_side = 40;
-  config.sampling.slice_frames = 2;
   hbil_context *hbil = NULL;
   hbil_plan *plan = NULL;
   check_hbil(hbil_context_create(context, device, &hbil), NULL);

@@ -356,19 +356,20 @@ typedef enum hbil_storage {
 } hbil_storage;
 
 typedef struct hbil_sampling {
-  cl_uint slices;         /* per pixel, 1..32; default 3 */
-  cl_uint steps_per_side; /* samples per side of a slice, 1..256; default 56 */
+  cl_uint slices;         /* per pixel, 1..32; default 4 */
+  cl_uint steps_per_side; /* samples per side of a slice, 1..256; default 40 */
   /* g: the last step is (1+g)^2 times the first one; 0..64; default 3 */
   float step_growth;
   hbil_sample_grid sample_grid; /* default FULL_RESOLUTION */
   hbil_resolution resolution;   /* default AUTO */
   cl_bool unfiltered;   /* CL_TRUE: recompose has no filter; default CL_FALSE */
   hbil_storage storage; /* default PACKED */
-  /* Frames that share the slices of a pixel, 1..4; default 1.  `slices` is a
+  /* Frames that share the slices of a pixel, 1..4, of which `slices` is a
    * multiple.  Each frame searches 1/slice_frames of them, and takes what the
    * others found from the frames before, where the same surface was: light has
-   * nearly the error of all slices at the price of a part.  4 slices of 40
-   * steps over 2 frames have the default's error in .61 of its time.
+   * nearly the error of all slices at the price of a part.
+   * 0 (default): 2, or 1 if `slices` is odd, if `unfiltered`, or without
+   * reprojection, where frames don't depend on earlier ones.
    *
    * What moves in front of a surface lags by up to slice_frames - 1 frames.
    * Where more than a quarter of neighbouring pixels in a row were not seen
@@ -383,9 +384,9 @@ typedef struct hbil_sampling {
 /* Presets; doc/measurements.md, "Sampling error and time", has their figures.
  */
 typedef enum hbil_quality {
-  HBIL_QUALITY_FAST = 0,     /* 1 slice, 20 steps per side */
-  HBIL_QUALITY_BALANCED = 1, /* 2 slices, 48 steps per side */
-  HBIL_QUALITY_HIGH = 2,     /* 3 slices, 76 steps per side */
+  HBIL_QUALITY_FAST = 0,     /* 2 slices, 20 steps per side */
+  HBIL_QUALITY_BALANCED = 1, /* 2 slices, 56 steps per side */
+  HBIL_QUALITY_HIGH = 2,     /* 6 slices, 56 steps per side */
   /* 32 slices, 256 equal steps per side, unfiltered, float32: the densest */
   HBIL_QUALITY_REFERENCE = 3
 } hbil_quality;
@@ -488,6 +489,10 @@ HBIL_API void hbil_config_init_sized(hbil_config *config, size_t struct_size);
  * sampling.resolution is AUTO, width, height and unfiltered decide between FULL
  * and HALF.  Returns AUTO if config is null.  Doesn't check config. */
 HBIL_API hbil_resolution hbil_config_resolution(const hbil_config *config);
+
+/* Returns how many frames share slices in a plan of this configuration
+ * (sampling.slice_frames); 0 if config is null.  Doesn't check config. */
+HBIL_API cl_uint hbil_config_slice_frames(const hbil_config *config);
 
 #ifdef __cplusplus
 }

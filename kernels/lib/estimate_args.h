@@ -8,7 +8,8 @@
 #include "shared.h"
 
 /* Weight of the frame's mean radiance, in hemispheres, relative to what a pixel
- * sees itself.  Chosen with hbil_model.offscreen_light (doc/measurements.md). */
+ * sees itself.  Chosen with hbil_model.offscreen_light (doc/measurements.md).
+ */
 #define HBIL_UNSEEN_PRIOR 1.0f
 /* What is added to the weight of each surface, of about 1, in the mean for a
  * receiver, which makes it positive everywhere. */

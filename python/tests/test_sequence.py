@@ -103,7 +103,7 @@ def test_maps_from_lights(room):
 
 def test_motion_and_shared_slices(room):
     still = np.zeros((HEIGHT, WIDTH, 2))
-    sequence = hbil.Sequence(cache=False, reprojection="motion", slice_frames=3)
+    sequence = hbil.Sequence(cache=False, reprojection="motion", slice_frames=4)
     for _ in range(3):
         found = sequence.process(*room, motion=still)
     assert np.isfinite(found["indirect"]).all()

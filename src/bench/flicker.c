@@ -116,10 +116,6 @@ static int measure_way(const job *j, const way *w, image_error *error) {
     config = cache.trial.config;
   }
   config.sampling.slice_frames = w->slice_frames;
-  if (w->slice_frames > 1) {
-    config.sampling.slices = 4;
-    config.sampling.steps_per_side = 40;
-  }
   failed =
       failed || bench_trial_open(j->fixture, &config, NULL, &t, error) != 0;
   if (!failed) {

@@ -45,9 +45,9 @@ static const sweep sweeps[] = {
     {DEFAULT, 3, 3, 0, {48}},
     {DEFAULT, 4, 3, 0, {32}},
     /* half resolution */
-    {DEFAULT, 1, 3, HALF, {8, 16, 32, 64}},
-    {DEFAULT, 2, 3, HALF, {16, 24, 64, 96}},
-    {DEFAULT, 3, 3, HALF, {32, 96}},
+    {DEFAULT, 1, 3, HALF, {8, 16, 20, 32, 64}},
+    {DEFAULT, 2, 3, HALF, {16, 24, 48, 64, 96}},
+    {DEFAULT, 3, 3, HALF, {32, 56, 96}},
     {DEFAULT, 4, 3, HALF, {32, 64, 96, 128}},
     /* samples in the pixel's own layer; how the steps grow */
     {DEFAULT, 2, 3, LAYER, {32}},
@@ -104,7 +104,7 @@ static bench_setting setting_of(const hbil_config *config) {
   return (bench_setting){
       .model = DEFAULT,
       .slices = config->sampling.slices,
-      .slice_frames = config->sampling.slice_frames,
+      .slice_frames = hbil_config_slice_frames(config),
       .steps = config->sampling.steps_per_side,
       .growth = config->sampling.step_growth,
       .flags =

@@ -12,9 +12,9 @@
  * what the others' are told in. */
 static const struct {
   cl_uint slices, steps, frames;
-} sharings[] = {{3, 56, 1}, {4, 56, 2}, {4, 40, 2}, {4, 32, 2},
-                {2, 56, 2}, {2, 20, 2}, {3, 56, 3}, {6, 56, 3},
-                {2, 48, 1}, {1, 56, 1}, {1, 20, 1}};
+} sharings[] = {{3, 56, 1}, {4, 56, 2}, {4, 40, 2}, {4, 48, 2},
+                {4, 64, 2}, {6, 56, 2}, {2, 56, 2}, {2, 20, 2},
+                {2, 16, 2}, {3, 56, 3}, {2, 48, 1}, {1, 20, 1}};
 enum {
   SHARINGS = sizeof sharings / sizeof *sharings,
   QUICK_SHARINGS = 2,

@@ -40,10 +40,10 @@ static double radiance(const exact_frame *frame, const exact_planes *carried,
                        int c, int x, int y) {
   const bool is_radiance =
       frame->config->model.feedback == HBIL_FEEDBACK_RADIANCE;
-  const double value =
-      carried ? exact_exposure(frame) *
-                    *exact_at(carried, HBIL_CARRIED_RED + c, x, y)
-              : 0.0;
+  const double value = carried
+                           ? exact_exposure(frame) *
+                                 *exact_at(carried, HBIL_CARRIED_RED + c, x, y)
+                           : 0.0;
   const double diffuse =
       exact_transmittance(frame, c, x, y) * exact_albedo(frame, c, x, y) / PI;
   if (is_radiance && carried &&

@@ -35,9 +35,8 @@ void hbil_config_init_sized(hbil_config *config, size_t struct_size) {
       .model.radius = INFINITY,
       .model.ao_radius = INFINITY,
       .model.near_relative_thickness = INFINITY,
-      .sampling.slices = 3,
-      .sampling.slice_frames = 1,
-      .sampling.steps_per_side = 56,
+      .sampling.slices = 4,
+      .sampling.steps_per_side = 40,
       .sampling.step_growth = 3.0f,
       .sampling.sample_grid = HBIL_GRID_FULL_RESOLUTION,
       .model.gather_emission = CL_TRUE,
@@ -79,9 +78,9 @@ static const struct {
   float step_growth;
   cl_bool unfiltered;
 } qualities[] = {
-    [HBIL_QUALITY_FAST] = {"fast", 1, 20, 3.0f, CL_FALSE},
-    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 48, 3.0f, CL_FALSE},
-    [HBIL_QUALITY_HIGH] = {"high", 3, 76, 3.0f, CL_FALSE},
+    [HBIL_QUALITY_FAST] = {"fast", 2, 20, 3.0f, CL_FALSE},
+    [HBIL_QUALITY_BALANCED] = {"balanced", 2, 56, 3.0f, CL_FALSE},
+    [HBIL_QUALITY_HIGH] = {"high", 6, 56, 3.0f, CL_FALSE},
     [HBIL_QUALITY_REFERENCE] = {"reference", 32, 256, 0.0f, CL_TRUE},
 };
 
@@ -93,7 +92,7 @@ hbil_status hbil_sampling_set(hbil_sampling *sampling, hbil_quality quality) {
                 "hbil_sampling_set: quality: %d; must be one of hbil_quality",
                 (int)quality);
   sampling->slices = qualities[quality].slices;
-  sampling->slice_frames = 1;
+  sampling->slice_frames = 0;
   sampling->steps_per_side = qualities[quality].steps_per_side;
   sampling->step_growth = qualities[quality].step_growth;
   sampling->sample_grid = HBIL_GRID_FULL_RESOLUTION;
@@ -114,6 +113,19 @@ hbil_resolution hbil_config_resolution(const hbil_config *config) {
       (uint64_t)config->width * config->height >= HBIL_HALF_RESOLUTION_PIXELS;
   return large && !config->sampling.unfiltered ? HBIL_RESOLUTION_HALF
                                                : HBIL_RESOLUTION_FULL;
+}
+
+cl_uint hbil_config_slice_frames(const hbil_config *config) {
+  if (!config)
+    return 0;
+  const hbil_sampling *s = &config->sampling;
+  if (config->outputs.glossy.component != HBIL_NONE)
+    return 1;
+  if (s->slice_frames)
+    return s->slice_frames;
+  const bool independent =
+      config->history.reprojection == HBIL_REPROJECTION_NONE;
+  return s->slices % 2 || s->unfiltered || independent ? 1 : 2;
 }
 
 const char *hbil_quality_name(hbil_quality quality) {
@@ -378,7 +390,7 @@ static hbil_status config_check(hbil_context *context,
       {"model.mode", (double)config->model.mode, 0, HBIL_MODE_HBAO},
       {"model.falloff", (double)config->model.falloff, 0, HBIL_FALLOFF_NONE},
       {"sampling.slices", config->sampling.slices, 1, 32},
-      {"sampling.slice_frames", config->sampling.slice_frames, 1, 4},
+      {"sampling.slice_frames", config->sampling.slice_frames, 0, 4},
       {"sampling.steps_per_side", config->sampling.steps_per_side, 1, 256},
       {"sampling.step_growth", (double)config->sampling.step_growth, 0, 64},
       {"sampling.sample_grid", (double)config->sampling.sample_grid, 0,
@@ -419,7 +431,8 @@ static hbil_status config_check(hbil_context *context,
       (status = check_limits(context, config)) != HBIL_SUCCESS ||
       (status = check_formats(context, config)) != HBIL_SUCCESS)
     return status;
-  if (config->sampling.slices % config->sampling.slice_frames)
+  if (config->sampling.slice_frames &&
+      config->sampling.slices % config->sampling.slice_frames)
     return fail(context, HBIL_INVALID_CONFIG,
                 "sampling.slice_frames: %u; sampling.slices, %u, must be a "
                 "multiple of it",
@@ -435,6 +448,7 @@ hbil_status config_take(hbil_context *context, const hbil_config *given,
                                   given, FIRST_CONFIG_SIZE, own);
   if (status == HBIL_SUCCESS)
     status = config_check(context, own);
+  own->sampling.slice_frames = hbil_config_slice_frames(own);
   if (own->model.far_field == HBIL_FAR_AUTO)
     own->model.far_field =
         own->model.mode == HBIL_MODE_HBIL ? HBIL_FAR_FRAME : HBIL_FAR_NONE;

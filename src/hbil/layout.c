@@ -50,7 +50,7 @@ static void decide_work(const hbil_config *config, layout *out) {
   out->estimate = out->unknown || out->far_field == HBIL_FAR_FRAME;
   out->history =
       out->radiance && config->history.reprojection != HBIL_REPROJECTION_NONE;
-  out->slice_frames = out->glossy ? 1 : config->sampling.slice_frames;
+  out->slice_frames = hbil_config_slice_frames(config);
   out->late_counts =
       (sums && !(out->radiance && config->model.gather_emission)) ||
       out->ao_bounces == HBIL_AO_BOUNCES_ALBEDO;

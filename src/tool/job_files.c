@@ -179,13 +179,13 @@ static int write_others(const job *j, file_uses *uses, image_error *error) {
     file_kind kind;
   } others[] = {{s->contact_sheet, "--contact-sheet", FILE_PICTURE},
                 {s->cache_save, "--cache-save", FILE_CACHE}};
-  int failed = file_uses_add(
-      uses,
-      (file_use){.path = job_history_path(j, (int)j->pre_roll),
-                 .what = "the light to carry on",
-                 .need = "another output folder is",
-                 .kind = FILE_ABSENT},
-      error);
+  int failed =
+      file_uses_add(uses,
+                    (file_use){.path = job_history_path(j, (int)j->pre_roll),
+                               .what = "the light to carry on",
+                               .need = "another output folder is",
+                               .kind = FILE_ABSENT},
+                    error);
   for (size_t i = 0; i < sizeof others / sizeof *others && !failed; i++)
     if (others[i].path)
       failed = file_uses_write(uses, others[i].path, others[i].option,

@@ -28,8 +28,8 @@ static int open_exact(lighting *l, const job *j, image_error *error) {
   exact_work work = {.frames = (unsigned)j->count, .quiet = j->settings->quiet};
   for (int i = 0; i < j->count; i++)
     work.runs += job_runs(j, i);
-  return exact_sequence_open(&j->config, &j->frames[0].map,
-                             job_lit_layers(j), &work, &l->exact, error);
+  return exact_sequence_open(&j->config, &j->frames[0].map, job_lit_layers(j),
+                             &work, &l->exact, error);
 }
 
 /* Whether the process may use any amount of memory.  PoCL allocates a buffer
@@ -57,8 +57,7 @@ static size_t horizon_cache_bytes(const lighting *l, const job *j) {
 
 static int open_sequence(lighting *l, const job *j, image_error *error) {
   return sequence_open(&l->device, &j->config, &j->frames[0].map,
-                       job_lit_layers(j), job_halves(j), &l->sequence,
-                       error);
+                       job_lit_layers(j), job_halves(j), &l->sequence, error);
 }
 
 static int open_cache(lighting *l, const job *j, image_error *error) {

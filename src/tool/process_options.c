@@ -286,10 +286,10 @@ static const option_row sampling_rows[] = {
              "minutes to hours; compare with it to see the sampling error"},
     {ROW_NUMBER("slices", CONFIG(sampling.slices), 1, SLICES_MOST_EXACT, "N"),
      .help = "slices per pixel, 1..32 ({})"},
-    {ROW_NUMBER("slice-frames", CONFIG(sampling.slice_frames), 1, 4, "N"),
+    {ROW_NUMBER("slice-frames", CONFIG(sampling.slice_frames), 0, 4, "N"),
      .help = "search 1/N of the slices in each frame and take the others from "
              "the frames before, which is faster; --slices is a multiple of N, "
-             "1..4 ({})",
+             "1..4 (2 if --slices is even and light is carried over, else 1)",
      .relations = {NOT_EXACT("which takes all from one frame")}},
     {ROW_NUMBER("steps-per-side", CONFIG(sampling.steps_per_side), 1, 256, "N"),
      .help = "samples on each side of a slice, 1..256 ({})",

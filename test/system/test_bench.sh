@@ -61,7 +61,7 @@ has "error writes its table, its data and JSON" "$work/results/error.md" \
   "$work/results/error.dat" "$work/results/error.gnuplot" \
   "$work/results/error.json"
 valid "error's JSON can be read" "$work/results/error.json"
-for row in 'fast 1x20 g3' '2x8 g3 fp32' 'endless 2x8 g3' \
+for row in 'fast 2x20/2 g3' '2x8 g3 fp32' 'endless 2x8 g3' \
   'the paper as one plain kernel'; do
   grep -q "^| $row | [0-9]" "$work/results/error.md"
   ok $? "error has the row $row"
@@ -131,7 +131,7 @@ says "flicker has both scenes, with and without a cache" \
 test "$(grep -c '^| the procedural corner | .*cache' "$work/out")" -eq 4
 ok $? "and with shared slices"
 valid "flicker's JSON can be read" "$work/results/flicker.json"
-says "passes has the time of each pass" '^| 3x56 g3, motion vectors | [0-9]' \
+says "passes has the time of each pass" '^| 4x40/2 g3, motion vectors | [0-9]' \
   tiny passes
 works "passes compares kernels" tiny passes --name kernels --json \
   --kernels "$srcdir/kernels" --kernels "$srcdir/kernels"

@@ -211,7 +211,7 @@ ok $? "there are options that stand alone"
     sed 's/^/hbil process /' | small
   grep -e '^--heatmap\|^--max-rmse' "$work/code" | sed 's/^/hbil compare /' | small
   echo "hbil process $options --model default"
-  echo "hbil process --slice-frames 3"
+  echo "hbil process --slice-frames 4"
 } | sort -u >"$work/commands"
 test "$(wc -l <"$work/commands")" -ge 10
 ok $? "there are commands to run"

@@ -374,7 +374,7 @@ for way in camera motion; do
 done
 # What the slices of the last frames found is carried as well.
 shared() {
-  process --far environment --slice-frames 3 "$@"
+  process --far environment --slice-frames 4 "$@"
 }
 for mode in hbil gtao; do
   rm -rf "$work/resumed"

@@ -415,6 +415,30 @@ static void an_orthographic_camera_is_followed(void **state) {
   check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_ORTHOGRAPHIC, 0, 4);
 }
 
+/* --- how many frames share them --- */
+
+static void two_frames_share_where_they_can(void **state) {
+  (void)state;
+  assert_int_equal(hbil_config_slice_frames(NULL), 0);
+  hbil_config c;
+  hbil_config_init(&c);
+  assert_int_equal(hbil_config_slice_frames(&c), 2);
+  c.sampling.slices = 3;
+  assert_int_equal(hbil_config_slice_frames(&c), 1);
+  c.sampling.slice_frames = 3;
+  assert_int_equal(hbil_config_slice_frames(&c), 3);
+  hbil_config_init(&c);
+  c.sampling.unfiltered = CL_TRUE;
+  assert_int_equal(hbil_config_slice_frames(&c), 1);
+  hbil_config_init(&c);
+  c.history.reprojection = HBIL_REPROJECTION_NONE;
+  assert_int_equal(hbil_config_slice_frames(&c), 1);
+  c.sampling.slice_frames = 4;
+  assert_int_equal(hbil_config_slice_frames(&c), 4);
+  c.outputs.glossy.component = HBIL_FLOAT32;
+  assert_int_equal(hbil_config_slice_frames(&c), 1);
+}
+
 /* --- what can't be --- */
 
 static void numbers_that_do_not_fit_are_rejected(void **state) {
@@ -426,7 +450,7 @@ static void numbers_that_do_not_fit_are_rejected(void **state) {
   assert_int_equal(hbil_plan_memory(s.device->hbil, &s.config, &memory),
                    HBIL_INVALID_CONFIG);
   assert_non_null(strstr(hbil_context_message(s.device->hbil),
-                         "sampling.slice_frames: 5 is outside 1 .. 4"));
+                         "sampling.slice_frames: 5 is outside 0 .. 4"));
   s.config.sampling.slice_frames = 2;
   assert_int_equal(hbil_plan_memory(s.device->hbil, &s.config, &memory),
                    HBIL_INVALID_CONFIG);
@@ -448,6 +472,7 @@ int main(void) {
       cmocka_unit_test(single_pixels_follow_a_moving_camera),
       cmocka_unit_test(motion_vectors_are_followed),
       cmocka_unit_test(an_orthographic_camera_is_followed),
+      cmocka_unit_test(two_frames_share_where_they_can),
       cmocka_unit_test(numbers_that_do_not_fit_are_rejected)};
   return RUN_WITH_DEVICE(tests);
 }

@@ -56,8 +56,8 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(isinf(c.model.ao_radius) &&
               isinf(c.model.near_relative_thickness));
   assert_true(c.inputs.direct_scale == 1.0f);
-  assert_true(c.sampling.slices == 3 && c.sampling.steps_per_side == 56 &&
-              c.sampling.step_growth == 3.0f);
+  assert_true(c.sampling.slices == 4 && c.sampling.steps_per_side == 40 &&
+              c.sampling.step_growth == 3.0f && c.sampling.slice_frames == 0);
   assert_true(c.sampling.sample_grid == HBIL_GRID_FULL_RESOLUTION);
   assert_true(c.sampling.resolution == HBIL_RESOLUTION_AUTO);
   assert_true(isinf(c.model.thickness) && c.model.relative_thickness == 0.06f);
@@ -288,6 +288,7 @@ static void presets_set_the_sampling_alone(void **state) {
     before.sampling.resolution = s.config.sampling.resolution;
     before.sampling.unfiltered = s.config.sampling.unfiltered;
     before.sampling.storage = s.config.sampling.storage;
+    before.sampling.slice_frames = s.config.sampling.slice_frames;
     assert_memory_equal(&before, &s.config, sizeof before);
     setup_free(&s);
   }
@@ -333,7 +334,7 @@ static void unknown_presets_are_rejected(void **state) {
   assert_int_equal(hbil_sampling_set(NULL, HBIL_QUALITY_FAST),
                    HBIL_INVALID_ARGUMENT);
   assert_null(hbil_quality_name((hbil_quality)4));
-  assert_int_equal(c.sampling.steps_per_side, 56);
+  assert_int_equal(c.sampling.steps_per_side, 40);
 }
 
 /* ------------------------------------------------------------------------ */
