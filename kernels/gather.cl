@@ -98,6 +98,7 @@ INLINE global const hbil_step *steps_of(const hbil_gather_args args,
 /* Where a span is, and what its search leaves out. */
 typedef struct span_place {
   int x, y, layer, site;
+  int gathered; /* the layer's number among those that are gathered */
   bool sky, skips_all;
 } span_place;
 
@@ -156,7 +157,7 @@ INLINE void gather_shared(const hbil_gather_args args, const receiver *c,
                at, cache, sets + age * SPAN_VECTORS);
   if (at->x == 0 && at->y == 0 && at->layer == 0)
     next[0] = (float)turn;
-  next += (uint)at->layer * args.past.layer + args.past.origin +
+  next += (uint)at->gathered * args.past.layer + args.past.origin +
           (uint)at->y * args.past.row + (uint)at->x;
   for (int v = 0; v < SPAN_VECTORS; ++v) {
     realv value[HBIL_GATHERED_PLANES];
@@ -240,8 +241,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
                           found};
   steps = steps_of(args, steps, nearest, site);
 #if SHARES_SLICES
-  const span_place place = {x,        y, layer, site, skipped & HBIL_SPAN_SKY,
-                            skips_all};
+  const span_place place = {
+      x, y, layer, site, gathered_index, skipped & HBIL_SPAN_SKY, skips_all};
   gather_shared(args, c, steps, &how, &place, cache, past, motion, light, next);
 #else
   const int slices = skipped & HBIL_SPAN_SKY ? 0 : args.slices;

@@ -198,6 +198,12 @@ static void lay_out_layers(const hbil_config *config, cl_uint span,
   l->origin = l->row + span;
 }
 
+/* Layers that are gathered. */
+static cl_uint gathered_layers(const hbil_config *config) {
+  return hbil_config_resolution(config) == HBIL_RESOLUTION_HALF ? 4
+                                                                : HBIL_LAYERS;
+}
+
 static size_t layers_size(const hbil_layer_args *l) {
   return sizeof(cl_float) * l->row * ((size_t)l->height + 2);
 }
@@ -370,8 +376,7 @@ static void lay_out_steps(const hbil_config *config, layout *out) {
   out->pattern.grid =
       config->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
   out->pattern.growth = config->sampling.step_growth;
-  out->pattern.gathered =
-      hbil_config_resolution(config) == HBIL_RESOLUTION_HALF ? 4 : HBIL_LAYERS;
+  out->pattern.gathered = (cl_int)gathered_layers(config);
   out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * (size_t)out->pattern.levels *
                              (size_t)hbil_sites(out->pattern.gathered) * 2 *
                              config->sampling.slices *
@@ -434,6 +439,9 @@ void layout_compute(const hbil_config *config, const staging *staged,
     lay_out_layers(config, out->span,
                    HBIL_PAST_SETS + (out->slice_frames - 1) * (gathered + 1),
                    &out->past);
+    /* the layers that are gathered, one after the other */
+    out->past.row = out->past.layer * gathered_layers(config);
+    out->past.origin = out->past.row + out->span;
     out->bytes[BUFFER_SLICES] = out->bytes[BUFFER_SLICES_NEXT] =
         layers_size(&out->past);
   }

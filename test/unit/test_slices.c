@@ -88,12 +88,18 @@ static void a_camera_at_rest_has_all_slices(void **state) {
 
 /* --- what frames hand on --- */
 
-/* HBIL_STAGE_SLICES of the last frame, which is laid out as GATHERED. */
+/* HBIL_STAGE_SLICES of the last frame, which is laid out as GATHERED but has
+ * only the layers that are gathered. */
 typedef struct sets {
   float *words;
   size_t plane, layer, row, origin;
   int values; /* of a set, and its weight */
+  int step;   /* from a gathered pixel to the next */
 } sets;
+
+static bool is_half(const setup *s) {
+  return s->config.sampling.resolution == HBIL_RESOLUTION_HALF;
+}
 
 static sets sets_read(setup *s) {
   hbil_buffer all, gathered;
@@ -106,7 +112,8 @@ static sets sets_read(setup *s) {
   h.plane = gathered.plane_pitch;
   h.layer = h.plane * (HBIL_PAST_SETS + (s->config.sampling.slice_frames - 1) *
                                             ((size_t)h.values + 1));
-  h.row = h.layer * HBIL_LAYERS;
+  h.step = is_half(s) ? 2 : 1;
+  h.row = h.layer * (is_half(s) ? 4 : HBIL_LAYERS);
   h.origin = h.row + gathered.origin - gathered.row_pitch;
   assert_true(all.plane_pitch == size / sizeof(float) &&
               size / sizeof(float) >=
@@ -115,9 +122,10 @@ static sets sets_read(setup *s) {
 }
 
 static double word_at(const sets *h, int plane, int x, int y) {
-  const size_t i = (size_t)x, j = (size_t)y;
-  return (double)h->words[h->origin + (4 * (j % 4) + i % 4) * h->layer +
-                          j / 4 * h->row + i / 4 + (size_t)plane * h->plane];
+  const size_t i = (size_t)x, j = (size_t)y, step = (size_t)h->step;
+  const size_t index = j % 4 / step * (4 / step) + i % 4 / step;
+  return (double)h->words[h->origin + index * h->layer + j / 4 * h->row +
+                          i / 4 + (size_t)plane * h->plane];
 }
 
 /* A plane of a set; plane h->values is its weight. */
@@ -221,10 +229,10 @@ static past find_past(const setup *s, const hbil_camera *before,
   if (!(p[2] > 0.0 && u > -0.5 && u < WIDTH - 0.5 && v > -0.5 &&
         v < HEIGHT - 0.5))
     return out;
-  out.x = (int)floor(u + 0.5);
-  out.y = (int)floor(v + 0.5);
-  out.close = fabs(u + 0.5 - nearbyint(u + 0.5)) < 1e-3 ||
-              fabs(v + 0.5 - nearbyint(v + 0.5)) < 1e-3;
+  const double step = old->step, i = u / step + 0.5, j = v / step + 0.5;
+  out.x = old->step * (int)fmin(floor(i), ceil(WIDTH / step) - 1.0);
+  out.y = old->step * (int)fmin(floor(j), ceil(HEIGHT / step) - 1.0);
+  out.close = fabs(i - nearbyint(i)) < 1e-3 || fabs(j - nearbyint(j)) < 1e-3;
   const double then = word_at(old, HBIL_PAST_W, out.x, out.y);
   out.known = is_orthographic(s) ? then > -1e29 : then > 0.0;
   if (!out.known)
@@ -352,8 +360,8 @@ static void check_frame(setup *s, setup *all, const hbil_camera *before,
   t.got = stage_read(s, HBIL_STAGE_GATHERED);
   t.every = stage_read(all, HBIL_STAGE_GATHERED);
   t.anew = sets_read(s);
-  for (int y = 0; y < HEIGHT; ++y)
-    for (int x = 0; x < WIDTH; ++x)
+  for (int y = 0; y < HEIGHT; y += t.anew.step)
+    for (int x = 0; x < WIDTH; x += t.anew.step)
       if (exact_is_surface(&s->config, *exact_at(&t.split, HBIL_SPLIT_W, x, y)))
         check_pixel(&t, x, y, sum);
   if (before)
@@ -366,7 +374,7 @@ static void check_frame(setup *s, setup *all, const hbil_camera *before,
 
 static void check_moving(hbil_reprojection reprojection,
                          hbil_projection projection, cl_uint width,
-                         cl_uint frames) {
+                         cl_uint frames, hbil_resolution resolution) {
   hbil_camera before;
   tally sum = {0, 0, 0, 0};
   setup s[2];
@@ -377,6 +385,9 @@ static void check_moving(hbil_reprojection reprojection,
     s[i].config.inputs.motion.component =
         reprojection == HBIL_REPROJECTION_MOTION ? HBIL_FLOAT32 : HBIL_NONE;
     s[i].config.execution.vector_width = width;
+    s[i].config.sampling.resolution = resolution;
+    s[i].config.sampling.unfiltered =
+        resolution == HBIL_RESOLUTION_FULL ? CL_TRUE : CL_FALSE;
     setup_start(&s[i]);
   }
   for (int i = 0; i < FRAMES; ++i) {
@@ -385,7 +396,8 @@ static void check_moving(hbil_reprojection reprojection,
     check_frame(&s[0], &s[1], i ? &before : NULL, &sum);
     before = s[0].frame.camera;
   }
-  const int count = WIDTH * HEIGHT * FRAMES;
+  const int count =
+      WIDTH * HEIGHT * FRAMES / (resolution == HBIL_RESOLUTION_HALF ? 4 : 1);
   check_at_most("share of close decisions", (double)sum.close / count, 0.02);
   check_at_most("share of pixels from this frame alone",
                 (double)sum.single / count, 0.1);
@@ -397,22 +409,32 @@ static void check_moving(hbil_reprojection reprojection,
 
 static void a_moving_camera_is_followed(void **state) {
   (void)state;
-  check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 0, 3);
+  check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 0, 3,
+               HBIL_RESOLUTION_FULL);
 }
 
 static void single_pixels_follow_a_moving_camera(void **state) {
   (void)state;
-  check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 1, 2);
+  check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 1, 2,
+               HBIL_RESOLUTION_FULL);
+}
+
+static void half_resolution_follows_a_moving_camera(void **state) {
+  (void)state;
+  check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 0, 2,
+               HBIL_RESOLUTION_HALF);
 }
 
 static void motion_vectors_are_followed(void **state) {
   (void)state;
-  check_moving(HBIL_REPROJECTION_MOTION, HBIL_PROJECTION_PERSPECTIVE, 0, 2);
+  check_moving(HBIL_REPROJECTION_MOTION, HBIL_PROJECTION_PERSPECTIVE, 0, 2,
+               HBIL_RESOLUTION_FULL);
 }
 
 static void an_orthographic_camera_is_followed(void **state) {
   (void)state;
-  check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_ORTHOGRAPHIC, 0, 4);
+  check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_ORTHOGRAPHIC, 0, 4,
+               HBIL_RESOLUTION_FULL);
 }
 
 /* --- how many frames share them --- */
@@ -470,6 +492,7 @@ int main(void) {
       cmocka_unit_test(a_camera_at_rest_has_all_slices),
       cmocka_unit_test(a_moving_camera_is_followed),
       cmocka_unit_test(single_pixels_follow_a_moving_camera),
+      cmocka_unit_test(half_resolution_follows_a_moving_camera),
       cmocka_unit_test(motion_vectors_are_followed),
       cmocka_unit_test(an_orthographic_camera_is_followed),
       cmocka_unit_test(two_frames_share_where_they_can),
