@@ -245,6 +245,39 @@ HBIL_API hbil_status hbil_enqueue_cache_move(
     hbil_cache *cache, cl_command_queue queue, const double centre[3],
     cl_uint wait_count, const cl_event *wait_list, cl_event *event);
 
+/* What has changed in the world, and how much of what the cache knows there
+ * means nothing any more. */
+typedef struct hbil_cache_change {
+  size_t struct_size; /* set by hbil_cache_change_init(); see hbil_config */
+  /* A box in world space, with all voxels that it overlaps.  By default it is
+   * everywhere: from -infinity to infinity. */
+  double low[3], high[3];
+  /* Share of what is known of surfaces, 0..1.  1: they become unseen, and their
+   * light with them.  Less: the next view of them counts for more beside those
+   * before, as if these had been fewer. */
+  float surfaces;
+  /* Share of their light, 0..1, direct and indirect: they send so much less
+   * until a view shows them, and the next view counts for more likewise. */
+  float light;
+} hbil_cache_change;
+
+/* Sets the defaults: everywhere, and shares of 0.  Use the macro. */
+HBIL_API void hbil_cache_change_init_sized(hbil_cache_change *change,
+                                           size_t struct_size);
+#define hbil_cache_change_init(change)                                         \
+  hbil_cache_change_init_sized((change), sizeof(hbil_cache_change))
+
+/* Enqueues that a cache forgets what the caller knows to have changed, before
+ * views show it: a lamp that was switched off (`light`), a wall that was blown
+ * up (`surfaces`).  What views show is followed without this; what they don't
+ * show is only guessed.  Frames see it after the next update.  queue,
+ * wait_count, wait_list and event are as in hbil_enqueue_frame().  A box whose
+ * high isn't above its low, and a share outside 0..1, are
+ * HBIL_INVALID_ARGUMENT. */
+HBIL_API hbil_status hbil_enqueue_cache_forget(
+    hbil_cache *cache, cl_command_queue queue, const hbil_cache_change *change,
+    cl_uint wait_count, const cl_event *wait_list, cl_event *event);
+
 /* Enqueues a reset: everything becomes unseen. */
 HBIL_API hbil_status hbil_enqueue_cache_reset(hbil_cache *cache,
                                               cl_command_queue queue,

@@ -1,6 +1,9 @@
 /*
- * move: after a move of the cache's centre, forgets the voxels that came in.
- * Those that stay are where they were in memory.
+ * move: what a cache forgets.
+ *
+ * forget: after a move of the cache's centre, the voxels that came in.  Those
+ * that stay are where they were in memory.
+ * forget_box: what the caller says has changed.
  *
  * Launch: x = words of a row of voxels, y = rows, z = slices, of all levels.
  */
@@ -32,4 +35,51 @@ kernel void forget(const hbil_cache_move_args args, global uint *states) {
                      args.moved[0], up, cache.voxels))
         stays |= 3u << (2u * i);
   states[number] &= stays;
+}
+
+/* What a voxel's surface has of its weight and its light when shares of both
+ * are forgotten. */
+INLINE void fade(const hbil_cache_forget_args args, global float *voxel) {
+  const float left = 1.0f - args.light;
+  voxel[HBIL_VOXEL_WEIGHT] *= 1.0f - args.surfaces;
+  vstore4(vload4(0, voxel + HBIL_VOXEL_SENT) * left, 0,
+          voxel + HBIL_VOXEL_SENT);
+  vstore3(vload3(0, voxel + HBIL_VOXEL_INDIRECT) * left, 0,
+          voxel + HBIL_VOXEL_INDIRECT);
+}
+
+/* Whether the box and the cell of a level have more than a face in common,
+ * along one axis. */
+INLINE bool is_in_box(const hbil_cache_forget_args args, int level, int axis,
+                      int place) {
+  const int cell = cell_at(args.cache, level, axis, place);
+  const float size = (float)(1 << level);
+  return (float)cell * size < args.high[axis] &&
+         (float)(cell + 1) * size > args.low[axis];
+}
+
+kernel void forget_box(const hbil_cache_forget_args args, global uint *states,
+                       global float *voxels) {
+  const hbil_cache_args cache = args.cache;
+  uint number;
+  if (!word_of_item(cache, &number))
+    return;
+  const uint first = number * WORD_VOXELS, mask = (uint)cache.voxels - 1u;
+  const int level = (int)(first >> (3 * cache.log2_voxels));
+  const int row = (int)((first >> cache.log2_voxels) & mask);
+  const int slice = (int)((first >> (2 * cache.log2_voxels)) & mask);
+  if (!is_in_box(args, level, 1, row) || !is_in_box(args, level, 2, slice))
+    return;
+  uint inside = 0u;
+  for (uint i = 0; i < WORD_VOXELS; ++i)
+    if (is_in_box(args, level, 0, (int)((first & mask) + i)))
+      inside |= 3u << (2u * i);
+  if (args.surfaces >= 1.0f) {
+    states[number] &= ~inside;
+    return;
+  }
+  for (uint left = surfaces_of_word(states[number]) & inside; left;
+       left &= left - 1u)
+    fade(args,
+         voxels + HBIL_VOXEL_FLOATS * (size_t)first_surface(number, left));
 }

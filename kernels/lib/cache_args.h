@@ -167,6 +167,14 @@ typedef struct hbil_cache_move_args {
 } hbil_cache_move_args;
 HBIL_ASSERT_LAYOUT(hbil_cache_move_args, moved, 6, 9)
 
+/* The same.  The box is in cache space; shares are 0..1. */
+typedef struct hbil_cache_forget_args {
+  hbil_cache_args cache;
+  hbil_float low[3], high[3];
+  hbil_float surfaces, light;
+} hbil_cache_forget_args;
+HBIL_ASSERT_LAYOUT(hbil_cache_forget_args, light, 13, 14)
+
 /* Floats of a probe.  Sums over its rays of values, and of three times values
  * times the direction, in view space: order-1 functions of a direction. */
 enum {

@@ -626,6 +626,25 @@ class Sequence:
             enqueue(self._device, lib.hbil_enqueue_cache_move, self._cache,
                     self._queue, ffi.new("double[3]", list(centre)))
 
+    def forget_in_cache(self, *, surfaces: float = 0.0, light: float = 0.0,
+                        low: Optional[Items[float]] = None,
+                        high: Optional[Items[float]] = None) -> None:
+        """Forgets shares, 0..1, of what is known of surfaces and of their
+        light, in a box of the world or everywhere: what has changed where no
+        frame shows it.  The next frame sees it."""
+        self._need_cache()
+        change = ffi.new("hbil_cache_change *")
+        lib.hbil_cache_change_init_sized(change,
+                                         ffi.sizeof("hbil_cache_change"))
+        if low is not None:
+            change.low = list(low)
+        if high is not None:
+            change.high = list(high)
+        change.surfaces, change.light = surfaces, light
+        with self._device.lock:
+            enqueue(self._device, lib.hbil_enqueue_cache_forget, self._cache,
+                    self._queue, change)
+
     def reset_cache(self) -> None:
         """Forgets everything that the cache has seen."""
         self._need_cache()

@@ -22,7 +22,8 @@ def test_without_a_cache_the_first_frame_is_that_of_process(room, lit):
 
 
 def test_frames_may_be_static(room):
-    wanted, found = hbil.Sequence(cache=False), hbil.Sequence(cache=False)
+    wanted, found = (hbil.Sequence(cache=False, slice_frames=1)
+                     for _ in range(2))
     for static in False, True, True:
         same(found.process(*room, static=static), wanted.process(*room))
 
@@ -41,6 +42,20 @@ def test_the_cache_lights_what_the_frame_does_not_show(room):
     green = with_view["indirect"][..., 1] / with_view["indirect"][..., 0]
     before = alone["indirect"][..., 1] / alone["indirect"][..., 0]
     assert np.median(green) > np.median(before)
+
+
+def test_what_is_told_is_forgotten(room):
+    depth, normal, albedo, direct, camera = room
+    sequence = hbil.Sequence(views=[hbil.View(*room)])
+    dark = np.zeros_like(direct)
+    before = sequence.process(*room)["far_irradiance"].mean()
+    sequence.forget_in_cache(light=1, low=(-1e3, -1e3, -1e3),
+                             high=(1e3, 1e3, 1e3))
+    after = sequence.process(depth, normal, albedo, dark, camera)
+    # .0015; .015 if the cache is not told
+    assert after["far_irradiance"].mean() < 0.004 * before
+    with pytest.raises(hbil.Error, match="light: 2"):
+        sequence.forget_in_cache(light=2)
 
 
 def test_the_size_of_the_cache_is_that_of_the_room(room):

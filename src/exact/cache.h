@@ -100,6 +100,9 @@ void exact_cache_inject(exact_cache *cache, const exact_cache_view *view,
  * were (cache_change.c). */
 void exact_cache_follow_change(exact_cache *cache);
 
+/* What the caller knows to have changed is forgotten (cache_change.c). */
+void exact_cache_forget(exact_cache *cache, const hbil_cache_change *change);
+
 /* ------------------------------------------------------------------------ */
 /* Rays (cache_rays.c)                                                       */
 

@@ -82,3 +82,35 @@ void exact_cache_follow_change(exact_cache *cache) {
     }
   }
 }
+
+/* Whether a voxel has more than a face in common with the box. */
+static bool is_in_box(const exact_place *place, vec3 low, vec3 high) {
+  const double from[3] = {low.x, low.y, low.z};
+  const double to[3] = {high.x, high.y, high.z};
+  bool inside = true;
+  for (int i = 0; i < 3; ++i)
+    inside &= ldexp(place->cell[i], place->level) < to[i] &&
+              ldexp(place->cell[i] + 1, place->level) > from[i];
+  return inside;
+}
+
+void exact_cache_forget(exact_cache *cache, const hbil_cache_change *change) {
+  const vec3 low = exact_cache_from_world(
+      cache, vec(change->low[0], change->low[1], change->low[2]));
+  const vec3 high = exact_cache_from_world(
+      cache, vec(change->high[0], change->high[1], change->high[2]));
+  for (size_t i = 0; i < exact_cache_count(cache); ++i) {
+    const exact_place place = exact_cache_place(cache, i);
+    exact_voxel *voxel = exact_cache_at(cache, &place);
+    double *v = voxel->value;
+    if (!is_in_box(&place, low, high))
+      continue;
+    if (change->surfaces >= 1.0f)
+      voxel->state = HBIL_VOXEL_UNKNOWN;
+    if (voxel->state != HBIL_VOXEL_SURFACE)
+      continue;
+    v[HBIL_VOXEL_WEIGHT] *= 1.0 - (double)change->surfaces;
+    for (int k = HBIL_VOXEL_SENT; k < HBIL_VOXEL_CHANGE; ++k)
+      v[k] *= 1.0 - (double)change->light;
+  }
+}

@@ -58,6 +58,7 @@
   X(CACHE_KERNEL_CHANGE_RATIO, "change_ratio", CACHE_PROGRAM_CHANGE, true)     \
   X(CACHE_KERNEL_FOLLOW_CHANGE, "follow_change", CACHE_PROGRAM_CHANGE, true)   \
   X(CACHE_KERNEL_FORGET, "forget", CACHE_PROGRAM_MOVE, true)                   \
+  X(CACHE_KERNEL_FORGET_BOX, "forget_box", CACHE_PROGRAM_MOVE, true)           \
   X(CACHE_KERNEL_LEVEL_STEP, "level_step", CACHE_PROGRAM_PYRAMID, true)        \
   X(CACHE_KERNEL_NEXT_STEP, "next_step", CACHE_PROGRAM_PYRAMID, true)          \
   X(CACHE_KERNEL_VOLUME_SOURCES, "volume_sources", CACHE_PROGRAM_VOLUMES,      \

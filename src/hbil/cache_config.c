@@ -14,7 +14,8 @@
 enum {
   FIRST_CACHE_CONFIG_SIZE = SIZE_UP_TO(hbil_cache_config, method),
   FIRST_VIEW_SIZE = SIZE_UP_TO(hbil_view, exposure),
-  FIRST_UPDATE_SIZE = SIZE_UP_TO(hbil_cache_update, exposure)
+  FIRST_UPDATE_SIZE = SIZE_UP_TO(hbil_cache_update, exposure),
+  FIRST_CHANGE_SIZE = SIZE_UP_TO(hbil_cache_change, light)
 };
 
 /* --- defaults --- */
@@ -42,6 +43,14 @@ void hbil_cache_update_init_sized(hbil_cache_update *update,
   static const hbil_cache_update defaults = {
       .bounces = 4, .phases = 1, .far_field = HBIL_FAR_AUTO, .steps = 16};
   init_sized(update, struct_size, &defaults, sizeof defaults);
+}
+
+void hbil_cache_change_init_sized(hbil_cache_change *change,
+                                  size_t struct_size) {
+  static const hbil_cache_change everywhere = {
+      .low = {-INFINITY, -INFINITY, -INFINITY},
+      .high = {INFINITY, INFINITY, INFINITY}};
+  init_sized(change, struct_size, &everywhere, sizeof everywhere);
 }
 
 /* --- a cache --- */
@@ -227,4 +236,31 @@ hbil_status cache_update_take(hbil_context *context,
     status = check_environment(context, own);
   remove_exposure(own->exposure, own->environment);
   return status;
+}
+
+/* --- a change --- */
+
+hbil_status cache_change_take(hbil_context *context,
+                              const hbil_cache_change *given,
+                              hbil_cache_change *own) {
+  hbil_cache_change_init(own);
+  const hbil_status status =
+      take_sized(context, HBIL_INVALID_ARGUMENT, "hbil_cache_change", given,
+                 FIRST_CHANGE_SIZE, own);
+  if (status != HBIL_SUCCESS)
+    return status;
+  for (int i = 0; i < 3; ++i)
+    if (!(own->high[i] > own->low[i]))
+      return fail(context, HBIL_INVALID_ARGUMENT,
+                  "high[%d]: %g; must be above low[%d], which is %g", i,
+                  own->high[i], i, own->low[i]);
+  const struct {
+    const char *field;
+    float value;
+  } shares[] = {{"surfaces", own->surfaces}, {"light", own->light}};
+  for (size_t i = 0; i < sizeof shares / sizeof *shares; ++i)
+    if (!(shares[i].value >= 0.0f && shares[i].value <= 1.0f))
+      return fail(context, HBIL_INVALID_ARGUMENT, "%s: %g is outside 0 .. 1",
+                  shares[i].field, (double)shares[i].value);
+  return HBIL_SUCCESS;
 }

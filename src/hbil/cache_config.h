@@ -20,5 +20,8 @@ hbil_status view_take(hbil_context *context, const hbil_view *given,
 hbil_status cache_update_take(hbil_context *context,
                               const hbil_cache_update *given,
                               hbil_cache_update *own);
+hbil_status cache_change_take(hbil_context *context,
+                              const hbil_cache_change *given,
+                              hbil_cache_change *own);
 
 #endif

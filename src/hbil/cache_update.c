@@ -228,6 +228,51 @@ hbil_status hbil_enqueue_cache_move(hbil_cache *cache, cl_command_queue queue,
   return status;
 }
 
+/* --- what the caller knows to have changed --- */
+
+/* A place along an axis in cache space; what is outside anyway as near as a
+ * float is exact. */
+static cl_float in_cache_space(const hbil_cache *cache, double world,
+                               int axis) {
+  const double coarsest = ldexp(1.0, (int)cache->config.levels - 1);
+  const double at =
+      world / cache->config.voxel_size - (double)cache->middle[axis] * coarsest;
+  const double most = coarsest * cache->config.voxels;
+  return (cl_float)fmin(fmax(at, -most), most);
+}
+
+hbil_status hbil_enqueue_cache_forget(hbil_cache *cache, cl_command_queue queue,
+                                      const hbil_cache_change *given,
+                                      cl_uint wait_count,
+                                      const cl_event *wait_list,
+                                      cl_event *event) {
+  commands chain;
+  hbil_cache_change change;
+  if (cache && !given)
+    return fail_null(cache->context, __func__, "change");
+  hbil_status status =
+      cache ? cache_change_take(cache->context, given, &change) : HBIL_SUCCESS;
+  if (status == HBIL_SUCCESS)
+    status = begin_cache_commands(__func__, cache, queue, wait_count, wait_list,
+                                  event != NULL, &chain);
+  if (status != HBIL_SUCCESS)
+    return status;
+  hbil_cache_forget_args args = {.cache = cache_args(cache),
+                                 .surfaces = change.surfaces,
+                                 .light = change.light};
+  for (int i = 0; i < 3; ++i) {
+    args.low[i] = in_cache_space(cache, change.low[i], i);
+    args.high[i] = in_cache_space(cache, change.high[i], i);
+  }
+  const argument list[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
+                           ARG(cache->buffers[CACHE_VOXELS])};
+  status = LAUNCH_WORDS(&chain, cache, CACHE_KERNEL_FORGET_BOX, list);
+  if (status == HBIL_SUCCESS)
+    status = finish_commands(&chain, event);
+  end_commands(&chain);
+  return status;
+}
+
 /* --- the end --- */
 
 hbil_status forget_all(commands *chain, hbil_cache *cache) {

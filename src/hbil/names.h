@@ -19,6 +19,7 @@
 #define build_pyramid hbil_internal_build_pyramid
 #define cache_args hbil_internal_cache_args
 #define cache_centre hbil_internal_cache_centre
+#define cache_change_take hbil_internal_cache_change_take
 #define cache_config_take hbil_internal_cache_config_take
 #define cache_middle hbil_internal_cache_middle
 #define cache_scale hbil_internal_cache_scale

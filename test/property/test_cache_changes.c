@@ -126,6 +126,43 @@ static void what_is_not_seen_follows_what_is(void **state) {
   }
 }
 
+/* The caller says that the lamps are off, while only a dark wall is in view:
+ * the frame's light is that of a room without lamps. */
+static void what_is_told_needs_no_view(void **state) {
+  const room before = room_lit();
+  const hbil_camera camera =
+      room_camera(eye, AHEAD, ROOM_WIDTH, ROOM_HEIGHT, 75.0);
+  hbil_cache *cache = room_cache(&shared_device);
+  hbil_view views[WALLS];
+  hbil_cache_change change;
+  double light[2];
+  setup s;
+  (void)state;
+  room_views(&shared_device, &before, room_middle, 64, HBIL_VIEW_DIRECT, views);
+  room_inject(&shared_device, cache, views, WALLS, 4);
+  hbil_cache_change_init(&change);
+  change.light = 1.0f;
+  for (int i = 0; i < 2; ++i) {
+    room_setup(&s, &before, &camera, ROOM_WIDTH, ROOM_HEIGHT);
+    setup_start(&s);
+    if (i) {
+      assert_success(&s, hbil_enqueue_cache_forget(cache, shared_device.queue,
+                                                   &change, 0, NULL, NULL));
+      assert_success(&s, hbil_enqueue_cache_update(cache, shared_device.queue,
+                                                   NULL, 0, NULL, NULL));
+    }
+    s.frame.cache = cache;
+    exact_planes out = room_outputs(&s);
+    light[i] = mean_far_light(&out);
+    exact_planes_free(&out);
+    setup_free(&s);
+  }
+  assert_true(light[0] > 0.05);
+  check_at_most("light, of that before", light[1] / light[0], 0.02);
+  room_views_free(views, WALLS);
+  hbil_cache_destroy(cache);
+}
+
 /* What changes by less is noise: a mean over five views. */
 static void noise_is_averaged(void **state) {
   room rooms[5];
@@ -147,6 +184,7 @@ int main(void) {
       cmocka_unit_test(what_has_moved_away_is_gone),
       cmocka_unit_test(other_light_counts_at_once),
       cmocka_unit_test(what_is_not_seen_follows_what_is),
+      cmocka_unit_test(what_is_told_needs_no_view),
       cmocka_unit_test(noise_is_averaged)};
   return RUN_WITH_DEVICE(tests);
 }

@@ -233,6 +233,73 @@ static void what_is_not_seen_follows_what_is(void **state) {
   check_change(8, 3.0f, false);
 }
 
+/* --- what is told --- */
+
+static void forget(cache_fixture *f, const hbil_cache_change *change) {
+  assert_int_equal(hbil_enqueue_cache_forget(f->cache, shared_device.queue,
+                                             change, 0, NULL, NULL),
+                   HBIL_SUCCESS);
+}
+
+/* Inside the box the kernel does what the exact pass does, to a rounding; what
+ * is outside stays to the last bit. */
+static void check_forgotten(float surfaces, float light, double half) {
+  cache_fixture f;
+  setup s;
+  int faded = 0, gone = 0, same = 0;
+  exact_cache cache = filled(&f, 8, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
+  cache_import(&cache);
+  exact_cache want = checked_cache(&f), got = checked_cache(&f);
+  memcpy(want.middle, cache.middle, sizeof want.middle);
+  memcpy(got.middle, cache.middle, sizeof got.middle);
+  cache_import(&want);
+  hbil_cache_change change;
+  hbil_cache_change_init(&change);
+  change.surfaces = surfaces;
+  change.light = light;
+  const vec3 middle = exact_cache_to_world(&want, vec(0.3, 0.2, 0.1));
+  const double at[3] = {middle.x, middle.y, middle.z};
+  for (int i = 0; i < 3 && half > 0.0; ++i) {
+    change.low[i] = at[i] - (i + 1) * half * f.config.voxel_size;
+    change.high[i] = at[i] + 2.0 * half * f.config.voxel_size;
+  }
+  exact_cache_forget(&want, &change);
+  forget(&f, &change);
+  cache_import(&got);
+  for (size_t i = 0; i < exact_cache_count(&want); ++i) {
+    const exact_place place = exact_cache_place(&want, i);
+    const exact_voxel *was = exact_cache_at(&cache, &place);
+    const exact_voxel *w = exact_cache_at(&want, &place);
+    const exact_voxel *v = exact_cache_at(&got, &place);
+    assert_int_equal(v->state, w->state);
+    for (int c = 0; c < HBIL_VOXEL_FLOATS; ++c)
+      if (v->state == HBIL_VOXEL_SURFACE && v->value[c] != was->value[c])
+        assert_true(fabs(v->value[c] - w->value[c]) <=
+                    2e-7 * fabs(was->value[c]));
+    gone += was->state == HBIL_VOXEL_SURFACE && v->state != was->state;
+    if (v->state == HBIL_VOXEL_SURFACE && was->value[HBIL_VOXEL_WEIGHT] > 0.0)
+      *(v->value[HBIL_VOXEL_WEIGHT] < was->value[HBIL_VOXEL_WEIGHT] ? &faded
+                                                                    : &same) +=
+          1;
+  }
+  assert_true(surfaces < 1.0f ? gone == 0 : gone > 50);
+  assert_true(surfaces < 1.0f ? faded > 50 : faded == 0);
+  assert_true(half > 0.0 ? same > 50 : same == 0);
+  exact_cache_free(&got);
+  exact_cache_free(&want);
+  exact_cache_free(&cache);
+  setup_free(&s);
+  cache_free(&f);
+}
+
+static void what_is_told_is_forgotten(void **state) {
+  (void)state;
+  check_forgotten(0.25f, 0.6f, 5.0);
+  check_forgotten(1.0f, 0.0f, 5.0);
+  check_forgotten(0.5f, 1.0f, 0.0); /* everywhere */
+  check_forgotten(1.0f, 1.0f, 0.0);
+}
+
 /* --- several bounces --- */
 
 /* What so many bounces in each of some updates leave: the voxels' bytes. */
@@ -333,6 +400,7 @@ int main(void) {
       cmocka_unit_test(rounds_match_at_every_width),
       cmocka_unit_test(rounds_match_with_every_far_field),
       cmocka_unit_test(what_is_not_seen_follows_what_is),
+      cmocka_unit_test(what_is_told_is_forgotten),
       cmocka_unit_test(finished_radiance_is_sent_as_it_is),
       cmocka_unit_test(rounds_are_like_updates),
       cmocka_unit_test(many_surfaces_have_fewer_rays)};

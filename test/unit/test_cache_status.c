@@ -291,6 +291,41 @@ static void bad_updates_and_moves_are_rejected(void **state) {
   room_stop(&t);
 }
 
+static void bad_changes_are_rejected(void **state) {
+  static const float bad[] = {-0.1f, 1.1f, NAN};
+  room_scene t;
+  hbil_cache_change change;
+  cl_event event = NULL;
+  (void)state;
+  room_start(&t);
+  hbil_cache *cache = t.s.frame.cache;
+  for (int i = 0; i < 9; ++i) {
+    hbil_cache_change_init(&change);
+    assert_true(isinf(change.low[i % 3]) && change.low[i % 3] < 0.0 &&
+                isinf(change.high[i % 3]) && change.high[i % 3] > 0.0 &&
+                change.surfaces == 0.0f && change.light == 0.0f);
+    if (i < 3)
+      change.surfaces = bad[i];
+    else if (i < 6)
+      change.light = bad[i - 3];
+    else
+      change.low[i - 6] = i == 7 ? NAN : change.high[i - 6];
+    room_rejected(hbil_enqueue_cache_forget(cache, shared_device.queue, &change,
+                                            0, NULL, &event),
+                  HBIL_INVALID_ARGUMENT,
+                  i < 3   ? "surfaces"
+                  : i < 6 ? "light"
+                          : "high[");
+  }
+  change.struct_size = 7;
+  room_rejected(hbil_enqueue_cache_forget(cache, shared_device.queue, &change,
+                                          0, NULL, &event),
+                HBIL_INVALID_ARGUMENT, "struct_size");
+  assert_null(event);
+  room_same_bits(&t.s, &t.want, "after rejected changes");
+  room_stop(&t);
+}
+
 static void reject_frame(const setup *s, const char *what) {
   cl_event event = NULL;
   room_rejected(hbil_enqueue_frame(s->plan, shared_device.queue, &s->frame, 0,
@@ -372,6 +407,8 @@ static void null_arguments_are_rejected(void **state) {
   INVALID(hbil_enqueue_cache_move(NULL, queue, room_middle, 0, NULL, NULL));
   INVALID(hbil_enqueue_cache_move(cache, NULL, room_middle, 0, NULL, NULL));
   INVALID(hbil_enqueue_cache_move(cache, queue, NULL, 0, NULL, NULL));
+  INVALID(hbil_enqueue_cache_forget(NULL, queue, NULL, 0, NULL, NULL));
+  INVALID(hbil_enqueue_cache_forget(cache, queue, NULL, 0, NULL, NULL));
   INVALID(hbil_enqueue_cache_reset(NULL, queue, 0, NULL, NULL));
   INVALID(hbil_enqueue_cache_reset(cache, NULL, 0, NULL, NULL));
   INVALID(hbil_enqueue_cache_reset(cache, queue, 1, NULL, NULL));
@@ -423,6 +460,7 @@ int main(void) {
       cmocka_unit_test(bad_views_are_rejected_by_name),
       cmocka_unit_test(planes_of_other_contexts_are_rejected),
       cmocka_unit_test(bad_updates_and_moves_are_rejected),
+      cmocka_unit_test(bad_changes_are_rejected),
       cmocka_unit_test(frames_reject_caches_that_are_not_theirs),
       cmocka_unit_test(other_modes_have_no_cache),
       cmocka_unit_test(null_arguments_are_rejected),
