@@ -121,6 +121,7 @@ static bool open_worker(worker *w, cl_device_id device) {
   config.width = WIDTH;
   config.height = HEIGHT;
   config.model.mode = HBIL_MODE_GTAO;
+  config.history.reprojection = HBIL_REPROJECTION_NONE; /* no sequence */
   config.inputs.depth = config.inputs.normal = config.outputs.ao =
       (hbil_plane_format){HBIL_FLOAT32, 4};
   if (w->queue == NULL ||

@@ -367,17 +367,16 @@ typedef struct hbil_sampling {
   /* Frames that share the slices of a pixel, 1..4, of which `slices` is a
    * multiple.  Each frame searches 1/slice_frames of them, and takes what the
    * others found from the frames before, where the same surface was: light has
-   * nearly the error of all slices at the price of a part.
-   * 0 (default): 2, or 1 if `slices` is odd, if `unfiltered`, or without
-   * reprojection, where frames don't depend on earlier ones.
+   * nearly the error of all slices at the price of a part.  0 (default): 2, or
+   * 1 if `slices` is odd, if `unfiltered`, or with HBIL_REPROJECTION_NONE.
    *
-   * What moves in front of a surface lags by up to slice_frames - 1 frames.
-   * Where more than a quarter of neighbouring pixels in a row were not seen
-   * before, or show another surface by history.disocclusion_threshold or a
-   * change of the normal by 33 degrees, a frame searches all slices, as in a
-   * first frame.  HBIL_REPROJECTION_MOTION follows surfaces by motion vectors,
-   * the others by the cameras.  Static frames search all slices, and so does
-   * the frame behind them.  Without effect with the output glossy. */
+   * What moves in front of a surface, and light that changes, lag by up to
+   * slice_frames - 1 frames.  A frame searches all slices where more than a
+   * quarter of a row's neighbouring pixels were not seen before, or show
+   * another surface by history.disocclusion_threshold or by a normal that has
+   * turned by 33 degrees.  HBIL_REPROJECTION_MOTION follows surfaces by motion
+   * vectors, CAMERA by the cameras.  Static frames search all slices, and so
+   * does the frame behind them.  Without effect with the output glossy. */
   cl_uint slice_frames;
 } hbil_sampling;
 

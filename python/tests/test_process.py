@@ -178,7 +178,7 @@ def test_environments(room):
 
 def test_options_are_those_of_the_library(room, lit):
     options = hbil.options()
-    assert options["slices"] == 3 and options["mode"] == "hbil"
+    assert options["slices"] == 4 and options["mode"] == "hbil"
     del options["gather_emission"]  # which the picture decides otherwise
     same(hbil.process(*room, **options), lit)
     assert list(hbil.process(*room, mode="gtao", far_field="none",

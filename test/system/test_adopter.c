@@ -661,10 +661,10 @@ static void check_stages(void) {
   check(same_ao, "HBIL_STAGE_RESOLVED has the last frame's ao");
   check(same_depth, "HBIL_STAGE_HISTORY has its inverse depths");
   const hbil_status got =
-      hbil_plan_buffer(l.plan, HBIL_STAGE_SLICES, &none);
-  check(fails(got, HBIL_INVALID_ARGUMENT, self.hbil,
-              "HBIL_STAGE_SLICES"),
-        "a stage that a plan doesn't have is named");
+      hbil_plan_buffer(l.plan, HBIL_STAGE_PROBE_HISTORY, &none);
+  check(
+      fails(got, HBIL_INVALID_ARGUMENT, self.hbil, "HBIL_STAGE_PROBE_HISTORY"),
+      "a stage that a plan doesn't have is named");
   free_plan(&l);
 }
 

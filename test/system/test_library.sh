@@ -83,7 +83,7 @@ parameters='cl_context cl_context, cl_device_id cl_device, cl_command_queue queu
 readme="$parameters, cl_uint wait_count, const cl_event *wait_list"
 guide="$parameters, const double camera_to_world[16], double fx, double fy,
   const double projection[16], const double view[16], const double eye[3],
-  double cx, double cy, cl_uint n, cl_mem depth_buffer, cl_mem normal_buffer,
+  double cx, double cy, cl_mem depth_buffer, cl_mem normal_buffer,
   cl_mem albedo_buffer, cl_mem direct_buffer, cl_mem indirect_buffer,
   cl_event gbuffer_ready, const float *depth, const float *normal,
   const float *direct, const float *emission"
