@@ -125,8 +125,8 @@ static hbil_status enqueue(const char *function, hbil_plan *plan,
   if (status == HBIL_SUCCESS)
     status = frame_take(plan->context, given, &frame);
   if (status == HBIL_SUCCESS)
-    status =
-        check_frame(plan, &frame, planes_of_passes(range.first, range.last));
+    status = check_frame(plan, &frame,
+                         planes_of_passes(plan, range.first, range.last));
   if (status != HBIL_SUCCESS)
     return status;
   chain.events = event || !chain.in_order || chain.times;

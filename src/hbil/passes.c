@@ -42,11 +42,15 @@ static bool is_among(hbil_pass pass, hbil_pass first, hbil_pass last) {
          (pass >= first && pass <= last);
 }
 
-unsigned planes_of_passes(hbil_pass first, hbil_pass last) {
+unsigned planes_of_passes(const hbil_plan *plan, hbil_pass first,
+                          hbil_pass last) {
   unsigned planes = 0;
   for (int i = 0; i < HBIL_PASS_COUNT; ++i)
     if (is_among(passes[i].pass, first, last))
-      planes |= passes[i].planes;
+      planes |=
+          passes[i].pass == HBIL_PASS_GATHER && plan->layout.slice_frames == 1
+              ? passes[i].planes & ~PLANE_BIT(PLANE_MOTION)
+              : passes[i].planes;
   return planes;
 }
 
@@ -54,7 +58,7 @@ hbil_status enqueue_passes(hbil_plan *plan, commands *chain,
                            const hbil_frame *frame, hbil_pass first,
                            hbil_pass last) {
   hbil_status status = HBIL_SUCCESS;
-  plan->planes_in_use = planes_of_passes(first, last);
+  plan->planes_in_use = planes_of_passes(plan, first, last);
   plan->reprojected = false;
   for (int i = 0; i < HBIL_PASS_COUNT && status == HBIL_SUCCESS; ++i) {
     const hbil_pass pass = passes[i].pass;

@@ -27,9 +27,10 @@ hbil_status enqueue_ao_search(const hbil_plan *plan, commands *chain,
                               const hbil_frame *frame, pass_function *pass);
 hbil_status build_ao_search(hbil_plan *plan);
 
-/* The caller's planes that the passes from `first` to `last` read or write, as
- * a set of bits. */
-unsigned planes_of_passes(hbil_pass first, hbil_pass last);
+/* The caller's planes that a plan's passes from `first` to `last` read or
+ * write, as a set of bits. */
+unsigned planes_of_passes(const hbil_plan *plan, hbil_pass first,
+                          hbil_pass last);
 
 /* Enqueues the passes from `first` to `last`, with import before them and
  * export behind them. */

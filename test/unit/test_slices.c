@@ -461,6 +461,28 @@ static void two_frames_share_where_they_can(void **state) {
   assert_int_equal(hbil_config_slice_frames(&c), 1);
 }
 
+/* A gather that shares slices follows them by motion vectors; another one asks
+ * for none. */
+static void only_shared_slices_need_motion(void **state) {
+  (void)state;
+  for (cl_uint frames = 1; frames <= 2; ++frames) {
+    setup s;
+    start(&s, frames, 2);
+    s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
+    s.config.inputs.motion.component = HBIL_FLOAT32;
+    setup_start(&s);
+    setup_run(&s, hbil_enqueue_frame);
+    s.frame.motion.buffer = NULL;
+    const hbil_status status =
+        hbil_enqueue_passes(s.plan, s.device->queue, &s.frame, HBIL_PASS_GATHER,
+                            HBIL_PASS_GATHER, 0, NULL, NULL);
+    assert_int_equal(status, frames == 1 ? HBIL_SUCCESS : HBIL_INVALID_FRAME);
+    if (frames == 2)
+      assert_non_null(strstr(hbil_context_message(s.device->hbil), "motion"));
+    setup_free(&s);
+  }
+}
+
 /* --- what can't be --- */
 
 static void numbers_that_do_not_fit_are_rejected(void **state) {
@@ -496,6 +518,7 @@ int main(void) {
       cmocka_unit_test(motion_vectors_are_followed),
       cmocka_unit_test(an_orthographic_camera_is_followed),
       cmocka_unit_test(two_frames_share_where_they_can),
+      cmocka_unit_test(only_shared_slices_need_motion),
       cmocka_unit_test(numbers_that_do_not_fit_are_rejected)};
   return RUN_WITH_DEVICE(tests);
 }
