@@ -245,19 +245,20 @@ HBIL_API hbil_status hbil_enqueue_cache_move(
     hbil_cache *cache, cl_command_queue queue, const double centre[3],
     cl_uint wait_count, const cl_event *wait_list, cl_event *event);
 
-/* What has changed in the world, and how much of what the cache knows there
- * means nothing any more. */
+/* A change of the world: where it is, and what share of what the cache knows
+ * there means nothing any more. */
 typedef struct hbil_cache_change {
   size_t struct_size; /* set by hbil_cache_change_init(); see hbil_config */
   /* A box in world space, with all voxels that it overlaps.  By default it is
    * everywhere: from -infinity to infinity. */
   double low[3], high[3];
-  /* Share of what is known of surfaces, 0..1.  1: they become unseen, and their
-   * light with them.  Less: the next view of them counts for more beside those
-   * before, as if these had been fewer. */
+  /* Share of what is known of surfaces, 0..1.  1: all of the box is unseen.
+   * Less: earlier views lose that share of their weight, so the next one counts
+   * for more. */
   float surfaces;
-  /* Share of their light, 0..1, direct and indirect: they send so much less
-   * until a view shows them, and the next view counts for more likewise. */
+  /* Share of the light that they send, 0..1.  They send so much less until a
+   * view shows them, and earlier views lose weight likewise.  The bounces of
+   * the next update light them anew. */
   float light;
 } hbil_cache_change;
 

@@ -41,9 +41,13 @@ kernel void forget(const hbil_cache_move_args args, global uint *states) {
  * are forgotten. */
 INLINE void fade(const hbil_cache_forget_args args, global float *voxel) {
   const float left = 1.0f - args.light;
+  const float4 light = vload4(0, voxel + HBIL_VOXEL_SENT);
   voxel[HBIL_VOXEL_WEIGHT] *= 1.0f - args.surfaces;
-  vstore4(vload4(0, voxel + HBIL_VOXEL_SENT) * left, 0,
-          voxel + HBIL_VOXEL_SENT);
+  /* the sign says whether it is finished, so some weight must remain */
+  const float weight = max(fabs(light.w) * left, HBIL_LEAST_LIGHT_WEIGHT);
+  vstore4((float4)(light.xyz * left,
+                   light.w == 0.0f ? 0.0f : copysign(weight, light.w)),
+          0, voxel + HBIL_VOXEL_SENT);
   vstore3(vload3(0, voxel + HBIL_VOXEL_INDIRECT) * left, 0,
           voxel + HBIL_VOXEL_INDIRECT);
 }

@@ -167,6 +167,9 @@ typedef struct hbil_cache_move_args {
 } hbil_cache_move_args;
 HBIL_ASSERT_LAYOUT(hbil_cache_move_args, moved, 6, 9)
 
+/* The weight of light that is forgotten wholly: nothing beside a view's 1. */
+#define HBIL_LEAST_LIGHT_WEIGHT 0x1p-20f
+
 /* The same.  The box is in cache space; shares are 0..1. */
 typedef struct hbil_cache_forget_args {
   hbil_cache_args cache;

@@ -644,6 +644,8 @@ class Sequence:
         with self._device.lock:
             enqueue(self._device, lib.hbil_enqueue_cache_forget, self._cache,
                     self._queue, change)
+            if not self._learn:  # else the next frame's view is followed by one
+                self._update()
 
     def reset_cache(self) -> None:
         """Forgets everything that the cache has seen."""

@@ -110,7 +110,13 @@ void exact_cache_forget(exact_cache *cache, const hbil_cache_change *change) {
     if (voxel->state != HBIL_VOXEL_SURFACE)
       continue;
     v[HBIL_VOXEL_WEIGHT] *= 1.0 - (double)change->surfaces;
+    const double weight = v[HBIL_VOXEL_LIGHT_WEIGHT];
     for (int k = HBIL_VOXEL_SENT; k < HBIL_VOXEL_CHANGE; ++k)
       v[k] *= 1.0 - (double)change->light;
+    if (weight != 0.0) /* whose sign must remain */
+      v[HBIL_VOXEL_LIGHT_WEIGHT] =
+          copysign(fmax(fabs(v[HBIL_VOXEL_LIGHT_WEIGHT]),
+                        (double)HBIL_LEAST_LIGHT_WEIGHT),
+                   weight);
   }
 }

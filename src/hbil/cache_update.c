@@ -230,8 +230,8 @@ hbil_status hbil_enqueue_cache_move(hbil_cache *cache, cl_command_queue queue,
 
 /* --- what the caller knows to have changed --- */
 
-/* A place along an axis in cache space; what is outside anyway as near as a
- * float is exact. */
+/* A place along an axis in cache space, not farther away than floats are exact.
+ */
 static cl_float in_cache_space(const hbil_cache *cache, double world,
                                int axis) {
   const double coarsest = ldexp(1.0, (int)cache->config.levels - 1);

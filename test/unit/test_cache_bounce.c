@@ -243,11 +243,12 @@ static void forget(cache_fixture *f, const hbil_cache_change *change) {
 
 /* Inside the box the kernel does what the exact pass does, to a rounding; what
  * is outside stays to the last bit. */
-static void check_forgotten(float surfaces, float light, double half) {
+static void check_forgotten(hbil_view_light kind, float surfaces, float light,
+                            double half) {
   cache_fixture f;
   setup s;
   int faded = 0, gone = 0, same = 0;
-  exact_cache cache = filled(&f, 8, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
+  exact_cache cache = filled(&f, 8, SCENE_ROOM, kind, &s);
   cache_import(&cache);
   exact_cache want = checked_cache(&f), got = checked_cache(&f);
   memcpy(want.middle, cache.middle, sizeof want.middle);
@@ -276,6 +277,10 @@ static void check_forgotten(float surfaces, float light, double half) {
       if (v->state == HBIL_VOXEL_SURFACE && v->value[c] != was->value[c])
         assert_true(fabs(v->value[c] - w->value[c]) <=
                     2e-7 * fabs(was->value[c]));
+    /* finished radiance stays finished */
+    if (v->state == HBIL_VOXEL_SURFACE)
+      assert_int_equal(v->value[HBIL_VOXEL_LIGHT_WEIGHT] < 0.0,
+                       was->value[HBIL_VOXEL_LIGHT_WEIGHT] < 0.0);
     gone += was->state == HBIL_VOXEL_SURFACE && v->state != was->state;
     if (v->state == HBIL_VOXEL_SURFACE && was->value[HBIL_VOXEL_WEIGHT] > 0.0)
       *(v->value[HBIL_VOXEL_WEIGHT] < was->value[HBIL_VOXEL_WEIGHT] ? &faded
@@ -294,10 +299,10 @@ static void check_forgotten(float surfaces, float light, double half) {
 
 static void what_is_told_is_forgotten(void **state) {
   (void)state;
-  check_forgotten(0.25f, 0.6f, 5.0);
-  check_forgotten(1.0f, 0.0f, 5.0);
-  check_forgotten(0.5f, 1.0f, 0.0); /* everywhere */
-  check_forgotten(1.0f, 1.0f, 0.0);
+  check_forgotten(HBIL_VIEW_DIRECT, 0.25f, 0.6f, 5.0);
+  check_forgotten(HBIL_VIEW_DIRECT, 1.0f, 0.0f, 5.0);
+  check_forgotten(HBIL_VIEW_FINISHED, 0.5f, 1.0f, 0.0); /* everywhere */
+  check_forgotten(HBIL_VIEW_DIRECT, 1.0f, 1.0f, 0.0);
 }
 
 /* --- several bounces --- */
