@@ -35,7 +35,7 @@ int exact_site(const hbil_config *config, int x, int y) {
 }
 
 bool exact_weighs_slices(const hbil_config *config) {
-  return config->sampling.slice_frames > 1 ||
+  return hbil_config_slice_frames(config) > 1 ||
          (config->sampling.slices == 1 && !config->sampling.unfiltered);
 }
 
