@@ -371,17 +371,16 @@ typedef struct hbil_sampling {
    * 1 if `slices` is odd, if `unfiltered`, or with HBIL_REPROJECTION_NONE.
    *
    * What moves in front of a surface, and light that changes, lag by up to
-   * slice_frames - 1 frames.  A frame searches all slices where more than a
-   * quarter of a row's neighbouring pixels were not seen before, or show
-   * another surface by history.disocclusion_threshold or by a normal that has
-   * turned by 33 degrees.  HBIL_REPROJECTION_MOTION follows surfaces by motion
-   * vectors, CAMERA by the cameras.  Static frames search all slices, and so
-   * does the frame behind them.  Without effect with the output glossy. */
+   * slice_frames - 1 frames.  Pixels side by side are searched in full if more
+   * than a quarter of them have no past: not seen before, beyond
+   * history.disocclusion_threshold, or a normal that has turned by more than 33
+   * degrees.  HBIL_REPROJECTION_MOTION follows surfaces by motion vectors, all
+   * else by the cameras.  Static frames search all slices, and so does the
+   * frame behind them.  Without effect with the output glossy. */
   cl_uint slice_frames;
 } hbil_sampling;
 
-/* Presets; doc/measurements.md, "Sampling error and time", has their figures.
- */
+/* Presets; doc/measurements.md, "Slices that frames share", has figures. */
 typedef enum hbil_quality {
   HBIL_QUALITY_FAST = 0,     /* 2 slices, 20 steps per side */
   HBIL_QUALITY_BALANCED = 1, /* 2 slices, 56 steps per side */
@@ -456,7 +455,7 @@ typedef struct hbil_execution {
    * Later ones only add up light, which is faster and gives the same bits.  The
    * cache never takes more than all rows need, nor more than the device's
    * largest buffer; rows that don't fit are gathered as usual.  There is no
-   * cache without HBIL_SKIP_STATIC, or if no light is carried over.
+   * cache without HBIL_SKIP_STATIC, with glossy, or without carried light.
    * hbil_plan_memory() includes it. */
   size_t horizon_cache_bytes;
 } hbil_execution;

@@ -196,8 +196,8 @@ static hbil_status regather(hbil_plan *plan, commands *chain,
 /* Gathers all pixels.  The first static frame fills the horizon cache, for as
  * many rows as have memory, whether or not its light has changed.  It is the
  * first frame after which further static ones are likely.  Later static frames
- * read the cache.  rest: this is one which may be left out where no light has
- * changed (may_rest()). */
+ * read the cache.  rest: this frame may be left out where no light has changed
+ * (may_rest()). */
 static hbil_status gather_all(hbil_plan *plan, commands *chain,
                               const hbil_frame *frame, hbil_gather_args *args,
                               bool rest) {

@@ -138,8 +138,8 @@ struct hbil_plan {
   hbil_camera last_camera;
   cl_uint last_index;
   float last_exposure;
-  /* whether GATHERED is the light of all slices, where frames share them: now,
-   * and after the last frame */
+  /* whether the frame that is being enqueued, and the last one, searched all
+   * slices */
   bool searched_all, last_searched_all;
   /* passes of the frame that is being enqueued: whether the host left them out,
    * and whether the device may have */
