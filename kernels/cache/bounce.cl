@@ -35,14 +35,11 @@ kernel void mean_part(const hbil_cache_args cache, global const uint *states,
                       global const uint *radiance,
                       global const uchar *unlit_codes, global float *means) {
   const uint part = (uint)get_global_id(0);
-  if (part >= HBIL_CACHE_PARTS || get_global_id(1) > 0 || cache.voxels < 1)
+  uint first, end;
+  if (!coarsest_words_of_item(cache, &first, &end))
     return;
-  const uint level = 1u << (3 * cache.log2_voxels);
-  const uint count = level / WORD_VOXELS / HBIL_CACHE_PARTS;
-  const uint first =
-      (uint)(cache.levels - 1) * (level / WORD_VOXELS) + part * count;
   float8 sum = 0.0f;
-  for (uint i = first; i < first + count; ++i)
+  for (uint i = first; i < end; ++i)
     for (uint left = surfaces_of_word(states[i]); left; left &= left - 1u)
       sum += telling_of(radiance, unlit_codes, first_surface(i, left));
   vstore8(sum, part + 1, means);

@@ -57,16 +57,13 @@ INLINE change_sums sums_of_voxel(global const float *voxel) {
 kernel void change_part(const hbil_cache_args cache, global const uint *states,
                         global const float *voxels, global float *changes) {
   const uint part = (uint)get_global_id(0);
-  if (part >= HBIL_CACHE_PARTS || get_global_id(1) > 0 || cache.voxels < 1)
+  uint first, end;
+  if (!coarsest_words_of_item(cache, &first, &end))
     return;
-  const uint level = 1u << (3 * cache.log2_voxels);
-  const uint count = level / WORD_VOXELS / HBIL_CACHE_PARTS;
-  const uint first =
-      (uint)(cache.levels - 1) * (level / WORD_VOXELS) + part * count;
   global float *sums = changes + 4 * HBIL_CACHE_REGIONS * (1 + part);
   for (int r = 0; r < HBIL_CACHE_REGIONS; ++r)
     vstore4((float4)(0.0f), r, sums);
-  for (uint i = first; i < first + count; ++i)
+  for (uint i = first; i < end; ++i)
     for (uint left = surfaces_of_word(states[i]); left; left &= left - 1u) {
       const uint number = first_surface(i, left);
       const change_sums s =

@@ -220,22 +220,20 @@ kernel void inject(const hbil_cache_inject_args args, global const uint *texels,
   uint number;
   if (!word_of_item(cache, &number))
     return;
-  const uint first = number * WORD_VOXELS, mask = (uint)cache.voxels - 1u;
-  const int level = (int)(first >> (3 * cache.log2_voxels));
-  const float size = (float)(1 << level);
-  const int row = (int)((first >> cache.log2_voxels) & mask);
-  const int slice = (int)((first >> (2 * cache.log2_voxels)) & mask);
+  const word_place at = place_of_word(cache, number);
+  const uint first = at.first;
+  const float size = (float)(1 << at.level);
   /* the same for all voxels of the word */
   const realv cy =
-      (TO_REALV(cell_at(cache, level, 1, (intv)row)) + 0.5f) * size;
+      (TO_REALV(cell_at(cache, at.level, 1, (intv)at.row)) + 0.5f) * size;
   const realv cz =
-      (TO_REALV(cell_at(cache, level, 2, (intv)slice)) + 0.5f) * size;
+      (TO_REALV(cell_at(cache, at.level, 2, (intv)at.slice)) + 0.5f) * size;
   const uint before = states[number];
   uint after = before;
   for (int part = 0; part < WORD_VOXELS; part += HBIL_WIDTH) {
-    const intv place = (int)(first & mask) + part + EACH_LANE;
+    const intv place = at.column + part + EACH_LANE;
     const points centre = {
-        (TO_REALV(cell_at(cache, level, 0, place)) + 0.5f) * size, cy, cz};
+        (TO_REALV(cell_at(cache, at.level, 0, place)) + 0.5f) * size, cy, cz};
     const points q = transformed_points(args.to_view, centre);
     const realv shrink = ORTHOGRAPHIC ? (realv)1.0f : 1.0f / q.z;
     const realv px = fma(view.fx * q.x, shrink, (realv)view.cx);

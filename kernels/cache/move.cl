@@ -20,20 +20,17 @@ kernel void forget(const hbil_cache_move_args args, global uint *states) {
   uint number;
   if (!word_of_item(cache, &number))
     return;
-  const uint first = number * WORD_VOXELS, mask = (uint)cache.voxels - 1u;
-  const int level = (int)(first >> (3 * cache.log2_voxels));
-  const int up = cache.levels - 1 - level;
-  const int row = (int)((first >> cache.log2_voxels) & mask);
-  const int slice = (int)((first >> (2 * cache.log2_voxels)) & mask);
+  const word_place at = place_of_word(cache, number);
+  const int up = cache.levels - 1 - at.level;
   uint stays = 0u;
-  if (was_inside(cell_at(cache, level, 1, row), args.moved[1], up,
+  if (was_inside(cell_at(cache, at.level, 1, at.row), args.moved[1], up,
                  cache.voxels) &&
-      was_inside(cell_at(cache, level, 2, slice), args.moved[2], up,
+      was_inside(cell_at(cache, at.level, 2, at.slice), args.moved[2], up,
                  cache.voxels))
-    for (uint i = 0; i < WORD_VOXELS; ++i)
-      if (was_inside(cell_at(cache, level, 0, (int)((first & mask) + i)),
-                     args.moved[0], up, cache.voxels))
-        stays |= 3u << (2u * i);
+    for (int i = 0; i < WORD_VOXELS; ++i)
+      if (was_inside(cell_at(cache, at.level, 0, at.column + i), args.moved[0],
+                     up, cache.voxels))
+        stays |= 3u << (2 * i);
   states[number] &= stays;
 }
 
@@ -64,20 +61,17 @@ INLINE bool is_in_box(const hbil_cache_forget_args args, int level, int axis,
 
 kernel void forget_box(const hbil_cache_forget_args args, global uint *states,
                        global float *voxels) {
-  const hbil_cache_args cache = args.cache;
   uint number;
-  if (!word_of_item(cache, &number))
+  if (!word_of_item(args.cache, &number))
     return;
-  const uint first = number * WORD_VOXELS, mask = (uint)cache.voxels - 1u;
-  const int level = (int)(first >> (3 * cache.log2_voxels));
-  const int row = (int)((first >> cache.log2_voxels) & mask);
-  const int slice = (int)((first >> (2 * cache.log2_voxels)) & mask);
-  if (!is_in_box(args, level, 1, row) || !is_in_box(args, level, 2, slice))
+  const word_place at = place_of_word(args.cache, number);
+  if (!is_in_box(args, at.level, 1, at.row) ||
+      !is_in_box(args, at.level, 2, at.slice))
     return;
   uint inside = 0u;
-  for (uint i = 0; i < WORD_VOXELS; ++i)
-    if (is_in_box(args, level, 0, (int)((first & mask) + i)))
-      inside |= 3u << (2u * i);
+  for (int i = 0; i < WORD_VOXELS; ++i)
+    if (is_in_box(args, at.level, 0, at.column + i))
+      inside |= 3u << (2 * i);
   if (args.surfaces >= 1.0f) {
     states[number] &= ~inside;
     return;
