@@ -149,22 +149,34 @@ HBIL_API hbil_status hbil_enqueue_passes(
     hbil_pass first, hbil_pass last, cl_uint wait_count,
     const cl_event *wait_list, cl_event *event);
 
-/* Returns how many bounces the light of HISTORY has had: 1 after a first frame,
- * at most 256; 0 without a history.  The guess of unseen light depends on it
- * (HBIL_FAR_FRAME). */
-HBIL_API cl_uint hbil_plan_bounces(const hbil_plan *plan);
+/* What the next frame takes from the last one. */
+typedef struct hbil_last_frame {
+  hbil_camera camera; /* that saw it; all zero: there was none */
+  /* How many bounces the light of HISTORY has had: 1 after a first frame, at
+   * most 256.  The guess of unseen light depends on it (HBIL_FAR_FRAME).
+   * 0: HISTORY holds nothing. */
+  cl_uint bounces;
+  /* CL_TRUE: SLICES, and AO_SLICES where the plan has it, hold what its slices
+   * found.  CL_FALSE behind static frames, which search all slices. */
+  cl_bool has_slices;
+  cl_bool has_probes; /* CL_TRUE: PROBE_HISTORY holds its light */
+} hbil_last_frame;
 
-/* Says that HISTORY, PROBE_HISTORY, SLICES and AO_SLICES, as far as the plan
- * has them, hold data of a frame seen by `camera`, for instance from an
- * earlier process, and that its light has had `bounces` bounces (0: HISTORY
- * holds nothing; above 256 counts as 256).  The caller writes them into the
- * buffers that hbil_plan_buffer() returns, before or after this call; the next
- * frame starts from them.  The next frame can't be static.  Returns
- * HBIL_INVALID_ARGUMENT if plan or camera is null, and HBIL_INVALID_FRAME if
- * the camera is; then the plan is as before. */
+/* Returns what the next frame will take.  HBIL_INVALID_ARGUMENT if plan or out
+ * is null. */
+HBIL_API hbil_status hbil_plan_last_frame(const hbil_plan *plan,
+                                          hbil_last_frame *out);
+
+/* Lets the next frame start from `last`, which hbil_plan_last_frame() returned
+ * for a plan of the same configuration, perhaps in an earlier process.  The
+ * caller writes HISTORY, PROBE_HISTORY, SLICES and AO_SLICES, as far as `last`
+ * has them, into the buffers that hbil_plan_buffer() returns, before or after
+ * this call.  What the plan itself has no stage for counts as missing, and
+ * bounces above 256 as 256.  The next frame can't be static.  Returns
+ * HBIL_INVALID_ARGUMENT if plan or last is null, and HBIL_INVALID_FRAME if the
+ * camera is invalid; then the plan is as before. */
 HBIL_API hbil_status hbil_plan_adopt_history(hbil_plan *plan,
-                                             const hbil_camera *camera,
-                                             cl_uint bounces);
+                                             const hbil_last_frame *last);
 
 #ifdef __cplusplus
 }

@@ -99,7 +99,7 @@ typedef struct hbil_estimate_args {
   hbil_float sky[3];       /* radiance of the sky that `direct` contains */
   hbil_float sky_share;    /* as in hbil_frame */
   hbil_float unseen_light; /* offscreen_light of hbil_config */
-  hbil_int bounces;        /* as hbil_plan_bounces() has it */
+  hbil_int bounces;        /* as hbil_last_frame has it */
   hbil_int is_static;      /* reuse the sums unless HBIL_FLAG_CHANGED is set */
 } hbil_estimate_args;
 HBIL_ASSERT_LAYOUT(hbil_estimate_args, is_static, 39, 40)

@@ -17,7 +17,7 @@ hbil_status enqueue_estimate(hbil_plan *plan, commands *chain,
                              .height = (cl_int)c->height,
                              .unseen_light = c->model.offscreen_light,
                              .is_static = may_rest(plan, frame),
-                             .bounces = (cl_int)hbil_plan_bounces(plan)};
+                             .bounces = (cl_int)plan_bounces(plan)};
   if (plan->layout.far_field == HBIL_FAR_FRAME) {
     args.sky_share = frame->sky_share;
     for (int i = 0; i < 3; ++i)

@@ -127,6 +127,7 @@
 #define read_light_view hbil_internal_read_light_view
 #define read_memory hbil_internal_read_memory
 #define read_texels hbil_internal_read_texels
+#define plan_bounces hbil_internal_plan_bounces
 #define remember_frame hbil_internal_remember_frame
 #define remove_exposure hbil_internal_remove_exposure
 #define run_first_commands hbil_internal_run_first_commands

@@ -87,7 +87,7 @@ void remember_frame(hbil_plan *plan, const hbil_frame *frame) {
   plan->last_index = frame->frame_index;
   plan->last_exposure = light_exposure(frame->exposure);
   if (plan->layout.history) {
-    const cl_uint bounces = hbil_plan_bounces(plan);
+    const cl_uint bounces = plan_bounces(plan);
     plan->bounces = bounces < MOST_BOUNCES ? bounces + 1 : MOST_BOUNCES;
     plan->has_history = true;
     plan->history = next_history(plan) - BUFFER_HISTORY;
@@ -143,24 +143,41 @@ hbil_status hbil_plan_follow(hbil_plan *plan, hbil_plan *last) {
   return HBIL_SUCCESS;
 }
 
-cl_uint hbil_plan_bounces(const hbil_plan *plan) {
-  return plan && plan->has_history ? plan->bounces : 0;
+cl_uint plan_bounces(const hbil_plan *plan) {
+  return plan->has_history ? plan->bounces : 0;
 }
 
-hbil_status hbil_plan_adopt_history(hbil_plan *plan, const hbil_camera *camera,
-                                    cl_uint bounces) {
-  if (!plan || !camera)
+hbil_status hbil_plan_last_frame(const hbil_plan *plan, hbil_last_frame *out) {
+  if (!plan || !out)
     return fail_null(plan ? plan->context : NULL, __func__,
-                     plan ? "camera" : "plan");
-  const hbil_status status = camera_check(plan->context, camera);
+                     plan ? "out" : "plan");
+  memset(out, 0, sizeof *out); /* its padding too: it may go into a file */
+  if (plan->has_history)
+    out->camera = plan->history_camera;
+  else if (plan->has_last || plan->slices.has || plan->probes.has)
+    out->camera = plan->last_camera;
+  out->bounces = plan_bounces(plan);
+  out->has_slices = plan->slices.has;
+  out->has_probes = plan->probes.has;
+  return HBIL_SUCCESS;
+}
+
+hbil_status hbil_plan_adopt_history(hbil_plan *plan,
+                                    const hbil_last_frame *last) {
+  if (!plan || !last)
+    return fail_null(plan ? plan->context : NULL, __func__,
+                     plan ? "last" : "plan");
+  const hbil_status status = camera_check(plan->context, &last->camera);
   if (status != HBIL_SUCCESS)
     return status;
   hbil_plan_reset(plan);
-  plan->has_history = plan->layout.history && bounces > 0;
-  plan->bounces = bounces < MOST_BOUNCES ? bounces : MOST_BOUNCES;
-  plan->history_camera = *camera;
-  adopt(&plan->slices, camera, plan->layout.slice_frames > 1);
-  adopt(&plan->probes, camera, plan->layout.probes && carries_over(plan));
+  plan->has_history = plan->layout.history && last->bounces > 0;
+  plan->bounces = last->bounces < MOST_BOUNCES ? last->bounces : MOST_BOUNCES;
+  plan->history_camera = plan->last_camera = last->camera;
+  adopt(&plan->slices, &last->camera,
+        last->has_slices && plan->layout.slice_frames > 1);
+  adopt(&plan->probes, &last->camera,
+        last->has_probes && plan->layout.probes && carries_over(plan));
   return HBIL_SUCCESS;
 }
 

@@ -160,8 +160,7 @@ int lighting_history_restore(lighting *l, const job *j, int item, void *bytes,
                              image_error *error) {
   const camera_file *camera = &j->frames[item].camera;
   if (!l->exact)
-    return sequence_history_restore(l->sequence, &j->frames[item].map, &j->far,
-                                    bytes, error);
+    return sequence_history_restore(l->sequence, bytes, error);
   exact_sequence_give_light(l->exact, camera, bytes);
   return 0;
 }

@@ -28,7 +28,7 @@ typedef struct preface {
 } preface;
 _Static_assert(sizeof(preface) == 40, "no padding");
 
-static const char file_magic[8] = {'h', 'b', 'i', 'l', 'l', 'i', 'g', '2'};
+static const char file_magic[8] = {'h', 'b', 'i', 'l', 'l', 'i', 'g', '3'};
 
 /* The hash of a file; that in its preface counts as 0. */
 static uint64_t hash_of(preface head, const void *bytes) {

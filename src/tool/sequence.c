@@ -27,7 +27,6 @@ struct sequence {
   device_plane output[LAYER_COUNT];
   job_cache *cache; /* NULL: none */
   uint64_t last;  /* hash of the previous frame's inputs and camera; 0: none */
-  cl_uint index;  /* of the next run */
   unsigned still; /* static runs in a row so far */
 };
 
@@ -314,12 +313,12 @@ static history history_of(const sequence *s, hbil_stage stage) {
                    .bytes = row * rows * b.values};
 }
 
-/* The histories, one after the other, then the number of bounces. */
+/* The histories, one after the other, then hbil_last_frame. */
 size_t sequence_history_size(const sequence *s) {
   size_t all = 0;
   for (int i = 0; i < HISTORIES; i++)
     all += history_of(s, history_stages[i]).bytes;
-  return all ? all + sizeof(cl_uint) : 0;
+  return all ? all + sizeof(hbil_last_frame) : 0;
 }
 
 static cl_int copy_planes(sequence *s, const history *c, void *bytes,
@@ -349,25 +348,21 @@ static int copy_histories(sequence *s, unsigned char **bytes, int to_plan,
 }
 
 int sequence_history_save(sequence *s, void *bytes, image_error *error) {
-  const cl_uint bounces = hbil_plan_bounces(s->plan);
+  hbil_last_frame last;
   unsigned char *next = bytes;
   if (copy_histories(s, &next, 0, error) != 0)
     return -1;
-  memcpy(next, &bounces, sizeof bounces);
-  return 0;
+  const hbil_status status = hbil_plan_last_frame(s->plan, &last);
+  memcpy(next, &last, sizeof last);
+  return status == HBIL_SUCCESS ? 0 : library_failed(s, NULL, status, error);
 }
 
-int sequence_history_restore(sequence *s, const channel_map *map,
-                             const far_light *far, void *bytes,
-                             image_error *error) {
-  hbil_frame frame;
-  cl_uint bounces;
+int sequence_history_restore(sequence *s, void *bytes, image_error *error) {
+  hbil_last_frame last;
   unsigned char *next = bytes;
-  fill_frame(s, map, far, &frame);
   if (copy_histories(s, &next, 1, error) != 0)
     return -1;
-  memcpy(&bounces, next, sizeof bounces);
-  const hbil_status status =
-      hbil_plan_adopt_history(s->plan, &frame.camera, bounces);
+  memcpy(&last, next, sizeof last);
+  const hbil_status status = hbil_plan_adopt_history(s->plan, &last);
   return status == HBIL_SUCCESS ? 0 : library_failed(s, NULL, status, error);
 }

@@ -61,15 +61,12 @@ uint64_t sequence_hash(const sequence *s, const gbuffer *g);
 
 /*
  * The history: what the last frame hands on to the next one.  If it is restored
- * into a new sequence with the same device and settings, together with the
- * map (for its camera) and far light of that frame, the next frame has the
+ * into a new sequence with the same device and settings, the next frame has the
  * same bits as without the interruption.  size: bytes; 0 if these settings have
  * no history.
  */
 size_t sequence_history_size(const sequence *s);
 int sequence_history_save(sequence *s, void *bytes, image_error *error);
-int sequence_history_restore(sequence *s, const channel_map *map,
-                             const far_light *far, void *bytes,
-                             image_error *error);
+int sequence_history_restore(sequence *s, void *bytes, image_error *error);
 
 #endif

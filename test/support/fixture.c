@@ -344,6 +344,12 @@ void setup_run(setup *s, enqueue_function *pass) {
   take_error_factors(s);
 }
 
+cl_uint setup_bounces(const setup *s) {
+  hbil_last_frame last;
+  assert_success(s, hbil_plan_last_frame(s->plan, &last));
+  return last.bounces;
+}
+
 /* ------------------------------------------------------------------------ */
 /* Outputs                                                                   */
 

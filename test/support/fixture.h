@@ -109,6 +109,8 @@ enqueue_function enqueue_reproject, enqueue_push_pull, enqueue_split,
     enqueue_gather, enqueue_recompose, enqueue_composite;
 /* Enqueues a pass or a frame and waits; must succeed. */
 void setup_run(setup *s, enqueue_function *pass);
+/* hbil_last_frame.bounces of the plan. */
+cl_uint setup_bounces(const setup *s);
 /* Fails with the context's message unless `status` is HBIL_SUCCESS. */
 void assert_success(const setup *s, hbil_status status);
 

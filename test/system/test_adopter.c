@@ -670,6 +670,12 @@ static void check_stages(void) {
 
 /* --- a history that another plan adopts --- */
 
+static cl_uint bounces_of(const lighting *l) {
+  hbil_last_frame last;
+  succeed(hbil_plan_last_frame(l->plan, &last), "hbil_plan_last_frame");
+  return last.bounces;
+}
+
 /* The third frame of a plan, by another one that has seen none.  The camera
  * moves before it, and all that depends on the past is on. */
 static void check_adoption(void) {
@@ -683,16 +689,16 @@ static void check_adoption(void) {
   run_frames(&first, 2);
   copy_stage(&first, &second, HBIL_STAGE_HISTORY);
   copy_stage(&first, &second, HBIL_STAGE_SLICES);
-  succeed(hbil_plan_adopt_history(second.plan, &first.frame.camera,
-                                  hbil_plan_bounces(first.plan)),
+  hbil_last_frame last;
+  succeed(hbil_plan_last_frame(first.plan, &last), "hbil_plan_last_frame");
+  succeed(hbil_plan_adopt_history(second.plan, &last),
           "hbil_plan_adopt_history");
   first.frame.camera.world_from_view[3] += 0.01; /* world units */
   second.frame.camera = first.frame.camera;
   run_frames(&first, 1);
   third = shown;
   run_frames(&second, 1);
-  check(hbil_plan_bounces(first.plan) == 3 &&
-            hbil_plan_bounces(second.plan) == 3,
+  check(bounces_of(&first) == 3 && bounces_of(&second) == 3,
         "three frames are three bounces, two of which may be adopted");
   check(shows(&third),
         "a plan that adopts a history has the next frame's bits");

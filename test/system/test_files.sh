@@ -351,15 +351,17 @@ test $status -eq 0 &&
 ok $? "after kill -9: what is there is left alone"
 same "and the rest is as without it" "$work/whole" "$work/killed"
 
-# A frame that can't be read in the middle, then another in its place: the
-# light of the frame before it is given back.
-cp -r "$frames" "$work/broken"
-head -c 3000 "$frames/frame_0003.exr" >"$work/broken/frame_0003.exr"
+# A frame that can't be read in the middle, then another in its place: the light
+# of the frame before it is given back, that of a first frame, whose last runs
+# were static, and that of another one.
+for at in 2 3; do
+  cp -r "$frames" "$work/broken$at"
+  head -c 3000 "$frames/frame_000$at.exr" >"$work/broken$at/frame_000$at.exr"
+done
 rejected "with a radiance cache: told before the first result" \
-  'frame_0003.exr: truncated' process -o "$work/early" "$work/broken"/*.exr
+  'frame_0003.exr: truncated' process -o "$work/early" "$work/broken3"/*.exr
 absent "with a radiance cache: nothing is left" "$work/early"
 for way in camera motion; do
-  rm -rf "$work/resumed"
   again() {
     if test $way = camera; then
       process --far environment -o "$work/resumed" "$@"
@@ -367,10 +369,14 @@ for way in camera motion; do
       exact --reprojection motion --preview -o "$work/resumed" "$@"
     fi
   }
-  rejected "$way: broken off" 'frame_0003.exr: truncated' again "$work/broken"/*.exr
-  has "$way: the carried light is stored" "$work/resumed/.hbil-light.frame_0001"
-  works "$way: resumed" again --resume "$frames"/*.exr
-  same "$way: as without interruption" "$work/$way" "$work/resumed"
+  for at in 2 3; do
+    rm -rf "$work/resumed"
+    rejected "$way: broken off at $at" "frame_000$at.exr: truncated" \
+      again "$work/broken$at"/*.exr
+    has "$way: the carried light is stored" "$work/resumed/.hbil-light.frame_0001"
+    works "$way: resumed" again --resume "$frames"/*.exr
+    same "$way: as without interruption" "$work/$way" "$work/resumed"
+  done
 done
 # What the slices of the last frames found is carried as well.
 shared() {
@@ -381,7 +387,7 @@ for mode in hbil gtao; do
   works "$mode: shared slices" shared --mode $mode -o "$work/$mode" \
     "$frames"/*.exr
   rejected "$mode: broken off" 'frame_0003.exr: truncated' \
-    shared --mode $mode -o "$work/resumed" "$work/broken"/*.exr
+    shared --mode $mode -o "$work/resumed" "$work/broken3"/*.exr
   works "$mode: resumed" \
     shared --mode $mode --resume -o "$work/resumed" "$frames"/*.exr
   same "$mode: as without interruption" "$work/$mode" "$work/resumed"

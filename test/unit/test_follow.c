@@ -34,7 +34,7 @@ static void plans_of_one_size_have_the_same_bits(void **state) {
   load(&s[1], 7);
   setup_run(&s[1], hbil_enqueue_frame);
   assert_success(&s[1], hbil_plan_follow(s[1].plan, s[0].plan));
-  assert_int_equal(hbil_plan_bounces(s[1].plan), 2);
+  assert_int_equal(setup_bounces(&s[1]), 2);
   load(&s[1], 2);
   setup_run(&s[1], hbil_enqueue_frame);
   load(&s[0], 2);
@@ -44,7 +44,7 @@ static void plans_of_one_size_have_the_same_bits(void **state) {
     assert_int_equal(count_different(&got, &want), 0);
     exact_planes_free(&want);
     exact_planes_free(&got);
-    assert_int_equal(hbil_plan_bounces(s[1].plan), frame);
+    assert_int_equal(setup_bounces(&s[1]), frame);
     for (int i = 0; i < 2; ++i) { /* each goes on by itself */
       load(&s[i], frame);
       setup_run(&s[i], hbil_enqueue_frame);
@@ -70,7 +70,8 @@ static void plant_history(setup *s) {
   }
   stage_write(s, HBIL_STAGE_HISTORY, &history);
   exact_planes_free(&history);
-  assert_success(s, hbil_plan_adopt_history(s->plan, &s->frame.camera, 3));
+  const hbil_last_frame last = {.camera = s->frame.camera, .bounces = 3};
+  assert_success(s, hbil_plan_adopt_history(s->plan, &last));
 }
 
 static void start(setup *s, size of, hbil_reprojection how,
@@ -133,7 +134,7 @@ static void frames_alternate_between_sizes(void **state) {
     if (frame)
       assert_success(now, hbil_plan_follow(now->plan, s[(frame + 1) % 2].plan));
     setup_run(now, hbil_enqueue_frame);
-    assert_int_equal(hbil_plan_bounces(now->plan), frame + 1);
+    assert_int_equal(setup_bounces(now), frame + 1);
   }
   for (int i = 0; i < 2; ++i)
     setup_free(&s[i]);
@@ -158,15 +159,15 @@ static void plans_that_cannot_follow_stay(void **state) {
   assert_non_null(strstr(hbil_context_message(s.device->hbil),
                          "last: a plan of other sampling.storage"));
   assert_int_equal(hbil_plan_follow(s.plan, none.plan), HBIL_INVALID_ARGUMENT);
-  assert_int_equal(hbil_plan_bounces(s.plan), 3);
+  assert_int_equal(setup_bounces(&s), 3);
   assert_success(&s, hbil_plan_follow(s.plan, s.plan)); /* its own */
-  assert_int_equal(hbil_plan_bounces(s.plan), 3);
+  assert_int_equal(setup_bounces(&s), 3);
   assert_success(&s, hbil_plan_follow(s.plan, last.plan));
   assert_int_equal(hbil_plan_follow(last.plan, s.plan), HBIL_INVALID_ARGUMENT);
   /* a plan without frames is followed by a first one */
   hbil_plan_reset(last.plan);
   assert_success(&s, hbil_plan_follow(s.plan, last.plan));
-  assert_int_equal(hbil_plan_bounces(s.plan), 0);
+  assert_int_equal(setup_bounces(&s), 0);
   setup_free(&none);
   setup_free(&floats);
   setup_free(&last);

@@ -327,46 +327,71 @@ static void copy_stage(setup *from, setup *to, hbil_stage stage) {
   free(bytes);
 }
 
-/* The third frame of a plan that was told where the first two ended. */
-static void another_plan_adopts_a_history(void **state) {
-  setup s[2];
-  (void)state;
+/* Runs two frames, the second one twice if `still` (then it has three bounces,
+ * and searched all slices), and gives the end to another plan.  Both then have
+ * the same third frame. */
+static void adopt_history(setup s[2], bool still) {
   for (int i = 0; i < 2; ++i) {
     setup_every_pass(&s[i], HBIL_REPROJECTION_CAMERA, 0, 64, 48);
     s[i].config.sampling.slices = s[i].config.sampling.slice_frames = 2;
     setup_start(&s[i]);
   }
-  for (uint32_t frame = 0; frame < 3; ++frame) {
-    const hbil_camera before = s[0].frame.camera;
-    for (int i = frame == 2 ? 1 : 0; i >= 0; --i) {
-      setup_load_scene(&s[i], SCENE_ROOM, frame);
-      s[i].frame.frame_index = frame;
-      setup_upload(&s[i]);
-    }
-    assert_int_equal(hbil_plan_bounces(s[0].plan), frame);
-    if (frame == 2) {
-      copy_stage(&s[0], &s[1], HBIL_STAGE_HISTORY);
-      copy_stage(&s[0], &s[1], HBIL_STAGE_SLICES);
-      assert_success(&s[1], hbil_plan_adopt_history(s[1].plan, &before, 2));
-      setup_run(&s[1], hbil_enqueue_frame);
-    }
+  for (uint32_t frame = 0; frame < 2; ++frame) {
+    setup_load_scene(&s[0], SCENE_ROOM, frame);
+    s[0].frame.frame_index = frame;
+    setup_upload(&s[0]);
+    assert_int_equal(setup_bounces(&s[0]), frame);
     setup_run(&s[0], hbil_enqueue_frame);
   }
-  exact_planes want = outputs_read(&s[0]), got = outputs_read(&s[1]);
-  assert_int_equal(count_different(&got, &want), 0);
-  exact_planes_free(&want);
-  exact_planes_free(&got);
-  const hbil_camera none = {0};
-  assert_int_equal(hbil_plan_adopt_history(NULL, &none, 1),
+  s[0].frame.static_frame = CL_TRUE;
+  if (still)
+    setup_run(&s[0], hbil_enqueue_frame);
+  s[0].frame.static_frame = CL_FALSE;
+  hbil_last_frame last;
+  assert_success(&s[0], hbil_plan_last_frame(s[0].plan, &last));
+  assert_memory_equal(&last.camera, &s[0].frame.camera, sizeof last.camera);
+  assert_int_equal(last.has_slices, still ? CL_FALSE : CL_TRUE);
+  assert_int_equal(last.has_probes, CL_FALSE);
+  copy_stage(&s[0], &s[1], HBIL_STAGE_HISTORY);
+  copy_stage(&s[0], &s[1], HBIL_STAGE_SLICES);
+  assert_success(&s[1], hbil_plan_adopt_history(s[1].plan, &last));
+  for (int i = 0; i < 2; ++i) {
+    setup_load_scene(&s[i], SCENE_ROOM, 2);
+    s[i].frame.frame_index = 2;
+    setup_upload(&s[i]);
+    setup_run(&s[i], hbil_enqueue_frame);
+  }
+}
+
+static void another_plan_adopts_a_history(void **state) {
+  (void)state;
+  for (int still = 0; still < 2; ++still) {
+    setup s[2];
+    adopt_history(s, still);
+    exact_planes want = outputs_read(&s[0]), got = outputs_read(&s[1]);
+    assert_int_equal(count_different(&got, &want), 0);
+    assert_int_equal(setup_bounces(&s[1]), still ? 4 : 3);
+    exact_planes_free(&want);
+    exact_planes_free(&got);
+    for (int i = 0; i < 2; ++i)
+      setup_free(&s[i]);
+  }
+}
+
+static void a_history_is_checked(void **state) {
+  setup s;
+  (void)state;
+  setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, 8, 8);
+  setup_start(&s);
+  hbil_last_frame none = {.bounces = 1};
+  assert_int_equal(hbil_plan_adopt_history(NULL, &none), HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_adopt_history(s.plan, NULL),
                    HBIL_INVALID_ARGUMENT);
-  assert_int_equal(hbil_plan_adopt_history(s[0].plan, NULL, 1),
-                   HBIL_INVALID_ARGUMENT);
-  assert_int_equal(hbil_plan_adopt_history(s[0].plan, &none, 1),
-                   HBIL_INVALID_FRAME);
-  assert_int_equal(hbil_plan_bounces(s[0].plan), 3);
-  assert_int_equal(hbil_plan_bounces(NULL), 0);
-  for (int i = 0; i < 2; ++i)
-    setup_free(&s[i]);
+  assert_int_equal(hbil_plan_adopt_history(s.plan, &none), HBIL_INVALID_FRAME);
+  assert_int_equal(setup_bounces(&s), 0);
+  assert_int_equal(hbil_plan_last_frame(NULL, &none), HBIL_INVALID_ARGUMENT);
+  assert_int_equal(hbil_plan_last_frame(s.plan, NULL), HBIL_INVALID_ARGUMENT);
+  setup_free(&s);
 }
 
 static void every_frame_adds_a_bounce(void **state) {
@@ -464,6 +489,7 @@ int main(void) {
       cmocka_unit_test(wait_lists_are_honoured),
       cmocka_unit_test(a_reset_plan_begins_anew),
       cmocka_unit_test(another_plan_adopts_a_history),
+      cmocka_unit_test(a_history_is_checked),
       cmocka_unit_test(every_frame_adds_a_bounce),
       cmocka_unit_test(the_first_frame_is_lit_by_direct_light),
       cmocka_unit_test(darkness_stays_dark),
