@@ -155,7 +155,18 @@ typedef struct hbil_view {
   double hardware_depth[2]; /* as in hbil_frame */
   /* Of this view's light, as in hbil_frame; 0 (default) stands for 1 */
   float exposure;
+  /* CL_TRUE: all of it, pixels included, is as in the view that was injected
+   * before it.  After HBIL_STATIC_VIEWS of them in a row, each injected alone,
+   * means have settled, and no more are injected.  Without injections, updates
+   * trace no rays, and leave out bounces once these change nothing.  A view
+   * whose camera or exposure differs from the one before isn't static, whatever
+   * this says; moves, resets, hbil_cache_load() and hbil_enqueue_cache_forget()
+   * begin anew. */
+  cl_bool static_view;
 } hbil_view;
+
+/* Then an older mean of sixteen views has lost all but 1.6 % of its weight. */
+#define HBIL_STATIC_VIEWS 64
 
 /* Sets struct_size, and all other members to 0.  Use the macro. */
 HBIL_API void hbil_view_init_sized(hbil_view *view, size_t struct_size);
@@ -163,8 +174,8 @@ HBIL_API void hbil_view_init_sized(hbil_view *view, size_t struct_size);
 
 /* Makes a view of what a frame shows: its camera, its inputs with their
  * exposure, and the size and projection of its plan's configuration.  `light`
- * is HBIL_VIEW_DIRECT.  Use the macro.  HBIL_INVALID_ARGUMENT if one of them is
- * null. */
+ * is HBIL_VIEW_DIRECT, and static_view what static_frame is.  Use the macro.
+ * HBIL_INVALID_ARGUMENT if one of them is null. */
 HBIL_API hbil_status hbil_view_from_frame_sized(hbil_view *view,
                                                 size_t struct_size,
                                                 const hbil_config *config,

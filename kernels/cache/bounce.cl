@@ -7,6 +7,9 @@
  * update_radiance: the radiance that each voxel sends, which rays read.  It is
  * apart from bounce, so that all voxels of a round see the light of the round
  * before, in any order of work-items.
+ * last_change: the number of the newest round that changed what rays read,
+ * which is less than 32 bits of radiance.  Light comes to rest: behind a round
+ * that has changed none of it, all work is left out, with the same bits.
  *
  * Launch: update_radiance: x = words of a row of voxels, y = rows, z = slices,
  * of all levels; mean_part: x = HBIL_CACHE_PARTS; mean_sum: one work-item;
@@ -18,6 +21,14 @@
 /* The largest reflectance that bounces count with, so that light in a closed
  * white place stays finite: the series of all bounces is at most 20. */
 #define MOST_REFLECTANCE 0.95f
+
+/* --- rounds --------------------------------------------------------------- */
+
+/* Whether a round may change anything. */
+INLINE bool round_has_work(const hbil_cache_round_args round,
+                           global const uint *last_change) {
+  return round.fresh || round.number - *last_change <= 1u;
+}
 
 /* --- means ---------------------------------------------------------------- */
 
@@ -33,10 +44,13 @@ INLINE float8 telling_of(global const uint *radiance,
 
 kernel void mean_part(const hbil_cache_args cache, global const uint *states,
                       global const uint *radiance,
-                      global const uchar *unlit_codes, global float *means) {
+                      global const uchar *unlit_codes, global float *means,
+                      const hbil_cache_round_args round,
+                      global const uint *last_change) {
   const uint part = (uint)get_global_id(0);
   uint first, end;
-  if (!coarsest_words_of_item(cache, &first, &end))
+  if (!coarsest_words_of_item(cache, &first, &end) ||
+      !round_has_work(round, last_change))
     return;
   float8 sum = 0.0f;
   for (uint i = first; i < end; ++i)
@@ -45,8 +59,10 @@ kernel void mean_part(const hbil_cache_args cache, global const uint *states,
   vstore8(sum, part + 1, means);
 }
 
-kernel void mean_sum(global float *means) {
-  if (get_global_id(0) > 0 || get_global_id(1) > 0)
+kernel void mean_sum(global float *means, const hbil_cache_round_args round,
+                     global const uint *last_change) {
+  if (get_global_id(0) > 0 || get_global_id(1) > 0 ||
+      !round_has_work(round, last_change))
     return;
   float8 sum = 0.0f;
   for (int i = 1; i <= HBIL_CACHE_PARTS; ++i)
@@ -121,7 +137,8 @@ INLINE float first_lane(realv v) {
   return lane[0];
 }
 
-INLINE void bounce_voxel(const hbil_cache_bounce_args args, global float *voxel,
+/* Returns whether what others may learn from it has changed. */
+INLINE bool bounce_voxel(const hbil_cache_bounce_args args, global float *voxel,
                          const gathered_rays g, global const float *means,
                          global uchar *unlit_code) {
   realv lit_by_other;
@@ -130,20 +147,26 @@ INLINE void bounce_voxel(const hbil_cache_bounce_args args, global float *voxel,
   const float lit = first_lane(lit_by_other);
   const float unlit = min(fma(lit, means[3], own) * g.open, g.unknown);
   /* what others may learn from it; 0: nothing */
-  *unlit_code =
+  const uchar code =
       g.open > 0.0f && lit == 0.0f ? (uchar)(1.5f + 254.0f * own) : (uchar)0;
+  const bool changes = code != *unlit_code;
+  *unlit_code = code;
   const float3 light =
       (float3)(g.light[0], g.light[1], g.light[2]) +
       unlit * args.unseen_light * (float3)(means[0], means[1], means[2]);
   vstore3(light, 0, voxel + HBIL_VOXEL_INDIRECT);
+  return changes;
 }
 
 kernel void bounce(const hbil_cache_bounce_args args, global const uint *list,
                    global const uint *hits, global float *voxels,
                    global const uint *radiance, global const float *means,
-                   global uchar *unlit_codes) {
+                   global uchar *unlit_codes, const hbil_cache_round_args round,
+                   global uint *last_change) {
   uint place;
-  if (get_global_id(1) > 0 || args.cache.voxels < 1)
+  bool changes = false;
+  if (get_global_id(1) > 0 || args.cache.voxels < 1 ||
+      !round_has_work(round, last_change))
     return;
   const int rays = rays_of_each(args.cache, list[0]);
   const uint end = part_of_item(list[0], 1u, &place);
@@ -155,17 +178,22 @@ kernel void bounce(const hbil_cache_bounce_args args, global const uint *list,
       continue;
     const gathered_rays g = gather_rays(
         args, voxel, radiance, hits + (size_t)place * (uint)rays, number, rays);
-    bounce_voxel(args, voxel, g, means, unlit_codes + number);
+    changes |= bounce_voxel(args, voxel, g, means, unlit_codes + number);
   }
+  if (changes)
+    atomic_xchg(last_change, round.number);
 }
 
 /* --- what voxels send ----------------------------------------------------- */
 
 kernel void update_radiance(const hbil_cache_args cache,
                             global const uint *states,
-                            global const float *voxels, global uint *radiance) {
+                            global const float *voxels, global uint *radiance,
+                            const hbil_cache_round_args round,
+                            global uint *last_change) {
   uint word;
-  if (!word_of_item(cache, &word))
+  bool changes = false;
+  if (!word_of_item(cache, &word) || !round_has_work(round, last_change))
     return;
   for (uint left = surfaces_of_word(states[word]); left; left &= left - 1u) {
     const uint number = first_surface(word, left);
@@ -176,6 +204,10 @@ kernel void update_radiance(const hbil_cache_args cache,
     const float4 indirect = vload4(0, voxel + HBIL_VOXEL_INDIRECT);
     const float4 sent =
         light.w < 0.0f ? light : fma(reflectance, indirect, light);
-    radiance[number] = word_of_light(sent.xyz);
+    const uint now = word_of_light(sent.xyz);
+    changes |= now != radiance[number];
+    radiance[number] = now;
   }
+  if (changes)
+    atomic_xchg(last_change, round.number);
 }

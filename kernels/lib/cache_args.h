@@ -151,6 +151,15 @@ typedef struct hbil_cache_list_args {
 } hbil_cache_list_args;
 HBIL_ASSERT_LAYOUT(hbil_cache_list_args, phase, 7, 8)
 
+/* A round of bounces.  It computes what the round before has, unless that one
+ * changed something, or something else did: then it is `fresh`.  The numbers
+ * of rounds wrap around. */
+typedef struct hbil_cache_round_args {
+  hbil_uint number;
+  hbil_int fresh;
+} hbil_cache_round_args;
+HBIL_ASSERT_LAYOUT(hbil_cache_round_args, fresh, 1, 2)
+
 /* cache/bounce.cl.  environment: as in composite, for radiance. */
 typedef struct hbil_cache_bounce_args {
   hbil_cache_args cache;

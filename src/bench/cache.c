@@ -8,6 +8,9 @@
 /* Of the voxels, in an update where time is scarce. */
 enum { SHARE = 16 };
 
+/* As many updates again let light settle as there are injections. */
+enum { FRAMES_TO_REST = 2 * HBIL_STATIC_VIEWS };
+
 typedef struct job {
   const bench_options *options;
   const bench_device *device;
@@ -42,6 +45,11 @@ static int inject(job *j, unsigned run, image_error *error) {
   return bench_radiance_cache_inject(&j->cache, run % j->content.frames, error);
 }
 
+static int nothing(job *j, unsigned run, image_error *error) {
+  (void)j, (void)run, (void)error;
+  return 0;
+}
+
 static int update_share(job *j, unsigned run, image_error *error) {
   (void)run;
   return bench_radiance_cache_update(&j->cache, 1, SHARE, 0, error);
@@ -58,12 +66,25 @@ static int update_frame(job *j, unsigned run, image_error *error) {
                                      error);
 }
 
-/* Wall-clock time of a call and its commands. */
-static int time_call(job *j, const char *name,
-                     int (*call)(job *, unsigned, image_error *),
+/* What a resting camera costs. */
+static int rest(job *j, unsigned run, image_error *error) {
+  (void)run;
+  return bench_radiance_cache_inject_static(&j->cache, 0, error) != 0 ||
+                 update_frame(j, run, error) != 0
+             ? -1
+             : 0;
+}
+
+typedef int command(job *, unsigned, image_error *);
+
+/* Wall-clock time of a call and its commands, behind another one. */
+static int time_call(job *j, const char *name, command *first, command *call,
                      image_error *error) {
   double times[BENCH_MAX_RUNS];
   for (unsigned i = 0; i < BENCH_WARM_UP + j->options->runs; i++) {
+    if (first(j, i, error) != 0 ||
+        bench_radiance_cache_finish(&j->cache, error) != 0)
+      return -1;
     const double before = bench_clock();
     if (call(j, i, error) != 0 ||
         bench_radiance_cache_finish(&j->cache, error) != 0)
@@ -81,13 +102,17 @@ static int measure(job *j, image_error *error) {
   if (bench_radiance_cache_update(&j->cache, BENCH_ROUNDS_AT_FIRST, 1, 0,
                                   error) != 0)
     return -1;
-  return time_call(j, "inject a view", inject, error) != 0 ||
-                 time_call(j, "update: one bounce, every 16th voxel",
-                           update_share, error) != 0 ||
-                 time_call(j, "update: one bounce, all voxels", update_all,
-                           error) != 0 ||
-                 time_call(j, "update: four bounces, as hbil process does",
-                           update_frame, error) != 0
+  int failed = time_call(j, "inject a view", nothing, inject, error) != 0 ||
+               time_call(j, "update: one bounce, every 16th voxel", inject,
+                         update_share, error) != 0 ||
+               time_call(j, "update: one bounce, all voxels", inject,
+                         update_all, error) != 0 ||
+               time_call(j, "update: four bounces, as hbil process does",
+                         inject, update_frame, error) != 0;
+  for (unsigned i = 0; i < FRAMES_TO_REST && !failed; i++)
+    failed = rest(j, i, error);
+  return failed || time_call(j, "both, camera and light at rest", nothing, rest,
+                             error) != 0
              ? -1
              : 0;
 }

@@ -80,14 +80,25 @@ void bench_radiance_cache_close(bench_radiance_cache *w) {
 
 /* --- commands --- */
 
-int bench_radiance_cache_inject(const bench_radiance_cache *w, unsigned frame,
-                                image_error *error) {
+static int inject(const bench_radiance_cache *w, unsigned frame,
+                  cl_bool is_static, image_error *error) {
   hbil_view view;
   bench_trial_view(&w->trial, frame, &view);
+  view.static_view = is_static;
   return check(w,
                hbil_enqueue_cache_inject(w->cache, w->device->queue, &view, 1,
                                          0, NULL, NULL),
                error);
+}
+
+int bench_radiance_cache_inject(const bench_radiance_cache *w, unsigned frame,
+                                image_error *error) {
+  return inject(w, frame, CL_FALSE, error);
+}
+
+int bench_radiance_cache_inject_static(const bench_radiance_cache *w,
+                                       unsigned frame, image_error *error) {
+  return inject(w, frame, CL_TRUE, error);
 }
 
 int bench_radiance_cache_light(const bench_radiance_cache *w, unsigned frame,

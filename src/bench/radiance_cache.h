@@ -30,11 +30,14 @@ int bench_radiance_cache_open(const bench_device *device,
 void bench_radiance_cache_close(
     bench_radiance_cache *w); /* allowed on a zeroed one */
 
-/* Enqueue: the injection of a frame of the content; that frame as the only
+/* Enqueue: the injection of a frame of the content; of the same frame as
+ * before, as a static view; that frame as the only
  * light view (HBIL_CACHE_METHOD_RSM); an update with the content's far field.
  */
 int bench_radiance_cache_inject(const bench_radiance_cache *w, unsigned frame,
                                 image_error *error);
+int bench_radiance_cache_inject_static(const bench_radiance_cache *w,
+                                       unsigned frame, image_error *error);
 int bench_radiance_cache_light(const bench_radiance_cache *w, unsigned frame,
                                image_error *error);
 int bench_radiance_cache_update(const bench_radiance_cache *w, cl_uint bounces,

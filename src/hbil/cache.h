@@ -85,6 +85,8 @@
   X(CACHE_UNLIT, voxels)                                                       \
   /* mean radiance and unlit part; then sums of parts */                       \
   X(CACHE_MEANS, 8 * sizeof(cl_float) * (1 + HBIL_CACHE_PARTS))                \
+  /* the number of the round of bounces that changed something last */         \
+  X(CACHE_LAST_CHANGE, sizeof(cl_uint))                                        \
   /* sums of regions, then of parts and regions; factors of regions */         \
   X(CACHE_CHANGES,                                                             \
     4 * sizeof(cl_float) * HBIL_CACHE_REGIONS * (1 + HBIL_CACHE_PARTS))        \
@@ -130,6 +132,16 @@ struct hbil_cache {
   timeline line;
   cl_long middle[3]; /* in voxels of the coarsest level */
   cl_uint updates;   /* with bounces so far, which choose the voxels */
+  /* what the last update has left: nothing has changed what voxels hold since;
+   * the list and the hits are of all of them; and its rounds */
+  bool settled, traced;
+  cl_uint rounds; /* so far */
+  hbil_cache_bounce_args bounced;
+  /* the view that was injected last (exposure 0: none), and how many static
+   * ones in a row */
+  hbil_camera seen;
+  float seen_exposure;
+  cl_uint static_views;
   struct {
     hbil_camera camera;
     hbil_view_args texels; /* lengths in voxels of level 0 */
@@ -157,6 +169,13 @@ double cache_scale(const hbil_cache *cache);
 /* The middle, in voxels of the coarsest level, that is nearest to a place. */
 void cache_middle(const hbil_cache_config *config, const double centre[3],
                   cl_long middle[3]);
+
+/* Notes that what voxels hold changes by something else than views. */
+static inline void cache_forget_static(hbil_cache *cache) {
+  cache->settled = false;
+  cache->static_views = 0;
+  cache->seen_exposure = 0.0f;
+}
 
 /* A chain for a cache's commands in a queue. */
 commands commands_of_cache(hbil_cache *cache, cl_command_queue queue);

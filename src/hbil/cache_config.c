@@ -13,7 +13,7 @@
 /* Bytes in version 0.1 (sized.h). */
 enum {
   FIRST_CACHE_CONFIG_SIZE = SIZE_UP_TO(hbil_cache_config, method),
-  FIRST_VIEW_SIZE = SIZE_UP_TO(hbil_view, exposure),
+  FIRST_VIEW_SIZE = SIZE_UP_TO(hbil_view, static_view),
   FIRST_UPDATE_SIZE = SIZE_UP_TO(hbil_cache_update, exposure),
   FIRST_CHANGE_SIZE = SIZE_UP_TO(hbil_cache_change, light)
 };
@@ -184,6 +184,7 @@ hbil_status hbil_view_from_frame_sized(hbil_view *view, size_t struct_size,
       .emission = frame->emission,
       .light = HBIL_VIEW_DIRECT,
       .exposure = frame->exposure,
+      .static_view = frame->static_frame,
       .hardware_depth = {frame->hardware_depth[0], frame->hardware_depth[1]}};
   init_sized(view, struct_size, &filled, sizeof filled);
   return HBIL_SUCCESS;

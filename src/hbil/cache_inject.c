@@ -144,6 +144,7 @@ hbil_status inject_view(commands *chain, hbil_cache *cache,
   const int flat = view->projection == HBIL_PROJECTION_ORTHOGRAPHIC;
   const double scale = cache_scale(cache);
   double centre[3];
+  cache->settled = false;
   hbil_cache_inject_args args = {.cache = cache_args(cache),
                                  .finished = view->light == HBIL_VIEW_FINISHED};
   hbil_status status = read_texels(chain, cache, view, CACHE_TEXELS, 0,
@@ -158,6 +159,25 @@ hbil_status inject_view(commands *chain, hbil_cache *cache,
   if (status == HBIL_SUCCESS)
     status = LAUNCH_WORDS(chain, cache, CACHE_KERNEL_INJECT + flat, inject);
   return status;
+}
+
+/* --- static views --- */
+
+/* Whether a call's view may be left out, because enough like it have come
+ * before it.  Remembers it. */
+static bool is_known(hbil_cache *cache, const hbil_view *view, bool alone) {
+  const float exposure = light_exposure(view->exposure);
+  const bool same = view->static_view && alone &&
+                    exposure == cache->seen_exposure &&
+                    !memcmp(&view->camera, &cache->seen, sizeof cache->seen);
+  cache->static_views = same ? cache->static_views + 1 : 0;
+  if (cache->static_views > HBIL_STATIC_VIEWS) {
+    cache->static_views = HBIL_STATIC_VIEWS;
+    return true;
+  }
+  cache->seen = view->camera;
+  cache->seen_exposure = alone ? exposure : 0.0f; /* no exposure is 0 */
+  return false;
 }
 
 /* --- the order of views --- */
@@ -215,7 +235,7 @@ hbil_status hbil_enqueue_cache_inject(hbil_cache *cache, cl_command_queue queue,
   for (cl_uint i = next_view(views, count, count);
        i < count && status == HBIL_SUCCESS; i = next_view(views, count, i)) {
     status = view_take(cache->context, view_at(views, i), &view);
-    if (status == HBIL_SUCCESS)
+    if (status == HBIL_SUCCESS && !is_known(cache, &view, count == 1))
       status = inject_view(&chain, cache, &view);
   }
   if (status == HBIL_SUCCESS)

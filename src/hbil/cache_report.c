@@ -198,6 +198,7 @@ hbil_status hbil_cache_load(hbil_cache *cache, cl_command_queue queue,
                  : write_buffer(&chain, buffer, 0, part, at + offset);
     offset += part;
   }
+  cache_forget_static(cache);
   if (status == HBIL_SUCCESS) {
     memcpy(cache->middle, head.middle, sizeof head.middle);
     cache->updates = head.updates;

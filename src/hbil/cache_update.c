@@ -37,16 +37,25 @@ static hbil_status update_clearance(commands *chain, hbil_cache *cache) {
 /* --- bounces --- */
 
 /* What each voxel sends, and the mean. */
-static hbil_status update_radiance(commands *chain, hbil_cache *cache) {
+static hbil_status update_radiance(commands *chain, hbil_cache *cache,
+                                   hbil_cache_round_args round) {
   const hbil_cache_args args = cache_args(cache);
-  const argument sent[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
+  const cl_mem last_change = cache->buffers[CACHE_LAST_CHANGE];
+  const argument sent[] = {ARG(args),
+                           ARG(cache->buffers[CACHE_STATES]),
                            ARG(cache->buffers[CACHE_VOXELS]),
-                           ARG(cache->buffers[CACHE_RADIANCE])};
-  const argument part[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
+                           ARG(cache->buffers[CACHE_RADIANCE]),
+                           ARG(round),
+                           ARG(last_change)};
+  const argument part[] = {ARG(args),
+                           ARG(cache->buffers[CACHE_STATES]),
                            ARG(cache->buffers[CACHE_RADIANCE]),
                            ARG(cache->buffers[CACHE_UNLIT]),
-                           ARG(cache->buffers[CACHE_MEANS])};
-  const argument sum[] = {ARG(cache->buffers[CACHE_MEANS])};
+                           ARG(cache->buffers[CACHE_MEANS]),
+                           ARG(round),
+                           ARG(last_change)};
+  const argument sum[] = {ARG(cache->buffers[CACHE_MEANS]), ARG(round),
+                          ARG(last_change)};
   hbil_status status =
       LAUNCH_WORDS(chain, cache, CACHE_KERNEL_UPDATE_RADIANCE, sent);
   if (status == HBIL_SUCCESS)
@@ -115,42 +124,82 @@ static hbil_status trace_rays(commands *chain, hbil_cache *cache,
              : status;
 }
 
-static hbil_status bounce(commands *chain, hbil_cache *cache,
-                          const hbil_cache_update *update) {
+static hbil_cache_bounce_args bounce_args(const hbil_cache *cache,
+                                          const hbil_cache_update *update) {
   hbil_cache_bounce_args args = {
       .cache = cache_args(cache),
       .environment = far_radiance_args(update->far_field, update->environment),
       .unseen_light = cache->config.unseen_light};
   for (int c = 0; update->far_field == HBIL_FAR_FRAME && c < 3; ++c)
     args.sky[c] = update->environment[0][c];
-  const argument list[] = {ARG(args),
+  return args;
+}
+
+static hbil_status bounce(commands *chain, hbil_cache *cache,
+                          hbil_cache_round_args round) {
+  const argument list[] = {ARG(cache->bounced),
                            ARG(cache->buffers[CACHE_LIST]),
                            ARG(cache->buffers[CACHE_RAY_HITS]),
                            ARG(cache->buffers[CACHE_VOXELS]),
                            ARG(cache->buffers[CACHE_RADIANCE]),
                            ARG(cache->buffers[CACHE_MEANS]),
-                           ARG(cache->buffers[CACHE_UNLIT])};
-  return LAUNCH(chain, CACHE_KERNEL_BOUNCE, list, items(cache), 1, 1);
+                           ARG(cache->buffers[CACHE_UNLIT]),
+                           ARG(round),
+                           ARG(cache->buffers[CACHE_LAST_CHANGE])};
+  hbil_status status =
+      LAUNCH(chain, CACHE_KERNEL_BOUNCE, list, items(cache), 1, 1);
+  return status == HBIL_SUCCESS ? update_radiance(chain, cache, round) : status;
 }
 
-hbil_status update_cache(commands *chain, hbil_cache *cache,
-                         const hbil_cache_update *update) {
+/* All bounces of an update.  The device leaves out those that would change
+ * nothing (cache/bounce.cl). */
+static hbil_status bounce_all(commands *chain, hbil_cache *cache,
+                              const hbil_cache_update *update, bool traced) {
+  if (!update->bounces)
+    return HBIL_SUCCESS;
+  const hbil_cache_bounce_args args = bounce_args(cache, update);
+  /* the floats' bits: a -0 for a 0 is one more round */
+  bool fresh = traced || memcmp(&args, &cache->bounced, sizeof args) != 0;
+  hbil_status status = HBIL_SUCCESS;
+  cache->bounced = args;
+  for (cl_uint i = 0; i < update->bounces && status == HBIL_SUCCESS; ++i) {
+    const hbil_cache_round_args round = {.number = ++cache->rounds,
+                                         .fresh = fresh};
+    status = bounce(chain, cache, round);
+    fresh = false;
+  }
+  return status;
+}
+
+/* What voxels hold has changed since the last update. */
+static hbil_status settle(commands *chain, hbil_cache *cache) {
+  const hbil_cache_round_args round = {.number = cache->rounds,
+                                       .fresh = CL_TRUE};
   hbil_status status = update_clearance(chain, cache);
   if (status == HBIL_SUCCESS)
     status = follow_change(chain, cache);
   if (status == HBIL_SUCCESS)
-    status = update_radiance(chain, cache);
-  if (status == HBIL_SUCCESS && update->bounces > 0)
+    status = update_radiance(chain, cache, round);
+  return status;
+}
+
+hbil_status update_cache(commands *chain, hbil_cache *cache,
+                         const hbil_cache_update *update) {
+  const bool settled = cache->settled;
+  const bool traced = settled && cache->traced && update->phases == 1;
+  const bool traces = update->bounces > 0 && !traced;
+  cache->settled = cache->traced = false; /* should anything fail */
+  hbil_status status = settled ? HBIL_SUCCESS : settle(chain, cache);
+  if (status == HBIL_SUCCESS && traces)
     status = trace_rays(chain, cache, update);
-  for (cl_uint i = 0; i < update->bounces && status == HBIL_SUCCESS; ++i) {
-    status = bounce(chain, cache, update);
-    if (status == HBIL_SUCCESS)
-      status = update_radiance(chain, cache);
-  }
+  if (status == HBIL_SUCCESS)
+    status = bounce_all(chain, cache, update, traces);
   if (status == HBIL_SUCCESS)
     status = build_pyramid(chain, cache);
   if (status == HBIL_SUCCESS && cache->config.method == HBIL_CACHE_METHOD_LPV)
     status = spread_light(chain, cache, update);
+  cache->settled = status == HBIL_SUCCESS;
+  cache->traced = cache->settled && (traced || (traces && update->phases == 1));
   return status;
 }
 
@@ -181,6 +230,7 @@ hbil_status hbil_enqueue_cache_update(hbil_cache *cache, cl_command_queue queue,
 hbil_status forget_outside(commands *chain, hbil_cache *cache,
                            const cl_long moved[3]) {
   hbil_cache_move_args args = {.cache = cache_args(cache)};
+  cache_forget_static(cache);
   const cl_long most = cache->config.voxels;
   for (int i = 0; i < 3; ++i)
     args.moved[i] = (cl_int)(moved[i] > most    ? most
@@ -266,6 +316,7 @@ hbil_status hbil_enqueue_cache_forget(hbil_cache *cache, cl_command_queue queue,
   }
   const argument list[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
                            ARG(cache->buffers[CACHE_VOXELS])};
+  cache_forget_static(cache);
   status = LAUNCH_WORDS(&chain, cache, CACHE_KERNEL_FORGET_BOX, list);
   if (status == HBIL_SUCCESS)
     status = finish_commands(&chain, event);
@@ -277,6 +328,7 @@ hbil_status hbil_enqueue_cache_forget(hbil_cache *cache, cl_command_queue queue,
 
 hbil_status forget_all(commands *chain, hbil_cache *cache) {
   hbil_status status = HBIL_SUCCESS;
+  cache_forget_static(cache);
   /* voxels, too, so that saved bytes tell nothing of what was before */
   for (int i = 0; i < CACHE_TEXELS && status == HBIL_SUCCESS; ++i)
     status = fill_memory(chain, cache->buffers[i], 0, 0, cache->bytes[i]);

@@ -81,6 +81,13 @@ void cache_update(cache_fixture *f, const hbil_cache_update *update) {
                                      NULL, NULL));
 }
 
+void cache_touch(cache_fixture *f) {
+  hbil_cache_change none;
+  hbil_cache_change_init(&none);
+  check(f, hbil_enqueue_cache_forget(f->cache, shared_device.queue, &none, 0,
+                                     NULL, NULL));
+}
+
 void cache_move(cache_fixture *f, const double centre[3]) {
   check(f, hbil_enqueue_cache_move(f->cache, shared_device.queue, centre, 0,
                                    NULL, NULL));

@@ -52,6 +52,10 @@ void cache_inject(cache_fixture *f, const setup *s, hbil_view_light light);
 void cache_update(cache_fixture *f, const hbil_cache_update *update);
 void cache_move(cache_fixture *f, const double centre[3]);
 
+/* Makes the next update do all its work, also where only a test has changed
+ * what the cache holds. */
+void cache_touch(cache_fixture *f);
+
 /* Creates the cache, and injects two views of a scene, with a move between, so
  * that places wrap around.  The last view remains in `last`; `cache`, from
  * checked_cache(), is moved, too. */

@@ -340,6 +340,149 @@ static void rounds_are_like_updates(void **state) {
   free(at_once);
 }
 
+/* --- work that is left out --- */
+
+/* Updates, with injections of the same view before the first `views` of them.
+ * all: each does all its work.  Returns what voxels hold. */
+static float *after_updates(int updates, int views, hbil_far_field far,
+                            bool all, size_t *bytes) {
+  cache_fixture f;
+  setup s;
+  hbil_cache_update update;
+  hbil_cache_update_init(&update);
+  exact_cache cache = filled(&f, 8, SCENE_SKY, HBIL_VIEW_DIRECT, &s);
+  set_environment(&update);
+  for (int i = 0; i < updates; ++i) {
+    if (i < views)
+      cache_inject(&f, &s, HBIL_VIEW_DIRECT);
+    if (all)
+      cache_touch(&f);
+    /* another environment, then none of it in a single update */
+    update.far_field = i < updates / 2 ? HBIL_FAR_CONSTANT : far;
+    update.bounces = i == updates / 2 ? 0 : 1 + (cl_uint)i % 4;
+    update.phases = i == updates / 2 + 4 ? 3 : 1;
+    cache_update(&f, &update);
+  }
+  float *voxels = cache_read(CACHE_VOXELS, bytes);
+  setup_free(&s);
+  cache_free(&f);
+  exact_cache_free(&cache);
+  return voxels;
+}
+
+static void what_is_left_out_changes_nothing(void **state) {
+  static const hbil_far_field far[] = {HBIL_FAR_CONSTANT, HBIL_FAR_FRAME};
+  size_t bytes;
+  (void)state;
+  for (int views = 0; views < 4; views += 3)
+    for (int i = 0; i < 2; ++i) {
+      float *some = after_updates(40, views, far[i], false, &bytes);
+      float *all = after_updates(40, views, far[i], true, &bytes);
+      assert_memory_equal(some, all, bytes);
+      free(some);
+      free(all);
+    }
+}
+
+/* Adds to the indirect light of all voxels behind the library's back, which the
+ * next bounce would replace.  Returns the bytes. */
+static float *spoil(size_t *bytes) {
+  float *voxels = cache_read(CACHE_VOXELS, bytes);
+  for (size_t i = 0; i < *bytes / sizeof *voxels; i += HBIL_VOXEL_FLOATS)
+    voxels[i + HBIL_VOXEL_INDIRECT] += 1.0f;
+  buffer_write(&shared_device, cache_memory(CACHE_VOXELS), 0, *bytes, voxels);
+  return voxels;
+}
+
+/* Whether an update computes nothing. */
+static bool rests(cache_fixture *f, const hbil_cache_update *update) {
+  size_t bytes;
+  float *before = spoil(&bytes);
+  cache_update(f, update);
+  float *after = cache_read(CACHE_VOXELS, &bytes);
+  const bool same = !memcmp(before, after, bytes);
+  free(before);
+  free(after);
+  return same;
+}
+
+/* Light at rest is left alone, until something changes. */
+static void light_comes_to_rest(void **state) {
+  cache_fixture f;
+  setup s;
+  hbil_cache_update update;
+  (void)state;
+  hbil_cache_update_init(&update);
+  exact_cache cache = filled(&f, 8, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
+  assert_false(rests(&f, &update));
+  for (int i = 0; i < 30; ++i)
+    cache_update(&f, &update);
+  assert_true(rests(&f, &update));
+  update.far_field = HBIL_FAR_CONSTANT;
+  set_environment(&update);
+  update.bounces = 0; /* that environment hasn't arrived with this */
+  assert_true(rests(&f, &update));
+  update.bounces = 4;
+  assert_false(rests(&f, &update));
+  for (int i = 0; i < 30; ++i)
+    cache_update(&f, &update);
+  assert_true(rests(&f, &update));
+  cache_inject(&f, &s, HBIL_VIEW_DIRECT);
+  assert_false(rests(&f, &update));
+  setup_free(&s);
+  cache_free(&f);
+  exact_cache_free(&cache);
+}
+
+/* --- static views --- */
+
+/* Injects a view whose direct light isn't what the last one showed. */
+static void inject_static(cache_fixture *f, const setup *s, cl_bool is_static) {
+  hbil_view view = cache_view(s, HBIL_VIEW_DIRECT);
+  view.static_view = is_static;
+  assert_int_equal(hbil_enqueue_cache_inject(f->cache, shared_device.queue,
+                                             &view, 1, 0, NULL, NULL),
+                   HBIL_SUCCESS);
+}
+
+/* Whether an injection changes voxels.  `s` has other light than the cache. */
+static bool injects(cache_fixture *f, const setup *s, cl_bool is_static) {
+  size_t bytes;
+  float *before = cache_read(CACHE_VOXELS, &bytes);
+  inject_static(f, s, is_static);
+  float *after = cache_read(CACHE_VOXELS, &bytes);
+  const bool changed = memcmp(before, after, bytes) != 0;
+  free(before);
+  free(after);
+  return changed;
+}
+
+static void static_views_are_injected_until_means_settle(void **state) {
+  cache_fixture f;
+  setup s;
+  (void)state;
+  exact_cache cache = filled(&f, 8, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
+  for (int k = EXACT_DIRECT; k < EXACT_DIRECT + 3; ++k)
+    for (size_t i = 0; i < setup_pixels(&s); ++i)
+      s.input[k][i] *= 1.1f;
+  setup_upload(&s);
+  inject_static(&f, &s, CL_FALSE);
+  for (int i = 1; i < HBIL_STATIC_VIEWS; ++i)
+    inject_static(&f, &s, CL_TRUE);
+  assert_true(injects(&f, &s, CL_TRUE)); /* the last one that counts */
+  assert_false(injects(&f, &s, CL_TRUE));
+  cache_touch(&f);
+  assert_true(injects(&f, &s, CL_TRUE));
+  for (int i = 0; i < HBIL_STATIC_VIEWS; ++i)
+    inject_static(&f, &s, CL_TRUE);
+  assert_false(injects(&f, &s, CL_TRUE));
+  s.frame.exposure = 2.0f; /* another one isn't static */
+  assert_true(injects(&f, &s, CL_TRUE));
+  setup_free(&s);
+  cache_free(&f);
+  exact_cache_free(&cache);
+}
+
 /* --- more surfaces than hits --- */
 
 /* Makes this share of the voxels surfaces, at random. */
@@ -390,6 +533,7 @@ static void many_surfaces_have_fewer_rays(void **state) {
     exact_cache cache =
         filled(&f, cases[i].width, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
     crowd(&cache, cases[i].share);
+    cache_touch(&f);
     update.bounces = 0;
     cache_update(&f, &update);
     update.bounces = 1;
@@ -408,6 +552,9 @@ int main(void) {
       cmocka_unit_test(what_is_told_is_forgotten),
       cmocka_unit_test(finished_radiance_is_sent_as_it_is),
       cmocka_unit_test(rounds_are_like_updates),
+      cmocka_unit_test(what_is_left_out_changes_nothing),
+      cmocka_unit_test(light_comes_to_rest),
+      cmocka_unit_test(static_views_are_injected_until_means_settle),
       cmocka_unit_test(many_surfaces_have_fewer_rays)};
   return RUN_WITH_DEVICE(tests);
 }

@@ -234,6 +234,7 @@ static void rays_enter_the_finest_level(void **state) {
   const size_t finest = bytes / (size_t)cache.levels;
   memset(states + finest, HBIL_VOXEL_EMPTY * 0x55, bytes - finest);
   buffer_write(&shared_device, cache_memory(CACHE_STATES), 0, bytes, states);
+  cache_touch(&f);
   cache_update(&f, &none);
   cache_import(&cache);
   make_rays(&cache, false, b);
