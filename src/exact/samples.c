@@ -20,7 +20,7 @@ hbil_pattern_args exact_pattern(const exact_frame *frame) {
   const hbil_view_args v = exact_view(c, &frame->camera);
   hbil_pattern_args p;
   p.slices = (int)c->sampling.slices;
-  p.steps = (int)c->sampling.steps_per_side;
+  p.steps = (int)exact_steps(c);
   p.levels = isinf(exact_radius(c)) ? 1 : HBIL_MAX_LEVELS;
   p.grid = c->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
   p.reach = fmaxf((float)v.width / v.fx, (float)v.height / v.fy);

@@ -24,6 +24,7 @@ bool exact_fills_unknown(const hbil_config *config);
  * where its outputs show what is blocked and no light, those of ao. */
 double exact_radius(const hbil_config *config);
 double exact_relative_thickness(const hbil_config *config);
+uint32_t exact_steps(const hbil_config *config);
 /* Whether ao, bent_normal and cone_cosine need a search of their own.  *ao: a
  * configuration that has that search. */
 bool exact_searches_ao(const hbil_config *config, hbil_config *ao);

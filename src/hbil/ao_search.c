@@ -32,6 +32,8 @@ static hbil_plan view_of(const hbil_plan *plan) {
   hbil_plan view = *plan;
   view.config = plan->ao.config;
   view.layout = plan->ao.layout;
+  view.steps = plan->ao_steps;
+  view.buffers[BUFFER_STEPS] = plan->buffers[BUFFER_AO_STEPS];
   view.buffers[BUFFER_LIGHT] = plan->buffers[BUFFER_AO_LIGHT];
   view.buffers[BUFFER_RESOLVED] = plan->buffers[BUFFER_AO_RESOLVED];
   view.buffers[BUFFER_SLICES] = plan->buffers[BUFFER_AO_SLICES];

@@ -16,10 +16,9 @@
 /* The rotation and the shift of frame `frame_index`, in slices and in steps:
  * multiples of the fractional parts of sqrt(7) (the paper's demo) and of the
  * inverse plastic number.  Neither repeats soon. */
-static hbil_pattern_args pattern_of(const hbil_plan *plan,
-                                    const hbil_frame *frame,
+static hbil_pattern_args pattern_of(const layout *l, const hbil_frame *frame,
                                     const hbil_view_args *view) {
-  hbil_pattern_args pattern = plan->layout.pattern;
+  hbil_pattern_args pattern = l->pattern;
   const float to_x = (float)view->width / view->fx;
   const float to_y = (float)view->height / view->fy;
   pattern.reach = to_x > to_y ? to_x : to_y;
@@ -28,22 +27,34 @@ static hbil_pattern_args pattern_of(const hbil_plan *plan,
   return pattern;
 }
 
-/* Makes the table of steps, unless it exists already. */
-static hbil_status make_pattern(hbil_plan *plan, commands *chain,
-                                const hbil_view_args *view,
+/* Makes a table of steps in a buffer, unless it is there already. */
+static hbil_status make_pattern(hbil_plan *plan, commands *chain, int buffer,
+                                step_table *table, const hbil_view_args *view,
                                 const hbil_pattern_args *pattern) {
-  if (plan->has_steps && !memcmp(view, &plan->steps_view, sizeof *view) &&
-      !memcmp(pattern, &plan->steps_pattern, sizeof *pattern))
+  if (table->is_made && !memcmp(view, &table->view, sizeof *view) &&
+      !memcmp(pattern, &table->pattern, sizeof *pattern))
     return HBIL_SUCCESS;
   const hbil_make_pattern_args args = {*view, *pattern, plan->layout.split};
-  const argument list[] = {ARG(args), BUFFER_ARG(plan, BUFFER_STEPS)};
+  const argument list[] = {ARG(args), BUFFER_ARG(plan, buffer)};
   const hbil_status status =
       LAUNCH(chain, KERNEL_PATTERN, list,
              (size_t)(pattern->levels * hbil_sites(pattern->gathered)),
              (size_t)pattern->slices * 2, (size_t)pattern->steps + 1);
-  plan->has_steps = status == HBIL_SUCCESS;
-  plan->steps_view = *view;
-  plan->steps_pattern = *pattern;
+  *table = (step_table){status == HBIL_SUCCESS, *view, *pattern};
+  return status;
+}
+
+/* The tables of both searches: that for the outputs has no kernel for it. */
+static hbil_status make_patterns(hbil_plan *plan, commands *chain,
+                                 const hbil_frame *frame,
+                                 const hbil_view_args *view) {
+  const hbil_pattern_args own = pattern_of(&plan->layout, frame, view);
+  const hbil_pattern_args ao = pattern_of(&plan->ao.layout, frame, view);
+  hbil_status status =
+      make_pattern(plan, chain, BUFFER_STEPS, &plan->steps, view, &own);
+  if (status == HBIL_SUCCESS && plan->layout.ao_search)
+    status =
+        make_pattern(plan, chain, BUFFER_AO_STEPS, &plan->ao_steps, view, &ao);
   return status;
 }
 
@@ -226,12 +237,12 @@ static hbil_status gather_all(hbil_plan *plan, commands *chain,
 hbil_status enqueue_gather(hbil_plan *plan, commands *chain,
                            const hbil_frame *frame) {
   const hbil_view_args view = camera_view(&frame->camera, &plan->config);
-  const hbil_pattern_args pattern = pattern_of(plan, frame, &view);
+  const hbil_pattern_args pattern = pattern_of(&plan->layout, frame, &view);
   const bool rest = may_rest(plan, frame);
   if (rest && !plan->layout.history)
     return leave_out(plan, HBIL_PASS_GATHER);
   hbil_gather_args args = gather_args(plan, frame, &view, &pattern);
-  hbil_status status = make_pattern(plan, chain, &view, &pattern);
+  hbil_status status = make_patterns(plan, chain, frame, &view);
   if (status == HBIL_SUCCESS)
     status = gather_all(plan, chain, frame, &args, rest);
   return status == HBIL_SUCCESS ? enqueue_estimate(plan, chain, frame) : status;

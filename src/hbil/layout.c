@@ -299,7 +299,7 @@ static size_t lay_out_horizon_cache(const hbil_config *config, layout *out) {
       config->model.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED;
   /* each sample may be an interval of its own (gather/intervals.clh) */
   const bool intervals = config_has_thickness(config);
-  const cl_uint samples = config->sampling.steps_per_side;
+  const cl_uint samples = near_steps(config);
   const cl_uint of_sample = (last ? 2 : 1) + intervals;
   hbil_horizon_cache_args *f = &out->cache;
   f->floats = sides * samples * of_sample + config->sampling.slices + 1;
@@ -365,36 +365,31 @@ static void lay_out_memory(size_t alignment, layout *out) {
 }
 
 static void lay_out_steps(const hbil_config *config, layout *out) {
+  const cl_uint steps = near_steps(config);
   out->pattern.slices = (cl_int)config->sampling.slices;
-  out->pattern.steps = (cl_int)config->sampling.steps_per_side;
-  /* one table has what both searches need */
-  out->pattern.levels =
-      isinf(config->model.radius) &&
-              (!out->ao_search || isinf(config->model.ao_radius))
-          ? 1
-          : HBIL_MAX_LEVELS;
+  out->pattern.steps = (cl_int)steps;
+  out->pattern.levels = isinf(config->model.radius) ? 1 : HBIL_MAX_LEVELS;
   out->pattern.grid =
       config->sampling.sample_grid == HBIL_GRID_SAME_LAYER ? HBIL_SIDE : 1;
   out->pattern.growth = config->sampling.step_growth;
   out->pattern.gathered = (cl_int)gathered_layers(config);
   out->bytes[BUFFER_STEPS] = sizeof(hbil_step) * (size_t)out->pattern.levels *
                              (size_t)hbil_sites(out->pattern.gathered) * 2 *
-                             config->sampling.slices *
-                             (config->sampling.steps_per_side + 1);
+                             config->sampling.slices * (steps + 1);
 }
 
-/* All its buffers have the sizes of the plan's own; it makes no table of steps,
- * and reads the plan's layers. */
+/* All its buffers but its table of steps have the sizes of the plan's own; it
+ * reads the plan's layers. */
 void layout_of_ao_search(const hbil_config *ao, const layout *whole,
                          layout *out) {
   layout_compute(ao, &whole->staged, 1, out);
   out->split = whole->split;
   out->bounds = whole->bounds;
-  out->pattern.levels = whole->pattern.levels;
 }
 
 static void lay_out_ao_search(const hbil_config *ao, layout *out) {
-  static const int buffers[][2] = {{BUFFER_AO_LIGHT, BUFFER_LIGHT},
+  static const int buffers[][2] = {{BUFFER_AO_STEPS, BUFFER_STEPS},
+                                   {BUFFER_AO_LIGHT, BUFFER_LIGHT},
                                    {BUFFER_AO_RESOLVED, BUFFER_RESOLVED},
                                    {BUFFER_AO_SLICES, BUFFER_SLICES},
                                    {BUFFER_AO_SLICES_NEXT, BUFFER_SLICES_NEXT},

@@ -33,6 +33,7 @@ enum {
   BUFFER_BOUNDS,        /* grids of largest inverse depths and of light */
   BUFFER_USED_GROUPS,   /* where outputs show light */
   BUFFER_SPAN_STATES,   /* the work that the gather left out */
+  BUFFER_AO_STEPS,      /* of the search for the outputs (ao_search.c): STEPS */
   BUFFER_AO_LIGHT,      /* of the search for the outputs (ao_search.c): LIGHT */
   BUFFER_AO_RESOLVED,
   BUFFER_AO_SLICES,

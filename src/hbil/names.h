@@ -131,6 +131,7 @@
 #define remember_frame hbil_internal_remember_frame
 #define remove_exposure hbil_internal_remove_exposure
 #define run_first_commands hbil_internal_run_first_commands
+#define near_steps hbil_internal_near_steps
 #define searches_differ hbil_internal_searches_differ
 #define searches_settle hbil_internal_searches_settle
 #define set_flag hbil_internal_set_flag

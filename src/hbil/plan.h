@@ -114,6 +114,13 @@ typedef struct alternating {
   hbil_camera camera; /* that saw it */
 } alternating;
 
+/* What a table of steps was last made for. */
+typedef struct step_table {
+  bool is_made;
+  hbil_view_args view;
+  hbil_pattern_args pattern;
+} step_table;
+
 struct hbil_plan {
   hbil_context *context;
   hbil_config config; /* formats: as the passes see them (staging.h) */
@@ -153,10 +160,7 @@ struct hbil_plan {
   bool cache_filled, cache_used;
   /* of the last frame's staged depths and normals (gather.c); 0: of floats */
   float depth_rounding, normal_rounding;
-  /* what the table of steps was last made for */
-  bool has_steps;
-  hbil_view_args steps_view;
-  hbil_pattern_args steps_pattern;
+  step_table steps, ao_steps;
 };
 
 /* A chain for a plan's commands in a queue. */

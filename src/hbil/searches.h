@@ -10,6 +10,9 @@
 /* The relative thickness of occluders of the near field. */
 float near_thickness_share(const hbil_config *config);
 
+/* The steps of the search for near light, on each side of a slice. */
+cl_uint near_steps(const hbil_config *config);
+
 /* Gives the near field the occluders of ao, bent_normal and cone_cosine where
  * no output shows light that passes it; with HBIL_MODE_HBAO these outputs have
  * its occluders.  To be called before all else that reads the configuration. */

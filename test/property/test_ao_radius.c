@@ -333,8 +333,39 @@ static void a_cache_changes_nothing(void **state) {
   }
 }
 
+/* Near light beside a cache has three fifths of the steps, unless ao has the
+ * same search. */
+static void near_light_has_fewer_steps(void **state) {
+  (void)state;
+  for (int shared = 0; shared < 2; ++shared) {
+    lit_frame l;
+    setup without;
+    lit_prepare(&l, HBIL_CACHE_METHOD_RAYS, 0, SCENE_ROOM,
+                HBIL_PROJECTION_PERSPECTIVE, HBIL_FAR_FRAME);
+    view_prepare(&without, SCENE_ROOM, LIT_WIDTH, LIT_HEIGHT, 3,
+                 HBIL_PROJECTION_PERSPECTIVE);
+    setup_all_outputs(&without);
+    hbil_config *const configs[] = {&l.s.config, &without.config};
+    for (int i = 0; i < 2; ++i) {
+      configs[i]->model.radius = NEAR;
+      configs[i]->model.ao_radius = shared ? NEAR : INFINITY;
+      configs[i]->model.near_relative_thickness = INFINITY;
+      configs[i]->sampling.steps_per_side = i && !shared ? 12 : 20;
+    }
+    exact_planes got = run(&l.s), want = run(&without);
+    /* measured: 4.6e-7, as kernels without a cache are other ones; .033 with a
+     * fifth more steps */
+    check_at_most("near light", difference(&got, &want, PLANE_NEAR), 2e-6);
+    exact_planes_free(&got);
+    exact_planes_free(&want);
+    setup_free(&without);
+    lit_free(&l);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(near_light_has_fewer_steps),
       cmocka_unit_test(it_counts_within_ao_radius),
       cmocka_unit_test(light_does_not_depend_on_it),
       cmocka_unit_test(occlusion_alone_has_one_search),
