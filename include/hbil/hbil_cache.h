@@ -215,9 +215,10 @@ HBIL_API hbil_status hbil_enqueue_cache_light_views(
 typedef struct hbil_cache_update {
   size_t struct_size; /* set by hbil_cache_update_init(); see hbil_config */
   /* Bounces of light to compute, 0..1024; default 4, a good number for each
-   * frame.  Some 16 should follow a first injection.  An update traces the rays
-   * of each surface once and uses them in all its bounces, so further ones cost
-   * little. */
+   * frame.  Some 16 should follow a first injection.  An update traces rays
+   * once and uses them in all its bounces, so further ones cost little: those
+   * of new surfaces, and of a quarter of the others, in turn.  What moves into
+   * the way of rays stops the last of them four updates later. */
   cl_uint bounces;
   /* An update handles every n-th voxel, in all its bounces, and the next update
    * handles others, so n updates handle all: 1..4096; default 1 */

@@ -2,10 +2,11 @@
  * ray_hits: what rays from surfaces of the cache end at.
  *
  * list_parts, list_surfaces: the surfaces that an update handles, in rising
- * order.
+ * order; and a copy of the last update's list.
  * trace_rays: follows rays from each of them and stores what each ray ends at.
  * All bounces of an update read these hits, so rays are traced once for all of
- * them.
+ * them.  What is in a ray's way changes seldom, so most surfaces take the hits
+ * of the last update, and are traced in turn.
  *
  * Launch: list_parts, list_surfaces: x = HBIL_CACHE_PARTS.  trace_rays: any x.
  */
@@ -35,12 +36,28 @@ INLINE uint words_of_part(const hbil_cache_args cache, uint *word) {
   return is_part ? *word + words : 0u;
 }
 
+/* A part of the last list, if it isn't too long. */
+INLINE void remember_list(const hbil_cache_args cache, uint part,
+                          global const uint *list, global uint *last) {
+  const uint room =
+      ((uint)cache.levels << (3 * cache.log2_voxels)) / HBIL_LAST_LIST;
+  const uint count = list[0] <= room ? list[0] : 0u;
+  const uint each = (count + HBIL_CACHE_PARTS - 1u) / HBIL_CACHE_PARTS;
+  const uint end = min((part + 1u) * each, count);
+  for (uint i = part * each; i < end; ++i)
+    last[HBIL_LIST_HEAD + i] = list[HBIL_LIST_HEAD + i];
+  if (part == 0)
+    last[0] = count;
+}
+
 kernel void list_parts(const hbil_cache_list_args args,
-                       global const uint *states, global uint *list) {
+                       global const uint *states, global uint *list,
+                       global uint *last_list) {
   uint word, count = 0;
   const uint end = words_of_part(args.cache, &word);
   if (word == end)
     return;
+  remember_list(args.cache, (uint)get_global_id(0), list, last_list);
   for (; word < end; ++word)
     count += popcount(listed_of_word(args, states, word));
   list[1 + get_global_id(0)] = count;
@@ -75,6 +92,9 @@ typedef struct queue {
   global uint *hits;
   int log2_rays; /* of a surface */
   int next, end;
+  /* the list of the last update, and its hits */
+  global const uint *last_list, *last_hits;
+  uint turns, turn;
 } queue;
 
 /* Stores what the rays `ray` end at, where it isn't negative. */
@@ -91,12 +111,52 @@ INLINE void store_hits(const queue *q, intv ray, const ray_ends *ends) {
       q->hits[number[i]] = hit[i];
 }
 
+/* The place of a surface in the last update's list, which is in rising order;
+ * as many as there are: it isn't in it. */
+INLINE uint last_place(global const uint *list, uint number) {
+  const uint count = list[0];
+  uint first = 0, end = count;
+  while (first < end) {
+    const uint middle = (first + end) / 2u;
+    if (list[HBIL_LIST_HEAD + middle] < number)
+      first = middle + 1u;
+    else
+      end = middle;
+  }
+  return first < count && list[HBIL_LIST_HEAD + first] == number ? first
+                                                                 : count;
+}
+
+/* Takes the hits of a surface whose turn it isn't from the last update.
+ * Returns whether it could. */
+INLINE bool take_hits(const queue *q, uint place) {
+  const uint number = q->surfaces[place], rays = 1u << q->log2_rays;
+  if (q->turns < 2u || number % q->turns == q->turn)
+    return false;
+  const uint last = last_place(q->last_list, number);
+  if (last == q->last_list[0])
+    return false;
+  for (uint i = 0; i < rays; ++i)
+    q->hits[place * rays + i] = q->last_hits[last * rays + i];
+  return true;
+}
+
+/* Leaves out surfaces whose hits are known. */
+INLINE void next_surface(queue *q) {
+  const int rays = 1 << q->log2_rays;
+  while (q->next < q->end && (q->next & (rays - 1)) == 0 &&
+         take_hits(q, (uint)q->next >> q->log2_rays))
+    q->next += rays;
+}
+
 /* The next rays, for these lanes; -1 where there is none. */
 INLINE intv next_rays(queue *q, intv wanted) {
   int ray[HBIL_WIDTH];
   STORE_INTV(wanted, ray);
-  for (int i = 0; i < HBIL_WIDTH; ++i)
+  for (int i = 0; i < HBIL_WIDTH; ++i) {
+    next_surface(q);
     ray[i] = ray[i] && q->next < q->end ? q->next++ : -1;
+  }
   return LOADV(ray);
 }
 
@@ -190,19 +250,30 @@ INLINE void follow_all(queue *q, const cache_map *map) {
   store_hits(q, ray, &ends);
 }
 
-kernel void trace_rays(const hbil_cache_args cache,
+kernel void trace_rays(const hbil_cache_trace_args args,
                        global const uchar *clearance,
                        global const float *voxels, global const uint *list,
-                       global uint *hits) {
+                       global uint *hits, global const uint *last_list,
+                       global const uint *last_hits) {
+  const hbil_cache_args cache = args.cache;
   const cache_map map = {cache, clearance, voxels};
   uint first;
   if (get_global_id(1) > 0 || cache.voxels < 1)
     return;
   const uint rays = (uint)rays_of_each(cache, list[0]);
-  const uint end = part_of_item(list[0] * rays, HBIL_WIDTH, &first);
+  const uint end = part_of_item(list[0] * rays, HBIL_CACHE_RAYS, &first);
   if (first == end)
     return;
-  queue q = {list + HBIL_LIST_HEAD, hits, 31 - (int)clz(rays), (int)first,
-             (int)end};
+  /* a list that is remembered has all rays */
+  const bool takes = rays == HBIL_CACHE_RAYS;
+  queue q = {list + HBIL_LIST_HEAD,
+             hits,
+             31 - (int)clz(rays),
+             (int)first,
+             (int)end,
+             last_list,
+             last_hits,
+             takes ? (uint)args.turns : 1u,
+             (uint)args.turn};
   follow_all(&q, &map);
 }

@@ -80,6 +80,12 @@ enum { HBIL_CACHE_REGIONS_ACROSS = 4, HBIL_CACHE_REGIONS = 64 };
  * quarter, four walks are no nearer to the truth on average
  * (doc/measurements.md). */
 #define HBIL_CACHE_RAYS 16
+/* An update traces the rays of every n-th surface that the last one has listed,
+ * and those of new surfaces; other hits stay (cache/ray_hits.cl).  A list is
+ * remembered up to one surface in so many voxels: of more surfaces, the hits
+ * are fewer and not taken over. */
+#define HBIL_CACHE_TURNS 4
+#define HBIL_LAST_LIST (HBIL_CACHE_RAYS / HBIL_CACHE_RAY_HITS)
 /* Words of the list of surfaces before the first one (lib/ray_hits.clh). */
 #define HBIL_LIST_HEAD (HBIL_CACHE_PARTS + 16)
 /* Hits of rays that there is memory for, per voxel. */
@@ -149,6 +155,13 @@ typedef struct hbil_cache_list_args {
   hbil_cache_args cache;
   hbil_int phases, phase;
 } hbil_cache_list_args;
+/* Surfaces whose number is `turn` modulo `turns` are traced, and those that are
+ * not in the last list. */
+typedef struct hbil_cache_trace_args {
+  hbil_cache_args cache;
+  hbil_int turns, turn;
+} hbil_cache_trace_args;
+HBIL_ASSERT_LAYOUT(hbil_cache_trace_args, turn, 7, 8)
 HBIL_ASSERT_LAYOUT(hbil_cache_list_args, phase, 7, 8)
 
 /* A round of bounces.  It computes what the round before has, unless that one

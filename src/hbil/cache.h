@@ -97,7 +97,11 @@
   /* the surfaces of an update (lib/ray_hits.clh), and where their rays        \
      end; vectors are read, so some more behind the last */                    \
   X(CACHE_LIST, sizeof(cl_uint) * (HBIL_LIST_HEAD + voxels))                   \
+  X(CACHE_LAST_LIST,                                                           \
+    sizeof(cl_uint) * (HBIL_LIST_HEAD + voxels / HBIL_LAST_LIST))              \
   X(CACHE_RAY_HITS,                                                            \
+    sizeof(cl_uint) * (HBIL_CACHE_RAY_HITS * voxels + HBIL_WIDEST))            \
+  X(CACHE_RAY_HITS_NEXT,                                                       \
     sizeof(cl_uint) * (HBIL_CACHE_RAY_HITS * voxels + HBIL_WIDEST))            \
   /* HBIL_MIP_FLOATS floats a texel (lib/pyramid.clh) */                       \
   X(CACHE_PYRAMID,                                                             \
@@ -136,6 +140,11 @@ struct hbil_cache {
    * the list and the hits are of all of them; and its rounds */
   bool settled, traced;
   cl_uint rounds; /* so far */
+  /* which buffer has the hits; whether they are of all surfaces of the list,
+   * where the cache is; and updates until all are of what voxels hold now */
+  int hits;
+  bool has_hits;
+  cl_uint turns_left;
   hbil_cache_bounce_args bounced;
   /* the view that was injected last (exposure 0: none), and how many static
    * ones in a row */

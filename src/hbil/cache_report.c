@@ -199,6 +199,7 @@ hbil_status hbil_cache_load(hbil_cache *cache, cl_command_queue queue,
     offset += part;
   }
   cache_forget_static(cache);
+  cache->has_hits = false;
   if (status == HBIL_SUCCESS) {
     memcpy(cache->middle, head.middle, sizeof head.middle);
     cache->updates = head.updates;

@@ -107,15 +107,29 @@ static hbil_status trace_rays(commands *chain, hbil_cache *cache,
       .cache = where,
       .phases = (cl_int)update->phases,
       .phase = (cl_int)(cache->updates % update->phases)};
+  const bool takes = cache->has_hits && update->phases == 1;
+  const int last = cache->hits, next = !last;
+  const hbil_cache_trace_args turn = {
+      .cache = where,
+      .turns = takes ? HBIL_CACHE_TURNS : 1,
+      .turn = (cl_int)(cache->updates % HBIL_CACHE_TURNS)};
+  const argument parts[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
+                            ARG(cache->buffers[CACHE_LIST]),
+                            ARG(cache->buffers[CACHE_LAST_LIST])};
   const argument list[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
                            ARG(cache->buffers[CACHE_LIST])};
-  const argument rays[] = {ARG(where), ARG(cache->buffers[CACHE_CLEARANCE]),
+  const argument rays[] = {ARG(turn),
+                           ARG(cache->buffers[CACHE_CLEARANCE]),
                            ARG(cache->buffers[CACHE_VOXELS]),
                            ARG(cache->buffers[CACHE_LIST]),
-                           ARG(cache->buffers[CACHE_RAY_HITS])};
-  ++cache->updates;
+                           ARG(cache->buffers[CACHE_RAY_HITS + next]),
+                           ARG(cache->buffers[CACHE_LAST_LIST]),
+                           ARG(cache->buffers[CACHE_RAY_HITS + last])};
+  cache->hits = next;
+  cache->turns_left -= takes ? 1 : cache->turns_left;
+  cache->has_hits = update->phases == 1;
   hbil_status status =
-      LAUNCH(chain, CACHE_KERNEL_LIST_PARTS, list, HBIL_CACHE_PARTS, 1, 1);
+      LAUNCH(chain, CACHE_KERNEL_LIST_PARTS, parts, HBIL_CACHE_PARTS, 1, 1);
   if (status == HBIL_SUCCESS)
     status =
         LAUNCH(chain, CACHE_KERNEL_LIST_SURFACES, list, HBIL_CACHE_PARTS, 1, 1);
@@ -139,7 +153,7 @@ static hbil_status bounce(commands *chain, hbil_cache *cache,
                           hbil_cache_round_args round) {
   const argument list[] = {ARG(cache->bounced),
                            ARG(cache->buffers[CACHE_LIST]),
-                           ARG(cache->buffers[CACHE_RAY_HITS]),
+                           ARG(cache->buffers[CACHE_RAY_HITS + cache->hits]),
                            ARG(cache->buffers[CACHE_VOXELS]),
                            ARG(cache->buffers[CACHE_RADIANCE]),
                            ARG(cache->buffers[CACHE_MEANS]),
@@ -189,6 +203,7 @@ hbil_status update_cache(commands *chain, hbil_cache *cache,
   const bool traced = settled && cache->traced && update->phases == 1;
   const bool traces = update->bounces > 0 && !traced;
   cache->settled = cache->traced = false; /* should anything fail */
+  cache->turns_left = settled ? cache->turns_left : HBIL_CACHE_TURNS;
   hbil_status status = settled ? HBIL_SUCCESS : settle(chain, cache);
   if (status == HBIL_SUCCESS && traces)
     status = trace_rays(chain, cache, update);
@@ -198,8 +213,11 @@ hbil_status update_cache(commands *chain, hbil_cache *cache,
     status = build_pyramid(chain, cache);
   if (status == HBIL_SUCCESS && cache->config.method == HBIL_CACHE_METHOD_LPV)
     status = spread_light(chain, cache, update);
+  cache->updates += update->bounces > 0;
   cache->settled = status == HBIL_SUCCESS;
-  cache->traced = cache->settled && (traced || (traces && update->phases == 1));
+  cache->has_hits &= cache->settled;
+  cache->traced =
+      cache->settled && cache->turns_left == 0 && update->phases == 1;
   return status;
 }
 
@@ -231,6 +249,7 @@ hbil_status forget_outside(commands *chain, hbil_cache *cache,
                            const cl_long moved[3]) {
   hbil_cache_move_args args = {.cache = cache_args(cache)};
   cache_forget_static(cache);
+  cache->has_hits = false; /* the hits are numbers of other places */
   const cl_long most = cache->config.voxels;
   for (int i = 0; i < 3; ++i)
     args.moved[i] = (cl_int)(moved[i] > most    ? most
@@ -317,6 +336,7 @@ hbil_status hbil_enqueue_cache_forget(hbil_cache *cache, cl_command_queue queue,
   const argument list[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
                            ARG(cache->buffers[CACHE_VOXELS])};
   cache_forget_static(cache);
+  cache->has_hits &= change.surfaces == 0.0f; /* they may be what is gone */
   status = LAUNCH_WORDS(&chain, cache, CACHE_KERNEL_FORGET_BOX, list);
   if (status == HBIL_SUCCESS)
     status = finish_commands(&chain, event);
@@ -329,6 +349,7 @@ hbil_status hbil_enqueue_cache_forget(hbil_cache *cache, cl_command_queue queue,
 hbil_status forget_all(commands *chain, hbil_cache *cache) {
   hbil_status status = HBIL_SUCCESS;
   cache_forget_static(cache);
+  cache->has_hits = false;
   /* voxels, too, so that saved bytes tell nothing of what was before */
   for (int i = 0; i < CACHE_TEXELS && status == HBIL_SUCCESS; ++i)
     status = fill_memory(chain, cache->buffers[i], 0, 0, cache->bytes[i]);

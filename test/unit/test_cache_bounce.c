@@ -434,6 +434,111 @@ static void light_comes_to_rest(void **state) {
   exact_cache_free(&cache);
 }
 
+/* --- rays in turn --- */
+
+/* The list of the last update, its hits, and its turn. */
+typedef struct traced {
+  uint32_t *list, *hits;
+  hbil_cache_trace_args args;
+} traced;
+
+static uint32_t *argument_bytes(cl_uint index) {
+  size_t size;
+  cl_mem buffer;
+  shim_argument("trace_rays", index, sizeof buffer, &buffer);
+  return (uint32_t *)buffer_bytes(&shared_device, buffer, &size);
+}
+
+/* An update of one bounce. */
+static traced trace(cache_fixture *f) {
+  traced t;
+  hbil_cache_update update;
+  hbil_cache_update_init(&update);
+  update.bounces = 1;
+  cache_update(f, &update);
+  shim_argument("trace_rays", 0, sizeof t.args, &t.args);
+  t.list = argument_bytes(3);
+  t.hits = argument_bytes(4);
+  return t;
+}
+
+static void forget_traced(traced *t) {
+  free(t->list);
+  free(t->hits);
+}
+
+/* The hits of a surface; NULL: it isn't listed. */
+static const uint32_t *hits_of(const traced *t, uint32_t number) {
+  for (uint32_t p = 0; p < t->list[0]; ++p)
+    if (t->list[HBIL_LIST_HEAD + p] == number)
+      return t->hits + (size_t)p * HBIL_CACHE_RAYS;
+  return NULL;
+}
+
+static bool same_hits(const uint32_t *a, const uint32_t *b) {
+  return a && b && !memcmp(a, b, HBIL_CACHE_RAYS * sizeof *a);
+}
+
+/* Behind an injection, new surfaces and those whose turn it is have the hits of
+ * an update that traces everything, the others those of the last update; after
+ * all turns, all have the former. */
+static void rays_are_traced_in_turn(void **state) {
+  cache_fixture f;
+  setup s, other, another;
+  traced turn[HBIL_CACHE_TURNS];
+  int fresh = 0, taken = 0, old = 0;
+  (void)state;
+  exact_cache cache = filled(&f, 8, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
+  traced before = trace(&f);
+  assert_int_equal(before.args.turns, 1);
+  view_start(&other, SCENE_ROOM, 64, 48, 9, HBIL_PROJECTION_PERSPECTIVE);
+  view_start(&another, SCENE_ROOM, 48, 64, 1, HBIL_PROJECTION_PERSPECTIVE);
+  cache_inject(&f, &other, HBIL_VIEW_DIRECT);
+  const size_t size = hbil_cache_size(f.cache);
+  void *bytes = malloc(size);
+  assert_non_null(bytes);
+  assert_int_equal(hbil_cache_save(f.cache, shared_device.queue, bytes, size),
+                   HBIL_SUCCESS);
+  for (int i = 0; i < HBIL_CACHE_TURNS; ++i)
+    turn[i] = trace(&f);
+  /* a load forgets the hits, which are of other surfaces here */
+  cache_inject(&f, &another, HBIL_VIEW_DIRECT);
+  for (int i = 0; i < HBIL_CACHE_TURNS; ++i) {
+    traced behind = trace(&f);
+    forget_traced(&behind);
+  }
+  assert_int_equal(hbil_cache_load(f.cache, shared_device.queue, bytes, size),
+                   HBIL_SUCCESS);
+  traced all = trace(&f);
+  const uint32_t count = all.list[0];
+  assert_memory_equal(turn[0].list + HBIL_LIST_HEAD, all.list + HBIL_LIST_HEAD,
+                      count * sizeof *all.list);
+  assert_memory_equal(turn[HBIL_CACHE_TURNS - 1].hits, all.hits,
+                      count * HBIL_CACHE_RAYS * sizeof *all.hits);
+  for (uint32_t p = 0; p < count; ++p) {
+    const uint32_t number = all.list[HBIL_LIST_HEAD + p];
+    const uint32_t *got = hits_of(turn, number),
+                   *last = hits_of(&before, number);
+    const bool is_fresh =
+        !last || number % HBIL_CACHE_TURNS == (uint32_t)turn[0].args.turn;
+    assert_true(same_hits(got, is_fresh ? hits_of(&all, number) : last));
+    fresh += is_fresh;
+    taken += !is_fresh;
+    old += !is_fresh && !same_hits(got, hits_of(&all, number));
+  }
+  assert_true(fresh > 100 && taken > 300 && old > 10);
+  for (int i = 0; i < HBIL_CACHE_TURNS; ++i)
+    forget_traced(turn + i);
+  forget_traced(&before);
+  forget_traced(&all);
+  free(bytes);
+  setup_free(&another);
+  setup_free(&other);
+  setup_free(&s);
+  cache_free(&f);
+  exact_cache_free(&cache);
+}
+
 /* --- static views --- */
 
 /* Injects a view whose direct light isn't what the last one showed. */
@@ -554,6 +659,7 @@ int main(void) {
       cmocka_unit_test(rounds_are_like_updates),
       cmocka_unit_test(what_is_left_out_changes_nothing),
       cmocka_unit_test(light_comes_to_rest),
+      cmocka_unit_test(rays_are_traced_in_turn),
       cmocka_unit_test(static_views_are_injected_until_means_settle),
       cmocka_unit_test(many_surfaces_have_fewer_rays)};
   return RUN_WITH_DEVICE(tests);
