@@ -109,9 +109,10 @@ HBIL_API void hbil_cache_config_init_sized(hbil_cache_config *config,
  * The plan gets the cache's method, and what is best beside a cache: a radius
  * of HBIL_CACHE_NEAR_VOXELS voxels, and a near_relative_thickness of 0.02 if
  * relative_thickness is the default, 0.06.  All of it can be changed
- * afterwards.  So short a search needs fewer steps: near light of plans with a
- * cache_method and a finite radius has three fifths of sampling.steps_per_side,
- * but for plans whose ao_radius and thickness let ao have the same search.
+ * afterwards.
+ * With a cache_method and a finite radius, near light has three fifths of
+ * sampling.steps_per_side, unless outputs of occlusion share its search (same
+ * radius and thickness).
  * HBIL_INVALID_ARGUMENT if one of them is null. */
 HBIL_API hbil_status hbil_config_use_cache(hbil_config *config,
                                            hbil_cache_config *cache);
@@ -157,17 +158,18 @@ typedef struct hbil_view {
   double hardware_depth[2]; /* as in hbil_frame */
   /* Of this view's light, as in hbil_frame; 0 (default) stands for 1 */
   float exposure;
-  /* CL_TRUE: all of it, pixels included, is as in the view that was injected
-   * before it.  After HBIL_STATIC_VIEWS of them in a row, each injected alone,
-   * means have settled, and no more are injected.  Without injections, updates
-   * trace no rays, and leave out bounces once these change nothing.  A view
-   * whose camera or exposure differs from the one before isn't static, whatever
-   * this says; moves, resets, hbil_cache_load() and hbil_enqueue_cache_forget()
-   * begin anew. */
+  /* CL_TRUE: the same as the view that was injected last, pixels too (CL_FALSE
+   * by default; a frame's static_frame, if every frame is injected).  After
+   * HBIL_STATIC_VIEWS of them in a row, each injected alone, means have
+   * settled, and no more are injected.  Without injections, updates trace no
+   * rays, and leave out bounces once these change nothing.  A view whose camera
+   * or exposure differs from the one before isn't static, whatever this says;
+   * moves, resets, hbil_cache_load() and hbil_enqueue_cache_forget() begin
+   * anew. */
   cl_bool static_view;
 } hbil_view;
 
-/* Then an older mean of sixteen views has lost all but 1.6 % of its weight. */
+/* After these, what was there before counts 1.6 %. */
 #define HBIL_STATIC_VIEWS 64
 
 /* Sets struct_size, and all other members to 0.  Use the macro. */
@@ -176,7 +178,7 @@ HBIL_API void hbil_view_init_sized(hbil_view *view, size_t struct_size);
 
 /* Makes a view of what a frame shows: its camera, its inputs with their
  * exposure, and the size and projection of its plan's configuration.  `light`
- * is HBIL_VIEW_DIRECT, and static_view what static_frame is.  Use the macro.
+ * is HBIL_VIEW_DIRECT.  Use the macro.
  * HBIL_INVALID_ARGUMENT if one of them is null. */
 HBIL_API hbil_status hbil_view_from_frame_sized(hbil_view *view,
                                                 size_t struct_size,
@@ -215,10 +217,11 @@ HBIL_API hbil_status hbil_enqueue_cache_light_views(
 typedef struct hbil_cache_update {
   size_t struct_size; /* set by hbil_cache_update_init(); see hbil_config */
   /* Bounces of light to compute, 0..1024; default 4, a good number for each
-   * frame.  Some 16 should follow a first injection.  An update traces rays
-   * once and uses them in all its bounces, so further ones cost little: those
-   * of new surfaces, and of a quarter of the others, in turn.  What moves into
-   * the way of rays stops the last of them four updates later. */
+   * frame.  Some 16 should follow a first injection.  Further ones cost little,
+   * since an update traces rays once for all of them.  It traces those of new
+   * surfaces and of a quarter of the old ones, in turn, and those that have hit
+   * what is gone; so four updates pass until all see what has moved into their
+   * way.  After moves, loads and resets, all are traced. */
   cl_uint bounces;
   /* An update handles every n-th voxel, in all its bounces, and the next update
    * handles others, so n updates handle all: 1..4096; default 1 */
@@ -317,7 +320,8 @@ HBIL_API hbil_status hbil_cache_statistics(hbil_cache *cache,
  * of the same library version, voxels, levels and voxel_size has given; its
  * middle becomes the one of the bytes.  Anything else, and bytes that were
  * damaged, are HBIL_INVALID_ARGUMENT and change nothing.  Both wait for the
- * cache's commands.  Frames see what was loaded. */
+ * cache's commands.  Frames see what was loaded.  Where rays end isn't saved:
+ * the next update traces all of them. */
 HBIL_API size_t hbil_cache_size(const hbil_cache *cache);
 HBIL_API hbil_status hbil_cache_save(hbil_cache *cache, cl_command_queue queue,
                                      void *bytes, size_t size);

@@ -162,8 +162,9 @@ typedef struct hbil_last_frame {
   cl_bool has_probes; /* CL_TRUE: PROBE_HISTORY holds its light */
 } hbil_last_frame;
 
-/* Returns what the next frame will take.  HBIL_INVALID_ARGUMENT if plan or out
- * is null. */
+/* Returns what the next frame will take.  Behind hbil_plan_follow(), and before
+ * a frame, that is in the buffers of the plan that is followed.
+ * HBIL_INVALID_ARGUMENT if plan or out is null. */
 HBIL_API hbil_status hbil_plan_last_frame(const hbil_plan *plan,
                                           hbil_last_frame *out);
 

@@ -7,9 +7,9 @@
  * update_radiance: the radiance that each voxel sends, which rays read.  It is
  * apart from bounce, so that all voxels of a round see the light of the round
  * before, in any order of work-items.
- * last_change: the number of the newest round that changed what rays read,
- * which is less than 32 bits of radiance.  Light comes to rest: behind a round
- * that has changed none of it, all work is left out, with the same bits.
+ * last_change: the number of the last round that changed a word of radiance or
+ * what is known of unlit directions.  Both are rounded, so light comes to rest.
+ * Behind a round without changes all work is left out, with the same bits.
  *
  * Launch: update_radiance: x = words of a row of voxels, y = rows, z = slices,
  * of all levels; mean_part: x = HBIL_CACHE_PARTS; mean_sum: one work-item;

@@ -92,8 +92,9 @@ typedef struct queue {
   global uint *hits;
   int log2_rays; /* of a surface */
   int next, end;
+  int unknown; /* a ray that is known to have no hit yet; -1: none is */
   /* the list of the last update, and its hits */
-  global const uint *last_list, *last_hits;
+  global const uint *last_list, *last_hits, *states;
   uint turns, turn;
 } queue;
 
@@ -127,26 +128,39 @@ INLINE uint last_place(global const uint *list, uint number) {
                                                                  : count;
 }
 
-/* Takes the hits of a surface whose turn it isn't from the last update.
- * Returns whether it could. */
-INLINE bool take_hits(const queue *q, uint place) {
+/* Whether a surface has the hits of the last update, and their place there: it
+ * isn't its turn, it was listed, and everything that they hit is still there.
+ */
+INLINE bool has_last_hits(const queue *q, uint place, uint *last) {
   const uint number = q->surfaces[place], rays = 1u << q->log2_rays;
   if (q->turns < 2u || number % q->turns == q->turn)
     return false;
-  const uint last = last_place(q->last_list, number);
-  if (last == q->last_list[0])
+  *last = last_place(q->last_list, number);
+  if (*last == q->last_list[0])
     return false;
-  for (uint i = 0; i < rays; ++i)
-    q->hits[place * rays + i] = q->last_hits[last * rays + i];
+  for (uint i = 0; i < rays; ++i) {
+    const uint hit = q->last_hits[*last * rays + i];
+    if (hit < HIT_SKY &&
+        state_in_word(q->states[hit / WORD_VOXELS], hit) != HBIL_VOXEL_SURFACE)
+      return false;
+  }
   return true;
 }
 
-/* Leaves out surfaces whose hits are known. */
-INLINE void next_surface(queue *q) {
-  const int rays = 1 << q->log2_rays;
-  while (q->next < q->end && (q->next & (rays - 1)) == 0 &&
-         take_hits(q, (uint)q->next >> q->log2_rays))
-    q->next += rays;
+/* Takes known hits, and goes on to the next ray without any.  With a lane to a
+ * work-item, each takes a single one, so that many work at once. */
+INLINE void take_known_hits(queue *q) {
+  const uint rays = 1u << q->log2_rays, taken = HBIL_WIDTH > 1 ? rays : 1u;
+  uint last;
+  while (q->next < q->end && q->next != q->unknown &&
+         ((uint)q->next & (taken - 1u)) == 0u &&
+         has_last_hits(q, (uint)q->next >> q->log2_rays, &last)) {
+    const uint from = last * rays + ((uint)q->next & (rays - 1u));
+    for (uint i = 0; i < taken; ++i)
+      q->hits[(uint)q->next + i] = q->last_hits[from + i];
+    q->next += (int)taken;
+  }
+  q->unknown = q->next;
 }
 
 /* The next rays, for these lanes; -1 where there is none. */
@@ -154,7 +168,7 @@ INLINE intv next_rays(queue *q, intv wanted) {
   int ray[HBIL_WIDTH];
   STORE_INTV(wanted, ray);
   for (int i = 0; i < HBIL_WIDTH; ++i) {
-    next_surface(q);
+    take_known_hits(q);
     ray[i] = ray[i] && q->next < q->end ? q->next++ : -1;
   }
   return LOADV(ray);
@@ -254,14 +268,17 @@ kernel void trace_rays(const hbil_cache_trace_args args,
                        global const uchar *clearance,
                        global const float *voxels, global const uint *list,
                        global uint *hits, global const uint *last_list,
-                       global const uint *last_hits) {
+                       global const uint *last_hits,
+                       global const uint *states) {
   const hbil_cache_args cache = args.cache;
   const cache_map map = {cache, clearance, voxels};
   uint first;
   if (get_global_id(1) > 0 || cache.voxels < 1)
     return;
   const uint rays = (uint)rays_of_each(cache, list[0]);
-  const uint end = part_of_item(list[0] * rays, HBIL_CACHE_RAYS, &first);
+  /* lanes share what they find out about a surface */
+  const uint least = HBIL_WIDTH > 1 ? HBIL_CACHE_RAYS : 1u;
+  const uint end = part_of_item(list[0] * rays, least, &first);
   if (first == end)
     return;
   /* a list that is remembered has all rays */
@@ -271,8 +288,10 @@ kernel void trace_rays(const hbil_cache_trace_args args,
              31 - (int)clz(rays),
              (int)first,
              (int)end,
+             -1,
              last_list,
              last_hits,
+             states,
              takes ? (uint)args.turns : 1u,
              (uint)args.turn};
   follow_all(&q, &map);

@@ -80,10 +80,9 @@ enum { HBIL_CACHE_REGIONS_ACROSS = 4, HBIL_CACHE_REGIONS = 64 };
  * quarter, four walks are no nearer to the truth on average
  * (doc/measurements.md). */
 #define HBIL_CACHE_RAYS 16
-/* An update traces the rays of every n-th surface that the last one has listed,
- * and those of new surfaces; other hits stay (cache/ray_hits.cl).  A list is
- * remembered up to one surface in so many voxels: of more surfaces, the hits
- * are fewer and not taken over. */
+/* An update traces the rays of new surfaces and of every n-th old one; the rest
+ * have the hits of the last update (cache/ray_hits.cl).  They don't where more
+ * than one in so many voxels is a surface, since then each has fewer rays. */
 #define HBIL_CACHE_TURNS 4
 #define HBIL_LAST_LIST (HBIL_CACHE_RAYS / HBIL_CACHE_RAY_HITS)
 /* Words of the list of surfaces before the first one (lib/ray_hits.clh). */
@@ -164,9 +163,8 @@ typedef struct hbil_cache_trace_args {
 HBIL_ASSERT_LAYOUT(hbil_cache_trace_args, turn, 7, 8)
 HBIL_ASSERT_LAYOUT(hbil_cache_list_args, phase, 7, 8)
 
-/* A round of bounces.  It computes what the round before has, unless that one
- * changed something, or something else did: then it is `fresh`.  The numbers
- * of rounds wrap around. */
+/* A round of bounces.  It is left out if the round before changed nothing.
+ * fresh: something else has changed, so it isn't.  Numbers wrap around. */
 typedef struct hbil_cache_round_args {
   hbil_uint number;
   hbil_int fresh;

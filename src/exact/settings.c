@@ -92,8 +92,8 @@ bool exact_searches_ao(const hbil_config *config, hbil_config *ao) {
           exact_relative_thickness(config) != exact_relative_thickness(ao));
 }
 
-/* Near light beside a cache has three fifths of the steps, where no output
- * needs all of them of the same search. */
+/* Near light beside a cache has three fifths of the steps, unless outputs of
+ * occlusion have the same search. */
 uint32_t exact_steps(const hbil_config *config) {
   const uint32_t steps = config->sampling.steps_per_side;
   hbil_config ao;

@@ -134,17 +134,14 @@ struct hbil_cache {
   cl_mem buffers[CACHE_BUFFER_COUNT];
   size_t bytes[CACHE_BUFFER_COUNT]; /* of these */
   timeline line;
-  cl_long middle[3]; /* in voxels of the coarsest level */
-  cl_uint updates;   /* with bounces so far, which choose the voxels */
-  /* what the last update has left: nothing has changed what voxels hold since;
-   * the list and the hits are of all of them; and its rounds */
-  bool settled, traced;
-  cl_uint rounds; /* so far */
-  /* which buffer has the hits; whether they are of all surfaces of the list,
-   * where the cache is; and updates until all are of what voxels hold now */
-  int hits;
-  bool has_hits;
-  cl_uint turns_left;
+  cl_long middle[3];  /* in voxels of the coarsest level */
+  cl_uint updates;    /* with bounces so far, which choose the voxels */
+  bool settled;       /* voxels are as they were after the last update */
+  bool has_hits;      /* of all surfaces; the cache hasn't moved since */
+  cl_uint turns_left; /* updates until all hits are of what voxels are now */
+  int hits;           /* which of the two buffers has them */
+  cl_uint rounds;     /* of bounces so far */
+  /* what the last bounces were computed with */
   hbil_cache_bounce_args bounced;
   /* the view that was injected last (exposure 0: none), and how many static
    * ones in a row */

@@ -184,7 +184,6 @@ hbil_status hbil_view_from_frame_sized(hbil_view *view, size_t struct_size,
       .emission = frame->emission,
       .light = HBIL_VIEW_DIRECT,
       .exposure = frame->exposure,
-      .static_view = frame->static_frame,
       .hardware_depth = {frame->hardware_depth[0], frame->hardware_depth[1]}};
   init_sized(view, struct_size, &filled, sizeof filled);
   return HBIL_SUCCESS;

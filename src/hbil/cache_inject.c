@@ -238,6 +238,8 @@ hbil_status hbil_enqueue_cache_inject(hbil_cache *cache, cl_command_queue queue,
     if (status == HBIL_SUCCESS && !is_known(cache, &view, count == 1))
       status = inject_view(&chain, cache, &view);
   }
+  if (status != HBIL_SUCCESS)
+    cache_forget_static(cache);
   if (status == HBIL_SUCCESS)
     status = finish_commands(&chain, event);
   end_commands(&chain);

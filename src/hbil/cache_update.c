@@ -124,7 +124,8 @@ static hbil_status trace_rays(commands *chain, hbil_cache *cache,
                            ARG(cache->buffers[CACHE_LIST]),
                            ARG(cache->buffers[CACHE_RAY_HITS + next]),
                            ARG(cache->buffers[CACHE_LAST_LIST]),
-                           ARG(cache->buffers[CACHE_RAY_HITS + last])};
+                           ARG(cache->buffers[CACHE_RAY_HITS + last]),
+                           ARG(cache->buffers[CACHE_STATES])};
   cache->hits = next;
   cache->turns_left -= takes ? 1 : cache->turns_left;
   cache->has_hits = update->phases == 1;
@@ -200,9 +201,10 @@ static hbil_status settle(commands *chain, hbil_cache *cache) {
 hbil_status update_cache(commands *chain, hbil_cache *cache,
                          const hbil_cache_update *update) {
   const bool settled = cache->settled;
-  const bool traced = settled && cache->traced && update->phases == 1;
+  const bool traced = settled && cache->has_hits && cache->turns_left == 0 &&
+                      update->phases == 1;
   const bool traces = update->bounces > 0 && !traced;
-  cache->settled = cache->traced = false; /* should anything fail */
+  cache->settled = false; /* should anything fail */
   cache->turns_left = settled ? cache->turns_left : HBIL_CACHE_TURNS;
   hbil_status status = settled ? HBIL_SUCCESS : settle(chain, cache);
   if (status == HBIL_SUCCESS && traces)
@@ -216,8 +218,6 @@ hbil_status update_cache(commands *chain, hbil_cache *cache,
   cache->updates += update->bounces > 0;
   cache->settled = status == HBIL_SUCCESS;
   cache->has_hits &= cache->settled;
-  cache->traced =
-      cache->settled && cache->turns_left == 0 && update->phases == 1;
   return status;
 }
 

@@ -44,7 +44,7 @@ static hbil_status make_pattern(hbil_plan *plan, commands *chain, int buffer,
   return status;
 }
 
-/* The tables of both searches: that for the outputs has no kernel for it. */
+/* Makes the tables of both searches, as the other one has no kernel for it. */
 static hbil_status make_patterns(hbil_plan *plan, commands *chain,
                                  const hbil_frame *frame,
                                  const hbil_view_args *view) {

@@ -378,7 +378,7 @@ static void lay_out_steps(const hbil_config *config, layout *out) {
                              config->sampling.slices * (steps + 1);
 }
 
-/* All its buffers but its table of steps have the sizes of the plan's own; it
+/* Its buffers are as large as the plan's own, but for the table of steps; it
  * reads the plan's layers. */
 void layout_of_ao_search(const hbil_config *ao, const layout *whole,
                          layout *out) {

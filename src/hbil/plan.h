@@ -192,7 +192,7 @@ hbil_status clear_counts(const hbil_plan *plan, commands *chain, int first,
 /* The buffer of the history that composite writes. */
 int next_history(const hbil_plan *plan);
 
-/* As hbil_last_frame.bounces. */
+/* The value of hbil_last_frame.bounces. */
 cl_uint plan_bounces(const hbil_plan *plan);
 
 /* Makes the frame the plan's last one, when all its passes are enqueued. */

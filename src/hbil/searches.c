@@ -64,9 +64,9 @@ bool searches_differ(const hbil_config *config, hbil_config *ao) {
   return true;
 }
 
-/* A near field of a few voxels is short, and its steps are: with three fifths
- * of them, light has the same error (doc/measurements.md, "How defaults were
- * chosen").  Where ao and others have the same search, it has all. */
+/* A near field of a few voxels is short: three fifths of the steps give light
+ * the same error (doc/measurements.md, "How defaults were chosen").  A search
+ * that ao shares has all steps. */
 cl_uint near_steps(const hbil_config *config) {
   const cl_uint steps = config->sampling.steps_per_side;
   hbil_config ao;
