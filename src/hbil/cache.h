@@ -176,9 +176,11 @@ double cache_scale(const hbil_cache *cache);
 void cache_middle(const hbil_cache_config *config, const double centre[3],
                   cl_long middle[3]);
 
-/* Notes that what voxels hold changes by something else than views. */
-static inline void cache_forget_static(hbil_cache *cache) {
+/* Notes that what voxels hold changes by something else than views.  hits_hold:
+ * rays still end where they did. */
+static inline void cache_changed(hbil_cache *cache, bool hits_hold) {
   cache->settled = false;
+  cache->has_hits &= hits_hold;
   cache->static_views = 0;
   cache->seen_exposure = 0.0f;
 }

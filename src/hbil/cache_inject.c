@@ -239,7 +239,7 @@ hbil_status hbil_enqueue_cache_inject(hbil_cache *cache, cl_command_queue queue,
       status = inject_view(&chain, cache, &view);
   }
   if (status != HBIL_SUCCESS)
-    cache_forget_static(cache);
+    cache_changed(cache, true);
   if (status == HBIL_SUCCESS)
     status = finish_commands(&chain, event);
   end_commands(&chain);

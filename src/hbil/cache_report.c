@@ -198,8 +198,7 @@ hbil_status hbil_cache_load(hbil_cache *cache, cl_command_queue queue,
                  : write_buffer(&chain, buffer, 0, part, at + offset);
     offset += part;
   }
-  cache_forget_static(cache);
-  cache->has_hits = false;
+  cache_changed(cache, false);
   if (status == HBIL_SUCCESS) {
     memcpy(cache->middle, head.middle, sizeof head.middle);
     cache->updates = head.updates;

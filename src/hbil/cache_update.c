@@ -248,8 +248,7 @@ hbil_status hbil_enqueue_cache_update(hbil_cache *cache, cl_command_queue queue,
 hbil_status forget_outside(commands *chain, hbil_cache *cache,
                            const cl_long moved[3]) {
   hbil_cache_move_args args = {.cache = cache_args(cache)};
-  cache_forget_static(cache);
-  cache->has_hits = false; /* the hits are numbers of other places */
+  cache_changed(cache, false); /* numbers are those of other places */
   const cl_long most = cache->config.voxels;
   for (int i = 0; i < 3; ++i)
     args.moved[i] = (cl_int)(moved[i] > most    ? most
@@ -335,8 +334,7 @@ hbil_status hbil_enqueue_cache_forget(hbil_cache *cache, cl_command_queue queue,
   }
   const argument list[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
                            ARG(cache->buffers[CACHE_VOXELS])};
-  cache_forget_static(cache);
-  cache->has_hits &= change.surfaces == 0.0f; /* they may be what is gone */
+  cache_changed(cache, change.surfaces == 0.0f);
   status = LAUNCH_WORDS(&chain, cache, CACHE_KERNEL_FORGET_BOX, list);
   if (status == HBIL_SUCCESS)
     status = finish_commands(&chain, event);
@@ -348,8 +346,7 @@ hbil_status hbil_enqueue_cache_forget(hbil_cache *cache, cl_command_queue queue,
 
 hbil_status forget_all(commands *chain, hbil_cache *cache) {
   hbil_status status = HBIL_SUCCESS;
-  cache_forget_static(cache);
-  cache->has_hits = false;
+  cache_changed(cache, false);
   /* voxels, too, so that saved bytes tell nothing of what was before */
   for (int i = 0; i < CACHE_TEXELS && status == HBIL_SUCCESS; ++i)
     status = fill_memory(chain, cache->buffers[i], 0, 0, cache->bytes[i]);

@@ -49,13 +49,12 @@ static hbil_status make_patterns(hbil_plan *plan, commands *chain,
                                  const hbil_frame *frame,
                                  const hbil_view_args *view) {
   const hbil_pattern_args own = pattern_of(&plan->layout, frame, view);
-  const hbil_pattern_args ao = pattern_of(&plan->ao.layout, frame, view);
-  hbil_status status =
+  const hbil_status status =
       make_pattern(plan, chain, BUFFER_STEPS, &plan->steps, view, &own);
-  if (status == HBIL_SUCCESS && plan->layout.ao_search)
-    status =
-        make_pattern(plan, chain, BUFFER_AO_STEPS, &plan->ao_steps, view, &ao);
-  return status;
+  if (status != HBIL_SUCCESS || !plan->layout.ao_search)
+    return status;
+  const hbil_pattern_args ao = pattern_of(&plan->ao.layout, frame, view);
+  return make_pattern(plan, chain, BUFFER_AO_STEPS, &plan->ao_steps, view, &ao);
 }
 
 /* W of HBAO falls by this much per world unit. */

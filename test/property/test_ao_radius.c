@@ -298,6 +298,15 @@ static void sequences_agree(void **state) {
   }
 }
 
+/* The same frame with a radiance cache and without one. */
+static void prepare_pair(lit_frame *with, setup *without) {
+  lit_prepare(with, HBIL_CACHE_METHOD_RAYS, 0, SCENE_ROOM,
+              HBIL_PROJECTION_PERSPECTIVE, HBIL_FAR_FRAME);
+  view_prepare(without, SCENE_ROOM, LIT_WIDTH, LIT_HEIGHT, 3,
+               HBIL_PROJECTION_PERSPECTIVE);
+  setup_all_outputs(without);
+}
+
 /* A radiance cache, with the settings that hbil_config_use_cache() gives; the
  * default model. */
 static void a_cache_changes_nothing(void **state) {
@@ -306,11 +315,7 @@ static void a_cache_changes_nothing(void **state) {
        ++storage) {
     lit_frame l;
     setup without;
-    lit_prepare(&l, HBIL_CACHE_METHOD_RAYS, 0, SCENE_ROOM,
-                HBIL_PROJECTION_PERSPECTIVE, HBIL_FAR_FRAME);
-    view_prepare(&without, SCENE_ROOM, LIT_WIDTH, LIT_HEIGHT, 3,
-                 HBIL_PROJECTION_PERSPECTIVE);
-    setup_all_outputs(&without);
+    prepare_pair(&l, &without);
     l.s.config.model.ao_radius = INFINITY;
     hbil_cache_config cache = l.f.config;
     hbil_config *const configs[] = {&l.s.config, &without.config};
@@ -340,11 +345,7 @@ static void near_light_has_fewer_steps(void **state) {
   for (int shared = 0; shared < 2; ++shared) {
     lit_frame l;
     setup without;
-    lit_prepare(&l, HBIL_CACHE_METHOD_RAYS, 0, SCENE_ROOM,
-                HBIL_PROJECTION_PERSPECTIVE, HBIL_FAR_FRAME);
-    view_prepare(&without, SCENE_ROOM, LIT_WIDTH, LIT_HEIGHT, 3,
-                 HBIL_PROJECTION_PERSPECTIVE);
-    setup_all_outputs(&without);
+    prepare_pair(&l, &without);
     hbil_config *const configs[] = {&l.s.config, &without.config};
     for (int i = 0; i < 2; ++i) {
       configs[i]->model.radius = NEAR;

@@ -307,6 +307,16 @@ static void what_is_told_is_forgotten(void **state) {
 
 /* --- several bounces --- */
 
+/* The voxels' bytes; ends all else. */
+static float *take_voxels(cache_fixture *f, setup *s, exact_cache *cache,
+                          size_t *bytes) {
+  float *voxels = cache_read(CACHE_VOXELS, bytes);
+  setup_free(s);
+  cache_free(f);
+  exact_cache_free(cache);
+  return voxels;
+}
+
 /* What so many bounces in each of some updates leave: the voxels' bytes. */
 static float *after_bounces(cl_uint bounces, int updates, size_t *bytes) {
   cache_fixture f;
@@ -319,11 +329,7 @@ static float *after_bounces(cl_uint bounces, int updates, size_t *bytes) {
   update.bounces = bounces;
   for (int i = 0; i < updates; ++i)
     cache_update(&f, &update);
-  float *voxels = cache_read(CACHE_VOXELS, bytes);
-  setup_free(&s);
-  cache_free(&f);
-  exact_cache_free(&cache);
-  return voxels;
+  return take_voxels(&f, &s, &cache, bytes);
 }
 
 /* The rays of an update serve all its bounces. */
@@ -363,16 +369,13 @@ static float *after_updates(int updates, int views, hbil_far_field far,
     /* another environment, which a single update has no bounces of; and a part
      * of the voxels, behind an update without bounces and before one */
     update.far_field = i < updates / 2 ? HBIL_FAR_CONSTANT : far;
-    update.bounces = i == updates / 2 || i == PART + 1 ? 0 : 1 + (cl_uint)i % 4;
-    update.phases = i == PART - 6 || i == PART ? 3 : 1;
-    update.bounces = i == PART - 6 ? 0 : update.bounces;
+    const bool is_part = i == PART - 6 || i == PART;
+    const bool is_dark = i == updates / 2 || i == PART - 6 || i == PART + 1;
+    update.bounces = is_dark ? 0 : 1 + (cl_uint)i % 4;
+    update.phases = is_part ? 3 : 1;
     cache_update(&f, &update);
   }
-  float *voxels = cache_read(CACHE_VOXELS, bytes);
-  setup_free(&s);
-  cache_free(&f);
-  exact_cache_free(&cache);
-  return voxels;
+  return take_voxels(&f, &s, &cache, bytes);
 }
 
 static void what_is_left_out_changes_nothing(void **state) {
