@@ -173,13 +173,15 @@ static hbil_status append_file(hbil_context *context, source *s,
  * stay as they are.  Kernels have no comment of several lines in a #define, no
  * comments that begin with two slashes, and no strings. */
 static void blank_comments(char *text) {
-  for (char *at = strstr(text, "/*"); at; at = strstr(at, "/*")) {
-    const char *end = strstr(at + 2, "*/");
-    end = end ? end + 2 : at + strlen(at);
-    for (; at < end; ++at)
-      if (*at != '\n')
-        *at = ' ';
-  }
+  bool inside = false;
+  for (; *text; ++text)
+    if (!strncmp(text, inside ? "*/" : "/*", 2)) {
+      text[0] = text[1] = ' ';
+      ++text;
+      inside = !inside;
+    } else if (inside && *text != '\n') {
+      *text = ' ';
+    }
 }
 
 /* --- defines --- */
