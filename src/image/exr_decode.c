@@ -7,6 +7,8 @@
 #include <stdint.h>
 #include <unistd.h>
 
+#include "image/exr_inflate.h"
+
 /* Decodes chunks of a part, in any order. */
 typedef struct decoder {
   const exr_file *file;
@@ -14,6 +16,7 @@ typedef struct decoder {
   const image *img;
   const exr_source *sources; /* one for each plane of img */
   exr_decode_pipeline_t pipeline;
+  exr_inflate inflate;
   int started;
 } decoder;
 
@@ -49,8 +52,11 @@ static exr_result_t choose_routines(decoder *d, int wanted) {
   for (int i = 0; i < d->pipeline.channel_count; i++)
     if (wanted < d->pipeline.channel_count)
       d->pipeline.channels[i].user_pixel_stride = 2 * sizeof(float);
-  return exr_decoding_choose_default_routines(d->file->context, d->part,
-                                              &d->pipeline);
+  const exr_result_t result = exr_decoding_choose_default_routines(
+      d->file->context, d->part, &d->pipeline);
+  return result == EXR_ERR_SUCCESS
+             ? exr_inflate_start(&d->inflate, &d->pipeline)
+             : result;
 }
 
 /* Decodes a chunk whose top left pixel is (x,y) in the image. */
@@ -122,6 +128,7 @@ static exr_result_t decode_tiles(decoder *d) {
 static void decoder_close(decoder *d) {
   if (d->started)
     exr_decoding_destroy(d->file->context, &d->pipeline);
+  exr_inflate_end(&d->inflate);
 }
 
 static exr_result_t decode_part(decoder *d, exr_storage_t storage) {

@@ -14,7 +14,7 @@ seconds=${HBIL_FUZZ_SECONDS:-1800}
 out=test/scratch/fuzz
 flags='-g -O1 -fno-omit-frame-pointer -fsanitize=fuzzer,address,undefined
   -fno-sanitize-recover=undefined'
-packages='OpenEXR OpenImageIO jansson'
+packages='OpenEXR libdeflate OpenImageIO jansson'
 
 command -v "${CLANG:-clang}" >/dev/null || {
   echo "make fuzz: ${CLANG:-clang} is missing; on Debian: apt-get install clang" >&2

@@ -285,8 +285,8 @@ static void what_would_be_untrue_is_not(void **state) {
 }
 
 /* The bytes of the result; malloc'd. */
-static unsigned char *result_bytes(size_t *size) {
-  FILE *file = fopen(result_path, "rb");
+static unsigned char *bytes_of(const char *path, size_t *size) {
+  FILE *file = fopen(path, "rb");
   assert_non_null(file);
   assert_int_equal(fseek(file, 0, SEEK_END), 0);
   *size = (size_t)ftell(file);
@@ -298,11 +298,15 @@ static unsigned char *result_bytes(size_t *size) {
   return bytes;
 }
 
-static exr_checksum_state state_of(const unsigned char *bytes, size_t size) {
+static void write_bytes(const unsigned char *bytes, size_t size) {
   FILE *file = fopen(result_path, "wb");
   assert_non_null(file);
   assert_int_equal(fwrite(bytes, 1, size, file), size);
   fclose(file);
+}
+
+static exr_checksum_state state_of(const unsigned char *bytes, size_t size) {
+  write_bytes(bytes, size);
   return exr_checksum_look(result_path);
 }
 
@@ -317,7 +321,7 @@ static void a_checksum_covers_every_byte(void **state) {
     snprintf(source.key, sizeof source.key, "ours");
     write_result(&source, c, frame_path);
     assert_int_equal(exr_checksum_look(result_path), EXR_CHECKSUM_RIGHT);
-    unsigned char *bytes = result_bytes(&size);
+    unsigned char *bytes = bytes_of(result_path, &size);
     for (size_t i = 0; i < size; i += i < 1500 ? 1 : 197) {
       bytes[i] ^= 0x10;
       assert_int_not_equal(state_of(bytes, size), EXR_CHECKSUM_RIGHT);
@@ -336,6 +340,36 @@ static void a_checksum_covers_every_byte(void **state) {
   write_result(&source, EXR_COMPRESSION_OF_ZIP, frame_path);
   assert_int_equal(exr_checksum_look(result_path), EXR_CHECKSUM_MISSING);
   assert_int_equal(exr_checksum_look("/"), EXR_CHECKSUM_MISSING);
+  image_free(&source);
+}
+
+/* No changed byte of a compressed chunk changes a pixel, and all but those with
+ * bits that deflate leaves open are told. */
+static void damage_in_zip_is_told(void **state) {
+  enum { BYTES = 200 };
+  int told = 0;
+  size_t size;
+  (void)state;
+  write_frame(EXR_COMPRESSION_ZIP);
+  image source = read_frame();
+  unsigned char *bytes = bytes_of(frame_path, &size);
+  for (size_t i = size - BYTES; i < size; i++) {
+    image again;
+    image_error error;
+    bytes[i] ^= 0x10;
+    write_bytes(bytes, size);
+    if (exr_read_as_is(result_path, names, CHANNELS, &again, &error) != 0) {
+      told++;
+    } else {
+      for (int c = 0; c < CHANNELS; c++)
+        assert_memory_equal(again.planes[c].pixels, source.planes[c].pixels,
+                            sizeof depth);
+      image_free(&again);
+    }
+    bytes[i] ^= 0x10;
+  }
+  assert_in_range(told, BYTES - 2, BYTES);
+  free(bytes);
   image_free(&source);
 }
 
@@ -472,6 +506,7 @@ int main(void) {
       cmocka_unit_test(attributes_are_taken_over),
       cmocka_unit_test(what_would_be_untrue_is_not),
       cmocka_unit_test(a_checksum_covers_every_byte),
+      cmocka_unit_test(damage_in_zip_is_told),
       cmocka_unit_test(a_file_of_another_kind_has_no_attributes),
       cmocka_unit_test(finite_values_stay_finite_as_halves),
   };
