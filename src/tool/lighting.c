@@ -7,6 +7,7 @@
 #include "image/image.h"
 #include "tool/exact.h"
 #include "tool/last_words.h"
+#include "tool/refusal.h"
 #include "tool/report.h"
 
 #include <stdint.h>
@@ -21,6 +22,11 @@ int lighting_prepare(lighting *l, const job *j, image_error *error) {
     return -1;
   if (l->device.note && !j->settings->quiet)
     report_note(l->device.name, "", l->device.note);
+  const hbil_status status =
+      hbil_context_create(l->device.context, l->device.id, &l->context);
+  if (status != HBIL_SUCCESS)
+    return refusal(&l->device, NULL, status, NULL, error);
+  l->programs = program_folder_of_device(l->context, l->device.id);
   return 0;
 }
 
@@ -56,15 +62,14 @@ static size_t horizon_cache_bytes(const lighting *l, const job *j) {
 }
 
 static int open_sequence(lighting *l, const job *j, image_error *error) {
-  return sequence_open(&l->device, &j->config, &j->frames[0].map,
+  return sequence_open(&l->device, l->context, &j->config, &j->frames[0].map,
                        job_lit_layers(j), job_halves(j), &l->sequence, error);
 }
 
 static int open_cache(lighting *l, const job *j, image_error *error) {
   if (!j->has_cache)
     return 0;
-  if (job_cache_open(&l->device, sequence_context(l->sequence), j, &l->cache,
-                     error) != 0)
+  if (job_cache_open(&l->device, l->context, j, &l->cache, error) != 0)
     return -1;
   sequence_set_cache(l->sequence, l->cache);
   return 0;
@@ -96,6 +101,8 @@ void lighting_end(lighting *l) {
 
 void lighting_close(lighting *l) {
   lighting_end(l);
+  hbil_context_destroy(l->context);
+  program_folder_close(l->programs);
   device_close(&l->device);
   memset(l, 0, sizeof *l);
 }

@@ -4,6 +4,7 @@
 #define HBIL_TOOL_LIGHTING_H
 
 #include "tool/job.h"
+#include "tool/program_folder.h"
 #include "tool/sequence.h"
 #include "image/error.h"
 #include "image/image.h"
@@ -14,13 +15,15 @@ struct exact_sequence;
 
 typedef struct lighting {
   device device;                /* of the library */
+  hbil_context *context;        /* on it; has the kernels of all places */
+  program_folder *programs;     /* of the context; NULL: none */
   sequence *sequence;           /* either this */
   job_cache *cache;             /* with it; NULL: no radiance cache */
   struct exact_sequence *exact; /* or that */
 } lighting;
 
-/* Opens the device, or checks the settings of the exact integral.  l is zeroed
- * before.  0, or -1 with `error` filled. */
+/* Opens the device and the library on it, or checks the settings of the exact
+ * integral.  l is zeroed before.  0, or -1 with `error` filled. */
 int lighting_prepare(lighting *l, const job *j, image_error *error);
 
 /* Makes kernels and buffers for the job as it is now.  0, or -1 with `error`

@@ -6,7 +6,6 @@
 #include "image/image.h"
 #include "tool/device_plane.h"
 #include "tool/layers.h"
-#include "tool/program_folder.h"
 #include "tool/refusal.h"
 
 #include <stdlib.h>
@@ -16,7 +15,6 @@
 struct sequence {
   const device *device;
   hbil_context *context;
-  program_folder *programs; /* NULL: none */
   hbil_plan *plan;
   hbil_config config;
   hbil_memory memory; /* of the plan */
@@ -46,25 +44,22 @@ static int opencl_failed(const sequence *s, cl_int status, const char *doing,
 }
 
 static int open_plan(sequence *s, image_error *error) {
-  hbil_status status =
-      hbil_context_create(s->device->context, s->device->id, &s->context);
-  if (status == HBIL_SUCCESS)
-    s->programs = program_folder_of_device(s->context, s->device->id);
-  if (status == HBIL_SUCCESS)
-    status = hbil_plan_memory(s->context, &s->config, &s->memory);
+  hbil_status status = hbil_plan_memory(s->context, &s->config, &s->memory);
   if (status == HBIL_SUCCESS)
     status = hbil_plan_create(s->context, &s->config, &s->plan);
   return status == HBIL_SUCCESS ? 0 : library_failed(s, NULL, status, error);
 }
 
-int sequence_open(const device *d, const hbil_config *config,
-                  const channel_map *map, unsigned layers, unsigned halves,
-                  sequence **out, image_error *error) {
+int sequence_open(const device *d, hbil_context *context,
+                  const hbil_config *config, const channel_map *map,
+                  unsigned layers, unsigned halves, sequence **out,
+                  image_error *error) {
   sequence *s = calloc(1, sizeof *s);
   *out = NULL;
   if (!s)
     return image_no_memory(error, "sequence");
   s->device = d;
+  s->context = context;
   s->config = *config;
   s->layers = layers;
   s->halves = halves;
@@ -88,13 +83,7 @@ void sequence_close(sequence *s) {
   for (int l = 0; l < LAYER_COUNT; l++)
     device_plane_close(&s->output[l]);
   hbil_plan_destroy(s->plan);
-  hbil_context_destroy(s->context);
-  program_folder_close(s->programs);
   free(s);
-}
-
-hbil_context *sequence_context(const sequence *s) {
-  return s->context;
 }
 
 void sequence_set_cache(sequence *s, job_cache *cache) {

@@ -16,15 +16,14 @@ typedef struct sequence sequence;
 
 /* config: the settings; formats are filled in from the map and the set of
  * layers (layers.h), of which results have those in `halves` as halves.  The
- * device must outlive the sequence.  Returns 0, or -1
- * with `error` filled and *out NULL. */
-int sequence_open(const device *d, const hbil_config *config,
-                  const channel_map *map, unsigned layers, unsigned halves,
-                  sequence **out, image_error *error);
+ * device and the library's context on it must outlive the sequence.  Returns 0,
+ * or -1 with `error` filled and *out NULL. */
+int sequence_open(const device *d, hbil_context *context,
+                  const hbil_config *config, const channel_map *map,
+                  unsigned layers, unsigned halves, sequence **out,
+                  image_error *error);
 void sequence_close(sequence *s); /* NULL is allowed */
 
-/* The library on the device. */
-hbil_context *sequence_context(const sequence *s);
 /* The radiance cache that the frames ask from now on; NULL: none.  It stays the
  * caller's. */
 void sequence_set_cache(sequence *s, job_cache *cache);
