@@ -52,13 +52,16 @@ typedef struct hbil_plane {
 /* Frame: camera, planes and environment                                     */
 
 typedef struct hbil_camera {
-  double fx, fy; /* focal lengths, > 0: pixels; orthographic: pixels per unit */
-  double cx, cy; /* principal point, pixels from the top left corner */
+  /* Focal lengths, 1e-18..1e18: pixels; orthographic: pixels per unit. */
+  double fx, fy;
+  /* Principal point, pixels from the top left corner, -1e18..1e18. */
+  double cx, cy;
   /* The camera's position and axes in the world: x towards the next column, y
    * towards the next row, z forward.  The axes must have length 1 and be at
    * right angles, to 1e-3.  The determinant is 1 in a right-handed world.  It
    * may be -1, for a left-handed world or for rows that go upwards.  Normals,
-   * bent normals and the environment are in the caller's world either way. */
+   * bent normals and the environment are in the caller's world either way.
+   * Coordinates of the position are -1e18..1e18. */
   double world_from_view[16];
 } hbil_camera;
 
@@ -124,10 +127,11 @@ typedef struct hbil_frame {
   hbil_plane depth, normal, albedo, f0, direct, emission, motion;
   hbil_plane near_irradiance, far_irradiance, ao, bent_normal, cone_cosine,
       indirect, beauty, error_estimate, unknown, glossy;
-  /* The far field, RGB radiance in world space.  HBIL_FAR_CONSTANT reads
-   * environment[0].  HBIL_FAR_FRAME reads environment[0] as the radiance of a
-   * sky that `direct` already contains, 0 if it contains none.  HBIL_FAR_SH
-   * reads nine coefficients of the real orthonormal basis in the order
+  /* The far field, RGB radiance in world space, at most 1e30.
+   * HBIL_FAR_CONSTANT reads environment[0].  HBIL_FAR_FRAME reads
+   * environment[0] as the radiance of a sky that `direct` already contains, 0
+   * if it contains none.  HBIL_FAR_SH reads nine coefficients of the real
+   * orthonormal basis in the order
    *   (0,0) (1,-1) (1,0) (1,1) (2,-2) (2,-1) (2,0) (2,1) (2,2) */
   float environment[9][3];
   /* HBIL_FAR_FRAME: if `direct` contains a sky that the picture doesn't show,

@@ -191,21 +191,6 @@ hbil_status hbil_view_from_frame_sized(hbil_view *view, size_t struct_size,
 
 /* --- an update --- */
 
-static hbil_status check_environment(hbil_context *context,
-                                     const hbil_cache_update *u) {
-  const bool sh = u->far_field == HBIL_FAR_SH;
-  const int count = sh ? 9 : u->far_field == HBIL_FAR_NONE ? 0 : 1;
-  for (int i = 0; i < count; ++i)
-    for (int c = 0; c < 3; ++c) {
-      const float v = u->environment[i][c];
-      if (!isfinite(v) || (!sh && v < 0.0f))
-        return fail(context, HBIL_INVALID_ARGUMENT,
-                    "environment[%d][%d]: %g; must be %s", i, c, (double)v,
-                    sh ? "finite" : "finite and not negative");
-    }
-  return HBIL_SUCCESS;
-}
-
 hbil_status cache_update_take(hbil_context *context,
                               const hbil_cache_update *given,
                               hbil_cache_update *own) {
@@ -233,7 +218,8 @@ hbil_status cache_update_take(hbil_context *context,
   if (status == HBIL_SUCCESS)
     status = check_exposure(context, HBIL_INVALID_ARGUMENT, own->exposure);
   if (status == HBIL_SUCCESS)
-    status = check_environment(context, own);
+    status = check_environment(context, HBIL_INVALID_ARGUMENT, own->far_field,
+                               (const float(*)[3])own->environment);
   remove_exposure(own->exposure, own->environment);
   return status;
 }

@@ -9,10 +9,6 @@ static double at(const double m[16], int row, int column) {
   return m[4 * row + column];
 }
 
-static bool positive(double v) {
-  return isfinite(v) && v > 0.0;
-}
-
 /* Columns of the rotation are unit and at right angles, to 1e-3: beyond any
  * rounding of a float matrix, below any real scale or shear.  Mirrored ones are
  * right, too: all that the kernels do with them is to change between bases.
@@ -238,19 +234,37 @@ hbil_status hbil_camera_from_matrices(
 /* ------------------------------------------------------------------------ */
 /* What kernels take                                                         */
 
+/* Kernels take a camera as floats, and multiply two such lengths. */
+static const double most_length = 1e18;
+
+/* Whether a number lies between `least` and that; false for NaN. */
+static bool in_range(double v, double least) {
+  return v >= least && v <= most_length;
+}
+
 hbil_status camera_check(hbil_context *context, const hbil_camera *camera) {
-  if (!positive(camera->fx) || !positive(camera->fy))
+  const double *m = camera->world_from_view;
+  if (!in_range(camera->fx, 1.0 / most_length) ||
+      !in_range(camera->fy, 1.0 / most_length))
     return fail(context, HBIL_INVALID_FRAME,
                 "camera.fx, camera.fy: %g, %g; focal lengths are positive "
-                "numbers of pixels",
-                camera->fx, camera->fy);
-  if (!isfinite(camera->cx) || !isfinite(camera->cy))
+                "numbers of pixels, %g .. %g",
+                camera->fx, camera->fy, 1.0 / most_length, most_length);
+  if (!in_range(camera->cx, -most_length) ||
+      !in_range(camera->cy, -most_length))
     return fail(context, HBIL_INVALID_FRAME,
-                "camera.cx, camera.cy: the principal point is not finite");
-  const char *error = rigid_error(camera->world_from_view);
+                "camera.cx, camera.cy: %g, %g; the principal point is within "
+                "%g pixels of the corner",
+                camera->cx, camera->cy, most_length);
+  const char *error = rigid_error(m);
   if (error)
     return fail(context, HBIL_INVALID_FRAME,
                 "camera.world_from_view: not a rigid transform: %s", error);
+  for (int r = 0; r < 3; ++r)
+    if (!in_range(at(m, r, 3), -most_length))
+      return fail(context, HBIL_INVALID_FRAME,
+                  "camera.world_from_view[%d]: %g; coordinates are within %g",
+                  4 * r + 3, at(m, r, 3), most_length);
   return HBIL_SUCCESS;
 }
 

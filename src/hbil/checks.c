@@ -201,6 +201,23 @@ hbil_status check_exposure(hbil_context *context, hbil_status wrong,
                     e, LEAST_EXPOSURE, MOST_EXPOSURE);
 }
 
+hbil_status check_environment(hbil_context *context, hbil_status wrong,
+                              hbil_far_field far_field,
+                              const float environment[9][3]) {
+  const bool sh = far_field == HBIL_FAR_SH;
+  const int count = sh ? 9 : far_field == HBIL_FAR_NONE ? 0 : 1;
+  for (int i = 0; i < count; ++i)
+    for (int c = 0; c < 3; ++c) {
+      const float v = environment[i][c];
+      if (!(fabsf(v) <= HBIL_BRIGHTEST) || (!sh && v < 0.0f))
+        return fail(context, wrong,
+                    "environment[%d][%d]: %g; must be finite%s, at most %g", i,
+                    c, (double)v, sh ? "" : " and not negative",
+                    (double)HBIL_BRIGHTEST);
+    }
+  return HBIL_SUCCESS;
+}
+
 hbil_status check_wait_list(hbil_context *context, const char *function,
                             cl_uint wait_count, const cl_event *wait_list) {
   for (cl_uint i = 0; wait_list && i < wait_count; ++i)

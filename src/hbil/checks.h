@@ -28,6 +28,12 @@ hbil_status check_planes(const plane_rules *rules, const hbil_frame *frame,
 hbil_status check_exposure(hbil_context *context, hbil_status wrong,
                            float exposure);
 
+/* The far field that such an environment is.  Its brightest is that of direct
+ * light, which is replaced above it; here it is an error. */
+hbil_status check_environment(hbil_context *context, hbil_status wrong,
+                              hbil_far_field far_field,
+                              const float environment[9][3]);
+
 /* The factor that a caller's exposure stands for. */
 static inline float light_exposure(float given) {
   return given > 0.0f ? given : 1.0f;

@@ -12,20 +12,13 @@
 
 /* --- checks --- */
 
-static hbil_status check_environment(const hbil_plan *plan,
-                                     const hbil_frame *frame) {
-  const bool sh = plan->config.model.far_field == HBIL_FAR_SH;
-  const int count = plan->config.model.far_field == HBIL_FAR_NONE ? 0
-                    : sh                                          ? 9
-                                                                  : 1;
-  for (int i = 0; i < count; ++i)
-    for (int c = 0; c < 3; ++c) {
-      const float v = frame->environment[i][c];
-      if (!isfinite(v) || (!sh && v < 0.0f))
-        return fail(plan->context, HBIL_INVALID_FRAME,
-                    "environment[%d][%d]: %g; must be %s", i, c, (double)v,
-                    sh ? "finite" : "finite and not negative");
-    }
+static hbil_status check_far_field(const hbil_plan *plan,
+                                   const hbil_frame *frame) {
+  const hbil_status status = check_environment(
+      plan->context, HBIL_INVALID_FRAME, plan->config.model.far_field,
+      (const float(*)[3])frame->environment);
+  if (status != HBIL_SUCCESS)
+    return status;
   if (plan->config.model.far_field == HBIL_FAR_FRAME &&
       !(frame->sky_share >= 0.0f && frame->sky_share <= 1.0f))
     return fail(plan->context, HBIL_INVALID_FRAME,
@@ -88,7 +81,7 @@ static hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
   if (status == HBIL_SUCCESS)
     status = check_still(plan, frame);
   if (status == HBIL_SUCCESS)
-    status = check_environment(plan, frame);
+    status = check_far_field(plan, frame);
   return status == HBIL_SUCCESS ? check_planes(&rules, frame, planes) : status;
 }
 

@@ -33,6 +33,7 @@
 #define camera_to_world hbil_internal_camera_to_world
 #define camera_view hbil_internal_camera_view
 #define camera_view_from_normals hbil_internal_camera_view_from_normals
+#define check_environment hbil_internal_check_environment
 #define check_exposure hbil_internal_check_exposure
 #define check_image hbil_internal_check_image
 #define check_lent hbil_internal_check_lent

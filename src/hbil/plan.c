@@ -167,10 +167,17 @@ hbil_status hbil_plan_adopt_history(hbil_plan *plan,
   if (!plan || !last)
     return fail_null(plan ? plan->context : NULL, __func__,
                      plan ? "last" : "plan");
-  const hbil_status status = camera_check(plan->context, &last->camera);
+  static const hbil_camera none = {.fx = 0.0};
+  const bool is_none = !last->bounces && !last->has_slices &&
+                       !last->has_probes &&
+                       !memcmp(&last->camera, &none, sizeof none);
+  const hbil_status status =
+      is_none ? HBIL_SUCCESS : camera_check(plan->context, &last->camera);
   if (status != HBIL_SUCCESS)
     return status;
   hbil_plan_reset(plan);
+  if (is_none)
+    return HBIL_SUCCESS;
   plan->has_history = plan->layout.history && last->bounces > 0;
   plan->bounces = last->bounces < MOST_BOUNCES ? last->bounces : MOST_BOUNCES;
   plan->history_camera = plan->last_camera = last->camera;

@@ -257,6 +257,8 @@ static const char *spoil_update(hbil_cache_update *u, int which) {
         (u->far_field = HBIL_FAR_SH, u->environment[8][2] = NAN));
   SPOIL("environment[0][0]",
         (u->far_field = HBIL_FAR_FRAME, u->environment[0][0] = INFINITY));
+  SPOIL("environment[0][2]",
+        (u->far_field = HBIL_FAR_CONSTANT, u->environment[0][2] = 1e31f));
   SPOIL("struct_size", u->struct_size -= 8);
   SPOIL("struct_size", u->struct_size += 8);
   return NULL;

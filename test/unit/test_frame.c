@@ -389,6 +389,9 @@ static void a_history_is_checked(void **state) {
                    HBIL_INVALID_ARGUMENT);
   assert_int_equal(hbil_plan_adopt_history(s.plan, &none), HBIL_INVALID_FRAME);
   assert_int_equal(setup_bounces(&s), 0);
+  assert_success(&s, hbil_plan_last_frame(s.plan, &none)); /* no frame yet */
+  assert_success(&s, hbil_plan_adopt_history(s.plan, &none));
+  assert_int_equal(setup_bounces(&s), 0);
   assert_int_equal(hbil_plan_last_frame(NULL, &none), HBIL_INVALID_ARGUMENT);
   assert_int_equal(hbil_plan_last_frame(s.plan, NULL), HBIL_INVALID_ARGUMENT);
   setup_free(&s);

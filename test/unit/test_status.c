@@ -356,10 +356,14 @@ static const char *spoil_frame(setup *s, int which) {
   SPOIL("normal", f->normal.row_pitch = WIDTH * 12 + 2);
   SPOIL("fx", f->camera.fx = 0.0);
   SPOIL("fy", f->camera.fy = -1.0);
+  SPOIL("fx", f->camera.fx = 1e39); /* no float */
+  SPOIL("fy", f->camera.fy = 1e-300);
   SPOIL("cx", f->camera.cx = NAN);
+  SPOIL("cy", f->camera.cy = -1e39);
   SPOIL("world_from_view", f->camera.world_from_view[0] = 1.5);
   SPOIL("world_from_view", f->camera.world_from_view[1] = 0.5);
   SPOIL("world_from_view", f->camera.world_from_view[3] = NAN);
+  SPOIL("world_from_view[11]", f->camera.world_from_view[11] = 1e300);
   SPOIL("camera", memset(&f->camera, 0, sizeof(f->camera)));
   SPOIL("struct_size", f->struct_size -= 8);
   SPOIL("struct_size", f->struct_size += 8);
