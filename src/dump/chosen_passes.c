@@ -157,7 +157,7 @@ static int take_role(const char *frame, const image *header, char *const *words,
     return image_fail(error,
                       "--map %.*s: ROLE=LAYER is needed, ROLE one of depth, "
                       "normal, albedo, direct, emission, background, motion, "
-                      "position, indirect, coverage",
+                      "position, indirect, coverage, picture, alpha",
                       (int)strcspn(words[0], "="), words[0]);
   out->chosen |= 1u << r;
   out->count[r] = 0;

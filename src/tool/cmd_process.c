@@ -18,6 +18,7 @@ int cmd_process(int argc, char **argv) {
                                        a.settings.pre_roll, &list, &error) != 0)
     status = report_error(&error);
   else {
+    a.settings.is_part = a.frames != NULL;
     a.settings.pre_roll = list.pre_roll;
     if (process_run(&a.settings, list.files, (int)list.count, &error) != 0)
       status = report_error(&error);

@@ -202,6 +202,9 @@ static int compare_places(const void *a, const void *b) {
 static int report(const file_use *written, const file_use *other,
                   image_error *error) {
   const int two_frames = written->frame && other->frame;
+  if (two_frames && strcmp(written->frame, other->frame) == 0)
+    return image_fail(error, "%s: is given twice; each frame once is needed",
+                      written->frame);
   const char *name = other->frame  ? other->frame
                      : other->need ? ""
                                    : other->path;

@@ -66,11 +66,21 @@ static int frame_of(const job *j, unsigned number) {
   return i;
 }
 
+/* Whether a cut has no meaning for a part of a sequence (--frames), which lies
+ * before it, or begins with it or behind it. */
+static int is_of_another_chunk(const job *j, unsigned number) {
+  return j->settings->is_part &&
+         ((long)number <= number_of(&j->frames[0]) ||
+          (long)number > number_of(&j->frames[j->count - 1]));
+}
+
 /* Cuts before all of these frames. */
 static int cut_at(job *j, const frame_numbers *asked, image_error *error) {
   const char *text = j->settings->cuts;
   for (size_t i = 0; i < asked->count; i++) {
     const int frame = frame_of(j, asked->values[i]);
+    if (is_of_another_chunk(j, asked->values[i]))
+      continue;
     if (frame == j->count)
       return image_fail(error, "--cuts %s: no frame has the number %u", text,
                         asked->values[i]);

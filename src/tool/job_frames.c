@@ -198,14 +198,19 @@ static int settle_conventions(job *j, image_error *error) {
   return 0;
 }
 
-/* This is no error: occlusion and bent cones need no light. */
+/* This is no error: occlusion and bent cones need no light, and emission may be
+ * all that there is. */
 static void warn_without_light(const job *j) {
   const channel_map *map = &j->frames[0].map;
-  if (!j->settings->quiet && j->config.model.mode == HBIL_MODE_HBIL &&
-      !map->count[ROLE_DIRECT] && !map->count[ROLE_EMISSION])
-    report_note(j->frames[0].path, "warning: ",
-                "no direct light and no emission; near_irradiance will be "
-                "black");
+  if (j->settings->quiet || j->config.model.mode != HBIL_MODE_HBIL ||
+      map->count[ROLE_DIRECT])
+    return;
+  report_note(j->frames[0].path, "warning: ",
+              map->count[ROLE_EMISSION]
+                  ? "no direct light; emission alone lights the frame (hbil "
+                    "info lists channels that aren't used)"
+                  : "no direct light and no emission; near_irradiance will be "
+                    "black");
 }
 
 int job_frames_check(job *j, char *const *files, image_error *error) {

@@ -78,6 +78,7 @@ typedef struct process_settings {
   int radius_given, thickness_given; /* 1: so are model.radius and
                                         model.relative_thickness */
   int emission_given;    /* 1: config.gather_emission is the user's choice */
+  int is_part;           /* 1: --frames picks the frames from a sequence */
   unsigned pre_roll;     /* frames at the beginning that are lit, not written */
   const char *decide_by; /* the frame that decides what is left open; NULL: the
                             first one */

@@ -85,9 +85,10 @@ const option_row source_rows[SOURCE_ROWS] = {
     {ROW_TEXT("map", AT(map), "ROLE=[FILE:]LAYER,..."),
      .help =
          "layer or channel of a role: depth, normal, albedo, direct, emission, "
-         "background, motion, position, indirect, coverage.  FILE (EXR, TIFF, "
-         "PNG, HDR) lies beside FRAME; # stands for FRAME's number.  ROLE= "
-         "leaves the role out; ROLE=C1,C2,C3 takes single channels"},
+         "background, motion, position, indirect, coverage, picture, alpha.  "
+         "FILE (EXR, TIFF, PNG, HDR) lies beside FRAME; # stands for FRAME's "
+         "number.  ROLE= leaves the role out; ROLE=C1,C2,C3 takes single "
+         "channels"},
     {ROW_TEXT("view-layer", AT(view_layer), "NAME"),
      .help = "which of several view layers in one file (the one with the most "
              "passes)"},

@@ -96,6 +96,12 @@ run "$HBIL" process --overwrite $fast --warm-up 0 --environment none \
 test $status -eq 0 && test -z "$(guessed)" && ! grep -q "$warned" "$work/err"
 ok $? "without a guess there is no such line"
 
+# --- light ---
+
+run process --overwrite --far environment --map direct= -o "$work/guess" "$one"
+test $status -eq 0 && grep -q 'warning: no direct light; emission alone' "$work/err"
+ok $? "a frame without direct light is told of, where emission lights it"
+
 # --- timings ---
 
 says "timings have a column for each pass" \

@@ -102,7 +102,7 @@ rejected "no depth channel" 'frame_0001.exr: no depth' process -o "$out" "$a"
 rejected "info: no depth channel" 'frame_0001.exr: no depth' "$HBIL" info "$a"
 rejected "frames of two sizes" '33 x 17.*64 x 48' \
   process -o "$out" "$one" "$other"
-rejected "the same result twice" 'different file names' \
+rejected "the same frame twice" 'frame_0001.exr: is given twice' \
   process -o "$out" "$one" "$one"
 rejected "a result in place of its input" 'overwrite' \
   process -o "$work/demo/gbuffer" "$one"

@@ -681,6 +681,14 @@ ok $? "and pre-roll goes across a cut"
 for n in 1 7; do
   rejected "--cuts $n" "--cuts $n: .* $n" small --cuts $n -o "$out" "$film"
 done
+run small --dry-run --cuts 3,4,9 --frames 3-6 -o "$out" "$film"
+told '0004.exr: a cut: ' && test "$(grep -c 'a cut:' "$work/err")" -eq 1
+ok $? "a chunk takes the cuts behind its first frame, and leaves those of others"
+run small --dry-run --cuts 4 --frames 1-3 -o "$out" "$film"
+test $status -eq 0 && ! grep -q 'a cut:' "$work/err"
+ok $? "or none"
+rejected "a cut at a gap in the chunk" '--cuts 4: no frame has the number 4' \
+  small --dry-run --cuts 4 --frames 3,5,6 -o "$out" "$film"
 rejected "--cuts and a view" 'cuts 4: not with views' small --cuts 4 --view "$one" \
   -o "$out" "$film"
 rejected "--cuts and one file" 'cuts: not with --cache-save' small --cuts 4 \
