@@ -104,6 +104,9 @@ def _device_plane(name: str, value: Any, channels: int,
 def _host_array(name: str, title: str, value: Any,
                 size: Optional[Tuple[int, int]]) -> np.ndarray:
     """An array of numbers; single colours fill the picture."""
+    if np.ma.is_masked(value):
+        raise TypeError(f"{title}: a masked array; filled(), with what stands "
+                        "for masked pixels, is needed")
     try:
         array = np.asarray(value)
     except ValueError:
@@ -116,7 +119,9 @@ def _host_array(name: str, title: str, value: Any,
             raise ValueError(
                 f"{title}: shape {array.shape}; ({size[0]}, {size[1]}, 3), "
                 "(3,) or a number is needed")
-        array = np.broadcast_to(array.astype(np.float32), size + (3,))
+        if array.dtype not in (np.uint8, np.uint16):  # 0..255 stands for 0..1
+            array = array.astype(np.float32)
+        array = np.broadcast_to(array, size + (3,))
     return array
 
 

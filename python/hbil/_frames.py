@@ -13,8 +13,8 @@ from ._arrays import (INPUTS, LAYERS, Plane, convert, host_plane, input_plane,
 from ._library import check, cl, check_opencl, ffi, lib, owned
 from ._opencl import (Device, device_of_queue, enqueue, enqueue_for_event,
                       handle, open_device, read, write)
-from ._settings import (apply, check_names, choice, new_config, set_camera,
-                        set_environment)
+from ._settings import (apply, check_names, choice, new_config, numbers_of,
+                        set_camera, set_environment)
 
 Array = Any  # numpy.ndarray, what numpy.asarray() takes, or pyopencl's Array
 Camera = Mapping[str, Any]
@@ -477,7 +477,7 @@ class Sequence:
             plan = _Plan(self._device, config, settings.dtype)
             self._plan = plan
             if cache_config is not None:
-                self._see_views()
+                self._see_views(self._views)
 
     # --- the radiance cache ---
 
@@ -563,9 +563,9 @@ class Sequence:
             write(self._queue, to.buffer, plane.array, True)
         return out, held
 
-    def _see_views(self) -> None:
+    def _see_views(self, views: List[View]) -> None:
         held = []
-        for index, view in enumerate(self._views):
+        for index, view in enumerate(views):
             prepared, buffers = self._prepare_view(view, f"views[{index}] ")
             held.append(buffers)
             enqueue(self._device, lib.hbil_enqueue_cache_inject, self._cache,
@@ -580,7 +580,7 @@ class Sequence:
             enqueue(self._device, lib.hbil_enqueue_cache_light_views,
                     self._cache, self._queue, array, len(array))
         # "Some 16 should follow a first injection" (hbil_cache.h)
-        self._update(16 if self._views and self._saved is None else 0)
+        self._update(16 if views and self._saved is None else 0)
         check_opencl(cl.clFinish(self._queue), "showing views to the cache")
 
     def _update(self, bounces: Optional[int] = None) -> None:
@@ -616,15 +616,17 @@ class Sequence:
             return
         self._need_cache()
         with self._device.lock:
-            self._views, self._saved = views, None
-            self._see_views()
+            self._saved = None
+            self._see_views(views)
+        self._views += views
 
     def move_cache(self, centre: Items[float]) -> None:
         """Moves the cache's middle; what stays inside stays known."""
         self._need_cache()
         with self._device.lock:
             enqueue(self._device, lib.hbil_enqueue_cache_move, self._cache,
-                    self._queue, ffi.new("double[3]", list(centre)))
+                    self._queue, ffi.new("double[3]",
+                                         numbers_of("centre", centre, 3)))
 
     def forget_in_cache(self, *, surfaces: float = 0.0, light: float = 0.0,
                         low: Optional[Items[float]] = None,
@@ -637,9 +639,9 @@ class Sequence:
         lib.hbil_cache_change_init_sized(change,
                                          ffi.sizeof("hbil_cache_change"))
         if low is not None:
-            change.low = list(low)
+            change.low = numbers_of("low", low, 3)
         if high is not None:
-            change.high = list(high)
+            change.high = numbers_of("high", high, 3)
         change.surfaces, change.light = surfaces, light
         with self._device.lock:
             enqueue(self._device, lib.hbil_enqueue_cache_forget, self._cache,
@@ -714,6 +716,8 @@ class Sequence:
                 plan.take(frame, self._queue, results)
             except BaseException:
                 _finish(self._queue)
+                if first:
+                    self.close()
                 raise
         return results
 

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, Mapping, Tuple
+from typing import Any, Dict, List, Mapping, Tuple
 
 import numpy as np
 
@@ -130,6 +130,17 @@ _BY_NUMBERS = ("fx", "fy", "cx", "cy", "view_to_world", "opengl")
 _BY_MATRICES = ("projection", "view", "conventions")
 
 
+def numbers_of(title: str, given: Any, count: int) -> List[float]:
+    """So many numbers, as a list."""
+    try:
+        found = [float(value) for value in given]
+    except (TypeError, ValueError):
+        found = []
+    if len(found) != count:
+        raise ValueError(f"{title}: {given!r}; {count} numbers are needed")
+    return found
+
+
 def set_camera(frame: Any, camera: Mapping[str, Any], config: Any) -> None:
     """Fills camera and hardware_depth of an hbil_frame or an hbil_view."""
     if not isinstance(camera, Mapping):
@@ -171,8 +182,8 @@ def set_camera(frame: Any, camera: Mapping[str, Any], config: Any) -> None:
             setattr(to, name, value)
         to.world_from_view = list(world)
     if "hardware_depth" in camera:
-        frame.hardware_depth = [float(value)
-                                for value in camera["hardware_depth"]]
+        frame.hardware_depth = numbers_of("camera hardware_depth",
+                                          camera["hardware_depth"], 2)
 
 
 def set_environment(frame: Any, config: Any, environment: Any) -> None:

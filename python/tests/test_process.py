@@ -125,6 +125,23 @@ def test_colours_may_be_numbers(room):
     same(hbil.process(depth, normal, (0.5, 0.5, 0.5), direct, camera), wanted)
 
 
+def test_one_colour_in_bytes_is_that_of_a_picture_of_them(room):
+    depth, normal, _, direct, camera = room
+    wanted = hbil.process(depth, normal, np.full(direct.shape, 128, np.uint8),
+                          direct, camera)
+    for albedo in np.uint8(128), np.full(3, 128, np.uint8):
+        same(hbil.process(depth, normal, albedo, direct, camera), wanted)
+    same(hbil.process(depth, normal, np.uint8(188), direct, camera,
+                      srgb=["albedo"]),
+         hbil.process(depth, normal, np.full(direct.shape, 188, np.uint8),
+                      direct, camera, srgb=["albedo"]))
+
+
+def test_masks_are_not_dropped(room):
+    with pytest.raises(TypeError, match="^depth: a masked array"):
+        hbil.process(np.ma.masked_greater(room[0], 1), *room[1:])
+
+
 def test_cameras_mean_the_same(room):
     depth, normal, albedo, direct, camera = room
     world = np.array([[0, 0, 1, 3], [-1, 0, 0, 2], [0, -1, 0, 1], [0, 0, 0, 1]])

@@ -97,6 +97,36 @@ def test_views_before_and_after_the_first_frame(room):
     after.process(*room)
 
 
+def test_close_leaves_all_views(room):
+    depth, normal, albedo, direct, camera = room
+    one = hbil.View(*room)
+    other = hbil.View(depth, normal, albedo, 4 * direct, camera)
+    sequence = hbil.Sequence(cache=SMALL, views=[one], learn=False)
+    sequence.process(*room)
+    sequence.add_views([other])
+    sequence.close()
+    both = hbil.Sequence(cache=SMALL, views=[one, other], learn=False)
+    same(sequence.process(*room), both.process(*room))
+
+
+def test_a_failed_first_frame_is_none(room):
+    sequence = hbil.Sequence(cache=False)
+    with pytest.raises(ValueError, match="^out: 'x'"):
+        sequence.process(*room, out={"x": 1})
+    same(sequence.process(*room), hbil.Sequence(cache=False).process(*room))
+
+
+def test_vectors_have_three_numbers(room):
+    sequence = hbil.Sequence(cache=SMALL)
+    sequence.process(*room)
+    with pytest.raises(ValueError, match=r"^centre: \(1,\); 3 numbers"):
+        sequence.move_cache((1,))
+    with pytest.raises(ValueError, match="^low: 0; 3 numbers"):
+        sequence.forget_in_cache(light=1, low=0, high=(1, 1, 1))
+    with pytest.raises(ValueError, match="^camera hardware_depth: .* 2 numbers"):
+        hbil.process(*room[:4], {**room[4], "hardware_depth": [1]})
+
+
 def test_views_have_their_own_size_types_and_light(room):
     depth, normal, albedo, direct, camera = room
     small = {name: value / 2 for name, value in camera.items()}
