@@ -98,7 +98,8 @@ ok $? "without a guess there is no such line"
 
 # --- light ---
 
-run process --overwrite --far environment --map direct= -o "$work/guess" "$one"
+run "$HBIL" process --overwrite $fast --warm-up 0 --far environment --map direct= \
+  -o "$work/guess" "$one"
 test $status -eq 0 && grep -q 'warning: no direct light; emission alone' "$work/err"
 ok $? "a frame without direct light is told of, where emission lights it"
 
