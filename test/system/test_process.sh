@@ -98,6 +98,7 @@ ok $? "without a guess there is no such line"
 
 # --- light ---
 
+# shellcheck disable=SC2086
 run "$HBIL" process --overwrite $fast --warm-up 0 --far environment --map direct= \
   -o "$work/guess" "$one"
 test $status -eq 0 && grep -q 'warning: no direct light; emission alone' "$work/err"
