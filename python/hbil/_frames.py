@@ -494,7 +494,7 @@ class Sequence:
                 raise ValueError(f"cache: {name!r}; of {', '.join(known)} are "
                                  "needed")
             try:
-                setattr(cache, name, [float(x) for x in value]
+                setattr(cache, name, numbers_of(name, value, 3)
                         if name == "centre" else value)
             except (TypeError, ValueError, OverflowError, IndexError):
                 raise TypeError(f"cache {name}: {value!r} is no such value"

@@ -72,15 +72,23 @@ def choice(name: str, value: Any, enumeration: str) -> int:
                      f"{', '.join(known)} is needed")
 
 
+def numbers_of(name: str, value: Any, count: int) -> List[float]:
+    """So many numbers, as a list: cffi would fill up what is missing."""
+    try:
+        numbers = [float(number) for number in value]
+    except (TypeError, ValueError):
+        numbers = []
+    if len(numbers) != count:
+        raise TypeError(f"{name}: {value!r}; {count} numbers are needed")
+    return numbers
+
+
 def _convert(name: str, value: Any, kind: Any) -> Any:
     if kind.kind == "enum":
         return choice(name, value, kind.cname)
+    if kind.kind == "array":
+        return numbers_of(name, value, kind.length)
     try:
-        if kind.kind == "array":
-            numbers = [float(number) for number in value]
-            if len(numbers) != kind.length:
-                raise ValueError
-            return numbers
         if kind.cname in ("float", "double"):
             return float(value)
         number = int(value)
@@ -89,10 +97,9 @@ def _convert(name: str, value: Any, kind: Any) -> Any:
         ffi.new(f"{kind.cname} *", number)  # whether it is in range
         return number
     except (TypeError, ValueError, OverflowError):
-        what = (f"{kind.length} numbers are" if kind.kind == "array" else
-                "a number is" if kind.cname in ("float", "double") else
-                "a whole number from 0 on is")
-        raise TypeError(f"{name}: {value!r}; {what} needed") from None
+        what = ("a number" if kind.cname in ("float", "double") else
+                "a whole number from 0 on")
+        raise TypeError(f"{name}: {value!r}; {what} is needed") from None
 
 
 def check_names(given: Mapping[str, Any]) -> None:
@@ -128,17 +135,6 @@ def _matrix(name: str, value: Any) -> Any:
 
 _BY_NUMBERS = ("fx", "fy", "cx", "cy", "view_to_world", "opengl")
 _BY_MATRICES = ("projection", "view", "conventions")
-
-
-def numbers_of(title: str, given: Any, count: int) -> List[float]:
-    """So many numbers, as a list."""
-    try:
-        found = [float(value) for value in given]
-    except (TypeError, ValueError):
-        found = []
-    if len(found) != count:
-        raise ValueError(f"{title}: {given!r}; {count} numbers are needed")
-    return found
 
 
 def set_camera(frame: Any, camera: Mapping[str, Any], config: Any) -> None:

@@ -100,7 +100,7 @@ def test_views_before_and_after_the_first_frame(room):
 def test_close_leaves_all_views(room):
     depth, normal, albedo, direct, camera = room
     one = hbil.View(*room)
-    other = hbil.View(depth, normal, albedo, 4 * direct, camera)
+    other = hbil.View(0 * depth, normal, albedo, direct, camera)  # only sky
     sequence = hbil.Sequence(cache=SMALL, views=[one], learn=False)
     sequence.process(*room)
     sequence.add_views([other])
@@ -117,13 +117,15 @@ def test_a_failed_first_frame_is_none(room):
 
 
 def test_vectors_have_three_numbers(room):
+    with pytest.raises(TypeError, match="^cache centre: "):
+        hbil.Sequence(cache={**SMALL, "centre": (1,)}).process(*room)
     sequence = hbil.Sequence(cache=SMALL)
     sequence.process(*room)
-    with pytest.raises(ValueError, match=r"^centre: \(1,\); 3 numbers"):
+    with pytest.raises(TypeError, match=r"^centre: \(1,\); 3 numbers"):
         sequence.move_cache((1,))
-    with pytest.raises(ValueError, match="^low: 0; 3 numbers"):
+    with pytest.raises(TypeError, match="^low: 0; 3 numbers"):
         sequence.forget_in_cache(light=1, low=0, high=(1, 1, 1))
-    with pytest.raises(ValueError, match="^camera hardware_depth: .* 2 numbers"):
+    with pytest.raises(TypeError, match="^camera hardware_depth: .* 2 numbers"):
         hbil.process(*room[:4], {**room[4], "hardware_depth": [1]})
 
 

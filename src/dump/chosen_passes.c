@@ -147,6 +147,17 @@ static int take_channels(const char *frame, const image *header,
   return 0;
 }
 
+static int report_role(const char *word, image_error *error) {
+  char roles[256] = "";
+  for (int r = 0; r < ROLE_COUNT; r++) {
+    const size_t used = strlen(roles);
+    snprintf(roles + used, sizeof roles - used, "%s%s", r ? ", " : "",
+             role_name((role)r));
+  }
+  return image_fail(error, "--map %.*s: ROLE=LAYER is needed, ROLE one of %s",
+                    (int)strcspn(word, "="), word, roles);
+}
+
 /* Takes one ROLE= with its values, which are overwritten. */
 static int take_role(const char *frame, const image *header, char *const *words,
                      size_t count, channel_map *out, image_error *error) {
@@ -154,11 +165,7 @@ static int take_role(const char *frame, const image *header, char *const *words,
   const int r = equals ? role_of(words[0], equals) : ROLE_COUNT;
   char *values[ROLE_CHANNELS + 1] = {equals ? equals + 1 : NULL};
   if (r == ROLE_COUNT)
-    return image_fail(error,
-                      "--map %.*s: ROLE=LAYER is needed, ROLE one of depth, "
-                      "normal, albedo, direct, emission, background, motion, "
-                      "position, indirect, coverage, picture, alpha",
-                      (int)strcspn(words[0], "="), words[0]);
+    return report_role(words[0], error);
   out->chosen |= 1u << r;
   out->count[r] = 0;
   free(out->files[r]);

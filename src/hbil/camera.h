@@ -5,8 +5,8 @@
 #include "context.h"
 #include "shared.h"
 
-/* Rejects a camera that is not finite, or whose world_from_view is not a rigid
- * transform, mirrored or not. */
+/* Rejects a camera that is outside of the ranges of hbil_camera, or whose
+ * world_from_view is not a rigid transform, mirrored or not. */
 hbil_status camera_check(hbil_context *context, const hbil_camera *camera);
 
 hbil_view_args camera_view(const hbil_camera *camera,

@@ -176,8 +176,6 @@ hbil_status hbil_plan_adopt_history(hbil_plan *plan,
   if (status != HBIL_SUCCESS)
     return status;
   hbil_plan_reset(plan);
-  if (is_none)
-    return HBIL_SUCCESS;
   plan->has_history = plan->layout.history && last->bounces > 0;
   plan->bounces = last->bounces < MOST_BOUNCES ? last->bounces : MOST_BOUNCES;
   plan->history_camera = plan->last_camera = last->camera;

@@ -1,6 +1,6 @@
 /*
  * Chunks in ZIP and ZIPS compression, decompressed by libdeflate.  OpenEXRCore
- * before 3.2 has zlib for it, which takes more than twice as long.
+ * before 3.2 has zlib for it, which takes about twice as long.
  */
 #ifndef HBIL_IMAGE_EXR_INFLATE_H
 #define HBIL_IMAGE_EXR_INFLATE_H

@@ -78,9 +78,9 @@ static int is_of_another_chunk(const job *j, unsigned number) {
 static int cut_at(job *j, const frame_numbers *asked, image_error *error) {
   const char *text = j->settings->cuts;
   for (size_t i = 0; i < asked->count; i++) {
-    const int frame = frame_of(j, asked->values[i]);
     if (is_of_another_chunk(j, asked->values[i]))
       continue;
+    const int frame = frame_of(j, asked->values[i]);
     if (frame == j->count)
       return image_fail(error, "--cuts %s: no frame has the number %u", text,
                         asked->values[i]);

@@ -6,9 +6,11 @@
 
 #include <getopt.h>
 
+#include "dump/roles.h"
 #include "image/error.h"
 #include "tool/process_arguments.h"
 #include "tool/process_options.h"
+#include "tool/source_arguments.h"
 
 /* Every member of hbil_config behind its size, in order. */
 typedef struct member {
@@ -190,11 +192,25 @@ static void options_need_and_exclude_options(void **state) {
   assert_true(relations > 30);
 }
 
+/* The help is a text, so no list of names can write it. */
+static void the_help_names_every_role(void **state) {
+  const char *help = NULL;
+  (void)state;
+  for (int i = 0; i < SOURCE_ROWS; ++i)
+    if (source_rows[i].name && !strcmp(source_rows[i].name, "map"))
+      help = source_rows[i].help;
+  assert_non_null(help);
+  for (int r = 0; r < ROLE_COUNT; ++r)
+    if (!strstr(help, role_name((role)r)))
+      fail_msg("--map doesn't name %s", role_name((role)r));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(all_members_are_compared),
       cmocka_unit_test(without_options_they_are_the_librarys),
       cmocka_unit_test(the_default_model_sets_nothing_else),
-      cmocka_unit_test(options_need_and_exclude_options)};
+      cmocka_unit_test(options_need_and_exclude_options),
+      cmocka_unit_test(the_help_names_every_role)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
