@@ -235,6 +235,8 @@ INLINE void replace_rays(const hbil_cache_args c, ray_states *r, intv lanes,
     REPLACE(entries[l]);
   REPLACE(unseen);
   REPLACE(last);
+  REPLACE(passed);
+  REPLACE(passed_size);
   REPLACE(active);
 #undef REPLACE
 }

@@ -94,6 +94,11 @@ enum { HBIL_CACHE_REGIONS_ACROSS = 4, HBIL_CACHE_REGIONS = 64 };
  * centre, along each axis.  Planes of neighbours then overlap by half a voxel,
  * without gaps. */
 #define HBIL_CACHE_SLACK 0.75f
+/* It has also hit it, by chance beside that, if what comes right behind the
+ * surface has not been seen, and if it crosses the plane within this many
+ * voxels of the centre.  Farther away, the place is rather hidden by an edge that
+ * the ray misses (doc/measurements.md). */
+#define HBIL_CACHE_BESIDE 2.5f
 /* Rays begin this far above the surface, along the normal and along the ray,
  * and no hit is nearer than the last; in voxels of the level.  A surface's own
  * voxels have planes through it, which rays away from it don't meet. */

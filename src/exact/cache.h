@@ -129,12 +129,18 @@ exact_ray_end exact_cache_follow(const exact_cache *cache, vec3 origin,
                                  vec3 direction, double start);
 
 /* Its parts.  The voxel of the finest level that has a point; false: none has.
- * The distance at which a ray leaves a voxel.  Whether a ray hits the surface
- * of a voxel, whose values are v, and at which distance. */
+ * The distance at which a ray leaves a voxel.  How a ray meets the surface of a
+ * voxel, whose values are v, and the distance of its plane: not from the front;
+ * or crossing the plane outside of the voxel; or inside, so that it ends. */
+typedef enum exact_meeting {
+  EXACT_MEETS_NOTHING,
+  EXACT_PASSES_SURFACE,
+  EXACT_MEETS_SURFACE
+} exact_meeting;
 bool exact_cache_find(const exact_cache *cache, vec3 at, exact_place *place);
 double exact_cache_leave(const exact_place *place, vec3 origin, vec3 direction);
-bool exact_cache_hits(const double *v, const exact_place *place, vec3 origin,
-                      vec3 direction, double *distance);
+exact_meeting exact_cache_meet(const double *v, const exact_place *place,
+                               vec3 origin, vec3 direction, double *distance);
 
 /* Mixes the bits of a number, which turns rays. */
 uint32_t exact_mixed(uint32_t number);
