@@ -115,10 +115,12 @@ INLINE void set_known_light(far_receiver *r, const realv near_light[3],
                             const probe_light *cached) {
   r->shown_share = 1.0f - r->ao;
   r->cached_share = r->ao * cached->share;
+  r->guess_share = cached->guess_share;
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
     r->shown[c] = near_light[c] * INV_PI;
     r->cached[c] = cached->light[c];
+    r->guess[c] = cached->guess[c];
   }
 }
 

@@ -25,7 +25,7 @@ kernel void filter_probes(const hbil_probes_args args,
   global const float *probe = probes + HBIL_PROBE_FLOATS * number;
   global float *to = filtered + HBIL_PROBE_FLOATS * number;
   const float4 place = vload4(0, probe), normal = vload4(1, probe);
-  float4 sum[5] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+  float4 sum[6] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
   float total = 0.0f;
   for (int j = max(row - reach, 0); j <= min(row + reach, grid.rows - 1); ++j)
     for (int i = max(column - reach, 0);
@@ -41,12 +41,12 @@ kernel void filter_probes(const hbil_probes_args args,
       const float weight =
           other[HBIL_PROBE_VALID] * alike * tent(i - column, j - row);
       total += weight;
-      for (int k = 0; k < 5; ++k)
+      for (int k = 0; k < 6; ++k)
         sum[k] += weight * vload4(2 + k, other);
     }
   const float share = total > 0.0f ? 1.0f / total : 0.0f;
   vstore4(place, 0, to);
   vstore4(normal, 1, to);
-  for (int k = 0; k < 5; ++k)
+  for (int k = 0; k < 6; ++k)
     vstore4(share * sum[k], 2 + k, to);
 }

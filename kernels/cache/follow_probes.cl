@@ -18,12 +18,14 @@
 #include "lib/cache_voxels.clh"
 #include "lib/probe_likeness.clh"
 
-enum { SHARES = 2, FUNCTIONS = 5 }; /* known and unknown; red, green, blue */
+/* Known and unknown; with red, green, blue; with what is guessed, which has no
+ * direction. */
+enum { SHARES = 2, FUNCTIONS = 5, VALUES = 6 };
 
 /* What the last frame's probes say of a place: means, and the number of frames
  * that they stand for; 0: nothing. */
 typedef struct past_probe {
-  float4 f[FUNCTIONS];
+  float4 f[VALUES];
   float frames;
 } past_probe;
 
@@ -32,7 +34,7 @@ INLINE past_probe find_past(const hbil_follow_args args,
                             global const float *probes, float3 p, float3 n) {
   const hbil_view_args view = args.before;
   const hbil_probe_grid_args grid = args.grid;
-  past_probe past = {{0.0f, 0.0f, 0.0f, 0.0f, 0.0f}, 0.0f};
+  past_probe past = {{0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f}, 0.0f};
   if (!ORTHOGRAPHIC && !(p.z > 0.0f))
     return past;
   const float shrink = ORTHOGRAPHIC ? 1.0f : 1.0f / p.z;
@@ -59,7 +61,7 @@ INLINE past_probe find_past(const hbil_follow_args args,
                  vload3(0, other + HBIL_PROBE_NORMAL));
     total += weight;
     past.frames = fma(weight, other[HBIL_PROBE_FRAMES_AT], past.frames);
-    for (int k = 0; k < FUNCTIONS; ++k)
+    for (int k = 0; k < VALUES; ++k)
       past.f[k] += weight * vload4(2 + k, other);
   }
   /* with less than this, other surfaces are nearer */
@@ -68,14 +70,14 @@ INLINE past_probe find_past(const hbil_follow_args args,
     return past;
   }
   past.frames /= total;
-  for (int k = 0; k < FUNCTIONS; ++k)
+  for (int k = 0; k < VALUES; ++k)
     past.f[k] /= total;
   return past;
 }
 
 /* How much has changed: the largest difference of a share, or of all light over
  * the brighter one. */
-INLINE float change(const float4 now[FUNCTIONS], const past_probe *past) {
+INLINE float change(const float4 now[VALUES], const past_probe *past) {
   float light = 0.0f, before = 0.0f, most = 0.0f;
   for (int k = 0; k < SHARES; ++k)
     most = max(most, fabs(now[k].x - past->f[k].x));
@@ -97,8 +99,8 @@ kernel void follow_probes(const hbil_follow_args args,
   global const float *probe = probes + HBIL_PROBE_FLOATS * number;
   global float *to = followed + HBIL_PROBE_FLOATS * number;
   const float4 place = vload4(0, probe);
-  float4 normal = vload4(1, probe), f[FUNCTIONS];
-  for (int k = 0; k < FUNCTIONS; ++k)
+  float4 normal = vload4(1, probe), f[VALUES];
+  for (int k = 0; k < VALUES; ++k)
     f[k] = vload4(2 + k, probe);
   float frames = 1.0f;
   if (args.has_before && place.w > 0.0f) {
@@ -108,13 +110,13 @@ kernel void follow_probes(const hbil_follow_args args,
       then.f[k].yzw = rotated(args.forth, then.f[k].yzw);
     if (then.frames > 0.0f && change(f, &then) <= HBIL_PROBE_CHANGE) {
       frames = min(then.frames + 1.0f, (float)HBIL_PROBE_FRAMES);
-      for (int k = 0; k < FUNCTIONS; ++k)
+      for (int k = 0; k < VALUES; ++k)
         f[k] = then.f[k] + (f[k] - then.f[k]) / frames;
     }
   }
   normal.w = frames;
   vstore4(place, 0, to);
   vstore4(normal, 1, to);
-  for (int k = 0; k < FUNCTIONS; ++k)
+  for (int k = 0; k < VALUES; ++k)
     vstore4(f[k], 2 + k, to);
 }

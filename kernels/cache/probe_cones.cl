@@ -190,5 +190,5 @@ kernel void probe_cones(const hbil_probes_args args, global const float *split,
     mean[RED + 1] += c.light.y * share;
     mean[RED + 2] += c.light.z * share;
   }
-  store_probe(args, &probe, mean, probes);
+  store_probe(args, &probe, mean, 0.0f, probes);
 }

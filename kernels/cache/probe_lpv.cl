@@ -67,5 +67,5 @@ kernel void probe_lpv(const hbil_probes_args args, global const float *split,
                                0.5f * light.x * n - light.yzw * (1.0f / 3.0f));
     }
   }
-  store_probe(args, &probe, mean, probes);
+  store_probe(args, &probe, mean, 0.0f, probes);
 }

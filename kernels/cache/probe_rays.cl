@@ -5,12 +5,14 @@
  * Rays whose first surface this frame shows are left out, because the near
  * field has their light.  Of the others a probe has three order-1 functions of
  * the direction (doc/method.md, section 13): the share with known light, that
- * light, and the share with unknown light.
+ * light, and the share with unknown light; and means of what areas of the cache
+ * tell of the latter.
  *
  * Launch: x = columns of probes, y = rows.
  * In: split planes, the cache.  Out: HBIL_PROBE_FLOATS floats a probe.
  */
 #include "lib/cache_rays.clh"
+#include "lib/local_light.clh"
 #include "lib/probe_likeness.clh"
 #include "lib/probe_place.clh"
 #include "lib/shown_rays.clh"
@@ -68,11 +70,43 @@ INLINE points ray_directions(intv i, int rays, const probe_place *probe) {
   return about_normal(all_at(probe->cache_normal), u, v);
 }
 
-/* Returns how many rays there were. */
+/* Adds what areas tell of rays whose light is unknown. */
+INLINE void add_guesses(const hbil_cache_args cache, global const float *areas,
+                        const probe_place *probe, const probe_finds *found,
+                        points d, float4 *guess) {
+  float x[HBIL_WIDTH], y[HBIL_WIDTH], z[HBIL_WIDTH], lost[HBIL_WIDTH];
+  const realv away =
+      select((realv)0.0f, found->lost, found->unknown > (realv)0.0f);
+  if (!ANY(away > 0.0f))
+    return;
+  STOREV(d.x, x);
+  STOREV(d.y, y);
+  STOREV(d.z, z);
+  STOREV(away, lost);
+  for (int i = 0; i < HBIL_WIDTH; ++i) {
+    const float3 direction = (float3)(x[i], y[i], z[i]);
+    if (lost[i] > 0.0f)
+      *guess += local_light(cache, areas,
+                            ray_origin(probe) + direction * lost[i], direction);
+  }
+}
+
+/* How much areas tell of a probe: of its rays, how many are unknown, and how
+ * many go to the sky. */
+INLINE float weight_of_areas(float rays, float unknown, float sky) {
+  const float hole = 2.0f - unknown * (2.0f / HBIL_AREA_HOLE) / rays;
+  const float under =
+      1.0f - sky * (1.0f / HBIL_AREA_SKY) / max(rays - unknown, 1.0f);
+  return clamp(hole, 0.0f, 1.0f) * max(under, 0.0f);
+}
+
+/* Returns how many rays there were.  guess: means over these. */
 INLINE int trace(const hbil_probes_args args, global const float *split,
                  const cache_map *map, global const uint *radiance,
-                 const probe_place *probe, rays_sum sum[FUNCTIONS]) {
+                 global const float *areas, const probe_place *probe,
+                 rays_sum sum[FUNCTIONS], float4 *guess) {
   const int rays = rays_of_probe(args, split, probe);
+  realv sky = 0.0f;
   for (int i = 0; i < rays; i += HBIL_WIDTH) {
     const points d = ray_directions(i + EACH_LANE, rays, probe);
     const probe_finds found = finds_of_rays(args, split, map, radiance, probe,
@@ -82,26 +116,31 @@ INLINE int trace(const hbil_probes_args args, global const float *split,
 #pragma unroll
     for (int c = 0; c < 3; ++c)
       add_rays(&sum[RED + c], found.light[c], d);
+    sky += found.sky;
+    add_guesses(map->cache, areas, probe, &found, d, guess);
   }
+  *guess *= weight_of_areas((float)rays, lanes_sum(sum[UNKNOWN].even),
+                            lanes_sum(sky)) /
+            (float)rays;
   return rays;
 }
 
 kernel void probe_rays(const hbil_probes_args args, global const float *split,
                        global const uchar *clearance,
                        global const float *voxels, global const uint *radiance,
-                       global float *probes) {
+                       global const float *areas, global float *probes) {
   const cache_map map = {args.cache, clearance, voxels};
   probe_place probe;
   rays_sum sum[FUNCTIONS];
-  float4 mean[FUNCTIONS];
+  float4 mean[FUNCTIONS], guess = 0.0f;
   if (!place_of_item(args, split, &probe))
     return;
   for (int i = 0; i < FUNCTIONS; ++i)
     sum[i].even = sum[i].x = sum[i].y = sum[i].z = 0.0f;
   int rays = 1;
   if (probe.exists)
-    rays = trace(args, split, &map, radiance, &probe, sum);
+    rays = trace(args, split, &map, radiance, areas, &probe, sum, &guess);
   for (int i = 0; i < FUNCTIONS; ++i)
     mean[i] = mean_of_rays(&sum[i], rays);
-  store_probe(args, &probe, mean, probes);
+  store_probe(args, &probe, mean, guess, probes);
 }

@@ -79,5 +79,5 @@ kernel void probe_rsm(const hbil_probes_args args, global const float *split,
     for (int c = 0; c < 3; ++c) /* over the hemisphere's 2 pi */
       mean[RED + c] = 0.159154943f * sum[c];
   }
-  store_probe(args, &probe, mean, probes);
+  store_probe(args, &probe, mean, 0.0f, probes);
 }

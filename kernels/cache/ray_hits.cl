@@ -235,8 +235,6 @@ INLINE void replace_rays(const hbil_cache_args c, ray_states *r, intv lanes,
     REPLACE(entries[l]);
   REPLACE(unseen);
   REPLACE(last);
-  REPLACE(passed);
-  REPLACE(passed_size);
   REPLACE(active);
 #undef REPLACE
 }
@@ -245,7 +243,7 @@ INLINE void follow_all(queue *q, const cache_map *map) {
   const hbil_cache_args cache = map->cache;
   const points nowhere = {0.0f, 0.0f, 0.0f};
   ray_states r = begin_rays(cache, nowhere, nowhere, 0.0f, 0);
-  ray_ends ends = {0, 0, 0, 0.0f, 0.0f};
+  ray_ends ends = {0, 0, 0, 0.0f, 0.0f, 0.0f};
   intv ray = -1;
   for (ulong steps = (ulong)(q->end - q->next) * (ulong)most_steps(cache);
        steps > 0; --steps) {

@@ -94,11 +94,6 @@ enum { HBIL_CACHE_REGIONS_ACROSS = 4, HBIL_CACHE_REGIONS = 64 };
  * centre, along each axis.  Planes of neighbours then overlap by half a voxel,
  * without gaps. */
 #define HBIL_CACHE_SLACK 0.75f
-/* It has also hit it, by chance beside that, if what comes right behind the
- * surface has not been seen, and if it crosses the plane within this many
- * voxels of the centre.  Farther away, the place is rather hidden by an edge that
- * the ray misses (doc/measurements.md). */
-#define HBIL_CACHE_BESIDE 2.5f
 /* Rays begin this far above the surface, along the normal and along the ray,
  * and no hit is nearer than the last; in voxels of the level.  A surface's own
  * voxels have planes through it, which rays away from it don't meet. */
@@ -213,8 +208,25 @@ enum {
   HBIL_PROBE_KNOWN = 8,     /* rays whose light is known, not shown; 4 */
   HBIL_PROBE_UNKNOWN = 12,  /* rays into what no view has seen; 4 */
   HBIL_PROBE_LIGHT = 16,    /* radiance of the known ones; 4 a channel */
-  HBIL_PROBE_FLOATS = 28
+  /* of the unknown ones: radiance that areas tell, and how many rays it is
+   * told of, both times a weight and without directions; 3, 1 */
+  HBIL_PROBE_GUESS = 28,
+  HBIL_PROBE_FLOATS = 32
 };
+
+/* Areas of the cache (lib/local_light.clh): voxels across the smallest, floats
+ * of each, and the least sum of cosines of surfaces that tells something. */
+#define HBIL_AREA_VOXELS 8
+enum { HBIL_AREA_FLOATS = 24 };
+#define HBIL_AREA_LEAST 3.0f
+/* The weight of what areas tell of unseen light, beside the estimate.  It is
+ * less where more than half of this share of a probe's rays is unknown, and 0
+ * from this share on: then views lack a side of the place, and not only what
+ * hides behind something.  It also falls to 0 where of the other rays so many
+ * go to the sky, as in the open few hidden surfaces are lit like those seen. */
+#define HBIL_AREA_WEIGHT 0.75f
+#define HBIL_AREA_HOLE 0.4f
+#define HBIL_AREA_SKY 0.25f
 
 /* Floats of a texel of the pyramid (lib/pyramid.clh): light times opacity, and
  * opacity, along +x -x +y -y +z -z; then the shares of its voxels that no view

@@ -121,6 +121,7 @@ typedef struct exact_ray_end {
   exact_ray_kind kind;
   exact_place place; /* of the surface that is hit */
   double distance;   /* likewise */
+  double lost;       /* to the first place that no view has seen; 0: none */
 } exact_ray_end;
 
 /* Follows a ray of unit direction from the distance `start` on, from voxel to
@@ -129,18 +130,12 @@ exact_ray_end exact_cache_follow(const exact_cache *cache, vec3 origin,
                                  vec3 direction, double start);
 
 /* Its parts.  The voxel of the finest level that has a point; false: none has.
- * The distance at which a ray leaves a voxel.  How a ray meets the surface of a
- * voxel, whose values are v, and the distance of its plane: not from the front;
- * or crossing the plane outside of the voxel; or inside, so that it ends. */
-typedef enum exact_meeting {
-  EXACT_MEETS_NOTHING,
-  EXACT_PASSES_SURFACE,
-  EXACT_MEETS_SURFACE
-} exact_meeting;
+ * The distance at which a ray leaves a voxel.  Whether a ray hits the surface
+ * of a voxel, whose values are v, and at which distance. */
 bool exact_cache_find(const exact_cache *cache, vec3 at, exact_place *place);
 double exact_cache_leave(const exact_place *place, vec3 origin, vec3 direction);
-exact_meeting exact_cache_meet(const double *v, const exact_place *place,
-                               vec3 origin, vec3 direction, double *distance);
+bool exact_cache_hits(const double *v, const exact_place *place, vec3 origin,
+                      vec3 direction, double *distance);
 
 /* Mixes the bits of a number, which turns rays. */
 uint32_t exact_mixed(uint32_t number);
@@ -148,6 +143,16 @@ uint32_t exact_mixed(uint32_t number);
 void exact_ray_place(int i, int count, uint32_t turn, double *u, double *v);
 /* The direction of cosine z with the normal n and azimuth 2 pi v about it. */
 vec3 exact_about_normal(vec3 n, double z, double v);
+
+/* Areas (cache_areas.c): those of a step across; the sums of (red, green, blue,
+ * 1) over the surfaces of one that face along +x -x +y -y +z -z, by the cosine;
+ * the light at p along d from the surfaces of the smallest area around p that
+ * has some which face it (false: none has). */
+int exact_cache_areas_across(const exact_cache *cache, int step);
+void exact_cache_area(const exact_cache *cache, int step, const int area[3],
+                      double sum[6][4]);
+bool exact_cache_local_light(const exact_cache *cache, vec3 p, vec3 d,
+                             double light[3]);
 
 /* Radiance of the environment from a direction in the world. */
 double exact_environment(hbil_far_field far_field,
@@ -186,6 +191,8 @@ typedef struct exact_probe {
   double known[4];    /* share of rays whose light is known, not shown */
   double unknown[4];  /* share of rays into what no view has seen */
   double light[3][4]; /* radiance of the known ones */
+  double guess[4];    /* of the unknown ones: radiance that areas tell, and the
+                         share of rays; no function of the direction */
   double frames;      /* after exact_follow_probes(): that it stands for */
 } exact_probe;
 
@@ -217,6 +224,8 @@ void exact_follow_probes(const exact_frame *frame, const hbil_camera *before,
 typedef struct exact_probe_light {
   double light[3]; /* radiance times the share of the hemisphere */
   double share;    /* of the open directions */
+  /* of the others: radiance that areas tell times its weight, and the weight */
+  double guess[3], guess_share;
 } exact_probe_light;
 
 /* The mean of (1, direction) over the open directions, a share `ao` of the

@@ -107,6 +107,17 @@ exact_stand exact_probe_stand(const exact_frame *frame,
   return s;
 }
 
+/* What areas tell of a share of rays. */
+static void add_guess(const exact_cache *cache, vec3 at, vec3 d, double share,
+                      double guess[4]) {
+  double light[3];
+  if (!(share > 0.0) || !exact_cache_local_light(cache, at, d, light))
+    return;
+  for (int c = 0; c < 3; ++c)
+    guess[c] += share * light[c];
+  guess[3] += share;
+}
+
 /* `first`: of its directions, every HBIL_PROBE_TILE^2-th of a sequence. */
 static void trace(const exact_frame *frame, const exact_cache *cache,
                   const exact_planes *split, int rays, int first,
@@ -116,6 +127,7 @@ static void trace(const exact_frame *frame, const exact_cache *cache,
   const vec3 origin = vec_add(s.at, (double)HBIL_CACHE_LIFT * s.size, s.n);
   const double radius = (double)frame->config->model.radius / cache->voxel_size;
   const double share = 1.0 / rays;
+  int sky = 0, others = rays;
   for (int i = 0; i < rays; ++i) {
     double u, v;
     exact_ray_place(probes * i + first, probes * rays, 0x80000000u, &u, &v);
@@ -124,8 +136,12 @@ static void trace(const exact_frame *frame, const exact_cache *cache,
         exact_cache_follow(cache, origin, d, (double)HBIL_CACHE_START * s.size);
     if (end.kind == EXACT_RAY_UNKNOWN) {
       exact_probe_add(frame, p->unknown, share, d);
+      add_guess(cache, vec_add(origin, end.lost, d), d,
+                end.lost > 0.0 ? share : 0.0, p->guess);
+      --others;
       continue;
     }
+    sky += end.kind == EXACT_RAY_SKY;
     if (end.kind == EXACT_RAY_HIT && end.distance < radius &&
         exact_frame_shows(frame, cache, split, vec_add(origin, end.distance, d),
                           d, ldexp((double)HBIL_CACHE_SHOWN, end.place.level)))
@@ -141,6 +157,12 @@ static void trace(const exact_frame *frame, const exact_cache *cache,
                              exact_exposure(frame)),
           d);
   }
+  const double unknown = 1.0 - others / (double)rays;
+  const double weight =
+      fmin(1.0, fmax(0.0, 2.0 - 2.0 * unknown / (double)HBIL_AREA_HOLE)) *
+      fmax(0.0, 1.0 - sky / ((double)HBIL_AREA_SKY * fmax(others, 1.0)));
+  for (int k = 0; k < 4; ++k)
+    p->guess[k] *= weight;
 }
 
 /* --- places --- */
@@ -263,6 +285,7 @@ static void filter_probe(const exact_frame *frame, const exact_probes *probes,
         }
         add_function(out->known, weight / total, other->known);
         add_function(out->unknown, weight / total, other->unknown);
+        add_function(out->guess, weight / total, other->guess);
         for (int c = 0; c < 3; ++c)
           add_function(out->light[c], weight / total, other->light[c]);
       }
@@ -292,6 +315,7 @@ static void scale_probe(exact_probe *p, double factor) {
   for (int k = 0; k < 4; ++k) {
     p->known[k] *= factor;
     p->unknown[k] *= factor;
+    p->guess[k] *= factor;
     for (int c = 0; c < 3; ++c)
       p->light[c][k] *= factor;
   }
@@ -301,6 +325,7 @@ static void add_probe(exact_probe *sum, double weight, const exact_probe *p) {
   sum->frames += weight * p->frames;
   add_function(sum->known, weight, p->known);
   add_function(sum->unknown, weight, p->unknown);
+  add_function(sum->guess, weight, p->guess);
   for (int c = 0; c < 3; ++c)
     add_function(sum->light[c], weight, p->light[c]);
 }

@@ -4,9 +4,7 @@
  * A ray goes from voxel to voxel of the finest level that there is.  Where that
  * has not been seen, the next coarser level is asked.  A surface is hit if the
  * ray crosses its plane from the front, not too near, and within
- * HBIL_CACHE_SLACK of the voxel's middle; otherwise the ray goes on.  If it
- * then comes to what no view has seen, and has passed only surfaces since one
- * whose plane lay ahead, that one hides the place: the ray hits it.
+ * HBIL_CACHE_SLACK of the voxel's middle; otherwise the ray goes on.
  */
 #include "exact/cache.h"
 #include "exact/passes.h"
@@ -48,8 +46,8 @@ double exact_cache_leave(const exact_place *place, vec3 origin,
   return t;
 }
 
-exact_meeting exact_cache_meet(const double *v, const exact_place *place,
-                               vec3 origin, vec3 direction, double *distance) {
+bool exact_cache_hits(const double *v, const exact_place *place, vec3 origin,
+                      vec3 direction, double *distance) {
   const double size = ldexp(1.0, place->level);
   const vec3 n =
       vec_normalize(vec(v[HBIL_VOXEL_NORMAL], v[HBIL_VOXEL_NORMAL + 1],
@@ -61,11 +59,8 @@ exact_meeting exact_cache_meet(const double *v, const exact_place *place,
       towards;
   const vec3 off = vec_add(vec_add(origin, *distance, direction), -1.0, centre);
   const double most = fmax(fabs(off.x), fmax(fabs(off.y), fabs(off.z)));
-  if (!(towards < 0.0 && *distance > (double)HBIL_CACHE_NEAREST * size))
-    return EXACT_MEETS_NOTHING;
-  return most <= (double)HBIL_CACHE_SLACK * size    ? EXACT_MEETS_SURFACE
-         : most <= (double)HBIL_CACHE_BESIDE * size ? EXACT_PASSES_SURFACE
-                                                    : EXACT_MEETS_NOTHING;
+  return towards < 0.0 && *distance > (double)HBIL_CACHE_NEAREST * size &&
+         most <= (double)HBIL_CACHE_SLACK * size;
 }
 
 exact_ray_end exact_cache_follow(const exact_cache *cache, vec3 origin,
@@ -73,30 +68,20 @@ exact_ray_end exact_cache_follow(const exact_cache *cache, vec3 origin,
   exact_ray_end end = {.kind = EXACT_RAY_UNKNOWN};
   exact_place place;
   bool unseen = false;
-  bool passes = false; /* the surface at end.place, which lies ahead */
   int last = HBIL_VOXEL_UNKNOWN;
   double t = start;
   while (exact_cache_find(cache, vec_add(origin, t, direction), &place)) {
     exact_place seen = place;
     last = exact_cache_state_for_rays(cache, &seen);
-    if (last == HBIL_VOXEL_UNKNOWN && passes) {
+    if (last == HBIL_VOXEL_SURFACE &&
+        exact_cache_hits(exact_cache_at(cache, &seen)->value, &seen, origin,
+                         direction, &end.distance)) {
       end.kind = EXACT_RAY_HIT;
-      end.distance = t;
-      return end;
-    }
-    const exact_meeting meeting =
-        last == HBIL_VOXEL_SURFACE
-            ? exact_cache_meet(exact_cache_at(cache, &seen)->value, &seen,
-                               origin, direction, &end.distance)
-            : EXACT_MEETS_NOTHING;
-    if (meeting != EXACT_MEETS_NOTHING)
       end.place = seen;
-    if (meeting == EXACT_MEETS_SURFACE) {
-      end.kind = EXACT_RAY_HIT;
       return end;
     }
-    passes = last == HBIL_VOXEL_SURFACE &&
-             (passes || meeting == EXACT_PASSES_SURFACE);
+    if (last == HBIL_VOXEL_UNKNOWN && !unseen)
+      end.lost = t;
     unseen = unseen || last == HBIL_VOXEL_UNKNOWN;
     /* behind the border, whatever the rounding */
     t = fmax(t, exact_cache_leave(&place, origin, direction)) + 1e-9;

@@ -76,9 +76,11 @@ double exact_far_irradiance(const exact_frame *frame, int channel, int x, int y,
   double light = 0.0;
   if (far_field == HBIL_FAR_FRAME)
     light = PI * exact_estimated_share(frame, x, y, ao, cached) *
-            exact_unseen_radiance(frame, channel, bent, near_irradiance / PI,
-                                  1.0 - ao, cached->light[channel],
-                                  ao * cached->share);
+            (cached->guess[channel] +
+             (1.0 - cached->guess_share) *
+                 exact_unseen_radiance(
+                     frame, channel, bent, near_irradiance / PI, 1.0 - ao,
+                     cached->light[channel], ao * cached->share));
   else if (far_field != HBIL_FAR_NONE)
     light = (1.0 - cached->share) * environment_light(frame, channel, ao, bent);
   return light + PI * cached->light[channel];

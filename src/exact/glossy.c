@@ -103,7 +103,7 @@ static exact_probe_light light_of_probes(const exact_frame *frame,
                                          const exact_glossy_probe *glossy,
                                          const mirror *m, int x, int y) {
   const exact_probes *probes = frame->probes;
-  exact_probe_light light = {{0.0, 0.0, 0.0}, 0.0};
+  exact_probe_light light = {.share = 0.0};
   double total = 0.0, known = 0.0, unknown = 0.0, sent[3] = {0.0, 0.0, 0.0};
   for (int i = 0; glossy && i < probes->columns * probes->rows; ++i) {
     const exact_probe *probe = probes->probe + i;

@@ -52,9 +52,10 @@ double exact_probe_weight(const exact_frame *frame, const exact_probe *probe,
 exact_probe_light exact_light_of_probes(const exact_frame *frame, int x, int y,
                                         double ao, vec3 bent) {
   const exact_probes *probes = frame->probes;
-  exact_probe_light light = {{0.0, 0.0, 0.0}, 0.0};
+  exact_probe_light light = {.share = 0.0};
   double mean[4], total = 0.0, known = 0.0, unknown = 0.0;
-  double sent[3] = {0.0, 0.0, 0.0};
+  double sent[3] = {0.0, 0.0, 0.0}, unseen = 0.0;
+  double told[4] = {0.0, 0.0, 0.0, 0.0};
   if (!probes || exact_is_sky(frame, x, y))
     return light;
   const vec3 p = exact_point(frame, x, y, exact_planar_depth(frame, x, y));
@@ -70,6 +71,15 @@ exact_probe_light exact_light_of_probes(const exact_frame *frame, int x, int y,
     unknown += weight * mean_of(probe->unknown, mean);
     for (int c = 0; c < 3; ++c)
       sent[c] += weight * mean_of(probe->light[c], mean);
+    unseen += weight * probe->unknown[0];
+    for (int c = 0; c < 4; ++c)
+      told[c] += weight * probe->guess[c];
+  }
+  if (unseen > LEAST_SHARE * total) {
+    const double scale = (double)HBIL_AREA_WEIGHT / unseen;
+    light.guess_share = scale * told[3];
+    for (int c = 0; c < 3; ++c)
+      light.guess[c] = exact_exposure(frame) * scale * told[c];
   }
   /* order 1 may be negative where little counts */
   known = fmax(0.0, known);

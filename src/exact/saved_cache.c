@@ -53,33 +53,23 @@ exact_ray_kind exact_saved_follow(const exact_saved_cache *saved, vec3 origin,
                                   vec3 direction, double near,
                                   double radiance[3]) {
   exact_place place;
-  exact_voxel voxel = {.state = HBIL_VOXEL_UNKNOWN};
-  bool unseen = false, passes = false, hits = false;
+  bool unseen = false;
   int last = HBIL_VOXEL_UNKNOWN;
   double t = 0.0, distance;
   memset(radiance, 0, 3 * sizeof *radiance);
   while (
       exact_cache_find(&saved->where, vec_add(origin, t, direction), &place)) {
     exact_place seen = place;
-    exact_meeting meeting = EXACT_MEETS_NOTHING;
+    exact_voxel voxel;
     last = state_at(saved, &seen);
-    hits = last == HBIL_VOXEL_UNKNOWN && passes;
     if (last == HBIL_VOXEL_SURFACE) {
-      exact_voxel met;
-      read_voxel(saved, &seen, &met);
-      meeting =
-          exact_cache_meet(met.value, &seen, origin, direction, &distance);
-      if (meeting != EXACT_MEETS_NOTHING)
-        voxel = met;
-      hits = meeting == EXACT_MEETS_SURFACE;
+      read_voxel(saved, &seen, &voxel);
+      if (exact_cache_hits(voxel.value, &seen, origin, direction, &distance)) {
+        exact_cache_update_radiance(&voxel);
+        memcpy(radiance, voxel.radiance, sizeof voxel.radiance);
+        return EXACT_RAY_HIT;
+      }
     }
-    if (hits) {
-      exact_cache_update_radiance(&voxel);
-      memcpy(radiance, voxel.radiance, sizeof voxel.radiance);
-      return EXACT_RAY_HIT;
-    }
-    passes = last == HBIL_VOXEL_SURFACE &&
-             (passes || meeting == EXACT_PASSES_SURFACE);
     unseen = unseen || (t >= near && last == HBIL_VOXEL_UNKNOWN);
     t = fmax(t, exact_cache_leave(&place, origin, direction)) + 1e-9;
   }

@@ -14,12 +14,11 @@ size_t cache_voxel_count(const hbil_cache_config *config) {
   return n * n * n * config->levels;
 }
 
-/* A step for each level, and those beyond. */
-static size_t pyramid_texels(const hbil_cache_config *config) {
-  size_t across = config->voxels / 2;
-  size_t sum = (config->levels - 1) * across * across * across;
-  for (; across > 0; across /= 2)
-    sum += across * across * across;
+size_t cubes_of_steps(const hbil_cache_config *config, size_t across) {
+  size_t count = config->voxels / across;
+  size_t sum = (config->levels - 1) * count * count * count;
+  for (; count > 0; count /= 2)
+    sum += count * count * count;
   return sum;
 }
 

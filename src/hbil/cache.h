@@ -27,6 +27,8 @@
   X(CACHE_PROGRAM_BOUNCE, "cache/bounce", true, .relaxed = true)               \
   X(CACHE_PROGRAM_CHANGE, "cache/change", true, .defines = "-DHBIL_WIDTH=1")   \
   X(CACHE_PROGRAM_MOVE, "cache/move", true, .defines = "-DHBIL_WIDTH=1")       \
+  X(CACHE_PROGRAM_LOCAL_LIGHT, "cache/local_light",                            \
+    c->method == HBIL_CACHE_METHOD_RAYS, .defines = "-DHBIL_WIDTH=1")          \
   X(CACHE_PROGRAM_PYRAMID, "cache/pyramid",                                    \
     c->method == HBIL_CACHE_METHOD_CONES, .defines = "-DHBIL_WIDTH=1")         \
   X(CACHE_PROGRAM_VOLUMES, "cache/volumes",                                    \
@@ -59,6 +61,8 @@
   X(CACHE_KERNEL_FOLLOW_CHANGE, "follow_change", CACHE_PROGRAM_CHANGE, true)   \
   X(CACHE_KERNEL_FORGET, "forget", CACHE_PROGRAM_MOVE, true)                   \
   X(CACHE_KERNEL_FORGET_BOX, "forget_box", CACHE_PROGRAM_MOVE, true)           \
+  X(CACHE_KERNEL_AREA_LIGHT, "area_light", CACHE_PROGRAM_LOCAL_LIGHT, true)    \
+  X(CACHE_KERNEL_JOIN_AREAS, "join_areas", CACHE_PROGRAM_LOCAL_LIGHT, true)    \
   X(CACHE_KERNEL_LEVEL_STEP, "level_step", CACHE_PROGRAM_PYRAMID, true)        \
   X(CACHE_KERNEL_NEXT_STEP, "next_step", CACHE_PROGRAM_PYRAMID, true)          \
   X(CACHE_KERNEL_VOLUME_SOURCES, "volume_sources", CACHE_PROGRAM_VOLUMES,      \
@@ -67,6 +71,10 @@
     true)                                                                      \
   X(CACHE_KERNEL_PROPAGATE, "propagate", CACHE_PROGRAM_PROPAGATE, true)
 
+/* Sums that tell how light has changed (cache/change.cl). */
+#define CHANGE_BYTES                                                           \
+  (4 * sizeof(cl_float) * HBIL_CACHE_REGIONS * (1 + HBIL_CACHE_PARTS))
+
 /*
  * The buffers of a cache: enumerator and bytes.  voxels is their number in all
  * levels, c the cache's config.
@@ -74,10 +82,11 @@
 #define CACHE_BUFFERS(X)                                                       \
   /* two bits a voxel */                                                       \
   X(CACHE_STATES, voxels / 4)                                                  \
-  /* a byte a voxel: what rays read; the same with clearances along some axes  \
-   */                                                                          \
+  /* a byte a voxel: what rays read */                                         \
   X(CACHE_CLEARANCE, voxels)                                                   \
-  X(CACHE_CLEARANCE_PART, voxels)                                              \
+  /* for a moment: the same with clearances along some axes; sums of regions,  \
+     then of parts and regions */                                              \
+  X(CACHE_SCRATCH, voxels > CHANGE_BYTES ? voxels : CHANGE_BYTES)              \
   X(CACHE_VOXELS, HBIL_VOXEL_FLOATS * sizeof(cl_float) * voxels)               \
   /* a word a voxel: what it sends */                                          \
   X(CACHE_RADIANCE, sizeof(cl_uint) * voxels)                                  \
@@ -87,9 +96,7 @@
   X(CACHE_MEANS, 8 * sizeof(cl_float) * (1 + HBIL_CACHE_PARTS))                \
   /* the number of the round of bounces that changed something last */         \
   X(CACHE_LAST_CHANGE, sizeof(cl_uint))                                        \
-  /* sums of regions, then of parts and regions; factors of regions */         \
-  X(CACHE_CHANGES,                                                             \
-    4 * sizeof(cl_float) * HBIL_CACHE_REGIONS * (1 + HBIL_CACHE_PARTS))        \
+  /* factors of regions */                                                     \
   X(CACHE_RATIOS, sizeof(cl_float) * HBIL_CACHE_REGIONS)                       \
   /* of the view that is being injected */                                     \
   X(CACHE_TEXELS,                                                              \
@@ -103,10 +110,15 @@
     sizeof(cl_uint) * (HBIL_CACHE_RAY_HITS * voxels + HBIL_WIDEST))            \
   X(CACHE_RAY_HITS_NEXT,                                                       \
     sizeof(cl_uint) * (HBIL_CACHE_RAY_HITS * voxels + HBIL_WIDEST))            \
+  /* HBIL_AREA_FLOATS floats an area (lib/local_light.clh) */                  \
+  X(CACHE_AREAS, c->method == HBIL_CACHE_METHOD_RAYS                           \
+                     ? HBIL_AREA_FLOATS * sizeof(cl_float) *                   \
+                           cubes_of_steps(c, HBIL_AREA_VOXELS)                 \
+                     : 0)                                                      \
   /* HBIL_MIP_FLOATS floats a texel (lib/pyramid.clh) */                       \
   X(CACHE_PYRAMID,                                                             \
     c->method == HBIL_CACHE_METHOD_CONES                                       \
-        ? HBIL_MIP_FLOATS * sizeof(cl_float) * pyramid_texels(c)               \
+        ? HBIL_MIP_FLOATS * sizeof(cl_float) * cubes_of_steps(c, 2)            \
         : 0)                                                                   \
   /* planes of volumes (lib/volumes.clh); the last ones after a step */        \
   X(CACHE_SOURCES, volume_bytes(c, 12))                                        \
@@ -158,6 +170,9 @@ struct hbil_cache {
 
 /* Numbers of voxels of all levels. */
 size_t cache_voxel_count(const hbil_cache_config *config);
+/* Cubes of so many voxels across: those of each level and, beyond these, of
+ * twice as many until one fills the cache. */
+size_t cubes_of_steps(const hbil_cache_config *config, size_t across);
 /* Enqueues a kernel for all words of states. */
 #define LAUNCH_WORDS(chain, cache, kernel, args)                               \
   LAUNCH(chain, kernel, args, (cache)->config.voxels / 16,                     \
@@ -201,8 +216,12 @@ hbil_status inject_view(commands *chain, hbil_cache *cache,
                         const hbil_view *view);
 hbil_status update_cache(commands *chain, hbil_cache *cache,
                          const hbil_cache_update *update);
-/* cache_pyramid.c, cache_volumes.c: bring them up to date with the voxels. They
- * do nothing in caches without them, but spread_light(). */
+/* cache_areas.c, cache_pyramid.c, cache_volumes.c: bring them up to date with
+ * the voxels.  They do nothing in caches without them, but spread_light().
+ * since: the last round of bounces before this update; fresh if more than
+ * radiance may have changed. */
+hbil_status sum_areas(commands *chain, hbil_cache *cache,
+                      hbil_cache_round_args since);
 hbil_status build_pyramid(commands *chain, hbil_cache *cache);
 hbil_status empty_volumes(commands *chain, hbil_cache *cache);
 hbil_status spread_light(commands *chain, hbil_cache *cache,

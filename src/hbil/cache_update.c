@@ -14,7 +14,7 @@ static hbil_status update_clearance(commands *chain, hbil_cache *cache) {
   const size_t n = cache->config.voxels, slices = n * cache->config.levels;
   const cl_int along_y = args.log2_voxels, along_z = 2 * along_y;
   const cl_mem clearance = cache->buffers[CACHE_CLEARANCE];
-  const cl_mem part = cache->buffers[CACHE_CLEARANCE_PART];
+  const cl_mem part = cache->buffers[CACHE_SCRATCH];
   const argument x[] = {ARG(args), ARG(part), ARG(clearance)};
   const argument y[] = {ARG(args), ARG(along_y), ARG(clearance), ARG(part)};
   const argument z[] = {ARG(args), ARG(along_z), ARG(part), ARG(clearance)};
@@ -69,7 +69,7 @@ static hbil_status update_radiance(commands *chain, hbil_cache *cache,
 /* What no view sees any more follows what views see. */
 static hbil_status follow_change(commands *chain, hbil_cache *cache) {
   const hbil_cache_args args = cache_args(cache);
-  const cl_mem changes = cache->buffers[CACHE_CHANGES];
+  const cl_mem changes = cache->buffers[CACHE_SCRATCH];
   const cl_mem ratios = cache->buffers[CACHE_RATIOS];
   const argument part[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
                            ARG(cache->buffers[CACHE_VOXELS]), ARG(changes)};
@@ -204,6 +204,8 @@ hbil_status update_cache(commands *chain, hbil_cache *cache,
   const bool traced = settled && cache->has_hits && cache->turns_left == 0 &&
                       update->phases == 1;
   const bool traces = update->bounces > 0 && !traced;
+  const hbil_cache_round_args since = {.number = cache->rounds,
+                                       .fresh = !settled};
   cache->settled = false; /* should anything fail */
   cache->turns_left = settled ? cache->turns_left : HBIL_CACHE_TURNS;
   hbil_status status = settled ? HBIL_SUCCESS : settle(chain, cache);
@@ -211,6 +213,8 @@ hbil_status update_cache(commands *chain, hbil_cache *cache,
     status = trace_rays(chain, cache, update);
   if (status == HBIL_SUCCESS)
     status = bounce_all(chain, cache, update, traces);
+  if (status == HBIL_SUCCESS)
+    status = sum_areas(chain, cache, since);
   if (status == HBIL_SUCCESS)
     status = build_pyramid(chain, cache);
   if (status == HBIL_SUCCESS && cache->config.method == HBIL_CACHE_METHOD_LPV)
@@ -244,6 +248,8 @@ hbil_status hbil_enqueue_cache_update(hbil_cache *cache, cl_command_queue queue,
 
 /* --- moves --- */
 
+static const hbil_cache_round_args fresh = {.fresh = CL_TRUE};
+
 /* moved: in voxels of the coarsest level; the cache is there already. */
 hbil_status forget_outside(commands *chain, hbil_cache *cache,
                            const cl_long moved[3]) {
@@ -260,7 +266,9 @@ hbil_status forget_outside(commands *chain, hbil_cache *cache,
     status = empty_volumes(chain, cache);
   if (status == HBIL_SUCCESS)
     status = update_clearance(chain, cache);
-  /* whose texels are counted from the cache's corner */
+  /* areas and texels are counted from the cache's corner */
+  if (status == HBIL_SUCCESS)
+    status = sum_areas(chain, cache, fresh);
   return status == HBIL_SUCCESS ? build_pyramid(chain, cache) : status;
 }
 
@@ -352,6 +360,8 @@ hbil_status forget_all(commands *chain, hbil_cache *cache) {
     status = fill_memory(chain, cache->buffers[i], 0, 0, cache->bytes[i]);
   if (status == HBIL_SUCCESS)
     status = empty_volumes(chain, cache);
+  if (status == HBIL_SUCCESS)
+    status = sum_areas(chain, cache, fresh);
   if (status == HBIL_SUCCESS)
     status = build_pyramid(chain, cache);
   cache->updates = 0;

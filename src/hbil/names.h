@@ -55,6 +55,7 @@
 #define context_release hbil_internal_context_release
 #define context_retain hbil_internal_context_retain
 #define create_on_huge_pages hbil_internal_create_on_huge_pages
+#define cubes_of_steps hbil_internal_cubes_of_steps
 #define depth_args hbil_internal_depth_args
 #define empty_volumes hbil_internal_empty_volumes
 #define end_commands hbil_internal_end_commands
@@ -141,6 +142,7 @@
 #define spread_light hbil_internal_spread_light
 #define stage_planes hbil_internal_stage_planes
 #define status_of hbil_internal_status_of
+#define sum_areas hbil_internal_sum_areas
 #define surroundings_add hbil_internal_surroundings_add
 #define surroundings_hidden_sky hbil_internal_surroundings_hidden_sky
 #define take_sized hbil_internal_take_sized

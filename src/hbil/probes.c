@@ -47,8 +47,10 @@ typedef struct probe_kernel {
 } probe_kernel;
 
 static const probe_kernel methods[] = {
-    [HBIL_CACHE_METHOD_RAYS] =
-        {KERNEL_PROBE_RAYS, 3, {CACHE_CLEARANCE, CACHE_VOXELS, CACHE_RADIANCE}},
+    [HBIL_CACHE_METHOD_RAYS] = {KERNEL_PROBE_RAYS,
+                                4,
+                                {CACHE_CLEARANCE, CACHE_VOXELS, CACHE_RADIANCE,
+                                 CACHE_AREAS}},
     [HBIL_CACHE_METHOD_CONES] = {KERNEL_PROBE_CONES,
                                  4,
                                  {CACHE_CLEARANCE, CACHE_VOXELS, CACHE_RADIANCE,

@@ -84,6 +84,7 @@ exact_probes lit_probes(const setup *s, const char *kernel, cl_uint index) {
     for (int k = 0; k < 4; ++k) {
       p->known[k] = (double)v[HBIL_PROBE_KNOWN + k];
       p->unknown[k] = (double)v[HBIL_PROBE_UNKNOWN + k];
+      p->guess[k] = (double)v[HBIL_PROBE_GUESS + k];
       for (int c = 0; c < 3; ++c)
         p->light[c][k] = (double)v[HBIL_PROBE_LIGHT + 4 * c + k];
     }
@@ -102,5 +103,7 @@ void probe_difference(const exact_probe *a, const exact_probe *b,
                                fabs(a->unknown[k] - b->unknown[k])));
     for (int c = 0; c < 3; ++c)
       off[2] = fmax(off[2], fabs(a->light[c][k] - b->light[c][k]));
+    off[k < 3 ? 2 : 1] =
+        fmax(off[k < 3 ? 2 : 1], fabs(a->guess[k] - b->guess[k]));
   }
 }

@@ -1,7 +1,7 @@
 /*
- * Each pass of the methods of far light but rays matches the exact one, on
- * what the device had before it: the pyramid, the volumes' sources, borders and
- * steps, and the probes of each.
+ * What the methods of far light read of the cache matches the exact values, on
+ * what the device had before it: areas, the pyramid, the volumes' sources,
+ * borders and steps; and so do the probes of all methods but rays.
  */
 #include "test/support/lit_frame.h"
 #include "test/support/shim.h"
@@ -33,6 +33,65 @@ static void filled(cache_fixture *f, exact_cache *cache,
   update.steps = 0;
   cache_update(f, &update);
   cache_import(cache);
+}
+
+/* ------------------------------------------------------------------------ */
+/* Areas                                                                     */
+
+/* The numbers of areas follow each other: steps, slices, rows, columns. */
+static void check_areas(const exact_cache *cache) {
+  float *got = floats_of("area_light", 6), *at = got;
+  double most = 0.0, off[2] = {0.0, 0.0}; /* of light, of weights */
+  int told = 0;
+  for (int step = 0;; ++step) {
+    const int n = exact_cache_areas_across(cache, step);
+    if (n == 0)
+      break;
+    for (int i = 0; i < n * n * n; ++i, at += HBIL_AREA_FLOATS) {
+      const int area[3] = {i % n, i / n % n, i / n / n};
+      double want[6][4];
+      exact_cache_area(cache, step, area, want);
+      for (int k = 0; k < 24; ++k) {
+        const double gap = fabs((double)at[k] - want[k / 4][k % 4]);
+        const double size = fmax(1.0, want[k / 4][3]);
+        if (k % 4 < 3)
+          most = fmax(most, want[k / 4][k % 4] / size);
+        off[k % 4 == 3] = fmax(off[k % 4 == 3], gap / size);
+        told += k % 4 == 3 && want[k / 4][3] > 0.0;
+      }
+    }
+  }
+  assert_true(told > 10 && most > 0.0);
+  /* derived: sums of some dozen to some hundred positive terms */
+  check_at_most("areas: light", off[0] / most, 4e-6);
+  check_at_most("areas: weights", off[1], 4e-6);
+  free(got);
+}
+
+/* Of all sizes of caches; behind a move, rows wrap around in other places. */
+static void areas_match(void **state) {
+  static const struct {
+    cl_uint width, voxels;
+    double move;
+  } runs[] = {{1, 16, 0.0}, {8, 16, 1.1}, {8, 32, 0.0}, {4, 64, -1.7}};
+  (void)state;
+  for (size_t i = 0; i < sizeof runs / sizeof *runs; ++i) {
+    cache_fixture f;
+    exact_cache cache;
+    filled(&f, &cache, HBIL_CACHE_METHOD_RAYS, runs[i].width, runs[i].voxels);
+    check_areas(&cache);
+    if (runs[i].move != 0.0) {
+      const double centre[3] = {f.config.centre[0] + runs[i].move,
+                                f.config.centre[1] - 0.5 * runs[i].move,
+                                f.config.centre[2] + 0.3 * runs[i].move};
+      cache_move(&f, centre);
+      assert_int_equal(exact_cache_move(&cache, centre), EXACT_SUCCESS);
+      cache_import(&cache);
+      check_areas(&cache);
+    }
+    exact_cache_free(&cache);
+    cache_free(&f);
+  }
 }
 
 /* ------------------------------------------------------------------------ */
@@ -420,9 +479,11 @@ static void lights_match(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(pyramids_match), cmocka_unit_test(volumes_match),
-      cmocka_unit_test(cones_match), cmocka_unit_test(volumes_at_probes_match),
-      cmocka_unit_test(lights_match)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(areas_match),
+                                     cmocka_unit_test(pyramids_match),
+                                     cmocka_unit_test(volumes_match),
+                                     cmocka_unit_test(cones_match),
+                                     cmocka_unit_test(volumes_at_probes_match),
+                                     cmocka_unit_test(lights_match)};
   return RUN_WITH_DEVICE(tests);
 }

@@ -20,7 +20,7 @@
 static void check_probes(lit_frame *l, const exact_planes *split) {
   const exact_probes got = lit_probes(&l->s, "filter_probes", 1);
   exact_probes want = lit_no_probes(&l->s);
-  int valid = 0, different = 0, known = 0, unknown = 0;
+  int valid = 0, different = 0, known = 0, unknown = 0, told = 0;
   exact_make_probes(&l->s.job, &l->cache, split, &want);
   for (int i = 0; i < got.columns * got.rows; ++i) {
     const exact_probe *p = want.probe + i;
@@ -32,8 +32,10 @@ static void check_probes(lit_frame *l, const exact_planes *split) {
     different += !(off[1] <= 3e-6 && off[2] <= 2e-5);
     known += p->known[0] > 0.0;
     unknown += p->unknown[0] > 0.0;
+    told += p->guess[3] > 0.0;
   }
-  assert_true(valid > 50 && known > valid / 4 && unknown > valid / 4);
+  assert_true(valid > 50 && known > valid / 4 && unknown > valid / 4 &&
+              told > 5);
   check_at_most("probes that differ", different / (double)valid,
                 MOST_DIFFERENT);
   exact_probes_free((exact_probes *)&got);
@@ -193,6 +195,10 @@ static void plant_probes(lit_frame *l, exact_probes *probes) {
         p->light[c][k] =
             (double)(float)(p->known[k] * (1.0 + c) * random_unit(&r));
     }
+    /* radiance that is told of a part of the unknown rays */
+    for (int k = 3; k >= 0; --k)
+      p->guess[k] = (double)(float)((k < 3 ? p->guess[3] : p->unknown[0]) *
+                                    (k < 3 ? 1.0 + k : 1.0) * random_unit(&r));
     v[HBIL_PROBE_VALID] = p->valid;
     const double place[6] = {p->place.x,  p->place.y,  p->place.z,
                              p->normal.x, p->normal.y, p->normal.z};
@@ -203,6 +209,7 @@ static void plant_probes(lit_frame *l, exact_probes *probes) {
     for (int k = 0; k < 4; ++k) {
       v[HBIL_PROBE_KNOWN + k] = (float)p->known[k];
       v[HBIL_PROBE_UNKNOWN + k] = (float)p->unknown[k];
+      v[HBIL_PROBE_GUESS + k] = (float)p->guess[k];
       for (int c = 0; c < 3; ++c)
         v[HBIL_PROBE_LIGHT + 4 * c + k] = (float)p->light[c][k];
     }
