@@ -39,9 +39,10 @@ extern "C" {
  *   the sky behind the last voxel.  What the frame shows itself within
  *   model.radius is left out, because E_near has it.  What no view has seen
  *   gets what it gets without a cache.  So an empty cache changes nothing, bit
- *   for bit (test_cache).  That is so with rays and cones (hbil_cache_method);
- *   volumes and reflective shadow maps don't tell what has not been seen, and
- *   their light is all that open directions get.
+ *   for bit (test_cache).  With rays and HBIL_FAR_FRAME, that is mixed with the
+ *   light of surfaces around it, where it is a hole in what views have seen
+ *   (doc/method.md, section 13).  Volumes and reflective shadow maps don't tell
+ *   what has not been seen, and their light is all that open directions get.
  *   What the cache's light adds to a frame is a mean over four frames, which
  *   follows the surfaces by the cameras and begins anew where it has changed by
  *   a third.  Nothing is averaged with HBIL_REPROJECTION_NONE.
