@@ -110,12 +110,9 @@ INLINE gathered_rays gather_rays(const hbil_cache_bounce_args args,
     /* may read beyond this surface's hits: the next one's, or the spare words
      * at the end */
     const uintv hit = LOADV(hits + i);
-    ray_ends ends = {is_ray & (hit < HIT_SKY),
-                     is_ray & (hit == HIT_SKY),
-                     AS_INTV(hit),
-                     0.0f,
-                     0.0f,
-                     0.0f};
+    ray_ends ends = {.hit = is_ray & (hit < HIT_SKY),
+                     .sky = is_ray & (hit == HIT_SKY),
+                     .voxel = AS_INTV(hit)};
     points d = {0.0f, 0.0f, 0.0f};
     realv light[3];
     if (ANY(ends.sky))

@@ -208,8 +208,8 @@ enum {
   HBIL_PROBE_KNOWN = 8,     /* rays whose light is known, not shown; 4 */
   HBIL_PROBE_UNKNOWN = 12,  /* rays into what no view has seen; 4 */
   HBIL_PROBE_LIGHT = 16,    /* radiance of the known ones; 4 a channel */
-  /* of the unknown ones: radiance that areas tell, and how many rays it is
-   * told of, both times a weight and without directions; 3, 1 */
+  /* of the unknown ones: radiance that areas tell, and the share of rays that
+   * it is told of, both times a weight and without directions; 3, 1 */
   HBIL_PROBE_GUESS = 28,
   HBIL_PROBE_FLOATS = 32
 };

@@ -55,7 +55,8 @@ bool exact_cache_local_light(const exact_cache *cache, vec3 p, vec3 d,
       return false;
     for (int k = 0; k < 3; ++k) {
       inside = inside && fabs(at[k]) < 0.5 * size * across;
-      area[k] = (int)floor(at[k] / size + 0.5 * across);
+      /* just below the border the sum may round up to it */
+      area[k] = (int)fmin(floor(at[k] / size + 0.5 * across), across - 1);
     }
     if (!inside)
       continue;

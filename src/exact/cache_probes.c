@@ -111,7 +111,7 @@ exact_stand exact_probe_stand(const exact_frame *frame,
 static void add_guess(const exact_cache *cache, vec3 at, vec3 d, double share,
                       double guess[4]) {
   double light[3];
-  if (!(share > 0.0) || !exact_cache_local_light(cache, at, d, light))
+  if (!exact_cache_local_light(cache, at, d, light))
     return;
   for (int c = 0; c < 3; ++c)
     guess[c] += share * light[c];
@@ -136,8 +136,8 @@ static void trace(const exact_frame *frame, const exact_cache *cache,
         exact_cache_follow(cache, origin, d, (double)HBIL_CACHE_START * s.size);
     if (end.kind == EXACT_RAY_UNKNOWN) {
       exact_probe_add(frame, p->unknown, share, d);
-      add_guess(cache, vec_add(origin, end.lost, d), d,
-                end.lost > 0.0 ? share : 0.0, p->guess);
+      if (end.lost > 0.0)
+        add_guess(cache, vec_add(origin, end.lost, d), d, share, p->guess);
       --others;
       continue;
     }
