@@ -2,7 +2,7 @@
  * bounce: light that surfaces of the cache send each other.
  *
  * mean_part, mean_sum: the mean radiance of the coarsest level's surfaces,
- * which stands for what no view has seen.
+ * which stands for what no view has seen where rays meet nothing else.
  * bounce: what arrives at voxels along their rays (cache/ray_hits.cl).
  * update_radiance: the radiance that each voxel sends, which rays read.  It is
  * apart from bounce, so that all voxels of a round see the light of the round
@@ -91,10 +91,11 @@ INLINE float sky_light_of(const hbil_cache_bounce_args args,
   return largest;
 }
 
-/* What a voxel's rays have brought. */
+/* What a voxel's rays have brought: light of surfaces and of the sky, and
+ * shares of the rays. */
 typedef struct gathered_rays {
-  float light[3];
-  float open, unknown; /* shares of the rays */
+  float surfaces[3], sky[3];
+  float open, unknown;
 } gathered_rays;
 
 INLINE gathered_rays gather_rays(const hbil_cache_bounce_args args,
@@ -104,7 +105,8 @@ INLINE gathered_rays gather_rays(const hbil_cache_bounce_args args,
                                  int rays) {
   const float3 plane = vload3(0, voxel + HBIL_VOXEL_NORMAL);
   const float3 n = plane * (1.0f / sqrt(dot(plane, plane)));
-  realv sum[3] = {0.0f, 0.0f, 0.0f}, open = 0.0f, unknown = 0.0f;
+  realv surfaces[3] = {0.0f, 0.0f, 0.0f}, sky[3] = {0.0f, 0.0f, 0.0f};
+  realv open = 0.0f, unknown = 0.0f;
   for (int i = 0; i < rays; i += HBIL_WIDTH) {
     const intv is_ray = i + EACH_LANE < rays;
     /* may read beyond this surface's hits: the next one's, or the spare words
@@ -119,16 +121,21 @@ INLINE gathered_rays gather_rays(const hbil_cache_bounce_args args,
       d = surface_ray_directions(i + EACH_LANE, rays, number, all_at(n));
     light_of_rays(&ends, radiance, args.environment, d, light);
 #pragma unroll
-    for (int c = 0; c < 3; ++c)
-      sum[c] += light[c];
+    for (int c = 0; c < 3; ++c) {
+      surfaces[c] += select((realv)0.0f, light[c], ends.hit);
+      sky[c] += select(light[c], (realv)0.0f, ends.hit);
+    }
     open += select((realv)0.0f, (realv)1.0f, is_ray & !ends.hit);
     unknown += select((realv)0.0f, (realv)1.0f, is_ray & !ends.hit & !ends.sky);
   }
   const float inv = 1.0f / (float)rays;
-  const gathered_rays g = {{lanes_sum(sum[0]) * inv, lanes_sum(sum[1]) * inv,
-                            lanes_sum(sum[2]) * inv},
-                           lanes_sum(open) * inv,
-                           lanes_sum(unknown) * inv};
+  gathered_rays g = {.open = lanes_sum(open) * inv,
+                     .unknown = lanes_sum(unknown) * inv};
+#pragma unroll
+  for (int c = 0; c < 3; ++c) {
+    g.surfaces[c] = lanes_sum(surfaces[c]) * inv;
+    g.sky[c] = lanes_sum(sky[c]) * inv;
+  }
   return g;
 }
 
@@ -152,10 +159,14 @@ INLINE bool bounce_voxel(const hbil_cache_bounce_args args, global float *voxel,
       g.open > 0.0f && lit == 0.0f ? (uchar)(1.5f + 254.0f * own) : (uchar)0;
   const bool changes = code != *unlit_code;
   *unlit_code = code;
-  const float3 light =
-      (float3)(g.light[0], g.light[1], g.light[2]) +
-      unlit * args.unseen_light * (float3)(means[0], means[1], means[2]);
-  vstore3(light, 0, voxel + HBIL_VOXEL_INDIRECT);
+  /* what no view has seen sends like what the other rays have met */
+  const float guessed =
+      unlit * args.unseen_light / (1.0f - g.open + HBIL_CACHE_MEAN_SHARE);
+#pragma unroll
+  for (int c = 0; c < 3; ++c)
+    voxel[HBIL_VOXEL_INDIRECT + c] =
+        g.surfaces[c] + g.sky[c] +
+        guessed * fma(HBIL_CACHE_MEAN_SHARE, means[c], g.surfaces[c]);
   return changes;
 }
 

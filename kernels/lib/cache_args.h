@@ -90,6 +90,11 @@ enum { HBIL_CACHE_REGIONS_ACROSS = 4, HBIL_CACHE_REGIONS = 64 };
 /* Hits of rays that there is memory for, per voxel. */
 #define HBIL_CACHE_RAY_HITS 2
 
+/* A surface guesses what its rays into the unseen bring by what its other rays
+ * meet, and by this share of a hemisphere with the mean of all surfaces: one of
+ * 16 rays (doc/measurements.md). */
+#define HBIL_CACHE_MEAN_SHARE 0.0625f
+
 /* A ray hits a voxel's plane if it crosses it within this many voxels of the
  * centre, along each axis.  Planes of neighbours then overlap by half a voxel,
  * without gaps. */

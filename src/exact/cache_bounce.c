@@ -3,8 +3,9 @@
  *
  * A round sends rays from each voxel, spread by the cosine, in the same
  * directions in every round, and takes their mean.  Rays into what no view has
- * seen get a share of the mean radiance of the cache's surfaces, as far as
- * direct light doesn't tell that they end in the sky.
+ * seen get a share of the mean radiance of what the other rays meet, and a
+ * little of that of all surfaces, as far as direct light doesn't tell that they
+ * end in the sky.
  */
 #include "exact/cache.h"
 #include "exact/sky_light.h"
@@ -62,7 +63,7 @@ static double sky_light_of(const exact_voxel *voxel,
 
 /* What a voxel's rays have brought; shares of the rays. */
 typedef struct gathered {
-  double light[3], open, unknown;
+  double surfaces[3], sky[3], open, unknown;
 } gathered;
 
 static gathered gather(const exact_cache *cache, const exact_place *place,
@@ -77,7 +78,7 @@ static gathered gather(const exact_cache *cache, const exact_place *place,
   const vec3 origin =
       vec_add(exact_cache_centre(place),
               v[HBIL_VOXEL_OFFSET] + (double)HBIL_CACHE_LIFT * size, n);
-  gathered g = {{0.0, 0.0, 0.0}, 0.0, 0.0};
+  gathered g = {.open = 0.0};
   for (int i = 0; i < rays; ++i) {
     double a, b;
     exact_ray_place(i, rays, turn, &a, &b);
@@ -86,12 +87,12 @@ static gathered gather(const exact_cache *cache, const exact_place *place,
         exact_cache_follow(cache, origin, d, (double)HBIL_CACHE_START * size);
     g.open += (end.kind != EXACT_RAY_HIT) / (double)rays;
     g.unknown += (end.kind == EXACT_RAY_UNKNOWN) / (double)rays;
-    for (int c = 0; c < 3 && end.kind != EXACT_RAY_UNKNOWN; ++c)
-      g.light[c] += (end.kind == EXACT_RAY_HIT
-                         ? exact_cache_at(cache, &end.place)->radiance[c]
-                         : exact_environment(update->far_field,
-                                             update->environment, c, d)) /
-                    rays;
+    for (int c = 0; c < 3 && end.kind == EXACT_RAY_HIT; ++c)
+      g.surfaces[c] += exact_cache_at(cache, &end.place)->radiance[c] / rays;
+    for (int c = 0; c < 3 && end.kind == EXACT_RAY_SKY; ++c)
+      g.sky[c] +=
+          exact_environment(update->far_field, update->environment, c, d) /
+          rays;
   }
   return g;
 }
@@ -109,9 +110,12 @@ static void bounce(const exact_cache *before, const exact_place *place,
   double *v = after->value;
   /* where another light shines, it does not tell */
   after->unlit = g.open > 0.0 && lit == 0.0 ? own : -1.0;
+  const double share = (double)HBIL_CACHE_MEAN_SHARE;
   for (int c = 0; c < 3; ++c)
     v[HBIL_VOXEL_INDIRECT + c] =
-        g.light[c] + unlit * unseen_light * mean->radiance[c];
+        g.surfaces[c] + g.sky[c] +
+        unlit * unseen_light * (g.surfaces[c] + share * mean->radiance[c]) /
+            (1.0 - g.open + share);
 }
 
 /* Whether an update does a voxel. */
