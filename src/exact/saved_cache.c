@@ -76,3 +76,9 @@ exact_ray_kind exact_saved_follow(const exact_saved_cache *saved, vec3 origin,
   return unseen || last == HBIL_VOXEL_UNKNOWN ? EXACT_RAY_UNKNOWN
                                               : EXACT_RAY_SKY;
 }
+
+bool exact_saved_has_surface(const exact_saved_cache *saved, vec3 at) {
+  exact_place place;
+  return exact_cache_find(&saved->where, at, &place) &&
+         state_at(saved, &place) == HBIL_VOXEL_SURFACE;
+}

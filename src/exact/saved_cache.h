@@ -27,4 +27,7 @@ exact_ray_kind exact_saved_follow(const exact_saved_cache *saved, vec3 origin,
                                   vec3 direction, double near,
                                   double radiance[3]);
 
+/* Whether a place, in cache space, lies in a voxel with a surface. */
+bool exact_saved_has_surface(const exact_saved_cache *saved, vec3 at);
+
 #endif

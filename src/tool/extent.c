@@ -36,32 +36,44 @@ static int make_room(extent *e, size_t more) {
   return 0;
 }
 
-/* Adds surfaces of a frame, some thousand of them.  0, or -1 with `error`
- * filled. */
-static int extent_add(extent *e, const gbuffer *g, image_error *error) {
+/* Writes the places of a picture's surfaces in the world to `out`, some
+ * thousand of them, and returns how many.  step: of
+ * the pixels that are looked at. */
+static size_t find_places(const gbuffer *g, size_t step, double (*out)[3]) {
   const hbil_camera *camera = &g->map.camera;
   const surface_points points = surface_points_of(g, camera);
   const double *m = camera->world_from_view;
-  const size_t step =
-      (size_t)fmax(1.0, sqrt((double)gbuffer_pixels(g) / LOOKS));
-  const size_t width = g->planes.width, height = g->planes.height;
-  if (make_room(e, (width / step + 1) * (height / step + 1)) != 0)
-    return image_no_memory(error, "extent");
-  for (size_t y = step / 2; y < height; y += step)
-    for (size_t x = step / 2; x < width; x += step) {
-      double p[3], farthest = 0.0;
+  size_t count = 0;
+  for (size_t y = step / 2; y < g->planes.height; y += step)
+    for (size_t x = step / 2; x < g->planes.width; x += step) {
+      double p[3], sum = 0.0;
       if (!(surface_depth(&points, x, y) > 0.0))
         continue;
       surface_point(&points, x, y, 0, p);
       for (int r = 0; r < 3; r++) {
-        const double turned =
-            m[4 * r] * p[0] + m[4 * r + 1] * p[1] + m[4 * r + 2] * p[2];
-        farthest = fmax(farthest, fabs(turned + m[4 * r + 3] - e->centre[r]));
+        out[count][r] = m[4 * r] * p[0] + m[4 * r + 1] * p[1] +
+                        m[4 * r + 2] * p[2] + m[4 * r + 3];
+        sum += out[count][r];
       }
-      if (isfinite(farthest))
-        e->distances[e->count++] = farthest;
+      count += isfinite(sum) ? 1u : 0u;
     }
-  return 0;
+  return count;
+}
+
+int extent_places(const extent_picture *p, double (**out)[3], size_t *count,
+                  image_error *error) {
+  gbuffer g;
+  *out = NULL;
+  if (gbuffer_read(p->path, p->map, 1u << ROLE_DEPTH, &g, error) != 0)
+    return -1;
+  const size_t step =
+      (size_t)fmax(1.0, sqrt((double)gbuffer_pixels(&g) / LOOKS));
+  *out = malloc((g.planes.width / step + 1) * (g.planes.height / step + 1) *
+                sizeof **out);
+  if (*out)
+    *count = find_places(&g, step, *out);
+  gbuffer_free(&g);
+  return *out ? 0 : image_no_memory(error, p->path);
 }
 
 /* Half the width of a cube about the centre that holds nearly all surfaces; 0:
@@ -81,11 +93,19 @@ static void extent_free(extent *e) {
 
 /* Adds what a picture shows. */
 static int measure(extent *e, const extent_picture *p, image_error *error) {
-  gbuffer g;
-  if (gbuffer_read(p->path, p->map, 1u << ROLE_DEPTH, &g, error) != 0)
+  double(*places)[3];
+  size_t count;
+  if (extent_places(p, &places, &count, error) != 0)
     return -1;
-  const int failed = extent_add(e, &g, error);
-  gbuffer_free(&g);
+  const int failed =
+      make_room(e, count) != 0 ? image_no_memory(error, p->path) : 0;
+  for (size_t i = 0; i < count && !failed; i++) {
+    double farthest = 0.0;
+    for (int r = 0; r < 3; r++)
+      farthest = fmax(farthest, fabs(places[i][r] - e->centre[r]));
+    e->distances[e->count++] = farthest;
+  }
+  free(places);
   return failed;
 }
 

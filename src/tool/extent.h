@@ -12,6 +12,11 @@ typedef struct extent_picture {
   const channel_map *map; /* with its camera */
 } extent_picture;
 
+/* The places of the picture's surfaces in the world, some thousand of them,
+ * which the caller frees.  0, or -1 with `error` filled and *out NULL. */
+int extent_places(const extent_picture *p, double (**out)[3], size_t *count,
+                  image_error *error);
+
 /*
  * Chooses centre and voxel_size of a radiance cache with config->voxels and
  * config->levels: the middle of the frames' cameras, and what some of the

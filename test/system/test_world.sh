@@ -459,8 +459,16 @@ ls "$work"/.hbil-*.tmp >"$work/out" 2>"$work/err"
 test $? -ne 0
 ok $? "and leaves nothing but the file"
 run process --cache-load "$work/saved" -o "$work/loaded" "$one"
-told "$line; .*/saved\$"
+told "$line; .*/saved\$" && ! grep -q warning "$work/err"
 ok $? "--cache-load makes a cache for one frame"
+mkdir "$work/elsewhere"
+cp "$one" "$work/elsewhere/f.exr"
+awk '/camera_to_world/ { counts = 1 }
+  counts && /[0-9]/ && ++n == 4 { sub(/-?[0-9][-+0-9.e]*/, 1000) }
+  { print }' "${one%.exr}.json" >"$work/elsewhere/f.json"
+run process --cache-load "$work/saved" -o "$work/loaded" "$work/elsewhere/f.exr"
+told '/saved: warning: knows 0 % of the surfaces of the first frame, as if it were of another'
+ok $? "a warning tells of a cache of another place"
 works "which is what was saved" process --quiet --overwrite \
   --cache-load "$work/saved" --cache-save "$work/again" --learn \
   -o "$work/loaded" "$one"
