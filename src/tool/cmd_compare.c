@@ -55,7 +55,8 @@ static const option_command command = {
         "Without LAYER all channels are compared, by name.  If one file alone "
         "has a LAYER, it is meant for both; the other one's channels without a "
         "layer are taken if it has no such layer.  Channels are paired by "
-        "their last letter.",
+        "their last letter.  Of EXR files with different parts of a picture, "
+        "the pixels are compared that both have.",
     .groups = &group,
     .group_count = 1,
     .notes = "relative MSE: mean of (a-b)^2 / (b^2 + 0.01).  PSNR: against the "

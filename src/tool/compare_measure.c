@@ -19,8 +19,11 @@
 /* Surfaces with less albedo count as black. */
 static const float least_albedo = 0.02f;
 
-/* Maps the channels.  If the depth must be converted, the camera is needed. */
-static int map_mask(const char *path, channel_map *map, image_error *error) {
+/* Maps the channels, and takes the pixels of `like` where the two are of one
+ * picture.  If the depth must be converted, the camera is needed. */
+static int map_mask(const char *path, const image *like, channel_map *map,
+                    image_error *error) {
+  const image_window shown = image_display_window(like);
   image header;
   source_options guess;
   frame_camera seen;
@@ -30,7 +33,9 @@ static int map_mask(const char *path, channel_map *map, image_error *error) {
     return -1;
   int failed = channel_map_read(path, &header, &guess, map, error);
   if (!failed)
-    map->window = image_window_common(map->data, map->display);
+    map->window = memcmp(&shown, &map->display, sizeof shown) == 0
+                      ? image_data_window(like)
+                      : image_window_common(map->data, map->display);
   if (!failed && map->count[ROLE_DEPTH] &&
       !conventions_depth_is_planar(&map->how))
     failed = frame_camera_read(path, &header, map, NULL, &guess, &seen, NULL,
@@ -46,7 +51,7 @@ int compare_mask_read(const char *path, int albedo, const image *like,
   memset(out, 0, sizeof *out);
   if (!path)
     return 0;
-  if (map_mask(path, &map, error) != 0)
+  if (map_mask(path, like, &map, error) != 0)
     return -1;
   out->albedo = albedo;
   if (!map.count[ROLE_DEPTH] || (albedo && !map.count[ROLE_ALBEDO]))

@@ -4,7 +4,10 @@
 #include "tool/compare_sides.h"
 
 #include "image/image_read.h"
+#include "image/signature.h"
 #include "image/srgb.h"
+#include "image/window.h"
+#include "tool/report.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -236,6 +239,79 @@ const image_plane *compare_partner(const compare_side *a, const compare_side *b,
   return NULL;
 }
 
+static int is_same_window(image_window a, image_window b) {
+  return memcmp(&a, &b, sizeof a) == 0;
+}
+
+/* Whether both have the coordinates of one picture: its whole, parts of it, or
+ * pixels around it.  Of pictures that begin at one corner but show different
+ * windows, one may as well have larger pixels than the other. */
+static int have_one_picture(const image *a, const image *b) {
+  const image_window common =
+      image_window_common(image_data_window(a), image_data_window(b));
+  return is_same_window(image_display_window(a), image_display_window(b)) ||
+         ((a->x != b->x || a->y != b->y) &&
+          (is_same_window(common, image_data_window(a)) ||
+           is_same_window(common, image_data_window(b))));
+}
+
+/* Leaves these pixels of a picture alone. */
+static int take_part(const char *path, image *planes, image_window part,
+                     image_error *error) {
+  for (size_t i = 0; i < planes->count; i++) {
+    float *pixels = malloc((size_t)part.width * part.height * sizeof(float));
+    if (!pixels)
+      return image_no_memory(error, path);
+    image_place(planes->planes[i].pixels, image_data_window(planes), pixels,
+                part);
+    free(planes->planes[i].pixels);
+    planes->planes[i].pixels = pixels;
+  }
+  planes->display = image_display_window(planes);
+  planes->x = part.x;
+  planes->y = part.y;
+  planes->width = part.width;
+  planes->height = part.height;
+  return 0;
+}
+
+/* Compares the pixels that both have, where files of EXR have different parts
+ * of one picture, and tells what differs.  Other formats have no windows. */
+static int align(compare_side *a, compare_side *b, image_error *error) {
+  const image_window own = image_data_window(&a->planes);
+  const image_window other = image_data_window(&b->planes);
+  const image_window common = image_window_common(own, other);
+  char text[160];
+  if (is_same_window(own, other) ||
+      signature_of_file(a->path) != FILE_FORMAT_EXR ||
+      signature_of_file(b->path) != FILE_FORMAT_EXR)
+    return 0;
+  if (have_one_picture(&a->planes, &b->planes)) {
+    if (!common.width)
+      return image_fail(error,
+                        "%s: none of its pixels are in the data window of %s; "
+                        "images with common pixels are needed",
+                        a->path, b->path);
+    snprintf(text, sizeof text,
+             "only its %u x %u pixels at %d, %d are compared, which are in "
+             "both data windows",
+             common.width, common.height, common.x, common.y);
+    report_note(a->path, "", text);
+    return take_part(a->path, &a->planes, common, error) != 0 ||
+                   take_part(b->path, &b->planes, common, error) != 0
+               ? -1
+               : 0;
+  }
+  if (own.width != other.width || own.height != other.height)
+    return 0; /* which check_fit() rejects */
+  snprintf(text, sizeof text,
+           "its pixels are at %d, %d, and those of the other image at %d, %d; "
+           "they are compared as if they were at one place",
+           own.x, own.y, other.x, other.y);
+  report_note(a->path, "warning: ", text);
+  return 0;
+}
+
 static int check_fit(const compare_side *a, const compare_side *b,
                      image_error *error) {
   if (a->planes.width != b->planes.width ||
@@ -291,5 +367,5 @@ int compare_sides_read(compare_side *a, compare_side *b, image_error *error) {
   const int failed =
       read_side(a, selected, error) != 0 || read_side(b, selected, error) != 0;
   free(selected);
-  return failed ? -1 : check_fit(a, b, error);
+  return failed || align(a, b, error) != 0 ? -1 : check_fit(a, b, error);
 }

@@ -76,6 +76,26 @@ differs "blocks of an odd width aren't" compare 1e-3 --blocks 3 checker.exr grey
 works "a block as large as the picture" compare 1e-6 --blocks 256 checker.exr grey.exr
 rejected "no pixel to a block" 'from 1 to 256' compare 1 --blocks 0 checker.exr grey.exr
 
+# --- data windows ---
+
+# Two parts of one picture, as large as each other, and one of another picture.
+oiiotool root.exr --crop 8x6+2+1 -o left.exr root.exr --crop 8x6+6+2 -o right.exr \
+  --origin +0+0 --fullpixels -o first.exr root.exr --crop 2x2+0+0 -o corner.exr \
+  root.exr --crop 8x6+2+1 --fullpixels -o part.exr >out 2>&1
+works "parts of a picture have the same pixels" compare 1e-6 left.exr right.exr
+grep -q 'left.exr: only its 4 x 5 pixels at 6, 2 are compared' err && grep -q '^values  *60$' out
+ok $? "where they overlap, which is told"
+works "a part and the whole" compare 1e-6 root.exr left.exr
+works "a part that has a window of its own" compare 1e-6 part.exr root.exr
+rejected "parts that don't overlap" 'corner.exr: none of its pixels are in the data window of right' \
+  compare 1 corner.exr right.exr
+run compare 1e-6 right.exr first.exr
+test $status -eq 0 && grep -q 'warning: its pixels are at 6, 2, and those of .* at 0, 0; they are' err
+ok $? "another picture of that size is compared as it is, with a warning"
+works "pictures of one window" compare 1e-6 left.exr left.exr
+test ! -s err
+ok $? "have nothing to be told"
+
 # --- formats ---
 
 for other in tif hdr; do

@@ -321,6 +321,9 @@ same "leave other frames alone" "$work/d/frame_0001.exr:ao" \
   "$work/a/frame_0001.exr:ao"
 works "and are finite where there is nothing" "$HBIL" compare --max-rmse 0 \
   "$work/d/frame_0002.exr" "$work/d/frame_0002.exr"
+oiiotool "$work/d/frame_0001.exr" --crop 30x20+20+10 -o "$work/crop.exr"
+works "a mask is of the pixels that are compared" "$HBIL" compare --max-rmse 0 \
+  --mask-depth "$one" "$work/d/frame_0001.exr" "$work/crop.exr"
 oiiotool "$one" --origin +500+0 --fullsize 60x44+0+0 -o "$work/alone.exr"
 cp "$camera" "$work/alone.json"
 rejected "a picture without pixels" 'none of its pixels lie in its display' \
