@@ -15,6 +15,7 @@
 #include "tool/preview.h"
 #include "tool/report.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -128,7 +129,61 @@ static void remove_copied(image *result, size_t layers) {
     free(result->planes[--result->count].pixels);
 }
 
-static int write_planes(const encoder *e, size_t item, const char *path,
+static const float largest_half = 65504.0f;
+
+/* Sets the pixels whose value is larger than half floats can be.  The device
+ * clips what it makes halves of, so the largest half stands for such values.
+ * Returns whether there are any. */
+static int mark_clipped(const image_plane *plane, size_t pixels,
+                        unsigned char *marks) {
+  unsigned some = 0;
+  for (size_t i = 0; plane->halves && i < pixels; i++)
+    some |= (plane->halves[i] & 0x7fff) == 0x7bff;
+  for (size_t i = 0; plane->pixels && i < pixels; i++)
+    some |= fabsf(plane->pixels[i]) > largest_half;
+  for (size_t i = 0; some && i < pixels; i++)
+    marks[i] |= plane->halves ? (plane->halves[i] & 0x7fff) == 0x7bff
+                              : fabsf(plane->pixels[i]) > largest_half;
+  return some != 0;
+}
+
+/* Adds the pixels of each layer that are clipped in some channel.  0, or -1 if
+ * memory runs out. */
+static int count_clipped(encoder *e, const image *result) {
+  const size_t pixels = (size_t)result->width * result->height;
+  const image_plane *plane = result->planes;
+  unsigned char *marks = malloc(pixels);
+  for (int l = 0; marks && l < LAYER_COUNT; l++) {
+    int some = 0;
+    if (!(e->job->layers >> l & 1))
+      continue;
+    memset(marks, 0, pixels);
+    for (const char *c = layer_table[l].components; *c; c++)
+      some |= mark_clipped(plane++, pixels, marks);
+    for (size_t i = 0; some && i < pixels; i++)
+      e->clipped[l] += marks[i];
+  }
+  const int failed = marks ? 0 : -1;
+  free(marks);
+  return failed;
+}
+
+/* "hbil: warning: half floats end at 65504, at which 3 pixels of beauty are
+ * clipped; --precision float holds them" */
+static void tell_clipped(const encoder *e) {
+  const char *before = "hbil: warning: half floats end at 65504, at which ";
+  int some = 0;
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (e->clipped[l]) {
+      fprintf(stderr, "%s%zu pixel%s of %s", some ? ", " : before,
+              e->clipped[l], e->clipped[l] > 1 ? "s" : "", layer_table[l].name);
+      some = 1;
+    }
+  if (some)
+    fputs(" are clipped; --precision float holds them\n", stderr);
+}
+
+static int write_planes(encoder *e, size_t item, const char *path,
                         image *result, image *copied, image_error *error) {
   const job_frame *f = &e->job->frames[item];
   const exr_style style = {e->job->settings->compression, f->path,
@@ -141,6 +196,8 @@ static int write_planes(const encoder *e, size_t item, const char *path,
       model->mode == HBIL_MODE_HBAO ? model->radius : model->ao_radius;
   for (size_t i = 0; i < layers; i++)
     result->planes[i].type = e->job->half ? IMAGE_HALF : IMAGE_FLOAT;
+  if (e->job->half && !e->job->settings->quiet && count_clipped(e, result) != 0)
+    return image_no_memory(error, f->path);
   const int failed = add_copied(result, copied) != 0
                          ? image_no_memory(error, f->path)
                          : exr_write_as(path, result, NULL, &style, error);
@@ -234,6 +291,7 @@ int encoder_show_cache(encoder *e, const void *bytes, size_t size,
 
 int encoder_finish(encoder *e, image_error *error) {
   const picture *sheet = &e->sheet.picture;
+  tell_clipped(e);
   if (!sheet->rgb)
     return 0;
   if (e->sheet.unlabelled)

@@ -17,6 +17,7 @@ typedef struct encoder {
   progress progress;
   int lines;           /* 1: a line for each frame, even on a terminal */
   size_t needed, done; /* frames that are computed */
+  size_t clipped[LAYER_COUNT]; /* pixels whose light half floats can't hold */
 } encoder;
 
 /* Before the first frame of a place.  0, or -1 with `error` filled. */

@@ -42,6 +42,17 @@ cmp -s "$work/h/frame_0001.exr" "$work/a/frame_0001.exr"
 test $? -ne 0
 ok $? "which they are not"
 
+# Light beyond the largest half, made by each of the two.
+clipped='^hbil: warning: half floats end at 65504, at which [0-9]* pixels of far_irradiance are clipped; --precision float holds them$'
+for way in half "half --preview" float; do
+  # shellcheck disable=SC2086
+  run "$HBIL" process --overwrite $fast --warm-up 0 --far environment --layers ao,far_irradiance \
+    --environment 1e6,0,0 --precision $way -o "$work/guess" "$one" "$two"
+  test $status -eq 0 &&
+    test "$(grep -c "$clipped" "$work/err")" -eq "$(test "$way" = float && echo 0 || echo 1)"
+  ok $? "a warning tells how many pixels are clipped: $way"
+done
+
 works "only some layers" \
   process --layers ao,near_irradiance -o "$work/some" --preview "$one"
 # Another variant of the gather: roundings, and sectors that they move.
