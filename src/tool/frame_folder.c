@@ -17,6 +17,7 @@ typedef struct sequence_names {
   size_t count;
   char *first;   /* the name of one of them */
   char *pattern; /* theirs, with a # for each digit of the shortest number */
+  char *padded;  /* the same for the longest number that begins with 0 */
 } sequence_names;
 
 int frame_folder_exists(const char *path) {
@@ -54,6 +55,22 @@ static int is_same(const char *a, const char *b) {
          memcmp(a, b, front_a) == 0;
 }
 
+/* Whether the last number of a name begins with 0. */
+static int is_padded(const char *name, const char *pattern) {
+  const char *last = strrchr(pattern, '#');
+  size_t first = last ? (size_t)(last - pattern) : 0;
+  while (last && first > 0 && pattern[first - 1] == '#')
+    first--;
+  return last && name[first] == '0';
+}
+
+static int report_two(const char *folder, const char *a, const char *b,
+                      image_error *error) {
+  return image_fail(
+      error, "%s: holds %s and %s; the pattern of one sequence is needed",
+      folder, a, b);
+}
+
 static int add(sequence_names *s, const char *folder, const char *name,
                image_error *error) {
   char *pattern = pattern_of(name);
@@ -63,11 +80,14 @@ static int add(sequence_names *s, const char *folder, const char *name,
     free(pattern);
     return image_no_memory(error, folder);
   }
+  if (is_padded(name, pattern) &&
+      (!s->padded || strlen(s->padded) < strlen(pattern))) {
+    free(s->padded);
+    s->padded = strdup(pattern);
+  }
   const int same = !s->pattern || is_same(s->pattern, pattern);
   if (!same)
-    image_fail(error,
-               "%s: holds %s and %s; the pattern of one sequence is needed",
-               folder, s->pattern, pattern);
+    report_two(folder, s->pattern, pattern, error);
   if (same && (!s->pattern || strlen(pattern) < strlen(s->pattern))) {
     char *longer = s->pattern;
     s->pattern = pattern;
@@ -87,15 +107,17 @@ static int look(const char *folder, sequence_names *s, image_error *error) {
     if (is_frame(e->d_name))
       failed = add(s, folder, e->d_name, error);
   closedir(entries);
-  return failed || s->count ? failed
-                            : image_fail(error,
-                                         "%s: holds no EXR file; a folder with "
-                                         "frames is needed",
-                                         folder);
+  if (!failed && !s->count)
+    failed = image_fail(
+        error, "%s: holds no EXR file; a folder with frames is needed", folder);
+  /* with fewer digits the pattern stands for numbers without zeros in front */
+  if (!failed && s->padded && strlen(s->padded) > strlen(s->pattern))
+    failed = report_two(folder, s->pattern, s->padded, error);
+  return failed;
 }
 
 char *frame_folder_pattern(const char *folder, image_error *error) {
-  sequence_names s = {0, NULL, NULL};
+  sequence_names s = {0, NULL, NULL, NULL};
   char *out = NULL;
   if (look(folder, &s, error) == 0) {
     out = path_join(folder, folder[strlen(folder) - 1] == '/' ? "" : "/",
@@ -105,5 +127,6 @@ char *frame_folder_pattern(const char *folder, image_error *error) {
   }
   free(s.first);
   free(s.pattern);
+  free(s.padded);
   return out;
 }

@@ -154,6 +154,13 @@ mkdir "$work/gap"
 cp "$frames"/frame_000[1245].* "$work/gap"
 rejected "a folder with a hole" 'frame_####.exr: 1 of 5 frames is missing: 3;' \
   exact -o "$out" "$work/gap"
+mkdir "$work/padding"
+cp "$frames/frame_0001.exr" "$work/padding/frame_9.exr"
+cp "$frames/frame_0001.exr" "$work/padding/frame_10.exr"
+cp "$frames/frame_0002.exr" "$work/padding/frame_0011.exr"
+rejected "a folder with numbers of another padding" \
+  'holds frame_#.exr and frame_####.exr; the pattern of one sequence' \
+  exact -o "$out" "$work/padding"
 rejected "a folder without frames" 'there: holds no EXR file' \
   exact -o "$out" "$work/far/there"
 rejected "--dry-run finds what is wrong" 'is there already' \
