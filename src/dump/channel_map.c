@@ -68,6 +68,27 @@ int channel_map_check(const channel_map *map, const char *path,
   return 0;
 }
 
+int channel_map_follows(const channel_map *map, const char *path,
+                        const channel_map *first, const char *first_path,
+                        image_error *error) {
+  const image_window *size = &first->display, *own = &map->display;
+  for (int r = 0; r < ROLE_COUNT; r++)
+    if (first->count[r] && !map->count[r] && r != ROLE_POSITION &&
+        r != ROLE_INDIRECT && r != ROLE_COVERAGE && r != ROLE_PICTURE &&
+        r != ROLE_ALPHA)
+      return image_fail(error,
+                        "%s: has no %s, which %s has; the same channels in "
+                        "every frame are needed",
+                        path, role_name((role)r), first_path);
+  if (own->width != size->width || own->height != size->height)
+    return image_fail(error,
+                      "%s: %u x %u pixels, but %s has %u x %u; frames of one "
+                      "size are needed",
+                      path, own->width, own->height, first_path, size->width,
+                      size->height);
+  return 0;
+}
+
 void channel_map_signs(const channel_map *map, dump_space space,
                        float sign[3]) {
   unsigned flips = map->how.flips;

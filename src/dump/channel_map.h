@@ -48,6 +48,13 @@ void channel_map_free(channel_map *map);
 int channel_map_check(const channel_map *map, const char *path,
                       image_error *error);
 
+/* Whether frames with these maps may follow each other in a job: the channels
+ * of the first one, whose kernels serve all, and pictures of its size.  0, or
+ * -1 with `error` filled. */
+int channel_map_follows(const channel_map *map, const char *path,
+                        const channel_map *first, const char *first_path,
+                        image_error *error);
+
 /* What each axis of vectors of that space is multiplied by (1 or -1): the flips
  * of the conventions, then those that lead to view space or to a right-handed
  * world. */

@@ -11,6 +11,7 @@
 #include "image/window.h"
 #include "tool/commands.h"
 #include "tool/extent.h"
+#include "tool/frame_list.h"
 #include "tool/job_light.h"
 #include "tool/options.h"
 #include "tool/report.h"
@@ -53,7 +54,9 @@ static const option_command command = {
         "radiance cache that hbil process would have for all these frames.",
     .groups = groups,
     .group_count = 2,
-    .notes = "Exit status: 0 if hbil process can use the files, else 2."};
+    .notes = "FRAME.exr may be a pattern or a folder, as for hbil process.  "
+             "Exit status: 0 if hbil process can use the files as the frames "
+             "of one job, else 2."};
 
 /* ------------------------------------------------------------------------ */
 /* What the file has                                                         */
@@ -363,6 +366,24 @@ static int print_cache(const usable *all, image_error *error) {
   return 0;
 }
 
+/* Whether one job can have all of the files as its frames. */
+static int check_sequence(const usable *all, image_error *error) {
+  const extent_picture *first = &all->pictures[0];
+  camera_file camera = {.orthographic = first->map->projection ==
+                                        HBIL_PROJECTION_ORTHOGRAPHIC};
+  for (size_t i = 1; i < all->count; i++) {
+    const extent_picture *p = &all->pictures[i];
+    camera_file own = {.orthographic =
+                           p->map->projection == HBIL_PROJECTION_ORTHOGRAPHIC};
+    if (channel_map_follows(p->map, p->path, first->map, first->path, error) !=
+            0 ||
+        frame_camera_same_projection(p->path, &own, first->path, &camera,
+                                     error) != 0)
+      return -1;
+  }
+  return 0;
+}
+
 static int print_files(char *const *files, size_t count, const info_options *o,
                        image_error *error) {
   usable all = {.pictures = calloc(count, sizeof *all.pictures),
@@ -377,7 +398,8 @@ static int print_files(char *const *files, size_t count, const info_options *o,
       fflush(stdout);
       status = report_error(error);
     }
-  if (status == STATUS_OK && print_cache(&all, error) != 0) {
+  if (status == STATUS_OK &&
+      (check_sequence(&all, error) != 0 || print_cache(&all, error) != 0)) {
     fflush(stdout);
     status = report_error(error);
   }
@@ -392,15 +414,20 @@ int cmd_info(int argc, char **argv) {
   image_error error;
   info_options o = {.camera = NULL};
   options_given given;
+  frame_list list = {NULL, 0, 0};
   source_options_init(&o.source);
   const int read = options_read(&command, argc, argv, &o, &given, &error);
   if (read > 0)
     options_help(&command, &o);
   if (read == 0 && optind == argc)
     image_fail(&error, "no file; one FRAME.exr or more is needed");
-  if (read < 0 || (read == 0 && optind == argc))
+  if (read > 0)
+    return STATUS_OK;
+  if (read < 0 || optind == argc ||
+      frame_list_make(argv + optind, argc - optind, NULL, 0, &list, &error) !=
+          0)
     return report_error(&error);
-  return read > 0
-             ? STATUS_OK
-             : print_files(argv + optind, (size_t)(argc - optind), &o, &error);
+  const int status = print_files(list.files, list.count, &o, &error);
+  frame_list_free(&list);
+  return status;
 }

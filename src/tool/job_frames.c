@@ -19,18 +19,9 @@
 /* ------------------------------------------------------------------------ */
 /* Frames                                                                    */
 
-/* The library's kernels are built for the channels of the first frame. */
-static int check_roles(const job *j, const job_frame *f, image_error *error) {
+static int check_motion(const job *j, const job_frame *f, image_error *error) {
   const int moved = j->config.history.reprojection == HBIL_REPROJECTION_MOTION;
   const float *scale = f->map.how.motion_scale;
-  for (int r = 0; r < ROLE_COUNT; r++)
-    if (j->frames[0].map.count[r] && !f->map.count[r] && r != ROLE_POSITION &&
-        r != ROLE_INDIRECT && r != ROLE_COVERAGE && r != ROLE_PICTURE &&
-        r != ROLE_ALPHA)
-      return image_fail(error,
-                        "%s: has no %s, which %s has; the same channels in "
-                        "every frame are needed",
-                        f->path, role_name((role)r), j->frames[0].path);
   if (moved && !f->map.count[ROLE_MOTION])
     return image_fail(error,
                       "%s: has no motion vectors; Vector.{X,Y} (Blender's "
@@ -46,9 +37,7 @@ static int check_roles(const job *j, const job_frame *f, image_error *error) {
 }
 
 /* The data windows of frames may differ, but not the picture. */
-static int check_size(job *j, const job_frame *f, image_error *error) {
-  const image_window *first = &j->frames[0].map.display;
-  const image_window *own = &f->map.display;
+static int add_window(job *j, const job_frame *f, image_error *error) {
   if (f == j->frames)
     j->window = f->map.data;
   j->window = image_window_union(j->window, f->map.data);
@@ -58,12 +47,6 @@ static int check_size(job *j, const job_frame *f, image_error *error) {
                       "pixels; at most %d x %d are possible",
                       f->path, j->window.width, j->window.height, HBIL_MAX_SIZE,
                       HBIL_MAX_SIZE);
-  if (own->width != first->width || own->height != first->height)
-    return image_fail(error,
-                      "%s: %u x %u pixels, but %s has %u x %u; frames of one "
-                      "size are needed",
-                      f->path, own->width, own->height, j->frames[0].path,
-                      first->width, first->height);
   return 0;
 }
 
@@ -75,12 +58,14 @@ static int check_header(job *j, job_frame *f, image_error *error) {
   int failed =
       channel_map_read(f->path, &header, &s->source, &f->map, error) != 0 ||
       channel_map_check(&f->map, f->path, error) != 0 ||
-      check_roles(j, f, error) != 0;
+      channel_map_follows(&f->map, f->path, &j->frames[0].map,
+                          j->frames[0].path, error) != 0 ||
+      check_motion(j, f, error) != 0;
   f->map.held = f == j->frames ? &j->held : NULL;
   failed = failed ||
            frame_camera_read(f->path, &header, &f->map, s->camera, &s->source,
                              &f->seen, &f->camera_path, error) != 0 ||
-           check_size(j, f, error) != 0;
+           add_window(j, f, error) != 0;
   image_free(&header);
   return failed ? -1 : 0;
 }

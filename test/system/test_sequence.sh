@@ -166,6 +166,22 @@ rejected "a folder without frames" 'there: holds no EXR file' \
 rejected "--dry-run finds what is wrong" 'is there already' \
   exact --dry-run -o "$work/before" "$frames/frame_0001.exr"
 
+# info takes what process takes, and its status is about all of it.
+for files in "$frames" "$frames/frame_####.exr"; do
+  run "$HBIL" info "$files"
+  test $status -eq 0 && test "$(grep -c '40 x 30 pixels, read as' "$work/out")" -eq 5
+  ok $? "info of ${files##*/}"
+done
+rejected "info of a folder with a hole" 'frame_####.exr: 1 of 5 frames is missing: 3;' \
+  "$HBIL" info "$work/gap"
+works "a frame of another size" "$HBIL" demo --frames 1 --size 48x30 -o "$work/wider"
+for command in "process -o $out" info; do
+  # shellcheck disable=SC2086
+  rejected "it is no frame of that sequence, says ${command%% *}" \
+    'wider/.*: 48 x 30 pixels, but .* has 40 x 30; frames of one size' \
+    "$HBIL" $command "$frames/frame_0001.exr" "$work/wider/gbuffer/frame_0001.exr"
+done
+
 # --- side by side ---
 
 works "the same sequence once more" exact -o "$work/again" "$frames"/*.exr
