@@ -119,6 +119,19 @@ static int file_place_compare(const file_place *a, const file_place *b) {
   return strcmp(a->rest, b->rest);
 }
 
+int file_place_is_made_with(const char *folder, const char *other) {
+  file_place a, b;
+  const int found = file_place_find(folder, &a) == 0;
+  const size_t length = found ? strlen(a.rest) : 0;
+  const int made = file_place_find(other, &b) == 0 && length > 0 &&
+                   a.disk == b.disk && a.inode == b.inode &&
+                   strncmp(a.rest, b.rest, length) == 0 &&
+                   (b.rest[length] == '\0' || b.rest[length] == '/');
+  file_place_free(&a);
+  file_place_free(&b);
+  return made;
+}
+
 /* ------------------------------------------------------------------------ */
 /* Files that are read and written                                           */
 

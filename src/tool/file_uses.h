@@ -59,4 +59,8 @@ int file_uses_check(file_uses *uses, image_error *error);
 /* It may be called on a zeroed list. */
 void file_uses_free(file_uses *uses);
 
+/* Whether a folder that is missing is there once another one is: it is that one
+ * or lies above it. */
+int file_place_is_made_with(const char *folder, const char *other);
+
 #endif

@@ -68,19 +68,20 @@ static int check_parent(const job *j, const char *path, image_error *error) {
   const process_settings *s = j->settings;
   if (!path)
     return 0;
-  /* its folder may be the one that a dry run doesn't make */
-  if (s->dry_run && access(s->output, F_OK) != 0)
-    return 0;
   char *parent = path_parent(path);
   if (!parent)
     return image_no_memory(error, path);
-  const int writable = access(parent, W_OK | X_OK) == 0;
+  int failed = access(parent, W_OK | X_OK);
+  const int why = errno;
+  /* its folder may be one that a dry run doesn't make */
+  if (failed && s->dry_run && file_place_is_made_with(parent, s->output))
+    failed = 0;
   free(parent);
-  return writable ? 0
-                  : image_fail(error,
-                               "%s: cannot be written: %s; a folder in which "
-                               "you may write is needed",
-                               path, strerror(errno));
+  return failed ? image_fail(error,
+                             "%s: cannot be written: %s; a folder in which "
+                             "you may write is needed",
+                             path, strerror(why))
+                : 0;
 }
 
 /* What killed jobs have left where this one writes. */
@@ -95,9 +96,6 @@ static void sweep(const job *j) {
     free(folder);
   }
 }
-
-/* ------------------------------------------------------------------------ */
-/* Files                                                                     */
 
 /* ------------------------------------------------------------------------ */
 /* What is read                                                              */

@@ -122,6 +122,15 @@ ok $? "and write and sweep nothing"
 says "--dry-run and a folder without a parent" '^1 of 1 frames would' \
   exact --dry-run -o "$out/deeper/still" "$frames/frame_0001.exr"
 absent "makes neither" "$out"
+says "--dry-run and a sheet above the output folder" '^1 of 1 frames would' \
+  exact --dry-run --contact-sheet "$out/sheet.png" -o "$out/deeper/still" "$frames/frame_0001.exr"
+for option in "--contact-sheet $out/deep/sheet.png" "--learn --cache-save $out/deeper/still/c/cache"; do
+  for dry in --dry-run ""; do
+    # shellcheck disable=SC2086
+    rejected "${option% *} in a folder that nothing makes $dry" 'cannot be written: No such file' \
+      "$HBIL" process $dry $option -o "$out/deeper/still" "$frames/frame_0001.exr"
+  done
+done
 rejected "--dry-run and a folder in a file" 'cannot be created' \
   exact --dry-run -o "$frames/frame_0001.exr/deeper" "$frames/frame_0001.exr"
 rejected "and without --dry-run" 'cannot be created' \
