@@ -257,8 +257,10 @@ static int print_timings(const process *p, image_error *error) {
       .parts = p->parts,
       .total = seconds_now() - p->begun,
   };
-  if (!s->quiet)
+  if (!s->quiet) {
+    timings_warn_sanitized(report.rows, report.count);
     unknown_report(report.rows, report.count);
+  }
   if (!s->quiet && !s->timings && report.computed > 1) {
     fputs("hbil: ", stderr);
     timings_summary(&report, stderr);

@@ -259,17 +259,14 @@ int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
   end_planes(s);
   if (failed)
     return -1;
-  if (s->config.execution.profiling) {
-    const cl_command_queue queue = s->device->queue;
-    hbil_status status = hbil_plan_timings(s->plan, row->milliseconds);
-    if (status == HBIL_SUCCESS)
-      status = hbil_plan_statistics(s->plan, queue, &row->statistics);
-    if (status == HBIL_SUCCESS)
-      status = hbil_plan_sanitized(s->plan, queue, &row->sanitized);
-    if (status != HBIL_SUCCESS)
-      return library_failed(s, row->frame, status, error);
-  }
-  return 0;
+  const cl_command_queue queue = s->device->queue;
+  hbil_status status = hbil_plan_sanitized(s->plan, queue, &row->sanitized);
+  if (status == HBIL_SUCCESS && s->config.execution.profiling)
+    status = hbil_plan_timings(s->plan, row->milliseconds);
+  if (status == HBIL_SUCCESS && s->config.execution.profiling)
+    status = hbil_plan_statistics(s->plan, queue, &row->statistics);
+  return status == HBIL_SUCCESS ? 0
+                                : library_failed(s, row->frame, status, error);
 }
 
 /* ------------------------------------------------------------------------ */

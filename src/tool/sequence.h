@@ -47,8 +47,9 @@ typedef struct timing_row {
  * Runs a frame `repeat` times and copies each layer into the planes of result,
  * or, if it has none there, of hidden.
  * Runs after the first, and a frame that equals the previous one, are static
- * frames (hbil.h).  hash: that of sequence_hash().  row is filled, for the last
- * run, if config.profiling is set.  Returns 0, or -1 with `error` filled.
+ * frames (hbil.h).  hash: that of sequence_hash().  Of the row, which is for
+ * the last run, milliseconds and statistics are filled if config.profiling is
+ * set, sanitized always.  Returns 0, or -1 with `error` filled.
  */
 int sequence_run(sequence *s, const gbuffer *g, uint64_t hash,
                  const far_light *far, unsigned repeat, image *result,

@@ -1,6 +1,7 @@
 /* Prints how long a job took, and what was skipped. */
 #include "tool/timings.h"
 
+#include "tool/report.h"
 #include "tool/unknown.h"
 
 #include <jansson.h>
@@ -58,7 +59,7 @@ static json_t *statistics_json(const hbil_statistics *s) {
                    "not_run", passes);
 }
 
-enum { SANITIZED_INPUTS = 8 };
+enum { FACING_AWAY = 7, SANITIZED_INPUTS };
 
 typedef struct sanitized_input {
   const char *name;
@@ -91,6 +92,33 @@ static int sanitized_print(const hbil_sanitized *s, const char *before,
     some = 1;
   }
   return some;
+}
+
+/* Normals that face away are for the check of the frame, which knows why. */
+void timings_warn_sanitized(const timing_row *rows, size_t count) {
+  sanitized_input inputs[SANITIZED_INPUTS];
+  size_t sums[SANITIZED_INPUTS] = {0};
+  const char *first = NULL, *before = "";
+  for (size_t i = 0; i < count; i++) {
+    list_sanitized(&rows[i].sanitized, inputs);
+    for (int k = 0; k < FACING_AWAY; k++) {
+      sums[k] += inputs[k].pixels;
+      first = !first && sums[k] ? rows[i].frame : first;
+    }
+  }
+  if (!first)
+    return;
+  fputs("hbil: warning: pixels whose values mean nothing (NaN, infinite, "
+        "negative) were replaced: ",
+        stderr);
+  for (int k = 0; k < FACING_AWAY; k++)
+    if (sums[k]) {
+      fprintf(stderr, "%s%s %zu", before, inputs[k].name, sums[k]);
+      before = ", ";
+    }
+  fputs("; the first ones in ", stderr);
+  report_text(first, stderr);
+  fputs(" (hbil info)\n", stderr);
 }
 
 /* The number of sanitized pixels of each input, as an object. */

@@ -46,4 +46,8 @@ void timings_table(const timing_report *report);
 /* The same as JSON.  0, or -1 with `error` filled. */
 int timings_json(const timing_report *report, image_error *error);
 
+/* Warns of inputs whose pixels were sanitized, in one line on standard error;
+ * nothing if there are none. */
+void timings_warn_sanitized(const timing_row *rows, size_t count);
+
 #endif
