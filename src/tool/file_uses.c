@@ -6,6 +6,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -175,10 +176,22 @@ int file_uses_write(file_uses *uses, const char *path, const char *option,
       error);
 }
 
+/* Pictures are PNG, whatever their names say. */
+static int check_ending(const file_use *use, image_error *error) {
+  const char *slash = strrchr(use->path, '/');
+  const char *ending = strrchr(slash ? slash : use->path, '.');
+  return use->kind != FILE_PICTURE || !ending || !strcasecmp(ending, ".png")
+             ? 0
+             : image_fail(error,
+                          "%s: %s writes PNG alone; a name that ends in .png "
+                          "is needed",
+                          use->path, use->what);
+}
+
 int file_use_may_replace(const file_use *use, file_kind there,
                          image_error *error) {
   if (there == FILE_ABSENT || there == FILE_BLANK || there == use->kind)
-    return 0;
+    return check_ending(use, error);
   if (there == FILE_IRREGULAR)
     return image_fail(error,
                       "%s: cannot be written: not a regular file; another name "

@@ -48,7 +48,8 @@ int file_uses_write(file_uses *uses, const char *path, const char *option,
                     const char *need, file_kind kind, image_error *error);
 
 /* Whether a file that an option names may replace what is there: only its own
- * kind, or nothing.  0, or -1 with `error` filled. */
+ * kind, or nothing; and whether its name says what it is.  0, or -1 with
+ * `error` filled. */
 int file_use_may_replace(const file_use *use, file_kind there,
                          image_error *error);
 

@@ -96,6 +96,12 @@ works "pictures of one window" compare 1e-6 left.exr left.exr
 test ! -s err
 ok $? "have nothing to be told"
 
+# --- heat maps ---
+
+rejected "a heat map that is no PNG" 'map.jpg: --heatmap writes PNG alone; a name that ends in .png' \
+  compare 1 --heatmap map.jpg root.exr alpha.exr:
+works "a heat map" compare 9 --heatmap map.PNG root.exr root.exr
+
 # --- formats ---
 
 for other in tif hdr; do

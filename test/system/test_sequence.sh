@@ -361,6 +361,10 @@ run cmp "$work/sheet.png" "$work/sheet2.png"
 ok $status "it is the same"
 rejected "a sheet that is there" 'sheet.png: is there already; --overwrite' \
   exact --contact-sheet "$work/sheet.png" -o "$out" "$one"
+for name in sheet.jpg sheet.exr sheet.tif; do
+  rejected "a sheet that is named $name" "$name: --contact-sheet writes PNG alone; a name that ends in .png" \
+    exact --contact-sheet "$work/$name" -o "$out" "$frames/frame_0001.exr"
+done
 rejected "a sheet in no folder" 'sheet.png: cannot be written' \
   exact --contact-sheet "$work/no/sheet.png" -o "$out" "$one"
 i=0
