@@ -25,7 +25,7 @@
 
 typedef struct info_options {
   source_options source;
-  const char *camera;
+  const char *camera, *frames;
 } info_options;
 
 /* The files that hbil process can use. */
@@ -35,12 +35,14 @@ typedef struct usable {
   size_t count;
 } usable;
 
-static const option_row camera_rows[] = {
+static const option_row frame_rows[] = {
+    {ROW_TEXT("frames", offsetof(info_options, frames), "RANGES"),
+     .help = "numbers for the patterns, such as 1-240x2,300 (all that exist)"},
     {ROW_TEXT("camera", offsetof(info_options, camera), "FILE"),
      .help = "JSON camera (FRAME.json beside FRAME.exr, or else the header's, "
              "or else one that fits the positions, as `positions` in place of "
              "FILE)"}};
-static const option_group groups[] = {{.rows = camera_rows, .count = 1},
+static const option_group groups[] = {{.rows = frame_rows, .count = 2},
                                       SOURCE_GROUP};
 static const option_command command = {
     .usage =
@@ -424,8 +426,8 @@ int cmd_info(int argc, char **argv) {
   if (read > 0)
     return STATUS_OK;
   if (read < 0 || optind == argc ||
-      frame_list_make(argv + optind, argc - optind, NULL, 0, &list, &error) !=
-          0)
+      frame_list_make(argv + optind, argc - optind, o.frames, 0, &list,
+                      &error) != 0)
     return report_error(&error);
   const int status = print_files(list.files, list.count, &o, &error);
   frame_list_free(&list);

@@ -183,6 +183,7 @@ for files in "$frames" "$frames/frame_####.exr"; do
 done
 rejected "info of a folder with a hole" 'frame_####.exr: 1 of 5 frames is missing: 3;' \
   "$HBIL" info "$work/gap"
+says "unless --frames leaves it out" '^radiance cache' "$HBIL" info --frames 1-2,4 "$work/gap"
 works "a frame of another size" "$HBIL" demo --frames 1 --size 48x30 -o "$work/wider"
 for command in "process -o $out" info; do
   # shellcheck disable=SC2086
