@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* ------------------------------------------------------------------------ */
 /* What the pixels of frames and views decide                                */
@@ -183,6 +184,12 @@ static int read_environment(job *j, image_error *error) {
   if (option_floats("", text, constant, 3, NULL) == 0) {
     memcpy(j->far.environment[0], constant, sizeof constant);
     j->config.model.far_field = HBIL_FAR_CONSTANT;
+  } else if (access(text, F_OK) != 0) {
+    return image_fail(error,
+                      "--environment %s: cannot be read: neither three numbers "
+                      "nor a file that exists; R,G,B, a map, frame or none is "
+                      "needed",
+                      text);
   } else if (load_map(j, error) != 0)
     return -1;
   return check_finite(j, error);

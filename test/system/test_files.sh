@@ -293,6 +293,8 @@ rejected "an environment of NaN" 'cannot be read' \
   exact -o "$out" --environment nan,0,0 "$one"
 rejected "an infinite environment" 'not finite' \
   exact -o "$out" --environment inf,0,0 "$one"
+rejected "two numbers as environment" 'environment 1,2: cannot be read: neither three numbers' \
+  exact -o "$out" --environment 1,2 "$one"
 rejected "an empty environment" 'cannot be read' \
   exact -o "$out" --environment '' "$one"
 printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1000000000 +X 1000000000\n' \
