@@ -10,10 +10,10 @@ static double at(const double m[16], int row, int column) {
 }
 
 /* Columns of the rotation are unit and at right angles, to 1e-3: beyond any
- * rounding of a float matrix, below any real scale or shear.  Mirrored ones are
- * right, too: all that the kernels do with them is to change between bases.
- * Returns what is wrong, or NULL. */
-static const char *rigid_error(const double m[16]) {
+ * rounding of a float matrix (a product of two float rotations is off by less
+ * than 1e-6), below any real scale or shear.  Mirrored ones are right, too: all
+ * that is done with them is to change between bases. */
+const char *rigid_error(const double m[16]) {
   const double last[4] = {0, 0, 0, 1};
   for (int i = 0; i < 16; ++i)
     if (!isfinite(m[i]))

@@ -1,6 +1,7 @@
 /* Far light: spherical harmonics of order 2. */
 #include "far_field.h"
 
+#include "camera.h"
 #include "checks.h"
 #include "context.h"
 
@@ -75,6 +76,18 @@ static void direction(double u, double v, const float *world_from_map,
   }
 }
 
+static hbil_status check_rotation(const float world_from_map[9]) {
+  double m[16] = {[15] = 1};
+  for (int i = 0; i < 9; ++i)
+    m[4 * (i / 3) + i % 3] = (double)world_from_map[i];
+  const char *error = rigid_error(m);
+  return error ? fail(NULL, HBIL_INVALID_ARGUMENT,
+                      "hbil_environment_from_latlong: world_from_map: not a "
+                      "rotation, mirrored or not: %s",
+                      error)
+               : HBIL_SUCCESS;
+}
+
 hbil_status hbil_environment_from_latlong(const float *rgb, size_t width,
                                           size_t height, size_t row_pitch,
                                           const float world_from_map[9],
@@ -93,6 +106,10 @@ hbil_status hbil_environment_from_latlong(const float *rgb, size_t width,
                 "hbil_environment_from_latlong: row_pitch: %zu; must be a "
                 "multiple of %zu bytes, and at least a row's %zu",
                 row_pitch, sizeof *rgb, width * 3 * sizeof *rgb);
+  const hbil_status status =
+      world_from_map ? check_rotation(world_from_map) : HBIL_SUCCESS;
+  if (status != HBIL_SUCCESS)
+    return status;
   double sum[9][3] = {{0}};
   for (size_t y = 0; y < height; ++y) {
     const float *row = rgb + y * (row_pitch / sizeof *rgb);

@@ -132,6 +132,7 @@
 #define plan_bounces hbil_internal_plan_bounces
 #define remember_frame hbil_internal_remember_frame
 #define remove_exposure hbil_internal_remove_exposure
+#define rigid_error hbil_internal_rigid_error
 #define run_first_commands hbil_internal_run_first_commands
 #define near_steps hbil_internal_near_steps
 #define searches_differ hbil_internal_searches_differ

@@ -29,6 +29,9 @@ static const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 static const float turned[9] = {0.36f, 0.48f, -0.8f, -0.8f, 0.6f,
                                 0.0f,  0.48f, 0.64f, 0.6f};
 
+/* To a left-handed world with y up. */
+static const float mirrored[9] = {1, 0, 0, 0, 0, 1, 0, 1, 0};
+
 /* A map with `row` floats a row, painted from coefficients in the world. */
 static float *painted(const float sh[9][3], const float rotation[9],
                       size_t row) {
@@ -86,6 +89,7 @@ static void rows_may_be_apart(void **state) {
 static void maps_may_be_turned(void **state) {
   (void)state;
   check_painted(turned, turned, 3 * WIDTH, 0);
+  check_painted(mirrored, mirrored, 3 * WIDTH, 0);
 }
 
 static void a_constant_map_has_band_0_alone(void **state) {
@@ -126,6 +130,28 @@ static void bad_arguments_are_refused(void **state) {
                    HBIL_SUCCESS);
 }
 
+static void matrices_must_be_rotations(void **state) {
+  static const struct {
+    float matrix[9];
+    const char *message;
+  } wrong[] = {
+      {{2, 0, 0, 0, 2, 0, 0, 0, 2}, "a column's length is not 1"},
+      {{0, 0, 0, 0, 0, 0, 0, 0, 0}, "a column's length is not 1"},
+      {{1, 0.01f, 0, 0, 1, 0, 0, 0, 1}, "columns are not at right angles"},
+      {{1, 0, 0, 0, NAN, 0, 0, 0, 1}, "an element is not finite"}};
+  float map[3 * 4 * 2] = {0.0f}, sh[9][3] = {{7.0f}};
+  (void)state;
+  for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+    assert_int_equal(
+        hbil_environment_from_latlong(map, 4, 2, 0, wrong[i].matrix, sh),
+        HBIL_INVALID_ARGUMENT);
+    const char *message = hbil_context_message(NULL);
+    assert_non_null(strstr(message, "world_from_map: not a rotation"));
+    assert_non_null(strstr(message, wrong[i].message));
+    assert_true(sh[0][0] == 7.0f);
+  }
+}
+
 /* OpenGL looks along -z with y up: both axes change their sign. */
 static void opengl_cameras_turn_two_axes(void **state) {
   const double gl[16] = {0, 0, 1, 5, 1, 0, 0, 6, 0, 1, 0, 7, 0, 0, 0, 1};
@@ -146,6 +172,7 @@ int main(void) {
       cmocka_unit_test(maps_may_be_turned),
       cmocka_unit_test(a_constant_map_has_band_0_alone),
       cmocka_unit_test(bad_arguments_are_refused),
+      cmocka_unit_test(matrices_must_be_rotations),
       cmocka_unit_test(opengl_cameras_turn_two_axes)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
