@@ -220,11 +220,24 @@ hbil_status check_environment(hbil_context *context, hbil_status wrong,
 
 hbil_status check_wait_list(hbil_context *context, const char *function,
                             cl_uint wait_count, const cl_event *wait_list) {
-  for (cl_uint i = 0; wait_list && i < wait_count; ++i)
-    if (!wait_list[i])
+  for (cl_uint i = 0; wait_list && i < wait_count; ++i) {
+    cl_context of_event = NULL;
+    const cl_int error = wait_list[i]
+                             ? clGetEventInfo(wait_list[i], CL_EVENT_CONTEXT,
+                                              sizeof of_event, &of_event, NULL)
+                             : CL_INVALID_EVENT;
+    if (error == CL_INVALID_EVENT)
       return fail(context, HBIL_INVALID_ARGUMENT,
-                  "%s: wait_list[%u]: null; must be an event", function,
-                  (unsigned)i);
+                  "%s: wait_list[%u]: %s; must be an event", function,
+                  (unsigned)i, wait_list[i] ? cl_error_name(error) : "null");
+    if (error != CL_SUCCESS)
+      return fail_cl(context, error, "clGetEventInfo");
+    if (of_event != context->context)
+      return fail(context, HBIL_INVALID_ARGUMENT,
+                  "%s: wait_list[%u]: an event of another OpenCL context; must "
+                  "be of that of hbil_context_create()",
+                  function, (unsigned)i);
+  }
   if (!wait_count != !wait_list)
     return fail(context, HBIL_INVALID_ARGUMENT,
                 "%s: wait_list is %s and wait_count %u; wait_list must be null "

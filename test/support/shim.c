@@ -379,6 +379,10 @@ PLAIN(clGetCommandQueueInfo,
       (cl_command_queue queue, cl_command_queue_info what, size_t room,
        void *value, size_t *size),
       NEXT(clGetCommandQueueInfo)(queue, what, room, value, size))
+PLAIN(clGetEventInfo,
+      (cl_event event, cl_event_info what, size_t room, void *value,
+       size_t *size),
+      NEXT(clGetEventInfo)(event, what, room, value, size))
 PLAIN(clGetEventProfilingInfo,
       (cl_event event, cl_profiling_info what, size_t room, void *value,
        size_t *size),

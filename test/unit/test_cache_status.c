@@ -435,7 +435,7 @@ static void null_arguments_are_rejected(void **state) {
   room_stop(&t);
 }
 
-static void queues_of_other_contexts_are_rejected(void **state) {
+static void queues_and_events_of_other_contexts_are_rejected(void **state) {
   room_scene t;
   cl_int error;
   (void)state;
@@ -450,6 +450,13 @@ static void queues_of_other_contexts_are_rejected(void **state) {
   clReleaseCommandQueue(queue);
   clReleaseContext(context);
   room_same_bits(&t.s, &t.want, "after a queue of another context");
+  const cl_event foreign = clCreateUserEvent(context, &error);
+  assert_int_equal(error, CL_SUCCESS);
+  room_rejected(hbil_enqueue_cache_reset(t.s.frame.cache, shared_device.queue,
+                                         1, &foreign, NULL),
+                HBIL_INVALID_ARGUMENT,
+                "hbil_enqueue_cache_reset: wait_list[0]: an event of another");
+  clReleaseEvent(foreign);
   room_stop(&t);
 }
 
@@ -466,6 +473,6 @@ int main(void) {
       cmocka_unit_test(frames_reject_caches_that_are_not_theirs),
       cmocka_unit_test(other_modes_have_no_cache),
       cmocka_unit_test(null_arguments_are_rejected),
-      cmocka_unit_test(queues_of_other_contexts_are_rejected)};
+      cmocka_unit_test(queues_and_events_of_other_contexts_are_rejected)};
   return RUN_WITH_DEVICE(tests);
 }

@@ -149,6 +149,17 @@ static void other_contexts_are_rejected(void **state) {
   assert_memory_rejected(&s, PLANE_DEPTH, memory, ".buffer: not of the plan's");
   assert_memory_rejected(&s, PLANE_BENT, memory, ".buffer: not of the plan's");
   clReleaseMemObject(memory);
+  const cl_event events[2] = {clCreateUserEvent(shared_device.context, &error),
+                              clCreateUserEvent(other, &error)};
+  assert_int_equal(error, CL_SUCCESS);
+  assert_int_equal(hbil_enqueue_frame(s.plan, shared_device.queue, &s.frame, 2,
+                                      events, NULL),
+                   HBIL_INVALID_ARGUMENT);
+  assert_non_null(strstr(
+      hbil_context_message(shared_device.hbil),
+      "hbil_enqueue_frame: wait_list[1]: an event of another OpenCL context"));
+  for (int i = 0; i < 2; ++i)
+    clReleaseEvent(events[i]);
   clReleaseContext(other);
   setup_free(&s);
 }
