@@ -87,7 +87,8 @@ static hbil_status check_ranges(hbil_context *context,
                 "method: %d; must be one of hbil_cache_method, and not "
                 "HBIL_CACHE_METHOD_NONE",
                 (int)c->method);
-  return HBIL_SUCCESS;
+  return check_flag(context, HBIL_INVALID_CONFIG, "gather_emission",
+                    c->gather_emission);
 }
 
 hbil_status cache_config_take(hbil_context *context,
@@ -160,7 +161,8 @@ hbil_status view_take(hbil_context *context, const hbil_view *given,
   if ((unsigned)own->light > HBIL_VIEW_FINISHED)
     return fail(context, HBIL_INVALID_FRAME,
                 "light: %d; must be one of hbil_view_light", (int)own->light);
-  return HBIL_SUCCESS;
+  return check_flag(context, HBIL_INVALID_FRAME, "static_view",
+                    own->static_view);
 }
 
 hbil_status hbil_view_from_frame_sized(hbil_view *view, size_t struct_size,

@@ -196,6 +196,14 @@ hbil_status check_exposure(hbil_context *context, hbil_status wrong,
                            float exposure) {
   const double e = (double)exposure;
   return e == 0.0 || (e >= LEAST_EXPOSURE && e <= MOST_EXPOSURE)
+hbil_status check_flag(hbil_context *context, hbil_status wrong,
+                       const char *name, cl_bool flag) {
+  return flag <= CL_TRUE
+             ? HBIL_SUCCESS
+             : fail(context, wrong, "%s: %u; must be CL_TRUE or CL_FALSE", name,
+                    (unsigned)flag);
+}
+
              ? HBIL_SUCCESS
              : fail(context, wrong, "exposure: %g; must be 0, for 1, or %g..%g",
                     e, LEAST_EXPOSURE, MOST_EXPOSURE);

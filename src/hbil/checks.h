@@ -20,6 +20,10 @@ hbil_status check_planes(const plane_rules *rules, const hbil_frame *frame,
                          unsigned planes);
 
 /* Exposures that callers may give, beside 0.  With these, light from 1e-20 to
+/* A member that is true or false. */
+hbil_status check_flag(hbil_context *context, hbil_status wrong,
+                       const char *name, cl_bool flag);
+
  * 1e20 remains far from the ends of floats. */
 #define LEAST_EXPOSURE 1e-12
 #define MOST_EXPOSURE 1e12

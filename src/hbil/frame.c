@@ -28,8 +28,10 @@ static hbil_status check_far_field(const hbil_plan *plan,
 
 /* What can be checked of static_frame. */
 static hbil_status check_still(const hbil_plan *plan, const hbil_frame *frame) {
-  if (!frame->static_frame || !plan->has_last)
-    return HBIL_SUCCESS;
+  const hbil_status status = check_flag(plan->context, HBIL_INVALID_FRAME,
+                                        "static_frame", frame->static_frame);
+  if (status != HBIL_SUCCESS || !frame->static_frame || !plan->has_last)
+    return status;
   if (memcmp(&frame->camera, &plan->last_camera, sizeof frame->camera))
     return fail(
         plan->context, HBIL_INVALID_FRAME,

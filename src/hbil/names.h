@@ -35,6 +35,7 @@
 #define camera_view_from_normals hbil_internal_camera_view_from_normals
 #define check_environment hbil_internal_check_environment
 #define check_exposure hbil_internal_check_exposure
+#define check_flag hbil_internal_check_flag
 #define check_image hbil_internal_check_image
 #define check_lent hbil_internal_check_lent
 #define check_planes hbil_internal_check_planes

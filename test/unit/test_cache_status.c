@@ -164,7 +164,9 @@ static const char *spoil_view(hbil_view *v, int which) {
   SPOIL("world_from_view", v->camera.world_from_view[3] = NAN);
   SPOIL("world_from_view", v->camera.world_from_view[0] = 1.5);
   SPOIL("camera", memset(&v->camera, 0, sizeof v->camera));
-  SPOIL("depth", v->depth.buffer = NULL);
+  SPOIL("depth.buffer: missing, the cache has", v->depth.buffer = NULL);
+  SPOIL("f0.buffer: given, but the cache has", v->f0.buffer = v->depth.buffer);
+  SPOIL("static_view: 2", v->static_view = 2);
   SPOIL("normal", v->normal.buffer = NULL);
   SPOIL("direct", v->direct.buffer = NULL);
   SPOIL("normal", v->normal.buffer = v->depth.buffer);

@@ -365,6 +365,7 @@ static const char *spoil_frame(setup *s, int which) {
   SPOIL("world_from_view", f->camera.world_from_view[3] = NAN);
   SPOIL("world_from_view[11]", f->camera.world_from_view[11] = 1e300);
   SPOIL("camera", memset(&f->camera, 0, sizeof(f->camera)));
+  SPOIL("static_frame", f->static_frame = 2);
   SPOIL("struct_size", f->struct_size -= 8);
   SPOIL("struct_size", f->struct_size += 8);
   return NULL;
