@@ -75,10 +75,6 @@ static hbil_status check_ranges(hbil_context *context,
                   "centre[%d]: %g; must be finite and less than 2^52 voxels "
                   "away",
                   i, c->centre[i]);
-  if (c->gather_emission > 1)
-    return fail(context, HBIL_INVALID_CONFIG,
-                "gather_emission: %u; must be CL_TRUE or CL_FALSE",
-                (unsigned)c->gather_emission);
   if (!(c->unseen_light >= 0.0f && c->unseen_light <= 1.0f))
     return fail(context, HBIL_INVALID_CONFIG,
                 "unseen_light: %g is outside 0 .. 1", (double)c->unseen_light);

@@ -55,8 +55,10 @@ hbil_status check_view(hbil_cache *cache, const hbil_view *views, cl_uint i) {
   const hbil_frame frame = frame_of_view(&view);
   const hbil_config config = config_of_view(cache, &view);
   const staging staged = {0, 0};
-  const plane_rules rules = {
-      .context = cache->context, .config = &config, .staged = &staged};
+  const plane_rules rules = {.context = cache->context,
+                             .config = &config,
+                             .staged = &staged,
+                             .owner = "cache"};
   status = camera_check(cache->context, &view.camera);
   if (status == HBIL_SUCCESS)
     status = check_exposure(cache->context, HBIL_INVALID_FRAME, view.exposure);

@@ -8,8 +8,10 @@
 #include "overlap.h"
 
 /* That kernels can take the buffer or image for this plane. */
-static hbil_status check_memory(hbil_context *context, int plane, cl_mem buffer,
-                                bool is_image, memory_info *info) {
+static hbil_status check_memory(const plane_rules *rules, int plane,
+                                cl_mem buffer, bool is_image,
+                                memory_info *info) {
+  hbil_context *context = rules->context;
   const char *name = plane_kinds[plane].name;
   const bool output = plane >= PLANE_FIRST_OUTPUT;
   const cl_int error = memory_read(buffer, info);
@@ -20,24 +22,25 @@ static hbil_status check_memory(hbil_context *context, int plane, cl_mem buffer,
     return fail_cl(context, error, "clGetMemObjectInfo");
   if (is_image && info->type != CL_MEM_OBJECT_IMAGE2D)
     return fail(context, HBIL_INVALID_FRAME,
-                "%s.buffer: not an image2d_t; the plan's format for it is "
+                "%s.buffer: not an image2d_t; the %s's format for it is "
                 "HBIL_IMAGE",
-                name);
+                name, rules->owner);
   if (!is_image && info->type != CL_MEM_OBJECT_BUFFER)
     return fail(context, HBIL_INVALID_FRAME,
-                "%s.buffer: an image or a pipe; the plan's format for it needs "
+                "%s.buffer: an image or a pipe; the %s's format for it needs "
                 "a buffer",
-                name);
+                name, rules->owner);
   if (info->context != context->context)
     return fail(context, HBIL_INVALID_FRAME,
-                "%s.buffer: not of the plan's OpenCL context", name);
+                "%s.buffer: not of the %s's OpenCL context", name,
+                rules->owner);
   if (info->flags & (output ? CL_MEM_READ_ONLY : CL_MEM_WRITE_ONLY))
-    return fail(context, HBIL_INVALID_FRAME,
-                output
-                    ? "%s.buffer: CL_MEM_READ_ONLY, but frames write this plane"
-                    : "%s.buffer: CL_MEM_WRITE_ONLY, but frames read this "
-                      "plane",
-                name);
+    return fail(
+        context, HBIL_INVALID_FRAME,
+        output ? "%s.buffer: CL_MEM_READ_ONLY, but the %s writes this plane"
+               : "%s.buffer: CL_MEM_WRITE_ONLY, but the %s reads this "
+                 "plane",
+        name, rules->owner);
   return HBIL_SUCCESS;
 }
 
@@ -79,12 +82,13 @@ static hbil_status check_plane(const plane_rules *rules,
   if (format->component == HBIL_NONE || is_rebuilt)
     return given->buffer
                ? fail(context, HBIL_INVALID_FRAME,
-                      "%s.buffer: given, but the plan has no format for it",
-                      name)
+                      "%s.buffer: given, but the %s has no format for it", name,
+                      rules->owner)
                : HBIL_SUCCESS;
   if (!given->buffer)
     return fail(context, HBIL_INVALID_FRAME,
-                "%s.buffer: missing, the plan has a format for it", name);
+                "%s.buffer: missing, the %s has a format for it", name,
+                rules->owner);
   if (is_image && (given->offset || given->row_pitch || given->plane_pitch))
     return fail(context, HBIL_INVALID_FRAME,
                 "%s: offset, row_pitch and plane_pitch must be 0 with "
@@ -104,7 +108,7 @@ static hbil_status check_plane(const plane_rules *rules,
                 name, shape.row, (unsigned)rules->config->width);
   memory_info memory;
   hbil_status status =
-      check_memory(context, plane, given->buffer, is_image, &memory);
+      check_memory(rules, plane, given->buffer, is_image, &memory);
   if (status == HBIL_SUCCESS)
     status = is_image ? check_image(context, rules->config, staged, plane,
                                     given->buffer)
@@ -192,10 +196,6 @@ hbil_status check_planes(const plane_rules *rules, const hbil_frame *frame,
   return status;
 }
 
-hbil_status check_exposure(hbil_context *context, hbil_status wrong,
-                           float exposure) {
-  const double e = (double)exposure;
-  return e == 0.0 || (e >= LEAST_EXPOSURE && e <= MOST_EXPOSURE)
 hbil_status check_flag(hbil_context *context, hbil_status wrong,
                        const char *name, cl_bool flag) {
   return flag <= CL_TRUE
@@ -204,6 +204,10 @@ hbil_status check_flag(hbil_context *context, hbil_status wrong,
                     (unsigned)flag);
 }
 
+hbil_status check_exposure(hbil_context *context, hbil_status wrong,
+                           float exposure) {
+  const double e = (double)exposure;
+  return e == 0.0 || (e >= LEAST_EXPOSURE && e <= MOST_EXPOSURE)
              ? HBIL_SUCCESS
              : fail(context, wrong, "exposure: %g; must be 0, for 1, or %g..%g",
                     e, LEAST_EXPOSURE, MOST_EXPOSURE);
@@ -271,7 +275,8 @@ hbil_status check_queue(hbil_context *context, cl_command_queue queue,
     return fail_cl(context, error, "clGetCommandQueueInfo");
   if (of_queue != context->context || device != context->device)
     return fail(context, HBIL_INVALID_ARGUMENT,
-                "queue: not of the plan's OpenCL context and device");
+                "queue: not of the OpenCL context and device of "
+                "hbil_context_create()");
   if (profiling && !(properties & CL_QUEUE_PROFILING_ENABLE))
     return fail(context, HBIL_INVALID_ARGUMENT,
                 "queue: profiling needs CL_QUEUE_PROFILING_ENABLE");

@@ -12,6 +12,7 @@ typedef struct plane_rules {
   const hbil_config *config; /* size and formats, those of staged planes as the
                                 passes see them */
   const staging *staged;
+  const char *owner; /* of the formats: "plan" or "cache" */
   memory_range lent; /* scratch memory, in which no plane may lie */
 } plane_rules;
 
@@ -19,11 +20,11 @@ typedef struct plane_rules {
 hbil_status check_planes(const plane_rules *rules, const hbil_frame *frame,
                          unsigned planes);
 
-/* Exposures that callers may give, beside 0.  With these, light from 1e-20 to
 /* A member that is true or false. */
 hbil_status check_flag(hbil_context *context, hbil_status wrong,
                        const char *name, cl_bool flag);
 
+/* Exposures that callers may give, beside 0.  With these, light from 1e-20 to
  * 1e20 remains far from the ends of floats. */
 #define LEAST_EXPOSURE 1e-12
 #define MOST_EXPOSURE 1e12

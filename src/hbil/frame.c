@@ -74,7 +74,7 @@ static hbil_status check_cache(const hbil_plan *plan, const hbil_frame *frame) {
 static hbil_status check_frame(hbil_plan *plan, const hbil_frame *frame,
                                unsigned planes) {
   const plane_rules rules = {plan->context, &plan->config, &plan->layout.staged,
-                             plan->lent};
+                             "plan", plan->lent};
   hbil_status status = camera_check(plan->context, &frame->camera);
   if (status == HBIL_SUCCESS)
     status = check_cache(plan, frame);

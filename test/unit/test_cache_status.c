@@ -238,7 +238,8 @@ static void planes_of_other_contexts_are_rejected(void **state) {
   view.albedo.buffer = clCreateBuffer(context, CL_MEM_READ_WRITE,
                                       (size_t)32 * 32 * 12, NULL, &error);
   assert_int_equal(error, CL_SUCCESS);
-  room_rejected(room_try(&t, &view, 1, NULL), HBIL_INVALID_FRAME, "albedo");
+  room_rejected(room_try(&t, &view, 1, NULL), HBIL_INVALID_FRAME,
+                "albedo.buffer: not of the cache's");
   clReleaseMemObject(view.albedo.buffer);
   clReleaseContext(context);
   room_same_bits(&t.s, &t.want, "after a plane of another context");
@@ -449,9 +450,6 @@ static void queues_and_events_of_other_contexts_are_rejected(void **state) {
   INVALID(hbil_enqueue_cache_inject(t.s.frame.cache, queue, t.views, 1, 0, NULL,
                                     NULL));
   INVALID(hbil_enqueue_cache_reset(t.s.frame.cache, queue, 0, NULL, NULL));
-  clReleaseCommandQueue(queue);
-  clReleaseContext(context);
-  room_same_bits(&t.s, &t.want, "after a queue of another context");
   const cl_event foreign = clCreateUserEvent(context, &error);
   assert_int_equal(error, CL_SUCCESS);
   room_rejected(hbil_enqueue_cache_reset(t.s.frame.cache, shared_device.queue,
@@ -459,6 +457,9 @@ static void queues_and_events_of_other_contexts_are_rejected(void **state) {
                 HBIL_INVALID_ARGUMENT,
                 "hbil_enqueue_cache_reset: wait_list[0]: an event of another");
   clReleaseEvent(foreign);
+  clReleaseCommandQueue(queue);
+  clReleaseContext(context);
+  room_same_bits(&t.s, &t.want, "after a queue of another context");
   room_stop(&t);
 }
 
