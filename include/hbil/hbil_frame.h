@@ -150,8 +150,9 @@ typedef struct hbil_frame {
    * Camera, exposure and frame_index are checked, bit by bit.  This only saves
    * work: in a frame whose camera differs by a rounding, leave it CL_FALSE, and
    * light differs by a rounding.
-   * Ignored in a plan's first frame.  Callers who write to a plan's stages, or
-   * to scratch memory that they lent it, must not set it. */
+   * Ignored where a plan has no last frame of its own: in its first one, and
+   * after hbil_plan_reset() and hbil_plan_follow().  Callers who write to a
+   * plan's stages, or to scratch memory that they lent it, must not set it. */
   cl_bool static_frame;
   /* With HBIL_DEPTH_HARDWARE: A and B of this frame's projection;
    * hbil_camera_from_matrices() computes both.  The value of

@@ -128,11 +128,11 @@ hbil_status hbil_plan_follow(hbil_plan *plan, hbil_plan *last) {
                 "last: a plan of other %s; plans that differ in size, sampling "
                 "and outputs can follow one another",
                 differs);
-  if (plan == last)
-    return HBIL_SUCCESS;
   if (last->followed)
     return fail(plan->context, HBIL_INVALID_ARGUMENT,
                 "last: has had no frame since it followed a plan itself");
+  if (plan == last)
+    return HBIL_SUCCESS;
   hbil_plan_reset(plan);
   if (last->has_history) {
     plan->has_history = true;

@@ -36,7 +36,9 @@ static void plans_of_one_size_have_the_same_bits(void **state) {
   assert_success(&s[1], hbil_plan_follow(s[1].plan, s[0].plan));
   assert_int_equal(setup_bounces(&s[1]), 2);
   load(&s[1], 2);
+  s[1].frame.static_frame = CL_TRUE; /* there is no last frame of its own */
   setup_run(&s[1], hbil_enqueue_frame);
+  s[1].frame.static_frame = CL_FALSE;
   load(&s[0], 2);
   setup_run(&s[0], hbil_enqueue_frame);
   for (uint32_t frame = 3; frame < 5; ++frame) {
@@ -164,6 +166,9 @@ static void plans_that_cannot_follow_stay(void **state) {
   assert_int_equal(setup_bounces(&s), 3);
   assert_success(&s, hbil_plan_follow(s.plan, last.plan));
   assert_int_equal(hbil_plan_follow(last.plan, s.plan), HBIL_INVALID_ARGUMENT);
+  /* nor itself: its last frame is no longer its own */
+  assert_int_equal(hbil_plan_follow(s.plan, s.plan), HBIL_INVALID_ARGUMENT);
+  assert_int_equal(setup_bounces(&s), 3);
   /* a plan without frames is followed by a first one */
   hbil_plan_reset(last.plan);
   assert_success(&s, hbil_plan_follow(s.plan, last.plan));
