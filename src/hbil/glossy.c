@@ -15,13 +15,14 @@ float glossy_lobe(const hbil_config *config) {
 /* Means of x = 1 - cosine and of x^2 under 1 / (1 + k x)^2, x in 0..2, in
  * closed form.  The orders are P1 = 1 - x and P2 = 1 - 3 x + 3/2 x^2. */
 void glossy_bands(float lobe, float bands[2]) {
-  const double k = fmax((double)lobe, 1e-3); /* below it digits cancel */
+  /* below it digits cancel, and what is left grows as k does, to 1e-6 */
+  const double k = fmax((double)lobe, 1e-3), part = (double)lobe / k;
   const double width = 1 + 2 * k, log_width = log(width);
   const double x = (log_width - 2 * k / width) * width / (2 * k * k);
   const double x2 =
       (2 * k - 2 * log_width + 2 * k / width) * width / (2 * k * k * k);
-  bands[0] = (float)(1 - x);
-  bands[1] = (float)(1 - 3 * x + 1.5 * x2);
+  bands[0] = (float)(part * (1 - x));
+  bands[1] = (float)(part * (1 - 3 * x + 1.5 * x2));
 }
 
 hbil_status enqueue_glossy(hbil_plan *plan, commands *chain,
