@@ -8,13 +8,14 @@ from typing import (Any, Dict, Iterable, List, Mapping, Optional, Sequence as
 import numpy as np
 
 from . import _extent
-from ._arrays import (INPUTS, LAYERS, Plane, convert, host_plane, input_plane,
+from ._arrays import (COLOURS, INPUTS, LAYERS, Plane, convert, host_plane, input_plane,
                       is_on_device, values)
 from ._library import check, cl, check_opencl, ffi, lib, owned
 from ._opencl import (Device, device_of_queue, enqueue, enqueue_for_event,
-                      handle, open_device, read, write)
-from ._settings import (apply, check_names, choice, new_config, numbers_of,
-                        set_camera, set_environment)
+                      check_device, check_queue, handle, open_device, read,
+                      write)
+from ._settings import (apply, check_names, choice, names_of, new_config, number,
+                        numbers_of, set_camera, set_environment)
 
 Array = Any  # numpy.ndarray, what numpy.asarray() takes, or pyopencl's Array
 Camera = Mapping[str, Any]
@@ -45,6 +46,18 @@ class View:
                 if getattr(self, name, None) is not None}
 
 
+def _views_of(name: str, value: Iterable[View]) -> List[View]:
+    if not isinstance(value, Iterable):
+        raise TypeError(f"{name}: {type(value).__name__}; a list of hbil.View is "
+                        "needed")
+    views = list(value)
+    for index, view in enumerate(views):
+        if not isinstance(view, View):
+            raise TypeError(f"{name}[{index}]: {type(view).__name__}; an "
+                            "hbil.View is needed")
+    return views
+
+
 def _default_layers(mode: int) -> List[str]:
     """All that cost next to nothing, as far as the mode has them."""
     absent = {"error_estimate", "unknown", "glossy"}
@@ -64,23 +77,23 @@ class _Settings:
                  srgb: Items[str], warm_up: int) -> None:
         check_names(options)
         self.options = options
-        self.layers = layers if layers is None else list(layers)
-        for name in self.layers or ():
-            if name not in LAYERS:
-                raise ValueError(f"layers: {name!r}; of {', '.join(LAYERS)} are "
-                                 "needed")
+        self.layers = layers if layers is None else names_of("layers", layers,
+                                                             LAYERS)
         if self.layers == []:
             raise ValueError("layers: at least one is needed")
-        self.dtype = np.dtype(dtype)
+        try:
+            self.dtype = np.dtype(dtype)
+        except TypeError:
+            raise TypeError(f"dtype: {dtype!r}; float32 or float16 is needed"
+                            ) from None
         if self.dtype not in (np.float32, np.float16):
             raise TypeError(f"dtype: {self.dtype}; float32 or float16 is needed")
-        self.device, self.queue = device, queue
-        self.environment, self.sky_share = environment, sky_share
-        self.srgb = tuple(srgb)
-        for name in self.srgb:
-            if name not in INPUTS:
-                raise ValueError(f"srgb: {name!r}; names of colours are needed")
-        self.warm_up = warm_up
+        self.device, self.queue = check_device(device), check_queue(queue)
+        self.environment = environment
+        self.sky_share = sky_share if sky_share is None else number("sky_share",
+                                                                    sky_share)
+        self.srgb = names_of("srgb", srgb, COLOURS)
+        self.warm_up = number("warm_up", warm_up, "cl_uint")
         probe = new_config()  # says early what is wrong
         apply(probe, options)
         self.hardware = probe.inputs.depth_kind == lib.HBIL_DEPTH_HARDWARE
@@ -243,9 +256,13 @@ class _Plan:
             write(queue, to.buffer, zeros, True)
 
     def outputs(self, frame: Any, pyopencl_queue: Any,
-                out: Mapping[str, Array]) -> Dict[str, Array]:
+                out: Optional[Mapping[str, Array]]) -> Dict[str, Array]:
         """Makes results, or takes the caller's, and puts them into a frame."""
         results = {}
+        out = {} if out is None else out
+        if not isinstance(out, Mapping):
+            raise TypeError(f"out: {type(out).__name__}; a dict of arrays is "
+                            "needed")
         for name in out:
             if name not in self.layers:
                 raise ValueError(f"out: {name!r} is none of the layers "
@@ -401,10 +418,10 @@ def process(depth: Array, normal: Optional[Array], albedo: Optional[Array],
         plan = _plan_of(on, config, settings.dtype)
         lib.hbil_plan_reset(plan.plan)
         try:
-            results = plan.outputs(frame, pyopencl_queue, out or {})
+            results = plan.outputs(frame, pyopencl_queue, out)
             waits = plan.place(frame, cl_queue, planes,
                                pyopencl_queue is not None)
-            plan.run(frame, cl_queue, waits, 1 + warm_up, False)
+            plan.run(frame, cl_queue, waits, 1 + settings.warm_up, False)
             plan.take(frame, cl_queue, results)
         except BaseException:
             _finish(cl_queue)
@@ -441,9 +458,14 @@ class Sequence:
                  queue: Any = None, **options: Any) -> None:
         self._settings = _Settings(options, layers, dtype, device, queue,
                                    environment, sky_share, srgb, warm_up)
+        if not isinstance(cache, (bool, Mapping)):
+            raise TypeError(f"cache: {type(cache).__name__}; True, False or a "
+                            "dict is needed")
         self._wanted, self._learn = cache, learn
-        self._views, self._light_views = list(views), list(light_views)
-        self._plan: Optional[_Plan] = None
+        self._views = _views_of("views", views)
+        self._light_views = _views_of("light_views", light_views)
+        self._plan: Optional[_Plan] = None  # of the last frame
+        self._other: Optional[_Plan] = None  # of another size, before that
         self._cache: Any = None
         self._first: Any = None  # the frame that decided
 
@@ -455,11 +477,14 @@ class Sequence:
 
     def close(self) -> None:
         """Releases device memory; the next frame is then a first one."""
-        self._plan = self._cache = self._first = None
+        self._plan = self._other = self._cache = self._first = None
 
     def _open(self, planes: Mapping[str, Plane], size: Tuple[int, int],
               camera: Camera) -> None:
         settings = self._settings
+        if self._wanted is not False and "normal" not in planes:
+            raise TypeError("normal: an array is needed, because a radiance "
+                            "cache has no other normals; or cache=False")
         self._device, self._queue, self._pyopencl_queue = settings.open(planes)
         config = settings.configure(planes, size)
         self._first = settings.frame(config, camera)
@@ -593,11 +618,11 @@ class Sequence:
         enqueue(self._device, lib.hbil_enqueue_cache_update, self._cache,
                 self._queue, how)
 
-    def _see_frame(self, frame: Any, waits: List[Any]) -> None:
+    def _see_frame(self, plan: _Plan, frame: Any, waits: List[Any]) -> None:
         if self._learn:
             view = ffi.new("hbil_view *")
             check(lib.hbil_view_from_frame_sized(
-                view, ffi.sizeof("hbil_view"), self._plan.config, frame))
+                view, ffi.sizeof("hbil_view"), plan.config, frame))
             enqueue(self._device, lib.hbil_enqueue_cache_inject, self._cache,
                     self._queue, view, 1, after=waits)
             self._update()
@@ -610,7 +635,7 @@ class Sequence:
 
     def add_views(self, views: Iterable[View]) -> None:
         """Shows the cache more views; before the first frame, too."""
-        views = list(views)
+        views = _views_of("views", views)
         if self._plan is None:
             self._views += views
             return
@@ -642,7 +667,8 @@ class Sequence:
             change.low = numbers_of("low", low, 3)
         if high is not None:
             change.high = numbers_of("high", high, 3)
-        change.surfaces, change.light = surfaces, light
+        change.surfaces = number("surfaces", surfaces)
+        change.light = number("light", light)
         with self._device.lock:
             enqueue(self._device, lib.hbil_enqueue_cache_forget, self._cache,
                     self._queue, change)
@@ -681,7 +707,9 @@ class Sequence:
         """Lights the next frame; all arguments and results are as in
         hbil.process().
 
-        All frames have the same size and the same planes, of the same types.
+        All frames have the same planes, of the same types.  Their size may
+        change: light goes on from the last frame's (hbil_plan_follow()).
+        Kernels are built for each size; those of the last two stay.
         motion    (height, width, 2): the previous position minus the current
                   one, in pixels; for reprojection="motion"
         static    nothing has moved since the last frame
@@ -698,21 +726,23 @@ class Sequence:
             except BaseException:
                 self.close()
                 raise
-        plan = self._plan
-        self._check_planes(planes, size)
+        self._check_planes(planes)
+        plan = self._plan_of_size(size)
         frame = settings.frame(plan.config, camera)
         frame.environment = self._first.environment
         frame.sky_share = self._first.sky_share
         with self._device.lock:
             try:
-                results = plan.outputs(frame, self._pyopencl_queue, out or {})
+                results = plan.outputs(frame, self._pyopencl_queue, out)
                 waits = plan.place(frame, self._queue, planes,
                                    self._pyopencl_queue is not None)
                 if self._cache is not None:
-                    self._see_frame(frame, waits)
+                    self._see_frame(plan, frame, waits)
                 plan.run(frame, self._queue, waits,
                          1 + settings.warm_up if first else 1,
-                         static and not first)
+                         bool(static) and not first)
+                if plan is not self._plan:
+                    self._plan, self._other = plan, self._plan
                 plan.take(frame, self._queue, results)
             except BaseException:
                 _finish(self._queue)
@@ -721,12 +751,22 @@ class Sequence:
                 raise
         return results
 
-    def _check_planes(self, planes: Dict[str, Plane],
-                      size: Tuple[int, int]) -> None:
-        if size != self._plan.size:
-            raise ValueError(f"depth: {size[1]} x {size[0]} pixels; "
-                             f"{self._plan.size[1]} x {self._plan.size[0]} as in "
-                             "the first frame are needed")
+    def _plan_of_size(self, size: Tuple[int, int]) -> _Plan:
+        """The plan of the last frame or, for another size, one that follows
+        it."""
+        last, plan = self._plan, self._other
+        if size == last.size:
+            return last
+        with self._device.lock:
+            if plan is None or plan.size != size:
+                self._other = None  # its memory may be needed
+                config = ffi.new("hbil_config *", last.config[0])
+                config.height, config.width = size
+                plan = self._other = _Plan(self._device, config, last.dtype)
+            self._device.check(lib.hbil_plan_follow(plan.plan, last.plan))
+        return plan
+
+    def _check_planes(self, planes: Dict[str, Plane]) -> None:
         for name in INPUTS:
             if (name in planes) != (name in self._inputs):
                 raise ValueError(f"{name}: all frames need it or none")

@@ -1,6 +1,7 @@
 """Devices, queues and buffers of OpenCL, with and without pyopencl."""
 from __future__ import annotations
 
+import operator
 import os
 import threading
 from collections import OrderedDict
@@ -70,6 +71,26 @@ def _choose(wanted: Union[None, int, str]) -> Any:
             return device
     raise ValueError(f"device: {wanted!r} is not there; an index or a part of a "
                      "name of hbil.devices() is needed")
+
+
+def check_device(wanted: Any) -> Union[None, int, str]:
+    """The argument `device`, if it can be one."""
+    if wanted is None or isinstance(wanted, str):
+        return wanted
+    try:
+        return operator.index(wanted)
+    except TypeError:
+        raise TypeError(f"device: {wanted!r}; an index or a part of a name of "
+                        "hbil.devices() is needed") from None
+
+
+def check_queue(queue: Any) -> Any:
+    """The argument `queue`, if it can be one."""
+    if queue is not None and not (hasattr(queue, "int_ptr") and
+                                  hasattr(queue, "context")):
+        raise TypeError(f"queue: {type(queue).__name__}; a CommandQueue of "
+                        "pyopencl is needed")
+    return queue
 
 
 def handle(kind: str, of: Any) -> Any:

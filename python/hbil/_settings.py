@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, List, Mapping, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, Tuple
 
 import numpy as np
 
@@ -83,7 +83,8 @@ def numbers_of(name: str, value: Any, count: int) -> List[float]:
     return numbers
 
 
-def _convert(name: str, value: Any, kind: Any) -> Any:
+def converted(name: str, value: Any, kind: Any) -> Any:
+    """What a member of that type takes."""
     if kind.kind == "enum":
         return choice(name, value, kind.cname)
     if kind.kind == "array":
@@ -102,6 +103,20 @@ def _convert(name: str, value: Any, kind: Any) -> Any:
         raise TypeError(f"{name}: {value!r}; {what} is needed") from None
 
 
+def number(name: str, value: Any, kind: str = "float") -> Any:
+    return converted(name, value, ffi.typeof(kind))
+
+
+def names_of(name: str, value: Any, known: Iterable[str]) -> List[str]:
+    """Some of those that are known."""
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise TypeError(f"{name}: {value!r}; a list of names is needed")
+    for one in (found := list(value)):
+        if one not in list(known):
+            raise ValueError(f"{name}: {one!r}; of {', '.join(known)} are needed")
+    return found
+
+
 def check_names(given: Mapping[str, Any]) -> None:
     for name in given:
         if name not in MEMBERS and name not in NAMED:
@@ -118,7 +133,7 @@ def apply(config: Any, given: Mapping[str, Any]) -> None:
     for name, value in given.items():
         if name in MEMBERS:
             group, kind = MEMBERS[name]
-            setattr(getattr(config, group), name, _convert(name, value, kind))
+            setattr(getattr(config, group), name, converted(name, value, kind))
 
 
 def _matrix(name: str, value: Any) -> Any:

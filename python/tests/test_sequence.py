@@ -56,6 +56,8 @@ def test_what_is_told_is_forgotten(room):
     assert after["far_irradiance"].mean() < 0.004 * before
     with pytest.raises(hbil.Error, match="light: 2"):
         sequence.forget_in_cache(light=2)
+    with pytest.raises(TypeError, match="^surfaces: 'a'; a number is needed"):
+        sequence.forget_in_cache(surfaces="a")
 
 
 def test_the_size_of_the_cache_is_that_of_the_room(room):
@@ -156,6 +158,28 @@ def test_motion_and_shared_slices(room):
     assert np.isfinite(found["indirect"]).all()
 
 
+def test_sizes_may_change(room):
+    small = hbil.demo.room(WIDTH // 2, HEIGHT // 2)
+    sequence = hbil.Sequence(cache=False, warm_up=0)
+    first = sequence.process(*small)
+    with pytest.raises(ValueError, match="^out: 'x'"):  # and it goes on
+        sequence.process(*room, out={"x": 1})
+    large = [sequence.process(*room, static=static) for static in (False, True)]
+    assert large[0]["ao"].shape == (HEIGHT, WIDTH)
+    again = sequence.process(*small)
+    assert again["ao"].shape == first["ao"].shape
+    # as if all frames had been small: light goes on bouncing
+    like = hbil.Sequence(cache=False, warm_up=0)
+    wanted = [like.process(*small)["indirect"].mean() for _ in range(4)]
+    np.testing.assert_allclose(again["indirect"].mean(), wanted[3], rtol=0.05)
+    assert again["indirect"].mean() > 1.05 * wanted[1]
+    cached = hbil.Sequence(cache=SMALL)
+    for picture in small, room, hbil.demo.room(WIDTH - 8, HEIGHT):
+        found = cached.process(*picture)
+        assert found["ao"].shape == picture[0].shape
+        assert cached.sanitized()["depth"] == 0
+
+
 def test_figures(room):
     sequence = hbil.Sequence(cache=False, profiling=True)
     with pytest.raises(ValueError, match="no frame"):
@@ -172,8 +196,16 @@ def test_messages_name_the_argument(room):
     depth, normal, albedo, direct, camera = room
     sequence = hbil.Sequence(cache=False)
     sequence.process(*room)
-    with pytest.raises(ValueError, match="^depth: 24 x 32 pixels; 48 x 32"):
-        sequence.process(*[a[:, ::2] for a in room[:4]], camera)
+    with pytest.raises(TypeError, match="^normal: an array is needed, because"):
+        hbil.Sequence().process(depth, None, albedo, direct, camera)
+    with pytest.raises(TypeError, match=r"^views\[1\]: int; an hbil.View"):
+        hbil.Sequence(views=[hbil.View(*room), 3])
+    with pytest.raises(TypeError, match="^light_views: int; a list of hbil.View"):
+        hbil.Sequence(light_views=3)
+    with pytest.raises(TypeError, match="^views: int; a list"):
+        sequence.add_views(3)
+    with pytest.raises(TypeError, match="^cache: str; True, False or a dict"):
+        hbil.Sequence(cache="a")
     with pytest.raises(ValueError, match="^albedo: all frames need it or none"):
         sequence.process(depth, normal, None, direct, camera)
     with pytest.raises(ValueError, match="no radiance cache"):
