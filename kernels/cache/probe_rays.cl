@@ -6,7 +6,7 @@
  * field has their light.  Of the others a probe has three order-1 functions of
  * the direction (doc/method.md, section 13): the share with known light, that
  * light, and the share with unknown light; and means of what areas of the cache
- * tell of the latter.
+ * tell of the latter, where the frame's own surfaces are the far field, or 0.
  *
  * Launch: x = columns of probes, y = rows.
  * In: split planes, the cache.  Out: HBIL_PROBE_FLOATS floats a probe.
@@ -16,6 +16,9 @@
 #include "lib/probe_likeness.clh"
 #include "lib/probe_place.clh"
 #include "lib/shown_rays.clh"
+
+/* 1: areas tell what is unknown, which FAR 3 alone needs (lib/far_light.clh) */
+FLAG(AREAS)
 
 /* Sums over vectors of rays: an order-1 function. */
 typedef struct rays_sum {
@@ -77,7 +80,7 @@ INLINE void add_guesses(const hbil_cache_args cache, global const float *areas,
   float x[HBIL_WIDTH], y[HBIL_WIDTH], z[HBIL_WIDTH], lost[HBIL_WIDTH];
   const realv away =
       select((realv)0.0f, found->lost, found->unknown > (realv)0.0f);
-  if (!ANY(away > 0.0f))
+  if (!AREAS || !ANY(away > 0.0f))
     return;
   STOREV(d.x, x);
   STOREV(d.y, y);

@@ -136,7 +136,7 @@ static void trace(const exact_frame *frame, const exact_cache *cache,
         exact_cache_follow(cache, origin, d, (double)HBIL_CACHE_START * s.size);
     if (end.kind == EXACT_RAY_UNKNOWN) {
       exact_probe_add(frame, p->unknown, share, d);
-      if (end.lost > 0.0)
+      if (end.lost > 0.0 && frame->config->model.far_field == HBIL_FAR_FRAME)
         add_guess(cache, vec_add(origin, end.lost, d), d, share, p->guess);
       --others;
       continue;

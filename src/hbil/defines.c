@@ -102,6 +102,7 @@ static void define_model(const hbil_config *c, const layout *l, text *t) {
          c->history.reprojection == HBIL_REPROJECTION_MOTION);
   define(t, "DISOCCLUSION", !isinf(c->history.disocclusion_threshold));
   define(t, "FAR", (int)l->far_field);
+  define(t, "AREAS", l->far_field == HBIL_FAR_FRAME);
   define(t, "PROBES", l->probes);
   define(t, "AO_BOUNCES", (int)l->ao_bounces);
   define(t, "UNFILTERED", c->sampling.unfiltered != 0);
