@@ -54,12 +54,12 @@ extern "C" {
  *
  * Results have the same bits in every run (test_cache).  A surface that has
  * moved away stays until a view looks through its place, or until
- * hbil_enqueue_cache_reset().  A voxel is the mean of the views that saw it, in
- * which a new one counts 1/16 or more.  Light that is less than half or more
- * than twice of what it was replaces that mean at once.  Where views since the
- * last update agree that there is less light, by a tenth or more, what they
- * don't see is dimmed by as much, region by region (a quarter of the extent
- * across); it is never brightened.
+ * hbil_enqueue_cache_forget() or hbil_enqueue_cache_reset().  A voxel is the
+ * mean of the views that saw it, in which a new one counts 1/16 or more.  Light
+ * that is less than half or more than twice of what it was replaces that mean
+ * at once.  Where views since the last update agree that there is less light,
+ * by a tenth or more, what they don't see is dimmed by as much, region by
+ * region (a quarter of the extent across); it is never brightened.
  */
 typedef struct hbil_cache hbil_cache;
 

@@ -201,10 +201,10 @@ HBIL_API void hbil_frame_init_sized(hbil_frame *frame, size_t struct_size);
  * pole, and a direction d has, as in Blender,
  *   column = width (0.5 - atan2(d.y, d.x) / (2 pi))
  *   row    = height acos(d.z) / pi
- * world_from_map is a row-major 3x3 rotation, to 1e-3; in a left-handed world it
- * is mirrored, since the map isn't.  NULL means the identity.  Anything else is
- * HBIL_INVALID_ARGUMENT, which leaves `environment` as it is.  NaN, negative
- * and infinite values of the map count as 0. */
+ * world_from_map is a row-major 3x3 rotation, to 1e-3; in a left-handed world,
+ * a mirrored one, since the map is right-handed.  NULL means the identity.
+ * Anything else is HBIL_INVALID_ARGUMENT, which leaves `environment` as it is.
+ * NaN, negative and infinite values of the map count as 0. */
 HBIL_API hbil_status hbil_environment_from_latlong(
     const float *rgb, size_t width, size_t height, size_t row_pitch,
     const float world_from_map[9], float environment[9][3]);
