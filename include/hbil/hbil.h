@@ -66,10 +66,10 @@
  *
  * ERRORS
  *   Every function that can fail returns an hbil_status; HBIL_SUCCESS is 0.
- *   It tells where the mistake is: HBIL_INVALID_CONFIG in a member of the
- *   configuration, HBIL_INVALID_FRAME in a member of the frame or the memory
- *   that it names, HBIL_INVALID_ARGUMENT in any other argument, the queue and
- *   scratch memory among them.
+ *   It tells where the mistake is: HBIL_INVALID_CONFIG in a member of a
+ *   configuration, HBIL_INVALID_FRAME in a member of a frame or view or the
+ *   memory that it names, HBIL_INVALID_ARGUMENT in any other argument, queues
+ *   and scratch memory among them.
  *   hbil_context_message() describes the last failure in one sentence, and
  *   hbil_context_set_callback() has every failure and warning reported.  The
  *   library never prints, exits or aborts.  It checks arguments before it

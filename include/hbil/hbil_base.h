@@ -40,8 +40,10 @@ typedef struct hbil_context hbil_context;
 typedef enum hbil_status {
   HBIL_SUCCESS = 0,
   HBIL_INVALID_ARGUMENT = 1, /* an argument is null or malformed */
-  HBIL_INVALID_CONFIG = 2,   /* a member of hbil_config is out of range */
-  HBIL_INVALID_FRAME = 3,    /* a member of hbil_frame is missing or wrong */
+  /* a member of hbil_config or hbil_cache_config is out of range */
+  HBIL_INVALID_CONFIG = 2,
+  /* a member of hbil_frame or hbil_view is missing or wrong */
+  HBIL_INVALID_FRAME = 3,
   HBIL_OUT_OF_HOST_MEMORY = 4,
   HBIL_OUT_OF_DEVICE_MEMORY = 5, /* the device cannot hold the buffers */
   HBIL_UNSUPPORTED_DEVICE = 6,   /* below OpenCL 1.2 or without a compiler */

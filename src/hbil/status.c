@@ -11,9 +11,10 @@ const char *hbil_status_string(hbil_status status) {
   case HBIL_INVALID_ARGUMENT:
     return "an argument is null or malformed";
   case HBIL_INVALID_CONFIG:
-    return "a field of hbil_config is wrong or lacks what the call needs";
+    return "a member of hbil_config or hbil_cache_config is wrong or lacks "
+           "what the call needs";
   case HBIL_INVALID_FRAME:
-    return "a field of hbil_frame is missing or wrong";
+    return "a member of hbil_frame or hbil_view is missing or wrong";
   case HBIL_OUT_OF_HOST_MEMORY:
     return "out of host memory";
   case HBIL_OUT_OF_DEVICE_MEMORY:
