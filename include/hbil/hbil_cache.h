@@ -88,10 +88,9 @@ typedef struct hbil_cache_config {
   /* CL_TRUE (default): emission of views with direct light is sent, too; as
    * hbil_model.gather_emission. */
   cl_bool gather_emission;
-  /* Radiance of what no view has seen, over the mean radiance of the cache's
-   * surfaces, in bounces between these; 0..1; default 0.8
-   * (doc/measurements.md)
-   */
+  /* In bounces between surfaces: radiance of what no view has seen, over that
+   * of what a surface's other rays meet; 0..1; default 0.8 (doc/method.md,
+   * section 13; doc/measurements.md). */
   float unseen_light;
   /* How plans find its light; default HBIL_CACHE_METHOD_RAYS.  The others need
    * memory and time of their own in every update. */
